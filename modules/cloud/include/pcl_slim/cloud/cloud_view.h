@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace pcl_slim {
+
+/** \brief Points owned by someone else, as strided arrays; nothing is copied.
+ *
+ * Coordinates are three consecutive floats or three consecutive doubles per point; normals, when
+ * present, three consecutive floats. A point whose coordinates are not finite is skipped; a
+ * normal that is zero or not finite counts as missing for that point.
+ */
+struct CloudView {
+  enum class Scalar : unsigned char { kFloat, kDouble };
+
+  const void* xyz = nullptr;           ///< address of the first point's x
+  std::size_t xyz_stride = 0;          ///< bytes from one point to the next
+  Scalar scalar = Scalar::kFloat;
+  const void* normal = nullptr;        ///< address of the first normal's x, or null
+  std::size_t normal_stride = 0;       ///< bytes from one normal to the next
+  std::size_t size = 0;                ///< number of points behind xyz and normal
+  const std::int32_t* indices = nullptr;  ///< points to use (null: all), values in [0, size)
+  std::size_t num_indices = 0;
+
+  /** \brief Number of points to use. */
+  std::size_t count() const { return indices ? num_indices : size; }
+  /** \brief Input index of the i-th point to use. */
+  std::size_t inputIndex(std::size_t i) const { return indices ? static_cast<std::size_t>(indices[i]) : i; }
+};
+
+}  // namespace pcl_slim

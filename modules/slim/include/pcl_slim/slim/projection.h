@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/core/progress.h"
+#include "pcl_slim/slim/surface.h"
+
+namespace pcl_slim {
+
+/** \brief How points are moved onto the blended surface. */
+struct ProjectionParams {
+  bool curvature = false;   ///< also blend Hessians (eq. 8, left)
+  bool paper_mode = false;  ///< formula (6) as printed, without the guards
+  int threads = 0;          ///< 0: all cores; never changes the result
+};
+
+/** \brief Result per stored point, local units. */
+struct Projection {
+  std::vector<std::array<double, 3>> position;  ///< unchanged where unsupported
+  std::vector<std::array<float, 3>> normal;     ///< unit; zero where unsupported
+  std::vector<std::array<float, 2>> curvature;  ///< mean and Gaussian, 1/local length, 1/length^2
+  std::vector<std::uint8_t> supported;          ///< 0: no surfel supports the point, it kept its place
+  std::uint64_t num_unsupported = 0;
+};
+
+/** \brief Moves every stored point along the blended direction of its leaves onto the surface.
+ *
+ * Equations (6) and (7) of Ohtake, Belyaev, Alexa 2005 with q^ = p, guarded: the weight is taken
+ * at the larger of |p - c| and |q - c|, a root counts only within 5 e and r / 4 of p. Surfels
+ * without orientation are aligned in sign to each other, point by point. Never emits NaN.
+ * Curvature is positive where the surface bends away from its normal (a sphere with outward
+ * normals has mean 1/R).
+ */
+Error
+projectPoints(const PointStore& store, const SLIMSurface& surface, const ProjectionParams& params,
+              Projection& result, Progress* progress = nullptr);
+
+}  // namespace pcl_slim

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/slim/surface.h"
+
+namespace pcl_slim {
+
+/** \brief Writes the compact binary form: header, version, 7/12/16/21 floats a surfel, checksum.
+ *
+ * The floats are those the paper counts: centre 3, radius 1, and the polynomial with its normal
+ * (3, 8, 12 or 17). Level, degree, flags, error and confidence follow in narrow columns; links
+ * are rebuilt on load. Little-endian. The file appears under its name only when complete.
+ */
+Error
+saveSlim(const std::string& path, const SLIMSurface& surface);
+
+/** \brief Reads what saveSlim wrote; saving the result again gives the same bytes.
+ *
+ * A missing, truncated, foreign, corrupted or newer file gives an error that says which.
+ */
+Result<SLIMSurface>
+loadSlim(const std::string& path);
+
+/** \brief The bytes of saveSlim, for tests and for sending elsewhere. */
+std::vector<unsigned char>
+encodeSlim(const SLIMSurface& surface);
+
+/** \brief Inverse of encodeSlim. */
+Result<SLIMSurface>
+decodeSlim(const unsigned char* bytes, std::size_t size);
+
+}  // namespace pcl_slim
