@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "pcl_slim/core/aligned.h"
+
+namespace pcl_slim {
+
+/** \brief Bounding-volume hierarchy over blocks of points in Morton order, 16 children a node.
+ *
+ * Implicit: node j of a level holds children 16 j ... 16 j + 15 of the level below, whose boxes
+ * stand side by side, so that one SIMD comparison tests all of a node's children. Level 0 holds
+ * the blocks' own boxes. Unused boxes are empty (min > max) and never hit.
+ */
+class BlockTree {
+ public:
+  static constexpr std::size_t kFan = 16;
+
+  /** \brief Boxes of one level, as columns padded to a multiple of kFan. */
+  struct Level {
+    AlignedVector<float> min_x, min_y, min_z, max_x, max_y, max_z;
+    std::size_t count = 0;
+
+    void allocate(std::size_t boxes);
+  };
+
+  BlockTree() = default;
+  /** \brief Builds the upper levels over the blocks' boxes. O(blocks). */
+  explicit BlockTree(Level blocks);
+
+  std::size_t numBlocks() const { return levels_.empty() ? 0 : levels_.front().count; }
+  const std::vector<Level>& levels() const { return levels_; }
+  std::size_t memoryBytes() const;
+
+  /** \brief Appends, in ascending order, the blocks whose box meets the ball.
+   * \param[in] center local coordinates; \param[in] radius local length. */
+  void
+  blocksInBall(const float center[3], float radius, std::vector<std::uint32_t>& blocks) const;
+
+  /** \brief Keeps of candidates (ascending) those blocks whose box meets the ball.
+   * Cheaper than blocksInBall when many balls share a neighbourhood. */
+  void
+  filterBlocks(const float center[3], float radius, const std::vector<std::uint32_t>& candidates,
+               std::vector<std::uint32_t>& blocks) const;
+
+  /** \brief Appends, in ascending order, the blocks whose box meets an axis-aligned box. */
+  void
+  blocksInBox(const float min[3], const float max[3], std::vector<std::uint32_t>& blocks) const;
+
+ private:
+  std::vector<Level> levels_;
+};
+
+}  // namespace pcl_slim
