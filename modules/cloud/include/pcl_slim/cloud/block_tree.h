@@ -40,18 +40,29 @@ class BlockTree {
   void
   blocksInBall(const float center[3], float radius, std::vector<std::uint32_t>& blocks) const;
 
-  /** \brief Keeps of candidates (ascending) those blocks whose box meets the ball.
-   * Cheaper than blocksInBall when many balls share a neighbourhood. */
-  void
-  filterBlocks(const float center[3], float radius, const std::vector<std::uint32_t>& candidates,
-               std::vector<std::uint32_t>& blocks) const;
-
   /** \brief Appends, in ascending order, the blocks whose box meets an axis-aligned box. */
   void
   blocksInBox(const float min[3], const float max[3], std::vector<std::uint32_t>& blocks) const;
 
  private:
   std::vector<Level> levels_;
+};
+
+/** \brief The blocks around one region, copied side by side: cheap queries for the many balls
+ * that lie in it. */
+class BlockNeighborhood {
+ public:
+  /** \brief Collects the blocks whose box meets an axis-aligned box. */
+  void
+  collect(const BlockTree& tree, const float min[3], const float max[3]);
+
+  /** \brief Replaces blocks by those, ascending, whose box meets a ball inside the region. */
+  void
+  blocksInBall(const float center[3], float radius, std::vector<std::uint32_t>& blocks) const;
+
+ private:
+  std::vector<std::uint32_t> ids_;
+  BlockTree::Level boxes_;
 };
 
 }  // namespace pcl_slim

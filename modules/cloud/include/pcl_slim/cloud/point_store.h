@@ -25,18 +25,19 @@ struct PointStoreStatistics {
 /** \brief A cloud brought once into Morton order: the stream every later stage runs over.
  *
  * Finite points are centred in double, divided by a power of two (so that converting back is
- * exact) until the bounding box's diagonal lies in (1/2, 1], sorted by 63-bit Morton code,
+ * exact) until the bounding box's diagonal lies in (.49, 1), sorted by 63-bit Morton code,
  * merged where coordinates coincide, and cut into blocks of 16. A block holds one origin on a
  * 2^-22 grid and float offsets from it, which keeps about 1e-9 of the diagonal in 12 bytes a
- * point. The last block is padded with its last point; padding is never counted.
+ * point. The last block is padded with points too far away for any ball.
  *
  * Same input, same store, for any number of threads. O(N) time, about 40 bytes a point while
- * building and 16 to 28 bytes a point after.
+ * building and 28 to 40 bytes a point after.
  */
 class PointStore {
  public:
   static constexpr std::size_t kBlock = 16;
-  static constexpr std::uint32_t kSkipped = 0xffffffffu;  ///< in store_of_input: not in the store
+  static constexpr float kFarAway = 1e15f;  ///< offset of padding in the last block
+  static constexpr std::uint32_t kSkipped = 0xffffffffu;  ///< in storeOfInput(): not in the store
 
   /** \brief Brings a cloud into Morton order. \return the store, or why there is none: no input,
    * more than 2^32 - 2 points, or not one finite point. \param[in] threads 0: all cores. */
@@ -60,12 +61,19 @@ class PointStore {
 
   const std::array<double, 3>& origin() const { return origin_; }  ///< world position of local 0
   double scale() const { return scale_; }        ///< world units per local unit, a power of two
-  double diagonal() const { return diagonal_; }  ///< L in local units, in (1/2, 1]; 0: one position
+  double diagonal() const { return diagonal_; }  ///< L in local units, in (.49, 1); 0: one position
 
-  /** \brief One input index (as the caller counts them) for each stored point. */
-  const AlignedVector<std::uint32_t>& inputOfStore() const { return input_of_store_; }
-  /** \brief For each of the caller's points asked for, in the caller's order: its stored point
-   * (merged ones share it) or kSkipped. Computed on demand. */
+  /** \brief 63-bit Morton codes, ascending; three bits a level, x highest. */
+  const std::uint64_t* keys() const { return keys_.data(); }
+  /** \brief Surfel centres are multiples of this, so that world = origin + scale * centre is exact
+   * in float (unless the origin lies beyond 256 L). */
+  double centerGrid() const { return center_grid_; }
+
+  /** \brief For each stored point, its place in the sequence of points asked for (the i of
+   * CloudView::inputIndex(i)). */
+  const AlignedVector<std::uint32_t>& orderOfStore() const { return order_of_store_; }
+  /** \brief The inverse: for each point asked for, its stored point (merged ones share it) or
+   * kSkipped. Computed on demand. */
   std::vector<std::uint32_t> storeOfInput() const;
 
   // Raw columns for kernels; numBlocks() * kBlock values each, origins one per block.
@@ -94,8 +102,10 @@ class PointStore {
   double diagonal_ = 0.0;
   AlignedVector<float> x_, y_, z_, nx_, ny_, nz_;
   AlignedVector<float> block_origin_x_, block_origin_y_, block_origin_z_;
-  AlignedVector<std::uint32_t> input_of_store_;
-  std::vector<std::array<std::uint32_t, 2>> merged_;  ///< (order in the input, stored point)
+  AlignedVector<std::uint32_t> order_of_store_;
+  AlignedVector<std::uint64_t> keys_;
+  double center_grid_ = 0x1p-22;
+  std::vector<std::array<std::uint32_t, 2>> merged_;  ///< (order asked for, stored point)
   BlockTree tree_;
   PointStoreStatistics statistics_;
 };

@@ -39,7 +39,7 @@ struct SurfaceInfo {
 
 /** \brief A SLIM surface: surfels (ball, normal, polynomial) of several levels and their links.
  *
- * Structure of arrays in local units, where the input's bounding-box diagonal L lies in (1/2, 1];
+ * Structure of arrays in local units, where the input's bounding-box diagonal L lies in (.49, 1);
  * centres lie on a grid coarse enough that world = origin + scale * local is exact in float
  * unless the origin is beyond 256 L. Surfel i
  * is the set f_i(x) = 0 inside the ball |x - c| < r with, in the frame of its normal,

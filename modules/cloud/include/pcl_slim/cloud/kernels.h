@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "pcl_slim/cloud/block_tree.h"
+
+/** \brief SIMD inner loops of modules/cloud, compiled per instruction set and chosen at run time. */
+namespace pcl_slim::kernels {
+
+/** \brief Which of the 16 boxes from first on meet a ball; bit i stands for box first + i. */
+std::uint32_t
+boxesInBall(const BlockTree::Level& boxes, std::size_t first, const float center[3], float radius);
+
+/** \brief Which of the 16 boxes from first on meet an axis-aligned box. */
+std::uint32_t
+boxesInBox(const BlockTree::Level& boxes, std::size_t first, const float min[3], const float max[3]);
+
+/** \brief Squared distances of a block's 16 points to a centre.
+ * \param[in] x,y,z the block's offsets; \param[in] shift block origin minus centre. */
+void
+blockDistances(const float* x, const float* y, const float* z, const float shift[3],
+               float distances_sq[16]);
+
+/** \brief Name of the instruction set in use, for reports. */
+const char*
+instructionSet();
+
+}  // namespace pcl_slim::kernels

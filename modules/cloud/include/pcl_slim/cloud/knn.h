@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "pcl_slim/cloud/point_store.h"
+
+namespace pcl_slim {
+
+/** \brief Exact k nearest neighbours of stored points; keeps its scratch memory between queries.
+ *
+ * The neighbours in Morton order bound the distance; one ball query does the rest. One object
+ * per thread.
+ */
+class NeighborSearch {
+ public:
+  explicit NeighborSearch(const PointStore& store) : store_(store) {}
+
+  /** \brief The k stored points nearest to stored point i, itself included, nearest first (ties by
+   * index); fewer if the store holds fewer. \param[out] neighbors stored indices.
+   * \param[out] distances_sq squared local distances. */
+  void
+  nearest(std::size_t i, std::size_t k, std::vector<std::uint32_t>& neighbors,
+          std::vector<float>& distances_sq);
+
+ private:
+  float boundRadiusSq(std::size_t i, std::size_t k, const std::array<double, 3>& center);
+  void blockDistances(std::size_t block, const std::array<double, 3>& center, float out[16]) const;
+
+  const PointStore& store_;
+  std::vector<std::uint32_t> blocks_;
+  std::vector<float> nearby_;
+  std::vector<std::pair<float, std::uint32_t>> candidates_;
+};
+
+}  // namespace pcl_slim

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "pcl_slim/cloud/point_store.h"
+
+namespace pcl_slim {
+
+/** \brief How a cloud's noise variance is measured. */
+enum class NoiseEstimator : unsigned char {
+  kCubicResidual,   ///< residual of an unweighted cubic on 20 or more neighbours (the default)
+  kMinEigenvalue10  ///< mean smallest eigenvalue of the 10-neighbour covariance (Ohtake et al. 2005)
+};
+
+/** \brief Noise variance lambda of a cloud, in squared local lengths.
+ *
+ * kCubicResidual: residual variance RSS / (k - 10) of a cubic height field in the frame of its
+ * neighbourhood, k = 20 and doubled while the noise fills the patch; the mean over evenly strided
+ * samples without the largest and smallest 10 %. Where normals are given, neighbours of opposed
+ * normal are left out. kMinEigenvalue10: the paper's lambda over samples (its mean covariance).
+ * Never below (1e-6 L)^2 for the paper's, (1e-9 L)^2 for the default. 0 if the store has fewer
+ * than 12 points. O(samples k log k).
+ */
+double
+estimateNoise(const PointStore& store, NoiseEstimator estimator, int threads = 0);
+
+}  // namespace pcl_slim

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/cloud/block_tree.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "pcl_slim/cloud/kernels.h"
+
+namespace pcl_slim {
+
+void
+BlockTree::Level::allocate(std::size_t boxes)
+{
+  const std::size_t padded = (boxes + kFan - 1) / kFan * kFan;
+  const float inf = std::numeric_limits<float>::infinity();
+  for (auto* column : {&min_x, &min_y, &min_z}) column->assign(padded, inf);
+  for (auto* column : {&max_x, &max_y, &max_z}) column->assign(padded, -inf);
+  count = boxes;
+}
+
+namespace {
+
+float
+lowest(const AlignedVector<float>& column, std::size_t begin)
+{
+  return *std::min_element(column.begin() + begin, column.begin() + begin + BlockTree::kFan);
+}
+
+float
+highest(const AlignedVector<float>& column, std::size_t begin)
+{
+  return *std::max_element(column.begin() + begin, column.begin() + begin + BlockTree::kFan);
+}
+
+}  // namespace
+
+BlockTree::BlockTree(Level blocks)
+{
+  levels_.push_back(std::move(blocks));
+  while (levels_.back().count > kFan) {
+    const Level& below = levels_.back();
+    Level level;
+    level.allocate((below.count + kFan - 1) / kFan);
+    for (std::size_t j = 0; j < level.count; ++j) {
+      level.min_x[j] = lowest(below.min_x, j * kFan);
+      level.min_y[j] = lowest(below.min_y, j * kFan);
+      level.min_z[j] = lowest(below.min_z, j * kFan);
+      level.max_x[j] = highest(below.max_x, j * kFan);
+      level.max_y[j] = highest(below.max_y, j * kFan);
+      level.max_z[j] = highest(below.max_z, j * kFan);
+    }
+    levels_.push_back(std::move(level));
+  }
+}
+
+std::size_t
+BlockTree::memoryBytes() const
+{
+  std::size_t bytes = 0;
+  for (const Level& level : levels_) bytes += level.min_x.size() * 6 * sizeof(float);
+  return bytes;
+}
+
+namespace {
+
+/** Depth-first walk in ascending block order; hits(level, first child) is a bit mask. */
+template <typename Hits>
+void
+walk(const std::vector<BlockTree::Level>& levels, std::size_t depth, std::size_t first,
+     const Hits& hits, std::vector<std::uint32_t>& blocks)
+{
+  std::uint32_t mask = hits(levels[depth], first);
+  while (mask != 0) {
+    const auto bit = static_cast<std::size_t>(__builtin_ctz(mask));
+    mask &= mask - 1;
+    const std::size_t child = first + bit;
+    if (depth == 0) {
+      blocks.push_back(static_cast<std::uint32_t>(child));
+    } else {
+      walk(levels, depth - 1, child * BlockTree::kFan, hits, blocks);
+    }
+  }
+}
+
+}  // namespace
+
+void
+BlockTree::blocksInBall(const float center[3], float radius, std::vector<std::uint32_t>& blocks) const
+{
+  if (levels_.empty()) return;
+  walk(
+      levels_, levels_.size() - 1, 0,
+      [&](const Level& level, std::size_t first) {
+        return kernels::boxesInBall(level, first, center, radius);
+      },
+      blocks);
+}
+
+void
+BlockTree::blocksInBox(const float min[3], const float max[3],
+                       std::vector<std::uint32_t>& blocks) const
+{
+  if (levels_.empty()) return;
+  walk(
+      levels_, levels_.size() - 1, 0,
+      [&](const Level& level, std::size_t first) {
+        return kernels::boxesInBox(level, first, min, max);
+      },
+      blocks);
+}
+
+void
+BlockNeighborhood::collect(const BlockTree& tree, const float min[3], const float max[3])
+{
+  ids_.clear();
+  tree.blocksInBox(min, max, ids_);
+  const BlockTree::Level& all = tree.levels().front();
+  boxes_.allocate(ids_.size());
+  for (std::size_t i = 0; i < ids_.size(); ++i) {
+    boxes_.min_x[i] = all.min_x[ids_[i]];
+    boxes_.min_y[i] = all.min_y[ids_[i]];
+    boxes_.min_z[i] = all.min_z[ids_[i]];
+    boxes_.max_x[i] = all.max_x[ids_[i]];
+    boxes_.max_y[i] = all.max_y[ids_[i]];
+    boxes_.max_z[i] = all.max_z[ids_[i]];
+  }
+}
+
+void
+BlockNeighborhood::blocksInBall(const float center[3], float radius,
+                                std::vector<std::uint32_t>& blocks) const
+{
+  blocks.clear();
+  for (std::size_t first = 0; first < boxes_.count; first += BlockTree::kFan) {
+    std::uint32_t mask = kernels::boxesInBall(boxes_, first, center, radius);
+    for (; mask != 0; mask &= mask - 1) {
+      blocks.push_back(ids_[first + static_cast<std::size_t>(__builtin_ctz(mask))]);
+    }
+  }
+}
+
+}  // namespace pcl_slim

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/cloud/kernels.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "kernels.cpp"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace pcl_slim::kernels::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Tag = hn::CappedTag<float, 16>;
+
+template <typename Mask>
+std::uint32_t
+maskBits(Tag d, Mask mask)
+{
+  std::uint8_t bits[8] = {};
+  hn::StoreMaskBits(d, mask, bits);
+  return static_cast<std::uint32_t>(bits[0]) | static_cast<std::uint32_t>(bits[1]) << 8;
+}
+
+std::uint32_t
+boxesInBall(const BlockTree::Level& boxes, std::size_t first, const float center[3], float radius)
+{
+  const Tag d;
+  const std::size_t lanes = hn::Lanes(d);
+  const auto zero = hn::Zero(d);
+  const auto cx = hn::Set(d, center[0]), cy = hn::Set(d, center[1]), cz = hn::Set(d, center[2]);
+  const auto radius_sq = hn::Set(d, radius * radius);
+  std::uint32_t hits = 0;
+  for (std::size_t i = 0; i < BlockTree::kFan; i += lanes) {
+    const std::size_t j = first + i;
+    const auto outside = [&](const float* low, const float* high, decltype(cx) c) {
+      return hn::Max(zero, hn::Max(hn::Sub(hn::Load(d, low + j), c), hn::Sub(c, hn::Load(d, high + j))));
+    };
+    const auto ex = outside(boxes.min_x.data(), boxes.max_x.data(), cx);
+    const auto ey = outside(boxes.min_y.data(), boxes.max_y.data(), cy);
+    const auto ez = outside(boxes.min_z.data(), boxes.max_z.data(), cz);
+    const auto distance_sq = hn::MulAdd(ex, ex, hn::MulAdd(ey, ey, hn::Mul(ez, ez)));
+    hits |= maskBits(d, hn::Le(distance_sq, radius_sq)) << i;
+  }
+  return hits;
+}
+
+std::uint32_t
+boxesInBox(const BlockTree::Level& boxes, std::size_t first, const float min[3], const float max[3])
+{
+  const Tag d;
+  const std::size_t lanes = hn::Lanes(d);
+  std::uint32_t hits = 0;
+  for (std::size_t i = 0; i < BlockTree::kFan; i += lanes) {
+    const std::size_t j = first + i;
+    const auto meets = [&](const float* low, const float* high, int axis) {
+      return hn::And(hn::Le(hn::Load(d, low + j), hn::Set(d, max[axis])),
+                     hn::Ge(hn::Load(d, high + j), hn::Set(d, min[axis])));
+    };
+    const auto all = hn::And(meets(boxes.min_x.data(), boxes.max_x.data(), 0),
+                             hn::And(meets(boxes.min_y.data(), boxes.max_y.data(), 1),
+                                     meets(boxes.min_z.data(), boxes.max_z.data(), 2)));
+    hits |= maskBits(d, all) << i;
+  }
+  return hits;
+}
+
+void
+blockDistances(const float* x, const float* y, const float* z, const float shift[3],
+               float distances_sq[16])
+{
+  const Tag d;
+  const auto sx = hn::Set(d, shift[0]), sy = hn::Set(d, shift[1]), sz = hn::Set(d, shift[2]);
+  for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
+    const auto dx = hn::Add(hn::Load(d, x + i), sx);
+    const auto dy = hn::Add(hn::Load(d, y + i), sy);
+    const auto dz = hn::Add(hn::Load(d, z + i), sz);
+    hn::StoreU(hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz))), d, distances_sq + i);
+  }
+}
+
+const char*
+instructionSet()
+{
+  return hwy::TargetName(HWY_TARGET);
+}
+
+}  // namespace pcl_slim::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pcl_slim::kernels {
+
+HWY_EXPORT(boxesInBall);
+HWY_EXPORT(boxesInBox);
+HWY_EXPORT(blockDistances);
+HWY_EXPORT(instructionSet);
+
+std::uint32_t
+boxesInBall(const BlockTree::Level& boxes, std::size_t first, const float center[3], float radius)
+{
+  return HWY_DYNAMIC_DISPATCH(boxesInBall)(boxes, first, center, radius);
+}
+
+std::uint32_t
+boxesInBox(const BlockTree::Level& boxes, std::size_t first, const float min[3], const float max[3])
+{
+  return HWY_DYNAMIC_DISPATCH(boxesInBox)(boxes, first, min, max);
+}
+
+void
+blockDistances(const float* x, const float* y, const float* z, const float shift[3],
+               float distances_sq[16])
+{
+  HWY_DYNAMIC_DISPATCH(blockDistances)(x, y, z, shift, distances_sq);
+}
+
+const char*
+instructionSet()
+{
+  return HWY_DYNAMIC_DISPATCH(instructionSet)();
+}
+
+}  // namespace pcl_slim::kernels
+#endif

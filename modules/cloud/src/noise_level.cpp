@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/cloud/noise_level.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "pcl_slim/cloud/knn.h"
+#include "pcl_slim/core/parallel.h"
+
+namespace pcl_slim {
+
+namespace {
+
+constexpr std::size_t kResidualSamples = 500;
+constexpr std::size_t kEigenvalueSamples = 4000;
+constexpr std::size_t kFirstNeighbors = 20;
+constexpr std::size_t kMostNeighbors = 1280;
+constexpr int kCubicTerms = 10;
+constexpr double kPatchNoise = 0.15;  ///< noise above this share of the patch's radius fills it
+constexpr double kTrim = 0.1;
+
+struct Patch {
+  Eigen::Matrix3Xd points;  ///< relative to the sample
+  double radius = 0;
+};
+
+Patch
+neighborhood(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
+             std::vector<std::uint32_t>& neighbors, std::vector<float>& distances_sq)
+{
+  search.nearest(sample, k, neighbors, distances_sq);
+  Patch patch;
+  patch.radius = std::sqrt(distances_sq.back());
+  patch.points.resize(3, static_cast<Eigen::Index>(neighbors.size()));
+  const auto center = store.position(sample);
+  Eigen::Index count = 0;
+  for (const std::uint32_t j : neighbors) {
+    if (store.hasNormals()) {
+      const auto a = store.normal(sample), b = store.normal(j);
+      if (a[0] * b[0] + a[1] * b[1] + a[2] * b[2] <= 0.0f) continue;
+    }
+    const auto p = store.position(j);
+    patch.points.col(count++) << p[0] - center[0], p[1] - center[1], p[2] - center[2];
+  }
+  patch.points.conservativeResize(3, count);
+  return patch;
+}
+
+Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>
+principalAxes(const Eigen::Matrix3Xd& points)
+{
+  const Eigen::Vector3d mean = points.rowwise().mean();
+  const Eigen::Matrix3Xd centered = points.colwise() - mean;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
+  axes.computeDirect(centered * centered.transpose() / static_cast<double>(points.cols()));
+  return axes;
+}
+
+/** Residual variance of a cubic height field over the patch's two main axes; < 0: too few points. */
+double
+cubicResidual(const Patch& patch)
+{
+  const Eigen::Index n = patch.points.cols();
+  if (n <= kCubicTerms + 1) return -1.0;
+  const Eigen::Matrix3d axes = principalAxes(patch.points).eigenvectors();
+  const Eigen::Matrix3Xd local = axes.transpose() * patch.points / patch.radius;
+  Eigen::Matrix<double, Eigen::Dynamic, kCubicTerms> terms(n, kCubicTerms);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double u = local(2, i), v = local(1, i);
+    terms.row(i) << 1, u, v, u * u, u * v, v * v, u * u * u, u * u * v, u * v * v, v * v * v;
+  }
+  const Eigen::VectorXd heights = local.row(0).transpose();
+  Eigen::Matrix<double, kCubicTerms, kCubicTerms> normal = terms.transpose() * terms;
+  normal.diagonal().array() *= 1.0 + 1e-12;
+  const Eigen::Matrix<double, kCubicTerms, 1> c = normal.ldlt().solve(terms.transpose() * heights);
+  const double rss = (heights - terms * c).squaredNorm();
+  const double variance = rss / static_cast<double>(n - kCubicTerms) * patch.radius * patch.radius;
+  return std::isfinite(variance) ? variance : -1.0;
+}
+
+double
+trimmedMean(std::vector<double>& values)
+{
+  values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return v < 0.0; }),
+               values.end());
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  const auto cut = static_cast<std::size_t>(kTrim * static_cast<double>(values.size()));
+  double sum = 0;
+  for (std::size_t i = cut; i < values.size() - cut; ++i) sum += values[i];
+  return sum / static_cast<double>(values.size() - 2 * cut);
+}
+
+/** Calls measure(search, sample) at evenly strided points. */
+template <typename Measure>
+std::vector<double>
+sampleStore(const PointStore& store, std::size_t samples, int threads, const Measure& measure)
+{
+  samples = std::min(samples, store.size());
+  std::vector<double> values(samples);
+  std::vector<NeighborSearch> searches(static_cast<std::size_t>(threads), NeighborSearch(store));
+  parallelFor(samples, threads, 16, [&](std::size_t s, int thread) {
+    const std::size_t sample = (2 * s + 1) * store.size() / (2 * samples);
+    values[s] = measure(searches[static_cast<std::size_t>(thread)], sample);
+  });
+  return values;
+}
+
+double
+residualNoise(const PointStore& store, int threads)
+{
+  double variance = 0;
+  std::size_t most = std::min(kMostNeighbors, store.size() / 8 + kFirstNeighbors);
+  for (std::size_t k = kFirstNeighbors; k <= most; k *= 2) {
+    // Larger patches average more points each, so fewer of them are needed.
+    const std::size_t samples = std::max<std::size_t>(100, kResidualSamples * kFirstNeighbors / k);
+    std::vector<double> radii(std::min(samples, store.size()));
+    const auto measure = [&](NeighborSearch& search, std::size_t sample) {
+      thread_local std::vector<std::uint32_t> neighbors;
+      thread_local std::vector<float> distances_sq;
+      const Patch patch = neighborhood(store, search, sample, k, neighbors, distances_sq);
+      radii[sample * radii.size() / store.size()] = patch.radius;
+      return cubicResidual(patch);
+    };
+    auto values = sampleStore(store, samples, threads, measure);
+    variance = trimmedMean(values);
+    std::nth_element(radii.begin(), radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2),
+                     radii.end());
+    if (std::sqrt(variance) < kPatchNoise * radii[radii.size() / 2]) break;
+  }
+  const double floor = 1e-9 * store.diagonal();
+  return std::max(variance, floor * floor);
+}
+
+double
+eigenvalueNoise(const PointStore& store, int threads)
+{
+  const auto measure = [&](NeighborSearch& search, std::size_t sample) {
+    thread_local std::vector<std::uint32_t> neighbors;
+    thread_local std::vector<float> distances_sq;
+    const Patch patch = neighborhood(store, search, sample, 11, neighbors, distances_sq);
+    if (patch.points.cols() < 4) return -1.0;
+    return std::max(0.0, principalAxes(patch.points).eigenvalues()(0));
+  };
+  const auto values = sampleStore(store, kEigenvalueSamples, threads, measure);
+  double sum = 0;
+  std::size_t count = 0;
+  for (const double value : values) {
+    sum += std::max(value, 0.0);
+    count += value >= 0.0;
+  }
+  const double floor = 1e-6 * store.diagonal();
+  return std::max(count > 0 ? sum / static_cast<double>(count) : 0.0, floor * floor);
+}
+
+}  // namespace
+
+double
+estimateNoise(const PointStore& store, NoiseEstimator estimator, int threads)
+{
+  if (store.size() < kCubicTerms + 2) return 0.0;
+  threads = resolveThreads(threads);
+  return estimator == NoiseEstimator::kMinEigenvalue10 ? eigenvalueNoise(store, threads)
+                                                       : residualNoise(store, threads);
+}
+
+}  // namespace pcl_slim
