@@ -9,11 +9,14 @@
 
 namespace pcl_slim {
 
-/** \brief Writes the compact binary form: header, version, 7/12/16/21 floats a surfel, checksum.
+/** \brief Writes the compact binary form: header, version, 9/12/16/21 floats a surfel, checksum.
  *
- * The floats are those the paper counts: centre 3, radius 1, and the polynomial with its normal
- * (3, 8, 12 or 17). Level, degree, flags, error and confidence follow in narrow columns; links
- * are rebuilt on load. Little-endian. The file appears under its name only when complete.
+ * The floats are centre 3, radius 1, normal 2 and the 3/6/10/15 coefficients of the surfel's own
+ * degree: the paper's count of 12 and 16 for quadratics and cubics; its 7 for a plane has no
+ * normal beside the plane, ours keeps it. Beside them stand degree, level and flags (a byte
+ * each), error and confidence (a float each); links are rebuilt on load. Little-endian. Normals
+ * that snapNormal made are kept exactly, others to 2.4e-7 rad. The file appears under its name
+ * only when complete.
  */
 Error
 saveSlim(const std::string& path, const SLIMSurface& surface);
@@ -25,7 +28,8 @@ saveSlim(const std::string& path, const SLIMSurface& surface);
 Result<SLIMSurface>
 loadSlim(const std::string& path);
 
-/** \brief The bytes of saveSlim, for tests and for sending elsewhere. */
+/** \brief The bytes of saveSlim, for tests and for sending elsewhere. The surface must pass
+ * validate(); one with a degree out of range gives no bytes. */
 std::vector<unsigned char>
 encodeSlim(const SLIMSurface& surface);
 

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+
+namespace pcl_slim {
+
+/** \brief A unit normal as two numbers: its place on the octahedron |x| + |y| + |z| = 1, folded
+ * open to the square [-1, 1]^2, on a grid of step 2^-22 (about 2.4e-7 rad). */
+struct OctNormal {
+  float a = 0.0f, b = 0.0f;
+};
+
+/** \brief The grid normal nearest to a direction (any length but 0). O(1).
+ *
+ * encodeNormal(decodeNormal(q)) gives q back for every q this function made, and the normal
+ * turned round has exactly the code of the opposite grid normal. No grid normal has z = 0, so
+ * that the sign of z, on which LocalFrame hangs, is never lost. A zero or non-finite direction
+ * counts as +z.
+ */
+OctNormal
+encodeNormal(const std::array<double, 3>& normal);
+
+/** \brief Unit normal of a code: computed in double, rounded to float. */
+std::array<float, 3>
+decodeNormal(OctNormal code);
+
+/** \brief The float normal a surfel gets so that two numbers describe it exactly. */
+std::array<float, 3>
+snapNormal(const std::array<double, 3>& normal);
+
+}  // namespace pcl_slim
