@@ -6,7 +6,7 @@
 namespace pcl_slim {
 
 /** \brief A unit normal as two numbers: its place on the octahedron |x| + |y| + |z| = 1, folded
- * open to the square [-1, 1]^2, on a grid of step 2^-22 (about 2.4e-7 rad). */
+ * open to the square [-1, 1]^2, on a grid of step 2^-22 (any direction lies within 6.2e-7 rad).*/
 struct OctNormal {
   float a = 0.0f, b = 0.0f;
 };

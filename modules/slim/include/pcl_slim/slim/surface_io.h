@@ -15,7 +15,7 @@ namespace pcl_slim {
  * degree: the paper's count of 12 and 16 for quadratics and cubics; its 7 for a plane has no
  * normal beside the plane, ours keeps it. Beside them stand degree, level and flags (a byte
  * each), error and confidence (a float each); links are rebuilt on load. Little-endian. Normals
- * that snapNormal made are kept exactly, others to 2.4e-7 rad. The file appears under its name
+ * that snapNormal made are kept exactly, others to 6.2e-7 rad. The file appears under its name
  * only when complete.
  */
 Error
