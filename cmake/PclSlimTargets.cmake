@@ -1,11 +1,88 @@
-# A library of this project: every .cpp below src/, headers below include/.
+# SPDX-License-Identifier: BSD-3-Clause
+include(GNUInstallDirs)
+
+# Settings that every target of this project shares.
+#
+# Contraction into fused multiply-adds is the compiler's whim unless forbidden; kernels that want
+# one say so, so results depend on the source alone. No math function's errno and no floating-point
+# trap is ever read, and saying so changes speed, not results. -march stays the user's: a program
+# built for another alignment than the distribution's PCL crashes.
+function(pcl_slim_set_defaults target)
+  target_compile_features(${target} PUBLIC cxx_std_17)
+  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
+  target_compile_options(${target} PRIVATE
+    $<$<COMPILE_LANG_AND_ID:CXX,GNU,Clang,AppleClang>:-ffp-contract=off -fno-math-errno
+      -fno-trapping-math -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
+      $<$<BOOL:${PCL_SLIM_WARNINGS_AS_ERRORS}>:-Werror>>)
+endfunction()
+
+# pcl_slim_add_library(name [PUBLIC lib...] [PRIVATE lib...] [BUILD_ONLY lib...])
+#
+# Adds pcl_slim::<name> from src/*.cpp and include/ below the current folder, and installs it as a
+# component of the package. BUILD_ONLY is for header-only libraries that only our own sources
+# include: whoever uses the installed package does not need them.
 function(pcl_slim_add_library name)
-  cmake_parse_arguments(arg "" "" "PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(arg "" "" "PUBLIC;PRIVATE;BUILD_ONLY" ${ARGN})
+  set(target pcl_slim_${name})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/*.cpp)
-  add_library(pcl_slim_${name} ${sources})
-  add_library(pcl_slim::${name} ALIAS pcl_slim_${name})
-  target_include_directories(pcl_slim_${name}
-    PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>
-    PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
-  target_link_libraries(pcl_slim_${name} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE})
+  set(includes
+    $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  if(sources)
+    add_library(${target} ${sources})
+    pcl_slim_set_defaults(${target})
+    target_include_directories(${target} PUBLIC ${includes}
+      PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/src)
+    target_link_libraries(${target} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE})
+    foreach(library IN LISTS arg_BUILD_ONLY)
+      target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:${library}>)
+    endforeach()
+    set_target_properties(${target} PROPERTIES
+      VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  else()
+    add_library(${target} INTERFACE)
+    target_include_directories(${target} INTERFACE ${includes})
+    target_link_libraries(${target} INTERFACE ${arg_PUBLIC})
+  endif()
+  add_library(pcl_slim::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  set_property(GLOBAL APPEND PROPERTY PCL_SLIM_COMPONENTS ${name})
+  if(PCL_SLIM_INSTALL)
+    pcl_slim_install_library(${name})
+  endif()
+endfunction()
+
+# Each component has an export set of its own, so that finding one never looks for another's needs.
+function(pcl_slim_install_library name)
+  install(TARGETS pcl_slim_${name} EXPORT pcl_slim_${name}
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
+    RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT development)
+  install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development
+    FILES_MATCHING PATTERN *.h PATTERN *.hpp)
+  install(EXPORT pcl_slim_${name} NAMESPACE pcl_slim:: FILE pcl_slim_${name}-targets.cmake
+    DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/pcl_slim COMPONENT development)
+endfunction()
+
+# pcl_slim_add_program(target source... [LINK lib...])
+#
+# Adds and installs a program. PCL's imported targets name all of VTK; only what is called is kept.
+function(pcl_slim_add_program target)
+  cmake_parse_arguments(arg "" "" "LINK" ${ARGN})
+  add_executable(${target} ${arg_UNPARSED_ARGUMENTS})
+  pcl_slim_set_defaults(${target})
+  pcl_slim_drop_unused_libraries(${target})
+  target_link_libraries(${target} PRIVATE ${arg_LINK})
+  target_compile_definitions(${target} PRIVATE PCL_SLIM_VERSION="${PROJECT_VERSION}")
+  file(RELATIVE_PATH to_libraries ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
+  set_target_properties(${target} PROPERTIES INSTALL_RPATH $ORIGIN/${to_libraries})
+  if(PCL_SLIM_INSTALL)
+    install(TARGETS ${target} RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT programs)
+  endif()
+endfunction()
+
+function(pcl_slim_drop_unused_libraries target)
+  if(UNIX AND NOT APPLE)
+    target_link_options(${target} PRIVATE LINKER:--as-needed)
+  endif()
 endfunction()

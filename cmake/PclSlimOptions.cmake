@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# What is built. A project that pulls this one in by add_subdirectory gets the libraries only.
+option(PCL_SLIM_BUILD_FILTERS "Build the classes that take PCL clouds (needs PCL and VTK's IOXML)" ON)
+option(PCL_SLIM_BUILD_APPS "Build the programs" ${PROJECT_IS_TOP_LEVEL})
+option(PCL_SLIM_BUILD_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
+option(PCL_SLIM_BUILD_EXAMPLES "Build the examples" OFF)
+option(PCL_SLIM_BUILD_BENCHMARKS "Build the benchmarks (needs nanoflann)" OFF)
+option(PCL_SLIM_INSTALL "Make install rules" ${PROJECT_IS_TOP_LEVEL})
+option(PCL_SLIM_WARNINGS_AS_ERRORS "Stop at compiler warnings (continuous integration)" OFF)
+set(PCL_SLIM_SANITIZE "" CACHE STRING
+  "Value of -fsanitize= for everything built here, as 'address,undefined' or 'thread'")
+
+if(NOT PCL_SLIM_BUILD_FILTERS)
+  foreach(part APPS EXAMPLES BENCHMARKS)
+    if(PCL_SLIM_BUILD_${part})
+      message(STATUS "PCL_SLIM_BUILD_${part} is off: it needs PCL_SLIM_BUILD_FILTERS")
+      set(PCL_SLIM_BUILD_${part} OFF)
+    endif()
+  endforeach()
+endif()
+
+if(PROJECT_IS_TOP_LEVEL)
+  get_property(is_multi_config GLOBAL PROPERTY GENERATOR_IS_MULTI_CONFIG)
+  if(NOT is_multi_config AND NOT CMAKE_BUILD_TYPE)
+    set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+  endif()
+  set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+  set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+  set_property(GLOBAL PROPERTY USE_FOLDERS ON)
+endif()
+
+if(PCL_SLIM_SANITIZE)
+  add_compile_options(-fsanitize=${PCL_SLIM_SANITIZE} -fno-omit-frame-pointer
+    -fno-sanitize-recover=all)
+  add_link_options(-fsanitize=${PCL_SLIM_SANITIZE})
+endif()
