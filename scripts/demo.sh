@@ -1,0 +1,45 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Turns a scan into a SLIM surface, a report and a picture in demo_out/.
+#   scripts/demo.sh             makes a scan of its own: no download
+#   scripts/demo.sh SCAN.pcd    takes yours (.pcd or .ply)
+set -euo pipefail
+source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
+
+case ${1-} in
+  -h | --help) sed -n 's/^# \{0,1\}//; 3,5p' "${BASH_SOURCE[0]}"; exit 0 ;;
+esac
+if [ $# -gt 1 ]; then
+  echo "demo.sh takes one scan at most" >&2
+  exit 2
+fi
+scan=
+if [ $# -eq 1 ]; then
+  if [ ! -r "$1" ] || [ -d "$1" ]; then
+    echo "$1 cannot be read: give the path of a .pcd or .ply file" >&2
+    exit 2
+  fi
+  scan=$(cd -- "$(dirname -- "$1")" && pwd)/$(basename -- "$1")
+fi
+
+bash "$root/scripts/setup.sh"
+configure
+build pcl_slim_fit pcl_slim_render pcl_slim_demo_scan
+
+bin=$root/build/release/bin
+out=$root/demo_out
+mkdir -p -- "$out"
+rm -f -- "$out/surface.pcd" "$out/fit.json" "$out/surface.png"
+echo
+if [ -z "$scan" ]; then
+  scan=$out/scan.pcd
+  "$bin/pcl_slim_demo_scan" "$scan"
+fi
+"$bin/pcl_slim_fit" "$scan" "$out/surface.pcd" -json "$out/fit.json"
+"$bin/pcl_slim_render" "$out/surface.pcd" "$out/surface.png"
+
+echo
+echo "Scan      $scan"
+echo "Surface   $out/surface.pcd   (pcl_viewer and CloudCompare open it)"
+echo "Report    $out/fit.json"
+echo "Picture   $out/surface.png"

@@ -1,0 +1,51 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Installs the Debian or Ubuntu packages that building and testing need. Does nothing when they
+# are there; without root rights it names the command to run and exits 1.
+set -euo pipefail
+
+packages=(
+  cmake ninja-build g++ pkg-config
+  libpcl-dev libeigen3-dev libhwy-dev libpng-dev nlohmann-json3-dev
+  libgtest-dev libnanoflann-dev python3-catkin-pkg
+)
+
+if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
+  echo "This is not Debian or Ubuntu: install what these packages hold, then run cmake by hand:" >&2
+  echo "  ${packages[*]}" >&2
+  exit 1
+fi
+
+installed() { # PACKAGE
+  [ "$(dpkg-query -W -f='${db:Status-Status}' "$1" 2>/dev/null)" = installed ]
+}
+
+missing=()
+for package in "${packages[@]}"; do
+  installed "$package" || missing+=("$package")
+done
+[ ${#missing[@]} -gt 0 ] || exit 0
+
+install=(apt-get install -y --no-install-recommends "${missing[@]}")
+as_root=()
+if [ "$(id -u)" -ne 0 ]; then
+  if command -v sudo >/dev/null && sudo -n true 2>/dev/null; then
+    as_root=(sudo)
+  else
+    echo "Packages are missing. Run this, then this script again:" >&2
+    echo "  sudo apt-get update && sudo ${install[*]}" >&2
+    exit 1
+  fi
+fi
+
+log=$(mktemp "${TMPDIR:-/tmp}/pcl_slim_setup.XXXXXX")
+begin=$SECONDS
+echo "Installing ${missing[*]}"
+if ! { ${as_root[@]+"${as_root[@]}"} apt-get update &&
+  ${as_root[@]+"${as_root[@]}"} env DEBIAN_FRONTEND=noninteractive "${install[@]}"; } >"$log" 2>&1; then
+  tail -n 40 "$log" >&2
+  echo "Installing packages failed; the whole log is $log" >&2
+  exit 1
+fi
+rm -f "$log"
+echo "Installed in $((SECONDS - begin)) s"

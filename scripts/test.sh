@@ -1,0 +1,22 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Installs what is missing, builds the release preset and runs every test.
+#   scripts/test.sh [CMAKE_ARGUMENT...]     arguments go to cmake, as -DPCL_SLIM_WARNINGS_AS_ERRORS=ON
+#   JOBS=2 scripts/test.sh                  limits the jobs (default: all cores)
+set -euo pipefail
+source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
+
+bash "$root/scripts/setup.sh"
+configure -DPCL_SLIM_BUILD_TESTS=ON -DPCL_SLIM_BUILD_EXAMPLES=ON "$@"
+build
+
+log=$root/build/log/test.log
+echo "Testing ..."
+if ! ctest --test-dir "$root/build/release" --output-on-failure --no-tests=error \
+  --parallel "${JOBS:-$(nproc)}" >"$log" 2>&1; then
+  grep -v -E 'Passed +[0-9.]+ sec|^ +Start ' "$log" || true
+  echo "Tests failed; the whole log is $log" >&2
+  exit 1
+fi
+grep -E '\*\*\*(Skipped|Not Run)' "$log" || true
+grep -E 'tests passed' "$log"
