@@ -4,6 +4,7 @@
 #   scripts/demo.sh             makes a scan of its own: no download
 #   scripts/demo.sh SCAN.pcd    takes yours (.pcd or .ply)
 set -euo pipefail
+# shellcheck source=scripts/common.sh
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
 case ${1-} in

@@ -4,6 +4,7 @@
 #   scripts/test.sh [CMAKE_ARGUMENT...]     arguments go to cmake, as -DPCL_SLIM_WARNINGS_AS_ERRORS=ON
 #   JOBS=2 scripts/test.sh                  limits the jobs (default: all cores)
 set -euo pipefail
+# shellcheck source=scripts/common.sh
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
 
 bash "$root/scripts/setup.sh"
