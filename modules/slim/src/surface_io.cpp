@@ -25,37 +25,36 @@ constexpr std::size_t kFixedBytesPerSurfel = 3 + 8 * sizeof(float);
 class Writer {
  public:
   template <typename Unsigned>
-  void
-  putUnsigned(Unsigned value)
+  void putUnsigned(Unsigned value)
   {
     for (std::size_t i = 0; i < sizeof(value); ++i) {
       bytes.push_back(static_cast<unsigned char>(value >> (8 * i)));
     }
   }
 
-  void
-  putFloat(float value)
+  void putFloat(float value)
   {
     std::uint32_t bits;
     std::memcpy(&bits, &value, sizeof(bits));
     putUnsigned(bits);
   }
 
-  void
-  putDouble(double value)
+  void putDouble(double value)
   {
     std::uint64_t bits;
     std::memcpy(&bits, &value, sizeof(bits));
     putUnsigned(bits);
   }
 
-  void
-  putFloats(const std::vector<float>& column)
+  void putFloats(const std::vector<float>& column)
   {
     for (const float value : column) putFloat(value);
   }
 
-  void putBytes(const std::vector<std::uint8_t>& c) { bytes.insert(bytes.end(), c.begin(), c.end()); }
+  void putBytes(const std::vector<std::uint8_t>& c)
+  {
+    bytes.insert(bytes.end(), c.begin(), c.end());
+  }
 
   std::vector<unsigned char> bytes;
 };
@@ -66,8 +65,7 @@ class Reader {
   explicit Reader(const unsigned char* bytes) : at_(bytes) {}
 
   template <typename Unsigned>
-  Unsigned
-  getUnsigned()
+  Unsigned getUnsigned()
   {
     Unsigned value = 0;
     for (std::size_t i = 0; i < sizeof(value); ++i) {
@@ -76,8 +74,7 @@ class Reader {
     return value;
   }
 
-  float
-  getFloat()
+  float getFloat()
   {
     const auto bits = getUnsigned<std::uint32_t>();
     float value;
@@ -85,8 +82,7 @@ class Reader {
     return value;
   }
 
-  double
-  getDouble()
+  double getDouble()
   {
     const auto bits = getUnsigned<std::uint64_t>();
     double value;
@@ -94,14 +90,12 @@ class Reader {
     return value;
   }
 
-  void
-  getFloats(std::vector<float>& column)
+  void getFloats(std::vector<float>& column)
   {
     for (float& value : column) value = getFloat();
   }
 
-  void
-  getBytes(std::vector<std::uint8_t>& column)
+  void getBytes(std::vector<std::uint8_t>& column)
   {
     for (std::uint8_t& value : column) value = *at_++;
   }
@@ -146,9 +140,9 @@ putHeader(const SLIMSurface& surface, std::uint64_t payload, Writer& out)
   out.putUnsigned(static_cast<std::uint8_t>(info.blend_kernel));
   out.putUnsigned(static_cast<std::uint8_t>((info.oriented ? 1 : 0) | (info.paper_mode ? 2 : 0)));
   out.putUnsigned(std::uint32_t{0});
-  for (const double value : {info.origin[0], info.origin[1], info.origin[2], info.scale,
-                             info.diagonal, info.lambda, info.penalty, info.t_mdl,
-                             info.cover_radius, info.cover_threshold}) {
+  for (const double value :
+       {info.origin[0], info.origin[1], info.origin[2], info.scale, info.diagonal, info.lambda,
+        info.penalty, info.t_mdl, info.cover_radius, info.cover_threshold}) {
     out.putDouble(value);
   }
 }
@@ -166,9 +160,9 @@ getHeader(Reader& in, SurfaceInfo& info)
   info.oriented = (switches & 1) != 0;
   info.paper_mode = (switches & 2) != 0;
   in.getUnsigned<std::uint32_t>();
-  for (double* value : {&info.origin[0], &info.origin[1], &info.origin[2], &info.scale,
-                        &info.diagonal, &info.lambda, &info.penalty, &info.t_mdl,
-                        &info.cover_radius, &info.cover_threshold}) {
+  for (double* value :
+       {&info.origin[0], &info.origin[1], &info.origin[2], &info.scale, &info.diagonal,
+        &info.lambda, &info.penalty, &info.t_mdl, &info.cover_radius, &info.cover_threshold}) {
     *value = in.getDouble();
   }
   return count;
@@ -181,7 +175,8 @@ checkFrame(const unsigned char* bytes, std::size_t size)
   if (size < sizeof(kMagic) || std::memcmp(bytes, kMagic, sizeof(kMagic)) != 0) {
     return bad("not a .slim file: it starts otherwise; name a file written by saveSlim");
   }
-  if (size < kHeaderBytes) return bad("the .slim file is truncated inside its header; copy it again");
+  if (size < kHeaderBytes)
+    return bad("the .slim file is truncated inside its header; copy it again");
   Reader in(bytes + sizeof(kMagic));
   const auto version = in.getUnsigned<std::uint32_t>();
   if (version > kVersion) {
@@ -196,8 +191,9 @@ checkFrame(const unsigned char* bytes, std::size_t size)
   }
   if (size - kHeaderBytes != payload) {
     const bool shorter = size - kHeaderBytes < payload;
-    return bad("the .slim file is " + std::string(shorter ? "truncated" : "followed by other data") +
-               ": " + std::to_string(size - kHeaderBytes) + " bytes of surfels where " +
+    return bad("the .slim file is " +
+               std::string(shorter ? "truncated" : "followed by other data") + ": " +
+               std::to_string(size - kHeaderBytes) + " bytes of surfels where " +
                std::to_string(payload) + " are announced; copy it again");
   }
   if (in.getUnsigned<std::uint64_t>() != checksum(bytes, size)) {
@@ -282,7 +278,8 @@ encodeSlim(const SLIMSurface& surface)
   const std::uint64_t payload = n * kFixedBytesPerSurfel + *coefficients;
   out.bytes.reserve(kHeaderBytes + payload);
   putHeader(surface, payload, out);
-  for (const auto* column : {&surface.degree, &surface.level, &surface.flags}) out.putBytes(*column);
+  for (const auto* column : {&surface.degree, &surface.level, &surface.flags})
+    out.putBytes(*column);
   for (const auto* column : {&surface.cx, &surface.cy, &surface.cz, &surface.radius}) {
     out.putFloats(*column);
   }

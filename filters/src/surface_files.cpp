@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/filters/surface_files.h"
+
+#include "pcl_slim/core/file_access.h"
+#include "pcl_slim/filters/point_file.h"
+#include "pcl_slim/filters/surface_conversion.h"
+#include "pcl_slim/slim/surface_io.h"
+#include "vtp_file.h"
+
+namespace pcl_slim {
+
+Error
+checkSurfaceExtension(const std::string& path)
+{
+  const std::string extension = lowerExtension(path);
+  for (const char* known : {".pcd", ".ply", ".vtp", ".slim"}) {
+    if (extension == known) return {};
+  }
+  return {ErrorCode::kBadArgument, "cannot tell the surface format of '" + path +
+                                       "'; name a .pcd, .ply, .vtp or .slim file"};
+}
+
+Error
+saveSurface(const std::string& path, const SLIMSurface& surface)
+{
+  if (Error error = checkSurfaceExtension(path)) return error;
+  if (Error error = surface.validate()) return error;
+  const std::string extension = lowerExtension(path);
+  if (extension == ".slim") return saveSlim(path, surface);
+  PointFile file;
+  file.comments = toComments(toPCL(surface, file.cloud));
+  return extension == ".vtp" ? saveVtp(path, file) : savePointFile(path, file);
+}
+
+Result<SLIMSurface>
+loadSurface(const std::string& path)
+{
+  if (Error error = checkSurfaceExtension(path)) return error;
+  const std::string extension = lowerExtension(path);
+  if (extension == ".slim") return loadSlim(path);
+  const Result<PointFile> file = extension == ".vtp" ? loadVtp(path) : loadPointFile(path);
+  if (!file) return file.error();
+
+  SurfaceMetadata metadata;
+  bool found = false;
+  Error error = fromComments(file->comments, metadata, found);
+  if (!error) {
+    Result<SLIMSurface> surface = fromPCL(file->cloud, found ? &metadata : nullptr);
+    if (surface) return surface;
+    error = surface.error();
+  }
+  error.message = "'" + path + "': " + error.message;
+  return error;
+}
+
+}  // namespace pcl_slim
