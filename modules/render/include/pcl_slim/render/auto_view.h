@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "pcl_slim/render/camera.h"
+#include "pcl_slim/slim/surface.h"
+
+namespace pcl_slim {
+
+/** \brief Which world axis points upwards in a picture. */
+enum class UpAxis : unsigned char { kAuto, kX, kY, kZ };
+
+/** \brief View from an azimuth and an elevation around an upright object.
+ *
+ * Azimuth 0 is the front: the viewer stands at -y when z is up, at +z when y is up, at -y when x
+ * is up; positive azimuths turn the viewer to the right. Elevation 90 looks straight down.
+ * \param[in] up kAuto counts as kZ; \param[in] azimuth, elevation degrees
+ */
+ViewDirection
+viewFromAngles(UpAxis up, double azimuth, double elevation);
+
+/** \brief The upward axis a cloud suggests: the normal of a flat cloud if that is y or z, else
+ * the longer extent of y and z. Statues stand, terrain lies. O(leaves log leaves). */
+UpAxis
+guessUpAxis(const SLIMSurface& surface);
+
+/** \brief A pleasant view of a whole surface. O(leaves log leaves).
+ *
+ * - A cloud seen by a depth camera at the world's origin (x right, y down, z forward) is shown
+ *   from there.
+ * - A flat cloud such as terrain is shown obliquely from above, across its longer side.
+ * - A one-sided scan is shown from the side its normals face (oriented surfaces only).
+ * - Anything else is shown from the front, turned by 30 degrees and slightly from above.
+ */
+ViewDirection
+chooseView(const SLIMSurface& surface, UpAxis up = UpAxis::kAuto);
+
+}  // namespace pcl_slim

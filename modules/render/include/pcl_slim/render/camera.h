@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/slim/surface.h"
+
+namespace pcl_slim {
+
+/** \brief Size of a picture in pixels. */
+struct ImageSize {
+  int width = 800;
+  int height = 600;
+};
+
+/** \brief A pinhole or parallel camera in world coordinates (double throughout).
+ *
+ * Pixel (0, 0) is the upper left one; rays pass through pixel centres. Depth is the distance
+ * along the ray, whose direction has unit length.
+ */
+struct Camera {
+  enum class Projection : unsigned char { kPerspective, kOrthographic };
+
+  Projection projection = Projection::kPerspective;
+  std::array<double, 3> position{0.0, 0.0, 1.0};
+  std::array<double, 3> look_at{0.0, 0.0, 0.0};
+  std::array<double, 3> up{0.0, 1.0, 0.0};  ///< any length, not along the viewing direction
+  double fov = 30.0;                        ///< perspective: vertical opening in degrees, (0, 180)
+  double view_height = 1.0;                 ///< orthographic: world height of the picture, > 0
+  ImageSize size;                           ///< 1 ... 32768 pixels a side
+  std::array<double, 2> pixel_offset{0.0, 0.0};  ///< shift of all rays, pixels (supersampling)
+
+  /** \brief Names the first value that makes no camera. */
+  Error validate() const;
+};
+
+/** \brief Directions in which a camera looks: from the object to the viewer, and upwards. */
+struct ViewDirection {
+  std::array<double, 3> towards_viewer{0.0, -1.0, 0.0};
+  std::array<double, 3> up{0.0, 0.0, 1.0};
+};
+
+/** \brief A perspective camera that sees every leaf of a surface, as large as the picture allows.
+ *
+ * Leaves far outside the bulk (beyond a whole extent past the 1st and 99th percentile of the
+ * centres) are not framed, so that one stray point does not shrink the object to a dot. An empty
+ * surface gives a camera at one world unit from its origin. O(leaves).
+ * \param[in] margin share of the picture left free on each side, [0, 0.4]
+ */
+Camera
+fitCamera(const SLIMSurface& surface, const ViewDirection& direction, const ImageSize& size,
+          double fov = 30.0, double margin = 0.04);
+
+}  // namespace pcl_slim

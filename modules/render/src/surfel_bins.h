@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "camera_rays.h"
+#include "pcl_slim/render/tile_rasterizer.h"
+
+namespace pcl_slim {
+
+constexpr int kTileSize = 32;
+
+/** \brief A leaf that may be seen: where, and how near. */
+struct VisibleLeaf {
+  std::uint32_t surfel = 0;
+  double nearest = 0.0;  ///< no ray meets the ball before this depth
+  PixelRect blend;       ///< pixels of the whole ball
+  PixelRect first;       ///< pixels of the ball shrunk by alpha
+};
+
+/** \brief Visible leaves by tile, each tile's from near to far.
+ *
+ * Tile t covers pixels [32 (t mod columns), ...] x [32 (t div columns), ...]; its leaves are
+ * entries[begin[t] ... begin[t + 1]), indices into leaves.
+ */
+struct SurfelBins {
+  int columns = 0, rows = 0;
+  std::vector<VisibleLeaf> leaves;
+  std::vector<std::uint64_t> begin;
+  std::vector<std::uint32_t> entries;
+
+  std::size_t numTiles() const
+  {
+    return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+  }
+};
+
+/** \brief Culls leaves against the frustum and, with front_only, by their cone of normals, and
+ * sorts the rest into tiles. Counts what was left out. O(leaves + entries log entries). */
+SurfelBins
+binLeaves(const SLIMSurface& surface, const CameraRays& rays, const ImageSize& size, double shrink,
+          double near_plane, bool front_only, int threads, RenderStatistics& statistics);
+
+}  // namespace pcl_slim

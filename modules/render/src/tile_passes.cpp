@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tile_passes.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "ray_surfel.h"
+
+namespace pcl_slim {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kMaxShift = 0.25;  ///< distance of q^ from a leaf's own surface, in its radii
+
+/** \brief Interval of s in which a ray is inside the ball of relative radius rho and beyond the
+ * near plane; empty when low > high. */
+struct Chord {
+  double low, high;
+
+  Chord(const RaySurfel& surfel, const Approach& approach, double rho, double near_plane)
+  {
+    const double half_sq = rho * rho - approach.distance_sq;
+    high = half_sq > 0.0 ? std::sqrt(half_sq) : -1.0;
+    low = std::max(-high, (near_plane - approach.depth) * surfel.inverse_radius);
+  }
+};
+
+/** \brief Depth of the first root of a leaf in front of limit, or infinity. */
+double
+firstRoot(const FrameContext& frame, const RaySurfel& surfel, const Ray& ray, double limit,
+          std::uint64_t& evaluated)
+{
+  const Approach approach(surfel, ray);
+  Chord chord(surfel, approach, frame.shrink, frame.near_plane);
+  chord.high = std::min(chord.high, (limit - approach.depth) * surfel.inverse_radius);
+  if (!(chord.low <= chord.high)) return kInfinity;
+  ++evaluated;
+  const RayPolynomial polynomial(surfel, approach, ray.direction);
+  const Roots roots = polynomial.roots(surfel.degree, chord.low, chord.high);
+  for (int i = 0; i < roots.count; ++i) {
+    if (frame.front_only && !(polynomial.slope(roots.at[i]) < 0.0)) continue;
+    return approach.depth + roots.at[i] * surfel.radius;
+  }
+  return kInfinity;
+}
+
+/** \brief Largest first depth of a tile: infinity until every pixel has one. */
+double
+farthest(const Tile& tile)
+{
+  double depth = 0.0;
+  for (int y = tile.y0; y < tile.y0 + tile.height; ++y) {
+    const auto row = tile.first_depth.begin() + static_cast<std::ptrdiff_t>(tile.index(tile.x0, y));
+    depth = std::max(depth, *std::max_element(row, row + tile.width));
+  }
+  return depth;
+}
+
+/** \brief Adds w grad f and w H of a leaf, turned by sign, in world axes. */
+void
+addDerivatives(const RaySurfel& surfel, const HeightJet& jet, double weight, BlendSum& sum)
+{
+  const Vector3 &u = surfel.frame.u, &v = surfel.frame.v, &w = surfel.frame.w;
+  for (int k = 0; k < 3; ++k) {
+    sum.gradient[k] += weight * (w[k] - jet.hu * u[k] - jet.hv * v[k]);
+  }
+  const double scale = -weight * surfel.inverse_radius;
+  const auto entry = [&](int i, int j) {
+    return scale *
+           (jet.huu * u[i] * u[j] + jet.huv * (u[i] * v[j] + v[i] * u[j]) + jet.hvv * v[i] * v[j]);
+  };
+  sum.hessian[0] += entry(0, 0);
+  sum.hessian[1] += entry(1, 1);
+  sum.hessian[2] += entry(2, 2);
+  sum.hessian[3] += entry(0, 1);
+  sum.hessian[4] += entry(0, 2);
+  sum.hessian[5] += entry(1, 2);
+}
+
+/** \brief The root nearest to s_hat, of those that count. \return false when there is none. */
+bool
+nearestRoot(const Roots& roots, const RayPolynomial& polynomial, double s_hat, bool front_only,
+            double& root)
+{
+  bool found = false;
+  for (int i = 0; i < roots.count; ++i) {
+    const double s = roots.at[i];
+    if (front_only && !(polynomial.slope(s) < 0.0)) continue;
+    if (found && std::abs(s - s_hat) >= std::abs(root - s_hat)) continue;
+    root = s;
+    found = true;
+  }
+  return found;
+}
+
+/** \brief Adds one leaf to one pixel's blend. */
+void
+blendLeaf(const FrameContext& frame, const RaySurfel& surfel, std::uint32_t id, const Ray& ray,
+          double depth_hat, BlendSum& sum, std::uint64_t& evaluated)
+{
+  const Approach approach(surfel, ray);
+  const double s_hat = (depth_hat - approach.depth) * surfel.inverse_radius;
+  const double hat_sq = approach.distance_sq + s_hat * s_hat;
+  if (!(hat_sq < 1.0)) return;
+  ++evaluated;
+  const RayPolynomial polynomial(surfel, approach, ray.direction);
+  if (!(std::abs(evaluate<4>(polynomial.a, s_hat)) < kMaxShift)) return;
+  const Chord chord(surfel, approach, 1.0, frame.near_plane);
+  const Roots roots = polynomial.roots(surfel.degree, chord.low, chord.high);
+  double s = 0.0;
+  if (!nearestRoot(roots, polynomial, s_hat, frame.front_only, s)) return;
+
+  const Vector3 q = along(approach.point, s, ray.direction);
+  const HeightJet jet = evaluateJet(surfel.degree, surfel.coefficients, dot(q, surfel.frame.u),
+                                    dot(q, surfel.frame.v));
+  const double slope = polynomial.slope(s);
+  // A leaf of another sheet may have its root near its own centre: q^ has to be near as well.
+  const double root_sq = approach.distance_sq + s * s;
+  const WeightKernel kernel = frame.surface.info.blend_kernel;
+  const double weight = evaluateKernel(kernel, std::max(hat_sq, root_sq));
+  if (!(weight > 0.0)) return;
+  const double side = slope > 0.0 ? -1.0 : 1.0;
+  sum.weight += weight;
+  sum.shift += weight * (s - s_hat) * surfel.radius;
+  sum.coverage += evaluateKernel(kernel, root_sq / (frame.shrink * frame.shrink));
+  sum.facing += slope > 0.0 ? -1 : 1;
+  addDerivatives(surfel, jet, side * weight, sum);
+  if (weight > sum.largest_weight) {
+    sum.largest_weight = weight;
+    sum.surfel = id;
+  }
+}
+
+/** \brief Curvatures of the level set with the given gradient and Hessian. */
+struct LevelSetCurvature {
+  double mean = 0.0, gaussian = 0.0, k_max = 0.0, k_min = 0.0;
+
+  LevelSetCurvature(const double g[3], const double h[6])
+  {
+    const double norm_sq = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+    if (!(norm_sq > 0.0)) return;
+    const double gx = g[0], gy = g[1], gz = g[2];
+    const double ghg = gx * gx * h[0] + gy * gy * h[1] + gz * gz * h[2] +
+                       2.0 * (gx * gy * h[3] + gx * gz * h[4] + gy * gz * h[5]);
+    mean = 0.5 * (h[0] + h[1] + h[2] - ghg / norm_sq) / std::sqrt(norm_sq);
+    const double adjugate =
+        gx * gx * (h[1] * h[2] - h[5] * h[5]) + gy * gy * (h[0] * h[2] - h[4] * h[4]) +
+        gz * gz * (h[0] * h[1] - h[3] * h[3]) +
+        2.0 * (gx * gy * (h[4] * h[5] - h[3] * h[2]) + gx * gz * (h[3] * h[5] - h[4] * h[1]) +
+               gy * gz * (h[3] * h[4] - h[5] * h[0]));
+    gaussian = adjugate / (norm_sq * norm_sq);
+    const double spread = std::sqrt(std::max(0.0, mean * mean - gaussian));
+    k_max = mean + spread;
+    k_min = mean - spread;
+  }
+};
+
+void
+writePixel(const FrameContext& frame, const Ray& ray, double depth_hat, const BlendSum& sum,
+           std::size_t pixel, GBuffer& out)
+{
+  double gradient[3], hessian[6];
+  for (int k = 0; k < 3; ++k) gradient[k] = sum.gradient[k] / sum.weight;
+  for (int k = 0; k < 6; ++k) hessian[k] = sum.hessian[k] / sum.weight;
+  const Vector3 normal = normalized({gradient[0], gradient[1], gradient[2]});
+  const double depth = depth_hat + sum.shift / sum.weight;
+  const Vector3 q = along(ray.origin, depth, ray.direction);
+  const LevelSetCurvature curvature(gradient, hessian);
+  out.depth[pixel] = static_cast<float>(depth);
+  for (std::size_t k = 0; k < 3; ++k) {
+    out.position[pixel][k] = static_cast<float>(q[k]);
+    out.normal[pixel][k] = static_cast<float>(normal[k]);
+    out.gradient[pixel][k] = static_cast<float>(gradient[k]);
+  }
+  for (std::size_t k = 0; k < 6; ++k) out.hessian[pixel][k] = static_cast<float>(hessian[k]);
+  out.mean_curvature[pixel] = static_cast<float>(curvature.mean);
+  out.gaussian_curvature[pixel] = static_cast<float>(curvature.gaussian);
+  out.principal[pixel] = {static_cast<float>(curvature.k_max), static_cast<float>(curvature.k_min)};
+  out.surfel[pixel] = sum.surfel;
+  out.level[pixel] = frame.surface.level[sum.surfel];
+  out.radius[pixel] = frame.surface.radius[sum.surfel];
+  out.weight[pixel] = static_cast<float>(sum.weight);
+  out.coverage[pixel] = static_cast<float>(sum.coverage);
+  out.back_face[pixel] = static_cast<std::uint8_t>(sum.facing < 0);
+}
+
+}  // namespace
+
+void
+Tile::begin(const FrameContext& frame, const ImageSize& size, std::size_t t)
+{
+  const auto columns = static_cast<std::size_t>(frame.bins.columns);
+  x0 = static_cast<int>(t % columns) * kTileSize;
+  y0 = static_cast<int>(t / columns) * kTileSize;
+  width = std::min(kTileSize, size.width - x0);
+  height = std::min(kTileSize, size.height - y0);
+  rays.resize(kTileSize * kTileSize);
+  first_depth.assign(kTileSize * kTileSize, kInfinity);
+  sums.assign(kTileSize * kTileSize, BlendSum());
+  for (int y = y0; y < y0 + height; ++y) {
+    for (int x = x0; x < x0 + width; ++x) rays[index(x, y)] = frame.rays.ray(x, y);
+  }
+}
+
+PixelRect
+Tile::clip(const PixelRect& rect) const
+{
+  return {std::max(rect.x0, x0), std::max(rect.y0, y0), std::min(rect.x1, x0 + width - 1),
+          std::min(rect.y1, y0 + height - 1)};
+}
+
+void
+findFirstIntersections(const FrameContext& frame, std::size_t t, Tile& tile,
+                       RenderStatistics& statistics)
+{
+  constexpr std::uint64_t kLookEvery = 16;  // entries between looks at the whole tile's depth
+  const SurfelBins& bins = frame.bins;
+  for (std::uint64_t e = bins.begin[t]; e < bins.begin[t + 1]; ++e) {
+    const VisibleLeaf& leaf = bins.leaves[bins.entries[e]];
+    if (frame.skip && (e - bins.begin[t]) % kLookEvery == 0 && leaf.nearest > farthest(tile)) {
+      statistics.occluded_entries += bins.begin[t + 1] - e;
+      return;  // entries are sorted: every later one is as far
+    }
+    const PixelRect rect = tile.clip(leaf.first);
+    if (rect.empty()) continue;
+    const RaySurfel surfel(frame.surface, leaf.surfel);
+    for (int y = rect.y0; y <= rect.y1; ++y) {
+      for (int x = rect.x0; x <= rect.x1; ++x) {
+        const std::size_t pixel = tile.index(x, y);
+        double& first = tile.first_depth[pixel];
+        if (leaf.nearest > first) continue;
+        first = std::min(first,
+                         firstRoot(frame, surfel, tile.rays[pixel], first, statistics.rays_first));
+      }
+    }
+  }
+}
+
+void
+gatherBlends(const FrameContext& frame, std::size_t t, Tile& tile, RenderStatistics& statistics)
+{
+  const SurfelBins& bins = frame.bins;
+  double last = 0.0;
+  for (const double depth : tile.first_depth) {
+    if (depth < kInfinity) last = std::max(last, depth);
+  }
+  for (std::uint64_t e = bins.begin[t]; e < bins.begin[t + 1]; ++e) {
+    const VisibleLeaf& leaf = bins.leaves[bins.entries[e]];
+    if (frame.skip && leaf.nearest > last) return;
+    const PixelRect rect = tile.clip(leaf.blend);
+    if (rect.empty()) continue;
+    const RaySurfel surfel(frame.surface, leaf.surfel);
+    for (int y = rect.y0; y <= rect.y1; ++y) {
+      for (int x = rect.x0; x <= rect.x1; ++x) {
+        const std::size_t pixel = tile.index(x, y);
+        const double first = tile.first_depth[pixel];
+        if (!(first < kInfinity)) continue;
+        blendLeaf(frame, surfel, leaf.surfel, tile.rays[pixel], first, tile.sums[pixel],
+                  statistics.rays_blend);
+      }
+    }
+  }
+}
+
+void
+resolveTile(const FrameContext& frame, const Tile& tile, GBuffer& buffer,
+            RenderStatistics& statistics)
+{
+  for (int y = tile.y0; y < tile.y0 + tile.height; ++y) {
+    for (int x = tile.x0; x < tile.x0 + tile.width; ++x) {
+      const std::size_t pixel = tile.index(x, y);
+      const BlendSum& sum = tile.sums[pixel];
+      if (sum.surfel == GBuffer::kNothing) continue;
+      writePixel(frame, tile.rays[pixel], tile.first_depth[pixel], sum, buffer.index(x, y), buffer);
+      ++statistics.covered_pixels;
+    }
+  }
+}
+
+}  // namespace pcl_slim

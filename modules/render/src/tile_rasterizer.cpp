@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/render/tile_rasterizer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "camera_rays.h"
+#include "pcl_slim/core/parallel.h"
+#include "surfel_bins.h"
+#include "tile_passes.h"
+
+namespace pcl_slim {
+namespace {
+
+constexpr double kMaxShrink = 0.95;  ///< at the very rim a leaf has no weight to blend with
+
+bool
+frontOnly(const SLIMSurface& surface, VisibleSides sides)
+{
+  return sides == VisibleSides::kFront || (sides == VisibleSides::kAuto && surface.info.oriented);
+}
+
+}  // namespace
+
+Error
+RenderParams::validate() const
+{
+  if (!(shrink >= 0.0 && shrink <= kMaxShrink)) {
+    return {ErrorCode::kBadArgument, "the ball's shrink factor must be 0 (automatic) to 0.95"};
+  }
+  if (!(near_plane >= 0.0 && std::isfinite(near_plane))) {
+    return {ErrorCode::kBadArgument, "the near plane must be a finite distance, 0 or more"};
+  }
+  return {};
+}
+
+RenderStatistics&
+RenderStatistics::operator+=(const RenderStatistics& other)
+{
+  leaves += other.leaves;
+  outside_frustum += other.outside_frustum;
+  back_facing += other.back_facing;
+  tile_entries += other.tile_entries;
+  occluded_entries += other.occluded_entries;
+  rays_first += other.rays_first;
+  rays_blend += other.rays_blend;
+  covered_pixels += other.covered_pixels;
+  return *this;
+}
+
+Error
+renderSurface(const SLIMSurface& surface, const Camera& camera, const RenderParams& params,
+              GBuffer& buffer, RenderStatistics* statistics)
+{
+  buffer.resize(0, 0);
+  if (Error error = camera.validate()) return error;
+  if (Error error = params.validate()) return error;
+  if (Error error = surface.validate()) return error;
+  buffer.resize(camera.size.width, camera.size.height);
+
+  const int threads = resolveThreads(params.threads);
+  const double wanted = params.shrink > 0.0 ? params.shrink : surface.info.cover_radius;
+  const double shrink = std::clamp(wanted, 0.05, kMaxShrink);
+  const double near_plane = params.near_plane / surface.info.scale;
+  const bool front_only = frontOnly(surface, params.sides);
+  RenderStatistics total;
+  const CameraRays rays(camera, surface.info.origin, surface.info.scale);
+  const SurfelBins bins = binLeaves(surface, rays, camera.size, shrink, near_plane,
+                                    front_only && params.skip, threads, total);
+  const FrameContext frame{surface, rays, bins, shrink, near_plane, front_only, params.skip};
+
+  std::vector<Tile> tiles(static_cast<std::size_t>(threads));
+  std::vector<RenderStatistics> per_thread(static_cast<std::size_t>(threads));
+  parallelFor(bins.numTiles(), threads, 1, [&](std::size_t t, int thread) {
+    Tile& tile = tiles[static_cast<std::size_t>(thread)];
+    RenderStatistics& counts = per_thread[static_cast<std::size_t>(thread)];
+    if (bins.begin[t] == bins.begin[t + 1]) return;
+    tile.begin(frame, camera.size, t);
+    findFirstIntersections(frame, t, tile, counts);
+    gatherBlends(frame, t, tile, counts);
+    resolveTile(frame, tile, buffer, counts);
+  });
+  for (const RenderStatistics& counts : per_thread) total += counts;
+  if (statistics) *statistics = total;
+  return {};
+}
+
+}  // namespace pcl_slim
