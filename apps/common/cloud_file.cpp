@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/cloud_file.h"
+
+#include <pcl/features/normal_3d_omp.h>
+#include <pcl/search/kdtree.h>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+
+#include "pcl_slim/core/parallel.h"
+
+namespace pcl_slim {
+
+namespace {
+
+constexpr const char* kCoordinates[3] = {"x", "y", "z"};
+constexpr const char* kNormals[3] = {"normal_x", "normal_y", "normal_z"};
+
+bool
+findTriple(const pcl::PCLPointCloud2& cloud, const char* const (&names)[3],
+           const pcl::PCLPointField* (&fields)[3])
+{
+  for (int k = 0; k < 3; ++k) {
+    const int i = findField(cloud, names[k]);
+    if (i < 0) return false;
+    fields[k] = &cloud.fields[static_cast<std::size_t>(i)];
+  }
+  return true;
+}
+
+/** Whether three fields are consecutive values of this type at addresses aligned for it. */
+bool
+usableInPlace(const pcl::PCLPointCloud2& cloud, const pcl::PCLPointField* const (&fields)[3],
+              std::uint8_t type, std::size_t size)
+{
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (fields[k]->datatype != type || fields[k]->offset != fields[0]->offset + k * size)
+      return false;
+  }
+  const auto address = reinterpret_cast<std::uintptr_t>(cloud.data.data()) + fields[0]->offset;
+  return address % size == 0 && cloud.point_step % size == 0;
+}
+
+template <typename T>
+std::vector<T>
+copyTriple(const pcl::PCLPointCloud2& cloud, const pcl::PCLPointField* const (&fields)[3])
+{
+  std::vector<T> values(numPoints(cloud) * 3);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    values[i] = static_cast<T>(fieldValue(cloud, i / 3, *fields[i % 3]));
+  }
+  return values;
+}
+
+std::array<double, 3>
+position(const CloudView& view, std::size_t i)
+{
+  std::array<double, 3> p{};
+  const auto* at = static_cast<const unsigned char*>(view.xyz) + i * view.xyz_stride;
+  if (view.scalar == CloudView::Scalar::kDouble) {
+    std::memcpy(p.data(), at, sizeof(p));
+  } else {
+    std::array<float, 3> q{};
+    std::memcpy(q.data(), at, sizeof(q));
+    p = {q[0], q[1], q[2]};
+  }
+  return p;
+}
+
+bool
+isFinite(const std::array<double, 3>& p)
+{
+  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+}
+
+/** Sum of the faces' area vectors around each vertex, made unit; zero where there is no face. */
+std::vector<float>
+meshNormals(const PointFile& file, const CloudView& view)
+{
+  std::vector<std::array<double, 3>> sums(view.size);
+  for (std::size_t f = 0; f < file.numFaces(); ++f) {
+    const std::uint32_t* corners = file.face_vertices.data() + file.face_begin[f];
+    const std::uint32_t count = file.face_begin[f + 1] - file.face_begin[f];
+    if (count < 3) continue;
+    const std::array<double, 3> o = position(view, corners[0]);
+    std::array<double, 3> area{};
+    for (std::uint32_t k = 1; k + 1 < count; ++k) {
+      const std::array<double, 3> p = position(view, corners[k]),
+                                  q = position(view, corners[k + 1]);
+      for (std::size_t a = 0; a < 3; ++a) {
+        const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
+        area[a] += (p[b] - o[b]) * (q[c] - o[c]) - (p[c] - o[c]) * (q[b] - o[b]);
+      }
+    }
+    if (!isFinite(area)) continue;
+    for (std::uint32_t k = 0; k < count; ++k) {
+      for (std::size_t a = 0; a < 3; ++a) sums[corners[k]][a] += area[a];
+    }
+  }
+  std::vector<float> normals(view.size * 3, 0.0f);
+  for (std::size_t i = 0; i < view.size; ++i) {
+    const double length = std::hypot(sums[i][0], sums[i][1], sums[i][2]);
+    if (!(length > 0.0)) continue;
+    for (std::size_t a = 0; a < 3; ++a)
+      normals[3 * i + a] = static_cast<float>(sums[i][a] / length);
+  }
+  return normals;
+}
+
+void
+adoptNormals(CloudFile& cloud)
+{
+  const pcl::PCLPointField* fields[3];
+  if (findTriple(cloud.file.cloud, kNormals, fields)) {
+    cloud.normal_source = NormalSource::kFields;
+    if (!usableInPlace(cloud.file.cloud, fields, pcl::PCLPointField::FLOAT32, sizeof(float))) {
+      cloud.normals = copyTriple<float>(cloud.file.cloud, fields);
+    }
+  } else if (cloud.file.numFaces() > 0) {
+    cloud.normals = meshNormals(cloud.file, cloud.view());
+    cloud.normal_source = NormalSource::kMesh;
+  }
+}
+
+}  // namespace
+
+CloudView
+CloudFile::view(bool with_normals) const
+{
+  CloudView view;
+  const pcl::PCLPointField* fields[3];
+  view.size = size();
+  view.scalar = double_precision ? CloudView::Scalar::kDouble : CloudView::Scalar::kFloat;
+  if (!xyz.empty()) {
+    view.scalar = CloudView::Scalar::kDouble;
+    view.xyz = xyz.data();
+    view.xyz_stride = 3 * sizeof(double);
+  } else if (findTriple(file.cloud, kCoordinates, fields)) {
+    view.xyz = file.cloud.data.data() + fields[0]->offset;
+    view.xyz_stride = file.cloud.point_step;
+  }
+  if (!with_normals || normal_source == NormalSource::kNothing) return view;
+  if (!normals.empty()) {
+    view.normal = normals.data();
+    view.normal_stride = 3 * sizeof(float);
+  } else if (findTriple(file.cloud, kNormals, fields)) {
+    view.normal = file.cloud.data.data() + fields[0]->offset;
+    view.normal_stride = file.cloud.point_step;
+  }
+  return view;
+}
+
+Result<CloudFile>
+loadCloudFile(const std::string& path)
+{
+  Result<PointFile> file = loadPointFile(path);
+  if (!file) return file.error();
+  CloudFile cloud;
+  cloud.file = std::move(*file);
+  const pcl::PCLPointCloud2& points = cloud.file.cloud;
+  const pcl::PCLPointField* fields[3];
+  if (!findTriple(points, kCoordinates, fields)) {
+    return Error{ErrorCode::kBadInput, "'" + path + "' has no fields x y z; name a point cloud"};
+  }
+  cloud.double_precision =
+      usableInPlace(points, fields, pcl::PCLPointField::FLOAT64, sizeof(double));
+  if (!cloud.double_precision &&
+      !usableInPlace(points, fields, pcl::PCLPointField::FLOAT32, sizeof(float))) {
+    cloud.xyz = copyTriple<double>(points, fields);
+    cloud.double_precision = true;
+  }
+  const CloudView view = cloud.view();
+  for (std::size_t i = 0; i < view.size; ++i) {
+    cloud.num_non_finite += isFinite(position(view, i)) ? 0 : 1;
+  }
+  adoptNormals(cloud);
+  return cloud;
+}
+
+void
+estimateNormals(int k, const std::vector<double>& viewpoint, int threads, CloudFile& cloud)
+{
+  const CloudView view = cloud.view();
+  auto points = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+  std::vector<std::size_t> source;
+  std::array<double, 3> origin{};
+  for (std::size_t i = 0; i < view.size; ++i) {
+    const std::array<double, 3> p = position(view, i);
+    if (!isFinite(p)) continue;
+    if (source.empty()) origin = p;  // float holds what is near
+    source.push_back(i);
+    points->push_back(pcl::PointXYZ(static_cast<float>(p[0] - origin[0]),
+                                    static_cast<float>(p[1] - origin[1]),
+                                    static_cast<float>(p[2] - origin[2])));
+  }
+  cloud.normals.assign(view.size * 3, 0.0f);
+  cloud.normal_source = NormalSource::kEstimated;
+  if (points->empty()) return;
+  std::array<double, 3> eye{cloud.file.sensor_origin[0], cloud.file.sensor_origin[1],
+                            cloud.file.sensor_origin[2]};
+  if (viewpoint.size() == 3) eye = {viewpoint[0], viewpoint[1], viewpoint[2]};
+  pcl::NormalEstimationOMP<pcl::PointXYZ, pcl::Normal> estimation(
+      static_cast<unsigned int>(resolveThreads(threads)));
+  estimation.setInputCloud(points);
+  estimation.setSearchMethod(std::make_shared<pcl::search::KdTree<pcl::PointXYZ>>());
+  estimation.setKSearch(k);
+  estimation.setViewPoint(static_cast<float>(eye[0] - origin[0]),
+                          static_cast<float>(eye[1] - origin[1]),
+                          static_cast<float>(eye[2] - origin[2]));
+  pcl::PointCloud<pcl::Normal> estimated;
+  estimation.compute(estimated);
+  for (std::size_t i = 0; i < source.size(); ++i) {
+    std::memcpy(&cloud.normals[3 * source[i]], estimated[i].normal, 3 * sizeof(float));
+  }
+}
+
+}  // namespace pcl_slim

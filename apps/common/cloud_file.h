@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pcl_slim/cloud/cloud_view.h"
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/filters/point_file.h"
+
+namespace pcl_slim {
+
+/** \brief Where a cloud's normals come from. */
+enum class NormalSource { kNothing, kFields, kMesh, kEstimated };
+
+/** \brief A scan as a program works on it: the file with all its fields, and a view of its points.
+ *
+ * Coordinates are read in the file's own precision, in place where they lie as CloudView wants
+ * them. Normals come from the fields normal_x normal_y normal_z or, for a mesh, from its faces,
+ * weighted by area; vertices no face names then have none.
+ */
+struct CloudFile {
+  PointFile file;
+  std::vector<double> xyz;     ///< coordinates, where they could not be used in place
+  std::vector<float> normals;  ///< normals, likewise, and those made here
+  NormalSource normal_source = NormalSource::kNothing;
+  bool double_precision = false;
+  std::uint64_t num_non_finite = 0;  ///< points with a NaN or infinite coordinate
+
+  std::size_t size() const { return numPoints(file.cloud); }
+
+  /** \brief A view of the points; valid while this object lives and is not changed. */
+  CloudView view(bool with_normals = true) const;
+};
+
+/** \brief Loads a .pcd or .ply file. A missing, foreign, truncated or coordinate-less file gives
+ * an error; one without points does not. */
+Result<CloudFile>
+loadCloudFile(const std::string& path);
+
+/** \brief Replaces the normals by PCL's, from the k nearest neighbours of each point.
+ *
+ * They point to the viewpoint (world coordinates; empty: the origin of the file's sensor).
+ * Points without k finite neighbours get none. \param[in] threads 0: all cores.
+ */
+void
+estimateNormals(int k, const std::vector<double>& viewpoint, int threads, CloudFile& cloud);
+
+}  // namespace pcl_slim

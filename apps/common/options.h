@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pcl_slim {
+
+/** \brief Exit status of every program. */
+enum ExitStatus : int {
+  kExitDone = 0,
+  kExitFailed = 1,         ///< the work failed; no output file is left
+  kExitUsage = 2,          ///< unknown or malformed option, missing or unreadable input
+  kExitInterrupted = 130,  ///< stopped by Ctrl-C
+};
+
+/** \brief A program's arguments: each declared once, for parsing, help and documentation.
+ *
+ * Options have one dash and a separate value, as PCL's tools do. A target's value at the time of
+ * declaration is the default that the help shows; targets must outlive parse().
+ */
+class OptionTable {
+ public:
+  /** \param[in] summary one sentence shown above the options. */
+  OptionTable(std::string program, std::string version, std::string summary);
+
+  /** \brief The next argument without a dash; all of them must be given. */
+  void positional(const std::string& name, std::string* target, const std::string& help);
+
+  void integer(const std::string& name, int* target, std::int64_t low, std::int64_t high,
+               const std::string& help);
+  void integer(const std::string& name, std::uint64_t* target, std::uint64_t low,
+               std::uint64_t high, const std::string& help);
+  /** \brief A finite number in [low, high]. \param[in] unset text shown instead of a default 0. */
+  void number(const std::string& name, double* target, double low, double high,
+              const std::string& help, const std::string& unset = "");
+  /** \brief A switch: 0 or 1. */
+  void toggle(const std::string& name, bool* target, const std::string& help);
+  /** \brief Text; value_name stands for it in the help. */
+  void text(const std::string& name, std::string* target, const std::string& value_name,
+            const std::string& help);
+  /** \brief One of a few words. */
+  void choice(const std::string& name, std::string* target, const std::vector<std::string>& words,
+              const std::string& help);
+  /** \brief Numbers separated by commas, as many as value_name has parts ("X,Y,Z"); when not
+   * given, the target stays empty. */
+  void numbers(const std::string& name, std::vector<double>* target, const std::string& value_name,
+               const std::string& help);
+  /** \brief Of these options at most one may be given. */
+  void exclusive(const std::vector<std::string>& names);
+
+  /** \brief Reads the command line into the targets.
+   *
+   * \return nothing when the program should run; otherwise the status to exit with, after the
+   * help (status 0) or one line naming the mistake and the remedy (status 2) has been printed.
+   */
+  std::optional<int> parse(int argc, const char* const* argv);
+
+  /** \brief Whether an option was on the command line. */
+  bool given(const std::string& name) const;
+
+  const std::string& program() const { return program_; }
+  const std::string& version() const { return version_; }
+
+  /** \brief The text of -h. */
+  std::string help() const;
+  /** \brief The options as a Markdown table: what docs/ holds. */
+  std::string markdown() const;
+
+ private:
+  enum class Kind { kInteger, kUnsigned, kNumber, kToggle, kText, kChoice, kNumbers };
+
+  struct Option {
+    std::string name;
+    Kind kind = Kind::kText;
+    void* target = nullptr;
+    double low = 0, high = 0;
+    std::string value_name, help, default_text;
+    std::vector<std::string> words;
+    bool given = false;
+  };
+  struct Positional {
+    std::string name, help;
+    std::string* target = nullptr;
+  };
+
+  Option& add(const std::string& name, Kind kind, void* target, const std::string& help);
+  std::string parseArguments(int argc, const char* const* argv);
+  std::string assign(Option& option, const std::string& value);
+  std::string syntax() const;
+  std::string nearestName(const std::string& name) const;
+  const Option* find(const std::string& name) const;
+
+  std::string program_, version_, summary_;
+  std::vector<Positional> positionals_;
+  std::vector<Option> options_;
+  std::vector<std::vector<std::string>> exclusive_;
+};
+
+}  // namespace pcl_slim

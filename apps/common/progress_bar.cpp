@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/progress_bar.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+
+namespace pcl_slim {
+
+namespace {
+
+std::atomic<Progress*> g_running{nullptr};
+
+extern "C" void
+cancelRunning(int signal)
+{
+  if (Progress* progress = g_running.load()) progress->cancel();
+  std::signal(signal, SIG_DFL);  // the second Ctrl-C does not wait
+}
+
+}  // namespace
+
+Console::Console(bool quiet)
+    : quiet_(quiet),
+      terminal_(!quiet && isatty(STDOUT_FILENO) == 1),
+      progress_([this](float fraction, const char* stage) { showBar(fraction, stage); })
+{
+  g_running.store(&progress_);
+  std::signal(SIGINT, cancelRunning);
+}
+
+Console::~Console()
+{
+  g_running.store(nullptr);
+  std::signal(SIGINT, SIG_DFL);
+}
+
+void
+Console::begin(const std::string& what)
+{
+  line_ = "> " + what + " ";
+  if (quiet_) return;
+  std::fputs(line_.c_str(), stdout);
+  std::fflush(stdout);
+}
+
+void
+Console::done(double seconds, const std::string& detail)
+{
+  if (quiet_) return;
+  clearBar();
+  std::printf("[done, %.4g ms : %s]\n", seconds * 1e3, detail.c_str());
+  std::fflush(stdout);
+}
+
+void
+Console::failed()
+{
+  if (quiet_) return;
+  clearBar();
+  std::puts("[failed]");
+  std::fflush(stdout);
+}
+
+void
+Console::note(const std::string& text)
+{
+  if (!quiet_) std::printf("%s\n", text.c_str());
+}
+
+void
+Console::showBar(float fraction, const char* stage)
+{
+  if (!terminal_) return;
+  const int percent = std::clamp(static_cast<int>(std::lround(fraction * 100.0f)), 0, 100);
+  if (percent == shown_percent_ && shown_stage_ == stage) return;
+  shown_percent_ = percent;
+  shown_stage_ = stage;
+  constexpr int kWidth = 24;
+  const int filled = percent * kWidth / 100;
+  const std::string bar = std::string(static_cast<std::size_t>(filled), '#') +
+                          std::string(static_cast<std::size_t>(kWidth - filled), '.');
+  std::printf("\r\033[K%s%s %3d %% %s", line_.c_str(), bar.c_str(), percent, stage);
+  std::fflush(stdout);
+}
+
+void
+Console::clearBar()
+{
+  if (shown_percent_ < 0) return;
+  shown_percent_ = -1;
+  std::printf("\r\033[K%s", line_.c_str());
+}
+
+}  // namespace pcl_slim

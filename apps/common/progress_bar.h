@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "pcl_slim/core/progress.h"
+
+namespace pcl_slim {
+
+/** \brief What a program says while it works, in the manner of PCL's tools:
+ * "> Loading scan.pcd [done, 12 ms : 34817 points]".
+ *
+ * On a terminal a bar shows how far a stage is. With quiet nothing is written. Ctrl-C cancels
+ * the running work through progress(); a second Ctrl-C ends the program at once.
+ */
+class Console {
+ public:
+  explicit Console(bool quiet);
+  ~Console();
+  Console(const Console&) = delete;
+  Console& operator=(const Console&) = delete;
+
+  /** \brief Begins a line: "> Loading scan.pcd ". */
+  void begin(const std::string& what);
+  /** \brief Ends the line: "[done, 12 ms : detail]". */
+  void done(double seconds, const std::string& detail);
+  /** \brief Ends the line without success. */
+  void failed();
+  /** \brief A line of its own. */
+  void note(const std::string& text);
+
+  Progress& progress() { return progress_; }
+  bool interrupted() const { return progress_.cancelled(); }
+
+ private:
+  void showBar(float fraction, const char* stage);
+  void clearBar();
+
+  bool quiet_, terminal_;
+  int shown_percent_ = -1;
+  std::string line_, shown_stage_;
+  Progress progress_;
+};
+
+}  // namespace pcl_slim
