@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/fit_job.h"
+
+#include "pcl_slim/cloud/point_store.h"
+
+namespace pcl_slim {
+
+namespace {
+
+constexpr std::uint64_t kMany = 1000000000000000000u;
+
+const char*
+normalSourceName(NormalSource source)
+{
+  switch (source) {
+    case NormalSource::kFields: return "fields";
+    case NormalSource::kMesh: return "mesh";
+    case NormalSource::kEstimated: return "estimated";
+    default: return "none";
+  }
+}
+
+void
+reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatistics& fit,
+          Report& report)
+{
+  auto& json = report.json();
+  const PointStoreStatistics& points = store.statistics();
+  json["stored_points"] = store.size();
+  json["surfels"] = surface.size();
+  json["leaves"] = fit.leaves;
+  json["internals"] = fit.internals;
+  json["levels"] = surface.numLevels();
+  json["first_level"] = fit.first_level;
+  json["last_level"] = fit.last_level;
+  json["leaves_per_level"] = fit.leaves_per_level;
+  json["degree"] = surface.info.degree;
+  json["penalty"] = fit.penalty;
+  json["t_mdl"] = fit.t_mdl;
+  json["lambda"] = fit.lambda;
+  json["diagonal"] = store.diagonal() * store.scale();
+  json["rms_error_over_diagonal"] = fit.rms_error;
+  json["uncovered"] = fit.uncovered;
+  json["unsupported"] = fit.unsupported;
+  json["forced"] = fit.forced;
+  json["reduced_degree"] = fit.reduced_degree;
+  json["split_sheets"] = fit.split_sheets;
+  json["oriented"] = surface.info.oriented;
+  json["fits"] = fit.fits;
+  json["gathered"] = fit.gathered;
+  json["store_bytes"] = store.memoryBytes();
+  json["working_bytes"] = fit.working_bytes;
+  json["skipped"] = {
+      {"non_finite", points.non_finite},      {"without_normal", points.without_normal},
+      {"duplicates", points.duplicates},      {"lone_normals", fit.skipped_normals},
+      {"never_gathered", fit.never_gathered}, {"levels", fit.levels_skipped}};
+  report.time("noise", fit.seconds_noise);
+  report.time("cover", fit.seconds_cover);
+  report.time("links", fit.seconds_links);
+  report.time("orient", fit.seconds_orient);
+}
+
+/** "32 non-finite, 4 duplicate points skipped", or nothing. */
+std::string
+skippedText(const PointStoreStatistics& points)
+{
+  std::string text;
+  const auto add = [&text](std::uint64_t count, const char* what) {
+    if (count > 0) text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + what;
+  };
+  add(points.non_finite, "non-finite");
+  add(points.without_normal, "without normal");
+  add(points.duplicates, "duplicate");
+  return text.empty() ? text : text + " points skipped";
+}
+
+}  // namespace
+
+void
+declareFitOptions(OptionTable& options, FitJob& job)
+{
+  options.integer("degree", &job.params.degree, 1, 4, "degree of the polynomials");
+  options.number("penalty", &job.params.penalty, 1e-6, 1e6,
+                 "weight of the price of a coefficient; larger is smoother");
+  options.number("t_mdl", &job.params.t_mdl, 1e-9, 1e3, "the paper's T_MDL in place of -penalty",
+                 "off");
+  options.number("target_error", &job.params.target_error, 1e-12, 1,
+                 "RMS residual to reach, as a share of the box diagonal", "off");
+  options.integer("max_surfels", &job.params.max_surfels, 1, kMany,
+                  "most leaves allowed; 0 when not given");
+  options.toggle("sharp", &job.params.sharp_features, "keep sharp edges; needs normals");
+  options.toggle("robust", &job.params.robust, "reweight residuals against outliers");
+  options.toggle("paper", &job.params.paper_mode,
+                 "the choices of Ohtake, Belyaev, Alexa 2005 throughout");
+  options.toggle("compact", &job.compact,
+                 "leaves cover their whole balls: fewer surfels, thinner overlap");
+  options.number("lambda", &job.params.lambda, 1e-30, 1,
+                 "noise variance, as a share of the squared box diagonal", "estimated");
+  options.numbers("viewpoint", &job.viewpoint, "X,Y,Z",
+                  "the side that the normals of a scan without normals shall face");
+  options.integer("estimate_normals", &job.normal_neighbours, 3, 10000,
+                  "estimate normals from N neighbours, as PCL does; 0 when not given");
+  options.toggle("use_normals", &job.use_normals, "use the scan's own normals or faces");
+  options.integer("threads", &job.params.threads, 0, 4096,
+                  "threads, 0: all cores; never changes the result");
+  options.integer("seed", &job.params.seed, 0, kMany,
+                  "seed of the order in which centres are tried");
+  options.exclusive({"penalty", "t_mdl", "target_error", "max_surfels"});
+}
+
+Error
+finishFitOptions(FitJob& job)
+{
+  if (job.compact) job.params.cover_radius = 1.0;
+  job.params.has_viewpoint = job.viewpoint.size() == 3;
+  for (std::size_t a = 0; a < job.viewpoint.size(); ++a) {
+    job.params.viewpoint[a] = job.viewpoint[a];
+  }
+  return job.params.validate();
+}
+
+Result<CloudFile>
+loadScan(const std::string& path, const FitJob& job, Console& console, Report& report)
+{
+  const Stopwatch watch;
+  console.begin("Loading " + path);
+  Result<CloudFile> cloud = loadCloudFile(path);
+  if (!cloud) {
+    console.failed();
+    return cloud;
+  }
+  report.json()["points"] = cloud->size();
+  report.time("load", watch.seconds());
+  console.done(watch.seconds(), std::to_string(cloud->size()) + " points");
+  if (job.normal_neighbours > 0) {
+    const Stopwatch estimation;
+    console.begin("Estimating normals");
+    estimateNormals(job.normal_neighbours, job.viewpoint, job.params.threads, *cloud);
+    report.time("normals", estimation.seconds());
+    console.done(estimation.seconds(), std::to_string(job.normal_neighbours) + " neighbours");
+  }
+  report.json()["normals"] = normalSourceName(
+      job.use_normals || job.normal_neighbours > 0 ? cloud->normal_source : NormalSource::kNothing);
+  return cloud;
+}
+
+Error
+fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& report,
+        SLIMSurface& surface)
+{
+  Stopwatch watch;
+  console.begin("Preparing");
+  const Result<PointStore> store = PointStore::build(
+      cloud.view(job.use_normals || job.normal_neighbours > 0), job.params.threads);
+  if (!store) {
+    console.failed();
+    return store.error();
+  }
+  report.time("prepare", watch.seconds());
+  console.done(watch.seconds(), std::to_string(store->size()) + " points");
+  const std::string skipped = skippedText(store->statistics());
+  if (!skipped.empty()) console.note("  " + skipped);
+
+  watch = Stopwatch();
+  console.begin("Fitting");
+  FitStatistics statistics;
+  if (Error error = fitSurface(*store, job.params, surface, &statistics, &console.progress())) {
+    console.failed();
+    return error;
+  }
+  report.time("fit", watch.seconds());
+  reportFit(*store, surface, statistics, report);
+  console.done(watch.seconds(), std::to_string(statistics.leaves) + " leaves, " +
+                                    std::to_string(surface.numLevels()) + " levels");
+  if (statistics.uncovered > 0) {
+    console.note("  " + std::to_string(statistics.uncovered) + " points not covered, " +
+                 std::to_string(statistics.unsupported) + " of them inside no surfel");
+  }
+  return {};
+}
+
+}  // namespace pcl_slim

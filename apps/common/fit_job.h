@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/cloud_file.h"
+#include "common/options.h"
+#include "common/progress_bar.h"
+#include "common/report.h"
+#include "pcl_slim/slim/fit.h"
+
+namespace pcl_slim {
+
+/** \brief From a scan's file to its surface: the options, steps and report entries of every
+ * program that fits. */
+struct FitJob {
+  FitParams params;
+  std::vector<double> viewpoint;
+  bool compact = false, use_normals = true;
+  int normal_neighbours = 0;
+};
+
+/** \brief Adds the options of a fit. The job must outlive the table's parse(). */
+void
+declareFitOptions(OptionTable& options, FitJob& job);
+
+/** \brief Brings the options read into the parameters and checks them. */
+Error
+finishFitOptions(FitJob& job);
+
+/** \brief Loads a scan, with normals as the job wants them; says and reports so. */
+Result<CloudFile>
+loadScan(const std::string& path, const FitJob& job, Console& console, Report& report);
+
+/** \brief Fits a surface to a scan; says and reports what was done and what was skipped. */
+Error
+fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& report,
+        SLIMSurface& surface);
+
+}  // namespace pcl_slim
