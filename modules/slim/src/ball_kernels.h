@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/core/aligned.h"
+#include "pcl_slim/slim/polynomial.h"
+#include "pcl_slim/slim/weight_kernel.h"
+
+namespace pcl_slim {
+
+/** \brief The points of one ball as columns, padded with weightless entries to whole vectors.
+ *
+ * After gathering: offsets from the centre in local units and their squared length. After
+ * toFrame(): frame coordinates and squared distance in units of the gather radius.
+ */
+struct BallBuffer {
+  AlignedVector<float> u, v, w, s_sq;
+  AlignedVector<float> prior;  ///< robust weights; empty: all 1
+  std::size_t count = 0;
+
+  static constexpr std::size_t kPadding = 64;
+
+  void
+  reserve(std::size_t capacity)
+  {
+    if (u.size() >= capacity + kPadding) return;
+    const std::size_t grown = capacity + capacity / 2 + kPadding;
+    for (auto* column : {&u, &v, &w, &s_sq}) column->resize(grown);
+  }
+};
+
+/** \brief A ball of stored points: its place, and the normal gate that keeps other sheets out. */
+struct BallQuery {
+  std::array<float, 3> center;
+  float radius;
+  const float* gate_normal = nullptr;  ///< null: every point counts
+  float min_dot = 0.0f;                ///< points need normal . gate_normal > min_dot
+};
+
+/** \brief Sums over a gathered ball, weighted by (1 - s^2)^4. */
+struct BallSums {
+  std::size_t inside = 0;               ///< points in the ball, gate or not
+  double weight = 0;
+  std::array<double, 3> normal{};       ///< weighted sum of normals (zero without normals)
+  std::array<double, 3> first{};        ///< weighted sum of offsets
+  std::array<double, 6> second{};       ///< of products xx, xy, xz, yy, yz, zz
+};
+
+/** \brief A weighted least-squares polynomial and the measures the radius search needs. */
+struct LocalFit {
+  int degree = 0;                              ///< 0: nothing could be fitted
+  std::array<double, kMaxCoefficients> c{};    ///< in units of the gather radius
+  double residual_sq = 0;                      ///< e^2 = sum w f^2 / sum w, gather radius squared
+  double n_eff = 0;                            ///< (sum w)^2 / sum w^2
+};
+
+/** \brief SIMD inner loops of modules/slim, compiled per instruction set and chosen at run time. */
+namespace kernels {
+
+/** \brief Gathers the gated points of a ball from the given blocks (ascending). */
+void
+gatherBall(const PointStore& store, const std::vector<std::uint32_t>& blocks,
+           const BallQuery& query, bool with_covariance, BallBuffer& ball, BallSums& sums);
+
+/** \brief Turns offsets into frame coordinates in units of radius. */
+void
+toFrame(const LocalFrame& frame, float radius, BallBuffer& ball);
+
+/** \brief Copies the points with s_sq below a limit. */
+void
+compactBall(const BallBuffer& ball, float limit_sq, BallBuffer& inner);
+
+/** \brief Copies the points whose residual lies in [low, high]. */
+void
+selectResiduals(const BallBuffer& ball, const float* residuals, float low, float high,
+                BallBuffer& kept);
+
+/** \brief Fits heights w over (u, v) with weights G(s / rho) to the points within rho.
+ *
+ * Falls back to the highest lower degree whose n_eff and pivots allow it.
+ * \param[in] support points n_eff needed per coefficient; \param[in] refine one step of iterative
+ * refinement, for the fit that is kept. */
+LocalFit
+fitBall(const BallBuffer& ball, int degree, float rho, WeightKernel kernel, double support,
+        bool refine);
+
+/** \brief Residuals w - h(u, v), padding included. \param[out] residuals count rounded up. */
+void
+ballResiduals(const BallBuffer& ball, const LocalFit& fit, float* residuals);
+
+/** \brief A leaf as the cover sees it. */
+struct CoverLeaf {
+  BallQuery ball;            ///< radius R = alpha r
+  LocalFrame frame;
+  int degree;
+  float support_radius;      ///< r
+  const float* c;            ///< coefficients in units of r
+  float max_residual;        ///< points farther from f = 0 are not covered
+};
+
+/** \brief Adds G(d / R) to the coverage of the points a leaf covers; touches no other. */
+void
+coverPoints(const PointStore& store, const std::vector<std::uint32_t>& blocks,
+            const CoverLeaf& leaf, WeightKernel kernel, float* coverage);
+
+/** \brief Sets the bits of value in the marks of a ball's gated points; touches no other. */
+void
+markPoints(const PointStore& store, const std::vector<std::uint32_t>& blocks,
+           const BallQuery& ball, std::uint8_t value, std::uint8_t* marks);
+
+}  // namespace kernels
+}  // namespace pcl_slim

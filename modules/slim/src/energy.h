@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <limits>
+
+#include "ball_kernels.h"
+
+namespace pcl_slim {
+
+/** \brief What a radius costs: residual plus a penalty on small balls. All in local units. */
+struct Energy {
+  double lambda = 0;    ///< noise variance
+  double kappa = 0;     ///< Mallows' Cp: kappa lambda P / n_eff, where t_mdl is 0
+  double t_mdl = 0;     ///< T_MDL L: the paper's penalty lambda (T L / r)^2
+  bool corrected = true;  ///< residual variance over n - P degrees of freedom (not in the paper)
+
+  /** \brief E(r) of a fit with radius r; gather_radius is the unit the fit was made in. */
+  double
+  operator()(const LocalFit& fit, double r, double gather_radius) const
+  {
+    const double terms = numCoefficients(fit.degree);
+    double e_sq = fit.residual_sq * gather_radius * gather_radius;
+    if (corrected) {
+      const double freedom = fit.n_eff - terms;
+      if (!(freedom > 0)) return std::numeric_limits<double>::infinity();
+      e_sq *= fit.n_eff / freedom;
+    }
+    if (t_mdl > 0) return e_sq + lambda * (t_mdl / r) * (t_mdl / r);  // eq. (3)
+    return e_sq + kappa * lambda * terms / fit.n_eff;
+  }
+};
+
+}  // namespace pcl_slim

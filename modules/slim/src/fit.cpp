@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/slim/fit.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "level_cover.h"
+#include "orientation.h"
+#include "pcl_slim/cloud/noise_level.h"
+#include "pcl_slim/core/parallel.h"
+#include "penalty_search.h"
+
+namespace pcl_slim {
+
+namespace {
+
+constexpr double kStartShare = 0.06;      ///< the first level's median ball holds at most so much
+constexpr std::size_t kStartSamples = 31;
+constexpr int kLastStart = 20;
+
+class Stopwatch {
+ public:
+  double
+  lap()
+  {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+FitSettings
+makeSettings(const PointStore& store, const FitParams& params)
+{
+  FitSettings s;
+  s.degree = params.degree;
+  s.alpha = params.cover_radius;
+  s.gamma = params.cover_threshold;
+  s.diagonal = store.diagonal();
+  s.center_grid = store.centerGrid();
+  s.with_normals = store.hasNormals();
+  s.min_dot = params.sharp_features ? 0.5f : 0.0f;
+  s.split_sheets = !store.hasNormals() && !params.paper_mode;
+  s.robust = params.robust;
+  s.seed = params.seed;
+  s.paper = params.paper_mode;
+  if (params.paper_mode) {
+    s.fit_kernel = s.wall_kernel = s.cover_kernel = WeightKernel::kGaussian;
+    s.lack_of_fit = 0;
+    s.residual_gate = 0;
+    s.skip_lone_normals = false;
+    s.energy.corrected = false;
+  }
+  if (params.t_mdl > 0) {
+    s.lenience = 1.0;
+    s.lack_of_fit = 0;
+  }
+  return s;
+}
+
+/** The paper's T_MDL belongs to its lambda; the default penalty to the residual estimate. */
+double
+noiseVariance(const PointStore& store, const FitParams& params, int threads)
+{
+  const double diagonal = store.diagonal();
+  if (params.lambda > 0) return params.lambda * diagonal * diagonal;
+  const bool paper = params.paper_mode || params.t_mdl > 0;
+  return estimateNoise(store, paper ? NoiseEstimator::kMinEigenvalue10 : NoiseEstimator::kCubicResidual,
+                       threads);
+}
+
+/** First level whose median ball holds a small share of the points: the box's size says nothing
+ * about the object's where one far point can stretch it. */
+int
+startLevel(const PointStore& store, const FitSettings& settings)
+{
+  if (settings.paper) return 1;
+  const std::size_t samples = std::min(kStartSamples, store.size());
+  const auto most = static_cast<std::size_t>(kStartShare * static_cast<double>(store.size()));
+  std::vector<std::uint32_t> blocks;
+  for (int level = 1; level < kLastStart; ++level) {
+    std::size_t crowded = 0;
+    for (std::size_t s = 0; s < samples; ++s) {
+      const auto p = store.position((2 * s + 1) * store.size() / (2 * samples));
+      const float center[3] = {static_cast<float>(p[0]), static_cast<float>(p[1]),
+                               static_cast<float>(p[2])};
+      blocks.clear();
+      // Blocks stand for their points: enough for a choice between factors of 1.6.
+      store.tree().blocksInBall(center, static_cast<float>(settings.levelRadius(level)), blocks);
+      crowded += blocks.size() * PointStore::kBlock > most + 4 * PointStore::kBlock;
+    }
+    if (2 * crowded <= samples) return level;
+  }
+  return kLastStart;
+}
+
+void
+fillSurface(const std::vector<SurfelRecord>& records, SLIMSurface& surface)
+{
+  surface.resize(records.size());
+  const auto stride = static_cast<std::size_t>(surface.stride());
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const SurfelRecord& r = records[i];
+    surface.cx[i] = r.center[0];
+    surface.cy[i] = r.center[1];
+    surface.cz[i] = r.center[2];
+    surface.nx[i] = r.normal[0];
+    surface.ny[i] = r.normal[1];
+    surface.nz[i] = r.normal[2];
+    surface.radius[i] = r.radius;
+    surface.error[i] = r.error;
+    surface.confidence[i] = r.confidence;
+    surface.degree[i] = r.degree;
+    surface.level[i] = r.level;
+    surface.flags[i] = r.flags;
+    std::copy_n(r.c.begin(), stride, surface.coefficients.begin() + static_cast<std::ptrdiff_t>(i * stride));
+  }
+}
+
+SurfaceInfo
+makeInfo(const PointStore& store, const FitParams& params, const FitSettings& settings)
+{
+  SurfaceInfo info;
+  info.degree = params.degree;
+  info.fit_kernel = settings.fit_kernel;
+  info.blend_kernel = params.paper_mode ? WeightKernel::kGaussian : WeightKernel::kPower4;
+  info.oriented = store.hasNormals();
+  info.paper_mode = params.paper_mode;
+  info.origin = store.origin();
+  info.scale = store.scale();
+  info.diagonal = store.diagonal();
+  info.lambda = settings.energy.lambda / (store.diagonal() * store.diagonal());
+  info.penalty = settings.energy.t_mdl > 0 ? 0.0 : settings.energy.kappa;
+  info.t_mdl = settings.energy.t_mdl / store.diagonal();
+  info.cover_radius = params.cover_radius;
+  info.cover_threshold = params.cover_threshold;
+  info.num_points = store.size();
+  return info;
+}
+
+void
+countSurfels(const SLIMSurface& surface, FitStatistics& stats)
+{
+  double weight = 0, sum = 0;
+  stats.leaves_per_level.assign(static_cast<std::size_t>(stats.last_level) + 1, 0);
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    stats.reduced_degree += surface.degree[i] < surface.info.degree;
+    if (!surface.isLeaf(i)) continue;
+    ++stats.leaves;
+    ++stats.leaves_per_level[surface.level[i]];
+    stats.forced += (surface.flags[i] & kSurfelForced) != 0;
+    weight += surface.confidence[i];
+    sum += static_cast<double>(surface.confidence[i]) * surface.error[i] * surface.error[i];
+  }
+  stats.internals = surface.size() - stats.leaves;
+  stats.rms_error = weight > 0 ? std::sqrt(sum / weight) / surface.info.diagonal : 0.0;
+}
+
+void
+countPoints(const PointStore& store, const FitSettings& settings, const LevelCover& cover,
+            FitStatistics& stats)
+{
+  for (std::size_t i = 0; i < store.size(); ++i) {
+    stats.uncovered += cover.coverage()[i] < settings.gamma;
+    stats.unsupported += cover.coverage()[i] <= 0.0f;
+  }
+  stats.skipped_normals = cover.numLoneNormals();
+  stats.split_sheets = cover.counters().split_sheets;
+  stats.gathered = cover.counters().gathered;
+  stats.never_gathered = store.size() - std::min<std::uint64_t>(store.size(), cover.counters().tried);
+  stats.fits = cover.numFits();
+  stats.last_level = cover.lastLevel();
+  stats.working_bytes = cover.peakBytes();
+}
+
+}  // namespace
+
+Error
+FitParams::validate() const
+{
+  const auto bad = [](const char* text) { return Error{ErrorCode::kBadArgument, text}; };
+  if (degree < 1 || degree > kMaxDegree) return bad("the polynomial degree must be 1, 2, 3 or 4");
+  if (!(penalty > 0) || !std::isfinite(penalty)) return bad("the penalty kappa must be positive");
+  if (!(t_mdl >= 0) || !std::isfinite(t_mdl)) return bad("T_MDL must be positive (0: unused)");
+  if (!(target_error >= 0 && target_error < 1)) return bad("the target error is a share of the diagonal: 0 to 1");
+  if (!(lambda >= 0) || !std::isfinite(lambda)) return bad("lambda must not be negative");
+  if (!(cover_radius > 0 && cover_radius <= 1)) return bad("the cover radius alpha must lie in (0, 1]");
+  if (!(cover_threshold > 0 && cover_threshold <= 1)) return bad("the cover threshold gamma must lie in (0, 1]");
+  if (target_error > 0 && max_surfels > 0) return bad("give a target error or a number of surfels, not both");
+  return {};
+}
+
+Error
+fitSurface(const PointStore& store, const FitParams& params, SLIMSurface& surface,
+           FitStatistics* statistics, Progress* progress)
+{
+  surface.clear();
+  if (Error error = params.validate()) return error;
+  FitStatistics stats;
+  const int threads = resolveThreads(params.threads);
+  Stopwatch watch;
+
+  FitSettings settings = makeSettings(store, params);
+  settings.energy.lambda = noiseVariance(store, params, threads);
+  settings.energy.kappa = params.penalty;
+  settings.energy.t_mdl = (params.paper_mode && params.t_mdl <= 0 ? 0.01 : params.t_mdl) * store.diagonal();
+  stats.seconds_noise = watch.lap();
+
+  if (params.target_error > 0 || params.max_surfels > 0) {
+    if (Error error = solvePenalty(store, params, settings, threads, progress)) return error;
+  }
+  stats.first_level = startLevel(store, settings);
+  LevelCover cover(store, settings, threads);
+  std::vector<SurfelRecord> records;
+  if (Error error = cover.run(stats.first_level, progress, records)) return error;
+  stats.seconds_cover = watch.lap();
+
+  surface.info = makeInfo(store, params, settings);
+  fillSurface(records, surface);
+  surface.buildLinks();
+  stats.seconds_links = watch.lap();
+  if (!store.hasNormals() && params.orient) orientSurface(params, surface);
+  stats.seconds_orient = watch.lap();
+
+  stats.points = store.size();
+  stats.threads = threads;
+  stats.levels_skipped = stats.first_level - 1;
+  stats.lambda = surface.info.lambda;
+  stats.penalty = surface.info.penalty;
+  stats.t_mdl = surface.info.t_mdl;
+  countPoints(store, settings, cover, stats);
+  countSurfels(surface, stats);
+  if (statistics != nullptr) *statistics = stats;
+  return {};
+}
+
+}  // namespace pcl_slim

@@ -1,0 +1,348 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Weighted least squares of a ball: moments in float SIMD, Cholesky in double.
+#include <algorithm>
+#include <cmath>
+
+#include "ball_kernels.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "fit_kernel.cpp"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+#include "kernel_math-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace pcl_slim::kernels::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr int kMaxMoments = 45;
+constexpr int kStride = 16;           ///< row length of the augmented system, 15 + 1 right-hand side
+constexpr double kPivotGate = 3e-6;   ///< float moments resolve relative pivots down to about here
+constexpr double kResidualGate = 1e-3;  ///< below this share of sum w z^2, float sums have lost it
+
+/** Moments sum W u^i v^j (rows of fixed i), sum W z u^i v^j, sum W z^2, sum W^2. */
+struct Moments {
+  double uv[kMaxMoments];
+  double z[kMaxCoefficients];
+  double zz;
+  double weight_sq;
+};
+
+/** Place of u^i v^j among the moments of degree 2D: rows of fixed i. */
+constexpr int
+momentIndex(int degree, int i, int j)
+{
+  return i * (2 * degree + 1) - i * (i - 1) / 2 + j;
+}
+
+constexpr int
+termIndex(int i, int j)
+{
+  return (i + j) * (i + j + 1) / 2 + j;
+}
+
+template <WeightKernel K>
+class WeightedBall {
+ public:
+  WeightedBall(const BallBuffer& ball, float rho)
+      : ball_(ball), inverse_sq_(hn::Set(Tag(), 1.0f / (rho * rho)))
+  {
+  }
+
+  /** Calls body(weight, u, v, w) for every group of lanes. */
+  template <typename Body>
+  HWY_INLINE void
+  forEach(const Body& body) const
+  {
+    const Tag d;
+    for (std::size_t i = 0; i < ball_.count; i += hn::Lanes(d)) {
+      auto weight = kernelWeight<K>(hn::Mul(hn::Load(d, ball_.s_sq.data() + i), inverse_sq_));
+      if (!ball_.prior.empty()) weight = hn::Mul(weight, hn::Load(d, ball_.prior.data() + i));
+      body(weight, hn::Load(d, ball_.u.data() + i), hn::Load(d, ball_.v.data() + i),
+           hn::Load(d, ball_.w.data() + i));
+    }
+  }
+
+ private:
+  const BallBuffer& ball_;
+  Vec inverse_sq_;
+};
+
+/** Rows First .. Last of the moments; few enough at a time that the sums stay in registers. */
+template <int D, int First, int Last, WeightKernel K>
+HWY_NOINLINE void
+momentRows(const WeightedBall<K>& ball, Moments& m)
+{
+  constexpr int kBegin = momentIndex(D, First, 0);
+  constexpr int kCount = momentIndex(D, Last, 2 * D - Last) + 1 - kBegin;
+  Vec sums[kCount];
+  Vec weight_sq = hn::Zero(Tag());
+  for (auto& sum : sums) sum = hn::Zero(Tag());
+  ball.forEach([&](Vec weight, Vec u, Vec v, Vec) HWY_ATTR {
+    if constexpr (First == 0) weight_sq = hn::MulAdd(weight, weight, weight_sq);
+    Vec base = weight;
+    unrolled<First>([&](auto) HWY_ATTR { base = hn::Mul(base, u); });
+    unrolled<Last - First + 1>([&](auto step) HWY_ATTR {
+      constexpr int kRow = First + step();
+      Vec term = base;
+      unrolled<2 * D - kRow + 1>([&](auto j) HWY_ATTR {
+        constexpr int kAt = momentIndex(D, kRow, j()) - kBegin;
+        sums[kAt] = hn::Add(sums[kAt], term);
+        if constexpr (j() < 2 * D - kRow) term = hn::Mul(term, v);
+      });
+      if constexpr (kRow < Last) base = hn::Mul(base, u);
+    });
+  });
+  for (int k = 0; k < kCount; ++k) m.uv[kBegin + k] = sumLanes(sums[k]);
+  if constexpr (First == 0) m.weight_sq = sumLanes(weight_sq);
+}
+
+/** Sums W z u^i v^j over all terms of degree D, and W z^2, for z = value(u, v, w). */
+template <int D, WeightKernel K, typename Value>
+HWY_INLINE void
+heightSums(const WeightedBall<K>& ball, const Value& value, double z_sums[], double& zz_sum)
+{
+  constexpr int kTerms = numCoefficients(D);
+  Vec sums[kTerms];
+  Vec zz = hn::Zero(Tag());
+  for (auto& sum : sums) sum = hn::Zero(Tag());
+  ball.forEach([&](Vec weight, Vec u, Vec v, Vec w) HWY_ATTR {
+    const Vec z = value(u, v, w);
+    Vec base = hn::Mul(weight, z);
+    zz = hn::MulAdd(base, z, zz);
+    unrolled<D + 1>([&](auto i) HWY_ATTR {
+      Vec term = base;
+      unrolled<D - i() + 1>([&](auto j) HWY_ATTR {
+        constexpr int kAt = termIndex(i(), j());
+        sums[kAt] = hn::Add(sums[kAt], term);
+        if constexpr (j() < D - i()) term = hn::Mul(term, v);
+      });
+      if constexpr (i() < D) base = hn::Mul(base, u);
+    });
+  });
+  for (int k = 0; k < kTerms; ++k) z_sums[k] = sumLanes(sums[k]);
+  zz_sum = sumLanes(zz);
+}
+
+template <int D, WeightKernel K>
+void
+computeMoments(const WeightedBall<K>& ball, Moments& m)
+{
+  if constexpr (D <= 2) {
+    momentRows<D, 0, 2 * D>(ball, m);
+  } else if constexpr (D == 3) {
+    momentRows<D, 0, 2>(ball, m);
+    momentRows<D, 3, 6>(ball, m);
+  } else {
+    momentRows<D, 0, 1>(ball, m);
+    momentRows<D, 2, 4>(ball, m);
+    momentRows<D, 5, 8>(ball, m);
+  }
+  heightSums<D>(ball, [](Vec, Vec, Vec w) HWY_ATTR { return w; }, m.z, m.zz);
+}
+
+struct Term {
+  int i, j;
+};
+
+constexpr Term kTerms[kMaxCoefficients] = {{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1},
+                                           {0, 2}, {3, 0}, {2, 1}, {1, 2}, {0, 3},
+                                           {4, 0}, {3, 1}, {2, 2}, {1, 3}, {0, 4}};
+
+/** The factor U of the normal equations A = U^T U, with U^-T b as last column. */
+class NormalEquations {
+ public:
+  /** Factors column by column in order of degree. \return coefficients whose pivots hold. */
+  template <int D>
+  int
+  factor(const Moments& m)
+  {
+    constexpr int kSize = numCoefficients(D);
+    for (int p = 0; p < kSize; ++p) {
+      double* row = rows_[p];
+      for (int q = p; q < kSize; ++q) {
+        row[q] = m.uv[momentIndex(D, kTerms[p].i + kTerms[q].i, kTerms[p].j + kTerms[q].j)];
+      }
+      row[kStride - 1] = m.z[p];
+      diagonal_[p] = row[p];
+    }
+    for (int p = 0; p < kSize; ++p) {
+      if (!(rows_[p][p] > kPivotGate * diagonal_[p])) return p;
+      eliminate(p, kSize);
+    }
+    return kSize;
+  }
+
+  /** z^2 explained by coefficient p: residuals of nested degrees cost nothing. */
+  double explained(int p) const { return rows_[p][kStride - 1] * rows_[p][kStride - 1]; }
+
+  /** Solves for the first size coefficients. */
+  void
+  solve(int size, double* c) const
+  {
+    double y[kMaxCoefficients];
+    for (int p = 0; p < size; ++p) y[p] = rows_[p][kStride - 1];
+    backSubstitute(size, y, c);
+  }
+
+  /** Adds the solution for another right-hand side b to c. */
+  void
+  solveAndAdd(int size, const double* b, double* c) const
+  {
+    double y[kMaxCoefficients], delta[kMaxCoefficients];
+    for (int p = 0; p < size; ++p) {
+      double sum = b[p];
+      for (int q = 0; q < p; ++q) sum -= rows_[q][p] * y[q];
+      y[p] = sum * inverse_[p];
+    }
+    backSubstitute(size, y, delta);
+    for (int p = 0; p < size; ++p) c[p] += delta[p];
+  }
+
+ private:
+  void
+  eliminate(int p, int size)
+  {
+    using Wide = hn::CappedTag<double, 8>;
+    const Wide d;
+    const int lanes = static_cast<int>(hn::Lanes(d));
+    inverse_[p] = 1.0 / std::sqrt(rows_[p][p]);
+    const int from = p / lanes * lanes;
+    const auto scale = hn::Set(d, inverse_[p]);
+    for (int q = from; q < kStride; q += lanes) {
+      hn::Store(hn::Mul(hn::Load(d, rows_[p] + q), scale), d, rows_[p] + q);
+    }
+    for (int r = p + 1; r < size; ++r) {
+      const auto factor = hn::Set(d, rows_[p][r]);
+      for (int q = r / lanes * lanes; q < kStride; q += lanes) {
+        hn::Store(hn::NegMulAdd(factor, hn::Load(d, rows_[p] + q), hn::Load(d, rows_[r] + q)), d,
+                  rows_[r] + q);
+      }
+    }
+  }
+
+  void
+  backSubstitute(int size, const double* y, double* c) const
+  {
+    for (int p = size - 1; p >= 0; --p) {
+      double sum = y[p];
+      for (int q = p + 1; q < size; ++q) sum -= rows_[p][q] * c[q];
+      c[p] = sum * inverse_[p];
+    }
+  }
+
+  HWY_ALIGN double rows_[kMaxCoefficients][kStride] = {};
+  double diagonal_[kMaxCoefficients] = {};
+  double inverse_[kMaxCoefficients] = {};
+};
+
+/** Residual sums of a solution: b = sum W f m_k and sum W f^2, from the points themselves. */
+template <int D, WeightKernel K>
+HWY_NOINLINE void
+residualSums(const WeightedBall<K>& ball, const double* c, double* b, double& ff)
+{
+  const Height<D> height(c);
+  heightSums<D>(
+      ball, [&](Vec u, Vec v, Vec w) HWY_ATTR { return hn::Sub(w, height(u, v)); }, b, ff);
+}
+
+template <int D, WeightKernel K>
+HWY_NOINLINE double
+residualSum(const WeightedBall<K>& ball, const double* c)
+{
+  const Height<D> height(c);
+  Vec sum = hn::Zero(Tag());
+  ball.forEach([&](Vec weight, Vec u, Vec v, Vec w) HWY_ATTR {
+    const Vec f = hn::Sub(w, height(u, v));
+    sum = hn::MulAdd(hn::Mul(weight, f), f, sum);
+  });
+  return sumLanes(sum);
+}
+
+/** Highest degree with all its pivots and enough support; 0 if not even a plane has. */
+int
+supportedDegree(int degree, int pivots, double n_eff, double support)
+{
+  while (degree > 0 && (numCoefficients(degree) > pivots ||
+                        n_eff < support * numCoefficients(degree))) {
+    --degree;
+  }
+  return degree;
+}
+
+template <int D, WeightKernel K>
+LocalFit
+fitWith(const BallBuffer& points, float rho, double support, bool refine)
+{
+  LocalFit fit;
+  const WeightedBall<K> ball(points, rho);
+  Moments m;
+  computeMoments<D, K>(ball, m);
+  const double weight = m.uv[0];
+  if (!(weight > 0.0) || !(m.weight_sq > 0.0)) return fit;
+  fit.n_eff = weight * weight / m.weight_sq;
+  NormalEquations equations;
+  const int pivots = equations.factor<D>(m);
+  fit.degree = supportedDegree(D, pivots, fit.n_eff, support);
+  if (fit.degree == 0) return fit;
+  const int size = numCoefficients(fit.degree);
+  equations.solve(size, fit.c.data());
+
+  double rss = m.zz;
+  for (int p = 0; p < size; ++p) rss -= equations.explained(p);
+  if (refine) {
+    double b[kMaxCoefficients], ff;
+    residualSums<D, K>(ball, fit.c.data(), b, ff);
+    equations.solveAndAdd(size, b, fit.c.data());
+    rss = residualSum<D, K>(ball, fit.c.data());
+  } else if (rss < kResidualGate * m.zz) {
+    rss = residualSum<D, K>(ball, fit.c.data());
+  }
+  fit.residual_sq = std::max(0.0, rss / weight);
+  return fit;
+}
+
+template <WeightKernel K>
+LocalFit
+fitWithKernel(const BallBuffer& ball, int degree, float rho, double support, bool refine)
+{
+  switch (degree) {
+    case 1: return fitWith<1, K>(ball, rho, support, refine);
+    case 2: return fitWith<2, K>(ball, rho, support, refine);
+    case 3: return fitWith<3, K>(ball, rho, support, refine);
+    default: return fitWith<4, K>(ball, rho, support, refine);
+  }
+}
+
+LocalFit
+fitBall(const BallBuffer& ball, int degree, float rho, WeightKernel kernel, double support,
+        bool refine)
+{
+  switch (kernel) {
+    case WeightKernel::kPower2:
+      return fitWithKernel<WeightKernel::kPower2>(ball, degree, rho, support, refine);
+    case WeightKernel::kPower4:
+      return fitWithKernel<WeightKernel::kPower4>(ball, degree, rho, support, refine);
+    default:
+      return fitWithKernel<WeightKernel::kGaussian>(ball, degree, rho, support, refine);
+  }
+}
+
+}  // namespace pcl_slim::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pcl_slim::kernels {
+
+HWY_EXPORT(fitBall);
+
+LocalFit
+fitBall(const BallBuffer& ball, int degree, float rho, WeightKernel kernel, double support,
+        bool refine)
+{
+  return HWY_DYNAMIC_DISPATCH(fitBall)(ball, degree, rho, kernel, support, refine);
+}
+
+}  // namespace pcl_slim::kernels
+#endif

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+
+#include "energy.h"
+#include "pcl_slim/slim/fit.h"
+
+namespace pcl_slim {
+
+constexpr double kGolden = 0.6180339887498949;  ///< gamma of eq. (5)
+constexpr double kFirstRadius = 0.1;            ///< r_0 / L
+
+/** \brief Everything the inner steps need to know, in local units; fixed during a fit. */
+struct FitSettings {
+  int degree = 4;
+  Energy energy;
+  WeightKernel fit_kernel = WeightKernel::kPower4;    ///< weights while searching and in general
+  WeightKernel wall_kernel = WeightKernel::kPower2;   ///< at minimum support, where bias rules
+  WeightKernel cover_kernel = WeightKernel::kPower7;  ///< G of the overlap measure
+  double support = 1.2;          ///< n_eff per coefficient below which nothing is fitted
+  double lenience = 1.05;        ///< take the largest r with E <= lenience min E
+  double lack_of_fit = 5.0;      ///< go finer while e exceeds this many sqrt(lambda); 0: never
+  double residual_gate = 5.0;    ///< a leaf covers points within so many e
+  double alpha = 2.0 / 3.0;
+  double gamma = 0.1;
+  double diagonal = 1.0;         ///< L
+  double center_grid = 0x1p-22;
+  bool with_normals = false;
+  float min_dot = 0.0f;          ///< normals nearer than this belong together
+  bool skip_lone_normals = true;
+  bool split_sheets = false;
+  bool robust = false;
+  bool paper = false;
+  std::uint64_t seed = 1;
+
+  /** \brief r_r of level k (eq. 5). */
+  double levelRadius(int k) const { return kFirstRadius * diagonal * std::pow(kGolden, k - 1); }
+};
+
+}  // namespace pcl_slim

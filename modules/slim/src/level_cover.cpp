@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "level_cover.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "pcl_slim/core/parallel.h"
+
+namespace pcl_slim {
+
+namespace {
+
+constexpr int kLastLevel = 40;                ///< r_r falls to 1e-9 L; support ends long before
+constexpr std::uint8_t kServedLevel = 1;      ///< mark: inside an internal ball of this level
+constexpr std::uint8_t kServedForGood = 2;    ///< mark: nothing finer can be done for this point
+constexpr std::uint8_t kLoneNormalMark = 4;   ///< mark: passed over for its normal
+constexpr int kMortonLevels = 21;
+
+/** A step coprime to n near the golden section of n: visits spread over the cell. */
+std::uint32_t
+goldenStride(std::uint32_t n)
+{
+  auto stride = static_cast<std::uint32_t>(kGolden * n);
+  if (stride == 0) return 1;
+  while (std::gcd(stride, n) != 1) --stride;
+  return stride;
+}
+
+std::uint64_t
+mixBits(std::uint64_t x)
+{
+  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9ULL;
+  x = (x ^ x >> 27) * 0x94d049bb133111ebULL;
+  return x ^ x >> 31;
+}
+
+}  // namespace
+
+LevelCover::LevelCover(const PointStore& store, const FitSettings& settings, int threads)
+    : store_(store), settings_(settings), threads_(threads), arenas_(static_cast<std::size_t>(threads))
+{
+  for (int t = 0; t < threads; ++t) {
+    fitters_.push_back(std::make_unique<BallFitter>(store, settings));
+  }
+  const std::size_t padded = store.numBlocks() * PointStore::kBlock;
+  coverage_.assign(padded, 0.0f);
+  marks_.assign(padded, 0);
+  active_.resize(store.size());
+  std::iota(active_.begin(), active_.end(), 0u);
+}
+
+Error
+LevelCover::run(int first_level, Progress* progress, std::vector<SurfelRecord>& surfels)
+{
+  const double points = static_cast<double>(store_.size());
+  for (int level = first_level; !active_.empty() && level <= kLastLevel; ++level) {
+    if (progress != nullptr) {
+      if (progress->cancelled()) return {ErrorCode::kCancelled, "the fit was cancelled"};
+      progress->report(static_cast<float>(1.0 - static_cast<double>(active_.size()) / points), "covering");
+    }
+    coverLevel(level, surfels);
+    dropServed();
+    last_level_ = level;
+  }
+  for (const std::uint8_t m : marks_) lone_normals_ += (m & kLoneNormalMark) != 0;
+  return {};
+}
+
+void
+LevelCover::coverLevel(int level, std::vector<SurfelRecord>& surfels)
+{
+  findCells(level);
+  std::vector<Output> outputs(cells_.size());
+  for (int color = 0; color < 8; ++color) {
+    const std::size_t begin = color_begin_[color], end = color_begin_[color + 1];
+    parallelFor(end - begin, threads_, 1, [&](std::size_t i, int thread) {
+      const std::uint32_t cell = color_order_[begin + i];
+      coverCell(cells_[cell], level, thread, outputs[cell]);
+    });
+  }
+  std::uint64_t bytes = surfels.capacity() * sizeof(SurfelRecord);
+  for (const Output& output : outputs) {
+    const auto& arena = arenas_[static_cast<std::size_t>(output.thread)];
+    surfels.insert(surfels.end(), arena.begin() + output.begin, arena.begin() + output.end);
+  }
+  for (auto& arena : arenas_) {
+    bytes += arena.capacity() * sizeof(SurfelRecord);
+    arena.clear();
+  }
+  bytes += coverage_.size() * sizeof(float) + marks_.size() +
+           active_.capacity() * sizeof(std::uint32_t) + cells_.capacity() * sizeof(Cell) +
+           outputs.size() * sizeof(Output);
+  peak_bytes_ = std::max(peak_bytes_, bytes);
+}
+
+/** Cuts the active points into runs of one Morton cell, ordered by colour. */
+void
+LevelCover::findCells(int level)
+{
+  // A ball writes within r_r, a leaf grown to the next radius up within alpha r_r / gamma.
+  const double reach = settings_.levelRadius(level) * std::max(1.0, settings_.alpha / kGolden);
+  const int depth = std::clamp(static_cast<int>(std::floor(-std::log2(2.0 * reach))), 0, kMortonLevels);
+  const int shift = 3 * (kMortonLevels - depth);
+  const std::uint64_t* keys = store_.keys();
+  cells_.clear();
+  for (std::uint32_t i = 0; i < active_.size();) {
+    const std::uint64_t code = keys[active_[i]] >> shift;
+    std::uint32_t end = i + 1;
+    while (end < active_.size() && keys[active_[end]] >> shift == code) ++end;
+    cells_.push_back({i, end, code});
+    i = end;
+  }
+  color_begin_.fill(0);
+  for (const Cell& cell : cells_) ++color_begin_[(cell.code & 7) + 1];
+  for (int c = 0; c < 8; ++c) color_begin_[c + 1] += color_begin_[c];
+  color_order_.resize(cells_.size());
+  auto next = color_begin_;
+  for (std::uint32_t i = 0; i < cells_.size(); ++i) color_order_[next[cells_[i].code & 7]++] = i;
+}
+
+void
+LevelCover::coverCell(const Cell& cell, int level, int thread, Output& output)
+{
+  BallFitter& fitter = *fitters_[static_cast<std::size_t>(thread)];
+  auto& arena = arenas_[static_cast<std::size_t>(thread)];
+  output = {thread, static_cast<std::uint32_t>(arena.size()), 0};
+  bool prepared = false;
+  const std::uint32_t n = cell.end - cell.begin;
+  const std::uint32_t stride = goldenStride(n);
+  auto at = static_cast<std::uint32_t>(mixBits(settings_.seed ^ mixBits(cell.code + 1)) % n);
+  for (std::uint32_t visit = 0; visit < n; ++visit, at = (at + stride) % n) {
+    const std::uint32_t point = active_[cell.begin + at];
+    if (coverage_[point] >= settings_.gamma || marks_[point] != 0) continue;
+    if (!prepared) prepareNeighborhood(cell, level, fitter);
+    prepared = true;
+    SurfelRecord surfel;
+    switch (fitter.fit(point, level, surfel)) {
+      case BallOutcome::kLeaf:
+        fitter.cover(surfel, coverage_.data());
+        marks_[point] |= surfel.flags & kSurfelForced ? kServedForGood : kServedLevel;
+        arena.push_back(surfel);
+        break;
+      case BallOutcome::kInternal:
+        fitter.mark(surfel, kServedLevel, marks_.data());
+        marks_[point] |= kServedLevel;
+        arena.push_back(surfel);
+        break;
+      case BallOutcome::kUnsupported: marks_[point] = kServedForGood; break;
+      case BallOutcome::kLoneNormal: marks_[point] = kServedForGood | kLoneNormalMark; break;
+    }
+  }
+  output.end = static_cast<std::uint32_t>(arena.size());
+}
+
+/** Collects the blocks that any ball of the cell's centres can reach. */
+void
+LevelCover::prepareNeighborhood(const Cell& cell, int level, BallFitter& fitter)
+{
+  float low[3] = {1, 1, 1}, high[3] = {-1, -1, -1};
+  std::uint32_t last_block = PointStore::kSkipped;
+  const BlockTree::Level& boxes = store_.tree().levels().front();
+  for (std::uint32_t i = cell.begin; i < cell.end; ++i) {
+    const std::uint32_t b = active_[i] / static_cast<std::uint32_t>(PointStore::kBlock);
+    if (b == last_block) continue;
+    last_block = b;
+    const float mins[3] = {boxes.min_x[b], boxes.min_y[b], boxes.min_z[b]};
+    const float maxs[3] = {boxes.max_x[b], boxes.max_y[b], boxes.max_z[b]};
+    for (int a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], mins[a]);
+      high[a] = std::max(high[a], maxs[a]);
+    }
+  }
+  const auto reach = static_cast<float>(1.001 * settings_.levelRadius(level) / kGolden);
+  for (int a = 0; a < 3; ++a) {
+    low[a] -= reach;
+    high[a] += reach;
+  }
+  fitter.neighborhood().collect(store_.tree(), low, high);
+}
+
+/** Keeps the points that are neither covered nor done with; level marks are wiped. */
+void
+LevelCover::dropServed()
+{
+  std::size_t kept = 0;
+  for (const std::uint32_t point : active_) {
+    marks_[point] &= static_cast<std::uint8_t>(~kServedLevel);
+    if (coverage_[point] < settings_.gamma && marks_[point] == 0) active_[kept++] = point;
+  }
+  active_.resize(kept);
+}
+
+BallCounters
+LevelCover::counters() const
+{
+  BallCounters sum;
+  for (const auto& fitter : fitters_) {
+    sum.gathered += fitter->counters().gathered;
+    sum.split_sheets += fitter->counters().split_sheets;
+    sum.tried += fitter->counters().tried;
+  }
+  return sum;
+}
+
+std::uint64_t
+LevelCover::numFits() const
+{
+  std::uint64_t sum = 0;
+  for (const auto& fitter : fitters_) sum += fitter->numFits();
+  return sum;
+}
+
+}  // namespace pcl_slim

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The tree-like structure over a surface's levels (section 2, Fig. 6).
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "pcl_slim/slim/surface.h"
+
+namespace pcl_slim {
+
+namespace {
+
+/** Surfels of one level in a hashed grid of cells as wide as the widest ball that asks. */
+class CenterGrid {
+ public:
+  CenterGrid(const SLIMSurface& surface, const std::vector<std::uint32_t>& members, float width)
+      : surface_(surface), inverse_(1.0 / width)
+  {
+    cells_.reserve(members.size());
+    for (const std::uint32_t i : members) {
+      cells_.push_back({code(cell(surface.cx[i]), cell(surface.cy[i]), cell(surface.cz[i])), i});
+    }
+    std::sort(cells_.begin(), cells_.end());
+  }
+
+  /** Calls body(member, squared distance) for the members within one cell of a centre. */
+  template <typename Body>
+  void
+  forEachNear(std::uint32_t center, const Body& body) const
+  {
+    const std::int64_t x = cell(surface_.cx[center]), y = cell(surface_.cy[center]),
+                       z = cell(surface_.cz[center]);
+    for (std::int64_t dx = -1; dx <= 1; ++dx) {
+      for (std::int64_t dy = -1; dy <= 1; ++dy) {
+        // Cells along z are neighbours in the order of codes: one search serves three.
+        auto it = std::lower_bound(cells_.begin(), cells_.end(),
+                                   Entry{code(x + dx, y + dy, z - 1), 0});
+        const std::int64_t last = code(x + dx, y + dy, z + 1);
+        for (; it != cells_.end() && it->code <= last; ++it) {
+          const float ex = surface_.cx[it->member] - surface_.cx[center];
+          const float ey = surface_.cy[it->member] - surface_.cy[center];
+          const float ez = surface_.cz[it->member] - surface_.cz[center];
+          body(it->member, ex * ex + ey * ey + ez * ez);
+        }
+      }
+    }
+  }
+
+ private:
+  struct Entry {
+    std::int64_t code;
+    std::uint32_t member;
+    bool
+    operator<(const Entry& other) const
+    {
+      return code != other.code ? code < other.code : member < other.member;
+    }
+  };
+
+  std::int64_t cell(float local) const { return std::llround((local + 1.0) * inverse_) + 1; }
+  static std::int64_t
+  code(std::int64_t x, std::int64_t y, std::int64_t z)
+  {
+    return (x << 42) + (y << 21) + z;
+  }
+
+  const SLIMSurface& surface_;
+  double inverse_;
+  std::vector<Entry> cells_;
+};
+
+}  // namespace
+
+void
+SLIMSurface::buildLinks()
+{
+  child_begin.assign(size() + 1, 0);
+  children.clear();
+  roots.clear();
+  root_ball = {};
+  if (empty()) return;
+
+  std::vector<std::vector<std::uint32_t>> members(257);
+  for (std::uint32_t i = 0; i < size(); ++i) members[level[i]].push_back(i);
+
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> links;  // parent, child
+  std::vector<char> linked(size(), 0);
+  for (int k = 0; k < 256; ++k) {
+    float widest = 0;
+    for (const std::uint32_t i : members[k]) {
+      if (!isLeaf(i)) widest = std::max(widest, radius[i]);
+    }
+    if (members[k + 1].empty() || widest <= 0) continue;
+    const CenterGrid grid(*this, members[k + 1], std::max(widest, 1e-6f));
+    for (const std::uint32_t parent : members[k]) {
+      if (isLeaf(parent)) continue;
+      grid.forEachNear(parent, [&](std::uint32_t child, float distance_sq) {
+        if (distance_sq >= radius[parent] * radius[parent]) return;
+        links.emplace_back(parent, child);
+        linked[child] = 1;
+      });
+    }
+  }
+  std::sort(links.begin(), links.end());
+  children.reserve(links.size());
+  for (const auto& [parent, child] : links) {
+    ++child_begin[parent + 1];
+    children.push_back(child);
+  }
+  for (std::size_t i = 0; i < size(); ++i) child_begin[i + 1] += child_begin[i];
+  for (std::uint32_t i = 0; i < size(); ++i) {
+    if (!linked[i]) roots.push_back(i);
+  }
+
+  float low[3], high[3];
+  const std::vector<float>* columns[3] = {&cx, &cy, &cz};
+  for (int a = 0; a < 3; ++a) {
+    low[a] = std::numeric_limits<float>::max();
+    high[a] = -low[a];
+    for (std::size_t i = 0; i < size(); ++i) {
+      low[a] = std::min(low[a], (*columns[a])[i] - radius[i]);
+      high[a] = std::max(high[a], (*columns[a])[i] + radius[i]);
+    }
+    root_ball[a] = 0.5f * (low[a] + high[a]);
+  }
+  for (std::size_t i = 0; i < size(); ++i) {
+    const double dx = cx[i] - root_ball[0], dy = cy[i] - root_ball[1], dz = cz[i] - root_ball[2];
+    const double reach = std::sqrt(dx * dx + dy * dy + dz * dz) + radius[i];
+    root_ball[3] = std::max(root_ball[3], static_cast<float>(reach * (1.0 + 1e-6)));
+  }
+}
+
+}  // namespace pcl_slim

@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radius_search.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcl_slim {
+
+namespace {
+
+constexpr double kWallMargin = 1.01;    ///< aim a little above the least support
+constexpr double kNoiseLike = 1.5;      ///< e^2 below this many lambda is noise, not lack of fit
+constexpr int kBrentSteps = 6;
+constexpr int kRobustPasses = 2;
+constexpr double kRobustScale = 2.5;
+constexpr double kBrentWidth = 0.05;    ///< of log r: E is flat well beyond this
+
+/** Abscissa of the minimum of the parabola through three points of (log rho, log E). */
+double
+parabolaMinimum(const Trial& a, const Trial& b, const Trial& c)
+{
+  const double xa = std::log(a.rho), xb = std::log(b.rho), xc = std::log(c.rho);
+  const double fa = std::log(a.energy), fb = std::log(b.energy), fc = std::log(c.energy);
+  const double p = (xb - xa) * (fb - fc), q = (xb - xc) * (fb - fa);
+  const double denominator = p - q;
+  const double x = std::abs(denominator) > 1e-300
+                       ? xb - 0.5 * ((xb - xa) * p - (xb - xc) * q) / denominator
+                       : xb;
+  return std::exp(std::min(std::max(x, xa), xc));
+}
+
+/** Curvature of the same parabola: log E = f_min + k (x - x_min)^2. */
+double
+parabolaCurvature(const Trial& a, const Trial& b, const Trial& c)
+{
+  const double xa = std::log(a.rho), xb = std::log(b.rho), xc = std::log(c.rho);
+  const double left = (std::log(b.energy) - std::log(a.energy)) / (xb - xa);
+  const double right = (std::log(c.energy) - std::log(b.energy)) / (xc - xb);
+  return (right - left) / (xc - xa);
+}
+
+RadiusChoice
+leaf(const Trial& trial, bool forced = false)
+{
+  return {RadiusChoice::Kind::kLeaf, trial, forced};
+}
+
+RadiusChoice
+internal(const Trial& right)
+{
+  return {RadiusChoice::Kind::kInternal, right, false};
+}
+
+}  // namespace
+
+void
+RadiusSearch::begin(const BallBuffer& ball, double gather_radius, double rho_right)
+{
+  ball_ = &ball;
+  gather_radius_ = gather_radius;
+  rho_right_ = rho_right;
+  has_right_ = has_middle_ = has_inner_ = false;
+}
+
+/** The gathered points, or a smaller copy of them that still holds all within rho. */
+const BallBuffer&
+RadiusSearch::pointsWithin(double rho)
+{
+  const double middle = kGolden * rho_right_, inner = kGolden * middle;
+  if (rho > middle) return *ball_;
+  if (!has_middle_) {
+    kernels::compactBall(*ball_, static_cast<float>(middle * middle), middle_);
+    has_middle_ = true;
+  }
+  if (rho > inner) return middle_;
+  if (!has_inner_) {
+    kernels::compactBall(middle_, static_cast<float>(inner * inner), inner_);
+    has_inner_ = true;
+  }
+  return inner_;
+}
+
+Trial
+RadiusSearch::evaluate(double rho, int degree, WeightKernel kernel)
+{
+  ++fits_;
+  Trial trial;
+  trial.rho = rho;
+  trial.fit = kernels::fitBall(pointsWithin(rho), degree, static_cast<float>(rho), kernel,
+                               settings_.support, false);
+  trial.supported = trial.fit.degree == degree;
+  if (trial.supported) {
+    trial.energy = settings_.energy(trial.fit, rho * gather_radius_, gather_radius_);
+  }
+  return trial;
+}
+
+/** Radius at which n_eff falls to the least support, from n_eff ~ r^2 near a measured one. */
+double
+RadiusSearch::wallRadius(const Trial& near, double terms) const
+{
+  return near.rho * std::sqrt(kWallMargin * settings_.support * terms / near.fit.n_eff);
+}
+
+bool
+RadiusSearch::lacksFit(const Trial& left, const Trial& middle) const
+{
+  if (settings_.lack_of_fit <= 0) return false;
+  const double e_sq =
+      std::min(left.fit.residual_sq, middle.fit.residual_sq) * gather_radius_ * gather_radius_;
+  return e_sq > settings_.lack_of_fit * settings_.lack_of_fit * settings_.energy.lambda;
+}
+
+const Trial&
+RadiusSearch::right()
+{
+  if (!has_right_) right_ = evaluate(rho_right_);
+  has_right_ = true;
+  return right_;
+}
+
+RadiusChoice
+RadiusSearch::search()
+{
+  const Trial right = this->right();
+  if (!right.supported) return {RadiusChoice::Kind::kSparse, right, false};
+  const Trial middle = evaluate(kGolden * rho_right_);
+  if (!middle.supported) return chooseAtWall(right, right);
+  const double e_middle = middle.fit.residual_sq * gather_radius_ * gather_radius_;
+  if (!settings_.paper && right.energy <= settings_.lenience * middle.energy &&
+      e_middle <= kNoiseLike * settings_.energy.lambda) {
+    return leaf(right);  // flat down to the noise: the largest radius serves
+  }
+  const Trial left = evaluate(kGolden * kGolden * rho_right_);
+  if (settings_.paper) return left.supported ? paperChoice(left, middle, right) : chooseAtWall(right, middle);
+  if (!left.supported) return chooseAtWall(right, middle);
+  if (lacksFit(left, middle)) return internal(right);
+  return chooseInside(left, middle, right);
+}
+
+/** Support ends between the supported radii and the next one down: the last radius that has it
+ * joins the comparison. */
+RadiusChoice
+RadiusSearch::chooseAtWall(const Trial& right, const Trial& middle)
+{
+  const double terms = numCoefficients(settings_.degree);
+  Trial wall = evaluate(std::min(wallRadius(middle, terms), middle.rho));
+  if (!wall.supported && wall.fit.n_eff > 0) {
+    wall = evaluate(std::min(wallRadius(wall, terms) * kWallMargin, middle.rho));
+  }
+  if (!wall.supported) wall = middle;
+  const double least = std::min({right.energy, middle.energy, wall.energy});
+  if (right.energy <= settings_.lenience * least) return leaf(right);
+  if (middle.energy <= settings_.lenience * least) return leaf(middle);
+  if (settings_.wall_kernel == settings_.fit_kernel) return leaf(wall, true);
+  // Bias rules here. A flatter kernel reaches the same n_eff with a smaller ball.
+  const Trial probe = evaluate(wall.rho, settings_.degree, settings_.wall_kernel);
+  if (!probe.supported) return leaf(wall, true);
+  const Trial flat = evaluate(std::min(wallRadius(probe, terms), wall.rho), settings_.degree,
+                              settings_.wall_kernel);
+  return leaf(flat.supported ? flat : wall, true);
+}
+
+/** One parabolic step of Brent's method on a bracket a < b < c of a minimum near b. */
+void
+RadiusSearch::narrow(Trial& a, Trial& b, Trial& c)
+{
+  const Trial trial = evaluate(parabolaMinimum(a, b, c));
+  if (!trial.supported || trial.rho == b.rho) return;
+  if (trial.energy < b.energy) {
+    (trial.rho < b.rho ? c : a) = b;
+    b = trial;
+  } else {
+    (trial.rho < b.rho ? a : c) = trial;
+  }
+}
+
+RadiusChoice
+RadiusSearch::chooseInside(const Trial& left, const Trial& middle, const Trial& right)
+{
+  const double least = std::min({left.energy, middle.energy, right.energy});
+  if (right.energy <= settings_.lenience * least) return leaf(right);
+  if (left.energy < middle.energy) return internal(right);
+  // A minimum inside (rule 4, first half): two parabolic steps in log r, log E.
+  Trial a = left, b = middle, c = right;
+  narrow(a, b, c);
+  if (settings_.lenience <= 1.0) {
+    narrow(a, b, c);
+    return leaf(b);
+  }
+  const Trial& best = b;
+  const double curvature = parabolaCurvature(left, middle, right);
+  if (!(curvature > 0)) return leaf(best);
+  const double reach = std::exp(std::sqrt(std::log(settings_.lenience) / curvature));
+  const Trial largest = evaluate(std::min(best.rho * reach, rho_right_));
+  const bool lenient = largest.supported &&
+                       largest.energy <= settings_.lenience * std::min(least, best.energy) * 1.05;
+  return leaf(lenient ? largest : best);
+}
+
+/** Rule (4) with the clamp at r_r (E_l > E_m >= E_r), and Brent's parabolic steps. */
+RadiusChoice
+RadiusSearch::paperChoice(const Trial& left, const Trial& middle, const Trial& right)
+{
+  if (left.energy > middle.energy && middle.energy >= right.energy) return leaf(right);
+  const bool bracketed = left.energy > middle.energy && middle.energy < right.energy;
+  const bool monotone = left.fit.residual_sq < middle.fit.residual_sq &&
+                        middle.fit.residual_sq < right.fit.residual_sq;
+  if (!bracketed || !monotone) return internal(right);
+  Trial a = left, b = middle, c = right;
+  for (int step = 0; step < kBrentSteps && std::log(c.rho / a.rho) > kBrentWidth; ++step) {
+    narrow(a, b, c);
+  }
+  return leaf(b);
+}
+
+RadiusChoice
+RadiusSearch::fallBack()
+{
+  const Trial wide = evaluate(1.0);
+  if (wide.supported) {
+    const double terms = numCoefficients(settings_.degree);
+    const Trial wall = evaluate(std::min(wallRadius(wide, terms), 1.0));
+    return leaf(wall.supported ? wall : wide, true);
+  }
+  Trial lower = evaluate(rho_right_);
+  if (lower.fit.degree == 0) lower = wide;
+  if (lower.fit.degree == 0) return {RadiusChoice::Kind::kSparse, lower, false};
+  return leaf(lower, true);
+}
+
+Trial
+RadiusSearch::refine(const RadiusChoice& choice)
+{
+  const bool at_wall = choice.forced && choice.trial.supported && !settings_.paper;
+  const WeightKernel kernel = at_wall ? settings_.wall_kernel : settings_.fit_kernel;
+  Trial result = choice.trial;
+  const auto refit = [&](const BallBuffer& points) {
+    ++fits_;
+    // The degree was settled with the full support; rounding must not undo it here.
+    const LocalFit fit =
+        kernels::fitBall(points, choice.trial.fit.degree, static_cast<float>(choice.trial.rho),
+                         kernel, 0.5 * settings_.support, true);
+    if (fit.degree == choice.trial.fit.degree) result.fit = fit;
+  };
+  refit(pointsWithin(choice.trial.rho));
+  if (!settings_.robust) return result;
+  kernels::compactBall(*ball_, static_cast<float>(result.rho * result.rho), robust_);
+  for (int pass = 0; pass < kRobustPasses; ++pass) {
+    setRobustWeights(result.fit);
+    refit(robust_);
+  }
+  return result;
+}
+
+/** Cauchy-like weights against outliers; the scale is the noise, or the fit where that is worse. */
+void
+RadiusSearch::setRobustWeights(const LocalFit& fit)
+{
+  residuals_.resize(robust_.count + BallBuffer::kPadding);
+  kernels::ballResiduals(robust_, fit, residuals_.data());
+  const double noise_sq = settings_.energy.lambda / (gather_radius_ * gather_radius_);
+  const double scale_sq = kRobustScale * kRobustScale * std::max(noise_sq, 0.25 * fit.residual_sq);
+  robust_.prior.assign(robust_.u.size(), 1.0f);
+  for (std::size_t i = 0; i < robust_.count && scale_sq > 0; ++i) {
+    const double q = 1.0 / (1.0 + residuals_[i] * residuals_[i] / scale_sq);
+    robust_.prior[i] = static_cast<float>(q * q);
+  }
+}
+
+}  // namespace pcl_slim

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "ball_kernels.h"
+#include "fit_settings.h"
+
+namespace pcl_slim {
+
+/** \brief A radius that was tried; rho is in units of the ball's gather radius. */
+struct Trial {
+  double rho = 0;
+  LocalFit fit;
+  double energy = 0;
+  bool supported = false;  ///< the full degree could be fitted with enough points
+};
+
+/** \brief Where the search over one sliding interval ended. */
+struct RadiusChoice {
+  enum class Kind {
+    kLeaf,      ///< a radius was found
+    kInternal,  ///< the minimum lies at smaller radii: a later level will find it
+    kSparse     ///< too few points at r_r: see RadiusSearch::fallBack
+  };
+  Kind kind = Kind::kInternal;
+  Trial trial;          ///< the leaf's, or the fit at r_r for an internal node
+  bool forced = false;  ///< ended by minimum support
+};
+
+/** \brief Seeks the radius of one gathered ball (section 2, "Optimal surfel radius").
+ *
+ * Evaluates E at r_r, r_m, r_l of eq. (5) and at few radii between, each from the same gathered
+ * points. One object per thread: it keeps its scratch memory.
+ */
+class RadiusSearch {
+ public:
+  explicit RadiusSearch(const FitSettings& settings) : settings_(settings) {}
+
+  /** \brief Starts on a ball in frame coordinates. \param[in] gather_radius local length;
+   * \param[in] rho_right r_r in units of it. */
+  void
+  begin(const BallBuffer& ball, double gather_radius, double rho_right);
+
+  /** \brief The fit at r_r. */
+  const Trial&
+  right();
+
+  /** \brief The choice on [gamma^2, 1] rho_right. */
+  RadiusChoice
+  search();
+
+  /** \brief For a sparse ball: the best that degree and radius up to the gather radius allow. */
+  RadiusChoice
+  fallBack();
+
+  /** \brief The final fit of a leaf, with refinement and, where asked, robust weights. */
+  Trial
+  refine(const RadiusChoice& choice);
+
+  std::uint64_t numFits() const { return fits_; }
+
+ private:
+  Trial evaluate(double rho, int degree, WeightKernel kernel);
+  Trial evaluate(double rho) { return evaluate(rho, settings_.degree, settings_.fit_kernel); }
+  const BallBuffer& pointsWithin(double rho);
+  double wallRadius(const Trial& near, double terms) const;
+  RadiusChoice chooseAtWall(const Trial& right, const Trial& middle);
+  RadiusChoice chooseInside(const Trial& left, const Trial& middle, const Trial& right);
+  RadiusChoice paperChoice(const Trial& left, const Trial& middle, const Trial& right);
+  void narrow(Trial& a, Trial& b, Trial& c);
+  void setRobustWeights(const LocalFit& fit);
+  bool lacksFit(const Trial& left, const Trial& middle) const;
+
+  const FitSettings& settings_;
+  const BallBuffer* ball_ = nullptr;
+  BallBuffer middle_, inner_, robust_;
+  std::vector<float> residuals_;
+  Trial right_;
+  bool has_right_ = false, has_middle_ = false, has_inner_ = false;
+  double gather_radius_ = 0, rho_right_ = 1;
+  std::uint64_t fits_ = 0;
+};
+
+}  // namespace pcl_slim

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sheet_split.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace pcl_slim {
+
+namespace {
+
+constexpr int kBins = 48;
+constexpr double kValley = 0.12;       ///< of the lower mode
+constexpr std::size_t kLeastPoints = 24;
+constexpr double kLeastMode = 0.05;    ///< share of the points on the smaller side
+
+using Histogram = std::array<double, kBins>;
+
+/** Bin after which Otsu's two classes part best. */
+int
+otsuThreshold(const Histogram& bins)
+{
+  double total = 0, moment = 0;
+  for (int b = 0; b < kBins; ++b) {
+    total += bins[b];
+    moment += b * bins[b];
+  }
+  double below = 0, below_moment = 0, best = -1;
+  int threshold = 0;
+  for (int b = 0; b < kBins - 1; ++b) {
+    below += bins[b];
+    below_moment += b * bins[b];
+    const double above = total - below;
+    if (below <= 0 || above <= 0) continue;
+    const double gap = below_moment / below - (moment - below_moment) / above;
+    const double between = below * above * gap * gap;
+    if (between > best) {
+      best = between;
+      threshold = b;
+    }
+  }
+  return threshold;
+}
+
+}  // namespace
+
+SheetRange
+findSheet(const float* residuals, std::size_t count, double center_residual)
+{
+  SheetRange range;
+  if (count < kLeastPoints) return range;
+  const auto [low, high] = std::minmax_element(residuals, residuals + count);
+  const double from = *low, width = static_cast<double>(*high) - *low;
+  if (!(width > 0)) return range;
+  const double to_bin = kBins / width;
+  const auto binOf = [&](double r) {
+    return std::clamp(static_cast<int>((r - from) * to_bin), 0, kBins - 1);
+  };
+  Histogram bins{};
+  for (std::size_t i = 0; i < count; ++i) bins[binOf(residuals[i])] += 1;
+  const int threshold = otsuThreshold(bins);
+  const auto lower_mode = std::max_element(bins.begin(), bins.begin() + threshold + 1);
+  const auto upper_mode = std::max_element(bins.begin() + threshold + 1, bins.end());
+  // The deepest place between the modes, over three bins: single empty bins are chance.
+  auto valley = lower_mode;
+  double depth = 1e300;
+  for (auto b = lower_mode + 1; b + 1 < upper_mode; ++b) {
+    const double mean = (b[-1] + b[0] + b[1]) / 3.0;
+    if (mean < depth) {
+      depth = mean;
+      valley = b;
+    }
+  }
+  if (valley == lower_mode || depth >= kValley * std::min(*lower_mode, *upper_mode)) return range;
+  double below = 0;
+  for (auto b = bins.begin(); b <= valley; ++b) below += *b;
+  const double least = kLeastMode * static_cast<double>(count);
+  if (below < least || static_cast<double>(count) - below < least) return range;
+  const double cut = from + (static_cast<double>(valley - bins.begin()) + 0.5) / to_bin;
+  range.split = true;
+  range.low = center_residual <= cut ? *low : static_cast<float>(cut);
+  range.high = center_residual <= cut ? static_cast<float>(cut) : *high;
+  return range;
+}
+
+}  // namespace pcl_slim
