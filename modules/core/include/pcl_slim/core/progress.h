@@ -27,6 +27,8 @@ class Progress {
   }
 
   void cancel() { cancelled_.store(true, std::memory_order_relaxed); }
+  /** \brief Takes cancel() back, before the next run. */
+  void reset() { cancelled_.store(false, std::memory_order_relaxed); }
   bool cancelled() const { return cancelled_.load(std::memory_order_relaxed); }
 
  private:

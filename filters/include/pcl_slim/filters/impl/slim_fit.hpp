@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl/common/point_tests.h>
+#include <pcl/features/normal_3d_omp.h>
+#include <pcl/search/kdtree.h>
+#include <pcl/search/organized.h>
+
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <type_traits>
+
+#include "pcl_slim/core/parallel.h"
+#include "pcl_slim/filters/slim_fit.h"
+
+// PCL's own sources hold its classes for its own point types only; ours are among those.
+#ifndef PCL_SLIM_PCL_POINTS_ONLY
+#include <pcl/features/impl/feature.hpp>
+#include <pcl/features/impl/normal_3d_omp.hpp>
+#include <pcl/impl/pcl_base.hpp>
+#include <pcl/kdtree/impl/kdtree_flann.hpp>
+#include <pcl/search/impl/kdtree.hpp>
+#include <pcl/search/impl/organized.hpp>
+#include <pcl/search/impl/search.hpp>
+#endif
+
+namespace pcl_slim {
+
+template <typename PointT>
+bool
+SLIMFit<PointT>::fit(SLIMSurface& surface)
+{
+  surface = SLIMSurface();
+  clearResults();
+  CloudView view;
+  std::vector<float> estimated;
+  if (!describeInput(view) || !describeNormals(view, estimated)) return false;
+  return run(view, surface);
+}
+
+template <typename PointT>
+bool
+SLIMFit<PointT>::fit(pcl::PointCloud<PointSLIM>& surfels, SurfaceMetadata* metadata)
+{
+  surfels = pcl::PointCloud<PointSLIM>();
+  if (metadata) *metadata = SurfaceMetadata();
+  SLIMSurface surface;
+  if (!fit(surface)) return false;
+  const SurfaceMetadata made = toPCL(surface, surfels);
+  surfels.header = input_->header;
+  if (metadata) *metadata = made;
+  return true;
+}
+
+template <typename PointT>
+bool
+SLIMFit<PointT>::describeInput(CloudView& view)
+{
+  namespace traits = pcl::traits;
+  namespace fields = pcl::fields;
+  static_assert(std::is_same<typename traits::datatype<PointT, fields::x>::type, float>::value,
+                "SLIMFit reads x y z of type float");
+  if (!input_) return fail(ErrorCode::kBadInput, "no input cloud is set; call setInputCloud()");
+  if (input_->empty())
+    return fail(ErrorCode::kBadInput, "the input cloud is empty; give it points");
+  view.size = input_->size();
+  view.xyz = reinterpret_cast<const unsigned char*>(input_->points.data()) +
+             traits::offset<PointT, fields::x>::value;
+  view.xyz_stride = sizeof(PointT);
+  if (!use_indices_ || !indices_) return true;
+
+  static_assert(sizeof(pcl::index_t) == sizeof(std::int32_t), "PCL is built with 32-bit indices");
+  for (const auto index : *indices_) {
+    if (index < 0 || static_cast<std::size_t>(index) >= input_->size()) {
+      return fail(ErrorCode::kBadInput, "index " + std::to_string(index) +
+                                            " is outside the cloud of " +
+                                            std::to_string(input_->size()) + " points");
+    }
+  }
+  if (indices_->empty()) return fail(ErrorCode::kBadInput, "the indices are empty; select points");
+  view.indices = reinterpret_cast<const std::int32_t*>(indices_->data());
+  view.num_indices = indices_->size();
+  return true;
+}
+
+template <typename PointT>
+bool
+SLIMFit<PointT>::describeNormals(CloudView& view, std::vector<float>& estimated)
+{
+  if (normals_) {
+    if (normals_->size() != input_->size()) {
+      return fail(ErrorCode::kBadInput, "there are " + std::to_string(normals_->size()) +
+                                            " normals for " + std::to_string(input_->size()) +
+                                            " points; give one for each point");
+    }
+    view.normal = normals_->points.data()->normal;
+    view.normal_stride = sizeof(pcl::Normal);
+  } else if (normal_neighbours_ != 0) {
+    if (!estimateNormals(estimated)) return false;
+    view.normal = estimated.data();
+    view.normal_stride = 3 * sizeof(float);
+  } else if constexpr (pcl::traits::has_normal<PointT>::value) {
+    view.normal = reinterpret_cast<const unsigned char*>(input_->points.data()) +
+                  pcl::traits::offset<PointT, pcl::fields::normal_x>::value;
+    view.normal_stride = sizeof(PointT);
+  }
+  return true;
+}
+
+template <typename PointT>
+typename SLIMFit<PointT>::SearchPtr
+SLIMFit<PointT>::prepareSearch(const typename PointCloud::ConstPtr& cloud)
+{
+  using Organized = pcl::search::OrganizedNeighbor<PointT>;
+  const auto usable = [&cloud](Organized& organized) {
+    if (!cloud->isOrganized()) return false;
+    organized.setInputCloud(cloud);
+    return organized.isValid();
+  };
+  if (search_) {
+    auto organized = std::dynamic_pointer_cast<Organized>(search_);
+    if (organized && !usable(*organized)) {
+      fail(ErrorCode::kBadInput,
+           "OrganizedNeighbor needs an organized cloud seen by one camera; set another search");
+      return nullptr;
+    }
+    if (!organized) search_->setInputCloud(cloud);
+    return search_;
+  }
+  auto organized = std::make_shared<Organized>();
+  if (usable(*organized)) return organized;
+  auto tree = std::make_shared<pcl::search::KdTree<PointT>>();
+  tree->setInputCloud(cloud);
+  return tree;
+}
+
+template <typename PointT>
+bool
+SLIMFit<PointT>::estimateNormals(std::vector<float>& estimated)
+{
+  if (normal_neighbours_ < 3) {
+    return fail(ErrorCode::kBadArgument, "a normal needs at least 3 neighbours; raise k");
+  }
+  auto selected = std::make_shared<pcl::Indices>();
+  bool all_finite = true;
+  for (std::size_t i = 0; i < input_->size(); ++i) all_finite &= pcl::isFinite((*input_)[i]);
+  const std::size_t count = use_indices_ && indices_ ? indices_->size() : input_->size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto index = use_indices_ && indices_ ? (*indices_)[i] : static_cast<pcl::index_t>(i);
+    if (pcl::isFinite((*input_)[static_cast<std::size_t>(index)])) selected->push_back(index);
+  }
+  estimated.assign(3 * input_->size(), 0.0f);
+  if (selected->empty()) return true;  // the fit says what is wrong
+  typename PointCloud::ConstPtr cloud = input_;
+  if (!all_finite && input_->is_dense) {  // search objects trust is_dense
+    auto honest = std::make_shared<PointCloud>(*input_);
+    honest->is_dense = false;
+    cloud = honest;
+  }
+  try {
+    const SearchPtr search = prepareSearch(cloud);
+    if (!search) return false;
+    pcl::NormalEstimationOMP<PointT, pcl::Normal> estimation(
+        static_cast<unsigned int>(resolveThreads(params_.threads)));
+    estimation.setInputCloud(cloud);
+    estimation.setIndices(selected);
+    estimation.setSearchMethod(search);
+    estimation.setKSearch(normal_neighbours_);
+    if (params_.has_viewpoint) {
+      estimation.setViewPoint(static_cast<float>(params_.viewpoint[0]),
+                              static_cast<float>(params_.viewpoint[1]),
+                              static_cast<float>(params_.viewpoint[2]));
+    } else {
+      estimation.useSensorOriginAsViewPoint();
+    }
+    NormalCloud normals;
+    estimation.compute(normals);
+    if (normals.size() != selected->size()) {
+      return fail(ErrorCode::kBadInput, "PCL could not estimate normals; set another search");
+    }
+    for (std::size_t i = 0; i < selected->size(); ++i) {
+      std::memcpy(&estimated[3 * static_cast<std::size_t>((*selected)[i])], normals[i].normal,
+                  3 * sizeof(float));
+    }
+  } catch (const std::exception& failure) {
+    return fail(ErrorCode::kBadInput, std::string("PCL's normals: ") + failure.what());
+  }
+  return true;
+}
+
+}  // namespace pcl_slim
+
+#define PCL_SLIM_INSTANTIATE_SLIMFit(PointT) template class pcl_slim::SLIMFit<PointT>;

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl/pcl_base.h>
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+#include <pcl/search/search.h>
+
+#include <vector>
+
+#include "pcl_slim/filters/slim_fit_base.h"
+#include "pcl_slim/filters/surface_conversion.h"
+
+namespace pcl_slim {
+
+/** \brief Fits a SLIM surface, a sparse set of overlapping local polynomials, to a point cloud
+ * (Ohtake, Belyaev, Alexa: Sparse low-degree implicit surfaces, SGP 2005).
+ *
+ * \code
+ * pcl_slim::SLIMFit<pcl::PointXYZ> fit;
+ * fit.setInputCloud(cloud);
+ * pcl_slim::SLIMSurface surface;
+ * if (!fit.fit(surface)) std::cerr << fit.getError().message << "\n";
+ * \endcode
+ *
+ * Normals are optional: those of setInputNormals() come first, then estimated ones when
+ * setEstimateNormals() asks for them, then the fields of PointT. Without any, each ball finds its
+ * own frame, and the surface gets one consistent side (setOrientation, setViewPoint).
+ *
+ * Non-finite points are skipped and counted, duplicates merged, indices honoured. A missing or
+ * empty cloud, one without a finite point, and indices out of range are errors. Outputs are
+ * cleared first. The result is the same for any number of threads.
+ *
+ * Compiled for PointXYZ, PointXYZI, PointXYZRGB, PointXYZRGBA, PointNormal, PointXYZINormal and
+ * PointXYZRGBNormal. For a point type of your own, include pcl_slim/filters/impl/slim_fit.hpp
+ * where you use it.
+ */
+template <typename PointT>
+class SLIMFit : public pcl::PCLBase<PointT>, public SLIMFitBase {
+ public:
+  using Ptr = pcl::shared_ptr<SLIMFit<PointT>>;
+  using ConstPtr = pcl::shared_ptr<const SLIMFit<PointT>>;
+  using PointCloud = pcl::PointCloud<PointT>;
+  using NormalCloud = pcl::PointCloud<pcl::Normal>;
+  using SearchPtr = typename pcl::search::Search<PointT>::Ptr;
+
+  // Input ----------------------------------------------------------------------------------------
+
+  /** \brief Normals of the input cloud, one for each of its points; null: none. A zero or
+   * non-finite normal counts as missing, and its point is left out. */
+  void setInputNormals(const NormalCloud::ConstPtr& normals) { normals_ = normals; }
+  NormalCloud::ConstPtr getInputNormals() const { return normals_; }
+
+  /** \brief Search object for estimating normals; null: OrganizedNeighbor for projectable
+   * organized clouds, otherwise KdTree. The fit itself has its own index. */
+  void setSearchMethod(const SearchPtr& search) { search_ = search; }
+  SearchPtr getSearchMethod() const { return search_; }
+
+  /** \brief Estimates normals from the k nearest neighbours with pcl::NormalEstimationOMP;
+   * 0 estimates none (default). */
+  void setEstimateNormals(int k) { normal_neighbours_ = k; }
+  int getEstimateNormals() const { return normal_neighbours_; }
+
+  // Running --------------------------------------------------------------------------------------
+
+  /** \brief Fits the surface. \return false with getError() when there is none; surface is then
+   * empty. O(points) time and memory. */
+  bool fit(SLIMSurface& surface);
+
+  /** \brief Fits and converts: one PointSLIM for each surfel, with the cloud's header.
+   * \param[out] metadata what fromPCL() needs to give the exact surface back (may be null). */
+  bool fit(pcl::PointCloud<PointSLIM>& surfels, SurfaceMetadata* metadata = nullptr);
+
+ protected:
+  using pcl::PCLBase<PointT>::input_;
+  using pcl::PCLBase<PointT>::indices_;
+  using pcl::PCLBase<PointT>::use_indices_;
+
+ private:
+  /** \brief Checks the input and describes its points. */
+  bool describeInput(CloudView& view);
+  /** \brief Finds the normals to use: describes them in view, or writes estimated ones. */
+  bool describeNormals(CloudView& view, std::vector<float>& estimated);
+  /** \brief PCL's normals of the selected points, zero for all others; three floats a point. */
+  bool estimateNormals(std::vector<float>& estimated);
+  /** \brief The search object for a cloud, ready for use; null after an error. */
+  SearchPtr prepareSearch(const typename PointCloud::ConstPtr& cloud);
+
+  NormalCloud::ConstPtr normals_;
+  SearchPtr search_;
+  int normal_neighbours_ = 0;
+};
+
+}  // namespace pcl_slim
+
+#ifdef PCL_NO_PRECOMPILE
+#include "pcl_slim/filters/impl/slim_fit.hpp"
+#endif

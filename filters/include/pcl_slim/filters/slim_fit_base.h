@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "pcl_slim/cloud/cloud_view.h"
+#include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/core/progress.h"
+#include "pcl_slim/slim/fit.h"
+#include "pcl_slim/slim/surface.h"
+
+namespace pcl_slim {
+
+/** \brief A progress callback and a cancel flag; a copy takes the callback and has its own flag. */
+class RunControl {
+ public:
+  RunControl() = default;
+  RunControl(const RunControl& other) : callback(other.callback) {}
+  RunControl& operator=(const RunControl& other)
+  {
+    callback = other.callback;
+    return *this;
+  }
+
+  Progress::Callback callback;
+  Progress progress{[this](float fraction, const char* stage) {
+    if (callback) callback(fraction, stage);
+  }};
+};
+
+/** \brief Parameters and results of SLIMFit that do not depend on the point type.
+ *
+ * One setter and getter for each parameter; no setter changes another parameter. Values are
+ * checked when fit() runs. FitParams says what each means and its default.
+ */
+class SLIMFitBase {
+ public:
+  // Parameters -----------------------------------------------------------------------------------
+
+  /** \brief All parameters at once. */
+  void setParams(const FitParams& params) { params_ = params; }
+  const FitParams& getParams() const { return params_; }
+
+  /** \brief Degree of the local polynomials, 1..4 (default 4). */
+  void setPolynomialOrder(int order) { params_.degree = order; }
+  int getPolynomialOrder() const { return params_.degree; }
+
+  /** \brief Weight kappa > 0 of the price of a coefficient (default 2); larger is smoother. */
+  void setPenalty(double penalty) { params_.penalty = penalty; }
+  double getPenalty() const { return params_.penalty; }
+
+  /** \brief The paper's T_MDL in place of the penalty; 0 goes back (default). */
+  void setMDLThreshold(double t_mdl) { params_.t_mdl = t_mdl; }
+  double getMDLThreshold() const { return params_.t_mdl; }
+
+  /** \brief RMS residual to reach, as a share of the bounding box's diagonal, by solving for the
+   * penalty; 0 is off (default). */
+  void setTargetError(double error) { params_.target_error = error; }
+  double getTargetError() const { return params_.target_error; }
+
+  /** \brief Most leaves allowed, by solving for the penalty; 0 is off (default). */
+  void setMaxSurfels(std::uint64_t count) { params_.max_surfels = count; }
+  std::uint64_t getMaxSurfels() const { return params_.max_surfels; }
+
+  /** \brief Noise variance as a share of the squared diagonal; 0 estimates it (default). */
+  void setNoiseLevel(double lambda) { params_.lambda = lambda; }
+  double getNoiseLevel() const { return params_.lambda; }
+
+  /** \brief alpha in (0, 1]: leaves cover the points within alpha r (default 2/3; 1: compact). */
+  void setCoverRadius(double alpha) { params_.cover_radius = alpha; }
+  double getCoverRadius() const { return params_.cover_radius; }
+
+  /** \brief gamma > 0: a point is covered from this sum of weights on (default 0.1). */
+  void setCoverThreshold(double gamma) { params_.cover_threshold = gamma; }
+  double getCoverThreshold() const { return params_.cover_threshold; }
+
+  /** \brief Keeps sharp edges; needs normals (default off). */
+  void setSharpFeatures(bool sharp) { params_.sharp_features = sharp; }
+  bool getSharpFeatures() const { return params_.sharp_features; }
+
+  /** \brief Reweights residuals against outliers (default off). */
+  void setRobust(bool robust) { params_.robust = robust; }
+  bool getRobust() const { return params_.robust; }
+
+  /** \brief Without normals: gives the surface one consistent side (default on). */
+  void setOrientation(bool orient) { params_.orient = orient; }
+  bool getOrientation() const { return params_.orient; }
+
+  /** \brief The point, in the cloud's coordinates, that normals shall face: those of the output
+   * when the cloud has none, and estimated ones. Not set: the leaves' graph decides, and
+   * estimated normals face the cloud's sensor. */
+  void setViewPoint(double x, double y, double z);
+  /** \brief \return whether a viewpoint is set, and then writes it. */
+  bool getViewPoint(double& x, double& y, double& z) const;
+  void clearViewPoint() { params_.has_viewpoint = false; }
+
+  /** \brief The choices of Ohtake, Belyaev, Alexa 2005 throughout (default off). */
+  void setPaperMode(bool paper) { params_.paper_mode = paper; }
+  bool getPaperMode() const { return params_.paper_mode; }
+
+  /** \brief Seed of the order in which centres are tried (default 1). */
+  void setSeed(std::uint64_t seed) { params_.seed = seed; }
+  std::uint64_t getSeed() const { return params_.seed; }
+
+  /** \brief Threads to use; 0 (default) means all cores. Never changes the result. */
+  void setNumberOfThreads(unsigned int threads = 0) { params_.threads = static_cast<int>(threads); }
+  unsigned int getNumberOfThreads() const { return static_cast<unsigned int>(params_.threads); }
+
+  // Running --------------------------------------------------------------------------------------
+
+  /** \brief Called from the thread that runs fit() with the share done and the stage's name. */
+  void setProgressCallback(Progress::Callback callback) { control_.callback = std::move(callback); }
+
+  /** \brief Stops the running fit() from any thread or a signal handler; nothing if none runs. */
+  void cancel() { control_.progress.cancel(); }
+
+  // Results --------------------------------------------------------------------------------------
+
+  /** \brief What the last fit() did and skipped. */
+  const FitStatistics& getStatistics() const { return statistics_; }
+  /** \brief What the last fit() found in its input. */
+  const PointStoreStatistics& getInputStatistics() const { return input_statistics_; }
+  /** \brief Why the last fit() failed, in one sentence; no error after a success. */
+  const Error& getError() const { return error_; }
+
+ protected:
+  SLIMFitBase() = default;
+  ~SLIMFitBase() = default;
+
+  /** \brief Forgets the last run. */
+  void clearResults();
+  /** \brief Records an error. \return false, as fit() does. */
+  bool fail(ErrorCode code, const std::string& message);
+  /** \brief Builds the store and fits. */
+  bool run(const CloudView& cloud, SLIMSurface& surface);
+
+  FitParams params_;
+  RunControl control_;
+  FitStatistics statistics_;
+  PointStoreStatistics input_statistics_;
+  Error error_;
+};
+
+}  // namespace pcl_slim
