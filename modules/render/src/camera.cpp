@@ -2,7 +2,6 @@
 #include "pcl_slim/render/camera.h"
 
 #include <algorithm>
-#include <limits>
 #include <vector>
 
 #include "camera_rays.h"
@@ -40,24 +39,75 @@ framedExtent(const SLIMSurface& surface, const std::vector<std::size_t>& leaves)
   return extent;
 }
 
-/** \brief Balls as a frustum sees them: tight bounds along two axes and depth. */
-struct FrustumFit {
-  double max_right, max_left, max_up, max_down;  // max of x - tx z, -x - tx z, y - ty z, -y - ty z
-
-  FrustumFit()
-  {
-    max_right = max_left = max_up = max_down = -std::numeric_limits<double>::infinity();
+/** \brief Leaves a view of the whole object has to show. */
+std::vector<std::size_t>
+framedLeaves(const SLIMSurface& surface)
+{
+  std::vector<std::size_t> leaves, framed;
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    if (surface.isLeaf(i)) leaves.push_back(i);
   }
+  if (leaves.empty()) return framed;
+  const auto extent = framedExtent(surface, leaves);
+  for (const std::size_t i : leaves) {
+    const float c[3] = {surface.cx[i], surface.cy[i], surface.cz[i]};
+    bool inside = true;
+    for (std::size_t a = 0; a < 3; ++a) {
+      inside = inside && c[a] >= extent[a][0] && c[a] <= extent[a][1];
+    }
+    if (inside) framed.push_back(i);
+  }
+  return framed;
+}
 
-  void add(double x, double y, double z, double radius, double tx, double ty)
+/** \brief Balls as a frustum with half widths tx, ty at depth 1 sees them: bounds of x - tx z,
+ * -x - tx z, y - ty z, -y - ty z and of z in camera axes. */
+struct FrustumFit {
+  double max_right = -HUGE_VAL, max_left = -HUGE_VAL, max_up = -HUGE_VAL, max_down = -HUGE_VAL;
+  double min_depth = HUGE_VAL;
+
+  FrustumFit(const SLIMSurface& surface, const std::vector<std::size_t>& leaves,
+             const CameraAxes& axes, double tx, double ty)
   {
-    const double rx = radius * std::sqrt(1.0 + tx * tx), ry = radius * std::sqrt(1.0 + ty * ty);
-    max_right = std::max(max_right, x - tx * z + rx);
-    max_left = std::max(max_left, -x - tx * z + rx);
-    max_up = std::max(max_up, y - ty * z + ry);
-    max_down = std::max(max_down, -y - ty * z + ry);
+    // A leaf is seen about as far as it covers, not to the rim of its support.
+    const double reach = 0.5 * surface.info.cover_radius;
+    const double reach_x = reach * std::sqrt(1.0 + tx * tx),
+                 reach_y = reach * std::sqrt(1.0 + ty * ty);
+    for (const std::size_t i : leaves) {
+      const Vector3 c{surface.cx[i], surface.cy[i], surface.cz[i]};
+      const double x = dot(c, axes.right), y = dot(c, axes.up), z = dot(c, axes.forward);
+      const double r = surface.radius[i];
+      max_right = std::max(max_right, x - tx * z + reach_x * r);
+      max_left = std::max(max_left, -x - tx * z + reach_x * r);
+      max_up = std::max(max_up, y - ty * z + reach_y * r);
+      max_down = std::max(max_down, -y - ty * z + reach_y * r);
+      min_depth = std::min(min_depth, z - r);
+    }
   }
 };
+
+/** \brief A camera that looks the right way from one world unit off the surface's origin. */
+Camera
+startingCamera(const SLIMSurface& surface, const ViewDirection& direction, const ImageSize& size)
+{
+  Camera camera;
+  camera.size = size;
+  camera.up = direction.up;
+  camera.look_at = surface.info.origin;
+  camera.position = along(surface.info.origin, 1.0, normalized(direction.towards_viewer));
+  return camera;
+}
+
+/** \brief Puts the camera at depth z (local), centred on what fit measured. */
+void
+placeCamera(const SLIMSurface& surface, const CameraAxes& axes, const FrustumFit& fit, double z,
+            Camera& camera)
+{
+  const double x = 0.5 * (fit.max_right - fit.max_left), y = 0.5 * (fit.max_up - fit.max_down);
+  const Vector3 eye = along(along(scaled(axes.right, x), y, axes.up), z, axes.forward);
+  camera.position = along(surface.info.origin, surface.info.scale, eye);
+  camera.look_at = along(camera.position, surface.info.scale, axes.forward);
+}
 
 }  // namespace
 
@@ -90,42 +140,38 @@ Camera
 fitCamera(const SLIMSurface& surface, const ViewDirection& direction, const ImageSize& size,
           double fov, double margin)
 {
-  Camera camera;
-  camera.size = size;
+  Camera camera = startingCamera(surface, direction, size);
   camera.fov = fov;
-  camera.up = direction.up;
-  const Vector3 origin = surface.info.origin;
-  const Vector3 towards = normalized(direction.towards_viewer);
-  camera.look_at = origin;
-  camera.position = along(origin, 1.0, towards);
-  std::vector<std::size_t> leaves;
-  for (std::size_t i = 0; i < surface.size(); ++i) {
-    if (surface.isLeaf(i)) leaves.push_back(i);
-  }
+  const std::vector<std::size_t> leaves = framedLeaves(surface);
   if (leaves.empty()) return camera;
 
   const CameraAxes axes(camera);
-  const auto extent = framedExtent(surface, leaves);
   const double free = 1.0 - 2.0 * std::clamp(margin, 0.0, 0.4);
   const double ty = std::tan(fov * kPi / 360.0) * free, tx = ty * size.width / size.height;
-  // A leaf is seen about as far as it covers, not to the rim of its support.
-  const double reach = 0.5 * surface.info.cover_radius;
-  FrustumFit fit;
-  for (const std::size_t i : leaves) {
-    const Vector3 c{surface.cx[i], surface.cy[i], surface.cz[i]};
-    const bool framed = c[0] >= extent[0][0] && c[0] <= extent[0][1] && c[1] >= extent[1][0] &&
-                        c[1] <= extent[1][1] && c[2] >= extent[2][0] && c[2] <= extent[2][1];
-    if (!framed) continue;
-    fit.add(dot(c, axes.right), dot(c, axes.up), dot(c, axes.forward), reach * surface.radius[i],
-            tx, ty);
-  }
-  const double x = 0.5 * (fit.max_right - fit.max_left), y = 0.5 * (fit.max_up - fit.max_down);
+  const FrustumFit fit(surface, leaves, axes, tx, ty);
   const double z =
       std::min(-0.5 * (fit.max_right + fit.max_left) / tx, -0.5 * (fit.max_up + fit.max_down) / ty);
-  Vector3 eye = along(along(scaled(axes.right, x), y, axes.up), z, axes.forward);
-  const double scale = surface.info.scale;
-  camera.position = along(origin, scale, eye);
-  camera.look_at = along(camera.position, scale, axes.forward);
+  placeCamera(surface, axes, fit, z, camera);
+  return camera;
+}
+
+Camera
+fitOrthographicCamera(const SLIMSurface& surface, const ViewDirection& direction,
+                      const ImageSize& size, double margin)
+{
+  Camera camera = startingCamera(surface, direction, size);
+  camera.projection = Camera::Projection::kOrthographic;
+  camera.view_height = surface.info.scale;
+  const std::vector<std::size_t> leaves = framedLeaves(surface);
+  if (leaves.empty()) return camera;
+
+  const CameraAxes axes(camera);
+  const double free = 1.0 - 2.0 * std::clamp(margin, 0.0, 0.4);
+  const FrustumFit fit(surface, leaves, axes, 0.0, 0.0);
+  const double width = fit.max_right + fit.max_left, height = fit.max_up + fit.max_down;
+  const double local_height = std::max(height, width * size.height / size.width) / free;
+  camera.view_height = std::max(local_height, 1e-9) * surface.info.scale;
+  placeCamera(surface, axes, fit, fit.min_depth - local_height, camera);
   return camera;
 }
 

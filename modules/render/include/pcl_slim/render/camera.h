@@ -52,4 +52,9 @@ Camera
 fitCamera(const SLIMSurface& surface, const ViewDirection& direction, const ImageSize& size,
           double fov = 30.0, double margin = 0.04);
 
+/** \brief The same for parallel projection. */
+Camera
+fitOrthographicCamera(const SLIMSurface& surface, const ViewDirection& direction,
+                      const ImageSize& size, double margin = 0.04);
+
 }  // namespace pcl_slim

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <vector>
+
+namespace pcl_slim::demo {
+
+using Point = std::array<double, 3>;
+
+/** \brief A painted Greek amphora as an implicit solid: hollow body of revolution with relief
+ * ornament and two handles. Metres, z up, standing on z = 0, 0.46 high. */
+class Amphora {
+ public:
+  Amphora();
+
+  /** \brief Signed distance, never larger than the true one by much: march with steps of 0.7. */
+  double distance(const Point& p) const;
+  /** \brief Outward unit normal at a surface point, by differences. */
+  Point normal(const Point& p) const;
+  /** \brief Paint at a surface point, sRGB in [0, 1]. */
+  std::array<double, 3> color(const Point& p) const;
+
+  static constexpr double kHeight = 0.46;
+  static constexpr Point kCenter{0.0, 0.0, 0.23};  ///< of a ball that holds everything
+  static constexpr double kReach = 0.29;           ///< its radius
+  static constexpr double kDiagonal = 0.61;        ///< of the bounding box
+
+ private:
+  struct Profile {
+    double radius, slope;
+  };
+
+  Profile profileAt(double z) const;
+  double bodyDistance(double rho, double angle, double z) const;
+  double handleDistance(const Point& p) const;
+
+  std::vector<Profile> profile_;               ///< table over z
+  std::vector<std::array<double, 2>> handle_;  ///< polyline in the (|x|, z) plane
+};
+
+}  // namespace pcl_slim::demo
