@@ -20,6 +20,9 @@ constexpr std::size_t kMostNeighbors = 1280;
 constexpr int kCubicTerms = 10;
 constexpr double kPatchNoise = 0.15;  ///< noise above this share of the patch's radius fills it
 constexpr double kTrim = 0.1;
+constexpr double kBiasGrowth = 16.0;  ///< of a cubic's squared bias when k, and so radius^2, doubles
+constexpr double kLeastNoise = 1e-4;  ///< share of the residual that is always taken for noise
+constexpr double kFloor = 1e-11;      ///< of L
 
 struct Patch {
   Eigen::Matrix3Xd points;  ///< relative to the sample
@@ -108,30 +111,48 @@ sampleStore(const PointStore& store, std::size_t samples, int threads, const Mea
   return values;
 }
 
+/** Trimmed residual variance over patches of k points, and their median radius. */
+struct PatchNoise {
+  double variance = 0, radius = 0;
+};
+
+PatchNoise
+patchNoise(const PointStore& store, std::size_t k, int threads)
+{
+  // Larger patches average more points each, so fewer of them are needed.
+  const std::size_t samples = std::max<std::size_t>(100, kResidualSamples * kFirstNeighbors / k);
+  std::vector<double> radii(std::min(samples, store.size()));
+  const auto measure = [&](NeighborSearch& search, std::size_t sample) {
+    thread_local std::vector<std::uint32_t> neighbors;
+    thread_local std::vector<float> distances_sq;
+    const Patch patch = neighborhood(store, search, sample, k, neighbors, distances_sq);
+    radii[sample * radii.size() / store.size()] = patch.radius;
+    return cubicResidual(patch);
+  };
+  auto values = sampleStore(store, samples, threads, measure);
+  const auto median = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
+  std::nth_element(radii.begin(), median, radii.end());
+  return {trimmedMean(values), *median};
+}
+
 double
 residualNoise(const PointStore& store, int threads)
 {
-  double variance = 0;
-  std::size_t most = std::min(kMostNeighbors, store.size() / 8 + kFirstNeighbors);
-  for (std::size_t k = kFirstNeighbors; k <= most; k *= 2) {
-    // Larger patches average more points each, so fewer of them are needed.
-    const std::size_t samples = std::max<std::size_t>(100, kResidualSamples * kFirstNeighbors / k);
-    std::vector<double> radii(std::min(samples, store.size()));
-    const auto measure = [&](NeighborSearch& search, std::size_t sample) {
-      thread_local std::vector<std::uint32_t> neighbors;
-      thread_local std::vector<float> distances_sq;
-      const Patch patch = neighborhood(store, search, sample, k, neighbors, distances_sq);
-      radii[sample * radii.size() / store.size()] = patch.radius;
-      return cubicResidual(patch);
-    };
-    auto values = sampleStore(store, samples, threads, measure);
-    variance = trimmedMean(values);
-    std::nth_element(radii.begin(), radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2),
-                     radii.end());
-    if (std::sqrt(variance) < kPatchNoise * radii[radii.size() / 2]) break;
+  const std::size_t most = std::min(kMostNeighbors, store.size() / 8 + kFirstNeighbors);
+  PatchNoise noise = patchNoise(store, kFirstNeighbors, threads);
+  for (std::size_t k = 2 * kFirstNeighbors; k <= most; k *= 2) {
+    const PatchNoise wider = patchNoise(store, k, threads);
+    // What grows like the eighth power of the patch's radius is the cubic's bias, not noise.
+    const double bias_free = (kBiasGrowth * noise.variance - wider.variance) / (kBiasGrowth - 1);
+    const bool planar = std::sqrt(noise.variance) < kPatchNoise * noise.radius;
+    if (planar) {
+      noise.variance = std::clamp(bias_free, kLeastNoise * noise.variance, noise.variance);
+      break;
+    }
+    noise = wider;
   }
-  const double floor = 1e-9 * store.diagonal();
-  return std::max(variance, floor * floor);
+  const double floor = kFloor * store.diagonal();
+  return std::max(noise.variance, floor * floor);
 }
 
 double

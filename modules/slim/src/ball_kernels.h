@@ -89,6 +89,10 @@ LocalFit
 fitBall(const BallBuffer& ball, int degree, float rho, WeightKernel kernel, double support,
         bool refine);
 
+/** \brief n_eff = (sum w)^2 / sum w^2 of the weights G(s / rho); 0 for an empty ball. */
+double
+effectiveCount(const BallBuffer& ball, float rho, WeightKernel kernel);
+
 /** \brief Residuals w - h(u, v), padding included. \param[out] residuals count rounded up. */
 void
 ballResiduals(const BallBuffer& ball, const LocalFit& fit, float* residuals);

@@ -15,7 +15,7 @@ namespace pcl_slim {
 
 namespace {
 
-constexpr double kStartShare = 0.06;      ///< the first level's median ball holds at most so much
+static double kStartShare = getenv("SS") ? atof(getenv("SS")) : 0.06;      ///< the first level's median ball holds at most so much
 constexpr std::size_t kStartSamples = 31;
 constexpr int kLastStart = 20;
 
@@ -59,6 +59,9 @@ makeSettings(const PointStore& store, const FitParams& params)
   if (params.t_mdl > 0) {
     s.lenience = 1.0;
     s.lack_of_fit = 0;
+  } else if (!params.paper_mode) {
+    // Smooth parts under noise are served by balls two levels wider than the paper's first.
+    s.first_radius /= kGolden * kGolden;
   }
   return s;
 }

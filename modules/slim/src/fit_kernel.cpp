@@ -304,6 +304,29 @@ fitWith(const BallBuffer& points, float rho, double support, bool refine)
 }
 
 template <WeightKernel K>
+double
+effectiveCountOf(const BallBuffer& points, float rho)
+{
+  Vec sum = hn::Zero(Tag()), squares = sum;
+  WeightedBall<K>(points, rho).forEach([&](Vec weight, Vec, Vec, Vec) HWY_ATTR {
+    sum = hn::Add(sum, weight);
+    squares = hn::MulAdd(weight, weight, squares);
+  });
+  const double weight = sumLanes(sum), weight_sq = sumLanes(squares);
+  return weight_sq > 0.0 ? weight * weight / weight_sq : 0.0;
+}
+
+double
+effectiveCount(const BallBuffer& ball, float rho, WeightKernel kernel)
+{
+  switch (kernel) {
+    case WeightKernel::kPower2: return effectiveCountOf<WeightKernel::kPower2>(ball, rho);
+    case WeightKernel::kPower4: return effectiveCountOf<WeightKernel::kPower4>(ball, rho);
+    default: return effectiveCountOf<WeightKernel::kGaussian>(ball, rho);
+  }
+}
+
+template <WeightKernel K>
 LocalFit
 fitWithKernel(const BallBuffer& ball, int degree, float rho, double support, bool refine)
 {
@@ -336,6 +359,13 @@ HWY_AFTER_NAMESPACE();
 namespace pcl_slim::kernels {
 
 HWY_EXPORT(fitBall);
+HWY_EXPORT(effectiveCount);
+
+double
+effectiveCount(const BallBuffer& ball, float rho, WeightKernel kernel)
+{
+  return HWY_DYNAMIC_DISPATCH(effectiveCount)(ball, rho, kernel);
+}
 
 LocalFit
 fitBall(const BallBuffer& ball, int degree, float rho, WeightKernel kernel, double support,

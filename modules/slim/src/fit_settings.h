@@ -9,7 +9,6 @@
 namespace pcl_slim {
 
 constexpr double kGolden = 0.6180339887498949;  ///< gamma of eq. (5)
-constexpr double kFirstRadius = 0.1;            ///< r_0 / L
 
 /** \brief Everything the inner steps need to know, in local units; fixed during a fit. */
 struct FitSettings {
@@ -25,6 +24,7 @@ struct FitSettings {
   double alpha = 2.0 / 3.0;
   double gamma = 0.1;
   double diagonal = 1.0;         ///< L
+  double first_radius = 0.1;     ///< r_r of level 1 over L: r_0 = L / 10 in the paper
   double center_grid = 0x1p-22;
   bool with_normals = false;
   float min_dot = 0.0f;          ///< normals nearer than this belong together
@@ -35,7 +35,7 @@ struct FitSettings {
   std::uint64_t seed = 1;
 
   /** \brief r_r of level k (eq. 5). */
-  double levelRadius(int k) const { return kFirstRadius * diagonal * std::pow(kGolden, k - 1); }
+  double levelRadius(int k) const { return first_radius * diagonal * std::pow(kGolden, k - 1); }
 };
 
 }  // namespace pcl_slim

@@ -8,7 +8,9 @@ namespace pcl_slim {
 
 namespace {
 
-constexpr double kWallMargin = 1.01;    ///< aim a little above the least support
+constexpr int kWallSteps = 8;
+constexpr double kWallMargin = 1.03;    ///< n_eff up to so many times the least support will do
+constexpr double kWallAim = 1.015;
 constexpr double kNoiseLike = 1.5;      ///< e^2 below this many lambda is noise, not lack of fit
 constexpr int kBrentSteps = 6;
 constexpr int kRobustPasses = 2;
@@ -95,11 +97,34 @@ RadiusSearch::evaluate(double rho, int degree, WeightKernel kernel)
   return trial;
 }
 
-/** Radius at which n_eff falls to the least support, from n_eff ~ r^2 near a measured one. */
+/** Smallest radius up to from at which n_eff still is the least support, to about 1 %. */
 double
-RadiusSearch::wallRadius(const Trial& near, double terms) const
+RadiusSearch::wallRadius(double from, WeightKernel kernel)
 {
-  return near.rho * std::sqrt(kWallMargin * settings_.support * terms / near.fit.n_eff);
+  const double target = settings_.support * numCoefficients(settings_.degree);
+  double high = from, low = 0.0, rho = from;
+  for (int step = 0; step < kWallSteps; ++step) {
+    const double n_eff =
+        kernels::effectiveCount(pointsWithin(rho), static_cast<float>(rho), kernel);
+    if (n_eff >= target) {
+      high = rho;
+      if (n_eff <= kWallMargin * target) break;
+    } else {
+      low = rho;
+    }
+    // n_eff grows like r^2 on a surface; keep inside the bracket where it does not.
+    const double guess = n_eff > 0 ? rho * std::sqrt(kWallAim * target / n_eff) : high;
+    rho = guess > low && guess < high ? guess : 0.5 * (low + high);
+  }
+  return high;
+}
+
+/** The fit at minimum support. Bias rules there, so the flatter kernel is taken: it reaches the
+ * same n_eff with a smaller ball. */
+Trial
+RadiusSearch::evaluateWall(double from)
+{
+  return evaluate(wallRadius(from, settings_.wall_kernel), settings_.degree, settings_.wall_kernel);
 }
 
 bool
@@ -143,22 +168,12 @@ RadiusSearch::search()
 RadiusChoice
 RadiusSearch::chooseAtWall(const Trial& right, const Trial& middle)
 {
-  const double terms = numCoefficients(settings_.degree);
-  Trial wall = evaluate(std::min(wallRadius(middle, terms), middle.rho));
-  if (!wall.supported && wall.fit.n_eff > 0) {
-    wall = evaluate(std::min(wallRadius(wall, terms) * kWallMargin, middle.rho));
-  }
-  if (!wall.supported) wall = middle;
-  const double least = std::min({right.energy, middle.energy, wall.energy});
+  const Trial wall = evaluateWall(middle.rho);
+  double least = std::min(right.energy, middle.energy);
+  if (wall.supported) least = std::min(least, wall.energy);
   if (right.energy <= settings_.lenience * least) return leaf(right);
-  if (middle.energy <= settings_.lenience * least) return leaf(middle);
-  if (settings_.wall_kernel == settings_.fit_kernel) return leaf(wall, true);
-  // Bias rules here. A flatter kernel reaches the same n_eff with a smaller ball.
-  const Trial probe = evaluate(wall.rho, settings_.degree, settings_.wall_kernel);
-  if (!probe.supported) return leaf(wall, true);
-  const Trial flat = evaluate(std::min(wallRadius(probe, terms), wall.rho), settings_.degree,
-                              settings_.wall_kernel);
-  return leaf(flat.supported ? flat : wall, true);
+  if (middle.energy <= settings_.lenience * least || !wall.supported) return leaf(middle);
+  return leaf(wall, true);
 }
 
 /** One parabolic step of Brent's method on a bracket a < b < c of a minimum near b. */
@@ -219,8 +234,7 @@ RadiusSearch::fallBack()
 {
   const Trial wide = evaluate(1.0);
   if (wide.supported) {
-    const double terms = numCoefficients(settings_.degree);
-    const Trial wall = evaluate(std::min(wallRadius(wide, terms), 1.0));
+    const Trial wall = evaluateWall(1.0);
     return leaf(wall.supported ? wall : wide, true);
   }
   Trial lower = evaluate(rho_right_);

@@ -62,7 +62,8 @@ class RadiusSearch {
   Trial evaluate(double rho, int degree, WeightKernel kernel);
   Trial evaluate(double rho) { return evaluate(rho, settings_.degree, settings_.fit_kernel); }
   const BallBuffer& pointsWithin(double rho);
-  double wallRadius(const Trial& near, double terms) const;
+  double wallRadius(double from, WeightKernel kernel);
+  Trial evaluateWall(double from);
   RadiusChoice chooseAtWall(const Trial& right, const Trial& middle);
   RadiusChoice chooseInside(const Trial& left, const Trial& middle, const Trial& right);
   RadiusChoice paperChoice(const Trial& left, const Trial& middle, const Trial& right);

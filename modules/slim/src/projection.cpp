@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/slim/projection.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pcl_slim/core/parallel.h"
+#include "projection_kernel.h"
+
+namespace pcl_slim {
+
+namespace {
+
+constexpr double kGateErrors = 5.0;   ///< residuals and offsets beyond so many e do not count
+constexpr double kGateRadius = 0.25;  ///< nor offsets beyond this share of r
+constexpr double kLeastGate = 1e-5;   ///< of r: exact fits must not gate on rounding
+
+/** For every block of points the leaves whose ball meets it, ascending. */
+struct BlockLists {
+  std::vector<std::uint32_t> begin, leaves;
+};
+
+BlockLists
+listLeaves(const PointStore& store, const SLIMSurface& surface, const std::vector<std::uint32_t>& leaves,
+           int threads)
+{
+  // Leaves are cut into as many slices as there are threads; each slice counts, then writes.
+  const auto slices = static_cast<std::size_t>(threads);
+  const std::size_t blocks = store.numBlocks();
+  std::vector<std::vector<std::uint32_t>> counts(slices), hits(slices), hit_begin(slices);
+  parallelFor(slices, threads, 1, [&](std::size_t s, int) {
+    counts[s].assign(blocks, 0);
+    for (std::size_t j = leaves.size() * s / slices; j < leaves.size() * (s + 1) / slices; ++j) {
+      const std::uint32_t i = leaves[j];
+      const float center[3] = {surface.cx[i], surface.cy[i], surface.cz[i]};
+      hit_begin[s].push_back(static_cast<std::uint32_t>(hits[s].size()));
+      store.tree().blocksInBall(center, surface.radius[i], hits[s]);
+    }
+    hit_begin[s].push_back(static_cast<std::uint32_t>(hits[s].size()));
+    for (const std::uint32_t b : hits[s]) ++counts[s][b];
+  });
+  BlockLists lists;
+  lists.begin.resize(blocks + 1);
+  std::uint32_t total = 0;
+  for (std::size_t b = 0; b < blocks; ++b) {
+    lists.begin[b] = total;
+    for (std::size_t s = 0; s < slices; ++s) {
+      const std::uint32_t count = counts[s][b];
+      counts[s][b] = total;
+      total += count;
+    }
+  }
+  lists.begin[blocks] = total;
+  lists.leaves.resize(total);
+  parallelFor(slices, threads, 1, [&](std::size_t s, int) {
+    const std::size_t first = leaves.size() * s / slices;
+    for (std::size_t j = 0; j + 1 < hit_begin[s].size(); ++j) {
+      for (std::uint32_t h = hit_begin[s][j]; h < hit_begin[s][j + 1]; ++h) {
+        lists.leaves[counts[s][hits[s][h]]++] = leaves[first + j];
+      }
+    }
+  });
+  return lists;
+}
+
+class Projector {
+ public:
+  Projector(const PointStore& store, const SLIMSurface& surface, const ProjectionParams& params)
+      : store_(store), surface_(surface)
+  {
+    rules_.kernel = surface.info.blend_kernel;
+    rules_.oriented = surface.info.oriented;
+    rules_.guarded = !params.paper_mode;
+    rules_.with_hessian = params.curvature;
+    for (int a = 0; a < 3; ++a) {
+      shift_[a] = (store.origin()[a] - surface.info.origin[a]) / surface.info.scale;
+    }
+  }
+
+  /** Projects one block's points; sums is the thread's scratch. */
+  void
+  project(std::size_t block, const std::uint32_t* begin, const std::uint32_t* end, BlockSums& sums,
+          Projection& result) const
+  {
+    const std::size_t first = block * PointStore::kBlock;
+    const float* const xyz[3] = {store_.x() + first, store_.y() + first, store_.z() + first};
+    for (auto& column : sums.direction) std::fill(column, column + 16, 0.0f);
+    for (const std::uint32_t* leaf = begin; leaf != end; ++leaf) {
+      kernels::addDirections(xyz[0], xyz[1], xyz[2], relativeTo(block, *leaf), rules_, sums);
+    }
+    kernels::finishDirections(sums);
+    for (const std::uint32_t* leaf = begin; leaf != end; ++leaf) {
+      kernels::addIntersections(xyz[0], xyz[1], xyz[2], relativeTo(block, *leaf), rules_, sums);
+    }
+    const std::size_t count = std::min(PointStore::kBlock, store_.size() - first);
+    for (std::size_t lane = 0; lane < count; ++lane) finish(first + lane, lane, sums, result);
+  }
+
+ private:
+  BlockLeaf
+  relativeTo(std::size_t block, std::uint32_t i) const
+  {
+    BlockLeaf leaf;
+    const double center[3] = {surface_.cx[i], surface_.cy[i], surface_.cz[i]};
+    const double origin[3] = {store_.blockOriginX()[block], store_.blockOriginY()[block],
+                              store_.blockOriginZ()[block]};
+    const LocalFrame frame({surface_.nx[i], surface_.ny[i], surface_.nz[i]});
+    for (int a = 0; a < 3; ++a) {
+      leaf.shift[a] = static_cast<float>(origin[a] + shift_[a] - center[a]);
+      leaf.u[a] = static_cast<float>(frame.u[a]);
+      leaf.v[a] = static_cast<float>(frame.v[a]);
+      leaf.w[a] = static_cast<float>(frame.w[a]);
+    }
+    leaf.radius = surface_.radius[i];
+    const double gate = kGateErrors * surface_.error[i] / leaf.radius + kLeastGate;
+    leaf.max_residual = static_cast<float>(gate);
+    leaf.max_offset = static_cast<float>(std::min(gate, kGateRadius));
+    leaf.degree = surface_.degree[i];
+    leaf.c = surface_.coefficientsOf(i);
+    return leaf;
+  }
+
+  void
+  finish(std::size_t i, std::size_t lane, const BlockSums& sums, Projection& result) const
+  {
+    auto position = store_.position(i);
+    const double weight = sums.weight[lane];
+    if (weight > 0) {
+      const double t = sums.offset[lane] / weight;
+      double g[3], length_sq = 0;
+      for (int a = 0; a < 3; ++a) {
+        position[a] += t * sums.direction[a][lane];
+        g[a] = sums.gradient[a][lane] / weight;
+        length_sq += g[a] * g[a];
+      }
+      const double length = std::sqrt(length_sq);
+      if (length > 1e-6) {
+        result.supported[i] = 1;
+        for (int a = 0; a < 3; ++a) result.normal[i][a] = static_cast<float>(g[a] / length);
+        if (rules_.with_hessian) {
+          double h[6];
+          for (int k = 0; k < 6; ++k) h[k] = sums.hessian[k][lane] / weight;
+          result.curvature[i] = curvatures(g, length, h);
+        }
+        result.position[i] = position;
+        return;
+      }
+    }
+    result.position[i] = store_.position(i);
+  }
+
+  /** Mean and Gaussian curvature from blended gradient and Hessian (eq. 8, left). */
+  static std::array<float, 2>
+  curvatures(const double g[3], double length, const double h[6])
+  {
+    const double hg[3] = {h[0] * g[0] + h[1] * g[1] + h[2] * g[2],
+                          h[1] * g[0] + h[3] * g[1] + h[4] * g[2],
+                          h[2] * g[0] + h[4] * g[1] + h[5] * g[2]};
+    const double ghg = g[0] * hg[0] + g[1] * hg[1] + g[2] * hg[2];
+    const double length_sq = length * length;
+    const double mean = (h[0] + h[3] + h[5] - ghg / length_sq) / (2 * length);
+    const double adjugate[6] = {h[3] * h[5] - h[4] * h[4], h[2] * h[4] - h[1] * h[5],
+                                h[1] * h[4] - h[2] * h[3], h[0] * h[5] - h[2] * h[2],
+                                h[1] * h[2] - h[0] * h[4], h[0] * h[3] - h[1] * h[1]};
+    const double gauss = g[0] * (adjugate[0] * g[0] + 2 * adjugate[1] * g[1] + 2 * adjugate[2] * g[2]) +
+                         g[1] * (adjugate[3] * g[1] + 2 * adjugate[4] * g[2]) +
+                         adjugate[5] * g[2] * g[2];
+    return {static_cast<float>(mean), static_cast<float>(gauss / (length_sq * length_sq))};
+  }
+
+  const PointStore& store_;
+  const SLIMSurface& surface_;
+  BlendRules rules_;
+  double shift_[3];
+};
+
+}  // namespace
+
+Error
+projectPoints(const PointStore& store, const SLIMSurface& surface, const ProjectionParams& params,
+              Projection& result, Progress* progress)
+{
+  result = Projection();
+  if (store.scale() != surface.info.scale) {
+    return {ErrorCode::kBadArgument,
+            "the surface was fitted to a cloud of another size: project the cloud it was fitted to"};
+  }
+  const int threads = resolveThreads(params.threads);
+  result.position.resize(store.size());
+  result.normal.assign(store.size(), {0, 0, 0});
+  result.supported.assign(store.size(), 0);
+  if (params.curvature) result.curvature.assign(store.size(), {0, 0});
+
+  std::vector<std::uint32_t> leaves;
+  for (std::uint32_t i = 0; i < surface.size(); ++i) {
+    if (surface.isLeaf(i)) leaves.push_back(i);
+  }
+  if (progress != nullptr) progress->report(0.0f, "projecting");
+  const BlockLists lists = listLeaves(store, surface, leaves, threads);
+  const Projector projector(store, surface, params);
+  std::vector<BlockSums> sums(static_cast<std::size_t>(threads));
+  parallelFor(store.numBlocks(), threads, 64, [&](std::size_t b, int thread) {
+    if (progress != nullptr && progress->cancelled()) return;
+    projector.project(b, lists.leaves.data() + lists.begin[b], lists.leaves.data() + lists.begin[b + 1],
+                      sums[static_cast<std::size_t>(thread)], result);
+  });
+  if (progress != nullptr && progress->cancelled()) {
+    result = Projection();
+    return {ErrorCode::kCancelled, "the projection was cancelled"};
+  }
+  result.num_unsupported = static_cast<std::uint64_t>(
+      std::count(result.supported.begin(), result.supported.end(), 0));
+  return {};
+}
+
+}  // namespace pcl_slim

@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Sixteen points of one block against one leaf: the blending loop of equations (6)-(8).
+#include "projection_kernel.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "projection_kernel.cpp"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+#include "kernel_math-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace pcl_slim::kernels::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr int kNewtonSteps = 3;
+
+HWY_INLINE Vec
+set(float value)
+{
+  return hn::Set(Tag(), value);
+}
+
+HWY_INLINE Vec
+blendWeight(WeightKernel kernel, Vec s_sq)
+{
+  switch (kernel) {
+    case WeightKernel::kPower2: return kernelWeight<WeightKernel::kPower2>(s_sq);
+    case WeightKernel::kPower4: return kernelWeight<WeightKernel::kPower4>(s_sq);
+    case WeightKernel::kPower7: return kernelWeight<WeightKernel::kPower7>(s_sq);
+    default: return kernelWeight<WeightKernel::kGaussian>(s_sq);
+  }
+}
+
+/** Vector coordinates in a leaf's frame, in units of its radius. */
+struct Local {
+  Vec u, v, w;
+};
+
+/** One leaf's frame in registers. */
+class LeafFrame {
+ public:
+  explicit LeafFrame(const BlockLeaf& leaf) : inverse_(set(1.0f / leaf.radius))
+  {
+    for (int a = 0; a < 3; ++a) {
+      shift_[a] = set(leaf.shift[a]);
+      u_[a] = set(leaf.u[a]);
+      v_[a] = set(leaf.v[a]);
+      w_[a] = set(leaf.w[a]);
+    }
+  }
+
+  HWY_INLINE Local
+  turn(Vec x, Vec y, Vec z) const
+  {
+    return {dot3(x, y, z, u_[0], u_[1], u_[2]), dot3(x, y, z, v_[0], v_[1], v_[2]),
+            dot3(x, y, z, w_[0], w_[1], w_[2])};
+  }
+  HWY_INLINE Local
+  place(Vec x, Vec y, Vec z) const
+  {
+    return turn(hn::Mul(hn::Add(x, shift_[0]), inverse_), hn::Mul(hn::Add(y, shift_[1]), inverse_),
+                hn::Mul(hn::Add(z, shift_[2]), inverse_));
+  }
+  /** Coordinate a of a frame vector in the block's axes. */
+  HWY_INLINE Vec
+  back(int a, const Local& p) const
+  {
+    return dot3(u_[a], v_[a], w_[a], p.u, p.v, p.w);
+  }
+  Vec axisU(int a) const { return u_[a]; }
+  Vec axisV(int a) const { return v_[a]; }
+
+ private:
+  Vec inverse_, shift_[3], u_[3], v_[3], w_[3];
+};
+
+/** Height and its derivatives, evaluated by rows of the graded coefficients. */
+template <int D>
+class HeightJets {
+ public:
+  explicit HeightJets(const float* c)
+  {
+    for (int k = 0; k < numCoefficients(D); ++k) c_[k] = set(c[k]);
+  }
+
+  HWY_INLINE void
+  gradient(Vec u, Vec v, Vec& h, Vec& hu, Vec& hv) const
+  {
+    h = hn::MulAdd(c_[1], u, hn::MulAdd(c_[2], v, c_[0]));
+    hu = c_[1];
+    hv = c_[2];
+    if constexpr (D >= 2) {
+      h = hn::MulAdd(u, hn::MulAdd(c_[3], u, hn::Mul(c_[4], v)),
+                     hn::MulAdd(hn::Mul(c_[5], v), v, h));
+      hu = hn::MulAdd(hn::Add(c_[3], c_[3]), u, hn::MulAdd(c_[4], v, hu));
+      hv = hn::MulAdd(hn::Add(c_[5], c_[5]), v, hn::MulAdd(c_[4], u, hv));
+    }
+    if constexpr (D >= 3) {
+      const Vec uu = hn::Mul(u, u), uv = hn::Mul(u, v), vv = hn::Mul(v, v);
+      h = hn::MulAdd(uu, hn::MulAdd(c_[6], u, hn::Mul(c_[7], v)),
+                     hn::MulAdd(vv, hn::MulAdd(c_[8], u, hn::Mul(c_[9], v)), h));
+      hu = hn::MulAdd(hn::Mul(set(3), c_[6]), uu,
+                      hn::MulAdd(hn::Add(c_[7], c_[7]), uv, hn::MulAdd(c_[8], vv, hu)));
+      hv = hn::MulAdd(c_[7], uu,
+                      hn::MulAdd(hn::Add(c_[8], c_[8]), uv, hn::MulAdd(hn::Mul(set(3), c_[9]), vv, hv)));
+    }
+    if constexpr (D >= 4) {
+      const Vec uu = hn::Mul(u, u), uv = hn::Mul(u, v), vv = hn::Mul(v, v);
+      const Vec high = hn::MulAdd(c_[10], uu, hn::MulAdd(c_[11], uv, hn::Mul(c_[12], vv)));
+      h = hn::MulAdd(uu, high, hn::MulAdd(vv, hn::MulAdd(c_[13], uv, hn::Mul(c_[14], vv)), h));
+      const Vec hu4 = hn::MulAdd(
+          uu, hn::MulAdd(hn::Mul(set(4), c_[10]), u, hn::Mul(hn::Mul(set(3), c_[11]), v)),
+          hn::Mul(vv, hn::MulAdd(hn::Add(c_[12], c_[12]), u, hn::Mul(c_[13], v))));
+      const Vec hv4 = hn::MulAdd(
+          uu, hn::MulAdd(c_[11], u, hn::Mul(hn::Add(c_[12], c_[12]), v)),
+          hn::Mul(vv, hn::MulAdd(hn::Mul(set(3), c_[13]), u, hn::Mul(hn::Mul(set(4), c_[14]), v))));
+      hu = hn::Add(hu, hu4);
+      hv = hn::Add(hv, hv4);
+    }
+  }
+
+  HWY_INLINE void
+  second(Vec u, Vec v, Vec& huu, Vec& huv, Vec& hvv) const
+  {
+    const Vec two = set(2);
+    huu = huv = hvv = hn::Zero(Tag());
+    if constexpr (D >= 2) {
+      huu = hn::Mul(two, c_[3]);
+      huv = c_[4];
+      hvv = hn::Mul(two, c_[5]);
+    }
+    if constexpr (D >= 3) {
+      huu = hn::MulAdd(hn::Mul(set(6), c_[6]), u, hn::MulAdd(hn::Mul(two, c_[7]), v, huu));
+      huv = hn::MulAdd(hn::Mul(two, c_[7]), u, hn::MulAdd(hn::Mul(two, c_[8]), v, huv));
+      hvv = hn::MulAdd(hn::Mul(two, c_[8]), u, hn::MulAdd(hn::Mul(set(6), c_[9]), v, hvv));
+    }
+    if constexpr (D >= 4) {
+      const Vec uu = hn::Mul(u, u), uv = hn::Mul(u, v), vv = hn::Mul(v, v);
+      huu = hn::Add(huu, hn::MulAdd(hn::Mul(set(12), c_[10]), uu,
+                                    hn::MulAdd(hn::Mul(set(6), c_[11]), uv,
+                                               hn::Mul(hn::Mul(two, c_[12]), vv))));
+      huv = hn::Add(huv, hn::MulAdd(hn::Mul(set(3), c_[11]), uu,
+                                    hn::MulAdd(hn::Mul(set(4), c_[12]), uv,
+                                               hn::Mul(hn::Mul(set(3), c_[13]), vv))));
+      hvv = hn::Add(hvv, hn::MulAdd(hn::Mul(two, c_[12]), uu,
+                                    hn::MulAdd(hn::Mul(set(6), c_[13]), uv,
+                                               hn::Mul(hn::Mul(set(12), c_[14]), vv))));
+    }
+  }
+
+ private:
+  Vec c_[numCoefficients(D)];
+};
+
+/** +1 or -1 per lane: the sign that turns b to the side of a sum gathered so far. */
+HWY_INLINE Vec
+alignment(Vec sum_dot_b)
+{
+  return hn::CopySign(set(1.0f), sum_dot_b);
+}
+
+template <int D>
+void
+addDirectionsOf(const float* x, const float* y, const float* z, const BlockLeaf& leaf,
+                const BlendRules& rules, BlockSums& sums)
+{
+  const Tag d;
+  const LeafFrame frame(leaf);
+  const HeightJets<D> jets(leaf.c);
+  for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
+    const Local p = frame.place(hn::Load(d, x + i), hn::Load(d, y + i), hn::Load(d, z + i));
+    const Vec s_sq = dot3(p.u, p.v, p.w, p.u, p.v, p.w);
+    Mask near = hn::Lt(s_sq, set(1.0f));
+    if (hn::AllFalse(d, near)) continue;
+    Vec h, hu, hv;
+    jets.gradient(p.u, p.v, h, hu, hv);
+    if (rules.guarded) {
+      near = hn::And(near, hn::Le(hn::Abs(hn::Sub(p.w, h)), set(leaf.max_residual)));
+    }
+    Vec g = hn::IfThenElseZero(near, blendWeight(rules.kernel, s_sq));
+    const Local n = {hn::Neg(hu), hn::Neg(hv), set(1.0f)};
+    Vec sum[3], normal[3];
+    for (int a = 0; a < 3; ++a) {
+      sum[a] = hn::Load(d, sums.direction[a] + i);
+      normal[a] = frame.back(a, n);
+    }
+    if (!rules.oriented) {
+      g = hn::Mul(g, alignment(dot3(sum[0], sum[1], sum[2], normal[0], normal[1], normal[2])));
+    }
+    for (int a = 0; a < 3; ++a) {
+      const Vec term = hn::IfThenElseZero(near, hn::Mul(g, normal[a]));
+      hn::Store(hn::Add(sum[a], term), d, sums.direction[a] + i);
+    }
+  }
+}
+
+template <int D>
+void
+addIntersectionsOf(const float* x, const float* y, const float* z, const BlockLeaf& leaf,
+                   const BlendRules& rules, BlockSums& sums)
+{
+  const Tag d;
+  const LeafFrame frame(leaf);
+  const HeightJets<D> jets(leaf.c);
+  const Vec zero = hn::Zero(d), one = set(1.0f), radius = set(leaf.radius);
+  for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
+    const Local p = frame.place(hn::Load(d, x + i), hn::Load(d, y + i), hn::Load(d, z + i));
+    const Vec p_sq = dot3(p.u, p.v, p.w, p.u, p.v, p.w);
+    Mask near = hn::Lt(p_sq, one);
+    if (hn::AllFalse(d, near)) continue;
+    const Local ray = frame.turn(hn::Load(d, sums.direction[0] + i),
+                                 hn::Load(d, sums.direction[1] + i),
+                                 hn::Load(d, sums.direction[2] + i));
+    // Newton from t = 0 on F(t) = f(p + t d); points lie within noise of the leaf.
+    Vec t = zero, u = p.u, v = p.v, w = p.w, h, hu, hv, slope;
+    for (int step = 0; step < kNewtonSteps; ++step) {
+      jets.gradient(u, v, h, hu, hv);
+      slope = hn::NegMulAdd(hu, ray.u, hn::NegMulAdd(hv, ray.v, ray.w));
+      // A grazing ray has no usable root: its lane is masked off below.
+      const Vec safe = hn::IfThenElse(hn::Gt(hn::Abs(slope), set(0.1f)), slope, set(1e9f));
+      t = hn::Sub(t, hn::Div(hn::Sub(w, h), safe));
+      u = hn::MulAdd(t, ray.u, p.u);
+      v = hn::MulAdd(t, ray.v, p.v);
+      w = hn::MulAdd(t, ray.w, p.w);
+    }
+    jets.gradient(u, v, h, hu, hv);
+    const Vec q_sq = dot3(u, v, w, u, v, w);
+    near = hn::And(near, hn::And(hn::Lt(q_sq, one), hn::Gt(hn::Abs(slope), set(0.1f))));
+    Vec s_sq = q_sq;
+    if (rules.guarded) {
+      near = hn::And(near, hn::Le(hn::Abs(t), set(leaf.max_offset)));
+      if (rules.oriented) near = hn::And(near, hn::Gt(slope, zero));
+      s_sq = hn::Max(p_sq, q_sq);
+    }
+    if (hn::AllFalse(d, near)) continue;
+    const Vec g = hn::IfThenElseZero(near, blendWeight(rules.kernel, s_sq));
+    const Vec moved = hn::IfThenElseZero(near, hn::Mul(g, hn::Mul(t, radius)));
+    hn::Store(hn::Add(hn::Load(d, sums.weight + i), g), d, sums.weight + i);
+    hn::Store(hn::Add(hn::Load(d, sums.offset + i), moved), d, sums.offset + i);
+    // Signed so that every gradient points along the ray.
+    const Vec signed_g = rules.oriented ? g : hn::Mul(g, alignment(slope));
+    const Local n = {hn::Neg(hu), hn::Neg(hv), one};
+    for (int a = 0; a < 3; ++a) {
+      const Vec term = hn::IfThenElseZero(near, hn::Mul(signed_g, frame.back(a, n)));
+      hn::Store(hn::Add(hn::Load(d, sums.gradient[a] + i), term), d, sums.gradient[a] + i);
+    }
+    if (!rules.with_hessian) continue;
+    Vec huu, huv, hvv;
+    jets.second(u, v, huu, huv, hvv);
+    const Vec scale = hn::IfThenElseZero(near, hn::Neg(hn::Mul(signed_g, set(1.0f / leaf.radius))));
+    for (int a = 0, k = 0; a < 3; ++a) {
+      // Row a of H u v products: H = huu u u^T + huv (u v^T + v u^T) + hvv v v^T.
+      const Vec along_u = hn::MulAdd(huu, frame.axisU(a), hn::Mul(huv, frame.axisV(a)));
+      const Vec along_v = hn::MulAdd(huv, frame.axisU(a), hn::Mul(hvv, frame.axisV(a)));
+      for (int b = a; b < 3; ++b, ++k) {
+        const Vec entry = hn::MulAdd(along_u, frame.axisU(b), hn::Mul(along_v, frame.axisV(b)));
+        const Vec sum = hn::Load(d, sums.hessian[k] + i);
+        hn::Store(hn::Add(sum, hn::IfThenElseZero(near, hn::Mul(scale, entry))), d,
+                  sums.hessian[k] + i);
+      }
+    }
+  }
+}
+
+void
+addDirections(const float* x, const float* y, const float* z, const BlockLeaf& leaf,
+              const BlendRules& rules, BlockSums& sums)
+{
+  switch (leaf.degree) {
+    case 1: return addDirectionsOf<1>(x, y, z, leaf, rules, sums);
+    case 2: return addDirectionsOf<2>(x, y, z, leaf, rules, sums);
+    case 3: return addDirectionsOf<3>(x, y, z, leaf, rules, sums);
+    default: return addDirectionsOf<4>(x, y, z, leaf, rules, sums);
+  }
+}
+
+void
+finishDirections(BlockSums& sums)
+{
+  const Tag d;
+  const Vec zero = hn::Zero(d);
+  for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
+    Vec n[3];
+    for (int a = 0; a < 3; ++a) n[a] = hn::Load(d, sums.direction[a] + i);
+    const Vec length_sq = dot3(n[0], n[1], n[2], n[0], n[1], n[2]);
+    const Mask usable = hn::Gt(length_sq, set(1e-30f));
+    const Vec inverse = hn::Div(set(1.0f), hn::Sqrt(hn::IfThenElse(usable, length_sq, set(1.0f))));
+    for (int a = 0; a < 3; ++a) {
+      hn::Store(hn::IfThenElseZero(usable, hn::Mul(n[a], inverse)), d, sums.direction[a] + i);
+      hn::Store(zero, d, sums.gradient[a] + i);
+    }
+    hn::Store(zero, d, sums.weight + i);
+    hn::Store(zero, d, sums.offset + i);
+    for (auto& column : sums.hessian) hn::Store(zero, d, column + i);
+  }
+}
+
+void
+addIntersections(const float* x, const float* y, const float* z, const BlockLeaf& leaf,
+                 const BlendRules& rules, BlockSums& sums)
+{
+  switch (leaf.degree) {
+    case 1: return addIntersectionsOf<1>(x, y, z, leaf, rules, sums);
+    case 2: return addIntersectionsOf<2>(x, y, z, leaf, rules, sums);
+    case 3: return addIntersectionsOf<3>(x, y, z, leaf, rules, sums);
+    default: return addIntersectionsOf<4>(x, y, z, leaf, rules, sums);
+  }
+}
+
+}  // namespace pcl_slim::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pcl_slim::kernels {
+
+HWY_EXPORT(addDirections);
+HWY_EXPORT(finishDirections);
+HWY_EXPORT(addIntersections);
+
+void
+addDirections(const float* x, const float* y, const float* z, const BlockLeaf& leaf,
+              const BlendRules& rules, BlockSums& sums)
+{
+  HWY_DYNAMIC_DISPATCH(addDirections)(x, y, z, leaf, rules, sums);
+}
+
+void
+finishDirections(BlockSums& sums)
+{
+  HWY_DYNAMIC_DISPATCH(finishDirections)(sums);
+}
+
+void
+addIntersections(const float* x, const float* y, const float* z, const BlockLeaf& leaf,
+                 const BlendRules& rules, BlockSums& sums)
+{
+  HWY_DYNAMIC_DISPATCH(addIntersections)(x, y, z, leaf, rules, sums);
+}
+
+}  // namespace pcl_slim::kernels
+#endif

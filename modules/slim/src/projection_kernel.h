@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "pcl_slim/slim/polynomial.h"
+#include "pcl_slim/slim/weight_kernel.h"
+
+namespace pcl_slim {
+
+/** \brief A leaf as projection sees it, relative to one block of points. */
+struct BlockLeaf {
+  float shift[3];       ///< block origin minus the leaf's centre
+  float u[3], v[3], w[3];  ///< frame axes
+  float radius;
+  float max_residual;   ///< in units of the radius: points farther from f = 0 are not served
+  float max_offset;     ///< in units of the radius: roots farther along the ray do not count
+  int degree;
+  const float* c;
+};
+
+/** \brief Sums over the leaves of a block's 16 points; columns per point. */
+struct BlockSums {
+  alignas(64) float direction[3][16];   ///< sum w n of pass 1, then the unit ray direction
+  alignas(64) float weight[16];         ///< sum w
+  alignas(64) float offset[16];         ///< sum w t
+  alignas(64) float gradient[3][16];    ///< sum w grad f
+  alignas(64) float hessian[6][16];     ///< sum w H: xx xy xz yy yz zz
+};
+
+/** \brief How leaves meet points. */
+struct BlendRules {
+  WeightKernel kernel = WeightKernel::kPower4;
+  bool oriented = false;     ///< normals agree; otherwise signs are aligned point by point
+  bool guarded = true;       ///< weight at the larger of |p - c| and |q - c|, gates on residual and t
+  bool with_hessian = false;
+};
+
+namespace kernels {
+
+/** \brief Pass 1: adds a leaf's normals, in the points' frame, to the ray directions.
+ * \param[in] x,y,z the block's 16 offsets. */
+void
+addDirections(const float* x, const float* y, const float* z, const BlockLeaf& leaf,
+              const BlendRules& rules, BlockSums& sums);
+
+/** \brief Makes the directions unit and clears the sums of pass 2; zero where nothing was added. */
+void
+finishDirections(BlockSums& sums);
+
+/** \brief Pass 2: meets the rays p + t d with a leaf and adds what equations (6)-(8) blend. */
+void
+addIntersections(const float* x, const float* y, const float* z, const BlockLeaf& leaf,
+                 const BlendRules& rules, BlockSums& sums);
+
+}  // namespace kernels
+}  // namespace pcl_slim
