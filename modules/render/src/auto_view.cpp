@@ -72,25 +72,29 @@ isFlatAlong(const LeafCloud& cloud, std::size_t axis)
 }
 
 /** \brief True when the world's origin sees the cloud as a depth camera would: in front along z,
- * in a cone of ordinary width that the cloud fills around the axis. */
+ * at ranges a camera has, in a cone of ordinary width that the cloud fills around the axis. */
 bool
 seenByDepthCamera(const LeafCloud& cloud, const SurfaceInfo& info)
 {
   const Vector3 origin = scaled(info.origin, 1.0 / info.scale);
-  std::vector<double> slopes_x, slopes_y;
+  std::vector<double> slopes_x, slopes_y, depths;
   for (const Vector3& c : cloud.centers) {
     const Vector3 p = along(c, 1.0, origin);
     if (!(p[2] > 0.0)) return false;
     slopes_x.push_back(p[0] / p[2]);
     slopes_y.push_back(p[1] / p[2]);
+    depths.push_back(p[2]);
   }
-  const auto spans = [](std::vector<double>& slopes) {
-    std::sort(slopes.begin(), slopes.end());
-    const double first = slopes[slopes.size() / 50],
-                 last = slopes[slopes.size() - 1 - slopes.size() / 50];
-    return first > -1.2 && first < -0.15 && last > 0.15 && last < 1.2;
+  const auto bulk = [](std::vector<double>& values) {
+    std::sort(values.begin(), values.end());
+    const std::size_t rim = values.size() / 50;
+    return std::array<double, 2>{values[rim], values[values.size() - 1 - rim]};
   };
-  return spans(slopes_x) && spans(slopes_y);
+  const auto spans = [](const std::array<double, 2>& slopes) {
+    return slopes[0] > -1.2 && slopes[0] < -0.15 && slopes[1] > 0.15 && slopes[1] < 1.2;
+  };
+  const auto range = bulk(depths);
+  return range[0] > 0.08 * range[1] && spans(bulk(slopes_x)) && spans(bulk(slopes_y));
 }
 
 struct Upright {
@@ -165,7 +169,7 @@ chooseView(const SLIMSurface& surface, UpAxis up)
 {
   const LeafCloud cloud(surface);
   if (cloud.empty()) return viewFromAngles(up, 30.0, 20.0);
-  if (up == UpAxis::kAuto && seenByDepthCamera(cloud, surface.info)) {
+  if (up == UpAxis::kAuto && !isFlatAlong(cloud, 2) && seenByDepthCamera(cloud, surface.info)) {
     return {{0.0, -0.12, -1.0}, {0.0, -1.0, 0.0}};
   }
   const UpAxis axis = up == UpAxis::kAuto ? guessUpAxis(surface) : up;

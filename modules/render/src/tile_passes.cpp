@@ -25,13 +25,13 @@ struct Chord {
   }
 };
 
-/** \brief Depth of the first root of a leaf in front of limit, or infinity. */
+/** \brief Depth of the first root of a leaf between two depths, or infinity. */
 double
-firstRoot(const FrameContext& frame, const RaySurfel& surfel, const Ray& ray, double limit,
-          std::uint64_t& evaluated)
+firstRoot(const FrameContext& frame, const RaySurfel& surfel, const Ray& ray, double nearest,
+          double limit, std::uint64_t& evaluated)
 {
   const Approach approach(surfel, ray);
-  Chord chord(surfel, approach, frame.shrink, frame.near_plane);
+  Chord chord(surfel, approach, frame.shrink, nearest);
   chord.high = std::min(chord.high, (limit - approach.depth) * surfel.inverse_radius);
   if (!(chord.low <= chord.high)) return kInfinity;
   ++evaluated;
@@ -44,14 +44,16 @@ firstRoot(const FrameContext& frame, const RaySurfel& surfel, const Ray& ray, do
   return kInfinity;
 }
 
-/** \brief Largest first depth of a tile: infinity until every pixel has one. */
+/** \brief Largest first depth of the pixels to look at: infinity until each has one. */
 double
 farthest(const Tile& tile)
 {
   double depth = 0.0;
-  for (int y = tile.y0; y < tile.y0 + tile.height; ++y) {
-    const auto row = tile.first_depth.begin() + static_cast<std::ptrdiff_t>(tile.index(tile.x0, y));
-    depth = std::max(depth, *std::max_element(row, row + tile.width));
+  for (int y = tile.pending.y0; y <= tile.pending.y1; ++y) {
+    for (int x = tile.pending.x0; x <= tile.pending.x1; ++x) {
+      const std::size_t pixel = tile.index(x, y);
+      if (tile.is_pending[pixel]) depth = std::max(depth, tile.first_depth[pixel]);
+    }
   }
   return depth;
 }
@@ -122,7 +124,7 @@ blendLeaf(const FrameContext& frame, const RaySurfel& surfel, std::uint32_t id, 
   const double side = slope > 0.0 ? -1.0 : 1.0;
   sum.weight += weight;
   sum.shift += weight * (s - s_hat) * surfel.radius;
-  sum.coverage += evaluateKernel(kernel, root_sq / (frame.shrink * frame.shrink));
+  sum.coverage += evaluateKernel(kernel, root_sq / (frame.cover_radius * frame.cover_radius));
   sum.facing += slope > 0.0 ? -1 : 1;
   addDerivatives(surfel, jet, side * weight, sum);
   if (weight > sum.largest_weight) {
@@ -181,7 +183,7 @@ writePixel(const FrameContext& frame, const Ray& ray, double depth_hat, const Bl
   out.radius[pixel] = frame.surface.radius[sum.surfel];
   out.weight[pixel] = static_cast<float>(sum.weight);
   out.coverage[pixel] = static_cast<float>(sum.coverage);
-  out.back_face[pixel] = static_cast<std::uint8_t>(sum.facing < 0);
+  out.back_face[pixel] = static_cast<std::uint8_t>(frame.surface.info.oriented && sum.facing < 0);
 }
 
 }  // namespace
@@ -196,7 +198,10 @@ Tile::begin(const FrameContext& frame, const ImageSize& size, std::size_t t)
   height = std::min(kTileSize, size.height - y0);
   rays.resize(kTileSize * kTileSize);
   first_depth.assign(kTileSize * kTileSize, kInfinity);
+  nearest.assign(kTileSize * kTileSize, frame.near_plane);
+  is_pending.assign(kTileSize * kTileSize, 1);
   sums.assign(kTileSize * kTileSize, BlendSum());
+  pending = {x0, y0, x0 + width - 1, y0 + height - 1};
   for (int y = y0; y < y0 + height; ++y) {
     for (int x = x0; x < x0 + width; ++x) rays[index(x, y)] = frame.rays.ray(x, y);
   }
@@ -205,8 +210,8 @@ Tile::begin(const FrameContext& frame, const ImageSize& size, std::size_t t)
 PixelRect
 Tile::clip(const PixelRect& rect) const
 {
-  return {std::max(rect.x0, x0), std::max(rect.y0, y0), std::min(rect.x1, x0 + width - 1),
-          std::min(rect.y1, y0 + height - 1)};
+  return {std::max(rect.x0, pending.x0), std::max(rect.y0, pending.y0),
+          std::min(rect.x1, pending.x1), std::min(rect.y1, pending.y1)};
 }
 
 void
@@ -228,9 +233,9 @@ findFirstIntersections(const FrameContext& frame, std::size_t t, Tile& tile,
       for (int x = rect.x0; x <= rect.x1; ++x) {
         const std::size_t pixel = tile.index(x, y);
         double& first = tile.first_depth[pixel];
-        if (leaf.nearest > first) continue;
-        first = std::min(first,
-                         firstRoot(frame, surfel, tile.rays[pixel], first, statistics.rays_first));
+        if (!tile.is_pending[pixel] || leaf.nearest > first) continue;
+        first = std::min(first, firstRoot(frame, surfel, tile.rays[pixel], tile.nearest[pixel],
+                                          first, statistics.rays_first));
       }
     }
   }
@@ -254,12 +259,41 @@ gatherBlends(const FrameContext& frame, std::size_t t, Tile& tile, RenderStatist
       for (int x = rect.x0; x <= rect.x1; ++x) {
         const std::size_t pixel = tile.index(x, y);
         const double first = tile.first_depth[pixel];
-        if (!(first < kInfinity)) continue;
+        if (!tile.is_pending[pixel] || !(first < kInfinity)) continue;
         blendLeaf(frame, surfel, leaf.surfel, tile.rays[pixel], first, tile.sums[pixel],
                   statistics.rays_blend);
       }
     }
   }
+}
+
+bool
+peelUncovered(const FrameContext& frame, Tile& tile)
+{
+  // Nothing well covered lies within a leaf's reach of an uncovered q^, or it would have been
+  // blended: a step of a share of its radius passes over the other leaves of the same flap.
+  constexpr double kStep = 0.05;
+  PixelRect left;
+  left.x0 = left.y0 = std::numeric_limits<int>::max();
+  for (int y = tile.pending.y0; y <= tile.pending.y1; ++y) {
+    for (int x = tile.pending.x0; x <= tile.pending.x1; ++x) {
+      const std::size_t pixel = tile.index(x, y);
+      if (!tile.is_pending[pixel]) continue;
+      BlendSum& sum = tile.sums[pixel];
+      const bool met = sum.surfel != GBuffer::kNothing;
+      if (!met || sum.coverage >= frame.min_coverage) {
+        tile.is_pending[pixel] = 0;
+        continue;
+      }
+      tile.nearest[pixel] = tile.first_depth[pixel] + kStep * frame.surface.radius[sum.surfel];
+      tile.first_depth[pixel] = kInfinity;
+      sum = BlendSum();
+      left = {std::min(left.x0, x), std::min(left.y0, y), std::max(left.x1, x),
+              std::max(left.y1, y)};
+    }
+  }
+  tile.pending = left;
+  return !left.empty();
 }
 
 void

@@ -16,9 +16,11 @@ struct FrameContext {
   const SLIMSurface& surface;
   const CameraRays& rays;
   const SurfelBins& bins;
-  double shrink;      ///< alpha of pass 1
-  double near_plane;  ///< local length
-  bool front_only;    ///< only roots at which the gradient faces the viewer count
+  double shrink;        ///< alpha of pass 1
+  double cover_radius;  ///< alpha of the coverage measure
+  double min_coverage;  ///< where it is less, the surface is not defined
+  double near_plane;    ///< local length
+  bool front_only;      ///< only roots at which the gradient faces the viewer count
   bool skip;
 };
 
@@ -39,7 +41,10 @@ struct Tile {
   int x0 = 0, y0 = 0, width = 0, height = 0;
   std::vector<Ray> rays;
   std::vector<double> first_depth;  ///< t^ of pass 1, infinity where nothing was met
+  std::vector<double> nearest;      ///< pass 1 looks no nearer than this
   std::vector<BlendSum> sums;
+  PixelRect pending;  ///< holds every pixel the next passes have to look at
+  std::vector<std::uint8_t> is_pending;
 
   /** \brief Takes up tile number t of a frame and prepares its rays. */
   void begin(const FrameContext& frame, const ImageSize& size, std::size_t t);
@@ -59,6 +64,11 @@ findFirstIntersections(const FrameContext& frame, std::size_t t, Tile& tile,
 /** \brief Pass 2: sums over the leaves whose ball holds q^, each at its root nearest to q^. */
 void
 gatherBlends(const FrameContext& frame, std::size_t t, Tile& tile, RenderStatistics& statistics);
+
+/** \brief Sends pixels whose blend is not covered back to pass 1, to look behind it.
+ * \return false when there are none. */
+bool
+peelUncovered(const FrameContext& frame, Tile& tile);
 
 /** \brief Divides the sums and writes the tile's pixels into the buffer. */
 void

@@ -13,6 +13,7 @@
 namespace pcl_slim {
 namespace {
 
+constexpr int kMaxLayers = 8;        ///< how often a ray may pass through uncovered flaps
 constexpr double kMaxShrink = 0.95;  ///< at the very rim a leaf has no weight to blend with
 
 bool
@@ -28,6 +29,9 @@ RenderParams::validate() const
 {
   if (!(shrink >= 0.0 && shrink <= kMaxShrink)) {
     return {ErrorCode::kBadArgument, "the ball's shrink factor must be 0 (automatic) to 0.95"};
+  }
+  if (!std::isfinite(min_coverage)) {
+    return {ErrorCode::kBadArgument, "the least coverage must be a finite number"};
   }
   if (!(near_plane >= 0.0 && std::isfinite(near_plane))) {
     return {ErrorCode::kBadArgument, "the near plane must be a finite distance, 0 or more"};
@@ -68,7 +72,11 @@ renderSurface(const SLIMSurface& surface, const Camera& camera, const RenderPara
   const CameraRays rays(camera, surface.info.origin, surface.info.scale);
   const SurfelBins bins = binLeaves(surface, rays, camera.size, shrink, near_plane,
                                     front_only && params.skip, threads, total);
-  const FrameContext frame{surface, rays, bins, shrink, near_plane, front_only, params.skip};
+  const double cover_radius = std::clamp(surface.info.cover_radius, 0.05, 1.0);
+  const double min_coverage =
+      params.min_coverage >= 0.0 ? params.min_coverage : surface.info.cover_threshold;
+  const FrameContext frame{surface,      rays,       bins,       shrink,     cover_radius,
+                           min_coverage, near_plane, front_only, params.skip};
 
   std::vector<Tile> tiles(static_cast<std::size_t>(threads));
   std::vector<RenderStatistics> per_thread(static_cast<std::size_t>(threads));
@@ -77,8 +85,11 @@ renderSurface(const SLIMSurface& surface, const Camera& camera, const RenderPara
     RenderStatistics& counts = per_thread[static_cast<std::size_t>(thread)];
     if (bins.begin[t] == bins.begin[t + 1]) return;
     tile.begin(frame, camera.size, t);
-    findFirstIntersections(frame, t, tile, counts);
-    gatherBlends(frame, t, tile, counts);
+    for (int layer = 0; layer < kMaxLayers; ++layer) {
+      findFirstIntersections(frame, t, tile, counts);
+      gatherBlends(frame, t, tile, counts);
+      if (!peelUncovered(frame, tile)) break;
+    }
     resolveTile(frame, tile, buffer, counts);
   });
   for (const RenderStatistics& counts : per_thread) total += counts;

@@ -20,7 +20,9 @@ enum class VisibleSides : unsigned char {
 /** \brief Parameters of renderSurface. */
 struct RenderParams {
   VisibleSides sides = VisibleSides::kAuto;
-  double shrink = 0.0;      ///< alpha of pass 1, (0, 0.95]; 0: the surface's cover radius
+  double shrink = 0.0;  ///< alpha of pass 1, (0, 0.95]; 0: the surface's cover radius
+  double min_coverage =
+      -1.0;                 ///< rays pass through where coverage is less; < 0: the surface's gamma
   double near_plane = 0.0;  ///< smallest depth shown, world units, >= 0
   bool skip = true;         ///< leave out work that cannot change the result
   int threads = 0;          ///< 0: all cores; never changes the result
@@ -50,6 +52,10 @@ struct RenderStatistics {
  * q^ and blends, at each one's root nearest to q^, position (eq. 6), gradient (eq. 7) and Hessian
  * (eq. 8, left). Two guards keep leaves of other sheets out: the weight is taken at the larger of
  * |q^ - c| and |q - c|, and a leaf whose own surface passes q^ by more than r/4 does not count.
+ *
+ * Where the blend's coverage (sum of G(|q - c| / (alpha r))) is below the surface's threshold the
+ * surface is not defined: leaves reach beyond the rim of what was measured. Rays pass through and
+ * both passes run again behind it.
  *
  * The buffer is the same for any number of threads, and with skipping on or off.
  * Cost: O(leaves + sum of visible balls' pixels).
