@@ -10,6 +10,10 @@ namespace pcl_slim {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
+constexpr double kClearlyLonger = 1.1;  ///< y over z, for a cloud to count as standing along y
+constexpr double kOneSided = 0.15;      ///< length of the mean normal across the upward axis
+constexpr double kQuarterView = 30.0;   ///< azimuth in degrees
+constexpr double kCameraFacing = 0.4;   ///< mean normal along -z of a scan in camera axes
 
 /** \brief Leaves as weighted points: weight r^2, about the area each stands for. */
 struct LeafCloud {
@@ -97,9 +101,20 @@ seenByDepthCamera(const LeafCloud& cloud, const SurfaceInfo& info)
   return range[0] > 0.08 * range[1] && spans(bulk(slopes_x)) && spans(bulk(slopes_y));
 }
 
+/** \brief Map coordinates: both horizontal ones far from 0, many times the cloud's size. */
+bool
+isGeoreferenced(const SurfaceInfo& info)
+{
+  const double far = 100.0 * info.diagonal * info.scale;
+  return std::abs(info.origin[0]) > far && std::abs(info.origin[1]) > far;
+}
+
 struct Upright {
   Vector3 up, front, right;
 };
+
+/** \brief Axes of a camera: x right, y down, z forward. */
+constexpr Upright kCameraUpright{{0.0, -1.0, 0.0}, {0.0, 0.0, -1.0}, {1.0, 0.0, 0.0}};
 
 Upright
 uprightOf(UpAxis axis)
@@ -142,12 +157,9 @@ widestAzimuth(const LeafCloud& cloud, const Upright& frame)
   return azimuth;
 }
 
-}  // namespace
-
 ViewDirection
-viewFromAngles(UpAxis up, double azimuth, double elevation)
+viewFrom(const Upright& frame, double azimuth, double elevation)
 {
-  const Upright frame = uprightOf(up);
   const double a = azimuth * kPi / 180.0, e = elevation * kPi / 180.0;
   const Vector3 level = along(scaled(frame.front, std::cos(a)), std::sin(a), frame.right);
   // The picture's upward direction is the derivative by elevation, which is never degenerate.
@@ -155,34 +167,45 @@ viewFromAngles(UpAxis up, double azimuth, double elevation)
           along(scaled(level, -std::sin(e)), std::cos(e), frame.up)};
 }
 
+}  // namespace
+
+ViewDirection
+viewFromAngles(UpAxis up, double azimuth, double elevation)
+{
+  return viewFrom(uprightOf(up), azimuth, elevation);
+}
+
 UpAxis
 guessUpAxis(const SLIMSurface& surface)
 {
   const LeafCloud cloud(surface);
-  if (cloud.empty() || isFlatAlong(cloud, 2)) return UpAxis::kZ;
+  if (cloud.empty() || isFlatAlong(cloud, 2) || isGeoreferenced(surface.info)) return UpAxis::kZ;
   if (isFlatAlong(cloud, 1)) return UpAxis::kY;
-  return cloud.extent(1) > cloud.extent(2) ? UpAxis::kY : UpAxis::kZ;
+  return cloud.extent(1) > kClearlyLonger * cloud.extent(2) ? UpAxis::kY : UpAxis::kZ;
 }
 
 ViewDirection
 chooseView(const SLIMSurface& surface, UpAxis up)
 {
   const LeafCloud cloud(surface);
-  if (cloud.empty()) return viewFromAngles(up, 30.0, 20.0);
+  if (cloud.empty()) return viewFromAngles(up, kQuarterView, 18.0);
   if (up == UpAxis::kAuto && !isFlatAlong(cloud, 2) && seenByDepthCamera(cloud, surface.info)) {
     return {{0.0, -0.12, -1.0}, {0.0, -1.0, 0.0}};
   }
   const UpAxis axis = up == UpAxis::kAuto ? guessUpAxis(surface) : up;
   const Upright frame = uprightOf(axis);
-  if (isFlatAlong(cloud, indexOf(axis)))
-    return viewFromAngles(axis, widestAzimuth(cloud, frame), 42.0);
-
-  const double facing_front = dot(cloud.mean_normal, frame.front);
-  const double facing_right = dot(cloud.mean_normal, frame.right);
-  if (surface.info.oriented && std::hypot(facing_front, facing_right) > 0.35) {
-    return viewFromAngles(axis, std::atan2(facing_right, facing_front) * 180.0 / kPi + 15.0, 12.0);
+  if (isFlatAlong(cloud, indexOf(axis))) {
+    return viewFrom(frame, widestAzimuth(cloud, frame), 42.0);
   }
-  return viewFromAngles(axis, 30.0, 18.0);
+  if (!surface.info.oriented) return viewFrom(frame, kQuarterView, 18.0);
+  const bool camera_axes =
+      up == UpAxis::kAuto && axis == UpAxis::kY && cloud.mean_normal[2] < -kCameraFacing;
+  const Upright seen_from = camera_axes ? kCameraUpright : frame;
+  const double facing_front = dot(cloud.mean_normal, seen_from.front);
+  const double facing_right = dot(cloud.mean_normal, seen_from.right);
+  if (std::hypot(facing_front, facing_right) < kOneSided)
+    return viewFrom(frame, kQuarterView, 18.0);
+  return viewFrom(seen_from, std::atan2(facing_right, facing_front) * 180.0 / kPi + 15.0, 12.0);
 }
 
 }  // namespace pcl_slim

@@ -286,6 +286,45 @@ TEST(TileRasterizer, ASheetBehindDoesNotBleedThrough)
   EXPECT_LT(d.depth, 3e-5);
 }
 
+TEST(TileRasterizer, RaysPassThroughWhatNoCoverSupports)
+{
+  // One leaf's disc before a wall of many: beyond the disc's covered middle the wall is seen.
+  SLIMSurface wall;
+  wall.info.degree = 1;
+  wall.info.oriented = true;
+  constexpr int kSide = 13;
+  wall.resize(kSide * kSide + 1);
+  for (std::size_t i = 0; i < wall.size(); ++i) {
+    const bool in_front = i == kSide * kSide;
+    wall.cx[i] =
+        in_front ? 0.0f : 0.05f * static_cast<float>(static_cast<int>(i % kSide) - kSide / 2);
+    wall.cy[i] =
+        in_front ? 0.0f : 0.05f * static_cast<float>(static_cast<int>(i / kSide) - kSide / 2);
+    wall.cz[i] = in_front ? 0.3f : 0.0f;
+    wall.radius[i] = 0.12f;
+    wall.nx[i] = wall.ny[i] = 0.0f;
+    wall.nz[i] = 1.0f;
+    wall.degree[i] = 1;
+    wall.flags[i] = kSurfelLeaf;
+  }
+  Camera camera = frontCamera(81, 81);
+  camera.projection = Camera::Projection::kOrthographic;
+  camera.view_height = 0.4;
+  const GBuffer buffer = rendered(wall, camera);
+  // G(s) = (1 - s^2)^4 = .1 at s = .662 of alpha r = .08: the disc ends at .053.
+  const double end = 0.08 * std::sqrt(1.0 - std::pow(0.1, 0.25));
+  for (int x = 0; x < 81; ++x) {
+    const std::size_t pixel = buffer.index(x, 40);
+    const double distance = std::abs(x - 40) * 0.4 / 81.0;
+    if (std::abs(distance - end) < 0.003) continue;
+    ASSERT_TRUE(buffer.covered(pixel)) << x;
+    EXPECT_NEAR(buffer.position[pixel][2], distance < end ? 0.3 : 0.0, 1e-6) << x;
+  }
+  RenderParams all;
+  all.min_coverage = 0.0;
+  EXPECT_NEAR(rendered(wall, camera, all).position[buffer.index(40 + 15, 40)][2], 0.3, 1e-6);
+}
+
 TEST(TileRasterizer, ThreadsAndSkippingDoNotChangeAByte)
 {
   const SLIMSurface surface = sphereSurface(4, kSphere, 600, 0.07);

@@ -18,8 +18,9 @@ enum class UpAxis : unsigned char { kAuto, kX, kY, kZ };
 ViewDirection
 viewFromAngles(UpAxis up, double azimuth, double elevation);
 
-/** \brief The upward axis a cloud suggests: the normal of a flat cloud if that is y or z, else
- * the longer extent of y and z. Statues stand, terrain lies. O(leaves log leaves). */
+/** \brief The upward axis a cloud suggests: z in map coordinates (both horizontal ones beyond 100
+ * diagonals), the normal of a flat cloud if that is y or z, else y where the cloud is clearly
+ * longer along y than along z, else z. Statues stand, terrain lies. O(leaves log leaves). */
 UpAxis
 guessUpAxis(const SLIMSurface& surface);
 
@@ -28,7 +29,8 @@ guessUpAxis(const SLIMSurface& surface);
  * - A cloud seen by a depth camera at the world's origin (x right, y down, z forward) is shown
  *   from there.
  * - A flat cloud such as terrain is shown obliquely from above, across its longer side.
- * - A one-sided scan is shown from the side its normals face (oriented surfaces only).
+ * - A one-sided scan is shown from the side its normals face (oriented surfaces only); when that
+ *   is -z, in the axes of a camera (x right, y down, z forward).
  * - Anything else is shown from the front, turned by 30 degrees and slightly from above.
  */
 ViewDirection
