@@ -106,7 +106,8 @@ parseHeaderLine(const std::string& line, Header& header, PointFile& file)
 {
   if (!line.empty() && line[0] == '#') {
     const std::size_t text = line.find_first_not_of("# \t");
-    file.comments.push_back(text == std::string::npos ? "" : line.substr(text));
+    const std::string comment = text == std::string::npos ? "" : line.substr(text);
+    if (comment.rfind(".PCD v", 0) != 0) file.comments.push_back(comment);  // the format's own line
     return true;
   }
   const std::vector<std::string> words = splitWords(line);
@@ -287,9 +288,7 @@ formatHeader(const PointFile& file)
   const auto& o = file.sensor_origin;
   const auto& q = file.sensor_orientation;
   out << "# .PCD v0.7 - Point Cloud Data file format\n";
-  for (const std::string& comment : file.comments) {
-    if (comment.rfind(".PCD", 0) != 0) out << "# " << comment << '\n';
-  }
+  for (const std::string& comment : file.comments) out << "# " << comment << '\n';
   out << "VERSION 0.7\nFIELDS" << names.str() << "\nSIZE" << sizes.str() << "\nTYPE" << types.str()
       << "\nCOUNT" << counts.str() << "\nWIDTH " << cloud.width << "\nHEIGHT " << cloud.height
       << "\nVIEWPOINT " << o[0] << ' ' << o[1] << ' ' << o[2] << ' ' << q.w() << ' ' << q.x() << ' '

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/core/file_access.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "support/sphere_surface.h"
+
+namespace pcl_slim {
+namespace {
+
+using pcl_slim_test::fileBytes;
+using pcl_slim_test::TemporaryFolder;
+using pcl_slim_test::writeText;
+
+TEST(FileAccess, WritesAndReadsBack)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder / "a file";
+  ASSERT_FALSE(writeFile(path, "abc", 3));
+  ASSERT_FALSE(writeFile(path, "xy", 2));
+  const auto bytes = readFile(path);
+  ASSERT_TRUE(bytes);
+  EXPECT_EQ(std::string(bytes->begin(), bytes->end()), "xy");
+  EXPECT_EQ(folder.numFiles(), 1u);
+}
+
+TEST(FileAccess, FollowsLinksAndKeepsThem)
+{
+  const TemporaryFolder folder;
+  writeText(folder / "real", "old");
+  std::filesystem::create_symlink("real", folder / "link");
+  ASSERT_FALSE(writeFile(folder / "link", "new", 3));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
+  EXPECT_EQ(fileBytes(folder / "real").size(), 3u);
+  EXPECT_EQ(fileBytes(folder / "real")[0], 'n');
+}
+
+TEST(FileAccess, WritesDevicesDirectly)
+{
+  EXPECT_FALSE(writeFile("/dev/null", "abc", 3));
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+}
+
+TEST(FileAccess, NamesWhatCannotBeUsed)
+{
+  const TemporaryFolder folder;
+  EXPECT_EQ(readFile(folder / "absent").error().code, ErrorCode::kIo);
+  EXPECT_EQ(readFile(folder / "").error().code, ErrorCode::kIo);
+  for (const std::string& path : {folder / "absent/file", folder / "", std::string()}) {
+    EXPECT_EQ(writeFile(path, "abc", 3).code, ErrorCode::kIo) << path;
+    EXPECT_EQ(checkWritable(path).code, ErrorCode::kIo) << path;
+  }
+  EXPECT_FALSE(checkWritable(folder / "file"));
+  EXPECT_EQ(folder.numFiles(), 0u);
+}
+
+TEST(FileAccess, ExtensionsAreLowerCase)
+{
+  EXPECT_EQ(lowerExtension("a.b/Scan.PcD"), ".pcd");
+  EXPECT_EQ(lowerExtension("a.b/scan"), "");
+}
+
+}  // namespace
+}  // namespace pcl_slim
