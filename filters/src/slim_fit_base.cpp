@@ -51,6 +51,9 @@ SLIMFitBase::run(const CloudView& cloud, SLIMSurface& surface)
     if (!store) return fail(store.error().code, store.error().message);
     input_statistics_ = store->statistics();
     error_ = fitSurface(*store, params_, surface, &statistics_, &control_.progress);
+    // Asked for after the last place where the fit looks: whoever cancels wants no surface.
+    if (!error_ && control_.progress.cancelled())
+      fail(ErrorCode::kCancelled, "the fit was cancelled");
   } catch (const std::bad_alloc&) {
     fail(ErrorCode::kBadInput, "not enough memory for this cloud; fit fewer points");
   } catch (const std::exception& failure) {

@@ -93,8 +93,7 @@ TYPED_TEST_P(DoorSuite, NoInputIsAnError)
 
 TYPED_TEST_P(DoorSuite, NothingToWorkOnIsAnError)
 {
-  using Cloud = typename TestFixture::Cloud;
-  auto door = this->doorTo(std::make_shared<Cloud>());
+  auto door = this->doorTo(std::make_shared<typename TestFixture::Cloud>());
   this->expectFailure(door);
 
   auto cloud = bumpySphere<typename TestFixture::Point>(50);
