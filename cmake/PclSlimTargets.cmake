@@ -18,12 +18,13 @@ endfunction()
 
 # pcl_slim_add_library(name [PUBLIC lib...] [PRIVATE lib...] [BUILD_ONLY lib...])
 #
-# Adds pcl_slim::<name> from src/*.cpp and include/ below the current folder, and installs it as a
+# Adds pcl_slim::<name> (target pcl_slim_lib_<name>, as programs have the plain names; the file is
+# libpcl_slim_<name>) from src/*.cpp and include/ below the current folder, and installs it as a
 # component of the package. BUILD_ONLY is for header-only libraries that only our own sources
 # include: whoever uses the installed package does not need them.
 function(pcl_slim_add_library name)
   cmake_parse_arguments(arg "" "" "PUBLIC;PRIVATE;BUILD_ONLY" ${ARGN})
-  set(target pcl_slim_${name})
+  set(target pcl_slim_lib_${name})
   file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/*.cpp)
   set(includes
     $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
@@ -38,6 +39,7 @@ function(pcl_slim_add_library name)
       target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:${library}>)
     endforeach()
     set_target_properties(${target} PROPERTIES
+      OUTPUT_NAME pcl_slim_${name}
       VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
       INSTALL_RPATH $ORIGIN)
   else()
@@ -55,7 +57,7 @@ endfunction()
 
 # Each component has an export set of its own, so that finding one never looks for another's needs.
 function(pcl_slim_install_library name)
-  install(TARGETS pcl_slim_${name} EXPORT pcl_slim_${name}
+  install(TARGETS pcl_slim_lib_${name} EXPORT pcl_slim_${name}
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
     LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
     RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT development)

@@ -25,7 +25,7 @@ fi
 
 bash "$root/scripts/setup.sh"
 configure
-build pcl_slim_fit pcl_slim_render_program pcl_slim_demo_scan
+build pcl_slim_fit pcl_slim_render pcl_slim_demo_scan
 
 bin=$root/build/release/bin
 out=$root/demo_out
