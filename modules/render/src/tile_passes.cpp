@@ -79,16 +79,22 @@ addDerivatives(const RaySurfel& surfel, const HeightJet& jet, double weight, Ble
   sum.hessian[5] += entry(1, 2);
 }
 
-/** \brief The root nearest to s_hat, of those that count. \return false when there is none. */
+/** \brief The root nearest to s_hat, of those on the chord that count. \return false when there is
+ * none. */
 bool
-nearestRoot(const Roots& roots, const RayPolynomial& polynomial, double s_hat, bool front_only,
-            double& root)
+nearestRoot(const RayPolynomial& polynomial, int degree, const Chord& chord, double s_hat,
+            bool front_only, double& root)
 {
+  const auto counts = [&](double s) { return !front_only || polynomial.slope(s) < 0.0; };
+  if (obviousRoot(polynomial.a, s_hat, root) && root >= chord.low && root <= chord.high &&
+      counts(root)) {
+    return true;
+  }
+  const Roots roots = polynomial.roots(degree, chord.low, chord.high);
   bool found = false;
   for (int i = 0; i < roots.count; ++i) {
     const double s = roots.at[i];
-    if (front_only && !(polynomial.slope(s) < 0.0)) continue;
-    if (found && std::abs(s - s_hat) >= std::abs(root - s_hat)) continue;
+    if (!counts(s) || (found && std::abs(s - s_hat) >= std::abs(root - s_hat))) continue;
     root = s;
     found = true;
   }
@@ -108,9 +114,8 @@ blendLeaf(const FrameContext& frame, const RaySurfel& surfel, std::uint32_t id, 
   const RayPolynomial polynomial(surfel, approach, ray.direction);
   if (!(std::abs(evaluate<4>(polynomial.a, s_hat)) < kMaxShift)) return;
   const Chord chord(surfel, approach, 1.0, frame.near_plane);
-  const Roots roots = polynomial.roots(surfel.degree, chord.low, chord.high);
   double s = 0.0;
-  if (!nearestRoot(roots, polynomial, s_hat, frame.front_only, s)) return;
+  if (!nearestRoot(polynomial, surfel.degree, chord, s_hat, frame.front_only, s)) return;
 
   const Vector3 q = along(approach.point, s, ray.direction);
   const HeightJet jet = evaluateJet(surfel.degree, surfel.coefficients, dot(q, surfel.frame.u),
