@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Rules of the house that a compiler does not check: cmake -DROOT=<checkout> -P layout_test.cmake
+#   every source starts with its licence; headers guard themselves; modules neither print nor know
+#   PCL or VTK, and include along the arrows core <- cloud <- slim <- render only.
+file(GLOB_RECURSE sources RELATIVE ${ROOT}
+  ${ROOT}/modules/*.h ${ROOT}/modules/*.hpp ${ROOT}/modules/*.cpp
+  ${ROOT}/filters/*.h ${ROOT}/filters/*.hpp ${ROOT}/filters/*.cpp
+  ${ROOT}/apps/*.h ${ROOT}/apps/*.cpp ${ROOT}/tests/*.h ${ROOT}/tests/*.cpp
+  ${ROOT}/examples/*.cpp ${ROOT}/benchmarks/*.h ${ROOT}/benchmarks/*.cpp)
+
+set(above_core "cloud|slim|render|filters")
+set(above_cloud "slim|render|filters")
+set(above_slim "render|filters")
+set(above_render "filters")
+
+set(defects "")
+foreach(source IN LISTS sources)
+  file(READ ${ROOT}/${source} text)
+  if(NOT text MATCHES "^// SPDX-License-Identifier: BSD-3-Clause\n")
+    string(APPEND defects "${source}: does not start with its SPDX line\n")
+  endif()
+  # Highway's *-inl.h files are included once per instruction set and cannot use the pragma.
+  if(source MATCHES "\\.(h|hpp)$" AND NOT source MATCHES "-inl\\.h$"
+      AND NOT text MATCHES "\n#pragma once\n")
+    string(APPEND defects "${source}: has no #pragma once\n")
+  endif()
+  if(source MATCHES "^modules/([a-z]+)/")
+    set(module ${CMAKE_MATCH_1})
+    if(text MATCHES "#include [<\"](pcl|vtk)[/A-Z]")
+      string(APPEND defects "${source}: a module includes PCL or VTK\n")
+    endif()
+    if(text MATCHES "#include [<\"]pcl_slim/(${above_${module}})/")
+      string(APPEND defects "${source}: includes ${CMAKE_MATCH_1}, which stands above it\n")
+    endif()
+    if(text MATCHES "#include <iostream>|[^a-z_]f?printf\\(|std::(cout|cerr|clog)")
+      string(APPEND defects "${source}: a module prints\n")
+    endif()
+  endif()
+endforeach()
+
+list(LENGTH sources count)
+if(defects OR count EQUAL 0)
+  message(FATAL_ERROR "${count} sources\n${defects}")
+endif()
+message(STATUS "${count} sources keep the rules")
