@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_slim_render: a picture of a SLIM surface, without a window system.
 #include <cstdio>
+#include <cstdlib>
 #include <map>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -215,6 +217,10 @@ fail(Console& console, int status, const Error& error)
 int
 run(const Settings& s, const ViewRequest& request)
 {
+  if (Error error = checkWritable(s.output)) {
+    std::fprintf(stderr, "pcl_slim_render: %s\n", error.message.c_str());
+    return kExitFailed;
+  }
   Console console(s.quiet);
   Report report("pcl_slim_render", PCL_SLIM_VERSION, s.input, resolveThreads(s.threads));
   console.begin("Loading " + s.input);

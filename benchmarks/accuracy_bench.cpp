@@ -20,7 +20,7 @@ struct Options {
   std::string shapes = "sphere,torus,bumpy,relief";
   std::string noises = "0,0.0001,0.001,0.005";
   std::string degrees = "4";
-  double t_mdl = 0, penalty = 2, lambda = 0;
+  double t_mdl = 0, penalty = 3, lambda = 0;
   double normal_noise = 0.05;
   int normals = 2;  ///< 0: none, 1: given, 2: both
   int threads = 2;

@@ -90,24 +90,25 @@ bumpy(const Point& p)
   return {r - 1.0 - 0.1 * b, g, h};
 }
 
-/** A C2 step from 0 at a to 1 at b, with its first two derivatives. */
+/** A C4 step from 0 at a to 1 at b, with its first two derivatives. */
 std::array<double, 3>
 smoothStep(double x, double a, double b)
 {
-  const double t = (x - a) / (b - a), w = b - a;
+  const double t = (x - a) / (b - a), w = b - a, r = 1 - t;
   if (t <= 0) return {0, 0, 0};
   if (t >= 1) return {1, 0, 0};
-  return {t * t * t * (10 - 15 * t + 6 * t * t), 30 * t * t * (1 - t) * (1 - t) / w,
-          60 * t * (1 - t) * (1 - 2 * t) / (w * w)};
+  const double t4 = t * t * t * t;
+  return {t4 * t * (126 - 420 * t + 540 * t * t - 315 * t * t * t + 70 * t4),
+          630 * t4 * r * r * r * r / w, 2520 * t * t * t * r * r * r * (1 - 2 * t) / (w * w)};
 }
 
 /** F = z - h(x, y): flat left, waves in the middle, fine waves on the right. The zones meet in
- * narrow C2 steps, so that curvature is defined everywhere. */
+ * C4 steps, smooth enough for quartic fits to show their order. */
 Implicit
 relief(const Point& p)
 {
   const double x = p[0], y = p[1];
-  const auto coarse = smoothStep(x, -0.55, -0.45), fine = smoothStep(x, 0.45, 0.55);
+  const auto coarse = smoothStep(x, -0.5, 0.1), fine = smoothStep(x, 0.3, 0.7);
   double h = 0, hx = 0, hy = 0, hxx = 0, hxy = 0, hyy = 0;
   const auto addWave = [&](const std::array<double, 3>& s, double amplitude, double k) {
     const double sx = std::sin(k * x), cx = std::cos(k * x), sy = std::sin(k * y), cy = std::cos(k * y);

@@ -60,18 +60,26 @@ reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatisti
   report.time("orient", fit.seconds_orient);
 }
 
-/** "32 non-finite, 4 duplicate points skipped", or nothing. */
+/** "1 level", "3 levels". */
+std::string
+counted(std::uint64_t count, const std::string& what)
+{
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+/** "points skipped: 32 non-finite, 4 duplicate", or nothing. */
 std::string
 skippedText(const PointStoreStatistics& points)
 {
   std::string text;
   const auto add = [&text](std::uint64_t count, const char* what) {
-    if (count > 0) text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + what;
+    if (count == 0) return;
+    text += (text.empty() ? "points skipped: " : ", ") + std::to_string(count) + " " + what;
   };
   add(points.non_finite, "non-finite");
   add(points.without_normal, "without normal");
   add(points.duplicates, "duplicate");
-  return text.empty() ? text : text + " points skipped";
+  return text;
 }
 
 }  // namespace
@@ -86,8 +94,8 @@ declareFitOptions(OptionTable& options, FitJob& job)
                  "off");
   options.number("target_error", &job.params.target_error, 1e-12, 1,
                  "RMS residual to reach, as a share of the box diagonal", "off");
-  options.integer("max_surfels", &job.params.max_surfels, 1, kMany,
-                  "most leaves allowed; 0 when not given");
+  options.integer("max_surfels", &job.params.max_surfels, 0, kMany,
+                  "most leaves allowed; 0: as many as it takes");
   options.toggle("sharp", &job.params.sharp_features, "keep sharp edges; needs normals");
   options.toggle("robust", &job.params.robust, "reweight residuals against outliers");
   options.toggle("paper", &job.params.paper_mode,
@@ -98,8 +106,8 @@ declareFitOptions(OptionTable& options, FitJob& job)
                  "noise variance, as a share of the squared box diagonal", "estimated");
   options.numbers("viewpoint", &job.viewpoint, "X,Y,Z",
                   "the side that the normals of a scan without normals shall face");
-  options.integer("estimate_normals", &job.normal_neighbours, 3, 10000,
-                  "estimate normals from N neighbours, as PCL does; 0 when not given");
+  options.integer("estimate_normals", &job.normal_neighbours, 0, 10000,
+                  "estimate normals from N neighbours, as PCL does; 0: none");
   options.toggle("use_normals", &job.use_normals, "use the scan's own normals or faces");
   options.integer("threads", &job.params.threads, 0, 4096,
                   "threads, 0: all cores; never changes the result");
@@ -116,6 +124,10 @@ finishFitOptions(FitJob& job)
   for (std::size_t a = 0; a < job.viewpoint.size(); ++a) {
     job.params.viewpoint[a] = job.viewpoint[a];
   }
+  if (job.normal_neighbours == 1 || job.normal_neighbours == 2) {
+    return {ErrorCode::kBadArgument,
+            "a normal needs 3 neighbours or more; raise -estimate_normals"};
+  }
   return job.params.validate();
 }
 
@@ -131,7 +143,7 @@ loadScan(const std::string& path, const FitJob& job, Console& console, Report& r
   }
   report.json()["points"] = cloud->size();
   report.time("load", watch.seconds());
-  console.done(watch.seconds(), std::to_string(cloud->size()) + " points");
+  console.done(watch.seconds(), counted(cloud->size(), "point"));
   if (job.normal_neighbours > 0) {
     const Stopwatch estimation;
     console.begin("Estimating normals");
@@ -157,7 +169,7 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
     return store.error();
   }
   report.time("prepare", watch.seconds());
-  console.done(watch.seconds(), std::to_string(store->size()) + " points");
+  console.done(watch.seconds(), counted(store->size(), "point"));
   const std::string skipped = skippedText(store->statistics());
   if (!skipped.empty()) console.note("  " + skipped);
 
@@ -171,9 +183,9 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
   report.time("fit", watch.seconds());
   reportFit(*store, surface, statistics, report);
   console.done(watch.seconds(), std::to_string(statistics.leaves) + " leaves, " +
-                                    std::to_string(surface.numLevels()) + " levels");
+                                    counted(surface.numLevels(), "level"));
   if (statistics.uncovered > 0) {
-    console.note("  " + std::to_string(statistics.uncovered) + " points not covered, " +
+    console.note("  " + counted(statistics.uncovered, "point") + " not covered, " +
                  std::to_string(statistics.unsupported) + " of them inside no surfel");
   }
   return {};

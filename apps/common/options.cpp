@@ -74,6 +74,14 @@ parseNumbers(const std::string& text, std::size_t count, std::vector<double>& va
   return true;
 }
 
+/** "1 to 4, " for whole numbers of a small range: what a help line can show. */
+std::string
+smallRange(bool whole, double low, double high)
+{
+  return whole && high <= 10000 ? shortNumber(low) + " to " + shortNumber(high) + ", "
+                                : std::string();
+}
+
 std::string
 rangeText(double low, double high)
 {
@@ -341,7 +349,9 @@ OptionTable::help() const
   for (const Positional& p : positionals_) text += row(p.name, p.help);
   text += "  where options are:\n";
   for (const Option& o : options_) {
-    text += row("-" + o.name + " " + o.value_name, o.help + " (default: " + o.default_text + ")");
+    text += row("-" + o.name + " " + o.value_name,
+                o.help + " (" + smallRange(o.kind == Kind::kInteger, o.low, o.high) +
+                    "default: " + o.default_text + ")");
   }
   text += row("-h", "this text") + row("-version", "the version");
   return text;
@@ -356,13 +366,14 @@ OptionTable::markdown() const
     }
     return text;
   };
-  std::string text = "| argument | default | meaning |\n|---|---|---|\n";
+  std::string text = "| argument | values | meaning |\n|---|---|---|\n";
   for (const Positional& p : positionals_) {
     text += "| `" + escaped(p.name) + "` | | " + escaped(p.help) + " |\n";
   }
   for (const Option& o : options_) {
-    text += "| `-" + o.name + " " + escaped(o.value_name) + "` | " + escaped(o.default_text) +
-            " | " + escaped(o.help) + " |\n";
+    text += "| `-" + o.name + " " + escaped(o.value_name) + "` | " +
+            smallRange(o.kind == Kind::kInteger, o.low, o.high) + "default " +
+            escaped(o.default_text) + " | " + escaped(o.help) + " |\n";
   }
   return text;
 }

@@ -8,8 +8,9 @@ namespace pcl_slim::demo {
 namespace {
 
 constexpr int kProfileSteps = 1024;
-constexpr double kWall = 0.008;
-constexpr double kFloor = 0.04;  ///< the hollow ends here
+constexpr double kWall = 0.014;
+constexpr double kRounding = 0.016;  ///< of lip and foot
+constexpr double kFloor = 0.04;      ///< the hollow ends here
 
 /** Outer radius at some heights; a monotone-free cubic runs through them. */
 constexpr double kShape[][2] = {{0.000, 0.067}, {0.010, 0.069}, {0.020, 0.062}, {0.032, 0.042},
@@ -130,8 +131,8 @@ Amphora::bodyDistance(double rho, double angle, double z) const
   // Ornament matters near the surface only; further away a margin keeps the bound.
   outer -= outer < 0.03 && outer > -0.01 ? relief(angle, z) * flatness : 0.0045;
   const double inner = std::max((rho - profile.radius + kWall) * flatness, kFloor - z);
-  const double shell = -smoothMin(-outer, inner, 0.004);
-  return -smoothMin(-shell, -std::max(z - kHeight, -z), 0.006);
+  const double shell = -smoothMin(-outer, inner, kRounding);
+  return -smoothMin(-shell, -std::max(z - kHeight, -z), kRounding);
 }
 
 double

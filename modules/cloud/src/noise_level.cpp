@@ -14,9 +14,10 @@ namespace pcl_slim {
 namespace {
 
 constexpr std::size_t kResidualSamples = 500;
+constexpr std::size_t kLeastSamples = 100;
 constexpr std::size_t kEigenvalueSamples = 4000;
 constexpr std::size_t kFirstNeighbors = 20;
-constexpr std::size_t kMostNeighbors = 1280;
+constexpr std::size_t kMostNeighbors = 20480;
 constexpr int kCubicTerms = 10;
 constexpr double kPatchNoise = 0.15;  ///< noise above this share of the patch's radius fills it
 constexpr double kTrim = 0.1;
@@ -120,7 +121,7 @@ PatchNoise
 patchNoise(const PointStore& store, std::size_t k, int threads)
 {
   // Larger patches average more points each, so fewer of them are needed.
-  const std::size_t samples = std::max<std::size_t>(100, kResidualSamples * kFirstNeighbors / k);
+  const std::size_t samples = std::max<std::size_t>(kLeastSamples, kResidualSamples * kFirstNeighbors / k);
   std::vector<double> radii(std::min(samples, store.size()));
   const auto measure = [&](NeighborSearch& search, std::size_t sample) {
     thread_local std::vector<std::uint32_t> neighbors;

@@ -15,7 +15,7 @@ namespace pcl_slim {
 
 namespace {
 
-static double kStartShare = getenv("SS") ? atof(getenv("SS")) : 0.06;      ///< the first level's median ball holds at most so much
+constexpr double kStartShare = 0.15;      ///< the first level's median ball holds at most so much
 constexpr std::size_t kStartSamples = 31;
 constexpr int kLastStart = 20;
 
@@ -38,6 +38,7 @@ FitSettings
 makeSettings(const PointStore& store, const FitParams& params)
 {
   FitSettings s;
+  if (getenv("LN")) s.lenience = atof(getenv("LN"));
   s.degree = params.degree;
   s.alpha = params.cover_radius;
   s.gamma = params.cover_threshold;

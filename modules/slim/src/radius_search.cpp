@@ -13,6 +13,7 @@ constexpr double kWallMargin = 1.03;    ///< n_eff up to so many times the least
 constexpr double kWallAim = 1.015;
 constexpr double kNoiseLike = 1.5;      ///< e^2 below this many lambda is noise, not lack of fit
 constexpr int kBrentSteps = 6;
+constexpr int kLenientSteps = 2;
 constexpr int kRobustPasses = 2;
 constexpr double kRobustScale = 2.5;
 constexpr double kBrentWidth = 0.05;    ///< of log r: E is flat well beyond this
@@ -29,16 +30,6 @@ parabolaMinimum(const Trial& a, const Trial& b, const Trial& c)
                        ? xb - 0.5 * ((xb - xa) * p - (xb - xc) * q) / denominator
                        : xb;
   return std::exp(std::min(std::max(x, xa), xc));
-}
-
-/** Curvature of the same parabola: log E = f_min + k (x - x_min)^2. */
-double
-parabolaCurvature(const Trial& a, const Trial& b, const Trial& c)
-{
-  const double xa = std::log(a.rho), xb = std::log(b.rho), xc = std::log(c.rho);
-  const double left = (std::log(b.energy) - std::log(a.energy)) / (xb - xa);
-  const double right = (std::log(c.energy) - std::log(b.energy)) / (xc - xb);
-  return (right - left) / (xc - xa);
 }
 
 RadiusChoice
@@ -193,8 +184,8 @@ RadiusSearch::narrow(Trial& a, Trial& b, Trial& c)
 RadiusChoice
 RadiusSearch::chooseInside(const Trial& left, const Trial& middle, const Trial& right)
 {
-  const double least = std::min({left.energy, middle.energy, right.energy});
-  if (right.energy <= settings_.lenience * least) return leaf(right);
+  const Trial& least = left.energy < middle.energy ? left : middle;
+  if (right.energy <= settings_.lenience * least.energy) return leaf(right);
   if (left.energy < middle.energy) return internal(right);
   // A minimum inside (rule 4, first half): two parabolic steps in log r, log E.
   Trial a = left, b = middle, c = right;
@@ -203,14 +194,27 @@ RadiusSearch::chooseInside(const Trial& left, const Trial& middle, const Trial& 
     narrow(a, b, c);
     return leaf(b);
   }
-  const Trial& best = b;
-  const double curvature = parabolaCurvature(left, middle, right);
-  if (!(curvature > 0)) return leaf(best);
-  const double reach = std::exp(std::sqrt(std::log(settings_.lenience) / curvature));
-  const Trial largest = evaluate(std::min(best.rho * reach, rho_right_));
-  const bool lenient = largest.supported &&
-                       largest.energy <= settings_.lenience * std::min(least, best.energy) * 1.05;
-  return leaf(lenient ? largest : best);
+  return leaf(largestLenient(b, right));
+}
+
+/** The largest radius up to right's with E <= lenience E_min: under noise E is flat, and its
+ * argmin picks balls that are too small. */
+Trial
+RadiusSearch::largestLenient(const Trial& best, const Trial& right)
+{
+  const double limit = settings_.lenience * best.energy;
+  if (right.energy <= limit) return right;
+  Trial inside = best;
+  double outside = right.rho;
+  for (int step = 0; step < kLenientSteps; ++step) {
+    const Trial trial = evaluate(std::sqrt(inside.rho * outside));
+    if (trial.supported && trial.energy <= limit) {
+      inside = trial;
+    } else {
+      outside = trial.rho;
+    }
+  }
+  return inside;
 }
 
 /** Rule (4) with the clamp at r_r (E_l > E_m >= E_r), and Brent's parabolic steps. */

@@ -67,6 +67,7 @@ class RadiusSearch {
   RadiusChoice chooseAtWall(const Trial& right, const Trial& middle);
   RadiusChoice chooseInside(const Trial& left, const Trial& middle, const Trial& right);
   RadiusChoice paperChoice(const Trial& left, const Trial& middle, const Trial& right);
+  Trial largestLenient(const Trial& best, const Trial& right);
   void narrow(Trial& a, Trial& b, Trial& c);
   void setRobustWeights(const LocalFit& fit);
   bool lacksFit(const Trial& left, const Trial& middle) const;

@@ -44,7 +44,7 @@ class SLIMFitBase {
   void setPolynomialOrder(int order) { params_.degree = order; }
   int getPolynomialOrder() const { return params_.degree; }
 
-  /** \brief Weight kappa > 0 of the price of a coefficient (default 2); larger is smoother. */
+  /** \brief Weight kappa > 0 of the price of a coefficient; larger is smoother. */
   void setPenalty(double penalty) { params_.penalty = penalty; }
   double getPenalty() const { return params_.penalty; }
 

@@ -15,7 +15,7 @@ namespace pcl_slim {
  * the bounding-box diagonal. */
 struct FitParams {
   int degree = 4;                 ///< polynomial degree, 1..4
-  double penalty = 2.0;           ///< kappa > 0: E = e^2 n/(n-P) + kappa lambda P / n (Mallows' Cp)
+  double penalty = 3.0;           ///< kappa > 0: E = e^2 n/(n-P) + kappa lambda P / n (Mallows' Cp)
   double t_mdl = 0.0;             ///< > 0: the paper's penalty lambda (T L / r)^2 instead (eq. 3)
   double target_error = 0.0;      ///< > 0 [L]: solve for the penalty that gives this RMS residual
   std::uint64_t max_surfels = 0;  ///< > 0: solve for the penalty that gives at most so many leaves
