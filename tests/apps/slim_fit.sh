@@ -1,0 +1,167 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# pcl_slim_fit as a user meets it: exit status, messages, files. Arguments: programs' folder, an
+# empty folder to work in, folder of real scans (may be empty).
+set -uo pipefail
+fit=$1/pcl_slim_fit
+work=$2/run
+data=${3-}
+docs=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../../docs" && pwd)
+rm -rf -- "$work"
+mkdir -p -- "$work/with space" "$work/folder.pcd"
+cd -- "$work" || exit 1
+failures=0
+
+complain() {
+  echo "FAILED: $*"
+  failures=$((failures + 1))
+}
+
+# expect STATUS WORD ARGS...: the status, and on failure one line on stderr that holds WORD.
+expect() {
+  local status=$1 word=$2 got=0
+  shift 2
+  "$fit" "$@" > out.txt 2> err.txt || got=$?
+  [ "$got" -eq "$status" ] || complain "exit $got instead of $status: $* ($(head -c 300 err.txt))"
+  if [ "$status" -eq 0 ]; then
+    [ ! -s err.txt ] || complain "stderr not empty: $* ($(head -c 300 err.txt))"
+  else
+    [ "$(wc -l < err.txt)" -eq 1 ] || complain "stderr is not one line: $* ($(head -c 300 err.txt))"
+    grep -q -- "$word" err.txt || complain "no '$word' in: $(cat err.txt)"
+  fi
+}
+
+absent() {
+  for file in "$@"; do [ ! -e "$file" ] || complain "$file was left behind"; done
+}
+
+# cloud FILE TYPE SIZE COUNT OFFSET: a wavy sheet, ascii.
+cloud() {
+  awk -v type="$2" -v size="$3" -v n="$4" -v offset="$5" 'BEGIN {
+    printf "VERSION 0.7\nFIELDS x y z\nSIZE %d %d %d\nTYPE F F F\nCOUNT 1 1 1\nWIDTH %d\nHEIGHT 1\n", size, size, size, n
+    printf "POINTS %d\nDATA ascii\n", n
+    srand(7)
+    for (i = 0; i < n; ++i) {
+      if (type == "nan") { print "nan nan nan"; continue }
+      x = rand(); y = rand()
+      printf "%.9f %.9f %.9f\n", offset + x, offset + y, 0.1 * sin(6 * x) * cos(5 * y)
+    }
+  }' > "$1"
+}
+
+cloud scan.pcd sheet 4 4000 0
+cloud far.pcd sheet 8 4000 4918360.25
+cloud near.pcd sheet 8 4000 0.25
+cloud nan.pcd nan 4 50 0
+cloud "with space/scan.pcd" sheet 4 500 0
+head -c 9000 scan.pcd > cut.pcd
+: > empty.pcd
+printf 'VERSION 0.7\nFIELDS a b\nSIZE 4 4\nTYPE F F\nCOUNT 1 1\nWIDTH 1\nHEIGHT 1\nDATA ascii\n1 2\n' > fields.pcd
+printf 'VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 0\nHEIGHT 0\nDATA ascii\n' > none.pcd
+printf 'VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nDATA ascii\n1 2 3\n' > one.pcd
+
+# Good runs, every format, and the report.
+for extension in pcd ply vtp slim; do
+  expect 0 '' scan.pcd "a.$extension" -json "$extension.json"
+  [ -s "a.$extension" ] || complain "no a.$extension"
+  for key in program version input points threads seconds total load peak_rss_mb surfels leaves \
+    levels degree t_mdl lambda diagonal rms_error_over_diagonal uncovered unsupported skipped; do
+    grep -q "\"$key\"" "$extension.json" || complain "no $key in $extension.json"
+  done
+done
+surfels=$(grep '"surfels"' slim.json)
+for extension in pcd ply vtp; do
+  [ "$(grep '"surfels"' $extension.json)" = "$surfels" ] || complain "$extension differs"
+done
+grep -q '^> Loading scan.pcd \[done, .* ms : 4000 points\]' out.txt || complain "no Loading line"
+grep -q '^> Fitting \[done, ' out.txt || complain "no Fitting line"
+expect 0 '' scan.pcd quiet.slim -quiet 1
+[ ! -s out.txt ] || complain "-quiet is not quiet"
+cmp -s a.slim quiet.slim || complain "-quiet changes the surface"
+expect 0 '' "with space/scan.pcd" "with space/a.PLY"
+expect 0 '' scan.pcd b.slim -threads 1
+cmp -s a.slim b.slim || complain "threads change the surface"
+for option in '-degree 2' '-t_mdl 0.02' '-compact 1' '-robust 1' '-paper 1' '-lambda 1e-6' \
+  '-viewpoint -1,2.5,9' '-estimate_normals 12' '-target_error 0.001' '-max_surfels 40' '-seed 5'; do
+  # shellcheck disable=SC2086
+  expect 0 '' scan.pcd c.slim $option
+done
+
+# Coordinates of type double: a far scan gives the surface of the near one, place apart.
+expect 0 '' far.pcd far.slim -json far.json
+expect 0 '' near.pcd near.slim -json near.json
+for key in leaves lambda; do
+  f=$(sed -n "s/.*\"$key\": \([^,]*\).*/\1/p" far.json)
+  n=$(sed -n "s/.*\"$key\": \([^,]*\).*/\1/p" near.json)
+  awk -v f="$f" -v n="$n" 'BEGIN { exit !(f > 0.9 * n && f < 1.1 * n) }' || complain "far $key $f, near $n"
+done
+
+# Help, version, documentation.
+expect 0 '' -h
+grep -q '^Syntax is: pcl_slim_fit ' out.txt || complain "no syntax line"
+expect 0 '' --help
+expect 0 '' -version
+expect 0 '' --help-markdown
+while IFS= read -r line; do
+  grep -qF -- "$line" "$docs/pcl_slim_fit.md" || complain "docs/pcl_slim_fit.md lacks: $line"
+done < out.txt
+
+# Usage errors: status 2, nothing written.
+expect 2 'did you mean -degree' scan.pcd d.pcd -degre 2
+expect 2 'from 1 to 4' scan.pcd d.pcd -degree 7
+expect 2 'from 1 to 4' scan.pcd d.pcd -degree two
+expect 2 'needs a value' scan.pcd d.pcd -degree
+expect 2 'given twice' scan.pcd d.pcd -degree 2 -degree 3
+expect 2 '0 or 1' scan.pcd d.pcd -sharp yes
+expect 2 'X,Y,Z' scan.pcd d.pcd -viewpoint 1,2
+expect 2 'exclude each other' scan.pcd d.pcd -penalty 2 -t_mdl 0.01
+expect 2 'a number' scan.pcd d.pcd -penalty nan
+expect 2 'no OUT' scan.pcd
+expect 2 'no IN'
+expect 2 'unexpected argument' scan.pcd d.pcd e.pcd
+expect 2 '.slim' scan.pcd d.obj
+expect 2 'share a file' scan.pcd ./scan.pcd
+expect 2 'No such file' missing.pcd d.pcd
+expect 2 'format' scan.xyz d.pcd
+expect 2 'folder' folder.pcd d.pcd
+expect 2 'truncated' cut.pcd d.pcd
+expect 2 'empty' empty.pcd d.pcd
+expect 2 'x y z' fields.pcd d.pcd
+absent d.pcd e.pcd
+
+# Failed work: status 1, nothing left.
+expect 1 '' nan.pcd d.pcd
+expect 1 '' none.pcd d.pcd
+expect 1 'does not exist' scan.pcd nowhere/d.pcd
+expect 1 'folder' scan.pcd folder.pcd
+expect 1 'does not exist' scan.pcd d.pcd -json nowhere/d.json
+absent d.pcd nowhere
+[ -z "$(find . -name '*.part')" ] || complain "temporary files were left behind"
+got=0
+"$fit" one.pcd one.slim > out.txt 2> err.txt || got=$?
+[ "$got" -le 1 ] || complain "one point: exit $got"
+
+# Ctrl-C: status 130, nothing left.
+cloud big.pcd sheet 4 200000 0
+"$fit" big.pcd stopped.slim -quiet 1 2> err.txt &
+pid=$!
+sleep 0.05
+kill -INT $pid
+got=0
+wait $pid || got=$?
+if [ "$got" -ne 0 ]; then
+  [ "$got" -eq 130 ] || complain "stopped: exit $got"
+  absent stopped.slim
+fi
+
+if [ -n "$data" ] && [ -f "$data/kinect_mosd_learn13.pcd" ]; then
+  expect 0 '' "$data/kinect_mosd_learn13.pcd" kinect.slim -json kinect.json
+  grep -q '"non_finite": 99749' kinect.json || complain "kinect's NaN are not counted"
+  expect 0 '' "$data/stanford_bunny_zipper.ply" bunny.slim -json bunny.json
+  grep -q '"without_normal": 1113' bunny.json || complain "vertices without faces are not dropped"
+  grep -q '"normals": "mesh"' bunny.json || complain "no normals from the mesh"
+fi
+
+rm -rf -- "$work"
+[ "$failures" -eq 0 ] || { echo "$failures failures"; exit 1; }
+echo "all passed"
