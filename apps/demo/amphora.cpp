@@ -130,7 +130,7 @@ Amphora::bodyDistance(double rho, double angle, double z) const
   double outer = (rho - profile.radius) * flatness;
   // Ornament matters near the surface only; further away a margin keeps the bound.
   outer -= outer < 0.03 && outer > -0.01 ? relief(angle, z) * flatness : 0.0045;
-  const double inner = std::max((rho - profile.radius + kWall) * flatness, kFloor - z);
+  const double inner = std::max((rho - profile.radius) * flatness + kWall, kFloor - z);
   const double shell = -smoothMin(-outer, inner, kRounding);
   return -smoothMin(-shell, -std::max(z - kHeight, -z), kRounding);
 }
