@@ -20,7 +20,8 @@ if [ $# -eq 1 ]; then
     echo "$1 cannot be read: give the path of a .pcd or .ply file" >&2
     exit 2
   fi
-  scan=$(cd -- "$(dirname -- "$1")" && pwd)/$(basename -- "$1")
+  scan=$1
+  [ "${scan#-}" = "$scan" ] || scan=./$scan # no option
 fi
 
 bash "$root/scripts/setup.sh"
@@ -29,6 +30,7 @@ build pcl_slim_fit pcl_slim_render pcl_slim_demo_scan
 
 bin=$root/build/release/bin
 out=$root/demo_out
+[ "$PWD" != "$root" ] || out=demo_out
 mkdir -p -- "$out"
 rm -f -- "$out/surface.pcd" "$out/fit.json" "$out/surface.png"
 echo
