@@ -63,7 +63,7 @@ main(int argc, char** argv)
       "pcl_slim_demo_scan", PCL_SLIM_VERSION,
       "Writes a coloured amphora as a laser scanner on four tripods would see it: with "
       "noise, hidden parts and uneven density.");
-  table.positional("output.pcd", &output, "binary PCD with fields x y z rgb");
+  table.positional("OUT.pcd", &output, "binary PCD with fields x y z rgb");
   table.integer("points", &params.points, 100, 50000000, "points (organized: pixels)");
   table.number("noise", &params.noise, 0.0, 0.1,
                "noise at medium range, share of the object's diagonal");

@@ -34,8 +34,8 @@ declareOptions(Settings& s)
   OptionTable table(
       "pcl_slim_render", PCL_SLIM_VERSION,
       "Renders a SLIM surface (.pcd .ply .vtp .slim) into a PNG file; no X server needed.");
-  table.positional("input", &s.input, "surface as pcl_slim_fit writes it");
-  table.positional("output.png", &s.output, "picture");
+  table.positional("IN.pcd|.ply|.vtp|.slim", &s.input, "surface as pcl_slim_fit writes it");
+  table.positional("OUT.png", &s.output, "picture");
   table.text("size", &s.size, "WxH", "width and height in pixels");
   table.choice("mode", &s.mode, {"shaded", "normal", "mean", "level", "size"},
                "what the colours show");

@@ -1,0 +1,104 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# pcl_slim_demo_scan, pcl_slim_fit and pcl_slim_render in a row: exit status, messages, files.
+# Arguments: programs' folder, an empty folder to work in.
+set -uo pipefail
+bin=$1
+work=$2/run
+docs=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../../docs" && pwd)
+rm -rf -- "$work"
+mkdir -p -- "$work/with space"
+cd -- "$work" || exit 1
+failures=0
+
+complain() {
+  echo "FAILED: $*"
+  failures=$((failures + 1))
+}
+
+# expect STATUS WORD PROGRAM ARGS...: the status, and on failure one line on stderr with WORD.
+expect() {
+  local status=$1 word=$2 got=0
+  shift 2
+  "$bin/$1" "${@:2}" > out.txt 2> err.txt || got=$?
+  [ "$got" -eq "$status" ] || complain "exit $got instead of $status: $* ($(head -c 300 err.txt))"
+  if [ "$status" -eq 0 ]; then
+    [ ! -s err.txt ] || complain "stderr not empty: $* ($(head -c 300 err.txt))"
+  else
+    [ "$(wc -l < err.txt)" -eq 1 ] || complain "stderr is not one line: $* ($(head -c 300 err.txt))"
+    grep -q -- "$word" err.txt || complain "no '$word' in: $(cat err.txt)"
+  fi
+}
+
+same() { cmp -s -- "$1" "$2" || complain "$1 and $2 differ"; }
+differ() { ! cmp -s -- "$1" "$2" || complain "$1 and $2 are the same"; }
+absent() {
+  for file in "$@"; do [ ! -e "$file" ] || complain "$file was left behind"; done
+}
+
+# The scan: as many points as asked for, the same bytes for any number of threads.
+expect 0 '' pcl_slim_demo_scan scan.pcd -points 8000 -threads 1
+expect 0 '' pcl_slim_demo_scan again.pcd -points 8000 -threads 4
+expect 0 '' pcl_slim_demo_scan other.pcd -points 8000 -seed 2 -quiet 1
+[ ! -s out.txt ] || complain "-quiet 1 prints"
+same scan.pcd again.pcd
+differ scan.pcd other.pcd
+grep -aq '^POINTS 8000$' scan.pcd || complain "not 8000 points"
+expect 0 '' pcl_slim_demo_scan grid.pcd -points 2500 -organized 1
+grep -aq '^WIDTH 50$' grid.pcd || complain "the grid is not 50 wide"
+grep -aq '^HEIGHT 50$' grid.pcd || complain "the grid is not 50 high"
+expect 2 'named .pcd' pcl_slim_demo_scan scan.xyz
+expect 2 'poinst' pcl_slim_demo_scan typo.pcd -poinst 100
+expect 1 'no/such' pcl_slim_demo_scan no/such/scan.pcd
+absent typo.pcd
+
+# Pictures.
+expect 0 '' pcl_slim_fit scan.pcd surface.slim
+expect 0 '' pcl_slim_fit scan.pcd surface.pcd
+small="-size 96x72 -aa 1"
+expect 0 '' pcl_slim_render surface.slim shaded.png $small -json report.json -threads 1
+expect 0 '' pcl_slim_render surface.pcd "with space/shaded.png" $small -threads 4 -skip 0
+same shaded.png "with space/shaded.png"
+for key in program version input points threads total load render peak_rss_mb leaves levels \
+  covered_pixels outside_frustum camera; do
+  grep -q "\"$key\"" report.json || complain "the report lacks $key"
+done
+for mode in normal mean level size; do
+  expect 0 '' pcl_slim_render surface.slim "$mode.png" $small -mode "$mode"
+  differ shaded.png "$mode.png"
+done
+for view in front back left right top bottom iso 12.5,-30; do
+  expect 0 '' pcl_slim_render surface.slim view.png $small -view "$view" -ortho 1
+done
+expect 0 '' pcl_slim_render surface.slim a.png $small -camera 0,-1,0.5,0,0,0.2,0,0,1,30
+expect 0 '' pcl_slim_render surface.slim b.png $small -camera 0,-1,0.5,0,0,0.2,0,0,1
+same a.png b.png
+
+# Mistakes.
+rm -f x.png
+expect 2 'missing.slim' pcl_slim_render missing.slim x.png
+expect 2 'normal_x' pcl_slim_render scan.pcd x.png
+head -c 2000 surface.slim > cut.slim
+expect 2 'truncated' pcl_slim_render cut.slim x.png
+expect 2 'named .png' pcl_slim_render surface.slim x.jpg
+expect 2 'size' pcl_slim_render surface.slim x.png -size 80
+expect 2 'size' pcl_slim_render surface.slim x.png -size 0x80
+expect 2 'mode' pcl_slim_render surface.slim x.png -mode shiny
+expect 2 'view' pcl_slim_render surface.slim x.png -view 1,2,3
+expect 2 'camera' pcl_slim_render surface.slim x.png -camera 1,2,3
+expect 2 'differ' pcl_slim_render surface.slim x.png -camera 1,2,3,1,2,3,0,0,1
+expect 2 'colour' pcl_slim_render surface.slim x.png -colour 1
+expect 1 'no/such' pcl_slim_render surface.slim no/such/x.png
+absent x.png x.jpg
+
+for program in pcl_slim_render pcl_slim_demo_scan; do
+  expect 0 '' "$program" -h
+  "$bin/$program" --help-markdown | grep '^| `-' | while IFS= read -r line; do
+    grep -qF -- "$line" "$docs/pcl_slim_render.md" || echo "docs/pcl_slim_render.md lacks: $line"
+  done > lacking.txt
+  [ ! -s lacking.txt ] || complain "$(cat lacking.txt)"
+done
+
+cd -- "$2" && rm -rf -- "$work"
+[ "$failures" -eq 0 ] || { echo "$failures failures"; exit 1; }
+echo "all passed"
