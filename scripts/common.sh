@@ -30,7 +30,8 @@ configure() {
 
 # build TARGET...: of the release preset; no target means everything. JOBS limits the jobs.
 build() {
-  local jobs=${JOBS:-$(nproc)}
-  quietly "Building, minutes the first time" "$root/build/log/build.log" \
+  local jobs=${JOBS:-$(nproc)} what="Building"
+  [ -e "$root/build/release/bin" ] || what="Building, some minutes this first time"
+  quietly "$what" "$root/build/log/build.log" \
     cmake --build "$root/build/release" --parallel "$jobs" ${1:+--target "$@"}
 }
