@@ -130,12 +130,27 @@ blendLeaf(const FrameContext& frame, const RaySurfel& surfel, std::uint32_t id, 
   sum.weight += weight;
   sum.shift += weight * (s - s_hat) * surfel.radius;
   sum.coverage += evaluateKernel(kernel, root_sq / (frame.cover_radius * frame.cover_radius));
+  for (std::size_t k = 0; k < 3; ++k) sum.lean[k] += weight * q[k];
+  ++sum.leaves;
   sum.facing += slope > 0.0 ? -1 : 1;
   addDerivatives(surfel, jet, side * weight, sum);
   if (weight > sum.largest_weight) {
     sum.largest_weight = weight;
     sum.surfel = id;
   }
+}
+
+/** \brief Whether a blend belongs to the surface: its leaves cover it, or it lies in a gap between
+ * leaves all around it. Beyond the rim of what was measured all leaves lie to one side. */
+bool
+isSupported(const BlendSum& sum, double min_coverage)
+{
+  constexpr int kMinLeaves = 3;
+  constexpr double kMaxLean = 0.25;  ///< in radii
+  if (sum.coverage >= min_coverage) return true;
+  const double lean_sq =
+      sum.lean[0] * sum.lean[0] + sum.lean[1] * sum.lean[1] + sum.lean[2] * sum.lean[2];
+  return sum.leaves >= kMinLeaves && lean_sq < kMaxLean * kMaxLean * sum.weight * sum.weight;
 }
 
 /** \brief Curvatures of the level set with the given gradient and Hessian. */
@@ -286,7 +301,7 @@ peelUncovered(const FrameContext& frame, Tile& tile)
       if (!tile.is_pending[pixel]) continue;
       BlendSum& sum = tile.sums[pixel];
       const bool met = sum.surfel != GBuffer::kNothing;
-      if (!met || sum.coverage >= frame.min_coverage) {
+      if (!met || isSupported(sum, frame.min_coverage)) {
         tile.is_pending[pixel] = 0;
         continue;
       }

@@ -29,6 +29,8 @@ struct BlendSum {
   double weight = 0.0;
   double shift = 0.0;  ///< of w (t - t^): q lies on the ray
   double coverage = 0.0;
+  double lean[3] = {0.0, 0.0, 0.0};  ///< of w (q - c) / r: points away from the leaves' middle
+  int leaves = 0;
   double gradient[3] = {0.0, 0.0, 0.0};
   double hessian[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};  ///< xx yy zz xy xz yz
   double largest_weight = 0.0;

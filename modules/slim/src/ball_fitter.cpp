@@ -12,6 +12,7 @@ namespace pcl_slim {
 namespace {
 
 constexpr double kLoneNormal = 0.3;    ///< share of agreeing neighbours below which a normal is alone
+constexpr double kOffCenter = 0.03;    ///< of r_r: a fit that passes its centre farther off is moved
 constexpr double kGateMargin = 1e-6;   ///< of r: the least a coverage gate may be, for rounding
 
 }  // namespace
@@ -35,6 +36,7 @@ BallFitter::fit(std::size_t i, int level, SurfelRecord& surfel)
   setFrame();
   search_.begin(ball_, gather_radius_, 1.0);
   if (settings_.split_sheets) splitSheets();
+  if (!settings_.paper) centerOnSurface();
   RadiusChoice choice = search_.search();
   if (choice.kind == RadiusChoice::Kind::kSparse) {
     gather_radius_ = r_right / kGolden;
@@ -47,6 +49,23 @@ BallFitter::fit(std::size_t i, int level, SurfelRecord& surfel)
   if (choice.kind == RadiusChoice::Kind::kLeaf) choice.trial = search_.refine(choice);
   record(choice, level, surfel);
   return choice.kind == RadiusChoice::Kind::kLeaf ? BallOutcome::kLeaf : BallOutcome::kInternal;
+}
+
+/** A centre that noise has thrown far off would see a lopsided part of the points: the ball moves
+ * onto its own fit. */
+void
+BallFitter::centerOnSurface()
+{
+  const Trial& right = search_.right();
+  const double offset = right.fit.c[0];  // of the radius
+  if (!right.supported || std::abs(offset) < kOffCenter || std::abs(offset) > kLargestShift) return;
+  for (int a = 0; a < 3; ++a) {
+    const double moved = center_[a] + offset * gather_radius_ * normal_[a];
+    center_[a] = static_cast<float>(std::round(moved / settings_.center_grid) * settings_.center_grid);
+  }
+  gather(gather_radius_);
+  setFrame();
+  search_.begin(ball_, gather_radius_, 1.0);
 }
 
 bool

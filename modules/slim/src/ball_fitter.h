@@ -18,6 +18,9 @@ struct SurfelRecord {
   std::array<float, kMaxCoefficients> c;
 };
 
+/** \brief How far a ball may move onto its fit, in units of r_r; the cover's cells allow for it. */
+constexpr double kLargestShift = 0.3;
+
 /** \brief What became of a centre. */
 enum class BallOutcome : unsigned char { kLeaf, kInternal, kUnsupported, kLoneNormal };
 
@@ -58,6 +61,7 @@ class BallFitter {
   std::array<double, 3> frameNormal() const;
   bool splitSheets();
   void reframe();
+  void centerOnSurface();
   void setFrame();
   void record(const RadiusChoice& choice, int level, SurfelRecord& surfel) const;
 

@@ -12,7 +12,7 @@ namespace pcl_slim {
 struct Energy {
   static constexpr double kThick = 4.0;  ///< balls below so many sqrt(lambda) are filled by noise
 
-  static constexpr double kTruncation = 8.0;  ///< 2 m of the fit's kernel (1 - s^2)^m, m = 4
+  static constexpr double kTruncation = 10.0;  ///< 2 (m + 1) of the kernel (1 - s^2)^m, m = 4
   static constexpr double kLeastShare = 0.2;
 
   double lambda = 0;    ///< noise variance
@@ -27,7 +27,7 @@ struct Energy {
     const double terms = numCoefficients(fit.degree);
     double e_sq = fit.residual_sq * gather_radius * gather_radius;
     if (corrected) {
-      // Weights fall with height too, so a thin ball sees e^2 = s^2 / (1 + 8 s^2 / r^2) of a noise
+      // Weights fall with height too, so a thin ball sees e^2 = s^2 / (1 + 10 s^2 / r^2) of a noise
       // variance s^2, and one the noise fills sees little but its own size.
       e_sq /= std::max(kLeastShare, 1.0 - kTruncation * e_sq / (r * r));
       if (r * r < kThick * kThick * lambda) e_sq = std::max(e_sq, lambda);

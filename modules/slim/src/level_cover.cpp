@@ -98,8 +98,10 @@ LevelCover::coverLevel(int level, std::vector<SurfelRecord>& surfels)
 void
 LevelCover::findCells(int level)
 {
-  // A ball writes within r_r, a leaf grown to the next radius up within alpha r_r / gamma.
-  const double reach = settings_.levelRadius(level) * std::max(1.0, settings_.alpha / kGolden);
+  // A ball writes within r_r of where it moved to, a leaf grown to the next radius up within
+  // alpha r_r / gamma.
+  const double reach =
+      settings_.levelRadius(level) * std::max(1.0 + kLargestShift, settings_.alpha / kGolden);
   const int depth = std::clamp(static_cast<int>(std::floor(-std::log2(2.0 * reach))), 0, kMortonLevels);
   const int shift = 3 * (kMortonLevels - depth);
   const std::uint64_t* keys = store_.keys();
@@ -171,7 +173,7 @@ LevelCover::prepareNeighborhood(const Cell& cell, int level, BallFitter& fitter)
       high[a] = std::max(high[a], maxs[a]);
     }
   }
-  const auto reach = static_cast<float>(1.001 * settings_.levelRadius(level) / kGolden);
+  const auto reach = static_cast<float>(1.001 * settings_.levelRadius(level) * (1.0 / kGolden + kLargestShift));
   for (int a = 0; a < 3; ++a) {
     low[a] -= reach;
     high[a] += reach;

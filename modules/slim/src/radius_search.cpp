@@ -119,6 +119,13 @@ RadiusSearch::evaluateWall(double from)
 }
 
 bool
+RadiusSearch::filledByNoise(double rho) const
+{
+  const double r = rho * gather_radius_;
+  return r * r < Energy::kThick * Energy::kThick * settings_.energy.lambda;
+}
+
+bool
 RadiusSearch::lacksFit(const Trial& left, const Trial& middle) const
 {
   if (settings_.lack_of_fit <= 0) return false;
@@ -146,6 +153,9 @@ RadiusSearch::search()
   if (!settings_.paper && right.energy <= settings_.lenience * middle.energy &&
       e_middle <= kNoiseLike * settings_.energy.lambda) {
     return leaf(right);  // flat down to the noise: the largest radius serves
+  }
+  if (!settings_.paper && filledByNoise(kGolden * kGolden * rho_right_)) {
+    return leaf(right.energy <= settings_.lenience * middle.energy ? right : middle);
   }
   const Trial left = evaluate(kGolden * kGolden * rho_right_);
   if (settings_.paper) return left.supported ? paperChoice(left, middle, right) : chooseAtWall(right, middle);

@@ -70,6 +70,7 @@ class RadiusSearch {
   Trial largestLenient(const Trial& best, const Trial& right);
   void narrow(Trial& a, Trial& b, Trial& c);
   void setRobustWeights(const LocalFit& fit);
+  bool filledByNoise(double rho) const;
   bool lacksFit(const Trial& left, const Trial& middle) const;
 
   const FitSettings& settings_;
