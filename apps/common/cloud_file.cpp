@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/cloud_file.h"
 
-#include <pcl/features/normal_3d_omp.h>
-#include <pcl/search/kdtree.h>
-
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <memory>
+#include <numeric>
 
-#include "pcl_slim/core/parallel.h"
+#include "pcl_slim/filters/pcl_normals.h"
 
 namespace pcl_slim {
 
@@ -197,19 +196,18 @@ estimateNormals(int k, const std::vector<double>& viewpoint, int threads, CloudF
   cloud.normals.assign(view.size * 3, 0.0f);
   cloud.normal_source = NormalSource::kEstimated;
   if (points->empty()) return;
-  std::array<double, 3> eye{cloud.file.sensor_origin[0], cloud.file.sensor_origin[1],
-                            cloud.file.sensor_origin[2]};
-  if (viewpoint.size() == 3) eye = {viewpoint[0], viewpoint[1], viewpoint[2]};
-  pcl::NormalEstimationOMP<pcl::PointXYZ, pcl::Normal> estimation(
-      static_cast<unsigned int>(resolveThreads(threads)));
-  estimation.setInputCloud(points);
-  estimation.setSearchMethod(std::make_shared<pcl::search::KdTree<pcl::PointXYZ>>());
-  estimation.setKSearch(k);
-  estimation.setViewPoint(static_cast<float>(eye[0] - origin[0]),
-                          static_cast<float>(eye[1] - origin[1]),
-                          static_cast<float>(eye[2] - origin[2]));
+  FitParams params;
+  params.threads = threads;
+  params.has_viewpoint = true;
+  const auto& sensor = cloud.file.sensor_origin;
+  for (int a = 0; a < 3; ++a) {
+    const auto axis = static_cast<std::size_t>(a);
+    params.viewpoint[a] = (viewpoint.size() == 3 ? viewpoint[axis] : sensor[a]) - origin[axis];
+  }
+  auto selected = std::make_shared<pcl::Indices>(points->size());
+  std::iota(selected->begin(), selected->end(), 0);
   pcl::PointCloud<pcl::Normal> estimated;
-  estimation.compute(estimated);
+  pclNormals(points, selected, makeSearch(points), k, params, estimated);
   for (std::size_t i = 0; i < source.size(); ++i) {
     std::memcpy(&cloud.normals[3 * source[i]], estimated[i].normal, 3 * sizeof(float));
   }

@@ -83,8 +83,8 @@ class SLIMFit : public pcl::PCLBase<PointT>, public SLIMFitBase {
   bool describeNormals(CloudView& view, std::vector<float>& estimated);
   /** \brief PCL's normals of the selected points, zero for all others; three floats a point. */
   bool estimateNormals(std::vector<float>& estimated);
-  /** \brief The search object for a cloud, ready for use; null after an error. */
-  SearchPtr prepareSearch(const typename PointCloud::ConstPtr& cloud);
+  /** \brief Gives the search object its cloud; an error where it cannot serve it. */
+  bool prepareSearch(const typename PointCloud::ConstPtr& cloud);
 
   NormalCloud::ConstPtr normals_;
   SearchPtr search_;

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl/common/io.h>
 #include <pcl/common/point_tests.h>
-#include <pcl/features/normal_3d_omp.h>
-#include <pcl/search/kdtree.h>
 #include <pcl/search/organized.h>
 
 #include <cstring>
@@ -11,21 +10,55 @@
 #include <memory>
 #include <type_traits>
 
-#include "pcl_slim/core/parallel.h"
+#include "pcl_slim/filters/pcl_normals.h"
 #include "pcl_slim/filters/slim_fit.h"
 
 // PCL's own sources hold its classes for its own point types only; ours are among those.
 #ifndef PCL_SLIM_PCL_POINTS_ONLY
-#include <pcl/features/impl/feature.hpp>
-#include <pcl/features/impl/normal_3d_omp.hpp>
 #include <pcl/impl/pcl_base.hpp>
-#include <pcl/kdtree/impl/kdtree_flann.hpp>
-#include <pcl/search/impl/kdtree.hpp>
 #include <pcl/search/impl/organized.hpp>
 #include <pcl/search/impl/search.hpp>
 #endif
 
 namespace pcl_slim {
+
+/** Lets a search object for one point type answer for the same cloud as plain points, so that
+ * PCL's normal estimation, which is compiled for those, serves every point type. */
+template <typename PointT>
+class PlainPointSearch : public pcl::search::Search<pcl::PointXYZ> {
+ public:
+  explicit PlainPointSearch(const typename pcl::search::Search<PointT>::Ptr& search)
+      : Search("PlainPointSearch"), search_(search)
+  {
+  }
+
+  using Search::nearestKSearch;
+  using Search::radiusSearch;
+
+  int nearestKSearch(const pcl::PointXYZ& point, int k, pcl::Indices& indices,
+                     std::vector<float>& distances_sq) const override
+  {
+    return search_->nearestKSearch(toPoint(point), k, indices, distances_sq);
+  }
+
+  int radiusSearch(const pcl::PointXYZ& point, double radius, pcl::Indices& indices,
+                   std::vector<float>& distances_sq, unsigned int most = 0) const override
+  {
+    return search_->radiusSearch(toPoint(point), radius, indices, distances_sq, most);
+  }
+
+ private:
+  static PointT toPoint(const pcl::PointXYZ& plain)
+  {
+    PointT point;
+    point.x = plain.x;
+    point.y = plain.y;
+    point.z = plain.z;
+    return point;
+  }
+
+  typename pcl::search::Search<PointT>::Ptr search_;
+};
 
 template <typename PointT>
 bool
@@ -109,30 +142,16 @@ SLIMFit<PointT>::describeNormals(CloudView& view, std::vector<float>& estimated)
 }
 
 template <typename PointT>
-typename SLIMFit<PointT>::SearchPtr
+bool
 SLIMFit<PointT>::prepareSearch(const typename PointCloud::ConstPtr& cloud)
 {
   using Organized = pcl::search::OrganizedNeighbor<PointT>;
-  const auto usable = [&cloud](Organized& organized) {
-    if (!cloud->isOrganized()) return false;
-    organized.setInputCloud(cloud);
-    return organized.isValid();
-  };
-  if (search_) {
-    auto organized = std::dynamic_pointer_cast<Organized>(search_);
-    if (organized && !usable(*organized)) {
-      fail(ErrorCode::kBadInput,
-           "OrganizedNeighbor needs an organized cloud seen by one camera; set another search");
-      return nullptr;
-    }
-    if (!organized) search_->setInputCloud(cloud);
-    return search_;
-  }
-  auto organized = std::make_shared<Organized>();
-  if (usable(*organized)) return organized;
-  auto tree = std::make_shared<pcl::search::KdTree<PointT>>();
-  tree->setInputCloud(cloud);
-  return tree;
+  const auto organized = std::dynamic_pointer_cast<Organized>(search_);
+  const bool unsuitable = organized && !cloud->isOrganized();
+  if (!unsuitable) search_->setInputCloud(cloud);
+  if (!unsuitable && (!organized || organized->isValid())) return true;
+  return fail(ErrorCode::kBadInput,
+              "OrganizedNeighbor needs an organized cloud seen by one camera; set another search");
 }
 
 template <typename PointT>
@@ -152,39 +171,34 @@ SLIMFit<PointT>::estimateNormals(std::vector<float>& estimated)
   }
   estimated.assign(3 * input_->size(), 0.0f);
   if (selected->empty()) return true;  // the fit says what is wrong
-  typename PointCloud::ConstPtr cloud = input_;
-  if (!all_finite && input_->is_dense) {  // search objects trust is_dense
-    auto honest = std::make_shared<PointCloud>(*input_);
-    honest->is_dense = false;
-    cloud = honest;
-  }
+  NormalCloud normals;
   try {
-    const SearchPtr search = prepareSearch(cloud);
-    if (!search) return false;
-    pcl::NormalEstimationOMP<PointT, pcl::Normal> estimation(
-        static_cast<unsigned int>(resolveThreads(params_.threads)));
-    estimation.setInputCloud(cloud);
-    estimation.setIndices(selected);
-    estimation.setSearchMethod(search);
-    estimation.setKSearch(normal_neighbours_);
-    if (params_.has_viewpoint) {
-      estimation.setViewPoint(static_cast<float>(params_.viewpoint[0]),
-                              static_cast<float>(params_.viewpoint[1]),
-                              static_cast<float>(params_.viewpoint[2]));
+    auto plain = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+    pcl::copyPointCloud(*input_, *plain);
+    plain->is_dense = all_finite;
+    pcl::search::Search<pcl::PointXYZ>::Ptr search;
+    typename PointCloud::ConstPtr cloud = input_;
+    if (!search_) {
+      search = makeSearch(plain);
     } else {
-      estimation.useSensorOriginAsViewPoint();
+      if (!all_finite && input_->is_dense) {  // search objects trust is_dense
+        auto honest = std::make_shared<PointCloud>(*input_);
+        honest->is_dense = false;
+        cloud = honest;
+      }
+      if (!prepareSearch(cloud)) return false;
+      search = std::make_shared<PlainPointSearch<PointT>>(search_);
     }
-    NormalCloud normals;
-    estimation.compute(normals);
-    if (normals.size() != selected->size()) {
-      return fail(ErrorCode::kBadInput, "PCL could not estimate normals; set another search");
-    }
-    for (std::size_t i = 0; i < selected->size(); ++i) {
-      std::memcpy(&estimated[3 * static_cast<std::size_t>((*selected)[i])], normals[i].normal,
-                  3 * sizeof(float));
-    }
+    pclNormals(plain, selected, search, normal_neighbours_, params_, normals);
   } catch (const std::exception& failure) {
     return fail(ErrorCode::kBadInput, std::string("PCL's normals: ") + failure.what());
+  }
+  if (normals.size() != selected->size()) {
+    return fail(ErrorCode::kBadInput, "PCL could not estimate normals; set another search");
+  }
+  for (std::size_t i = 0; i < selected->size(); ++i) {
+    std::memcpy(&estimated[3 * static_cast<std::size_t>((*selected)[i])], normals[i].normal,
+                3 * sizeof(float));
   }
   return true;
 }

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+#include <pcl/search/search.h>
+
+#include "pcl_slim/slim/fit.h"
+
+namespace pcl_slim {
+
+/** \brief A search object that suits a cloud and holds it: OrganizedNeighbor for an organized
+ * cloud seen by one camera, otherwise KdTree. is_dense must be honest. */
+pcl::search::Search<pcl::PointXYZ>::Ptr
+makeSearch(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud);
+
+/** \brief Normals of the selected, finite points by pcl::NormalEstimationOMP.
+ *
+ * Every point of the cloud may be a neighbour. Normals face the viewpoint of params, or the
+ * cloud's sensor where none is set; those that cannot be computed are NaN. \param[in] search
+ * holds the cloud. \param[out] normals one for each selected point. May throw what PCL throws.
+ */
+void
+pclNormals(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud,
+           const pcl::IndicesConstPtr& selected,
+           const pcl::search::Search<pcl::PointXYZ>::Ptr& search, int neighbours,
+           const FitParams& params, pcl::PointCloud<pcl::Normal>& normals);
+
+}  // namespace pcl_slim
