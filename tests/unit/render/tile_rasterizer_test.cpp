@@ -286,43 +286,71 @@ TEST(TileRasterizer, ASheetBehindDoesNotBleedThrough)
   EXPECT_LT(d.depth, 3e-5);
 }
 
-TEST(TileRasterizer, RaysPassThroughWhatNoCoverSupports)
+/** \brief Planes at z = 0 on a square grid about the origin, radius .12, normals along z. */
+SLIMSurface
+wallSurface(int side, double spacing)
 {
-  // One leaf's disc before a wall of many: beyond the disc's covered middle the wall is seen.
   SLIMSurface wall;
   wall.info.degree = 1;
   wall.info.oriented = true;
-  constexpr int kSide = 13;
-  wall.resize(kSide * kSide + 1);
-  for (std::size_t i = 0; i < wall.size(); ++i) {
-    const bool in_front = i == kSide * kSide;
-    wall.cx[i] =
-        in_front ? 0.0f : 0.05f * static_cast<float>(static_cast<int>(i % kSide) - kSide / 2);
-    wall.cy[i] =
-        in_front ? 0.0f : 0.05f * static_cast<float>(static_cast<int>(i / kSide) - kSide / 2);
-    wall.cz[i] = in_front ? 0.3f : 0.0f;
-    wall.radius[i] = 0.12f;
-    wall.nx[i] = wall.ny[i] = 0.0f;
-    wall.nz[i] = 1.0f;
-    wall.degree[i] = 1;
-    wall.flags[i] = kSurfelLeaf;
+  wall.resize(static_cast<std::size_t>(side * side));
+  for (int i = 0; i < side * side; ++i) {
+    const auto s = static_cast<std::size_t>(i);
+    wall.cx[s] = static_cast<float>(spacing * (i % side - 0.5 * (side - 1)));
+    wall.cy[s] = static_cast<float>(spacing * (i / side - 0.5 * (side - 1)));
+    wall.cz[s] = 0.0f;
+    wall.radius[s] = 0.12f;
+    wall.nx[s] = wall.ny[s] = 0.0f;
+    wall.nz[s] = 1.0f;
+    wall.degree[s] = 1;
+    wall.flags[s] = kSurfelLeaf;
   }
+  return wall;
+}
+
+/** \brief Looks along -z; 81 pixels of .005 a side, the middle one at the origin. */
+Camera
+wallCamera()
+{
   Camera camera = frontCamera(81, 81);
   camera.projection = Camera::Projection::kOrthographic;
-  camera.view_height = 0.4;
-  const GBuffer buffer = rendered(wall, camera);
-  // G(s) = (1 - s^2)^4 = .1 at s = .662 of alpha r = .08: the disc ends at .053.
-  const double end = 0.08 * std::sqrt(1.0 - std::pow(0.1, 0.25));
+  camera.view_height = 0.005 * 81;
+  return camera;
+}
+
+/** Where (1 - s^2)^4 falls to gamma = .1: the covered middle of a ball of .12 shrunk by 2/3. */
+const double kCoveredRadius = 0.08 * std::sqrt(1.0 - std::pow(0.1, 0.25));
+
+TEST(TileRasterizer, RaysPassThroughWhatNoCoverSupports)
+{
+  // One leaf's disc before a wall of many: beyond the disc's covered middle the wall is seen.
+  SLIMSurface wall = wallSurface(13, 0.05);
+  const std::size_t middle = wall.size() / 2;
+  wall.cz[middle] = 0.3f;
+  const GBuffer buffer = rendered(wall, wallCamera());
   for (int x = 0; x < 81; ++x) {
     const std::size_t pixel = buffer.index(x, 40);
-    const double distance = std::abs(x - 40) * 0.4 / 81.0;
-    if (std::abs(distance - end) < 0.003) continue;
+    const double distance = std::abs(x - 40) * 0.005;
+    if (std::abs(distance - kCoveredRadius) < 0.003) continue;
     ASSERT_TRUE(buffer.covered(pixel)) << x;
-    EXPECT_NEAR(buffer.position[pixel][2], distance < end ? 0.3 : 0.0, 1e-6) << x;
+    EXPECT_NEAR(buffer.position[pixel][2], distance < kCoveredRadius ? 0.3 : 0.0, 1e-6) << x;
   }
   RenderParams all;
   all.min_coverage = 0.0;
-  EXPECT_NEAR(rendered(wall, camera, all).position[buffer.index(40 + 15, 40)][2], 0.3, 1e-6);
+  const GBuffer uncut = rendered(wall, wallCamera(), all);
+  EXPECT_NEAR(uncut.position[uncut.index(40 + 15, 40)][2], 0.3, 1e-6);
+}
+
+TEST(TileRasterizer, GapsBetweenLeavesAreFilledButRimsAreNot)
+{
+  // Four leaves .1 apart: their middle is covered by .01 < gamma, yet they lie all around it.
+  const GBuffer buffer = rendered(wallSurface(2, 0.1), wallCamera());
+  EXPECT_TRUE(buffer.covered(buffer.index(40, 40)));
+  EXPECT_LT(buffer.coverage[buffer.index(40, 40)], 0.02f);
+  // From the leaves' outer edge at x = .05 the wall goes on for the covered radius, no further.
+  const int rim = static_cast<int>((0.05 + kCoveredRadius) / 0.005);
+  EXPECT_TRUE(buffer.covered(buffer.index(40 + rim - 1, 50)));
+  EXPECT_FALSE(buffer.covered(buffer.index(40 + rim + 2, 50)));
 }
 
 TEST(TileRasterizer, ThreadsAndSkippingDoNotChangeAByte)

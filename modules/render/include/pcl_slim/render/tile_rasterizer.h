@@ -53,9 +53,9 @@ struct RenderStatistics {
  * (eq. 8, left). Two guards keep leaves of other sheets out: the weight is taken at the larger of
  * |q^ - c| and |q - c|, and a leaf whose own surface passes q^ by more than r/4 does not count.
  *
- * Where the blend's coverage (sum of G(|q - c| / (alpha r))) is below the surface's threshold the
- * surface is not defined: leaves reach beyond the rim of what was measured. Rays pass through and
- * both passes run again behind it.
+ * Where the blend's coverage (sum of G(|q - c| / (alpha r))) is below the surface's threshold and
+ * the leaves do not lie all around q, the surface is not defined: leaves reach beyond the rim of
+ * what was measured. Rays pass through and both passes run again behind it.
  *
  * The buffer is the same for any number of threads, and with skipping on or off.
  * Cost: O(leaves + sum of visible balls' pixels).
