@@ -10,14 +10,11 @@
 #include "pcl_slim/cloud/noise_level.h"
 #include "pcl_slim/core/parallel.h"
 #include "penalty_search.h"
+#include "start_level.h"
 
 namespace pcl_slim {
 
 namespace {
-
-constexpr double kStartShare = 0.15;      ///< the first level's median ball holds at most so much
-constexpr std::size_t kStartSamples = 31;
-constexpr int kLastStart = 20;
 
 class Stopwatch {
  public:
@@ -38,7 +35,6 @@ FitSettings
 makeSettings(const PointStore& store, const FitParams& params)
 {
   FitSettings s;
-  if (getenv("LN")) s.lenience = atof(getenv("LN"));
   s.degree = params.degree;
   s.alpha = params.cover_radius;
   s.gamma = params.cover_threshold;
@@ -76,31 +72,6 @@ noiseVariance(const PointStore& store, const FitParams& params, int threads)
   const bool paper = params.paper_mode || params.t_mdl > 0;
   return estimateNoise(store, paper ? NoiseEstimator::kMinEigenvalue10 : NoiseEstimator::kCubicResidual,
                        threads);
-}
-
-/** First level whose median ball holds a small share of the points: the box's size says nothing
- * about the object's where one far point can stretch it. */
-int
-startLevel(const PointStore& store, const FitSettings& settings)
-{
-  if (settings.paper) return 1;
-  const std::size_t samples = std::min(kStartSamples, store.size());
-  const auto most = static_cast<std::size_t>(kStartShare * static_cast<double>(store.size()));
-  std::vector<std::uint32_t> blocks;
-  for (int level = 1; level < kLastStart; ++level) {
-    std::size_t crowded = 0;
-    for (std::size_t s = 0; s < samples; ++s) {
-      const auto p = store.position((2 * s + 1) * store.size() / (2 * samples));
-      const float center[3] = {static_cast<float>(p[0]), static_cast<float>(p[1]),
-                               static_cast<float>(p[2])};
-      blocks.clear();
-      // Blocks stand for their points: enough for a choice between factors of 1.6.
-      store.tree().blocksInBall(center, static_cast<float>(settings.levelRadius(level)), blocks);
-      crowded += blocks.size() * PointStore::kBlock > most + 4 * PointStore::kBlock;
-    }
-    if (2 * crowded <= samples) return level;
-  }
-  return kLastStart;
 }
 
 void
@@ -196,6 +167,9 @@ FitParams::validate() const
   if (!(cover_radius > 0 && cover_radius <= 1)) return bad("the cover radius alpha must lie in (0, 1]");
   if (!(cover_threshold > 0 && cover_threshold <= 1)) return bad("the cover threshold gamma must lie in (0, 1]");
   if (target_error > 0 && max_surfels > 0) return bad("give a target error or a number of surfels, not both");
+  if (t_mdl > 0 && (target_error > 0 || max_surfels > 0)) {
+    return bad("T_MDL is a penalty: a target error or number of surfels would replace it, give one");
+  }
   return {};
 }
 

@@ -6,72 +6,9 @@
 #include <limits>
 #include <vector>
 
-#include "pcl_slim/slim/surface.h"
+#include "center_grid.h"
 
 namespace pcl_slim {
-
-namespace {
-
-/** Surfels of one level in a hashed grid of cells as wide as the widest ball that asks. */
-class CenterGrid {
- public:
-  CenterGrid(const SLIMSurface& surface, const std::vector<std::uint32_t>& members, float width)
-      : surface_(surface), inverse_(1.0 / width)
-  {
-    cells_.reserve(members.size());
-    for (const std::uint32_t i : members) {
-      cells_.push_back({code(cell(surface.cx[i]), cell(surface.cy[i]), cell(surface.cz[i])), i});
-    }
-    std::sort(cells_.begin(), cells_.end());
-  }
-
-  /** Calls body(member, squared distance) for the members within one cell of a centre. */
-  template <typename Body>
-  void
-  forEachNear(std::uint32_t center, const Body& body) const
-  {
-    const std::int64_t x = cell(surface_.cx[center]), y = cell(surface_.cy[center]),
-                       z = cell(surface_.cz[center]);
-    for (std::int64_t dx = -1; dx <= 1; ++dx) {
-      for (std::int64_t dy = -1; dy <= 1; ++dy) {
-        // Cells along z are neighbours in the order of codes: one search serves three.
-        auto it = std::lower_bound(cells_.begin(), cells_.end(),
-                                   Entry{code(x + dx, y + dy, z - 1), 0});
-        const std::int64_t last = code(x + dx, y + dy, z + 1);
-        for (; it != cells_.end() && it->code <= last; ++it) {
-          const float ex = surface_.cx[it->member] - surface_.cx[center];
-          const float ey = surface_.cy[it->member] - surface_.cy[center];
-          const float ez = surface_.cz[it->member] - surface_.cz[center];
-          body(it->member, ex * ex + ey * ey + ez * ez);
-        }
-      }
-    }
-  }
-
- private:
-  struct Entry {
-    std::int64_t code;
-    std::uint32_t member;
-    bool
-    operator<(const Entry& other) const
-    {
-      return code != other.code ? code < other.code : member < other.member;
-    }
-  };
-
-  std::int64_t cell(float local) const { return std::llround((local + 1.0) * inverse_) + 1; }
-  static std::int64_t
-  code(std::int64_t x, std::int64_t y, std::int64_t z)
-  {
-    return (x << 42) + (y << 21) + z;
-  }
-
-  const SLIMSurface& surface_;
-  double inverse_;
-  std::vector<Entry> cells_;
-};
-
-}  // namespace
 
 void
 SLIMSurface::buildLinks()

@@ -1,9 +1,278 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "orientation.h"
 
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "center_grid.h"
+
 namespace pcl_slim {
-void
-orientSurface(const FitParams&, SLIMSurface&)
+
+namespace {
+
+using Vector = std::array<double, 3>;
+
+constexpr std::size_t kMostEdges = 12;   ///< per leaf, nearest first
+constexpr double kFlatFlux = 0.1;        ///< flux below this share of its bound: no inside
+constexpr double kReach = 0.9;           ///< of r + r': farther centres are not neighbours
+
+Vector
+centerOf(const SLIMSurface& s, std::size_t i)
 {
+  return {s.cx[i], s.cy[i], s.cz[i]};
 }
+
+Vector
+normalOf(const SLIMSurface& s, std::size_t i)
+{
+  return {s.nx[i], s.ny[i], s.nz[i]};
+}
+
+double
+dot(const Vector& a, const Vector& b)
+{
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+Vector
+minus(const Vector& a, const Vector& b)
+{
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+/** |f_i(x)| in local length and the gradient of f_i there (not unit). */
+struct Probe {
+  double offset;
+  Vector gradient;
+};
+
+Probe
+probe(const SLIMSurface& s, std::size_t i, const Vector& x)
+{
+  const LocalFrame frame(normalOf(s, i));
+  const Vector d = minus(x, centerOf(s, i));
+  const double r = s.radius[i];
+  // Beyond its ball a polynomial says nothing: ask it at the rim.
+  double u = dot(d, frame.u) / r, v = dot(d, frame.v) / r;
+  const double length = std::hypot(u, v);
+  const double shrink = length > 1.0 ? 1.0 / length : 1.0;
+  u *= shrink;
+  v *= shrink;
+  const HeightJet jet = evaluateJet(s.degree[i], s.coefficientsOf(i), u, v);
+  Probe result;
+  result.offset = std::abs(dot(d, frame.w) - r * jet.h);
+  for (int a = 0; a < 3; ++a) {
+    result.gradient[a] = frame.w[a] - jet.hu * frame.u[a] - jet.hv * frame.v[a];
+  }
+  return result;
+}
+
+/** An edge of the overlap graph: small where two leaves clearly lie on one sheet. */
+struct Edge {
+  float weight;
+  std::uint32_t a, b;
+  bool opposed;  ///< the normals point to different sides
+
+  bool
+  operator<(const Edge& other) const
+  {
+    if (weight != other.weight) return weight < other.weight;
+    return a != other.a ? a < other.a : b < other.b;
+  }
+};
+
+Edge
+makeEdge(const SLIMSurface& s, std::uint32_t a, std::uint32_t b)
+{
+  const Vector ca = centerOf(s, a), cb = centerOf(s, b);
+  const Vector middle = {0.5 * (ca[0] + cb[0]), 0.5 * (ca[1] + cb[1]), 0.5 * (ca[2] + cb[2])};
+  const Probe at_a = probe(s, a, middle), at_b = probe(s, b, middle);
+  const double cosine = dot(at_a.gradient, at_b.gradient) /
+                        std::sqrt(dot(at_a.gradient, at_a.gradient) * dot(at_b.gradient, at_b.gradient));
+  const Vector gap = minus(ca, cb);
+  const double distance = std::sqrt(std::max(dot(gap, gap), 1e-30));
+  const double offset = 0.5 * (probe(s, a, cb).offset + probe(s, b, ca).offset) / distance;
+  return {static_cast<float>(1.0 - std::abs(cosine) + offset), a, b, cosine < 0};
+}
+
+std::vector<Edge>
+overlapGraph(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves)
+{
+  // Leaves of one level are alike in size; each looks among its own and the coarser ones.
+  std::vector<Edge> edges;
+  std::vector<std::pair<float, std::uint32_t>> near;
+  for (int coarse = 0; coarse < 256; ++coarse) {
+    std::vector<std::uint32_t> members;
+    float widest = 0;
+    for (const std::uint32_t i : leaves) {
+      if (s.level[i] != coarse) continue;
+      members.push_back(i);
+      widest = std::max(widest, s.radius[i]);
+    }
+    if (members.empty()) continue;
+    const CenterGrid grid(s, members, static_cast<float>(2.0 * kReach) * widest);
+    for (const std::uint32_t i : leaves) {
+      if (s.level[i] < coarse || s.radius[i] > 2.0f * widest) continue;
+      near.clear();
+      grid.forEachNear(i, [&](std::uint32_t j, float distance_sq) {
+        if (j == i || (s.level[j] == s.level[i] && j > i)) return;
+        const double reach = kReach * (s.radius[i] + s.radius[j]);
+        if (distance_sq < reach * reach) near.emplace_back(distance_sq, j);
+      });
+      const auto kept = std::min(near.size(), kMostEdges);
+      std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(kept), near.end());
+      for (std::size_t k = 0; k < kept; ++k) edges.push_back(makeEdge(s, near[k].second, i));
+    }
+  }
+  return edges;
+}
+
+/** Union-find in which every member knows its sign relative to its root. */
+class SignedForest {
+ public:
+  explicit SignedForest(std::size_t count) : parent_(count), sign_(count, 1)
+  {
+    std::iota(parent_.begin(), parent_.end(), 0u);
+  }
+
+  std::uint32_t
+  root(std::uint32_t i, int& sign)
+  {
+    sign = 1;
+    std::uint32_t r = i;
+    while (parent_[r] != r) {
+      sign *= sign_[r];
+      r = parent_[r];
+    }
+    int rest = sign;
+    while (parent_[i] != i) {
+      const std::uint32_t next = parent_[i];
+      const int own = sign_[i];
+      parent_[i] = r;
+      sign_[i] = static_cast<signed char>(rest);
+      rest *= own;
+      i = next;
+    }
+    return r;
+  }
+
+  void
+  join(std::uint32_t a, std::uint32_t b, bool opposed)
+  {
+    int sign_a, sign_b;
+    const std::uint32_t ra = root(a, sign_a), rb = root(b, sign_b);
+    if (ra == rb) return;
+    parent_[std::max(ra, rb)] = std::min(ra, rb);
+    sign_[std::max(ra, rb)] = static_cast<signed char>(sign_a * sign_b * (opposed ? -1 : 1));
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_;
+  std::vector<signed char> sign_;
+};
+
+/** Signs per surfel such that neighbouring leaves agree and each part looks away from its middle. */
+std::vector<signed char>
+graphSigns(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves)
+{
+  std::vector<Edge> edges = overlapGraph(s, leaves);
+  std::sort(edges.begin(), edges.end());
+  SignedForest forest(s.size());
+  for (const Edge& e : edges) forest.join(e.a, e.b, e.opposed);
+
+  // Area-weighted moments per part. Outward is where the flux about the part's middle is positive;
+  // a sheet too flat to have an inside turns up its main side.
+  struct Part {
+    double weight = 0, flux = 0, reach = 0;
+    Vector center{}, normal{};
+    bool
+    turned() const
+    {
+      if (std::abs(flux) > kFlatFlux * reach) return flux < 0;
+      const auto main = std::max_element(normal.begin(), normal.end(), [](double a, double b) {
+        return std::abs(a) < std::abs(b);
+      });
+      return *main < 0;
+    }
+  };
+  std::vector<Part> parts(s.size());
+  std::vector<signed char> signs(s.size(), 1);
+  std::vector<std::uint32_t> roots(s.size());
+  for (const std::uint32_t i : leaves) {
+    int sign;
+    roots[i] = forest.root(i, sign);
+    signs[i] = static_cast<signed char>(sign);
+    const double area = static_cast<double>(s.radius[i]) * s.radius[i];
+    Part& part = parts[roots[i]];
+    part.weight += area;
+    const Vector c = centerOf(s, i);
+    for (int a = 0; a < 3; ++a) part.center[a] += area * c[a];
+  }
+  for (const std::uint32_t i : leaves) {
+    Part& part = parts[roots[i]];
+    const Vector c = centerOf(s, i);
+    const Vector away = {c[0] - part.center[0] / part.weight, c[1] - part.center[1] / part.weight,
+                         c[2] - part.center[2] / part.weight};
+    const double area = static_cast<double>(s.radius[i]) * s.radius[i] * signs[i];
+    const Vector n = normalOf(s, i);
+    part.flux += area * dot(away, n);
+    part.reach += std::abs(area) * std::sqrt(dot(away, away));
+    for (int a = 0; a < 3; ++a) part.normal[a] += area * n[a];
+  }
+  for (const std::uint32_t i : leaves) {
+    if (parts[roots[i]].turned()) signs[i] = static_cast<signed char>(-signs[i]);
+  }
+  return signs;
+}
+
+std::vector<signed char>
+viewpointSigns(const SLIMSurface& s, const FitParams& params, const std::vector<std::uint32_t>& leaves)
+{
+  Vector eye;
+  for (int a = 0; a < 3; ++a) eye[a] = (params.viewpoint[a] - s.info.origin[a]) / s.info.scale;
+  std::vector<signed char> signs(s.size(), 1);
+  for (const std::uint32_t i : leaves) {
+    if (dot(minus(eye, centerOf(s, i)), normalOf(s, i)) < 0) signs[i] = -1;
+  }
+  return signs;
+}
+
+/** Internal surfels take the side of the leaves below them, from the finest level up. */
+void
+signInternals(const SLIMSurface& s, std::vector<signed char>& signs)
+{
+  std::vector<std::uint32_t> order(s.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return s.level[a] > s.level[b]; });
+  for (const std::uint32_t i : order) {
+    if (s.isLeaf(i)) continue;
+    double vote = 0;
+    for (std::uint32_t k = s.child_begin[i]; k < s.child_begin[i + 1]; ++k) {
+      const std::uint32_t child = s.children[k];
+      vote += signs[child] * dot(normalOf(s, child), normalOf(s, i));
+    }
+    signs[i] = vote < 0 ? -1 : 1;
+  }
+}
+
+}  // namespace
+
+void
+orientSurface(const FitParams& params, SLIMSurface& surface)
+{
+  std::vector<std::uint32_t> leaves;
+  for (std::uint32_t i = 0; i < surface.size(); ++i) {
+    if (surface.isLeaf(i)) leaves.push_back(i);
+  }
+  std::vector<signed char> signs = params.has_viewpoint ? viewpointSigns(surface, params, leaves)
+                                                        : graphSigns(surface, leaves);
+  signInternals(surface, signs);
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    if (signs[i] < 0) surface.flip(i);
+  }
+}
+
 }  // namespace pcl_slim

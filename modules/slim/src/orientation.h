@@ -11,7 +11,8 @@ namespace pcl_slim {
  * Towards FitParams' viewpoint, or by the graph of overlapping leaves: Kruskal's spanning forest
  * with parity, edges weighted by 1 - |n . n'| and by how far each leaf passes the other's centre;
  * each connected part then turns outward as seen from its centroid. Internal surfels follow the
- * nearest leaf. Sets SurfaceInfo::oriented.
+ * leaves below them. SurfaceInfo::oriented stays false: near sheets and creases a sign can be wrong,
+ * so blending goes on aligning signs point by point.
  */
 void
 orientSurface(const FitParams& params, SLIMSurface& surface);

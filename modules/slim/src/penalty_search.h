@@ -8,9 +8,10 @@ namespace pcl_slim {
 
 /** \brief Solves for the penalty that meets FitParams::target_error or max_surfels.
  *
- * max_surfels: bisects log kappa (or T) over whole covers until at most so many leaves remain.
- * target_error: bisects over a sample of balls. Changes settings.energy. \return an error where
- * no penalty reaches the goal, naming what is reachable.
+ * The error a user allows is treated as if it were noise: covers are run while the variance
+ * settings.energy.lambda is moved by secant steps in log-log until the RMS residual meets the
+ * target within 3 %, or the leaves number at most max_surfels (and, where reachable, 95 % of it).
+ * \return an error where no penalty reaches the goal, naming what is reachable.
  */
 Error
 solvePenalty(const PointStore& store, const FitParams& params, FitSettings& settings, int threads,

@@ -9,8 +9,9 @@ namespace pcl_slim {
 namespace {
 
 constexpr int kWallSteps = 8;
-constexpr double kWallMargin = 1.03;    ///< n_eff up to so many times the least support will do
-constexpr double kWallAim = 1.015;
+constexpr double kWallMargin = 1.02;    ///< n_eff up to so many times the least support will do
+constexpr double kWallLenience = 1.3;   ///< E at the wall rests on few degrees of freedom
+constexpr double kWallAim = 1.01;
 constexpr double kNoiseLike = 1.5;      ///< e^2 below this many lambda is noise, not lack of fit
 constexpr int kBrentSteps = 6;
 constexpr int kLenientSteps = 2;
@@ -170,10 +171,11 @@ RadiusChoice
 RadiusSearch::chooseAtWall(const Trial& right, const Trial& middle)
 {
   const Trial wall = evaluateWall(middle.rho);
-  double least = std::min(right.energy, middle.energy);
-  if (wall.supported) least = std::min(least, wall.energy);
-  if (right.energy <= settings_.lenience * least) return leaf(right);
-  if (middle.energy <= settings_.lenience * least || !wall.supported) return leaf(middle);
+  if (right.energy <= settings_.lenience * middle.energy &&
+      (!wall.supported || right.energy <= kWallLenience * wall.energy)) {
+    return leaf(right);
+  }
+  if (!wall.supported || middle.energy <= kWallLenience * wall.energy) return leaf(middle);
   return leaf(wall, true);
 }
 
