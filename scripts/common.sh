@@ -31,7 +31,7 @@ configure() {
 # build TARGET...: of the release preset; no target means everything. JOBS limits the jobs.
 build() {
   local jobs=${JOBS:-$(nproc)} what="Building"
-  [ -e "$root/build/release/bin" ] || what="Building, some minutes this first time"
+  [ -e "$root/build/release/bin/pcl_slim_fit" ] || what="Building, some minutes this first time"
   quietly "$what" "$root/build/log/build.log" \
     cmake --build "$root/build/release" --parallel "$jobs" ${1:+--target "$@"}
 }
