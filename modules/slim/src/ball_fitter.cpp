@@ -12,6 +12,7 @@ namespace pcl_slim {
 namespace {
 
 constexpr double kLoneNormal = 0.3;    ///< share of agreeing neighbours below which a normal is alone
+constexpr double kTwoSheets = 4.0;     ///< sheets that can be told apart leave e^2 above so many lambda
 constexpr double kOffCenter = 0.03;    ///< of r_r: a fit that passes its centre farther off is moved
 constexpr double kGateMargin = 1e-6;   ///< of r: the least a coverage gate may be, for rounding
 
@@ -169,7 +170,7 @@ BallFitter::splitSheets()
   for (int pass = 0; pass < 2; ++pass) {
     const LocalFit& fit = search_.right().fit;
     const double e_sq = fit.residual_sq * gather_radius_ * gather_radius_;
-    if (fit.degree == 0 || e_sq <= settings_.energy.lambda) break;
+    if (fit.degree == 0 || e_sq <= kTwoSheets * settings_.energy.lambda) break;
     residuals_.resize(ball_.count + BallBuffer::kPadding);
     kernels::ballResiduals(ball_, fit, residuals_.data());
     const SheetRange range = findSheet(residuals_.data(), ball_.count, -fit.c[0]);

@@ -273,8 +273,9 @@ supportedDegree(int degree, int pivots, double n_eff, double support)
 
 template <int D, WeightKernel K>
 LocalFit
-fitWith(const BallBuffer& points, float rho, double support, bool refine)
+fitWith(const BallBuffer& points, float rho, double support, FitGoal goal)
 {
+  const bool refine = goal == FitGoal::kRefined, with_coefficients = goal != FitGoal::kResidual;
   LocalFit fit;
   const WeightedBall<K> ball(points, rho);
   Moments m;
@@ -287,16 +288,16 @@ fitWith(const BallBuffer& points, float rho, double support, bool refine)
   fit.degree = supportedDegree(D, pivots, fit.n_eff, support);
   if (fit.degree == 0) return fit;
   const int size = numCoefficients(fit.degree);
-  equations.solve(size, fit.c.data());
-
   double rss = m.zz;
   for (int p = 0; p < size; ++p) rss -= equations.explained(p);
+  const bool lost = rss < kResidualGate * m.zz;
+  if (refine || lost || with_coefficients) equations.solve(size, fit.c.data());
   if (refine) {
     double b[kMaxCoefficients], ff;
     residualSums<D, K>(ball, fit.c.data(), b, ff);
     equations.solveAndAdd(size, b, fit.c.data());
     rss = residualSum<D, K>(ball, fit.c.data());
-  } else if (rss < kResidualGate * m.zz) {
+  } else if (lost) {
     rss = residualSum<D, K>(ball, fit.c.data());
   }
   fit.residual_sq = std::max(0.0, rss / weight);
@@ -328,27 +329,27 @@ effectiveCount(const BallBuffer& ball, float rho, WeightKernel kernel)
 
 template <WeightKernel K>
 LocalFit
-fitWithKernel(const BallBuffer& ball, int degree, float rho, double support, bool refine)
+fitWithKernel(const BallBuffer& ball, int degree, float rho, double support, FitGoal goal)
 {
   switch (degree) {
-    case 1: return fitWith<1, K>(ball, rho, support, refine);
-    case 2: return fitWith<2, K>(ball, rho, support, refine);
-    case 3: return fitWith<3, K>(ball, rho, support, refine);
-    default: return fitWith<4, K>(ball, rho, support, refine);
+    case 1: return fitWith<1, K>(ball, rho, support, goal);
+    case 2: return fitWith<2, K>(ball, rho, support, goal);
+    case 3: return fitWith<3, K>(ball, rho, support, goal);
+    default: return fitWith<4, K>(ball, rho, support, goal);
   }
 }
 
 LocalFit
 fitBall(const BallBuffer& ball, int degree, float rho, WeightKernel kernel, double support,
-        bool refine)
+        FitGoal goal)
 {
   switch (kernel) {
     case WeightKernel::kPower2:
-      return fitWithKernel<WeightKernel::kPower2>(ball, degree, rho, support, refine);
+      return fitWithKernel<WeightKernel::kPower2>(ball, degree, rho, support, goal);
     case WeightKernel::kPower4:
-      return fitWithKernel<WeightKernel::kPower4>(ball, degree, rho, support, refine);
+      return fitWithKernel<WeightKernel::kPower4>(ball, degree, rho, support, goal);
     default:
-      return fitWithKernel<WeightKernel::kGaussian>(ball, degree, rho, support, refine);
+      return fitWithKernel<WeightKernel::kGaussian>(ball, degree, rho, support, goal);
   }
 }
 
@@ -369,9 +370,9 @@ effectiveCount(const BallBuffer& ball, float rho, WeightKernel kernel)
 
 LocalFit
 fitBall(const BallBuffer& ball, int degree, float rho, WeightKernel kernel, double support,
-        bool refine)
+        FitGoal goal)
 {
-  return HWY_DYNAMIC_DISPATCH(fitBall)(ball, degree, rho, kernel, support, refine);
+  return HWY_DYNAMIC_DISPATCH(fitBall)(ball, degree, rho, kernel, support, goal);
 }
 
 }  // namespace pcl_slim::kernels

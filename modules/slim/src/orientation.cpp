@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "center_grid.h"
+#include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim {
 
@@ -14,7 +15,7 @@ namespace {
 
 using Vector = std::array<double, 3>;
 
-constexpr std::size_t kMostEdges = 12;   ///< per leaf, nearest first
+constexpr std::size_t kMostEdges = 8;   ///< per leaf and level, the nearest
 constexpr double kFlatFlux = 0.1;        ///< flux below this share of its bound: no inside
 constexpr double kReach = 0.9;           ///< of r + r': farther centres are not neighbours
 
@@ -42,29 +43,38 @@ minus(const Vector& a, const Vector& b)
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
-/** |f_i(x)| in local length and the gradient of f_i there (not unit). */
+/** A leaf with its frame at hand. */
+struct Leaf {
+  std::uint32_t surfel;
+  Vector center;
+  LocalFrame frame;
+  double radius;
+};
+
+/** |f| of a leaf at x in local length, and the gradient of f there (not unit). */
 struct Probe {
   double offset;
   Vector gradient;
 };
 
 Probe
-probe(const SLIMSurface& s, std::size_t i, const Vector& x)
+probe(const SLIMSurface& s, const Leaf& leaf, const Vector& x)
 {
-  const LocalFrame frame(normalOf(s, i));
-  const Vector d = minus(x, centerOf(s, i));
-  const double r = s.radius[i];
+  const Vector d = minus(x, leaf.center);
+  const double r = leaf.radius;
   // Beyond its ball a polynomial says nothing: ask it at the rim.
-  double u = dot(d, frame.u) / r, v = dot(d, frame.v) / r;
-  const double length = std::hypot(u, v);
-  const double shrink = length > 1.0 ? 1.0 / length : 1.0;
+  double u = dot(d, leaf.frame.u) / r, v = dot(d, leaf.frame.v) / r;
+  const double length_sq = u * u + v * v;
+  const double shrink = length_sq > 1.0 ? 1.0 / std::sqrt(length_sq) : 1.0;
   u *= shrink;
   v *= shrink;
-  const HeightJet jet = evaluateJet(s.degree[i], s.coefficientsOf(i), u, v);
+  // Orientation needs no more of a leaf than its quadric.
+  const HeightJet jet =
+      evaluateJet(std::min<int>(2, s.degree[leaf.surfel]), s.coefficientsOf(leaf.surfel), u, v);
   Probe result;
-  result.offset = std::abs(dot(d, frame.w) - r * jet.h);
+  result.offset = std::abs(dot(d, leaf.frame.w) - r * jet.h);
   for (int a = 0; a < 3; ++a) {
-    result.gradient[a] = frame.w[a] - jet.hu * frame.u[a] - jet.hv * frame.v[a];
+    result.gradient[a] = leaf.frame.w[a] - jet.hu * leaf.frame.u[a] - jet.hv * leaf.frame.v[a];
   }
   return result;
 }
@@ -84,48 +94,55 @@ struct Edge {
 };
 
 Edge
-makeEdge(const SLIMSurface& s, std::uint32_t a, std::uint32_t b)
+makeEdge(const SLIMSurface& s, const Leaf& a, const Leaf& b, double distance)
 {
-  const Vector ca = centerOf(s, a), cb = centerOf(s, b);
-  const Vector middle = {0.5 * (ca[0] + cb[0]), 0.5 * (ca[1] + cb[1]), 0.5 * (ca[2] + cb[2])};
-  const Probe at_a = probe(s, a, middle), at_b = probe(s, b, middle);
+  const Probe at_a = probe(s, a, b.center), at_b = probe(s, b, a.center);
   const double cosine = dot(at_a.gradient, at_b.gradient) /
                         std::sqrt(dot(at_a.gradient, at_a.gradient) * dot(at_b.gradient, at_b.gradient));
-  const Vector gap = minus(ca, cb);
-  const double distance = std::sqrt(std::max(dot(gap, gap), 1e-30));
-  const double offset = 0.5 * (probe(s, a, cb).offset + probe(s, b, ca).offset) / distance;
-  return {static_cast<float>(1.0 - std::abs(cosine) + offset), a, b, cosine < 0};
+  const double offset = 0.5 * (at_a.offset + at_b.offset) / std::max(distance, 1e-15);
+  return {static_cast<float>(1.0 - std::abs(cosine) + offset), a.surfel, b.surfel,
+          cosine < 0};
 }
 
+/** Edges between leaves and their nearest neighbours among leaves of the same or a coarser level:
+ * leaves of one level are alike in size, so one grid serves each. */
 std::vector<Edge>
-overlapGraph(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves)
+overlapGraph(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int threads)
 {
-  // Leaves of one level are alike in size; each looks among its own and the coarser ones.
+  std::vector<Leaf> data(s.size());
+  std::vector<std::vector<std::uint32_t>> members(256);
+  for (const std::uint32_t i : leaves) {
+    data[i] = {i, centerOf(s, i), LocalFrame(normalOf(s, i)), s.radius[i]};
+    members[s.level[i]].push_back(i);
+  }
   std::vector<Edge> edges;
-  std::vector<std::pair<float, std::uint32_t>> near;
+  std::vector<std::vector<Edge>> found(leaves.size());
   for (int coarse = 0; coarse < 256; ++coarse) {
-    std::vector<std::uint32_t> members;
+    if (members[coarse].empty()) continue;
     float widest = 0;
-    for (const std::uint32_t i : leaves) {
-      if (s.level[i] != coarse) continue;
-      members.push_back(i);
-      widest = std::max(widest, s.radius[i]);
-    }
-    if (members.empty()) continue;
-    const CenterGrid grid(s, members, static_cast<float>(2.0 * kReach) * widest);
-    for (const std::uint32_t i : leaves) {
-      if (s.level[i] < coarse || s.radius[i] > 2.0f * widest) continue;
-      near.clear();
+    for (const std::uint32_t i : members[coarse]) widest = std::max(widest, s.radius[i]);
+    const CenterGrid grid(s, members[coarse], static_cast<float>(2.0 * kReach) * widest);
+    parallelFor(leaves.size(), threads, 256, [&](std::size_t at, int) {
+      const std::uint32_t i = leaves[at];
+      if (s.level[i] < coarse || s.radius[i] > 2.0f * widest) return;
+      std::array<std::pair<float, std::uint32_t>, kMostEdges> nearest;
+      std::size_t count = 0;
       grid.forEachNear(i, [&](std::uint32_t j, float distance_sq) {
         if (j == i || (s.level[j] == s.level[i] && j > i)) return;
         const double reach = kReach * (s.radius[i] + s.radius[j]);
-        if (distance_sq < reach * reach) near.emplace_back(distance_sq, j);
+        if (distance_sq >= reach * reach) return;
+        const std::pair<float, std::uint32_t> entry{distance_sq, j};
+        if (count == kMostEdges && !(entry < nearest[count - 1])) return;
+        std::size_t place = count < kMostEdges ? count++ : count - 1;
+        for (; place > 0 && entry < nearest[place - 1]; --place) nearest[place] = nearest[place - 1];
+        nearest[place] = entry;
       });
-      const auto kept = std::min(near.size(), kMostEdges);
-      std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(kept), near.end());
-      for (std::size_t k = 0; k < kept; ++k) edges.push_back(makeEdge(s, near[k].second, i));
-    }
+      for (std::size_t k = 0; k < count; ++k) {
+        found[at].push_back(makeEdge(s, data[nearest[k].second], data[i], std::sqrt(nearest[k].first)));
+      }
+    });
   }
+  for (const auto& list : found) edges.insert(edges.end(), list.begin(), list.end());
   return edges;
 }
 
@@ -175,9 +192,9 @@ class SignedForest {
 
 /** Signs per surfel such that neighbouring leaves agree and each part looks away from its middle. */
 std::vector<signed char>
-graphSigns(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves)
+graphSigns(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int threads)
 {
-  std::vector<Edge> edges = overlapGraph(s, leaves);
+  std::vector<Edge> edges = overlapGraph(s, leaves, threads);
   std::sort(edges.begin(), edges.end());
   SignedForest forest(s.size());
   for (const Edge& e : edges) forest.join(e.a, e.b, e.opposed);
@@ -268,7 +285,7 @@ orientSurface(const FitParams& params, SLIMSurface& surface)
     if (surface.isLeaf(i)) leaves.push_back(i);
   }
   std::vector<signed char> signs = params.has_viewpoint ? viewpointSigns(surface, params, leaves)
-                                                        : graphSigns(surface, leaves);
+                                                        : graphSigns(surface, leaves, resolveThreads(params.threads));
   signInternals(surface, signs);
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (signs[i] < 0) surface.flip(i);

@@ -75,13 +75,13 @@ RadiusSearch::pointsWithin(double rho)
 }
 
 Trial
-RadiusSearch::evaluate(double rho, int degree, WeightKernel kernel)
+RadiusSearch::evaluate(double rho, int degree, WeightKernel kernel, FitGoal goal)
 {
   ++fits_;
   Trial trial;
   trial.rho = rho;
   trial.fit = kernels::fitBall(pointsWithin(rho), degree, static_cast<float>(rho), kernel,
-                               settings_.support, false);
+                               settings_.support, goal);
   trial.supported = trial.fit.degree == degree;
   if (trial.supported) {
     trial.energy = settings_.energy(trial.fit, rho * gather_radius_, gather_radius_);
@@ -138,7 +138,9 @@ RadiusSearch::lacksFit(const Trial& left, const Trial& middle) const
 const Trial&
 RadiusSearch::right()
 {
-  if (!has_right_) right_ = evaluate(rho_right_);
+  if (!has_right_) {
+    right_ = evaluate(rho_right_, settings_.degree, settings_.fit_kernel, FitGoal::kCoefficients);
+  }
   has_right_ = true;
   return right_;
 }
@@ -270,7 +272,7 @@ RadiusSearch::refine(const RadiusChoice& choice)
     // The degree was settled with the full support; rounding must not undo it here.
     const LocalFit fit =
         kernels::fitBall(points, choice.trial.fit.degree, static_cast<float>(choice.trial.rho),
-                         kernel, 0.5 * settings_.support, true);
+                         kernel, 0.5 * settings_.support, FitGoal::kRefined);
     if (fit.degree == choice.trial.fit.degree) result.fit = fit;
   };
   refit(pointsWithin(choice.trial.rho));

@@ -59,7 +59,7 @@ class RadiusSearch {
   std::uint64_t numFits() const { return fits_; }
 
  private:
-  Trial evaluate(double rho, int degree, WeightKernel kernel);
+  Trial evaluate(double rho, int degree, WeightKernel kernel, FitGoal goal = FitGoal::kResidual);
   Trial evaluate(double rho) { return evaluate(rho, settings_.degree, settings_.fit_kernel); }
   const BallBuffer& pointsWithin(double rho);
   double wallRadius(double from, WeightKernel kernel);

@@ -12,6 +12,7 @@ namespace {
 constexpr int kBins = 48;
 constexpr double kValley = 0.12;       ///< of the lower mode
 constexpr std::size_t kLeastPoints = 24;
+constexpr std::size_t kMostCounted = 512;  ///< larger balls are counted in strides
 constexpr double kLeastMode = 0.05;    ///< share of the points on the smaller side
 
 using Histogram = std::array<double, kBins>;
@@ -49,15 +50,20 @@ findSheet(const float* residuals, std::size_t count, double center_residual)
 {
   SheetRange range;
   if (count < kLeastPoints) return range;
-  const auto [low, high] = std::minmax_element(residuals, residuals + count);
-  const double from = *low, width = static_cast<double>(*high) - *low;
+  float low = residuals[0], high = residuals[0];
+  for (std::size_t i = 1; i < count; ++i) {
+    low = std::min(low, residuals[i]);
+    high = std::max(high, residuals[i]);
+  }
+  const double from = low, width = static_cast<double>(high) - low;
   if (!(width > 0)) return range;
+  const std::size_t stride = count / kMostCounted + 1;
+  const double counted = static_cast<double>(count / stride);
   const double to_bin = kBins / width;
-  const auto binOf = [&](double r) {
-    return std::clamp(static_cast<int>((r - from) * to_bin), 0, kBins - 1);
-  };
   Histogram bins{};
-  for (std::size_t i = 0; i < count; ++i) bins[binOf(residuals[i])] += 1;
+  for (std::size_t i = 0; i < count; i += stride) {
+    bins[std::min(static_cast<int>((residuals[i] - from) * to_bin), kBins - 1)] += 1;
+  }
   const int threshold = otsuThreshold(bins);
   const auto lower_mode = std::max_element(bins.begin(), bins.begin() + threshold + 1);
   const auto upper_mode = std::max_element(bins.begin() + threshold + 1, bins.end());
@@ -74,12 +80,12 @@ findSheet(const float* residuals, std::size_t count, double center_residual)
   if (valley == lower_mode || depth >= kValley * std::min(*lower_mode, *upper_mode)) return range;
   double below = 0;
   for (auto b = bins.begin(); b <= valley; ++b) below += *b;
-  const double least = kLeastMode * static_cast<double>(count);
-  if (below < least || static_cast<double>(count) - below < least) return range;
+  const double least = kLeastMode * counted;
+  if (below < least || counted - below < least) return range;
   const double cut = from + (static_cast<double>(valley - bins.begin()) + 0.5) / to_bin;
   range.split = true;
-  range.low = center_residual <= cut ? *low : static_cast<float>(cut);
-  range.high = center_residual <= cut ? static_cast<float>(cut) : *high;
+  range.low = center_residual <= cut ? low : static_cast<float>(cut);
+  range.high = center_residual <= cut ? static_cast<float>(cut) : high;
   return range;
 }
 
