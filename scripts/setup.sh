@@ -43,7 +43,7 @@ if [ "$(id -u)" -ne 0 ]; then
   fi
 fi
 
-log=$(mktemp "${TMPDIR:-/tmp}/pcl_slim_setup.XXXXXX")
+log=$(mktemp -t pcl_slim_setup.XXXXXX)
 begin=$SECONDS
 echo "Installing ${missing[*]}"
 if ! { ${as_root[@]+"${as_root[@]}"} apt-get update &&
