@@ -10,6 +10,8 @@ namespace {
 
 constexpr int kWallSteps = 8;
 constexpr double kWallMargin = 1.02;    ///< n_eff up to so many times the least support will do
+constexpr double kDataMargin = 1.25;    ///< a ball reaches at most so far past its farthest point
+constexpr double kBlob = 0.02;          ///< e / r of a few points beyond which they are no surface
 constexpr double kWallLenience = 1.3;   ///< E at the wall rests on few degrees of freedom
 constexpr double kWallAim = 1.01;
 constexpr double kNoiseLike = 1.5;      ///< e^2 below this many lambda is noise, not lack of fit
@@ -91,9 +93,9 @@ RadiusSearch::evaluate(double rho, int degree, WeightKernel kernel, FitGoal goal
 
 /** Smallest radius up to from at which n_eff still is the least support, to about 1 %. */
 double
-RadiusSearch::wallRadius(double from, WeightKernel kernel)
+RadiusSearch::wallRadius(double from, int degree, WeightKernel kernel)
 {
-  const double target = settings_.support * numCoefficients(settings_.degree);
+  const double target = settings_.support * numCoefficients(degree);
   double high = from, low = 0.0, rho = from;
   for (int step = 0; step < kWallSteps; ++step) {
     const double n_eff =
@@ -116,7 +118,8 @@ RadiusSearch::wallRadius(double from, WeightKernel kernel)
 Trial
 RadiusSearch::evaluateWall(double from)
 {
-  return evaluate(wallRadius(from, settings_.wall_kernel), settings_.degree, settings_.wall_kernel);
+  const double rho = wallRadius(from, settings_.degree, settings_.wall_kernel);
+  return evaluate(rho, settings_.degree, settings_.wall_kernel);
 }
 
 bool
@@ -253,12 +256,40 @@ RadiusSearch::fallBack()
   const Trial wide = evaluate(1.0);
   if (wide.supported) {
     const Trial wall = evaluateWall(1.0);
-    return leaf(wall.supported ? wall : wide, true);
+    return surfaceOrNothing(wall.supported ? wall : wide);
   }
   Trial lower = evaluate(rho_right_);
   if (lower.fit.degree == 0) lower = wide;
   if (lower.fit.degree == 0) return {RadiusChoice::Kind::kSparse, lower, false};
-  return leaf(lower, true);
+  // No wider than the lower degree needs: a few lone points are no surface all over the ball.
+  const int degree = lower.fit.degree;
+  const Trial wall = evaluate(wallRadius(lower.rho, degree, settings_.fit_kernel), degree,
+                              settings_.fit_kernel);
+  return surfaceOrNothing(wall.supported ? wall : lower);
+}
+
+/** A forced leaf, unless its few points are scattered about it rather than on it. */
+RadiusChoice
+RadiusSearch::surfaceOrNothing(const Trial& trial) const
+{
+  const bool scattered = !settings_.paper && lacksFit(trial, trial) &&
+                         trial.fit.residual_sq > kBlob * kBlob * trial.rho * trial.rho;
+  return scattered ? RadiusChoice{RadiusChoice::Kind::kSparse, trial, false} : leaf(trial, true);
+}
+
+/** A ball much wider than its points would spread the leaf over empty space: shrinks it to them,
+ * as far as support allows. */
+double
+RadiusSearch::radiusOfData(const Trial& trial, WeightKernel kernel)
+{
+  const BallBuffer& points = pointsWithin(trial.rho);
+  float farthest_sq = 0;
+  for (std::size_t i = 0; i < points.count; ++i) {
+    if (points.s_sq[i] < trial.rho * trial.rho) farthest_sq = std::max(farthest_sq, points.s_sq[i]);
+  }
+  const double extent = kDataMargin * std::sqrt(farthest_sq);
+  if (extent >= trial.rho) return trial.rho;
+  return std::max(extent, wallRadius(trial.rho, trial.fit.degree, kernel));
 }
 
 Trial
@@ -267,22 +298,31 @@ RadiusSearch::refine(const RadiusChoice& choice)
   const bool at_wall = choice.forced && choice.trial.supported && !settings_.paper;
   const WeightKernel kernel = at_wall ? settings_.wall_kernel : settings_.fit_kernel;
   Trial result = choice.trial;
-  const auto refit = [&](const BallBuffer& points) {
-    ++fits_;
-    // The degree was settled with the full support; rounding must not undo it here.
-    const LocalFit fit =
-        kernels::fitBall(points, choice.trial.fit.degree, static_cast<float>(choice.trial.rho),
-                         kernel, 0.5 * settings_.support, FitGoal::kRefined);
-    if (fit.degree == choice.trial.fit.degree) result.fit = fit;
-  };
-  refit(pointsWithin(choice.trial.rho));
+  if (!settings_.paper) result.rho = radiusOfData(choice.trial, kernel);
+  if (!refit(pointsWithin(result.rho), kernel, result)) {
+    // Rounding cost a pivot: the accepted fit stands, made again with its coefficients.
+    return evaluate(choice.trial.rho, choice.trial.fit.degree, kernel, FitGoal::kCoefficients);
+  }
   if (!settings_.robust) return result;
   kernels::compactBall(*ball_, static_cast<float>(result.rho * result.rho), robust_);
   for (int pass = 0; pass < kRobustPasses; ++pass) {
     setRobustWeights(result.fit);
-    refit(robust_);
+    if (!refit(robust_, kernel, result)) break;
   }
   return result;
+}
+
+/** Fits the trial's degree and radius with refinement; leaves it alone where that degree fails. */
+bool
+RadiusSearch::refit(const BallBuffer& points, WeightKernel kernel, Trial& trial)
+{
+  ++fits_;
+  // The degree was settled with the full support; rounding must not undo it here.
+  const LocalFit fit = kernels::fitBall(points, trial.fit.degree, static_cast<float>(trial.rho), kernel,
+                                        0.5 * settings_.support, FitGoal::kRefined);
+  if (fit.degree != trial.fit.degree) return false;
+  trial.fit = fit;
+  return true;
 }
 
 /** Cauchy-like weights against outliers; the scale is the noise, or the fit where that is worse. */

@@ -62,13 +62,16 @@ class RadiusSearch {
   Trial evaluate(double rho, int degree, WeightKernel kernel, FitGoal goal = FitGoal::kResidual);
   Trial evaluate(double rho) { return evaluate(rho, settings_.degree, settings_.fit_kernel); }
   const BallBuffer& pointsWithin(double rho);
-  double wallRadius(double from, WeightKernel kernel);
+  double wallRadius(double from, int degree, WeightKernel kernel);
+  double radiusOfData(const Trial& trial, WeightKernel kernel);
   Trial evaluateWall(double from);
   RadiusChoice chooseAtWall(const Trial& right, const Trial& middle);
   RadiusChoice chooseInside(const Trial& left, const Trial& middle, const Trial& right);
   RadiusChoice paperChoice(const Trial& left, const Trial& middle, const Trial& right);
   Trial largestLenient(const Trial& best, const Trial& right);
   void narrow(Trial& a, Trial& b, Trial& c);
+  RadiusChoice surfaceOrNothing(const Trial& trial) const;
+  bool refit(const BallBuffer& points, WeightKernel kernel, Trial& trial);
   void setRobustWeights(const LocalFit& fit);
   bool filledByNoise(double rho) const;
   bool lacksFit(const Trial& left, const Trial& middle) const;
