@@ -16,6 +16,19 @@ constexpr double kTwoSheets = 4.0;     ///< sheets that can be told apart leave 
 constexpr double kOffCenter = 0.03;    ///< of r_r: a fit that passes its centre farther off is moved
 constexpr double kGateMargin = 1e-6;   ///< of r: the least a coverage gate may be, for rounding
 
+/** Gives a linear surfel its plane's own normal: f is then w' - c_0, and only c_0 is left to store. */
+void
+framePlane(SurfelRecord& surfel)
+{
+  const LocalFrame frame({surfel.normal[0], surfel.normal[1], surfel.normal[2]});
+  const double c0 = surfel.c[0], cu = surfel.c[1], cv = surfel.c[2];
+  const double length = std::sqrt(1.0 + cu * cu + cv * cv);
+  std::array<double, 3> normal;
+  for (int a = 0; a < 3; ++a) normal[a] = frame.w[a] - cu * frame.u[a] - cv * frame.v[a];
+  surfel.normal = snapNormal(normal);
+  surfel.c = {static_cast<float>(c0 / length)};
+}
+
 }  // namespace
 
 BallOutcome
@@ -132,6 +145,7 @@ BallFitter::record(const RadiusChoice& choice, int level, SurfelRecord& surfel) 
   for (int d = 0, k = 0; d <= trial.fit.degree; ++d, factor *= trial.rho) {
     for (int j = 0; j <= d; ++j, ++k) surfel.c[k] = static_cast<float>(trial.fit.c[k] * factor);
   }
+  if (surfel.degree == 1) framePlane(surfel);
 }
 
 void

@@ -3,13 +3,15 @@
 
 #include <cmath>
 #include <cstring>
+#include <numeric>
 
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/slim/oct_normal.h"
 
 // Layout, little-endian: the header (kHeaderBytes), then columns of n values each: degree, level,
 // flags (1 byte); centre x, y, z, radius, normal a, b, error, confidence (float); then for each
-// coefficient k the values of those surfels whose degree has it.
+// coefficient k the values of those surfels that store it: as many as their degree has, but only
+// the first where the flag byte's bit kPlaneOnly says that the normal is the plane's own.
 
 namespace pcl_slim {
 
@@ -20,6 +22,7 @@ constexpr unsigned char kMagic[8] = {0x89, 'S', 'L', 'I', 'M', '\r', '\n', 0x1a}
 constexpr std::uint32_t kVersion = 1;
 constexpr std::size_t kChecksumAt = 24;
 constexpr std::size_t kHeaderBytes = 136;
+constexpr std::uint8_t kPlaneOnly = 0x80;  // set in files only
 constexpr std::size_t kFixedBytesPerSurfel = 3 + 8 * sizeof(float);
 
 class Writer {
@@ -215,16 +218,36 @@ plausible(const SurfaceInfo& info)
          std::isfinite(info.origin[2]);
 }
 
-/** Bytes of all coefficients, or nothing where a degree is out of range. */
-std::optional<std::uint64_t>
-coefficientBytes(const std::vector<std::uint8_t>& degrees, int highest)
+/** Coefficients each surfel stores; nothing where a degree is out of range. */
+std::optional<std::vector<std::uint8_t>>
+storedCoefficients(const SLIMSurface& surface, const std::vector<std::uint8_t>& flags)
 {
-  std::uint64_t bytes = 0;
-  for (const std::uint8_t degree : degrees) {
-    if (degree < 1 || degree > highest) return std::nullopt;
-    bytes += sizeof(float) * static_cast<std::uint64_t>(numCoefficients(degree));
+  std::vector<std::uint8_t> counts(surface.size());
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    const int degree = surface.degree[i];
+    const bool plane_only = (flags[i] & kPlaneOnly) != 0;
+    if (degree < 1 || degree > surface.info.degree || (plane_only && degree > 1)) return std::nullopt;
+    counts[i] = static_cast<std::uint8_t>(plane_only ? 1 : numCoefficients(degree));
   }
-  return bytes;
+  return counts;
+}
+
+std::uint64_t
+coefficientBytes(const std::vector<std::uint8_t>& counts)
+{
+  return sizeof(float) * std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+}
+
+/** The flags as the file has them. */
+std::vector<std::uint8_t>
+fileFlags(const SLIMSurface& surface)
+{
+  std::vector<std::uint8_t> flags = surface.flags;
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    const float* c = surface.coefficientsOf(i);
+    if (surface.degree[i] == 1 && c[1] == 0.0f && c[2] == 0.0f) flags[i] |= kPlaneOnly;
+  }
+  return flags;
 }
 
 void
@@ -256,12 +279,13 @@ putNormals(const SLIMSurface& surface, Writer& out)
 /** Calls visit(index into coefficients) in the file's order: by coefficient, then by surfel. */
 template <typename Visit>
 void
-forEachCoefficient(const SLIMSurface& surface, const Visit& visit)
+forEachCoefficient(const SLIMSurface& surface, const std::vector<std::uint8_t>& counts,
+                   const Visit& visit)
 {
   const auto stride = static_cast<std::size_t>(surface.stride());
   for (std::size_t k = 0; k < stride; ++k) {
     for (std::size_t i = 0; i < surface.size(); ++i) {
-      if (k < static_cast<std::size_t>(numCoefficients(surface.degree[i]))) visit(i * stride + k);
+      if (k < counts[i]) visit(i * stride + k);
     }
   }
 }
@@ -273,20 +297,20 @@ encodeSlim(const SLIMSurface& surface)
 {
   Writer out;
   const std::size_t n = surface.size();
-  const auto coefficients = coefficientBytes(surface.degree, surface.info.degree);
-  if (!coefficients) return {};
-  const std::uint64_t payload = n * kFixedBytesPerSurfel + *coefficients;
+  const std::vector<std::uint8_t> flags = fileFlags(surface);
+  const auto counts = storedCoefficients(surface, flags);
+  if (!counts) return {};
+  const std::uint64_t payload = n * kFixedBytesPerSurfel + coefficientBytes(*counts);
   out.bytes.reserve(kHeaderBytes + payload);
   putHeader(surface, payload, out);
-  for (const auto* column : {&surface.degree, &surface.level, &surface.flags})
-    out.putBytes(*column);
+  for (const auto* column : {&surface.degree, &surface.level, &flags}) out.putBytes(*column);
   for (const auto* column : {&surface.cx, &surface.cy, &surface.cz, &surface.radius}) {
     out.putFloats(*column);
   }
   putNormals(surface, out);
   out.putFloats(surface.error);
   out.putFloats(surface.confidence);
-  forEachCoefficient(surface, [&](std::size_t k) { out.putFloat(surface.coefficients[k]); });
+  forEachCoefficient(surface, *counts, [&](std::size_t k) { out.putFloat(surface.coefficients[k]); });
 
   Writer sum;
   sum.putUnsigned(checksum(out.bytes.data(), out.bytes.size()));
@@ -307,15 +331,17 @@ decodeSlim(const unsigned char* bytes, std::size_t size)
 
   surface.resize(static_cast<std::size_t>(count));
   for (auto* column : {&surface.degree, &surface.level, &surface.flags}) in.getBytes(*column);
-  const auto coefficients = coefficientBytes(surface.degree, surface.info.degree);
-  if (!coefficients || count * kFixedBytesPerSurfel + *coefficients != payload) return corrupted;
+  const auto counts = storedCoefficients(surface, surface.flags);
+  if (!counts || count * kFixedBytesPerSurfel + coefficientBytes(*counts) != payload) return corrupted;
+  for (std::uint8_t& flags : surface.flags) flags &= static_cast<std::uint8_t>(~kPlaneOnly);
   for (auto* column : {&surface.cx, &surface.cy, &surface.cz, &surface.radius}) {
     in.getFloats(*column);
   }
   getNormals(in, surface);
   in.getFloats(surface.error);
   in.getFloats(surface.confidence);
-  forEachCoefficient(surface, [&](std::size_t k) { surface.coefficients[k] = in.getFloat(); });
+  forEachCoefficient(surface, *counts,
+                     [&](std::size_t k) { surface.coefficients[k] = in.getFloat(); });
 
   if (Error error = surface.validate()) return error;
   surface.buildLinks();

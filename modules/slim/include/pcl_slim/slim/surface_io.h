@@ -9,11 +9,11 @@
 
 namespace pcl_slim {
 
-/** \brief Writes the compact binary form: header, version, 9/12/16/21 floats a surfel, checksum.
+/** \brief Writes the compact binary form: header, version, 7/12/16/21 floats a surfel, checksum.
  *
- * The floats are centre 3, radius 1, normal 2 and the 3/6/10/15 coefficients of the surfel's own
- * degree: the paper's count of 12 and 16 for quadratics and cubics; its 7 for a plane has no
- * normal beside the plane, ours keeps it. Beside them stand degree, level and flags (a byte
+ * The floats are those the paper counts: centre 3, radius 1, normal 2 and the 1/6/10/15
+ * coefficients of the surfel's own degree (a plane whose frame is its own needs only its offset;
+ * a linear surfel with another frame keeps all three). Beside them stand degree, level and flags (a byte
  * each), error and confidence (a float each); links are rebuilt on load. Little-endian. Normals
  * that snapNormal made are kept exactly, others to 6.2e-7 rad. The file appears under its name
  * only when complete.
