@@ -47,6 +47,9 @@ NeighborSearch::nearest(std::size_t i, std::size_t k, std::vector<std::uint32_t>
                         std::vector<float>& distances_sq)
 {
   k = std::min(k, store_.size());
+  neighbors.resize(k);
+  distances_sq.resize(k);
+  if (k == 0) return;
   const auto center = store_.position(i);
   const float bound_sq = boundRadiusSq(i, k, center);
   const float c[3] = {static_cast<float>(center[0]), static_cast<float>(center[1]),
@@ -68,8 +71,6 @@ NeighborSearch::nearest(std::size_t i, std::size_t k, std::vector<std::uint32_t>
   }
   const auto end = candidates_.begin() + static_cast<std::ptrdiff_t>(k);
   std::partial_sort(candidates_.begin(), end, candidates_.end());
-  neighbors.resize(k);
-  distances_sq.resize(k);
   for (std::size_t j = 0; j < k; ++j) {
     distances_sq[j] = candidates_[j].first;
     neighbors[j] = candidates_[j].second;

@@ -97,7 +97,7 @@ trimmedMean(std::vector<double>& values)
   return sum / static_cast<double>(values.size() - 2 * cut);
 }
 
-/** Calls measure(search, sample) at evenly strided points. */
+/** Calls measure(search, sample, s) at evenly strided points, s counting them. */
 template <typename Measure>
 std::vector<double>
 sampleStore(const PointStore& store, std::size_t samples, int threads, const Measure& measure)
@@ -107,7 +107,7 @@ sampleStore(const PointStore& store, std::size_t samples, int threads, const Mea
   std::vector<NeighborSearch> searches(static_cast<std::size_t>(threads), NeighborSearch(store));
   parallelFor(samples, threads, 16, [&](std::size_t s, int thread) {
     const std::size_t sample = (2 * s + 1) * store.size() / (2 * samples);
-    values[s] = measure(searches[static_cast<std::size_t>(thread)], sample);
+    values[s] = measure(searches[static_cast<std::size_t>(thread)], sample, s);
   });
   return values;
 }
@@ -123,11 +123,11 @@ patchNoise(const PointStore& store, std::size_t k, int threads)
   // Larger patches average more points each, so fewer of them are needed.
   const std::size_t samples = std::max<std::size_t>(kLeastSamples, kResidualSamples * kFirstNeighbors / k);
   std::vector<double> radii(std::min(samples, store.size()));
-  const auto measure = [&](NeighborSearch& search, std::size_t sample) {
+  const auto measure = [&](NeighborSearch& search, std::size_t sample, std::size_t s) {
     thread_local std::vector<std::uint32_t> neighbors;
     thread_local std::vector<float> distances_sq;
     const Patch patch = neighborhood(store, search, sample, k, neighbors, distances_sq);
-    radii[sample * radii.size() / store.size()] = patch.radius;
+    radii[s] = patch.radius;
     return cubicResidual(patch);
   };
   auto values = sampleStore(store, samples, threads, measure);
@@ -159,7 +159,7 @@ residualNoise(const PointStore& store, int threads)
 double
 eigenvalueNoise(const PointStore& store, int threads)
 {
-  const auto measure = [&](NeighborSearch& search, std::size_t sample) {
+  const auto measure = [&](NeighborSearch& search, std::size_t sample, std::size_t) {
     thread_local std::vector<std::uint32_t> neighbors;
     thread_local std::vector<float> distances_sq;
     const Patch patch = neighborhood(store, search, sample, 11, neighbors, distances_sq);

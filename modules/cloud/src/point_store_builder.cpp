@@ -119,17 +119,19 @@ PointStoreBuilder::measure()
   store_.statistics_.non_finite = n - all.finite;
   store_.statistics_.without_normal = all.finite - store_.size_;
 
-  double diagonal_sq = 0, farthest = 0;
+  double half[3], farthest = 0;
   for (int a = 0; a < 3; ++a) {
-    const double half = 0.5 * (all.max[a] - all.min[a]);
-    diagonal_sq += 4.0 * half * half;
-    store_.origin_[a] = all.min[a] + half;
+    half[a] = 0.5 * all.max[a] - 0.5 * all.min[a];
+    store_.origin_[a] = all.min[a] + half[a];
     farthest = std::max(farthest, std::abs(store_.origin_[a]));
   }
-  const double diagonal = std::sqrt(diagonal_sq);
+  const double diagonal = 2.0 * std::hypot(half[0], half[1], half[2]);
   // The slack keeps coordinates inside [-1/2, 1/2] once the origin is rounded to its grid.
   const double span = diagonal > 0 ? diagonal : std::max(farthest * 0x1p-20, 0x1p-100);
   store_.scale_ = std::exp2(std::ceil(std::log2(span * (1.0 + 4 * kOriginGrid))));
+  if (!std::isfinite(store_.scale_)) {
+    return {ErrorCode::kBadInput, "some coordinates come near the largest number there is: remove those points"};
+  }
   store_.diagonal_ = diagonal / store_.scale_;
   const double origin_grid = store_.scale_ * kOriginGrid;
   for (double& o : store_.origin_) o = std::round(o / origin_grid) * origin_grid;

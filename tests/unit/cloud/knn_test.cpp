@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/cloud/knn.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <set>
+
+#include "support/clouds.h"
+
+namespace pcl_slim {
+namespace {
+
+using pcl_slim_test::Cloud;
+using pcl_slim_test::storeOf;
+
+/** What float offsets within a block, up to half the box long, may change in a squared distance. */
+double
+slack(double distance_sq)
+{
+  return 3e-6 * distance_sq + 2e-7 * std::sqrt(distance_sq) + 1e-14;
+}
+
+/** Compares every query of a store with sorted distances of all pairs. */
+void
+expectBruteForce(const PointStore& store, std::size_t k, std::size_t step)
+{
+  NeighborSearch search(store);
+  std::vector<std::uint32_t> neighbors;
+  std::vector<float> distances_sq;
+  std::vector<double> all(store.size());
+  for (std::size_t i = 0; i < store.size(); i += step) {
+    search.nearest(i, k, neighbors, distances_sq);
+    const std::size_t expected = std::min(k, store.size());
+    ASSERT_EQ(neighbors.size(), expected);
+    ASSERT_EQ(distances_sq.size(), expected);
+    const auto p = store.position(i);
+    for (std::size_t j = 0; j < store.size(); ++j) {
+      const auto q = store.position(j);
+      all[j] = std::pow(p[0] - q[0], 2) + std::pow(p[1] - q[1], 2) + std::pow(p[2] - q[2], 2);
+    }
+    for (std::size_t j = 0; j < expected; ++j) {
+      ASSERT_NEAR(distances_sq[j], all[neighbors[j]], slack(all[neighbors[j]]));
+      if (j == 0) continue;
+      ASSERT_LE(distances_sq[j - 1], distances_sq[j]);
+      const bool tie = distances_sq[j - 1] == distances_sq[j];
+      ASSERT_TRUE(!tie || neighbors[j - 1] < neighbors[j]);
+    }
+    ASSERT_EQ(std::set<std::uint32_t>(neighbors.begin(), neighbors.end()).size(), expected);
+    ASSERT_EQ(neighbors.front(), i);
+    std::sort(all.begin(), all.end());
+    for (std::size_t j = 0; j < expected; ++j) {
+      ASSERT_NEAR(distances_sq[j], all[j], slack(all[j])) << "point " << i << " rank " << j;
+    }
+  }
+}
+
+TEST(NeighborSearch, OnASurface)
+{
+  const PointStore store =
+      storeOf(pcl_slim_test::sceneCloud(bench::Shape::kTorus, 3000, 0.002).withoutNormals());
+  for (const std::size_t k : {1, 2, 10, 16, 17, 100}) expectBruteForce(store, k, 17);
+}
+
+TEST(NeighborSearch, OnALineAndOnAGridWithTies)
+{
+  Cloud line, grid;
+  for (int i = 0; i < 700; ++i) line.add(3.0 * i, -2.0 * i, 0.5 * i);
+  for (int x = 0; x < 27; ++x) {
+    for (int y = 0; y < 27; ++y) grid.add(0.125 * x, 0.125 * y, 0.0);
+  }
+  for (const std::size_t k : {1, 5, 20}) {
+    expectBruteForce(storeOf(line), k, 7);
+    expectBruteForce(storeOf(grid), k, 7);
+  }
+}
+
+TEST(NeighborSearch, BetweenClustersFarApart)
+{
+  Cloud cloud;
+  std::mt19937_64 random(21);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 600; ++i) {
+    const double shift = i % 2 == 0 ? 0.0 : 1e5;
+    cloud.add(shift + normal(random), normal(random), normal(random));
+  }
+  // More than a cluster holds, so that the answer spans both.
+  for (const std::size_t k : {8, 299, 310, 600}) expectBruteForce(storeOf(cloud), k, 41);
+}
+
+TEST(NeighborSearch, AmongMergedCopiesAndTooFewPoints)
+{
+  Cloud few, copies;
+  for (int i = 0; i < 5; ++i) few.add(i, i * i, 1.0);
+  std::mt19937_64 random(22);
+  std::uniform_real_distribution<double> u(0.0, 1.0);
+  for (int i = 0; i < 200; ++i) {
+    const double x = u(random), y = u(random), z = u(random);
+    for (int copy = 0; copy < 4; ++copy) copies.add(x, y, z);
+  }
+  for (const std::size_t k : {1, 4, 5, 20}) expectBruteForce(storeOf(few), k, 1);
+  const PointStore store = storeOf(copies);
+  ASSERT_EQ(store.size(), 200u);
+  expectBruteForce(store, 10, 1);
+}
+
+TEST(NeighborSearch, OfOnePointAndOfNone)
+{
+  Cloud cloud;
+  cloud.add(1.0, 2.0, 3.0);
+  expectBruteForce(storeOf(cloud), 5, 1);
+  const PointStore store = storeOf(pcl_slim_test::sceneCloud(bench::Shape::kSphere, 100, 0.0));
+  NeighborSearch search(store);
+  std::vector<std::uint32_t> neighbors = {3};
+  std::vector<float> distances_sq = {3.0f};
+  search.nearest(50, 0, neighbors, distances_sq);
+  EXPECT_TRUE(neighbors.empty());
+  EXPECT_TRUE(distances_sq.empty());
+}
+
+}  // namespace
+}  // namespace pcl_slim

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/cloud/noise_level.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "support/clouds.h"
+
+namespace pcl_slim {
+namespace {
+
+using bench::Shape;
+using pcl_slim_test::Cloud;
+using pcl_slim_test::sceneCloud;
+using pcl_slim_test::storeOf;
+
+/** sqrt(lambda) in world units. */
+double
+noiseOf(const PointStore& store, NoiseEstimator estimator = NoiseEstimator::kCubicResidual)
+{
+  return std::sqrt(estimateNoise(store, estimator, 1)) * store.scale();
+}
+
+TEST(NoiseLevel, IsWithinATenthOfTheTruth)
+{
+  for (const Shape shape : {Shape::kSphere, Shape::kTorus, Shape::kBumpy}) {
+    for (const double noise : {0.0001, 0.0005, 0.002, 0.005}) {
+      for (const bool normals : {false, true}) {
+        const auto scene = bench::makeScene(shape, 20000, noise, 0.05, 7);
+        const Cloud cloud = {scene.points, normals ? scene.normals : std::vector<float>()};
+        EXPECT_NEAR(noiseOf(storeOf(cloud)) / (noise * scene.diagonal), 1.0, 0.1)
+            << static_cast<int>(shape) << " at " << noise << (normals ? " with" : " without") << " normals";
+      }
+    }
+  }
+}
+
+TEST(NoiseLevel, OfCleanDataIsNothing)
+{
+  for (const Shape shape : {Shape::kSphere, Shape::kTorus, Shape::kBumpy, Shape::kRelief}) {
+    const auto scene = bench::makeScene(shape, 20000, 0.0, 0.0, 7);
+    const Cloud cloud = {scene.points, {}};
+    const double bound = shape == Shape::kRelief ? 2e-6 : 1e-6;
+    EXPECT_LT(noiseOf(storeOf(cloud)), bound * scene.diagonal) << static_cast<int>(shape);
+  }
+}
+
+TEST(NoiseLevel, SeesTheStepsOfARangeSensor)
+{
+  // A tilted plane whose heights are multiples of a step: an error spread evenly over one step.
+  const double step = 0.004;
+  const Cloud cloud = pcl_slim_test::heightField(20000, 31, [&](double x, double y) {
+    return step * std::round((0.31 * x + 0.17 * y) / step);
+  });
+  const double sigma = step / std::sqrt(12.0) / std::sqrt(1.0 + 0.31 * 0.31 + 0.17 * 0.17);
+  EXPECT_NEAR(noiseOf(storeOf(cloud)) / sigma, 1.0, 0.2);
+}
+
+TEST(NoiseLevel, SeesNoiseThatIsThickerThanTheSpacing)
+{
+  // 40000 points on 4 square units lie .01 apart; the sheet is ten times thicker.
+  std::mt19937_64 random(32);
+  std::normal_distribution<double> normal;
+  const double sigma = 0.05;
+  const Cloud cloud =
+      pcl_slim_test::heightField(40000, 33, [&](double, double) { return sigma * normal(random); });
+  EXPECT_NEAR(noiseOf(storeOf(cloud)) / sigma, 1.0, 0.15);
+}
+
+TEST(NoiseLevel, IgnoresAFewOutliers)
+{
+  const auto scene = bench::makeScene(Shape::kTorus, 20000, 0.001, 0.0, 7);
+  Cloud cloud = {scene.points, {}};
+  std::mt19937_64 random(34);
+  std::uniform_real_distribution<double> u(-1.5, 1.5);
+  for (int i = 0; i < 200; ++i) cloud.add(u(random), u(random), 0.4 * u(random));
+  EXPECT_NEAR(noiseOf(storeOf(cloud)) / (0.001 * scene.diagonal), 1.0, 0.2);
+}
+
+TEST(NoiseLevel, OfTheFirstPaperFollowsTheNoise)
+{
+  double last = 0;
+  for (const double noise : {0.0, 0.001, 0.002, 0.005}) {
+    const auto scene = bench::makeScene(Shape::kSphere, 20000, noise, 0.0, 7);
+    const Cloud cloud = {scene.points, {}};
+    const double found = noiseOf(storeOf(cloud), NoiseEstimator::kMinEigenvalue10);
+    EXPECT_GT(found, last);
+    EXPECT_LT(found, std::max(noise, 3e-4) * scene.diagonal);
+    EXPECT_GE(found, 1e-6 * scene.diagonal * 0.99);
+    last = found;
+  }
+}
+
+TEST(NoiseLevel, IsZeroForTooFewPointsAndPositiveForTwelve)
+{
+  Cloud cloud;
+  std::mt19937_64 random(35);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 11; ++i) cloud.add(normal(random), normal(random), normal(random));
+  for (const auto estimator : {NoiseEstimator::kCubicResidual, NoiseEstimator::kMinEigenvalue10}) {
+    EXPECT_EQ(estimateNoise(storeOf(cloud), estimator, 1), 0.0);
+  }
+  cloud.add(0.1, 0.2, 0.3);
+  for (const auto estimator : {NoiseEstimator::kCubicResidual, NoiseEstimator::kMinEigenvalue10}) {
+    const double found = estimateNoise(storeOf(cloud), estimator, 1);
+    EXPECT_TRUE(std::isfinite(found));
+    EXPECT_GT(found, 0.0);
+  }
+}
+
+TEST(NoiseLevel, SurvivesALineAndAPlane)
+{
+  Cloud line, plane;
+  for (int i = 0; i < 500; ++i) line.add(0.3 * i, 0.1 * i, -0.7 * i);
+  for (int i = 0; i < 900; ++i) plane.add(i % 30, i / 30, 0.0);
+  for (const Cloud& cloud : {line, plane}) {
+    for (const auto estimator : {NoiseEstimator::kCubicResidual, NoiseEstimator::kMinEigenvalue10}) {
+      const PointStore store = storeOf(cloud);
+      const double found = std::sqrt(estimateNoise(store, estimator, 1));
+      EXPECT_TRUE(std::isfinite(found));
+      EXPECT_LT(found, 2e-6 * store.diagonal());
+    }
+  }
+}
+
+TEST(NoiseLevel, IsTheSameForAnyNumberOfThreads)
+{
+  for (const std::size_t count : {40, 520, 600, 777, 950, 5000}) {
+    const PointStore store = storeOf(sceneCloud(Shape::kBumpy, count, 0.01));
+    for (const auto estimator : {NoiseEstimator::kCubicResidual, NoiseEstimator::kMinEigenvalue10}) {
+      const double one = estimateNoise(store, estimator, 1);
+      for (int run = 0; run < 5; ++run) {
+        EXPECT_EQ(estimateNoise(store, estimator, 2), one) << count;
+        EXPECT_EQ(estimateNoise(store, estimator, 8), one) << count;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace pcl_slim
