@@ -1,173 +1,283 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Error of fit and projection against exact truth: position, normal and mean curvature.
+// Error of fit and projection against exact surfaces: position, normal and mean curvature.
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <sstream>
-#include <string>
-#include <vector>
+#include <new>
 
-#include "pcl_slim/slim/fit.h"
-#include "pcl_slim/slim/projection.h"
-#include "scenes.h"
+#include "accuracy.h"
+#include "bench_common.h"
+#include "common/options.h"
 
 namespace {
 
 using namespace pcl_slim;
 
-struct Options {
-  std::size_t points = 100000;
-  std::string shapes = "sphere,torus,bumpy,relief";
-  std::string noises = "0,0.0001,0.001,0.005";
-  std::string degrees = "4";
-  double t_mdl = 0, penalty = 3, lambda = 0;
+struct Settings {
+  std::string shape = "sphere,torus,bumpy,relief", noise = "0,0.0001,0.001,0.005";
+  std::string degree = "4", normals = "0,1", t_mdl = "0", points = "100000";
+  double penalty = FitParams().penalty, lambda = 0, alpha = FitParams().cover_radius;
   double normal_noise = 0.05;
-  int normals = 2;  ///< 0: none, 1: given, 2: both
-  int threads = 2;
-  bool float_input = false;
-  double alpha = 2.0 / 3;
-  bool paper = false;
+  int threads = 0;
+  bool float_input = false, paper = false, by_degree = false, convergence = false;
+
+  std::vector<double> point_list, degree_list, normal_list, t_mdl_list, noise_list;
+  std::vector<std::string> shape_list;
 };
 
-std::vector<std::string>
-split(const std::string& list)
+/** What names a row: one scene, fitted one way. */
+struct Row {
+  std::string name;
+  bench::Shape shape = bench::Shape::kSphere;
+  double noise = 0, t_mdl = 0;
+  bool normals = true;
+  const bench::Scene* scene = nullptr;
+};
+
+OptionTable
+declareOptions(Settings& s)
 {
-  std::vector<std::string> parts;
-  std::stringstream stream(list);
-  for (std::string part; std::getline(stream, part, ',');) parts.push_back(part);
-  return parts;
+  OptionTable options("accuracy_bench", "1", "Measures fits against exact surfaces.");
+  options.text("shape", &s.shape, "NAME,...", "sphere, torus, bumpy, relief");
+  options.text("points", &s.points, "N,...", "sizes of the cloud");
+  options.text("noise", &s.noise, "S,...", "noise, as a share of the box diagonal");
+  options.text("degree", &s.degree, "D,...", "degrees of the polynomials, 1 to 4");
+  options.text("normals", &s.normals, "0|1,...", "1: normals given, 0: none");
+  options.text("t_mdl", &s.t_mdl, "T,...", "the paper's T_MDL; 0: the penalty");
+  options.number("penalty", &s.penalty, 1e-6, 1e6, "weight of the price of a coefficient");
+  options.number("lambda", &s.lambda, 0, 1, "noise variance / squared diagonal", "estimated");
+  options.number("alpha", &s.alpha, 0.01, 1, "cover radius, as a share of a leaf's radius");
+  options.number("normal_noise", &s.normal_noise, 0, 3, "error of the normals given, radians");
+  options.integer("threads", &s.threads, 0, 4096, "threads, 0: all cores; changes no result");
+  options.toggle("float", &s.float_input, "round coordinates to float first");
+  options.toggle("paper", &s.paper, "the choices of Ohtake, Belyaev, Alexa 2005 throughout");
+  options.toggle("by_degree", &s.by_degree, "short table: one column a degree");
+  options.toggle("convergence", &s.convergence,
+                 "noise-free errors against the point spacing, with slopes");
+  return options;
 }
 
-struct Errors {
-  double position = 0, worst = 0, normal = 0, curvature = 0;
-};
-
-Errors
-measure(bench::Shape shape, const PointStore& store, const Projection& projection)
+Error
+finishOptions(const OptionTable& options, Settings& s)
 {
-  Errors e;
-  double curvature_scale = 0;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < store.size(); ++i) {
-    std::array<double, 3> p = projection.position[i];
-    for (int a = 0; a < 3; ++a) p[a] = store.origin()[a] + store.scale() * p[a];
-    const bench::Truth truth = bench::truthAt(shape, p);
-    e.position += truth.distance * truth.distance;
-    e.worst = std::max(e.worst, std::abs(truth.distance));
-    if (!projection.supported[i] || truth.rim) continue;
-    const auto& n = projection.normal[i];
-    double cross_sq = 0, dot = 0;
-    for (int a = 0; a < 3; ++a) {
-      const int b = (a + 1) % 3, c = (a + 2) % 3;
-      const double x = n[b] * truth.normal[c] - n[c] * truth.normal[b];
-      cross_sq += x * x;
-      dot += n[a] * truth.normal[a];
-    }
-    const double angle = std::atan2(std::sqrt(cross_sq), std::abs(dot));
-    e.normal += angle * angle;
-    const double sign = dot < 0 ? -1 : 1;
-    const double h = sign * projection.curvature[i][0] / store.scale();
-    e.curvature += (h - truth.mean_curvature) * (h - truth.mean_curvature);
-    curvature_scale += truth.mean_curvature * truth.mean_curvature;
-    ++count;
+  if (s.convergence) {
+    if (!options.given("shape")) s.shape = "bumpy,torus";
+    if (!options.given("points")) s.points = "12500,50000,200000";
+    if (!options.given("degree")) s.degree = "1,2,3,4";
+    if (!options.given("normals")) s.normals = "1";
+    if (!options.given("noise")) s.noise = "0";
   }
-  e.position = std::sqrt(e.position / store.size());
-  e.normal = std::sqrt(e.normal / count) * 180 / M_PI;
-  e.curvature = std::sqrt(e.curvature / curvature_scale);
-  return e;
+  if (Error error = bench::parseShapes(s.shape, s.shape_list)) return error;
+  return bench::parseLists({{"points", &s.points, 100, 4e9, true, &s.point_list},
+                            {"degree", &s.degree, 1, 4, true, &s.degree_list},
+                            {"normals", &s.normals, 0, 1, true, &s.normal_list},
+                            {"t_mdl", &s.t_mdl, 0, 1e3, false, &s.t_mdl_list},
+                            {"noise", &s.noise, 0, 1, false, &s.noise_list}});
+}
+
+Result<bench::Outcome>
+measure(const Settings& s, const Row& row, int degree)
+{
+  FitParams params;
+  params.degree = degree;
+  params.t_mdl = row.t_mdl;
+  params.penalty = s.penalty;
+  params.lambda = s.lambda;
+  params.threads = s.threads;
+  params.cover_radius = s.alpha;
+  params.paper_mode = s.paper;
+  return bench::measureAccuracy(row.shape, *row.scene, params, row.normals, s.float_input);
+}
+
+/** T or "default". */
+std::string
+penaltyName(double t_mdl)
+{
+  char text[32] = "default";
+  if (t_mdl > 0) std::snprintf(text, sizeof(text), "%g", t_mdl);
+  return text;
+}
+
+/** Everything about one fit a row. */
+Error
+printDetails(const Settings& s, const Row& row)
+{
+  for (double degree : s.degree_list) {
+    const auto outcome = measure(s, row, static_cast<int>(degree));
+    if (!outcome) return outcome.error();
+    const bench::Accuracy& e = outcome->accuracy;
+    const FitStatistics& fit = outcome->fit;
+    std::printf(
+        "| %s | %g | %s | %g | %s | %.2e | %.2e | %.3g | %.3g | %.2e | %.2e | %.3f "
+        "| %.0f%% | %d-%d | %llu | %llu |\n",
+        row.name.c_str(), row.noise, penaltyName(row.t_mdl).c_str(), degree,
+        row.normals ? "given" : "none", e.position, e.position / row.scene->diagonal, e.normal,
+        e.curvature, e.worst, outcome->sigma,
+        static_cast<double>(fit.leaves) / static_cast<double>(fit.points),
+        100.0 * static_cast<double>(fit.forced) / static_cast<double>(fit.leaves), fit.first_level,
+        fit.last_level, static_cast<unsigned long long>(fit.uncovered),
+        static_cast<unsigned long long>(outcome->unsupported));
+    std::fflush(stdout);
+  }
+  return {};
+}
+
+/** One column a degree: position, normal, curvature. */
+Error
+printByDegree(const Settings& s, const Row& row)
+{
+  std::uint64_t unsupported = 0;
+  std::printf("| %s | %g | %s | %s |", row.name.c_str(), row.noise, penaltyName(row.t_mdl).c_str(),
+              row.normals ? "given" : "none");
+  for (double degree : s.degree_list) {
+    const auto outcome = measure(s, row, static_cast<int>(degree));
+    if (!outcome) return outcome.error();
+    const bench::Accuracy& e = outcome->accuracy;
+    std::printf(" %.1e %.2g %.2g |", e.position, e.normal, e.curvature);
+    unsupported = std::max(unsupported, outcome->unsupported);
+  }
+  std::printf(" %llu |\n", static_cast<unsigned long long>(unsupported));
+  std::fflush(stdout);
+  return {};
 }
 
 void
-run(const Options& o, const std::string& name, double noise, int degree, bool normals)
+printHeader(const Settings& s)
 {
-  bench::Shape shape;
-  if (!bench::parseShape(name, shape)) {
-    std::fprintf(stderr, "unknown shape '%s': use sphere, torus, bumpy or relief\n", name.c_str());
-    std::exit(2);
+  if (!s.by_degree) {
+    std::puts(
+        "| shape | noise | T | degree | normals | RMS position | of L | normal ° | H relative "
+        "| worst | sqrt(lambda)/L | leaves/pt | forced | levels | uncovered | unsupported |\n"
+        "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+    return;
   }
-  const bench::Scene scene = bench::makeScene(shape, o.points, noise, o.normal_noise, 7);
-  const std::vector<float> floats(scene.points.begin(), scene.points.end());
-  CloudView view;
-  view.xyz = o.float_input ? static_cast<const void*>(floats.data()) : scene.points.data();
-  view.scalar = o.float_input ? CloudView::Scalar::kFloat : CloudView::Scalar::kDouble;
-  view.xyz_stride = o.float_input ? 12 : 24;
-  view.size = o.points;
-  if (normals) {
-    view.normal = scene.normals.data();
-    view.normal_stride = 12;
+  std::fputs("| shape | noise | T | normals |", stdout);
+  for (double degree : s.degree_list) std::printf(" degree %g: position, normal °, H |", degree);
+  std::fputs(" unsupported |\n|---|---|---|---|---|", stdout);
+  for (std::size_t i = 0; i < s.degree_list.size(); ++i) std::fputs("---|", stdout);
+  std::puts("");
+}
+
+/** Calls print(row) for one scene fitted every way asked for. */
+template <typename Print>
+Error
+forEachFit(const Settings& s, Row row, double points, const Print& print)
+{
+  const auto count = static_cast<std::size_t>(points);
+  const bench::Scene scene = bench::makeScene(row.shape, count, row.noise, s.normal_noise, 7);
+  row.scene = &scene;
+  for (double t_mdl : s.t_mdl_list) {
+    for (double normals : s.normal_list) {
+      row.t_mdl = t_mdl;
+      row.normals = normals != 0;
+      if (Error error = print(row)) return error;
+    }
   }
-  FitParams params;
-  params.degree = degree;
-  params.t_mdl = o.t_mdl;
-  params.penalty = o.penalty;
-  params.lambda = o.lambda;
-  params.threads = o.threads;
-  params.cover_radius = o.alpha;
-  params.paper_mode = o.paper;
-  const auto store = PointStore::build(view, o.threads);
-  SLIMSurface surface;
-  FitStatistics stats;
-  Projection projection;
-  ProjectionParams projection_params;
-  projection_params.curvature = true;
-  projection_params.threads = o.threads;
-  projection_params.paper_mode = o.paper;
-  if (!store) std::exit(1);
-  Error error = fitSurface(*store, params, surface, &stats);
-  if (!error) error = projectPoints(*store, surface, projection_params, projection);
-  if (error) {
-    std::fprintf(stderr, "%s\n", error.message.c_str());
-    std::exit(1);
+  return {};
+}
+
+Error
+printTable(const Settings& s)
+{
+  printHeader(s);
+  const auto print = [&s](const Row& row) {
+    return s.by_degree ? printByDegree(s, row) : printDetails(s, row);
+  };
+  Row row;
+  for (const std::string& name : s.shape_list) {
+    row.name = name;
+    bench::parseShape(name, row.shape);
+    for (double noise : s.noise_list) {
+      row.noise = noise;
+      for (double points : s.point_list) {
+        if (Error error = forEachFit(s, row, points, print)) return error;
+      }
+    }
   }
-  const Errors e = measure(shape, *store, projection);
-  std::printf("| %s | %g | %d | %s | %.2e | %.2e | %.3g | %.3g | %.2e | %.2e | %.3f | %.0f%% | %d-%d | %llu | %llu |\n",
-              name.c_str(), noise, degree, normals ? "given" : "none", e.position,
-              e.position / scene.diagonal, e.normal, e.curvature, e.worst,
-              std::sqrt(stats.lambda) * store->diagonal() * store->scale() / scene.diagonal,
-              static_cast<double>(stats.leaves) / o.points, 100.0 * stats.forced / stats.leaves,
-              stats.first_level, stats.last_level, (unsigned long long)stats.uncovered,
-              (unsigned long long)projection.num_unsupported);
-  std::fflush(stdout);
+  return {};
+}
+
+/** "(3.02)": the power of the spacing, proportional to N^-1/2, that an error follows. */
+std::string
+slope(double coarse, double fine, double coarse_points, double fine_points)
+{
+  char text[32];
+  const double power = std::log(coarse / fine) / (0.5 * std::log(fine_points / coarse_points));
+  std::snprintf(text, sizeof(text), " (%.2f)", power);
+  return text;
+}
+
+/** One shape, noise, penalty and degree: a row for each size of the cloud. */
+Error
+printSlopes(const Settings& s, Row row, double normals, double t_mdl, double degree)
+{
+  bench::Accuracy last;
+  row.normals = normals != 0;
+  row.t_mdl = t_mdl;
+  for (std::size_t i = 0; i < s.point_list.size(); ++i) {
+    const double n = s.point_list[i];
+    const bench::Scene scene =
+        bench::makeScene(row.shape, static_cast<std::size_t>(n), row.noise, s.normal_noise, 7);
+    row.scene = &scene;
+    const auto outcome = measure(s, row, static_cast<int>(degree));
+    if (!outcome) return outcome.error();
+    const bench::Accuracy& e = outcome->accuracy;
+    const auto since = [&](double coarse, double fine) {
+      return i == 0 ? std::string() : slope(coarse, fine, s.point_list[i - 1], n);
+    };
+    std::printf(
+        "| %s | %g | %s | %s | %g | %g | %.2e%s | %.2e%s | %.2e%s | %.3f |\n", row.name.c_str(),
+        row.noise, penaltyName(t_mdl).c_str(), row.normals ? "given" : "none", degree, n,
+        e.position, since(last.position, e.position).c_str(), e.normal,
+        since(last.normal, e.normal).c_str(), e.curvature,
+        since(last.curvature, e.curvature).c_str(), static_cast<double>(outcome->fit.leaves) / n);
+    std::fflush(stdout);
+    last = e;
+  }
+  return {};
+}
+
+Error
+printConvergence(const Settings& s)
+{
+  std::puts(
+      "| shape | noise | T | normals | degree | points | position (slope) "
+      "| normal ° (slope) | H (slope) | leaves/pt |\n|---|---|---|---|---|---|---|---|---|---|");
+  Row row;
+  for (const std::string& name : s.shape_list) {
+    row.name = name;
+    bench::parseShape(name, row.shape);
+    for (double noise : s.noise_list) {
+      row.noise = noise;
+      for (double t_mdl : s.t_mdl_list) {
+        for (double normals : s.normal_list) {
+          for (double degree : s.degree_list) {
+            if (Error error = printSlopes(s, row, normals, t_mdl, degree)) return error;
+          }
+        }
+      }
+    }
+  }
+  return {};
 }
 
 }  // namespace
 
 int
 main(int argc, char** argv)
-{
-  Options o;
-  for (int i = 1; i + 1 < argc; i += 2) {
-    const std::string key = argv[i];
-    const char* value = argv[i + 1];
-    if (key == "-points") o.points = std::strtoull(value, nullptr, 10);
-    else if (key == "-shapes") o.shapes = value;
-    else if (key == "-noises") o.noises = value;
-    else if (key == "-degrees") o.degrees = value;
-    else if (key == "-t_mdl") o.t_mdl = std::atof(value);
-    else if (key == "-penalty") o.penalty = std::atof(value);
-    else if (key == "-lambda") o.lambda = std::atof(value);
-    else if (key == "-normals") o.normals = std::atoi(value);
-    else if (key == "-normal_noise") o.normal_noise = std::atof(value);
-    else if (key == "-threads") o.threads = std::atoi(value);
-    else if (key == "-float") o.float_input = std::atoi(value) != 0;
-    else if (key == "-alpha") o.alpha = std::atof(value);
-    else if (key == "-paper") o.paper = std::atoi(value) != 0;
-    else {
-      std::fprintf(stderr, "unknown option %s\n", key.c_str());
-      return 2;
-    }
+try {
+  Settings settings;
+  OptionTable options = declareOptions(settings);
+  if (const auto status = options.parse(argc, argv)) return *status;
+  if (Error error = finishOptions(options, settings)) {
+    std::fprintf(stderr, "accuracy_bench: %s\n", error.message.c_str());
+    return kExitUsage;
   }
-  std::puts("| shape | noise | degree | normals | RMS position | of L | normal deg | H relative | worst | "
-            "sqrt(lambda)/L | leaves/pt | forced | levels | uncovered | unsupported |");
-  std::puts("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
-  for (const auto& shape : split(o.shapes)) {
-    for (const auto& noise : split(o.noises)) {
-      for (const auto& degree : split(o.degrees)) {
-        for (int normals = 0; normals < 2; ++normals) {
-          if (o.normals != 2 && o.normals != normals) continue;
-          run(o, shape, std::atof(noise.c_str()), std::atoi(degree.c_str()), normals != 0);
-        }
-      }
-    }
+  if (Error error = settings.convergence ? printConvergence(settings) : printTable(settings)) {
+    std::fprintf(stderr, "accuracy_bench: %s\n", error.message.c_str());
+    return kExitFailed;
   }
+  return kExitDone;
+} catch (const std::bad_alloc&) {
+  std::fputs("accuracy_bench: not enough memory; give smaller -points\n", stderr);
+  return kExitFailed;
 }

@@ -1,156 +1,218 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Fit time in units: one unit is a nanoflann build plus one 10-neighbour pass with eigenvalues on
-// the same points in the same run, so that figures compare across machines.
-#include <sys/resource.h>
-
-#include <Eigen/Eigenvalues>
-#include <chrono>
+// Fit time in units, by stage, with memory: without options the whole sweep. One unit is a
+// nanoflann build plus one 10-neighbour pass with eigenvalues on the same points, measured beside
+// each fit, so that figures compare across machines.
 #include <cstdio>
-#include <cstdlib>
-#include <cstring>
-#include <nanoflann.hpp>
-#include <string>
-#include <vector>
+#include <new>
 
+#include "bench_common.h"
+#include "common/options.h"
+#include "nanoflann_unit.h"
 #include "pcl_slim/cloud/kernels.h"
 #include "pcl_slim/slim/fit.h"
-#include "scenes.h"
 
 namespace {
 
 using namespace pcl_slim;
 
-double
-cpuSeconds()
-{
-  rusage usage;
-  getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) { return t.tv_sec + 1e-6 * t.tv_usec; };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
+/** Error of the normals handed to a fit, in radians. */
+constexpr double kNormalNoise = 0.05;
 
-double
-wallSeconds()
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+struct Settings {
+  std::string points = "100000,438000,1000000,5000000", degree = "1,2,3,4", threads = "1,2";
+  std::string normals = "1,0", t_mdl = "0.01,0", noise = "0", shape = "bumpy";
+  int repeats = 3;
+  /** Beyond this many points the sweep keeps two settings only; asking for one lifts it. */
+  double sweep_limit = 2e6;
 
-struct FloatCloud {
-  const std::vector<float>& xyz;
-  std::size_t kdtree_get_point_count() const { return xyz.size() / 3; }
-  float kdtree_get_pt(std::size_t i, std::size_t a) const { return xyz[3 * i + a]; }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const { return false; }
+  std::vector<double> point_list, degree_list, thread_list, normal_list, t_mdl_list, noise_list;
+  std::vector<std::string> shape_list;
 };
 
-/** CPU seconds of one unit, on one thread. */
-double
-measureUnit(const std::vector<float>& xyz)
-{
-  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, FloatCloud>,
-                                                   FloatCloud, 3>;
-  const double start = cpuSeconds();
-  const FloatCloud cloud{xyz};
-  Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(10));
-  tree.buildIndex();
-  double checksum = 0;
-  for (std::size_t i = 0; i < xyz.size() / 3; ++i) {
-    std::uint32_t index[10];
-    float distance[10];
-    const std::size_t found = tree.knnSearch(&xyz[3 * i], 10, index, distance);
-    Eigen::Matrix3Xf patch(3, found);
-    for (std::size_t j = 0; j < found; ++j) patch.col(j) = Eigen::Vector3f::Map(&xyz[3 * index[j]]);
-    patch.colwise() -= Eigen::Vector3f(patch.rowwise().mean());
-    const Eigen::Matrix3f covariance = patch * patch.transpose();
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> axes;
-    axes.computeDirect(covariance, Eigen::EigenvaluesOnly);
-    checksum += axes.eigenvalues()[0];
-  }
-  const double seconds = cpuSeconds() - start;
-  if (checksum < 0) std::puts("");
-  return seconds;
-}
-
-struct Options {
-  std::size_t points = 438000;
-  std::string shape = "bumpy";
+struct Row {
+  std::string shape;
   double noise = 0, t_mdl = 0;
-  int degree = 2, threads = 1, repeats = 3;
+  std::size_t points = 0;
+  int degree = 2, threads = 1;
   bool normals = true;
 };
 
+/** Medians over the repeats; seconds unless told otherwise. */
+struct Timing {
+  std::vector<double> unit, units_cpu, units_wall, wall, store, noise, cover, links, orient;
+  double counted_bytes = 0, peak_bytes = 0;
+  FitStatistics fit;
+};
+
+OptionTable
+declareOptions(Settings& s)
+{
+  OptionTable options("fit_bench", "1", "Times the fit in units of a nanoflann pass, by stage.");
+  options.text("points", &s.points, "N,...", "sizes of the cloud");
+  options.text("degree", &s.degree, "D,...", "degrees of the polynomials, 1 to 4");
+  options.text("threads", &s.threads, "N,...", "numbers of threads");
+  options.text("normals", &s.normals, "0|1,...", "1: normals given, 0: none");
+  options.text("t_mdl", &s.t_mdl, "T,...", "the paper's T_MDL; 0: the default penalty");
+  options.text("noise", &s.noise, "S,...", "noise, as a share of the box diagonal");
+  options.text("shape", &s.shape, "NAME,...", "sphere, torus, bumpy, relief");
+  options.integer("repeats", &s.repeats, 1, 100, "runs of each row; medians are shown");
+  return options;
+}
+
+Error
+finishOptions(const OptionTable& options, Settings& s)
+{
+  if (options.given("degree") || options.given("t_mdl")) s.sweep_limit = 1e18;
+  if (Error error = bench::parseShapes(s.shape, s.shape_list)) return error;
+  return bench::parseLists({{"points", &s.points, 100, 4e9, true, &s.point_list},
+                            {"degree", &s.degree, 1, 4, true, &s.degree_list},
+                            {"threads", &s.threads, 1, 4096, true, &s.thread_list},
+                            {"normals", &s.normals, 0, 1, true, &s.normal_list},
+                            {"t_mdl", &s.t_mdl, 0, 1e3, false, &s.t_mdl_list},
+                            {"noise", &s.noise, 0, 1, false, &s.noise_list}});
+}
+
+/** The largest clouds show two settings: the one peers are compared at and the default. */
+bool
+inSweep(const Settings& s, const Row& row)
+{
+  if (static_cast<double>(row.points) <= s.sweep_limit) return true;
+  return row.t_mdl > 0 ? row.degree == 2 : row.degree == 4;
+}
+
+Error
+fitOnce(const CloudView& view, const FitParams& params, Timing& t)
+{
+  const bench::MemoryGauge memory;
+  const double cpu = bench::cpuSeconds(), wall = bench::wallSeconds();
+  const auto store = PointStore::build(view, params.threads);
+  if (!store) return store.error();
+  SLIMSurface surface;
+  if (Error error = fitSurface(*store, params, surface, &t.fit)) return error;
+  const double cpu_used = bench::cpuSeconds() - cpu, wall_used = bench::wallSeconds() - wall;
+  t.peak_bytes = memory.peakBytes();
+  t.counted_bytes = static_cast<double>(store->memoryBytes() + t.fit.working_bytes);
+  t.units_cpu.push_back(cpu_used / t.unit.back());
+  t.units_wall.push_back(wall_used / t.unit.back());
+  t.wall.push_back(wall_used);
+  t.store.push_back(store->statistics().seconds);
+  t.noise.push_back(t.fit.seconds_noise);
+  t.cover.push_back(t.fit.seconds_cover);
+  t.links.push_back(t.fit.seconds_links);
+  t.orient.push_back(t.fit.seconds_orient);
+  return {};
+}
+
 void
-run(const Options& o)
+printHeader()
+{
+  std::printf("instruction set %s\n\n", kernels::instructionSet());
+  std::puts(
+      "| cloud | noise | T | degree | normals | threads | **units CPU** | **units wall** "
+      "| µs/pt wall | store + noise + cover + links + orient | unit, µs/pt | leaves/pt "
+      "| bytes/pt counted | bytes/pt peak |");
+  std::puts("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
+}
+
+void
+printRow(const Row& row, const Timing& t)
+{
+  const double n = static_cast<double>(row.points), micro = 1e6 / n;
+  const auto us = [micro](const std::vector<double>& seconds) {
+    return micro * bench::median(seconds);
+  };
+  char penalty[32] = "default", peak[32] = "–";
+  if (row.t_mdl > 0) std::snprintf(penalty, sizeof(penalty), "%g", row.t_mdl);
+  if (t.peak_bytes >= 0) std::snprintf(peak, sizeof(peak), "%.0f", t.peak_bytes / n);
+  std::printf(
+      "| %s %zu | %g | %s | %d | %s | %d | %.3f | %.3f | %.3f "
+      "| %.3f + %.3f + %.3f + %.3f + %.3f | %.3f | %.4f | %.0f | %s |\n",
+      row.shape.c_str(), row.points, row.noise, penalty, row.degree, row.normals ? "given" : "none",
+      row.threads, bench::median(t.units_cpu), bench::median(t.units_wall), us(t.wall), us(t.store),
+      us(t.noise), us(t.cover), us(t.links), us(t.orient), us(t.unit),
+      static_cast<double>(t.fit.leaves) / n, t.counted_bytes / n, peak);
+  std::fflush(stdout);
+}
+
+Error
+measureRow(const Row& row, int repeats, const bench::Scene& scene, const std::vector<float>& xyz)
+{
+  FitParams params;
+  params.degree = row.degree;
+  params.t_mdl = row.t_mdl;
+  params.threads = row.threads;
+  Timing timing;
+  for (int repeat = 0; repeat < repeats; ++repeat) {
+    timing.unit.push_back(bench::measureUnit(xyz));
+    if (Error error = fitOnce(bench::viewOf(scene, &xyz, row.normals), params, timing)) {
+      return error;
+    }
+  }
+  printRow(row, timing);
+  return {};
+}
+
+/** All rows of one cloud. */
+Error
+measureCloud(const Settings& s, Row row)
 {
   bench::Shape shape;
-  if (!bench::parseShape(o.shape, shape)) {
-    std::fprintf(stderr, "unknown shape '%s': use sphere, torus, bumpy or relief\n", o.shape.c_str());
-    std::exit(2);
-  }
-  const bench::Scene scene = bench::makeScene(shape, o.points, o.noise, 0.05, 7);
+  bench::parseShape(row.shape, shape);
+  const bench::Scene scene = bench::makeScene(shape, row.points, row.noise, kNormalNoise, 7);
   const std::vector<float> xyz(scene.points.begin(), scene.points.end());
-  CloudView view;
-  view.xyz = xyz.data();
-  view.xyz_stride = 12;
-  view.size = o.points;
-  if (o.normals) {
-    view.normal = scene.normals.data();
-    view.normal_stride = 12;
-  }
-  FitParams params;
-  params.degree = o.degree;
-  params.t_mdl = o.t_mdl;
-  params.threads = o.threads;
-  for (int repeat = 0; repeat < o.repeats; ++repeat) {
-    const double unit = measureUnit(xyz);
-    const double cpu = cpuSeconds(), wall = wallSeconds();
-    const auto store = PointStore::build(view, o.threads);
-    SLIMSurface surface;
-    FitStatistics stats;
-    if (!store) std::exit(1);
-    if (Error error = fitSurface(*store, params, surface, &stats)) {
-      std::fprintf(stderr, "%s\n", error.message.c_str());
-      std::exit(1);
+  for (double t_mdl : s.t_mdl_list) {
+    for (double degree : s.degree_list) {
+      for (double normals : s.normal_list) {
+        for (double threads : s.thread_list) {
+          row.t_mdl = t_mdl;
+          row.degree = static_cast<int>(degree);
+          row.normals = normals != 0;
+          row.threads = static_cast<int>(threads);
+          if (!inSweep(s, row)) continue;
+          if (Error error = measureRow(row, s.repeats, scene, xyz)) return error;
+        }
+      }
     }
-    const double cpu_used = cpuSeconds() - cpu, wall_used = wallSeconds() - wall;
-    const double n = static_cast<double>(o.points);
-    const double memory = (store->memoryBytes() + stats.working_bytes) / n;
-    std::printf("| %s %zu | %g | %d | %s | %d | %.3f | %.3f | %.3f | %.3f | %.3f %.3f %.3f %.3f %.3f | "
-                "%.4f | %.0f | %.2f | %.3f |\n",
-                o.shape.c_str(), o.points, o.t_mdl, o.degree, o.normals ? "given" : "none", o.threads,
-                cpu_used / unit, wall_used / unit, 1e6 * cpu_used / n, 1e6 * unit / n,
-                1e6 * store->statistics().seconds / n, 1e6 * stats.seconds_noise / n,
-                1e6 * stats.seconds_cover / n, 1e6 * stats.seconds_links / n,
-                1e6 * stats.seconds_orient / n, stats.leaves / n, memory,
-                static_cast<double>(stats.fits) / std::max<double>(1, stats.leaves), stats.gathered / n / 1e3);
-    std::fflush(stdout);
   }
+  return {};
+}
+
+Error
+measureAll(const Settings& s)
+{
+  printHeader();
+  Row row;
+  for (const std::string& shape : s.shape_list) {
+    for (double noise : s.noise_list) {
+      for (double points : s.point_list) {
+        row.shape = shape;
+        row.noise = noise;
+        row.points = static_cast<std::size_t>(points);
+        if (Error error = measureCloud(s, row)) return error;
+      }
+    }
+  }
+  return {};
 }
 
 }  // namespace
 
 int
 main(int argc, char** argv)
-{
-  Options o;
-  for (int i = 1; i + 1 < argc; i += 2) {
-    const std::string key = argv[i];
-    const char* value = argv[i + 1];
-    if (key == "-points") o.points = std::strtoull(value, nullptr, 10);
-    else if (key == "-shape") o.shape = value;
-    else if (key == "-noise") o.noise = std::atof(value);
-    else if (key == "-t_mdl") o.t_mdl = std::atof(value);
-    else if (key == "-degree") o.degree = std::atoi(value);
-    else if (key == "-threads") o.threads = std::atoi(value);
-    else if (key == "-repeats") o.repeats = std::atoi(value);
-    else if (key == "-normals") o.normals = std::atoi(value) != 0;
-    else {
-      std::fprintf(stderr, "unknown option %s\n", key.c_str());
-      return 2;
-    }
+try {
+  Settings settings;
+  OptionTable options = declareOptions(settings);
+  if (const auto status = options.parse(argc, argv)) return *status;
+  if (Error error = finishOptions(options, settings)) {
+    std::fprintf(stderr, "fit_bench: %s\n", error.message.c_str());
+    return kExitUsage;
   }
-  std::printf("instruction set %s\n", kernels::instructionSet());
-  std::puts("| cloud | T | degree | normals | threads | units CPU | units wall | us/pt CPU | unit us/pt "
-            "| wall us/pt: store noise cover links orient | leaves/pt | bytes/pt | fits/leaf | K gathered/pt |");
-  run(o);
+  if (Error error = measureAll(settings)) {
+    std::fprintf(stderr, "fit_bench: %s\n", error.message.c_str());
+    return kExitFailed;
+  }
+  return kExitDone;
+} catch (const std::bad_alloc&) {
+  std::fputs("fit_bench: not enough memory; give smaller -points\n", stderr);
+  return kExitFailed;
 }

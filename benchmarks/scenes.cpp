@@ -39,8 +39,10 @@ sphere(const Point& p)
   const double r = std::sqrt(dot(p, p));
   const Point d = {p[0] / r, p[1] / r, p[2] / r};
   const double k = 1.0 / r;
-  return {r - 1.0, d, {k * (1 - d[0] * d[0]), -k * d[0] * d[1], -k * d[0] * d[2],
-                       k * (1 - d[1] * d[1]), -k * d[1] * d[2], k * (1 - d[2] * d[2])}};
+  return {r - 1.0,
+          d,
+          {k * (1 - d[0] * d[0]), -k * d[0] * d[1], -k * d[0] * d[2], k * (1 - d[1] * d[1]),
+           -k * d[1] * d[2], k * (1 - d[2] * d[2])}};
 }
 
 /** F = (sqrt(x^2 + y^2) - R)^2 + z^2 - r^2. */
@@ -50,10 +52,10 @@ torus(const Point& p)
   const double rho = std::hypot(p[0], p[1]), a = rho - kTorusMajor;
   const double c = p[0] / rho, s = p[1] / rho;
   const double tangent = 2 * a / rho;
-  return {a * a + p[2] * p[2] - kTorusMinor * kTorusMinor,
-          {2 * a * c, 2 * a * s, 2 * p[2]},
-          {2 * c * c + tangent * s * s, (2 - tangent) * c * s, 0,
-           2 * s * s + tangent * c * c, 0, 2}};
+  return {
+      a * a + p[2] * p[2] - kTorusMinor * kTorusMinor,
+      {2 * a * c, 2 * a * s, 2 * p[2]},
+      {2 * c * c + tangent * s * s, (2 - tangent) * c * s, 0, 2 * s * s + tangent * c * c, 0, 2}};
 }
 
 /** F = |p| - 1 - 0.1 B(p / |p|), B = sin 5x sin 5y cos 5z on the unit direction. */
@@ -111,7 +113,8 @@ relief(const Point& p)
   const auto coarse = smoothStep(x, -0.5, 0.1), fine = smoothStep(x, 0.3, 0.7);
   double h = 0, hx = 0, hy = 0, hxx = 0, hxy = 0, hyy = 0;
   const auto addWave = [&](const std::array<double, 3>& s, double amplitude, double k) {
-    const double sx = std::sin(k * x), cx = std::cos(k * x), sy = std::sin(k * y), cy = std::cos(k * y);
+    const double sx = std::sin(k * x), cx = std::cos(k * x), sy = std::sin(k * y),
+                 cy = std::cos(k * y);
     h += amplitude * s[0] * sx * sy;
     hx += amplitude * (s[1] * sx + s[0] * k * cx) * sy;
     hy += amplitude * s[0] * sx * k * cy;
@@ -214,9 +217,9 @@ makeScene(Shape shape, std::size_t count, double noise, double normal_noise, std
                     n[2] + normal_noise * gauss(rng)});
     for (int a = 0; a < 3; ++a) scene.normals[3 * i + a] = static_cast<float>(n[a]);
   }
-  scene.diagonal = std::sqrt((high[0] - low[0]) * (high[0] - low[0]) +
-                             (high[1] - low[1]) * (high[1] - low[1]) +
-                             (high[2] - low[2]) * (high[2] - low[2]));
+  scene.diagonal =
+      std::sqrt((high[0] - low[0]) * (high[0] - low[0]) + (high[1] - low[1]) * (high[1] - low[1]) +
+                (high[2] - low[2]) * (high[2] - low[2]));
   for (double& value : scene.points) value += noise * scene.diagonal * gauss(rng);
   return scene;
 }

@@ -14,9 +14,9 @@ namespace pcl_slim::bench {
 enum class Shape { kSphere, kTorus, kBumpy, kRelief };
 
 struct Scene {
-  std::vector<double> points;   ///< x y z per point, noise added
-  std::vector<float> normals;   ///< unit, as given to a fit
-  double diagonal = 0;          ///< of the clean points' box
+  std::vector<double> points;  ///< x y z per point, noise added
+  std::vector<float> normals;  ///< unit, as given to a fit
+  double diagonal = 0;         ///< of the clean points' box
 };
 
 /** \brief Distance to the surface along its normal, unit normal and mean curvature at the foot. */

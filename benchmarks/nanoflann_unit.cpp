@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "nanoflann_unit.h"
+
+#include <Eigen/Eigenvalues>
+#include <nanoflann.hpp>
+
+#include "bench_common.h"
+
+namespace pcl_slim::bench {
+
+namespace {
+
+constexpr std::size_t kNeighbors = 10, kPointsPerLeaf = 10;
+
+struct FloatCloud {
+  const std::vector<float>& xyz;
+  std::size_t kdtree_get_point_count() const { return xyz.size() / 3; }
+  float kdtree_get_pt(std::size_t i, std::size_t a) const { return xyz[3 * i + a]; }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const
+  {
+    return false;
+  }
+};
+
+using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, FloatCloud>,
+                                                 FloatCloud, 3>;
+
+float
+smallestEigenvalue(const std::vector<float>& xyz, const std::uint32_t* index, std::size_t count)
+{
+  Eigen::Matrix<float, 3, Eigen::Dynamic, 0, 3, kNeighbors> patch(3, count);
+  for (std::size_t j = 0; j < count; ++j) {
+    patch.col(static_cast<Eigen::Index>(j)) = Eigen::Vector3f::Map(&xyz[3 * index[j]]);
+  }
+  patch.colwise() -= Eigen::Vector3f(patch.rowwise().mean());
+  const Eigen::Matrix3f covariance = patch * patch.transpose();
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> axes;
+  axes.computeDirect(covariance, Eigen::EigenvaluesOnly);
+  return axes.eigenvalues()[0];
+}
+
+}  // namespace
+
+double
+measureUnit(const std::vector<float>& xyz)
+{
+  const double start = cpuSeconds();
+  const FloatCloud cloud{xyz};
+  Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(kPointsPerLeaf));
+  tree.buildIndex();
+  volatile float sum = 0;  // the compiler may not drop the work
+  for (std::size_t i = 0; i < xyz.size() / 3; ++i) {
+    std::uint32_t index[kNeighbors];
+    float distance_sq[kNeighbors];
+    const std::size_t found = tree.knnSearch(&xyz[3 * i], kNeighbors, index, distance_sq);
+    sum = sum + smallestEigenvalue(xyz, index, found);
+  }
+  return cpuSeconds() - start;
+}
+
+}  // namespace pcl_slim::bench
