@@ -16,6 +16,7 @@ constexpr std::uint8_t kServedLevel = 1;      ///< mark: inside an internal ball
 constexpr std::uint8_t kServedForGood = 2;    ///< mark: nothing finer can be done for this point
 constexpr std::uint8_t kLoneNormalMark = 4;   ///< mark: passed over for its normal
 constexpr int kMortonLevels = 21;
+constexpr char kCancelledMessage[] = "the fit was cancelled";
 
 /** A step coprime to n near the golden section of n: visits spread over the cell. */
 std::uint32_t
@@ -56,13 +57,14 @@ LevelCover::run(int first_level, Progress* progress, std::vector<SurfelRecord>& 
   const double points = static_cast<double>(store_.size());
   for (int level = first_level; !active_.empty() && level <= kLastLevel; ++level) {
     if (progress != nullptr) {
-      if (progress->cancelled()) return {ErrorCode::kCancelled, "the fit was cancelled"};
+      if (progress->cancelled()) return {ErrorCode::kCancelled, kCancelledMessage};
       progress->report(static_cast<float>(1.0 - static_cast<double>(active_.size()) / points), "covering");
     }
     coverLevel(level, surfels);
     dropServed();
     last_level_ = level;
   }
+  if (progress != nullptr && progress->cancelled()) return {ErrorCode::kCancelled, kCancelledMessage};
   for (const std::uint8_t m : marks_) lone_normals_ += (m & kLoneNormalMark) != 0;
   return {};
 }
