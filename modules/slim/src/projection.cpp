@@ -6,6 +6,7 @@
 
 #include "pcl_slim/core/parallel.h"
 #include "projection_kernel.h"
+#include "shape_operator.h"
 
 namespace pcl_slim {
 
@@ -14,6 +15,33 @@ namespace {
 constexpr double kGateErrors = 5.0;   ///< residuals and offsets beyond so many e do not count
 constexpr double kGateRadius = 0.25;  ///< nor offsets beyond this share of r
 constexpr double kLeastGate = 1e-5;   ///< of r: exact fits must not gate on rounding
+
+/** A surface in a store's units. Scales are powers of two and origins agree when the surface was
+ * fitted to the store: its numbers then stay as they are. */
+struct Placement {
+  double shift[3];
+  double factor;
+
+  Placement(const PointStore& store, const SLIMSurface& surface)
+      : factor(surface.info.scale / store.scale())
+  {
+    for (std::size_t a = 0; a < 3; ++a) {
+      shift[a] = (surface.info.origin[a] - store.origin()[a]) / store.scale();
+    }
+  }
+
+  std::array<double, 3>
+  center(const SLIMSurface& surface, std::uint32_t i) const
+  {
+    return {shift[0] + factor * surface.cx[i], shift[1] + factor * surface.cy[i],
+            shift[2] + factor * surface.cz[i]};
+  }
+  float
+  radius(const SLIMSurface& surface, std::uint32_t i) const
+  {
+    return static_cast<float>(factor * surface.radius[i]);
+  }
+};
 
 /** For every block of points the leaves whose ball meets it, ascending. */
 struct BlockLists {
@@ -24,6 +52,7 @@ BlockLists
 listLeaves(const PointStore& store, const SLIMSurface& surface, const std::vector<std::uint32_t>& leaves,
            int threads)
 {
+  const Placement placement(store, surface);
   // Leaves are cut into as many slices as there are threads; each slice counts, then writes.
   const auto slices = static_cast<std::size_t>(threads);
   const std::size_t blocks = store.numBlocks();
@@ -32,9 +61,11 @@ listLeaves(const PointStore& store, const SLIMSurface& surface, const std::vecto
     counts[s].assign(blocks, 0);
     for (std::size_t j = leaves.size() * s / slices; j < leaves.size() * (s + 1) / slices; ++j) {
       const std::uint32_t i = leaves[j];
-      const float center[3] = {surface.cx[i], surface.cy[i], surface.cz[i]};
+      const auto at = placement.center(surface, i);
+      const float center[3] = {static_cast<float>(at[0]), static_cast<float>(at[1]),
+                               static_cast<float>(at[2])};
       hit_begin[s].push_back(static_cast<std::uint32_t>(hits[s].size()));
-      store.tree().blocksInBall(center, surface.radius[i], hits[s]);
+      store.tree().blocksInBall(center, placement.radius(surface, i), hits[s]);
     }
     hit_begin[s].push_back(static_cast<std::uint32_t>(hits[s].size()));
     for (const std::uint32_t b : hits[s]) ++counts[s][b];
@@ -66,15 +97,12 @@ listLeaves(const PointStore& store, const SLIMSurface& surface, const std::vecto
 class Projector {
  public:
   Projector(const PointStore& store, const SLIMSurface& surface, const ProjectionParams& params)
-      : store_(store), surface_(surface)
+      : store_(store), surface_(surface), placement_(store, surface), directions_(params.directions)
   {
     rules_.kernel = surface.info.blend_kernel;
     rules_.oriented = surface.info.oriented;
     rules_.guarded = !params.paper_mode;
-    rules_.with_hessian = params.curvature;
-    for (int a = 0; a < 3; ++a) {
-      shift_[a] = (store.origin()[a] - surface.info.origin[a]) / surface.info.scale;
-    }
+    rules_.with_hessian = params.curvature || params.directions;
   }
 
   /** Projects one block's points; sums is the thread's scratch. */
@@ -101,18 +129,18 @@ class Projector {
   relativeTo(std::size_t block, std::uint32_t i) const
   {
     BlockLeaf leaf;
-    const double center[3] = {surface_.cx[i], surface_.cy[i], surface_.cz[i]};
+    const auto center = placement_.center(surface_, i);
     const double origin[3] = {store_.blockOriginX()[block], store_.blockOriginY()[block],
                               store_.blockOriginZ()[block]};
     const LocalFrame frame({surface_.nx[i], surface_.ny[i], surface_.nz[i]});
     for (int a = 0; a < 3; ++a) {
-      leaf.shift[a] = static_cast<float>(origin[a] + shift_[a] - center[a]);
+      leaf.shift[a] = static_cast<float>(origin[a] - center[static_cast<std::size_t>(a)]);
       leaf.u[a] = static_cast<float>(frame.u[a]);
       leaf.v[a] = static_cast<float>(frame.v[a]);
       leaf.w[a] = static_cast<float>(frame.w[a]);
     }
-    leaf.radius = surface_.radius[i];
-    const double gate = kGateErrors * surface_.error[i] / leaf.radius + kLeastGate;
+    leaf.radius = placement_.radius(surface_, i);
+    const double gate = kGateErrors * surface_.error[i] / surface_.radius[i] + kLeastGate;
     leaf.max_residual = static_cast<float>(gate);
     leaf.max_offset = static_cast<float>(std::min(gate, kGateRadius));
     leaf.degree = surface_.degree[i];
@@ -140,7 +168,8 @@ class Projector {
         if (rules_.with_hessian) {
           double h[6];
           for (int k = 0; k < 6; ++k) h[k] = sums.hessian[k][lane] / weight;
-          result.curvature[i] = curvatures(g, length, h);
+          result.curvature[i] = meanAndGaussian(g, length, h);
+          if (directions_) result.principal[i] = principalCurvatures(g, length, h);
         }
         result.position[i] = position;
         return;
@@ -149,29 +178,11 @@ class Projector {
     result.position[i] = store_.position(i);
   }
 
-  /** Mean and Gaussian curvature from blended gradient and Hessian (eq. 8, left). */
-  static std::array<float, 2>
-  curvatures(const double g[3], double length, const double h[6])
-  {
-    const double hg[3] = {h[0] * g[0] + h[1] * g[1] + h[2] * g[2],
-                          h[1] * g[0] + h[3] * g[1] + h[4] * g[2],
-                          h[2] * g[0] + h[4] * g[1] + h[5] * g[2]};
-    const double ghg = g[0] * hg[0] + g[1] * hg[1] + g[2] * hg[2];
-    const double length_sq = length * length;
-    const double mean = (h[0] + h[3] + h[5] - ghg / length_sq) / (2 * length);
-    const double adjugate[6] = {h[3] * h[5] - h[4] * h[4], h[2] * h[4] - h[1] * h[5],
-                                h[1] * h[4] - h[2] * h[3], h[0] * h[5] - h[2] * h[2],
-                                h[1] * h[2] - h[0] * h[4], h[0] * h[3] - h[1] * h[1]};
-    const double gauss = g[0] * (adjugate[0] * g[0] + 2 * adjugate[1] * g[1] + 2 * adjugate[2] * g[2]) +
-                         g[1] * (adjugate[3] * g[1] + 2 * adjugate[4] * g[2]) +
-                         adjugate[5] * g[2] * g[2];
-    return {static_cast<float>(mean), static_cast<float>(gauss / (length_sq * length_sq))};
-  }
-
   const PointStore& store_;
   const SLIMSurface& surface_;
+  Placement placement_;
+  bool directions_;
   BlendRules rules_;
-  double shift_[3];
 };
 
 }  // namespace
@@ -181,15 +192,17 @@ projectPoints(const PointStore& store, const SLIMSurface& surface, const Project
               Projection& result, Progress* progress)
 {
   result = Projection();
-  if (store.scale() != surface.info.scale) {
+  const double factor = surface.info.scale / store.scale();
+  if (!(factor > 1e-30 && factor < 1e30)) {
     return {ErrorCode::kBadArgument,
-            "the surface was fitted to a cloud of another size: project the cloud it was fitted to"};
+            "the surface has nothing of the cloud's size; project the cloud it was fitted to"};
   }
   const int threads = resolveThreads(params.threads);
   result.position.resize(store.size());
   result.normal.assign(store.size(), {0, 0, 0});
   result.supported.assign(store.size(), 0);
-  if (params.curvature) result.curvature.assign(store.size(), {0, 0});
+  if (params.curvature || params.directions) result.curvature.assign(store.size(), {0, 0});
+  if (params.directions) result.principal.assign(store.size(), {});
 
   std::vector<std::uint32_t> leaves;
   for (std::uint32_t i = 0; i < surface.size(); ++i) {

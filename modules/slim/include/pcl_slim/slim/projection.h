@@ -15,15 +15,28 @@ namespace pcl_slim {
 /** \brief How points are moved onto the blended surface. */
 struct ProjectionParams {
   bool curvature = false;   ///< also blend Hessians (eq. 8, left)
+  bool directions = false;  ///< also principal curvatures and directions; implies curvature
   bool paper_mode = false;  ///< formula (6) as printed, without the guards
   int threads = 0;          ///< 0: all cores; never changes the result
 };
 
-/** \brief Result per stored point, local units. */
+/** \brief Greatest and least normal curvature, 1/local length, and the unit tangents they lie along.
+ *
+ * k1 >= k2; directions are perpendicular to each other and to the normal, each with an arbitrary
+ * sign. Where k1 = k2 any pair of tangents is right, and some pair is given. All zero where
+ * unsupported.
+ */
+struct PrincipalCurvatures {
+  float k1 = 0, k2 = 0;
+  std::array<float, 3> direction1{}, direction2{};
+};
+
+/** \brief Result per stored point, the store's local units. */
 struct Projection {
   std::vector<std::array<double, 3>> position;  ///< unchanged where unsupported
   std::vector<std::array<float, 3>> normal;     ///< unit; zero where unsupported
   std::vector<std::array<float, 2>> curvature;  ///< mean and Gaussian, 1/local length, 1/length^2
+  std::vector<PrincipalCurvatures> principal;   ///< where asked for
   std::vector<std::uint8_t> supported;          ///< 0: no surfel supports the point, it kept its place
   std::uint64_t num_unsupported = 0;
 };
@@ -34,7 +47,8 @@ struct Projection {
  * at the larger of |p - c| and |q - c|, a root counts only within 5 e and r / 4 of p. Surfels
  * without orientation are aligned in sign to each other, point by point. Never emits NaN.
  * Curvature is positive where the surface bends away from its normal (a sphere with outward
- * normals has mean 1/R).
+ * normals has mean 1/R). The points need not be those the surface was fitted to: both stand in
+ * world coordinates through their origins and scales, and points away from it are unsupported.
  */
 Error
 projectPoints(const PointStore& store, const SLIMSurface& surface, const ProjectionParams& params,

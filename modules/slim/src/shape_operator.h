@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+
+#include "pcl_slim/slim/projection.h"
+
+namespace pcl_slim {
+
+/** \brief Mean and Gaussian curvature of a level set (eq. 8, left).
+ * \param[in] g gradient; \param[in] length its length, > 0; \param[in] h Hessian: xx xy xz yy yz zz.
+ * Positive where the surface bends away from g. */
+std::array<float, 2>
+meanAndGaussian(const double g[3], double length, const double h[6]);
+
+/** \brief Eigenvalues and eigenvectors of the same level set's shape operator. */
+PrincipalCurvatures
+principalCurvatures(const double g[3], double length, const double h[6]);
+
+}  // namespace pcl_slim
