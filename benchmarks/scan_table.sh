@@ -1,0 +1,64 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Fits every .pcd and .ply of a folder with the defaults, at degree 2, and meshes in paper mode as
+# well, and writes reports, pictures and the tables of docs/scans.md.
+#   benchmarks/scan_table.sh DATA_FOLDER OUT_FOLDER
+# The programs are those of build/release/bin, or of the folder named by BIN_DIR. Needs python3.
+# THREADS (2) and REPEATS (3: the fastest fit is told) may be set.
+set -euo pipefail
+
+here=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
+bin=${BIN_DIR:-$here/../build/release/bin}
+threads=${THREADS:-2}
+repeats=${REPEATS:-3}
+
+usage() {
+  echo "$1" >&2
+  exit 2
+}
+case ${1-} in
+  -h | --help) sed -n 's/^# \{0,1\}//; 3,7p' "${BASH_SOURCE[0]}"; exit 0 ;;
+esac
+[ $# -eq 2 ] || usage "scan_table.sh wants DATA_FOLDER and OUT_FOLDER; see scan_table.sh -h"
+data=$1
+out=$2
+[ -d "$data" ] || usage "$data is not a folder: give one that holds .pcd and .ply scans"
+[ -x "$bin/pcl_slim_fit" ] || usage "no pcl_slim_fit in $bin: build it, or name its folder in BIN_DIR"
+command -v python3 >/dev/null || usage "python3 is missing: install it (apt install python3)"
+shopt -s nullglob
+scans=("$data"/*.pcd "$data"/*.ply)
+[ ${#scans[@]} -gt 0 ] || usage "$data holds no .pcd or .ply scan"
+mkdir -p -- "$out"
+
+# fit SCAN NAME OPTION...: report NAME.N.json of each repeat, surface NAME.slim, output NAME.log.
+fit() {
+  local scan=$1 name=$2 repeat
+  shift 2
+  rm -f -- "$out/$name".*json "$out/$name.slim" "$out/$name.log"
+  for ((repeat = 1; repeat <= repeats; ++repeat)); do
+    "$bin/pcl_slim_fit" "$scan" "$out/$name.slim" -json "$out/$name.$repeat.json" \
+      -threads "$threads" "$@" >"$out/$name.log" 2>&1 || return
+  done
+}
+
+failures=0
+for scan in "${scans[@]}"; do
+  name=$(basename -- "$scan")
+  echo "$name" >&2
+  if ! fit "$scan" "$name.default"; then
+    echo "  failed: $(tail -n 1 -- "$out/$name.default.log")" >&2
+    failures=$((failures + 1))
+    continue
+  fi
+  fit "$scan" "$name.degree2" -degree 2 || failures=$((failures + 1))
+  "$bin/pcl_slim_render" "$out/$name.default.slim" "$out/$name.png" -size 400x320 -white 1 \
+    -threads "$threads" -quiet 1 || failures=$((failures + 1))
+  grep -q '"normals": "mesh"' "$out/$name.default.1.json" || continue
+  for degree in 1 2 3; do
+    fit "$scan" "$name.paper$degree" -paper 1 -t_mdl 0.02 -degree "$degree" ||
+      failures=$((failures + 1))
+  done
+done
+
+python3 "$here/scan_table.py" "$out" | tee "$out/tables.md"
+[ "$failures" -eq 0 ] || { echo "$failures runs failed; their .log files say why" >&2; exit 1; }
