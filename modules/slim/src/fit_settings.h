@@ -18,7 +18,7 @@ struct FitSettings {
   WeightKernel wall_kernel = WeightKernel::kPower2;   ///< at minimum support, where bias rules
   WeightKernel cover_kernel = WeightKernel::kPower7;  ///< G of the overlap measure
   double support = 1.15;          ///< n_eff per coefficient below which nothing is fitted
-  double lenience = 1.05;        ///< take the largest r with E <= lenience min E
+  double lenience = 1.02;        ///< take the largest r with E <= lenience min E
   double lack_of_fit = 5.0;      ///< go finer while e exceeds this many sqrt(lambda); 0: never
   double residual_gate = 5.0;    ///< a leaf covers points within so many e
   double alpha = 2.0 / 3.0;
