@@ -170,6 +170,10 @@ FitParams::validate() const
   if (t_mdl > 0 && (target_error > 0 || max_surfels > 0)) {
     return bad("T_MDL is a penalty: a target error or number of surfels would replace it, give one");
   }
+  const auto finite = [](double value) { return std::isfinite(value); };
+  if (has_viewpoint && !std::all_of(viewpoint, viewpoint + 3, finite)) {
+    return bad("the viewpoint must be finite");
+  }
   return {};
 }
 
@@ -179,6 +183,7 @@ fitSurface(const PointStore& store, const FitParams& params, SLIMSurface& surfac
 {
   surface.clear();
   if (Error error = params.validate()) return error;
+  if (store.size() == 0) return {ErrorCode::kBadInput, "the store holds no points: build it from some"};
   FitStatistics stats;
   const int threads = resolveThreads(params.threads);
   Stopwatch watch;
