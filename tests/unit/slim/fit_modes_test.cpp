@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Penalties, noise given or measured, outliers, and a box that says nothing about the object.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "support/clouds.h"
+
+namespace pcl_slim {
+namespace {
+
+using bench::Shape;
+using pcl_slim_test::Cloud;
+using pcl_slim_test::errorsOf;
+using pcl_slim_test::expectSound;
+using pcl_slim_test::fitted;
+using pcl_slim_test::sceneCloud;
+
+TEST(FitModes, LeavesRiseAsTheThresholdFalls)
+{
+  const Cloud cloud = sceneCloud(Shape::kBumpy, 10000, 0.001, 0.05);
+  for (const bool paper : {false, true}) {
+    for (const int degree : {2, 3}) {
+      std::uint64_t last = 0;
+      for (const double t : {0.05, 0.02, 0.005, 0.001}) {
+        FitParams params;
+        params.degree = degree;
+        params.t_mdl = t;
+        params.paper_mode = paper;
+        const auto f = fitted(cloud, params);
+        expectSound(f);
+        EXPECT_GT(f.statistics.leaves, last) << "T " << t << (paper ? " paper" : "");
+        EXPECT_DOUBLE_EQ(f.surface.info.t_mdl, t);
+        EXPECT_EQ(f.surface.info.penalty, 0.0);
+        EXPECT_EQ(f.surface.info.paper_mode, paper);
+        last = f.statistics.leaves;
+      }
+    }
+  }
+}
+
+TEST(FitModes, PaperModeIsAccurateEnough)
+{
+  const auto scene = bench::makeScene(Shape::kBumpy, 20000, 0.0, 0.0, 7);
+  FitParams params;
+  params.paper_mode = true;
+  params.degree = 2;
+  params.t_mdl = 0.005;
+  const auto f = fitted({scene.points, scene.normals}, params);
+  expectSound(f);
+  EXPECT_EQ(f.surface.info.blend_kernel, WeightKernel::kGaussian);
+  EXPECT_LT(errorsOf(Shape::kBumpy, f).position, 1e-3 * scene.diagonal);
+}
+
+TEST(FitModes, AHeavierPenaltyGivesFewerLeaves)
+{
+  const Cloud cloud = sceneCloud(Shape::kBumpy, 10000, 0.001, 0.05);
+  std::uint64_t last = ~0ull;
+  for (const double penalty : {1.0, 3.0, 30.0}) {
+    FitParams params;
+    params.penalty = penalty;
+    const auto f = fitted(cloud, params);
+    EXPECT_LT(f.statistics.leaves, last) << penalty;
+    EXPECT_EQ(f.surface.info.penalty, penalty);
+    last = f.statistics.leaves;
+  }
+}
+
+TEST(FitModes, TakesTheNoiseItIsGiven)
+{
+  const Cloud cloud = sceneCloud(Shape::kTorus, 8000, 0.0001);
+  FitParams params;
+  params.lambda = 1e-6;
+  const auto given = fitted(cloud, params), measured = fitted(cloud);
+  EXPECT_NEAR(given.statistics.lambda, 1e-6, 1e-13);
+  EXPECT_NEAR(std::sqrt(measured.statistics.lambda), 0.0001, 0.00002);
+  EXPECT_LT(given.statistics.leaves, measured.statistics.leaves);
+}
+
+TEST(FitModes, TheBoxDoesNotMatter)
+{
+  for (const bool normals : {true, false}) {
+    Cloud cloud = sceneCloud(Shape::kBumpy, 20000, 0.001, 0.05);
+    if (!normals) cloud = cloud.withoutNormals();
+    const std::size_t count = cloud.size();
+    const auto alone = errorsOf(Shape::kBumpy, fitted(cloud), count);
+    for (const double reach : {20.0, 200.0}) {
+      Cloud larger = cloud;
+      larger.points.insert(larger.points.end(), {reach, reach, reach});
+      if (normals) larger.normals.insert(larger.normals.end(), {0.0f, 0.0f, 1.0f});
+      const auto f = fitted(larger);
+      expectSound(f);
+      const auto boxed = errorsOf(Shape::kBumpy, f, count);
+      EXPECT_NEAR(boxed.position / alone.position, 1.0, 0.1) << reach << (normals ? " with" : " without");
+      EXPECT_NEAR(boxed.normal / alone.normal, 1.0, 0.15) << reach << (normals ? " with" : " without");
+    }
+  }
+}
+
+TEST(FitModes, NoisyNormalsHardlyMatter)
+{
+  const auto exact = errorsOf(Shape::kBumpy, fitted(sceneCloud(Shape::kBumpy, 20000, 0.001, 0.0)));
+  const auto noisy = errorsOf(Shape::kBumpy, fitted(sceneCloud(Shape::kBumpy, 20000, 0.001, 0.3)));
+  EXPECT_NEAR(noisy.position / exact.position, 1.0, 0.1);
+  EXPECT_NEAR(noisy.normal / exact.normal, 1.0, 0.1);
+}
+
+TEST(FitModes, RobustFitsBearOutliers)
+{
+  // One point in twenty is thrown off the torus by up to 2 % of the diagonal, to one side.
+  for (const bool normals : {true, false}) {
+    Cloud cloud = sceneCloud(Shape::kTorus, 12000, 0.0005);
+    std::mt19937_64 random(81);
+    std::uniform_real_distribution<double> off(0.02, 0.06);
+    for (std::size_t i = 0; i < cloud.size(); i += 20) {
+      const double by = off(random);
+      for (std::size_t a = 0; a < 3; ++a) cloud.points[3 * i + a] += by * cloud.normals[3 * i + a];
+    }
+    if (!normals) cloud = cloud.withoutNormals();
+    const auto inliers = [&](bool robust) {
+      FitParams params;
+      params.robust = robust;
+      auto f = fitted(cloud, params);
+      expectSound(f);
+      double sum = 0;
+      std::size_t count = 0;
+      for (std::size_t i = 0; i < f.store.size(); ++i) {
+        if (f.store.orderOfStore()[i] % 20 == 0) continue;
+        const double d = bench::truthAt(Shape::kTorus, f.world(f.projection.position[i])).distance;
+        sum += d * d;
+        ++count;
+      }
+      return std::sqrt(sum / static_cast<double>(count));
+    };
+    EXPECT_LT(inliers(true), 0.8 * inliers(false)) << (normals ? "with normals" : "without normals");
+  }
+}
+
+}  // namespace
+}  // namespace pcl_slim
