@@ -19,7 +19,7 @@ struct FitSettings {
   WeightKernel cover_kernel = WeightKernel::kPower7;  ///< G of the overlap measure
   double support = 1.15;          ///< n_eff per coefficient below which nothing is fitted
   double lenience = 1.02;        ///< take the largest r with E <= lenience min E
-  double lack_of_fit = 5.0;      ///< go finer while e exceeds this many sqrt(lambda); 0: never
+  double lack_of_fit = 2.5;      ///< go finer while e exceeds this many sqrt(lambda); 0: never
   double residual_gate = 5.0;    ///< a leaf covers points within so many e
   double alpha = 2.0 / 3.0;
   double gamma = 0.1;

@@ -50,7 +50,7 @@ meanAndGaussian(const double g[3], double length, const double h[6])
   return {static_cast<float>(mean), static_cast<float>(gauss / (length_sq * length_sq))};
 }
 
-PrincipalCurvatures
+PrincipalFrame
 principalCurvatures(const double g[3], double length, const double h[6])
 {
   // The shape operator is the Hessian over |g|, restricted to the tangent plane: two by two.
@@ -61,7 +61,7 @@ principalCurvatures(const double g[3], double length, const double h[6])
   const double mean = 0.5 * (uu + vv), half = 0.5 * (uu - vv);
   const double spread = std::hypot(half, uv);
   const double angle = 0.5 * std::atan2(uv, half);
-  PrincipalCurvatures principal;
+  PrincipalFrame principal;
   principal.k1 = static_cast<float>(mean + spread);
   principal.k2 = static_cast<float>(mean - spread);
   principal.direction1 = turned(frame, std::cos(angle), std::sin(angle));

@@ -14,7 +14,7 @@ std::array<float, 2>
 meanAndGaussian(const double g[3], double length, const double h[6]);
 
 /** \brief Eigenvalues and eigenvectors of the same level set's shape operator. */
-PrincipalCurvatures
+PrincipalFrame
 principalCurvatures(const double g[3], double length, const double h[6]);
 
 }  // namespace pcl_slim

@@ -26,7 +26,7 @@ struct ProjectionParams {
  * sign. Where k1 = k2 any pair of tangents is right, and some pair is given. All zero where
  * unsupported.
  */
-struct PrincipalCurvatures {
+struct PrincipalFrame {
   float k1 = 0, k2 = 0;
   std::array<float, 3> direction1{}, direction2{};
 };
@@ -36,7 +36,7 @@ struct Projection {
   std::vector<std::array<double, 3>> position;  ///< unchanged where unsupported
   std::vector<std::array<float, 3>> normal;     ///< unit; zero where unsupported
   std::vector<std::array<float, 2>> curvature;  ///< mean and Gaussian, 1/local length, 1/length^2
-  std::vector<PrincipalCurvatures> principal;   ///< where asked for
+  std::vector<PrincipalFrame> principal;   ///< where asked for
   std::vector<std::uint8_t> supported;          ///< 0: no surfel supports the point, it kept its place
   std::uint64_t num_unsupported = 0;
 };
