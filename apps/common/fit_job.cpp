@@ -87,9 +87,10 @@ skippedText(const PointStoreStatistics& points)
 void
 declareFitOptions(OptionTable& options, FitJob& job)
 {
-  options.integer("degree", &job.params.degree, 1, 4, "degree of the polynomials");
+  options.integer("degree", &job.params.degree, 1, 4, "degree of the polynomials",
+                  "4, with -sharp 2");
   options.number("penalty", &job.params.penalty, 1e-6, 1e6,
-                 "weight of the price of a coefficient; larger is smoother");
+                 "weight of the price of a coefficient; larger is smoother", "3, with -sharp 1");
   options.number("t_mdl", &job.params.t_mdl, 1e-9, 1e3, "the paper's T_MDL in place of -penalty",
                  "off");
   options.number("target_error", &job.params.target_error, 1e-12, 1,

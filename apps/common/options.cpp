@@ -116,13 +116,13 @@ OptionTable::positional(const std::string& name, std::string* target, const std:
 
 void
 OptionTable::integer(const std::string& name, int* target, std::int64_t low, std::int64_t high,
-                     const std::string& help)
+                     const std::string& help, const std::string& unset)
 {
   Option& option = add(name, Kind::kInteger, target, help);
   option.low = static_cast<double>(low);
   option.high = static_cast<double>(high);
   option.value_name = "N";
-  option.default_text = std::to_string(*target);
+  option.default_text = unset.empty() ? std::to_string(*target) : unset;
 }
 
 void

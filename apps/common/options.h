@@ -30,7 +30,7 @@ class OptionTable {
   void positional(const std::string& name, std::string* target, const std::string& help);
 
   void integer(const std::string& name, int* target, std::int64_t low, std::int64_t high,
-               const std::string& help);
+               const std::string& help, const std::string& unset = "");
   void integer(const std::string& name, std::uint64_t* target, std::uint64_t low,
                std::uint64_t high, const std::string& help);
   /** \brief A finite number in [low, high]. \param[in] unset text shown instead of a default 0. */

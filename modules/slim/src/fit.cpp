@@ -159,8 +159,12 @@ Error
 FitParams::validate() const
 {
   const auto bad = [](const char* text) { return Error{ErrorCode::kBadArgument, text}; };
-  if (degree < 1 || degree > kMaxDegree) return bad("the polynomial degree must be 1, 2, 3 or 4");
-  if (!(penalty > 0) || !std::isfinite(penalty)) return bad("the penalty kappa must be positive");
+  if (degree < 0 || degree > kMaxDegree) {
+    return bad("the polynomial degree must be 1, 2, 3 or 4 (0: by the other parameters)");
+  }
+  if (!(penalty >= 0) || !std::isfinite(penalty)) {
+    return bad("the penalty kappa must be positive (0: by the other parameters)");
+  }
   if (!(t_mdl >= 0) || !std::isfinite(t_mdl)) return bad("T_MDL must be positive (0: unused)");
   if (!(target_error >= 0 && target_error < 1)) return bad("the target error is a share of the diagonal: 0 to 1");
   if (!(lambda >= 0) || !std::isfinite(lambda)) return bad("lambda must not be negative");
@@ -177,12 +181,22 @@ FitParams::validate() const
   return {};
 }
 
+FitParams
+FitParams::resolved() const
+{
+  FitParams settled = *this;
+  if (degree == 0) settled.degree = sharp_features ? 2 : 4;
+  if (penalty == 0) settled.penalty = sharp_features ? 1.0 : 3.0;
+  return settled;
+}
+
 Error
-fitSurface(const PointStore& store, const FitParams& params, SLIMSurface& surface,
+fitSurface(const PointStore& store, const FitParams& asked, SLIMSurface& surface,
            FitStatistics* statistics, Progress* progress)
 {
   surface.clear();
-  if (Error error = params.validate()) return error;
+  if (Error error = asked.validate()) return error;
+  const FitParams params = asked.resolved();
   if (store.size() == 0) return {ErrorCode::kBadInput, "the store holds no points: build it from some"};
   FitStatistics stats;
   const int threads = resolveThreads(params.threads);

@@ -13,6 +13,7 @@ namespace pcl_slim {
 namespace {
 
 constexpr double kGateErrors = 5.0;   ///< residuals and offsets beyond so many e do not count
+constexpr float kSharpDot = 0.5f;      ///< with sharp features, leaves serve normals within 60 degrees
 constexpr double kGateRadius = 0.25;  ///< nor offsets beyond this share of r
 constexpr double kLeastGate = 1e-5;   ///< of r: exact fits must not gate on rounding
 
@@ -103,6 +104,8 @@ class Projector {
     rules_.oriented = surface.info.oriented;
     rules_.guarded = !params.paper_mode;
     rules_.with_hessian = params.curvature || params.directions;
+    gated_ = surface.info.oriented && store.hasNormals() && !params.paper_mode;
+    min_dot_ = params.sharp_features ? kSharpDot : 0.0f;
   }
 
   /** Projects one block's points; sums is the thread's scratch. */
@@ -111,14 +114,20 @@ class Projector {
           Projection& result) const
   {
     const std::size_t first = block * PointStore::kBlock;
-    const float* const xyz[3] = {store_.x() + first, store_.y() + first, store_.z() + first};
+    BlockPoints points{store_.x() + first, store_.y() + first, store_.z() + first};
+    if (gated_) {
+      points.nx = store_.nx() + first;
+      points.ny = store_.ny() + first;
+      points.nz = store_.nz() + first;
+      points.min_dot = min_dot_;
+    }
     for (auto& column : sums.direction) std::fill(column, column + 16, 0.0f);
     for (const std::uint32_t* leaf = begin; leaf != end; ++leaf) {
-      kernels::addDirections(xyz[0], xyz[1], xyz[2], relativeTo(block, *leaf), rules_, sums);
+      kernels::addDirections(points, relativeTo(block, *leaf), rules_, sums);
     }
     kernels::finishDirections(sums);
     for (const std::uint32_t* leaf = begin; leaf != end; ++leaf) {
-      kernels::addIntersections(xyz[0], xyz[1], xyz[2], relativeTo(block, *leaf), rules_, sums);
+      kernels::addIntersections(points, relativeTo(block, *leaf), rules_, sums);
     }
     const std::size_t count = std::min(PointStore::kBlock, store_.size() - first);
     for (std::size_t lane = 0; lane < count; ++lane) finish(first + lane, lane, sums, result);
@@ -182,6 +191,8 @@ class Projector {
   const SLIMSurface& surface_;
   Placement placement_;
   bool directions_;
+  bool gated_ = false;
+  float min_dot_ = 0.0f;
   BlendRules rules_;
 };
 

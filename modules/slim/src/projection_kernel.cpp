@@ -153,6 +153,17 @@ class HeightJets {
   Vec c_[numCoefficients(D)];
 };
 
+/** Lanes whose point's own normal lets the leaf serve it. */
+HWY_INLINE Mask
+sameSide(const BlockPoints& points, const BlockLeaf& leaf, std::size_t i)
+{
+  const Tag d;
+  if (points.nx == nullptr) return hn::Eq(hn::Zero(d), hn::Zero(d));
+  const Vec cosine = dot3(hn::Load(d, points.nx + i), hn::Load(d, points.ny + i),
+                          hn::Load(d, points.nz + i), set(leaf.w[0]), set(leaf.w[1]), set(leaf.w[2]));
+  return hn::Gt(cosine, set(points.min_dot));
+}
+
 /** +1 or -1 per lane: the sign that turns b to the side of a sum gathered so far. */
 HWY_INLINE Vec
 alignment(Vec sum_dot_b)
@@ -162,16 +173,16 @@ alignment(Vec sum_dot_b)
 
 template <int D>
 void
-addDirectionsOf(const float* x, const float* y, const float* z, const BlockLeaf& leaf,
+addDirectionsOf(const BlockPoints& points, const BlockLeaf& leaf,
                 const BlendRules& rules, BlockSums& sums)
 {
   const Tag d;
   const LeafFrame frame(leaf);
   const HeightJets<D> jets(leaf.c);
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
-    const Local p = frame.place(hn::Load(d, x + i), hn::Load(d, y + i), hn::Load(d, z + i));
+    const Local p = frame.place(hn::Load(d, points.x + i), hn::Load(d, points.y + i), hn::Load(d, points.z + i));
     const Vec s_sq = dot3(p.u, p.v, p.w, p.u, p.v, p.w);
-    Mask near = hn::Lt(s_sq, set(1.0f));
+    Mask near = hn::And(hn::Lt(s_sq, set(1.0f)), sameSide(points, leaf, i));
     if (hn::AllFalse(d, near)) continue;
     Vec h, hu, hv;
     jets.gradient(p.u, p.v, h, hu, hv);
@@ -197,7 +208,7 @@ addDirectionsOf(const float* x, const float* y, const float* z, const BlockLeaf&
 
 template <int D>
 void
-addIntersectionsOf(const float* x, const float* y, const float* z, const BlockLeaf& leaf,
+addIntersectionsOf(const BlockPoints& points, const BlockLeaf& leaf,
                    const BlendRules& rules, BlockSums& sums)
 {
   const Tag d;
@@ -205,9 +216,9 @@ addIntersectionsOf(const float* x, const float* y, const float* z, const BlockLe
   const HeightJets<D> jets(leaf.c);
   const Vec zero = hn::Zero(d), one = set(1.0f), radius = set(leaf.radius);
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
-    const Local p = frame.place(hn::Load(d, x + i), hn::Load(d, y + i), hn::Load(d, z + i));
+    const Local p = frame.place(hn::Load(d, points.x + i), hn::Load(d, points.y + i), hn::Load(d, points.z + i));
     const Vec p_sq = dot3(p.u, p.v, p.w, p.u, p.v, p.w);
-    Mask near = hn::Lt(p_sq, one);
+    Mask near = hn::And(hn::Lt(p_sq, one), sameSide(points, leaf, i));
     if (hn::AllFalse(d, near)) continue;
     const Local ray = frame.turn(hn::Load(d, sums.direction[0] + i),
                                  hn::Load(d, sums.direction[1] + i),
@@ -264,14 +275,14 @@ addIntersectionsOf(const float* x, const float* y, const float* z, const BlockLe
 }
 
 void
-addDirections(const float* x, const float* y, const float* z, const BlockLeaf& leaf,
+addDirections(const BlockPoints& points, const BlockLeaf& leaf,
               const BlendRules& rules, BlockSums& sums)
 {
   switch (leaf.degree) {
-    case 1: return addDirectionsOf<1>(x, y, z, leaf, rules, sums);
-    case 2: return addDirectionsOf<2>(x, y, z, leaf, rules, sums);
-    case 3: return addDirectionsOf<3>(x, y, z, leaf, rules, sums);
-    default: return addDirectionsOf<4>(x, y, z, leaf, rules, sums);
+    case 1: return addDirectionsOf<1>(points, leaf, rules, sums);
+    case 2: return addDirectionsOf<2>(points, leaf, rules, sums);
+    case 3: return addDirectionsOf<3>(points, leaf, rules, sums);
+    default: return addDirectionsOf<4>(points, leaf, rules, sums);
   }
 }
 
@@ -297,14 +308,14 @@ finishDirections(BlockSums& sums)
 }
 
 void
-addIntersections(const float* x, const float* y, const float* z, const BlockLeaf& leaf,
+addIntersections(const BlockPoints& points, const BlockLeaf& leaf,
                  const BlendRules& rules, BlockSums& sums)
 {
   switch (leaf.degree) {
-    case 1: return addIntersectionsOf<1>(x, y, z, leaf, rules, sums);
-    case 2: return addIntersectionsOf<2>(x, y, z, leaf, rules, sums);
-    case 3: return addIntersectionsOf<3>(x, y, z, leaf, rules, sums);
-    default: return addIntersectionsOf<4>(x, y, z, leaf, rules, sums);
+    case 1: return addIntersectionsOf<1>(points, leaf, rules, sums);
+    case 2: return addIntersectionsOf<2>(points, leaf, rules, sums);
+    case 3: return addIntersectionsOf<3>(points, leaf, rules, sums);
+    default: return addIntersectionsOf<4>(points, leaf, rules, sums);
   }
 }
 
@@ -319,10 +330,10 @@ HWY_EXPORT(finishDirections);
 HWY_EXPORT(addIntersections);
 
 void
-addDirections(const float* x, const float* y, const float* z, const BlockLeaf& leaf,
+addDirections(const BlockPoints& points, const BlockLeaf& leaf,
               const BlendRules& rules, BlockSums& sums)
 {
-  HWY_DYNAMIC_DISPATCH(addDirections)(x, y, z, leaf, rules, sums);
+  HWY_DYNAMIC_DISPATCH(addDirections)(points, leaf, rules, sums);
 }
 
 void
@@ -332,10 +343,10 @@ finishDirections(BlockSums& sums)
 }
 
 void
-addIntersections(const float* x, const float* y, const float* z, const BlockLeaf& leaf,
+addIntersections(const BlockPoints& points, const BlockLeaf& leaf,
                  const BlendRules& rules, BlockSums& sums)
 {
-  HWY_DYNAMIC_DISPATCH(addIntersections)(x, y, z, leaf, rules, sums);
+  HWY_DYNAMIC_DISPATCH(addIntersections)(points, leaf, rules, sums);
 }
 
 }  // namespace pcl_slim::kernels

@@ -20,6 +20,13 @@ struct BlockLeaf {
   const float* c;
 };
 
+/** \brief A block's 16 points: offsets from its origin, and normals where they are to decide. */
+struct BlockPoints {
+  const float *x, *y, *z;
+  const float *nx = nullptr, *ny = nullptr, *nz = nullptr;
+  float min_dot = 0.0f;  ///< a leaf serves a point if their normals' cosine is above this
+};
+
 /** \brief Sums over the leaves of a block's 16 points; columns per point. */
 struct BlockSums {
   alignas(64) float direction[3][16];   ///< sum w n of pass 1, then the unit ray direction
@@ -39,11 +46,10 @@ struct BlendRules {
 
 namespace kernels {
 
-/** \brief Pass 1: adds a leaf's normals, in the points' frame, to the ray directions.
- * \param[in] x,y,z the block's 16 offsets. */
+/** \brief Pass 1: adds a leaf's normals, in the points' frame, to the ray directions. */
 void
-addDirections(const float* x, const float* y, const float* z, const BlockLeaf& leaf,
-              const BlendRules& rules, BlockSums& sums);
+addDirections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+              BlockSums& sums);
 
 /** \brief Makes the directions unit and clears the sums of pass 2; zero where nothing was added. */
 void
@@ -51,8 +57,8 @@ finishDirections(BlockSums& sums);
 
 /** \brief Pass 2: meets the rays p + t d with a leaf and adds what equations (6)-(8) blend. */
 void
-addIntersections(const float* x, const float* y, const float* z, const BlockLeaf& leaf,
-                 const BlendRules& rules, BlockSums& sums);
+addIntersections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+                 BlockSums& sums);
 
 }  // namespace kernels
 }  // namespace pcl_slim

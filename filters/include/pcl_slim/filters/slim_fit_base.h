@@ -40,11 +40,12 @@ class SLIMFitBase {
   void setParams(const FitParams& params) { params_ = params; }
   const FitParams& getParams() const { return params_; }
 
-  /** \brief Degree of the local polynomials, 1..4 (default 4). */
+  /** \brief Degree of the local polynomials, 1..4; 0 (default): 4, or 2 with sharp features. */
   void setPolynomialOrder(int order) { params_.degree = order; }
   int getPolynomialOrder() const { return params_.degree; }
 
-  /** \brief Weight kappa > 0 of the price of a coefficient; larger is smoother. */
+  /** \brief Weight kappa > 0 of the price of a coefficient; larger is smoother. 0 (default): 3, or
+   * 1 with sharp features. */
   void setPenalty(double penalty) { params_.penalty = penalty; }
   double getPenalty() const { return params_.penalty; }
 

@@ -14,8 +14,9 @@ namespace pcl_slim {
 /** \brief Parameters of a SLIM fit. The defaults need no tuning; lengths marked [L] are shares of
  * the bounding-box diagonal. */
 struct FitParams {
-  int degree = 4;                 ///< polynomial degree, 1..4
-  double penalty = 3.0;           ///< kappa > 0: E = e^2 n/(n-P) + kappa lambda P / n (Mallows' Cp)
+  int degree = 0;                 ///< polynomial degree, 1..4; 0: 4, or 2 with sharp features
+  double penalty = 0.0;           ///< kappa > 0: E = e^2 n/(n-P) + kappa lambda P / n (Mallows' Cp);
+                                  ///< 0: 3, or 1 with sharp features
   double t_mdl = 0.0;             ///< > 0: the paper's penalty lambda (T L / r)^2 instead (eq. 3)
   double target_error = 0.0;      ///< > 0 [L]: solve for the penalty that gives this RMS residual
   std::uint64_t max_surfels = 0;  ///< > 0: solve for the penalty that gives at most so many leaves
@@ -31,6 +32,9 @@ struct FitParams {
   std::uint64_t seed = 1;         ///< of the order in which centres are tried
   int threads = 0;                ///< 0: all cores; never changes the result
 
+  /** \brief The same with degree and penalty settled: faces between sharp edges are small, which
+   * low degrees and narrow balls follow better (docs/theory.md). */
+  FitParams resolved() const;
   /** \brief Names the first parameter out of range. */
   Error validate() const;
 };

@@ -16,6 +16,7 @@ namespace pcl_slim {
 struct ProjectionParams {
   bool curvature = false;   ///< also blend Hessians (eq. 8, left)
   bool directions = false;  ///< also principal curvatures and directions; implies curvature
+  bool sharp_features = false;  ///< as the fit's: leaves serve points of normals within 60 degrees
   bool paper_mode = false;  ///< formula (6) as printed, without the guards
   int threads = 0;          ///< 0: all cores; never changes the result
 };
@@ -44,7 +45,8 @@ struct Projection {
 /** \brief Moves every stored point along the blended direction of its leaves onto the surface.
  *
  * Equations (6) and (7) of Ohtake, Belyaev, Alexa 2005 with q^ = p, guarded: the weight is taken
- * at the larger of |p - c| and |q - c|, a root counts only within 5 e and r / 4 of p. Surfels
+ * at the larger of |p - c| and |q - c|, a root counts only within 5 e and r / 4 of p, and where
+ * both sides have normals a leaf serves only points it faces alike. Surfels
  * without orientation are aligned in sign to each other, point by point. Never emits NaN.
  * Curvature is positive where the surface bends away from its normal (a sphere with outward
  * normals has mean 1/R). The points need not be those the surface was fitted to: both stand in
