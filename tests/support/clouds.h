@@ -23,21 +23,15 @@ struct Cloud {
 
   std::size_t size() const { return points.size() / 3; }
 
-  void
-  add(double x, double y, double z)
-  {
-    points.insert(points.end(), {x, y, z});
-  }
+  void add(double x, double y, double z) { points.insert(points.end(), {x, y, z}); }
 
-  void
-  add(const std::array<double, 3>& p, const std::array<double, 3>& n)
+  void add(const std::array<double, 3>& p, const std::array<double, 3>& n)
   {
     points.insert(points.end(), p.begin(), p.end());
     for (const double value : n) normals.push_back(static_cast<float>(value));
   }
 
-  pcl_slim::CloudView
-  view() const
+  pcl_slim::CloudView view() const
   {
     pcl_slim::CloudView view;
     view.xyz = points.data();
@@ -51,11 +45,7 @@ struct Cloud {
     return view;
   }
 
-  Cloud
-  withoutNormals() const
-  {
-    return {points, {}};
-  }
+  Cloud withoutNormals() const { return {points, {}}; }
 };
 
 /** An exact surface's points; noise is a share of the diagonal, normal_noise in rad. */
@@ -81,8 +71,7 @@ struct Fitted {
   pcl_slim::FitStatistics statistics;
   pcl_slim::Projection projection;
 
-  std::array<double, 3>
-  world(const std::array<double, 3>& local) const
+  std::array<double, 3> world(const std::array<double, 3>& local) const
   {
     std::array<double, 3> p;
     for (std::size_t a = 0; a < 3; ++a) p[a] = store.origin()[a] + store.scale() * local[a];

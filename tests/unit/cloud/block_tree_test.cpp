@@ -150,7 +150,8 @@ TEST(BlockTree, AStoresBlocksHoldTheirPoints)
   std::uniform_int_distribution<std::size_t> pick(0, store.size() - 1);
   for (int query = 0; query < 50; ++query) {
     const auto p = store.position(pick(random));
-    const float center[] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+    const float center[] = {static_cast<float>(p[0]), static_cast<float>(p[1]),
+                            static_cast<float>(p[2])};
     const float radius = 0.002f * static_cast<float>(1 + query);
     std::vector<std::uint32_t> found;
     store.tree().blocksInBall(center, radius, found);

@@ -31,7 +31,8 @@ TEST(NoiseLevel, IsWithinATenthOfTheTruth)
         const auto scene = bench::makeScene(shape, 20000, noise, 0.05, 7);
         const Cloud cloud = {scene.points, normals ? scene.normals : std::vector<float>()};
         EXPECT_NEAR(noiseOf(storeOf(cloud)) / (noise * scene.diagonal), 1.0, 0.1)
-            << static_cast<int>(shape) << " at " << noise << (normals ? " with" : " without") << " normals";
+            << static_cast<int>(shape) << " at " << noise << (normals ? " with" : " without")
+            << " normals";
       }
     }
   }
@@ -116,7 +117,8 @@ TEST(NoiseLevel, SurvivesALineAndAPlane)
   for (int i = 0; i < 500; ++i) line.add(0.3 * i, 0.1 * i, -0.7 * i);
   for (int i = 0; i < 900; ++i) plane.add(i % 30, i / 30, 0.0);
   for (const Cloud& cloud : {line, plane}) {
-    for (const auto estimator : {NoiseEstimator::kCubicResidual, NoiseEstimator::kMinEigenvalue10}) {
+    for (const auto estimator :
+         {NoiseEstimator::kCubicResidual, NoiseEstimator::kMinEigenvalue10}) {
       const PointStore store = storeOf(cloud);
       const double found = std::sqrt(estimateNoise(store, estimator, 1));
       EXPECT_TRUE(std::isfinite(found));
@@ -129,7 +131,8 @@ TEST(NoiseLevel, IsTheSameForAnyNumberOfThreads)
 {
   for (const std::size_t count : {40, 520, 600, 777, 950, 5000}) {
     const PointStore store = storeOf(sceneCloud(Shape::kBumpy, count, 0.01));
-    for (const auto estimator : {NoiseEstimator::kCubicResidual, NoiseEstimator::kMinEigenvalue10}) {
+    for (const auto estimator :
+         {NoiseEstimator::kCubicResidual, NoiseEstimator::kMinEigenvalue10}) {
       const double one = estimateNoise(store, estimator, 1);
       for (int run = 0; run < 5; ++run) {
         EXPECT_EQ(estimateNoise(store, estimator, 2), one) << count;

@@ -24,7 +24,8 @@ struct TestBall {
 };
 
 TestBall
-ballAt(const PointStore& store, std::size_t i, float radius, const std::array<float, 3>* gate, float min_dot)
+ballAt(const PointStore& store, std::size_t i, float radius, const std::array<float, 3>* gate,
+       float min_dot)
 {
   TestBall ball;
   const auto p = store.position(i);
@@ -53,8 +54,7 @@ ballAt(const PointStore& store, std::size_t i, float radius, const std::array<fl
 
 class FitGather : public testing::Test {
  protected:
-  void
-  SetUp() override
+  void SetUp() override
   {
     const auto cloud = pcl_slim_test::sceneCloud(bench::Shape::kTorus, 2500, 0.01, 0.8);
     with_normals_ = storeOf(cloud);
@@ -63,8 +63,7 @@ class FitGather : public testing::Test {
 
   /** Calls body(store, ball) for balls of many sizes, with and without a gate. */
   template <typename Body>
-  void
-  forEachBall(const Body& body)
+  void forEachBall(const Body& body)
   {
     std::mt19937 random(51);
     std::uniform_int_distribution<std::size_t> pick(0, with_normals_.size() - 1);
@@ -74,7 +73,8 @@ class FitGather : public testing::Test {
       const std::size_t i = pick(random);
       const auto gate = with_normals_.normal(i);
       const float radius = 0.004f * static_cast<float>(1 + trial);
-      const TestBall ball = ballAt(store, i, radius, trial % 3 == 0 ? nullptr : &gate, trial % 3 == 1 ? 0.0f : 0.5f);
+      const TestBall ball =
+          ballAt(store, i, radius, trial % 3 == 0 ? nullptr : &gate, trial % 3 == 1 ? 0.0f : 0.5f);
       if (!ball.clear) continue;
       ++tested;
       body(store, ball);
@@ -105,7 +105,8 @@ TEST_F(FitGather, TakesThePointsOfTheBallAndItsSums)
       ASSERT_NEAR(buffer.w[k], d[2], 1e-7);
       const double d_sq = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
       ASSERT_NEAR(buffer.s_sq[k], d_sq, 1e-7 * ball.query.radius);
-      const double g = evaluateKernel(WeightKernel::kPower4, d_sq / (ball.query.radius * ball.query.radius));
+      const double g =
+          evaluateKernel(WeightKernel::kPower4, d_sq / (ball.query.radius * ball.query.radius));
       weight += g;
       first += g * d[1];
       for (int a = 0, m = 0; a < 3; ++a) {
@@ -116,7 +117,8 @@ TEST_F(FitGather, TakesThePointsOfTheBallAndItsSums)
     const double r = ball.query.radius;
     ASSERT_NEAR(sums.weight, weight, 1e-4 * weight);
     ASSERT_NEAR(sums.first[1], first, 1e-4 * weight * r);
-    for (std::size_t m = 0; m < 6; ++m) ASSERT_NEAR(sums.second[m], second[m], 1e-4 * weight * r * r);
+    for (std::size_t m = 0; m < 6; ++m)
+      ASSERT_NEAR(sums.second[m], second[m], 1e-4 * weight * r * r);
     ASSERT_NEAR(sums.normal[2], normal, 1e-4 * weight);
   });
 }

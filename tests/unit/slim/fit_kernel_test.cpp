@@ -50,11 +50,12 @@ polynomialBall(int degree, std::size_t count, double noise, std::uint32_t seed,
   while (ball.count < count) {
     const double u = place(random), v = place(random);
     if (u * u + v * v > 0.8) continue;
-    
+
     double h = 0;
     int k = 0;
     for (int d = 0; d <= degree; ++d) {
-      for (int j = 0; j <= d; ++j) h += c[static_cast<std::size_t>(k++)] * std::pow(u, d - j) * std::pow(v, j);
+      for (int j = 0; j <= d; ++j)
+        h += c[static_cast<std::size_t>(k++)] * std::pow(u, d - j) * std::pow(v, j);
     }
     addPoint(ball, u, v, h + noise * normal(random));
   }
@@ -143,7 +144,8 @@ TEST(FitBall, LowersTheDegreeAsPointsGetFew)
   for (std::size_t count = 1; count <= 60; ++count) {
     std::array<double, kMaxCoefficients> truth;
     const BallBuffer ball = polynomialBall(4, count, 0.001, 5, truth);
-    const LocalFit fit = kernels::fitBall(ball, 4, 1.0f, WeightKernel::kPower2, 1.2, FitGoal::kRefined);
+    const LocalFit fit =
+        kernels::fitBall(ball, 4, 1.0f, WeightKernel::kPower2, 1.2, FitGoal::kRefined);
     ASSERT_TRUE(fit.degree == 0 || fit.n_eff >= 1.2 * numCoefficients(fit.degree)) << count;
     ASSERT_TRUE(fit.degree == 4 || fit.n_eff < 1.2 * numCoefficients(fit.degree + 1)) << count;
     for (int k = fit.degree > 0 ? numCoefficients(fit.degree) : 0; k < kMaxCoefficients; ++k) {
@@ -158,7 +160,8 @@ TEST(FitBall, AFallenDegreeIsTheBestOfThatDegree)
 {
   std::array<double, kMaxCoefficients> truth;
   const BallBuffer ball = polynomialBall(4, 14, 0.001, 9, truth);
-  const LocalFit fit = kernels::fitBall(ball, 4, 1.0f, WeightKernel::kPower2, 1.2, FitGoal::kRefined);
+  const LocalFit fit =
+      kernels::fitBall(ball, 4, 1.0f, WeightKernel::kPower2, 1.2, FitGoal::kRefined);
   ASSERT_GT(fit.degree, 0);
   ASSERT_LT(fit.degree, 4);
   const LocalFit expected = reference(ball, fit.degree, 1.0, WeightKernel::kPower2);
@@ -177,8 +180,12 @@ TEST(FitBall, MakesNoPolynomialOfALineOrOfOnePlace)
   pad(line);
   pad(place);
   for (int degree = 1; degree <= kMaxDegree; ++degree) {
-    EXPECT_EQ(kernels::fitBall(line, degree, 1.0f, WeightKernel::kPower4, 1.2, FitGoal::kRefined).degree, 0);
-    EXPECT_EQ(kernels::fitBall(place, degree, 1.0f, WeightKernel::kPower4, 1.2, FitGoal::kRefined).degree, 0);
+    EXPECT_EQ(
+        kernels::fitBall(line, degree, 1.0f, WeightKernel::kPower4, 1.2, FitGoal::kRefined).degree,
+        0);
+    EXPECT_EQ(
+        kernels::fitBall(place, degree, 1.0f, WeightKernel::kPower4, 1.2, FitGoal::kRefined).degree,
+        0);
   }
 }
 
@@ -187,10 +194,12 @@ TEST(FitBall, MakesAtMostALowDegreeOfThreeRows)
   // Three parallel rows of points determine nothing of third order across them.
   BallBuffer rows;
   for (int i = 0; i < 100; ++i) {
-    for (int row = -1; row <= 1; ++row) addPoint(rows, (i - 49.5) / 60.0, 0.3 * row, 0.01 * row * row);
+    for (int row = -1; row <= 1; ++row)
+      addPoint(rows, (i - 49.5) / 60.0, 0.3 * row, 0.01 * row * row);
   }
   pad(rows);
-  const LocalFit fit = kernels::fitBall(rows, 4, 1.0f, WeightKernel::kPower4, 1.2, FitGoal::kRefined);
+  const LocalFit fit =
+      kernels::fitBall(rows, 4, 1.0f, WeightKernel::kPower4, 1.2, FitGoal::kRefined);
   EXPECT_GE(fit.degree, 1);
   EXPECT_LE(fit.degree, 2);
   for (const double value : fit.c) EXPECT_LT(std::abs(value), 1.0);
@@ -201,7 +210,8 @@ TEST(FitBall, OfNothingIsNothing)
   BallBuffer ball;
   ball.reserve(1);
   pad(ball);
-  const LocalFit fit = kernels::fitBall(ball, 4, 1.0f, WeightKernel::kPower4, 1.2, FitGoal::kRefined);
+  const LocalFit fit =
+      kernels::fitBall(ball, 4, 1.0f, WeightKernel::kPower4, 1.2, FitGoal::kRefined);
   EXPECT_EQ(fit.degree, 0);
   EXPECT_EQ(kernels::effectiveCount(ball, 1.0f, WeightKernel::kPower4), 0.0);
 }
@@ -215,7 +225,8 @@ TEST(FitBall, HonoursRobustWeights)
   pad(ball);
   ball.prior.assign(ball.u.size(), 1.0f);
   std::fill(ball.prior.begin() + static_cast<std::ptrdiff_t>(clean), ball.prior.end(), 0.0f);
-  const LocalFit fit = kernels::fitBall(ball, 2, 1.0f, WeightKernel::kPower4, 1.2, FitGoal::kRefined);
+  const LocalFit fit =
+      kernels::fitBall(ball, 2, 1.0f, WeightKernel::kPower4, 1.2, FitGoal::kRefined);
   ASSERT_EQ(fit.degree, 2);
   for (std::size_t k = 0; k < 6; ++k) EXPECT_NEAR(fit.c[k], truth[k], 1e-5);
 }
@@ -233,7 +244,8 @@ TEST(BallResiduals, AreHeightsAboveTheFit)
     std::vector<float> residuals(ball.count + BallBuffer::kPadding);
     kernels::ballResiduals(ball, fit, residuals.data());
     for (std::size_t i = 0; i < ball.count; ++i) {
-      ASSERT_NEAR(residuals[i], ball.w[i] - evaluateHeight(degree, c.data(), ball.u[i], ball.v[i]), 1e-6);
+      ASSERT_NEAR(residuals[i], ball.w[i] - evaluateHeight(degree, c.data(), ball.u[i], ball.v[i]),
+                  1e-6);
     }
   }
 }
@@ -253,9 +265,11 @@ TEST(SelectResiduals, KeepsARangeAndCompactKeepsABall)
   }
   ASSERT_GT(expected_kept.size(), 20u);
   ASSERT_GT(expected_inner.size(), 20u);
-  EXPECT_EQ(std::vector<float>(kept.u.begin(), kept.u.begin() + static_cast<std::ptrdiff_t>(kept.count)),
-            expected_kept);
-  EXPECT_EQ(std::vector<float>(inner.v.begin(), inner.v.begin() + static_cast<std::ptrdiff_t>(inner.count)),
+  EXPECT_EQ(
+      std::vector<float>(kept.u.begin(), kept.u.begin() + static_cast<std::ptrdiff_t>(kept.count)),
+      expected_kept);
+  EXPECT_EQ(std::vector<float>(inner.v.begin(),
+                               inner.v.begin() + static_cast<std::ptrdiff_t>(inner.count)),
             expected_inner);
 }
 

@@ -92,8 +92,10 @@ TEST(FitModes, TheBoxDoesNotMatter)
       const auto f = fitted(larger);
       expectSound(f);
       const auto boxed = errorsOf(Shape::kBumpy, f, count);
-      EXPECT_NEAR(boxed.position / alone.position, 1.0, 0.1) << reach << (normals ? " with" : " without");
-      EXPECT_NEAR(boxed.normal / alone.normal, 1.0, 0.15) << reach << (normals ? " with" : " without");
+      EXPECT_NEAR(boxed.position / alone.position, 1.0, 0.1)
+          << reach << (normals ? " with" : " without");
+      EXPECT_NEAR(boxed.normal / alone.normal, 1.0, 0.15)
+          << reach << (normals ? " with" : " without");
     }
   }
 }
@@ -104,6 +106,21 @@ TEST(FitModes, NoisyNormalsHardlyMatter)
   const auto noisy = errorsOf(Shape::kBumpy, fitted(sceneCloud(Shape::kBumpy, 20000, 0.001, 0.3)));
   EXPECT_NEAR(noisy.position / exact.position, 1.0, 0.1);
   EXPECT_NEAR(noisy.normal / exact.normal, 1.0, 0.1);
+}
+
+TEST(FitModes, AFewNormalsTurnedRoundHarmNoOtherPoint)
+{
+  Cloud cloud = sceneCloud(Shape::kTorus, 10000, 0.0005);
+  const std::size_t right = 9800;
+  const auto before = errorsOf(Shape::kTorus, fitted(cloud), right);
+  for (std::size_t i = 3 * right; i < cloud.normals.size(); ++i) cloud.normals[i] = -cloud.normals[i];
+  const auto f = fitted(cloud);
+  expectSound(f);
+  EXPECT_GT(f.statistics.skipped_normals, 0u);
+  EXPECT_LE(f.statistics.skipped_normals, 200u);
+  EXPECT_LE(f.statistics.uncovered, 200u);
+  EXPECT_LE(f.projection.num_unsupported, 200u);
+  EXPECT_NEAR(errorsOf(Shape::kTorus, f, right).position / before.position, 1.0, 0.1);
 }
 
 TEST(FitModes, RobustFitsBearOutliers)
@@ -133,7 +150,8 @@ TEST(FitModes, RobustFitsBearOutliers)
       }
       return std::sqrt(sum / static_cast<double>(count));
     };
-    EXPECT_LT(inliers(true), 0.8 * inliers(false)) << (normals ? "with normals" : "without normals");
+    EXPECT_LT(inliers(true), 0.8 * inliers(false))
+        << (normals ? "with normals" : "without normals");
   }
 }
 

@@ -72,7 +72,8 @@ TEST(FitSheets, StayApartWithoutNormals)
 {
   const double gap = 0.0035 * kDiagonal, noise = 1e-4 * kDiagonal;
   FitParams params;
-  params.lambda = 1e-8;  // known: where every neighbourhood holds both sheets, it cannot be measured
+  // Given, as every neighbourhood holds both sheets and shows their gap in place of the noise.
+  params.lambda = 1e-8;
   const auto f = fitted(twoSheets(gap, noise, false, 72).withoutNormals(), params);
   expectSound(f);
   const SheetErrors e = sheetErrors(f, gap);

@@ -46,7 +46,8 @@ expectLinks(const SLIMSurface& s)
   for (std::uint32_t i = 0; i < s.size(); ++i) {
     if (!has_parent[i]) roots.push_back(i);
     const auto& ball = s.root_ball;
-    const double reach = std::hypot(s.cx[i] - ball[0], s.cy[i] - ball[1], s.cz[i] - ball[2]) + s.radius[i];
+    const double reach =
+        std::hypot(s.cx[i] - ball[0], s.cy[i] - ball[1], s.cz[i] - ball[2]) + s.radius[i];
     ASSERT_LE(reach, ball[3] * (1.0 + 1e-6));
   }
   EXPECT_EQ(s.roots, roots);
@@ -59,7 +60,8 @@ TEST(Links, OfFittedSurfaces)
     params.paper_mode = paper;
     params.degree = paper ? 2 : 4;
     params.t_mdl = paper ? 0.002 : 0.0;
-    const auto f = pcl_slim_test::fitted(pcl_slim_test::sceneCloud(Shape::kRelief, 6000, 0.0), params);
+    const auto f =
+        pcl_slim_test::fitted(pcl_slim_test::sceneCloud(Shape::kRelief, 6000, 0.0), params);
     ASSERT_GT(f.statistics.internals, 5u);
     ASSERT_GT(f.surface.numLevels(), 1u);
     expectLinks(f.surface);

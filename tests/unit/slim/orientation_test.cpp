@@ -69,7 +69,8 @@ TEST(Orientation, OfAFlatPieceIsOneSideThroughout)
       6000, 101, [](double x, double y) { return 0.1 * std::sin(3 * x) * std::cos(2 * y); }));
   const auto up = [](const auto&) { return std::array<double, 3>{0, 0, 1}; };
   const std::size_t down = numInward(f, true, up);
-  EXPECT_TRUE(down == 0 || down == f.surface.numLeaves()) << down << " of " << f.surface.numLeaves();
+  EXPECT_TRUE(down == 0 || down == f.surface.numLeaves())
+      << down << " of " << f.surface.numLeaves();
 }
 
 TEST(Orientation, LooksTowardsAViewpoint)

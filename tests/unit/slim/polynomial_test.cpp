@@ -65,8 +65,10 @@ double
 slope(int degree, const float* c, double u, double v, bool along_u, Member member)
 {
   const double step = 1e-5;
-  const HeightJet ahead = evaluateJet(degree, c, u + (along_u ? step : 0), v + (along_u ? 0 : step));
-  const HeightJet behind = evaluateJet(degree, c, u - (along_u ? step : 0), v - (along_u ? 0 : step));
+  const HeightJet ahead =
+      evaluateJet(degree, c, u + (along_u ? step : 0), v + (along_u ? 0 : step));
+  const HeightJet behind =
+      evaluateJet(degree, c, u - (along_u ? step : 0), v - (along_u ? 0 : step));
   return (ahead.*member - behind.*member) / (2 * step);
 }
 
@@ -107,7 +109,8 @@ TEST(Polynomial, TurnsRound)
     for (int trial = 0; trial < 50; ++trial) {
       // The opposite normal's frame is (u, -v, -w), so w - h(u, v) becomes its negative.
       const double u = place(random), v = place(random);
-      ASSERT_EQ(evaluateHeight(degree, turned.data(), u, -v), -evaluateHeight(degree, c.data(), u, v));
+      ASSERT_EQ(evaluateHeight(degree, turned.data(), u, -v),
+                -evaluateHeight(degree, c.data(), u, v));
     }
     flipCoefficients(degree, turned.data());
     EXPECT_EQ(turned, c);
@@ -121,7 +124,8 @@ TEST(LocalFrame, IsOrthonormalAndRightHandedForAnyNormal)
   for (int trial = 0; trial < 5000; ++trial) {
     std::array<double, 3> n = {normal(random), normal(random), normal(random)};
     if (trial % 5 == 0) n[static_cast<std::size_t>(trial / 5 % 3)] *= 1e-9;
-    if (trial < 6) n = {0.0, 0.0, 0.0}, n[static_cast<std::size_t>(trial / 2)] = trial % 2 ? -1.0 : 1.0;
+    if (trial < 6)
+      n = {0.0, 0.0, 0.0}, n[static_cast<std::size_t>(trial / 2)] = trial % 2 ? -1.0 : 1.0;
     const double length = std::sqrt(dot(n, n));
     for (double& value : n) value /= length;
     const LocalFrame f(n);

@@ -20,7 +20,8 @@ using pcl_slim_test::sceneCloud;
 Cloud
 plane(std::size_t count)
 {
-  return pcl_slim_test::heightField(count, 91, [](double x, double y) { return 0.3 * x - 0.7 * y + 2.0; });
+  return pcl_slim_test::heightField(count, 91,
+                                    [](double x, double y) { return 0.3 * x - 0.7 * y + 2.0; });
 }
 
 TEST(Projection, LeavesAPlaneAPlane)
@@ -30,7 +31,8 @@ TEST(Projection, LeavesAPlaneAPlane)
     for (const bool normals : {false, true}) {
       Cloud cloud = plane(6000);
       for (std::size_t i = 0; normals && i < cloud.size(); ++i) {
-        for (const double n : {-0.3, 0.7, 1.0}) cloud.normals.push_back(static_cast<float>(n / length));
+        for (const double n : {-0.3, 0.7, 1.0})
+          cloud.normals.push_back(static_cast<float>(n / length));
       }
       FitParams params;
       params.degree = degree;
@@ -42,7 +44,8 @@ TEST(Projection, LeavesAPlaneAPlane)
       for (std::size_t i = 0; i < f.store.size(); ++i) {
         const auto p = f.world(f.projection.position[i]);
         sum += std::pow((p[2] - 0.3 * p[0] + 0.7 * p[1] - 2.0) / length, 2);
-        angle = std::max(angle, pcl_slim_test::angleBetween(f.projection.normal[i], {-0.3, 0.7, 1.0}));
+        angle =
+            std::max(angle, pcl_slim_test::angleBetween(f.projection.normal[i], {-0.3, 0.7, 1.0}));
         curvature = std::max(curvature, std::abs(double(f.projection.curvature[i][0])));
       }
       const double n = static_cast<double>(f.store.size());
@@ -74,7 +77,8 @@ TEST(Projection, IsNearExactSurfaces)
       SCOPED_TRACE(std::to_string(static_cast<int>(expected.shape)) + " noise " +
                    std::to_string(expected.noise) + (normals ? " with" : " without"));
       const auto scene = bench::makeScene(expected.shape, 20000, expected.noise, 0.05, 7);
-      const auto f = fitted({scene.points, normals ? scene.normals : std::vector<float>()}, {}, true);
+      const auto f =
+          fitted({scene.points, normals ? scene.normals : std::vector<float>()}, {}, true);
       expectSound(f);
       EXPECT_LE(f.statistics.uncovered, 3u);
       EXPECT_EQ(f.projection.num_unsupported, 0u);
@@ -99,6 +103,30 @@ TEST(Projection, TakesNoiseAway)
   }
 }
 
+TEST(Projection, FlingsNoPoint)
+{
+  // No point of ten thousand moves farther than noise can have thrown it.
+  const double noise = 0.001;
+  for (const Shape shape : {Shape::kTorus, Shape::kBumpy, Shape::kRelief}) {
+    const auto scene = bench::makeScene(shape, 10000, noise, 0.05, 7);
+    for (int mode = 0; mode < 8; ++mode) {
+      FitParams params;
+      params.robust = mode / 2 == 1;
+      params.t_mdl = mode / 2 >= 2 ? 0.005 : 0.0;
+      params.paper_mode = mode / 2 == 3;
+      params.degree = params.paper_mode ? 2 : 4;
+      const auto f =
+          fitted({scene.points, mode % 2 ? scene.normals : std::vector<float>()}, params);
+      for (std::size_t i = 0; i < f.store.size(); ++i) {
+        const auto from = f.store.position(i), to = f.projection.position[i];
+        const double moved = std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
+        ASSERT_LT(moved * f.store.scale(), 6 * noise * scene.diagonal)
+            << "point " << i << " of shape " << static_cast<int>(shape) << " in mode " << mode;
+      }
+    }
+  }
+}
+
 TEST(Projection, NeedsNoNormals)
 {
   for (const double noise : {0.0, 0.001}) {
@@ -116,8 +144,10 @@ TEST(Projection, ConvergesWithItsDegree)
   for (int degree = 1; degree <= kMaxDegree; ++degree) {
     FitParams params;
     params.degree = degree;
-    const auto coarse = errorsOf(Shape::kBumpy, fitted(sceneCloud(Shape::kBumpy, 8000, 0.0), params));
-    const auto fine = errorsOf(Shape::kBumpy, fitted(sceneCloud(Shape::kBumpy, 32000, 0.0), params));
+    const auto coarse =
+        errorsOf(Shape::kBumpy, fitted(sceneCloud(Shape::kBumpy, 8000, 0.0), params));
+    const auto fine =
+        errorsOf(Shape::kBumpy, fitted(sceneCloud(Shape::kBumpy, 32000, 0.0), params));
     const double gain = std::pow(2.0, degree);
     EXPECT_GT(coarse.normal / fine.normal, 0.6 * gain) << "degree " << degree;
     EXPECT_GT(coarse.position / fine.position, 0.6 * 2.0 * gain) << "degree " << degree;
@@ -163,7 +193,8 @@ TEST(Projection, StopsWhenAsked)
   auto f = fitted(sceneCloud(Shape::kSphere, 3000, 0.0));
   Progress progress;
   progress.cancel();
-  const Error error = projectPoints(f.store, f.surface, ProjectionParams(), f.projection, &progress);
+  const Error error =
+      projectPoints(f.store, f.surface, ProjectionParams(), f.projection, &progress);
   EXPECT_EQ(error.code, ErrorCode::kCancelled);
   EXPECT_TRUE(f.projection.position.empty());
 }

@@ -61,16 +61,18 @@ TEST(Curvature, OfATorusHasBothSigns)
 TEST(Curvature, OfASaddleAndACylinder)
 {
   // z = x y / 2 bends both ways; z = sqrt(4 - x^2) bends away from its upper side, one way only.
-  const auto saddle = fitted(
-      pcl_slim_test::heightField(8000, 95, [](double x, double y) { return 0.5 * x * y; }), {}, true);
+  const auto saddle =
+      fitted(pcl_slim_test::heightField(8000, 95, [](double x, double y) { return 0.5 * x * y; }),
+             {}, true);
   const auto cylinder = fitted(
-      pcl_slim_test::heightField(8000, 96, [](double x, double) { return std::sqrt(4.0 - x * x); }), {},
-      true);
+      pcl_slim_test::heightField(8000, 96, [](double x, double) { return std::sqrt(4.0 - x * x); }),
+      {}, true);
   for (std::size_t i = 0; i < saddle.store.size(); ++i) {
     const auto p = saddle.world(saddle.projection.position[i]);
     const double slope_sq = 0.25 * (p[0] * p[0] + p[1] * p[1]);
     const double expected = -0.25 / std::pow(1.0 + slope_sq, 2);
-    ASSERT_NEAR(saddle.projection.curvature[i][1] / std::pow(saddle.store.scale(), 2), expected, 0.01);
+    ASSERT_NEAR(saddle.projection.curvature[i][1] / std::pow(saddle.store.scale(), 2), expected,
+                0.01);
   }
   for (std::size_t i = 0; i < cylinder.store.size(); ++i) {
     const double up = cylinder.projection.normal[i][2] > 0 ? 1.0 : -1.0;

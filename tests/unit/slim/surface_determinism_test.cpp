@@ -67,7 +67,8 @@ TEST(Determinism, SeedsDiffer)
 
 TEST(Determinism, OfProjection)
 {
-  auto f = pcl_slim_test::fitted(sceneCloud(Shape::kBumpy, 20000, 0.001).withoutNormals(), {}, true);
+  auto f =
+      pcl_slim_test::fitted(sceneCloud(Shape::kBumpy, 20000, 0.001).withoutNormals(), {}, true);
   ProjectionParams params;
   params.curvature = true;
   for (const int threads : {2, 8}) {

@@ -68,7 +68,8 @@ TEST(Surface, FlippingKeepsTheZeroSet)
           there[1] += p * turned.v[a];
           there[2] += p * turned.w[a];
         }
-        ASSERT_NEAR(evaluateHeight(s.degree[i], s.coefficientsOf(i), there[0], there[1]), there[2], 1e-6);
+        ASSERT_NEAR(evaluateHeight(s.degree[i], s.coefficientsOf(i), there[0], there[1]), there[2],
+                    1e-6);
       }
     }
     s.flip(i);
@@ -88,7 +89,8 @@ TEST(Surface, CountsLeavesAndLevels)
 TEST(Surface, CentresAreExactInTheFloatsOfTheWorld)
 {
   auto cloud = pcl_slim_test::sceneCloud(Shape::kTorus, 3000, 0.001);
-  for (std::size_t i = 0; i < cloud.points.size(); ++i) cloud.points[i] = 3.7 * cloud.points[i] + 41.3;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i)
+    cloud.points[i] = 3.7 * cloud.points[i] + 41.3;
   const auto f = pcl_slim_test::fitted(cloud);
   const SLIMSurface& s = f.surface;
   for (std::size_t i = 0; i < s.size(); ++i) {
@@ -110,7 +112,8 @@ TEST(Surface, LeavesHoldEveryCoveredPoint)
       const auto p = f.store.position(i);
       bool held = false;
       for (std::size_t j = 0; j < s.size() && !held; ++j) {
-        held = s.isLeaf(j) && std::hypot(p[0] - s.cx[j], p[1] - s.cy[j], p[2] - s.cz[j]) < s.radius[j];
+        held =
+            s.isLeaf(j) && std::hypot(p[0] - s.cx[j], p[1] - s.cy[j], p[2] - s.cz[j]) < s.radius[j];
       }
       outside += !held;
     }
@@ -129,7 +132,8 @@ TEST(Surface, RadiiShrinkWithTheLevels)
   const SLIMSurface& s = f.surface;
   ASSERT_GT(s.numLevels(), 2u);
   std::vector<double> largest(256, 0.0);
-  for (std::size_t i = 0; i < s.size(); ++i) largest[s.level[i]] = std::max(largest[s.level[i]], double(s.radius[i]));
+  for (std::size_t i = 0; i < s.size(); ++i)
+    largest[s.level[i]] = std::max(largest[s.level[i]], double(s.radius[i]));
   const double golden = 0.6180339887498949;
   int first = 0;
   for (int k = 255; k > 0; --k) first = largest[static_cast<std::size_t>(k)] > 0 ? k : first;
