@@ -14,7 +14,7 @@ namespace pcl_slim {
 class CenterGrid {
  public:
   CenterGrid(const SLIMSurface& surface, const std::vector<std::uint32_t>& members, float width)
-      : surface_(surface), inverse_(1.0 / width)
+      : surface_(surface), inverse_(1.0 / std::max<double>(width, kNarrowest))
   {
     cells_.reserve(members.size());
     for (const std::uint32_t i : members) {
@@ -57,7 +57,15 @@ class CenterGrid {
     }
   };
 
-  std::int64_t cell(float local) const { return std::llround((local + 1.0) * inverse_) + 1; }
+  // Cells and their neighbours count in 21 bits an axis. What lies outside [-1, 1] shares a rim cell.
+  static constexpr double kNarrowest = 0x1p-19;
+  static constexpr double kLastCell = 0x1p21 - 4;
+
+  std::int64_t
+  cell(float local) const
+  {
+    return std::llround(std::clamp((local + 1.0) * inverse_, 0.0, kLastCell)) + 1;
+  }
   static std::int64_t
   code(std::int64_t x, std::int64_t y, std::int64_t z)
   {

@@ -97,6 +97,15 @@ TEST(Links, ReachTheLastLevel)
   EXPECT_EQ(s.children, std::vector<std::uint32_t>{1});
 }
 
+TEST(Links, OfPlacesAndRadiiOutOfTheOrdinary)
+{
+  SLIMSurface s = pcl_slim_test::sphereSurface(2, 60);
+  for (std::size_t i = 0; i < s.size(); i += 4) s.cx[i] = i % 8 == 0 ? -3e30f : 1e9f;
+  for (std::size_t i = 1; i < s.size(); i += 4) s.radius[i] = 1e-12f;
+  s.buildLinks();
+  expectLinks(s);
+}
+
 TEST(Links, DoNotOutliveTheirSurfels)
 {
   SLIMSurface s = pcl_slim_test::sphereSurface(3, 200);
