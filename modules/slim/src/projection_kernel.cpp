@@ -164,11 +164,12 @@ sameSide(const BlockPoints& points, const BlockLeaf& leaf, std::size_t i)
   return hn::Gt(cosine, set(points.min_dot));
 }
 
-/** +1 or -1 per lane: the sign that turns b to the side of a sum gathered so far. */
+/** +1 or -1 per lane: the sign that turns b to the side of a sum gathered so far. The first leaf,
+ * which meets a zero of either sign, keeps its own side: leaves mostly agree even unoriented. */
 HWY_INLINE Vec
 alignment(Vec sum_dot_b)
 {
-  return hn::CopySign(set(1.0f), sum_dot_b);
+  return hn::IfThenElse(hn::Lt(sum_dot_b, hn::Zero(Tag())), set(-1.0f), set(1.0f));
 }
 
 template <int D>

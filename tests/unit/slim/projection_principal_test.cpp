@@ -36,14 +36,14 @@ projected(const PointStore& store, const SLIMSurface& surface)
   return projection;
 }
 
-TEST(PrincipalCurvatures, AreTheRootsOfMeanAndGaussian)
+TEST(PrincipalFrame, AreTheRootsOfMeanAndGaussian)
 {
   const Fitted f = fitted(sceneCloud(Shape::kBumpy, 8000, 0.0));
   const Projection p = projected(f.store, f.surface);
   ASSERT_EQ(p.principal.size(), f.store.size());
   ASSERT_EQ(p.curvature.size(), f.store.size()) << "directions imply curvature";
   for (std::size_t i = 0; i < f.store.size(); ++i) {
-    const PrincipalCurvatures& k = p.principal[i];
+    const PrincipalFrame& k = p.principal[i];
     ASSERT_GE(k.k1, k.k2);
     const double size = 1.0 + std::abs(k.k1) + std::abs(k.k2);
     ASSERT_NEAR(0.5 * (k.k1 + k.k2), p.curvature[i][0], 1e-5 * size);
@@ -56,7 +56,7 @@ TEST(PrincipalCurvatures, AreTheRootsOfMeanAndGaussian)
   }
 }
 
-TEST(PrincipalCurvatures, OfASaddleLieAlongItsAxes)
+TEST(PrincipalFrame, OfASaddleLieAlongItsAxes)
 {
   // z = (x^2 - 3 y^2) / 4: at the middle -1/2 along x and 3/2 along y for the normal +z.
   Cloud cloud = heightField(6000, 3, [](double x, double y) { return (x * x - 3 * y * y) / 4; });
