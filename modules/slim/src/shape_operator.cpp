@@ -44,9 +44,9 @@ meanAndGaussian(const double g[3], double length, const double h[6])
   const double adjugate[6] = {h[3] * h[5] - h[4] * h[4], h[2] * h[4] - h[1] * h[5],
                               h[1] * h[4] - h[2] * h[3], h[0] * h[5] - h[2] * h[2],
                               h[1] * h[2] - h[0] * h[4], h[0] * h[3] - h[1] * h[1]};
-  const double gauss = g[0] * (adjugate[0] * g[0] + 2 * adjugate[1] * g[1] + 2 * adjugate[2] * g[2]) +
-                       g[1] * (adjugate[3] * g[1] + 2 * adjugate[4] * g[2]) +
-                       adjugate[5] * g[2] * g[2];
+  const double gauss =
+      g[0] * (adjugate[0] * g[0] + 2 * adjugate[1] * g[1] + 2 * adjugate[2] * g[2]) +
+      g[1] * (adjugate[3] * g[1] + 2 * adjugate[4] * g[2]) + adjugate[5] * g[2] * g[2];
   return {static_cast<float>(mean), static_cast<float>(gauss / (length_sq * length_sq))};
 }
 
@@ -67,6 +67,27 @@ principalCurvatures(const double g[3], double length, const double h[6])
   principal.direction1 = turned(frame, std::cos(angle), std::sin(angle));
   principal.direction2 = turned(frame, -std::sin(angle), std::cos(angle));
   return principal;
+}
+
+void
+setExtremality(const double g[3], double length, const double h[6], const double third[10],
+               PrincipalFrame& principal)
+{
+  const std::array<double, 3> n = {g[0] / length, g[1] / length, g[2] / length};
+  const auto derivative = [&](const std::array<float, 3>& direction, double k) {
+    const std::array<double, 3> t = {direction[0], direction[1], direction[2]};
+    // How often each entry of the symmetric tensor stands in T(t, t, t).
+    static constexpr double kCount[10] = {1, 3, 3, 3, 6, 3, 1, 3, 3, 1};
+    double ttt = 0;
+    for (int a = 0, i = 0; a < 3; ++a) {
+      for (int b = a; b < 3; ++b) {
+        for (int c = b; c < 3; ++c, ++i) ttt += kCount[i] * third[i] * t[a] * t[b] * t[c];
+      }
+    }
+    return static_cast<float>((ttt - 3 * k * form(t, h, n)) / length);
+  };
+  principal.extremality1 = derivative(principal.direction1, principal.k1);
+  principal.extremality2 = derivative(principal.direction2, principal.k2);
 }
 
 }  // namespace pcl_slim

@@ -17,4 +17,10 @@ meanAndGaussian(const double g[3], double length, const double h[6]);
 PrincipalFrame
 principalCurvatures(const double g[3], double length, const double h[6]);
 
+/** \brief Fills in dk/dt along each principal direction t: (T(t,t,t) - 3 k H(t,n)) / |g|.
+ * \param[in] third third derivatives: xxx xxy xxz xyy xyz xzz yyy yyz yzz zzz. */
+void
+setExtremality(const double g[3], double length, const double h[6], const double third[10],
+               PrincipalFrame& principal);
+
 }  // namespace pcl_slim

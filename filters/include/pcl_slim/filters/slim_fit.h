@@ -76,11 +76,12 @@ class SLIMFit : public pcl::PCLBase<PointT>, public SLIMFitBase {
   using pcl::PCLBase<PointT>::indices_;
   using pcl::PCLBase<PointT>::use_indices_;
 
- private:
   /** \brief Checks the input and describes its points. */
   bool describeInput(CloudView& view);
   /** \brief Finds the normals to use: describes them in view, or writes estimated ones. */
   bool describeNormals(CloudView& view, std::vector<float>& estimated);
+
+ private:
   /** \brief PCL's normals of the selected points, zero for all others; three floats a point. */
   bool estimateNormals(std::vector<float>& estimated);
   /** \brief Gives the search object its cloud; an error where it cannot serve it. */

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "pcl_slim/cloud/cloud_view.h"
+#include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/core/progress.h"
+#include "pcl_slim/slim/projection.h"
+#include "pcl_slim/slim/surface.h"
+
+namespace pcl_slim {
+
+/** \brief Least share of points that a surface made elsewhere must support to count as the cloud's. */
+constexpr double kLeastSharedSupport = 0.1;
+
+/** \brief How a cloud is brought onto a surface. */
+struct CloudProjectionParams {
+  ProjectionParams projection;
+  bool has_viewpoint = false;         ///< turn normals of points without input normal ...
+  std::array<double, 3> viewpoint{};  ///< ... towards this point, world coordinates
+  double least_support =
+      0.0;  ///< an error when fewer of the finite points are supported, in [0, 1]
+};
+
+/** \brief What happened to the points asked for. */
+struct CloudProjectionStatistics {
+  std::uint64_t points = 0;       ///< points asked for (indices honoured, duplicates counted)
+  std::uint64_t moved = 0;        ///< brought onto the surface
+  std::uint64_t unsupported = 0;  ///< inside no surfel that serves them: they keep their place
+  std::uint64_t non_finite = 0;   ///< a coordinate is NaN or infinite
+  double rms_displacement = 0;    ///< of the moved points, cloud units
+  double max_displacement = 0;    ///< likewise
+};
+
+/** \brief A point on the surface, in the cloud's coordinates and units. */
+struct ProjectedPoint {
+  std::array<double, 3> position{};
+  std::array<float, 3> normal{};  ///< unit; the side is that of the input's normal if it has one
+  float mean_curvature = 0;       ///< 1/length, positive where the surface bends away from normal
+  float gaussian_curvature = 0;   ///< 1/length^2
+  PrincipalFrame principal;       ///< 1/length, same sign; k1 >= k2
+};
+
+/** \brief A cloud brought onto a surface, read point by point in the cloud's own order and units.
+ *
+ * Holds no points itself: about 50 bytes a point, 82 with principal directions. The cloud behind
+ * the view must live as long as this object is read.
+ */
+class CloudProjection {
+ public:
+  CloudProjection() = default;
+
+  /** \brief Projects every point that a view asks for.
+   *
+   * All finite points count, also those that lack a normal among others that have one.
+   * \param[in] store the store of this very view if there is one already (spares building it);
+   * null: one is built. \return an error for a view without a finite point, too little support, or
+   * cancellation. O(points) time and memory.
+   */
+  static Result<CloudProjection> make(const CloudView& cloud, const SLIMSurface& surface,
+                                      const CloudProjectionParams& params,
+                                      Progress* progress = nullptr,
+                                      const PointStore* store = nullptr);
+
+  /** \brief Number of points asked for. */
+  std::size_t size() const { return stored_.size(); }
+  bool isFinite(std::size_t i) const { return stored_[i] != PointStore::kSkipped; }
+  /** \brief Whether the i-th point asked for has been moved; otherwise it keeps its place. */
+  bool isSupported(std::size_t i) const
+  {
+    return isFinite(i) && projection_.supported[stored_[i]] != 0;
+  }
+  /** \brief The i-th point asked for, which must be supported. */
+  ProjectedPoint point(std::size_t i) const;
+
+  /** \brief Indices, in the cloud, of the finite points that no surfel supports. */
+  std::vector<std::int32_t> unsupported() const;
+  const CloudProjectionStatistics& statistics() const { return statistics_; }
+  const PointStoreStatistics& inputStatistics() const { return input_statistics_; }
+
+ private:
+  /** \brief Projects a store's points and appends them, in the first store's units. */
+  Error add(const PointStore& store, const SLIMSurface& surface, Progress* progress);
+  /** \brief Adds the finite points that the first store left out for want of a normal. */
+  Error addRest(const SLIMSurface& surface, Progress* progress);
+  /** \brief A store's local position in the first store's units. */
+  std::array<double, 3> toFirst(const PointStore& store, const std::array<double, 3>& local) const;
+  /** \brief Counts and measures the points whose stored ones begin at first. */
+  void measure(const PointStore& store, std::size_t first);
+  /** \brief -1 where a surface normal at a point must be turned round, else 1. */
+  float side(std::size_t i, const ProjectedPoint& point) const;
+
+  CloudView cloud_;
+  CloudProjectionParams params_;
+  Projection projection_;
+  std::vector<std::uint32_t> stored_;  ///< place in projection_ of each point asked for
+  std::array<double, 3> origin_{};
+  double scale_ = 1.0;
+  CloudProjectionStatistics statistics_;
+  PointStoreStatistics input_statistics_;
+};
+
+}  // namespace pcl_slim

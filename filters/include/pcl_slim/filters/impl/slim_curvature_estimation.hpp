@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl/console/print.h>
+#include <pcl/features/feature.h>
+
+#include <cstring>
+#include <exception>
+#include <limits>
+#include <type_traits>
+
+#include "pcl_slim/core/parallel.h"
+#include "pcl_slim/filters/impl/cloud_description.hpp"
+#include "pcl_slim/filters/slim_curvature_estimation.h"
+
+namespace pcl_slim {
+
+/** Writes a field where a point type has it. */
+template <typename Field, typename PointT>
+void
+setField(PointT& point, float value)
+{
+  if constexpr (pcl::traits::has_field<PointT, Field>::value) {
+    static_assert(std::is_same<typename pcl::traits::datatype<PointT, Field>::type, float>::value,
+                  "curvatures are written as float");
+    std::memcpy(
+        reinterpret_cast<unsigned char*>(&point) + pcl::traits::offset<PointT, Field>::value,
+        &value, sizeof(value));
+  }
+}
+
+/** Writes the fields of a curvature that a point type has. */
+template <typename PointT>
+void
+setCurvature(const ProjectedPoint& from, PointT& to)
+{
+  namespace fields = pcl::fields;
+  const PrincipalFrame& principal = from.principal;
+  setField<fields::x>(to, static_cast<float>(from.position[0]));
+  setField<fields::y>(to, static_cast<float>(from.position[1]));
+  setField<fields::z>(to, static_cast<float>(from.position[2]));
+  setField<fields::normal_x>(to, from.normal[0]);
+  setField<fields::normal_y>(to, from.normal[1]);
+  setField<fields::normal_z>(to, from.normal[2]);
+  setField<fields::k1>(to, principal.k1);
+  setField<fields::k2>(to, principal.k2);
+  setField<fields::pc1>(to, principal.k1);
+  setField<fields::pc2>(to, principal.k2);
+  setField<fields::mean_curvature>(to, from.mean_curvature);
+  setField<fields::curvature>(to, from.mean_curvature);
+  setField<fields::gaussian_curvature>(to, from.gaussian_curvature);
+  setField<fields::direction1_x>(to, principal.direction1[0]);
+  setField<fields::direction1_y>(to, principal.direction1[1]);
+  setField<fields::direction1_z>(to, principal.direction1[2]);
+  setField<fields::principal_curvature_x>(to, principal.direction1[0]);
+  setField<fields::principal_curvature_y>(to, principal.direction1[1]);
+  setField<fields::principal_curvature_z>(to, principal.direction1[2]);
+  setField<fields::direction2_x>(to, principal.direction2[0]);
+  setField<fields::direction2_y>(to, principal.direction2[1]);
+  setField<fields::direction2_z>(to, principal.direction2[2]);
+}
+
+/** A point of which nothing but the place is known. */
+inline ProjectedPoint
+unknownPoint(float x, float y, float z)
+{
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  ProjectedPoint point;
+  point.position = {x, y, z};
+  point.normal = point.principal.direction1 = point.principal.direction2 = {kNan, kNan, kNan};
+  point.mean_curvature = point.gaussian_curvature = kNan;
+  point.principal.k1 = point.principal.k2 = kNan;
+  return point;
+}
+
+template <typename PointInT, typename PointOutT>
+bool
+SLIMCurvatureEstimation<PointInT, PointOutT>::compute(PointCloudOut& output)
+{
+  Base::compute(output);
+  return !error_;
+}
+
+template <typename PointInT, typename PointOutT>
+bool
+SLIMCurvatureEstimation<PointInT, PointOutT>::refuse(ErrorCode code, const std::string& message)
+{
+  fail(code, message);
+  complain();
+  return false;
+}
+
+template <typename PointInT, typename PointOutT>
+void
+SLIMCurvatureEstimation<PointInT, PointOutT>::complain() const
+{
+  if (error_.code == ErrorCode::kCancelled) return;
+  PCL_ERROR("[pcl_slim::%s::compute] %s\n", this->getClassName().c_str(), error_.message.c_str());
+}
+
+template <typename PointInT, typename PointOutT>
+bool
+SLIMCurvatureEstimation<PointInT, PointOutT>::initCompute()
+{
+  clearResults();
+  if (!input_) return refuse(ErrorCode::kBadInput, "no input cloud is set; call setInputCloud()");
+  if (input_->empty())
+    return refuse(ErrorCode::kBadInput, "the input cloud is empty; give it points");
+  return pcl::PCLBase<PointInT>::initCompute();
+}
+
+template <typename PointInT, typename PointOutT>
+void
+SLIMCurvatureEstimation<PointInT, PointOutT>::computeFeature(PointCloudOut& output)
+{
+  CloudProjection projection;
+  try {
+    run(projection, output);
+  } catch (const std::exception& failure) {
+    fail(ErrorCode::kBadInput, std::string("the estimation stopped: ") + failure.what());
+  }
+  if (!error_) return;
+  output = PointCloudOut();
+  complain();
+}
+
+template <typename PointInT, typename PointOutT>
+bool
+SLIMCurvatureEstimation<PointInT, PointOutT>::run(CloudProjection& projection,
+                                                  PointCloudOut& output)
+{
+  const bool apart = surface_ && surface_ != input_;
+  const pcl::IndicesConstPtr indices = use_indices_ ? indices_ : nullptr;
+  CloudDescription<PointInT> points(input_, indices, params_);
+  CloudDescription<PointInT> fitted(apart ? surface_ : input_, apart ? nullptr : indices, params_);
+  fitted.setInputNormals(normals_);
+  fitted.setSearchMethod(this->tree_);
+  fitted.setEstimateNormals(normal_neighbours_);
+  if ((apart && !points.describe()) || !fitted.describe()) {
+    error_ = points.getError() ? points.getError() : fitted.getError();
+    return false;
+  }
+  ProjectionParams params;
+  params.directions = true;
+  const CloudView& view = apart ? points.view() : fitted.view();
+  if (!project(view, fitted.view(), params, projection)) return false;
+  write(projection, output);
+  return true;
+}
+
+template <typename PointInT, typename PointOutT>
+void
+SLIMCurvatureEstimation<PointInT, PointOutT>::write(const CloudProjection& projection,
+                                                    PointCloudOut& output) const
+{
+  output.sensor_origin_ = input_->sensor_origin_;
+  output.sensor_orientation_ = input_->sensor_orientation_;
+  output.is_dense = projection.statistics().moved == projection.size();
+  parallelFor(projection.size(), resolveThreads(params_.threads), 4096, [&](std::size_t i, int) {
+    PointOutT out;
+    if (projection.isSupported(i)) {
+      setCurvature(projection.point(i), out);
+    } else {
+      const PointInT& in = (*input_)[static_cast<std::size_t>((*indices_)[i])];
+      setCurvature(unknownPoint(in.x, in.y, in.z), out);
+    }
+    output[i] = out;
+  });
+}
+
+}  // namespace pcl_slim
+
+#define PCL_SLIM_INSTANTIATE_SLIMCurvatureEstimation(In, Out) \
+  template class pcl_slim::SLIMCurvatureEstimation<In, Out>;

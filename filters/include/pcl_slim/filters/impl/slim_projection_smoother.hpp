@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl/common/io.h>
+#include <pcl/console/print.h>
+#include <pcl/surface/processing.h>
+
+#include <exception>
+#include <limits>
+#include <type_traits>
+#include <utility>
+
+#include "pcl_slim/core/parallel.h"
+#include "pcl_slim/filters/impl/cloud_description.hpp"
+#include "pcl_slim/filters/slim_projection_smoother.h"
+
+namespace pcl_slim {
+
+template <typename PointInT, typename PointOutT>
+void
+SLIMProjectionSmoother<PointInT, PointOutT>::process(PointCloudOut& output)
+{
+  clearResults();
+  PointCloudOut made;  // apart, because output may be the input
+  performProcessing(made);
+  if (error_) {
+    made = PointCloudOut();
+    if (error_.code != ErrorCode::kCancelled) {
+      PCL_ERROR("[pcl_slim::SLIMProjectionSmoother::process] %s\n", error_.message.c_str());
+    }
+  }
+  output = std::move(made);
+}
+
+template <typename PointInT, typename PointOutT>
+void
+SLIMProjectionSmoother<PointInT, PointOutT>::performProcessing(PointCloudOut& output)
+{
+  CloudDescription<PointInT> description(input_, use_indices_ ? indices_ : nullptr, params_);
+  description.setInputNormals(normals_);
+  description.setSearchMethod(search_);
+  description.setEstimateNormals(normal_neighbours_);
+  try {
+    if (!description.describe()) {
+      error_ = description.getError();
+      return;
+    }
+    ProjectionParams params;
+    params.curvature = compute_normals_ && pcl::traits::has_curvature<PointOutT>::value;
+    CloudProjection projection;
+    if (project(description.view(), description.view(), params, projection)) {
+      write(projection, output);
+    }
+  } catch (const std::exception& failure) {
+    fail(ErrorCode::kBadInput, std::string("smoothing stopped: ") + failure.what());
+  }
+}
+
+template <typename PointInT, typename PointOutT>
+void
+SLIMProjectionSmoother<PointInT, PointOutT>::write(const CloudProjection& projection,
+                                                   PointCloudOut& output) const
+{
+  const bool some = use_indices_ && indices_;
+  output.resize(projection.size());
+  if (!some && static_cast<std::size_t>(input_->width) * input_->height == output.size()) {
+    output.width = input_->width;
+    output.height = input_->height;
+  }
+  output.header = input_->header;
+  output.sensor_origin_ = input_->sensor_origin_;
+  output.sensor_orientation_ = input_->sensor_orientation_;
+  output.is_dense = projection.statistics().non_finite == 0;
+  parallelFor(projection.size(), resolveThreads(params_.threads), 4096, [&](std::size_t i, int) {
+    const std::size_t from = some ? static_cast<std::size_t>((*indices_)[i]) : i;
+    output[i] = smoothed(projection, i, (*input_)[from]);
+  });
+}
+
+template <typename PointInT, typename PointOutT>
+PointOutT
+SLIMProjectionSmoother<PointInT, PointOutT>::smoothed(const CloudProjection& projection,
+                                                      std::size_t i, const PointInT& in) const
+{
+  static_assert(std::is_same<decltype(PointOutT::x), float>::value, "x y z are written as float");
+  constexpr bool has_normal = pcl::traits::has_normal<PointOutT>::value;
+  constexpr bool has_curvature = pcl::traits::has_curvature<PointOutT>::value;
+  PointOutT out;
+  pcl::copyPoint(in, out);
+  if (projection.isSupported(i)) {
+    const ProjectedPoint point = projection.point(i);
+    out.x = static_cast<float>(point.position[0]);
+    out.y = static_cast<float>(point.position[1]);
+    out.z = static_cast<float>(point.position[2]);
+    if constexpr (has_normal) {
+      if (compute_normals_) {
+        out.normal_x = point.normal[0];
+        out.normal_y = point.normal[1];
+        out.normal_z = point.normal[2];
+      }
+    }
+    if constexpr (has_curvature) {
+      if (compute_normals_) out.curvature = point.mean_curvature;
+    }
+  } else if (!projection.isFinite(i) && compute_normals_) {
+    constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+    if constexpr (has_normal) out.normal_x = out.normal_y = out.normal_z = kNan;
+    if constexpr (has_curvature) out.curvature = kNan;
+  }
+  return out;
+}
+
+}  // namespace pcl_slim
+
+#define PCL_SLIM_INSTANTIATE_SLIMProjectionSmoother(In, Out) \
+  template class pcl_slim::SLIMProjectionSmoother<In, Out>;

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl/types.h>
+
+#include <memory>
+
+#include "pcl_slim/filters/cloud_projection.h"
+#include "pcl_slim/filters/slim_fit_base.h"
+
+namespace pcl_slim {
+
+/** \brief What SLIMProjectionSmoother and SLIMCurvatureEstimation have in common: every parameter
+ * of a fit, a surface to use in its place, and what became of the points. */
+class SLIMProjectionBase : public SLIMFitBase {
+ public:
+  using SurfaceConstPtr = std::shared_ptr<const SLIMSurface>;
+
+  // Surface --------------------------------------------------------------------------------------
+
+  /** \brief A surface to project onto instead of fitting one; null: fit (default).
+   *
+   * It may come from another cloud of the same object in the same coordinates. One that supports
+   * less than a tenth of the points is refused as another object's. The parameters of the fit are
+   * then unused, except for sharp features, the viewpoint and the number of threads.
+   */
+  void setSurface(const SurfaceConstPtr& surface) { surface_ = surface; }
+  const SurfaceConstPtr& getSurface() const { return surface_; }
+
+  /** \brief The surface that the last run fitted; null when it used a given one or failed. */
+  const SurfaceConstPtr& getFittedSurface() const { return fitted_surface_; }
+
+  // Results --------------------------------------------------------------------------------------
+
+  /** \brief How many points the last run moved, and how far. getStatistics() tells of its fit. */
+  const CloudProjectionStatistics& getProjectionStatistics() const { return projection_; }
+  /** \brief Root mean square of the moved points' displacements, cloud units. */
+  double getRMSDisplacement() const { return projection_.rms_displacement; }
+  /** \brief Largest displacement, cloud units. */
+  double getMaxDisplacement() const { return projection_.max_displacement; }
+  /** \brief Indices, in the input cloud, of finite points that no surfel supports. */
+  const pcl::Indices& getUnsupported() const { return unsupported_; }
+
+ protected:
+  SLIMProjectionBase() = default;
+  ~SLIMProjectionBase() = default;
+
+  /** \brief Forgets the last run. */
+  void clearResults();
+
+  /** \brief Fits, unless a surface is given, and projects.
+   * \param[in] points what to project; \param[in] fitted what to fit to, the same object if it is
+   * the same cloud. */
+  bool project(const CloudView& points, const CloudView& fitted, ProjectionParams params,
+               CloudProjection& projection);
+
+ private:
+  Error fitAndProject(const CloudView& points, const CloudView& fitted,
+                      const ProjectionParams& params, CloudProjection& projection);
+
+  SurfaceConstPtr surface_, fitted_surface_;
+  CloudProjectionStatistics projection_;
+  pcl::Indices unsupported_;
+};
+
+}  // namespace pcl_slim

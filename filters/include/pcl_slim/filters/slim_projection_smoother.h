@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+#include <pcl/search/search.h>
+#include <pcl/surface/processing.h>
+
+#include "pcl_slim/filters/slim_projection_base.h"
+
+namespace pcl_slim {
+
+/** \brief Smooths a cloud by moving its points onto the SLIM surface fitted to it (Ohtake, Belyaev,
+ * Alexa: Sparse low-degree implicit surfaces, SGP 2005, equations 6 to 8).
+ *
+ * Stands where pcl::MovingLeastSquares stands:
+ * \code
+ * pcl_slim::SLIMProjectionSmoother<pcl::PointXYZ, pcl::PointNormal> smoother;
+ * smoother.setInputCloud(cloud);
+ * pcl::PointCloud<pcl::PointNormal> smooth;
+ * smoother.process(smooth);
+ * \endcode
+ *
+ * One point comes out for each point of the cloud, or for each index, in the same order. Without
+ * indices width and height stay. Header and sensor pose are copied, and so is every field that
+ * both point types have. Points equal in place move alike. Points with a NaN or infinite
+ * coordinate stay as they are; points that no surfel supports (outliers) keep their place and are
+ * listed by getUnsupported(). Numbers are computed in double, relative to the cloud's middle, and
+ * rounded to float last. The result is the same for any number of threads.
+ *
+ * There is no setSearchRadius(): each ball of the surface finds its own radius from the noise and
+ * the shape. setPenalty() or setTargetError() say how smooth the result shall be.
+ *
+ * A missing or empty cloud, one without a finite point, and indices out of range are errors: the
+ * output is then empty, the error printed as PCL prints errors, and told by getError().
+ *
+ * Compiled for PointXYZ, PointXYZI, PointXYZRGB, PointXYZRGBA, PointNormal, PointXYZINormal and
+ * PointXYZRGBNormal, in and out. For a point type of your own, include
+ * pcl_slim/filters/impl/slim_projection_smoother.hpp where you use it.
+ */
+template <typename PointInT, typename PointOutT = PointInT>
+class SLIMProjectionSmoother : public pcl::CloudSurfaceProcessing<PointInT, PointOutT>,
+                               public SLIMProjectionBase {
+ public:
+  using Ptr = pcl::shared_ptr<SLIMProjectionSmoother<PointInT, PointOutT>>;
+  using ConstPtr = pcl::shared_ptr<const SLIMProjectionSmoother<PointInT, PointOutT>>;
+  using PointCloudIn = pcl::PointCloud<PointInT>;
+  using PointCloudOut = pcl::PointCloud<PointOutT>;
+  using NormalCloud = pcl::PointCloud<pcl::Normal>;
+  using KdTree = pcl::search::Search<PointInT>;
+  using KdTreePtr = typename KdTree::Ptr;
+
+  // Input ----------------------------------------------------------------------------------------
+
+  /** \brief Normals of the input cloud, one for each of its points; null: those of PointInT if it
+   * has any. A zero or non-finite normal counts as missing: the point is left out of the fit, and
+   * smoothed all the same. */
+  void setInputNormals(const NormalCloud::ConstPtr& normals) { normals_ = normals; }
+  NormalCloud::ConstPtr getInputNormals() const { return normals_; }
+
+  /** \brief Search object for setEstimateNormals(); null: one that suits the cloud. Smoothing has
+   * its own index and needs none. */
+  void setSearchMethod(const KdTreePtr& search) { search_ = search; }
+  KdTreePtr getSearchMethod() const { return search_; }
+
+  /** \brief Estimates normals from the k nearest neighbours with pcl::NormalEstimationOMP and fits
+   * with them; 0 estimates none (default: none are needed). */
+  void setEstimateNormals(int k) { normal_neighbours_ = k; }
+  int getEstimateNormals() const { return normal_neighbours_; }
+
+  // Output ---------------------------------------------------------------------------------------
+
+  /** \brief Whether to write the surface's normals, and its mean curvature (1/length, positive
+   * where the surface bends away from the normal) as the field curvature, where PointOutT has
+   * them. On by default: they are exact and nearly free. Off, those fields are copied like others.
+   *
+   * A normal points to the side of the input's normal at that point, if there is one; otherwise
+   * towards the viewpoint, if one is set; otherwise to the surface's outer side. Unsupported
+   * points keep their input's normal, or have a zero one. */
+  void setComputeNormals(bool compute) { compute_normals_ = compute; }
+  bool getComputeNormals() const { return compute_normals_; }
+
+  // Running --------------------------------------------------------------------------------------
+
+  /** \brief Smooths. Empty output and getError() when it cannot. The output may be the input
+   * cloud. O(points) time and memory. */
+  void process(PointCloudOut& output) override;
+
+ protected:
+  using pcl::PCLBase<PointInT>::input_;
+  using pcl::PCLBase<PointInT>::indices_;
+  using pcl::PCLBase<PointInT>::use_indices_;
+
+  void performProcessing(PointCloudOut& output) override;
+
+ private:
+  /** \brief Makes the output of a projection. */
+  void write(const CloudProjection& projection, PointCloudOut& output) const;
+  PointOutT smoothed(const CloudProjection& projection, std::size_t i, const PointInT& in) const;
+
+  NormalCloud::ConstPtr normals_;
+  KdTreePtr search_;
+  int normal_neighbours_ = 0;
+  bool compute_normals_ = true;
+};
+
+}  // namespace pcl_slim
+
+#ifdef PCL_NO_PRECOMPILE
+#include "pcl_slim/filters/impl/slim_projection_smoother.hpp"
+#endif

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/filters/cloud_projection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+namespace pcl_slim {
+
+namespace {
+
+/** Turns a point's normal round, and with it what hangs on its side. */
+void
+turn(ProjectedPoint& point)
+{
+  for (float& value : point.normal) value = -value;
+  point.mean_curvature = -point.mean_curvature;
+  PrincipalFrame& principal = point.principal;
+  std::swap(principal.k1, principal.k2);
+  std::swap(principal.direction1, principal.direction2);
+  principal.k1 = -principal.k1;
+  principal.k2 = -principal.k2;
+}
+
+Error
+foreignSurface(const CloudProjectionStatistics& statistics)
+{
+  return {ErrorCode::kBadInput,
+          "the surface supports " + std::to_string(statistics.moved) + " of " +
+              std::to_string(statistics.points - statistics.non_finite) +
+              " points: it is of another cloud or faces the other way; give this cloud's"};
+}
+
+}  // namespace
+
+Result<CloudProjection>
+CloudProjection::make(const CloudView& cloud, const SLIMSurface& surface,
+                      const CloudProjectionParams& params, Progress* progress,
+                      const PointStore* store)
+{
+  std::optional<PointStore> own;
+  if (store == nullptr) {
+    Result<PointStore> built = PointStore::build(cloud, params.projection.threads);
+    if (!built) return built.error();
+    own.emplace(std::move(*built));
+    store = &*own;
+  }
+  CloudProjection made;
+  made.cloud_ = cloud;
+  made.params_ = params;
+  made.origin_ = store->origin();
+  made.scale_ = store->scale();
+  made.input_statistics_ = store->statistics();
+  made.stored_ = store->storeOfInput();
+  if (Error error = made.add(*store, surface, progress)) return error;
+  if (store->statistics().without_normal > 0) {
+    if (Error error = made.addRest(surface, progress)) return error;
+  }
+  CloudProjectionStatistics& statistics = made.statistics_;
+  statistics.points = made.size();
+  statistics.non_finite = statistics.points - statistics.moved - statistics.unsupported;
+  const auto moved = static_cast<double>(std::max<std::uint64_t>(statistics.moved, 1));
+  statistics.rms_displacement = std::sqrt(statistics.rms_displacement / moved);
+  const auto finite = static_cast<double>(statistics.moved + statistics.unsupported);
+  if (static_cast<double>(statistics.moved) < params.least_support * finite) {
+    return foreignSurface(statistics);
+  }
+  return made;
+}
+
+std::array<double, 3>
+CloudProjection::toFirst(const PointStore& store, const std::array<double, 3>& local) const
+{
+  std::array<double, 3> p;
+  for (std::size_t a = 0; a < 3; ++a) {
+    p[a] = (store.origin()[a] - origin_[a]) / scale_ + store.scale() / scale_ * local[a];
+  }
+  return p;
+}
+
+Error
+CloudProjection::add(const PointStore& store, const SLIMSurface& surface, Progress* progress)
+{
+  Projection more;
+  if (Error error = projectPoints(store, surface, params_.projection, more, progress)) return error;
+  const std::size_t first = projection_.position.size();
+  if (first == 0) {
+    projection_ = std::move(more);
+    measure(store, first);
+    return {};
+  }
+  const double factor = store.scale() / scale_;
+  for (std::size_t i = 0; i < more.position.size(); ++i) {
+    projection_.position.push_back(toFirst(store, more.position[i]));
+    projection_.normal.push_back(more.normal[i]);
+    projection_.supported.push_back(more.supported[i]);
+    if (!more.curvature.empty()) {
+      auto [mean, gaussian] = more.curvature[i];
+      projection_.curvature.push_back(
+          {static_cast<float>(mean / factor), static_cast<float>(gaussian / (factor * factor))});
+    }
+    if (!more.principal.empty()) {
+      PrincipalFrame& principal = projection_.principal.emplace_back(more.principal[i]);
+      principal.k1 = static_cast<float>(principal.k1 / factor);
+      principal.k2 = static_cast<float>(principal.k2 / factor);
+    }
+  }
+  measure(store, first);
+  return {};
+}
+
+Error
+CloudProjection::addRest(const SLIMSurface& surface, Progress* progress)
+{
+  std::vector<std::int32_t> indices;  // those of non-finite points too: the store skips them again
+  std::vector<std::size_t> asked;
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (stored_[i] != PointStore::kSkipped) continue;
+    indices.push_back(static_cast<std::int32_t>(cloud_.inputIndex(i)));
+    asked.push_back(i);
+  }
+  CloudView rest = cloud_;
+  rest.normal = nullptr;
+  rest.indices = indices.data();
+  rest.num_indices = indices.size();
+  const Result<PointStore> store = PointStore::build(rest, params_.projection.threads);
+  if (!store) return store.error();
+  const std::vector<std::uint32_t> map = store->storeOfInput();
+  const auto first = static_cast<std::uint32_t>(projection_.position.size());
+  for (std::size_t j = 0; j < map.size(); ++j) {
+    if (map[j] != PointStore::kSkipped) stored_[asked[j]] = first + map[j];
+  }
+  return add(*store, surface, progress);
+}
+
+void
+CloudProjection::measure(const PointStore& store, std::size_t first)
+{
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (!isFinite(i) || stored_[i] < first) continue;
+    if (!isSupported(i)) {
+      ++statistics_.unsupported;
+      continue;
+    }
+    ++statistics_.moved;
+    const auto from = toFirst(store, store.position(stored_[i] - first));
+    const auto& to = projection_.position[stored_[i]];
+    double length_sq = 0.0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double step = scale_ * (to[a] - from[a]);
+      length_sq += step * step;
+    }
+    statistics_.rms_displacement += length_sq;  // a sum until all points are in
+    statistics_.max_displacement = std::max(statistics_.max_displacement, std::sqrt(length_sq));
+  }
+}
+
+float
+CloudProjection::side(std::size_t i, const ProjectedPoint& point) const
+{
+  double along = 0.0;
+  if (cloud_.normal != nullptr) {
+    std::array<float, 3> normal;
+    std::memcpy(normal.data(),
+                static_cast<const unsigned char*>(cloud_.normal) +
+                    cloud_.inputIndex(i) * cloud_.normal_stride,
+                sizeof(normal));
+    for (std::size_t a = 0; a < 3; ++a) {
+      along += static_cast<double>(normal[a]) * point.normal[a];
+    }
+  }
+  // A missing normal is zero or not finite, and says nothing.
+  if (along == 0.0 || !std::isfinite(along)) {
+    along = 0.0;
+    for (std::size_t a = 0; a < 3 && params_.has_viewpoint; ++a) {
+      along += (params_.viewpoint[a] - point.position[a]) * point.normal[a];
+    }
+  }
+  return along < 0.0 ? -1.0f : 1.0f;
+}
+
+ProjectedPoint
+CloudProjection::point(std::size_t i) const
+{
+  const std::size_t s = stored_[i];
+  ProjectedPoint point;
+  for (std::size_t a = 0; a < 3; ++a) {
+    point.position[a] = origin_[a] + scale_ * projection_.position[s][a];
+  }
+  point.normal = projection_.normal[s];
+  if (!projection_.curvature.empty()) {
+    const auto& curvature = projection_.curvature[s];
+    point.mean_curvature = static_cast<float>(curvature[0] / scale_);
+    point.gaussian_curvature = static_cast<float>(curvature[1] / (scale_ * scale_));
+  }
+  if (!projection_.principal.empty()) {
+    point.principal = projection_.principal[s];
+    point.principal.k1 = static_cast<float>(point.principal.k1 / scale_);
+    point.principal.k2 = static_cast<float>(point.principal.k2 / scale_);
+  }
+  if (side(i, point) < 0.0f) turn(point);
+  return point;
+}
+
+std::vector<std::int32_t>
+CloudProjection::unsupported() const
+{
+  std::vector<std::int32_t> indices;
+  indices.reserve(statistics_.unsupported);
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (isFinite(i) && !isSupported(i)) {
+      indices.push_back(static_cast<std::int32_t>(cloud_.inputIndex(i)));
+    }
+  }
+  return indices;
+}
+
+}  // namespace pcl_slim

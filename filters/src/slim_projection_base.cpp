@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/filters/slim_projection_base.h"
+
+#include <exception>
+#include <new>
+#include <optional>
+#include <utility>
+
+namespace pcl_slim {
+
+void
+SLIMProjectionBase::clearResults()
+{
+  SLIMFitBase::clearResults();
+  fitted_surface_.reset();
+  projection_ = {};
+  unsupported_.clear();
+}
+
+bool
+SLIMProjectionBase::project(const CloudView& points, const CloudView& fitted,
+                            ProjectionParams params, CloudProjection& projection)
+{
+  error_ = params_.validate();
+  if (error_) return false;
+  params.threads = params_.threads;
+  try {
+    error_ = fitAndProject(points, fitted, params, projection);
+    // Asked for after the last place where anyone looks: whoever cancels wants no result.
+    if (!error_ && control_.progress.cancelled())
+      fail(ErrorCode::kCancelled, "the projection was cancelled");
+  } catch (const std::bad_alloc&) {
+    fail(ErrorCode::kBadInput, "not enough memory for this cloud; process fewer points");
+  } catch (const std::exception& failure) {
+    fail(ErrorCode::kBadInput, std::string("the projection stopped: ") + failure.what());
+  }
+  if (error_) {
+    fitted_surface_.reset();
+    return false;
+  }
+  projection_ = projection.statistics();
+  const auto unsupported = projection.unsupported();
+  unsupported_.assign(unsupported.begin(), unsupported.end());
+  return true;
+}
+
+Error
+SLIMProjectionBase::fitAndProject(const CloudView& points, const CloudView& fitted,
+                                  const ProjectionParams& params, CloudProjection& projection)
+{
+  SurfaceConstPtr surface = surface_;
+  std::optional<PointStore> store;
+  if (surface) {
+    if (Error error = surface->validate()) return error;
+  } else {
+    Result<PointStore> built = PointStore::build(fitted, params_.threads);
+    if (!built) return built.error();
+    store.emplace(std::move(*built));
+    input_statistics_ = store->statistics();
+    auto made = std::make_shared<SLIMSurface>();
+    if (Error error = fitSurface(*store, params_, *made, &statistics_, &control_.progress)) {
+      return error;
+    }
+    surface = fitted_surface_ = made;
+  }
+  CloudProjectionParams how;
+  how.projection = params;
+  how.projection.sharp_features = params_.sharp_features;
+  how.projection.paper_mode = surface->info.paper_mode;
+  how.has_viewpoint = params_.has_viewpoint;
+  for (std::size_t a = 0; a < 3; ++a) how.viewpoint[a] = params_.viewpoint[a];
+  if (surface_) how.least_support = kLeastSharedSupport;
+  const bool same = store && &points == &fitted;
+  auto made =
+      CloudProjection::make(points, *surface, how, &control_.progress, same ? &*store : nullptr);
+  if (!made) return made.error();
+  projection = std::move(*made);
+  if (surface_) input_statistics_ = projection.inputStatistics();
+  return {};
+}
+
+}  // namespace pcl_slim

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#define PCL_SLIM_PCL_POINTS_ONLY
+#include "pcl_slim/filters/impl/slim_projection_smoother.hpp"
+
+// clang-format off
+#define PCL_SLIM_INSTANTIATE_FOR(In)                                              \
+  PCL_SLIM_INSTANTIATE_SLIMProjectionSmoother(In, pcl::PointXYZ)                  \
+  PCL_SLIM_INSTANTIATE_SLIMProjectionSmoother(In, pcl::PointXYZI)                 \
+  PCL_SLIM_INSTANTIATE_SLIMProjectionSmoother(In, pcl::PointXYZRGB)               \
+  PCL_SLIM_INSTANTIATE_SLIMProjectionSmoother(In, pcl::PointXYZRGBA)              \
+  PCL_SLIM_INSTANTIATE_SLIMProjectionSmoother(In, pcl::PointNormal)               \
+  PCL_SLIM_INSTANTIATE_SLIMProjectionSmoother(In, pcl::PointXYZINormal)           \
+  PCL_SLIM_INSTANTIATE_SLIMProjectionSmoother(In, pcl::PointXYZRGBNormal)
+
+PCL_SLIM_INSTANTIATE_FOR(pcl::PointXYZ)
+PCL_SLIM_INSTANTIATE_FOR(pcl::PointXYZI)
+PCL_SLIM_INSTANTIATE_FOR(pcl::PointXYZRGB)
+PCL_SLIM_INSTANTIATE_FOR(pcl::PointXYZRGBA)
+PCL_SLIM_INSTANTIATE_FOR(pcl::PointNormal)
+PCL_SLIM_INSTANTIATE_FOR(pcl::PointXYZINormal)
+PCL_SLIM_INSTANTIATE_FOR(pcl::PointXYZRGBNormal)
+// clang-format on
