@@ -98,12 +98,13 @@ listLeaves(const PointStore& store, const SLIMSurface& surface, const std::vecto
 class Projector {
  public:
   Projector(const PointStore& store, const SLIMSurface& surface, const ProjectionParams& params)
-      : store_(store), surface_(surface), placement_(store, surface), directions_(params.directions)
+      : store_(store), surface_(surface), placement_(store, surface), directions_(params.directions || params.extremality)
   {
     rules_.kernel = surface.info.blend_kernel;
     rules_.oriented = surface.info.oriented;
     rules_.guarded = !params.paper_mode;
-    rules_.with_hessian = params.curvature || params.directions;
+    rules_.with_hessian = params.curvature || directions_;
+    rules_.with_third = params.extremality;
     gated_ = surface.info.oriented && store.hasNormals() && !params.paper_mode;
     min_dot_ = params.sharp_features ? kSharpDot : 0.0f;
   }
@@ -179,6 +180,11 @@ class Projector {
           for (int k = 0; k < 6; ++k) h[k] = sums.hessian[k][lane] / weight;
           result.curvature[i] = meanAndGaussian(g, length, h);
           if (directions_) result.principal[i] = principalCurvatures(g, length, h);
+          if (rules_.with_third) {
+            double third[10];
+            for (int k = 0; k < 10; ++k) third[k] = sums.third[k][lane] / weight;
+            setExtremality(g, length, h, third, result.principal[i]);
+          }
         }
         result.position[i] = position;
         return;
@@ -212,8 +218,9 @@ projectPoints(const PointStore& store, const SLIMSurface& surface, const Project
   result.position.resize(store.size());
   result.normal.assign(store.size(), {0, 0, 0});
   result.supported.assign(store.size(), 0);
-  if (params.curvature || params.directions) result.curvature.assign(store.size(), {0, 0});
-  if (params.directions) result.principal.assign(store.size(), {});
+  const bool directions = params.directions || params.extremality;
+  if (params.curvature || directions) result.curvature.assign(store.size(), {0, 0});
+  if (directions) result.principal.assign(store.size(), {});
 
   std::vector<std::uint32_t> leaves;
   for (std::uint32_t i = 0; i < surface.size(); ++i) {

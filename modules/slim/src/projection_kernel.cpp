@@ -75,6 +75,10 @@ class LeafFrame {
   Vec inverse_, shift_[3], u_[3], v_[3], w_[3];
 };
 
+struct ThirdDerivatives {
+  Vec uuu, uuv, uvv, vvv;
+};
+
 /** Height and its derivatives, evaluated by rows of the graded coefficients. */
 template <int D>
 class HeightJets {
@@ -149,6 +153,27 @@ class HeightJets {
     }
   }
 
+  HWY_INLINE ThirdDerivatives
+  third(Vec u, Vec v) const
+  {
+    const Vec zero = hn::Zero(Tag());
+    ThirdDerivatives h{zero, zero, zero, zero};
+    if constexpr (D >= 3) {
+      h = {hn::Mul(set(6), c_[6]), hn::Mul(set(2), c_[7]), hn::Mul(set(2), c_[8]),
+           hn::Mul(set(6), c_[9])};
+    }
+    if constexpr (D >= 4) {
+      const auto add = [&](Vec& target, float ku, Vec cu, float kv, Vec cv) HWY_ATTR {
+        target = hn::Add(target, hn::MulAdd(hn::Mul(set(ku), cu), u, hn::Mul(hn::Mul(set(kv), cv), v)));
+      };
+      add(h.uuu, 24, c_[10], 6, c_[11]);
+      add(h.uuv, 6, c_[11], 4, c_[12]);
+      add(h.uvv, 4, c_[12], 6, c_[13]);
+      add(h.vvv, 6, c_[13], 24, c_[14]);
+    }
+    return h;
+  }
+
  private:
   Vec c_[numCoefficients(D)];
 };
@@ -203,6 +228,32 @@ addDirectionsOf(const BlockPoints& points, const BlockLeaf& leaf,
     for (int a = 0; a < 3; ++a) {
       const Vec term = hn::IfThenElseZero(near, hn::Mul(g, normal[a]));
       hn::Store(hn::Add(sum[a], term), d, sums.direction[a] + i);
+    }
+  }
+}
+
+HWY_INLINE void
+addTo(float* target, Vec value)
+{
+  hn::Store(hn::Add(hn::Load(Tag(), target), value), Tag(), target);
+}
+
+/** Adds scale times the third derivatives, turned from the frame's axes to the block's. */
+HWY_INLINE void
+addThird(const LeafFrame& frame, const ThirdDerivatives& h, Mask near, Vec scale, std::size_t i,
+         BlockSums& sums)
+{
+  for (int a = 0, k = 0; a < 3; ++a) {
+    for (int b = a; b < 3; ++b) {
+      const Vec uu = hn::Mul(frame.axisU(a), frame.axisU(b));
+      const Vec vv = hn::Mul(frame.axisV(a), frame.axisV(b));
+      const Vec uv = hn::MulAdd(frame.axisU(a), frame.axisV(b), hn::Mul(frame.axisV(a), frame.axisU(b)));
+      const Vec along_u = hn::MulAdd(h.uuu, uu, hn::MulAdd(h.uuv, uv, hn::Mul(h.uvv, vv)));
+      const Vec along_v = hn::MulAdd(h.uuv, uu, hn::MulAdd(h.uvv, uv, hn::Mul(h.vvv, vv)));
+      for (int c = b; c < 3; ++c, ++k) {
+        const Vec entry = hn::MulAdd(along_u, frame.axisU(c), hn::Mul(along_v, frame.axisV(c)));
+        addTo(sums.third[k] + i, hn::IfThenElseZero(near, hn::Mul(scale, entry)));
+      }
     }
   }
 }
@@ -267,10 +318,12 @@ addIntersectionsOf(const BlockPoints& points, const BlockLeaf& leaf,
       const Vec along_v = hn::MulAdd(huv, frame.axisU(a), hn::Mul(hvv, frame.axisV(a)));
       for (int b = a; b < 3; ++b, ++k) {
         const Vec entry = hn::MulAdd(along_u, frame.axisU(b), hn::Mul(along_v, frame.axisV(b)));
-        const Vec sum = hn::Load(d, sums.hessian[k] + i);
-        hn::Store(hn::Add(sum, hn::IfThenElseZero(near, hn::Mul(scale, entry))), d,
-                  sums.hessian[k] + i);
+        addTo(sums.hessian[k] + i, hn::IfThenElseZero(near, hn::Mul(scale, entry)));
       }
+    }
+    if (rules.with_third) {
+      const Vec scale_sq = hn::Mul(scale, set(1.0f / leaf.radius));
+      addThird(frame, jets.third(u, v), near, scale_sq, i, sums);
     }
   }
 }
@@ -305,6 +358,7 @@ finishDirections(BlockSums& sums)
     hn::Store(zero, d, sums.weight + i);
     hn::Store(zero, d, sums.offset + i);
     for (auto& column : sums.hessian) hn::Store(zero, d, column + i);
+    for (auto& column : sums.third) hn::Store(zero, d, column + i);
   }
 }
 

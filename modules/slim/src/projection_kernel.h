@@ -34,6 +34,7 @@ struct BlockSums {
   alignas(64) float offset[16];         ///< sum w t
   alignas(64) float gradient[3][16];    ///< sum w grad f
   alignas(64) float hessian[6][16];     ///< sum w H: xx xy xz yy yz zz
+  alignas(64) float third[10][16];      ///< sum w T: xxx xxy xxz xyy xyz xzz yyy yyz yzz zzz
 };
 
 /** \brief How leaves meet points. */
@@ -42,6 +43,7 @@ struct BlendRules {
   bool oriented = false;     ///< normals agree; otherwise signs are aligned point by point
   bool guarded = true;       ///< weight at the larger of |p - c| and |q - c|, gates on residual and t
   bool with_hessian = false;
+  bool with_third = false;   ///< third derivatives too; needs with_hessian
 };
 
 namespace kernels {

@@ -16,6 +16,7 @@ namespace pcl_slim {
 struct ProjectionParams {
   bool curvature = false;   ///< also blend Hessians (eq. 8, left)
   bool directions = false;  ///< also principal curvatures and directions; implies curvature
+  bool extremality = false; ///< also their derivatives along the directions; implies directions
   bool sharp_features = false;  ///< as the fit's: leaves serve points of normals within 60 degrees
   bool paper_mode = false;  ///< formula (6) as printed, without the guards
   int threads = 0;          ///< 0: all cores; never changes the result
@@ -24,12 +25,14 @@ struct ProjectionParams {
 /** \brief Greatest and least normal curvature, 1/local length, and the unit tangents they lie along.
  *
  * k1 >= k2; directions are perpendicular to each other and to the normal, each with an arbitrary
- * sign. Where k1 = k2 any pair of tangents is right, and some pair is given. All zero where
- * unsupported.
+ * sign. Where k1 = k2 any pair of tangents is right, and some pair is given. The extremalities
+ * dk1/dt1 and dk2/dt2, from blended third derivatives (those of cubics and quartics), change sign
+ * on crest lines. All zero where unsupported.
  */
 struct PrincipalFrame {
   float k1 = 0, k2 = 0;
   std::array<float, 3> direction1{}, direction2{};
+  float extremality1 = 0, extremality2 = 0;  ///< 1/local length^2, where asked for
 };
 
 /** \brief Result per stored point, the store's local units. */
