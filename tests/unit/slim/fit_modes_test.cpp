@@ -53,6 +53,24 @@ TEST(FitModes, PaperModeIsAccurateEnough)
   EXPECT_LT(errorsOf(Shape::kBumpy, f).position, 1e-3 * scene.diagonal);
 }
 
+TEST(FitModes, DegreeAndPenaltyLeftOpenAreSettled)
+{
+  const Cloud cloud = sceneCloud(Shape::kSphere, 1000, 0.001);
+  FitParams params;
+  const auto smooth = fitted(cloud, params);
+  EXPECT_EQ(smooth.surface.info.degree, 4);
+  EXPECT_EQ(smooth.surface.info.penalty, 3.0);
+  params.sharp_features = true;
+  const auto sharp = fitted(cloud, params);
+  EXPECT_EQ(sharp.surface.info.degree, 2);
+  EXPECT_EQ(sharp.surface.info.penalty, 1.0);
+  params.degree = 3;
+  params.penalty = 7.0;
+  const auto asked = fitted(cloud, params);
+  EXPECT_EQ(asked.surface.info.degree, 3);
+  EXPECT_EQ(asked.surface.info.penalty, 7.0);
+}
+
 TEST(FitModes, AHeavierPenaltyGivesFewerLeaves)
 {
   const Cloud cloud = sceneCloud(Shape::kBumpy, 10000, 0.001, 0.05);
