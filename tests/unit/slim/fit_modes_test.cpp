@@ -131,7 +131,8 @@ TEST(FitModes, AFewNormalsTurnedRoundHarmNoOtherPoint)
   Cloud cloud = sceneCloud(Shape::kTorus, 10000, 0.0005);
   const std::size_t right = 9800;
   const auto before = errorsOf(Shape::kTorus, fitted(cloud), right);
-  for (std::size_t i = 3 * right; i < cloud.normals.size(); ++i) cloud.normals[i] = -cloud.normals[i];
+  for (std::size_t i = 3 * right; i < cloud.normals.size(); ++i)
+    cloud.normals[i] = -cloud.normals[i];
   const auto f = fitted(cloud);
   expectSound(f);
   EXPECT_GT(f.statistics.skipped_normals, 0u);
