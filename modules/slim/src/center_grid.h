@@ -28,8 +28,15 @@ class CenterGrid {
   void
   forEachNear(std::uint32_t center, const Body& body) const
   {
-    const std::int64_t x = cell(surface_.cx[center]), y = cell(surface_.cy[center]),
-                       z = cell(surface_.cz[center]);
+    forEachNear(surface_.cx[center], surface_.cy[center], surface_.cz[center], body);
+  }
+
+  /** Likewise for any place. */
+  template <typename Body>
+  void
+  forEachNear(float px, float py, float pz, const Body& body) const
+  {
+    const std::int64_t x = cell(px), y = cell(py), z = cell(pz);
     for (std::int64_t dx = -1; dx <= 1; ++dx) {
       for (std::int64_t dy = -1; dy <= 1; ++dy) {
         // Cells along z are neighbours in the order of codes: one search serves three.
@@ -37,9 +44,9 @@ class CenterGrid {
                                    Entry{code(x + dx, y + dy, z - 1), 0});
         const std::int64_t last = code(x + dx, y + dy, z + 1);
         for (; it != cells_.end() && it->code <= last; ++it) {
-          const float ex = surface_.cx[it->member] - surface_.cx[center];
-          const float ey = surface_.cy[it->member] - surface_.cy[center];
-          const float ez = surface_.cz[it->member] - surface_.cz[center];
+          const float ex = surface_.cx[it->member] - px;
+          const float ey = surface_.cy[it->member] - py;
+          const float ez = surface_.cz[it->member] - pz;
           body(it->member, ex * ex + ey * ey + ez * ez);
         }
       }
