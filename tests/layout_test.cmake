@@ -8,9 +8,10 @@ file(GLOB_RECURSE sources RELATIVE ${ROOT}
   ${ROOT}/apps/*.h ${ROOT}/apps/*.cpp ${ROOT}/tests/*.h ${ROOT}/tests/*.cpp
   ${ROOT}/examples/*.cpp ${ROOT}/benchmarks/*.h ${ROOT}/benchmarks/*.cpp)
 
-set(above_core "cloud|slim|render|filters")
-set(above_cloud "slim|render|filters")
-set(above_slim "render|filters")
+set(above_core "cloud|slim|splat|render|filters")
+set(above_cloud "slim|splat|render|filters")
+set(above_slim "splat|render|filters")
+set(above_splat "slim|render|filters")
 set(above_render "filters")
 
 set(defects "")

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "morton_sort.h"
+#include "pcl_slim/cloud/morton_sort.h"
 
 #include <algorithm>
 #include <array>

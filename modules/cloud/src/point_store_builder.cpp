@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "morton.h"
-#include "morton_sort.h"
+#include "pcl_slim/cloud/morton.h"
+#include "pcl_slim/cloud/morton_sort.h"
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim {
