@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/fit_job.h"
 
+#include <utility>
+
 #include "pcl_slim/cloud/point_store.h"
 
 namespace pcl_slim {
@@ -159,11 +161,11 @@ loadScan(const std::string& path, const FitJob& job, Console& console, Report& r
 
 Error
 fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& report,
-        SLIMSurface& surface)
+        SLIMSurface& surface, PointStore* kept)
 {
   Stopwatch watch;
   console.begin("Preparing");
-  const Result<PointStore> store = PointStore::build(
+  Result<PointStore> store = PointStore::build(
       cloud.view(job.use_normals || job.normal_neighbours > 0), job.params.threads);
   if (!store) {
     console.failed();
@@ -189,6 +191,7 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
     console.note("  " + counted(statistics.uncovered, "point") + " not covered, " +
                  std::to_string(statistics.unsupported) + " of them inside no surfel");
   }
+  if (kept) *kept = std::move(*store);
   return {};
 }
 

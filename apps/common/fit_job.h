@@ -8,6 +8,7 @@
 #include "common/options.h"
 #include "common/progress_bar.h"
 #include "common/report.h"
+#include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/slim/fit.h"
 
 namespace pcl_slim {
@@ -33,9 +34,10 @@ finishFitOptions(FitJob& job);
 Result<CloudFile>
 loadScan(const std::string& path, const FitJob& job, Console& console, Report& report);
 
-/** \brief Fits a surface to a scan; says and reports what was done and what was skipped. */
+/** \brief Fits a surface to a scan; says and reports what was done and what was skipped.
+ * \param[out] kept the store of the scan, for who goes on working with it (may be null). */
 Error
 fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& report,
-        SLIMSurface& surface);
+        SLIMSurface& surface, PointStore* kept = nullptr);
 
 }  // namespace pcl_slim

@@ -22,6 +22,19 @@ turn(ProjectedPoint& point)
   std::swap(principal.direction1, principal.direction2);
   principal.k1 = -principal.k1;
   principal.k2 = -principal.k2;
+  std::swap(principal.extremality1, principal.extremality2);
+  principal.extremality1 = -principal.extremality1;
+  principal.extremality2 = -principal.extremality2;
+}
+
+/** Brings curvatures to another unit of length: factor of the new ones is one of the old. */
+void
+rescale(double factor, PrincipalFrame& principal)
+{
+  principal.k1 = static_cast<float>(principal.k1 / factor);
+  principal.k2 = static_cast<float>(principal.k2 / factor);
+  principal.extremality1 = static_cast<float>(principal.extremality1 / (factor * factor));
+  principal.extremality2 = static_cast<float>(principal.extremality2 / (factor * factor));
 }
 
 Error
@@ -102,9 +115,7 @@ CloudProjection::add(const PointStore& store, const SLIMSurface& surface, Progre
           {static_cast<float>(mean / factor), static_cast<float>(gaussian / (factor * factor))});
     }
     if (!more.principal.empty()) {
-      PrincipalFrame& principal = projection_.principal.emplace_back(more.principal[i]);
-      principal.k1 = static_cast<float>(principal.k1 / factor);
-      principal.k2 = static_cast<float>(principal.k2 / factor);
+      rescale(factor, projection_.principal.emplace_back(more.principal[i]));
     }
   }
   measure(store, first);
@@ -197,8 +208,7 @@ CloudProjection::point(std::size_t i) const
   }
   if (!projection_.principal.empty()) {
     point.principal = projection_.principal[s];
-    point.principal.k1 = static_cast<float>(point.principal.k1 / scale_);
-    point.principal.k2 = static_cast<float>(point.principal.k2 / scale_);
+    rescale(scale_, point.principal);
   }
   if (side(i, point) < 0.0f) turn(point);
   return point;
