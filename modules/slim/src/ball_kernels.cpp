@@ -239,13 +239,17 @@ coverOfDegree(const PointStore& store, const std::vector<std::uint32_t>& blocks,
   }
   const Height<D> height(leaf.c);
   const auto limit = hn::Set(d, static_cast<float>(leaf.max_residual * scale));
+  const auto radius_sq = hn::Set(d, leaf.support_radius * leaf.support_radius);
   const auto inverse_sq = hn::Set(d, 1.0f / (leaf.ball.radius * leaf.ball.radius));
   BallScan(store, leaf.ball).forEach(blocks, [&](std::size_t i, const Lanes& l) HWY_ATTR {
     const auto u = dot3(l.dx, l.dy, l.dz, axes[0][0], axes[0][1], axes[0][2]);
     const auto v = dot3(l.dx, l.dy, l.dz, axes[1][0], axes[1][1], axes[1][2]);
     const auto w = dot3(l.dx, l.dy, l.dz, axes[2][0], axes[2][1], axes[2][2]);
-    const auto near = hn::And(l.kept, hn::Le(hn::Abs(hn::Sub(w, height(u, v))), limit));
-    const auto g = kernelWeight<K>(hn::Mul(l.d_sq, inverse_sq));
+    const auto residual = hn::Sub(w, height(u, v));
+    const auto near = hn::And(l.kept, hn::Le(hn::Abs(residual), limit));
+    // The distance counts to the point's foot: noise thick against the ball is no lack of cover.
+    const auto foot_sq = hn::NegMulAdd(hn::Mul(residual, residual), radius_sq, l.d_sq);
+    const auto g = kernelWeight<K>(hn::Mul(hn::Max(foot_sq, hn::Zero(d)), inverse_sq));
     addMasked(g, near, coverage + i);
   });
 }

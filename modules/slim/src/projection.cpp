@@ -15,6 +15,7 @@ namespace {
 constexpr double kGateErrors = 5.0;   ///< residuals and offsets beyond so many e do not count
 constexpr float kSharpDot = 0.5f;      ///< with sharp features, leaves serve normals within 60 degrees
 constexpr double kGateRadius = 0.25;  ///< nor offsets beyond this share of r
+constexpr double kGateNoise = 0.6;    ///< unless noise explains them, up to this share
 constexpr double kLeastGate = 1e-5;   ///< of r: exact fits must not gate on rounding
 
 /** A surface in a store's units. Scales are powers of two and origins agree when the surface was
@@ -105,6 +106,7 @@ class Projector {
     rules_.guarded = !params.paper_mode;
     rules_.with_hessian = params.curvature || directions_;
     rules_.with_third = params.extremality;
+    noise_ = std::sqrt(std::max(0.0, surface.info.lambda)) * surface.info.diagonal;
     gated_ = surface.info.oriented && store.hasNormals() && !params.paper_mode;
     min_dot_ = params.sharp_features ? kSharpDot : 0.0f;
   }
@@ -152,7 +154,8 @@ class Projector {
     leaf.radius = placement_.radius(surface_, i);
     const double gate = kGateErrors * surface_.error[i] / surface_.radius[i] + kLeastGate;
     leaf.max_residual = static_cast<float>(gate);
-    leaf.max_offset = static_cast<float>(std::min(gate, kGateRadius));
+    const double noise = std::min(kGateErrors * noise_ / surface_.radius[i], kGateNoise);
+    leaf.max_offset = static_cast<float>(std::min(gate, std::max(kGateRadius, noise)));
     leaf.degree = surface_.degree[i];
     leaf.c = surface_.coefficientsOf(i);
     return leaf;
@@ -197,6 +200,7 @@ class Projector {
   const SLIMSurface& surface_;
   Placement placement_;
   bool directions_;
+  double noise_;  ///< sqrt(lambda) in the surface's local units
   bool gated_ = false;
   float min_dot_ = 0.0f;
   BlendRules rules_;
