@@ -1,0 +1,145 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# pcl_slim_curvature as a user meets it: exit status, messages, values and the fields kept.
+# Arguments: programs' folder, an empty folder to work in, folder of real scans (may be empty).
+set -uo pipefail
+bin=$1
+work=$2/run
+data=${3-}
+docs=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../../docs" && pwd)
+rm -rf -- "$work"
+mkdir -p -- "$work/folder.pcd"
+cd -- "$work" || exit 1
+failures=0
+
+complain() {
+  echo "FAILED: $*"
+  failures=$((failures + 1))
+}
+
+# expect STATUS WORD ARGS...: the status, and on failure one line on stderr that holds WORD.
+expect() {
+  local status=$1 word=$2 got=0
+  shift 2
+  "$bin/pcl_slim_curvature" "$@" > out.txt 2> err.txt || got=$?
+  [ "$got" -eq "$status" ] || complain "exit $got instead of $status: $* ($(head -c 300 err.txt))"
+  if [ "$status" -eq 0 ]; then
+    [ ! -s err.txt ] || complain "stderr not empty: $* ($(head -c 300 err.txt))"
+  else
+    [ "$(wc -l < err.txt)" -eq 1 ] || complain "stderr is not one line: $* ($(head -c 300 err.txt))"
+    grep -q -- "$word" err.txt || complain "no '$word' in: $(cat err.txt)"
+  fi
+}
+
+absent() {
+  for file in "$@"; do [ ! -e "$file" ] || complain "$file was left behind"; done
+}
+
+same() { cmp -s -- "$1" "$2" || complain "$1 and $2 differ"; }
+header() { grep -aq "^$2\$" "$1" || complain "$1 has no header line '$2'"; }
+
+# floats FILE COLUMNS COUNT: the data of a binary PCD of floats, one point a line.
+floats() { tail -c $((4 * $2 * $3)) "$1" | od -An -v -t f4 "-w$((4 * $2))"; }
+
+# A sphere of radius 5 with normals of the given sign, an outlier and a hole; intensity counts.
+sphere() {
+  awk -v sign="$2" -v n=5000 'BEGIN {
+    print "VERSION 0.7\nFIELDS x y z intensity" (sign ? " normal_x normal_y normal_z" : "")
+    print "SIZE 4 4 4 4" (sign ? " 4 4 4" : "") "\nTYPE F F F F" (sign ? " F F F" : "")
+    print "COUNT 1 1 1 1" (sign ? " 1 1 1" : "") "\nWIDTH 100\nHEIGHT 50\nPOINTS " n "\nDATA ascii"
+    for (i = 0; i < n; ++i) {
+      z = 1 - (2 * i + 1) / n; r = sqrt(1 - z * z); a = i * 2.399963229728653
+      x = r * cos(a); y = r * sin(a); s = 5
+      if (i == 77) s = 20
+      if (i == 99) printf "nan nan nan 99"
+      else printf "%.7f %.7f %.7f %d", s * x, s * y, s * z, i
+      print sign ? " " sign * x " " sign * y " " sign * z : ""
+    }
+  }' > "$1"
+}
+sphere plain.pcd 0
+sphere inward.pcd -1
+head -c 9000 plain.pcd > cut.pcd
+printf 'VERSION 0.7\nFIELDS a b\nSIZE 4 4\nTYPE F F\nCOUNT 1 1\nWIDTH 1\nHEIGHT 1\nDATA ascii\n1 2\n' > fields.pcd
+printf 'VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 0\nHEIGHT 0\nDATA ascii\n' > none.pcd
+
+# Values and fields, on a closed surface facing outward by itself.
+expect 0 '' plain.pcd a.pcd -json a.json
+header a.pcd 'FIELDS x y z intensity k1 k2 mean_curvature gaussian_curvature normal_x normal_y normal_z'
+header a.pcd 'WIDTH 100'
+header a.pcd 'HEIGHT 50'
+for key in program points threads seconds surfels moved unsupported non_finite uncovered skipped; do
+  grep -q "\"$key\"" a.json || complain "no $key in the report"
+done
+grep -q '"unsupported": 1,' a.json || complain "the outlier is not counted"
+grep -q '"non_finite": 1,' a.json || complain "the hole is not counted"
+floats a.pcd 11 5000 | awk 'function off(a, b) { return (a - b) ^ 2 > 1e-4 }
+  {
+    if ($4 != NR - 1) { print "order"; exit }
+    unknown = NR == 78 || NR == 100
+    if (unknown) { if ($5 !~ /nan/ || $9 !~ /nan/) { print "unknown, not nan: " $0; exit } next }
+    if (off($5, .2) || off($6, .2) || off($7, .2) || off($8, .04)) { print "values: " $0; exit }
+    if ($1 * $9 + $2 * $10 + $3 * $11 < 4.9) { print "side: " $0; exit }
+  }' > wrong.txt
+[ ! -s wrong.txt ] || complain "$(cat wrong.txt)"
+floats a.pcd 11 5000 | awk '{ print $1, $2, $3, $4 }' > kept.txt
+"$bin/pcl_slim_curvature" plain.pcd kept.ply -quiet 1 || complain "no PLY"
+header kept.ply 'property float k1'
+header kept.ply 'property float nx'
+awk '/^DATA/ { data = 1; next } data && !/nan/ { print $1, $2, $3, $4 }' plain.pcd > given.txt
+grep -v nan kept.txt | paste -d' ' - given.txt | awk '{
+  for (k = 1; k < 5; ++k) if (($k - $(k + 4)) ^ 2 > 1e-11) { print; exit } }' > wrong.txt
+[ ! -s wrong.txt ] || complain "a point moved: $(cat wrong.txt)"
+
+# Normals given decide the side; where there is no value the given normal stays.
+expect 0 '' inward.pcd b.pcd -directions 1
+header b.pcd 'FIELDS x y z intensity normal_x normal_y normal_z k1 k2 mean_curvature gaussian_curvature direction1_x direction1_y direction1_z direction2_x direction2_y direction2_z'
+floats b.pcd 17 5000 | awk '
+  NR == 100 { if ($5 ~ /nan/ || $8 !~ /nan/) print "hole: " $0; next }
+  NR == 78 { if ($5 ~ /nan/ || $8 !~ /nan/) print "outlier: " $0; next }
+  ($10 + .2) ^ 2 > 1e-4 || ($11 - .04) ^ 2 > 1e-4 { print "values: " $0; exit }
+  ($12 * $15 + $13 * $16 + $14 * $17) ^ 2 > 1e-8 { print "directions: " $0; exit }' > wrong.txt
+[ ! -s wrong.txt ] || complain "$(cat wrong.txt)"
+expect 0 '' inward.pcd c.pcd -use_normals 0
+expect 0 '' plain.pcd inside.pcd -viewpoint 0,0,0
+floats inside.pcd 11 5000 | awk 'NR < 78 && $7 > 0 { print; exit }' > wrong.txt
+[ ! -s wrong.txt ] || complain "the viewpoint does not decide: $(cat wrong.txt)"
+
+# The same bytes for any number of threads and from a surface made before.
+expect 0 '' plain.pcd b1.pcd -threads 1 -quiet 1
+[ ! -s out.txt ] || complain "-quiet is not quiet"
+expect 0 '' plain.pcd b4.pcd -threads 4
+same b1.pcd b4.pcd
+"$bin/pcl_slim_fit" plain.pcd surface.slim -quiet 1 || complain "pcl_slim_fit failed"
+expect 0 '' plain.pcd reused.pcd -surface surface.slim
+same a.pcd reused.pcd
+
+# Help, documentation, mistakes, failures.
+expect 0 '' -h
+expect 0 '' --help-markdown
+while IFS= read -r line; do
+  grep -qF -- "$line" "$docs/pcl_slim_curvature.md" || complain "docs/pcl_slim_curvature.md lacks: $line"
+done < out.txt
+expect 2 'did you mean -directions' plain.pcd d.pcd -direction 1
+expect 2 'exclude each other' plain.pcd d.pcd -surface surface.slim -penalty 2
+expect 2 'no OUT' plain.pcd
+expect 2 '.pcd or .ply' plain.pcd d.vtp
+expect 2 'overwritten' plain.pcd ./plain.pcd
+expect 2 'No such file' missing.pcd d.pcd
+expect 2 'truncated' cut.pcd d.pcd
+expect 2 'x y z' fields.pcd d.pcd
+expect 1 '' none.pcd d.pcd
+expect 1 'does not exist' plain.pcd nowhere/d.pcd
+expect 1 'folder' plain.pcd folder.pcd
+absent d.pcd d.vtp nowhere
+[ -z "$(find . -name '*.part')" ] || complain "temporary files were left behind"
+
+if [ -n "$data" ] && [ -f "$data/fandisk_03_original.ply" ]; then
+  expect 0 '' "$data/fandisk_03_original.ply" fandisk.ply
+  header fandisk.ply 'element face 12946'
+  header fandisk.ply 'property float gaussian_curvature'
+fi
+
+rm -rf -- "$work"
+[ "$failures" -eq 0 ] || { echo "$failures failures"; exit 1; }
+echo "all passed"

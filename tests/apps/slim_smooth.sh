@@ -1,0 +1,268 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# pcl_slim_smooth as a user meets it: exit status, messages, and every field that must survive.
+# Arguments: programs' folder, an empty folder to work in, folder of real scans (may be empty).
+set -uo pipefail
+bin=$1
+work=$2/run
+data=${3-}
+docs=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../../docs" && pwd)
+rm -rf -- "$work"
+mkdir -p -- "$work/folder.pcd"
+cd -- "$work" || exit 1
+failures=0
+
+complain() {
+  echo "FAILED: $*"
+  failures=$((failures + 1))
+}
+
+# expect STATUS WORD ARGS...: the status, and on failure one line on stderr that holds WORD.
+expect() {
+  local status=$1 word=$2 got=0
+  shift 2
+  "$bin/pcl_slim_smooth" "$@" > out.txt 2> err.txt || got=$?
+  [ "$got" -eq "$status" ] || complain "exit $got instead of $status: $* ($(head -c 300 err.txt))"
+  if [ "$status" -eq 0 ]; then
+    [ ! -s err.txt ] || complain "stderr not empty: $* ($(head -c 300 err.txt))"
+  else
+    [ "$(wc -l < err.txt)" -eq 1 ] || complain "stderr is not one line: $* ($(head -c 300 err.txt))"
+    grep -q -- "$word" err.txt || complain "no '$word' in: $(cat err.txt)"
+  fi
+}
+
+absent() {
+  for file in "$@"; do [ ! -e "$file" ] || complain "$file was left behind"; done
+}
+
+same() { cmp -s -- "$1" "$2" || complain "$1 and $2 differ"; }
+header() { grep -aq "^$2\$" "$1" || complain "$1 has no header line '$2'"; }
+
+# rows FILE STEP COUNT TYPE: the last COUNT * STEP bytes, one point a line.
+rows() { tail -c $(($2 * $3)) "$1" | od -An -v -t "$4" "-w$2"; }
+
+# value JSON KEY
+value() { sed -n "s/.*\"$2\": \([^,]*\),*/\1/p" "$1" | head -n 1; }
+
+# The sheet z = sin(6 x) cos(5 y) / 10 over the unit square with noise of .002, and one outlier.
+# sheet FILE SIZE OFFSET: x y z of 4 or 8 bytes, and fields this project never heard of.
+points=6000
+sheet() {
+  awk -v size="$2" -v offset="$3" -v n=$points 'BEGIN {
+    print "VERSION 0.7\nFIELDS label x y z intensity quality\nSIZE 4 " size, size, size " 2 4"
+    print "TYPE U F F F U F\nCOUNT 1 1 1 1 1 1\nWIDTH " n "\nHEIGHT 1\nPOINTS " n "\nDATA ascii"
+    srand(7)
+    for (i = 0; i < n; ++i) {
+      x = rand(); y = rand()
+      z = 0.1 * sin(6 * x) * cos(5 * y) + 0.002 * sqrt(-2 * log(1 - rand())) * cos(6.2831853 * rand())
+      if (i == 1234) { x = 0.5; y = 0.25; z = 0.75 }
+      printf "%d %.9f %.9f %.9f %d %.1f\n", 3 * i, offset + x, offset + y, z, i % 65536, i / 2
+    }
+  }' > "$1"
+}
+
+# errorOf FILE: RMS distance in z from the sheet, of rows of x y z as text.
+errorOf() {
+  awk -v offset="$1" '{
+    x = $1 - offset; y = $2 - offset
+    if ($3 > 0.5) next
+    d = $3 - 0.1 * sin(6 * x) * cos(5 * y); sum += d * d; ++n
+  } END { print sqrt(sum / n) }'
+}
+
+sheet near.pcd 4 0
+sheet far.pcd 8 4918360.25
+head -c 9000 near.pcd > cut.pcd
+: > empty.pcd
+printf 'VERSION 0.7\nFIELDS a b\nSIZE 4 4\nTYPE F F\nCOUNT 1 1\nWIDTH 1\nHEIGHT 1\nDATA ascii\n1 2\n' > fields.pcd
+printf 'VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 0\nHEIGHT 0\nDATA ascii\n' > none.pcd
+printf 'VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 1\nDATA ascii\nnan nan nan\nnan 1 2\n' > nan.pcd
+printf 'VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nDATA ascii\n1 2 3\n' > one.pcd
+
+# A good run: fields in their order and type, the report, any number of threads.
+expect 0 '' near.pcd a.pcd -json a.json
+for line in 'FIELDS label x y z intensity quality' 'SIZE 4 4 4 4 2 4' 'TYPE U F F F U F' "POINTS $points"; do
+  header a.pcd "$line"
+done
+for key in program version input output points threads seconds total load fit project save \
+  peak_rss_mb surfels leaves degree lambda diagonal uncovered unsupported moved non_finite \
+  rms_displacement max_displacement skipped; do
+  grep -q "\"$key\"" a.json || complain "no $key in the report"
+done
+grep -q '^> Projecting \[done, .* ms : .* points\]' out.txt || complain "no Projecting line"
+expect 0 '' near.pcd b.pcd -threads 1 -quiet 1
+[ ! -s out.txt ] || complain "-quiet is not quiet"
+same a.pcd b.pcd
+expect 0 '' near.pcd b.pcd -threads 4
+same a.pcd b.pcd
+tail -c $((22 * points)) a.pcd > bytes
+awk '/^DATA/ { data = 1; next } data { print $1, $5, $6 }' near.pcd > wanted.txt
+od -An -v -t u1 -w22 bytes | awk '{
+  label = $1 + 256 * ($2 + 256 * ($3 + 256 * $4)); intensity = $17 + 256 * $18
+  printf "%d %d %.1f\n", label, intensity, label / 6
+}' > kept.txt
+same wanted.txt kept.txt
+expect 0 '' near.pcd plain.ply
+header plain.ply 'property uint label'
+header plain.ply 'property ushort intensity'
+header plain.ply 'property float quality'
+
+# Doubles: noise shrinks as far away as here, displacement is the noise, the outlier's bits stay.
+expect 0 '' far.pcd far_out.pcd -json far.json
+header far_out.pcd 'SIZE 4 8 8 8 2 4'
+"$bin/pcl_slim_curvature" far.pcd untouched.pcd -quiet 1 || complain "pcl_slim_curvature failed"
+rows far_out.pcd 34 $points x1 | awk '{ print substr($0, 13, 72) }' > moved.txt
+rows untouched.pcd 62 $points x1 | awk '{ print substr($0, 13, 72) }' > original.txt
+[ "$(sed -n 1235p moved.txt)" = "$(sed -n 1235p original.txt)" ] || complain "the outlier moved"
+[ "$(paste -d= moved.txt original.txt | awk -F= '$1 == $2' | wc -l)" -eq \
+  "$(value far.json unsupported)" ] || complain "as many points keep their bits as have no support"
+[ "$(value far.json unsupported)" -ge 1 ] || complain "the outlier is not counted"
+[ "$(value far.json unsupported)" -le 20 ] || complain "too many points without support"
+for run in a far; do
+  awk -v d="$(value $run.json rms_displacement)" 'BEGIN { exit !(d > 0.0018 && d < 0.0022) }' ||
+    complain "$run: rms displacement $(value $run.json rms_displacement) for noise of .002"
+done
+expect 0 '' far.pcd far_xyz.pcd
+tail -c $((34 * points)) far_xyz.pcd | od -An -v -t x1 -w34 | awk '{
+  for (i = 5; i <= 28; ++i) printf "\\x%s", $i; printf "\n" }' > escaped.txt
+while IFS= read -r line; do printf '%b' "$line"; done < escaped.txt > doubles
+od -An -v -t f8 -w24 doubles | errorOf 4918360.25 > error.txt
+awk '{ exit !($1 < 0.0008) }' error.txt || complain "far: RMS error $(cat error.txt) of .002 is left"
+
+# Organized, with holes: width, height and NaN stay where they are.
+awk 'BEGIN {
+  print "VERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH 80\nHEIGHT 60"
+  print "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 4800\nDATA ascii"
+  for (v = 0; v < 60; ++v) for (u = 0; u < 80; ++u) {
+    x = (u - 40) / 60; y = (v - 30) / 60; z = 2 + 0.2 * sin(3 * x) * cos(2 * y)
+    if ((u + v) % 11 == 0) print "nan nan nan", u + 256 * v
+    else printf "%.7f %.7f %.7f %d\n", x * z, y * z, z + 0.001 * ((u * 7 + v * 13) % 5 - 2), u + 256 * v
+  }
+}' > grid.pcd
+expect 0 '' grid.pcd grid_out.pcd -normals 1 -json grid.json
+header grid_out.pcd 'FIELDS x y z rgb normal_x normal_y normal_z curvature'
+header grid_out.pcd 'WIDTH 80'
+header grid_out.pcd 'HEIGHT 60'
+rows grid_out.pcd 32 4800 f4 | awk '{
+  hole = (int((NR - 1) / 80) + (NR - 1) % 80) % 11 == 0
+  if (hole != ($1 == "nan" || $1 == "-nan")) exit 1
+  if (hole != ($5 == "nan" || $5 == "-nan")) exit 1
+  if (!hole && ($5 * $5 + $6 * $6 + $7 * $7 - 1) ^ 2 > 1e-8) exit 1
+}' || complain "holes moved, or normals are not unit"
+awk '/^DATA/ { data = 1; next } data && /^nan/ { ++n } END { print n }' grid.pcd > holes.txt
+[ "$(value grid.json non_finite)" = "$(cat holes.txt)" ] || complain "NaN are not counted"
+
+# A mesh: faces and unknown properties stay; whole-number coordinates become real ones.
+awk 'BEGIN {
+  n = 40
+  print "ply\nformat ascii 1.0\ncomment made by hand\nelement vertex " n * n
+  print "property float x\nproperty float y\nproperty float z\nproperty uchar red"
+  print "property uchar green\nproperty uchar blue\nproperty double weird"
+  print "element face " 2 * (n - 1) * (n - 1) "\nproperty list uchar int vertex_indices\nend_header"
+  srand(3)
+  for (j = 0; j < n; ++j) for (i = 0; i < n; ++i)
+    printf "%d %d %.6f %d %d 7 %d.25\n", i, j, 3 * sin(i / 9) + 0.1 * (rand() - 0.5), i, j, i * j
+  for (j = 0; j < n - 1; ++j) for (i = 0; i < n - 1; ++i) {
+    k = j * n + i; print 3, k, k + 1, k + n; print 3, k + 1, k + n + 1, k + n
+  }
+}' > mesh.ply
+expect 0 '' mesh.ply mesh_out.ply -normals 1
+for line in 'element face 3042' 'property double weird' 'property uchar green' 'property float nx' \
+  'comment made by hand'; do
+  header mesh_out.ply "$line"
+done
+"$bin/pcl_slim_curvature" mesh.ply mesh_k.ply -quiet 1 || complain "pcl_slim_curvature failed"
+cmp -s <(tail -c $((13 * 3042)) mesh_out.ply) <(tail -c $((13 * 3042)) mesh_k.ply) || complain "faces changed"
+sed 's/property float \([xyz]\)$/property int \1/; s/^\([0-9]* [0-9]* \)\([0-9.-]*\)\(.* 7 \)/\1\n\2\n\3/' mesh.ply |
+  awk 'line == 2 { printf "%s\n", $0; line = 0; next }
+       line == 1 { printf "%d", int($0 * 10); line = 2; next }
+       /^[0-9]+ [0-9]+ $/ { printf "%s", $0; line = 1; next } { print }' > whole.ply
+expect 0 '' whole.ply whole_out.pcd
+header whole_out.pcd 'SIZE 8 8 8 4 8'
+expect 0 '' mesh.ply faceless.pcd -use_normals 0
+header faceless.pcd 'FIELDS x y z rgb weird'
+
+# A surface made before gives the very same points; another object's is refused.
+"$bin/pcl_slim_fit" near.pcd surface.slim -quiet 1 || complain "pcl_slim_fit failed"
+expect 0 '' near.pcd reused.pcd -surface surface.slim -json reused.json
+same a.pcd reused.pcd
+grep -q '"surface": "surface.slim"' reused.json || complain "the surface is not reported"
+expect 1 'another cloud' grid.pcd d.pcd -surface surface.slim
+expect 2 'exclude each other' near.pcd d.pcd -surface surface.slim -degree 2
+expect 2 'No such file' near.pcd d.pcd -surface missing.slim
+expect 2 'overwritten' near.pcd grid.pcd -surface ./grid.pcd
+expect 2 '' near.pcd d.pcd -surface near.pcd
+absent d.pcd
+
+for option in '-degree 2' '-t_mdl 0.02' '-compact 1' '-robust 1' '-paper 1' '-lambda 1e-6' \
+  '-viewpoint -1,2.5,9' '-estimate_normals 12' '-target_error 0.002' '-max_surfels 400' '-seed 5'; do
+  # shellcheck disable=SC2086
+  expect 0 '' near.pcd c.pcd $option
+done
+expect 0 '' mesh.ply c.ply -sharp 1
+
+# Help, version, documentation.
+expect 0 '' -h
+grep -q '^Syntax is: pcl_slim_smooth ' out.txt || complain "no syntax line"
+expect 0 '' -version
+expect 0 '' --help-markdown
+while IFS= read -r line; do
+  grep -qF -- "$line" "$docs/pcl_slim_smooth.md" || complain "docs/pcl_slim_smooth.md lacks: $line"
+done < out.txt
+
+# Usage errors: status 2, nothing written.
+expect 2 'did you mean -normals' near.pcd d.pcd -normal 1
+expect 2 '0 or 1' near.pcd d.pcd -normals yes
+expect 2 'no OUT' near.pcd
+expect 2 'unexpected argument' near.pcd d.pcd e.pcd
+expect 2 '.pcd or .ply' near.pcd d.slim
+expect 2 'overwritten' near.pcd ./near.pcd
+expect 2 'overwritten' near.pcd d.pcd -json near.pcd
+expect 2 'share a file' near.pcd d.pcd -json d.pcd
+expect 2 'No such file' missing.pcd d.pcd
+expect 2 'folder' folder.pcd d.pcd
+expect 2 'truncated' cut.pcd d.pcd
+expect 2 'empty' empty.pcd d.pcd
+expect 2 'x y z' fields.pcd d.pcd
+absent d.pcd e.pcd d.slim
+
+# Failed work: status 1, nothing left.
+expect 1 '' nan.pcd d.pcd
+expect 1 '' none.pcd d.pcd
+expect 1 'does not exist' near.pcd nowhere/d.pcd
+expect 1 'folder' near.pcd folder.pcd
+expect 1 'does not exist' near.pcd d.pcd -json nowhere/d.json
+absent d.pcd nowhere
+[ -z "$(find . -name '*.part')" ] || complain "temporary files were left behind"
+got=0
+"$bin/pcl_slim_smooth" one.pcd one_out.pcd > out.txt 2> err.txt || got=$?
+[ "$got" -le 1 ] || complain "one point: exit $got"
+
+# Ctrl-C: status 130, nothing left.
+points=200000
+sheet big.pcd 4 0
+"$bin/pcl_slim_smooth" big.pcd stopped.pcd -quiet 1 2> err.txt &
+pid=$!
+sleep 0.05
+kill -INT $pid
+got=0
+wait $pid || got=$?
+if [ "$got" -ne 0 ]; then
+  [ "$got" -eq 130 ] || complain "stopped: exit $got"
+  absent stopped.pcd
+fi
+
+if [ -n "$data" ] && [ -f "$data/kinect_mosd_learn13.pcd" ]; then
+  expect 0 '' "$data/kinect_mosd_learn13.pcd" kinect.pcd -json kinect.json
+  [ "$(value kinect.json non_finite)" = 99749 ] || complain "kinect's NaN are not counted"
+  header kinect.pcd 'FIELDS label x y z rgba'
+  header kinect.pcd 'WIDTH 640'
+  expect 0 '' "$data/stanford_bunny_zipper.ply" bunny.ply -json bunny.json
+  header bunny.ply 'element face 69451'
+  [ "$(($(value bunny.json moved) + $(value bunny.json unsupported)))" = 35947 ] ||
+    complain "vertices without faces are lost"
+fi
+
+rm -rf -- "$work"
+[ "$failures" -eq 0 ] || { echo "$failures failures"; exit 1; }
+echo "all passed"
