@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/splat/coverage_check.h"
+
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "pcl_slim/cloud/knn.h"
+#include "pcl_slim/core/parallel.h"
+
+namespace pcl_slim {
+
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr std::size_t kNeighbors = 8;
+constexpr double kUsual = 4.0;         ///< times the middle spacing that still counts as dense
+constexpr std::size_t kSamples = 1000; ///< points that tell the middle spacing
+constexpr double kDepthSpacings = 2.0;
+constexpr double kPi = 3.14159265358979323846;
+constexpr std::uint32_t kSparse = 0xffffffffu;
+
+/** Numbers in [0, 1) that depend on nothing but the ray (Steele, Lea, Flood: splitmix). */
+class RayRandom {
+ public:
+  RayRandom(std::uint64_t seed, std::uint64_t ray) : state_(seed * 0x9e3779b97f4a7c15u ^ ray << 20) {}
+
+  double
+  operator()()
+  {
+    state_ += 0x9e3779b97f4a7c15u;
+    std::uint64_t z = state_;
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+    return static_cast<double>((z ^ z >> 31) >> 11) * 0x1p-53;
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+/** Discs in the store's coordinates under a tree of boxes. */
+struct DiscTree {
+  std::vector<Vector3d> center, normal;
+  std::vector<double> radius;
+  BlockTree tree;
+
+  DiscTree(const PointStore& store, const SplatSet& splats, double depth)
+  {
+    const std::size_t n = splats.size();
+    center.resize(n);
+    normal.resize(n);
+    radius.resize(n);
+    BlockTree::Level boxes;
+    boxes.allocate(n);
+    Vector3d shift;
+    for (std::size_t a = 0; a < 3; ++a) {
+      shift[static_cast<Eigen::Index>(a)] = splats.origin[a] - store.origin()[a];
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      center[i] = (Vector3d(splats.x[i], splats.y[i], splats.z[i]) + shift) / store.scale();
+      normal[i] = Vector3d(splats.nx[i], splats.ny[i], splats.nz[i]);
+      radius[i] = splats.radius[i] / store.scale();
+      // A place whose ray pierces the disc at most radius + depth away lies in this box.
+      const double reach = 2.0 * radius[i] + depth;
+      float* const low[3] = {&boxes.min_x[i], &boxes.min_y[i], &boxes.min_z[i]};
+      float* const high[3] = {&boxes.max_x[i], &boxes.max_y[i], &boxes.max_z[i]};
+      for (int a = 0; a < 3; ++a) {
+        *low[a] = static_cast<float>(center[i][a] - reach);
+        *high[a] = static_cast<float>(center[i][a] + reach);
+      }
+    }
+    tree = BlockTree(std::move(boxes));
+  }
+
+  std::uint32_t
+  count(const Vector3d& place, const Vector3d& direction, double depth,
+        std::vector<std::uint32_t>& near) const
+  {
+    const float at[3] = {static_cast<float>(place[0]), static_cast<float>(place[1]),
+                         static_cast<float>(place[2])};
+    near.clear();
+    tree.blocksInBall(at, 1e-6f, near);
+    std::uint32_t met = 0;
+    for (const std::uint32_t i : near) {
+      const double slope = direction.dot(normal[i]);
+      if (std::abs(slope) < 1e-6) continue;
+      const Vector3d to_center = center[i] - place;
+      const double along = to_center.dot(normal[i]) / slope;
+      if (std::abs(along) > radius[i] + depth) continue;
+      met += (along * direction - to_center).squaredNorm() <= radius[i] * radius[i];
+    }
+    return met;
+  }
+};
+
+/** One thread's way of casting rays. */
+class Caster {
+ public:
+  Caster(const PointStore& store, const DiscTree& discs, const CoverageParams& params, double usual)
+      : store_(store), discs_(discs), params_(params), usual_(usual), search_(store)
+  {
+  }
+
+  /** Discs that one ray meets, or kSparse. */
+  std::uint32_t
+  cast(std::uint64_t ray)
+  {
+    RayRandom random(params_.seed, ray);
+    const auto i = static_cast<std::size_t>(random() * static_cast<double>(store_.size()));
+    search_.nearest(i, kNeighbors + 1, near_, distances_sq_);
+    if (near_.size() < 3) return kSparse;
+    const auto others = static_cast<double>(near_.size() - 1);
+    const auto j = 1 + static_cast<std::size_t>(random() * others);
+    const auto k = 1 + (j + static_cast<std::size_t>(random() * (others - 1.0))) % (near_.size() - 1);
+    double spacing = 0;
+    for (std::size_t m = 1; m < near_.size(); ++m) spacing += std::sqrt(distances_sq_[m]) / others;
+    const Vector3d a = at(i), b = at(near_[j]), c = at(near_[k]);
+    const double side = std::max({(a - b).norm(), (b - c).norm(), (c - a).norm()});
+    const double u = std::sqrt(random()), v = random();
+    const Vector3d direction = directionAt(random(), random());
+    if (side > params_.density * spacing || spacing > kUsual * usual_) return kSparse;
+    const Vector3d place = (1.0 - u) * a + u * (1.0 - v) * b + u * v * c;
+    return discs_.count(place, direction, kDepthSpacings * usual_, hits_);
+  }
+
+  double
+  spacing(std::size_t i)
+  {
+    search_.nearest(i, kNeighbors + 1, near_, distances_sq_);
+    double sum = 0;
+    for (std::size_t m = 1; m < near_.size(); ++m) sum += std::sqrt(distances_sq_[m]);
+    return near_.size() > 1 ? sum / static_cast<double>(near_.size() - 1) : 0.0;
+  }
+
+ private:
+  Vector3d
+  at(std::size_t i) const
+  {
+    const auto p = store_.position(i);
+    return {p[0], p[1], p[2]};
+  }
+
+  /** A direction about the normal of the points found last. */
+  Vector3d
+  directionAt(double lean, double turn) const
+  {
+    Vector3d mean = Vector3d::Zero();
+    for (const std::uint32_t m : near_) mean += at(m);
+    mean /= static_cast<double>(near_.size());
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    for (const std::uint32_t m : near_) covariance += (at(m) - mean) * (at(m) - mean).transpose();
+    const double largest = covariance.cwiseAbs().maxCoeff();
+    Vector3d normal = Vector3d::UnitZ();
+    if (largest > 0.0) {
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+      solver.computeDirect(covariance / largest);
+      normal = solver.eigenvectors().col(0);
+    }
+    const double cosine = 1.0 - lean * (1.0 - std::cos(params_.tilt * kPi / 180.0));
+    const double sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
+    const Vector3d side = normal.unitOrthogonal(), other = normal.cross(side);
+    return cosine * normal +
+           sine * (std::cos(2.0 * kPi * turn) * side + std::sin(2.0 * kPi * turn) * other);
+  }
+
+  const PointStore& store_;
+  const DiscTree& discs_;
+  const CoverageParams& params_;
+  double usual_;
+  NeighborSearch search_;
+  std::vector<std::uint32_t> near_, hits_;
+  std::vector<float> distances_sq_;
+};
+
+double
+middleSpacing(const PointStore& store, const DiscTree& discs, const CoverageParams& params)
+{
+  Caster caster(store, discs, params, 0.0);
+  const std::size_t samples = std::min(kSamples, store.size());
+  std::vector<double> spacings(samples);
+  for (std::size_t s = 0; s < samples; ++s) {
+    spacings[s] = caster.spacing((2 * s + 1) * store.size() / (2 * samples));
+  }
+  const auto middle = spacings.begin() + static_cast<std::ptrdiff_t>(samples / 2);
+  std::nth_element(spacings.begin(), middle, spacings.end());
+  return *middle;
+}
+
+}  // namespace
+
+Result<Coverage>
+checkCoverage(const PointStore& store, const SplatSet& splats, const CoverageParams& params)
+{
+  if (!(params.tilt >= 0.0 && params.tilt <= 80.0) || !(params.density > 0.0)) {
+    return Error{ErrorCode::kBadArgument, "rays lean 0 to 80 degrees, and the density is positive"};
+  }
+  if (splats.empty() || store.size() == 0) {
+    return Error{ErrorCode::kBadInput, "there are no splats to look through; sample some first"};
+  }
+  const double usual = middleSpacing(store, DiscTree(store, SplatSet(), 0.0), params);
+  const DiscTree discs(store, splats, kDepthSpacings * usual);
+  const int threads = resolveThreads(params.threads);
+  std::vector<Caster> casters(static_cast<std::size_t>(threads),
+                              Caster(store, discs, params, usual));
+  std::vector<std::uint32_t> met(params.rays);
+  parallelFor(params.rays, threads, 256, [&](std::size_t ray, int thread) {
+    met[ray] = casters[static_cast<std::size_t>(thread)].cast(ray);
+  });
+  Coverage coverage;
+  std::uint64_t hits = 0;
+  for (const std::uint32_t count : met) {
+    if (count == kSparse) {
+      ++coverage.sparse;
+      continue;
+    }
+    ++coverage.rays;
+    coverage.missed += count == 0;
+    hits += count;
+  }
+  if (coverage.rays > 0) coverage.overlap = static_cast<double>(hits) / static_cast<double>(coverage.rays);
+  return coverage;
+}
+
+}  // namespace pcl_slim

@@ -1,0 +1,345 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/splat/octree_cloud.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "pcl_slim/cloud/morton.h"
+#include "pcl_slim/cloud/morton_sort.h"
+#include "pcl_slim/core/parallel.h"
+
+namespace pcl_slim {
+
+namespace {
+
+constexpr std::size_t kSlice = 1 << 15;     ///< points a thread takes at a time
+constexpr std::uint32_t kTooMany = 0xffffffffu;
+constexpr int kProbeBits = 6;               ///< the grid that guesses a cloud's area: 64 an axis
+constexpr double kLargest = 1e150;          ///< squares of such coordinates are still finite
+constexpr float kUnitSlack = 1e-3f;         ///< normals this near to unit length are left alone
+
+using Vector = std::array<double, 3>;
+
+struct Box {
+  Vector min, max;
+  std::size_t finite = 0;
+};
+
+Box
+emptyBox()
+{
+  const double inf = std::numeric_limits<double>::infinity();
+  return {{inf, inf, inf}, {-inf, -inf, -inf}, 0};
+}
+
+bool
+isFinite(const Vector& p)
+{
+  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+}
+
+/** Reads coordinates stored as T. */
+template <typename T>
+struct Reader {
+  const unsigned char* base;
+  std::size_t stride;
+  const std::int32_t* indices;
+
+  Vector operator()(std::size_t i) const
+  {
+    const std::size_t input = indices ? static_cast<std::size_t>(indices[i]) : i;
+    T q[3];
+    std::memcpy(q, base + input * stride, sizeof(q));
+    return {static_cast<double>(q[0]), static_cast<double>(q[1]), static_cast<double>(q[2])};
+  }
+};
+
+std::size_t
+spread(const Vector& p, const Vector& low, double scale)
+{
+  std::size_t cell = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double at = (p[a] - low[a]) * scale;
+    const auto last = static_cast<double>((1 << kProbeBits) - 1);
+    cell = cell << kProbeBits | static_cast<std::size_t>(std::min(at, last));
+  }
+  return cell;
+}
+
+}  // namespace
+
+/** The steps of OctreeCloud::build. */
+class OctreeCloudBuilder {
+ public:
+  OctreeCloudBuilder(const CloudView& cloud, const ColorView& colors, const LabTable& table,
+                     int threads)
+      : view_(cloud), colors_(colors), table_(table), threads_(threads)
+  {
+  }
+
+  Result<OctreeCloud>
+  run(const RootGrid& grid)
+  {
+    if (Error error = checkInput()) return error;
+    const auto* base = static_cast<const unsigned char*>(view_.xyz);
+    if (view_.scalar == CloudView::Scalar::kDouble) {
+      return runAs(Reader<double>{base, view_.xyz_stride, view_.indices}, grid);
+    }
+    return runAs(Reader<float>{base, view_.xyz_stride, view_.indices}, grid);
+  }
+
+ private:
+  Error
+  checkInput() const
+  {
+    const std::size_t n = view_.count();
+    if (n == 0 || view_.xyz == nullptr) {
+      return {ErrorCode::kBadInput, "the cloud has no points: give one that has"};
+    }
+    if (n >= kTooMany) {
+      return {ErrorCode::kBadInput, "the cloud has more than 2^32 - 2 points: split it"};
+    }
+    for (std::size_t i = 0; view_.indices != nullptr && i < n; ++i) {
+      if (view_.indices[i] < 0 || static_cast<std::size_t>(view_.indices[i]) >= view_.size) {
+        return {ErrorCode::kBadArgument, "index " + std::to_string(view_.indices[i]) +
+                                             " lies outside the cloud of " +
+                                             std::to_string(view_.size) + " points"};
+      }
+    }
+    return {};
+  }
+
+  template <typename Read>
+  Result<OctreeCloud>
+  runAs(const Read& read, const RootGrid& grid)
+  {
+    const Box box = measure(read);
+    if (box.finite == 0) {
+      return Error{ErrorCode::kBadInput,
+                   "every point of the cloud is NaN or infinite: nothing to work on"};
+    }
+    double longest = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (std::max(std::abs(box.min[a]), std::abs(box.max[a])) > kLargest) {
+        return Error{ErrorCode::kBadInput,
+                     "some coordinates are beyond 1e150: remove those points"};
+      }
+      longest = std::max(longest, box.max[a] - box.min[a]);
+    }
+    out_.num_non_finite_ = view_.count() - box.finite;
+    out_.has_colors_ = colors_.bgr != nullptr;
+    out_.origin_ = box.min;
+    chooseGrid(read, box, longest, grid);
+    sortPoints(read, box.finite);
+    gather(read);
+    return std::move(out_);
+  }
+
+  template <typename Read>
+  Box
+  measure(const Read& read) const
+  {
+    const std::size_t n = view_.count(), slices = (n + kSlice - 1) / kSlice;
+    std::vector<Box> parts(slices, emptyBox());
+    parallelFor(slices, threads_, 1, [&](std::size_t s, int) {
+      Box box = emptyBox();
+      for (std::size_t i = s * kSlice; i < std::min(n, (s + 1) * kSlice); ++i) {
+        const Vector p = read(i);
+        if (!isFinite(p)) continue;
+        ++box.finite;
+        for (std::size_t a = 0; a < 3; ++a) {
+          box.min[a] = std::min(box.min[a], p[a]);
+          box.max[a] = std::max(box.max[a], p[a]);
+        }
+      }
+      parts[s] = box;
+    });
+    Box all = emptyBox();
+    for (const Box& part : parts) {
+      all.finite += part.finite;
+      for (std::size_t a = 0; a < 3; ++a) {
+        all.min[a] = std::min(all.min[a], part.min[a]);
+        all.max[a] = std::max(all.max[a], part.max[a]);
+      }
+    }
+    return all;
+  }
+
+  /** Resolution that gives about as many occupied cells as wanted: a surface's count grows with
+   * the square of the resolution, and a coarse grid tells the factor. */
+  template <typename Read>
+  int
+  guessResolution(const Read& read, const Box& box, double longest, double wanted) const
+  {
+    const std::size_t n = view_.count(), words = (std::size_t{1} << 3 * kProbeBits) / 64;
+    std::vector<std::vector<std::uint64_t>> seen(static_cast<std::size_t>(threads_));
+    const double scale = (1 << kProbeBits) / longest;
+    parallelFor((n + kSlice - 1) / kSlice, threads_, 1, [&](std::size_t s, int thread) {
+      auto& bits = seen[static_cast<std::size_t>(thread)];
+      bits.resize(words);
+      for (std::size_t i = s * kSlice; i < std::min(n, (s + 1) * kSlice); ++i) {
+        const Vector p = read(i);
+        if (!isFinite(p)) continue;
+        const std::size_t cell = spread(p, box.min, scale);
+        bits[cell / 64] |= std::uint64_t{1} << cell % 64;
+      }
+    });
+    std::size_t count = 0;
+    for (std::size_t w = 0; w < words; ++w) {
+      std::uint64_t word = 0;
+      for (const auto& bits : seen) word |= bits.empty() ? 0 : bits[w];
+      for (; word != 0; word &= word - 1) ++count;
+    }
+    const double ratio = std::max(wanted, 1.0) / static_cast<double>(std::max<std::size_t>(count, 1));
+    return static_cast<int>(
+        std::clamp(std::round((1 << kProbeBits) * std::sqrt(ratio)), 1.0, 65536.0));
+  }
+
+  template <typename Read>
+  void
+  chooseGrid(const Read& read, const Box& box, double longest, const RootGrid& grid)
+  {
+    out_.resolution_ = std::clamp(grid.resolution, 1, RootGrid::kMaxResolution);
+    if (!(longest > 0.0)) {
+      out_.resolution_ = 1;
+    } else if (grid.resolution <= 0) {
+      out_.resolution_ = guessResolution(read, box, longest, grid.occupied);
+    }
+    out_.cell_ = longest / out_.resolution_;
+    out_.depth_ = OctreeCloud::kBits;
+    while ((out_.resolution_ - 1) >> (OctreeCloud::kBits - out_.depth_) != 0) --out_.depth_;
+  }
+
+  template <typename Read>
+  void
+  sortPoints(const Read& read, std::size_t finite)
+  {
+    const std::size_t n = view_.count(), slices = (n + kSlice - 1) / kSlice;
+    const bool all = finite == n;
+    std::vector<std::size_t> first(slices + 1, 0);
+    const auto sliceEnd = [&](std::size_t s) { return std::min(n, (s + 1) * kSlice); };
+    parallelFor(slices, threads_, 1, [&](std::size_t s, int) {
+      std::size_t count = sliceEnd(s) - s * kSlice;
+      for (std::size_t i = s * kSlice; !all && i < sliceEnd(s); ++i) count -= !isFinite(read(i));
+      first[s + 1] = count;
+    });
+    for (std::size_t s = 0; s < slices; ++s) first[s + 1] += first[s];
+    out_.keys_.resize(finite);
+    order_.resize(finite);
+    const double scale = out_.cell_ > 0 ? std::ldexp(1.0 / out_.cell_, out_.depth_) : 0.0;
+    const std::int64_t last =
+        (static_cast<std::int64_t>(out_.resolution_) << out_.depth_) - 1;  // the box's far side
+    parallelFor(slices, threads_, 1, [&](std::size_t s, int) {
+      std::size_t at = first[s];
+      for (std::size_t i = s * kSlice; i < sliceEnd(s); ++i) {
+        const Vector p = read(i);
+        if (!all && !isFinite(p)) continue;
+        std::uint64_t c[3];
+        for (std::size_t a = 0; a < 3; ++a) {
+          const auto cell = static_cast<std::int64_t>((p[a] - out_.origin_[a]) * scale);
+          c[a] = static_cast<std::uint64_t>(std::min(cell, last));
+        }
+        out_.keys_[at] = spreadBits(c[0]) << 2 | spreadBits(c[1]) << 1 | spreadBits(c[2]);
+        order_[at++] = static_cast<std::uint32_t>(i);
+      }
+    });
+    sortByKey(out_.keys_, order_, threads_);
+  }
+
+  void
+  readNormal(std::size_t input, float normal[3]) const
+  {
+    std::memcpy(normal,
+                static_cast<const unsigned char*>(view_.normal) + input * view_.normal_stride,
+                3 * sizeof(float));
+    const float sq = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
+    if (std::abs(sq - 1.0f) < kUnitSlack) return;
+    const bool usable = sq > 1e-24f && std::isfinite(sq);
+    const float scale = usable ? 1.0f / std::sqrt(sq) : 0.0f;
+    for (int a = 0; a < 3; ++a) normal[a] = usable ? normal[a] * scale : 0.0f;
+  }
+
+  template <typename Read>
+  void
+  gather(const Read& read)
+  {
+    out_.points_.resize(order_.size());
+    const double scale = out_.cell_ > 0 ? 1.0 / out_.cell_ : 0.0;
+    const auto* bgr = static_cast<const unsigned char*>(colors_.bgr);
+    parallelFor(order_.size(), threads_, kSlice / 4, [&](std::size_t at, int) {
+      OctreePoint q{};
+      q.order = order_[at];
+      const Vector p = read(q.order);
+      for (std::size_t a = 0; a < 3; ++a) {
+        q.position[a] = static_cast<float>((p[a] - out_.origin_[a]) * scale);
+      }
+      const std::size_t input = view_.inputIndex(q.order);
+      if (view_.normal) readNormal(input, q.normal);
+      if (bgr) {
+        const unsigned char* c = bgr + input * colors_.stride;
+        table_.convert(c[2], c[1], c[0], q.lab);
+      }
+      out_.points_[at] = q;
+    });
+  }
+
+  const CloudView& view_;
+  const ColorView& colors_;
+  const LabTable& table_;
+  int threads_;
+  OctreeCloud out_;
+  AlignedVector<std::uint32_t> order_;
+};
+
+Result<OctreeCloud>
+OctreeCloud::build(const CloudView& cloud, const ColorView& colors, const LabTable& table,
+                   const RootGrid& grid, int threads)
+{
+  return OctreeCloudBuilder(cloud, colors, table, resolveThreads(threads)).run(grid);
+}
+
+double
+OctreeCloud::edge(int shift) const
+{
+  return std::ldexp(1.0, shift - depth_);
+}
+
+std::array<double, 3>
+OctreeCloud::center(std::size_t i, int shift) const
+{
+  std::array<std::uint64_t, 3> corner{};
+  for (int bit = kBits - 1; bit >= shift; --bit) {
+    const std::uint64_t octant = keys_[i] >> 3 * bit;
+    corner[0] |= (octant >> 2 & 1) << bit;
+    corner[1] |= (octant >> 1 & 1) << bit;
+    corner[2] |= (octant & 1) << bit;
+  }
+  std::array<double, 3> c;
+  for (std::size_t a = 0; a < 3; ++a) {
+    c[a] = std::ldexp(static_cast<double>(corner[a]), -depth_) + 0.5 * edge(shift);
+  }
+  return c;
+}
+
+std::size_t
+OctreeCloud::countCells(int shift, int threads) const
+{
+  const std::size_t n = size(), slices = (n + kSlice - 1) / kSlice;
+  std::vector<std::size_t> parts(slices, 0);
+  parallelFor(slices, resolveThreads(threads), 1, [&](std::size_t s, int) {
+    std::size_t count = s == 0 ? 1 : 0;
+    for (std::size_t i = std::max<std::size_t>(1, s * kSlice); i < std::min(n, (s + 1) * kSlice); ++i) {
+      count += (keys_[i] ^ keys_[i - 1]) >> 3 * shift != 0;
+    }
+    parts[s] = count;
+  });
+  std::size_t total = 0;
+  for (const std::size_t part : parts) total += part;
+  return total;
+}
+
+}  // namespace pcl_slim

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/splat/splat_sampling.h"
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "pcl_slim/core/parallel.h"
+#include "splat_builder.h"
+
+namespace pcl_slim {
+
+namespace {
+
+constexpr double kPointsPerRoot = 50.0;    ///< the paper's own start: 2 % of the points
+constexpr double kRootsPerSplat = 0.25;    ///< budgets start from cells twice as wide as even ones
+constexpr double kPointsPerErrorRoot = 256.0;
+constexpr double kColorOff = 1.0;          ///< a colour error from here on ignores colour
+constexpr double kLabPerUnit = 100.0;
+
+/** Whether any point asked for has a usable normal. */
+bool
+hasNormals(const CloudView& cloud)
+{
+  if (!cloud.normal) return false;
+  const auto* base = static_cast<const unsigned char*>(cloud.normal);
+  for (std::size_t i = 0; i < cloud.count(); ++i) {
+    const auto* n =
+        reinterpret_cast<const float*>(base + cloud.inputIndex(i) * cloud.normal_stride);
+    const float sq = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+    if (sq > 1e-24f && std::isfinite(sq)) return true;
+  }
+  return false;
+}
+
+SplatParams
+resolved(SplatParams params)
+{
+  params.threads = resolveThreads(params.threads);
+  if (params.paper_mode) {
+    params.rgb_space = RgbSpace::kEbu;
+    params.color = SplatColor::kOwn;
+    params.radius = RadiusRule::kCorner;
+    params.remove_noise = false;
+    params.min_points = 2;
+  }
+  return params;
+}
+
+/** The stages of sampleSplats. */
+class Sampling {
+ public:
+  Sampling(const CloudView& cloud, const ColorView& colors, const SplatParams& params,
+           SplatStatistics& statistics, Progress& progress)
+      : view_(cloud),
+        colors_(colors),
+        params_(resolved(params)),
+        statistics_(statistics),
+        progress_(progress),
+        table_(params_.rgb_space)
+  {
+  }
+
+  Error
+  run(SplatSet& splats)
+  {
+    if (!begin(0.0f, "ordering")) return cancelled();
+    Result<OctreeCloud> cloud = OctreeCloud::build(view_, colors_, table_, rootGrid(), params_.threads);
+    if (!cloud) return cloud.error();
+    statistics_.seconds_order = lap();
+    // Normals come before the order, so a cloud without them is looked at once more; what is wrong
+    // with a cloud has been said by then.
+    if (needsNormals() || params_.radius == RadiusRule::kNeighbors) {
+      if (!begin(0.2f, "neighbours")) return cancelled();
+      Result<PointStore> store = PointStore::build(positionsOnly(), params_.threads);
+      if (!store) return store.error();
+      store_ = std::move(*store);
+    }
+    if (needsNormals()) {
+      normals_ = estimateNormals(*store_, view_, params_.normal_neighbors, params_.viewpoint,
+                                 params_.threads);
+      view_.normal = normals_.data();
+      view_.normal_stride = 3 * sizeof(float);
+      statistics_.normals_estimated = true;
+      cloud = OctreeCloud::build(view_, colors_, table_, rootGrid(), params_.threads);
+      if (!cloud) return cloud.error();
+    }
+    statistics_.seconds_normals = lap();
+    if (!begin(0.6f, "dividing")) return cancelled();
+    const SampleNoise noise = params_.remove_noise ? estimateSampleNoise(*cloud) : SampleNoise();
+    const std::vector<OctreeCell> cells = divide(*cloud, noise);
+    statistics_.seconds_divide = lap();
+    if (!begin(0.8f, "splats")) return cancelled();
+    const SplatSources sources{view_, colors_, table_, store_ ? &*store_ : nullptr, noise};
+    buildSplats(*cloud, cells, sources, params_, splats, statistics_);
+    statistics_.seconds_splats = lap();
+    return begin(1.0f, "done") ? Error() : cancelled();
+  }
+
+ private:
+  /** Says what comes next. false: the caller asked to stop. */
+  bool
+  begin(float fraction, const char* stage)
+  {
+    progress_.report(fraction, stage);
+    return !progress_.cancelled();
+  }
+
+  static Error cancelled() { return {ErrorCode::kCancelled, "the sampling was cancelled"}; }
+
+  double
+  lap()
+  {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return seconds;
+  }
+
+  bool
+  needsNormals()
+  {
+    if (!has_normals_) has_normals_ = hasNormals(view_);
+    return !*has_normals_;
+  }
+
+  CloudView
+  positionsOnly() const
+  {
+    CloudView view = view_;
+    view.normal = nullptr;
+    return view;
+  }
+
+  RootGrid
+  rootGrid() const
+  {
+    const auto n = static_cast<double>(view_.count());
+    if (params_.max_splats > 0) {
+      return {0, kRootsPerSplat * static_cast<double>(params_.max_splats)};
+    }
+    if (params_.initial_resolution > 0) return {params_.initial_resolution, 0};
+    return {0, n / (params_.target_error > 0 ? kPointsPerErrorRoot : kPointsPerRoot)};
+  }
+
+  std::vector<OctreeCell>
+  divide(const OctreeCloud& cloud, const SampleNoise& noise)
+  {
+    SplitRule rule;
+    rule.geometric_error = params_.geometric_error;
+    rule.color_error = params_.color_error < kColorOff ? kLabPerUnit * params_.color_error
+                                                       : std::numeric_limits<double>::infinity();
+    rule.oriented = params_.paper_mode && !statistics_.normals_estimated;
+    rule.noise = noise;
+    rule.min_points = params_.min_points;
+    rule.max_depth = params_.max_depth;
+    statistics_.points = cloud.size();
+    statistics_.non_finite = cloud.numNonFinite();
+    statistics_.roots = cloud.countCells(cloud.depth(), params_.threads);
+    statistics_.resolution = cloud.resolution();
+    statistics_.cell = cloud.cell();
+    statistics_.color_noise = std::sqrt(noise.color);
+    statistics_.normal_noise = std::sqrt(noise.normal);
+    if (params_.max_splats == 0 && !(params_.target_error > 0)) {
+      return divideByTolerance(cloud, rule, params_.threads);
+    }
+    OctreeCut cut =
+        cutOptimally(cloud, rule, {params_.max_splats, params_.target_error}, params_.threads);
+    statistics_.tree_cells = cut.nodes;
+    statistics_.error = cut.error;
+    return std::move(cut.cells);
+  }
+
+  CloudView view_;
+  const ColorView& colors_;
+  SplatParams params_;
+  SplatStatistics& statistics_;
+  Progress& progress_;
+  LabTable table_;
+  std::optional<PointStore> store_;
+  std::optional<bool> has_normals_;
+  std::vector<float> normals_;
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+Error
+SplatParams::validate() const
+{
+  const auto bad = [](const char* text) { return Error{ErrorCode::kBadArgument, text}; };
+  if (initial_resolution < 0 || initial_resolution > RootGrid::kMaxResolution) {
+    return bad("the initial resolution is 0 (automatic) to 1048576 cells along the longest side");
+  }
+  if (!(geometric_error >= 0.0)) return bad("the geometric error is a number from 0 on");
+  if (!(color_error >= 0.0)) return bad("the colour error is a number from 0 on");
+  if (max_depth < 0) return bad("the depth is 0 (uniform cells) or more");
+  if (!(target_error >= 0.0) || std::isinf(target_error)) {
+    return bad("the target error is a finite number of Delta E, 0 for none");
+  }
+  if (max_splats > 0 && target_error > 0) {
+    return bad("a count and a target error exclude each other; set one of the two");
+  }
+  if (normal_neighbors < 3) return bad("a normal needs 3 neighbours or more");
+  for (const double v : viewpoint) {
+    if (!std::isfinite(v)) return bad("the viewpoint is not finite; give three numbers");
+  }
+  return {};
+}
+
+Error
+sampleSplats(const CloudView& cloud, const ColorView& colors, const SplatParams& params,
+             SplatSet& splats, SplatStatistics* statistics, Progress* progress)
+{
+  splats = SplatSet();
+  SplatStatistics own_statistics;
+  Progress own_progress;
+  SplatStatistics& counts = statistics ? *statistics : own_statistics;
+  counts = {};
+  Error error = params.validate();
+  if (!error) {
+    error = Sampling(cloud, colors, params, counts, progress ? *progress : own_progress).run(splats);
+  }
+  if (error) splats = SplatSet();
+  return error;
+}
+
+}  // namespace pcl_slim
