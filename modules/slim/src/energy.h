@@ -10,7 +10,7 @@ namespace pcl_slim {
 
 /** \brief What a radius costs: residual plus a penalty on small balls. All in local units. */
 struct Energy {
-  static constexpr double kThick = 4.0;  ///< balls below so many sqrt(lambda) are filled by noise
+  static constexpr double kThick = 8.0;  ///< balls below so many sqrt(lambda) are filled by noise
 
   static constexpr double kTruncation = 10.0;  ///< 2 (m + 1) of the kernel (1 - s^2)^m, m = 4
   static constexpr double kLeastShare = 0.2;

@@ -13,6 +13,7 @@ constexpr int kBins = 48;
 constexpr double kValley = 0.12;       ///< of the lower mode
 constexpr std::size_t kLeastPoints = 24;
 constexpr std::size_t kMostCounted = 512;  ///< larger balls are counted in strides
+constexpr double kApart = 3.0;         ///< distance of the sides' means over their own deviation
 constexpr double kLeastMode = 0.05;    ///< share of the points on the smaller side
 
 using Histogram = std::array<double, kBins>;
@@ -41,6 +42,24 @@ otsuThreshold(const Histogram& bins)
     }
   }
   return threshold;
+}
+
+/** Two sheets are far apart against their own thickness; the ripple of one badly fitted sheet, which
+ * has two peaks as well, is not. */
+bool
+standsApart(const Histogram& bins, int valley)
+{
+  double count[2] = {}, sum[2] = {}, square[2] = {};
+  for (int b = 0; b < kBins; ++b) {
+    const int side = b > valley;
+    count[side] += bins[b];
+    sum[side] += bins[b] * b;
+    square[side] += bins[b] * b * b;
+  }
+  if (count[0] <= 0 || count[1] <= 0) return false;
+  const double gap = sum[1] / count[1] - sum[0] / count[0];
+  const double within = (square[0] - sum[0] * sum[0] / count[0]) + (square[1] - sum[1] * sum[1] / count[1]);
+  return gap * gap > kApart * kApart * within / (count[0] + count[1]);
 }
 
 }  // namespace
@@ -80,6 +99,7 @@ findSheet(const float* residuals, std::size_t count, double center_residual)
   if (valley == lower_mode || depth >= kValley * std::min(*lower_mode, *upper_mode)) return range;
   double below = 0;
   for (auto b = bins.begin(); b <= valley; ++b) below += *b;
+  if (!standsApart(bins, static_cast<int>(valley - bins.begin()))) return range;
   const double least = kLeastMode * counted;
   if (below < least || counted - below < least) return range;
   const double cut = from + (static_cast<double>(valley - bins.begin()) + 0.5) / to_bin;
