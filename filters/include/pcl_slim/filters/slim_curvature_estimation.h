@@ -39,7 +39,9 @@ namespace pcl_slim {
  *
  * Compiled for the inputs SLIMFit is compiled for, and for PointCurvature and
  * pcl::PrincipalCurvatures as output. For other types include
- * pcl_slim/filters/impl/slim_curvature_estimation.hpp where you use them.
+ * pcl_slim/filters/impl/slim_curvature_estimation.hpp where you use them. An input type of your own
+ * needs, as with any pcl::Feature, pcl/kdtree/impl/kdtree_flann.hpp and pcl/search/impl/kdtree.hpp
+ * besides, and lz4 linked, which FLANN's headers call.
  */
 template <typename PointInT, typename PointOutT = PointCurvature>
 class SLIMCurvatureEstimation : public pcl::Feature<PointInT, PointOutT>,
