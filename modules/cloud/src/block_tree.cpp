@@ -85,7 +85,8 @@ walk(const std::vector<BlockTree::Level>& levels, std::size_t depth, std::size_t
 }  // namespace
 
 void
-BlockTree::blocksInBall(const float center[3], float radius, std::vector<std::uint32_t>& blocks) const
+BlockTree::blocksInBall(const float center[3], float radius,
+                        std::vector<std::uint32_t>& blocks) const
 {
   if (levels_.empty()) return;
   walk(

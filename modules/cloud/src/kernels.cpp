@@ -33,7 +33,8 @@ boxesInBall(const BlockTree::Level& boxes, std::size_t first, const float center
   for (std::size_t i = 0; i < BlockTree::kFan; i += lanes) {
     const std::size_t j = first + i;
     const auto outside = [&](const float* low, const float* high, decltype(cx) c) {
-      return hn::Max(zero, hn::Max(hn::Sub(hn::Load(d, low + j), c), hn::Sub(c, hn::Load(d, high + j))));
+      return hn::Max(zero,
+                     hn::Max(hn::Sub(hn::Load(d, low + j), c), hn::Sub(c, hn::Load(d, high + j))));
     };
     const auto ex = outside(boxes.min_x.data(), boxes.max_x.data(), cx);
     const auto ey = outside(boxes.min_y.data(), boxes.max_y.data(), cy);

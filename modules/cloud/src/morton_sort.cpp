@@ -39,7 +39,8 @@ radixPass(const Keys& keys, const Indices& indices, Keys& keys_out, Indices& ind
   parallelFor(slices, threads, 1, [&](std::size_t s, int) {
     Histogram& count = offsets[s];
     count.fill(0);
-    for (std::size_t i = sliceBegin(s); i < sliceBegin(s + 1); ++i) ++count[digitOf(keys[i], shift)];
+    for (std::size_t i = sliceBegin(s); i < sliceBegin(s + 1); ++i)
+      ++count[digitOf(keys[i], shift)];
   });
   std::size_t total = 0;
   for (std::size_t digit = 0; digit < kBuckets; ++digit) {

@@ -19,13 +19,14 @@ constexpr std::size_t kEigenvalueSamples = 4000;
 constexpr std::size_t kFirstNeighbors = 20;
 constexpr std::size_t kMostNeighbors = 20480;
 constexpr int kCubicTerms = 10;
-constexpr double kPatchNoise = 0.15;  ///< noise above this share of the patch's radius fills it
+constexpr double kPatchNoise = 0.15;     ///< noise above this share of the patch's radius fills it
 constexpr std::size_t kSheetFactor = 2;  ///< neighbours asked for where two sheets share a patch
 constexpr Eigen::Index kLeastSide = 1;   ///< points on the other side of a gap between sheets
 constexpr int kSheetPasses = 4;
-constexpr double kSheetGap = 1.0;        ///< such a gap over the larger spread of the two sides
+constexpr double kSheetGap = 1.0;  ///< such a gap over the larger spread of the two sides
 constexpr double kTrim = 0.1;
-constexpr double kBiasGrowth = 16.0;  ///< of a cubic's squared bias when k, and so radius^2, doubles
+constexpr double kBiasGrowth =
+    16.0;  ///< of a cubic's squared bias when k, and so radius^2, doubles
 constexpr double kLeastNoise = 1e-4;  ///< share of the residual that is always taken for noise
 constexpr double kFloor = 1e-11;      ///< of L
 
@@ -110,7 +111,8 @@ keepOwnSheet(Patch& patch)
   if (n < 2 * kLeastSide) return false;
   const SheetPair pair = pairSheets(patch.points);
   const Eigen::RowVectorXd heights = pair.normal.transpose() * patch.points;
-  double low[2] = {heights.maxCoeff(), heights.maxCoeff()}, high[2] = {heights.minCoeff(), heights.minCoeff()};
+  double low[2] = {heights.maxCoeff(), heights.maxCoeff()},
+         high[2] = {heights.minCoeff(), heights.minCoeff()};
   Eigen::Index count[2] = {};
   for (const double h : heights) {
     const int side = h > pair.middle;
@@ -124,7 +126,8 @@ keepOwnSheet(Patch& patch)
   Eigen::Index kept = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
     // The sample itself stands at height 0.
-    if ((heights[i] > pair.middle) == (0.0 > pair.middle)) patch.points.col(kept++) = patch.points.col(i);
+    if ((heights[i] > pair.middle) == (0.0 > pair.middle))
+      patch.points.col(kept++) = patch.points.col(i);
   }
   patch.points.conservativeResize(3, kept);
   patch.radius = std::sqrt(patch.points.colwise().squaredNorm().maxCoeff());
@@ -190,7 +193,8 @@ PatchNoise
 patchNoise(const PointStore& store, std::size_t k, int threads)
 {
   // Larger patches average more points each, so fewer of them are needed.
-  const std::size_t samples = std::max<std::size_t>(kLeastSamples, kResidualSamples * kFirstNeighbors / k);
+  const std::size_t samples =
+      std::max<std::size_t>(kLeastSamples, kResidualSamples * kFirstNeighbors / k);
   std::vector<double> radii(std::min(samples, store.size()));
   const auto measure = [&](NeighborSearch& search, std::size_t sample, std::size_t s) {
     thread_local std::vector<std::uint32_t> neighbors;

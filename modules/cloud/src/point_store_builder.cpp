@@ -12,10 +12,10 @@ namespace pcl_slim {
 
 namespace {
 
-constexpr std::size_t kSlice = 1 << 15;   ///< points a thread takes at a time
-constexpr double kOriginGrid = 0x1p-10;   ///< the origin is a multiple of this share of the scale
-constexpr float kBlockGrid = 0x1p22f;     ///< block origins are multiples of its inverse
-constexpr double kFarOrigin = 256.0;      ///< beyond this many L, world floats cannot be exact
+constexpr std::size_t kSlice = 1 << 15;  ///< points a thread takes at a time
+constexpr double kOriginGrid = 0x1p-10;  ///< the origin is a multiple of this share of the scale
+constexpr float kBlockGrid = 0x1p22f;    ///< block origins are multiples of its inverse
+constexpr double kFarOrigin = 256.0;     ///< beyond this many L, world floats cannot be exact
 
 struct SliceSummary {
   double min[3], max[3];
@@ -108,7 +108,8 @@ PointStoreBuilder::measure()
   }
   SliceSummary all = summarizeAll(cloud_, reader_, false, threads_);
   if (all.finite == 0) {
-    return {ErrorCode::kBadInput, "every point of the cloud is NaN or infinite: nothing to work on"};
+    return {ErrorCode::kBadInput,
+            "every point of the cloud is NaN or infinite: nothing to work on"};
   }
   with_normals_ = all.with_normal > 0;
   if (with_normals_ && all.with_normal < all.finite) {
@@ -130,7 +131,8 @@ PointStoreBuilder::measure()
   const double span = diagonal > 0 ? diagonal : std::max(farthest * 0x1p-20, 0x1p-100);
   store_.scale_ = std::exp2(std::ceil(std::log2(span * (1.0 + 4 * kOriginGrid))));
   if (!std::isfinite(store_.scale_)) {
-    return {ErrorCode::kBadInput, "some coordinates come near the largest number there is: remove those points"};
+    return {ErrorCode::kBadInput,
+            "some coordinates come near the largest number there is: remove those points"};
   }
   store_.diagonal_ = diagonal / store_.scale_;
   const double origin_grid = store_.scale_ * kOriginGrid;
@@ -239,8 +241,9 @@ PointStoreBuilder::mergedNormal(std::size_t i) const
 {
   const auto stored = static_cast<std::uint32_t>(i);
   auto n = reader_.normal(cloud_.inputIndex(order_[i]));
-  auto it = std::lower_bound(store_.merged_.begin(), store_.merged_.end(), stored,
-                             [](const auto& entry, std::uint32_t value) { return entry[1] < value; });
+  auto it =
+      std::lower_bound(store_.merged_.begin(), store_.merged_.end(), stored,
+                       [](const auto& entry, std::uint32_t value) { return entry[1] < value; });
   if (it == store_.merged_.end() || (*it)[1] != stored) return n;
   std::array<float, 3> sum = n;
   for (; it != store_.merged_.end() && (*it)[1] == stored; ++it) {
@@ -271,8 +274,8 @@ PointStoreBuilder::fillBlock(std::size_t block)
     const auto p = localPosition(order_[i]);
     for (int a = 0; a < 3; ++a) columns[a][i] = static_cast<float>(p[a] - origins[a][block]);
     if (!with_normals_) continue;
-    const auto n = store_.merged_.empty() ? reader_.normal(cloud_.inputIndex(order_[i]))
-                                          : mergedNormal(i);
+    const auto n =
+        store_.merged_.empty() ? reader_.normal(cloud_.inputIndex(order_[i])) : mergedNormal(i);
     for (int a = 0; a < 3; ++a) normals[a][i] = n[a];
   }
   for (std::size_t i = end; i < begin + PointStore::kBlock; ++i) {
@@ -290,15 +293,15 @@ PointStoreBuilder::fillBlocks()
   if (with_normals_) {
     for (auto* column : {&store_.nx_, &store_.ny_, &store_.nz_}) column->resize(padded);
   }
-  for (auto* column :
-       {&store_.block_origin_x_, &store_.block_origin_y_, &store_.block_origin_z_}) {
+  for (auto* column : {&store_.block_origin_x_, &store_.block_origin_y_, &store_.block_origin_z_}) {
     column->resize(blocks);
   }
   BlockTree::Level boxes;
   boxes.allocate(blocks);
   parallelFor(blocks, threads_, kSlice / PointStore::kBlock, [&](std::size_t b, int) {
     fillBlock(b);
-    const auto bound = [&](const AlignedVector<float>& column, float origin, float& low, float& high) {
+    const auto bound = [&](const AlignedVector<float>& column, float origin, float& low,
+                           float& high) {
       const auto begin = column.begin() + static_cast<std::ptrdiff_t>(b * PointStore::kBlock);
       const std::size_t count = std::min(PointStore::kBlock, store_.size_ - b * PointStore::kBlock);
       const auto [lowest, highest] =

@@ -16,8 +16,7 @@ class CloudReader {
  public:
   explicit CloudReader(const CloudView& view) : view_(view) {}
 
-  std::array<double, 3>
-  position(std::size_t input) const
+  std::array<double, 3> position(std::size_t input) const
   {
     const char* p = static_cast<const char*>(view_.xyz) + input * view_.xyz_stride;
     if (view_.scalar == CloudView::Scalar::kDouble) {
@@ -31,8 +30,7 @@ class CloudReader {
   }
 
   /** \brief Unit normal, or zero where the point has none. */
-  std::array<float, 3>
-  normal(std::size_t input) const
+  std::array<float, 3> normal(std::size_t input) const
   {
     std::array<float, 3> n;
     const char* p = static_cast<const char*>(view_.normal) + input * view_.normal_stride;
@@ -52,10 +50,10 @@ class PointStoreBuilder {
  public:
   PointStoreBuilder(const CloudView& cloud, int threads);
 
-  Error measure();          ///< which points count, their box, origin and scale
-  void sortPoints();        ///< Morton keys, sorted
-  void mergeDuplicates();   ///< equal positions become one entry
-  void fillBlocks();        ///< block origins, offsets, normals, boxes
+  Error measure();         ///< which points count, their box, origin and scale
+  void sortPoints();       ///< Morton keys, sorted
+  void mergeDuplicates();  ///< equal positions become one entry
+  void fillBlocks();       ///< block origins, offsets, normals, boxes
   PointStore take() { return std::move(store_); }
 
  private:

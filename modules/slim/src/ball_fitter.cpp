@@ -11,10 +11,11 @@ namespace pcl_slim {
 
 namespace {
 
-constexpr double kLoneNormal = 0.3;    ///< share of agreeing neighbours below which a normal is alone
-constexpr double kTwoSheets = 4.0;     ///< sheets that can be told apart leave e^2 above so many lambda
-constexpr double kOffCenter = 0.03;    ///< of r_r: a fit that passes its centre farther off is moved
-constexpr double kGateMargin = 1e-6;   ///< of r: the least a coverage gate may be, for rounding
+constexpr double kLoneNormal = 0.3;  ///< share of agreeing neighbours below which a normal is alone
+constexpr double kTwoSheets =
+    4.0;  ///< sheets that can be told apart leave e^2 above so many lambda
+constexpr double kOffCenter = 0.03;   ///< of r_r: a fit that passes its centre farther off is moved
+constexpr double kGateMargin = 1e-6;  ///< of r: the least a coverage gate may be, for rounding
 
 /** Gives a linear surfel its plane's own normal: f is then w' - c_0, and only c_0 is left to store. */
 void
@@ -37,7 +38,8 @@ BallFitter::fit(std::size_t i, int level, SurfelRecord& surfel)
   ++counters_.tried;
   const auto p = store_.position(i);
   for (int a = 0; a < 3; ++a) {
-    center_[a] = static_cast<float>(std::round(p[a] / settings_.center_grid) * settings_.center_grid);
+    center_[a] =
+        static_cast<float>(std::round(p[a] / settings_.center_grid) * settings_.center_grid);
   }
   if (settings_.with_normals) gate_ = store_.normal(i);
   const double r_right = settings_.levelRadius(level);
@@ -75,7 +77,8 @@ BallFitter::centerOnSurface()
   if (!right.supported || std::abs(offset) < kOffCenter || std::abs(offset) > kLargestShift) return;
   for (int a = 0; a < 3; ++a) {
     const double moved = center_[a] + offset * gather_radius_ * normal_[a];
-    center_[a] = static_cast<float>(std::round(moved / settings_.center_grid) * settings_.center_grid);
+    center_[a] =
+        static_cast<float>(std::round(moved / settings_.center_grid) * settings_.center_grid);
   }
   gather(gather_radius_);
   setFrame();
@@ -160,10 +163,10 @@ BallFitter::cover(const SurfelRecord& surfel, float* coverage)
   leaf.degree = surfel.degree;
   leaf.support_radius = surfel.radius;
   leaf.c = surfel.c.data();
-  leaf.max_residual = settings_.residual_gate > 0
-                          ? static_cast<float>(settings_.residual_gate * surfel.error +
-                                               kGateMargin * surfel.radius)
-                          : surfel.radius;
+  leaf.max_residual =
+      settings_.residual_gate > 0
+          ? static_cast<float>(settings_.residual_gate * surfel.error + kGateMargin * surfel.radius)
+          : surfel.radius;
   kernels::coverPoints(store_, blocks_, leaf, settings_.cover_kernel, coverage);
 }
 

@@ -42,16 +42,13 @@ class BallFitter {
 
   /** \brief Fits the ball of stored point i at level k. \param[out] surfel of a leaf or internal
    * node. */
-  BallOutcome
-  fit(std::size_t i, int level, SurfelRecord& surfel);
+  BallOutcome fit(std::size_t i, int level, SurfelRecord& surfel);
 
   /** \brief Adds a leaf to the coverage of the points it serves. */
-  void
-  cover(const SurfelRecord& surfel, float* coverage);
+  void cover(const SurfelRecord& surfel, float* coverage);
 
   /** \brief Marks the points of an internal ball as served at this level. */
-  void
-  mark(const SurfelRecord& surfel, std::uint8_t value, std::uint8_t* marks);
+  void mark(const SurfelRecord& surfel, std::uint8_t value, std::uint8_t* marks);
 
   const BallCounters& counters() const { return counters_; }
   std::uint64_t numFits() const { return search_.numFits(); }

@@ -5,6 +5,7 @@
 #define HWY_TARGET_INCLUDE "ball_kernels.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+
 #include "kernel_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -29,8 +30,7 @@ class BallScan {
 
   /** Calls body(first point index, lanes) for every group of lanes that meets the ball. */
   template <typename Body>
-  HWY_INLINE void
-  forEach(const std::vector<std::uint32_t>& blocks, const Body& body) const
+  HWY_INLINE void forEach(const std::vector<std::uint32_t>& blocks, const Body& body) const
   {
     const Tag d;
     for (const std::uint32_t b : blocks) {
@@ -48,10 +48,9 @@ class BallScan {
         if (hn::AllFalse(d, lanes.in_ball)) continue;
         lanes.kept = lanes.in_ball;
         if (gated_) {
-          const auto cosine =
-              dot3(hn::Load(d, store_.nx() + i), hn::Load(d, store_.ny() + i),
-                   hn::Load(d, store_.nz() + i), hn::Set(d, gate_[0]), hn::Set(d, gate_[1]),
-                   hn::Set(d, gate_[2]));
+          const auto cosine = dot3(hn::Load(d, store_.nx() + i), hn::Load(d, store_.ny() + i),
+                                   hn::Load(d, store_.nz() + i), hn::Set(d, gate_[0]),
+                                   hn::Set(d, gate_[1]), hn::Set(d, gate_[2]));
           lanes.kept = hn::And(lanes.in_ball, hn::Gt(cosine, hn::Set(d, query_.min_dot)));
         }
         body(i, lanes);
@@ -185,7 +184,8 @@ void
 compactBall(const BallBuffer& ball, float limit_sq, BallBuffer& inner)
 {
   const auto limit = hn::Set(Tag(), limit_sq);
-  copyWhere(ball, [&](std::size_t, Vec s_sq) HWY_ATTR { return hn::Lt(s_sq, limit); }, inner);
+  copyWhere(
+      ball, [&](std::size_t, Vec s_sq) HWY_ATTR { return hn::Lt(s_sq, limit); }, inner);
 }
 
 void
@@ -279,8 +279,8 @@ coverPoints(const PointStore& store, const std::vector<std::uint32_t>& blocks,
 }
 
 void
-markPoints(const PointStore& store, const std::vector<std::uint32_t>& blocks,
-           const BallQuery& ball, std::uint8_t value, std::uint8_t* marks)
+markPoints(const PointStore& store, const std::vector<std::uint32_t>& blocks, const BallQuery& ball,
+           std::uint8_t value, std::uint8_t* marks)
 {
   const Tag d;
   BallScan(store, ball).forEach(blocks, [&](std::size_t i, const Lanes& l) HWY_ATTR {
@@ -347,8 +347,8 @@ coverPoints(const PointStore& store, const std::vector<std::uint32_t>& blocks,
 }
 
 void
-markPoints(const PointStore& store, const std::vector<std::uint32_t>& blocks,
-           const BallQuery& ball, std::uint8_t value, std::uint8_t* marks)
+markPoints(const PointStore& store, const std::vector<std::uint32_t>& blocks, const BallQuery& ball,
+           std::uint8_t value, std::uint8_t* marks)
 {
   HWY_DYNAMIC_DISPATCH(markPoints)(store, blocks, ball, value, marks);
 }

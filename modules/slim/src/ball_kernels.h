@@ -25,8 +25,7 @@ struct BallBuffer {
 
   static constexpr std::size_t kPadding = 64;
 
-  void
-  reserve(std::size_t capacity)
+  void reserve(std::size_t capacity)
   {
     if (u.size() >= capacity + kPadding) return;
     const std::size_t grown = capacity + capacity / 2 + kPadding;
@@ -44,19 +43,19 @@ struct BallQuery {
 
 /** \brief Sums over a gathered ball, weighted by (1 - s^2)^4. */
 struct BallSums {
-  std::size_t inside = 0;               ///< points in the ball, gate or not
+  std::size_t inside = 0;  ///< points in the ball, gate or not
   double weight = 0;
-  std::array<double, 3> normal{};       ///< weighted sum of normals (zero without normals)
-  std::array<double, 3> first{};        ///< weighted sum of offsets
-  std::array<double, 6> second{};       ///< of products xx, xy, xz, yy, yz, zz
+  std::array<double, 3> normal{};  ///< weighted sum of normals (zero without normals)
+  std::array<double, 3> first{};   ///< weighted sum of offsets
+  std::array<double, 6> second{};  ///< of products xx, xy, xz, yy, yz, zz
 };
 
 /** \brief A weighted least-squares polynomial and the measures the radius search needs. */
 struct LocalFit {
-  int degree = 0;                              ///< 0: nothing could be fitted
-  std::array<double, kMaxCoefficients> c{};    ///< in units of the gather radius
-  double residual_sq = 0;                      ///< e^2 = sum w f^2 / sum w, gather radius squared
-  double n_eff = 0;                            ///< (sum w)^2 / sum w^2
+  int degree = 0;                            ///< 0: nothing could be fitted
+  std::array<double, kMaxCoefficients> c{};  ///< in units of the gather radius
+  double residual_sq = 0;                    ///< e^2 = sum w f^2 / sum w, gather radius squared
+  double n_eff = 0;                          ///< (sum w)^2 / sum w^2
 };
 
 /** \brief What a fit is made for; each goal includes the ones before. */
@@ -105,12 +104,12 @@ ballResiduals(const BallBuffer& ball, const LocalFit& fit, float* residuals);
 
 /** \brief A leaf as the cover sees it. */
 struct CoverLeaf {
-  BallQuery ball;            ///< radius R = alpha r
+  BallQuery ball;  ///< radius R = alpha r
   LocalFrame frame;
   int degree;
-  float support_radius;      ///< r
-  const float* c;            ///< coefficients in units of r
-  float max_residual;        ///< points farther from f = 0 are not covered
+  float support_radius;  ///< r
+  const float* c;        ///< coefficients in units of r
+  float max_residual;    ///< points farther from f = 0 are not covered
 };
 
 /** \brief Adds G(d / R) to the coverage of the points a leaf covers; touches no other. */
@@ -120,8 +119,8 @@ coverPoints(const PointStore& store, const std::vector<std::uint32_t>& blocks,
 
 /** \brief Sets the bits of value in the marks of a ball's gated points; touches no other. */
 void
-markPoints(const PointStore& store, const std::vector<std::uint32_t>& blocks,
-           const BallQuery& ball, std::uint8_t value, std::uint8_t* marks);
+markPoints(const PointStore& store, const std::vector<std::uint32_t>& blocks, const BallQuery& ball,
+           std::uint8_t value, std::uint8_t* marks);
 
 }  // namespace kernels
 }  // namespace pcl_slim

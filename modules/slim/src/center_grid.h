@@ -25,23 +25,21 @@ class CenterGrid {
 
   /** Calls body(member, squared distance) for the members within one cell of a centre. */
   template <typename Body>
-  void
-  forEachNear(std::uint32_t center, const Body& body) const
+  void forEachNear(std::uint32_t center, const Body& body) const
   {
     forEachNear(surface_.cx[center], surface_.cy[center], surface_.cz[center], body);
   }
 
   /** Likewise for any place. */
   template <typename Body>
-  void
-  forEachNear(float px, float py, float pz, const Body& body) const
+  void forEachNear(float px, float py, float pz, const Body& body) const
   {
     const std::int64_t x = cell(px), y = cell(py), z = cell(pz);
     for (std::int64_t dx = -1; dx <= 1; ++dx) {
       for (std::int64_t dy = -1; dy <= 1; ++dy) {
         // Cells along z are neighbours in the order of codes: one search serves three.
-        auto it = std::lower_bound(cells_.begin(), cells_.end(),
-                                   Entry{code(x + dx, y + dy, z - 1), 0});
+        auto it =
+            std::lower_bound(cells_.begin(), cells_.end(), Entry{code(x + dx, y + dy, z - 1), 0});
         const std::int64_t last = code(x + dx, y + dy, z + 1);
         for (; it != cells_.end() && it->code <= last; ++it) {
           const float ex = surface_.cx[it->member] - px;
@@ -57,8 +55,7 @@ class CenterGrid {
   struct Entry {
     std::int64_t code;
     std::uint32_t member;
-    bool
-    operator<(const Entry& other) const
+    bool operator<(const Entry& other) const
     {
       return code != other.code ? code < other.code : member < other.member;
     }
@@ -68,13 +65,11 @@ class CenterGrid {
   static constexpr double kNarrowest = 0x1p-19;
   static constexpr double kLastCell = 0x1p21 - 4;
 
-  std::int64_t
-  cell(float local) const
+  std::int64_t cell(float local) const
   {
     return std::llround(std::clamp((local + 1.0) * inverse_, 0.0, kLastCell)) + 1;
   }
-  static std::int64_t
-  code(std::int64_t x, std::int64_t y, std::int64_t z)
+  static std::int64_t code(std::int64_t x, std::int64_t y, std::int64_t z)
   {
     return (x << 42) + (y << 21) + z;
   }

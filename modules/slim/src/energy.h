@@ -15,14 +15,13 @@ struct Energy {
   static constexpr double kTruncation = 10.0;  ///< 2 (m + 1) of the kernel (1 - s^2)^m, m = 4
   static constexpr double kLeastShare = 0.2;
 
-  double lambda = 0;    ///< noise variance
-  double kappa = 0;     ///< Mallows' Cp: kappa lambda P / n_eff, where t_mdl is 0
-  double t_mdl = 0;     ///< T_MDL L: the paper's penalty lambda (T L / r)^2
+  double lambda = 0;      ///< noise variance
+  double kappa = 0;       ///< Mallows' Cp: kappa lambda P / n_eff, where t_mdl is 0
+  double t_mdl = 0;       ///< T_MDL L: the paper's penalty lambda (T L / r)^2
   bool corrected = true;  ///< residual variance over n - P degrees of freedom (not in the paper)
 
   /** \brief E(r) of a fit with radius r; gather_radius is the unit the fit was made in. */
-  double
-  operator()(const LocalFit& fit, double r, double gather_radius) const
+  double operator()(const LocalFit& fit, double r, double gather_radius) const
   {
     const double terms = numCoefficients(fit.degree);
     double e_sq = fit.residual_sq * gather_radius * gather_radius;

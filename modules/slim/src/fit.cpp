@@ -18,8 +18,7 @@ namespace {
 
 class Stopwatch {
  public:
-  double
-  lap()
+  double lap()
   {
     const auto now = std::chrono::steady_clock::now();
     const double seconds = std::chrono::duration<double>(now - last_).count();
@@ -70,8 +69,8 @@ noiseVariance(const PointStore& store, const FitParams& params, int threads)
   const double diagonal = store.diagonal();
   if (params.lambda > 0) return params.lambda * diagonal * diagonal;
   const bool paper = params.paper_mode || params.t_mdl > 0;
-  return estimateNoise(store, paper ? NoiseEstimator::kMinEigenvalue10 : NoiseEstimator::kCubicResidual,
-                       threads);
+  return estimateNoise(
+      store, paper ? NoiseEstimator::kMinEigenvalue10 : NoiseEstimator::kCubicResidual, threads);
 }
 
 void
@@ -93,7 +92,8 @@ fillSurface(const std::vector<SurfelRecord>& records, SLIMSurface& surface)
     surface.degree[i] = r.degree;
     surface.level[i] = r.level;
     surface.flags[i] = r.flags;
-    std::copy_n(r.c.begin(), stride, surface.coefficients.begin() + static_cast<std::ptrdiff_t>(i * stride));
+    std::copy_n(r.c.begin(), stride,
+                surface.coefficients.begin() + static_cast<std::ptrdiff_t>(i * stride));
   }
 }
 
@@ -147,7 +147,8 @@ countPoints(const PointStore& store, const FitSettings& settings, const LevelCov
   stats.skipped_normals = cover.numLoneNormals();
   stats.split_sheets = cover.counters().split_sheets;
   stats.gathered = cover.counters().gathered;
-  stats.never_gathered = store.size() - std::min<std::uint64_t>(store.size(), cover.counters().tried);
+  stats.never_gathered =
+      store.size() - std::min<std::uint64_t>(store.size(), cover.counters().tried);
   stats.fits = cover.numFits();
   stats.last_level = cover.lastLevel();
   stats.working_bytes = cover.peakBytes();
@@ -166,13 +167,18 @@ FitParams::validate() const
     return bad("the penalty kappa must be positive (0: by the other parameters)");
   }
   if (!(t_mdl >= 0) || !std::isfinite(t_mdl)) return bad("T_MDL must be positive (0: unused)");
-  if (!(target_error >= 0 && target_error < 1)) return bad("the target error is a share of the diagonal: 0 to 1");
+  if (!(target_error >= 0 && target_error < 1))
+    return bad("the target error is a share of the diagonal: 0 to 1");
   if (!(lambda >= 0) || !std::isfinite(lambda)) return bad("lambda must not be negative");
-  if (!(cover_radius > 0 && cover_radius <= 1)) return bad("the cover radius alpha must lie in (0, 1]");
-  if (!(cover_threshold > 0 && cover_threshold <= 1)) return bad("the cover threshold gamma must lie in (0, 1]");
-  if (target_error > 0 && max_surfels > 0) return bad("give a target error or a number of surfels, not both");
+  if (!(cover_radius > 0 && cover_radius <= 1))
+    return bad("the cover radius alpha must lie in (0, 1]");
+  if (!(cover_threshold > 0 && cover_threshold <= 1))
+    return bad("the cover threshold gamma must lie in (0, 1]");
+  if (target_error > 0 && max_surfels > 0)
+    return bad("give a target error or a number of surfels, not both");
   if (t_mdl > 0 && (target_error > 0 || max_surfels > 0)) {
-    return bad("T_MDL is a penalty: a target error or number of surfels would replace it, give one");
+    return bad(
+        "T_MDL is a penalty: a target error or number of surfels would replace it, give one");
   }
   const auto finite = [](double value) { return std::isfinite(value); };
   if (has_viewpoint && !std::all_of(viewpoint, viewpoint + 3, finite)) {
@@ -197,7 +203,8 @@ fitSurface(const PointStore& store, const FitParams& asked, SLIMSurface& surface
   surface.clear();
   if (Error error = asked.validate()) return error;
   const FitParams params = asked.resolved();
-  if (store.size() == 0) return {ErrorCode::kBadInput, "the store holds no points: build it from some"};
+  if (store.size() == 0)
+    return {ErrorCode::kBadInput, "the store holds no points: build it from some"};
   FitStatistics stats;
   const int threads = resolveThreads(params.threads);
   Stopwatch watch;
@@ -205,7 +212,8 @@ fitSurface(const PointStore& store, const FitParams& asked, SLIMSurface& surface
   FitSettings settings = makeSettings(store, params);
   settings.energy.lambda = noiseVariance(store, params, threads);
   settings.energy.kappa = params.penalty;
-  settings.energy.t_mdl = (params.paper_mode && params.t_mdl <= 0 ? 0.01 : params.t_mdl) * store.diagonal();
+  settings.energy.t_mdl =
+      (params.paper_mode && params.t_mdl <= 0 ? 0.01 : params.t_mdl) * store.diagonal();
   stats.seconds_noise = watch.lap();
 
   if (params.target_error > 0 || params.max_surfels > 0) {

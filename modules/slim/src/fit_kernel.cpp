@@ -9,6 +9,7 @@
 #define HWY_TARGET_INCLUDE "fit_kernel.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+
 #include "kernel_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -17,8 +18,8 @@ namespace pcl_slim::kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr int kMaxMoments = 45;
-constexpr int kStride = 16;           ///< row length of the augmented system, 15 + 1 right-hand side
-constexpr double kPivotGate = 3e-6;   ///< float moments resolve relative pivots down to about here
+constexpr int kStride = 16;          ///< row length of the augmented system, 15 + 1 right-hand side
+constexpr double kPivotGate = 3e-6;  ///< float moments resolve relative pivots down to about here
 constexpr double kResidualGate = 1e-3;  ///< below this share of sum w z^2, float sums have lost it
 
 /** Moments sum W u^i v^j (rows of fixed i), sum W z u^i v^j, sum W z^2, sum W^2. */
@@ -52,8 +53,7 @@ class WeightedBall {
 
   /** Calls body(weight, u, v, w) for every group of lanes. */
   template <typename Body>
-  HWY_INLINE void
-  forEach(const Body& body) const
+  HWY_INLINE void forEach(const Body& body) const
   {
     const Tag d;
     for (std::size_t i = 0; i < ball_.count; i += hn::Lanes(d)) {
@@ -139,7 +139,8 @@ computeMoments(const WeightedBall<K>& ball, Moments& m)
     momentRows<D, 2, 4>(ball, m);
     momentRows<D, 5, 8>(ball, m);
   }
-  heightSums<D>(ball, [](Vec, Vec, Vec w) HWY_ATTR { return w; }, m.z, m.zz);
+  heightSums<D>(
+      ball, [](Vec, Vec, Vec w) HWY_ATTR { return w; }, m.z, m.zz);
 }
 
 struct Term {
@@ -155,8 +156,7 @@ class NormalEquations {
  public:
   /** Factors column by column in order of degree. \return coefficients whose pivots hold. */
   template <int D>
-  int
-  factor(const Moments& m)
+  int factor(const Moments& m)
   {
     constexpr int kSize = numCoefficients(D);
     for (int p = 0; p < kSize; ++p) {
@@ -178,8 +178,7 @@ class NormalEquations {
   double explained(int p) const { return rows_[p][kStride - 1] * rows_[p][kStride - 1]; }
 
   /** Solves for the first size coefficients. */
-  void
-  solve(int size, double* c) const
+  void solve(int size, double* c) const
   {
     double y[kMaxCoefficients];
     for (int p = 0; p < size; ++p) y[p] = rows_[p][kStride - 1];
@@ -187,8 +186,7 @@ class NormalEquations {
   }
 
   /** Adds the solution for another right-hand side b to c. */
-  void
-  solveAndAdd(int size, const double* b, double* c) const
+  void solveAndAdd(int size, const double* b, double* c) const
   {
     double y[kMaxCoefficients], delta[kMaxCoefficients];
     for (int p = 0; p < size; ++p) {
@@ -201,8 +199,7 @@ class NormalEquations {
   }
 
  private:
-  void
-  eliminate(int p, int size)
+  void eliminate(int p, int size)
   {
     using Wide = hn::CappedTag<double, 8>;
     const Wide d;
@@ -222,8 +219,7 @@ class NormalEquations {
     }
   }
 
-  void
-  backSubstitute(int size, const double* y, double* c) const
+  void backSubstitute(int size, const double* y, double* c) const
   {
     for (int p = size - 1; p >= 0; --p) {
       double sum = y[p];
@@ -264,8 +260,8 @@ residualSum(const WeightedBall<K>& ball, const double* c)
 int
 supportedDegree(int degree, int pivots, double n_eff, double support)
 {
-  while (degree > 0 && (numCoefficients(degree) > pivots ||
-                        n_eff < support * numCoefficients(degree))) {
+  while (degree > 0 &&
+         (numCoefficients(degree) > pivots || n_eff < support * numCoefficients(degree))) {
     --degree;
   }
   return degree;
@@ -348,8 +344,7 @@ fitBall(const BallBuffer& ball, int degree, float rho, WeightKernel kernel, doub
       return fitWithKernel<WeightKernel::kPower2>(ball, degree, rho, support, goal);
     case WeightKernel::kPower4:
       return fitWithKernel<WeightKernel::kPower4>(ball, degree, rho, support, goal);
-    default:
-      return fitWithKernel<WeightKernel::kGaussian>(ball, degree, rho, support, goal);
+    default: return fitWithKernel<WeightKernel::kGaussian>(ball, degree, rho, support, goal);
   }
 }
 

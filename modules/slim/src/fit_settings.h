@@ -17,17 +17,17 @@ struct FitSettings {
   WeightKernel fit_kernel = WeightKernel::kPower4;    ///< weights while searching and in general
   WeightKernel wall_kernel = WeightKernel::kPower2;   ///< at minimum support, where bias rules
   WeightKernel cover_kernel = WeightKernel::kPower7;  ///< G of the overlap measure
-  double support = 1.15;          ///< n_eff per coefficient below which nothing is fitted
-  double lenience = 1.02;        ///< take the largest r with E <= lenience min E
-  double lack_of_fit = 2.5;      ///< go finer while e exceeds this many sqrt(lambda); 0: never
-  double residual_gate = 5.0;    ///< a leaf covers points within so many e
+  double support = 1.15;       ///< n_eff per coefficient below which nothing is fitted
+  double lenience = 1.02;      ///< take the largest r with E <= lenience min E
+  double lack_of_fit = 2.5;    ///< go finer while e exceeds this many sqrt(lambda); 0: never
+  double residual_gate = 5.0;  ///< a leaf covers points within so many e
   double alpha = 2.0 / 3.0;
   double gamma = 0.1;
-  double diagonal = 1.0;         ///< L
-  double first_radius = 0.1;     ///< r_r of level 1 over L: r_0 = L / 10 in the paper
+  double diagonal = 1.0;      ///< L
+  double first_radius = 0.1;  ///< r_r of level 1 over L: r_0 = L / 10 in the paper
   double center_grid = 0x1p-22;
   bool with_normals = false;
-  float min_dot = 0.0f;          ///< normals nearer than this belong together
+  float min_dot = 0.0f;  ///< normals nearer than this belong together
   bool skip_lone_normals = true;
   bool split_sheets = false;
   bool robust = false;

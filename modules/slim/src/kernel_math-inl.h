@@ -101,8 +101,7 @@ class Height {
     for (int k = 0; k < numCoefficients(D); ++k) c_[k] = hn::Set(Tag(), static_cast<float>(c[k]));
   }
 
-  HWY_INLINE Vec
-  operator()(Vec u, Vec v) const
+  HWY_INLINE Vec operator()(Vec u, Vec v) const
   {
     // Horner in u over polynomials in v, from the highest power of u down.
     Vec h = row(v, std::integral_constant<int, D>());
@@ -118,13 +117,11 @@ class Height {
 
   /** sum_j c_ij v^j for a fixed power i of u. */
   template <int I>
-  HWY_INLINE Vec
-  row(Vec v, std::integral_constant<int, I>) const
+  HWY_INLINE Vec row(Vec v, std::integral_constant<int, I>) const
   {
     Vec r = c_[index(I, D - I)];
-    unrolled<D - I>([&](auto step) HWY_ATTR {
-      r = hn::MulAdd(r, v, c_[index(I, D - I - 1 - step())]);
-    });
+    unrolled<D - I>([&](auto step)
+                        HWY_ATTR { r = hn::MulAdd(r, v, c_[index(I, D - I - 1 - step())]); });
     return r;
   }
 

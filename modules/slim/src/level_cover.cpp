@@ -11,10 +11,10 @@ namespace pcl_slim {
 
 namespace {
 
-constexpr int kLastLevel = 40;                ///< r_r falls to 1e-9 L; support ends long before
-constexpr std::uint8_t kServedLevel = 1;      ///< mark: inside an internal ball of this level
-constexpr std::uint8_t kServedForGood = 2;    ///< mark: nothing finer can be done for this point
-constexpr std::uint8_t kLoneNormalMark = 4;   ///< mark: passed over for its normal
+constexpr int kLastLevel = 40;               ///< r_r falls to 1e-9 L; support ends long before
+constexpr std::uint8_t kServedLevel = 1;     ///< mark: inside an internal ball of this level
+constexpr std::uint8_t kServedForGood = 2;   ///< mark: nothing finer can be done for this point
+constexpr std::uint8_t kLoneNormalMark = 4;  ///< mark: passed over for its normal
 constexpr int kMortonLevels = 21;
 constexpr char kCancelledMessage[] = "the fit was cancelled";
 
@@ -39,7 +39,10 @@ mixBits(std::uint64_t x)
 }  // namespace
 
 LevelCover::LevelCover(const PointStore& store, const FitSettings& settings, int threads)
-    : store_(store), settings_(settings), threads_(threads), arenas_(static_cast<std::size_t>(threads))
+    : store_(store),
+      settings_(settings),
+      threads_(threads),
+      arenas_(static_cast<std::size_t>(threads))
 {
   for (int t = 0; t < threads; ++t) {
     fitters_.push_back(std::make_unique<BallFitter>(store, settings));
@@ -58,13 +61,15 @@ LevelCover::run(int first_level, Progress* progress, std::vector<SurfelRecord>& 
   for (int level = first_level; !active_.empty() && level <= kLastLevel; ++level) {
     if (progress != nullptr) {
       if (progress->cancelled()) return {ErrorCode::kCancelled, kCancelledMessage};
-      progress->report(static_cast<float>(1.0 - static_cast<double>(active_.size()) / points), "covering");
+      progress->report(static_cast<float>(1.0 - static_cast<double>(active_.size()) / points),
+                       "covering");
     }
     coverLevel(level, surfels);
     dropServed();
     last_level_ = level;
   }
-  if (progress != nullptr && progress->cancelled()) return {ErrorCode::kCancelled, kCancelledMessage};
+  if (progress != nullptr && progress->cancelled())
+    return {ErrorCode::kCancelled, kCancelledMessage};
   for (const std::uint8_t m : marks_) lone_normals_ += (m & kLoneNormalMark) != 0;
   return {};
 }
@@ -104,7 +109,8 @@ LevelCover::findCells(int level)
   // alpha r_r / gamma.
   const double reach =
       settings_.levelRadius(level) * std::max(1.0 + kLargestShift, settings_.alpha / kGolden);
-  const int depth = std::clamp(static_cast<int>(std::floor(-std::log2(2.0 * reach))), 0, kMortonLevels);
+  const int depth =
+      std::clamp(static_cast<int>(std::floor(-std::log2(2.0 * reach))), 0, kMortonLevels);
   const int shift = 3 * (kMortonLevels - depth);
   const std::uint64_t* keys = store_.keys();
   cells_.clear();
@@ -175,7 +181,8 @@ LevelCover::prepareNeighborhood(const Cell& cell, int level, BallFitter& fitter)
       high[a] = std::max(high[a], maxs[a]);
     }
   }
-  const auto reach = static_cast<float>(1.001 * settings_.levelRadius(level) * (1.0 / kGolden + kLargestShift));
+  const auto reach =
+      static_cast<float>(1.001 * settings_.levelRadius(level) * (1.0 / kGolden + kLargestShift));
   for (int a = 0; a < 3; ++a) {
     low[a] -= reach;
     high[a] += reach;

@@ -22,8 +22,7 @@ class LevelCover {
 
   /** \brief Runs levels from first_level until no point is left; surfels come in Morton order
    * within each level. */
-  Error
-  run(int first_level, Progress* progress, std::vector<SurfelRecord>& surfels);
+  Error run(int first_level, Progress* progress, std::vector<SurfelRecord>& surfels);
 
   const std::vector<float>& coverage() const { return coverage_; }
   int lastLevel() const { return last_level_; }

@@ -15,9 +15,9 @@ namespace {
 
 using Vector = std::array<double, 3>;
 
-constexpr std::size_t kMostEdges = 8;   ///< per leaf and level, the nearest
-constexpr double kFlatFlux = 0.1;        ///< flux below this share of its bound: no inside
-constexpr double kReach = 0.9;           ///< of r + r': farther centres are not neighbours
+constexpr std::size_t kMostEdges = 8;  ///< per leaf and level, the nearest
+constexpr double kFlatFlux = 0.1;      ///< flux below this share of its bound: no inside
+constexpr double kReach = 0.9;         ///< of r + r': farther centres are not neighbours
 
 Vector
 centerOf(const SLIMSurface& s, std::size_t i)
@@ -85,8 +85,7 @@ struct Edge {
   std::uint32_t a, b;
   bool opposed;  ///< the normals point to different sides
 
-  bool
-  operator<(const Edge& other) const
+  bool operator<(const Edge& other) const
   {
     if (weight != other.weight) return weight < other.weight;
     return a != other.a ? a < other.a : b < other.b;
@@ -97,11 +96,11 @@ Edge
 makeEdge(const SLIMSurface& s, const Leaf& a, const Leaf& b, double distance)
 {
   const Probe at_a = probe(s, a, b.center), at_b = probe(s, b, a.center);
-  const double cosine = dot(at_a.gradient, at_b.gradient) /
-                        std::sqrt(dot(at_a.gradient, at_a.gradient) * dot(at_b.gradient, at_b.gradient));
+  const double cosine =
+      dot(at_a.gradient, at_b.gradient) /
+      std::sqrt(dot(at_a.gradient, at_a.gradient) * dot(at_b.gradient, at_b.gradient));
   const double offset = 0.5 * (at_a.offset + at_b.offset) / std::max(distance, 1e-15);
-  return {static_cast<float>(1.0 - std::abs(cosine) + offset), a.surfel, b.surfel,
-          cosine < 0};
+  return {static_cast<float>(1.0 - std::abs(cosine) + offset), a.surfel, b.surfel, cosine < 0};
 }
 
 /** Edges between leaves and their nearest neighbours among leaves of the same or a coarser level:
@@ -134,11 +133,13 @@ overlapGraph(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int
         const std::pair<float, std::uint32_t> entry{distance_sq, j};
         if (count == kMostEdges && !(entry < nearest[count - 1])) return;
         std::size_t place = count < kMostEdges ? count++ : count - 1;
-        for (; place > 0 && entry < nearest[place - 1]; --place) nearest[place] = nearest[place - 1];
+        for (; place > 0 && entry < nearest[place - 1]; --place)
+          nearest[place] = nearest[place - 1];
         nearest[place] = entry;
       });
       for (std::size_t k = 0; k < count; ++k) {
-        found[at].push_back(makeEdge(s, data[nearest[k].second], data[i], std::sqrt(nearest[k].first)));
+        found[at].push_back(
+            makeEdge(s, data[nearest[k].second], data[i], std::sqrt(nearest[k].first)));
       }
     });
   }
@@ -154,8 +155,7 @@ class SignedForest {
     std::iota(parent_.begin(), parent_.end(), 0u);
   }
 
-  std::uint32_t
-  root(std::uint32_t i, int& sign)
+  std::uint32_t root(std::uint32_t i, int& sign)
   {
     sign = 1;
     std::uint32_t r = i;
@@ -175,8 +175,7 @@ class SignedForest {
     return r;
   }
 
-  void
-  join(std::uint32_t a, std::uint32_t b, bool opposed)
+  void join(std::uint32_t a, std::uint32_t b, bool opposed)
   {
     int sign_a, sign_b;
     const std::uint32_t ra = root(a, sign_a), rb = root(b, sign_b);
@@ -204,8 +203,7 @@ graphSigns(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int t
   struct Part {
     double weight = 0, flux = 0, reach = 0;
     Vector center{}, normal{};
-    bool
-    turned() const
+    bool turned() const
     {
       if (std::abs(flux) > kFlatFlux * reach) return flux < 0;
       const auto main = std::max_element(normal.begin(), normal.end(), [](double a, double b) {
@@ -245,7 +243,8 @@ graphSigns(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int t
 }
 
 std::vector<signed char>
-viewpointSigns(const SLIMSurface& s, const FitParams& params, const std::vector<std::uint32_t>& leaves)
+viewpointSigns(const SLIMSurface& s, const FitParams& params,
+               const std::vector<std::uint32_t>& leaves)
 {
   Vector eye;
   for (int a = 0; a < 3; ++a) eye[a] = (params.viewpoint[a] - s.info.origin[a]) / s.info.scale;
@@ -284,8 +283,9 @@ orientSurface(const FitParams& params, SLIMSurface& surface)
   for (std::uint32_t i = 0; i < surface.size(); ++i) {
     if (surface.isLeaf(i)) leaves.push_back(i);
   }
-  std::vector<signed char> signs = params.has_viewpoint ? viewpointSigns(surface, params, leaves)
-                                                        : graphSigns(surface, leaves, resolveThreads(params.threads));
+  std::vector<signed char> signs =
+      params.has_viewpoint ? viewpointSigns(surface, params, leaves)
+                           : graphSigns(surface, leaves, resolveThreads(params.threads));
   signInternals(surface, signs);
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (signs[i] < 0) surface.flip(i);

@@ -122,7 +122,8 @@ PartitionOfUnity::evaluate(const std::array<double, 3>& x, ImplicitJet& jet) con
     addOuter(1.0, w.gradient, f.gradient, sum.hessian);
   };
   for (const CenterGrid& grid : index_->grids) {
-    grid.forEachNear(static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2]), add);
+    grid.forEachNear(static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2]),
+                     add);
   }
   if (!(weight.value > 0)) return false;
   // F = S / W, so S = F W and its derivatives give those of F in turn.

@@ -36,8 +36,7 @@ class PenaltySearch {
   {
   }
 
-  Error
-  run(double lambda, CoverResult& result)
+  Error run(double lambda, CoverResult& result)
   {
     settings_.energy.lambda = lambda;
     LevelCover cover(store_, settings_, threads_);
@@ -58,9 +57,8 @@ class PenaltySearch {
   /** Moves log lambda until goal(result) = log(measured / wanted) is 0 within tolerance; the ends
    * of the bracket have opposite signs. Keeps the last lambda whose goal is on the side asked for. */
   template <typename Goal>
-  Error
-  solve(double low, double goal_low, double high, double goal_high, double least, double most,
-        const Goal& goal)
+  Error solve(double low, double goal_low, double high, double goal_high, double least, double most,
+              const Goal& goal)
   {
     double log_low = std::log(low), log_high = std::log(high);
     double kept = goal_low >= least && goal_low <= most ? low : high;
@@ -99,9 +97,11 @@ solveError(PenaltySearch& search, double lambda, double largest, double target)
   const double tolerance = std::log(1 + kErrorTolerance);
   if (std::abs(goal(finest)) <= tolerance) return {};
   if (goal(finest) > 0) {
-    return {ErrorCode::kBadArgument,
-            formatted("the target error %g L lies below what noise and density allow: ask for %g L or more",
-                      target, finest.rms)};
+    return {
+        ErrorCode::kBadArgument,
+        formatted(
+            "the target error %g L lies below what noise and density allow: ask for %g L or more",
+            target, finest.rms)};
   }
   if (Error error = search.run(largest, coarsest)) return error;
   if (goal(coarsest) <= tolerance) return {};
@@ -118,10 +118,11 @@ solveCount(PenaltySearch& search, double lambda, double largest, double most)
   if (Error error = search.run(largest, coarsest)) return error;
   if (goal(coarsest) > 0) {
     return {ErrorCode::kBadArgument,
-            formatted("%g surfels are too few for this cloud: it needs at least %g", most, coarsest.leaves)};
+            formatted("%g surfels are too few for this cloud: it needs at least %g", most,
+                      coarsest.leaves)};
   }
-  return search.solve(lambda, goal(finest), largest, goal(coarsest), std::log(1 - kCountTolerance), 0.0,
-                      goal);
+  return search.solve(lambda, goal(finest), largest, goal(coarsest), std::log(1 - kCountTolerance),
+                      0.0, goal);
 }
 
 }  // namespace

@@ -21,8 +21,8 @@ evaluateHeight(int degree, const float* c, double u, double v)
   if (degree >= 2) h += c[3] * u * u + c[4] * u * v + c[5] * v * v;
   if (degree >= 3) h += u * u * (c[6] * u + c[7] * v) + v * v * (c[8] * u + c[9] * v);
   if (degree >= 4) {
-    h += u * u * (u * (c[10] * u + c[11] * v) + c[12] * v * v) +
-         v * v * v * (c[13] * u + c[14] * v);
+    h +=
+        u * u * (u * (c[10] * u + c[11] * v) + c[12] * v * v) + v * v * v * (c[13] * u + c[14] * v);
   }
   return h;
 }

@@ -12,8 +12,8 @@ namespace pcl_slim {
 
 namespace {
 
-constexpr double kGateErrors = 5.0;   ///< residuals and offsets beyond so many e do not count
-constexpr float kSharpDot = 0.5f;      ///< with sharp features, leaves serve normals within 60 degrees
+constexpr double kGateErrors = 5.0;  ///< residuals and offsets beyond so many e do not count
+constexpr float kSharpDot = 0.5f;  ///< with sharp features, leaves serve normals within 60 degrees
 constexpr double kGateRadius = 0.25;  ///< nor offsets beyond this share of r
 constexpr double kGateNoise = 0.6;    ///< unless noise explains them, up to this share
 constexpr double kLeastGate = 1e-5;   ///< of r: exact fits must not gate on rounding
@@ -32,14 +32,12 @@ struct Placement {
     }
   }
 
-  std::array<double, 3>
-  center(const SLIMSurface& surface, std::uint32_t i) const
+  std::array<double, 3> center(const SLIMSurface& surface, std::uint32_t i) const
   {
     return {shift[0] + factor * surface.cx[i], shift[1] + factor * surface.cy[i],
             shift[2] + factor * surface.cz[i]};
   }
-  float
-  radius(const SLIMSurface& surface, std::uint32_t i) const
+  float radius(const SLIMSurface& surface, std::uint32_t i) const
   {
     return static_cast<float>(factor * surface.radius[i]);
   }
@@ -51,8 +49,8 @@ struct BlockLists {
 };
 
 BlockLists
-listLeaves(const PointStore& store, const SLIMSurface& surface, const std::vector<std::uint32_t>& leaves,
-           int threads)
+listLeaves(const PointStore& store, const SLIMSurface& surface,
+           const std::vector<std::uint32_t>& leaves, int threads)
 {
   const Placement placement(store, surface);
   // Leaves are cut into as many slices as there are threads; each slice counts, then writes.
@@ -99,7 +97,10 @@ listLeaves(const PointStore& store, const SLIMSurface& surface, const std::vecto
 class Projector {
  public:
   Projector(const PointStore& store, const SLIMSurface& surface, const ProjectionParams& params)
-      : store_(store), surface_(surface), placement_(store, surface), directions_(params.directions || params.extremality)
+      : store_(store),
+        surface_(surface),
+        placement_(store, surface),
+        directions_(params.directions || params.extremality)
   {
     rules_.kernel = surface.info.blend_kernel;
     rules_.oriented = surface.info.oriented;
@@ -112,9 +113,8 @@ class Projector {
   }
 
   /** Projects one block's points; sums is the thread's scratch. */
-  void
-  project(std::size_t block, const std::uint32_t* begin, const std::uint32_t* end, BlockSums& sums,
-          Projection& result) const
+  void project(std::size_t block, const std::uint32_t* begin, const std::uint32_t* end,
+               BlockSums& sums, Projection& result) const
   {
     const std::size_t first = block * PointStore::kBlock;
     BlockPoints points{store_.x() + first, store_.y() + first, store_.z() + first};
@@ -137,8 +137,7 @@ class Projector {
   }
 
  private:
-  BlockLeaf
-  relativeTo(std::size_t block, std::uint32_t i) const
+  BlockLeaf relativeTo(std::size_t block, std::uint32_t i) const
   {
     BlockLeaf leaf;
     const auto center = placement_.center(surface_, i);
@@ -161,8 +160,7 @@ class Projector {
     return leaf;
   }
 
-  void
-  finish(std::size_t i, std::size_t lane, const BlockSums& sums, Projection& result) const
+  void finish(std::size_t i, std::size_t lane, const BlockSums& sums, Projection& result) const
   {
     auto position = store_.position(i);
     const double weight = sums.weight[lane];
@@ -236,15 +234,16 @@ projectPoints(const PointStore& store, const SLIMSurface& surface, const Project
   std::vector<BlockSums> sums(static_cast<std::size_t>(threads));
   parallelFor(store.numBlocks(), threads, 64, [&](std::size_t b, int thread) {
     if (progress != nullptr && progress->cancelled()) return;
-    projector.project(b, lists.leaves.data() + lists.begin[b], lists.leaves.data() + lists.begin[b + 1],
+    projector.project(b, lists.leaves.data() + lists.begin[b],
+                      lists.leaves.data() + lists.begin[b + 1],
                       sums[static_cast<std::size_t>(thread)], result);
   });
   if (progress != nullptr && progress->cancelled()) {
     result = Projection();
     return {ErrorCode::kCancelled, "the projection was cancelled"};
   }
-  result.num_unsupported = static_cast<std::uint64_t>(
-      std::count(result.supported.begin(), result.supported.end(), 0));
+  result.num_unsupported =
+      static_cast<std::uint64_t>(std::count(result.supported.begin(), result.supported.end(), 0));
   return {};
 }
 

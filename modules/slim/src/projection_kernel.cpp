@@ -6,6 +6,8 @@
 #define HWY_TARGET_INCLUDE "projection_kernel.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
+
+#include "height_jets-inl.h"
 #include "kernel_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -14,12 +16,6 @@ namespace pcl_slim::kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr int kNewtonSteps = 3;
-
-HWY_INLINE Vec
-set(float value)
-{
-  return hn::Set(Tag(), value);
-}
 
 HWY_INLINE Vec
 blendWeight(WeightKernel kernel, Vec s_sq)
@@ -50,21 +46,18 @@ class LeafFrame {
     }
   }
 
-  HWY_INLINE Local
-  turn(Vec x, Vec y, Vec z) const
+  HWY_INLINE Local turn(Vec x, Vec y, Vec z) const
   {
     return {dot3(x, y, z, u_[0], u_[1], u_[2]), dot3(x, y, z, v_[0], v_[1], v_[2]),
             dot3(x, y, z, w_[0], w_[1], w_[2])};
   }
-  HWY_INLINE Local
-  place(Vec x, Vec y, Vec z) const
+  HWY_INLINE Local place(Vec x, Vec y, Vec z) const
   {
     return turn(hn::Mul(hn::Add(x, shift_[0]), inverse_), hn::Mul(hn::Add(y, shift_[1]), inverse_),
                 hn::Mul(hn::Add(z, shift_[2]), inverse_));
   }
   /** Coordinate a of a frame vector in the block's axes. */
-  HWY_INLINE Vec
-  back(int a, const Local& p) const
+  HWY_INLINE Vec back(int a, const Local& p) const
   {
     return dot3(u_[a], v_[a], w_[a], p.u, p.v, p.w);
   }
@@ -75,117 +68,15 @@ class LeafFrame {
   Vec inverse_, shift_[3], u_[3], v_[3], w_[3];
 };
 
-struct ThirdDerivatives {
-  Vec uuu, uuv, uvv, vvv;
-};
-
-/** Height and its derivatives, evaluated by rows of the graded coefficients. */
-template <int D>
-class HeightJets {
- public:
-  explicit HeightJets(const float* c)
-  {
-    for (int k = 0; k < numCoefficients(D); ++k) c_[k] = set(c[k]);
-  }
-
-  HWY_INLINE void
-  gradient(Vec u, Vec v, Vec& h, Vec& hu, Vec& hv) const
-  {
-    h = hn::MulAdd(c_[1], u, hn::MulAdd(c_[2], v, c_[0]));
-    hu = c_[1];
-    hv = c_[2];
-    if constexpr (D >= 2) {
-      h = hn::MulAdd(u, hn::MulAdd(c_[3], u, hn::Mul(c_[4], v)),
-                     hn::MulAdd(hn::Mul(c_[5], v), v, h));
-      hu = hn::MulAdd(hn::Add(c_[3], c_[3]), u, hn::MulAdd(c_[4], v, hu));
-      hv = hn::MulAdd(hn::Add(c_[5], c_[5]), v, hn::MulAdd(c_[4], u, hv));
-    }
-    if constexpr (D >= 3) {
-      const Vec uu = hn::Mul(u, u), uv = hn::Mul(u, v), vv = hn::Mul(v, v);
-      h = hn::MulAdd(uu, hn::MulAdd(c_[6], u, hn::Mul(c_[7], v)),
-                     hn::MulAdd(vv, hn::MulAdd(c_[8], u, hn::Mul(c_[9], v)), h));
-      hu = hn::MulAdd(hn::Mul(set(3), c_[6]), uu,
-                      hn::MulAdd(hn::Add(c_[7], c_[7]), uv, hn::MulAdd(c_[8], vv, hu)));
-      hv = hn::MulAdd(c_[7], uu,
-                      hn::MulAdd(hn::Add(c_[8], c_[8]), uv, hn::MulAdd(hn::Mul(set(3), c_[9]), vv, hv)));
-    }
-    if constexpr (D >= 4) {
-      const Vec uu = hn::Mul(u, u), uv = hn::Mul(u, v), vv = hn::Mul(v, v);
-      const Vec high = hn::MulAdd(c_[10], uu, hn::MulAdd(c_[11], uv, hn::Mul(c_[12], vv)));
-      h = hn::MulAdd(uu, high, hn::MulAdd(vv, hn::MulAdd(c_[13], uv, hn::Mul(c_[14], vv)), h));
-      const Vec hu4 = hn::MulAdd(
-          uu, hn::MulAdd(hn::Mul(set(4), c_[10]), u, hn::Mul(hn::Mul(set(3), c_[11]), v)),
-          hn::Mul(vv, hn::MulAdd(hn::Add(c_[12], c_[12]), u, hn::Mul(c_[13], v))));
-      const Vec hv4 = hn::MulAdd(
-          uu, hn::MulAdd(c_[11], u, hn::Mul(hn::Add(c_[12], c_[12]), v)),
-          hn::Mul(vv, hn::MulAdd(hn::Mul(set(3), c_[13]), u, hn::Mul(hn::Mul(set(4), c_[14]), v))));
-      hu = hn::Add(hu, hu4);
-      hv = hn::Add(hv, hv4);
-    }
-  }
-
-  HWY_INLINE void
-  second(Vec u, Vec v, Vec& huu, Vec& huv, Vec& hvv) const
-  {
-    const Vec two = set(2);
-    huu = huv = hvv = hn::Zero(Tag());
-    if constexpr (D >= 2) {
-      huu = hn::Mul(two, c_[3]);
-      huv = c_[4];
-      hvv = hn::Mul(two, c_[5]);
-    }
-    if constexpr (D >= 3) {
-      huu = hn::MulAdd(hn::Mul(set(6), c_[6]), u, hn::MulAdd(hn::Mul(two, c_[7]), v, huu));
-      huv = hn::MulAdd(hn::Mul(two, c_[7]), u, hn::MulAdd(hn::Mul(two, c_[8]), v, huv));
-      hvv = hn::MulAdd(hn::Mul(two, c_[8]), u, hn::MulAdd(hn::Mul(set(6), c_[9]), v, hvv));
-    }
-    if constexpr (D >= 4) {
-      const Vec uu = hn::Mul(u, u), uv = hn::Mul(u, v), vv = hn::Mul(v, v);
-      huu = hn::Add(huu, hn::MulAdd(hn::Mul(set(12), c_[10]), uu,
-                                    hn::MulAdd(hn::Mul(set(6), c_[11]), uv,
-                                               hn::Mul(hn::Mul(two, c_[12]), vv))));
-      huv = hn::Add(huv, hn::MulAdd(hn::Mul(set(3), c_[11]), uu,
-                                    hn::MulAdd(hn::Mul(set(4), c_[12]), uv,
-                                               hn::Mul(hn::Mul(set(3), c_[13]), vv))));
-      hvv = hn::Add(hvv, hn::MulAdd(hn::Mul(two, c_[12]), uu,
-                                    hn::MulAdd(hn::Mul(set(6), c_[13]), uv,
-                                               hn::Mul(hn::Mul(set(12), c_[14]), vv))));
-    }
-  }
-
-  HWY_INLINE ThirdDerivatives
-  third(Vec u, Vec v) const
-  {
-    const Vec zero = hn::Zero(Tag());
-    ThirdDerivatives h{zero, zero, zero, zero};
-    if constexpr (D >= 3) {
-      h = {hn::Mul(set(6), c_[6]), hn::Mul(set(2), c_[7]), hn::Mul(set(2), c_[8]),
-           hn::Mul(set(6), c_[9])};
-    }
-    if constexpr (D >= 4) {
-      const auto add = [&](Vec& target, float ku, Vec cu, float kv, Vec cv) HWY_ATTR {
-        target = hn::Add(target, hn::MulAdd(hn::Mul(set(ku), cu), u, hn::Mul(hn::Mul(set(kv), cv), v)));
-      };
-      add(h.uuu, 24, c_[10], 6, c_[11]);
-      add(h.uuv, 6, c_[11], 4, c_[12]);
-      add(h.uvv, 4, c_[12], 6, c_[13]);
-      add(h.vvv, 6, c_[13], 24, c_[14]);
-    }
-    return h;
-  }
-
- private:
-  Vec c_[numCoefficients(D)];
-};
-
 /** Lanes whose point's own normal lets the leaf serve it. */
 HWY_INLINE Mask
 sameSide(const BlockPoints& points, const BlockLeaf& leaf, std::size_t i)
 {
   const Tag d;
   if (points.nx == nullptr) return hn::Eq(hn::Zero(d), hn::Zero(d));
-  const Vec cosine = dot3(hn::Load(d, points.nx + i), hn::Load(d, points.ny + i),
-                          hn::Load(d, points.nz + i), set(leaf.w[0]), set(leaf.w[1]), set(leaf.w[2]));
+  const Vec cosine =
+      dot3(hn::Load(d, points.nx + i), hn::Load(d, points.ny + i), hn::Load(d, points.nz + i),
+           set(leaf.w[0]), set(leaf.w[1]), set(leaf.w[2]));
   return hn::Gt(cosine, set(points.min_dot));
 }
 
@@ -199,14 +90,15 @@ alignment(Vec sum_dot_b)
 
 template <int D>
 void
-addDirectionsOf(const BlockPoints& points, const BlockLeaf& leaf,
-                const BlendRules& rules, BlockSums& sums)
+addDirectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+                BlockSums& sums)
 {
   const Tag d;
   const LeafFrame frame(leaf);
   const HeightJets<D> jets(leaf.c);
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
-    const Local p = frame.place(hn::Load(d, points.x + i), hn::Load(d, points.y + i), hn::Load(d, points.z + i));
+    const Local p = frame.place(hn::Load(d, points.x + i), hn::Load(d, points.y + i),
+                                hn::Load(d, points.z + i));
     const Vec s_sq = dot3(p.u, p.v, p.w, p.u, p.v, p.w);
     Mask near = hn::And(hn::Lt(s_sq, set(1.0f)), sameSide(points, leaf, i));
     if (hn::AllFalse(d, near)) continue;
@@ -247,7 +139,8 @@ addThird(const LeafFrame& frame, const ThirdDerivatives& h, Mask near, Vec scale
     for (int b = a; b < 3; ++b) {
       const Vec uu = hn::Mul(frame.axisU(a), frame.axisU(b));
       const Vec vv = hn::Mul(frame.axisV(a), frame.axisV(b));
-      const Vec uv = hn::MulAdd(frame.axisU(a), frame.axisV(b), hn::Mul(frame.axisV(a), frame.axisU(b)));
+      const Vec uv =
+          hn::MulAdd(frame.axisU(a), frame.axisV(b), hn::Mul(frame.axisV(a), frame.axisU(b)));
       const Vec along_u = hn::MulAdd(h.uuu, uu, hn::MulAdd(h.uuv, uv, hn::Mul(h.uvv, vv)));
       const Vec along_v = hn::MulAdd(h.uuv, uu, hn::MulAdd(h.uvv, uv, hn::Mul(h.vvv, vv)));
       for (int c = b; c < 3; ++c, ++k) {
@@ -260,21 +153,22 @@ addThird(const LeafFrame& frame, const ThirdDerivatives& h, Mask near, Vec scale
 
 template <int D>
 void
-addIntersectionsOf(const BlockPoints& points, const BlockLeaf& leaf,
-                   const BlendRules& rules, BlockSums& sums)
+addIntersectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+                   BlockSums& sums)
 {
   const Tag d;
   const LeafFrame frame(leaf);
   const HeightJets<D> jets(leaf.c);
   const Vec zero = hn::Zero(d), one = set(1.0f), radius = set(leaf.radius);
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
-    const Local p = frame.place(hn::Load(d, points.x + i), hn::Load(d, points.y + i), hn::Load(d, points.z + i));
+    const Local p = frame.place(hn::Load(d, points.x + i), hn::Load(d, points.y + i),
+                                hn::Load(d, points.z + i));
     const Vec p_sq = dot3(p.u, p.v, p.w, p.u, p.v, p.w);
     Mask near = hn::And(hn::Lt(p_sq, one), sameSide(points, leaf, i));
     if (hn::AllFalse(d, near)) continue;
-    const Local ray = frame.turn(hn::Load(d, sums.direction[0] + i),
-                                 hn::Load(d, sums.direction[1] + i),
-                                 hn::Load(d, sums.direction[2] + i));
+    const Local ray =
+        frame.turn(hn::Load(d, sums.direction[0] + i), hn::Load(d, sums.direction[1] + i),
+                   hn::Load(d, sums.direction[2] + i));
     // Newton from t = 0 on F(t) = f(p + t d); points lie within noise of the leaf.
     Vec t = zero, u = p.u, v = p.v, w = p.w, h, hu, hv, slope;
     for (int step = 0; step < kNewtonSteps; ++step) {
@@ -329,8 +223,8 @@ addIntersectionsOf(const BlockPoints& points, const BlockLeaf& leaf,
 }
 
 void
-addDirections(const BlockPoints& points, const BlockLeaf& leaf,
-              const BlendRules& rules, BlockSums& sums)
+addDirections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+              BlockSums& sums)
 {
   switch (leaf.degree) {
     case 1: return addDirectionsOf<1>(points, leaf, rules, sums);
@@ -363,8 +257,8 @@ finishDirections(BlockSums& sums)
 }
 
 void
-addIntersections(const BlockPoints& points, const BlockLeaf& leaf,
-                 const BlendRules& rules, BlockSums& sums)
+addIntersections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+                 BlockSums& sums)
 {
   switch (leaf.degree) {
     case 1: return addIntersectionsOf<1>(points, leaf, rules, sums);
@@ -385,8 +279,8 @@ HWY_EXPORT(finishDirections);
 HWY_EXPORT(addIntersections);
 
 void
-addDirections(const BlockPoints& points, const BlockLeaf& leaf,
-              const BlendRules& rules, BlockSums& sums)
+addDirections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+              BlockSums& sums)
 {
   HWY_DYNAMIC_DISPATCH(addDirections)(points, leaf, rules, sums);
 }
@@ -398,8 +292,8 @@ finishDirections(BlockSums& sums)
 }
 
 void
-addIntersections(const BlockPoints& points, const BlockLeaf& leaf,
-                 const BlendRules& rules, BlockSums& sums)
+addIntersections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+                 BlockSums& sums)
 {
   HWY_DYNAMIC_DISPATCH(addIntersections)(points, leaf, rules, sums);
 }

@@ -11,11 +11,11 @@ namespace pcl_slim {
 
 /** \brief A leaf as projection sees it, relative to one block of points. */
 struct BlockLeaf {
-  float shift[3];       ///< block origin minus the leaf's centre
+  float shift[3];          ///< block origin minus the leaf's centre
   float u[3], v[3], w[3];  ///< frame axes
   float radius;
-  float max_residual;   ///< in units of the radius: points farther from f = 0 are not served
-  float max_offset;     ///< in units of the radius: roots farther along the ray do not count
+  float max_residual;  ///< in units of the radius: points farther from f = 0 are not served
+  float max_offset;    ///< in units of the radius: roots farther along the ray do not count
   int degree;
   const float* c;
 };
@@ -29,21 +29,21 @@ struct BlockPoints {
 
 /** \brief Sums over the leaves of a block's 16 points; columns per point. */
 struct BlockSums {
-  alignas(64) float direction[3][16];   ///< sum w n of pass 1, then the unit ray direction
-  alignas(64) float weight[16];         ///< sum w
-  alignas(64) float offset[16];         ///< sum w t
-  alignas(64) float gradient[3][16];    ///< sum w grad f
-  alignas(64) float hessian[6][16];     ///< sum w H: xx xy xz yy yz zz
-  alignas(64) float third[10][16];      ///< sum w T: xxx xxy xxz xyy xyz xzz yyy yyz yzz zzz
+  alignas(64) float direction[3][16];  ///< sum w n of pass 1, then the unit ray direction
+  alignas(64) float weight[16];        ///< sum w
+  alignas(64) float offset[16];        ///< sum w t
+  alignas(64) float gradient[3][16];   ///< sum w grad f
+  alignas(64) float hessian[6][16];    ///< sum w H: xx xy xz yy yz zz
+  alignas(64) float third[10][16];     ///< sum w T: xxx xxy xxz xyy xyz xzz yyy yyz yzz zzz
 };
 
 /** \brief How leaves meet points. */
 struct BlendRules {
   WeightKernel kernel = WeightKernel::kPower4;
-  bool oriented = false;     ///< normals agree; otherwise signs are aligned point by point
-  bool guarded = true;       ///< weight at the larger of |p - c| and |q - c|, gates on residual and t
+  bool oriented = false;  ///< normals agree; otherwise signs are aligned point by point
+  bool guarded = true;    ///< weight at the larger of |p - c| and |q - c|, gates on residual and t
   bool with_hessian = false;
-  bool with_third = false;   ///< third derivatives too; needs with_hessian
+  bool with_third = false;  ///< third derivatives too; needs with_hessian
 };
 
 namespace kernels {

@@ -9,17 +9,17 @@ namespace pcl_slim {
 namespace {
 
 constexpr int kWallSteps = 8;
-constexpr double kWallMargin = 1.02;    ///< n_eff up to so many times the least support will do
-constexpr double kDataMargin = 1.25;    ///< a ball reaches at most so far past its farthest point
-constexpr double kBlob = 0.02;          ///< e / r of a few points beyond which they are no surface
-constexpr double kWallLenience = 1.3;   ///< E at the wall rests on few degrees of freedom
+constexpr double kWallMargin = 1.02;   ///< n_eff up to so many times the least support will do
+constexpr double kDataMargin = 1.25;   ///< a ball reaches at most so far past its farthest point
+constexpr double kBlob = 0.02;         ///< e / r of a few points beyond which they are no surface
+constexpr double kWallLenience = 1.3;  ///< E at the wall rests on few degrees of freedom
 constexpr double kWallAim = 1.01;
-constexpr double kNoiseLike = 1.5;      ///< e^2 below this many lambda is noise, not lack of fit
+constexpr double kNoiseLike = 1.5;  ///< e^2 below this many lambda is noise, not lack of fit
 constexpr int kBrentSteps = 6;
 constexpr int kLenientSteps = 2;
 constexpr int kRobustPasses = 2;
 constexpr double kRobustScale = 2.5;
-constexpr double kBrentWidth = 0.05;    ///< of log r: E is flat well beyond this
+constexpr double kBrentWidth = 0.05;  ///< of log r: E is flat well beyond this
 
 /** Abscissa of the minimum of the parabola through three points of (log rho, log E). */
 double
@@ -164,7 +164,8 @@ RadiusSearch::search()
     return leaf(right.energy <= settings_.lenience * middle.energy ? right : middle);
   }
   const Trial left = evaluate(kGolden * kGolden * rho_right_);
-  if (settings_.paper) return left.supported ? paperChoice(left, middle, right) : chooseAtWall(right, middle);
+  if (settings_.paper)
+    return left.supported ? paperChoice(left, middle, right) : chooseAtWall(right, middle);
   if (!left.supported) return chooseAtWall(right, middle);
   if (lacksFit(left, middle)) return internal(right);
   return chooseInside(left, middle, right);
@@ -263,8 +264,8 @@ RadiusSearch::fallBack()
   if (lower.fit.degree == 0) return {RadiusChoice::Kind::kSparse, lower, false};
   // No wider than the lower degree needs: a few lone points are no surface all over the ball.
   const int degree = lower.fit.degree;
-  const Trial wall = evaluate(wallRadius(lower.rho, degree, settings_.fit_kernel), degree,
-                              settings_.fit_kernel);
+  const Trial wall =
+      evaluate(wallRadius(lower.rho, degree, settings_.fit_kernel), degree, settings_.fit_kernel);
   return surfaceOrNothing(wall.supported ? wall : lower);
 }
 
@@ -318,8 +319,8 @@ RadiusSearch::refit(const BallBuffer& points, WeightKernel kernel, Trial& trial)
 {
   ++fits_;
   // The degree was settled with the full support; rounding must not undo it here.
-  const LocalFit fit = kernels::fitBall(points, trial.fit.degree, static_cast<float>(trial.rho), kernel,
-                                        0.5 * settings_.support, FitGoal::kRefined);
+  const LocalFit fit = kernels::fitBall(points, trial.fit.degree, static_cast<float>(trial.rho),
+                                        kernel, 0.5 * settings_.support, FitGoal::kRefined);
   if (fit.degree != trial.fit.degree) return false;
   trial.fit = fit;
   return true;

@@ -37,24 +37,19 @@ class RadiusSearch {
 
   /** \brief Starts on a ball in frame coordinates. \param[in] gather_radius local length;
    * \param[in] rho_right r_r in units of it. */
-  void
-  begin(const BallBuffer& ball, double gather_radius, double rho_right);
+  void begin(const BallBuffer& ball, double gather_radius, double rho_right);
 
   /** \brief The fit at r_r. */
-  const Trial&
-  right();
+  const Trial& right();
 
   /** \brief The choice on [gamma^2, 1] rho_right. */
-  RadiusChoice
-  search();
+  RadiusChoice search();
 
   /** \brief For a sparse ball: the best that degree and radius up to the gather radius allow. */
-  RadiusChoice
-  fallBack();
+  RadiusChoice fallBack();
 
   /** \brief The final fit of a leaf, with refinement and, where asked, robust weights. */
-  Trial
-  refine(const RadiusChoice& choice);
+  Trial refine(const RadiusChoice& choice);
 
   std::uint64_t numFits() const { return fits_; }
 

@@ -10,11 +10,11 @@ namespace pcl_slim {
 namespace {
 
 constexpr int kBins = 48;
-constexpr double kValley = 0.12;       ///< of the lower mode
+constexpr double kValley = 0.12;  ///< of the lower mode
 constexpr std::size_t kLeastPoints = 24;
 constexpr std::size_t kMostCounted = 512;  ///< larger balls are counted in strides
-constexpr double kApart = 3.0;         ///< distance of the sides' means over their own deviation
-constexpr double kLeastMode = 0.05;    ///< share of the points on the smaller side
+constexpr double kApart = 3.0;       ///< distance of the sides' means over their own deviation
+constexpr double kLeastMode = 0.05;  ///< share of the points on the smaller side
 
 using Histogram = std::array<double, kBins>;
 
@@ -58,7 +58,8 @@ standsApart(const Histogram& bins, int valley)
   }
   if (count[0] <= 0 || count[1] <= 0) return false;
   const double gap = sum[1] / count[1] - sum[0] / count[0];
-  const double within = (square[0] - sum[0] * sum[0] / count[0]) + (square[1] - sum[1] * sum[1] / count[1]);
+  const double within =
+      (square[0] - sum[0] * sum[0] / count[0]) + (square[1] - sum[1] * sum[1] / count[1]);
   return gap * gap > kApart * kApart * within / (count[0] + count[1]);
 }
 

@@ -66,9 +66,11 @@ SLIMSurface::validate() const
   for (std::size_t i = 0; i < n; ++i) {
     const std::string where = " of surfel " + std::to_string(i);
     if (degree[i] < 1 || degree[i] > info.degree) return bad("degree" + where + " is out of range");
-    if (!(radius[i] > 0.0f) || !std::isfinite(radius[i])) return bad("radius" + where + " is not positive");
+    if (!(radius[i] > 0.0f) || !std::isfinite(radius[i]))
+      return bad("radius" + where + " is not positive");
     const float length_sq = nx[i] * nx[i] + ny[i] * ny[i] + nz[i] * nz[i];
-    if (!(std::abs(length_sq - 1.0f) < 1e-3f)) return bad("normal" + where + " has not unit length");
+    if (!(std::abs(length_sq - 1.0f) < 1e-3f))
+      return bad("normal" + where + " has not unit length");
     if (!std::isfinite(cx[i]) || !std::isfinite(cy[i]) || !std::isfinite(cz[i])) {
       return bad("centre" + where + " is not finite");
     }

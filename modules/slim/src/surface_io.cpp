@@ -226,7 +226,8 @@ storedCoefficients(const SLIMSurface& surface, const std::vector<std::uint8_t>& 
   for (std::size_t i = 0; i < surface.size(); ++i) {
     const int degree = surface.degree[i];
     const bool plane_only = (flags[i] & kPlaneOnly) != 0;
-    if (degree < 1 || degree > surface.info.degree || (plane_only && degree > 1)) return std::nullopt;
+    if (degree < 1 || degree > surface.info.degree || (plane_only && degree > 1))
+      return std::nullopt;
     counts[i] = static_cast<std::uint8_t>(plane_only ? 1 : numCoefficients(degree));
   }
   return counts;
@@ -310,7 +311,8 @@ encodeSlim(const SLIMSurface& surface)
   putNormals(surface, out);
   out.putFloats(surface.error);
   out.putFloats(surface.confidence);
-  forEachCoefficient(surface, *counts, [&](std::size_t k) { out.putFloat(surface.coefficients[k]); });
+  forEachCoefficient(surface, *counts,
+                     [&](std::size_t k) { out.putFloat(surface.coefficients[k]); });
 
   Writer sum;
   sum.putUnsigned(checksum(out.bytes.data(), out.bytes.size()));
@@ -332,7 +334,8 @@ decodeSlim(const unsigned char* bytes, std::size_t size)
   surface.resize(static_cast<std::size_t>(count));
   for (auto* column : {&surface.degree, &surface.level, &surface.flags}) in.getBytes(*column);
   const auto counts = storedCoefficients(surface, surface.flags);
-  if (!counts || count * kFixedBytesPerSurfel + coefficientBytes(*counts) != payload) return corrupted;
+  if (!counts || count * kFixedBytesPerSurfel + coefficientBytes(*counts) != payload)
+    return corrupted;
   for (std::uint8_t& flags : surface.flags) flags &= static_cast<std::uint8_t>(~kPlaneOnly);
   for (auto* column : {&surface.cx, &surface.cy, &surface.cz, &surface.radius}) {
     in.getFloats(*column);

@@ -37,12 +37,11 @@ class BlockTree {
 
   /** \brief Appends, in ascending order, the blocks whose box meets the ball.
    * \param[in] center local coordinates; \param[in] radius local length. */
-  void
-  blocksInBall(const float center[3], float radius, std::vector<std::uint32_t>& blocks) const;
+  void blocksInBall(const float center[3], float radius, std::vector<std::uint32_t>& blocks) const;
 
   /** \brief Appends, in ascending order, the blocks whose box meets an axis-aligned box. */
-  void
-  blocksInBox(const float min[3], const float max[3], std::vector<std::uint32_t>& blocks) const;
+  void blocksInBox(const float min[3], const float max[3],
+                   std::vector<std::uint32_t>& blocks) const;
 
  private:
   std::vector<Level> levels_;
@@ -53,12 +52,10 @@ class BlockTree {
 class BlockNeighborhood {
  public:
   /** \brief Collects the blocks whose box meets an axis-aligned box. */
-  void
-  collect(const BlockTree& tree, const float min[3], const float max[3]);
+  void collect(const BlockTree& tree, const float min[3], const float max[3]);
 
   /** \brief Replaces blocks by those, ascending, whose box meets a ball inside the region. */
-  void
-  blocksInBall(const float center[3], float radius, std::vector<std::uint32_t>& blocks) const;
+  void blocksInBall(const float center[3], float radius, std::vector<std::uint32_t>& blocks) const;
 
  private:
   std::vector<std::uint32_t> ids_;

@@ -15,19 +15,22 @@ namespace pcl_slim {
 struct CloudView {
   enum class Scalar : unsigned char { kFloat, kDouble };
 
-  const void* xyz = nullptr;           ///< address of the first point's x
-  std::size_t xyz_stride = 0;          ///< bytes from one point to the next
+  const void* xyz = nullptr;   ///< address of the first point's x
+  std::size_t xyz_stride = 0;  ///< bytes from one point to the next
   Scalar scalar = Scalar::kFloat;
-  const void* normal = nullptr;        ///< address of the first normal's x, or null
-  std::size_t normal_stride = 0;       ///< bytes from one normal to the next
-  std::size_t size = 0;                ///< number of points behind xyz and normal
+  const void* normal = nullptr;           ///< address of the first normal's x, or null
+  std::size_t normal_stride = 0;          ///< bytes from one normal to the next
+  std::size_t size = 0;                   ///< number of points behind xyz and normal
   const std::int32_t* indices = nullptr;  ///< points to use (null: all), values in [0, size)
   std::size_t num_indices = 0;
 
   /** \brief Number of points to use. */
   std::size_t count() const { return indices ? num_indices : size; }
   /** \brief Input index of the i-th point to use. */
-  std::size_t inputIndex(std::size_t i) const { return indices ? static_cast<std::size_t>(indices[i]) : i; }
+  std::size_t inputIndex(std::size_t i) const
+  {
+    return indices ? static_cast<std::size_t>(indices[i]) : i;
+  }
 };
 
 }  // namespace pcl_slim

@@ -15,7 +15,8 @@ boxesInBall(const BlockTree::Level& boxes, std::size_t first, const float center
 
 /** \brief Which of the 16 boxes from first on meet an axis-aligned box. */
 std::uint32_t
-boxesInBox(const BlockTree::Level& boxes, std::size_t first, const float min[3], const float max[3]);
+boxesInBox(const BlockTree::Level& boxes, std::size_t first, const float min[3],
+           const float max[3]);
 
 /** \brief Squared distances of a block's 16 points to a centre.
  * \param[in] x,y,z the block's offsets; \param[in] shift block origin minus centre. */

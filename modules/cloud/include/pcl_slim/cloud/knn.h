@@ -22,9 +22,8 @@ class NeighborSearch {
   /** \brief The k stored points nearest to stored point i, itself included, nearest first (ties by
    * index); fewer if the store holds fewer. \param[out] neighbors stored indices.
    * \param[out] distances_sq squared local distances. */
-  void
-  nearest(std::size_t i, std::size_t k, std::vector<std::uint32_t>& neighbors,
-          std::vector<float>& distances_sq);
+  void nearest(std::size_t i, std::size_t k, std::vector<std::uint32_t>& neighbors,
+               std::vector<float>& distances_sq);
 
  private:
   float boundRadiusSq(std::size_t i, std::size_t k, const std::array<double, 3>& center);

@@ -7,7 +7,6 @@
 
 namespace pcl_slim {
 
-
 /** \brief Sorts keys ascending, ties by index; keys and indices are moved together.
  *
  * Stable radix passes over the leading bits, then a comparison sort inside the short runs that

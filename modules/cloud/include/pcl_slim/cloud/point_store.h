@@ -15,11 +15,11 @@ namespace pcl_slim {
 
 /** \brief What happened to the input on its way into a PointStore. */
 struct PointStoreStatistics {
-  std::uint64_t input_points = 0;      ///< points asked for (indices honoured)
-  std::uint64_t non_finite = 0;        ///< skipped: a coordinate is NaN or infinite
-  std::uint64_t without_normal = 0;    ///< skipped: others have normals, this one has none
-  std::uint64_t duplicates = 0;        ///< merged into an earlier point at the same position
-  double seconds = 0;                  ///< wall time of build()
+  std::uint64_t input_points = 0;    ///< points asked for (indices honoured)
+  std::uint64_t non_finite = 0;      ///< skipped: a coordinate is NaN or infinite
+  std::uint64_t without_normal = 0;  ///< skipped: others have normals, this one has none
+  std::uint64_t duplicates = 0;      ///< merged into an earlier point at the same position
+  double seconds = 0;                ///< wall time of build()
 };
 
 /** \brief A cloud brought once into Morton order: the stream every later stage runs over.
@@ -36,21 +36,19 @@ struct PointStoreStatistics {
 class PointStore {
  public:
   static constexpr std::size_t kBlock = 16;
-  static constexpr float kFarAway = 1e15f;  ///< offset of padding in the last block
+  static constexpr float kFarAway = 1e15f;                ///< offset of padding in the last block
   static constexpr std::uint32_t kSkipped = 0xffffffffu;  ///< in storeOfInput(): not in the store
 
   /** \brief Brings a cloud into Morton order. \return the store, or why there is none: no input,
    * more than 2^32 - 2 points, or not one finite point. \param[in] threads 0: all cores. */
-  static Result<PointStore>
-  build(const CloudView& cloud, int threads = 0);
+  static Result<PointStore> build(const CloudView& cloud, int threads = 0);
 
   std::size_t size() const { return size_; }
   std::size_t numBlocks() const { return block_origin_x_.size(); }
   bool hasNormals() const { return !nx_.empty(); }
 
   /** \brief Local position of point i, exact to the store's precision. */
-  std::array<double, 3>
-  position(std::size_t i) const
+  std::array<double, 3> position(std::size_t i) const
   {
     const std::size_t b = i / kBlock;
     return {static_cast<double>(block_origin_x_[b]) + x_[i],

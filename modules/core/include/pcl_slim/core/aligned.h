@@ -13,19 +13,26 @@ struct AlignedAllocator {
   using value_type = T;
   AlignedAllocator() = default;
   template <typename U>
-  AlignedAllocator(const AlignedAllocator<U>&) {}
+  AlignedAllocator(const AlignedAllocator<U>&)
+  {
+  }
 
-  T*
-  allocate(std::size_t n)
+  T* allocate(std::size_t n)
   {
     return static_cast<T*>(::operator new(n * sizeof(T), std::align_val_t(64)));
   }
   void deallocate(T* p, std::size_t) { ::operator delete(p, std::align_val_t(64)); }
 
   template <typename U>
-  void construct(U* p) { ::new (static_cast<void*>(p)) U; }
+  void construct(U* p)
+  {
+    ::new (static_cast<void*>(p)) U;
+  }
   template <typename U, typename... Args>
-  void construct(U* p, Args&&... args) { ::new (static_cast<void*>(p)) U(static_cast<Args&&>(args)...); }
+  void construct(U* p, Args&&... args)
+  {
+    ::new (static_cast<void*>(p)) U(static_cast<Args&&>(args)...);
+  }
 
   friend bool operator==(const AlignedAllocator&, const AlignedAllocator&) { return true; }
   friend bool operator!=(const AlignedAllocator&, const AlignedAllocator&) { return false; }

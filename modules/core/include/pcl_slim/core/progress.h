@@ -20,8 +20,7 @@ class Progress {
   Progress() = default;
   explicit Progress(Callback callback) : callback_(std::move(callback)) {}
 
-  void
-  report(float fraction, const char* stage)
+  void report(float fraction, const char* stage)
   {
     if (callback_) callback_(fraction, stage);
   }

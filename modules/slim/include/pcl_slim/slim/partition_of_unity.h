@@ -32,8 +32,7 @@ class PartitionOfUnity {
 
   /** \brief F and its derivatives at a point in the surface's local units.
    * \return false where no leaf's ball holds the point. O(leaves near it). */
-  bool
-  evaluate(const std::array<double, 3>& x, ImplicitJet& jet) const;
+  bool evaluate(const std::array<double, 3>& x, ImplicitJet& jet) const;
 
  private:
   struct Index;

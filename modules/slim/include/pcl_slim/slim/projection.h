@@ -14,12 +14,12 @@ namespace pcl_slim {
 
 /** \brief How points are moved onto the blended surface. */
 struct ProjectionParams {
-  bool curvature = false;   ///< also blend Hessians (eq. 8, left)
-  bool directions = false;  ///< also principal curvatures and directions; implies curvature
-  bool extremality = false; ///< also their derivatives along the directions; implies directions
+  bool curvature = false;       ///< also blend Hessians (eq. 8, left)
+  bool directions = false;      ///< also principal curvatures and directions; implies curvature
+  bool extremality = false;     ///< also their derivatives along the directions; implies directions
   bool sharp_features = false;  ///< as the fit's: leaves serve points of normals within 60 degrees
-  bool paper_mode = false;  ///< formula (6) as printed, without the guards
-  int threads = 0;          ///< 0: all cores; never changes the result
+  bool paper_mode = false;      ///< formula (6) as printed, without the guards
+  int threads = 0;              ///< 0: all cores; never changes the result
 };
 
 /** \brief Greatest and least normal curvature, 1/local length, and the unit tangents they lie along.
@@ -40,8 +40,8 @@ struct Projection {
   std::vector<std::array<double, 3>> position;  ///< unchanged where unsupported
   std::vector<std::array<float, 3>> normal;     ///< unit; zero where unsupported
   std::vector<std::array<float, 2>> curvature;  ///< mean and Gaussian, 1/local length, 1/length^2
-  std::vector<PrincipalFrame> principal;   ///< where asked for
-  std::vector<std::uint8_t> supported;          ///< 0: no surfel supports the point, it kept its place
+  std::vector<PrincipalFrame> principal;        ///< where asked for
+  std::vector<std::uint8_t> supported;  ///< 0: no surfel supports the point, it kept its place
   std::uint64_t num_unsupported = 0;
 };
 

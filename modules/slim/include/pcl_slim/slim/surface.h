@@ -21,20 +21,20 @@ enum SurfelFlag : std::uint8_t {
 
 /** \brief How a surface was made, and the units it is stored in. */
 struct SurfaceInfo {
-  int degree = 4;                       ///< highest polynomial degree, 1..4
+  int degree = 4;  ///< highest polynomial degree, 1..4
   WeightKernel fit_kernel = WeightKernel::kPower4;
   WeightKernel blend_kernel = WeightKernel::kPower4;
-  bool oriented = false;                ///< normals point to one side consistently
-  bool paper_mode = false;              ///< fitted with the choices of Ohtake et al. 2005
-  std::array<double, 3> origin{};       ///< world = origin + scale * local
-  double scale = 1.0;                   ///< world units per local unit, a power of two: exact both ways
-  double diagonal = 1.0;                ///< main diagonal L of the input's bounding box, local units
-  double lambda = 0.0;                  ///< noise variance [L^2]
-  double penalty = 2.0;                 ///< kappa of the penalty kappa lambda P / n_eff (0: unused)
-  double t_mdl = 0.0;                   ///< T_MDL of the paper's penalty (0: unused)
-  double cover_radius = 2.0 / 3.0;      ///< alpha: leaves cover within alpha * r
-  double cover_threshold = 0.1;         ///< gamma: a point is covered at this sum of weights
-  std::uint64_t num_points = 0;         ///< points the surface was fitted to
+  bool oriented = false;            ///< normals point to one side consistently
+  bool paper_mode = false;          ///< fitted with the choices of Ohtake et al. 2005
+  std::array<double, 3> origin{};   ///< world = origin + scale * local
+  double scale = 1.0;               ///< world units per local unit, a power of two: exact both ways
+  double diagonal = 1.0;            ///< main diagonal L of the input's bounding box, local units
+  double lambda = 0.0;              ///< noise variance [L^2]
+  double penalty = 2.0;             ///< kappa of the penalty kappa lambda P / n_eff (0: unused)
+  double t_mdl = 0.0;               ///< T_MDL of the paper's penalty (0: unused)
+  double cover_radius = 2.0 / 3.0;  ///< alpha: leaves cover within alpha * r
+  double cover_threshold = 0.1;     ///< gamma: a point is covered at this sum of weights
+  std::uint64_t num_points = 0;     ///< points the surface was fitted to
 };
 
 /** \brief A SLIM surface: surfels (ball, normal, polynomial) of several levels and their links.
@@ -51,15 +51,15 @@ class SLIMSurface {
  public:
   SurfaceInfo info;
 
-  std::vector<float> cx, cy, cz;         ///< centres
-  std::vector<float> radius;             ///< support radii
-  std::vector<float> nx, ny, nz;         ///< unit normals: the w axes
-  std::vector<float> coefficients;       ///< stride() per surfel, unused ones 0
-  std::vector<float> error;              ///< weighted RMS residual of the fit, in local units
-  std::vector<float> confidence;         ///< effective number of points behind the fit, n_eff
-  std::vector<std::uint8_t> degree;      ///< degree of each surfel, at most info.degree
-  std::vector<std::uint8_t> level;       ///< k of the paper's sliding interval, 1 = coarsest
-  std::vector<std::uint8_t> flags;       ///< SurfelFlag bits
+  std::vector<float> cx, cy, cz;     ///< centres
+  std::vector<float> radius;         ///< support radii
+  std::vector<float> nx, ny, nz;     ///< unit normals: the w axes
+  std::vector<float> coefficients;   ///< stride() per surfel, unused ones 0
+  std::vector<float> error;          ///< weighted RMS residual of the fit, in local units
+  std::vector<float> confidence;     ///< effective number of points behind the fit, n_eff
+  std::vector<std::uint8_t> degree;  ///< degree of each surfel, at most info.degree
+  std::vector<std::uint8_t> level;   ///< k of the paper's sliding interval, 1 = coarsest
+  std::vector<std::uint8_t> flags;   ///< SurfelFlag bits
 
   std::vector<std::uint32_t> child_begin;  ///< size() + 1 offsets into children (may be empty)
   std::vector<std::uint32_t> children;     ///< surfels one level finer whose centre lies inside
