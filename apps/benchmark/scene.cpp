@@ -254,6 +254,7 @@ loadScene(const std::string& name, const std::string& input, const std::string& 
                  "'" + input + "' has no finite point with a truth; name other files"};
   }
   const double edge = meanEdge(*clean);
+  scene.unit_is_edge = edge > 0;
   scene.unit = edge > 0 ? edge : 1;
   scene.spacing = spacingOf(toCloud(pair->points));
   scene.has_true_curvature = false;

@@ -29,6 +29,7 @@ struct Scene {
   TruthOf truth;               ///< distance may be one from point to point
   double spacing = 0;          ///< sqrt(area / points), of the clean points
   double unit = 1;             ///< length that errors are told in, world units
+  bool unit_is_edge = false;   ///< unit is the truth's mean edge length
   bool has_true_normals = true, has_true_curvature = true;
 
   std::size_t size() const { return points->size(); }

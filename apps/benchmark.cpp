@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// pcl_slim_benchmark: time against error, SLIM beside PCL's own classes.
+#include <cstdio>
+#include <filesystem>
+#include <new>
+
+#include "benchmark/chart.h"
+#include "benchmark/plan.h"
+#include "benchmark/tables.h"
+#include "common/progress_bar.h"
+#include "common/report.h"
+#include "pcl_slim/core/file_access.h"
+
+namespace {
+
+using namespace pcl_slim;
+using comparison::Run;
+using comparison::Scene;
+using comparison::SceneRuns;
+
+struct Settings {
+  std::string prefix;
+  comparison::Plan plan;
+  bool chart = true, quiet = false;
+};
+
+OptionTable
+declareOptions(Settings& s)
+{
+  OptionTable options("pcl_slim_benchmark", PCL_SLIM_VERSION,
+                      "Measures time against error: SLIM beside pcl::MovingLeastSquares and "
+                      "pcl::NormalEstimationOMP.");
+  options.positional("OUT_PREFIX", &s.prefix,
+                     "writes OUT_PREFIX.csv, OUT_PREFIX.md, OUT_PREFIX.png");
+  s.plan.declareOptions(options);
+  options.toggle("chart", &s.chart, "draw OUT_PREFIX.png; needs an X server, as xvfb-run -a gives");
+  options.toggle("quiet", &s.quiet, "say nothing but errors");
+  return options;
+}
+
+int
+fail(const OptionTable& options, int status, const std::string& message)
+{
+  std::fprintf(stderr, "%s: %s\n", options.program().c_str(), message.c_str());
+  return status;
+}
+
+std::string
+commandLine(int argc, char** argv)
+{
+  std::string text = std::filesystem::path(argv[0]).filename().string();
+  for (int i = 1; i < argc; ++i) text += std::string(" ") + argv[i];
+  return text;
+}
+
+std::string
+outcomeText(const Run& run, std::size_t points)
+{
+  char text[128];
+  std::snprintf(text, sizeof(text), "%.3g us/pt CPU, RMS %.3g, normals %.3g deg",
+                1e6 * run.cpu / static_cast<double>(points), run.errors.position,
+                run.errors.normal);
+  return text;
+}
+
+Error
+treatScene(const Settings& s, const Scene& scene, Console& console, std::vector<SceneRuns>& all)
+{
+  SceneRuns measured;
+  measured.name = scene.name;
+  measured.noise = scene.noise;
+  measured.points = scene.size();
+  measured.mean_edges = scene.unit_is_edge;
+  for (const comparison::Setting& setting : s.plan.settingsFor(scene)) {
+    if (console.interrupted()) return {ErrorCode::kCancelled, "stopped; nothing is written"};
+    const Stopwatch watch;
+    console.begin(measured.title() + ": " + methodName(setting.method) + " " + setting.text() +
+                  (setting.normals ? ", normals given" : ""));
+    const Result<Run> run = runSetting(scene, setting, s.plan.repeats());
+    if (!run) {
+      console.failed();
+      return run.error();
+    }
+    console.done(watch.seconds(), outcomeText(*run, scene.size()));
+    measured.runs.push_back(*run);
+  }
+  all.push_back(std::move(measured));
+  return {};
+}
+
+int
+run(int argc, char** argv)
+{
+  Settings s;
+  OptionTable options = declareOptions(s);
+  if (const auto status = options.parse(argc, argv)) return *status;
+  if (Error error = s.plan.finishOptions(options)) {
+    return fail(options, kExitUsage, error.message);
+  }
+  for (const char* extension : {".csv", ".md"}) {
+    const Error error = checkWritable(s.prefix + extension);
+    if (error) return fail(options, kExitFailed, error.message);
+  }
+  Console console(s.quiet);
+  std::vector<SceneRuns> scenes;
+  bool loaded = false;
+  Error error = s.plan.forEachScene([&](const Scene& scene) {
+    loaded = true;
+    return treatScene(s, scene, console, scenes);
+  });
+  if (error.code == ErrorCode::kCancelled) return fail(options, kExitInterrupted, error.message);
+  if (error) return fail(options, loaded ? kExitFailed : kExitUsage, error.message);
+
+  const std::string csv = csvText(scenes), markdown = markdownText(scenes, commandLine(argc, argv));
+  error = writeFile(s.prefix + ".csv", csv.data(), csv.size());
+  if (!error) error = writeFile(s.prefix + ".md", markdown.data(), markdown.size());
+  if (error) return fail(options, kExitFailed, error.message);
+  console.note("> Wrote " + s.prefix + ".csv and " + s.prefix + ".md");
+  if (!s.chart) return kExitDone;
+  error = drawChart(scenes, s.prefix + ".png");
+  console.note("> " + (error ? error.message : "Drew " + s.prefix + ".png"));
+  return kExitDone;
+}
+
+}  // namespace
+
+int
+main(int argc, char** argv)
+{
+  try {
+    return run(argc, argv);
+  } catch (const std::bad_alloc&) {
+    std::fprintf(stderr, "pcl_slim_benchmark: not enough memory; give smaller -points\n");
+  } catch (const std::exception& failure) {
+    std::fprintf(stderr, "pcl_slim_benchmark: %s\n", failure.what());
+  }
+  return pcl_slim::kExitFailed;
+}

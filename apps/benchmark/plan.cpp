@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "benchmark/plan.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <sstream>
+
+#include "bench_common.h"
+
+namespace pcl_slim::comparison {
+
+namespace {
+
+/** Words separated by commas, each one of those known. */
+Error
+parseWords(const std::string& option, const std::string& text,
+           const std::vector<std::string>& known, std::vector<std::string>& words)
+{
+  std::string remedy;
+  for (const std::string& word : known) remedy += (remedy.empty() ? "" : ", ") + word;
+  std::stringstream stream(text);
+  for (std::string word; std::getline(stream, word, ',');) {
+    if (std::count(known.begin(), known.end(), word) == 0) {
+      return {ErrorCode::kBadArgument,
+              "option -" + option + " got '" + word + "'; give some of " + remedy};
+    }
+    words.push_back(word);
+  }
+  if (!words.empty()) return {};
+  return {ErrorCode::kBadArgument, "option -" + option + " is empty; give some of " + remedy};
+}
+
+}  // namespace
+
+void
+Plan::declareOptions(OptionTable& options)
+{
+  options.text("shapes", &shapes_, "NAME,...",
+               "exact surfaces: sphere, torus, bumpy, relief, cube");
+  options.text("noises", &noises_, "S,...", "noise, as a share of the box diagonal");
+  options.text("points", &points_, "N,...", "sizes of the clouds");
+  options.text("input", &input_, "FILE", "a noisy scan in place of exact surfaces; needs -truth");
+  options.text("truth", &truth_, "FILE", "the scan's true points, in the same order");
+  options.text("pairs", &pairs_, "FOLDER",
+               "every NAME_noisy.ply and NAME_original.ply of a folder in place of exact surfaces");
+  options.text("methods", &methods_, "NAME,...",
+               "slim, mls (pcl::MovingLeastSquares), normals (pcl::NormalEstimationOMP)");
+  options.choice("normals", &normals_, {"0", "1", "both"}, "SLIM: normals given");
+  options.text("degrees", &degrees_, "D,...", "SLIM: degrees of the polynomials");
+  options.text("kappas", &kappas_, "K,...", "SLIM: penalties; 0: the default one");
+  options.text("t_mdls", &t_mdls_, "T,...",
+               "SLIM: the paper's T_MDL in place of a penalty; 0: none");
+  options.toggle("sharp", &sharp_, "SLIM: also keeping sharp edges, where normals are given");
+  options.text("mls_orders", &orders_, "D,...", "MLS: orders of the polynomial");
+  options.text("mls_neighbours", &neighbours_, "K,...",
+               "MLS: mean numbers of points in the search radius");
+  options.text("normal_neighbours", &normal_neighbours_, "K,...", "normals: numbers of neighbours");
+  options.integer("threads", &threads_, 1, 4096, "threads, of each method");
+  options.integer("repeats", &repeats_, 1, 1000, "runs of each setting; times are medians");
+  options.exclusive({"input", "pairs"});
+}
+
+Error
+Plan::finishFiles()
+{
+  if (input_.empty() != truth_.empty()) {
+    return {ErrorCode::kBadArgument,
+            "a scan and its truth belong together; give -input and -truth"};
+  }
+  if (!input_.empty()) {
+    files_.push_back({std::filesystem::path(input_).stem().string(), input_, truth_});
+  }
+  if (pairs_.empty()) return {};
+  const std::string suffix = "_noisy.ply";
+  std::error_code code;
+  for (const auto& entry : std::filesystem::directory_iterator(pairs_, code)) {
+    const std::string file = entry.path().filename().string();
+    if (file.size() <= suffix.size()) continue;
+    const std::string name = file.substr(0, file.size() - suffix.size());
+    const auto truth = entry.path().parent_path() / (name + "_original.ply");
+    if (file != name + suffix || !std::filesystem::exists(truth, code)) continue;
+    files_.push_back({name, entry.path().string(), truth.string()});
+  }
+  std::sort(files_.begin(), files_.end(),
+            [](const FilePair& a, const FilePair& b) { return a.name < b.name; });
+  if (!files_.empty()) return {};
+  return {ErrorCode::kBadInput,
+          "'" + pairs_ + "' has no NAME_noisy.ply with its NAME_original.ply; name another folder"};
+}
+
+Error
+Plan::finishOptions(const OptionTable& options)
+{
+  if (Error error = parseWords("shapes", shapes_, shapeNames(), shape_list_)) return error;
+  if (Error error = parseWords("methods", methods_, {"slim", "mls", "normals"}, method_list_)) {
+    return error;
+  }
+  if (Error error = bench::parseLists(
+          {{"noises", &noises_, 0, 1, false, &noise_list_},
+           {"points", &points_, 100, 4e9, true, &point_list_},
+           {"degrees", &degrees_, 1, 4, true, &degree_list_},
+           {"kappas", &kappas_, 0, 1e6, false, &kappa_list_},
+           {"t_mdls", &t_mdls_, 0, 1e3, false, &t_mdl_list_},
+           {"mls_orders", &orders_, 1, 6, true, &order_list_},
+           {"mls_neighbours", &neighbours_, 3, 1e6, true, &neighbour_list_},
+           {"normal_neighbours", &normal_neighbours_, 3, 1e6, true, &normal_neighbour_list_}})) {
+    return error;
+  }
+  const bool files = options.given("input") || options.given("truth") || options.given("pairs");
+  for (const char* name : {"shapes", "noises", "points"}) {
+    if (!files || !options.given(name)) continue;
+    return {ErrorCode::kBadArgument,
+            "-" + std::string(name) + " is for exact surfaces; leave it out with files"};
+  }
+  return finishFiles();
+}
+
+Error
+Plan::forEachScene(const std::function<Error(const Scene&)>& treat) const
+{
+  for (const FilePair& pair : files_) {
+    const Result<Scene> scene = loadScene(pair.name, pair.input, pair.truth);
+    if (!scene) return scene.error();
+    if (Error error = treat(*scene)) return error;
+  }
+  if (!files_.empty()) return {};
+  for (const double points : point_list_) {
+    for (const std::string& shape : shape_list_) {
+      for (const double noise : noise_list_) {
+        const Result<Scene> scene = makeScene(shape, static_cast<std::size_t>(points), noise);
+        if (!scene) return scene.error();
+        if (Error error = treat(*scene)) return error;
+      }
+    }
+  }
+  return {};
+}
+
+void
+Plan::addSlim(const Scene& scene, std::vector<Setting>& settings) const
+{
+  for (const bool normals : {false, true}) {
+    if (normals_ == (normals ? "0" : "1") || (normals && scene.normals.empty())) continue;
+    Setting s;
+    s.threads = threads_;
+    s.normals = normals;
+    settings.push_back(s);
+    if (sharp_ && normals) {
+      s.sharp = true;
+      settings.push_back(s);
+      s.sharp = false;
+    }
+    for (const double degree : degree_list_) {
+      s.degree = static_cast<int>(degree);
+      s.t_mdl = 0;
+      for (const double kappa : kappa_list_) {
+        s.penalty = kappa;
+        settings.push_back(s);
+      }
+      s.penalty = 0;
+      for (const double t : t_mdl_list_) {
+        s.t_mdl = t;
+        if (t > 0) settings.push_back(s);
+      }
+    }
+  }
+}
+
+std::vector<Setting>
+Plan::settingsFor(const Scene& scene) const
+{
+  std::vector<Setting> settings;
+  const auto asked = [this](const char* method) {
+    return std::count(method_list_.begin(), method_list_.end(), method) > 0;
+  };
+  if (asked("slim")) addSlim(scene, settings);
+  Setting s;
+  s.threads = threads_;
+  s.method = Method::kMls;
+  for (const double order : order_list_) {
+    for (const double neighbours : neighbour_list_) {
+      s.degree = static_cast<int>(order);
+      s.neighbours = static_cast<int>(neighbours);
+      if (asked("mls")) settings.push_back(s);
+    }
+  }
+  s.method = Method::kNormals;
+  s.degree = 0;
+  for (const double neighbours : normal_neighbour_list_) {
+    s.neighbours = static_cast<int>(neighbours);
+    if (asked("normals")) settings.push_back(s);
+  }
+  return settings;
+}
+
+}  // namespace pcl_slim::comparison

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "benchmark/runs.h"
+
+namespace pcl_slim::comparison {
+
+/** \brief Everything measured on one scene. */
+struct SceneRuns {
+  std::string name;
+  double noise = 0;
+  std::size_t points = 0;
+  bool mean_edges = false;  ///< lengths are in mean edges of the truth, not in scene units
+  std::vector<Run> runs;
+
+  /** \brief "torus, .5 % noise"; the name alone without noise. */
+  std::string title() const;
+};
+
+/** \brief Whose runs are looked at. */
+enum class Family { kSlimDefault, kSlim, kMls, kMlsOrder2, kNormals };
+
+/** \brief Run of least error in a family, or null where none has that error.
+ * \param[in] given for SLIM: with (1), without (0) normals, or either (-1). */
+const Run*
+bestRun(const SceneRuns& scene, Family family, int given, double Errors::*error);
+
+/** \brief Run of least CPU time in a family whose RMS position error is at most bound, or null. */
+const Run*
+cheapestRun(const SceneRuns& scene, Family family, int given, double bound);
+
+/** \brief One row a run, with a header. */
+std::string
+csvText(const std::vector<SceneRuns>& scenes);
+
+/** \brief Best-of tables and CPU ratios, in Markdown.
+ * \param[in] command line that gave them. */
+std::string
+markdownText(const std::vector<SceneRuns>& scenes, const std::string& command);
+
+}  // namespace pcl_slim::comparison
