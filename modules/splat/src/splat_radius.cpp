@@ -13,7 +13,7 @@ namespace pcl_slim {
 namespace {
 
 constexpr double kMargin = 1.0;           ///< spacings beyond a cell's own points
-constexpr double kNeighborMargin = 0.5;   ///< spacings beyond midpoints
+constexpr double kNeighborMargin = 0.35;  ///< spacings beyond midpoints
 constexpr double kWidest = 6.0;           ///< middle spacings that count as widest
 constexpr std::size_t kSpacingNeighbors = 6, kNeighbors = 8;
 

@@ -13,7 +13,7 @@ namespace pcl_slim {
 /** \brief How large discs become. */
 enum class RadiusRule : unsigned char {
   kDensity,    ///< to the cell's farthest point in the disc's plane, and one spacing more (default)
-  kNeighbors,  ///< to halfway towards neighbours in other cells, and half a spacing more
+  kNeighbors,  ///< to halfway towards neighbours in other cells, and .35 spacings more
   kCorner      ///< to the farthest corner of the cell, as the paper has it: large, and never short
 };
 

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl/common/point_tests.h>
+
+#include <algorithm>
+#include <memory>
+
+#include "pcl_slim/filters/color_octree_splat_sampler.h"
+#include "pcl_slim/filters/impl/cloud_description.hpp"
+#include "pcl_slim/filters/splat_conversion.h"
+
+#ifndef PCL_SLIM_PCL_POINTS_ONLY
+#include <pcl/filters/impl/filter_indices.hpp>
+#endif
+
+namespace pcl_slim {
+
+template <typename PointT>
+ColorOctreeSplatSampler<PointT>::ColorOctreeSplatSampler(bool extract_removed_indices)
+    : pcl::FilterIndices<PointT>(extract_removed_indices)
+{
+  this->filter_name_ = "ColorOctreeSplatSampler";
+}
+
+// PCL's filters share the removed indices with their copies; ours stand alone.
+template <typename PointT>
+ColorOctreeSplatSampler<PointT>::ColorOctreeSplatSampler(const ColorOctreeSplatSampler& other)
+    : pcl::FilterIndices<PointT>(other),
+      ColorOctreeSplatSamplerBase(other),
+      normals_(other.normals_)
+{
+  removed_indices_.reset(new pcl::Indices(*other.removed_indices_));
+}
+
+template <typename PointT>
+ColorOctreeSplatSampler<PointT>&
+ColorOctreeSplatSampler<PointT>::operator=(const ColorOctreeSplatSampler& other)
+{
+  if (this == &other) return *this;
+  pcl::FilterIndices<PointT>::operator=(other);
+  ColorOctreeSplatSamplerBase::operator=(other);
+  normals_ = other.normals_;
+  removed_indices_.reset(new pcl::Indices(*other.removed_indices_));
+  return *this;
+}
+
+template <typename PointT>
+ColorView
+ColorOctreeSplatSampler<PointT>::describeColors() const
+{
+  ColorView colors;
+  const auto* first = reinterpret_cast<const unsigned char*>(input_->points.data());
+  colors.stride = sizeof(PointT);
+  if constexpr (pcl::traits::has_field<PointT, pcl::fields::rgba>::value) {
+    colors.bgr = first + pcl::traits::offset<PointT, pcl::fields::rgba>::value;
+  } else if constexpr (pcl::traits::has_field<PointT, pcl::fields::rgb>::value) {
+    colors.bgr = first + pcl::traits::offset<PointT, pcl::fields::rgb>::value;
+  }
+  return colors;
+}
+
+template <typename PointT>
+bool
+ColorOctreeSplatSampler<PointT>::sample(SplatSet& splats)
+{
+  splats = SplatSet();
+  clearResults();
+  CloudDescription<PointT> cloud(input_, use_indices_ ? pcl::IndicesConstPtr(indices_) : nullptr,
+                                 FitParams());
+  cloud.setInputNormals(normals_);
+  if (!cloud.describe()) return fail(cloud.getError().code, cloud.getError().message);
+  return run(cloud.view(), describeColors(), input_->sensor_origin_.data(), splats);
+}
+
+template <typename PointT>
+bool
+ColorOctreeSplatSampler<PointT>::sample(pcl::PointCloud<pcl::PointSurfel>& splats)
+{
+  splats = pcl::PointCloud<pcl::PointSurfel>();
+  SplatSet set;
+  if (!sample(set)) return false;
+  toPCL(set, {}, splats);
+  splats.header = input_->header;
+  splats.sensor_origin_ = input_->sensor_origin_;
+  splats.sensor_orientation_ = input_->sensor_orientation_;
+  return true;
+}
+
+template <typename PointT>
+bool
+ColorOctreeSplatSampler<PointT>::filter(pcl::Indices& indices)
+{
+  indices.clear();
+  applyFilter(indices);
+  return !error_;
+}
+
+template <typename PointT>
+bool
+ColorOctreeSplatSampler<PointT>::filter(PointCloud& output)
+{
+  clearResults();
+  removed_indices_->clear();
+  if (!input_ || input_->empty()) {
+    output = PointCloud();
+    SplatSet none;
+    return sample(none);  // says what is wrong
+  }
+  // Keeping the organization goes by the removed indices; PCL would warn that it asks for them.
+  const bool extract = extract_removed_indices_;
+  if (this->keep_organized_) extract_removed_indices_ = true;
+  PointCloud filtered;
+  pcl::FilterIndices<PointT>::filter(filtered);
+  extract_removed_indices_ = extract;
+  if (error_) filtered = PointCloud();
+  output = std::move(filtered);
+  return !error_;
+}
+
+template <typename PointT>
+void
+ColorOctreeSplatSampler<PointT>::applyFilter(pcl::Indices& indices)
+{
+  indices.clear();
+  removed_indices_->clear();
+  SplatSet splats;
+  if (!sample(splats)) return;
+  std::vector<bool> kept(input_->size(), false);
+  for (const std::uint32_t i : splats.kept) kept[i] = true;
+  const bool chosen = use_indices_ && indices_;
+  const std::size_t count = chosen ? indices_->size() : input_->size();
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto i = chosen ? (*indices_)[k] : static_cast<pcl::index_t>(k);
+    const auto at = static_cast<std::size_t>(i);
+    // Points that are not finite belong to neither side.
+    const bool out = kept[at] == negative_ || !pcl::isXYZFinite((*input_)[at]);
+    if (!out) {
+      indices.push_back(i);
+    } else if (extract_removed_indices_) {
+      removed_indices_->push_back(i);
+    }
+  }
+  std::sort(indices.begin(), indices.end());
+  indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
+}
+
+}  // namespace pcl_slim
+
+#define PCL_SLIM_INSTANTIATE_ColorOctreeSplatSampler(PointT) \
+  template class pcl_slim::ColorOctreeSplatSampler<PointT>;

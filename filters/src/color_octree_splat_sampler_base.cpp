@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/filters/color_octree_splat_sampler_base.h"
+
+#include <exception>
+#include <new>
+
+namespace pcl_slim {
+
+void
+ColorOctreeSplatSamplerBase::setViewPoint(double x, double y, double z)
+{
+  has_viewpoint_ = true;
+  params_.viewpoint[0] = x;
+  params_.viewpoint[1] = y;
+  params_.viewpoint[2] = z;
+}
+
+bool
+ColorOctreeSplatSamplerBase::getViewPoint(double& x, double& y, double& z) const
+{
+  if (!has_viewpoint_) return false;
+  x = params_.viewpoint[0];
+  y = params_.viewpoint[1];
+  z = params_.viewpoint[2];
+  return true;
+}
+
+void
+ColorOctreeSplatSamplerBase::clearResults()
+{
+  statistics_ = {};
+  error_ = {};
+  control_.progress.reset();
+}
+
+bool
+ColorOctreeSplatSamplerBase::fail(ErrorCode code, const std::string& message)
+{
+  error_ = {code, message};
+  return false;
+}
+
+bool
+ColorOctreeSplatSamplerBase::run(const CloudView& cloud, const ColorView& colors,
+                                 const float sensor[3], SplatSet& splats)
+{
+  SplatParams params = params_;
+  for (int a = 0; a < 3 && !has_viewpoint_; ++a) params.viewpoint[a] = sensor[a];
+  try {
+    error_ = sampleSplats(cloud, colors, params, splats, &statistics_, &control_.progress);
+  } catch (const std::bad_alloc&) {
+    fail(ErrorCode::kBadInput, "not enough memory for this cloud; sample fewer points");
+  } catch (const std::exception& failure) {
+    fail(ErrorCode::kBadInput, std::string("the sampling stopped: ") + failure.what());
+  }
+  if (error_) splats = SplatSet();
+  return !error_;
+}
+
+}  // namespace pcl_slim

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/splat/coverage_check.h"
+
+#include "painted_clouds.h"
+
+namespace pcl_slim {
+namespace {
+
+using pcl_slim_test::coverageOf;
+using pcl_slim_test::painted;
+using pcl_slim_test::PaintedCloud;
+using pcl_slim_test::sampled;
+
+/** A flat square of side 1 with count points. */
+PaintedCloud
+square(int count)
+{
+  PaintedCloud cloud;
+  std::mt19937_64 random(9);
+  std::uniform_real_distribution<double> u(0.0, 1.0);
+  for (int i = 0; i < count; ++i) cloud.add({u(random), u(random), 0.0}, {0, 0, 1}, {9, 9, 9});
+  return cloud;
+}
+
+SplatSet
+oneDisc(double x, double y, double radius)
+{
+  SplatSet s;
+  s.resize(1, false);
+  s.x[0] = static_cast<float>(x);
+  s.y[0] = static_cast<float>(y);
+  s.z[0] = 0.0f;
+  s.nx[0] = s.ny[0] = 0.0f;
+  s.nz[0] = 1.0f;
+  s.radius[0] = static_cast<float>(radius);
+  return s;
+}
+
+TEST(CoverageCheck, MeasuresTheAreaOfOneDisc)
+{
+  const PaintedCloud cloud = square(20000);
+  const Coverage half = coverageOf(cloud, oneDisc(0.5, 0.5, 0.4), 60000);
+  EXPECT_NEAR(1.0 - half.holes(), 3.14159265 * 0.16, 0.01);
+  EXPECT_NEAR(half.overlap, 3.14159265 * 0.16, 0.01);
+  EXPECT_EQ(coverageOf(cloud, oneDisc(0.5, 0.5, 2.0), 20000).missed, 0u);
+}
+
+TEST(CoverageCheck, SeesHolesBetweenDiscsThatHoldEveryPoint)
+{
+  // Each disc just reaches its cell's own points, so every point is held; between them is nothing.
+  const PaintedCloud cloud = painted(20000);
+  SplatParams params;
+  SplatSet splats = sampled(cloud, params);
+  SplatStatistics statistics;
+  sampled(cloud, params, &statistics);
+  for (float& r : splats.radius) r = std::max(1e-6f, r - static_cast<float>(statistics.spacing));
+  EXPECT_GT(coverageOf(cloud, splats, 20000).holes(), 0.01);
+}
+
+TEST(CoverageCheck, DiscsFarBelowTheSurfaceDoNotCount)
+{
+  const PaintedCloud cloud = square(5000);
+  SplatSet low = oneDisc(0.5, 0.5, 0.1);
+  low.z[0] = -5.0f;
+  EXPECT_EQ(coverageOf(cloud, low, 5000).overlap, 0.0);
+}
+
+TEST(CoverageCheck, LeavesOutWhatIsTooSparseToTell)
+{
+  PaintedCloud cloud = square(5000);
+  for (int i = 0; i < 200; ++i) cloud.add({5.0 + i, 3.0 * i, 0.0}, {0, 0, 1}, {9, 9, 9});
+  const Coverage coverage = coverageOf(cloud, oneDisc(0.5, 0.5, 2.0), 20000);
+  EXPECT_NEAR(static_cast<double>(coverage.sparse), 20000.0 * 200 / 5200, 200.0);
+  EXPECT_EQ(coverage.missed, 0u);
+  EXPECT_EQ(coverage.rays + coverage.sparse, 20000u);
+}
+
+TEST(CoverageCheck, IsTheSameForAnyNumberOfThreads)
+{
+  const PaintedCloud cloud = painted(10000);
+  SplatParams sampling;
+  sampling.threads = 1;
+  const SplatSet splats = sampled(cloud, sampling);
+  const auto store = PointStore::build(cloud.view(), 1);
+  ASSERT_TRUE(store);
+  CoverageParams params;
+  params.rays = 10000;
+  params.threads = 1;
+  const auto one = checkCoverage(*store, splats, params);
+  params.threads = 8;
+  const auto many = checkCoverage(*store, splats, params);
+  ASSERT_TRUE(one && many);
+  EXPECT_EQ(one->missed, many->missed);
+  EXPECT_EQ(one->overlap, many->overlap);
+}
+
+TEST(CoverageCheck, BadInputIsAnError)
+{
+  const PaintedCloud cloud = square(100);
+  const auto store = PointStore::build(cloud.view(), 1);
+  ASSERT_TRUE(store);
+  EXPECT_FALSE(checkCoverage(*store, SplatSet()));
+  CoverageParams params;
+  params.tilt = 90.0;
+  EXPECT_FALSE(checkCoverage(*store, oneDisc(0, 0, 1), params));
+  params.tilt = std::nan("");
+  EXPECT_FALSE(checkCoverage(*store, oneDisc(0, 0, 1), params));
+}
+
+}  // namespace
+}  // namespace pcl_slim
