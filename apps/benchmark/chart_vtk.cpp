@@ -93,8 +93,8 @@ fitAxis(vtkChart* chart, int which, const char* title, double low, double high)
   axis->GetTitleProperties()->BoldOff();
   axis->GetLabelProperties()->SetFontSize(10);
   axis->SetNotation(vtkAxis::STANDARD_NOTATION);
-  axis->SetUnscaledMinimum(std::pow(10, std::floor(std::log10(low))));
-  axis->SetUnscaledMaximum(std::pow(10, std::ceil(std::log10(high))));
+  axis->SetUnscaledMinimum(std::pow(10, std::floor(std::log10(low / 1.2))));
+  axis->SetUnscaledMaximum(std::pow(10, std::ceil(std::log10(high * 1.2))));
   axis->SetLogScale(true);
   axis->SetBehavior(vtkAxis::FIXED);
 }
@@ -120,9 +120,10 @@ drawPanel(const SceneRuns& scene, bool legend, vtkChart* chart)
   fitAxis(chart, vtkAxis::LEFT,
           scene.mean_edges ? "RMS error, mean edges" : "RMS error, scene units", low[1], high[1]);
   chart->SetShowLegend(legend);
+  // Nothing is both dear and accurate.
   chart->GetLegend()->SetLabelSize(10);
   chart->GetLegend()->SetHorizontalAlignment(vtkChartLegend::RIGHT);
-  chart->GetLegend()->SetVerticalAlignment(vtkChartLegend::TOP);
+  chart->GetLegend()->SetVerticalAlignment(vtkChartLegend::BOTTOM);
 }
 
 /** As many columns as scenes of the first name have noises; otherwise a square. */

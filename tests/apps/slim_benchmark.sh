@@ -1,0 +1,89 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# pcl_slim_benchmark: exit status, messages, files, options as documented.
+# Arguments: programs' folder, an empty folder to work in.
+set -uo pipefail
+program=$1/pcl_slim_benchmark
+work=$2/run
+docs=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../../docs" && pwd)
+rm -rf -- "$work"
+mkdir -p -- "$work/pairs"
+cd -- "$work" || exit 1
+unset DISPLAY
+failures=0
+
+complain() {
+  echo "FAILED: $*"
+  failures=$((failures + 1))
+}
+
+# expect STATUS WORD ARGS...: the status, and on failure one line on stderr with WORD.
+expect() {
+  local status=$1 word=$2 got=0
+  shift 2
+  "$program" "$@" > out.txt 2> err.txt || got=$?
+  [ "$got" -eq "$status" ] || complain "exit $got instead of $status: $* ($(head -c 300 err.txt))"
+  [ "$status" -ne 0 ] || return 0
+  [ "$(wc -l < err.txt)" -eq 1 ] || complain "stderr is not one line: $* ($(head -c 300 err.txt))"
+  grep -q -- "$word" err.txt || complain "no '$word' in: $(cat err.txt)"
+}
+
+small=(-points 2000 -shapes sphere,cube -noises 0.005 -degrees 2 -kappas 0 -t_mdls 0.01
+  -mls_orders 2 -mls_neighbours 30,60 -normal_neighbours 20)
+
+# Per scene 2 x 3 + 1 SLIM runs, 2 of MLS, 1 of normals; tables, and no chart without an X server.
+expect 0 '' both "${small[@]}"
+grep -q 'xvfb-run' out.txt both.png 2> /dev/null || grep -q 'without VTK' out.txt ||
+  complain "nothing is said of the chart: $(tail -1 out.txt)"
+[ ! -e both.png ] || complain "a chart without an X server"
+[ "$(wc -l < both.csv)" -eq 21 ] || complain "$(wc -l < both.csv) lines in both.csv"
+[ "$(awk -F, 'NF != 16' both.csv | wc -l)" -eq 0 ] || complain "rows of both.csv differ in length"
+[ "$(grep -c '^| .*none' both.md)" -ge 2 ] || complain "no ratios in both.md"
+
+# Errors depend on the input alone.
+expect 0 '' again "${small[@]}" -threads 1 -chart 0 -quiet 1
+[ ! -s out.txt ] || complain "-quiet says: $(cat out.txt)"
+diff <(cut -d, -f1-7,11-14 both.csv) <(cut -d, -f1-7,11-14 again.csv) > /dev/null ||
+  complain "errors change with the threads"
+
+# A pair of files, point by point.
+for kind in noisy original; do
+  {
+    printf 'ply\nformat ascii 1.0\nelement vertex 900\nproperty float x\nproperty float y\n'
+    printf 'property float z\nend_header\n'
+    awk -v noise="$([ $kind = noisy ] && echo 0.1 || echo 0)" 'BEGIN { srand(3)
+      for (i = 0; i < 900; ++i) print i % 30, int(i / 30), noise * (rand() - .5) }'
+  } > "pairs/plane_$kind.ply"
+done
+expect 0 '' pair -pairs pairs -methods slim -degrees 1 -kappas 0 -t_mdls 0
+grep -q '^plane,900,0,1,slim,default,0,' pair.csv || complain "no plane in pair.csv"
+expect 0 '' file -input pairs/plane_noisy.ply -truth pairs/plane_original.ply -methods mls \
+  -mls_orders 1 -mls_neighbours 20
+grep -q '^plane_noisy,900,0,1,mls,order 1 k 20,0,' file.csv || complain "no MLS in file.csv"
+
+rm -f -- ./*.csv ./*.md
+expect 2 'OUT_PREFIX'
+expect 2 'tea' x -shapes tea
+expect 2 'noises' x -noises 1,a
+expect 2 'whole numbers' x -degrees 5
+expect 2 'methods' x -methods apss
+expect 2 'give some' x -shapes ,
+expect 2 'truth' x -input pairs/plane_noisy.ply
+expect 2 'missing.ply' x -input missing.ply -truth missing.ply
+expect 2 'original' x -pairs .
+expect 2 'leave it out' x -pairs pairs -noises 0
+expect 2 'exclude' x -pairs pairs -input a.ply
+head -c 3000 pairs/plane_noisy.ply > short.ply
+expect 2 'short.ply' x -input short.ply -truth pairs/plane_original.ply
+expect 1 'no/such' no/such/x "${small[@]}"
+[ -z "$(find . -name '*.csv' -o -name '*.md' -o -name '*.png')" ] || complain "files left behind"
+
+expect 0 '' -h
+"$program" --help-markdown | grep '^| `-' | while IFS= read -r line; do
+  grep -qF -- "$line" "$docs/pcl_slim_benchmark.md" || echo "pcl_slim_benchmark.md lacks: $line"
+done > lacking.txt
+[ ! -s lacking.txt ] || complain "$(cat lacking.txt)"
+
+cd -- "$2" && rm -rf -- "$work"
+[ "$failures" -eq 0 ] || { echo "$failures failures"; exit 1; }
+echo "all passed"
