@@ -162,6 +162,7 @@ BallFitter::cover(const SurfelRecord& surfel, float* coverage)
   leaf.frame = LocalFrame({surfel.normal[0], surfel.normal[1], surfel.normal[2]});
   leaf.degree = surfel.degree;
   leaf.support_radius = surfel.radius;
+  leaf.to_foot = !settings_.paper;
   leaf.c = surfel.c.data();
   leaf.max_residual =
       settings_.residual_gate > 0

@@ -239,7 +239,8 @@ coverOfDegree(const PointStore& store, const std::vector<std::uint32_t>& blocks,
   }
   const Height<D> height(leaf.c);
   const auto limit = hn::Set(d, static_cast<float>(leaf.max_residual * scale));
-  const auto radius_sq = hn::Set(d, leaf.support_radius * leaf.support_radius);
+  const auto radius_sq =
+      hn::Set(d, leaf.to_foot ? leaf.support_radius * leaf.support_radius : 0.0f);
   const auto inverse_sq = hn::Set(d, 1.0f / (leaf.ball.radius * leaf.ball.radius));
   BallScan(store, leaf.ball).forEach(blocks, [&](std::size_t i, const Lanes& l) HWY_ATTR {
     const auto u = dot3(l.dx, l.dy, l.dz, axes[0][0], axes[0][1], axes[0][2]);

@@ -110,6 +110,7 @@ struct CoverLeaf {
   float support_radius;  ///< r
   const float* c;        ///< coefficients in units of r
   float max_residual;    ///< points farther from f = 0 are not covered
+  bool to_foot = false;  ///< distances count to a point's foot on f = 0, not to the point itself
 };
 
 /** \brief Adds G(d / R) to the coverage of the points a leaf covers; touches no other. */

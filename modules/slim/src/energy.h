@@ -10,14 +10,13 @@ namespace pcl_slim {
 
 /** \brief What a radius costs: residual plus a penalty on small balls. All in local units. */
 struct Energy {
-  static constexpr double kThick = 8.0;  ///< balls below so many sqrt(lambda) are filled by noise
-
   static constexpr double kTruncation = 10.0;  ///< 2 (m + 1) of the kernel (1 - s^2)^m, m = 4
   static constexpr double kLeastShare = 0.2;
 
   double lambda = 0;      ///< noise variance
   double kappa = 0;       ///< Mallows' Cp: kappa lambda P / n_eff, where t_mdl is 0
   double t_mdl = 0;       ///< T_MDL L: the paper's penalty lambda (T L / r)^2
+  double thick = 8.0;     ///< balls below so many sqrt(lambda) are filled by noise
   bool corrected = true;  ///< residual variance over n - P degrees of freedom (not in the paper)
 
   /** \brief E(r) of a fit with radius r; gather_radius is the unit the fit was made in. */
@@ -29,7 +28,7 @@ struct Energy {
       // Weights fall with height too, so a thin ball sees e^2 = s^2 / (1 + 10 s^2 / r^2) of a noise
       // variance s^2, and one the noise fills sees little but its own size.
       e_sq /= std::max(kLeastShare, 1.0 - kTruncation * e_sq / (r * r));
-      if (r * r < kThick * kThick * lambda) e_sq = std::max(e_sq, lambda);
+      if (r * r < thick * thick * lambda) e_sq = std::max(e_sq, lambda);
       const double freedom = fit.n_eff - terms;
       if (!(freedom > 0)) return std::numeric_limits<double>::infinity();
       e_sq *= fit.n_eff / freedom;

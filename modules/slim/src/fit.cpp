@@ -53,8 +53,10 @@ makeSettings(const PointStore& store, const FitParams& params)
     s.energy.corrected = false;
   }
   if (params.t_mdl > 0) {
+    // T is the user's word on how fine to go: fewer reasons to stop above it.
     s.lenience = 1.0;
     s.lack_of_fit = 0;
+    s.energy.thick = 4.0;
   } else if (!params.paper_mode) {
     // Smooth parts under noise are served by balls two levels wider than the paper's first.
     s.first_radius /= kGolden * kGolden;

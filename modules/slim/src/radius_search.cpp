@@ -126,7 +126,8 @@ bool
 RadiusSearch::filledByNoise(double rho) const
 {
   const double r = rho * gather_radius_;
-  return r * r < Energy::kThick * Energy::kThick * settings_.energy.lambda;
+  const Energy& energy = settings_.energy;
+  return r * r < energy.thick * energy.thick * energy.lambda;
 }
 
 bool

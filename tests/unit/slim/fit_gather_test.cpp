@@ -162,6 +162,7 @@ TEST_F(FitGather, CoversOnlyThePointsOfTheBallNearTheSurface)
 {
   for (const WeightKernel kernel : {WeightKernel::kPower7, WeightKernel::kGaussian}) {
     for (int degree = 1; degree <= kMaxDegree; ++degree) {
+      const bool to_foot = degree % 2 == 0;
       forEachBall([&](const PointStore& store, const TestBall& ball) {
         std::array<float, kMaxCoefficients> c{};
         for (std::size_t k = 0; k < static_cast<std::size_t>(numCoefficients(degree)); ++k) {
@@ -169,7 +170,8 @@ TEST_F(FitGather, CoversOnlyThePointsOfTheBallNearTheSurface)
         }
         const LocalFrame frame({0.48, 0.6, 0.64});
         const float support = 1.5f * ball.query.radius;
-        const kernels::CoverLeaf leaf{ball.query, frame, degree, support, c.data(), 0.2f * support};
+        const kernels::CoverLeaf leaf{ball.query, frame,          degree, support,
+                                      c.data(),   0.2f * support, to_foot};
         std::vector<float> coverage(store.numBlocks() * PointStore::kBlock, kUntouched);
         kernels::coverPoints(store, ball.blocks, leaf, kernel, coverage.data());
         std::vector<float> expected(coverage.size(), kUntouched);
@@ -183,7 +185,9 @@ TEST_F(FitGather, CoversOnlyThePointsOfTheBallNearTheSurface)
             v += d * frame.v[a] / support;
             w += d * frame.w[a] / support;
           }
-          const double off = std::abs(w - evaluateHeight(degree, c.data(), u, v)) - 0.2;
+          const double residual = w - evaluateHeight(degree, c.data(), u, v);
+          const double off = std::abs(residual) - 0.2;
+          if (to_foot) d_sq = std::max(0.0, d_sq - residual * residual * support * support);
           if (std::abs(off) < 1e-5) expected[i] = coverage[i];  // rounding decides
           if (off >= -1e-5) continue;
           expected[i] += static_cast<float>(
