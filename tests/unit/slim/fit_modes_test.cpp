@@ -23,7 +23,7 @@ TEST(FitModes, LeavesRiseAsTheThresholdFalls)
   for (const bool paper : {false, true}) {
     for (const int degree : {2, 3}) {
       std::uint64_t last = 0;
-      for (const double t : {0.05, 0.02, 0.01, 0.005})  // below, support decides {
+      for (const double t : {0.05, 0.02, 0.01, 0.005}) {  // below, support decides
         FitParams params;
         params.degree = degree;
         params.t_mdl = t;
