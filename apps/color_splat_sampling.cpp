@@ -130,7 +130,7 @@ reportSplats(const SplatStatistics& st, bool has_colors, Report& report)
   report.time("order", st.seconds_order);
   report.time("normals", st.seconds_normals);
   report.time("divide", st.seconds_divide);
-  report.time("splats", st.seconds_splats);
+  report.time("build", st.seconds_splats);
 }
 
 Error

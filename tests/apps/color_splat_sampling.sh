@@ -1,0 +1,153 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# pcl_color_splat_sampling as a user meets it: exit status, messages, files. Arguments: programs'
+# folder, an empty folder to work in, folder of real scans (may be empty).
+set -uo pipefail
+sampling=$1/pcl_color_splat_sampling
+work=$2/run
+data=${3-}
+docs=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../../docs" && pwd)
+rm -rf -- "$work"
+mkdir -p -- "$work/with space" "$work/folder.pcd"
+cd -- "$work" || exit 1
+failures=0
+
+complain() {
+  echo "FAILED: $*"
+  failures=$((failures + 1))
+}
+
+# expect STATUS WORD ARGS...: the status, and on failure one line on stderr that holds WORD.
+expect() {
+  local status=$1 word=$2 got=0
+  shift 2
+  "$sampling" "$@" > out.txt 2> err.txt || got=$?
+  [ "$got" -eq "$status" ] || complain "exit $got instead of $status: $* ($(head -c 300 err.txt))"
+  if [ "$status" -eq 0 ]; then
+    [ ! -s err.txt ] || complain "stderr not empty: $* ($(head -c 300 err.txt))"
+  else
+    [ "$(wc -l < err.txt)" -eq 1 ] || complain "stderr is not one line: $* ($(head -c 300 err.txt))"
+    grep -q -- "$word" err.txt || complain "no '$word' in: $(cat err.txt)"
+  fi
+}
+
+absent() {
+  for file in "$@"; do [ ! -e "$file" ] || complain "$file was left behind"; done
+}
+
+# value KEY FILE: a number of a report.
+value() {
+  sed -n "s/.*\"$1\": \([-0-9.e]*\).*/\1/p" "$2" | head -1
+}
+
+# cloud FILE SIZE COUNT OFFSET KIND: a wavy sheet, half red and half blue, ascii.
+cloud() {
+  awk -v size="$2" -v n="$3" -v offset="$4" -v kind="$5" 'BEGIN {
+    printf "VERSION 0.7\nFIELDS x y z%s\n", kind == "plain" ? "" : " rgb"
+    printf "SIZE %d %d %d%s\nTYPE F F F%s\n", size, size, size, kind == "plain" ? "" : " 4", kind == "plain" ? "" : " U"
+    printf "COUNT 1 1 1%s\nWIDTH %d\nHEIGHT 1\nPOINTS %d\nDATA ascii\n", kind == "plain" ? "" : " 1", n, n
+    srand(7)
+    for (i = 0; i < n; ++i) {
+      x = rand(); y = rand()
+      colour = x + 0.4 * y < 0.7 ? 230 * 65536 + 40 * 256 + 20 : 20 * 65536 + 30 * 256 + 210
+      if (kind == "nan") { print "nan nan nan", colour; continue }
+      printf "%.9f %.9f %.9f", offset + x, offset + y, 0.1 * sin(6 * x) * cos(5 * y)
+      print kind == "plain" ? "" : " " colour
+    }
+  }' > "$1"
+}
+
+cloud scan.pcd 4 6000 0 coloured
+cloud plain.pcd 4 6000 0 plain
+cloud far.pcd 8 6000 4918360.25 coloured
+cloud near.pcd 8 6000 0.25 coloured
+cloud nan.pcd 4 50 0 nan
+cloud one.pcd 4 1 0 coloured
+cloud "with space/scan.pcd" 4 500 0 coloured
+head -c 9000 scan.pcd > cut.pcd
+: > empty.pcd
+printf 'VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 0\nHEIGHT 0\nDATA ascii\n' > none.pcd
+
+# Good runs, both formats, and the report.
+for extension in pcd ply; do
+  expect 0 '' scan.pcd "a.$extension" -json "$extension.json"
+  [ -s "a.$extension" ] || complain "no a.$extension"
+  for key in program version input points threads seconds total load sample peak_rss_mb splats holes \
+    overlap skipped non_finite; do
+    grep -q "\"$key\"" "$extension.json" || complain "no $key in $extension.json"
+  done
+  grep -a -q 'pcl_slim kind splats' "a.$extension" || complain "a.$extension does not say it holds splats"
+done
+grep -a -q '^FIELDS x y z normal_x normal_y normal_z rgba radius confidence curvature$' a.pcd ||
+  complain "the fields are not PointSurfel's"
+[ "$(value splats pcd.json)" = "$(value splats ply.json)" ] || complain "pcd and ply differ"
+awk -v h="$(value holes pcd.json)" 'BEGIN { exit !(h <= 0.0001) }' || complain "holes: $(value holes pcd.json)"
+awk -v o="$(value overlap pcd.json)" 'BEGIN { exit !(o > 1 && o < 3.2) }' || complain "overlap"
+grep -q '^> Sampling \[done, .* splats\]' out.txt || complain "no Sampling line"
+expect 0 '' scan.pcd b.pcd -threads 1 -quiet 1
+[ ! -s out.txt ] || complain "-quiet is not quiet"
+cmp -s a.pcd b.pcd || complain "threads change the splats"
+expect 0 '' "with space/scan.pcd" "with space/a.PLY"
+for option in '-initial 12' '-geo 0.1' '-color 0.05' '-min_points 8' '-max_depth 0' '-max_splats 300' \
+  '-target_error 3' '-paper 1' '-colors gradient' '-colors own' '-radius neighbours' '-radius corner' \
+  '-remove_noise 0' '-viewpoint -1,2.5,9' '-estimate_normals 8' '-use_normals 0' '-rays 0'; do
+  # shellcheck disable=SC2086
+  expect 0 '' scan.pcd c.pcd $option -json c.json
+  case $option in
+    '-max_splats 300') [ "$(value splats c.json)" -le 300 ] || complain "more than 300 splats" ;;
+    '-colors gradient') grep -a -q 'curvature red_x red_y red_z green_x' c.pcd || complain "no gradient" ;;
+    '-rays 0') ! grep -q '"holes"' c.json || complain "holes without rays" ;;
+  esac
+done
+expect 0 '' scan.pcd fine.pcd -color 0.02 -json fine.json
+expect 0 '' scan.pcd coarse.pcd -color 1 -json coarse.json
+[ "$(value splats fine.json)" -gt "$(value splats coarse.json)" ] || complain "colour divides nothing"
+expect 0 '' plain.pcd d.pcd -json plain.json
+grep -q 'no colours' out.txt || complain "not said that there are no colours"
+
+# Coordinates of type double: a far scan gives the splats of the near one, place apart.
+expect 0 '' far.pcd far.pcd.ply -json far.json
+expect 0 '' near.pcd near.ply -json near.json
+grep -a -q 'pcl_slim shift 4918360' far.pcd.ply || complain "a far scan is not shifted"
+awk -v f="$(value splats far.json)" -v n="$(value splats near.json)" \
+  'BEGIN { exit !(f > 0.97 * n && f < 1.03 * n) }' || complain "far and near differ"
+
+# Help, documentation, usage errors: status 2, nothing written.
+expect 0 '' -h
+expect 0 '' --help-markdown
+while IFS= read -r line; do
+  grep -qF -- "$line" "$docs/pcl_color_splat_sampling.md" || complain "docs lack: $line"
+done < out.txt
+expect 2 'did you mean -color' scan.pcd e.pcd -colour 2
+expect 2 'a number' scan.pcd e.pcd -geo nan
+expect 2 'exclude each other' scan.pcd e.pcd -max_splats 10 -target_error 2
+expect 2 'mean' scan.pcd e.pcd -colors pretty
+expect 2 'name a .pcd or .ply' scan.pcd e.vtp
+expect 2 'share a file' scan.pcd scan.pcd
+expect 2 'no OUT' scan.pcd
+expect 2 'missing.pcd' missing.pcd e.pcd
+expect 2 '' cut.pcd e.pcd
+expect 2 'empty' empty.pcd e.pcd
+absent e.pcd e.vtp
+
+# Failed work: status 1, nothing left.
+expect 1 'NaN' nan.pcd e.pcd
+expect 1 'no points' none.pcd e.pcd
+expect 1 'does not exist' scan.pcd nowhere/e.pcd
+expect 1 'folder' scan.pcd folder.pcd
+expect 1 'does not exist' scan.pcd e.pcd -json nowhere/e.json
+absent e.pcd nowhere
+expect 0 '' one.pcd one.ply -json one.json
+[ "$(value splats one.json)" = 1 ] || complain "one point is not one splat"
+
+if [ -n "$data" ] && [ -f "$data/kinect_mosd_learn13.pcd" ]; then
+  expect 0 '' "$data/kinect_mosd_learn13.pcd" kinect.pcd -json kinect.json
+  grep -q '"non_finite": 99749' kinect.json || complain "kinect's NaN are not counted"
+  awk -v s="$(value single_points kinect.json)" 'BEGIN { exit !(s < 20000) }' || complain "kinect shatters"
+  expect 0 '' "$data/autzen_stadium.pcd" autzen.ply -max_splats 20000 -json autzen.json
+  awk -v s="$(value splats autzen.json)" 'BEGIN { exit !(s > 19000 && s <= 20000) }' || complain "autzen's budget"
+fi
+
+rm -rf -- "$work"
+[ "$failures" -eq 0 ] || { echo "$failures failures"; exit 1; }
+echo "all passed"
