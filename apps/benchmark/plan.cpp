@@ -56,7 +56,8 @@ Plan::declareOptions(OptionTable& options)
                "MLS: mean numbers of points in the search radius");
   options.text("normal_neighbours", &normal_neighbours_, "K,...", "normals: numbers of neighbours");
   options.integer("threads", &threads_, 1, 4096, "threads, of each method");
-  options.integer("repeats", &repeats_, 1, 1000, "runs of each setting; times are medians");
+  options.integer("repeats", &repeats_, 1, 1000,
+                  "runs of each setting that takes no more than 2 s; times are medians");
   options.exclusive({"input", "pairs"});
 }
 

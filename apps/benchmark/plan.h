@@ -38,7 +38,7 @@ class Plan {
   std::string normal_neighbours_ = "20,50,100";
   std::string input_, truth_, pairs_;
   bool sharp_ = true;
-  int threads_ = 2, repeats_ = 1;
+  int threads_ = 2, repeats_ = 3;
 
   struct FilePair {
     std::string name, input, truth;

@@ -58,7 +58,8 @@ struct Run {
  * The clock runs from the cloud in memory to the cloud of points with normals in memory: PCL's
  * search tree is built inside it, and so is SLIM's store. Curvatures are taken afterwards, from
  * MLS's cached results and by a second projection with SLIM, outside the clock for both.
- * \param[in] repeats at least 1; times are medians.
+ * \param[in] repeats at least 1; times are medians. A run that takes more than two seconds is not
+ * repeated.
  */
 Result<Run>
 runSetting(const Scene& scene, const Setting& setting, int repeats = 1);
