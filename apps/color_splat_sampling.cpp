@@ -50,7 +50,8 @@ declareOptions(Settings& s)
                  "the published method: large discs, the kept points' own colours, no noise guard");
   options.choice("colors", &s.color, {"mean", "gradient", "own"},
                  "colour of a splat; gradient adds nine fields");
-  options.choice("radius", &s.radius, {"density", "neighbours", "corner"}, "how large discs become");
+  options.choice("radius", &s.radius, {"density", "neighbours", "corner"},
+                 "how large discs become");
   options.toggle("remove_noise", &p.remove_noise, "take measured noise off deviations");
   options.toggle("use_normals", &s.scan.use_normals, "use the scan's own normals or faces");
   options.integer("estimate_normals", &p.normal_neighbors, 3, 10000,
@@ -58,7 +59,8 @@ declareOptions(Settings& s)
   options.numbers("viewpoint", &s.scan.viewpoint, "X,Y,Z",
                   "what estimated normals face; not given: the file's sensor");
   options.integer("rays", &s.rays, 0, 100000000, "rays that look for holes; 0: no check");
-  options.integer("threads", &p.threads, 0, 4096, "threads, 0: all cores; never changes the result");
+  options.integer("threads", &p.threads, 0, 4096,
+                  "threads, 0: all cores; never changes the result");
   options.text("json", &s.json, "FILE", "write a report");
   options.toggle("quiet", &s.quiet, "say nothing but errors");
   options.exclusive({"max_splats", "target_error"});
@@ -183,8 +185,8 @@ lookForHoles(const Settings& s, const CloudFile& cloud, const SplatSet& splats, 
   report.time("rays", watch.seconds());
   report.json()["holes"] = coverage->holes();
   report.json()["overlap"] = coverage->overlap;
-  report.json()["rays"] = {{"cast", coverage->rays}, {"missed", coverage->missed},
-                           {"sparse", coverage->sparse}};
+  report.json()["rays"] = {
+      {"cast", coverage->rays}, {"missed", coverage->missed}, {"sparse", coverage->sparse}};
   char text[96];
   std::snprintf(text, sizeof(text), "%.4f %% of rays, overlap %.2f", 100.0 * coverage->holes(),
                 coverage->overlap);

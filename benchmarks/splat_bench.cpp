@@ -115,8 +115,8 @@ leafFor(const Cloud::Ptr& cloud, std::size_t wanted, pcl::VoxelGrid<Point>& grid
 }
 
 void
-measureOurs(const Cloud& cloud, const Settings& s, const SplatParams& base,
-            const std::string& name, const Cost& reference)
+measureOurs(const Cloud& cloud, const Settings& s, const SplatParams& base, const std::string& name,
+            const Cost& reference)
 {
   CloudView view;
   view.xyz = cloud[0].data;

@@ -120,9 +120,9 @@ toPointFile(const SplatSet& splats, const std::array<double, 3>& shift)
     std::memcpy(at + 28, after, sizeof(after));
     if (!splats.gradient.empty()) std::memcpy(at + 40, splats.gradient[i].data(), 36);
   }
-  file.comments = {"pcl_slim version 1", "pcl_slim kind splats",
-                   "pcl_slim shift " + format(shift[0]) + " " + format(shift[1]) + " " +
-                       format(shift[2])};
+  file.comments = {
+      "pcl_slim version 1", "pcl_slim kind splats",
+      "pcl_slim shift " + format(shift[0]) + " " + format(shift[1]) + " " + format(shift[2])};
   return file;
 }
 

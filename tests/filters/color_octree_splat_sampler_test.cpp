@@ -275,8 +275,8 @@ TEST(SplatConversion, ShiftsOnlyWhereFloatIsTooCoarse)
   EXPECT_EQ(splatShift(splats), splats.origin);
   const PointFile file = toPointFile(splats, splatShift(splats));
   ASSERT_EQ(numPoints(file.cloud), 3u);
-  const char* names[] = {"x", "y", "z", "normal_x", "normal_y", "normal_z", "rgba", "radius",
-                         "confidence", "curvature", "red_x"};
+  const char* names[] = {"x",    "y",      "z",          "normal_x",  "normal_y", "normal_z",
+                         "rgba", "radius", "confidence", "curvature", "red_x"};
   for (int i = 0; i < 11; ++i) EXPECT_EQ(findField(file.cloud, names[i]), i);
   EXPECT_EQ(fieldValue(file.cloud, 2, file.cloud.fields[0]), 0.5);
   EXPECT_EQ(fieldValue(file.cloud, 1, file.cloud.fields[6]), 0xff102030u);

@@ -17,8 +17,7 @@ struct CellSums {
   double product[6] = {};                    ///< sum of n n^T: xx xy xz yy yz zz
   double lab[3] = {}, lab_sq = 0;            ///< sum of Lab, of |Lab|^2
 
-  void
-  add(const OctreePoint& q)
+  void add(const OctreePoint& q)
   {
     count += 1;
     for (int a = 0; a < 3; ++a) position[a] += q.position[a];
@@ -41,8 +40,7 @@ struct CellSums {
     lab_sq += l * l + a * a + b * b;
   }
 
-  void
-  add(const CellSums& other)
+  void add(const CellSums& other)
   {
     count += other.count;
     position_sq += other.position_sq;
@@ -59,16 +57,14 @@ struct CellSums {
   double normals() const { return product[0] + product[3] + product[5]; }
 
   /** Squared standard deviation of the colour, in squared Delta E. */
-  double
-  colorVariance() const
+  double colorVariance() const
   {
     const double mean_sq = (lab[0] * lab[0] + lab[1] * lab[1] + lab[2] * lab[2]) / count;
     return std::max(0.0, (lab_sq - mean_sq) / count);
   }
 
   /** 1 - |mean normal|^2: the squared deviation of normals that share one side. */
-  double
-  orientedVariance() const
+  double orientedVariance() const
   {
     const double total = normals();
     if (!(total > 0.0)) return 0.0;
@@ -77,8 +73,7 @@ struct CellSums {
   }
 
   /** det(t I - sum n n^T), times the sign that makes it positive above the largest eigenvalue. */
-  double
-  characteristic(double t) const
+  double characteristic(double t) const
   {
     const double a = t - product[0], b = t - product[3], c = t - product[5];
     const double d = product[1], e = product[2], f = product[4];
@@ -86,8 +81,7 @@ struct CellSums {
   }
 
   /** Largest eigenvalue of sum n n^T: Newton's steps from the trace fall towards it. */
-  double
-  largestEigenvalue() const
+  double largestEigenvalue() const
   {
     double t = normals();
     for (int step = 0; step < 60; ++step) {
@@ -103,8 +97,7 @@ struct CellSums {
   }
 
   /** 1 - largest eigenvalue of the mean of n n^T: the same deviation whatever the signs. */
-  double
-  unorientedVariance() const
+  double unorientedVariance() const
   {
     const double total = normals();
     return total > 0.0 ? std::max(0.0, 1.0 - largestEigenvalue() / total) : 0.0;
@@ -112,8 +105,7 @@ struct CellSums {
 
   /** Whether unorientedVariance() > limit, without the eigenvalue where limit < 1/2: no other
    * eigenvalue lies that high, so one value of the characteristic polynomial tells. */
-  bool
-  unorientedAbove(double limit) const
+  bool unorientedAbove(double limit) const
   {
     const double total = normals();
     if (limit >= 0.5) return unorientedVariance() > limit;
@@ -121,8 +113,7 @@ struct CellSums {
   }
 
   /** Mean distance between neighbours if the points spread evenly over a disc. */
-  double
-  spacing() const
+  double spacing() const
   {
     const double mean_sq =
         (position[0] * position[0] + position[1] * position[1] + position[2] * position[2]) / count;

@@ -140,8 +140,8 @@ LabTable::rgbUnrounded(const float lab[3]) const
     const double linear = row[0] * xyz[0] + row[1] * xyz[1] + row[2] * xyz[2];
     const double at = std::clamp(linear, 0.0, 1.0) * kPieces;
     const auto i = static_cast<std::size_t>(std::min(at, kPieces - 1.0));
-    out[c] = coded_[i] +
-             (coded_[i + 1] - coded_[i]) * static_cast<float>(at - static_cast<double>(i));
+    out[c] =
+        coded_[i] + (coded_[i + 1] - coded_[i]) * static_cast<float>(at - static_cast<double>(i));
   }
   return out;
 }

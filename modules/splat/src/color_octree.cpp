@@ -21,8 +21,7 @@ class Divider {
   {
   }
 
-  void
-  root(std::size_t begin, std::size_t end)
+  void root(std::size_t begin, std::size_t end)
   {
     double spacing = 0;
     if (end - begin < kSpacingPoints) spacing = spacingAround(cloud_, begin, end, cloud_.depth());
@@ -30,8 +29,7 @@ class Divider {
   }
 
  private:
-  void
-  divide(std::size_t begin, std::size_t end, int shift, double spacing)
+  void divide(std::size_t begin, std::size_t end, int shift, double spacing)
   {
     const std::size_t n = end - begin;
     if (n >= kSpacingPoints || (n >= rule_.min_points && n > 1)) {
@@ -54,8 +52,7 @@ class Divider {
                       static_cast<float>(spacing), shift});
   }
 
-  bool
-  asksForMore(const CellSums& sums) const
+  bool asksForMore(const CellSums& sums) const
   {
     if (sums.count < 2 || sums.count < rule_.min_points) return false;
     const double slack = 1.0 + rule_.noise_z / std::sqrt(sums.count - 1.0);

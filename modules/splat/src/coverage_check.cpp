@@ -18,8 +18,8 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::size_t kNeighbors = 8;
-constexpr double kUsual = 4.0;         ///< times the middle spacing that still counts as dense
-constexpr std::size_t kSamples = 1000; ///< points that tell the middle spacing
+constexpr double kUsual = 4.0;          ///< times the middle spacing that still counts as dense
+constexpr std::size_t kSamples = 1000;  ///< points that tell the middle spacing
 constexpr double kDepthSpacings = 2.0;
 constexpr double kPi = 3.14159265358979323846;
 constexpr std::uint32_t kSparse = 0xffffffffu;
@@ -27,10 +27,11 @@ constexpr std::uint32_t kSparse = 0xffffffffu;
 /** Numbers in [0, 1) that depend on nothing but the ray (Steele, Lea, Flood: splitmix). */
 class RayRandom {
  public:
-  RayRandom(std::uint64_t seed, std::uint64_t ray) : state_(seed * 0x9e3779b97f4a7c15u ^ ray << 20) {}
+  RayRandom(std::uint64_t seed, std::uint64_t ray) : state_(seed * 0x9e3779b97f4a7c15u ^ ray << 20)
+  {
+  }
 
-  double
-  operator()()
+  double operator()()
   {
     state_ += 0x9e3779b97f4a7c15u;
     std::uint64_t z = state_;
@@ -77,9 +78,8 @@ struct DiscTree {
     tree = BlockTree(std::move(boxes));
   }
 
-  std::uint32_t
-  count(const Vector3d& place, const Vector3d& direction, double depth,
-        std::vector<std::uint32_t>& near) const
+  std::uint32_t count(const Vector3d& place, const Vector3d& direction, double depth,
+                      std::vector<std::uint32_t>& near) const
   {
     const float at[3] = {static_cast<float>(place[0]), static_cast<float>(place[1]),
                          static_cast<float>(place[2])};
@@ -107,8 +107,7 @@ class Caster {
   }
 
   /** Discs that one ray meets, or kSparse. */
-  std::uint32_t
-  cast(std::uint64_t ray)
+  std::uint32_t cast(std::uint64_t ray)
   {
     RayRandom random(params_.seed, ray);
     const auto i = static_cast<std::size_t>(random() * static_cast<double>(store_.size()));
@@ -116,7 +115,8 @@ class Caster {
     if (near_.size() < 3) return kSparse;
     const auto others = static_cast<double>(near_.size() - 1);
     const auto j = 1 + static_cast<std::size_t>(random() * others);
-    const auto k = 1 + (j + static_cast<std::size_t>(random() * (others - 1.0))) % (near_.size() - 1);
+    const auto k =
+        1 + (j + static_cast<std::size_t>(random() * (others - 1.0))) % (near_.size() - 1);
     double spacing = 0;
     for (std::size_t m = 1; m < near_.size(); ++m) spacing += std::sqrt(distances_sq_[m]) / others;
     const Vector3d a = at(i), b = at(near_[j]), c = at(near_[k]);
@@ -128,8 +128,7 @@ class Caster {
     return discs_.count(place, direction, kDepthSpacings * usual_, hits_);
   }
 
-  double
-  spacing(std::size_t i)
+  double spacing(std::size_t i)
   {
     search_.nearest(i, kNeighbors + 1, near_, distances_sq_);
     double sum = 0;
@@ -138,16 +137,14 @@ class Caster {
   }
 
  private:
-  Vector3d
-  at(std::size_t i) const
+  Vector3d at(std::size_t i) const
   {
     const auto p = store_.position(i);
     return {p[0], p[1], p[2]};
   }
 
   /** A direction about the normal of the points found last. */
-  Vector3d
-  directionAt(double lean, double turn) const
+  Vector3d directionAt(double lean, double turn) const
   {
     Vector3d mean = Vector3d::Zero();
     for (const std::uint32_t m : near_) mean += at(m);
@@ -222,7 +219,8 @@ checkCoverage(const PointStore& store, const SplatSet& splats, const CoveragePar
     coverage.missed += count == 0;
     hits += count;
   }
-  if (coverage.rays > 0) coverage.overlap = static_cast<double>(hits) / static_cast<double>(coverage.rays);
+  if (coverage.rays > 0)
+    coverage.overlap = static_cast<double>(hits) / static_cast<double>(coverage.rays);
   return coverage;
 }
 

@@ -56,14 +56,16 @@ estimateNormals(const PointStore& store, const CloudView& cloud, int neighbors,
     searches[static_cast<std::size_t>(thread)].nearest(i, k, near, distances_sq);
     Eigen::Vector3d n = normalOf(store, near);
     if (n.dot(eye - positionOf(store, i)) < 0.0) n = -n;
-    for (int a = 0; a < 3; ++a) of_store[3 * i + static_cast<std::size_t>(a)] = static_cast<float>(n[a]);
+    for (int a = 0; a < 3; ++a)
+      of_store[3 * i + static_cast<std::size_t>(a)] = static_cast<float>(n[a]);
   });
   const auto stored = store.storeOfInput();
   std::vector<float> normals(3 * cloud.size, 0.0f);
   for (std::size_t i = 0; i < stored.size(); ++i) {
     if (stored[i] == PointStore::kSkipped) continue;
     const std::size_t input = cloud.inputIndex(i);
-    for (std::size_t a = 0; a < 3; ++a) normals[3 * input + a] = of_store[3 * std::size_t{stored[i]} + a];
+    for (std::size_t a = 0; a < 3; ++a)
+      normals[3 * input + a] = of_store[3 * std::size_t{stored[i]} + a];
   }
   return normals;
 }

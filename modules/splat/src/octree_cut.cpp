@@ -29,13 +29,12 @@ struct Node {
 /** The trees of one slice's roots, and the best cut for one lambda. */
 struct Forest {
   std::vector<Node> nodes;
-  std::vector<double> best;            ///< least D + lambda * cells of each subtree
-  std::vector<std::uint32_t> roots;    ///< places of roots
-  std::uint64_t cells = 0;             ///< of the best cut
+  std::vector<double> best;          ///< least D + lambda * cells of each subtree
+  std::vector<std::uint32_t> roots;  ///< places of roots
+  std::uint64_t cells = 0;           ///< of the best cut
   double error = 0;
 
-  double
-  childrenBest(std::size_t i) const
+  double childrenBest(std::size_t i) const
   {
     double sum = 0;
     for (std::size_t child = i - 1, left = nodes[i].size - 1; left > 0;) {
@@ -47,14 +46,9 @@ struct Forest {
     return sum;
   }
 
-  bool
-  whole(std::size_t i, double lambda) const
-  {
-    return best[i] >= nodes[i].cost + lambda;
-  }
+  bool whole(std::size_t i, double lambda) const { return best[i] >= nodes[i].cost + lambda; }
 
-  void
-  solve(double lambda)
+  void solve(double lambda)
   {
     best.resize(nodes.size());
     for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -71,8 +65,7 @@ struct Forest {
     }
   }
 
-  void
-  extract(double lambda, std::size_t i, float spacing, std::vector<OctreeCell>& out) const
+  void extract(double lambda, std::size_t i, float spacing, std::vector<OctreeCell>& out) const
   {
     const Node& node = nodes[i];
     if (node.spacing > 0) spacing = node.spacing;
@@ -102,16 +95,14 @@ class ForestBuilder {
   {
   }
 
-  void
-  root(std::size_t begin, std::size_t end, int shift)
+  void root(std::size_t begin, std::size_t end, int shift)
   {
     grow(begin, end, shift);
     forest_.roots.push_back(static_cast<std::uint32_t>(forest_.nodes.size() - 1));
   }
 
  private:
-  CellSums
-  grow(std::size_t begin, std::size_t end, int shift)
+  CellSums grow(std::size_t begin, std::size_t end, int shift)
   {
     const std::size_t first = forest_.nodes.size(), n = end - begin;
     const int children = n > 1 && n >= rule_.min_points ? dividingShift(cloud_, begin, end) : -1;
@@ -130,8 +121,7 @@ class ForestBuilder {
     const double slack = 1.0 + rule_.noise_z / std::sqrt(std::max(1.0, sums.count - 1.0));
     const double color =
         n > 1 ? std::max(0.0, sums.colorVariance() - rule_.noise.color * slack) : 0.0;
-    const double normal =
-        n > 1 ? std::max(0.0, variance(sums) - rule_.noise.normal * slack) : 0.0;
+    const double normal = n > 1 ? std::max(0.0, variance(sums) - rule_.noise.normal * slack) : 0.0;
     const double spread = std::sqrt(kColorUnit * color + kNormalWeight * normal);
     forest_.nodes.push_back({static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end),
                              static_cast<std::uint32_t>(forest_.nodes.size() - first + 1),
@@ -141,8 +131,7 @@ class ForestBuilder {
     return sums;
   }
 
-  double
-  variance(const CellSums& sums) const
+  double variance(const CellSums& sums) const
   {
     return rule_.oriented ? sums.orientedVariance() : sums.unorientedVariance();
   }
@@ -160,8 +149,9 @@ class CutSolver {
       : cloud_(cloud), budget_(budget), threads_(threads), forests_(numRootSlices(cloud))
   {
     root_shift_ = cloud.depth();
-    while (budget.max_cells > 0 && root_shift_ < OctreeCloud::kBits &&
-           static_cast<double>(cloud.countCells(root_shift_, threads)) >
+    while (budget.max_cells > 0 &&
+           root_shift_<OctreeCloud::kBits&& static_cast<double>(
+               cloud.countCells(root_shift_, threads))>
                std::max(1.0, kRootShare * 1.5 * static_cast<double>(budget.max_cells))) {
       ++root_shift_;
     }
@@ -171,8 +161,7 @@ class CutSolver {
                 });
   }
 
-  OctreeCut
-  run()
+  OctreeCut run()
   {
     double high = 0;
     for (const Forest& forest : forests_) {
@@ -194,8 +183,7 @@ class CutSolver {
   }
 
  private:
-  void
-  solve(double lambda)
+  void solve(double lambda)
   {
     parallelFor(forests_.size(), threads_, 1,
                 [&](std::size_t f, int) { forests_[f].solve(lambda); });
@@ -208,8 +196,7 @@ class CutSolver {
   }
 
   /** Whether the finest cut is what is asked for already. */
-  bool
-  fits() const
+  bool fits() const
   {
     if (budget_.max_cells > 0) return cells_ <= budget_.max_cells;
     return budget_.target_error <= 0 || meanError() >= budget_.target_error;
@@ -219,8 +206,7 @@ class CutSolver {
 
   /** Halves log lambda between a cut too fine and one coarse enough (max_cells), or one fine
    * enough and one too coarse (target_error). \return a lambda that keeps the promise. */
-  double
-  search(double highest)
+  double search(double highest)
   {
     const bool by_count = budget_.max_cells > 0;
     double low = highest * kWidestLambda, high = highest * 2.0;
@@ -236,8 +222,8 @@ class CutSolver {
     return by_count ? high : low;
   }
 
-  void
-  extractRoot(std::size_t f, std::uint32_t root, double lambda, std::vector<OctreeCell>& out) const
+  void extractRoot(std::size_t f, std::uint32_t root, double lambda,
+                   std::vector<OctreeCell>& out) const
   {
     const Node& node = forests_[f].nodes[root];
     float spacing = 0;

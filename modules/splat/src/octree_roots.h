@@ -55,7 +55,8 @@ forEachRoot(const OctreeCloud& cloud, int shift, int threads, const Visit& visit
   parallelFor(numRootSlices(cloud), threads, 1, [&](std::size_t slice, int) {
     const std::size_t slice_end = std::min(n, (slice + 1) * kRootSlice);
     std::size_t begin = slice * kRootSlice;
-    while (begin > 0 && begin < slice_end && keys[begin] >> bits == keys[begin - 1] >> bits) ++begin;
+    while (begin > 0 && begin < slice_end && keys[begin] >> bits == keys[begin - 1] >> bits)
+      ++begin;
     while (begin < slice_end) {
       const std::size_t end = runEnd(keys, begin, n, shift);
       visit(slice, begin, end);

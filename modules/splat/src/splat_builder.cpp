@@ -94,8 +94,7 @@ class Builder {
     splats.resize(cells.size(), params.color == SplatColor::kGradient);
   }
 
-  void
-  run()
+  void run()
   {
     parallelFor(cells_.size(), params_.threads, 256, [&](std::size_t c, int) { place(c); });
     if (params_.radius == RadiusRule::kNeighbors && sources_.store) {
@@ -107,13 +106,15 @@ class Builder {
   }
 
  private:
-  void
-  place(std::size_t c)
+  void place(std::size_t c)
   {
     const OctreeCell& cell = cells_[c];
     const CellSums sums = sumsOf(cloud_, cell.begin, cell.end);
     Disc& disc = discs_[c];
-    const auto cube = cloud_.center(cell.begin, cell.shift);
+    std::array<double, 3> cube{};
+    if (params_.paper_mode || params_.radius == RadiusRule::kCorner) {
+      cube = cloud_.center(cell.begin, cell.shift);
+    }
     for (std::size_t a = 0; a < 3; ++a) disc.center[a] = sums.position[a] / sums.count;
     const OctreePoint& kept = nearestPoint(cell, params_.paper_mode ? cube : disc.center);
     if (params_.paper_mode) disc.center = {kept.position[0], kept.position[1], kept.position[2]};
@@ -128,8 +129,7 @@ class Builder {
     write(c, sums, kept);
   }
 
-  const OctreePoint&
-  nearestPoint(const OctreeCell& cell, const std::array<double, 3>& target) const
+  const OctreePoint& nearestPoint(const OctreeCell& cell, const std::array<double, 3>& target) const
   {
     const OctreePoint* best = nullptr;
     double least = std::numeric_limits<double>::infinity();
@@ -147,16 +147,14 @@ class Builder {
     return *best;
   }
 
-  Vector3d
-  normalOf(const OctreeCell& cell, const CellSums& sums, const OctreePoint& kept) const
+  Vector3d normalOf(const OctreeCell& cell, const CellSums& sums, const OctreePoint& kept) const
   {
     const Vector3d own(kept.normal[0], kept.normal[1], kept.normal[2]);
     if (params_.paper_mode && own.squaredNorm() > 0.5) return own.normalized();
     return sums.normals() > 0.5 ? commonNormal(sums) : planeNormal(cloud_, cell);
   }
 
-  void
-  write(std::size_t c, const CellSums& sums, const OctreePoint& kept)
+  void write(std::size_t c, const CellSums& sums, const OctreePoint& kept)
   {
     const Disc& disc = discs_[c];
     float* const centers[3] = {&splats_.x[c], &splats_.y[c], &splats_.z[c]};
@@ -173,8 +171,7 @@ class Builder {
     if (!splats_.gradient.empty()) splats_.gradient[c] = gradientOf(c, sums);
   }
 
-  std::uint32_t
-  colorOf(const CellSums& sums, std::size_t input) const
+  std::uint32_t colorOf(const CellSums& sums, std::size_t input) const
   {
     if (!cloud_.hasColors()) return 0xffffffu;
     if (params_.color == SplatColor::kOwn || sums.count < 2) {
@@ -190,8 +187,7 @@ class Builder {
 
   /** Least squares of Lab over the disc's plane, less the share that noise alone explains, as
    * differences of display colours from one rim of the points to the other. */
-  SplatSet::Gradient
-  gradientOf(std::size_t c, const CellSums& sums) const
+  SplatSet::Gradient gradientOf(std::size_t c, const CellSums& sums) const
   {
     SplatSet::Gradient gradient{};
     const OctreeCell& cell = cells_[c];
@@ -218,8 +214,8 @@ class Builder {
     Eigen::Matrix<double, 2, 3> slope = spread.inverse() * mixed;
     const double explained = slope.cwiseProduct(mixed).sum();
     const double total = sums.colorVariance() * sums.count;
-    const double noise = std::max(std::max(0.0, total - explained) / (sums.count - 3.0),
-                                  sources_.noise.color);
+    const double noise =
+        std::max(std::max(0.0, total - explained) / (sums.count - 3.0), sources_.noise.color);
     slope *= std::max(0.0, 1.0 - 2.0 * noise / std::max(explained, 1e-12));
     const double rim = std::sqrt(trace / sums.count);
     for (Eigen::Index k = 0; k < 2; ++k) {

@@ -12,22 +12,21 @@ namespace pcl_slim {
 
 namespace {
 
-constexpr double kMargin = 1.0;           ///< spacings beyond a cell's own points
-constexpr double kNeighborMargin = 0.35;  ///< spacings beyond midpoints
-constexpr double kWidest = 6.0;           ///< middle spacings that count as widest
+constexpr double kMargin = 1.0;              ///< spacings beyond a cell's own points
+constexpr double kNeighborMargin = 0.35;     ///< spacings beyond midpoints
+constexpr double kWidest = 6.0;              ///< middle spacings that count as widest
+constexpr std::size_t kSpacingCells = 4096;  ///< cells that tell the middle spacing
 constexpr std::size_t kSpacingNeighbors = 6, kNeighbors = 8;
 
-/** Squared distance in the disc's plane. */
+/** Squared distance from the disc's centre. In a flat cell it is the distance in the disc's plane;
+ * where normals differ, what lies above or below widens the disc, as rays pass there aslant. */
 double
-planarSq(const Disc& disc, const double point[3])
+distanceSq(const Disc& disc, const double point[3])
 {
-  double sq = 0, along = 0;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const double d = point[a] - disc.center[a];
-    sq += d * d;
-    along += d * disc.normal[a];
-  }
-  return std::max(0.0, sq - along * along);
+  double sq = 0;
+  for (std::size_t a = 0; a < 3; ++a)
+    sq += (point[a] - disc.center[a]) * (point[a] - disc.center[a]);
+  return sq;
 }
 
 /** Neighbours of points of an OctreeCloud, found in the PointStore of the same points. */
@@ -69,7 +68,7 @@ neighborRadius(const OctreeCloud& cloud, const OctreeCell& cell, std::uint32_t n
   for (std::size_t i = cell.begin; i < cell.end; ++i) {
     const OctreePoint& q = cloud.point(i);
     const double p[3] = {q.position[0], q.position[1], q.position[2]};
-    double reach_sq = planarSq(disc, p), spacing = 0;
+    double reach_sq = distanceSq(disc, p), spacing = 0;
     if (neighbors.known(q)) {
       search.nearest(neighbors.storedOf(q), kNeighbors + 1, near, distances_sq);
       const std::size_t counted = std::min(kSpacingNeighbors, near.size() - 1);
@@ -81,7 +80,7 @@ neighborRadius(const OctreeCloud& cloud, const OctreeCell& cell, std::uint32_t n
         if (neighbors.cellOf(other) == number) continue;
         const float* o = cloud.point(other).position;
         const double middle[3] = {0.5 * (p[0] + o[0]), 0.5 * (p[1] + o[1]), 0.5 * (p[2] + o[2])};
-        reach_sq = std::max(reach_sq, planarSq(disc, middle));
+        reach_sq = std::max(reach_sq, distanceSq(disc, middle));
       }
     }
     radius = std::max(radius, std::sqrt(reach_sq) + kNeighborMargin * spacing);
@@ -110,7 +109,7 @@ reachOfPoints(const OctreeCloud& cloud, const OctreeCell& cell, const Disc& disc
   for (std::size_t i = cell.begin; i < cell.end; ++i) {
     const float* q = cloud.point(i).position;
     const double p[3] = {q[0], q[1], q[2]};
-    largest = std::max(largest, planarSq(disc, p));
+    largest = std::max(largest, distanceSq(disc, p));
   }
   return std::sqrt(largest);
 }
@@ -120,7 +119,10 @@ widestSpacing(const std::vector<OctreeCell>& cells)
 {
   std::vector<std::pair<float, std::uint32_t>> known;
   std::uint64_t points = 0;
-  for (const OctreeCell& cell : cells) {
+  // Some thousand cells tell the middle as well as all.
+  const std::size_t stride = std::max<std::size_t>(1, cells.size() / kSpacingCells);
+  for (std::size_t c = 0; c < cells.size(); c += stride) {
+    const OctreeCell& cell = cells[c];
     if (!(cell.spacing > 0)) continue;
     known.emplace_back(cell.spacing, cell.end - cell.begin);
     points += cell.end - cell.begin;
@@ -151,9 +153,9 @@ neighborRadii(const OctreeCloud& cloud, const std::vector<OctreeCell>& cells,
   const double widest = widestSpacing(cells);
   std::vector<NeighborSearch> searches(static_cast<std::size_t>(threads), NeighborSearch(store));
   parallelFor(cells.size(), threads, 64, [&](std::size_t c, int thread) {
-    radii[c] = static_cast<float>(
-        neighborRadius(cloud, cells[c], static_cast<std::uint32_t>(c), discs[c], neighbors, widest,
-                       searches[static_cast<std::size_t>(thread)]));
+    radii[c] = static_cast<float>(neighborRadius(cloud, cells[c], static_cast<std::uint32_t>(c),
+                                                 discs[c], neighbors, widest,
+                                                 searches[static_cast<std::size_t>(thread)]));
   });
   return radii;
 }

@@ -13,10 +13,10 @@ namespace pcl_slim {
 
 namespace {
 
-constexpr double kPointsPerRoot = 50.0;    ///< the paper's own start: 2 % of the points
-constexpr double kRootsPerSplat = 0.25;    ///< budgets start from cells twice as wide as even ones
+constexpr double kPointsPerRoot = 50.0;  ///< the paper's own start: 2 % of the points
+constexpr double kRootsPerSplat = 0.25;  ///< budgets start from cells twice as wide as even ones
 constexpr double kPointsPerErrorRoot = 256.0;
-constexpr double kColorOff = 1.0;          ///< a colour error from here on ignores colour
+constexpr double kColorOff = 1.0;  ///< a colour error from here on ignores colour
 constexpr double kLabPerUnit = 100.0;
 
 /** Whether any point asked for has a usable normal. */
@@ -62,11 +62,11 @@ class Sampling {
   {
   }
 
-  Error
-  run(SplatSet& splats)
+  Error run(SplatSet& splats)
   {
     if (!begin(0.0f, "ordering")) return cancelled();
-    Result<OctreeCloud> cloud = OctreeCloud::build(view_, colors_, table_, rootGrid(), params_.threads);
+    Result<OctreeCloud> cloud =
+        OctreeCloud::build(view_, colors_, table_, rootGrid(), params_.threads);
     if (!cloud) return cloud.error();
     statistics_.seconds_order = lap();
     // Normals come before the order, so a cloud without them is looked at once more; what is wrong
@@ -100,8 +100,7 @@ class Sampling {
 
  private:
   /** Says what comes next. false: the caller asked to stop. */
-  bool
-  begin(float fraction, const char* stage)
+  bool begin(float fraction, const char* stage)
   {
     progress_.report(fraction, stage);
     return !progress_.cancelled();
@@ -109,8 +108,7 @@ class Sampling {
 
   static Error cancelled() { return {ErrorCode::kCancelled, "the sampling was cancelled"}; }
 
-  double
-  lap()
+  double lap()
   {
     const auto now = std::chrono::steady_clock::now();
     const double seconds = std::chrono::duration<double>(now - last_).count();
@@ -118,23 +116,20 @@ class Sampling {
     return seconds;
   }
 
-  bool
-  needsNormals()
+  bool needsNormals()
   {
     if (!has_normals_) has_normals_ = hasNormals(view_);
     return !*has_normals_;
   }
 
-  CloudView
-  positionsOnly() const
+  CloudView positionsOnly() const
   {
     CloudView view = view_;
     view.normal = nullptr;
     return view;
   }
 
-  RootGrid
-  rootGrid() const
+  RootGrid rootGrid() const
   {
     const auto n = static_cast<double>(view_.count());
     if (params_.max_splats > 0) {
@@ -144,8 +139,7 @@ class Sampling {
     return {0, n / (params_.target_error > 0 ? kPointsPerErrorRoot : kPointsPerRoot)};
   }
 
-  std::vector<OctreeCell>
-  divide(const OctreeCloud& cloud, const SampleNoise& noise)
+  std::vector<OctreeCell> divide(const OctreeCloud& cloud, const SampleNoise& noise)
   {
     SplitRule rule;
     rule.geometric_error = params_.geometric_error;
@@ -220,7 +214,8 @@ sampleSplats(const CloudView& cloud, const ColorView& colors, const SplatParams&
   counts = {};
   Error error = params.validate();
   if (!error) {
-    error = Sampling(cloud, colors, params, counts, progress ? *progress : own_progress).run(splats);
+    error =
+        Sampling(cloud, colors, params, counts, progress ? *progress : own_progress).run(splats);
   }
   if (error) splats = SplatSet();
   return error;

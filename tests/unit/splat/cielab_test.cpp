@@ -20,10 +20,10 @@ TEST(CieLab, MeetsPublishedValuesOfSrgb)
   // D65, 2 degrees, as colour handbooks print them.
   const struct {
     std::array<double, 3> rgb, lab;
-  } known[] = {{{1, 0, 0}, {53.24, 80.09, 67.20}},     {{0, 1, 0}, {87.73, -86.18, 83.18}},
-               {{0, 0, 1}, {32.30, 79.19, -107.86}},   {{1, 1, 0}, {97.14, -21.55, 94.48}},
-               {{0, 1, 1}, {91.11, -48.09, -14.13}},   {{1, 0, 1}, {60.32, 98.23, -60.82}},
-               {{1, 1, 1}, {100.0, 0.0, 0.0}},         {{0, 0, 0}, {0.0, 0.0, 0.0}},
+  } known[] = {{{1, 0, 0}, {53.24, 80.09, 67.20}},   {{0, 1, 0}, {87.73, -86.18, 83.18}},
+               {{0, 0, 1}, {32.30, 79.19, -107.86}}, {{1, 1, 0}, {97.14, -21.55, 94.48}},
+               {{0, 1, 1}, {91.11, -48.09, -14.13}}, {{1, 0, 1}, {60.32, 98.23, -60.82}},
+               {{1, 1, 1}, {100.0, 0.0, 0.0}},       {{0, 0, 0}, {0.0, 0.0, 0.0}},
                {{0.5, 0.5, 0.5}, {53.389, 0.0, 0.0}}};
   for (const auto& colour : known) {
     const auto lab = labFromRgb(colour.rgb);
@@ -47,8 +47,10 @@ TEST(CieLab, HasNoJumpWhereTheCurvesMeet)
 {
   // Y of a grey passes the threshold here.
   const double at = 216.0 / 24389.0;
-  const auto below = labFromRgb({at * (1 - 1e-9), at * (1 - 1e-9), at * (1 - 1e-9)}, RgbSpace::kEbu);
-  const auto above = labFromRgb({at * (1 + 1e-9), at * (1 + 1e-9), at * (1 + 1e-9)}, RgbSpace::kEbu);
+  const auto below =
+      labFromRgb({at * (1 - 1e-9), at * (1 - 1e-9), at * (1 - 1e-9)}, RgbSpace::kEbu);
+  const auto above =
+      labFromRgb({at * (1 + 1e-9), at * (1 + 1e-9), at * (1 + 1e-9)}, RgbSpace::kEbu);
   EXPECT_NEAR(below[0], 8.0, 1e-6);
   EXPECT_NEAR(above[0] - below[0], 0.0, 1e-6);
 }
@@ -78,10 +80,11 @@ TEST(CieLab, TablesKeepTheirBound)
           float lab[3];
           table.convert(static_cast<std::uint8_t>(r), static_cast<std::uint8_t>(g),
                         static_cast<std::uint8_t>(b), lab);
-          worst = std::max(worst, distance(labFromRgb({r / 255.0, g / 255.0, b / 255.0}, space), lab));
+          worst =
+              std::max(worst, distance(labFromRgb({r / 255.0, g / 255.0, b / 255.0}, space), lab));
           const auto again = table.rgb(lab);
-          worst_step = std::max({worst_step, std::abs(again[0] - r), std::abs(again[1] - g),
-                                 std::abs(again[2] - b)});
+          worst_step = std::max(
+              {worst_step, std::abs(again[0] - r), std::abs(again[1] - g), std::abs(again[2] - b)});
         }
       }
     }

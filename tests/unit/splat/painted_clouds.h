@@ -45,7 +45,8 @@ struct PaintedCloud {
     points.insert(points.end(), p.begin(), p.end());
     for (const double value : n) normals.push_back(static_cast<float>(value));
     for (int c = 2; c >= 0; --c) {
-      bgr.push_back(static_cast<std::uint8_t>(std::clamp(rgb[static_cast<std::size_t>(c)], 0, 255)));
+      bgr.push_back(
+          static_cast<std::uint8_t>(std::clamp(rgb[static_cast<std::size_t>(c)], 0, 255)));
     }
   }
 };

@@ -11,7 +11,6 @@ namespace {
 using pcl_slim_test::countOf;
 using pcl_slim_test::coverageOf;
 using pcl_slim_test::expectSound;
-using pcl_slim_test::inEye;
 using pcl_slim_test::painted;
 using pcl_slim_test::PaintedCloud;
 using pcl_slim_test::sampled;
@@ -27,7 +26,8 @@ oneThread()
 TEST(SplatSampling, CoversThePaintedObject)
 {
   const PaintedCloud cloud = painted(60000);
-  for (const RadiusRule rule : {RadiusRule::kDensity, RadiusRule::kNeighbors, RadiusRule::kCorner}) {
+  for (const RadiusRule rule :
+       {RadiusRule::kDensity, RadiusRule::kNeighbors, RadiusRule::kCorner}) {
     SplatParams params = oneThread();
     params.radius = rule;
     const SplatSet splats = sampled(cloud, params);
@@ -137,7 +137,8 @@ TEST(SplatSampling, NoisyColourDoesNotShatter)
   for (std::size_t i = 0; i < splats.size(); ++i) {
     if (splats.confidence[i] < 30) continue;
     const int red = static_cast<int>(splats.rgb[i] >> 16);
-    const double paint = std::min({std::abs(red - 240.0), std::abs(red - 220.0), std::abs(red - 20.0)});
+    const double paint =
+        std::min({std::abs(red - 240.0), std::abs(red - 220.0), std::abs(red - 20.0)});
     worst_free = std::max(worst_free, paint);
   }
   EXPECT_LT(worst_free, 16.0);
@@ -289,133 +290,6 @@ TEST(SplatSampling, PaperModeKeepsPointsAndTheirColours)
     EXPECT_EQ(splats.rgb[i] & 0xffu, cloud.bgr[3 * k]);
     EXPECT_NEAR(splats.nx[i], cloud.normals[3 * k], 1e-6f);
   }
-}
-
-TEST(SplatSampling, OneColourOnePointOneLine)
-{
-  PaintedCloud cloud;
-  SplatSet splats;
-  cloud.add({1, 2, 3}, {0, 0, 1}, {10, 20, 30});
-  splats = sampled(cloud, oneThread());
-  ASSERT_EQ(splats.size(), 1u);
-  EXPECT_EQ(splats.rgb[0], 0x0a141eu);
-  EXPECT_EQ(splats.radius[0], 0.0f);
-  EXPECT_EQ(splats.origin[2] + splats.z[0], 3.0);
-  for (int i = 0; i < 50; ++i) cloud.add({1, 2, 3}, {0, 0, 1}, {10, 20, 30});
-  EXPECT_EQ(sampled(cloud, oneThread()).size(), 1u);
-  for (int i = 0; i < 500; ++i) cloud.add({1.0 + 0.01 * i, 2, 3}, {0, 0, 1}, {10, 20, 30});
-  for (const bool normals : {true, false}) {
-    for (const RadiusRule rule : {RadiusRule::kDensity, RadiusRule::kNeighbors}) {
-      SplatParams params = oneThread();
-      params.radius = rule;
-      splats = sampled(cloud, params, nullptr, normals);
-      expectSound(splats, cloud.size());
-      for (const std::uint32_t rgb : splats.rgb) EXPECT_EQ(rgb, 0x0a141eu);
-    }
-  }
-}
-
-TEST(SplatSampling, ThreadsChangeNothing)
-{
-  const PaintedCloud cloud = painted(70000, 5.0);
-  for (int mode = 0; mode < 3; ++mode) {
-    SplatParams params = oneThread();
-    if (mode == 1) params.max_splats = 3000;
-    if (mode == 2) params.radius = RadiusRule::kNeighbors;
-    params.color = SplatColor::kGradient;
-    const SplatSet one = sampled(cloud, params, nullptr, mode != 2);
-    for (const int threads : {2, 7}) {
-      params.threads = threads;
-      const SplatSet many = sampled(cloud, params, nullptr, mode != 2);
-      EXPECT_EQ(one.x, many.x);
-      EXPECT_EQ(one.nz, many.nz);
-      EXPECT_EQ(one.radius, many.radius);
-      EXPECT_EQ(one.rgb, many.rgb);
-      EXPECT_EQ(one.kept, many.kept);
-      EXPECT_EQ(one.gradient, many.gradient);
-    }
-  }
-}
-
-TEST(SplatSampling, BadInputIsAnError)
-{
-  SplatSet splats;
-  PaintedCloud cloud;
-  EXPECT_EQ(sampleSplats(cloud.view(), {}, {}, splats).code, ErrorCode::kBadInput);
-  cloud = painted(100);
-  for (std::size_t i = 0; i < cloud.size(); ++i) cloud.points[3 * i] = std::nan("");
-  EXPECT_EQ(sampleSplats(cloud.view(), {}, {}, splats).code, ErrorCode::kBadInput);
-  cloud.points[0] = 1e200;
-  cloud.points[4] = 0;
-  EXPECT_EQ(sampleSplats(cloud.view(), {}, {}, splats).code, ErrorCode::kBadInput);
-  cloud = painted(100);
-  cloud.points[7] = std::numeric_limits<double>::infinity();
-  SplatStatistics statistics;
-  EXPECT_FALSE(sampleSplats(cloud.view(), cloud.colors(), {}, splats, &statistics));
-  EXPECT_EQ(statistics.non_finite, 1u);
-  EXPECT_EQ(statistics.points, 99u);
-  const std::int32_t indices[] = {0, 100};
-  CloudView view = cloud.view();
-  view.indices = indices;
-  view.num_indices = 2;
-  EXPECT_EQ(sampleSplats(view, {}, {}, splats).code, ErrorCode::kBadArgument);
-  EXPECT_TRUE(splats.empty());
-}
-
-TEST(SplatSampling, BadParametersAreErrors)
-{
-  const PaintedCloud cloud = painted(100);
-  const double nan = std::nan("");
-  std::vector<SplatParams> bad(8);
-  bad[0].geometric_error = -0.1;
-  bad[1].color_error = nan;
-  bad[2].max_depth = -1;
-  bad[3].initial_resolution = (1 << 20) + 1;
-  bad[4].target_error = -1.0;
-  bad[5].max_splats = 10;
-  bad[5].target_error = 1.0;
-  bad[6].normal_neighbors = 2;
-  bad[7].viewpoint[1] = nan;
-  for (const SplatParams& params : bad) {
-    SplatSet splats;
-    splats.resize(3, false);
-    const Error error = sampleSplats(cloud.view(), cloud.colors(), params, splats);
-    EXPECT_EQ(error.code, ErrorCode::kBadArgument);
-    EXPECT_FALSE(error.message.empty());
-    EXPECT_TRUE(splats.empty());
-  }
-}
-
-TEST(SplatSampling, AnyResolutionAndDepthWorks)
-{
-  const PaintedCloud cloud = painted(3000);
-  for (const int resolution : {1, 2, 3, 63, 64, 65, 1000, 1 << 20}) {
-    for (const int depth : {0, 1, 1000000}) {
-      SplatParams params = oneThread();
-      params.initial_resolution = resolution;
-      params.max_depth = depth;
-      const SplatSet splats = sampled(cloud, params);
-      expectSound(splats, cloud.size());
-      if (resolution == 1 && depth == 0) {
-        EXPECT_EQ(splats.size(), 1u);
-      }
-      if (resolution == 1 << 20) {
-        EXPECT_EQ(splats.size(), cloud.size());
-      }
-    }
-  }
-}
-
-TEST(SplatSampling, CancelStops)
-{
-  const PaintedCloud cloud = painted(1000);
-  Progress* running = nullptr;
-  Progress progress([&](float, const char*) { running->cancel(); });
-  running = &progress;
-  SplatSet splats;
-  EXPECT_EQ(sampleSplats(cloud.view(), cloud.colors(), {}, splats, nullptr, &progress).code,
-            ErrorCode::kCancelled);
-  EXPECT_TRUE(splats.empty());
 }
 
 }  // namespace

@@ -113,7 +113,8 @@ class ColorOctreeSplatSamplerBase {
   /** \brief Records an error. \return false, as sample() does. */
   bool fail(ErrorCode code, const std::string& message);
   /** \brief Samples. \param[in] sensor where estimated normals look by default. */
-  bool run(const CloudView& cloud, const ColorView& colors, const float sensor[3], SplatSet& splats);
+  bool run(const CloudView& cloud, const ColorView& colors, const float sensor[3],
+           SplatSet& splats);
 
   SplatParams params_;
   bool has_viewpoint_ = false;

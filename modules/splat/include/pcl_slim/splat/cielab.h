@@ -33,8 +33,7 @@ class LabTable {
   explicit LabTable(RgbSpace space = RgbSpace::kSrgb);
 
   /** \brief \param[out] lab L*, a*, b*. */
-  void
-  convert(std::uint8_t red, std::uint8_t green, std::uint8_t blue, float lab[3]) const
+  void convert(std::uint8_t red, std::uint8_t green, std::uint8_t blue, float lab[3]) const
   {
     const float r = linear_[red], g = linear_[green], b = linear_[blue];
     const float fx = root(to_x_[0] * r + to_x_[1] * g + to_x_[2] * b);
@@ -55,8 +54,7 @@ class LabTable {
  private:
   static constexpr int kPieces = 4096;
 
-  float
-  root(float q) const
+  float root(float q) const
   {
     const float at = q * static_cast<float>(kPieces);
     const int piece = at < static_cast<float>(kPieces - 1) ? static_cast<int>(at) : kPieces - 1;

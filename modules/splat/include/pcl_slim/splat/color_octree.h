@@ -28,18 +28,19 @@ estimateSampleNoise(const OctreeCloud& cloud);
  * explains. */
 struct SplitRule {
   double geometric_error = 0.2;  ///< standard deviation of unit normals
-  double color_error = 10.0;     ///< standard deviation of CIELAB, Delta E; infinite: colour is ignored
-  bool oriented = false;         ///< deviation of signed normals; false: of the lines along them
+  double color_error =
+      10.0;               ///< standard deviation of CIELAB, Delta E; infinite: colour is ignored
+  bool oriented = false;  ///< deviation of signed normals; false: of the lines along them
   SampleNoise noise;
-  double noise_z = 2.0;          ///< noise counts as its variance times 1 + z / sqrt(n - 1)
-  std::uint32_t min_points = 2;  ///< cells of fewer points stay whole
+  double noise_z = 2.0;                ///< noise counts as its variance times 1 + z / sqrt(n - 1)
+  std::uint32_t min_points = 2;        ///< cells of fewer points stay whole
   int max_depth = OctreeCloud::kBits;  ///< halvings of a root cell at most
 };
 
 /** \brief One cell: the points [begin, end) of the cloud. */
 struct OctreeCell {
   std::uint32_t begin = 0, end = 0;
-  float spacing = 0;  ///< mean distance between points around here, in root cells; 0: unknown
+  float spacing = 0;       ///< mean distance between points around here, in root cells; 0: unknown
   std::int32_t shift = 0;  ///< its size, for OctreeCloud::edge
 };
 
@@ -60,8 +61,8 @@ struct CutBudget {
 /** \brief A cut through the whole octree. */
 struct OctreeCut {
   std::vector<OctreeCell> cells;
-  double error = 0;          ///< mean Delta E between points and their cells, noise taken off
-  std::uint64_t nodes = 0;   ///< cells of the whole tree
+  double error = 0;         ///< mean Delta E between points and their cells, noise taken off
+  std::uint64_t nodes = 0;  ///< cells of the whole tree
 };
 
 /** \brief The cells that keep most of shape and colour for their number.

@@ -12,8 +12,8 @@ namespace pcl_slim {
 /** \brief How checkCoverage() looks at splats. */
 struct CoverageParams {
   std::uint64_t rays = 100000;
-  double tilt = 60.0;       ///< rays lean up to this far from the surface's normal [deg], in [0, 80]
-  double density = 3.0;     ///< see Coverage::sparse, > 0
+  double tilt = 60.0;    ///< rays lean up to this far from the surface's normal [deg], in [0, 80]
+  double density = 3.0;  ///< see Coverage::sparse, > 0
   std::uint64_t seed = 1;
   int threads = 0;
 };
@@ -26,9 +26,12 @@ struct Coverage {
    * between the point and its neighbours, or that distance 4 times what is usual in the cloud, so
    * that the points themselves do not say whether there is a surface. */
   std::uint64_t sparse = 0;
-  double overlap = 0;        ///< mean number of discs a ray met
+  double overlap = 0;  ///< mean number of discs a ray met
 
-  double holes() const { return rays > 0 ? static_cast<double>(missed) / static_cast<double>(rays) : 0; }
+  double holes() const
+  {
+    return rays > 0 ? static_cast<double>(missed) / static_cast<double>(rays) : 0;
+  }
 };
 
 /** \brief Casts rays through the surface between the points and counts the discs each one meets.

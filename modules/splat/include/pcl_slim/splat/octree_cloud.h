@@ -31,8 +31,8 @@ struct OctreePoint {
 struct RootGrid {
   static constexpr int kMaxResolution = 1 << 20;
 
-  int resolution = 0;          ///< cells along the box's longest side; 0: as occupied asks
-  double occupied = 0;         ///< occupied cells wanted, roughly, where resolution is 0
+  int resolution = 0;   ///< cells along the box's longest side; 0: as occupied asks
+  double occupied = 0;  ///< occupied cells wanted, roughly, where resolution is 0
 };
 
 /** \brief A cloud brought into the Morton order of a grid of cubic cells chosen by its user.
@@ -51,9 +51,8 @@ class OctreeCloud {
 
   /** \brief Orders a cloud. \return why there is none: no points, more than 2^32 - 2, an index
    * outside, not one finite point, or coordinates near the largest double. */
-  static Result<OctreeCloud>
-  build(const CloudView& cloud, const ColorView& colors, const LabTable& table,
-        const RootGrid& grid, int threads = 0);
+  static Result<OctreeCloud> build(const CloudView& cloud, const ColorView& colors,
+                                   const LabTable& table, const RootGrid& grid, int threads = 0);
 
   std::size_t size() const { return points_.size(); }
   const OctreePoint& point(std::size_t i) const { return points_[i]; }
@@ -61,8 +60,8 @@ class OctreeCloud {
   const std::uint64_t* keys() const { return keys_.data(); }
 
   const std::array<double, 3>& origin() const { return origin_; }  ///< low corner of the grid
-  double cell() const { return cell_; }         ///< edge of a root cell, world units; 0: one position
-  int depth() const { return depth_; }          ///< halvings that keys resolve below a root cell
+  double cell() const { return cell_; }  ///< edge of a root cell, world units; 0: one position
+  int depth() const { return depth_; }   ///< halvings that keys resolve below a root cell
   int resolution() const { return resolution_; }  ///< root cells along the longest side
   bool hasColors() const { return has_colors_; }
   std::uint64_t numNonFinite() const { return num_non_finite_; }

@@ -12,7 +12,7 @@ namespace pcl_slim {
 
 /** \brief How large discs become. */
 enum class RadiusRule : unsigned char {
-  kDensity,    ///< to the cell's farthest point in the disc's plane, and one spacing more (default)
+  kDensity,    ///< to the cell's farthest point, and one spacing more (default)
   kNeighbors,  ///< to halfway towards neighbours in other cells, and .35 spacings more
   kCorner      ///< to the farthest corner of the cell, as the paper has it: large, and never short
 };
@@ -27,8 +27,8 @@ double
 cornerRadius(const std::array<double, 3>& point, const std::array<double, 3>& cube_center,
              double edge);
 
-/** \brief Largest distance, in the disc's plane, from its centre to the cell's points [root
- * cells]. O(points of the cell). */
+/** \brief Largest distance from the disc's centre to the cell's points [root cells]. O(points of the
+ * cell). */
 double
 reachOfPoints(const OctreeCloud& cloud, const OctreeCell& cell, const Disc& disc);
 

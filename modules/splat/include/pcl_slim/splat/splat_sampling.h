@@ -22,21 +22,21 @@ enum class SplatColor : unsigned char {
 
 /** \brief What sampleSplats() does. Every default suits a scan of any size and unit. */
 struct SplatParams {
-  int initial_resolution = 0;     ///< root cells along the longest side; 0: about n / 50 occupied
-  double geometric_error = 0.2;   ///< standard deviation of unit normals that a cell may have, >= 0
-  double color_error = 0.1;       ///< of CIELAB / 100, >= 0; from 1 on colour is ignored
-  std::uint32_t min_points = 4;   ///< cells of fewer points stay whole
-  int max_depth = 20;             ///< halvings of a root cell at most, >= 0; 0: the uniform grid
-  std::uint64_t max_splats = 0;   ///< solve for a count instead of tolerances; 0: off
-  double target_error = 0;        ///< solve for a mean error [Delta E] instead; 0: off
-  bool paper_mode = false;        ///< corner radius, own colour and position, no guard against noise
-  RgbSpace rgb_space = RgbSpace::kSrgb;   ///< paper mode: kEbu
-  SplatColor color = SplatColor::kMean;   ///< paper mode: kOwn
+  int initial_resolution = 0;    ///< root cells along the longest side; 0: about n / 50 occupied
+  double geometric_error = 0.2;  ///< standard deviation of unit normals that a cell may have, >= 0
+  double color_error = 0.1;      ///< of CIELAB / 100, >= 0; from 1 on colour is ignored
+  std::uint32_t min_points = 4;  ///< cells of fewer points stay whole
+  int max_depth = 20;            ///< halvings of a root cell at most, >= 0; 0: the uniform grid
+  std::uint64_t max_splats = 0;  ///< solve for a count instead of tolerances; 0: off
+  double target_error = 0;       ///< solve for a mean error [Delta E] instead; 0: off
+  bool paper_mode = false;       ///< corner radius, own colour and position, no guard against noise
+  RgbSpace rgb_space = RgbSpace::kSrgb;      ///< paper mode: kEbu
+  SplatColor color = SplatColor::kMean;      ///< paper mode: kOwn
   RadiusRule radius = RadiusRule::kDensity;  ///< paper mode: kCorner
-  bool remove_noise = true;       ///< take the noise of colours and normals off deviations
-  int normal_neighbors = 16;      ///< for clouds without normals, >= 3
+  bool remove_noise = true;         ///< take the noise of colours and normals off deviations
+  int normal_neighbors = 16;        ///< for clouds without normals, >= 3
   double viewpoint[3] = {0, 0, 0};  ///< estimated normals face it
-  int threads = 0;                ///< 0: all cores; never changes the result
+  int threads = 0;                  ///< 0: all cores; never changes the result
 
   /** \brief The first parameter out of range, or no error. */
   Error validate() const;
@@ -44,19 +44,19 @@ struct SplatParams {
 
 /** \brief What sampleSplats() did. */
 struct SplatStatistics {
-  std::uint64_t points = 0;         ///< points used
-  std::uint64_t non_finite = 0;     ///< points skipped: a coordinate is NaN or infinite
-  std::uint64_t roots = 0;          ///< occupied root cells
+  std::uint64_t points = 0;      ///< points used
+  std::uint64_t non_finite = 0;  ///< points skipped: a coordinate is NaN or infinite
+  std::uint64_t roots = 0;       ///< occupied root cells
   std::uint64_t splats = 0;
-  std::uint64_t single_points = 0;  ///< splats of one point
-  std::uint64_t without_normal = 0; ///< splats none of whose points had a normal
-  std::uint64_t tree_cells = 0;     ///< budgets: cells of the whole octree
-  int resolution = 0;               ///< root cells along the longest side
-  double cell = 0;                  ///< edge of a root cell [world]
-  double spacing = 0;               ///< middle distance between neighbours [world]
-  double color_noise = 0;           ///< standard deviation [Delta E], as taken off
-  double normal_noise = 0;          ///< standard deviation of unit normals, as taken off
-  double error = 0;                 ///< budgets: mean Delta E between points and their cells
+  std::uint64_t single_points = 0;   ///< splats of one point
+  std::uint64_t without_normal = 0;  ///< splats none of whose points had a normal
+  std::uint64_t tree_cells = 0;      ///< budgets: cells of the whole octree
+  int resolution = 0;                ///< root cells along the longest side
+  double cell = 0;                   ///< edge of a root cell [world]
+  double spacing = 0;                ///< middle distance between neighbours [world]
+  double color_noise = 0;            ///< standard deviation [Delta E], as taken off
+  double normal_noise = 0;           ///< standard deviation of unit normals, as taken off
+  double error = 0;                  ///< budgets: mean Delta E between points and their cells
   bool normals_estimated = false;
   double seconds_order = 0, seconds_normals = 0, seconds_divide = 0, seconds_splats = 0;
 };
