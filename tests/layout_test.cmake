@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Rules of the house that a compiler does not check: cmake -DROOT=<checkout> -P layout_test.cmake
 #   every source starts with its licence; headers guard themselves; modules neither print nor know
-#   PCL or VTK, and include along the arrows core <- cloud <- {slim, splat}, slim <- render only.
+#   PCL or VTK, and include along the arrows core <- cloud <- {slim, splat} <- render only.
 file(GLOB_RECURSE sources RELATIVE ${ROOT}
   ${ROOT}/modules/*.h ${ROOT}/modules/*.hpp ${ROOT}/modules/*.cpp
   ${ROOT}/filters/*.h ${ROOT}/filters/*.hpp ${ROOT}/filters/*.cpp

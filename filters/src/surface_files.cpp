@@ -2,7 +2,6 @@
 #include "pcl_slim/filters/surface_files.h"
 
 #include "pcl_slim/core/file_access.h"
-#include "pcl_slim/filters/point_file.h"
 #include "pcl_slim/filters/surface_conversion.h"
 #include "pcl_slim/slim/surface_io.h"
 #include "vtp_file.h"
@@ -33,6 +32,15 @@ saveSurface(const std::string& path, const SLIMSurface& surface)
 }
 
 Result<SLIMSurface>
+surfaceFrom(const PointFile& file)
+{
+  SurfaceMetadata metadata;
+  bool found = false;
+  if (Error error = fromComments(file.comments, metadata, found)) return error;
+  return fromPCL(file.cloud, found ? &metadata : nullptr);
+}
+
+Result<SLIMSurface>
 loadSurface(const std::string& path)
 {
   if (Error error = checkSurfaceExtension(path)) return error;
@@ -41,16 +49,9 @@ loadSurface(const std::string& path)
   const Result<PointFile> file = extension == ".vtp" ? loadVtp(path) : loadPointFile(path);
   if (!file) return file.error();
 
-  SurfaceMetadata metadata;
-  bool found = false;
-  Error error = fromComments(file->comments, metadata, found);
-  if (!error) {
-    Result<SLIMSurface> surface = fromPCL(file->cloud, found ? &metadata : nullptr);
-    if (surface) return surface;
-    error = surface.error();
-  }
-  error.message = "'" + path + "': " + error.message;
-  return error;
+  Result<SLIMSurface> surface = surfaceFrom(*file);
+  if (surface) return surface;
+  return Error{surface.error().code, "'" + path + "': " + surface.error().message};
 }
 
 }  // namespace pcl_slim

@@ -77,7 +77,7 @@ same a.png b.png
 # Mistakes.
 rm -f x.png
 expect 2 'missing.slim' pcl_slim_render missing.slim x.png
-expect 2 'normal_x' pcl_slim_render scan.pcd x.png
+expect 2 'neither' pcl_slim_render scan.pcd x.png
 head -c 2000 surface.slim > cut.slim
 expect 2 'truncated' pcl_slim_render cut.slim x.png
 expect 2 'named .png' pcl_slim_render surface.slim x.jpg

@@ -49,6 +49,13 @@ CameraRays::ray(int x, int y) const
 }
 
 double
+CameraRays::pixelLength(const Vector3& point) const
+{
+  if (!perspective_) return pixel_;
+  return pixel_ * std::max(0.0, dot(subtract(point, eye_), axes_.forward));
+}
+
+double
 CameraRays::nearestDepth(const Vector3& center, double radius) const
 {
   const Vector3 to_center = subtract(center, eye_);

@@ -35,6 +35,9 @@ class CameraRays {
 
   Ray ray(int x, int y) const;
 
+  /** \brief Length of a pixel at a point's depth; 0 for a point behind a perspective camera. */
+  double pixelLength(const Vector3& point) const;
+
   /** \brief Smallest depth at which a ray through the ball can meet it (negative: behind). */
   double nearestDepth(const Vector3& center, double radius) const;
 

@@ -22,6 +22,7 @@ GBuffer::resize(int new_width, int new_height)
   surfel.assign(n, kNothing);
   level.assign(n, 0);
   back_face.assign(n, 0);
+  color.clear();
 }
 
 std::size_t

@@ -22,6 +22,36 @@ toImage(const std::vector<Color>& sums, const ImageSize& size, int samples, int 
   return image;
 }
 
+/** \brief Renders supersampling^2 shifted frames and averages them.
+ * \param[in] render Error(const Camera&, GBuffer&); \param[in] scale world units per local unit */
+template <typename Render>
+Result<Image>
+averageFrames(const Camera& camera, const ShadingParams& params, double scale, const Render& render)
+{
+  const int n = params.supersampling;
+  std::vector<Color> sums;
+  ShadingRange range;
+  GBuffer buffer;
+  for (int pass = 0; pass < n * n; ++pass) {
+    Camera shifted = camera;
+    shifted.pixel_offset = {(pass % n + 0.5) / n - 0.5, (pass / n + 0.5) / n - 0.5};
+    if (Error error = render(shifted, buffer)) return error;
+    if (pass == 0) range = rangeOf(buffer, params, scale);
+    const auto colors = shadeLinear(buffer, shifted, params, range);
+    sums.resize(colors.size(), Color{0.0f, 0.0f, 0.0f});
+    for (std::size_t i = 0; i < colors.size(); ++i) {
+      for (std::size_t k = 0; k < 3; ++k) sums[i][k] += colors[i][k];
+    }
+  }
+  return toImage(sums, camera.size, n * n, resolveThreads(params.threads));
+}
+
+Error
+noColors()
+{
+  return {ErrorCode::kBadArgument, "a surface has no colours; choose another mode than color"};
+}
+
 }  // namespace
 
 Result<Image>
@@ -34,6 +64,9 @@ shade(const GBuffer& buffer, const Camera& camera, const ShadingParams& params, 
         ErrorCode::kBadArgument,
         "the G-buffer and the camera differ in size; shade with the camera it was made by"};
   }
+  if (params.mode == ShadingMode::kColor && buffer.color.size() != buffer.numPixels()) {
+    return noColors();
+  }
   const auto colors = shadeLinear(buffer, camera, params, rangeOf(buffer, params, scale));
   return toImage(colors, camera.size, 1, resolveThreads(params.threads));
 }
@@ -43,27 +76,38 @@ renderPicture(const SLIMSurface& surface, const Camera& camera, const RenderPara
               const ShadingParams& shading_params, RenderStatistics* statistics)
 {
   if (Error error = shading_params.validate()) return error;
-  const int n = shading_params.supersampling;
-  const int threads = resolveThreads(shading_params.threads);
-  std::vector<Color> sums;
-  ShadingRange range;
-  GBuffer buffer;
+  if (shading_params.mode == ShadingMode::kColor) return noColors();
   RenderStatistics total;
-  for (int pass = 0; pass < n * n; ++pass) {
-    Camera shifted = camera;
-    shifted.pixel_offset = {(pass % n + 0.5) / n - 0.5, (pass / n + 0.5) / n - 0.5};
-    RenderStatistics counts;
-    if (Error error = renderSurface(surface, shifted, render_params, buffer, &counts)) return error;
-    total += counts;
-    if (pass == 0) range = rangeOf(buffer, shading_params, surface.info.scale);
-    const auto colors = shadeLinear(buffer, shifted, shading_params, range);
-    sums.resize(colors.size(), Color{0.0f, 0.0f, 0.0f});
-    for (std::size_t i = 0; i < colors.size(); ++i) {
-      for (std::size_t k = 0; k < 3; ++k) sums[i][k] += colors[i][k];
-    }
+  auto image = averageFrames(
+      camera, shading_params, surface.info.scale, [&](const Camera& shifted, GBuffer& buffer) {
+        RenderStatistics counts;
+        Error error = renderSurface(surface, shifted, render_params, buffer, &counts);
+        total += counts;
+        return error;
+      });
+  if (image && statistics) *statistics = total;
+  return image;
+}
+
+Result<Image>
+renderPicture(const SplatSet& splats, const Camera& camera, const DiscRenderParams& render_params,
+              const ShadingParams& shading_params, DiscRenderStatistics* statistics)
+{
+  if (Error error = shading_params.validate()) return error;
+  if (shading_params.mode == ShadingMode::kMean || shading_params.mode == ShadingMode::kLevel) {
+    return Error{ErrorCode::kBadArgument,
+                 "splats have no curvature and no levels; choose color, shaded, normal or size"};
   }
-  if (statistics) *statistics = total;
-  return toImage(sums, camera.size, n * n, threads);
+  DiscRenderStatistics total;
+  auto image =
+      averageFrames(camera, shading_params, 1.0, [&](const Camera& shifted, GBuffer& buffer) {
+        DiscRenderStatistics counts;
+        Error error = renderDiscs(splats, shifted, render_params, buffer, &counts);
+        total += counts;
+        return error;
+      });
+  if (image && statistics) *statistics = total;
+  return image;
 }
 
 }  // namespace pcl_slim

@@ -56,6 +56,7 @@ baseColor(const GBuffer& buffer, std::size_t pixel, const ShadingParams& params,
       const double x = span > 0.0 ? std::log(buffer.radius[pixel] / range.radius_min) / span : 0.5;
       return sizeColor(x);
     }
+    case ShadingMode::kColor: return buffer.color[pixel];
     default: return buffer.back_face[pixel] ? kClayBack : kClay;
   }
 }
@@ -82,12 +83,13 @@ litColor(const GBuffer& buffer, std::size_t pixel, int x, int y, const LightRig&
 {
   const auto& n = buffer.normal[pixel];
   if (params.mode == ShadingMode::kNormal) return normalColor(n);
+  const Color base = toLinear(baseColor(buffer, pixel, params, range));
+  if (!params.lighting) return base;
   const Light light(rig, {n[0], n[1], n[2]}, rig.rays.ray(x, y).direction);
   const bool clay = params.mode == ShadingMode::kShaded;
   // Colour-coded pictures keep their colours legible: less contrast, no highlight.
   const double diffuse = clay ? light.diffuse : 0.45 + 0.55 * std::min(1.0, light.diffuse);
   const double specular = clay ? light.specular : 0.0;
-  const Color base = toLinear(baseColor(buffer, pixel, params, range));
   const double dim = 1.0 - params.ambient_occlusion * (1.0 - open);
   Color color;
   for (std::size_t k = 0; k < 3; ++k) {
@@ -116,6 +118,7 @@ shadingModeOf(const std::string& name)
   if (name == "mean") return ShadingMode::kMean;
   if (name == "level") return ShadingMode::kLevel;
   if (name == "size") return ShadingMode::kSize;
+  if (name == "color") return ShadingMode::kColor;
   return std::nullopt;
 }
 
@@ -158,7 +161,7 @@ shadeLinear(const GBuffer& buffer, const Camera& camera, const ShadingParams& pa
   const int threads = resolveThreads(params.threads);
   const LightRig rig(camera);
   std::vector<float> open(buffer.numPixels(), 1.0f);
-  if (params.ambient_occlusion > 0.0 && params.mode != ShadingMode::kNormal) {
+  if (params.ambient_occlusion > 0.0 && params.lighting && params.mode != ShadingMode::kNormal) {
     open = ambientOcclusion(buffer, threads);
   }
   std::vector<Color> colors(buffer.numPixels());

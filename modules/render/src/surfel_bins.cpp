@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "pcl_slim/core/parallel.h"
 
@@ -93,13 +94,20 @@ fillTiles(SurfelBins& bins, int threads)
 }  // namespace
 
 SurfelBins
-binLeaves(const SLIMSurface& surface, const CameraRays& rays, const ImageSize& size, double shrink,
-          double near_plane, bool front_only, int threads, RenderStatistics& statistics)
+binByTile(const ImageSize& size, std::vector<VisibleLeaf> leaves, int threads)
 {
   SurfelBins bins;
   bins.columns = (size.width + kTileSize - 1) / kTileSize;
   bins.rows = (size.height + kTileSize - 1) / kTileSize;
+  bins.leaves = std::move(leaves);
+  fillTiles(bins, threads);
+  return bins;
+}
 
+SurfelBins
+binLeaves(const SLIMSurface& surface, const CameraRays& rays, const ImageSize& size, double shrink,
+          double near_plane, bool front_only, int threads, RenderStatistics& statistics)
+{
   std::vector<std::uint32_t> candidates;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (surface.isLeaf(i)) candidates.push_back(static_cast<std::uint32_t>(i));
@@ -110,13 +118,14 @@ binLeaves(const SLIMSurface& surface, const CameraRays& rays, const ImageSize& s
     visibility[i] =
         classify(surface, candidates[i], rays, shrink, near_plane, front_only, leaves[i]);
   });
+  std::vector<VisibleLeaf> visible;
   for (std::size_t i = 0; i < leaves.size(); ++i) {
-    if (visibility[i] == Visibility::kVisible) bins.leaves.push_back(leaves[i]);
+    if (visibility[i] == Visibility::kVisible) visible.push_back(leaves[i]);
     if (visibility[i] == Visibility::kOutside) ++statistics.outside_frustum;
     if (visibility[i] == Visibility::kBackFacing) ++statistics.back_facing;
   }
   statistics.leaves += candidates.size();
-  fillTiles(bins, threads);
+  SurfelBins bins = binByTile(size, std::move(visible), threads);
   statistics.tile_entries += bins.entries.size();
   return bins;
 }

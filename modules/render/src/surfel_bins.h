@@ -11,7 +11,7 @@ namespace pcl_slim {
 
 constexpr int kTileSize = 32;
 
-/** \brief A leaf that may be seen: where, and how near. */
+/** \brief A leaf (or disc) that may be seen: where, and how near. */
 struct VisibleLeaf {
   std::uint32_t surfel = 0;
   double nearest = 0.0;  ///< no ray meets the ball before this depth
@@ -35,6 +35,11 @@ struct SurfelBins {
     return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
   }
 };
+
+/** \brief Sorts what may be seen into a picture's tiles by blend, each tile's from near to far,
+ * equals by their place in leaves. O(leaves + entries log entries). */
+SurfelBins
+binByTile(const ImageSize& size, std::vector<VisibleLeaf> leaves, int threads);
 
 /** \brief Culls leaves against the frustum and, with front_only, by their cone of normals, and
  * sorts the rest into tiles. Counts what was left out. O(leaves + entries log entries). */

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/filters/point_file.h"
 #include "pcl_slim/slim/surface.h"
 
 namespace pcl_slim {
@@ -27,6 +28,11 @@ saveSurface(const std::string& path, const SLIMSurface& surface);
  */
 Result<SLIMSurface>
 loadSurface(const std::string& path);
+
+/** \brief The surface in a point file's fields and comments. \return an error that names what is
+ * missing or wrong. */
+Result<SLIMSurface>
+surfaceFrom(const PointFile& file);
 
 /** \brief Whether the extension is one saveSurface knows; names those it does otherwise. */
 Error

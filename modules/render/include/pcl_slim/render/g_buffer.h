@@ -13,7 +13,7 @@ namespace pcl_slim {
  * Lengths are in the surface's local units (world = origin + scale * local), directions in world
  * axes. Where a ray meets nothing surfel is kNothing, depth is infinity and the rest is 0; no
  * value is ever NaN. Normals and the derivatives face the viewer when the surface has no
- * orientation or both of its sides are shown.
+ * orientation or both of its sides are shown. Discs leave derivatives, curvatures and levels at 0.
  */
 struct GBuffer {
   static constexpr std::uint32_t kNothing = 0xffffffffu;
@@ -33,6 +33,7 @@ struct GBuffer {
   std::vector<float> weight;                    ///< sum of blending weights
   std::vector<float> coverage;                  ///< sum of cover weights, G(|q - c| / (alpha r))
   std::vector<std::uint8_t> back_face;          ///< 1: an oriented surface seen from behind
+  std::vector<std::array<float, 3>> color;      ///< sRGB in [0, 1]; of discs only, else empty
 
   /** \brief Sets the size and marks every pixel as met by nothing. */
   void resize(int new_width, int new_height);

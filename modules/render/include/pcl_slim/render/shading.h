@@ -9,6 +9,7 @@
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/render/camera.h"
 #include "pcl_slim/render/color_map.h"
+#include "pcl_slim/render/disc_rasterizer.h"
 #include "pcl_slim/render/g_buffer.h"
 #include "pcl_slim/render/image.h"
 #include "pcl_slim/render/tile_rasterizer.h"
@@ -22,6 +23,7 @@ enum class ShadingMode : unsigned char {
   kMean,    ///< mean curvature, blue (hollow) through grey (flat) to red (bulging)
   kLevel,   ///< level of the leaf of the largest weight, one colour each
   kSize,    ///< its radius, blue large to red small (the paper's Fig. 1)
+  kColor,   ///< colours of discs
 };
 
 /** \brief The mode of a name such as "shaded", or nothing. */
@@ -31,6 +33,7 @@ shadingModeOf(const std::string& name);
 /** \brief Parameters of shade() and renderPicture(). */
 struct ShadingParams {
   ShadingMode mode = ShadingMode::kShaded;
+  bool lighting = true;      ///< false: colours as they are, no light and no shade
   double range = 0.0;        ///< > 0: curvature of full red, 1/world length; 0: from the picture
   double percentile = 0.95;  ///< share of pixels inside an automatic range, (0, 1]
   double ambient_occlusion = 0.6;   ///< strength of the shade in hollows, [0, 1]
@@ -59,16 +62,23 @@ std::vector<Color>
 shadeLinear(const GBuffer& buffer, const Camera& camera, const ShadingParams& params,
             const ShadingRange& range);
 
-/** \brief Shades a G-buffer to a picture. Its size must be the camera's. */
+/** \brief Shades a G-buffer to a picture. Its size must be the camera's; kColor wants a buffer with
+ * colours. */
 Result<Image>
 shade(const GBuffer& buffer, const Camera& camera, const ShadingParams& params, double scale = 1.0);
 
 /** \brief A finished picture: supersampling^2 shifted renderings, averaged in linear light.
  *
  * Memory is that of one G-buffer, whatever the supersampling. Same bytes for any thread count.
+ * kColor is refused: a surface has no colours.
  */
 Result<Image>
 renderPicture(const SLIMSurface& surface, const Camera& camera, const RenderParams& render_params,
               const ShadingParams& shading_params, RenderStatistics* statistics = nullptr);
+
+/** \brief The same of coloured discs. kMean and kLevel are refused: discs have neither. */
+Result<Image>
+renderPicture(const SplatSet& splats, const Camera& camera, const DiscRenderParams& render_params,
+              const ShadingParams& shading_params, DiscRenderStatistics* statistics = nullptr);
 
 }  // namespace pcl_slim

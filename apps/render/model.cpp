@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "render/model.h"
+
+#include <utility>
+
+#include "pcl_slim/core/file_access.h"
+#include "pcl_slim/filters/splat_files.h"
+#include "pcl_slim/filters/surface_files.h"
+#include "pcl_slim/render/disc_framing.h"
+
+namespace pcl_slim {
+namespace {
+
+/** \brief A model from a point file's fields; errors do not name the file yet. */
+Result<Model>
+modelFrom(const PointFile& file)
+{
+  Model model;
+  if (holdsSplats(file)) {
+    Result<SplatSet> splats = splatsFrom(file, &model.skipped);
+    if (!splats) return splats.error();
+    model.is_splats = true;
+    model.splats = std::move(*splats);
+    model.surface = framingOf(model.splats);
+    return model;
+  }
+  if (findField(file.cloud, "radius") < 0 && findField(file.cloud, "c0") < 0) {
+    return Error{ErrorCode::kBadInput,
+                 "neither a surface nor splats (no field 'radius' or 'c0'); make one of the scan "
+                 "with pcl_slim_fit or pcl_color_splat_sampling"};
+  }
+  Result<SLIMSurface> surface = surfaceFrom(file);
+  if (!surface) return surface.error();
+  model.surface = std::move(*surface);
+  return model;
+}
+
+}  // namespace
+
+std::string
+Model::describe() const
+{
+  if (is_splats) return std::to_string(splats.size()) + " splats";
+  return std::to_string(surface.numLeaves()) + " leaves of " + std::to_string(surface.size()) +
+         " surfels";
+}
+
+Result<Model>
+loadModel(const std::string& path)
+{
+  const std::string extension = lowerExtension(path);
+  if (extension != ".pcd" && extension != ".ply") {
+    Result<SLIMSurface> surface = loadSurface(path);
+    if (!surface) return surface.error();
+    Model model;
+    model.surface = std::move(*surface);
+    return model;
+  }
+  const Result<PointFile> file = loadPointFile(path);
+  if (!file) return file.error();
+  Result<Model> model = modelFrom(*file);
+  if (model) return model;
+  return Error{model.error().code, "'" + path + "': " + model.error().message};
+}
+
+}  // namespace pcl_slim

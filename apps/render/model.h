@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/slim/surface.h"
+#include "pcl_slim/splat/splat_set.h"
+
+namespace pcl_slim {
+
+/** \brief What can be rendered: a surface or splats. */
+struct Model {
+  bool is_splats = false;
+  SLIMSurface surface;        ///< of splats: what cameras look at (framingOf)
+  SplatSet splats;            ///< empty of a surface
+  std::uint64_t skipped = 0;  ///< splats left out: not finite or without a normal
+
+  /** \brief "5000 leaves of 5329 surfels" or "17307 splats". */
+  std::string describe() const;
+};
+
+/** \brief Loads a surface (.pcd .ply .vtp .slim) or splats (.pcd .ply); the fields tell which. */
+Result<Model>
+loadModel(const std::string& path);
+
+}  // namespace pcl_slim

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/options.h"
+#include "pcl_slim/render/camera.h"
+#include "pcl_slim/slim/surface.h"
+
+namespace pcl_slim {
+
+/** \brief A camera as the command line asks for it. */
+struct ViewRequest {
+  std::string camera = "auto", view = "auto", up = "auto", size_text = "800x600";
+  double fov = 30.0;
+  bool orthographic = false;
+  ImageSize size;                    ///< of size_text
+  std::vector<double> angles, pose;  ///< of view and camera; empty: chosen by the object
+
+  /** \brief Adds -size. */
+  void declareSize(OptionTable& table);
+  /** \brief Adds the options of the camera. The request must outlive the table's parse(). */
+  void declareCamera(OptionTable& table);
+
+  /** \brief Reads size_text, view and camera; what can be said before the object is there. */
+  Error parse();
+
+  /** \brief The camera for an object, once parse() has gone well. */
+  Camera cameraFor(const SLIMSurface& object) const;
+};
+
+}  // namespace pcl_slim
