@@ -20,6 +20,8 @@ constexpr std::size_t kFirstNeighbors = 20;
 constexpr std::size_t kMostNeighbors = 20480;
 constexpr int kCubicTerms = 10;
 constexpr double kPatchNoise = 0.15;     ///< noise above this share of the patch's radius fills it
+constexpr double kFilledPatch = 0.25;    ///< below this share noise no longer fills it
+constexpr double kRelief = 0.9;          ///< of that share in twice as many points: noise has .8
 constexpr std::size_t kSheetFactor = 2;  ///< neighbours asked for where two sheets share a patch
 constexpr Eigen::Index kLeastSide = 1;   ///< points on the other side of a gap between sheets
 constexpr int kSheetPasses = 4;
@@ -223,8 +225,11 @@ residualNoise(const PointStore& store, int threads)
     const PatchNoise wider = patchNoise(store, k, threads);
     // What grows like the eighth power of the patch's radius is the cubic's bias, not noise.
     const double bias_free = (kBiasGrowth * noise.variance - wider.variance) / (kBiasGrowth - 1);
-    const bool planar = std::sqrt(noise.variance) < kPatchNoise * noise.radius;
-    if (planar) {
+    const double share = std::sqrt(noise.variance) / noise.radius;
+    // Noise that no longer fills the patch loses in share as the patch widens; relief keeps its own.
+    const bool relief =
+        share < kFilledPatch && std::sqrt(wider.variance) > kRelief * share * wider.radius;
+    if (share < kPatchNoise || relief) {
       noise.variance = std::clamp(bias_free, kLeastNoise * noise.variance, noise.variance);
       break;
     }

@@ -70,6 +70,25 @@ TEST(NoiseLevel, SeesNoiseThatIsThickerThanTheSpacing)
   EXPECT_NEAR(noiseOf(storeOf(cloud)) / sigma, 1.0, 0.15);
 }
 
+TEST(NoiseLevel, ReliefAtEveryScaleIsNotThickNoise)
+{
+  // A tetrahedron of tetrahedra of ... (Sierpinski's): the wider a patch, the farther its points
+  // lie from any cubic. A patch of 20 points has a radius of .02.
+  Cloud cloud;
+  std::mt19937 random(9);
+  std::uniform_int_distribution<std::size_t> choice(0, 3);
+  const double corners[4][3] = {{0, 0, 0}, {1, 0, 0}, {0.5, 0.866, 0}, {0.5, 0.289, 0.816}};
+  double p[3] = {0, 0, 0};
+  for (int i = 0; i < 20000; ++i) {
+    const std::size_t c = choice(random);
+    for (std::size_t a = 0; a < 3; ++a) p[a] = 0.5 * (p[a] + corners[c][a]);
+    cloud.add(p[0], p[1], p[2]);
+  }
+  const double noise = noiseOf(storeOf(cloud));
+  EXPECT_GT(noise, 0.1 * 0.02);
+  EXPECT_LT(noise, 0.25 * 0.02);
+}
+
 TEST(NoiseLevel, IgnoresAFewOutliers)
 {
   const auto scene = bench::makeScene(Shape::kTorus, 20000, 0.001, 0.0, 7);

@@ -14,7 +14,8 @@ enum class NoiseEstimator : unsigned char {
 /** \brief Noise variance lambda of a cloud, in squared local lengths.
  *
  * kCubicResidual: residual variance RSS / (k - 10) of a cubic height field in the frame of its
- * neighbourhood, k = 20 and doubled while the noise fills the patch; the mean over evenly strided
+ * neighbourhood, k = 20 and doubled while the noise fills the patch (not where what stands out
+ * grows with the patch, as relief at every scale does); the mean over evenly strided
  * samples without the largest and smallest 10 %. What grows with k like a cubic's bias is taken off,
  * so that clean data show no noise. Where normals are given, neighbours of opposed
  * normal are left out. kMinEigenvalue10: the paper's lambda over samples (its mean covariance).
