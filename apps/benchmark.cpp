@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_slim_benchmark: time against error, SLIM beside PCL's own classes.
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <new>
 
 #include "benchmark/chart.h"
+#include "benchmark/claims.h"
 #include "benchmark/plan.h"
 #include "benchmark/tables.h"
 #include "common/progress_bar.h"
@@ -57,10 +59,16 @@ std::string
 outcomeText(const Run& run, std::size_t points)
 {
   char text[128];
-  std::snprintf(text, sizeof(text), "%.3g us/pt CPU, RMS %.3g, normals %.3g deg",
-                1e6 * run.cpu / static_cast<double>(points), run.errors.position,
-                run.errors.normal);
-  return text;
+  std::snprintf(text, sizeof(text), "%.3g us/pt CPU", 1e6 * run.cpu / static_cast<double>(points));
+  std::string all = text;
+  const auto add = [&](const char* form, double value) {
+    if (!std::isfinite(value)) return;
+    std::snprintf(text, sizeof(text), form, value);
+    all += text;
+  };
+  add(", RMS %.3g", run.errors.position);
+  add(", normals %.3g deg", run.errors.normal);
+  return all;
 }
 
 Error
@@ -71,6 +79,8 @@ treatScene(const Settings& s, const Scene& scene, Console& console, std::vector<
   measured.noise = scene.noise;
   measured.points = scene.size();
   measured.mean_edges = scene.unit_is_edge;
+  measured.input = inputErrors(scene);
+  for (std::size_t i = 0; i < scene.size(); ++i) measured.judged += scene.isJudged(i);
   for (const comparison::Setting& setting : s.plan.settingsFor(scene)) {
     if (console.interrupted()) return {ErrorCode::kCancelled, "stopped; nothing is written"};
     const Stopwatch watch;
@@ -88,6 +98,60 @@ treatScene(const Settings& s, const Scene& scene, Console& console, std::vector<
   return {};
 }
 
+Error
+writeTables(const Settings& s, const std::string& csv, const std::string& markdown,
+            Console& console)
+{
+  Error error = writeFile(s.prefix + ".csv", csv.data(), csv.size());
+  if (!error) error = writeFile(s.prefix + ".md", markdown.data(), markdown.size());
+  if (!error) console.note("> Wrote " + s.prefix + ".csv and " + s.prefix + ".md");
+  return error;
+}
+
+int
+statusOf(const Error& error, int otherwise)
+{
+  return error.code == ErrorCode::kCancelled ? kExitInterrupted : otherwise;
+}
+
+int
+runClaims(const Settings& s, const OptionTable& options, const std::string& command)
+{
+  Console console(s.quiet);
+  std::vector<comparison::ClaimTable> tables;
+  for (const std::string& name : s.plan.claims()) {
+    const Result<comparison::ClaimTable> table = measureClaim(name, s.plan, console);
+    if (!table) {
+      return fail(options, statusOf(table.error(), kExitFailed), table.error().message);
+    }
+    tables.push_back(*table);
+  }
+  const Error error = writeTables(
+      s, claimsCsv(tables), comparison::machineText(command) + claimsMarkdown(tables), console);
+  return error ? fail(options, kExitFailed, error.message) : kExitDone;
+}
+
+int
+runSweeps(const Settings& s, const OptionTable& options, const std::string& command)
+{
+  Console console(s.quiet);
+  std::vector<SceneRuns> scenes;
+  bool loaded = false;
+  Error error = s.plan.forEachScene([&](const Scene& scene) {
+    loaded = true;
+    return treatScene(s, scene, console, scenes);
+  });
+  if (error) {
+    return fail(options, statusOf(error, loaded ? kExitFailed : kExitUsage), error.message);
+  }
+  error = writeTables(s, csvText(scenes), markdownText(scenes, command), console);
+  if (error) return fail(options, kExitFailed, error.message);
+  if (!s.chart) return kExitDone;
+  error = drawChart(scenes, s.prefix + ".png");
+  console.note("> " + (error ? error.message : "Drew " + s.prefix + ".png"));
+  return kExitDone;
+}
+
 int
 run(int argc, char** argv)
 {
@@ -101,25 +165,8 @@ run(int argc, char** argv)
     const Error error = checkWritable(s.prefix + extension);
     if (error) return fail(options, kExitFailed, error.message);
   }
-  Console console(s.quiet);
-  std::vector<SceneRuns> scenes;
-  bool loaded = false;
-  Error error = s.plan.forEachScene([&](const Scene& scene) {
-    loaded = true;
-    return treatScene(s, scene, console, scenes);
-  });
-  if (error.code == ErrorCode::kCancelled) return fail(options, kExitInterrupted, error.message);
-  if (error) return fail(options, loaded ? kExitFailed : kExitUsage, error.message);
-
-  const std::string csv = csvText(scenes), markdown = markdownText(scenes, commandLine(argc, argv));
-  error = writeFile(s.prefix + ".csv", csv.data(), csv.size());
-  if (!error) error = writeFile(s.prefix + ".md", markdown.data(), markdown.size());
-  if (error) return fail(options, kExitFailed, error.message);
-  console.note("> Wrote " + s.prefix + ".csv and " + s.prefix + ".md");
-  if (!s.chart) return kExitDone;
-  error = drawChart(scenes, s.prefix + ".png");
-  console.note("> " + (error ? error.message : "Drew " + s.prefix + ".png"));
-  return kExitDone;
+  const std::string command = commandLine(argc, argv);
+  return s.plan.claims().empty() ? runSweeps(s, options, command) : runClaims(s, options, command);
 }
 
 }  // namespace

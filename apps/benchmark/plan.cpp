@@ -6,6 +6,8 @@
 #include <sstream>
 
 #include "bench_common.h"
+#include "benchmark/claims.h"
+#include "pcl_slim/core/file_access.h"
 
 namespace pcl_slim::comparison {
 
@@ -40,9 +42,14 @@ Plan::declareOptions(OptionTable& options)
   options.text("noises", &noises_, "S,...", "noise, as a share of the box diagonal");
   options.text("points", &points_, "N,...", "sizes of the clouds");
   options.text("input", &input_, "FILE", "a noisy scan in place of exact surfaces; needs -truth");
-  options.text("truth", &truth_, "FILE", "the scan's true points, in the same order");
+  options.text("truth", &truth_, "FILE",
+               "the scan's true points, in the same order, or a mesh of its true surface");
   options.text("pairs", &pairs_, "FOLDER",
                "every NAME_noisy.ply and NAME_original.ply of a folder in place of exact surfaces");
+  options.text("claims", &claims_, "NAME,...",
+               "tables of claims in place of sweeps: rims, normals, zones, sheets, moves, peers, "
+               "default");
+  options.text("scans", &scans_, "FOLDER", "claim moves: every .pcd and .ply of a folder");
   options.text("methods", &methods_, "NAME,...",
                "slim, mls (pcl::MovingLeastSquares), normals (pcl::NormalEstimationOMP)");
   options.choice("normals", &normals_, {"0", "1", "both"}, "SLIM: normals given");
@@ -51,6 +58,7 @@ Plan::declareOptions(OptionTable& options)
   options.text("t_mdls", &t_mdls_, "T,...",
                "SLIM: the paper's T_MDL in place of a penalty; 0: none");
   options.toggle("sharp", &sharp_, "SLIM: also keeping sharp edges, where normals are given");
+  options.toggle("robust", &robust_, "SLIM: also the default reweighted against outliers");
   options.text("mls_orders", &orders_, "D,...", "MLS: orders of the polynomial");
   options.text("mls_neighbours", &neighbours_, "K,...",
                "MLS: mean numbers of points in the search radius");
@@ -58,6 +66,7 @@ Plan::declareOptions(OptionTable& options)
   options.integer("threads", &threads_, 1, 4096, "threads, of each method");
   options.integer("repeats", &repeats_, 1, 1000,
                   "runs of each setting that takes no more than 2 s; times are medians");
+  for (const char* name : {"input", "pairs"}) options.exclusive({"claims", name});
   options.exclusive({"input", "pairs"});
 }
 
@@ -90,6 +99,28 @@ Plan::finishFiles()
 }
 
 Error
+Plan::finishClaims(const OptionTable& options)
+{
+  if (claims_.empty()) {
+    if (scans_.empty()) return {};
+    return {ErrorCode::kBadArgument, "-scans is for -claims moves; give both or neither"};
+  }
+  if (Error error = parseWords("claims", claims_, claimNames(), claim_list_)) return error;
+  const bool moves = std::count(claim_list_.begin(), claim_list_.end(), "moves") > 0;
+  if (moves != options.given("scans")) {
+    return {ErrorCode::kBadArgument, "claim moves and -scans belong together; give both"};
+  }
+  std::error_code code;
+  for (const auto& entry : std::filesystem::directory_iterator(scans_, code)) {
+    const std::string extension = lowerExtension(entry.path().string());
+    if (extension == ".pcd" || extension == ".ply") scan_list_.push_back(entry.path().string());
+  }
+  std::sort(scan_list_.begin(), scan_list_.end());
+  if (!moves || !scan_list_.empty()) return {};
+  return {ErrorCode::kBadInput, "'" + scans_ + "' has no .pcd or .ply; name another folder"};
+}
+
+Error
 Plan::finishOptions(const OptionTable& options)
 {
   if (Error error = parseWords("shapes", shapes_, shapeNames(), shape_list_)) return error;
@@ -113,7 +144,14 @@ Plan::finishOptions(const OptionTable& options)
     return {ErrorCode::kBadArgument,
             "-" + std::string(name) + " is for exact surfaces; leave it out with files"};
   }
+  if (Error error = finishClaims(options)) return error;
   return finishFiles();
+}
+
+std::vector<std::size_t>
+Plan::pointCounts() const
+{
+  return {point_list_.begin(), point_list_.end()};
 }
 
 Error
@@ -151,6 +189,11 @@ Plan::addSlim(const Scene& scene, std::vector<Setting>& settings) const
       settings.push_back(s);
       s.sharp = false;
     }
+    if (robust_) {
+      s.robust = true;
+      settings.push_back(s);
+      s.robust = false;
+    }
     for (const double degree : degree_list_) {
       s.degree = static_cast<int>(degree);
       s.t_mdl = 0;
@@ -168,13 +211,9 @@ Plan::addSlim(const Scene& scene, std::vector<Setting>& settings) const
 }
 
 std::vector<Setting>
-Plan::settingsFor(const Scene& scene) const
+Plan::mlsSettings() const
 {
   std::vector<Setting> settings;
-  const auto asked = [this](const char* method) {
-    return std::count(method_list_.begin(), method_list_.end(), method) > 0;
-  };
-  if (asked("slim")) addSlim(scene, settings);
   Setting s;
   s.threads = threads_;
   s.method = Method::kMls;
@@ -182,11 +221,27 @@ Plan::settingsFor(const Scene& scene) const
     for (const double neighbours : neighbour_list_) {
       s.degree = static_cast<int>(order);
       s.neighbours = static_cast<int>(neighbours);
-      if (asked("mls")) settings.push_back(s);
+      settings.push_back(s);
     }
   }
+  return settings;
+}
+
+std::vector<Setting>
+Plan::settingsFor(const Scene& scene) const
+{
+  std::vector<Setting> settings;
+  const auto asked = [this](const char* method) {
+    return std::count(method_list_.begin(), method_list_.end(), method) > 0;
+  };
+  if (asked("slim")) addSlim(scene, settings);
+  if (asked("mls")) {
+    const std::vector<Setting> mls = mlsSettings();
+    settings.insert(settings.end(), mls.begin(), mls.end());
+  }
+  Setting s;
+  s.threads = threads_;
   s.method = Method::kNormals;
-  s.degree = 0;
   for (const double neighbours : normal_neighbour_list_) {
     s.neighbours = static_cast<int>(neighbours);
     if (asked("normals")) settings.push_back(s);

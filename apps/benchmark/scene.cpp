@@ -1,63 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "benchmark/scene.h"
 
-#include <pcl/search/kdtree.h>
-
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <memory>
 #include <random>
+#include <utility>
 
-#include "common/cloud_file.h"
+#include "benchmark/scene_points.h"
 
 namespace pcl_slim::comparison {
 
 namespace {
 
 using Point = std::array<double, 3>;
-constexpr double kNormalNoise = 0.05;  // rad
 constexpr double kCubeHalf = 1.0;
-
-pcl::PointXYZ
-toPcl(const double* p)
-{
-  return pcl::PointXYZ(static_cast<float>(p[0]), static_cast<float>(p[1]),
-                       static_cast<float>(p[2]));
-}
-
-pcl::PointCloud<pcl::PointXYZ>::Ptr
-toCloud(const std::vector<double>& xyz)
-{
-  auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
-  cloud->reserve(xyz.size() / 3);
-  for (std::size_t i = 0; i < xyz.size(); i += 3) cloud->push_back(toPcl(&xyz[i]));
-  return cloud;
-}
-
-/** sqrt(area / points) from the median distance to the 10th neighbour of clean points, as far as
- * they lie evenly on a surface. */
-double
-spacingOf(const pcl::PointCloud<pcl::PointXYZ>::Ptr& clean)
-{
-  constexpr int kNeighbours = 10;
-  const std::size_t stride = std::max<std::size_t>(1, clean->size() / 2000);
-  pcl::search::KdTree<pcl::PointXYZ> tree;
-  tree.setInputCloud(clean);
-  pcl::Indices found;
-  std::vector<float> squared, tenth;
-  for (std::size_t i = 0; i < clean->size(); i += stride) {
-    if (tree.nearestKSearch((*clean)[i], kNeighbours + 1, found, squared) <= kNeighbours) continue;
-    tenth.push_back(squared.back());
-  }
-  if (tenth.empty()) return 0;
-  std::nth_element(tenth.begin(), tenth.begin() + tenth.size() / 2, tenth.end());
-  return std::sqrt(tenth[tenth.size() / 2] * M_PI / kNeighbours);
-}
 
 /** A scene whose clean points are the cube's, spread evenly, as bench::makeScene does for others. */
 bench::Scene
-makeCube(std::size_t count, double noise, std::uint64_t seed)
+makeCube(std::size_t count, double noise, std::uint64_t seed, double normal_noise)
 {
   std::mt19937_64 rng(seed);
   std::uniform_real_distribution<double> side(-kCubeHalf, kCubeHalf);
@@ -73,7 +33,7 @@ makeCube(std::size_t count, double noise, std::uint64_t seed)
     n[f / 2] = sign;
     double length = 0;
     for (double& value : n) {
-      value += kNormalNoise * gauss(rng);
+      value += normal_noise * gauss(rng);
       length += value * value;
     }
     for (const double value : n) {
@@ -103,95 +63,12 @@ cubeTruth(const Point& p)
   return truth;
 }
 
-/** Coordinates as doubles, whatever the file holds. */
-Point
-positionOf(const CloudView& view, std::size_t i)
+/** Height and slope of the sheets' middle along x. */
+std::array<double, 2>
+waveAt(bool waved, double x)
 {
-  const auto* address = static_cast<const char*>(view.xyz) + i * view.xyz_stride;
-  Point p;
-  if (view.scalar == CloudView::Scalar::kDouble) {
-    std::memcpy(p.data(), address, sizeof(p));
-    return p;
-  }
-  std::array<float, 3> f;
-  std::memcpy(f.data(), address, sizeof(f));
-  return {f[0], f[1], f[2]};
-}
-
-std::array<float, 3>
-normalOf(const CloudView& view, std::size_t i)
-{
-  std::array<float, 3> n;
-  std::memcpy(n.data(), static_cast<const char*>(view.normal) + i * view.normal_stride, sizeof(n));
-  return n;
-}
-
-bool
-isFinite(const Point& p)
-{
-  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
-}
-
-/** Mean edge length of a mesh; 0 without faces. */
-double
-meanEdge(const CloudFile& mesh)
-{
-  const PointFile& file = mesh.file;
-  const CloudView view = mesh.view(false);
-  double sum = 0;
-  std::size_t count = 0;
-  for (std::size_t f = 0; f < file.numFaces(); ++f) {
-    const std::uint32_t begin = file.face_begin[f], end = file.face_begin[f + 1];
-    for (std::uint32_t k = begin; k < end; ++k) {
-      const Point a = positionOf(view, file.face_vertices[k]);
-      const Point b = positionOf(view, file.face_vertices[k + 1 < end ? k + 1 : begin]);
-      const double length = std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
-      if (!std::isfinite(length)) continue;
-      sum += length;
-      ++count;
-    }
-  }
-  return count ? sum / static_cast<double>(count) : 0;
-}
-
-/** Positions and normals of a truth given point by point, relative to an origin. */
-struct PairTruth {
-  std::vector<double> points;
-  std::vector<std::array<float, 3>> normals;
-};
-
-bench::Truth
-pairTruth(const PairTruth& pair, std::size_t i, const Point& p)
-{
-  bench::Truth truth;
-  for (std::size_t a = 0; a < 3; ++a) {
-    truth.distance += std::pow(p[a] - pair.points[3 * i + a], 2);
-    if (!pair.normals.empty()) truth.normal[a] = pair.normals[i][a];
-  }
-  truth.distance = std::sqrt(truth.distance);
-  return truth;
-}
-
-/** Brings the points that are finite in both files into the scene and its truth. */
-void
-joinPair(const CloudView& input, const CloudView& clean, Scene& scene, PairTruth& pair)
-{
-  std::vector<double> noisy;
-  Point origin{};
-  for (std::size_t i = 0; i < input.size; ++i) {
-    const Point p = positionOf(input, i), q = positionOf(clean, i);
-    if (!isFinite(p) || !isFinite(q)) continue;
-    if (pair.points.empty()) origin = q;
-    for (std::size_t a = 0; a < 3; ++a) {
-      noisy.push_back(p[a] - origin[a]);
-      pair.points.push_back(q[a] - origin[a]);
-    }
-    if (clean.normal) pair.normals.push_back(normalOf(clean, i));
-    if (!input.normal) continue;
-    const std::array<float, 3> n = normalOf(input, i);
-    scene.normals.insert(scene.normals.end(), n.begin(), n.end());
-  }
-  scene.points = toCloud(noisy);
+  if (!waved) return {0, 0};
+  return {0.05 * std::sin(2 * x), 0.1 * std::cos(2 * x)};
 }
 
 }  // namespace
@@ -204,7 +81,8 @@ shapeNames()
 }
 
 Result<Scene>
-makeScene(const std::string& shape, std::size_t count, double noise, std::uint64_t seed)
+makeScene(const std::string& shape, std::size_t count, double noise, std::uint64_t seed,
+          double normal_noise)
 {
   bench::Shape kind = bench::Shape::kSphere;
   const bool cube = shape == "cube";
@@ -213,8 +91,8 @@ makeScene(const std::string& shape, std::size_t count, double noise, std::uint64
                  "unknown shape '" + shape + "'; give sphere, torus, bumpy, relief or cube"};
   }
   const auto make = [&](double sigma) {
-    return cube ? makeCube(count, sigma, seed)
-                : bench::makeScene(kind, count, sigma, kNormalNoise, seed);
+    return cube ? makeCube(count, sigma, seed, normal_noise)
+                : bench::makeScene(kind, count, sigma, normal_noise, seed);
   };
   bench::Scene made = make(noise);
   Scene scene;
@@ -232,34 +110,37 @@ makeScene(const std::string& shape, std::size_t count, double noise, std::uint64
   return scene;
 }
 
-Result<Scene>
-loadScene(const std::string& name, const std::string& input, const std::string& truth)
+Scene
+makeSheets(bool waved, std::size_t count, double gap, double noise, std::uint64_t seed)
 {
-  const Result<CloudFile> noisy = loadCloudFile(input);
-  if (!noisy) return noisy.error();
-  const Result<CloudFile> clean = loadCloudFile(truth);
-  if (!clean) return clean.error();
-  if (noisy->size() != clean->size()) {
-    return Error{ErrorCode::kBadInput, "'" + input + "' has " + std::to_string(noisy->size()) +
-                                           " points and '" + truth + "' " +
-                                           std::to_string(clean->size()) +
-                                           "; name a truth with the same points in the same order"};
-  }
+  std::mt19937_64 rng(seed);
+  std::uniform_real_distribution<double> place(-1.0, 1.0);
+  std::normal_distribution<double> gauss;
+  const double diagonal = std::sqrt(8.0), half = 0.5 * gap * diagonal;
+  std::vector<double> xyz;
   Scene scene;
-  scene.name = name;
-  const auto pair = std::make_shared<PairTruth>();
-  joinPair(noisy->view(), clean->view(), scene, *pair);
-  if (scene.size() == 0) {
-    return Error{ErrorCode::kBadInput,
-                 "'" + input + "' has no finite point with a truth; name other files"};
+  for (std::size_t i = 0; i < count; ++i) {
+    const double x = place(rng), y = place(rng), side = i % 2 == 0 ? 1 : -1;
+    const auto [height, slope] = waveAt(waved, x);
+    xyz.insert(xyz.end(), {x, y, height + side * half + noise * diagonal * gauss(rng)});
+    const double length = std::hypot(1.0, slope);
+    for (const double value : {-side * slope / length, 0.0, side / length}) {
+      scene.normals.push_back(static_cast<float>(value));
+    }
   }
-  const double edge = meanEdge(*clean);
-  scene.unit_is_edge = edge > 0;
-  scene.unit = edge > 0 ? edge : 1;
-  scene.spacing = spacingOf(toCloud(pair->points));
+  scene.name = waved ? "waved sheets" : "flat sheets";
+  scene.noise = noise;
+  scene.points = toCloud(xyz);
+  scene.spacing = std::sqrt(4.0 / static_cast<double>(count));
   scene.has_true_curvature = false;
-  scene.has_true_normals = !pair->normals.empty();
-  scene.truth = [pair](std::size_t i, const Point& p) { return pairTruth(*pair, i, p); };
+  scene.truth = [waved, half](std::size_t i, const Point& p) {
+    const auto [height, slope] = waveAt(waved, p[0]);
+    const double side = i % 2 == 0 ? 1 : -1, length = std::hypot(1.0, slope);
+    bench::Truth truth;
+    truth.distance = side * (p[2] - height - side * half) / length;
+    truth.normal = {-side * slope / length, 0, side / length};
+    return truth;
+  };
   return scene;
 }
 

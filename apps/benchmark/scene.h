@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -31,24 +32,42 @@ struct Scene {
   double unit = 1;             ///< length that errors are told in, world units
   bool unit_is_edge = false;   ///< unit is the truth's mean edge length
   bool has_true_normals = true, has_true_curvature = true;
+  std::vector<std::uint8_t> judged;  ///< 0: the truth has nothing near this point; empty: all count
 
   std::size_t size() const { return points->size(); }
+  bool isJudged(std::size_t i) const { return judged.empty() || judged[i] != 0; }
 };
 
 /** \brief Shapes that makeScene knows: sphere, torus, bumpy, relief, cube. */
 const std::vector<std::string>&
 shapeNames();
 
-/** \brief count points on an exact shape, fixed by seed, with isotropic Gaussian noise and normals
- * that are .05 rad off. An unknown name gives an error. */
-Result<Scene>
-makeScene(const std::string& shape, std::size_t count, double noise, std::uint64_t seed = 7);
+constexpr double kNormalNoise = 0.05;  ///< rad, of the normals that scenes come with
 
-/** \brief A scan and its truth, point by point: two files with as many points in one order.
+/** \brief count points on an exact shape, fixed by seed, with isotropic Gaussian noise of points
+ * and normals. The same seed gives the same points and normals under any noise of the points. An
+ * unknown name gives an error. */
+Result<Scene>
+makeScene(const std::string& shape, std::size_t count, double noise, std::uint64_t seed = 7,
+          double normal_noise = kNormalNoise);
+
+/** \brief Two square sheets, gap apart, with noise, both shares of the diagonal; normals opposed,
+ * as those of a plate are. Even points lie on the upper one, and their truth is the upper one.
+ * \param[in] waved bent by a gentle wave, otherwise flat. */
+Scene
+makeSheets(bool waved, std::size_t count, double gap, double noise, std::uint64_t seed = 7);
+
+/** \brief A scan without a truth; moved to its first finite point. */
+Result<Scene>
+loadScan(const std::string& name, const std::string& input);
+
+/** \brief A scan and its truth: as many points in one order or, where the counts differ, the
+ * surface of a mesh.
  *
- * Errors are told in mean edge lengths where the truth is a mesh. Points that are not finite in
- * either file are left out. Both are moved to the truth's first point, which keeps large
- * coordinates exact enough for PCL's floats.
+ * Point by point, errors are told in mean edge lengths where the truth is a mesh. From a surface,
+ * errors are distances to it in the files' unit, and points count that lie within a mean edge of it
+ * and not beside its borders or holes. Points that are not finite in either file are left out. Both
+ * are moved to a first point, which keeps large coordinates exact enough for PCL's floats.
  */
 Result<Scene>
 loadScene(const std::string& name, const std::string& input, const std::string& truth);

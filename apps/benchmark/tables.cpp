@@ -40,14 +40,6 @@ microseconds(double seconds, const SceneRuns& scene)
   return 1e6 * seconds / static_cast<double>(scene.points);
 }
 
-/** "slim degree 2 kappa 8, normals given". */
-std::string
-runName(const Run& run)
-{
-  return methodName(run.setting.method) + " " + run.setting.text() +
-         (run.setting.normals ? ", normals given" : "");
-}
-
 std::string
 firstLine(const char* path, const std::string& key)
 {
@@ -58,17 +50,6 @@ firstLine(const char* path, const std::string& key)
     return line.substr(std::min(colon, line.size()));
   }
   return "unknown";
-}
-
-std::string
-machineText(const std::string& command)
-{
-  double load[1] = {0};
-  const bool known = getloadavg(load, 1) == 1;
-  return "Machine: " + firstLine("/proc/cpuinfo", "model name") + ", " +
-         std::to_string(std::thread::hardware_concurrency()) +
-         " threads; load average at the end " + (known ? number(load[0]) : "unknown") +
-         ". Command:\n\n```\n" + command + "\n```\n\n";
 }
 
 /** CPU of MLS order 2 at its best radius against the cheapest SLIM run that is no worse. */
@@ -113,9 +94,10 @@ errorRow(const SceneRuns& scene, const std::string& what, const Run* run)
 {
   if (!run) return "";
   const Errors& e = run->errors;
-  return "| " + what + " | " + runName(*run) + " | " + number(microseconds(run->cpu, scene)) +
-         " | " + number(microseconds(run->wall, scene)) + " | " + number(e.position) + " | " +
-         number(e.worst) + " | " + number(e.normal) + " | " + number(e.curvature) + " | " +
+  return "| " + what + " | " + run->setting.fullText() + " | " +
+         number(microseconds(run->cpu, scene)) + " | " + number(microseconds(run->wall, scene)) +
+         " | " + number(e.position) + " | " + number(e.worst) + " | " + number(e.normal) + " | " +
+         number(e.curvature) + " | " +
          (run->peak_bytes < 0 ? "" : number(run->peak_bytes / 1048576)) + " | " +
          std::to_string(run->kept) + " |\n";
 }
@@ -125,7 +107,12 @@ bestTable(const SceneRuns& scene)
 {
   std::string text =
       "## " + scene.title() + ", " + std::to_string(scene.points) + " points\n\n" +
-      (scene.mean_edges ? "Lengths in mean edges of the truth.\n\n" : "") +
+      (scene.mean_edges ? "Lengths in mean edges of the truth. " : "") + "The input is off by " +
+      number(scene.input.position) + " RMS, " + number(scene.input.worst) + " at most" +
+      (scene.judged < scene.points ? ", at the " + std::to_string(scene.judged) +
+                                         " points by the truth's surface, which alone count"
+                                   : "") +
+      ".\n\n" +
       "| best | run | CPU µs/pt | wall µs/pt | RMS | max | normal ° | curvature | MB "
       "| without result |\n|---|---|---|---|---|---|---|---|---|---|\n";
   for (const int given : {0, 1}) {
@@ -176,6 +163,17 @@ cheapestRun(const SceneRuns& scene, Family family, int given, double bound)
     if (fits && (!best || run.cpu < best->cpu)) best = &run;
   }
   return best;
+}
+
+std::string
+machineText(const std::string& command)
+{
+  double load[1] = {0};
+  const bool known = getloadavg(load, 1) == 1;
+  return "Machine: " + firstLine("/proc/cpuinfo", "model name") + ", " +
+         std::to_string(std::thread::hardware_concurrency()) +
+         " threads; load average at the end " + (known ? number(load[0]) : "unknown") +
+         ". Command:\n\n```\n" + command + "\n```\n\n";
 }
 
 std::string

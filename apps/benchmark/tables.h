@@ -13,6 +13,8 @@ struct SceneRuns {
   std::string name;
   double noise = 0;
   std::size_t points = 0;
+  std::size_t judged = 0;   ///< points that the truth says something of
+  Errors input;             ///< of the points as they came
   bool mean_edges = false;  ///< lengths are in mean edges of the truth, not in scene units
   std::vector<Run> runs;
 
@@ -35,6 +37,10 @@ cheapestRun(const SceneRuns& scene, Family family, int given, double bound);
 /** \brief One row a run, with a header. */
 std::string
 csvText(const std::vector<SceneRuns>& scenes);
+
+/** \brief Processor, threads, load average and the command that gave the tables, in Markdown. */
+std::string
+machineText(const std::string& command);
 
 /** \brief Best-of tables and CPU ratios, in Markdown.
  * \param[in] command line that gave them. */

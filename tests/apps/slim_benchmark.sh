@@ -61,7 +61,37 @@ expect 0 '' file -input pairs/plane_noisy.ply -truth pairs/plane_original.ply -m
   -mls_orders 1 -mls_neighbours 20
 grep -q '^plane_noisy,900,0,1,mls,order 1 k 20,0,' file.csv || complain "no MLS in file.csv"
 
+head -c 3000 pairs/plane_noisy.ply > short.ply
+printf 'ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n' > one.ply
+
+# A mesh as truth, with another number of points than the scan.
+{
+  printf 'ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n'
+  printf 'property float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n'
+  printf '%s\n' '-1 -1 0' '31 -1 0' '31 31 0' '-1 31 0' '3 0 1 2' '3 0 2 3'
+} > square.ply
+expect 0 '' mesh -input pairs/plane_noisy.ply -truth square.ply -methods slim -degrees 1 -kappas 0 \
+  -t_mdls 0 -chart 0
+grep -q '^plane_noisy,900,0,1,slim,default,0,' mesh.csv || complain "no plane in mesh.csv"
+grep -q 'off by 0.0[0-9]* RMS' mesh.md || complain "the input's error is not in mesh.md"
+
+# Claims: a table each, a row a figure, the same for any number of threads.
+claims=(-claims rims,sheets,default -points 3000 -shapes sphere -noises 0.005 -kappas 1,8 -t_mdls 0)
+expect 0 '' claims "${claims[@]}"
+[ "$(grep -c 'goals met' claims.md)" -eq 3 ] || complain "not three tables in claims.md"
+[ "$(wc -l < claims.csv)" -eq 13 ] || complain "$(wc -l < claims.csv) lines in claims.csv"
+expect 0 '' claims1 "${claims[@]}" -threads 1 -quiet 1
+cmp -s claims.csv claims1.csv || complain "claims change with the threads"
+expect 0 '' moves -claims moves -scans pairs
+[ "$(wc -l < moves.csv)" -eq 5 ] || complain "$(wc -l < moves.csv) lines in moves.csv"
+
 rm -f -- ./*.csv ./*.md
+expect 2 'claims' x -claims fast
+expect 2 'moves' x -claims moves
+expect 2 'moves' x -claims rims -scans pairs
+expect 2 'name another folder' x -claims moves -scans /no/such
+expect 2 'exclude' x -claims rims -pairs pairs
+expect 2 'or a mesh' x -input pairs/plane_noisy.ply -truth one.ply
 expect 2 'OUT_PREFIX'
 expect 2 'tea' x -shapes tea
 expect 2 'noises' x -noises 1,a
@@ -73,7 +103,6 @@ expect 2 'missing.ply' x -input missing.ply -truth missing.ply
 expect 2 'original' x -pairs .
 expect 2 'leave it out' x -pairs pairs -noises 0
 expect 2 'exclude' x -pairs pairs -input a.ply
-head -c 3000 pairs/plane_noisy.ply > short.ply
 expect 2 'short.ply' x -input short.ply -truth pairs/plane_original.ply
 expect 1 'no/such' no/such/x "${small[@]}"
 [ -z "$(find . -name '*.csv' -o -name '*.md' -o -name '*.png')" ] || complain "files left behind"

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Scenes from files: a scan whose truth is known point by point, or as the surface of a mesh.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <memory>
+
+#include "benchmark/mesh_surface.h"
+#include "benchmark/scene.h"
+#include "benchmark/scene_points.h"
+#include "common/cloud_file.h"
+
+namespace pcl_slim::comparison {
+
+namespace {
+
+using Point = std::array<double, 3>;
+
+/** Coordinates as doubles, whatever the file holds. */
+Point
+positionOf(const CloudView& view, std::size_t i)
+{
+  const auto* address = static_cast<const char*>(view.xyz) + i * view.xyz_stride;
+  Point p;
+  if (view.scalar == CloudView::Scalar::kDouble) {
+    std::memcpy(p.data(), address, sizeof(p));
+    return p;
+  }
+  std::array<float, 3> f;
+  std::memcpy(f.data(), address, sizeof(f));
+  return {f[0], f[1], f[2]};
+}
+
+std::array<float, 3>
+normalOf(const CloudView& view, std::size_t i)
+{
+  std::array<float, 3> n;
+  std::memcpy(n.data(), static_cast<const char*>(view.normal) + i * view.normal_stride, sizeof(n));
+  return n;
+}
+
+bool
+isFinite(const Point& p)
+{
+  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+}
+
+/** Mean edge length of a mesh; 0 without faces. */
+double
+meanEdge(const CloudFile& mesh)
+{
+  const PointFile& file = mesh.file;
+  const CloudView view = mesh.view(false);
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t f = 0; f < file.numFaces(); ++f) {
+    const std::uint32_t begin = file.face_begin[f], end = file.face_begin[f + 1];
+    for (std::uint32_t k = begin; k < end; ++k) {
+      const Point a = positionOf(view, file.face_vertices[k]);
+      const Point b = positionOf(view, file.face_vertices[k + 1 < end ? k + 1 : begin]);
+      const double length = std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+      if (!std::isfinite(length)) continue;
+      sum += length;
+      ++count;
+    }
+  }
+  return count ? sum / static_cast<double>(count) : 0;
+}
+
+/** Positions and normals of a truth given point by point, relative to an origin. */
+struct PairTruth {
+  std::vector<double> points;
+  std::vector<std::array<float, 3>> normals;
+};
+
+bench::Truth
+pairTruth(const PairTruth& pair, std::size_t i, const Point& p)
+{
+  bench::Truth truth;
+  for (std::size_t a = 0; a < 3; ++a) {
+    truth.distance += std::pow(p[a] - pair.points[3 * i + a], 2);
+    if (!pair.normals.empty()) truth.normal[a] = pair.normals[i][a];
+  }
+  truth.distance = std::sqrt(truth.distance);
+  return truth;
+}
+
+/** Brings the points that are finite in both files into the scene and its truth. \return the
+ * point, in the files, that both are relative to. */
+Point
+joinPair(const CloudView& input, const CloudView& clean, Scene& scene, PairTruth& pair)
+{
+  std::vector<double> noisy;
+  Point origin{};
+  for (std::size_t i = 0; i < input.size; ++i) {
+    const Point p = positionOf(input, i), q = positionOf(clean, i);
+    if (!isFinite(p) || !isFinite(q)) continue;
+    if (pair.points.empty()) origin = q;
+    for (std::size_t a = 0; a < 3; ++a) {
+      noisy.push_back(p[a] - origin[a]);
+      pair.points.push_back(q[a] - origin[a]);
+    }
+    if (clean.normal) pair.normals.push_back(normalOf(clean, i));
+    if (!input.normal) continue;
+    const std::array<float, 3> n = normalOf(input, i);
+    scene.normals.insert(scene.normals.end(), n.begin(), n.end());
+  }
+  scene.points = toCloud(noisy);
+  return origin;
+}
+
+/** Triangles of a mesh relative to an origin, larger faces as fans; those with a corner that is not
+ * finite are left out. */
+std::shared_ptr<const MeshSurface>
+surfaceOf(const CloudFile& mesh, const Point& origin)
+{
+  const PointFile& file = mesh.file;
+  const CloudView view = mesh.view(false);
+  std::vector<Point> vertices(view.size);
+  for (std::size_t i = 0; i < view.size; ++i) {
+    const Point p = positionOf(view, i);
+    vertices[i] = {p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]};
+  }
+  std::vector<MeshSurface::Triangle> triangles;
+  for (std::size_t f = 0; f < file.numFaces(); ++f) {
+    for (std::uint32_t k = file.face_begin[f] + 2; k < file.face_begin[f + 1]; ++k) {
+      const MeshSurface::Triangle t = {file.face_vertices[file.face_begin[f]],
+                                       file.face_vertices[k - 1], file.face_vertices[k]};
+      const bool finite =
+          isFinite(vertices[t[0]]) && isFinite(vertices[t[1]]) && isFinite(vertices[t[2]]);
+      if (finite) triangles.push_back(t);
+    }
+  }
+  if (triangles.empty()) return nullptr;
+  return std::make_shared<const MeshSurface>(std::move(vertices), std::move(triangles));
+}
+
+/** Judges a scan's points by a mesh's surface: those that lie by it, not over its holes or beyond
+ * its border, and not farther off than the mesh is fine. */
+void
+judgeByMesh(const std::shared_ptr<const MeshSurface>& surface, double reach, Scene& scene)
+{
+  scene.judged.resize(scene.size());
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    const pcl::PointXYZ& p = (*scene.points)[i];
+    const MeshFoot foot = surface->nearest({p.x, p.y, p.z});
+    scene.judged[i] = !foot.border && foot.distance <= reach;
+  }
+  scene.truth = [surface](std::size_t, const Point& p) {
+    bench::Truth truth;
+    truth.distance = surface->nearest(p).distance;
+    return truth;
+  };
+}
+
+Error
+noTruth(const std::string& input, const std::string& truth, std::size_t points, std::size_t others)
+{
+  return {ErrorCode::kBadInput,
+          "'" + input + "' has " + std::to_string(points) + " points and '" + truth + "' " +
+              std::to_string(others) +
+              " and no faces; name a truth with the same points in the same order, or a mesh"};
+}
+
+}  // namespace
+
+Result<Scene>
+loadScan(const std::string& name, const std::string& input)
+{
+  const Result<CloudFile> cloud = loadCloudFile(input);
+  if (!cloud) return cloud.error();
+  Scene scene;
+  scene.name = name;
+  PairTruth pair;
+  joinPair(cloud->view(), cloud->view(), scene, pair);
+  if (scene.size() == 0) {
+    return Error{ErrorCode::kBadInput, "'" + input + "' has no finite point; name another file"};
+  }
+  scene.spacing = spacingOf(scene.points);
+  scene.has_true_curvature = scene.has_true_normals = false;
+  return scene;
+}
+
+Result<Scene>
+loadScene(const std::string& name, const std::string& input, const std::string& truth)
+{
+  const Result<CloudFile> noisy = loadCloudFile(input);
+  if (!noisy) return noisy.error();
+  const Result<CloudFile> clean = loadCloudFile(truth);
+  if (!clean) return clean.error();
+  const bool pointwise = noisy->size() == clean->size();
+  if (!pointwise && clean->file.numFaces() == 0) {
+    return noTruth(input, truth, noisy->size(), clean->size());
+  }
+  Scene scene;
+  scene.name = name;
+  scene.has_true_curvature = false;
+  const auto pair = std::make_shared<PairTruth>();
+  const Point origin =
+      joinPair(noisy->view(), pointwise ? clean->view() : noisy->view(), scene, *pair);
+  if (scene.size() == 0) {
+    return Error{ErrorCode::kBadInput,
+                 "'" + input + "' has no finite point with a truth; name other files"};
+  }
+  const double edge = meanEdge(*clean);
+  scene.spacing = spacingOf(toCloud(pair->points));
+  if (pointwise) {
+    scene.unit_is_edge = edge > 0;
+    scene.unit = edge > 0 ? edge : 1;
+    scene.has_true_normals = !pair->normals.empty();
+    scene.truth = [pair](std::size_t i, const Point& p) { return pairTruth(*pair, i, p); };
+    return scene;
+  }
+  scene.has_true_normals = false;
+  const auto surface = surfaceOf(*clean, origin);
+  if (!surface) {
+    return Error{ErrorCode::kBadInput, "'" + truth + "' has no finite face; name another mesh"};
+  }
+  judgeByMesh(surface, edge, scene);
+  if (std::count(scene.judged.begin(), scene.judged.end(), 1) == 0) {
+    return Error{ErrorCode::kBadInput, "no point of '" + input + "' lies by the surface of '" +
+                                           truth + "'; name a mesh of the same object and place"};
+  }
+  return scene;
+}
+
+}  // namespace pcl_slim::comparison
