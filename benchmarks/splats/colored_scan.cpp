@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "splats/colored_scan.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <utility>
+
+namespace pcl_slim::bench {
+
+Result<ColoredScan>
+loadColoredScan(const std::string& path)
+{
+  Result<CloudFile> file = loadCloudFile(path);
+  if (!file) return file.error();
+  ColoredScan scan;
+  scan.file = std::move(*file);
+  const pcl::PCLPointCloud2& cloud = scan.file.file.cloud;
+  for (const char* name : {"rgba", "rgb"}) {
+    const int i = findField(cloud, name);
+    if (i < 0) continue;
+    scan.colors = {cloud.data.data() + cloud.fields[static_cast<std::size_t>(i)].offset,
+                   cloud.point_step};
+  }
+  if (!scan.colors.bgr || scan.size() == 0) {
+    return Error{ErrorCode::kBadInput,
+                 "'" + path + "' has no points or no colours; name a coloured scan"};
+  }
+  if (scan.file.normal_source == NormalSource::kNothing) estimateNormals(16, {}, 0, scan.file);
+  return scan;
+}
+
+SplatSet
+splatsOf(const ColoredScan& scan, const SplatParams& params)
+{
+  SplatSet splats;
+  if (const Error error = sampleSplats(scan.view(), scan.colors, params, splats)) {
+    std::fprintf(stderr, "%s\n", error.message.c_str());
+    std::exit(1);
+  }
+  return splats;
+}
+
+}  // namespace pcl_slim::bench

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// splat_object: writes the painted object on which splats are measured, as a point cloud.
+#include <cstdio>
+#include <cstring>
+#include <string>
+
+#include "common/options.h"
+#include "pcl_slim/core/file_access.h"
+#include "pcl_slim/filters/point_file.h"
+#include "splats/painted_object.h"
+
+namespace {
+
+using namespace pcl_slim;
+
+PointFile
+fileOf(const bench::PaintedObject& object)
+{
+  PointFile file;
+  pcl::PCLPointCloud2& cloud = file.cloud;
+  for (const char* name : {"x", "y", "z", "normal_x", "normal_y", "normal_z", "rgb"}) {
+    pcl::PCLPointField field;
+    field.name = name;
+    field.offset = cloud.point_step;
+    field.datatype = pcl::PCLPointField::FLOAT32;
+    field.count = 1;
+    cloud.fields.push_back(field);
+    cloud.point_step += 4;
+  }
+  cloud.height = 1;
+  cloud.width = static_cast<std::uint32_t>(object.rgb.size());
+  cloud.row_step = cloud.point_step * cloud.width;
+  cloud.is_dense = 1;
+  cloud.data.resize(cloud.row_step);
+  for (std::size_t i = 0; i < object.rgb.size(); ++i) {
+    unsigned char* at = cloud.data.data() + i * cloud.point_step;
+    std::memcpy(at, &object.xyz[3 * i], 12);
+    std::memcpy(at + 12, &object.normals[3 * i], 12);
+    std::memcpy(at + 24, &object.rgb[i], 4);
+  }
+  return file;
+}
+
+}  // namespace
+
+int
+main(int argc, char** argv)
+{
+  std::string output;
+  std::uint64_t points = 346733, seed = 1;
+  OptionTable options("splat_object", "1",
+                      "Writes a duck with stripes and eyes: points with normals and colours.");
+  options.positional("OUT.pcd|.ply", &output, "x y z, normal, rgb");
+  options.integer("points", &points, 100, 100000000, "points, even over the area");
+  options.integer("seed", &seed, 0, 1000000000, "start of the random numbers");
+  if (const auto status = options.parse(argc, argv)) return *status;
+  const bench::PaintedObject object = bench::paintDuck(points, seed);
+  if (const Error error = savePointFile(output, fileOf(object))) {
+    std::fprintf(stderr, "splat_object: %s\n", error.message.c_str());
+    return kExitFailed;
+  }
+  const auto eye = bench::duckEye();
+  std::printf("%zu points; the eye is at %.4f,%.4f,%.4f\n", object.rgb.size(), eye[0], eye[1],
+              eye[2]);
+  return kExitDone;
+}

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// splat_quality: how pictures of so many splats differ from pictures of all points, by method.
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include "common/options.h"
+#include "splats/methods.h"
+#include "splats/picture_quality.h"
+
+namespace {
+
+using namespace pcl_slim;
+using namespace pcl_slim::bench;
+
+struct Settings {
+  std::string input;
+  double share = 0.05;
+  int size = 600;
+  bool filtered = true;
+  std::vector<double> focus;
+};
+
+void
+measure(const Settings& s, const ColoredScan& scan, const PictureComparison& pictures)
+{
+  const auto wanted = static_cast<std::size_t>(s.share * static_cast<double>(scan.size()));
+  std::printf("%s: %zu points, %.3g %% wanted, %zu views of %d x %d\n\n", s.input.c_str(),
+              scan.size(), 100.0 * s.share, pictures.numViews(), s.size, s.size);
+  std::printf("| method | splats | Delta E | 95 %% | lost %% | extra %% | focus |\n");
+  std::printf("|---|---|---|---|---|---|---|\n");
+  DiscRenderParams render;
+  render.filtered = s.filtered;
+  for (const Method& method : comparedMethods()) {
+    const SplatSet splats = splatsOf(scan, solvedFor(scan, method, wanted));
+    const PictureDifference d = pictures.compare(splats, render);
+    std::printf("| %s | %zu | %.2f | %.1f | %.3f | %.2f | ", method.name.c_str(), splats.size(),
+                d.mean, d.p95, 100.0 * d.lost, 100.0 * d.extra);
+    std::printf(s.focus.empty() ? "|\n" : "%.2f |\n", d.focus);
+    std::fflush(stdout);
+  }
+}
+
+}  // namespace
+
+int
+main(int argc, char** argv)
+{
+  Settings s;
+  OptionTable options("splat_quality", "1",
+                      "Pictures of splats beside those of all points, by method, at one count.");
+  options.positional("IN.pcd|.ply", &s.input, "a coloured scan");
+  options.number("share", &s.share, 1e-4, 1, "splats wanted, share of the points");
+  options.integer("size", &s.size, 16, 8192, "pixels a side");
+  options.toggle("filtered", &s.filtered, "blend splats; 0: the nearest as it is");
+  options.numbers("focus", &s.focus, "X,Y,Z,R", "a ball in which to measure besides");
+  if (const auto status = options.parse(argc, argv)) return *status;
+  const Result<ColoredScan> scan = loadColoredScan(s.input);
+  if (!scan) {
+    std::fprintf(stderr, "splat_quality: %s\n", scan.error().message.c_str());
+    return kExitUsage;
+  }
+  std::optional<Ball> focus;
+  if (!s.focus.empty()) focus = Ball{{s.focus[0], s.focus[1], s.focus[2]}, s.focus[3]};
+  const PictureComparison pictures(everyPoint(*scan), s.size, focus);
+  measure(s, *scan, pictures);
+  return kExitDone;
+}
