@@ -132,8 +132,7 @@ DiscTile::countsBehind(const DiscFrame& frame, const First& first, const Disc& d
 void
 DiscTile::add(const DiscFrame& frame, const DiscHit& hit, const Disc& disc, std::size_t i, Sum& sum)
 {
-  const double falloff = 1.0 - hit.distance_sq, square = falloff * falloff;
-  const double weight = square * square;
+  const double falloff = 1.0 - hit.distance_sq, weight = falloff * falloff;
   const double side = frame.front_only || hit.from_front ? weight : -weight;
   const std::array<double, 3> color = colorAt(frame.splats, i, hit.offset);
   sum.weight += weight;

@@ -43,7 +43,7 @@ bytesOf(std::uint32_t rgb)
 double
 weightOf(double distance, double radius)
 {
-  return std::pow(1.0 - distance * distance / (radius * radius), 4.0);
+  return std::pow(1.0 - distance * distance / (radius * radius), 2.0);
 }
 
 // A slanting disc in perspective is an exact conic: every pixel agrees with the ray that it stands

@@ -45,7 +45,7 @@ struct DiscRenderStatistics {
  * Rays are intersected with each disc's plane, so perspective is exact. Pass 1 finds the first
  * disc of each ray. Pass 2 sums, over the discs not farther behind it than depth_tolerance times
  * their mean radius and a pixel (measured across the surface, not along a slanting ray), depth,
- * normal and colour with the weight (1 - s^2)^4 and divides by the sum of weights: surface
+ * normal and colour with the weight (1 - s^2)^2 and divides by the sum of weights: surface
  * splatting with normalisation per pixel (Zwicker et al. 2001). s is the distance from the centre
  * in radii or, where that is less, the ray's own distance from the centre over half a pixel's
  * diagonal: a screen filter (Botsch et al. 2005) by which no disc falls between the pixels.
