@@ -207,7 +207,7 @@ PictureComparison::compare(const SplatSet& splats, const DiscRenderParams& param
   difference.p95 = distances[static_cast<std::size_t>(at)];
   difference.lost = lost / covered;
   difference.extra = extra / covered;
-  if (focus_count > 0) difference.focus = focus_sum / focus_count;
+  difference.focus = focus_count > 0 ? focus_sum / focus_count : -1.0;
   return difference;
 }
 

@@ -26,7 +26,7 @@ struct PictureDifference {
   double mean = 0, p95 = 0;  ///< CIELAB distance over pixels that both cover
   double lost = 0;           ///< pixels that only all points cover, share of all they cover
   double extra = 0;          ///< pixels that only the splats cover, likewise
-  double focus = 0;          ///< mean distance inside the focus
+  double focus = 0;          ///< mean distance inside the focus; below 0: no view shows it
 };
 
 /** \brief Pictures of all points from fixed views, and the comparison with them.

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // splat_quality: how pictures of so many splats differ from pictures of all points, by method.
 #include <cstdio>
-#include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "common/options.h"
+#include "pcl_slim/filters/splat_conversion.h"
 #include "splats/methods.h"
 #include "splats/picture_quality.h"
 
@@ -19,9 +21,25 @@ struct Settings {
   int size = 600;
   bool filtered = true;
   std::vector<double> focus;
+  std::string save;
 };
 
-void
+/** Writes splats as <folder>/<method>.ply. */
+bool
+save(const Settings& s, const std::string& method, const SplatSet& splats)
+{
+  if (s.save.empty()) return true;
+  std::string name;
+  for (const char c : method) {
+    if (c != ',') name += c == ' ' ? '_' : c;
+  }
+  const Error error =
+      savePointFile(s.save + "/" + name + ".ply", toPointFile(splats, splatShift(splats)));
+  if (error) std::fprintf(stderr, "splat_quality: %s\n", error.message.c_str());
+  return !error;
+}
+
+bool
 measure(const Settings& s, const ColoredScan& scan, const PictureComparison& pictures)
 {
   const auto wanted = static_cast<std::size_t>(s.share * static_cast<double>(scan.size()));
@@ -36,9 +54,12 @@ measure(const Settings& s, const ColoredScan& scan, const PictureComparison& pic
     const PictureDifference d = pictures.compare(splats, render);
     std::printf("| %s | %zu | %.2f | %.1f | %.3f | %.2f | ", method.name.c_str(), splats.size(),
                 d.mean, d.p95, 100.0 * d.lost, 100.0 * d.extra);
-    std::printf(s.focus.empty() ? "|\n" : "%.2f |\n", d.focus);
+    if (d.focus >= 0.0) std::printf("%.2f ", d.focus);
+    std::printf("|\n");
     std::fflush(stdout);
+    if (!save(s, method.name, splats)) return false;
   }
+  return true;
 }
 
 }  // namespace
@@ -54,6 +75,7 @@ main(int argc, char** argv)
   options.integer("size", &s.size, 16, 8192, "pixels a side");
   options.toggle("filtered", &s.filtered, "blend splats; 0: the nearest as it is");
   options.numbers("focus", &s.focus, "X,Y,Z,R", "a ball in which to measure besides");
+  options.text("save", &s.save, "FOLDER", "write all splats, and all points as discs, there");
   if (const auto status = options.parse(argc, argv)) return *status;
   const Result<ColoredScan> scan = loadColoredScan(s.input);
   if (!scan) {
@@ -62,7 +84,8 @@ main(int argc, char** argv)
   }
   std::optional<Ball> focus;
   if (!s.focus.empty()) focus = Ball{{s.focus[0], s.focus[1], s.focus[2]}, s.focus[3]};
-  const PictureComparison pictures(everyPoint(*scan), s.size, focus);
-  measure(s, *scan, pictures);
-  return kExitDone;
+  const SplatSet every_point = everyPoint(*scan);
+  const PictureComparison pictures(every_point, s.size, focus);
+  const bool saved = save(s, "all points", every_point) && measure(s, *scan, pictures);
+  return saved ? kExitDone : kExitFailed;
 }
