@@ -107,7 +107,7 @@ addDirectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const BlendRul
     if (rules.guarded) {
       near = hn::And(near, hn::Le(hn::Abs(hn::Sub(p.w, h)), set(leaf.max_residual)));
     }
-    Vec g = hn::IfThenElseZero(near, blendWeight(rules.kernel, s_sq));
+    Vec g = hn::IfThenElseZero(near, hn::Mul(set(leaf.trust), blendWeight(rules.kernel, s_sq)));
     const Local n = {hn::Neg(hu), hn::Neg(hv), set(1.0f)};
     Vec sum[3], normal[3];
     for (int a = 0; a < 3; ++a) {
@@ -191,7 +191,8 @@ addIntersectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const Blend
       s_sq = hn::Max(p_sq, q_sq);
     }
     if (hn::AllFalse(d, near)) continue;
-    const Vec g = hn::IfThenElseZero(near, blendWeight(rules.kernel, s_sq));
+    const Vec g =
+        hn::IfThenElseZero(near, hn::Mul(set(leaf.trust), blendWeight(rules.kernel, s_sq)));
     const Vec moved = hn::IfThenElseZero(near, hn::Mul(g, hn::Mul(t, radius)));
     hn::Store(hn::Add(hn::Load(d, sums.weight + i), g), d, sums.weight + i);
     hn::Store(hn::Add(hn::Load(d, sums.offset + i), moved), d, sums.offset + i);

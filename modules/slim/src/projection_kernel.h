@@ -16,6 +16,7 @@ struct BlockLeaf {
   float radius;
   float max_residual;  ///< in units of the radius: points farther from f = 0 are not served
   float max_offset;    ///< in units of the radius: roots farther along the ray do not count
+  float trust;         ///< factor of its weights, in (0, 1]
   int degree;
   const float* c;
 };

@@ -49,7 +49,8 @@ struct Projection {
  *
  * Equations (6) and (7) of Ohtake, Belyaev, Alexa 2005 with q^ = p, guarded: the weight is taken
  * at the larger of |p - c| and |q - c|, a root counts only within 5 e and r / 4 of p, and where
- * both sides have normals a leaf serves only points it faces alike. Surfels
+ * both sides have normals a leaf serves only points it faces alike. Weights carry the inverse
+ * variance v / (v + e^2) of each leaf, v = lambda + (r / 1000)^2 being what is expected. Surfels
  * without orientation are aligned in sign to each other, point by point. Never emits NaN.
  * Curvature is positive where the surface bends away from its normal (a sphere with outward
  * normals has mean 1/R). The points need not be those the surface was fitted to: both stand in
