@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "pcl_slim/splat/octree_cloud.h"
+#include "point_window.h"
 
 namespace pcl_slim {
 
@@ -123,10 +123,10 @@ struct CellSums {
 };
 
 inline CellSums
-sumsOf(const OctreeCloud& cloud, std::size_t begin, std::size_t end)
+sumsOf(const OctreePoint* points, std::size_t n)
 {
   CellSums sums;
-  for (std::size_t i = begin; i < end; ++i) sums.add(cloud.point(i));
+  for (std::size_t i = 0; i < n; ++i) sums.add(points[i]);
   return sums;
 }
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "octree_cloud_builder.h"
 #include "pcl_slim/core/parallel.h"
@@ -11,10 +10,9 @@
 namespace pcl_slim {
 
 Result<OctreeCloud>
-OctreeCloud::build(const CloudView& cloud, const ColorView& colors, const LabTable& table,
-                   const RootGrid& grid, int threads)
+OctreeCloud::build(const CloudView& cloud, const RootGrid& grid, int threads)
 {
-  return OctreeCloudBuilder(cloud, colors, table, resolveThreads(threads)).run(grid);
+  return OctreeCloudBuilder(cloud, resolveThreads(threads)).run(grid);
 }
 
 double
@@ -24,39 +22,30 @@ OctreeCloud::edge(int shift) const
 }
 
 std::array<double, 3>
-OctreeCloud::center(std::size_t i, int shift) const
+OctreeCloud::center(const float position[3], int shift) const
 {
-  std::array<std::uint64_t, 3> corner{};
-  for (int bit = kBits - 1; bit >= shift; --bit) {
-    const std::uint64_t octant = keys_[i] >> 3 * bit;
-    corner[0] |= (octant >> 2 & 1) << bit;
-    corner[1] |= (octant >> 1 & 1) << bit;
-    corner[2] |= (octant & 1) << bit;
-  }
+  const double width = edge(shift);
   std::array<double, 3> c;
-  for (std::size_t a = 0; a < 3; ++a) {
-    c[a] = std::ldexp(static_cast<double>(corner[a]), -depth_) + 0.5 * edge(shift);
-  }
+  for (std::size_t a = 0; a < 3; ++a) c[a] = (std::floor(position[a] / width) + 0.5) * width;
   return c;
 }
 
 std::size_t
-OctreeCloud::countCells(int shift, int threads) const
+OctreeCloud::rootOf(std::size_t point) const
 {
-  using octree_cloud::kSlice;
-  const std::size_t n = size(), slices = (n + kSlice - 1) / kSlice;
-  std::vector<std::size_t> parts(slices, 0);
-  parallelFor(slices, resolveThreads(threads), 1, [&](std::size_t s, int) {
-    std::size_t count = s == 0 ? 1 : 0;
-    for (std::size_t i = std::max<std::size_t>(1, s * kSlice); i < std::min(n, (s + 1) * kSlice);
-         ++i) {
-      count += (keys_[i] ^ keys_[i - 1]) >> 3 * shift != 0;
-    }
-    parts[s] = count;
-  });
-  std::size_t total = 0;
-  for (const std::size_t part : parts) total += part;
-  return total;
+  const auto after = std::upper_bound(roots_.begin(), roots_.end() - 1, point,
+                                      [](std::size_t p, const Root& r) { return p < r.begin; });
+  return static_cast<std::size_t>(after - roots_.begin()) - 1;
+}
+
+std::size_t
+OctreeCloud::countCells(int growth) const
+{
+  std::size_t count = 1;
+  for (std::size_t r = 1; r < numRoots(); ++r) {
+    count += (roots_[r].key ^ roots_[r - 1].key) >> 3 * growth != 0;
+  }
+  return count;
 }
 
 }  // namespace pcl_slim

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "octree_cut.h"
+
 #include <algorithm>
 #include <cmath>
 
-#include "octree_roots.h"
-#include "pcl_slim/splat/color_octree.h"
+#include "octree_runs.h"
 
 namespace pcl_slim {
 
@@ -95,9 +96,11 @@ costOf(double points, double deviation, double edge)
 
 class ForestBuilder {
  public:
-  ForestBuilder(const OctreeCloud& cloud, const SplitRule& rule, Forest& forest)
+  ForestBuilder(const OctreeCloud& cloud, const SplitRule& rule, PointWindow& window,
+                Forest& forest)
       : cloud_(cloud),
         rule_(rule),
+        window_(window),
         forest_(forest),
         least_shift_(std::max(0, cloud.depth() - rule.max_depth))
   {
@@ -105,6 +108,8 @@ class ForestBuilder {
 
   void root(std::size_t begin, std::size_t end, int shift)
   {
+    first_ = begin;
+    window_.sortRun(cloud_, begin, end, keys_);
     grow(begin, end, shift);
     forest_.roots.push_back(static_cast<std::uint32_t>(forest_.nodes.size() - 1));
   }
@@ -113,15 +118,17 @@ class ForestBuilder {
   CellSums grow(std::size_t begin, std::size_t end, int shift)
   {
     const std::size_t first = forest_.nodes.size(), n = end - begin;
-    const int children = n > 1 && n >= rule_.min_points ? dividingShift(cloud_, begin, end) : -1;
+    const int children = n > 1 && n >= rule_.min_points
+                             ? dividingShift(keys_.data(), begin - first_, end - first_)
+                             : -1;
     CellSums sums;
     if (children < least_shift_) {
-      sums = sumsOf(cloud_, begin, end);
+      sums = sumsOf(window_.at(begin), n);
     } else {
       // What all points share is the cell: an ancestor of the same points costs no less.
       shift = std::min(shift, children + 1);
       for (std::size_t at = begin; at < end;) {
-        const std::size_t next = runEnd(cloud_.keys(), at, end, children);
+        const std::size_t next = first_ + runEnd(keys_.data(), at - first_, end - first_, children);
         sums.add(grow(at, next, children));
         at = next;
       }
@@ -146,27 +153,28 @@ class ForestBuilder {
 
   const OctreeCloud& cloud_;
   const SplitRule& rule_;
+  PointWindow& window_;
   Forest& forest_;
   int least_shift_;
+  std::size_t first_ = 0;  ///< of the root at hand
+  AlignedVector<std::uint64_t> keys_;
 };
 
 /** Finds lambda. */
 class CutSolver {
  public:
-  CutSolver(const OctreeCloud& cloud, const SplitRule& rule, const CutBudget& budget, int threads)
+  CutSolver(OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule,
+            const CutBudget& budget, int threads)
       : cloud_(cloud), budget_(budget), threads_(threads), forests_(numRootSlices(cloud))
   {
-    root_shift_ = cloud.depth();
+    const double most = std::max(1.0, kRootShare * 1.5 * static_cast<double>(budget.max_cells));
+    int growth = 0;
     while (budget.max_cells > 0 &&
-           root_shift_<OctreeCloud::kBits&& static_cast<double>(
-               cloud.countCells(root_shift_, threads))>
-               std::max(1.0, kRootShare * 1.5 * static_cast<double>(budget.max_cells))) {
-      ++root_shift_;
+           cloud.depth() +
+               growth<OctreeCloud::kBits&& static_cast<double>(cloud.countCells(growth))> most) {
+      ++growth;
     }
-    forEachRoot(cloud, root_shift_, threads,
-                [&](std::size_t slice, std::size_t begin, std::size_t end) {
-                  ForestBuilder(cloud, rule, forests_[slice]).root(begin, end, root_shift_);
-                });
+    plant(cloud, source, rule, growth);
   }
 
   OctreeCut run()
@@ -183,7 +191,9 @@ class CutSolver {
     cut.error = error_ / static_cast<double>(cloud_.size());
     std::vector<std::vector<OctreeCell>> parts(forests_.size());
     parallelFor(forests_.size(), threads_, 1, [&](std::size_t f, int) {
-      for (const std::uint32_t root : forests_[f].roots) extractRoot(f, root, lambda, parts[f]);
+      for (const std::uint32_t root : forests_[f].roots) {
+        forests_[f].extract(lambda, root, 0.0f, parts[f]);
+      }
     });
     for (const Forest& forest : forests_) cut.nodes += forest.nodes.size();
     cut.cells = joined(parts);
@@ -191,6 +201,27 @@ class CutSolver {
   }
 
  private:
+  /** The trees above all points, whose order becomes the full one. */
+  void plant(OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule, int growth)
+  {
+    std::vector<PointWindow> windows(static_cast<std::size_t>(threads_));
+    forEachRootSlice(
+        cloud, growth, threads_,
+        [&](std::size_t slice, std::size_t thread, std::size_t first, std::size_t last) {
+          PointWindow& window = windows[thread];
+          const std::size_t begin = cloud.root(first).begin, end = cloud.root(last).begin;
+          window.load(cloud, source, begin, end);
+          ForestBuilder builder(cloud, rule, window, forests_[slice]);
+          for (std::size_t r = first; r < last;) {
+            const std::size_t group = r;
+            const std::uint64_t key = cloud.root(r).key >> 3 * growth;
+            while (r < last && cloud.root(r).key >> 3 * growth == key) ++r;
+            builder.root(cloud.root(group).begin, cloud.root(r).begin, cloud.depth() + growth);
+          }
+          for (std::size_t i = begin; i < end; ++i) cloud.setOrder(i, window.at(i)->order);
+        });
+  }
+
   void solve(double lambda)
   {
     parallelFor(forests_.size(), threads_, 1,
@@ -230,20 +261,9 @@ class CutSolver {
     return by_count ? high : low;
   }
 
-  void extractRoot(std::size_t f, std::uint32_t root, double lambda,
-                   std::vector<OctreeCell>& out) const
-  {
-    const Node& node = forests_[f].nodes[root];
-    float spacing = 0;
-    if (!(node.spacing > 0)) {
-      spacing = static_cast<float>(spacingAround(cloud_, node.begin, node.end, root_shift_));
-    }
-    forests_[f].extract(lambda, root, spacing, out);
-  }
-
   const OctreeCloud& cloud_;
   const CutBudget& budget_;
-  int threads_, root_shift_ = 0;
+  int threads_;
   std::vector<Forest> forests_;
   std::uint64_t cells_ = 0;
   double error_ = 0;
@@ -252,9 +272,10 @@ class CutSolver {
 }  // namespace
 
 OctreeCut
-cutOptimally(const OctreeCloud& cloud, const SplitRule& rule, const CutBudget& budget, int threads)
+cutOptimally(OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule,
+             const CutBudget& budget, int threads)
 {
-  return CutSolver(cloud, rule, budget, resolveThreads(threads)).run();
+  return CutSolver(cloud, source, rule, budget, threads).run();
 }
 
 }  // namespace pcl_slim

@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "sample_noise.h"
+
 #include <algorithm>
 #include <array>
 #include <utility>
 #include <vector>
 
 #include "cell_sums.h"
-#include "pcl_slim/splat/color_octree.h"
+#include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim {
 
 namespace {
 
-constexpr std::size_t kSamples = 2000;
+constexpr std::size_t kSamples = 600;
 constexpr std::size_t kNeighbors = 8;
 constexpr std::size_t kReach = 24;  ///< points before and after a sample to choose neighbours from
 // A sample less the mean of k neighbours has the variance of one point times (k + 1) / k.
@@ -30,13 +32,12 @@ median(std::vector<double>& values)
   return *middle;
 }
 
-double
+float
 distanceSq(const OctreePoint& p, const OctreePoint& q)
 {
-  double sum = 0;
+  float sum = 0;
   for (int a = 0; a < 3; ++a) {
-    const double d = static_cast<double>(p.position[a]) - q.position[a];
-    sum += d * d;
+    sum += (p.position[a] - q.position[a]) * (p.position[a] - q.position[a]);
   }
   return sum;
 }
@@ -63,41 +64,49 @@ normalResidual(const OctreePoint& p, const CellSums& near)
   return std::max(0.0, 1.0 - along / near.normals());
 }
 
+/** Sums over the nearest of the points, without the own-th itself. */
 CellSums
-neighborsOf(const OctreeCloud& cloud, std::size_t i)
+neighborsOf(const OctreePoint* points, std::size_t count, std::size_t own)
 {
-  const std::size_t first = i > kReach ? i - kReach : 0;
-  const std::size_t last = std::min(cloud.size(), i + kReach + 1);
-  std::array<std::pair<double, std::size_t>, 2 * kReach + 1> near;
-  std::size_t count = 0;
-  for (std::size_t j = first; j < last; ++j) {
-    if (j != i) near[count++] = {distanceSq(cloud.point(i), cloud.point(j)), j};
+  std::array<std::pair<float, std::size_t>, kNeighbors> nearest;
+  std::size_t found = 0;
+  for (std::size_t j = 0; j < count; ++j) {
+    if (j == own) continue;
+    const float distance = distanceSq(points[own], points[j]);
+    if (found == kNeighbors && distance >= nearest.back().first) continue;
+    std::size_t at = found < kNeighbors ? found++ : kNeighbors - 1;
+    for (; at > 0 && nearest[at - 1].first > distance; --at) nearest[at] = nearest[at - 1];
+    nearest[at] = {distance, j};
   }
-  const auto end = near.begin() + static_cast<std::ptrdiff_t>(kNeighbors);
-  std::partial_sort(near.begin(), end, near.begin() + static_cast<std::ptrdiff_t>(count));
   CellSums sums;
-  for (auto it = near.begin(); it != end; ++it) sums.add(cloud.point(it->second));
+  for (const auto& [distance, j] : nearest) sums.add(points[j]);
   return sums;
 }
 
 }  // namespace
 
 SampleNoise
-estimateSampleNoise(const OctreeCloud& cloud)
+estimateSampleNoise(const OctreeCloud& cloud, const OctreeSource& source, int threads)
 {
   SampleNoise noise;
-  if (cloud.size() < 4 * kNeighbors) return noise;
-  const std::size_t samples = std::min(kSamples, cloud.size());
-  std::vector<double> color, normal;
-  for (std::size_t s = 0; s < samples; ++s) {
-    const std::size_t i = (2 * s + 1) * cloud.size() / (2 * samples);
-    const CellSums near = neighborsOf(cloud, i);
-    const OctreePoint& p = cloud.point(i);
-    color.push_back(colorResidual(p, near));
+  const std::size_t n = cloud.size();
+  if (n < 4 * kNeighbors) return noise;
+  const std::size_t samples = std::min(kSamples, n);
+  std::vector<double> color(samples), normal(samples, -1.0);
+  std::vector<PointWindow> windows(static_cast<std::size_t>(threads));
+  parallelFor(samples, threads, 32, [&](std::size_t s, int thread) {
+    const std::size_t i = (2 * s + 1) * n / (2 * samples);
+    PointWindow& window = windows[static_cast<std::size_t>(thread)];
+    window.load(cloud, source, i - std::min(i, kReach), std::min(n, i + kReach + 1));
+    const CellSums near =
+        neighborsOf(window.at(window.begin()), window.end() - window.begin(), i - window.begin());
+    const OctreePoint& p = *window.at(i);
+    color[s] = colorResidual(p, near);
     const bool has_normal = p.normal[0] != 0 || p.normal[1] != 0 || p.normal[2] != 0;
-    if (has_normal && near.normals() > 0) normal.push_back(normalResidual(p, near));
-  }
-  noise.color = cloud.hasColors() ? kMedian3 * kMeanFactor * median(color) : 0.0;
+    if (has_normal && near.normals() > 0) normal[s] = normalResidual(p, near);
+  });
+  normal.erase(std::remove(normal.begin(), normal.end(), -1.0), normal.end());
+  noise.color = source.colors.bgr ? kMedian3 * kMeanFactor * median(color) : 0.0;
   noise.normal = kNormalFactor * median(normal);
   return noise;
 }

@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/splat/splat_sampling.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <optional>
 
+#include "octree_cut.h"
 #include "pcl_slim/core/parallel.h"
+#include "sample_noise.h"
 #include "splat_builder.h"
+#include "tolerance_division.h"
 
 namespace pcl_slim {
 
@@ -18,6 +22,7 @@ constexpr double kRootsPerSplat = 0.25;  ///< budgets start from cells twice as 
 constexpr double kPointsPerErrorRoot = 256.0;
 constexpr double kColorOff = 1.0;  ///< a colour error from here on ignores colour
 constexpr double kLabPerUnit = 100.0;
+constexpr std::size_t kCellSlice = 256;  ///< cells whose points are brought together at a time
 
 /** Whether any point asked for has a usable normal. */
 bool
@@ -65,35 +70,25 @@ class Sampling {
   Error run(SplatSet& splats)
   {
     if (!begin(0.0f, "ordering")) return cancelled();
-    Result<OctreeCloud> cloud =
-        OctreeCloud::build(view_, colors_, table_, rootGrid(), params_.threads);
+    Result<OctreeCloud> cloud = OctreeCloud::build(view_, rootGrid(), params_.threads);
     if (!cloud) return cloud.error();
     statistics_.seconds_order = lap();
-    // Normals come before the order, so a cloud without them is looked at once more; what is wrong
-    // with a cloud has been said by then.
     if (needsNormals() || params_.radius == RadiusRule::kNeighbors) {
       if (!begin(0.2f, "neighbours")) return cancelled();
-      Result<PointStore> store = PointStore::build(positionsOnly(), params_.threads);
-      if (!store) return store.error();
-      store_ = std::move(*store);
-    }
-    if (needsNormals()) {
-      normals_ = estimateNormals(*store_, view_, params_.normal_neighbors, params_.viewpoint,
-                                 params_.threads);
-      view_.normal = normals_.data();
-      view_.normal_stride = 3 * sizeof(float);
-      statistics_.normals_estimated = true;
-      cloud = OctreeCloud::build(view_, colors_, table_, rootGrid(), params_.threads);
-      if (!cloud) return cloud.error();
+      if (Error error = findNeighbors()) return error;
     }
     statistics_.seconds_normals = lap();
     if (!begin(0.6f, "dividing")) return cancelled();
-    const SampleNoise noise = params_.remove_noise ? estimateSampleNoise(*cloud) : SampleNoise();
-    const std::vector<OctreeCell> cells = divide(*cloud, noise);
+    const OctreeSource source{view_, colors_, table_};
+    const SampleNoise noise =
+        params_.remove_noise ? estimateSampleNoise(*cloud, source, params_.threads) : SampleNoise();
+    describe(*cloud, noise);
+    SplatBuilder builder = params_.max_splats == 0 && !(params_.target_error > 0)
+                               ? divide(*cloud, source, noise)
+                               : cut(*cloud, source, noise);
     statistics_.seconds_divide = lap();
-    if (!begin(0.8f, "splats")) return cancelled();
-    const SplatSources sources{view_, colors_, table_, store_ ? &*store_ : nullptr, noise};
-    buildSplats(*cloud, cells, sources, params_, splats, statistics_);
+    if (!begin(0.9f, "splats")) return cancelled();
+    builder.finish(store_ ? &*store_ : nullptr, splats, statistics_);
     statistics_.seconds_splats = lap();
     return begin(1.0f, "done") ? Error() : cancelled();
   }
@@ -139,7 +134,33 @@ class Sampling {
     return {0, n / (params_.target_error > 0 ? kPointsPerErrorRoot : kPointsPerRoot)};
   }
 
-  std::vector<OctreeCell> divide(const OctreeCloud& cloud, const SampleNoise& noise)
+  /** Neighbours of all points, and normals from them where there are none. */
+  Error findNeighbors()
+  {
+    Result<PointStore> store = PointStore::build(positionsOnly(), params_.threads);
+    if (!store) return store.error();
+    store_ = std::move(*store);
+    if (!needsNormals()) return {};
+    normals_ = estimateNormals(*store_, view_, params_.normal_neighbors, params_.viewpoint,
+                               params_.threads);
+    view_.normal = normals_.data();
+    view_.normal_stride = 3 * sizeof(float);
+    statistics_.normals_estimated = true;
+    return {};
+  }
+
+  void describe(const OctreeCloud& cloud, const SampleNoise& noise)
+  {
+    statistics_.points = cloud.size();
+    statistics_.non_finite = cloud.numNonFinite();
+    statistics_.roots = cloud.numRoots();
+    statistics_.resolution = cloud.resolution();
+    statistics_.cell = cloud.cell();
+    statistics_.color_noise = std::sqrt(noise.color);
+    statistics_.normal_noise = std::sqrt(noise.normal);
+  }
+
+  SplitRule ruleOf(const SampleNoise& noise) const
   {
     SplitRule rule;
     rule.geometric_error = params_.geometric_error;
@@ -149,21 +170,41 @@ class Sampling {
     rule.noise = noise;
     rule.min_points = params_.min_points;
     rule.max_depth = params_.max_depth;
-    statistics_.points = cloud.size();
-    statistics_.non_finite = cloud.numNonFinite();
-    statistics_.roots = cloud.countCells(cloud.depth(), params_.threads);
-    statistics_.resolution = cloud.resolution();
-    statistics_.cell = cloud.cell();
-    statistics_.color_noise = std::sqrt(noise.color);
-    statistics_.normal_noise = std::sqrt(noise.normal);
-    if (params_.max_splats == 0 && !(params_.target_error > 0)) {
-      return divideByTolerance(cloud, rule, params_.threads);
-    }
-    OctreeCut cut =
-        cutOptimally(cloud, rule, {params_.max_splats, params_.target_error}, params_.threads);
+    return rule;
+  }
+
+  SplatBuilder divide(const OctreeCloud& cloud, const OctreeSource& source,
+                      const SampleNoise& noise)
+  {
+    SplatBuilder builder(cloud, source, params_, noise, numRootSlices(cloud));
+    divideByTolerance(cloud, source, ruleOf(noise), params_.threads,
+                      [&](std::size_t slice, const PointWindow& window, const OctreeCell& cell,
+                          const CellSums& sums) { builder.add(slice, window, cell, sums); });
+    return builder;
+  }
+
+  SplatBuilder cut(OctreeCloud& cloud, const OctreeSource& source, const SampleNoise& noise)
+  {
+    const OctreeCut cut = cutOptimally(cloud, source, ruleOf(noise),
+                                       {params_.max_splats, params_.target_error}, params_.threads);
     statistics_.tree_cells = cut.nodes;
     statistics_.error = cut.error;
-    return std::move(cut.cells);
+    const std::size_t slices = (cut.cells.size() + kCellSlice - 1) / kCellSlice;
+    SplatBuilder builder(cloud, source, params_, noise, slices);
+    std::vector<PointWindow> windows(static_cast<std::size_t>(params_.threads));
+    parallelFor(slices, params_.threads, 1, [&](std::size_t slice, int thread) {
+      PointWindow& window = windows[static_cast<std::size_t>(thread)];
+      const std::size_t first = slice * kCellSlice;
+      const std::size_t last = std::min(cut.cells.size(), first + kCellSlice);
+      const std::size_t begin = cut.cells[first].begin, end = cut.cells[last - 1].end;
+      window.load(cloud, source, begin - std::min(begin, kSpacingReach),
+                  std::min(cloud.size(), end + kSpacingReach));
+      for (std::size_t c = first; c < last; ++c) {
+        const OctreeCell& cell = cut.cells[c];
+        builder.add(slice, window, cell, sumsOf(window.at(cell.begin), cell.end - cell.begin));
+      }
+    });
+    return builder;
   }
 
   CloudView view_;

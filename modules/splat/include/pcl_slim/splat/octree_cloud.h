@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/core/aligned.h"
@@ -19,14 +20,6 @@ struct ColorView {
   std::size_t stride = 0;     ///< bytes from one point to the next
 };
 
-/** \brief One point as the colour octree sees it. */
-struct OctreePoint {
-  float position[3];    ///< in root cells from OctreeCloud::origin
-  float normal[3];      ///< unit, or zero where the point has none
-  float lab[3];         ///< CIELAB, or zero where the cloud has no colours
-  std::uint32_t order;  ///< the i of CloudView::inputIndex(i)
-};
-
 /** \brief The grid of root cells over a cloud. */
 struct RootGrid {
   static constexpr int kMaxResolution = 1 << 20;
@@ -35,53 +28,82 @@ struct RootGrid {
   double occupied = 0;  ///< occupied cells wanted, roughly, where resolution is 0
 };
 
-/** \brief A cloud brought into the Morton order of a grid of cubic cells chosen by its user.
+/** \brief From world coordinates to root cells. */
+struct OctreeFrame {
+  std::array<double, 3> origin{};  ///< low corner of the grid
+  double scale = 0;                ///< root cells per world unit; 0: one position
+  float last = 0;                  ///< largest position inside the grid
+
+  template <typename T>
+  void position(const T world[3], float cells[3]) const
+  {
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double p = (static_cast<double>(world[a]) - origin[a]) * scale;
+      cells[a] = static_cast<float>(p) < last ? static_cast<float>(p) : last;
+    }
+  }
+};
+
+/** \brief The order of a cloud's points along the Morton curve of a grid of cubic cells chosen by
+ * its user; the points themselves stay where they are.
  *
- * Root cells number floor((p - origin) / cell) along each axis; below them keys resolve depth
+ * Root cells number floor((p - origin) / cell) along each axis; below them positions resolve depth
  * halvings, 21 bits an axis in all. An octree cell at any level is one run of points. Unlike
  * PointStore, whose cells are powers of two of the box, the grid has any size, every finite
  * point stays (also without a normal, also at a position taken), and nothing is built for
- * neighbour searches: about a third of its cost.
+ * neighbour searches.
  *
- * O(N) time, 48 bytes a point. Same input, same cloud, for any number of threads.
+ * Points of one root are in order to a depth where about eight share a cell; whoever divides
+ * further orders them further (orderRun). O(N) time, 4 bytes a point and 16 a root; 16 bytes a
+ * point more while it is built. Same input, same order, for any number of threads.
  */
 class OctreeCloud {
  public:
-  static constexpr int kBits = 21;  ///< of a key, per axis
+  static constexpr int kBits = 21;  ///< cells resolved along an axis: 2 to this power
+
+  /** \brief Where a root's points begin. */
+  struct Root {
+    std::uint64_t key;    ///< Morton code of the root cell
+    std::uint32_t begin;  ///< its first point
+  };
 
   /** \brief Orders a cloud. \return why there is none: no points, more than 2^32 - 2, an index
    * outside, not one finite point, or coordinates near the largest double. */
-  static Result<OctreeCloud> build(const CloudView& cloud, const ColorView& colors,
-                                   const LabTable& table, const RootGrid& grid, int threads = 0);
+  static Result<OctreeCloud> build(const CloudView& cloud, const RootGrid& grid, int threads = 0);
 
-  std::size_t size() const { return points_.size(); }
-  const OctreePoint& point(std::size_t i) const { return points_[i]; }
-  const OctreePoint* points() const { return points_.data(); }
-  const std::uint64_t* keys() const { return keys_.data(); }
+  std::size_t size() const { return order_.size(); }
+  /** \brief The i-th point along the curve, as the i of CloudView::inputIndex. */
+  std::uint32_t order(std::size_t i) const { return order_[i]; }
+  /** \brief Puts another point of the same root there. */
+  void setOrder(std::size_t i, std::uint32_t order) { order_[i] = order; }
 
-  const std::array<double, 3>& origin() const { return origin_; }  ///< low corner of the grid
+  std::size_t numRoots() const { return roots_.size() - 1; }
+  /** \brief Occupied roots along the curve; the one behind the last begins at size(). */
+  const Root& root(std::size_t r) const { return roots_[r]; }
+  /** \brief The root a point lies in. O(log roots). */
+  std::size_t rootOf(std::size_t point) const;
+  /** \brief Number of occupied cells 2^growth roots wide. O(roots). */
+  std::size_t countCells(int growth) const;
+
+  const OctreeFrame& frame() const { return frame_; }
   double cell() const { return cell_; }  ///< edge of a root cell, world units; 0: one position
-  int depth() const { return depth_; }   ///< halvings that keys resolve below a root cell
+  int depth() const { return depth_; }   ///< halvings that positions resolve below a root cell
   int resolution() const { return resolution_; }  ///< root cells along the longest side
-  bool hasColors() const { return has_colors_; }
   std::uint64_t numNonFinite() const { return num_non_finite_; }
 
-  /** \brief Edge, in root cells, of cells whose keys agree above shift bits an axis. */
+  /** \brief Edge, in root cells, of cells 2^shift times the smallest. */
   double edge(int shift) const;
-  /** \brief Centre, in root cells, of the cell of that size around a point. */
-  std::array<double, 3> center(std::size_t point, int shift) const;
-  /** \brief Number of occupied cells of that size. O(N). */
-  std::size_t countCells(int shift, int threads) const;
+  /** \brief Centre, in root cells, of the cell of that size around a position. */
+  std::array<double, 3> center(const float position[3], int shift) const;
 
  private:
   friend class OctreeCloudBuilder;
 
-  AlignedVector<OctreePoint> points_;
-  AlignedVector<std::uint64_t> keys_;
-  std::array<double, 3> origin_{};
+  AlignedVector<std::uint32_t> order_;
+  std::vector<Root> roots_{{0, 0}};
+  OctreeFrame frame_;
   double cell_ = 0;
   int depth_ = 0, resolution_ = 1;
-  bool has_colors_ = false;
   std::uint64_t num_non_finite_ = 0;
 };
 

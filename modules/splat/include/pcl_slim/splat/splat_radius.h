@@ -2,11 +2,11 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "pcl_slim/cloud/point_store.h"
-#include "pcl_slim/splat/color_octree.h"
+#include "pcl_slim/splat/octree_cloud.h"
 
 namespace pcl_slim {
 
@@ -17,38 +17,38 @@ enum class RadiusRule : unsigned char {
   kCorner      ///< to the farthest corner of the cell, as the paper has it: large, and never short
 };
 
-/** \brief A disc in OctreeCloud's units. */
-struct Disc {
-  std::array<double, 3> center{}, normal{};
-};
-
 /** \brief Distance from a point to the farthest corner of a cube. All in one unit. */
 double
 cornerRadius(const std::array<double, 3>& point, const std::array<double, 3>& cube_center,
              double edge);
 
-/** \brief Largest distance from the disc's centre to the cell's points [root cells]. O(points of the
- * cell). */
-double
-reachOfPoints(const OctreeCloud& cloud, const OctreeCell& cell, const Disc& disc);
+/** \brief A cell's mean distance between points [root cells; 0: unknown], and how many it has. */
+struct CellSpacing {
+  float spacing;
+  std::uint32_t points;
+};
 
 /** \brief Spacings wider than this are cut to it: outliers would get discs of any size. A multiple
- * of the middle spacing over cells, weighted by their points; 0 if no cell knows its spacing. */
+ * of the middle spacing over cells, weighted by their points; 0 if no cell knows its spacing. The
+ * cells are reordered. */
 double
-widestSpacing(const std::vector<OctreeCell>& cells);
+widestSpacing(std::vector<CellSpacing>& cells);
 
-/** \brief Radii by kDensity [root cells]. \param[in] reach reachOfPoints of each cell.
+/** \brief Radius by kDensity [root cells]. \param[in] reach distance to the cell's farthest point.
  * \param[in] widest widestSpacing(). */
 double
-densityRadius(const OctreeCell& cell, double reach, double widest);
+densityRadius(double reach, double spacing, double widest);
 
-/** \brief Radii of all cells by kNeighbors [root cells]; discs one per cell.
+/** \brief Radii of all discs by kNeighbors [root cells].
  *
  * A point's spacing is the mean distance to its 6 nearest; neighbours are its 8 nearest, as far as
- * 2 widest spacings. \param[in] store the same points. About a microsecond a point.
+ * 2 widest spacings. \param[in] centers of the discs, in root cells. \param[in] disc_of the disc of
+ * each point, by the i of CloudView::inputIndex. \param[in] store the same points. About a
+ * microsecond a point.
  */
 std::vector<float>
-neighborRadii(const OctreeCloud& cloud, const std::vector<OctreeCell>& cells,
-              const std::vector<Disc>& discs, const PointStore& store, int threads);
+neighborRadii(const OctreeCloud& cloud, const std::vector<std::array<float, 3>>& centers,
+              const std::vector<std::uint32_t>& disc_of, const PointStore& store, double widest,
+              int threads);
 
 }  // namespace pcl_slim

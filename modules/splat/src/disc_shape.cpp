@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "disc_shape.h"
+
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace pcl_slim {
+
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr int kPowerSteps = 12;
+constexpr double kStill = 1e-13;            ///< squared step at which the power method ends
+constexpr std::size_t kPlanePoints = 16;    ///< on either side, for a cell without normals
+constexpr std::size_t kGradientPoints = 6;  ///< fewer do not tell a slope from noise
+
+Matrix3d
+symmetric(const double m[6])
+{
+  Matrix3d s;
+  s << m[0], m[1], m[2], m[1], m[3], m[4], m[2], m[4], m[5];
+  return s;
+}
+
+Vector3d
+vectorOf(const float v[3])
+{
+  return {v[0], v[1], v[2]};
+}
+
+Vector3d
+commonNormal(const CellSums& sums)
+{
+  const Matrix3d product = symmetric(sums.product);
+  const Vector3d sum(sums.normal[0], sums.normal[1], sums.normal[2]);
+  Vector3d n = sum;
+  // In a cell whose normals differ little the power method gains digits at every step.
+  if (sum.squaredNorm() > 0.25 * sums.count * sums.count) {
+    n.normalize();
+    for (int step = 0; step < kPowerSteps; ++step) {
+      const Vector3d next = (product * n).normalized();
+      const bool still = (next - n).squaredNorm() < kStill;
+      n = next;
+      if (still) return n;
+    }
+  }
+  Eigen::SelfAdjointEigenSolver<Matrix3d> solver(product);
+  n = solver.eigenvectors().col(2);
+  return n.dot(sum) < 0.0 ? Vector3d(-n) : n;
+}
+
+/** Normal of the plane through the points around a cell, as far as the window holds them. */
+Vector3d
+planeNormal(const PointWindow& window, const OctreeCell& cell)
+{
+  std::size_t begin = cell.begin, end = cell.end;
+  if (end - begin < 3) {
+    begin = std::max(window.begin() + kPlanePoints, begin) - kPlanePoints;
+    end = std::min(window.end(), end + kPlanePoints);
+  }
+  const OctreePoint* points = window.at(begin);
+  const std::size_t n = end - begin;
+  Vector3d mean = Vector3d::Zero();
+  for (std::size_t i = 0; i < n; ++i) mean += vectorOf(points[i].position);
+  mean /= static_cast<double>(n);
+  Matrix3d covariance = Matrix3d::Zero();
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vector3d d = vectorOf(points[i].position) - mean;
+    covariance += d * d.transpose();
+  }
+  if (!(covariance.cwiseAbs().maxCoeff() > 0.0)) return Vector3d::UnitZ();
+  return Eigen::SelfAdjointEigenSolver<Matrix3d>(covariance).eigenvectors().col(0);
+}
+
+}  // namespace
+
+DiscNormal
+discNormal(const PointWindow& window, const OctreeCell& cell, const CellSums& sums)
+{
+  const double total = sums.normals();
+  if (!(total > 0.5)) {
+    const Vector3d n = planeNormal(window, cell);
+    return {{n[0], n[1], n[2]}, 0.0};
+  }
+  const Vector3d n = commonNormal(sums);
+  const double along = n.dot(symmetric(sums.product) * n);
+  return {{n[0], n[1], n[2]}, std::clamp(1.0 - along / total, 0.0, 2.0 / 3.0)};
+}
+
+DiscReach
+discReach(const OctreePoint* points, std::size_t n, const std::array<float, 3>& target,
+          const std::array<float, 3>& center)
+{
+  const auto distanceSq = [](const float p[3], const std::array<float, 3>& q) {
+    const float x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
+    return x * x + y * y + z * z;
+  };
+  std::size_t nearest = 0;
+  float least = std::numeric_limits<float>::infinity(), largest = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const float to_target = distanceSq(points[i].position, target);
+    largest = std::max(largest, distanceSq(points[i].position, center));
+    nearest = to_target < least ? i : nearest;
+    least = std::min(least, to_target);
+  }
+  return {points + nearest, std::sqrt(largest)};
+}
+
+SplatSet::Gradient
+discGradient(const OctreePoint* points, std::size_t n, const CellSums& sums,
+             const std::array<double, 3>& axis, const LabTable& table, double noise, double cell)
+{
+  SplatSet::Gradient gradient{};
+  if (n < kGradientPoints) return gradient;
+  const Vector3d normal(axis[0], axis[1], axis[2]);
+  const Vector3d center =
+      Vector3d(sums.position[0], sums.position[1], sums.position[2]) / sums.count;
+  const Vector3d mean = Vector3d(sums.lab[0], sums.lab[1], sums.lab[2]) / sums.count;
+  Eigen::Matrix<double, 3, 2> frame;
+  frame.col(0) = normal.unitOrthogonal();
+  frame.col(1) = normal.cross(frame.col(0));
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  Eigen::Matrix<double, 2, 3> mixed = Eigen::Matrix<double, 2, 3>::Zero();
+  for (std::size_t i = 0; i < n; ++i) {
+    const Eigen::Vector2d at = frame.transpose() * (vectorOf(points[i].position) - center);
+    spread += at * at.transpose();
+    mixed += at * (vectorOf(points[i].lab) - mean).transpose();
+  }
+  const double trace = spread.trace();
+  if (!(trace > 0.0) || spread.determinant() < 1e-3 * trace * trace) return gradient;
+  Eigen::Matrix<double, 2, 3> slope = spread.inverse() * mixed;
+  const double explained = slope.cwiseProduct(mixed).sum();
+  const double total = sums.colorVariance() * sums.count;
+  const double rest = std::max(std::max(0.0, total - explained) / (sums.count - 3.0), noise);
+  slope *= std::max(0.0, 1.0 - 2.0 * rest / std::max(explained, 1e-12));
+  const double rim = std::sqrt(trace / sums.count);
+  for (Eigen::Index k = 0; k < 2; ++k) {
+    const Vector3d step = slope.row(k).transpose() * rim;
+    const Vector3d low = mean - step, high = mean + step;
+    const float from[3] = {float(low[0]), float(low[1]), float(low[2])};
+    const float to[3] = {float(high[0]), float(high[1]), float(high[2])};
+    const auto a = table.rgbUnrounded(from), b = table.rgbUnrounded(to);
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      const double change = (b[channel] - a[channel]) / (2.0 * rim * cell);
+      for (Eigen::Index d = 0; d < 3; ++d) {
+        gradient[3 * channel + static_cast<std::size_t>(d)] +=
+            static_cast<float>(change * frame(d, k));
+      }
+    }
+  }
+  return gradient;
+}
+
+}  // namespace pcl_slim

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+
+#include "octree_runs.h"
+#include "pcl_slim/splat/splat_set.h"
+
+namespace pcl_slim {
+
+/** What a cell's points say about its disc. */
+struct DiscNormal {
+  std::array<double, 3> normal;
+  double variance;  ///< 1 - share of the normals' common line, in [0, 2/3]; 0 without normals
+};
+
+/** Axis along which a cell's normals agree, on the side of their sum; that of the plane through the
+ * points around where none has one. */
+DiscNormal
+discNormal(const PointWindow& window, const OctreeCell& cell, const CellSums& sums);
+
+/** Of a cell's points, the one nearest to a target, and the distance of the farthest from a centre;
+ * all in root cells. */
+struct DiscReach {
+  const OctreePoint* nearest;
+  float farthest;
+};
+
+DiscReach
+discReach(const OctreePoint* points, std::size_t n, const std::array<float, 3>& target,
+          const std::array<float, 3>& center);
+
+/** How colour changes across a disc: least squares of Lab over its plane, less the share that noise
+ * alone explains, as differences of display colours from one rim of the points to the other.
+ * cell: world units of a root cell. */
+SplatSet::Gradient
+discGradient(const OctreePoint* points, std::size_t n, const CellSums& sums,
+             const std::array<double, 3>& normal, const LabTable& table, double noise, double cell);
+
+}  // namespace pcl_slim

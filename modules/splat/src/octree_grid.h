@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+#include "pcl_slim/cloud/cloud_view.h"
+#include "pcl_slim/core/parallel.h"
+
+/** \brief A cloud's box, and how fine a grid must be for so many occupied cells. */
+namespace pcl_slim::octree_grid {
+
+constexpr std::size_t kSlice = 1 << 15;        ///< points a thread takes at a time
+constexpr int kProbeBits = 6;                  ///< the grid that guesses a cloud's area: 64 an axis
+constexpr std::size_t kProbePoints = 1 << 16;  ///< points that suffice for it
+
+/** Coordinates stored as T. */
+template <typename T>
+struct Reader {
+  using Scalar = T;
+  const unsigned char* base;
+  std::size_t stride;
+  const std::int32_t* indices;
+
+  void operator()(std::size_t i, T p[3]) const
+  {
+    const std::size_t input = indices ? static_cast<std::size_t>(indices[i]) : i;
+    std::memcpy(p, base + input * stride, 3 * sizeof(T));
+  }
+};
+
+template <typename T>
+Reader<T>
+readerOf(const CloudView& view)
+{
+  return {static_cast<const unsigned char*>(view.xyz), view.xyz_stride, view.indices};
+}
+
+template <typename T>
+bool
+isFinite(const T p[3])
+{
+  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+}
+
+/** Runs body(slice, begin, end) over [0, n). */
+template <typename Body>
+void
+forEachSlice(std::size_t n, int threads, const Body& body)
+{
+  parallelFor((n + kSlice - 1) / kSlice, threads, 1,
+              [&](std::size_t s, int) { body(s, s * kSlice, std::min(n, (s + 1) * kSlice)); });
+}
+
+struct Box {
+  std::array<double, 3> min, max;
+  std::size_t finite = 0;  ///< points inside; the others are NaN or infinite
+
+  double longest() const { return std::max({max[0] - min[0], max[1] - min[1], max[2] - min[2]}); }
+};
+
+template <typename T>
+Box
+boxOf(const Reader<T>& read, std::size_t begin, std::size_t end)
+{
+  const T inf = std::numeric_limits<T>::infinity();
+  T low[3] = {inf, inf, inf}, high[3] = {-inf, -inf, -inf};
+  Box box{};
+  for (std::size_t i = begin; i < end; ++i) {
+    T p[3];
+    read(i, p);
+    if (!isFinite(p)) continue;
+    ++box.finite;
+    for (int a = 0; a < 3; ++a) {
+      low[a] = p[a] < low[a] ? p[a] : low[a];
+      high[a] = p[a] > high[a] ? p[a] : high[a];
+    }
+  }
+  for (std::size_t a = 0; a < 3; ++a) {
+    box.min[a] = low[a];
+    box.max[a] = high[a];
+  }
+  return box;
+}
+
+template <typename T>
+Box
+measure(const Reader<T>& read, std::size_t n, int threads, std::vector<std::size_t>& finite)
+{
+  std::vector<Box> parts((n + kSlice - 1) / kSlice);
+  forEachSlice(n, threads, [&](std::size_t s, std::size_t begin, std::size_t end) {
+    parts[s] = boxOf(read, begin, end);
+  });
+  Box all = parts[0];
+  finite.assign(1, 0);
+  for (const Box& part : parts) {
+    finite.push_back(finite.back() + part.finite);
+    for (std::size_t a = 0; a < 3; ++a) {
+      all.min[a] = std::min(all.min[a], part.min[a]);
+      all.max[a] = std::max(all.max[a], part.max[a]);
+    }
+  }
+  all.finite = finite.back();
+  return all;
+}
+
+/** Resolutions that give about as many occupied cells as wanted: a surface's count grows with the
+ * square of the resolution, and a coarse grid over some of the points tells the factor. */
+class AreaProbe {
+ public:
+  template <typename T>
+  AreaProbe(const Reader<T>& read, std::size_t n, const Box& box)
+  {
+    constexpr std::size_t kWords = (std::size_t{1} << 3 * kProbeBits) / 64;
+    std::vector<std::uint64_t> seen(kWords, 0);
+    const std::size_t stride = std::max<std::size_t>(1, n / kProbePoints);
+    const double scale = kCells / box.longest();
+    for (std::size_t i = 0; i < n; i += stride) {
+      T p[3];
+      read(i, p);
+      if (!isFinite(p)) continue;
+      std::size_t cell = 0;
+      for (std::size_t a = 0; a < 3; ++a) {
+        const double at = (static_cast<double>(p[a]) - box.min[a]) * scale;
+        cell = cell << kProbeBits | static_cast<std::size_t>(std::min(at, kCells - 1.0));
+      }
+      seen[cell / 64] |= std::uint64_t{1} << cell % 64;
+    }
+    for (std::uint64_t word : seen) {
+      for (; word != 0; word &= word - 1) ++occupied_;
+    }
+  }
+
+  int resolutionFor(double wanted) const
+  {
+    const double ratio = std::max(wanted, 1.0) / std::max(occupied_, 1.0);
+    return static_cast<int>(std::clamp(std::round(kCells * std::sqrt(ratio)), 1.0, 65536.0));
+  }
+
+ private:
+  static constexpr double kCells = 1 << kProbeBits;
+  double occupied_ = 0;
+};
+
+}  // namespace pcl_slim::octree_grid
