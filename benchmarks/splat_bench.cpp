@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // splat_bench: time of the colour octree beside pcl::VoxelGrid and pcl::UniformSampling on the
-// same cloud at about equal count. Times are the least of some repetitions, in microseconds of CPU
-// time a point: other programs' load leaves that alone.
+// same cloud at about equal count. Rounds measure every method once; times are medians over rounds
+// in microseconds a point, and speed-ups medians of the ratios within a round, so that a machine
+// that others slow down for a while slows both sides of a ratio.
 #include <pcl/common/common.h>
 #include <pcl/filters/uniform_sampling.h>
 #include <pcl/filters/voxel_grid.h>
@@ -13,10 +14,10 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <random>
 #include <string>
+#include <vector>
 
 #include "bench_common.h"
 #include "common/options.h"
@@ -32,8 +33,8 @@ using Cloud = pcl::PointCloud<Point>;
 struct Settings {
   std::string input;
   std::uint64_t points = 1000000;
-  int repetitions = 5;
-  double share = 0.05;
+  int repetitions = 9;
+  double share = 0;
 };
 
 /** An ellipsoid with slanting stripes and an eye, in random order. */
@@ -66,30 +67,45 @@ paintedCloud(std::size_t count)
   return cloud;
 }
 
-struct Cost {
-  double wall = std::numeric_limits<double>::infinity(), cpu = wall;
+/** What is timed: a name, and the work, which returns how many points or splats it gave. */
+struct Method {
+  std::string name;
+  std::function<std::size_t()> work;
+  std::vector<double> cpu, wall;
+  std::size_t out = 0;
+
+  void measure()
+  {
+    const double cpu_before = bench::cpuSeconds(), before = bench::wallSeconds();
+    out = work();
+    wall.push_back(bench::wallSeconds() - before);
+    cpu.push_back(bench::cpuSeconds() - cpu_before);
+  }
 };
 
-Cost
-least(int repetitions, const std::function<void()>& work)
+double
+medianRatio(const std::vector<double>& over, const std::vector<double>& under)
 {
-  Cost cost;
-  for (int r = 0; r < repetitions; ++r) {
-    const double cpu = bench::cpuSeconds(), wall = bench::wallSeconds();
-    work();
-    cost.wall = std::min(cost.wall, bench::wallSeconds() - wall);
-    cost.cpu = std::min(cost.cpu, bench::cpuSeconds() - cpu);
-  }
-  return cost;
+  std::vector<double> ratios(over.size());
+  for (std::size_t r = 0; r < over.size(); ++r) ratios[r] = over[r] / under[r];
+  return bench::median(ratios);
 }
 
+/** Rounds of all methods; the first is what the others are compared with. */
 void
-print(const std::string& what, std::size_t points, std::size_t out, const Cost& cost,
-      const Cost& reference)
+run(std::vector<Method>& methods, std::size_t points, int rounds)
 {
+  for (int r = 0; r < rounds; ++r) {
+    for (Method& method : methods) method.measure();
+  }
   const double unit = 1e6 / static_cast<double>(points);
-  std::printf("%-34s %9zu %9.4f %9.4f %8.2f\n", what.c_str(), out, unit * cost.cpu,
-              unit * cost.wall, reference.cpu / cost.cpu);
+  std::printf("| method | out | CPU µs | wall µs | CPU speed-up | wall speed-up |\n");
+  std::printf("|---|---|---|---|---|---|\n");
+  for (const Method& m : methods) {
+    std::printf("| %s | %zu | %.4f | %.4f | %.2f | %.2f |\n", m.name.c_str(), m.out,
+                unit * bench::median(m.cpu), unit * bench::median(m.wall),
+                medianRatio(methods[0].cpu, m.cpu), medianRatio(methods[0].wall, m.wall));
+  }
 }
 
 float
@@ -114,28 +130,65 @@ leafFor(const Cloud::Ptr& cloud, std::size_t wanted, pcl::VoxelGrid<Point>& grid
   return leaf;
 }
 
-void
-measureOurs(const Cloud& cloud, const Settings& s, const SplatParams& base, const std::string& name,
-            const Cost& reference)
+/** Our sampling of a cloud, which outlives it. */
+Method
+oursOf(const Cloud& cloud, SplatParams params, const std::string& name, int threads)
 {
-  CloudView view;
-  view.xyz = cloud[0].data;
-  view.normal = cloud[0].data_n;
-  view.xyz_stride = view.normal_stride = sizeof(Point);
-  view.size = cloud.size();
-  const ColorView colors{&cloud[0].b, sizeof(Point)};
-  for (int threads : {1, 2}) {
-    SplatParams params = base;
-    params.threads = threads;
+  params.threads = threads;
+  const auto work = [&cloud, params] {
+    CloudView view;
+    view.xyz = cloud[0].data;
+    view.normal = cloud[0].data_n;
+    view.xyz_stride = view.normal_stride = sizeof(Point);
+    view.size = cloud.size();
+    const ColorView colors{&cloud[0].b, sizeof(Point)};
     SplatSet splats;
-    const Cost cost = least(s.repetitions, [&] {
-      if (const Error error = sampleSplats(view, colors, params, splats)) {
-        std::fprintf(stderr, "%s\n", error.message.c_str());
-      }
-    });
-    print(name + ", " + std::to_string(threads) + (threads == 1 ? " thread" : " threads"),
-          cloud.size(), splats.size(), cost, reference);
+    if (const Error error = sampleSplats(view, colors, params, splats)) {
+      std::fprintf(stderr, "%s\n", error.message.c_str());
+    }
+    return splats.size();
+  };
+  return {name + (threads == 1 ? ", 1 thread" : ", 2 threads"), work, {}, {}, 0};
+}
+
+std::vector<Method>
+methodsOf(const Cloud::Ptr& cloud, double share)
+{
+  std::vector<Method> methods;
+  const SplatParams tolerances;
+  const std::size_t wanted =
+      share > 0 ? static_cast<std::size_t>(share * static_cast<double>(cloud->size()))
+                : oursOf(*cloud, tolerances, "", 1).work();
+  const auto grid = std::make_shared<pcl::VoxelGrid<Point>>();
+  const auto out = std::make_shared<Cloud>();
+  grid->setInputCloud(cloud);
+  const float leaf = leafFor(cloud, wanted, *grid);
+  grid->setLeafSize(leaf, leaf, leaf);
+  const auto voxels = [grid, out] {
+    grid->filter(*out);
+    return out->size();
+  };
+  methods.push_back({"VoxelGrid, all fields", voxels, {}, {}, 0});
+  const auto uniform = std::make_shared<pcl::UniformSampling<Point>>();
+  uniform->setInputCloud(cloud);
+  uniform->setRadiusSearch(leaf);
+  const auto nearest = [uniform, out] {
+    uniform->filter(*out);
+    return out->size();
+  };
+  methods.push_back({"UniformSampling", nearest, {}, {}, 0});
+  SplatParams even, paper, budget;
+  even.initial_resolution = static_cast<int>(std::lround(longestSide(*cloud) / leaf));
+  even.max_depth = 0;
+  paper.paper_mode = true;
+  budget.max_splats = wanted;
+  for (const int threads : {1, 2}) {
+    methods.push_back(oursOf(*cloud, tolerances, "splats, default tolerances", threads));
+    methods.push_back(oursOf(*cloud, even, "splats, uniform", threads));
+    methods.push_back(oursOf(*cloud, paper, "splats, paper mode", threads));
+    methods.push_back(oursOf(*cloud, budget, "splats, best of that count", threads));
   }
+  return methods;
 }
 
 int
@@ -152,35 +205,9 @@ run(const Settings& s)
     std::fprintf(stderr, "splat_bench: the cloud needs 100 points or more\n");
     return kExitUsage;
   }
-  const auto wanted = static_cast<std::size_t>(s.share * static_cast<double>(cloud->size()));
-  std::printf("%zu points of %s; speed-up in CPU time over VoxelGrid\n", cloud->size(),
-              s.input.c_str());
-  std::printf("%-34s %9s %9s %9s %8s\n", "method", "out", "cpu us", "wall us", "speed-up");
-  Cloud out;
-  pcl::VoxelGrid<Point> grid;
-  grid.setInputCloud(cloud);
-  const float leaf = leafFor(cloud, wanted, grid);
-  grid.setLeafSize(leaf, leaf, leaf);
-  const Cost reference = least(s.repetitions, [&] { grid.filter(out); });
-  const std::size_t count = out.size();
-  print("VoxelGrid, all fields", cloud->size(), count, reference, reference);
-  pcl::UniformSampling<Point> uniform;
-  uniform.setInputCloud(cloud);
-  uniform.setRadiusSearch(leaf);
-  const Cost sampled = least(s.repetitions, [&] { uniform.filter(out); });
-  print("UniformSampling", cloud->size(), out.size(), sampled, reference);
-
-  measureOurs(*cloud, s, SplatParams(), "splats, default tolerances", reference);
-  SplatParams even;
-  even.initial_resolution = static_cast<int>(std::lround(longestSide(*cloud) / leaf));
-  even.max_depth = 0;
-  measureOurs(*cloud, s, even, "splats, uniform at that count", reference);
-  SplatParams paper;
-  paper.paper_mode = true;
-  measureOurs(*cloud, s, paper, "splats, paper mode", reference);
-  SplatParams budget;
-  budget.max_splats = count;
-  measureOurs(*cloud, s, budget, "splats, best of that count", reference);
+  std::vector<Method> methods = methodsOf(cloud, s.share);
+  std::printf("%zu points of %s; speed-up over VoxelGrid\n\n", cloud->size(), s.input.c_str());
+  run(methods, cloud->size(), s.repetitions);
   return kExitDone;
 }
 
@@ -193,8 +220,9 @@ main(int argc, char** argv)
   OptionTable options("splat_bench", "1", "Times colour splat sampling beside PCL's filters.");
   options.positional("painted|IN.pcd", &s.input, "a made cloud, or coloured points with normals");
   options.integer("points", &s.points, 100, 100000000, "points of the made cloud");
-  options.integer("repetitions", &s.repetitions, 1, 1000, "runs of each; the least time counts");
-  options.number("share", &s.share, 1e-4, 1, "share of points to keep");
+  options.integer("repetitions", &s.repetitions, 1, 1000, "rounds; medians count");
+  options.number("share", &s.share, 0, 1,
+                 "share of points VoxelGrid keeps; 0: as many as the default tolerances give");
   if (const auto status = options.parse(argc, argv)) return *status;
   return run(s);
 }

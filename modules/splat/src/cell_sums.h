@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "point_window.h"
+#include "splat_kernels.h"
 
 namespace pcl_slim {
 
@@ -17,27 +18,22 @@ struct CellSums {
   double product[6] = {};                    ///< sum of n n^T: xx xy xz yy yz zz
   double lab[3] = {}, lab_sq = 0;            ///< sum of Lab, of |Lab|^2
 
-  void add(const OctreePoint& q)
+  /** The points [begin, end) of a cloud. */
+  void add(const PointWindow& window, std::size_t begin, std::size_t end)
   {
-    count += 1;
-    for (int a = 0; a < 3; ++a) position[a] += q.position[a];
-    const double x = q.position[0], y = q.position[1], z = q.position[2];
-    position_sq += x * x + y * y + z * z;
-    const double u = q.normal[0], v = q.normal[1], w = q.normal[2];
-    normal[0] += u;
-    normal[1] += v;
-    normal[2] += w;
-    product[0] += u * u;
-    product[1] += u * v;
-    product[2] += u * w;
-    product[3] += v * v;
-    product[4] += v * w;
-    product[5] += w * w;
-    const double l = q.lab[0], a = q.lab[1], b = q.lab[2];
-    lab[0] += l;
-    lab[1] += a;
-    lab[2] += b;
-    lab_sq += l * l + a * a + b * b;
+    const float* columns[PointWindow::kNumColumns];
+    for (int c = 0; c < PointWindow::kNumColumns; ++c) columns[c] = window.column(c, begin);
+    double s[splat_kernels::kNumSums];
+    splat_kernels::sumPoints(columns, end - begin, s);
+    count += static_cast<double>(end - begin);
+    for (int a = 0; a < 3; ++a) {
+      position[a] += s[a];
+      normal[a] += s[4 + a];
+      lab[a] += s[13 + a];
+    }
+    for (int k = 0; k < 6; ++k) product[k] += s[7 + k];
+    position_sq += s[3];
+    lab_sq += s[16];
   }
 
   void add(const CellSums& other)
@@ -123,10 +119,10 @@ struct CellSums {
 };
 
 inline CellSums
-sumsOf(const OctreePoint* points, std::size_t n)
+sumsOf(const PointWindow& window, std::size_t begin, std::size_t end)
 {
   CellSums sums;
-  for (std::size_t i = 0; i < n; ++i) sums.add(points[i]);
+  sums.add(window, begin, end);
   return sums;
 }
 

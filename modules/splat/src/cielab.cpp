@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "splat_kernels.h"
+
 namespace pcl_slim {
 
 namespace {
@@ -126,6 +128,14 @@ LabTable::LabTable(RgbSpace space)
     root_[i] = static_cast<float>(labRoot(q));
     coded_[i] = static_cast<float>(255.0 * codedOf(q, space));
   }
+}
+
+void
+LabTable::labOfLinear(float* r, float* g, float* b, std::size_t n) const
+{
+  const float to_xyz[9] = {to_x_[0], to_x_[1], to_x_[2], to_y_[0], to_y_[1],
+                           to_y_[2], to_z_[0], to_z_[1], to_z_[2]};
+  splat_kernels::labOfLinear(to_xyz, r, g, b, n);
 }
 
 std::array<float, 3>

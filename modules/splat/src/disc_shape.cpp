@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace pcl_slim {
 
@@ -15,8 +14,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr int kPowerSteps = 12;
-constexpr double kStill = 1e-13;            ///< squared step at which the power method ends
+constexpr double kAgree = 0.1;              ///< variance of normals up to which they have one axis
 constexpr std::size_t kPlanePoints = 16;    ///< on either side, for a cell without normals
 constexpr std::size_t kGradientPoints = 6;  ///< fewer do not tell a slope from noise
 
@@ -29,30 +27,36 @@ symmetric(const double m[6])
 }
 
 Vector3d
-vectorOf(const float v[3])
+vectorOf(const std::array<float, 3>& v)
 {
   return {v[0], v[1], v[2]};
 }
 
+/** m m of a symmetric matrix xx xy xz yy yz zz. */
+std::array<double, 6>
+squared(const std::array<double, 6>& m)
+{
+  const auto [a, b, c, d, e, f] = m;
+  return {a * a + b * b + c * c, a * b + b * d + c * e, a * c + b * e + c * f,
+          b * b + d * d + e * e, b * c + d * e + e * f, c * c + e * e + f * f};
+}
+
+/** Largest eigenvector of sum n n^T, on the side of the normals' sum. */
 Vector3d
 commonNormal(const CellSums& sums)
 {
-  const Matrix3d product = symmetric(sums.product);
   const Vector3d sum(sums.normal[0], sums.normal[1], sums.normal[2]);
-  Vector3d n = sum;
-  // In a cell whose normals differ little the power method gains digits at every step.
-  if (sum.squaredNorm() > 0.25 * sums.count * sums.count) {
-    n.normalize();
-    for (int step = 0; step < kPowerSteps; ++step) {
-      const Vector3d next = (product * n).normalized();
-      const bool still = (next - n).squaredNorm() < kStill;
-      n = next;
-      if (still) return n;
-    }
+  const double total = sums.normals();
+  // Where normals agree, the eighth power leaves one axis of their mean.
+  if (sums.unorientedAbove(kAgree) || sum.squaredNorm() < 0.25 * sums.count * sums.count) {
+    Eigen::SelfAdjointEigenSolver<Matrix3d> solver(symmetric(sums.product));
+    const Vector3d n = solver.eigenvectors().col(2);
+    return n.dot(sum) < 0.0 ? Vector3d(-n) : n;
   }
-  Eigen::SelfAdjointEigenSolver<Matrix3d> solver(product);
-  n = solver.eigenvectors().col(2);
-  return n.dot(sum) < 0.0 ? Vector3d(-n) : n;
+  std::array<double, 6> power;
+  for (std::size_t k = 0; k < 6; ++k) power[k] = sums.product[k] / total;
+  power = squared(squared(squared(power)));
+  return (symmetric(power.data()) * sum).normalized();
 }
 
 /** Normal of the plane through the points around a cell, as far as the window holds them. */
@@ -64,14 +68,12 @@ planeNormal(const PointWindow& window, const OctreeCell& cell)
     begin = std::max(window.begin() + kPlanePoints, begin) - kPlanePoints;
     end = std::min(window.end(), end + kPlanePoints);
   }
-  const OctreePoint* points = window.at(begin);
-  const std::size_t n = end - begin;
   Vector3d mean = Vector3d::Zero();
-  for (std::size_t i = 0; i < n; ++i) mean += vectorOf(points[i].position);
-  mean /= static_cast<double>(n);
+  for (std::size_t i = begin; i < end; ++i) mean += vectorOf(window.position(i));
+  mean /= static_cast<double>(end - begin);
   Matrix3d covariance = Matrix3d::Zero();
-  for (std::size_t i = 0; i < n; ++i) {
-    const Vector3d d = vectorOf(points[i].position) - mean;
+  for (std::size_t i = begin; i < end; ++i) {
+    const Vector3d d = vectorOf(window.position(i)) - mean;
     covariance += d * d.transpose();
   }
   if (!(covariance.cwiseAbs().maxCoeff() > 0.0)) return Vector3d::UnitZ();
@@ -88,36 +90,31 @@ discNormal(const PointWindow& window, const OctreeCell& cell, const CellSums& su
     const Vector3d n = planeNormal(window, cell);
     return {{n[0], n[1], n[2]}, 0.0};
   }
+  if (sums.count < 2) {
+    const double length = std::sqrt(total);
+    return {{sums.normal[0] / length, sums.normal[1] / length, sums.normal[2] / length}, 0.0};
+  }
   const Vector3d n = commonNormal(sums);
   const double along = n.dot(symmetric(sums.product) * n);
   return {{n[0], n[1], n[2]}, std::clamp(1.0 - along / total, 0.0, 2.0 / 3.0)};
 }
 
 DiscReach
-discReach(const OctreePoint* points, std::size_t n, const std::array<float, 3>& target,
-          const std::array<float, 3>& center)
+discReach(const PointWindow& window, const OctreeCell& cell, const std::array<float, 3>& center)
 {
-  const auto distanceSq = [](const float p[3], const std::array<float, 3>& q) {
-    const float x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
-    return x * x + y * y + z * z;
-  };
   std::size_t nearest = 0;
-  float least = std::numeric_limits<float>::infinity(), largest = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const float to_target = distanceSq(points[i].position, target);
-    largest = std::max(largest, distanceSq(points[i].position, center));
-    nearest = to_target < least ? i : nearest;
-    least = std::min(least, to_target);
-  }
-  return {points + nearest, std::sqrt(largest)};
+  const float farthest = splat_kernels::farthestAndNearest(
+      window.column(PointWindow::kX, cell.begin), window.column(PointWindow::kY, cell.begin),
+      window.column(PointWindow::kZ, cell.begin), cell.end - cell.begin, center.data(), nearest);
+  return {cell.begin + nearest, std::sqrt(farthest)};
 }
 
 SplatSet::Gradient
-discGradient(const OctreePoint* points, std::size_t n, const CellSums& sums,
-             const std::array<double, 3>& axis, const LabTable& table, double noise, double cell)
+discGradient(const PointWindow& window, const OctreeCell& cell, const CellSums& sums,
+             const std::array<double, 3>& axis, const LabTable& table, double noise, double edge)
 {
   SplatSet::Gradient gradient{};
-  if (n < kGradientPoints) return gradient;
+  if (cell.end - cell.begin < kGradientPoints) return gradient;
   const Vector3d normal(axis[0], axis[1], axis[2]);
   const Vector3d center =
       Vector3d(sums.position[0], sums.position[1], sums.position[2]) / sums.count;
@@ -127,10 +124,10 @@ discGradient(const OctreePoint* points, std::size_t n, const CellSums& sums,
   frame.col(1) = normal.cross(frame.col(0));
   Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
   Eigen::Matrix<double, 2, 3> mixed = Eigen::Matrix<double, 2, 3>::Zero();
-  for (std::size_t i = 0; i < n; ++i) {
-    const Eigen::Vector2d at = frame.transpose() * (vectorOf(points[i].position) - center);
+  for (std::size_t i = cell.begin; i < cell.end; ++i) {
+    const Eigen::Vector2d at = frame.transpose() * (vectorOf(window.position(i)) - center);
     spread += at * at.transpose();
-    mixed += at * (vectorOf(points[i].lab) - mean).transpose();
+    mixed += at * (vectorOf(window.lab(i)) - mean).transpose();
   }
   const double trace = spread.trace();
   if (!(trace > 0.0) || spread.determinant() < 1e-3 * trace * trace) return gradient;
@@ -147,7 +144,7 @@ discGradient(const OctreePoint* points, std::size_t n, const CellSums& sums,
     const float to[3] = {float(high[0]), float(high[1]), float(high[2])};
     const auto a = table.rgbUnrounded(from), b = table.rgbUnrounded(to);
     for (std::size_t channel = 0; channel < 3; ++channel) {
-      const double change = (b[channel] - a[channel]) / (2.0 * rim * cell);
+      const double change = (b[channel] - a[channel]) / (2.0 * rim * edge);
       for (Eigen::Index d = 0; d < 3; ++d) {
         gradient[3 * channel + static_cast<std::size_t>(d)] +=
             static_cast<float>(change * frame(d, k));

@@ -19,22 +19,21 @@ struct DiscNormal {
 DiscNormal
 discNormal(const PointWindow& window, const OctreeCell& cell, const CellSums& sums);
 
-/** Of a cell's points, the one nearest to a target, and the distance of the farthest from a centre;
- * all in root cells. */
+/** Of a cell's points, the one nearest to a place and the distance of the farthest from it, in root
+ * cells. */
 struct DiscReach {
-  const OctreePoint* nearest;
+  std::size_t nearest;
   float farthest;
 };
 
 DiscReach
-discReach(const OctreePoint* points, std::size_t n, const std::array<float, 3>& target,
-          const std::array<float, 3>& center);
+discReach(const PointWindow& window, const OctreeCell& cell, const std::array<float, 3>& center);
 
 /** How colour changes across a disc: least squares of Lab over its plane, less the share that noise
  * alone explains, as differences of display colours from one rim of the points to the other.
- * cell: world units of a root cell. */
+ * edge: world units of a root cell. */
 SplatSet::Gradient
-discGradient(const OctreePoint* points, std::size_t n, const CellSums& sums,
-             const std::array<double, 3>& normal, const LabTable& table, double noise, double cell);
+discGradient(const PointWindow& window, const OctreeCell& cell, const CellSums& sums,
+             const std::array<double, 3>& normal, const LabTable& table, double noise, double edge);
 
 }  // namespace pcl_slim

@@ -22,7 +22,7 @@ OctreeCloud::edge(int shift) const
 }
 
 std::array<double, 3>
-OctreeCloud::center(const float position[3], int shift) const
+OctreeCloud::center(const std::array<float, 3>& position, int shift) const
 {
   const double width = edge(shift);
   std::array<double, 3> c;

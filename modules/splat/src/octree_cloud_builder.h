@@ -4,21 +4,22 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "octree_grid.h"
 #include "octree_key.h"
 #include "pcl_slim/cloud/morton_sort.h"
 #include "pcl_slim/splat/octree_cloud.h"
+#include "splat_kernels.h"
 
 namespace pcl_slim {
 
 /** The steps of OctreeCloud::build. */
 class OctreeCloudBuilder {
   static constexpr std::uint32_t kTooMany = 0xffffffffu;
+  static constexpr int kFinerHalvings = 2;   ///< beyond those for about one point a cell
   static constexpr double kLargest = 1e150;  ///< squares of such coordinates are still finite
-  static constexpr double kSortedPoints =
-      8.0;  ///< to share a cell of the depth points are sorted to
 
  public:
   OctreeCloudBuilder(const CloudView& cloud, int threads) : view_(cloud), threads_(threads) {}
@@ -68,11 +69,14 @@ class OctreeCloudBuilder {
     }
     out_.num_non_finite_ = view_.count() - box.finite;
     chooseGrid(read, box, grid);
-    const int index_bits = bitsOf(view_.count() - 1);
+    const int index_bits = std::max(1, bitsOf(view_.count() - 1));
     const int root_bits = OctreeCloud::kBits - out_.depth_;
-    if (3 * root_bits + index_bits <= 64) {
-      sorted_depth_ = std::min(sorted_depth_, (64 - index_bits) / 3 - root_bits);
-      sortPacked(read, index_bits);
+    const int spare_bits = (64 - index_bits) / 3 - root_bits;
+    if (spare_bits >= 0) {
+      out_.index_bits_ = index_bits;
+      out_.mask_ = (std::uint64_t{1} << index_bits) - 1;
+      out_.sorted_depth_ = std::min({spare_bits, wanted_depth_, out_.depth_});
+      sortPacked(read);
     } else {
       sortWide(read);
     }
@@ -96,8 +100,10 @@ class OctreeCloudBuilder {
       const octree_grid::AreaProbe probe(read, view_.count(), box);
       out_.resolution_ = grid.resolution > 0 ? std::min(grid.resolution, RootGrid::kMaxResolution)
                                              : probe.resolutionFor(grid.occupied);
-      const int fine = probe.resolutionFor(static_cast<double>(box.finite) / kSortedPoints);
-      while (out_.resolution_ << sorted_depth_ < fine) ++sorted_depth_;
+      // So many halvings that few points share a cell, and more for uneven clouds.
+      const int fine = probe.resolutionFor(static_cast<double>(box.finite));
+      while (out_.resolution_ << wanted_depth_ < fine) ++wanted_depth_;
+      wanted_depth_ += kFinerHalvings;
     }
     out_.cell_ = longest / out_.resolution_;
     out_.depth_ = OctreeCloud::kBits - bitsOf(static_cast<std::uint64_t>(out_.resolution_ - 1));
@@ -106,41 +112,73 @@ class OctreeCloudBuilder {
     out_.frame_.last = std::nextafter(static_cast<float>(out_.resolution_), 0.0f);
   }
 
-  /** Runs body(place, i, position) for the finite points; place counts them. */
+  /** Positions of some finite points, and their indices. */
+  struct Block {
+    static constexpr std::size_t kSize = 256;
+
+    alignas(64) float x[kSize] = {}, y[kSize] = {}, z[kSize] = {};
+    alignas(64) std::uint32_t index[kSize] = {};
+    std::size_t count = 0;
+  };
+
+  /** Runs body(place, block) for the finite points in blocks; place counts points. */
   template <typename T, typename Body>
-  void forEachFinite(const octree_grid::Reader<T>& read, const Body& body) const
+  void forEachBlock(const octree_grid::Reader<T>& read, const Body& body) const
   {
     const bool all = first_.back() == view_.count();
     octree_grid::forEachSlice(view_.count(), threads_,
                               [&](std::size_t s, std::size_t begin, std::size_t end) {
-                                std::size_t at = first_[s];
-                                for (std::size_t i = begin; i < end; ++i) {
-                                  T p[3];
-                                  read(i, p);
-                                  if (!all && !octree_grid::isFinite(p)) continue;
-                                  float position[3];
-                                  out_.frame_.position(p, position);
-                                  body(at++, i, position);
+                                std::size_t place = first_[s];
+                                Block block;
+                                for (; begin < end; begin += Block::kSize) {
+                                  const std::size_t last = std::min(end, begin + Block::kSize);
+                                  if (all) {
+                                    fill<true>(read, begin, last, block);
+                                  } else {
+                                    fill<false>(read, begin, last, block);
+                                  }
+                                  body(place, block);
+                                  place += block.count;
                                 }
                               });
   }
 
+  template <bool kAllFinite, typename T>
+  void fill(const octree_grid::Reader<T>& read, std::size_t begin, std::size_t end,
+            Block& block) const
+  {
+    std::size_t k = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      T p[3];
+      read(i, p);
+      if (!kAllFinite && !octree_grid::isFinite(p)) continue;
+      float q[3] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+      if constexpr (std::is_same_v<T, double>) out_.frame_.position(p, q);
+      block.x[k] = q[0], block.y[k] = q[1], block.z[k] = q[2];
+      block.index[k++] = static_cast<std::uint32_t>(i);
+    }
+    block.count = k;
+    if constexpr (std::is_same_v<T, float>) {
+      splat_kernels::toCells(out_.frame_, block.x, block.y, block.z, Block::kSize);
+    }
+  }
+
   /** Key and index of a point in one number. */
   template <typename T>
-  void sortPacked(const octree_grid::Reader<T>& read, int index_bits)
+  void sortPacked(const octree_grid::Reader<T>& read)
   {
-    AlignedVector<std::uint64_t> packed(first_.back());
-    const int depth = std::min(sorted_depth_, out_.depth_);
-    const MortonKeys keys(OctreeCloud::kBits - out_.depth_ + depth, depth);
-    forEachFinite(read, [&](std::size_t at, std::size_t i, const float position[3]) {
-      packed[at] = keys(position) << index_bits | i;
+    AlignedVector<std::uint64_t>& packed = out_.packed_;
+    packed.resize(first_.back());
+    const int index_bits = out_.index_bits_;
+    forEachBlock(read, [&](std::size_t place, const Block& block) {
+      std::uint64_t numbers[Block::kSize];
+      splat_kernels::packKeys(block.x, block.y, block.z, block.index, Block::kSize,
+                              out_.sorted_depth_, index_bits, numbers);
+      std::copy_n(numbers, block.count, packed.data() + place);
     });
-    const int key_bits = 3 * (OctreeCloud::kBits - out_.depth_ + depth);
-    sortByBits(packed, index_bits, index_bits + key_bits, threads_);
-    const std::uint64_t mask = (std::uint64_t{1} << index_bits) - 1;
-    finish(
-        packed.size(), [&](std::size_t i) { return packed[i] >> index_bits >> 3 * depth; },
-        [&](std::size_t i) { return static_cast<std::uint32_t>(packed[i] & mask); });
+    const int root_bit = out_.keyBit(out_.depth_);
+    sortByBits(packed, index_bits, root_bit + 3 * (OctreeCloud::kBits - out_.depth_), threads_);
+    findRoots([&](std::size_t i) { return packed[i] >> root_bit; });
   }
 
   /** Grids so fine that key and index do not fit into one number. */
@@ -148,27 +186,28 @@ class OctreeCloudBuilder {
   void sortWide(const octree_grid::Reader<T>& read)
   {
     AlignedVector<std::uint64_t> keys(first_.back());
-    order_.resize(first_.back());
-    forEachFinite(read, [&](std::size_t at, std::size_t i, const float position[3]) {
-      keys[at] = mortonKey(position, out_.depth_);
-      order_[at] = static_cast<std::uint32_t>(i);
+    AlignedVector<std::uint32_t> order(first_.back());
+    forEachBlock(read, [&](std::size_t place, const Block& block) {
+      for (std::size_t k = 0; k < block.count; ++k) {
+        keys[place + k] = mortonKey({block.x[k], block.y[k], block.z[k]}, out_.depth_);
+        order[place + k] = block.index[k];
+      }
     });
-    sortByKey(keys, order_, threads_);
-    finish(
-        keys.size(), [&](std::size_t i) { return keys[i] >> 3 * out_.depth_; },
-        [&](std::size_t i) { return order_[i]; });
+    sortByKey(keys, order, threads_);
+    out_.sorted_depth_ = -1;
+    out_.mask_ = ~std::uint64_t{0};
+    out_.packed_.assign(order.begin(), order.end());
+    findRoots([&](std::size_t i) { return keys[i] >> 3 * out_.depth_; });
   }
 
-  /** Writes order and roots. */
-  template <typename KeyOf, typename OrderOf>
-  void finish(std::size_t n, const KeyOf& keyOf, const OrderOf& orderOf)
+  template <typename KeyOf>
+  void findRoots(const KeyOf& keyOf)
   {
-    out_.order_.resize(n);
+    const std::size_t n = out_.size();
     std::vector<std::vector<OctreeCloud::Root>> parts(n / octree_grid::kSlice + 1);
     octree_grid::forEachSlice(n, threads_, [&](std::size_t s, std::size_t begin, std::size_t end) {
       std::uint64_t last = begin > 0 ? keyOf(begin - 1) : ~keyOf(begin);
       for (std::size_t i = begin; i < end; ++i) {
-        out_.order_[i] = orderOf(i);
         const std::uint64_t key = keyOf(i);
         if (key != last) parts[s].push_back({key, static_cast<std::uint32_t>(i)});
         last = key;
@@ -181,10 +220,9 @@ class OctreeCloudBuilder {
 
   const CloudView& view_;
   int threads_;
-  int sorted_depth_ = 0;            ///< halvings below roots that the order resolves
+  int wanted_depth_ = 0;            ///< halvings below roots that keys had better resolve
   std::vector<std::size_t> first_;  ///< finite points before each slice
   OctreeCloud out_;
-  AlignedVector<std::uint32_t> order_;
 };
 
 }  // namespace pcl_slim

@@ -108,28 +108,31 @@ class ForestBuilder {
 
   void root(std::size_t begin, std::size_t end, int shift)
   {
-    first_ = begin;
-    window_.sortRun(cloud_, begin, end, keys_);
-    grow(begin, end, shift);
+    grow(begin, end, shift, keysOf(cloud_));
     forest_.roots.push_back(static_cast<std::uint32_t>(forest_.nodes.size() - 1));
   }
 
  private:
-  CellSums grow(std::size_t begin, std::size_t end, int shift)
+  CellSums grow(std::size_t begin, std::size_t end, int shift, RunKeys keys)
   {
     const std::size_t first = forest_.nodes.size(), n = end - begin;
-    const int children = n > 1 && n >= rule_.min_points
-                             ? dividingShift(keys_.data(), begin - first_, end - first_)
-                             : -1;
+    int children = -1;
+    if (n > 1 && n >= rule_.min_points) {
+      if (keys.keys) children = keys.dividingShift(begin, end);
+      if (children < keys.lowest && keys.lowest > least_shift_) {
+        keys = refine(cloud_, window_, begin, end, keys_);
+        children = keys.dividingShift(begin, end);
+      }
+    }
     CellSums sums;
     if (children < least_shift_) {
-      sums = sumsOf(window_.at(begin), n);
+      sums = sumsOf(window_, begin, end);
     } else {
       // What all points share is the cell: an ancestor of the same points costs no less.
       shift = std::min(shift, children + 1);
       for (std::size_t at = begin; at < end;) {
-        const std::size_t next = first_ + runEnd(keys_.data(), at - first_, end - first_, children);
-        sums.add(grow(at, next, children));
+        const std::size_t next = keys.runEnd(at, end, children);
+        sums.add(grow(at, next, children, keys));
         at = next;
       }
     }
@@ -156,8 +159,7 @@ class ForestBuilder {
   PointWindow& window_;
   Forest& forest_;
   int least_shift_;
-  std::size_t first_ = 0;  ///< of the root at hand
-  AlignedVector<std::uint64_t> keys_;
+  AlignedVector<std::uint64_t> keys_;  ///< of one run that the cloud's keys do not tell apart
 };
 
 /** Finds lambda. */
@@ -218,7 +220,7 @@ class CutSolver {
             while (r < last && cloud.root(r).key >> 3 * growth == key) ++r;
             builder.root(cloud.root(group).begin, cloud.root(r).begin, cloud.depth() + growth);
           }
-          for (std::size_t i = begin; i < end; ++i) cloud.setOrder(i, window.at(i)->order);
+          for (std::size_t i = begin; i < end; ++i) cloud.setOrder(i, window.order(i));
         });
   }
 

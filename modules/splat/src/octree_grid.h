@@ -6,17 +6,19 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <type_traits>
 #include <vector>
 
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/core/parallel.h"
+#include "splat_kernels.h"
 
 /** \brief A cloud's box, and how fine a grid must be for so many occupied cells. */
 namespace pcl_slim::octree_grid {
 
 constexpr std::size_t kSlice = 1 << 15;        ///< points a thread takes at a time
 constexpr int kProbeBits = 6;                  ///< the grid that guesses a cloud's area: 64 an axis
-constexpr std::size_t kProbePoints = 1 << 16;  ///< points that suffice for it
+constexpr std::size_t kProbePoints = 1 << 15;  ///< points that suffice for it
 
 /** Coordinates stored as T. */
 template <typename T>
@@ -63,26 +65,42 @@ struct Box {
   double longest() const { return std::max({max[0] - min[0], max[1] - min[1], max[2] - min[2]}); }
 };
 
+inline void
+extend(Box& box, double a0, double a1, double a2)
+{
+  const double p[3] = {a0, a1, a2};
+  for (std::size_t a = 0; a < 3; ++a) {
+    box.min[a] = std::min(box.min[a], p[a]);
+    box.max[a] = std::max(box.max[a], p[a]);
+  }
+}
+
+/** Box of the finite points in [begin, end). */
 template <typename T>
 Box
 boxOf(const Reader<T>& read, std::size_t begin, std::size_t end)
 {
-  const T inf = std::numeric_limits<T>::infinity();
-  T low[3] = {inf, inf, inf}, high[3] = {-inf, -inf, -inf};
-  Box box{};
-  for (std::size_t i = begin; i < end; ++i) {
+  const double inf = std::numeric_limits<double>::infinity();
+  Box box{{inf, inf, inf}, {-inf, -inf, -inf}, 0};
+  std::size_t i = begin;
+  // The last point may end its memory, so that no fourth float stands behind it.
+  if (std::is_same_v<T, float> && !read.indices && read.stride >= 4 * sizeof(float)) {
+    float low[3], high[3];
+    const std::size_t n = end - begin - 1;
+    if (n > 0 &&
+        splat_kernels::boxOfPoints(read.base + begin * read.stride, read.stride, n, low, high)) {
+      extend(box, low[0], low[1], low[2]);
+      extend(box, high[0], high[1], high[2]);
+      box.finite = n;
+      i = begin + n;
+    }
+  }
+  for (; i < end; ++i) {
     T p[3];
     read(i, p);
     if (!isFinite(p)) continue;
     ++box.finite;
-    for (int a = 0; a < 3; ++a) {
-      low[a] = p[a] < low[a] ? p[a] : low[a];
-      high[a] = p[a] > high[a] ? p[a] : high[a];
-    }
-  }
-  for (std::size_t a = 0; a < 3; ++a) {
-    box.min[a] = low[a];
-    box.max[a] = high[a];
+    extend(box, p[0], p[1], p[2]);
   }
   return box;
 }

@@ -49,30 +49,62 @@ forEachRootSlice(const OctreeCloud& cloud, int growth, int threads, const Body& 
   });
 }
 
-/** End of the run of sorted keys that starts at begin and shares its key above shift. */
-inline std::size_t
-runEnd(const std::uint64_t* keys, std::size_t begin, std::size_t end, int shift)
-{
-  const std::uint64_t bits = std::uint64_t{1} << 3 * shift;
-  const std::uint64_t next = (keys[begin] | (bits - 1)) + 1;
-  // Galloping: runs are short beside what is left of the cloud.
-  std::size_t step = 1, low = begin;
-  while (low + step < end && keys[low + step] < next) {
-    low += step;
-    step *= 2;
+/** Keys of a run of points, in order; below their lowest bit points are not told apart. */
+struct RunKeys {
+  const std::uint64_t* keys;  ///< of the point first and those after it; null: not known
+  std::size_t first;
+  int bit;     ///< where level 0 of the keys begins; negative: where level -bit / 3 begins at 0
+  int lowest;  ///< the finest level that they tell
+
+  std::uint64_t above(std::size_t i, int shift) const
+  {
+    return keys[i - first] >> (bit + 3 * shift);
   }
-  return static_cast<std::size_t>(
-      std::lower_bound(keys + low + 1, keys + std::min(end, low + step), next) - keys);
+
+  /** End of the run that starts at begin and shares its cell of that size. */
+  std::size_t runEnd(std::size_t begin, std::size_t end, int shift) const
+  {
+    const std::uint64_t cell = above(begin, shift);
+    // Galloping: runs are short beside what is left of the cloud.
+    std::size_t step = 1, low = begin;
+    while (low + step < end && above(low + step, shift) == cell) {
+      low += step;
+      step *= 2;
+    }
+    std::size_t high = std::min(end, low + step);
+    while (low + 1 < high) {
+      const std::size_t middle = low + (high - low) / 2;
+      (above(middle, shift) == cell ? low : high) = middle;
+    }
+    return high;
+  }
+
+  /** The level at which a run falls apart; below lowest: not at any that the keys tell. */
+  int dividingShift(std::size_t begin, std::size_t end) const
+  {
+    std::uint64_t difference = above(begin, lowest) ^ above(end - 1, lowest);
+    int shift = lowest - 1;
+    for (; difference != 0; difference >>= 3) ++shift;
+    return shift;
+  }
+};
+
+/** The keys a cloud has. */
+inline RunKeys
+keysOf(const OctreeCloud& cloud)
+{
+  if (cloud.sortedDepth() < 0) return {nullptr, 0, 0, OctreeCloud::kBits};
+  return {cloud.keys(), 0, cloud.keyBit(0), cloud.depth() - cloud.sortedDepth()};
 }
 
-/** The level at which a run of sorted keys falls apart; -1: all are equal. */
-inline int
-dividingShift(const std::uint64_t* keys, std::size_t begin, std::size_t end)
+/** Brings points of one root into their full order where keys do not tell them apart further;
+ * space: for the keys, which the result names. */
+inline RunKeys
+refine(const OctreeCloud& cloud, PointWindow& window, std::size_t begin, std::size_t end,
+       AlignedVector<std::uint64_t>& space)
 {
-  std::uint64_t difference = keys[begin] ^ keys[end - 1];
-  int bit = -1;
-  for (; difference != 0; difference >>= 3) ++bit;
-  return bit;
+  window.sortRun(cloud, begin, end, space);
+  return {space.data(), begin, 0, 0};
 }
 
 /** Spacing around a cell too small to tell: that of the smallest cell of roots around it with
@@ -96,7 +128,7 @@ spacingAround(const OctreeCloud& cloud, const PointWindow& window, const OctreeC
       end = std::min<std::size_t>(high, cloud.root(++last).begin);
     }
   }
-  return sumsOf(window.at(begin), end - begin).spacing();
+  return sumsOf(window, begin, end).spacing();
 }
 
 /** Joins what slices made, in their order. */

@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <functional>
 
 #include "octree_grid.h"
 #include "octree_key.h"
+#include "splat_kernels.h"
 
 #if defined(__GNUC__)
 #define PCL_SLIM_PREFETCH(address) __builtin_prefetch(address)
@@ -17,66 +20,204 @@ namespace pcl_slim {
 
 namespace {
 
-constexpr std::size_t kAhead = 24;   ///< points between asking for one and using it
-constexpr float kUnitSlack = 1e-3f;  ///< normals this near to unit length are left alone
-constexpr std::size_t kFew = 64;     ///< points, nearly in order, that are sorted by insertion
+constexpr std::size_t kAhead = 24;  ///< points between asking for one and using it
+constexpr std::size_t kFew = 64;    ///< points that are sorted by insertion
+
+/** Asks for the attributes of points from memory. Where all lie in one record, as in PCL's clouds,
+ * its two ends tell the lines. */
+class Prefetcher {
+ public:
+  explicit Prefetcher(const OctreeSource& source, std::size_t scalar)
+  {
+    add(source.cloud.xyz, source.cloud.xyz_stride, 3 * scalar);
+    add(source.cloud.normal, source.cloud.normal_stride, 3 * sizeof(float));
+    add(source.colors.bgr, source.colors.stride, 3);
+  }
+
+  void operator()(std::size_t point) const
+  {
+    fetch(parts_[0], point);
+    for (int k = 1; k < count_; ++k) fetch(parts_[k], point);
+  }
+
+ private:
+  struct Part {
+    const unsigned char *begin, *last;
+    std::size_t stride;
+  };
+
+  static void fetch(const Part& part, std::size_t point)
+  {
+    PCL_SLIM_PREFETCH(part.begin + point * part.stride);
+    PCL_SLIM_PREFETCH(part.last + point * part.stride);
+  }
+
+  void add(const void* first, std::size_t stride, std::size_t bytes)
+  {
+    if (!first) return;
+    const auto* begin = static_cast<const unsigned char*>(first);
+    const Part part = {begin, begin + bytes - 1, stride};
+    Part& whole = parts_[0];
+    const bool together =
+        count_ > 0 && whole.stride == stride && stride <= kLine &&
+        std::less<>()(std::max(whole.last, part.last), std::min(whole.begin, part.begin) + kLine);
+    if (!together) {
+      parts_[count_++] = part;
+    } else {
+      whole.begin = std::min(whole.begin, part.begin);
+      whole.last = std::max(whole.last, part.last);
+    }
+  }
+
+  static constexpr std::size_t kLine = 64;
+
+  Part parts_[3] = {};
+  int count_ = 0;
+};
+
+}  // namespace
 
 void
-readNormal(const unsigned char* at, float normal[3])
+PointWindow::fetchOrder(const OctreeCloud& cloud, const OctreeSource& source)
 {
-  std::memcpy(normal, at, 3 * sizeof(float));
-  const float sq = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
-  if (std::abs(sq - 1.0f) < kUnitSlack) return;
-  const bool usable = sq > 1e-24f && std::isfinite(sq);
-  const float scale = usable ? 1.0f / std::sqrt(sq) : 0.0f;
-  for (int a = 0; a < 3; ++a) normal[a] = usable ? normal[a] * scale : 0.0f;
-}
-
-template <typename T>
-void
-fetch(const OctreeCloud& cloud, const OctreeSource& source, std::size_t begin, std::size_t end,
-      OctreePoint* out)
-{
-  const CloudView& view = source.cloud;
-  const auto read = octree_grid::readerOf<T>(view);
-  const auto* bgr = static_cast<const unsigned char*>(source.colors.bgr);
-  const auto* normals = static_cast<const unsigned char*>(view.normal);
-  for (std::size_t i = begin; i < end; ++i, ++out) {
-    // Points lie in any order: each is asked for from memory some points ahead.
-    if (i + kAhead < end) {
-      const std::size_t ahead = view.inputIndex(cloud.order(i + kAhead));
-      PCL_SLIM_PREFETCH(read.base + ahead * view.xyz_stride);
-      if (normals) PCL_SLIM_PREFETCH(normals + ahead * view.normal_stride);
-      if (bgr) PCL_SLIM_PREFETCH(bgr + ahead * source.colors.stride);
-    }
-    OctreePoint q{};
-    q.order = cloud.order(i);
-    T p[3];
-    read(q.order, p);
-    cloud.frame().position(p, q.position);
-    const std::size_t input = view.inputIndex(q.order);
-    if (normals) readNormal(normals + input * view.normal_stride, q.normal);
-    if (bgr) {
-      const unsigned char* c = bgr + input * source.colors.stride;
-      source.table.convert(c[2], c[1], c[0], q.lab);
-    }
-    *out = q;
+  const std::size_t n = end_ - begin_;
+  order_.resize(n);
+  for (std::size_t i = 0; i < n; ++i) order_[i] = cloud.order(begin_ + i);
+  if (!source.cloud.indices) return;
+  inputs_.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    inputs_[i] = static_cast<std::uint32_t>(source.cloud.inputIndex(order_[i]));
   }
 }
 
-}  // namespace
+/** Reads records in any order into blocks of columns. */
+template <typename T, bool kNormals, bool kColors>
+class PointWindow::Fetcher {
+ public:
+  Fetcher(const OctreeFrame& frame, const OctreeSource& source, const std::uint32_t* inputs,
+          std::size_t n)
+      : frame_(frame), source_(source), inputs_(inputs), n_(n), prefetch_(source, sizeof(T))
+  {
+  }
+
+  /** Fetches everything. */
+  void run(const std::array<float*, kNumColumns>& columns)
+  {
+    for (std::size_t begin = 0; begin < n_; begin += kBlock) {
+      const std::size_t count = std::min(kBlock, n_ - begin);
+      read(begin, count);
+      convert();
+      for (int c = 0; c < kNumColumns; ++c) {
+        std::memcpy(columns[static_cast<std::size_t>(c)] + begin, block_[c], count * sizeof(float));
+      }
+    }
+  }
+
+ private:
+  static constexpr std::size_t kBlock = 64;
+
+  void read(std::size_t begin, std::size_t count)
+  {
+    const auto* xyz = static_cast<const unsigned char*>(source_.cloud.xyz);
+    const auto* normals = static_cast<const unsigned char*>(source_.cloud.normal);
+    const auto* colors = static_cast<const unsigned char*>(source_.colors.bgr);
+    const std::size_t xyz_stride = source_.cloud.xyz_stride;
+    const std::size_t normal_stride = source_.cloud.normal_stride;
+    const std::size_t color_stride = source_.colors.stride;
+    const LabTable& table = source_.table;
+    const std::uint32_t* inputs = inputs_ + begin;
+    const std::size_t last = n_ - 1 - begin;
+    for (std::size_t k = 0; k < count; ++k) {
+      // Points lie in any order: each is asked for from memory some points ahead.
+      prefetch_(inputs[std::min(k + kAhead, last)]);
+      const std::size_t input = inputs[k];
+      T world[3];
+      std::memcpy(world, xyz + input * xyz_stride, sizeof(world));
+      if constexpr (sizeof(T) == sizeof(double)) {
+        float cells[3];
+        frame_.position(world, cells);
+        for (int a = 0; a < 3; ++a) block_[kX + a][k] = cells[a];
+      } else {
+        for (int a = 0; a < 3; ++a) block_[kX + a][k] = world[a];
+      }
+      if constexpr (kNormals) {
+        float normal[3];
+        std::memcpy(normal, normals + input * normal_stride, sizeof(normal));
+        for (int a = 0; a < 3; ++a) block_[kNormalX + a][k] = normal[a];
+      }
+      if constexpr (kColors) {
+        const unsigned char* bgr = colors + input * color_stride;
+        for (int a = 0; a < 3; ++a) block_[kL + a][k] = table.linear(bgr[2 - a]);
+      }
+    }
+  }
+
+  void convert()
+  {
+    if (sizeof(T) == sizeof(float)) {
+      splat_kernels::toCells(frame_, block_[kX], block_[kY], block_[kZ], kBlock);
+    }
+    if (kNormals) {
+      splat_kernels::normalize(block_[kNormalX], block_[kNormalY], block_[kNormalZ], kBlock);
+    }
+    if (kColors) source_.table.labOfLinear(block_[kL], block_[kA], block_[kB], kBlock);
+  }
+
+  const OctreeFrame frame_;
+  const OctreeSource source_;
+  const std::uint32_t* inputs_;
+  std::size_t n_;
+  Prefetcher prefetch_;
+  alignas(64) float block_[kNumColumns][kBlock] = {};
+};
+
+template <typename T>
+void
+PointWindow::fetch(const OctreeFrame& frame, const OctreeSource& source)
+{
+  const std::uint32_t* inputs = source.cloud.indices ? inputs_.data() : order_.data();
+  std::array<float*, kNumColumns> columns;
+  for (std::size_t c = 0; c < kNumColumns; ++c) columns[c] = columns_[c].data();
+  const std::size_t n = end_ - begin_;
+  if (source.cloud.normal && source.colors.bgr) {
+    Fetcher<T, true, true>(frame, source, inputs, n).run(columns);
+  } else if (source.cloud.normal) {
+    Fetcher<T, true, false>(frame, source, inputs, n).run(columns);
+  } else if (source.colors.bgr) {
+    Fetcher<T, false, true>(frame, source, inputs, n).run(columns);
+  } else {
+    Fetcher<T, false, false>(frame, source, inputs, n).run(columns);
+  }
+}
 
 void
 PointWindow::load(const OctreeCloud& cloud, const OctreeSource& source, std::size_t begin,
                   std::size_t end)
 {
   begin_ = begin;
-  points_.resize(end - begin);
+  end_ = end;
+  const std::size_t n = end - begin;
+  // Vectors may be read from the last point on.
+  for (auto& column : columns_) column.resize(n + 16);
+  fetchOrder(cloud, source);
   if (source.cloud.scalar == CloudView::Scalar::kDouble) {
-    fetch<double>(cloud, source, begin, end, points_.data());
+    fetch<double>(cloud.frame(), source);
   } else {
-    fetch<float>(cloud, source, begin, end, points_.data());
+    fetch<float>(cloud.frame(), source);
   }
+  for (auto& column : columns_) std::fill_n(column.data() + n, 16, 0.0f);
+}
+
+template <typename T>
+void
+PointWindow::permute(AlignedVector<T>& column, std::size_t first)
+{
+  static_assert(sizeof(T) == sizeof(std::uint32_t));
+  T* values = column.data() + (first - begin_);
+  for (std::size_t k = 0; k < keyed_.size(); ++k) {
+    std::memcpy(&scratch_[k], values + keyed_[k].at, sizeof(T));
+  }
+  std::memcpy(values, scratch_.data(), keyed_.size() * sizeof(T));
 }
 
 void
@@ -84,10 +225,9 @@ PointWindow::sortRun(const OctreeCloud& cloud, std::size_t first, std::size_t la
                      AlignedVector<std::uint64_t>& keys)
 {
   const std::size_t n = last - first;
-  OctreePoint* points = points_.data() + (first - begin_);
   keyed_.resize(n);
   for (std::uint32_t k = 0; k < n; ++k) {
-    keyed_[k] = {mortonKey(points[k].position, cloud.depth()), k};
+    keyed_[k] = {mortonKey(position(first + k), cloud.depth()), k};
   }
   if (n <= kFew) {
     for (std::size_t k = 1; k < n; ++k) {
@@ -101,13 +241,11 @@ PointWindow::sortRun(const OctreeCloud& cloud, std::size_t first, std::size_t la
       return a.key != b.key ? a.key < b.key : a.at < b.at;
     });
   }
-  sorted_.resize(n);
   keys.resize(n);
-  for (std::size_t k = 0; k < n; ++k) {
-    sorted_[k] = points[keyed_[k].at];
-    keys[k] = keyed_[k].key;
-  }
-  std::copy(sorted_.begin(), sorted_.end(), points);
+  for (std::size_t k = 0; k < n; ++k) keys[k] = keyed_[k].key;
+  scratch_.resize(n);
+  for (auto& column : columns_) permute(column, first);
+  permute(order_, first);
 }
 
 }  // namespace pcl_slim

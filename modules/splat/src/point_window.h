@@ -1,20 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
 #include "pcl_slim/splat/octree_cloud.h"
 
 namespace pcl_slim {
-
-/** One point as the colour octree sees it. */
-struct OctreePoint {
-  float position[3];    ///< in root cells from the grid's low corner
-  float normal[3];      ///< unit, or zero where the point has none
-  float lab[3];         ///< CIELAB, or zero where the cloud has no colours
-  std::uint32_t order;  ///< the i of CloudView::inputIndex(i)
-};
 
 /** Where points come from. */
 struct OctreeSource {
@@ -23,20 +16,38 @@ struct OctreeSource {
   const LabTable& table;
 };
 
-/** A stretch of a cloud's points along its curve, brought together in memory. */
+/** A stretch of a cloud's points along its curve, brought together in memory as columns; points are
+ * named by their places in the whole cloud. */
 class PointWindow {
  public:
-  /** Fetches the points [begin, end). */
+  enum Column { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kL, kA, kB, kNumColumns };
+
+  /** Fetches the points [begin, end): positions in root cells from the grid's low corner; normals
+   * of unit length, or zero where a point has none; CIELAB, or zero where the cloud has none. */
   void load(const OctreeCloud& cloud, const OctreeSource& source, std::size_t begin,
             std::size_t end);
 
   std::size_t begin() const { return begin_; }
-  std::size_t end() const { return begin_ + points_.size(); }
-  /** The points from the i-th of the cloud on. */
-  const OctreePoint* at(std::size_t i) const { return points_.data() + (i - begin_); }
+  std::size_t end() const { return end_; }
 
-  /** Sorts the points [first, last) by their keys and then the order they have; keys[k] becomes
-   * the key of the k-th of them. */
+  /** One column from the i-th point of the cloud on. */
+  const float* column(int c, std::size_t i) const
+  {
+    return columns_[static_cast<std::size_t>(c)].data() + (i - begin_);
+  }
+  /** Three columns of one point. */
+  std::array<float, 3> vector(Column first, std::size_t i) const
+  {
+    return {*column(first, i), *column(first + 1, i), *column(first + 2, i)};
+  }
+  std::array<float, 3> position(std::size_t i) const { return vector(kX, i); }
+  std::array<float, 3> normal(std::size_t i) const { return vector(kNormalX, i); }
+  std::array<float, 3> lab(std::size_t i) const { return vector(kL, i); }
+  /** The i of CloudView::inputIndex(i). */
+  std::uint32_t order(std::size_t i) const { return order_[i - begin_]; }
+
+  /** Sorts the points [first, last) by their full keys, then by the order they have; keys[k]
+   * becomes the key of the k-th of them. */
   void sortRun(const OctreeCloud& cloud, std::size_t first, std::size_t last,
                AlignedVector<std::uint64_t>& keys);
 
@@ -46,9 +57,20 @@ class PointWindow {
     std::uint32_t at;
   };
 
-  AlignedVector<OctreePoint> points_, sorted_;
+  template <typename T, bool kNormals, bool kColors>
+  class Fetcher;
+
+  void fetchOrder(const OctreeCloud& cloud, const OctreeSource& source);
+  template <typename T>
+  void fetch(const OctreeFrame& frame, const OctreeSource& source);
+  template <typename T>
+  void permute(AlignedVector<T>& column, std::size_t first);
+
+  std::array<AlignedVector<float>, kNumColumns> columns_;
+  AlignedVector<std::uint32_t> order_, inputs_;  ///< inputs: places in the caller's arrays
   AlignedVector<Keyed> keyed_;
-  std::size_t begin_ = 0;
+  AlignedVector<std::uint32_t> scratch_;
+  std::size_t begin_ = 0, end_ = 0;
 };
 
 }  // namespace pcl_slim

@@ -32,22 +32,12 @@ median(std::vector<double>& values)
   return *middle;
 }
 
-float
-distanceSq(const OctreePoint& p, const OctreePoint& q)
-{
-  float sum = 0;
-  for (int a = 0; a < 3; ++a) {
-    sum += (p.position[a] - q.position[a]) * (p.position[a] - q.position[a]);
-  }
-  return sum;
-}
-
 double
-colorResidual(const OctreePoint& p, const CellSums& near)
+colorResidual(const std::array<float, 3>& lab, const CellSums& near)
 {
   double sum = 0;
-  for (int a = 0; a < 3; ++a) {
-    const double d = p.lab[a] - near.lab[a] / near.count;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double d = lab[a] - near.lab[a] / near.count;
     sum += d * d;
   }
   return sum;
@@ -55,31 +45,34 @@ colorResidual(const OctreePoint& p, const CellSums& near)
 
 /** Mean squared sine between a normal and its neighbours'. */
 double
-normalResidual(const OctreePoint& p, const CellSums& near)
+normalResidual(const std::array<float, 3>& normal, const CellSums& near)
 {
   const double* m = near.product;
-  const double x = p.normal[0], y = p.normal[1], z = p.normal[2];
+  const double x = normal[0], y = normal[1], z = normal[2];
   const double along = m[0] * x * x + m[3] * y * y + m[5] * z * z +
                        2.0 * (m[1] * x * y + m[2] * x * z + m[4] * y * z);
   return std::max(0.0, 1.0 - along / near.normals());
 }
 
-/** Sums over the nearest of the points, without the own-th itself. */
+/** Sums over the window's points nearest to one of them. */
 CellSums
-neighborsOf(const OctreePoint* points, std::size_t count, std::size_t own)
+neighborsOf(const PointWindow& window, std::size_t own)
 {
   std::array<std::pair<float, std::size_t>, kNeighbors> nearest;
   std::size_t found = 0;
-  for (std::size_t j = 0; j < count; ++j) {
+  const auto p = window.position(own);
+  for (std::size_t j = window.begin(); j < window.end(); ++j) {
     if (j == own) continue;
-    const float distance = distanceSq(points[own], points[j]);
+    const auto q = window.position(j);
+    float distance = 0;
+    for (std::size_t a = 0; a < 3; ++a) distance += (p[a] - q[a]) * (p[a] - q[a]);
     if (found == kNeighbors && distance >= nearest.back().first) continue;
     std::size_t at = found < kNeighbors ? found++ : kNeighbors - 1;
     for (; at > 0 && nearest[at - 1].first > distance; --at) nearest[at] = nearest[at - 1];
     nearest[at] = {distance, j};
   }
   CellSums sums;
-  for (const auto& [distance, j] : nearest) sums.add(points[j]);
+  for (const auto& [distance, j] : nearest) sums.add(window, j, j + 1);
   return sums;
 }
 
@@ -98,12 +91,11 @@ estimateSampleNoise(const OctreeCloud& cloud, const OctreeSource& source, int th
     const std::size_t i = (2 * s + 1) * n / (2 * samples);
     PointWindow& window = windows[static_cast<std::size_t>(thread)];
     window.load(cloud, source, i - std::min(i, kReach), std::min(n, i + kReach + 1));
-    const CellSums near =
-        neighborsOf(window.at(window.begin()), window.end() - window.begin(), i - window.begin());
-    const OctreePoint& p = *window.at(i);
-    color[s] = colorResidual(p, near);
-    const bool has_normal = p.normal[0] != 0 || p.normal[1] != 0 || p.normal[2] != 0;
-    if (has_normal && near.normals() > 0) normal[s] = normalResidual(p, near);
+    const CellSums near = neighborsOf(window, i);
+    color[s] = colorResidual(window.lab(i), near);
+    const auto own = window.normal(i);
+    const bool has_normal = own[0] != 0 || own[1] != 0 || own[2] != 0;
+    if (has_normal && near.normals() > 0) normal[s] = normalResidual(own, near);
   });
   normal.erase(std::remove(normal.begin(), normal.end(), -1.0), normal.end());
   noise.color = source.colors.bgr ? kMedian3 * kMeanFactor * median(color) : 0.0;

@@ -28,26 +28,23 @@ SplatBuilder::add(std::size_t slice, const PointWindow& window, const OctreeCell
                   const CellSums& sums)
 {
   Slice& out = slices_[slice];
-  const OctreePoint* points = window.at(cell.begin);
-  const std::size_t n = cell.end - cell.begin;
   std::array<float, 3> mean, cube{};
   for (std::size_t a = 0; a < 3; ++a) mean[a] = static_cast<float>(sums.position[a] / sums.count);
   const bool corner = params_.radius == RadiusRule::kCorner;
   if (params_.paper_mode || corner) {
-    const auto center = cloud_.center(points->position, cell.shift);
+    const auto center = cloud_.center(window.position(cell.begin), cell.shift);
     for (std::size_t a = 0; a < 3; ++a) cube[a] = static_cast<float>(center[a]);
   }
-  const DiscReach reach = discReach(points, n, params_.paper_mode ? cube : mean, mean);
-  const OctreePoint& kept = *reach.nearest;
-  const std::size_t input = source_.cloud.inputIndex(kept.order);
+  const DiscReach reach = discReach(window, cell, params_.paper_mode ? cube : mean);
+  const std::size_t input = source_.cloud.inputIndex(window.order(reach.nearest));
   DiscNormal shape = discNormal(window, cell, sums);
   Row row;
   row.center = mean;
   if (params_.paper_mode) {
-    row.center = {kept.position[0], kept.position[1], kept.position[2]};
-    const double own = kept.normal[0] * kept.normal[0] + kept.normal[1] * kept.normal[1] +
-                       kept.normal[2] * kept.normal[2];
-    for (std::size_t a = 0; a < 3 && own > 0.5; ++a) shape.normal[a] = kept.normal[a];
+    row.center = window.position(reach.nearest);
+    const auto own = window.normal(reach.nearest);
+    const float sq = own[0] * own[0] + own[1] * own[1] + own[2] * own[2];
+    for (std::size_t a = 0; a < 3 && sq > 0.5f; ++a) shape.normal[a] = own[a];
   }
   for (std::size_t a = 0; a < 3; ++a) row.normal[a] = static_cast<float>(shape.normal[a]);
   row.reach = reach.farthest;
@@ -62,18 +59,18 @@ SplatBuilder::add(std::size_t slice, const PointWindow& window, const OctreeCell
   row.curvature = static_cast<float>(shape.variance);
   row.rgb = colorOf(sums, input);
   row.kept = static_cast<std::uint32_t>(input);
-  for (std::size_t i = 0; i < n && !disc_of_.empty(); ++i) {
-    disc_of_[points[i].order] = {static_cast<std::uint32_t>(slice),
+  for (std::size_t i = cell.begin; i < cell.end && !disc_of_.empty(); ++i) {
+    disc_of_[window.order(i)] = {static_cast<std::uint32_t>(slice),
                                  static_cast<std::uint32_t>(out.rows.size())};
   }
   out.rows.push_back(row);
-  out.single_points += n == 1;
+  out.single_points += cell.end - cell.begin == 1;
   out.without_normal += !(sums.normals() > 0.0);
   if (params_.color == SplatColor::kGradient) {
     SplatSet::Gradient gradient{};
     if (source_.colors.bgr) {
-      gradient =
-          discGradient(points, n, sums, shape.normal, source_.table, color_noise_, cloud_.cell());
+      gradient = discGradient(window, cell, sums, shape.normal, source_.table, color_noise_,
+                              cloud_.cell());
     }
     out.gradients.push_back(gradient);
   }

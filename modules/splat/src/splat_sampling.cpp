@@ -201,7 +201,7 @@ class Sampling {
                   std::min(cloud.size(), end + kSpacingReach));
       for (std::size_t c = first; c < last; ++c) {
         const OctreeCell& cell = cut.cells[c];
-        builder.add(slice, window, cell, sumsOf(window.at(cell.begin), cell.end - cell.begin));
+        builder.add(slice, window, cell, sumsOf(window, cell.begin, cell.end));
       }
     });
     return builder;

@@ -29,25 +29,25 @@ class Divider {
 
   void root(std::size_t begin, std::size_t end)
   {
-    first_ = begin;
-    last_ = end;
-    ordered_ = false;
-    divide(begin, end, cloud_.depth(), 0.0);
+    divide(begin, end, cloud_.depth(), 0.0, keysOf(cloud_));
   }
 
  private:
-  void divide(std::size_t begin, std::size_t end, int shift, double spacing)
+  void divide(std::size_t begin, std::size_t end, int shift, double spacing, RunKeys keys)
   {
     const std::size_t n = end - begin;
-    const CellSums sums = sumsOf(window_.at(begin), n);
+    const CellSums sums = sumsOf(window_, begin, end);
     if (n >= kSpacingPoints) spacing = sums.spacing();
     if (n > 1 && n >= rule_.min_points && least_shift_ < shift && asksForMore(sums)) {
-      const std::uint64_t* keys = orderedKeys();
-      const int children = dividingShift(keys, begin - first_, end - first_);
+      int children = keys.keys ? keys.dividingShift(begin, end) : -1;
+      if (children < keys.lowest && keys.lowest > least_shift_) {
+        keys = refine(cloud_, window_, begin, end, keys_);
+        children = keys.dividingShift(begin, end);
+      }
       if (children >= least_shift_) {
         for (std::size_t at = begin; at < end;) {
-          const std::size_t next = first_ + runEnd(keys, at - first_, end - first_, children);
-          divide(at, next, children, spacing);
+          const std::size_t next = keys.runEnd(at, end, children);
+          divide(at, next, children, spacing, keys);
           at = next;
         }
         return;
@@ -57,14 +57,6 @@ class Divider {
     leaf_({static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end),
            static_cast<float>(spacing), shift},
           sums);
-  }
-
-  /** Keys of the root's points, which are put in their order at its first division. */
-  const std::uint64_t* orderedKeys()
-  {
-    if (!ordered_) window_.sortRun(cloud_, first_, last_, keys_);
-    ordered_ = true;
-    return keys_.data();
   }
 
   bool asksForMore(const CellSums& sums) const
@@ -81,9 +73,7 @@ class Divider {
   const Leaf& leaf_;
   double color_limit_, normal_limit_;
   int least_shift_;
-  std::size_t first_ = 0, last_ = 0;  ///< the root at hand
-  bool ordered_ = false;
-  AlignedVector<std::uint64_t> keys_;
+  AlignedVector<std::uint64_t> keys_;  ///< of one run that the cloud's keys do not tell apart
 };
 
 /** Divides every occupied root cell; leaf(slice, window, cell, sums) for each cell that stays

@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <vector>
 
 namespace pcl_slim {
 namespace {
@@ -91,6 +93,36 @@ TEST(CieLab, TablesKeepTheirBound)
     EXPECT_LT(worst, LabTable::kMaxDeltaE);
     EXPECT_GT(worst, LabTable::kMaxDeltaE / 10) << "the stated bound says nothing";
     EXPECT_LE(worst_step, 1);
+  }
+}
+
+TEST(LabTable, ColumnsAgreeWithTheExactConversion)
+{
+  for (const RgbSpace space : {RgbSpace::kSrgb, RgbSpace::kEbu}) {
+    const LabTable table(space);
+    double worst = 0;
+    for (int red = 0; red < 256; red += 3) {
+      constexpr std::size_t kCount = 18 * 18;
+      alignas(64) float columns[3][(kCount + 15) / 16 * 16];
+      std::vector<std::array<int, 3>> colours;
+      for (int green = 0; green < 256; green += 15) {
+        for (int blue = 0; blue < 256; blue += 15) colours.push_back({red, green, blue});
+      }
+      ASSERT_EQ(colours.size(), kCount);
+      for (std::size_t i = 0; i < kCount; ++i) {
+        for (std::size_t c = 0; c < 3; ++c) {
+          columns[c][i] = table.linear(static_cast<std::uint8_t>(colours[i][c]));
+        }
+      }
+      table.labOfLinear(columns[0], columns[1], columns[2], kCount);
+      for (std::size_t i = 0; i < kCount; ++i) {
+        const auto exact = labFromRgb(
+            {colours[i][0] / 255.0, colours[i][1] / 255.0, colours[i][2] / 255.0}, space);
+        const float lab[3] = {columns[0][i], columns[1][i], columns[2][i]};
+        worst = std::max(worst, distance(exact, lab));
+      }
+    }
+    EXPECT_LT(worst, LabTable::kMaxDeltaE / 4) << "Newton's steps end at a float's last bits";
   }
 }
 

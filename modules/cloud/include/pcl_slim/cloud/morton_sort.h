@@ -15,11 +15,12 @@ namespace pcl_slim {
 void
 sortByKey(AlignedVector<std::uint64_t>& keys, AlignedVector<std::uint32_t>& indices, int threads);
 
-/** \brief Sorts numbers by their bits [low, high), stably; bits above must be equal.
+/** \brief Sorts fewer than 2^32 numbers by their bits [low, high), stably; bits above must be equal.
  *
- * One radix pass over all, then passes inside the buckets it makes, which fit into a cache unless
- * most numbers share their leading bits. O(N (high - low) / 9), 8 bytes a number more; same result
- * for any number of threads.
+ * One radix pass over all, then passes over the leading bits inside the buckets it makes, which fit
+ * into a cache unless most numbers share their first bits, then insertion where few share those.
+ * O(N) for Morton codes of surfaces and volumes, O(N log N) at worst; 8 bytes a number more; same
+ * result for any number of threads.
  */
 void
 sortByBits(AlignedVector<std::uint64_t>& values, int low, int high, int threads);

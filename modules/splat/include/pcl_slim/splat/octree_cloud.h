@@ -38,8 +38,8 @@ struct OctreeFrame {
   void position(const T world[3], float cells[3]) const
   {
     for (std::size_t a = 0; a < 3; ++a) {
-      const double p = (static_cast<double>(world[a]) - origin[a]) * scale;
-      cells[a] = static_cast<float>(p) < last ? static_cast<float>(p) : last;
+      const auto c = static_cast<float>((static_cast<double>(world[a]) - origin[a]) * scale);
+      cells[a] = c < last ? c : last;
     }
   }
 };
@@ -53,9 +53,10 @@ struct OctreeFrame {
  * point stays (also without a normal, also at a position taken), and nothing is built for
  * neighbour searches.
  *
- * Points of one root are in order to a depth where about eight share a cell; whoever divides
- * further orders them further (orderRun). O(N) time, 4 bytes a point and 16 a root; 16 bytes a
- * point more while it is built. Same input, same order, for any number of threads.
+ * Key and index of a point share 64 bits, so that keys resolve sortedDepth() halvings below a root
+ * and not always depth(); whoever divides further orders points further. O(N) time, 8 bytes a
+ * point and 16 a root; 8 bytes a point more while it is built. Same input, same order, for any
+ * number of threads.
  */
 class OctreeCloud {
  public:
@@ -71,11 +72,21 @@ class OctreeCloud {
    * outside, not one finite point, or coordinates near the largest double. */
   static Result<OctreeCloud> build(const CloudView& cloud, const RootGrid& grid, int threads = 0);
 
-  std::size_t size() const { return order_.size(); }
+  std::size_t size() const { return packed_.size(); }
   /** \brief The i-th point along the curve, as the i of CloudView::inputIndex. */
-  std::uint32_t order(std::size_t i) const { return order_[i]; }
-  /** \brief Puts another point of the same root there. */
-  void setOrder(std::size_t i, std::uint32_t order) { order_[i] = order; }
+  std::uint32_t order(std::size_t i) const
+  {
+    return static_cast<std::uint32_t>(packed_[i] & mask_);
+  }
+  /** \brief Puts another point of the same key there. */
+  void setOrder(std::size_t i, std::uint32_t order) { packed_[i] = (packed_[i] & ~mask_) | order; }
+
+  /** \brief Ascending numbers whose bits from keyBit(shift) on tell cells 2^shift times the
+   * smallest apart. */
+  const std::uint64_t* keys() const { return packed_.data(); }
+  int keyBit(int shift) const { return index_bits_ + 3 * (shift - depth_ + sorted_depth_); }
+  /** \brief Halvings of a root that keys resolve; -1: the grid is so fine that there are none. */
+  int sortedDepth() const { return sorted_depth_; }
 
   std::size_t numRoots() const { return roots_.size() - 1; }
   /** \brief Occupied roots along the curve; the one behind the last begins at size(). */
@@ -94,16 +105,17 @@ class OctreeCloud {
   /** \brief Edge, in root cells, of cells 2^shift times the smallest. */
   double edge(int shift) const;
   /** \brief Centre, in root cells, of the cell of that size around a position. */
-  std::array<double, 3> center(const float position[3], int shift) const;
+  std::array<double, 3> center(const std::array<float, 3>& position, int shift) const;
 
  private:
   friend class OctreeCloudBuilder;
 
-  AlignedVector<std::uint32_t> order_;
+  AlignedVector<std::uint64_t> packed_;  ///< key and index
+  std::uint64_t mask_ = 0;               ///< of the index
   std::vector<Root> roots_{{0, 0}};
   OctreeFrame frame_;
   double cell_ = 0;
-  int depth_ = 0, resolution_ = 1;
+  int depth_ = 0, sorted_depth_ = 0, index_bits_ = 0, resolution_ = 1;
   std::uint64_t num_non_finite_ = 0;
 };
 

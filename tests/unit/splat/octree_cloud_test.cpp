@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/splat/octree_cloud.h"
+
+#include <map>
+#include <set>
+
+#include "cell_sums.h"
+#include "octree_runs.h"
+#include "painted_clouds.h"
+
+namespace pcl_slim {
+namespace {
+
+using pcl_slim_test::painted;
+using pcl_slim_test::PaintedCloud;
+
+using Cell = std::array<long, 3>;
+
+Cell
+cellOf(const PaintedCloud& cloud, const OctreeCloud& octree, std::size_t point, double width)
+{
+  float p[3];
+  octree.frame().position(cloud.points.data() + 3 * point, p);
+  Cell cell;
+  for (std::size_t a = 0; a < 3; ++a) cell[a] = static_cast<long>(std::floor(p[a] / width));
+  return cell;
+}
+
+TEST(OctreeCloud, RootsAreTheOccupiedCellsOfTheGrid)
+{
+  const PaintedCloud cloud = painted(20000);
+  for (const int resolution : {1, 3, 40, 1000, 1 << 20}) {
+    const auto octree = OctreeCloud::build(cloud.view(), {resolution, 0}, 2);
+    ASSERT_TRUE(octree);
+    EXPECT_EQ(octree->resolution(), resolution);
+    std::map<Cell, std::size_t> counts;
+    std::set<std::uint32_t> seen;
+    for (std::size_t i = 0; i < cloud.size(); ++i) ++counts[cellOf(cloud, *octree, i, 1.0)];
+    ASSERT_EQ(octree->numRoots(), counts.size());
+    for (std::size_t r = 0; r < octree->numRoots(); ++r) {
+      const std::size_t begin = octree->root(r).begin, end = octree->root(r + 1).begin;
+      const Cell cell = cellOf(cloud, *octree, octree->order(begin), 1.0);
+      ASSERT_EQ(end - begin, counts[cell]);
+      for (std::size_t i = begin; i < end; ++i) {
+        ASSERT_EQ(cellOf(cloud, *octree, octree->order(i), 1.0), cell);
+        ASSERT_TRUE(seen.insert(octree->order(i)).second);
+        ASSERT_EQ(octree->rootOf(i), r);
+      }
+    }
+    std::set<Cell> wide;
+    for (std::size_t i = 0; i < cloud.size(); ++i) wide.insert(cellOf(cloud, *octree, i, 2.0));
+    EXPECT_EQ(octree->countCells(1), wide.size());
+  }
+}
+
+TEST(OctreeCloud, KeysTellCellsBelowRootsApart)
+{
+  const PaintedCloud cloud = painted(20000);
+  const auto octree = OctreeCloud::build(cloud.view(), {20, 0}, 1);
+  ASSERT_TRUE(octree);
+  ASSERT_GT(octree->sortedDepth(), 1);
+  const RunKeys keys = keysOf(*octree);
+  const int shift = octree->depth() - octree->sortedDepth();
+  const double width = octree->edge(shift);
+  std::set<Cell> cells;
+  std::size_t runs = 0;
+  for (std::size_t at = 0; at < octree->size(); ++runs) {
+    const std::size_t end = keys.runEnd(at, octree->size(), shift);
+    const Cell cell = cellOf(cloud, *octree, octree->order(at), width);
+    EXPECT_TRUE(cells.insert(cell).second) << "a cell is one run";
+    for (; at < end; ++at) ASSERT_EQ(cellOf(cloud, *octree, octree->order(at), width), cell);
+  }
+  EXPECT_GT(runs, octree->numRoots());
+}
+
+TEST(OctreeCloud, FloatsAndIndicesGiveTheSameOrder)
+{
+  const PaintedCloud cloud = painted(5000);
+  std::vector<float> floats(cloud.points.begin(), cloud.points.end());
+  std::vector<double> rounded(floats.begin(), floats.end());
+  std::vector<std::int32_t> all(5000);
+  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::int32_t>(i);
+  CloudView wide = cloud.view(), narrow = wide, indexed;
+  wide.xyz = rounded.data();
+  narrow.xyz = floats.data();
+  narrow.xyz_stride = 3 * sizeof(float);
+  narrow.scalar = CloudView::Scalar::kFloat;
+  indexed = narrow;
+  indexed.indices = all.data();
+  indexed.num_indices = all.size();
+  std::vector<float> padded(4 * 5000 - 1);  // four floats apart, the last of three
+  for (std::size_t i = 0; i < 5000; ++i) std::copy_n(&floats[3 * i], 3, &padded[4 * i]);
+  CloudView spaced = narrow;
+  spaced.xyz = padded.data();
+  spaced.xyz_stride = 4 * sizeof(float);
+  const auto expected = OctreeCloud::build(wide, {0, 100}, 1);
+  ASSERT_TRUE(expected);
+  for (const CloudView& view : {narrow, indexed, spaced}) {
+    const auto octree = OctreeCloud::build(view, {0, 100}, 3);
+    ASSERT_TRUE(octree);
+    ASSERT_EQ(octree->resolution(), expected->resolution());
+    for (std::size_t i = 0; i < octree->size(); ++i) {
+      ASSERT_EQ(octree->order(i), expected->order(i));
+    }
+  }
+}
+
+/** Points as their owner has them, and what a window makes of them. */
+class Window : public testing::Test {
+ protected:
+  PaintedCloud cloud_ = painted(3000, 6.0);
+  CloudView view_ = cloud_.view();
+  ColorView colors_ = cloud_.colors();
+  LabTable table_;
+  Result<OctreeCloud> octree_ = OctreeCloud::build(view_, {10, 0}, 1);
+  PointWindow window_;
+
+  void load(std::size_t begin, std::size_t end)
+  {
+    window_.load(*octree_, {view_, colors_, table_}, begin, end);
+  }
+};
+
+TEST_F(Window, HoldsWhatPointsAre)
+{
+  cloud_.normals[3] = std::nanf("");
+  for (std::size_t a = 0; a < 3; ++a) cloud_.normals[6 + a] *= 5.0f;
+  load(100, 2900);
+  for (std::size_t i = 100; i < 2900; ++i) {
+    const std::size_t at = window_.order(i);
+    ASSERT_EQ(at, octree_->order(i));
+    float cells[3];
+    octree_->frame().position(cloud_.points.data() + 3 * at, cells);
+    const auto lab = labFromRgb({cloud_.bgr[3 * at + 2] / 255.0, cloud_.bgr[3 * at + 1] / 255.0,
+                                 cloud_.bgr[3 * at] / 255.0});
+    for (std::size_t a = 0; a < 3; ++a) {
+      ASSERT_EQ(window_.position(i)[a], cells[a]);
+      ASSERT_NEAR(window_.lab(i)[a], lab[a], LabTable::kMaxDeltaE);
+      const float unit = at == 1 ? 0.0f : cloud_.normals[3 * at + a] / (at == 2 ? 5.0f : 1.0f);
+      ASSERT_NEAR(window_.normal(i)[a], unit, 1e-6f);
+    }
+  }
+}
+
+TEST_F(Window, WithoutNormalsAndColoursHoldsZeros)
+{
+  view_.normal = nullptr;
+  colors_ = {};
+  load(0, 50);
+  for (std::size_t i = 0; i < 50; ++i) {
+    EXPECT_EQ(window_.normal(i), (std::array<float, 3>{}));
+    EXPECT_EQ(window_.lab(i), (std::array<float, 3>{}));
+  }
+}
+
+TEST_F(Window, SumsAreThoseOfItsPoints)
+{
+  load(0, 3000);
+  for (const std::size_t n : {1u, 2u, 3u, 4u, 5u, 16u, 19u, 2000u}) {
+    for (const std::size_t begin : {0u, 7u}) {
+      double count = 0, x = 0, pp = 0, uw = 0, ll = 0;
+      for (std::size_t i = begin; i < begin + n; ++i) {
+        const auto p = window_.position(i), u = window_.normal(i), l = window_.lab(i);
+        count += 1;
+        x += p[1];
+        for (std::size_t a = 0; a < 3; ++a) pp += double(p[a]) * p[a];
+        uw += double(u[0]) * u[2];
+        for (std::size_t a = 0; a < 3; ++a) ll += double(l[a]) * l[a];
+      }
+      const CellSums sums = sumsOf(window_, begin, begin + n);
+      EXPECT_EQ(sums.count, count);
+      EXPECT_NEAR(sums.position[1], x, 1e-12 * count * 10);
+      EXPECT_NEAR(sums.position_sq, pp, 1e-12 * count * 300);
+      EXPECT_NEAR(sums.product[2], uw, 1e-12 * count);
+      EXPECT_NEAR(sums.lab_sq, ll, 1e-12 * count * 1e4);
+      EXPECT_NEAR(sums.normals(), count, 1e-6 * count);
+    }
+  }
+}
+
+TEST_F(Window, SortsARunByItsFullKeys)
+{
+  load(10, 3000);
+  std::multiset<std::uint32_t> before, after;
+  for (std::size_t i = 20; i < 2000; ++i) before.insert(window_.order(i));
+  AlignedVector<std::uint64_t> keys;
+  window_.sortRun(*octree_, 20, 2000, keys);
+  ASSERT_EQ(keys.size(), 1980u);
+  EXPECT_TRUE(std::is_sorted(keys.begin(), keys.end()));
+  for (std::size_t i = 20; i < 2000; ++i) {
+    after.insert(window_.order(i));
+    float cells[3];
+    octree_->frame().position(cloud_.points.data() + 3 * window_.order(i), cells);
+    ASSERT_EQ(window_.position(i)[2], cells[2]) << "columns move together";
+  }
+  EXPECT_EQ(before, after);
+}
+
+}  // namespace
+}  // namespace pcl_slim
