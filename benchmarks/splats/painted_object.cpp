@@ -27,13 +27,15 @@ struct Bump {
 const Bump kHead{Vector3d(0.62, 0.0, 0.78).normalized(), 0.62, 0.36};
 const Bump kBill{Vector3d(0.83, 0.0, 0.56).normalized(), 0.30, 0.12};
 const Bump kTail{Vector3d(-0.93, 0.0, 0.37).normalized(), 0.30, 0.20};
+const Bump kFeathers{Vector3d(-0.78, 0.0, 0.62).normalized(), 0.013, 0.45};
 
 /** Distance from the origin to the surface along a unit direction. */
 double
 reach(const Vector3d& d)
 {
   const Vector3d body = d.cwiseQuotient(Vector3d(0.95, 0.72, 0.55));
-  return 1.0 / body.norm() + kHead.at(d) + kBill.at(d) + kTail.at(d);
+  const double ripples = std::sin(46.0 * (d.z() - 0.3 * d.x()) + 3.0 * std::cos(12.0 * d.y()));
+  return 1.0 / body.norm() + kHead.at(d) + kBill.at(d) + kTail.at(d) + kFeathers.at(d) * ripples;
 }
 
 /** Unit outward normal of |p| = reach(p / |p|), by differences: exact to 1e-9. */

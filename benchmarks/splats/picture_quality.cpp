@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <limits>
 
 #include "pcl_slim/cloud/knn.h"
 #include "pcl_slim/core/parallel.h"
@@ -18,6 +19,8 @@ namespace {
 constexpr double kSpacings = 1.3, kWidest = 4.0, kOneSided = 0.5;
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 constexpr std::size_t kNeighbors = 6;
+constexpr int kRim = 3;         ///< pixels between an inner pixel and what ends a surface
+constexpr double kStep = 0.02;  ///< of the extent
 
 using Vector = std::array<double, 3>;
 
@@ -143,10 +146,33 @@ PictureComparison::PictureComparison(const SplatSet& every_point, int size,
     : focus_(focus)
 {
   const SLIMSurface object = framingOf(every_point);
+  step_ = kStep * object.info.scale;
   for (const ViewDirection& view : fixedViews(object)) {
     cameras_.push_back(fitCamera(object, view, {size, size}));
     reference_.push_back(draw(every_point, cameras_.back(), {}));
+    inner_.push_back(innerPixels(reference_.back(), cameras_.back().size));
   }
+}
+
+std::vector<bool>
+PictureComparison::innerPixels(const Picture& picture, const ImageSize& size) const
+{
+  std::vector<bool> inner(picture.depth.size(), false);
+  for (int y = kRim; y + kRim < size.height; ++y) {
+    for (int x = kRim; x + kRim < size.width; ++x) {
+      float low = std::numeric_limits<float>::infinity(), high = 0.0f;
+      for (int v = y - kRim; v <= y + kRim; ++v) {
+        const auto row = picture.depth.begin() + std::ptrdiff_t{v} * size.width;
+        const auto [least, most] = std::minmax_element(row + x - kRim, row + x + kRim + 1);
+        low = std::min(low, *least);
+        high = std::max(high, *most);
+      }
+      const auto at = static_cast<std::size_t>(y) * static_cast<std::size_t>(size.width) +
+                      static_cast<std::size_t>(x);
+      inner[at] = high - low < step_;
+    }
+  }
+  return inner;
 }
 
 PictureComparison::Picture
@@ -159,6 +185,7 @@ PictureComparison::draw(const SplatSet& splats, const Camera& camera,
     std::exit(1);
   }
   Picture picture;
+  picture.depth = buffer.depth;
   picture.lab.assign(buffer.numPixels(), {-1.0f, 0.0f, 0.0f});
   picture.in_focus.assign(buffer.numPixels(), false);
   for (std::size_t i = 0; i < buffer.numPixels(); ++i) {
@@ -181,7 +208,8 @@ PictureDifference
 PictureComparison::compare(const SplatSet& splats, const DiscRenderParams& params) const
 {
   std::vector<float> distances;
-  double covered = 0, lost = 0, extra = 0, sum = 0, focus_sum = 0, focus_count = 0;
+  double covered = 0, lost = 0, extra = 0, inner = 0, holes = 0, sum = 0, focus_sum = 0,
+         focus_count = 0;
   for (std::size_t v = 0; v < cameras_.size(); ++v) {
     const Picture& truth = reference_[v];
     const Picture drawn = draw(splats, cameras_[v], params);
@@ -190,6 +218,8 @@ PictureComparison::compare(const SplatSet& splats, const DiscRenderParams& param
       covered += here;
       lost += here && !there;
       extra += there && !here;
+      inner += inner_[v][i];
+      holes += inner_[v][i] && drawn.depth[i] > truth.depth[i] + step_;
       if (!here || !there) continue;
       const double distance = distanceOf(truth.lab[i], drawn.lab[i]);
       distances.push_back(static_cast<float>(distance));
@@ -207,6 +237,7 @@ PictureComparison::compare(const SplatSet& splats, const DiscRenderParams& param
   difference.p95 = distances[static_cast<std::size_t>(at)];
   difference.lost = lost / covered;
   difference.extra = extra / covered;
+  difference.holes = holes / std::max(1.0, inner);
   difference.focus = focus_count > 0 ? focus_sum / focus_count : -1.0;
   return difference;
 }

@@ -26,13 +26,16 @@ struct PictureDifference {
   double mean = 0, p95 = 0;  ///< CIELAB distance over pixels that both cover
   double lost = 0;           ///< pixels that only all points cover, share of all they cover
   double extra = 0;          ///< pixels that only the splats cover, likewise
+  double holes = 0;          ///< share of inner pixels where splats show nothing or what is behind
   double focus = 0;          ///< mean distance inside the focus; below 0: no view shows it
 };
 
 /** \brief Pictures of all points from fixed views, and the comparison with them.
  *
  * One-sided scans are seen from their side and from 30 degrees about, anything else from four
- * sides and twice from above. Pictures are unlit, one ray a pixel.
+ * sides and twice from above. Pictures are unlit, one ray a pixel. Inner pixels are those around
+ * which, 3 pixels far, all points cover everything without a step in depth of more than 2 % of
+ * the extent; what lies so far behind is seen through a hole.
  */
 class PictureComparison {
  public:
@@ -45,14 +48,18 @@ class PictureComparison {
  private:
   struct Picture {
     std::vector<std::array<float, 3>> lab;  ///< L* below 0 where nothing is
+    std::vector<float> depth;
     std::vector<bool> in_focus;
   };
 
+  std::vector<bool> innerPixels(const Picture& picture, const ImageSize& size) const;
   Picture draw(const SplatSet& splats, const Camera& camera, const DiscRenderParams& params) const;
 
   std::optional<Ball> focus_;
   std::vector<Camera> cameras_;
   std::vector<Picture> reference_;
+  std::vector<std::vector<bool>> inner_;  ///< pixels of each reference
+  double step_ = 0;                       ///< in depth
 };
 
 }  // namespace pcl_slim::bench

@@ -45,15 +45,15 @@ measure(const Settings& s, const ColoredScan& scan, const PictureComparison& pic
   const auto wanted = static_cast<std::size_t>(s.share * static_cast<double>(scan.size()));
   std::printf("%s: %zu points, %.3g %% wanted, %zu views of %d x %d\n\n", s.input.c_str(),
               scan.size(), 100.0 * s.share, pictures.numViews(), s.size, s.size);
-  std::printf("| method | splats | Delta E | 95 %% | lost %% | extra %% | focus |\n");
-  std::printf("|---|---|---|---|---|---|---|\n");
+  std::printf("| method | splats | Delta E | 95 %% | holes %% | lost %% | extra %% | focus |\n");
+  std::printf("|---|---|---|---|---|---|---|---|\n");
   DiscRenderParams render;
   render.filtered = s.filtered;
   for (const Method& method : comparedMethods()) {
     const SplatSet splats = splatsOf(scan, solvedFor(scan, method, wanted));
     const PictureDifference d = pictures.compare(splats, render);
-    std::printf("| %s | %zu | %.2f | %.1f | %.3f | %.2f | ", method.name.c_str(), splats.size(),
-                d.mean, d.p95, 100.0 * d.lost, 100.0 * d.extra);
+    std::printf("| %s | %zu | %.2f | %.1f | %.4f | %.2f | %.2f | ", method.name.c_str(),
+                splats.size(), d.mean, d.p95, 100.0 * d.holes, 100.0 * d.lost, 100.0 * d.extra);
     if (d.focus >= 0.0) std::printf("%.2f ", d.focus);
     std::printf("|\n");
     std::fflush(stdout);

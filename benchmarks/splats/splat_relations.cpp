@@ -44,7 +44,7 @@ row(const ColoredScan& scan, const SplatParams& params, double geometry,
 void
 printTable(const ColoredScan& scan, const Settings& s)
 {
-  const std::vector<double> colors{1.0, 0.3, 0.2, 0.15, 0.1, 0.08, 0.05};
+  const std::vector<double> colors{1.0, 0.99, 0.3, 0.2, 0.15, 0.1, 0.08, 0.05};
   std::printf("%s: %zu points%s\n\n|  |", s.input.c_str(), scan.size(),
               s.params.paper_mode ? ", paper mode" : "");
   for (const double color : colors) std::printf(" colour %g |", color);
