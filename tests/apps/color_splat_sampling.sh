@@ -2,43 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # pcl_color_splat_sampling as a user meets it: exit status, messages, files. Arguments: programs'
 # folder, an empty folder to work in, folder of real scans (may be empty).
-set -uo pipefail
-sampling=$1/pcl_color_splat_sampling
-work=$2/run
-data=${3-}
-docs=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../../docs" && pwd)
-rm -rf -- "$work"
-mkdir -p -- "$work/with space" "$work/folder.pcd"
-cd -- "$work" || exit 1
-failures=0
-
-complain() {
-  echo "FAILED: $*"
-  failures=$((failures + 1))
-}
-
-# expect STATUS WORD ARGS...: the status, and on failure one line on stderr that holds WORD.
-expect() {
-  local status=$1 word=$2 got=0
-  shift 2
-  "$sampling" "$@" > out.txt 2> err.txt || got=$?
-  [ "$got" -eq "$status" ] || complain "exit $got instead of $status: $* ($(head -c 300 err.txt))"
-  if [ "$status" -eq 0 ]; then
-    [ ! -s err.txt ] || complain "stderr not empty: $* ($(head -c 300 err.txt))"
-  else
-    [ "$(wc -l < err.txt)" -eq 1 ] || complain "stderr is not one line: $* ($(head -c 300 err.txt))"
-    grep -q -- "$word" err.txt || complain "no '$word' in: $(cat err.txt)"
-  fi
-}
-
-absent() {
-  for file in "$@"; do [ ! -e "$file" ] || complain "$file was left behind"; done
-}
-
-# value KEY FILE: a number of a report.
-value() {
-  sed -n "s/.*\"$1\": \([-0-9.e]*\).*/\1/p" "$2" | head -1
-}
+source "$(dirname -- "${BASH_SOURCE[0]}")/../support/program_test.sh"
+program=pcl_color_splat_sampling
+mkdir -p -- "with space" folder.pcd
 
 # cloud FILE SIZE COUNT OFFSET KIND: a wavy sheet, half red and half blue, ascii.
 cloud() {
@@ -80,9 +46,9 @@ for extension in pcd ply; do
 done
 grep -a -q '^FIELDS x y z normal_x normal_y normal_z rgba radius confidence curvature$' a.pcd ||
   complain "the fields are not PointSurfel's"
-[ "$(value splats pcd.json)" = "$(value splats ply.json)" ] || complain "pcd and ply differ"
-awk -v h="$(value holes pcd.json)" 'BEGIN { exit !(h <= 0.0001) }' || complain "holes: $(value holes pcd.json)"
-awk -v o="$(value overlap pcd.json)" 'BEGIN { exit !(o > 1 && o < 3.2) }' || complain "overlap"
+[ "$(value pcd.json splats)" = "$(value ply.json splats)" ] || complain "pcd and ply differ"
+awk -v h="$(value pcd.json holes)" 'BEGIN { exit !(h <= 0.0001) }' || complain "holes: $(value pcd.json holes)"
+awk -v o="$(value pcd.json overlap)" 'BEGIN { exit !(o > 1 && o < 3.2) }' || complain "overlap"
 grep -q '^> Sampling \[done, .* splats\]' out.txt || complain "no Sampling line"
 expect 0 '' scan.pcd b.pcd -threads 1 -quiet 1
 [ ! -s out.txt ] || complain "-quiet is not quiet"
@@ -94,14 +60,14 @@ for option in '-initial 12' '-geo 0.1' '-color 0.05' '-min_points 8' '-max_depth
   # shellcheck disable=SC2086
   expect 0 '' scan.pcd c.pcd $option -json c.json
   case $option in
-    '-max_splats 300') [ "$(value splats c.json)" -le 300 ] || complain "more than 300 splats" ;;
+    '-max_splats 300') [ "$(value c.json splats)" -le 300 ] || complain "more than 300 splats" ;;
     '-colors gradient') grep -a -q 'curvature red_x red_y red_z green_x' c.pcd || complain "no gradient" ;;
     '-rays 0') ! grep -q '"holes"' c.json || complain "holes without rays" ;;
   esac
 done
 expect 0 '' scan.pcd fine.pcd -color 0.02 -json fine.json
 expect 0 '' scan.pcd coarse.pcd -color 1 -json coarse.json
-[ "$(value splats fine.json)" -gt "$(value splats coarse.json)" ] || complain "colour divides nothing"
+[ "$(value fine.json splats)" -gt "$(value coarse.json splats)" ] || complain "colour divides nothing"
 expect 0 '' plain.pcd d.pcd -json plain.json
 grep -q 'no colours' out.txt || complain "not said that there are no colours"
 
@@ -109,15 +75,11 @@ grep -q 'no colours' out.txt || complain "not said that there are no colours"
 expect 0 '' far.pcd far.pcd.ply -json far.json
 expect 0 '' near.pcd near.ply -json near.json
 grep -a -q 'pcl_slim shift 4918360' far.pcd.ply || complain "a far scan is not shifted"
-awk -v f="$(value splats far.json)" -v n="$(value splats near.json)" \
+awk -v f="$(value far.json splats)" -v n="$(value near.json splats)" \
   'BEGIN { exit !(f > 0.97 * n && f < 1.03 * n) }' || complain "far and near differ"
 
 # Help, documentation, usage errors: status 2, nothing written.
-expect 0 '' -h
-expect 0 '' --help-markdown
-while IFS= read -r line; do
-  grep -qF -- "$line" "$docs/pcl_color_splat_sampling.md" || complain "docs lack: $line"
-done < out.txt
+documented "$program"
 expect 2 'did you mean -color' scan.pcd e.pcd -colour 2
 expect 2 'a number' scan.pcd e.pcd -geo nan
 expect 2 'exclude each other' scan.pcd e.pcd -max_splats 10 -target_error 2
@@ -138,16 +100,14 @@ expect 1 'folder' scan.pcd folder.pcd
 expect 1 'does not exist' scan.pcd e.pcd -json nowhere/e.json
 absent e.pcd nowhere
 expect 0 '' one.pcd one.ply -json one.json
-[ "$(value splats one.json)" = 1 ] || complain "one point is not one splat"
+[ "$(value one.json splats)" = 1 ] || complain "one point is not one splat"
 
 if [ -n "$data" ] && [ -f "$data/kinect_mosd_learn13.pcd" ]; then
   expect 0 '' "$data/kinect_mosd_learn13.pcd" kinect.pcd -json kinect.json
   grep -q '"non_finite": 99749' kinect.json || complain "kinect's NaN are not counted"
-  awk -v s="$(value single_points kinect.json)" 'BEGIN { exit !(s < 20000) }' || complain "kinect shatters"
+  awk -v s="$(value kinect.json single_points)" 'BEGIN { exit !(s < 20000) }' || complain "kinect shatters"
   expect 0 '' "$data/autzen_stadium.pcd" autzen.ply -max_splats 20000 -json autzen.json
-  awk -v s="$(value splats autzen.json)" 'BEGIN { exit !(s > 19000 && s <= 20000) }' || complain "autzen's budget"
+  awk -v s="$(value autzen.json splats)" 'BEGIN { exit !(s > 19000 && s <= 20000) }' || complain "autzen's budget"
 fi
 
-rm -rf -- "$work"
-[ "$failures" -eq 0 ] || { echo "$failures failures"; exit 1; }
-echo "all passed"
+finish

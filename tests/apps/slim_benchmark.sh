@@ -2,31 +2,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # pcl_slim_benchmark: exit status, messages, files, options as documented.
 # Arguments: programs' folder, an empty folder to work in.
-set -uo pipefail
-program=$1/pcl_slim_benchmark
-work=$2/run
-docs=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../../docs" && pwd)
-rm -rf -- "$work"
-mkdir -p -- "$work/pairs"
-cd -- "$work" || exit 1
+source "$(dirname -- "${BASH_SOURCE[0]}")/../support/program_test.sh"
+program=pcl_slim_benchmark
+mkdir -p -- pairs
 unset DISPLAY
-failures=0
-
-complain() {
-  echo "FAILED: $*"
-  failures=$((failures + 1))
-}
-
-# expect STATUS WORD ARGS...: the status, and on failure one line on stderr with WORD.
-expect() {
-  local status=$1 word=$2 got=0
-  shift 2
-  "$program" "$@" > out.txt 2> err.txt || got=$?
-  [ "$got" -eq "$status" ] || complain "exit $got instead of $status: $* ($(head -c 300 err.txt))"
-  [ "$status" -ne 0 ] || return 0
-  [ "$(wc -l < err.txt)" -eq 1 ] || complain "stderr is not one line: $* ($(head -c 300 err.txt))"
-  grep -q -- "$word" err.txt || complain "no '$word' in: $(cat err.txt)"
-}
 
 small=(-points 2000 -shapes sphere,cube -noises 0.005 -degrees 2 -kappas 0 -t_mdls 0.01
   -mls_orders 2 -mls_neighbours 30,60 -normal_neighbours 20)
@@ -107,12 +86,6 @@ expect 2 'short.ply' x -input short.ply -truth pairs/plane_original.ply
 expect 1 'no/such' no/such/x "${small[@]}"
 [ -z "$(find . -name '*.csv' -o -name '*.md' -o -name '*.png')" ] || complain "files left behind"
 
-expect 0 '' -h
-"$program" --help-markdown | grep '^| `-' | while IFS= read -r line; do
-  grep -qF -- "$line" "$docs/pcl_slim_benchmark.md" || echo "pcl_slim_benchmark.md lacks: $line"
-done > lacking.txt
-[ ! -s lacking.txt ] || complain "$(cat lacking.txt)"
+documented "$program"
 
-cd -- "$2" && rm -rf -- "$work"
-[ "$failures" -eq 0 ] || { echo "$failures failures"; exit 1; }
-echo "all passed"
+finish

@@ -2,41 +2,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # pcl_slim_curvature as a user meets it: exit status, messages, values and the fields kept.
 # Arguments: programs' folder, an empty folder to work in, folder of real scans (may be empty).
-set -uo pipefail
-bin=$1
-work=$2/run
-data=${3-}
-docs=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../../docs" && pwd)
-rm -rf -- "$work"
-mkdir -p -- "$work/folder.pcd"
-cd -- "$work" || exit 1
-failures=0
+source "$(dirname -- "${BASH_SOURCE[0]}")/../support/program_test.sh"
+program=pcl_slim_curvature
+mkdir -p -- folder.pcd
 
-complain() {
-  echo "FAILED: $*"
-  failures=$((failures + 1))
-}
-
-# expect STATUS WORD ARGS...: the status, and on failure one line on stderr that holds WORD.
-expect() {
-  local status=$1 word=$2 got=0
-  shift 2
-  "$bin/pcl_slim_curvature" "$@" > out.txt 2> err.txt || got=$?
-  [ "$got" -eq "$status" ] || complain "exit $got instead of $status: $* ($(head -c 300 err.txt))"
-  if [ "$status" -eq 0 ]; then
-    [ ! -s err.txt ] || complain "stderr not empty: $* ($(head -c 300 err.txt))"
-  else
-    [ "$(wc -l < err.txt)" -eq 1 ] || complain "stderr is not one line: $* ($(head -c 300 err.txt))"
-    grep -q -- "$word" err.txt || complain "no '$word' in: $(cat err.txt)"
-  fi
-}
-
-absent() {
-  for file in "$@"; do [ ! -e "$file" ] || complain "$file was left behind"; done
-}
-
-same() { cmp -s -- "$1" "$2" || complain "$1 and $2 differ"; }
-header() { grep -aq "^$2\$" "$1" || complain "$1 has no header line '$2'"; }
 
 # floats FILE COLUMNS COUNT: the data of a binary PCD of floats, one point a line.
 floats() { tail -c $((4 * $2 * $3)) "$1" | od -An -v -t f4 "-w$((4 * $2))"; }
@@ -115,11 +84,7 @@ expect 0 '' plain.pcd reused.pcd -surface surface.slim
 same a.pcd reused.pcd
 
 # Help, documentation, mistakes, failures.
-expect 0 '' -h
-expect 0 '' --help-markdown
-while IFS= read -r line; do
-  grep -qF -- "$line" "$docs/pcl_slim_curvature.md" || complain "docs/pcl_slim_curvature.md lacks: $line"
-done < out.txt
+documented "$program"
 expect 2 'did you mean -directions' plain.pcd d.pcd -direction 1
 expect 2 'exclude each other' plain.pcd d.pcd -surface surface.slim -penalty 2
 expect 2 'no OUT' plain.pcd
@@ -140,6 +105,4 @@ if [ -n "$data" ] && [ -f "$data/fandisk_03_original.ply" ]; then
   header fandisk.ply 'property float gaussian_curvature'
 fi
 
-rm -rf -- "$work"
-[ "$failures" -eq 0 ] || { echo "$failures failures"; exit 1; }
-echo "all passed"
+finish

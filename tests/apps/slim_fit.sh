@@ -2,38 +2,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # pcl_slim_fit as a user meets it: exit status, messages, files. Arguments: programs' folder, an
 # empty folder to work in, folder of real scans (may be empty).
-set -uo pipefail
-fit=$1/pcl_slim_fit
-work=$2/run
-data=${3-}
-docs=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../../docs" && pwd)
-rm -rf -- "$work"
-mkdir -p -- "$work/with space" "$work/folder.pcd"
-cd -- "$work" || exit 1
-failures=0
-
-complain() {
-  echo "FAILED: $*"
-  failures=$((failures + 1))
-}
-
-# expect STATUS WORD ARGS...: the status, and on failure one line on stderr that holds WORD.
-expect() {
-  local status=$1 word=$2 got=0
-  shift 2
-  "$fit" "$@" > out.txt 2> err.txt || got=$?
-  [ "$got" -eq "$status" ] || complain "exit $got instead of $status: $* ($(head -c 300 err.txt))"
-  if [ "$status" -eq 0 ]; then
-    [ ! -s err.txt ] || complain "stderr not empty: $* ($(head -c 300 err.txt))"
-  else
-    [ "$(wc -l < err.txt)" -eq 1 ] || complain "stderr is not one line: $* ($(head -c 300 err.txt))"
-    grep -q -- "$word" err.txt || complain "no '$word' in: $(cat err.txt)"
-  fi
-}
-
-absent() {
-  for file in "$@"; do [ ! -e "$file" ] || complain "$file was left behind"; done
-}
+source "$(dirname -- "${BASH_SOURCE[0]}")/../support/program_test.sh"
+program=pcl_slim_fit
+mkdir -p -- "with space" folder.pcd
 
 # cloud FILE TYPE SIZE COUNT OFFSET: a wavy sheet, ascii.
 cloud() {
@@ -101,10 +72,7 @@ expect 0 '' -h
 grep -q '^Syntax is: pcl_slim_fit ' out.txt || complain "no syntax line"
 expect 0 '' --help
 expect 0 '' -version
-expect 0 '' --help-markdown
-while IFS= read -r line; do
-  grep -qF -- "$line" "$docs/pcl_slim_fit.md" || complain "docs/pcl_slim_fit.md lacks: $line"
-done < out.txt
+documented "$program"
 
 # Usage errors: status 2, nothing written.
 expect 2 'did you mean -degree' scan.pcd d.pcd -degre 2
@@ -138,12 +106,12 @@ expect 1 'does not exist' scan.pcd d.pcd -json nowhere/d.json
 absent d.pcd nowhere
 [ -z "$(find . -name '*.part')" ] || complain "temporary files were left behind"
 got=0
-"$fit" one.pcd one.slim > out.txt 2> err.txt || got=$?
+"$bin/$program" one.pcd one.slim > out.txt 2> err.txt || got=$?
 [ "$got" -le 1 ] || complain "one point: exit $got"
 
 # Ctrl-C: status 130, nothing left.
 cloud big.pcd sheet 4 200000 0
-"$fit" big.pcd stopped.slim -quiet 1 2> err.txt &
+"$bin/$program" big.pcd stopped.slim -quiet 1 2> err.txt &
 pid=$!
 sleep 0.05
 kill -INT $pid
@@ -162,6 +130,4 @@ if [ -n "$data" ] && [ -f "$data/kinect_mosd_learn13.pcd" ]; then
   grep -q '"normals": "mesh"' bunny.json || complain "no normals from the mesh"
 fi
 
-rm -rf -- "$work"
-[ "$failures" -eq 0 ] || { echo "$failures failures"; exit 1; }
-echo "all passed"
+finish

@@ -2,39 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # pcl_slim_demo_scan, pcl_slim_fit and pcl_slim_render in a row: exit status, messages, files.
 # Arguments: programs' folder, an empty folder to work in.
-set -uo pipefail
-bin=$1
-work=$2/run
-docs=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../../docs" && pwd)
-rm -rf -- "$work"
-mkdir -p -- "$work/with space"
-cd -- "$work" || exit 1
-failures=0
-
-complain() {
-  echo "FAILED: $*"
-  failures=$((failures + 1))
-}
-
-# expect STATUS WORD PROGRAM ARGS...: the status, and on failure one line on stderr with WORD.
-expect() {
-  local status=$1 word=$2 got=0
-  shift 2
-  "$bin/$1" "${@:2}" > out.txt 2> err.txt || got=$?
-  [ "$got" -eq "$status" ] || complain "exit $got instead of $status: $* ($(head -c 300 err.txt))"
-  if [ "$status" -eq 0 ]; then
-    [ ! -s err.txt ] || complain "stderr not empty: $* ($(head -c 300 err.txt))"
-  else
-    [ "$(wc -l < err.txt)" -eq 1 ] || complain "stderr is not one line: $* ($(head -c 300 err.txt))"
-    grep -q -- "$word" err.txt || complain "no '$word' in: $(cat err.txt)"
-  fi
-}
-
-same() { cmp -s -- "$1" "$2" || complain "$1 and $2 differ"; }
-differ() { ! cmp -s -- "$1" "$2" || complain "$1 and $2 are the same"; }
-absent() {
-  for file in "$@"; do [ ! -e "$file" ] || complain "$file was left behind"; done
-}
+source "$(dirname -- "${BASH_SOURCE[0]}")/../support/program_test.sh"
+mkdir -p -- "with space"
 
 # The scan: as many points as asked for, the same bytes for any number of threads.
 expect 0 '' pcl_slim_demo_scan scan.pcd -points 8000 -threads 1
@@ -99,6 +68,4 @@ for program in pcl_slim_render pcl_slim_demo_scan; do
   [ ! -s lacking.txt ] || complain "$(cat lacking.txt)"
 done
 
-cd -- "$2" && rm -rf -- "$work"
-[ "$failures" -eq 0 ] || { echo "$failures failures"; exit 1; }
-echo "all passed"
+finish

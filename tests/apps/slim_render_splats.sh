@@ -2,35 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # From a scan to pictures of splats: pcl_slim_demo_scan, pcl_color_splat_sampling and pcl_slim_render.
 # Arguments: programs' folder, an empty folder to work in.
-set -uo pipefail
-bin=$1
-work=$2/run
-rm -rf -- "$work"
-mkdir -p -- "$work"
-cd -- "$work" || exit 1
-failures=0
+source "$(dirname -- "${BASH_SOURCE[0]}")/../support/program_test.sh"
 
-complain() {
-  echo "FAILED: $*"
-  failures=$((failures + 1))
-}
-
-# expect STATUS WORD PROGRAM ARGS...: the status, and on failure one line on stderr with WORD.
-expect() {
-  local status=$1 word=$2 got=0
-  shift 2
-  "$bin/$1" "${@:2}" > out.txt 2> err.txt || got=$?
-  [ "$got" -eq "$status" ] || complain "exit $got instead of $status: $* ($(head -c 300 err.txt))"
-  if [ "$status" -eq 0 ]; then
-    [ ! -s err.txt ] || complain "stderr not empty: $* ($(head -c 300 err.txt))"
-  else
-    [ "$(wc -l < err.txt)" -eq 1 ] || complain "stderr is not one line: $* ($(head -c 300 err.txt))"
-    grep -q -- "$word" err.txt || complain "no '$word' in: $(cat err.txt)"
-  fi
-}
-
-same() { cmp -s -- "$1" "$2" || complain "$1 and $2 differ"; }
-differ() { ! cmp -s -- "$1" "$2" || complain "$1 and $2 are the same"; }
 
 expect 0 '' pcl_slim_demo_scan scan.pcd -points 6000
 for extension in pcd ply; do
@@ -93,6 +66,4 @@ head -c 3000 splats.ply > cut.ply
 expect 2 'cut.ply' pcl_slim_render cut.ply x.png
 [ ! -e x.png ] || complain "x.png was left behind"
 
-cd -- "$2" && rm -rf -- "$work"
-[ "$failures" -eq 0 ] || { echo "$failures failures"; exit 1; }
-echo "all passed"
+finish

@@ -2,47 +2,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # pcl_slim_smooth as a user meets it: exit status, messages, and every field that must survive.
 # Arguments: programs' folder, an empty folder to work in, folder of real scans (may be empty).
-set -uo pipefail
-bin=$1
-work=$2/run
-data=${3-}
-docs=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../../docs" && pwd)
-rm -rf -- "$work"
-mkdir -p -- "$work/folder.pcd"
-cd -- "$work" || exit 1
-failures=0
+source "$(dirname -- "${BASH_SOURCE[0]}")/../support/program_test.sh"
+program=pcl_slim_smooth
+mkdir -p -- folder.pcd
 
-complain() {
-  echo "FAILED: $*"
-  failures=$((failures + 1))
-}
-
-# expect STATUS WORD ARGS...: the status, and on failure one line on stderr that holds WORD.
-expect() {
-  local status=$1 word=$2 got=0
-  shift 2
-  "$bin/pcl_slim_smooth" "$@" > out.txt 2> err.txt || got=$?
-  [ "$got" -eq "$status" ] || complain "exit $got instead of $status: $* ($(head -c 300 err.txt))"
-  if [ "$status" -eq 0 ]; then
-    [ ! -s err.txt ] || complain "stderr not empty: $* ($(head -c 300 err.txt))"
-  else
-    [ "$(wc -l < err.txt)" -eq 1 ] || complain "stderr is not one line: $* ($(head -c 300 err.txt))"
-    grep -q -- "$word" err.txt || complain "no '$word' in: $(cat err.txt)"
-  fi
-}
-
-absent() {
-  for file in "$@"; do [ ! -e "$file" ] || complain "$file was left behind"; done
-}
-
-same() { cmp -s -- "$1" "$2" || complain "$1 and $2 differ"; }
-header() { grep -aq "^$2\$" "$1" || complain "$1 has no header line '$2'"; }
 
 # rows FILE STEP COUNT TYPE: the last COUNT * STEP bytes, one point a line.
 rows() { tail -c $(($2 * $3)) "$1" | od -An -v -t "$4" "-w$2"; }
-
-# value JSON KEY
-value() { sed -n "s/.*\"$2\": \([^,]*\),*/\1/p" "$1" | head -n 1; }
 
 # The sheet z = sin(6 x) cos(5 y) / 10 over the unit square with noise of .002, and one outlier.
 # sheet FILE SIZE OFFSET: x y z of 4 or 8 bytes, and fields this project never heard of.
@@ -205,10 +171,7 @@ expect 0 '' mesh.ply c.ply -sharp 1
 expect 0 '' -h
 grep -q '^Syntax is: pcl_slim_smooth ' out.txt || complain "no syntax line"
 expect 0 '' -version
-expect 0 '' --help-markdown
-while IFS= read -r line; do
-  grep -qF -- "$line" "$docs/pcl_slim_smooth.md" || complain "docs/pcl_slim_smooth.md lacks: $line"
-done < out.txt
+documented "$program"
 
 # Usage errors: status 2, nothing written.
 expect 2 'did you mean -normals' near.pcd d.pcd -normal 1
@@ -263,6 +226,4 @@ if [ -n "$data" ] && [ -f "$data/kinect_mosd_learn13.pcd" ]; then
     complain "vertices without faces are lost"
 fi
 
-rm -rf -- "$work"
-[ "$failures" -eq 0 ] || { echo "$failures failures"; exit 1; }
-echo "all passed"
+finish
