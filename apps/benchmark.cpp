@@ -3,12 +3,12 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
-#include <new>
 
 #include "benchmark/chart.h"
 #include "benchmark/claims.h"
 #include "benchmark/plan.h"
 #include "benchmark/tables.h"
+#include "common/program.h"
 #include "common/progress_bar.h"
 #include "common/report.h"
 #include "pcl_slim/core/file_access.h"
@@ -38,13 +38,6 @@ declareOptions(Settings& s)
   options.toggle("chart", &s.chart, "draw OUT_PREFIX.png; needs an X server, as xvfb-run -a gives");
   options.toggle("quiet", &s.quiet, "say nothing but errors");
   return options;
-}
-
-int
-fail(const OptionTable& options, int status, const std::string& message)
-{
-  std::fprintf(stderr, "%s: %s\n", options.program().c_str(), message.c_str());
-  return status;
 }
 
 std::string
@@ -122,13 +115,13 @@ runClaims(const Settings& s, const OptionTable& options, const std::string& comm
   for (const std::string& name : s.plan.claims()) {
     const Result<comparison::ClaimTable> table = measureClaim(name, s.plan, console);
     if (!table) {
-      return fail(options, statusOf(table.error(), kExitFailed), table.error().message);
+      return fail(options.program(), statusOf(table.error(), kExitFailed), table.error().message);
     }
     tables.push_back(*table);
   }
   const Error error = writeTables(
       s, claimsCsv(tables), comparison::machineText(command) + claimsMarkdown(tables), console);
-  return error ? fail(options, kExitFailed, error.message) : kExitDone;
+  return error ? fail(options.program(), kExitFailed, error.message) : kExitDone;
 }
 
 int
@@ -142,10 +135,11 @@ runSweeps(const Settings& s, const OptionTable& options, const std::string& comm
     return treatScene(s, scene, console, scenes);
   });
   if (error) {
-    return fail(options, statusOf(error, loaded ? kExitFailed : kExitUsage), error.message);
+    return fail(options.program(), statusOf(error, loaded ? kExitFailed : kExitUsage),
+                error.message);
   }
   error = writeTables(s, csvText(scenes), markdownText(scenes, command), console);
-  if (error) return fail(options, kExitFailed, error.message);
+  if (error) return fail(options.program(), kExitFailed, error.message);
   if (!s.chart) return kExitDone;
   error = drawChart(scenes, s.prefix + ".png");
   console.note("> " + (error ? error.message : "Drew " + s.prefix + ".png"));
@@ -159,11 +153,11 @@ run(int argc, char** argv)
   OptionTable options = declareOptions(s);
   if (const auto status = options.parse(argc, argv)) return *status;
   if (Error error = s.plan.finishOptions(options)) {
-    return fail(options, kExitUsage, error.message);
+    return fail(options.program(), kExitUsage, error.message);
   }
   for (const char* extension : {".csv", ".md"}) {
     const Error error = checkWritable(s.prefix + extension);
-    if (error) return fail(options, kExitFailed, error.message);
+    if (error) return fail(options.program(), kExitFailed, error.message);
   }
   const std::string command = commandLine(argc, argv);
   return s.plan.claims().empty() ? runSweeps(s, options, command) : runClaims(s, options, command);
@@ -174,12 +168,6 @@ run(int argc, char** argv)
 int
 main(int argc, char** argv)
 {
-  try {
-    return run(argc, argv);
-  } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "pcl_slim_benchmark: not enough memory; give smaller -points\n");
-  } catch (const std::exception& failure) {
-    std::fprintf(stderr, "pcl_slim_benchmark: %s\n", failure.what());
-  }
-  return pcl_slim::kExitFailed;
+  return pcl_slim::guarded("pcl_slim_benchmark", "give smaller -points",
+                           [&] { return run(argc, argv); });
 }

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_color_splat_sampling: turns a coloured scan into discs that cover its surface.
 #include <cstdio>
-#include <filesystem>
-#include <new>
 
 #include "common/fit_job.h"
+#include "common/program.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/filters/splat_conversion.h"
@@ -65,13 +64,6 @@ declareOptions(Settings& s)
   options.toggle("quiet", &s.quiet, "say nothing but errors");
   options.exclusive({"max_splats", "target_error"});
   return options;
-}
-
-bool
-samePlace(const std::string& a, const std::string& b)
-{
-  std::error_code code;
-  return !a.empty() && !b.empty() && (a == b || std::filesystem::equivalent(a, b, code));
 }
 
 /** Brings the options into the parameters, and what can be said before the input is touched. */
@@ -194,31 +186,6 @@ lookForHoles(const Settings& s, const CloudFile& cloud, const SplatSet& splats, 
   return {};
 }
 
-Error
-save(const Settings& s, const SplatSet& splats, Console& console, Report& report)
-{
-  const Stopwatch watch;
-  console.begin("Saving " + s.output);
-  if (Error error = savePointFile(s.output, toPointFile(splats, splatShift(splats)))) {
-    console.failed();
-    return error;
-  }
-  report.time("save", watch.seconds());
-  console.done(watch.seconds(), std::to_string(splats.size()) + " splats");
-  report.json()["output"] = s.output;
-  Error error = report.write(s.json);
-  std::error_code code;
-  if (error) std::filesystem::remove(s.output, code);
-  return error;
-}
-
-int
-fail(const OptionTable& options, int status, const std::string& message)
-{
-  std::fprintf(stderr, "%s: %s\n", options.program().c_str(), message.c_str());
-  return status;
-}
-
 int
 run(int argc, char** argv)
 {
@@ -226,21 +193,26 @@ run(int argc, char** argv)
   OptionTable options = declareOptions(s);
   if (const auto status = options.parse(argc, argv)) return *status;
   Error error = finishSettings(s);
-  if (error) return fail(options, kExitUsage, error.message);
+  if (error) return fail(options.program(), kExitUsage, error.message);
   Console console(s.quiet);
   Report report(options.program(), options.version(), s.input, resolveThreads(s.params.threads));
   const Result<CloudFile> cloud = loadScan(s.input, s.scan, console, report);
-  if (!cloud) return fail(options, kExitUsage, cloud.error().message);
-  error = checkWritable(s.output);
-  if (!error && !s.json.empty()) error = checkWritable(s.json);
-  if (error) return fail(options, kExitFailed, error.message);
+  if (!cloud) return fail(options.program(), kExitUsage, cloud.error().message);
+  error = checkOutputs(s.output, s.json);
+  if (error) return fail(options.program(), kExitFailed, error.message);
 
   SplatSet splats;
   error = sample(s, *cloud, console, report, splats);
   if (!error && !console.interrupted()) error = lookForHoles(s, *cloud, splats, console, report);
-  if (console.interrupted()) return fail(options, kExitInterrupted, "stopped; nothing is written");
-  if (!error) error = save(s, splats, console, report);
-  return error ? fail(options, kExitFailed, error.message) : kExitDone;
+  if (console.interrupted())
+    return fail(options.program(), kExitInterrupted, "stopped; nothing is written");
+  if (!error) {
+    error = saveOutput(
+        s.output, s.json,
+        [&] { return savePointFile(s.output, toPointFile(splats, splatShift(splats))); },
+        std::to_string(splats.size()) + " splats", console, report);
+  }
+  return error ? fail(options.program(), kExitFailed, error.message) : kExitDone;
 }
 
 }  // namespace
@@ -248,12 +220,6 @@ run(int argc, char** argv)
 int
 main(int argc, char** argv)
 {
-  try {
-    return run(argc, argv);
-  } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "pcl_color_splat_sampling: not enough memory; use a smaller scan\n");
-  } catch (const std::exception& failure) {
-    std::fprintf(stderr, "pcl_color_splat_sampling: %s\n", failure.what());
-  }
-  return pcl_slim::kExitFailed;
+  return pcl_slim::guarded("pcl_color_splat_sampling", "use a smaller scan",
+                           [&] { return run(argc, argv); });
 }

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_slim_demo_scan: a coloured object as a laser scanner sees it, to try the other programs on.
-#include <cstdio>
-#include <new>
 #include <string>
 
 #include "common/options.h"
-#include "common/progress_bar.h"
-#include "common/report.h"
+#include "common/program.h"
 #include "demo/scanner.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/parallel.h"
@@ -15,40 +12,30 @@ using namespace pcl_slim;
 
 namespace {
 
-int
-fail(int status, const std::string& message)
-{
-  std::fprintf(stderr, "pcl_slim_demo_scan: %s\n", message.c_str());
-  return status;
-}
+constexpr char kProgram[] = "pcl_slim_demo_scan";
 
 int
 run(const std::string& output, const demo::ScanParams& params, const std::string& json, bool quiet)
 {
-  if (Error error = checkWritable(output)) return fail(kExitFailed, error.message);
+  Error error = checkOutputs(output, json);
+  if (error) return fail(kProgram, kExitFailed, error.message);
   Console console(quiet);
-  Report report("pcl_slim_demo_scan", PCL_SLIM_VERSION, "", resolveThreads(params.threads));
+  Report report(kProgram, PCL_SLIM_VERSION, "", resolveThreads(params.threads));
   console.begin("Scanning an amphora");
-  const Stopwatch scan_time;
+  const Stopwatch watch;
   const demo::Scan scan = demo::scanAmphora(params);
-  report.time("scan", scan_time.seconds());
-  console.done(scan_time.seconds(),
-               std::to_string(scan.width) + " x " + std::to_string(scan.height) + " points");
-
-  console.begin("Saving " + output);
-  const Stopwatch save_time;
-  const auto bytes = demo::encodePcd(scan);
-  if (Error error = writeFile(output, bytes.data(), bytes.size())) {
-    console.failed();
-    return fail(kExitFailed, error.message);
-  }
-  report.time("save", save_time.seconds());
-  console.done(save_time.seconds(), std::to_string(bytes.size()) + " bytes");
+  report.time("scan", watch.seconds());
   report.json()["points"] = scan.rgb.size();
   report.json()["noise"] = params.noise;
   report.json()["seed"] = params.seed;
-  if (Error error = report.write(json)) return fail(kExitFailed, error.message);
-  return kExitDone;
+  console.done(watch.seconds(),
+               std::to_string(scan.width) + " x " + std::to_string(scan.height) + " points");
+
+  const auto bytes = demo::encodePcd(scan);
+  error = saveOutput(
+      output, json, [&] { return writeFile(output, bytes.data(), bytes.size()); },
+      std::to_string(bytes.size()) + " bytes", console, report);
+  return error ? fail(kProgram, kExitFailed, error.message) : kExitDone;
 }
 
 }  // namespace
@@ -60,7 +47,7 @@ main(int argc, char** argv)
   std::string output, json;
   bool quiet = false;
   OptionTable table(
-      "pcl_slim_demo_scan", PCL_SLIM_VERSION,
+      kProgram, PCL_SLIM_VERSION,
       "Writes a coloured amphora as a laser scanner on four tripods would see it: with "
       "noise, hidden parts and uneven density.");
   table.positional("OUT.pcd", &output, "binary PCD with fields x y z rgb");
@@ -74,11 +61,8 @@ main(int argc, char** argv)
   table.toggle("quiet", &quiet, "print nothing");
   if (const auto status = table.parse(argc, argv)) return *status;
   if (lowerExtension(output) != ".pcd") {
-    return fail(kExitUsage, "the scan '" + output + "' must be named .pcd");
+    return fail(kProgram, kExitUsage, "the scan '" + output + "' must be named .pcd");
   }
-  try {
-    return run(output, params, json, quiet);
-  } catch (const std::bad_alloc&) {
-    return fail(kExitFailed, "not enough memory; ask for fewer points");
-  }
+  return guarded(kProgram, "ask for fewer points",
+                 [&] { return run(output, params, json, quiet); });
 }

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_slim_fit: turns a scan into a SLIM surface.
-#include <cstdio>
-#include <filesystem>
-#include <new>
-
 #include "common/fit_job.h"
-#include "pcl_slim/core/file_access.h"
+#include "common/program.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/filters/surface_files.h"
 
@@ -33,20 +29,6 @@ declareOptions(Settings& s)
   return options;
 }
 
-int
-fail(const OptionTable& options, int status, const std::string& message)
-{
-  std::fprintf(stderr, "%s: %s\n", options.program().c_str(), message.c_str());
-  return status;
-}
-
-bool
-samePlace(const std::string& a, const std::string& b)
-{
-  std::error_code code;
-  return !a.empty() && !b.empty() && (a == b || std::filesystem::equivalent(a, b, code));
-}
-
 /** What can be said before the input is touched. */
 Error
 checkSettings(Settings& s)
@@ -59,24 +41,6 @@ checkSettings(Settings& s)
   return {};
 }
 
-Error
-save(const Settings& s, const SLIMSurface& surface, Console& console, Report& report)
-{
-  const Stopwatch watch;
-  console.begin("Saving " + s.output);
-  if (Error error = saveSurface(s.output, surface)) {
-    console.failed();
-    return error;
-  }
-  report.time("save", watch.seconds());
-  console.done(watch.seconds(), std::to_string(surface.size()) + " surfels");
-  report.json()["output"] = s.output;
-  Error error = report.write(s.json);
-  std::error_code code;
-  if (error) std::filesystem::remove(s.output, code);
-  return error;
-}
-
 int
 run(int argc, char** argv)
 {
@@ -84,21 +48,25 @@ run(int argc, char** argv)
   OptionTable options = declareOptions(s);
   if (const auto status = options.parse(argc, argv)) return *status;
   Error error = checkSettings(s);
-  if (error) return fail(options, kExitUsage, error.message);
+  if (error) return fail(options.program(), kExitUsage, error.message);
   Console console(s.quiet);
   Report report(options.program(), options.version(), s.input,
                 resolveThreads(s.job.params.threads));
   const Result<CloudFile> cloud = loadScan(s.input, s.job, console, report);
-  if (!cloud) return fail(options, kExitUsage, cloud.error().message);
-  error = checkWritable(s.output);
-  if (!error && !s.json.empty()) error = checkWritable(s.json);
-  if (error) return fail(options, kExitFailed, error.message);
+  if (!cloud) return fail(options.program(), kExitUsage, cloud.error().message);
+  error = checkOutputs(s.output, s.json);
+  if (error) return fail(options.program(), kExitFailed, error.message);
 
   SLIMSurface surface;
   error = fitScan(s.job, *cloud, console, report, surface);
-  if (console.interrupted()) return fail(options, kExitInterrupted, "stopped; nothing is written");
-  if (!error) error = save(s, surface, console, report);
-  return error ? fail(options, kExitFailed, error.message) : kExitDone;
+  if (console.interrupted())
+    return fail(options.program(), kExitInterrupted, "stopped; nothing is written");
+  if (!error) {
+    error = saveOutput(
+        s.output, s.json, [&] { return saveSurface(s.output, surface); },
+        std::to_string(surface.size()) + " surfels", console, report);
+  }
+  return error ? fail(options.program(), kExitFailed, error.message) : kExitDone;
 }
 
 }  // namespace
@@ -106,12 +74,5 @@ run(int argc, char** argv)
 int
 main(int argc, char** argv)
 {
-  try {
-    return run(argc, argv);
-  } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "pcl_slim_fit: not enough memory; use a smaller scan\n");
-  } catch (const std::exception& failure) {
-    std::fprintf(stderr, "pcl_slim_fit: %s\n", failure.what());
-  }
-  return pcl_slim::kExitFailed;
+  return pcl_slim::guarded("pcl_slim_fit", "use a smaller scan", [&] { return run(argc, argv); });
 }

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/projection_job.h"
 
-#include <cstdio>
-#include <filesystem>
-#include <new>
 #include <utility>
 
+#include "common/program.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/filters/surface_files.h"
@@ -13,20 +11,6 @@
 namespace pcl_slim {
 
 namespace {
-
-int
-fail(const OptionTable& options, int status, const std::string& message)
-{
-  std::fprintf(stderr, "%s: %s\n", options.program().c_str(), message.c_str());
-  return status;
-}
-
-bool
-samePlace(const std::string& a, const std::string& b)
-{
-  std::error_code code;
-  return !a.empty() && !b.empty() && (a == b || std::filesystem::equivalent(a, b, code));
-}
 
 /** What can be said before the input is touched. */
 Error
@@ -110,44 +94,25 @@ projectScan(const ProjectionJob& job, const CloudFile& cloud, const SLIMSurface&
   return projection;
 }
 
-Error
-save(const ProjectionJob& job, const PointFile& file, Console& console, Report& report)
-{
-  const Stopwatch watch;
-  console.begin("Saving " + job.output);
-  if (Error error = savePointFile(job.output, file)) {
-    console.failed();
-    return error;
-  }
-  report.time("save", watch.seconds());
-  console.done(watch.seconds(), std::to_string(numPoints(file.cloud)) + " points");
-  report.json()["output"] = job.output;
-  Error error = report.write(job.json);
-  std::error_code code;
-  if (error) std::filesystem::remove(job.output, code);
-  return error;
-}
-
 int
 run(OptionTable& options, ProjectionJob& job, int argc, const char* const* argv,
     const MakeOutput& make_output)
 {
   if (const auto status = options.parse(argc, argv)) return *status;
   Error error = checkJob(job);
-  if (error) return fail(options, kExitUsage, error.message);
+  if (error) return fail(options.program(), kExitUsage, error.message);
   Console console(job.quiet);
   Report report(options.program(), options.version(), job.input,
                 resolveThreads(job.fit.params.threads));
   const Result<CloudFile> cloud = loadScan(job.input, job.fit, console, report);
-  if (!cloud) return fail(options, kExitUsage, cloud.error().message);
+  if (!cloud) return fail(options.program(), kExitUsage, cloud.error().message);
   SLIMSurface surface;
   if (!job.surface.empty()) {
     error = readSurface(job.surface, console, report, surface);
-    if (error) return fail(options, kExitUsage, error.message);
+    if (error) return fail(options.program(), kExitUsage, error.message);
   }
-  error = checkWritable(job.output);
-  if (!error && !job.json.empty()) error = checkWritable(job.json);
-  if (error) return fail(options, kExitFailed, error.message);
+  error = checkOutputs(job.output, job.json);
+  if (error) return fail(options.program(), kExitFailed, error.message);
 
   PointStore store;
   if (job.surface.empty()) error = fitScan(job.fit, *cloud, console, report, surface, &store);
@@ -157,9 +122,15 @@ run(OptionTable& options, ProjectionJob& job, int argc, const char* const* argv,
         projectScan(job, *cloud, surface, job.surface.empty() ? &store : nullptr, console, report);
     if (!projection) error = projection.error();
   }
-  if (console.interrupted()) return fail(options, kExitInterrupted, "stopped; nothing is written");
-  if (!error) error = save(job, make_output(cloud->file, *projection), console, report);
-  return error ? fail(options, kExitFailed, error.message) : kExitDone;
+  if (console.interrupted())
+    return fail(options.program(), kExitInterrupted, "stopped; nothing is written");
+  if (!error) {
+    const PointFile made = make_output(cloud->file, *projection);
+    error = saveOutput(
+        job.output, job.json, [&] { return savePointFile(job.output, made); },
+        std::to_string(numPoints(made.cloud)) + " points", console, report);
+  }
+  return error ? fail(options.program(), kExitFailed, error.message) : kExitDone;
 }
 
 }  // namespace
@@ -190,13 +161,8 @@ int
 runProjectionProgram(OptionTable& options, ProjectionJob& job, int argc, const char* const* argv,
                      const MakeOutput& make_output)
 {
-  try {
-    return run(options, job, argc, argv, make_output);
-  } catch (const std::bad_alloc&) {
-    return fail(options, kExitFailed, "not enough memory; use a smaller scan");
-  } catch (const std::exception& failure) {
-    return fail(options, kExitFailed, failure.what());
-  }
+  return guarded(options.program(), "use a smaller scan",
+                 [&] { return run(options, job, argc, argv, make_output); });
 }
 
 }  // namespace pcl_slim
