@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kColorUnit = 1e-4;     ///< CIELAB / 100, as the tolerances are scaled
 constexpr double kNormalWeight = 0.05;  ///< of normal variance beside colour variance
+constexpr double kBendWeight = 0.5;     ///< of its square: cells that bend round leave no outline
 constexpr double kCountSlack = 0.005;   ///< a solved count may fall this far short
 constexpr double kRootShare = 0.25;     ///< roots as a share of the cells allowed
 constexpr int kMostSteps = 60;
@@ -140,7 +141,8 @@ class ForestBuilder {
     const double color =
         n > 1 ? std::max(0.0, sums.colorVariance() - rule_.noise.color * slack) : 0.0;
     const double normal = n > 1 ? std::max(0.0, variance(sums) - rule_.noise.normal * slack) : 0.0;
-    const double spread = std::sqrt(kColorUnit * color + kNormalWeight * normal);
+    const double shape = (kNormalWeight + kBendWeight * normal) * normal;
+    const double spread = std::sqrt(kColorUnit * color + shape);
     forest_.nodes.push_back({static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end),
                              static_cast<std::uint32_t>(forest_.nodes.size() - first + 1),
                              n >= kSpacingPoints ? static_cast<float>(sums.spacing()) : 0.0f,

@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::size_t kSpacingCells = 4096;  ///< cells that tell the middle spacing
 constexpr double kSpacings = 6.0;            ///< middle spacings in the widest
+constexpr double kFollowed = 2.0;  ///< gradients hold so much farther than there were points
 
 }  // namespace
 
@@ -168,7 +169,10 @@ SplatBuilder::finish(const PointStore* store, SplatSet& splats, SplatStatistics&
       splats.confidence[i] = row.confidence;
       splats.curvature[i] = row.curvature;
       splats.kept[i] = row.kept;
-      if (!splats.gradient.empty()) splats.gradient[i] = slices_[s].gradients[r];
+      if (splats.gradient.empty()) continue;
+      splats.gradient[i] = slices_[s].gradients[r];
+      const auto held = static_cast<float>(std::min(1.0, kFollowed * row.reach / radius));
+      for (float& value : splats.gradient[i]) value *= held;
     }
   });
 }
