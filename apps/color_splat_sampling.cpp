@@ -177,8 +177,10 @@ lookForHoles(const Settings& s, const CloudFile& cloud, const SplatSet& splats, 
   report.time("rays", watch.seconds());
   report.json()["holes"] = coverage->holes();
   report.json()["overlap"] = coverage->overlap;
-  report.json()["rays"] = {
-      {"cast", coverage->rays}, {"missed", coverage->missed}, {"sparse", coverage->sparse}};
+  report.json()["rays"] = {{"cast", coverage->rays},
+                           {"missed", coverage->missed},
+                           {"sparse", coverage->sparse},
+                           {"rough", coverage->rough}};
   char text[96];
   std::snprintf(text, sizeof(text), "%.4f %% of rays, overlap %.2f", 100.0 * coverage->holes(),
                 coverage->overlap);

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "pcl_slim/cloud/knn.h"
@@ -18,11 +19,12 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr std::size_t kNeighbors = 8;
+constexpr std::size_t kSheet = 24;      ///< neighbours that tell the surface's normal
 constexpr double kUsual = 4.0;          ///< times the middle spacing that still counts as dense
 constexpr std::size_t kSamples = 1000;  ///< points that tell the middle spacing
 constexpr double kDepthSpacings = 2.0;
 constexpr double kPi = 3.14159265358979323846;
-constexpr std::uint32_t kSparse = 0xffffffffu;
+constexpr std::uint32_t kSparse = 0xffffffffu, kRough = 0xfffffffeu;
 
 /** Numbers in [0, 1) that depend on nothing but the ray (Steele, Lea, Flood: splitmix). */
 class RayRandom {
@@ -106,24 +108,26 @@ class Caster {
   {
   }
 
-  /** Discs that one ray meets, or kSparse. */
+  /** Discs that one ray meets, or kSparse, or kRough. */
   std::uint32_t cast(std::uint64_t ray)
   {
     RayRandom random(params_.seed, ray);
     const auto i = static_cast<std::size_t>(random() * static_cast<double>(store_.size()));
-    search_.nearest(i, kNeighbors + 1, near_, distances_sq_);
+    search_.nearest(i, kSheet + 1, near_, distances_sq_);
     if (near_.size() < 3) return kSparse;
-    const auto others = static_cast<double>(near_.size() - 1);
-    const auto j = 1 + static_cast<std::size_t>(random() * others);
-    const auto k =
-        1 + (j + static_cast<std::size_t>(random() * (others - 1.0))) % (near_.size() - 1);
+    const std::size_t others = std::min(kNeighbors, near_.size() - 1);
+    const auto choices = static_cast<double>(others);
+    const auto j = 1 + static_cast<std::size_t>(random() * choices);
+    const auto k = 1 + (j + static_cast<std::size_t>(random() * (choices - 1.0))) % others;
     double spacing = 0;
-    for (std::size_t m = 1; m < near_.size(); ++m) spacing += std::sqrt(distances_sq_[m]) / others;
+    for (std::size_t m = 1; m <= others; ++m) spacing += std::sqrt(distances_sq_[m]) / choices;
     const Vector3d a = at(i), b = at(near_[j]), c = at(near_[k]);
     const double side = std::max({(a - b).norm(), (b - c).norm(), (c - a).norm()});
-    const double u = std::sqrt(random()), v = random();
-    const Vector3d direction = directionAt(random(), random());
     if (side > params_.density * spacing || spacing > kUsual * usual_) return kSparse;
+    const double u = std::sqrt(random()), v = random();
+    Vector3d normal;
+    if (!(thickness(normal) <= params_.thickness)) return kRough;
+    const Vector3d direction = directionAt(normal, random(), random());
     const Vector3d place = (1.0 - u) * a + u * (1.0 - v) * b + u * v * c;
     return discs_.count(place, direction, kDepthSpacings * usual_, hits_);
   }
@@ -143,8 +147,9 @@ class Caster {
     return {p[0], p[1], p[2]};
   }
 
-  /** A direction about the normal of the points found last. */
-  Vector3d directionAt(double lean, double turn) const
+  /** Spread of the points found last across their plane over the lesser spread along it; not a
+   * number on a line. */
+  double thickness(Vector3d& normal) const
   {
     Vector3d mean = Vector3d::Zero();
     for (const std::uint32_t m : near_) mean += at(m);
@@ -152,12 +157,17 @@ class Caster {
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
     for (const std::uint32_t m : near_) covariance += (at(m) - mean) * (at(m) - mean).transpose();
     const double largest = covariance.cwiseAbs().maxCoeff();
-    Vector3d normal = Vector3d::UnitZ();
-    if (largest > 0.0) {
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-      solver.computeDirect(covariance / largest);
-      normal = solver.eigenvectors().col(0);
-    }
+    if (!(largest > 0.0)) return std::numeric_limits<double>::quiet_NaN();
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+    solver.computeDirect(covariance / largest);
+    normal = solver.eigenvectors().col(0);
+    const double across = std::max(0.0, solver.eigenvalues()[0]);
+    const double along = std::max(0.0, solver.eigenvalues()[1]);
+    return std::sqrt(across / along);
+  }
+
+  Vector3d directionAt(const Vector3d& normal, double lean, double turn) const
+  {
     const double cosine = 1.0 - lean * (1.0 - std::cos(params_.tilt * kPi / 180.0));
     const double sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
     const Vector3d side = normal.unitOrthogonal(), other = normal.cross(side);
@@ -193,8 +203,10 @@ middleSpacing(const PointStore& store, const DiscTree& discs, const CoveragePara
 Result<Coverage>
 checkCoverage(const PointStore& store, const SplatSet& splats, const CoverageParams& params)
 {
-  if (!(params.tilt >= 0.0 && params.tilt <= 80.0) || !(params.density > 0.0)) {
-    return Error{ErrorCode::kBadArgument, "rays lean 0 to 80 degrees, and the density is positive"};
+  if (!(params.tilt >= 0.0 && params.tilt <= 80.0) || !(params.density > 0.0) ||
+      !(params.thickness >= 0.0)) {
+    return Error{ErrorCode::kBadArgument,
+                 "rays lean 0 to 80 degrees, the density is positive, the thickness 0 or more"};
   }
   if (splats.empty() || store.size() == 0) {
     return Error{ErrorCode::kBadInput, "there are no splats to look through; sample some first"};
@@ -211,8 +223,8 @@ checkCoverage(const PointStore& store, const SplatSet& splats, const CoveragePar
   Coverage coverage;
   std::uint64_t hits = 0;
   for (const std::uint32_t count : met) {
-    if (count == kSparse) {
-      ++coverage.sparse;
+    if (count >= kRough) {
+      ++(count == kSparse ? coverage.sparse : coverage.rough);
       continue;
     }
     ++coverage.rays;

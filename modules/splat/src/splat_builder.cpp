@@ -162,7 +162,7 @@ SplatBuilder::finish(const PointStore* store, SplatSet& splats, SplatStatistics&
       double radius = row.reach;
       if (!radii.empty()) radius = radii[i];
       if (params_.radius == RadiusRule::kDensity) {
-        radius = densityRadius(row.reach, row.spacing, widest_spacing);
+        radius = densityRadius(row.reach, row.confidence, row.spacing, widest_spacing);
       }
       splats.radius[i] = static_cast<float>(radius * cloud_.cell());
       splats.rgb[i] = row.rgb;

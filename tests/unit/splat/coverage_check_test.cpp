@@ -75,6 +75,21 @@ TEST(CoverageCheck, LeavesOutWhatIsTooSparseToTell)
   EXPECT_EQ(coverage.rays + coverage.sparse, 20000u);
 }
 
+TEST(CoverageCheck, LeavesOutWhatIsNoSheet)
+{
+  // Half the points fill a cube densely, where no normal exists; the others lie on the square.
+  PaintedCloud cloud = square(5000);
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> u(0.0, 0.2);
+  for (int i = 0; i < 5000; ++i) {
+    cloud.add({3.0 + u(random), u(random), u(random)}, {0, 0, 1}, {9, 9, 9});
+  }
+  const Coverage coverage = coverageOf(cloud, oneDisc(0.5, 0.5, 2.0), 20000);
+  EXPECT_NEAR(static_cast<double>(coverage.rough), 9700.0, 500.0);
+  EXPECT_EQ(coverage.rays + coverage.sparse + coverage.rough, 20000u);
+  EXPECT_LT(coverage.holes(), 0.05) << "what is left of the cube";
+}
+
 TEST(CoverageCheck, IsTheSameForAnyNumberOfThreads)
 {
   const PaintedCloud cloud = painted(10000);
@@ -103,6 +118,10 @@ TEST(CoverageCheck, BadInputIsAnError)
   CoverageParams params;
   params.tilt = 90.0;
   EXPECT_FALSE(checkCoverage(*store, oneDisc(0, 0, 1), params));
+  params.tilt = 60.0;
+  params.thickness = -0.1;
+  EXPECT_FALSE(checkCoverage(*store, oneDisc(0, 0, 1), params));
+  params.thickness = 0.4;
   params.tilt = std::nan("");
   EXPECT_FALSE(checkCoverage(*store, oneDisc(0, 0, 1), params));
 }

@@ -12,20 +12,25 @@ namespace pcl_slim {
 /** \brief How checkCoverage() looks at splats. */
 struct CoverageParams {
   std::uint64_t rays = 100000;
-  double tilt = 60.0;    ///< rays lean up to this far from the surface's normal [deg], in [0, 80]
-  double density = 3.0;  ///< see Coverage::sparse, > 0
+  double tilt = 60.0;      ///< rays lean up to this far from the surface's normal [deg], in [0, 80]
+  double density = 3.0;    ///< see Coverage::sparse, > 0
+  double thickness = 0.4;  ///< see Coverage::rough, >= 0; infinite: cast everywhere
   std::uint64_t seed = 1;
   int threads = 0;
 };
 
 /** \brief What rays through the surface met. */
 struct Coverage {
-  std::uint64_t rays = 0;    ///< cast where the input is dense enough
+  std::uint64_t rays = 0;    ///< cast, where the input is dense and smooth enough
   std::uint64_t missed = 0;  ///< of these, rays that met no disc
   /** Not cast: a side of the sample's triangle was longer than density times the mean distance
    * between the point and its neighbours, or that distance 4 times what is usual in the cloud, so
    * that the points themselves do not say whether there is a surface. */
   std::uint64_t sparse = 0;
+  /** Not cast: the 24 points nearest to the sample are no sheet, as their standard deviation across
+   * their plane is more than thickness times the lesser one along it. Edges, thin parts and noise
+   * as wide as the points lie apart have no normal that rays could lean from. */
+  std::uint64_t rough = 0;
   double overlap = 0;  ///< mean number of discs a ray met
 
   double holes() const
@@ -37,7 +42,7 @@ struct Coverage {
 /** \brief Casts rays through the surface between the points and counts the discs each one meets.
  *
  * A ray goes through a random place of a triangle of a point and two of its 8 nearest, in a random
- * direction about the neighbourhood's normal. It meets a disc when it pierces it near that place,
+ * direction about the normal of the plane through the 24 nearest. It meets a disc when it pierces it near that place,
  * no farther than its radius and two spacings. Testing the points themselves would prove nothing:
  * discs can hold every point and still leave gaps between.
  *
