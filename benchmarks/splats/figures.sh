@@ -50,7 +50,7 @@ sheet splats_eye.png 4 \
 
 # A scan: uniform, the budget, the published method.
 for name in all_points uniform budget budget_gradient paper; do
-  render "$work/lion/$name.ply" "lion_$name" -size 270x270 -camera $near_head
+  render "$work/lion/$name.ply" "lion_$name" -size 256x256 -camera $near_head
 done
 sheet splats_lion.png 5 "all $(count "$work/lion_all_points.json") points" lion_all_points \
   "uniform: $(count "$work/lion_uniform.json") splats" lion_uniform \

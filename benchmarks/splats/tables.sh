@@ -31,13 +31,15 @@ cells() { sed 's/^/ /; s/$/ |/' | tr -d '\n'; }
 heading="| cloud | share |$(column 2 "$work/duck 0.05.txt" | cells)"
 rule=$(sed 's/[^|]//g; s/|/|---/g; s/---$//' <<< "$heading")
 
-# table K TITLE: field K for all clouds.
+# table K TITLE CLOUD...: field K.
 table() {
+  local field=$1
   printf '\n%s\n\n%s\n%s\n' "$2" "$heading" "$rule"
-  for cloud in "${clouds[@]}"; do
+  shift 2
+  for cloud in "$@"; do
     for share in 0.05 0.1; do
       name=$(basename "${cloud%.pcd}")
-      echo "| $name | $share |$(column "$1" "$work/$name $share.txt" | cells)"
+      echo "| $name | $share |$(column "$field" "$work/$name $share.txt" | cells)"
     done
   done
 }
@@ -51,10 +53,10 @@ for cloud in "${clouds[@]}"; do
     echo "| $name | $share |$(paste -d / <(column 4 "$file") <(column 5 "$file") | sed 's|/| / |' | cells)$ratio"
   done
 done
-table 6 'Holes: per cent of inner pixels'
-table 7 'Lost: pixels that only all points cover, per cent'
-table 8 'Extra: pixels that only the splats cover, per cent'
-table 9 "Focus: Delta E about the duck's eye"
+table 6 'Holes: per cent of inner pixels' "${clouds[@]}"
+table 7 'Lost: pixels that only all points cover, per cent' "${clouds[@]}"
+table 8 'Extra: pixels that only the splats cover, per cent' "${clouds[@]}"
+table 9 "Focus: Delta E about the duck's eye" "$work/duck.pcd"
 
 for cloud in "$work/duck.pcd" "$data/lion_takanawa.pcd"; do
   [ -f "$cloud" ] || continue
