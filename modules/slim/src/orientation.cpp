@@ -17,6 +17,8 @@ using Vector = std::array<double, 3>;
 
 constexpr std::size_t kMostEdges = 8;  ///< per leaf and level, the nearest
 constexpr double kFlatFlux = 0.1;      ///< flux below this share of its bound: no inside
+constexpr float kWeakEdge = 0.5f;      ///< edges of more weight may lead across a gap
+constexpr double kClosedFlux = 0.4;    ///< flux above this share of its bound: a body of its own
 constexpr double kReach = 0.9;         ///< of r + r': farther centres are not neighbours
 
 Vector
@@ -175,6 +177,12 @@ class SignedForest {
     return r;
   }
 
+  std::uint32_t root(std::uint32_t i)
+  {
+    int sign;
+    return root(i, sign);
+  }
+
   void join(std::uint32_t a, std::uint32_t b, bool opposed)
   {
     int sign_a, sign_b;
@@ -189,55 +197,85 @@ class SignedForest {
   std::vector<signed char> sign_;
 };
 
-/** Signs per surfel such that neighbouring leaves agree and each part looks away from its middle. */
-std::vector<signed char>
-graphSigns(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int threads)
-{
-  std::vector<Edge> edges = overlapGraph(s, leaves, threads);
-  std::sort(edges.begin(), edges.end());
-  SignedForest forest(s.size());
-  for (const Edge& e : edges) forest.join(e.a, e.b, e.opposed);
+/** Area-weighted moments of a connected part of the leaves. Outward is where the flux about the
+ * part's middle is positive; a sheet too flat to have an inside turns up its main side. */
+struct Part {
+  double weight = 0, flux = 0, reach = 0;
+  Vector center{}, normal{};
 
-  // Area-weighted moments per part. Outward is where the flux about the part's middle is positive;
-  // a sheet too flat to have an inside turns up its main side.
-  struct Part {
-    double weight = 0, flux = 0, reach = 0;
-    Vector center{}, normal{};
-    bool turned() const
-    {
-      if (std::abs(flux) > kFlatFlux * reach) return flux < 0;
-      const auto main = std::max_element(normal.begin(), normal.end(), [](double a, double b) {
-        return std::abs(a) < std::abs(b);
-      });
-      return *main < 0;
-    }
-  };
+  bool closed() const { return std::abs(flux) > kClosedFlux * reach; }
+
+  bool turned() const
+  {
+    if (std::abs(flux) > kFlatFlux * reach) return flux < 0;
+    const auto main = std::max_element(
+        normal.begin(), normal.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+    return *main < 0;
+  }
+};
+
+/** The parts of a forest, each at its root's place. */
+std::vector<Part>
+partsOf(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, SignedForest& forest)
+{
   std::vector<Part> parts(s.size());
-  std::vector<signed char> signs(s.size(), 1);
-  std::vector<std::uint32_t> roots(s.size());
   for (const std::uint32_t i : leaves) {
-    int sign;
-    roots[i] = forest.root(i, sign);
-    signs[i] = static_cast<signed char>(sign);
+    Part& part = parts[forest.root(i)];
     const double area = static_cast<double>(s.radius[i]) * s.radius[i];
-    Part& part = parts[roots[i]];
     part.weight += area;
     const Vector c = centerOf(s, i);
     for (int a = 0; a < 3; ++a) part.center[a] += area * c[a];
   }
   for (const std::uint32_t i : leaves) {
-    Part& part = parts[roots[i]];
-    const Vector c = centerOf(s, i);
+    int sign;
+    Part& part = parts[forest.root(i, sign)];
+    const Vector c = centerOf(s, i), n = normalOf(s, i);
     const Vector away = {c[0] - part.center[0] / part.weight, c[1] - part.center[1] / part.weight,
                          c[2] - part.center[2] / part.weight};
-    const double area = static_cast<double>(s.radius[i]) * s.radius[i] * signs[i];
-    const Vector n = normalOf(s, i);
-    part.flux += area * dot(away, n);
-    part.reach += std::abs(area) * std::sqrt(dot(away, away));
-    for (int a = 0; a < 3; ++a) part.normal[a] += area * n[a];
+    const double area = static_cast<double>(s.radius[i]) * s.radius[i];
+    part.flux += sign * area * dot(away, n);
+    part.reach += area * std::sqrt(dot(away, away));
+    for (int a = 0; a < 3; ++a) part.normal[a] += sign * area * n[a];
   }
+  return parts;
+}
+
+/** A spanning forest of the overlap graph. Weak edges come last and never join two closed bodies:
+ * what faces each other across a gap says nothing about either's outside. */
+SignedForest
+spanningForest(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int threads)
+{
+  std::vector<Edge> edges = overlapGraph(s, leaves, threads);
+  std::sort(edges.begin(), edges.end());
+  SignedForest forest(s.size());
+  std::size_t next = 0;
+  for (; next < edges.size() && edges[next].weight <= kWeakEdge; ++next) {
+    forest.join(edges[next].a, edges[next].b, edges[next].opposed);
+  }
+  const std::vector<Part> parts = partsOf(s, leaves, forest);
+  std::vector<char> closed(s.size());
+  for (const std::uint32_t i : leaves) closed[i] = parts[i].closed();
+  for (; next < edges.size(); ++next) {
+    const Edge& e = edges[next];
+    const std::uint32_t a = forest.root(e.a), b = forest.root(e.b);
+    if (closed[a] && closed[b]) continue;
+    forest.join(e.a, e.b, e.opposed);
+    closed[forest.root(a)] = closed[a] || closed[b];
+  }
+  return forest;
+}
+
+/** Signs per surfel such that neighbouring leaves agree and each part looks away from its middle. */
+std::vector<signed char>
+graphSigns(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int threads)
+{
+  SignedForest forest = spanningForest(s, leaves, threads);
+  const std::vector<Part> parts = partsOf(s, leaves, forest);
+  std::vector<signed char> signs(s.size(), 1);
   for (const std::uint32_t i : leaves) {
-    if (parts[roots[i]].turned()) signs[i] = static_cast<signed char>(-signs[i]);
+    int sign;
+    const std::uint32_t root = forest.root(i, sign);
+    signs[i] = static_cast<signed char>(parts[root].turned() ? -sign : sign);
   }
   return signs;
 }
