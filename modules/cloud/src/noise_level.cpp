@@ -19,7 +19,7 @@ constexpr std::size_t kEigenvalueSamples = 4000;
 constexpr std::size_t kFirstNeighbors = 20;
 constexpr std::size_t kMostNeighbors = 20480;
 constexpr int kCubicTerms = 10;
-constexpr double kPatchNoise = 0.15;     ///< noise above this share of the patch's radius fills it
+constexpr double kPatchNoise = 0.2;      ///< noise above this share of the patch's radius fills it
 constexpr double kFilledPatch = 0.25;    ///< below this share noise no longer fills it
 constexpr double kRelief = 0.9;          ///< of that share in twice as many points: noise has .8
 constexpr std::size_t kSheetFactor = 2;  ///< neighbours asked for where two sheets share a patch
@@ -231,6 +231,8 @@ residualNoise(const PointStore& store, int threads)
         share < kFilledPatch && std::sqrt(wider.variance) > kRelief * share * wider.radius;
     if (share < kPatchNoise || relief) {
       noise.variance = std::clamp(bias_free, kLeastNoise * noise.variance, noise.variance);
+      // A patch that ends at R cuts heights off: it sees s^2 (1 - 2 s^2 / R^2) of a variance s^2.
+      noise.variance *= 1.0 + 2.0 * noise.variance / (noise.radius * noise.radius);
       break;
     }
     noise = wider;
