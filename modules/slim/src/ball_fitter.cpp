@@ -14,8 +14,18 @@ namespace {
 constexpr double kLoneNormal = 0.3;  ///< share of agreeing neighbours below which a normal is alone
 constexpr double kTwoSheets =
     4.0;  ///< sheets that can be told apart leave e^2 above so many lambda
+constexpr std::size_t kGlanceBlocks = 512;  ///< 8192 points: e^2 to some percent
+constexpr std::size_t kLeastGlanceStride = 2;
 constexpr double kOffCenter = 0.03;   ///< of r_r: a fit that passes its centre farther off is moved
 constexpr double kGateMargin = 1e-6;  ///< of r: the least a coverage gate may be, for rounding
+
+void
+keepEveryNth(std::size_t stride, std::vector<std::uint32_t>& blocks)
+{
+  std::size_t kept = 0;
+  for (std::size_t b = 0; b < blocks.size(); b += stride) blocks[kept++] = blocks[b];
+  blocks.resize(kept);
+}
 
 /** Gives a linear surfel its plane's own normal: f is then w' - c_0, and only c_0 is left to store. */
 void
@@ -43,16 +53,9 @@ BallFitter::fit(std::size_t i, int level, SurfelRecord& surfel)
   }
   if (settings_.with_normals) gate_ = store_.normal(i);
   const double r_right = settings_.levelRadius(level);
-  gather_radius_ = r_right;
-  if (!gather(r_right)) return BallOutcome::kUnsupported;
-  if (settings_.with_normals && settings_.skip_lone_normals &&
-      static_cast<double>(ball_.count) < kLoneNormal * static_cast<double>(sums_.inside)) {
-    return BallOutcome::kLoneNormal;
-  }
-  setFrame();
-  search_.begin(ball_, gather_radius_, 1.0);
-  if (settings_.split_sheets) splitSheets();
-  if (!settings_.paper) centerOnSurface();
+  if (!settings_.paper && tooWideAtAGlance(r_right, level, surfel)) return BallOutcome::kInternal;
+  if (const BallOutcome outcome = prepare(r_right, 1); outcome != BallOutcome::kLeaf)
+    return outcome;
   RadiusChoice choice = search_.search();
   if (choice.kind == RadiusChoice::Kind::kSparse) {
     gather_radius_ = r_right / kGolden;
@@ -65,6 +68,40 @@ BallFitter::fit(std::size_t i, int level, SurfelRecord& surfel)
   if (choice.kind == RadiusChoice::Kind::kLeaf) choice.trial = search_.refine(choice);
   record(choice, level, surfel);
   return choice.kind == RadiusChoice::Kind::kLeaf ? BallOutcome::kLeaf : BallOutcome::kInternal;
+}
+
+/** Gathers one of so many blocks and frames them. \return kLeaf where a radius can be sought. */
+BallOutcome
+BallFitter::prepare(double radius, std::size_t stride)
+{
+  gather_radius_ = radius;
+  stride_ = stride;
+  if (!gather(radius)) return BallOutcome::kUnsupported;
+  if (settings_.with_normals && settings_.skip_lone_normals &&
+      static_cast<double>(ball_.count) < kLoneNormal * static_cast<double>(sums_.inside)) {
+    return BallOutcome::kLoneNormal;
+  }
+  setFrame();
+  search_.begin(ball_, gather_radius_, 1.0);
+  if (settings_.split_sheets) splitSheets();
+  if (!settings_.paper) centerOnSurface();
+  return BallOutcome::kLeaf;
+}
+
+/** Some thousand points tell that a wide ball must be divided: the rest need not be read. */
+bool
+BallFitter::tooWideAtAGlance(double radius, int level, SurfelRecord& surfel)
+{
+  neighborhood_.blocksInBall(center_.data(), static_cast<float>(radius), blocks_);
+  const std::size_t stride = blocks_.size() / kGlanceBlocks;
+  if (stride < kLeastGlanceStride) return false;
+  const auto center = center_;
+  if (prepare(radius, stride) == BallOutcome::kLeaf && search_.surelyInternal()) {
+    record({RadiusChoice::Kind::kInternal, search_.right(), false}, level, surfel);
+    return true;
+  }
+  center_ = center;
+  return false;
 }
 
 /** A centre that noise has thrown far off would see a lopsided part of the points: the ball moves
@@ -89,6 +126,7 @@ bool
 BallFitter::gather(double radius)
 {
   neighborhood_.blocksInBall(center_.data(), static_cast<float>(radius), blocks_);
+  if (stride_ > 1) keepEveryNth(stride_, blocks_);
   const BallQuery query{center_, static_cast<float>(radius),
                         settings_.with_normals ? gate_.data() : nullptr, settings_.min_dot};
   kernels::gatherBall(store_, blocks_, query, !settings_.with_normals, ball_, sums_);

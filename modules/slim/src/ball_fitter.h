@@ -54,6 +54,8 @@ class BallFitter {
   std::uint64_t numFits() const { return search_.numFits(); }
 
  private:
+  BallOutcome prepare(double radius, std::size_t stride);
+  bool tooWideAtAGlance(double radius, int level, SurfelRecord& surfel);
   bool gather(double radius);
   std::array<double, 3> frameNormal() const;
   bool splitSheets();
@@ -71,6 +73,7 @@ class BallFitter {
   BallSums sums_;
   std::array<float, 3> center_{}, gate_{}, normal_{};
   double gather_radius_ = 0;
+  std::size_t stride_ = 1;  ///< one of so many blocks is gathered
   std::vector<float> residuals_;
   BallCounters counters_;
 };

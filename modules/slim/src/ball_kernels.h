@@ -56,13 +56,7 @@ struct LocalFit {
   std::array<double, kMaxCoefficients> c{};  ///< in units of the gather radius
   double residual_sq = 0;                    ///< e^2 = sum w f^2 / sum w, gather radius squared
   double n_eff = 0;                          ///< (sum w)^2 / sum w^2
-};
-
-/** \brief What a fit is made for; each goal includes the ones before. */
-enum class FitGoal : unsigned char {
-  kResidual,      ///< n_eff and e^2 only: coefficients may be left at 0
-  kCoefficients,  ///< the polynomial as well
-  kRefined        ///< with one step of iterative refinement, for the fit that is kept
+  double slope_sq = 0;                       ///< mean of |grad h|^2, weights w
 };
 
 /** \brief SIMD inner loops of modules/slim, compiled per instruction set and chosen at run time. */
@@ -89,10 +83,11 @@ selectResiduals(const BallBuffer& ball, const float* residuals, float low, float
 /** \brief Fits heights w over (u, v) with weights G(s / rho) to the points within rho.
  *
  * Falls back to the highest lower degree whose n_eff and pivots allow it.
- * \param[in] support points n_eff needed per coefficient. */
+ * \param[in] support points n_eff needed per coefficient.
+ * \param[in] refine one step of iterative refinement, for the fit that is kept. */
 LocalFit
 fitBall(const BallBuffer& ball, int degree, float rho, WeightKernel kernel, double support,
-        FitGoal goal);
+        bool refine);
 
 /** \brief n_eff = (sum w)^2 / sum w^2 of the weights G(s / rho); 0 for an empty ball. */
 double

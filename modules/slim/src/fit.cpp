@@ -44,6 +44,8 @@ makeSettings(const PointStore& store, const FitParams& params)
   s.split_sheets = !store.hasNormals() && !params.paper_mode;
   s.robust = params.robust;
   s.seed = params.seed;
+  // Faces between edges are small: wider balls only hold more of other faces.
+  if (params.sharp_features) s.start_share = 0.15;
   s.paper = params.paper_mode;
   if (params.paper_mode) {
     s.fit_kernel = s.wall_kernel = s.cover_kernel = WeightKernel::kGaussian;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "ball_kernels.h"
+#include "mean_slope.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fit_kernel.cpp"
@@ -29,19 +30,6 @@ struct Moments {
   double zz;
   double weight_sq;
 };
-
-/** Place of u^i v^j among the moments of degree 2D: rows of fixed i. */
-constexpr int
-momentIndex(int degree, int i, int j)
-{
-  return i * (2 * degree + 1) - i * (i - 1) / 2 + j;
-}
-
-constexpr int
-termIndex(int i, int j)
-{
-  return (i + j) * (i + j + 1) / 2 + j;
-}
 
 template <WeightKernel K>
 class WeightedBall {
@@ -142,14 +130,6 @@ computeMoments(const WeightedBall<K>& ball, Moments& m)
   heightSums<D>(
       ball, [](Vec, Vec, Vec w) HWY_ATTR { return w; }, m.z, m.zz);
 }
-
-struct Term {
-  int i, j;
-};
-
-constexpr Term kTerms[kMaxCoefficients] = {{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1},
-                                           {0, 2}, {3, 0}, {2, 1}, {1, 2}, {0, 3},
-                                           {4, 0}, {3, 1}, {2, 2}, {1, 3}, {0, 4}};
 
 /** The factor U of the normal equations A = U^T U, with U^-T b as last column. */
 class NormalEquations {
@@ -269,9 +249,8 @@ supportedDegree(int degree, int pivots, double n_eff, double support)
 
 template <int D, WeightKernel K>
 LocalFit
-fitWith(const BallBuffer& points, float rho, double support, FitGoal goal)
+fitWith(const BallBuffer& points, float rho, double support, bool refine)
 {
-  const bool refine = goal == FitGoal::kRefined, with_coefficients = goal != FitGoal::kResidual;
   LocalFit fit;
   const WeightedBall<K> ball(points, rho);
   Moments m;
@@ -286,17 +265,17 @@ fitWith(const BallBuffer& points, float rho, double support, FitGoal goal)
   const int size = numCoefficients(fit.degree);
   double rss = m.zz;
   for (int p = 0; p < size; ++p) rss -= equations.explained(p);
-  const bool lost = rss < kResidualGate * m.zz;
-  if (refine || lost || with_coefficients) equations.solve(size, fit.c.data());
+  equations.solve(size, fit.c.data());
   if (refine) {
     double b[kMaxCoefficients], ff;
     residualSums<D, K>(ball, fit.c.data(), b, ff);
     equations.solveAndAdd(size, b, fit.c.data());
     rss = residualSum<D, K>(ball, fit.c.data());
-  } else if (lost) {
+  } else if (rss < kResidualGate * m.zz) {
     rss = residualSum<D, K>(ball, fit.c.data());
   }
   fit.residual_sq = std::max(0.0, rss / weight);
+  fit.slope_sq = meanSlopeSq<D>(m.uv, fit.c.data());
   return fit;
 }
 
@@ -325,26 +304,26 @@ effectiveCount(const BallBuffer& ball, float rho, WeightKernel kernel)
 
 template <WeightKernel K>
 LocalFit
-fitWithKernel(const BallBuffer& ball, int degree, float rho, double support, FitGoal goal)
+fitWithKernel(const BallBuffer& ball, int degree, float rho, double support, bool refine)
 {
   switch (degree) {
-    case 1: return fitWith<1, K>(ball, rho, support, goal);
-    case 2: return fitWith<2, K>(ball, rho, support, goal);
-    case 3: return fitWith<3, K>(ball, rho, support, goal);
-    default: return fitWith<4, K>(ball, rho, support, goal);
+    case 1: return fitWith<1, K>(ball, rho, support, refine);
+    case 2: return fitWith<2, K>(ball, rho, support, refine);
+    case 3: return fitWith<3, K>(ball, rho, support, refine);
+    default: return fitWith<4, K>(ball, rho, support, refine);
   }
 }
 
 LocalFit
 fitBall(const BallBuffer& ball, int degree, float rho, WeightKernel kernel, double support,
-        FitGoal goal)
+        bool refine)
 {
   switch (kernel) {
     case WeightKernel::kPower2:
-      return fitWithKernel<WeightKernel::kPower2>(ball, degree, rho, support, goal);
+      return fitWithKernel<WeightKernel::kPower2>(ball, degree, rho, support, refine);
     case WeightKernel::kPower4:
-      return fitWithKernel<WeightKernel::kPower4>(ball, degree, rho, support, goal);
-    default: return fitWithKernel<WeightKernel::kGaussian>(ball, degree, rho, support, goal);
+      return fitWithKernel<WeightKernel::kPower4>(ball, degree, rho, support, refine);
+    default: return fitWithKernel<WeightKernel::kGaussian>(ball, degree, rho, support, refine);
   }
 }
 
@@ -365,9 +344,9 @@ effectiveCount(const BallBuffer& ball, float rho, WeightKernel kernel)
 
 LocalFit
 fitBall(const BallBuffer& ball, int degree, float rho, WeightKernel kernel, double support,
-        FitGoal goal)
+        bool refine)
 {
-  return HWY_DYNAMIC_DISPATCH(fitBall)(ball, degree, rho, kernel, support, goal);
+  return HWY_DYNAMIC_DISPATCH(fitBall)(ball, degree, rho, kernel, support, refine);
 }
 
 }  // namespace pcl_slim::kernels

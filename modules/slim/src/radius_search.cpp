@@ -15,6 +15,17 @@ constexpr double kBlob = 0.02;         ///< e / r of a few points beyond which t
 constexpr double kWallLenience = 1.3;  ///< E at the wall rests on few degrees of freedom
 constexpr double kWallAim = 1.01;
 constexpr double kNoiseLike = 1.5;  ///< e^2 below this many lambda is noise, not lack of fit
+constexpr double kSure = 1.3;       ///< so much of E and e^2 a part of the points cannot be wrong
+constexpr double kStructureSupport = 8.0;  ///< least supports that leave room for finer balls
+constexpr double kStructureDeviations = 4.0;
+constexpr double kStructureWorth = 1.5;  ///< penalties that shared variance must exceed
+constexpr int kFeatureDegree = 2;
+constexpr int kFeatureSteps = 4;         ///< radii tried for it, each gamma times the last
+constexpr double kFeatureStep = 0.75;    ///< each so many times the last
+constexpr double kFeatureSupport = 1.5;  ///< n_eff per coefficient asked of it
+constexpr double kFeatureNoise = 1.15;   ///< e^2 above so many lambda is more than noise ...
+constexpr double kFeatureHeight = 0.01;  ///< ... and e above this share of r is no smooth surface
+constexpr double kFeatureGain = 0.9;     ///< of the risk that a lower degree must fall to
 constexpr int kBrentSteps = 6;
 constexpr int kLenientSteps = 2;
 constexpr int kRobustPasses = 2;
@@ -77,16 +88,16 @@ RadiusSearch::pointsWithin(double rho)
 }
 
 Trial
-RadiusSearch::evaluate(double rho, int degree, WeightKernel kernel, FitGoal goal)
+RadiusSearch::evaluate(double rho, int degree, WeightKernel kernel)
 {
   ++fits_;
   Trial trial;
   trial.rho = rho;
   trial.fit = kernels::fitBall(pointsWithin(rho), degree, static_cast<float>(rho), kernel,
-                               settings_.support, goal);
+                               settings_.support, false);
   trial.supported = trial.fit.degree == degree;
   if (trial.supported) {
-    trial.energy = settings_.energy(trial.fit, rho * gather_radius_, gather_radius_);
+    trial.energy = energy_(trial.fit, rho * gather_radius_, gather_radius_);
   }
   return trial;
 }
@@ -126,39 +137,107 @@ bool
 RadiusSearch::filledByNoise(double rho) const
 {
   const double r = rho * gather_radius_;
-  const Energy& energy = settings_.energy;
-  return r * r < energy.thick * energy.thick * energy.lambda;
+  return r * r < energy_.thick * energy_.thick * energy_.lambda;
 }
 
 bool
-RadiusSearch::lacksFit(const Trial& left, const Trial& middle) const
+RadiusSearch::lacksFit(const Trial& left, const Trial& middle, double margin) const
 {
   if (settings_.lack_of_fit <= 0) return false;
-  const double e_sq =
-      std::min(left.fit.residual_sq, middle.fit.residual_sq) * gather_radius_ * gather_radius_;
-  return e_sq > settings_.lack_of_fit * settings_.lack_of_fit * settings_.energy.lambda;
+  const double e_sq = std::min(variance(left), variance(middle));
+  return e_sq > margin * settings_.lack_of_fit * settings_.lack_of_fit * energy_.lambda;
+}
+
+/** Where detail is finer than every radius tried, E does not fall towards smaller ones and looks
+ * like that of noise; neighbouring residuals tell. Detail that weighs less than the penalty would
+ * cost more noise to resolve than it is worth. */
+bool
+RadiusSearch::hidesStructure(const Trial& trial)
+{
+  if (settings_.lack_of_fit <= 0 || lacksFit(trial, trial)) return false;
+  const double terms = numCoefficients(trial.fit.degree);
+  if (trial.fit.n_eff < kStructureSupport * settings_.support * terms) return false;
+  const auto found =
+      structure_.measure(pointsWithin(kGolden * trial.rho), trial.fit, kGolden * trial.rho);
+  if (!(found.deviation > 0) || found.share < kStructureDeviations * found.deviation) return false;
+  const double shared = found.share * trial.fit.residual_sq * gather_radius_ * gather_radius_;
+  return shared > kStructureWorth * energy_.penalty(trial.fit, trial.rho * gather_radius_);
 }
 
 const Trial&
 RadiusSearch::right()
 {
   if (!has_right_) {
-    right_ = evaluate(rho_right_, settings_.degree, settings_.fit_kernel, FitGoal::kCoefficients);
+    right_ = evaluate(rho_right_, settings_.degree, settings_.fit_kernel);
   }
   has_right_ = true;
   return right_;
 }
 
+bool
+RadiusSearch::besideFeature(const Trial& trial) const
+{
+  if (settings_.lack_of_fit <= 0 || trial.fit.degree <= kFeatureDegree) return false;
+  const double e_sq = variance(trial), r = trial.rho * gather_radius_;
+  return e_sq > kFeatureHeight * kFeatureHeight * r * r && e_sq > kFeatureNoise * energy_.lambda;
+}
+
+/** Across an edge no degree fits, and a lower one needs less room: the quadratic in a smaller ball
+ * that beats the trial by its expected error (kappa = 1: what is left is bias, not luck). */
+Trial
+RadiusSearch::lowDegree(const Trial& trial)
+{
+  Energy risk = energy_;
+  risk.kappa = 1.0;
+  const auto of = [&](const Trial& t) {
+    return risk(t.fit, t.rho * gather_radius_, gather_radius_);
+  };
+  Trial best;
+  double least = kFeatureGain * of(trial), rho = trial.rho;
+  for (int step = 0; step < kFeatureSteps; ++step, rho *= kFeatureStep) {
+    const Trial low = evaluate(rho, kFeatureDegree, settings_.fit_kernel);
+    if (!low.supported || low.fit.n_eff < kFeatureSupport * numCoefficients(kFeatureDegree)) break;
+    if (of(low) >= least) continue;
+    best = low;
+    least = of(low);
+  }
+  return best;
+}
+
 RadiusChoice
 RadiusSearch::search()
+{
+  const RadiusChoice choice = chooseByEnergy();
+  if (choice.kind == RadiusChoice::Kind::kLeaf && besideFeature(choice.trial)) {
+    const Trial low = lowDegree(choice.trial);
+    if (low.supported) return leaf(low);
+  }
+  const bool free = choice.kind == RadiusChoice::Kind::kLeaf && !choice.forced;
+  return free && hidesStructure(choice.trial) ? internal(right()) : choice;
+}
+
+bool
+RadiusSearch::surelyInternal()
+{
+  const Trial right = this->right();
+  if (!right.supported) return false;
+  const Trial middle = evaluate(kGolden * rho_right_);
+  const Trial left = evaluate(kGolden * kGolden * rho_right_);
+  if (!middle.supported || !left.supported) return false;
+  if (lacksFit(left, middle, kSure)) return true;
+  return kSure * left.energy < middle.energy && kSure * middle.energy < right.energy;
+}
+
+RadiusChoice
+RadiusSearch::chooseByEnergy()
 {
   const Trial right = this->right();
   if (!right.supported) return {RadiusChoice::Kind::kSparse, right, false};
   const Trial middle = evaluate(kGolden * rho_right_);
   if (!middle.supported) return chooseAtWall(right, right);
-  const double e_middle = middle.fit.residual_sq * gather_radius_ * gather_radius_;
+  const double e_middle = variance(middle);
   if (!settings_.paper && right.energy <= settings_.lenience * middle.energy &&
-      e_middle <= kNoiseLike * settings_.energy.lambda) {
+      e_middle <= kNoiseLike * energy_.lambda) {
     return leaf(right);  // flat down to the noise: the largest radius serves
   }
   if (!settings_.paper && filledByNoise(kGolden * kGolden * rho_right_)) {
@@ -303,14 +382,16 @@ RadiusSearch::refine(const RadiusChoice& choice)
   if (!settings_.paper) result.rho = radiusOfData(choice.trial, kernel);
   if (!refit(pointsWithin(result.rho), kernel, result)) {
     // Rounding cost a pivot: the accepted fit stands, made again with its coefficients.
-    return evaluate(choice.trial.rho, choice.trial.fit.degree, kernel, FitGoal::kCoefficients);
+    return evaluate(choice.trial.rho, choice.trial.fit.degree, kernel);
   }
   if (!settings_.robust) return result;
   kernels::compactBall(*ball_, static_cast<float>(result.rho * result.rho), robust_);
+  const double spread_sq = result.fit.residual_sq;
   for (int pass = 0; pass < kRobustPasses; ++pass) {
     setRobustWeights(result.fit);
     if (!refit(robust_, kernel, result)) break;
   }
+  result.fit.residual_sq = std::max(result.fit.residual_sq, spread_sq);
   return result;
 }
 
@@ -321,7 +402,7 @@ RadiusSearch::refit(const BallBuffer& points, WeightKernel kernel, Trial& trial)
   ++fits_;
   // The degree was settled with the full support; rounding must not undo it here.
   const LocalFit fit = kernels::fitBall(points, trial.fit.degree, static_cast<float>(trial.rho),
-                                        kernel, 0.5 * settings_.support, FitGoal::kRefined);
+                                        kernel, 0.5 * settings_.support, true);
   if (fit.degree != trial.fit.degree) return false;
   trial.fit = fit;
   return true;
@@ -333,7 +414,7 @@ RadiusSearch::setRobustWeights(const LocalFit& fit)
 {
   residuals_.resize(robust_.count + BallBuffer::kPadding);
   kernels::ballResiduals(robust_, fit, residuals_.data());
-  const double noise_sq = settings_.energy.lambda / (gather_radius_ * gather_radius_);
+  const double noise_sq = energy_.lambda / (gather_radius_ * gather_radius_);
   const double scale_sq = kRobustScale * kRobustScale * std::max(noise_sq, 0.25 * fit.residual_sq);
   robust_.prior.assign(robust_.u.size(), 1.0f);
   for (std::size_t i = 0; i < robust_.count && scale_sq > 0; ++i) {

@@ -3,6 +3,7 @@
 
 #include "ball_kernels.h"
 #include "fit_settings.h"
+#include "residual_structure.h"
 
 namespace pcl_slim {
 
@@ -33,7 +34,12 @@ struct RadiusChoice {
  */
 class RadiusSearch {
  public:
-  explicit RadiusSearch(const FitSettings& settings) : settings_(settings) {}
+  explicit RadiusSearch(const FitSettings& settings) : settings_(settings), energy_(settings.energy)
+  {
+  }
+
+  /** \brief The noise variance of the balls to come. */
+  void setNoise(double lambda) { energy_.lambda = lambda; }
 
   /** \brief Starts on a ball in frame coordinates. \param[in] gather_radius local length;
    * \param[in] rho_right r_r in units of it. */
@@ -45,6 +51,9 @@ class RadiusSearch {
   /** \brief The choice on [gamma^2, 1] rho_right. */
   RadiusChoice search();
 
+  /** \brief Whether a smaller radius is needed beyond doubt, seen on a part of a ball's points. */
+  bool surelyInternal();
+
   /** \brief For a sparse ball: the best that degree and radius up to the gather radius allow. */
   RadiusChoice fallBack();
 
@@ -54,12 +63,13 @@ class RadiusSearch {
   std::uint64_t numFits() const { return fits_; }
 
  private:
-  Trial evaluate(double rho, int degree, WeightKernel kernel, FitGoal goal = FitGoal::kResidual);
+  Trial evaluate(double rho, int degree, WeightKernel kernel);
   Trial evaluate(double rho) { return evaluate(rho, settings_.degree, settings_.fit_kernel); }
   const BallBuffer& pointsWithin(double rho);
   double wallRadius(double from, int degree, WeightKernel kernel);
   double radiusOfData(const Trial& trial, WeightKernel kernel);
   Trial evaluateWall(double from);
+  RadiusChoice chooseByEnergy();
   RadiusChoice chooseAtWall(const Trial& right, const Trial& middle);
   RadiusChoice chooseInside(const Trial& left, const Trial& middle, const Trial& right);
   RadiusChoice paperChoice(const Trial& left, const Trial& middle, const Trial& right);
@@ -69,12 +79,19 @@ class RadiusSearch {
   bool refit(const BallBuffer& points, WeightKernel kernel, Trial& trial);
   void setRobustWeights(const LocalFit& fit);
   bool filledByNoise(double rho) const;
-  bool lacksFit(const Trial& left, const Trial& middle) const;
+  bool lacksFit(const Trial& left, const Trial& middle, double margin = 1.0) const;
+  bool besideFeature(const Trial& trial) const;
+  Trial lowDegree(const Trial& trial);
+  bool hidesStructure(const Trial& trial);
+
+  double variance(const Trial& trial) const { return energy_.variance(trial.fit, gather_radius_); }
 
   const FitSettings& settings_;
+  Energy energy_;
   const BallBuffer* ball_ = nullptr;
   BallBuffer middle_, inner_, robust_;
   std::vector<float> residuals_;
+  ResidualStructure structure_;
   Trial right_;
   bool has_right_ = false, has_middle_ = false, has_inner_ = false;
   double gather_radius_ = 0, rho_right_ = 1;

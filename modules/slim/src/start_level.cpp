@@ -8,7 +8,6 @@ namespace pcl_slim {
 
 namespace {
 
-constexpr double kStartShare = 0.15;  ///< the first level's median ball holds at most so much
 constexpr std::size_t kSamples = 31;
 constexpr int kLastStart = 30;
 
@@ -19,7 +18,8 @@ startLevel(const PointStore& store, const FitSettings& settings)
 {
   if (settings.paper) return 1;
   const std::size_t samples = std::min(kSamples, store.size());
-  const auto most = static_cast<std::size_t>(kStartShare * static_cast<double>(store.size()));
+  const auto most =
+      static_cast<std::size_t>(settings.start_share * static_cast<double>(store.size()));
   std::vector<std::uint32_t> blocks;
   for (int level = 1; level < kLastStart; ++level) {
     std::size_t crowded = 0;
