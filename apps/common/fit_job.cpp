@@ -101,6 +101,8 @@ declareFitOptions(OptionTable& options, FitJob& job)
                   "most leaves allowed; 0: as many as it takes");
   options.toggle("sharp", &job.params.sharp_features, "keep sharp edges; needs normals");
   options.toggle("robust", &job.params.robust, "reweight residuals against outliers");
+  options.toggle("local_noise", &job.params.local_noise,
+                 "noise is measured along the scan, not once for all of it");
   options.toggle("paper", &job.params.paper_mode,
                  "the choices of Ohtake, Belyaev, Alexa 2005 throughout");
   options.toggle("compact", &job.compact,

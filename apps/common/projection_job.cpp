@@ -152,7 +152,7 @@ declareProjectionOptions(OptionTable& options, ProjectionJob& job)
   options.text("json", &job.json, "FILE", "write a report");
   options.toggle("quiet", &job.quiet, "say nothing but errors");
   for (const char* name : {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "robust",
-                           "paper", "compact", "lambda", "seed"}) {
+                           "local_noise", "paper", "compact", "lambda", "seed"}) {
     options.exclusive({"surface", name});
   }
 }

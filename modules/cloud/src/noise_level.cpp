@@ -27,6 +27,9 @@ constexpr Eigen::Index kLeastSide = 1;   ///< points on the other side of a gap 
 constexpr int kSheetPasses = 4;
 constexpr double kSheetGap = 1.0;  ///< such a gap over the larger spread of the two sides
 constexpr double kTrim = 0.1;
+constexpr std::size_t kPointsPerRun = 128, kMostRuns = 8192;  ///< of a noise profile
+constexpr std::size_t kWindow = 8;     ///< runs to either side that its entries rest on
+constexpr float kLeastShare = 0.001f;  ///< of the cloud's noise
 constexpr double kBiasGrowth =
     16.0;  ///< of a cubic's squared bias when k, and so radius^2, doubles
 constexpr double kLeastNoise = 1e-4;  ///< share of the residual that is always taken for noise
@@ -189,7 +192,24 @@ sampleStore(const PointStore& store, std::size_t samples, int threads, const Mea
 /** Trimmed residual variance over patches of k points, and their median radius. */
 struct PatchNoise {
   double variance = 0, radius = 0;
+  std::size_t neighbors = 0;
 };
+
+double
+patchVariance(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
+              double& radius)
+{
+  thread_local std::vector<std::uint32_t> neighbors;
+  thread_local std::vector<float> distances_sq;
+  Patch patch = neighborhood(store, search, sample, k, neighbors, distances_sq);
+  if (!store.hasNormals() && keepOwnSheet(patch)) {
+    // Half the neighbours lay on another sheet: twice as many give the patch its size back.
+    patch = neighborhood(store, search, sample, kSheetFactor * k, neighbors, distances_sq);
+    keepOwnSheet(patch);
+  }
+  radius = patch.radius;
+  return cubicResidual(patch);
+}
 
 PatchNoise
 patchNoise(const PointStore& store, std::size_t k, int threads)
@@ -199,24 +219,16 @@ patchNoise(const PointStore& store, std::size_t k, int threads)
       std::max<std::size_t>(kLeastSamples, kResidualSamples * kFirstNeighbors / k);
   std::vector<double> radii(std::min(samples, store.size()));
   const auto measure = [&](NeighborSearch& search, std::size_t sample, std::size_t s) {
-    thread_local std::vector<std::uint32_t> neighbors;
-    thread_local std::vector<float> distances_sq;
-    Patch patch = neighborhood(store, search, sample, k, neighbors, distances_sq);
-    if (!store.hasNormals() && keepOwnSheet(patch)) {
-      // Half the neighbours lay on another sheet: twice as many give the patch its size back.
-      patch = neighborhood(store, search, sample, kSheetFactor * k, neighbors, distances_sq);
-      keepOwnSheet(patch);
-    }
-    radii[s] = patch.radius;
-    return cubicResidual(patch);
+    return patchVariance(store, search, sample, k, radii[s]);
   };
   auto values = sampleStore(store, samples, threads, measure);
   const auto median = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
   std::nth_element(radii.begin(), median, radii.end());
-  return {trimmedMean(values), *median};
+  return {trimmedMean(values), *median, k};
 }
 
-double
+/** The cloud's noise, and how large a patch has to be to show it. */
+PatchNoise
 residualNoise(const PointStore& store, int threads)
 {
   const std::size_t most = std::min(kMostNeighbors, store.size() / 8 + kFirstNeighbors);
@@ -238,7 +250,8 @@ residualNoise(const PointStore& store, int threads)
     noise = wider;
   }
   const double floor = kFloor * store.diagonal();
-  return std::max(noise.variance, floor * floor);
+  noise.variance = std::max(noise.variance, floor * floor);
+  return noise;
 }
 
 double
@@ -270,7 +283,37 @@ estimateNoise(const PointStore& store, NoiseEstimator estimator, int threads)
   if (store.size() < kCubicTerms + 2) return 0.0;
   threads = resolveThreads(threads);
   return estimator == NoiseEstimator::kMinEigenvalue10 ? eigenvalueNoise(store, threads)
-                                                       : residualNoise(store, threads);
+                                                       : residualNoise(store, threads).variance;
+}
+
+std::vector<float>
+noiseProfile(const PointStore& store, int threads)
+{
+  if (store.size() < kCubicTerms + 2) return {};
+  threads = resolveThreads(threads);
+  const std::size_t k = residualNoise(store, threads).neighbors;
+  const std::size_t samples =
+      std::clamp(store.size() / kPointsPerRun, std::min(kLeastSamples, store.size()), kMostRuns);
+  auto values = sampleStore(store, samples, threads,
+                            [&](NeighborSearch& search, std::size_t sample, std::size_t) {
+                              double radius;
+                              return patchVariance(store, search, sample, k, radius);
+                            });
+  std::vector<float> profile(samples, 1.0f);
+  std::vector<double> window;
+  const auto reach = static_cast<std::ptrdiff_t>(kWindow);
+  for (std::ptrdiff_t s = 0; s < static_cast<std::ptrdiff_t>(samples); ++s) {
+    const auto begin = values.begin() + std::max<std::ptrdiff_t>(0, s - reach);
+    const auto end = values.begin() + std::min(static_cast<std::ptrdiff_t>(samples), s + reach + 1);
+    window.assign(begin, end);
+    profile[static_cast<std::size_t>(s)] = static_cast<float>(trimmedMean(window));
+  }
+  const double whole = trimmedMean(values);
+  for (float& share : profile) {
+    share = whole > 0 ? std::clamp(static_cast<float>(share / whole), kLeastShare, 1 / kLeastShare)
+                      : 1.0f;
+  }
+  return profile;
 }
 
 }  // namespace pcl_slim

@@ -52,6 +52,7 @@ BallFitter::fit(std::size_t i, int level, SurfelRecord& surfel)
         static_cast<float>(std::round(p[a] / settings_.center_grid) * settings_.center_grid);
   }
   if (settings_.with_normals) gate_ = store_.normal(i);
+  search_.setNoise(settings_.lambdaAt(i, store_.size()));
   const double r_right = settings_.levelRadius(level);
   if (!settings_.paper && tooWideAtAGlance(r_right, level, surfel)) return BallOutcome::kInternal;
   if (const BallOutcome outcome = prepare(r_right, 1); outcome != BallOutcome::kLeaf)
@@ -226,7 +227,7 @@ BallFitter::splitSheets()
   for (int pass = 0; pass < 2; ++pass) {
     const LocalFit& fit = search_.right().fit;
     const double e_sq = fit.residual_sq * gather_radius_ * gather_radius_;
-    if (fit.degree == 0 || e_sq <= kTwoSheets * settings_.energy.lambda) break;
+    if (fit.degree == 0 || e_sq <= kTwoSheets * search_.noise()) break;
     residuals_.resize(ball_.count + BallBuffer::kPadding);
     kernels::ballResiduals(ball_, fit, residuals_.data());
     const SheetRange range = findSheet(residuals_.data(), ball_.count, -fit.c[0]);

@@ -16,6 +16,8 @@ namespace pcl_slim {
 
 namespace {
 
+constexpr double kLackOfFitForT = 10.0;  ///< beyond it a leaf swallows what T was not meant for
+
 class Stopwatch {
  public:
   double lap()
@@ -50,6 +52,7 @@ makeSettings(const PointStore& store, const FitParams& params)
   if (params.paper_mode) {
     s.fit_kernel = s.wall_kernel = s.cover_kernel = WeightKernel::kGaussian;
     s.lack_of_fit = 0;
+    s.find_detail = false;
     s.residual_gate = 0;
     s.skip_lone_normals = false;
     s.energy.corrected = false;
@@ -57,7 +60,8 @@ makeSettings(const PointStore& store, const FitParams& params)
   if (params.t_mdl > 0) {
     // T is the user's word on how fine to go: fewer reasons to stop above it.
     s.lenience = 1.0;
-    s.lack_of_fit = 0;
+    s.lack_of_fit = params.paper_mode ? 0.0 : kLackOfFitForT;
+    s.find_detail = false;
     s.energy.thick = 4.0;
   } else if (!params.paper_mode) {
     // Smooth parts under noise are served by balls two levels wider than the paper's first.
@@ -215,6 +219,7 @@ fitSurface(const PointStore& store, const FitParams& asked, SLIMSurface& surface
 
   FitSettings settings = makeSettings(store, params);
   settings.energy.lambda = noiseVariance(store, params, threads);
+  if (params.local_noise) settings.noise_profile = noiseProfile(store, threads);
   settings.energy.kappa = params.penalty;
   settings.energy.t_mdl =
       (params.paper_mode && params.t_mdl <= 0 ? 0.01 : params.t_mdl) * store.diagonal();

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
 #include "energy.h"
 #include "pcl_slim/slim/fit.h"
@@ -20,6 +22,7 @@ struct FitSettings {
   double support = 1.15;       ///< n_eff per coefficient below which nothing is fitted
   double lenience = 1.02;      ///< take the largest r with E <= lenience min E
   double lack_of_fit = 2.5;    ///< go finer while e exceeds this many sqrt(lambda); 0: never
+  bool find_detail = true;     ///< look for detail below the noise, and for features
   double residual_gate = 5.0;  ///< a leaf covers points within so many e
   double alpha = 2.0 / 3.0;
   double gamma = 0.1;
@@ -27,6 +30,7 @@ struct FitSettings {
   double first_radius = 0.1;  ///< r_r of level 1 over L: r_0 = L / 10 in the paper
   double start_share = 0.5;   ///< the first level's median ball holds at most so many of the points
   double center_grid = 0x1p-22;
+  std::vector<float> noise_profile;  ///< lambda of runs of points over energy.lambda; empty: even
   bool with_normals = false;
   float min_dot = 0.0f;  ///< normals nearer than this belong together
   bool skip_lone_normals = true;
@@ -34,6 +38,13 @@ struct FitSettings {
   bool robust = false;
   bool paper = false;
   std::uint64_t seed = 1;
+
+  /** \brief Noise variance about point i of n. */
+  double lambdaAt(std::size_t i, std::size_t n) const
+  {
+    return noise_profile.empty() ? energy.lambda
+                                 : energy.lambda * noise_profile[i * noise_profile.size() / n];
+  }
 
   /** \brief r_r of level k (eq. 5). */
   double levelRadius(int k) const { return first_radius * diagonal * std::pow(kGolden, k - 1); }

@@ -154,7 +154,7 @@ RadiusSearch::lacksFit(const Trial& left, const Trial& middle, double margin) co
 bool
 RadiusSearch::hidesStructure(const Trial& trial)
 {
-  if (settings_.lack_of_fit <= 0 || lacksFit(trial, trial)) return false;
+  if (!settings_.find_detail || lacksFit(trial, trial)) return false;
   const double terms = numCoefficients(trial.fit.degree);
   if (trial.fit.n_eff < kStructureSupport * settings_.support * terms) return false;
   const auto found =
@@ -177,7 +177,7 @@ RadiusSearch::right()
 bool
 RadiusSearch::besideFeature(const Trial& trial) const
 {
-  if (settings_.lack_of_fit <= 0 || trial.fit.degree <= kFeatureDegree) return false;
+  if (!settings_.find_detail || trial.fit.degree <= kFeatureDegree) return false;
   const double e_sq = variance(trial), r = trial.rho * gather_radius_;
   return e_sq > kFeatureHeight * kFeatureHeight * r * r && e_sq > kFeatureNoise * energy_.lambda;
 }

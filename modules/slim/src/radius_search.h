@@ -40,6 +40,7 @@ class RadiusSearch {
 
   /** \brief The noise variance of the balls to come. */
   void setNoise(double lambda) { energy_.lambda = lambda; }
+  double noise() const { return energy_.lambda; }
 
   /** \brief Starts on a ball in frame coordinates. \param[in] gather_radius local length;
    * \param[in] rho_right r_r in units of it. */

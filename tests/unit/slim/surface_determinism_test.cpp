@@ -45,13 +45,14 @@ TEST(Determinism, OfTheDefault)
 TEST(Determinism, OfTheOtherModes)
 {
   const Cloud cloud = sceneCloud(Shape::kRelief, 8000, 0.0005, 0.1);
-  FitParams robust, sharp, threshold, paper, compact;
+  FitParams robust, local, sharp, threshold, paper, compact;
+  local.local_noise = true;
   robust.robust = true;
   sharp.sharp_features = true;
   threshold.t_mdl = 0.005;
   paper.paper_mode = true;
   compact.cover_radius = 1.0;
-  for (const FitParams& params : {robust, sharp, threshold, paper, compact}) {
+  for (const FitParams& params : {robust, local, sharp, threshold, paper, compact}) {
     expectSameBytes(cloud, params);
     expectSameBytes(cloud.withoutNormals(), params);
   }

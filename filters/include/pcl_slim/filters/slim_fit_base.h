@@ -82,6 +82,11 @@ class SLIMFitBase {
   void setRobust(bool robust) { params_.robust = robust; }
   bool getRobust() const { return params_.robust; }
 
+  /** \brief Measures noise along the cloud instead of once for all, for scans in which it varies
+   * with range, angle or material (default off). */
+  void setLocalNoise(bool local) { params_.local_noise = local; }
+  bool getLocalNoise() const { return params_.local_noise; }
+
   /** \brief Without normals: gives the surface one consistent side (default on). */
   void setOrientation(bool orient) { params_.orient = orient; }
   bool getOrientation() const { return params_.orient; }

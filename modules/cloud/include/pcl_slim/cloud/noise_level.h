@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <vector>
+
 #include "pcl_slim/cloud/point_store.h"
 
 namespace pcl_slim {
@@ -24,5 +26,16 @@ enum class NoiseEstimator : unsigned char {
  */
 double
 estimateNoise(const PointStore& store, NoiseEstimator estimator, int threads = 0);
+
+/** \brief How noise varies over a cloud: variances over the whole cloud's, for runs of points along
+ * the Morton curve.
+ *
+ * Entry j of m stands for the points from j n / m on; it is the trimmed mean of 17 patches, at places
+ * that follow each other along the curve and so lie close together, and good to about a tenth.
+ * Between 1/1000 and 1000. Empty if the store has fewer than 12 points. O(n / 128 patches), at most
+ * 8192.
+ */
+std::vector<float>
+noiseProfile(const PointStore& store, int threads = 0);
 
 }  // namespace pcl_slim

@@ -24,11 +24,13 @@ struct FitParams {
   double cover_radius = 2.0 / 3;  ///< alpha in (0, 1]; 1 is the compact setting
   double cover_threshold = 0.1;   ///< gamma > 0
   bool sharp_features =
-      false;                   ///< keep sharp edges: only points with n . n_c > 1/2 (needs normals)
-  bool robust = false;         ///< reweight residuals against outliers (two more passes a leaf)
-  bool paper_mode = false;     ///< the choices of Ohtake et al. 2005 throughout
-  bool orient = true;          ///< without normals: sign the output by the leaves' graph
-  bool has_viewpoint = false;  ///< sign the output towards viewpoint instead
+      false;            ///< keep sharp edges: only points with n . n_c > 1/2 (needs normals)
+  bool robust = false;  ///< reweight residuals against outliers (two more passes a leaf)
+  bool local_noise =
+      false;                ///< lambda varies over the cloud: smooths loud parts, spares quiet ones
+  bool paper_mode = false;  ///< the choices of Ohtake et al. 2005 throughout
+  bool orient = true;       ///< without normals: sign the output by the leaves' graph
+  bool has_viewpoint = false;       ///< sign the output towards viewpoint instead
   double viewpoint[3] = {0, 0, 0};  ///< world coordinates
   std::uint64_t seed = 1;           ///< of the order in which centres are tried
   int threads = 0;                  ///< 0: all cores; never changes the result
