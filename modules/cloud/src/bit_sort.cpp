@@ -10,48 +10,70 @@ namespace pcl_slim {
 
 namespace {
 
-constexpr int kFirstBits = 12;        ///< of the pass over all
-constexpr int kFirstBitsOfMany = 10;  ///< of so many that more streams would miss the TLB
+constexpr int kFirstBits = 14;        ///< of the pass over all
+constexpr int kFirstBitsOfMany = 12;  ///< of so many that more streams would miss the TLB
 constexpr std::size_t kMany = std::size_t{1} << 22;
 constexpr int kDigitBits = 9;       ///< of passes inside buckets
 constexpr int kDigitBitsOfFew = 7;  ///< inside those too small for more digits to pay
 constexpr std::size_t kSmall = 2048;
-constexpr std::size_t kFew = 48;  ///< numbers for which counting digits does not pay
+constexpr std::size_t kFew = 32;    ///< numbers for which counting digits does not pay
+constexpr std::size_t kMoves = 16;  ///< of insertion, per number, that other sorting beats
 
-std::size_t
-digitOf(std::uint64_t value, int shift, int bits)
-{
-  return static_cast<std::size_t>(value >> shift & ((std::uint64_t{1} << bits) - 1));
-}
-
-/** Sorts by bits from low on, stably; for few numbers or such as are nearly in order. */
+/** Sorts by bits from low on, stably; quick where numbers are few or nearly in order. */
 void
-insertionSort(std::uint64_t* values, std::size_t n, int low)
+sortNearly(std::uint64_t* values, std::size_t n, int low)
 {
+  const std::size_t most = kMoves * std::max(n, kFew);
+  std::size_t moves = 0;
   for (std::size_t i = 1; i < n; ++i) {
-    const std::uint64_t value = values[i];
+    const std::uint64_t value = values[i], bits = value >> low;
+    if (values[i - 1] >> low <= bits) continue;
     std::size_t at = i;
-    for (; at > 0 && values[at - 1] >> low > value >> low; --at) values[at] = values[at - 1];
+    do {
+      values[at] = values[at - 1];
+      --at;
+    } while (at > 0 && values[at - 1] >> low > bits);
     values[at] = value;
+    moves += i - at;
+    if (moves <= most) continue;
+    std::stable_sort(values, values + n,
+                     [low](std::uint64_t a, std::uint64_t b) { return a >> low < b >> low; });
+    return;
   }
 }
 
-/** Sorts what is in order down to bit sorted by bits from low on as well. */
-void
-sortFiner(std::uint64_t* values, std::size_t n, int low, int sorted)
-{
-  for (std::size_t begin = 0; begin < n;) {
-    std::size_t end = begin + 1;
-    while (end < n && values[end] >> sorted == values[begin] >> sorted) ++end;
-    if (end - begin <= kFew) {
-      insertionSort(values + begin, end - begin, low);
-    } else {
-      std::stable_sort(values + begin, values + end,
-                       [low](std::uint64_t a, std::uint64_t b) { return a >> low < b >> low; });
-    }
-    begin = end;
+/** Counts of one digit's values, then the places where the next of each goes. */
+class DigitCounts {
+ public:
+  DigitCounts(std::uint32_t* counts, int shift, int bits)
+      : counts_(counts), shift_(shift), mask_((std::uint64_t{1} << bits) - 1)
+  {
   }
-}
+
+  void count(const std::uint64_t* values, std::size_t n)
+  {
+    std::uint32_t* const counts = counts_;
+    const int shift = shift_;
+    const std::uint64_t mask = mask_;
+    for (std::size_t i = 0; i < n; ++i) ++counts[values[i] >> shift & mask];
+  }
+
+  void scatter(const std::uint64_t* values, std::size_t n, std::uint64_t* out)
+  {
+    std::uint32_t* const next = counts_;
+    const int shift = shift_;
+    const std::uint64_t mask = mask_;
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::uint64_t value = values[i];
+      out[next[value >> shift & mask]++] = value;
+    }
+  }
+
+ private:
+  std::uint32_t* counts_;
+  int shift_;
+  std::uint64_t mask_;
+};
 
 /** One stable pass from values to out. */
 void
@@ -60,14 +82,15 @@ digitPass(const std::uint64_t* values, std::uint64_t* out, std::size_t n, int sh
   std::array<std::uint32_t, std::size_t{1} << kDigitBits> next;
   const std::size_t digits = std::size_t{1} << bits;
   std::fill_n(next.begin(), digits, 0);
-  for (std::size_t i = 0; i < n; ++i) ++next[digitOf(values[i], shift, bits)];
+  DigitCounts counts(next.data(), shift, bits);
+  counts.count(values, n);
   std::uint32_t total = 0;
   for (std::size_t d = 0; d < digits; ++d) {
     const std::uint32_t count = next[d];
     next[d] = total;
     total += count;
   }
-  for (std::size_t i = 0; i < n; ++i) out[next[digitOf(values[i], shift, bits)]++] = values[i];
+  counts.scatter(values, n, out);
 }
 
 /** Leading bits after which few of n numbers agree, if they lie on a surface: every three leave a
@@ -76,7 +99,7 @@ int
 tellingBits(std::size_t n)
 {
   int bits = 0;
-  for (; n > 1; n /= 4) bits += 3;
+  for (; n > 4; n /= 4) bits += 3;
   return bits;
 }
 
@@ -85,19 +108,16 @@ void
 sortBucket(std::uint64_t* values, std::uint64_t* spare, std::size_t n, int low, int high)
 {
   std::uint64_t *from = spare, *to = values;
-  if (n <= kFew) {
-    insertionSort(from, n, low);
-  } else {
+  if (n > kFew && high > low) {
     const int digit = n < kSmall ? kDigitBitsOfFew : kDigitBits;
     const int passes = std::max(1, (tellingBits(n) + digit / 2) / digit);
-    const int sorted = std::max(low, high - passes * digit);
-    for (int shift = sorted; shift < high; shift += digit) {
+    for (int shift = std::max(low, high - passes * digit); shift < high; shift += digit) {
       digitPass(from, to, n, shift, std::min(digit, high - shift));
       std::swap(from, to);
     }
-    if (sorted > low) sortFiner(from, n, low, sorted);
   }
   if (from != values) std::copy_n(from, n, values);
+  sortNearly(values, n, low);
 }
 
 /** Scatters values into spare by their leading digit. \return where each bucket begins. */
@@ -111,13 +131,13 @@ scatter(const AlignedVector<std::uint64_t>& values, AlignedVector<std::uint64_t>
   std::vector<std::size_t> begins(digits + 1, n);
   const auto forSlice = [&](const auto& body) {
     parallelFor(slices, threads, 1, [&](std::size_t s, int) {
-      std::uint32_t* own = next.data() + s * digits;
-      for (std::size_t i = n * s / slices; i < n * (s + 1) / slices; ++i) {
-        body(own[digitOf(values[i], shift, bits)], values[i]);
-      }
+      const std::size_t begin = n * s / slices, end = n * (s + 1) / slices;
+      body(DigitCounts(next.data() + s * digits, shift, bits), values.data() + begin, end - begin);
     });
   };
-  forSlice([](std::uint32_t& count, std::uint64_t) { ++count; });
+  forSlice([](DigitCounts counts, const std::uint64_t* part, std::size_t size) {
+    counts.count(part, size);
+  });
   std::uint32_t total = 0;
   for (std::size_t d = 0; d < digits; ++d) {
     begins[d] = total;
@@ -127,7 +147,9 @@ scatter(const AlignedVector<std::uint64_t>& values, AlignedVector<std::uint64_t>
       total += count;
     }
   }
-  forSlice([&](std::uint32_t& place, std::uint64_t value) { spare[place++] = value; });
+  forSlice([&](DigitCounts counts, const std::uint64_t* part, std::size_t size) {
+    counts.scatter(part, size, spare.data());
+  });
   return begins;
 }
 
@@ -138,9 +160,9 @@ sortByBits(AlignedVector<std::uint64_t>& values, int low, int high, int threads)
 {
   const std::size_t n = values.size();
   if (n < 2 || high <= low) return;
-  if (n <= kFew) return insertionSort(values.data(), n, low);
-  const int bits = std::min(n < kMany ? kFirstBits : kFirstBitsOfMany, high - low),
-            shift = high - bits;
+  if (n <= kFew) return sortNearly(values.data(), n, low);
+  const int bits = std::min(n < kMany ? kFirstBits : kFirstBitsOfMany, high - low);
+  const int shift = high - bits;
   AlignedVector<std::uint64_t> spare(n);
   const auto begins = scatter(values, spare, shift, bits, threads);
   parallelFor(begins.size() - 1, threads, 64, [&](std::size_t d, int) {

@@ -178,7 +178,7 @@ class OctreeCloudBuilder {
     });
     const int root_bit = out_.keyBit(out_.depth_);
     sortByBits(packed, index_bits, root_bit + 3 * (OctreeCloud::kBits - out_.depth_), threads_);
-    findRoots([&](std::size_t i) { return packed[i] >> root_bit; });
+    findRoots([values = packed.data(), root_bit](std::size_t i) { return values[i] >> root_bit; });
   }
 
   /** Grids so fine that key and index do not fit into one number. */
@@ -207,9 +207,11 @@ class OctreeCloudBuilder {
     std::vector<std::vector<OctreeCloud::Root>> parts(n / octree_grid::kSlice + 1);
     octree_grid::forEachSlice(n, threads_, [&](std::size_t s, std::size_t begin, std::size_t end) {
       std::uint64_t last = begin > 0 ? keyOf(begin - 1) : ~keyOf(begin);
+      auto& roots = parts[s];
       for (std::size_t i = begin; i < end; ++i) {
         const std::uint64_t key = keyOf(i);
-        if (key != last) parts[s].push_back({key, static_cast<std::uint32_t>(i)});
+        if (key == last) continue;
+        roots.push_back({key, static_cast<std::uint32_t>(i)});
         last = key;
       }
     });

@@ -23,56 +23,47 @@ namespace {
 constexpr std::size_t kAhead = 24;  ///< points between asking for one and using it
 constexpr std::size_t kFew = 64;    ///< points that are sorted by insertion
 
-/** Asks for the attributes of points from memory. Where all lie in one record, as in PCL's clouds,
- * its two ends tell the lines. */
-class Prefetcher {
+/** Where a point's attributes lie in memory: stretches of bytes a stride apart. Attributes of one
+ * record, as in PCL's clouds, are one stretch. */
+class Stretches {
  public:
-  explicit Prefetcher(const OctreeSource& source, std::size_t scalar)
+  struct Stretch {
+    const unsigned char *begin, *last;
+    std::size_t stride;
+  };
+
+  Stretches(const OctreeSource& source, std::size_t scalar)
   {
     add(source.cloud.xyz, source.cloud.xyz_stride, 3 * scalar);
     add(source.cloud.normal, source.cloud.normal_stride, 3 * sizeof(float));
     add(source.colors.bgr, source.colors.stride, 3);
   }
 
-  void operator()(std::size_t point) const
-  {
-    fetch(parts_[0], point);
-    for (int k = 1; k < count_; ++k) fetch(parts_[k], point);
-  }
+  int size() const { return size_; }
+  const Stretch& operator[](int k) const { return all_[k]; }
 
  private:
-  struct Part {
-    const unsigned char *begin, *last;
-    std::size_t stride;
-  };
-
-  static void fetch(const Part& part, std::size_t point)
-  {
-    PCL_SLIM_PREFETCH(part.begin + point * part.stride);
-    PCL_SLIM_PREFETCH(part.last + point * part.stride);
-  }
+  static constexpr std::size_t kLine = 64;
 
   void add(const void* first, std::size_t stride, std::size_t bytes)
   {
     if (!first) return;
     const auto* begin = static_cast<const unsigned char*>(first);
-    const Part part = {begin, begin + bytes - 1, stride};
-    Part& whole = parts_[0];
+    const Stretch one = {begin, begin + bytes - 1, stride};
+    Stretch& whole = all_[0];
     const bool together =
-        count_ > 0 && whole.stride == stride && stride <= kLine &&
-        std::less<>()(std::max(whole.last, part.last), std::min(whole.begin, part.begin) + kLine);
+        size_ > 0 && whole.stride == stride && stride <= kLine &&
+        std::less<>()(std::max(whole.last, one.last), std::min(whole.begin, one.begin) + kLine);
     if (!together) {
-      parts_[count_++] = part;
+      all_[size_++] = one;
     } else {
-      whole.begin = std::min(whole.begin, part.begin);
-      whole.last = std::max(whole.last, part.last);
+      whole.begin = std::min(whole.begin, one.begin);
+      whole.last = std::max(whole.last, one.last);
     }
   }
 
-  static constexpr std::size_t kLine = 64;
-
-  Part parts_[3] = {};
-  int count_ = 0;
+  Stretch all_[3] = {};
+  int size_ = 0;
 };
 
 }  // namespace
@@ -96,7 +87,7 @@ class PointWindow::Fetcher {
  public:
   Fetcher(const OctreeFrame& frame, const OctreeSource& source, const std::uint32_t* inputs,
           std::size_t n)
-      : frame_(frame), source_(source), inputs_(inputs), n_(n), prefetch_(source, sizeof(T))
+      : frame_(frame), source_(source), inputs_(inputs), n_(n), stretches_(source, sizeof(T))
   {
   }
 
@@ -127,9 +118,17 @@ class PointWindow::Fetcher {
     const LabTable& table = source_.table;
     const std::uint32_t* inputs = inputs_ + begin;
     const std::size_t last = n_ - 1 - begin;
+    const Stretches::Stretch first = stretches_[0];
     for (std::size_t k = 0; k < count; ++k) {
-      // Points lie in any order: each is asked for from memory some points ahead.
-      prefetch_(inputs[std::min(k + kAhead, last)]);
+      // Points lie in any order: each is asked for from memory some points ahead, at both ends. Not
+      // in a function of its own, which GCC takes for one without effect.
+      const std::size_t ahead = inputs[std::min(k + kAhead, last)];
+      PCL_SLIM_PREFETCH(first.begin + ahead * first.stride);
+      PCL_SLIM_PREFETCH(first.last + ahead * first.stride);
+
+      for (int m = 1; m < stretches_.size(); ++m) {
+        PCL_SLIM_PREFETCH(stretches_[m].begin + ahead * stretches_[m].stride);
+      }
       const std::size_t input = inputs[k];
       T world[3];
       std::memcpy(world, xyz + input * xyz_stride, sizeof(world));
@@ -167,7 +166,7 @@ class PointWindow::Fetcher {
   const OctreeSource source_;
   const std::uint32_t* inputs_;
   std::size_t n_;
-  Prefetcher prefetch_;
+  Stretches stretches_;
   alignas(64) float block_[kNumColumns][kBlock] = {};
 };
 
