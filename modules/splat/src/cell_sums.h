@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 
@@ -9,6 +10,15 @@
 #include "splat_kernels.h"
 
 namespace pcl_slim {
+
+/** m m of a symmetric matrix xx xy xz yy yz zz. */
+inline std::array<double, 6>
+squared(const std::array<double, 6>& m)
+{
+  const auto [a, b, c, d, e, f] = m;
+  return {a * a + b * b + c * c, a * b + b * d + c * e, a * c + b * e + c * f,
+          b * b + d * d + e * e, b * c + d * e + e * f, c * c + e * e + f * f};
+}
 
 /** What the octree asks of a cell's points: sums that add up over children. */
 struct CellSums {
@@ -19,22 +29,7 @@ struct CellSums {
   double lab[3] = {}, lab_sq = 0;            ///< sum of Lab, of |Lab|^2
 
   /** The points [begin, end) of a cloud. */
-  void add(const PointWindow& window, std::size_t begin, std::size_t end)
-  {
-    const float* columns[PointWindow::kNumColumns];
-    for (int c = 0; c < PointWindow::kNumColumns; ++c) columns[c] = window.column(c, begin);
-    double s[splat_kernels::kNumSums];
-    splat_kernels::sumPoints(columns, end - begin, s);
-    count += static_cast<double>(end - begin);
-    for (int a = 0; a < 3; ++a) {
-      position[a] += s[a];
-      normal[a] += s[4 + a];
-      lab[a] += s[13 + a];
-    }
-    for (int k = 0; k < 6; ++k) product[k] += s[7 + k];
-    position_sq += s[3];
-    lab_sq += s[16];
-  }
+  void add(const PointWindow& window, std::size_t begin, std::size_t end);
 
   void add(const CellSums& other)
   {
@@ -76,18 +71,26 @@ struct CellSums {
     return a * (b * c - f * f) - d * (d * c + f * e) - e * (d * f + b * e);
   }
 
-  /** Largest eigenvalue of sum n n^T: Newton's steps from the trace fall towards it. */
+  /** Largest eigenvalue of sum n n^T: Newton's steps fall towards it from the eighth root of the
+   * eighth powers' sum, which is close to it already where normals agree. */
   double largestEigenvalue() const
   {
-    double t = normals();
-    for (int step = 0; step < 60; ++step) {
+    const double total = normals();
+    std::array<double, 6> m;
+    for (std::size_t k = 0; k < 6; ++k) m[k] = product[k] / total;
+    m = squared(squared(m));
+    const double eighth =
+        m[0] * m[0] + m[3] * m[3] + m[5] * m[5] + 2.0 * (m[1] * m[1] + m[2] * m[2] + m[4] * m[4]);
+    double t = total * std::sqrt(std::sqrt(std::sqrt(eighth))) * (1.0 + 1e-15);
+    for (int step = 0; step < 40; ++step) {
       const double a = t - product[0], b = t - product[3], c = t - product[5];
       const double slope = a * b + b * c + a * c - product[1] * product[1] -
                            product[2] * product[2] - product[4] * product[4];
       if (!(slope > 0.0)) break;
       const double next = t - characteristic(t) / slope;
-      if (!(next < t - 1e-14 * t)) break;
-      t = next;
+      const bool still = !(next < t - 1e-10 * t);
+      t = std::min(t, next);
+      if (still) break;
     }
     return t;
   }
@@ -121,9 +124,18 @@ struct CellSums {
 inline CellSums
 sumsOf(const PointWindow& window, std::size_t begin, std::size_t end)
 {
-  CellSums sums;
-  sums.add(window, begin, end);
-  return sums;
+  const float* columns[PointWindow::kNumColumns];
+  for (int c = 0; c < PointWindow::kNumColumns; ++c) columns[c] = window.column(c, begin);
+  double s[splat_kernels::kNumSums];
+  splat_kernels::sumPoints(columns, end - begin, s);
+  return {static_cast<double>(end - begin),        {s[0], s[1], s[2]},    s[3], {s[4], s[5], s[6]},
+          {s[7], s[8], s[9], s[10], s[11], s[12]}, {s[13], s[14], s[15]}, s[16]};
+}
+
+inline void
+CellSums::add(const PointWindow& window, std::size_t begin, std::size_t end)
+{
+  add(sumsOf(window, begin, end));
 }
 
 }  // namespace pcl_slim

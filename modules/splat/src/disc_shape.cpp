@@ -32,15 +32,6 @@ vectorOf(const std::array<float, 3>& v)
   return {v[0], v[1], v[2]};
 }
 
-/** m m of a symmetric matrix xx xy xz yy yz zz. */
-std::array<double, 6>
-squared(const std::array<double, 6>& m)
-{
-  const auto [a, b, c, d, e, f] = m;
-  return {a * a + b * b + c * c, a * b + b * d + c * e, a * c + b * e + c * f,
-          b * b + d * d + e * e, b * c + d * e + e * f, c * c + e * e + f * f};
-}
-
 /** Largest eigenvector of sum n n^T, on the side of the normals' sum. */
 Vector3d
 commonNormal(const CellSums& sums)

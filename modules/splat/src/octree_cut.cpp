@@ -2,7 +2,9 @@
 #include "octree_cut.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 #include "octree_runs.h"
 
@@ -87,68 +89,89 @@ struct Forest {
   }
 };
 
-/** D. Points and area count alike, as pictures show area however densely it was scanned; the
- * powers of deviation and edge are those whose pictures come closest to all points (docs/splats.md). */
+/** D without its power of the edge. Points and area count alike, as pictures show area however
+ * densely it was scanned; the powers of deviation and edge are those whose pictures come closest to
+ * all points (docs/splats.md). */
 double
-costOf(double points, double deviation, double edge)
+costOf(double points, double deviation)
 {
-  return std::sqrt(points * deviation) * deviation * edge * std::sqrt(std::sqrt(edge));
+  return std::sqrt(points * deviation) * deviation;
 }
 
 class ForestBuilder {
  public:
   ForestBuilder(const OctreeCloud& cloud, const SplitRule& rule, PointWindow& window,
-                Forest& forest)
+                std::vector<Node>& nodes, Forest& forest)
       : cloud_(cloud),
         rule_(rule),
         window_(window),
+        nodes_(nodes),
         forest_(forest),
         least_shift_(std::max(0, cloud.depth() - rule.max_depth))
   {
+    nodes_.clear();
+    for (int shift = 0; shift <= OctreeCloud::kBits; ++shift) {
+      const double edge = cloud.edge(shift);
+      width_[static_cast<std::size_t>(shift)] = edge * std::sqrt(std::sqrt(edge));
+    }
   }
 
   void root(std::size_t begin, std::size_t end, int shift)
   {
-    grow(begin, end, shift, keysOf(cloud_));
-    forest_.roots.push_back(static_cast<std::uint32_t>(forest_.nodes.size() - 1));
+    grow(begin, end, shift, keysOf(cloud_), nullptr);
+    forest_.roots.push_back(static_cast<std::uint32_t>(nodes_.size() - 1));
   }
 
+  void finish() { forest_.nodes.assign(nodes_.begin(), nodes_.end()); }
+
  private:
-  CellSums grow(std::size_t begin, std::size_t end, int shift, RunKeys keys)
+  /** Adds the nodes of one cell's points; parent: receives their sums too, if not null. */
+  void grow(std::size_t begin, std::size_t end, int shift, RunKeys keys, CellSums* parent)
   {
-    const std::size_t first = forest_.nodes.size(), n = end - begin;
-    int children = -1;
-    if (n > 1 && n >= rule_.min_points) {
-      if (keys.keys) children = keys.dividingShift(begin, end);
-      if (children < keys.lowest && keys.lowest > least_shift_) {
-        keys = refine(cloud_, window_, begin, end, keys_);
-        children = keys.dividingShift(begin, end);
-      }
+    const std::size_t first = nodes_.size(), n = end - begin;
+    Node node{
+        static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end), 1, 0, 0, 0, shift};
+    if (n == 1) {
+      if (parent) parent->add(window_, begin, end);
+      nodes_.push_back(node);
+      return;
     }
-    CellSums sums;
-    if (children < least_shift_) {
-      sums = sumsOf(window_, begin, end);
-    } else {
+    const int children = dividing(begin, end, keys);
+    const bool whole = children < least_shift_;
+    const bool direct = whole || n <= kDirect;
+    CellSums sums = direct ? sumsOf(window_, begin, end) : CellSums();
+    if (!whole) {
       // What all points share is the cell: an ancestor of the same points costs no less.
-      shift = std::min(shift, children + 1);
+      node.shift = std::min(shift, children + 1);
       for (std::size_t at = begin; at < end;) {
         const std::size_t next = keys.runEnd(at, end, children);
-        sums.add(grow(at, next, children, keys));
+        grow(at, next, children, keys, direct ? nullptr : &sums);
         at = next;
       }
     }
-    const double slack = 1.0 + rule_.noise_z / std::sqrt(std::max(1.0, sums.count - 1.0));
-    const double color =
-        n > 1 ? std::max(0.0, sums.colorVariance() - rule_.noise.color * slack) : 0.0;
-    const double normal = n > 1 ? std::max(0.0, variance(sums) - rule_.noise.normal * slack) : 0.0;
+    if (parent) parent->add(sums);
+    const double slack = 1.0 + rule_.noise_z / std::sqrt(sums.count - 1.0);
+    const double color = std::max(0.0, sums.colorVariance() - rule_.noise.color * slack);
+    const double normal = std::max(0.0, variance(sums) - rule_.noise.normal * slack);
     const double shape = (kNormalWeight + kBendWeight * normal) * normal;
     const double spread = std::sqrt(kColorUnit * color + shape);
-    forest_.nodes.push_back({static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end),
-                             static_cast<std::uint32_t>(forest_.nodes.size() - first + 1),
-                             n >= kSpacingPoints ? static_cast<float>(sums.spacing()) : 0.0f,
-                             costOf(sums.count, spread, cloud_.edge(shift)),
-                             sums.count * std::sqrt(color), shift});
-    return sums;
+    if (n >= kSpacingPoints) node.spacing = static_cast<float>(sums.spacing());
+    node.cost = costOf(sums.count, spread) * width_[static_cast<std::size_t>(node.shift)];
+    node.error = sums.count * std::sqrt(color);
+    node.size = static_cast<std::uint32_t>(nodes_.size() - first + 1);
+    nodes_.push_back(node);
+  }
+
+  /** Level at which a cell's points fall apart; below least_shift_: not at all. */
+  int dividing(std::size_t begin, std::size_t end, RunKeys& keys)
+  {
+    if (end - begin < rule_.min_points) return -1;
+    int children = keys.keys ? keys.dividingShift(begin, end) : -1;
+    if (children < keys.lowest && keys.lowest > least_shift_) {
+      keys = refine(cloud_, window_, begin, end, keys_);
+      children = keys.dividingShift(begin, end);
+    }
+    return children;
   }
 
   double variance(const CellSums& sums) const
@@ -156,12 +179,49 @@ class ForestBuilder {
     return rule_.oriented ? sums.orientedVariance() : sums.unorientedVariance();
   }
 
+  static constexpr std::size_t kDirect = 32;  ///< points quicker summed again than from children
+
   const OctreeCloud& cloud_;
   const SplitRule& rule_;
   PointWindow& window_;
+  std::vector<Node>& nodes_;
   Forest& forest_;
   int least_shift_;
+  std::array<double, OctreeCloud::kBits + 1> width_;  ///< edge^(5/4) by level
   AlignedVector<std::uint64_t> keys_;  ///< of one run that the cloud's keys do not tell apart
+};
+
+/** An interval of lambda that closes on a root. Counts and errors are near powers of lambda, so the
+ * false position of logarithms is soon close; where it stalls on one side, halving takes over. */
+class Bracket {
+ public:
+  Bracket(double low, double high) : low_(std::log(low)), high_(std::log(high)) {}
+
+  bool closed() const { return high_ - low_ < 1e-9; }
+  double low() const { return std::exp(low_); }
+  double high() const { return std::exp(high_); }
+
+  /** Where to look. */
+  double next(int step)
+  {
+    double share = 0.5;
+    const bool known = low_value_ != 0 && high_value_ != 0;
+    if (known && step % 3 != 2) {
+      share = std::clamp(low_value_ / (low_value_ - high_value_), 0.02, 0.98);
+    }
+    at_ = low_ + share * (high_ - low_);
+    return std::exp(at_);
+  }
+
+  /** What was there: its logarithm over the limit, and whether that belongs to the upper end. */
+  void narrow(bool upper, double value)
+  {
+    (upper ? high_ : low_) = at_;
+    (upper ? high_value_ : low_value_) = value;
+  }
+
+ private:
+  double low_, high_, at_ = 0, low_value_ = 0, high_value_ = 0;
 };
 
 /** Finds lambda. */
@@ -209,19 +269,21 @@ class CutSolver {
   void plant(OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule, int growth)
   {
     std::vector<PointWindow> windows(static_cast<std::size_t>(threads_));
+    std::vector<std::vector<Node>> nodes(windows.size());
     forEachRootSlice(
         cloud, growth, threads_,
         [&](std::size_t slice, std::size_t thread, std::size_t first, std::size_t last) {
           PointWindow& window = windows[thread];
           const std::size_t begin = cloud.root(first).begin, end = cloud.root(last).begin;
           window.load(cloud, source, begin, end);
-          ForestBuilder builder(cloud, rule, window, forests_[slice]);
+          ForestBuilder builder(cloud, rule, window, nodes[thread], forests_[slice]);
           for (std::size_t r = first; r < last;) {
             const std::size_t group = r;
             const std::uint64_t key = cloud.root(r).key >> 3 * growth;
             while (r < last && cloud.root(r).key >> 3 * growth == key) ++r;
             builder.root(cloud.root(group).begin, cloud.root(r).begin, cloud.depth() + growth);
           }
+          builder.finish();
           for (std::size_t i = begin; i < end; ++i) cloud.setOrder(i, window.order(i));
         });
   }
@@ -247,22 +309,22 @@ class CutSolver {
 
   double meanError() const { return error_ / static_cast<double>(cloud_.size()); }
 
-  /** Halves log lambda between a cut too fine and one coarse enough (max_cells), or one fine
+  /** Narrows log lambda between a cut too fine and one coarse enough (max_cells), or one fine
    * enough and one too coarse (target_error). \return a lambda that keeps the promise. */
   double search(double highest)
   {
     const bool by_count = budget_.max_cells > 0;
-    double low = highest * kWidestLambda, high = highest * 2.0;
-    for (int step = 0; step < kMostSteps && high / low > 1.0 + 1e-9; ++step) {
-      const double middle = std::sqrt(low * high);
-      solve(middle);
-      const double limit = by_count ? static_cast<double>(budget_.max_cells) : budget_.target_error;
+    const double limit = by_count ? static_cast<double>(budget_.max_cells) : budget_.target_error;
+    Bracket bracket(highest * kWidestLambda, highest * 2.0);
+    for (int step = 0; step < kMostSteps && !bracket.closed(); ++step) {
+      const double lambda = bracket.next(step);
+      solve(lambda);
       const double value = by_count ? static_cast<double>(cells_) : meanError();
       const bool kept = value <= limit;
-      (kept == by_count ? high : low) = middle;
-      if (kept && value >= limit * (1.0 - kCountSlack)) return middle;
+      bracket.narrow(kept == by_count, std::log(std::max(value, 1e-300) / limit));
+      if (kept && value >= limit * (1.0 - kCountSlack)) return lambda;
     }
-    return by_count ? high : low;
+    return by_count ? bracket.high() : bracket.low();
   }
 
   const OctreeCloud& cloud_;
