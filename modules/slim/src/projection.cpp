@@ -44,7 +44,8 @@ struct Placement {
   }
 };
 
-/** For every block of points the leaves whose ball meets it, ascending. */
+/** For every block of points the leaves whose ball meets it, ascending, as places in the list of
+ * leaves. */
 struct BlockLists {
   std::vector<std::uint32_t> begin, leaves;
 };
@@ -88,16 +89,23 @@ listLeaves(const PointStore& store, const SLIMSurface& surface,
     const std::size_t first = leaves.size() * s / slices;
     for (std::size_t j = 0; j + 1 < hit_begin[s].size(); ++j) {
       for (std::uint32_t h = hit_begin[s][j]; h < hit_begin[s][j + 1]; ++h) {
-        lists.leaves[counts[s][hits[s][h]]++] = leaves[first + j];
+        lists.leaves[counts[s][hits[s][h]]++] = static_cast<std::uint32_t>(first + j);
       }
     }
   });
   return lists;
 }
 
+/** What one thread needs beside the result. */
+struct Scratch {
+  BlockSums sums;
+  std::vector<BlockLeaf> near;  ///< the leaves of one block
+};
+
 class Projector {
  public:
-  Projector(const PointStore& store, const SLIMSurface& surface, const ProjectionParams& params)
+  Projector(const PointStore& store, const SLIMSurface& surface,
+            const std::vector<std::uint32_t>& leaves, const ProjectionParams& params, int threads)
       : store_(store),
         surface_(surface),
         placement_(store, surface),
@@ -111,12 +119,20 @@ class Projector {
     noise_ = std::sqrt(std::max(0.0, surface.info.lambda)) * surface.info.diagonal;
     gated_ = surface.info.oriented && store.hasNormals() && !params.paper_mode;
     min_dot_ = params.sharp_features ? kSharpDot : 0.0f;
+    placed_.resize(leaves.size());
+    parallelFor(leaves.size(), threads, 1024,
+                [&](std::size_t j, int) { placed_[j] = place(leaves[j]); });
   }
 
-  /** Projects one block's points; sums is the thread's scratch. */
+  /** Projects one block's points on the leaves at the given places. */
   void project(std::size_t block, const std::uint32_t* begin, const std::uint32_t* end,
-               BlockSums& sums, Projection& result) const
+               Scratch& scratch, Projection& result) const
   {
+    BlockSums& sums = scratch.sums;
+    scratch.near.clear();
+    for (const std::uint32_t* at = begin; at != end; ++at) {
+      scratch.near.push_back(relativeTo(block, placed_[*at]));
+    }
     const std::size_t first = block * PointStore::kBlock;
     BlockPoints points{store_.x() + first, store_.y() + first, store_.z() + first};
     if (gated_) {
@@ -126,27 +142,41 @@ class Projector {
       points.min_dot = min_dot_;
     }
     for (auto& column : sums.direction) std::fill(column, column + 16, 0.0f);
-    for (const std::uint32_t* leaf = begin; leaf != end; ++leaf) {
-      kernels::addDirections(points, relativeTo(block, *leaf), rules_, sums);
+    for (const BlockLeaf& leaf : scratch.near) {
+      kernels::addDirections(points, leaf, rules_, sums);
     }
     kernels::finishDirections(sums);
-    for (const std::uint32_t* leaf = begin; leaf != end; ++leaf) {
-      kernels::addIntersections(points, relativeTo(block, *leaf), rules_, sums);
+    for (const BlockLeaf& leaf : scratch.near) {
+      kernels::addIntersections(points, leaf, rules_, sums);
     }
     const std::size_t count = std::min(PointStore::kBlock, store_.size() - first);
     for (std::size_t lane = 0; lane < count; ++lane) finish(first + lane, lane, sums, result);
   }
 
  private:
-  BlockLeaf relativeTo(std::size_t block, std::uint32_t i) const
-  {
+  /** A leaf in the store's units, but for its shift to a block. */
+  struct PlacedLeaf {
     BlockLeaf leaf;
-    const auto center = placement_.center(surface_, i);
+    std::array<double, 3> center;
+  };
+
+  BlockLeaf relativeTo(std::size_t block, const PlacedLeaf& placed) const
+  {
+    BlockLeaf leaf = placed.leaf;
     const double origin[3] = {store_.blockOriginX()[block], store_.blockOriginY()[block],
                               store_.blockOriginZ()[block]};
+    for (std::size_t a = 0; a < 3; ++a) {
+      leaf.shift[a] = static_cast<float>(origin[a] - placed.center[a]);
+    }
+    return leaf;
+  }
+
+  PlacedLeaf place(std::uint32_t i) const
+  {
+    PlacedLeaf placed{{}, placement_.center(surface_, i)};
+    BlockLeaf& leaf = placed.leaf;
     const LocalFrame frame({surface_.nx[i], surface_.ny[i], surface_.nz[i]});
     for (int a = 0; a < 3; ++a) {
-      leaf.shift[a] = static_cast<float>(origin[a] - center[static_cast<std::size_t>(a)]);
       leaf.u[a] = static_cast<float>(frame.u[a]);
       leaf.v[a] = static_cast<float>(frame.v[a]);
       leaf.w[a] = static_cast<float>(frame.w[a]);
@@ -159,7 +189,7 @@ class Projector {
     leaf.trust = rules_.guarded ? trust(surface_.error[i], surface_.radius[i]) : 1.0f;
     leaf.degree = surface_.degree[i];
     leaf.c = surface_.coefficientsOf(i);
-    return leaf;
+    return placed;
   }
 
   /** Inverse variance as a share of the noise's: a leaf that holds an edge or two sheets counts little
@@ -207,6 +237,7 @@ class Projector {
   const PointStore& store_;
   const SLIMSurface& surface_;
   Placement placement_;
+  std::vector<PlacedLeaf> placed_;
   bool directions_;
   double noise_;  ///< sqrt(lambda) in the surface's local units
   bool gated_ = false;
@@ -240,13 +271,13 @@ projectPoints(const PointStore& store, const SLIMSurface& surface, const Project
   }
   if (progress != nullptr) progress->report(0.0f, "projecting");
   const BlockLists lists = listLeaves(store, surface, leaves, threads);
-  const Projector projector(store, surface, params);
-  std::vector<BlockSums> sums(static_cast<std::size_t>(threads));
+  const Projector projector(store, surface, leaves, params, threads);
+  std::vector<Scratch> scratch(static_cast<std::size_t>(threads));
   parallelFor(store.numBlocks(), threads, 64, [&](std::size_t b, int thread) {
     if (progress != nullptr && progress->cancelled()) return;
     projector.project(b, lists.leaves.data() + lists.begin[b],
                       lists.leaves.data() + lists.begin[b + 1],
-                      sums[static_cast<std::size_t>(thread)], result);
+                      scratch[static_cast<std::size_t>(thread)], result);
   });
   if (progress != nullptr && progress->cancelled()) {
     result = Projection();

@@ -16,6 +16,7 @@ namespace pcl_slim::kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr int kNewtonSteps = 3;
+constexpr float kConverged = 3e-4f;  ///< of r: the step after one so short is below rounding
 
 HWY_INLINE Vec
 blendWeight(WeightKernel kernel, Vec s_sq)
@@ -176,10 +177,12 @@ addIntersectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const Blend
       slope = hn::NegMulAdd(hu, ray.u, hn::NegMulAdd(hv, ray.v, ray.w));
       // A grazing ray has no usable root: its lane is masked off below.
       const Vec safe = hn::IfThenElse(hn::Gt(hn::Abs(slope), set(0.1f)), slope, set(1e9f));
-      t = hn::Sub(t, hn::Div(hn::Sub(w, h), safe));
+      const Vec change = hn::Div(hn::Sub(w, h), safe);
+      t = hn::Sub(t, change);
       u = hn::MulAdd(t, ray.u, p.u);
       v = hn::MulAdd(t, ray.v, p.v);
       w = hn::MulAdd(t, ray.w, p.w);
+      if (hn::AllTrue(d, hn::Or(hn::Not(near), hn::Lt(hn::Abs(change), set(kConverged))))) break;
     }
     jets.gradient(u, v, h, hu, hv);
     const Vec q_sq = dot3(u, v, w, u, v, w);
