@@ -11,6 +11,7 @@
 #include "pcl_slim/core/parallel.h"
 #include "sample_noise.h"
 #include "splat_builder.h"
+#include "staged_cloud.h"
 #include "tolerance_division.h"
 
 namespace pcl_slim {
@@ -70,6 +71,11 @@ class Sampling {
   Error run(SplatSet& splats)
   {
     if (!begin(0.0f, "ordering")) return cancelled();
+    const auto staged = StagedCloud::of(view_, colors_, params_.threads);
+    if (staged) {
+      view_ = staged->view();
+      colors_ = staged->colors();
+    }
     Result<OctreeCloud> cloud = OctreeCloud::build(view_, rootGrid(), params_.threads);
     if (!cloud) return cloud.error();
     statistics_.seconds_order = lap();
@@ -89,6 +95,9 @@ class Sampling {
     statistics_.seconds_divide = lap();
     if (!begin(0.9f, "splats")) return cancelled();
     builder.finish(store_ ? &*store_ : nullptr, splats, statistics_);
+    if (staged) {
+      for (std::uint32_t& kept : splats.kept) kept = staged->input(kept);
+    }
     statistics_.seconds_splats = lap();
     return begin(1.0f, "done") ? Error() : cancelled();
   }
@@ -208,7 +217,7 @@ class Sampling {
   }
 
   CloudView view_;
-  const ColorView& colors_;
+  ColorView colors_;
   SplatParams params_;
   SplatStatistics& statistics_;
   Progress& progress_;
