@@ -18,7 +18,8 @@ struct Claim {
 };
 
 constexpr Claim kClaims[] = {
-    {"rims", "Open borders: error of the outermost points over the interior's", measureRims},
+    {"rims", "Open borders: error of the outermost points, over the interior's and beside MLS's",
+     measureRims},
     {"normals", "Normals with .3 rad of noise: error over that with exact ones",
      measureNormalNoise},
     {"zones", "One cloud, flat and fine: each zone beside MLS's best for that zone", measureZones},

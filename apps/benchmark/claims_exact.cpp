@@ -59,20 +59,55 @@ forEachRelief(const ClaimRunner& runner, const std::vector<double>& noises,
   return {};
 }
 
+/** MLS's least RMS position error among chosen points, and the setting that gave it. */
+struct Rival {
+  double error = INFINITY;
+  std::string name;
+};
+
+/** The best of the plan's MLS runs for each choice of points, each at its own setting. */
 Error
-addRims(ClaimRunner& runner, const Scene& scene, const Places& clean, const Setting& setting)
+findRivals(ClaimRunner& runner, const Scene& scene,
+           const std::vector<std::vector<std::uint8_t>>& choices, std::vector<Rival>& rivals)
 {
-  const Result<Treated> treated = runner.treated(scene, setting);
-  if (!treated) return treated.error();
-  for (const Zone& zone : {Zone{"all", -1.0, 1.0}, kFlat, kFine}) {
+  rivals.assign(choices.size(), Rival());
+  for (const Setting& setting : runner.plan().mlsSettings()) {
+    const Result<Treated> treated = runner.treated(scene, setting);
+    if (!treated) return treated.error();
+    for (std::size_t c = 0; c < choices.size(); ++c) {
+      const double error = measure(scene, *treated, &choices[c]).position;
+      if (error < rivals[c].error) rivals[c] = {error, setting.fullText()};
+    }
+  }
+  return {};
+}
+
+Error
+addRims(ClaimRunner& runner, const Scene& scene, const Places& clean)
+{
+  const Zone zones[] = {{"all", -1.0, 1.0}, kFlat, kFine};
+  std::vector<std::vector<std::uint8_t>> rims, interiors;
+  for (const Zone& zone : zones) {
     const auto inside = [&](const pcl::PointXYZ& p) { return p.x >= zone.low && p.x <= zone.high; };
-    const auto outer = choose(clean, [&](const pcl::PointXYZ& p) { return inside(p) && onRim(p); });
-    const auto inner =
-        choose(clean, [&](const pcl::PointXYZ& p) { return inside(p) && !onRim(p); });
-    const double rim = measure(scene, *treated, &outer).position;
-    const double interior = measure(scene, *treated, &inner).position;
-    runner.add(scene, setting.fullText(), std::string("rim over interior, ") + zone.name,
-               rim / interior, kRimGoal, "interior " + shortNumber(interior));
+    rims.push_back(choose(clean, [&](const pcl::PointXYZ& p) { return inside(p) && onRim(p); }));
+    interiors.push_back(
+        choose(clean, [&](const pcl::PointXYZ& p) { return inside(p) && !onRim(p); }));
+  }
+  std::vector<Rival> rivals;
+  if (Error error = findRivals(runner, scene, rims, rivals)) return error;
+  for (const bool normals : {false, true}) {
+    const Setting setting = runner.slim(normals);
+    const Result<Treated> treated = runner.treated(scene, setting);
+    if (!treated) return treated.error();
+    for (std::size_t z = 0; z < rims.size(); ++z) {
+      const double rim = measure(scene, *treated, &rims[z]).position;
+      const double interior = measure(scene, *treated, &interiors[z]).position;
+      const std::string where = std::string(", ") + zones[z].name;
+      runner.add(scene, setting.fullText(), "rim over interior" + where, rim / interior, kRimGoal,
+                 "interior " + shortNumber(interior));
+      runner.add(scene, setting.fullText(), "RMS position of the rim" + where, rim, rivals[z].error,
+                 rivals[z].name);
+    }
   }
   return {};
 }
@@ -101,26 +136,16 @@ addZones(ClaimRunner& runner, const Scene& scene, const Places& clean)
     among.push_back(
         choose(clean, [&](const pcl::PointXYZ& p) { return p.x >= zone.low && p.x <= zone.high; }));
   }
-  double rival[2] = {INFINITY, INFINITY};
-  std::string name[2];
-  for (const Setting& setting : runner.plan().mlsSettings()) {
-    const Result<Treated> treated = runner.treated(scene, setting);
-    if (!treated) return treated.error();
-    for (std::size_t z = 0; z < 2; ++z) {
-      const double error = measure(scene, *treated, &among[z]).position;
-      if (error >= rival[z]) continue;
-      rival[z] = error;
-      name[z] = setting.fullText();
-    }
-  }
+  std::vector<Rival> rivals;
+  if (Error error = findRivals(runner, scene, among, rivals)) return error;
   for (const bool normals : {false, true}) {
     const Setting setting = runner.slim(normals);
     const Result<Treated> treated = runner.treated(scene, setting);
     if (!treated) return treated.error();
-    for (std::size_t z = 0; z < 2; ++z) {
+    for (std::size_t z = 0; z < among.size(); ++z) {
       runner.add(scene, setting.fullText(),
                  std::string("RMS position, ") + (z == 0 ? kFlat : kFine).name,
-                 measure(scene, *treated, &among[z]).position, rival[z], name[z]);
+                 measure(scene, *treated, &among[z]).position, rivals[z].error, rivals[z].name);
     }
   }
   return {};
@@ -149,14 +174,9 @@ addSheets(ClaimRunner& runner, const Scene& scene, const Setting& setting)
 Error
 measureRims(ClaimRunner& runner)
 {
-  return forEachRelief(runner, runner.plan().noises(),
-                       [&](const Scene& scene, const Places& clean) {
-                         for (const bool normals : {false, true}) {
-                           if (Error error = addRims(runner, scene, clean, runner.slim(normals)))
-                             return error;
-                         }
-                         return Error();
-                       });
+  return forEachRelief(
+      runner, runner.plan().noises(),
+      [&](const Scene& scene, const Places& clean) { return addRims(runner, scene, clean); });
 }
 
 Error
