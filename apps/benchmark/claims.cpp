@@ -131,6 +131,7 @@ measureClaim(const std::string& name, const Plan& plan, Console& console)
   for (const Claim& claim : kClaims) {
     if (name != claim.name) continue;
     ClaimTable table;
+    table.name = name;
     table.title = claim.title;
     ClaimRunner runner(plan, console, table);
     if (Error error = claim.measure(runner)) return error;
@@ -146,7 +147,7 @@ claimsCsv(const std::vector<ClaimTable>& tables)
   for (const ClaimTable& table : tables) {
     for (const ClaimRow& row : table.rows) {
       const bool judged = std::isfinite(row.goal);
-      for (const std::string& cell : {table.title, row.scene, std::to_string(row.points), row.run,
+      for (const std::string& cell : {table.name, row.scene, std::to_string(row.points), row.run,
                                       row.quantity, shortNumber(row.value), shortNumber(row.goal),
                                       std::string(judged ? (row.met() ? "1" : "0") : "")}) {
         text += quoted(cell) + ",";

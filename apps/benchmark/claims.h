@@ -26,7 +26,7 @@ struct ClaimRow {
 
 /** \brief What one claim's scenes gave. */
 struct ClaimTable {
-  std::string title;
+  std::string name, title;
   std::vector<ClaimRow> rows;
 };
 
