@@ -17,6 +17,7 @@
 #include <memory>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench_common.h"
@@ -31,7 +32,7 @@ using Point = pcl::PointXYZRGBNormal;
 using Cloud = pcl::PointCloud<Point>;
 
 struct Settings {
-  std::string input;
+  std::string input, order = "random";
   std::uint64_t points = 1000000;
   int repetitions = 9;
   double share = 0;
@@ -65,6 +66,18 @@ paintedCloud(std::size_t count)
     cloud->push_back(q);
   }
   return cloud;
+}
+
+/** Puts points in the order of a scanner that turns about z: rows of equal height, each a turn. */
+void
+scanOrder(Cloud& cloud)
+{
+  const auto rows = static_cast<float>(std::sqrt(static_cast<double>(cloud.size())) / 2.0);
+  const auto key = [rows](const Point& p) {
+    return std::make_pair(std::floor(p.z * rows), std::atan2(p.y, p.x));
+  };
+  std::sort(cloud.begin(), cloud.end(),
+            [&](const Point& a, const Point& b) { return key(a) < key(b); });
 }
 
 /** What is timed: a name, and the work, which returns how many points or splats it gave. */
@@ -197,6 +210,7 @@ run(const Settings& s)
   Cloud::Ptr cloud = std::make_shared<Cloud>();
   if (s.input == "painted") {
     cloud = paintedCloud(s.points);
+    if (s.order == "scan") scanOrder(*cloud);
   } else if (pcl::io::loadPCDFile(s.input, *cloud) != 0) {
     std::fprintf(stderr, "splat_bench: cannot read '%s'\n", s.input.c_str());
     return kExitUsage;
@@ -206,7 +220,9 @@ run(const Settings& s)
     return kExitUsage;
   }
   std::vector<Method> methods = methodsOf(cloud, s.share);
-  std::printf("%zu points of %s; speed-up over VoxelGrid\n\n", cloud->size(), s.input.c_str());
+  const bool made = s.input == "painted";
+  std::printf("%zu points of %s%s; speed-up over VoxelGrid\n\n", cloud->size(), s.input.c_str(),
+              made ? (" in " + s.order + " order").c_str() : "");
   run(methods, cloud->size(), s.repetitions);
   return kExitDone;
 }
@@ -220,6 +236,7 @@ main(int argc, char** argv)
   OptionTable options("splat_bench", "1", "Times colour splat sampling beside PCL's filters.");
   options.positional("painted|IN.pcd", &s.input, "a made cloud, or coloured points with normals");
   options.integer("points", &s.points, 100, 100000000, "points of the made cloud");
+  options.choice("order", &s.order, {"random", "scan"}, "of the made cloud's points");
   options.integer("repetitions", &s.repetitions, 1, 1000, "rounds; medians count");
   options.number("share", &s.share, 0, 1,
                  "share of points VoxelGrid keeps; 0: as many as the default tolerances give");

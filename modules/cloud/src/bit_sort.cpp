@@ -11,6 +11,7 @@ namespace pcl_slim {
 namespace {
 
 constexpr int kFirstBits = 14;        ///< of the pass over all
+constexpr int kFirstBitsOfFew = 11;   ///< of fewer than 2^18
 constexpr int kFirstBitsOfMany = 12;  ///< of so many that more streams would miss the TLB
 constexpr std::size_t kMany = std::size_t{1} << 22;
 constexpr int kDigitBits = 9;       ///< of passes inside buckets
@@ -161,7 +162,8 @@ sortByBits(AlignedVector<std::uint64_t>& values, int low, int high, int threads)
   const std::size_t n = values.size();
   if (n < 2 || high <= low) return;
   if (n <= kFew) return sortNearly(values.data(), n, low);
-  const int bits = std::min(n < kMany ? kFirstBits : kFirstBitsOfMany, high - low);
+  const int most = n < kMany / 16 ? kFirstBitsOfFew : n < kMany ? kFirstBits : kFirstBitsOfMany;
+  const int bits = std::min(most, high - low);
   const int shift = high - bits;
   AlignedVector<std::uint64_t> spare(n);
   const auto begins = scatter(values, spare, shift, bits, threads);

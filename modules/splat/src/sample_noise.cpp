@@ -13,7 +13,8 @@ namespace pcl_slim {
 
 namespace {
 
-constexpr std::size_t kSamples = 600;
+constexpr std::size_t kFewestSamples = 150, kSamples = 600;
+constexpr std::size_t kPointsPerSample = 500;  ///< between these two: noise is to cost little
 constexpr std::size_t kNeighbors = 8;
 constexpr std::size_t kReach = 24;  ///< points before and after a sample to choose neighbours from
 // A sample less the mean of k neighbours has the variance of one point times (k + 1) / k.
@@ -84,7 +85,8 @@ estimateSampleNoise(const OctreeCloud& cloud, const OctreeSource& source, int th
   SampleNoise noise;
   const std::size_t n = cloud.size();
   if (n < 4 * kNeighbors) return noise;
-  const std::size_t samples = std::min(kSamples, n);
+  const std::size_t samples =
+      std::min(n, std::clamp(n / kPointsPerSample, kFewestSamples, kSamples));
   std::vector<double> color(samples), normal(samples, -1.0);
   std::vector<PointWindow> windows(static_cast<std::size_t>(threads));
   parallelFor(samples, threads, 32, [&](std::size_t s, int thread) {
