@@ -78,8 +78,7 @@ BallFitter::prepare(double radius, std::size_t stride)
   gather_radius_ = radius;
   stride_ = stride;
   if (!gather(radius)) return BallOutcome::kUnsupported;
-  if (settings_.with_normals && settings_.skip_lone_normals &&
-      static_cast<double>(ball_.count) < kLoneNormal * static_cast<double>(sums_.inside)) {
+  if (settings_.with_normals && settings_.skip_lone_normals && normalIsAlone()) {
     return BallOutcome::kLoneNormal;
   }
   setFrame();
@@ -87,6 +86,17 @@ BallFitter::prepare(double radius, std::size_t stride)
   if (settings_.split_sheets) splitSheets();
   if (!settings_.paper) centerOnSurface();
   return BallOutcome::kLeaf;
+}
+
+/** Whether the ball's points turn elsewhere than the centre: too few share its side, or those that
+ * do are the ball's rim, bent away from it. */
+bool
+BallFitter::normalIsAlone() const
+{
+  if (static_cast<double>(ball_.count) < kLoneNormal * static_cast<double>(sums_.inside))
+    return true;
+  const auto& n = sums_.normal;
+  return n[0] * gate_[0] + n[1] * gate_[1] + n[2] * gate_[2] < kLoneNormal * sums_.weight;
 }
 
 /** Some thousand points tell that a wide ball must be divided: the rest need not be read. */

@@ -56,6 +56,7 @@ class BallFitter {
  private:
   BallOutcome prepare(double radius, std::size_t stride);
   bool tooWideAtAGlance(double radius, int level, SurfelRecord& surfel);
+  bool normalIsAlone() const;
   bool gather(double radius);
   std::array<double, 3> frameNormal() const;
   bool splitSheets();

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "level_cover.h"
+#include "normal_gate.h"
 #include "orientation.h"
 #include "pcl_slim/cloud/noise_level.h"
 #include "pcl_slim/core/parallel.h"
@@ -16,6 +17,7 @@ namespace pcl_slim {
 
 namespace {
 
+constexpr float kSharpDot = 0.5f;
 constexpr double kLackOfFitForT = 10.0;  ///< beyond it a leaf swallows what T was not meant for
 
 class Stopwatch {
@@ -42,7 +44,11 @@ makeSettings(const PointStore& store, const FitParams& params)
   s.diagonal = store.diagonal();
   s.center_grid = store.centerGrid();
   s.with_normals = store.hasNormals();
-  s.min_dot = params.sharp_features ? 0.5f : 0.0f;
+  if (params.sharp_features) {
+    s.min_dot = kSharpDot;
+  } else if (s.with_normals && !params.paper_mode) {
+    s.min_dot = normalGate(store);
+  }
   s.split_sheets = !store.hasNormals() && !params.paper_mode;
   s.robust = params.robust;
   s.seed = params.seed;
