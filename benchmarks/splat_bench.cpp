@@ -189,7 +189,6 @@ methodsOf(const Cloud::Ptr& cloud, double share)
     uniform->filter(*out);
     return out->size();
   };
-  methods.push_back({"UniformSampling", nearest, {}, {}, 0});
   SplatParams even, paper, budget;
   even.initial_resolution = static_cast<int>(std::lround(longestSide(*cloud) / leaf));
   even.max_depth = 0;
@@ -201,6 +200,7 @@ methodsOf(const Cloud::Ptr& cloud, double share)
     methods.push_back(oursOf(*cloud, paper, "splats, paper mode", threads));
     methods.push_back(oursOf(*cloud, budget, "splats, best of that count", threads));
   }
+  methods.push_back({"UniformSampling", nearest, {}, {}, 0});
   return methods;
 }
 

@@ -103,7 +103,7 @@ class OctreeCloudBuilder {
       // So many halvings that few points share a cell, and more for uneven clouds.
       const int fine = probe.resolutionFor(static_cast<double>(box.finite));
       while (out_.resolution_ << wanted_depth_ < fine) ++wanted_depth_;
-      wanted_depth_ += kFinerHalvings;
+      wanted_depth_ = std::min(wanted_depth_ + kFinerHalvings, grid.halvings);
     }
     out_.cell_ = longest / out_.resolution_;
     out_.depth_ = OctreeCloud::kBits - bitsOf(static_cast<std::uint64_t>(out_.resolution_ - 1));

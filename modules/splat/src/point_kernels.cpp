@@ -15,7 +15,7 @@ namespace pcl_slim::splat_kernels::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::CappedTag<float, 16>;
-using Doubles = hn::CappedTag<double, 4>;
+using Doubles = hn::CappedTag<double, 8>;
 using HalfFloats = hn::Rebind<float, Doubles>;
 using Words = hn::CappedTag<std::uint64_t, 8>;
 

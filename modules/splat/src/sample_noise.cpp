@@ -14,7 +14,7 @@ namespace pcl_slim {
 namespace {
 
 constexpr std::size_t kFewestSamples = 150, kSamples = 600;
-constexpr std::size_t kPointsPerSample = 500;  ///< between these two: noise is to cost little
+constexpr std::size_t kPointsPerSample = 1000;  ///< between these two: noise is to cost little
 constexpr std::size_t kNeighbors = 8;
 constexpr std::size_t kReach = 24;  ///< points before and after a sample to choose neighbours from
 // A sample less the mean of k neighbours has the variance of one point times (k + 1) / k.

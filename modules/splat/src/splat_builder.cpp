@@ -11,7 +11,7 @@ namespace pcl_slim {
 
 namespace {
 
-constexpr std::size_t kSpacingCells = 4096;  ///< cells that tell the middle spacing
+constexpr std::size_t kSpacingCells = 1024;  ///< cells that tell the middle spacing
 constexpr double kSpacings = 6.0;            ///< middle spacings in the widest
 constexpr double kFollowed = 2.0;  ///< gradients hold so much farther than there were points
 

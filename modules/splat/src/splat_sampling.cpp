@@ -87,11 +87,10 @@ class Sampling {
     if (!begin(0.6f, "dividing")) return cancelled();
     const OctreeSource source{view_, colors_, table_};
     const SampleNoise noise =
-        params_.remove_noise ? estimateSampleNoise(*cloud, source, params_.threads) : SampleNoise();
+        needsNoise() ? estimateSampleNoise(*cloud, source, params_.threads) : SampleNoise();
     describe(*cloud, noise);
-    SplatBuilder builder = params_.max_splats == 0 && !(params_.target_error > 0)
-                               ? divide(*cloud, source, noise)
-                               : cut(*cloud, source, noise);
+    SplatBuilder builder =
+        !hasBudget() ? divide(*cloud, source, noise) : cut(*cloud, source, noise);
     statistics_.seconds_divide = lap();
     if (!begin(0.9f, "splats")) return cancelled();
     builder.finish(store_ ? &*store_ : nullptr, splats, statistics_);
@@ -133,14 +132,30 @@ class Sampling {
     return view;
   }
 
+  bool hasBudget() const { return params_.max_splats > 0 || params_.target_error > 0; }
+
+  /** Whether cells are taken as the initial grid has them. */
+  bool isUniform() const { return params_.max_depth == 0 && !hasBudget(); }
+
   RootGrid rootGrid() const
   {
     const auto n = static_cast<double>(view_.count());
+    RootGrid grid;
     if (params_.max_splats > 0) {
-      return {0, kRootsPerSplat * static_cast<double>(params_.max_splats)};
+      grid.occupied = kRootsPerSplat * static_cast<double>(params_.max_splats);
+    } else if (params_.initial_resolution > 0) {
+      grid.resolution = params_.initial_resolution;
+    } else {
+      grid.occupied = n / (params_.target_error > 0 ? kPointsPerErrorRoot : kPointsPerRoot);
     }
-    if (params_.initial_resolution > 0) return {params_.initial_resolution, 0};
-    return {0, n / (params_.target_error > 0 ? kPointsPerErrorRoot : kPointsPerRoot)};
+    if (isUniform()) grid.halvings = 0;
+    return grid;
+  }
+
+  /** What no rule would take off is not measured. */
+  bool needsNoise() const
+  {
+    return params_.remove_noise && !(isUniform() && params_.color != SplatColor::kGradient);
   }
 
   /** Neighbours of all points, and normals from them where there are none. */

@@ -26,6 +26,7 @@ struct RootGrid {
 
   int resolution = 0;   ///< cells along the box's longest side; 0: as occupied asks
   double occupied = 0;  ///< occupied cells wanted, roughly, where resolution is 0
+  int halvings = 64;    ///< of a cell that will be asked for; keys need resolve no more
 };
 
 /** \brief From world coordinates to root cells. */
