@@ -37,8 +37,8 @@ run() {
 }
 
 smooth=(-shapes 'sphere,torus,bumpy,relief' -noises '0,0.001,0.005')
-few=(-methods 'slim,mls' -degrees '2,4' -kappas '0,8' -t_mdls 0.01)
-timed=("${few[@]}" -mls_orders 2 -mls_neighbours '15,30,100,200,400,1000')
+few=(-methods 'slim,mls' -degrees '2,4' -kappas '0,8' -t_mdls '0.005,0.01')
+timed=("${few[@]}" -compact 1 -mls_orders 2 -mls_neighbours '15,30,100,200,400,1000')
 sheets=(-claims sheets -points '30000,60000,100000,438000')
 for stage in "$@"; do
   case $stage in

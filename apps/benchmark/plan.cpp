@@ -59,6 +59,7 @@ Plan::declareOptions(OptionTable& options)
                "SLIM: the paper's T_MDL in place of a penalty; 0: none");
   options.toggle("sharp", &sharp_, "SLIM: also keeping sharp edges, where normals are given");
   options.toggle("robust", &robust_, "SLIM: also the default reweighted against outliers");
+  options.toggle("compact", &compact_, "SLIM: also every setting but sharp with -compact 1");
   options.text("mls_orders", &orders_, "D,...", "MLS: orders of the polynomial");
   options.text("mls_neighbours", &neighbours_, "K,...",
                "MLS: mean numbers of points in the search radius");
@@ -183,6 +184,7 @@ Plan::addSlim(const Scene& scene, std::vector<Setting>& settings) const
     Setting s;
     s.threads = threads_;
     s.normals = normals;
+    const std::size_t begin = settings.size();
     settings.push_back(s);
     if (sharp_ && normals) {
       s.sharp = true;
@@ -206,6 +208,12 @@ Plan::addSlim(const Scene& scene, std::vector<Setting>& settings) const
         s.t_mdl = t;
         if (t > 0) settings.push_back(s);
       }
+    }
+    const std::size_t end = compact_ ? settings.size() : begin;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (settings[i].sharp) continue;
+      settings.push_back(settings[i]);
+      settings.back().compact = true;
     }
   }
 }

@@ -196,6 +196,7 @@ Setting::text() const
   if (degree > 0) add("degree", degree);
   if (penalty > 0) add("kappa", penalty);
   if (t_mdl > 0) add("T", t_mdl);
+  if (compact) text += text.empty() ? "compact" : " compact";
   return text;
 }
 
@@ -214,6 +215,7 @@ fitParams(const Setting& setting)
   fit.t_mdl = setting.t_mdl;
   fit.sharp_features = setting.sharp;
   fit.robust = setting.robust;
+  if (setting.compact) fit.cover_radius = 1.0;
   fit.threads = setting.threads;
   return fit;
 }
