@@ -32,6 +32,18 @@ parseWords(const std::string& option, const std::string& text,
   return {ErrorCode::kBadArgument, "option -" + option + " is empty; give some of " + remedy};
 }
 
+/** Repeats the settings from begin on, sharp ones left out, with a switch turned on. */
+void
+repeatWith(bool Setting::*on, std::size_t begin, std::vector<Setting>& settings)
+{
+  const std::size_t end = settings.size();
+  for (std::size_t i = begin; i < end; ++i) {
+    if (settings[i].sharp) continue;
+    settings.push_back(settings[i]);
+    settings.back().*on = true;
+  }
+}
+
 }  // namespace
 
 void
@@ -58,7 +70,7 @@ Plan::declareOptions(OptionTable& options)
   options.text("t_mdls", &t_mdls_, "T,...",
                "SLIM: the paper's T_MDL in place of a penalty; 0: none");
   options.toggle("sharp", &sharp_, "SLIM: also keeping sharp edges, where normals are given");
-  options.toggle("robust", &robust_, "SLIM: also the default reweighted against outliers");
+  options.toggle("robust", &robust_, "SLIM: also each, reweighted against outliers");
   options.toggle("compact", &compact_, "SLIM: also every setting but sharp with -compact 1");
   options.text("mls_orders", &orders_, "D,...", "MLS: orders of the polynomial");
   options.text("mls_neighbours", &neighbours_, "K,...",
@@ -191,11 +203,6 @@ Plan::addSlim(const Scene& scene, std::vector<Setting>& settings) const
       settings.push_back(s);
       s.sharp = false;
     }
-    if (robust_) {
-      s.robust = true;
-      settings.push_back(s);
-      s.robust = false;
-    }
     for (const double degree : degree_list_) {
       s.degree = static_cast<int>(degree);
       s.t_mdl = 0;
@@ -209,12 +216,8 @@ Plan::addSlim(const Scene& scene, std::vector<Setting>& settings) const
         if (t > 0) settings.push_back(s);
       }
     }
-    const std::size_t end = compact_ ? settings.size() : begin;
-    for (std::size_t i = begin; i < end; ++i) {
-      if (settings[i].sharp) continue;
-      settings.push_back(settings[i]);
-      settings.back().compact = true;
-    }
+    if (robust_) repeatWith(&Setting::robust, begin, settings);
+    if (compact_) repeatWith(&Setting::compact, begin, settings);
   }
 }
 
