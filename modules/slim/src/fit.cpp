@@ -70,8 +70,8 @@ makeSettings(const PointStore& store, const FitParams& params)
     s.find_detail = false;
     s.energy.thick = 4.0;
   } else if (!params.paper_mode) {
-    // Smooth parts under noise are served by balls three levels wider than the paper's first.
-    s.first_radius /= kGolden * kGolden * kGolden;
+    // Smooth parts under noise are served by balls two levels wider than the paper's first.
+    s.first_radius /= kGolden * kGolden;
   }
   return s;
 }

@@ -28,7 +28,7 @@ struct FitSettings {
   double gamma = 0.1;
   double diagonal = 1.0;      ///< L
   double first_radius = 0.1;  ///< r_r of level 1 over L: r_0 = L / 10 in the paper
-  double start_share = 0.8;   ///< the first level's median ball holds at most so many of the points
+  double start_share = 0.5;   ///< the first level's median ball holds at most so many of the points
   double center_grid = 0x1p-22;
   std::vector<float> noise_profile;  ///< lambda of runs of points over energy.lambda; empty: even
   bool with_normals = false;
