@@ -64,7 +64,7 @@ for stage in "$@"; do
     bunny)
       run bunny -input "$data/stanford_bunny_raw_scans.pcd" \
         -truth "$data/stanford_bunny_zipper.ply" -methods 'slim,mls' -degrees '2,4' \
-        -kappas '0,8,32' -t_mdls 0 -robust 1 -mls_orders '2,3' \
+        -kappas '0,8' -t_mdls 0 -robust 1 -compact 1 -mls_orders '2,3' \
         -mls_neighbours '60,100,150,200,300,400' -chart 0
       ;;
     claims)

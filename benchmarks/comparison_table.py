@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Prints the tables of docs/comparison.md from the .csv files that comparison.sh leaves in a folder."""
+"""Prints the tables of docs/comparison.md from the .csv files comparison.sh leaves in a folder."""
 import csv
 import math
 import os
@@ -116,7 +116,7 @@ def scan_table(rows, title):
                                               for key in ("rms_position", "rms_normal_deg",
                                                           "cpu_us_per_point")])
         for normals, words in (("0", "no normals"), ("1", "normals")):
-            for setting in ("default", "robust", "sharp"):
+            for setting in ("default", "robust", "robust compact", "sharp"):
                 for row in of(runs, "slim", setting, normals)[:1]:
                     add(f"{setting}, {words}", row)
         for normals, words in (("0", "without"), ("1", "with")):
@@ -128,19 +128,29 @@ def scan_table(rows, title):
     print_table(title, ["scan", "run", "RMS", "normal °", "CPU µs/pt"], table)
 
 
-def claim_table(rows, title):
-    """One row for each scene and run, one column for each quantity; what misses its goal is bold."""
-    quantities, table = [], {}
+FIXED_GOALS = ("", "0", "1.1", "1.15", "1.2", "0.05", "0.2", "15")  # told in the table's title
+
+
+def claim_table(rows, title, normals=True):
+    """One row for each scene, one column for each quantity and choice of normals (without only, where
+    normals is false); what misses its goal is bold."""
+    columns, table = [], {}
     for row in rows:
-        if row["quantity"] not in quantities:
-            quantities.append(row["quantity"])
-        run = row["run"].removeprefix("slim ")
-        goal = f" ({row['goal']})" if row["goal"] not in ("", "1.1", "1.15", "1.2", "15") else ""
+        given = "normals given" in row["run"]
+        if given and not normals:
+            continue
+        column = (row["quantity"], "normals" if given else "no normals")
+        if column not in columns:
+            columns.append(column)
+        goal = "" if row["goal"] in FIXED_GOALS else f" ({row['goal']})"
         text = f"{row['value']}{goal}"
-        cells = table.setdefault((row["scene"], row["points"], run), {})
-        cells[row["quantity"]] = f"**{text}**" if row["met"] == "0" else text
-    print_table(title, ["scene", "points", "run"] + quantities,
-                [list(key) + [cells.get(q, "") for q in quantities] for key, cells in table.items()])
+        cells = table.setdefault((row["scene"], f"{int(row['points']):,}"), {})
+        cells[column] = f"**{text}**" if row["met"] == "0" else text
+    quantities = [column[0] for column in columns]
+    columns.sort(key=lambda column: quantities.index(column[0]))
+    several = len({column[1] for column in columns}) > 1
+    print_table(title, ["scene", "points"] + [f"{q}; {n}" if several else q for q, n in columns],
+                [list(key) + [cells.get(c, "") for c in columns] for key, cells in table.items()])
 
 
 def peer_table(rows, title):
@@ -154,19 +164,22 @@ def main():
     if len(sys.argv) != 2 or not os.path.isdir(sys.argv[1]):
         sys.exit("comparison_table.py wants the folder that comparison.sh filled")
     folder = sys.argv[1]
-    ratio_table(load(folder, "timed"), "CPU time at equal or lower RMS position error, 100,000 points")
+    ratio_table(load(folder, "timed"),
+                "CPU time at equal or lower RMS position error, 100,000 points")
     ratio_table(load(folder, "timed438"), "The same, 438,000 points")
     error_table(load(folder, "exact"))
     scan_table(load(folder, "pairs"), "Scans with a clean original, lengths in mean edges")
     scan_table(load(folder, "bunny"), "Raw scans against a mesh, lengths in metres")
-    claim_table(load(folder, "rims"), "Open borders (goals: 1.2; MLS's best in brackets)")
+    claim_table(load(folder, "rims"), "Open borders, no normals (goals: 1.2; MLS's best in brackets)",
+                normals=False)
     claim_table(load(folder, "zones") + load(folder, "zones438"),
                 "Relief, .5 % noise: each zone (MLS's best for it in brackets)")
-    claim_table(load(folder, "sheets"), "Two sheets (goal in brackets)")
+    claim_table(load(folder, "sheets"), "Two sheets (goal: 0)")
     claim_table(load(folder, "normals"), "Normals .3 rad off, over exact ones (goal 1.1)")
     peer_table(load(folder, "peers"), "Beside other libraries")
     claim_table(load(folder, "default"), "Default over best of a sweep (goal 1.15)")
-    claim_table(load(folder, "moves"), "How far points move (goal for the share in brackets, 15 for the farthest)")
+    claim_table(load(folder, "moves"),
+                "How far points move (goals: .05 %, .2 % where points coincide; 15)")
 
 
 if __name__ == "__main__":
