@@ -18,8 +18,8 @@ namespace pcl_slim {
 /** The steps of OctreeCloud::build. */
 class OctreeCloudBuilder {
   static constexpr std::uint32_t kTooMany = 0xffffffffu;
-  static constexpr int kFinerHalvings = 2;   ///< beyond those for about one point a cell
-  static constexpr double kLargest = 1e150;  ///< squares of such coordinates are still finite
+  static constexpr double kSortedPoints = 4.0;  ///< that share a cell of the level keys resolve
+  static constexpr double kLargest = 1e150;     ///< squares of such coordinates are still finite
 
  public:
   OctreeCloudBuilder(const CloudView& cloud, int threads) : view_(cloud), threads_(threads) {}
@@ -100,10 +100,11 @@ class OctreeCloudBuilder {
       const octree_grid::AreaProbe probe(read, view_.count(), box);
       out_.resolution_ = grid.resolution > 0 ? std::min(grid.resolution, RootGrid::kMaxResolution)
                                              : probe.resolutionFor(grid.occupied);
-      // So many halvings that few points share a cell, and more for uneven clouds.
-      const int fine = probe.resolutionFor(static_cast<double>(box.finite));
-      while (out_.resolution_ << wanted_depth_ < fine) ++wanted_depth_;
-      wanted_depth_ = std::min(wanted_depth_ + kFinerHalvings, grid.halvings);
+      // What lies below is put in order only where it is divided.
+      const int fine = probe.resolutionFor(static_cast<double>(box.finite) / kSortedPoints);
+      while (out_.resolution_ << wanted_depth_ < fine && wanted_depth_ < grid.halvings) {
+        ++wanted_depth_;
+      }
     }
     out_.cell_ = longest / out_.resolution_;
     out_.depth_ = OctreeCloud::kBits - bitsOf(static_cast<std::uint64_t>(out_.resolution_ - 1));
