@@ -40,7 +40,8 @@ struct Energy {
   double variance(const LocalFit& fit, double gather_radius) const
   {
     const double e_sq = fit.residual_sq * gather_radius * gather_radius;
-    if (!corrected) return e_sq;
+    // With T given balls may shrink until they follow the noise, whose slopes must not excuse them.
+    if (!corrected || t_mdl > 0) return e_sq;
     return std::max(e_sq / (1.0 + fit.slope_sq), e_sq - lambda * fit.slope_sq);
   }
 
