@@ -63,7 +63,7 @@ absent x.png x.jpg
 for program in pcl_slim_render pcl_slim_demo_scan; do
   expect 0 '' "$program" -h
   "$bin/$program" --help-markdown | grep '^| `-' | while IFS= read -r line; do
-    grep -qF -- "$line" "$docs/pcl_slim_render.md" || echo "docs/pcl_slim_render.md lacks: $line"
+    grep -qF -- "$line" "$docs/$program.md" || echo "docs/$program.md lacks: $line"
   done > lacking.txt
   [ ! -s lacking.txt ] || complain "$(cat lacking.txt)"
 done

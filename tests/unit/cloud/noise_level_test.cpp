@@ -161,5 +161,29 @@ TEST(NoiseLevel, IsTheSameForAnyNumberOfThreads)
   }
 }
 
+TEST(NoiseLevel, ProfileFollowsNoiseThatVaries)
+{
+  // A plane, four times as noisy on the right as on the left.
+  std::mt19937_64 random(9);
+  std::normal_distribution<double> normal;
+  const Cloud cloud = pcl_slim_test::heightField(
+      40000, 12, [&](double x, double) { return 0.0002 * (x < 0 ? 1.0 : 4.0) * normal(random); });
+  const PointStore store = storeOf(cloud);
+  const std::vector<float> profile = noiseProfile(store, 1);
+  ASSERT_GT(profile.size(), 100u);
+  const double lambda = estimateNoise(store, NoiseEstimator::kCubicResidual, 1);
+  std::size_t near = 0, counted = 0;
+  for (std::size_t j = 0; j < profile.size(); ++j) {
+    const auto p = store.position((2 * j + 1) * store.size() / (2 * profile.size()));
+    const double x = store.origin()[0] + store.scale() * p[0];
+    if (std::abs(x) < 0.2) continue;  // windows there may hold both
+    const double sigma = std::sqrt(profile[j] * lambda) * store.scale();
+    near += std::abs(sigma / (x < 0 ? 0.0002 : 0.0008) - 1.0) < 0.3;
+    ++counted;
+  }
+  EXPECT_GT(static_cast<double>(near), 0.9 * static_cast<double>(counted));
+  EXPECT_EQ(profile, noiseProfile(store, 3));
+}
+
 }  // namespace
 }  // namespace pcl_slim

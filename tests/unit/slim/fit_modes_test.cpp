@@ -201,5 +201,25 @@ TEST(FitModes, LocalNoiseSparesQuietParts)
   EXPECT_LT(std::sqrt(loud[1]), 1.1 * std::sqrt(loud[0]));
 }
 
+TEST(FitModes, LowerDegreesServeEdgesOnly)
+{
+  // A noisy roof takes quadratics along its ridge; a noisy sphere takes none.
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  const auto roof = fitted(pcl_slim_test::heightField(
+      20000, 17, [&](double x, double) { return -std::abs(x) + 0.004 * normal(random); }));
+  std::size_t along = 0, elsewhere = 0;
+  for (std::size_t i = 0; i < roof.surface.size(); ++i) {
+    if (!roof.surface.isLeaf(i) || roof.surface.degree[i] == 4) continue;
+    EXPECT_EQ(roof.surface.degree[i], 2);
+    const auto c = roof.world({roof.surface.cx[i], roof.surface.cy[i], roof.surface.cz[i]});
+    ++(std::abs(c[0]) < 0.15 ? along : elsewhere);
+  }
+  EXPECT_GT(along, 10u);
+  EXPECT_LT(10 * elsewhere, along);
+  const auto sphere = fitted(sceneCloud(Shape::kSphere, 20000, 0.002).withoutNormals());
+  EXPECT_EQ(sphere.statistics.reduced_degree, 0u);
+}
+
 }  // namespace
 }  // namespace pcl_slim
