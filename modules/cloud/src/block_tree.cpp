@@ -32,23 +32,30 @@ highest(const AlignedVector<float>& column, std::size_t begin)
   return *std::max_element(column.begin() + begin, column.begin() + begin + BlockTree::kFan);
 }
 
+/** The common boxes of kFan neighbours each. */
+void
+groupBoxes(const BlockTree::Level& below, BlockTree::Level& level)
+{
+  constexpr std::size_t kFan = BlockTree::kFan;
+  level.allocate((below.count + kFan - 1) / kFan);
+  for (std::size_t j = 0; j < level.count; ++j) {
+    level.min_x[j] = lowest(below.min_x, j * kFan);
+    level.min_y[j] = lowest(below.min_y, j * kFan);
+    level.min_z[j] = lowest(below.min_z, j * kFan);
+    level.max_x[j] = highest(below.max_x, j * kFan);
+    level.max_y[j] = highest(below.max_y, j * kFan);
+    level.max_z[j] = highest(below.max_z, j * kFan);
+  }
+}
+
 }  // namespace
 
 BlockTree::BlockTree(Level blocks)
 {
   levels_.push_back(std::move(blocks));
   while (levels_.back().count > kFan) {
-    const Level& below = levels_.back();
     Level level;
-    level.allocate((below.count + kFan - 1) / kFan);
-    for (std::size_t j = 0; j < level.count; ++j) {
-      level.min_x[j] = lowest(below.min_x, j * kFan);
-      level.min_y[j] = lowest(below.min_y, j * kFan);
-      level.min_z[j] = lowest(below.min_z, j * kFan);
-      level.max_x[j] = highest(below.max_x, j * kFan);
-      level.max_y[j] = highest(below.max_y, j * kFan);
-      level.max_z[j] = highest(below.max_z, j * kFan);
-    }
+    groupBoxes(levels_.back(), level);
     levels_.push_back(std::move(level));
   }
 }
@@ -113,8 +120,9 @@ BlockTree::blocksInBox(const float min[3], const float max[3],
 void
 BlockNeighborhood::collect(const BlockTree& tree, const float min[3], const float max[3])
 {
-  ids_.clear();
-  tree.blocksInBox(min, max, ids_);
+  found_.clear();
+  tree.blocksInBox(min, max, found_);
+  ids_.assign(found_.begin(), found_.end());
   const BlockTree::Level& all = tree.levels().front();
   boxes_.allocate(ids_.size());
   for (std::size_t i = 0; i < ids_.size(); ++i) {
@@ -125,19 +133,16 @@ BlockNeighborhood::collect(const BlockTree& tree, const float min[3], const floa
     boxes_.max_y[i] = all.max_y[ids_[i]];
     boxes_.max_z[i] = all.max_z[ids_[i]];
   }
+  ids_.resize(boxes_.min_x.size(), 0u);
+  groupBoxes(boxes_, groups_);
 }
 
 void
-BlockNeighborhood::blocksInBall(const float center[3], float radius,
-                                std::vector<std::uint32_t>& blocks) const
+BlockNeighborhood::blocksInBall(const float center[3], float radius, BlockList& blocks) const
 {
-  blocks.clear();
-  for (std::size_t first = 0; first < boxes_.count; first += BlockTree::kFan) {
-    std::uint32_t mask = kernels::boxesInBall(boxes_, first, center, radius);
-    for (; mask != 0; mask &= mask - 1) {
-      blocks.push_back(ids_[first + static_cast<std::size_t>(__builtin_ctz(mask))]);
-    }
-  }
+  blocks.resize(boxes_.count + BlockTree::kFan);
+  blocks.resize(
+      kernels::groupedBoxesInBall(groups_, boxes_, ids_.data(), center, radius, blocks.data()));
 }
 
 }  // namespace pcl_slim

@@ -11,6 +11,7 @@ namespace pcl_slim::kernels::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::CappedTag<float, 16>;
+using Vec = hn::Vec<Tag>;
 
 template <typename Mask>
 std::uint32_t
@@ -21,28 +22,64 @@ maskBits(Tag d, Mask mask)
   return static_cast<std::uint32_t>(bits[0]) | static_cast<std::uint32_t>(bits[1]) << 8;
 }
 
+/** Which lanes' boxes meet one ball. */
+class BallTest {
+ public:
+  BallTest(const float center[3], float radius) : radius_sq_(hn::Set(Tag(), radius * radius))
+  {
+    for (int a = 0; a < 3; ++a) center_[a] = hn::Set(Tag(), center[a]);
+  }
+
+  HWY_INLINE hn::Mask<Tag> operator()(const BlockTree::Level& boxes, std::size_t j) const
+  {
+    const Tag d;
+    const auto outside = [&](const float* low, const float* high, Vec c) HWY_ATTR {
+      return hn::Max(hn::Zero(d),
+                     hn::Max(hn::Sub(hn::Load(d, low + j), c), hn::Sub(c, hn::Load(d, high + j))));
+    };
+    const Vec ex = outside(boxes.min_x.data(), boxes.max_x.data(), center_[0]);
+    const Vec ey = outside(boxes.min_y.data(), boxes.max_y.data(), center_[1]);
+    const Vec ez = outside(boxes.min_z.data(), boxes.max_z.data(), center_[2]);
+    return hn::Le(hn::MulAdd(ex, ex, hn::MulAdd(ey, ey, hn::Mul(ez, ez))), radius_sq_);
+  }
+
+ private:
+  Vec center_[3], radius_sq_;
+};
+
 std::uint32_t
 boxesInBall(const BlockTree::Level& boxes, std::size_t first, const float center[3], float radius)
 {
   const Tag d;
-  const std::size_t lanes = hn::Lanes(d);
-  const auto zero = hn::Zero(d);
-  const auto cx = hn::Set(d, center[0]), cy = hn::Set(d, center[1]), cz = hn::Set(d, center[2]);
-  const auto radius_sq = hn::Set(d, radius * radius);
+  const BallTest meets(center, radius);
   std::uint32_t hits = 0;
-  for (std::size_t i = 0; i < BlockTree::kFan; i += lanes) {
-    const std::size_t j = first + i;
-    const auto outside = [&](const float* low, const float* high, decltype(cx) c) {
-      return hn::Max(zero,
-                     hn::Max(hn::Sub(hn::Load(d, low + j), c), hn::Sub(c, hn::Load(d, high + j))));
-    };
-    const auto ex = outside(boxes.min_x.data(), boxes.max_x.data(), cx);
-    const auto ey = outside(boxes.min_y.data(), boxes.max_y.data(), cy);
-    const auto ez = outside(boxes.min_z.data(), boxes.max_z.data(), cz);
-    const auto distance_sq = hn::MulAdd(ex, ex, hn::MulAdd(ey, ey, hn::Mul(ez, ez)));
-    hits |= maskBits(d, hn::Le(distance_sq, radius_sq)) << i;
+  for (std::size_t i = 0; i < BlockTree::kFan; i += hn::Lanes(d)) {
+    hits |= maskBits(d, meets(boxes, first + i)) << i;
   }
   return hits;
+}
+
+std::size_t
+groupedBoxesInBall(const BlockTree::Level& groups, const BlockTree::Level& boxes,
+                   const std::uint32_t* ids, const float center[3], float radius,
+                   std::uint32_t* found)
+{
+  const Tag d;
+  const hn::RebindToUnsigned<Tag> du;
+  const BallTest meets(center, radius);
+  std::size_t count = 0;
+  for (std::size_t g = 0; g < groups.count; g += hn::Lanes(d)) {
+    for (std::uint32_t hits = maskBits(d, meets(groups, g)); hits != 0; hits &= hits - 1) {
+      const std::size_t first =
+          (g + static_cast<std::size_t>(__builtin_ctz(hits))) * BlockTree::kFan;
+      for (std::size_t i = first; i < first + BlockTree::kFan; i += hn::Lanes(d)) {
+        const auto mask = hn::RebindMask(du, meets(boxes, i));
+        hn::StoreU(hn::Compress(hn::Load(du, ids + i), mask), du, found + count);
+        count += hn::CountTrue(du, mask);
+      }
+    }
+  }
+  return count;
 }
 
 std::uint32_t
@@ -92,6 +129,7 @@ HWY_AFTER_NAMESPACE();
 namespace pcl_slim::kernels {
 
 HWY_EXPORT(boxesInBall);
+HWY_EXPORT(groupedBoxesInBall);
 HWY_EXPORT(boxesInBox);
 HWY_EXPORT(blockDistances);
 HWY_EXPORT(instructionSet);
@@ -100,6 +138,14 @@ std::uint32_t
 boxesInBall(const BlockTree::Level& boxes, std::size_t first, const float center[3], float radius)
 {
   return HWY_DYNAMIC_DISPATCH(boxesInBall)(boxes, first, center, radius);
+}
+
+std::size_t
+groupedBoxesInBall(const BlockTree::Level& groups, const BlockTree::Level& boxes,
+                   const std::uint32_t* ids, const float center[3], float radius,
+                   std::uint32_t* found)
+{
+  return HWY_DYNAMIC_DISPATCH(groupedBoxesInBall)(groups, boxes, ids, center, radius, found);
 }
 
 std::uint32_t

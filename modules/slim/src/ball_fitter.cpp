@@ -20,11 +20,10 @@ constexpr double kOffCenter = 0.03;   ///< of r_r: a fit that passes its centre 
 constexpr double kGateMargin = 1e-6;  ///< of r: the least a coverage gate may be, for rounding
 
 void
-keepEveryNth(std::size_t stride, std::vector<std::uint32_t>& blocks)
+takeEveryNth(const BlockList& blocks, std::size_t stride, BlockList& taken)
 {
-  std::size_t kept = 0;
-  for (std::size_t b = 0; b < blocks.size(); b += stride) blocks[kept++] = blocks[b];
-  blocks.resize(kept);
+  taken.clear();
+  for (std::size_t b = 0; b < blocks.size(); b += stride) taken.push_back(blocks[b]);
 }
 
 /** Gives a linear surfel its plane's own normal: f is then w' - c_0, and only c_0 is left to store. */
@@ -46,6 +45,7 @@ BallOutcome
 BallFitter::fit(std::size_t i, int level, SurfelRecord& surfel)
 {
   ++counters_.tried;
+  listed_radius_ = -1.0f;
   const auto p = store_.position(i);
   for (int a = 0; a < 3; ++a) {
     center_[a] =
@@ -103,8 +103,7 @@ BallFitter::normalIsAlone() const
 bool
 BallFitter::tooWideAtAGlance(double radius, int level, SurfelRecord& surfel)
 {
-  neighborhood_.blocksInBall(center_.data(), static_cast<float>(radius), blocks_);
-  const std::size_t stride = blocks_.size() / kGlanceBlocks;
+  const std::size_t stride = blocksWithin(center_, radius).size() / kGlanceBlocks;
   if (stride < kLeastGlanceStride) return false;
   const auto center = center_;
   if (prepare(radius, stride) == BallOutcome::kLeaf && search_.surelyInternal()) {
@@ -133,14 +132,30 @@ BallFitter::centerOnSurface()
   search_.begin(ball_, gather_radius_, 1.0);
 }
 
+/** The blocks that meet a ball of this fit; those of the last one asked for are at hand. */
+const BlockList&
+BallFitter::blocksWithin(const std::array<float, 3>& center, double radius)
+{
+  const auto r = static_cast<float>(radius);
+  if (r != listed_radius_ || center != listed_center_) {
+    neighborhood_.blocksInBall(center.data(), r, blocks_);
+    listed_center_ = center;
+    listed_radius_ = r;
+  }
+  return blocks_;
+}
+
 bool
 BallFitter::gather(double radius)
 {
-  neighborhood_.blocksInBall(center_.data(), static_cast<float>(radius), blocks_);
-  if (stride_ > 1) keepEveryNth(stride_, blocks_);
+  const BlockList* blocks = &blocksWithin(center_, radius);
+  if (stride_ > 1) {
+    takeEveryNth(*blocks, stride_, sampled_);
+    blocks = &sampled_;
+  }
   const BallQuery query{center_, static_cast<float>(radius),
                         settings_.with_normals ? gate_.data() : nullptr, settings_.min_dot};
-  kernels::gatherBall(store_, blocks_, query, !settings_.with_normals, ball_, sums_);
+  kernels::gatherBall(store_, *blocks, query, !settings_.with_normals, ball_, sums_);
   counters_.gathered += ball_.count;
   return ball_.count > 0 && sums_.weight > 0;
 }
@@ -204,7 +219,7 @@ void
 BallFitter::cover(const SurfelRecord& surfel, float* coverage)
 {
   const auto reach = static_cast<float>(settings_.alpha * surfel.radius);
-  neighborhood_.blocksInBall(surfel.center.data(), reach, blocks_);
+  const BlockList& blocks = blocksWithin(surfel.center, reach);
   kernels::CoverLeaf leaf;
   leaf.ball = {surfel.center, reach, settings_.with_normals ? surfel.normal.data() : nullptr,
                settings_.min_dot};
@@ -217,16 +232,16 @@ BallFitter::cover(const SurfelRecord& surfel, float* coverage)
       settings_.residual_gate > 0
           ? static_cast<float>(settings_.residual_gate * surfel.error + kGateMargin * surfel.radius)
           : surfel.radius;
-  kernels::coverPoints(store_, blocks_, leaf, settings_.cover_kernel, coverage);
+  kernels::coverPoints(store_, blocks, leaf, settings_.cover_kernel, coverage);
 }
 
 void
 BallFitter::mark(const SurfelRecord& surfel, std::uint8_t value, std::uint8_t* marks)
 {
-  neighborhood_.blocksInBall(surfel.center.data(), surfel.radius, blocks_);
+  const BlockList& blocks = blocksWithin(surfel.center, surfel.radius);
   const BallQuery query{surfel.center, surfel.radius,
                         settings_.with_normals ? surfel.normal.data() : nullptr, settings_.min_dot};
-  kernels::markPoints(store_, blocks_, query, value, marks);
+  kernels::markPoints(store_, blocks, query, value, marks);
 }
 
 /** Where the residuals at r_r show two sheets, keeps the centre's and frames it anew. */

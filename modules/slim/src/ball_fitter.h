@@ -57,6 +57,7 @@ class BallFitter {
   BallOutcome prepare(double radius, std::size_t stride);
   bool tooWideAtAGlance(double radius, int level, SurfelRecord& surfel);
   bool normalIsAlone() const;
+  const BlockList& blocksWithin(const std::array<float, 3>& center, double radius);
   bool gather(double radius);
   std::array<double, 3> frameNormal() const;
   bool splitSheets();
@@ -69,7 +70,9 @@ class BallFitter {
   const FitSettings& settings_;
   RadiusSearch search_;
   BlockNeighborhood neighborhood_;
-  std::vector<std::uint32_t> blocks_;
+  BlockList blocks_, sampled_;
+  std::array<float, 3> listed_center_{};
+  float listed_radius_ = -1.0f;  ///< blocks_ are those of such a ball; < 0: of none
   BallBuffer ball_, kept_;
   BallSums sums_;
   std::array<float, 3> center_{}, gate_{}, normal_{};

@@ -30,7 +30,7 @@ class BallScan {
 
   /** Calls body(first point index, lanes) for every group of lanes that meets the ball. */
   template <typename Body>
-  HWY_INLINE void forEach(const std::vector<std::uint32_t>& blocks, const Body& body) const
+  HWY_INLINE void forEach(const BlockList& blocks, const Body& body) const
   {
     const Tag d;
     for (const std::uint32_t b : blocks) {
@@ -86,8 +86,8 @@ padBall(BallBuffer& ball)
 }
 
 void
-gatherBall(const PointStore& store, const std::vector<std::uint32_t>& blocks,
-           const BallQuery& query, bool with_covariance, BallBuffer& ball, BallSums& sums)
+gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& query,
+           bool with_covariance, BallBuffer& ball, BallSums& sums)
 {
   const Tag d;
   const auto zero = hn::Zero(d);
@@ -226,8 +226,8 @@ ballResiduals(const BallBuffer& ball, const LocalFit& fit, float* residuals)
 
 template <int D, WeightKernel K>
 void
-coverOfDegree(const PointStore& store, const std::vector<std::uint32_t>& blocks,
-              const CoverLeaf& leaf, float* coverage)
+coverOfDegree(const PointStore& store, const BlockList& blocks, const CoverLeaf& leaf,
+              float* coverage)
 {
   const Tag d;
   const double scale = 1.0 / leaf.support_radius;
@@ -257,8 +257,8 @@ coverOfDegree(const PointStore& store, const std::vector<std::uint32_t>& blocks,
 
 template <int D>
 void
-coverWithKernel(const PointStore& store, const std::vector<std::uint32_t>& blocks,
-                const CoverLeaf& leaf, WeightKernel kernel, float* coverage)
+coverWithKernel(const PointStore& store, const BlockList& blocks, const CoverLeaf& leaf,
+                WeightKernel kernel, float* coverage)
 {
   if (kernel == WeightKernel::kGaussian) {
     coverOfDegree<D, WeightKernel::kGaussian>(store, blocks, leaf, coverage);
@@ -268,8 +268,8 @@ coverWithKernel(const PointStore& store, const std::vector<std::uint32_t>& block
 }
 
 void
-coverPoints(const PointStore& store, const std::vector<std::uint32_t>& blocks,
-            const CoverLeaf& leaf, WeightKernel kernel, float* coverage)
+coverPoints(const PointStore& store, const BlockList& blocks, const CoverLeaf& leaf,
+            WeightKernel kernel, float* coverage)
 {
   switch (leaf.degree) {
     case 1: return coverWithKernel<1>(store, blocks, leaf, kernel, coverage);
@@ -280,7 +280,7 @@ coverPoints(const PointStore& store, const std::vector<std::uint32_t>& blocks,
 }
 
 void
-markPoints(const PointStore& store, const std::vector<std::uint32_t>& blocks, const BallQuery& ball,
+markPoints(const PointStore& store, const BlockList& blocks, const BallQuery& ball,
            std::uint8_t value, std::uint8_t* marks)
 {
   const Tag d;
@@ -309,8 +309,8 @@ HWY_EXPORT(coverPoints);
 HWY_EXPORT(markPoints);
 
 void
-gatherBall(const PointStore& store, const std::vector<std::uint32_t>& blocks,
-           const BallQuery& query, bool with_covariance, BallBuffer& ball, BallSums& sums)
+gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& query,
+           bool with_covariance, BallBuffer& ball, BallSums& sums)
 {
   HWY_DYNAMIC_DISPATCH(gatherBall)(store, blocks, query, with_covariance, ball, sums);
 }
@@ -341,14 +341,14 @@ ballResiduals(const BallBuffer& ball, const LocalFit& fit, float* residuals)
 }
 
 void
-coverPoints(const PointStore& store, const std::vector<std::uint32_t>& blocks,
-            const CoverLeaf& leaf, WeightKernel kernel, float* coverage)
+coverPoints(const PointStore& store, const BlockList& blocks, const CoverLeaf& leaf,
+            WeightKernel kernel, float* coverage)
 {
   HWY_DYNAMIC_DISPATCH(coverPoints)(store, blocks, leaf, kernel, coverage);
 }
 
 void
-markPoints(const PointStore& store, const std::vector<std::uint32_t>& blocks, const BallQuery& ball,
+markPoints(const PointStore& store, const BlockList& blocks, const BallQuery& ball,
            std::uint8_t value, std::uint8_t* marks)
 {
   HWY_DYNAMIC_DISPATCH(markPoints)(store, blocks, ball, value, marks);

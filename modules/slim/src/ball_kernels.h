@@ -64,8 +64,8 @@ namespace kernels {
 
 /** \brief Gathers the gated points of a ball from the given blocks (ascending). */
 void
-gatherBall(const PointStore& store, const std::vector<std::uint32_t>& blocks,
-           const BallQuery& query, bool with_covariance, BallBuffer& ball, BallSums& sums);
+gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& query,
+           bool with_covariance, BallBuffer& ball, BallSums& sums);
 
 /** \brief Turns offsets into frame coordinates in units of radius. */
 void
@@ -110,12 +110,12 @@ struct CoverLeaf {
 
 /** \brief Adds G(d / R) to the coverage of the points a leaf covers; touches no other. */
 void
-coverPoints(const PointStore& store, const std::vector<std::uint32_t>& blocks,
-            const CoverLeaf& leaf, WeightKernel kernel, float* coverage);
+coverPoints(const PointStore& store, const BlockList& blocks, const CoverLeaf& leaf,
+            WeightKernel kernel, float* coverage);
 
 /** \brief Sets the bits of value in the marks of a ball's gated points; touches no other. */
 void
-markPoints(const PointStore& store, const std::vector<std::uint32_t>& blocks, const BallQuery& ball,
+markPoints(const PointStore& store, const BlockList& blocks, const BallQuery& ball,
            std::uint8_t value, std::uint8_t* marks);
 
 }  // namespace kernels

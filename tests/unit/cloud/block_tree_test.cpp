@@ -134,10 +134,11 @@ TEST(BlockNeighborhood, AnswersAsTheTreeWithinItsRegion)
       const float room = 0.15f - radius;
       float center[3];
       for (int a = 0; a < 3; ++a) center[a] = middle[a] + 2.0f * room * place(random);
-      std::vector<std::uint32_t> of_tree, of_region = {7, 7, 7};
+      std::vector<std::uint32_t> of_tree;
+      BlockList of_region = {7, 7, 7};
       tree.blocksInBall(center, radius, of_tree);
       region.blocksInBall(center, radius, of_region);
-      ASSERT_EQ(of_region, of_tree);
+      ASSERT_EQ(std::vector<std::uint32_t>(of_region.begin(), of_region.end()), of_tree);
     }
   }
 }

@@ -18,7 +18,7 @@ constexpr float kUntouched = -7.0f;
 /** A ball about a stored point, its blocks, and which points lie in it by double arithmetic. */
 struct TestBall {
   BallQuery query;
-  std::vector<std::uint32_t> blocks;
+  BlockList blocks;
   std::vector<std::size_t> inside, gated;
   bool clear = true;  ///< no point is so near a limit that rounding decides
 };
@@ -33,7 +33,9 @@ ballAt(const PointStore& store, std::size_t i, float radius, const std::array<fl
   ball.query.radius = radius;
   ball.query.gate_normal = gate != nullptr ? gate->data() : nullptr;
   ball.query.min_dot = min_dot;
-  store.tree().blocksInBall(ball.query.center.data(), radius, ball.blocks);
+  std::vector<std::uint32_t> blocks;
+  store.tree().blocksInBall(ball.query.center.data(), radius, blocks);
+  ball.blocks.assign(blocks.begin(), blocks.end());
   for (std::size_t j = 0; j < store.size(); ++j) {
     const auto q = store.position(j);
     const auto& c = ball.query.center;

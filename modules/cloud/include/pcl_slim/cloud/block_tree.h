@@ -47,6 +47,9 @@ class BlockTree {
   std::vector<Level> levels_;
 };
 
+/** \brief Numbers of blocks, ascending. */
+using BlockList = AlignedVector<std::uint32_t>;
+
 /** \brief The blocks around one region, copied side by side: cheap queries for the many balls
  * that lie in it. */
 class BlockNeighborhood {
@@ -55,11 +58,12 @@ class BlockNeighborhood {
   void collect(const BlockTree& tree, const float min[3], const float max[3]);
 
   /** \brief Replaces blocks by those, ascending, whose box meets a ball inside the region. */
-  void blocksInBall(const float center[3], float radius, std::vector<std::uint32_t>& blocks) const;
+  void blocksInBall(const float center[3], float radius, BlockList& blocks) const;
 
  private:
-  std::vector<std::uint32_t> ids_;
-  BlockTree::Level boxes_;
+  std::vector<std::uint32_t> found_;
+  BlockList ids_;  ///< padded to a multiple of kFan
+  BlockTree::Level boxes_, groups_;
 };
 
 }  // namespace pcl_slim
