@@ -2,10 +2,11 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
+#include <array>
 #include <cstdint>
 #include <vector>
 
+#include "grid_kernels.h"
 #include "pcl_slim/slim/surface.h"
 
 namespace pcl_slim {
@@ -13,24 +14,23 @@ namespace pcl_slim {
 /** \brief Some surfels, sorted by the cell of a grid as wide as the widest query. */
 class CenterGrid {
  public:
-  CenterGrid(const SLIMSurface& surface, const std::vector<std::uint32_t>& members, float width)
-      : surface_(surface), inverse_(1.0 / std::max<double>(width, kNarrowest))
-  {
-    cells_.reserve(members.size());
-    for (const std::uint32_t i : members) {
-      cells_.push_back({code(cell(surface.cx[i]), cell(surface.cy[i]), cell(surface.cz[i])), i});
-    }
-    std::sort(cells_.begin(), cells_.end());
-  }
+  /** \param[in] members ascending. */
+  CenterGrid(const SLIMSurface& surface, const std::vector<std::uint32_t>& members, float width);
 
-  /** Calls body(member, squared distance) for the members within one cell of a centre. */
-  template <typename Body>
-  void forEachNear(std::uint32_t center, const Body& body) const
-  {
-    forEachNear(surface_.cx[center], surface_.cy[center], surface_.cz[center], body);
-  }
+  std::size_t size() const { return codes_.size(); }
+  std::uint32_t memberAt(std::size_t place) const { return members_[place]; }
 
-  /** Likewise for any place. */
+  /** The code of a cell, ascending along z, then y, then x, and a surfel in it. */
+  struct Entry {
+    std::int64_t cell;
+    std::uint32_t surfel;
+  };
+
+  /** Any surfels, ascending, in order of this grid's cells; ascending within one. O(M). */
+  std::vector<Entry> sortedByCell(const SLIMSurface& surface,
+                                  const std::vector<std::uint32_t>& surfels) const;
+
+  /** Calls body(member, squared distance) for the members within one cell of a place. */
   template <typename Body>
   void forEachNear(float px, float py, float pz, const Body& body) const
   {
@@ -38,45 +38,54 @@ class CenterGrid {
     for (std::int64_t dx = -1; dx <= 1; ++dx) {
       for (std::int64_t dy = -1; dy <= 1; ++dy) {
         // Cells along z are neighbours in the order of codes: one search serves three.
-        auto it =
-            std::lower_bound(cells_.begin(), cells_.end(), Entry{code(x + dx, y + dy, z - 1), 0});
+        const auto it = std::lower_bound(codes_.begin(), codes_.end(), code(x + dx, y + dy, z - 1));
         const std::int64_t last = code(x + dx, y + dy, z + 1);
-        for (; it != cells_.end() && it->code <= last; ++it) {
-          const float ex = surface_.cx[it->member] - px;
-          const float ey = surface_.cy[it->member] - py;
-          const float ez = surface_.cz[it->member] - pz;
-          body(it->member, ex * ex + ey * ey + ez * ez);
+        for (auto at = static_cast<std::size_t>(it - codes_.begin());
+             at < size() && codes_[at] <= last; ++at) {
+          const float ex = x_[at] - px, ey = y_[at] - py, ez = z_[at] - pz;
+          body(members_[at], ex * ex + ey * ey + ez * ez);
         }
       }
     }
   }
 
- private:
-  struct Entry {
-    std::int64_t code;
-    std::uint32_t member;
-    bool operator<(const Entry& other) const
-    {
-      return code != other.code ? code < other.code : member < other.member;
-    }
+  using Ranges = std::array<ColumnRange, 9>;
+
+  /** \brief Finds what lies within one cell of cells in ascending order, each in about the time it
+   * takes to step there from the last. */
+  class Walk {
+   public:
+    explicit Walk(const CenterGrid& grid) : codes_(grid.codes_) {}
+
+    const Ranges& around(std::int64_t cell);
+
+   private:
+    const std::vector<std::int64_t>& codes_;
+    Ranges rows_{};
+    std::int64_t last_ = -1;
   };
 
-  // Cells and their neighbours count in 21 bits an axis. What lies outside [-1, 1] shares a rim cell.
-  static constexpr double kNarrowest = 0x1p-19;
-  static constexpr double kLastCell = 0x1p21 - 4;
+  /** \brief Some members and their squared distances from a place. */
+  struct Near {
+    std::vector<std::uint32_t> places;  ///< in the sorted order
+    std::vector<float> distances_sq;
+    std::size_t count = 0;  ///< so many entries count
+  };
 
-  std::int64_t cell(float local) const
-  {
-    return std::llround(std::clamp((local + 1.0) * inverse_, 0.0, kLastCell)) + 1;
-  }
+  /** Finds the members of some ranges that lie within a squared distance of a place. */
+  void findWithin(const Ranges& ranges, const float place[3], float limit_sq, Near& near) const;
+
+ private:
+  std::int64_t cell(float local) const;
   static std::int64_t code(std::int64_t x, std::int64_t y, std::int64_t z)
   {
-    return (x << 42) + (y << 21) + z;
+    return x * (std::int64_t{1} << 42) + y * (std::int64_t{1} << 21) + z;
   }
 
-  const SLIMSurface& surface_;
   double inverse_;
-  std::vector<Entry> cells_;
+  std::vector<std::int64_t> codes_;  ///< ascending
+  std::vector<std::uint32_t> members_;
+  std::vector<float> x_, y_, z_;  ///< and values to spare
 };
 
 }  // namespace pcl_slim

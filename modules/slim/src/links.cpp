@@ -19,25 +19,29 @@ SLIMSurface::buildLinks()
   root_ball = {};
   if (empty()) return;
 
-  std::vector<std::vector<std::uint32_t>> members(257);
-  for (std::uint32_t i = 0; i < size(); ++i) members[level[i]].push_back(i);
+  std::vector<std::vector<std::uint32_t>> members(257), parents(256);
+  for (std::uint32_t i = 0; i < size(); ++i) {
+    members[level[i]].push_back(i);
+    if (!isLeaf(i)) parents[level[i]].push_back(i);
+  }
 
   std::vector<std::pair<std::uint32_t, std::uint32_t>> links;  // parent, child
   std::vector<char> linked(size(), 0);
   for (int k = 0; k < 256; ++k) {
     float widest = 0;
-    for (const std::uint32_t i : members[k]) {
-      if (!isLeaf(i)) widest = std::max(widest, radius[i]);
-    }
+    for (const std::uint32_t i : parents[k]) widest = std::max(widest, radius[i]);
     if (members[k + 1].empty() || widest <= 0) continue;
     const CenterGrid grid(*this, members[k + 1], std::max(widest, 1e-6f));
-    for (const std::uint32_t parent : members[k]) {
-      if (isLeaf(parent)) continue;
-      grid.forEachNear(parent, [&](std::uint32_t child, float distance_sq) {
-        if (distance_sq >= radius[parent] * radius[parent]) return;
+    CenterGrid::Walk walk(grid);
+    CenterGrid::Near near;
+    for (const auto& [cell, parent] : grid.sortedByCell(*this, parents[k])) {
+      const float place[3] = {cx[parent], cy[parent], cz[parent]};
+      grid.findWithin(walk.around(cell), place, radius[parent] * radius[parent], near);
+      for (std::size_t n = 0; n < near.count; ++n) {
+        const std::uint32_t child = grid.memberAt(near.places[n]);
         links.emplace_back(parent, child);
         linked[child] = 1;
-      });
+      }
     }
   }
   std::sort(links.begin(), links.end());
