@@ -12,6 +12,7 @@
 #include "hwy/highway.h"
 
 #include "kernel_math-inl.h"
+#include "normal_equations-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::kernels::HWY_NAMESPACE {
@@ -19,8 +20,6 @@ namespace pcl_slim::kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr int kMaxMoments = 45;
-constexpr int kStride = 16;          ///< row length of the augmented system, 15 + 1 right-hand side
-constexpr double kPivotGate = 3e-6;  ///< float moments resolve relative pivots down to about here
 constexpr double kResidualGate = 1e-3;  ///< below this share of sum w z^2, float sums have lost it
 
 /** Moments sum W u^i v^j (rows of fixed i), sum W z u^i v^j, sum W z^2, sum W^2. */
@@ -131,88 +130,6 @@ computeMoments(const WeightedBall<K>& ball, Moments& m)
       ball, [](Vec, Vec, Vec w) HWY_ATTR { return w; }, m.z, m.zz);
 }
 
-/** The factor U of the normal equations A = U^T U, with U^-T b as last column. */
-class NormalEquations {
- public:
-  /** Factors column by column in order of degree. \return coefficients whose pivots hold. */
-  template <int D>
-  int factor(const Moments& m)
-  {
-    constexpr int kSize = numCoefficients(D);
-    for (int p = 0; p < kSize; ++p) {
-      double* row = rows_[p];
-      for (int q = p; q < kSize; ++q) {
-        row[q] = m.uv[momentIndex(D, kTerms[p].i + kTerms[q].i, kTerms[p].j + kTerms[q].j)];
-      }
-      row[kStride - 1] = m.z[p];
-      diagonal_[p] = row[p];
-    }
-    for (int p = 0; p < kSize; ++p) {
-      if (!(rows_[p][p] > kPivotGate * diagonal_[p])) return p;
-      eliminate(p, kSize);
-    }
-    return kSize;
-  }
-
-  /** z^2 explained by coefficient p: residuals of nested degrees cost nothing. */
-  double explained(int p) const { return rows_[p][kStride - 1] * rows_[p][kStride - 1]; }
-
-  /** Solves for the first size coefficients. */
-  void solve(int size, double* c) const
-  {
-    double y[kMaxCoefficients];
-    for (int p = 0; p < size; ++p) y[p] = rows_[p][kStride - 1];
-    backSubstitute(size, y, c);
-  }
-
-  /** Adds the solution for another right-hand side b to c. */
-  void solveAndAdd(int size, const double* b, double* c) const
-  {
-    double y[kMaxCoefficients], delta[kMaxCoefficients];
-    for (int p = 0; p < size; ++p) {
-      double sum = b[p];
-      for (int q = 0; q < p; ++q) sum -= rows_[q][p] * y[q];
-      y[p] = sum * inverse_[p];
-    }
-    backSubstitute(size, y, delta);
-    for (int p = 0; p < size; ++p) c[p] += delta[p];
-  }
-
- private:
-  void eliminate(int p, int size)
-  {
-    using Wide = hn::CappedTag<double, 8>;
-    const Wide d;
-    const int lanes = static_cast<int>(hn::Lanes(d));
-    inverse_[p] = 1.0 / std::sqrt(rows_[p][p]);
-    const int from = p / lanes * lanes;
-    const auto scale = hn::Set(d, inverse_[p]);
-    for (int q = from; q < kStride; q += lanes) {
-      hn::Store(hn::Mul(hn::Load(d, rows_[p] + q), scale), d, rows_[p] + q);
-    }
-    for (int r = p + 1; r < size; ++r) {
-      const auto factor = hn::Set(d, rows_[p][r]);
-      for (int q = r / lanes * lanes; q < kStride; q += lanes) {
-        hn::Store(hn::NegMulAdd(factor, hn::Load(d, rows_[p] + q), hn::Load(d, rows_[r] + q)), d,
-                  rows_[r] + q);
-      }
-    }
-  }
-
-  void backSubstitute(int size, const double* y, double* c) const
-  {
-    for (int p = size - 1; p >= 0; --p) {
-      double sum = y[p];
-      for (int q = p + 1; q < size; ++q) sum -= rows_[p][q] * c[q];
-      c[p] = sum * inverse_[p];
-    }
-  }
-
-  HWY_ALIGN double rows_[kMaxCoefficients][kStride] = {};
-  double diagonal_[kMaxCoefficients] = {};
-  double inverse_[kMaxCoefficients] = {};
-};
-
 /** Residual sums of a solution: b = sum W f m_k and sum W f^2, from the points themselves. */
 template <int D, WeightKernel K>
 HWY_NOINLINE void
@@ -258,8 +175,8 @@ fitWith(const BallBuffer& points, float rho, double support, bool refine)
   const double weight = m.uv[0];
   if (!(weight > 0.0) || !(m.weight_sq > 0.0)) return fit;
   fit.n_eff = weight * weight / m.weight_sq;
-  NormalEquations equations;
-  const int pivots = equations.factor<D>(m);
+  NormalEquations<D> equations;
+  const int pivots = equations.factor(m.uv, m.z);
   fit.degree = supportedDegree(D, pivots, fit.n_eff, support);
   if (fit.degree == 0) return fit;
   const int size = numCoefficients(fit.degree);
@@ -267,7 +184,7 @@ fitWith(const BallBuffer& points, float rho, double support, bool refine)
   for (int p = 0; p < size; ++p) rss -= equations.explained(p);
   equations.solve(size, fit.c.data());
   if (refine) {
-    double b[kMaxCoefficients], ff;
+    double b[kMaxCoefficients] = {}, ff;
     residualSums<D, K>(ball, fit.c.data(), b, ff);
     equations.solveAndAdd(size, b, fit.c.data());
     rss = residualSum<D, K>(ball, fit.c.data());
