@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ball_kernels.h"
 
+#include <cstring>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "ball_kernels.cpp"
+#include "hwy/cache_control.h"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
@@ -32,8 +35,21 @@ class BallScan {
   template <typename Body>
   HWY_INLINE void forEach(const BlockList& blocks, const Body& body) const
   {
+    forEachOf(
+        blocks, [](std::uint32_t) { return true; }, body);
+  }
+
+  /** Likewise in those blocks that are wanted. */
+  template <typename Wanted, typename Body>
+  HWY_INLINE void forEachOf(const BlockList& blocks, const Wanted& wanted, const Body& body) const
+  {
     const Tag d;
-    for (const std::uint32_t b : blocks) {
+    for (std::size_t k = 0; k < blocks.size(); ++k) {
+      const std::uint32_t b = blocks[k];
+      if (k + kAhead < blocks.size() && blocks[k + kAhead] != b + kAhead) {
+        prefetch(blocks[k + kAhead]);
+      }
+      if (!wanted(b)) continue;
       const auto sx = hn::Set(d, store_.blockOriginX()[b] - query_.center[0]);
       const auto sy = hn::Set(d, store_.blockOriginY()[b] - query_.center[1]);
       const auto sz = hn::Set(d, store_.blockOriginZ()[b] - query_.center[2]);
@@ -59,6 +75,17 @@ class BallScan {
   }
 
  private:
+  static constexpr std::size_t kAhead = 4;
+
+  /** Blocks out of line are not fetched ahead by themselves. */
+  HWY_INLINE void prefetch(std::uint32_t b) const
+  {
+    const std::size_t i = b * PointStore::kBlock;
+    for (const float* column : {store_.x(), store_.y(), store_.z()}) hwy::Prefetch(column + i);
+    if (!gated_) return;
+    for (const float* column : {store_.nx(), store_.ny(), store_.nz()}) hwy::Prefetch(column + i);
+  }
+
   const PointStore& store_;
   const BallQuery& query_;
   bool gated_;
@@ -201,6 +228,19 @@ selectResiduals(const BallBuffer& ball, const float* residuals, float low, float
   copyWhere(ball, keep, kept);
 }
 
+float
+farthestWithin(const BallBuffer& ball, float limit_sq)
+{
+  const Tag d;
+  const auto limit = hn::Set(d, limit_sq);
+  auto farthest = hn::Zero(d);
+  for (std::size_t i = 0; i < ball.count; i += hn::Lanes(d)) {
+    const auto s_sq = hn::Load(d, ball.s_sq.data() + i);
+    farthest = hn::Max(farthest, hn::IfThenElseZero(hn::Lt(s_sq, limit), s_sq));
+  }
+  return hn::GetLane(hn::MaxOfLanes(d, farthest));
+}
+
 template <int D>
 void
 residualsOfDegree(const BallBuffer& ball, const double* c, float* residuals)
@@ -284,7 +324,13 @@ markPoints(const PointStore& store, const BlockList& blocks, const BallQuery& ba
            std::uint8_t value, std::uint8_t* marks)
 {
   const Tag d;
-  BallScan(store, ball).forEach(blocks, [&](std::size_t i, const Lanes& l) HWY_ATTR {
+  const std::uint64_t all = value * 0x0101010101010101u;
+  const auto unmarked = [&](std::uint32_t b) {
+    std::uint64_t halves[2];
+    std::memcpy(halves, marks + b * PointStore::kBlock, sizeof(halves));
+    return (halves[0] & halves[1] & all) != all;
+  };
+  BallScan(store, ball).forEachOf(blocks, unmarked, [&](std::size_t i, const Lanes& l) HWY_ATTR {
     HWY_ALIGN std::uint8_t bits[8] = {};
     hn::StoreMaskBits(d, l.kept, bits);
     for (std::uint32_t mask = bits[0] | static_cast<std::uint32_t>(bits[1]) << 8; mask != 0;
@@ -304,6 +350,7 @@ HWY_EXPORT(gatherBall);
 HWY_EXPORT(toFrame);
 HWY_EXPORT(compactBall);
 HWY_EXPORT(selectResiduals);
+HWY_EXPORT(farthestWithin);
 HWY_EXPORT(ballResiduals);
 HWY_EXPORT(coverPoints);
 HWY_EXPORT(markPoints);
@@ -332,6 +379,12 @@ selectResiduals(const BallBuffer& ball, const float* residuals, float low, float
                 BallBuffer& kept)
 {
   HWY_DYNAMIC_DISPATCH(selectResiduals)(ball, residuals, low, high, kept);
+}
+
+float
+farthestWithin(const BallBuffer& ball, float limit_sq)
+{
+  return HWY_DYNAMIC_DISPATCH(farthestWithin)(ball, limit_sq);
 }
 
 void

@@ -88,27 +88,37 @@ noiseVariance(const PointStore& store, const FitParams& params, int threads)
 }
 
 void
-fillSurface(const std::vector<SurfelRecord>& records, SLIMSurface& surface)
+setSurfel(std::size_t i, const SurfelRecord& r, SLIMSurface& surface)
 {
-  surface.resize(records.size());
+  surface.cx[i] = r.center[0];
+  surface.cy[i] = r.center[1];
+  surface.cz[i] = r.center[2];
+  surface.nx[i] = r.normal[0];
+  surface.ny[i] = r.normal[1];
+  surface.nz[i] = r.normal[2];
+  surface.radius[i] = r.radius;
+  surface.error[i] = r.error;
+  surface.confidence[i] = r.confidence;
+  surface.degree[i] = r.degree;
+  surface.level[i] = r.level;
+  surface.flags[i] = r.flags;
   const auto stride = static_cast<std::size_t>(surface.stride());
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    const SurfelRecord& r = records[i];
-    surface.cx[i] = r.center[0];
-    surface.cy[i] = r.center[1];
-    surface.cz[i] = r.center[2];
-    surface.nx[i] = r.normal[0];
-    surface.ny[i] = r.normal[1];
-    surface.nz[i] = r.normal[2];
-    surface.radius[i] = r.radius;
-    surface.error[i] = r.error;
-    surface.confidence[i] = r.confidence;
-    surface.degree[i] = r.degree;
-    surface.level[i] = r.level;
-    surface.flags[i] = r.flags;
-    std::copy_n(r.c.begin(), stride,
-                surface.coefficients.begin() + static_cast<std::ptrdiff_t>(i * stride));
-  }
+  std::copy_n(r.c.begin(), stride,
+              surface.coefficients.begin() + static_cast<std::ptrdiff_t>(i * stride));
+}
+
+void
+fillSurface(const LevelCover& cover, int threads, SLIMSurface& surface)
+{
+  const std::vector<LevelCover::Piece> pieces = cover.pieces();
+  if (pieces.empty()) return;
+  const LevelCover::Piece& last = pieces.back();
+  surface.resize(last.first + static_cast<std::size_t>(last.end - last.begin));
+  parallelFor(pieces.size(), threads, 16, [&](std::size_t p, int) {
+    std::size_t i = pieces[p].first;
+    for (const SurfelRecord* r = pieces[p].begin; r != pieces[p].end; ++r)
+      setSurfel(i++, *r, surface);
+  });
 }
 
 SurfaceInfo
@@ -236,12 +246,11 @@ fitSurface(const PointStore& store, const FitParams& asked, SLIMSurface& surface
   }
   stats.first_level = startLevel(store, settings);
   LevelCover cover(store, settings, threads);
-  std::vector<SurfelRecord> records;
-  if (Error error = cover.run(stats.first_level, progress, records)) return error;
+  if (Error error = cover.run(stats.first_level, progress)) return error;
   stats.seconds_cover = watch.lap();
 
   surface.info = makeInfo(store, params, settings);
-  fillSurface(records, surface);
+  fillSurface(cover, threads, surface);
   surface.buildLinks();
   stats.seconds_links = watch.lap();
   if (!store.hasNormals() && params.orient) orientSurface(params, surface);

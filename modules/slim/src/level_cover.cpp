@@ -16,17 +16,8 @@ constexpr std::uint8_t kServedLevel = 1;     ///< mark: inside an internal ball 
 constexpr std::uint8_t kServedForGood = 2;   ///< mark: nothing finer can be done for this point
 constexpr std::uint8_t kLoneNormalMark = 4;  ///< mark: passed over for its normal
 constexpr int kMortonLevels = 21;
+constexpr std::size_t kSlice = 1 << 14;  ///< points a thread takes at a time
 constexpr char kCancelledMessage[] = "the fit was cancelled";
-
-/** A step coprime to n near the golden section of n: visits spread over the cell. */
-std::uint32_t
-goldenStride(std::uint32_t n)
-{
-  auto stride = static_cast<std::uint32_t>(kGolden * n);
-  if (stride == 0) return 1;
-  while (std::gcd(stride, n) != 1) --stride;
-  return stride;
-}
 
 std::uint64_t
 mixBits(std::uint64_t x)
@@ -55,7 +46,7 @@ LevelCover::LevelCover(const PointStore& store, const FitSettings& settings, int
 }
 
 Error
-LevelCover::run(int first_level, Progress* progress, std::vector<SurfelRecord>& surfels)
+LevelCover::run(int first_level, Progress* progress)
 {
   const double points = static_cast<double>(store_.size());
   for (int level = first_level; !active_.empty() && level <= kLastLevel; ++level) {
@@ -64,7 +55,7 @@ LevelCover::run(int first_level, Progress* progress, std::vector<SurfelRecord>& 
       progress->report(static_cast<float>(1.0 - static_cast<double>(active_.size()) / points),
                        "covering");
     }
-    coverLevel(level, surfels);
+    coverLevel(level);
     dropServed();
     last_level_ = level;
   }
@@ -75,30 +66,37 @@ LevelCover::run(int first_level, Progress* progress, std::vector<SurfelRecord>& 
 }
 
 void
-LevelCover::coverLevel(int level, std::vector<SurfelRecord>& surfels)
+LevelCover::coverLevel(int level)
 {
   findCells(level);
-  std::vector<Output> outputs(cells_.size());
+  const std::size_t first = outputs_.size();
+  outputs_.resize(first + cells_.size());
   for (int color = 0; color < 8; ++color) {
     const std::size_t begin = color_begin_[color], end = color_begin_[color + 1];
     parallelFor(end - begin, threads_, 1, [&](std::size_t i, int thread) {
       const std::uint32_t cell = color_order_[begin + i];
-      coverCell(cells_[cell], level, thread, outputs[cell]);
+      coverCell(cells_[cell], level, thread, outputs_[first + cell]);
     });
   }
-  std::uint64_t bytes = surfels.capacity() * sizeof(SurfelRecord);
-  for (const Output& output : outputs) {
-    const auto& arena = arenas_[static_cast<std::size_t>(output.thread)];
-    surfels.insert(surfels.end(), arena.begin() + output.begin, arena.begin() + output.end);
-  }
-  for (auto& arena : arenas_) {
-    bytes += arena.capacity() * sizeof(SurfelRecord);
-    arena.clear();
-  }
+  std::uint64_t bytes = outputs_.capacity() * sizeof(Output);
+  for (const auto& arena : arenas_) bytes += arena.capacity() * sizeof(SurfelRecord);
   bytes += coverage_.size() * sizeof(float) + marks_.size() +
-           active_.capacity() * sizeof(std::uint32_t) + cells_.capacity() * sizeof(Cell) +
-           outputs.size() * sizeof(Output);
+           active_.capacity() * sizeof(std::uint32_t) + cells_.capacity() * sizeof(Cell);
   peak_bytes_ = std::max(peak_bytes_, bytes);
+}
+
+std::vector<LevelCover::Piece>
+LevelCover::pieces() const
+{
+  std::vector<Piece> pieces;
+  std::size_t first = 0;
+  for (const Output& output : outputs_) {
+    const SurfelRecord* records = arenas_[static_cast<std::size_t>(output.thread)].data();
+    if (output.begin == output.end) continue;
+    pieces.push_back({records + output.begin, records + output.end, first});
+    first += output.end - output.begin;
+  }
+  return pieces;
 }
 
 /** Cuts the active points into runs of one Morton cell, ordered by colour. */
@@ -136,31 +134,60 @@ LevelCover::coverCell(const Cell& cell, int level, int thread, Output& output)
   auto& arena = arenas_[static_cast<std::size_t>(thread)];
   output = {thread, static_cast<std::uint32_t>(arena.size()), 0};
   bool prepared = false;
-  const std::uint32_t n = cell.end - cell.begin;
-  const std::uint32_t stride = goldenStride(n);
-  auto at = static_cast<std::uint32_t>(mixBits(settings_.seed ^ mixBits(cell.code + 1)) % n);
-  for (std::uint32_t visit = 0; visit < n; ++visit, at = (at + stride) % n) {
-    const std::uint32_t point = active_[cell.begin + at];
-    if (coverage_[point] >= settings_.gamma || marks_[point] != 0) continue;
+  const auto visitPoint = [&](std::uint32_t point) {
+    if (isServed(point)) return false;
     if (!prepared) prepareNeighborhood(cell, level, fitter);
     prepared = true;
-    SurfelRecord surfel;
-    switch (fitter.fit(point, level, surfel)) {
-      case BallOutcome::kLeaf:
-        fitter.cover(surfel, coverage_.data());
-        marks_[point] |= surfel.flags & kSurfelForced ? kServedForGood : kServedLevel;
-        arena.push_back(surfel);
-        break;
-      case BallOutcome::kInternal:
-        fitter.mark(surfel, kServedLevel, marks_.data());
-        marks_[point] |= kServedLevel;
-        arena.push_back(surfel);
-        break;
-      case BallOutcome::kUnsupported: marks_[point] = kServedForGood; break;
-      case BallOutcome::kLoneNormal: marks_[point] = kServedForGood | kLoneNormalMark; break;
-    }
+    tryCenter(point, level, fitter, arena);
+    return true;
+  };
+  const std::uint32_t n = cell.end - cell.begin;
+  VisitOrder order(
+      n, static_cast<std::uint32_t>(mixBits(settings_.seed ^ mixBits(cell.code + 1)) % n));
+  // Once many visits have been in vain, the few points that still want one are sought out.
+  const std::uint32_t patience = n / 32 + 16;
+  std::uint32_t visit = 0, in_vain = 0;
+  for (; visit < n && in_vain < patience; ++visit, order.advance()) {
+    in_vain = visitPoint(active_[cell.begin + order.at()]) ? 0 : in_vain + 1;
+  }
+  if (visit < n) {
+    for (const auto& [when, point] : unserved(cell, order)) visitPoint(point);
   }
   output.end = static_cast<std::uint32_t>(arena.size());
+}
+
+/** The points of a cell that are not served yet, in the order of their visits. */
+std::vector<std::pair<std::uint32_t, std::uint32_t>>
+LevelCover::unserved(const Cell& cell, VisitOrder& order) const
+{
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> left;
+  order.prepareWhen();
+  for (std::uint32_t i = cell.begin; i < cell.end; ++i) {
+    if (!isServed(active_[i])) left.emplace_back(order.when(i - cell.begin), active_[i]);
+  }
+  std::sort(left.begin(), left.end());
+  return left;
+}
+
+void
+LevelCover::tryCenter(std::uint32_t point, int level, BallFitter& fitter,
+                      std::vector<SurfelRecord>& arena)
+{
+  SurfelRecord surfel;
+  switch (fitter.fit(point, level, surfel)) {
+    case BallOutcome::kLeaf:
+      fitter.cover(surfel, coverage_.data());
+      marks_[point] |= surfel.flags & kSurfelForced ? kServedForGood : kServedLevel;
+      arena.push_back(surfel);
+      break;
+    case BallOutcome::kInternal:
+      fitter.mark(surfel, kServedLevel, marks_.data());
+      marks_[point] |= kServedLevel;
+      arena.push_back(surfel);
+      break;
+    case BallOutcome::kUnsupported: marks_[point] = kServedForGood; break;
+    case BallOutcome::kLoneNormal: marks_[point] = kServedForGood | kLoneNormalMark; break;
+  }
 }
 
 /** Collects the blocks that any ball of the cell's centres can reach. */
@@ -194,12 +221,26 @@ LevelCover::prepareNeighborhood(const Cell& cell, int level, BallFitter& fitter)
 void
 LevelCover::dropServed()
 {
-  std::size_t kept = 0;
-  for (const std::uint32_t point : active_) {
-    marks_[point] &= static_cast<std::uint8_t>(~kServedLevel);
-    if (coverage_[point] < settings_.gamma && marks_[point] == 0) active_[kept++] = point;
+  const std::size_t n = active_.size(), slices = (n + kSlice - 1) / kSlice;
+  std::vector<std::size_t> kept(slices);
+  parallelFor(slices, threads_, 1, [&](std::size_t s, int) {
+    std::size_t next = s * kSlice;
+    for (std::size_t i = s * kSlice; i < std::min(n, (s + 1) * kSlice); ++i) {
+      const std::uint32_t point = active_[i];
+      marks_[point] &= static_cast<std::uint8_t>(~kServedLevel);
+      active_[next] = point;
+      next += !isServed(point);
+    }
+    kept[s] = next - s * kSlice;
+  });
+  std::size_t end = 0;
+  for (std::size_t s = 0; s < slices; ++s) {
+    const auto begin = active_.begin() + static_cast<std::ptrdiff_t>(s * kSlice);
+    const auto target = active_.begin() + static_cast<std::ptrdiff_t>(end);
+    if (begin != target) std::copy_n(begin, kept[s], target);
+    end += kept[s];
   }
-  active_.resize(kept);
+  active_.resize(end);
 }
 
 BallCounters

@@ -7,6 +7,7 @@
 
 #include "ball_fitter.h"
 #include "pcl_slim/core/progress.h"
+#include "visit_order.h"
 
 namespace pcl_slim {
 
@@ -20,9 +21,17 @@ class LevelCover {
  public:
   LevelCover(const PointStore& store, const FitSettings& settings, int threads);
 
-  /** \brief Runs levels from first_level until no point is left; surfels come in Morton order
-   * within each level. */
-  Error run(int first_level, Progress* progress, std::vector<SurfelRecord>& surfels);
+  /** \brief Runs levels from first_level until no point is left. */
+  Error run(int first_level, Progress* progress);
+
+  /** \brief Surfels that stand side by side in memory. */
+  struct Piece {
+    const SurfelRecord *begin, *end;
+    std::size_t first;  ///< place of the first in the whole sequence
+  };
+
+  /** \brief All surfels: by level, in the Morton order of cells within each. */
+  std::vector<Piece> pieces() const;
 
   const std::vector<float>& coverage() const { return coverage_; }
   int lastLevel() const { return last_level_; }
@@ -42,11 +51,19 @@ class LevelCover {
     std::uint32_t begin = 0, end = 0;
   };
 
-  void coverLevel(int level, std::vector<SurfelRecord>& surfels);
+  void coverLevel(int level);
   void findCells(int level);
   void coverCell(const Cell& cell, int level, int thread, Output& output);
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> unserved(const Cell& cell,
+                                                                VisitOrder& order) const;
+  void tryCenter(std::uint32_t point, int level, BallFitter& fitter,
+                 std::vector<SurfelRecord>& arena);
   void prepareNeighborhood(const Cell& cell, int level, BallFitter& fitter);
   void dropServed();
+  bool isServed(std::uint32_t point) const
+  {
+    return coverage_[point] >= settings_.gamma || marks_[point] != 0;
+  }
 
   const PointStore& store_;
   const FitSettings& settings_;
@@ -57,6 +74,7 @@ class LevelCover {
   std::vector<std::uint8_t> marks_;    ///< served at this level, or for good
   std::vector<std::uint32_t> active_;  ///< points not yet covered, ascending
   std::vector<Cell> cells_;
+  std::vector<Output> outputs_;  ///< of all levels so far
   std::vector<std::uint32_t> color_order_;
   std::array<std::size_t, 9> color_begin_{};
   int last_level_ = 0;

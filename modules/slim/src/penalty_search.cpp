@@ -40,15 +40,16 @@ class PenaltySearch {
   {
     settings_.energy.lambda = lambda;
     LevelCover cover(store_, settings_, threads_);
-    std::vector<SurfelRecord> surfels;
-    if (Error error = cover.run(startLevel(store_, settings_), progress_, surfels)) return error;
+    if (Error error = cover.run(startLevel(store_, settings_), progress_)) return error;
     double weight = 0, sum = 0;
     result = CoverResult();
-    for (const SurfelRecord& s : surfels) {
-      if ((s.flags & kSurfelLeaf) == 0) continue;
-      result.leaves += 1;
-      weight += s.confidence;
-      sum += static_cast<double>(s.confidence) * s.error * s.error;
+    for (const LevelCover::Piece& piece : cover.pieces()) {
+      for (const SurfelRecord* s = piece.begin; s != piece.end; ++s) {
+        if ((s->flags & kSurfelLeaf) == 0) continue;
+        result.leaves += 1;
+        weight += s->confidence;
+        sum += static_cast<double>(s->confidence) * s->error * s->error;
+      }
     }
     result.rms = weight > 0 ? std::sqrt(sum / weight) / settings_.diagonal : 0.0;
     return {};

@@ -50,10 +50,11 @@ double
 RadiusSearch::radiusOfData(const Trial& trial, WeightKernel kernel)
 {
   const BallBuffer& points = pointsWithin(trial.rho);
-  float farthest_sq = 0;
-  for (std::size_t i = 0; i < points.count; ++i) {
-    if (points.s_sq[i] < trial.rho * trial.rho) farthest_sq = std::max(farthest_sq, points.s_sq[i]);
-  }
+  // The least float that is not below rho^2 has the same floats below it.
+  const double rho_sq = trial.rho * trial.rho;
+  auto limit_sq = static_cast<float>(rho_sq);
+  if (limit_sq < rho_sq) limit_sq = std::nextafter(limit_sq, 2.0f * limit_sq);
+  const float farthest_sq = kernels::farthestWithin(points, limit_sq);
   const double extent = kDataMargin * std::sqrt(farthest_sq);
   if (extent >= trial.rho) return trial.rho;
   return std::max(extent, wallRadius(trial.rho, trial.fit.degree, kernel));
