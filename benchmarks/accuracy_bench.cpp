@@ -45,7 +45,8 @@ declareOptions(Settings& s)
   options.text("t_mdl", &s.t_mdl, "T,...", "the paper's T_MDL; 0: the penalty");
   options.number("penalty", &s.penalty, 1e-6, 1e6, "weight of the price of a coefficient");
   options.number("lambda", &s.lambda, 0, 1, "noise variance / squared diagonal", "estimated");
-  options.number("alpha", &s.alpha, 0.01, 1, "cover radius, as a share of a leaf's radius");
+  options.number("alpha", &s.alpha, 0, 1, "cover radius, as a share of a leaf's radius",
+                 "by the leaf");
   options.number("normal_noise", &s.normal_noise, 0, 3, "error of the normals given, radians");
   options.integer("threads", &s.threads, 0, 4096, "threads, 0: all cores; changes no result");
   options.toggle("float", &s.float_input, "round coordinates to float first");

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
+#include "noise_bias.h"
 #include "pcl_slim/slim/oct_normal.h"
 #include "sheet_split.h"
 
@@ -16,7 +17,10 @@ constexpr double kTwoSheets =
     4.0;  ///< sheets that can be told apart leave e^2 above so many lambda
 constexpr std::size_t kGlanceBlocks = 512;  ///< 8192 points: e^2 to some percent
 constexpr std::size_t kLeastGlanceStride = 2;
-constexpr double kOffCenter = 0.03;   ///< of r_r: a fit that passes its centre farther off is moved
+constexpr double kOffCenter = 0.03;  ///< of r_r: a fit that passes its centre farther off is moved
+/// n_eff per coefficient from which leaves are so few that half as many again, overlapping more, cost
+/// little beside what blending gains.
+constexpr double kWellSupported = 16.0;
 constexpr double kGateMargin = 1e-6;  ///< of r: the least a coverage gate may be, for rounding
 
 void
@@ -52,7 +56,9 @@ BallFitter::fit(std::size_t i, int level, SurfelRecord& surfel)
         static_cast<float>(std::round(p[a] / settings_.center_grid) * settings_.center_grid);
   }
   if (settings_.with_normals) gate_ = store_.normal(i);
-  search_.setNoise(settings_.lambdaAt(i, store_.size()));
+  const double loudness = settings_.loudnessAt(i, store_.size());
+  search_.setNoise(loudness * settings_.energy.lambda);
+  noise_ = loudness * settings_.noise;
   const double r_right = settings_.levelRadius(level);
   if (!settings_.paper && tooWideAtAGlance(r_right, level, surfel)) return BallOutcome::kInternal;
   if (const BallOutcome outcome = prepare(r_right, 1); outcome != BallOutcome::kLeaf)
@@ -212,13 +218,17 @@ BallFitter::record(const RadiusChoice& choice, int level, SurfelRecord& surfel) 
   for (int d = 0, k = 0; d <= trial.fit.degree; ++d, factor *= trial.rho) {
     for (int j = 0; j <= d; ++j, ++k) surfel.c[k] = static_cast<float>(trial.fit.c[k] * factor);
   }
+  undoNoiseBias(surfel.degree, noise_ / (trial.rho * trial.rho * gather_radius_ * gather_radius_),
+                surfel.c.data());
   if (surfel.degree == 1) framePlane(surfel);
 }
 
 void
 BallFitter::cover(const SurfelRecord& surfel, float* coverage)
 {
-  const auto reach = static_cast<float>(settings_.alpha * surfel.radius);
+  const bool supported = surfel.confidence > kWellSupported * numCoefficients(surfel.degree);
+  const double alpha = supported ? settings_.supported_alpha : settings_.alpha;
+  const auto reach = static_cast<float>(alpha * surfel.radius);
   const BlockList& blocks = blocksWithin(surfel.center, reach);
   kernels::CoverLeaf leaf;
   leaf.ball = {surfel.center, reach, settings_.with_normals ? surfel.normal.data() : nullptr,

@@ -77,6 +77,7 @@ class BallFitter {
   BallSums sums_;
   std::array<float, 3> center_{}, gate_{}, normal_{};
   double gather_radius_ = 0;
+  double noise_ = 0;        ///< variance of the points about the surface, local units; 0: not known
   std::size_t stride_ = 1;  ///< one of so many blocks is gathered
   std::vector<float> residuals_;
   BallCounters counters_;

@@ -18,6 +18,8 @@ namespace pcl_slim {
 namespace {
 
 constexpr float kSharpDot = 0.5f;
+constexpr double kAlpha = 2.0 / 3.0;  ///< the paper's
+constexpr double kAlphaWellSupported = 0.55;
 constexpr double kLackOfFitForT = 10.0;  ///< beyond it a leaf swallows what T was not meant for
 
 class Stopwatch {
@@ -39,7 +41,7 @@ makeSettings(const PointStore& store, const FitParams& params)
 {
   FitSettings s;
   s.degree = params.degree;
-  s.alpha = params.cover_radius;
+  s.alpha = s.supported_alpha = params.cover_radius > 0 ? params.cover_radius : kAlpha;
   s.gamma = params.cover_threshold;
   s.diagonal = store.diagonal();
   s.center_grid = store.centerGrid();
@@ -58,7 +60,7 @@ makeSettings(const PointStore& store, const FitParams& params)
   if (params.paper_mode) {
     s.fit_kernel = s.wall_kernel = s.cover_kernel = WeightKernel::kGaussian;
     s.lack_of_fit = 0;
-    s.find_detail = false;
+    s.find_detail = s.compare_nested = false;
     s.residual_gate = 0;
     s.skip_lone_normals = false;
     s.energy.corrected = false;
@@ -67,11 +69,13 @@ makeSettings(const PointStore& store, const FitParams& params)
     // T is the user's word on how fine to go: fewer reasons to stop above it.
     s.lenience = 1.0;
     s.lack_of_fit = params.paper_mode ? 0.0 : kLackOfFitForT;
-    s.find_detail = false;
+    s.find_detail = s.compare_nested = false;
     s.energy.thick = 4.0;
   } else if (!params.paper_mode) {
     // Smooth parts under noise are served by balls two levels wider than the paper's first.
     s.first_radius /= kGolden * kGolden;
+    const bool sized = params.target_error > 0 || params.max_surfels > 0;
+    if (params.cover_radius == 0 && !sized) s.supported_alpha = kAlphaWellSupported;
   }
   return s;
 }
@@ -136,7 +140,7 @@ makeInfo(const PointStore& store, const FitParams& params, const FitSettings& se
   info.lambda = settings.energy.lambda / (store.diagonal() * store.diagonal());
   info.penalty = settings.energy.t_mdl > 0 ? 0.0 : settings.energy.kappa;
   info.t_mdl = settings.energy.t_mdl / store.diagonal();
-  info.cover_radius = params.cover_radius;
+  info.cover_radius = settings.alpha;
   info.cover_threshold = params.cover_threshold;
   info.num_points = store.size();
   return info;
@@ -194,8 +198,8 @@ FitParams::validate() const
   if (!(target_error >= 0 && target_error < 1))
     return bad("the target error is a share of the diagonal: 0 to 1");
   if (!(lambda >= 0) || !std::isfinite(lambda)) return bad("lambda must not be negative");
-  if (!(cover_radius > 0 && cover_radius <= 1))
-    return bad("the cover radius alpha must lie in (0, 1]");
+  if (!(cover_radius >= 0 && cover_radius <= 1))
+    return bad("the cover radius alpha must lie in (0, 1] (0: by the points behind a leaf)");
   if (!(cover_threshold > 0 && cover_threshold <= 1))
     return bad("the cover threshold gamma must lie in (0, 1]");
   if (target_error > 0 && max_surfels > 0)
@@ -235,6 +239,8 @@ fitSurface(const PointStore& store, const FitParams& asked, SLIMSurface& surface
 
   FitSettings settings = makeSettings(store, params);
   settings.energy.lambda = noiseVariance(store, params, threads);
+  // The paper's lambda, which T goes with, holds the surface's bend too; the smallest balls follow it.
+  if (params.t_mdl <= 0 && !params.paper_mode) settings.noise = settings.energy.lambda;
   if (params.local_noise) settings.noise_profile = noiseProfile(store, threads);
   settings.energy.kappa = params.penalty;
   settings.energy.t_mdl =

@@ -12,8 +12,7 @@ constexpr int kWallSteps = 8;
 constexpr double kWallMargin = 1.02;   ///< n_eff up to so many times the least support will do
 constexpr double kWallLenience = 1.3;  ///< E at the wall rests on few degrees of freedom
 constexpr double kWallAim = 1.01;
-constexpr double kNoiseLike = 1.5;  ///< e^2 below this many lambda is noise, not lack of fit
-constexpr double kSure = 1.3;       ///< so much of E and e^2 a part of the points cannot be wrong
+constexpr double kSure = 1.3;  ///< so much of E and e^2 a part of the points cannot be wrong
 constexpr double kStructureSupport = 8.0;  ///< least supports that leave room for finer balls
 constexpr double kStructureDeviations = 4.0;
 constexpr double kStructureWorth = 1.5;  ///< penalties that shared variance must exceed
@@ -231,9 +230,9 @@ RadiusSearch::chooseByEnergy()
   if (!right.supported) return {RadiusChoice::Kind::kSparse, right, false};
   const Trial middle = evaluate(kGolden * rho_right_);
   if (!middle.supported) return chooseAtWall(right, right);
-  const double e_middle = variance(middle);
-  if (!settings_.paper && right.energy <= settings_.lenience * middle.energy &&
-      e_middle <= kNoiseLike * energy_.lambda) {
+  const bool noise = !settings_.paper && isNoise(middle);
+  if (noise &&
+      (right.energy <= settings_.lenience * middle.energy || servesAsWell(right, middle))) {
     return leaf(right);  // flat down to the noise: the largest radius serves
   }
   if (!settings_.paper && filledByNoise(kGolden * kGolden * rho_right_)) {
@@ -244,6 +243,10 @@ RadiusSearch::chooseByEnergy()
     return left.supported ? paperChoice(left, middle, right) : chooseAtWall(right, middle);
   if (!left.supported) return chooseAtWall(right, middle);
   if (lacksFit(left, middle)) return internal(right);
+  if (noise && left.energy < middle.energy) {
+    if (const Trial between = betweenServing(middle, right); between.supported)
+      return leaf(between);
+  }
   return chooseInside(left, middle, right);
 }
 

@@ -64,6 +64,8 @@ class RadiusSearch {
   std::uint64_t numFits() const { return fits_; }
 
  private:
+  static constexpr double kNoiseLike = 1.5;  ///< e^2 up to so many lambda
+
   Trial evaluate(double rho, int degree, WeightKernel kernel);
   Trial evaluate(double rho) { return evaluate(rho, settings_.degree, settings_.fit_kernel); }
   const BallBuffer& pointsWithin(double rho);
@@ -84,7 +86,11 @@ class RadiusSearch {
   bool besideFeature(const Trial& trial) const;
   Trial lowDegree(const Trial& trial);
   bool hidesStructure(const Trial& trial);
+  bool servesAsWell(const Trial& wide, const Trial& narrow);
+  Trial betweenServing(const Trial& middle, const Trial& right);
 
+  /** What remains is noise, not lack of fit. */
+  bool isNoise(const Trial& trial) const { return variance(trial) <= kNoiseLike * energy_.lambda; }
   double variance(const Trial& trial) const { return energy_.variance(trial.fit, gather_radius_); }
 
   const FitSettings& settings_;

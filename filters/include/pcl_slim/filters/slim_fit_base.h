@@ -66,7 +66,8 @@ class SLIMFitBase {
   void setNoiseLevel(double lambda) { params_.lambda = lambda; }
   double getNoiseLevel() const { return params_.lambda; }
 
-  /** \brief alpha in (0, 1]: leaves cover the points within alpha r (default 2/3; 1: compact). */
+  /** \brief alpha in (0, 1]: leaves cover the points within alpha r (1: compact); 0, the default: 2/3,
+   * and .55 for leaves that many points stand behind. */
   void setCoverRadius(double alpha) { params_.cover_radius = alpha; }
   double getCoverRadius() const { return params_.cover_radius; }
 

@@ -21,8 +21,9 @@ struct FitParams {
   double target_error = 0.0;  ///< > 0 [L]: solve for the penalty that gives this RMS residual
   std::uint64_t max_surfels = 0;  ///< > 0: solve for the penalty that gives at most so many leaves
   double lambda = 0.0;            ///< > 0 [L^2]: noise variance to use instead of estimating it
-  double cover_radius = 2.0 / 3;  ///< alpha in (0, 1]; 1 is the compact setting
-  double cover_threshold = 0.1;   ///< gamma > 0
+  double cover_radius = 0.0;     ///< alpha in (0, 1], 1 is the compact setting; 0: 2/3, and .55 for
+                                 ///< leaves that many points stand behind
+  double cover_threshold = 0.1;  ///< gamma > 0
   bool sharp_features =
       false;            ///< keep sharp edges: only points with n . n_c > 1/2 (needs normals)
   bool robust = false;  ///< reweight residuals against outliers (two more passes a leaf)

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "noise_bias.h"
+
+#include <algorithm>
+#include <array>
+
+#include "energy.h"
+
+namespace pcl_slim {
+
+namespace {
+
+constexpr double kMostShare = 1.0 / 25;  ///< r = 5 sqrt(lambda): thinner balls would amplify noise
+
+/** h_uu + h_vv, a polynomial of a degree lower by two, in the same order of coefficients. */
+std::array<double, kMaxCoefficients>
+laplacian(int degree, const float* c)
+{
+  std::array<double, kMaxCoefficients> sum{};
+  for (int d = 2, k = numCoefficients(1); d <= degree; ++d) {
+    double* low = sum.data() + (d - 2) * (d - 1) / 2;
+    for (int j = 0; j <= d; ++j, ++k) {  // u^i v^j
+      const int i = d - j;
+      if (i >= 2) low[j] += i * (i - 1) * static_cast<double>(c[k]);
+      if (j >= 2) low[j - 2] += j * (j - 1) * static_cast<double>(c[k]);
+    }
+  }
+  return sum;
+}
+
+}  // namespace
+
+void
+undoNoiseBias(int degree, double share, float* c)
+{
+  share = std::min(share, kMostShare);
+  const auto bend = laplacian(degree, c);
+  for (int k = 0; k < numCoefficients(degree); ++k) {
+    c[k] = static_cast<float>(c[k] * (1.0 + Energy::kTruncation * share) - 0.5 * share * bend[k]);
+  }
+}
+
+}  // namespace pcl_slim
