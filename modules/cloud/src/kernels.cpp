@@ -102,18 +102,34 @@ boxesInBox(const BlockTree::Level& boxes, std::size_t first, const float min[3],
   return hits;
 }
 
-void
-blockDistances(const float* x, const float* y, const float* z, const float shift[3],
-               float distances_sq[16])
+std::size_t
+pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num_blocks,
+           const double center[3], float limit_sq, float* distances_sq, std::uint32_t* points)
 {
   const Tag d;
-  const auto sx = hn::Set(d, shift[0]), sy = hn::Set(d, shift[1]), sz = hn::Set(d, shift[2]);
-  for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
-    const auto dx = hn::Add(hn::Load(d, x + i), sx);
-    const auto dy = hn::Add(hn::Load(d, y + i), sy);
-    const auto dz = hn::Add(hn::Load(d, z + i), sz);
-    hn::StoreU(hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz))), d, distances_sq + i);
+  const hn::RebindToUnsigned<Tag> du;
+  const auto limit = hn::Set(d, limit_sq);
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < num_blocks; ++k) {
+    const std::size_t b = blocks[k];
+    const auto sx = hn::Set(d, static_cast<float>(store.blockOriginX()[b] - center[0]));
+    const auto sy = hn::Set(d, static_cast<float>(store.blockOriginY()[b] - center[1]));
+    const auto sz = hn::Set(d, static_cast<float>(store.blockOriginZ()[b] - center[2]));
+    const std::size_t end = (b + 1) * PointStore::kBlock;
+    for (std::size_t i = b * PointStore::kBlock; i < end; i += hn::Lanes(d)) {
+      const auto dx = hn::Add(hn::Load(d, store.x() + i), sx);
+      const auto dy = hn::Add(hn::Load(d, store.y() + i), sy);
+      const auto dz = hn::Add(hn::Load(d, store.z() + i), sz);
+      const auto distance_sq = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
+      const auto near = hn::Le(distance_sq, limit);
+      if (hn::AllFalse(d, near)) continue;
+      const auto index = hn::Iota(du, static_cast<std::uint32_t>(i));
+      hn::StoreU(hn::Compress(distance_sq, near), d, distances_sq + count);
+      hn::StoreU(hn::Compress(index, hn::RebindMask(du, near)), du, points + count);
+      count += hn::CountTrue(d, near);
+    }
   }
+  return count;
 }
 
 const char*
@@ -131,7 +147,7 @@ namespace pcl_slim::kernels {
 HWY_EXPORT(boxesInBall);
 HWY_EXPORT(groupedBoxesInBall);
 HWY_EXPORT(boxesInBox);
-HWY_EXPORT(blockDistances);
+HWY_EXPORT(pointsUpTo);
 HWY_EXPORT(instructionSet);
 
 std::uint32_t
@@ -154,11 +170,12 @@ boxesInBox(const BlockTree::Level& boxes, std::size_t first, const float min[3],
   return HWY_DYNAMIC_DISPATCH(boxesInBox)(boxes, first, min, max);
 }
 
-void
-blockDistances(const float* x, const float* y, const float* z, const float shift[3],
-               float distances_sq[16])
+std::size_t
+pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num_blocks,
+           const double center[3], float limit_sq, float* distances_sq, std::uint32_t* points)
 {
-  HWY_DYNAMIC_DISPATCH(blockDistances)(x, y, z, shift, distances_sq);
+  return HWY_DYNAMIC_DISPATCH(pointsUpTo)(store, blocks, num_blocks, center, limit_sq, distances_sq,
+                                          points);
 }
 
 const char*

@@ -2,21 +2,98 @@
 #include "pcl_slim/cloud/knn.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 
 #include "pcl_slim/cloud/kernels.h"
 
 namespace pcl_slim {
 
-void
-NeighborSearch::blockDistances(std::size_t block, const std::array<double, 3>& center,
-                               float out[16]) const
+namespace {
+
+using Keys = AlignedVector<std::uint64_t>;
+
+constexpr float kEverywhere = 1e29f;    ///< squared; points lie within 1, padding far beyond
+constexpr std::size_t kManyKeys = 128;  ///< are sorted by digits
+constexpr int kDigits = 4;              ///< of 8 bits, those of the distance
+
+/** Distance and point in one number; distances are not negative, so their bits order them. */
+std::uint64_t
+keyOf(float distance_sq, std::uint32_t point)
 {
-  const float shift[3] = {static_cast<float>(store_.blockOriginX()[block] - center[0]),
-                          static_cast<float>(store_.blockOriginY()[block] - center[1]),
-                          static_cast<float>(store_.blockOriginZ()[block] - center[2])};
-  const std::size_t first = block * PointStore::kBlock;
-  kernels::blockDistances(store_.x() + first, store_.y() + first, store_.z() + first, shift, out);
+  std::uint32_t bits;
+  std::memcpy(&bits, &distance_sq, sizeof(bits));
+  return static_cast<std::uint64_t>(bits) << 32 | point;
+}
+
+float
+distanceOf(std::uint64_t key)
+{
+  const auto bits = static_cast<std::uint32_t>(key >> 32);
+  float distance_sq;
+  std::memcpy(&distance_sq, &bits, sizeof(bits));
+  return distance_sq;
+}
+
+/** Sorts keys whose points ascend: counting passes over the distances' digits. */
+void
+sortByDistance(Keys& keys, Keys& spare)
+{
+  std::array<std::array<std::uint32_t, 256>, kDigits> counts{};
+  const auto digit = [](std::uint64_t key, int k) { return key >> (32 + 8 * k) & 255u; };
+  for (const std::uint64_t key : keys) {
+    for (int k = 0; k < kDigits; ++k) ++counts[k][digit(key, k)];
+  }
+  spare.resize(keys.size());
+  for (int k = 0; k < kDigits; ++k) {
+    auto& count = counts[k];
+    if (count[digit(keys.front(), k)] == keys.size()) continue;
+    std::uint32_t begin = 0;
+    for (std::uint32_t& c : count) {
+      const std::uint32_t own = c;
+      c = begin;
+      begin += own;
+    }
+    for (const std::uint64_t key : keys) spare[count[digit(key, k)]++] = key;
+    keys.swap(spare);
+  }
+}
+
+/** Keeps the k least keys, in order; points ascend in what is given. */
+void
+keepLeast(std::size_t k, Keys& keys, Keys& spare)
+{
+  if (k < keys.size()) {
+    spare = keys;
+    const auto last = spare.begin() + static_cast<std::ptrdiff_t>(k - 1);
+    std::nth_element(spare.begin(), last, spare.end());
+    const std::uint64_t limit = *last;
+    keys.erase(std::remove_if(keys.begin(), keys.end(),
+                              [limit](std::uint64_t key) { return key > limit; }),
+               keys.end());
+  }
+  if (k < kManyKeys) {
+    std::sort(keys.begin(), keys.end());
+  } else {
+    sortByDistance(keys, spare);
+  }
+}
+
+}  // namespace
+
+/** Collects the points of the blocks at hand within a distance of a centre. */
+void
+NeighborSearch::collect(const std::array<double, 3>& center, float limit_sq)
+{
+  const std::size_t most = (blocks_.size() + 1) * PointStore::kBlock;
+  distances_sq_.resize(most);
+  points_.resize(most);
+  const std::size_t count =
+      kernels::pointsUpTo(store_, blocks_.data(), blocks_.size(), center.data(), limit_sq,
+                          distances_sq_.data(), points_.data());
+  distances_sq_.resize(count);
+  points_.resize(count);
 }
 
 /** Squared distance within which k points certainly lie: that of the k-th among the points of
@@ -30,15 +107,12 @@ NeighborSearch::boundRadiusSq(std::size_t i, std::size_t k, const std::array<dou
   std::size_t first = own > side ? own - side : 0;
   const std::size_t last = std::min(blocks - 1, own + side);
   while (first > 0 && (last - first) * PointStore::kBlock < k) --first;
-  nearby_.clear();
-  float distances[PointStore::kBlock];
-  for (std::size_t b = first; b <= last; ++b) {
-    blockDistances(b, center, distances);
-    const std::size_t valid = std::min(PointStore::kBlock, store_.size() - b * PointStore::kBlock);
-    nearby_.insert(nearby_.end(), distances, distances + valid);
-  }
-  const auto kth = nearby_.begin() + static_cast<std::ptrdiff_t>(std::min(k, nearby_.size()) - 1);
-  std::nth_element(nearby_.begin(), kth, nearby_.end());
+  blocks_.clear();
+  for (std::size_t b = first; b <= last; ++b) blocks_.push_back(static_cast<std::uint32_t>(b));
+  collect(center, kEverywhere);
+  const auto kth =
+      distances_sq_.begin() + static_cast<std::ptrdiff_t>(std::min(k, distances_sq_.size()) - 1);
+  std::nth_element(distances_sq_.begin(), kth, distances_sq_.end());
   return *kth;
 }
 
@@ -58,22 +132,13 @@ NeighborSearch::nearest(std::size_t i, std::size_t k, std::vector<std::uint32_t>
   const float radius = std::sqrt(bound_sq) * 1.000001f + 1e-7f;
   blocks_.clear();
   store_.tree().blocksInBall(c, radius, blocks_);
-  candidates_.clear();
-  float distances[PointStore::kBlock];
-  for (const std::uint32_t b : blocks_) {
-    blockDistances(b, center, distances);
-    for (std::uint32_t lane = 0; lane < PointStore::kBlock; ++lane) {
-      if (distances[lane] <= bound_sq) {
-        candidates_.emplace_back(distances[lane],
-                                 static_cast<std::uint32_t>(b * PointStore::kBlock + lane));
-      }
-    }
-  }
-  const auto end = candidates_.begin() + static_cast<std::ptrdiff_t>(k);
-  std::partial_sort(candidates_.begin(), end, candidates_.end());
+  collect(center, bound_sq);
+  keys_.resize(points_.size());
+  for (std::size_t j = 0; j < keys_.size(); ++j) keys_[j] = keyOf(distances_sq_[j], points_[j]);
+  keepLeast(k, keys_, spare_);
   for (std::size_t j = 0; j < k; ++j) {
-    distances_sq[j] = candidates_[j].first;
-    neighbors[j] = candidates_[j].second;
+    distances_sq[j] = distanceOf(keys_[j]);
+    neighbors[j] = static_cast<std::uint32_t>(keys_[j]);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <vector>
 
+#include "patch.h"
 #include "pcl_slim/cloud/knn.h"
 #include "pcl_slim/core/parallel.h"
 
@@ -23,9 +24,6 @@ constexpr double kPatchNoise = 0.2;      ///< noise above this share of the patc
 constexpr double kFilledPatch = 0.25;    ///< below this share noise no longer fills it
 constexpr double kRelief = 0.9;          ///< of that share in twice as many points: noise has .8
 constexpr std::size_t kSheetFactor = 2;  ///< neighbours asked for where two sheets share a patch
-constexpr Eigen::Index kLeastSide = 1;   ///< points on the other side of a gap between sheets
-constexpr int kSheetPasses = 4;
-constexpr double kSheetGap = 1.0;  ///< such a gap over the larger spread of the two sides
 constexpr double kTrim = 0.1;
 constexpr std::size_t kPointsPerRun = 128, kMostRuns = 8192;  ///< of a noise profile
 constexpr std::size_t kWindow = 8;     ///< runs to either side that its entries rest on
@@ -34,11 +32,6 @@ constexpr double kBiasGrowth =
     16.0;  ///< of a cubic's squared bias when k, and so radius^2, doubles
 constexpr double kLeastNoise = 1e-4;  ///< share of the residual that is always taken for noise
 constexpr double kFloor = 1e-11;      ///< of L
-
-struct Patch {
-  Eigen::Matrix3Xd points;  ///< relative to the sample
-  double radius = 0;
-};
 
 Patch
 neighborhood(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
@@ -60,83 +53,6 @@ neighborhood(const PointStore& store, NeighborSearch& search, std::size_t sample
   }
   patch.points.conservativeResize(3, count);
   return patch;
-}
-
-Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>
-principalAxes(const Eigen::Matrix3Xd& points)
-{
-  const Eigen::Vector3d mean = points.rowwise().mean();
-  const Eigen::Matrix3Xd centered = points.colwise() - mean;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
-  axes.computeDirect(centered * centered.transpose() / static_cast<double>(points.cols()));
-  return axes;
-}
-
-/** Two parallel sheets through a patch: a common normal, and the height between them. */
-struct SheetPair {
-  Eigen::Vector3d normal;
-  double middle = 0;
-};
-
-/** Two-means on heights, with the normal of what is left within the two sides. */
-SheetPair
-pairSheets(const Eigen::Matrix3Xd& points)
-{
-  SheetPair pair{principalAxes(points).eigenvectors().col(0), 0};
-  pair.middle = (pair.normal.transpose() * points).mean();
-  for (int pass = 0; pass < kSheetPasses; ++pass) {
-    const Eigen::RowVectorXd heights = pair.normal.transpose() * points;
-    Eigen::Vector3d mean[2] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
-    double count[2] = {};
-    for (Eigen::Index i = 0; i < points.cols(); ++i) {
-      mean[heights[i] > pair.middle] += points.col(i);
-      ++count[heights[i] > pair.middle];
-    }
-    if (count[0] < kLeastSide || count[1] < kLeastSide) break;
-    for (int side = 0; side < 2; ++side) mean[side] /= count[side];
-    Eigen::Matrix3d within = Eigen::Matrix3d::Zero();
-    for (Eigen::Index i = 0; i < points.cols(); ++i) {
-      const Eigen::Vector3d d = points.col(i) - mean[heights[i] > pair.middle];
-      within += d * d.transpose();
-    }
-    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
-    axes.computeDirect(within);
-    pair.normal = axes.eigenvectors().col(0);
-    pair.middle = 0.5 * pair.normal.dot(mean[0] + mean[1]);
-  }
-  return pair;
-}
-
-/** Without normals, a patch may reach across to another sheet: where a gap parts its heights more
- * than either side spreads, keeps the sample's side. \return true if it dropped points. */
-bool
-keepOwnSheet(Patch& patch)
-{
-  const Eigen::Index n = patch.points.cols();
-  if (n < 2 * kLeastSide) return false;
-  const SheetPair pair = pairSheets(patch.points);
-  const Eigen::RowVectorXd heights = pair.normal.transpose() * patch.points;
-  double low[2] = {heights.maxCoeff(), heights.maxCoeff()},
-         high[2] = {heights.minCoeff(), heights.minCoeff()};
-  Eigen::Index count[2] = {};
-  for (const double h : heights) {
-    const int side = h > pair.middle;
-    low[side] = std::min(low[side], h);
-    high[side] = std::max(high[side], h);
-    ++count[side];
-  }
-  if (count[0] < kLeastSide || count[1] < kLeastSide) return false;
-  const double spread = std::max(high[0] - low[0], high[1] - low[1]);
-  if (low[1] - high[0] < kSheetGap * spread) return false;
-  Eigen::Index kept = 0;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    // The sample itself stands at height 0.
-    if ((heights[i] > pair.middle) == (0.0 > pair.middle))
-      patch.points.col(kept++) = patch.points.col(i);
-  }
-  patch.points.conservativeResize(3, kept);
-  patch.radius = std::sqrt(patch.points.colwise().squaredNorm().maxCoeff());
-  return true;
 }
 
 /** Residual variance of a cubic height field over the patch's two main axes; < 0: too few points. */

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "pcl_slim/cloud/block_tree.h"
+#include "pcl_slim/cloud/point_store.h"
 
 /** \brief SIMD inner loops of modules/cloud, compiled per instruction set and chosen at run time. */
 namespace pcl_slim::kernels {
@@ -26,11 +27,11 @@ std::uint32_t
 boxesInBox(const BlockTree::Level& boxes, std::size_t first, const float min[3],
            const float max[3]);
 
-/** \brief Squared distances of a block's 16 points to a centre.
- * \param[in] x,y,z the block's offsets; \param[in] shift block origin minus centre. */
-void
-blockDistances(const float* x, const float* y, const float* z, const float shift[3],
-               float distances_sq[16]);
+/** \brief The points of some blocks within a squared distance of a centre, in order of the blocks.
+ * \param[out] distances_sq,points found, with kBlock values to spare. \return how many. */
+std::size_t
+pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num_blocks,
+           const double center[3], float limit_sq, float* distances_sq, std::uint32_t* points);
 
 /** \brief Name of the instruction set in use, for reports. */
 const char*

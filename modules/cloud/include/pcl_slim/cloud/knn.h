@@ -27,12 +27,13 @@ class NeighborSearch {
 
  private:
   float boundRadiusSq(std::size_t i, std::size_t k, const std::array<double, 3>& center);
-  void blockDistances(std::size_t block, const std::array<double, 3>& center, float out[16]) const;
+  void collect(const std::array<double, 3>& center, float limit_sq);
 
   const PointStore& store_;
-  std::vector<std::uint32_t> blocks_;
-  std::vector<float> nearby_;
-  std::vector<std::pair<float, std::uint32_t>> candidates_;
+  std::vector<std::uint32_t> blocks_;  ///< to be looked through
+  AlignedVector<float> distances_sq_;  ///< of what was collected from them ...
+  AlignedVector<std::uint32_t> points_;
+  AlignedVector<std::uint64_t> keys_, spare_;  ///< ... and both in one: distances high, points low
 };
 
 }  // namespace pcl_slim
