@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "normal_gate.h"
 #include "pcl_slim/core/parallel.h"
 #include "projection_kernel.h"
 #include "shape_operator.h"
@@ -118,7 +119,7 @@ class Projector {
     rules_.with_third = params.extremality;
     noise_ = std::sqrt(std::max(0.0, surface.info.lambda)) * surface.info.diagonal;
     gated_ = surface.info.oriented && store.hasNormals() && !params.paper_mode;
-    min_dot_ = params.sharp_features ? kSharpDot : 0.0f;
+    if (gated_) min_dot_ = params.sharp_features ? kSharpDot : normalGate(store);
     placed_.resize(leaves.size());
     parallelFor(leaves.size(), threads, 1024,
                 [&](std::size_t j, int) { placed_[j] = place(leaves[j]); });

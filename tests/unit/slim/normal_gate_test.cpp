@@ -11,6 +11,7 @@ namespace {
 
 using bench::Shape;
 using pcl_slim_test::Cloud;
+using pcl_slim_test::fitted;
 using pcl_slim_test::sceneCloud;
 using pcl_slim_test::storeOf;
 
@@ -40,6 +41,14 @@ TEST(NormalGate, WidensWithTheErrorsOfNormals)
   EXPECT_GT(good, -0.3f);
   EXPECT_LT(bad, -0.5f);
   EXPECT_GE(bad, -0.6001f);
+}
+
+TEST(NormalGate, PointsWithBadNormalsAreProjectedToo)
+{
+  for (const Shape shape : {Shape::kSphere, Shape::kTorus}) {
+    const auto f = fitted(sceneCloud(shape, 50000, 0.001, 0.3), FitParams(), true);
+    EXPECT_EQ(f.projection.num_unsupported, 0u);
+  }
 }
 
 TEST(NormalGate, IsNotFooledByTwoSheets)
