@@ -109,16 +109,18 @@ void
 sortBucket(std::uint64_t* values, std::uint64_t* spare, std::size_t n, int low, int high)
 {
   std::uint64_t *from = spare, *to = values;
+  int rest = high - low;  // bits that are not in order yet
   if (n > kFew && high > low) {
     const int digit = n < kSmall ? kDigitBitsOfFew : kDigitBits;
     const int passes = std::max(1, (tellingBits(n) + digit / 2) / digit);
-    for (int shift = std::max(low, high - passes * digit); shift < high; shift += digit) {
+    rest = std::max(0, high - passes * digit - low);
+    for (int shift = low + rest; shift < high; shift += digit) {
       digitPass(from, to, n, shift, std::min(digit, high - shift));
       std::swap(from, to);
     }
   }
   if (from != values) std::copy_n(from, n, values);
-  sortNearly(values, n, low);
+  if (rest > 0) sortNearly(values, n, low);
 }
 
 /** Scatters values into spare by their leading digit. \return where each bucket begins. */

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -133,7 +134,10 @@ class OctreeCloudBuilder {
                                 Block block;
                                 for (; begin < end; begin += Block::kSize) {
                                   const std::size_t last = std::min(end, begin + Block::kSize);
-                                  if (all) {
+                                  if (all && last - begin == Block::kSize && last < view_.count() &&
+                                      fillWhole(read, begin, block)) {
+                                    block.count = Block::kSize;
+                                  } else if (all) {
                                     fill<true>(read, begin, last, block);
                                   } else {
                                     fill<false>(read, begin, last, block);
@@ -142,6 +146,19 @@ class OctreeCloudBuilder {
                                   place += block.count;
                                 }
                               });
+  }
+
+  /** fill() for a block of finite points with others behind it, four at a time. \return false where
+   * their layout does not allow that. */
+  template <typename T>
+  bool fillWhole(const octree_grid::Reader<T>& read, std::size_t begin, Block& block) const
+  {
+    if (!std::is_same_v<T, float> || read.indices || read.stride < 4 * sizeof(float)) return false;
+    std::iota(block.index, block.index + Block::kSize, static_cast<std::uint32_t>(begin));
+    splat_kernels::gatherVectors(read.base, read.stride, block.index, Block::kSize, block.x,
+                                 block.y, block.z);
+    splat_kernels::toCells(out_.frame_, block.x, block.y, block.z, Block::kSize);
+    return true;
   }
 
   template <bool kAllFinite, typename T>

@@ -48,6 +48,32 @@ boxOfPoints(const unsigned char* first, std::size_t stride, std::size_t n, float
 }
 
 void
+gatherVectors(const unsigned char* first, std::size_t stride, const std::uint32_t* points,
+              std::size_t n, float* x, float* y, float* z)
+{
+  for (std::size_t k = 0; k < n; k += 4) {
+    const float* p[4];
+    for (std::size_t i = 0; i < 4; ++i) {
+      p[i] = reinterpret_cast<const float*>(first + points[k + i] * stride);
+    }
+#if HWY_TARGET == HWY_SCALAR
+    for (std::size_t i = 0; i < 4; ++i) {
+      x[k + i] = p[i][0], y[k + i] = p[i][1], z[k + i] = p[i][2];
+    }
+#else
+    const hn::FixedTag<float, 4> d;
+    const auto a = hn::LoadU(d, p[0]), b = hn::LoadU(d, p[1]), c = hn::LoadU(d, p[2]),
+               e = hn::LoadU(d, p[3]);
+    const auto ac = hn::InterleaveLower(d, a, c), be = hn::InterleaveLower(d, b, e);
+    hn::StoreU(hn::InterleaveLower(d, ac, be), d, x + k);
+    hn::StoreU(hn::InterleaveUpper(d, ac, be), d, y + k);
+    hn::StoreU(hn::InterleaveLower(d, hn::InterleaveUpper(d, a, c), hn::InterleaveUpper(d, b, e)),
+               d, z + k);
+#endif
+  }
+}
+
+void
 toCells(const OctreeFrame& frame, float* x, float* y, float* z, std::size_t n)
 {
   const Doubles d;
@@ -174,6 +200,7 @@ HWY_AFTER_NAMESPACE();
 namespace pcl_slim::splat_kernels {
 
 HWY_EXPORT(boxOfPoints);
+HWY_EXPORT(gatherVectors);
 HWY_EXPORT(toCells);
 HWY_EXPORT(packKeys);
 HWY_EXPORT(labOfLinear);
@@ -196,6 +223,13 @@ boxOfPoints(const unsigned char* first, std::size_t stride, std::size_t n, float
             float high[3])
 {
   return HWY_DYNAMIC_DISPATCH(boxOfPoints)(first, stride, n, low, high);
+}
+
+void
+gatherVectors(const unsigned char* first, std::size_t stride, const std::uint32_t* points,
+              std::size_t n, float* x, float* y, float* z)
+{
+  HWY_DYNAMIC_DISPATCH(gatherVectors)(first, stride, points, n, x, y, z);
 }
 
 void

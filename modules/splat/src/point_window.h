@@ -57,12 +57,8 @@ class PointWindow {
     std::uint32_t at;
   };
 
-  template <typename T, bool kNormals, bool kColors>
-  class Fetcher;
-
-  void fetchOrder(const OctreeCloud& cloud, const OctreeSource& source);
-  template <typename T>
-  void fetch(const OctreeFrame& frame, const OctreeSource& source);
+  /** Fills order_. \return places in the caller's arrays. */
+  const std::uint32_t* fetchOrder(const OctreeCloud& cloud, const OctreeSource& source);
   template <typename T>
   void permute(AlignedVector<T>& column, std::size_t first);
 

@@ -12,6 +12,7 @@ namespace pcl_slim {
 namespace {
 
 constexpr std::size_t kSpacingCells = 1024;  ///< cells that tell the middle spacing
+constexpr std::size_t kExpectedRows = 256;   ///< of a slice: room that is rarely too little
 constexpr double kSpacings = 6.0;            ///< middle spacings in the widest
 constexpr double kFollowed = 2.0;  ///< gradients hold so much farther than there were points
 
@@ -29,6 +30,7 @@ SplatBuilder::add(std::size_t slice, const PointWindow& window, const OctreeCell
                   const CellSums& sums)
 {
   Slice& out = slices_[slice];
+  if (out.rows.empty()) out.rows.reserve(kExpectedRows);
   std::array<float, 3> mean, cube{};
   for (std::size_t a = 0; a < 3; ++a) mean[a] = static_cast<float>(sums.position[a] / sums.count);
   const bool corner = params_.radius == RadiusRule::kCorner;

@@ -16,6 +16,12 @@ bool
 boxOfPoints(const unsigned char* first, std::size_t stride, std::size_t n, float low[3],
             float high[3]);
 
+/** Three floats of each point of a list, in any order, to columns. stride >= 16 bytes, four floats are
+ * read of each point. n: a multiple of 4. */
+void
+gatherVectors(const unsigned char* first, std::size_t stride, const std::uint32_t* points,
+              std::size_t n, float* x, float* y, float* z);
+
 /** OctreeFrame::position in place. n: a multiple of 16, aligned as AlignedVector is. */
 void
 toCells(const OctreeFrame& frame, float* x, float* y, float* z, std::size_t n);

@@ -10,10 +10,6 @@
 #include "octree_grid.h"
 #include "octree_key.h"
 
-#ifdef __linux__
-#include <sys/mman.h>
-#endif
-
 namespace pcl_slim {
 
 namespace {
@@ -23,21 +19,6 @@ constexpr int kCellBits = 4;                           ///< 16 cells along the l
 constexpr std::size_t kCells = std::size_t{1} << 3 * kCellBits;
 constexpr std::size_t kPairs = 4096;  ///< neighbours in memory that tell whether they are in space
 constexpr double kNear = 1.0 / 32.0;  ///< of the longest side: near enough
-
-/** Asks for few large pages where the system gives them: a copy is written to in many places at
- * once. */
-void
-useLargePages(unsigned char* begin, std::size_t bytes)
-{
-#ifdef MADV_HUGEPAGE
-  constexpr std::uintptr_t kPage = 1 << 12;
-  const auto first = (reinterpret_cast<std::uintptr_t>(begin) + kPage - 1) / kPage * kPage;
-  const auto last = (reinterpret_cast<std::uintptr_t>(begin) + bytes) / kPage * kPage;
-  if (first < last) madvise(reinterpret_cast<void*>(first), last - first, MADV_HUGEPAGE);
-#else
-  static_cast<void>(begin), static_cast<void>(bytes);
-#endif
-}
 
 /** Whether most points lie near those before them. */
 template <typename T>
@@ -159,7 +140,6 @@ StagedCloud::copyOf(const CloudView& cloud, const ColorView& colors, int threads
   frame.last = std::nextafter(static_cast<float>(1 << kCellBits), 0.0f);
   std::optional<StagedCloud> staged(std::in_place);
   staged->records_.resize(cloud.size * sizeof(Record<T>));
-  useLargePages(staged->records_.data(), staged->records_.size());
   auto* records = reinterpret_cast<Record<T>*>(staged->records_.data());
   Writer<T>(cloud, colors, frame, threads).run(records);
   staged->index_offset_ = offsetof(Record<T>, index);
