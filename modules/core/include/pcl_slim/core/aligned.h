@@ -7,15 +7,16 @@
 
 namespace pcl_slim {
 
-/** \brief Memory that starts on a cache line. From 2 MiB on it starts on a large page, and the
- * system is asked for such: a page comes at its first use, and that takes a quarter of the time of
- * a pass or two over new memory in small pages. Throws std::bad_alloc. */
+/** \brief Memory that starts on a cache line; the system is asked for large pages from 4 MiB on.
+ *
+ * Memory comes at its first use, page by page, and for arrays that are passed over once or twice
+ * that costs as much as the passes. Throws std::bad_alloc. */
 void*
 allocateAligned(std::size_t bytes);
 
-/** \brief Gives back what allocateAligned(bytes) gave. */
+/** \brief Gives back what allocateAligned() gave. */
 void
-freeAligned(void* block, std::size_t bytes);
+freeAligned(void* block);
 
 /** \brief Allocator with 64-byte alignment that leaves new plain values uninitialised. */
 template <typename T>
@@ -28,7 +29,7 @@ struct AlignedAllocator {
   }
 
   T* allocate(std::size_t n) { return static_cast<T*>(allocateAligned(n * sizeof(T))); }
-  void deallocate(T* p, std::size_t n) { freeAligned(p, n * sizeof(T)); }
+  void deallocate(T* p, std::size_t) { freeAligned(p); }
 
   template <typename U>
   void construct(U* p)
