@@ -23,7 +23,11 @@ class OctreeCloudBuilder {
   static constexpr double kLargest = 1e150;     ///< squares of such coordinates are still finite
 
  public:
-  OctreeCloudBuilder(const CloudView& cloud, int threads) : view_(cloud), threads_(threads) {}
+  /** box: that of the cloud where it is known, else null. */
+  OctreeCloudBuilder(const CloudView& cloud, int threads, const octree_grid::Box* box = nullptr)
+      : view_(cloud), threads_(threads), known_box_(box)
+  {
+  }
 
   Result<OctreeCloud> run(const RootGrid& grid)
   {
@@ -58,7 +62,7 @@ class OctreeCloudBuilder {
   template <typename T>
   Error runAs(const octree_grid::Reader<T>& read, const RootGrid& grid)
   {
-    const octree_grid::Box box = octree_grid::measure(read, view_.count(), threads_, first_);
+    const octree_grid::Box box = boxOf(read);
     if (box.finite == 0) {
       return {ErrorCode::kBadInput,
               "every point of the cloud is NaN or infinite: nothing to work on"};
@@ -82,6 +86,18 @@ class OctreeCloudBuilder {
       sortWide(read);
     }
     return {};
+  }
+
+  template <typename T>
+  octree_grid::Box boxOf(const octree_grid::Reader<T>& read)
+  {
+    const std::size_t n = view_.count();
+    if (!known_box_ || known_box_->finite < n) {
+      return octree_grid::measure(read, n, threads_, first_);
+    }
+    first_.assign(1, 0);
+    while (first_.back() < n) first_.push_back(std::min(n, first_.back() + octree_grid::kSlice));
+    return *known_box_;
   }
 
   static int bitsOf(std::uint64_t value)
@@ -227,6 +243,11 @@ class OctreeCloudBuilder {
       std::uint64_t last = begin > 0 ? keyOf(begin - 1) : ~keyOf(begin);
       auto& roots = parts[s];
       for (std::size_t i = begin; i < end; ++i) {
+        constexpr std::size_t kStep = 8;  // numbers in order that end as they began are one root's
+        if (i + kStep < end && keyOf(i + kStep) == last) {
+          i += kStep;
+          continue;
+        }
         const std::uint64_t key = keyOf(i);
         if (key == last) continue;
         roots.push_back({key, static_cast<std::uint32_t>(i)});
@@ -240,6 +261,7 @@ class OctreeCloudBuilder {
 
   const CloudView& view_;
   int threads_;
+  const octree_grid::Box* known_box_;
   int wanted_depth_ = 0;            ///< halvings below roots that keys had better resolve
   std::vector<std::size_t> first_;  ///< finite points before each slice
   OctreeCloud out_;

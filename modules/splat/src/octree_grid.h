@@ -65,6 +65,27 @@ struct Box {
   double longest() const { return std::max({max[0] - min[0], max[1] - min[1], max[2] - min[2]}); }
 };
 
+inline Box
+noBox()
+{
+  const double inf = std::numeric_limits<double>::infinity();
+  return {{inf, inf, inf}, {-inf, -inf, -inf}, 0};
+}
+
+inline Box
+unionOf(const std::vector<Box>& parts)
+{
+  Box all = noBox();
+  for (const Box& part : parts) {
+    all.finite += part.finite;
+    for (std::size_t a = 0; a < 3; ++a) {
+      all.min[a] = std::min(all.min[a], part.min[a]);
+      all.max[a] = std::max(all.max[a], part.max[a]);
+    }
+  }
+  return all;
+}
+
 inline void
 extend(Box& box, double a0, double a1, double a2)
 {
@@ -80,8 +101,7 @@ template <typename T>
 Box
 boxOf(const Reader<T>& read, std::size_t begin, std::size_t end)
 {
-  const double inf = std::numeric_limits<double>::infinity();
-  Box box{{inf, inf, inf}, {-inf, -inf, -inf}, 0};
+  Box box = noBox();
   std::size_t i = begin;
   // The last point may end its memory, so that no fourth float stands behind it.
   if (std::is_same_v<T, float> && !read.indices && read.stride >= 4 * sizeof(float)) {
@@ -113,17 +133,9 @@ measure(const Reader<T>& read, std::size_t n, int threads, std::vector<std::size
   forEachSlice(n, threads, [&](std::size_t s, std::size_t begin, std::size_t end) {
     parts[s] = boxOf(read, begin, end);
   });
-  Box all = parts[0];
   finite.assign(1, 0);
-  for (const Box& part : parts) {
-    finite.push_back(finite.back() + part.finite);
-    for (std::size_t a = 0; a < 3; ++a) {
-      all.min[a] = std::min(all.min[a], part.min[a]);
-      all.max[a] = std::max(all.max[a], part.max[a]);
-    }
-  }
-  all.finite = finite.back();
-  return all;
+  for (const Box& part : parts) finite.push_back(finite.back() + part.finite);
+  return unionOf(parts);
 }
 
 /** Resolutions that give about as many occupied cells as wanted: a surface's count grows with the

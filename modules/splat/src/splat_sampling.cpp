@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "octree_cloud_builder.h"
 #include "octree_cut.h"
 #include "pcl_slim/core/parallel.h"
 #include "sample_noise.h"
@@ -76,7 +77,8 @@ class Sampling {
       view_ = staged->view();
       colors_ = staged->colors();
     }
-    Result<OctreeCloud> cloud = OctreeCloud::build(view_, rootGrid(), params_.threads);
+    OctreeCloudBuilder order(view_, params_.threads, staged ? &staged->box() : nullptr);
+    Result<OctreeCloud> cloud = order.run(rootGrid());
     if (!cloud) return cloud.error();
     statistics_.seconds_order = lap();
     if (needsNormals() || params_.radius == RadiusRule::kNeighbors) {

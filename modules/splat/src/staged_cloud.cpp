@@ -19,26 +19,45 @@ constexpr int kCellBits = 4;                           ///< 16 cells along the l
 constexpr std::size_t kCells = std::size_t{1} << 3 * kCellBits;
 constexpr std::size_t kPairs = 4096;  ///< neighbours in memory that tell whether they are in space
 constexpr double kNear = 1.0 / 32.0;  ///< of the longest side: near enough
+constexpr std::size_t kBlock =
+    2048;  ///< points that stay in a cache while they are looked at twice
 
-/** Whether most points lie near those before them. */
+/** Some pairs of points next to each other in memory. */
 template <typename T>
-bool
-isCoherent(const octree_grid::Reader<T>& read, std::size_t n, double longest)
-{
-  std::size_t near = 0;
-  for (std::size_t k = 0; k < kPairs; ++k) {
-    T p[3], q[3];
-    const std::size_t i = 1 + k * ((n - 1) / kPairs);
-    read(i - 1, p);
-    read(i, q);
-    double largest = 0;
-    for (int a = 0; a < 3; ++a) {
-      largest = std::max(largest, std::abs(static_cast<double>(q[a]) - static_cast<double>(p[a])));
+class PairSample {
+ public:
+  PairSample(const octree_grid::Reader<T>& read, std::size_t n)
+  {
+    for (std::size_t k = 0; k < kPairs; ++k) {
+      T p[3], q[3];
+      const std::size_t i = 1 + k * ((n - 1) / kPairs);
+      read(i - 1, p);
+      read(i, q);
+      if (!octree_grid::isFinite(p) || !octree_grid::isFinite(q)) continue;
+      const auto x = static_cast<double>(q[0]), y = static_cast<double>(q[1]),
+                 z = static_cast<double>(q[2]);
+      octree_grid::extend(box_, x, y, z);
+      ++box_.finite;
+      apart_.push_back(std::max({std::abs(x - static_cast<double>(p[0])),
+                                 std::abs(y - static_cast<double>(p[1])),
+                                 std::abs(z - static_cast<double>(p[2]))}));
     }
-    near += largest < kNear * longest;
   }
-  return 2 * near > kPairs;
-}
+
+  const octree_grid::Box& box() const { return box_; }
+
+  /** Whether most points lie near those before them. */
+  bool isCoherent() const
+  {
+    std::size_t near = 0;
+    for (const double distance : apart_) near += distance < kNear * box_.longest();
+    return 2 * near > apart_.size();
+  }
+
+ private:
+  octree_grid::Box box_ = octree_grid::noBox();
+  std::vector<double> apart_;
+};
 
 }  // namespace
 
@@ -62,6 +81,7 @@ class StagedCloud::Writer {
         threads_(threads),
         read_(octree_grid::readerOf<T>(cloud)),
         cells_(cloud.size),
+        boxes_(cloud.size / octree_grid::kSlice + 1, octree_grid::noBox()),
         next_((cloud.size / octree_grid::kSlice + 1) * kCells, 0)
   {
   }
@@ -84,15 +104,29 @@ class StagedCloud::Writer {
         [&](std::size_t s, std::size_t begin, std::size_t end) { write(s, begin, end, records); });
   }
 
+  /** Box of all points. */
+  octree_grid::Box box() const { return octree_grid::unionOf(boxes_); }
+
  private:
   void count(std::size_t slice, std::size_t begin, std::size_t end)
   {
-    std::uint32_t* counts = next_.data() + slice * kCells;
+    std::vector<octree_grid::Box> blocks;
+    for (; begin < end; begin += kBlock) {
+      const std::size_t last = std::min(end, begin + kBlock);
+      blocks.push_back(octree_grid::boxOf(read_, begin, last));
+      countBlock(next_.data() + slice * kCells, begin, last);
+    }
+    boxes_[slice] = octree_grid::unionOf(blocks);
+  }
+
+  void countBlock(std::uint32_t* counts, std::size_t begin, std::size_t end)
+  {
     for (std::size_t i = begin; i < end; ++i) {
       T p[3];
       read_(i, p);
       std::array<float, 3> position{};
       if (octree_grid::isFinite(p)) frame_.position(p, position.data());
+      for (float& x : position) x = std::max(x, 0.0f);  // the frame is that of a sample
       cells_[i] = static_cast<std::uint16_t>(mortonKey(position, 0));
       ++counts[cells_[i]];
     }
@@ -121,6 +155,7 @@ class StagedCloud::Writer {
   int threads_;
   octree_grid::Reader<T> read_;
   AlignedVector<std::uint16_t> cells_;
+  std::vector<octree_grid::Box> boxes_;
   std::vector<std::uint32_t> next_;  ///< of each slice and cell
 };
 
@@ -129,11 +164,11 @@ std::optional<StagedCloud>
 StagedCloud::copyOf(const CloudView& cloud, const ColorView& colors, int threads)
 {
   const auto read = octree_grid::readerOf<T>(cloud);
-  std::vector<std::size_t> finite;
-  const octree_grid::Box box = octree_grid::measure(read, cloud.size, threads, finite);
+  const PairSample<T> sample(read, cloud.size);
+  const octree_grid::Box& box = sample.box();
   const double longest = box.longest();
   if (box.finite == 0 || !(longest > 0.0) || !std::isfinite(longest)) return {};
-  if (isCoherent(read, cloud.size, longest)) return {};
+  if (sample.isCoherent()) return {};
   OctreeFrame frame;
   frame.origin = box.min;
   frame.scale = (1 << kCellBits) / longest;
@@ -141,7 +176,9 @@ StagedCloud::copyOf(const CloudView& cloud, const ColorView& colors, int threads
   std::optional<StagedCloud> staged(std::in_place);
   staged->records_.resize(cloud.size * sizeof(Record<T>));
   auto* records = reinterpret_cast<Record<T>*>(staged->records_.data());
-  Writer<T>(cloud, colors, frame, threads).run(records);
+  Writer<T> writer(cloud, colors, frame, threads);
+  writer.run(records);
+  staged->box_ = writer.box();
   staged->index_offset_ = offsetof(Record<T>, index);
   staged->view_ = cloud;
   staged->view_.xyz = records->xyz;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "octree_grid.h"
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/core/aligned.h"
 #include "pcl_slim/splat/octree_cloud.h"
@@ -32,6 +33,7 @@ class StagedCloud {
 
   CloudView view() const { return view_; }
   ColorView colors() const { return colors_; }
+  const octree_grid::Box& box() const { return box_; }
   /** Where the i-th point of the copy came from. */
   std::uint32_t input(std::size_t i) const;
 
@@ -49,6 +51,7 @@ class StagedCloud {
   std::size_t index_offset_ = 0;
   CloudView view_;
   ColorView colors_;
+  octree_grid::Box box_;
 };
 
 }  // namespace pcl_slim
