@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t kSlice = 1 << 15;  ///< points a thread takes at a time
 constexpr double kOriginGrid = 0x1p-10;  ///< the origin is a multiple of this share of the scale
+constexpr std::size_t kBlocksAhead = 3;  ///< whose input is asked for before it is read
 constexpr float kBlockGrid = 0x1p22f;    ///< block origins are multiples of its inverse
 constexpr double kFarOrigin = 256.0;     ///< beyond this many L, world floats cannot be exact
 
@@ -257,9 +258,21 @@ PointStoreBuilder::mergedNormal(std::size_t i) const
   return n;
 }
 
+/** Asks for the input of a block's points, which lie anywhere in the cloud. */
+void
+PointStoreBuilder::prefetchBlock(std::size_t block) const
+{
+  const std::size_t begin = block * PointStore::kBlock;
+  const std::size_t end = std::min(store_.size_, begin + PointStore::kBlock);
+  for (std::size_t i = begin; i < end; ++i) {
+    reader_.prefetch(cloud_.inputIndex(order_[i]), with_normals_);
+  }
+}
+
 void
 PointStoreBuilder::fillBlock(std::size_t block)
 {
+  prefetchBlock(block + kBlocksAhead);
   const std::size_t begin = block * PointStore::kBlock;
   const std::size_t end = std::min(store_.size_, begin + PointStore::kBlock);
   float* const columns[3] = {store_.x_.data(), store_.y_.data(), store_.z_.data()};

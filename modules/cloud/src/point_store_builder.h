@@ -7,6 +7,7 @@
 #include <cstring>
 #include <vector>
 
+#include "hwy/cache_control.h"
 #include "pcl_slim/cloud/point_store.h"
 
 namespace pcl_slim {
@@ -27,6 +28,13 @@ class CloudReader {
     std::array<float, 3> q;
     std::memcpy(q.data(), p, sizeof(q));
     return {q[0], q[1], q[2]};
+  }
+
+  /** \brief Has a point's memory on its way when it is read soon after. */
+  void prefetch(std::size_t input, bool normal) const
+  {
+    hwy::Prefetch(static_cast<const char*>(view_.xyz) + input * view_.xyz_stride);
+    if (normal) hwy::Prefetch(static_cast<const char*>(view_.normal) + input * view_.normal_stride);
   }
 
   /** \brief Unit normal, or zero where the point has none. */
@@ -60,6 +68,7 @@ class PointStoreBuilder {
   std::array<double, 3> localPosition(std::uint32_t order) const;
   bool usable(const std::array<double, 3>& position, std::size_t input) const;
   void mergeRun(std::size_t begin, std::size_t end, std::size_t& kept);
+  void prefetchBlock(std::size_t block) const;
   void fillBlock(std::size_t block);
   std::array<float, 3> mergedNormal(std::size_t i) const;
 
