@@ -53,7 +53,7 @@ groupBoxes(const BlockTree::Level& below, BlockTree::Level& level)
 BlockTree::BlockTree(Level blocks)
 {
   levels_.push_back(std::move(blocks));
-  while (levels_.back().count > kFan) {
+  while (levels_.size() < 2 || levels_.back().count > kFan) {
     Level level;
     groupBoxes(levels_.back(), level);
     levels_.push_back(std::move(level));
@@ -70,21 +70,22 @@ BlockTree::memoryBytes() const
 
 namespace {
 
-/** Depth-first walk in ascending block order; hits(level, first child) is a bit mask. */
+/** Depth-first walk down to a level, in ascending order there; hits(level, first child) is a bit
+ * mask. */
 template <typename Hits>
 void
-walk(const std::vector<BlockTree::Level>& levels, std::size_t depth, std::size_t first,
-     const Hits& hits, std::vector<std::uint32_t>& blocks)
+walk(const std::vector<BlockTree::Level>& levels, std::size_t depth, std::size_t last,
+     std::size_t first, const Hits& hits, std::vector<std::uint32_t>& found)
 {
   std::uint32_t mask = hits(levels[depth], first);
   while (mask != 0) {
     const auto bit = static_cast<std::size_t>(__builtin_ctz(mask));
     mask &= mask - 1;
     const std::size_t child = first + bit;
-    if (depth == 0) {
-      blocks.push_back(static_cast<std::uint32_t>(child));
+    if (depth == last) {
+      found.push_back(static_cast<std::uint32_t>(child));
     } else {
-      walk(levels, depth - 1, child * BlockTree::kFan, hits, blocks);
+      walk(levels, depth - 1, last, child * BlockTree::kFan, hits, found);
     }
   }
 }
@@ -97,7 +98,7 @@ BlockTree::blocksInBall(const float center[3], float radius,
 {
   if (levels_.empty()) return;
   walk(
-      levels_, levels_.size() - 1, 0,
+      levels_, levels_.size() - 1, 0, 0,
       [&](const Level& level, std::size_t first) {
         return kernels::boxesInBall(level, first, center, radius);
       },
@@ -110,7 +111,7 @@ BlockTree::blocksInBox(const float min[3], const float max[3],
 {
   if (levels_.empty()) return;
   walk(
-      levels_, levels_.size() - 1, 0,
+      levels_, levels_.size() - 1, 0, 0,
       [&](const Level& level, std::size_t first) {
         return kernels::boxesInBox(level, first, min, max);
       },
@@ -118,31 +119,45 @@ BlockTree::blocksInBox(const float min[3], const float max[3],
 }
 
 void
+BlockTree::groupsInBox(const float min[3], const float max[3],
+                       std::vector<std::uint32_t>& groups) const
+{
+  if (levels_.empty()) return;
+  walk(
+      levels_, levels_.size() - 1, 1, 0,
+      [&](const Level& level, std::size_t first) {
+        return kernels::boxesInBox(level, first, min, max);
+      },
+      groups);
+}
+
+void
 BlockNeighborhood::collect(const BlockTree& tree, const float min[3], const float max[3])
 {
-  found_.clear();
-  tree.blocksInBox(min, max, found_);
-  ids_.assign(found_.begin(), found_.end());
-  const BlockTree::Level& all = tree.levels().front();
-  boxes_.allocate(ids_.size());
+  tree_ = &tree;
+  ids_.clear();
+  tree.groupsInBox(min, max, ids_);
+  groups_.allocate(ids_.size());
+  if (ids_.empty()) return;
+  const BlockTree::Level& all = tree.levels()[1];
   for (std::size_t i = 0; i < ids_.size(); ++i) {
-    boxes_.min_x[i] = all.min_x[ids_[i]];
-    boxes_.min_y[i] = all.min_y[ids_[i]];
-    boxes_.min_z[i] = all.min_z[ids_[i]];
-    boxes_.max_x[i] = all.max_x[ids_[i]];
-    boxes_.max_y[i] = all.max_y[ids_[i]];
-    boxes_.max_z[i] = all.max_z[ids_[i]];
+    groups_.min_x[i] = all.min_x[ids_[i]];
+    groups_.min_y[i] = all.min_y[ids_[i]];
+    groups_.min_z[i] = all.min_z[ids_[i]];
+    groups_.max_x[i] = all.max_x[ids_[i]];
+    groups_.max_y[i] = all.max_y[ids_[i]];
+    groups_.max_z[i] = all.max_z[ids_[i]];
   }
-  ids_.resize(boxes_.min_x.size(), 0u);
-  groupBoxes(boxes_, groups_);
 }
 
 void
 BlockNeighborhood::blocksInBall(const float center[3], float radius, BlockList& blocks) const
 {
-  blocks.resize(boxes_.count + BlockTree::kFan);
-  blocks.resize(
-      kernels::groupedBoxesInBall(groups_, boxes_, ids_.data(), center, radius, blocks.data()));
+  blocks.clear();
+  if (ids_.empty()) return;
+  blocks.resize((ids_.size() + 1) * BlockTree::kFan);
+  blocks.resize(kernels::groupedBoxesInBall(groups_, ids_.data(), tree_->levels().front(), center,
+                                            radius, blocks.data()));
 }
 
 }  // namespace pcl_slim

@@ -60,8 +60,8 @@ boxesInBall(const BlockTree::Level& boxes, std::size_t first, const float center
 }
 
 std::size_t
-groupedBoxesInBall(const BlockTree::Level& groups, const BlockTree::Level& boxes,
-                   const std::uint32_t* ids, const float center[3], float radius,
+groupedBoxesInBall(const BlockTree::Level& groups, const std::uint32_t* ids,
+                   const BlockTree::Level& boxes, const float center[3], float radius,
                    std::uint32_t* found)
 {
   const Tag d;
@@ -70,11 +70,12 @@ groupedBoxesInBall(const BlockTree::Level& groups, const BlockTree::Level& boxes
   std::size_t count = 0;
   for (std::size_t g = 0; g < groups.count; g += hn::Lanes(d)) {
     for (std::uint32_t hits = maskBits(d, meets(groups, g)); hits != 0; hits &= hits - 1) {
-      const std::size_t first =
-          (g + static_cast<std::size_t>(__builtin_ctz(hits))) * BlockTree::kFan;
+      const std::uint32_t id = ids[g + static_cast<std::size_t>(__builtin_ctz(hits))];
+      const std::size_t first = id * BlockTree::kFan;
       for (std::size_t i = first; i < first + BlockTree::kFan; i += hn::Lanes(d)) {
         const auto mask = hn::RebindMask(du, meets(boxes, i));
-        hn::StoreU(hn::Compress(hn::Load(du, ids + i), mask), du, found + count);
+        const auto box = hn::Iota(du, static_cast<std::uint32_t>(i));
+        hn::StoreU(hn::Compress(box, mask), du, found + count);
         count += hn::CountTrue(du, mask);
       }
     }
@@ -157,11 +158,11 @@ boxesInBall(const BlockTree::Level& boxes, std::size_t first, const float center
 }
 
 std::size_t
-groupedBoxesInBall(const BlockTree::Level& groups, const BlockTree::Level& boxes,
-                   const std::uint32_t* ids, const float center[3], float radius,
+groupedBoxesInBall(const BlockTree::Level& groups, const std::uint32_t* ids,
+                   const BlockTree::Level& boxes, const float center[3], float radius,
                    std::uint32_t* found)
 {
-  return HWY_DYNAMIC_DISPATCH(groupedBoxesInBall)(groups, boxes, ids, center, radius, found);
+  return HWY_DYNAMIC_DISPATCH(groupedBoxesInBall)(groups, ids, boxes, center, radius, found);
 }
 
 std::uint32_t

@@ -28,7 +28,7 @@ class BlockTree {
   };
 
   BlockTree() = default;
-  /** \brief Builds the upper levels over the blocks' boxes. O(blocks). */
+  /** \brief Builds the upper levels over the blocks' boxes, one at least. O(blocks). */
   explicit BlockTree(Level blocks);
 
   std::size_t numBlocks() const { return levels_.empty() ? 0 : levels_.front().count; }
@@ -43,6 +43,11 @@ class BlockTree {
   void blocksInBox(const float min[3], const float max[3],
                    std::vector<std::uint32_t>& blocks) const;
 
+  /** \brief Appends, in ascending order, the groups of kFan blocks whose common box meets an
+   * axis-aligned box: entries of levels()[1]. */
+  void groupsInBox(const float min[3], const float max[3],
+                   std::vector<std::uint32_t>& groups) const;
+
  private:
   std::vector<Level> levels_;
 };
@@ -50,20 +55,20 @@ class BlockTree {
 /** \brief Numbers of blocks, ascending. */
 using BlockList = AlignedVector<std::uint32_t>;
 
-/** \brief The blocks around one region, copied side by side: cheap queries for the many balls
- * that lie in it. */
+/** \brief The groups of blocks around one region, copied side by side: cheap queries for the many
+ * balls that lie in it. */
 class BlockNeighborhood {
  public:
-  /** \brief Collects the blocks whose box meets an axis-aligned box. */
+  /** \brief Collects the groups whose box meets an axis-aligned box; the tree must outlive this. */
   void collect(const BlockTree& tree, const float min[3], const float max[3]);
 
   /** \brief Replaces blocks by those, ascending, whose box meets a ball inside the region. */
   void blocksInBall(const float center[3], float radius, BlockList& blocks) const;
 
  private:
-  std::vector<std::uint32_t> found_;
-  BlockList ids_;  ///< padded to a multiple of kFan
-  BlockTree::Level boxes_, groups_;
+  const BlockTree* tree_ = nullptr;
+  std::vector<std::uint32_t> ids_;
+  BlockTree::Level groups_;
 };
 
 }  // namespace pcl_slim

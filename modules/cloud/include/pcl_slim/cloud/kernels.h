@@ -14,12 +14,13 @@ namespace pcl_slim::kernels {
 std::uint32_t
 boxesInBall(const BlockTree::Level& boxes, std::size_t first, const float center[3], float radius);
 
-/** \brief The boxes that meet a ball, in order, sought through groups of 16 neighbours.
- * \param[in] groups their common boxes, one each kFan boxes; \param[in] ids of the boxes, padded to
- * a multiple of kFan. \param[out] found their ids, with kFan entries to spare. \return how many. */
+/** \brief The boxes that meet a ball, sought through groups of kFan neighbours.
+ * \param[in] groups common boxes of some groups; \param[in] ids their numbers: group g has the boxes
+ * from g kFan on. \param[out] found numbers of boxes, in order of the groups, with kFan entries to
+ * spare. \return how many. */
 std::size_t
-groupedBoxesInBall(const BlockTree::Level& groups, const BlockTree::Level& boxes,
-                   const std::uint32_t* ids, const float center[3], float radius,
+groupedBoxesInBall(const BlockTree::Level& groups, const std::uint32_t* ids,
+                   const BlockTree::Level& boxes, const float center[3], float radius,
                    std::uint32_t* found);
 
 /** \brief Which of the 16 boxes from first on meet an axis-aligned box. */
