@@ -257,7 +257,7 @@ fitSurface(const PointStore& store, const FitParams& asked, SLIMSurface& surface
 
   surface.info = makeInfo(store, params, settings);
   fillSurface(cover, threads, surface);
-  surface.buildLinks();
+  surface.buildLinks(threads);
   stats.seconds_links = watch.lap();
   if (!store.hasNormals() && params.orient) orientSurface(params, surface);
   stats.seconds_orient = watch.lap();

@@ -82,8 +82,8 @@ class SLIMSurface {
   void flip(std::size_t i);
 
   /** \brief Rebuilds links and the root from centres, radii and levels (section 2, Fig. 6).
-   * O(M log M) for M surfels. */
-  void buildLinks();
+   * O(M log M) for M surfels; the same for any number of threads. */
+  void buildLinks(int threads = 1);
 
   /** \brief Checks sizes, ranges and finiteness; names the first defect. */
   Error validate() const;
