@@ -75,11 +75,15 @@ pairSheets(const Eigen::Matrix3Xd& points, PatchColumns& columns)
   const Eigen::Vector3d all = columns.sum();
   const Eigen::Matrix3d products = columns.products();
   pair.middle = pair.normal.dot(all) / n;
+  Eigen::Vector3d above, last_above = Eigen::Vector3d::Zero();
+  double last_count = 0;
   for (int pass = 0; pass < kSheetPasses; ++pass) {
     columns.heightsAlong(pair.normal);
-    Eigen::Vector3d above;
     const double count = columns.sumAbove(pair.middle, above);
     if (count < kLeastSide || n - count < kLeastSide) break;
+    if (count == last_count && above == last_above) break;  // no point has changed sides
+    last_count = count;
+    last_above = above;
     const Eigen::Vector3d below = (all - above) / (n - count);
     above /= count;
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;

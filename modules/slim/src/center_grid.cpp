@@ -94,6 +94,14 @@ CenterGrid::sortedByCell(const SLIMSurface& surface,
   return entries;
 }
 
+std::vector<Entry>
+CenterGrid::entries() const
+{
+  std::vector<Entry> entries(size());
+  for (std::size_t at = 0; at < size(); ++at) entries[at] = {codes_[at], members_[at]};
+  return entries;
+}
+
 const CenterGrid::Ranges&
 CenterGrid::Walk::around(std::int64_t cell)
 {

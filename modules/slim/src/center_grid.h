@@ -26,6 +26,9 @@ class CenterGrid {
     std::uint32_t surfel;
   };
 
+  /** The members, in order of cells. */
+  std::vector<Entry> entries() const;
+
   /** Any surfels, ascending, in order of this grid's cells; ascending within one. O(M). */
   std::vector<Entry> sortedByCell(const SLIMSurface& surface,
                                   const std::vector<std::uint32_t>& surfels) const;

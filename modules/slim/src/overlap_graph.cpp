@@ -109,7 +109,7 @@ makeLevel(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int le
     widest = std::max(widest, s.radius[i]);
   }
   for (const std::uint32_t i : leaves) {
-    if (s.level[i] >= level && s.radius[i] <= kMuchWider * widest) seekers.push_back(i);
+    if (s.level[i] > level && s.radius[i] <= kMuchWider * widest) seekers.push_back(i);
   }
   result.level = level;
   result.grid = std::make_unique<CenterGrid>(s, members, static_cast<float>(2.0 * kReach) * widest);
@@ -117,7 +117,15 @@ makeLevel(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int le
   for (std::size_t at = 0; at < members.size(); ++at) {
     result.radii[at] = s.radius[result.grid->memberAt(at)];
   }
-  result.seekers = result.grid->sortedByCell(s, seekers);
+  const auto before = [](const CenterGrid::Entry& a, const CenterGrid::Entry& b) {
+    return a.cell < b.cell;
+  };
+  result.seekers = result.grid->entries();
+  const auto finer = result.grid->sortedByCell(s, seekers);
+  const auto own = static_cast<std::ptrdiff_t>(result.seekers.size());
+  result.seekers.insert(result.seekers.end(), finer.begin(), finer.end());
+  std::inplace_merge(result.seekers.begin(), result.seekers.begin() + own, result.seekers.end(),
+                     before);
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "block_means.h"
 #include "normal_gate.h"
 #include "pcl_slim/core/parallel.h"
 #include "projection_kernel.h"
@@ -151,7 +152,10 @@ class Projector {
       kernels::addIntersections(points, leaf, rules_, sums);
     }
     const std::size_t count = std::min(PointStore::kBlock, store_.size() - first);
-    for (std::size_t lane = 0; lane < count; ++lane) finish(first + lane, lane, sums, result);
+    const BlockMeans means(sums);
+    for (std::size_t lane = 0; lane < count; ++lane) {
+      finish(first + lane, lane, sums, means, result);
+    }
   }
 
  private:
@@ -201,38 +205,37 @@ class Projector {
     return static_cast<float>(expected / (expected + error * error));
   }
 
-  void finish(std::size_t i, std::size_t lane, const BlockSums& sums, Projection& result) const
+  /** Writes down what was blended for point i. */
+  void finish(std::size_t i, std::size_t lane, const BlockSums& sums, const BlockMeans& means,
+              Projection& result) const
   {
     auto position = store_.position(i);
-    const double weight = sums.weight[lane];
-    if (weight > 0) {
-      const double t = sums.offset[lane] / weight;
-      double g[3], length_sq = 0;
+    const double weight = sums.weight[lane], length = means.length[lane];
+    if (weight > 0 && length > BlockMeans::kLeastGradient) {
       for (int a = 0; a < 3; ++a) {
-        position[a] += t * sums.direction[a][lane];
-        g[a] = sums.gradient[a][lane] / weight;
-        length_sq += g[a] * g[a];
+        position[a] += means.offset[lane] * sums.direction[a][lane];
+        result.normal[i][a] = means.unit[a][lane];
       }
-      const double length = std::sqrt(length_sq);
-      if (length > 1e-6) {
-        result.supported[i] = 1;
-        for (int a = 0; a < 3; ++a) result.normal[i][a] = static_cast<float>(g[a] / length);
-        if (rules_.with_hessian) {
-          double h[6];
-          for (int k = 0; k < 6; ++k) h[k] = sums.hessian[k][lane] / weight;
-          result.curvature[i] = meanAndGaussian(g, length, h);
-          if (directions_) result.principal[i] = principalCurvatures(g, length, h);
-          if (rules_.with_third) {
-            double third[10];
-            for (int k = 0; k < 10; ++k) third[k] = sums.third[k][lane] / weight;
-            setExtremality(g, length, h, third, result.principal[i]);
-          }
-        }
-        result.position[i] = position;
-        return;
-      }
+      result.supported[i] = 1;
+      if (rules_.with_hessian) setCurvature(i, lane, sums, means, result);
     }
-    result.position[i] = store_.position(i);
+    result.position[i] = position;
+  }
+
+  void setCurvature(std::size_t i, std::size_t lane, const BlockSums& sums, const BlockMeans& means,
+                    Projection& result) const
+  {
+    const double weight = sums.weight[lane], length = means.length[lane];
+    const double g[3] = {means.gradient[0][lane], means.gradient[1][lane], means.gradient[2][lane]};
+    double h[6];
+    for (int k = 0; k < 6; ++k) h[k] = sums.hessian[k][lane] / weight;
+    result.curvature[i] = meanAndGaussian(g, length, h);
+    if (directions_) result.principal[i] = principalCurvatures(g, length, h);
+    if (rules_.with_third) {
+      double third[10];
+      for (int k = 0; k < 10; ++k) third[k] = sums.third[k][lane] / weight;
+      setExtremality(g, length, h, third, result.principal[i]);
+    }
   }
 
   const PointStore& store_;
