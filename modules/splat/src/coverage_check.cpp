@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 
 constexpr std::size_t kNeighbors = 8;
 constexpr std::size_t kSheet = 24;      ///< neighbours that tell the surface's normal
-constexpr double kUsual = 4.0;          ///< times the middle spacing that still counts as dense
+constexpr double kUsual = 3.0;          ///< times the middle spacing that still counts as dense
 constexpr std::size_t kSamples = 1000;  ///< points that tell the middle spacing
 constexpr double kDepthSpacings = 2.0;
 constexpr double kPi = 3.14159265358979323846;
@@ -52,7 +52,7 @@ struct DiscTree {
   std::vector<double> radius;
   BlockTree tree;
 
-  DiscTree(const PointStore& store, const SplatSet& splats, double depth)
+  DiscTree(const PointStore& store, const SplatSet& splats, double depth, double least_cosine)
   {
     const std::size_t n = splats.size();
     center.resize(n);
@@ -68,8 +68,9 @@ struct DiscTree {
       center[i] = (Vector3d(splats.x[i], splats.y[i], splats.z[i]) + shift) / store.scale();
       normal[i] = Vector3d(splats.nx[i], splats.ny[i], splats.nz[i]);
       radius[i] = splats.radius[i] / store.scale();
-      // A place whose ray pierces the disc at most radius + depth away lies in this box.
-      const double reach = 2.0 * radius[i] + depth;
+      // A place whose ray, leaning with least_cosine, pierces the disc at most radius + depth above
+      // or below lies in this box.
+      const double reach = radius[i] + (radius[i] + depth) / least_cosine;
       float* const low[3] = {&boxes.min_x[i], &boxes.min_y[i], &boxes.min_z[i]};
       float* const high[3] = {&boxes.max_x[i], &boxes.max_y[i], &boxes.max_z[i]};
       for (int a = 0; a < 3; ++a) {
@@ -80,7 +81,9 @@ struct DiscTree {
     tree = BlockTree(std::move(boxes));
   }
 
-  std::uint32_t count(const Vector3d& place, const Vector3d& direction, double depth,
+  /** Discs that a ray meets. cosine: of its lean; depth: how far above or below the sheet beyond
+   * its radius a disc may be met. */
+  std::uint32_t count(const Vector3d& place, const Vector3d& direction, double cosine, double depth,
                       std::vector<std::uint32_t>& near) const
   {
     const float at[3] = {static_cast<float>(place[0]), static_cast<float>(place[1]),
@@ -93,12 +96,19 @@ struct DiscTree {
       if (std::abs(slope) < 1e-6) continue;
       const Vector3d to_center = center[i] - place;
       const double along = to_center.dot(normal[i]) / slope;
-      if (std::abs(along) > radius[i] + depth) continue;
+      if (std::abs(along) * cosine > radius[i] + depth) continue;
       met += (along * direction - to_center).squaredNorm() <= radius[i] * radius[i];
     }
     return met;
   }
 };
+
+/** Cosine of the most that rays lean. */
+double
+leastCosine(const CoverageParams& params)
+{
+  return std::cos(params.tilt * kPi / 180.0);
+}
 
 /** One thread's way of casting rays. */
 class Caster {
@@ -127,9 +137,11 @@ class Caster {
     const double u = std::sqrt(random()), v = random();
     Vector3d normal;
     if (!(thickness(normal) <= params_.thickness)) return kRough;
-    const Vector3d direction = directionAt(normal, random(), random());
+    const double turn = 2.0 * kPi * random();
+    const double cosine = 1.0 - random() * (1.0 - leastCosine(params_));
+    const Vector3d direction = directionAt(normal, cosine, turn);
     const Vector3d place = (1.0 - u) * a + u * (1.0 - v) * b + u * v * c;
-    return discs_.count(place, direction, kDepthSpacings * usual_, hits_);
+    return discs_.count(place, direction, cosine, kDepthSpacings * usual_, hits_);
   }
 
   double spacing(std::size_t i)
@@ -166,13 +178,11 @@ class Caster {
     return std::sqrt(across / along);
   }
 
-  Vector3d directionAt(const Vector3d& normal, double lean, double turn) const
+  static Vector3d directionAt(const Vector3d& normal, double cosine, double turn)
   {
-    const double cosine = 1.0 - lean * (1.0 - std::cos(params_.tilt * kPi / 180.0));
     const double sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
     const Vector3d side = normal.unitOrthogonal(), other = normal.cross(side);
-    return cosine * normal +
-           sine * (std::cos(2.0 * kPi * turn) * side + std::sin(2.0 * kPi * turn) * other);
+    return cosine * normal + sine * (std::cos(turn) * side + std::sin(turn) * other);
   }
 
   const PointStore& store_;
@@ -211,8 +221,8 @@ checkCoverage(const PointStore& store, const SplatSet& splats, const CoveragePar
   if (splats.empty() || store.size() == 0) {
     return Error{ErrorCode::kBadInput, "there are no splats to look through; sample some first"};
   }
-  const double usual = middleSpacing(store, DiscTree(store, SplatSet(), 0.0), params);
-  const DiscTree discs(store, splats, kDepthSpacings * usual);
+  const double usual = middleSpacing(store, DiscTree(store, SplatSet(), 0.0, 1.0), params);
+  const DiscTree discs(store, splats, kDepthSpacings * usual, leastCosine(params));
   const int threads = resolveThreads(params.threads);
   std::vector<Caster> casters(static_cast<std::size_t>(threads),
                               Caster(store, discs, params, usual));

@@ -14,13 +14,19 @@ namespace {
 constexpr std::size_t kSpacingCells = 1024;  ///< cells that tell the middle spacing
 constexpr std::size_t kExpectedRows = 256;   ///< of a slice: room that is rarely too little
 constexpr double kSpacings = 6.0;            ///< middle spacings in the widest
-constexpr double kFollowed = 2.0;  ///< gradients hold so much farther than there were points
+constexpr double kNoiseSlack = 2.0;  ///< times the variance of noisy normals that is not bend
+constexpr double kFollowed = 2.0;    ///< gradients hold so much farther than there were points
 
 }  // namespace
 
 SplatBuilder::SplatBuilder(const OctreeCloud& cloud, const OctreeSource& source,
                            const SplatParams& params, const SampleNoise& noise, std::size_t slices)
-    : cloud_(cloud), source_(source), params_(params), color_noise_(noise.color), slices_(slices)
+    : cloud_(cloud),
+      source_(source),
+      params_(params),
+      color_noise_(noise.color),
+      normal_noise_(noise.normal),
+      slices_(slices)
 {
   if (params.radius == RadiusRule::kNeighbors) disc_of_.resize(source.cloud.count());
 }
@@ -164,7 +170,8 @@ SplatBuilder::finish(const PointStore* store, SplatSet& splats, SplatStatistics&
       double radius = row.reach;
       if (!radii.empty()) radius = radii[i];
       if (params_.radius == RadiusRule::kDensity) {
-        radius = densityRadius(row.reach, row.confidence, row.spacing, widest_spacing);
+        const double bend = std::sqrt(std::max(0.0, row.curvature - kNoiseSlack * normal_noise_));
+        radius = densityRadius(row.reach, row.confidence, bend, row.spacing, widest_spacing);
       }
       splats.radius[i] = static_cast<float>(radius * cloud_.cell());
       splats.rgb[i] = row.rgb;

@@ -50,7 +50,7 @@ class SplatBuilder {
   const OctreeCloud& cloud_;
   const OctreeSource& source_;
   const SplatParams& params_;
-  double color_noise_;
+  double color_noise_, normal_noise_;
   std::vector<Slice> slices_;
   std::vector<std::array<std::uint32_t, 2>> disc_of_;  ///< slice and row of each point, by order
 };

@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kMargin = 1.0;           ///< spacings beyond a cell's own points
 constexpr double kMarginOfFew = 0.3;      ///< and more, over the root of their number
+constexpr double kMarginOfBend = 1.5;     ///< and more, times the deviation of normals
 constexpr double kNeighborMargin = 0.35;  ///< spacings beyond midpoints
 constexpr double kWidest = 6.0;           ///< middle spacings that count as widest
 constexpr std::size_t kSpacingNeighbors = 6, kNeighbors = 8;
@@ -114,9 +115,10 @@ widestSpacing(std::vector<CellSpacing>& cells)
 }
 
 double
-densityRadius(double reach, double points, double spacing, double widest)
+densityRadius(double reach, double points, double bend, double spacing, double widest)
 {
-  return reach + (kMargin + kMarginOfFew / std::sqrt(points)) * std::min(spacing, widest);
+  const double margin = kMargin + kMarginOfFew / std::sqrt(points) + kMarginOfBend * bend;
+  return reach + margin * std::min(spacing, widest);
 }
 
 std::vector<float>

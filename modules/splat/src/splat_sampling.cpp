@@ -157,7 +157,9 @@ class Sampling {
   /** What no rule would take off is not measured. */
   bool needsNoise() const
   {
-    return params_.remove_noise && !(isUniform() && params_.color != SplatColor::kGradient);
+    const bool by_bend = params_.radius == RadiusRule::kDensity;
+    const bool shapes = params_.color == SplatColor::kGradient || by_bend;
+    return params_.remove_noise && (shapes || !isUniform());
   }
 
   /** Neighbours of all points, and normals from them where there are none. */

@@ -24,7 +24,7 @@ struct Coverage {
   std::uint64_t rays = 0;    ///< cast, where the input is dense and smooth enough
   std::uint64_t missed = 0;  ///< of these, rays that met no disc
   /** Not cast: a side of the sample's triangle was longer than density times the mean distance
-   * between the point and its neighbours, or that distance 4 times what is usual in the cloud, so
+   * between the point and its neighbours, or that distance 3 times what is usual in the cloud, so
    * that the points themselves do not say whether there is a surface. */
   std::uint64_t sparse = 0;
   /** Not cast: the 24 points nearest to the sample are no sheet, as their standard deviation across
@@ -42,8 +42,8 @@ struct Coverage {
 /** \brief Casts rays through the surface between the points and counts the discs each one meets.
  *
  * A ray goes through a random place of a triangle of a point and two of its 8 nearest, in a random
- * direction about the normal of the plane through the 24 nearest. It meets a disc when it pierces it near that place,
- * no farther than its radius and two spacings. Testing the points themselves would prove nothing:
+ * direction about the normal of the plane through the 24 nearest. It meets a disc when it pierces it
+ * near that place: no farther above or below than the disc's radius and two spacings. Testing the points themselves would prove nothing:
  * discs can hold every point and still leave gaps between.
  *
  * \return an error for parameters out of range or splats without points. O(rays log splats). The

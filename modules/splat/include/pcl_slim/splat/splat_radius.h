@@ -12,7 +12,7 @@ namespace pcl_slim {
 
 /** \brief How large discs become. */
 enum class RadiusRule : unsigned char {
-  kDensity,    ///< to the farthest of the cell's n points, and 1 + .3 / sqrt(n) spacings (default)
+  kDensity,  ///< to the farthest of the cell's n points, and some spacings: densityRadius (default)
   kNeighbors,  ///< to halfway towards neighbours in other cells, and .35 spacings more
   kCorner      ///< to the farthest corner of the cell, as the paper has it: large, and never short
 };
@@ -34,11 +34,13 @@ struct CellSpacing {
 double
 widestSpacing(std::vector<CellSpacing>& cells);
 
-/** \brief Radius by kDensity [root cells]: few points tell their surroundings' spacing badly, so
- * that they get more of it. \param[in] reach distance to the farthest of the cell's points.
- * \param[in] widest widestSpacing(). */
+/** \brief Radius by kDensity [root cells]: the farthest of the cell's n points, and 1 + .3 / sqrt(n)
+ * + 1.5 bend spacings. Few points tell their surroundings' spacing badly, and where normals differ
+ * rays pass a disc aslant. \param[in] reach distance to the farthest of the cell's points.
+ * \param[in] bend standard deviation of its normals, noise taken off. \param[in] widest
+ * widestSpacing(). */
 double
-densityRadius(double reach, double points, double spacing, double widest);
+densityRadius(double reach, double points, double bend, double spacing, double widest);
 
 /** \brief Radii of all discs by kNeighbors [root cells].
  *
