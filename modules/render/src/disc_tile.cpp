@@ -96,8 +96,10 @@ DiscTile::begin(const DiscFrame& frame, const ImageSize& size, std::size_t t)
   }
 }
 
+/** \brief Runs body(leaf, disc, pixel) for every disc of the tile and every pixel it may cover. */
+template <typename Body>
 void
-DiscTile::findFirst(const DiscFrame& frame, DiscRenderStatistics& statistics)
+DiscTile::forEachPixel(const DiscFrame& frame, const Body& body) const
 {
   for (std::uint64_t e = frame.bins.begin[tile_]; e < frame.bins.begin[tile_ + 1]; ++e) {
     const VisibleLeaf& leaf = frame.bins.leaves[frame.bins.entries[e]];
@@ -105,16 +107,23 @@ DiscTile::findFirst(const DiscFrame& frame, DiscRenderStatistics& statistics)
     const PixelRect rect = clip(leaf.blend);
     for (int y = rect.y0; y <= rect.y1; ++y) {
       for (int x = rect.x0; x <= rect.x1; ++x) {
-        const std::size_t pixel = index(x, y);
-        First& first = first_[pixel];
-        if (frame.params.skip && leaf.nearest > first.depth) continue;
-        ++statistics.rays_first;
-        DiscHit hit;
-        if (!intersect(frame, rays_[pixel], disc, hit) || hit.depth >= first.depth) continue;
-        first = {hit.depth, hit.cosine, disc.radius, leaf.surfel};
+        body(leaf, disc, index(x, y));
       }
     }
   }
+}
+
+void
+DiscTile::findFirst(const DiscFrame& frame, DiscRenderStatistics& statistics)
+{
+  forEachPixel(frame, [&](const VisibleLeaf& leaf, const Disc& disc, std::size_t pixel) {
+    First& first = first_[pixel];
+    if (frame.params.skip && leaf.nearest > first.depth) return;
+    ++statistics.rays_first;
+    DiscHit hit;
+    if (!intersect(frame, rays_[pixel], disc, hit) || hit.depth >= first.depth) return;
+    first = {hit.depth, hit.cosine, disc.radius, leaf.surfel};
+  });
 }
 
 /** \brief Whether something of a disc at this depth belongs to the surface the first disc shows.
@@ -146,26 +155,18 @@ DiscTile::add(const DiscFrame& frame, const DiscHit& hit, const Disc& disc, std:
 void
 DiscTile::blend(const DiscFrame& frame, DiscRenderStatistics& statistics)
 {
-  for (std::uint64_t e = frame.bins.begin[tile_]; e < frame.bins.begin[tile_ + 1]; ++e) {
-    const VisibleLeaf& leaf = frame.bins.leaves[frame.bins.entries[e]];
-    const Disc disc(frame, leaf.surfel);
-    const PixelRect rect = clip(leaf.blend);
-    for (int y = rect.y0; y <= rect.y1; ++y) {
-      for (int x = rect.x0; x <= rect.x1; ++x) {
-        const std::size_t pixel = index(x, y);
-        const First& first = first_[pixel];
-        if (first.disc == GBuffer::kNothing) continue;
-        if (!frame.params.filtered && first.disc != leaf.surfel) continue;
-        if (frame.params.skip && !countsBehind(frame, first, disc, leaf.nearest, 0.0)) continue;
-        ++statistics.rays_blend;
-        DiscHit hit;
-        if (!intersect(frame, rays_[pixel], disc, hit)) continue;
-        if (!countsBehind(frame, first, disc, hit.depth, hit.cosine)) continue;
-        ++statistics.blended;
-        add(frame, hit, disc, leaf.surfel, sums_[pixel]);
-      }
-    }
-  }
+  forEachPixel(frame, [&](const VisibleLeaf& leaf, const Disc& disc, std::size_t pixel) {
+    const First& first = first_[pixel];
+    if (first.disc == GBuffer::kNothing) return;
+    if (!frame.params.filtered && first.disc != leaf.surfel) return;
+    if (frame.params.skip && !countsBehind(frame, first, disc, leaf.nearest, 0.0)) return;
+    ++statistics.rays_blend;
+    DiscHit hit;
+    if (!intersect(frame, rays_[pixel], disc, hit)) return;
+    if (!countsBehind(frame, first, disc, hit.depth, hit.cosine)) return;
+    ++statistics.blended;
+    add(frame, hit, disc, leaf.surfel, sums_[pixel]);
+  });
 }
 
 void

@@ -71,6 +71,8 @@ class DiscTile {
   {
     return static_cast<std::size_t>(y - y0_) * kTileSize + static_cast<std::size_t>(x - x0_);
   }
+  template <typename Body>
+  void forEachPixel(const DiscFrame& frame, const Body& body) const;
   PixelRect clip(const PixelRect& rect) const;
   bool countsBehind(const DiscFrame& frame, const First& first, const Disc& disc, double depth,
                     double cosine) const;

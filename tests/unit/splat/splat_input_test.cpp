@@ -45,6 +45,62 @@ TEST(SplatInput, OneColourOnePointOneLine)
   }
 }
 
+/** A painted cloud's coordinates and normals as floats, so many apart; nothing stands behind the last
+ * point. */
+class PackedFloats {
+ public:
+  PackedFloats(const PaintedCloud& cloud, std::size_t apart)
+      : apart_(apart), cloud_(cloud), positions_(pack(cloud.points)), normals_(pack(cloud.normals))
+  {
+  }
+
+  SplatSet splats() const
+  {
+    CloudView view;
+    view.xyz = positions_.data();
+    view.normal = normals_.data();
+    view.xyz_stride = view.normal_stride = apart_ * sizeof(float);
+    view.size = cloud_.size();
+    SplatSet splats;
+    const Error error = sampleSplats(view, cloud_.colors(), oneThread(), splats);
+    EXPECT_FALSE(error) << error.message;
+    return splats;
+  }
+
+ private:
+  template <typename T>
+  std::vector<float> pack(const std::vector<T>& values) const
+  {
+    const std::size_t n = values.size() / 3;
+    std::vector<float> packed((n - 1) * apart_ + 3, std::numeric_limits<float>::quiet_NaN());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      packed[i / 3 * apart_ + i % 3] = static_cast<float>(values[i]);
+    }
+    return packed;
+  }
+
+  std::size_t apart_;
+  const PaintedCloud& cloud_;
+  std::vector<float> positions_, normals_;
+};
+
+TEST(SplatInput, WhatStandsBetweenAndBehindPointsIsNotUsed)
+{
+  for (const std::size_t count : {1u, 5u, 20000u}) {
+    const PaintedCloud cloud = painted(count);
+    const SplatSet close = PackedFloats(cloud, 3).splats();
+    if (count > 1) expectSound(close, count);
+    for (const std::size_t apart : {4u, 7u}) {
+      const SplatSet wide = PackedFloats(cloud, apart).splats();
+      EXPECT_EQ(wide.x, close.x);
+      EXPECT_EQ(wide.nz, close.nz);
+      EXPECT_EQ(wide.radius, close.radius);
+      EXPECT_EQ(wide.rgb, close.rgb);
+      EXPECT_EQ(wide.kept, close.kept);
+    }
+  }
+}
+
 TEST(SplatInput, ThreadsChangeNothing)
 {
   const PaintedCloud cloud = painted(70000, 5.0);
