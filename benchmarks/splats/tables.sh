@@ -44,12 +44,13 @@ table() {
   done
 }
 
-printf 'Delta E, mean / 95th percentile\n\n%s budget / uniform |\n%s---|\n' "$heading" "$rule"
+printf 'Delta E, mean / 95th percentile\n\n%s budget / uniform | with gradient |\n%s---|---|\n' \
+  "$heading" "$rule"
 for cloud in "${clouds[@]}"; do
   for share in 0.05 0.1; do
     name=$(basename "${cloud%.pcd}")
     file="$work/$name $share.txt"
-    ratio=$(column 4 "$file" | awk 'NR == 1 { u = $1 } NR == 5 { printf " %.2f |", $1 / u }')
+    ratio=$(column 4 "$file" | awk 'NR == 1 { u = $1 } NR == 5 || NR == 6 { printf " %.2f |", $1 / u }')
     echo "| $name | $share |$(paste -d / <(column 4 "$file") <(column 5 "$file") | sed 's|/| / |' | cells)$ratio"
   done
 done

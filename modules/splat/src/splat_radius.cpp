@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kMargin = 1.0;           ///< spacings beyond a cell's own points
 constexpr double kMarginOfFew = 0.3;      ///< and more, over the root of their number
-constexpr double kMarginOfBend = 1.5;     ///< and more, times the deviation of normals
+constexpr double kMarginOfBend = 0.5;     ///< and more, times the deviation of normals
 constexpr double kNeighborMargin = 0.35;  ///< spacings beyond midpoints
 constexpr double kWidest = 6.0;           ///< middle spacings that count as widest
 constexpr std::size_t kSpacingNeighbors = 6, kNeighbors = 8;
