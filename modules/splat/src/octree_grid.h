@@ -149,16 +149,18 @@ class AreaProbe {
     std::vector<std::uint64_t> seen(kWords, 0);
     const std::size_t stride = std::max<std::size_t>(1, n / kProbePoints);
     const double scale = kCells / box.longest();
+    const bool all = box.finite == n;
     for (std::size_t i = 0; i < n; i += stride) {
       T p[3];
       read(i, p);
-      if (!isFinite(p)) continue;
-      std::size_t cell = 0;
+      if (!all && !isFinite(p)) continue;
+      int cell = 0;
       for (std::size_t a = 0; a < 3; ++a) {
         const double at = (static_cast<double>(p[a]) - box.min[a]) * scale;
-        cell = cell << kProbeBits | static_cast<std::size_t>(std::min(at, kCells - 1.0));
+        cell = cell << kProbeBits | static_cast<int>(std::min(at, kCells - 1.0));
       }
-      seen[cell / 64] |= std::uint64_t{1} << cell % 64;
+      const auto bit = static_cast<std::size_t>(cell);
+      seen[bit / 64] |= std::uint64_t{1} << bit % 64;
     }
     for (std::uint64_t word : seen) {
       for (; word != 0; word &= word - 1) ++occupied_;

@@ -12,7 +12,7 @@ namespace pcl_slim {
 namespace {
 
 constexpr std::size_t kSpacingCells = 1024;  ///< cells that tell the middle spacing
-constexpr std::size_t kExpectedRows = 256;   ///< of a slice: room that is rarely too little
+constexpr std::size_t kExpectedRows = 512;   ///< of a slice: room that is rarely too little
 constexpr double kSpacings = 6.0;            ///< middle spacings in the widest
 constexpr double kNoiseSlack = 2.0;  ///< times the variance of noisy normals that is not bend
 constexpr double kFollowed = 2.0;    ///< gradients hold so much farther than there were points
