@@ -27,6 +27,18 @@ mixBits(std::uint64_t x)
   return x ^ x >> 31;
 }
 
+/** The end of a run that starts at i: ever longer steps until it is left, then halving the last. */
+template <typename InRun>
+std::size_t
+endOfRun(const std::vector<std::uint32_t>& values, std::size_t i, const InRun& in_run)
+{
+  std::size_t step = 1;
+  for (; i + step < values.size() && in_run(values[i + step]); step *= 2) i += step;
+  const auto begin = values.begin() + static_cast<std::ptrdiff_t>(i);
+  const auto last = values.begin() + static_cast<std::ptrdiff_t>(std::min(values.size(), i + step));
+  return static_cast<std::size_t>(std::partition_point(begin, last, in_run) - values.begin());
+}
+
 }  // namespace
 
 LevelCover::LevelCover(const PointStore& store, const FitSettings& settings, int threads)
@@ -110,13 +122,13 @@ LevelCover::findCells(int level)
   const int depth =
       std::clamp(static_cast<int>(std::floor(-std::log2(2.0 * reach))), 0, kMortonLevels);
   const int shift = 3 * (kMortonLevels - depth);
-  const std::uint64_t* keys = store_.keys();
+  const auto codeOf = [&](std::uint32_t point) { return store_.keys()[point] >> shift; };
   cells_.clear();
-  for (std::uint32_t i = 0; i < active_.size();) {
-    const std::uint64_t code = keys[active_[i]] >> shift;
-    std::uint32_t end = i + 1;
-    while (end < active_.size() && keys[active_[end]] >> shift == code) ++end;
-    cells_.push_back({i, end, code});
+  for (std::size_t i = 0; i < active_.size();) {
+    const std::uint64_t code = codeOf(active_[i]);
+    const std::size_t end =
+        endOfRun(active_, i, [&](std::uint32_t point) { return codeOf(point) == code; });
+    cells_.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(end), code});
     i = end;
   }
   color_begin_.fill(0);
