@@ -8,50 +8,37 @@
 set -euo pipefail
 
 here=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
-program=${BIN_DIR:-$here/../build/release/bin}/pcl_slim_benchmark
-export OMP_WAIT_POLICY=passive  # threads that wait burn no CPU time
-
-usage() {
-  echo "$1" >&2
-  exit 2
-}
-case ${1-} in
-  -h | --help) sed -n 's/^# \{0,1\}//; 3,7p' "${BASH_SOURCE[0]}"; exit 0 ;;
-esac
-[ $# -ge 2 ] || usage "comparison.sh wants DATA_FOLDER and OUT_FOLDER; see comparison.sh -h"
-data=$1
-out=$2
+program=pcl_slim_benchmark
+source "$here/data_arguments.sh"
 shift 2
 [ $# -gt 0 ] || set -- timed timed438 exact pairs bunny claims claims438
-[ -d "$data" ] || usage "$data is not a folder: give one that holds .pcd and .ply scans"
-[ -x "$program" ] || usage "no $program: build it, or name its folder in BIN_DIR"
-command -v python3 >/dev/null || usage "python3 is missing: install it (apt install python3)"
-mkdir -p -- "$out"
+export OMP_WAIT_POLICY=passive  # threads that wait burn no CPU time
 
 # run STAGE OPTION...
 run() {
   local stage=$1
   shift
   echo "$stage" >&2
-  "$program" "$out/$stage" -threads "${THREADS:-2}" -quiet 1 "$@"
+  "$bin/$program" "$out/$stage" -threads "${THREADS:-2}" -quiet 1 "$@"
 }
 
 smooth=(-shapes 'sphere,torus,bumpy,relief' -noises '0,0.001,0.005')
 few=(-methods 'slim,mls' -degrees '2,4' -kappas '0,8' -t_mdls '0.005,0.01')
-timed=("${few[@]}" -compact 1 -mls_orders 2 -mls_neighbours '15,30,100,200,400,1000')
+timed=(-methods 'slim,mls' -kappas '0,8' -t_mdls '0.002,0.005,0.01,0.02,0.03' -compact 1
+  -mls_orders 2 -mls_neighbours '15,30,100,200,400,1000')
 sheets=(-claims sheets -points '30000,60000,100000,438000')
 for stage in "$@"; do
   case $stage in
     timed)
       if command -v xvfb-run >/dev/null; then
         echo timed >&2
-        xvfb-run -a "$program" "$out/timed" -threads "${THREADS:-2}" -quiet 1 "${smooth[@]}" \
-          "${timed[@]}"
+        xvfb-run -a "$bin/$program" "$out/timed" -threads "${THREADS:-2}" -quiet 1 "${smooth[@]}" \
+          "${timed[@]}" -degrees '2,3,4'
       else
-        run timed "${smooth[@]}" "${timed[@]}" -chart 0
+        run timed "${smooth[@]}" "${timed[@]}" -degrees '2,3,4' -chart 0
       fi
       ;;
-    timed438) run timed438 "${smooth[@]}" "${timed[@]}" -points 438000 -chart 0 ;;
+    timed438) run timed438 "${smooth[@]}" "${timed[@]}" -degrees '2,4' -points 438000 -repeats 1 -chart 0 ;;
     exact)
       run exact -shapes 'sphere,torus,bumpy,relief' -noises '0,0.001,0.005,0.01' -chart 0 \
         -degrees '2,4' -kappas '0,8' -t_mdls 0.01 -mls_orders '2,3' \

@@ -8,27 +8,14 @@
 set -euo pipefail
 
 here=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
-bin=${BIN_DIR:-$here/../build/release/bin}
+program=pcl_slim_fit
+source "$here/data_arguments.sh"
+[ $# -eq 2 ] || usage "$script takes two folders; see $script -h"
 threads=${THREADS:-2}
 repeats=${REPEATS:-3}
-
-usage() {
-  echo "$1" >&2
-  exit 2
-}
-case ${1-} in
-  -h | --help) sed -n 's/^# \{0,1\}//; 3,7p' "${BASH_SOURCE[0]}"; exit 0 ;;
-esac
-[ $# -eq 2 ] || usage "scan_table.sh wants DATA_FOLDER and OUT_FOLDER; see scan_table.sh -h"
-data=$1
-out=$2
-[ -d "$data" ] || usage "$data is not a folder: give one that holds .pcd and .ply scans"
-[ -x "$bin/pcl_slim_fit" ] || usage "no pcl_slim_fit in $bin: build it, or name its folder in BIN_DIR"
-command -v python3 >/dev/null || usage "python3 is missing: install it (apt install python3)"
 shopt -s nullglob
 scans=("$data"/*.pcd "$data"/*.ply)
 [ ${#scans[@]} -gt 0 ] || usage "$data holds no .pcd or .ply scan"
-mkdir -p -- "$out"
 
 # fit SCAN NAME OPTION...: report NAME.N.json of each repeat, surface NAME.slim, output NAME.log.
 fit() {

@@ -124,7 +124,7 @@ blendLeaf(const FrameContext& frame, const RaySurfel& surfel, std::uint32_t id, 
   // A leaf of another sheet may have its root near its own centre: q^ has to be near as well.
   const double root_sq = approach.distance_sq + s * s;
   const WeightKernel kernel = frame.surface.info.blend_kernel;
-  const double weight = evaluateKernel(kernel, std::max(hat_sq, root_sq));
+  const double weight = surfel.trust * evaluateKernel(kernel, std::max(hat_sq, root_sq));
   if (!(weight > 0.0)) return;
   const double side = slope > 0.0 ? -1.0 : 1.0;
   sum.weight += weight;

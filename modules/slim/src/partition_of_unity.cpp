@@ -62,10 +62,13 @@ kernelBySquare(WeightKernel kernel, double s)
 }
 
 ImplicitJet
-leafWeight(WeightKernel kernel, double r, const Vector& d)
+leafWeight(const SLIMSurface& surface, std::size_t i, const Vector& d)
 {
+  const double r = surface.radius[i];
   const double s = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / (r * r);
-  const auto g = kernelBySquare(kernel, s);
+  auto g = kernelBySquare(surface.info.blend_kernel, s);
+  const double trust = surface.info.paper_mode ? 1.0 : surface.trust(i);
+  for (double& derivative : g) derivative *= trust;
   ImplicitJet jet;
   jet.value = g[0];
   const double slope = 2 / (r * r);
@@ -108,7 +111,7 @@ PartitionOfUnity::evaluate(const std::array<double, 3>& x, ImplicitJet& jet) con
     const double r = surface_.radius[i];
     if (d[0] * d[0] + d[1] * d[1] + d[2] * d[2] >= r * r) return;
     const ImplicitJet f = leafFunction(surface_, i, d);
-    const ImplicitJet w = leafWeight(surface_.info.blend_kernel, r, d);
+    const ImplicitJet w = leafWeight(surface_, i, d);
     weight.value += w.value;
     sum.value += w.value * f.value;
     for (int a = 0; a < 3; ++a) {

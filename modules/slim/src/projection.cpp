@@ -19,7 +19,6 @@ constexpr float kSharpDot = 0.5f;  ///< with sharp features, leaves serve normal
 constexpr double kGateRadius = 0.25;  ///< nor offsets beyond this share of r
 constexpr double kGateNoise = 0.6;    ///< unless noise explains them, up to this share
 constexpr double kLeastGate = 1e-5;   ///< of r: exact fits must not gate on rounding
-constexpr double kTrusted = 1e-3;     ///< of r: residuals below say nothing against a leaf
 
 /** A surface in a store's units. Scales are powers of two and origins agree when the surface was
  * fitted to the store: its numbers then stay as they are. */
@@ -191,18 +190,10 @@ class Projector {
     leaf.max_residual = static_cast<float>(gate);
     const double noise = std::min(kGateErrors * noise_ / surface_.radius[i], kGateNoise);
     leaf.max_offset = static_cast<float>(std::min(gate, std::max(kGateRadius, noise)));
-    leaf.trust = rules_.guarded ? trust(surface_.error[i], surface_.radius[i]) : 1.0f;
+    leaf.trust = rules_.guarded ? surface_.trust(i) : 1.0f;
     leaf.degree = surface_.degree[i];
     leaf.c = surface_.coefficientsOf(i);
     return placed;
-  }
-
-  /** Inverse variance as a share of the noise's: a leaf that holds an edge or two sheets counts little
-   * beside one that fits, and fits down to the noise count alike. */
-  float trust(double error, double radius) const
-  {
-    const double expected = noise_ * noise_ + kTrusted * kTrusted * radius * radius;
-    return static_cast<float>(expected / (expected + error * error));
   }
 
   /** Writes down what was blended for point i. */

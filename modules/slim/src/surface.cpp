@@ -21,6 +21,16 @@ SLIMSurface::numLevels() const
   return static_cast<std::size_t>(std::count(seen.begin(), seen.end(), true));
 }
 
+float
+SLIMSurface::trust(std::size_t i) const
+{
+  constexpr double kTrusted = 1e-3;  // of r: residuals below say nothing against a leaf
+  const double r = radius[i], e = error[i];
+  const double expected =
+      std::max(0.0, info.lambda) * info.diagonal * info.diagonal + kTrusted * kTrusted * r * r;
+  return static_cast<float>(expected / (expected + e * e));
+}
+
 void
 SLIMSurface::clear()
 {

@@ -74,6 +74,11 @@ class SLIMSurface {
   std::size_t numLevels() const;
   const float* coefficientsOf(std::size_t i) const { return coefficients.data() + i * stride(); }
 
+  /** \brief v / (v + e^2) with v = lambda L^2 + (r / 1000)^2: the inverse variance of surfel i as a share
+   * of the noise's, in [0, 1). A leaf that holds an edge or two sheets counts little beside one that
+   * fits; fits down to the noise count alike. */
+  float trust(std::size_t i) const;
+
   /** \brief Removes every surfel and link; keeps info. */
   void clear();
   void resize(std::size_t count);
