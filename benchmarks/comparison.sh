@@ -24,7 +24,7 @@ run() {
 
 smooth=(-shapes 'sphere,torus,bumpy,relief' -noises '0,0.001,0.005')
 few=(-methods 'slim,mls' -degrees '2,4' -kappas '0,8' -t_mdls '0.005,0.01')
-timed=(-methods 'slim,mls' -kappas '0,8' -t_mdls '0.002,0.005,0.01,0.02,0.03' -compact 1
+timed=(-methods 'slim,mls' -degrees '2,4' -kappas '0,8' -t_mdls '0.002,0.005,0.02' -compact 1
   -mls_orders 2 -mls_neighbours '15,30,100,200,400,1000')
 sheets=(-claims sheets -points '30000,60000,100000,438000')
 for stage in "$@"; do
@@ -33,12 +33,12 @@ for stage in "$@"; do
       if command -v xvfb-run >/dev/null; then
         echo timed >&2
         xvfb-run -a "$bin/$program" "$out/timed" -threads "${THREADS:-2}" -quiet 1 "${smooth[@]}" \
-          "${timed[@]}" -degrees '2,3,4'
+          "${timed[@]}"
       else
-        run timed "${smooth[@]}" "${timed[@]}" -degrees '2,3,4' -chart 0
+        run timed "${smooth[@]}" "${timed[@]}" -chart 0
       fi
       ;;
-    timed438) run timed438 "${smooth[@]}" "${timed[@]}" -degrees '2,4' -points 438000 -repeats 1 -chart 0 ;;
+    timed438) run timed438 "${smooth[@]}" "${timed[@]}" -points 438000 -repeats 1 -chart 0 ;;
     exact)
       run exact -shapes 'sphere,torus,bumpy,relief' -noises '0,0.001,0.005,0.01' -chart 0 \
         -degrees '2,4' -kappas '0,8' -t_mdls 0.01 -mls_orders '2,3' \
@@ -60,7 +60,7 @@ for stage in "$@"; do
       run normals -claims normals "${smooth[@]}"
       run sheets "${sheets[@]}"
       run moves -claims moves -scans "$data"
-      run peers -claims peers -shapes 'sphere,torus,bumpy,relief' -degrees '2,3,4' \
+      run peers -claims peers -shapes 'sphere,torus,bumpy,relief' \
         -kappas '0,1,2,8' -t_mdls '0.01,0.03'
       run default -claims default -noises '0,0.001,0.005,0.01' -kappas '1,2,3,4,6,8' \
         -t_mdls '0.001,0.003,0.01,0.03,0.1'
