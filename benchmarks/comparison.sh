@@ -60,7 +60,7 @@ for stage in "$@"; do
       run normals -claims normals "${smooth[@]}"
       run sheets "${sheets[@]}"
       run moves -claims moves -scans "$data"
-      run peers -claims peers -shapes 'sphere,torus,bumpy,relief' \
+      run peers -claims peers -shapes 'sphere,torus,bumpy,relief' -degrees '2,3,4' \
         -kappas '0,1,2,8' -t_mdls '0.01,0.03'
       run default -claims default -noises '0,0.001,0.005,0.01' -kappas '1,2,3,4,6,8' \
         -t_mdls '0.001,0.003,0.01,0.03,0.1'
