@@ -59,6 +59,33 @@ TEST(TileRasterizer, RotatedOffsetAndScaledCameraSeesTheSameSphere)
   EXPECT_LT(d.mean, 0.02);
 }
 
+TEST(TileRasterizer, ALeafThatDoesNotFitCountsByItsVariance)
+{
+  constexpr float kRadius = 0.25f, kAbove = 0.01f;
+  SLIMSurface surface;
+  surface.info.degree = 1;
+  surface.info.oriented = true;
+  surface.info.diagonal = 1.0;
+  surface.info.lambda = 1e-4;
+  surface.resize(2);
+  for (std::size_t i = 0; i < 2; ++i) {
+    surface.nz[i] = 1;
+    surface.radius[i] = kRadius;
+    surface.degree[i] = 1;
+    surface.flags[i] = kSurfelLeaf;
+  }
+  surface.error = {0.01f, 0.05f};
+  surface.coefficients[3] = kAbove / kRadius;
+  const auto share = [&] {
+    const Camera camera = frontCamera(81, 61);
+    return (camera.position[2] - rendered(surface, camera).depth[30 * 81 + 40]) / kAbove;
+  };
+  // v / (v + e^2) with v = 1e-4: 1/2 and 1/26, but for (r / 1000)^2.
+  EXPECT_NEAR(share(), 1.0 / 14.0, 0.01);
+  surface.info.paper_mode = true;
+  EXPECT_NEAR(share(), 0.5, 0.02);
+}
+
 TEST(TileRasterizer, OrthographicDepthIsThatOfParallelRays)
 {
   const SLIMSurface surface = sphereSurface(4, kSphere, 600, 0.07);

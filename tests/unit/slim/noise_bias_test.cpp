@@ -70,14 +70,13 @@ TEST(NoiseBias, ASphereKeepsItsRadius)
   EXPECT_LT(std::abs(mean), 0.2 * sigma * sigma);
 }
 
-TEST(NoiseBias, ASphereUnderNoiseIsServedByItsWidestBalls)
+/** By E alone a third of the leaves stand a level lower, where luck favours them. */
+TEST(NestedRadii, ASphereUnderNoiseIsServedByItsWidestBalls)
 {
   for (const double noise : {0.0005, 0.001}) {
     const auto f = fitted(sceneCloud(Shape::kSphere, 40000, noise), FitParams());
     expectSound(f);
-    const auto first = static_cast<std::size_t>(f.statistics.first_level);
-    EXPECT_GT(f.statistics.leaves_per_level[first], 0.5 * f.statistics.leaves) << noise;
-    EXPECT_LE(f.statistics.last_level, f.statistics.first_level + 2) << noise;
+    EXPECT_EQ(f.statistics.last_level, f.statistics.first_level) << noise;
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "pcl_slim/slim/partition_of_unity.h"
 #include "support/clouds.h"
 
 namespace pcl_slim {
@@ -73,6 +74,24 @@ TEST_F(ProjectionTrust, ALeafThatDoesNotFitCountsByItsVariance)
   const auto surface = twoLeaves(store_, static_cast<float>(good), static_cast<float>(bad), noise);
   EXPECT_NEAR(lift(store_, surface, false) / kOffset, second / (first + second), 0.005);
   EXPECT_NEAR(lift(store_, surface, true) / kOffset, 0.49, 0.01) << "as printed, it counts in full";
+}
+
+TEST_F(ProjectionTrust, ThePartitionOfUnityWeighsAlike)
+{
+  const double noise = 0.004, good = 0.004, bad = 0.02;
+  SLIMSurface surface = twoLeaves(store_, static_cast<float>(good), static_cast<float>(bad), noise);
+  // Both weigh alike at their common centre but for what they leave: f is 0 and -kOffset there.
+  const auto share = [&] {
+    ImplicitJet jet;
+    EXPECT_TRUE(PartitionOfUnity(surface).evaluate({0, 0, 0}, jet));
+    return -jet.value / kOffset;
+  };
+  const double variance = noise * noise + std::pow(1e-3 * kRadius, 2);
+  const double first = variance / (variance + good * good);
+  const double second = variance / (variance + bad * bad);
+  EXPECT_NEAR(share(), second / (first + second), 1e-4);
+  surface.info.paper_mode = true;
+  EXPECT_NEAR(share(), 0.5, 1e-4);
 }
 
 TEST_F(ProjectionTrust, ExactFitsAreNotToldApartByRounding)
