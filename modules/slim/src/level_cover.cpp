@@ -12,11 +12,13 @@ namespace pcl_slim {
 namespace {
 
 constexpr int kLastLevel = 40;               ///< r_r falls to 1e-9 L; support ends long before
-constexpr std::uint8_t kServedLevel = 1;     ///< mark: inside an internal ball of this level
-constexpr std::uint8_t kServedForGood = 2;   ///< mark: nothing finer can be done for this point
-constexpr std::uint8_t kLoneNormalMark = 4;  ///< mark: passed over for its normal
+constexpr std::uint8_t kServedForGood = 1;   ///< mark: nothing finer can be done for this point
+constexpr std::uint8_t kLoneNormalMark = 2;  ///< mark: passed over for its normal
+constexpr std::uint8_t kFirstLevelMark = 4;  ///< mark: inside an internal ball of a level
+constexpr std::uint8_t kLastLevelMark = 128;
 constexpr int kMortonLevels = 21;
 constexpr std::size_t kSlice = 1 << 14;  ///< points a thread takes at a time
+constexpr std::size_t kFewCells = 32;    ///< per thread: colours would leave some idle
 constexpr char kCancelledMessage[] = "the fit was cancelled";
 
 std::uint64_t
@@ -45,7 +47,9 @@ LevelCover::LevelCover(const PointStore& store, const FitSettings& settings, int
     : store_(store),
       settings_(settings),
       threads_(threads),
-      arenas_(static_cast<std::size_t>(threads))
+      arenas_(static_cast<std::size_t>(threads)),
+      level_mark_(kFirstLevelMark),
+      serving_(kServedForGood | kFirstLevelMark)
 {
   for (int t = 0; t < threads; ++t) {
     fitters_.push_back(std::make_unique<BallFitter>(store, settings));
@@ -68,7 +72,6 @@ LevelCover::run(int first_level, Progress* progress)
                        "covering");
     }
     coverLevel(level);
-    dropServed();
     last_level_ = level;
   }
   if (progress != nullptr && progress->cancelled())
@@ -83,13 +86,24 @@ LevelCover::coverLevel(int level)
   findCells(level);
   const std::size_t first = outputs_.size();
   outputs_.resize(first + cells_.size());
-  for (int color = 0; color < 8; ++color) {
-    const std::size_t begin = color_begin_[color], end = color_begin_[color + 1];
-    parallelFor(end - begin, threads_, 1, [&](std::size_t i, int thread) {
-      const std::uint32_t cell = color_order_[begin + i];
-      coverCell(cells_[cell], level, thread, outputs_[first + cell]);
-    });
+  if (threads_ > 1 && cells_.size() <= kFewCells * static_cast<std::size_t>(threads_)) {
+    coverAhead(level, first);
+  } else {
+    for (int color = 0; color < 8; ++color) {
+      const std::size_t begin = color_begin_[color], end = color_begin_[color + 1];
+      parallelFor(end - begin, threads_, 1, [&](std::size_t i, int thread) {
+        const std::uint32_t cell = color_order_[begin + i];
+        coverCell(cells_[cell], level, thread, outputs_[first + cell]);
+      });
+    }
   }
+  countBytes();
+  endLevel(first);
+}
+
+void
+LevelCover::countBytes()
+{
   std::uint64_t bytes = outputs_.capacity() * sizeof(Output);
   for (const auto& arena : arenas_) bytes += arena.capacity() * sizeof(SurfelRecord);
   bytes += coverage_.size() * sizeof(float) + marks_.size() +
@@ -131,88 +145,84 @@ LevelCover::findCells(int level)
     cells_.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(end), code});
     i = end;
   }
+  orderByColor();
+}
+
+/** The largest of a colour come first, so that threads end together. */
+void
+LevelCover::orderByColor()
+{
   color_begin_.fill(0);
   for (const Cell& cell : cells_) ++color_begin_[(cell.code & 7) + 1];
   for (int c = 0; c < 8; ++c) color_begin_[c + 1] += color_begin_[c];
   color_order_.resize(cells_.size());
   auto next = color_begin_;
   for (std::uint32_t i = 0; i < cells_.size(); ++i) color_order_[next[cells_[i].code & 7]++] = i;
+  const auto size = [&](std::uint32_t cell) { return cells_[cell].end - cells_[cell].begin; };
+  for (std::size_t c = 0; c < 8; ++c) {
+    const auto begin = color_order_.begin();
+    std::stable_sort(begin + static_cast<std::ptrdiff_t>(color_begin_[c]),
+                     begin + static_cast<std::ptrdiff_t>(color_begin_[c + 1]),
+                     [&](std::uint32_t a, std::uint32_t b) { return size(a) > size(b); });
+  }
+}
+
+CellVisits
+LevelCover::visitsOf(const Cell& cell) const
+{
+  const std::uint32_t n = cell.end - cell.begin;
+  const std::uint64_t start = mixBits(settings_.seed ^ mixBits(cell.code + 1)) % n;
+  return {active_.data() + cell.begin, n, static_cast<std::uint32_t>(start)};
 }
 
 void
 LevelCover::coverCell(const Cell& cell, int level, int thread, Output& output)
 {
   BallFitter& fitter = *fitters_[static_cast<std::size_t>(thread)];
-  auto& arena = arenas_[static_cast<std::size_t>(thread)];
-  output = {thread, static_cast<std::uint32_t>(arena.size()), 0};
+  const auto begin = static_cast<std::uint32_t>(arenas_[static_cast<std::size_t>(thread)].size());
+  output = {thread, begin, begin};
+  CellVisits visits = visitsOf(cell);
+  const auto served = [this](std::uint32_t point) { return isServed(point); };
+  SurfelRecord surfel;
   bool prepared = false;
-  const auto visitPoint = [&](std::uint32_t point) {
-    if (isServed(point)) return false;
+  for (std::uint32_t point; visits.next(served, point);) {
     if (!prepared) prepareNeighborhood(cell, level, fitter);
     prepared = true;
-    tryCenter(point, level, fitter, arena);
-    return true;
-  };
-  const std::uint32_t n = cell.end - cell.begin;
-  VisitOrder order(
-      n, static_cast<std::uint32_t>(mixBits(settings_.seed ^ mixBits(cell.code + 1)) % n));
-  // Once many visits have been in vain, the few points that still want one are sought out.
-  const std::uint32_t patience = n / 32 + 16;
-  std::uint32_t visit = 0, in_vain = 0;
-  for (; visit < n && in_vain < patience; ++visit, order.advance()) {
-    in_vain = visitPoint(active_[cell.begin + order.at()]) ? 0 : in_vain + 1;
+    const BallOutcome outcome = fitter.fit(point, level, surfel);
+    keep(point, outcome, surfel, fitter, output);
   }
-  if (visit < n) {
-    for (const auto& [when, point] : unserved(cell, order)) visitPoint(point);
-  }
-  output.end = static_cast<std::uint32_t>(arena.size());
 }
 
-/** The points of a cell that are not served yet, in the order of their visits. */
-std::vector<std::pair<std::uint32_t, std::uint32_t>>
-LevelCover::unserved(const Cell& cell, VisitOrder& order) const
-{
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> left;
-  order.prepareWhen();
-  for (std::uint32_t i = cell.begin; i < cell.end; ++i) {
-    if (!isServed(active_[i])) left.emplace_back(order.when(i - cell.begin), active_[i]);
-  }
-  std::sort(left.begin(), left.end());
-  return left;
-}
-
+/** Serves what a fitted ball serves; its surfel, if it has one, ends its cell's output. */
 void
-LevelCover::tryCenter(std::uint32_t point, int level, BallFitter& fitter,
-                      std::vector<SurfelRecord>& arena)
+LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& surfel,
+                 BallFitter& fitter, Output& output)
 {
-  SurfelRecord surfel;
-  switch (fitter.fit(point, level, surfel)) {
+  output.lasts |= outcome != BallOutcome::kInternal;
+  switch (outcome) {
     case BallOutcome::kLeaf:
       fitter.cover(surfel, coverage_.data());
-      marks_[point] |= surfel.flags & kSurfelForced ? kServedForGood : kServedLevel;
-      arena.push_back(surfel);
+      marks_[point] |= surfel.flags & kSurfelForced ? kServedForGood : level_mark_;
       break;
     case BallOutcome::kInternal:
-      fitter.mark(surfel, kServedLevel, marks_.data());
-      marks_[point] |= kServedLevel;
-      arena.push_back(surfel);
+      fitter.mark(surfel, level_mark_, marks_.data());
+      marks_[point] |= level_mark_;
       break;
-    case BallOutcome::kUnsupported: marks_[point] = kServedForGood; break;
-    case BallOutcome::kLoneNormal: marks_[point] = kServedForGood | kLoneNormalMark; break;
+    case BallOutcome::kUnsupported: marks_[point] = kServedForGood; return;
+    case BallOutcome::kLoneNormal: marks_[point] = kServedForGood | kLoneNormalMark; return;
   }
+  arenas_[static_cast<std::size_t>(output.thread)].push_back(surfel);
+  ++output.end;
 }
 
 /** Collects the blocks that any ball of the cell's centres can reach. */
 void
-LevelCover::prepareNeighborhood(const Cell& cell, int level, BallFitter& fitter)
+LevelCover::prepareNeighborhood(const Cell& cell, int level, BallFitter& fitter) const
 {
   float low[3] = {1, 1, 1}, high[3] = {-1, -1, -1};
-  std::uint32_t last_block = PointStore::kSkipped;
   const BlockTree::Level& boxes = store_.tree().levels().front();
-  for (std::uint32_t i = cell.begin; i < cell.end; ++i) {
-    const std::uint32_t b = active_[i] / static_cast<std::uint32_t>(PointStore::kBlock);
-    if (b == last_block) continue;
-    last_block = b;
+  const std::size_t last = active_[cell.end - 1] / PointStore::kBlock;
+  for (std::size_t b = active_[cell.begin] / PointStore::kBlock; b <= last; ++b) {
     const float mins[3] = {boxes.min_x[b], boxes.min_y[b], boxes.min_z[b]};
     const float maxs[3] = {boxes.max_x[b], boxes.max_y[b], boxes.max_z[b]};
     for (int a = 0; a < 3; ++a) {
@@ -229,6 +239,21 @@ LevelCover::prepareNeighborhood(const Cell& cell, int level, BallFitter& fitter)
   fitter.neighborhood().collect(store_.tree(), low, high);
 }
 
+/** Where a level has only divided what it found, the next takes another mark and goes on. */
+void
+LevelCover::endLevel(std::size_t first_output)
+{
+  const auto begin = outputs_.begin() + static_cast<std::ptrdiff_t>(first_output);
+  const bool lasts = std::any_of(begin, outputs_.end(), [](const Output& o) { return o.lasts; });
+  if (lasts || level_mark_ == kLastLevelMark) {
+    dropServed();
+    level_mark_ = kFirstLevelMark;
+  } else {
+    level_mark_ = static_cast<std::uint8_t>(level_mark_ << 1);
+  }
+  serving_ = kServedForGood | level_mark_;
+}
+
 /** Keeps the points that are neither covered nor done with; level marks are wiped. */
 void
 LevelCover::dropServed()
@@ -239,7 +264,7 @@ LevelCover::dropServed()
     std::size_t next = s * kSlice;
     for (std::size_t i = s * kSlice; i < std::min(n, (s + 1) * kSlice); ++i) {
       const std::uint32_t point = active_[i];
-      marks_[point] &= static_cast<std::uint8_t>(~kServedLevel);
+      marks_[point] &= kServedForGood | kLoneNormalMark;
       active_[next] = point;
       next += !isServed(point);
     }

@@ -15,7 +15,8 @@ namespace pcl_slim {
  *
  * Within a level the centres of one Morton cell are tried one after another, cells of one of
  * eight colours at the same time: cells are at least twice as wide as a ball reaches, so no two
- * threads touch the same point and the result does not depend on their number.
+ * threads touch the same point and the result does not depend on their number. Where cells are too
+ * few for that, threads fit balls ahead of their turn.
  */
 class LevelCover {
  public:
@@ -49,20 +50,25 @@ class LevelCover {
   struct Output {
     int thread = 0;
     std::uint32_t begin = 0, end = 0;
+    bool lasts = false;  ///< whether some points need no finer level
   };
+  class Ahead;
 
   void coverLevel(int level);
+  void coverAhead(int level, std::size_t first_output);
   void findCells(int level);
+  void orderByColor();
+  CellVisits visitsOf(const Cell& cell) const;
   void coverCell(const Cell& cell, int level, int thread, Output& output);
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> unserved(const Cell& cell,
-                                                                VisitOrder& order) const;
-  void tryCenter(std::uint32_t point, int level, BallFitter& fitter,
-                 std::vector<SurfelRecord>& arena);
-  void prepareNeighborhood(const Cell& cell, int level, BallFitter& fitter);
+  void keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& surfel,
+            BallFitter& fitter, Output& output);
+  void prepareNeighborhood(const Cell& cell, int level, BallFitter& fitter) const;
+  void countBytes();
+  void endLevel(std::size_t first_output);
   void dropServed();
   bool isServed(std::uint32_t point) const
   {
-    return coverage_[point] >= settings_.gamma || marks_[point] != 0;
+    return coverage_[point] >= settings_.gamma || (marks_[point] & serving_) != 0;
   }
 
   const PointStore& store_;
@@ -71,12 +77,13 @@ class LevelCover {
   std::vector<std::unique_ptr<BallFitter>> fitters_;
   std::vector<std::vector<SurfelRecord>> arenas_;
   std::vector<float> coverage_;
-  std::vector<std::uint8_t> marks_;    ///< served at this level, or for good
+  std::vector<std::uint8_t> marks_;    ///< served for good, or at a level
   std::vector<std::uint32_t> active_;  ///< points not yet covered, ascending
   std::vector<Cell> cells_;
   std::vector<Output> outputs_;  ///< of all levels so far
   std::vector<std::uint32_t> color_order_;
   std::array<std::size_t, 9> color_begin_{};
+  std::uint8_t level_mark_, serving_;  ///< mark of this level, and all that count at it
   int last_level_ = 0;
   std::uint64_t lone_normals_ = 0, peak_bytes_ = 0;
 };

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <numeric>
+#include <utility>
+#include <vector>
 
 #include "fit_settings.h"
 
@@ -53,6 +56,58 @@ class VisitOrder {
 
   std::uint32_t n_, start_, at_, stride_;
   std::uint64_t inverse_ = 0;
+};
+
+/** \brief A cell's points that are not served when their turn comes, one after another. */
+class CellVisits {
+ public:
+  /** \param[in] points n > 0 of them, which stay where they are; \param[in] start < n. */
+  CellVisits(const std::uint32_t* points, std::uint32_t n, std::uint32_t start)
+      : points_(points), n_(n), patience_(n / 32 + 16), order_(n, start)
+  {
+  }
+
+  /** \brief Finds the next point that served(point) does not hold for; a point served once must stay
+   * so. \return whether there is one. */
+  template <typename Served>
+  bool next(const Served& served, std::uint32_t& point)
+  {
+    for (; visit_ < n_ && in_vain_ < patience_; ++in_vain_) {
+      point = points_[order_.at()];
+      ++visit_;
+      order_.advance();
+      if (served(point)) continue;
+      in_vain_ = 0;
+      return true;
+    }
+    // Once many visits have been in vain, the few points that still want one are sought out.
+    if (visit_ < n_) seekUnserved(served);
+    while (next_left_ < left_.size()) {
+      point = left_[next_left_++].second;
+      if (!served(point)) return true;
+    }
+    return false;
+  }
+
+ private:
+  template <typename Served>
+  void seekUnserved(const Served& served)
+  {
+    order_.prepareWhen();
+    for (std::uint32_t i = 0; i < n_; ++i) {
+      if (served(points_[i])) continue;
+      const std::uint32_t when = order_.when(i);
+      if (when >= visit_) left_.emplace_back(when, points_[i]);
+    }
+    std::sort(left_.begin(), left_.end());
+    visit_ = n_;
+  }
+
+  const std::uint32_t* points_;
+  std::uint32_t n_, patience_, visit_ = 0, in_vain_ = 0;
+  VisitOrder order_;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> left_;  ///< when, and which point
+  std::size_t next_left_ = 0;
 };
 
 }  // namespace pcl_slim
