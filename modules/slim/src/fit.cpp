@@ -165,14 +165,12 @@ countSurfels(const SLIMSurface& surface, FitStatistics& stats)
 }
 
 void
-countPoints(const PointStore& store, const FitSettings& settings, const LevelCover& cover,
-            FitStatistics& stats)
+countPoints(const PointStore& store, const LevelCover& cover, FitStatistics& stats)
 {
-  for (std::size_t i = 0; i < store.size(); ++i) {
-    stats.uncovered += cover.coverage()[i] < settings.gamma;
-    stats.unsupported += cover.coverage()[i] <= 0.0f;
-  }
-  stats.skipped_normals = cover.numLoneNormals();
+  const PointCounts counts = cover.countPoints();
+  stats.uncovered = counts.uncovered;
+  stats.unsupported = counts.unsupported;
+  stats.skipped_normals = counts.lone_normals;
   stats.split_sheets = cover.counters().split_sheets;
   stats.gathered = cover.counters().gathered;
   stats.never_gathered =
@@ -268,7 +266,7 @@ fitSurface(const PointStore& store, const FitParams& asked, SLIMSurface& surface
   stats.lambda = surface.info.lambda;
   stats.penalty = surface.info.penalty;
   stats.t_mdl = surface.info.t_mdl;
-  countPoints(store, settings, cover, stats);
+  countPoints(store, cover, stats);
   countSurfels(surface, stats);
   if (statistics != nullptr) *statistics = stats;
   return {};

@@ -2,8 +2,6 @@
 #include "level_cover.h"
 
 #include <algorithm>
-#include <cmath>
-#include <numeric>
 
 #include "pcl_slim/core/parallel.h"
 
@@ -16,7 +14,6 @@ constexpr std::uint8_t kServedForGood = 1;   ///< mark: nothing finer can be don
 constexpr std::uint8_t kLoneNormalMark = 2;  ///< mark: passed over for its normal
 constexpr std::uint8_t kFirstLevelMark = 4;  ///< mark: inside an internal ball of a level
 constexpr std::uint8_t kLastLevelMark = 128;
-constexpr int kMortonLevels = 21;
 constexpr std::size_t kSlice = 1 << 14;  ///< points a thread takes at a time
 constexpr std::size_t kFewCells = 32;    ///< per thread: colours would leave some idle
 constexpr char kCancelledMessage[] = "the fit was cancelled";
@@ -27,18 +24,6 @@ mixBits(std::uint64_t x)
   x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9ULL;
   x = (x ^ x >> 27) * 0x94d049bb133111ebULL;
   return x ^ x >> 31;
-}
-
-/** The end of a run that starts at i: ever longer steps until it is left, then halving the last. */
-template <typename InRun>
-std::size_t
-endOfRun(const std::vector<std::uint32_t>& values, std::size_t i, const InRun& in_run)
-{
-  std::size_t step = 1;
-  for (; i + step < values.size() && in_run(values[i + step]); step *= 2) i += step;
-  const auto begin = values.begin() + static_cast<std::ptrdiff_t>(i);
-  const auto last = values.begin() + static_cast<std::ptrdiff_t>(std::min(values.size(), i + step));
-  return static_cast<std::size_t>(std::partition_point(begin, last, in_run) - values.begin());
 }
 
 }  // namespace
@@ -55,10 +40,24 @@ LevelCover::LevelCover(const PointStore& store, const FitSettings& settings, int
     fitters_.push_back(std::make_unique<BallFitter>(store, settings));
   }
   const std::size_t padded = store.numBlocks() * PointStore::kBlock;
-  coverage_.assign(padded, 0.0f);
-  marks_.assign(padded, 0);
+  coverage_.resize(padded);
+  marks_.resize(padded);
   active_.resize(store.size());
-  std::iota(active_.begin(), active_.end(), 0u);
+  forSlices(padded, [&](std::size_t begin, std::size_t end) {
+    std::fill(coverage_.begin() + begin, coverage_.begin() + end, 0.0f);
+    std::fill(marks_.begin() + begin, marks_.begin() + end, std::uint8_t{0});
+    for (std::size_t i = begin; i < std::min(end, active_.size()); ++i) {
+      active_[i] = static_cast<std::uint32_t>(i);
+    }
+  });
+}
+
+template <typename Body>
+void
+LevelCover::forSlices(std::size_t count, const Body& body) const
+{
+  parallelFor((count + kSlice - 1) / kSlice, threads_, 1,
+              [&](std::size_t s, int) { body(s * kSlice, std::min(count, (s + 1) * kSlice)); });
 }
 
 Error
@@ -76,23 +75,26 @@ LevelCover::run(int first_level, Progress* progress)
   }
   if (progress != nullptr && progress->cancelled())
     return {ErrorCode::kCancelled, kCancelledMessage};
-  for (const std::uint8_t m : marks_) lone_normals_ += (m & kLoneNormalMark) != 0;
   return {};
 }
 
 void
 LevelCover::coverLevel(int level)
 {
-  findCells(level);
+  // A ball writes within r_r of where it moved to, a leaf grown to the next radius up within
+  // alpha r_r / gamma.
+  cells_.divide(
+      store_, active_,
+      settings_.levelRadius(level) * std::max(1.0 + kLargestShift, settings_.alpha / kGolden));
   const std::size_t first = outputs_.size();
   outputs_.resize(first + cells_.size());
   if (threads_ > 1 && cells_.size() <= kFewCells * static_cast<std::size_t>(threads_)) {
     coverAhead(level, first);
   } else {
     for (int color = 0; color < 8; ++color) {
-      const std::size_t begin = color_begin_[color], end = color_begin_[color + 1];
+      const std::size_t begin = cells_.colorBegin(color), end = cells_.colorBegin(color + 1);
       parallelFor(end - begin, threads_, 1, [&](std::size_t i, int thread) {
-        const std::uint32_t cell = color_order_[begin + i];
+        const std::uint32_t cell = cells_.byColor()[begin + i];
         coverCell(cells_[cell], level, thread, outputs_[first + cell]);
       });
     }
@@ -107,7 +109,7 @@ LevelCover::countBytes()
   std::uint64_t bytes = outputs_.capacity() * sizeof(Output);
   for (const auto& arena : arenas_) bytes += arena.capacity() * sizeof(SurfelRecord);
   bytes += coverage_.size() * sizeof(float) + marks_.size() +
-           active_.capacity() * sizeof(std::uint32_t) + cells_.capacity() * sizeof(Cell);
+           active_.capacity() * sizeof(std::uint32_t) + cells_.memoryBytes();
   peak_bytes_ = std::max(peak_bytes_, bytes);
 }
 
@@ -125,50 +127,8 @@ LevelCover::pieces() const
   return pieces;
 }
 
-/** Cuts the active points into runs of one Morton cell, ordered by colour. */
-void
-LevelCover::findCells(int level)
-{
-  // A ball writes within r_r of where it moved to, a leaf grown to the next radius up within
-  // alpha r_r / gamma.
-  const double reach =
-      settings_.levelRadius(level) * std::max(1.0 + kLargestShift, settings_.alpha / kGolden);
-  const int depth =
-      std::clamp(static_cast<int>(std::floor(-std::log2(2.0 * reach))), 0, kMortonLevels);
-  const int shift = 3 * (kMortonLevels - depth);
-  const auto codeOf = [&](std::uint32_t point) { return store_.keys()[point] >> shift; };
-  cells_.clear();
-  for (std::size_t i = 0; i < active_.size();) {
-    const std::uint64_t code = codeOf(active_[i]);
-    const std::size_t end =
-        endOfRun(active_, i, [&](std::uint32_t point) { return codeOf(point) == code; });
-    cells_.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(end), code});
-    i = end;
-  }
-  orderByColor();
-}
-
-/** The largest of a colour come first, so that threads end together. */
-void
-LevelCover::orderByColor()
-{
-  color_begin_.fill(0);
-  for (const Cell& cell : cells_) ++color_begin_[(cell.code & 7) + 1];
-  for (int c = 0; c < 8; ++c) color_begin_[c + 1] += color_begin_[c];
-  color_order_.resize(cells_.size());
-  auto next = color_begin_;
-  for (std::uint32_t i = 0; i < cells_.size(); ++i) color_order_[next[cells_[i].code & 7]++] = i;
-  const auto size = [&](std::uint32_t cell) { return cells_[cell].end - cells_[cell].begin; };
-  for (std::size_t c = 0; c < 8; ++c) {
-    const auto begin = color_order_.begin();
-    std::stable_sort(begin + static_cast<std::ptrdiff_t>(color_begin_[c]),
-                     begin + static_cast<std::ptrdiff_t>(color_begin_[c + 1]),
-                     [&](std::uint32_t a, std::uint32_t b) { return size(a) > size(b); });
-  }
-}
-
 CellVisits
-LevelCover::visitsOf(const Cell& cell) const
+LevelCover::visitsOf(const CoverCells::Cell& cell) const
 {
   const std::uint32_t n = cell.end - cell.begin;
   const std::uint64_t start = mixBits(settings_.seed ^ mixBits(cell.code + 1)) % n;
@@ -176,7 +136,7 @@ LevelCover::visitsOf(const Cell& cell) const
 }
 
 void
-LevelCover::coverCell(const Cell& cell, int level, int thread, Output& output)
+LevelCover::coverCell(const CoverCells::Cell& cell, int level, int thread, Output& output)
 {
   BallFitter& fitter = *fitters_[static_cast<std::size_t>(thread)];
   const auto begin = static_cast<std::uint32_t>(arenas_[static_cast<std::size_t>(thread)].size());
@@ -217,7 +177,7 @@ LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& s
 
 /** Collects the blocks that any ball of the cell's centres can reach. */
 void
-LevelCover::prepareNeighborhood(const Cell& cell, int level, BallFitter& fitter) const
+LevelCover::prepareNeighborhood(const CoverCells::Cell& cell, int level, BallFitter& fitter) const
 {
   float low[3] = {1, 1, 1}, high[3] = {-1, -1, -1};
   const BlockTree::Level& boxes = store_.tree().levels().front();
@@ -258,26 +218,47 @@ LevelCover::endLevel(std::size_t first_output)
 void
 LevelCover::dropServed()
 {
-  const std::size_t n = active_.size(), slices = (n + kSlice - 1) / kSlice;
-  std::vector<std::size_t> kept(slices);
-  parallelFor(slices, threads_, 1, [&](std::size_t s, int) {
-    std::size_t next = s * kSlice;
-    for (std::size_t i = s * kSlice; i < std::min(n, (s + 1) * kSlice); ++i) {
+  std::vector<std::size_t> kept((active_.size() + kSlice - 1) / kSlice);
+  forSlices(active_.size(), [&](std::size_t begin, std::size_t end) {
+    std::size_t next = begin;
+    for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t point = active_[i];
       marks_[point] &= kServedForGood | kLoneNormalMark;
       active_[next] = point;
       next += !isServed(point);
     }
-    kept[s] = next - s * kSlice;
+    kept[begin / kSlice] = next - begin;
   });
   std::size_t end = 0;
-  for (std::size_t s = 0; s < slices; ++s) {
+  for (std::size_t s = 0; s < kept.size(); ++s) {
     const auto begin = active_.begin() + static_cast<std::ptrdiff_t>(s * kSlice);
     const auto target = active_.begin() + static_cast<std::ptrdiff_t>(end);
     if (begin != target) std::copy_n(begin, kept[s], target);
     end += kept[s];
   }
   active_.resize(end);
+}
+
+PointCounts
+LevelCover::countPoints() const
+{
+  const std::size_t n = store_.size();
+  std::vector<PointCounts> parts((n + kSlice - 1) / kSlice);
+  forSlices(n, [&](std::size_t begin, std::size_t end) {
+    PointCounts& part = parts[begin / kSlice];
+    for (std::size_t i = begin; i < end; ++i) {
+      part.uncovered += coverage_[i] < settings_.gamma;
+      part.unsupported += coverage_[i] <= 0.0f;
+      part.lone_normals += (marks_[i] & kLoneNormalMark) != 0;
+    }
+  });
+  PointCounts sum;
+  for (const PointCounts& part : parts) {
+    sum.uncovered += part.uncovered;
+    sum.unsupported += part.unsupported;
+    sum.lone_normals += part.lone_normals;
+  }
+  return sum;
 }
 
 BallCounters

@@ -6,10 +6,18 @@
 #include <vector>
 
 #include "ball_fitter.h"
+#include "cover_cells.h"
+#include "pcl_slim/core/aligned.h"
 #include "pcl_slim/core/progress.h"
 #include "visit_order.h"
 
 namespace pcl_slim {
+
+/** \brief How many points ended without what. */
+struct PointCounts {
+  std::uint64_t uncovered = 0, unsupported = 0;  ///< unsupported: by any leaf at all
+  std::uint64_t lone_normals = 0;                ///< passed over for their normals
+};
 
 /** \brief Covers the points level by level (section 2, "Multi-scale surfel-based approximation").
  *
@@ -34,18 +42,13 @@ class LevelCover {
   /** \brief All surfels: by level, in the Morton order of cells within each. */
   std::vector<Piece> pieces() const;
 
-  const std::vector<float>& coverage() const { return coverage_; }
   int lastLevel() const { return last_level_; }
-  std::uint64_t numLoneNormals() const { return lone_normals_; }
+  PointCounts countPoints() const;
   BallCounters counters() const;
   std::uint64_t numFits() const;
   std::uint64_t peakBytes() const { return peak_bytes_; }
 
  private:
-  struct Cell {
-    std::uint32_t begin, end;  ///< range of active_
-    std::uint64_t code;
-  };
   /** Surfels of one cell, in its thread's arena. */
   struct Output {
     int thread = 0;
@@ -56,14 +59,14 @@ class LevelCover {
 
   void coverLevel(int level);
   void coverAhead(int level, std::size_t first_output);
-  void findCells(int level);
-  void orderByColor();
-  CellVisits visitsOf(const Cell& cell) const;
-  void coverCell(const Cell& cell, int level, int thread, Output& output);
+  CellVisits visitsOf(const CoverCells::Cell& cell) const;
+  void coverCell(const CoverCells::Cell& cell, int level, int thread, Output& output);
   void keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& surfel,
             BallFitter& fitter, Output& output);
-  void prepareNeighborhood(const Cell& cell, int level, BallFitter& fitter) const;
+  void prepareNeighborhood(const CoverCells::Cell& cell, int level, BallFitter& fitter) const;
   void countBytes();
+  template <typename Body>
+  void forSlices(std::size_t count, const Body& body) const;
   void endLevel(std::size_t first_output);
   void dropServed();
   bool isServed(std::uint32_t point) const
@@ -76,16 +79,14 @@ class LevelCover {
   int threads_;
   std::vector<std::unique_ptr<BallFitter>> fitters_;
   std::vector<std::vector<SurfelRecord>> arenas_;
-  std::vector<float> coverage_;
-  std::vector<std::uint8_t> marks_;    ///< served for good, or at a level
-  std::vector<std::uint32_t> active_;  ///< points not yet covered, ascending
-  std::vector<Cell> cells_;
-  std::vector<Output> outputs_;  ///< of all levels so far
-  std::vector<std::uint32_t> color_order_;
-  std::array<std::size_t, 9> color_begin_{};
-  std::uint8_t level_mark_, serving_;  ///< mark of this level, and all that count at it
+  AlignedVector<float> coverage_;
+  AlignedVector<std::uint8_t> marks_;    ///< served for good, or at a level
+  AlignedVector<std::uint32_t> active_;  ///< points not yet covered, ascending
+  CoverCells cells_;                     ///< of active_, at this level
+  std::vector<Output> outputs_;          ///< of all levels so far
+  std::uint8_t level_mark_, serving_;    ///< mark of this level, and all that count at it
   int last_level_ = 0;
-  std::uint64_t lone_normals_ = 0, peak_bytes_ = 0;
+  std::uint64_t peak_bytes_ = 0;
 };
 
 }  // namespace pcl_slim

@@ -156,8 +156,8 @@ class LevelCover::Ahead {
         slots_.back().place = cover_.store_.position(point);
         return true;
       }
-      if (next_cell_ == cover_.color_order_.size()) return false;
-      cell_ = cover_.color_order_[next_cell_++];
+      if (next_cell_ == cover_.cells_.byColor().size()) return false;
+      cell_ = cover_.cells_.byColor()[next_cell_++];
       visits_.emplace(cover_.visitsOf(cover_.cells_[cell_]));
     }
   }

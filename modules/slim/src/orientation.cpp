@@ -64,30 +64,50 @@ struct Part {
   }
 };
 
-/** The parts of a forest, each at its root's place. */
-std::vector<Part>
+/** What a forest's trees are, by tree, and the leaves' places in them. */
+struct Parts {
+  std::vector<Part> parts;
+  std::vector<std::uint32_t> part_of;  ///< for each leaf
+  std::vector<signed char> signs;      ///< for each leaf, relative to its root
+};
+
+Parts
 partsOf(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, SignedForest& forest)
 {
-  std::vector<Part> parts(s.size());
-  for (const std::uint32_t i : leaves) {
-    Part& part = parts[forest.root(i)];
+  constexpr std::uint32_t kNew = 0xffffffffu;
+  Parts result;
+  auto& [parts, part_of, signs] = result;
+  part_of.resize(leaves.size());
+  signs.resize(leaves.size());
+  std::vector<std::uint32_t> part_at(s.size(), kNew);
+  for (std::size_t k = 0; k < leaves.size(); ++k) {
+    const std::uint32_t i = leaves[k];
+    int sign;
+    std::uint32_t& at = part_at[forest.root(i, sign)];
+    if (at == kNew) {
+      at = static_cast<std::uint32_t>(parts.size());
+      parts.emplace_back();
+    }
+    part_of[k] = at;
+    signs[k] = static_cast<signed char>(sign);
+    Part& part = parts[at];
     const double area = static_cast<double>(s.radius[i]) * s.radius[i];
     part.weight += area;
     const Vector c = centerOf(s, i);
     for (int a = 0; a < 3; ++a) part.center[a] += area * c[a];
   }
-  for (const std::uint32_t i : leaves) {
-    int sign;
-    Part& part = parts[forest.root(i, sign)];
+  for (std::size_t k = 0; k < leaves.size(); ++k) {
+    const std::uint32_t i = leaves[k];
+    Part& part = parts[part_of[k]];
     const Vector c = centerOf(s, i), n = normalOf(s, i);
     const Vector away = {c[0] - part.center[0] / part.weight, c[1] - part.center[1] / part.weight,
                          c[2] - part.center[2] / part.weight};
     const double area = static_cast<double>(s.radius[i]) * s.radius[i];
-    part.flux += sign * area * dot(away, n);
+    part.flux += signs[k] * area * dot(away, n);
     part.reach += area * std::sqrt(dot(away, away));
-    for (int a = 0; a < 3; ++a) part.normal[a] += sign * area * n[a];
+    for (int a = 0; a < 3; ++a) part.normal[a] += signs[k] * area * n[a];
   }
-  return parts;
+  return result;
 }
 
 /** Which of a number of classes, each a little heavier than the last, a weight belongs to. */
@@ -153,9 +173,11 @@ spanningForest(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, i
       return;
     }
     if (closed.empty()) {
-      const std::vector<Part> parts = partsOf(s, leaves, forest);
+      const Parts found = partsOf(s, leaves, forest);
       closed.resize(s.size());
-      for (const std::uint32_t i : leaves) closed[i] = parts[i].closed();
+      for (std::size_t k = 0; k < leaves.size(); ++k) {
+        closed[forest.root(leaves[k])] = found.parts[found.part_of[k]].closed();
+      }
     }
     const std::uint32_t a = forest.root(e.a), b = forest.root(e.b);
     if (closed[a] && closed[b]) return;
@@ -170,12 +192,11 @@ std::vector<signed char>
 graphSigns(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int threads)
 {
   SignedForest forest = spanningForest(s, leaves, threads);
-  const std::vector<Part> parts = partsOf(s, leaves, forest);
+  const Parts found = partsOf(s, leaves, forest);
   std::vector<signed char> signs(s.size(), 1);
-  for (const std::uint32_t i : leaves) {
-    int sign;
-    const std::uint32_t root = forest.root(i, sign);
-    signs[i] = static_cast<signed char>(parts[root].turned() ? -sign : sign);
+  for (std::size_t k = 0; k < leaves.size(); ++k) {
+    const bool turned = found.parts[found.part_of[k]].turned();
+    signs[leaves[k]] = static_cast<signed char>(turned ? -found.signs[k] : found.signs[k]);
   }
   return signs;
 }

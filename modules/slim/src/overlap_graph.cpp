@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "center_grid.h"
+#include "pcl_slim/core/aligned.h"
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim {
@@ -77,7 +78,7 @@ probe(const Leaf& leaf, const Vector& x)
 }
 
 OverlapEdge
-makeEdge(const std::vector<Leaf>& leaves, std::uint32_t a, std::uint32_t b, double distance)
+makeEdge(const AlignedVector<Leaf>& leaves, std::uint32_t a, std::uint32_t b, double distance)
 {
   const Probe at_a = probe(leaves[a], leaves[b].center), at_b = probe(leaves[b], leaves[a].center);
   const double cosine =
@@ -193,7 +194,7 @@ class NeighborFinder {
 std::vector<std::vector<OverlapEdge>>
 overlapGraph(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int threads)
 {
-  std::vector<Leaf> data(s.size());
+  AlignedVector<Leaf> data(s.size());
   parallelFor(leaves.size(), threads, kTask,
               [&](std::size_t at, int) { data[leaves[at]] = leafOf(s, leaves[at]); });
   std::array<bool, 256> seen{};
