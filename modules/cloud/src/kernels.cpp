@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/cloud/kernels.h"
 
+#include "pcl_slim/cloud/morton.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "kernels.cpp"
 #include "hwy/foreach_target.h"
@@ -133,6 +135,51 @@ pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num
   return count;
 }
 
+/** As mortonCell() has it, in the low bits of each lane. */
+template <class D, class V>
+HWY_INLINE hn::Vec<hn::RebindToUnsigned<D>>
+mortonCells(D d, V local)
+{
+  const hn::RebindToUnsigned<D> du;
+  const V cells = hn::Set(d, static_cast<double>(1 << kMortonBits));
+  const V cell = hn::Mul(hn::Add(local, hn::Set(d, 0.5)), cells);
+  const V last = hn::Sub(cells, hn::Set(d, 1.0));
+  const V whole = hn::Floor(hn::Min(hn::Max(cell, hn::Zero(d)), last));
+  // Beyond 2^52 a double's low bits count ones.
+  return hn::And(hn::BitCast(du, hn::Add(whole, hn::Set(d, 0x1p52))),
+                 hn::Set(du, (std::uint64_t{1} << kMortonBits) - 1));
+}
+
+/** As the scalar spreadBits() has it. */
+template <class DU, class V>
+HWY_INLINE V
+spreadLanes(DU du, V v)
+{
+  v = hn::And(hn::Or(v, hn::ShiftLeft<32>(v)), hn::Set(du, 0x1f00000000ffffULL));
+  v = hn::And(hn::Or(v, hn::ShiftLeft<16>(v)), hn::Set(du, 0x1f0000ff0000ffULL));
+  v = hn::And(hn::Or(v, hn::ShiftLeft<8>(v)), hn::Set(du, 0x100f00f00f00f00fULL));
+  v = hn::And(hn::Or(v, hn::ShiftLeft<4>(v)), hn::Set(du, 0x10c30c30c30c30c3ULL));
+  return hn::And(hn::Or(v, hn::ShiftLeft<2>(v)), hn::Set(du, 0x1249249249249249ULL));
+}
+
+void
+mortonCodes(const double (&positions)[3][kMortonBatch], const double origin[3],
+            double inverse_scale, std::uint64_t* codes)
+{
+  const hn::CappedTag<double, 8> d;
+  const hn::RebindToUnsigned<decltype(d)> du;
+  const auto scale = hn::Set(d, inverse_scale);
+  for (std::size_t i = 0; i < kMortonBatch; i += hn::Lanes(d)) {
+    const auto spread = [&](int axis) HWY_ATTR {
+      const auto offset = hn::Sub(hn::Load(d, positions[axis] + i), hn::Set(d, origin[axis]));
+      return spreadLanes(du, mortonCells(d, hn::Mul(offset, scale)));
+    };
+    const auto code =
+        hn::Or(hn::Or(hn::ShiftLeft<2>(spread(0)), hn::ShiftLeft<1>(spread(1))), spread(2));
+    hn::Store(code, du, codes + i);
+  }
+}
+
 const char*
 instructionSet()
 {
@@ -149,6 +196,7 @@ HWY_EXPORT(boxesInBall);
 HWY_EXPORT(groupedBoxesInBall);
 HWY_EXPORT(boxesInBox);
 HWY_EXPORT(pointsUpTo);
+HWY_EXPORT(mortonCodes);
 HWY_EXPORT(instructionSet);
 
 std::uint32_t
@@ -177,6 +225,13 @@ pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num
 {
   return HWY_DYNAMIC_DISPATCH(pointsUpTo)(store, blocks, num_blocks, center, limit_sq, distances_sq,
                                           points);
+}
+
+void
+mortonCodes(const double (&positions)[3][kMortonBatch], const double origin[3],
+            double inverse_scale, std::uint64_t* codes)
+{
+  HWY_DYNAMIC_DISPATCH(mortonCodes)(positions, origin, inverse_scale, codes);
 }
 
 const char*

@@ -2,8 +2,6 @@
 #include "pcl_slim/cloud/morton_sort.h"
 
 #include <algorithm>
-#include <array>
-#include <numeric>
 #include <vector>
 
 #include "pcl_slim/core/parallel.h"
@@ -12,52 +10,18 @@ namespace pcl_slim {
 
 namespace {
 
-constexpr int kDigitBits = 11;
-constexpr std::size_t kBuckets = std::size_t{1} << kDigitBits;
 constexpr int kKeyBits = 63;
+constexpr std::size_t kSlice = 1 << 14;  ///< keys a thread takes at a time
+constexpr std::size_t kFew = 1 << 15;    ///< keys that one thread sorts
 
 using Keys = AlignedVector<std::uint64_t>;
 using Indices = AlignedVector<std::uint32_t>;
-using Histogram = std::array<std::size_t, kBuckets>;
 
-std::size_t
-digitOf(std::uint64_t key, int shift)
-{
-  return (key >> shift) & (kBuckets - 1);
-}
-
-/** One stable pass: slices count their digits, then scatter to offsets that keep their order. */
+template <typename Body>
 void
-radixPass(const Keys& keys, const Indices& indices, Keys& keys_out, Indices& indices_out, int shift,
-          int threads)
+forAll(std::size_t n, int threads, const Body& body)
 {
-  const std::size_t n = keys.size();
-  const auto slices = static_cast<std::size_t>(threads);
-  std::vector<Histogram> offsets(slices);
-  const auto sliceBegin = [&](std::size_t s) { return n * s / slices; };
-
-  parallelFor(slices, threads, 1, [&](std::size_t s, int) {
-    Histogram& count = offsets[s];
-    count.fill(0);
-    for (std::size_t i = sliceBegin(s); i < sliceBegin(s + 1); ++i)
-      ++count[digitOf(keys[i], shift)];
-  });
-  std::size_t total = 0;
-  for (std::size_t digit = 0; digit < kBuckets; ++digit) {
-    for (std::size_t s = 0; s < slices; ++s) {
-      const std::size_t count = offsets[s][digit];
-      offsets[s][digit] = total;
-      total += count;
-    }
-  }
-  parallelFor(slices, threads, 1, [&](std::size_t s, int) {
-    Histogram& next = offsets[s];
-    for (std::size_t i = sliceBegin(s); i < sliceBegin(s + 1); ++i) {
-      const std::size_t target = next[digitOf(keys[i], shift)]++;
-      keys_out[target] = keys[i];
-      indices_out[target] = indices[i];
-    }
-  });
+  parallelFor(n, threads, kSlice, [&](std::size_t i, int) { body(i); });
 }
 
 /** Sorts [begin, end), whose keys share their leading bits, by the whole key and the index. */
@@ -96,22 +60,25 @@ sortRuns(Keys& keys, Indices& indices, int low_bits, int threads)
 }  // namespace
 
 void
-sortByKey(Keys& keys, Indices& indices, int threads)
+sortByKey(Keys& keys, Indices& order, int threads)
 {
   const std::size_t n = keys.size();
-  if (n < 2) return;
-  const int used = n < (std::size_t{1} << 15) ? 1 : threads;
-  // Enough leading bits that few points share them: three digits up to a few million points.
-  const int passes = n < (std::size_t{1} << 22) ? 3 : 4;
-  const int low_bits = kKeyBits - passes * kDigitBits;
-  Keys keys_spare(n);
-  Indices indices_spare(n);
-  for (int pass = 0; pass < passes; ++pass) {
-    radixPass(keys, indices, keys_spare, indices_spare, low_bits + pass * kDigitBits, used);
-    keys.swap(keys_spare);
-    indices.swap(indices_spare);
-  }
-  sortRuns(keys, indices, low_bits, used);
+  if (n < kFew) threads = 1;
+  // A number holds a key's leading bits and its place: few share all bits that fit.
+  int place_bits = 1;
+  while (n >> place_bits != 0) ++place_bits;
+  const int low_bits = place_bits - (64 - kKeyBits);
+  Keys numbers(n), sorted(n);
+  forAll(n, threads, [&](std::size_t i) { numbers[i] = keys[i] >> low_bits << place_bits | i; });
+  sortByBits(numbers, place_bits, 64, threads);
+  const std::uint64_t place_mask = (std::uint64_t{1} << place_bits) - 1;
+  order.resize(n);
+  forAll(n, threads, [&](std::size_t i) {
+    order[i] = static_cast<std::uint32_t>(numbers[i] & place_mask);
+    sorted[i] = keys[order[i]];
+  });
+  keys.swap(sorted);
+  sortRuns(keys, order, low_bits, threads);
 }
 
 }  // namespace pcl_slim

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "pcl_slim/cloud/morton.h"
+#include "pcl_slim/cloud/kernels.h"
 #include "pcl_slim/cloud/morton_sort.h"
 #include "pcl_slim/core/parallel.h"
 
@@ -14,9 +14,8 @@ namespace {
 
 constexpr std::size_t kSlice = 1 << 15;  ///< points a thread takes at a time
 constexpr double kOriginGrid = 0x1p-10;  ///< the origin is a multiple of this share of the scale
-constexpr std::size_t kBlocksAhead = 3;  ///< whose input is asked for before it is read
-constexpr float kBlockGrid = 0x1p22f;    ///< block origins are multiples of its inverse
-constexpr double kFarOrigin = 256.0;     ///< beyond this many L, world floats cannot be exact
+constexpr std::size_t kKeyBatch = kernels::kMortonBatch;
+constexpr double kFarOrigin = 256.0;  ///< beyond this many L, world floats cannot be exact
 
 struct SliceSummary {
   double min[3], max[3];
@@ -38,12 +37,6 @@ isFinite(const std::array<double, 3>& p)
   return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
-bool
-isZero(const std::array<float, 3>& n)
-{
-  return n[0] == 0.0f && n[1] == 0.0f && n[2] == 0.0f;
-}
-
 SliceSummary
 summarize(const CloudView& cloud, const CloudReader& reader, std::size_t begin, std::size_t end,
           bool need_normal)
@@ -55,7 +48,7 @@ summarize(const CloudView& cloud, const CloudReader& reader, std::size_t begin, 
     const auto p = reader.position(input);
     if (!isFinite(p)) continue;
     ++s.finite;
-    const bool has_normal = cloud.normal != nullptr && !isZero(reader.normal(input));
+    const bool has_normal = cloud.normal != nullptr && reader.hasNormal(input);
     s.with_normal += has_normal;
     if (has_normal || !need_normal) include(s, p);
   }
@@ -135,6 +128,7 @@ PointStoreBuilder::measure()
     return {ErrorCode::kBadInput,
             "some coordinates come near the largest number there is: remove those points"};
   }
+  inverse_scale_ = 1.0 / store_.scale_;
   store_.diagonal_ = diagonal / store_.scale_;
   const double origin_grid = store_.scale_ * kOriginGrid;
   for (double& o : store_.origin_) o = std::round(o / origin_grid) * origin_grid;
@@ -148,15 +142,14 @@ PointStoreBuilder::measure()
 bool
 PointStoreBuilder::usable(const std::array<double, 3>& position, std::size_t input) const
 {
-  return isFinite(position) && (!with_normals_ || !isZero(reader_.normal(input)));
+  return isFinite(position) && (!with_normals_ || reader_.hasNormal(input));
 }
 
 std::array<double, 3>
 PointStoreBuilder::localPosition(std::uint32_t order) const
 {
   auto p = reader_.position(cloud_.inputIndex(order));
-  const double inverse = 1.0 / store_.scale_;
-  for (int a = 0; a < 3; ++a) p[a] = (p[a] - store_.origin_[a]) * inverse;
+  for (int a = 0; a < 3; ++a) p[a] = (p[a] - store_.origin_[a]) * inverse_scale_;
   return p;
 }
 
@@ -166,33 +159,56 @@ PointStoreBuilder::sortPoints()
   const std::size_t n = cloud_.count();
   const std::size_t slices = (n + kSlice - 1) / kSlice;
   std::vector<std::size_t> first(slices + 1, 0);
-  const bool all_usable = store_.size_ == n;
   const auto sliceEnd = [&](std::size_t s) { return std::min(n, (s + 1) * kSlice); };
-  parallelFor(slices, threads_, 1, [&](std::size_t s, int) {
-    std::size_t count = sliceEnd(s) - s * kSlice;
-    if (!all_usable) {
-      count = 0;
-      for (std::size_t i = s * kSlice; i < sliceEnd(s); ++i) {
-        const std::size_t input = cloud_.inputIndex(i);
-        count += usable(reader_.position(input), input);
-      }
-    }
-    first[s + 1] = count;
-  });
+  parallelFor(slices, threads_, 1,
+              [&](std::size_t s, int) { first[s + 1] = countUsable(s * kSlice, sliceEnd(s)); });
   for (std::size_t s = 0; s < slices; ++s) first[s + 1] += first[s];
   keys_.resize(store_.size_);
-  order_.resize(store_.size_);
-  parallelFor(slices, threads_, 1, [&](std::size_t s, int) {
-    std::size_t out = first[s];
-    for (std::size_t i = s * kSlice; i < sliceEnd(s); ++i) {
-      const std::size_t input = cloud_.inputIndex(i);
-      if (!all_usable && !usable(reader_.position(input), input)) continue;
-      const auto p = localPosition(static_cast<std::uint32_t>(i));
-      keys_[out] = mortonCode(p[0], p[1], p[2]);
-      order_[out++] = static_cast<std::uint32_t>(i);
-    }
-  });
+  if (!allUsable()) usable_.resize(store_.size_);
+  parallelFor(slices, threads_, 1,
+              [&](std::size_t s, int) { makeKeys(s * kSlice, sliceEnd(s), first[s]); });
   sortByKey(keys_, order_, threads_);
+  if (!allUsable()) {
+    for (std::uint32_t& order : order_) order = usable_[order];
+  }
+}
+
+std::size_t
+PointStoreBuilder::countUsable(std::size_t begin, std::size_t end) const
+{
+  if (allUsable()) return end - begin;
+  std::size_t count = 0;
+  for (std::size_t i = begin; i < end; ++i) {
+    const std::size_t input = cloud_.inputIndex(i);
+    count += usable(reader_.position(input), input);
+  }
+  return count;
+}
+
+/** Writes keys of the points asked for from begin to end, in batches, from out on. */
+void
+PointStoreBuilder::makeKeys(std::size_t begin, std::size_t end, std::size_t out)
+{
+  alignas(64) double batch[3][kKeyBatch] = {};
+  std::size_t count = 0;
+  const auto flush = [&] {
+    alignas(64) std::uint64_t codes[kKeyBatch];
+    kernels::mortonCodes(batch, store_.origin_.data(), inverse_scale_, codes);
+    std::copy_n(codes, count, keys_.begin() + static_cast<std::ptrdiff_t>(out));
+    out += count;
+    count = 0;
+  };
+  for (std::size_t i = begin; i < end; ++i) {
+    const std::size_t input = cloud_.inputIndex(i);
+    const auto p = reader_.position(input);
+    if (!allUsable()) {
+      if (!usable(p, input)) continue;
+      usable_[out + count] = static_cast<std::uint32_t>(i);
+    }
+    for (int a = 0; a < 3; ++a) batch[a][count] = p[a];
+    if (++count == kKeyBatch) flush();
+  }
+  flush();
 }
 
 void
@@ -235,100 +251,6 @@ PointStoreBuilder::mergeRun(std::size_t begin, std::size_t end, std::size_t& kep
       order_[kept++] = run[i].second;
     }
   }
-}
-
-std::array<float, 3>
-PointStoreBuilder::mergedNormal(std::size_t i) const
-{
-  const auto stored = static_cast<std::uint32_t>(i);
-  auto n = reader_.normal(cloud_.inputIndex(order_[i]));
-  auto it =
-      std::lower_bound(store_.merged_.begin(), store_.merged_.end(), stored,
-                       [](const auto& entry, std::uint32_t value) { return entry[1] < value; });
-  if (it == store_.merged_.end() || (*it)[1] != stored) return n;
-  std::array<float, 3> sum = n;
-  for (; it != store_.merged_.end() && (*it)[1] == stored; ++it) {
-    const auto m = reader_.normal(cloud_.inputIndex((*it)[0]));
-    for (int a = 0; a < 3; ++a) sum[a] += m[a];
-  }
-  const float length = std::sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
-  if (length > 1e-3f) {
-    for (int a = 0; a < 3; ++a) n[a] = sum[a] / length;
-  }
-  return n;
-}
-
-/** Asks for the input of a block's points, which lie anywhere in the cloud. */
-void
-PointStoreBuilder::prefetchBlock(std::size_t block) const
-{
-  const std::size_t begin = block * PointStore::kBlock;
-  const std::size_t end = std::min(store_.size_, begin + PointStore::kBlock);
-  for (std::size_t i = begin; i < end; ++i) {
-    reader_.prefetch(cloud_.inputIndex(order_[i]), with_normals_);
-  }
-}
-
-void
-PointStoreBuilder::fillBlock(std::size_t block)
-{
-  prefetchBlock(block + kBlocksAhead);
-  const std::size_t begin = block * PointStore::kBlock;
-  const std::size_t end = std::min(store_.size_, begin + PointStore::kBlock);
-  float* const columns[3] = {store_.x_.data(), store_.y_.data(), store_.z_.data()};
-  float* const normals[3] = {store_.nx_.data(), store_.ny_.data(), store_.nz_.data()};
-  float* const origins[3] = {store_.block_origin_x_.data(), store_.block_origin_y_.data(),
-                             store_.block_origin_z_.data()};
-  const auto first = localPosition(order_[begin]);
-  for (int a = 0; a < 3; ++a) {
-    origins[a][block] = static_cast<float>(std::round(first[a] * kBlockGrid)) / kBlockGrid;
-  }
-  for (std::size_t i = begin; i < end; ++i) {
-    const auto p = localPosition(order_[i]);
-    for (int a = 0; a < 3; ++a) columns[a][i] = static_cast<float>(p[a] - origins[a][block]);
-    if (!with_normals_) continue;
-    const auto n =
-        store_.merged_.empty() ? reader_.normal(cloud_.inputIndex(order_[i])) : mergedNormal(i);
-    for (int a = 0; a < 3; ++a) normals[a][i] = n[a];
-  }
-  for (std::size_t i = end; i < begin + PointStore::kBlock; ++i) {
-    for (int a = 0; a < 3; ++a) columns[a][i] = PointStore::kFarAway;
-    for (int a = 0; with_normals_ && a < 3; ++a) normals[a][i] = 0.0f;
-  }
-}
-
-void
-PointStoreBuilder::fillBlocks()
-{
-  const std::size_t blocks = (store_.size_ + PointStore::kBlock - 1) / PointStore::kBlock;
-  const std::size_t padded = blocks * PointStore::kBlock;
-  for (auto* column : {&store_.x_, &store_.y_, &store_.z_}) column->resize(padded);
-  if (with_normals_) {
-    for (auto* column : {&store_.nx_, &store_.ny_, &store_.nz_}) column->resize(padded);
-  }
-  for (auto* column : {&store_.block_origin_x_, &store_.block_origin_y_, &store_.block_origin_z_}) {
-    column->resize(blocks);
-  }
-  BlockTree::Level boxes;
-  boxes.allocate(blocks);
-  parallelFor(blocks, threads_, kSlice / PointStore::kBlock, [&](std::size_t b, int) {
-    fillBlock(b);
-    const auto bound = [&](const AlignedVector<float>& column, float origin, float& low,
-                           float& high) {
-      const auto begin = column.begin() + static_cast<std::ptrdiff_t>(b * PointStore::kBlock);
-      const std::size_t count = std::min(PointStore::kBlock, store_.size_ - b * PointStore::kBlock);
-      const auto [lowest, highest] =
-          std::minmax_element(begin, begin + static_cast<std::ptrdiff_t>(count));
-      low = origin + *lowest;
-      high = origin + *highest;
-    };
-    bound(store_.x_, store_.block_origin_x_[b], boxes.min_x[b], boxes.max_x[b]);
-    bound(store_.y_, store_.block_origin_y_[b], boxes.min_y[b], boxes.max_y[b]);
-    bound(store_.z_, store_.block_origin_z_[b], boxes.min_z[b], boxes.max_z[b]);
-  });
-  store_.tree_ = BlockTree(std::move(boxes));
-  store_.keys_ = std::move(keys_);
-  store_.order_of_store_ = std::move(order_);
 }
 
 }  // namespace pcl_slim

@@ -220,17 +220,18 @@ class OctreeCloudBuilder {
   void sortWide(const octree_grid::Reader<T>& read)
   {
     AlignedVector<std::uint64_t> keys(first_.back());
-    AlignedVector<std::uint32_t> order(first_.back());
+    AlignedVector<std::uint32_t> indices(first_.back()), order;
     forEachBlock(read, [&](std::size_t place, const Block& block) {
       for (std::size_t k = 0; k < block.count; ++k) {
         keys[place + k] = mortonKey({block.x[k], block.y[k], block.z[k]}, out_.depth_);
-        order[place + k] = block.index[k];
+        indices[place + k] = block.index[k];
       }
     });
     sortByKey(keys, order, threads_);
     out_.sorted_depth_ = -1;
     out_.mask_ = ~std::uint64_t{0};
-    out_.packed_.assign(order.begin(), order.end());
+    out_.packed_.resize(order.size());
+    for (std::size_t i = 0; i < order.size(); ++i) out_.packed_[i] = indices[order[i]];
     findRoots([&](std::size_t i) { return keys[i] >> 3 * out_.depth_; });
   }
 

@@ -34,6 +34,14 @@ std::size_t
 pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num_blocks,
            const double center[3], float limit_sq, float* distances_sq, std::uint32_t* points);
 
+constexpr std::size_t kMortonBatch = 64;
+
+/** \brief Morton codes (morton.h) of a batch of positions, brought to local units on the way. The
+ * batch and codes start on a cache line. */
+void
+mortonCodes(const double (&positions)[3][kMortonBatch], const double origin[3],
+            double inverse_scale, std::uint64_t* codes);
+
 /** \brief Name of the instruction set in use, for reports. */
 const char*
 instructionSet();

@@ -7,13 +7,12 @@
 
 namespace pcl_slim {
 
-/** \brief Sorts keys ascending, ties by index; keys and indices are moved together.
+/** \brief Sorts fewer than 2^32 keys of 63 bits ascending, ties by their places.
  *
- * Stable radix passes over the leading bits, then a comparison sort inside the short runs that
- * share them. O(N); same result for any number of threads.
- */
+ * sortByBits() over the leading bits, then a comparison sort inside the short runs that share them.
+ * O(N); same result for any number of threads. \param[out] order where each key stood. */
 void
-sortByKey(AlignedVector<std::uint64_t>& keys, AlignedVector<std::uint32_t>& indices, int threads);
+sortByKey(AlignedVector<std::uint64_t>& keys, AlignedVector<std::uint32_t>& order, int threads);
 
 /** \brief Sorts fewer than 2^32 numbers by their bits [low, high), stably; bits above must be equal.
  *
