@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 namespace pcl_slim {
 
@@ -16,26 +18,28 @@ constexpr std::size_t kMostCounted = 512;  ///< larger balls are counted in stri
 constexpr double kApart = 3.0;       ///< distance of the sides' means over their own deviation
 constexpr double kLeastMode = 0.05;  ///< share of the points on the smaller side
 
-using Histogram = std::array<double, kBins>;
+using Histogram = std::array<std::int32_t, kBins>;
 
 /** Bin after which Otsu's two classes part best. */
 int
 otsuThreshold(const Histogram& bins)
 {
-  double total = 0, moment = 0;
+  std::int64_t total = 0, moment = 0;
   for (int b = 0; b < kBins; ++b) {
     total += bins[b];
     moment += b * bins[b];
   }
-  double below = 0, below_moment = 0, best = -1;
+  std::int64_t below = 0, below_moment = 0;
+  double best = -1;
   int threshold = 0;
   for (int b = 0; b < kBins - 1; ++b) {
     below += bins[b];
     below_moment += b * bins[b];
-    const double above = total - below;
-    if (below <= 0 || above <= 0) continue;
-    const double gap = below_moment / below - (moment - below_moment) / above;
-    const double between = below * above * gap * gap;
+    const std::int64_t both = below * (total - below);
+    if (both <= 0) continue;
+    // The variance between the classes, below * above * gap^2, over one denominator.
+    const auto gap = static_cast<double>(below_moment * total - moment * below);
+    const double between = gap * gap / static_cast<double>(both);
     if (between > best) {
       best = between;
       threshold = b;
@@ -53,14 +57,39 @@ standsApart(const Histogram& bins, int valley)
   for (int b = 0; b < kBins; ++b) {
     const int side = b > valley;
     count[side] += bins[b];
-    sum[side] += bins[b] * b;
-    square[side] += bins[b] * b * b;
+    sum[side] += static_cast<double>(bins[b]) * b;
+    square[side] += static_cast<double>(bins[b]) * b * b;
   }
   if (count[0] <= 0 || count[1] <= 0) return false;
   const double gap = sum[1] / count[1] - sum[0] / count[0];
   const double within =
       (square[0] - sum[0] * sum[0] / count[0]) + (square[1] - sum[1] * sum[1] / count[1]);
   return gap * gap > kApart * kApart * within / (count[0] + count[1]);
+}
+
+struct Extent {
+  float low, high;
+};
+
+/** In lanes, which do not wait for each other. */
+Extent
+extentOf(const float* values, std::size_t count)
+{
+  constexpr std::size_t kLanes = 8;
+  float low[kLanes], high[kLanes];
+  for (std::size_t k = 0; k < kLanes; ++k) low[k] = high[k] = values[k];
+  std::size_t i = kLanes;
+  for (; i + kLanes <= count; i += kLanes) {
+    for (std::size_t k = 0; k < kLanes; ++k) {
+      low[k] = std::min(low[k], values[i + k]);
+      high[k] = std::max(high[k], values[i + k]);
+    }
+  }
+  for (; i < count; ++i) {
+    low[0] = std::min(low[0], values[i]);
+    high[0] = std::max(high[0], values[i]);
+  }
+  return {*std::min_element(low, low + kLanes), *std::max_element(high, high + kLanes)};
 }
 
 }  // namespace
@@ -70,11 +99,7 @@ findSheet(const float* residuals, std::size_t count, double center_residual)
 {
   SheetRange range;
   if (count < kLeastPoints) return range;
-  float low = residuals[0], high = residuals[0];
-  for (std::size_t i = 1; i < count; ++i) {
-    low = std::min(low, residuals[i]);
-    high = std::max(high, residuals[i]);
-  }
+  const auto [low, high] = extentOf(residuals, count);
   const double from = low, width = static_cast<double>(high) - low;
   if (!(width > 0)) return range;
   const std::size_t stride = count / kMostCounted + 1;
@@ -89,15 +114,16 @@ findSheet(const float* residuals, std::size_t count, double center_residual)
   const auto upper_mode = std::max_element(bins.begin() + threshold + 1, bins.end());
   // The deepest place between the modes, over three bins: single empty bins are chance.
   auto valley = lower_mode;
-  double depth = 1e300;
+  std::int32_t depth = std::numeric_limits<std::int32_t>::max();
   for (auto b = lower_mode + 1; b + 1 < upper_mode; ++b) {
-    const double mean = (b[-1] + b[0] + b[1]) / 3.0;
-    if (mean < depth) {
-      depth = mean;
+    const std::int32_t three = b[-1] + b[0] + b[1];
+    if (three < depth) {
+      depth = three;
       valley = b;
     }
   }
-  if (valley == lower_mode || depth >= kValley * std::min(*lower_mode, *upper_mode)) return range;
+  if (valley == lower_mode || depth / 3.0 >= kValley * std::min(*lower_mode, *upper_mode))
+    return range;
   double below = 0;
   for (auto b = bins.begin(); b <= valley; ++b) below += *b;
   if (!standsApart(bins, static_cast<int>(valley - bins.begin()))) return range;
