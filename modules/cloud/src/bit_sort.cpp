@@ -51,7 +51,7 @@ class DigitCounts {
   {
   }
 
-  void count(const std::uint64_t* values, std::size_t n)
+  void count(const std::uint64_t* values, std::size_t n) const
   {
     std::uint32_t* const counts = counts_;
     const int shift = shift_;
@@ -59,7 +59,7 @@ class DigitCounts {
     for (std::size_t i = 0; i < n; ++i) ++counts[values[i] >> shift & mask];
   }
 
-  void scatter(const std::uint64_t* values, std::size_t n, std::uint64_t* out)
+  void scatter(const std::uint64_t* values, std::size_t n, std::uint64_t* out) const
   {
     std::uint32_t* const next = counts_;
     const int shift = shift_;
@@ -123,22 +123,26 @@ sortBucket(std::uint64_t* values, std::uint64_t* spare, std::size_t n, int low, 
   if (rest > 0) sortNearly(values, n, low);
 }
 
-/** Scatters values into spare by their leading digit. \return where each bucket begins. */
+/** Scatters what stretches hold into spare by its leading digit. \return where each bucket begins. */
 std::vector<std::size_t>
-scatter(const AlignedVector<std::uint64_t>& values, AlignedVector<std::uint64_t>& spare, int shift,
-        int bits, int threads)
+scatter(const AlignedVector<std::uint64_t>& values, const std::vector<Stretch>& stretches,
+        AlignedVector<std::uint64_t>& spare, int shift, int bits, int threads)
 {
-  const std::size_t n = values.size(), digits = std::size_t{1} << bits;
+  const std::size_t n = spare.size(), digits = std::size_t{1} << bits;
   const std::size_t slices = n < kMany / 64 ? 1 : static_cast<std::size_t>(threads);
   std::vector<std::uint32_t> next(slices * digits, 0);
   std::vector<std::size_t> begins(digits + 1, n);
   const auto forSlice = [&](const auto& body) {
     parallelFor(slices, threads, 1, [&](std::size_t s, int) {
-      const std::size_t begin = n * s / slices, end = n * (s + 1) / slices;
-      body(DigitCounts(next.data() + s * digits, shift, bits), values.data() + begin, end - begin);
+      const DigitCounts counts(next.data() + s * digits, shift, bits);
+      const std::size_t end = stretches.size() * (s + 1) / slices;
+      for (std::size_t k = stretches.size() * s / slices; k < end; ++k) {
+        const auto [first, last] = stretches[k];
+        body(counts, values.data() + first, last - first);
+      }
     });
   };
-  forSlice([](DigitCounts counts, const std::uint64_t* part, std::size_t size) {
+  forSlice([](const DigitCounts& counts, const std::uint64_t* part, std::size_t size) {
     counts.count(part, size);
   });
   std::uint32_t total = 0;
@@ -150,10 +154,20 @@ scatter(const AlignedVector<std::uint64_t>& values, AlignedVector<std::uint64_t>
       total += count;
     }
   }
-  forSlice([&](DigitCounts counts, const std::uint64_t* part, std::size_t size) {
+  forSlice([&](const DigitCounts& counts, const std::uint64_t* part, std::size_t size) {
     counts.scatter(part, size, spare.data());
   });
   return begins;
+}
+
+/** Brings what stretches hold to the front. */
+void
+pack(AlignedVector<std::uint64_t>& values, const std::vector<Stretch>& stretches)
+{
+  std::uint64_t* to = values.data();
+  for (const auto [begin, end] : stretches) {
+    to = std::copy(values.data() + begin, values.data() + end, to);
+  }
 }
 
 }  // namespace
@@ -161,14 +175,32 @@ scatter(const AlignedVector<std::uint64_t>& values, AlignedVector<std::uint64_t>
 void
 sortByBits(AlignedVector<std::uint64_t>& values, int low, int high, int threads)
 {
-  const std::size_t n = values.size();
-  if (n < 2 || high <= low) return;
-  if (n <= kFew) return sortNearly(values.data(), n, low);
+  const std::size_t n = values.size(), parts = static_cast<std::size_t>(std::max(threads, 1));
+  std::vector<Stretch> stretches;
+  for (std::size_t s = 0; s < parts; ++s) {
+    stretches.push_back({n * s / parts, n * (s + 1) / parts});
+  }
+  sortByBits(values, stretches, low, high, threads);
+}
+
+void
+sortByBits(AlignedVector<std::uint64_t>& values, const std::vector<Stretch>& stretches, int low,
+           int high, int threads)
+{
+  std::size_t n = 0;
+  for (const auto [begin, end] : stretches) n += end - begin;
+  if (n <= kFew || high <= low) {
+    pack(values, stretches);
+    values.resize(n);
+    if (high > low) sortNearly(values.data(), n, low);
+    return;
+  }
   const int most = n < kMany / 16 ? kFirstBitsOfFew : n < kMany ? kFirstBits : kFirstBitsOfMany;
   const int bits = std::min(most, high - low);
   const int shift = high - bits;
   AlignedVector<std::uint64_t> spare(n);
-  const auto begins = scatter(values, spare, shift, bits, threads);
+  const auto begins = scatter(values, stretches, spare, shift, bits, threads);
+  values.resize(n);
   parallelFor(begins.size() - 1, threads, 64, [&](std::size_t d, int) {
     const std::size_t begin = begins[d], count = begins[d + 1] - begin;
     if (count > 0) sortBucket(values.data() + begin, spare.data() + begin, count, low, shift);

@@ -140,6 +140,107 @@ sumPoints(const float* const columns[9], std::size_t n, double sums[kNumSums])
   if (lanes == 4) sums[16] = sumOfQuad(quads[0]);
 }
 
+using Cells = hn::CappedTag<double, 8>;
+using CellVector = hn::Vec<Cells>;
+
+/** Symmetric matrices xx xy xz yy yz zz, one in each lane. */
+struct Symmetric {
+  CellVector m[6];
+
+  Symmetric squared() const
+  {
+    const auto [a, b, c, d, e, f] = m;
+    return {{dot(a, a, b, b, c, c), dot(a, b, b, d, c, e), dot(a, c, b, e, c, f),
+             dot(b, b, d, d, e, e), dot(b, c, d, e, e, f), dot(c, c, e, e, f, f)}};
+  }
+
+  /** Row of the product with a vector. */
+  CellVector times(int row, CellVector x, CellVector y, CellVector z) const
+  {
+    constexpr int kPlaces[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+    const int* at = kPlaces[row];
+    return dot(m[at[0]], x, m[at[1]], y, m[at[2]], z);
+  }
+
+  static CellVector dot(CellVector a, CellVector b, CellVector c, CellVector d, CellVector e,
+                        CellVector f)
+  {
+    return hn::Add(hn::Add(hn::Mul(a, b), hn::Mul(c, d)), hn::Mul(e, f));
+  }
+};
+
+/** det(t I - m). */
+CellVector
+characteristic(const Symmetric& s, CellVector t)
+{
+  const auto a = hn::Sub(t, s.m[0]), b = hn::Sub(t, s.m[3]), c = hn::Sub(t, s.m[5]);
+  const auto d = s.m[1], e = s.m[2], f = s.m[4];
+  const auto first = hn::Mul(a, hn::Sub(hn::Mul(b, c), hn::Mul(f, f)));
+  const auto second = hn::Mul(d, hn::Add(hn::Mul(d, c), hn::Mul(f, e)));
+  const auto third = hn::Mul(e, hn::Add(hn::Mul(d, f), hn::Mul(b, e)));
+  return hn::Sub(hn::Sub(first, second), third);
+}
+
+/** What CellSums::unorientedAbove asks of normals that are not one line, and how long their sum is
+ * at least: half of what it would be if they shared one side. */
+hn::Mask<Cells>
+haveOneAxis(const Symmetric& whole, CellVector total, CellVector sum_sq, CellVector count,
+            double widest)
+{
+  const Cells d;
+  const auto value = characteristic(whole, hn::Mul(total, hn::Set(d, 1.0 - widest)));
+  const auto cube = hn::Mul(hn::Mul(total, total), total);
+  const auto one_line = hn::Le(value, hn::Mul(hn::Set(d, 1e-13), cube));
+  const auto half = hn::Mul(hn::Set(d, 0.5), count);
+  const auto one_side = hn::Ge(sum_sq, hn::Mul(half, half));
+  return hn::And(hn::And(one_line, one_side), hn::Gt(total, hn::Set(d, 0.5)));
+}
+
+void
+commonNormals(const double* cells, std::size_t n, double widest, double* normals)
+{
+  const Cells d;
+  const hn::RebindToSigned<Cells> di;
+  constexpr int kNormal = 5, kProduct = 8;
+  const auto row = hn::Iota(di, 0);
+  const std::size_t lanes = hn::Lanes(d);
+  for (std::size_t i = 0; i < n; i += lanes) {
+    const auto last = hn::Set(di, static_cast<std::int64_t>(n - 1 - i));
+    const auto place = hn::Mul(hn::Min(row, last), hn::Set(di, std::int64_t{kCellNumbers}));
+    const auto number = [&](int k) {
+      return hn::GatherIndex(d, cells + i * kCellNumbers + k, place);
+    };
+    Symmetric whole, power;
+    for (int k = 0; k < 6; ++k) whole.m[k] = number(kProduct + k);
+    const auto count = number(0), x = number(kNormal), y = number(kNormal + 1),
+               z = number(kNormal + 2);
+    const auto total = hn::Add(hn::Add(whole.m[0], whole.m[3]), whole.m[5]);
+    const auto one_axis =
+        haveOneAxis(whole, total, Symmetric::dot(x, x, y, y, z, z), count, widest);
+    // Where normals agree, the eighth power leaves one axis of their mean.
+    const auto scale = hn::Div(hn::Set(d, 1.0), total);
+    for (int k = 0; k < 6; ++k) power.m[k] = hn::Mul(whole.m[k], scale);
+    power = power.squared().squared().squared();
+    auto u = power.times(0, x, y, z), v = power.times(1, x, y, z), w = power.times(2, x, y, z);
+    const auto length = hn::Div(hn::Set(d, 1.0), hn::Sqrt(Symmetric::dot(u, u, v, v, w, w)));
+    u = hn::Mul(u, length), v = hn::Mul(v, length), w = hn::Mul(w, length);
+    const auto along = Symmetric::dot(u, whole.times(0, u, v, w), v, whole.times(1, u, v, w), w,
+                                      whole.times(2, u, v, w));
+    const auto rest = hn::Sub(hn::Set(d, 1.0), hn::Mul(along, scale));
+    const auto some = hn::Gt(count, hn::Set(d, 1.0));
+    const auto variance =
+        hn::IfThenElseZero(some, hn::Min(hn::Max(rest, hn::Zero(d)), hn::Set(d, 2.0 / 3.0)));
+    double out[4][8];
+    hn::StoreU(u, d, out[0]);
+    hn::StoreU(v, d, out[1]);
+    hn::StoreU(w, d, out[2]);
+    hn::StoreU(hn::IfThenElse(one_axis, variance, hn::Set(d, -1.0)), d, out[3]);
+    for (std::size_t k = 0; k < std::min(lanes, n - i); ++k) {
+      for (std::size_t c = 0; c < 4; ++c) normals[4 * (i + k) + c] = out[c][k];
+    }
+  }
+}
+
 }  // namespace pcl_slim::splat_kernels::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -148,6 +249,7 @@ namespace pcl_slim::splat_kernels {
 
 HWY_EXPORT(farthestAndNearest);
 HWY_EXPORT(sumPoints);
+HWY_EXPORT(commonNormals);
 
 float
 farthestAndNearest(const float* x, const float* y, const float* z, std::size_t n,
@@ -160,6 +262,12 @@ void
 sumPoints(const float* const columns[9], std::size_t n, double sums[kNumSums])
 {
   HWY_DYNAMIC_DISPATCH(sumPoints)(columns, n, sums);
+}
+
+void
+commonNormals(const double* cells, std::size_t n, double widest, double* normals)
+{
+  HWY_DYNAMIC_DISPATCH(commonNormals)(cells, n, widest, normals);
 }
 
 }  // namespace pcl_slim::splat_kernels

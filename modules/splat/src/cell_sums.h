@@ -132,6 +132,8 @@ sumsOf(const PointWindow& window, std::size_t begin, std::size_t end)
           {s[7], s[8], s[9], s[10], s[11], s[12]}, {s[13], s[14], s[15]}, s[16]};
 }
 
+static_assert(sizeof(CellSums) == splat_kernels::kCellNumbers * sizeof(double));
+
 inline void
 CellSums::add(const PointWindow& window, std::size_t begin, std::size_t end)
 {

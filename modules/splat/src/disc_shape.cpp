@@ -34,20 +34,12 @@ vectorOf(const std::array<float, 3>& v)
 
 /** Largest eigenvector of sum n n^T, on the side of the normals' sum. */
 Vector3d
-commonNormal(const CellSums& sums)
+widestAxis(const CellSums& sums)
 {
   const Vector3d sum(sums.normal[0], sums.normal[1], sums.normal[2]);
-  const double total = sums.normals();
-  // Where normals agree, the eighth power leaves one axis of their mean.
-  if (sums.unorientedAbove(kAgree) || sum.squaredNorm() < 0.25 * sums.count * sums.count) {
-    Eigen::SelfAdjointEigenSolver<Matrix3d> solver(symmetric(sums.product));
-    const Vector3d n = solver.eigenvectors().col(2);
-    return n.dot(sum) < 0.0 ? Vector3d(-n) : n;
-  }
-  std::array<double, 6> power;
-  for (std::size_t k = 0; k < 6; ++k) power[k] = sums.product[k] / total;
-  power = squared(squared(squared(power)));
-  return (symmetric(power.data()) * sum).normalized();
+  Eigen::SelfAdjointEigenSolver<Matrix3d> solver(symmetric(sums.product));
+  const Vector3d n = solver.eigenvectors().col(2);
+  return n.dot(sum) < 0.0 ? Vector3d(-n) : n;
 }
 
 /** Normal of the plane through the points around a cell, as far as the window holds them. */
@@ -71,23 +63,31 @@ planeNormal(const PointWindow& window, const OctreeCell& cell)
   return Eigen::SelfAdjointEigenSolver<Matrix3d>(covariance).eigenvectors().col(0);
 }
 
-}  // namespace
-
+/** Of a cell without one axis. */
 DiscNormal
-discNormal(const PointWindow& window, const OctreeCell& cell, const CellSums& sums)
+unevenNormal(const PointWindow& window, const OctreeCell& cell, const CellSums& sums)
 {
   const double total = sums.normals();
-  if (!(total > 0.5)) {
-    const Vector3d n = planeNormal(window, cell);
-    return {{n[0], n[1], n[2]}, 0.0};
+  const bool any = total > 0.5;
+  const Vector3d n = any ? widestAxis(sums) : planeNormal(window, cell);
+  const double share = any ? n.dot(symmetric(sums.product) * n) / total : 1.0;
+  return {{n[0], n[1], n[2]}, std::clamp(1.0 - share, 0.0, 2.0 / 3.0)};
+}
+
+}  // namespace
+
+std::vector<DiscNormal>
+discNormals(const PointWindow& window, const CellBatch& batch)
+{
+  std::vector<double> rows(4 * batch.size());
+  std::vector<DiscNormal> normals(batch.size());
+  splat_kernels::commonNormals(&batch.sums.data()->count, batch.size(), kAgree, rows.data());
+  for (std::size_t c = 0; c < batch.size(); ++c) {
+    const double* row = rows.data() + 4 * c;
+    normals[c] = row[3] < 0.0 ? unevenNormal(window, batch.cells[c], batch.sums[c])
+                              : DiscNormal{{row[0], row[1], row[2]}, row[3]};
   }
-  if (sums.count < 2) {
-    const double length = std::sqrt(total);
-    return {{sums.normal[0] / length, sums.normal[1] / length, sums.normal[2] / length}, 0.0};
-  }
-  const Vector3d n = commonNormal(sums);
-  const double along = n.dot(symmetric(sums.product) * n);
-  return {{n[0], n[1], n[2]}, std::clamp(1.0 - along / total, 0.0, 2.0 / 3.0)};
+  return normals;
 }
 
 DiscReach

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
-#include "octree_runs.h"
+#include "cell_batch.h"
 #include "pcl_slim/splat/splat_set.h"
 
 namespace pcl_slim {
@@ -14,10 +15,10 @@ struct DiscNormal {
   double variance;  ///< 1 - share of the normals' common line, in [0, 2/3]; 0 without normals
 };
 
-/** Axis along which a cell's normals agree, on the side of their sum; that of the plane through the
+/** Axes along which cells' normals agree, on the side of their sum; those of the planes through the
  * points around where none has one. */
-DiscNormal
-discNormal(const PointWindow& window, const OctreeCell& cell, const CellSums& sums);
+std::vector<DiscNormal>
+discNormals(const PointWindow& window, const CellBatch& batch);
 
 /** Of a cell's points, the one nearest to a place and the distance of the farthest from it, in root
  * cells. */

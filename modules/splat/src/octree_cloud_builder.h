@@ -12,6 +12,7 @@
 #include "octree_key.h"
 #include "pcl_slim/cloud/morton_sort.h"
 #include "pcl_slim/splat/octree_cloud.h"
+#include "point_runs.h"
 #include "splat_kernels.h"
 
 namespace pcl_slim {
@@ -19,8 +20,7 @@ namespace pcl_slim {
 /** The steps of OctreeCloud::build. */
 class OctreeCloudBuilder {
   static constexpr std::uint32_t kTooMany = 0xffffffffu;
-  static constexpr double kSortedPoints = 4.0;  ///< that share a cell of the level keys resolve
-  static constexpr double kLargest = 1e150;     ///< squares of such coordinates are still finite
+  static constexpr double kLargest = 1e150;  ///< squares of such coordinates are still finite
 
  public:
   /** box: that of the cloud where it is known, else null. */
@@ -75,16 +75,16 @@ class OctreeCloudBuilder {
     out_.num_non_finite_ = view_.count() - box.finite;
     chooseGrid(read, box, grid);
     const int index_bits = std::max(1, bitsOf(view_.count() - 1));
-    const int root_bits = OctreeCloud::kBits - out_.depth_;
-    const int spare_bits = (64 - index_bits) / 3 - root_bits;
-    if (spare_bits >= 0) {
-      out_.index_bits_ = index_bits;
-      out_.mask_ = (std::uint64_t{1} << index_bits) - 1;
-      out_.sorted_depth_ = std::min({spare_bits, wanted_depth_, out_.depth_});
-      sortPacked(read);
-    } else {
+    const int root_bits = 3 * (OctreeCloud::kBits - out_.depth_);
+    const int spare_bits = 64 - index_bits - root_bits;
+    out_.index_bits_ = index_bits;
+    if (spare_bits < 0) {
       sortWide(read);
+      return {};
     }
+    out_.sorted_depth_ = std::min({spare_bits / 3, wanted_depth_, out_.depth_});
+    const bool join = join_ && out_.sorted_depth_ == 0 && spare_bits >= RunFormat::kCountBits;
+    sortPacked(read, {index_bits, join ? RunFormat::kCountBits : 0}, root_bits);
     return {};
   }
 
@@ -117,11 +117,9 @@ class OctreeCloudBuilder {
       const octree_grid::AreaProbe probe(read, view_.count(), box);
       out_.resolution_ = grid.resolution > 0 ? std::min(grid.resolution, RootGrid::kMaxResolution)
                                              : probe.resolutionFor(grid.occupied);
-      // What lies below is put in order only where it is divided.
-      const int fine = probe.resolutionFor(static_cast<double>(box.finite) / kSortedPoints);
-      while (out_.resolution_ << wanted_depth_ < fine && wanted_depth_ < grid.halvings) {
-        ++wanted_depth_;
-      }
+      join_ = probe.isCoherent();
+      const int fine = probe.resolutionFor(static_cast<double>(box.finite) / grid.per_key);
+      while (out_.resolution_ << wanted_depth_ < fine) ++wanted_depth_;
     }
     out_.cell_ = longest / out_.resolution_;
     out_.depth_ = OctreeCloud::kBits - bitsOf(static_cast<std::uint64_t>(out_.resolution_ - 1));
@@ -139,11 +137,13 @@ class OctreeCloudBuilder {
     std::size_t count = 0;
   };
 
-  /** Runs body(place, block) for the finite points in blocks; place counts points. */
+  /** Runs body(place, block) for the finite points in blocks. body returns how many places it filled;
+   * each slice of points has as many as points, from first_ on. \return where those filled end. */
   template <typename T, typename Body>
-  void forEachBlock(const octree_grid::Reader<T>& read, const Body& body) const
+  std::vector<std::size_t> forEachBlock(const octree_grid::Reader<T>& read, const Body& body) const
   {
     const bool all = first_.back() == view_.count();
+    std::vector<std::size_t> ends(first_.size() - 1);
     octree_grid::forEachSlice(view_.count(), threads_,
                               [&](std::size_t s, std::size_t begin, std::size_t end) {
                                 std::size_t place = first_[s];
@@ -158,10 +158,11 @@ class OctreeCloudBuilder {
                                   } else {
                                     fill<false>(read, begin, last, block);
                                   }
-                                  body(place, block);
-                                  place += block.count;
+                                  place += body(place, block);
                                 }
+                                ends[s] = place;
                               });
+    return ends;
   }
 
   /** fill() for a block of finite points with others behind it, four at a time. \return false where
@@ -197,22 +198,25 @@ class OctreeCloudBuilder {
     }
   }
 
-  /** Key and index of a point in one number. */
+  /** Runs of points in numbers. */
   template <typename T>
-  void sortPacked(const octree_grid::Reader<T>& read)
+  void sortPacked(const octree_grid::Reader<T>& read, RunFormat format, int root_bits)
   {
-    AlignedVector<std::uint64_t>& packed = out_.packed_;
-    packed.resize(first_.back());
-    const int index_bits = out_.index_bits_;
-    forEachBlock(read, [&](std::size_t place, const Block& block) {
-      std::uint64_t numbers[Block::kSize];
+    AlignedVector<std::uint64_t> runs(first_.back());
+    const auto ends = forEachBlock(read, [&](std::size_t place, const Block& block) {
+      std::uint64_t points[Block::kSize];
       splat_kernels::packKeys(block.x, block.y, block.z, block.index, Block::kSize,
-                              out_.sorted_depth_, index_bits, numbers);
-      std::copy_n(numbers, block.count, packed.data() + place);
+                              out_.sorted_depth_, format.index_bits, format.count_bits, points);
+      return format.join(points, block.count, runs.data() + place);
     });
-    const int root_bit = out_.keyBit(out_.depth_);
-    sortByBits(packed, index_bits, root_bit + 3 * (OctreeCloud::kBits - out_.depth_), threads_);
-    findRoots([values = packed.data(), root_bit](std::size_t i) { return values[i] >> root_bit; });
+    std::vector<Stretch> filled(ends.size());
+    for (std::size_t s = 0; s < ends.size(); ++s) filled[s] = {first_[s], ends[s]};
+    const int root_bit = format.keyBit() + 3 * out_.sorted_depth_;
+    sortByBits(runs, filled, format.keyBit(), root_bit + root_bits, threads_);
+    placePoints(runs.size(), [&](std::size_t i) {
+      return PointRun{runs[i] >> root_bit, format.first(runs[i]), format.count(runs[i])};
+    });
+    if (out_.sorted_depth_ > 0) out_.keys_ = std::move(runs);
   }
 
   /** Grids so fine that key and index do not fit into one number. */
@@ -226,44 +230,53 @@ class OctreeCloudBuilder {
         keys[place + k] = mortonKey({block.x[k], block.y[k], block.z[k]}, out_.depth_);
         indices[place + k] = block.index[k];
       }
+      return block.count;
     });
     sortByKey(keys, order, threads_);
-    out_.sorted_depth_ = -1;
-    out_.mask_ = ~std::uint64_t{0};
-    out_.packed_.resize(order.size());
-    for (std::size_t i = 0; i < order.size(); ++i) out_.packed_[i] = indices[order[i]];
-    findRoots([&](std::size_t i) { return keys[i] >> 3 * out_.depth_; });
+    placePoints(keys.size(), [&](std::size_t i) {
+      return PointRun{keys[i] >> 3 * out_.depth_, indices[order[i]], 1};
+    });
   }
 
-  template <typename KeyOf>
-  void findRoots(const KeyOf& keyOf)
+  /** Lists points and roots; runOf(i): the i-th run in the order of roots. */
+  template <typename RunOf>
+  void placePoints(std::size_t runs, const RunOf& runOf)
   {
-    const std::size_t n = out_.size();
-    std::vector<std::vector<OctreeCloud::Root>> parts(n / octree_grid::kSlice + 1);
-    octree_grid::forEachSlice(n, threads_, [&](std::size_t s, std::size_t begin, std::size_t end) {
-      std::uint64_t last = begin > 0 ? keyOf(begin - 1) : ~keyOf(begin);
-      auto& roots = parts[s];
-      for (std::size_t i = begin; i < end; ++i) {
-        constexpr std::size_t kStep = 8;  // numbers in order that end as they began are one root's
-        if (i + kStep < end && keyOf(i + kStep) == last) {
-          i += kStep;
-          continue;
-        }
-        const std::uint64_t key = keyOf(i);
-        if (key == last) continue;
-        roots.push_back({key, static_cast<std::uint32_t>(i)});
-        last = key;
-      }
-    });
+    std::vector<std::size_t> places((runs + octree_grid::kSlice - 1) / octree_grid::kSlice + 1, 0);
+    octree_grid::forEachSlice(runs, threads_,
+                              [&](std::size_t s, std::size_t begin, std::size_t end) {
+                                std::size_t points = 0;
+                                for (std::size_t i = begin; i < end; ++i) points += runOf(i).count;
+                                places[s + 1] = points;
+                              });
+    std::partial_sum(places.begin(), places.end(), places.begin());
+    out_.order_.resize(places.back());
+    std::vector<std::vector<OctreeCloud::Root>> parts(places.size() - 1);
+    octree_grid::forEachSlice(
+        runs, threads_, [&](std::size_t s, std::size_t begin, std::size_t end) {
+          std::uint32_t* place = out_.order_.data() + places[s];
+          std::uint32_t* const last_place = out_.order_.data() + places[s + 1];
+          std::uint64_t last = begin > 0 ? runOf(begin - 1).root : ~runOf(begin).root;
+          for (std::size_t i = begin; i < end; ++i) {
+            const PointRun run = runOf(i);
+            if (run.root != last) {
+              const auto at = static_cast<std::uint32_t>(place - out_.order_.data());
+              parts[s].push_back({run.root, at});
+              last = run.root;
+            }
+            place = run.list(place, last_place);
+          }
+        });
     out_.roots_.clear();
     for (const auto& part : parts) out_.roots_.insert(out_.roots_.end(), part.begin(), part.end());
-    out_.roots_.push_back({~std::uint64_t{0}, static_cast<std::uint32_t>(n)});
+    out_.roots_.push_back({~std::uint64_t{0}, static_cast<std::uint32_t>(out_.size())});
   }
 
   const CloudView& view_;
   int threads_;
   const octree_grid::Box* known_box_;
   int wanted_depth_ = 0;            ///< halvings below roots that keys had better resolve
+  bool join_ = false;               ///< whether points of one root follow each other
   std::vector<std::size_t> first_;  ///< finite points before each slice
   OctreeCloud out_;
 };

@@ -94,7 +94,7 @@ class ForestBuilder {
     if (end - begin < rule_.min_points) return -1;
     int children = keys.keys ? keys.dividingShift(begin, end) : -1;
     if (children < keys.lowest && keys.lowest > least_shift_) {
-      keys = refine(cloud_, window_, begin, end, keys_);
+      keys = refine(cloud_, window_, begin, end);
       children = keys.dividingShift(begin, end);
     }
     return children;
@@ -114,7 +114,6 @@ class ForestBuilder {
   OctreeForest& forest_;
   int least_shift_;
   std::array<double, OctreeCloud::kBits + 1> width_;  ///< edge^(5/4) by level
-  AlignedVector<std::uint64_t> keys_;  ///< of one run that the cloud's keys do not tell apart
 };
 
 }  // namespace

@@ -11,6 +11,7 @@
 
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/core/parallel.h"
+#include "prefetch.h"
 #include "splat_kernels.h"
 
 /** \brief A cloud's box, and how fine a grid must be for so many occupied cells. */
@@ -28,11 +29,11 @@ struct Reader {
   std::size_t stride;
   const std::int32_t* indices;
 
-  void operator()(std::size_t i, T p[3]) const
+  const unsigned char* address(std::size_t i) const
   {
-    const std::size_t input = indices ? static_cast<std::size_t>(indices[i]) : i;
-    std::memcpy(p, base + input * stride, 3 * sizeof(T));
+    return base + (indices ? static_cast<std::size_t>(indices[i]) : i) * stride;
   }
+  void operator()(std::size_t i, T p[3]) const { std::memcpy(p, address(i), 3 * sizeof(T)); }
 };
 
 template <typename T>
@@ -150,22 +151,35 @@ class AreaProbe {
     const std::size_t stride = std::max<std::size_t>(1, n / kProbePoints);
     const double scale = kCells / box.longest();
     const bool all = box.finite == n;
-    for (std::size_t i = 0; i < n; i += stride) {
+    const auto cellOf = [&](std::size_t i) {
       T p[3];
       read(i, p);
-      if (!all && !isFinite(p)) continue;
+      if (!all && !isFinite(p)) return -1;
       int cell = 0;
       for (std::size_t a = 0; a < 3; ++a) {
         const double at = (static_cast<double>(p[a]) - box.min[a]) * scale;
         cell = cell << kProbeBits | static_cast<int>(std::min(at, kCells - 1.0));
       }
+      return cell;
+    };
+    std::size_t looked = 0, together = 0;
+    for (std::size_t i = 0; i < n; i += stride) {
+      PCL_SLIM_PREFETCH(read.address(std::min(n - 1, i + kAhead * stride)));
+      const int cell = cellOf(i);
+      if (cell < 0) continue;
       const auto bit = static_cast<std::size_t>(cell);
       seen[bit / 64] |= std::uint64_t{1} << bit % 64;
+      if (++looked % kPairs != 0 || i + 1 == n) continue;
+      together += cellOf(i + 1) == cell;
     }
+    coherent_ = 2 * kPairs * together > looked;
     for (std::uint64_t word : seen) {
       for (; word != 0; word &= word - 1) ++occupied_;
     }
   }
+
+  /** Whether most points share a cell of this grid with the one behind them. */
+  bool isCoherent() const { return coherent_; }
 
   int resolutionFor(double wanted) const
   {
@@ -175,7 +189,10 @@ class AreaProbe {
 
  private:
   static constexpr double kCells = 1 << kProbeBits;
+  static constexpr std::size_t kAhead = 16;  ///< points between asking for one and looking at it
+  static constexpr std::size_t kPairs = 16;  ///< of so many points one is compared with the next
   double occupied_ = 0;
+  bool coherent_ = false;
 };
 
 }  // namespace pcl_slim::octree_grid

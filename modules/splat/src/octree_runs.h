@@ -93,18 +93,17 @@ struct RunKeys {
 inline RunKeys
 keysOf(const OctreeCloud& cloud)
 {
-  if (cloud.sortedDepth() < 0) return {nullptr, 0, 0, OctreeCloud::kBits};
+  if (cloud.sortedDepth() == 0) return {nullptr, 0, 0, OctreeCloud::kBits};
   return {cloud.keys(), 0, cloud.keyBit(0), cloud.depth() - cloud.sortedDepth()};
 }
 
-/** Brings points of one root into their full order where keys do not tell them apart further;
- * space: for the keys, which the result names. */
+/** Brings points that keys do not tell apart further into the order of some levels below, or of all.
+ * Cells of those levels stay what they are while points in one are brought into the order of more. */
 inline RunKeys
-refine(const OctreeCloud& cloud, PointWindow& window, std::size_t begin, std::size_t end,
-       AlignedVector<std::uint64_t>& space)
+refine(const OctreeCloud& cloud, PointWindow& window, std::size_t begin, std::size_t end)
 {
-  window.sortRun(cloud, begin, end, space);
-  return {space.data(), begin, 0, 0};
+  const int lowest = window.sortRun(cloud, begin, end);
+  return {window.keys(begin), begin, 0, lowest};
 }
 
 /** Spacing around a cell too small to tell: that of the smallest cell of roots around it with

@@ -5,13 +5,8 @@
 #include <cstring>
 #include <functional>
 
+#include "prefetch.h"
 #include "splat_kernels.h"
-
-#if defined(__GNUC__)
-#define PCL_SLIM_PREFETCH(address) __builtin_prefetch(address)
-#else
-#define PCL_SLIM_PREFETCH(address) static_cast<void>(address)
-#endif
 
 namespace pcl_slim {
 
@@ -130,8 +125,7 @@ PointFetcher::run(const std::uint32_t* points, std::size_t n,
   for (std::size_t begin = 0; begin < n; begin += kBlock) {
     for (std::size_t k = begin; k < std::min(n, begin + kBlock); k += kStep) {
       const std::size_t count = std::min(kStep, n - k);
-      // Points lie in any order: each is asked for from memory before its turn, at both ends. Not in
-      // a function of its own, which GCC takes for one without effect.
+      // Points lie in any order: each is asked for from memory before its turn, at both ends.
       for (std::size_t i = k + kAhead; i < k + kAhead + count; ++i) {
         PCL_SLIM_PREFETCH(first.of(points[i]));
         PCL_SLIM_PREFETCH(second.of(points[i]));
@@ -155,5 +149,3 @@ PointFetcher::run(const std::uint32_t* points, std::size_t n,
 }
 
 }  // namespace pcl_slim
-
-#undef PCL_SLIM_PREFETCH

@@ -106,23 +106,43 @@ spread(Words d, V v)
   return step(v, 2, 0x1249249249249249ULL);
 }
 
-void
-packKeys(const float* x, const float* y, const float* z, const std::uint32_t* index, std::size_t n,
-         int depth, int index_bits, std::uint64_t* packed)
+/** Codes of as many positions as a vector holds, times a power of two. */
+hn::Vec<Words>
+mortonCodes(const float* x, const float* y, const float* z, float scale)
 {
   const Words d;
   const hn::Rebind<float, Words> df;
   const hn::Rebind<std::int32_t, Words> di;
   const hn::Rebind<std::uint32_t, Words> du;
-  const auto scale = hn::Set(df, static_cast<float>(1 << depth));
+  const auto cell = [&](const float* column) {
+    const auto c = hn::ConvertTo(di, hn::Mul(hn::LoadU(df, column), hn::Set(df, scale)));
+    return spread(d, hn::PromoteTo(d, hn::BitCast(du, c)));
+  };
+  return hn::Or(hn::ShiftLeft<2>(cell(x)), hn::Or(hn::ShiftLeft<1>(cell(y)), cell(z)));
+}
+
+void
+packKeys(const float* x, const float* y, const float* z, const std::uint32_t* index, std::size_t n,
+         int depth, int index_bits, int zeros, std::uint64_t* packed)
+{
+  const Words d;
+  const hn::Rebind<std::uint32_t, Words> du;
+  const auto scale = static_cast<float>(1 << depth);
   for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {
-    const auto cell = [&](const float* column) {
-      const auto c = hn::ConvertTo(di, hn::Mul(hn::Load(df, column + i), scale));
-      return spread(d, hn::PromoteTo(d, hn::BitCast(du, c)));
-    };
-    const auto code = hn::Or(hn::ShiftLeft<2>(cell(x)), hn::Or(hn::ShiftLeft<1>(cell(y)), cell(z)));
-    const auto low = hn::PromoteTo(d, hn::Load(du, index + i));
-    hn::StoreU(hn::Or(hn::ShiftLeftSame(code, index_bits), low), d, packed + i);
+    const auto code = hn::ShiftLeftSame(mortonCodes(x + i, y + i, z + i, scale), index_bits);
+    const auto key = hn::Or(code, hn::PromoteTo(d, hn::Load(du, index + i)));
+    hn::StoreU(hn::ShiftLeftSame(key, zeros), d, packed + i);
+  }
+}
+
+void
+mortonKeys(const float* x, const float* y, const float* z, std::size_t n, int depth,
+           std::uint64_t* keys)
+{
+  const Words d;
+  const auto scale = static_cast<float>(1 << depth);
+  for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {
+    hn::StoreU(mortonCodes(x + i, y + i, z + i, scale), d, keys + i);
   }
 }
 
@@ -203,6 +223,7 @@ HWY_EXPORT(boxOfPoints);
 HWY_EXPORT(gatherVectors);
 HWY_EXPORT(toCells);
 HWY_EXPORT(packKeys);
+HWY_EXPORT(mortonKeys);
 HWY_EXPORT(labOfLinear);
 HWY_EXPORT(normalize);
 
@@ -240,9 +261,16 @@ toCells(const OctreeFrame& frame, float* x, float* y, float* z, std::size_t n)
 
 void
 packKeys(const float* x, const float* y, const float* z, const std::uint32_t* index, std::size_t n,
-         int depth, int index_bits, std::uint64_t* packed)
+         int depth, int index_bits, int zeros, std::uint64_t* packed)
 {
-  HWY_DYNAMIC_DISPATCH(packKeys)(x, y, z, index, n, depth, index_bits, packed);
+  HWY_DYNAMIC_DISPATCH(packKeys)(x, y, z, index, n, depth, index_bits, zeros, packed);
+}
+
+void
+mortonKeys(const float* x, const float* y, const float* z, std::size_t n, int depth,
+           std::uint64_t* keys)
+{
+  HWY_DYNAMIC_DISPATCH(mortonKeys)(x, y, z, n, depth, keys);
 }
 
 }  // namespace pcl_slim::splat_kernels

@@ -5,14 +5,17 @@
 #include <cmath>
 #include <cstring>
 
-#include "octree_key.h"
 #include "point_fetcher.h"
+#include "splat_kernels.h"
 
 namespace pcl_slim {
 
 namespace {
 
-constexpr std::size_t kFew = 64;  ///< points that are sorted by insertion
+constexpr std::size_t kLanes = 8;  ///< keys that are made at a time
+constexpr std::size_t kFew = 12;   ///< points for which counting digits does not pay
+constexpr int kDigitBits = 6;      ///< two levels of the octree
+constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
 
 }  // namespace
 
@@ -53,42 +56,60 @@ PointWindow::load(const OctreeCloud& cloud, const OctreeSource& source, std::siz
 
 template <typename T>
 void
-PointWindow::permute(AlignedVector<T>& column, std::size_t first)
+PointWindow::permute(T* values, std::size_t n)
 {
-  static_assert(sizeof(T) == sizeof(std::uint32_t));
-  T* values = column.data() + (first - begin_);
-  for (std::size_t k = 0; k < keyed_.size(); ++k) {
-    std::memcpy(&scratch_[k], values + keyed_[k].at, sizeof(T));
-  }
-  std::memcpy(values, scratch_.data(), keyed_.size() * sizeof(T));
+  auto* const scratch = reinterpret_cast<T*>(scratch_.data());
+  for (std::size_t k = 0; k < n; ++k) scratch[k] = values[from_[k]];
+  std::copy_n(scratch, n, values);
 }
 
 void
-PointWindow::sortRun(const OctreeCloud& cloud, std::size_t first, std::size_t last,
-                     AlignedVector<std::uint64_t>& keys)
+PointWindow::sortDigit(const std::uint64_t* keys, std::size_t n, int shift)
 {
-  const std::size_t n = last - first;
-  keyed_.resize(n);
+  std::array<std::uint32_t, kDigits> next{};
+  for (std::size_t k = 0; k < n; ++k) ++next[keys[k] >> shift & (kDigits - 1)];
+  std::uint32_t total = 0;
+  for (std::uint32_t& place : next) {
+    const std::uint32_t count = place;
+    place = total;
+    total += count;
+  }
+  for (std::uint32_t k = 0; k < n; ++k) from_[next[keys[k] >> shift & (kDigits - 1)]++] = k;
+}
+
+void
+PointWindow::sortFew(const std::uint64_t* keys, std::size_t n)
+{
   for (std::uint32_t k = 0; k < n; ++k) {
-    keyed_[k] = {mortonKey(position(first + k), cloud.depth()), k};
+    std::uint32_t at = k;
+    for (; at > 0 && keys[from_[at - 1]] > keys[k]; --at) from_[at] = from_[at - 1];
+    from_[at] = k;
   }
+}
+
+int
+PointWindow::sortRun(const OctreeCloud& cloud, std::size_t first, std::size_t last)
+{
+  const std::size_t n = last - first, at = first - begin_;
+  scratch_.resize(n + kLanes);
+  from_.resize(n);
+  keys_.resize(end_ - begin_);
+  std::uint64_t* const unsorted = scratch_.data();
+  splat_kernels::mortonKeys(column(kX, first), column(kY, first), column(kZ, first), n,
+                            cloud.depth(), unsorted);
+  int lowest = 0;
   if (n <= kFew) {
-    for (std::size_t k = 1; k < n; ++k) {
-      const Keyed one = keyed_[k];
-      std::size_t at = k;
-      for (; at > 0 && keyed_[at - 1].key > one.key; --at) keyed_[at] = keyed_[at - 1];
-      keyed_[at] = one;
-    }
+    sortFew(unsorted, n);
   } else {
-    std::sort(keyed_.begin(), keyed_.end(), [](const Keyed& a, const Keyed& b) {
-      return a.key != b.key ? a.key < b.key : a.at < b.at;
-    });
+    std::uint64_t differences = 0;
+    for (std::size_t k = 1; k < n; ++k) differences |= unsorted[k] ^ unsorted[0];
+    for (differences >>= kDigitBits; differences != 0; differences >>= 3) ++lowest;
+    sortDigit(unsorted, n, 3 * lowest);
   }
-  keys.resize(n);
-  for (std::size_t k = 0; k < n; ++k) keys[k] = keyed_[k].key;
-  scratch_.resize(n);
-  for (auto& column : columns_) permute(column, first);
-  permute(order_, first);
+  for (std::size_t k = 0; k < n; ++k) keys_[at + k] = unsorted[from_[k]];
+  for (auto& column : columns_) permute(column.data() + at, n);
+  permute(order_.data() + at, n);
+  return lowest;
 }
 
 }  // namespace pcl_slim

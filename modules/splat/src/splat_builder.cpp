@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "disc_shape.h"
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim {
@@ -12,7 +11,6 @@ namespace pcl_slim {
 namespace {
 
 constexpr std::size_t kSpacingCells = 1024;  ///< cells that tell the middle spacing
-constexpr std::size_t kExpectedRows = 512;   ///< of a slice: room that is rarely too little
 constexpr double kSpacings = 6.0;            ///< middle spacings in the widest
 constexpr double kNoiseSlack = 2.0;  ///< times the variance of noisy normals that is not bend
 constexpr double kFollowed = 2.0;    ///< gradients hold so much farther than there were points
@@ -32,11 +30,20 @@ SplatBuilder::SplatBuilder(const OctreeCloud& cloud, const OctreeSource& source,
 }
 
 void
-SplatBuilder::add(std::size_t slice, const PointWindow& window, const OctreeCell& cell,
-                  const CellSums& sums)
+SplatBuilder::add(std::size_t slice, const PointWindow& window, const CellBatch& batch)
+{
+  slices_[slice].rows.reserve(batch.size());
+  const std::vector<DiscNormal> normals = discNormals(window, batch);
+  for (std::size_t c = 0; c < batch.size(); ++c) {
+    addDisc(slice, window, batch.cells[c], batch.sums[c], normals[c]);
+  }
+}
+
+void
+SplatBuilder::addDisc(std::size_t slice, const PointWindow& window, const OctreeCell& cell,
+                      const CellSums& sums, DiscNormal shape)
 {
   Slice& out = slices_[slice];
-  if (out.rows.empty()) out.rows.reserve(kExpectedRows);
   std::array<float, 3> mean, cube{};
   for (std::size_t a = 0; a < 3; ++a) mean[a] = static_cast<float>(sums.position[a] / sums.count);
   const bool corner = params_.radius == RadiusRule::kCorner;
@@ -46,7 +53,6 @@ SplatBuilder::add(std::size_t slice, const PointWindow& window, const OctreeCell
   }
   const DiscReach reach = discReach(window, cell, params_.paper_mode ? cube : mean);
   const std::size_t input = source_.cloud.inputIndex(window.order(reach.nearest));
-  DiscNormal shape = discNormal(window, cell, sums);
   Row row;
   row.center = mean;
   if (params_.paper_mode) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "disc_shape.h"
 #include "octree_runs.h"
 #include "pcl_slim/splat/splat_sampling.h"
 
@@ -12,15 +13,14 @@ namespace pcl_slim {
 
 /** Makes a disc of each cell while its points are at hand, and the splats of all discs at the end.
  *
- * Cells come in slices; those of one slice in order, slices from any thread at any time. */
+ * Cells come in slices; slices from any thread at any time. */
 class SplatBuilder {
  public:
   SplatBuilder(const OctreeCloud& cloud, const OctreeSource& source, const SplatParams& params,
                const SampleNoise& noise, std::size_t slices);
 
-  /** A cell whose points stand in the window; sums: over them. */
-  void add(std::size_t slice, const PointWindow& window, const OctreeCell& cell,
-           const CellSums& sums);
+  /** All cells of a slice; their points stand in the window. */
+  void add(std::size_t slice, const PointWindow& window, const CellBatch& batch);
 
   /** Writes splats in the order of slices and cells. store: for RadiusRule::kNeighbors, else null;
    * the same points. */
@@ -42,6 +42,8 @@ class SplatBuilder {
     std::uint64_t single_points = 0, without_normal = 0;
   };
 
+  void addDisc(std::size_t slice, const PointWindow& window, const OctreeCell& cell,
+               const CellSums& sums, DiscNormal shape);
   std::uint32_t colorOf(const CellSums& sums, std::size_t input) const;
   void count(SplatStatistics& statistics) const;
   double widest() const;

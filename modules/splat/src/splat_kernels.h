@@ -26,11 +26,17 @@ gatherVectors(const unsigned char* first, std::size_t stride, const std::uint32_
 void
 toCells(const OctreeFrame& frame, float* x, float* y, float* z, std::size_t n);
 
-/** Morton codes of positions in root cells, halved depth times, each with an index below it:
- * code << index_bits | index. n: a multiple of 16, aligned. */
+/** Morton codes of positions in root cells, halved depth times, each with an index below it and some
+ * zeros: (code << index_bits | index) << zeros. n: a multiple of 16, aligned. */
 void
 packKeys(const float* x, const float* y, const float* z, const std::uint32_t* index, std::size_t n,
-         int depth, int index_bits, std::uint64_t* packed);
+         int depth, int index_bits, int zeros, std::uint64_t* packed);
+
+/** Morton codes of positions in root cells, halved depth times; as many as up to the next multiple of 8
+ * are read and written. */
+void
+mortonKeys(const float* x, const float* y, const float* z, std::size_t n, int depth,
+           std::uint64_t* keys);
 
 /** Linear RGB to CIELAB in place; columns have room for whole vectors of 16.
  * \param[in] to_xyz rows of RGB -> XYZ over the white point. */
@@ -55,5 +61,15 @@ constexpr std::size_t kNumSums = 17;
  * last are read, and not used. */
 void
 sumPoints(const float* const columns[9], std::size_t n, double sums[kNumSums]);
+
+constexpr std::size_t kCellNumbers = kNumSums + 1;
+
+/** Common normals of n cells: the line n with most of the sum of n n^T, where it is near one line and
+ * the normals' sum lies along it; else the variance is -1.
+ * \param[in] cells rows of how many points there are and then the sums of sumPoints.
+ * \param[in] widest variance up to which normals have one axis.
+ * \param[out] normals rows of x y z on the side of the sum, and 1 - the line's share. */
+void
+commonNormals(const double* cells, std::size_t n, double widest, double* normals);
 
 }  // namespace pcl_slim::splat_kernels

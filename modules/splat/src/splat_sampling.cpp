@@ -150,7 +150,9 @@ class Sampling {
     } else {
       grid.occupied = n / (params_.target_error > 0 ? kPointsPerErrorRoot : kPointsPerRoot);
     }
-    if (isUniform()) grid.halvings = 0;
+    // What lies below is put in order where a cell is divided, and a budget's tree divides all.
+    if (!hasBudget()) grid.per_key = kPointsPerRoot;
+    if (isUniform()) grid.per_key = std::numeric_limits<double>::infinity();
     return grid;
   }
 
@@ -206,8 +208,9 @@ class Sampling {
   {
     SplatBuilder builder(cloud, source, params_, noise, numRootSlices(cloud));
     divideByTolerance(cloud, source, ruleOf(noise), params_.threads,
-                      [&](std::size_t slice, const PointWindow& window, const OctreeCell& cell,
-                          const CellSums& sums) { builder.add(slice, window, cell, sums); });
+                      [&](std::size_t slice, const PointWindow& window, const CellBatch& leaves) {
+                        builder.add(slice, window, leaves);
+                      });
     return builder;
   }
 
@@ -220,6 +223,7 @@ class Sampling {
     const std::size_t slices = (cut.cells.size() + kCellSlice - 1) / kCellSlice;
     SplatBuilder builder(cloud, source, params_, noise, slices);
     std::vector<PointWindow> windows(static_cast<std::size_t>(params_.threads));
+    std::vector<CellBatch> batches(windows.size());
     parallelFor(slices, params_.threads, 1, [&](std::size_t slice, int thread) {
       PointWindow& window = windows[static_cast<std::size_t>(thread)];
       const std::size_t first = slice * kCellSlice;
@@ -227,10 +231,13 @@ class Sampling {
       const std::size_t begin = cut.cells[first].begin, end = cut.cells[last - 1].end;
       window.load(cloud, source, begin - std::min(begin, kSpacingReach),
                   std::min(cloud.size(), end + kSpacingReach));
+      CellBatch& batch = batches[static_cast<std::size_t>(thread)];
+      batch.clear();
       for (std::size_t c = first; c < last; ++c) {
         const OctreeCell& cell = cut.cells[c];
-        builder.add(slice, window, cell, sumsOf(window, cell.begin, cell.end));
+        batch.add(cell, sumsOf(window, cell.begin, cell.end));
       }
+      builder.add(slice, window, batch);
     });
     return builder;
   }

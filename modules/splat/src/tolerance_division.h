@@ -5,22 +5,20 @@
 #include <cmath>
 #include <vector>
 
-#include "color_octree.h"
+#include "cell_batch.h"
 #include "octree_runs.h"
 
 namespace pcl_slim {
 
-/** Divides roots until no rule asks for more; leaf(cell, sums) receives what stays whole, in Morton
- * order, while its points stand in the window. Chains of cells that hold the same points are
- * skipped. */
-template <typename Leaf>
+/** Divides roots until no rule asks for more; leaves receives what stays whole, in Morton order.
+ * Chains of cells that hold the same points are skipped. */
 class Divider {
  public:
-  Divider(const OctreeCloud& cloud, const SplitRule& rule, PointWindow& window, const Leaf& leaf)
+  Divider(const OctreeCloud& cloud, const SplitRule& rule, PointWindow& window, CellBatch& leaves)
       : cloud_(cloud),
         rule_(rule),
         window_(window),
-        leaf_(leaf),
+        leaves_(leaves),
         color_limit_(rule.color_error * rule.color_error),
         normal_limit_(rule.geometric_error * rule.geometric_error),
         least_shift_(std::max(0, cloud.depth() - rule.max_depth))
@@ -41,7 +39,7 @@ class Divider {
     if (n > 1 && n >= rule_.min_points && least_shift_ < shift && asksForMore(sums)) {
       int children = keys.keys ? keys.dividingShift(begin, end) : -1;
       if (children < keys.lowest && keys.lowest > least_shift_) {
-        keys = refine(cloud_, window_, begin, end, keys_);
+        keys = refine(cloud_, window_, begin, end);
         children = keys.dividingShift(begin, end);
       }
       if (children >= least_shift_) {
@@ -54,9 +52,9 @@ class Divider {
       }
       shift = std::min(shift, least_shift_);
     }
-    leaf_({static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end),
-           static_cast<float>(spacing), shift},
-          sums);
+    leaves_.add({static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end),
+                 static_cast<float>(spacing), shift},
+                sums);
   }
 
   bool asksForMore(const CellSums& sums) const
@@ -70,35 +68,34 @@ class Divider {
   const OctreeCloud& cloud_;
   const SplitRule& rule_;
   PointWindow& window_;
-  const Leaf& leaf_;
+  CellBatch& leaves_;
   double color_limit_, normal_limit_;
   int least_shift_;
-  AlignedVector<std::uint64_t> keys_;  ///< of one run that the cloud's keys do not tell apart
 };
 
-/** Divides every occupied root cell; leaf(slice, window, cell, sums) for each cell that stays
- * whole, in Morton order within a slice. O(N) per level that is divided; the same cells for any
- * number of threads. */
-template <typename Leaf>
+/** Divides every occupied root cell; leaves(slice, window, batch) for the cells of each slice that stay
+ * whole, in Morton order. O(N) per level that is divided; the same cells for any number of threads. */
+template <typename Leaves>
 void
 divideByTolerance(const OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule,
-                  int threads, const Leaf& leaf)
+                  int threads, const Leaves& leaves)
 {
   std::vector<PointWindow> windows(static_cast<std::size_t>(threads));
+  std::vector<CellBatch> batches(windows.size());
   forEachRootSlice(cloud, 0, threads,
                    [&](std::size_t slice, std::size_t thread, std::size_t first, std::size_t last) {
                      PointWindow& window = windows[thread];
+                     CellBatch& batch = batches[thread];
                      const std::size_t begin = cloud.root(first).begin,
                                        end = cloud.root(last).begin;
                      window.load(cloud, source, begin - std::min(begin, kSpacingReach),
                                  std::min(cloud.size(), end + kSpacingReach));
-                     const auto own = [&](const OctreeCell& cell, const CellSums& sums) {
-                       leaf(slice, window, cell, sums);
-                     };
-                     Divider<decltype(own)> divider(cloud, rule, window, own);
+                     batch.clear();
+                     Divider divider(cloud, rule, window, batch);
                      for (std::size_t r = first; r < last; ++r) {
                        divider.root(cloud.root(r).begin, cloud.root(r + 1).begin);
                      }
+                     leaves(slice, window, batch);
                    });
 }
 

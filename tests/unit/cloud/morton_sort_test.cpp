@@ -88,5 +88,26 @@ TEST(SortByBits, AllInOneBucketIsNoWorse)
   expectSorted(values, 0, 44);
 }
 
+TEST(SortByBits, GapsBetweenStretchesCloseUp)
+{
+  for (const std::size_t stretch : {3u, 900u, 30000u}) {
+    const Values all = numbers(5 * stretch, 40, 10);
+    std::vector<Stretch> stretches;
+    Values expected;
+    for (std::size_t s = 0; s < 5; ++s) {
+      stretches.push_back({s * stretch, s * stretch + stretch / (s + 1)});
+      expected.insert(expected.end(), all.begin() + static_cast<std::ptrdiff_t>(stretches[s].begin),
+                      all.begin() + static_cast<std::ptrdiff_t>(stretches[s].end));
+    }
+    std::stable_sort(expected.begin(), expected.end(),
+                     [](std::uint64_t a, std::uint64_t b) { return a >> 5 < b >> 5; });
+    for (const int threads : {1, 2, 7}) {
+      Values sorted = all;
+      sortByBits(sorted, stretches, 5, 40, threads);
+      EXPECT_EQ(sorted, expected);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace pcl_slim

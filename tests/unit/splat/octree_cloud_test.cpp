@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/splat/octree_cloud.h"
 
+#include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
 #include "cell_sums.h"
+#include "octree_key.h"
 #include "octree_runs.h"
 #include "painted_clouds.h"
 
@@ -71,6 +74,46 @@ TEST(OctreeCloud, KeysTellCellsBelowRootsApart)
     for (; at < end; ++at) ASSERT_EQ(cellOf(cloud, *octree, octree->order(at), width), cell);
   }
   EXPECT_GT(runs, octree->numRoots());
+}
+
+TEST(OctreeCloud, WithoutKeysRootsHoldTheirPointsInOrder)
+{
+  PaintedCloud cloud = painted(20000);
+  std::vector<double> rows(cloud.points);
+  for (const bool coherent : {false, true}) {
+    const auto keyed = OctreeCloud::build(cloud.view(), {30, 0}, 1);
+    ASSERT_TRUE(keyed);
+    if (coherent) {  // points of a root follow each other, as where a scanner walked row by row
+      for (std::size_t i = 0; i < cloud.size(); ++i) {
+        std::copy_n(cloud.points.data() + 3 * keyed->order(i), 3, rows.data() + 3 * i);
+      }
+      cloud.points = rows;
+      cloud.points[3 * 700] = std::nan("");  // in the middle of such points
+    }
+    RootGrid grid;
+    grid.resolution = 30;
+    grid.per_key = std::numeric_limits<double>::infinity();
+    for (const int threads : {1, 3}) {
+      const auto octree = OctreeCloud::build(cloud.view(), grid, threads);
+      ASSERT_TRUE(octree);
+      EXPECT_EQ(octree->sortedDepth(), 0);
+      ASSERT_EQ(octree->size(), cloud.size() - (coherent ? 1 : 0));
+      std::map<Cell, std::vector<std::uint32_t>> points;
+      for (std::uint32_t i = 0; i < cloud.size(); ++i) {
+        if (std::isnan(cloud.points[3 * i])) continue;
+        points[cellOf(cloud, *octree, i, 1.0)].push_back(i);
+      }
+      ASSERT_EQ(octree->numRoots(), points.size());
+      for (std::size_t r = 0; r < octree->numRoots(); ++r) {
+        const std::size_t begin = octree->root(r).begin, end = octree->root(r + 1).begin;
+        const auto& expected = points[cellOf(cloud, *octree, octree->order(begin), 1.0)];
+        ASSERT_EQ(end - begin, expected.size());
+        for (std::size_t i = begin; i < end; ++i) {
+          ASSERT_EQ(octree->order(i), expected[i - begin]);
+        }
+      }
+    }
+  }
 }
 
 TEST(OctreeCloud, FloatsAndIndicesGiveTheSameOrder)
@@ -178,22 +221,27 @@ TEST_F(Window, SumsAreThoseOfItsPoints)
   }
 }
 
-TEST_F(Window, SortsARunByItsFullKeys)
+TEST_F(Window, SortsARunByTheLevelsAtWhichItFallsApart)
 {
   load(10, 3000);
-  std::multiset<std::uint32_t> before, after;
-  for (std::size_t i = 20; i < 2000; ++i) before.insert(window_.order(i));
-  AlignedVector<std::uint64_t> keys;
-  window_.sortRun(*octree_, 20, 2000, keys);
-  ASSERT_EQ(keys.size(), 1980u);
-  EXPECT_TRUE(std::is_sorted(keys.begin(), keys.end()));
-  for (std::size_t i = 20; i < 2000; ++i) {
-    after.insert(window_.order(i));
-    float cells[3];
-    octree_->frame().position(cloud_.points.data() + 3 * window_.order(i), cells);
-    ASSERT_EQ(window_.position(i)[2], cells[2]) << "columns move together";
+  for (const std::size_t last : {28u, 2000u}) {
+    std::multiset<std::uint32_t> before, after;
+    for (std::size_t i = 20; i < last; ++i) before.insert(window_.order(i));
+    const int lowest = window_.sortRun(*octree_, 20, last);
+    const std::uint64_t* keys = window_.keys(20);
+    for (std::size_t i = 20; i < last; ++i) {
+      after.insert(window_.order(i));
+      float cells[3];
+      octree_->frame().position(cloud_.points.data() + 3 * window_.order(i), cells);
+      ASSERT_EQ(window_.position(i)[2], cells[2]) << "columns move together";
+      ASSERT_EQ(keys[i - 20], mortonKey(window_.position(i), octree_->depth()));
+      const std::size_t before_it = std::max<std::size_t>(i, 21) - 21;
+      ASSERT_LE(keys[before_it] >> 3 * lowest, keys[i - 20] >> 3 * lowest);
+    }
+    EXPECT_EQ(before, after);
+    EXPECT_NE(keys[0] >> 3 * lowest, keys[last - 21] >> 3 * lowest) << "they do fall apart";
+    EXPECT_TRUE(last > 28 || lowest == 0) << "few points are in order at every level";
   }
-  EXPECT_EQ(before, after);
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "pcl_slim/core/aligned.h"
 
@@ -23,5 +25,16 @@ sortByKey(AlignedVector<std::uint64_t>& keys, AlignedVector<std::uint32_t>& orde
  */
 void
 sortByBits(AlignedVector<std::uint64_t>& values, int low, int high, int threads);
+
+/** \brief The places [begin, end) of an array. */
+struct Stretch {
+  std::size_t begin, end;
+};
+
+/** \brief Sorts those numbers that stand in some stretches, in their order; values becomes them and
+ * nothing else. Threads share the first pass by stretches. */
+void
+sortByBits(AlignedVector<std::uint64_t>& values, const std::vector<Stretch>& stretches, int low,
+           int high, int threads);
 
 }  // namespace pcl_slim

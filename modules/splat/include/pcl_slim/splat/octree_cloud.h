@@ -26,7 +26,7 @@ struct RootGrid {
 
   int resolution = 0;   ///< cells along the box's longest side; 0: as occupied asks
   double occupied = 0;  ///< occupied cells wanted, roughly, where resolution is 0
-  int halvings = 64;    ///< of a cell that will be asked for; keys need resolve no more
+  double per_key = 4;   ///< points that may share a key, roughly; infinite: those of a root
 };
 
 /** \brief From world coordinates to root cells. */
@@ -55,8 +55,10 @@ struct OctreeFrame {
  * neighbour searches.
  *
  * Key and index of a point share 64 bits, so that keys resolve sortedDepth() halvings below a root
- * and not always depth(); whoever divides further orders points further. O(N) time, 8 bytes a
- * point and 16 a root; 8 bytes a point more while it is built. Same input, same order, for any
+ * and not always depth(); whoever divides further orders points further. Points that no key tells
+ * apart stay in their owner's order. Where roots are all that is asked for, points of one root that
+ * follow each other are ordered as one, and no keys are kept. O(N) time, 4 bytes a point, 8 more for
+ * keys, and 16 a root; 16 bytes a point more while it is built. Same input, same order, for any
  * number of threads.
  */
 class OctreeCloud {
@@ -73,20 +75,17 @@ class OctreeCloud {
    * outside, not one finite point, or coordinates near the largest double. */
   static Result<OctreeCloud> build(const CloudView& cloud, const RootGrid& grid, int threads = 0);
 
-  std::size_t size() const { return packed_.size(); }
+  std::size_t size() const { return order_.size(); }
   /** \brief The i-th point along the curve, as the i of CloudView::inputIndex. */
-  std::uint32_t order(std::size_t i) const
-  {
-    return static_cast<std::uint32_t>(packed_[i] & mask_);
-  }
+  std::uint32_t order(std::size_t i) const { return order_[i]; }
   /** \brief Puts another point of the same key there. */
-  void setOrder(std::size_t i, std::uint32_t order) { packed_[i] = (packed_[i] & ~mask_) | order; }
+  void setOrder(std::size_t i, std::uint32_t order) { order_[i] = order; }
 
   /** \brief Ascending numbers whose bits from keyBit(shift) on tell cells 2^shift times the
    * smallest apart. */
-  const std::uint64_t* keys() const { return packed_.data(); }
+  const std::uint64_t* keys() const { return keys_.data(); }
   int keyBit(int shift) const { return index_bits_ + 3 * (shift - depth_ + sorted_depth_); }
-  /** \brief Halvings of a root that keys resolve; -1: the grid is so fine that there are none. */
+  /** \brief Halvings of a root that keys resolve; 0: there are no keys. */
   int sortedDepth() const { return sorted_depth_; }
 
   std::size_t numRoots() const { return roots_.size() - 1; }
@@ -111,8 +110,8 @@ class OctreeCloud {
  private:
   friend class OctreeCloudBuilder;
 
-  AlignedVector<std::uint64_t> packed_;  ///< key and index
-  std::uint64_t mask_ = 0;               ///< of the index
+  AlignedVector<std::uint32_t> order_;
+  AlignedVector<std::uint64_t> keys_;  ///< each above some bits of no meaning
   std::vector<Root> roots_{{0, 0}};
   OctreeFrame frame_;
   double cell_ = 0;
