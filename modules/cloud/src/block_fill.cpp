@@ -71,14 +71,24 @@ PointStoreBuilder::prefetchBlock(std::size_t block) const
 void
 PointStoreBuilder::fillNormals(std::size_t begin, std::size_t count)
 {
-  float* const columns[3] = {store_.nx_.data(), store_.ny_.data(), store_.nz_.data()};
-  for (std::size_t i = begin; i < begin + count; ++i) {
-    const auto n =
-        store_.merged_.empty() ? reader_.normal(cloud_.inputIndex(order_[i])) : mergedNormal(i);
-    for (int a = 0; a < 3; ++a) columns[a][i] = n[a];
+  float n[3][kBlock], scale[kBlock];
+  for (std::size_t i = 0; i < kBlock; ++i) {
+    const std::uint32_t order = order_[begin + std::min(i, count - 1)];
+    const auto given = reader_.givenNormal(cloud_.inputIndex(order));
+    for (int a = 0; a < 3; ++a) n[a][i] = given[a];
   }
-  for (std::size_t i = begin + count; i < begin + kBlock; ++i) {
-    for (float* column : columns) column[i] = 0.0f;
+  for (std::size_t i = 0; i < kBlock; ++i) {
+    scale[i] = 1.0f / std::sqrt(n[0][i] * n[0][i] + n[1][i] * n[1][i] + n[2][i] * n[2][i]);
+  }
+  float* const columns[3] = {store_.nx_.data(), store_.ny_.data(), store_.nz_.data()};
+  for (int a = 0; a < 3; ++a) {
+    float* const column = columns[a] + begin;
+    for (std::size_t i = 0; i < kBlock; ++i) column[i] = n[a][i] * scale[i];
+    std::fill(column + count, column + kBlock, 0.0f);
+  }
+  for (std::size_t i = begin; !store_.merged_.empty() && i < begin + count; ++i) {
+    const auto mean = mergedNormal(i);
+    for (int a = 0; a < 3; ++a) columns[a][i] = mean[a];
   }
 }
 
@@ -89,7 +99,8 @@ PointStoreBuilder::fillBlock(std::size_t block, BlockTree::Level& boxes)
   const std::size_t begin = block * kBlock, count = std::min(kBlock, store_.size_ - begin);
   double local[3][kBlock];
   for (std::size_t i = 0; i < kBlock; ++i) {
-    const auto p = localPosition(order_[begin + std::min(i, count - 1)]);
+    const std::uint32_t order = order_[begin + std::min(i, count - 1)];
+    const auto p = reader_.position(cloud_.inputIndex(order));
     for (int a = 0; a < 3; ++a) local[a][i] = p[a];
   }
   float* const columns[3] = {store_.x_.data(), store_.y_.data(), store_.z_.data()};
@@ -98,6 +109,7 @@ PointStoreBuilder::fillBlock(std::size_t block, BlockTree::Level& boxes)
   float* const lows[3] = {boxes.min_x.data(), boxes.min_y.data(), boxes.min_z.data()};
   float* const highs[3] = {boxes.max_x.data(), boxes.max_y.data(), boxes.max_z.data()};
   for (int a = 0; a < 3; ++a) {
+    for (double& p : local[a]) p = (p - store_.origin_[a]) * inverse_scale_;
     const float origin = static_cast<float>(std::round(local[a][0] * kBlockGrid)) / kBlockGrid;
     float* const column = columns[a] + begin;
     for (std::size_t i = 0; i < kBlock; ++i) column[i] = static_cast<float>(local[a][i] - origin);

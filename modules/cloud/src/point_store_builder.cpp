@@ -22,15 +22,6 @@ struct SliceSummary {
   std::size_t finite = 0, with_normal = 0;
 };
 
-void
-include(SliceSummary& s, const std::array<double, 3>& p)
-{
-  for (int a = 0; a < 3; ++a) {
-    s.min[a] = std::min(s.min[a], p[a]);
-    s.max[a] = std::max(s.max[a], p[a]);
-  }
-}
-
 bool
 isFinite(const std::array<double, 3>& p)
 {
@@ -42,17 +33,22 @@ summarize(const CloudView& cloud, const CloudReader& reader, std::size_t begin, 
           bool need_normal)
 {
   const double inf = std::numeric_limits<double>::infinity();
-  SliceSummary s{{inf, inf, inf}, {-inf, -inf, -inf}};
+  double low[3] = {inf, inf, inf}, high[3] = {-inf, -inf, -inf};
+  std::size_t finite = 0, with_normal = 0;
   for (std::size_t i = begin; i < end; ++i) {
     const std::size_t input = cloud.inputIndex(i);
     const auto p = reader.position(input);
     if (!isFinite(p)) continue;
-    ++s.finite;
+    ++finite;
     const bool has_normal = cloud.normal != nullptr && reader.hasNormal(input);
-    s.with_normal += has_normal;
-    if (has_normal || !need_normal) include(s, p);
+    with_normal += has_normal;
+    if (!has_normal && need_normal) continue;
+    for (int a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], p[a]);
+      high[a] = std::max(high[a], p[a]);
+    }
   }
-  return s;
+  return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}, finite, with_normal};
 }
 
 SliceSummary
