@@ -43,8 +43,8 @@ struct Coverage {
  *
  * A ray goes through a random place of a triangle of a point and two of its 8 nearest, in a random
  * direction about the normal of the plane through the 24 nearest. It meets a disc when it pierces it
- * near that place: no farther above or below than the disc's radius and two spacings. Testing the points themselves would prove nothing:
- * discs can hold every point and still leave gaps between.
+ * near that place: no farther above or below than the disc's radius and two spacings. Testing the
+ * points themselves would prove nothing: discs can hold every point and still leave gaps between.
  *
  * \return an error for parameters out of range or splats without points. O(rays log splats). The
  * same result for any number of threads.
