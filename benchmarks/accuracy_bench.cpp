@@ -18,7 +18,8 @@ struct Settings {
   double penalty = FitParams().penalty, lambda = 0, alpha = FitParams().cover_radius;
   double normal_noise = 0.05;
   int threads = 0;
-  bool float_input = false, paper = false, by_degree = false, convergence = false;
+  bool float_input = false, paper = false, by_degree = false, convergence = false,
+       normals_as_data = false;
 
   std::vector<double> point_list, degree_list, normal_list, t_mdl_list, noise_list;
   std::vector<std::string> shape_list;
@@ -48,6 +49,8 @@ declareOptions(Settings& s)
   options.number("alpha", &s.alpha, 0, 1, "cover radius, as a share of a leaf's radius",
                  "by the leaf");
   options.number("normal_noise", &s.normal_noise, 0, 3, "error of the normals given, radians");
+  options.toggle("normals_as_data", &s.normals_as_data,
+                 "fit positions and the normals given together");
   options.integer("threads", &s.threads, 0, 4096, "threads, 0: all cores; changes no result");
   options.toggle("float", &s.float_input, "round coordinates to float first");
   options.toggle("paper", &s.paper, "the choices of Ohtake, Belyaev, Alexa 2005 throughout");
@@ -86,6 +89,7 @@ measure(const Settings& s, const Row& row, int degree)
   params.threads = s.threads;
   params.cover_radius = s.alpha;
   params.paper_mode = s.paper;
+  params.normals_as_data = row.normals && s.normals_as_data;
   return bench::measureAccuracy(row.shape, *row.scene, params, row.normals, s.float_input);
 }
 

@@ -21,6 +21,7 @@ struct PeerError {
   double Errors::*error;
   double value;
   const char* peer;
+  bool normals_as_data = false;  ///< it fits exact normals as data, and so may SLIM
 };
 
 constexpr double Errors::*kPosition = &Errors::position;
@@ -28,10 +29,10 @@ constexpr double Errors::*kNormal = &Errors::normal;
 constexpr double Errors::*kCurvature = &Errors::curvature;
 
 constexpr PeerError kPeers[] = {
-    {"sphere", 0.001, kPosition, 1.4e-4, "APSS, exact normals (Ponca)"},
-    {"torus", 0.001, kPosition, 1.8e-4, "APSS, exact normals (Ponca)"},
-    {"bumpy", 0.001, kPosition, 2.8e-4, "APSS, exact normals (Ponca)"},
-    {"relief", 0.001, kPosition, 3.4e-4, "APSS, exact normals (Ponca)"},
+    {"sphere", 0.001, kPosition, 1.4e-4, "APSS, exact normals (Ponca)", true},
+    {"torus", 0.001, kPosition, 1.8e-4, "APSS, exact normals (Ponca)", true},
+    {"bumpy", 0.001, kPosition, 2.8e-4, "APSS, exact normals (Ponca)", true},
+    {"relief", 0.001, kPosition, 3.4e-4, "APSS, exact normals (Ponca)", true},
     {"sphere", 0.001, kNormal, 0.090, "MLS order 2 (PCL)"},
     {"bumpy", 0.001, kNormal, 0.32, "MLS (PCL)"},
     {"relief", 0.001, kNormal, 1.4, "shape operator of APSS (Ponca)"},
@@ -97,6 +98,19 @@ penaltySweep(const ClaimRunner& runner, bool normals, int degree)
   return settings;
 }
 
+/** The same, and under noise each penalty with normals as data too. */
+std::vector<Setting>
+peerSweep(const ClaimRunner& runner, bool normals, int degree, double noise)
+{
+  std::vector<Setting> settings = penaltySweep(runner, normals, degree);
+  for (std::size_t i = settings.size(); normals && noise > 0 && i-- > 0;) {
+    if (settings[i].t_mdl > 0) continue;
+    settings.push_back(settings[i]);
+    settings.back().data = true;
+  }
+  return settings;
+}
+
 Error
 addDefault(ClaimRunner& runner, const Scene& scene, bool normals)
 {
@@ -144,19 +158,21 @@ addPeers(ClaimRunner& runner, const std::string& shape, double noise)
 {
   bench::Shape kind = bench::Shape::kSphere;
   bench::parseShape(shape, kind);
-  const bench::Scene scene = bench::makeScene(kind, kPeerPoints, noise, kNormalNoise, 7);
-  Best best;
+  const bench::Scene scene = bench::makeScene(kind, kPeerPoints, noise, 0.0, 7);
+  Best of_points, of_both;
   for (const bool normals : {false, true}) {
     for (const double degree : runner.plan().degrees()) {
-      for (const Setting& setting : penaltySweep(runner, normals, static_cast<int>(degree))) {
+      for (const Setting& setting : peerSweep(runner, normals, static_cast<int>(degree), noise)) {
         const Result<Errors> errors = errorsInDouble(runner, shape, scene, noise, setting);
         if (!errors) return errors.error();
-        best.take(*errors, setting.fullText());
+        if (!setting.data) of_points.take(*errors, setting.fullText());
+        of_both.take(*errors, setting.fullText());
       }
     }
   }
   for (const PeerError& peer : kPeers) {
     if (!isAbout(peer, shape, noise)) continue;
+    const Best& best = peer.normals_as_data ? of_both : of_points;
     runner.add({sceneTitle(shape, noise), kPeerPoints, best.runOf(peer.error), nameOf(peer.error),
                 best.errors.*peer.error, peer.value, peer.peer});
   }

@@ -39,6 +39,8 @@ repeatWith(bool Setting::*on, std::size_t begin, std::vector<Setting>& settings)
   const std::size_t end = settings.size();
   for (std::size_t i = begin; i < end; ++i) {
     if (settings[i].sharp) continue;
+    // Normals are weighed against the noise, which T leaves open.
+    if (on == &Setting::data && (!settings[i].normals || settings[i].t_mdl > 0)) continue;
     settings.push_back(settings[i]);
     settings.back().*on = true;
   }
@@ -70,6 +72,8 @@ Plan::declareOptions(OptionTable& options)
   options.text("t_mdls", &t_mdls_, "T,...",
                "SLIM: the paper's T_MDL in place of a penalty; 0: none");
   options.toggle("sharp", &sharp_, "SLIM: also keeping sharp edges, where normals are given");
+  options.toggle("normals_as_data", &data_,
+                 "SLIM: also each without T, given normals fitted as data beside the points");
   options.toggle("robust", &robust_, "SLIM: also each, reweighted against outliers");
   options.toggle("compact", &compact_, "SLIM: also every setting but sharp with -compact 1");
   options.text("mls_orders", &orders_, "D,...", "MLS: orders of the polynomial");
@@ -216,6 +220,7 @@ Plan::addSlim(const Scene& scene, std::vector<Setting>& settings) const
         if (t > 0) settings.push_back(s);
       }
     }
+    if (data_) repeatWith(&Setting::data, begin, settings);
     if (robust_) repeatWith(&Setting::robust, begin, settings);
     if (compact_) repeatWith(&Setting::compact, begin, settings);
   }

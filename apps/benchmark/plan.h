@@ -52,7 +52,7 @@ class Plan {
   std::string orders_ = "1,2,3", neighbours_ = "30,60,100,200,400";
   std::string normal_neighbours_ = "20,50,100";
   std::string input_, truth_, pairs_, claims_, scans_;
-  bool sharp_ = true, robust_ = false, compact_ = false;
+  bool sharp_ = true, robust_ = false, compact_ = false, data_ = false;
   int threads_ = 2, repeats_ = 3;
 
   struct FilePair {

@@ -197,6 +197,7 @@ Setting::text() const
   if (penalty > 0) add("kappa", penalty);
   if (t_mdl > 0) add("T", t_mdl);
   if (compact) text += text.empty() ? "compact" : " compact";
+  if (data) text += text.empty() ? "normals as data" : " normals as data";
   return text;
 }
 
@@ -215,6 +216,7 @@ fitParams(const Setting& setting)
   fit.t_mdl = setting.t_mdl;
   fit.sharp_features = setting.sharp;
   fit.robust = setting.robust;
+  fit.normals_as_data = setting.data;
   if (setting.compact) fit.cover_radius = 1.0;
   fit.threads = setting.threads;
   return fit;

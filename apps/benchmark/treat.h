@@ -23,13 +23,14 @@ struct Setting {
   bool robust = false;   ///< SLIM: reweighted against outliers
   bool compact = false;  ///< SLIM: leaves cover all of their radius (alpha = 1)
   bool normals = false;  ///< SLIM: the scene's normals are given
+  bool data = false;     ///< SLIM: and fitted as data beside the points
   int neighbours = 0;    ///< MLS: mean number in its radius; normals: k
   int threads = 2;
 
   /** \brief Nothing is set but what comes with the cloud. */
   bool automatic() const
   {
-    return degree == 0 && penalty <= 0 && t_mdl <= 0 && !sharp && !robust && !compact;
+    return degree == 0 && penalty <= 0 && t_mdl <= 0 && !sharp && !robust && !compact && !data;
   }
   /** \brief "degree 4 kappa 3", "order 2 k 60"; without the method's name. */
   std::string text() const;

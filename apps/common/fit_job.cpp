@@ -39,6 +39,7 @@ reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatisti
   json["degree"] = surface.info.degree;
   json["penalty"] = fit.penalty;
   json["t_mdl"] = fit.t_mdl;
+  json["normal_error"] = fit.normal_error;
   json["lambda"] = fit.lambda;
   json["diagonal"] = store.diagonal() * store.scale();
   json["rms_error_over_diagonal"] = fit.rms_error;
@@ -103,6 +104,10 @@ declareFitOptions(OptionTable& options, FitJob& job)
   options.toggle("robust", &job.params.robust, "reweight residuals against outliers");
   options.toggle("local_noise", &job.params.local_noise,
                  "noise is measured along the scan, not once for all of it");
+  options.toggle("normals_as_data", &job.params.normals_as_data,
+                 "fit points and normals together; for normals measured apart from the points");
+  options.number("normal_error", &job.params.normal_error, 1e-6, 1.5707,
+                 "their RMS error in radians; with -normals_as_data 1", "measured");
   options.toggle("paper", &job.params.paper_mode,
                  "the choices of Ohtake, Belyaev, Alexa 2005 throughout");
   options.toggle("compact", &job.compact,
@@ -119,6 +124,7 @@ declareFitOptions(OptionTable& options, FitJob& job)
   options.integer("seed", &job.params.seed, 0, kMany,
                   "seed of the order in which centres are tried");
   options.exclusive({"penalty", "t_mdl", "target_error", "max_surfels"});
+  for (const char* name : {"t_mdl", "paper"}) options.exclusive({"normals_as_data", name});
 }
 
 Error
@@ -192,6 +198,9 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
   if (statistics.uncovered > 0) {
     console.note("  " + counted(statistics.uncovered, "point") + " not covered, " +
                  std::to_string(statistics.unsupported) + " of them inside no surfel");
+  }
+  if (statistics.normals_follow_points) {
+    console.note("  the normals follow the points' own noise: used as directions, not as data");
   }
   if (kept) *kept = std::move(*store);
   return {};

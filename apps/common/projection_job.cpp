@@ -151,8 +151,9 @@ declareProjectionOptions(OptionTable& options, ProjectionJob& job)
   declareFitOptions(options, job.fit);
   options.text("json", &job.json, "FILE", "write a report");
   options.toggle("quiet", &job.quiet, "say nothing but errors");
-  for (const char* name : {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "robust",
-                           "local_noise", "paper", "compact", "lambda", "seed"}) {
+  for (const char* name :
+       {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "robust", "local_noise",
+        "normals_as_data", "normal_error", "paper", "compact", "lambda", "seed"}) {
     options.exclusive({"surface", name});
   }
 }

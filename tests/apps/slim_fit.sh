@@ -67,6 +67,31 @@ for key in leaves lambda; do
   awk -v f="$f" -v n="$n" 'BEGIN { exit !(f > 0.9 * n && f < 1.1 * n) }' || complain "far $key $f, near $n"
 done
 
+# Normals as data: the sheet's own with errors of .05 rad are used, estimated ones are found out.
+awk 'BEGIN {
+  n = 6000
+  print "VERSION 0.7\nFIELDS x y z normal_x normal_y normal_z\nSIZE 4 4 4 4 4 4\nTYPE F F F F F F"
+  print "COUNT 1 1 1 1 1 1\nWIDTH " n "\nHEIGHT 1\nPOINTS " n "\nDATA ascii"
+  srand(7)
+  for (i = 0; i < n; ++i) {
+    x = rand(); y = rand(); for (k = 0; k < 3; ++k) g[k] = rand() + rand() + rand() + rand() - 2
+    a = -0.6 * cos(6 * x) * cos(5 * y) + 0.087 * g[0]; b = 0.5 * sin(6 * x) * sin(5 * y) + 0.087 * g[1]
+    l = sqrt(a * a + b * b + 1)
+    printf "%.7f %.7f %.7f %.7f %.7f %.7f\n", x, y, 0.1 * sin(6 * x) * cos(5 * y) + 0.01 * g[2], a / l, b / l, 1 / l
+  }
+}' > measured.pcd
+expect 0 '' measured.pcd data.slim -normals_as_data 1 -json data.json
+awk '/"normal_error"/ { gsub(/[^0-9.]/, ""); found = $0 > 0.05 && $0 < 0.1 } END { exit !found }' data.json ||
+  complain "normal_error: $(grep normal_error data.json)"
+expect 0 '' measured.pcd again.slim -normals_as_data 1 -normal_error 0.07
+expect 0 '' measured.pcd found.slim -estimate_normals 20 -use_normals 0 -normals_as_data 1 -json found.json
+grep -q 'follow the points' out.txt || complain "estimated normals pass for data"
+grep -q '"normal_error": 0' found.json || complain "estimated normals used: $(grep normal_error found.json)"
+expect 1 'no normals' scan.pcd d.pcd -normals_as_data 1
+expect 2 'exclude each other' measured.pcd d.pcd -normals_as_data 1 -t_mdl 0.01
+expect 2 'ask for that too' measured.pcd d.pcd -normal_error 0.1
+absent d.pcd
+
 # Help, version, documentation.
 expect 0 '' -h
 grep -q '^Syntax is: pcl_slim_fit ' out.txt || complain "no syntax line"

@@ -160,7 +160,8 @@ BallFitter::gather(double radius)
     blocks = &sampled_;
   }
   const BallQuery query{center_, static_cast<float>(radius),
-                        settings_.with_normals ? gate_.data() : nullptr, settings_.min_dot};
+                        settings_.with_normals ? gate_.data() : nullptr, settings_.min_dot,
+                        settings_.normal_error > 0};
   kernels::gatherBall(store_, *blocks, query, !settings_.with_normals, ball_, sums_);
   counters_.gathered += ball_.count;
   return ball_.count > 0 && sums_.weight > 0;
@@ -196,6 +197,11 @@ BallFitter::setFrame()
 {
   normal_ = snapNormal(frameNormal());
   const LocalFrame frame({normal_[0], normal_[1], normal_[2]});
+  if (settings_.normal_error > 0) {
+    // An error of the normal's direction has half its variance in each of two slopes.
+    const double slope_error = settings_.normal_error * gather_radius_;
+    ball_.slope_weight = 2.0 * noise_ / (slope_error * slope_error);
+  }
   kernels::toFrame(frame, static_cast<float>(gather_radius_), ball_);
 }
 

@@ -22,6 +22,35 @@ padBall(BallBuffer& ball)
   for (std::size_t i = ball.count; i < end; ++i) {
     ball.u[i] = ball.v[i] = ball.w[i] = 0.0f;
     ball.s_sq[i] = 2.0f;
+    if (ball.slope_weight > 0) ball.n_u[i] = ball.n_v[i] = ball.n_w[i] = 0.0f;
+  }
+}
+
+/** Slopes h_u = -n_u / n_w of a surface with these normals, and their weights n_w^3: an error of the
+ * direction moves the slope s along itself by 1 + s^2 as much, across by its root, n_w^-3 on average of
+ * the squares. */
+void
+toSlopes(const LocalFrame& frame, BallBuffer& ball)
+{
+  constexpr float kLeastCosine = 0.01f;
+  const Tag d;
+  Vec axes[3][3];
+  for (int a = 0; a < 3; ++a) {
+    axes[0][a] = hn::Set(d, static_cast<float>(-frame.u[a]));
+    axes[1][a] = hn::Set(d, static_cast<float>(-frame.v[a]));
+    axes[2][a] = hn::Set(d, static_cast<float>(frame.w[a]));
+  }
+  for (std::size_t i = 0; i < ball.count; i += hn::Lanes(d)) {
+    const auto x = hn::Load(d, ball.n_u.data() + i);
+    const auto y = hn::Load(d, ball.n_v.data() + i);
+    const auto z = hn::Load(d, ball.n_w.data() + i);
+    const auto cosine =
+        hn::Max(dot3(x, y, z, axes[2][0], axes[2][1], axes[2][2]), hn::Set(d, kLeastCosine));
+    hn::Store(hn::Div(dot3(x, y, z, axes[0][0], axes[0][1], axes[0][2]), cosine), d,
+              ball.n_u.data() + i);
+    hn::Store(hn::Div(dot3(x, y, z, axes[1][0], axes[1][1], axes[1][2]), cosine), d,
+              ball.n_v.data() + i);
+    hn::Store(hn::Mul(cosine, hn::Mul(cosine, cosine)), d, ball.n_w.data() + i);
   }
 }
 
@@ -46,6 +75,7 @@ toFrame(const LocalFrame& frame, float radius, BallBuffer& ball)
     hn::Store(dot3(dx, dy, dz, axes[2][0], axes[2][1], axes[2][2]), d, ball.w.data() + i);
     hn::Store(hn::Mul(hn::Load(d, ball.s_sq.data() + i), scale_sq), d, ball.s_sq.data() + i);
   }
+  if (ball.slope_weight > 0) toSlopes(frame, ball);
   padBall(ball);
 }
 
@@ -55,6 +85,8 @@ copyWhere(const BallBuffer& ball, const Keep& keep, BallBuffer& out)
 {
   const Tag d;
   out.reserve(ball.count);
+  out.slope_weight = ball.slope_weight;
+  if (out.slope_weight > 0) out.reserveNormals();
   std::size_t count = 0;
   for (std::size_t i = 0; i < ball.count; i += hn::Lanes(d)) {
     const auto s_sq = hn::Load(d, ball.s_sq.data() + i);
@@ -63,6 +95,11 @@ copyWhere(const BallBuffer& ball, const Keep& keep, BallBuffer& out)
     append(hn::Load(d, ball.v.data() + i), mask, out.v.data() + count);
     append(hn::Load(d, ball.w.data() + i), mask, out.w.data() + count);
     append(s_sq, mask, out.s_sq.data() + count);
+    if (out.slope_weight > 0) {
+      append(hn::Load(d, ball.n_u.data() + i), mask, out.n_u.data() + count);
+      append(hn::Load(d, ball.n_v.data() + i), mask, out.n_v.data() + count);
+      append(hn::Load(d, ball.n_w.data() + i), mask, out.n_w.data() + count);
+    }
     count += hn::CountTrue(d, mask);
   }
   out.count = count;

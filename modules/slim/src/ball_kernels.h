@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -15,12 +16,17 @@ namespace pcl_slim {
 
 /** \brief The points of one ball as columns, padded with weightless entries to whole vectors.
  *
- * After gathering: offsets from the centre in local units and their squared length. After
- * toFrame(): frame coordinates and squared distance in units of the gather radius.
+ * After gathering: offsets from the centre in local units and their squared length; normals where they
+ * are data. After toFrame(): frame coordinates and squared distance in units of the gather radius; the
+ * slopes that the normals tell.
  */
 struct BallBuffer {
   AlignedVector<float> u, v, w, s_sq;
+  AlignedVector<float> n_u, n_v,
+      n_w;                     ///< normals; in the frame slopes (n_u, n_v) and their weights
   AlignedVector<float> prior;  ///< robust weights; empty: all 1
+  double slope_weight =
+      0;  ///< of a squared slope beside a squared height in the frame's units; 0: none
   std::size_t count = 0;
 
   static constexpr std::size_t kPadding = 64;
@@ -31,6 +37,12 @@ struct BallBuffer {
     const std::size_t grown = capacity + capacity / 2 + kPadding;
     for (auto* column : {&u, &v, &w, &s_sq}) column->resize(grown);
   }
+
+  /** \brief Room for normals beside the points; call after reserve(). */
+  void reserveNormals()
+  {
+    for (auto* column : {&n_u, &n_v, &n_w}) column->resize(std::max(column->size(), u.size()));
+  }
 };
 
 /** \brief A ball of stored points: its place, and the normal gate that keeps other sheets out. */
@@ -39,6 +51,7 @@ struct BallQuery {
   float radius;
   const float* gate_normal = nullptr;  ///< null: every point counts
   float min_dot = 0.0f;                ///< points need normal . gate_normal > min_dot
+  bool take_normals = false;           ///< gather the normals too
 };
 
 /** \brief Sums over a gathered ball, weighted by (1 - s^2)^4. */
@@ -57,6 +70,8 @@ struct LocalFit {
   double residual_sq = 0;                    ///< e^2 = sum w f^2 / sum w, gather radius squared
   double n_eff = 0;                          ///< (sum w)^2 / sum w^2
   double slope_sq = 0;                       ///< mean of |grad h|^2, weights w
+  double terms = 0;  ///< coefficients that the heights decide: their number, fewer beside slopes
+  double slope_misfit = 0;  ///< slope_weight times the mean square slope missed, like residual_sq
 };
 
 /** \brief SIMD inner loops of modules/slim, compiled per instruction set and chosen at run time. */
@@ -67,7 +82,8 @@ void
 gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& query,
            bool with_covariance, BallBuffer& ball, BallSums& sums);
 
-/** \brief Turns offsets into frame coordinates in units of radius. */
+/** \brief Turns offsets into frame coordinates in units of radius, and normals into slopes if
+ * ball.slope_weight is not 0. */
 void
 toFrame(const LocalFrame& frame, float radius, BallBuffer& ball);
 
@@ -86,6 +102,8 @@ selectResiduals(const BallBuffer& ball, const float* residuals, float low, float
 
 /** \brief Fits heights w over (u, v) with weights G(s / rho) to the points within rho.
  *
+ * Minimises sum w (f^2 + slope_weight n_w |grad h - slope|^2): where normals are data, positions and
+ * normals are combined by their variances (Nehab et al. 2005).
  * Falls back to the highest lower degree whose n_eff and pivots allow it.
  * \param[in] support points n_eff needed per coefficient.
  * \param[in] refine one step of iterative refinement, for the fit that is kept. */

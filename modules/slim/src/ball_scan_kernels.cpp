@@ -102,6 +102,7 @@ gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& qu
   const Tag d;
   const auto zero = hn::Zero(d);
   ball.reserve(blocks.size() * PointStore::kBlock);
+  if (query.take_normals) ball.reserveNormals();
   const auto inverse_sq = hn::Set(d, 1.0f / (query.radius * query.radius));
   const bool with_normals = query.gate_normal != nullptr;
   std::size_t count = 0, inside = 0;
@@ -134,6 +135,11 @@ gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& qu
     append(l.dy, l.kept, ball.v.data() + count);
     append(l.dz, l.kept, ball.w.data() + count);
     append(l.d_sq, l.kept, ball.s_sq.data() + count);
+    if (query.take_normals) {
+      append(hn::Load(d, store.nx() + i), l.kept, ball.n_u.data() + count);
+      append(hn::Load(d, store.ny() + i), l.kept, ball.n_v.data() + count);
+      append(hn::Load(d, store.nz() + i), l.kept, ball.n_w.data() + count);
+    }
     count += hn::CountTrue(d, l.kept);
   });
   ball.count = count;

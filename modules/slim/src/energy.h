@@ -32,7 +32,7 @@ struct Energy {
       if (!(freedom > 0)) return std::numeric_limits<double>::infinity();
       e_sq *= fit.n_eff / freedom;
     }
-    return e_sq + penalty(fit, r);
+    return e_sq + fit.slope_misfit * gather_radius * gather_radius + penalty(fit, r);
   }
 
   /** \brief e^2 as seen across the surface: over a slope s noise scatters heights by 1 + s^2 times

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "level_cover.h"
+#include "normal_error.h"
 #include "normal_gate.h"
 #include "orientation.h"
 #include "pcl_slim/cloud/noise_level.h"
@@ -18,7 +19,8 @@ namespace pcl_slim {
 namespace {
 
 constexpr float kSharpDot = 0.5f;
-constexpr double kAlpha = 2.0 / 3.0;  ///< the paper's
+constexpr double kMostNormalError = 1.5707963267948966;  ///< pi/2: normals that tell nothing
+constexpr double kAlpha = 2.0 / 3.0;                     ///< the paper's
 constexpr double kAlphaWellSupported = 0.55;
 constexpr double kLackOfFitForT = 10.0;  ///< beyond it a leaf swallows what T was not meant for
 
@@ -89,6 +91,26 @@ noiseVariance(const PointStore& store, const FitParams& params, int threads)
   const bool paper = params.paper_mode || params.t_mdl > 0;
   return estimateNoise(
       store, paper ? NoiseEstimator::kMinEigenvalue10 : NoiseEstimator::kCubicResidual, threads);
+}
+
+/** What normals weigh as data: the error stated, or the one measured if it is their own. */
+Error
+settleNormals(const PointStore& store, const FitParams& params, int threads, FitSettings& settings,
+              FitStatistics& stats)
+{
+  if (!params.normals_as_data) return {};
+  if (!store.hasNormals()) {
+    return {ErrorCode::kBadInput,
+            "the points have no normals to take as data: give some, or leave it"};
+  }
+  settings.normal_error = params.normal_error;
+  if (params.normal_error == 0) {
+    const NormalError measured = measureNormalError(store, threads);
+    stats.normals_follow_points = !measured.independent();
+    if (measured.independent()) settings.normal_error = measured.radians;
+  }
+  stats.normal_error = settings.normal_error;
+  return {};
 }
 
 void
@@ -206,6 +228,16 @@ FitParams::validate() const
     return bad(
         "T_MDL is a penalty: a target error or number of surfels would replace it, give one");
   }
+  if (!(normal_error >= 0 && normal_error <= kMostNormalError))
+    return bad("the normals' error lies between 0 and pi/2 radians (0: measured)");
+  if (normal_error > 0 && !normals_as_data)
+    return bad("an error of normals matters where they are data: ask for that too, or leave it");
+  if (normals_as_data && (t_mdl > 0 || paper_mode)) {
+    return bad(
+        "normals as data are weighed against the noise, which T_MDL and the paper's mode leave "
+        "open: "
+        "drop one");
+  }
   const auto finite = [](double value) { return std::isfinite(value); };
   if (has_viewpoint && !std::all_of(viewpoint, viewpoint + 3, finite)) {
     return bad("the viewpoint must be finite");
@@ -239,6 +271,7 @@ fitSurface(const PointStore& store, const FitParams& asked, SLIMSurface& surface
   settings.energy.lambda = noiseVariance(store, params, threads);
   // The paper's lambda, which T goes with, holds the surface's bend too; the smallest balls follow it.
   if (params.t_mdl <= 0 && !params.paper_mode) settings.noise = settings.energy.lambda;
+  if (Error error = settleNormals(store, params, threads, settings, stats)) return error;
   if (params.local_noise) settings.noise_profile = noiseProfile(store, threads);
   settings.energy.kappa = params.penalty;
   settings.energy.t_mdl =

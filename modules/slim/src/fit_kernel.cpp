@@ -34,8 +34,19 @@ template <WeightKernel K>
 class WeightedBall {
  public:
   WeightedBall(const BallBuffer& ball, float rho)
-      : ball_(ball), inverse_sq_(hn::Set(Tag(), 1.0f / (rho * rho)))
+      : ball_(ball), values_(ball.w.data()), inverse_sq_(hn::Set(Tag(), 1.0f / (rho * rho)))
   {
+  }
+
+  const BallBuffer& points() const { return ball_; }
+
+  /** Slopes along u or v in place of heights, with the weights of slopes. */
+  WeightedBall slopes(bool along_u) const
+  {
+    WeightedBall other = *this;
+    other.values_ = along_u ? ball_.n_u.data() : ball_.n_v.data();
+    other.factors_ = ball_.n_w.data();
+    return other;
   }
 
   /** Calls body(weight, u, v, w) for every group of lanes. */
@@ -46,13 +57,16 @@ class WeightedBall {
     for (std::size_t i = 0; i < ball_.count; i += hn::Lanes(d)) {
       auto weight = kernelWeight<K>(hn::Mul(hn::Load(d, ball_.s_sq.data() + i), inverse_sq_));
       if (!ball_.prior.empty()) weight = hn::Mul(weight, hn::Load(d, ball_.prior.data() + i));
+      if (factors_ != nullptr) weight = hn::Mul(weight, hn::Load(d, factors_ + i));
       body(weight, hn::Load(d, ball_.u.data() + i), hn::Load(d, ball_.v.data() + i),
-           hn::Load(d, ball_.w.data() + i));
+           hn::Load(d, values_ + i));
     }
   }
 
  private:
   const BallBuffer& ball_;
+  const float* values_;
+  const float* factors_ = nullptr;
   Vec inverse_sq_;
 };
 
@@ -114,7 +128,7 @@ heightSums(const WeightedBall<K>& ball, const Value& value, double z_sums[], dou
 
 template <int D, WeightKernel K>
 void
-computeMoments(const WeightedBall<K>& ball, Moments& m)
+weightMoments(const WeightedBall<K>& ball, Moments& m)
 {
   if constexpr (D <= 2) {
     momentRows<D, 0, 2 * D>(ball, m);
@@ -126,8 +140,24 @@ computeMoments(const WeightedBall<K>& ball, Moments& m)
     momentRows<D, 2, 4>(ball, m);
     momentRows<D, 5, 8>(ball, m);
   }
+}
+
+template <int D, WeightKernel K>
+void
+computeMoments(const WeightedBall<K>& ball, Moments& m)
+{
+  weightMoments<D, K>(ball, m);
   heightSums<D>(
       ball, [](Vec, Vec, Vec w) HWY_ATTR { return w; }, m.z, m.zz);
+}
+
+/** Moments of the slopes' weights, times slope_weight. */
+template <int D, WeightKernel K>
+HWY_NOINLINE void
+slopeMoments(const WeightedBall<K>& ball, Moments& m)
+{
+  weightMoments<D - 1, K>(ball.slopes(true), m);
+  for (int k = 0; k <= momentIndex(D - 1, 2 * D - 2, 0); ++k) m.uv[k] *= ball.points().slope_weight;
 }
 
 /** Residual sums of a solution: b = sum W f m_k and sum W f^2, from the points themselves. */
@@ -153,6 +183,35 @@ residualSum(const WeightedBall<K>& ball, const double* c)
   return sumLanes(sum);
 }
 
+/** Adds what the slopes ask for beyond those of c to the right-hand side: slope_weight times
+ * sum W (s_u - h_u) d_u m_k + W (s_v - h_v) d_v m_k. \return their weighted sum of squares. */
+template <int D, WeightKernel K>
+HWY_NOINLINE double
+addSlopeSums(const WeightedBall<K>& ball, const double* c, double* b)
+{
+  constexpr int kTermsOfSlope = numCoefficients(D - 1);
+  const double weight = ball.points().slope_weight;
+  double missed = 0;
+  for (const bool along_u : {true, false}) {
+    double slope[kTermsOfSlope] = {}, sums[kTermsOfSlope], squares;
+    const auto eachTerm = [&](const auto& body) {
+      for (int k = 1; k < numCoefficients(D); ++k) {
+        const auto [i, j] = kTerms[k];
+        if (along_u && i > 0) body(k, termIndex(i - 1, j), i);
+        if (!along_u && j > 0) body(k, termIndex(i, j - 1), j);
+      }
+    };
+    eachTerm([&](int k, int derived, int power) { slope[derived] = power * c[k]; });
+    const Height<D - 1> known(slope);
+    heightSums<D - 1>(
+        ball.slopes(along_u), [&](Vec u, Vec v, Vec s) HWY_ATTR { return hn::Sub(s, known(u, v)); },
+        sums, squares);
+    eachTerm([&](int k, int derived, int power) { b[k] += weight * power * sums[derived]; });
+    missed += weight * squares;
+  }
+  return missed;
+}
+
 /** Highest degree with all its pivots and enough support; 0 if not even a plane has. */
 int
 supportedDegree(int degree, int pivots, double n_eff, double support)
@@ -173,10 +232,16 @@ fitWith(const BallBuffer& points, float rho, double support, bool refine)
   Moments m;
   computeMoments<D, K>(ball, m);
   const double weight = m.uv[0];
+  const bool slopes = points.slope_weight > 0;
+  Moments of_slopes;
+  if (slopes) {
+    slopeMoments<D, K>(ball, of_slopes);
+    addSlopeSums<D, K>(ball, fit.c.data(), m.z);
+  }
   if (!(weight > 0.0) || !(m.weight_sq > 0.0)) return fit;
   fit.n_eff = weight * weight / m.weight_sq;
   NormalEquations<D> equations;
-  const int pivots = equations.factor(m.uv, m.z);
+  const int pivots = equations.factor(m.uv, m.z, slopes ? of_slopes.uv : nullptr);
   fit.degree = supportedDegree(D, pivots, fit.n_eff, support);
   if (fit.degree == 0) return fit;
   const int size = numCoefficients(fit.degree);
@@ -186,12 +251,16 @@ fitWith(const BallBuffer& points, float rho, double support, bool refine)
   if (refine) {
     double b[kMaxCoefficients] = {}, ff;
     residualSums<D, K>(ball, fit.c.data(), b, ff);
+    if (slopes) addSlopeSums<D, K>(ball, fit.c.data(), b);
     equations.solveAndAdd(size, b, fit.c.data());
-    rss = residualSum<D, K>(ball, fit.c.data());
-  } else if (rss < kResidualGate * m.zz) {
-    rss = residualSum<D, K>(ball, fit.c.data());
   }
+  if (refine || slopes || rss < kResidualGate * m.zz) rss = residualSum<D, K>(ball, fit.c.data());
   fit.residual_sq = std::max(0.0, rss / weight);
+  fit.terms = slopes ? equations.heightTerms(size, m.uv) : size;
+  if (slopes) {
+    double unused[kMaxCoefficients] = {};
+    fit.slope_misfit = addSlopeSums<D, K>(ball, fit.c.data(), unused) / weight;
+  }
   fit.slope_sq = meanSlopeSq<D>(m.uv, fit.c.data());
   return fit;
 }

@@ -35,7 +35,8 @@ struct FitSettings {
   double center_grid = 0x1p-22;
   std::vector<float> noise_profile;  ///< lambda of runs of points over energy.lambda; empty: even
   bool with_normals = false;
-  float min_dot = 0.0f;  ///< normals nearer than this belong together
+  double normal_error = 0;  ///< > 0: normals are data too, this many radians off
+  float min_dot = 0.0f;     ///< normals nearer than this belong together
   bool skip_lone_normals = true;
   bool split_sheets = false;
   bool robust = false;

@@ -31,12 +31,13 @@ class NormalEquations {
   static constexpr int kSize = numCoefficients(D);
 
   /** Factors column by column in order of degree.
-   * \param[in] uv moments u^i v^j in rows of fixed i; \param[in] z right-hand side.
+   * \param[in] uv moments u^i v^j in rows of fixed i; \param[in] z right-hand side;
+   * \param[in] slopes where slopes are data, the moments up to degree 2D - 2 of their weights.
    * \return coefficients whose pivots hold. */
-  int factor(const double* uv, const double* z)
+  int factor(const double* uv, const double* z, const double* slopes)
   {
     WideVec rows[kSize * kVectors];
-    load(uv, z, rows);
+    load(uv, z, slopes, rows);
     return countPivots(rows, std::make_integer_sequence<int, kSize>());
   }
 
@@ -64,6 +65,21 @@ class NormalEquations {
     for (int p = 0; p < size; ++p) c[p] += delta[p];
   }
 
+  /** tr(M A^-1) for the moments M of heights alone: the coefficients that they decide. */
+  double heightTerms(int size, const double* uv) const
+  {
+    double trace = 0;
+    for (int p = 0; p < size; ++p) {
+      double column[kSize], solution[kSize] = {};
+      for (int q = 0; q < size; ++q) {
+        column[q] = uv[momentIndex(D, kTerms[p].i + kTerms[q].i, kTerms[p].j + kTerms[q].j)];
+      }
+      solveAndAdd(size, column, solution);
+      trace += solution[p];
+    }
+    return trace;
+  }
+
  private:
   using Wide = hn::CappedTag<double, 8>;
   using WideVec = hn::Vec<Wide>;
@@ -76,7 +92,7 @@ class NormalEquations {
   /** Whether vector k of a row holds anything on or right of its diagonal. */
   static constexpr bool holds(int row, int k) { return (k + 1) * kLanes > row; }
 
-  HWY_INLINE void load(const double* uv, const double* z, WideVec* rows)
+  HWY_INLINE void load(const double* uv, const double* z, const double* slopes, WideVec* rows)
   {
     const Wide d;
     unrolled<kSize * kVectors>([&](auto at) HWY_ATTR {
@@ -91,8 +107,9 @@ class NormalEquations {
         rows_[p()][p() + step()] = uv[momentIndex(D, kA.i + kB.i, kA.j + kB.j)];
       });
       rows_[p()][kLast] = z[p()];
-      gates_[p()] = kPivotGate * rows_[p()][p()];
     });
+    if (slopes != nullptr) addSlopes(slopes);
+    for (int p = 0; p < kSize; ++p) gates_[p] = kPivotGate * rows_[p][p];
     // Once all are written: single values do not pass on to vectors before they reach the cache.
     unrolled<kSize * kVectors>([&](auto at) HWY_ATTR {
       constexpr int kRow = at() / kVectors, kVector = at() % kVectors;
@@ -101,6 +118,19 @@ class NormalEquations {
       }
     });
     pivot_ = uv[0];
+  }
+
+  /** Adds the weighted sum of d_u m_p d_u m_q + d_v m_p d_v m_q to the entry of terms p and q. */
+  void addSlopes(const double* slopes)
+  {
+    for (int p = 1; p < kSize; ++p) {
+      for (int q = p; q < kSize; ++q) {
+        const Term a = kTerms[p], b = kTerms[q];
+        const int i = a.i + b.i, j = a.j + b.j;
+        if (a.i * b.i > 0) rows_[p][q] += a.i * b.i * slopes[momentIndex(D - 1, i - 2, j)];
+        if (a.j * b.j > 0) rows_[p][q] += a.j * b.j * slopes[momentIndex(D - 1, i, j - 2)];
+      }
+    }
   }
 
   template <int... P>

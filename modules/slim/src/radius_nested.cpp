@@ -37,8 +37,8 @@ RadiusSearch::servesAsWell(const Trial& wide, const Trial& narrow)
     squares += g * apart * apart;
   }
   const double cost = squares / weight * gather_radius_ * gather_radius_;
-  const double terms = numCoefficients(wide.fit.degree);
-  return cost < energy_.lambda * terms * (1.0 / narrow.fit.n_eff - 1.0 / wide.fit.n_eff);
+  const double saved = narrow.fit.terms / narrow.fit.n_eff - wide.fit.terms / wide.fit.n_eff;
+  return cost < energy_.lambda * saved;
 }
 
 /** Between r_m and r_r, where both E and the search would go to smaller balls. */

@@ -56,6 +56,9 @@ TEST(Determinism, OfTheOtherModes)
     expectSameBytes(cloud, params);
     expectSameBytes(cloud.withoutNormals(), params);
   }
+  FitParams data;
+  data.normals_as_data = true;
+  expectSameBytes(sceneCloud(Shape::kTorus, 20000, 0.003, 0.05), data);
 }
 
 TEST(Determinism, SeedsDiffer)

@@ -88,6 +88,17 @@ class SLIMFitBase {
   void setLocalNoise(bool local) { params_.local_noise = local; }
   bool getLocalNoise() const { return params_.local_noise; }
 
+  /** \brief Fits positions and normals together, each weighed by its error (default off: normals tell
+   * sides and directions). For normals measured apart from the points, as photometric stereo or a
+   * simulation gives them; those computed from the points say nothing new. */
+  void setNormalsAsData(bool data) { params_.normals_as_data = data; }
+  bool getNormalsAsData() const { return params_.normals_as_data; }
+
+  /** \brief RMS error of normals used as data, in (0, pi/2] radians. 0 (default) measures it, and
+   * leaves normals that follow the points' own noise aside (FitStatistics::normals_follow_points). */
+  void setNormalError(double radians) { params_.normal_error = radians; }
+  double getNormalError() const { return params_.normal_error; }
+
   /** \brief Without normals: gives the surface one consistent side (default on). */
   void setOrientation(bool orient) { params_.orient = orient; }
   bool getOrientation() const { return params_.orient; }

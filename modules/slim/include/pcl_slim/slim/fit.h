@@ -28,10 +28,14 @@ struct FitParams {
       false;            ///< keep sharp edges: only points with n . n_c > 1/2 (needs normals)
   bool robust = false;  ///< reweight residuals against outliers (two more passes a leaf)
   bool local_noise =
-      false;                ///< lambda varies over the cloud: smooths loud parts, spares quiet ones
-  bool paper_mode = false;  ///< the choices of Ohtake et al. 2005 throughout
-  bool orient = true;       ///< without normals: sign the output by the leaves' graph
-  bool has_viewpoint = false;       ///< sign the output towards viewpoint instead
+      false;  ///< lambda varies over the cloud: smooths loud parts, spares quiet ones
+  bool normals_as_data = false;  ///< fit positions and normals together, by their errors; needs
+                                 ///< normals that were measured apart from the points
+  double normal_error = 0.0;   ///< with it: the normals' RMS error, (0, pi/2] radians; 0: measured,
+                               ///< and normals that follow the points' own noise are no data
+  bool paper_mode = false;     ///< the choices of Ohtake et al. 2005 throughout
+  bool orient = true;          ///< without normals: sign the output by the leaves' graph
+  bool has_viewpoint = false;  ///< sign the output towards viewpoint instead
   double viewpoint[3] = {0, 0, 0};  ///< world coordinates
   std::uint64_t seed = 1;           ///< of the order in which centres are tried
   int threads = 0;                  ///< 0: all cores; never changes the result
@@ -59,7 +63,10 @@ struct FitStatistics {
   int first_level = 1, levels_skipped = 0, last_level = 0;
   double lambda = 0;              ///< noise variance [L^2]
   double penalty = 0, t_mdl = 0;  ///< as used (solved for, where asked)
-  double rms_error = 0;           ///< RMS residual of covered points against their leaves [L]
+  double normal_error = 0;        ///< of normals used as data [rad]; 0: they were not
+  bool normals_follow_points =
+      false;             ///< normals were to be data, but only repeat the points' noise
+  double rms_error = 0;  ///< RMS residual of covered points against their leaves [L]
   double seconds_noise = 0, seconds_cover = 0, seconds_links = 0, seconds_orient = 0;
   int threads = 1;
   std::uint64_t working_bytes = 0;  ///< memory of the fit beside the store and the surface
