@@ -44,7 +44,10 @@ randomBall(std::size_t count, double slope_weight)
     ball.n_v[i] = 0.3f * place(random);
     ball.n_w[i] = 0.6f + 0.4f * place(random);
   }
-  for (std::size_t i = count; i < count + BallBuffer::kPadding; ++i) ball.s_sq[i] = 2.0f;
+  for (std::size_t i = count; i < count + BallBuffer::kPadding; ++i) {
+    ball.u[i] = ball.v[i] = ball.w[i] = ball.n_u[i] = ball.n_v[i] = ball.n_w[i] = 0.0f;
+    ball.s_sq[i] = 2.0f;
+  }
   return ball;
 }
 
