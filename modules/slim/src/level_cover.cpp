@@ -15,7 +15,7 @@ constexpr std::uint8_t kLoneNormalMark = 2;  ///< mark: passed over for its norm
 constexpr std::uint8_t kFirstLevelMark = 4;  ///< mark: inside an internal ball of a level
 constexpr std::uint8_t kLastLevelMark = 128;
 constexpr std::size_t kSlice = 1 << 14;  ///< points a thread takes at a time
-constexpr std::size_t kFewCells = 32;    ///< per thread: colours would leave some idle
+constexpr std::size_t kFewCells = 128;   ///< with them colours leave threads idle
 constexpr char kCancelledMessage[] = "the fit was cancelled";
 
 std::uint64_t
@@ -88,7 +88,7 @@ LevelCover::coverLevel(int level)
       settings_.levelRadius(level) * std::max(1.0 + kLargestShift, settings_.alpha / kGolden));
   const std::size_t first = outputs_.size();
   outputs_.resize(first + cells_.size());
-  if (threads_ > 1 && cells_.size() <= kFewCells * static_cast<std::size_t>(threads_)) {
+  if (threads_ > 1 && cells_.size() <= kFewCells) {
     coverAhead(level, first);
   } else {
     for (int color = 0; color < 8; ++color) {
