@@ -9,8 +9,8 @@
 
 namespace pcl_slim {
 
-/** Some cells of one window. */
-struct CellBatch {
+/** Some cells of one window. Batches of two threads share no cache line. */
+struct alignas(64) CellBatch {
   std::vector<OctreeCell> cells;
   std::vector<CellSums> sums;  ///< over the points of each
 

@@ -71,7 +71,7 @@ double
 rootInverse(double f)
 {
   const double cube = f * f * f;
-  return cube > kThreshold ? cube : (f - kOffset) / kSlope;
+  return cube > kThreshold ? cube : (f - kOffset) * (1.0 / kSlope);
 }
 
 double
@@ -141,9 +141,9 @@ LabTable::labOfLinear(float* r, float* g, float* b, std::size_t n) const
 std::array<float, 3>
 LabTable::rgbUnrounded(const float lab[3]) const
 {
-  const double fy = (lab[0] + 16.0) / 116.0;
-  const double xyz[3] = {rootInverse(fy + lab[1] / 500.0), rootInverse(fy),
-                         rootInverse(fy - lab[2] / 200.0)};
+  const double fy = (lab[0] + 16.0) * (1.0 / 116.0);
+  const double xyz[3] = {rootInverse(fy + lab[1] * 0.002), rootInverse(fy),
+                         rootInverse(fy - lab[2] * 0.005)};
   std::array<float, 3> out;
   for (std::size_t c = 0; c < 3; ++c) {
     const auto& row = from_xyz_[c];

@@ -242,11 +242,13 @@ class OctreeCloudBuilder {
   template <typename RunOf>
   void placePoints(std::size_t runs, const RunOf& runOf)
   {
+    const bool joined = runs < first_.back();
     std::vector<std::size_t> places((runs + octree_grid::kSlice - 1) / octree_grid::kSlice + 1, 0);
     octree_grid::forEachSlice(runs, threads_,
                               [&](std::size_t s, std::size_t begin, std::size_t end) {
-                                std::size_t points = 0;
-                                for (std::size_t i = begin; i < end; ++i) points += runOf(i).count;
+                                std::size_t points = joined ? 0 : end - begin;
+                                for (std::size_t i = begin; i < end && joined; ++i)
+                                  points += runOf(i).count;
                                 places[s + 1] = points;
                               });
     std::partial_sum(places.begin(), places.end(), places.begin());
@@ -254,6 +256,7 @@ class OctreeCloudBuilder {
     std::vector<std::vector<OctreeCloud::Root>> parts(places.size() - 1);
     octree_grid::forEachSlice(
         runs, threads_, [&](std::size_t s, std::size_t begin, std::size_t end) {
+          std::vector<OctreeCloud::Root> roots;
           std::uint32_t* place = out_.order_.data() + places[s];
           std::uint32_t* const last_place = out_.order_.data() + places[s + 1];
           std::uint64_t last = begin > 0 ? runOf(begin - 1).root : ~runOf(begin).root;
@@ -261,11 +264,16 @@ class OctreeCloudBuilder {
             const PointRun run = runOf(i);
             if (run.root != last) {
               const auto at = static_cast<std::uint32_t>(place - out_.order_.data());
-              parts[s].push_back({run.root, at});
+              roots.push_back({run.root, at});
               last = run.root;
             }
-            place = run.list(place, last_place);
+            if (joined) {
+              place = run.list(place, last_place);
+            } else {
+              *place++ = run.first;
+            }
           }
+          parts[s] = std::move(roots);
         });
     out_.roots_.clear();
     for (const auto& part : parts) out_.roots_.insert(out_.roots_.end(), part.begin(), part.end());

@@ -66,8 +66,8 @@ PointFetcher::PointFetcher(const OctreeFrame& frame, const OctreeSource& source)
   stretches.add(normal_.first, normal_.stride, 3 * sizeof(float));
   stretches.add(bgr_.first, bgr_.stride, 3);
   for (const auto& stretch : stretches) {
-    ends_[num_ends_++] = {stretch.begin, stretch.stride};
-    ends_[num_ends_++] = {stretch.last, stretch.stride};
+    stretches_[num_stretches_++] = {{stretch.begin, stretch.stride},
+                                    static_cast<std::size_t>(stretch.last - stretch.begin)};
   }
 }
 
@@ -121,15 +121,18 @@ PointFetcher::run(const std::uint32_t* points, std::size_t n,
     return std::array<float*, 3>{columns[first] + k, columns[first + 1] + k,
                                  columns[first + 2] + k};
   };
-  const Attribute first = ends_[0], second = ends_[1];
+  const Stretch stretch = stretches_[0];
   for (std::size_t begin = 0; begin < n; begin += kBlock) {
     for (std::size_t k = begin; k < std::min(n, begin + kBlock); k += kStep) {
       const std::size_t count = std::min(kStep, n - k);
       // Points lie in any order: each is asked for from memory before its turn, at both ends.
       for (std::size_t i = k + kAhead; i < k + kAhead + count; ++i) {
-        PCL_SLIM_PREFETCH(first.of(points[i]));
-        PCL_SLIM_PREFETCH(second.of(points[i]));
-        for (std::size_t e = 2; e < num_ends_; ++e) PCL_SLIM_PREFETCH(ends_[e].of(points[i]));
+        PCL_SLIM_PREFETCH(stretch.begin.of(points[i]));
+        PCL_SLIM_PREFETCH(stretch.begin.of(points[i]) + stretch.span);
+        for (std::size_t s = 1; s < num_stretches_; ++s) {
+          PCL_SLIM_PREFETCH(stretches_[s].begin.of(points[i]));
+          PCL_SLIM_PREFETCH(stretches_[s].begin.of(points[i]) + stretches_[s].span);
+        }
       }
       const auto xyz = at(PointWindow::kX, k);
       if (doubles_) {

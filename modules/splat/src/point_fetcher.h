@@ -42,8 +42,14 @@ class PointFetcher {
   bool doubles_;
   std::uint32_t last_;  ///< place behind which no fourth float may stand
   Attribute xyz_, normal_, bgr_;
-  std::array<Attribute, 6> ends_;  ///< both ends of what lies together in memory
-  std::size_t num_ends_ = 0;
+  /** What lies together in memory, and bytes from its begin to its last one. */
+  struct Stretch {
+    Attribute begin;
+    std::size_t span = 0;
+  };
+
+  std::array<Stretch, 3> stretches_;
+  std::size_t num_stretches_ = 0;
 };
 
 }  // namespace pcl_slim

@@ -17,8 +17,8 @@ struct OctreeSource {
 };
 
 /** A stretch of a cloud's points along its curve, brought together in memory as columns; points are
- * named by their places in the whole cloud. */
-class PointWindow {
+ * named by their places in the whole cloud. Windows of two threads share no cache line. */
+class alignas(64) PointWindow {
  public:
   enum Column { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kL, kA, kB, kNumColumns };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "pcl_slim/core/parallel.h"
 
@@ -32,18 +33,19 @@ SplatBuilder::SplatBuilder(const OctreeCloud& cloud, const OctreeSource& source,
 void
 SplatBuilder::add(std::size_t slice, const PointWindow& window, const CellBatch& batch)
 {
-  slices_[slice].rows.reserve(batch.size());
+  Slice out;  // not in its place yet, beside those that other threads write to
+  out.rows.reserve(batch.size());
   const std::vector<DiscNormal> normals = discNormals(window, batch);
   for (std::size_t c = 0; c < batch.size(); ++c) {
-    addDisc(slice, window, batch.cells[c], batch.sums[c], normals[c]);
+    addDisc(slice, window, batch.cells[c], batch.sums[c], normals[c], out);
   }
+  slices_[slice] = std::move(out);
 }
 
 void
 SplatBuilder::addDisc(std::size_t slice, const PointWindow& window, const OctreeCell& cell,
-                      const CellSums& sums, DiscNormal shape)
+                      const CellSums& sums, DiscNormal shape, Slice& out)
 {
-  Slice& out = slices_[slice];
   std::array<float, 3> mean, cube{};
   for (std::size_t a = 0; a < 3; ++a) mean[a] = static_cast<float>(sums.position[a] / sums.count);
   const bool corner = params_.radius == RadiusRule::kCorner;

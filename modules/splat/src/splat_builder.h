@@ -43,7 +43,7 @@ class SplatBuilder {
   };
 
   void addDisc(std::size_t slice, const PointWindow& window, const OctreeCell& cell,
-               const CellSums& sums, DiscNormal shape);
+               const CellSums& sums, DiscNormal shape, Slice& out);
   std::uint32_t colorOf(const CellSums& sums, std::size_t input) const;
   void count(SplatStatistics& statistics) const;
   double widest() const;
