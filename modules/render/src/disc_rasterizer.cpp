@@ -133,18 +133,13 @@ renderDiscs(const SplatSet& splats, const Camera& camera, const DiscRenderParams
   const DiscFrame frame{splats, rays, bins, params, params.sides == VisibleSides::kFront};
   bins = binDiscs(frame, camera.size, threads, total);
 
-  std::vector<DiscTile> tiles(static_cast<std::size_t>(threads));
-  std::vector<DiscRenderStatistics> per_thread(static_cast<std::size_t>(threads));
-  parallelFor(bins.numTiles(), threads, 1, [&](std::size_t t, int thread) {
-    if (bins.begin[t] == bins.begin[t + 1]) return;
-    DiscTile& tile = tiles[static_cast<std::size_t>(thread)];
-    DiscRenderStatistics& counts = per_thread[static_cast<std::size_t>(thread)];
-    tile.begin(frame, camera.size, t);
-    tile.findFirst(frame, counts);
-    tile.blend(frame, counts);
-    tile.resolve(frame, buffer, counts);
-  });
-  for (const DiscRenderStatistics& counts : per_thread) total += counts;
+  total += forEachTile<DiscTile, DiscRenderStatistics>(
+      bins, threads, [&](std::size_t t, DiscTile& tile, DiscRenderStatistics& counts) {
+        tile.begin(frame, camera.size, t);
+        tile.findFirst(frame, counts);
+        tile.blend(frame, counts);
+        tile.resolve(frame, buffer, counts);
+      });
   if (statistics) *statistics = total;
   return {};
 }

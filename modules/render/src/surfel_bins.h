@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "camera_rays.h"
+#include "pcl_slim/core/parallel.h"
 #include "pcl_slim/render/tile_rasterizer.h"
 
 namespace pcl_slim {
@@ -46,5 +47,24 @@ binByTile(const ImageSize& size, std::vector<VisibleLeaf> leaves, int threads);
 SurfelBins
 binLeaves(const SLIMSurface& surface, const CameraRays& rays, const ImageSize& size, double shrink,
           double near_plane, bool front_only, int threads, RenderStatistics& statistics);
+
+/** \brief Runs body(t, tile, statistics) for every tile with leaves; tile: memory that one thread uses
+ * for all its tiles. \return the sum of what body counted. */
+template <typename Tile, typename Statistics, typename Body>
+Statistics
+forEachTile(const SurfelBins& bins, int threads, const Body& body)
+{
+  std::vector<Tile> tiles(static_cast<std::size_t>(threads));
+  std::vector<Statistics> parts(tiles.size());
+  parallelFor(bins.numTiles(), threads, 1, [&](std::size_t t, int thread) {
+    if (bins.begin[t] == bins.begin[t + 1]) return;
+    Statistics counts;
+    body(t, tiles[static_cast<std::size_t>(thread)], counts);
+    parts[static_cast<std::size_t>(thread)] += counts;
+  });
+  Statistics total;
+  for (const Statistics& part : parts) total += part;
+  return total;
+}
 
 }  // namespace pcl_slim

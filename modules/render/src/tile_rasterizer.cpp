@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 #include "camera_rays.h"
 #include "pcl_slim/core/parallel.h"
@@ -78,21 +77,16 @@ renderSurface(const SLIMSurface& surface, const Camera& camera, const RenderPara
   const FrameContext frame{surface,      rays,       bins,       shrink,     cover_radius,
                            min_coverage, near_plane, front_only, params.skip};
 
-  std::vector<Tile> tiles(static_cast<std::size_t>(threads));
-  std::vector<RenderStatistics> per_thread(static_cast<std::size_t>(threads));
-  parallelFor(bins.numTiles(), threads, 1, [&](std::size_t t, int thread) {
-    Tile& tile = tiles[static_cast<std::size_t>(thread)];
-    RenderStatistics& counts = per_thread[static_cast<std::size_t>(thread)];
-    if (bins.begin[t] == bins.begin[t + 1]) return;
-    tile.begin(frame, camera.size, t);
-    for (int layer = 0; layer < kMaxLayers; ++layer) {
-      findFirstIntersections(frame, t, tile, counts);
-      gatherBlends(frame, t, tile, counts);
-      if (!peelUncovered(frame, tile)) break;
-    }
-    resolveTile(frame, tile, buffer, counts);
-  });
-  for (const RenderStatistics& counts : per_thread) total += counts;
+  total += forEachTile<Tile, RenderStatistics>(
+      bins, threads, [&](std::size_t t, Tile& tile, RenderStatistics& counts) {
+        tile.begin(frame, camera.size, t);
+        for (int layer = 0; layer < kMaxLayers; ++layer) {
+          findFirstIntersections(frame, t, tile, counts);
+          gatherBlends(frame, t, tile, counts);
+          if (!peelUncovered(frame, tile)) break;
+        }
+        resolveTile(frame, tile, buffer, counts);
+      });
   if (statistics) *statistics = total;
   return {};
 }
