@@ -23,11 +23,7 @@ class OctreeCloudBuilder {
   static constexpr double kLargest = 1e150;  ///< squares of such coordinates are still finite
 
  public:
-  /** box: that of the cloud where it is known, else null. */
-  OctreeCloudBuilder(const CloudView& cloud, int threads, const octree_grid::Box* box = nullptr)
-      : view_(cloud), threads_(threads), known_box_(box)
-  {
-  }
+  OctreeCloudBuilder(const CloudView& cloud, int threads) : view_(cloud), threads_(threads) {}
 
   Result<OctreeCloud> run(const RootGrid& grid)
   {
@@ -62,7 +58,7 @@ class OctreeCloudBuilder {
   template <typename T>
   Error runAs(const octree_grid::Reader<T>& read, const RootGrid& grid)
   {
-    const octree_grid::Box box = boxOf(read);
+    const octree_grid::Box box = octree_grid::measure(read, view_.count(), threads_, first_);
     if (box.finite == 0) {
       return {ErrorCode::kBadInput,
               "every point of the cloud is NaN or infinite: nothing to work on"};
@@ -86,18 +82,6 @@ class OctreeCloudBuilder {
     const bool join = join_ && out_.sorted_depth_ == 0 && spare_bits >= RunFormat::kCountBits;
     sortPacked(read, {index_bits, join ? RunFormat::kCountBits : 0}, root_bits);
     return {};
-  }
-
-  template <typename T>
-  octree_grid::Box boxOf(const octree_grid::Reader<T>& read)
-  {
-    const std::size_t n = view_.count();
-    if (!known_box_ || known_box_->finite < n) {
-      return octree_grid::measure(read, n, threads_, first_);
-    }
-    first_.assign(1, 0);
-    while (first_.back() < n) first_.push_back(std::min(n, first_.back() + octree_grid::kSlice));
-    return *known_box_;
   }
 
   static int bitsOf(std::uint64_t value)
@@ -282,7 +266,6 @@ class OctreeCloudBuilder {
 
   const CloudView& view_;
   int threads_;
-  const octree_grid::Box* known_box_;
   int wanted_depth_ = 0;            ///< halvings below roots that keys had better resolve
   bool join_ = false;               ///< whether points of one root follow each other
   std::vector<std::size_t> first_;  ///< finite points before each slice

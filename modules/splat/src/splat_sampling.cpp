@@ -7,12 +7,10 @@
 #include <limits>
 #include <optional>
 
-#include "octree_cloud_builder.h"
 #include "octree_cut.h"
 #include "pcl_slim/core/parallel.h"
 #include "sample_noise.h"
 #include "splat_builder.h"
-#include "staged_cloud.h"
 #include "tolerance_division.h"
 
 namespace pcl_slim {
@@ -72,13 +70,7 @@ class Sampling {
   Error run(SplatSet& splats)
   {
     if (!begin(0.0f, "ordering")) return cancelled();
-    const auto staged = StagedCloud::of(view_, colors_, params_.threads);
-    if (staged) {
-      view_ = staged->view();
-      colors_ = staged->colors();
-    }
-    OctreeCloudBuilder order(view_, params_.threads, staged ? &staged->box() : nullptr);
-    Result<OctreeCloud> cloud = order.run(rootGrid());
+    Result<OctreeCloud> cloud = OctreeCloud::build(view_, rootGrid(), params_.threads);
     if (!cloud) return cloud.error();
     statistics_.seconds_order = lap();
     if (needsNormals() || params_.radius == RadiusRule::kNeighbors) {
@@ -96,9 +88,6 @@ class Sampling {
     statistics_.seconds_divide = lap();
     if (!begin(0.9f, "splats")) return cancelled();
     builder.finish(store_ ? &*store_ : nullptr, splats, statistics_);
-    if (staged) {
-      for (std::uint32_t& kept : splats.kept) kept = staged->input(kept);
-    }
     statistics_.seconds_splats = lap();
     return begin(1.0f, "done") ? Error() : cancelled();
   }
