@@ -54,13 +54,26 @@ PointWindow::load(const OctreeCloud& cloud, const OctreeSource& source, std::siz
   PointFetcher(cloud.frame(), source).run(fetchOrder(cloud, source), n, columns);
 }
 
-template <typename T>
 void
-PointWindow::permute(T* values, std::size_t n)
+PointWindow::permute(std::size_t at, std::size_t n)
 {
-  auto* const scratch = reinterpret_cast<T*>(scratch_.data());
-  for (std::size_t k = 0; k < n; ++k) scratch[k] = values[from_[k]];
-  std::copy_n(scratch, n, values);
+  const std::uint32_t* const from = from_.data();
+  auto* const numbers = reinterpret_cast<float*>(scratch_.data());
+  static_assert(kNumColumns % 3 == 0);
+  for (std::size_t c = 0; c < kNumColumns; c += 3) {  // a place is read once for three columns
+    float* const columns[3] = {columns_[c].data() + at, columns_[c + 1].data() + at,
+                               columns_[c + 2].data() + at};
+    for (std::size_t k = 0; k < n; ++k) {
+      const std::uint32_t place = from[k];
+      numbers[k] = columns[0][place];
+      numbers[n + k] = columns[1][place];
+      numbers[2 * n + k] = columns[2][place];
+    }
+    for (std::size_t d = 0; d < 3; ++d) std::copy_n(numbers + d * n, n, columns[d]);
+  }
+  auto* const places = reinterpret_cast<std::uint32_t*>(scratch_.data());
+  for (std::size_t k = 0; k < n; ++k) places[k] = order_[at + from[k]];
+  std::copy_n(places, n, order_.data() + at);
 }
 
 void
@@ -91,7 +104,7 @@ int
 PointWindow::sortRun(const OctreeCloud& cloud, std::size_t first, std::size_t last)
 {
   const std::size_t n = last - first, at = first - begin_;
-  scratch_.resize(n + kLanes);
+  scratch_.resize(2 * n + kLanes);
   from_.resize(n);
   keys_.resize(end_ - begin_);
   std::uint64_t* const unsorted = scratch_.data();
@@ -107,8 +120,7 @@ PointWindow::sortRun(const OctreeCloud& cloud, std::size_t first, std::size_t la
     sortDigit(unsorted, n, 3 * lowest);
   }
   for (std::size_t k = 0; k < n; ++k) keys_[at + k] = unsorted[from_[k]];
-  for (auto& column : columns_) permute(column.data() + at, n);
-  permute(order_.data() + at, n);
+  permute(at, n);
   return lowest;
 }
 

@@ -56,8 +56,8 @@ class alignas(64) PointWindow {
  private:
   /** Fills order_. \return places in the caller's arrays. */
   const std::uint32_t* fetchOrder(const OctreeCloud& cloud, const OctreeSource& source);
-  template <typename T>
-  void permute(T* values, std::size_t n);
+  /** Brings points from at on into the order of from_. */
+  void permute(std::size_t at, std::size_t n);
   /** Writes places of keys by a digit of 64 to from_, in order. */
   void sortDigit(const std::uint64_t* keys, std::size_t n, int shift);
   void sortFew(const std::uint64_t* keys, std::size_t n);
