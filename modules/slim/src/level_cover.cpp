@@ -32,12 +32,11 @@ LevelCover::LevelCover(const PointStore& store, const FitSettings& settings, int
     : store_(store),
       settings_(settings),
       threads_(threads),
-      arenas_(static_cast<std::size_t>(threads)),
       level_mark_(kFirstLevelMark),
       serving_(kServedForGood | kFirstLevelMark)
 {
   for (int t = 0; t < threads; ++t) {
-    fitters_.push_back(std::make_unique<BallFitter>(store, settings));
+    workers_.push_back(std::make_unique<Worker>(store, settings));
   }
   const std::size_t padded = store.numBlocks() * PointStore::kBlock;
   coverage_.resize(padded);
@@ -107,7 +106,7 @@ void
 LevelCover::countBytes()
 {
   std::uint64_t bytes = outputs_.capacity() * sizeof(Output);
-  for (const auto& arena : arenas_) bytes += arena.capacity() * sizeof(SurfelRecord);
+  for (const auto& worker : workers_) bytes += worker->arena.capacity() * sizeof(SurfelRecord);
   bytes += coverage_.size() * sizeof(float) + marks_.size() +
            active_.capacity() * sizeof(std::uint32_t) + cells_.memoryBytes();
   peak_bytes_ = std::max(peak_bytes_, bytes);
@@ -119,7 +118,7 @@ LevelCover::pieces() const
   std::vector<Piece> pieces;
   std::size_t first = 0;
   for (const Output& output : outputs_) {
-    const SurfelRecord* records = arenas_[static_cast<std::size_t>(output.thread)].data();
+    const SurfelRecord* records = worker(output.thread).arena.data();
     if (output.begin == output.end) continue;
     pieces.push_back({records + output.begin, records + output.end, first});
     first += output.end - output.begin;
@@ -138,9 +137,9 @@ LevelCover::visitsOf(const CoverCells::Cell& cell) const
 void
 LevelCover::coverCell(const CoverCells::Cell& cell, int level, int thread, Output& output)
 {
-  BallFitter& fitter = *fitters_[static_cast<std::size_t>(thread)];
-  const auto begin = static_cast<std::uint32_t>(arenas_[static_cast<std::size_t>(thread)].size());
-  output = {thread, begin, begin};
+  BallFitter& fitter = worker(thread).fitter;
+  const auto begin = static_cast<std::uint32_t>(worker(thread).arena.size());
+  Output made{thread, begin, begin, false};
   CellVisits visits = visitsOf(cell);
   const auto served = [this](std::uint32_t point) { return isServed(point); };
   SurfelRecord surfel;
@@ -149,8 +148,9 @@ LevelCover::coverCell(const CoverCells::Cell& cell, int level, int thread, Outpu
     if (!prepared) prepareNeighborhood(cell, level, fitter);
     prepared = true;
     const BallOutcome outcome = fitter.fit(point, level, surfel);
-    keep(point, outcome, surfel, fitter, output);
+    keep(point, outcome, surfel, fitter, made);
   }
+  output = made;
 }
 
 /** Serves what a fitted ball serves; its surfel, if it has one, ends its cell's output. */
@@ -171,7 +171,7 @@ LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& s
     case BallOutcome::kUnsupported: marks_[point] = kServedForGood; return;
     case BallOutcome::kLoneNormal: marks_[point] = kServedForGood | kLoneNormalMark; return;
   }
-  arenas_[static_cast<std::size_t>(output.thread)].push_back(surfel);
+  worker(output.thread).arena.push_back(surfel);
   ++output.end;
 }
 
@@ -265,10 +265,11 @@ BallCounters
 LevelCover::counters() const
 {
   BallCounters sum;
-  for (const auto& fitter : fitters_) {
-    sum.gathered += fitter->counters().gathered;
-    sum.split_sheets += fitter->counters().split_sheets;
-    sum.tried += fitter->counters().tried;
+  for (const auto& worker : workers_) {
+    const BallCounters& counters = worker->fitter.counters();
+    sum.gathered += counters.gathered;
+    sum.split_sheets += counters.split_sheets;
+    sum.tried += counters.tried;
   }
   return sum;
 }
@@ -277,7 +278,7 @@ std::uint64_t
 LevelCover::numFits() const
 {
   std::uint64_t sum = 0;
-  for (const auto& fitter : fitters_) sum += fitter->numFits();
+  for (const auto& worker : workers_) sum += worker->fitter.numFits();
   return sum;
 }
 

@@ -55,12 +55,19 @@ class LevelCover {
     std::uint32_t begin = 0, end = 0;
     bool lasts = false;  ///< whether some points need no finer level
   };
+  /** What a thread writes all the time, in cache lines of its own. */
+  struct alignas(64) Worker {
+    Worker(const PointStore& store, const FitSettings& settings) : fitter(store, settings) {}
+    BallFitter fitter;
+    std::vector<SurfelRecord> arena;
+  };
   class Ahead;
 
   void coverLevel(int level);
   void coverAhead(int level, std::size_t first_output);
   CellVisits visitsOf(const CoverCells::Cell& cell) const;
   void coverCell(const CoverCells::Cell& cell, int level, int thread, Output& output);
+  Worker& worker(int thread) const { return *workers_[static_cast<std::size_t>(thread)]; }
   void keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& surfel,
             BallFitter& fitter, Output& output);
   void prepareNeighborhood(const CoverCells::Cell& cell, int level, BallFitter& fitter) const;
@@ -77,8 +84,7 @@ class LevelCover {
   const PointStore& store_;
   const FitSettings& settings_;
   int threads_;
-  std::vector<std::unique_ptr<BallFitter>> fitters_;
-  std::vector<std::vector<SurfelRecord>> arenas_;
+  std::vector<std::unique_ptr<Worker>> workers_;  ///< one per thread
   AlignedVector<float> coverage_;
   AlignedVector<std::uint8_t> marks_;    ///< served for good, or at a level
   AlignedVector<std::uint32_t> active_;  ///< points not yet covered, ascending

@@ -42,7 +42,7 @@ class LevelCover::Ahead {
   /** One thread's share. */
   void work(int thread)
   {
-    BallFitter& fitter = *cover_.fitters_[static_cast<std::size_t>(thread)];
+    BallFitter& fitter = cover_.worker(thread).fitter;
     std::uint32_t prepared = kNone;
     std::unique_lock<std::mutex> lock(mutex_, std::defer_lock);
     for (;;) {
@@ -99,8 +99,8 @@ class LevelCover::Ahead {
       if (slot.state != State::kDone) return;
       Output& output = outputs_[slot.cell];
       if (kept_cell_ != slot.cell) {
-        const auto begin = static_cast<std::uint32_t>(cover_.arenas_.front().size());
-        output = {0, begin, begin};
+        const auto begin = static_cast<std::uint32_t>(cover_.worker(0).arena.size());
+        output = {0, begin, begin, false};
       }
       prepare(keeper_, kept_cell_, slot.cell);
       cover_.keep(slot.point, slot.outcome, slot.surfel, keeper_, output);
@@ -127,7 +127,7 @@ class LevelCover::Ahead {
     return nullptr;
   }
 
-  std::size_t window() const { return kWindow * cover_.fitters_.size(); }
+  std::size_t window() const { return kWindow * cover_.workers_.size(); }
 
   /** Whether a ball before it in turn is likely to serve a centre. */
   bool isNearEarlier(std::size_t at) const

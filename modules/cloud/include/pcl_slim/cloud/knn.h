@@ -13,9 +13,9 @@ namespace pcl_slim {
 /** \brief Exact k nearest neighbours of stored points; keeps its scratch memory between queries.
  *
  * The neighbours in Morton order bound the distance; one ball query does the rest. One object
- * per thread.
+ * per thread, which share no cache line.
  */
-class NeighborSearch {
+class alignas(64) NeighborSearch {
  public:
   explicit NeighborSearch(const PointStore& store) : store_(store) {}
 
