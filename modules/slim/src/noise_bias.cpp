@@ -13,8 +13,9 @@ namespace {
 constexpr double kMostShare = 1.0 / 25;  ///< r = 5 sqrt(lambda): thinner balls would amplify noise
 
 /** h_uu + h_vv, a polynomial of a degree lower by two, in the same order of coefficients. */
+template <typename Real>
 std::array<double, kMaxCoefficients>
-laplacian(int degree, const float* c)
+laplacian(int degree, const Real* c)
 {
   std::array<double, kMaxCoefficients> sum{};
   for (int d = 2, k = numCoefficients(1); d <= degree; ++d) {
@@ -28,16 +29,31 @@ laplacian(int degree, const float* c)
   return sum;
 }
 
+/** \param[in] unit_sq the square of r over the unit of c */
+template <typename Real>
+void
+undo(int degree, double share, double unit_sq, Real* c)
+{
+  share = std::min(share, kMostShare);
+  const auto bend = laplacian(degree, c);
+  for (int k = 0; k < numCoefficients(degree); ++k) {
+    c[k] = static_cast<Real>(c[k] * (1.0 + Energy::kTruncation * share) -
+                             0.5 * share * unit_sq * bend[k]);
+  }
+}
+
 }  // namespace
 
 void
 undoNoiseBias(int degree, double share, float* c)
 {
-  share = std::min(share, kMostShare);
-  const auto bend = laplacian(degree, c);
-  for (int k = 0; k < numCoefficients(degree); ++k) {
-    c[k] = static_cast<float>(c[k] * (1.0 + Energy::kTruncation * share) - 0.5 * share * bend[k]);
-  }
+  undo(degree, share, 1.0, c);
+}
+
+void
+undoNoiseBias(int degree, double share, double rho, double* c)
+{
+  undo(degree, share, rho * rho, c);
 }
 
 }  // namespace pcl_slim

@@ -17,4 +17,8 @@ namespace pcl_slim {
 void
 undoNoiseBias(int degree, double share, float* c);
 
+/** \brief The same for coefficients in another unit of length. \param[in] rho r in that unit */
+void
+undoNoiseBias(int degree, double share, double rho, double* c);
+
 }  // namespace pcl_slim

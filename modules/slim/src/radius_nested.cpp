@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether a wide ball costs its inner points anything: two fits compared on the same points.
+// How wide, and of how low a degree, a leaf may be that holds noise only: fits compared on the same
+// points.
 #include <algorithm>
 #include <cmath>
 
+#include "noise_bias.h"
 #include "radius_search.h"
 
 namespace pcl_slim {
@@ -10,25 +12,38 @@ namespace pcl_slim {
 namespace {
 
 constexpr double kMostRise =
-    1.3;  ///< of E: beyond it the wide ball's rim is off too far for a leaf
+    1.3;                        ///< of E: beyond it the wide ball's rim is off too far for a leaf
+constexpr double kWorth = 0.8;  ///< of a saved variance, times sqrt(kappa)
+constexpr double kTrust = 2.0;  ///< so much more where E speaks for the wide ball as well
+constexpr int kRadii = 4;       ///< tried from r_r to r_m, r_r among them
+constexpr int kLeastDegree = 2;
+constexpr double kDegreeSupport = 9.0;  ///< n_eff per term from which a degree can be told too high
 
 }  // namespace
 
-/** E compares two radii over two sets of points: a narrower ball's is often lower by luck, or because
- * the wide one's rim, which hardly counts once leaves are blended, bends more than a polynomial. On
- * the narrow ball's points alone noise cancels: its own fit has the least e^2 there, the wide one's is
- * higher by their mean square difference D^2. Were both unbiased, D^2 would be about the variance
- * that width saves, lambda P (1/n_narrow - 1/n_wide); where it is no more, width wins. O(points). */
-bool
-RadiusSearch::servesAsWell(const Trial& wide, const Trial& narrow)
+/** The coefficients without what noise adds to them on average, which depends on the radius. */
+std::array<double, kMaxCoefficients>
+RadiusSearch::unbiased(const Trial& trial) const
 {
-  if (!settings_.compare_nested || !(wide.energy < kMostRise * narrow.energy)) return false;
-  const BallBuffer& points = pointsWithin(narrow.rho);
-  LocalFit difference = wide.fit;
-  for (std::size_t k = 0; k < difference.c.size(); ++k) difference.c[k] -= narrow.fit.c[k];
+  auto c = trial.fit.c;
+  const double r = trial.rho * gather_radius_;
+  undoNoiseBias(trial.fit.degree, noise() / (r * r), trial.rho, c.data());
+  return c;
+}
+
+/** D^2, the mean square difference of two fits over the points of the closer one, with its weights.
+ * O(points). */
+double
+RadiusSearch::apartSq(const Trial& plain, const Trial& close)
+{
+  const BallBuffer& points = pointsWithin(close.rho);
+  const auto a = unbiased(plain), b = unbiased(close);
+  LocalFit difference;
+  difference.degree = std::max(plain.fit.degree, close.fit.degree);
+  for (std::size_t k = 0; k < a.size(); ++k) difference.c[k] = a[k] - b[k];
   residuals_.resize(points.count + BallBuffer::kPadding);
   kernels::ballResiduals(points, difference, residuals_.data());
-  const double inverse_sq = 1.0 / (narrow.rho * narrow.rho);
+  const double inverse_sq = 1.0 / (close.rho * close.rho);
   double weight = 0, squares = 0;
   for (std::size_t i = 0; i < points.count; ++i) {
     const double g = evaluateKernel(settings_.fit_kernel, points.s_sq[i] * inverse_sq);
@@ -36,17 +51,56 @@ RadiusSearch::servesAsWell(const Trial& wide, const Trial& narrow)
     weight += g;
     squares += g * apart * apart;
   }
-  const double cost = squares / weight * gather_radius_ * gather_radius_;
-  const double saved = narrow.fit.terms / narrow.fit.n_eff - wide.fit.terms / wide.fit.n_eff;
-  return cost < energy_.lambda * saved;
+  return squares / weight * gather_radius_ * gather_radius_;
 }
 
-/** Between r_m and r_r, where both E and the search would go to smaller balls. */
-Trial
-RadiusSearch::betweenServing(const Trial& middle, const Trial& right)
+/** Whether a plainer fit, of a wider ball or a lower degree, costs the points of a closer one less than
+ * it saves them. E compares radii over different points: a narrow ball's is often lower by luck, or
+ * because the wide one's rim bends more than a polynomial, which hardly counts: where leaves are
+ * blended by the weights they were fitted with, such errors of neighbours cancel to first order. On the
+ * same points noise cancels: if both fits are unbiased, D^2 is about the variance that the plainer one
+ * saves, lambda (P_close / n_close - P_plain / n_plain). \param[in] trust times as much may be lost. */
+bool
+RadiusSearch::servesAsWell(const Trial& plain, const Trial& close, double trust)
 {
-  const Trial between = evaluate(std::sqrt(right.rho * middle.rho));
-  return between.supported && servesAsWell(between, middle) ? between : Trial{};
+  if (!(plain.energy < kMostRise * close.energy)) return false;
+  const double saved = close.fit.terms / close.fit.n_eff - plain.fit.terms / plain.fit.n_eff;
+  // Part of kappa insures against luck, of which there is little here.
+  const double worth = kWorth * std::sqrt(energy_.kappa);
+  return apartSq(plain, close) < trust * worth * noise() * saved;
+}
+
+/** The widest ball from r_r down to r_m, r_m left out, that serves r_m's points as well and hides no
+ * structure: r_r, or else upwards from r_m. \return an unsupported trial where there is none. */
+Trial
+RadiusSearch::widestServing(const Trial& middle, const Trial& right)
+{
+  const bool flat = right.energy <= settings_.lenience * middle.energy;
+  if (servesAsWell(right, middle, flat ? kTrust : 1.0) && !hidesStructure(right)) return right;
+  const double step = std::pow(right.rho / middle.rho, 1.0 / kRadii);
+  Trial widest;
+  double rho = middle.rho;
+  for (int i = 1; i < kRadii; ++i) {
+    rho *= step;
+    const Trial trial = evaluate(rho);
+    if (!trial.supported || !servesAsWell(trial, middle) || hidesStructure(trial)) break;
+    widest = trial;
+  }
+  return widest;
+}
+
+/** The lowest degree that serves a leaf's points as well: under noise the high terms of a ball that
+ * cannot be wide hold little else. */
+Trial
+RadiusSearch::leastDegree(const Trial& trial)
+{
+  const bool enough = trial.fit.n_eff > kDegreeSupport * trial.fit.terms;
+  if (!settings_.compare_nested || !enough || !isNoise(trial)) return trial;
+  for (int degree = kLeastDegree; degree < trial.fit.degree; ++degree) {
+    const Trial low = evaluate(trial.rho, degree, settings_.fit_kernel);
+    if (low.supported && servesAsWell(low, trial)) return low;
+  }
+  return trial;
 }
 
 }  // namespace pcl_slim

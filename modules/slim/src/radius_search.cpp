@@ -14,8 +14,9 @@ constexpr double kWallLenience = 1.3;  ///< E at the wall rests on few degrees o
 constexpr double kWallAim = 1.01;
 constexpr double kSure = 1.3;  ///< so much of E and e^2 a part of the points cannot be wrong
 constexpr double kStructureSupport = 8.0;  ///< least supports that leave room for finer balls
-constexpr double kStructureDeviations = 4.0;
-constexpr double kStructureWorth = 1.5;  ///< penalties that shared variance must exceed
+constexpr double kStructureDeviations = 3.0;
+constexpr double kStructureWorth = 0.5;  ///< penalties that shared variance must exceed
+constexpr double kStructureCell = 3.0;   ///< sqrt(lambda): noise wears down what is finer
 constexpr int kFeatureDegree = 2;
 constexpr int kFeatureSteps = 4;         ///< radii tried for it ...
 constexpr double kFeatureStep = 0.75;    ///< ... each so many times the last
@@ -44,13 +45,13 @@ parabolaMinimum(const Trial& a, const Trial& b, const Trial& c)
 RadiusChoice
 leaf(const Trial& trial, bool forced = false)
 {
-  return {RadiusChoice::Kind::kLeaf, trial, forced};
+  return {RadiusChoice::Kind::kLeaf, trial, forced, false};
 }
 
 RadiusChoice
 internal(const Trial& right)
 {
-  return {RadiusChoice::Kind::kInternal, right, false};
+  return {RadiusChoice::Kind::kInternal, right, false, false};
 }
 
 }  // namespace
@@ -152,8 +153,9 @@ RadiusSearch::hidesStructure(const Trial& trial)
   if (!settings_.find_detail || lacksFit(trial, trial)) return false;
   const double terms = numCoefficients(trial.fit.degree);
   if (trial.fit.n_eff < kStructureSupport * settings_.support * terms) return false;
-  const auto found =
-      structure_.measure(pointsWithin(kGolden * trial.rho), trial.fit, kGolden * trial.rho);
+  const double inner = kGolden * trial.rho;
+  const auto found = structure_.measure(pointsWithin(inner), trial.fit, inner,
+                                        kStructureCell * std::sqrt(noise()) / gather_radius_);
   if (!(found.deviation > 0) || found.share < kStructureDeviations * found.deviation) return false;
   const double shared = found.share * trial.fit.residual_sq * gather_radius_ * gather_radius_;
   return shared > kStructureWorth * energy_.penalty(trial.fit, trial.rho * gather_radius_);
@@ -207,8 +209,9 @@ RadiusSearch::search()
     const Trial low = lowDegree(choice.trial);
     if (low.supported) return leaf(low);
   }
-  const bool free = choice.kind == RadiusChoice::Kind::kLeaf && !choice.forced;
-  return free && hidesStructure(choice.trial) ? internal(right()) : choice;
+  if (choice.kind != RadiusChoice::Kind::kLeaf || choice.forced) return choice;
+  if (!choice.plain && hidesStructure(choice.trial)) return internal(right());
+  return leaf(leastDegree(choice.trial));
 }
 
 bool
@@ -231,8 +234,10 @@ RadiusSearch::chooseByEnergy()
   const Trial middle = evaluate(kGolden * rho_right_);
   if (!middle.supported) return chooseAtWall(right, right);
   const bool noise = !settings_.paper && isNoise(middle);
-  if (noise &&
-      (right.energy <= settings_.lenience * middle.energy || servesAsWell(right, middle))) {
+  if (noise && settings_.compare_nested) {
+    const Trial wide = widestServing(middle, right);
+    if (wide.supported) return {RadiusChoice::Kind::kLeaf, wide, false, true};
+  } else if (noise && right.energy <= settings_.lenience * middle.energy) {
     return leaf(right);  // flat down to the noise: the largest radius serves
   }
   if (!settings_.paper && filledByNoise(kGolden * kGolden * rho_right_)) {
@@ -243,10 +248,6 @@ RadiusSearch::chooseByEnergy()
     return left.supported ? paperChoice(left, middle, right) : chooseAtWall(right, middle);
   if (!left.supported) return chooseAtWall(right, middle);
   if (lacksFit(left, middle)) return internal(right);
-  if (noise && left.energy < middle.energy) {
-    if (const Trial between = betweenServing(middle, right); between.supported)
-      return leaf(between);
-  }
   return chooseInside(left, middle, right);
 }
 

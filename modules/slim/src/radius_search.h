@@ -25,6 +25,7 @@ struct RadiusChoice {
   Kind kind = Kind::kInternal;
   Trial trial;          ///< the leaf's, or the fit at r_r for an internal node
   bool forced = false;  ///< ended by minimum support
+  bool plain = false;   ///< found to hide no structure
 };
 
 /** \brief Seeks the radius of one gathered ball (section 2, "Optimal surfel radius").
@@ -86,8 +87,11 @@ class RadiusSearch {
   bool besideFeature(const Trial& trial) const;
   Trial lowDegree(const Trial& trial);
   bool hidesStructure(const Trial& trial);
-  bool servesAsWell(const Trial& wide, const Trial& narrow);
-  Trial betweenServing(const Trial& middle, const Trial& right);
+  std::array<double, kMaxCoefficients> unbiased(const Trial& trial) const;
+  double apartSq(const Trial& plain, const Trial& close);
+  bool servesAsWell(const Trial& plain, const Trial& close, double trust = 1.0);
+  Trial widestServing(const Trial& middle, const Trial& right);
+  Trial leastDegree(const Trial& trial);
 
   /** What remains is noise, not lack of fit. */
   bool isNoise(const Trial& trial) const { return variance(trial) <= kNoiseLike * energy_.lambda; }

@@ -16,10 +16,13 @@ constexpr double kTaken = 0.4;  ///< of P / n_eff: what a fit takes along, in it
 }  // namespace
 
 ResidualStructure::Finding
-ResidualStructure::measure(const BallBuffer& points, const LocalFit& fit, double rho)
+ResidualStructure::measure(const BallBuffer& points, const LocalFit& fit, double rho,
+                           double least_cell)
 {
   const double squares_wanted = static_cast<double>(points.count) / (kDiscPerSquare * kPerCell);
-  const int side = std::min(static_cast<int>(std::sqrt(squares_wanted)), kMostCells);
+  double cells = std::min(std::sqrt(squares_wanted), static_cast<double>(kMostCells));
+  if (least_cell > 0) cells = std::min(cells, 2.0 * rho / least_cell);
+  const int side = static_cast<int>(cells);
   if (side < kLeastCells) return {};
   residuals_.resize(points.count + BallBuffer::kPadding);
   kernels::ballResiduals(points, fit, residuals_.data());

@@ -21,8 +21,10 @@ class ResidualStructure {
     double deviation = 0;  ///< standard deviation of share where there is noise alone; 0: unknown
   };
 
-  /** \brief Looks at the residuals of a fit made with radius rho. O(points). */
-  Finding measure(const BallBuffer& points, const LocalFit& fit, double rho);
+  /** \brief Looks at the residuals of a fit within rho. \param[in] least_cell least width of a cell;
+   * 0: as the points' density has it. O(points). */
+  Finding measure(const BallBuffer& points, const LocalFit& fit, double rho,
+                  double least_cell = 0.0);
 
  private:
   struct Cell {

@@ -197,26 +197,33 @@ TEST(FitModes, LocalNoiseSparesQuietParts)
       if (p[0] > 0.5) loud[local] += d * d;
     }
   }
-  EXPECT_LT(std::sqrt(quiet[1]), 0.8 * std::sqrt(quiet[0]));
+  EXPECT_LT(std::sqrt(quiet[1]), 0.9 * std::sqrt(quiet[0]));
   EXPECT_LT(std::sqrt(loud[1]), 1.1 * std::sqrt(loud[0]));
 }
 
-TEST(FitModes, LowerDegreesServeEdgesOnly)
+TEST(FitModes, LowerDegreesServeEdges)
 {
-  // A noisy roof takes quadratics along its ridge; a noisy sphere takes none.
+  // A noisy roof takes quadratics along its ridge and not where it waves; a noisy sphere takes none.
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
-  const auto roof = fitted(pcl_slim_test::heightField(
-      20000, 17, [&](double x, double) { return -std::abs(x) + 0.004 * normal(random); }));
-  std::size_t along = 0, elsewhere = 0;
+  const auto roof = fitted(pcl_slim_test::heightField(20000, 17, [&](double x, double y) {
+    const double wave = 0.05 * std::sin(6 * x) * std::cos(6 * y);
+    return wave - std::abs(x) + 0.004 * normal(random);
+  }));
+  std::size_t along = 0, elsewhere = 0, leaves = 0;
   for (std::size_t i = 0; i < roof.surface.size(); ++i) {
-    if (!roof.surface.isLeaf(i) || roof.surface.degree[i] == 4) continue;
-    EXPECT_EQ(roof.surface.degree[i], 2);
+    if (!roof.surface.isLeaf(i)) continue;
     const auto c = roof.world({roof.surface.cx[i], roof.surface.cy[i], roof.surface.cz[i]});
-    ++(std::abs(c[0]) < 0.15 ? along : elsewhere);
+    const bool quadratic = roof.surface.degree[i] == 2;
+    if (std::abs(c[0]) < 0.15) {
+      along += quadratic;
+    } else {
+      elsewhere += quadratic;
+      ++leaves;
+    }
   }
-  EXPECT_GT(along, 10u);
-  EXPECT_LT(10 * elsewhere, along);
+  EXPECT_GT(along, 50u);
+  EXPECT_LT(4 * elsewhere, leaves);
   const auto sphere = fitted(sceneCloud(Shape::kSphere, 20000, 0.002).withoutNormals());
   EXPECT_EQ(sphere.statistics.reduced_degree, 0u);
 }

@@ -84,6 +84,25 @@ TEST(ResidualStructure, IsTheShareOfAWaveBelowTheNoise)
   }
 }
 
+TEST(ResidualStructure, WiderCellsTellAFainterWave)
+{
+  // A wave of a quarter of the noise, long beside the cells: more pairs in each, a smaller deviation.
+  ResidualStructure structure;
+  double fine = 0, wide = 0;
+  constexpr int kBalls = 20;
+  for (int b = 0; b < kBalls; ++b) {
+    const Ball ball = wavyBall(2, 4000, 0.0025, 0.7, 0.01, 300u + static_cast<unsigned>(b));
+    const auto narrow = structure.measure(ball.points, ball.fit, kInner);
+    const auto broad = structure.measure(ball.points, ball.fit, kInner, 0.2);
+    fine += narrow.share / narrow.deviation / kBalls;
+    wide += broad.share / broad.deviation / kBalls;
+    // A width below that of the cells changes nothing.
+    EXPECT_EQ(structure.measure(ball.points, ball.fit, kInner, 1e-3).share, narrow.share);
+  }
+  EXPECT_GT(wide, 3.0);
+  EXPECT_GT(wide, 1.5 * fine);
+}
+
 TEST(ResidualStructure, SaysNothingAboutAHandfulOfPoints)
 {
   ResidualStructure structure;
