@@ -95,8 +95,12 @@ addRims(ClaimRunner& runner, const Scene& scene, const Places& clean)
   }
   std::vector<Rival> rivals;
   if (Error error = findRivals(runner, scene, rims, rivals)) return error;
-  for (const bool normals : {false, true}) {
-    const Setting setting = runner.slim(normals);
+  std::vector<Setting> settings = {runner.slim(false), runner.slim(true)};
+  if (scene.noise > 0) {
+    settings.push_back(settings.back());
+    settings.back().data = true;
+  }
+  for (const Setting& setting : settings) {
     const Result<Treated> treated = runner.treated(scene, setting);
     if (!treated) return treated.error();
     for (std::size_t z = 0; z < rims.size(); ++z) {
