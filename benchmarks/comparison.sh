@@ -12,7 +12,7 @@ program=pcl_slim_benchmark
 source "$here/data_arguments.sh"
 shift 2
 [ $# -gt 0 ] || set -- timed timed438 exact pairs bunny claims claims438
-export OMP_WAIT_POLICY=passive  # threads that wait burn no CPU time
+export OMP_WAIT_POLICY=passive  # PCL's threads that wait burn no CPU time
 
 # run STAGE OPTION...
 run() {
@@ -24,7 +24,7 @@ run() {
 
 smooth=(-shapes 'sphere,torus,bumpy,relief' -noises '0,0.001,0.005')
 few=(-methods 'slim,mls' -degrees '2,4' -kappas '0,8' -t_mdls '0.005,0.01')
-timed=(-methods 'slim,mls' -degrees '2,4' -kappas '0,8' -t_mdls '0.002,0.005,0.02' -compact 1
+timed=(-methods 'slim,mls' -degrees '2,3,4' -kappas '0,8' -t_mdls '0.002,0.005,0.02,0.05' -compact 1
   -mls_orders 2 -mls_neighbours '15,30,100,200,400,1000')
 sheets=(-claims sheets -points '30000,60000,100000,438000')
 for stage in "$@"; do

@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#ifdef _OPENMP
-#include <omp.h>
-#endif
-
-#include <cstdint>
+#include <algorithm>
+#include <atomic>
+#include <mutex>
 
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim {
+
+namespace internal {
+
+/** Runs work(context, thread) once on each thread, the caller being thread 0; called from inside such
+ * work, on the caller alone. */
+void
+runOnTeam(int threads, void (*work)(void*, int), void* context);
+
+}  // namespace internal
 
 template <typename Body>
 void
@@ -19,24 +26,26 @@ parallelFor(std::size_t count, int threads, std::size_t chunk, const Body& body)
     for (std::size_t i = 0; i < count; ++i) body(i, 0);
     return;
   }
-#ifdef _OPENMP
+  std::atomic<std::size_t> next{0};
+  std::mutex mutex;
   std::exception_ptr failure;
-  const auto chunks = static_cast<std::int64_t>((count + chunk - 1) / chunk);
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
-  for (std::int64_t c = 0; c < chunks; ++c) {
+  auto takeChunks = [&](int thread) {
     try {
-      const std::size_t begin = static_cast<std::size_t>(c) * chunk;
-      const std::size_t end = begin + chunk < count ? begin + chunk : count;
-      for (std::size_t i = begin; i < end; ++i) body(i, omp_get_thread_num());
+      for (std::size_t begin = next.fetch_add(chunk); begin < count;
+           begin = next.fetch_add(chunk)) {
+        const std::size_t end = std::min(begin + chunk, count);
+        for (std::size_t i = begin; i < end; ++i) body(i, thread);
+      }
     } catch (...) {
-#pragma omp critical(pcl_slim_parallel_failure)
+      const std::lock_guard<std::mutex> lock(mutex);
       if (!failure) failure = std::current_exception();
+      next = count;
     }
-  }
+  };
+  using Work = decltype(takeChunks);
+  internal::runOnTeam(
+      threads, [](void* work, int thread) { (*static_cast<Work*>(work))(thread); }, &takeChunks);
   if (failure) std::rethrow_exception(failure);
-#else
-  for (std::size_t i = 0; i < count; ++i) body(i, 0);
-#endif
 }
 
 }  // namespace pcl_slim
