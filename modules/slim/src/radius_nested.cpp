@@ -12,10 +12,10 @@ namespace pcl_slim {
 namespace {
 
 constexpr double kMostRise =
-    1.3;                        ///< of E: beyond it the wide ball's rim is off too far for a leaf
-constexpr double kWorth = 0.8;  ///< of a saved variance, times sqrt(kappa)
-constexpr double kTrust = 2.0;  ///< so much more where E speaks for the wide ball as well
-constexpr int kRadii = 4;       ///< tried from r_r to r_m, r_r among them
+    1.3;                         ///< of E: beyond it the wide ball's rim is off too far for a leaf
+constexpr double kWorth = 0.46;  ///< of a saved variance, times kappa
+constexpr double kTrust = 2.0;   ///< so much more where E speaks for the wide ball as well
+constexpr int kRadii = 4;        ///< tried from r_r to r_m, r_r among them
 constexpr int kLeastDegree = 2;
 constexpr double kDegreeSupport = 9.0;  ///< n_eff per term from which a degree can be told too high
 
@@ -65,9 +65,8 @@ RadiusSearch::servesAsWell(const Trial& plain, const Trial& close, double trust)
 {
   if (!(plain.energy < kMostRise * close.energy)) return false;
   const double saved = close.fit.terms / close.fit.n_eff - plain.fit.terms / plain.fit.n_eff;
-  // Part of kappa insures against luck, of which there is little here.
-  const double worth = kWorth * std::sqrt(energy_.kappa);
-  return apartSq(plain, close) < trust * worth * noise() * saved;
+  // The rest of kappa insures against luck, of which there is little here.
+  return apartSq(plain, close) < trust * kWorth * energy_.kappa * noise() * saved;
 }
 
 /** The widest ball from r_r down to r_m, r_m left out, that serves r_m's points as well and hides no
