@@ -12,7 +12,7 @@ namespace pcl_slim {
 
 namespace {
 
-constexpr int kSpins = 400;  ///< some microseconds
+constexpr int kSpins = 2000;  ///< some tens of microseconds
 
 /** Waits awake for a moment. \return whether it came true meanwhile. */
 template <typename Condition>

@@ -12,7 +12,7 @@ namespace pcl_slim {
 
 /** \brief The threads that help one calling thread.
  *
- * A fit is some hundred short loops. Between them helpers stay awake for some microseconds, as the next
+ * A fit is some hundred short loops. Between them helpers stay awake for a moment, as the next
  * loop mostly comes at once, and then sleep: threads that kept spinning, as those of OpenMP do by default,
  * would hold the cores against the very threads they wait for wherever other programs run too (measured:
  * four times the CPU and wall time on a busy machine).
