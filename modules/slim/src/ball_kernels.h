@@ -65,6 +65,8 @@ struct BallSums {
 
 /** \brief A weighted least-squares polynomial and the measures the radius search needs. */
 struct LocalFit {
+  static constexpr int kMaxMoments = 45;
+
   int degree = 0;                            ///< 0: nothing could be fitted
   std::array<double, kMaxCoefficients> c{};  ///< in units of the gather radius
   double residual_sq = 0;                    ///< e^2 = sum w f^2 / sum w, gather radius squared
@@ -72,6 +74,8 @@ struct LocalFit {
   double slope_sq = 0;                       ///< mean of |grad h|^2, weights w
   double terms = 0;  ///< coefficients that the heights decide: their number, fewer beside slopes
   double slope_misfit = 0;  ///< slope_weight times the mean square slope missed, like residual_sq
+  int moment_degree = 0;    ///< the degree asked for: moments go up to twice that
+  std::array<double, kMaxMoments> moments{};  ///< sum w u^i v^j, in rows of fixed i (momentIndex)
 };
 
 /** \brief SIMD inner loops of modules/slim, compiled per instruction set and chosen at run time. */

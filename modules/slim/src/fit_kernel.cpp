@@ -19,12 +19,11 @@ namespace pcl_slim::kernels::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr int kMaxMoments = 45;
 constexpr double kResidualGate = 1e-3;  ///< below this share of sum w z^2, float sums have lost it
 
 /** Moments sum W u^i v^j (rows of fixed i), sum W z u^i v^j, sum W z^2, sum W^2. */
 struct Moments {
-  double uv[kMaxMoments];
+  double uv[LocalFit::kMaxMoments];
   double z[kMaxCoefficients];
   double zz;
   double weight_sq;
@@ -240,6 +239,8 @@ fitWith(const BallBuffer& points, float rho, double support, bool refine)
   }
   if (!(weight > 0.0) || !(m.weight_sq > 0.0)) return fit;
   fit.n_eff = weight * weight / m.weight_sq;
+  fit.moment_degree = D;
+  std::copy_n(m.uv, momentIndex(D, 2 * D, 0) + 1, fit.moments.begin());
   NormalEquations<D> equations;
   const int pivots = equations.factor(m.uv, m.z, slopes ? of_slopes.uv : nullptr);
   fit.degree = supportedDegree(D, pivots, fit.n_eff, support);

@@ -2,11 +2,10 @@
 // Coarse levels by several threads: their few balls nearly all touch each other, so there is no
 // order in which two can be kept at once. But what a ball's fit is does not depend on what others
 // have served; only whether it is wanted does.
-#include <atomic>
+#include <condition_variable>
 #include <deque>
 #include <mutex>
 #include <optional>
-#include <thread>
 
 #include "level_cover.h"
 #include "pcl_slim/core/parallel.h"
@@ -16,13 +15,6 @@ namespace pcl_slim {
 namespace {
 
 constexpr std::size_t kWindow = 8;  ///< centres per thread that are looked at ahead of their turn
-
-/** Waits by giving way: turns are short. */
-void
-acquire(std::unique_lock<std::mutex>& lock)
-{
-  while (!lock.try_lock()) std::this_thread::yield();
-}
 
 }  // namespace
 
@@ -44,29 +36,30 @@ class LevelCover::Ahead {
   {
     BallFitter& fitter = cover_.worker(thread).fitter;
     std::uint32_t prepared = kNone;
-    std::unique_lock<std::mutex> lock(mutex_, std::defer_lock);
+    std::unique_lock<std::mutex> lock(mutex_);
     for (;;) {
-      acquire(lock);
       keepDone();
       Slot* const slot = take();
-      if (slot == nullptr && (done_ || failed_)) return;
-      lock.unlock();
       if (slot == nullptr) {
-        std::this_thread::yield();
+        if (done_ || failed_) break;
+        changed_.wait(lock);
         continue;
       }
+      lock.unlock();
       try {
         prepare(fitter, prepared, slot->cell);
         slot->outcome = fitter.fit(slot->point, level_, slot->surfel);
       } catch (...) {
+        lock.lock();
         failed_ = true;
+        changed_.notify_all();
         throw;
       }
-      acquire(lock);
+      lock.lock();
       slot->state = State::kDone;
-      keepDone();
-      lock.unlock();
+      changed_.notify_all();
     }
+    changed_.notify_all();
   }
 
  private:
@@ -169,12 +162,13 @@ class LevelCover::Ahead {
   BallFitter keeper_;
   std::uint32_t kept_cell_ = kNone;  ///< whose neighbourhood the keeper has
   std::mutex mutex_;
-  std::deque<Slot> slots_;     ///< in turn
-  std::size_t next_cell_ = 0;  ///< in order of colours
+  std::condition_variable changed_;  ///< a fit is done, or all are
+  std::deque<Slot> slots_;           ///< in turn
+  std::size_t next_cell_ = 0;        ///< in order of colours
   std::uint32_t cell_ = kNone;
   std::optional<CellVisits> visits_;
   bool done_ = false;  ///< nothing is left to take
-  std::atomic<bool> failed_{false};
+  bool failed_ = false;
 };
 
 void

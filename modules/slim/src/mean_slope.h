@@ -72,4 +72,21 @@ meanSlopeSq(const double* moments, const double* c)
   return std::max(0.0, sum / moments[0]);
 }
 
+/** \brief Weighted mean of h^2 over a ball, likewise, for moments up to degree 2 * degree and as many
+ * coefficients as a polynomial of that degree has. */
+inline double
+meanSquare(int degree, const double* moments, const double* c)
+{
+  double sum = 0;
+  for (int p = 0; p < numCoefficients(degree); ++p) {
+    double row = 0;
+    for (int q = 0; q < numCoefficients(degree); ++q) {
+      row +=
+          c[q] * moments[momentIndex(degree, kTerms[p].i + kTerms[q].i, kTerms[p].j + kTerms[q].j)];
+    }
+    sum += c[p] * row;
+  }
+  return std::max(0.0, sum / moments[0]);
+}
+
 }  // namespace pcl_slim::kernels

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mean_slope.h"
 #include "noise_bias.h"
 #include "radius_search.h"
 
@@ -31,27 +32,17 @@ RadiusSearch::unbiased(const Trial& trial) const
   return c;
 }
 
-/** D^2, the mean square difference of two fits over the points of the closer one, with its weights.
- * O(points). */
+/** D^2, the mean square difference of two fits over the points of the closer one, with its weights:
+ * their moments hold it. */
 double
-RadiusSearch::apartSq(const Trial& plain, const Trial& close)
+RadiusSearch::apartSq(const Trial& plain, const Trial& close) const
 {
-  const BallBuffer& points = pointsWithin(close.rho);
-  const auto a = unbiased(plain), b = unbiased(close);
-  LocalFit difference;
-  difference.degree = std::max(plain.fit.degree, close.fit.degree);
-  for (std::size_t k = 0; k < a.size(); ++k) difference.c[k] = a[k] - b[k];
-  residuals_.resize(points.count + BallBuffer::kPadding);
-  kernels::ballResiduals(points, difference, residuals_.data());
-  const double inverse_sq = 1.0 / (close.rho * close.rho);
-  double weight = 0, squares = 0;
-  for (std::size_t i = 0; i < points.count; ++i) {
-    const double g = evaluateKernel(settings_.fit_kernel, points.s_sq[i] * inverse_sq);
-    const double apart = points.w[i] - residuals_[i];
-    weight += g;
-    squares += g * apart * apart;
-  }
-  return squares / weight * gather_radius_ * gather_radius_;
+  auto difference = unbiased(plain);
+  const auto own = unbiased(close);
+  for (std::size_t k = 0; k < own.size(); ++k) difference[k] -= own[k];
+  const LocalFit& fit = close.fit;
+  return kernels::meanSquare(fit.moment_degree, fit.moments.data(), difference.data()) *
+         gather_radius_ * gather_radius_;
 }
 
 /** Whether a plainer fit, of a wider ball or a lower degree, costs the points of a closer one less than

@@ -88,7 +88,7 @@ class RadiusSearch {
   Trial lowDegree(const Trial& trial);
   bool hidesStructure(const Trial& trial);
   std::array<double, kMaxCoefficients> unbiased(const Trial& trial) const;
-  double apartSq(const Trial& plain, const Trial& close);
+  double apartSq(const Trial& plain, const Trial& close) const;
   bool servesAsWell(const Trial& plain, const Trial& close, double trust = 1.0);
   Trial widestServing(const Trial& middle, const Trial& right);
   Trial leastDegree(const Trial& trial);
