@@ -56,7 +56,7 @@ TEST(Claims, RimsAreBesideThoseOfMls)
 {
   const auto rows = rowsOf("rims", {"-points", "20000", "-noises", "0.001", "-mls_orders", "2",
                                     "-mls_neighbours", "60,120,240"});
-  ASSERT_EQ(rows.size(), 12u);
+  ASSERT_EQ(rows.size(), 18u);
   for (const ClaimRow& row : rows) {
     if (row.quantity != "RMS position of the rim, all") continue;
     EXPECT_TRUE(row.met()) << row.run << ": " << row.value << " against " << row.goal;
