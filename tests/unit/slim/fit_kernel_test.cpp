@@ -7,6 +7,7 @@
 #include <random>
 
 #include "ball_kernels.h"
+#include "mean_slope.h"
 
 namespace pcl_slim {
 namespace {
@@ -158,6 +159,27 @@ TEST(FitBall, AgreesWithDoubleLeastSquares)
         ASSERT_NEAR(kernels::effectiveCount(ball, rho, kernel) / expected.n_eff, 1.0, 1e-5);
       }
     }
+  }
+}
+
+TEST(FitBall, ItsMomentsHoldTheMeanSquareOfAPolynomial)
+{
+  for (int degree = 1; degree <= kMaxDegree; ++degree) {
+    std::array<double, kMaxCoefficients> h;
+    const BallBuffer ball = polynomialBall(degree, 300, 0.01, 12, h);
+    const LocalFit fit = kernels::fitBall(ball, degree, 0.9f, WeightKernel::kPower4, 1.2, false);
+    std::array<float, kMaxCoefficients> c;
+    for (std::size_t k = 0; k < kMaxCoefficients; ++k) c[k] = static_cast<float>(h[k]);
+    double weight = 0, sum = 0;
+    for (std::size_t i = 0; i < ball.count; ++i) {
+      const double w = evaluateKernel(WeightKernel::kPower4, ball.s_sq[i] / 0.81);
+      const double value = evaluateHeight(degree, c.data(), ball.u[i], ball.v[i]);
+      weight += w;
+      sum += w * value * value;
+    }
+    ASSERT_EQ(fit.moment_degree, degree);
+    EXPECT_NEAR(kernels::meanSquare(degree, fit.moments.data(), h.data()) / (sum / weight), 1.0,
+                1e-4);
   }
 }
 
