@@ -59,7 +59,7 @@ claims=(-claims rims,sheets,default -points 3000 -shapes sphere -noises 0.005 -k
   -mls_orders 2 -mls_neighbours 60)
 expect 0 '' claims "${claims[@]}"
 [ "$(grep -c 'goals met' claims.md)" -eq 3 ] || complain "not three tables in claims.md"
-[ "$(wc -l < claims.csv)" -eq 19 ] || complain "$(wc -l < claims.csv) lines in claims.csv"
+[ "$(wc -l < claims.csv)" -eq 25 ] || complain "$(wc -l < claims.csv) lines in claims.csv"
 expect 0 '' claims1 "${claims[@]}" -threads 1 -quiet 1
 cmp -s claims.csv claims1.csv || complain "claims change with the threads"
 expect 0 '' moves -claims moves -scans pairs
