@@ -17,7 +17,7 @@ struct Settings {
   std::string degree = "4", normals = "0,1", t_mdl = "0", points = "100000";
   double penalty = FitParams().penalty, lambda = 0, alpha = FitParams().cover_radius;
   double normal_noise = 0.05;
-  int threads = 0;
+  int threads = 0, seed = 7;
   bool float_input = false, paper = false, by_degree = false, convergence = false,
        normals_as_data = false;
 
@@ -51,6 +51,7 @@ declareOptions(Settings& s)
   options.number("normal_noise", &s.normal_noise, 0, 3, "error of the normals given, radians");
   options.toggle("normals_as_data", &s.normals_as_data,
                  "fit positions and the normals given together");
+  options.integer("seed", &s.seed, 0, 1000000, "seed of the scenes");
   options.integer("threads", &s.threads, 0, 4096, "threads, 0: all cores; changes no result");
   options.toggle("float", &s.float_input, "round coordinates to float first");
   options.toggle("paper", &s.paper, "the choices of Ohtake, Belyaev, Alexa 2005 throughout");
@@ -168,7 +169,8 @@ Error
 forEachFit(const Settings& s, Row row, double points, const Print& print)
 {
   const auto count = static_cast<std::size_t>(points);
-  const bench::Scene scene = bench::makeScene(row.shape, count, row.noise, s.normal_noise, 7);
+  const bench::Scene scene = bench::makeScene(row.shape, count, row.noise, s.normal_noise,
+                                              static_cast<std::uint64_t>(s.seed));
   row.scene = &scene;
   for (double t_mdl : s.t_mdl_list) {
     for (double normals : s.normal_list) {
@@ -220,8 +222,8 @@ printSlopes(const Settings& s, Row row, double normals, double t_mdl, double deg
   row.t_mdl = t_mdl;
   for (std::size_t i = 0; i < s.point_list.size(); ++i) {
     const double n = s.point_list[i];
-    const bench::Scene scene =
-        bench::makeScene(row.shape, static_cast<std::size_t>(n), row.noise, s.normal_noise, 7);
+    const bench::Scene scene = bench::makeScene(row.shape, static_cast<std::size_t>(n), row.noise,
+                                                s.normal_noise, static_cast<std::uint64_t>(s.seed));
     row.scene = &scene;
     const auto outcome = measure(s, row, static_cast<int>(degree));
     if (!outcome) return outcome.error();

@@ -200,7 +200,9 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
                  std::to_string(statistics.unsupported) + " of them inside no surfel");
   }
   if (statistics.normals_follow_points) {
-    console.note("  the normals follow the points' own noise: used as directions, not as data");
+    console.note(
+        "  the normals follow the points' own noise, or too few points tell: "
+        "used as directions, not as data");
   }
   if (kept) *kept = std::move(*store);
   return {};

@@ -79,8 +79,8 @@ ThreadTeam::serve(int thread, std::uint64_t round)
   while (waitForRound(thread, round)) {
     work_(context_, thread);
     if (--busy_ > 0) continue;
-    const std::lock_guard<std::mutex> lock(
-        mutex_);  // the caller is asleep, or will see that none is busy
+    // Under the lock the caller is asleep, or has yet to look and will see that none is busy.
+    const std::lock_guard<std::mutex> lock(mutex_);
     finished_.notify_one();
   }
 }

@@ -13,9 +13,9 @@ namespace pcl_slim {
 /** \brief The threads that help one calling thread.
  *
  * A fit is some hundred short loops. Between them helpers stay awake for a moment, as the next
- * loop mostly comes at once, and then sleep: threads that kept spinning, as those of OpenMP do by default,
- * would hold the cores against the very threads they wait for wherever other programs run too (measured:
- * four times the CPU and wall time on a busy machine).
+ * loop mostly comes at once, and then sleep: threads that kept spinning, as those of OpenMP do by
+ * default, would hold the cores against the very threads they wait for wherever other programs run
+ * too (docs/benchmarks.md, "Time and memory of the fit").
  */
 class ThreadTeam {
  public:
@@ -27,8 +27,8 @@ class ThreadTeam {
   ThreadTeam& operator=(const ThreadTeam&) = delete;
   ~ThreadTeam();
 
-  /** \brief Runs work once on each of some threads, the caller as thread 0, and waits for all. Where the
-   * system grants fewer threads, fewer run. */
+  /** \brief Runs work once on each of some threads, the caller as thread 0, and waits for all.
+   * Where the system grants fewer threads, fewer run. */
   void run(int threads, Work work, void* context);
 
  private:

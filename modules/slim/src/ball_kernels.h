@@ -22,11 +22,9 @@ namespace pcl_slim {
  */
 struct BallBuffer {
   AlignedVector<float> u, v, w, s_sq;
-  AlignedVector<float> n_u, n_v,
-      n_w;                     ///< normals; in the frame slopes (n_u, n_v) and their weights
-  AlignedVector<float> prior;  ///< robust weights; empty: all 1
-  double slope_weight =
-      0;  ///< of a squared slope beside a squared height in the frame's units; 0: none
+  AlignedVector<float> n_u, n_v, n_w;  ///< normals; in the frame slopes n_u, n_v and weights n_w
+  AlignedVector<float> prior;          ///< robust weights; empty: all 1
+  double slope_weight = 0;  ///< of slopes beside heights, in the frame's units; 0: no slopes
   std::size_t count = 0;
 
   static constexpr std::size_t kPadding = 64;

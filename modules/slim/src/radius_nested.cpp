@@ -52,7 +52,7 @@ RadiusSearch::apartSq(const Trial& plain, const Trial& close) const
  * same points noise cancels: if both fits are unbiased, D^2 is about the variance that the plainer one
  * saves, lambda (P_close / n_close - P_plain / n_plain). \param[in] trust times as much may be lost. */
 bool
-RadiusSearch::servesAsWell(const Trial& plain, const Trial& close, double trust)
+RadiusSearch::servesAsWell(const Trial& plain, const Trial& close, double trust) const
 {
   if (!(plain.energy < kMostRise * close.energy)) return false;
   const double saved = close.fit.terms / close.fit.n_eff - plain.fit.terms / plain.fit.n_eff;

@@ -89,7 +89,7 @@ class RadiusSearch {
   bool hidesStructure(const Trial& trial);
   std::array<double, kMaxCoefficients> unbiased(const Trial& trial) const;
   double apartSq(const Trial& plain, const Trial& close) const;
-  bool servesAsWell(const Trial& plain, const Trial& close, double trust = 1.0);
+  bool servesAsWell(const Trial& plain, const Trial& close, double trust = 1.0) const;
   Trial widestServing(const Trial& middle, const Trial& right);
   Trial leastDegree(const Trial& trial);
 

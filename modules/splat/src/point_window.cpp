@@ -58,7 +58,9 @@ void
 PointWindow::permute(std::size_t at, std::size_t n)
 {
   const std::uint32_t* const from = from_.data();
-  auto* const numbers = reinterpret_cast<float*>(scratch_.data());
+  numbers_.resize(3 * n);
+  places_.resize(n);
+  float* const numbers = numbers_.data();
   static_assert(kNumColumns % 3 == 0);
   for (std::size_t c = 0; c < kNumColumns; c += 3) {  // a place is read once for three columns
     float* const columns[3] = {columns_[c].data() + at, columns_[c + 1].data() + at,
@@ -71,9 +73,8 @@ PointWindow::permute(std::size_t at, std::size_t n)
     }
     for (std::size_t d = 0; d < 3; ++d) std::copy_n(numbers + d * n, n, columns[d]);
   }
-  auto* const places = reinterpret_cast<std::uint32_t*>(scratch_.data());
-  for (std::size_t k = 0; k < n; ++k) places[k] = order_[at + from[k]];
-  std::copy_n(places, n, order_.data() + at);
+  for (std::size_t k = 0; k < n; ++k) places_[k] = order_[at + from[k]];
+  std::copy_n(places_.data(), n, order_.data() + at);
 }
 
 void
@@ -104,10 +105,10 @@ int
 PointWindow::sortRun(const OctreeCloud& cloud, std::size_t first, std::size_t last)
 {
   const std::size_t n = last - first, at = first - begin_;
-  scratch_.resize(2 * n + kLanes);
+  unsorted_.resize(n + kLanes);
   from_.resize(n);
   keys_.resize(end_ - begin_);
-  std::uint64_t* const unsorted = scratch_.data();
+  std::uint64_t* const unsorted = unsorted_.data();
   splat_kernels::mortonKeys(column(kX, first), column(kY, first), column(kZ, first), n,
                             cloud.depth(), unsorted);
   int lowest = 0;

@@ -65,7 +65,9 @@ class alignas(64) PointWindow {
   std::array<AlignedVector<float>, kNumColumns> columns_;
   AlignedVector<std::uint32_t> order_, inputs_;  ///< inputs: places in the caller's arrays
   AlignedVector<std::uint32_t> from_;  ///< where points of a run come from when they are sorted
-  AlignedVector<std::uint64_t> keys_, scratch_;
+  AlignedVector<std::uint64_t> keys_, unsorted_;
+  AlignedVector<float> numbers_;         ///< three columns of a run on their way to its order
+  AlignedVector<std::uint32_t> places_;  ///< its order_, likewise
   std::size_t begin_ = 0, end_ = 0;
 };
 

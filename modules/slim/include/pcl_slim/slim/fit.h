@@ -64,8 +64,8 @@ struct FitStatistics {
   double lambda = 0;              ///< noise variance [L^2]
   double penalty = 0, t_mdl = 0;  ///< as used (solved for, where asked)
   double normal_error = 0;        ///< of normals used as data [rad]; 0: they were not
-  bool normals_follow_points =
-      false;             ///< normals were to be data, but only repeat the points' noise
+  /// normals were to be data, but repeat the points' noise, or too few points tell
+  bool normals_follow_points = false;
   double rms_error = 0;  ///< RMS residual of covered points against their leaves [L]
   double seconds_noise = 0, seconds_cover = 0, seconds_links = 0, seconds_orient = 0;
   int threads = 1;
