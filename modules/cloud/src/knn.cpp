@@ -89,11 +89,25 @@ NeighborSearch::collect(const std::array<double, 3>& center, float limit_sq)
   const std::size_t most = (blocks_.size() + 1) * PointStore::kBlock;
   distances_sq_.resize(most);
   points_.resize(most);
-  const std::size_t count =
-      kernels::pointsUpTo(store_, blocks_.data(), blocks_.size(), center.data(), limit_sq,
-                          distances_sq_.data(), points_.data());
+  std::size_t count = kernels::pointsUpTo(store_, blocks_.data(), blocks_.size(), center.data(),
+                                          limit_sq, distances_sq_.data(), points_.data());
+  if (stride_ > 1) count = dropUnsampled(count);
   distances_sq_.resize(count);
   points_.resize(count);
+}
+
+/** Drops what is not looked at from the first of the collected points. \return how many are left. */
+std::size_t
+NeighborSearch::dropUnsampled(std::size_t count)
+{
+  const auto stride = static_cast<std::uint32_t>(stride_);
+  std::size_t kept = 0;
+  for (std::size_t j = 0; j < count; ++j) {
+    distances_sq_[kept] = distances_sq_[j];
+    const std::uint32_t point = points_[kept] = points_[j];
+    kept += point % stride == 0;
+  }
+  return kept;
 }
 
 /** Squared distance within which k points certainly lie: that of the k-th among the points of
@@ -103,10 +117,11 @@ NeighborSearch::boundRadiusSq(std::size_t i, std::size_t k, const std::array<dou
 {
   const std::size_t blocks = store_.numBlocks();
   const std::size_t own = i / PointStore::kBlock;
-  const std::size_t side = k / PointStore::kBlock + 1;
+  const std::size_t points = k * stride_;
+  const std::size_t side = points / PointStore::kBlock + 1;
   std::size_t first = own > side ? own - side : 0;
   const std::size_t last = std::min(blocks - 1, own + side);
-  while (first > 0 && (last - first) * PointStore::kBlock < k) --first;
+  while (first > 0 && (last - first) * PointStore::kBlock < points) --first;
   blocks_.clear();
   for (std::size_t b = first; b <= last; ++b) blocks_.push_back(static_cast<std::uint32_t>(b));
   collect(center, kEverywhere);
@@ -120,7 +135,7 @@ void
 NeighborSearch::nearest(std::size_t i, std::size_t k, std::vector<std::uint32_t>& neighbors,
                         std::vector<float>& distances_sq)
 {
-  k = std::min(k, store_.size());
+  k = std::min(k, (store_.size() + stride_ - 1) / stride_);
   neighbors.resize(k);
   distances_sq.resize(k);
   if (k == 0) return;

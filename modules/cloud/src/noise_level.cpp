@@ -16,9 +16,11 @@ namespace {
 
 constexpr std::size_t kResidualSamples = 500;
 constexpr std::size_t kLeastSamples = 100;
-constexpr std::size_t kEigenvalueSamples = 4000;
+constexpr std::size_t kScouts = 25;  ///< samples that tell whether noise fills patches
+constexpr std::size_t kEigenvalueSamples = 1000;
 constexpr std::size_t kFirstNeighbors = 20;
 constexpr std::size_t kMostNeighbors = 20480;
+constexpr std::size_t kPatchPoints = 320;  ///< looked at in a patch: larger ones are sampled
 constexpr int kCubicTerms = 10;
 constexpr double kPatchNoise = 0.2;      ///< noise above this share of the patch's radius fills it
 constexpr double kFilledPatch = 0.25;    ///< below this share noise no longer fills it
@@ -90,15 +92,24 @@ trimmedMean(std::vector<double>& values)
   return sum / static_cast<double>(values.size() - 2 * cut);
 }
 
+/** Of the points looked at for patches of k. */
+std::size_t
+patchStride(std::size_t k)
+{
+  return std::max<std::size_t>(1, k / kPatchPoints);
+}
+
 /** Calls measure(search, sample, s) at evenly strided points, s counting them. */
 template <typename Measure>
 std::vector<double>
-sampleStore(const PointStore& store, std::size_t samples, int threads, const Measure& measure)
+sampleStore(const PointStore& store, std::size_t samples, std::size_t stride, int threads,
+            const Measure& measure)
 {
   samples = std::min(samples, store.size());
   std::vector<double> values(samples);
-  std::vector<NeighborSearch> searches(static_cast<std::size_t>(threads), NeighborSearch(store));
-  parallelFor(samples, threads, 16, [&](std::size_t s, int thread) {
+  std::vector<NeighborSearch> searches(static_cast<std::size_t>(threads),
+                                       NeighborSearch(store, stride));
+  parallelFor(samples, threads, 4, [&](std::size_t s, int thread) {
     const std::size_t sample = (2 * s + 1) * store.size() / (2 * samples);
     values[s] = measure(searches[static_cast<std::size_t>(thread)], sample, s);
   });
@@ -111,10 +122,12 @@ struct PatchNoise {
   std::size_t neighbors = 0;
 };
 
+/** \param[in] search over every patchStride(k)-th point */
 double
 patchVariance(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
               double& radius)
 {
+  k /= patchStride(k);
   thread_local std::vector<std::uint32_t> neighbors;
   thread_local std::vector<float> distances_sq;
   Patch patch = neighborhood(store, search, sample, k, neighbors, distances_sq);
@@ -128,19 +141,36 @@ patchVariance(const PointStore& store, NeighborSearch& search, std::size_t sampl
 }
 
 PatchNoise
-patchNoise(const PointStore& store, std::size_t k, int threads)
+patchNoise(const PointStore& store, std::size_t k, std::size_t samples, int threads)
 {
-  // Larger patches average more points each, so fewer of them are needed.
-  const std::size_t samples =
-      std::max<std::size_t>(kLeastSamples, kResidualSamples * kFirstNeighbors / k);
   std::vector<double> radii(std::min(samples, store.size()));
   const auto measure = [&](NeighborSearch& search, std::size_t sample, std::size_t s) {
     return patchVariance(store, search, sample, k, radii[s]);
   };
-  auto values = sampleStore(store, samples, threads, measure);
+  auto values = sampleStore(store, samples, patchStride(k), threads, measure);
   const auto median = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
   std::nth_element(radii.begin(), median, radii.end());
   return {trimmedMean(values), *median, k};
+}
+
+PatchNoise
+patchNoise(const PointStore& store, std::size_t k, int threads)
+{
+  // Larger patches average more points each, so fewer of them are needed.
+  const std::size_t samples = std::max(kLeastSamples, kResidualSamples * kFirstNeighbors / k);
+  return patchNoise(store, k, samples, threads);
+}
+
+/** The first number of neighbours whose patches are not plainly full of noise. */
+std::size_t
+leastNeighbors(const PointStore& store, std::size_t most, int threads)
+{
+  std::size_t k = kFirstNeighbors;
+  for (; 2 * k <= most; k *= 2) {
+    const PatchNoise noise = patchNoise(store, k, kScouts, threads);
+    if (std::sqrt(noise.variance) < kFilledPatch * noise.radius) break;
+  }
+  return k;
 }
 
 /** The cloud's noise, and how large a patch has to be to show it. */
@@ -148,8 +178,9 @@ PatchNoise
 residualNoise(const PointStore& store, int threads)
 {
   const std::size_t most = std::min(kMostNeighbors, store.size() / 8 + kFirstNeighbors);
-  PatchNoise noise = patchNoise(store, kFirstNeighbors, threads);
-  for (std::size_t k = 2 * kFirstNeighbors; k <= most; k *= 2) {
+  const std::size_t least = leastNeighbors(store, most, threads);
+  PatchNoise noise = patchNoise(store, least, threads);
+  for (std::size_t k = 2 * least; k <= most; k *= 2) {
     const PatchNoise wider = patchNoise(store, k, threads);
     // What grows like the eighth power of the patch's radius is the cubic's bias, not noise.
     const double bias_free = (kBiasGrowth * noise.variance - wider.variance) / (kBiasGrowth - 1);
@@ -180,7 +211,7 @@ eigenvalueNoise(const PointStore& store, int threads)
     if (patch.points.cols() < 4) return -1.0;
     return std::max(0.0, principalAxes(patch.points).eigenvalues()(0));
   };
-  const auto values = sampleStore(store, kEigenvalueSamples, threads, measure);
+  const auto values = sampleStore(store, kEigenvalueSamples, 1, threads, measure);
   double sum = 0;
   std::size_t count = 0;
   for (const double value : values) {
@@ -210,7 +241,7 @@ noiseProfile(const PointStore& store, int threads)
   const std::size_t k = residualNoise(store, threads).neighbors;
   const std::size_t samples =
       std::clamp(store.size() / kPointsPerRun, std::min(kLeastSamples, store.size()), kMostRuns);
-  auto values = sampleStore(store, samples, threads,
+  auto values = sampleStore(store, samples, patchStride(k), threads,
                             [&](NeighborSearch& search, std::size_t sample, std::size_t) {
                               double radius;
                               return patchVariance(store, search, sample, k, radius);

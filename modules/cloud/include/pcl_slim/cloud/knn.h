@@ -19,17 +19,22 @@ class alignas(64) NeighborSearch {
  public:
   explicit NeighborSearch(const PointStore& store) : store_(store) {}
 
-  /** \brief The k stored points nearest to stored point i, itself included, nearest first (ties by
-   * index); fewer if the store holds fewer. \param[out] neighbors stored indices.
+  /** \brief Looks at every stride-th stored point only: an even sample of the cloud. */
+  NeighborSearch(const PointStore& store, std::size_t stride) : store_(store), stride_(stride) {}
+
+  /** \brief The k points nearest to stored point i, itself included where it is looked at, nearest
+   * first (ties by index); fewer if there are fewer. \param[out] neighbors stored indices.
    * \param[out] distances_sq squared local distances. */
   void nearest(std::size_t i, std::size_t k, std::vector<std::uint32_t>& neighbors,
                std::vector<float>& distances_sq);
 
  private:
   float boundRadiusSq(std::size_t i, std::size_t k, const std::array<double, 3>& center);
+  std::size_t dropUnsampled(std::size_t count);
   void collect(const std::array<double, 3>& center, float limit_sq);
 
   const PointStore& store_;
+  std::size_t stride_ = 1;             ///< of the points looked at
   std::vector<std::uint32_t> blocks_;  ///< to be looked through
   AlignedVector<float> distances_sq_;  ///< of what was collected from them ...
   AlignedVector<std::uint32_t> points_;
