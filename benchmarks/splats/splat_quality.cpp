@@ -52,9 +52,9 @@ measure(const Settings& s, const ColoredScan& scan, const PictureComparison& pic
   for (const Method& method : comparedMethods()) {
     const SplatSet splats = splatsOf(scan, solvedFor(scan, method, wanted));
     const PictureDifference d = pictures.compare(splats, render);
-    std::printf("| %s | %zu | %.2f | %.1f | %.4f | %.2f | %.2f | ", method.name.c_str(),
+    std::printf("| %s | %zu | %.3f | %.1f | %.4f | %.2f | %.2f | ", method.name.c_str(),
                 splats.size(), d.mean, d.p95, 100.0 * d.holes, 100.0 * d.lost, 100.0 * d.extra);
-    if (d.focus >= 0.0) std::printf("%.2f ", d.focus);
+    if (d.focus >= 0.0) std::printf("%.3f ", d.focus);
     std::printf("|\n");
     std::fflush(stdout);
     if (!save(s, method.name, splats)) return false;

@@ -25,21 +25,23 @@ done
 
 # column K FILE: field K of each method's row, in the order of the methods.
 column() { awk -F ' *[|] *' -v k="$1" '/^\| [a-z]/ && !/^\| method/ { print $k }' "$2"; }
+# rounded: numbers to two digits behind the point.
+rounded() { awk '{ printf "%.2f\n", $1 }'; }
 # cells: lines as the cells of one row.
 cells() { sed 's/^/ /; s/$/ |/' | tr -d '\n'; }
 
 heading="| cloud | share |$(column 2 "$work/duck 0.05.txt" | cells)"
 rule=$(sed 's/[^|]//g; s/|/|---/g; s/---$//' <<< "$heading")
 
-# table K TITLE CLOUD...: field K.
+# table K FORM TITLE CLOUD...: field K through FORM.
 table() {
-  local field=$1
-  printf '\n%s\n\n%s\n%s\n' "$2" "$heading" "$rule"
-  shift 2
+  local field=$1 form=$2
+  printf '\n%s\n\n%s\n%s\n' "$3" "$heading" "$rule"
+  shift 3
   for cloud in "$@"; do
     for share in 0.05 0.1; do
       name=$(basename "${cloud%.pcd}")
-      echo "| $name | $share |$(column "$field" "$work/$name $share.txt" | cells)"
+      echo "| $name | $share |$(column "$field" "$work/$name $share.txt" | "$form" | cells)"
     done
   done
 }
@@ -51,13 +53,13 @@ for cloud in "${clouds[@]}"; do
     name=$(basename "${cloud%.pcd}")
     file="$work/$name $share.txt"
     ratio=$(column 4 "$file" | awk 'NR == 1 { u = $1 } NR == 5 || NR == 6 { printf " %.2f |", $1 / u }')
-    echo "| $name | $share |$(paste -d / <(column 4 "$file") <(column 5 "$file") | sed 's|/| / |' | cells)$ratio"
+    echo "| $name | $share |$(paste -d / <(column 4 "$file" | rounded) <(column 5 "$file") | sed 's|/| / |' | cells)$ratio"
   done
 done
-table 6 'Holes: per cent of inner pixels' "${clouds[@]}"
-table 7 'Lost: pixels that only all points cover, per cent' "${clouds[@]}"
-table 8 'Extra: pixels that only the splats cover, per cent' "${clouds[@]}"
-table 9 "Focus: Delta E about the duck's eye" "$work/duck.pcd"
+table 6 cat 'Holes: per cent of inner pixels' "${clouds[@]}"
+table 7 cat 'Lost: pixels that only all points cover, per cent' "${clouds[@]}"
+table 8 cat 'Extra: pixels that only the splats cover, per cent' "${clouds[@]}"
+table 9 rounded "Focus: Delta E about the duck's eye" "$work/duck.pcd"
 
 for cloud in "$work/duck.pcd" "$data/lion_takanawa.pcd"; do
   [ -f "$cloud" ] || continue

@@ -72,6 +72,18 @@ meanSlopeSq(const double* moments, const double* c)
   return std::max(0.0, sum / moments[0]);
 }
 
+/** \brief The same for a degree known at run time. */
+inline double
+meanSlopeSq(int degree, const double* moments, const double* c)
+{
+  switch (degree) {
+    case 1: return meanSlopeSq<1>(moments, c);
+    case 2: return meanSlopeSq<2>(moments, c);
+    case 3: return meanSlopeSq<3>(moments, c);
+    default: return meanSlopeSq<4>(moments, c);
+  }
+}
+
 /** \brief Weighted mean of h^2 over a ball, likewise, for moments up to degree 2 * degree and as many
  * coefficients as a polynomial of that degree has. */
 inline double

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mean_slope.h"
+#include "nested_fit.h"
 #include "noise_bias.h"
 #include "radius_search.h"
 
@@ -79,6 +80,19 @@ RadiusSearch::widestServing(const Trial& middle, const Trial& right)
   return widest;
 }
 
+/** The fit of a lower degree to a trial's points. */
+Trial
+RadiusSearch::lowered(const Trial& trial, int degree)
+{
+  if (ball_->slope_weight > 0) return evaluate(trial.rho, degree, settings_.fit_kernel);
+  Trial low;
+  low.rho = trial.rho;
+  low.fit = nestedFit(trial.fit, degree);
+  low.supported = low.fit.degree == degree;
+  if (low.supported) low.energy = energy_(low.fit, low.rho * gather_radius_, gather_radius_);
+  return low;
+}
+
 /** The lowest degree that serves a leaf's points as well: under noise the high terms of a ball that
  * cannot be wide hold little else. */
 Trial
@@ -87,7 +101,7 @@ RadiusSearch::leastDegree(const Trial& trial)
   const bool enough = trial.fit.n_eff > kDegreeSupport * trial.fit.terms;
   if (!settings_.compare_nested || !enough || !isNoise(trial)) return trial;
   for (int degree = kLeastDegree; degree < trial.fit.degree; ++degree) {
-    const Trial low = evaluate(trial.rho, degree, settings_.fit_kernel);
+    const Trial low = lowered(trial, degree);
     if (low.supported && servesAsWell(low, trial)) return low;
   }
   return trial;

@@ -91,6 +91,7 @@ class RadiusSearch {
   double apartSq(const Trial& plain, const Trial& close) const;
   bool servesAsWell(const Trial& plain, const Trial& close, double trust = 1.0) const;
   Trial widestServing(const Trial& middle, const Trial& right);
+  Trial lowered(const Trial& trial, int degree);
   Trial leastDegree(const Trial& trial);
 
   /** What remains is noise, not lack of fit. */

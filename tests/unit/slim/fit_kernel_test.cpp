@@ -8,6 +8,7 @@
 
 #include "ball_kernels.h"
 #include "mean_slope.h"
+#include "nested_fit.h"
 
 namespace pcl_slim {
 namespace {
@@ -180,6 +181,28 @@ TEST(FitBall, ItsMomentsHoldTheMeanSquareOfAPolynomial)
     ASSERT_EQ(fit.moment_degree, degree);
     EXPECT_NEAR(kernels::meanSquare(degree, fit.moments.data(), h.data()) / (sum / weight), 1.0,
                 1e-4);
+  }
+}
+
+TEST(FitBall, OfALowerDegreeFollowsFromItsMoments)
+{
+  for (int degree = 2; degree <= kMaxDegree; ++degree) {
+    std::array<double, kMaxCoefficients> truth;
+    const BallBuffer ball = polynomialBall(degree, 400, 0.01, 31, truth);
+    const LocalFit fit = kernels::fitBall(ball, degree, 0.9f, WeightKernel::kPower4, 1.2, false);
+    for (int low = 1; low < degree; ++low) {
+      const LocalFit expected =
+          kernels::fitBall(ball, low, 0.9f, WeightKernel::kPower4, 1.2, true);
+      const LocalFit nested = nestedFit(fit, low);
+      ASSERT_EQ(nested.degree, low);
+      for (std::size_t k = 0; k < kMaxCoefficients; ++k) {
+        ASSERT_NEAR(nested.c[k], expected.c[k], 5e-4) << "degree " << degree << " to " << low;
+      }
+      ASSERT_NEAR(nested.residual_sq / expected.residual_sq, 1.0, 1e-3);
+      ASSERT_NEAR(nested.slope_sq, expected.slope_sq, 1e-4);
+      ASSERT_NEAR(nested.n_eff / expected.n_eff, 1.0, 1e-6);
+      ASSERT_EQ(nested.terms, numCoefficients(low));
+    }
   }
 }
 
