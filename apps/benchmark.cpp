@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "bench_common.h"
 #include "benchmark/chart.h"
 #include "benchmark/claims.h"
 #include "benchmark/plan.h"
@@ -168,6 +169,7 @@ run(int argc, char** argv)
 int
 main(int argc, char** argv)
 {
+  pcl_slim::bench::keepFreedMemory();
   return pcl_slim::guarded("pcl_slim_benchmark", "give smaller -points",
                            [&] { return run(argc, argv); });
 }

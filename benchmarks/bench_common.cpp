@@ -149,4 +149,11 @@ MemoryGauge::peakBytes() const
   return peak < 0 ? -1 : std::max(0.0, peak - start_);
 }
 
+void
+keepFreedMemory()
+{
+  mallopt(M_TRIM_THRESHOLD, 1 << 30);
+  mallopt(M_MMAP_THRESHOLD, 1 << 25);
+}
+
 }  // namespace pcl_slim::bench

@@ -57,4 +57,10 @@ class MemoryGauge {
   double start_ = 0;
 };
 
+/** \brief Keeps freed memory for what the process does next, as happens to whoever treats scan after
+ * scan: else the allocator hands it back, now and then, and times scatter with the pages' first use.
+ * Call before anything is timed. */
+void
+keepFreedMemory();
+
 }  // namespace pcl_slim::bench

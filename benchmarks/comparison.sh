@@ -41,7 +41,7 @@ for stage in "$@"; do
     timed438) run timed438 "${smooth[@]}" "${timed[@]}" -points 438000 -repeats 1 -chart 0 ;;
     exact)
       run exact -shapes 'sphere,torus,bumpy,relief' -noises '0,0.001,0.005,0.01' -chart 0 \
-        -degrees '2,4' -kappas '0,1,8' -t_mdls 0.01 -mls_orders '2,3' \
+        -degrees '2,4' -kappas '0,0.5,1,8' -t_mdls 0.01 -mls_orders '2,3' \
         -mls_neighbours '15,30,60,100,200,400,1000' -repeats 1
       ;;
     pairs)
@@ -62,7 +62,7 @@ for stage in "$@"; do
       run moves -claims moves -scans "$data"
       run peers -claims peers -shapes 'sphere,torus,bumpy,relief' -degrees '2,3,4' \
         -kappas '0,1,2,8' -t_mdls '0.01,0.03'
-      run default -claims default -noises '0,0.001,0.005,0.01' -kappas '1,2,3,4,6,8' \
+      run default -claims default -noises '0,0.001,0.005,0.01' -kappas '0.5,1,2,3,4,6,8' \
         -t_mdls '0.001,0.003,0.01,0.03,0.1'
       run zones -claims zones -mls_orders '2,3' -mls_neighbours '60,100,200,400,1000'
       ;;

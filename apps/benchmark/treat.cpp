@@ -99,6 +99,18 @@ runSlim(const Scene& scene, const Setting& setting, Treated& treated)
   return {};
 }
 
+/** Mean curvature of MLS's polynomial, a height along its normal: a bulge is negative there.
+ * (MLSResult::calculatePrincipalCurvatures asserts that rounding spares H^2 - K >= 0; it does not.) */
+float
+meanCurvature(const pcl::MLSResult& fit)
+{
+  const auto d = fit.getPolynomialPartialDerivative(0, 0);
+  const double length_sq = 1 + d.z_u * d.z_u + d.z_v * d.z_v;
+  const double sum = (1 + d.z_v * d.z_v) * d.z_uu - 2 * d.z_u * d.z_v * d.z_uv +
+                     (1 + d.z_u * d.z_u) * d.z_vv;
+  return static_cast<float>(-0.5 * sum / (length_sq * std::sqrt(length_sq)));
+}
+
 /** MLS drops points with too few neighbours and hands out the others in its threads' order. */
 void
 runMls(const Scene& scene, const Setting& setting, Treated& treated)
@@ -128,9 +140,7 @@ runMls(const Scene& scene, const Setting& setting, Treated& treated)
     const pcl::MLSResult& fit = mls.getMLSResults()[i];
     // With fewer points than coefficients there is a plane only.
     if (setting.degree < 2 || 2 * fit.num_neighbors < (fit.order + 1) * (fit.order + 2)) continue;
-    // Its polynomial is a height along its normal: a bulge is negative there.
-    const Eigen::Vector2f k = fit.calculatePrincipalCurvatures(0, 0);
-    treated.mean_curvature[i] = -0.5f * (k[0] + k[1]);
+    treated.mean_curvature[i] = meanCurvature(fit);
   }
 }
 

@@ -21,7 +21,7 @@ struct Settings {
   int size = 600;
   bool filtered = true;
   std::vector<double> focus;
-  std::string save;
+  std::string save, again;
 };
 
 /** Writes splats as <folder>/<method>.ply. */
@@ -39,6 +39,17 @@ save(const Settings& s, const std::string& method, const SplatSet& splats)
   return !error;
 }
 
+/** One row of the table. */
+void
+print(const std::string& method, const SplatSet& splats, const PictureDifference& d)
+{
+  std::printf("| %s | %zu | %.3f | %.1f | %.4f | %.2f | %.2f | ", method.c_str(), splats.size(),
+              d.mean, d.p95, 100.0 * d.holes, 100.0 * d.lost, 100.0 * d.extra);
+  if (d.focus >= 0.0) std::printf("%.3f ", d.focus);
+  std::printf("|\n");
+  std::fflush(stdout);
+}
+
 bool
 measure(const Settings& s, const ColoredScan& scan, const PictureComparison& pictures)
 {
@@ -51,14 +62,24 @@ measure(const Settings& s, const ColoredScan& scan, const PictureComparison& pic
   render.filtered = s.filtered;
   for (const Method& method : comparedMethods()) {
     const SplatSet splats = splatsOf(scan, solvedFor(scan, method, wanted));
-    const PictureDifference d = pictures.compare(splats, render);
-    std::printf("| %s | %zu | %.3f | %.1f | %.4f | %.2f | %.2f | ", method.name.c_str(),
-                splats.size(), d.mean, d.p95, 100.0 * d.holes, 100.0 * d.lost, 100.0 * d.extra);
-    if (d.focus >= 0.0) std::printf("%.3f ", d.focus);
-    std::printf("|\n");
-    std::fflush(stdout);
+    print(method.name, splats, pictures.compare(splats, render));
     if (!save(s, method.name, splats)) return false;
   }
+  return true;
+}
+
+/** The same object scanned again: pictures of two scans are no closer than this. */
+bool
+measureAgain(const Settings& s, const PictureComparison& pictures)
+{
+  if (s.again.empty()) return true;
+  const Result<ColoredScan> scan = loadColoredScan(s.again);
+  if (!scan) {
+    std::fprintf(stderr, "splat_quality: %s\n", scan.error().message.c_str());
+    return false;
+  }
+  const SplatSet every_point = everyPoint(*scan);
+  print("scanned again", every_point, pictures.compare(every_point, DiscRenderParams()));
   return true;
 }
 
@@ -75,6 +96,7 @@ main(int argc, char** argv)
   options.integer("size", &s.size, 16, 8192, "pixels a side");
   options.toggle("filtered", &s.filtered, "blend splats; 0: the nearest as it is");
   options.numbers("focus", &s.focus, "X,Y,Z,R", "a ball in which to measure besides");
+  options.text("again", &s.again, "FILE", "the object scanned again: another row, its points");
   options.text("save", &s.save, "FOLDER", "write all splats, and all points as discs, there");
   if (const auto status = options.parse(argc, argv)) return *status;
   const Result<ColoredScan> scan = loadColoredScan(s.input);
@@ -86,6 +108,7 @@ main(int argc, char** argv)
   if (!s.focus.empty()) focus = Ball{{s.focus[0], s.focus[1], s.focus[2]}, s.focus[3]};
   const SplatSet every_point = everyPoint(*scan);
   const PictureComparison pictures(every_point, s.size, focus);
-  const bool saved = save(s, "all points", every_point) && measure(s, *scan, pictures);
-  return saved ? kExitDone : kExitFailed;
+  const bool done = save(s, "all points", every_point) && measure(s, *scan, pictures) &&
+                    measureAgain(s, pictures);
+  return done ? kExitDone : kExitFailed;
 }

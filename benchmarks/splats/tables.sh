@@ -68,3 +68,12 @@ for cloud in "$work/duck.pcd" "$data/lion_takanawa.pcd"; do
     "$bin/splat_relations" "$cloud" -paper $paper
   done
 done
+
+# The same amphora scanned again: pictures of two scans are no closer than that.
+for points in 200000 1000000; do
+  "$bin/pcl_slim_demo_scan" "$work/first.pcd" -points $points -quiet 1
+  "$bin/pcl_slim_demo_scan" "$work/second.pcd" -points $points -seed 2 -quiet 1
+  echo
+  "$bin/splat_quality" "$work/first.pcd" -share 0.1 -again "$work/second.pcd" |
+    grep -E '^[|] (method|uniform|budget|scanned again) |^[|]---' | cut -d '|' -f 1-5
+done

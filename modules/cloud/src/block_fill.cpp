@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pcl_slim/core/extent.h"
 #include "pcl_slim/core/parallel.h"
 #include "point_store_builder.h"
 
@@ -14,26 +15,6 @@ constexpr std::size_t kBlock = PointStore::kBlock;
 constexpr std::size_t kTask = 2048;      ///< blocks a thread takes at a time
 constexpr std::size_t kBlocksAhead = 3;  ///< whose input is asked for before it is read
 constexpr float kBlockGrid = 0x1p22f;    ///< block origins are multiples of its inverse
-
-struct Extent {
-  float low, high;
-};
-
-/** Of a block's values, by halves, as vectors do it. */
-Extent
-extentOf(const float* values)
-{
-  float low[kBlock], high[kBlock];
-  std::copy_n(values, kBlock, low);
-  std::copy_n(values, kBlock, high);
-  for (std::size_t half = kBlock / 2; half > 0; half /= 2) {
-    for (std::size_t i = 0; i < half; ++i) {
-      low[i] = std::min(low[i], low[i + half]);
-      high[i] = std::max(high[i], high[i + half]);
-    }
-  }
-  return {low[0], high[0]};
-}
 
 }  // namespace
 
@@ -113,7 +94,7 @@ PointStoreBuilder::fillBlock(std::size_t block, BlockTree::Level& boxes)
     const float origin = static_cast<float>(std::round(local[a][0] * kBlockGrid)) / kBlockGrid;
     float* const column = columns[a] + begin;
     for (std::size_t i = 0; i < kBlock; ++i) column[i] = static_cast<float>(local[a][i] - origin);
-    const Extent extent = extentOf(column);
+    const Extent extent = extentOf(column, kBlock);
     origins[a][block] = origin;
     lows[a][block] = origin + extent.low;
     highs[a][block] = origin + extent.high;

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "pcl_slim/core/extent.h"
+
 namespace pcl_slim {
 
 namespace {
@@ -65,31 +67,6 @@ standsApart(const Histogram& bins, int valley)
   const double within =
       (square[0] - sum[0] * sum[0] / count[0]) + (square[1] - sum[1] * sum[1] / count[1]);
   return gap * gap > kApart * kApart * within / (count[0] + count[1]);
-}
-
-struct Extent {
-  float low, high;
-};
-
-/** In lanes, which do not wait for each other. */
-Extent
-extentOf(const float* values, std::size_t count)
-{
-  constexpr std::size_t kLanes = 8;
-  float low[kLanes], high[kLanes];
-  for (std::size_t k = 0; k < kLanes; ++k) low[k] = high[k] = values[k];
-  std::size_t i = kLanes;
-  for (; i + kLanes <= count; i += kLanes) {
-    for (std::size_t k = 0; k < kLanes; ++k) {
-      low[k] = std::min(low[k], values[i + k]);
-      high[k] = std::max(high[k], values[i + k]);
-    }
-  }
-  for (; i < count; ++i) {
-    low[0] = std::min(low[0], values[i]);
-    high[0] = std::max(high[0], values[i]);
-  }
-  return {*std::min_element(low, low + kLanes), *std::max_element(high, high + kLanes)};
 }
 
 }  // namespace

@@ -22,33 +22,39 @@ slack(double distance_sq)
   return 3e-6 * distance_sq + 2e-7 * std::sqrt(distance_sq) + 1e-14;
 }
 
-/** Compares every query of a store with sorted distances of all pairs. */
+/** Compares every step-th query among every stride-th point with sorted distances of all pairs. */
 void
-expectBruteForce(const PointStore& store, std::size_t k, std::size_t step)
+expectBruteForce(const PointStore& store, std::size_t k, std::size_t step, std::size_t stride = 1)
 {
-  NeighborSearch search(store);
+  NeighborSearch search(store, stride);
   std::vector<std::uint32_t> neighbors;
   std::vector<float> distances_sq;
-  std::vector<double> all(store.size());
+  std::vector<double> all;
   for (std::size_t i = 0; i < store.size(); i += step) {
     search.nearest(i, k, neighbors, distances_sq);
-    const std::size_t expected = std::min(k, store.size());
+    const auto p = store.position(i);
+    all.clear();
+    for (std::size_t j = 0; j < store.size(); j += stride) {
+      const auto q = store.position(j);
+      all.push_back(std::pow(p[0] - q[0], 2) + std::pow(p[1] - q[1], 2) +
+                    std::pow(p[2] - q[2], 2));
+    }
+    const std::size_t expected = std::min(k, all.size());
     ASSERT_EQ(neighbors.size(), expected);
     ASSERT_EQ(distances_sq.size(), expected);
-    const auto p = store.position(i);
-    for (std::size_t j = 0; j < store.size(); ++j) {
-      const auto q = store.position(j);
-      all[j] = std::pow(p[0] - q[0], 2) + std::pow(p[1] - q[1], 2) + std::pow(p[2] - q[2], 2);
-    }
     for (std::size_t j = 0; j < expected; ++j) {
-      ASSERT_NEAR(distances_sq[j], all[neighbors[j]], slack(all[neighbors[j]]));
+      ASSERT_EQ(neighbors[j] % stride, 0u);
+      const double distance_sq = all[neighbors[j] / stride];
+      ASSERT_NEAR(distances_sq[j], distance_sq, slack(distance_sq));
       if (j == 0) continue;
       ASSERT_LE(distances_sq[j - 1], distances_sq[j]);
       const bool tie = distances_sq[j - 1] == distances_sq[j];
       ASSERT_TRUE(!tie || neighbors[j - 1] < neighbors[j]);
     }
     ASSERT_EQ(std::set<std::uint32_t>(neighbors.begin(), neighbors.end()).size(), expected);
-    ASSERT_EQ(neighbors.front(), i);
+    if (i % stride == 0) {
+      ASSERT_EQ(neighbors.front(), i);
+    }
     std::sort(all.begin(), all.end());
     for (std::size_t j = 0; j < expected; ++j) {
       ASSERT_NEAR(distances_sq[j], all[j], slack(all[j])) << "point " << i << " rank " << j;
@@ -61,6 +67,15 @@ TEST(NeighborSearch, OnASurface)
   const PointStore store =
       storeOf(pcl_slim_test::sceneCloud(bench::Shape::kTorus, 3000, 0.002).withoutNormals());
   for (const std::size_t k : {1, 2, 10, 16, 17, 100}) expectBruteForce(store, k, 17);
+}
+
+TEST(NeighborSearch, AmongSomeOfThePoints)
+{
+  const PointStore store =
+      storeOf(pcl_slim_test::sceneCloud(bench::Shape::kTorus, 3001, 0.01).withoutNormals());
+  for (const std::size_t stride : {2, 3, 16, 64}) {
+    for (const std::size_t k : {1, 17, 40, 2000}) expectBruteForce(store, k, 16, stride);
+  }
 }
 
 TEST(NeighborSearch, OnALineAndOnAGridWithTies)
