@@ -75,5 +75,5 @@ for points in 200000 1000000; do
   "$bin/pcl_slim_demo_scan" "$work/second.pcd" -points $points -seed 2 -quiet 1
   echo
   "$bin/splat_quality" "$work/first.pcd" -share 0.1 -again "$work/second.pcd" |
-    grep -E '^[|] (method|uniform|budget|scanned again) |^[|]---' | cut -d '|' -f 1-5
+    grep -E '^[|] (method|uniform|budget|scanned again) |^[|]---' | cut -d '|' -f 1-5 | sed 's/$/|/'
 done
