@@ -106,8 +106,8 @@ meanCurvature(const pcl::MLSResult& fit)
 {
   const auto d = fit.getPolynomialPartialDerivative(0, 0);
   const double length_sq = 1 + d.z_u * d.z_u + d.z_v * d.z_v;
-  const double sum = (1 + d.z_v * d.z_v) * d.z_uu - 2 * d.z_u * d.z_v * d.z_uv +
-                     (1 + d.z_u * d.z_u) * d.z_vv;
+  const double sum =
+      (1 + d.z_v * d.z_v) * d.z_uu - 2 * d.z_u * d.z_v * d.z_uv + (1 + d.z_u * d.z_u) * d.z_vv;
   return static_cast<float>(-0.5 * sum / (length_sq * std::sqrt(length_sq)));
 }
 

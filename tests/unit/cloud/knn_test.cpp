@@ -36,8 +36,7 @@ expectBruteForce(const PointStore& store, std::size_t k, std::size_t step, std::
     all.clear();
     for (std::size_t j = 0; j < store.size(); j += stride) {
       const auto q = store.position(j);
-      all.push_back(std::pow(p[0] - q[0], 2) + std::pow(p[1] - q[1], 2) +
-                    std::pow(p[2] - q[2], 2));
+      all.push_back(std::pow(p[0] - q[0], 2) + std::pow(p[1] - q[1], 2) + std::pow(p[2] - q[2], 2));
     }
     const std::size_t expected = std::min(k, all.size());
     ASSERT_EQ(neighbors.size(), expected);

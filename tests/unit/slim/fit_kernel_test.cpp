@@ -191,8 +191,7 @@ TEST(FitBall, OfALowerDegreeFollowsFromItsMoments)
     const BallBuffer ball = polynomialBall(degree, 400, 0.01, 31, truth);
     const LocalFit fit = kernels::fitBall(ball, degree, 0.9f, WeightKernel::kPower4, 1.2, false);
     for (int low = 1; low < degree; ++low) {
-      const LocalFit expected =
-          kernels::fitBall(ball, low, 0.9f, WeightKernel::kPower4, 1.2, true);
+      const LocalFit expected = kernels::fitBall(ball, low, 0.9f, WeightKernel::kPower4, 1.2, true);
       const LocalFit nested = nestedFit(fit, low);
       ASSERT_EQ(nested.degree, low);
       for (std::size_t k = 0; k < kMaxCoefficients; ++k) {
