@@ -4,14 +4,16 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "bench_common.h"
 #include "benchmark/chart.h"
-#include "benchmark/claims.h"
 #include "benchmark/plan.h"
 #include "benchmark/tables.h"
+#include "claims/claims.h"
 #include "common/program.h"
 #include "common/progress_bar.h"
 #include "common/report.h"
+#include "measure/clocks.h"
+#include "measure/lists.h"
+#include "measure/scenes.h"
 #include "pcl_slim/core/file_access.h"
 
 namespace {
@@ -169,7 +171,7 @@ run(int argc, char** argv)
 int
 main(int argc, char** argv)
 {
-  pcl_slim::bench::keepFreedMemory();
+  pcl_slim::measure::keepFreedMemory();
   return pcl_slim::guarded("pcl_slim_benchmark", "give smaller -points",
                            [&] { return run(argc, argv); });
 }

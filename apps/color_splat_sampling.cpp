@@ -6,7 +6,7 @@
 #include "common/program.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/parallel.h"
-#include "pcl_slim/filters/splat_conversion.h"
+#include "pcl_slim/filters/io/splat_conversion.h"
 #include "pcl_slim/splat/coverage_check.h"
 #include "pcl_slim/splat/splat_sampling.h"
 

@@ -3,7 +3,7 @@
 #include "common/fit_job.h"
 #include "common/program.h"
 #include "pcl_slim/core/parallel.h"
-#include "pcl_slim/filters/surface_files.h"
+#include "pcl_slim/filters/io/surface_files.h"
 
 namespace {
 

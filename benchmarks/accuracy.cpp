@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench_common.h"
-#include "pcl_slim/slim/projection.h"
+#include "measure/clocks.h"
+#include "measure/lists.h"
+#include "measure/scenes.h"
+#include "pcl_slim/query/projection.h"
 
-namespace pcl_slim::bench {
+namespace pcl_slim::measure {
 
 namespace {
 
@@ -83,4 +85,4 @@ measureAccuracy(Shape shape, const Scene& scene, const FitParams& params, bool n
   return outcome;
 }
 
-}  // namespace pcl_slim::bench
+}  // namespace pcl_slim::measure

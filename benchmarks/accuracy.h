@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "pcl_slim/slim/fit.h"
-#include "scenes.h"
+#include "measure/scenes.h"
+#include "pcl_slim/fit/fit.h"
 
-namespace pcl_slim::bench {
+namespace pcl_slim::measure {
 
 /** \brief RMS errors of projected points against the exact surface.
  *
@@ -30,4 +30,4 @@ Result<Outcome>
 measureAccuracy(Shape shape, const Scene& scene, const FitParams& params, bool normals,
                 bool float_input);
 
-}  // namespace pcl_slim::bench
+}  // namespace pcl_slim::measure

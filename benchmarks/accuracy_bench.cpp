@@ -5,8 +5,10 @@
 #include <new>
 
 #include "accuracy.h"
-#include "bench_common.h"
 #include "common/options.h"
+#include "measure/clocks.h"
+#include "measure/lists.h"
+#include "measure/scenes.h"
 
 namespace {
 
@@ -28,10 +30,10 @@ struct Settings {
 /** What names a row: one scene, fitted one way. */
 struct Row {
   std::string name;
-  bench::Shape shape = bench::Shape::kSphere;
+  measure::Shape shape = measure::Shape::kSphere;
   double noise = 0, t_mdl = 0;
   bool normals = true;
-  const bench::Scene* scene = nullptr;
+  const measure::Scene* scene = nullptr;
 };
 
 OptionTable
@@ -71,15 +73,15 @@ finishOptions(const OptionTable& options, Settings& s)
     if (!options.given("normals")) s.normals = "1";
     if (!options.given("noise")) s.noise = "0";
   }
-  if (Error error = bench::parseShapes(s.shape, s.shape_list)) return error;
-  return bench::parseLists({{"points", &s.points, 100, 4e9, true, &s.point_list},
-                            {"degree", &s.degree, 1, 4, true, &s.degree_list},
-                            {"normals", &s.normals, 0, 1, true, &s.normal_list},
-                            {"t_mdl", &s.t_mdl, 0, 1e3, false, &s.t_mdl_list},
-                            {"noise", &s.noise, 0, 1, false, &s.noise_list}});
+  if (Error error = measure::parseShapes(s.shape, s.shape_list)) return error;
+  return measure::parseLists({{"points", &s.points, 100, 4e9, true, &s.point_list},
+                              {"degree", &s.degree, 1, 4, true, &s.degree_list},
+                              {"normals", &s.normals, 0, 1, true, &s.normal_list},
+                              {"t_mdl", &s.t_mdl, 0, 1e3, false, &s.t_mdl_list},
+                              {"noise", &s.noise, 0, 1, false, &s.noise_list}});
 }
 
-Result<bench::Outcome>
+Result<measure::Outcome>
 measure(const Settings& s, const Row& row, int degree)
 {
   FitParams params;
@@ -91,7 +93,7 @@ measure(const Settings& s, const Row& row, int degree)
   params.cover_radius = s.alpha;
   params.paper_mode = s.paper;
   params.normals_as_data = row.normals && s.normals_as_data;
-  return bench::measureAccuracy(row.shape, *row.scene, params, row.normals, s.float_input);
+  return measure::measureAccuracy(row.shape, *row.scene, params, row.normals, s.float_input);
 }
 
 /** T or "default". */
@@ -110,7 +112,7 @@ printDetails(const Settings& s, const Row& row)
   for (double degree : s.degree_list) {
     const auto outcome = measure(s, row, static_cast<int>(degree));
     if (!outcome) return outcome.error();
-    const bench::Accuracy& e = outcome->accuracy;
+    const measure::Accuracy& e = outcome->accuracy;
     const FitStatistics& fit = outcome->fit;
     std::printf(
         "| %s | %g | %s | %g | %s | %.2e | %.2e | %.3g | %.3g | %.2e | %.2e | %.3f "
@@ -137,7 +139,7 @@ printByDegree(const Settings& s, const Row& row)
   for (double degree : s.degree_list) {
     const auto outcome = measure(s, row, static_cast<int>(degree));
     if (!outcome) return outcome.error();
-    const bench::Accuracy& e = outcome->accuracy;
+    const measure::Accuracy& e = outcome->accuracy;
     std::printf(" %.1e %.2g %.2g |", e.position, e.normal, e.curvature);
     unsupported = std::max(unsupported, outcome->unsupported);
   }
@@ -169,8 +171,8 @@ Error
 forEachFit(const Settings& s, Row row, double points, const Print& print)
 {
   const auto count = static_cast<std::size_t>(points);
-  const bench::Scene scene = bench::makeScene(row.shape, count, row.noise, s.normal_noise,
-                                              static_cast<std::uint64_t>(s.seed));
+  const measure::Scene scene = measure::makeScene(row.shape, count, row.noise, s.normal_noise,
+                                                  static_cast<std::uint64_t>(s.seed));
   row.scene = &scene;
   for (double t_mdl : s.t_mdl_list) {
     for (double normals : s.normal_list) {
@@ -192,7 +194,7 @@ printTable(const Settings& s)
   Row row;
   for (const std::string& name : s.shape_list) {
     row.name = name;
-    bench::parseShape(name, row.shape);
+    measure::parseShape(name, row.shape);
     for (double noise : s.noise_list) {
       row.noise = noise;
       for (double points : s.point_list) {
@@ -217,17 +219,18 @@ slope(double coarse, double fine, double coarse_points, double fine_points)
 Error
 printSlopes(const Settings& s, Row row, double normals, double t_mdl, double degree)
 {
-  bench::Accuracy last;
+  measure::Accuracy last;
   row.normals = normals != 0;
   row.t_mdl = t_mdl;
   for (std::size_t i = 0; i < s.point_list.size(); ++i) {
     const double n = s.point_list[i];
-    const bench::Scene scene = bench::makeScene(row.shape, static_cast<std::size_t>(n), row.noise,
-                                                s.normal_noise, static_cast<std::uint64_t>(s.seed));
+    const measure::Scene scene =
+        measure::makeScene(row.shape, static_cast<std::size_t>(n), row.noise, s.normal_noise,
+                           static_cast<std::uint64_t>(s.seed));
     row.scene = &scene;
     const auto outcome = measure(s, row, static_cast<int>(degree));
     if (!outcome) return outcome.error();
-    const bench::Accuracy& e = outcome->accuracy;
+    const measure::Accuracy& e = outcome->accuracy;
     const auto since = [&](double coarse, double fine) {
       return i == 0 ? std::string() : slope(coarse, fine, s.point_list[i - 1], n);
     };
@@ -252,7 +255,7 @@ printConvergence(const Settings& s)
   Row row;
   for (const std::string& name : s.shape_list) {
     row.name = name;
-    bench::parseShape(name, row.shape);
+    measure::parseShape(name, row.shape);
     for (double noise : s.noise_list) {
       row.noise = noise;
       for (double t_mdl : s.t_mdl_list) {

@@ -5,15 +5,18 @@
 #include <cstdio>
 #include <new>
 
-#include "bench_common.h"
 #include "common/options.h"
+#include "measure/clocks.h"
+#include "measure/lists.h"
+#include "measure/scenes.h"
 #include "nanoflann_unit.h"
-#include "pcl_slim/cloud/kernels.h"
-#include "pcl_slim/slim/fit.h"
+#include "pcl_slim/cloud/detail/block_kernels.h"
+#include "pcl_slim/fit/fit.h"
 
 namespace {
 
 using namespace pcl_slim;
+using namespace pcl_slim::detail;
 
 /** Error of the normals handed to a fit, in radians. */
 constexpr double kNormalNoise = 0.05;
@@ -63,13 +66,13 @@ Error
 finishOptions(const OptionTable& options, Settings& s)
 {
   if (options.given("degree") || options.given("t_mdl")) s.sweep_limit = 1e18;
-  if (Error error = bench::parseShapes(s.shape, s.shape_list)) return error;
-  return bench::parseLists({{"points", &s.points, 100, 4e9, true, &s.point_list},
-                            {"degree", &s.degree, 1, 4, true, &s.degree_list},
-                            {"threads", &s.threads, 1, 4096, true, &s.thread_list},
-                            {"normals", &s.normals, 0, 1, true, &s.normal_list},
-                            {"t_mdl", &s.t_mdl, 0, 1e3, false, &s.t_mdl_list},
-                            {"noise", &s.noise, 0, 1, false, &s.noise_list}});
+  if (Error error = measure::parseShapes(s.shape, s.shape_list)) return error;
+  return measure::parseLists({{"points", &s.points, 100, 4e9, true, &s.point_list},
+                              {"degree", &s.degree, 1, 4, true, &s.degree_list},
+                              {"threads", &s.threads, 1, 4096, true, &s.thread_list},
+                              {"normals", &s.normals, 0, 1, true, &s.normal_list},
+                              {"t_mdl", &s.t_mdl, 0, 1e3, false, &s.t_mdl_list},
+                              {"noise", &s.noise, 0, 1, false, &s.noise_list}});
 }
 
 /** The largest clouds show two settings: the one peers are compared at and the default. */
@@ -83,13 +86,13 @@ inSweep(const Settings& s, const Row& row)
 Error
 fitOnce(const CloudView& view, const FitParams& params, Timing& t)
 {
-  const bench::MemoryGauge memory;
-  const double cpu = bench::cpuSeconds(), wall = bench::wallSeconds();
+  const measure::MemoryGauge memory;
+  const double cpu = measure::cpuSeconds(), wall = measure::wallSeconds();
   const auto store = PointStore::build(view, params.threads);
   if (!store) return store.error();
   SLIMSurface surface;
   if (Error error = fitSurface(*store, params, surface, &t.fit)) return error;
-  const double cpu_used = bench::cpuSeconds() - cpu, wall_used = bench::wallSeconds() - wall;
+  const double cpu_used = measure::cpuSeconds() - cpu, wall_used = measure::wallSeconds() - wall;
   t.peak_bytes = memory.peakBytes();
   t.counted_bytes = static_cast<double>(store->memoryBytes() + t.fit.working_bytes);
   t.units_cpu.push_back(cpu_used / t.unit.back());
@@ -119,7 +122,7 @@ printRow(const Row& row, const Timing& t)
 {
   const double n = static_cast<double>(row.points), micro = 1e6 / n;
   const auto us = [micro](const std::vector<double>& seconds) {
-    return micro * bench::median(seconds);
+    return micro * measure::median(seconds);
   };
   char penalty[32] = "default", peak[32] = "–";
   if (row.t_mdl > 0) std::snprintf(penalty, sizeof(penalty), "%g", row.t_mdl);
@@ -128,14 +131,14 @@ printRow(const Row& row, const Timing& t)
       "| %s %zu | %g | %s | %d | %s | %d | %.3f | %.3f | %.3f "
       "| %.3f + %.3f + %.3f + %.3f + %.3f | %.3f | %.4f | %.0f | %s |\n",
       row.shape.c_str(), row.points, row.noise, penalty, row.degree, row.normals ? "given" : "none",
-      row.threads, bench::median(t.units_cpu), bench::median(t.units_wall), us(t.cpu), us(t.store),
-      us(t.noise), us(t.cover), us(t.links), us(t.orient), us(t.unit),
+      row.threads, measure::median(t.units_cpu), measure::median(t.units_wall), us(t.cpu),
+      us(t.store), us(t.noise), us(t.cover), us(t.links), us(t.orient), us(t.unit),
       static_cast<double>(t.fit.leaves) / n, t.counted_bytes / n, peak);
   std::fflush(stdout);
 }
 
 Error
-measureRow(const Row& row, int repeats, const bench::Scene& scene, const std::vector<float>& xyz)
+measureRow(const Row& row, int repeats, const measure::Scene& scene, const std::vector<float>& xyz)
 {
   FitParams params;
   params.degree = row.degree;
@@ -143,8 +146,8 @@ measureRow(const Row& row, int repeats, const bench::Scene& scene, const std::ve
   params.threads = row.threads;
   Timing timing;
   for (int repeat = 0; repeat < repeats; ++repeat) {
-    timing.unit.push_back(bench::measureUnit(xyz));
-    if (Error error = fitOnce(bench::viewOf(scene, &xyz, row.normals), params, timing)) {
+    timing.unit.push_back(measure::measureUnit(xyz));
+    if (Error error = fitOnce(measure::viewOf(scene, &xyz, row.normals), params, timing)) {
       return error;
     }
   }
@@ -156,9 +159,9 @@ measureRow(const Row& row, int repeats, const bench::Scene& scene, const std::ve
 Error
 measureCloud(const Settings& s, Row row)
 {
-  bench::Shape shape;
-  bench::parseShape(row.shape, shape);
-  const bench::Scene scene = bench::makeScene(shape, row.points, row.noise, kNormalNoise, 7);
+  measure::Shape shape;
+  measure::parseShape(row.shape, shape);
+  const measure::Scene scene = measure::makeScene(shape, row.points, row.noise, kNormalNoise, 7);
   const std::vector<float> xyz(scene.points.begin(), scene.points.end());
   for (double t_mdl : s.t_mdl_list) {
     for (double degree : s.degree_list) {

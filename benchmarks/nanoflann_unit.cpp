@@ -4,9 +4,11 @@
 #include <Eigen/Eigenvalues>
 #include <nanoflann.hpp>
 
-#include "bench_common.h"
+#include "measure/clocks.h"
+#include "measure/lists.h"
+#include "measure/scenes.h"
 
-namespace pcl_slim::bench {
+namespace pcl_slim::measure {
 
 namespace {
 
@@ -59,4 +61,4 @@ measureUnit(const std::vector<float>& xyz)
   return cpuSeconds() - start;
 }
 
-}  // namespace pcl_slim::bench
+}  // namespace pcl_slim::measure

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-namespace pcl_slim::bench {
+namespace pcl_slim::measure {
 
 /** \brief CPU seconds of one unit, on one thread: a nanoflann tree over the points (x y z each, in
  * the order given), and per point its 10 nearest neighbours, their covariance and its eigenvalues.
@@ -11,4 +11,4 @@ namespace pcl_slim::bench {
 double
 measureUnit(const std::vector<float>& xyz);
 
-}  // namespace pcl_slim::bench
+}  // namespace pcl_slim::measure

@@ -21,8 +21,10 @@
 #include <utility>
 #include <vector>
 
-#include "bench_common.h"
 #include "common/options.h"
+#include "measure/clocks.h"
+#include "measure/lists.h"
+#include "measure/scenes.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/splat/splat_sampling.h"
 
@@ -100,12 +102,12 @@ struct Method {
 
   void measure()
   {
-    const double cpu_before = bench::cpuSeconds(), own_before = ownCpuSeconds();
-    const double before = bench::wallSeconds();
+    const double cpu_before = measure::cpuSeconds(), own_before = ownCpuSeconds();
+    const double before = measure::wallSeconds();
     out = work();
-    wall.push_back(bench::wallSeconds() - before);
+    wall.push_back(measure::wallSeconds() - before);
     own.push_back(ownCpuSeconds() - own_before);
-    cpu.push_back(bench::cpuSeconds() - cpu_before);
+    cpu.push_back(measure::cpuSeconds() - cpu_before);
   }
 };
 
@@ -114,7 +116,7 @@ medianRatio(const std::vector<double>& over, const std::vector<double>& under)
 {
   std::vector<double> ratios(over.size());
   for (std::size_t r = 0; r < over.size(); ++r) ratios[r] = over[r] / under[r];
-  return bench::median(ratios);
+  return measure::median(ratios);
 }
 
 /** Rounds of all methods; the first is what the others are compared with. One round before counts
@@ -132,8 +134,8 @@ run(std::vector<Method>& methods, std::size_t points, int rounds)
   std::printf("|---|---|---|---|---|---|---|---|\n");
   for (const Method& m : methods) {
     std::printf("| %s | %zu | %.4f | %.4f | %.4f | %.2f | %.2f | %.2f |\n", m.name.c_str(), m.out,
-                unit * bench::median(m.cpu), unit * bench::median(m.own),
-                unit * bench::median(m.wall), medianRatio(methods[0].cpu, m.cpu),
+                unit * measure::median(m.cpu), unit * measure::median(m.own),
+                unit * measure::median(m.wall), medianRatio(methods[0].cpu, m.cpu),
                 medianRatio(methods[0].own, m.own), medianRatio(methods[0].wall, m.wall));
   }
 }

@@ -25,7 +25,7 @@ endfunction()
 function(pcl_slim_add_library name)
   cmake_parse_arguments(arg "" "" "PUBLIC;PRIVATE;BUILD_ONLY" ${ARGN})
   set(target pcl_slim_lib_${name})
-  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/*.cpp)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/*.cpp)
   set(includes
     $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
@@ -62,7 +62,7 @@ function(pcl_slim_install_library name)
     LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT development
     RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT development)
   install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development
-    FILES_MATCHING PATTERN *.h PATTERN *.hpp)
+    FILES_MATCHING PATTERN *.h PATTERN *.hpp PATTERN detail EXCLUDE)
   install(EXPORT pcl_slim_${name} NAMESPACE pcl_slim:: FILE pcl_slim_${name}-targets.cmake
     DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/pcl_slim COMPONENT development)
 endfunction()

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Fits a SLIM surface to a cloud and saves it as points that every PCL program opens.
 #include <pcl/io/pcd_io.h>
+#include <pcl_slim/filters/io/surface_files.h>
 #include <pcl_slim/filters/slim_fit.h>
-#include <pcl_slim/filters/surface_files.h>
 
 #include <cmath>
 #include <iostream>

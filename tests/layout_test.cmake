@@ -1,18 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Rules of the house that a compiler does not check: cmake -DROOT=<checkout> -P layout_test.cmake
 #   every source starts with its licence; headers guard themselves; modules neither print nor know
-#   PCL or VTK, and include along the arrows core <- cloud <- {slim, splat} <- render only.
+#   PCL or VTK, and include along the arrows core <- cloud, core <- surface,
+#   {cloud, surface} <- {fit, query}, cloud <- splat, {query, splat} <- render only.
 file(GLOB_RECURSE sources RELATIVE ${ROOT}
   ${ROOT}/modules/*.h ${ROOT}/modules/*.hpp ${ROOT}/modules/*.cpp
   ${ROOT}/filters/*.h ${ROOT}/filters/*.hpp ${ROOT}/filters/*.cpp
   ${ROOT}/apps/*.h ${ROOT}/apps/*.cpp ${ROOT}/tests/*.h ${ROOT}/tests/*.cpp
   ${ROOT}/examples/*.cpp ${ROOT}/benchmarks/*.h ${ROOT}/benchmarks/*.cpp)
 
-set(above_core "cloud|slim|splat|render|filters")
-set(above_cloud "slim|splat|render|filters")
-set(above_slim "splat|render|filters")
-set(above_splat "slim|render|filters")
-set(above_render "filters")
+set(above_core "cloud|surface|fit|query|splat|render|filters")
+set(above_cloud "surface|fit|query|splat|render|filters")
+set(above_surface "cloud|fit|query|splat|render|filters")
+set(above_fit "query|splat|render|filters")
+set(above_query "fit|splat|render|filters")
+set(above_splat "surface|fit|query|render|filters")
+set(above_render "fit|filters")
 
 set(defects "")
 foreach(source IN LISTS sources)

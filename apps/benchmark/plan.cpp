@@ -5,8 +5,10 @@
 #include <filesystem>
 #include <sstream>
 
-#include "bench_common.h"
-#include "benchmark/claims.h"
+#include "claims/claims.h"
+#include "measure/clocks.h"
+#include "measure/lists.h"
+#include "measure/scenes.h"
 #include "pcl_slim/core/file_access.h"
 
 namespace pcl_slim::comparison {
@@ -144,7 +146,7 @@ Plan::finishOptions(const OptionTable& options)
   if (Error error = parseWords("methods", methods_, {"slim", "mls", "normals"}, method_list_)) {
     return error;
   }
-  if (Error error = bench::parseLists(
+  if (Error error = measure::parseLists(
           {{"noises", &noises_, 0, 1, false, &noise_list_},
            {"points", &points_, 100, 4e9, true, &point_list_},
            {"degrees", &degrees_, 1, 4, true, &degree_list_},

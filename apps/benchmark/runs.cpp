@@ -6,7 +6,9 @@
 #include <optional>
 #include <utility>
 
-#include "bench_common.h"
+#include "measure/clocks.h"
+#include "measure/lists.h"
+#include "measure/scenes.h"
 
 namespace pcl_slim::comparison {
 
@@ -37,7 +39,8 @@ struct Sums {
     ++points;
   }
 
-  void addNormal(const pcl::PointNormal& p, const bench::Truth& truth, const float* mean_curvature)
+  void addNormal(const pcl::PointNormal& p, const measure::Truth& truth,
+                 const float* mean_curvature)
   {
     bool same_side = true;
     const Eigen::Vector3d true_normal(truth.normal.data());
@@ -61,7 +64,7 @@ measure(const Scene& scene, const Treated& treated, const std::vector<std::uint8
   for (std::size_t i = 0; i < scene.size(); ++i) {
     if ((among && !(*among)[i]) || !scene.isJudged(i)) continue;
     const pcl::PointNormal& p = treated.points[i];
-    const bench::Truth truth = scene.truth(i, {p.x, p.y, p.z});
+    const measure::Truth truth = scene.truth(i, {p.x, p.y, p.z});
     sums.addPosition(truth.distance);
     if (!treated.done[i] || truth.rim) continue;
     sums.addNormal(p, truth, treated.mean_curvature.empty() ? nullptr : &treated.mean_curvature[i]);
@@ -102,7 +105,7 @@ runSetting(const Scene& scene, const Setting& setting, int repeats)
   for (int r = 0; r < std::max(1, repeats); ++r) {
     treated = Error();
     // It hands free memory back to the system: the runs after the first use theirs again.
-    std::optional<bench::MemoryGauge> memory;
+    std::optional<measure::MemoryGauge> memory;
     if (r == 0) memory.emplace();
     treated = treat(scene, setting);
     if (!treated) return treated.error();
@@ -111,8 +114,8 @@ runSetting(const Scene& scene, const Setting& setting, int repeats)
     if (memory) run.peak_bytes = memory->peakBytes();
     if (treated->wall > kLongRun) break;
   }
-  run.cpu = bench::median(cpu);
-  run.wall = bench::median(wall);
+  run.cpu = measure::median(cpu);
+  run.wall = measure::median(wall);
   run.errors = measure(scene, *treated);
   for (const std::uint8_t done : treated->done) run.kept += done == 0;
   return run;

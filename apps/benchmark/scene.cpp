@@ -15,15 +15,15 @@ namespace {
 using Point = std::array<double, 3>;
 constexpr double kCubeHalf = 1.0;
 
-/** A scene whose clean points are the cube's, spread evenly, as bench::makeScene does for others. */
-bench::Scene
+/** A scene whose clean points are the cube's, spread evenly, as measure::makeScene does for others. */
+measure::Scene
 makeCube(std::size_t count, double noise, std::uint64_t seed, double normal_noise)
 {
   std::mt19937_64 rng(seed);
   std::uniform_real_distribution<double> side(-kCubeHalf, kCubeHalf);
   std::uniform_int_distribution<int> face(0, 5);
   std::normal_distribution<double> gauss;
-  bench::Scene scene;
+  measure::Scene scene;
   scene.diagonal = 2 * kCubeHalf * std::sqrt(3.0);
   for (std::size_t i = 0; i < count; ++i) {
     const auto f = static_cast<std::size_t>(face(rng));
@@ -46,7 +46,7 @@ makeCube(std::size_t count, double noise, std::uint64_t seed, double normal_nois
 }
 
 /** Distance to the cube's surface, and the normal of the face nearest to a point. */
-bench::Truth
+measure::Truth
 cubeTruth(const Point& p)
 {
   double outside = 0, inside = -kCubeHalf;
@@ -57,7 +57,7 @@ cubeTruth(const Point& p)
     inside = std::max(inside, beyond);
     if (std::abs(p[a]) > std::abs(p[axis])) axis = a;
   }
-  bench::Truth truth;
+  measure::Truth truth;
   truth.distance = inside > 0 ? std::sqrt(outside) : inside;
   truth.normal[axis] = p[axis] < 0 ? -1 : 1;
   return truth;
@@ -84,17 +84,17 @@ Result<Scene>
 makeScene(const std::string& shape, std::size_t count, double noise, std::uint64_t seed,
           double normal_noise)
 {
-  bench::Shape kind = bench::Shape::kSphere;
+  measure::Shape kind = measure::Shape::kSphere;
   const bool cube = shape == "cube";
-  if (!cube && !bench::parseShape(shape, kind)) {
+  if (!cube && !measure::parseShape(shape, kind)) {
     return Error{ErrorCode::kBadArgument,
                  "unknown shape '" + shape + "'; give sphere, torus, bumpy, relief or cube"};
   }
   const auto make = [&](double sigma) {
     return cube ? makeCube(count, sigma, seed, normal_noise)
-                : bench::makeScene(kind, count, sigma, normal_noise, seed);
+                : measure::makeScene(kind, count, sigma, normal_noise, seed);
   };
-  bench::Scene made = make(noise);
+  measure::Scene made = make(noise);
   Scene scene;
   scene.name = shape;
   scene.noise = noise;
@@ -105,7 +105,7 @@ makeScene(const std::string& shape, std::size_t count, double noise, std::uint64
   if (cube) {
     scene.truth = [](std::size_t, const Point& p) { return cubeTruth(p); };
   } else {
-    scene.truth = [kind](std::size_t, const Point& p) { return bench::truthAt(kind, p); };
+    scene.truth = [kind](std::size_t, const Point& p) { return measure::truthAt(kind, p); };
   }
   return scene;
 }
@@ -136,7 +136,7 @@ makeSheets(bool waved, std::size_t count, double gap, double noise, std::uint64_
   scene.truth = [waved, half](std::size_t i, const Point& p) {
     const auto [height, slope] = waveAt(waved, p[0]);
     const double side = i % 2 == 0 ? 1 : -1, length = std::hypot(1.0, slope);
-    bench::Truth truth;
+    measure::Truth truth;
     truth.distance = side * (p[2] - height - side * half) / length;
     truth.normal = {-side * slope / length, 0, side / length};
     return truth;

@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "measure/scenes.h"
 #include "pcl_slim/core/error.h"
-#include "scenes.h"
 
 /** \brief SLIM beside PCL's own classes: the same points in, the same truth against what comes
  * out, the same clock around both. */
@@ -21,7 +21,8 @@ namespace pcl_slim::comparison {
 /** \brief A noisy cloud and what is true of it. */
 struct Scene {
   /** \brief What is true at point i of the cloud once a method has moved it to position. */
-  using TruthOf = std::function<bench::Truth(std::size_t i, const std::array<double, 3>& position)>;
+  using TruthOf =
+      std::function<measure::Truth(std::size_t i, const std::array<double, 3>& position)>;
 
   std::string name;
   double noise = 0;  ///< share of the clean box's diagonal; 0 for scans

@@ -73,10 +73,10 @@ struct PairTruth {
   std::vector<std::array<float, 3>> normals;
 };
 
-bench::Truth
+measure::Truth
 pairTruth(const PairTruth& pair, std::size_t i, const Point& p)
 {
-  bench::Truth truth;
+  measure::Truth truth;
   for (std::size_t a = 0; a < 3; ++a) {
     truth.distance += std::pow(p[a] - pair.points[3 * i + a], 2);
     if (!pair.normals.empty()) truth.normal[a] = pair.normals[i][a];
@@ -147,7 +147,7 @@ judgeByMesh(const std::shared_ptr<const MeshSurface>& surface, double reach, Sce
     scene.judged[i] = !foot.border && foot.distance <= reach;
   }
   scene.truth = [surface](std::size_t, const Point& p) {
-    bench::Truth truth;
+    measure::Truth truth;
     truth.distance = surface->nearest(p).distance;
     return truth;
   };

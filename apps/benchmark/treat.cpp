@@ -8,8 +8,10 @@
 #include <cmath>
 #include <cstdio>
 
-#include "bench_common.h"
-#include "pcl_slim/slim/projection.h"
+#include "measure/clocks.h"
+#include "measure/lists.h"
+#include "measure/scenes.h"
+#include "pcl_slim/query/projection.h"
 
 namespace pcl_slim::comparison {
 
@@ -17,12 +19,12 @@ namespace {
 
 /** CPU and wall time since construction. */
 struct Clock {
-  double cpu = bench::cpuSeconds(), wall = bench::wallSeconds();
+  double cpu = measure::cpuSeconds(), wall = measure::wallSeconds();
 
   void stop(Treated& treated) const
   {
-    treated.cpu = bench::cpuSeconds() - cpu;
-    treated.wall = bench::wallSeconds() - wall;
+    treated.cpu = measure::cpuSeconds() - cpu;
+    treated.wall = measure::wallSeconds() - wall;
   }
 };
 

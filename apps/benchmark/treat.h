@@ -7,7 +7,7 @@
 
 #include "benchmark/scene.h"
 #include "pcl_slim/core/error.h"
-#include "pcl_slim/slim/fit.h"
+#include "pcl_slim/fit/fit.h"
 
 namespace pcl_slim::comparison {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "pcl_slim/filters/point_file.h"
+#include "pcl_slim/filters/io/point_file.h"
 
 namespace pcl_slim {
 

@@ -7,7 +7,7 @@
 
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/core/error.h"
-#include "pcl_slim/filters/point_file.h"
+#include "pcl_slim/filters/io/point_file.h"
 
 namespace pcl_slim {
 

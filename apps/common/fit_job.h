@@ -9,7 +9,7 @@
 #include "common/progress_bar.h"
 #include "common/report.h"
 #include "pcl_slim/cloud/point_store.h"
-#include "pcl_slim/slim/fit.h"
+#include "pcl_slim/fit/fit.h"
 
 namespace pcl_slim {
 

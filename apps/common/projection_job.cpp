@@ -6,7 +6,7 @@
 #include "common/program.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/parallel.h"
-#include "pcl_slim/filters/surface_files.h"
+#include "pcl_slim/filters/io/surface_files.h"
 
 namespace pcl_slim {
 

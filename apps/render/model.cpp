@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "pcl_slim/core/file_access.h"
-#include "pcl_slim/filters/splat_files.h"
-#include "pcl_slim/filters/surface_files.h"
+#include "pcl_slim/filters/io/splat_files.h"
+#include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/render/disc_framing.h"
 
 namespace pcl_slim {

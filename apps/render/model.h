@@ -5,8 +5,8 @@
 #include <string>
 
 #include "pcl_slim/core/error.h"
-#include "pcl_slim/slim/surface.h"
 #include "pcl_slim/splat/splat_set.h"
+#include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
 

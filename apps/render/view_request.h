@@ -6,7 +6,7 @@
 
 #include "common/options.h"
 #include "pcl_slim/render/camera.h"
-#include "pcl_slim/slim/surface.h"
+#include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
 

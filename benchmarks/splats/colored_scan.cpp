@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <utility>
 
-namespace pcl_slim::bench {
+namespace pcl_slim::measure {
 
 Result<ColoredScan>
 loadColoredScan(const std::string& path)
@@ -40,4 +40,4 @@ splatsOf(const ColoredScan& scan, const SplatParams& params)
   return splats;
 }
 
-}  // namespace pcl_slim::bench
+}  // namespace pcl_slim::measure

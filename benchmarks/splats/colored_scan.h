@@ -6,7 +6,7 @@
 #include "common/cloud_file.h"
 #include "pcl_slim/splat/splat_sampling.h"
 
-namespace pcl_slim::bench {
+namespace pcl_slim::measure {
 
 /** \brief A coloured scan with normals: its own, or estimated once, so that every method that is
  * compared has the same ones. */
@@ -27,4 +27,4 @@ loadColoredScan(const std::string& path);
 SplatSet
 splatsOf(const ColoredScan& scan, const SplatParams& params);
 
-}  // namespace pcl_slim::bench
+}  // namespace pcl_slim::measure

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
-namespace pcl_slim::bench {
+namespace pcl_slim::measure {
 namespace {
 
 constexpr double kCloseEnough = 0.003;  ///< of the count wanted
@@ -83,4 +83,4 @@ solvedFor(const ColoredScan& scan, const Method& method, std::size_t wanted)
   });
 }
 
-}  // namespace pcl_slim::bench
+}  // namespace pcl_slim::measure

@@ -7,7 +7,7 @@
 
 #include "splats/colored_scan.h"
 
-namespace pcl_slim::bench {
+namespace pcl_slim::measure {
 
 /** \brief One way to turn a scan into about so many splats. */
 struct Method {
@@ -26,4 +26,4 @@ comparedMethods();
 SplatParams
 solvedFor(const ColoredScan& scan, const Method& method, std::size_t wanted);
 
-}  // namespace pcl_slim::bench
+}  // namespace pcl_slim::measure

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace pcl_slim::bench {
+namespace pcl_slim::measure {
 namespace {
 
 using Eigen::Vector3d;
@@ -129,4 +129,4 @@ duckEye()
   return {p.x(), p.y(), p.z()};
 }
 
-}  // namespace pcl_slim::bench
+}  // namespace pcl_slim::measure

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace pcl_slim::bench {
+namespace pcl_slim::measure {
 
 /** \brief Points of a painted object with exact normals. */
 struct PaintedObject {
@@ -26,4 +26,4 @@ paintDuck(std::size_t count, std::uint64_t seed);
 std::array<double, 3>
 duckEye();
 
-}  // namespace pcl_slim::bench
+}  // namespace pcl_slim::measure

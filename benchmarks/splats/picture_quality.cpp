@@ -13,7 +13,7 @@
 #include "pcl_slim/render/disc_framing.h"
 #include "pcl_slim/splat/cielab.h"
 
-namespace pcl_slim::bench {
+namespace pcl_slim::measure {
 namespace {
 
 constexpr double kSpacings = 1.3, kWidest = 4.0, kOneSided = 0.5;
@@ -242,4 +242,4 @@ PictureComparison::compare(const SplatSet& splats, const DiscRenderParams& param
   return difference;
 }
 
-}  // namespace pcl_slim::bench
+}  // namespace pcl_slim::measure

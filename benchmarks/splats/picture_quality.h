@@ -8,7 +8,7 @@
 #include "pcl_slim/render/disc_rasterizer.h"
 #include "splats/colored_scan.h"
 
-namespace pcl_slim::bench {
+namespace pcl_slim::measure {
 
 /** \brief Every point of a scan as a disc of 1.3 local spacings (mean distance to its 6 nearest, at
  * most 4 times the middle one), in its own colour: what splats are compared with. */
@@ -62,4 +62,4 @@ class PictureComparison {
   double step_ = 0;                       ///< in depth
 };
 
-}  // namespace pcl_slim::bench
+}  // namespace pcl_slim::measure

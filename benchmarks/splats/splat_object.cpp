@@ -6,7 +6,7 @@
 
 #include "common/options.h"
 #include "pcl_slim/core/file_access.h"
-#include "pcl_slim/filters/point_file.h"
+#include "pcl_slim/filters/io/point_file.h"
 #include "splats/painted_object.h"
 
 namespace {
@@ -14,7 +14,7 @@ namespace {
 using namespace pcl_slim;
 
 PointFile
-fileOf(const bench::PaintedObject& object)
+fileOf(const measure::PaintedObject& object)
 {
   PointFile file;
   pcl::PCLPointCloud2& cloud = file.cloud;
@@ -54,12 +54,12 @@ main(int argc, char** argv)
   options.integer("points", &points, 100, 100000000, "points, even over the area");
   options.integer("seed", &seed, 0, 1000000000, "start of the random numbers");
   if (const auto status = options.parse(argc, argv)) return *status;
-  const bench::PaintedObject object = bench::paintDuck(points, seed);
+  const measure::PaintedObject object = measure::paintDuck(points, seed);
   if (const Error error = savePointFile(output, fileOf(object))) {
     std::fprintf(stderr, "splat_object: %s\n", error.message.c_str());
     return kExitFailed;
   }
-  const auto eye = bench::duckEye();
+  const auto eye = measure::duckEye();
   std::printf("%zu points; the eye is at %.4f,%.4f,%.4f\n", object.rgb.size(), eye[0], eye[1],
               eye[2]);
   return kExitDone;

@@ -6,14 +6,14 @@
 #include <vector>
 
 #include "common/options.h"
-#include "pcl_slim/filters/splat_conversion.h"
+#include "pcl_slim/filters/io/splat_conversion.h"
 #include "splats/methods.h"
 #include "splats/picture_quality.h"
 
 namespace {
 
 using namespace pcl_slim;
-using namespace pcl_slim::bench;
+using namespace pcl_slim::measure;
 
 struct Settings {
   std::string input;
@@ -51,7 +51,7 @@ print(const std::string& method, const SplatSet& splats, const PictureDifference
 }
 
 bool
-measure(const Settings& s, const ColoredScan& scan, const PictureComparison& pictures)
+measureMethods(const Settings& s, const ColoredScan& scan, const PictureComparison& pictures)
 {
   const auto wanted = static_cast<std::size_t>(s.share * static_cast<double>(scan.size()));
   std::printf("%s: %zu points, %.3g %% wanted, %zu views of %d x %d\n\n", s.input.c_str(),
@@ -108,7 +108,7 @@ main(int argc, char** argv)
   if (!s.focus.empty()) focus = Ball{{s.focus[0], s.focus[1], s.focus[2]}, s.focus[3]};
   const SplatSet every_point = everyPoint(*scan);
   const PictureComparison pictures(every_point, s.size, focus);
-  const bool done = save(s, "all points", every_point) && measure(s, *scan, pictures) &&
+  const bool done = save(s, "all points", every_point) && measureMethods(s, *scan, pictures) &&
                     measureAgain(s, pictures);
   return done ? kExitDone : kExitFailed;
 }

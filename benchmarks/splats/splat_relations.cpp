@@ -11,7 +11,7 @@
 namespace {
 
 using namespace pcl_slim;
-using namespace pcl_slim::bench;
+using namespace pcl_slim::measure;
 
 struct Settings {
   std::string input;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Claims of docs/comparison.md, on fewer points.
+// Claims of benchmarks/reports/comparison.md, on fewer points.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmark/claims.h"
+#include "claims/claims.h"
 
 namespace {
 

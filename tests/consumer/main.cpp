@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/fit/fit.h"
 #include "pcl_slim/render/camera.h"
 #include "pcl_slim/render/tile_rasterizer.h"
-#include "pcl_slim/slim/fit.h"
-#include "pcl_slim/slim/surface_io.h"
+#include "pcl_slim/surface/surface_io.h"
 
 #ifdef CONSUMER_USES_FILTERS
 #include <pcl/point_cloud.h>

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "door_suite.h"
-#include "pcl_slim/filters/splat_conversion.h"
+#include "pcl_slim/filters/io/splat_conversion.h"
 
 namespace pcl_slim {
 namespace {

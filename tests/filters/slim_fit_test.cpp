@@ -8,7 +8,7 @@
 #include <pcl/search/organized.h>
 
 #include "door_suite.h"
-#include "pcl_slim/slim/surface_io.h"
+#include "pcl_slim/surface/surface_io.h"
 
 namespace pcl_slim {
 namespace {

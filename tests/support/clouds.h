@@ -10,9 +10,9 @@
 #include <random>
 #include <vector>
 
-#include "pcl_slim/slim/fit.h"
-#include "pcl_slim/slim/projection.h"
-#include "scenes.h"
+#include "measure/scenes.h"
+#include "pcl_slim/fit/fit.h"
+#include "pcl_slim/query/projection.h"
 
 namespace pcl_slim_test {
 
@@ -50,9 +50,10 @@ struct Cloud {
 
 /** An exact surface's points; noise is a share of the diagonal, normal_noise in rad. */
 inline Cloud
-sceneCloud(pcl_slim::bench::Shape shape, std::size_t count, double noise, double normal_noise = 0.0)
+sceneCloud(pcl_slim::measure::Shape shape, std::size_t count, double noise,
+           double normal_noise = 0.0)
 {
-  const auto scene = pcl_slim::bench::makeScene(shape, count, noise, normal_noise, 7);
+  const auto scene = pcl_slim::measure::makeScene(shape, count, noise, normal_noise, 7);
   return {scene.points, scene.normals};
 }
 
@@ -118,14 +119,14 @@ struct Errors {
 };
 
 inline Errors
-errorsOf(pcl_slim::bench::Shape shape, const Fitted& f, std::size_t first_inputs = SIZE_MAX)
+errorsOf(pcl_slim::measure::Shape shape, const Fitted& f, std::size_t first_inputs = SIZE_MAX)
 {
   Errors e;
   double curvature_sq = 0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < f.store.size(); ++i) {
     if (f.store.orderOfStore()[i] >= first_inputs) continue;
-    const auto truth = pcl_slim::bench::truthAt(shape, f.world(f.projection.position[i]));
+    const auto truth = pcl_slim::measure::truthAt(shape, f.world(f.projection.position[i]));
     if (truth.rim) continue;
     ++count;
     e.position += truth.distance * truth.distance;

@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "pcl_slim/slim/oct_normal.h"
-#include "pcl_slim/slim/surface.h"
+#include "pcl_slim/surface/oct_normal.h"
+#include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim_test {
 

@@ -8,6 +8,8 @@
 
 namespace pcl_slim {
 
+using namespace detail;
+
 namespace {
 
 thread_local bool in_team = false;

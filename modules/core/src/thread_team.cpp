@@ -8,7 +8,7 @@
 #include <immintrin.h>
 #endif
 
-namespace pcl_slim {
+namespace pcl_slim::detail {
 
 namespace {
 
@@ -100,4 +100,4 @@ ThreadTeam::waitForRound(int thread, std::uint64_t& round)
   }
 }
 
-}  // namespace pcl_slim
+}  // namespace pcl_slim::detail

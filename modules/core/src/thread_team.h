@@ -8,14 +8,14 @@
 #include <thread>
 #include <vector>
 
-namespace pcl_slim {
+namespace pcl_slim::detail {
 
 /** \brief The threads that help one calling thread.
  *
  * A fit is some hundred short loops. Between them helpers stay awake for a moment, as the next
  * loop mostly comes at once, and then sleep: threads that kept spinning, as those of OpenMP do by
  * default, would hold the cores against the very threads they wait for wherever other programs run
- * too (docs/benchmarks.md, "Time and memory of the fit").
+ * too (benchmarks/reports/benchmarks.md, "Time and memory of the fit").
  */
 class ThreadTeam {
  public:
@@ -47,4 +47,4 @@ class ThreadTeam {
   void* context_ = nullptr;
 };
 
-}  // namespace pcl_slim
+}  // namespace pcl_slim::detail

@@ -7,13 +7,15 @@
 #include <limits>
 #include <optional>
 
-#include "octree_cut.h"
+#include "disc/sample_noise.h"
+#include "disc/splat_builder.h"
+#include "octree/octree_cut.h"
+#include "octree/tolerance_division.h"
 #include "pcl_slim/core/parallel.h"
-#include "sample_noise.h"
-#include "splat_builder.h"
-#include "tolerance_division.h"
 
 namespace pcl_slim {
+
+using namespace detail;
 
 namespace {
 

@@ -145,7 +145,7 @@ TEST(BlockNeighborhood, AnswersAsTheTreeWithinItsRegion)
 
 TEST(BlockTree, AStoresBlocksHoldTheirPoints)
 {
-  const auto cloud = pcl_slim_test::sceneCloud(bench::Shape::kBumpy, 3001, 0.0);
+  const auto cloud = pcl_slim_test::sceneCloud(measure::Shape::kBumpy, 3001, 0.0);
   const PointStore store = pcl_slim_test::storeOf(cloud);
   std::mt19937 random(15);
   std::uniform_int_distribution<std::size_t> pick(0, store.size() - 1);

@@ -64,14 +64,14 @@ expectBruteForce(const PointStore& store, std::size_t k, std::size_t step, std::
 TEST(NeighborSearch, OnASurface)
 {
   const PointStore store =
-      storeOf(pcl_slim_test::sceneCloud(bench::Shape::kTorus, 3000, 0.002).withoutNormals());
+      storeOf(pcl_slim_test::sceneCloud(measure::Shape::kTorus, 3000, 0.002).withoutNormals());
   for (const std::size_t k : {1, 2, 10, 16, 17, 100}) expectBruteForce(store, k, 17);
 }
 
 TEST(NeighborSearch, AmongSomeOfThePoints)
 {
   const PointStore store =
-      storeOf(pcl_slim_test::sceneCloud(bench::Shape::kTorus, 3001, 0.01).withoutNormals());
+      storeOf(pcl_slim_test::sceneCloud(measure::Shape::kTorus, 3001, 0.01).withoutNormals());
   for (const std::size_t stride : {2, 3, 16, 64}) {
     for (const std::size_t k : {1, 17, 40, 2000}) expectBruteForce(store, k, 16, stride);
   }
@@ -124,7 +124,7 @@ TEST(NeighborSearch, OfOnePointAndOfNone)
   Cloud cloud;
   cloud.add(1.0, 2.0, 3.0);
   expectBruteForce(storeOf(cloud), 5, 1);
-  const PointStore store = storeOf(pcl_slim_test::sceneCloud(bench::Shape::kSphere, 100, 0.0));
+  const PointStore store = storeOf(pcl_slim_test::sceneCloud(measure::Shape::kSphere, 100, 0.0));
   NeighborSearch search(store);
   std::vector<std::uint32_t> neighbors = {3};
   std::vector<float> distances_sq = {3.0f};

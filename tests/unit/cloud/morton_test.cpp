@@ -7,9 +7,12 @@
 #include <cmath>
 #include <random>
 
-#include "pcl_slim/cloud/kernels.h"
+#include "pcl_slim/cloud/detail/block_kernels.h"
 
 namespace pcl_slim {
+
+using namespace detail;
+
 namespace {
 
 std::uint64_t

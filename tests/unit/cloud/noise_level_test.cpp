@@ -11,7 +11,7 @@
 namespace pcl_slim {
 namespace {
 
-using bench::Shape;
+using measure::Shape;
 using pcl_slim_test::Cloud;
 using pcl_slim_test::sceneCloud;
 using pcl_slim_test::storeOf;
@@ -28,7 +28,7 @@ TEST(NoiseLevel, IsWithinATenthOfTheTruth)
   for (const Shape shape : {Shape::kSphere, Shape::kTorus, Shape::kBumpy}) {
     for (const double noise : {0.0001, 0.0005, 0.002, 0.005}) {
       for (const bool normals : {false, true}) {
-        const auto scene = bench::makeScene(shape, 20000, noise, 0.05, 7);
+        const auto scene = measure::makeScene(shape, 20000, noise, 0.05, 7);
         const Cloud cloud = {scene.points, normals ? scene.normals : std::vector<float>()};
         EXPECT_NEAR(noiseOf(storeOf(cloud)) / (noise * scene.diagonal), 1.0, 0.1)
             << static_cast<int>(shape) << " at " << noise << (normals ? " with" : " without")
@@ -41,7 +41,7 @@ TEST(NoiseLevel, IsWithinATenthOfTheTruth)
 TEST(NoiseLevel, OfCleanDataIsNothing)
 {
   for (const Shape shape : {Shape::kSphere, Shape::kTorus, Shape::kBumpy, Shape::kRelief}) {
-    const auto scene = bench::makeScene(shape, 20000, 0.0, 0.0, 7);
+    const auto scene = measure::makeScene(shape, 20000, 0.0, 0.0, 7);
     const Cloud cloud = {scene.points, {}};
     const double bound = shape == Shape::kRelief ? 2e-6 : 1e-6;
     EXPECT_LT(noiseOf(storeOf(cloud)), bound * scene.diagonal) << static_cast<int>(shape);
@@ -91,7 +91,7 @@ TEST(NoiseLevel, ReliefAtEveryScaleIsNotThickNoise)
 
 TEST(NoiseLevel, IgnoresAFewOutliers)
 {
-  const auto scene = bench::makeScene(Shape::kTorus, 20000, 0.001, 0.0, 7);
+  const auto scene = measure::makeScene(Shape::kTorus, 20000, 0.001, 0.0, 7);
   Cloud cloud = {scene.points, {}};
   std::mt19937_64 random(34);
   std::uniform_real_distribution<double> u(-1.5, 1.5);
@@ -103,7 +103,7 @@ TEST(NoiseLevel, OfTheFirstPaperFollowsTheNoise)
 {
   double last = 0;
   for (const double noise : {0.0, 0.001, 0.002, 0.005}) {
-    const auto scene = bench::makeScene(Shape::kSphere, 20000, noise, 0.0, 7);
+    const auto scene = measure::makeScene(Shape::kSphere, 20000, noise, 0.0, 7);
     const Cloud cloud = {scene.points, {}};
     const double found = noiseOf(storeOf(cloud), NoiseEstimator::kMinEigenvalue10);
     EXPECT_GT(found, last);

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "pcl_slim/slim/surface.h"
+#include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim::test {
 

@@ -6,12 +6,15 @@
 #include <map>
 #include <set>
 
-#include "cell_sums.h"
-#include "octree_key.h"
-#include "octree_runs.h"
+#include "octree/cell_sums.h"
+#include "octree/octree_key.h"
+#include "octree/octree_runs.h"
 #include "painted_clouds.h"
 
 namespace pcl_slim {
+
+using namespace detail;
+
 namespace {
 
 using pcl_slim_test::painted;

@@ -9,8 +9,8 @@
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/progress.h"
-#include "pcl_slim/slim/projection.h"
-#include "pcl_slim/slim/surface.h"
+#include "pcl_slim/query/projection.h"
+#include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
 

@@ -5,7 +5,7 @@
 #include <pcl/point_types.h>
 #include <pcl/search/search.h>
 
-#include "pcl_slim/slim/fit.h"
+#include "pcl_slim/fit/fit.h"
 
 namespace pcl_slim {
 

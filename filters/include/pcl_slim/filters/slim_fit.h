@@ -8,8 +8,8 @@
 
 #include <vector>
 
+#include "pcl_slim/filters/io/surface_conversion.h"
 #include "pcl_slim/filters/slim_fit_base.h"
-#include "pcl_slim/filters/surface_conversion.h"
 
 namespace pcl_slim {
 

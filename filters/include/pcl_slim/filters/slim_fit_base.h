@@ -5,8 +5,8 @@
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/progress.h"
-#include "pcl_slim/slim/fit.h"
-#include "pcl_slim/slim/surface.h"
+#include "pcl_slim/fit/fit.h"
+#include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
 

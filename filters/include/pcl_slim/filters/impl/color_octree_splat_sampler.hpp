@@ -8,7 +8,7 @@
 
 #include "pcl_slim/filters/color_octree_splat_sampler.h"
 #include "pcl_slim/filters/impl/cloud_description.hpp"
-#include "pcl_slim/filters/splat_conversion.h"
+#include "pcl_slim/filters/io/splat_conversion.h"
 
 #ifndef PCL_SLIM_PCL_POINTS_ONLY
 #include <pcl/filters/impl/filter_indices.hpp>

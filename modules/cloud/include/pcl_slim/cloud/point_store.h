@@ -13,6 +13,10 @@
 
 namespace pcl_slim {
 
+namespace detail {
+class PointStoreBuilder;
+}
+
 /** \brief What happened to the input on its way into a PointStore. */
 struct PointStoreStatistics {
   std::uint64_t input_points = 0;    ///< points asked for (indices honoured)
@@ -92,7 +96,7 @@ class PointStore {
   std::size_t memoryBytes() const;
 
  private:
-  friend class PointStoreBuilder;
+  friend class detail::PointStoreBuilder;
 
   std::size_t size_ = 0;
   std::array<double, 3> origin_{};

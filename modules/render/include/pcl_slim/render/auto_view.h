@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pcl_slim/render/camera.h"
-#include "pcl_slim/slim/surface.h"
+#include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
 

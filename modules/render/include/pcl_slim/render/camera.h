@@ -4,7 +4,7 @@
 #include <array>
 
 #include "pcl_slim/core/error.h"
-#include "pcl_slim/slim/surface.h"
+#include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
 

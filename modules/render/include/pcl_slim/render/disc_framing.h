@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "pcl_slim/slim/surface.h"
 #include "pcl_slim/splat/splat_set.h"
+#include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
 

@@ -13,6 +13,10 @@
 
 namespace pcl_slim {
 
+namespace detail {
+class OctreeCloudBuilder;
+}
+
 /** \brief Colours owned by someone else: three consecutive bytes blue, green, red per point, as PCL
  * keeps them; as many points as the CloudView beside it. */
 struct ColorView {
@@ -108,7 +112,7 @@ class OctreeCloud {
   std::array<double, 3> center(const std::array<float, 3>& position, int shift) const;
 
  private:
-  friend class OctreeCloudBuilder;
+  friend class detail::OctreeCloudBuilder;
 
   AlignedVector<std::uint32_t> order_;
   AlignedVector<std::uint64_t> keys_;  ///< each above some bits of no meaning

@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl/PCLPointCloud2.h>
+#include <pcl/point_cloud.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/filters/point_slim.h"
+#include "pcl_slim/surface/surface.h"
+
+namespace pcl_slim {
+
+/** \brief What a cloud of surfels alone cannot say: the surface's info, and where the cloud stands.
+ *
+ * world = shift + cloud coordinates. The shift is 0 unless float cannot hold the centres in world
+ * coordinates (an origin far from the object); it is then the surface's origin.
+ */
+struct SurfaceMetadata {
+  SurfaceInfo info;
+  std::array<double, 3> shift{};
+};
+
+/** \brief Writes a surface's surfels as points, in their order, in world units less the shift.
+ *
+ * Every number is exact: fromPCL with the returned metadata gives the same surface, bit by bit.
+ * O(surfels). An empty surface gives an empty cloud.
+ */
+SurfaceMetadata
+toPCL(const SLIMSurface& surface, pcl::PointCloud<PointSLIM>& cloud);
+
+/** \brief The same as a field-described cloud with only the coefficients info.degree needs. */
+SurfaceMetadata
+toPCL(const SLIMSurface& surface, pcl::PCLPointCloud2& cloud);
+
+/** \brief Makes a surface of surfels, with its links.
+ *
+ * \param[in] metadata what toPCL returned; null: degree, scale and origin are derived from the
+ * points, everything else takes SurfaceInfo's defaults, and normals count as not oriented.
+ * \return an error when a surfel is not usable (NaN, radius not positive, degree not 1..4).
+ */
+Result<SLIMSurface>
+fromPCL(const pcl::PointCloud<PointSLIM>& cloud, const SurfaceMetadata* metadata = nullptr);
+
+/** \brief The same from fields of any numeric type, found by name.
+ *
+ * Needed are x y z, normal_x.., radius and c0 c1 c2; degree, level, leaf, error and confidence
+ * have defaults (the highest degree whose coefficients are there, 1, 1, 0, 0).
+ */
+Result<SLIMSurface>
+fromPCL(const pcl::PCLPointCloud2& cloud, const SurfaceMetadata* metadata = nullptr);
+
+/** \brief The metadata as lines "pcl_slim key value", which files carry as comments. */
+std::vector<std::string>
+toComments(const SurfaceMetadata& metadata);
+
+/** \brief Reads the metadata among a file's comments.
+ *
+ * \param[out] found whether there were any. \return an error for a value that cannot be read or
+ * for lines a newer version wrote.
+ */
+Error
+fromComments(const std::vector<std::string>& comments, SurfaceMetadata& metadata, bool& found);
+
+}  // namespace pcl_slim

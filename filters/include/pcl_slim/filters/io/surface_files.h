@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/filters/io/point_file.h"
+#include "pcl_slim/surface/surface.h"
+
+namespace pcl_slim {
+
+/** \brief Writes a surface by extension (upper or lower case), seen under its name only when whole.
+ *
+ * .pcd   binary PCD, opens in pcl_viewer and CloudCompare; metadata in '#' lines
+ * .ply   binary_little_endian, plain float properties; metadata in comment lines
+ * .vtp   ParaView: vertex cells, "Normals", one array a field; metadata as field data
+ * .slim  the compact form of slim/surface_io.h
+ *
+ * Loading and saving again gives the same bytes in every format.
+ */
+Error
+saveSurface(const std::string& path, const SLIMSurface& surface);
+
+/** \brief Reads what saveSurface wrote, and surfels other programs have rewritten.
+ *
+ * When a program dropped the metadata, units come from the points (fromPCL). A missing, foreign,
+ * truncated, corrupted or newer file gives an error that says which.
+ */
+Result<SLIMSurface>
+loadSurface(const std::string& path);
+
+/** \brief The surface in a point file's fields and comments. \return an error that names what is
+ * missing or wrong. */
+Result<SLIMSurface>
+surfaceFrom(const PointFile& file);
+
+/** \brief Whether the extension is one saveSurface knows; names those it does otherwise. */
+Error
+checkSurfaceExtension(const std::string& path);
+
+}  // namespace pcl_slim

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/scalar_type.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <sstream>
+#include <type_traits>
+
+namespace pcl_slim {
+
+namespace {
+
+template <typename T>
+double
+readAs(const std::uint8_t* at)
+{
+  T value;
+  std::memcpy(&value, at, sizeof(value));
+  return static_cast<double>(value);
+}
+
+template <typename T>
+bool
+parseAs(const char* begin, const char* end, std::uint8_t* at)
+{
+  if (begin != end && *begin == '+') ++begin;
+  T value{};
+  auto [stop, code] = std::from_chars(begin, end, value);
+  if constexpr (std::is_floating_point_v<T>) {
+    // Values beyond the type's range are written by some programs; they become infinite or zero.
+    if (code == std::errc::result_out_of_range) {
+      double wide = 0.0;
+      if (std::from_chars(begin, end, wide).ec == std::errc()) value = static_cast<T>(wide);
+      code = std::errc();
+    }
+  } else if (code == std::errc() && stop != end) {  // an integer written as 1.0 or 1e3
+    double wide = 0.0;
+    const auto again = std::from_chars(begin, end, wide);
+    stop = again.ptr;
+    if (!(wide >= static_cast<double>(std::numeric_limits<T>::min()) &&
+          wide <= static_cast<double>(std::numeric_limits<T>::max()))) {
+      return false;
+    }
+    value = static_cast<T>(wide);
+  }
+  std::memcpy(at, &value, sizeof(value));
+  return code == std::errc() && stop == end;
+}
+
+bool
+isSpace(char c)
+{
+  return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\v' || c == '\f';
+}
+
+}  // namespace
+
+std::size_t
+scalarSize(std::uint8_t type)
+{
+  switch (type) {
+    case kInt8:
+    case kUInt8:
+    case kBool: return 1;
+    case kInt16:
+    case kUInt16: return 2;
+    case kInt32:
+    case kUInt32:
+    case kFloat32: return 4;
+    case kFloat64:
+    case kInt64:
+    case kUInt64: return 8;
+    default: return 0;
+  }
+}
+
+double
+readScalar(const std::uint8_t* at, std::uint8_t type)
+{
+  switch (type) {
+    case kInt8: return readAs<std::int8_t>(at);
+    case kUInt8:
+    case kBool: return readAs<std::uint8_t>(at);
+    case kInt16: return readAs<std::int16_t>(at);
+    case kUInt16: return readAs<std::uint16_t>(at);
+    case kInt32: return readAs<std::int32_t>(at);
+    case kUInt32: return readAs<std::uint32_t>(at);
+    case kFloat32: return readAs<float>(at);
+    case kFloat64: return readAs<double>(at);
+    case kInt64: return readAs<std::int64_t>(at);
+    case kUInt64: return readAs<std::uint64_t>(at);
+    default: return std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+bool
+parseScalar(const char* begin, const char* end, std::uint8_t type, std::uint8_t* at)
+{
+  switch (type) {
+    case kInt8: return parseAs<std::int8_t>(begin, end, at);
+    case kUInt8:
+    case kBool: return parseAs<std::uint8_t>(begin, end, at);
+    case kInt16: return parseAs<std::int16_t>(begin, end, at);
+    case kUInt16: return parseAs<std::uint16_t>(begin, end, at);
+    case kInt32: return parseAs<std::int32_t>(begin, end, at);
+    case kUInt32: return parseAs<std::uint32_t>(begin, end, at);
+    case kFloat32: return parseAs<float>(begin, end, at);
+    case kFloat64: return parseAs<double>(begin, end, at);
+    case kInt64: return parseAs<std::int64_t>(begin, end, at);
+    case kUInt64: return parseAs<std::uint64_t>(begin, end, at);
+    default: return false;
+  }
+}
+
+void
+swapBytes(std::uint8_t* at, std::size_t size)
+{
+  std::reverse(at, at + size);
+}
+
+bool
+TextScanner::nextLine(std::string& line)
+{
+  if (at_ == end_) return false;
+  const char* stop =
+      static_cast<const char*>(std::memchr(at_, '\n', static_cast<std::size_t>(end_ - at_)));
+  if (!stop) stop = end_;
+  const char* text_end = stop;
+  if (text_end != at_ && text_end[-1] == '\r') --text_end;
+  line.assign(at_, text_end);
+  at_ = stop == end_ ? end_ : stop + 1;
+  return true;
+}
+
+bool
+TextScanner::nextWord(const char*& begin, const char*& end)
+{
+  while (at_ != end_ && isSpace(*at_)) ++at_;
+  begin = at_;
+  while (at_ != end_ && !isSpace(*at_)) ++at_;
+  end = at_;
+  return begin != end;
+}
+
+std::vector<std::string>
+splitWords(const std::string& line)
+{
+  std::istringstream stream(line);
+  std::vector<std::string> words;
+  for (std::string word; stream >> word;) words.push_back(word);
+  return words;
+}
+
+}  // namespace pcl_slim

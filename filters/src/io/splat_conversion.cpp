@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/filters/io/splat_conversion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <string>
+#include <vector>
+
+namespace pcl_slim {
+
+namespace {
+
+constexpr double kShareOfRadius = 1e-3;
+constexpr double kFloatStep = 0x1p-23;  ///< distance of neighbouring floats over their size
+
+/** 17 digits give every double back; independent of the locale. */
+std::string
+format(double value)
+{
+  char text[40];
+  std::snprintf(text, sizeof(text), "%.17g", value);
+  for (char& c : text) {
+    if (c == ',') c = '.';
+  }
+  return text;
+}
+
+void
+addField(pcl::PCLPointCloud2& cloud, const std::string& name, std::uint8_t type)
+{
+  pcl::PCLPointField field;
+  field.name = name;
+  field.offset = cloud.point_step;
+  field.datatype = type;
+  field.count = 1;
+  cloud.fields.push_back(field);
+  cloud.point_step += 4;
+}
+
+}  // namespace
+
+std::array<double, 3>
+splatShift(const SplatSet& splats)
+{
+  if (splats.empty()) return {};
+  std::vector<float> radius = splats.radius;
+  const auto middle = radius.begin() + static_cast<std::ptrdiff_t>(radius.size() / 2);
+  std::nth_element(radius.begin(), middle, radius.end());
+  double farthest = 0;
+  const std::vector<float>* const columns[3] = {&splats.x, &splats.y, &splats.z};
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (const float value : *columns[a]) {
+      farthest = std::max(farthest, std::abs(splats.origin[a] + value));
+    }
+  }
+  if (farthest * kFloatStep <= kShareOfRadius * *middle || *middle == 0.0f) return {};
+  return splats.origin;
+}
+
+void
+toPCL(const SplatSet& splats, const std::array<double, 3>& shift,
+      pcl::PointCloud<pcl::PointSurfel>& cloud)
+{
+  cloud.resize(splats.size());
+  cloud.width = static_cast<std::uint32_t>(splats.size());
+  cloud.height = 1;
+  cloud.is_dense = true;
+  std::array<double, 3> offset;
+  for (std::size_t a = 0; a < 3; ++a) offset[a] = splats.origin[a] - shift[a];
+  for (std::size_t i = 0; i < splats.size(); ++i) {
+    pcl::PointSurfel& p = cloud[i];
+    p.x = static_cast<float>(offset[0] + splats.x[i]);
+    p.y = static_cast<float>(offset[1] + splats.y[i]);
+    p.z = static_cast<float>(offset[2] + splats.z[i]);
+    p.normal_x = splats.nx[i];
+    p.normal_y = splats.ny[i];
+    p.normal_z = splats.nz[i];
+    p.rgba = 0xff000000u | splats.rgb[i];
+    p.radius = splats.radius[i];
+    p.confidence = splats.confidence[i];
+    p.curvature = splats.curvature[i];
+  }
+}
+
+PointFile
+toPointFile(const SplatSet& splats, const std::array<double, 3>& shift)
+{
+  PointFile file;
+  pcl::PCLPointCloud2& cloud = file.cloud;
+  for (const char* name : {"x", "y", "z", "normal_x", "normal_y", "normal_z"}) {
+    addField(cloud, name, pcl::PCLPointField::FLOAT32);
+  }
+  addField(cloud, "rgba", pcl::PCLPointField::UINT32);
+  for (const char* name : {"radius", "confidence", "curvature"}) {
+    addField(cloud, name, pcl::PCLPointField::FLOAT32);
+  }
+  if (!splats.gradient.empty()) {
+    for (const char* channel : {"red", "green", "blue"}) {
+      for (const char* axis : {"_x", "_y", "_z"}) {
+        addField(cloud, std::string(channel) + axis, pcl::PCLPointField::FLOAT32);
+      }
+    }
+  }
+  cloud.width = static_cast<std::uint32_t>(splats.size());
+  cloud.height = 1;
+  cloud.is_dense = 1;
+  cloud.row_step = cloud.point_step * cloud.width;
+  cloud.data.resize(std::size_t{cloud.point_step} * splats.size());
+  pcl::PointCloud<pcl::PointSurfel> surfels;
+  toPCL(splats, shift, surfels);
+  for (std::size_t i = 0; i < splats.size(); ++i) {
+    const pcl::PointSurfel& p = surfels[i];
+    const float before[6] = {p.x, p.y, p.z, p.normal_x, p.normal_y, p.normal_z};
+    const float after[3] = {p.radius, p.confidence, p.curvature};
+    unsigned char* at = cloud.data.data() + i * cloud.point_step;
+    std::memcpy(at, before, sizeof(before));
+    std::memcpy(at + 24, &p.rgba, 4);
+    std::memcpy(at + 28, after, sizeof(after));
+    if (!splats.gradient.empty()) std::memcpy(at + 40, splats.gradient[i].data(), 36);
+  }
+  file.comments = {
+      "pcl_slim version 1", "pcl_slim kind splats",
+      "pcl_slim shift " + format(shift[0]) + " " + format(shift[1]) + " " + format(shift[2])};
+  return file;
+}
+
+}  // namespace pcl_slim

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/filters/io/surface_conversion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "io/scalar_type.h"
+#include "pcl_slim/filters/io/point_file.h"
+
+namespace pcl_slim {
+
+namespace {
+
+constexpr int kFieldsBeforeCoefficients = 7;
+constexpr int kFieldsAfterCoefficients = 5;
+const char* const kFieldsBefore[kFieldsBeforeCoefficients] = {
+    "x", "y", "z", "normal_x", "normal_y", "normal_z", "radius"};
+const char* const kFieldsAfter[kFieldsAfterCoefficients] = {"degree", "level", "leaf", "error",
+                                                            "confidence"};
+
+double
+toLocal(float value, int axis, const SurfaceMetadata& metadata)
+{
+  const auto a = static_cast<std::size_t>(axis);
+  return (value + (metadata.shift[a] - metadata.info.origin[a])) / metadata.info.scale;
+}
+
+/** Whether every centre survives the way into float world coordinates and back. */
+bool
+exactInWorld(const SLIMSurface& surface, const SurfaceMetadata& metadata)
+{
+  const std::vector<float>* const columns[3] = {&surface.cx, &surface.cy, &surface.cz};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double origin = surface.info.origin[static_cast<std::size_t>(axis)];
+    for (const float local : *columns[axis]) {
+      const auto world = static_cast<float>(origin + surface.info.scale * local);
+      if (static_cast<float>(toLocal(world, axis, metadata)) != local) return false;
+    }
+  }
+  return true;
+}
+
+SurfaceMetadata
+makeMetadata(const SLIMSurface& surface)
+{
+  SurfaceMetadata metadata{surface.info, {}};
+  if (!exactInWorld(surface, metadata)) metadata.shift = surface.info.origin;
+  return metadata;
+}
+
+PointSLIM
+toPoint(const SLIMSurface& surface, std::size_t i, const SurfaceMetadata& metadata)
+{
+  const SurfaceInfo& info = surface.info;
+  const auto place = [&](float local, std::size_t axis) {
+    return static_cast<float>((info.origin[axis] - metadata.shift[axis]) + info.scale * local);
+  };
+  PointSLIM p;
+  p.x = place(surface.cx[i], 0);
+  p.y = place(surface.cy[i], 1);
+  p.z = place(surface.cz[i], 2);
+  p.normal_x = surface.nx[i];
+  p.normal_y = surface.ny[i];
+  p.normal_z = surface.nz[i];
+  p.radius = static_cast<float>(info.scale * surface.radius[i]);
+  std::copy_n(surface.coefficientsOf(i), surface.stride(), p.c);
+  p.degree = surface.degree[i];
+  p.level = surface.level[i];
+  p.leaf = surface.flags[i];
+  p.error = static_cast<float>(info.scale * surface.error[i]);
+  p.confidence = surface.confidence[i];
+  return p;
+}
+
+/** Writes one point into the surface. false: a small whole number is none. */
+bool
+fromPoint(const PointSLIM& p, const SurfaceMetadata& metadata, std::size_t i, SLIMSurface& surface)
+{
+  const auto isByte = [](float v) { return v >= 0.0f && v <= 255.0f && v == std::floor(v); };
+  if (!isByte(p.degree) || !isByte(p.level) || !isByte(p.leaf)) return false;
+  const double scale = metadata.info.scale;
+  surface.cx[i] = static_cast<float>(toLocal(p.x, 0, metadata));
+  surface.cy[i] = static_cast<float>(toLocal(p.y, 1, metadata));
+  surface.cz[i] = static_cast<float>(toLocal(p.z, 2, metadata));
+  surface.nx[i] = p.normal_x;
+  surface.ny[i] = p.normal_y;
+  surface.nz[i] = p.normal_z;
+  surface.radius[i] = static_cast<float>(p.radius / scale);
+  const auto stride = static_cast<std::size_t>(surface.stride());
+  std::copy_n(p.c, stride, surface.coefficients.begin() + static_cast<std::ptrdiff_t>(i * stride));
+  surface.degree[i] = static_cast<std::uint8_t>(p.degree);
+  surface.level[i] = static_cast<std::uint8_t>(p.level);
+  surface.flags[i] = static_cast<std::uint8_t>(p.leaf);
+  surface.error[i] = static_cast<float>(p.error / scale);
+  surface.confidence[i] = p.confidence;
+  return true;
+}
+
+/** Units for surfels whose file lost its metadata: a power of two near the object's diagonal, an
+ * origin on that scale's grid near its middle. */
+SurfaceMetadata
+deriveMetadata(const pcl::PointCloud<PointSLIM>& cloud)
+{
+  SurfaceMetadata metadata;
+  metadata.info.degree = 1;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::array<double, 3> low{kInfinity, kInfinity, kInfinity},
+      high{-kInfinity, -kInfinity, -kInfinity};
+  for (const PointSLIM& p : cloud) {
+    if (p.degree >= 1.0f && p.degree <= kMaxDegree) {
+      metadata.info.degree = std::max(metadata.info.degree, static_cast<int>(p.degree));
+    }
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (!std::isfinite(p.data[a]) || !std::isfinite(p.radius)) continue;
+      low[a] = std::min(low[a], static_cast<double>(p.data[a]) - p.radius);
+      high[a] = std::max(high[a], static_cast<double>(p.data[a]) + p.radius);
+    }
+  }
+  const double diagonal = std::hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
+  if (!std::isfinite(diagonal) || !(diagonal > 0.0)) return metadata;
+  metadata.info.scale = std::exp2(std::ceil(std::log2(diagonal)));
+  metadata.info.diagonal = diagonal / metadata.info.scale;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double middle = 0.5 * (low[a] + high[a]);
+    metadata.info.origin[a] = std::round(middle / metadata.info.scale) * metadata.info.scale;
+  }
+  return metadata;
+}
+
+/** The columns of a cloud by name; -1 where absent. */
+struct Columns {
+  int before[kFieldsBeforeCoefficients];
+  int coefficients[kMaxCoefficients];
+  int after[kFieldsAfterCoefficients];
+  int degree = 0;  ///< highest degree whose coefficients are all there
+};
+
+Error
+findColumns(const pcl::PCLPointCloud2& cloud, Columns& columns)
+{
+  for (int k = 0; k < kFieldsBeforeCoefficients; ++k) {
+    columns.before[k] = findField(cloud, kFieldsBefore[k]);
+    if (columns.before[k] < 0) {
+      return {ErrorCode::kBadInput, "these points are not SLIM surfels: the field '" +
+                                        std::string(kFieldsBefore[k]) +
+                                        "' is missing; name a file made by a SLIM fit"};
+    }
+  }
+  int count = 0;
+  for (int k = 0; k < kMaxCoefficients; ++k) {
+    columns.coefficients[k] = findField(cloud, "c" + std::to_string(k));
+    if (columns.coefficients[k] >= 0 && count == k) ++count;
+  }
+  for (int degree = 1; degree <= kMaxDegree; ++degree) {
+    if (count >= numCoefficients(degree)) columns.degree = degree;
+  }
+  for (int k = 0; k < kFieldsAfterCoefficients; ++k) {
+    columns.after[k] = findField(cloud, kFieldsAfter[k]);
+  }
+  if (columns.degree > 0) return {};
+  return {ErrorCode::kBadInput,
+          "these points are not SLIM surfels: a field of 'c0', 'c1', 'c2' is missing; name a file "
+          "made by a SLIM fit"};
+}
+
+pcl::PointCloud<PointSLIM>
+gatherPoints(const pcl::PCLPointCloud2& cloud, const Columns& columns)
+{
+  pcl::PointCloud<PointSLIM> points;
+  points.resize(numPoints(cloud));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const auto read = [&](int column, float& value) {
+      if (column < 0) return;
+      value =
+          static_cast<float>(fieldValue(cloud, i, cloud.fields[static_cast<std::size_t>(column)]));
+    };
+    PointSLIM& p = points[i];
+    p.degree = static_cast<float>(columns.degree);
+    float* const before[] = {&p.x, &p.y, &p.z, &p.normal_x, &p.normal_y, &p.normal_z, &p.radius};
+    float* const after[] = {&p.degree, &p.level, &p.leaf, &p.error, &p.confidence};
+    for (int k = 0; k < kFieldsBeforeCoefficients; ++k) read(columns.before[k], *before[k]);
+    for (int k = 0; k < numCoefficients(columns.degree); ++k) read(columns.coefficients[k], p.c[k]);
+    for (int k = 0; k < kFieldsAfterCoefficients; ++k) read(columns.after[k], *after[k]);
+  }
+  return points;
+}
+
+void
+addFloatField(pcl::PCLPointCloud2& cloud, const std::string& name)
+{
+  pcl::PCLPointField field;
+  field.name = name;
+  field.offset = cloud.point_step;
+  field.datatype = kFloat32;
+  field.count = 1;
+  cloud.fields.push_back(field);
+  cloud.point_step += static_cast<pcl::uindex_t>(sizeof(float));
+}
+
+}  // namespace
+
+SurfaceMetadata
+toPCL(const SLIMSurface& surface, pcl::PointCloud<PointSLIM>& cloud)
+{
+  const SurfaceMetadata metadata = makeMetadata(surface);
+  cloud = pcl::PointCloud<PointSLIM>();
+  cloud.resize(surface.size());
+  for (std::size_t i = 0; i < surface.size(); ++i) cloud[i] = toPoint(surface, i, metadata);
+  cloud.is_dense = true;
+  return metadata;
+}
+
+SurfaceMetadata
+toPCL(const SLIMSurface& surface, pcl::PCLPointCloud2& cloud)
+{
+  const SurfaceMetadata metadata = makeMetadata(surface);
+  const auto stride = static_cast<std::size_t>(surface.stride());
+  cloud = pcl::PCLPointCloud2();
+  for (const char* name : kFieldsBefore) addFloatField(cloud, name);
+  for (std::size_t k = 0; k < stride; ++k) addFloatField(cloud, "c" + std::to_string(k));
+  for (const char* name : kFieldsAfter) addFloatField(cloud, name);
+  cloud.height = 1;
+  cloud.width = static_cast<pcl::uindex_t>(surface.size());
+  cloud.row_step = cloud.point_step * cloud.width;
+  cloud.is_dense = 1;
+  cloud.data.resize(static_cast<std::size_t>(cloud.point_step) * surface.size());
+  auto* at = cloud.data.data();
+  const auto put = [&at](const float* values, std::size_t count) {
+    const auto* bytes = reinterpret_cast<const std::uint8_t*>(values);
+    at = std::copy(bytes, bytes + count * sizeof(float), at);
+  };
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    const PointSLIM p = toPoint(surface, i, metadata);
+    put(p.data, 3);
+    put(p.data_n, 3);
+    put(&p.radius, 1);
+    put(p.c, stride);
+    for (const float value : {p.degree, p.level, p.leaf, p.error, p.confidence}) put(&value, 1);
+  }
+  return metadata;
+}
+
+Result<SLIMSurface>
+fromPCL(const pcl::PointCloud<PointSLIM>& cloud, const SurfaceMetadata* metadata)
+{
+  const SurfaceMetadata units = metadata ? *metadata : deriveMetadata(cloud);
+  SLIMSurface surface;
+  surface.info = units.info;
+  if (surface.info.degree < 1 || surface.info.degree > kMaxDegree || !(surface.info.scale > 0.0)) {
+    return Error{ErrorCode::kBadInput, "the metadata name no degree 1..4 or no positive scale"};
+  }
+  surface.resize(cloud.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!fromPoint(cloud[i], units, i, surface)) {
+      return Error{ErrorCode::kBadInput, "degree, level or leaf of surfel " + std::to_string(i) +
+                                             " is not a whole number from 0 to 255"};
+    }
+  }
+  if (Error error = surface.validate()) return error;
+  surface.buildLinks();
+  return surface;
+}
+
+Result<SLIMSurface>
+fromPCL(const pcl::PCLPointCloud2& cloud, const SurfaceMetadata* metadata)
+{
+  Columns columns;
+  if (Error error = findColumns(cloud, columns)) return error;
+  if (metadata && metadata->info.degree > columns.degree) {
+    return Error{ErrorCode::kBadInput,
+                 "coefficient fields are missing: degree " + std::to_string(metadata->info.degree) +
+                     " is announced, fields reach degree " + std::to_string(columns.degree)};
+  }
+  return fromPCL(gatherPoints(cloud, columns), metadata);
+}
+
+}  // namespace pcl_slim

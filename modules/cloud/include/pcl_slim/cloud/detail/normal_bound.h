@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "pcl_slim/cloud/point_store.h"
+
+namespace pcl_slim::detail {
+
+/** \brief The cosine up to which two normals of a store count as those of different sheets.
+ *
+ * Exact normals part sheets, and faces of an edge, at right angles: 0. Three deviations of the
+ * normals' own errors go below it, so that a ball that bends keeps the points whose normals happen
+ * to be worst; never below -0.6. Errors are the median angle between normals and the mean over
+ * their block, so edges and curvature of most of the surface matter little. O(1000 blocks).
+ */
+float
+normalGate(const PointStore& store);
+
+}  // namespace pcl_slim::detail

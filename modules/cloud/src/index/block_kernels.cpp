@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/cloud/detail/block_kernels.h"
+
+#include "pcl_slim/cloud/morton.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "index/block_kernels.cpp"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Tag = hn::CappedTag<float, 16>;
+using Vec = hn::Vec<Tag>;
+
+template <typename Mask>
+std::uint32_t
+maskBits(Tag d, Mask mask)
+{
+  std::uint8_t bits[8] = {};
+  hn::StoreMaskBits(d, mask, bits);
+  return static_cast<std::uint32_t>(bits[0]) | static_cast<std::uint32_t>(bits[1]) << 8;
+}
+
+/** Which lanes' boxes meet one ball. */
+class BallTest {
+ public:
+  BallTest(const float center[3], float radius) : radius_sq_(hn::Set(Tag(), radius * radius))
+  {
+    for (int a = 0; a < 3; ++a) center_[a] = hn::Set(Tag(), center[a]);
+  }
+
+  HWY_INLINE hn::Mask<Tag> operator()(const BlockTree::Level& boxes, std::size_t j) const
+  {
+    const Tag d;
+    const auto outside = [&](const float* low, const float* high, Vec c) HWY_ATTR {
+      return hn::Max(hn::Zero(d),
+                     hn::Max(hn::Sub(hn::Load(d, low + j), c), hn::Sub(c, hn::Load(d, high + j))));
+    };
+    const Vec ex = outside(boxes.min_x.data(), boxes.max_x.data(), center_[0]);
+    const Vec ey = outside(boxes.min_y.data(), boxes.max_y.data(), center_[1]);
+    const Vec ez = outside(boxes.min_z.data(), boxes.max_z.data(), center_[2]);
+    return hn::Le(hn::MulAdd(ex, ex, hn::MulAdd(ey, ey, hn::Mul(ez, ez))), radius_sq_);
+  }
+
+ private:
+  Vec center_[3], radius_sq_;
+};
+
+std::uint32_t
+boxesInBall(const BlockTree::Level& boxes, std::size_t first, const float center[3], float radius)
+{
+  const Tag d;
+  const BallTest meets(center, radius);
+  std::uint32_t hits = 0;
+  for (std::size_t i = 0; i < BlockTree::kFan; i += hn::Lanes(d)) {
+    hits |= maskBits(d, meets(boxes, first + i)) << i;
+  }
+  return hits;
+}
+
+std::size_t
+groupedBoxesInBall(const BlockTree::Level& groups, const std::uint32_t* ids,
+                   const BlockTree::Level& boxes, const float center[3], float radius,
+                   std::uint32_t* found)
+{
+  const Tag d;
+  const hn::RebindToUnsigned<Tag> du;
+  const BallTest meets(center, radius);
+  std::size_t count = 0;
+  for (std::size_t g = 0; g < groups.count; g += hn::Lanes(d)) {
+    for (std::uint32_t hits = maskBits(d, meets(groups, g)); hits != 0; hits &= hits - 1) {
+      const std::uint32_t id = ids[g + static_cast<std::size_t>(__builtin_ctz(hits))];
+      const std::size_t first = id * BlockTree::kFan;
+      for (std::size_t i = first; i < first + BlockTree::kFan; i += hn::Lanes(d)) {
+        const auto mask = hn::RebindMask(du, meets(boxes, i));
+        const auto box = hn::Iota(du, static_cast<std::uint32_t>(i));
+        hn::StoreU(hn::Compress(box, mask), du, found + count);
+        count += hn::CountTrue(du, mask);
+      }
+    }
+  }
+  return count;
+}
+
+std::uint32_t
+boxesInBox(const BlockTree::Level& boxes, std::size_t first, const float min[3], const float max[3])
+{
+  const Tag d;
+  const std::size_t lanes = hn::Lanes(d);
+  std::uint32_t hits = 0;
+  for (std::size_t i = 0; i < BlockTree::kFan; i += lanes) {
+    const std::size_t j = first + i;
+    const auto meets = [&](const float* low, const float* high, int axis) {
+      return hn::And(hn::Le(hn::Load(d, low + j), hn::Set(d, max[axis])),
+                     hn::Ge(hn::Load(d, high + j), hn::Set(d, min[axis])));
+    };
+    const auto all = hn::And(meets(boxes.min_x.data(), boxes.max_x.data(), 0),
+                             hn::And(meets(boxes.min_y.data(), boxes.max_y.data(), 1),
+                                     meets(boxes.min_z.data(), boxes.max_z.data(), 2)));
+    hits |= maskBits(d, all) << i;
+  }
+  return hits;
+}
+
+std::size_t
+pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num_blocks,
+           const double center[3], float limit_sq, float* distances_sq, std::uint32_t* points)
+{
+  const Tag d;
+  const hn::RebindToUnsigned<Tag> du;
+  const auto limit = hn::Set(d, limit_sq);
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < num_blocks; ++k) {
+    const std::size_t b = blocks[k];
+    const auto sx = hn::Set(d, static_cast<float>(store.blockOriginX()[b] - center[0]));
+    const auto sy = hn::Set(d, static_cast<float>(store.blockOriginY()[b] - center[1]));
+    const auto sz = hn::Set(d, static_cast<float>(store.blockOriginZ()[b] - center[2]));
+    const std::size_t end = (b + 1) * PointStore::kBlock;
+    for (std::size_t i = b * PointStore::kBlock; i < end; i += hn::Lanes(d)) {
+      const auto dx = hn::Add(hn::Load(d, store.x() + i), sx);
+      const auto dy = hn::Add(hn::Load(d, store.y() + i), sy);
+      const auto dz = hn::Add(hn::Load(d, store.z() + i), sz);
+      const auto distance_sq = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
+      const auto near = hn::Le(distance_sq, limit);
+      if (hn::AllFalse(d, near)) continue;
+      const auto index = hn::Iota(du, static_cast<std::uint32_t>(i));
+      hn::StoreU(hn::Compress(distance_sq, near), d, distances_sq + count);
+      hn::StoreU(hn::Compress(index, hn::RebindMask(du, near)), du, points + count);
+      count += hn::CountTrue(d, near);
+    }
+  }
+  return count;
+}
+
+/** As mortonCell() has it, in the low bits of each lane. */
+template <class D, class V>
+HWY_INLINE hn::Vec<hn::RebindToUnsigned<D>>
+mortonCells(D d, V local)
+{
+  const hn::RebindToUnsigned<D> du;
+  const V cells = hn::Set(d, static_cast<double>(1 << kMortonBits));
+  const V cell = hn::Mul(hn::Add(local, hn::Set(d, 0.5)), cells);
+  const V last = hn::Sub(cells, hn::Set(d, 1.0));
+  const V whole = hn::Floor(hn::Min(hn::Max(cell, hn::Zero(d)), last));
+  // Beyond 2^52 a double's low bits count ones.
+  return hn::And(hn::BitCast(du, hn::Add(whole, hn::Set(d, 0x1p52))),
+                 hn::Set(du, (std::uint64_t{1} << kMortonBits) - 1));
+}
+
+/** As the scalar spreadBits() has it. */
+template <class DU, class V>
+HWY_INLINE V
+spreadLanes(DU du, V v)
+{
+  v = hn::And(hn::Or(v, hn::ShiftLeft<32>(v)), hn::Set(du, 0x1f00000000ffffULL));
+  v = hn::And(hn::Or(v, hn::ShiftLeft<16>(v)), hn::Set(du, 0x1f0000ff0000ffULL));
+  v = hn::And(hn::Or(v, hn::ShiftLeft<8>(v)), hn::Set(du, 0x100f00f00f00f00fULL));
+  v = hn::And(hn::Or(v, hn::ShiftLeft<4>(v)), hn::Set(du, 0x10c30c30c30c30c3ULL));
+  return hn::And(hn::Or(v, hn::ShiftLeft<2>(v)), hn::Set(du, 0x1249249249249249ULL));
+}
+
+void
+mortonCodes(const double (&positions)[3][kMortonBatch], const double origin[3],
+            double inverse_scale, std::uint64_t* codes)
+{
+  const hn::CappedTag<double, 8> d;
+  const hn::RebindToUnsigned<decltype(d)> du;
+  const auto scale = hn::Set(d, inverse_scale);
+  for (std::size_t i = 0; i < kMortonBatch; i += hn::Lanes(d)) {
+    const auto spread = [&](int axis) HWY_ATTR {
+      const auto offset = hn::Sub(hn::Load(d, positions[axis] + i), hn::Set(d, origin[axis]));
+      return spreadLanes(du, mortonCells(d, hn::Mul(offset, scale)));
+    };
+    const auto code =
+        hn::Or(hn::Or(hn::ShiftLeft<2>(spread(0)), hn::ShiftLeft<1>(spread(1))), spread(2));
+    hn::Store(code, du, codes + i);
+  }
+}
+
+const char*
+instructionSet()
+{
+  return hwy::TargetName(HWY_TARGET);
+}
+
+}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pcl_slim::detail::kernels {
+
+HWY_EXPORT(boxesInBall);
+HWY_EXPORT(groupedBoxesInBall);
+HWY_EXPORT(boxesInBox);
+HWY_EXPORT(pointsUpTo);
+HWY_EXPORT(mortonCodes);
+HWY_EXPORT(instructionSet);
+
+std::uint32_t
+boxesInBall(const BlockTree::Level& boxes, std::size_t first, const float center[3], float radius)
+{
+  return HWY_DYNAMIC_DISPATCH(boxesInBall)(boxes, first, center, radius);
+}
+
+std::size_t
+groupedBoxesInBall(const BlockTree::Level& groups, const std::uint32_t* ids,
+                   const BlockTree::Level& boxes, const float center[3], float radius,
+                   std::uint32_t* found)
+{
+  return HWY_DYNAMIC_DISPATCH(groupedBoxesInBall)(groups, ids, boxes, center, radius, found);
+}
+
+std::uint32_t
+boxesInBox(const BlockTree::Level& boxes, std::size_t first, const float min[3], const float max[3])
+{
+  return HWY_DYNAMIC_DISPATCH(boxesInBox)(boxes, first, min, max);
+}
+
+std::size_t
+pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num_blocks,
+           const double center[3], float limit_sq, float* distances_sq, std::uint32_t* points)
+{
+  return HWY_DYNAMIC_DISPATCH(pointsUpTo)(store, blocks, num_blocks, center, limit_sq, distances_sq,
+                                          points);
+}
+
+void
+mortonCodes(const double (&positions)[3][kMortonBatch], const double origin[3],
+            double inverse_scale, std::uint64_t* codes)
+{
+  HWY_DYNAMIC_DISPATCH(mortonCodes)(positions, origin, inverse_scale, codes);
+}
+
+const char*
+instructionSet()
+{
+  return HWY_DYNAMIC_DISPATCH(instructionSet)();
+}
+
+}  // namespace pcl_slim::detail::kernels
+#endif

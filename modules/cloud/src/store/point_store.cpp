@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/cloud/point_store.h"
+
+#include <chrono>
+
+#include "pcl_slim/core/parallel.h"
+#include "store/point_store_builder.h"
+
+namespace pcl_slim {
+
+using namespace detail;
+
+Result<PointStore>
+PointStore::build(const CloudView& cloud, int threads)
+{
+  const auto start = std::chrono::steady_clock::now();
+  PointStoreBuilder builder(cloud, resolveThreads(threads));
+  if (Error error = builder.measure()) return error;
+  builder.sortPoints();
+  builder.mergeDuplicates();
+  builder.fillBlocks();
+  PointStore store = builder.take();
+  store.statistics_.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return store;
+}
+
+std::vector<std::uint32_t>
+PointStore::storeOfInput() const
+{
+  std::vector<std::uint32_t> map(statistics_.input_points, kSkipped);
+  for (std::size_t i = 0; i < size_; ++i) map[order_of_store_[i]] = static_cast<std::uint32_t>(i);
+  for (const auto& [order, stored] : merged_) map[order] = stored;
+  return map;
+}
+
+std::size_t
+PointStore::memoryBytes() const
+{
+  const std::size_t floats = x_.size() + y_.size() + z_.size() + nx_.size() + ny_.size() +
+                             nz_.size() + 3 * block_origin_x_.size();
+  return floats * sizeof(float) + order_of_store_.size() * sizeof(std::uint32_t) +
+         keys_.size() * sizeof(std::uint64_t) + merged_.size() * sizeof(merged_[0]) +
+         tree_.memoryBytes();
+}
+
+}  // namespace pcl_slim

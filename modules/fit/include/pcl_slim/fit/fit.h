@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/core/progress.h"
+#include "pcl_slim/surface/surface.h"
+
+namespace pcl_slim {
+
+/** \brief Parameters of a SLIM fit. The defaults need no tuning; lengths marked [L] are shares of
+ * the bounding-box diagonal. */
+struct FitParams {
+  int degree = 0;             ///< polynomial degree, 1..4; 0: 4, or 2 with sharp features
+  double penalty = 0.0;       ///< kappa > 0: E = e^2 n/(n-P) + kappa lambda P / n (Mallows' Cp);
+                              ///< 0: 3, or 1 with sharp features
+  double t_mdl = 0.0;         ///< > 0: the paper's penalty lambda (T L / r)^2 instead (eq. 3)
+  double target_error = 0.0;  ///< > 0 [L]: solve for the penalty that gives this RMS residual
+  std::uint64_t max_surfels = 0;  ///< > 0: solve for the penalty that gives at most so many leaves
+  double lambda = 0.0;            ///< > 0 [L^2]: noise variance to use instead of estimating it
+  double cover_radius = 0.0;     ///< alpha in (0, 1], 1 is the compact setting; 0: 2/3, and .55 for
+                                 ///< leaves that many points stand behind
+  double cover_threshold = 0.1;  ///< gamma > 0
+  bool sharp_features =
+      false;            ///< keep sharp edges: only points with n . n_c > 1/2 (needs normals)
+  bool robust = false;  ///< reweight residuals against outliers (two more passes a leaf)
+  bool local_noise =
+      false;  ///< lambda varies over the cloud: smooths loud parts, spares quiet ones
+  bool normals_as_data = false;  ///< fit positions and normals together, by their errors; needs
+                                 ///< normals that were measured apart from the points
+  double normal_error = 0.0;   ///< with it: the normals' RMS error, (0, pi/2] radians; 0: measured,
+                               ///< and normals that follow the points' own noise are no data
+  bool paper_mode = false;     ///< the choices of Ohtake et al. 2005 throughout
+  bool orient = true;          ///< without normals: sign the output by the leaves' graph
+  bool has_viewpoint = false;  ///< sign the output towards viewpoint instead
+  double viewpoint[3] = {0, 0, 0};  ///< world coordinates
+  std::uint64_t seed = 1;           ///< of the order in which centres are tried
+  int threads = 0;                  ///< 0: all cores; never changes the result
+
+  /** \brief The same with degree and penalty settled: faces between sharp edges are small, which
+   * low degrees and narrow balls follow better (docs/theory.md). */
+  FitParams resolved() const;
+  /** \brief Names the first parameter out of range. */
+  Error validate() const;
+};
+
+/** \brief What a fit did, what it skipped and how long its stages took. */
+struct FitStatistics {
+  std::uint64_t points = 0;  ///< stored points (finite, distinct)
+  std::uint64_t leaves = 0, internals = 0;
+  std::uint64_t forced = 0;           ///< leaves that ended by minimum support
+  std::uint64_t reduced_degree = 0;   ///< surfels whose degree fell below the one asked for
+  std::uint64_t uncovered = 0;        ///< points whose sum of cover weights stays below gamma
+  std::uint64_t unsupported = 0;      ///< of those, points inside no leaf's support at all
+  std::uint64_t skipped_normals = 0;  ///< centres passed over because their normal stands alone
+  std::uint64_t split_sheets = 0;     ///< balls in which two sheets were parted
+  std::uint64_t fits = 0;             ///< least-squares systems solved
+  std::uint64_t gathered = 0;         ///< points gathered into balls, all balls together
+  std::uint64_t never_gathered = 0;   ///< centres never tried: points covered by another's leaf
+  int first_level = 1, levels_skipped = 0, last_level = 0;
+  double lambda = 0;              ///< noise variance [L^2]
+  double penalty = 0, t_mdl = 0;  ///< as used (solved for, where asked)
+  double normal_error = 0;        ///< of normals used as data [rad]; 0: they were not
+  /// normals were to be data, but repeat the points' noise, or too few points tell
+  bool normals_follow_points = false;
+  double rms_error = 0;  ///< RMS residual of covered points against their leaves [L]
+  double seconds_noise = 0, seconds_cover = 0, seconds_links = 0, seconds_orient = 0;
+  int threads = 1;
+  std::uint64_t working_bytes = 0;  ///< memory of the fit beside the store and the surface
+  std::vector<std::uint64_t> leaves_per_level;  ///< index k
+};
+
+/** \brief Fits a SLIM surface to a cloud in Morton order (Ohtake, Belyaev, Alexa 2005, section 2).
+ *
+ * Levels k = k0, k0+1, ...: ball centres are chosen among the points not yet covered; each ball
+ * seeks the radius in [gamma^2, 1] r_r that minimises E(r); balls with a minimum become leaves and
+ * cover points, the others internal nodes, until every point is covered or reported. Same bytes
+ * for any number of threads.
+ *
+ * \return an error for bad parameters, no points, or cancellation; surface is then empty.
+ */
+Error
+fitSurface(const PointStore& store, const FitParams& params, SLIMSurface& surface,
+           FitStatistics* statistics = nullptr, Progress* progress = nullptr);
+
+}  // namespace pcl_slim

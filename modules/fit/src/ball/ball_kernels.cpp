@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The points of one ball once they are gathered: framed, thinned out, beside a fit.
+#include "ball/ball_kernels.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "ball/ball_kernels.cpp"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+
+#include "pcl_slim/surface/detail/kernel_math-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+void
+padBall(BallBuffer& ball)
+{
+  const Tag d;
+  const std::size_t end = ball.count + hn::Lanes(d);
+  for (std::size_t i = ball.count; i < end; ++i) {
+    ball.u[i] = ball.v[i] = ball.w[i] = 0.0f;
+    ball.s_sq[i] = 2.0f;
+    if (ball.slope_weight > 0) ball.n_u[i] = ball.n_v[i] = ball.n_w[i] = 0.0f;
+  }
+}
+
+/** Slopes h_u = -n_u / n_w of a surface with these normals, and their weights n_w^3: an error of the
+ * direction moves the slope s along itself by 1 + s^2 as much, across by its root, n_w^-3 on average of
+ * the squares. */
+void
+toSlopes(const LocalFrame& frame, BallBuffer& ball)
+{
+  constexpr float kLeastCosine = 0.01f;
+  const Tag d;
+  Vec axes[3][3];
+  for (int a = 0; a < 3; ++a) {
+    axes[0][a] = hn::Set(d, static_cast<float>(-frame.u[a]));
+    axes[1][a] = hn::Set(d, static_cast<float>(-frame.v[a]));
+    axes[2][a] = hn::Set(d, static_cast<float>(frame.w[a]));
+  }
+  for (std::size_t i = 0; i < ball.count; i += hn::Lanes(d)) {
+    const auto x = hn::Load(d, ball.n_u.data() + i);
+    const auto y = hn::Load(d, ball.n_v.data() + i);
+    const auto z = hn::Load(d, ball.n_w.data() + i);
+    const auto cosine =
+        hn::Max(dot3(x, y, z, axes[2][0], axes[2][1], axes[2][2]), hn::Set(d, kLeastCosine));
+    hn::Store(hn::Div(dot3(x, y, z, axes[0][0], axes[0][1], axes[0][2]), cosine), d,
+              ball.n_u.data() + i);
+    hn::Store(hn::Div(dot3(x, y, z, axes[1][0], axes[1][1], axes[1][2]), cosine), d,
+              ball.n_v.data() + i);
+    hn::Store(hn::Mul(cosine, hn::Mul(cosine, cosine)), d, ball.n_w.data() + i);
+  }
+}
+
+void
+toFrame(const LocalFrame& frame, float radius, BallBuffer& ball)
+{
+  const Tag d;
+  const double scale = 1.0 / radius;
+  Vec axes[3][3];
+  for (int a = 0; a < 3; ++a) {
+    axes[0][a] = hn::Set(d, static_cast<float>(frame.u[a] * scale));
+    axes[1][a] = hn::Set(d, static_cast<float>(frame.v[a] * scale));
+    axes[2][a] = hn::Set(d, static_cast<float>(frame.w[a] * scale));
+  }
+  const auto scale_sq = hn::Set(d, static_cast<float>(scale * scale));
+  for (std::size_t i = 0; i < ball.count; i += hn::Lanes(d)) {
+    const auto dx = hn::Load(d, ball.u.data() + i);
+    const auto dy = hn::Load(d, ball.v.data() + i);
+    const auto dz = hn::Load(d, ball.w.data() + i);
+    hn::Store(dot3(dx, dy, dz, axes[0][0], axes[0][1], axes[0][2]), d, ball.u.data() + i);
+    hn::Store(dot3(dx, dy, dz, axes[1][0], axes[1][1], axes[1][2]), d, ball.v.data() + i);
+    hn::Store(dot3(dx, dy, dz, axes[2][0], axes[2][1], axes[2][2]), d, ball.w.data() + i);
+    hn::Store(hn::Mul(hn::Load(d, ball.s_sq.data() + i), scale_sq), d, ball.s_sq.data() + i);
+  }
+  if (ball.slope_weight > 0) toSlopes(frame, ball);
+  padBall(ball);
+}
+
+template <typename Keep>
+HWY_INLINE void
+copyWhere(const BallBuffer& ball, const Keep& keep, BallBuffer& out)
+{
+  const Tag d;
+  out.reserve(ball.count);
+  out.slope_weight = ball.slope_weight;
+  if (out.slope_weight > 0) out.reserveNormals();
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < ball.count; i += hn::Lanes(d)) {
+    const auto s_sq = hn::Load(d, ball.s_sq.data() + i);
+    const auto mask = keep(i, s_sq);
+    append(hn::Load(d, ball.u.data() + i), mask, out.u.data() + count);
+    append(hn::Load(d, ball.v.data() + i), mask, out.v.data() + count);
+    append(hn::Load(d, ball.w.data() + i), mask, out.w.data() + count);
+    append(s_sq, mask, out.s_sq.data() + count);
+    if (out.slope_weight > 0) {
+      append(hn::Load(d, ball.n_u.data() + i), mask, out.n_u.data() + count);
+      append(hn::Load(d, ball.n_v.data() + i), mask, out.n_v.data() + count);
+      append(hn::Load(d, ball.n_w.data() + i), mask, out.n_w.data() + count);
+    }
+    count += hn::CountTrue(d, mask);
+  }
+  out.count = count;
+  out.prior.clear();
+  padBall(out);
+}
+
+void
+compactBall(const BallBuffer& ball, float limit_sq, BallBuffer& inner)
+{
+  const auto limit = hn::Set(Tag(), limit_sq);
+  copyWhere(
+      ball, [&](std::size_t, Vec s_sq) HWY_ATTR { return hn::Lt(s_sq, limit); }, inner);
+}
+
+void
+selectResiduals(const BallBuffer& ball, const float* residuals, float low, float high,
+                BallBuffer& kept)
+{
+  const Tag d;
+  const auto keep = [&](std::size_t i, Vec s_sq) HWY_ATTR {
+    const auto r = hn::LoadU(d, residuals + i);
+    return hn::And(hn::Lt(s_sq, hn::Set(d, 1.5f)),
+                   hn::And(hn::Ge(r, hn::Set(d, low)), hn::Le(r, hn::Set(d, high))));
+  };
+  copyWhere(ball, keep, kept);
+}
+
+float
+farthestWithin(const BallBuffer& ball, float limit_sq)
+{
+  const Tag d;
+  const auto limit = hn::Set(d, limit_sq);
+  auto farthest = hn::Zero(d);
+  for (std::size_t i = 0; i < ball.count; i += hn::Lanes(d)) {
+    const auto s_sq = hn::Load(d, ball.s_sq.data() + i);
+    farthest = hn::Max(farthest, hn::IfThenElseZero(hn::Lt(s_sq, limit), s_sq));
+  }
+  return hn::GetLane(hn::MaxOfLanes(d, farthest));
+}
+
+template <int D>
+void
+residualsOfDegree(const BallBuffer& ball, const double* c, float* residuals)
+{
+  const Tag d;
+  const Height<D> height(c);
+  for (std::size_t i = 0; i < ball.count; i += hn::Lanes(d)) {
+    const auto u = hn::Load(d, ball.u.data() + i), v = hn::Load(d, ball.v.data() + i);
+    hn::StoreU(hn::Sub(hn::Load(d, ball.w.data() + i), height(u, v)), d, residuals + i);
+  }
+}
+
+void
+ballResiduals(const BallBuffer& ball, const LocalFit& fit, float* residuals)
+{
+  switch (fit.degree) {
+    case 1: return residualsOfDegree<1>(ball, fit.c.data(), residuals);
+    case 2: return residualsOfDegree<2>(ball, fit.c.data(), residuals);
+    case 3: return residualsOfDegree<3>(ball, fit.c.data(), residuals);
+    default: return residualsOfDegree<4>(ball, fit.c.data(), residuals);
+  }
+}
+
+}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pcl_slim::detail::kernels {
+
+HWY_EXPORT(toFrame);
+HWY_EXPORT(compactBall);
+HWY_EXPORT(selectResiduals);
+HWY_EXPORT(farthestWithin);
+HWY_EXPORT(ballResiduals);
+
+void
+toFrame(const LocalFrame& frame, float radius, BallBuffer& ball)
+{
+  HWY_DYNAMIC_DISPATCH(toFrame)(frame, radius, ball);
+}
+
+void
+compactBall(const BallBuffer& ball, float limit_sq, BallBuffer& inner)
+{
+  HWY_DYNAMIC_DISPATCH(compactBall)(ball, limit_sq, inner);
+}
+
+void
+selectResiduals(const BallBuffer& ball, const float* residuals, float low, float high,
+                BallBuffer& kept)
+{
+  HWY_DYNAMIC_DISPATCH(selectResiduals)(ball, residuals, low, high, kept);
+}
+
+float
+farthestWithin(const BallBuffer& ball, float limit_sq)
+{
+  return HWY_DYNAMIC_DISPATCH(farthestWithin)(ball, limit_sq);
+}
+
+void
+ballResiduals(const BallBuffer& ball, const LocalFit& fit, float* residuals)
+{
+  HWY_DYNAMIC_DISPATCH(ballResiduals)(ball, fit, residuals);
+}
+
+}  // namespace pcl_slim::detail::kernels
+#endif

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/core/aligned.h"
+#include "pcl_slim/surface/polynomial.h"
+#include "pcl_slim/surface/weight_kernel.h"
+
+namespace pcl_slim::detail {
+
+/** \brief The points of one ball as columns, padded with weightless entries to whole vectors.
+ *
+ * After gathering: offsets from the centre in local units and their squared length; normals where they
+ * are data. After toFrame(): frame coordinates and squared distance in units of the gather radius; the
+ * slopes that the normals tell.
+ */
+struct BallBuffer {
+  AlignedVector<float> u, v, w, s_sq;
+  AlignedVector<float> n_u, n_v, n_w;  ///< normals; in the frame slopes n_u, n_v and weights n_w
+  AlignedVector<float> prior;          ///< robust weights; empty: all 1
+  double slope_weight = 0;  ///< of slopes beside heights, in the frame's units; 0: no slopes
+  std::size_t count = 0;
+
+  static constexpr std::size_t kPadding = 64;
+
+  void reserve(std::size_t capacity)
+  {
+    if (u.size() >= capacity + kPadding) return;
+    const std::size_t grown = capacity + capacity / 2 + kPadding;
+    for (auto* column : {&u, &v, &w, &s_sq}) column->resize(grown);
+  }
+
+  /** \brief Room for normals beside the points; call after reserve(). */
+  void reserveNormals()
+  {
+    for (auto* column : {&n_u, &n_v, &n_w}) column->resize(std::max(column->size(), u.size()));
+  }
+};
+
+/** \brief A ball of stored points: its place, and the normal gate that keeps other sheets out. */
+struct BallQuery {
+  std::array<float, 3> center;
+  float radius;
+  const float* gate_normal = nullptr;  ///< null: every point counts
+  float min_dot = 0.0f;                ///< points need normal . gate_normal > min_dot
+  bool take_normals = false;           ///< gather the normals too
+};
+
+/** \brief Sums over a gathered ball, weighted by (1 - s^2)^4. */
+struct BallSums {
+  std::size_t inside = 0;  ///< points in the ball, gate or not
+  double weight = 0;
+  std::array<double, 3> normal{};  ///< weighted sum of normals (zero without normals)
+  std::array<double, 3> first{};   ///< weighted sum of offsets
+  std::array<double, 6> second{};  ///< of products xx, xy, xz, yy, yz, zz
+};
+
+/** \brief A weighted least-squares polynomial and the measures the radius search needs. */
+struct LocalFit {
+  static constexpr int kMaxMoments = 45;
+
+  int degree = 0;                            ///< 0: nothing could be fitted
+  std::array<double, kMaxCoefficients> c{};  ///< in units of the gather radius
+  double residual_sq = 0;                    ///< e^2 = sum w f^2 / sum w, gather radius squared
+  double n_eff = 0;                          ///< (sum w)^2 / sum w^2
+  double slope_sq = 0;                       ///< mean of |grad h|^2, weights w
+  double terms = 0;  ///< coefficients that the heights decide: their number, fewer beside slopes
+  double slope_misfit = 0;  ///< slope_weight times the mean square slope missed, like residual_sq
+  int moment_degree = 0;    ///< the degree asked for: moments go up to twice that
+  std::array<double, kMaxMoments> moments{};  ///< sum w u^i v^j, in rows of fixed i (momentIndex)
+};
+
+/** \brief SIMD inner loops of modules/slim, compiled per instruction set and chosen at run time. */
+namespace kernels {
+
+/** \brief Gathers the gated points of a ball from the given blocks (ascending). */
+void
+gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& query,
+           bool with_covariance, BallBuffer& ball, BallSums& sums);
+
+/** \brief Turns offsets into frame coordinates in units of radius, and normals into slopes if
+ * ball.slope_weight is not 0. */
+void
+toFrame(const LocalFrame& frame, float radius, BallBuffer& ball);
+
+/** \brief Copies the points with s_sq below a limit. */
+void
+compactBall(const BallBuffer& ball, float limit_sq, BallBuffer& inner);
+
+/** \brief The largest s_sq below a limit, at most 2; 0 where there is none. */
+float
+farthestWithin(const BallBuffer& ball, float limit_sq);
+
+/** \brief Copies the points whose residual lies in [low, high]. */
+void
+selectResiduals(const BallBuffer& ball, const float* residuals, float low, float high,
+                BallBuffer& kept);
+
+/** \brief Fits heights w over (u, v) with weights G(s / rho) to the points within rho.
+ *
+ * Minimises sum w (f^2 + slope_weight n_w |grad h - slope|^2): where normals are data, positions and
+ * normals are combined by their variances (Nehab et al. 2005).
+ * Falls back to the highest lower degree whose n_eff and pivots allow it.
+ * \param[in] support points n_eff needed per coefficient.
+ * \param[in] refine one step of iterative refinement, for the fit that is kept. */
+LocalFit
+fitBall(const BallBuffer& ball, int degree, float rho, WeightKernel kernel, double support,
+        bool refine);
+
+/** \brief n_eff = (sum w)^2 / sum w^2 of the weights G(s / rho); 0 for an empty ball. */
+double
+effectiveCount(const BallBuffer& ball, float rho, WeightKernel kernel);
+
+/** \brief Residuals w - h(u, v), padding included. \param[out] residuals count rounded up. */
+void
+ballResiduals(const BallBuffer& ball, const LocalFit& fit, float* residuals);
+
+/** \brief A leaf as the cover sees it. */
+struct CoverLeaf {
+  BallQuery ball;  ///< radius R = alpha r
+  LocalFrame frame;
+  int degree;
+  float support_radius;  ///< r
+  const float* c;        ///< coefficients in units of r
+  float max_residual;    ///< points farther from f = 0 are not covered
+  bool to_foot = false;  ///< distances count to a point's foot on f = 0, not to the point itself
+};
+
+/** \brief Adds G(d / R) to the coverage of the points a leaf covers; touches no other. */
+void
+coverPoints(const PointStore& store, const BlockList& blocks, const CoverLeaf& leaf,
+            WeightKernel kernel, float* coverage);
+
+/** \brief Sets the bits of value in the marks of a ball's gated points; touches no other. */
+void
+markPoints(const PointStore& store, const BlockList& blocks, const BallQuery& ball,
+           std::uint8_t value, std::uint8_t* marks);
+
+}  // namespace kernels
+}  // namespace pcl_slim::detail

@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stored points in a ball: gathered, covered by a leaf, or marked.
+#include "ball/ball_kernels.h"
+
+#include <cstring>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "ball/ball_scan_kernels.cpp"
+#include "hwy/cache_control.h"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+
+#include "pcl_slim/surface/detail/kernel_math-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+/** Offsets of one group of lanes from a centre, and which of them lie in the gated ball. */
+struct Lanes {
+  Vec dx, dy, dz, d_sq;
+  Mask in_ball, kept;
+};
+
+/** Walks the stored points of some blocks, those of a ball and on its side of the normal gate. */
+class BallScan {
+ public:
+  BallScan(const PointStore& store, const BallQuery& query)
+      : store_(store), query_(query), radius_sq_(hn::Set(Tag(), query.radius * query.radius))
+  {
+    gated_ = query.gate_normal != nullptr;
+    for (int a = 0; a < 3; ++a) gate_[a] = gated_ ? query.gate_normal[a] : 0.0f;
+  }
+
+  /** Calls body(first point index, lanes) for every group of lanes that meets the ball. */
+  template <typename Body>
+  HWY_INLINE void forEach(const BlockList& blocks, const Body& body) const
+  {
+    forEachOf(
+        blocks, [](std::uint32_t) { return true; }, body);
+  }
+
+  /** Likewise in those blocks that are wanted. */
+  template <typename Wanted, typename Body>
+  HWY_INLINE void forEachOf(const BlockList& blocks, const Wanted& wanted, const Body& body) const
+  {
+    const Tag d;
+    for (std::size_t k = 0; k < blocks.size(); ++k) {
+      const std::uint32_t b = blocks[k];
+      if (k + kAhead < blocks.size() && blocks[k + kAhead] != b + kAhead) {
+        prefetch(blocks[k + kAhead]);
+      }
+      if (!wanted(b)) continue;
+      const auto sx = hn::Set(d, store_.blockOriginX()[b] - query_.center[0]);
+      const auto sy = hn::Set(d, store_.blockOriginY()[b] - query_.center[1]);
+      const auto sz = hn::Set(d, store_.blockOriginZ()[b] - query_.center[2]);
+      const std::size_t end = (b + std::size_t{1}) * PointStore::kBlock;
+      for (std::size_t i = b * PointStore::kBlock; i < end; i += hn::Lanes(d)) {
+        Lanes lanes;
+        lanes.dx = hn::Add(hn::Load(d, store_.x() + i), sx);
+        lanes.dy = hn::Add(hn::Load(d, store_.y() + i), sy);
+        lanes.dz = hn::Add(hn::Load(d, store_.z() + i), sz);
+        lanes.d_sq = dot3(lanes.dx, lanes.dy, lanes.dz, lanes.dx, lanes.dy, lanes.dz);
+        lanes.in_ball = hn::Lt(lanes.d_sq, radius_sq_);
+        if (hn::AllFalse(d, lanes.in_ball)) continue;
+        lanes.kept = lanes.in_ball;
+        if (gated_) {
+          const auto cosine = dot3(hn::Load(d, store_.nx() + i), hn::Load(d, store_.ny() + i),
+                                   hn::Load(d, store_.nz() + i), hn::Set(d, gate_[0]),
+                                   hn::Set(d, gate_[1]), hn::Set(d, gate_[2]));
+          lanes.kept = hn::And(lanes.in_ball, hn::Gt(cosine, hn::Set(d, query_.min_dot)));
+        }
+        body(i, lanes);
+      }
+    }
+  }
+
+ private:
+  static constexpr std::size_t kAhead = 4;
+
+  /** Blocks out of line are not fetched ahead by themselves. */
+  HWY_INLINE void prefetch(std::uint32_t b) const
+  {
+    const std::size_t i = b * PointStore::kBlock;
+    for (const float* column : {store_.x(), store_.y(), store_.z()}) hwy::Prefetch(column + i);
+    if (!gated_) return;
+    for (const float* column : {store_.nx(), store_.ny(), store_.nz()}) hwy::Prefetch(column + i);
+  }
+
+  const PointStore& store_;
+  const BallQuery& query_;
+  bool gated_;
+  float gate_[3];
+  Vec radius_sq_;
+};
+
+void
+gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& query,
+           bool with_covariance, BallBuffer& ball, BallSums& sums)
+{
+  const Tag d;
+  const auto zero = hn::Zero(d);
+  ball.reserve(blocks.size() * PointStore::kBlock);
+  if (query.take_normals) ball.reserveNormals();
+  const auto inverse_sq = hn::Set(d, 1.0f / (query.radius * query.radius));
+  const bool with_normals = query.gate_normal != nullptr;
+  std::size_t count = 0, inside = 0;
+  Vec weight = zero, n[3] = {zero, zero, zero}, first[3] = {zero, zero, zero};
+  Vec second[6] = {zero, zero, zero, zero, zero, zero};
+  BallScan(store, query).forEach(blocks, [&](std::size_t i, const Lanes& l) HWY_ATTR {
+    const auto g = hn::IfThenElseZero(
+        l.kept, kernelWeight<WeightKernel::kPower4>(hn::Mul(l.d_sq, inverse_sq)));
+    weight = hn::Add(weight, g);
+    if (with_normals) {
+      inside += hn::CountTrue(d, l.in_ball);
+      n[0] = hn::MulAdd(g, hn::Load(d, store.nx() + i), n[0]);
+      n[1] = hn::MulAdd(g, hn::Load(d, store.ny() + i), n[1]);
+      n[2] = hn::MulAdd(g, hn::Load(d, store.nz() + i), n[2]);
+    }
+    if (with_covariance) {
+      // Padding lies far away: its weight is 0, its products stay finite.
+      const auto gx = hn::Mul(g, l.dx), gy = hn::Mul(g, l.dy), gz = hn::Mul(g, l.dz);
+      first[0] = hn::Add(first[0], gx);
+      first[1] = hn::Add(first[1], gy);
+      first[2] = hn::Add(first[2], gz);
+      second[0] = hn::MulAdd(gx, l.dx, second[0]);
+      second[1] = hn::MulAdd(gx, l.dy, second[1]);
+      second[2] = hn::MulAdd(gx, l.dz, second[2]);
+      second[3] = hn::MulAdd(gy, l.dy, second[3]);
+      second[4] = hn::MulAdd(gy, l.dz, second[4]);
+      second[5] = hn::MulAdd(gz, l.dz, second[5]);
+    }
+    append(l.dx, l.kept, ball.u.data() + count);
+    append(l.dy, l.kept, ball.v.data() + count);
+    append(l.dz, l.kept, ball.w.data() + count);
+    append(l.d_sq, l.kept, ball.s_sq.data() + count);
+    if (query.take_normals) {
+      append(hn::Load(d, store.nx() + i), l.kept, ball.n_u.data() + count);
+      append(hn::Load(d, store.ny() + i), l.kept, ball.n_v.data() + count);
+      append(hn::Load(d, store.nz() + i), l.kept, ball.n_w.data() + count);
+    }
+    count += hn::CountTrue(d, l.kept);
+  });
+  ball.count = count;
+  ball.prior.clear();
+  sums.inside = with_normals ? inside : count;
+  sums.weight = sumLanes(weight);
+  for (int a = 0; a < 3; ++a) sums.normal[a] = sumLanes(n[a]);
+  for (int a = 0; a < 3; ++a) sums.first[a] = sumLanes(first[a]);
+  for (int a = 0; a < 6; ++a) sums.second[a] = sumLanes(second[a]);
+}
+
+template <int D, WeightKernel K>
+void
+coverOfDegree(const PointStore& store, const BlockList& blocks, const CoverLeaf& leaf,
+              float* coverage)
+{
+  const Tag d;
+  const double scale = 1.0 / leaf.support_radius;
+  Vec axes[3][3];
+  for (int a = 0; a < 3; ++a) {
+    axes[0][a] = hn::Set(d, static_cast<float>(leaf.frame.u[a] * scale));
+    axes[1][a] = hn::Set(d, static_cast<float>(leaf.frame.v[a] * scale));
+    axes[2][a] = hn::Set(d, static_cast<float>(leaf.frame.w[a] * scale));
+  }
+  const Height<D> height(leaf.c);
+  const auto limit = hn::Set(d, static_cast<float>(leaf.max_residual * scale));
+  const auto radius_sq =
+      hn::Set(d, leaf.to_foot ? leaf.support_radius * leaf.support_radius : 0.0f);
+  const auto inverse_sq = hn::Set(d, 1.0f / (leaf.ball.radius * leaf.ball.radius));
+  BallScan(store, leaf.ball).forEach(blocks, [&](std::size_t i, const Lanes& l) HWY_ATTR {
+    const auto u = dot3(l.dx, l.dy, l.dz, axes[0][0], axes[0][1], axes[0][2]);
+    const auto v = dot3(l.dx, l.dy, l.dz, axes[1][0], axes[1][1], axes[1][2]);
+    const auto w = dot3(l.dx, l.dy, l.dz, axes[2][0], axes[2][1], axes[2][2]);
+    const auto residual = hn::Sub(w, height(u, v));
+    const auto near = hn::And(l.kept, hn::Le(hn::Abs(residual), limit));
+    // The distance counts to the point's foot: noise thick against the ball is no lack of cover.
+    const auto foot_sq = hn::NegMulAdd(hn::Mul(residual, residual), radius_sq, l.d_sq);
+    const auto g = kernelWeight<K>(hn::Mul(hn::Max(foot_sq, hn::Zero(d)), inverse_sq));
+    addMasked(g, near, coverage + i);
+  });
+}
+
+template <int D>
+void
+coverWithKernel(const PointStore& store, const BlockList& blocks, const CoverLeaf& leaf,
+                WeightKernel kernel, float* coverage)
+{
+  if (kernel == WeightKernel::kGaussian) {
+    coverOfDegree<D, WeightKernel::kGaussian>(store, blocks, leaf, coverage);
+  } else {
+    coverOfDegree<D, WeightKernel::kPower7>(store, blocks, leaf, coverage);
+  }
+}
+
+void
+coverPoints(const PointStore& store, const BlockList& blocks, const CoverLeaf& leaf,
+            WeightKernel kernel, float* coverage)
+{
+  switch (leaf.degree) {
+    case 1: return coverWithKernel<1>(store, blocks, leaf, kernel, coverage);
+    case 2: return coverWithKernel<2>(store, blocks, leaf, kernel, coverage);
+    case 3: return coverWithKernel<3>(store, blocks, leaf, kernel, coverage);
+    default: return coverWithKernel<4>(store, blocks, leaf, kernel, coverage);
+  }
+}
+
+void
+markPoints(const PointStore& store, const BlockList& blocks, const BallQuery& ball,
+           std::uint8_t value, std::uint8_t* marks)
+{
+  const Tag d;
+  const std::uint64_t all = value * 0x0101010101010101u;
+  const auto unmarked = [&](std::uint32_t b) {
+    std::uint64_t halves[2];
+    std::memcpy(halves, marks + b * PointStore::kBlock, sizeof(halves));
+    return (halves[0] & halves[1] & all) != all;
+  };
+  BallScan(store, ball).forEachOf(blocks, unmarked, [&](std::size_t i, const Lanes& l) HWY_ATTR {
+    HWY_ALIGN std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, l.kept, bits);
+    for (std::uint32_t mask = bits[0] | static_cast<std::uint32_t>(bits[1]) << 8; mask != 0;
+         mask &= mask - 1) {
+      marks[i + static_cast<std::size_t>(__builtin_ctz(mask))] |= value;
+    }
+  });
+}
+
+}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pcl_slim::detail::kernels {
+
+HWY_EXPORT(gatherBall);
+HWY_EXPORT(coverPoints);
+HWY_EXPORT(markPoints);
+
+void
+gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& query,
+           bool with_covariance, BallBuffer& ball, BallSums& sums)
+{
+  HWY_DYNAMIC_DISPATCH(gatherBall)(store, blocks, query, with_covariance, ball, sums);
+}
+
+void
+coverPoints(const PointStore& store, const BlockList& blocks, const CoverLeaf& leaf,
+            WeightKernel kernel, float* coverage)
+{
+  HWY_DYNAMIC_DISPATCH(coverPoints)(store, blocks, leaf, kernel, coverage);
+}
+
+void
+markPoints(const PointStore& store, const BlockList& blocks, const BallQuery& ball,
+           std::uint8_t value, std::uint8_t* marks)
+{
+  HWY_DYNAMIC_DISPATCH(markPoints)(store, blocks, ball, value, marks);
+}
+
+}  // namespace pcl_slim::detail::kernels
+#endif

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "ball/noise_bias.h"
+
+#include <algorithm>
+#include <array>
+
+#include "radius/energy.h"
+
+namespace pcl_slim::detail {
+
+namespace {
+
+constexpr double kMostShare = 1.0 / 25;  ///< r = 5 sqrt(lambda): thinner balls would amplify noise
+
+/** h_uu + h_vv, a polynomial of a degree lower by two, in the same order of coefficients. */
+template <typename Real>
+std::array<double, kMaxCoefficients>
+laplacian(int degree, const Real* c)
+{
+  std::array<double, kMaxCoefficients> sum{};
+  for (int d = 2, k = numCoefficients(1); d <= degree; ++d) {
+    double* low = sum.data() + (d - 2) * (d - 1) / 2;
+    for (int j = 0; j <= d; ++j, ++k) {  // u^i v^j
+      const int i = d - j;
+      if (i >= 2) low[j] += i * (i - 1) * static_cast<double>(c[k]);
+      if (j >= 2) low[j - 2] += j * (j - 1) * static_cast<double>(c[k]);
+    }
+  }
+  return sum;
+}
+
+/** \param[in] unit_sq the square of r over the unit of c */
+template <typename Real>
+void
+undo(int degree, double share, double unit_sq, Real* c)
+{
+  share = std::min(share, kMostShare);
+  const auto bend = laplacian(degree, c);
+  for (int k = 0; k < numCoefficients(degree); ++k) {
+    c[k] = static_cast<Real>(c[k] * (1.0 + Energy::kTruncation * share) -
+                             0.5 * share * unit_sq * bend[k]);
+  }
+}
+
+}  // namespace
+
+void
+undoNoiseBias(int degree, double share, float* c)
+{
+  undo(degree, share, 1.0, c);
+}
+
+void
+undoNoiseBias(int degree, double share, double rho, double* c)
+{
+  undo(degree, share, rho * rho, c);
+}
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cover/level_cover.h"
+
+#include <algorithm>
+
+#include "pcl_slim/core/parallel.h"
+
+namespace pcl_slim::detail {
+
+namespace {
+
+constexpr int kLastLevel = 40;               ///< r_r falls to 1e-9 L; support ends long before
+constexpr std::uint8_t kServedForGood = 1;   ///< mark: nothing finer can be done for this point
+constexpr std::uint8_t kLoneNormalMark = 2;  ///< mark: passed over for its normal
+constexpr std::uint8_t kFirstLevelMark = 4;  ///< mark: inside an internal ball of a level
+constexpr std::uint8_t kLastLevelMark = 128;
+constexpr std::size_t kSlice = 1 << 14;  ///< points a thread takes at a time
+constexpr std::size_t kFewCells = 128;   ///< with them colours leave threads idle
+constexpr char kCancelledMessage[] = "the fit was cancelled";
+
+std::uint64_t
+mixBits(std::uint64_t x)
+{
+  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9ULL;
+  x = (x ^ x >> 27) * 0x94d049bb133111ebULL;
+  return x ^ x >> 31;
+}
+
+}  // namespace
+
+LevelCover::LevelCover(const PointStore& store, const FitSettings& settings, int threads)
+    : store_(store),
+      settings_(settings),
+      threads_(threads),
+      level_mark_(kFirstLevelMark),
+      serving_(kServedForGood | kFirstLevelMark)
+{
+  for (int t = 0; t < threads; ++t) {
+    workers_.push_back(std::make_unique<Worker>(store, settings));
+  }
+  const std::size_t padded = store.numBlocks() * PointStore::kBlock;
+  coverage_.resize(padded);
+  marks_.resize(padded);
+  active_.resize(store.size());
+  forSlices(padded, [&](std::size_t begin, std::size_t end) {
+    std::fill(coverage_.begin() + begin, coverage_.begin() + end, 0.0f);
+    std::fill(marks_.begin() + begin, marks_.begin() + end, std::uint8_t{0});
+    for (std::size_t i = begin; i < std::min(end, active_.size()); ++i) {
+      active_[i] = static_cast<std::uint32_t>(i);
+    }
+  });
+}
+
+template <typename Body>
+void
+LevelCover::forSlices(std::size_t count, const Body& body) const
+{
+  parallelFor((count + kSlice - 1) / kSlice, threads_, 1,
+              [&](std::size_t s, int) { body(s * kSlice, std::min(count, (s + 1) * kSlice)); });
+}
+
+Error
+LevelCover::run(int first_level, Progress* progress)
+{
+  const double points = static_cast<double>(store_.size());
+  for (int level = first_level; !active_.empty() && level <= kLastLevel; ++level) {
+    if (progress != nullptr) {
+      if (progress->cancelled()) return {ErrorCode::kCancelled, kCancelledMessage};
+      progress->report(static_cast<float>(1.0 - static_cast<double>(active_.size()) / points),
+                       "covering");
+    }
+    coverLevel(level);
+    last_level_ = level;
+  }
+  if (progress != nullptr && progress->cancelled())
+    return {ErrorCode::kCancelled, kCancelledMessage};
+  return {};
+}
+
+void
+LevelCover::coverLevel(int level)
+{
+  // A ball writes within r_r of where it moved to, a leaf grown to the next radius up within
+  // alpha r_r / gamma.
+  cells_.divide(
+      store_, active_,
+      settings_.levelRadius(level) * std::max(1.0 + kLargestShift, settings_.alpha / kGolden));
+  const std::size_t first = outputs_.size();
+  outputs_.resize(first + cells_.size());
+  if (threads_ > 1 && cells_.size() <= kFewCells) {
+    coverAhead(level, first);
+  } else {
+    for (int color = 0; color < 8; ++color) {
+      const std::size_t begin = cells_.colorBegin(color), end = cells_.colorBegin(color + 1);
+      parallelFor(end - begin, threads_, 1, [&](std::size_t i, int thread) {
+        const std::uint32_t cell = cells_.byColor()[begin + i];
+        coverCell(cells_[cell], level, thread, outputs_[first + cell]);
+      });
+    }
+  }
+  countBytes();
+  endLevel(first);
+}
+
+void
+LevelCover::countBytes()
+{
+  std::uint64_t bytes = outputs_.capacity() * sizeof(Output);
+  for (const auto& worker : workers_) bytes += worker->arena.capacity() * sizeof(SurfelRecord);
+  bytes += coverage_.size() * sizeof(float) + marks_.size() +
+           active_.capacity() * sizeof(std::uint32_t) + cells_.memoryBytes();
+  peak_bytes_ = std::max(peak_bytes_, bytes);
+}
+
+std::vector<LevelCover::Piece>
+LevelCover::pieces() const
+{
+  std::vector<Piece> pieces;
+  std::size_t first = 0;
+  for (const Output& output : outputs_) {
+    const SurfelRecord* records = worker(output.thread).arena.data();
+    if (output.begin == output.end) continue;
+    pieces.push_back({records + output.begin, records + output.end, first});
+    first += output.end - output.begin;
+  }
+  return pieces;
+}
+
+CellVisits
+LevelCover::visitsOf(const CoverCells::Cell& cell) const
+{
+  const std::uint32_t n = cell.end - cell.begin;
+  const std::uint64_t start = mixBits(settings_.seed ^ mixBits(cell.code + 1)) % n;
+  return {active_.data() + cell.begin, n, static_cast<std::uint32_t>(start)};
+}
+
+void
+LevelCover::coverCell(const CoverCells::Cell& cell, int level, int thread, Output& output)
+{
+  BallFitter& fitter = worker(thread).fitter;
+  const auto begin = static_cast<std::uint32_t>(worker(thread).arena.size());
+  Output made{thread, begin, begin, false};
+  CellVisits visits = visitsOf(cell);
+  const auto served = [this](std::uint32_t point) { return isServed(point); };
+  SurfelRecord surfel;
+  bool prepared = false;
+  for (std::uint32_t point; visits.next(served, point);) {
+    if (!prepared) prepareNeighborhood(cell, level, fitter);
+    prepared = true;
+    const BallOutcome outcome = fitter.fit(point, level, surfel);
+    keep(point, outcome, surfel, fitter, made);
+  }
+  output = made;
+}
+
+/** Serves what a fitted ball serves; its surfel, if it has one, ends its cell's output. */
+void
+LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& surfel,
+                 BallFitter& fitter, Output& output)
+{
+  output.lasts |= outcome != BallOutcome::kInternal;
+  switch (outcome) {
+    case BallOutcome::kLeaf:
+      fitter.cover(surfel, coverage_.data());
+      marks_[point] |= surfel.flags & kSurfelForced ? kServedForGood : level_mark_;
+      break;
+    case BallOutcome::kInternal:
+      fitter.mark(surfel, level_mark_, marks_.data());
+      marks_[point] |= level_mark_;
+      break;
+    case BallOutcome::kUnsupported: marks_[point] = kServedForGood; return;
+    case BallOutcome::kLoneNormal: marks_[point] = kServedForGood | kLoneNormalMark; return;
+  }
+  worker(output.thread).arena.push_back(surfel);
+  ++output.end;
+}
+
+/** Collects the blocks that any ball of the cell's centres can reach. */
+void
+LevelCover::prepareNeighborhood(const CoverCells::Cell& cell, int level, BallFitter& fitter) const
+{
+  float low[3] = {1, 1, 1}, high[3] = {-1, -1, -1};
+  const BlockTree::Level& boxes = store_.tree().levels().front();
+  const std::size_t last = active_[cell.end - 1] / PointStore::kBlock;
+  for (std::size_t b = active_[cell.begin] / PointStore::kBlock; b <= last; ++b) {
+    const float mins[3] = {boxes.min_x[b], boxes.min_y[b], boxes.min_z[b]};
+    const float maxs[3] = {boxes.max_x[b], boxes.max_y[b], boxes.max_z[b]};
+    for (int a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], mins[a]);
+      high[a] = std::max(high[a], maxs[a]);
+    }
+  }
+  const auto reach =
+      static_cast<float>(1.001 * settings_.levelRadius(level) * (1.0 / kGolden + kLargestShift));
+  for (int a = 0; a < 3; ++a) {
+    low[a] -= reach;
+    high[a] += reach;
+  }
+  fitter.neighborhood().collect(store_.tree(), low, high);
+}
+
+/** Where a level has only divided what it found, the next takes another mark and goes on. */
+void
+LevelCover::endLevel(std::size_t first_output)
+{
+  const auto begin = outputs_.begin() + static_cast<std::ptrdiff_t>(first_output);
+  const bool lasts = std::any_of(begin, outputs_.end(), [](const Output& o) { return o.lasts; });
+  if (lasts || level_mark_ == kLastLevelMark) {
+    dropServed();
+    level_mark_ = kFirstLevelMark;
+  } else {
+    level_mark_ = static_cast<std::uint8_t>(level_mark_ << 1);
+  }
+  serving_ = kServedForGood | level_mark_;
+}
+
+/** Keeps the points that are neither covered nor done with; level marks are wiped. */
+void
+LevelCover::dropServed()
+{
+  std::vector<std::size_t> kept((active_.size() + kSlice - 1) / kSlice);
+  forSlices(active_.size(), [&](std::size_t begin, std::size_t end) {
+    std::size_t next = begin;
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint32_t point = active_[i];
+      marks_[point] &= kServedForGood | kLoneNormalMark;
+      active_[next] = point;
+      next += !isServed(point);
+    }
+    kept[begin / kSlice] = next - begin;
+  });
+  std::size_t end = 0;
+  for (std::size_t s = 0; s < kept.size(); ++s) {
+    const auto begin = active_.begin() + static_cast<std::ptrdiff_t>(s * kSlice);
+    const auto target = active_.begin() + static_cast<std::ptrdiff_t>(end);
+    if (begin != target) std::copy_n(begin, kept[s], target);
+    end += kept[s];
+  }
+  active_.resize(end);
+}
+
+PointCounts
+LevelCover::countPoints() const
+{
+  const std::size_t n = store_.size();
+  std::vector<PointCounts> parts((n + kSlice - 1) / kSlice);
+  forSlices(n, [&](std::size_t begin, std::size_t end) {
+    PointCounts& part = parts[begin / kSlice];
+    for (std::size_t i = begin; i < end; ++i) {
+      part.uncovered += coverage_[i] < settings_.gamma;
+      part.unsupported += coverage_[i] <= 0.0f;
+      part.lone_normals += (marks_[i] & kLoneNormalMark) != 0;
+    }
+  });
+  PointCounts sum;
+  for (const PointCounts& part : parts) {
+    sum.uncovered += part.uncovered;
+    sum.unsupported += part.unsupported;
+    sum.lone_normals += part.lone_normals;
+  }
+  return sum;
+}
+
+BallCounters
+LevelCover::counters() const
+{
+  BallCounters sum;
+  for (const auto& worker : workers_) {
+    const BallCounters& counters = worker->fitter.counters();
+    sum.gathered += counters.gathered;
+    sum.split_sheets += counters.split_sheets;
+    sum.tried += counters.tried;
+  }
+  return sum;
+}
+
+std::uint64_t
+LevelCover::numFits() const
+{
+  std::uint64_t sum = 0;
+  for (const auto& worker : workers_) sum += worker->fitter.numFits();
+  return sum;
+}
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "ball/ball_fitter.h"
+#include "cover/cover_cells.h"
+#include "cover/visit_order.h"
+#include "pcl_slim/core/aligned.h"
+#include "pcl_slim/core/progress.h"
+
+namespace pcl_slim::detail {
+
+/** \brief How many points ended without what. */
+struct PointCounts {
+  std::uint64_t uncovered = 0, unsupported = 0;  ///< unsupported: by any leaf at all
+  std::uint64_t lone_normals = 0;                ///< passed over for their normals
+};
+
+/** \brief Covers the points level by level (section 2, "Multi-scale surfel-based approximation").
+ *
+ * Within a level the centres of one Morton cell are tried one after another, cells of one of
+ * eight colours at the same time: cells are at least twice as wide as a ball reaches, so no two
+ * threads touch the same point and the result does not depend on their number. Where cells are too
+ * few for that, threads fit balls ahead of their turn.
+ */
+class LevelCover {
+ public:
+  LevelCover(const PointStore& store, const FitSettings& settings, int threads);
+
+  /** \brief Runs levels from first_level until no point is left. */
+  Error run(int first_level, Progress* progress);
+
+  /** \brief Surfels that stand side by side in memory. */
+  struct Piece {
+    const SurfelRecord *begin, *end;
+    std::size_t first;  ///< place of the first in the whole sequence
+  };
+
+  /** \brief All surfels: by level, in the Morton order of cells within each. */
+  std::vector<Piece> pieces() const;
+
+  int lastLevel() const { return last_level_; }
+  PointCounts countPoints() const;
+  BallCounters counters() const;
+  std::uint64_t numFits() const;
+  std::uint64_t peakBytes() const { return peak_bytes_; }
+
+ private:
+  /** Surfels of one cell, in its thread's arena. */
+  struct Output {
+    int thread = 0;
+    std::uint32_t begin = 0, end = 0;
+    bool lasts = false;  ///< whether some points need no finer level
+  };
+  /** What a thread writes all the time, in cache lines of its own. */
+  struct alignas(64) Worker {
+    Worker(const PointStore& store, const FitSettings& settings) : fitter(store, settings) {}
+    BallFitter fitter;
+    std::vector<SurfelRecord> arena;
+  };
+  class Ahead;
+
+  void coverLevel(int level);
+  void coverAhead(int level, std::size_t first_output);
+  CellVisits visitsOf(const CoverCells::Cell& cell) const;
+  void coverCell(const CoverCells::Cell& cell, int level, int thread, Output& output);
+  Worker& worker(int thread) const { return *workers_[static_cast<std::size_t>(thread)]; }
+  void keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& surfel,
+            BallFitter& fitter, Output& output);
+  void prepareNeighborhood(const CoverCells::Cell& cell, int level, BallFitter& fitter) const;
+  void countBytes();
+  template <typename Body>
+  void forSlices(std::size_t count, const Body& body) const;
+  void endLevel(std::size_t first_output);
+  void dropServed();
+  bool isServed(std::uint32_t point) const
+  {
+    return coverage_[point] >= settings_.gamma || (marks_[point] & serving_) != 0;
+  }
+
+  const PointStore& store_;
+  const FitSettings& settings_;
+  int threads_;
+  std::vector<std::unique_ptr<Worker>> workers_;  ///< one per thread
+  AlignedVector<float> coverage_;
+  AlignedVector<std::uint8_t> marks_;    ///< served for good, or at a level
+  AlignedVector<std::uint32_t> active_;  ///< points not yet covered, ascending
+  CoverCells cells_;                     ///< of active_, at this level
+  std::vector<Output> outputs_;          ///< of all levels so far
+  std::uint8_t level_mark_, serving_;    ///< mark of this level, and all that count at it
+  int last_level_ = 0;
+  std::uint64_t peak_bytes_ = 0;
+};
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+namespace pcl_slim::detail {
+
+/** \brief Every tuning constant of the fit; nothing else decides. Paragraphs are those of
+ * docs/theory.md. */
+struct FitConstants {
+};
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "orient/orientation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+#include "orient/overlap_graph.h"
+#include "orient/signed_forest.h"
+#include "pcl_slim/core/aligned.h"
+#include "pcl_slim/core/parallel.h"
+
+namespace pcl_slim::detail {
+
+namespace {
+
+using Vector = std::array<double, 3>;
+
+constexpr double kFlatFlux = 0.1;    ///< flux below this share of its bound: no inside
+constexpr float kWeakEdge = 0.5f;    ///< edges of more weight may lead across a gap
+constexpr double kClosedFlux = 0.4;  ///< flux above this share of its bound: a body of its own
+constexpr int kClassBits = 12;       ///< sign, exponent and 3 bits: classes an eighth wide
+constexpr std::uint32_t kSignBit = 0x80000000u;
+
+Vector
+centerOf(const SLIMSurface& s, std::size_t i)
+{
+  return {s.cx[i], s.cy[i], s.cz[i]};
+}
+
+Vector
+normalOf(const SLIMSurface& s, std::size_t i)
+{
+  return {s.nx[i], s.ny[i], s.nz[i]};
+}
+
+double
+dot(const Vector& a, const Vector& b)
+{
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+Vector
+minus(const Vector& a, const Vector& b)
+{
+  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+
+/** Area-weighted moments of a connected part of the leaves. Outward is where the flux about the
+ * part's middle is positive; a sheet too flat to have an inside turns up its main side. */
+struct Part {
+  double weight = 0, flux = 0, reach = 0;
+  Vector center{}, normal{};
+
+  bool closed() const { return std::abs(flux) > kClosedFlux * reach; }
+
+  bool turned() const
+  {
+    if (std::abs(flux) > kFlatFlux * reach) return flux < 0;
+    const auto main = std::max_element(
+        normal.begin(), normal.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+    return *main < 0;
+  }
+};
+
+/** What a forest's trees are, by tree, and the leaves' places in them. */
+struct Parts {
+  std::vector<Part> parts;
+  std::vector<std::uint32_t> part_of;  ///< for each leaf
+  std::vector<signed char> signs;      ///< for each leaf, relative to its root
+};
+
+Parts
+partsOf(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, SignedForest& forest)
+{
+  constexpr std::uint32_t kNew = 0xffffffffu;
+  Parts result;
+  auto& [parts, part_of, signs] = result;
+  part_of.resize(leaves.size());
+  signs.resize(leaves.size());
+  std::vector<std::uint32_t> part_at(s.size(), kNew);
+  for (std::size_t k = 0; k < leaves.size(); ++k) {
+    const std::uint32_t i = leaves[k];
+    int sign;
+    std::uint32_t& at = part_at[forest.root(i, sign)];
+    if (at == kNew) {
+      at = static_cast<std::uint32_t>(parts.size());
+      parts.emplace_back();
+    }
+    part_of[k] = at;
+    signs[k] = static_cast<signed char>(sign);
+    Part& part = parts[at];
+    const double area = static_cast<double>(s.radius[i]) * s.radius[i];
+    part.weight += area;
+    const Vector c = centerOf(s, i);
+    for (int a = 0; a < 3; ++a) part.center[a] += area * c[a];
+  }
+  for (std::size_t k = 0; k < leaves.size(); ++k) {
+    const std::uint32_t i = leaves[k];
+    Part& part = parts[part_of[k]];
+    const Vector c = centerOf(s, i), n = normalOf(s, i);
+    const Vector away = {c[0] - part.center[0] / part.weight, c[1] - part.center[1] / part.weight,
+                         c[2] - part.center[2] / part.weight};
+    const double area = static_cast<double>(s.radius[i]) * s.radius[i];
+    part.flux += signs[k] * area * dot(away, n);
+    part.reach += area * std::sqrt(dot(away, away));
+    for (int a = 0; a < 3; ++a) part.normal[a] += signs[k] * area * n[a];
+  }
+  return result;
+}
+
+/** Which of a number of classes, each a little heavier than the last, a weight belongs to. */
+std::size_t
+weightClass(float weight)
+{
+  const float plain = weight + 0.0f;  // no -0
+  std::uint32_t bits;
+  std::memcpy(&bits, &plain, sizeof(bits));
+  bits = (bits & kSignBit) != 0 ? ~bits : bits | kSignBit;
+  return bits >> (32 - kClassBits);
+}
+
+/** Edges by class of weight, those of one class in no particular order. */
+class ClassedEdges {
+ public:
+  explicit ClassedEdges(const std::vector<std::vector<OverlapEdge>>& lists)
+      : begin_((std::size_t{1} << kClassBits) + 1, 0)
+  {
+    for (const auto& list : lists) {
+      for (const OverlapEdge& e : list) ++begin_[weightClass(e.weight) + 1];
+    }
+    for (std::size_t k = 1; k < begin_.size(); ++k) begin_[k] += begin_[k - 1];
+    edges_.resize(begin_.back());
+    std::vector<std::size_t> next(begin_.begin(), begin_.end() - 1);
+    for (const auto& list : lists) {
+      for (const OverlapEdge& e : list) edges_[next[weightClass(e.weight)]++] = e;
+    }
+  }
+
+  /** Calls visit(edge) in ascending order for the edges that wanted(edge) still holds for when their
+   * class comes. */
+  template <typename Wanted, typename Visit>
+  void forEach(const Wanted& wanted, const Visit& visit)
+  {
+    for (std::size_t k = 0; k + 1 < begin_.size(); ++k) {
+      const auto begin = edges_.begin() + static_cast<std::ptrdiff_t>(begin_[k]);
+      const auto end = edges_.begin() + static_cast<std::ptrdiff_t>(begin_[k + 1]);
+      const auto last = std::partition(begin, end, wanted);
+      std::sort(begin, last);
+      std::for_each(begin, last, visit);
+    }
+  }
+
+ private:
+  std::vector<std::size_t> begin_;
+  AlignedVector<OverlapEdge> edges_;
+};
+
+/** A spanning forest of the overlap graph. Weak edges come last and never join two closed bodies:
+ * what faces each other across a gap says nothing about either's outside. */
+SignedForest
+spanningForest(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int threads)
+{
+  // Most edges lie within what lighter ones have joined: they are dropped before they are ordered.
+  ClassedEdges edges(overlapGraph(s, leaves, threads));
+  SignedForest forest(s.size());
+  std::vector<char> closed;
+  const auto joinsTwo = [&](const OverlapEdge& e) { return forest.root(e.a) != forest.root(e.b); };
+  edges.forEach(joinsTwo, [&](const OverlapEdge& e) {
+    if (e.weight <= kWeakEdge) {
+      forest.join(e.a, e.b, e.opposed);
+      return;
+    }
+    if (closed.empty()) {
+      const Parts found = partsOf(s, leaves, forest);
+      closed.resize(s.size());
+      for (std::size_t k = 0; k < leaves.size(); ++k) {
+        closed[forest.root(leaves[k])] = found.parts[found.part_of[k]].closed();
+      }
+    }
+    const std::uint32_t a = forest.root(e.a), b = forest.root(e.b);
+    if (closed[a] && closed[b]) return;
+    forest.join(e.a, e.b, e.opposed);
+    closed[forest.root(a)] = closed[a] || closed[b];
+  });
+  return forest;
+}
+
+/** Signs per surfel such that neighbouring leaves agree and each part looks away from its middle. */
+std::vector<signed char>
+graphSigns(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int threads)
+{
+  SignedForest forest = spanningForest(s, leaves, threads);
+  const Parts found = partsOf(s, leaves, forest);
+  std::vector<signed char> signs(s.size(), 1);
+  for (std::size_t k = 0; k < leaves.size(); ++k) {
+    const bool turned = found.parts[found.part_of[k]].turned();
+    signs[leaves[k]] = static_cast<signed char>(turned ? -found.signs[k] : found.signs[k]);
+  }
+  return signs;
+}
+
+std::vector<signed char>
+viewpointSigns(const SLIMSurface& s, const FitParams& params,
+               const std::vector<std::uint32_t>& leaves)
+{
+  Vector eye;
+  for (int a = 0; a < 3; ++a) eye[a] = (params.viewpoint[a] - s.info.origin[a]) / s.info.scale;
+  std::vector<signed char> signs(s.size(), 1);
+  for (const std::uint32_t i : leaves) {
+    if (dot(minus(eye, centerOf(s, i)), normalOf(s, i)) < 0) signs[i] = -1;
+  }
+  return signs;
+}
+
+/** Internal surfels take the side of the leaves below them, from the finest level up. */
+void
+signInternals(const SLIMSurface& s, std::vector<signed char>& signs)
+{
+  std::vector<std::uint32_t> order;
+  for (std::uint32_t i = 0; i < s.size(); ++i) {
+    if (!s.isLeaf(i)) order.push_back(i);
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return s.level[a] > s.level[b]; });
+  for (const std::uint32_t i : order) {
+    double vote = 0;
+    for (std::uint32_t k = s.child_begin[i]; k < s.child_begin[i + 1]; ++k) {
+      const std::uint32_t child = s.children[k];
+      vote += signs[child] * dot(normalOf(s, child), normalOf(s, i));
+    }
+    signs[i] = vote < 0 ? -1 : 1;
+  }
+}
+
+}  // namespace
+
+void
+orientSurface(const FitParams& params, SLIMSurface& surface)
+{
+  std::vector<std::uint32_t> leaves;
+  for (std::uint32_t i = 0; i < surface.size(); ++i) {
+    if (surface.isLeaf(i)) leaves.push_back(i);
+  }
+  std::vector<signed char> signs =
+      params.has_viewpoint ? viewpointSigns(surface, params, leaves)
+                           : graphSigns(surface, leaves, resolveThreads(params.threads));
+  signInternals(surface, signs);
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    if (signs[i] < 0) surface.flip(i);
+  }
+}
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <limits>
+
+#include "ball/ball_kernels.h"
+
+namespace pcl_slim::detail {
+
+/** \brief What a radius costs: residual plus a penalty on small balls. All in local units. */
+struct Energy {
+  static constexpr double kTruncation = 10.0;  ///< 2 (m + 1) of the kernel (1 - s^2)^m, m = 4
+  static constexpr double kLeastShare = 0.2;
+
+  double lambda = 0;      ///< noise variance
+  double kappa = 0;       ///< Mallows' Cp: kappa lambda P / n_eff, where t_mdl is 0
+  double t_mdl = 0;       ///< T_MDL L: the paper's penalty lambda (T L / r)^2
+  double thick = 5.0;     ///< balls below so many sqrt(lambda) are filled by noise
+  bool corrected = true;  ///< residual variance over n - P degrees of freedom (not in the paper)
+
+  /** \brief E(r) of a fit with radius r; gather_radius is the unit the fit was made in. */
+  double operator()(const LocalFit& fit, double r, double gather_radius) const
+  {
+    double e_sq = variance(fit, gather_radius);
+    if (corrected) {
+      // Weights fall with height too, so a thin ball sees e^2 = s^2 / (1 + 10 s^2 / r^2) of a noise
+      // variance s^2, and one the noise fills sees little but its own size.
+      e_sq /= std::max(kLeastShare, 1.0 - kTruncation * e_sq / (r * r));
+      if (r * r < thick * thick * lambda) e_sq = std::max(e_sq, lambda);
+      const double freedom = fit.n_eff - numCoefficients(fit.degree);
+      if (!(freedom > 0)) return std::numeric_limits<double>::infinity();
+      e_sq *= fit.n_eff / freedom;
+    }
+    return e_sq + fit.slope_misfit * gather_radius * gather_radius + penalty(fit, r);
+  }
+
+  /** \brief e^2 as seen across the surface: over a slope s noise scatters heights by 1 + s^2 times
+   * its variance. What a fit misses of the shape keeps its height. */
+  double variance(const LocalFit& fit, double gather_radius) const
+  {
+    const double e_sq = fit.residual_sq * gather_radius * gather_radius;
+    // With T given balls may shrink until they follow the noise, whose slopes must not excuse them.
+    if (!corrected || t_mdl > 0) return e_sq;
+    return std::max(e_sq / (1.0 + fit.slope_sq), e_sq - lambda * fit.slope_sq);
+  }
+
+  /** \brief The part of E(r) that small balls pay. */
+  double penalty(const LocalFit& fit, double r) const
+  {
+    if (t_mdl > 0) return lambda * (t_mdl / r) * (t_mdl / r);  // eq. (3)
+    return kappa * lambda * numCoefficients(fit.degree) / fit.n_eff;
+  }
+};
+
+}  // namespace pcl_slim::detail

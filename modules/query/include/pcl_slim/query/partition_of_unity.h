@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "pcl_slim/surface/surface.h"
+
+namespace pcl_slim {
+
+/** \brief Value, gradient and Hessian (xx xy xz yy yz zz) of a function at a point. */
+struct ImplicitJet {
+  double value = 0;
+  std::array<double, 3> gradient{};
+  std::array<double, 6> hessian{};
+};
+
+/** \brief The same leaves blended in space: F = sum w_i f_i / sum w_i, with F's own derivatives.
+ *
+ * The right side of equation (8) of Ohtake, Belyaev, Alexa 2005, kept to compare with: its
+ * derivatives contain those of the weights, which is where partition-of-unity surfaces show
+ * wiggles that blending derivatives along a ray (projectPoints) does not. Plain double code, a
+ * reference and not meant for speed. Leaves must agree in orientation.
+ */
+class PartitionOfUnity {
+ public:
+  /** \brief The surface must outlive this object. O(M log M). */
+  explicit PartitionOfUnity(const SLIMSurface& surface);
+  ~PartitionOfUnity();
+  PartitionOfUnity(const PartitionOfUnity&) = delete;
+  PartitionOfUnity& operator=(const PartitionOfUnity&) = delete;
+
+  /** \brief F and its derivatives at a point in the surface's local units.
+   * \return false where no leaf's ball holds the point. O(leaves near it). */
+  bool evaluate(const std::array<double, 3>& x, ImplicitJet& jet) const;
+
+ private:
+  struct Index;
+  const SLIMSurface& surface_;
+  std::unique_ptr<Index> index_;
+};
+
+}  // namespace pcl_slim

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/core/progress.h"
+#include "pcl_slim/surface/surface.h"
+
+namespace pcl_slim {
+
+/** \brief How points are moved onto the blended surface. */
+struct ProjectionParams {
+  bool curvature = false;       ///< also blend Hessians (eq. 8, left)
+  bool directions = false;      ///< also principal curvatures and directions; implies curvature
+  bool extremality = false;     ///< also their derivatives along the directions; implies directions
+  bool sharp_features = false;  ///< as the fit's: leaves serve points of normals within 60 degrees
+  bool paper_mode = false;      ///< formula (6) as printed, without the guards
+  int threads = 0;              ///< 0: all cores; never changes the result
+};
+
+/** \brief Greatest and least normal curvature, 1/local length, and the unit tangents they lie along.
+ *
+ * k1 >= k2; directions are perpendicular to each other and to the normal, each with an arbitrary
+ * sign. Where k1 = k2 any pair of tangents is right, and some pair is given. The extremalities
+ * dk1/dt1 and dk2/dt2, from blended third derivatives (those of cubics and quartics), change sign
+ * on crest lines. All zero where unsupported.
+ */
+struct PrincipalFrame {
+  float k1 = 0, k2 = 0;
+  std::array<float, 3> direction1{}, direction2{};
+  float extremality1 = 0, extremality2 = 0;  ///< 1/local length^2, where asked for
+};
+
+/** \brief Result per stored point, the store's local units. */
+struct Projection {
+  std::vector<std::array<double, 3>> position;  ///< unchanged where unsupported
+  std::vector<std::array<float, 3>> normal;     ///< unit; zero where unsupported
+  std::vector<std::array<float, 2>> curvature;  ///< mean and Gaussian, 1/local length, 1/length^2
+  std::vector<PrincipalFrame> principal;        ///< where asked for
+  std::vector<std::uint8_t> supported;  ///< 0: no surfel supports the point, it kept its place
+  std::uint64_t num_unsupported = 0;
+};
+
+/** \brief Moves every stored point along the blended direction of its leaves onto the surface.
+ *
+ * Equations (6) and (7) of Ohtake, Belyaev, Alexa 2005 with q^ = p, guarded: the weight is taken
+ * at the larger of |p - c| and |q - c|, a root counts only within 5 e and r / 4 of p, and where
+ * both sides have normals a leaf serves only points it faces alike. Weights carry the inverse
+ * variance v / (v + e^2) of each leaf, v = lambda + (r / 1000)^2 being what is expected. Surfels
+ * without orientation are aligned in sign to each other, point by point. Never emits NaN.
+ * Curvature is positive where the surface bends away from its normal (a sphere with outward
+ * normals has mean 1/R). The points need not be those the surface was fitted to: both stand in
+ * world coordinates through their origins and scales, and points away from it are unsupported.
+ */
+Error
+projectPoints(const PointStore& store, const SLIMSurface& surface, const ProjectionParams& params,
+              Projection& result, Progress* progress = nullptr);
+
+}  // namespace pcl_slim

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "pcl_slim/surface/polynomial.h"
+#include "pcl_slim/surface/weight_kernel.h"
+
+namespace pcl_slim::detail {
+
+/** \brief A leaf as projection sees it, relative to one block of points. */
+struct BlockLeaf {
+  float shift[3];          ///< block origin minus the leaf's centre
+  float u[3], v[3], w[3];  ///< frame axes
+  float radius;
+  float max_residual;  ///< in units of the radius: points farther from f = 0 are not served
+  float max_offset;    ///< in units of the radius: roots farther along the ray do not count
+  float trust;         ///< factor of its weights, in (0, 1]
+  int degree;
+  const float* c;
+};
+
+/** \brief A block's 16 points: offsets from its origin, and normals where they are to decide. */
+struct BlockPoints {
+  const float *x, *y, *z;
+  const float *nx = nullptr, *ny = nullptr, *nz = nullptr;
+  float min_dot = 0.0f;  ///< a leaf serves a point if their normals' cosine is above this
+};
+
+/** \brief Sums over the leaves of a block's 16 points; columns per point. */
+struct BlockSums {
+  alignas(64) float direction[3][16];  ///< sum w n of pass 1, then the unit ray direction
+  alignas(64) float weight[16];        ///< sum w
+  alignas(64) float offset[16];        ///< sum w t
+  alignas(64) float gradient[3][16];   ///< sum w grad f
+  alignas(64) float hessian[6][16];    ///< sum w H: xx xy xz yy yz zz
+  alignas(64) float third[10][16];     ///< sum w T: xxx xxy xxz xyy xyz xzz yyy yyz yzz zzz
+};
+
+/** \brief How leaves meet points. */
+struct BlendRules {
+  WeightKernel kernel = WeightKernel::kPower4;
+  bool oriented = false;  ///< normals agree; otherwise signs are aligned point by point
+  bool guarded = true;    ///< weight at the larger of |p - c| and |q - c|, gates on residual and t
+  bool with_hessian = false;
+  bool with_third = false;  ///< third derivatives too; needs with_hessian
+};
+
+namespace kernels {
+
+/** \brief Pass 1: adds a leaf's normals, in the points' frame, to the ray directions. */
+void
+addDirections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+              BlockSums& sums);
+
+/** \brief Makes the directions unit and clears the sums of pass 2; zero where nothing was added. */
+void
+finishDirections(BlockSums& sums);
+
+/** \brief Pass 2: meets the rays p + t d with a leaf and adds what equations (6)-(8) blend. */
+void
+addIntersections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+                 BlockSums& sums);
+
+}  // namespace kernels
+}  // namespace pcl_slim::detail

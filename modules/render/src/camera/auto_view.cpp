@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/render/auto_view.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "pcl_slim/core/vector3.h"
+
+namespace pcl_slim {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kClearlyLonger = 1.1;  ///< y over z, for a cloud to count as standing along y
+constexpr double kOneSided = 0.15;      ///< length of the mean normal across the upward axis
+constexpr double kQuarterView = 30.0;   ///< azimuth in degrees
+constexpr double kCameraFacing = 0.4;   ///< mean normal along -z of a scan in camera axes
+
+/** \brief Leaves as weighted points: weight r^2, about the area each stands for. */
+struct LeafCloud {
+  std::vector<Vector3> centers;
+  std::vector<double> weights;
+  double total = 0.0;
+  Vector3 low{}, high{};  ///< bounds of the central 98 % on each axis
+  Vector3 deviation{};    ///< standard deviation along each axis, inside those bounds
+  Vector3 mean_normal{0.0, 0.0, 0.0};
+
+  explicit LeafCloud(const SLIMSurface& surface);
+  void measureAxis(std::size_t axis);
+  bool empty() const { return centers.empty(); }
+  double extent(std::size_t axis) const { return high[axis] - low[axis]; }
+};
+
+LeafCloud::LeafCloud(const SLIMSurface& surface)
+{
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    if (!surface.isLeaf(i)) continue;
+    const double weight = static_cast<double>(surface.radius[i]) * surface.radius[i];
+    centers.push_back({surface.cx[i], surface.cy[i], surface.cz[i]});
+    weights.push_back(weight);
+    total += weight;
+    mean_normal = along(mean_normal, weight, {surface.nx[i], surface.ny[i], surface.nz[i]});
+  }
+  if (empty()) return;
+  mean_normal = scaled(mean_normal, 1.0 / total);
+  for (std::size_t axis = 0; axis < 3; ++axis) measureAxis(axis);
+}
+
+void
+LeafCloud::measureAxis(std::size_t axis)
+{
+  std::vector<double> values(centers.size());
+  for (std::size_t i = 0; i < centers.size(); ++i) values[i] = centers[i][axis];
+  std::sort(values.begin(), values.end());
+  const auto last = static_cast<double>(values.size() - 1);
+  low[axis] = values[static_cast<std::size_t>(0.01 * last)];
+  high[axis] = values[static_cast<std::size_t>(0.99 * last)];
+  double sum = 0.0, sum_sq = 0.0, weight = 0.0;
+  for (std::size_t i = 0; i < centers.size(); ++i) {
+    const double x = centers[i][axis] - low[axis];
+    if (x < 0.0 || centers[i][axis] > high[axis]) continue;
+    sum += weights[i] * x;
+    sum_sq += weights[i] * x * x;
+    weight += weights[i];
+  }
+  if (!(weight > 0.0)) return;
+  const double mean = sum / weight;
+  deviation[axis] = std::sqrt(std::max(0.0, sum_sq / weight - mean * mean));
+}
+
+/** \brief True when all extents but the one along axis are at least four times as long. */
+bool
+isFlatAlong(const LeafCloud& cloud, std::size_t axis)
+{
+  const double across = std::min(cloud.deviation[(axis + 1) % 3], cloud.deviation[(axis + 2) % 3]);
+  return cloud.deviation[axis] < 0.25 * across;
+}
+
+/** \brief True when the world's origin sees the cloud as a depth camera would: in front along z,
+ * at ranges a camera has, in a cone of ordinary width that the cloud fills around the axis. */
+bool
+seenByDepthCamera(const LeafCloud& cloud, const SurfaceInfo& info)
+{
+  const Vector3 origin = scaled(info.origin, 1.0 / info.scale);
+  std::vector<double> slopes_x, slopes_y, depths;
+  for (const Vector3& c : cloud.centers) {
+    const Vector3 p = along(c, 1.0, origin);
+    if (!(p[2] > 0.0)) return false;
+    slopes_x.push_back(p[0] / p[2]);
+    slopes_y.push_back(p[1] / p[2]);
+    depths.push_back(p[2]);
+  }
+  const auto bulk = [](std::vector<double>& values) {
+    std::sort(values.begin(), values.end());
+    const std::size_t rim = values.size() / 50;
+    return std::array<double, 2>{values[rim], values[values.size() - 1 - rim]};
+  };
+  const auto spans = [](const std::array<double, 2>& slopes) {
+    return slopes[0] > -1.2 && slopes[0] < -0.15 && slopes[1] > 0.15 && slopes[1] < 1.2;
+  };
+  const auto range = bulk(depths);
+  return range[0] > 0.08 * range[1] && spans(bulk(slopes_x)) && spans(bulk(slopes_y));
+}
+
+/** \brief Map coordinates: both horizontal ones far from 0, many times the cloud's size. */
+bool
+isGeoreferenced(const SurfaceInfo& info)
+{
+  const double far = 100.0 * info.diagonal * info.scale;
+  return std::abs(info.origin[0]) > far && std::abs(info.origin[1]) > far;
+}
+
+struct Upright {
+  Vector3 up, front, right;
+};
+
+/** \brief Axes of a camera: x right, y down, z forward. */
+constexpr Upright kCameraUpright{{0.0, -1.0, 0.0}, {0.0, 0.0, -1.0}, {1.0, 0.0, 0.0}};
+
+Upright
+uprightOf(UpAxis axis)
+{
+  switch (axis) {
+    case UpAxis::kX: return {{1.0, 0.0, 0.0}, {0.0, -1.0, 0.0}, {0.0, 0.0, -1.0}};
+    case UpAxis::kY: return {{0.0, 1.0, 0.0}, {0.0, 0.0, 1.0}, {1.0, 0.0, 0.0}};
+    default: return {{0.0, 0.0, 1.0}, {0.0, -1.0, 0.0}, {1.0, 0.0, 0.0}};
+  }
+}
+
+std::size_t
+indexOf(UpAxis axis)
+{
+  return axis == UpAxis::kX ? 0 : axis == UpAxis::kY ? 1 : 2;
+}
+
+/** \brief Azimuth in degrees from which horizontal extents look widest, in (-90, 90]. */
+double
+widestAzimuth(const LeafCloud& cloud, const Upright& frame)
+{
+  double rr = 0.0, ff = 0.0, rf = 0.0, mean_r = 0.0, mean_f = 0.0;
+  for (std::size_t i = 0; i < cloud.centers.size(); ++i) {
+    const double w = cloud.weights[i] / cloud.total;
+    const double r = dot(cloud.centers[i], frame.right), f = dot(cloud.centers[i], frame.front);
+    mean_r += w * r;
+    mean_f += w * f;
+    rr += w * r * r;
+    ff += w * f * f;
+    rf += w * r * f;
+  }
+  rr -= mean_r * mean_r;
+  ff -= mean_f * mean_f;
+  rf -= mean_r * mean_f;
+  // The viewer looks along the axis of least variance.
+  const double angle =
+      0.5 * std::atan2(2.0 * rf, ff - rr) * 180.0 / kPi;  // of the long axis, from front
+  double azimuth = angle + 90.0;
+  if (azimuth > 90.0) azimuth -= 180.0;
+  return azimuth;
+}
+
+ViewDirection
+viewFrom(const Upright& frame, double azimuth, double elevation)
+{
+  const double a = azimuth * kPi / 180.0, e = elevation * kPi / 180.0;
+  const Vector3 level = along(scaled(frame.front, std::cos(a)), std::sin(a), frame.right);
+  // The picture's upward direction is the derivative by elevation, which is never degenerate.
+  return {along(scaled(level, std::cos(e)), std::sin(e), frame.up),
+          along(scaled(level, -std::sin(e)), std::cos(e), frame.up)};
+}
+
+}  // namespace
+
+ViewDirection
+viewFromAngles(UpAxis up, double azimuth, double elevation)
+{
+  return viewFrom(uprightOf(up), azimuth, elevation);
+}
+
+UpAxis
+guessUpAxis(const SLIMSurface& surface)
+{
+  const LeafCloud cloud(surface);
+  if (cloud.empty() || isFlatAlong(cloud, 2) || isGeoreferenced(surface.info)) return UpAxis::kZ;
+  if (isFlatAlong(cloud, 1)) return UpAxis::kY;
+  return cloud.extent(1) > kClearlyLonger * cloud.extent(2) ? UpAxis::kY : UpAxis::kZ;
+}
+
+ViewDirection
+chooseView(const SLIMSurface& surface, UpAxis up)
+{
+  const LeafCloud cloud(surface);
+  if (cloud.empty()) return viewFromAngles(up, kQuarterView, 18.0);
+  if (up == UpAxis::kAuto && !isFlatAlong(cloud, 2) && seenByDepthCamera(cloud, surface.info)) {
+    return {{0.0, -0.12, -1.0}, {0.0, -1.0, 0.0}};
+  }
+  const UpAxis axis = up == UpAxis::kAuto ? guessUpAxis(surface) : up;
+  const Upright frame = uprightOf(axis);
+  if (isFlatAlong(cloud, indexOf(axis))) {
+    return viewFrom(frame, widestAzimuth(cloud, frame), 42.0);
+  }
+  if (!surface.info.oriented) return viewFrom(frame, kQuarterView, 18.0);
+  const bool camera_axes =
+      up == UpAxis::kAuto && axis == UpAxis::kY && cloud.mean_normal[2] < -kCameraFacing;
+  const Upright seen_from = camera_axes ? kCameraUpright : frame;
+  const double facing_front = dot(cloud.mean_normal, seen_from.front);
+  const double facing_right = dot(cloud.mean_normal, seen_from.right);
+  if (std::hypot(facing_front, facing_right) < kOneSided)
+    return viewFrom(frame, kQuarterView, 18.0);
+  return viewFrom(seen_from, std::atan2(facing_right, facing_front) * 180.0 / kPi + 15.0, 12.0);
+}
+
+}  // namespace pcl_slim

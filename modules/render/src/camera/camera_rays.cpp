@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "camera/camera_rays.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace pcl_slim::detail {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/** \brief floor() kept inside the range of pixel coordinates. */
+int
+pixelOf(double coordinate, int size)
+{
+  return static_cast<int>(std::floor(std::clamp(coordinate, -2.0, size + 2.0)));
+}
+
+}  // namespace
+
+CameraAxes::CameraAxes(const Camera& camera)
+{
+  forward = normalized(subtract(camera.look_at, camera.position));
+  right = normalized(cross(forward, camera.up));
+  up = cross(right, forward);
+}
+
+CameraRays::CameraRays(const Camera& camera, const Vector3& origin, double scale)
+    : axes_(camera),
+      eye_(scaled(subtract(camera.position, origin), 1.0 / scale)),
+      perspective_(camera.projection == Camera::Projection::kPerspective),
+      width_(camera.size.width),
+      height_(camera.size.height)
+{
+  const double view_height =
+      perspective_ ? 2.0 * std::tan(camera.fov * kPi / 360.0) : camera.view_height / scale;
+  pixel_ = view_height / height_;
+  center_x_ = 0.5 * (width_ - 1) - camera.pixel_offset[0];
+  center_y_ = 0.5 * (height_ - 1) - camera.pixel_offset[1];
+}
+
+Ray
+CameraRays::ray(int x, int y) const
+{
+  const double px = (x - center_x_) * pixel_, py = (center_y_ - y) * pixel_;
+  const Vector3 offset = along(scaled(axes_.right, px), py, axes_.up);
+  if (!perspective_) return {along(eye_, 1.0, offset), axes_.forward};
+  return {eye_, normalized(along(axes_.forward, 1.0, offset))};
+}
+
+double
+CameraRays::pixelLength(const Vector3& point) const
+{
+  if (!perspective_) return pixel_;
+  return pixel_ * std::max(0.0, dot(subtract(point, eye_), axes_.forward));
+}
+
+double
+CameraRays::nearestDepth(const Vector3& center, double radius) const
+{
+  const Vector3 to_center = subtract(center, eye_);
+  return (perspective_ ? length(to_center) : dot(to_center, axes_.forward)) - radius;
+}
+
+Vector3
+CameraRays::directionTo(const Vector3& point) const
+{
+  return perspective_ ? normalized(subtract(point, eye_)) : axes_.forward;
+}
+
+double
+CameraRays::halfAngle(const Vector3& center, double radius) const
+{
+  if (!perspective_) return 0.0;
+  const double distance = length(subtract(center, eye_));
+  return distance > radius ? std::asin(radius / distance) : kPi / 2.0;
+}
+
+std::array<double, 2>
+CameraRays::planeRange(double offset, double depth, double radius) const
+{
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  if (!perspective_) return {offset - radius, offset + radius};
+  const double distance = std::hypot(offset, depth);
+  if (distance <= radius) return {-kInfinity, kInfinity};
+  const double angle = std::atan2(offset, depth), half = std::asin(radius / distance);
+  if (angle - half >= kPi / 2.0 || angle + half <= -kPi / 2.0) return {kInfinity, -kInfinity};
+  return {angle - half <= -kPi / 2.0 ? -kInfinity : std::tan(angle - half),
+          angle + half >= kPi / 2.0 ? kInfinity : std::tan(angle + half)};
+}
+
+PixelRect
+CameraRays::pixelsOfBall(const Vector3& center, double radius) const
+{
+  const Vector3 p = subtract(center, eye_);
+  const double depth = dot(p, axes_.forward);
+  if (depth + radius <= 0.0) return {};
+  const auto [left, right] = planeRange(dot(p, axes_.right), depth, radius);
+  const auto [low, high] = planeRange(dot(p, axes_.up), depth, radius);
+  if (left > right || low > high) return {};
+  PixelRect rect;
+  rect.x0 = std::max(0, pixelOf(left / pixel_ + center_x_, width_));
+  rect.x1 = std::min(width_ - 1, pixelOf(right / pixel_ + center_x_, width_) + 1);
+  rect.y0 = std::max(0, pixelOf(center_y_ - high / pixel_, height_));
+  rect.y1 = std::min(height_ - 1, pixelOf(center_y_ - low / pixel_, height_) + 1);
+  return rect;
+}
+
+}  // namespace pcl_slim::detail

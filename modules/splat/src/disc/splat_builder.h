@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "disc/disc_shape.h"
+#include "octree/octree_runs.h"
+#include "pcl_slim/splat/splat_sampling.h"
+
+namespace pcl_slim::detail {
+
+/** Makes a disc of each cell while its points are at hand, and the splats of all discs at the end.
+ *
+ * Cells come in slices; slices from any thread at any time. */
+class SplatBuilder {
+ public:
+  SplatBuilder(const OctreeCloud& cloud, const OctreeSource& source, const SplatParams& params,
+               const SampleNoise& noise, std::size_t slices);
+
+  /** All cells of a slice; their points stand in the window. */
+  void add(std::size_t slice, const PointWindow& window, const CellBatch& batch);
+
+  /** Writes splats in the order of slices and cells. store: for RadiusRule::kNeighbors, else null;
+   * the same points. */
+  void finish(const PointStore* store, SplatSet& splats, SplatStatistics& statistics);
+
+ private:
+  /** One disc; lengths in root cells. */
+  struct Row {
+    std::array<float, 3> center, normal;
+    float reach;    ///< radius where the rule knows it already, else to the farthest point
+    float spacing;  ///< 0: unknown
+    float confidence, curvature;
+    std::uint32_t rgb, kept;
+  };
+
+  struct Slice {
+    std::vector<Row> rows;
+    std::vector<SplatSet::Gradient> gradients;
+    std::uint64_t single_points = 0, without_normal = 0;
+  };
+
+  void addDisc(std::size_t slice, const PointWindow& window, const OctreeCell& cell,
+               const CellSums& sums, DiscNormal shape, Slice& out);
+  std::uint32_t colorOf(const CellSums& sums, std::size_t input) const;
+  void count(SplatStatistics& statistics) const;
+  double widest() const;
+  std::vector<float> neighborRadiiOf(const PointStore& store, double widest) const;
+
+  const OctreeCloud& cloud_;
+  const OctreeSource& source_;
+  const SplatParams& params_;
+  double color_noise_, normal_noise_;
+  std::vector<Slice> slices_;
+  std::vector<std::array<std::uint32_t, 2>> disc_of_;  ///< slice and row of each point, by order
+};
+
+/** Normals from the principal axes of each point's k nearest, facing viewpoint; three floats for
+ * each point of the view, zero for those not asked for or not finite. store: the same points. */
+std::vector<float>
+estimateNormals(const PointStore& store, const CloudView& cloud, int neighbors,
+                const double viewpoint[3], int threads);
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <limits>
+
+#include "points/splat_kernels.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "octree/cell_kernels.cpp"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace pcl_slim::detail::splat_kernels::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Doubles = hn::CappedTag<double, 4>;
+using HalfFloats = hn::Rebind<float, Doubles>;
+
+float
+farthestAndNearest(const float* x, const float* y, const float* z, std::size_t n,
+                   const float center[3], std::size_t& nearest)
+{
+  const hn::CappedTag<float, 4> d;
+  const hn::RebindToSigned<decltype(d)> di;
+  const auto lanes = static_cast<std::int32_t>(hn::Lanes(d));
+  const auto cx = hn::Set(d, center[0]), cy = hn::Set(d, center[1]), cz = hn::Set(d, center[2]);
+  auto largest = hn::Zero(d), least = hn::Set(d, std::numeric_limits<float>::max());
+  auto at = hn::Zero(di), index = hn::Iota(di, 0);
+  const auto count = hn::Set(di, static_cast<std::int32_t>(n));
+  for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {
+    const auto u = hn::Sub(hn::LoadU(d, x + i), cx), v = hn::Sub(hn::LoadU(d, y + i), cy),
+               w = hn::Sub(hn::LoadU(d, z + i), cz);
+    const auto sq = hn::Add(hn::Add(hn::Mul(u, u), hn::Mul(v, v)), hn::Mul(w, w));
+    const auto inside = hn::RebindMask(d, hn::Lt(index, count));
+    const auto nearer = hn::And(inside, hn::Lt(sq, least));
+    largest = hn::Max(largest, hn::IfThenElseZero(inside, sq));
+    least = hn::IfThenElse(nearer, sq, least);
+    at = hn::IfThenElse(hn::RebindMask(di, nearer), index, at);
+    index = hn::Add(index, hn::Set(di, lanes));
+  }
+  float far[4], near[4];
+  std::int32_t places[4];
+  hn::StoreU(largest, d, far);
+  hn::StoreU(least, d, near);
+  hn::StoreU(at, di, places);
+  std::int32_t best = 0;
+  for (std::int32_t k = 1; k < lanes; ++k) {
+    far[0] = std::max(far[0], far[k]);
+    if (near[k] < near[best] || (near[k] == near[best] && places[k] < places[best])) best = k;
+  }
+  nearest = static_cast<std::size_t>(places[best]);
+  return far[0];
+}
+
+#if HWY_TARGET != HWY_SCALAR
+/** Sums of four vectors of four, as ((0 + 1) + (2 + 3)) each. */
+template <typename V>
+V
+sumsOfFour(Doubles d, V a, V b, V c, V e)
+{
+  const auto ab = hn::Add(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b));
+  const auto ce = hn::Add(hn::InterleaveLower(d, c, e), hn::InterleaveUpper(d, c, e));
+  return hn::Add(hn::ConcatLowerLower(d, ce, ab), hn::ConcatUpperUpper(d, ce, ab));
+}
+#endif
+
+/** A vector's lanes, from part on, of four sums of everything: point i counts in lane i % 4.
+ * quads: where vectors are shorter than four, the lanes; else the sums of all four. */
+void
+sumLanes(const float* const columns[9], std::size_t n, std::size_t part, double (*quads)[4],
+         [[maybe_unused]] double sums[kNumSums])
+{
+  const Doubles d;
+  const HalfFloats df;
+  auto x1 = hn::Zero(d), y1 = x1, z1 = x1, p2 = x1, u1 = x1, v1 = x1, w1 = x1, uu = x1, uv = x1,
+       uw = x1, vv = x1, vw = x1, ww = x1, l1 = x1, a1 = x1, b1 = x1, c2 = x1;
+  const auto step = [&](const auto& at) {
+    const auto x = at(0), y = at(1), z = at(2);
+    x1 = hn::Add(x1, x);
+    y1 = hn::Add(y1, y);
+    z1 = hn::Add(z1, z);
+    p2 = hn::Add(p2, hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)));
+    const auto u = at(3), v = at(4), w = at(5);
+    u1 = hn::Add(u1, u);
+    v1 = hn::Add(v1, v);
+    w1 = hn::Add(w1, w);
+    uu = hn::Add(uu, hn::Mul(u, u));
+    uv = hn::Add(uv, hn::Mul(u, v));
+    uw = hn::Add(uw, hn::Mul(u, w));
+    vv = hn::Add(vv, hn::Mul(v, v));
+    vw = hn::Add(vw, hn::Mul(v, w));
+    ww = hn::Add(ww, hn::Mul(w, w));
+    const auto l = at(6), a = at(7), b = at(8);
+    l1 = hn::Add(l1, l);
+    a1 = hn::Add(a1, a);
+    b1 = hn::Add(b1, b);
+    c2 = hn::Add(c2, hn::Add(hn::Add(hn::Mul(l, l), hn::Mul(a, a)), hn::Mul(b, b)));
+  };
+  std::size_t i = part;
+  const std::size_t whole = n / 4 * 4;
+  for (; i < whole; i += 4) {
+    step([&](int c) { return hn::PromoteTo(d, hn::LoadU(df, columns[c] + i)); });
+  }
+  if (i < n) {
+    const auto inside = hn::FirstN(df, n - i);
+    step([&](int c) {
+      return hn::PromoteTo(d, hn::IfThenElseZero(inside, hn::LoadU(df, columns[c] + i)));
+    });
+  }
+#if HWY_TARGET != HWY_SCALAR
+  if (hn::Lanes(d) == 4) {
+    hn::StoreU(sumsOfFour(d, x1, y1, z1, p2), d, sums);
+    hn::StoreU(sumsOfFour(d, u1, v1, w1, uu), d, sums + 4);
+    hn::StoreU(sumsOfFour(d, uv, uw, vv, vw), d, sums + 8);
+    hn::StoreU(sumsOfFour(d, ww, l1, a1, b1), d, sums + 12);
+    hn::StoreU(c2, d, quads[0]);
+    return;
+  }
+#endif
+  const auto put = [&](std::size_t k, decltype(x1) sum) { hn::StoreU(sum, d, quads[k] + part); };
+  put(0, x1), put(1, y1), put(2, z1), put(3, p2);
+  put(4, u1), put(5, v1), put(6, w1);
+  put(7, uu), put(8, uv), put(9, uw), put(10, vv), put(11, vw), put(12, ww);
+  put(13, l1), put(14, a1), put(15, b1), put(16, c2);
+}
+
+double
+sumOfQuad(const double quad[4])
+{
+  return (quad[0] + quad[1]) + (quad[2] + quad[3]);
+}
+
+void
+sumPoints(const float* const columns[9], std::size_t n, double sums[kNumSums])
+{
+  double quads[kNumSums][4];
+  const std::size_t lanes = hn::Lanes(Doubles());
+  for (std::size_t part = 0; part < 4; part += lanes) sumLanes(columns, n, part, quads, sums);
+  for (std::size_t k = 0; k < kNumSums && lanes < 4; ++k) sums[k] = sumOfQuad(quads[k]);
+  if (lanes == 4) sums[16] = sumOfQuad(quads[0]);
+}
+
+using Cells = hn::CappedTag<double, 8>;
+using CellVector = hn::Vec<Cells>;
+
+/** Symmetric matrices xx xy xz yy yz zz, one in each lane. */
+struct Symmetric {
+  CellVector m[6];
+
+  Symmetric squared() const
+  {
+    const auto [a, b, c, d, e, f] = m;
+    return {{dot(a, a, b, b, c, c), dot(a, b, b, d, c, e), dot(a, c, b, e, c, f),
+             dot(b, b, d, d, e, e), dot(b, c, d, e, e, f), dot(c, c, e, e, f, f)}};
+  }
+
+  /** Row of the product with a vector. */
+  CellVector times(int row, CellVector x, CellVector y, CellVector z) const
+  {
+    constexpr int kPlaces[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+    const int* at = kPlaces[row];
+    return dot(m[at[0]], x, m[at[1]], y, m[at[2]], z);
+  }
+
+  static CellVector dot(CellVector a, CellVector b, CellVector c, CellVector d, CellVector e,
+                        CellVector f)
+  {
+    return hn::Add(hn::Add(hn::Mul(a, b), hn::Mul(c, d)), hn::Mul(e, f));
+  }
+};
+
+/** det(t I - m). */
+CellVector
+characteristic(const Symmetric& s, CellVector t)
+{
+  const auto a = hn::Sub(t, s.m[0]), b = hn::Sub(t, s.m[3]), c = hn::Sub(t, s.m[5]);
+  const auto d = s.m[1], e = s.m[2], f = s.m[4];
+  const auto first = hn::Mul(a, hn::Sub(hn::Mul(b, c), hn::Mul(f, f)));
+  const auto second = hn::Mul(d, hn::Add(hn::Mul(d, c), hn::Mul(f, e)));
+  const auto third = hn::Mul(e, hn::Add(hn::Mul(d, f), hn::Mul(b, e)));
+  return hn::Sub(hn::Sub(first, second), third);
+}
+
+/** What CellSums::unorientedAbove asks of normals that are not one line, and how long their sum is
+ * at least: half of what it would be if they shared one side. */
+hn::Mask<Cells>
+haveOneAxis(const Symmetric& whole, CellVector total, CellVector sum_sq, CellVector count,
+            double widest)
+{
+  const Cells d;
+  const auto value = characteristic(whole, hn::Mul(total, hn::Set(d, 1.0 - widest)));
+  const auto cube = hn::Mul(hn::Mul(total, total), total);
+  const auto one_line = hn::Le(value, hn::Mul(hn::Set(d, 1e-13), cube));
+  const auto half = hn::Mul(hn::Set(d, 0.5), count);
+  const auto one_side = hn::Ge(sum_sq, hn::Mul(half, half));
+  return hn::And(hn::And(one_line, one_side), hn::Gt(total, hn::Set(d, 0.5)));
+}
+
+void
+commonNormals(const double* cells, std::size_t n, double widest, double* normals)
+{
+  const Cells d;
+  const hn::RebindToSigned<Cells> di;
+  constexpr int kNormal = 5, kProduct = 8;
+  const auto row = hn::Iota(di, 0);
+  const std::size_t lanes = hn::Lanes(d);
+  for (std::size_t i = 0; i < n; i += lanes) {
+    const auto last = hn::Set(di, static_cast<std::int64_t>(n - 1 - i));
+    const auto place = hn::Mul(hn::Min(row, last), hn::Set(di, std::int64_t{kCellNumbers}));
+    const auto number = [&](int k) {
+      return hn::GatherIndex(d, cells + i * kCellNumbers + k, place);
+    };
+    Symmetric whole, power;
+    for (int k = 0; k < 6; ++k) whole.m[k] = number(kProduct + k);
+    const auto count = number(0), x = number(kNormal), y = number(kNormal + 1),
+               z = number(kNormal + 2);
+    const auto total = hn::Add(hn::Add(whole.m[0], whole.m[3]), whole.m[5]);
+    const auto one_axis =
+        haveOneAxis(whole, total, Symmetric::dot(x, x, y, y, z, z), count, widest);
+    // Where normals agree, the eighth power leaves one axis of their mean.
+    const auto scale = hn::Div(hn::Set(d, 1.0), total);
+    for (int k = 0; k < 6; ++k) power.m[k] = hn::Mul(whole.m[k], scale);
+    power = power.squared().squared().squared();
+    auto u = power.times(0, x, y, z), v = power.times(1, x, y, z), w = power.times(2, x, y, z);
+    const auto length = hn::Div(hn::Set(d, 1.0), hn::Sqrt(Symmetric::dot(u, u, v, v, w, w)));
+    u = hn::Mul(u, length), v = hn::Mul(v, length), w = hn::Mul(w, length);
+    const auto along = Symmetric::dot(u, whole.times(0, u, v, w), v, whole.times(1, u, v, w), w,
+                                      whole.times(2, u, v, w));
+    const auto rest = hn::Sub(hn::Set(d, 1.0), hn::Mul(along, scale));
+    const auto some = hn::Gt(count, hn::Set(d, 1.0));
+    const auto variance =
+        hn::IfThenElseZero(some, hn::Min(hn::Max(rest, hn::Zero(d)), hn::Set(d, 2.0 / 3.0)));
+    double out[4][8];
+    hn::StoreU(u, d, out[0]);
+    hn::StoreU(v, d, out[1]);
+    hn::StoreU(w, d, out[2]);
+    hn::StoreU(hn::IfThenElse(one_axis, variance, hn::Set(d, -1.0)), d, out[3]);
+    for (std::size_t k = 0; k < std::min(lanes, n - i); ++k) {
+      for (std::size_t c = 0; c < 4; ++c) normals[4 * (i + k) + c] = out[c][k];
+    }
+  }
+}
+
+}  // namespace pcl_slim::detail::splat_kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pcl_slim::detail::splat_kernels {
+
+HWY_EXPORT(farthestAndNearest);
+HWY_EXPORT(sumPoints);
+HWY_EXPORT(commonNormals);
+
+float
+farthestAndNearest(const float* x, const float* y, const float* z, std::size_t n,
+                   const float center[3], std::size_t& nearest)
+{
+  return HWY_DYNAMIC_DISPATCH(farthestAndNearest)(x, y, z, n, center, nearest);
+}
+
+void
+sumPoints(const float* const columns[9], std::size_t n, double sums[kNumSums])
+{
+  HWY_DYNAMIC_DISPATCH(sumPoints)(columns, n, sums);
+}
+
+void
+commonNormals(const double* cells, std::size_t n, double widest, double* normals)
+{
+  HWY_DYNAMIC_DISPATCH(commonNormals)(cells, n, widest, normals);
+}
+
+}  // namespace pcl_slim::detail::splat_kernels
+#endif

@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "points/splat_kernels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "points/point_kernels.cpp"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace pcl_slim::detail::splat_kernels::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Floats = hn::CappedTag<float, 16>;
+using Doubles = hn::CappedTag<double, 8>;
+using HalfFloats = hn::Rebind<float, Doubles>;
+using Words = hn::CappedTag<std::uint64_t, 8>;
+
+bool
+boxOfPoints(const unsigned char* first, std::size_t stride, std::size_t n, float low[3],
+            float high[3])
+{
+  const hn::CappedTag<float, 4> d;
+  // As many axes at a time as a vector holds; what lies behind the third is looked at in vain.
+  for (std::size_t axis = 0; axis < 3; axis += hn::Lanes(d)) {
+    auto least = hn::Set(d, std::numeric_limits<float>::max()), largest = hn::Neg(least);
+    auto bad = hn::Zero(d);
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto p = hn::LoadU(d, reinterpret_cast<const float*>(first + i * stride) + axis);
+      bad = hn::Add(bad, hn::Sub(p, p));
+      least = hn::Min(least, p);
+      largest = hn::Max(largest, p);
+    }
+    float lanes[3][4];
+    hn::StoreU(bad, d, lanes[0]);
+    hn::StoreU(least, d, lanes[1]);
+    hn::StoreU(largest, d, lanes[2]);
+    for (std::size_t a = axis; a < std::min<std::size_t>(3, axis + hn::Lanes(d)); ++a) {
+      if (lanes[0][a - axis] != 0) return false;
+      low[a] = lanes[1][a - axis];
+      high[a] = lanes[2][a - axis];
+    }
+  }
+  return true;
+}
+
+void
+gatherVectors(const unsigned char* first, std::size_t stride, const std::uint32_t* points,
+              std::size_t n, float* x, float* y, float* z)
+{
+  for (std::size_t k = 0; k < n; k += 4) {
+    const float* p[4];
+    for (std::size_t i = 0; i < 4; ++i) {
+      p[i] = reinterpret_cast<const float*>(first + points[k + i] * stride);
+    }
+#if HWY_TARGET == HWY_SCALAR
+    for (std::size_t i = 0; i < 4; ++i) {
+      x[k + i] = p[i][0], y[k + i] = p[i][1], z[k + i] = p[i][2];
+    }
+#else
+    const hn::FixedTag<float, 4> d;
+    const auto a = hn::LoadU(d, p[0]), b = hn::LoadU(d, p[1]), c = hn::LoadU(d, p[2]),
+               e = hn::LoadU(d, p[3]);
+    const auto ac = hn::InterleaveLower(d, a, c), be = hn::InterleaveLower(d, b, e);
+    hn::StoreU(hn::InterleaveLower(d, ac, be), d, x + k);
+    hn::StoreU(hn::InterleaveUpper(d, ac, be), d, y + k);
+    hn::StoreU(hn::InterleaveLower(d, hn::InterleaveUpper(d, a, c), hn::InterleaveUpper(d, b, e)),
+               d, z + k);
+#endif
+  }
+}
+
+void
+toCells(const OctreeFrame& frame, float* x, float* y, float* z, std::size_t n)
+{
+  const Doubles d;
+  const HalfFloats df;
+  const auto scale = hn::Set(d, frame.scale);
+  const auto last = hn::Set(df, frame.last);
+  float* const columns[3] = {x, y, z};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto low = hn::Set(d, frame.origin[a]);
+    for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {
+      const auto world = hn::PromoteTo(d, hn::Load(df, columns[a] + i));
+      const auto cells = hn::DemoteTo(df, hn::Mul(hn::Sub(world, low), scale));
+      hn::Store(hn::Min(cells, last), df, columns[a] + i);
+    }
+  }
+}
+
+/** Two zero bits behind each of the low 21 bits. */
+template <typename V>
+V
+spread(Words d, V v)
+{
+  const auto step = [d](V bits, int shift, std::uint64_t mask) {
+    return hn::And(hn::Or(bits, hn::ShiftLeftSame(bits, shift)), hn::Set(d, mask));
+  };
+  v = step(v, 32, 0x1f00000000ffffULL);
+  v = step(v, 16, 0x1f0000ff0000ffULL);
+  v = step(v, 8, 0x100f00f00f00f00fULL);
+  v = step(v, 4, 0x10c30c30c30c30c3ULL);
+  return step(v, 2, 0x1249249249249249ULL);
+}
+
+/** Codes of as many positions as a vector holds, times a power of two. */
+hn::Vec<Words>
+mortonCodes(const float* x, const float* y, const float* z, float scale)
+{
+  const Words d;
+  const hn::Rebind<float, Words> df;
+  const hn::Rebind<std::int32_t, Words> di;
+  const hn::Rebind<std::uint32_t, Words> du;
+  const auto cell = [&](const float* column) {
+    const auto c = hn::ConvertTo(di, hn::Mul(hn::LoadU(df, column), hn::Set(df, scale)));
+    return spread(d, hn::PromoteTo(d, hn::BitCast(du, c)));
+  };
+  return hn::Or(hn::ShiftLeft<2>(cell(x)), hn::Or(hn::ShiftLeft<1>(cell(y)), cell(z)));
+}
+
+void
+packKeys(const float* x, const float* y, const float* z, const std::uint32_t* index, std::size_t n,
+         int depth, int index_bits, int zeros, std::uint64_t* packed)
+{
+  const Words d;
+  const hn::Rebind<std::uint32_t, Words> du;
+  const auto scale = static_cast<float>(1 << depth);
+  for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {
+    const auto code = hn::ShiftLeftSame(mortonCodes(x + i, y + i, z + i, scale), index_bits);
+    const auto key = hn::Or(code, hn::PromoteTo(d, hn::Load(du, index + i)));
+    hn::StoreU(hn::ShiftLeftSame(key, zeros), d, packed + i);
+  }
+}
+
+void
+mortonKeys(const float* x, const float* y, const float* z, std::size_t n, int depth,
+           std::uint64_t* keys)
+{
+  const Words d;
+  const auto scale = static_cast<float>(1 << depth);
+  for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {
+    hn::StoreU(mortonCodes(x + i, y + i, z + i, scale), d, keys + i);
+  }
+}
+
+/** Cube root of q from 216/24389 on, the tangent line below (CIE 15). */
+template <typename V>
+V
+labRoot(Floats d, V q)
+{
+  const auto threshold = hn::Set(d, 216.0f / 24389.0f);
+  const hn::RebindToSigned<Floats> di;
+  const auto high = hn::Max(q, threshold);
+  // 1/cbrt by its exponent, within 4 %; three steps of Newton reach a float's last bits.
+  const auto bits = hn::ConvertTo(d, hn::BitCast(di, high));
+  const auto third = hn::ConvertTo(di, hn::Mul(bits, hn::Set(d, 1.0f / 3.0f)));
+  auto r = hn::BitCast(d, hn::Sub(hn::Set(di, 0x54a2fa8c), third));
+  const auto q_third = hn::Mul(high, hn::Set(d, 1.0f / 3.0f));
+  for (int step = 0; step < 3; ++step) {
+    const auto r2 = hn::Mul(r, r);
+    r = hn::Sub(hn::Mul(r, hn::Set(d, 4.0f / 3.0f)), hn::Mul(q_third, hn::Mul(r2, r2)));
+  }
+  const auto root = hn::Mul(hn::Mul(high, r), r);
+  const auto line = hn::Add(hn::Mul(q, hn::Set(d, 841.0f / 108.0f)), hn::Set(d, 16.0f / 116.0f));
+  return hn::IfThenElse(hn::Gt(q, threshold), root, line);
+}
+
+void
+labOfLinear(const float to_xyz[9], float* r, float* g, float* b, std::size_t n)
+{
+  const Floats d;
+  for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {
+    const auto red = hn::Load(d, r + i), green = hn::Load(d, g + i), blue = hn::Load(d, b + i);
+    const auto rootOf = [&](const float* row) {
+      const auto q =
+          hn::Add(hn::Add(hn::Mul(hn::Set(d, row[0]), red), hn::Mul(hn::Set(d, row[1]), green)),
+                  hn::Mul(hn::Set(d, row[2]), blue));
+      return labRoot(d, q);
+    };
+    const auto fx = rootOf(to_xyz), fy = rootOf(to_xyz + 3), fz = rootOf(to_xyz + 6);
+    hn::Store(hn::Sub(hn::Mul(fy, hn::Set(d, 116.0f)), hn::Set(d, 16.0f)), d, r + i);
+    hn::Store(hn::Mul(hn::Sub(fx, fy), hn::Set(d, 500.0f)), d, g + i);
+    hn::Store(hn::Mul(hn::Sub(fy, fz), hn::Set(d, 200.0f)), d, b + i);
+  }
+}
+
+void
+normalizeOne(float& x, float& y, float& z)
+{
+  const float sq = x * x + y * y + z * z;
+  if (std::abs(sq - 1.0f) < 1e-3f) return;
+  const bool usable = sq > 1e-24f && std::isfinite(sq);
+  const float scale = usable ? 1.0f / std::sqrt(sq) : 0.0f;
+  x = usable ? x * scale : 0.0f;
+  y = usable ? y * scale : 0.0f;
+  z = usable ? z * scale : 0.0f;
+}
+
+void
+normalize(float* x, float* y, float* z, std::size_t n)
+{
+  const Floats d;
+  const std::size_t lanes = hn::Lanes(d);
+  for (std::size_t i = 0; i < n; i += lanes) {
+    const auto u = hn::Load(d, x + i), v = hn::Load(d, y + i), w = hn::Load(d, z + i);
+    const auto sq = hn::Add(hn::Add(hn::Mul(u, u), hn::Mul(v, v)), hn::Mul(w, w));
+    const auto off = hn::Abs(hn::Sub(sq, hn::Set(d, 1.0f)));
+    if (hn::AllTrue(d, hn::Lt(off, hn::Set(d, 1e-3f)))) continue;
+    for (std::size_t k = i; k < i + lanes; ++k) normalizeOne(x[k], y[k], z[k]);
+  }
+}
+
+}  // namespace pcl_slim::detail::splat_kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pcl_slim::detail::splat_kernels {
+
+HWY_EXPORT(boxOfPoints);
+HWY_EXPORT(gatherVectors);
+HWY_EXPORT(toCells);
+HWY_EXPORT(packKeys);
+HWY_EXPORT(mortonKeys);
+HWY_EXPORT(labOfLinear);
+HWY_EXPORT(normalize);
+
+void
+labOfLinear(const float to_xyz[9], float* r, float* g, float* b, std::size_t n)
+{
+  HWY_DYNAMIC_DISPATCH(labOfLinear)(to_xyz, r, g, b, n);
+}
+
+void
+normalize(float* x, float* y, float* z, std::size_t n)
+{
+  HWY_DYNAMIC_DISPATCH(normalize)(x, y, z, n);
+}
+
+bool
+boxOfPoints(const unsigned char* first, std::size_t stride, std::size_t n, float low[3],
+            float high[3])
+{
+  return HWY_DYNAMIC_DISPATCH(boxOfPoints)(first, stride, n, low, high);
+}
+
+void
+gatherVectors(const unsigned char* first, std::size_t stride, const std::uint32_t* points,
+              std::size_t n, float* x, float* y, float* z)
+{
+  HWY_DYNAMIC_DISPATCH(gatherVectors)(first, stride, points, n, x, y, z);
+}
+
+void
+toCells(const OctreeFrame& frame, float* x, float* y, float* z, std::size_t n)
+{
+  HWY_DYNAMIC_DISPATCH(toCells)(frame, x, y, z, n);
+}
+
+void
+packKeys(const float* x, const float* y, const float* z, const std::uint32_t* index, std::size_t n,
+         int depth, int index_bits, int zeros, std::uint64_t* packed)
+{
+  HWY_DYNAMIC_DISPATCH(packKeys)(x, y, z, index, n, depth, index_bits, zeros, packed);
+}
+
+void
+mortonKeys(const float* x, const float* y, const float* z, std::size_t n, int depth,
+           std::uint64_t* keys)
+{
+  HWY_DYNAMIC_DISPATCH(mortonKeys)(x, y, z, n, depth, keys);
+}
+
+}  // namespace pcl_slim::detail::splat_kernels
+#endif

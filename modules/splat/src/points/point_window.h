@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "pcl_slim/splat/octree_cloud.h"
+
+namespace pcl_slim::detail {
+
+/** Where points come from. */
+struct OctreeSource {
+  const CloudView& cloud;
+  const ColorView& colors;
+  const LabTable& table;
+};
+
+/** A stretch of a cloud's points along its curve, brought together in memory as columns; points are
+ * named by their places in the whole cloud. Windows of two threads share no cache line. */
+class alignas(64) PointWindow {
+ public:
+  enum Column { kX, kY, kZ, kNormalX, kNormalY, kNormalZ, kL, kA, kB, kNumColumns };
+
+  /** Fetches the points [begin, end): positions in root cells from the grid's low corner; normals
+   * of unit length, or zero where a point has none; CIELAB, or zero where the cloud has none. */
+  void load(const OctreeCloud& cloud, const OctreeSource& source, std::size_t begin,
+            std::size_t end);
+
+  std::size_t begin() const { return begin_; }
+  std::size_t end() const { return end_; }
+
+  /** One column from the i-th point of the cloud on. */
+  const float* column(int c, std::size_t i) const
+  {
+    return columns_[static_cast<std::size_t>(c)].data() + (i - begin_);
+  }
+  /** Three columns of one point. */
+  std::array<float, 3> vector(Column first, std::size_t i) const
+  {
+    return {*column(first, i), *column(first + 1, i), *column(first + 2, i)};
+  }
+  std::array<float, 3> position(std::size_t i) const { return vector(kX, i); }
+  std::array<float, 3> normal(std::size_t i) const { return vector(kNormalX, i); }
+  std::array<float, 3> lab(std::size_t i) const { return vector(kL, i); }
+  /** The i of CloudView::inputIndex(i). */
+  std::uint32_t order(std::size_t i) const { return order_[i - begin_]; }
+
+  /** Orders the points [first, last) along the curve by the two levels of cells at which they fall
+   * apart, or by all where they are few; what those do not tell apart keeps its order. \return the
+   * finest level that is in order now. */
+  int sortRun(const OctreeCloud& cloud, std::size_t first, std::size_t last);
+  /** Full Morton codes from the i-th point of the cloud on, as far as sortRun() was asked for them. */
+  const std::uint64_t* keys(std::size_t i) const { return keys_.data() + (i - begin_); }
+
+ private:
+  /** Fills order_. \return places in the caller's arrays. */
+  const std::uint32_t* fetchOrder(const OctreeCloud& cloud, const OctreeSource& source);
+  /** Brings points from at on into the order of from_. */
+  void permute(std::size_t at, std::size_t n);
+  /** Writes places of keys by a digit of 64 to from_, in order. */
+  void sortDigit(const std::uint64_t* keys, std::size_t n, int shift);
+  void sortFew(const std::uint64_t* keys, std::size_t n);
+
+  std::array<AlignedVector<float>, kNumColumns> columns_;
+  AlignedVector<std::uint32_t> order_, inputs_;  ///< inputs: places in the caller's arrays
+  AlignedVector<std::uint32_t> from_;  ///< where points of a run come from when they are sorted
+  AlignedVector<std::uint64_t> keys_, unsorted_;
+  AlignedVector<float> numbers_;         ///< three columns of a run on their way to its order
+  AlignedVector<std::uint32_t> places_;  ///< its order_, likewise
+  std::size_t begin_ = 0, end_ = 0;
+};
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/surface/polynomial.h"
+#include "pcl_slim/surface/weight_kernel.h"
+
+namespace pcl_slim {
+
+/** \brief What a surfel is; bits of SLIMSurface::flags. */
+enum SurfelFlag : std::uint8_t {
+  kSurfelLeaf = 1,    ///< blended into the surface; otherwise an internal node of the hierarchy
+  kSurfelForced = 2,  ///< ended by minimum support, not by a minimum of the energy
+};
+
+/** \brief How a surface was made, and the units it is stored in. */
+struct SurfaceInfo {
+  int degree = 4;  ///< highest polynomial degree, 1..4
+  WeightKernel fit_kernel = WeightKernel::kPower4;
+  WeightKernel blend_kernel = WeightKernel::kPower4;
+  bool oriented = false;            ///< normals point to one side consistently
+  bool paper_mode = false;          ///< fitted with the choices of Ohtake et al. 2005
+  std::array<double, 3> origin{};   ///< world = origin + scale * local
+  double scale = 1.0;               ///< world units per local unit, a power of two: exact both ways
+  double diagonal = 1.0;            ///< main diagonal L of the input's bounding box, local units
+  double lambda = 0.0;              ///< noise variance [L^2]
+  double penalty = 2.0;             ///< kappa of the penalty kappa lambda P / n_eff (0: unused)
+  double t_mdl = 0.0;               ///< T_MDL of the paper's penalty (0: unused)
+  double cover_radius = 2.0 / 3.0;  ///< alpha: leaves cover within alpha * r
+  double cover_threshold = 0.1;     ///< gamma: a point is covered at this sum of weights
+  std::uint64_t num_points = 0;     ///< points the surface was fitted to
+};
+
+/** \brief A SLIM surface: surfels (ball, normal, polynomial) of several levels and their links.
+ *
+ * Structure of arrays in local units, where the input's bounding-box diagonal L lies in (.49, 1);
+ * centres lie on a grid coarse enough that world = origin + scale * local is exact in float
+ * unless the origin is beyond 256 L. Surfel i
+ * is the set f_i(x) = 0 inside the ball |x - c| < r with, in the frame of its normal,
+ *     f(x) = r (w' - h(u', v')),   (u', v', w') = ((x - c).u, (x - c).v, (x - c).w) / r,
+ * so coefficients carry no unit (Ohtake, Belyaev, Alexa 2005, eqs 1-2). The normal and grad f
+ * point to the outer side where SurfaceInfo::oriented holds.
+ */
+class SLIMSurface {
+ public:
+  SurfaceInfo info;
+
+  std::vector<float> cx, cy, cz;     ///< centres
+  std::vector<float> radius;         ///< support radii
+  std::vector<float> nx, ny, nz;     ///< unit normals: the w axes
+  std::vector<float> coefficients;   ///< stride() per surfel, unused ones 0
+  std::vector<float> error;          ///< weighted RMS residual of the fit, in local units
+  std::vector<float> confidence;     ///< effective number of points behind the fit, n_eff
+  std::vector<std::uint8_t> degree;  ///< degree of each surfel, at most info.degree
+  std::vector<std::uint8_t> level;   ///< k of the paper's sliding interval, 1 = coarsest
+  std::vector<std::uint8_t> flags;   ///< SurfelFlag bits
+
+  std::vector<std::uint32_t> child_begin;  ///< size() + 1 offsets into children (may be empty)
+  std::vector<std::uint32_t> children;     ///< surfels one level finer whose centre lies inside
+  std::vector<std::uint32_t> roots;        ///< children of the enclosing root ball
+  std::array<float, 4> root_ball{};        ///< centre and radius of a ball that holds all balls
+
+  std::size_t size() const { return cx.size(); }
+  bool empty() const { return cx.empty(); }
+  int stride() const { return numCoefficients(info.degree); }
+  bool isLeaf(std::size_t i) const { return (flags[i] & kSurfelLeaf) != 0; }
+  std::size_t numLeaves() const;
+  std::size_t numLevels() const;
+  const float* coefficientsOf(std::size_t i) const { return coefficients.data() + i * stride(); }
+
+  /** \brief v / (v + e^2) with v = lambda L^2 + (r / 1000)^2: the inverse variance of surfel i as a share
+   * of the noise's, in [0, 1). A leaf that holds an edge or two sheets counts little beside one that
+   * fits; fits down to the noise count alike. */
+  float trust(std::size_t i) const;
+
+  /** \brief Removes every surfel and link; keeps info. */
+  void clear();
+  void resize(std::size_t count);
+
+  /** \brief Turns surfel i's normal round; its zero set stays the same. */
+  void flip(std::size_t i);
+
+  /** \brief Rebuilds links and the root from centres, radii and levels (section 2, Fig. 6).
+   * O(M log M) for M surfels; the same for any number of threads. */
+  void buildLinks(int threads = 1);
+
+  /** \brief Checks sizes, ranges and finiteness; names the first defect. */
+  Error validate() const;
+};
+
+}  // namespace pcl_slim

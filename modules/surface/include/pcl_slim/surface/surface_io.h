@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/surface/surface.h"
+
+namespace pcl_slim {
+
+/** \brief Writes the compact binary form: header, version, 7/12/16/21 floats a surfel, checksum.
+ *
+ * The floats are those the paper counts: centre 3, radius 1, normal 2 and the 1/6/10/15
+ * coefficients of the surfel's own degree (a plane whose frame is its own needs only its offset;
+ * a linear surfel with another frame keeps all three). Beside them stand degree, level and flags (a byte
+ * each), error and confidence (a float each); links are rebuilt on load. Little-endian. Normals
+ * that snapNormal made are kept exactly, others to 6.2e-7 rad. The file appears under its name
+ * only when complete.
+ */
+Error
+saveSlim(const std::string& path, const SLIMSurface& surface);
+
+/** \brief Reads what saveSlim wrote; saving the result again gives the same bytes.
+ *
+ * A missing, truncated, foreign, corrupted or newer file gives an error that says which.
+ */
+Result<SLIMSurface>
+loadSlim(const std::string& path);
+
+/** \brief The bytes of saveSlim, for tests and for sending elsewhere. The surface must pass
+ * validate(); one with a degree out of range gives no bytes. */
+std::vector<unsigned char>
+encodeSlim(const SLIMSurface& surface);
+
+/** \brief Inverse of encodeSlim. */
+Result<SLIMSurface>
+decodeSlim(const unsigned char* bytes, std::size_t size);
+
+}  // namespace pcl_slim

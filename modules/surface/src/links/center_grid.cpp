@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/surface/detail/center_grid.h"
+
+#include <cmath>
+#include <limits>
+
+namespace pcl_slim::detail {
+
+namespace {
+
+// Cells and their neighbours count in 21 bits an axis. What lies outside [-1, 1] shares a rim cell.
+constexpr int kAxisBits = 21;
+constexpr double kNarrowest = 0x1p-19;
+constexpr double kLastCell = 0x1p21 - 4;
+constexpr std::size_t kSpare = 16;  ///< values that kernels may touch behind the last
+constexpr int kDigitBits = 11;
+constexpr std::size_t kFewEntries = 300;  ///< are sorted by comparing
+
+using Entry = CenterGrid::Entry;
+
+/** Stable counting passes over the digits in which codes differ, each counted from the least
+ * coordinate of its axis. */
+void
+sortByDigits(std::vector<Entry>& entries)
+{
+  std::int64_t least[3], differing = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::int64_t mask = ((std::int64_t{1} << kAxisBits) - 1) << (axis * kAxisBits);
+    least[axis] = std::numeric_limits<std::int64_t>::max();
+    for (const Entry& e : entries) least[axis] = std::min(least[axis], e.cell & mask);
+  }
+  const std::int64_t base = least[0] + least[1] + least[2];
+  for (const Entry& e : entries) differing |= e.cell - base;
+  std::vector<Entry> sorted(entries.size());
+  std::vector<std::uint32_t> next;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int low = 0; low < kAxisBits; low += kDigitBits) {
+      const int bits = std::min(kDigitBits, kAxisBits - low), shift = axis * kAxisBits + low;
+      const std::int64_t mask = (std::int64_t{1} << bits) - 1;
+      if (((differing >> shift) & mask) == 0) continue;
+      const auto digit = [&](const Entry& e) {
+        return static_cast<std::size_t>(((e.cell - base) >> shift) & mask);
+      };
+      next.assign((std::size_t{1} << bits) + 1, 0);
+      for (const Entry& e : entries) ++next[digit(e) + 1];
+      for (std::size_t k = 1; k < next.size(); ++k) next[k] += next[k - 1];
+      for (const Entry& e : entries) sorted[next[digit(e)]++] = e;
+      entries.swap(sorted);
+    }
+  }
+}
+
+}  // namespace
+
+CenterGrid::CenterGrid(const SLIMSurface& surface, const std::vector<std::uint32_t>& members,
+                       float width)
+    : inverse_(1.0 / std::max<double>(width, kNarrowest))
+{
+  const std::vector<Entry> entries = sortedByCell(surface, members);
+  codes_.reserve(entries.size());
+  members_.reserve(entries.size());
+  for (auto* column : {&x_, &y_, &z_}) column->reserve(entries.size() + kSpare);
+  for (const auto& [cell, i] : entries) {
+    codes_.push_back(cell);
+    members_.push_back(i);
+    x_.push_back(surface.cx[i]);
+    y_.push_back(surface.cy[i]);
+    z_.push_back(surface.cz[i]);
+  }
+  for (auto* column : {&x_, &y_, &z_}) column->resize(entries.size() + kSpare, 0.0f);
+}
+
+std::int64_t
+CenterGrid::cell(float local) const
+{
+  return std::llround(std::clamp((local + 1.0) * inverse_, 0.0, kLastCell)) + 1;
+}
+
+std::vector<Entry>
+CenterGrid::sortedByCell(const SLIMSurface& surface,
+                         const std::vector<std::uint32_t>& surfels) const
+{
+  std::vector<Entry> entries;
+  entries.reserve(surfels.size());
+  for (const std::uint32_t i : surfels) {
+    entries.push_back({code(cell(surface.cx[i]), cell(surface.cy[i]), cell(surface.cz[i])), i});
+  }
+  if (entries.size() > kFewEntries) {
+    sortByDigits(entries);
+  } else {
+    std::stable_sort(entries.begin(), entries.end(),
+                     [](const Entry& a, const Entry& b) { return a.cell < b.cell; });
+  }
+  return entries;
+}
+
+std::vector<Entry>
+CenterGrid::entries() const
+{
+  std::vector<Entry> entries(size());
+  for (std::size_t at = 0; at < size(); ++at) entries[at] = {codes_[at], members_[at]};
+  return entries;
+}
+
+const CenterGrid::Ranges&
+CenterGrid::Walk::around(std::int64_t cell)
+{
+  if (cell == last_) return rows_;
+  for (std::int64_t row = 0; row < 9; ++row) {
+    const std::int64_t low = cell + code(row / 3 - 1, row % 3 - 1, -1);
+    ColumnRange& range = rows_[static_cast<std::size_t>(row)];
+    if (last_ < 0) {
+      const auto it = std::lower_bound(codes_.begin(), codes_.end(), low);
+      range.begin = range.end = static_cast<std::size_t>(it - codes_.begin());
+    }
+    while (range.begin < codes_.size() && codes_[range.begin] < low) ++range.begin;
+    range.end = std::max(range.begin, range.end);
+    while (range.end < codes_.size() && codes_[range.end] <= low + 2) ++range.end;
+  }
+  last_ = cell;
+  return rows_;
+}
+
+void
+CenterGrid::findWithin(const Ranges& ranges, const float place[3], float limit_sq, Near& near) const
+{
+  std::size_t most = kSpare;
+  for (const ColumnRange& range : ranges) most += range.end - range.begin;
+  if (near.places.size() < most) {
+    near.places.resize(most);
+    near.distances_sq.resize(most);
+  }
+  near.count =
+      kernels::entriesWithin(x_.data(), y_.data(), z_.data(), ranges.data(), ranges.size(), place,
+                             limit_sq, near.places.data(), near.distances_sq.data());
+}
+
+}  // namespace pcl_slim::detail

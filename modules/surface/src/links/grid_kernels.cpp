@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/surface/detail/grid_kernels.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "links/grid_kernels.cpp"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Tag = hn::CappedTag<float, 16>;
+
+std::size_t
+entriesWithin(const float* x, const float* y, const float* z, const ColumnRange* ranges,
+              std::size_t num_ranges, const float place[3], float limit_sq, std::uint32_t* entries,
+              float* distances_sq)
+{
+  const Tag d;
+  const hn::RebindToUnsigned<Tag> du;
+  const auto px = hn::Set(d, place[0]), py = hn::Set(d, place[1]), pz = hn::Set(d, place[2]);
+  const auto limit = hn::Set(d, limit_sq);
+  std::size_t count = 0;
+  for (std::size_t r = 0; r < num_ranges; ++r) {
+    for (std::size_t i = ranges[r].begin; i < ranges[r].end; i += hn::Lanes(d)) {
+      const auto ex = hn::Sub(hn::LoadU(d, x + i), px);
+      const auto ey = hn::Sub(hn::LoadU(d, y + i), py);
+      const auto ez = hn::Sub(hn::LoadU(d, z + i), pz);
+      // Not fused: the same bits for every instruction set.
+      const auto distance_sq = hn::Add(hn::Add(hn::Mul(ex, ex), hn::Mul(ey, ey)), hn::Mul(ez, ez));
+      const auto near = hn::And(hn::Lt(distance_sq, limit), hn::FirstN(d, ranges[r].end - i));
+      hn::StoreU(hn::Compress(distance_sq, near), d, distances_sq + count);
+      const auto entry = hn::Iota(du, static_cast<std::uint32_t>(i));
+      hn::StoreU(hn::Compress(entry, hn::RebindMask(du, near)), du, entries + count);
+      count += hn::CountTrue(d, near);
+    }
+  }
+  return count;
+}
+
+}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pcl_slim::detail::kernels {
+
+HWY_EXPORT(entriesWithin);
+
+std::size_t
+entriesWithin(const float* x, const float* y, const float* z, const ColumnRange* ranges,
+              std::size_t num_ranges, const float place[3], float limit_sq, std::uint32_t* entries,
+              float* distances_sq)
+{
+  return HWY_DYNAMIC_DISPATCH(entriesWithin)(x, y, z, ranges, num_ranges, place, limit_sq, entries,
+                                             distances_sq);
+}
+
+}  // namespace pcl_slim::detail::kernels
+#endif

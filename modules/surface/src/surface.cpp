@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/surface/surface.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcl_slim {
+
+std::size_t
+SLIMSurface::numLeaves() const
+{
+  return static_cast<std::size_t>(
+      std::count_if(flags.begin(), flags.end(), [](std::uint8_t f) { return f & kSurfelLeaf; }));
+}
+
+std::size_t
+SLIMSurface::numLevels() const
+{
+  std::array<bool, 256> seen{};
+  for (const std::uint8_t k : level) seen[k] = true;
+  return static_cast<std::size_t>(std::count(seen.begin(), seen.end(), true));
+}
+
+float
+SLIMSurface::trust(std::size_t i) const
+{
+  constexpr double kTrusted = 1e-3;  // of r: residuals below say nothing against a leaf
+  const double r = radius[i], e = error[i];
+  const double expected =
+      std::max(0.0, info.lambda) * info.diagonal * info.diagonal + kTrusted * kTrusted * r * r;
+  return static_cast<float>(expected / (expected + e * e));
+}
+
+void
+SLIMSurface::clear()
+{
+  resize(0);
+  child_begin.clear();
+  children.clear();
+  roots.clear();
+  root_ball = {};
+}
+
+void
+SLIMSurface::resize(std::size_t count)
+{
+  for (auto* column : {&cx, &cy, &cz, &radius, &nx, &ny, &nz, &error, &confidence}) {
+    column->resize(count);
+  }
+  coefficients.resize(count * static_cast<std::size_t>(stride()));
+  for (auto* column : {&degree, &level, &flags}) column->resize(count);
+}
+
+void
+SLIMSurface::flip(std::size_t i)
+{
+  nx[i] = -nx[i];
+  ny[i] = -ny[i];
+  nz[i] = -nz[i];
+  flipCoefficients(degree[i], coefficients.data() + i * static_cast<std::size_t>(stride()));
+}
+
+Error
+SLIMSurface::validate() const
+{
+  const auto bad = [](const std::string& what) { return Error{ErrorCode::kBadInput, what}; };
+  const std::size_t n = size();
+  if (info.degree < 1 || info.degree > kMaxDegree) return bad("surface degree is not 1..4");
+  for (const auto* column : {&cy, &cz, &radius, &nx, &ny, &nz, &error, &confidence}) {
+    if (column->size() != n) return bad("surface columns have different lengths");
+  }
+  if (degree.size() != n || level.size() != n || flags.size() != n ||
+      coefficients.size() != n * static_cast<std::size_t>(stride())) {
+    return bad("surface columns have different lengths");
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::string where = " of surfel " + std::to_string(i);
+    if (degree[i] < 1 || degree[i] > info.degree) return bad("degree" + where + " is out of range");
+    if (!(radius[i] > 0.0f) || !std::isfinite(radius[i]))
+      return bad("radius" + where + " is not positive");
+    const float length_sq = nx[i] * nx[i] + ny[i] * ny[i] + nz[i] * nz[i];
+    if (!(std::abs(length_sq - 1.0f) < 1e-3f))
+      return bad("normal" + where + " has not unit length");
+    if (!std::isfinite(cx[i]) || !std::isfinite(cy[i]) || !std::isfinite(cz[i])) {
+      return bad("centre" + where + " is not finite");
+    }
+    const float* c = coefficientsOf(i);
+    if (!std::all_of(c, c + stride(), [](float value) { return std::isfinite(value); })) {
+      return bad("a coefficient" + where + " is not finite");
+    }
+  }
+  return {};
+}
+
+}  // namespace pcl_slim

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/filters/io/surface_files.h"
+
+#include <gtest/gtest.h>
+#include <pcl/io/pcd_io.h>
+#include <pcl/io/ply_io.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "pcl_slim/filters/io/surface_conversion.h"
+#include "pcl_slim/surface/surface_io.h"
+#include "support/sphere_surface.h"
+
+namespace pcl_slim {
+namespace {
+
+using pcl_slim_test::fileBytes;
+using pcl_slim_test::sphereSurface;
+using pcl_slim_test::TemporaryFolder;
+using pcl_slim_test::writeBytes;
+using pcl_slim_test::writeText;
+
+constexpr const char* kFormats[] = {".pcd", ".ply", ".vtp", ".slim"};
+
+// Equal .slim bytes mean equal surfaces: that format holds everything but links.
+void
+expectSame(const SLIMSurface& a, const SLIMSurface& b)
+{
+  EXPECT_EQ(encodeSlim(a), encodeSlim(b));
+  EXPECT_EQ(a.nz, b.nz);
+  EXPECT_EQ(a.children, b.children);
+  EXPECT_EQ(a.roots, b.roots);
+}
+
+class SurfaceFiles : public testing::TestWithParam<const char*> {};
+
+TEST_P(SurfaceFiles, SaveAndLoadGiveTheSameBytes)
+{
+  const TemporaryFolder folder;
+  for (int degree = 1; degree <= 4; ++degree) {
+    const SLIMSurface surface = sphereSurface(degree, 300);
+    const std::string first = folder / ("first" + std::string(GetParam()));
+    const std::string second = folder / ("second" + std::string(GetParam()));
+    ASSERT_FALSE(saveSurface(first, surface));
+    const auto loaded = loadSurface(first);
+    ASSERT_TRUE(loaded) << loaded.error().message;
+    expectSame(surface, *loaded);
+    ASSERT_FALSE(saveSurface(second, *loaded));
+    EXPECT_EQ(fileBytes(first), fileBytes(second));
+  }
+  EXPECT_EQ(folder.numFiles(), 2u);
+}
+
+TEST_P(SurfaceFiles, FarOriginsAreKeptByAShift)
+{
+  const TemporaryFolder folder;
+  SLIMSurface surface = sphereSurface(2, 100);
+  surface.info.origin = {515384.8125, 4918360.75, 2330.7531};
+  surface.info.scale = 64.0;
+  const std::string path = folder / ("far" + std::string(GetParam()));
+  ASSERT_FALSE(saveSurface(path, surface));
+  const auto loaded = loadSurface(path);
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  expectSame(surface, *loaded);
+}
+
+TEST_P(SurfaceFiles, AnEmptySurfaceIsKept)
+{
+  const TemporaryFolder folder;
+  SLIMSurface surface;
+  surface.info.degree = 3;
+  const std::string path = folder / ("empty" + std::string(GetParam()));
+  ASSERT_FALSE(saveSurface(path, surface));
+  const auto loaded = loadSurface(path);
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_TRUE(loaded->empty());
+  EXPECT_EQ(loaded->info.degree, 3);
+}
+
+TEST_P(SurfaceFiles, TruncationsAreToldInOneLine)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder / ("part" + std::string(GetParam()));
+  ASSERT_FALSE(saveSurface(path, sphereSurface(2, 40)));
+  const auto bytes = fileBytes(path);
+  for (std::size_t part = 0; part < 24; ++part) {
+    writeBytes(path, {bytes.begin(),
+                      bytes.begin() + static_cast<std::ptrdiff_t>(bytes.size() * part / 24)});
+    const auto loaded = loadSurface(path);
+    ASSERT_FALSE(loaded) << part << " of 24";
+    EXPECT_NE(loaded.error().message, "");
+    EXPECT_EQ(loaded.error().message.find('\n'), std::string::npos);
+  }
+}
+
+TEST_P(SurfaceFiles, ForeignFilesAreToldInOneLine)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder / ("foreign" + std::string(GetParam()));
+  for (const std::string& text :
+       {std::string("hello"), std::string(1000, '\0'), std::string("<VTKFile></VTKFile>"),
+        std::string("<VTKFile type=\"PolyData\"><a></VTKFile>"), std::string("ply\nformat\n"),
+        std::string("VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1\nPOINTS 1\nDATA "
+                    "ascii\n1 2 3\n")}) {
+    writeText(path, text);
+    const auto loaded = loadSurface(path);
+    ASSERT_FALSE(loaded) << text;
+    EXPECT_NE(loaded.error().message.find(path), std::string::npos);
+    EXPECT_EQ(loaded.error().message.find('\n'), std::string::npos);
+  }
+}
+
+TEST_P(SurfaceFiles, UnwritableAndAbsentPlacesLeaveNothing)
+{
+  const TemporaryFolder folder;
+  const SLIMSurface surface = sphereSurface(2, 10);
+  const Error error = saveSurface(folder / ("absent/a" + std::string(GetParam())), surface);
+  EXPECT_EQ(error.code, ErrorCode::kIo);
+  EXPECT_EQ(loadSurface(folder / ("absent" + std::string(GetParam()))).error().code,
+            ErrorCode::kIo);
+  EXPECT_EQ(folder.numFiles(), 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, SurfaceFiles, testing::ValuesIn(kFormats),
+                         [](const auto& format) { return std::string(format.param + 1); });
+
+TEST(SurfaceFiles, ExtensionsInAnyCaseButNoOthers)
+{
+  const TemporaryFolder folder;
+  const SLIMSurface surface = sphereSurface(1, 10);
+  EXPECT_FALSE(saveSurface(folder / "a.PCD", surface));
+  EXPECT_TRUE(loadSurface(folder / "a.PCD"));
+  EXPECT_EQ(saveSurface(folder / "a.obj", surface).code, ErrorCode::kBadArgument);
+  EXPECT_EQ(loadSurface(folder / "a").error().code, ErrorCode::kBadArgument);
+}
+
+TEST(SurfaceFiles, PclReadsThePcd)
+{
+  const TemporaryFolder folder;
+  const SLIMSurface surface = sphereSurface(4, 50);
+  ASSERT_FALSE(saveSurface(folder / "a.pcd", surface));
+  pcl::PointCloud<PointSLIM> cloud;
+  ASSERT_EQ(pcl::io::loadPCDFile(folder / "a.pcd", cloud), 0);
+  ASSERT_EQ(cloud.size(), 50u);
+  pcl::PointCloud<PointSLIM> expected;
+  const SurfaceMetadata metadata = toPCL(surface, expected);
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    EXPECT_EQ(cloud[i].x, expected[i].x);
+    EXPECT_EQ(cloud[i].normal_z, expected[i].normal_z);
+    EXPECT_EQ(cloud[i].c[14], expected[i].c[14]);
+    EXPECT_EQ(cloud[i].confidence, expected[i].confidence);
+  }
+  const auto again = fromPCL(cloud, &metadata);
+  ASSERT_TRUE(again) << again.error().message;
+  expectSame(surface, *again);
+}
+
+TEST(SurfaceFiles, PclReadsThePly)
+{
+  const TemporaryFolder folder;
+  const SLIMSurface surface = sphereSurface(2, 50);
+  ASSERT_FALSE(saveSurface(folder / "a.ply", surface));
+  pcl::PCLPointCloud2 cloud, expected;
+  ASSERT_EQ(pcl::io::loadPLYFile(folder / "a.ply", cloud), 0);
+  const SurfaceMetadata metadata = toPCL(surface, expected);
+  EXPECT_EQ(cloud.width, 50u);
+  EXPECT_EQ(cloud.data, expected.data);
+  const auto again = fromPCL(cloud, &metadata);
+  ASSERT_TRUE(again) << again.error().message;
+  expectSame(surface, *again);
+}
+
+TEST(SurfaceFiles, SurfelsWithoutMetadataAreStillASurface)
+{
+  const TemporaryFolder folder;
+  const SLIMSurface surface = sphereSurface(3, 200);
+  pcl::PCLPointCloud2 cloud;
+  toPCL(surface, cloud);
+  ASSERT_EQ(pcl::io::savePCDFile(folder / "rewritten.pcd", cloud), 0);
+  const auto loaded = loadSurface(folder / "rewritten.pcd");
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  ASSERT_EQ(loaded->size(), surface.size());
+  EXPECT_EQ(loaded->info.degree, 3);
+  EXPECT_FALSE(loaded->info.oriented);
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    const double expected = surface.info.origin[0] + surface.info.scale * surface.cx[i];
+    EXPECT_NEAR(loaded->info.origin[0] + loaded->info.scale * loaded->cx[i], expected, 1e-5);
+    EXPECT_NEAR(loaded->info.scale * loaded->radius[i], surface.info.scale * surface.radius[i],
+                1e-7);
+  }
+}
+
+TEST(SurfaceFiles, NewerMetadataAreRefused)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder / "a.ply";
+  ASSERT_FALSE(saveSurface(path, sphereSurface(1, 5)));
+  auto bytes = fileBytes(path);
+  const std::string key = "pcl_slim version 1";
+  const auto at = std::search(bytes.begin(), bytes.end(), key.begin(), key.end());
+  ASSERT_NE(at, bytes.end());
+  at[static_cast<std::ptrdiff_t>(key.size()) - 1] = '7';
+  writeBytes(path, bytes);
+  EXPECT_NE(loadSurface(path).error().message.find("newer"), std::string::npos);
+}
+
+TEST(SurfaceConversion, BadSurfelsAreNamed)
+{
+  pcl::PointCloud<PointSLIM> cloud;
+  EXPECT_TRUE(fromPCL(cloud)) << "no surfels are a surface without surfels";
+  cloud.resize(1);
+  cloud[0].normal_z = 1.0f;
+  EXPECT_FALSE(fromPCL(cloud)) << "radius 0";
+  cloud[0].radius = 1.0f;
+  EXPECT_TRUE(fromPCL(cloud));
+  cloud[0].degree = 1.5f;
+  EXPECT_FALSE(fromPCL(cloud));
+  cloud[0].degree = 9.0f;
+  EXPECT_FALSE(fromPCL(cloud));
+  cloud[0].degree = 1.0f;
+  cloud[0].x = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_FALSE(fromPCL(cloud));
+}
+
+}  // namespace
+}  // namespace pcl_slim

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a fit does with clouds too small, too thin or too odd to be a surface, and with bad wishes.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "support/clouds.h"
+
+namespace pcl_slim {
+namespace {
+
+using measure::Shape;
+using pcl_slim_test::Cloud;
+using pcl_slim_test::expectSound;
+using pcl_slim_test::fitted;
+using pcl_slim_test::sceneCloud;
+using pcl_slim_test::storeOf;
+
+/** Fits a cloud in every mode: no crash, no NaN, and every point is covered or reported. */
+void
+expectSurvived(const Cloud& cloud)
+{
+  for (int mode = 0; mode < 5; ++mode) {
+    for (const int degree : {1, 4}) {
+      SCOPED_TRACE("mode " + std::to_string(mode) + " degree " + std::to_string(degree));
+      FitParams params;
+      params.degree = degree;
+      params.paper_mode = mode == 1;
+      params.t_mdl = mode == 2 ? 0.01 : 0.0;
+      params.robust = mode == 3;
+      params.sharp_features = mode == 4;
+      const auto f = fitted(cloud, params, true);
+      expectSound(f);
+      EXPECT_EQ(f.statistics.points, f.store.size());
+      EXPECT_LE(f.statistics.uncovered, f.store.size());
+      EXPECT_GE(f.statistics.unsupported, f.statistics.leaves == 0 ? f.store.size() : 0);
+    }
+  }
+}
+
+TEST(FitInput, SurvivesAFewPoints)
+{
+  Cloud cloud;
+  std::mt19937_64 random(61);
+  std::normal_distribution<double> normal;
+  for (int count = 1; count <= 24; ++count) {
+    cloud.add(normal(random), normal(random), 0.1 * normal(random));
+    if (count > 3 && count % 3 != 0) continue;
+    SCOPED_TRACE(std::to_string(count) + " points");
+    expectSurvived(cloud);
+    Cloud with_normals = cloud;
+    for (int i = 0; i < count; ++i) {
+      with_normals.normals.insert(with_normals.normals.end(),
+                                  {0.0f, 0.0f, i % 5 == 4 ? -1.0f : 1.0f});
+    }
+    expectSurvived(with_normals);
+  }
+}
+
+TEST(FitInput, SurvivesALine)
+{
+  Cloud line;
+  for (int i = 0; i < 400; ++i) line.add(0.1 * i, 0.2 * i, -0.05 * i);
+  expectSurvived(line);
+  line.normals.clear();
+  for (int i = 0; i < 400; ++i) line.normals.insert(line.normals.end(), {0.0f, 0.0f, 1.0f});
+  expectSurvived(line);
+}
+
+TEST(FitInput, SurvivesEqualPoints)
+{
+  Cloud cloud;
+  for (int i = 0; i < 100; ++i) cloud.add(3.0, 4.0, 5.0);
+  expectSurvived(cloud);
+}
+
+TEST(FitInput, SurvivesRegularGridsAndAnOutlierFarAway)
+{
+  Cloud grid, solid;
+  for (int i = 0; i < 900; ++i) grid.add(i % 30, i / 30, 0.0);
+  for (int i = 0; i < 729; ++i) solid.add(i % 9, i / 9 % 9, i / 81);
+  expectSurvived(grid);
+  expectSurvived(solid);
+  grid.add(1e7, 1e7, 1e7);
+  expectSurvived(grid);
+}
+
+TEST(FitInput, SurvivesPureNoise)
+{
+  Cloud cloud;
+  std::mt19937_64 random(62);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 1500; ++i) {
+    const double n[3] = {normal(random), normal(random), normal(random)};
+    const double length = std::hypot(n[0], n[1], n[2]);
+    cloud.add({normal(random), normal(random), normal(random)},
+              {n[0] / length, n[1] / length, n[2] / length});
+  }
+  expectSurvived(cloud);
+  expectSurvived(cloud.withoutNormals());
+}
+
+TEST(FitInput, AcceptsStripesAndUnevenDensity)
+{
+  // Scan lines: dense along x, forty times sparser along y, on a gentle wave.
+  Cloud stripes;
+  for (int line = 0; line < 40; ++line) {
+    for (int i = 0; i < 200; ++i) {
+      const double x = 0.01 * i, y = 0.05 * line;
+      stripes.add(x, y, 0.1 * std::sin(2.0 * x) * std::cos(1.5 * y));
+    }
+  }
+  const auto f = fitted(stripes);
+  expectSound(f);
+  EXPECT_EQ(f.statistics.uncovered, 0u);
+  double worst = 0;
+  for (const auto& p : f.projection.position) {
+    const auto q = f.world(p);
+    worst = std::max(worst, std::abs(q[2] - 0.1 * std::sin(2.0 * q[0]) * std::cos(1.5 * q[1])));
+  }
+  EXPECT_LT(worst, 1e-3);
+}
+
+void
+expectRefused(const FitParams& params)
+{
+  static const PointStore store = storeOf(sceneCloud(Shape::kSphere, 500, 0.0));
+  SLIMSurface surface;
+  surface.resize(3);
+  const Error error = fitSurface(store, params, surface);
+  EXPECT_EQ(error.code, ErrorCode::kBadArgument);
+  EXPECT_GT(error.message.size(), 10u);
+  EXPECT_EQ(error.message, params.validate().message);
+  EXPECT_TRUE(surface.empty());
+}
+
+TEST(FitInput, RefusesBadParameters)
+{
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double inf = std::numeric_limits<double>::infinity();
+  const auto with = [](auto FitParams::*member, auto value) {
+    FitParams params;
+    params.*member = static_cast<std::decay_t<decltype(params.*member)>>(value);
+    expectRefused(params);
+  };
+  for (const int degree : {-1, 5, 400}) with(&FitParams::degree, degree);
+  for (const double value : {-1.0, nan, inf}) with(&FitParams::penalty, value);
+  for (const double value : {-0.01, nan, inf}) with(&FitParams::t_mdl, value);
+  for (const double value : {-0.01, 1.0, 3.0, nan, inf}) with(&FitParams::target_error, value);
+  for (const double value : {-1e-9, nan, inf}) with(&FitParams::lambda, value);
+  for (const double value : {-0.5, 1.01, nan}) with(&FitParams::cover_radius, value);
+  for (const double value : {0.0, -0.1, nan, inf}) with(&FitParams::cover_threshold, value);
+  FitParams two_wishes;
+  two_wishes.max_surfels = 10;
+  two_wishes.target_error = 0.001;
+  expectRefused(two_wishes);
+  two_wishes.t_mdl = 0.01;
+  two_wishes.max_surfels = 0;
+  expectRefused(two_wishes);
+  EXPECT_FALSE(FitParams().validate());
+}
+
+TEST(FitInput, RefusesAViewpointThatIsNowhere)
+{
+  FitParams params;
+  params.has_viewpoint = true;
+  params.viewpoint[1] = std::numeric_limits<double>::quiet_NaN();
+  expectRefused(params);
+}
+
+TEST(FitInput, RefusesAStoreWithoutPoints)
+{
+  SLIMSurface surface;
+  surface.resize(2);
+  const Error error = fitSurface(PointStore(), FitParams(), surface);
+  EXPECT_TRUE(error);
+  EXPECT_FALSE(error.message.empty());
+  EXPECT_TRUE(surface.empty());
+}
+
+TEST(FitInput, StopsWhenAsked)
+{
+  const PointStore store = storeOf(sceneCloud(Shape::kBumpy, 8000, 0.0));
+  for (int stop_at = 0; stop_at < 4; ++stop_at) {
+    int reports = 0;
+    Progress* self = nullptr;
+    Progress progress([&](float fraction, const char* stage) {
+      EXPECT_GE(fraction, 0.0f);
+      EXPECT_LE(fraction, 1.0f);
+      EXPECT_NE(stage, nullptr);
+      if (reports++ == stop_at) self->cancel();
+    });
+    self = &progress;
+    SLIMSurface surface;
+    const Error error = fitSurface(store, FitParams(), surface, nullptr, &progress);
+    if (stop_at >= reports) break;  // the fit was done before
+    EXPECT_EQ(error.code, ErrorCode::kCancelled) << stop_at;
+    EXPECT_TRUE(surface.empty());
+    EXPECT_TRUE(surface.children.empty());
+    ASSERT_EQ(reports, stop_at + 1);
+  }
+  Progress cancelled;
+  cancelled.cancel();
+  SLIMSurface surface;
+  EXPECT_EQ(fitSurface(store, FitParams(), surface, nullptr, &cancelled).code,
+            ErrorCode::kCancelled);
+  cancelled.reset();
+  EXPECT_FALSE(fitSurface(store, FitParams(), surface, nullptr, &cancelled));
+  EXPECT_FALSE(surface.empty());
+}
+
+TEST(FitInput, StopsASearchForAPenaltyToo)
+{
+  const PointStore store = storeOf(sceneCloud(Shape::kBumpy, 4000, 0.001));
+  FitParams params;
+  params.max_surfels = 60;
+  Progress progress;
+  progress.cancel();
+  SLIMSurface surface;
+  EXPECT_EQ(fitSurface(store, params, surface, nullptr, &progress).code, ErrorCode::kCancelled);
+  EXPECT_TRUE(surface.empty());
+}
+
+}  // namespace
+}  // namespace pcl_slim

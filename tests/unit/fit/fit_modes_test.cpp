@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Penalties, noise given or measured, outliers, and a box that says nothing about the object.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "support/clouds.h"
+
+namespace pcl_slim {
+namespace {
+
+using measure::Shape;
+using pcl_slim_test::Cloud;
+using pcl_slim_test::errorsOf;
+using pcl_slim_test::expectSound;
+using pcl_slim_test::fitted;
+using pcl_slim_test::sceneCloud;
+
+TEST(FitModes, LeavesRiseAsTheThresholdFalls)
+{
+  const Cloud cloud = sceneCloud(Shape::kBumpy, 10000, 0.001, 0.05);
+  for (const bool paper : {false, true}) {
+    for (const int degree : {2, 3}) {
+      std::uint64_t last = 0;
+      for (const double t : {0.05, 0.02, 0.01, 0.005}) {  // below, support decides
+        FitParams params;
+        params.degree = degree;
+        params.t_mdl = t;
+        params.paper_mode = paper;
+        const auto f = fitted(cloud, params);
+        expectSound(f);
+        EXPECT_GT(f.statistics.leaves, last) << "T " << t << (paper ? " paper" : "");
+        EXPECT_DOUBLE_EQ(f.surface.info.t_mdl, t);
+        EXPECT_EQ(f.surface.info.penalty, 0.0);
+        EXPECT_EQ(f.surface.info.paper_mode, paper);
+        last = f.statistics.leaves;
+      }
+    }
+  }
+}
+
+TEST(FitModes, PaperModeIsAccurateEnough)
+{
+  const auto scene = measure::makeScene(Shape::kBumpy, 20000, 0.0, 0.0, 7);
+  FitParams params;
+  params.paper_mode = true;
+  params.degree = 2;
+  params.t_mdl = 0.005;
+  const auto f = fitted({scene.points, scene.normals}, params);
+  expectSound(f);
+  EXPECT_EQ(f.surface.info.blend_kernel, WeightKernel::kGaussian);
+  EXPECT_LT(errorsOf(Shape::kBumpy, f).position, 1e-3 * scene.diagonal);
+}
+
+TEST(FitModes, DegreeAndPenaltyLeftOpenAreSettled)
+{
+  const Cloud cloud = sceneCloud(Shape::kSphere, 1000, 0.001);
+  FitParams params;
+  const auto smooth = fitted(cloud, params);
+  EXPECT_EQ(smooth.surface.info.degree, 4);
+  EXPECT_EQ(smooth.surface.info.penalty, 3.0);
+  params.sharp_features = true;
+  const auto sharp = fitted(cloud, params);
+  EXPECT_EQ(sharp.surface.info.degree, 2);
+  EXPECT_EQ(sharp.surface.info.penalty, 1.0);
+  params.degree = 3;
+  params.penalty = 7.0;
+  const auto asked = fitted(cloud, params);
+  EXPECT_EQ(asked.surface.info.degree, 3);
+  EXPECT_EQ(asked.surface.info.penalty, 7.0);
+}
+
+TEST(FitModes, AHeavierPenaltyGivesFewerLeaves)
+{
+  const Cloud cloud = sceneCloud(Shape::kBumpy, 10000, 0.001, 0.05);
+  std::uint64_t last = ~0ull;
+  for (const double penalty : {1.0, 3.0, 30.0}) {
+    FitParams params;
+    params.penalty = penalty;
+    const auto f = fitted(cloud, params);
+    EXPECT_LT(f.statistics.leaves, last) << penalty;
+    EXPECT_EQ(f.surface.info.penalty, penalty);
+    last = f.statistics.leaves;
+  }
+}
+
+TEST(FitModes, TakesTheNoiseItIsGiven)
+{
+  const Cloud cloud = sceneCloud(Shape::kTorus, 8000, 0.0001);
+  FitParams params;
+  params.lambda = 1e-6;
+  const auto given = fitted(cloud, params), measured = fitted(cloud);
+  EXPECT_NEAR(given.statistics.lambda, 1e-6, 1e-13);
+  EXPECT_NEAR(std::sqrt(measured.statistics.lambda), 0.0001, 0.00002);
+  EXPECT_LT(given.statistics.leaves, measured.statistics.leaves);
+}
+
+TEST(FitModes, TheBoxDoesNotMatter)
+{
+  for (const bool normals : {true, false}) {
+    Cloud cloud = sceneCloud(Shape::kBumpy, 20000, 0.001, 0.05);
+    if (!normals) cloud = cloud.withoutNormals();
+    const std::size_t count = cloud.size();
+    const auto alone = errorsOf(Shape::kBumpy, fitted(cloud), count);
+    for (const double reach : {20.0, 200.0}) {
+      Cloud larger = cloud;
+      larger.points.insert(larger.points.end(), {reach, reach, reach});
+      if (normals) larger.normals.insert(larger.normals.end(), {0.0f, 0.0f, 1.0f});
+      const auto f = fitted(larger);
+      expectSound(f);
+      const auto boxed = errorsOf(Shape::kBumpy, f, count);
+      EXPECT_NEAR(boxed.position / alone.position, 1.0, 0.1)
+          << reach << (normals ? " with" : " without");
+      EXPECT_NEAR(boxed.normal / alone.normal, 1.0, 0.15)
+          << reach << (normals ? " with" : " without");
+    }
+  }
+}
+
+TEST(FitModes, NoisyNormalsHardlyMatter)
+{
+  const auto exact = errorsOf(Shape::kBumpy, fitted(sceneCloud(Shape::kBumpy, 20000, 0.001, 0.0)));
+  const auto noisy = errorsOf(Shape::kBumpy, fitted(sceneCloud(Shape::kBumpy, 20000, 0.001, 0.3)));
+  EXPECT_NEAR(noisy.position / exact.position, 1.0, 0.1);
+  EXPECT_NEAR(noisy.normal / exact.normal, 1.0, 0.1);
+}
+
+TEST(FitModes, AFewNormalsTurnedRoundHarmNoOtherPoint)
+{
+  Cloud cloud = sceneCloud(Shape::kTorus, 10000, 0.0005);
+  const std::size_t right = 9800;
+  const auto before = errorsOf(Shape::kTorus, fitted(cloud), right);
+  for (std::size_t i = 3 * right; i < cloud.normals.size(); ++i)
+    cloud.normals[i] = -cloud.normals[i];
+  const auto f = fitted(cloud);
+  expectSound(f);
+  EXPECT_GT(f.statistics.skipped_normals, 0u);
+  EXPECT_LE(f.statistics.skipped_normals, 200u);
+  EXPECT_LE(f.statistics.uncovered, 200u);
+  EXPECT_LE(f.projection.num_unsupported, 200u);
+  EXPECT_NEAR(errorsOf(Shape::kTorus, f, right).position / before.position, 1.0, 0.1);
+}
+
+TEST(FitModes, RobustFitsBearOutliers)
+{
+  // One point in twenty is thrown off the torus by up to 2 % of the diagonal, to one side.
+  for (const bool normals : {true, false}) {
+    Cloud cloud = sceneCloud(Shape::kTorus, 12000, 0.0005);
+    std::mt19937_64 random(81);
+    std::uniform_real_distribution<double> off(0.02, 0.06);
+    for (std::size_t i = 0; i < cloud.size(); i += 20) {
+      const double by = off(random);
+      for (std::size_t a = 0; a < 3; ++a) cloud.points[3 * i + a] += by * cloud.normals[3 * i + a];
+    }
+    if (!normals) cloud = cloud.withoutNormals();
+    const auto inliers = [&](bool robust) {
+      FitParams params;
+      params.robust = robust;
+      auto f = fitted(cloud, params);
+      expectSound(f);
+      double sum = 0;
+      std::size_t count = 0;
+      for (std::size_t i = 0; i < f.store.size(); ++i) {
+        if (f.store.orderOfStore()[i] % 20 == 0) continue;
+        const double d =
+            measure::truthAt(Shape::kTorus, f.world(f.projection.position[i])).distance;
+        sum += d * d;
+        ++count;
+      }
+      return std::sqrt(sum / static_cast<double>(count));
+    };
+    EXPECT_LT(inliers(true), 0.8 * inliers(false))
+        << (normals ? "with normals" : "without normals");
+  }
+}
+
+TEST(FitModes, LocalNoiseSparesQuietParts)
+{
+  // A waved sheet whose noise grows twentyfold from left to right.
+  const auto height = [](double x, double y) { return 0.03 * std::sin(9 * x) * std::cos(8 * y); };
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  const Cloud cloud = pcl_slim_test::heightField(20000, 17, [&](double x, double y) {
+    return height(x, y) + 0.0005 * std::exp2((x + 1.0) * 2.16) * normal(random);
+  });
+  double quiet[2] = {}, loud[2] = {};
+  for (const bool local : {false, true}) {
+    FitParams params;
+    params.local_noise = local;
+    const auto f = fitted(cloud, params);
+    expectSound(f);
+    for (std::size_t i = 0; i < f.store.size(); ++i) {
+      const auto p = f.world(f.projection.position[i]);
+      if (std::abs(p[0]) > 0.95 || std::abs(p[1]) > 0.95) continue;
+      const double d = p[2] - height(p[0], p[1]);
+      if (p[0] < -0.5) quiet[local] += d * d;
+      if (p[0] > 0.5) loud[local] += d * d;
+    }
+  }
+  EXPECT_LT(std::sqrt(quiet[1]), 0.9 * std::sqrt(quiet[0]));
+  EXPECT_LT(std::sqrt(loud[1]), 1.1 * std::sqrt(loud[0]));
+}
+
+TEST(FitModes, LowerDegreesServeEdges)
+{
+  // A noisy roof takes quadratics along its ridge and not where it waves; a noisy sphere takes none.
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  const auto roof = fitted(pcl_slim_test::heightField(20000, 17, [&](double x, double y) {
+    const double wave = 0.05 * std::sin(6 * x) * std::cos(6 * y);
+    return wave - std::abs(x) + 0.004 * normal(random);
+  }));
+  std::size_t along = 0, elsewhere = 0, leaves = 0;
+  for (std::size_t i = 0; i < roof.surface.size(); ++i) {
+    if (!roof.surface.isLeaf(i)) continue;
+    const auto c = roof.world({roof.surface.cx[i], roof.surface.cy[i], roof.surface.cz[i]});
+    const bool quadratic = roof.surface.degree[i] == 2;
+    if (std::abs(c[0]) < 0.15) {
+      along += quadratic;
+    } else {
+      elsewhere += quadratic;
+      ++leaves;
+    }
+  }
+  EXPECT_GT(along, 50u);
+  EXPECT_LT(4 * elsewhere, leaves);
+  const auto sphere = fitted(sceneCloud(Shape::kSphere, 20000, 0.002).withoutNormals());
+  EXPECT_EQ(sphere.statistics.reduced_degree, 0u);
+}
+
+}  // namespace
+}  // namespace pcl_slim

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Penalties solved for: a residual or a number of leaves that the caller asked for.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/clouds.h"
+
+namespace pcl_slim {
+namespace {
+
+using measure::Shape;
+using pcl_slim_test::Cloud;
+using pcl_slim_test::expectSound;
+using pcl_slim_test::fitted;
+using pcl_slim_test::sceneCloud;
+using pcl_slim_test::storeOf;
+
+TEST(Penalty, ReachesATargetError)
+{
+  for (const bool normals : {true, false}) {
+    for (const double noise : {0.0, 0.0003}) {
+      Cloud cloud = sceneCloud(Shape::kBumpy, 10000, noise);
+      if (!normals) cloud = cloud.withoutNormals();
+      for (const double target : {0.0004, 0.0006}) {
+        FitParams params;
+        params.target_error = target;
+        const auto f = fitted(cloud, params);
+        expectSound(f);
+        EXPECT_NEAR(f.statistics.rms_error / target, 1.0, 0.05)
+            << noise << (normals ? " with" : " without");
+      }
+    }
+  }
+}
+
+TEST(Penalty, ATargetBeyondTheLargestBallsIsMetByThem)
+{
+  const Cloud cloud = sceneCloud(Shape::kBumpy, 10000, 0.0);
+  FitParams params;
+  params.target_error = 0.1;
+  const auto f = fitted(cloud, params);
+  expectSound(f);
+  EXPECT_LT(f.statistics.rms_error, 0.1);
+  EXPECT_LT(f.statistics.leaves, 400u);
+}
+
+TEST(Penalty, ALargerTargetNeedsFewerLeaves)
+{
+  const Cloud cloud = sceneCloud(Shape::kBumpy, 10000, 0.0);
+  std::uint64_t last = ~0ull;
+  for (const double target : {1e-5, 1e-4, 1e-3}) {
+    FitParams params;
+    params.target_error = target;
+    const auto f = fitted(cloud, params);
+    EXPECT_LT(f.statistics.leaves, last) << target;
+    last = f.statistics.leaves;
+  }
+}
+
+TEST(Penalty, SaysWhenATargetLiesBelowTheNoise)
+{
+  const PointStore store = storeOf(sceneCloud(Shape::kBumpy, 8000, 0.002));
+  FitParams params;
+  params.target_error = 2e-4;
+  SLIMSurface surface;
+  const Error error = fitSurface(store, params, surface);
+  EXPECT_EQ(error.code, ErrorCode::kBadArgument);
+  EXPECT_NE(error.message.find("0.0002"), std::string::npos) << error.message;
+  EXPECT_NE(error.message.find("noise"), std::string::npos) << error.message;
+  EXPECT_TRUE(surface.empty());
+}
+
+TEST(Penalty, KeepsALimitOnSurfels)
+{
+  for (const bool normals : {true, false}) {
+    Cloud cloud = sceneCloud(Shape::kBumpy, 10000, 0.00002);
+    if (!normals) cloud = cloud.withoutNormals();
+    const std::uint64_t free = fitted(cloud).statistics.leaves;
+    for (const std::uint64_t most : {free * 3 / 4, free / 2, free / 4}) {
+      FitParams params;
+      params.max_surfels = most;
+      const auto f = fitted(cloud, params);
+      expectSound(f);
+      EXPECT_LE(f.statistics.leaves, most);
+      EXPECT_GE(f.statistics.leaves, most / 2);
+    }
+    FitParams params;
+    params.max_surfels = free;
+    EXPECT_EQ(fitted(cloud, params).statistics.leaves, free);
+  }
+}
+
+TEST(Penalty, SaysWhenALimitIsTooLow)
+{
+  const PointStore store = storeOf(sceneCloud(Shape::kBumpy, 4000, 0.0));
+  FitParams params;
+  params.max_surfels = 1;
+  SLIMSurface surface;
+  const Error error = fitSurface(store, params, surface);
+  EXPECT_EQ(error.code, ErrorCode::kBadArgument);
+  EXPECT_GT(error.message.size(), 20u);
+  EXPECT_TRUE(surface.empty());
+}
+
+TEST(Penalty, SolvedForIsTheSameForAnyNumberOfThreads)
+{
+  const PointStore store = storeOf(sceneCloud(Shape::kTorus, 6000, 0.00002));
+  FitParams params;
+  params.max_surfels = 500;
+  SLIMSurface one, four;
+  params.threads = 1;
+  ASSERT_FALSE(fitSurface(store, params, one));
+  params.threads = 4;
+  ASSERT_FALSE(fitSurface(store, params, four));
+  EXPECT_EQ(one.cx, four.cx);
+  EXPECT_EQ(one.coefficients, four.coefficients);
+}
+
+}  // namespace
+}  // namespace pcl_slim
