@@ -7,7 +7,7 @@
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/filters/io/splat_conversion.h"
-#include "pcl_slim/splat/coverage_check.h"
+#include "pcl_slim/splat/hole_check.h"
 #include "pcl_slim/splat/splat_sampling.h"
 
 namespace {
@@ -166,24 +166,24 @@ lookForHoles(const Settings& s, const CloudFile& cloud, const SplatSet& splats, 
     console.failed();
     return store.error();
   }
-  CoverageParams params;
+  HoleCheckParams params;
   params.rays = s.rays;
   params.threads = s.params.threads;
-  const Result<Coverage> coverage = checkCoverage(*store, splats, params);
-  if (!coverage) {
+  const Result<HoleCheck> check = checkHoles(*store, splats, params);
+  if (!check) {
     console.failed();
-    return coverage.error();
+    return check.error();
   }
   report.time("rays", watch.seconds());
-  report.json()["holes"] = coverage->holes();
-  report.json()["overlap"] = coverage->overlap;
-  report.json()["rays"] = {{"cast", coverage->rays},
-                           {"missed", coverage->missed},
-                           {"sparse", coverage->sparse},
-                           {"rough", coverage->rough}};
+  report.json()["holes"] = check->holes();
+  report.json()["overlap"] = check->overlap;
+  report.json()["rays"] = {{"cast", check->rays},
+                           {"missed", check->missed},
+                           {"sparse", check->sparse},
+                           {"rough", check->rough}};
   char text[96];
-  std::snprintf(text, sizeof(text), "%.4f %% of rays, overlap %.2f", 100.0 * coverage->holes(),
-                coverage->overlap);
+  std::snprintf(text, sizeof(text), "%.4f %% of rays, overlap %.2f", 100.0 * check->holes(),
+                check->overlap);
   console.done(watch.seconds(), text);
   return {};
 }

@@ -43,6 +43,6 @@ fi
 
 echo
 echo "Scan      $scan"
-echo "Surface   $out/surface.pcd   (pcl_viewer and CloudCompare open it)"
+echo "Surface   $out/surface.pcd   (pcl_viewer opens it)"
 echo "Report    $out/fit.json"
 echo "Picture   $out/surface.png"

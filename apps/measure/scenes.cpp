@@ -6,6 +6,8 @@
 #include <functional>
 #include <random>
 
+#include "pcl_slim/core/symmetric.h"
+
 namespace pcl_slim::measure {
 
 namespace {
@@ -26,11 +28,11 @@ normalized(const Point& a)
   return {a[0] / length, a[1] / length, a[2] / length};
 }
 
-/** Value, gradient and Hessian (xx xy xz yy yz zz) of an implicit function F, F > 0 outside. */
+/** Value, gradient and Hessian of an implicit function F, F > 0 outside. */
 struct Implicit {
   double f;
   Point g;
-  std::array<double, 6> h;
+  Symmetric3<double> h;
 };
 
 Implicit
@@ -80,13 +82,13 @@ bumpy(const Point& p)
     g[i] = d[i] - 0.1 * (e[i] - de * d[i]) / r;
   }
   const double dmd = dot(d, me);
-  std::array<double, 6> h{};
-  for (int i = 0, k = 0; i < 3; ++i) {
-    for (int j = i; j < 3; ++j, ++k) {
+  Symmetric3<double> h{};
+  for (int i = 0; i < 3; ++i) {
+    for (int j = i; j < 3; ++j) {
       const double delta = i == j ? 1.0 : 0.0;
       const double projected = m[i][j] - me[i] * d[j] - d[i] * me[j] + dmd * d[i] * d[j];
       const double bent = e[i] * d[j] + d[i] * e[j] - 3 * de * d[i] * d[j] + de * delta;
-      h[k] = (delta - d[i] * d[j]) / r - 0.1 * (projected - bent) / (r * r);
+      h[kSymmetricEntry[i][j]] = (delta - d[i] * d[j]) / r - 0.1 * (projected - bent) / (r * r);
     }
   }
   return {r - 1.0 - 0.1 * b, g, h};
@@ -142,9 +144,10 @@ double
 meanCurvature(const Implicit& i)
 {
   const double g_sq = dot(i.g, i.g), g = std::sqrt(g_sq);
-  const double trace = i.h[0] + i.h[3] + i.h[5];
-  const double ghg = i.g[0] * (i.h[0] * i.g[0] + 2 * i.h[1] * i.g[1] + 2 * i.h[2] * i.g[2]) +
-                     i.g[1] * (i.h[3] * i.g[1] + 2 * i.h[4] * i.g[2]) + i.h[5] * i.g[2] * i.g[2];
+  const double trace = i.h[kXX] + i.h[kYY] + i.h[kZZ];
+  const double ghg = i.g[0] * (i.h[kXX] * i.g[0] + 2 * i.h[kXY] * i.g[1] + 2 * i.h[kXZ] * i.g[2]) +
+                     i.g[1] * (i.h[kYY] * i.g[1] + 2 * i.h[kYZ] * i.g[2]) +
+                     i.h[kZZ] * i.g[2] * i.g[2];
   return (trace - ghg / g_sq) / (2 * g);
 }
 

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/filters/color_octree_splat_sampler_base.h"
 
-#include <exception>
-#include <new>
-
 namespace pcl_slim {
 
 void
@@ -28,16 +25,8 @@ ColorOctreeSplatSamplerBase::getViewPoint(double& x, double& y, double& z) const
 void
 ColorOctreeSplatSamplerBase::clearResults()
 {
+  ControlledRun::clearResults();
   statistics_ = {};
-  error_ = {};
-  control_.progress.reset();
-}
-
-bool
-ColorOctreeSplatSamplerBase::fail(ErrorCode code, const std::string& message)
-{
-  error_ = {code, message};
-  return false;
 }
 
 bool
@@ -46,15 +35,11 @@ ColorOctreeSplatSamplerBase::run(const CloudView& cloud, const ColorView& colors
 {
   SplatParams params = params_;
   for (int a = 0; a < 3 && !has_viewpoint_; ++a) params.viewpoint[a] = sensor[a];
-  try {
-    error_ = sampleSplats(cloud, colors, params, splats, &statistics_, &control_.progress);
-  } catch (const std::bad_alloc&) {
-    fail(ErrorCode::kBadInput, "not enough memory for this cloud; sample fewer points");
-  } catch (const std::exception& failure) {
-    fail(ErrorCode::kBadInput, std::string("the sampling stopped: ") + failure.what());
-  }
-  if (error_) splats = SplatSet();
-  return !error_;
+  const bool done = guarded("the sampling", "sample fewer points", [&] {
+    return sampleSplats(cloud, colors, params, splats, &statistics_, &control_.progress);
+  });
+  if (!done) splats = SplatSet();
+  return done;
 }
 
 }  // namespace pcl_slim

@@ -2,16 +2,12 @@
 #define PCL_SLIM_PCL_POINTS_ONLY
 #include "pcl_slim/filters/impl/slim_curvature_estimation.hpp"
 
+#include "input_types.h"
+
 // clang-format off
 #define PCL_SLIM_INSTANTIATE_FOR(In)                                                   \
   PCL_SLIM_INSTANTIATE_SLIMCurvatureEstimation(In, pcl_slim::PointCurvature)           \
   PCL_SLIM_INSTANTIATE_SLIMCurvatureEstimation(In, pcl::PrincipalCurvatures)
-
-PCL_SLIM_INSTANTIATE_FOR(pcl::PointXYZ)
-PCL_SLIM_INSTANTIATE_FOR(pcl::PointXYZI)
-PCL_SLIM_INSTANTIATE_FOR(pcl::PointXYZRGB)
-PCL_SLIM_INSTANTIATE_FOR(pcl::PointXYZRGBA)
-PCL_SLIM_INSTANTIATE_FOR(pcl::PointNormal)
-PCL_SLIM_INSTANTIATE_FOR(pcl::PointXYZINormal)
-PCL_SLIM_INSTANTIATE_FOR(pcl::PointXYZRGBNormal)
 // clang-format on
+
+PCL_SLIM_FOR_INPUT_TYPES(PCL_SLIM_INSTANTIATE_FOR)

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/filters/slim_fit_base.h"
 
-#include <exception>
-#include <new>
-
 namespace pcl_slim {
 
 void
@@ -28,17 +25,9 @@ SLIMFitBase::getViewPoint(double& x, double& y, double& z) const
 void
 SLIMFitBase::clearResults()
 {
+  ControlledRun::clearResults();
   statistics_ = {};
   input_statistics_ = {};
-  error_ = {};
-  control_.progress.reset();
-}
-
-bool
-SLIMFitBase::fail(ErrorCode code, const std::string& message)
-{
-  error_ = {code, message};
-  return false;
 }
 
 bool
@@ -46,21 +35,14 @@ SLIMFitBase::run(const CloudView& cloud, SLIMSurface& surface)
 {
   error_ = params_.validate();
   if (error_) return false;
-  try {
+  const bool done = guarded("the fit", "fit fewer points", [&]() -> Error {
     const Result<PointStore> store = PointStore::build(cloud, params_.threads);
-    if (!store) return fail(store.error().code, store.error().message);
+    if (!store) return store.error();
     input_statistics_ = store->statistics();
-    error_ = fitSurface(*store, params_, surface, &statistics_, &control_.progress);
-    // Asked for after the last place where the fit looks: whoever cancels wants no surface.
-    if (!error_ && control_.progress.cancelled())
-      fail(ErrorCode::kCancelled, "the fit was cancelled");
-  } catch (const std::bad_alloc&) {
-    fail(ErrorCode::kBadInput, "not enough memory for this cloud; fit fewer points");
-  } catch (const std::exception& failure) {
-    fail(ErrorCode::kBadInput, std::string("the fit stopped: ") + failure.what());
-  }
-  if (error_) surface = SLIMSurface();
-  return !error_;
+    return fitSurface(*store, params_, surface, &statistics_, &control_.progress);
+  });
+  if (!done) surface = SLIMSurface();
+  return done;
 }
 
 }  // namespace pcl_slim

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/filters/slim_projection_base.h"
 
-#include <exception>
-#include <new>
 #include <optional>
 #include <utility>
 
@@ -24,17 +22,9 @@ SLIMProjectionBase::project(const CloudView& points, const CloudView& fitted,
   error_ = params_.validate();
   if (error_) return false;
   params.threads = params_.threads;
-  try {
-    error_ = fitAndProject(points, fitted, params, projection);
-    // Asked for after the last place where anyone looks: whoever cancels wants no result.
-    if (!error_ && control_.progress.cancelled())
-      fail(ErrorCode::kCancelled, "the projection was cancelled");
-  } catch (const std::bad_alloc&) {
-    fail(ErrorCode::kBadInput, "not enough memory for this cloud; process fewer points");
-  } catch (const std::exception& failure) {
-    fail(ErrorCode::kBadInput, std::string("the projection stopped: ") + failure.what());
-  }
-  if (error_) {
+  const bool done = guarded("the projection", "process fewer points",
+                            [&] { return fitAndProject(points, fitted, params, projection); });
+  if (!done) {
     fitted_surface_.reset();
     return false;
   }

@@ -2,6 +2,8 @@
 #define PCL_SLIM_PCL_POINTS_ONLY
 #include "pcl_slim/filters/impl/slim_projection_smoother.hpp"
 
+#include "input_types.h"
+
 // clang-format off
 #define PCL_SLIM_INSTANTIATE_FOR(In)                                              \
   PCL_SLIM_INSTANTIATE_SLIMProjectionSmoother(In, pcl::PointXYZ)                  \
@@ -11,12 +13,6 @@
   PCL_SLIM_INSTANTIATE_SLIMProjectionSmoother(In, pcl::PointNormal)               \
   PCL_SLIM_INSTANTIATE_SLIMProjectionSmoother(In, pcl::PointXYZINormal)           \
   PCL_SLIM_INSTANTIATE_SLIMProjectionSmoother(In, pcl::PointXYZRGBNormal)
-
-PCL_SLIM_INSTANTIATE_FOR(pcl::PointXYZ)
-PCL_SLIM_INSTANTIATE_FOR(pcl::PointXYZI)
-PCL_SLIM_INSTANTIATE_FOR(pcl::PointXYZRGB)
-PCL_SLIM_INSTANTIATE_FOR(pcl::PointXYZRGBA)
-PCL_SLIM_INSTANTIATE_FOR(pcl::PointNormal)
-PCL_SLIM_INSTANTIATE_FOR(pcl::PointXYZINormal)
-PCL_SLIM_INSTANTIATE_FOR(pcl::PointXYZRGBNormal)
 // clang-format on
+
+PCL_SLIM_FOR_INPUT_TYPES(PCL_SLIM_INSTANTIATE_FOR)

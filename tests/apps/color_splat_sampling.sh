@@ -95,10 +95,7 @@ absent e.pcd e.vtp
 # Failed work: status 1, nothing left.
 expect 1 'NaN' nan.pcd e.pcd
 expect 1 'no points' none.pcd e.pcd
-expect 1 'does not exist' scan.pcd nowhere/e.pcd
-expect 1 'folder' scan.pcd folder.pcd
-expect 1 'does not exist' scan.pcd e.pcd -json nowhere/e.json
-absent e.pcd nowhere
+fails_cleanly scan.pcd e.pcd
 expect 0 '' one.pcd one.ply -json one.json
 [ "$(value one.json splats)" = 1 ] || complain "one point is not one splat"
 

@@ -125,27 +125,12 @@ absent d.pcd e.pcd
 # Failed work: status 1, nothing left.
 expect 1 '' nan.pcd d.pcd
 expect 1 '' none.pcd d.pcd
-expect 1 'does not exist' scan.pcd nowhere/d.pcd
-expect 1 'folder' scan.pcd folder.pcd
-expect 1 'does not exist' scan.pcd d.pcd -json nowhere/d.json
-absent d.pcd nowhere
-[ -z "$(find . -name '*.part')" ] || complain "temporary files were left behind"
-got=0
-"$bin/$program" one.pcd one.slim > out.txt 2> err.txt || got=$?
-[ "$got" -le 1 ] || complain "one point: exit $got"
+fails_cleanly scan.pcd d.pcd
+survives_one_point one.slim
 
 # Ctrl-C: status 130, nothing left.
 cloud big.pcd sheet 4 200000 0
-"$bin/$program" big.pcd stopped.slim -quiet 1 2> err.txt &
-pid=$!
-sleep 0.05
-kill -INT $pid
-got=0
-wait $pid || got=$?
-if [ "$got" -ne 0 ]; then
-  [ "$got" -eq 130 ] || complain "stopped: exit $got"
-  absent stopped.slim
-fi
+stops big.pcd stopped.slim
 
 if [ -n "$data" ] && [ -f "$data/kinect_mosd_learn13.pcd" ]; then
   expect 0 '' "$data/kinect_mosd_learn13.pcd" kinect.slim -json kinect.json

@@ -12,7 +12,7 @@
 namespace pcl_slim {
 namespace {
 
-using pcl_slim_test::bumpySphere;
+using namespace pcl_slim_test;
 
 template <typename PointT>
 struct SamplerDoor {
@@ -266,7 +266,7 @@ TEST(SplatConversion, ShiftsOnlyWhereFloatIsTooCoarse)
     splats.radius[i] = 0.01f;
     splats.rgb[i] = 0x102030u;
     splats.confidence[i] = 5;
-    splats.curvature[i] = 0;
+    splats.normal_variance[i] = 0;
     splats.gradient[i] = {1, 2, 3, 4, 5, 6, 7, 8, 9};
   }
   EXPECT_EQ(splatShift(splats), (std::array<double, 3>{}));

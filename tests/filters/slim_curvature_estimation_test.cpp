@@ -12,10 +12,7 @@
 namespace pcl_slim {
 namespace {
 
-using pcl_slim_test::kMajor;
-using pcl_slim_test::kMinor;
-using pcl_slim_test::sphereCloud;
-using pcl_slim_test::torusCloud;
+using namespace pcl_slim_test;
 using Curvatures = pcl::PointCloud<PointCurvature>;
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 

@@ -13,7 +13,7 @@
 namespace pcl_slim {
 namespace {
 
-using pcl_slim_test::bumpySphere;
+using namespace pcl_slim_test;
 
 template <typename PointT>
 struct FitDoor {

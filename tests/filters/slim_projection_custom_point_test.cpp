@@ -39,8 +39,7 @@ POINT_CLOUD_REGISTER_POINT_STRUCT(
 namespace pcl_slim {
 namespace {
 
-using pcl_slim_test::BentPoint;
-using pcl_slim_test::GradedPoint;
+using namespace pcl_slim_test;
 
 pcl::PointCloud<GradedPoint>::Ptr
 gradedCloud()

@@ -10,10 +10,7 @@
 namespace pcl_slim {
 namespace {
 
-using pcl_slim_test::bumpySphere;
-using pcl_slim_test::bytesOf;
-using pcl_slim_test::sphereCloud;
-using pcl_slim_test::torusCloud;
+using namespace pcl_slim_test;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 

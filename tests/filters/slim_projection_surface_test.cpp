@@ -12,9 +12,7 @@
 namespace pcl_slim {
 namespace {
 
-using pcl_slim_test::bytesOf;
-using pcl_slim_test::sphereCloud;
-using pcl_slim_test::torusCloud;
+using namespace pcl_slim_test;
 
 TEST(SLIMProjectionSmoother, NormalsTakeTheSideAskedFor)
 {

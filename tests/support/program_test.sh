@@ -60,6 +60,37 @@ documented() {
   done < out.txt
 }
 
+# fails_cleanly SCAN OUT: folders that do not exist, or that stand where a file should: status 1 and
+# nothing left.
+fails_cleanly() {
+  expect 1 'does not exist' "$1" "nowhere/$2"
+  expect 1 'folder' "$1" folder.pcd
+  expect 1 'does not exist' "$1" "$2" -json nowhere/report.json
+  absent "$2" nowhere
+  [ -z "$(find . -name '*.part')" ] || complain "temporary files were left behind"
+}
+
+# survives_one_point OUT: one.pcd is done or refused.
+survives_one_point() {
+  local got=0
+  "$bin/$program" one.pcd "$1" > out.txt 2> err.txt || got=$?
+  [ "$got" -le 1 ] || complain "one point: exit $got"
+}
+
+# stops SCAN OUT: Ctrl-C gives status 130 and leaves nothing, unless the work was done before.
+stops() {
+  local pid got=0
+  "$bin/$program" "$1" "$2" -quiet 1 2> err.txt &
+  pid=$!
+  sleep 0.05
+  kill -INT $pid
+  wait $pid || got=$?
+  if [ "$got" -ne 0 ]; then
+    [ "$got" -eq 130 ] || complain "stopped: exit $got"
+    absent "$2"
+  fi
+}
+
 finish() {
   cd / && rm -rf -- "$work"
   [ "$failures" -eq 0 ] || { echo "$failures failures"; exit 1; }

@@ -5,10 +5,8 @@
 
 #include <algorithm>
 #include <cstring>
-#include <limits>
-#include <locale>
-#include <sstream>
 
+#include "io/pcd_header.h"
 #include "io/scalar_type.h"
 
 namespace pcl_slim {
@@ -16,185 +14,31 @@ namespace pcl_slim {
 namespace {
 
 Error
-bad(const std::string& what)
-{
-  return {ErrorCode::kBadInput, what};
-}
-
-/** A field as the header lists it; "_" is padding. */
-struct Column {
-  std::string name;
-  std::size_t size = 4, count = 1;
-  char type = 'F';
-};
-
-struct Header {
-  std::vector<Column> columns;
-  std::size_t width = 0, height = 1, points = 0;
-  bool has_width = false, has_points = false;
-  std::string data;
-};
-
-std::uint8_t
-scalarType(const Column& column)
-{
-  const std::size_t s = column.size;
-  if (column.type == 'F') return s == 4 ? kFloat32 : s == 8 ? kFloat64 : 0;
-  if (column.type == 'I') {
-    return s == 1 ? kInt8 : s == 2 ? kInt16 : s == 4 ? kInt32 : s == 8 ? kInt64 : 0;
-  }
-  if (column.type == 'U') {
-    return s == 1 ? kUInt8 : s == 2 ? kUInt16 : s == 4 ? kUInt32 : s == 8 ? kUInt64 : 0;
-  }
-  return 0;
-}
-
-bool
-parseCount(const std::string& word, std::size_t& value)
-{
-  std::uint64_t parsed = 0;
-  if (!parseScalar(word.data(), word.data() + word.size(), kUInt64,
-                   reinterpret_cast<std::uint8_t*>(&parsed))) {
-    return false;
-  }
-  value = static_cast<std::size_t>(parsed);
-  return true;
-}
-
-bool
-parseViewpoint(const std::vector<std::string>& words, PointFile& file)
-{
-  if (words.size() != 8) return false;
-  float v[7];
-  for (int i = 0; i < 7; ++i) {
-    const std::string& word = words[static_cast<std::size_t>(i) + 1];
-    if (!parseScalar(word.data(), word.data() + word.size(), kFloat32,
-                     reinterpret_cast<std::uint8_t*>(&v[i]))) {
-      return false;
-    }
-  }
-  file.sensor_origin = Eigen::Vector4f(v[0], v[1], v[2], 0.0f);
-  file.sensor_orientation = Eigen::Quaternionf(v[3], v[4], v[5], v[6]);
-  return true;
-}
-
-/** One header line that lists something for every field. */
-bool
-parseColumnLine(const std::vector<std::string>& words, Header& header)
-{
-  const std::string& key = words[0];
-  const std::size_t n = words.size() - 1;
-  if (key == "FIELDS" || key == "COLUMNS") {
-    header.columns.resize(n);
-    for (std::size_t i = 0; i < n; ++i) header.columns[i].name = words[i + 1];
-    return n > 0;
-  }
-  if (n != header.columns.size()) return false;
-  for (std::size_t i = 0; i < n; ++i) {
-    Column& column = header.columns[i];
-    const std::string& word = words[i + 1];
-    if (key == "TYPE") column.type = word[0];
-    if (key == "SIZE" && (!parseCount(word, column.size) || column.size > 8)) return false;
-    if (key == "COUNT" && (!parseCount(word, column.count) || column.count > 65536)) return false;
-  }
-  return true;
-}
-
-/** Reads one header line. false: it makes no sense. */
-bool
-parseHeaderLine(const std::string& line, Header& header, PointFile& file)
-{
-  if (!line.empty() && line[0] == '#') {
-    const std::size_t text = line.find_first_not_of("# \t");
-    const std::string comment = text == std::string::npos ? "" : line.substr(text);
-    if (comment.rfind(".PCD v", 0) != 0) file.comments.push_back(comment);  // the format's own line
-    return true;
-  }
-  const std::vector<std::string> words = splitWords(line);
-  if (words.empty() || words[0] == "VERSION") return true;
-  const std::string& key = words[0];
-  if (key == "VIEWPOINT") return parseViewpoint(words, file);
-  if (key == "FIELDS" || key == "COLUMNS" || key == "SIZE" || key == "TYPE" || key == "COUNT") {
-    return parseColumnLine(words, header);
-  }
-  if (words.size() != 2) return false;
-  if (key == "WIDTH") return header.has_width = parseCount(words[1], header.width);
-  if (key == "HEIGHT") return parseCount(words[1], header.height);
-  if (key == "POINTS") return header.has_points = parseCount(words[1], header.points);
-  if (key == "DATA") header.data = words[1];
-  return key == "DATA";
-}
-
-Error
-checkHeader(Header& header)
-{
-  if (header.columns.empty()) return bad("the PCD header lists no FIELDS");
-  if (!header.has_width && !header.has_points) return bad("the PCD header gives no WIDTH");
-  if (!header.has_width) header.width = header.points;
-  constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max() - 1;
-  if (header.width > kMost || header.height > kMost ||
-      (header.width != 0 && header.height > kMost / header.width)) {
-    return bad("the PCD header announces more than 2^32 - 2 points");
-  }
-  if (header.has_points && header.points != header.width * header.height) {
-    return bad("the PCD header contradicts itself: POINTS " + std::to_string(header.points) +
-               " is not WIDTH times HEIGHT");
-  }
-  header.points = header.width * header.height;
-  for (const Column& column : header.columns) {
-    if (column.name != "_" && scalarType(column) == 0) {
-      return bad("the PCD field '" + column.name + "' has a TYPE and SIZE that do not go together");
-    }
-  }
-  return {};
-}
-
-void
-describeFields(const Header& header, pcl::PCLPointCloud2& cloud)
-{
-  std::size_t offset = 0;
-  for (const Column& column : header.columns) {
-    if (column.name == "_") continue;
-    pcl::PCLPointField field;
-    field.name = column.name;
-    field.offset = static_cast<pcl::uindex_t>(offset);
-    field.datatype = scalarType(column);
-    field.count = static_cast<pcl::uindex_t>(column.count);
-    cloud.fields.push_back(field);
-    offset += column.size * column.count;
-  }
-  cloud.width = static_cast<pcl::uindex_t>(header.width);
-  cloud.height = static_cast<pcl::uindex_t>(header.height);
-  cloud.point_step = static_cast<pcl::uindex_t>(offset);
-  cloud.row_step = static_cast<pcl::uindex_t>(offset * header.width);
-  cloud.is_bigendian = 0;
-}
-
-Error
 truncated(const std::string& unit, std::size_t have, std::size_t want)
 {
-  return bad("the PCD file is truncated: " + std::to_string(have) + " of " + std::to_string(want) +
-             " " + unit + "; copy it again");
+  return badInput("the PCD file is truncated: " + std::to_string(have) + " of " +
+                  std::to_string(want) + " " + unit + "; copy it again");
 }
 
 Error
-readAscii(TextScanner& scanner, const Header& header, std::size_t bytes_left,
+readAscii(const std::uint8_t* payload, std::size_t size, const PcdHeader& header,
           pcl::PCLPointCloud2& cloud)
 {
   // Every value takes a character and a separator: no allocation for a header that only boasts.
-  if (header.points > bytes_left / 2 + 1) return truncated("points", 0, header.points);
+  if (header.points > size / 2 + 1) return truncated("points", 0, header.points);
   cloud.data.resize(header.points * cloud.point_step);
+  TextScanner scanner(payload, size);
   std::uint8_t* at = cloud.data.data();
   for (std::size_t i = 0; i < header.points; ++i) {
-    for (const Column& column : header.columns) {
+    for (const PcdColumn& column : header.columns) {
       for (std::size_t k = 0; k < column.count; ++k) {
         const char *begin = nullptr, *end = nullptr;
         if (!scanner.nextWord(begin, end)) return truncated("points", i, header.points);
-        if (column.name == "_") continue;
+        if (column.isPadding()) continue;
         if (!parseScalar(begin, end, scalarType(column), at)) {
-          return bad("field '" + column.name + "' of point " + std::to_string(i) +
-                     " of the PCD file is not a number of its type: '" + std::string(begin, end) +
-                     "'");
+          return badInput("field '" + column.name + "' of point " + std::to_string(i) +
+                          " of the PCD file is not a number of its type: '" +
+                          std::string(begin, end) + "'");
         }
         at += column.size;
       }
@@ -205,18 +49,17 @@ readAscii(TextScanner& scanner, const Header& header, std::size_t bytes_left,
 
 /** Copies columns out of rows (row by row data) or out of column-major data. */
 void
-copyColumns(const Header& header, const std::uint8_t* source, bool column_major,
+copyColumns(const PcdHeader& header, const std::uint8_t* source, bool column_major,
             pcl::PCLPointCloud2& cloud)
 {
-  std::size_t file_step = 0;
-  for (const Column& column : header.columns) file_step += column.size * column.count;
+  const std::size_t file_step = header.step();
   std::size_t file_offset = 0, offset = 0;
-  for (const Column& column : header.columns) {
-    const std::size_t width = column.size * column.count;
+  for (const PcdColumn& column : header.columns) {
+    const std::size_t width = column.bytes();
     const std::uint8_t* from = source + file_offset * (column_major ? header.points : 1);
     const std::size_t step = column_major ? width : file_step;
     file_offset += width;
-    if (column.name == "_") continue;
+    if (column.isPadding()) continue;
     for (std::size_t i = 0; i < header.points; ++i) {
       std::memcpy(cloud.data.data() + i * cloud.point_step + offset, from + i * step, width);
     }
@@ -225,11 +68,10 @@ copyColumns(const Header& header, const std::uint8_t* source, bool column_major,
 }
 
 Error
-readBinary(const std::uint8_t* payload, std::size_t size, const Header& header,
+readBinary(const std::uint8_t* payload, std::size_t size, const PcdHeader& header,
            pcl::PCLPointCloud2& cloud)
 {
-  std::size_t step = 0;
-  for (const Column& column : header.columns) step += column.size * column.count;
+  const std::size_t step = header.step();
   if (step != 0 && header.points > size / step)
     return truncated("points", size / step, header.points);
   cloud.data.resize(header.points * cloud.point_step);
@@ -242,11 +84,10 @@ readBinary(const std::uint8_t* payload, std::size_t size, const Header& header,
 }
 
 Error
-readCompressed(const std::uint8_t* payload, std::size_t size, const Header& header,
+readCompressed(const std::uint8_t* payload, std::size_t size, const PcdHeader& header,
                pcl::PCLPointCloud2& cloud)
 {
-  std::size_t step = 0;
-  for (const Column& column : header.columns) step += column.size * column.count;
+  const std::size_t step = header.step();
   std::uint32_t compressed = 0, plain = 0;
   if (header.points == 0) return {};
   if (size < 8) return truncated("bytes of compressed data", size, 8);
@@ -254,46 +95,15 @@ readCompressed(const std::uint8_t* payload, std::size_t size, const Header& head
   std::memcpy(&plain, payload + 4, 4);
   if (compressed > size - 8) return truncated("bytes of compressed data", size - 8, compressed);
   if (plain != header.points * step) {
-    return bad("the PCD file's compressed data do not hold the points its header announces");
+    return badInput("the PCD file's compressed data do not hold the points its header announces");
   }
   std::vector<std::uint8_t> columns(plain);
   if (pcl::lzfDecompress(payload + 8, compressed, columns.data(), plain) != plain) {
-    return bad("the PCD file's compressed data are corrupted; copy it again");
+    return badInput("the PCD file's compressed data are corrupted; copy it again");
   }
   cloud.data.resize(header.points * cloud.point_step);
   copyColumns(header, columns.data(), true, cloud);
   return {};
-}
-
-char
-typeLetter(std::uint8_t type)
-{
-  if (type == kFloat32 || type == kFloat64) return 'F';
-  return type == kInt8 || type == kInt16 || type == kInt32 || type == kInt64 ? 'I' : 'U';
-}
-
-std::string
-formatHeader(const PointFile& file)
-{
-  const pcl::PCLPointCloud2& cloud = file.cloud;
-  std::ostringstream names, sizes, types, counts, out;
-  out.imbue(std::locale::classic());
-  out.precision(9);
-  for (const pcl::PCLPointField& field : cloud.fields) {
-    names << ' ' << field.name;
-    sizes << ' ' << scalarSize(field.datatype);
-    types << ' ' << typeLetter(field.datatype);
-    counts << ' ' << std::max<std::size_t>(field.count, 1);
-  }
-  const auto& o = file.sensor_origin;
-  const auto& q = file.sensor_orientation;
-  out << "# .PCD v0.7 - Point Cloud Data file format\n";
-  for (const std::string& comment : file.comments) out << "# " << comment << '\n';
-  out << "VERSION 0.7\nFIELDS" << names.str() << "\nSIZE" << sizes.str() << "\nTYPE" << types.str()
-      << "\nCOUNT" << counts.str() << "\nWIDTH " << cloud.width << "\nHEIGHT " << cloud.height
-      << "\nVIEWPOINT " << o[0] << ' ' << o[1] << ' ' << o[2] << ' ' << q.w() << ' ' << q.x() << ' '
-      << q.y() << ' ' << q.z() << "\nPOINTS " << numPoints(cloud) << "\nDATA binary\n";
-  return out.str();
 }
 
 }  // namespace
@@ -302,30 +112,21 @@ Result<PointFile>
 parsePcd(const std::vector<unsigned char>& bytes)
 {
   PointFile file;
-  Header header;
-  TextScanner scanner(bytes.data(), bytes.size());
-  int line_number = 0;
-  for (std::string line; header.data.empty() && scanner.nextLine(line);) {
-    ++line_number;
-    if (!parseHeaderLine(line, header, file)) {
-      return bad("line " + std::to_string(line_number) + " is not part of a PCD header");
-    }
-  }
-  if (header.data.empty()) return bad("it has no complete PCD header; name a PCD file");
-  if (Error error = checkHeader(header)) return error;
+  PcdHeader header;
+  if (Error error = parsePcdHeader(bytes, header, file)) return error;
   describeFields(header, file.cloud);
-  const std::uint8_t* payload = bytes.data() + scanner.position();
-  const std::size_t size = bytes.size() - scanner.position();
+  const std::uint8_t* payload = bytes.data() + header.bytes;
+  const std::size_t size = bytes.size() - header.bytes;
   Error error;
   if (header.data == "ascii")
-    error = readAscii(scanner, header, size, file.cloud);
+    error = readAscii(payload, size, header, file.cloud);
   else if (header.data == "binary")
     error = readBinary(payload, size, header, file.cloud);
   else if (header.data == "binary_compressed")
     error = readCompressed(payload, size, header, file.cloud);
   else
-    error = bad("the PCD data form '" + header.data +
-                "' is unknown; use ascii, binary or binary_compressed");
+    error = badInput("the PCD data form '" + header.data +
+                     "' is unknown; use ascii, binary or binary_compressed");
   if (error) return error;
   return file;
 }
@@ -334,7 +135,7 @@ std::vector<unsigned char>
 formatPcd(const PointFile& file)
 {
   const pcl::PCLPointCloud2& cloud = file.cloud;
-  const std::string header = formatHeader(file);
+  const std::string header = formatPcdHeader(file);
   std::vector<unsigned char> bytes(header.begin(), header.end());
   std::size_t step = 0;
   for (const auto& field : cloud.fields) {

@@ -13,12 +13,6 @@ namespace pcl_slim {
 
 namespace {
 
-Error
-bad(const std::string& what)
-{
-  return {ErrorCode::kBadInput, what};
-}
-
 /** Hands out one value after another of a PLY body, whatever its form. */
 class BodyReader {
  public:
@@ -71,11 +65,11 @@ class BodyReader {
   Error failure(const std::string& element, std::size_t i, std::size_t count) const
   {
     if (malformed_) {
-      return bad(element + " " + std::to_string(i) +
-                 " of the PLY file holds a value out of range; write it again");
+      return badInput(element + " " + std::to_string(i) +
+                      " of the PLY file holds a value out of range; write it again");
     }
-    return bad("the PLY file is truncated: " + std::to_string(i) + " of " + std::to_string(count) +
-               " elements '" + element + "'; copy it again");
+    return badInput("the PLY file is truncated: " + std::to_string(i) + " of " +
+                    std::to_string(count) + " elements '" + element + "'; copy it again");
   }
 
  private:
@@ -102,28 +96,22 @@ skipProperty(BodyReader& in, const PlyProperty& property)
 Error
 readVertices(BodyReader& in, const PlyElement& element, pcl::PCLPointCloud2& cloud)
 {
-  std::size_t step = 0, smallest = 0;
+  std::size_t smallest = 0;
   for (const PlyProperty& property : element.properties) {
     smallest += scalarSize(property.list_type != 0 ? property.list_type : property.type);
     if (property.list_type != 0) continue;
-    pcl::PCLPointField field;
-    field.name = property.name;
-    field.offset = static_cast<pcl::uindex_t>(step);
-    field.datatype = property.type;
-    field.count = 1;
-    cloud.fields.push_back(field);
-    step += scalarSize(property.type);
+    addField(cloud, property.name, property.type);
   }
-  if (element.count > 4294967294u) return bad("the PLY header announces more than 2^32 - 2 points");
+  if (element.count > 4294967294u)
+    return badInput("the PLY header announces more than 2^32 - 2 points");
   if (smallest != 0 && element.count > in.mostValues(smallest)) {
     return in.failure("vertex", in.mostValues(smallest), element.count);
   }
   cloud.width = static_cast<pcl::uindex_t>(element.count);
   cloud.height = 1;
-  cloud.point_step = static_cast<pcl::uindex_t>(step);
-  cloud.row_step = static_cast<pcl::uindex_t>(step * element.count);
+  cloud.row_step = static_cast<pcl::uindex_t>(cloud.point_step * element.count);
   cloud.is_bigendian = 0;
-  cloud.data.resize(step * element.count);
+  cloud.data.resize(cloud.point_step * element.count);
   std::uint8_t* at = cloud.data.data();
   for (std::size_t i = 0; i < element.count; ++i) {
     for (const PlyProperty& property : element.properties) {
@@ -158,7 +146,7 @@ readFaces(BodyReader& in, const PlyElement& element, PointFile& file)
       }
     }
     if (file.face_vertices.size() > std::numeric_limits<std::uint32_t>::max()) {
-      return bad("the PLY file has more than 2^32 - 1 face corners; use its points alone");
+      return badInput("the PLY file has more than 2^32 - 1 face corners; use its points alone");
     }
     file.face_begin.push_back(static_cast<std::uint32_t>(file.face_vertices.size()));
   }
@@ -217,8 +205,8 @@ parsePly(const std::vector<unsigned char>& bytes)
   const std::size_t n = numPoints(file.cloud);
   for (const std::uint32_t vertex : file.face_vertices) {
     if (vertex >= n) {
-      return bad("a face of the PLY file names vertex " + std::to_string(vertex) + " of " +
-                 std::to_string(n) + "; write it again");
+      return badInput("a face of the PLY file names vertex " + std::to_string(vertex) + " of " +
+                      std::to_string(n) + "; write it again");
     }
   }
   adoptPclFields(file.cloud);

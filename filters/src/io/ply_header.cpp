@@ -9,12 +9,6 @@ namespace pcl_slim {
 
 namespace {
 
-Error
-bad(const std::string& what)
-{
-  return {ErrorCode::kBadInput, what};
-}
-
 struct TypeName {
   const char *old_name, *new_name;
   std::uint8_t type;
@@ -118,7 +112,7 @@ parsePlyHeader(const std::vector<unsigned char>& bytes, PlyHeader& header)
   TextScanner scanner(bytes.data(), bytes.size());
   std::string line;
   if (!scanner.nextLine(line) || splitWords(line) != std::vector<std::string>{"ply"}) {
-    return bad("not a PLY file: it does not start with 'ply'; name a PLY file");
+    return badInput("not a PLY file: it does not start with 'ply'; name a PLY file");
   }
   for (int number = 2; scanner.nextLine(line); ++number) {
     if (splitWords(line) == std::vector<std::string>{"end_header"}) {
@@ -126,10 +120,10 @@ parsePlyHeader(const std::vector<unsigned char>& bytes, PlyHeader& header)
       return {};
     }
     if (!parseLine(line, header)) {
-      return bad("line " + std::to_string(number) + " is not part of a PLY header");
+      return badInput("line " + std::to_string(number) + " is not part of a PLY header");
     }
   }
-  return bad("the PLY file is truncated inside its header; copy it again");
+  return badInput("the PLY file is truncated inside its header; copy it again");
 }
 
 std::string

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <limits>
 #include <sstream>
@@ -113,6 +114,29 @@ parseScalar(const char* begin, const char* end, std::uint8_t type, std::uint8_t*
     case kUInt64: return parseAs<std::uint64_t>(begin, end, at);
     default: return false;
   }
+}
+
+std::string
+formatScalar(double value)
+{
+  char text[40];
+  std::snprintf(text, sizeof(text), "%.17g", value);
+  for (char& c : text) {
+    if (c == ',') c = '.';
+  }
+  return text;
+}
+
+void
+addField(pcl::PCLPointCloud2& cloud, const std::string& name, std::uint8_t type, std::size_t count)
+{
+  pcl::PCLPointField field;
+  field.name = name;
+  field.offset = cloud.point_step;
+  field.datatype = type;
+  field.count = static_cast<pcl::uindex_t>(count);
+  cloud.fields.push_back(field);
+  cloud.point_step += static_cast<pcl::uindex_t>(scalarSize(type) * count);
 }
 
 void

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl/PCLPointCloud2.h>
+
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -34,6 +36,15 @@ readScalar(const std::uint8_t* at, std::uint8_t type);
 /** Parses text into one value of a type. false: not a number, or out of the type's range. */
 bool
 parseScalar(const char* begin, const char* end, std::uint8_t type, std::uint8_t* at);
+
+/** Text that gives every double back: 17 digits, whatever the locale. */
+std::string
+formatScalar(double value);
+
+/** Appends a field behind those a cloud has; its points grow by the field's bytes. */
+void
+addField(pcl::PCLPointCloud2& cloud, const std::string& name, std::uint8_t type,
+         std::size_t count = 1);
 
 /** Turns the bytes of one value round. */
 void

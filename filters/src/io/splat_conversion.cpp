@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <string>
 #include <vector>
+
+#include "io/scalar_type.h"
 
 namespace pcl_slim {
 
@@ -14,30 +15,6 @@ namespace {
 
 constexpr double kShareOfRadius = 1e-3;
 constexpr double kFloatStep = 0x1p-23;  ///< distance of neighbouring floats over their size
-
-/** 17 digits give every double back; independent of the locale. */
-std::string
-format(double value)
-{
-  char text[40];
-  std::snprintf(text, sizeof(text), "%.17g", value);
-  for (char& c : text) {
-    if (c == ',') c = '.';
-  }
-  return text;
-}
-
-void
-addField(pcl::PCLPointCloud2& cloud, const std::string& name, std::uint8_t type)
-{
-  pcl::PCLPointField field;
-  field.name = name;
-  field.offset = cloud.point_step;
-  field.datatype = type;
-  field.count = 1;
-  cloud.fields.push_back(field);
-  cloud.point_step += 4;
-}
 
 }  // namespace
 
@@ -80,7 +57,7 @@ toPCL(const SplatSet& splats, const std::array<double, 3>& shift,
     p.rgba = 0xff000000u | splats.rgb[i];
     p.radius = splats.radius[i];
     p.confidence = splats.confidence[i];
-    p.curvature = splats.curvature[i];
+    p.curvature = splats.normal_variance[i];
   }
 }
 
@@ -90,16 +67,16 @@ toPointFile(const SplatSet& splats, const std::array<double, 3>& shift)
   PointFile file;
   pcl::PCLPointCloud2& cloud = file.cloud;
   for (const char* name : {"x", "y", "z", "normal_x", "normal_y", "normal_z"}) {
-    addField(cloud, name, pcl::PCLPointField::FLOAT32);
+    addField(cloud, name, kFloat32);
   }
-  addField(cloud, "rgba", pcl::PCLPointField::UINT32);
+  addField(cloud, "rgba", kUInt32);
   for (const char* name : {"radius", "confidence", "curvature"}) {
-    addField(cloud, name, pcl::PCLPointField::FLOAT32);
+    addField(cloud, name, kFloat32);
   }
   if (!splats.gradient.empty()) {
     for (const char* channel : {"red", "green", "blue"}) {
       for (const char* axis : {"_x", "_y", "_z"}) {
-        addField(cloud, std::string(channel) + axis, pcl::PCLPointField::FLOAT32);
+        addField(cloud, std::string(channel) + axis, kFloat32);
       }
     }
   }
@@ -120,9 +97,9 @@ toPointFile(const SplatSet& splats, const std::array<double, 3>& shift)
     std::memcpy(at + 28, after, sizeof(after));
     if (!splats.gradient.empty()) std::memcpy(at + 40, splats.gradient[i].data(), 36);
   }
-  file.comments = {
-      "pcl_slim version 1", "pcl_slim kind splats",
-      "pcl_slim shift " + format(shift[0]) + " " + format(shift[1]) + " " + format(shift[2])};
+  file.comments = {"pcl_slim version 1", "pcl_slim kind splats",
+                   "pcl_slim shift " + formatScalar(shift[0]) + " " + formatScalar(shift[1]) + " " +
+                       formatScalar(shift[2])};
   return file;
 }
 

@@ -32,12 +32,12 @@ fieldOf(const pcl::PCLPointCloud2& cloud, const char* name)
 /** The fields discs are read from; absent ones are null. */
 struct Columns {
   std::array<Field, kNumNeeded> needed{};
-  Field rgb = nullptr, confidence = nullptr, curvature = nullptr;
+  Field rgb = nullptr, confidence = nullptr, normal_variance = nullptr;
   std::array<Field, 9> gradient{};
   bool has_gradient = true;
 
   explicit Columns(const pcl::PCLPointCloud2& cloud)
-      : confidence(fieldOf(cloud, "confidence")), curvature(fieldOf(cloud, "curvature"))
+      : confidence(fieldOf(cloud, "confidence")), normal_variance(fieldOf(cloud, "curvature"))
   {
     for (std::size_t k = 0; k < kNumNeeded; ++k) needed[k] = fieldOf(cloud, kNeeded[k]);
     for (std::size_t k = 0; k < 9; ++k) {
@@ -115,7 +115,7 @@ class Reader {
       *columns[k] = static_cast<float>(k < 3 ? v[k] - base_[k] : v[k]);
     }
     splats_.confidence[out] = optional(point, columns_.confidence, 1.0f);
-    splats_.curvature[out] = optional(point, columns_.curvature, 0.0f);
+    splats_.normal_variance[out] = optional(point, columns_.normal_variance, 0.0f);
     splats_.kept[out] = static_cast<std::uint32_t>(point);
     splats_.rgb[out] = colorOf(point);
     return !columns_.has_gradient || readGradient(point, out);

@@ -186,18 +186,6 @@ gatherPoints(const pcl::PCLPointCloud2& cloud, const Columns& columns)
   return points;
 }
 
-void
-addFloatField(pcl::PCLPointCloud2& cloud, const std::string& name)
-{
-  pcl::PCLPointField field;
-  field.name = name;
-  field.offset = cloud.point_step;
-  field.datatype = kFloat32;
-  field.count = 1;
-  cloud.fields.push_back(field);
-  cloud.point_step += static_cast<pcl::uindex_t>(sizeof(float));
-}
-
 }  // namespace
 
 SurfaceMetadata
@@ -217,9 +205,9 @@ toPCL(const SLIMSurface& surface, pcl::PCLPointCloud2& cloud)
   const SurfaceMetadata metadata = makeMetadata(surface);
   const auto stride = static_cast<std::size_t>(surface.stride());
   cloud = pcl::PCLPointCloud2();
-  for (const char* name : kFieldsBefore) addFloatField(cloud, name);
-  for (std::size_t k = 0; k < stride; ++k) addFloatField(cloud, "c" + std::to_string(k));
-  for (const char* name : kFieldsAfter) addFloatField(cloud, name);
+  for (const char* name : kFieldsBefore) addField(cloud, name, kFloat32);
+  for (std::size_t k = 0; k < stride; ++k) addField(cloud, "c" + std::to_string(k), kFloat32);
+  for (const char* name : kFieldsAfter) addField(cloud, name, kFloat32);
   cloud.height = 1;
   cloud.width = static_cast<pcl::uindex_t>(surface.size());
   cloud.row_step = cloud.point_step * cloud.width;

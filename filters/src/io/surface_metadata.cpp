@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
-#include <cstdio>
 
 #include "io/scalar_type.h"
 #include "pcl_slim/filters/io/surface_conversion.h"
@@ -12,22 +11,10 @@ namespace {
 constexpr int kMetadataVersion = 1;
 constexpr const char* kPrefix = "pcl_slim";
 
-/** 17 digits: enough to give every double back. Independent of the locale. */
 std::string
-format(double value)
+formatted(const std::array<double, 3>& v)
 {
-  char text[40];
-  std::snprintf(text, sizeof(text), "%.17g", value);
-  for (char& c : text) {
-    if (c == ',') c = '.';
-  }
-  return text;
-}
-
-std::string
-format(const std::array<double, 3>& v)
-{
-  return format(v[0]) + " " + format(v[1]) + " " + format(v[2]);
+  return formatScalar(v[0]) + " " + formatScalar(v[1]) + " " + formatScalar(v[2]);
 }
 
 bool
@@ -121,16 +108,16 @@ toComments(const SurfaceMetadata& metadata)
   add("blend_kernel", std::to_string(static_cast<int>(info.blend_kernel)));
   add("oriented", info.oriented ? "1" : "0");
   add("paper_mode", info.paper_mode ? "1" : "0");
-  add("origin", format(info.origin));
-  add("scale", format(info.scale));
-  add("diagonal", format(info.diagonal));
-  add("lambda", format(info.lambda));
-  add("penalty", format(info.penalty));
-  add("t_mdl", format(info.t_mdl));
-  add("alpha", format(info.cover_radius));
-  add("gamma", format(info.cover_threshold));
+  add("origin", formatted(info.origin));
+  add("scale", formatScalar(info.scale));
+  add("diagonal", formatScalar(info.diagonal));
+  add("lambda", formatScalar(info.lambda));
+  add("penalty", formatScalar(info.penalty));
+  add("t_mdl", formatScalar(info.t_mdl));
+  add("alpha", formatScalar(info.cover_radius));
+  add("gamma", formatScalar(info.cover_threshold));
   add("num_points", std::to_string(info.num_points));
-  add("shift", format(metadata.shift));
+  add("shift", formatted(metadata.shift));
   return lines;
 }
 

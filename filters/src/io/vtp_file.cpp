@@ -100,16 +100,10 @@ fillPolyData(const PointFile& file, vtkPolyData* data)
 
 /** Appends a float field, its values taken from one component of an array. */
 void
-addField(const std::string& name, vtkDataArray* array, int component,
-         std::vector<std::vector<float>>& columns, pcl::PCLPointCloud2& cloud)
+addColumn(const std::string& name, vtkDataArray* array, int component,
+          std::vector<std::vector<float>>& columns, pcl::PCLPointCloud2& cloud)
 {
-  pcl::PCLPointField field;
-  field.name = name;
-  field.offset = cloud.point_step;
-  field.datatype = kFloat32;
-  field.count = 1;
-  cloud.fields.push_back(field);
-  cloud.point_step += static_cast<pcl::uindex_t>(sizeof(float));
+  addField(cloud, name, kFloat32);
   std::vector<float> column(static_cast<std::size_t>(array->GetNumberOfTuples()));
   for (std::size_t i = 0; i < column.size(); ++i) {
     column[i] = static_cast<float>(array->GetComponent(static_cast<vtkIdType>(i), component));
@@ -124,17 +118,17 @@ readFields(vtkPolyData* data, pcl::PCLPointCloud2& cloud)
   std::vector<std::vector<float>> columns;
   const auto n = static_cast<std::size_t>(data->GetNumberOfPoints());
   for (int k = 0; k < 3; ++k)
-    addField(kCoordinates[k], data->GetPoints()->GetData(), k, columns, cloud);
+    addColumn(kCoordinates[k], data->GetPoints()->GetData(), k, columns, cloud);
   vtkDataArray* normals = data->GetPointData()->GetNormals();
   if (!normals) normals = data->GetPointData()->GetArray("Normals");
   if (normals && normals->GetNumberOfComponents() == 3) {
-    for (int k = 0; k < 3; ++k) addField(kNormals[k], normals, k, columns, cloud);
+    for (int k = 0; k < 3; ++k) addColumn(kNormals[k], normals, k, columns, cloud);
   }
   for (int a = 0; a < data->GetPointData()->GetNumberOfArrays(); ++a) {
     vtkDataArray* array = data->GetPointData()->GetArray(a);
     if (!array || array == normals || !array->GetName() || array->GetNumberOfComponents() != 1)
       continue;
-    addField(array->GetName(), array, 0, columns, cloud);
+    addColumn(array->GetName(), array, 0, columns, cloud);
   }
   cloud.width = static_cast<pcl::uindex_t>(n);
   cloud.height = 1;

@@ -34,7 +34,7 @@ ThreadTeam::~ThreadTeam()
 {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    dismissed_ = true;
+    stopped_ = true;
     ++round_;
   }
   called_.notify_all();
@@ -44,7 +44,7 @@ ThreadTeam::~ThreadTeam()
 void
 ThreadTeam::run(int threads, Work work, void* context)
 {
-  hire(threads - 1);
+  spawn(threads - 1);
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     work_ = work;
@@ -62,7 +62,7 @@ ThreadTeam::run(int threads, Work work, void* context)
 }
 
 void
-ThreadTeam::hire(int helpers)
+ThreadTeam::spawn(int helpers)
 {
   try {
     for (int thread = static_cast<int>(helpers_.size()) + 1; thread <= helpers; ++thread) {
@@ -85,7 +85,7 @@ ThreadTeam::serve(int thread, std::uint64_t round)
   }
 }
 
-/** Waits for the next round that wants this thread. \return false: the team is dismissed. */
+/** Waits for the next round that wants this thread. \return false: the team stops. */
 bool
 ThreadTeam::waitForRound(int thread, std::uint64_t& round)
 {
@@ -95,7 +95,7 @@ ThreadTeam::waitForRound(int thread, std::uint64_t& round)
     std::unique_lock<std::mutex> lock(mutex_);
     called_.wait(lock, next);
     round = round_;
-    if (dismissed_) return false;
+    if (stopped_) return false;
     if (thread <= wanted_) return true;
   }
 }

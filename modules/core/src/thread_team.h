@@ -32,7 +32,7 @@ class ThreadTeam {
   void run(int threads, Work work, void* context);
 
  private:
-  void hire(int helpers);
+  void spawn(int helpers);
   void serve(int thread, std::uint64_t round);
   bool waitForRound(int thread, std::uint64_t& round);
 
@@ -42,7 +42,7 @@ class ThreadTeam {
   std::atomic<std::uint64_t> round_{0};  ///< grows with each call of run
   std::atomic<int> busy_{0};             ///< helpers that have not finished this round
   int wanted_ = 0;                       ///< helpers that take part in it
-  bool dismissed_ = false;
+  bool stopped_ = false;
   Work work_ = nullptr;
   void* context_ = nullptr;
 };

@@ -53,7 +53,7 @@ makeSettings(const PointStore& store, const FitParams& params)
   if (params.sharp_features) {
     s.min_dot = kSharpDot;
   } else if (s.with_normals && !params.paper_mode) {
-    s.min_dot = normalGate(store);
+    s.min_dot = normalBound(store);
   }
   s.split_sheets = !store.hasNormals() && !params.paper_mode;
   s.robust = params.robust;

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The right side of the paper's equation (8): theory.md, "Curvature".
 #include "pcl_slim/query/partition_of_unity.h"
 
 #include <algorithm>
 #include <cmath>
 
+#include "pcl_slim/core/vector3.h"
 #include "pcl_slim/surface/detail/center_grid.h"
 
 namespace pcl_slim {
@@ -12,8 +14,6 @@ using namespace detail;
 
 namespace {
 
-using Vector = std::array<double, 3>;
-
 /** One leaf's f and its weight w, each with two derivatives, at a point. */
 struct WeightedLeaf {
   ImplicitJet f, w;
@@ -21,23 +21,21 @@ struct WeightedLeaf {
 
 /** Adds k a b^T + k b a^T, or k a a^T for a = b, to a symmetric matrix. */
 void
-addOuter(double k, const Vector& a, const Vector& b, std::array<double, 6>& h)
+addOuter(double k, const Vector3& a, const Vector3& b, Symmetric3<double>& h)
 {
-  for (int i = 0, at = 0; i < 3; ++i) {
-    for (int j = i; j < 3; ++j, ++at) {
-      h[at] += &a == &b ? k * a[i] * a[j] : k * (a[i] * b[j] + b[i] * a[j]);
+  for (int i = 0; i < 3; ++i) {
+    for (int j = i; j < 3; ++j) {
+      h[kSymmetricEntry[i][j]] += &a == &b ? k * a[i] * a[j] : k * (a[i] * b[j] + b[i] * a[j]);
     }
   }
 }
 
 ImplicitJet
-leafFunction(const SLIMSurface& s, std::size_t i, const Vector& d)
+leafFunction(const SLIMSurface& s, std::size_t i, const Vector3& d)
 {
   const LocalFrame frame({s.nx[i], s.ny[i], s.nz[i]});
   const double r = s.radius[i];
-  const auto along = [&](const Vector& axis) {
-    return (d[0] * axis[0] + d[1] * axis[1] + d[2] * axis[2]) / r;
-  };
+  const auto along = [&](const Vector3& axis) { return dot(d, axis) / r; };
   const HeightJet h = evaluateJet(s.degree[i], s.coefficientsOf(i), along(frame.u), along(frame.v));
   ImplicitJet jet;
   jet.value = r * (along(frame.w) - h.h);
@@ -64,21 +62,56 @@ kernelBySquare(WeightKernel kernel, double s)
 }
 
 ImplicitJet
-leafWeight(const SLIMSurface& surface, std::size_t i, const Vector& d)
+leafWeight(const SLIMSurface& surface, std::size_t i, const Vector3& d)
 {
   const double r = surface.radius[i];
-  const double s = (d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) / (r * r);
+  const double s = dot(d, d) / (r * r);
   auto g = kernelBySquare(surface.info.blend_kernel, s);
-  const double trust = surface.info.paper_mode ? 1.0 : surface.trust(i);
-  for (double& derivative : g) derivative *= trust;
+  const double variance_weight = surface.info.paper_mode ? 1.0 : surface.varianceWeight(i);
+  for (double& derivative : g) derivative *= variance_weight;
   ImplicitJet jet;
   jet.value = g[0];
   const double slope = 2 / (r * r);
   for (int a = 0; a < 3; ++a) jet.gradient[a] = g[1] * slope * d[a];
   addOuter(g[2] * slope * slope, d, d, jet.hessian);
-  for (const int diagonal : {0, 3, 5}) jet.hessian[diagonal] += g[1] * slope;
+  for (const SymmetricEntry diagonal : {kXX, kYY, kZZ}) jet.hessian[diagonal] += g[1] * slope;
   return jet;
 }
+
+/** W = sum w and S = sum w f over leaves. */
+struct Sums {
+  ImplicitJet weight, product;
+
+  void add(const ImplicitJet& f, const ImplicitJet& w)
+  {
+    weight.value += w.value;
+    product.value += w.value * f.value;
+    for (int a = 0; a < 3; ++a) {
+      weight.gradient[a] += w.gradient[a];
+      product.gradient[a] += w.gradient[a] * f.value + w.value * f.gradient[a];
+    }
+    for (std::size_t k = 0; k < 6; ++k) {
+      weight.hessian[k] += w.hessian[k];
+      product.hessian[k] += w.hessian[k] * f.value + w.value * f.hessian[k];
+    }
+    addOuter(1.0, w.gradient, f.gradient, product.hessian);
+  }
+
+  /** F = S / W: as S = F W, its derivatives give those of F in turn. */
+  ImplicitJet quotient() const
+  {
+    ImplicitJet jet;
+    jet.value = product.value / weight.value;
+    for (int a = 0; a < 3; ++a) {
+      jet.gradient[a] = (product.gradient[a] - jet.value * weight.gradient[a]) / weight.value;
+    }
+    jet.hessian = product.hessian;
+    for (std::size_t k = 0; k < 6; ++k) jet.hessian[k] -= jet.value * weight.hessian[k];
+    addOuter(-1.0, jet.gradient, weight.gradient, jet.hessian);
+    for (double& entry : jet.hessian) entry /= weight.value;
+    return jet;
+  }
+};
 
 }  // namespace
 
@@ -107,39 +140,19 @@ PartitionOfUnity::~PartitionOfUnity() = default;
 bool
 PartitionOfUnity::evaluate(const std::array<double, 3>& x, ImplicitJet& jet) const
 {
-  ImplicitJet weight, sum;  // W = sum w, S = sum w f
+  Sums sums;
   const auto add = [&](std::uint32_t i, float) {
-    const Vector d = {x[0] - surface_.cx[i], x[1] - surface_.cy[i], x[2] - surface_.cz[i]};
+    const Vector3 d = {x[0] - surface_.cx[i], x[1] - surface_.cy[i], x[2] - surface_.cz[i]};
     const double r = surface_.radius[i];
-    if (d[0] * d[0] + d[1] * d[1] + d[2] * d[2] >= r * r) return;
-    const ImplicitJet f = leafFunction(surface_, i, d);
-    const ImplicitJet w = leafWeight(surface_, i, d);
-    weight.value += w.value;
-    sum.value += w.value * f.value;
-    for (int a = 0; a < 3; ++a) {
-      weight.gradient[a] += w.gradient[a];
-      sum.gradient[a] += w.gradient[a] * f.value + w.value * f.gradient[a];
-    }
-    for (int k = 0; k < 6; ++k) {
-      weight.hessian[k] += w.hessian[k];
-      sum.hessian[k] += w.hessian[k] * f.value + w.value * f.hessian[k];
-    }
-    addOuter(1.0, w.gradient, f.gradient, sum.hessian);
+    if (dot(d, d) >= r * r) return;
+    sums.add(leafFunction(surface_, i, d), leafWeight(surface_, i, d));
   };
   for (const CenterGrid& grid : index_->grids) {
     grid.forEachNear(static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2]),
                      add);
   }
-  if (!(weight.value > 0)) return false;
-  // F = S / W, so S = F W and its derivatives give those of F in turn.
-  jet.value = sum.value / weight.value;
-  for (int a = 0; a < 3; ++a) {
-    jet.gradient[a] = (sum.gradient[a] - jet.value * weight.gradient[a]) / weight.value;
-  }
-  jet.hessian = sum.hessian;
-  for (int k = 0; k < 6; ++k) jet.hessian[k] -= jet.value * weight.hessian[k];
-  addOuter(-1.0, jet.gradient, weight.gradient, jet.hessian);
-  for (double& entry : jet.hessian) entry /= weight.value;
+  if (!(sums.weight.value > 0)) return false;
+  jet = sums.quotient();
   return true;
 }
 

@@ -13,6 +13,16 @@ SLIMSurface::numLeaves() const
       std::count_if(flags.begin(), flags.end(), [](std::uint8_t f) { return f & kSurfelLeaf; }));
 }
 
+std::vector<std::uint32_t>
+SLIMSurface::leaves() const
+{
+  std::vector<std::uint32_t> leaves;
+  for (std::uint32_t i = 0; i < size(); ++i) {
+    if (isLeaf(i)) leaves.push_back(i);
+  }
+  return leaves;
+}
+
 std::size_t
 SLIMSurface::numLevels() const
 {
@@ -22,12 +32,12 @@ SLIMSurface::numLevels() const
 }
 
 float
-SLIMSurface::trust(std::size_t i) const
+SLIMSurface::varianceWeight(std::size_t i) const
 {
-  constexpr double kTrusted = 1e-3;  // of r: residuals below say nothing against a leaf
+  constexpr double kNegligible = 1e-3;  // of r: residuals below it say nothing against a leaf
   const double r = radius[i], e = error[i];
-  const double expected =
-      std::max(0.0, info.lambda) * info.diagonal * info.diagonal + kTrusted * kTrusted * r * r;
+  const double expected = std::max(0.0, info.lambda) * info.diagonal * info.diagonal +
+                          kNegligible * kNegligible * r * r;
   return static_cast<float>(expected / (expected + e * e));
 }
 
@@ -63,30 +73,30 @@ SLIMSurface::flip(std::size_t i)
 Error
 SLIMSurface::validate() const
 {
-  const auto bad = [](const std::string& what) { return Error{ErrorCode::kBadInput, what}; };
   const std::size_t n = size();
-  if (info.degree < 1 || info.degree > kMaxDegree) return bad("surface degree is not 1..4");
+  if (info.degree < 1 || info.degree > kMaxDegree) return badInput("surface degree is not 1..4");
   for (const auto* column : {&cy, &cz, &radius, &nx, &ny, &nz, &error, &confidence}) {
-    if (column->size() != n) return bad("surface columns have different lengths");
+    if (column->size() != n) return badInput("surface columns have different lengths");
   }
   if (degree.size() != n || level.size() != n || flags.size() != n ||
       coefficients.size() != n * static_cast<std::size_t>(stride())) {
-    return bad("surface columns have different lengths");
+    return badInput("surface columns have different lengths");
   }
   for (std::size_t i = 0; i < n; ++i) {
     const std::string where = " of surfel " + std::to_string(i);
-    if (degree[i] < 1 || degree[i] > info.degree) return bad("degree" + where + " is out of range");
+    if (degree[i] < 1 || degree[i] > info.degree)
+      return badInput("degree" + where + " is out of range");
     if (!(radius[i] > 0.0f) || !std::isfinite(radius[i]))
-      return bad("radius" + where + " is not positive");
+      return badInput("radius" + where + " is not positive");
     const float length_sq = nx[i] * nx[i] + ny[i] * ny[i] + nz[i] * nz[i];
     if (!(std::abs(length_sq - 1.0f) < 1e-3f))
-      return bad("normal" + where + " has not unit length");
+      return badInput("normal" + where + " has not unit length");
     if (!std::isfinite(cx[i]) || !std::isfinite(cy[i]) || !std::isfinite(cz[i])) {
-      return bad("centre" + where + " is not finite");
+      return badInput("centre" + where + " is not finite");
     }
     const float* c = coefficientsOf(i);
     if (!std::all_of(c, c + stride(), [](float value) { return std::isfinite(value); })) {
-      return bad("a coefficient" + where + " is not finite");
+      return badInput("a coefficient" + where + " is not finite");
     }
   }
   return {};

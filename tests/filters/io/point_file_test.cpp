@@ -13,10 +13,7 @@
 namespace pcl_slim {
 namespace {
 
-using pcl_slim_test::fileBytes;
-using pcl_slim_test::TemporaryFolder;
-using pcl_slim_test::writeBytes;
-using pcl_slim_test::writeText;
+using namespace pcl_slim_test;
 
 double
 value(const PointFile& file, const char* name, std::size_t point)

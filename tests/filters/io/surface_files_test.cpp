@@ -15,11 +15,7 @@
 namespace pcl_slim {
 namespace {
 
-using pcl_slim_test::fileBytes;
-using pcl_slim_test::sphereSurface;
-using pcl_slim_test::TemporaryFolder;
-using pcl_slim_test::writeBytes;
-using pcl_slim_test::writeText;
+using namespace pcl_slim_test;
 
 constexpr const char* kFormats[] = {".pcd", ".ply", ".vtp", ".slim"};
 
@@ -31,6 +27,13 @@ expectSame(const SLIMSurface& a, const SLIMSurface& b)
   EXPECT_EQ(a.nz, b.nz);
   EXPECT_EQ(a.children, b.children);
   EXPECT_EQ(a.roots, b.roots);
+}
+
+void
+expectSame(const SLIMSurface& a, const Result<SLIMSurface>& b)
+{
+  ASSERT_TRUE(b) << b.error().message;
+  expectSame(a, *b);
 }
 
 class SurfaceFiles : public testing::TestWithParam<const char*> {};
@@ -151,9 +154,7 @@ TEST(SurfaceFiles, PclReadsThePcd)
     EXPECT_EQ(cloud[i].c[14], expected[i].c[14]);
     EXPECT_EQ(cloud[i].confidence, expected[i].confidence);
   }
-  const auto again = fromPCL(cloud, &metadata);
-  ASSERT_TRUE(again) << again.error().message;
-  expectSame(surface, *again);
+  expectSame(surface, fromPCL(cloud, &metadata));
 }
 
 TEST(SurfaceFiles, PclReadsThePly)
@@ -166,9 +167,7 @@ TEST(SurfaceFiles, PclReadsThePly)
   const SurfaceMetadata metadata = toPCL(surface, expected);
   EXPECT_EQ(cloud.width, 50u);
   EXPECT_EQ(cloud.data, expected.data);
-  const auto again = fromPCL(cloud, &metadata);
-  ASSERT_TRUE(again) << again.error().message;
-  expectSame(surface, *again);
+  expectSame(surface, fromPCL(cloud, &metadata));
 }
 
 TEST(SurfaceFiles, SurfelsWithoutMetadataAreStillASurface)

@@ -12,8 +12,7 @@
 namespace pcl_slim {
 namespace {
 
-using pcl_slim_test::Cloud;
-using pcl_slim_test::storeOf;
+using namespace pcl_slim_test;
 
 /** What float offsets within a block, up to half the box long, may change in a squared distance. */
 double

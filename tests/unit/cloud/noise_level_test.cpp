@@ -12,9 +12,7 @@ namespace pcl_slim {
 namespace {
 
 using measure::Shape;
-using pcl_slim_test::Cloud;
-using pcl_slim_test::sceneCloud;
-using pcl_slim_test::storeOf;
+using namespace pcl_slim_test;
 
 /** sqrt(lambda) in world units. */
 double

@@ -13,10 +13,7 @@
 namespace pcl_slim {
 namespace {
 
-using pcl_slim_test::Cloud;
-using pcl_slim_test::largestOffset;
-using pcl_slim_test::storeOf;
-using pcl_slim_test::surveyCloud;
+using namespace pcl_slim_test;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 

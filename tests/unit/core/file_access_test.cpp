@@ -10,9 +10,7 @@
 namespace pcl_slim {
 namespace {
 
-using pcl_slim_test::fileBytes;
-using pcl_slim_test::TemporaryFolder;
-using pcl_slim_test::writeText;
+using namespace pcl_slim_test;
 
 TEST(FileAccess, WritesAndReadsBack)
 {

@@ -14,7 +14,7 @@ using namespace detail;
 
 namespace {
 
-using pcl_slim_test::storeOf;
+using namespace pcl_slim_test;
 
 constexpr float kUntouched = -7.0f;
 

@@ -10,10 +10,7 @@
 namespace pcl_slim {
 namespace {
 
-using pcl_slim_test::Cloud;
-using pcl_slim_test::expectSound;
-using pcl_slim_test::fitted;
-using pcl_slim_test::Fitted;
+using namespace pcl_slim_test;
 
 constexpr std::size_t kPoints = 30000;
 const double kDiagonal = std::sqrt(8.0);

@@ -17,13 +17,7 @@ using namespace detail;
 namespace {
 
 using measure::Shape;
-using pcl_slim_test::Cloud;
-using pcl_slim_test::errorsOf;
-using pcl_slim_test::expectSound;
-using pcl_slim_test::fitted;
-using pcl_slim_test::sceneCloud;
-using pcl_slim_test::storeOf;
-using pcl_slim_test::withPlaneNormals;
+using namespace pcl_slim_test;
 
 /** Random heights, slopes and weights of slopes over the unit disc: nothing fits them exactly. */
 BallBuffer

@@ -10,9 +10,7 @@
 namespace pcl_slim {
 namespace {
 
-using pcl_slim_test::Cloud;
-using pcl_slim_test::Fitted;
-using pcl_slim_test::fitted;
+using namespace pcl_slim_test;
 
 constexpr double kA = 1.0, kB = 1.6;  // semi-axes: across and along z
 
@@ -42,14 +40,21 @@ meridianDerivative(double z)
   return 3 * kA * kB * (kB * kB - kA * kA) * s * c / (m_sq * m_sq * m_sq);
 }
 
+Projection
+projected(const Fitted& f, const ProjectionParams& params)
+{
+  Projection projection;
+  const Error error = projectPoints(f.store, f.surface, params, projection);
+  EXPECT_FALSE(error) << error.message;
+  return projection;
+}
+
 TEST(Extremality, OfASpheroidIsItsMeridiansAndNoneAlongParallels)
 {
   const Fitted f = fitted(spheroid(20000));
   ProjectionParams params;
   params.extremality = true;
-  Projection projection;
-  const Error error = projectPoints(f.store, f.surface, params, projection);
-  ASSERT_FALSE(error) << error.message;
+  const Projection projection = projected(f, params);
   ASSERT_EQ(projection.principal.size(), f.store.size()) << "extremality implies directions";
   double error_sq = 0, truth_sq = 0, parallel_sq = 0;
   for (std::size_t i = 0; i < f.store.size(); ++i) {
@@ -71,9 +76,7 @@ TEST(Extremality, IsAbsentUnlessAsked)
   const Fitted f = fitted(spheroid(3000));
   ProjectionParams params;
   params.directions = true;
-  Projection projection;
-  const Error error = projectPoints(f.store, f.surface, params, projection);
-  ASSERT_FALSE(error) << error.message;
+  const Projection projection = projected(f, params);
   for (const PrincipalFrame& frame : projection.principal) {
     ASSERT_EQ(frame.extremality1, 0.0f);
     ASSERT_EQ(frame.extremality2, 0.0f);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "pcl_slim/core/vector3.h"
 #include "pcl_slim/query/partition_of_unity.h"
 #include "support/clouds.h"
 
@@ -11,9 +12,7 @@ namespace pcl_slim {
 namespace {
 
 using measure::Shape;
-using pcl_slim_test::Fitted;
-using pcl_slim_test::fitted;
-using pcl_slim_test::sceneCloud;
+using namespace pcl_slim_test;
 
 class PartitionOfUnityKernels : public testing::TestWithParam<WeightKernel> {};
 
@@ -36,7 +35,7 @@ TEST_P(PartitionOfUnityKernels, DerivativesAreThoseOfItsValue)
       ASSERT_TRUE(unity.evaluate(above, up));
       ASSERT_TRUE(unity.evaluate(below, down));
       EXPECT_NEAR(jet.gradient[a], (up.value - down.value) / (2 * step), 1e-5);
-      const int diagonal[3] = {0, 3, 5};
+      const SymmetricEntry diagonal[3] = {kXX, kYY, kZZ};
       const double second = (up.gradient[a] - down.gradient[a]) / (2 * step);
       EXPECT_NEAR(jet.hessian[diagonal[a]], second, 1e-3 * (1 + std::abs(second)));
     }
@@ -77,10 +76,9 @@ TEST(PartitionOfUnity, LosesToBlendedDerivativesAtLowNoise)
     unity_normal += 1 - unity_dot;
     blended_normal += 1 - blended_dot;
     const auto& h = jet.hessian;
-    const double ghg = g[0] * (h[0] * g[0] + 2 * h[1] * g[1] + 2 * h[2] * g[2]) +
-                       g[1] * (h[3] * g[1] + 2 * h[4] * g[2]) + h[5] * g[2] * g[2];
+    const double ghg = dot(g, multiplied(h, g));
     const double mean =
-        (h[0] + h[3] + h[5] - ghg / (length * length)) / (2 * length) / f.store.scale();
+        (h[kXX] + h[kYY] + h[kZZ] - ghg / (length * length)) / (2 * length) / f.store.scale();
     const double blended = projection.curvature[i][0] / f.store.scale();
     unity_curvature += (mean - truth.mean_curvature) * (mean - truth.mean_curvature);
     blended_curvature += (blended - truth.mean_curvature) * (blended - truth.mean_curvature);

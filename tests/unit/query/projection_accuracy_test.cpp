@@ -10,11 +10,7 @@ namespace pcl_slim {
 namespace {
 
 using measure::Shape;
-using pcl_slim_test::Cloud;
-using pcl_slim_test::errorsOf;
-using pcl_slim_test::expectSound;
-using pcl_slim_test::fitted;
-using pcl_slim_test::sceneCloud;
+using namespace pcl_slim_test;
 
 /** A tilted square. */
 Cloud

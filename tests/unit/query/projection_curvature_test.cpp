@@ -10,9 +10,7 @@ namespace pcl_slim {
 namespace {
 
 using measure::Shape;
-using pcl_slim_test::Cloud;
-using pcl_slim_test::fitted;
-using pcl_slim_test::sceneCloud;
+using namespace pcl_slim_test;
 
 /** A sphere's points and normals, turned by sign, with another radius and place. */
 Cloud

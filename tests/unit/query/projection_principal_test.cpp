@@ -10,12 +10,7 @@ namespace pcl_slim {
 namespace {
 
 using measure::Shape;
-using pcl_slim_test::Cloud;
-using pcl_slim_test::Fitted;
-using pcl_slim_test::fitted;
-using pcl_slim_test::heightField;
-using pcl_slim_test::sceneCloud;
-using pcl_slim_test::storeOf;
+using namespace pcl_slim_test;
 
 double
 dot(const std::array<float, 3>& a, const std::array<float, 3>& b)

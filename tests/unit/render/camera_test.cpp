@@ -13,7 +13,7 @@
 namespace pcl_slim {
 namespace {
 
-using test::sphereSurface;
+using namespace test;
 
 /** \brief Bounds of the covered pixels: x0, y0, x1, y1. */
 std::array<int, 4>

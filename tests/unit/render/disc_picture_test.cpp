@@ -10,9 +10,7 @@
 namespace pcl_slim {
 namespace {
 
-using test::addDisc;
-using test::discCamera;
-using test::discSphere;
+using namespace test;
 
 std::array<int, 3>
 pixelOf(const Image& image, int x, int y)

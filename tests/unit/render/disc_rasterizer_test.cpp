@@ -6,15 +6,13 @@
 #include <cmath>
 #include <limits>
 
+#include "same_buffers.h"
 #include "test_discs.h"
 
 namespace pcl_slim {
 namespace {
 
-using test::addDisc;
-using test::discCamera;
-using test::discSphere;
-using test::planeHit;
+using namespace test;
 
 DiscRenderParams
 unfiltered()
@@ -252,16 +250,6 @@ TEST(DiscRasterizer, ASphereOfDiscsHasNoHoles)
       ASSERT_NEAR(buffer.depth[i], depth, 3.0 * q * q / radius);
     }
   }
-}
-
-void
-expectSame(const GBuffer& a, const GBuffer& b)
-{
-  EXPECT_EQ(a.depth, b.depth);
-  EXPECT_EQ(a.normal, b.normal);
-  EXPECT_EQ(a.color, b.color);
-  EXPECT_EQ(a.weight, b.weight);
-  EXPECT_EQ(a.surfel, b.surfel);
 }
 
 TEST(DiscRasterizer, ThreadsAndSkippingChangeNothing)

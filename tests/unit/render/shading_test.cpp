@@ -15,7 +15,7 @@ namespace pcl_slim {
 namespace {
 
 namespace fs = std::filesystem;
-using test::sphereSurface;
+using namespace test;
 
 Camera
 frontCamera()

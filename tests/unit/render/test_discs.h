@@ -38,7 +38,7 @@ addDisc(SplatSet& set, const Vector& center, const Vector& normal, double radius
   set.radius.push_back(static_cast<float>(radius));
   set.rgb.push_back(rgb);
   set.confidence.push_back(1.0f);
-  set.curvature.push_back(0.0f);
+  set.normal_variance.push_back(0.0f);
   set.kept.push_back(static_cast<std::uint32_t>(set.kept.size()));
 }
 

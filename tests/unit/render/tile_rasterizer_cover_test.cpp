@@ -4,26 +4,13 @@
 
 #include <cmath>
 
+#include "same_buffers.h"
 #include "sphere_view.h"
 
 namespace pcl_slim {
 namespace {
 
 using namespace test;
-
-void
-expectSame(const GBuffer& a, const GBuffer& b)
-{
-  EXPECT_EQ(a.depth, b.depth);
-  EXPECT_EQ(a.position, b.position);
-  EXPECT_EQ(a.normal, b.normal);
-  EXPECT_EQ(a.hessian, b.hessian);
-  EXPECT_EQ(a.mean_curvature, b.mean_curvature);
-  EXPECT_EQ(a.principal, b.principal);
-  EXPECT_EQ(a.surfel, b.surfel);
-  EXPECT_EQ(a.weight, b.weight);
-  EXPECT_EQ(a.coverage, b.coverage);
-}
 
 TEST(TileRasterizer, ASheetBehindDoesNotBleedThrough)
 {

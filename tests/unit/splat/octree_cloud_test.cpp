@@ -17,8 +17,7 @@ using namespace detail;
 
 namespace {
 
-using pcl_slim_test::painted;
-using pcl_slim_test::PaintedCloud;
+using namespace pcl_slim_test;
 
 using Cell = std::array<long, 3>;
 

@@ -10,7 +10,7 @@
 #include <random>
 #include <vector>
 
-#include "pcl_slim/splat/coverage_check.h"
+#include "pcl_slim/splat/hole_check.h"
 #include "pcl_slim/splat/splat_sampling.h"
 
 namespace pcl_slim_test {
@@ -97,23 +97,46 @@ sampled(const PaintedCloud& cloud, const pcl_slim::SplatParams& params,
   return splats;
 }
 
+inline pcl_slim::SplatParams
+oneThread()
+{
+  pcl_slim::SplatParams params;
+  params.threads = 1;
+  return params;
+}
+
+/** Every column of two sets of splats. */
+inline void
+expectSame(const pcl_slim::SplatSet& a, const pcl_slim::SplatSet& b)
+{
+  using pcl_slim::SplatSet;
+  for (const auto column :
+       {&SplatSet::x, &SplatSet::y, &SplatSet::z, &SplatSet::nx, &SplatSet::ny, &SplatSet::nz,
+        &SplatSet::radius, &SplatSet::confidence, &SplatSet::normal_variance}) {
+    EXPECT_EQ(a.*column, b.*column);
+  }
+  EXPECT_EQ(a.rgb, b.rgb);
+  EXPECT_EQ(a.kept, b.kept);
+  EXPECT_EQ(a.gradient, b.gradient);
+}
+
 inline std::size_t
 countOf(const PaintedCloud& cloud, const pcl_slim::SplatParams& params)
 {
   return sampled(cloud, params).size();
 }
 
-inline pcl_slim::Coverage
-coverageOf(const PaintedCloud& cloud, const pcl_slim::SplatSet& splats, std::uint64_t rays)
+inline pcl_slim::HoleCheck
+holesSeen(const PaintedCloud& cloud, const pcl_slim::SplatSet& splats, std::uint64_t rays)
 {
   const auto store = pcl_slim::PointStore::build(cloud.view(), 1);
   EXPECT_TRUE(store);
-  pcl_slim::CoverageParams params;
+  pcl_slim::HoleCheckParams params;
   params.rays = rays;
   params.threads = 1;
-  const auto coverage = checkCoverage(*store, splats, params);
-  EXPECT_TRUE(coverage) << coverage.error().message;
-  return *coverage;
+  const auto check = checkHoles(*store, splats, params);
+  EXPECT_TRUE(check) << check.error().message;
+  return *check;
 }
 
 /** Every number is finite, normals are unit, radii positive, each kept point is one of the cloud's,
@@ -127,7 +150,7 @@ expectSound(const pcl_slim::SplatSet& s, std::size_t points)
     ASSERT_TRUE(std::isfinite(s.x[i]) && std::isfinite(s.y[i]) && std::isfinite(s.z[i])) << i;
     ASSERT_NEAR(std::hypot(s.nx[i], s.ny[i], s.nz[i]), 1.0f, 1e-5f) << i;
     ASSERT_TRUE(std::isfinite(s.radius[i]) && s.radius[i] > 0.0f) << i;
-    ASSERT_TRUE(s.curvature[i] >= 0.0f && s.curvature[i] <= 0.67f) << i;
+    ASSERT_TRUE(s.normal_variance[i] >= 0.0f && s.normal_variance[i] <= 0.67f) << i;
     ASSERT_GE(s.confidence[i], 1.0f) << i;
     if (seen.size() <= s.kept[i]) seen.resize(s.kept[i] + 1u, false);
     ASSERT_FALSE(seen[s.kept[i]]) << "kept twice";

@@ -8,18 +8,7 @@
 namespace pcl_slim {
 namespace {
 
-using pcl_slim_test::expectSound;
-using pcl_slim_test::painted;
-using pcl_slim_test::PaintedCloud;
-using pcl_slim_test::sampled;
-
-SplatParams
-oneThread()
-{
-  SplatParams params;
-  params.threads = 1;
-  return params;
-}
+using namespace pcl_slim_test;
 
 TEST(SplatInput, OneColourOnePointOneLine)
 {
@@ -92,11 +81,7 @@ TEST(SplatInput, WhatStandsBetweenAndBehindPointsIsNotUsed)
     if (count > 1) expectSound(close, count);
     for (const std::size_t apart : {4u, 7u}) {
       const SplatSet wide = PackedFloats(cloud, apart).splats();
-      EXPECT_EQ(wide.x, close.x);
-      EXPECT_EQ(wide.nz, close.nz);
-      EXPECT_EQ(wide.radius, close.radius);
-      EXPECT_EQ(wide.rgb, close.rgb);
-      EXPECT_EQ(wide.kept, close.kept);
+      expectSame(wide, close);
     }
   }
 }
@@ -112,13 +97,7 @@ TEST(SplatInput, ThreadsChangeNothing)
     const SplatSet one = sampled(cloud, params, nullptr, mode != 2);
     for (const int threads : {2, 7}) {
       params.threads = threads;
-      const SplatSet many = sampled(cloud, params, nullptr, mode != 2);
-      EXPECT_EQ(one.x, many.x);
-      EXPECT_EQ(one.nz, many.nz);
-      EXPECT_EQ(one.radius, many.radius);
-      EXPECT_EQ(one.rgb, many.rgb);
-      EXPECT_EQ(one.kept, many.kept);
-      EXPECT_EQ(one.gradient, many.gradient);
+      expectSame(one, sampled(cloud, params, nullptr, mode != 2));
     }
   }
 }

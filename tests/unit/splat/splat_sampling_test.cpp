@@ -8,20 +8,7 @@
 namespace pcl_slim {
 namespace {
 
-using pcl_slim_test::countOf;
-using pcl_slim_test::coverageOf;
-using pcl_slim_test::expectSound;
-using pcl_slim_test::painted;
-using pcl_slim_test::PaintedCloud;
-using pcl_slim_test::sampled;
-
-SplatParams
-oneThread()
-{
-  SplatParams params;
-  params.threads = 1;
-  return params;
-}
+using namespace pcl_slim_test;
 
 TEST(SplatSampling, CoversThePaintedObject)
 {
@@ -32,12 +19,12 @@ TEST(SplatSampling, CoversThePaintedObject)
     params.radius = rule;
     const SplatSet splats = sampled(cloud, params);
     expectSound(splats, cloud.size());
-    const Coverage coverage = coverageOf(cloud, splats, 40000);
-    EXPECT_LT(coverage.holes(), 1e-4);
+    const HoleCheck check = holesSeen(cloud, splats, 40000);
+    EXPECT_LT(check.holes(), 1e-4);
     if (rule == RadiusRule::kCorner) {
-      EXPECT_GT(coverage.overlap, 5.0);
+      EXPECT_GT(check.overlap, 5.0);
     } else {
-      EXPECT_LT(coverage.overlap, 3.0);
+      EXPECT_LT(check.overlap, 3.0);
     }
   }
 }
@@ -212,7 +199,7 @@ TEST(SplatSampling, NormalsAreEstimatedWhereThereAreNone)
   const SplatSet splats = sampled(cloud, params, &statistics, false);
   EXPECT_TRUE(statistics.normals_estimated);
   expectSound(splats, cloud.size());
-  EXPECT_LT(coverageOf(cloud, splats, 20000).holes(), 1e-3);
+  EXPECT_LT(holesSeen(cloud, splats, 20000).holes(), 1e-3);
   double worst = 1.0;
   for (std::size_t i = 0; i < splats.size(); ++i) {
     const double x = splats.x[i] + splats.origin[0], y = splats.y[i] + splats.origin[1],

@@ -7,8 +7,7 @@
 namespace pcl_slim {
 namespace {
 
-using pcl_slim_test::PaintedCloud;
-using pcl_slim_test::sampled;
+using namespace pcl_slim_test;
 
 // Seven points in a row of shades, alone among points 50 times as far apart: their disc reaches far
 // beyond them, and the shades must not go on as far.
@@ -74,7 +73,7 @@ TEST(SplatShape, BudgetsLeaveThinBarsTheirShape)
     const double z = splats.origin[2] + splats.z[i];
     if (z < 0.25) continue;
     ++of_bar;
-    standing_out += splats.curvature[i] > 0.25f;
+    standing_out += splats.normal_variance[i] > 0.25f;
   }
   EXPECT_GT(of_bar, 100u);
   EXPECT_LT(standing_out, of_bar / 20);

@@ -44,19 +44,27 @@ TEST(Polynomial, CountsItsCoefficients)
   EXPECT_EQ(numCoefficients(4), kMaxCoefficients);
 }
 
-TEST(Polynomial, HeightIsTheSumOfItsTerms)
+/** Calls check(degree, coefficients, u, v) for every degree of some random polynomials. */
+template <typename Check>
+void
+forRandomPolynomials(unsigned seed, int trials, const Check& check)
 {
-  std::mt19937 random(41);
+  std::mt19937 random(seed);
   std::uniform_real_distribution<double> place(-1.0, 1.0);
-  for (int trial = 0; trial < 200; ++trial) {
+  for (int trial = 0; trial < trials; ++trial) {
     const auto c = randomCoefficients(random);
     const double u = place(random), v = place(random);
-    for (int degree = 1; degree <= kMaxDegree; ++degree) {
-      const double expected = termByTerm(degree, c.data(), u, v);
-      ASSERT_NEAR(evaluateHeight(degree, c.data(), u, v), expected, 1e-12);
-      ASSERT_NEAR(evaluateJet(degree, c.data(), u, v).h, expected, 1e-12);
-    }
+    for (int degree = 1; degree <= kMaxDegree; ++degree) check(degree, c.data(), u, v);
   }
+}
+
+TEST(Polynomial, HeightIsTheSumOfItsTerms)
+{
+  forRandomPolynomials(41, 200, [](int degree, const float* c, double u, double v) {
+    const double expected = termByTerm(degree, c, u, v);
+    ASSERT_NEAR(evaluateHeight(degree, c, u, v), expected, 1e-12);
+    ASSERT_NEAR(evaluateJet(degree, c, u, v).h, expected, 1e-12);
+  });
 }
 
 /** Central difference of one of the jet's members along u or v. */
@@ -74,28 +82,22 @@ slope(int degree, const float* c, double u, double v, bool along_u, Member membe
 
 TEST(Polynomial, JetHoldsTheDerivatives)
 {
-  std::mt19937 random(42);
-  std::uniform_real_distribution<double> place(-1.0, 1.0);
-  for (int trial = 0; trial < 100; ++trial) {
-    const auto c = randomCoefficients(random);
-    const double u = place(random), v = place(random);
-    for (int degree = 1; degree <= kMaxDegree; ++degree) {
-      const HeightJet j = evaluateJet(degree, c.data(), u, v);
-      const auto along = [&](bool along_u, double HeightJet::*member) {
-        return slope(degree, c.data(), u, v, along_u, member);
-      };
-      ASSERT_NEAR(j.hu, along(true, &HeightJet::h), 1e-7);
-      ASSERT_NEAR(j.hv, along(false, &HeightJet::h), 1e-7);
-      ASSERT_NEAR(j.huu, along(true, &HeightJet::hu), 1e-7);
-      ASSERT_NEAR(j.huv, along(false, &HeightJet::hu), 1e-7);
-      ASSERT_NEAR(j.huv, along(true, &HeightJet::hv), 1e-7);
-      ASSERT_NEAR(j.hvv, along(false, &HeightJet::hv), 1e-7);
-      ASSERT_NEAR(j.huuu, along(true, &HeightJet::huu), 1e-7);
-      ASSERT_NEAR(j.huuv, along(false, &HeightJet::huu), 1e-7);
-      ASSERT_NEAR(j.huvv, along(true, &HeightJet::hvv), 1e-7);
-      ASSERT_NEAR(j.hvvv, along(false, &HeightJet::hvv), 1e-7);
-    }
-  }
+  forRandomPolynomials(42, 100, [](int degree, const float* c, double u, double v) {
+    const HeightJet j = evaluateJet(degree, c, u, v);
+    const auto along = [&](bool along_u, double HeightJet::*member) {
+      return slope(degree, c, u, v, along_u, member);
+    };
+    ASSERT_NEAR(j.hu, along(true, &HeightJet::h), 1e-7);
+    ASSERT_NEAR(j.hv, along(false, &HeightJet::h), 1e-7);
+    ASSERT_NEAR(j.huu, along(true, &HeightJet::hu), 1e-7);
+    ASSERT_NEAR(j.huv, along(false, &HeightJet::hu), 1e-7);
+    ASSERT_NEAR(j.huv, along(true, &HeightJet::hv), 1e-7);
+    ASSERT_NEAR(j.hvv, along(false, &HeightJet::hv), 1e-7);
+    ASSERT_NEAR(j.huuu, along(true, &HeightJet::huu), 1e-7);
+    ASSERT_NEAR(j.huuv, along(false, &HeightJet::huu), 1e-7);
+    ASSERT_NEAR(j.huvv, along(true, &HeightJet::hvv), 1e-7);
+    ASSERT_NEAR(j.hvvv, along(false, &HeightJet::hvv), 1e-7);
+  });
 }
 
 TEST(Polynomial, TurnsRound)

@@ -11,8 +11,7 @@ namespace pcl_slim {
 namespace {
 
 using measure::Shape;
-using pcl_slim_test::Cloud;
-using pcl_slim_test::sceneCloud;
+using namespace pcl_slim_test;
 
 std::vector<unsigned char>
 fitBytes(const Cloud& cloud, FitParams params, int threads)

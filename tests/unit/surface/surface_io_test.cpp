@@ -6,15 +6,13 @@
 #include <cstring>
 #include <limits>
 
+#include "support/clouds.h"
 #include "support/sphere_surface.h"
 
 namespace pcl_slim {
 namespace {
 
-using pcl_slim_test::fileBytes;
-using pcl_slim_test::sphereSurface;
-using pcl_slim_test::TemporaryFolder;
-using pcl_slim_test::writeBytes;
+using namespace pcl_slim_test;
 
 constexpr std::size_t kHeaderBytes = 136;
 
@@ -28,22 +26,19 @@ decodeError(const std::vector<unsigned char>& bytes)
 void
 expectSame(const SLIMSurface& a, const SLIMSurface& b)
 {
-  EXPECT_EQ(a.cx, b.cx);
-  EXPECT_EQ(a.cy, b.cy);
-  EXPECT_EQ(a.cz, b.cz);
-  EXPECT_EQ(a.radius, b.radius);
-  EXPECT_EQ(a.nx, b.nx);
-  EXPECT_EQ(a.ny, b.ny);
-  EXPECT_EQ(a.nz, b.nz);
-  EXPECT_EQ(a.coefficients, b.coefficients);
-  EXPECT_EQ(a.error, b.error);
-  EXPECT_EQ(a.confidence, b.confidence);
-  EXPECT_EQ(a.degree, b.degree);
-  EXPECT_EQ(a.level, b.level);
-  EXPECT_EQ(a.flags, b.flags);
-  EXPECT_EQ(a.children, b.children);
-  EXPECT_EQ(a.child_begin, b.child_begin);
-  EXPECT_EQ(a.roots, b.roots);
+  for (const auto column :
+       {&SLIMSurface::cx, &SLIMSurface::cy, &SLIMSurface::cz, &SLIMSurface::radius,
+        &SLIMSurface::nx, &SLIMSurface::ny, &SLIMSurface::nz, &SLIMSurface::coefficients,
+        &SLIMSurface::error, &SLIMSurface::confidence}) {
+    EXPECT_EQ(a.*column, b.*column);
+  }
+  for (const auto column : {&SLIMSurface::degree, &SLIMSurface::level, &SLIMSurface::flags}) {
+    EXPECT_EQ(a.*column, b.*column);
+  }
+  for (const auto links :
+       {&SLIMSurface::children, &SLIMSurface::child_begin, &SLIMSurface::roots}) {
+    EXPECT_EQ(a.*links, b.*links);
+  }
   EXPECT_EQ(a.info.origin, b.info.origin);
   EXPECT_EQ(a.info.scale, b.info.scale);
   EXPECT_EQ(a.info.diagonal, b.info.diagonal);
@@ -77,6 +72,28 @@ TEST_P(SurfaceIo, HoldsTheFloatsItPromises)
   const std::size_t beside = 3 + 2 * sizeof(float);  // degree, level, flags, error, confidence
   EXPECT_EQ(encodeSlim(surface).size(),
             kHeaderBytes + 100 * (floats[GetParam() - 1] * sizeof(float) + beside));
+}
+
+TEST(SurfaceIo, ALinearSurfelWhoseFrameIsNotItsPlanesHasNineFloats)
+{
+  SLIMSurface surface = sphereSurface(1, 100);
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    surface.coefficients[3 * i + 1] = i < 40 ? 0.25f : 0.0f;
+    surface.coefficients[3 * i + 2] = 0.0f;
+  }
+  const std::size_t beside = 3 + 2 * sizeof(float);
+  EXPECT_EQ(encodeSlim(surface).size(),
+            kHeaderBytes + 100 * beside + (40 * 9 + 60 * 7) * sizeof(float));
+}
+
+TEST(SurfaceIo, AFitOfDegreeOneHasSevenFloatsASurfel)
+{
+  FitParams params;
+  params.degree = 1;
+  const Fitted f = fitted(sceneCloud(measure::Shape::kSphere, 3000, 0.0), params);
+  const std::size_t floats = 7 + 2;  // and error and confidence
+  EXPECT_EQ(encodeSlim(f.surface).size(),
+            kHeaderBytes + f.surface.size() * (3 + floats * sizeof(float)));
 }
 
 INSTANTIATE_TEST_SUITE_P(Degrees, SurfaceIo, testing::Range(1, 5));

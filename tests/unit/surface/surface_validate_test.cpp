@@ -13,7 +13,7 @@ namespace pcl_slim {
 namespace {
 
 using measure::Shape;
-using pcl_slim_test::sphereSurface;
+using namespace pcl_slim_test;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInf = std::numeric_limits<float>::infinity();

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <utility>
-
-#include "pcl_slim/core/error.h"
-#include "pcl_slim/filters/slim_fit_base.h"
+#include "pcl_slim/filters/controlled_run.h"
 #include "pcl_slim/splat/splat_sampling.h"
 
 namespace pcl_slim {
@@ -13,7 +10,7 @@ namespace pcl_slim {
  *
  * No setter changes another parameter. Values are checked when the sampler runs.
  */
-class ColorOctreeSplatSamplerBase {
+class ColorOctreeSplatSamplerBase : public ControlledRun {
  public:
   // Parameters -----------------------------------------------------------------------------------
 
@@ -89,20 +86,10 @@ class ColorOctreeSplatSamplerBase {
   void setNumberOfThreads(unsigned int threads = 0) { params_.threads = static_cast<int>(threads); }
   unsigned int getNumberOfThreads() const { return static_cast<unsigned int>(params_.threads); }
 
-  // Running --------------------------------------------------------------------------------------
-
-  /** \brief Called from the thread that runs the sampler with the share done and the stage. */
-  void setProgressCallback(Progress::Callback callback) { control_.callback = std::move(callback); }
-
-  /** \brief Stops the running sampler from any thread; nothing if none runs. */
-  void cancel() { control_.progress.cancel(); }
-
   // Results --------------------------------------------------------------------------------------
 
   /** \brief What the last run did and skipped. */
   const SplatStatistics& getStatistics() const { return statistics_; }
-  /** \brief Why the last run failed, in one sentence; no error after a success. */
-  const Error& getError() const { return error_; }
 
  protected:
   ColorOctreeSplatSamplerBase() = default;
@@ -110,17 +97,13 @@ class ColorOctreeSplatSamplerBase {
 
   /** \brief Forgets the last run. */
   void clearResults();
-  /** \brief Records an error. \return false, as sample() does. */
-  bool fail(ErrorCode code, const std::string& message);
   /** \brief Samples. \param[in] sensor where estimated normals look by default. */
   bool run(const CloudView& cloud, const ColorView& colors, const float sensor[3],
            SplatSet& splats);
 
   SplatParams params_;
   bool has_viewpoint_ = false;
-  RunControl control_;
   SplatStatistics statistics_;
-  Error error_;
 };
 
 }  // namespace pcl_slim

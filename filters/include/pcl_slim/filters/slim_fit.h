@@ -84,6 +84,10 @@ class SLIMFit : public pcl::PCLBase<PointT>, public SLIMFitBase {
  private:
   /** \brief PCL's normals of the selected points, zero for all others; three floats a point. */
   bool estimateNormals(std::vector<float>& estimated);
+  /** \brief The points to use that are finite. */
+  pcl::IndicesPtr finiteSelection() const;
+  /** \brief PCL's normals of the selected points; it may throw. */
+  bool findNormals(const pcl::IndicesPtr& selected, NormalCloud& normals);
   /** \brief Gives the search object its cloud; an error where it cannot serve it. */
   bool prepareSearch(const typename PointCloud::ConstPtr& cloud);
 

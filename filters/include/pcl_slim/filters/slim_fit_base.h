@@ -3,36 +3,18 @@
 
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/cloud/point_store.h"
-#include "pcl_slim/core/error.h"
-#include "pcl_slim/core/progress.h"
+#include "pcl_slim/filters/controlled_run.h"
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
-
-/** \brief A progress callback and a cancel flag; a copy takes the callback and has its own flag. */
-class RunControl {
- public:
-  RunControl() = default;
-  RunControl(const RunControl& other) : callback(other.callback) {}
-  RunControl& operator=(const RunControl& other)
-  {
-    callback = other.callback;
-    return *this;
-  }
-
-  Progress::Callback callback;
-  Progress progress{[this](float fraction, const char* stage) {
-    if (callback) callback(fraction, stage);
-  }};
-};
 
 /** \brief Parameters and results of SLIMFit that do not depend on the point type.
  *
  * One setter and getter for each parameter; no setter changes another parameter. Values are
  * checked when fit() runs. FitParams says what each means and its default.
  */
-class SLIMFitBase {
+class SLIMFitBase : public ControlledRun {
  public:
   // Parameters -----------------------------------------------------------------------------------
 
@@ -123,22 +105,12 @@ class SLIMFitBase {
   void setNumberOfThreads(unsigned int threads = 0) { params_.threads = static_cast<int>(threads); }
   unsigned int getNumberOfThreads() const { return static_cast<unsigned int>(params_.threads); }
 
-  // Running --------------------------------------------------------------------------------------
-
-  /** \brief Called from the thread that runs fit() with the share done and the stage's name. */
-  void setProgressCallback(Progress::Callback callback) { control_.callback = std::move(callback); }
-
-  /** \brief Stops the running fit() from any thread or a signal handler; nothing if none runs. */
-  void cancel() { control_.progress.cancel(); }
-
   // Results --------------------------------------------------------------------------------------
 
   /** \brief What the last fit() did and skipped. */
   const FitStatistics& getStatistics() const { return statistics_; }
   /** \brief What the last fit() found in its input. */
   const PointStoreStatistics& getInputStatistics() const { return input_statistics_; }
-  /** \brief Why the last fit() failed, in one sentence; no error after a success. */
-  const Error& getError() const { return error_; }
 
  protected:
   SLIMFitBase() = default;
@@ -146,16 +118,12 @@ class SLIMFitBase {
 
   /** \brief Forgets the last run. */
   void clearResults();
-  /** \brief Records an error. \return false, as fit() does. */
-  bool fail(ErrorCode code, const std::string& message);
   /** \brief Builds the store and fits. */
   bool run(const CloudView& cloud, SLIMSurface& surface);
 
   FitParams params_;
-  RunControl control_;
   FitStatistics statistics_;
   PointStoreStatistics input_statistics_;
-  Error error_;
 };
 
 }  // namespace pcl_slim

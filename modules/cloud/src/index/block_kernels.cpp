@@ -193,18 +193,13 @@ HWY_AFTER_NAMESPACE();
 namespace pcl_slim::detail::kernels {
 
 HWY_EXPORT(boxesInBall);
-HWY_EXPORT(groupedBoxesInBall);
-HWY_EXPORT(boxesInBox);
-HWY_EXPORT(pointsUpTo);
-HWY_EXPORT(mortonCodes);
-HWY_EXPORT(instructionSet);
-
 std::uint32_t
 boxesInBall(const BlockTree::Level& boxes, std::size_t first, const float center[3], float radius)
 {
   return HWY_DYNAMIC_DISPATCH(boxesInBall)(boxes, first, center, radius);
 }
 
+HWY_EXPORT(groupedBoxesInBall);
 std::size_t
 groupedBoxesInBall(const BlockTree::Level& groups, const std::uint32_t* ids,
                    const BlockTree::Level& boxes, const float center[3], float radius,
@@ -213,12 +208,14 @@ groupedBoxesInBall(const BlockTree::Level& groups, const std::uint32_t* ids,
   return HWY_DYNAMIC_DISPATCH(groupedBoxesInBall)(groups, ids, boxes, center, radius, found);
 }
 
+HWY_EXPORT(boxesInBox);
 std::uint32_t
 boxesInBox(const BlockTree::Level& boxes, std::size_t first, const float min[3], const float max[3])
 {
   return HWY_DYNAMIC_DISPATCH(boxesInBox)(boxes, first, min, max);
 }
 
+HWY_EXPORT(pointsUpTo);
 std::size_t
 pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num_blocks,
            const double center[3], float limit_sq, float* distances_sq, std::uint32_t* points)
@@ -227,6 +224,7 @@ pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num
                                           points);
 }
 
+HWY_EXPORT(mortonCodes);
 void
 mortonCodes(const double (&positions)[3][kMortonBatch], const double origin[3],
             double inverse_scale, std::uint64_t* codes)
@@ -234,6 +232,7 @@ mortonCodes(const double (&positions)[3][kMortonBatch], const double origin[3],
   HWY_DYNAMIC_DISPATCH(mortonCodes)(positions, origin, inverse_scale, codes);
 }
 
+HWY_EXPORT(instructionSet);
 const char*
 instructionSet()
 {

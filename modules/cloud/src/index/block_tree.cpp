@@ -92,6 +92,20 @@ walk(const std::vector<BlockTree::Level>& levels, std::size_t depth, std::size_t
   }
 }
 
+/** Entries of a level whose boxes meet a box. */
+void
+collectInBox(const std::vector<BlockTree::Level>& levels, std::size_t last, const float min[3],
+             const float max[3], std::vector<std::uint32_t>& found)
+{
+  if (levels.empty()) return;
+  walk(
+      levels, levels.size() - 1, last, 0,
+      [&](const BlockTree::Level& level, std::size_t first) {
+        return kernels::boxesInBox(level, first, min, max);
+      },
+      found);
+}
+
 }  // namespace
 
 void
@@ -111,26 +125,14 @@ void
 BlockTree::blocksInBox(const float min[3], const float max[3],
                        std::vector<std::uint32_t>& blocks) const
 {
-  if (levels_.empty()) return;
-  walk(
-      levels_, levels_.size() - 1, 0, 0,
-      [&](const Level& level, std::size_t first) {
-        return kernels::boxesInBox(level, first, min, max);
-      },
-      blocks);
+  collectInBox(levels_, 0, min, max, blocks);
 }
 
 void
 BlockTree::groupsInBox(const float min[3], const float max[3],
                        std::vector<std::uint32_t>& groups) const
 {
-  if (levels_.empty()) return;
-  walk(
-      levels_, levels_.size() - 1, 1, 0,
-      [&](const Level& level, std::size_t first) {
-        return kernels::boxesInBox(level, first, min, max);
-      },
-      groups);
+  collectInBox(levels_, 1, min, max, groups);
 }
 
 void

@@ -26,7 +26,7 @@ constexpr std::size_t kPatchPoints = 320;  ///< looked at in a patch: larger one
 constexpr int kCubicTerms = 10;
 constexpr double kPatchNoise = 0.2;      ///< noise above this share of the patch's radius fills it
 constexpr double kFilledPatch = 0.25;    ///< below this share noise no longer fills it
-constexpr double kRelief = 0.9;          ///< of that share in twice as many points: noise has .8
+constexpr double kDetail = 0.9;          ///< of that share in twice as many points: noise has .8
 constexpr std::size_t kSheetFactor = 2;  ///< neighbours asked for where two sheets share a patch
 constexpr double kTrim = 0.1;
 constexpr std::size_t kPointsPerRun = 128, kMostRuns = 8192;  ///< of a noise profile
@@ -187,10 +187,10 @@ residualNoise(const PointStore& store, int threads)
     // What grows like the eighth power of the patch's radius is the cubic's bias, not noise.
     const double bias_free = (kBiasGrowth * noise.variance - wider.variance) / (kBiasGrowth - 1);
     const double share = std::sqrt(noise.variance) / noise.radius;
-    // Noise that no longer fills the patch loses in share as the patch widens; relief keeps its own.
-    const bool relief =
-        share < kFilledPatch && std::sqrt(wider.variance) > kRelief * share * wider.radius;
-    if (share < kPatchNoise || relief) {
+    // Noise that no longer fills the patch loses in share as the patch widens; detail keeps its own.
+    const bool detail =
+        share < kFilledPatch && std::sqrt(wider.variance) > kDetail * share * wider.radius;
+    if (share < kPatchNoise || detail) {
       noise.variance = std::clamp(bias_free, kLeastNoise * noise.variance, noise.variance);
       // A patch that ends at R cuts heights off: it sees s^2 (1 - 2 s^2 / R^2) of a variance s^2.
       noise.variance *= 1.0 + 2.0 * noise.variance / (noise.radius * noise.radius);

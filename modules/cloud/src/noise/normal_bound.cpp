@@ -39,7 +39,7 @@ addTilts(const PointStore& store, std::size_t block, std::vector<double>& tilts)
 }  // namespace
 
 float
-normalGate(const PointStore& store)
+normalBound(const PointStore& store)
 {
   std::vector<double> tilts;
   const std::size_t blocks = store.numBlocks(), stride = std::max<std::size_t>(1, blocks / kBlocks);

@@ -82,32 +82,16 @@ PointStoreBuilder::PointStoreBuilder(const CloudView& cloud, int threads)
 Error
 PointStoreBuilder::measure()
 {
-  const std::size_t n = cloud_.count();
-  if (n == 0 || cloud_.xyz == nullptr) {
-    return {ErrorCode::kBadInput, "the cloud has no points: give one that has"};
-  }
-  if (n >= PointStore::kSkipped) {
-    return {ErrorCode::kBadInput, "the cloud has more than 2^32 - 2 points: split it"};
-  }
-  for (std::size_t i = 0; cloud_.indices != nullptr && i < n; ++i) {
-    if (cloud_.indices[i] < 0 || static_cast<std::size_t>(cloud_.indices[i]) >= cloud_.size) {
-      return {ErrorCode::kBadArgument, "index " + std::to_string(cloud_.indices[i]) +
-                                           " lies outside the cloud of " +
-                                           std::to_string(cloud_.size) + " points"};
-    }
-  }
+  if (Error error = cloud_.validate()) return error;
   SliceSummary all = summarizeAll(cloud_, reader_, false, threads_);
-  if (all.finite == 0) {
-    return {ErrorCode::kBadInput,
-            "every point of the cloud is NaN or infinite: nothing to work on"};
-  }
+  if (all.finite == 0) return CloudView::nothingFinite();
   with_normals_ = all.with_normal > 0;
   if (with_normals_ && all.with_normal < all.finite) {
     all = summarizeAll(cloud_, reader_, true, threads_);
   }
   store_.size_ = with_normals_ ? all.with_normal : all.finite;
-  store_.statistics_.input_points = n;
-  store_.statistics_.non_finite = n - all.finite;
+  store_.statistics_.input_points = cloud_.count();
+  store_.statistics_.non_finite = cloud_.count() - all.finite;
   store_.statistics_.without_normal = all.finite - store_.size_;
 
   double half[3], farthest = 0;

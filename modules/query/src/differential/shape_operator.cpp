@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Curvatures from a blended gradient and Hessian: theory.md, "Curvature"; equation (8), left.
 #include "differential/shape_operator.h"
 
 #include <cmath>
@@ -9,15 +10,11 @@ namespace pcl_slim::detail {
 
 namespace {
 
-using Vector = std::array<double, 3>;
-
-/** a^T H b for a symmetric matrix given as xx xy xz yy yz zz. */
+/** a^T H b. */
 double
-form(const Vector& a, const double h[6], const Vector& b)
+form(const Vector3& a, const Symmetric3<double>& h, const Vector3& b)
 {
-  return a[0] * (h[0] * b[0] + h[1] * b[1] + h[2] * b[2]) +
-         a[1] * (h[1] * b[0] + h[3] * b[1] + h[4] * b[2]) +
-         a[2] * (h[2] * b[0] + h[4] * b[1] + h[5] * b[2]);
+  return dot(a, multiplied(h, b));
 }
 
 std::array<float, 3>
@@ -33,25 +30,23 @@ turned(const LocalFrame& frame, double cosine, double sine)
 }  // namespace
 
 std::array<float, 2>
-meanAndGaussian(const double g[3], double length, const double h[6])
+meanAndGaussian(const Vector3& g, double length, const Symmetric3<double>& h)
 {
-  const double hg[3] = {h[0] * g[0] + h[1] * g[1] + h[2] * g[2],
-                        h[1] * g[0] + h[3] * g[1] + h[4] * g[2],
-                        h[2] * g[0] + h[4] * g[1] + h[5] * g[2]};
-  const double ghg = g[0] * hg[0] + g[1] * hg[1] + g[2] * hg[2];
+  const double ghg = form(g, h, g);
   const double length_sq = length * length;
-  const double mean = (h[0] + h[3] + h[5] - ghg / length_sq) / (2 * length);
-  const double adjugate[6] = {h[3] * h[5] - h[4] * h[4], h[2] * h[4] - h[1] * h[5],
-                              h[1] * h[4] - h[2] * h[3], h[0] * h[5] - h[2] * h[2],
-                              h[1] * h[2] - h[0] * h[4], h[0] * h[3] - h[1] * h[1]};
+  const double mean = (h[kXX] + h[kYY] + h[kZZ] - ghg / length_sq) / (2 * length);
+  const Symmetric3<double> adjugate = {
+      h[kYY] * h[kZZ] - h[kYZ] * h[kYZ], h[kXZ] * h[kYZ] - h[kXY] * h[kZZ],
+      h[kXY] * h[kYZ] - h[kXZ] * h[kYY], h[kXX] * h[kZZ] - h[kXZ] * h[kXZ],
+      h[kXY] * h[kXZ] - h[kXX] * h[kYZ], h[kXX] * h[kYY] - h[kXY] * h[kXY]};
   const double gauss =
-      g[0] * (adjugate[0] * g[0] + 2 * adjugate[1] * g[1] + 2 * adjugate[2] * g[2]) +
-      g[1] * (adjugate[3] * g[1] + 2 * adjugate[4] * g[2]) + adjugate[5] * g[2] * g[2];
+      g[0] * (adjugate[kXX] * g[0] + 2 * adjugate[kXY] * g[1] + 2 * adjugate[kXZ] * g[2]) +
+      g[1] * (adjugate[kYY] * g[1] + 2 * adjugate[kYZ] * g[2]) + adjugate[kZZ] * g[2] * g[2];
   return {static_cast<float>(mean), static_cast<float>(gauss / (length_sq * length_sq))};
 }
 
 PrincipalFrame
-principalCurvatures(const double g[3], double length, const double h[6])
+principalCurvatures(const Vector3& g, double length, const Symmetric3<double>& h)
 {
   // The shape operator is the Hessian over |g|, restricted to the tangent plane: two by two.
   const LocalFrame frame({g[0] / length, g[1] / length, g[2] / length});
@@ -70,12 +65,12 @@ principalCurvatures(const double g[3], double length, const double h[6])
 }
 
 void
-setExtremality(const double g[3], double length, const double h[6], const double third[10],
+setExtremality(const Vector3& g, double length, const Symmetric3<double>& h, const double third[10],
                PrincipalFrame& principal)
 {
-  const std::array<double, 3> n = {g[0] / length, g[1] / length, g[2] / length};
+  const Vector3 n = {g[0] / length, g[1] / length, g[2] / length};
   const auto derivative = [&](const std::array<float, 3>& direction, double k) {
-    const std::array<double, 3> t = {direction[0], direction[1], direction[2]};
+    const Vector3 t = {direction[0], direction[1], direction[2]};
     // How often each entry of the symmetric tensor stands in T(t, t, t).
     static constexpr double kCount[10] = {1, 3, 3, 3, 6, 3, 1, 3, 3, 1};
     double ttt = 0;

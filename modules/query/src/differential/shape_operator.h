@@ -3,24 +3,26 @@
 
 #include <array>
 
+#include "pcl_slim/core/symmetric.h"
+#include "pcl_slim/core/vector3.h"
 #include "pcl_slim/query/projection.h"
 
 namespace pcl_slim::detail {
 
 /** \brief Mean and Gaussian curvature of a level set (eq. 8, left).
- * \param[in] g gradient; \param[in] length its length, > 0; \param[in] h Hessian: xx xy xz yy yz zz.
+ * \param[in] g gradient; \param[in] length its length, > 0; \param[in] h Hessian.
  * Positive where the surface bends away from g. */
 std::array<float, 2>
-meanAndGaussian(const double g[3], double length, const double h[6]);
+meanAndGaussian(const Vector3& g, double length, const Symmetric3<double>& h);
 
 /** \brief Eigenvalues and eigenvectors of the same level set's shape operator. */
 PrincipalFrame
-principalCurvatures(const double g[3], double length, const double h[6]);
+principalCurvatures(const Vector3& g, double length, const Symmetric3<double>& h);
 
 /** \brief Fills in dk/dt along each principal direction t: (T(t,t,t) - 3 k H(t,n)) / |g|.
  * \param[in] third third derivatives: xxx xxy xxz xyy xyz xzz yyy yyz yzz zzz. */
 void
-setExtremality(const double g[3], double length, const double h[6], const double third[10],
+setExtremality(const Vector3& g, double length, const Symmetric3<double>& h, const double third[10],
                PrincipalFrame& principal);
 
 }  // namespace pcl_slim::detail

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sixteen points of one block against one leaf: the blending loop of equations (6)-(8).
+// Sixteen points of one block against one leaf: the blends of the paper's equations (6) to (8).
+// Pass 1 gives each point its ray, along the blended normals; pass 2 meets the ray with the leaf
+// and blends offset (6), gradient (7), Hessian (8, left) and third derivatives. Which roots count,
+// and how much, is what theory.md tells under "Guards", Projection.
 #include "projection/projection_kernel.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -8,15 +11,17 @@
 #include "hwy/highway.h"
 
 #include "pcl_slim/surface/detail/kernel_math-inl.h"
+#include "projection/derivative_sums-inl.h"
 #include "projection/height_jets-inl.h"
+#include "projection/leaf_frame-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
 constexpr int kNewtonSteps = 3;
 constexpr float kConverged = 3e-4f;  ///< of r: the step after one so short is below rounding
+constexpr float kLeastSlope = 0.1f;  ///< of f along a unit ray: a grazing ray has no usable root
+constexpr float kNoStep = 1e9f;      ///< stands for the slope of a grazing ray
 
 HWY_INLINE Vec
 blendWeight(WeightKernel kernel, Vec s_sq)
@@ -28,46 +33,6 @@ blendWeight(WeightKernel kernel, Vec s_sq)
     default: return kernelWeight<WeightKernel::kGaussian>(s_sq);
   }
 }
-
-/** Vector coordinates in a leaf's frame, in units of its radius. */
-struct Local {
-  Vec u, v, w;
-};
-
-/** One leaf's frame in registers. */
-class LeafFrame {
- public:
-  explicit LeafFrame(const BlockLeaf& leaf) : inverse_(set(1.0f / leaf.radius))
-  {
-    for (int a = 0; a < 3; ++a) {
-      shift_[a] = set(leaf.shift[a]);
-      u_[a] = set(leaf.u[a]);
-      v_[a] = set(leaf.v[a]);
-      w_[a] = set(leaf.w[a]);
-    }
-  }
-
-  HWY_INLINE Local turn(Vec x, Vec y, Vec z) const
-  {
-    return {dot3(x, y, z, u_[0], u_[1], u_[2]), dot3(x, y, z, v_[0], v_[1], v_[2]),
-            dot3(x, y, z, w_[0], w_[1], w_[2])};
-  }
-  HWY_INLINE Local place(Vec x, Vec y, Vec z) const
-  {
-    return turn(hn::Mul(hn::Add(x, shift_[0]), inverse_), hn::Mul(hn::Add(y, shift_[1]), inverse_),
-                hn::Mul(hn::Add(z, shift_[2]), inverse_));
-  }
-  /** Coordinate a of a frame vector in the block's axes. */
-  HWY_INLINE Vec back(int a, const Local& p) const
-  {
-    return dot3(u_[a], v_[a], w_[a], p.u, p.v, p.w);
-  }
-  Vec axisU(int a) const { return u_[a]; }
-  Vec axisV(int a) const { return v_[a]; }
-
- private:
-  Vec inverse_, shift_[3], u_[3], v_[3], w_[3];
-};
 
 /** Lanes whose point's own normal lets the leaf serve it. */
 HWY_INLINE Mask
@@ -89,6 +54,21 @@ alignment(Vec sum_dot_b)
   return hn::IfThenElse(hn::Lt(sum_dot_b, hn::Zero(Tag())), set(-1.0f), set(1.0f));
 }
 
+/** The leaf's weight at squared distances from its centre, in the lanes of mask. */
+HWY_INLINE Vec
+weightOf(const BlockLeaf& leaf, const BlendRules& rules, Mask mask, Vec s_sq)
+{
+  return hn::IfThenElseZero(mask,
+                            hn::Mul(set(leaf.variance_weight), blendWeight(rules.kernel, s_sq)));
+}
+
+/** Lanes whose points, at squared distances from the centre, lie in the leaf's ball on its side. */
+HWY_INLINE Mask
+reached(const BlockPoints& points, const BlockLeaf& leaf, std::size_t i, Vec p_sq)
+{
+  return hn::And(hn::Lt(p_sq, set(1.0f)), sameSide(points, leaf, i));
+}
+
 template <int D>
 void
 addDirectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
@@ -98,18 +78,17 @@ addDirectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const BlendRul
   const LeafFrame frame(leaf);
   const HeightJets<D> jets(leaf.c);
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
-    const Local p = frame.place(hn::Load(d, points.x + i), hn::Load(d, points.y + i),
-                                hn::Load(d, points.z + i));
-    const Vec s_sq = dot3(p.u, p.v, p.w, p.u, p.v, p.w);
-    Mask near = hn::And(hn::Lt(s_sq, set(1.0f)), sameSide(points, leaf, i));
+    const Local p = frame.place(points, i);
+    const Vec s_sq = p.lengthSq();
+    Mask near = reached(points, leaf, i, s_sq);
     if (hn::AllFalse(d, near)) continue;
     Vec h, hu, hv;
     jets.gradient(p.u, p.v, h, hu, hv);
     if (rules.guarded) {
       near = hn::And(near, hn::Le(hn::Abs(hn::Sub(p.w, h)), set(leaf.max_residual)));
     }
-    Vec g = hn::IfThenElseZero(near, hn::Mul(set(leaf.trust), blendWeight(rules.kernel, s_sq)));
-    const Local n = {hn::Neg(hu), hn::Neg(hv), set(1.0f)};
+    Vec g = weightOf(leaf, rules, near, s_sq);
+    const Local n = gradientOf(hu, hv);
     Vec sum[3], normal[3];
     for (int a = 0; a < 3; ++a) {
       sum[a] = hn::Load(d, sums.direction[a] + i);
@@ -118,38 +97,61 @@ addDirectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const BlendRul
     if (!rules.oriented) {
       g = hn::Mul(g, alignment(dot3(sum[0], sum[1], sum[2], normal[0], normal[1], normal[2])));
     }
-    for (int a = 0; a < 3; ++a) {
-      const Vec term = hn::IfThenElseZero(near, hn::Mul(g, normal[a]));
-      hn::Store(hn::Add(sum[a], term), d, sums.direction[a] + i);
-    }
+    for (int a = 0; a < 3; ++a) addTo(sums.direction[a] + i, near, hn::Mul(g, normal[a]));
   }
 }
 
-HWY_INLINE void
-addTo(float* target, Vec value)
+/** Where rays p + t d meet the zero set of a leaf. */
+struct Crossing {
+  Vec t;
+  Local q;        ///< p + t d
+  Vec hu, hv;     ///< slopes of the polynomial there
+  Vec along_ray;  ///< grad f . d, as the last step had it
+};
+
+/** Newton's steps from t = 0 on F(t) = f(p + t d): points lie within noise of the leaf. */
+template <int D>
+HWY_INLINE Crossing
+crossingOf(const HeightJets<D>& jets, const Local& p, const Local& ray, Mask near)
 {
-  hn::Store(hn::Add(hn::Load(Tag(), target), value), Tag(), target);
+  const Tag d;
+  Vec t = hn::Zero(d), u = p.u, v = p.v, w = p.w, h, hu, hv, slope;
+  for (int step = 0; step < kNewtonSteps; ++step) {
+    jets.gradient(u, v, h, hu, hv);
+    slope = hn::NegMulAdd(hu, ray.u, hn::NegMulAdd(hv, ray.v, ray.w));
+    const Mask usable = hn::Gt(hn::Abs(slope), set(kLeastSlope));
+    const Vec change = hn::Div(hn::Sub(w, h), hn::IfThenElse(usable, slope, set(kNoStep)));
+    t = hn::Sub(t, change);
+    u = hn::MulAdd(t, ray.u, p.u);
+    v = hn::MulAdd(t, ray.v, p.v);
+    w = hn::MulAdd(t, ray.w, p.w);
+    if (hn::AllTrue(d, hn::Or(hn::Not(near), hn::Lt(hn::Abs(change), set(kConverged))))) break;
+  }
+  jets.gradient(u, v, h, hu, hv);
+  return {t, {u, v, w}, hu, hv, slope};
 }
 
-/** Adds scale times the third derivatives, turned from the frame's axes to the block's. */
+/** Adds what equations (6) to (8) blend of one leaf, each with the weight g at its root. */
+template <int D>
 HWY_INLINE void
-addThird(const LeafFrame& frame, const ThirdDerivatives& h, Mask near, Vec scale, std::size_t i,
+addBlend(const BlockLeaf& leaf, const LeafFrame& frame, const HeightJets<D>& jets,
+         const BlendRules& rules, const Crossing& root, Mask near, Vec g, std::size_t i,
          BlockSums& sums)
 {
-  for (int a = 0, k = 0; a < 3; ++a) {
-    for (int b = a; b < 3; ++b) {
-      const Vec uu = hn::Mul(frame.axisU(a), frame.axisU(b));
-      const Vec vv = hn::Mul(frame.axisV(a), frame.axisV(b));
-      const Vec uv =
-          hn::MulAdd(frame.axisU(a), frame.axisV(b), hn::Mul(frame.axisV(a), frame.axisU(b)));
-      const Vec along_u = hn::MulAdd(h.uuu, uu, hn::MulAdd(h.uuv, uv, hn::Mul(h.uvv, vv)));
-      const Vec along_v = hn::MulAdd(h.uuv, uu, hn::MulAdd(h.uvv, uv, hn::Mul(h.vvv, vv)));
-      for (int c = b; c < 3; ++c, ++k) {
-        const Vec entry = hn::MulAdd(along_u, frame.axisU(c), hn::Mul(along_v, frame.axisV(c)));
-        addTo(sums.third[k] + i, hn::IfThenElseZero(near, hn::Mul(scale, entry)));
-      }
-    }
+  addTo(sums.weight + i, near, g);
+  addTo(sums.offset + i, near, hn::Mul(g, hn::Mul(root.t, set(leaf.radius))));
+  // Signed so that every gradient points along the ray.
+  const Vec signed_g = rules.oriented ? g : hn::Mul(g, alignment(root.along_ray));
+  const Local n = gradientOf(root.hu, root.hv);
+  for (int a = 0; a < 3; ++a) {
+    addTo(sums.gradient[a] + i, near, hn::Mul(signed_g, frame.back(a, n)));
   }
+  if (!rules.with_hessian) return;
+  const Vec inverse = set(1.0f / leaf.radius);
+  const Vec scale = hn::IfThenElseZero(near, hn::Neg(hn::Mul(signed_g, inverse)));
+  addHessian(frame, jets, root.q, near, scale, i, sums);
+  if (!rules.with_third) return;
+  addThird(frame, jets.third(root.q.u, root.q.v), near, hn::Mul(scale, inverse), i, sums);
 }
 
 template <int D>
@@ -160,69 +162,27 @@ addIntersectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const Blend
   const Tag d;
   const LeafFrame frame(leaf);
   const HeightJets<D> jets(leaf.c);
-  const Vec zero = hn::Zero(d), one = set(1.0f), radius = set(leaf.radius);
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
-    const Local p = frame.place(hn::Load(d, points.x + i), hn::Load(d, points.y + i),
-                                hn::Load(d, points.z + i));
-    const Vec p_sq = dot3(p.u, p.v, p.w, p.u, p.v, p.w);
-    Mask near = hn::And(hn::Lt(p_sq, one), sameSide(points, leaf, i));
+    const Local p = frame.place(points, i);
+    const Vec p_sq = p.lengthSq();
+    Mask near = reached(points, leaf, i, p_sq);
     if (hn::AllFalse(d, near)) continue;
     const Local ray =
         frame.turn(hn::Load(d, sums.direction[0] + i), hn::Load(d, sums.direction[1] + i),
                    hn::Load(d, sums.direction[2] + i));
-    // Newton from t = 0 on F(t) = f(p + t d); points lie within noise of the leaf.
-    Vec t = zero, u = p.u, v = p.v, w = p.w, h, hu, hv, slope;
-    for (int step = 0; step < kNewtonSteps; ++step) {
-      jets.gradient(u, v, h, hu, hv);
-      slope = hn::NegMulAdd(hu, ray.u, hn::NegMulAdd(hv, ray.v, ray.w));
-      // A grazing ray has no usable root: its lane is masked off below.
-      const Vec safe = hn::IfThenElse(hn::Gt(hn::Abs(slope), set(0.1f)), slope, set(1e9f));
-      const Vec change = hn::Div(hn::Sub(w, h), safe);
-      t = hn::Sub(t, change);
-      u = hn::MulAdd(t, ray.u, p.u);
-      v = hn::MulAdd(t, ray.v, p.v);
-      w = hn::MulAdd(t, ray.w, p.w);
-      if (hn::AllTrue(d, hn::Or(hn::Not(near), hn::Lt(hn::Abs(change), set(kConverged))))) break;
-    }
-    jets.gradient(u, v, h, hu, hv);
-    const Vec q_sq = dot3(u, v, w, u, v, w);
-    near = hn::And(near, hn::And(hn::Lt(q_sq, one), hn::Gt(hn::Abs(slope), set(0.1f))));
+    const Crossing root = crossingOf(jets, p, ray, near);
+    const Vec q_sq = root.q.lengthSq();
+    const Mask usable = hn::Gt(hn::Abs(root.along_ray), set(kLeastSlope));
+    near = hn::And(near, hn::And(hn::Lt(q_sq, set(1.0f)), usable));
     Vec s_sq = q_sq;
     if (rules.guarded) {
-      near = hn::And(near, hn::Le(hn::Abs(t), set(leaf.max_offset)));
-      if (rules.oriented) near = hn::And(near, hn::Gt(slope, zero));
+      near = hn::And(near, hn::Le(hn::Abs(root.t), set(leaf.max_offset)));
+      if (rules.oriented) near = hn::And(near, hn::Gt(root.along_ray, hn::Zero(d)));
       s_sq = hn::Max(p_sq, q_sq);
     }
     if (hn::AllFalse(d, near)) continue;
-    const Vec g =
-        hn::IfThenElseZero(near, hn::Mul(set(leaf.trust), blendWeight(rules.kernel, s_sq)));
-    const Vec moved = hn::IfThenElseZero(near, hn::Mul(g, hn::Mul(t, radius)));
-    hn::Store(hn::Add(hn::Load(d, sums.weight + i), g), d, sums.weight + i);
-    hn::Store(hn::Add(hn::Load(d, sums.offset + i), moved), d, sums.offset + i);
-    // Signed so that every gradient points along the ray.
-    const Vec signed_g = rules.oriented ? g : hn::Mul(g, alignment(slope));
-    const Local n = {hn::Neg(hu), hn::Neg(hv), one};
-    for (int a = 0; a < 3; ++a) {
-      const Vec term = hn::IfThenElseZero(near, hn::Mul(signed_g, frame.back(a, n)));
-      hn::Store(hn::Add(hn::Load(d, sums.gradient[a] + i), term), d, sums.gradient[a] + i);
-    }
-    if (!rules.with_hessian) continue;
-    Vec huu, huv, hvv;
-    jets.second(u, v, huu, huv, hvv);
-    const Vec scale = hn::IfThenElseZero(near, hn::Neg(hn::Mul(signed_g, set(1.0f / leaf.radius))));
-    for (int a = 0, k = 0; a < 3; ++a) {
-      // Row a of H u v products: H = huu u u^T + huv (u v^T + v u^T) + hvv v v^T.
-      const Vec along_u = hn::MulAdd(huu, frame.axisU(a), hn::Mul(huv, frame.axisV(a)));
-      const Vec along_v = hn::MulAdd(huv, frame.axisU(a), hn::Mul(hvv, frame.axisV(a)));
-      for (int b = a; b < 3; ++b, ++k) {
-        const Vec entry = hn::MulAdd(along_u, frame.axisU(b), hn::Mul(along_v, frame.axisV(b)));
-        addTo(sums.hessian[k] + i, hn::IfThenElseZero(near, hn::Mul(scale, entry)));
-      }
-    }
-    if (rules.with_third) {
-      const Vec scale_sq = hn::Mul(scale, set(1.0f / leaf.radius));
-      addThird(frame, jets.third(u, v), near, scale_sq, i, sums);
-    }
+    const Vec g = weightOf(leaf, rules, near, s_sq);
+    addBlend(leaf, frame, jets, rules, root, near, g, i, sums);
   }
 }
 
@@ -230,12 +190,8 @@ void
 addDirections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
               BlockSums& sums)
 {
-  switch (leaf.degree) {
-    case 1: return addDirectionsOf<1>(points, leaf, rules, sums);
-    case 2: return addDirectionsOf<2>(points, leaf, rules, sums);
-    case 3: return addDirectionsOf<3>(points, leaf, rules, sums);
-    default: return addDirectionsOf<4>(points, leaf, rules, sums);
-  }
+  forDegree(leaf.degree,
+            [&](auto degree) HWY_ATTR { addDirectionsOf<degree()>(points, leaf, rules, sums); });
 }
 
 void
@@ -264,12 +220,8 @@ void
 addIntersections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
                  BlockSums& sums)
 {
-  switch (leaf.degree) {
-    case 1: return addIntersectionsOf<1>(points, leaf, rules, sums);
-    case 2: return addIntersectionsOf<2>(points, leaf, rules, sums);
-    case 3: return addIntersectionsOf<3>(points, leaf, rules, sums);
-    default: return addIntersectionsOf<4>(points, leaf, rules, sums);
-  }
+  forDegree(leaf.degree,
+            [&](auto degree) HWY_ATTR { addIntersectionsOf<degree()>(points, leaf, rules, sums); });
 }
 
 }  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE
@@ -279,9 +231,6 @@ HWY_AFTER_NAMESPACE();
 namespace pcl_slim::detail::kernels {
 
 HWY_EXPORT(addDirections);
-HWY_EXPORT(finishDirections);
-HWY_EXPORT(addIntersections);
-
 void
 addDirections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
               BlockSums& sums)
@@ -289,12 +238,14 @@ addDirections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules
   HWY_DYNAMIC_DISPATCH(addDirections)(points, leaf, rules, sums);
 }
 
+HWY_EXPORT(finishDirections);
 void
 finishDirections(BlockSums& sums)
 {
   HWY_DYNAMIC_DISPATCH(finishDirections)(sums);
 }
 
+HWY_EXPORT(addIntersections);
 void
 addIntersections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
                  BlockSums& sums)

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "pcl_slim/core/symmetric.h"
 #include "pcl_slim/surface/polynomial.h"
 #include "pcl_slim/surface/weight_kernel.h"
 
@@ -14,9 +15,9 @@ struct BlockLeaf {
   float shift[3];          ///< block origin minus the leaf's centre
   float u[3], v[3], w[3];  ///< frame axes
   float radius;
-  float max_residual;  ///< in units of the radius: points farther from f = 0 are not served
-  float max_offset;    ///< in units of the radius: roots farther along the ray do not count
-  float trust;         ///< factor of its weights, in (0, 1]
+  float max_residual;     ///< in units of the radius: points farther from f = 0 are not served
+  float max_offset;       ///< in units of the radius: roots farther along the ray do not count
+  float variance_weight;  ///< inverse-variance weight, in (0, 1]
   int degree;
   const float* c;
 };
@@ -34,7 +35,7 @@ struct BlockSums {
   alignas(64) float weight[16];        ///< sum w
   alignas(64) float offset[16];        ///< sum w t
   alignas(64) float gradient[3][16];   ///< sum w grad f
-  alignas(64) float hessian[6][16];    ///< sum w H: xx xy xz yy yz zz
+  alignas(64) float hessian[6][16];    ///< sum w H, entries as in Symmetric3
   alignas(64) float third[10][16];     ///< sum w T: xxx xxy xxz xyy xyz xzz yyy yyz yzz zzz
 };
 
@@ -42,7 +43,7 @@ struct BlockSums {
 struct BlendRules {
   WeightKernel kernel = WeightKernel::kPower4;
   bool oriented = false;  ///< normals agree; otherwise signs are aligned point by point
-  bool guarded = true;    ///< weight at the larger of |p - c| and |q - c|, gates on residual and t
+  bool guarded = true;  ///< weight at the larger of |p - c| and |q - c|; residual and t have limits
   bool with_hessian = false;
   bool with_third = false;  ///< third derivatives too; needs with_hessian
 };

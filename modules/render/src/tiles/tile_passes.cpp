@@ -71,12 +71,12 @@ addDerivatives(const RaySurfel& surfel, const HeightJet& jet, double weight, Ble
     return scale *
            (jet.huu * u[i] * u[j] + jet.huv * (u[i] * v[j] + v[i] * u[j]) + jet.hvv * v[i] * v[j]);
   };
-  sum.hessian[0] += entry(0, 0);
-  sum.hessian[1] += entry(1, 1);
-  sum.hessian[2] += entry(2, 2);
-  sum.hessian[3] += entry(0, 1);
-  sum.hessian[4] += entry(0, 2);
-  sum.hessian[5] += entry(1, 2);
+  sum.hessian[kXX] += entry(0, 0);
+  sum.hessian[kXY] += entry(0, 1);
+  sum.hessian[kXZ] += entry(0, 2);
+  sum.hessian[kYY] += entry(1, 1);
+  sum.hessian[kYZ] += entry(1, 2);
+  sum.hessian[kZZ] += entry(2, 2);
 }
 
 /** \brief The root nearest to s_hat, of those on the chord that count. \return false when there is
@@ -124,7 +124,7 @@ blendLeaf(const FrameContext& frame, const RaySurfel& surfel, std::uint32_t id, 
   // A leaf of another sheet may have its root near its own centre: q^ has to be near as well.
   const double root_sq = approach.distance_sq + s * s;
   const WeightKernel kernel = frame.surface.info.blend_kernel;
-  const double weight = surfel.trust * evaluateKernel(kernel, std::max(hat_sq, root_sq));
+  const double weight = surfel.variance_weight * evaluateKernel(kernel, std::max(hat_sq, root_sq));
   if (!(weight > 0.0)) return;
   const double side = slope > 0.0 ? -1.0 : 1.0;
   sum.weight += weight;

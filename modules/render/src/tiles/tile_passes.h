@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "camera/camera_rays.h"
+#include "pcl_slim/core/symmetric.h"
 #include "pcl_slim/render/g_buffer.h"
 #include "pcl_slim/render/tile_rasterizer.h"
 #include "tiles/surfel_bins.h"
@@ -32,7 +33,7 @@ struct BlendSum {
   double lean[3] = {0.0, 0.0, 0.0};  ///< of w (q - c) / r: points away from the leaves' middle
   int leaves = 0;
   double gradient[3] = {0.0, 0.0, 0.0};
-  double hessian[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};  ///< xx yy zz xy xz yz
+  Symmetric3<double> hessian{};
   double largest_weight = 0.0;
   std::uint32_t surfel = GBuffer::kNothing;
   std::int32_t facing = 0;  ///< leaves seen from the front minus those seen from behind

@@ -11,19 +11,20 @@ namespace {
 struct LevelSetCurvature {
   double mean = 0.0, gaussian = 0.0, k_max = 0.0, k_min = 0.0;
 
-  LevelSetCurvature(const double g[3], const double h[6])
+  LevelSetCurvature(const double g[3], const Symmetric3<double>& h)
   {
     const double norm_sq = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
     if (!(norm_sq > 0.0)) return;
     const double gx = g[0], gy = g[1], gz = g[2];
-    const double ghg = gx * gx * h[0] + gy * gy * h[1] + gz * gz * h[2] +
-                       2.0 * (gx * gy * h[3] + gx * gz * h[4] + gy * gz * h[5]);
-    mean = 0.5 * (h[0] + h[1] + h[2] - ghg / norm_sq) / std::sqrt(norm_sq);
-    const double adjugate =
-        gx * gx * (h[1] * h[2] - h[5] * h[5]) + gy * gy * (h[0] * h[2] - h[4] * h[4]) +
-        gz * gz * (h[0] * h[1] - h[3] * h[3]) +
-        2.0 * (gx * gy * (h[4] * h[5] - h[3] * h[2]) + gx * gz * (h[3] * h[5] - h[4] * h[1]) +
-               gy * gz * (h[3] * h[4] - h[5] * h[0]));
+    const double ghg = gx * gx * h[kXX] + gy * gy * h[kYY] + gz * gz * h[kZZ] +
+                       2.0 * (gx * gy * h[kXY] + gx * gz * h[kXZ] + gy * gz * h[kYZ]);
+    mean = 0.5 * (h[kXX] + h[kYY] + h[kZZ] - ghg / norm_sq) / std::sqrt(norm_sq);
+    const double adjugate = gx * gx * (h[kYY] * h[kZZ] - h[kYZ] * h[kYZ]) +
+                            gy * gy * (h[kXX] * h[kZZ] - h[kXZ] * h[kXZ]) +
+                            gz * gz * (h[kXX] * h[kYY] - h[kXY] * h[kXY]) +
+                            2.0 * (gx * gy * (h[kXZ] * h[kYZ] - h[kXY] * h[kZZ]) +
+                                   gx * gz * (h[kXY] * h[kYZ] - h[kXZ] * h[kYY]) +
+                                   gy * gz * (h[kXY] * h[kXZ] - h[kYZ] * h[kXX]));
     gaussian = adjugate / (norm_sq * norm_sq);
     const double spread = std::sqrt(std::max(0.0, mean * mean - gaussian));
     k_max = mean + spread;
@@ -35,9 +36,10 @@ void
 writePixel(const FrameContext& frame, const Ray& ray, double depth_hat, const BlendSum& sum,
            std::size_t pixel, GBuffer& out)
 {
-  double gradient[3], hessian[6];
+  double gradient[3];
+  Symmetric3<double> hessian;
   for (int k = 0; k < 3; ++k) gradient[k] = sum.gradient[k] / sum.weight;
-  for (int k = 0; k < 6; ++k) hessian[k] = sum.hessian[k] / sum.weight;
+  for (std::size_t k = 0; k < 6; ++k) hessian[k] = sum.hessian[k] / sum.weight;
   const Vector3 normal = normalized({gradient[0], gradient[1], gradient[2]});
   const double depth = depth_hat + sum.shift / sum.weight;
   const Vector3 q = along(ray.origin, depth, ray.direction);

@@ -19,10 +19,10 @@ constexpr std::size_t kPlanePoints = 16;    ///< on either side, for a cell with
 constexpr std::size_t kGradientPoints = 6;  ///< fewer do not tell a slope from noise
 
 Matrix3d
-symmetric(const double m[6])
+matrixOf(const Symmetric3<double>& m)
 {
   Matrix3d s;
-  s << m[0], m[1], m[2], m[1], m[3], m[4], m[2], m[4], m[5];
+  s << m[kXX], m[kXY], m[kXZ], m[kXY], m[kYY], m[kYZ], m[kXZ], m[kYZ], m[kZZ];
   return s;
 }
 
@@ -37,7 +37,7 @@ Vector3d
 widestAxis(const CellSums& sums)
 {
   const Vector3d sum(sums.normal[0], sums.normal[1], sums.normal[2]);
-  Eigen::SelfAdjointEigenSolver<Matrix3d> solver(symmetric(sums.product));
+  Eigen::SelfAdjointEigenSolver<Matrix3d> solver(matrixOf(sums.product));
   const Vector3d n = solver.eigenvectors().col(2);
   return n.dot(sum) < 0.0 ? Vector3d(-n) : n;
 }
@@ -70,8 +70,44 @@ unevenNormal(const PointWindow& window, const OctreeCell& cell, const CellSums& 
   const double total = sums.normals();
   const bool any = total > 0.5;
   const Vector3d n = any ? widestAxis(sums) : planeNormal(window, cell);
-  const double share = any ? n.dot(symmetric(sums.product) * n) / total : 1.0;
+  const double share = any ? n.dot(matrixOf(sums.product) * n) / total : 1.0;
   return {{n[0], n[1], n[2]}, std::clamp(1.0 - share, 0.0, 2.0 / 3.0)};
+}
+
+/** How Lab changes over a disc's plane. */
+struct ColorSlope {
+  Eigen::Matrix<double, 3, 2> frame;  ///< axes of the plane
+  Eigen::Matrix<double, 2, 3> slope;  ///< Lab along each of them
+  double rim;                         ///< standard deviation of the points' places
+};
+
+/** Least squares, less the share that noise alone explains. \return false where points on a line, or
+ * in one place, tell no slope. */
+bool
+fitColorSlope(const PointWindow& window, const OctreeCell& cell, const CellSums& sums,
+              const Vector3d& normal, double noise, ColorSlope& color)
+{
+  const Vector3d center =
+      Vector3d(sums.position[0], sums.position[1], sums.position[2]) / sums.count;
+  const Vector3d mean = Vector3d(sums.lab[0], sums.lab[1], sums.lab[2]) / sums.count;
+  color.frame.col(0) = normal.unitOrthogonal();
+  color.frame.col(1) = normal.cross(color.frame.col(0));
+  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
+  Eigen::Matrix<double, 2, 3> mixed = Eigen::Matrix<double, 2, 3>::Zero();
+  for (std::size_t i = cell.begin; i < cell.end; ++i) {
+    const Eigen::Vector2d at = color.frame.transpose() * (vectorOf(window.position(i)) - center);
+    spread += at * at.transpose();
+    mixed += at * (vectorOf(window.lab(i)) - mean).transpose();
+  }
+  const double trace = spread.trace();
+  if (!(trace > 0.0) || spread.determinant() < 1e-3 * trace * trace) return false;
+  color.slope = spread.inverse() * mixed;
+  const double explained = color.slope.cwiseProduct(mixed).sum();
+  const double total = sums.colorVariance() * sums.count;
+  const double rest = std::max(std::max(0.0, total - explained) / (sums.count - 3.0), noise);
+  color.slope *= std::max(0.0, 1.0 - 2.0 * rest / std::max(explained, 1e-12));
+  color.rim = std::sqrt(trace / sums.count);
+  return true;
 }
 
 }  // namespace
@@ -102,43 +138,26 @@ discReach(const PointWindow& window, const OctreeCell& cell, const std::array<fl
 
 SplatSet::Gradient
 discGradient(const PointWindow& window, const OctreeCell& cell, const CellSums& sums,
-             const std::array<double, 3>& axis, const LabTable& table, double noise, double edge)
+             const std::array<double, 3>& normal, const LabTable& table, double noise, double edge)
 {
   SplatSet::Gradient gradient{};
   if (cell.end - cell.begin < kGradientPoints) return gradient;
-  const Vector3d normal(axis[0], axis[1], axis[2]);
-  const Vector3d center =
-      Vector3d(sums.position[0], sums.position[1], sums.position[2]) / sums.count;
-  const Vector3d mean = Vector3d(sums.lab[0], sums.lab[1], sums.lab[2]) / sums.count;
-  Eigen::Matrix<double, 3, 2> frame;
-  frame.col(0) = normal.unitOrthogonal();
-  frame.col(1) = normal.cross(frame.col(0));
-  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
-  Eigen::Matrix<double, 2, 3> mixed = Eigen::Matrix<double, 2, 3>::Zero();
-  for (std::size_t i = cell.begin; i < cell.end; ++i) {
-    const Eigen::Vector2d at = frame.transpose() * (vectorOf(window.position(i)) - center);
-    spread += at * at.transpose();
-    mixed += at * (vectorOf(window.lab(i)) - mean).transpose();
+  ColorSlope color;
+  if (!fitColorSlope(window, cell, sums, {normal[0], normal[1], normal[2]}, noise, color)) {
+    return gradient;
   }
-  const double trace = spread.trace();
-  if (!(trace > 0.0) || spread.determinant() < 1e-3 * trace * trace) return gradient;
-  Eigen::Matrix<double, 2, 3> slope = spread.inverse() * mixed;
-  const double explained = slope.cwiseProduct(mixed).sum();
-  const double total = sums.colorVariance() * sums.count;
-  const double rest = std::max(std::max(0.0, total - explained) / (sums.count - 3.0), noise);
-  slope *= std::max(0.0, 1.0 - 2.0 * rest / std::max(explained, 1e-12));
-  const double rim = std::sqrt(trace / sums.count);
+  const Vector3d mean = Vector3d(sums.lab[0], sums.lab[1], sums.lab[2]) / sums.count;
   for (Eigen::Index k = 0; k < 2; ++k) {
-    const Vector3d step = slope.row(k).transpose() * rim;
+    const Vector3d step = color.slope.row(k).transpose() * color.rim;
     const Vector3d low = mean - step, high = mean + step;
     const float from[3] = {float(low[0]), float(low[1]), float(low[2])};
     const float to[3] = {float(high[0]), float(high[1]), float(high[2])};
     const auto a = table.rgbUnrounded(from), b = table.rgbUnrounded(to);
     for (std::size_t channel = 0; channel < 3; ++channel) {
-      const double change = (b[channel] - a[channel]) / (2.0 * rim * edge);
+      const double change = (b[channel] - a[channel]) / (2.0 * color.rim * edge);
       for (Eigen::Index d = 0; d < 3; ++d) {
         gradient[3 * channel + static_cast<std::size_t>(d)] +=
-            static_cast<float>(change * frame(d, k));
+            static_cast<float>(change * color.frame(d, k));
       }
     }
   }

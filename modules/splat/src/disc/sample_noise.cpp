@@ -51,10 +51,10 @@ colorResidual(const std::array<float, 3>& lab, const CellSums& near)
 double
 normalResidual(const std::array<float, 3>& normal, const CellSums& near)
 {
-  const double* m = near.product;
+  const Symmetric3<double>& m = near.product;
   const double x = normal[0], y = normal[1], z = normal[2];
-  const double along = m[0] * x * x + m[3] * y * y + m[5] * z * z +
-                       2.0 * (m[1] * x * y + m[2] * x * z + m[4] * y * z);
+  const double along = m[kXX] * x * x + m[kYY] * y * y + m[kZZ] * z * z +
+                       2.0 * (m[kXY] * x * y + m[kXZ] * x * z + m[kYZ] * y * z);
   return std::max(0.0, 1.0 - along / near.normals());
 }
 

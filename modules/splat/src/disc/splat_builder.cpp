@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Step 3 of docs/color_octree_splat_sampler.md: each leaf becomes a disc; its section "Radius".
 #include "disc/splat_builder.h"
 
 #include <algorithm>
@@ -37,33 +38,47 @@ SplatBuilder::add(std::size_t slice, const PointWindow& window, const CellBatch&
   out.rows.reserve(batch.size());
   const std::vector<DiscNormal> normals = discNormals(window, batch);
   for (std::size_t c = 0; c < batch.size(); ++c) {
-    addDisc(slice, window, batch.cells[c], batch.sums[c], normals[c], out);
+    const OctreeCell& cell = batch.cells[c];
+    const CellSums& sums = batch.sums[c];
+    DiscNormal normal = normals[c];
+    Row row = rowOf(window, cell, sums, normal);
+    note(slice, window, cell, out);
+    out.rows.push_back(row);
+    out.single_points += cell.end - cell.begin == 1;
+    out.without_normal += !(sums.normals() > 0.0);
+    if (params_.color == SplatColor::kGradient) {
+      out.gradients.push_back(gradientOf(window, cell, sums, normal));
+    }
   }
   slices_[slice] = std::move(out);
 }
 
+/** Remembers which disc each point of a cell belongs to, where radii are found by that. */
 void
-SplatBuilder::addDisc(std::size_t slice, const PointWindow& window, const OctreeCell& cell,
-                      const CellSums& sums, DiscNormal shape, Slice& out)
+SplatBuilder::note(std::size_t slice, const PointWindow& window, const OctreeCell& cell,
+                   const Slice& out)
 {
-  std::array<float, 3> mean, cube{};
-  for (std::size_t a = 0; a < 3; ++a) mean[a] = static_cast<float>(sums.position[a] / sums.count);
-  const bool corner = params_.radius == RadiusRule::kCorner;
-  if (params_.paper_mode || corner) {
-    const auto center = cloud_.center(window.position(cell.begin), cell.shift);
-    for (std::size_t a = 0; a < 3; ++a) cube[a] = static_cast<float>(center[a]);
+  for (std::size_t i = cell.begin; i < cell.end && !disc_of_.empty(); ++i) {
+    disc_of_[window.order(i)] = {static_cast<std::uint32_t>(slice),
+                                 static_cast<std::uint32_t>(out.rows.size())};
   }
-  const DiscReach reach = discReach(window, cell, params_.paper_mode ? cube : mean);
-  const std::size_t input = source_.cloud.inputIndex(window.order(reach.nearest));
+}
+
+/** A cell's disc. normal becomes the kept point's own in paper mode. */
+SplatBuilder::Row
+SplatBuilder::rowOf(const PointWindow& window, const OctreeCell& cell, const CellSums& sums,
+                    DiscNormal& normal) const
+{
   Row row;
-  row.center = mean;
-  if (params_.paper_mode) {
-    row.center = window.position(reach.nearest);
-    const auto own = window.normal(reach.nearest);
-    const float sq = own[0] * own[0] + own[1] * own[1] + own[2] * own[2];
-    for (std::size_t a = 0; a < 3 && sq > 0.5f; ++a) shape.normal[a] = own[a];
+  for (std::size_t a = 0; a < 3; ++a) {
+    row.center[a] = static_cast<float>(sums.position[a] / sums.count);
   }
-  for (std::size_t a = 0; a < 3; ++a) row.normal[a] = static_cast<float>(shape.normal[a]);
+  std::array<float, 3> cube{};
+  const bool corner = params_.radius == RadiusRule::kCorner;
+  if (params_.paper_mode || corner) cube = cubeCenter(window, cell);
+  const DiscReach reach = discReach(window, cell, params_.paper_mode ? cube : row.center);
+  if (params_.paper_mode) takePoint(window, reach.nearest, row, normal);
+  for (std::size_t a = 0; a < 3; ++a) row.normal[a] = static_cast<float>(normal.normal[a]);
   row.reach = reach.farthest;
   if (corner) {
     row.reach =
@@ -73,24 +88,38 @@ SplatBuilder::addDisc(std::size_t slice, const PointWindow& window, const Octree
   row.spacing = cell.spacing;
   if (!(row.spacing > 0)) row.spacing = static_cast<float>(spacingAround(cloud_, window, cell));
   row.confidence = static_cast<float>(sums.count);
-  row.curvature = static_cast<float>(shape.variance);
+  row.normal_variance = static_cast<float>(normal.variance);
+  const std::size_t input = source_.cloud.inputIndex(window.order(reach.nearest));
   row.rgb = colorOf(sums, input);
   row.kept = static_cast<std::uint32_t>(input);
-  for (std::size_t i = cell.begin; i < cell.end && !disc_of_.empty(); ++i) {
-    disc_of_[window.order(i)] = {static_cast<std::uint32_t>(slice),
-                                 static_cast<std::uint32_t>(out.rows.size())};
-  }
-  out.rows.push_back(row);
-  out.single_points += cell.end - cell.begin == 1;
-  out.without_normal += !(sums.normals() > 0.0);
-  if (params_.color == SplatColor::kGradient) {
-    SplatSet::Gradient gradient{};
-    if (source_.colors.bgr) {
-      gradient = discGradient(window, cell, sums, shape.normal, source_.table, color_noise_,
-                              cloud_.cell());
-    }
-    out.gradients.push_back(gradient);
-  }
+  return row;
+}
+
+std::array<float, 3>
+SplatBuilder::cubeCenter(const PointWindow& window, const OctreeCell& cell) const
+{
+  const auto center = cloud_.center(window.position(cell.begin), cell.shift);
+  return {static_cast<float>(center[0]), static_cast<float>(center[1]),
+          static_cast<float>(center[2])};
+}
+
+/** Paper mode: the disc stands where the kept point does, with its normal if it has one. */
+void
+SplatBuilder::takePoint(const PointWindow& window, std::size_t point, Row& row, DiscNormal& normal)
+{
+  row.center = window.position(point);
+  const auto own = window.normal(point);
+  const float sq = own[0] * own[0] + own[1] * own[1] + own[2] * own[2];
+  for (std::size_t a = 0; a < 3 && sq > 0.5f; ++a) normal.normal[a] = own[a];
+}
+
+SplatSet::Gradient
+SplatBuilder::gradientOf(const PointWindow& window, const OctreeCell& cell, const CellSums& sums,
+                         const DiscNormal& normal) const
+{
+  if (!source_.colors.bgr) return {};
+  return discGradient(window, cell, sums, normal.normal, source_.table, color_noise_,
+                      cloud_.cell());
 }
 
 std::uint32_t
@@ -151,6 +180,33 @@ SplatBuilder::neighborRadiiOf(const PointStore& store, double widest) const
   return neighborRadii(cloud_, centers, disc_of, store, widest, params_.threads);
 }
 
+/** Radius of a disc in root cells. */
+double
+SplatBuilder::radiusOf(const Row& row, double widest) const
+{
+  if (params_.radius != RadiusRule::kDensity) return row.reach;
+  const double bend = std::sqrt(std::max(0.0, row.normal_variance - kNoiseSlack * normal_noise_));
+  return densityRadius(row.reach, row.confidence, bend, row.spacing, widest);
+}
+
+/** Writes one disc in world units. */
+void
+SplatBuilder::write(const Row& row, double radius, std::size_t i, SplatSet& splats) const
+{
+  const auto cell = static_cast<float>(cloud_.cell());
+  splats.x[i] = row.center[0] * cell;
+  splats.y[i] = row.center[1] * cell;
+  splats.z[i] = row.center[2] * cell;
+  splats.nx[i] = row.normal[0];
+  splats.ny[i] = row.normal[1];
+  splats.nz[i] = row.normal[2];
+  splats.radius[i] = static_cast<float>(radius * cloud_.cell());
+  splats.rgb[i] = row.rgb;
+  splats.confidence[i] = row.confidence;
+  splats.normal_variance[i] = row.normal_variance;
+  splats.kept[i] = row.kept;
+}
+
 void
 SplatBuilder::finish(const PointStore* store, SplatSet& splats, SplatStatistics& statistics)
 {
@@ -164,28 +220,12 @@ SplatBuilder::finish(const PointStore* store, SplatSet& splats, SplatStatistics&
   for (const Slice& slice : slices_) first.push_back(first.back() + slice.rows.size());
   splats.origin = cloud_.frame().origin;
   splats.resize(first.back(), params_.color == SplatColor::kGradient);
-  const auto cell = static_cast<float>(cloud_.cell());
   parallelFor(slices_.size(), params_.threads, 8, [&](std::size_t s, int) {
     for (std::size_t r = 0; r < slices_[s].rows.size(); ++r) {
       const Row& row = slices_[s].rows[r];
       const std::size_t i = first[s] + r;
-      splats.x[i] = row.center[0] * cell;
-      splats.y[i] = row.center[1] * cell;
-      splats.z[i] = row.center[2] * cell;
-      splats.nx[i] = row.normal[0];
-      splats.ny[i] = row.normal[1];
-      splats.nz[i] = row.normal[2];
-      double radius = row.reach;
-      if (!radii.empty()) radius = radii[i];
-      if (params_.radius == RadiusRule::kDensity) {
-        const double bend = std::sqrt(std::max(0.0, row.curvature - kNoiseSlack * normal_noise_));
-        radius = densityRadius(row.reach, row.confidence, bend, row.spacing, widest_spacing);
-      }
-      splats.radius[i] = static_cast<float>(radius * cloud_.cell());
-      splats.rgb[i] = row.rgb;
-      splats.confidence[i] = row.confidence;
-      splats.curvature[i] = row.curvature;
-      splats.kept[i] = row.kept;
+      const double radius = radii.empty() ? radiusOf(row, widest_spacing) : radii[i];
+      write(row, radius, i, splats);
       if (splats.gradient.empty()) continue;
       splats.gradient[i] = slices_[s].gradients[r];
       const auto held = static_cast<float>(std::min(1.0, kFollowed * row.reach / radius));

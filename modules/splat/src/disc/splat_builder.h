@@ -32,7 +32,7 @@ class SplatBuilder {
     std::array<float, 3> center, normal;
     float reach;    ///< radius where the rule knows it already, else to the farthest point
     float spacing;  ///< 0: unknown
-    float confidence, curvature;
+    float confidence, normal_variance;
     std::uint32_t rgb, kept;
   };
 
@@ -42,12 +42,19 @@ class SplatBuilder {
     std::uint64_t single_points = 0, without_normal = 0;
   };
 
-  void addDisc(std::size_t slice, const PointWindow& window, const OctreeCell& cell,
-               const CellSums& sums, DiscNormal shape, Slice& out);
+  Row rowOf(const PointWindow& window, const OctreeCell& cell, const CellSums& sums,
+            DiscNormal& normal) const;
+  std::array<float, 3> cubeCenter(const PointWindow& window, const OctreeCell& cell) const;
+  static void takePoint(const PointWindow& window, std::size_t point, Row& row, DiscNormal& normal);
+  void note(std::size_t slice, const PointWindow& window, const OctreeCell& cell, const Slice& out);
+  SplatSet::Gradient gradientOf(const PointWindow& window, const OctreeCell& cell,
+                                const CellSums& sums, const DiscNormal& normal) const;
   std::uint32_t colorOf(const CellSums& sums, std::size_t input) const;
   void count(SplatStatistics& statistics) const;
   double widest() const;
   std::vector<float> neighborRadiiOf(const PointStore& store, double widest) const;
+  double radiusOf(const Row& row, double widest) const;
+  void write(const Row& row, double radius, std::size_t i, SplatSet& splats) const;
 
   const OctreeCloud& cloud_;
   const OctreeSource& source_;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "pcl_slim/core/symmetric.h"
 #include "points/splat_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -9,12 +10,12 @@
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
+#include "points/vector_types-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::splat_kernels::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using Doubles = hn::CappedTag<double, 4>;
-using HalfFloats = hn::Rebind<float, Doubles>;
+using Quad = hn::CappedTag<double, 4>;
 
 float
 farthestAndNearest(const float* x, const float* y, const float* z, std::size_t n,
@@ -56,7 +57,7 @@ farthestAndNearest(const float* x, const float* y, const float* z, std::size_t n
 /** Sums of four vectors of four, as ((0 + 1) + (2 + 3)) each. */
 template <typename V>
 V
-sumsOfFour(Doubles d, V a, V b, V c, V e)
+sumsOfFour(Quad d, V a, V b, V c, V e)
 {
   const auto ab = hn::Add(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b));
   const auto ce = hn::Add(hn::InterleaveLower(d, c, e), hn::InterleaveUpper(d, c, e));
@@ -70,8 +71,8 @@ void
 sumLanes(const float* const columns[9], std::size_t n, std::size_t part, double (*quads)[4],
          [[maybe_unused]] double sums[kNumSums])
 {
-  const Doubles d;
-  const HalfFloats df;
+  const Quad d;
+  const hn::Rebind<float, Quad> df;
   auto x1 = hn::Zero(d), y1 = x1, z1 = x1, p2 = x1, u1 = x1, v1 = x1, w1 = x1, uu = x1, uv = x1,
        uw = x1, vv = x1, vw = x1, ww = x1, l1 = x1, a1 = x1, b1 = x1, c2 = x1;
   const auto step = [&](const auto& at) {
@@ -134,16 +135,15 @@ void
 sumPoints(const float* const columns[9], std::size_t n, double sums[kNumSums])
 {
   double quads[kNumSums][4];
-  const std::size_t lanes = hn::Lanes(Doubles());
+  const std::size_t lanes = hn::Lanes(Quad());
   for (std::size_t part = 0; part < 4; part += lanes) sumLanes(columns, n, part, quads, sums);
   for (std::size_t k = 0; k < kNumSums && lanes < 4; ++k) sums[k] = sumOfQuad(quads[k]);
   if (lanes == 4) sums[16] = sumOfQuad(quads[0]);
 }
 
-using Cells = hn::CappedTag<double, 8>;
-using CellVector = hn::Vec<Cells>;
+using CellVector = hn::Vec<Doubles>;
 
-/** Symmetric matrices xx xy xz yy yz zz, one in each lane. */
+/** Symmetric matrices, one in each lane, their entries placed as Symmetric3 has them. */
 struct Symmetric {
   CellVector m[6];
 
@@ -157,8 +157,7 @@ struct Symmetric {
   /** Row of the product with a vector. */
   CellVector times(int row, CellVector x, CellVector y, CellVector z) const
   {
-    constexpr int kPlaces[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-    const int* at = kPlaces[row];
+    const SymmetricEntry* at = kSymmetricEntry[row];
     return dot(m[at[0]], x, m[at[1]], y, m[at[2]], z);
   }
 
@@ -173,8 +172,8 @@ struct Symmetric {
 CellVector
 characteristic(const Symmetric& s, CellVector t)
 {
-  const auto a = hn::Sub(t, s.m[0]), b = hn::Sub(t, s.m[3]), c = hn::Sub(t, s.m[5]);
-  const auto d = s.m[1], e = s.m[2], f = s.m[4];
+  const auto a = hn::Sub(t, s.m[kXX]), b = hn::Sub(t, s.m[kYY]), c = hn::Sub(t, s.m[kZZ]);
+  const auto d = s.m[kXY], e = s.m[kXZ], f = s.m[kYZ];
   const auto first = hn::Mul(a, hn::Sub(hn::Mul(b, c), hn::Mul(f, f)));
   const auto second = hn::Mul(d, hn::Add(hn::Mul(d, c), hn::Mul(f, e)));
   const auto third = hn::Mul(e, hn::Add(hn::Mul(d, f), hn::Mul(b, e)));
@@ -183,11 +182,11 @@ characteristic(const Symmetric& s, CellVector t)
 
 /** What CellSums::unorientedAbove asks of normals that are not one line, and how long their sum is
  * at least: half of what it would be if they shared one side. */
-hn::Mask<Cells>
+hn::Mask<Doubles>
 haveOneAxis(const Symmetric& whole, CellVector total, CellVector sum_sq, CellVector count,
             double widest)
 {
-  const Cells d;
+  const Doubles d;
   const auto value = characteristic(whole, hn::Mul(total, hn::Set(d, 1.0 - widest)));
   const auto cube = hn::Mul(hn::Mul(total, total), total);
   const auto one_line = hn::Le(value, hn::Mul(hn::Set(d, 1e-13), cube));
@@ -199,8 +198,8 @@ haveOneAxis(const Symmetric& whole, CellVector total, CellVector sum_sq, CellVec
 void
 commonNormals(const double* cells, std::size_t n, double widest, double* normals)
 {
-  const Cells d;
-  const hn::RebindToSigned<Cells> di;
+  const Doubles d;
+  const hn::RebindToSigned<Doubles> di;
   constexpr int kNormal = 5, kProduct = 8;
   const auto row = hn::Iota(di, 0);
   const std::size_t lanes = hn::Lanes(d);
@@ -214,7 +213,7 @@ commonNormals(const double* cells, std::size_t n, double widest, double* normals
     for (int k = 0; k < 6; ++k) whole.m[k] = number(kProduct + k);
     const auto count = number(0), x = number(kNormal), y = number(kNormal + 1),
                z = number(kNormal + 2);
-    const auto total = hn::Add(hn::Add(whole.m[0], whole.m[3]), whole.m[5]);
+    const auto total = hn::Add(hn::Add(whole.m[kXX], whole.m[kYY]), whole.m[kZZ]);
     const auto one_axis =
         haveOneAxis(whole, total, Symmetric::dot(x, x, y, y, z, z), count, widest);
     // Where normals agree, the eighth power leaves one axis of their mean.
@@ -248,9 +247,6 @@ HWY_AFTER_NAMESPACE();
 namespace pcl_slim::detail::splat_kernels {
 
 HWY_EXPORT(farthestAndNearest);
-HWY_EXPORT(sumPoints);
-HWY_EXPORT(commonNormals);
-
 float
 farthestAndNearest(const float* x, const float* y, const float* z, std::size_t n,
                    const float center[3], std::size_t& nearest)
@@ -258,12 +254,14 @@ farthestAndNearest(const float* x, const float* y, const float* z, std::size_t n
   return HWY_DYNAMIC_DISPATCH(farthestAndNearest)(x, y, z, n, center, nearest);
 }
 
+HWY_EXPORT(sumPoints);
 void
 sumPoints(const float* const columns[9], std::size_t n, double sums[kNumSums])
 {
   HWY_DYNAMIC_DISPATCH(sumPoints)(columns, n, sums);
 }
 
+HWY_EXPORT(commonNormals);
 void
 commonNormals(const double* cells, std::size_t n, double widest, double* normals)
 {

@@ -6,14 +6,15 @@
 #include <cmath>
 #include <cstddef>
 
+#include "pcl_slim/core/symmetric.h"
 #include "points/point_window.h"
 #include "points/splat_kernels.h"
 
 namespace pcl_slim::detail {
 
-/** m m of a symmetric matrix xx xy xz yy yz zz. */
-inline std::array<double, 6>
-squared(const std::array<double, 6>& m)
+/** m m. */
+inline Symmetric3<double>
+squared(const Symmetric3<double>& m)
 {
   const auto [a, b, c, d, e, f] = m;
   return {a * a + b * b + c * c, a * b + b * d + c * e, a * c + b * e + c * f,
@@ -25,7 +26,7 @@ struct CellSums {
   double count = 0;
   double position[3] = {}, position_sq = 0;  ///< sum of p, of |p|^2
   double normal[3] = {};                     ///< sum of n
-  double product[6] = {};                    ///< sum of n n^T: xx xy xz yy yz zz
+  Symmetric3<double> product{};              ///< sum of n n^T
   double lab[3] = {}, lab_sq = 0;            ///< sum of Lab, of |Lab|^2
 
   /** The points [begin, end) of a cloud. */
@@ -41,11 +42,11 @@ struct CellSums {
       normal[a] += other.normal[a];
       lab[a] += other.lab[a];
     }
-    for (int k = 0; k < 6; ++k) product[k] += other.product[k];
+    for (std::size_t k = 0; k < 6; ++k) product[k] += other.product[k];
   }
 
   /** Number of points that have a normal, up to rounding. */
-  double normals() const { return product[0] + product[3] + product[5]; }
+  double normals() const { return product[kXX] + product[kYY] + product[kZZ]; }
 
   /** Squared standard deviation of the colour, in squared Delta E. */
   double colorVariance() const
@@ -66,8 +67,8 @@ struct CellSums {
   /** det(t I - sum n n^T), times the sign that makes it positive above the largest eigenvalue. */
   double characteristic(double t) const
   {
-    const double a = t - product[0], b = t - product[3], c = t - product[5];
-    const double d = product[1], e = product[2], f = product[4];
+    const double a = t - product[kXX], b = t - product[kYY], c = t - product[kZZ];
+    const double d = product[kXY], e = product[kXZ], f = product[kYZ];
     return a * (b * c - f * f) - d * (d * c + f * e) - e * (d * f + b * e);
   }
 
@@ -76,16 +77,16 @@ struct CellSums {
   double largestEigenvalue() const
   {
     const double total = normals();
-    std::array<double, 6> m;
+    Symmetric3<double> m;
     for (std::size_t k = 0; k < 6; ++k) m[k] = product[k] / total;
     m = squared(squared(m));
-    const double eighth =
-        m[0] * m[0] + m[3] * m[3] + m[5] * m[5] + 2.0 * (m[1] * m[1] + m[2] * m[2] + m[4] * m[4]);
+    const double eighth = m[kXX] * m[kXX] + m[kYY] * m[kYY] + m[kZZ] * m[kZZ] +
+                          2.0 * (m[kXY] * m[kXY] + m[kXZ] * m[kXZ] + m[kYZ] * m[kYZ]);
     double t = total * std::sqrt(std::sqrt(std::sqrt(eighth))) * (1.0 + 1e-15);
     for (int step = 0; step < 40; ++step) {
-      const double a = t - product[0], b = t - product[3], c = t - product[5];
-      const double slope = a * b + b * c + a * c - product[1] * product[1] -
-                           product[2] * product[2] - product[4] * product[4];
+      const double a = t - product[kXX], b = t - product[kYY], c = t - product[kZZ];
+      const double slope = a * b + b * c + a * c - product[kXY] * product[kXY] -
+                           product[kXZ] * product[kXZ] - product[kYZ] * product[kYZ];
       if (!(slope > 0.0)) break;
       const double next = t - characteristic(t) / slope;
       const bool still = !(next < t - 1e-10 * t);

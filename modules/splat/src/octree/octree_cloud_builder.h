@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Step 1 of docs/color_octree_splat_sampler.md: the grid over the cloud, and its points in the order
+// of cells.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
-#include <string>
-#include <type_traits>
 #include <vector>
 
 #include "octree/octree_grid.h"
 #include "octree/octree_key.h"
+#include "octree/point_blocks.h"
+#include "octree/run_placement.h"
 #include "pcl_slim/cloud/morton_sort.h"
 #include "pcl_slim/splat/octree_cloud.h"
 #include "points/point_runs.h"
@@ -19,7 +20,6 @@ namespace pcl_slim::detail {
 
 /** The steps of OctreeCloud::build. */
 class OctreeCloudBuilder {
-  static constexpr std::uint32_t kTooMany = 0xffffffffu;
   static constexpr double kLargest = 1e150;  ///< squares of such coordinates are still finite
 
  public:
@@ -27,7 +27,7 @@ class OctreeCloudBuilder {
 
   Result<OctreeCloud> run(const RootGrid& grid)
   {
-    if (Error error = checkInput()) return error;
+    if (Error error = view_.validate()) return error;
     Error error = view_.scalar == CloudView::Scalar::kDouble
                       ? runAs(octree_grid::readerOf<double>(view_), grid)
                       : runAs(octree_grid::readerOf<float>(view_), grid);
@@ -36,51 +36,25 @@ class OctreeCloudBuilder {
   }
 
  private:
-  Error checkInput() const
-  {
-    const std::size_t n = view_.count();
-    if (n == 0 || view_.xyz == nullptr) {
-      return {ErrorCode::kBadInput, "the cloud has no points: give one that has"};
-    }
-    if (n >= kTooMany) {
-      return {ErrorCode::kBadInput, "the cloud has more than 2^32 - 2 points: split it"};
-    }
-    for (std::size_t i = 0; view_.indices != nullptr && i < n; ++i) {
-      if (view_.indices[i] < 0 || static_cast<std::size_t>(view_.indices[i]) >= view_.size) {
-        return {ErrorCode::kBadArgument, "index " + std::to_string(view_.indices[i]) +
-                                             " lies outside the cloud of " +
-                                             std::to_string(view_.size) + " points"};
-      }
-    }
-    return {};
-  }
-
   template <typename T>
   Error runAs(const octree_grid::Reader<T>& read, const RootGrid& grid)
   {
     const octree_grid::Box box = octree_grid::measure(read, view_.count(), threads_, first_);
-    if (box.finite == 0) {
-      return {ErrorCode::kBadInput,
-              "every point of the cloud is NaN or infinite: nothing to work on"};
-    }
-    for (std::size_t a = 0; a < 3; ++a) {
-      if (std::max(std::abs(box.min[a]), std::abs(box.max[a])) > kLargest) {
-        return {ErrorCode::kBadInput, "some coordinates are beyond 1e150: remove those points"};
-      }
-    }
+    if (Error error = checkBox(box)) return error;
     out_.num_non_finite_ = view_.count() - box.finite;
     chooseGrid(read, box, grid);
-    const int index_bits = std::max(1, bitsOf(view_.count() - 1));
-    const int root_bits = 3 * (OctreeCloud::kBits - out_.depth_);
-    const int spare_bits = 64 - index_bits - root_bits;
-    out_.index_bits_ = index_bits;
-    if (spare_bits < 0) {
-      sortWide(read);
-      return {};
+    sort(PointBlocks<T>(read, view_.count(), out_.frame_, first_, threads_));
+    return {};
+  }
+
+  static Error checkBox(const octree_grid::Box& box)
+  {
+    if (box.finite == 0) return CloudView::nothingFinite();
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (std::max(std::abs(box.min[a]), std::abs(box.max[a])) > kLargest) {
+        return badInput("some coordinates are beyond 1e150: remove those points");
+      }
     }
-    out_.sorted_depth_ = std::min({spare_bits / 3, wanted_depth_, out_.depth_});
-    const bool join = join_ && out_.sorted_depth_ == 0 && spare_bits >= RunFormat::kCountBits;
-    sortPacked(read, {index_bits, join ? RunFormat::kCountBits : 0}, root_bits);
     return {};
   }
 
@@ -112,84 +86,28 @@ class OctreeCloudBuilder {
     out_.frame_.last = std::nextafter(static_cast<float>(out_.resolution_), 0.0f);
   }
 
-  /** Positions of some finite points, and their indices. */
-  struct Block {
-    static constexpr std::size_t kSize = 256;
-
-    alignas(64) float x[kSize] = {}, y[kSize] = {}, z[kSize] = {};
-    alignas(64) std::uint32_t index[kSize] = {};
-    std::size_t count = 0;
-  };
-
-  /** Runs body(place, block) for the finite points in blocks. body returns how many places it filled;
-   * each slice of points has as many as points, from first_ on. \return where those filled end. */
-  template <typename T, typename Body>
-  std::vector<std::size_t> forEachBlock(const octree_grid::Reader<T>& read, const Body& body) const
-  {
-    const bool all = first_.back() == view_.count();
-    std::vector<std::size_t> ends(first_.size() - 1);
-    octree_grid::forEachSlice(view_.count(), threads_,
-                              [&](std::size_t s, std::size_t begin, std::size_t end) {
-                                std::size_t place = first_[s];
-                                Block block;
-                                for (; begin < end; begin += Block::kSize) {
-                                  const std::size_t last = std::min(end, begin + Block::kSize);
-                                  if (all && last - begin == Block::kSize && last < view_.count() &&
-                                      fillWhole(read, begin, block)) {
-                                    block.count = Block::kSize;
-                                  } else if (all) {
-                                    fill<true>(read, begin, last, block);
-                                  } else {
-                                    fill<false>(read, begin, last, block);
-                                  }
-                                  place += body(place, block);
-                                }
-                                ends[s] = place;
-                              });
-    return ends;
-  }
-
-  /** fill() for a block of finite points with others behind it, four at a time. \return false where
-   * their layout does not allow that. */
+  /** Sorts as many bits of the keys as fit into one number with the index, up to those wanted. */
   template <typename T>
-  bool fillWhole(const octree_grid::Reader<T>& read, std::size_t begin, Block& block) const
+  void sort(const PointBlocks<T>& blocks)
   {
-    if (!std::is_same_v<T, float> || read.indices || read.stride < 4 * sizeof(float)) return false;
-    std::iota(block.index, block.index + Block::kSize, static_cast<std::uint32_t>(begin));
-    splat_kernels::gatherVectors(read.base, read.stride, block.index, Block::kSize, block.x,
-                                 block.y, block.z);
-    splat_kernels::toCells(out_.frame_, block.x, block.y, block.z, Block::kSize);
-    return true;
+    const int index_bits = std::max(1, bitsOf(view_.count() - 1));
+    const int root_bits = 3 * (OctreeCloud::kBits - out_.depth_);
+    const int spare_bits = 64 - index_bits - root_bits;
+    out_.index_bits_ = index_bits;
+    if (spare_bits < 0) return sortWide(blocks);
+    out_.sorted_depth_ = std::min({spare_bits / 3, wanted_depth_, out_.depth_});
+    const bool join = join_ && out_.sorted_depth_ == 0 && spare_bits >= RunFormat::kCountBits;
+    sortPacked(blocks, {index_bits, join ? RunFormat::kCountBits : 0}, root_bits);
   }
 
-  template <bool kAllFinite, typename T>
-  void fill(const octree_grid::Reader<T>& read, std::size_t begin, std::size_t end,
-            Block& block) const
-  {
-    std::size_t k = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      T p[3];
-      read(i, p);
-      if (!kAllFinite && !octree_grid::isFinite(p)) continue;
-      float q[3] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
-      if constexpr (std::is_same_v<T, double>) out_.frame_.position(p, q);
-      block.x[k] = q[0], block.y[k] = q[1], block.z[k] = q[2];
-      block.index[k++] = static_cast<std::uint32_t>(i);
-    }
-    block.count = k;
-    if constexpr (std::is_same_v<T, float>) {
-      splat_kernels::toCells(out_.frame_, block.x, block.y, block.z, Block::kSize);
-    }
-  }
-
-  /** Runs of points in numbers. */
+  /** Runs of points in one number each. */
   template <typename T>
-  void sortPacked(const octree_grid::Reader<T>& read, RunFormat format, int root_bits)
+  void sortPacked(const PointBlocks<T>& blocks, RunFormat format, int root_bits)
   {
     AlignedVector<std::uint64_t> runs(first_.back());
-    const auto ends = forEachBlock(read, [&](std::size_t place, const Block& block) {
-      std::uint64_t points[Block::kSize];
-      splat_kernels::packKeys(block.x, block.y, block.z, block.index, Block::kSize,
+    const auto ends = blocks.forEach([&](std::size_t place, const PointBlock& block) {
+      std::uint64_t points[PointBlock::kSize];
+      splat_kernels::packKeys(block.x, block.y, block.z, block.index, PointBlock::kSize,
                               out_.sorted_depth_, format.index_bits, format.count_bits, points);
       return format.join(points, block.count, runs.data() + place);
     });
@@ -205,11 +123,11 @@ class OctreeCloudBuilder {
 
   /** Grids so fine that key and index do not fit into one number. */
   template <typename T>
-  void sortWide(const octree_grid::Reader<T>& read)
+  void sortWide(const PointBlocks<T>& blocks)
   {
     AlignedVector<std::uint64_t> keys(first_.back());
     AlignedVector<std::uint32_t> indices(first_.back()), order;
-    forEachBlock(read, [&](std::size_t place, const Block& block) {
+    blocks.forEach([&](std::size_t place, const PointBlock& block) {
       for (std::size_t k = 0; k < block.count; ++k) {
         keys[place + k] = mortonKey({block.x[k], block.y[k], block.z[k]}, out_.depth_);
         indices[place + k] = block.index[k];
@@ -222,46 +140,11 @@ class OctreeCloudBuilder {
     });
   }
 
-  /** Lists points and roots; runOf(i): the i-th run in the order of roots. */
   template <typename RunOf>
   void placePoints(std::size_t runs, const RunOf& runOf)
   {
     const bool joined = runs < first_.back();
-    std::vector<std::size_t> places((runs + octree_grid::kSlice - 1) / octree_grid::kSlice + 1, 0);
-    octree_grid::forEachSlice(runs, threads_,
-                              [&](std::size_t s, std::size_t begin, std::size_t end) {
-                                std::size_t points = joined ? 0 : end - begin;
-                                for (std::size_t i = begin; i < end && joined; ++i)
-                                  points += runOf(i).count;
-                                places[s + 1] = points;
-                              });
-    std::partial_sum(places.begin(), places.end(), places.begin());
-    out_.order_.resize(places.back());
-    std::vector<std::vector<OctreeCloud::Root>> parts(places.size() - 1);
-    octree_grid::forEachSlice(
-        runs, threads_, [&](std::size_t s, std::size_t begin, std::size_t end) {
-          std::vector<OctreeCloud::Root> roots;
-          std::uint32_t* place = out_.order_.data() + places[s];
-          std::uint32_t* const last_place = out_.order_.data() + places[s + 1];
-          std::uint64_t last = begin > 0 ? runOf(begin - 1).root : ~runOf(begin).root;
-          for (std::size_t i = begin; i < end; ++i) {
-            const PointRun run = runOf(i);
-            if (run.root != last) {
-              const auto at = static_cast<std::uint32_t>(place - out_.order_.data());
-              roots.push_back({run.root, at});
-              last = run.root;
-            }
-            if (joined) {
-              place = run.list(place, last_place);
-            } else {
-              *place++ = run.first;
-            }
-          }
-          parts[s] = std::move(roots);
-        });
-    out_.roots_.clear();
-    for (const auto& part : parts) out_.roots_.insert(out_.roots_.end(), part.begin(), part.end());
-    out_.roots_.push_back({~std::uint64_t{0}, static_cast<std::uint32_t>(out_.size())});
+    RunPlacement<RunOf>(runs, joined, runOf, threads_).write(out_.order_, out_.roots_);
   }
 
   const CloudView& view_;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The best cut of the whole octree for a budget: docs/color_octree_splat_sampler.md, "Parameters".
 #include "octree/octree_cut.h"
 
 #include <algorithm>

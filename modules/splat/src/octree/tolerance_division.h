@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// Step 2 of docs/color_octree_splat_sampler.md: cubes are halved while they vary too much.
 #pragma once
 
 #include <algorithm>
@@ -37,11 +38,7 @@ class Divider {
     const CellSums sums = sumsOf(window_, begin, end);
     if (n >= kSpacingPoints) spacing = sums.spacing();
     if (n > 1 && n >= rule_.min_points && least_shift_ < shift && asksForMore(sums)) {
-      int children = keys.keys ? keys.dividingShift(begin, end) : -1;
-      if (children < keys.lowest && keys.lowest > least_shift_) {
-        keys = refine(cloud_, window_, begin, end);
-        children = keys.dividingShift(begin, end);
-      }
+      const int children = childLevel(begin, end, keys);
       if (children >= least_shift_) {
         for (std::size_t at = begin; at < end;) {
           const std::size_t next = keys.runEnd(at, end, children);
@@ -55,6 +52,15 @@ class Divider {
     leaves_.add({static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end),
                  static_cast<float>(spacing), shift},
                 sums);
+  }
+
+  /** The level at which a run falls apart, from keys that tell more of it where these do not. */
+  int childLevel(std::size_t begin, std::size_t end, RunKeys& keys) const
+  {
+    const int level = keys.keys ? keys.dividingShift(begin, end) : -1;
+    if (level >= keys.lowest || keys.lowest <= least_shift_) return level;
+    keys = refine(cloud_, window_, begin, end);
+    return keys.dividingShift(begin, end);
   }
 
   bool asksForMore(const CellSums& sums) const
@@ -86,10 +92,8 @@ divideByTolerance(const OctreeCloud& cloud, const OctreeSource& source, const Sp
                    [&](std::size_t slice, std::size_t thread, std::size_t first, std::size_t last) {
                      PointWindow& window = windows[thread];
                      CellBatch& batch = batches[thread];
-                     const std::size_t begin = cloud.root(first).begin,
-                                       end = cloud.root(last).begin;
-                     window.load(cloud, source, begin - std::min(begin, kSpacingReach),
-                                 std::min(cloud.size(), end + kSpacingReach));
+                     window.loadAround(cloud, source, cloud.root(first).begin,
+                                       cloud.root(last).begin, kSpacingReach);
                      batch.clear();
                      Divider divider(cloud, rule, window, batch);
                      for (std::size_t r = first; r < last; ++r) {

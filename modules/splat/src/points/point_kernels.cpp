@@ -10,14 +10,10 @@
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
+#include "points/vector_types-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::splat_kernels::HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
-using Floats = hn::CappedTag<float, 16>;
-using Doubles = hn::CappedTag<double, 8>;
-using HalfFloats = hn::Rebind<float, Doubles>;
-using Words = hn::CappedTag<std::uint64_t, 8>;
 
 bool
 boxOfPoints(const unsigned char* first, std::size_t stride, std::size_t n, float low[3],
@@ -219,26 +215,21 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace pcl_slim::detail::splat_kernels {
 
-HWY_EXPORT(boxOfPoints);
-HWY_EXPORT(gatherVectors);
-HWY_EXPORT(toCells);
-HWY_EXPORT(packKeys);
-HWY_EXPORT(mortonKeys);
 HWY_EXPORT(labOfLinear);
-HWY_EXPORT(normalize);
-
 void
 labOfLinear(const float to_xyz[9], float* r, float* g, float* b, std::size_t n)
 {
   HWY_DYNAMIC_DISPATCH(labOfLinear)(to_xyz, r, g, b, n);
 }
 
+HWY_EXPORT(normalize);
 void
 normalize(float* x, float* y, float* z, std::size_t n)
 {
   HWY_DYNAMIC_DISPATCH(normalize)(x, y, z, n);
 }
 
+HWY_EXPORT(boxOfPoints);
 bool
 boxOfPoints(const unsigned char* first, std::size_t stride, std::size_t n, float low[3],
             float high[3])
@@ -246,6 +237,7 @@ boxOfPoints(const unsigned char* first, std::size_t stride, std::size_t n, float
   return HWY_DYNAMIC_DISPATCH(boxOfPoints)(first, stride, n, low, high);
 }
 
+HWY_EXPORT(gatherVectors);
 void
 gatherVectors(const unsigned char* first, std::size_t stride, const std::uint32_t* points,
               std::size_t n, float* x, float* y, float* z)
@@ -253,12 +245,14 @@ gatherVectors(const unsigned char* first, std::size_t stride, const std::uint32_
   HWY_DYNAMIC_DISPATCH(gatherVectors)(first, stride, points, n, x, y, z);
 }
 
+HWY_EXPORT(toCells);
 void
 toCells(const OctreeFrame& frame, float* x, float* y, float* z, std::size_t n)
 {
   HWY_DYNAMIC_DISPATCH(toCells)(frame, x, y, z, n);
 }
 
+HWY_EXPORT(packKeys);
 void
 packKeys(const float* x, const float* y, const float* z, const std::uint32_t* index, std::size_t n,
          int depth, int index_bits, int zeros, std::uint64_t* packed)
@@ -266,6 +260,7 @@ packKeys(const float* x, const float* y, const float* z, const std::uint32_t* in
   HWY_DYNAMIC_DISPATCH(packKeys)(x, y, z, index, n, depth, index_bits, zeros, packed);
 }
 
+HWY_EXPORT(mortonKeys);
 void
 mortonKeys(const float* x, const float* y, const float* z, std::size_t n, int depth,
            std::uint64_t* keys)

@@ -55,6 +55,13 @@ PointWindow::load(const OctreeCloud& cloud, const OctreeSource& source, std::siz
 }
 
 void
+PointWindow::loadAround(const OctreeCloud& cloud, const OctreeSource& source, std::size_t begin,
+                        std::size_t end, std::size_t reach)
+{
+  load(cloud, source, begin - std::min(begin, reach), std::min(cloud.size(), end + reach));
+}
+
+void
 PointWindow::permute(std::size_t at, std::size_t n)
 {
   const std::uint32_t* const from = from_.data();

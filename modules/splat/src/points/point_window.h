@@ -26,6 +26,9 @@ class alignas(64) PointWindow {
    * of unit length, or zero where a point has none; CIELAB, or zero where the cloud has none. */
   void load(const OctreeCloud& cloud, const OctreeSource& source, std::size_t begin,
             std::size_t end);
+  /** The same with up to reach points more on either side. */
+  void loadAround(const OctreeCloud& cloud, const OctreeSource& source, std::size_t begin,
+                  std::size_t end, std::size_t reach);
 
   std::size_t begin() const { return begin_; }
   std::size_t end() const { return end_; }

@@ -8,7 +8,8 @@ namespace pcl_slim::detail {
 
 namespace {
 
-// Cells and their neighbours count in 21 bits an axis. What lies outside [-1, 1] shares a rim cell.
+// Cells and their neighbours are counted in 21 bits an axis. What lies outside [-1, 1] shares a cell at
+// the rim.
 constexpr int kAxisBits = 21;
 constexpr double kNarrowest = 0x1p-19;
 constexpr double kLastCell = 0x1p21 - 4;
@@ -18,18 +19,51 @@ constexpr std::size_t kFewEntries = 300;  ///< are sorted by comparing
 
 using Entry = CenterGrid::Entry;
 
-/** Stable counting passes over the digits in which codes differ, each counted from the least
- * coordinate of its axis. */
+constexpr std::int64_t kAxisMask = (std::int64_t{1} << kAxisBits) - 1;
+
+/** The code whose coordinates are the least of each axis. */
+std::int64_t
+leastCode(const std::vector<Entry>& entries)
+{
+  std::int64_t code = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::int64_t mask = kAxisMask << (axis * kAxisBits);
+    std::int64_t least = std::numeric_limits<std::int64_t>::max();
+    for (const Entry& e : entries) least = std::min(least, e.cell & mask);
+    code += least;
+  }
+  return code;
+}
+
+/** Some bits of a code, counted from a base. */
+struct Digit {
+  std::int64_t base, mask;
+  int shift;
+
+  std::size_t of(const Entry& e) const
+  {
+    return static_cast<std::size_t>(((e.cell - base) >> shift) & mask);
+  }
+};
+
+/** One stable counting pass. sorted and next are room to work in. */
+void
+sortByDigit(const Digit& digit, std::vector<Entry>& entries, std::vector<Entry>& sorted,
+            std::vector<std::uint32_t>& next)
+{
+  next.assign(static_cast<std::size_t>(digit.mask) + 2, 0);
+  for (const Entry& e : entries) ++next[digit.of(e) + 1];
+  for (std::size_t k = 1; k < next.size(); ++k) next[k] += next[k - 1];
+  for (const Entry& e : entries) sorted[next[digit.of(e)]++] = e;
+  entries.swap(sorted);
+}
+
+/** Sorts by the digits in which codes differ, each counted from the least coordinate of its axis. */
 void
 sortByDigits(std::vector<Entry>& entries)
 {
-  std::int64_t least[3], differing = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::int64_t mask = ((std::int64_t{1} << kAxisBits) - 1) << (axis * kAxisBits);
-    least[axis] = std::numeric_limits<std::int64_t>::max();
-    for (const Entry& e : entries) least[axis] = std::min(least[axis], e.cell & mask);
-  }
-  const std::int64_t base = least[0] + least[1] + least[2];
+  const std::int64_t base = leastCode(entries);
+  std::int64_t differing = 0;
   for (const Entry& e : entries) differing |= e.cell - base;
   std::vector<Entry> sorted(entries.size());
   std::vector<std::uint32_t> next;
@@ -37,15 +71,8 @@ sortByDigits(std::vector<Entry>& entries)
     for (int low = 0; low < kAxisBits; low += kDigitBits) {
       const int bits = std::min(kDigitBits, kAxisBits - low), shift = axis * kAxisBits + low;
       const std::int64_t mask = (std::int64_t{1} << bits) - 1;
-      if (((differing >> shift) & mask) == 0) continue;
-      const auto digit = [&](const Entry& e) {
-        return static_cast<std::size_t>(((e.cell - base) >> shift) & mask);
-      };
-      next.assign((std::size_t{1} << bits) + 1, 0);
-      for (const Entry& e : entries) ++next[digit(e) + 1];
-      for (std::size_t k = 1; k < next.size(); ++k) next[k] += next[k - 1];
-      for (const Entry& e : entries) sorted[next[digit(e)]++] = e;
-      entries.swap(sorted);
+      if (((differing >> shift) & mask) != 0)
+        sortByDigit({base, mask, shift}, entries, sorted, next);
     }
   }
 }

@@ -6,11 +6,10 @@
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
+#include "pcl_slim/surface/detail/kernel_math-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
-using Tag = hn::CappedTag<float, 16>;
 
 std::size_t
 entriesWithin(const float* x, const float* y, const float* z, const ColumnRange* ranges,
@@ -46,7 +45,6 @@ HWY_AFTER_NAMESPACE();
 namespace pcl_slim::detail::kernels {
 
 HWY_EXPORT(entriesWithin);
-
 std::size_t
 entriesWithin(const float* x, const float* y, const float* z, const ColumnRange* ranges,
               std::size_t num_ranges, const float place[3], float limit_sq, std::uint32_t* entries,

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The tree-like structure over a surface's levels (section 2, Fig. 6).
+// The tree-like structure over a surface's levels (section 2 and Fig. 6 of the paper; theory.md, step
+// "Links").
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -51,23 +53,23 @@ struct LevelPair {
   }
 };
 
-}  // namespace
-
-void
-SLIMSurface::buildLinks(int threads)
+/** Each level's internal surfels with the members of the next; the root ball stands above all. */
+std::vector<LevelPair>
+levelPairs(const SLIMSurface& s, int threads)
 {
-  child_begin.assign(size() + 1, 0);
-  children.clear();
-  roots.clear();
-  root_ball = {};
-  if (empty()) return;
-
   std::vector<LevelPair> pairs(256);
-  for (std::uint32_t i = 0; i < size(); ++i) {
-    if (!isLeaf(i)) pairs[level[i]].parents.push_back(i);
-    if (level[i] > 0) pairs[level[i] - 1].members.push_back(i);
+  for (std::uint32_t i = 0; i < s.size(); ++i) {
+    if (!s.isLeaf(i)) pairs[s.level[i]].parents.push_back(i);
+    if (s.level[i] > 0) pairs[s.level[i] - 1].members.push_back(i);
   }
-  parallelFor(pairs.size(), threads, 1, [&](std::size_t k, int) { pairs[k].prepare(*this); });
+  parallelFor(pairs.size(), threads, 1, [&](std::size_t k, int) { pairs[k].prepare(s); });
+  return pairs;
+}
+
+/** The children of every surfel, in its place. */
+std::vector<std::vector<std::uint32_t>>
+childLists(const SLIMSurface& s, const std::vector<LevelPair>& pairs, int threads)
+{
   struct Task {
     const LevelPair* pair;
     std::size_t begin;
@@ -78,38 +80,63 @@ SLIMSurface::buildLinks(int threads)
       tasks.push_back({&pair, at});
     }
   }
-  std::vector<std::vector<std::uint32_t>> lists(size());
+  std::vector<std::vector<std::uint32_t>> lists(s.size());
   parallelFor(tasks.size(), threads, 1, [&](std::size_t t, int) {
     const auto [pair, begin] = tasks[t];
-    pair->findChildren(*this, begin, std::min(begin + kTask, pair->sorted_parents.size()), lists);
+    pair->findChildren(s, begin, std::min(begin + kTask, pair->sorted_parents.size()), lists);
   });
-  std::vector<char> linked(size(), 0);
-  for (std::uint32_t i = 0; i < size(); ++i) {
-    child_begin[i + 1] = static_cast<std::uint32_t>(lists[i].size());
-    children.insert(children.end(), lists[i].begin(), lists[i].end());
+  return lists;
+}
+
+/** Writes the lists one behind the other; what no list names becomes a root. */
+void
+joinLists(const std::vector<std::vector<std::uint32_t>>& lists, SLIMSurface& s)
+{
+  std::vector<char> linked(lists.size(), 0);
+  for (std::size_t i = 0; i < lists.size(); ++i) {
+    s.children.insert(s.children.end(), lists[i].begin(), lists[i].end());
+    s.child_begin[i + 1] = static_cast<std::uint32_t>(s.children.size());
     for (const std::uint32_t child : lists[i]) linked[child] = 1;
   }
-  for (std::size_t i = 0; i < size(); ++i) child_begin[i + 1] += child_begin[i];
-  for (std::uint32_t i = 0; i < size(); ++i) {
-    if (!linked[i]) roots.push_back(i);
+  for (std::uint32_t i = 0; i < lists.size(); ++i) {
+    if (!linked[i]) s.roots.push_back(i);
   }
+}
 
-  float low[3], high[3];
-  const std::vector<float>* columns[3] = {&cx, &cy, &cz};
-  for (int a = 0; a < 3; ++a) {
-    low[a] = std::numeric_limits<float>::max();
-    high[a] = -low[a];
-    for (std::size_t i = 0; i < size(); ++i) {
-      low[a] = std::min(low[a], (*columns[a])[i] - radius[i]);
-      high[a] = std::max(high[a], (*columns[a])[i] + radius[i]);
+/** A ball about the middle of the balls' box that holds them all. */
+std::array<float, 4>
+enclosingBall(const SLIMSurface& s)
+{
+  std::array<float, 4> ball{};
+  const std::vector<float>* columns[3] = {&s.cx, &s.cy, &s.cz};
+  for (std::size_t a = 0; a < 3; ++a) {
+    float low = std::numeric_limits<float>::max(), high = -low;
+    for (std::size_t i = 0; i < s.size(); ++i) {
+      low = std::min(low, (*columns[a])[i] - s.radius[i]);
+      high = std::max(high, (*columns[a])[i] + s.radius[i]);
     }
-    root_ball[a] = 0.5f * (low[a] + high[a]);
+    ball[a] = 0.5f * (low + high);
   }
-  for (std::size_t i = 0; i < size(); ++i) {
-    const double dx = cx[i] - root_ball[0], dy = cy[i] - root_ball[1], dz = cz[i] - root_ball[2];
-    const double reach = std::sqrt(dx * dx + dy * dy + dz * dz) + radius[i];
-    root_ball[3] = std::max(root_ball[3], static_cast<float>(reach * (1.0 + 1e-6)));
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const double dx = s.cx[i] - ball[0], dy = s.cy[i] - ball[1], dz = s.cz[i] - ball[2];
+    const double reach = std::sqrt(dx * dx + dy * dy + dz * dz) + s.radius[i];
+    ball[3] = std::max(ball[3], static_cast<float>(reach * (1.0 + 1e-6)));
   }
+  return ball;
+}
+
+}  // namespace
+
+void
+SLIMSurface::buildLinks(int threads)
+{
+  child_begin.assign(size() + 1, 0);
+  children.clear();
+  roots.clear();
+  root_ball = {};
+  if (empty()) return;
+  joinLists(childLists(*this, levelPairs(*this, threads), threads), *this);
+  root_ball = enclosingBall(*this);
 }
 
 }  // namespace pcl_slim

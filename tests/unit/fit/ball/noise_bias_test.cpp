@@ -15,11 +15,7 @@ using namespace detail;
 namespace {
 
 using measure::Shape;
-using pcl_slim_test::Cloud;
-using pcl_slim_test::errorsOf;
-using pcl_slim_test::expectSound;
-using pcl_slim_test::fitted;
-using pcl_slim_test::sceneCloud;
+using namespace pcl_slim_test;
 
 /** h = 1 + 2u - v + u^2 + 3uv - 2v^2 + u^3 - u v^2 + u^4 + u^2 v^2, heights in hundredths. */
 constexpr float kHeights[kMaxCoefficients] = {.01f,  .02f, -.01f, .01f, .03f, -.02f, .01f, 0,

@@ -14,10 +14,7 @@ using namespace detail;
 namespace {
 
 using measure::Shape;
-using pcl_slim_test::Cloud;
-using pcl_slim_test::sceneCloud;
-using pcl_slim_test::storeOf;
-using pcl_slim_test::withPlaneNormals;
+using namespace pcl_slim_test;
 
 TEST(NormalError, IsThatOfNormalsMeasuredApart)
 {

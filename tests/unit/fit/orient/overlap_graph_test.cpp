@@ -18,16 +18,6 @@ namespace {
 
 using measure::Shape;
 
-std::vector<std::uint32_t>
-leavesOf(const SLIMSurface& s)
-{
-  std::vector<std::uint32_t> leaves;
-  for (std::uint32_t i = 0; i < s.size(); ++i) {
-    if (s.isLeaf(i)) leaves.push_back(i);
-  }
-  return leaves;
-}
-
 /** Each leaf's eight nearest on every level up to its own, within .9 (r + r'). */
 std::set<std::pair<std::uint32_t, std::uint32_t>>
 edgesOfAllPairs(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves)
@@ -61,7 +51,7 @@ TEST(OverlapGraph, HoldsTheNearestOfAllPairsOnEachLevel)
   for (const double noise : {0.0, 0.002}) {
     const auto cloud = pcl_slim_test::sceneCloud(Shape::kRelief, 20000, noise).withoutNormals();
     const SLIMSurface surface = pcl_slim_test::fitted(cloud).surface;
-    const auto leaves = leavesOf(surface);
+    const auto leaves = surface.leaves();
     const auto expected = edgesOfAllPairs(surface, leaves);
     for (const int threads : {1, 3}) {
       std::set<std::pair<std::uint32_t, std::uint32_t>> found;
@@ -86,7 +76,7 @@ TEST(OverlapGraph, AFlippedLeafOpposesItsNeighboursAtTheSameWeight)
 {
   const auto cloud = pcl_slim_test::sceneCloud(Shape::kSphere, 5000, 0.0).withoutNormals();
   SLIMSurface surface = pcl_slim_test::fitted(cloud).surface;
-  const auto leaves = leavesOf(surface);
+  const auto leaves = surface.leaves();
   const auto before = overlapGraph(surface, leaves, 1);
   const std::uint32_t turned = leaves[leaves.size() / 2];
   surface.flip(turned);

@@ -155,41 +155,57 @@ SLIMFit<PointT>::prepareSearch(const typename PointCloud::ConstPtr& cloud)
 }
 
 template <typename PointT>
+pcl::IndicesPtr
+SLIMFit<PointT>::finiteSelection() const
+{
+  auto selected = std::make_shared<pcl::Indices>();
+  const std::size_t count = use_indices_ && indices_ ? indices_->size() : input_->size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto index = use_indices_ && indices_ ? (*indices_)[i] : static_cast<pcl::index_t>(i);
+    if (pcl::isFinite((*input_)[static_cast<std::size_t>(index)])) selected->push_back(index);
+  }
+  return selected;
+}
+
+template <typename PointT>
+bool
+SLIMFit<PointT>::findNormals(const pcl::IndicesPtr& selected, NormalCloud& normals)
+{
+  bool all_finite = true;
+  for (std::size_t i = 0; i < input_->size(); ++i) all_finite &= pcl::isFinite((*input_)[i]);
+  auto plain = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+  pcl::copyPointCloud(*input_, *plain);
+  plain->is_dense = all_finite;
+  pcl::search::Search<pcl::PointXYZ>::Ptr search;
+  if (!search_) {
+    search = makeSearch(plain);
+  } else {
+    typename PointCloud::ConstPtr cloud = input_;
+    if (!all_finite && input_->is_dense) {  // search objects believe is_dense
+      auto honest = std::make_shared<PointCloud>(*input_);
+      honest->is_dense = false;
+      cloud = honest;
+    }
+    if (!prepareSearch(cloud)) return false;
+    search = std::make_shared<PlainPointSearch<PointT>>(search_);
+  }
+  pclNormals(plain, selected, search, normal_neighbours_, params_, normals);
+  return true;
+}
+
+template <typename PointT>
 bool
 SLIMFit<PointT>::estimateNormals(std::vector<float>& estimated)
 {
   if (normal_neighbours_ < 3) {
     return fail(ErrorCode::kBadArgument, "a normal needs at least 3 neighbours; raise k");
   }
-  auto selected = std::make_shared<pcl::Indices>();
-  bool all_finite = true;
-  for (std::size_t i = 0; i < input_->size(); ++i) all_finite &= pcl::isFinite((*input_)[i]);
-  const std::size_t count = use_indices_ && indices_ ? indices_->size() : input_->size();
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto index = use_indices_ && indices_ ? (*indices_)[i] : static_cast<pcl::index_t>(i);
-    if (pcl::isFinite((*input_)[static_cast<std::size_t>(index)])) selected->push_back(index);
-  }
+  const pcl::IndicesPtr selected = finiteSelection();
   estimated.assign(3 * input_->size(), 0.0f);
   if (selected->empty()) return true;  // the fit says what is wrong
   NormalCloud normals;
   try {
-    auto plain = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
-    pcl::copyPointCloud(*input_, *plain);
-    plain->is_dense = all_finite;
-    pcl::search::Search<pcl::PointXYZ>::Ptr search;
-    typename PointCloud::ConstPtr cloud = input_;
-    if (!search_) {
-      search = makeSearch(plain);
-    } else {
-      if (!all_finite && input_->is_dense) {  // search objects trust is_dense
-        auto honest = std::make_shared<PointCloud>(*input_);
-        honest->is_dense = false;
-        cloud = honest;
-      }
-      if (!prepareSearch(cloud)) return false;
-      search = std::make_shared<PlainPointSearch<PointT>>(search_);
-    }
-    pclNormals(plain, selected, search, normal_neighbours_, params_, normals);
+    if (!findNormals(selected, normals)) return false;
   } catch (const std::exception& failure) {
     return fail(ErrorCode::kBadInput, std::string("PCL's normals: ") + failure.what());
   }

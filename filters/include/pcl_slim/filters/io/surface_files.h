@@ -11,10 +11,11 @@ namespace pcl_slim {
 
 /** \brief Writes a surface by extension (upper or lower case), seen under its name only when whole.
  *
- * .pcd   binary PCD, opens in pcl_viewer and CloudCompare; metadata in '#' lines
- * .ply   binary_little_endian, plain float properties; metadata in comment lines
- * .vtp   ParaView: vertex cells, "Normals", one array a field; metadata as field data
- * .slim  the compact form of slim/surface_io.h
+ * .pcd   binary PCD, for pcl_viewer; metadata in '#' lines
+ * .ply   binary_little_endian, plain float properties, for MeshLab and CloudCompare; metadata in
+ *        comment lines
+ * .vtp   for ParaView: vertex cells, "Normals", one array a field; metadata as field data
+ * .slim  the compact form of surface/surface_io.h
  *
  * Loading and saving again gives the same bytes in every format.
  */

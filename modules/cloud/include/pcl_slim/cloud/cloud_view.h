@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "pcl_slim/core/error.h"
+
 namespace pcl_slim {
 
 /** \brief Points owned by someone else, as strided arrays; nothing is copied.
@@ -31,6 +33,12 @@ struct CloudView {
   {
     return indices ? static_cast<std::size_t>(indices[i]) : i;
   }
+
+  /** \brief Why there is nothing to work on: no points, more than 2^32 - 2, or an index outside.
+   * O(indices). */
+  Error validate() const;
+  /** \brief What is said of a cloud whose points all are NaN or infinite. */
+  static Error nothingFinite();
 };
 
 }  // namespace pcl_slim

@@ -28,6 +28,13 @@ struct [[nodiscard]] Error {
   explicit operator bool() const { return code != ErrorCode::kOk; }
 };
 
+/** \brief An error of data that cannot be worked on. */
+inline Error
+badInput(std::string message)
+{
+  return {ErrorCode::kBadInput, std::move(message)};
+}
+
 /** \brief A value, or the error that kept it from being made. */
 template <typename T>
 class [[nodiscard]] Result {

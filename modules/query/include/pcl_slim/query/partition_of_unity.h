@@ -4,15 +4,16 @@
 #include <array>
 #include <memory>
 
+#include "pcl_slim/core/symmetric.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
 
-/** \brief Value, gradient and Hessian (xx xy xz yy yz zz) of a function at a point. */
+/** \brief Value, gradient and Hessian of a function at a point. */
 struct ImplicitJet {
   double value = 0;
   std::array<double, 3> gradient{};
-  std::array<double, 6> hessian{};
+  Symmetric3<double> hessian{};
 };
 
 /** \brief The same leaves blended in space: F = sum w_i f_i / sum w_i, with F's own derivatives.

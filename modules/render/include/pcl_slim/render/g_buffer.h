@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "pcl_slim/core/symmetric.h"
+
 namespace pcl_slim {
 
 /** \brief What a picture's rays met, one value per pixel and column, rows from the top.
@@ -23,7 +25,7 @@ struct GBuffer {
   std::vector<std::array<float, 3>> position;   ///< blended point q (eq. 6)
   std::vector<std::array<float, 3>> normal;     ///< unit (eq. 7)
   std::vector<std::array<float, 3>> gradient;   ///< blended gradient, not normalised
-  std::vector<std::array<float, 6>> hessian;    ///< blended xx yy zz xy xz yz (eq. 8, left)
+  std::vector<Symmetric3<float>> hessian;       ///< blended Hessian (eq. 8, left)
   std::vector<float> mean_curvature;            ///< 1/length, positive on a ball
   std::vector<float> gaussian_curvature;        ///< 1/length^2
   std::vector<std::array<float, 2>> principal;  ///< k_max >= k_min, 1/length

@@ -18,21 +18,21 @@ struct SplatSet {
   using Gradient = std::array<float, 9>;
 
   std::array<double, 3> origin{};
-  std::vector<float> x, y, z;       ///< centres, relative to origin
-  std::vector<float> nx, ny, nz;    ///< unit normals
-  std::vector<float> radius;        ///< 0 only where all points share one position
-  std::vector<std::uint32_t> rgb;   ///< 0xRRGGBB
-  std::vector<float> confidence;    ///< number of points behind the disc
-  std::vector<float> curvature;     ///< 1 - share of the normals' common line, in [0, 2/3]
-  std::vector<std::uint32_t> kept;  ///< input index of the point that stands for the cell
-  std::vector<Gradient> gradient;   ///< one per splat, or none at all
+  std::vector<float> x, y, z;          ///< centres, relative to origin
+  std::vector<float> nx, ny, nz;       ///< unit normals
+  std::vector<float> radius;           ///< 0 only where all points share one position
+  std::vector<std::uint32_t> rgb;      ///< 0xRRGGBB
+  std::vector<float> confidence;       ///< number of points behind the disc
+  std::vector<float> normal_variance;  ///< 1 - share of the normals' common line, in [0, 2/3]
+  std::vector<std::uint32_t> kept;     ///< input index of the point that stands for the cell
+  std::vector<Gradient> gradient;      ///< one per splat, or none at all
 
   std::size_t size() const { return x.size(); }
   bool empty() const { return x.empty(); }
 
   void resize(std::size_t count, bool with_gradient)
   {
-    for (auto* column : {&x, &y, &z, &nx, &ny, &nz, &radius, &confidence, &curvature}) {
+    for (auto* column : {&x, &y, &z, &nx, &ny, &nz, &radius, &confidence, &normal_variance}) {
       column->resize(count);
     }
     rgb.resize(count);

@@ -71,13 +71,15 @@ class SLIMSurface {
   int stride() const { return numCoefficients(info.degree); }
   bool isLeaf(std::size_t i) const { return (flags[i] & kSurfelLeaf) != 0; }
   std::size_t numLeaves() const;
+  /** \brief The leaves, ascending. */
+  std::vector<std::uint32_t> leaves() const;
   std::size_t numLevels() const;
   const float* coefficientsOf(std::size_t i) const { return coefficients.data() + i * stride(); }
 
-  /** \brief v / (v + e^2) with v = lambda L^2 + (r / 1000)^2: the inverse variance of surfel i as a share
-   * of the noise's, in [0, 1). A leaf that holds an edge or two sheets counts little beside one that
-   * fits; fits down to the noise count alike. */
-  float trust(std::size_t i) const;
+  /** \brief Inverse-variance weight of surfel i in a blend: v / (v + e^2) with
+   * v = lambda L^2 + (r / 1000)^2, in (0, 1]. A leaf that holds an edge or two sheets counts little
+   * beside one that fits; leaves that fit down to the noise count alike. */
+  float varianceWeight(std::size_t i) const;
 
   /** \brief Removes every surfel and link; keeps info. */
   void clear();

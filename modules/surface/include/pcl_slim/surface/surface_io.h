@@ -9,12 +9,14 @@
 
 namespace pcl_slim {
 
-/** \brief Writes the compact binary form: header, version, 7/12/16/21 floats a surfel, checksum.
+/** \brief Writes the compact binary form: header, version, checksum, and 7, 12, 16 or 21 floats a
+ * surfel of degree 1 to 4.
  *
- * The floats are those the paper counts: centre 3, radius 1, normal 2 and the 1/6/10/15
- * coefficients of the surfel's own degree (a plane whose frame is its own needs only its offset;
- * a linear surfel with another frame keeps all three). Beside them stand degree, level and flags (a byte
- * each), error and confidence (a float each); links are rebuilt on load. Little-endian. Normals
+ * The floats are those the paper counts: centre 3, radius 1, normal 2 and the 1, 6, 10 or 15
+ * coefficients of the surfel's own degree. A plane needs only its offset where the surfel's normal is
+ * its own, as every fit makes it; a linear surfel with another normal keeps three and so has 9. Beside
+ * them stand degree, level and flags (a byte each), error and confidence (a float each); links are
+ * rebuilt on load. Little-endian. Normals
  * that snapNormal made are kept exactly, others to 6.2e-7 rad. The file appears under its name
  * only when complete.
  */

@@ -13,6 +13,6 @@ namespace pcl_slim::detail {
  * their block, so edges and curvature of most of the surface matter little. O(1000 blocks).
  */
 float
-normalGate(const PointStore& store);
+normalBound(const PointStore& store);
 
 }  // namespace pcl_slim::detail

@@ -22,7 +22,7 @@ struct RaySurfel {
   double radius, inverse_radius;
   int degree;
   const float* coefficients;
-  double trust;  ///< factor of its weight in a blend
+  double variance_weight;  ///< factor of its weight in a blend
 
   RaySurfel(const SLIMSurface& surface, std::size_t i)
       : center{surface.cx[i], surface.cy[i], surface.cz[i]},
@@ -31,7 +31,7 @@ struct RaySurfel {
         inverse_radius(1.0 / radius),
         degree(surface.degree[i]),
         coefficients(surface.coefficientsOf(i)),
-        trust(surface.info.paper_mode ? 1.0 : surface.trust(i))
+        variance_weight(surface.info.paper_mode ? 1.0 : surface.varianceWeight(i))
   {
   }
 };

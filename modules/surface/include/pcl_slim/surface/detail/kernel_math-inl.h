@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Vector helpers of the slim kernels. Highway compiles a kernel file once per instruction set, so
+// Vector helpers of the kernels. Highway compiles a kernel file once per instruction set, so
 // the guard toggles instead of shutting later inclusions out.
 #if defined(PCL_SLIM_KERNEL_MATH_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PCL_SLIM_KERNEL_MATH_INL
@@ -36,6 +36,19 @@ HWY_INLINE void
 unrolled(const Body& body)
 {
   unrolledOver(body, std::make_integer_sequence<int, N>());
+}
+
+/** Calls body(constant D) for the degree D of a polynomial, 1 to 4. */
+template <typename Body>
+HWY_INLINE void
+forDegree(int degree, const Body& body)
+{
+  switch (degree) {
+    case 1: return body(std::integral_constant<int, 1>());
+    case 2: return body(std::integral_constant<int, 2>());
+    case 3: return body(std::integral_constant<int, 3>());
+    default: return body(std::integral_constant<int, 4>());
+  }
 }
 
 HWY_INLINE Vec

@@ -9,18 +9,18 @@
 
 namespace pcl_slim {
 
-/** \brief How checkCoverage() looks at splats. */
-struct CoverageParams {
+/** \brief How checkHoles() looks at splats. */
+struct HoleCheckParams {
   std::uint64_t rays = 100000;
   double tilt = 60.0;      ///< rays lean up to this far from the surface's normal [deg], in [0, 80]
-  double density = 3.0;    ///< see Coverage::sparse, > 0
-  double thickness = 0.4;  ///< see Coverage::rough, >= 0; infinite: cast everywhere
+  double density = 3.0;    ///< see HoleCheck::sparse, > 0
+  double thickness = 0.4;  ///< see HoleCheck::rough, >= 0; infinite: cast everywhere
   std::uint64_t seed = 1;
   int threads = 0;
 };
 
 /** \brief What rays through the surface met. */
-struct Coverage {
+struct HoleCheck {
   std::uint64_t rays = 0;    ///< cast, where the input is dense and smooth enough
   std::uint64_t missed = 0;  ///< of these, rays that met no disc
   /** Not cast: a side of the sample's triangle was longer than density times the mean distance
@@ -49,7 +49,7 @@ struct Coverage {
  * \return an error for parameters out of range or splats without points. O(rays log splats). The
  * same result for any number of threads.
  */
-Result<Coverage>
-checkCoverage(const PointStore& store, const SplatSet& splats, const CoverageParams& params = {});
+Result<HoleCheck>
+checkHoles(const PointStore& store, const SplatSet& splats, const HoleCheckParams& params = {});
 
 }  // namespace pcl_slim

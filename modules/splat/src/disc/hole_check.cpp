@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pcl_slim/splat/coverage_check.h"
+// The check of docs/color_octree_splat_sampler.md, "Radius": rays between the points.
+#include "pcl_slim/splat/hole_check.h"
 
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
@@ -9,10 +10,13 @@
 #include <limits>
 #include <vector>
 
+#include "disc/disc_tree.h"
 #include "pcl_slim/cloud/knn.h"
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim {
+
+using namespace detail;
 
 namespace {
 
@@ -46,66 +50,22 @@ class RayRandom {
   std::uint64_t state_;
 };
 
-/** Discs in the store's coordinates under a tree of boxes. */
-struct DiscTree {
-  std::vector<Vector3d> center, normal;
-  std::vector<double> radius;
-  BlockTree tree;
+struct Triangle {
+  Vector3d a, b, c;
 
-  DiscTree(const PointStore& store, const SplatSet& splats, double depth, double least_cosine)
-  {
-    const std::size_t n = splats.size();
-    center.resize(n);
-    normal.resize(n);
-    radius.resize(n);
-    BlockTree::Level boxes;
-    boxes.allocate(n);
-    Vector3d shift;
-    for (std::size_t a = 0; a < 3; ++a) {
-      shift[static_cast<Eigen::Index>(a)] = splats.origin[a] - store.origin()[a];
-    }
-    for (std::size_t i = 0; i < n; ++i) {
-      center[i] = (Vector3d(splats.x[i], splats.y[i], splats.z[i]) + shift) / store.scale();
-      normal[i] = Vector3d(splats.nx[i], splats.ny[i], splats.nz[i]);
-      radius[i] = splats.radius[i] / store.scale();
-      // A place whose ray, leaning with least_cosine, pierces the disc at most radius + depth above
-      // or below lies in this box.
-      const double reach = radius[i] + (radius[i] + depth) / least_cosine;
-      float* const low[3] = {&boxes.min_x[i], &boxes.min_y[i], &boxes.min_z[i]};
-      float* const high[3] = {&boxes.max_x[i], &boxes.max_y[i], &boxes.max_z[i]};
-      for (int a = 0; a < 3; ++a) {
-        *low[a] = static_cast<float>(center[i][a] - reach);
-        *high[a] = static_cast<float>(center[i][a] + reach);
-      }
-    }
-    tree = BlockTree(std::move(boxes));
-  }
+  double longestSide() const { return std::max({(a - b).norm(), (b - c).norm(), (c - a).norm()}); }
 
-  /** Discs that a ray meets. cosine: of its lean; depth: how far above or below the sheet beyond
-   * its radius a disc may be met. */
-  std::uint32_t count(const Vector3d& place, const Vector3d& direction, double cosine, double depth,
-                      std::vector<std::uint32_t>& near) const
+  /** A place inside, every one as likely. */
+  Vector3d randomPlace(RayRandom& random) const
   {
-    const float at[3] = {static_cast<float>(place[0]), static_cast<float>(place[1]),
-                         static_cast<float>(place[2])};
-    near.clear();
-    tree.blocksInBall(at, 1e-6f, near);
-    std::uint32_t met = 0;
-    for (const std::uint32_t i : near) {
-      const double slope = direction.dot(normal[i]);
-      if (std::abs(slope) < 1e-6) continue;
-      const Vector3d to_center = center[i] - place;
-      const double along = to_center.dot(normal[i]) / slope;
-      if (std::abs(along) * cosine > radius[i] + depth) continue;
-      met += (along * direction - to_center).squaredNorm() <= radius[i] * radius[i];
-    }
-    return met;
+    const double u = std::sqrt(random()), v = random();
+    return (1.0 - u) * a + u * (1.0 - v) * b + u * v * c;
   }
 };
 
 /** Cosine of the most that rays lean. */
 double
-leastCosine(const CoverageParams& params)
+leastCosine(const HoleCheckParams& params)
 {
   return std::cos(params.tilt * kPi / 180.0);
 }
@@ -113,7 +73,8 @@ leastCosine(const CoverageParams& params)
 /** One thread's way of casting rays. */
 class Caster {
  public:
-  Caster(const PointStore& store, const DiscTree& discs, const CoverageParams& params, double usual)
+  Caster(const PointStore& store, const DiscTree& discs, const HoleCheckParams& params,
+         double usual)
       : store_(store), discs_(discs), params_(params), usual_(usual), search_(store)
   {
   }
@@ -126,24 +87,20 @@ class Caster {
     search_.nearest(i, kSheet + 1, near_, distances_sq_);
     if (near_.size() < 3) return kSparse;
     const std::size_t others = std::min(kNeighbors, near_.size() - 1);
-    const auto choices = static_cast<double>(others);
-    const auto j = 1 + static_cast<std::size_t>(random() * choices);
-    const auto k = 1 + (j + static_cast<std::size_t>(random() * (choices - 1.0))) % others;
-    double spacing = 0;
-    for (std::size_t m = 1; m <= others; ++m) spacing += std::sqrt(distances_sq_[m]) / choices;
-    const Vector3d a = at(i), b = at(near_[j]), c = at(near_[k]);
-    const double side = std::max({(a - b).norm(), (b - c).norm(), (c - a).norm()});
-    if (side > params_.density * spacing || spacing > kUsual * usual_) return kSparse;
-    const double u = std::sqrt(random()), v = random();
+    const Triangle triangle = triangleAt(i, others, random);
+    const double spacing = meanDistance(others);
+    if (triangle.longestSide() > params_.density * spacing || spacing > kUsual * usual_) {
+      return kSparse;
+    }
+    const Vector3d place = triangle.randomPlace(random);
     Vector3d normal;
     if (!(thickness(normal) <= params_.thickness)) return kRough;
     const double turn = 2.0 * kPi * random();
     const double cosine = 1.0 - random() * (1.0 - leastCosine(params_));
-    const Vector3d direction = directionAt(normal, cosine, turn);
-    const Vector3d place = (1.0 - u) * a + u * (1.0 - v) * b + u * v * c;
-    return discs_.count(place, direction, cosine, kDepthSpacings * usual_, hits_);
+    return discs_.count(place, directionAt(normal, cosine, turn), cosine, hits_);
   }
 
+  /** Mean distance of a point to its neighbours; 0 where it has none. */
   double spacing(std::size_t i)
   {
     search_.nearest(i, kNeighbors + 1, near_, distances_sq_);
@@ -157,6 +114,25 @@ class Caster {
   {
     const auto p = store_.position(i);
     return {p[0], p[1], p[2]};
+  }
+
+  /** A point and two of its nearest others, which were found last. */
+  Triangle triangleAt(std::size_t i, std::size_t others, RayRandom& random) const
+  {
+    const auto choices = static_cast<double>(others);
+    const auto j = 1 + static_cast<std::size_t>(random() * choices);
+    const auto k = 1 + (j + static_cast<std::size_t>(random() * (choices - 1.0))) % others;
+    return {at(i), at(near_[j]), at(near_[k])};
+  }
+
+  /** Mean distance to the nearest of the points found last. */
+  double meanDistance(std::size_t others) const
+  {
+    double mean = 0;
+    for (std::size_t m = 1; m <= others; ++m) {
+      mean += std::sqrt(distances_sq_[m]) / static_cast<double>(others);
+    }
+    return mean;
   }
 
   /** Spread of the points found last across their plane over the lesser spread along it; not a
@@ -187,7 +163,7 @@ class Caster {
 
   const PointStore& store_;
   const DiscTree& discs_;
-  const CoverageParams& params_;
+  const HoleCheckParams& params_;
   double usual_;
   NeighborSearch search_;
   std::vector<std::uint32_t> near_, hits_;
@@ -195,7 +171,7 @@ class Caster {
 };
 
 double
-middleSpacing(const PointStore& store, const DiscTree& discs, const CoverageParams& params)
+middleSpacing(const PointStore& store, const DiscTree& discs, const HoleCheckParams& params)
 {
   Caster caster(store, discs, params, 0.0);
   const std::size_t samples = std::min(kSamples, store.size());
@@ -208,10 +184,28 @@ middleSpacing(const PointStore& store, const DiscTree& discs, const CoveragePara
   return *middle;
 }
 
+HoleCheck
+summed(const std::vector<std::uint32_t>& met)
+{
+  HoleCheck check;
+  std::uint64_t hits = 0;
+  for (const std::uint32_t count : met) {
+    if (count >= kRough) {
+      ++(count == kSparse ? check.sparse : check.rough);
+      continue;
+    }
+    ++check.rays;
+    check.missed += count == 0;
+    hits += count;
+  }
+  if (check.rays > 0) check.overlap = static_cast<double>(hits) / static_cast<double>(check.rays);
+  return check;
+}
+
 }  // namespace
 
-Result<Coverage>
-checkCoverage(const PointStore& store, const SplatSet& splats, const CoverageParams& params)
+Result<HoleCheck>
+checkHoles(const PointStore& store, const SplatSet& splats, const HoleCheckParams& params)
 {
   if (!(params.tilt >= 0.0 && params.tilt <= 80.0) || !(params.density > 0.0) ||
       !(params.thickness >= 0.0)) {
@@ -230,20 +224,7 @@ checkCoverage(const PointStore& store, const SplatSet& splats, const CoveragePar
   parallelFor(params.rays, threads, 256, [&](std::size_t ray, int thread) {
     met[ray] = casters[static_cast<std::size_t>(thread)].cast(ray);
   });
-  Coverage coverage;
-  std::uint64_t hits = 0;
-  for (const std::uint32_t count : met) {
-    if (count >= kRough) {
-      ++(count == kSparse ? coverage.sparse : coverage.rough);
-      continue;
-    }
-    ++coverage.rays;
-    coverage.missed += count == 0;
-    hits += count;
-  }
-  if (coverage.rays > 0)
-    coverage.overlap = static_cast<double>(hits) / static_cast<double>(coverage.rays);
-  return coverage;
+  return summed(met);
 }
 
 }  // namespace pcl_slim

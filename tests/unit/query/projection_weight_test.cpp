@@ -53,19 +53,19 @@ lift(const PointStore& store, const SLIMSurface& surface, bool paper)
   return projection.position[nearest][2] - store.position(nearest)[2];
 }
 
-class ProjectionTrust : public testing::Test {
+class ProjectionVarianceWeight : public testing::Test {
  protected:
   PointStore store_ = pcl_slim_test::storeOf(
       pcl_slim_test::heightField(4000, 5, [](double, double) { return 0.0; }));
 };
 
-TEST_F(ProjectionTrust, LeavesThatFitDownToTheNoiseCountAlike)
+TEST_F(ProjectionVarianceWeight, LeavesThatFitDownToTheNoiseCountAlike)
 {
   const double share = lift(store_, twoLeaves(store_, 0.02f, 0.02f, 0.02), false) / kOffset;
   EXPECT_NEAR(share, 0.49, 0.01);  // the second's root is a little farther from its centre
 }
 
-TEST_F(ProjectionTrust, ALeafThatDoesNotFitCountsByItsVariance)
+TEST_F(ProjectionVarianceWeight, ALeafThatDoesNotFitCountsByItsVariance)
 {
   const double noise = 0.004, good = 0.004, bad = 0.02;
   const double variance = noise * noise + std::pow(1e-3 * kRadius, 2);
@@ -76,7 +76,7 @@ TEST_F(ProjectionTrust, ALeafThatDoesNotFitCountsByItsVariance)
   EXPECT_NEAR(lift(store_, surface, true) / kOffset, 0.49, 0.01) << "as printed, it counts in full";
 }
 
-TEST_F(ProjectionTrust, ThePartitionOfUnityWeighsAlike)
+TEST_F(ProjectionVarianceWeight, ThePartitionOfUnityWeighsAlike)
 {
   const double noise = 0.004, good = 0.004, bad = 0.02;
   SLIMSurface surface = twoLeaves(store_, static_cast<float>(good), static_cast<float>(bad), noise);
@@ -94,7 +94,7 @@ TEST_F(ProjectionTrust, ThePartitionOfUnityWeighsAlike)
   EXPECT_NEAR(share(), 0.5, 1e-4);
 }
 
-TEST_F(ProjectionTrust, ExactFitsAreNotToldApartByRounding)
+TEST_F(ProjectionVarianceWeight, ExactFitsAreNotToldApartByRounding)
 {
   const double share = lift(store_, twoLeaves(store_, 0.02f, 0.02f, 0), false) / kOffset;
   EXPECT_NEAR(share, 0.49, 0.01);

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pcl_slim/splat/coverage_check.h"
+#include "pcl_slim/splat/hole_check.h"
 
 #include "painted_clouds.h"
 
 namespace pcl_slim {
 namespace {
 
-using pcl_slim_test::coverageOf;
-using pcl_slim_test::painted;
-using pcl_slim_test::PaintedCloud;
-using pcl_slim_test::sampled;
+using namespace pcl_slim_test;
 
 /** A flat square of side 1 with count points. */
 PaintedCloud
@@ -36,16 +33,16 @@ oneDisc(double x, double y, double radius)
   return s;
 }
 
-TEST(CoverageCheck, MeasuresTheAreaOfOneDisc)
+TEST(HoleCheck, MeasuresTheAreaOfOneDisc)
 {
   const PaintedCloud cloud = square(20000);
-  const Coverage half = coverageOf(cloud, oneDisc(0.5, 0.5, 0.4), 60000);
+  const HoleCheck half = holesSeen(cloud, oneDisc(0.5, 0.5, 0.4), 60000);
   EXPECT_NEAR(1.0 - half.holes(), 3.14159265 * 0.16, 0.01);
   EXPECT_NEAR(half.overlap, 3.14159265 * 0.16, 0.01);
-  EXPECT_EQ(coverageOf(cloud, oneDisc(0.5, 0.5, 2.0), 20000).missed, 0u);
+  EXPECT_EQ(holesSeen(cloud, oneDisc(0.5, 0.5, 2.0), 20000).missed, 0u);
 }
 
-TEST(CoverageCheck, SeesHolesBetweenDiscsThatHoldEveryPoint)
+TEST(HoleCheck, SeesHolesBetweenDiscsThatHoldEveryPoint)
 {
   // Each disc just reaches its cell's own points, so every point is held; between them is nothing.
   const PaintedCloud cloud = painted(20000);
@@ -54,28 +51,28 @@ TEST(CoverageCheck, SeesHolesBetweenDiscsThatHoldEveryPoint)
   SplatStatistics statistics;
   sampled(cloud, params, &statistics);
   for (float& r : splats.radius) r = std::max(1e-6f, r - static_cast<float>(statistics.spacing));
-  EXPECT_GT(coverageOf(cloud, splats, 20000).holes(), 0.01);
+  EXPECT_GT(holesSeen(cloud, splats, 20000).holes(), 0.01);
 }
 
-TEST(CoverageCheck, DiscsFarBelowTheSurfaceDoNotCount)
+TEST(HoleCheck, DiscsFarBelowTheSurfaceDoNotCount)
 {
   const PaintedCloud cloud = square(5000);
   SplatSet low = oneDisc(0.5, 0.5, 0.1);
   low.z[0] = -5.0f;
-  EXPECT_EQ(coverageOf(cloud, low, 5000).overlap, 0.0);
+  EXPECT_EQ(holesSeen(cloud, low, 5000).overlap, 0.0);
 }
 
-TEST(CoverageCheck, LeavesOutWhatIsTooSparseToTell)
+TEST(HoleCheck, LeavesOutWhatIsTooSparseToTell)
 {
   PaintedCloud cloud = square(5000);
   for (int i = 0; i < 200; ++i) cloud.add({5.0 + i, 3.0 * i, 0.0}, {0, 0, 1}, {9, 9, 9});
-  const Coverage coverage = coverageOf(cloud, oneDisc(0.5, 0.5, 2.0), 20000);
-  EXPECT_NEAR(static_cast<double>(coverage.sparse), 20000.0 * 200 / 5200, 200.0);
-  EXPECT_EQ(coverage.missed, 0u);
-  EXPECT_EQ(coverage.rays + coverage.sparse, 20000u);
+  const HoleCheck check = holesSeen(cloud, oneDisc(0.5, 0.5, 2.0), 20000);
+  EXPECT_NEAR(static_cast<double>(check.sparse), 20000.0 * 200 / 5200, 200.0);
+  EXPECT_EQ(check.missed, 0u);
+  EXPECT_EQ(check.rays + check.sparse, 20000u);
 }
 
-TEST(CoverageCheck, LeavesOutWhatIsNoSheet)
+TEST(HoleCheck, LeavesOutWhatIsNoSheet)
 {
   // Half the points fill a cube densely, where no normal exists; the others lie on the square.
   PaintedCloud cloud = square(5000);
@@ -84,13 +81,13 @@ TEST(CoverageCheck, LeavesOutWhatIsNoSheet)
   for (int i = 0; i < 5000; ++i) {
     cloud.add({3.0 + u(random), u(random), u(random)}, {0, 0, 1}, {9, 9, 9});
   }
-  const Coverage coverage = coverageOf(cloud, oneDisc(0.5, 0.5, 2.0), 20000);
-  EXPECT_NEAR(static_cast<double>(coverage.rough), 9700.0, 500.0);
-  EXPECT_EQ(coverage.rays + coverage.sparse + coverage.rough, 20000u);
-  EXPECT_LT(coverage.holes(), 0.05) << "what is left of the cube";
+  const HoleCheck check = holesSeen(cloud, oneDisc(0.5, 0.5, 2.0), 20000);
+  EXPECT_NEAR(static_cast<double>(check.rough), 9700.0, 500.0);
+  EXPECT_EQ(check.rays + check.sparse + check.rough, 20000u);
+  EXPECT_LT(check.holes(), 0.05) << "what is left of the cube";
 }
 
-TEST(CoverageCheck, IsTheSameForAnyNumberOfThreads)
+TEST(HoleCheck, IsTheSameForAnyNumberOfThreads)
 {
   const PaintedCloud cloud = painted(10000);
   SplatParams sampling;
@@ -98,32 +95,32 @@ TEST(CoverageCheck, IsTheSameForAnyNumberOfThreads)
   const SplatSet splats = sampled(cloud, sampling);
   const auto store = PointStore::build(cloud.view(), 1);
   ASSERT_TRUE(store);
-  CoverageParams params;
+  HoleCheckParams params;
   params.rays = 10000;
   params.threads = 1;
-  const auto one = checkCoverage(*store, splats, params);
+  const auto one = checkHoles(*store, splats, params);
   params.threads = 8;
-  const auto many = checkCoverage(*store, splats, params);
+  const auto many = checkHoles(*store, splats, params);
   ASSERT_TRUE(one && many);
   EXPECT_EQ(one->missed, many->missed);
   EXPECT_EQ(one->overlap, many->overlap);
 }
 
-TEST(CoverageCheck, BadInputIsAnError)
+TEST(HoleCheck, BadInputIsAnError)
 {
   const PaintedCloud cloud = square(100);
   const auto store = PointStore::build(cloud.view(), 1);
   ASSERT_TRUE(store);
-  EXPECT_FALSE(checkCoverage(*store, SplatSet()));
-  CoverageParams params;
+  EXPECT_FALSE(checkHoles(*store, SplatSet()));
+  HoleCheckParams params;
   params.tilt = 90.0;
-  EXPECT_FALSE(checkCoverage(*store, oneDisc(0, 0, 1), params));
+  EXPECT_FALSE(checkHoles(*store, oneDisc(0, 0, 1), params));
   params.tilt = 60.0;
   params.thickness = -0.1;
-  EXPECT_FALSE(checkCoverage(*store, oneDisc(0, 0, 1), params));
+  EXPECT_FALSE(checkHoles(*store, oneDisc(0, 0, 1), params));
   params.thickness = 0.4;
   params.tilt = std::nan("");
-  EXPECT_FALSE(checkCoverage(*store, oneDisc(0, 0, 1), params));
+  EXPECT_FALSE(checkHoles(*store, oneDisc(0, 0, 1), params));
 }
 
 }  // namespace

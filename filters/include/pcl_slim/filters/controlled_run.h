@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/core/progress.h"
+
+namespace pcl_slim {
+
+/** \brief A progress callback and a cancel flag; a copy takes the callback and has its own flag. */
+class RunControl {
+ public:
+  RunControl() = default;
+  RunControl(const RunControl& other) : callback(other.callback) {}
+  RunControl& operator=(const RunControl& other)
+  {
+    callback = other.callback;
+    return *this;
+  }
+
+  Progress::Callback callback;
+  Progress progress{[this](float fraction, const char* stage) {
+    if (callback) callback(fraction, stage);
+  }};
+};
+
+/** \brief What every class that works on PCL clouds has in common: progress, a way to stop it, and
+ * the reason why it failed. */
+class ControlledRun {
+ public:
+  /** \brief Called from the thread that runs with the share done and the stage's name. */
+  void setProgressCallback(Progress::Callback callback) { control_.callback = std::move(callback); }
+
+  /** \brief Stops the run from any thread or a signal handler; nothing if none runs. */
+  void cancel() { control_.progress.cancel(); }
+
+  /** \brief Why the last run failed, in one sentence; no error after a success. */
+  const Error& getError() const { return error_; }
+
+ protected:
+  ControlledRun() = default;
+  ~ControlledRun() = default;
+
+  /** \brief Forgets the last run. */
+  void clearResults();
+  /** \brief Records an error. \return false, as the run itself does. */
+  bool fail(ErrorCode code, const std::string& message);
+  /** \brief Records what body returns, that it was cancelled meanwhile, or what it threw.
+   * \param[in] work what body does, as in "the fit"; \param[in] remedy where memory does not
+   * suffice. \return whether all went well. */
+  bool guarded(const std::string& work, const std::string& remedy,
+               const std::function<Error()>& body);
+
+  RunControl control_;
+  Error error_;
+};
+
+}  // namespace pcl_slim

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/filters/controlled_run.h"
+
+#include <exception>
+#include <new>
+
+namespace pcl_slim {
+
+void
+ControlledRun::clearResults()
+{
+  error_ = {};
+  control_.progress.reset();
+}
+
+bool
+ControlledRun::fail(ErrorCode code, const std::string& message)
+{
+  error_ = {code, message};
+  return false;
+}
+
+bool
+ControlledRun::guarded(const std::string& work, const std::string& remedy,
+                       const std::function<Error()>& body)
+{
+  try {
+    error_ = body();
+    // Asked for after the last place where anyone looks: whoever cancels wants no result.
+    if (!error_ && control_.progress.cancelled()) {
+      fail(ErrorCode::kCancelled, work + " was cancelled");
+    }
+  } catch (const std::bad_alloc&) {
+    fail(ErrorCode::kBadInput, "not enough memory for this cloud; " + remedy);
+  } catch (const std::exception& failure) {
+    fail(ErrorCode::kBadInput, work + " stopped: " + failure.what());
+  }
+  return !error_;
+}
+
+}  // namespace pcl_slim

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl/point_types.h>
+
+// The point types that the classes are compiled for.
+// clang-format off
+#define PCL_SLIM_FOR_INPUT_TYPES(WITH) \
+  WITH(pcl::PointXYZ)                  \
+  WITH(pcl::PointXYZI)                 \
+  WITH(pcl::PointXYZRGB)               \
+  WITH(pcl::PointXYZRGBA)              \
+  WITH(pcl::PointNormal)               \
+  WITH(pcl::PointXYZINormal)           \
+  WITH(pcl::PointXYZRGBNormal)
+// clang-format on

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/pcd_header.h"
+
+#include <algorithm>
+#include <limits>
+#include <locale>
+#include <sstream>
+
+#include "io/scalar_type.h"
+
+namespace pcl_slim {
+
+namespace {
+
+bool
+parseCount(const std::string& word, std::size_t& value)
+{
+  std::uint64_t parsed = 0;
+  if (!parseScalar(word.data(), word.data() + word.size(), kUInt64,
+                   reinterpret_cast<std::uint8_t*>(&parsed))) {
+    return false;
+  }
+  value = static_cast<std::size_t>(parsed);
+  return true;
+}
+
+bool
+parseViewpoint(const std::vector<std::string>& words, PointFile& file)
+{
+  if (words.size() != 8) return false;
+  float v[7];
+  for (int i = 0; i < 7; ++i) {
+    const std::string& word = words[static_cast<std::size_t>(i) + 1];
+    if (!parseScalar(word.data(), word.data() + word.size(), kFloat32,
+                     reinterpret_cast<std::uint8_t*>(&v[i]))) {
+      return false;
+    }
+  }
+  file.sensor_origin = Eigen::Vector4f(v[0], v[1], v[2], 0.0f);
+  file.sensor_orientation = Eigen::Quaternionf(v[3], v[4], v[5], v[6]);
+  return true;
+}
+
+/** One header line that lists something for every field. */
+bool
+parseColumnLine(const std::vector<std::string>& words, PcdHeader& header)
+{
+  const std::string& key = words[0];
+  const std::size_t n = words.size() - 1;
+  if (key == "FIELDS" || key == "COLUMNS") {
+    header.columns.resize(n);
+    for (std::size_t i = 0; i < n; ++i) header.columns[i].name = words[i + 1];
+    return n > 0;
+  }
+  if (n != header.columns.size()) return false;
+  for (std::size_t i = 0; i < n; ++i) {
+    PcdColumn& column = header.columns[i];
+    const std::string& word = words[i + 1];
+    if (key == "TYPE") column.type = word[0];
+    if (key == "SIZE" && (!parseCount(word, column.size) || column.size > 8)) return false;
+    if (key == "COUNT" && (!parseCount(word, column.count) || column.count > 65536)) return false;
+  }
+  return true;
+}
+
+/** Reads one header line. false: it makes no sense. */
+bool
+parseHeaderLine(const std::string& line, PcdHeader& header, PointFile& file)
+{
+  if (!line.empty() && line[0] == '#') {
+    const std::size_t text = line.find_first_not_of("# \t");
+    const std::string comment = text == std::string::npos ? "" : line.substr(text);
+    if (comment.rfind(".PCD v", 0) != 0) file.comments.push_back(comment);  // the format's own line
+    return true;
+  }
+  const std::vector<std::string> words = splitWords(line);
+  if (words.empty() || words[0] == "VERSION") return true;
+  const std::string& key = words[0];
+  if (key == "VIEWPOINT") return parseViewpoint(words, file);
+  if (key == "FIELDS" || key == "COLUMNS" || key == "SIZE" || key == "TYPE" || key == "COUNT") {
+    return parseColumnLine(words, header);
+  }
+  if (words.size() != 2) return false;
+  if (key == "WIDTH") return header.has_width = parseCount(words[1], header.width);
+  if (key == "HEIGHT") return parseCount(words[1], header.height);
+  if (key == "POINTS") return header.has_points = parseCount(words[1], header.points);
+  if (key == "DATA") header.data = words[1];
+  return key == "DATA";
+}
+
+Error
+checkHeader(PcdHeader& header)
+{
+  if (header.columns.empty()) return badInput("the PCD header lists no FIELDS");
+  if (!header.has_width && !header.has_points) return badInput("the PCD header gives no WIDTH");
+  if (!header.has_width) header.width = header.points;
+  constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max() - 1;
+  if (header.width > kMost || header.height > kMost ||
+      (header.width != 0 && header.height > kMost / header.width)) {
+    return badInput("the PCD header announces more than 2^32 - 2 points");
+  }
+  if (header.has_points && header.points != header.width * header.height) {
+    return badInput("the PCD header contradicts itself: POINTS " + std::to_string(header.points) +
+                    " is not WIDTH times HEIGHT");
+  }
+  header.points = header.width * header.height;
+  for (const PcdColumn& column : header.columns) {
+    if (!column.isPadding() && scalarType(column) == 0) {
+      return badInput("the PCD field '" + column.name +
+                      "' has a TYPE and SIZE that do not go together");
+    }
+  }
+  return {};
+}
+
+char
+typeLetter(std::uint8_t type)
+{
+  if (type == kFloat32 || type == kFloat64) return 'F';
+  return type == kInt8 || type == kInt16 || type == kInt32 || type == kInt64 ? 'I' : 'U';
+}
+
+}  // namespace
+
+std::size_t
+PcdHeader::step() const
+{
+  std::size_t step = 0;
+  for (const PcdColumn& column : columns) step += column.bytes();
+  return step;
+}
+
+std::uint8_t
+scalarType(const PcdColumn& column)
+{
+  const std::size_t s = column.size;
+  if (column.type == 'F') return s == 4 ? kFloat32 : s == 8 ? kFloat64 : 0;
+  if (column.type == 'I') {
+    return s == 1 ? kInt8 : s == 2 ? kInt16 : s == 4 ? kInt32 : s == 8 ? kInt64 : 0;
+  }
+  if (column.type == 'U') {
+    return s == 1 ? kUInt8 : s == 2 ? kUInt16 : s == 4 ? kUInt32 : s == 8 ? kUInt64 : 0;
+  }
+  return 0;
+}
+
+Error
+parsePcdHeader(const std::vector<unsigned char>& bytes, PcdHeader& header, PointFile& file)
+{
+  TextScanner scanner(bytes.data(), bytes.size());
+  int line_number = 0;
+  for (std::string line; header.data.empty() && scanner.nextLine(line);) {
+    ++line_number;
+    if (!parseHeaderLine(line, header, file)) {
+      return badInput("line " + std::to_string(line_number) + " is not part of a PCD header");
+    }
+  }
+  if (header.data.empty()) return badInput("it has no complete PCD header; name a PCD file");
+  header.bytes = scanner.position();
+  return checkHeader(header);
+}
+
+void
+describeFields(const PcdHeader& header, pcl::PCLPointCloud2& cloud)
+{
+  for (const PcdColumn& column : header.columns) {
+    if (!column.isPadding()) addField(cloud, column.name, scalarType(column), column.count);
+  }
+  cloud.width = static_cast<pcl::uindex_t>(header.width);
+  cloud.height = static_cast<pcl::uindex_t>(header.height);
+  cloud.row_step = static_cast<pcl::uindex_t>(cloud.point_step * header.width);
+  cloud.is_bigendian = 0;
+}
+
+std::string
+formatPcdHeader(const PointFile& file)
+{
+  const pcl::PCLPointCloud2& cloud = file.cloud;
+  std::ostringstream names, sizes, types, counts, out;
+  out.imbue(std::locale::classic());
+  out.precision(9);
+  for (const pcl::PCLPointField& field : cloud.fields) {
+    names << ' ' << field.name;
+    sizes << ' ' << scalarSize(field.datatype);
+    types << ' ' << typeLetter(field.datatype);
+    counts << ' ' << std::max<std::size_t>(field.count, 1);
+  }
+  const auto& o = file.sensor_origin;
+  const auto& q = file.sensor_orientation;
+  out << "# .PCD v0.7 - Point Cloud Data file format\n";
+  for (const std::string& comment : file.comments) out << "# " << comment << '\n';
+  out << "VERSION 0.7\nFIELDS" << names.str() << "\nSIZE" << sizes.str() << "\nTYPE" << types.str()
+      << "\nCOUNT" << counts.str() << "\nWIDTH " << cloud.width << "\nHEIGHT " << cloud.height
+      << "\nVIEWPOINT " << o[0] << ' ' << o[1] << ' ' << o[2] << ' ' << q.w() << ' ' << q.x() << ' '
+      << q.y() << ' ' << q.z() << "\nPOINTS " << numPoints(cloud) << "\nDATA binary\n";
+  return out.str();
+}
+
+}  // namespace pcl_slim

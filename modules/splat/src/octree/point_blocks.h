@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <type_traits>
+#include <vector>
+
+#include "octree/octree_grid.h"
+#include "pcl_slim/splat/octree_cloud.h"
+#include "points/splat_kernels.h"
+
+namespace pcl_slim::detail {
+
+/** Positions of some finite points in root cells, and their indices. */
+struct PointBlock {
+  static constexpr std::size_t kSize = 256;
+
+  alignas(64) float x[kSize] = {}, y[kSize] = {}, z[kSize] = {};
+  alignas(64) std::uint32_t index[kSize] = {};
+  std::size_t count = 0;
+};
+
+/** A cloud's finite points in blocks. */
+template <typename T>
+class PointBlocks {
+ public:
+  /** first: finite points before each slice of octree_grid::kSlice points, and behind the last. */
+  PointBlocks(const octree_grid::Reader<T>& read, std::size_t points, const OctreeFrame& frame,
+              const std::vector<std::size_t>& first, int threads)
+      : read_(read), points_(points), frame_(frame), first_(first), threads_(threads)
+  {
+  }
+
+  /** Runs body(place, block) for all blocks. body returns how many places it filled; each slice of
+   * points has as many as it has finite points. \return where those filled end. */
+  template <typename Body>
+  std::vector<std::size_t> forEach(const Body& body) const
+  {
+    std::vector<std::size_t> ends(first_.size() - 1);
+    octree_grid::forEachSlice(points_, threads_,
+                              [&](std::size_t s, std::size_t begin, std::size_t end) {
+                                std::size_t place = first_[s];
+                                PointBlock block;
+                                for (; begin < end; begin += PointBlock::kSize) {
+                                  fill(begin, std::min(end, begin + PointBlock::kSize), block);
+                                  place += body(place, block);
+                                }
+                                ends[s] = place;
+                              });
+    return ends;
+  }
+
+ private:
+  void fill(std::size_t begin, std::size_t end, PointBlock& block) const
+  {
+    const bool all_finite = first_.back() == points_;
+    const bool whole = end - begin == PointBlock::kSize && end < points_;
+    if (all_finite && whole && fillWhole(begin, block)) return;
+    if (all_finite) {
+      fillEach<true>(begin, end, block);
+    } else {
+      fillEach<false>(begin, end, block);
+    }
+  }
+
+  /** For a whole block of finite points with others behind it: four floats at a time. \return false
+   * where their layout does not allow that. */
+  bool fillWhole(std::size_t begin, PointBlock& block) const
+  {
+    if (!std::is_same_v<T, float> || read_.indices || read_.stride < 4 * sizeof(float)) {
+      return false;
+    }
+    std::iota(block.index, block.index + PointBlock::kSize, static_cast<std::uint32_t>(begin));
+    splat_kernels::gatherVectors(read_.base, read_.stride, block.index, PointBlock::kSize, block.x,
+                                 block.y, block.z);
+    splat_kernels::toCells(frame_, block.x, block.y, block.z, PointBlock::kSize);
+    block.count = PointBlock::kSize;
+    return true;
+  }
+
+  template <bool kAllFinite>
+  void fillEach(std::size_t begin, std::size_t end, PointBlock& block) const
+  {
+    std::size_t k = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      T p[3];
+      read_(i, p);
+      if (!kAllFinite && !octree_grid::isFinite(p)) continue;
+      float q[3] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+      if constexpr (std::is_same_v<T, double>) frame_.position(p, q);
+      block.x[k] = q[0], block.y[k] = q[1], block.z[k] = q[2];
+      block.index[k++] = static_cast<std::uint32_t>(i);
+    }
+    block.count = k;
+    if constexpr (std::is_same_v<T, float>) {
+      splat_kernels::toCells(frame_, block.x, block.y, block.z, PointBlock::kSize);
+    }
+  }
+
+  const octree_grid::Reader<T>& read_;
+  std::size_t points_;
+  const OctreeFrame& frame_;
+  const std::vector<std::size_t>& first_;
+  int threads_;
+};
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "file/slim_header.h"
+
+#include <cmath>
+#include <cstring>
+#include <string>
+
+namespace pcl_slim::detail {
+
+namespace {
+
+// Like PNG's: catches files mangled as text, and is not valid text itself.
+constexpr unsigned char kMagic[8] = {0x89, 'S', 'L', 'I', 'M', '\r', '\n', 0x1a};
+constexpr std::uint32_t kVersion = 1;
+constexpr std::size_t kChecksumAt = 24;
+
+/** FNV-1a over everything but the checksum's own eight bytes: each step is a bijection of the
+ * state, so any single changed byte changes the result. */
+std::uint64_t
+checksum(const unsigned char* bytes, std::size_t size)
+{
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (std::size_t i = 0; i < size; ++i) {
+    if (i == kChecksumAt) i += sizeof(hash);
+    if (i >= size) break;
+    hash = (hash ^ bytes[i]) * 0x100000001b3u;
+  }
+  return hash;
+}
+
+bool
+plausible(const SurfaceInfo& info)
+{
+  const auto known = [](WeightKernel k) {
+    return k == WeightKernel::kPower2 || k == WeightKernel::kPower4 || k == WeightKernel::kPower7 ||
+           k == WeightKernel::kGaussian;
+  };
+  return info.degree >= 1 && info.degree <= kMaxDegree && known(info.fit_kernel) &&
+         known(info.blend_kernel) && std::isfinite(info.scale) && info.scale > 0.0 &&
+         std::isfinite(info.origin[0]) && std::isfinite(info.origin[1]) &&
+         std::isfinite(info.origin[2]);
+}
+
+}  // namespace
+
+void
+putSlimHeader(const SLIMSurface& surface, std::uint64_t payload, ByteWriter& out)
+{
+  const SurfaceInfo& info = surface.info;
+  out.bytes.insert(out.bytes.end(), kMagic, kMagic + sizeof(kMagic));
+  out.putUnsigned(kVersion);
+  out.putUnsigned(static_cast<std::uint32_t>(kSlimHeaderBytes));
+  out.putUnsigned(payload);
+  out.putUnsigned(std::uint64_t{0});  // the checksum, which is known at the end
+  out.putUnsigned(static_cast<std::uint64_t>(surface.size()));
+  out.putUnsigned(info.num_points);
+  out.putUnsigned(static_cast<std::uint8_t>(info.degree));
+  out.putUnsigned(static_cast<std::uint8_t>(info.fit_kernel));
+  out.putUnsigned(static_cast<std::uint8_t>(info.blend_kernel));
+  out.putUnsigned(static_cast<std::uint8_t>((info.oriented ? 1 : 0) | (info.paper_mode ? 2 : 0)));
+  out.putUnsigned(std::uint32_t{0});
+  for (const double value :
+       {info.origin[0], info.origin[1], info.origin[2], info.scale, info.diagonal, info.lambda,
+        info.penalty, info.t_mdl, info.cover_radius, info.cover_threshold}) {
+    out.putDouble(value);
+  }
+}
+
+void
+sealSlim(std::vector<unsigned char>& bytes)
+{
+  ByteWriter sum;
+  sum.putUnsigned(checksum(bytes.data(), bytes.size()));
+  std::memcpy(bytes.data() + kChecksumAt, sum.bytes.data(), sum.bytes.size());
+}
+
+Error
+checkSlimFrame(const unsigned char* bytes, std::size_t size)
+{
+  if (size < sizeof(kMagic) || std::memcmp(bytes, kMagic, sizeof(kMagic)) != 0) {
+    return badInput("not a .slim file: it starts otherwise; name a file written by saveSlim");
+  }
+  if (size < kSlimHeaderBytes)
+    return badInput("the .slim file is truncated inside its header; copy it again");
+  ByteReader in(bytes + sizeof(kMagic));
+  const auto version = in.getUnsigned<std::uint32_t>();
+  if (version > kVersion) {
+    return badInput("the .slim file has format version " + std::to_string(version) +
+                    ", newer than the " + std::to_string(kVersion) +
+                    " this program reads; use a newer pcl_slim");
+  }
+  const auto header_bytes = in.getUnsigned<std::uint32_t>();
+  const auto payload = in.getUnsigned<std::uint64_t>();
+  if (version == 0 || header_bytes != kSlimHeaderBytes) {
+    return badInput("the .slim file's header is corrupted; copy it again");
+  }
+  if (size - kSlimHeaderBytes != payload) {
+    const bool shorter = size - kSlimHeaderBytes < payload;
+    return badInput("the .slim file is " +
+                    std::string(shorter ? "truncated" : "followed by other data") + ": " +
+                    std::to_string(size - kSlimHeaderBytes) + " bytes of surfels where " +
+                    std::to_string(payload) + " are announced; copy it again");
+  }
+  if (in.getUnsigned<std::uint64_t>() != checksum(bytes, size)) {
+    return badInput("the .slim file is corrupted: its checksum does not match; copy it again");
+  }
+  return {};
+}
+
+Result<std::uint64_t>
+getSlimHeader(const unsigned char* bytes, SurfaceInfo& info)
+{
+  ByteReader in(bytes + kChecksumAt + sizeof(std::uint64_t));
+  const auto count = in.getUnsigned<std::uint64_t>();
+  info.num_points = in.getUnsigned<std::uint64_t>();
+  info.degree = in.getUnsigned<std::uint8_t>();
+  info.fit_kernel = static_cast<WeightKernel>(in.getUnsigned<std::uint8_t>());
+  info.blend_kernel = static_cast<WeightKernel>(in.getUnsigned<std::uint8_t>());
+  const auto switches = in.getUnsigned<std::uint8_t>();
+  info.oriented = (switches & 1) != 0;
+  info.paper_mode = (switches & 2) != 0;
+  in.getUnsigned<std::uint32_t>();
+  for (double* value :
+       {&info.origin[0], &info.origin[1], &info.origin[2], &info.scale, &info.diagonal,
+        &info.lambda, &info.penalty, &info.t_mdl, &info.cover_radius, &info.cover_threshold}) {
+    *value = in.getDouble();
+  }
+  if (!plausible(info)) return contradictorySlim();
+  return count;
+}
+
+Error
+contradictorySlim()
+{
+  return badInput("the .slim file's contents contradict each other; write it again");
+}
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# README.md shows what scripts/demo.sh prints last: cmake -DROOT=<checkout> -P readme_test.cmake
+file(READ ${ROOT}/README.md readme)
+file(STRINGS ${ROOT}/scripts/demo.sh lines REGEX "^echo \"[A-Z][a-z]+ +\\$")
+set(defects "")
+foreach(line IN LISTS lines)
+  string(REGEX REPLACE "^echo \"(.*)\"$" "\\1" shown "${line}")
+  string(REPLACE "$out" "demo_out" shown "${shown}")
+  string(REPLACE "$scan" "demo_out/scan.pcd" shown "${shown}")
+  string(FIND "${readme}" "\n${shown}\n" place)
+  if(place EQUAL -1)
+    string(APPEND defects "README.md does not show: ${shown}\n")
+  endif()
+endforeach()
+
+list(LENGTH lines count)
+if(defects OR count LESS 3)
+  message(FATAL_ERROR "${count} lines of scripts/demo.sh\n${defects}")
+endif()
+message(STATUS "README.md shows the ${count} lines that the demo ends with")
