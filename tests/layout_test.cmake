@@ -2,7 +2,8 @@
 # Rules of the house that a compiler does not check: cmake -DROOT=<checkout> -P layout_test.cmake
 #   every source starts with its licence; headers guard themselves; modules neither print nor know
 #   PCL or VTK, and include along the arrows core <- cloud, core <- surface,
-#   {cloud, surface} <- {fit, query}, cloud <- splat, {query, splat} <- render only.
+#   {cloud, surface} <- {fit, query}, cloud <- splat, {query, splat} <- render only; programs include
+#   and build nothing of benchmarks/.
 file(GLOB_RECURSE sources RELATIVE ${ROOT}
   ${ROOT}/modules/*.h ${ROOT}/modules/*.hpp ${ROOT}/modules/*.cpp
   ${ROOT}/filters/*.h ${ROOT}/filters/*.hpp ${ROOT}/filters/*.cpp
@@ -28,6 +29,9 @@ foreach(source IN LISTS sources)
       AND NOT text MATCHES "\n#pragma once\n")
     string(APPEND defects "${source}: has no #pragma once\n")
   endif()
+  if(source MATCHES "^apps/" AND text MATCHES "#include [<\"](claims|fit|splats)/")
+    string(APPEND defects "${source}: a program includes ${CMAKE_MATCH_1}/ of benchmarks/\n")
+  endif()
   if(source MATCHES "^modules/([a-z]+)/")
     set(module ${CMAKE_MATCH_1})
     if(text MATCHES "#include [<\"](pcl|vtk)[/A-Z]")
@@ -39,6 +43,15 @@ foreach(source IN LISTS sources)
     if(text MATCHES "#include <iostream>|[^a-z_]f?printf\\(|std::(cout|cerr|clog)")
       string(APPEND defects "${source}: a module prints\n")
     endif()
+  endif()
+endforeach()
+
+file(GLOB_RECURSE lists RELATIVE ${ROOT} ${ROOT}/apps/CMakeLists.txt)
+foreach(source IN LISTS lists)
+  file(READ ${ROOT}/${source} text)
+  string(REGEX REPLACE "#[^\n]*" "" text "${text}")
+  if(text MATCHES "benchmarks/|/benchmarks")
+    string(APPEND defects "${source}: builds something of benchmarks/\n")
   endif()
 endforeach()
 

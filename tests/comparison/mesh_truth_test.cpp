@@ -2,12 +2,12 @@
 // Distances to meshes against brute force and known shapes, and scans judged by one.
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <random>
 #include <string>
 
 #include "benchmark/mesh_surface.h"
+#include "support/temporary_folder.h"
 #include "sweep.h"
 
 namespace {
@@ -95,9 +95,6 @@ class MeshTruthFiles : public testing::Test {
  protected:
   void SetUp() override
   {
-    folder_ = std::filesystem::temp_directory_path() /
-              ("pcl_slim_mesh_" + std::to_string(reinterpret_cast<std::uintptr_t>(this)));
-    std::filesystem::create_directory(folder_);
     const char* head = "ply\nformat ascii 1.0\nelement vertex ";
     const char* xyz = "\nproperty double x\nproperty double y\nproperty double z\n";
     // Two triangles: the square [0, 4]^2 at z = 7, far from the origin.
@@ -108,11 +105,10 @@ class MeshTruthFiles : public testing::Test {
     std::ofstream(scan()) << head << 5 << xyz << "end_header\n"
                           << "500001 1 7.25\n500002 2 6.5\n500009 2 7\n500002 2 17\nnan 0 0\n";
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-  std::string mesh() const { return (folder_ / "mesh.ply").string(); }
-  std::string scan() const { return (folder_ / "scan.ply").string(); }
+  std::string mesh() const { return folder_ / "mesh.ply"; }
+  std::string scan() const { return folder_ / "scan.ply"; }
 
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(MeshTruthFiles, PointsCountThatLieByTheSurface)

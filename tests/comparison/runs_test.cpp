@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The comparison itself: both sides are measured by one honest rule, and odd input is refused.
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <string>
 
+#include "support/temporary_folder.h"
 #include "sweep.h"
 
 namespace {
@@ -81,17 +81,9 @@ TEST(ComparisonRuns, OddInputIsRefusedInOneSentence)
 
 class PointFiles : public testing::Test {
  protected:
-  void SetUp() override
-  {
-    folder_ = std::filesystem::temp_directory_path() /
-              ("pcl_slim_pairs_" + std::to_string(reinterpret_cast<std::uintptr_t>(this)));
-    std::filesystem::create_directory(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   std::string write(const std::string& name, const std::string& points, int count)
   {
-    const std::string path = (folder_ / name).string();
+    const std::string path = folder_ / name;
     std::ofstream(path) << "ply\nformat ascii 1.0\nelement vertex " << count
                         << "\nproperty double x\nproperty double y\nproperty double z\n"
                         << "end_header\n"
@@ -99,7 +91,7 @@ class PointFiles : public testing::Test {
     return path;
   }
 
-  std::filesystem::path folder_;
+  TemporaryFolder folder_;
 };
 
 TEST_F(PointFiles, TruthMustHaveAsManyPoints)
