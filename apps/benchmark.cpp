@@ -2,19 +2,14 @@
 // pcl_slim_benchmark: time against error, SLIM beside PCL's own classes.
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 
 #include "benchmark/chart.h"
 #include "benchmark/plan.h"
 #include "benchmark/tables.h"
-#include "claims/claims.h"
 #include "common/program.h"
 #include "common/progress_bar.h"
 #include "common/report.h"
 #include "measure/clocks.h"
-#include "measure/lists.h"
-#include "measure/scenes.h"
-#include "pcl_slim/core/file_access.h"
 
 namespace {
 
@@ -41,14 +36,6 @@ declareOptions(Settings& s)
   options.toggle("chart", &s.chart, "draw OUT_PREFIX.png; needs an X server, as xvfb-run -a gives");
   options.toggle("quiet", &s.quiet, "say nothing but errors");
   return options;
-}
-
-std::string
-commandLine(int argc, char** argv)
-{
-  std::string text = std::filesystem::path(argv[0]).filename().string();
-  for (int i = 1; i < argc; ++i) text += std::string(" ") + argv[i];
-  return text;
 }
 
 std::string
@@ -94,39 +81,6 @@ treatScene(const Settings& s, const Scene& scene, Console& console, std::vector<
   return {};
 }
 
-Error
-writeTables(const Settings& s, const std::string& csv, const std::string& markdown,
-            Console& console)
-{
-  Error error = writeFile(s.prefix + ".csv", csv.data(), csv.size());
-  if (!error) error = writeFile(s.prefix + ".md", markdown.data(), markdown.size());
-  if (!error) console.note("> Wrote " + s.prefix + ".csv and " + s.prefix + ".md");
-  return error;
-}
-
-int
-statusOf(const Error& error, int otherwise)
-{
-  return error.code == ErrorCode::kCancelled ? kExitInterrupted : otherwise;
-}
-
-int
-runClaims(const Settings& s, const OptionTable& options, const std::string& command)
-{
-  Console console(s.quiet);
-  std::vector<comparison::ClaimTable> tables;
-  for (const std::string& name : s.plan.claims()) {
-    const Result<comparison::ClaimTable> table = measureClaim(name, s.plan, console);
-    if (!table) {
-      return fail(options.program(), statusOf(table.error(), kExitFailed), table.error().message);
-    }
-    tables.push_back(*table);
-  }
-  const Error error = writeTables(
-      s, claimsCsv(tables), comparison::machineText(command) + claimsMarkdown(tables), console);
-  return error ? fail(options.program(), kExitFailed, error.message) : kExitDone;
-}
-
 int
 runSweeps(const Settings& s, const OptionTable& options, const std::string& command)
 {
@@ -137,11 +91,10 @@ runSweeps(const Settings& s, const OptionTable& options, const std::string& comm
     loaded = true;
     return treatScene(s, scene, console, scenes);
   });
-  if (error) {
-    return fail(options.program(), statusOf(error, loaded ? kExitFailed : kExitUsage),
-                error.message);
-  }
-  error = writeTables(s, csvText(scenes), markdownText(scenes, command), console);
+  if (error && !loaded) return fail(options.program(), kExitUsage, error.message);
+  if (error) return failWork(options.program(), error);
+  error =
+      comparison::writeTables(s.prefix, csvText(scenes), markdownText(scenes, command), console);
   if (error) return fail(options.program(), kExitFailed, error.message);
   if (!s.chart) return kExitDone;
   error = drawChart(scenes, s.prefix + ".png");
@@ -158,12 +111,10 @@ run(int argc, char** argv)
   if (Error error = s.plan.finishOptions(options)) {
     return fail(options.program(), kExitUsage, error.message);
   }
-  for (const char* extension : {".csv", ".md"}) {
-    const Error error = checkWritable(s.prefix + extension);
-    if (error) return fail(options.program(), kExitFailed, error.message);
+  if (const Error error = comparison::checkTables(s.prefix)) {
+    return fail(options.program(), kExitFailed, error.message);
   }
-  const std::string command = commandLine(argc, argv);
-  return s.plan.claims().empty() ? runSweeps(s, options, command) : runClaims(s, options, command);
+  return runSweeps(s, options, commandLine(argc, argv));
 }
 
 }  // namespace

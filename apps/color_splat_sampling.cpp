@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_color_splat_sampling: turns a coloured scan into discs that cover its surface.
 #include <cstdio>
+#include <memory>
 
-#include "common/fit_job.h"
-#include "common/program.h"
-#include "pcl_slim/core/file_access.h"
-#include "pcl_slim/core/parallel.h"
 #include "pcl_slim/filters/io/splat_conversion.h"
 #include "pcl_slim/splat/hole_check.h"
 #include "pcl_slim/splat/splat_sampling.h"
+#include "scan/scan_program.h"
 
 namespace {
 
@@ -17,11 +15,11 @@ using namespace pcl_slim;
 constexpr std::uint64_t kMany = 1000000000000000000u;
 
 struct Settings {
-  std::string input, output, json, color = "mean", radius = "density";
+  ScanFiles files;
+  std::string color = "mean", radius = "density";
   SplatParams params;
   FitJob scan;  ///< how the scan is loaded
   std::uint64_t min_points = 4, rays = 100000;
-  bool quiet = false;
 };
 
 OptionTable
@@ -30,8 +28,9 @@ declareOptions(Settings& s)
   OptionTable options("pcl_color_splat_sampling", PCL_SLIM_VERSION,
                       "Thins a coloured scan to discs that cover its surface without holes.");
   SplatParams& p = s.params;
-  options.positional("IN.pcd|.ply", &s.input, "the scan, with or without colours and normals");
-  options.positional("OUT.pcd|.ply", &s.output, "the splats: x y z, normal, rgba, radius");
+  options.positional("IN.pcd|.ply", &s.files.input,
+                     "the scan, with or without colours and normals");
+  options.positional("OUT.pcd|.ply", &s.files.output, "the splats: x y z, normal, rgba, radius");
   options.integer("initial", &p.initial_resolution, 0, RootGrid::kMaxResolution,
                   "cells of the initial grid along the longest side; 0: about 50 points a cell");
   options.number("geo", &p.geometric_error, 0, 1e6,
@@ -60,8 +59,7 @@ declareOptions(Settings& s)
   options.integer("rays", &s.rays, 0, 100000000, "rays that look for holes; 0: no check");
   options.integer("threads", &p.threads, 0, 4096,
                   "threads, 0: all cores; never changes the result");
-  options.text("json", &s.json, "FILE", "write a report");
-  options.toggle("quiet", &s.quiet, "say nothing but errors");
+  declareReport(options, s.files);
   options.exclusive({"max_splats", "target_error"});
   return options;
 }
@@ -75,52 +73,26 @@ finishSettings(Settings& s)
   if (s.color == "own") s.params.color = SplatColor::kOwn;
   if (s.radius == "neighbours") s.params.radius = RadiusRule::kNeighbors;
   if (s.radius == "corner") s.params.radius = RadiusRule::kCorner;
-  const std::string extension = lowerExtension(s.output);
-  if (extension != ".pcd" && extension != ".ply") {
-    return {ErrorCode::kBadArgument,
-            "cannot tell the format of '" + s.output + "'; name a .pcd or .ply file"};
-  }
-  if (samePlace(s.input, s.output) || samePlace(s.json, s.input) || samePlace(s.json, s.output)) {
-    return {ErrorCode::kBadArgument, "input, output and report share a file; name different ones"};
-  }
+  if (Error error = checkPointExtension(s.files.output)) return error;
+  if (Error error = checkFilesDiffer(s.files)) return error;
   return s.params.validate();
-}
-
-ColorView
-colorsOf(const CloudFile& cloud)
-{
-  const pcl::PCLPointCloud2& points = cloud.file.cloud;
-  for (const char* name : {"rgba", "rgb"}) {
-    const int i = findField(points, name);
-    if (i < 0) continue;
-    const pcl::PCLPointField& field = points.fields[static_cast<std::size_t>(i)];
-    const bool packed = field.datatype == pcl::PCLPointField::FLOAT32 ||
-                        field.datatype == pcl::PCLPointField::UINT32 ||
-                        field.datatype == pcl::PCLPointField::INT32;
-    if (packed) return {points.data.data() + field.offset, points.point_step};
-  }
-  return {};
 }
 
 void
 reportSplats(const SplatStatistics& st, bool has_colors, Report& report)
 {
-  auto& json = report.json();
-  json["splats"] = st.splats;
-  json["colors"] = has_colors;
-  json["normals_estimated"] = st.normals_estimated;
-  json["initial"] = st.resolution;
-  json["initial_cells"] = st.roots;
-  json["cell"] = st.cell;
-  json["spacing"] = st.spacing;
-  json["single_points"] = st.single_points;
-  json["color_noise"] = st.color_noise;
-  json["normal_noise"] = st.normal_noise;
-  if (st.tree_cells > 0) {
-    json["tree_cells"] = st.tree_cells;
-    json["mean_error"] = st.error;
-  }
-  json["skipped"] = {{"non_finite", st.non_finite}, {"without_normal", st.without_normal}};
+  report.add({{"splats", st.splats},
+              {"colors", has_colors},
+              {"normals_estimated", st.normals_estimated},
+              {"initial", st.resolution},
+              {"initial_cells", st.roots},
+              {"cell", st.cell},
+              {"spacing", st.spacing},
+              {"single_points", st.single_points},
+              {"color_noise", st.color_noise},
+              {"normal_noise", st.normal_noise}});
+  if (st.tree_cells > 0) report.add({{"tree_cells", st.tree_cells}, {"mean_error", st.error}});
+  report.json()["skipped"] = {{"non_finite", st.non_finite}, {"without_normal", st.without_normal}};
   report.time("order", st.seconds_order);
   report.time("normals", st.seconds_normals);
   report.time("divide", st.seconds_divide);
@@ -188,33 +160,19 @@ lookForHoles(const Settings& s, const CloudFile& cloud, const SplatSet& splats, 
   return {};
 }
 
-int
-run(int argc, char** argv)
+Error
+makeSplats(Settings& s, const CloudFile& cloud, Console& console, Report& report,
+           ScanResult& result)
 {
-  Settings s;
-  OptionTable options = declareOptions(s);
-  if (const auto status = options.parse(argc, argv)) return *status;
-  Error error = finishSettings(s);
-  if (error) return fail(options.program(), kExitUsage, error.message);
-  Console console(s.quiet);
-  Report report(options.program(), options.version(), s.input, resolveThreads(s.params.threads));
-  const Result<CloudFile> cloud = loadScan(s.input, s.scan, console, report);
-  if (!cloud) return fail(options.program(), kExitUsage, cloud.error().message);
-  error = checkOutputs(s.output, s.json);
-  if (error) return fail(options.program(), kExitFailed, error.message);
-
-  SplatSet splats;
-  error = sample(s, *cloud, console, report, splats);
-  if (!error && !console.interrupted()) error = lookForHoles(s, *cloud, splats, console, report);
-  if (console.interrupted())
-    return fail(options.program(), kExitInterrupted, "stopped; nothing is written");
-  if (!error) {
-    error = saveOutput(
-        s.output, s.json,
-        [&] { return savePointFile(s.output, toPointFile(splats, splatShift(splats))); },
-        std::to_string(splats.size()) + " splats", console, report);
-  }
-  return error ? fail(options.program(), kExitFailed, error.message) : kExitDone;
+  const auto splats = std::make_shared<SplatSet>();
+  if (Error error = sample(s, cloud, console, report, *splats)) return error;
+  if (console.interrupted()) return {};
+  if (Error error = lookForHoles(s, cloud, *splats, console, report)) return error;
+  result.save = [&s, splats] {
+    return savePointFile(s.files.output, toPointFile(*splats, splatShift(*splats)));
+  };
+  result.detail = std::to_string(splats->size()) + " splats";
+  return {};
 }
 
 }  // namespace
@@ -222,6 +180,10 @@ run(int argc, char** argv)
 int
 main(int argc, char** argv)
 {
-  return pcl_slim::guarded("pcl_color_splat_sampling", "use a smaller scan",
-                           [&] { return run(argc, argv); });
+  Settings s;
+  OptionTable options = declareOptions(s);
+  const ScanSteps steps = {[&] { return finishSettings(s); },
+                           {},
+                           [&](auto&... stage) { return makeSplats(s, stage...); }};
+  return runScanProgram(options, argc, argv, s.files, s.scan, s.params.threads, steps);
 }

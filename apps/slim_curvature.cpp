@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "common/cloud_fields.h"
-#include "common/projection_job.h"
 #include "pcl_slim/core/parallel.h"
+#include "scan/cloud_fields.h"
+#include "scan/projection_job.h"
 
 namespace {
 
@@ -78,14 +78,9 @@ main(int argc, char** argv)
 {
   ProjectionJob job;
   job.projection.directions = true;
-  bool directions = false;
-  OptionTable options("pcl_slim_curvature", PCL_SLIM_VERSION,
-                      "Adds the curvatures and normals of a scan's SLIM surface to its points.");
-  declareScans(options, job);
-  options.toggle("directions", &directions, "also write the unit tangents of k1 and k2");
-  declareProjectionOptions(options, job);
   return runProjectionProgram(
-      options, job, argc, argv, [&](const PointFile& file, const CloudProjection& projection) {
-        return withCurvatures(file, projection, directions, job.fit.params.threads);
-      });
+      {"pcl_slim_curvature", PCL_SLIM_VERSION,
+       "Adds the curvatures and normals of a scan's SLIM surface to its points.", "directions",
+       "also write the unit tangents of k1 and k2"},
+      job, argc, argv, withCurvatures);
 }

@@ -30,10 +30,10 @@ declareOptions(Settings& s)
 {
   OptionTable table("pcl_slim_render", PCL_SLIM_VERSION,
                     "Renders a SLIM surface (.pcd .ply .vtp .slim) or splats (.pcd .ply) into a "
-                    "PNG file; no X server needed.");
+                    "picture; no X server needed.");
   table.positional("IN.pcd|.ply|.vtp|.slim", &s.input,
                    "surface of pcl_slim_fit or splats of pcl_color_splat_sampling");
-  table.positional("OUT.png", &s.output, "picture");
+  table.positional("OUT.png|.ppm", &s.output, "picture");
   s.view.declareSize(table);
   table.choice("mode", &s.mode, {"auto", "shaded", "normal", "mean", "level", "size", "color"},
                "what the colours show; auto: shaded surfaces, splats in their colours");
@@ -78,6 +78,17 @@ shadingOf(const Settings& s, const Model& model)
   return params;
 }
 
+/** What a picture of either kind cost. */
+template <typename Counts>
+void
+reportCounts(const Counts& counts, nlohmann::ordered_json& json)
+{
+  json.update({{"covered_pixels", counts.covered_pixels},
+               {"rays_first", counts.rays_first},
+               {"rays_blend", counts.rays_blend},
+               {"tile_entries", counts.tile_entries}});
+}
+
 Result<Image>
 renderSurfaceModel(const Settings& s, const Model& model, const Camera& camera,
                    nlohmann::ordered_json& json, std::uint64_t& covered)
@@ -89,15 +100,13 @@ renderSurfaceModel(const Settings& s, const Model& model, const Camera& camera,
   params.threads = s.threads;
   RenderStatistics counts;
   auto image = renderPicture(model.surface, camera, params, shadingOf(s, model), &counts);
-  json["points"] = model.surface.info.num_points;
-  json["surfels"] = model.surface.size();
-  json["leaves"] = model.surface.numLeaves();
-  json["levels"] = model.surface.numLevels();
-  json["degree"] = model.surface.info.degree;
-  json["covered_pixels"] = covered = counts.covered_pixels;
-  json["rays_first"] = counts.rays_first;
-  json["rays_blend"] = counts.rays_blend;
-  json["tile_entries"] = counts.tile_entries;
+  covered = counts.covered_pixels;
+  json.update({{"points", model.surface.info.num_points},
+               {"surfels", model.surface.size()},
+               {"leaves", model.surface.numLeaves()},
+               {"levels", model.surface.numLevels()},
+               {"degree", model.surface.info.degree}});
+  reportCounts(counts, json);
   json["skipped"] = {{"outside_frustum", counts.outside_frustum},
                      {"back_facing", counts.back_facing},
                      {"occluded_entries", counts.occluded_entries}};
@@ -116,12 +125,9 @@ renderSplatModel(const Settings& s, const Model& model, const Camera& camera,
   params.threads = s.threads;
   DiscRenderStatistics counts;
   auto image = renderPicture(model.splats, camera, params, shadingOf(s, model), &counts);
-  json["splats"] = model.splats.size();
-  json["gradient"] = !model.splats.gradient.empty();
-  json["covered_pixels"] = covered = counts.covered_pixels;
-  json["rays_first"] = counts.rays_first;
-  json["rays_blend"] = counts.rays_blend;
-  json["tile_entries"] = counts.tile_entries;
+  covered = counts.covered_pixels;
+  json.update({{"splats", model.splats.size()}, {"gradient", !model.splats.gradient.empty()}});
+  reportCounts(counts, json);
   json["overlap"] =
       covered > 0 ? static_cast<double>(counts.blended) / static_cast<double>(covered) : 0.0;
   json["skipped"] = {{"unusable", model.skipped},
@@ -173,7 +179,7 @@ run(const Settings& s)
 
   console.begin("Saving " + s.output);
   const Stopwatch save_time;
-  if (Error error = savePng(s.output, *image)) return fail(console, kExitFailed, error);
+  if (Error error = saveImage(s.output, *image)) return fail(console, kExitFailed, error);
   report.time("save", save_time.seconds());
   console.done(save_time.seconds(), s.view.size_text + " pixels");
   report.json()["camera"] = {
@@ -192,9 +198,7 @@ main(int argc, char** argv)
   OptionTable table = declareOptions(settings);
   if (const auto status = table.parse(argc, argv)) return *status;
   Error error = settings.view.parse();
-  if (!error && lowerExtension(settings.output) != ".png") {
-    error = {ErrorCode::kBadArgument, "the picture '" + settings.output + "' must be named .png"};
-  }
+  if (!error) error = checkImageExtension(settings.output);
   if (error) {
     std::fprintf(stderr, "pcl_slim_render: %s\n", error.message.c_str());
     return kExitUsage;

@@ -3,9 +3,9 @@
 #include <limits>
 #include <vector>
 
-#include "common/cloud_fields.h"
-#include "common/projection_job.h"
 #include "pcl_slim/core/parallel.h"
+#include "scan/cloud_fields.h"
+#include "scan/projection_job.h"
 
 namespace {
 
@@ -67,14 +67,9 @@ int
 main(int argc, char** argv)
 {
   ProjectionJob job;
-  bool normals = false;
-  OptionTable options("pcl_slim_smooth", PCL_SLIM_VERSION,
-                      "Smooths a scan: moves its points onto the SLIM surface fitted to it.");
-  declareScans(options, job);
-  options.toggle("normals", &normals, "also write the surface's normals and mean curvature");
-  declareProjectionOptions(options, job);
-  return runProjectionProgram(options, job, argc, argv,
-                              [&](const PointFile& file, const CloudProjection& projection) {
-                                return smoothed(file, projection, normals, job.fit.params.threads);
-                              });
+  return runProjectionProgram(
+      {"pcl_slim_smooth", PCL_SLIM_VERSION,
+       "Smooths a scan: moves its points onto the SLIM surface fitted to it.", "normals",
+       "also write the surface's normals and mean curvature"},
+      job, argc, argv, smoothed);
 }

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # What is built. A project that pulls this one in by add_subdirectory gets the libraries only.
-option(PCL_SLIM_BUILD_FILTERS "Build the classes that take PCL clouds (needs PCL and VTK's IOXML)" ON)
+option(PCL_SLIM_BUILD_FILTERS "Build the classes that take PCL clouds (needs PCL)" ON)
 option(PCL_SLIM_BUILD_APPS "Build the programs" ${PROJECT_IS_TOP_LEVEL})
 option(PCL_SLIM_BUILD_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
 option(PCL_SLIM_BUILD_EXAMPLES "Build the examples" OFF)
 option(PCL_SLIM_BUILD_BENCHMARKS "Build the benchmarks (needs nanoflann)" OFF)
+option(PCL_SLIM_WITH_PNG "Read and write .png pictures (needs libpng)" ON)
+option(PCL_SLIM_WITH_VTP "Read and write .vtp surfaces (needs VTK's IOXML)" ON)
 option(PCL_SLIM_INSTALL "Make install rules" ${PROJECT_IS_TOP_LEVEL})
 option(PCL_SLIM_WARNINGS_AS_ERRORS "Stop at compiler warnings (continuous integration)" OFF)
 set(PCL_SLIM_SANITIZE "" CACHE STRING

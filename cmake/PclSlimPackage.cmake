@@ -9,6 +9,12 @@ function(pcl_slim_install_package)
   if(BUILD_SHARED_LIBS)
     set(PCL_SLIM_STATIC FALSE)
   endif()
+  foreach(part PNG VTP)
+    set(PCL_SLIM_USES_${part} FALSE)
+    if(PCL_SLIM_WITH_${part})
+      set(PCL_SLIM_USES_${part} TRUE)
+    endif()
+  endforeach()
   set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/pcl_slim)
   configure_package_config_file(
     ${PROJECT_SOURCE_DIR}/cmake/pcl_slim-config.cmake.in
@@ -21,6 +27,7 @@ function(pcl_slim_install_package)
     ${PROJECT_BINARY_DIR}/pcl_slim-config.cmake
     ${PROJECT_BINARY_DIR}/pcl_slim-config-version.cmake
     ${PROJECT_SOURCE_DIR}/cmake/FindHWY.cmake
+    ${PROJECT_SOURCE_DIR}/cmake/PclSlimPCL.cmake
     DESTINATION ${package_dir} COMPONENT development)
   install(FILES ${PROJECT_SOURCE_DIR}/package.xml
     DESTINATION ${CMAKE_INSTALL_DATADIR}/pcl_slim COMPONENT development)

@@ -16,16 +16,20 @@ function(pcl_slim_set_defaults target)
       $<$<BOOL:${PCL_SLIM_WARNINGS_AS_ERRORS}>:-Werror>>)
 endfunction()
 
-# pcl_slim_add_library(name [PUBLIC lib...] [PRIVATE lib...] [BUILD_ONLY lib...])
+# pcl_slim_add_library(name [PUBLIC lib...] [PRIVATE lib...] [BUILD_ONLY lib...] [WITHOUT file...])
 #
 # Adds pcl_slim::<name> (target pcl_slim_lib_<name>, as programs have the plain names; the file is
 # libpcl_slim_<name>) from src/*.cpp and include/ below the current folder, and installs it as a
 # component of the package. BUILD_ONLY is for header-only libraries that only our own sources
-# include: whoever uses the installed package does not need them.
+# include: whoever uses the installed package does not need them. WITHOUT names sources to leave out,
+# relative to src/: of two that answer for an optional library, the one that is not wanted.
 function(pcl_slim_add_library name)
-  cmake_parse_arguments(arg "" "" "PUBLIC;PRIVATE;BUILD_ONLY" ${ARGN})
+  cmake_parse_arguments(arg "" "" "PUBLIC;PRIVATE;BUILD_ONLY;WITHOUT" ${ARGN})
   set(target pcl_slim_lib_${name})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/*.cpp)
+  foreach(source IN LISTS arg_WITHOUT)
+    list(REMOVE_ITEM sources ${CMAKE_CURRENT_SOURCE_DIR}/src/${source})
+  endforeach()
   set(includes
     $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)

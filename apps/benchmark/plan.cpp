@@ -3,36 +3,12 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <sstream>
 
-#include "claims/claims.h"
-#include "measure/clocks.h"
 #include "measure/lists.h"
-#include "measure/scenes.h"
-#include "pcl_slim/core/file_access.h"
 
 namespace pcl_slim::comparison {
 
 namespace {
-
-/** Words separated by commas, each one of those known. */
-Error
-parseWords(const std::string& option, const std::string& text,
-           const std::vector<std::string>& known, std::vector<std::string>& words)
-{
-  std::string remedy;
-  for (const std::string& word : known) remedy += (remedy.empty() ? "" : ", ") + word;
-  std::stringstream stream(text);
-  for (std::string word; std::getline(stream, word, ',');) {
-    if (std::count(known.begin(), known.end(), word) == 0) {
-      return {ErrorCode::kBadArgument,
-              "option -" + option + " got '" + word + "'; give some of " + remedy};
-    }
-    words.push_back(word);
-  }
-  if (!words.empty()) return {};
-  return {ErrorCode::kBadArgument, "option -" + option + " is empty; give some of " + remedy};
-}
 
 /** Repeats the settings from begin on, sharp ones left out, with a switch turned on. */
 void
@@ -53,39 +29,26 @@ repeatWith(bool Setting::*on, std::size_t begin, std::vector<Setting>& settings)
 void
 Plan::declareOptions(OptionTable& options)
 {
-  options.text("shapes", &shapes_, "NAME,...",
-               "exact surfaces: sphere, torus, bumpy, relief, cube");
-  options.text("noises", &noises_, "S,...", "noise, as a share of the box diagonal");
-  options.text("points", &points_, "N,...", "sizes of the clouds");
+  lists_.declareScenes(options);
   options.text("input", &input_, "FILE", "a noisy scan in place of exact surfaces; needs -truth");
   options.text("truth", &truth_, "FILE",
                "the scan's true points, in the same order, or a mesh of its true surface");
   options.text("pairs", &pairs_, "FOLDER",
                "every NAME_noisy.ply and NAME_original.ply of a folder in place of exact surfaces");
-  options.text("claims", &claims_, "NAME,...",
-               "tables of claims in place of sweeps: rims, normals, zones, sheets, moves, peers, "
-               "default");
-  options.text("scans", &scans_, "FOLDER", "claim moves: every .pcd and .ply of a folder");
   options.text("methods", &methods_, "NAME,...",
                "slim, mls (pcl::MovingLeastSquares), normals (pcl::NormalEstimationOMP)");
   options.choice("normals", &normals_, {"0", "1", "both"}, "SLIM: normals given");
-  options.text("degrees", &degrees_, "D,...", "SLIM: degrees of the polynomials");
-  options.text("kappas", &kappas_, "K,...", "SLIM: penalties; 0: the default one");
-  options.text("t_mdls", &t_mdls_, "T,...",
-               "SLIM: the paper's T_MDL in place of a penalty; 0: none");
+  lists_.declareSlim(options);
   options.toggle("sharp", &sharp_, "SLIM: also keeping sharp edges, where normals are given");
   options.toggle("normals_as_data", &data_,
                  "SLIM: also each without T, given normals fitted as data beside the points");
   options.toggle("robust", &robust_, "SLIM: also each, reweighted against outliers");
   options.toggle("compact", &compact_, "SLIM: also every setting but sharp with -compact 1");
-  options.text("mls_orders", &orders_, "D,...", "MLS: orders of the polynomial");
-  options.text("mls_neighbours", &neighbours_, "K,...",
-               "MLS: mean numbers of points in the search radius");
+  lists_.declareMls(options);
   options.text("normal_neighbours", &normal_neighbours_, "K,...", "normals: numbers of neighbours");
-  options.integer("threads", &threads_, 1, 4096, "threads, of each method");
+  lists_.declareThreads(options);
   options.integer("repeats", &repeats_, 1, 1000,
                   "runs of each setting that takes no more than 2 s; times are medians");
-  for (const char* name : {"input", "pairs"}) options.exclusive({"claims", name});
   options.exclusive({"input", "pairs"});
 }
 
@@ -118,43 +81,14 @@ Plan::finishFiles()
 }
 
 Error
-Plan::finishClaims(const OptionTable& options)
-{
-  if (claims_.empty()) {
-    if (scans_.empty()) return {};
-    return {ErrorCode::kBadArgument, "-scans is for -claims moves; give both or neither"};
-  }
-  if (Error error = parseWords("claims", claims_, claimNames(), claim_list_)) return error;
-  const bool moves = std::count(claim_list_.begin(), claim_list_.end(), "moves") > 0;
-  if (moves != options.given("scans")) {
-    return {ErrorCode::kBadArgument, "claim moves and -scans belong together; give both"};
-  }
-  std::error_code code;
-  for (const auto& entry : std::filesystem::directory_iterator(scans_, code)) {
-    const std::string extension = lowerExtension(entry.path().string());
-    if (extension == ".pcd" || extension == ".ply") scan_list_.push_back(entry.path().string());
-  }
-  std::sort(scan_list_.begin(), scan_list_.end());
-  if (!moves || !scan_list_.empty()) return {};
-  return {ErrorCode::kBadInput, "'" + scans_ + "' has no .pcd or .ply; name another folder"};
-}
-
-Error
 Plan::finishOptions(const OptionTable& options)
 {
-  if (Error error = parseWords("shapes", shapes_, shapeNames(), shape_list_)) return error;
+  if (Error error = lists_.finish()) return error;
   if (Error error = parseWords("methods", methods_, {"slim", "mls", "normals"}, method_list_)) {
     return error;
   }
   if (Error error = measure::parseLists(
-          {{"noises", &noises_, 0, 1, false, &noise_list_},
-           {"points", &points_, 100, 4e9, true, &point_list_},
-           {"degrees", &degrees_, 1, 4, true, &degree_list_},
-           {"kappas", &kappas_, 0, 1e6, false, &kappa_list_},
-           {"t_mdls", &t_mdls_, 0, 1e3, false, &t_mdl_list_},
-           {"mls_orders", &orders_, 1, 6, true, &order_list_},
-           {"mls_neighbours", &neighbours_, 3, 1e6, true, &neighbour_list_},
-           {"normal_neighbours", &normal_neighbours_, 3, 1e6, true, &normal_neighbour_list_}})) {
+          {{"normal_neighbours", &normal_neighbours_, 3, 1e6, true, &normal_neighbour_list_}})) {
     return error;
   }
   const bool files = options.given("input") || options.given("truth") || options.given("pairs");
@@ -163,14 +97,7 @@ Plan::finishOptions(const OptionTable& options)
     return {ErrorCode::kBadArgument,
             "-" + std::string(name) + " is for exact surfaces; leave it out with files"};
   }
-  if (Error error = finishClaims(options)) return error;
   return finishFiles();
-}
-
-std::vector<std::size_t>
-Plan::pointCounts() const
-{
-  return {point_list_.begin(), point_list_.end()};
 }
 
 Error
@@ -181,17 +108,7 @@ Plan::forEachScene(const std::function<Error(const Scene&)>& treat) const
     if (!scene) return scene.error();
     if (Error error = treat(*scene)) return error;
   }
-  if (!files_.empty()) return {};
-  for (const double points : point_list_) {
-    for (const std::string& shape : shape_list_) {
-      for (const double noise : noise_list_) {
-        const Result<Scene> scene = makeScene(shape, static_cast<std::size_t>(points), noise);
-        if (!scene) return scene.error();
-        if (Error error = treat(*scene)) return error;
-      }
-    }
-  }
-  return {};
+  return files_.empty() ? lists_.forEachScene(treat) : Error();
 }
 
 void
@@ -200,7 +117,7 @@ Plan::addSlim(const Scene& scene, std::vector<Setting>& settings) const
   for (const bool normals : {false, true}) {
     if (normals_ == (normals ? "0" : "1") || (normals && scene.normals.empty())) continue;
     Setting s;
-    s.threads = threads_;
+    s.threads = lists_.threads();
     s.normals = normals;
     const std::size_t begin = settings.size();
     settings.push_back(s);
@@ -209,40 +126,15 @@ Plan::addSlim(const Scene& scene, std::vector<Setting>& settings) const
       settings.push_back(s);
       s.sharp = false;
     }
-    for (const double degree : degree_list_) {
+    for (const double degree : lists_.degrees()) {
       s.degree = static_cast<int>(degree);
-      s.t_mdl = 0;
-      for (const double kappa : kappa_list_) {
-        s.penalty = kappa;
-        settings.push_back(s);
-      }
-      s.penalty = 0;
-      for (const double t : t_mdl_list_) {
-        s.t_mdl = t;
-        if (t > 0) settings.push_back(s);
-      }
+      const std::vector<Setting> sweep = lists_.penaltySweep(s);
+      settings.insert(settings.end(), sweep.begin(), sweep.end());
     }
     if (data_) repeatWith(&Setting::data, begin, settings);
     if (robust_) repeatWith(&Setting::robust, begin, settings);
     if (compact_) repeatWith(&Setting::compact, begin, settings);
   }
-}
-
-std::vector<Setting>
-Plan::mlsSettings() const
-{
-  std::vector<Setting> settings;
-  Setting s;
-  s.threads = threads_;
-  s.method = Method::kMls;
-  for (const double order : order_list_) {
-    for (const double neighbours : neighbour_list_) {
-      s.degree = static_cast<int>(order);
-      s.neighbours = static_cast<int>(neighbours);
-      settings.push_back(s);
-    }
-  }
-  return settings;
 }
 
 std::vector<Setting>
@@ -254,11 +146,11 @@ Plan::settingsFor(const Scene& scene) const
   };
   if (asked("slim")) addSlim(scene, settings);
   if (asked("mls")) {
-    const std::vector<Setting> mls = mlsSettings();
+    const std::vector<Setting> mls = lists_.mlsSettings();
     settings.insert(settings.end(), mls.begin(), mls.end());
   }
   Setting s;
-  s.threads = threads_;
+  s.threads = lists_.threads();
   s.method = Method::kNormals;
   for (const double neighbours : normal_neighbour_list_) {
     s.neighbours = static_cast<int>(neighbours);

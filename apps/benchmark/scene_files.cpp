@@ -8,7 +8,7 @@
 #include "benchmark/mesh_surface.h"
 #include "benchmark/scene.h"
 #include "benchmark/scene_points.h"
-#include "common/cloud_file.h"
+#include "scan/cloud_file.h"
 
 namespace pcl_slim::comparison {
 

@@ -7,6 +7,8 @@
 #include <fstream>
 #include <thread>
 
+#include "pcl_slim/core/file_access.h"
+
 namespace pcl_slim::comparison {
 
 namespace {
@@ -205,6 +207,25 @@ markdownText(const std::vector<SceneRuns>& scenes, const std::string& command)
   std::string text = "# SLIM beside PCL\n\n" + machineText(command) + ratioTable(scenes);
   for (const SceneRuns& scene : scenes) text += bestTable(scene);
   return text;
+}
+
+Error
+checkTables(const std::string& prefix)
+{
+  for (const char* extension : {".csv", ".md"}) {
+    if (Error error = checkWritable(prefix + extension)) return error;
+  }
+  return {};
+}
+
+Error
+writeTables(const std::string& prefix, const std::string& csv, const std::string& markdown,
+            Console& console)
+{
+  Error error = writeFile(prefix + ".csv", csv.data(), csv.size());
+  if (!error) error = writeFile(prefix + ".md", markdown.data(), markdown.size());
+  if (!error) console.note("> Wrote " + prefix + ".csv and " + prefix + ".md");
+  return error;
 }
 
 }  // namespace pcl_slim::comparison

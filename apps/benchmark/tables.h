@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "benchmark/runs.h"
+#include "common/progress_bar.h"
 
 namespace pcl_slim::comparison {
 
@@ -46,5 +47,14 @@ machineText(const std::string& command);
  * \param[in] command line that gave them. */
 std::string
 markdownText(const std::vector<SceneRuns>& scenes, const std::string& command);
+
+/** \brief Whether PREFIX.csv and PREFIX.md can be written; says why not. */
+Error
+checkTables(const std::string& prefix);
+
+/** \brief Writes PREFIX.csv and PREFIX.md, and says so. */
+Error
+writeTables(const std::string& prefix, const std::string& csv, const std::string& markdown,
+            Console& console);
 
 }  // namespace pcl_slim::comparison

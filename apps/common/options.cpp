@@ -1,38 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// What options there are, and what is said of them: help, documentation, and the option that an
+// unknown one resembles.
 #include "common/options.h"
 
 #include <algorithm>
-#include <charconv>
-#include <cmath>
-#include <cstdio>
 #include <numeric>
+
+#include "common/number_text.h"
 
 namespace pcl_slim {
 
 namespace {
-
-std::string
-shortNumber(double value)
-{
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.6g", value);
-  return text;
-}
-
-template <typename T>
-bool
-parseWhole(const std::string& text, T& value)
-{
-  const char* end = text.data() + text.size();
-  const auto result = std::from_chars(text.data(), end, value);
-  return result.ec == std::errc() && result.ptr == end;
-}
-
-bool
-parseNumber(const std::string& text, double& value)
-{
-  return parseWhole(text, value) && std::isfinite(value);
-}
 
 /** Number of single-letter edits between two words. */
 std::size_t
@@ -52,41 +30,12 @@ editDistance(const std::string& a, const std::string& b)
   return row[b.size()];
 }
 
-std::size_t
-countParts(const std::string& text)
-{
-  return static_cast<std::size_t>(std::count(text.begin(), text.end(), ',')) + 1;
-}
-
-bool
-parseNumbers(const std::string& text, std::size_t count, std::vector<double>& values)
-{
-  std::vector<double> parsed;
-  for (std::size_t begin = 0; begin <= text.size();) {
-    const std::size_t end = std::min(text.find(',', begin), text.size());
-    double value = 0.0;
-    if (!parseNumber(text.substr(begin, end - begin), value)) return false;
-    parsed.push_back(value);
-    begin = end + 1;
-  }
-  if (parsed.size() != count) return false;
-  values = parsed;
-  return true;
-}
-
 /** "1 to 4, " for whole numbers of a small range: what a help line can show. */
 std::string
 smallRange(bool whole, double low, double high)
 {
-  return whole && high <= 10000 ? shortNumber(low) + " to " + shortNumber(high) + ", "
+  return whole && high <= 10000 ? numberText(low) + " to " + numberText(high) + ", "
                                 : std::string();
-}
-
-std::string
-rangeText(double low, double high)
-{
-  if (high >= 1e18) return low > -1e18 ? " of at least " + shortNumber(low) : std::string();
-  return " from " + shortNumber(low) + " to " + shortNumber(high);
 }
 
 }  // namespace
@@ -144,14 +93,14 @@ OptionTable::number(const std::string& name, double* target, double low, double 
   option.low = low;
   option.high = high;
   option.value_name = "X";
-  option.default_text = unset.empty() ? shortNumber(*target) : unset;
+  option.default_text = unset.empty() ? numberText(*target) : unset;
 }
 
 void
 OptionTable::toggle(const std::string& name, bool* target, const std::string& help)
 {
   Option& option = add(name, Kind::kToggle, target, help);
-  option.value_name = "0|1";
+  option.value_name = "[0|1]";
   option.default_text = *target ? "1" : "0";
 }
 
@@ -222,112 +171,6 @@ OptionTable::nearestName(const std::string& name) const
   return nearest;
 }
 
-/** Stores a value; the text returned, if any, says what the option wants instead. */
-std::string
-OptionTable::assign(Option& option, const std::string& value)
-{
-  const auto inRange = [&](double v) { return v >= option.low && v <= option.high; };
-  switch (option.kind) {
-    case Kind::kInteger: {
-      std::int64_t v = 0;
-      if (!parseWhole(value, v) || !inRange(static_cast<double>(v))) {
-        return "a whole number" + rangeText(option.low, option.high);
-      }
-      *static_cast<int*>(option.target) = static_cast<int>(v);
-      return "";
-    }
-    case Kind::kUnsigned: {
-      std::uint64_t v = 0;
-      if (!parseWhole(value, v) || !inRange(static_cast<double>(v))) {
-        return "a whole number" + rangeText(option.low, option.high);
-      }
-      *static_cast<std::uint64_t*>(option.target) = v;
-      return "";
-    }
-    case Kind::kNumber: {
-      double v = 0.0;
-      if (!parseNumber(value, v) || !inRange(v)) {
-        return "a number" + rangeText(option.low, option.high);
-      }
-      *static_cast<double*>(option.target) = v;
-      return "";
-    }
-    case Kind::kToggle:
-      *static_cast<bool*>(option.target) = value == "1";
-      return value == "0" || value == "1" ? "" : "0 or 1";
-    case Kind::kText: *static_cast<std::string*>(option.target) = value; return "";
-    case Kind::kChoice:
-      *static_cast<std::string*>(option.target) = value;
-      return std::count(option.words.begin(), option.words.end(), value) ? "" : option.value_name;
-    case Kind::kNumbers:
-      return parseNumbers(value, countParts(option.value_name),
-                          *static_cast<std::vector<double>*>(option.target))
-                 ? ""
-                 : "numbers in the form " + option.value_name;
-  }
-  return "";
-}
-
-/** Reads every argument; the text returned, if any, names the first mistake. */
-std::string
-OptionTable::parseArguments(int argc, const char* const* argv)
-{
-  std::size_t next = 0;
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    if (word.size() < 2 || word[0] != '-') {
-      if (next == positionals_.size()) {
-        return "unexpected argument '" + word + "'; see " + program_ + " -h";
-      }
-      *positionals_[next++].target = word;
-      continue;
-    }
-    auto* option = const_cast<Option*>(find(word.substr(1)));
-    if (!option) {
-      const std::string nearest = nearestName(word.substr(word[1] == '-' ? 2 : 1));
-      const std::string hint = nearest.empty() ? "" : "did you mean -" + nearest + "? ";
-      return "unknown option '" + word + "'; " + hint + "see " + program_ + " -h";
-    }
-    if (option->given) return "option -" + option->name + " is given twice; give it once";
-    if (i + 1 == argc) return "option -" + option->name + " needs a value: " + option->value_name;
-    const std::string wanted = assign(*option, argv[++i]);
-    option->given = true;
-    if (!wanted.empty()) {
-      return "option -" + option->name + " got '" + argv[i] + "'; give " + wanted;
-    }
-  }
-  if (next < positionals_.size()) return "no " + positionals_[next].name + " is given; " + syntax();
-  for (const auto& names : exclusive_) {
-    std::string first;
-    for (const std::string& name : names) {
-      if (!given(name)) continue;
-      if (!first.empty())
-        return "options -" + first + " and -" + name + " exclude each other; give one";
-      first = name;
-    }
-  }
-  return "";
-}
-
-std::optional<int>
-OptionTable::parse(int argc, const char* const* argv)
-{
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    std::string answer;
-    if (word == "-h" || word == "--help") answer = help();
-    if (word == "-version" || word == "--version") answer = program_ + " " + version_ + "\n";
-    if (word == "--help-markdown") answer = markdown();
-    if (answer.empty()) continue;
-    std::fputs(answer.c_str(), stdout);
-    return kExitDone;
-  }
-  const std::string mistake = parseArguments(argc, argv);
-  if (mistake.empty()) return std::nullopt;
-  std::fprintf(stderr, "%s: %s\n", program_.c_str(), mistake.c_str());
-  return kExitUsage;
-}
-
 std::string
 OptionTable::syntax() const
 {
@@ -354,6 +197,10 @@ OptionTable::help() const
                     "default: " + o.default_text + ")");
   }
   text += row("-h", "this text") + row("-version", "the version");
+  const bool has_switch = std::any_of(options_.begin(), options_.end(),
+                                      [](const Option& o) { return o.kind == Kind::kToggle; });
+  if (has_switch)
+    text += "  A switch [0|1] alone is 1; a file named 0 or 1 is written ./0 or ./1.\n";
   return text;
 }
 

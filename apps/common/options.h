@@ -18,8 +18,10 @@ enum ExitStatus : int {
 
 /** \brief A program's arguments: each declared once, for parsing, help and documentation.
  *
- * Options have one dash and a separate value, as PCL's tools do. A target's value at the time of
- * declaration is the default that the help shows; targets must outlive parse().
+ * Options have one dash and a separate value, as PCL's tools do. A switch may stand alone: -quiet is
+ * -quiet 1. A 0 or 1 right after a switch is always its value, so a file of that name is written ./0
+ * or ./1 there. A target's value at the time of declaration is the default that the help shows;
+ * targets must outlive parse().
  */
 class OptionTable {
  public:
@@ -36,7 +38,7 @@ class OptionTable {
   /** \brief A finite number in [low, high]. \param[in] unset text shown instead of a default 0. */
   void number(const std::string& name, double* target, double low, double high,
               const std::string& help, const std::string& unset = "");
-  /** \brief A switch: 0 or 1. */
+  /** \brief A switch: 0 or 1; without a value it is 1. */
   void toggle(const std::string& name, bool* target, const std::string& help);
   /** \brief Text; value_name stands for it in the help. */
   void text(const std::string& name, std::string* target, const std::string& value_name,
@@ -88,7 +90,11 @@ class OptionTable {
 
   Option& add(const std::string& name, Kind kind, void* target, const std::string& help);
   std::string parseArguments(int argc, const char* const* argv);
+  std::string takePositional(const std::string& word, const Option* bare, std::size_t& next);
+  std::string takeOption(Option& option, const char* following, bool& used);
   std::string assign(Option& option, const std::string& value);
+  std::string unknownOption(const std::string& word) const;
+  std::string checkExclusive() const;
   std::string syntax() const;
   std::string nearestName(const std::string& name) const;
   const Option* find(const std::string& name) const;

@@ -1,33 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/program.h"
 
-#include <cstdio>
 #include <filesystem>
-#include <new>
 
-#include "common/options.h"
 #include "pcl_slim/core/file_access.h"
 
 namespace pcl_slim {
-
-int
-fail(const std::string& program, int status, const std::string& message)
-{
-  std::fprintf(stderr, "%s: %s\n", program.c_str(), message.c_str());
-  return status;
-}
-
-int
-guarded(const std::string& program, const std::string& relief, const std::function<int()>& work)
-{
-  try {
-    return work();
-  } catch (const std::bad_alloc&) {
-    return fail(program, kExitFailed, "not enough memory; " + relief);
-  } catch (const std::exception& failure) {
-    return fail(program, kExitFailed, failure.what());
-  }
-}
 
 bool
 samePlace(const std::string& a, const std::string& b)

@@ -6,18 +6,10 @@
 
 #include "common/progress_bar.h"
 #include "common/report.h"
+#include "common/run_program.h"
 #include "pcl_slim/core/error.h"
 
 namespace pcl_slim {
-
-/** \brief Prints "program: message" on stderr. \return the status, to exit with. */
-int
-fail(const std::string& program, int status, const std::string& message);
-
-/** \brief Does a program's work; what it throws becomes one line and kExitFailed.
- * \param[in] relief what helps when memory runs out: "use a smaller scan". */
-int
-guarded(const std::string& program, const std::string& relief, const std::function<int()>& work);
 
 /** \brief Whether two names stand for one file; an empty name stands for none. */
 bool

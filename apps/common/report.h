@@ -33,6 +33,9 @@ class Report {
 
   nlohmann::ordered_json& json() { return json_; }
 
+  /** \brief Appends keys and values. */
+  void add(const nlohmann::ordered_json& values) { json_.update(values); }
+
   /** \brief Notes a stage's wall time under seconds{}. */
   void time(const std::string& stage, double seconds);
 

@@ -14,12 +14,13 @@ namespace pcl_slim::comparison {
 /** \brief What the claims share: their plan, a console that tells of each run, and their table. */
 class ClaimRunner {
  public:
-  ClaimRunner(const Plan& plan, Console& console, ClaimTable& table)
+  ClaimRunner(const ClaimPlan& plan, Console& console, ClaimTable& table)
       : plan_(plan), console_(console), table_(table)
   {
   }
 
-  const Plan& plan() const { return plan_; }
+  const ClaimPlan& plan() const { return plan_; }
+  const SweepLists& lists() const { return plan_.lists(); }
 
   /** \brief Does one piece of work, which says what came of it; not after Ctrl-C. */
   Error step(const std::string& what, const std::function<Error(std::string& detail)>& work);
@@ -39,7 +40,7 @@ class ClaimRunner {
   Setting slim(bool normals) const;
 
  private:
-  const Plan& plan_;
+  const ClaimPlan& plan_;
   Console& console_;
   ClaimTable& table_;
 };

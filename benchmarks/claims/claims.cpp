@@ -110,7 +110,7 @@ ClaimRunner::slim(bool normals) const
 {
   Setting setting;
   setting.normals = normals;
-  setting.threads = plan_.threads();
+  setting.threads = lists().threads();
   return setting;
 }
 
@@ -126,7 +126,7 @@ claimNames()
 }
 
 Result<ClaimTable>
-measureClaim(const std::string& name, const Plan& plan, Console& console)
+measureClaim(const std::string& name, const ClaimPlan& plan, Console& console)
 {
   for (const Claim& claim : kClaims) {
     if (name != claim.name) continue;

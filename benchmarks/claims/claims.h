@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "benchmark/plan.h"
 #include "benchmark/runs.h"
+#include "claims/claim_plan.h"
 #include "common/progress_bar.h"
 
 namespace pcl_slim::comparison {
@@ -37,7 +37,7 @@ claimNames();
 /** \brief Makes a claim's scenes, treats them and measures what the claim says. Progress goes to
  * the console; Ctrl-C cancels. */
 Result<ClaimTable>
-measureClaim(const std::string& name, const Plan& plan, Console& console);
+measureClaim(const std::string& name, const ClaimPlan& plan, Console& console);
 
 /** \brief One row a figure, with a header. */
 std::string

@@ -47,7 +47,7 @@ Error
 forEachRelief(const ClaimRunner& runner, const std::vector<double>& noises,
               const std::function<Error(const Scene&, const Places&)>& work)
 {
-  for (const std::size_t count : runner.plan().pointCounts()) {
+  for (const std::size_t count : runner.lists().pointCounts()) {
     const Result<Scene> clean = makeScene("relief", count, 0);
     if (!clean) return clean.error();
     for (const double noise : noises) {
@@ -71,7 +71,7 @@ findRivals(ClaimRunner& runner, const Scene& scene,
            const std::vector<std::vector<std::uint8_t>>& choices, std::vector<Rival>& rivals)
 {
   rivals.assign(choices.size(), Rival());
-  for (const Setting& setting : runner.plan().mlsSettings()) {
+  for (const Setting& setting : runner.lists().mlsSettings()) {
     const Result<Treated> treated = runner.treated(scene, setting);
     if (!treated) return treated.error();
     for (std::size_t c = 0; c < choices.size(); ++c) {
@@ -179,16 +179,16 @@ Error
 measureRims(ClaimRunner& runner)
 {
   return forEachRelief(
-      runner, runner.plan().noises(),
+      runner, runner.lists().noises(),
       [&](const Scene& scene, const Places& clean) { return addRims(runner, scene, clean); });
 }
 
 Error
 measureNormalNoise(ClaimRunner& runner)
 {
-  for (const std::size_t count : runner.plan().pointCounts()) {
-    for (const std::string& shape : runner.plan().shapes()) {
-      for (const double noise : runner.plan().noises()) {
+  for (const std::size_t count : runner.lists().pointCounts()) {
+    for (const std::string& shape : runner.lists().shapes()) {
+      for (const double noise : runner.lists().noises()) {
         const Result<Scene> exact = makeScene(shape, count, noise, 7, 0);
         if (!exact) return exact.error();
         const Result<Scene> bad = makeScene(shape, count, noise, 7, kBadNormals);
@@ -211,7 +211,7 @@ measureZones(ClaimRunner& runner)
 Error
 measureSheets(ClaimRunner& runner)
 {
-  for (const std::size_t count : runner.plan().pointCounts()) {
+  for (const std::size_t count : runner.lists().pointCounts()) {
     for (const bool waved : {false, true}) {
       const Scene scene = makeSheets(waved, count, kSheetGap, kSheetNoise);
       for (const bool normals : {false, true}) {

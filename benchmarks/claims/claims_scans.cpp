@@ -89,7 +89,7 @@ measureMoves(ClaimRunner& runner)
   for (const std::string& file : runner.plan().scans()) {
     const Result<Scene> scene = loadScan(std::filesystem::path(file).stem().string(), file);
     if (!scene) return scene.error();
-    const Result<LocalSpacings> spacings = localSpacings(*scene, runner.plan().threads());
+    const Result<LocalSpacings> spacings = localSpacings(*scene, runner.lists().threads());
     if (!spacings) return spacings.error();
     for (const bool normals : {false, true}) {
       if (normals && scene->normals.empty()) continue;

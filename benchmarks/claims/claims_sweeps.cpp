@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "accuracy.h"
 #include "claims/claim_runner.h"
+#include "fit/accuracy.h"
 
 namespace pcl_slim::comparison {
 
@@ -83,19 +83,9 @@ struct Best {
 std::vector<Setting>
 penaltySweep(const ClaimRunner& runner, bool normals, int degree)
 {
-  std::vector<Setting> settings;
   Setting setting = runner.slim(normals);
   setting.degree = degree;
-  for (const double kappa : runner.plan().kappas()) {
-    setting.penalty = kappa;
-    settings.push_back(setting);
-  }
-  setting.penalty = 0;
-  for (const double t : runner.plan().tMdls()) {
-    setting.t_mdl = t;
-    if (t > 0) settings.push_back(setting);
-  }
-  return settings;
+  return runner.lists().penaltySweep(setting);
 }
 
 /** The same, and under noise each penalty with normals as data too. */
@@ -162,7 +152,7 @@ addPeers(ClaimRunner& runner, const std::string& shape, double noise)
   const measure::Scene scene = measure::makeScene(kind, kPeerPoints, noise, 0.0, 7);
   Best of_points, of_both;
   for (const bool normals : {false, true}) {
-    for (const double degree : runner.plan().degrees()) {
+    for (const double degree : runner.lists().degrees()) {
       for (const Setting& setting : peerSweep(runner, normals, static_cast<int>(degree), noise)) {
         const Result<Errors> errors = errorsInDouble(runner, shape, scene, noise, setting);
         if (!errors) return errors.error();
@@ -185,24 +175,18 @@ addPeers(ClaimRunner& runner, const std::string& shape, double noise)
 Error
 measureDefault(ClaimRunner& runner)
 {
-  for (const std::size_t count : runner.plan().pointCounts()) {
-    for (const std::string& shape : runner.plan().shapes()) {
-      for (const double noise : runner.plan().noises()) {
-        const Result<Scene> scene = makeScene(shape, count, noise);
-        if (!scene) return scene.error();
-        for (const bool normals : {false, true}) {
-          if (Error error = addDefault(runner, *scene, normals)) return error;
-        }
-      }
+  return runner.lists().forEachScene([&](const Scene& scene) -> Error {
+    for (const bool normals : {false, true}) {
+      if (Error error = addDefault(runner, scene, normals)) return error;
     }
-  }
-  return {};
+    return {};
+  });
 }
 
 Error
 measurePeers(ClaimRunner& runner)
 {
-  for (const std::string& shape : runner.plan().shapes()) {
+  for (const std::string& shape : runner.lists().shapes()) {
     for (const double noise : {0.0, 0.001}) {
       const bool known = std::any_of(std::begin(kPeers), std::end(kPeers),
                                      [&](const PeerError& p) { return isAbout(p, shape, noise); });

@@ -14,13 +14,7 @@ loadColoredScan(const std::string& path)
   if (!file) return file.error();
   ColoredScan scan;
   scan.file = std::move(*file);
-  const pcl::PCLPointCloud2& cloud = scan.file.file.cloud;
-  for (const char* name : {"rgba", "rgb"}) {
-    const int i = findField(cloud, name);
-    if (i < 0) continue;
-    scan.colors = {cloud.data.data() + cloud.fields[static_cast<std::size_t>(i)].offset,
-                   cloud.point_step};
-  }
+  scan.colors = colorsOf(scan.file);
   if (!scan.colors.bgr || scan.size() == 0) {
     return Error{ErrorCode::kBadInput,
                  "'" + path + "' has no points or no colours; name a coloured scan"};

@@ -3,8 +3,8 @@
 
 #include <string>
 
-#include "common/cloud_file.h"
 #include "pcl_slim/splat/splat_sampling.h"
+#include "scan/cloud_file.h"
 
 namespace pcl_slim::measure {
 

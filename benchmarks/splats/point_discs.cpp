@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "common/cloud_file.h"
 #include "common/options.h"
 #include "pcl_slim/cloud/knn.h"
 #include "pcl_slim/filters/io/splat_conversion.h"
+#include "scan/cloud_file.h"
 
 namespace {
 

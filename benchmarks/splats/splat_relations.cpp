@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "common/options.h"
+#include "common/run_program.h"
 #include "splats/colored_scan.h"
 
 namespace {
@@ -67,12 +67,15 @@ main(int argc, char** argv)
   options.toggle("paper", &s.params.paper_mode, "the published method");
   options.integer("initial", &s.params.initial_resolution, 0, RootGrid::kMaxResolution,
                   "cells of the initial grid along the longest side; 0: about 50 points a cell");
-  if (const auto status = options.parse(argc, argv)) return *status;
-  const Result<ColoredScan> scan = loadColoredScan(s.input);
-  if (!scan) {
-    std::fprintf(stderr, "splat_relations: %s\n", scan.error().message.c_str());
-    return kExitUsage;
-  }
-  printTable(*scan, s);
-  return kExitDone;
+  Result<ColoredScan> scan = Error();
+  return runProgram(
+      options, argc, argv, "use a smaller scan",
+      [&] {
+        scan = loadColoredScan(s.input);
+        return scan.error();
+      },
+      [&] {
+        printTable(*scan, s);
+        return Error();
+      });
 }

@@ -3,8 +3,8 @@
 # SLIM beside pcl::MovingLeastSquares: every table and the chart of benchmarks/reports/comparison.md.
 #   benchmarks/tables/comparison.sh DATA_FOLDER OUT_FOLDER [STAGE...]
 # Stages, all by default: timed timed438 exact pairs bunny claims claims438. Writes OUT_FOLDER/STAGE.csv
-# and .md and prints the tables made of all the .csv there. The program is that of build/release/bin, or
-# of the folder named by BIN_DIR. THREADS (2) may be set. Needs python3, and xvfb-run for the chart.
+# and .md and prints the tables made of all the .csv there. The programs are pcl_slim_benchmark and, for
+# claims, claims_bench, of build/release/bin or of the folder named by BIN_DIR. THREADS (2) may be set. Needs python3, and xvfb-run for the chart.
 set -euo pipefail
 
 here=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
@@ -14,12 +14,13 @@ shift 2
 [ $# -gt 0 ] || set -- timed timed438 exact pairs bunny claims claims438
 export OMP_WAIT_POLICY=passive  # PCL's threads that wait burn no CPU time
 
-# run STAGE OPTION...
+# run STAGE OPTION...: sweeps, or claims where the options name any.
 run() {
-  local stage=$1
+  local stage=$1 with=$program
   shift
+  [ "$1" != -claims ] || with=claims_bench
   echo "$stage" >&2
-  "$bin/$program" "$out/$stage" -threads "${THREADS:-2}" -quiet 1 "$@"
+  "$bin/$with" "$out/$stage" -threads "${THREADS:-2}" -quiet "$@"
 }
 
 smooth=(-shapes 'sphere,torus,bumpy,relief' -noises '0,0.001,0.005')

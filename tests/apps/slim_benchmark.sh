@@ -20,20 +20,13 @@ grep -q 'xvfb-run' out.txt both.png 2> /dev/null || grep -q 'without VTK' out.tx
 [ "$(grep -c '^| .*none' both.md)" -ge 2 ] || complain "no ratios in both.md"
 
 # Errors depend on the input alone.
-expect 0 '' again "${small[@]}" -threads 1 -chart 0 -quiet 1
+expect 0 '' again "${small[@]}" -threads 1 -chart 0 -quiet
 [ ! -s out.txt ] || complain "-quiet says: $(cat out.txt)"
 diff <(cut -d, -f1-7,11-14 both.csv) <(cut -d, -f1-7,11-14 again.csv) > /dev/null ||
   complain "errors change with the threads"
 
 # A pair of files, point by point.
-for kind in noisy original; do
-  {
-    printf 'ply\nformat ascii 1.0\nelement vertex 900\nproperty float x\nproperty float y\n'
-    printf 'property float z\nend_header\n'
-    awk -v noise="$([ $kind = noisy ] && echo 0.1 || echo 0)" 'BEGIN { srand(3)
-      for (i = 0; i < 900; ++i) print i % 30, int(i / 30), noise * (rand() - .5) }'
-  } > "pairs/plane_$kind.ply"
-done
+noisyPlane pairs
 expect 0 '' pair -pairs pairs -methods slim -degrees 1 -kappas 0 -t_mdls 0
 grep -q '^plane,900,0,1,slim,default,0,' pair.csv || complain "no plane in pair.csv"
 expect 0 '' file -input pairs/plane_noisy.ply -truth pairs/plane_original.ply -methods mls \
@@ -54,25 +47,11 @@ expect 0 '' mesh -input pairs/plane_noisy.ply -truth square.ply -methods slim -d
 grep -q '^plane_noisy,900,0,1,slim,default,0,' mesh.csv || complain "no plane in mesh.csv"
 grep -q 'off by 0.0[0-9]* RMS' mesh.md || complain "the input's error is not in mesh.md"
 
-# Claims: a table each, a row a figure, the same for any number of threads.
-claims=(-claims rims,sheets,default -points 3000 -shapes sphere -noises 0.005 -kappas 1,8 -t_mdls 0
-  -mls_orders 2 -mls_neighbours 60)
-expect 0 '' claims "${claims[@]}"
-[ "$(grep -c 'goals met' claims.md)" -eq 3 ] || complain "not three tables in claims.md"
-[ "$(wc -l < claims.csv)" -eq 25 ] || complain "$(wc -l < claims.csv) lines in claims.csv"
-expect 0 '' claims1 "${claims[@]}" -threads 1 -quiet 1
-cmp -s claims.csv claims1.csv || complain "claims change with the threads"
-expect 0 '' moves -claims moves -scans pairs
-[ "$(wc -l < moves.csv)" -eq 5 ] || complain "$(wc -l < moves.csv) lines in moves.csv"
-
 rm -f -- ./*.csv ./*.md
-expect 2 'claims' x -claims fast
-expect 2 'moves' x -claims moves
-expect 2 'moves' x -claims rims -scans pairs
-expect 2 'name another folder' x -claims moves -scans /no/such
-expect 2 'exclude' x -claims rims -pairs pairs
 expect 2 'or a mesh' x -input pairs/plane_noisy.ply -truth one.ply
 expect 2 'OUT_PREFIX'
+expect 2 'OUT_PREFIX' -quiet 1
+expect 2 'unknown option' x -claims rims
 expect 2 'tea' x -shapes tea
 expect 2 'noises' x -noises 1,a
 expect 2 'whole numbers' x -degrees 5

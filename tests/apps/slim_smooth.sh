@@ -4,8 +4,6 @@
 # Arguments: programs' folder, an empty folder to work in, folder of real scans (may be empty).
 source "$(dirname -- "${BASH_SOURCE[0]}")/../support/program_test.sh"
 program=pcl_slim_smooth
-mkdir -p -- folder.pcd
-
 
 # rows FILE STEP COUNT TYPE: the last COUNT * STEP bytes, one point a line.
 rows() { tail -c $(($2 * $3)) "$1" | od -An -v -t "$4" "-w$2"; }
@@ -38,12 +36,7 @@ errorOf() {
 
 sheet near.pcd 4 0
 sheet far.pcd 8 4918360.25
-head -c 9000 near.pcd > cut.pcd
-: > empty.pcd
-printf 'VERSION 0.7\nFIELDS a b\nSIZE 4 4\nTYPE F F\nCOUNT 1 1\nWIDTH 1\nHEIGHT 1\nDATA ascii\n1 2\n' > fields.pcd
-printf 'VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 0\nHEIGHT 0\nDATA ascii\n' > none.pcd
-printf 'VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 1\nDATA ascii\nnan nan nan\nnan 1 2\n' > nan.pcd
-printf 'VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 1\nHEIGHT 1\nDATA ascii\n1 2 3\n' > one.pcd
+badScans near.pcd
 
 # A good run: fields in their order and type, the report, any number of threads.
 expect 0 '' near.pcd a.pcd -json a.json
@@ -176,29 +169,22 @@ documented "$program"
 # Usage errors: status 2, nothing written.
 expect 2 'did you mean -normals' near.pcd d.pcd -normal 1
 expect 2 '0 or 1' near.pcd d.pcd -normals yes
-expect 2 'no OUT' near.pcd
-expect 2 'unexpected argument' near.pcd d.pcd e.pcd
 expect 2 '.pcd or .ply' near.pcd d.slim
 expect 2 'overwritten' near.pcd ./near.pcd
 expect 2 'overwritten' near.pcd d.pcd -json near.pcd
 expect 2 'share a file' near.pcd d.pcd -json d.pcd
-expect 2 'No such file' missing.pcd d.pcd
-expect 2 'folder' folder.pcd d.pcd
-expect 2 'truncated' cut.pcd d.pcd
-expect 2 'empty' empty.pcd d.pcd
-expect 2 'x y z' fields.pcd d.pcd
-absent d.pcd e.pcd d.slim
+absent d.slim
 
-# Failed work: status 1, nothing left.
-expect 1 '' nan.pcd d.pcd
-expect 1 '' none.pcd d.pcd
-fails_cleanly near.pcd d.pcd
-survives_one_point one_out.pcd
+# Scans of no use and places that cannot be written: status 2 or 1, nothing left.
+refuses near.pcd
+got=0
+"$bin/pcl_slim_smooth" one.pcd one_out.pcd > out.txt 2> err.txt || got=$?
+[ "$got" -le 1 ] || complain "one point: exit $got"
 
 # Ctrl-C: status 130, nothing left.
 points=200000
 sheet big.pcd 4 0
-stops big.pcd stopped.pcd
+interrupted big.pcd stopped.pcd
 
 if [ -n "$data" ] && [ -f "$data/kinect_mosd_learn13.pcd" ]; then
   expect 0 '' "$data/kinect_mosd_learn13.pcd" kinect.pcd -json kinect.json

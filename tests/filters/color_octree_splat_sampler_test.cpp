@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <set>
+#include <string>
 
 #include "door_suite.h"
 #include "pcl_slim/filters/io/splat_conversion.h"
@@ -18,6 +20,7 @@ template <typename PointT>
 struct SamplerDoor {
   using Point = PointT;
   using Door = ColorOctreeSplatSampler<PointT>;
+  static constexpr bool kPrints = false;
 
   static bool run(Door& door, std::vector<unsigned char>& output)
   {
@@ -207,6 +210,33 @@ TEST(ColorOctreeSplatSampler, OutputsAreClearedOnFailure)
   EXPECT_FALSE(sampler.filter(cloud));
   EXPECT_TRUE(cloud.empty());
   EXPECT_EQ(sampler.getError().code, ErrorCode::kBadArgument);
+}
+
+TEST(ColorOctreeSplatSampler, PclsVerbsPrintAnErrorOnce)
+{
+  ColorOctreeSplatSampler<pcl::PointXYZ> sampler;
+  pcl::FilterIndices<pcl::PointXYZ>& base = sampler;
+  pcl::Indices indices;
+  pcl::PointCloud<pcl::PointXYZ> cloud;
+  const auto expectOnce = [&](const char* verb, const auto& run) {
+    testing::internal::CaptureStderr();
+    run();
+    const std::string printed = testing::internal::GetCapturedStderr();
+    EXPECT_EQ(std::count(printed.begin(), printed.end(), '\n'), 1) << verb << ": " << printed;
+    EXPECT_NE(printed.find(sampler.getError().message), std::string::npos) << verb;
+    EXPECT_TRUE(sampler.getError()) << verb;
+  };
+  expectOnce("filter(indices) without input", [&] { sampler.filter(indices); });
+  expectOnce("filter(cloud) without input", [&] { sampler.filter(cloud); });
+  sampler.setInputCloud(bumpySphere<pcl::PointXYZ>(300));
+  sampler.setGeometricError(-1.0);
+  expectOnce("filter(indices)", [&] { sampler.filter(indices); });
+  expectOnce("filter(cloud)", [&] { sampler.filter(cloud); });
+  sampler.setKeepOrganized(true);
+  expectOnce("filter(cloud), organized", [&] { sampler.filter(cloud); });
+  sampler.setKeepOrganized(false);
+  expectOnce("PCL's filter(indices)", [&] { base.filter(indices); });
+  expectOnce("PCL's filter(cloud)", [&] { base.filter(cloud); });
 }
 
 TEST(ColorOctreeSplatSampler, SettersReachTheSampler)

@@ -32,7 +32,7 @@ TEST(CustomPoint, FitsWithAndWithoutEstimatedNormals)
   SLIMSurface surface;
   ASSERT_TRUE(fit.fit(surface)) << fit.getError().message;
   EXPECT_NEAR(surface.info.diagonal * surface.info.scale, 2.0 * std::sqrt(3.0), 0.2);
-  fit.setEstimateNormals(12);
+  fit.setNormalEstimationNeighbors(12);
   ASSERT_TRUE(fit.fit(surface)) << fit.getError().message;
   EXPECT_TRUE(surface.info.oriented);
 }

@@ -5,10 +5,12 @@
 #include <pcl/common/io.h>
 #include <pcl/point_cloud.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "pcl_slim/core/error.h"
@@ -46,7 +48,8 @@ bumpySphere(std::size_t count, unsigned int seed = 1)
  *
  * Traits adapts one class: Point; Door; static bool run(Door&, std::vector<unsigned char>& output)
  * runs it and gives its output as bytes, whatever they mean, after putting something into the
- * class's own output so that forgetting to clear it shows.
+ * class's own output so that forgetting to clear it shows; static constexpr bool kPrints: whether
+ * what is run is a verb of PCL's base class, which prints its errors as PCL's own do.
  */
 template <typename Traits>
 class DoorSuite : public testing::Test {
@@ -67,12 +70,17 @@ class DoorSuite : public testing::Test {
   static void expectFailure(Door& door)
   {
     std::vector<unsigned char> output;
+    testing::internal::CaptureStderr();
     EXPECT_FALSE(Traits::run(door, output));
+    const std::string printed = testing::internal::GetCapturedStderr();
     EXPECT_TRUE(output.empty()) << "the output was not cleared";
     EXPECT_TRUE(door.getError());
     const std::string& message = door.getError().message;
     EXPECT_FALSE(message.empty());
     EXPECT_EQ(message.find('\n'), std::string::npos);
+    const bool prints = Traits::kPrints && door.getError().code != pcl_slim::ErrorCode::kCancelled;
+    EXPECT_EQ(std::count(printed.begin(), printed.end(), '\n'), prints ? 1 : 0) << printed;
+    EXPECT_EQ(printed.find(message) != std::string::npos, prints) << printed;
   }
 
   static Door doorTo(const typename Cloud::ConstPtr& cloud)

@@ -20,6 +20,7 @@ template <typename PointInT, typename PointOutT>
 struct CurvatureDoor {
   using Point = PointInT;
   using Door = SLIMCurvatureEstimation<PointInT, PointOutT>;
+  static constexpr bool kPrints = true;
 
   static bool run(Door& door, std::vector<unsigned char>& output)
   {

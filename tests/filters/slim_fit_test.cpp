@@ -19,6 +19,7 @@ template <typename PointT>
 struct FitDoor {
   using Point = PointT;
   using Door = SLIMFit<PointT>;
+  static constexpr bool kPrints = false;
 
   static bool run(Door& door, std::vector<unsigned char>& output)
   {
@@ -133,7 +134,7 @@ TEST(SLIMFit, AnySearchObjectServesNormals)
   const auto cloud = cameraCloud();
   SLIMFit<pcl::PointXYZ> fit;
   fit.setInputCloud(cloud);
-  fit.setEstimateNormals(12);
+  fit.setNormalEstimationNeighbors(12);
   SLIMSurface automatic, tree, octree, organized;
   ASSERT_TRUE(fit.fit(automatic)) << fit.getError().message;
   fit.setSearchMethod(std::make_shared<pcl::search::KdTree<pcl::PointXYZ>>());
@@ -155,17 +156,17 @@ TEST(SLIMFit, UnsuitableSearchAndNeighbourhoodAreErrors)
 {
   SLIMFit<pcl::PointXYZ> fit;
   fit.setInputCloud(bumpySphere<pcl::PointXYZ>(500));
-  fit.setEstimateNormals(10);
+  fit.setNormalEstimationNeighbors(10);
   fit.setSearchMethod(std::make_shared<pcl::search::OrganizedNeighbor<pcl::PointXYZ>>());
   SLIMSurface surface;
   EXPECT_FALSE(fit.fit(surface));
   EXPECT_NE(fit.getError().message.find("organized"), std::string::npos);
   fit.setSearchMethod(nullptr);
-  fit.setEstimateNormals(2);
+  fit.setNormalEstimationNeighbors(2);
   EXPECT_FALSE(fit.fit(surface));
-  fit.setEstimateNormals(-5);
+  fit.setNormalEstimationNeighbors(-5);
   EXPECT_FALSE(fit.fit(surface));
-  fit.setEstimateNormals(10);
+  fit.setNormalEstimationNeighbors(10);
   EXPECT_TRUE(fit.fit(surface)) << fit.getError().message;
 }
 
@@ -179,7 +180,7 @@ TEST(SLIMFit, EstimatedNormalsSurviveNanAndIndices)
   SLIMFit<pcl::PointXYZ> fit;
   fit.setInputCloud(cloud);
   fit.setIndices(indices);
-  fit.setEstimateNormals(15);
+  fit.setNormalEstimationNeighbors(15);
   SLIMSurface surface;
   ASSERT_TRUE(fit.fit(surface)) << fit.getError().message;
   EXPECT_EQ(fit.getInputStatistics().non_finite, 30u);

@@ -56,7 +56,7 @@ TEST(CustomPoint, IsSmoothedWithItsFields)
 {
   SLIMProjectionSmoother<GradedPoint, BentPoint> smoother;
   smoother.setInputCloud(gradedCloud());
-  smoother.setEstimateNormals(12);
+  smoother.setNormalEstimationNeighbors(12);
   pcl::PointCloud<BentPoint> out;
   smoother.process(out);
   ASSERT_EQ(out.size(), 3000u) << smoother.getError().message;

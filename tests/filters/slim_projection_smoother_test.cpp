@@ -18,6 +18,7 @@ template <typename PointInT, typename PointOutT>
 struct SmootherDoor {
   using Point = PointInT;
   using Door = SLIMProjectionSmoother<PointInT, PointOutT>;
+  static constexpr bool kPrints = true;
 
   static bool run(Door& door, std::vector<unsigned char>& output)
   {
@@ -264,7 +265,7 @@ TEST(SLIMProjectionSmoother, BadParametersAreErrors)
   smoother.process(out);
   EXPECT_EQ(smoother.getError().code, ErrorCode::kBadInput);
   smoother.setInputNormals(nullptr);
-  smoother.setEstimateNormals(2);
+  smoother.setNormalEstimationNeighbors(2);
   smoother.process(out);
   EXPECT_TRUE(smoother.getError());
 }

@@ -45,11 +45,11 @@ TEST(SLIMProjectionSmoother, NormalsTakeTheSideAskedFor)
   smoother.process(out);
   sides(out, -1.0f);
   smoother.clearViewPoint();
-  smoother.setEstimateNormals(12);
+  smoother.setNormalEstimationNeighbors(12);
   smoother.setSearchMethod(std::make_shared<pcl::search::KdTree<pcl::PointXYZ>>());
   smoother.process(out);
   sides(out, -1.0f);  // PCL's face the sensor, at the middle
-  smoother.setEstimateNormals(0);
+  smoother.setNormalEstimationNeighbors(0);
   smoother.process(out);
   sides(out, 1.0f);
 

@@ -47,48 +47,83 @@ differ() { ! cmp -s -- "$1" "$2" || complain "$1 and $2 are the same"; }
 # header FILE LINE: a line of a PCD's or PLY's header.
 header() { grep -aq "^$2\$" "$1" || complain "$1 has no header line '$2'"; }
 
+# badScans SCAN: files that no program can use, made of a good one of 9000 bytes or more; and one
+# point alone.
+badScans() {
+  local xyz='FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1'
+  mkdir -p -- folder.pcd
+  head -c 9000 "$1" > cut.pcd
+  : > empty.pcd
+  printf 'VERSION 0.7\nFIELDS a b\nSIZE 4 4\nTYPE F F\nCOUNT 1 1\nWIDTH 1\nHEIGHT 1\nDATA ascii\n1 2\n' > fields.pcd
+  printf "VERSION 0.7\n$xyz\nWIDTH 0\nHEIGHT 0\nDATA ascii\n" > none.pcd
+  printf "VERSION 0.7\n$xyz\nWIDTH 2\nHEIGHT 1\nDATA ascii\nnan nan nan\nnan 1 2\n" > nan.pcd
+  printf "VERSION 0.7\n$xyz\nWIDTH 1\nHEIGHT 1\nDATA ascii\n1 2 3\n" > one.pcd
+}
+
+# refuses SCAN: what every program that turns a scan into a file refuses, given a good scan; nothing
+# is left. Needs badScans.
+refuses() {
+  expect 2 'no IN'
+  expect 2 'no OUT' "$1"
+  expect 2 'unexpected argument' "$1" d.pcd e.pcd
+  expect 2 'No such file' missing.pcd d.pcd
+  expect 2 'folder' folder.pcd d.pcd
+  expect 2 'truncated' cut.pcd d.pcd
+  expect 2 'empty' empty.pcd d.pcd
+  expect 2 'x y z' fields.pcd d.pcd
+  expect 1 'NaN' nan.pcd d.pcd
+  expect 1 'no points' none.pcd d.pcd
+  expect 1 'does not exist' "$1" nowhere/d.pcd
+  expect 1 'folder' "$1" folder.pcd
+  expect 1 'does not exist' "$1" d.pcd -json nowhere/d.json
+  absent d.pcd e.pcd nowhere
+  [ -z "$(find . -name '*.part')" ] || complain "temporary files were left behind"
+}
+
+# interrupted SCAN OUT: Ctrl-C soon after the start: status 130, nothing left. A program that was
+# faster is done.
+interrupted() {
+  local pid got=0
+  "$bin/$program" "$1" "$2" -quiet 2> err.txt &
+  pid=$!
+  sleep 0.05
+  kill -INT $pid
+  wait $pid || got=$?
+  [ "$got" -ne 0 ] || return 0
+  [ "$got" -eq 130 ] || complain "stopped: exit $got"
+  absent "$2"
+}
+
+# noisyPlane FOLDER: plane_noisy.ply and plane_original.ply, 900 points each.
+noisyPlane() {
+  local kind noise
+  for kind in noisy original; do
+    noise=0
+    [ $kind = original ] || noise=0.1
+    {
+      printf 'ply\nformat ascii 1.0\nelement vertex 900\nproperty float x\nproperty float y\n'
+      printf 'property float z\nend_header\n'
+      awk -v noise="$noise" 'BEGIN { srand(3)
+        for (i = 0; i < 900; ++i) print i % 30, int(i / 30), noise * (rand() - .5) }'
+    } > "$1/plane_$kind.ply"
+  done
+}
+
 # value REPORT KEY: a number or word of a report.
 value() { sed -n "s/.*\"$2\": \([^,]*\),*/\1/p" "$1" | head -n 1; }
 
 # documented PROGRAM [PAGE]: the help ends well, and docs/PAGE.md has each line of its table.
 documented() {
   local page=$docs/${2-$1}.md line
-  "$bin/$1" -h > out.txt 2> err.txt || complain "$1 -h fails"
+  for line in -h -version --help-markdown; do
+    "$bin/$1" "$line" > out.txt 2> err.txt || complain "$1 $line fails"
+    [ -s out.txt ] && [ -z "$(tail -c 1 out.txt)" ] || complain "$1 $line does not end with a newline"
+    [ ! -s err.txt ] || complain "$1 $line says on stderr: $(cat err.txt)"
+  done
   "$bin/$1" --help-markdown > out.txt 2> err.txt || complain "$1 --help-markdown fails"
   while IFS= read -r line; do
     case $line in '| `-'*) grep -qF -- "$line" "$page" || complain "$page lacks: $line" ;; esac
   done < out.txt
-}
-
-# fails_cleanly SCAN OUT: folders that do not exist, or that stand where a file should: status 1 and
-# nothing left.
-fails_cleanly() {
-  expect 1 'does not exist' "$1" "nowhere/$2"
-  expect 1 'folder' "$1" folder.pcd
-  expect 1 'does not exist' "$1" "$2" -json nowhere/report.json
-  absent "$2" nowhere
-  [ -z "$(find . -name '*.part')" ] || complain "temporary files were left behind"
-}
-
-# survives_one_point OUT: one.pcd is done or refused.
-survives_one_point() {
-  local got=0
-  "$bin/$program" one.pcd "$1" > out.txt 2> err.txt || got=$?
-  [ "$got" -le 1 ] || complain "one point: exit $got"
-}
-
-# stops SCAN OUT: Ctrl-C gives status 130 and leaves nothing, unless the work was done before.
-stops() {
-  local pid got=0
-  "$bin/$program" "$1" "$2" -quiet 1 2> err.txt &
-  pid=$!
-  sleep 0.05
-  kill -INT $pid
-  wait $pid || got=$?
-  if [ "$got" -ne 0 ]; then
-    [ "$got" -eq 130 ] || complain "stopped: exit $got"
-    absent "$2"
-  fi
 }
 
 finish() {

@@ -12,7 +12,8 @@ Error
 checkSurfaceExtension(const std::string& path)
 {
   const std::string extension = lowerExtension(path);
-  for (const char* known : {".pcd", ".ply", ".vtp", ".slim"}) {
+  if (extension == ".vtp") return checkVtp(path);
+  for (const char* known : {".pcd", ".ply", ".slim"}) {
     if (extension == known) return {};
   }
   return {ErrorCode::kBadArgument, "cannot tell the surface format of '" + path +

@@ -7,6 +7,11 @@
 
 namespace pcl_slim {
 
+/** No error where this build has VTK's reader and writer; otherwise says what to name instead of
+ * path. The functions below give the same error then. */
+Error
+checkVtp(const std::string& path);
+
 /** Writes float fields as ParaView PolyData: points with vertex cells, "Normals", one array for
  * each other field, comments as a string array of the field data. */
 Error

@@ -29,8 +29,8 @@ namespace pcl_slim {
  * Colours and normals are optional: without colours shape alone decides, without normals (neither
  * setInputNormals() nor fields of PointT) they are estimated from neighbours. Non-finite points are
  * skipped and counted, indices honoured. A missing or empty cloud, one without a finite point, and
- * indices out of range are errors. Outputs are cleared first. The result is the same for any number
- * of threads.
+ * indices out of range are errors: told by getError(), and by filter() printed as PCL prints errors.
+ * Outputs are cleared first. The result is the same for any number of threads.
  *
  * Compiled for PointXYZ, PointXYZI, PointXYZRGB, PointXYZRGBA, PointNormal, PointXYZINormal and
  * PointXYZRGBNormal. For a point type of your own, include
@@ -80,6 +80,8 @@ class ColorOctreeSplatSampler : public pcl::FilterIndices<PointT>,
 
  private:
   ColorView describeColors() const;
+  /** \brief Prints the error, as PCL's filters do; a cancelled run prints nothing. */
+  void complain() const;
 
   NormalCloud::ConstPtr normals_;
 };

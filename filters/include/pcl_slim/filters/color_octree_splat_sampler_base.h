@@ -73,8 +73,8 @@ class ColorOctreeSplatSamplerBase : public ControlledRun {
   bool getRemoveNoise() const { return params_.remove_noise; }
 
   /** \brief Neighbours behind each estimated normal, for clouds without (default 16). */
-  void setEstimateNormals(int k) { params_.normal_neighbors = k; }
-  int getEstimateNormals() const { return params_.normal_neighbors; }
+  void setNormalEstimationNeighbors(int k) { params_.normal_neighbors = k; }
+  int getNormalEstimationNeighbors() const { return params_.normal_neighbors; }
 
   /** \brief The point that estimated normals face; not set: the cloud's sensor. */
   void setViewPoint(double x, double y, double z);

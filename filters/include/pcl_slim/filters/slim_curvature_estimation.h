@@ -64,8 +64,8 @@ class SLIMCurvatureEstimation : public pcl::Feature<PointInT, PointOutT>,
 
   /** \brief Estimates normals from the k nearest neighbours with pcl::NormalEstimationOMP, found by
    * the object of setSearchMethod(); 0 estimates none (default: none are needed). */
-  void setEstimateNormals(int k) { normal_neighbours_ = k; }
-  int getEstimateNormals() const { return normal_neighbours_; }
+  void setNormalEstimationNeighbors(int k) { normal_neighbours_ = k; }
+  int getNormalEstimationNeighbors() const { return normal_neighbours_; }
 
   // Running --------------------------------------------------------------------------------------
 

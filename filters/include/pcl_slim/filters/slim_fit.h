@@ -24,8 +24,8 @@ namespace pcl_slim {
  * \endcode
  *
  * Normals are optional: those of setInputNormals() come first, then estimated ones when
- * setEstimateNormals() asks for them, then the fields of PointT. Without any, each ball finds its
- * own frame, and the surface gets one consistent side (setOrientation, setViewPoint).
+ * setNormalEstimationNeighbors() asks for them, then the fields of PointT. Without any, each ball
+ * finds its own frame, and the surface gets one consistent side (setOrientation, setViewPoint).
  *
  * Non-finite points are skipped and counted, duplicates merged, indices honoured. A missing or
  * empty cloud, one without a finite point, and indices out of range are errors. Outputs are
@@ -58,8 +58,8 @@ class SLIMFit : public pcl::PCLBase<PointT>, public SLIMFitBase {
 
   /** \brief Estimates normals from the k nearest neighbours with pcl::NormalEstimationOMP;
    * 0 estimates none (default). */
-  void setEstimateNormals(int k) { normal_neighbours_ = k; }
-  int getEstimateNormals() const { return normal_neighbours_; }
+  void setNormalEstimationNeighbors(int k) { normal_neighbours_ = k; }
+  int getNormalEstimationNeighbors() const { return normal_neighbours_; }
 
   // Running --------------------------------------------------------------------------------------
 

@@ -58,15 +58,15 @@ class SLIMProjectionSmoother : public pcl::CloudSurfaceProcessing<PointInT, Poin
   void setInputNormals(const NormalCloud::ConstPtr& normals) { normals_ = normals; }
   NormalCloud::ConstPtr getInputNormals() const { return normals_; }
 
-  /** \brief Search object for setEstimateNormals(); null: one that suits the cloud. Smoothing has
-   * its own index and needs none. */
+  /** \brief Search object for setNormalEstimationNeighbors(); null: one that suits the cloud.
+   * Smoothing has its own index and needs none. */
   void setSearchMethod(const KdTreePtr& search) { search_ = search; }
   KdTreePtr getSearchMethod() const { return search_; }
 
   /** \brief Estimates normals from the k nearest neighbours with pcl::NormalEstimationOMP and fits
    * with them; 0 estimates none (default: none are needed). */
-  void setEstimateNormals(int k) { normal_neighbours_ = k; }
-  int getEstimateNormals() const { return normal_neighbours_; }
+  void setNormalEstimationNeighbors(int k) { normal_neighbours_ = k; }
+  int getNormalEstimationNeighbors() const { return normal_neighbours_; }
 
   // Output ---------------------------------------------------------------------------------------
 

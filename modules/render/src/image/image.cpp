@@ -1,70 +1,63 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/render/image.h"
 
-#include <png.h>
-
-#include <cstring>
-
+#include "image/png.h"
 #include "pcl_slim/core/file_access.h"
 
 namespace pcl_slim {
 namespace {
 
-/** \brief The bytes of a PNG file, or libpng's reason why there are none. */
-Result<std::vector<std::uint8_t>>
-encodePng(const Image& image)
+Error
+checkComplete(const std::string& path, const Image& image)
 {
-  png_image header;
-  std::memset(&header, 0, sizeof(header));
-  header.version = PNG_IMAGE_VERSION;
-  header.width = static_cast<png_uint_32>(image.width);
-  header.height = static_cast<png_uint_32>(image.height);
-  header.format = PNG_FORMAT_RGB;
-  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
-  std::vector<std::uint8_t> bytes(size);
-  if (!png_image_write_to_memory(&header, bytes.data(), &size, 0, image.rgb.data(), 0, nullptr)) {
-    return Error{ErrorCode::kIo, header.message};
-  }
-  bytes.resize(size);
-  return bytes;
+  const std::size_t expected =
+      3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+  if (image.width >= 1 && image.height >= 1 && image.rgb.size() == expected) return {};
+  return {ErrorCode::kBadInput, "cannot write '" + path + "': the picture is empty or incomplete"};
+}
+
+/** \brief Writes a binary PPM file: a line of text, then the pixels as they are. */
+Error
+savePpm(const std::string& path, const Image& image)
+{
+  const std::string header =
+      "P6\n" + std::to_string(image.width) + " " + std::to_string(image.height) + "\n255\n";
+  std::vector<std::uint8_t> bytes(header.begin(), header.end());
+  bytes.insert(bytes.end(), image.rgb.begin(), image.rgb.end());
+  return writeFile(path, bytes.data(), bytes.size());
 }
 
 }  // namespace
 
 Error
-savePng(const std::string& path, const Image& image)
+checkImageExtension(const std::string& path)
 {
-  const std::size_t expected =
-      3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
-  if (image.width < 1 || image.height < 1 || image.rgb.size() != expected) {
-    return {ErrorCode::kBadInput,
-            "cannot write '" + path + "': the picture is empty or incomplete"};
+  const std::string extension = lowerExtension(path);
+  if (extension == ".ppm" || (extension == ".png" && detail::hasPng())) return {};
+  if (extension == ".png") {
+    return {ErrorCode::kBadArgument, "cannot write '" + path +
+                                         "': this build has no PNG (PCL_SLIM_WITH_PNG); name a "
+                                         ".ppm file"};
   }
-  const auto bytes = encodePng(image);
-  if (!bytes) return {ErrorCode::kIo, "cannot write '" + path + "': " + bytes.error().message};
-  return writeFile(path, bytes->data(), bytes->size());
+  return {ErrorCode::kBadArgument, "the picture '" + path + "' must be named .png or .ppm"};
 }
 
-Result<Image>
-loadPng(const std::string& path)
+Error
+saveImage(const std::string& path, const Image& image)
 {
-  png_image header;
-  std::memset(&header, 0, sizeof(header));
-  header.version = PNG_IMAGE_VERSION;
-  const auto bytes = readFile(path);
-  if (!bytes) return bytes.error();
-  if (!png_image_begin_read_from_memory(&header, bytes->data(), bytes->size())) {
-    return Error{ErrorCode::kIo, "cannot read '" + path + "': " + header.message};
-  }
-  header.format = PNG_FORMAT_RGB;
-  Image image;
-  image.width = static_cast<int>(header.width);
-  image.height = static_cast<int>(header.height);
-  image.rgb.resize(PNG_IMAGE_SIZE(header));
-  if (!png_image_finish_read(&header, nullptr, image.rgb.data(), 0, nullptr)) {
-    return Error{ErrorCode::kIo, "cannot read '" + path + "': " + header.message};
-  }
-  return image;
+  if (Error error = checkImageExtension(path)) return error;
+  if (lowerExtension(path) == ".png") return savePng(path, image);
+  if (Error error = checkComplete(path, image)) return error;
+  return savePpm(path, image);
+}
+
+Error
+savePng(const std::string& path, const Image& image)
+{
+  if (Error error = checkComplete(path, image)) return error;
+  const auto bytes = detail::encodePng(image);
+  if (!bytes) return {bytes.error().code, "cannot write '" + path + "': " + bytes.error().message};
+  return writeFile(path, bytes->data(), bytes->size());
 }
 
 }  // namespace pcl_slim

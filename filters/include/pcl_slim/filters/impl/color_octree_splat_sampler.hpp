@@ -2,6 +2,7 @@
 #pragma once
 
 #include <pcl/common/point_tests.h>
+#include <pcl/console/print.h>
 
 #include <algorithm>
 #include <memory>
@@ -105,7 +106,9 @@ ColorOctreeSplatSampler<PointT>::filter(PointCloud& output)
   if (!input_ || input_->empty()) {
     output = PointCloud();
     SplatSet none;
-    return sample(none);  // says what is wrong
+    sample(none);  // finds what is wrong
+    complain();
+    return false;
   }
   // Keeping the organization goes by the removed indices; PCL would warn that it asks for them.
   const bool extract = extract_removed_indices_;
@@ -120,12 +123,23 @@ ColorOctreeSplatSampler<PointT>::filter(PointCloud& output)
 
 template <typename PointT>
 void
+ColorOctreeSplatSampler<PointT>::complain() const
+{
+  if (error_.code == ErrorCode::kCancelled) return;
+  PCL_ERROR("[pcl_slim::%s::filter] %s\n", this->getClassName().c_str(), error_.message.c_str());
+}
+
+template <typename PointT>
+void
 ColorOctreeSplatSampler<PointT>::applyFilter(pcl::Indices& indices)
 {
   indices.clear();
   removed_indices_->clear();
   SplatSet splats;
-  if (!sample(splats)) return;
+  if (!sample(splats)) {
+    complain();
+    return;
+  }
   std::vector<bool> kept(input_->size(), false);
   for (const std::uint32_t i : splats.kept) kept[i] = true;
   const bool chosen = use_indices_ && indices_;

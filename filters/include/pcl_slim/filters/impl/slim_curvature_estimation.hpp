@@ -135,7 +135,7 @@ SLIMCurvatureEstimation<PointInT, PointOutT>::run(CloudProjection& projection,
   CloudDescription<PointInT> fitted(apart ? surface_ : input_, apart ? nullptr : indices, params_);
   fitted.setInputNormals(normals_);
   fitted.setSearchMethod(this->tree_);
-  fitted.setEstimateNormals(normal_neighbours_);
+  fitted.setNormalEstimationNeighbors(normal_neighbours_);
   if ((apart && !points.describe()) || !fitted.describe()) {
     error_ = points.getError() ? points.getError() : fitted.getError();
     return false;

@@ -39,7 +39,7 @@ SLIMProjectionSmoother<PointInT, PointOutT>::performProcessing(PointCloudOut& ou
   CloudDescription<PointInT> description(input_, use_indices_ ? indices_ : nullptr, params_);
   description.setInputNormals(normals_);
   description.setSearchMethod(search_);
-  description.setEstimateNormals(normal_neighbours_);
+  description.setNormalEstimationNeighbors(normal_neighbours_);
   try {
     if (!description.describe()) {
       error_ = description.getError();

@@ -14,7 +14,8 @@ namespace pcl_slim {
  * .pcd   binary PCD, for pcl_viewer; metadata in '#' lines
  * .ply   binary_little_endian, plain float properties, for MeshLab and CloudCompare; metadata in
  *        comment lines
- * .vtp   for ParaView: vertex cells, "Normals", one array a field; metadata as field data
+ * .vtp   for ParaView: vertex cells, "Normals", one array a field; metadata as field data;
+ *        in builds with PCL_SLIM_WITH_VTP
  * .slim  the compact form of surface/surface_io.h
  *
  * Loading and saving again gives the same bytes in every format.
@@ -35,7 +36,8 @@ loadSurface(const std::string& path);
 Result<SLIMSurface>
 surfaceFrom(const PointFile& file);
 
-/** \brief Whether the extension is one saveSurface knows; names those it does otherwise. */
+/** \brief Whether the extension is one this build's saveSurface knows; names those it does
+ * otherwise. */
 Error
 checkSurfaceExtension(const std::string& path);
 

@@ -15,12 +15,23 @@ struct Image {
   std::vector<std::uint8_t> rgb;  ///< 3 * width * height values
 };
 
-/** \brief Writes a PNG file. It appears under its name only when complete; a failed write leaves
- * nothing behind. \return an error for an empty picture or a path that cannot be written. */
+/** \brief Whether saveImage() writes files so named: .png (in a build with PNG) or .ppm, upper or
+ * lower case; the error names those it does. */
+Error
+checkImageExtension(const std::string& path);
+
+/** \brief Writes a picture by extension. It appears under its name only when complete; a failed
+ * write leaves nothing behind. \return an error for an empty picture, another extension or a path
+ * that cannot be written. */
+Error
+saveImage(const std::string& path, const Image& image);
+
+/** \brief Writes a PNG file, as saveImage() does. \return also an error in a build without PNG. */
 Error
 savePng(const std::string& path, const Image& image);
 
-/** \brief Reads a PNG file of any colour type as 8-bit sRGB. */
+/** \brief Reads a PNG file of any colour type as 8-bit sRGB. \return an error for what is no PNG
+ * file, and for every file in a build without PNG. */
 Result<Image>
 loadPng(const std::string& path);
 

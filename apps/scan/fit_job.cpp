@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/fit_job.h"
+#include "scan/fit_job.h"
 
 #include <utility>
 
@@ -26,34 +26,33 @@ void
 reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatistics& fit,
           Report& report)
 {
-  auto& json = report.json();
   const PointStoreStatistics& points = store.statistics();
-  json["stored_points"] = store.size();
-  json["surfels"] = surface.size();
-  json["leaves"] = fit.leaves;
-  json["internals"] = fit.internals;
-  json["levels"] = surface.numLevels();
-  json["first_level"] = fit.first_level;
-  json["last_level"] = fit.last_level;
-  json["leaves_per_level"] = fit.leaves_per_level;
-  json["degree"] = surface.info.degree;
-  json["penalty"] = fit.penalty;
-  json["t_mdl"] = fit.t_mdl;
-  json["normal_error"] = fit.normal_error;
-  json["lambda"] = fit.lambda;
-  json["diagonal"] = store.diagonal() * store.scale();
-  json["rms_error_over_diagonal"] = fit.rms_error;
-  json["uncovered"] = fit.uncovered;
-  json["unsupported"] = fit.unsupported;
-  json["forced"] = fit.forced;
-  json["reduced_degree"] = fit.reduced_degree;
-  json["split_sheets"] = fit.split_sheets;
-  json["oriented"] = surface.info.oriented;
-  json["fits"] = fit.fits;
-  json["gathered"] = fit.gathered;
-  json["store_bytes"] = store.memoryBytes();
-  json["working_bytes"] = fit.working_bytes;
-  json["skipped"] = {
+  report.add({{"stored_points", store.size()},
+              {"surfels", surface.size()},
+              {"leaves", fit.leaves},
+              {"internals", fit.internals},
+              {"levels", surface.numLevels()},
+              {"first_level", fit.first_level},
+              {"last_level", fit.last_level},
+              {"leaves_per_level", fit.leaves_per_level},
+              {"degree", surface.info.degree},
+              {"penalty", fit.penalty},
+              {"t_mdl", fit.t_mdl},
+              {"normal_error", fit.normal_error},
+              {"lambda", fit.lambda},
+              {"diagonal", store.diagonal() * store.scale()},
+              {"rms_error_over_diagonal", fit.rms_error},
+              {"uncovered", fit.uncovered},
+              {"unsupported", fit.unsupported},
+              {"forced", fit.forced},
+              {"reduced_degree", fit.reduced_degree},
+              {"split_sheets", fit.split_sheets},
+              {"oriented", surface.info.oriented},
+              {"fits", fit.fits},
+              {"gathered", fit.gathered},
+              {"store_bytes", store.memoryBytes()},
+              {"working_bytes", fit.working_bytes}});
+  report.json()["skipped"] = {
       {"non_finite", points.non_finite},      {"without_normal", points.without_normal},
       {"duplicates", points.duplicates},      {"lone_normals", fit.skipped_normals},
       {"never_gathered", fit.never_gathered}, {"levels", fit.levels_skipped}};

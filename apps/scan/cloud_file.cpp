@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/cloud_file.h"
+#include "scan/cloud_file.h"
 
 #include <array>
 #include <cmath>
@@ -175,6 +175,22 @@ loadCloudFile(const std::string& path)
   }
   adoptNormals(cloud);
   return cloud;
+}
+
+ColorView
+colorsOf(const CloudFile& cloud)
+{
+  const pcl::PCLPointCloud2& points = cloud.file.cloud;
+  for (const char* name : {"rgba", "rgb"}) {
+    const int i = findField(points, name);
+    if (i < 0) continue;
+    const pcl::PCLPointField& field = points.fields[static_cast<std::size_t>(i)];
+    const bool packed = field.datatype == pcl::PCLPointField::FLOAT32 ||
+                        field.datatype == pcl::PCLPointField::UINT32 ||
+                        field.datatype == pcl::PCLPointField::INT32;
+    if (packed) return {points.data.data() + field.offset, points.point_step};
+  }
+  return {};
 }
 
 void

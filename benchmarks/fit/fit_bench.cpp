@@ -3,13 +3,12 @@
 // nanoflann build plus one 10-neighbour pass with eigenvalues on the same points, measured beside
 // each fit, so that figures compare across machines.
 #include <cstdio>
-#include <new>
 
-#include "common/options.h"
+#include "common/run_program.h"
+#include "fit/nanoflann_unit.h"
 #include "measure/clocks.h"
 #include "measure/lists.h"
 #include "measure/scenes.h"
-#include "nanoflann_unit.h"
 #include "pcl_slim/cloud/detail/block_kernels.h"
 #include "pcl_slim/fit/fit.h"
 
@@ -202,20 +201,7 @@ measureAll(const Settings& s)
 
 int
 main(int argc, char** argv)
-try {
-  Settings settings;
-  OptionTable options = declareOptions(settings);
-  if (const auto status = options.parse(argc, argv)) return *status;
-  if (Error error = finishOptions(options, settings)) {
-    std::fprintf(stderr, "fit_bench: %s\n", error.message.c_str());
-    return kExitUsage;
-  }
-  if (Error error = measureAll(settings)) {
-    std::fprintf(stderr, "fit_bench: %s\n", error.message.c_str());
-    return kExitFailed;
-  }
-  return kExitDone;
-} catch (const std::bad_alloc&) {
-  std::fputs("fit_bench: not enough memory; give smaller -points\n", stderr);
-  return kExitFailed;
+{
+  return runProgram<Settings>(argc, argv, "give smaller -points", declareOptions, finishOptions,
+                              measureAll);
 }

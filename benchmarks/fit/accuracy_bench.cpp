@@ -2,10 +2,10 @@
 // Error of fit and projection against exact surfaces: position, normal and mean curvature.
 #include <cmath>
 #include <cstdio>
-#include <new>
+#include <functional>
 
-#include "accuracy.h"
-#include "common/options.h"
+#include "common/run_program.h"
+#include "fit/accuracy.h"
 #include "measure/clocks.h"
 #include "measure/lists.h"
 #include "measure/scenes.h"
@@ -165,6 +165,22 @@ printHeader(const Settings& s)
   std::puts("");
 }
 
+/** Calls work(row) for every shape under every noise. */
+Error
+forEachShape(const Settings& s, const std::function<Error(const Row&)>& work)
+{
+  Row row;
+  for (const std::string& name : s.shape_list) {
+    row.name = name;
+    measure::parseShape(name, row.shape);
+    for (double noise : s.noise_list) {
+      row.noise = noise;
+      if (Error error = work(row)) return error;
+    }
+  }
+  return {};
+}
+
 /** Calls print(row) for one scene fitted every way asked for. */
 template <typename Print>
 Error
@@ -191,18 +207,12 @@ printTable(const Settings& s)
   const auto print = [&s](const Row& row) {
     return s.by_degree ? printByDegree(s, row) : printDetails(s, row);
   };
-  Row row;
-  for (const std::string& name : s.shape_list) {
-    row.name = name;
-    measure::parseShape(name, row.shape);
-    for (double noise : s.noise_list) {
-      row.noise = noise;
-      for (double points : s.point_list) {
-        if (Error error = forEachFit(s, row, points, print)) return error;
-      }
+  return forEachShape(s, [&](const Row& row) -> Error {
+    for (double points : s.point_list) {
+      if (Error error = forEachFit(s, row, points, print)) return error;
     }
-  }
-  return {};
+    return {};
+  });
 }
 
 /** "(3.02)": the power of the spacing, proportional to N^-1/2, that an error follows. */
@@ -252,42 +262,29 @@ printConvergence(const Settings& s)
   std::puts(
       "| shape | noise | T | normals | degree | points | position (slope) "
       "| normal ° (slope) | H (slope) | leaves/pt |\n|---|---|---|---|---|---|---|---|---|---|");
-  Row row;
-  for (const std::string& name : s.shape_list) {
-    row.name = name;
-    measure::parseShape(name, row.shape);
-    for (double noise : s.noise_list) {
-      row.noise = noise;
-      for (double t_mdl : s.t_mdl_list) {
-        for (double normals : s.normal_list) {
-          for (double degree : s.degree_list) {
-            if (Error error = printSlopes(s, row, normals, t_mdl, degree)) return error;
-          }
+  return forEachShape(s, [&](const Row& row) -> Error {
+    for (double t_mdl : s.t_mdl_list) {
+      for (double normals : s.normal_list) {
+        for (double degree : s.degree_list) {
+          if (Error error = printSlopes(s, row, normals, t_mdl, degree)) return error;
         }
       }
     }
-  }
-  return {};
+    return {};
+  });
+}
+
+Error
+measureAll(const Settings& s)
+{
+  return s.convergence ? printConvergence(s) : printTable(s);
 }
 
 }  // namespace
 
 int
 main(int argc, char** argv)
-try {
-  Settings settings;
-  OptionTable options = declareOptions(settings);
-  if (const auto status = options.parse(argc, argv)) return *status;
-  if (Error error = finishOptions(options, settings)) {
-    std::fprintf(stderr, "accuracy_bench: %s\n", error.message.c_str());
-    return kExitUsage;
-  }
-  if (Error error = settings.convergence ? printConvergence(settings) : printTable(settings)) {
-    std::fprintf(stderr, "accuracy_bench: %s\n", error.message.c_str());
-    return kExitFailed;
-  }
-  return kExitDone;
-} catch (const std::bad_alloc&) {
-  std::fputs("accuracy_bench: not enough memory; give smaller -points\n", stderr);
-  return kExitFailed;
+{
+  return runProgram<Settings>(argc, argv, "give smaller -points", declareOptions, finishOptions,
+                              measureAll);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/cloud_fields.h"
+#include "scan/cloud_fields.h"
 
 #include <algorithm>
 #include <cstring>

@@ -8,6 +8,7 @@
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/filters/io/point_file.h"
+#include "pcl_slim/splat/octree_cloud.h"
 
 namespace pcl_slim {
 
@@ -38,6 +39,11 @@ struct CloudFile {
  * an error; one without points does not. */
 Result<CloudFile>
 loadCloudFile(const std::string& path);
+
+/** \brief The colours of a cloud's points, in its field rgba or rgb where that is packed into four
+ * bytes; null without. Valid as long as view() is. */
+ColorView
+colorsOf(const CloudFile& cloud);
 
 /** \brief Replaces the normals by PCL's, from the k nearest neighbours of each point.
  *

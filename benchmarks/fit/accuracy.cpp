@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "accuracy.h"
+#include "fit/accuracy.h"
 
 #include <algorithm>
 #include <cmath>

@@ -21,7 +21,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/options.h"
+#include "common/run_program.h"
 #include "measure/clocks.h"
 #include "measure/lists.h"
 #include "measure/scenes.h"
@@ -223,27 +223,29 @@ methodsOf(const Cloud::Ptr& cloud, double share)
   return methods;
 }
 
-int
-run(const Settings& s)
+Error
+loadCloud(const Settings& s, Cloud::Ptr& cloud)
 {
-  Cloud::Ptr cloud = std::make_shared<Cloud>();
+  cloud = std::make_shared<Cloud>();
   if (s.input == "painted") {
     cloud = paintedCloud(s.points);
     if (s.order == "scan") scanOrder(*cloud);
   } else if (pcl::io::loadPCDFile(s.input, *cloud) != 0) {
-    std::fprintf(stderr, "splat_bench: cannot read '%s'\n", s.input.c_str());
-    return kExitUsage;
+    return {ErrorCode::kBadInput, "cannot read '" + s.input + "'; name a .pcd file"};
   }
-  if (cloud->size() < 100) {
-    std::fprintf(stderr, "splat_bench: the cloud needs 100 points or more\n");
-    return kExitUsage;
-  }
+  if (cloud->size() >= 100) return {};
+  return {ErrorCode::kBadInput, "the cloud needs 100 points or more; name a larger one"};
+}
+
+Error
+run(const Settings& s, const Cloud::Ptr& cloud)
+{
   std::vector<Method> methods = methodsOf(cloud, s.share);
   const bool made = s.input == "painted";
   std::printf("%zu points of %s%s; speed-up over VoxelGrid\n\n", cloud->size(), s.input.c_str(),
               made ? (" in " + s.order + " order").c_str() : "");
   run(methods, cloud->size(), s.repetitions);
-  return kExitDone;
+  return {};
 }
 
 }  // namespace
@@ -259,6 +261,8 @@ main(int argc, char** argv)
   options.integer("repetitions", &s.repetitions, 1, 1000, "rounds; medians count");
   options.number("share", &s.share, 0, 1,
                  "share of points VoxelGrid keeps; 0: as many as the default tolerances give");
-  if (const auto status = options.parse(argc, argv)) return *status;
-  return run(s);
+  Cloud::Ptr cloud;
+  return runProgram(
+      options, argc, argv, "give smaller -points", [&] { return loadCloud(s, cloud); },
+      [&] { return run(s, cloud); });
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "nanoflann_unit.h"
+#include "fit/nanoflann_unit.h"
 
 #include <Eigen/Eigenvalues>
 #include <nanoflann.hpp>

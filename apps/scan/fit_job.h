@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "common/cloud_file.h"
 #include "common/options.h"
 #include "common/progress_bar.h"
 #include "common/report.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/fit/fit.h"
+#include "scan/cloud_file.h"
 
 namespace pcl_slim {
 

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scan/projection_job.h"
+
+#include <utility>
+
+#include "common/program.h"
+#include "pcl_slim/filters/io/surface_files.h"
+
+namespace pcl_slim {
+
+namespace {
+
+/** What can be said before the input is touched. */
+Error
+checkJob(ProjectionJob& job)
+{
+  if (Error error = finishFitOptions(job.fit)) return error;
+  if (Error error = checkPointExtension(job.files.output)) return error;
+  for (const std::string* read : {&job.files.input, &job.surface}) {
+    if (samePlace(*read, job.files.output) || samePlace(*read, job.files.json)) {
+      return {ErrorCode::kBadArgument, "'" + *read + "' would be overwritten; name another file"};
+    }
+  }
+  return checkFilesDiffer(job.files);
+}
+
+Error
+readSurface(const std::string& path, Console& console, Report& report, SLIMSurface& surface)
+{
+  const Stopwatch watch;
+  console.begin("Loading " + path);
+  Result<SLIMSurface> loaded = loadSurface(path);
+  if (!loaded) {
+    console.failed();
+    return loaded.error();
+  }
+  surface = std::move(*loaded);
+  report.time("surface", watch.seconds());
+  report.json()["surface"] = path;
+  report.json()["surfels"] = surface.size();
+  console.done(watch.seconds(), std::to_string(surface.size()) + " surfels");
+  return {};
+}
+
+void
+reportProjection(const CloudProjection& projection, Report& report)
+{
+  const CloudProjectionStatistics& statistics = projection.statistics();
+  report.add({{"moved", statistics.moved},
+              {"unsupported", statistics.unsupported},
+              {"non_finite", statistics.non_finite},
+              {"rms_displacement", statistics.rms_displacement},
+              {"max_displacement", statistics.max_displacement}});
+}
+
+/** Brings the scan onto the surface. \param[in] store the scan's, or null. */
+Result<CloudProjection>
+projectScan(const ProjectionJob& job, const CloudFile& cloud, const SLIMSurface& surface,
+            const PointStore* store, Console& console, Report& report)
+{
+  const Stopwatch watch;
+  console.begin("Projecting");
+  CloudProjectionParams params;
+  params.projection = job.projection;
+  params.projection.threads = job.fit.params.threads;
+  params.projection.sharp_features = job.fit.params.sharp_features;
+  params.projection.paper_mode = surface.info.paper_mode;
+  params.has_viewpoint = job.fit.params.has_viewpoint;
+  for (std::size_t a = 0; a < 3; ++a) params.viewpoint[a] = job.fit.params.viewpoint[a];
+  if (!job.surface.empty()) params.least_support = kLeastSharedSupport;
+  const bool with_normals = job.fit.use_normals || job.fit.normal_neighbours > 0;
+  auto projection =
+      CloudProjection::make(cloud.view(with_normals), surface, params, &console.progress(), store);
+  if (!projection) {
+    console.failed();
+    return projection;
+  }
+  report.time("project", watch.seconds());
+  reportProjection(*projection, report);
+  console.done(watch.seconds(), std::to_string(projection->statistics().moved) + " points");
+  if (const auto count = projection->statistics().unsupported; count > 0) {
+    console.note("  " + std::to_string(count) + (count == 1 ? " point" : " points") +
+                 " without support");
+  }
+  return projection;
+}
+
+/** Fits, unless a surface was read, and projects. */
+Result<CloudProjection>
+fitAndProject(const ProjectionJob& job, const CloudFile& cloud, SLIMSurface& surface,
+              Console& console, Report& report)
+{
+  if (!job.surface.empty()) return projectScan(job, cloud, surface, nullptr, console, report);
+  PointStore store;
+  if (Error error = fitScan(job.fit, cloud, console, report, surface, &store)) return error;
+  if (console.interrupted()) return Error{ErrorCode::kCancelled, "stopped; nothing is written"};
+  return projectScan(job, cloud, surface, &store, console, report);
+}
+
+OptionTable
+declareOptions(const ProjectionProgram& program, ProjectionJob& job, bool& chosen)
+{
+  OptionTable options(program.name, program.version, program.summary);
+  options.positional("IN.pcd|.ply", &job.files.input,
+                     "the scan; its normals or faces are used if it has any");
+  options.positional("OUT.pcd|.ply", &job.files.output, "the same points, with every field kept");
+  options.toggle(program.switch_name, &chosen, program.switch_help);
+  options.text("surface", &job.surface, "FILE",
+               "use a surface made by pcl_slim_fit (.pcd, .ply, .vtp, .slim) in place of a fit");
+  declareFitOptions(options, job.fit);
+  declareReport(options, job.files);
+  for (const char* name :
+       {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "robust", "local_noise",
+        "normals_as_data", "normal_error", "paper", "compact", "lambda", "seed"}) {
+    options.exclusive({"surface", name});
+  }
+  return options;
+}
+
+}  // namespace
+
+int
+runProjectionProgram(const ProjectionProgram& program, ProjectionJob& job, int argc,
+                     const char* const* argv, const MakeOutput& make_output)
+{
+  bool chosen = false;
+  OptionTable options = declareOptions(program, job, chosen);
+  SLIMSurface surface;
+  PointFile made;
+  ScanSteps steps;
+  steps.check = [&] { return checkJob(job); };
+  steps.load = [&](Console& console, Report& report) {
+    return job.surface.empty() ? Error() : readSurface(job.surface, console, report, surface);
+  };
+  steps.work = [&](const CloudFile& cloud, Console& console, Report& report, ScanResult& result) {
+    const auto projection = fitAndProject(job, cloud, surface, console, report);
+    if (!projection) return projection.error();
+    made = make_output(cloud.file, *projection, chosen, job.fit.params.threads);
+    result.save = [&] { return savePointFile(job.files.output, made); };
+    result.detail = std::to_string(numPoints(made.cloud)) + " points";
+    return Error();
+  };
+  return runScanProgram(options, argc, argv, job.files, job.fit, job.fit.params.threads, steps);
+}
+
+}  // namespace pcl_slim

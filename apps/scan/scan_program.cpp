@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scan/scan_program.h"
+
+#include "common/program.h"
+#include "pcl_slim/core/file_access.h"
+#include "pcl_slim/core/parallel.h"
+
+namespace pcl_slim {
+
+namespace {
+
+/** What is done once the arguments are read. */
+int
+runSteps(const OptionTable& options, const ScanFiles& files, const FitJob& scan, int threads,
+         const ScanSteps& steps)
+{
+  const auto leave = [&](int status, const Error& error) {
+    return fail(options.program(), status, error.message);
+  };
+  Error error = steps.check();
+  if (error) return leave(kExitUsage, error);
+  Console console(files.quiet);
+  Report report(options.program(), options.version(), files.input, resolveThreads(threads));
+  const Result<CloudFile> cloud = loadScan(files.input, scan, console, report);
+  if (!cloud) return leave(kExitUsage, cloud.error());
+  if (steps.load) error = steps.load(console, report);
+  if (error) return leave(kExitUsage, error);
+  error = checkOutputs(files.output, files.json);
+  if (error) return leave(kExitFailed, error);
+
+  ScanResult result;
+  error = steps.work(*cloud, console, report, result);
+  if (console.interrupted()) {
+    return fail(options.program(), kExitInterrupted, "stopped; nothing is written");
+  }
+  if (!error) {
+    error = saveOutput(files.output, files.json, result.save, result.detail, console, report);
+  }
+  return error ? leave(kExitFailed, error) : kExitDone;
+}
+
+}  // namespace
+
+void
+declareReport(OptionTable& options, ScanFiles& files)
+{
+  options.text("json", &files.json, "FILE", "write a report");
+  options.toggle("quiet", &files.quiet, "say nothing but errors");
+}
+
+Error
+checkFilesDiffer(const ScanFiles& files)
+{
+  if (!samePlace(files.input, files.output) && !samePlace(files.json, files.input) &&
+      !samePlace(files.json, files.output)) {
+    return {};
+  }
+  return {ErrorCode::kBadArgument, "input, output and report share a file; name different ones"};
+}
+
+Error
+checkPointExtension(const std::string& path)
+{
+  const std::string extension = lowerExtension(path);
+  if (extension == ".pcd" || extension == ".ply") return {};
+  return {ErrorCode::kBadArgument,
+          "cannot tell the format of '" + path + "'; name a .pcd or .ply file"};
+}
+
+int
+runScanProgram(OptionTable& options, int argc, const char* const* argv, const ScanFiles& files,
+               const FitJob& scan, const int& threads, const ScanSteps& steps)
+{
+  return guarded(options.program(), "use a smaller scan", [&]() -> int {
+    if (const auto status = options.parse(argc, argv)) return *status;
+    return runSteps(options, files, scan, threads, steps);
+  });
+}
+
+}  // namespace pcl_slim

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "common/options.h"
+#include "scan/fit_job.h"
+
+namespace pcl_slim {
+
+/** \brief The files of a program that makes one file of a scan, and whether it is to be quiet. */
+struct ScanFiles {
+  std::string input, output, json;  ///< json: the report's file, or none
+  bool quiet = false;
+};
+
+/** \brief Declares -json and -quiet; files must outlive the table's parse(). */
+void
+declareReport(OptionTable& options, ScanFiles& files);
+
+/** \brief No error unless input, output and report share a file. */
+Error
+checkFilesDiffer(const ScanFiles& files);
+
+/** \brief No error for a name that ends in .pcd or .ply. */
+Error
+checkPointExtension(const std::string& path);
+
+/** \brief What a program makes of a scan. */
+struct ScanResult {
+  std::function<Error()> save;  ///< writes it
+  std::string detail;           ///< what it is: "5000 surfels"
+};
+
+/** \brief The steps of a program that makes one file of a scan, in the order they are run. */
+struct ScanSteps {
+  /** \brief What can be said before any file is touched; an error exits with kExitUsage. */
+  std::function<Error()> check;
+  /** \brief Reads what else is needed, if anything; an error exits with kExitUsage. */
+  std::function<Error(Console&, Report&)> load;
+  /** \brief The work; an error exits with kExitFailed. */
+  std::function<Error(const CloudFile&, Console&, Report&, ScanResult&)> work;
+};
+
+/** \brief Reads the arguments, loads the scan, works, writes result and report, and says so.
+ * \param[in] scan how the scan is loaded; \param[in] threads told in the report, 0: all cores. Both
+ * are read after the arguments. \return the exit status; after Ctrl-C nothing is written. */
+int
+runScanProgram(OptionTable& options, int argc, const char* const* argv, const ScanFiles& files,
+               const FitJob& scan, const int& threads, const ScanSteps& steps);
+
+}  // namespace pcl_slim

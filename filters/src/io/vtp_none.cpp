@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stands in for vtp_file.cpp in a build without VTK.
+#include "io/vtp_file.h"
+
+namespace pcl_slim {
+
+Error
+checkVtp(const std::string& path)
+{
+  return {ErrorCode::kBadArgument,
+          "cannot use '" + path +
+              "': this build has no VTP (PCL_SLIM_WITH_VTP); name a .pcd, .ply or .slim file"};
+}
+
+Error
+saveVtp(const std::string& path, const PointFile&)
+{
+  return checkVtp(path);
+}
+
+Result<PointFile>
+loadVtp(const std::string& path)
+{
+  return checkVtp(path);
+}
+
+}  // namespace pcl_slim
