@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <new>
 
+#include "common/interrupt.h"
 #include "common/options.h"
 #include "pcl_slim/core/file_access.h"
 
@@ -20,10 +21,12 @@ fail(const std::string& program, int status, const std::string& message)
 int
 guarded(const std::string& program, const std::string& relief, const std::function<int()>& work)
 {
+  endOnSignals();
   try {
-    return work();
+    const int status = work();
+    return status == kExitInterrupted && receivedSignal() != 0 ? 128 + receivedSignal() : status;
   } catch (const std::bad_alloc&) {
-    return fail(program, kExitFailed, "not enough memory; " + relief);
+    return fail(program, kExitFailed, "not enough memory; " + relief + " or fewer -threads");
   } catch (const std::exception& failure) {
     return fail(program, kExitFailed, failure.what());
   }

@@ -125,6 +125,29 @@ parseHeaderLine(const std::string& line, Header& header, PointFile& file)
   return key == "DATA";
 }
 
+/** Whether every field has values that are numbers, and a point of them a size that fields can be
+ * addressed in. */
+Error
+checkColumns(const std::vector<Column>& columns)
+{
+  constexpr std::size_t kMostBytes = std::numeric_limits<std::int32_t>::max();
+  std::size_t bytes = 0;
+  for (const Column& column : columns) {
+    const std::string field = "the PCD field '" + column.name + "' has a ";
+    if (column.count == 0 || column.size == 0) {
+      return bad(field + (column.count == 0 ? "COUNT" : "SIZE") +
+                 " of 0: give it a value a point, or take it out of the header and the data");
+    }
+    if (column.name != "_" && scalarType(column) == 0) {
+      return bad(field +
+                 "TYPE and SIZE that do not go together: use F 4 or 8, I or U 1, 2, 4 or 8");
+    }
+    bytes += column.size * column.count;
+    if (bytes > kMostBytes) return bad("a point of the PCD file has more than 2 GiB: check COUNT");
+  }
+  return {};
+}
+
 Error
 checkHeader(Header& header)
 {
@@ -141,12 +164,7 @@ checkHeader(Header& header)
                " is not WIDTH times HEIGHT");
   }
   header.points = header.width * header.height;
-  for (const Column& column : header.columns) {
-    if (column.name != "_" && scalarType(column) == 0) {
-      return bad("the PCD field '" + column.name + "' has a TYPE and SIZE that do not go together");
-    }
-  }
-  return {};
+  return checkColumns(header.columns);
 }
 
 void
@@ -182,7 +200,9 @@ readAscii(TextScanner& scanner, const Header& header, std::size_t bytes_left,
           pcl::PCLPointCloud2& cloud)
 {
   // Every value takes a character and a separator: no allocation for a header that only boasts.
-  if (header.points > bytes_left / 2 + 1) return truncated("points", 0, header.points);
+  std::size_t values = 0;
+  for (const Column& column : header.columns) values += column.count;
+  if (header.points > (bytes_left / 2 + 1) / values) return truncated("points", 0, header.points);
   cloud.data.resize(header.points * cloud.point_step);
   std::uint8_t* at = cloud.data.data();
   for (std::size_t i = 0; i < header.points; ++i) {
