@@ -31,7 +31,6 @@ SLIMFitBase::clearResults()
   statistics_ = {};
   input_statistics_ = {};
   error_ = {};
-  control_.progress.reset();
 }
 
 bool
@@ -44,6 +43,7 @@ SLIMFitBase::fail(ErrorCode code, const std::string& message)
 bool
 SLIMFitBase::run(const CloudView& cloud, SLIMSurface& surface)
 {
+  const CancellableRun cancellable(control_.progress);
   error_ = params_.validate();
   if (error_) return false;
   try {

@@ -94,7 +94,8 @@ class ColorOctreeSplatSamplerBase {
   /** \brief Called from the thread that runs the sampler with the share done and the stage. */
   void setProgressCallback(Progress::Callback callback) { control_.callback = std::move(callback); }
 
-  /** \brief Stops the running sampler from any thread; nothing if none runs. */
+  /** \brief Stops the running sampler from any thread, or its next run if none runs: asked for right
+   * after a run was started in another thread, it holds. */
   void cancel() { control_.progress.cancel(); }
 
   // Results --------------------------------------------------------------------------------------

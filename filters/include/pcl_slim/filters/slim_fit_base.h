@@ -128,7 +128,8 @@ class SLIMFitBase {
   /** \brief Called from the thread that runs fit() with the share done and the stage's name. */
   void setProgressCallback(Progress::Callback callback) { control_.callback = std::move(callback); }
 
-  /** \brief Stops the running fit() from any thread or a signal handler; nothing if none runs. */
+  /** \brief Stops the running fit() from any thread or a signal handler, or the next one if none runs:
+   * asked for right after fit() was started in another thread, it holds. */
   void cancel() { control_.progress.cancel(); }
 
   // Results --------------------------------------------------------------------------------------
