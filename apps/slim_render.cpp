@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/options.h"
+#include "common/program.h"
 #include "common/progress_bar.h"
 #include "common/report.h"
 #include "pcl_slim/core/file_access.h"
@@ -203,10 +204,5 @@ main(int argc, char** argv)
     std::fprintf(stderr, "pcl_slim_render: %s\n", error.message.c_str());
     return kExitUsage;
   }
-  try {
-    return run(settings);
-  } catch (const std::bad_alloc&) {
-    std::fprintf(stderr, "pcl_slim_render: not enough memory; ask for a smaller picture\n");
-    return kExitFailed;
-  }
+  return guarded("pcl_slim_render", "ask for a smaller picture", [&] { return run(settings); });
 }

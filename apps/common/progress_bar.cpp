@@ -4,39 +4,24 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 
+#include "common/interrupt.h"
+
 namespace pcl_slim {
-
-namespace {
-
-std::atomic<Progress*> g_running{nullptr};
-
-extern "C" void
-cancelRunning(int signal)
-{
-  if (Progress* progress = g_running.load()) progress->cancel();
-  std::signal(signal, SIG_DFL);  // the second Ctrl-C does not wait
-}
-
-}  // namespace
 
 Console::Console(bool quiet)
     : quiet_(quiet),
       terminal_(!quiet && isatty(STDOUT_FILENO) == 1),
       progress_([this](float fraction, const char* stage) { showBar(fraction, stage); })
 {
-  g_running.store(&progress_);
-  std::signal(SIGINT, cancelRunning);
+  cancelOnSignals(&progress_);
 }
 
 Console::~Console()
 {
-  g_running.store(nullptr);
-  std::signal(SIGINT, SIG_DFL);
+  cancelOnSignals(nullptr);
 }
 
 void

@@ -10,8 +10,8 @@ namespace pcl_slim {
 /** \brief What a program says while it works, in the manner of PCL's tools:
  * "> Loading scan.pcd [done, 12 ms : 34817 points]".
  *
- * On a terminal a bar shows how far a stage is. With quiet nothing is written. Ctrl-C cancels
- * the running work through progress(); a second Ctrl-C ends the program at once.
+ * On a terminal a bar shows how far a stage is. With quiet nothing is written. While it lives,
+ * Ctrl-C cancels the running work through progress() (see endOnSignals()).
  */
 class Console {
  public:

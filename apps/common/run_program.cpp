@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <new>
 
+#include "common/interrupt.h"
+
 namespace pcl_slim {
 
 int
@@ -24,10 +26,12 @@ failWork(const std::string& program, const Error& error)
 int
 guarded(const std::string& program, const std::string& relief, const std::function<int()>& work)
 {
+  endOnSignals();
   try {
-    return work();
+    const int status = work();
+    return status == kExitInterrupted && receivedSignal() != 0 ? 128 + receivedSignal() : status;
   } catch (const std::bad_alloc&) {
-    return fail(program, kExitFailed, "not enough memory; " + relief);
+    return fail(program, kExitFailed, "not enough memory; " + relief + " or fewer -threads");
   } catch (const std::exception& failure) {
     return fail(program, kExitFailed, failure.what());
   }

@@ -33,6 +33,7 @@ bool
 ColorOctreeSplatSamplerBase::run(const CloudView& cloud, const ColorView& colors,
                                  const float sensor[3], SplatSet& splats)
 {
+  const CancellableRun cancellable(control_.progress);
   SplatParams params = params_;
   for (int a = 0; a < 3 && !has_viewpoint_; ++a) params.viewpoint[a] = sensor[a];
   const bool done = guarded("the sampling", "sample fewer points", [&] {

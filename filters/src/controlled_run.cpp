@@ -10,7 +10,6 @@ void
 ControlledRun::clearResults()
 {
   error_ = {};
-  control_.progress.reset();
 }
 
 bool

@@ -33,6 +33,7 @@ SLIMFitBase::clearResults()
 bool
 SLIMFitBase::run(const CloudView& cloud, SLIMSurface& surface)
 {
+  const CancellableRun cancellable(control_.progress);
   error_ = params_.validate();
   if (error_) return false;
   const bool done = guarded("the fit", "fit fewer points", [&]() -> Error {

@@ -19,6 +19,7 @@ bool
 SLIMProjectionBase::project(const CloudView& points, const CloudView& fitted,
                             ProjectionParams params, CloudProjection& projection)
 {
+  const CancellableRun cancellable(control_.progress);
   error_ = params_.validate();
   if (error_) return false;
   params.threads = params_.threads;

@@ -209,6 +209,15 @@ TYPED_TEST_P(DoorSuite, CancelStopsAndTheNextRunWorks)
   this->runWell(door);
 }
 
+TYPED_TEST_P(DoorSuite, CancelBeforeTheRunHoldsOnce)
+{
+  auto door = this->doorTo(bumpySphere<typename TestFixture::Point>(4000));
+  door.cancel();
+  this->expectFailure(door);
+  EXPECT_EQ(door.getError().code, pcl_slim::ErrorCode::kCancelled);
+  this->runWell(door);
+}
+
 TYPED_TEST_P(DoorSuite, AnErrorDoesNotOutliveItsRun)
 {
   auto door = this->doorTo(std::make_shared<typename TestFixture::Cloud>());
@@ -221,6 +230,7 @@ REGISTER_TYPED_TEST_SUITE_P(DoorSuite, NoInputIsAnError, NothingToWorkOnIsAnErro
                             BadIndicesAreAnError, FewOrEqualPointsDoNotCrash,
                             IndicesSelectWhatCopyingSelects, NonFinitePointsAreLeftOut,
                             ThreadsAndRepetitionChangeNothing, CopiesStandAlone,
-                            CancelStopsAndTheNextRunWorks, AnErrorDoesNotOutliveItsRun);
+                            CancelStopsAndTheNextRunWorks, CancelBeforeTheRunHoldsOnce,
+                            AnErrorDoesNotOutliveItsRun);
 
 }  // namespace pcl_slim_test

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/filters/io/point_file.h"
 
-#include "io/pcd_file.h"
-#include "io/ply_file.h"
+#include "io/pcd/pcd_file.h"
+#include "io/ply/ply_file.h"
 #include "io/scalar_type.h"
 #include "pcl_slim/core/file_access.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/filters/io/surface_files.h"
 
-#include "io/vtp_file.h"
+#include "io/vtp/vtp_file.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/filters/io/surface_conversion.h"
 #include "pcl_slim/surface/surface_io.h"

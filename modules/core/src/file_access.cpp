@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/core/file_access.h"
 
+#include <limits.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
@@ -30,6 +35,67 @@ systemMessage()
 struct Target {
   fs::path path;
   bool direct = false;
+  fs::perms permissions = fs::perms::unknown;  ///< of the file that is replaced
+};
+
+/** Names of temporary files, kept where a signal handler may read them. */
+struct UnfinishedFile {
+  std::atomic<bool> taken{false}, exists{false};
+  char path[PATH_MAX];
+};
+std::array<UnfinishedFile, 16> g_unfinished;
+
+/** A temporary file beside a target, removed unless it is renamed. Its name is short and no longer
+ * than the longest allowed, however long the target's is. */
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const fs::path& target)
+  {
+    std::random_device random;
+    std::error_code code;
+    do {
+      path_ = target.parent_path() / (".pcl_slim_" + std::to_string(random()) + ".part");
+    } while (fs::exists(path_, code));
+    remember();
+  }
+  ~TemporaryFile()
+  {
+    std::error_code code;
+    if (!renamed_) fs::remove(path_, code);
+    if (slot_ == nullptr) return;
+    slot_->exists = false;
+    slot_->taken = false;
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+  const fs::path& path() const { return path_; }
+
+  std::error_code renameTo(const fs::path& target)
+  {
+    std::error_code code;
+    fs::rename(path_, target, code);
+    renamed_ = !code;
+    return code;
+  }
+
+ private:
+  void remember()
+  {
+    const std::string name = fs::absolute(path_).string();
+    if (name.size() >= PATH_MAX) return;
+    for (UnfinishedFile& file : g_unfinished) {
+      if (file.taken.exchange(true)) continue;
+      std::memcpy(file.path, name.c_str(), name.size() + 1);
+      file.exists = true;
+      slot_ = &file;
+      return;
+    }
+  }
+
+  fs::path path_;
+  bool renamed_ = false;
+  UnfinishedFile* slot_ = nullptr;
 };
 
 Error
@@ -43,6 +109,14 @@ resolveTarget(const std::string& name, Target& target)
     target.direct = !fs::is_regular_file(status);
     const fs::path real = fs::canonical(target.path, code);
     if (!code) target.path = real;
+    if (target.direct) return {};
+    target.permissions = status.permissions();
+    constexpr fs::perms kWrite =
+        fs::perms::owner_write | fs::perms::group_write | fs::perms::others_write;
+    if ((target.permissions & kWrite) == fs::perms::none ||
+        access(target.path.c_str(), W_OK) != 0) {
+      return ioError("write", name, "the file is read-only; allow writing it or name another");
+    }
     return {};
   }
   const fs::path folder = target.path.has_parent_path() ? target.path.parent_path() : ".";
@@ -52,18 +126,6 @@ resolveTarget(const std::string& name, Target& target)
                    "the folder '" + folder.string() + "' does not exist; create it first");
   }
   return {};
-}
-
-fs::path
-temporaryBeside(const fs::path& target)
-{
-  std::random_device random;
-  std::error_code code;
-  for (;;) {
-    fs::path candidate = target;
-    candidate += "." + std::to_string(random()) + ".part";
-    if (!fs::exists(candidate, code)) return candidate;
-  }
 }
 
 bool
@@ -83,6 +145,9 @@ readFile(const std::string& path)
 {
   std::error_code code;
   if (fs::is_directory(path, code)) return ioError("read", path, "it is a folder; name a file");
+  if (fs::is_character_file(path, code) || fs::is_block_file(path, code)) {
+    return ioError("read", path, "it is a device; name a file");
+  }
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   if (!file) return ioError("read", path, systemMessage());
@@ -110,18 +175,14 @@ writeFile(const std::string& path, const void* bytes, std::size_t size)
   if (target.direct) {
     return writeAll(target.path, bytes, size) ? Error{} : ioError("write", path, systemMessage());
   }
-  const fs::path temporary = temporaryBeside(target.path);
-  std::error_code code;
-  if (!writeAll(temporary, bytes, size)) {
-    const std::string why = systemMessage();
-    fs::remove(temporary, code);
-    return ioError("write", path, why);
+  TemporaryFile temporary(target.path);
+  if (!writeAll(temporary.path(), bytes, size)) return ioError("write", path, systemMessage());
+  if (target.permissions != fs::perms::unknown) {
+    std::error_code ignored;  // the bytes count more than their permissions
+    fs::permissions(temporary.path(), target.permissions, ignored);
   }
-  fs::rename(temporary, target.path, code);
-  if (!code) return {};
-  const std::string why = code.message();
-  fs::remove(temporary, code);
-  return ioError("write", path, why);
+  const std::error_code code = temporary.renameTo(target.path);
+  return code ? ioError("write", path, code.message()) : Error{};
 }
 
 Error
@@ -130,12 +191,16 @@ checkWritable(const std::string& path)
   Target target;
   if (Error error = resolveTarget(path, target)) return error;
   if (target.direct) return {};
-  const fs::path temporary = temporaryBeside(target.path);
-  const bool written = writeAll(temporary, nullptr, 0);
-  const std::string why = systemMessage();
-  std::error_code code;
-  fs::remove(temporary, code);
-  return written ? Error{} : ioError("write", path, why);
+  const TemporaryFile temporary(target.path);
+  return writeAll(temporary.path(), nullptr, 0) ? Error{} : ioError("write", path, systemMessage());
+}
+
+void
+removeUnfinishedFiles()
+{
+  for (const UnfinishedFile& file : g_unfinished) {
+    if (file.exists) unlink(file.path);
+  }
 }
 
 std::string

@@ -139,6 +139,10 @@ TEST(PointFile, BoastfulAndBrokenHeadersAreErrors)
 {
   const TemporaryFolder folder;
   const std::string pcd = "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n";
+  const std::string one = "WIDTH 1\nHEIGHT 1\nDATA binary\n";
+  const auto counts = [&one](const std::string& values) {
+    return "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT " + values + "\n" + one;
+  };
   const std::string ply = "ply\nformat ascii 1.0\nelement vertex ";
   const std::string xyz = "\nproperty float x\nproperty float y\nproperty float z\n";
   const std::pair<std::string, std::string> files[] = {
@@ -151,6 +155,11 @@ TEST(PointFile, BoastfulAndBrokenHeadersAreErrors)
       {"g.pcd", pcd + "WIDTH 1\nHEIGHT 1\nDATA origami\n1 2 3\n"},
       {"h.pcd", "FIELDS x y\nSIZE 4\nDATA ascii\n"},
       {"i.pcd", ""},
+      {"j.pcd", counts("0 0 0") + "abcdefghijkl"},
+      {"k.pcd", counts("1 1 0") + "abcdefgh"},
+      {"l.pcd", "FIELDS x y z _\nSIZE 4 4 4 0\nTYPE F F F U\n" + one},
+      {"m.pcd", "FIELDS x y z\nSIZE 4 4 3\nTYPE F F F\n" + one},
+      {"n.pcd", counts("65536 65536 65536") + "abc"},
       {"a.ply", ply + "4000000000" + xyz + "end_header\n1 2 3\n"},
       {"b.ply", ply + "1" + xyz + "end_header\n1 2\n"},
       {"c.ply", ply + "1" + xyz + "end_header\n1 2 x\n"},

@@ -54,6 +54,48 @@ TEST(FileAccess, NamesWhatCannotBeUsed)
   EXPECT_EQ(folder.numFiles(), 0u);
 }
 
+TEST(FileAccess, TakesNamesOfFullLength)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder / std::string(255, 'x');
+  ASSERT_FALSE(checkWritable(path));
+  ASSERT_FALSE(writeFile(path, "abc", 3));
+  EXPECT_EQ(fileBytes(path).size(), 3u);
+  EXPECT_EQ(folder.numFiles(), 1u);
+}
+
+TEST(FileAccess, ReplacesNoReadOnlyFile)
+{
+  namespace fs = std::filesystem;
+  const TemporaryFolder folder;
+  writeText(folder / "kept", "old");
+  fs::permissions(folder / "kept", fs::perms::owner_read | fs::perms::others_read);
+  EXPECT_EQ(checkWritable(folder / "kept").code, ErrorCode::kIo);
+  const Error error = writeFile(folder / "kept", "new", 3);
+  EXPECT_NE(error.message.find("read-only"), std::string::npos) << error.message;
+  EXPECT_EQ(fileBytes(folder / "kept")[0], 'o');
+}
+
+TEST(FileAccess, ReplacedFilesKeepTheirPermissions)
+{
+  namespace fs = std::filesystem;
+  const TemporaryFolder folder;
+  writeText(folder / "a", "old");
+  const fs::perms before = fs::perms::owner_read | fs::perms::owner_write | fs::perms::group_read;
+  fs::permissions(folder / "a", before);
+  ASSERT_FALSE(writeFile(folder / "a", "new", 3));
+  EXPECT_EQ(fs::status(folder / "a").permissions(), before);
+}
+
+TEST(FileAccess, ReadsNoEndlessDevice)
+{
+  const TemporaryFolder folder;
+  std::filesystem::create_symlink("/dev/zero", folder / "scan.pcd");
+  const auto bytes = readFile(folder / "scan.pcd");
+  ASSERT_FALSE(bytes);
+  EXPECT_NE(bytes.error().message.find("device"), std::string::npos) << bytes.error().message;
+}
+
 TEST(FileAccess, ExtensionsAreLowerCase)
 {
   EXPECT_EQ(lowerExtension("a.b/Scan.PcD"), ".pcd");

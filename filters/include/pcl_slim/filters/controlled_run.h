@@ -34,7 +34,8 @@ class ControlledRun {
   /** \brief Called from the thread that runs with the share done and the stage's name. */
   void setProgressCallback(Progress::Callback callback) { control_.callback = std::move(callback); }
 
-  /** \brief Stops the run from any thread or a signal handler; nothing if none runs. */
+  /** \brief Stops the run from any thread or a signal handler, or the next one if none runs: asked for
+   * right after a run was started in another thread, it holds. */
   void cancel() { control_.progress.cancel(); }
 
   /** \brief Why the last run failed, in one sentence; no error after a success. */

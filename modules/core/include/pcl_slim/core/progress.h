@@ -26,13 +26,26 @@ class Progress {
   }
 
   void cancel() { cancelled_.store(true, std::memory_order_relaxed); }
-  /** \brief Takes cancel() back, before the next run. */
+  /** \brief Takes cancel() back. */
   void reset() { cancelled_.store(false, std::memory_order_relaxed); }
   bool cancelled() const { return cancelled_.load(std::memory_order_relaxed); }
 
  private:
   Callback callback_;
   std::atomic<bool> cancelled_{false};
+};
+
+/** \brief One run of what a progress stands for: at its end a cancel() is used up. One that came before
+ * the run began holds too, as nobody can know from outside when it begins. */
+class CancellableRun {
+ public:
+  explicit CancellableRun(Progress& progress) : progress_(progress) {}
+  ~CancellableRun() { progress_.reset(); }
+  CancellableRun(const CancellableRun&) = delete;
+  CancellableRun& operator=(const CancellableRun&) = delete;
+
+ private:
+  Progress& progress_;
 };
 
 }  // namespace pcl_slim

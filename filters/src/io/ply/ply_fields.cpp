@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/ply_fields.h"
+#include "io/ply/ply_fields.h"
 
 #include <algorithm>
 #include <cstring>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/vtp_file.h"
+#include "io/vtp/vtp_file.h"
 
 #include <vtkCellArray.h>
 #include <vtkFieldData.h>
@@ -10,12 +10,13 @@
 #include <vtkPolyData.h>
 #include <vtkSmartPointer.h>
 #include <vtkStringArray.h>
-#include <vtkXMLPolyDataReader.h>
 #include <vtkXMLPolyDataWriter.h>
 
 #include <cstring>
+#include <utility>
 
 #include "io/scalar_type.h"
+#include "io/vtp/vtp_data.h"
 #include "pcl_slim/core/file_access.h"
 
 namespace pcl_slim {
@@ -100,36 +101,61 @@ fillPolyData(const PointFile& file, vtkPolyData* data)
 
 /** Appends a float field, its values taken from one component of an array. */
 void
-addColumn(const std::string& name, vtkDataArray* array, int component,
-          std::vector<std::vector<float>>& columns, pcl::PCLPointCloud2& cloud)
+addColumn(const std::string& name, const std::vector<double>& values, std::size_t components,
+          std::size_t component, pcl::PCLPointCloud2& cloud,
+          std::vector<std::vector<float>>& columns)
 {
   addField(cloud, name, kFloat32);
-  std::vector<float> column(static_cast<std::size_t>(array->GetNumberOfTuples()));
+  std::vector<float> column(values.size() / components);
   for (std::size_t i = 0; i < column.size(); ++i) {
-    column[i] = static_cast<float>(array->GetComponent(static_cast<vtkIdType>(i), component));
+    column[i] = static_cast<float>(values[i * components + component]);
   }
   columns.push_back(std::move(column));
 }
 
+/** Appends the three fields of a vector array, or one of a scalar. */
+Error
+addArray(const VtpMarkup& markup, const VtpArray& array, const char* const* names,
+         pcl::PCLPointCloud2& cloud, std::vector<std::vector<float>>& columns)
+{
+  const auto values = readVtpNumbers(markup, array, markup.points * array.components);
+  if (!values) return values.error();
+  for (std::size_t k = 0; k < array.components; ++k) {
+    addColumn(names ? names[k] : array.name, *values, array.components, k, cloud, columns);
+  }
+  return {};
+}
+
+const VtpArray*
+findArray(const VtpMarkup& markup, const char* section, const std::string& name)
+{
+  for (const VtpArray& array : markup.arrays) {
+    if (array.section == section && (name.empty() || array.name == name)) return &array;
+  }
+  return nullptr;
+}
+
 /** Fields in the order saveVtp found them: coordinates, normals, then the other scalars. */
-void
-readFields(vtkPolyData* data, pcl::PCLPointCloud2& cloud)
+Error
+readFields(const VtpMarkup& markup, pcl::PCLPointCloud2& cloud)
 {
   std::vector<std::vector<float>> columns;
-  const auto n = static_cast<std::size_t>(data->GetNumberOfPoints());
-  for (int k = 0; k < 3; ++k)
-    addColumn(kCoordinates[k], data->GetPoints()->GetData(), k, columns, cloud);
-  vtkDataArray* normals = data->GetPointData()->GetNormals();
-  if (!normals) normals = data->GetPointData()->GetArray("Normals");
-  if (normals && normals->GetNumberOfComponents() == 3) {
-    for (int k = 0; k < 3; ++k) addColumn(kNormals[k], normals, k, columns, cloud);
+  const VtpArray* const points = findArray(markup, "Points", "");
+  if (points == nullptr || points->components != 3) {
+    return {ErrorCode::kBadInput, "the VTP file holds no points; name one that saveSurface wrote"};
   }
-  for (int a = 0; a < data->GetPointData()->GetNumberOfArrays(); ++a) {
-    vtkDataArray* array = data->GetPointData()->GetArray(a);
-    if (!array || array == normals || !array->GetName() || array->GetNumberOfComponents() != 1)
-      continue;
-    addColumn(array->GetName(), array, 0, columns, cloud);
+  if (Error error = addArray(markup, *points, kCoordinates, cloud, columns)) return error;
+  const VtpArray* const normals =
+      findArray(markup, "PointData", markup.normals.empty() ? "Normals" : markup.normals);
+  if (normals != nullptr && normals->components == 3) {
+    if (Error error = addArray(markup, *normals, kNormals, cloud, columns)) return error;
   }
+  for (const VtpArray& array : markup.arrays) {
+    const bool scalar = array.section == "PointData" && array.components == 1 && array.type != 0;
+    if (!scalar || array.name.empty()) continue;
+    if (Error error = addArray(markup, array, nullptr, cloud, columns)) return error;
+  }
+  const std::size_t n = markup.points;
   cloud.width = static_cast<pcl::uindex_t>(n);
   cloud.height = 1;
   cloud.row_step = cloud.point_step * cloud.width;
@@ -140,6 +166,7 @@ readFields(vtkPolyData* data, pcl::PCLPointCloud2& cloud)
                   sizeof(float));
     }
   }
+  return {};
 }
 
 }  // namespace
@@ -172,32 +199,18 @@ loadVtp(const std::string& path)
 {
   const Result<std::vector<unsigned char>> bytes = readFile(path);
   if (!bytes) return bytes.error();
-  const std::string text(bytes->begin(), bytes->end());
-  const auto bad = [&path](const char* what) {
-    return Error{ErrorCode::kBadInput, "'" + path + "': " + what};
+  const auto prefixed = [&path](const Error& error) {
+    return Error{error.code, "'" + path + "': " + error.message};
   };
-  if (text.find("<VTKFile") == std::string::npos || text.find("PolyData") == std::string::npos) {
-    return bad("not a VTK PolyData file; name a .vtp file written by saveSurface");
-  }
-  if (text.find("</VTKFile>") == std::string::npos) {
-    return bad("the VTP file is truncated; copy it again");
-  }
-  const SilentVtk silent;
-  vtkNew<vtkXMLPolyDataReader> reader;
-  reader->ReadFromInputStringOn();
-  reader->SetInputString(text);
-  reader->Update();
-  vtkPolyData* data = reader->GetOutput();
-  if (reader->GetErrorCode() != 0 || !data || !data->GetPoints()) {
-    return bad("the VTP file is corrupted: VTK cannot read it; write it again");
-  }
+  const auto markup = parseVtpMarkup({reinterpret_cast<const char*>(bytes->data()), bytes->size()});
+  if (!markup) return prefixed(markup.error());
   PointFile file;
-  readFields(data, file.cloud);
-  if (auto* metadata =
-          vtkStringArray::SafeDownCast(data->GetFieldData()->GetAbstractArray(kMetadataArray))) {
-    for (vtkIdType i = 0; i < metadata->GetNumberOfValues(); ++i) {
-      file.comments.push_back(metadata->GetValue(i));
-    }
+  if (Error error = readFields(*markup, file.cloud)) return prefixed(error);
+  const VtpArray* const metadata = findArray(*markup, "FieldData", kMetadataArray);
+  if (metadata != nullptr && metadata->type == 0) {
+    auto lines = readVtpStrings(*markup, *metadata);
+    if (!lines) return prefixed(lines.error());
+    file.comments = std::move(*lines);
   }
   return file;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stands in for vtp_file.cpp in a build without VTK.
-#include "io/vtp_file.h"
+#include "io/vtp/vtp_file.h"
 
 namespace pcl_slim {
 

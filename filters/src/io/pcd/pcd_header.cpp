@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/pcd_header.h"
+#include "io/pcd/pcd_header.h"
 
 #include <algorithm>
 #include <limits>
@@ -88,6 +88,30 @@ parseHeaderLine(const std::string& line, PcdHeader& header, PointFile& file)
   return key == "DATA";
 }
 
+/** Whether every field has values that are numbers, and a point of them a size that fields can be
+ * addressed in. */
+Error
+checkColumns(const std::vector<PcdColumn>& columns)
+{
+  constexpr std::size_t kMostBytes = std::numeric_limits<std::int32_t>::max();
+  std::size_t bytes = 0;
+  for (const PcdColumn& column : columns) {
+    const std::string field = "the PCD field '" + column.name + "' has a ";
+    if (column.count == 0 || column.size == 0) {
+      return badInput(field + (column.count == 0 ? "COUNT" : "SIZE") +
+                      " of 0: give it a value a point, or take it out of the header and the data");
+    }
+    if (!column.isPadding() && scalarType(column) == 0) {
+      return badInput(field +
+                      "TYPE and SIZE that do not go together: use F 4 or 8, I or U 1, 2, 4 or 8");
+    }
+    bytes += column.bytes();
+    if (bytes > kMostBytes)
+      return badInput("a point of the PCD file has more than 2 GiB: check COUNT");
+  }
+  return {};
+}
+
 Error
 checkHeader(PcdHeader& header)
 {
@@ -104,13 +128,7 @@ checkHeader(PcdHeader& header)
                     " is not WIDTH times HEIGHT");
   }
   header.points = header.width * header.height;
-  for (const PcdColumn& column : header.columns) {
-    if (!column.isPadding() && scalarType(column) == 0) {
-      return badInput("the PCD field '" + column.name +
-                      "' has a TYPE and SIZE that do not go together");
-    }
-  }
-  return {};
+  return checkColumns(header.columns);
 }
 
 char

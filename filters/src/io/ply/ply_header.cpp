@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/ply_header.h"
+#include "io/ply/ply_header.h"
 
 #include <sstream>
 

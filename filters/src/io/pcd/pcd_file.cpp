@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/pcd_file.h"
+#include "io/pcd/pcd_file.h"
 
 #include <pcl/io/lzf.h>
 
 #include <algorithm>
 #include <cstring>
 
-#include "io/pcd_header.h"
+#include "io/pcd/pcd_header.h"
 #include "io/scalar_type.h"
 
 namespace pcl_slim {
@@ -25,7 +25,9 @@ readAscii(const std::uint8_t* payload, std::size_t size, const PcdHeader& header
           pcl::PCLPointCloud2& cloud)
 {
   // Every value takes a character and a separator: no allocation for a header that only boasts.
-  if (header.points > size / 2 + 1) return truncated("points", 0, header.points);
+  std::size_t values = 0;
+  for (const PcdColumn& column : header.columns) values += column.count;
+  if (header.points > (size / 2 + 1) / values) return truncated("points", 0, header.points);
   cloud.data.resize(header.points * cloud.point_step);
   TextScanner scanner(payload, size);
   std::uint8_t* at = cloud.data.data();

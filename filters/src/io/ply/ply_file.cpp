@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/ply_file.h"
+#include "io/ply/ply_file.h"
 
 #include <algorithm>
 #include <cstring>
 #include <limits>
 
-#include "io/ply_fields.h"
-#include "io/ply_header.h"
+#include "io/ply/ply_fields.h"
+#include "io/ply/ply_header.h"
 #include "io/scalar_type.h"
 
 namespace pcl_slim {

@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "io/ply_header.h"
+#include "io/ply/ply_header.h"
 
 namespace pcl_slim {
 
