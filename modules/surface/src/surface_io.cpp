@@ -9,10 +9,10 @@
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/surface/oct_normal.h"
 
-// Layout, little-endian: the header (file/slim_header.h), then columns of n values each: degree, level,
-// flags (1 byte); centre x, y, z, radius, normal a, b, error, confidence (float); then for each
-// coefficient k the values of those surfels that store it: as many as their degree has, but only
-// the first where the flag byte's bit kPlaneOnly says that the normal is the plane's own.
+// Layout, little-endian: the header (file/slim_header.h), then columns of n values each: degree,
+// level, flags (1 byte); centre x, y, z, radius, normal a, b, error, confidence (float); then for
+// each coefficient k the values of those surfels that store it: as many as their degree has, but
+// only the first where the flag byte's bit kPlaneOnly says that the normal is the plane's own.
 
 namespace pcl_slim {
 

@@ -15,8 +15,8 @@ struct BlockLists {
   std::vector<std::uint32_t> begin, leaves;
 };
 
-/** \brief Lists the leaves of all blocks. O(leaves log blocks), plus what is listed; the same for any
- * number of threads. */
+/** \brief Lists the leaves of all blocks. O(leaves log blocks), plus what is listed; the same for
+ * any number of threads. */
 BlockLists
 listLeaves(const PointStore& store, const SLIMSurface& surface,
            const std::vector<std::uint32_t>& leaves, int threads);

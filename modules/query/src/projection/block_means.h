@@ -7,8 +7,8 @@
 
 namespace pcl_slim::detail {
 
-/** \brief Weighted means of a block's points, in plain loops over all of them; of no use where nothing
- * was added. */
+/** \brief Weighted means of a block's points, in plain loops over all of them; of no use where
+ * nothing was added. */
 struct BlockMeans {
   static constexpr double kLeastGradient = 1e-6;  ///< shorter blended gradients tell no direction
 

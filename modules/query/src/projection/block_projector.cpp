@@ -113,7 +113,7 @@ BlockProjector::project(std::size_t block, const std::uint32_t* begin, const std
   }
 }
 
-/** Writes down what was blended for point i: its place along the ray (eq. 6), the normal (eq. 7). */
+/** Writes what was blended for point i: its place along the ray (eq. 6) and the normal (eq. 7). */
 void
 BlockProjector::write(std::size_t i, std::size_t lane, const BlockSums& sums,
                       const BlockMeans& means, Projection& result) const

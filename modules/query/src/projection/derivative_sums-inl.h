@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Sums of second and third derivatives over leaves (equation 8, left), turned from a leaf's frame to
-// the block's axes. The guard toggles: Highway compiles a kernel file once per instruction set.
+// Sums of second and third derivatives over leaves (equation 8, left), turned from a leaf's frame
+// to the block's axes. The guard toggles: Highway compiles a kernel file once per instruction set.
 #if defined(PCL_SLIM_DERIVATIVE_SUMS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PCL_SLIM_DERIVATIVE_SUMS_INL
 #undef PCL_SLIM_DERIVATIVE_SUMS_INL

@@ -9,8 +9,8 @@
 
 namespace pcl_slim::detail {
 
-/** \brief A surface in a store's units. Where the surface was fitted to the store, origins agree and
- * scales are powers of two: its numbers then stay as they are. */
+/** \brief A surface in a store's units. Where the surface was fitted to the store, origins agree
+ * and scales are powers of two: its numbers then stay as they are. */
 struct Placement {
   double shift[3];
   double factor;

@@ -81,8 +81,8 @@ struct ColorSlope {
   double rim;                         ///< standard deviation of the points' places
 };
 
-/** Least squares, less the share that noise alone explains. \return false where points on a line, or
- * in one place, tell no slope. */
+/** Least squares, less the share that noise alone explains. \return false where points on a line,
+ * or in one place, tell no slope. */
 bool
 fitColorSlope(const PointWindow& window, const OctreeCell& cell, const CellSums& sums,
               const Vector3d& normal, double noise, ColorSlope& color)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Step 1 of docs/color_octree_splat_sampler.md: the grid over the cloud, and its points in the order
-// of cells.
+// Step 1 of docs/color_octree_splat_sampler.md: the grid over the cloud, and its points in the
+// order of cells.
 #pragma once
 
 #include <algorithm>

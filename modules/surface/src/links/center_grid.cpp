@@ -8,8 +8,8 @@ namespace pcl_slim::detail {
 
 namespace {
 
-// Cells and their neighbours are counted in 21 bits an axis. What lies outside [-1, 1] shares a cell at
-// the rim.
+// Cells and their neighbours are counted in 21 bits an axis. What lies outside [-1, 1] shares a
+// cell at the rim.
 constexpr int kAxisBits = 21;
 constexpr double kNarrowest = 0x1p-19;
 constexpr double kLastCell = 0x1p21 - 4;
@@ -58,7 +58,7 @@ sortByDigit(const Digit& digit, std::vector<Entry>& entries, std::vector<Entry>&
   entries.swap(sorted);
 }
 
-/** Sorts by the digits in which codes differ, each counted from the least coordinate of its axis. */
+/** Sorts by the digits in which codes differ, counted from the least coordinate of each axis. */
 void
 sortByDigits(std::vector<Entry>& entries)
 {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The tree-like structure over a surface's levels (section 2 and Fig. 6 of the paper; theory.md, step
-// "Links").
+// The tree-like structure over a surface's levels (section 2 and Fig. 6 of the paper; theory.md,
+// step "Links").
 #include <algorithm>
 #include <array>
 #include <cmath>

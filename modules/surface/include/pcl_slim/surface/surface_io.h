@@ -13,10 +13,10 @@ namespace pcl_slim {
  * surfel of degree 1 to 4.
  *
  * The floats are those the paper counts: centre 3, radius 1, normal 2 and the 1, 6, 10 or 15
- * coefficients of the surfel's own degree. A plane needs only its offset where the surfel's normal is
- * its own, as every fit makes it; a linear surfel with another normal keeps three and so has 9. Beside
- * them stand degree, level and flags (a byte each), error and confidence (a float each); links are
- * rebuilt on load. Little-endian. Normals
+ * coefficients of the surfel's own degree. A plane needs only its offset where the surfel's normal
+ * is its own, as every fit makes it; a linear surfel with another normal keeps three and so has 9.
+ * Beside them stand degree, level and flags (a byte each), error and confidence (a float each);
+ * links are rebuilt on load. Little-endian. Normals
  * that snapNormal made are kept exactly, others to 6.2e-7 rad. The file appears under its name
  * only when complete.
  */
