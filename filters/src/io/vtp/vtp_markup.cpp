@@ -38,6 +38,31 @@ isSpace(char c)
   return c == ' ' || c == '\n' || c == '\r' || c == '\t';
 }
 
+/** The text between "<" and ">", taken apart. */
+Tag
+parseTag(std::string_view inside)
+{
+  Tag tag;
+  tag.closes = inside[0] == '/';
+  if (tag.closes) inside.remove_prefix(1);
+  tag.empty = !inside.empty() && inside.back() == '/';
+  if (tag.empty) inside.remove_suffix(1);
+  std::size_t i = 0;
+  while (i < inside.size() && !isSpace(inside[i])) ++i;
+  tag.name = inside.substr(0, i);
+  for (;;) {
+    while (i < inside.size() && isSpace(inside[i])) ++i;
+    const std::size_t equals = inside.find('=', i);
+    if (equals == std::string_view::npos || equals + 1 >= inside.size()) return tag;
+    const char quote = inside[equals + 1];
+    const std::size_t close = inside.find(quote, equals + 2);
+    if ((quote != '"' && quote != '\'') || close == std::string_view::npos) return tag;
+    tag.attributes.emplace_back(inside.substr(i, equals - i),
+                                inside.substr(equals + 2, close - equals - 2));
+    i = close + 1;
+  }
+}
+
 /** The next tag that is neither a comment nor a declaration. \param[in,out] at where to look, then
  * behind the tag. false: none, or none that ends. */
 bool
@@ -47,31 +72,13 @@ nextTag(std::string_view text, std::size_t& at, Tag& tag)
     at = text.find('<', at);
     if (at == std::string_view::npos) return false;
     const bool comment = text.compare(at, 4, "<!--") == 0;
-    const char* const end_mark = comment ? "-->" : ">";
-    const std::size_t end = text.find(end_mark, at);
+    const std::size_t end = text.find(comment ? "-->" : ">", at);
     if (end == std::string_view::npos) return false;
-    std::string_view inside = text.substr(at + 1, end - at - 1);
+    const std::string_view inside = text.substr(at + 1, end - at - 1);
     at = end + (comment ? 3 : 1);
     if (comment || inside.empty() || inside[0] == '?' || inside[0] == '!') continue;
-    tag = Tag();
-    tag.closes = inside[0] == '/';
-    if (tag.closes) inside.remove_prefix(1);
-    tag.empty = !inside.empty() && inside.back() == '/';
-    if (tag.empty) inside.remove_suffix(1);
-    std::size_t i = 0;
-    while (i < inside.size() && !isSpace(inside[i])) ++i;
-    tag.name = inside.substr(0, i);
-    for (;;) {
-      while (i < inside.size() && isSpace(inside[i])) ++i;
-      const std::size_t equals = inside.find('=', i);
-      if (equals == std::string_view::npos || equals + 1 >= inside.size()) return true;
-      const char quote = inside[equals + 1];
-      const std::size_t close = inside.find(quote, equals + 2);
-      if ((quote != '"' && quote != '\'') || close == std::string_view::npos) return true;
-      tag.attributes.emplace_back(inside.substr(i, equals - i),
-                                  inside.substr(equals + 2, close - equals - 2));
-      i = close + 1;
-    }
+    tag = parseTag(inside);
+    return true;
   }
 }
 
@@ -175,47 +182,79 @@ readAppended(const Tag& tag, std::string_view text, std::size_t at, VtpMarkup& m
   return {};
 }
 
+/** What the tags met so far say; see parseVtpMarkup(). */
+class MarkupReader {
+ public:
+  explicit MarkupReader(std::string_view text) : text_(text) {}
+
+  /** \param[in] at behind the tag */
+  Error read(const Tag& tag, std::size_t at)
+  {
+    if (tag.closes) {
+      if (tag.name == section_) section_ = {};
+      return {};
+    }
+    if (tag.name == "VTKFile") {
+      is_file_ = true;
+      return readFileTag(tag, markup_);
+    }
+    if (tag.name == "Piece") return readPiece(tag);
+    if (tag.name == "AppendedData") {
+      ended_ = true;  // what follows is data, which may look like tags
+      return readAppended(tag, text_, at, markup_);
+    }
+    if (tag.name == "DataArray" || tag.name == "Array") {
+      const bool wanted =
+          section_ == "FieldData" || section_ == "PointData" || section_ == "Points";
+      return wanted ? readArray(tag, section_, text_, at, markup_) : Error{};
+    }
+    beginSection(tag);
+    return {};
+  }
+
+  bool ended() const { return ended_; }
+  bool isFile() const { return is_file_; }
+  VtpMarkup& markup() { return markup_; }
+
+ private:
+  Error readPiece(const Tag& tag)
+  {
+    if (++pieces_ > 1) return bad("has several pieces: merge them first");
+    return readCount(tag, "NumberOfPoints", text_.size() * kMostCompression, markup_.points)
+               ? Error{}
+               : bad("has a NumberOfPoints that makes no sense");
+  }
+
+  void beginSection(const Tag& tag)
+  {
+    for (const char* name :
+         {"FieldData", "PointData", "CellData", "Points", "Verts", "Lines", "Strips", "Polys"}) {
+      if (tag.name == name && !tag.empty) section_ = tag.name;
+    }
+    if (tag.name == "PointData") markup_.normals = tag["Normals"];
+  }
+
+  std::string_view text_, section_;
+  VtpMarkup markup_;
+  std::size_t pieces_ = 0;
+  bool is_file_ = false, ended_ = false;
+};
+
 }  // namespace
 
 Result<VtpMarkup>
 parseVtpMarkup(std::string_view text)
 {
-  VtpMarkup markup;
+  MarkupReader reader(text);
   Tag tag;
-  std::string_view section;
-  std::size_t pieces = 0;
-  bool is_file = false;
-  for (std::size_t at = 0; nextTag(text, at, tag);) {
-    Error error;
-    if (tag.closes) {
-      if (tag.name == section) section = {};
-    } else if (tag.name == "VTKFile") {
-      is_file = true;
-      error = readFileTag(tag, markup);
-    } else if (tag.name == "Piece") {
-      if (++pieces > 1) error = bad("has several pieces: merge them first");
-      if (!error &&
-          !readCount(tag, "NumberOfPoints", text.size() * kMostCompression, markup.points))
-        error = bad("has a NumberOfPoints that makes no sense");
-    } else if (tag.name == "FieldData" || tag.name == "PointData" || tag.name == "Points" ||
-               tag.name == "CellData" || tag.name == "Verts" || tag.name == "Lines" ||
-               tag.name == "Strips" || tag.name == "Polys") {
-      if (!tag.empty) section = tag.name;
-      if (tag.name == "PointData") markup.normals = tag["Normals"];
-    } else if (tag.name == "DataArray" || tag.name == "Array") {
-      const bool wanted = section == "FieldData" || section == "PointData" || section == "Points";
-      if (wanted) error = readArray(tag, section, text, at, markup);
-    } else if (tag.name == "AppendedData") {
-      error = readAppended(tag, text, at, markup);
-      if (!error) break;  // what follows is data, which may look like tags
-    }
-    if (error) return error;
+  for (std::size_t at = 0; !reader.ended() && nextTag(text, at, tag);) {
+    if (Error error = reader.read(tag, at)) return error;
   }
-  if (!is_file) return Error{ErrorCode::kBadInput, "it is no VTK XML file; name a .vtp file"};
+  if (!reader.isFile()) return badInput("it is no VTK XML file; name a .vtp file");
   if (text.find("</VTKFile>") == std::string_view::npos) {
-    return Error{ErrorCode::kBadInput, "the VTP file is truncated; copy it again"};
+    return badInput("the VTP file is truncated; copy it again");
   }
-  return markup;
+  return std::move(reader.markup());
 }
 
 }  // namespace pcl_slim
