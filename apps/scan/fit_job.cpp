@@ -52,10 +52,13 @@ reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatisti
               {"gathered", fit.gathered},
               {"store_bytes", store.memoryBytes()},
               {"working_bytes", fit.working_bytes}});
-  report.json()["skipped"] = {
-      {"non_finite", points.non_finite},      {"without_normal", points.without_normal},
-      {"duplicates", points.duplicates},      {"lone_normals", fit.skipped_normals},
-      {"never_gathered", fit.never_gathered}, {"levels", fit.levels_skipped}};
+  report.json()["skipped"] = {{"non_finite", points.non_finite},
+                              {"far_away", points.far_away},
+                              {"without_normal", points.without_normal},
+                              {"duplicates", points.duplicates},
+                              {"lone_normals", fit.skipped_normals},
+                              {"never_gathered", fit.never_gathered},
+                              {"levels", fit.levels_skipped}};
   report.time("noise", fit.seconds_noise);
   report.time("cover", fit.seconds_cover);
   report.time("links", fit.seconds_links);
@@ -79,6 +82,7 @@ skippedText(const PointStoreStatistics& points)
     text += (text.empty() ? "points skipped: " : ", ") + std::to_string(count) + " " + what;
   };
   add(points.non_finite, "non-finite");
+  add(points.far_away, "far away");
   add(points.without_normal, "without normal");
   add(points.duplicates, "duplicate");
   return text;

@@ -68,7 +68,7 @@ CloudProjection::make(const CloudView& cloud, const SLIMSurface& surface,
   made.input_statistics_ = store->statistics();
   made.stored_ = store->storeOfInput();
   if (Error error = made.add(*store, surface, progress)) return error;
-  if (store->statistics().without_normal > 0) {
+  if (store->statistics().without_normal > 0 || store->statistics().far_away > 0) {
     if (Error error = made.addRest(surface, progress)) return error;
   }
   CloudProjectionStatistics& statistics = made.statistics_;

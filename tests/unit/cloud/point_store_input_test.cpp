@@ -53,6 +53,36 @@ TEST(PointStore, DropsAndCountsPointsWhoseNormalIsMissing)
   }
 }
 
+TEST(PointStore, OneFarPointLeavesTheOthersTheirUnits)
+{
+  const Cloud near = surveyCloud(500);
+  const PointStore expected = storeOf(near);
+  for (const double distance : {1e7, 1e9, 1e20, 1e38}) {
+    Cloud cloud = near;
+    cloud.points.insert(cloud.points.end(), {cloud.points[0] + distance, cloud.points[1], 0.0});
+    const PointStore store = storeOf(cloud);
+    EXPECT_EQ(store.statistics().far_away, 1u) << distance;
+    EXPECT_EQ(store.size(), expected.size());
+    EXPECT_EQ(store.scale(), expected.scale());
+    EXPECT_EQ(store.origin(), expected.origin());
+    EXPECT_EQ(store.storeOfInput()[500], PointStore::kSkipped);
+  }
+}
+
+TEST(PointStore, PointsAcrossAWideSurveyAreNoStrays)
+{
+  // Half of the points on an object a metre wide, the others along ten kilometres.
+  Cloud cloud = surveyCloud(0);
+  for (int i = 0; i < 2000; ++i) {
+    const double t = i / 2000.0;
+    const double reach = i % 2 == 0 ? 1.0 : 10000.0;
+    cloud.points.insert(cloud.points.end(), {reach * t, std::sin(40 * t), std::cos(70 * t)});
+  }
+  const PointStore store = storeOf(cloud);
+  EXPECT_EQ(store.statistics().far_away, 0u);
+  EXPECT_EQ(store.size(), 2000u);
+}
+
 TEST(PointStore, NormalsThatAreAllMissingCountAsNone)
 {
   Cloud cloud = surveyCloud(50);

@@ -85,7 +85,7 @@ class CloudProjection {
  private:
   /** \brief Projects a store's points and appends them, in the first store's units. */
   Error add(const PointStore& store, const SLIMSurface& surface, Progress* progress);
-  /** \brief Adds the finite points that the first store left out for want of a normal. */
+  /** \brief Adds the finite points that the first store left out: for want of a normal, or as strays far away. */
   Error addRest(const SLIMSurface& surface, Progress* progress);
   /** \brief A store's local position in the first store's units. */
   std::array<double, 3> toFirst(const PointStore& store, const std::array<double, 3>& local) const;

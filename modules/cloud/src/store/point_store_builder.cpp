@@ -17,9 +17,10 @@ constexpr double kOriginGrid = 0x1p-10;  ///< the origin is a multiple of this s
 constexpr std::size_t kKeyBatch = kernels::kMortonBatch;
 constexpr double kFarOrigin = 256.0;  ///< beyond this many L, world floats cannot be exact
 
+/** What some points come to; the box is that of those that count. */
 struct SliceSummary {
-  double min[3], max[3];
-  std::size_t finite = 0, with_normal = 0;
+  std::array<double, 3> min, max;
+  std::size_t finite = 0, near = 0, with_normal = 0;
 };
 
 bool
@@ -30,16 +31,18 @@ isFinite(const std::array<double, 3>& p)
 
 SliceSummary
 summarize(const CloudView& cloud, const CloudReader& reader, std::size_t begin, std::size_t end,
-          bool need_normal)
+          const Bulk& bulk, bool need_normal)
 {
   const double inf = std::numeric_limits<double>::infinity();
-  double low[3] = {inf, inf, inf}, high[3] = {-inf, -inf, -inf};
-  std::size_t finite = 0, with_normal = 0;
+  std::array<double, 3> low{inf, inf, inf}, high{-inf, -inf, -inf};
+  std::size_t finite = 0, near = 0, with_normal = 0;
   for (std::size_t i = begin; i < end; ++i) {
     const std::size_t input = cloud.inputIndex(i);
     const auto p = reader.position(input);
     if (!isFinite(p)) continue;
     ++finite;
+    if (!bulk.holds(p)) continue;
+    ++near;
     const bool has_normal = cloud.normal != nullptr && reader.hasNormal(input);
     with_normal += has_normal;
     if (!has_normal && need_normal) continue;
@@ -48,17 +51,19 @@ summarize(const CloudView& cloud, const CloudReader& reader, std::size_t begin, 
       high[a] = std::max(high[a], p[a]);
     }
   }
-  return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}, finite, with_normal};
+  return {low, high, finite, near, with_normal};
 }
 
 SliceSummary
-summarizeAll(const CloudView& cloud, const CloudReader& reader, bool need_normal, int threads)
+summarizeAll(const CloudView& cloud, const CloudReader& reader, const Bulk& bulk, bool need_normal,
+             int threads)
 {
   const std::size_t n = cloud.count();
   const std::size_t slices = (n + kSlice - 1) / kSlice;
   std::vector<SliceSummary> parts(slices);
   parallelFor(slices, threads, 1, [&](std::size_t s, int) {
-    parts[s] = summarize(cloud, reader, s * kSlice, std::min(n, (s + 1) * kSlice), need_normal);
+    parts[s] =
+        summarize(cloud, reader, s * kSlice, std::min(n, (s + 1) * kSlice), bulk, need_normal);
   });
   SliceSummary all = parts.front();
   for (std::size_t s = 1; s < slices; ++s) {
@@ -67,6 +72,7 @@ summarizeAll(const CloudView& cloud, const CloudReader& reader, bool need_normal
       all.max[a] = std::max(all.max[a], parts[s].max[a]);
     }
     all.finite += parts[s].finite;
+    all.near += parts[s].near;
     all.with_normal += parts[s].with_normal;
   }
   return all;
@@ -83,21 +89,30 @@ Error
 PointStoreBuilder::measure()
 {
   if (Error error = cloud_.validate()) return error;
-  SliceSummary all = summarizeAll(cloud_, reader_, false, threads_);
+  bulk_ = findBulk(cloud_.count(),
+                   [&](std::size_t i) { return reader_.position(cloud_.inputIndex(i)); });
+  SliceSummary all = summarizeAll(cloud_, reader_, bulk_, false, threads_);
   if (all.finite == 0) return CloudView::nothingFinite();
   with_normals_ = all.with_normal > 0;
-  if (with_normals_ && all.with_normal < all.finite) {
-    all = summarizeAll(cloud_, reader_, true, threads_);
+  if (with_normals_ && all.with_normal < all.near) {
+    all = summarizeAll(cloud_, reader_, bulk_, true, threads_);
   }
-  store_.size_ = with_normals_ ? all.with_normal : all.finite;
+  store_.size_ = with_normals_ ? all.with_normal : all.near;
   store_.statistics_.input_points = cloud_.count();
   store_.statistics_.non_finite = cloud_.count() - all.finite;
-  store_.statistics_.without_normal = all.finite - store_.size_;
+  store_.statistics_.far_away = all.finite - all.near;
+  store_.statistics_.without_normal = all.near - store_.size_;
+  return setUnits(all.min, all.max);
+}
 
+/** Origin, scale, diagonal and the grid of centres, from the box of the points that count. */
+Error
+PointStoreBuilder::setUnits(const std::array<double, 3>& low, const std::array<double, 3>& high)
+{
   double half[3], farthest = 0;
   for (int a = 0; a < 3; ++a) {
-    half[a] = 0.5 * all.max[a] - 0.5 * all.min[a];
-    store_.origin_[a] = all.min[a] + half[a];
+    half[a] = 0.5 * high[a] - 0.5 * low[a];
+    store_.origin_[a] = low[a] + half[a];
     farthest = std::max(farthest, std::abs(store_.origin_[a]));
   }
   const double diagonal = 2.0 * std::hypot(half[0], half[1], half[2]);
@@ -122,7 +137,8 @@ PointStoreBuilder::measure()
 bool
 PointStoreBuilder::usable(const std::array<double, 3>& position, std::size_t input) const
 {
-  return isFinite(position) && (!with_normals_ || reader_.hasNormal(input));
+  return isFinite(position) && bulk_.holds(position) &&
+         (!with_normals_ || reader_.hasNormal(input));
 }
 
 std::array<double, 3>

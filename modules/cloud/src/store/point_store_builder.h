@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "pcl_slim/cloud/point_store.h"
+#include "store/bulk.h"
 #include "store/cloud_reader.h"
 
 namespace pcl_slim::detail {
@@ -24,6 +25,7 @@ class PointStoreBuilder {
   std::array<double, 3> localPosition(std::uint32_t order) const;
   bool usable(const std::array<double, 3>& position, std::size_t input) const;
   bool allUsable() const { return store_.size_ == cloud_.count(); }
+  Error setUnits(const std::array<double, 3>& low, const std::array<double, 3>& high);
   std::size_t countUsable(std::size_t begin, std::size_t end) const;
   void makeKeys(std::size_t begin, std::size_t end, std::size_t out);
   void mergeRun(std::size_t begin, std::size_t end, std::size_t& kept);
@@ -37,6 +39,7 @@ class PointStoreBuilder {
   int threads_;
   bool with_normals_ = false;
   double inverse_scale_ = 1;
+  Bulk bulk_;  ///< of the usable points
   PointStore store_;
   AlignedVector<std::uint64_t> keys_;
   AlignedVector<std::uint32_t> usable_;  ///< position in the caller's sequence, where some are not

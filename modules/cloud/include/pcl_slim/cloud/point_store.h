@@ -21,6 +21,7 @@ class PointStoreBuilder;
 struct PointStoreStatistics {
   std::uint64_t input_points = 0;    ///< points asked for (indices honoured)
   std::uint64_t non_finite = 0;      ///< skipped: a coordinate is NaN or infinite
+  std::uint64_t far_away = 0;        ///< skipped: a stray thousands of times as far as the bulk
   std::uint64_t without_normal = 0;  ///< skipped: others have normals, this one has none
   std::uint64_t duplicates = 0;      ///< merged into an earlier point at the same position
   double seconds = 0;                ///< wall time of build()
@@ -30,7 +31,8 @@ struct PointStoreStatistics {
  *
  * Finite points are centred in double, divided by a power of two (so that converting back is
  * exact) until the bounding box's diagonal lies in (.49, 1), sorted by 63-bit Morton code,
- * merged where coordinates coincide, and cut into blocks of 16. A block holds one origin on a
+ * merged where coordinates coincide, and cut into blocks of 16. Strays that lie more than 2^14 times as
+ * far from the median as the quartiles do are left out, as units follow the box of what is stored. A block holds one origin on a
  * 2^-22 grid and float offsets from it, which keeps about 1e-9 of the diagonal in 12 bytes a
  * point. The last block is padded with points too far away for any ball.
  *
