@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "fit_constants.h"
 #include "pcl_slim/fit/fit.h"
 #include "radius/energy.h"
 
@@ -14,6 +15,7 @@ constexpr double kGolden = 0.6180339887498949;  ///< gamma of eq. (5)
 
 /** \brief Everything the inner steps need to know, in local units; fixed during a fit. */
 struct FitSettings {
+  FitConstants constants;
   int degree = 4;
   Energy energy;
   WeightKernel fit_kernel = WeightKernel::kPower4;    ///< weights while searching and in general

@@ -113,7 +113,7 @@ BallFitter::tooWideAtAGlance(double radius, int level, SurfelRecord& surfel)
   if (stride < kLeastGlanceStride) return false;
   const auto center = center_;
   if (prepare(radius, stride) == BallOutcome::kLeaf && search_.surelyInternal()) {
-    record({RadiusChoice::Kind::kInternal, search_.right(), false}, level, surfel);
+    record(RadiusChoice::internal(search_.right()), level, surfel);
     return true;
   }
   center_ = center;
@@ -217,7 +217,7 @@ BallFitter::record(const RadiusChoice& choice, int level, SurfelRecord& surfel) 
   surfel.degree = static_cast<std::uint8_t>(trial.fit.degree);
   surfel.level = static_cast<std::uint8_t>(level);
   surfel.flags = choice.kind == RadiusChoice::Kind::kLeaf ? kSurfelLeaf : 0;
-  if (choice.forced) surfel.flags |= kSurfelForced;
+  if (choice.support_limited) surfel.flags |= kSurfelForced;
   surfel.c.fill(0.0f);
   // From units of the gather radius to units of r: c_ij rho^(i + j - 1).
   double factor = 1.0 / trial.rho;

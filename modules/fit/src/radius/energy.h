@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// docs/theory.md, "One fit, step by step", 5 (Radius), and the rows "penalty", "residual" and
+// "slope" of "Where the default departs from the paper".
 #pragma once
 
 #include <algorithm>
 #include <limits>
 
 #include "ball/ball_kernels.h"
+#include "radius/radius_constants.h"
 
 namespace pcl_slim::detail {
 
 /** \brief What a radius costs: residual plus a penalty on small balls. All in local units. */
 struct Energy {
   static constexpr double kTruncation = 10.0;  ///< 2 (m + 1) of the kernel (1 - s^2)^m, m = 4
-  static constexpr double kLeastShare = 0.2;
 
   double lambda = 0;      ///< noise variance
   double kappa = 0;       ///< Mallows' Cp: kappa lambda P / n_eff, where t_mdl is 0
@@ -20,14 +22,15 @@ struct Energy {
   bool corrected = true;  ///< residual variance over n - P degrees of freedom (not in the paper)
 
   /** \brief E(r) of a fit with radius r; gather_radius is the unit the fit was made in. */
-  double operator()(const LocalFit& fit, double r, double gather_radius) const
+  double operator()(const LocalFit& fit, double r, double gather_radius,
+                    const RadiusConstants& constants) const
   {
     double e_sq = variance(fit, gather_radius);
     if (corrected) {
       // Weights fall with height too, so a thin ball sees e^2 = s^2 / (1 + 10 s^2 / r^2) of a noise
       // variance s^2, and one the noise fills sees little but its own size.
-      e_sq /= std::max(kLeastShare, 1.0 - kTruncation * e_sq / (r * r));
-      if (r * r < thick * thick * lambda) e_sq = std::max(e_sq, lambda);
+      e_sq /= std::max(constants.least_seen_share, 1.0 - kTruncation * e_sq / (r * r));
+      if (filledByNoise(r)) e_sq = std::max(e_sq, lambda);
       const double freedom = fit.n_eff - numCoefficients(fit.degree);
       if (!(freedom > 0)) return std::numeric_limits<double>::infinity();
       e_sq *= fit.n_eff / freedom;
@@ -51,6 +54,10 @@ struct Energy {
     if (t_mdl > 0) return lambda * (t_mdl / r) * (t_mdl / r);  // eq. (3)
     return kappa * lambda * numCoefficients(fit.degree) / fit.n_eff;
   }
+
+  /** \brief Whether a ball of radius r is so thin that it sees little but its own size of the
+   * noise. */
+  bool filledByNoise(double r) const { return r * r < thick * thick * lambda; }
 };
 
 }  // namespace pcl_slim::detail

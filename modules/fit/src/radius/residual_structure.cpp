@@ -8,10 +8,7 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr double kPerCell = 8.0;                 ///< points in a cell; more would hide fine detail
-constexpr int kLeastCells = 2, kMostCells = 32;  ///< along a side
-constexpr double kDiscPerSquare = 0.785;
-constexpr double kTaken = 0.4;  ///< of P / n_eff: what a fit takes along, in its inner part
+constexpr double kDiscPerSquare = 0.785;  ///< pi / 4: the area of a disc over that of its square
 
 }  // namespace
 
@@ -19,16 +16,42 @@ ResidualStructure::Finding
 ResidualStructure::measure(const BallBuffer& points, const LocalFit& fit, double rho,
                            double least_cell)
 {
-  const double squares_wanted = static_cast<double>(points.count) / (kDiscPerSquare * kPerCell);
-  double cells = std::min(std::sqrt(squares_wanted), static_cast<double>(kMostCells));
-  if (least_cell > 0) cells = std::min(cells, 2.0 * rho / least_cell);
-  const int side = static_cast<int>(cells);
-  if (side < kLeastCells) return {};
+  const int side = cellsAlongSide(points.count, rho, least_cell);
+  if (side < constants_.least_cells) return {};
   residuals_.resize(points.count + BallBuffer::kPadding);
   kernels::ballResiduals(points, fit, residuals_.data());
-  cells_.assign(static_cast<std::size_t>(side) * side, Cell{0.0f, 0.0f});
+  const double squares = fillCells(points, rho, side);
+  // Over ordered pairs of different points: the square of a cell's sum less the sum of its squares.
+  double inside = 0, pairs = 0, products = -squares;
+  for (const Cell& cell : cells_) {
+    inside += cell.count;
+    pairs += static_cast<double>(cell.count) * (cell.count - 1.0f);
+    products += static_cast<double>(cell.sum) * cell.sum;
+  }
+  if (!(pairs > 0.0) || !(squares > 0.0)) return {};
+  // A fit follows its points' noise, which leaves neighbouring residuals opposed.
+  const double absorbed = constants_.absorbed_share * numCoefficients(fit.degree) / fit.n_eff;
+  return {products / pairs * inside / squares + absorbed, std::sqrt(2.0 / pairs)};
+}
 
+/** The points' density decides, within limits. */
+int
+ResidualStructure::cellsAlongSide(std::size_t points, double rho, double least_cell) const
+{
+  const double squares_wanted =
+      static_cast<double>(points) / (kDiscPerSquare * constants_.points_per_cell);
+  double cells = std::min(std::sqrt(squares_wanted), static_cast<double>(constants_.most_cells));
+  if (least_cell > 0) cells = std::min(cells, 2.0 * rho / least_cell);
+  return static_cast<int>(cells);
+}
+
+/** Sorts the residuals within rho into side times side cells. \return the sum of their squares. */
+double
+ResidualStructure::fillCells(const BallBuffer& points, double rho, int side)
+{
+  cells_.assign(static_cast<std::size_t>(side) * side, Cell{0.0f, 0.0f});
   const auto radius = static_cast<float>(rho);
+  // A little less than half a side, so that rounding leaves the rim inside the last cell.
   const float limit_sq = radius * radius, per_length = 0.4999f * static_cast<float>(side) / radius;
   double squares = 0;
   for (std::size_t i = 0; i < points.count; ++i) {
@@ -41,16 +64,7 @@ ResidualStructure::measure(const BallBuffer& points, const LocalFit& fit, double
     cell.sum += f;
     squares += f * f;
   }
-  double inside = 0, pairs = 0, products = -squares;
-  for (const Cell& cell : cells_) {
-    inside += cell.count;
-    pairs += static_cast<double>(cell.count) * (cell.count - 1.0f);
-    products += static_cast<double>(cell.sum) * cell.sum;
-  }
-  if (!(pairs > 0.0) || !(squares > 0.0)) return {};
-  // A fit follows its points' noise, which leaves neighbouring residuals opposed.
-  const double taken = kTaken * numCoefficients(fit.degree) / fit.n_eff;
-  return {products / pairs * inside / squares + taken, std::sqrt(2.0 / pairs)};
+  return squares;
 }
 
 }  // namespace pcl_slim::detail

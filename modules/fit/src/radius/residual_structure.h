@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// docs/theory.md, "Detail below the noise": the variance that neighbouring residuals share.
 #pragma once
 
 #include <vector>
 
 #include "ball/ball_kernels.h"
+#include "radius/radius_constants.h"
 
 namespace pcl_slim::detail {
 
@@ -16,20 +18,28 @@ namespace pcl_slim::detail {
  */
 class ResidualStructure {
  public:
+  explicit ResidualStructure(const RadiusConstants& constants) : constants_(constants) {}
+
   struct Finding {
     double share = 0;      ///< of e^2 that neighbours have in common
     double deviation = 0;  ///< standard deviation of share where there is noise alone; 0: unknown
   };
 
-  /** \brief Looks at the residuals of a fit within rho. \param[in] least_cell least width of a cell;
-   * 0: as the points' density has it. O(points). */
+  /** \brief Looks at the residuals of a fit within rho. \param[in] least_cell least width of a
+   * cell; 0: as the points' density has it. O(points). */
   Finding measure(const BallBuffer& points, const LocalFit& fit, double rho,
                   double least_cell = 0.0);
 
  private:
+  /** \brief A cell of the frame's plane. */
   struct Cell {
     float count, sum;  ///< points and the sum of their residuals
   };
+
+  int cellsAlongSide(std::size_t points, double rho, double least_cell) const;
+  double fillCells(const BallBuffer& points, double rho, int side);
+
+  const RadiusConstants& constants_;
   std::vector<float> residuals_;
   std::vector<Cell> cells_;
 };

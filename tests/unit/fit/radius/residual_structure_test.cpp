@@ -5,60 +5,30 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
+
+#include "support/balls.h"
 
 namespace pcl_slim {
 
 using namespace detail;
+using pcl_slim_test::TestBall;
+using pcl_slim_test::wavyBall;
 
 namespace {
 
 constexpr double kInner = 0.6180339887498949;  // the part of a ball that is looked at
-
-struct Ball {
-  BallBuffer points;
-  LocalFit fit;
-};
-
-/** A disc of heights: a wave of the given amplitude, and noise; the points are in no order, as a
- * thick cloud's are along a Morton curve. */
-Ball
-wavyBall(int degree, std::size_t count, double amplitude, double wavelength, double noise,
-         std::uint32_t seed)
-{
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> place(-1.0, 1.0);
-  std::normal_distribution<double> normal;
-  Ball ball;
-  BallBuffer& p = ball.points;
-  p.reserve(count);
-  while (p.count < count) {
-    const double u = place(random), v = place(random);
-    if (u * u + v * v >= 1.0) continue;
-    const std::size_t i = p.count++;
-    p.u[i] = static_cast<float>(u);
-    p.v[i] = static_cast<float>(v);
-    p.w[i] = static_cast<float>(amplitude * std::sin(2 * M_PI * u / wavelength) +
-                                noise * normal(random));
-    p.s_sq[i] = p.u[i] * p.u[i] + p.v[i] * p.v[i];
-  }
-  for (std::size_t i = p.count; i < p.count + BallBuffer::kPadding; ++i) {
-    p.u[i] = p.v[i] = p.w[i] = 0.0f;
-    p.s_sq[i] = 2.0f;
-  }
-  ball.fit = kernels::fitBall(p, degree, 1.0f, WeightKernel::kPower4, 1.15, true);
-  return ball;
-}
+const RadiusConstants kConstants;
 
 TEST(ResidualStructure, OfNoiseIsNothingButItsDeviation)
 {
-  ResidualStructure structure;
+  ResidualStructure structure(kConstants);
   for (const int degree : {2, 4}) {
     for (const std::size_t count : {400, 3000, 20000}) {
       double mean = 0, squares = 0;
       constexpr int kBalls = 60;
       for (int b = 0; b < kBalls; ++b) {
-        const Ball ball = wavyBall(degree, count, 0.0, 1.0, 0.01, 100u + static_cast<unsigned>(b));
+        const TestBall ball =
+            wavyBall(degree, count, 0.0, 1.0, 0.01, 100u + static_cast<unsigned>(b));
         const auto found = structure.measure(ball.points, ball.fit, kInner);
         ASSERT_GT(found.deviation, 0.0);
         const double z = found.share / found.deviation;
@@ -75,11 +45,11 @@ TEST(ResidualStructure, OfNoiseIsNothingButItsDeviation)
 TEST(ResidualStructure, IsTheShareOfAWaveBelowTheNoise)
 {
   // A wave of half the noise's deviation: an eighth of its variance, a ninth of the sum.
-  ResidualStructure structure;
+  ResidualStructure structure(kConstants);
   const double noise = 0.01, amplitude = 0.5 * noise;
   const double wave = 0.5 * amplitude * amplitude, share = wave / (wave + noise * noise);
   for (const int degree : {2, 4}) {
-    const Ball ball = wavyBall(degree, 20000, amplitude, 0.25, noise, 5);
+    const TestBall ball = wavyBall(degree, 20000, amplitude, 0.25, noise, 5);
     const auto found = structure.measure(ball.points, ball.fit, kInner);
     // A cell sees the mean of the wave across itself.
     EXPECT_NEAR(found.share / share, 0.85, 0.15) << "degree " << degree;
@@ -90,11 +60,11 @@ TEST(ResidualStructure, IsTheShareOfAWaveBelowTheNoise)
 TEST(ResidualStructure, WiderCellsTellAFainterWave)
 {
   // A wave of a quarter of the noise, long beside the cells: more pairs in each, a smaller deviation.
-  ResidualStructure structure;
+  ResidualStructure structure(kConstants);
   double fine = 0, wide = 0;
   constexpr int kBalls = 20;
   for (int b = 0; b < kBalls; ++b) {
-    const Ball ball = wavyBall(2, 4000, 0.0025, 0.7, 0.01, 300u + static_cast<unsigned>(b));
+    const TestBall ball = wavyBall(2, 4000, 0.0025, 0.7, 0.01, 300u + static_cast<unsigned>(b));
     const auto narrow = structure.measure(ball.points, ball.fit, kInner);
     const auto broad = structure.measure(ball.points, ball.fit, kInner, 0.2);
     fine += narrow.share / narrow.deviation / kBalls;
@@ -108,15 +78,15 @@ TEST(ResidualStructure, WiderCellsTellAFainterWave)
 
 TEST(ResidualStructure, SaysNothingAboutAHandfulOfPoints)
 {
-  ResidualStructure structure;
-  const Ball ball = wavyBall(1, 20, 0.1, 0.5, 0.01, 3);
+  ResidualStructure structure(kConstants);
+  const TestBall ball = wavyBall(1, 20, 0.1, 0.5, 0.01, 3);
   EXPECT_EQ(structure.measure(ball.points, ball.fit, kInner).deviation, 0.0);
 }
 
 TEST(ResidualStructure, OfAnExactFitIsUnknown)
 {
-  ResidualStructure structure;
-  const Ball ball = wavyBall(2, 1000, 0.0, 1.0, 0.0, 3);
+  ResidualStructure structure(kConstants);
+  const TestBall ball = wavyBall(2, 1000, 0.0, 1.0, 0.0, 3);
   const auto found = structure.measure(ball.points, ball.fit, kInner);
   EXPECT_EQ(found.deviation, 0.0);
 }

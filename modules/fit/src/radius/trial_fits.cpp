@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "radius/trial_fits.h"
+
+#include <cmath>
+
+#include "ball/nested_fit.h"
+
+namespace pcl_slim::detail {
+
+void
+TrialFits::begin(const BallBuffer& ball, double gather_radius, double rho_right)
+{
+  samples_.begin(ball, gather_radius, rho_right);
+  has_right_ = false;
+}
+
+const Trial&
+TrialFits::right()
+{
+  if (!has_right_) right_ = at(samples_.rhoRight());
+  has_right_ = true;
+  return right_;
+}
+
+Trial
+TrialFits::at(double rho, int degree, WeightKernel kernel)
+{
+  ++fits_;
+  Trial trial;
+  trial.rho = rho;
+  trial.fit = kernels::fitBall(samples_.within(rho), degree, static_cast<float>(rho), kernel,
+                               settings_.support, false);
+  trial.supported = trial.fit.degree == degree;
+  if (trial.supported) trial.energy = energyOf(trial, energy_);
+  return trial;
+}
+
+double
+TrialFits::minimumSupportRadius(double from, int degree, WeightKernel kernel)
+{
+  const double target = settings_.support * numCoefficients(degree);
+  double high = from, low = 0.0, rho = from;
+  for (int step = 0; step < constants().support_steps; ++step) {
+    const double n_eff =
+        kernels::effectiveCount(samples_.within(rho), static_cast<float>(rho), kernel);
+    if (n_eff >= target) {
+      high = rho;
+      if (n_eff <= constants().support_margin * target) break;
+    } else {
+      low = rho;
+    }
+    // On a surface n_eff grows like r^2; where it does not, the bracket is halved.
+    const double guess =
+        n_eff > 0 ? rho * std::sqrt(constants().support_aim * target / n_eff) : high;
+    rho = guess > low && guess < high ? guess : 0.5 * (low + high);
+  }
+  return high;
+}
+
+Trial
+TrialFits::atMinimumSupport(double from)
+{
+  const double rho = minimumSupportRadius(from, settings_.degree, settings_.wall_kernel);
+  return at(rho, settings_.degree, settings_.wall_kernel);
+}
+
+Trial
+TrialFits::ofLowerDegree(const Trial& trial, int degree)
+{
+  // Slopes that are data have moments of their own, which are not kept.
+  if (samples_.all().slope_weight > 0) return at(trial.rho, degree, settings_.fit_kernel);
+  Trial low;
+  low.rho = trial.rho;
+  low.fit = nestedFit(trial.fit, degree);
+  low.supported = low.fit.degree == degree;
+  if (low.supported) low.energy = energyOf(low, energy_);
+  return low;
+}
+
+bool
+TrialFits::refit(const BallBuffer& points, WeightKernel kernel, Trial& trial)
+{
+  ++fits_;
+  // The degree was settled with the full support; rounding must not undo it here.
+  const double support = constants().refit_support * settings_.support;
+  const LocalFit fit = kernels::fitBall(points, trial.fit.degree, static_cast<float>(trial.rho),
+                                        kernel, support, true);
+  if (fit.degree != trial.fit.degree) return false;
+  trial.fit = fit;
+  return true;
+}
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// docs/theory.md, "One fit, step by step", 5 (Radius): the fits at the radii of eq. (5), and
+// between; the minimum-support radius is that of "Guards", Minimum support.
+#pragma once
+
+#include <cstdint>
+
+#include "fit_settings.h"
+#include "radius/ball_samples.h"
+
+namespace pcl_slim::detail {
+
+/** \brief A radius that was tried; rho is in units of the ball's gather radius. */
+struct Trial {
+  double rho = 0;
+  LocalFit fit;
+  double energy = 0;
+  bool supported = false;  ///< the full degree could be fitted with enough points
+};
+
+/** \brief Fits the samples of one ball at any radius and degree. One per thread.
+ *
+ * Every fit costs O(points within the radius) and counts in numFits(). */
+class TrialFits {
+ public:
+  explicit TrialFits(const FitSettings& settings) : settings_(settings), energy_(settings.energy) {}
+
+  /** \brief The noise variance of the balls to come. */
+  void setNoise(double lambda) { energy_.lambda = lambda; }
+  double noise() const { return energy_.lambda; }
+
+  /** \brief Starts on a ball; see BallSamples::begin. */
+  void begin(const BallBuffer& ball, double gather_radius, double rho_right);
+
+  /** \brief The fit at r_r, made once for a ball. */
+  const Trial& right();
+
+  /** \brief The fits at r_m = gamma r_r and r_l = gamma^2 r_r of eq. (5). */
+  Trial middle() { return at(kGolden * samples_.rhoRight()); }
+  Trial left() { return at(rhoLeft()); }
+  double rhoLeft() const { return kGolden * kGolden * samples_.rhoRight(); }
+
+  /** \brief The fit at a radius; unsupported where too few points stand behind the degree. */
+  Trial at(double rho) { return at(rho, settings_.degree, settings_.fit_kernel); }
+  Trial at(double rho, int degree, WeightKernel kernel);
+
+  /** \brief The smallest radius up to from at which n_eff still is the least support, to about 1 %;
+   * from where there is none. */
+  double minimumSupportRadius(double from, int degree, WeightKernel kernel);
+
+  /** \brief The fit of the full degree at the minimum-support radius. Bias rules there, so the
+   * flatter kernel is taken: it reaches the same n_eff with a smaller ball. */
+  Trial atMinimumSupport(double from);
+
+  /** \brief The fit of a lower degree to a trial's points, from its moments where they tell. */
+  Trial ofLowerDegree(const Trial& trial, int degree);
+
+  /** \brief Fits the trial's degree and radius to the points with iterative refinement.
+   * \return false where that degree fails; the trial is then left alone. */
+  bool refit(const BallBuffer& points, WeightKernel kernel, Trial& trial);
+
+  /** \brief e^2 across the surface, a local length squared. */
+  double variance(const Trial& trial) const
+  {
+    return energy_.variance(trial.fit, samples_.gatherRadius());
+  }
+
+  /** \brief A trial's radius as a local length. */
+  double radiusOf(const Trial& trial) const { return trial.rho * samples_.gatherRadius(); }
+
+  /** \brief What a trial costs by an energy other than the search's own. */
+  double energyOf(const Trial& trial, const Energy& energy) const
+  {
+    return energy(trial.fit, radiusOf(trial), samples_.gatherRadius(), constants());
+  }
+
+  BallSamples& samples() { return samples_; }
+  const BallSamples& samples() const { return samples_; }
+  const Energy& energy() const { return energy_; }
+  const FitSettings& settings() const { return settings_; }
+  const RadiusConstants& constants() const { return settings_.constants.radius; }
+  std::uint64_t numFits() const { return fits_; }
+
+ private:
+  const FitSettings& settings_;
+  Energy energy_;
+  BallSamples samples_;
+  Trial right_;
+  bool has_right_ = false;
+  std::uint64_t fits_ = 0;
+};
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The trial fits of one ball, and the comparison of two of them.
+#include "radius/trial_fits.h"
+
+#include <gtest/gtest.h>
+
+#include "radius/fit_comparison.h"
+#include "support/balls.h"
+
+namespace pcl_slim {
+
+using namespace detail;
+using pcl_slim_test::TestBall;
+using pcl_slim_test::wavyBall;
+
+namespace {
+
+constexpr double kNoise = 0.01;
+
+FitSettings
+settingsOfNoise()
+{
+  FitSettings settings;
+  settings.energy.lambda = kNoise * kNoise;
+  settings.energy.kappa = 3.0;
+  return settings;
+}
+
+TEST(BallSamples, InnerPartsHoldAllPointsWithinARadius)
+{
+  const TestBall ball = wavyBall(2, 2000, 0.0, 1.0, kNoise, 7);
+  BallSamples samples;
+  samples.begin(ball.points, 0.5, 1.0);
+  std::size_t last = ball.points.count + 1;
+  for (const double rho : {1.0, 0.61, 0.38}) {
+    std::size_t inside = 0;
+    for (std::size_t i = 0; i < ball.points.count; ++i) inside += ball.points.s_sq[i] < rho * rho;
+    const BallBuffer& part = samples.within(rho);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < part.count; ++i) kept += part.s_sq[i] < rho * rho;
+    EXPECT_EQ(kept, inside) << rho;
+    EXPECT_LT(part.count, last) << rho;
+    last = part.count;
+  }
+}
+
+TEST(TrialFits, TheMinimumSupportRadiusJustHasTheSupport)
+{
+  const TestBall ball = wavyBall(2, 2000, 0.0, 1.0, kNoise, 8);
+  const FitSettings settings = settingsOfNoise();
+  TrialFits trials(settings);
+  trials.begin(ball.points, 1.0, 1.0);
+  for (const int degree : {1, 2, 3, 4}) {
+    for (const WeightKernel kernel : {WeightKernel::kPower2, WeightKernel::kPower4}) {
+      const double rho = trials.minimumSupportRadius(1.0, degree, kernel);
+      const double n_eff = kernels::effectiveCount(ball.points, static_cast<float>(rho), kernel);
+      const double least = settings.support * numCoefficients(degree);
+      EXPECT_GE(n_eff, least) << degree;
+      EXPECT_LE(n_eff, 1.05 * least) << degree;
+    }
+  }
+  EXPECT_EQ(trials.numFits(), 0u);
+}
+
+TEST(TrialFits, TheFitAtTheRightRadiusIsMadeOnce)
+{
+  const TestBall ball = wavyBall(2, 500, 0.0, 1.0, kNoise, 9);
+  const FitSettings settings = settingsOfNoise();
+  TrialFits trials(settings);
+  trials.begin(ball.points, 1.0, 1.0);
+  EXPECT_TRUE(trials.right().supported);
+  EXPECT_EQ(trials.right().rho, 1.0);
+  EXPECT_EQ(trials.numFits(), 1u);
+}
+
+/** On a noisy plane the wide fit serves the middle ball's points as well; over a wave it does not.
+ */
+TEST(FitComparison, AcceptsTheWideFitOfAPlaneButNotOfAWave)
+{
+  const FitSettings settings = settingsOfNoise();
+  for (const double amplitude : {0.0, 0.6 * kNoise}) {
+    int accepted = 0;
+    constexpr int kBalls = 20;
+    for (int b = 0; b < kBalls; ++b) {
+      const TestBall ball =
+          wavyBall(4, 4000, amplitude, 0.9, kNoise, 500u + static_cast<unsigned>(b));
+      TrialFits trials(settings);
+      ResidualTests tests(trials);
+      trials.begin(ball.points, 1.0, 1.0);
+      accepted += FitComparison(trials, tests).acceptsSimpler(trials.right(), trials.middle());
+    }
+    if (amplitude == 0) {
+      EXPECT_GE(accepted, kBalls / 2);
+    } else {
+      EXPECT_LE(accepted, kBalls / 4);
+    }
+  }
+}
+
+TEST(FitComparison, GoesByTheConstantsOfItsSettings)
+{
+  const TestBall ball = wavyBall(4, 4000, 0.0, 1.0, kNoise, 10);
+  FitSettings settings = settingsOfNoise();
+  settings.constants.radius.comparison_worth = 1e3;
+  TrialFits trials(settings);
+  ResidualTests tests(trials);
+  trials.begin(ball.points, 1.0, 1.0);
+  const FitComparison comparison(trials, tests);
+  const Trial middle = trials.middle();
+  EXPECT_TRUE(comparison.acceptsSimpler(trials.right(), middle));
+  settings.constants.radius.comparison_worth = 0.0;
+  EXPECT_FALSE(comparison.acceptsSimpler(trials.right(), middle));
+}
+
+}  // namespace
+}  // namespace pcl_slim
