@@ -44,7 +44,7 @@ reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatisti
               {"rms_error_over_diagonal", fit.rms_error},
               {"uncovered", fit.uncovered},
               {"unsupported", fit.unsupported},
-              {"forced", fit.forced},
+              {"support_limited", fit.support_limited},
               {"reduced_degree", fit.reduced_degree},
               {"split_sheets", fit.split_sheets},
               {"oriented", surface.info.oriented},

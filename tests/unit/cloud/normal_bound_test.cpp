@@ -32,10 +32,10 @@ TEST(NormalGate, IsARightAngleForExactNormalsAndEdges)
 
 TEST(NormalGate, WidensWithTheErrorsOfNormals)
 {
-  const auto gate = [](double error) {
+  const auto bound = [](double error) {
     return normalBound(storeOf(sceneCloud(Shape::kSphere, 50000, 0.0, error)));
   };
-  const float exact = gate(0.0), good = gate(0.05), bad = gate(0.3);
+  const float exact = bound(0.0), good = bound(0.05), bad = bound(0.3);
   EXPECT_GT(exact, -0.1f);
   EXPECT_LT(good, exact);
   EXPECT_GT(good, -0.3f);

@@ -29,7 +29,7 @@ expectSame(const SLIMSurface& a, const SLIMSurface& b)
   for (const auto column :
        {&SLIMSurface::cx, &SLIMSurface::cy, &SLIMSurface::cz, &SLIMSurface::radius,
         &SLIMSurface::nx, &SLIMSurface::ny, &SLIMSurface::nz, &SLIMSurface::coefficients,
-        &SLIMSurface::error, &SLIMSurface::confidence}) {
+        &SLIMSurface::error, &SLIMSurface::effective_count}) {
     EXPECT_EQ(a.*column, b.*column);
   }
   for (const auto column : {&SLIMSurface::degree, &SLIMSurface::level, &SLIMSurface::flags}) {
