@@ -121,8 +121,8 @@ printDetails(const Settings& s, const Row& row)
         row.normals ? "given" : "none", e.position, e.position / row.scene->diagonal, e.normal,
         e.curvature, e.worst, outcome->sigma,
         static_cast<double>(fit.leaves) / static_cast<double>(fit.points),
-        100.0 * static_cast<double>(fit.forced) / static_cast<double>(fit.leaves), fit.first_level,
-        fit.last_level, static_cast<unsigned long long>(fit.uncovered),
+        100.0 * static_cast<double>(fit.support_limited) / static_cast<double>(fit.leaves),
+        fit.first_level, fit.last_level, static_cast<unsigned long long>(fit.uncovered),
         static_cast<unsigned long long>(outcome->unsupported));
     std::fflush(stdout);
   }
@@ -154,7 +154,8 @@ printHeader(const Settings& s)
   if (!s.by_degree) {
     std::puts(
         "| shape | noise | T | degree | normals | RMS position | of L | normal ° | H relative "
-        "| worst | sqrt(lambda)/L | leaves/pt | forced | levels | uncovered | unsupported |\n"
+        "| worst | sqrt(lambda)/L | leaves/pt | support-limited | levels | uncovered | unsupported "
+        "|\n"
         "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
     return;
   }

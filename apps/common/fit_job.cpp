@@ -45,7 +45,7 @@ reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatisti
   json["rms_error_over_diagonal"] = fit.rms_error;
   json["uncovered"] = fit.uncovered;
   json["unsupported"] = fit.unsupported;
-  json["forced"] = fit.forced;
+  json["support_limited"] = fit.support_limited;
   json["reduced_degree"] = fit.reduced_degree;
   json["split_sheets"] = fit.split_sheets;
   json["oriented"] = surface.info.oriented;

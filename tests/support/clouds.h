@@ -155,7 +155,8 @@ expectSound(const Fitted& f)
   const pcl_slim::Error error = f.surface.validate();
   EXPECT_FALSE(error) << error.message;
   for (const float value : f.surface.error) ASSERT_TRUE(std::isfinite(value) && value >= 0.0f);
-  for (const float value : f.surface.confidence) ASSERT_TRUE(std::isfinite(value) && value > 0.0f);
+  for (const float value : f.surface.effective_count)
+    ASSERT_TRUE(std::isfinite(value) && value > 0.0f);
   ASSERT_EQ(f.projection.position.size(), f.store.size());
   ASSERT_EQ(f.projection.normal.size(), f.store.size());
   std::uint64_t unsupported = 0;

@@ -49,7 +49,7 @@ sphereSurface(int degree, std::size_t count)
     surface.level[i] = static_cast<std::uint8_t>(i % 5 == 0 ? 1 : 2);
     surface.flags[i] = static_cast<std::uint8_t>(i % 5 == 0 ? 0 : i % 7 == 0 ? 3 : 1);
     surface.error[i] = static_cast<float>(1e-4 * std::abs(normal(random)));
-    surface.confidence[i] = static_cast<float>(20.0 + std::abs(normal(random)));
+    surface.effective_count[i] = static_cast<float>(20.0 + std::abs(normal(random)));
     for (int k = 0; k < numCoefficients(surface.degree[i]); ++k) {
       surface.coefficients[i * static_cast<std::size_t>(surface.stride()) +
                            static_cast<std::size_t>(k)] = static_cast<float>(0.1 * normal(random));

@@ -69,7 +69,7 @@ toPoint(const SLIMSurface& surface, std::size_t i, const SurfaceMetadata& metada
   p.level = surface.level[i];
   p.leaf = surface.flags[i];
   p.error = static_cast<float>(info.scale * surface.error[i]);
-  p.confidence = surface.confidence[i];
+  p.confidence = surface.effective_count[i];
   return p;
 }
 
@@ -93,7 +93,7 @@ fromPoint(const PointSLIM& p, const SurfaceMetadata& metadata, std::size_t i, SL
   surface.level[i] = static_cast<std::uint8_t>(p.level);
   surface.flags[i] = static_cast<std::uint8_t>(p.leaf);
   surface.error[i] = static_cast<float>(p.error / scale);
-  surface.confidence[i] = p.confidence;
+  surface.effective_count[i] = p.confidence;
   return true;
 }
 

@@ -1,11 +1,138 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+
+#include "pcl_slim/cloud/detail/noise_constants.h"
+
 namespace pcl_slim::detail {
 
+constexpr double kGolden = 0.6180339887498949;  ///< gamma of eq. (5): the golden section, no choice
+
+/** \brief The values of the named presets, presets.h (docs/theory.md, "Where the default departs
+ * from the paper", "T given" and "Sharp features"). */
+struct PresetConstants {
+  int degree = 4;                    ///< polynomial degree
+  int sharp_degree = 2;              ///< the same with sharp features
+  double kappa = 3.0;                ///< penalty: kappa lambda P / n_eff
+  double sharp_kappa = 1.0;          ///< the same with sharp features
+  double paper_t = 0.01;             ///< the paper's T_MDL [share of L]
+  double support = 1.15;             ///< n_eff per coefficient below which nothing is fitted
+  double lenience = 1.02;            ///< the largest r with E <= lenience min E is taken
+  double lenience_with_t = 1.0;      ///< the same where T is given
+  double lack_of_fit = 2.5;          ///< no leaf while e exceeds this many sqrt(lambda)
+  double lack_of_fit_with_t = 10.0;  ///< the same where T is given
+  double thick = 5.0;                ///< noise fills balls below so many sqrt(lambda)
+  double thick_with_t = 4.0;         ///< the same where T is given
+  float sharp_bound = 0.5f;          ///< the normal bound with sharp features [cosine]
+};
+
+/** \brief Whether normals are measured apart from the points (docs/theory.md, "Normals as data").
+ */
+struct NormalErrorConstants {
+  std::size_t samples = 1000;       ///< patches looked at
+  std::size_t least_patches = 100;  ///< patches that a result takes
+  std::size_t neighbors = 64;     ///< points of a patch: wider than most estimates of normals reach
+  std::size_t least_points = 48;  ///< points of a patch on the sample's own side
+  std::size_t tilt_points = 9;    ///< the sample and its nearest, whose heights tell a tilt
+  std::size_t pairs = 4;          ///< nearest neighbours that the sample is paired with
+  float own_side = 0.3f;          ///< least cosine with the sample's normal
+  double least_cosine = 0.1;      ///< least cosine that a slope is read from
+  double trim = 0.1;              ///< share of patches left out at either end of the mean
+  double with_heights = 0.15;     ///< correlation with the points' tilt from which it repeats them
+  double with_neighbors = 0.03;   ///< correlation with neighbours from which they are no news
+};
+
+/** \brief Two sheets in one ball (docs/theory.md, "Sheets"). */
+struct SheetConstants {
+  int passes = 2;             ///< times a ball is parted
+  double noise = 4.0;         ///< sheets that can be told apart leave e^2 above so many lambda
+  int bins = 48;              ///< of the histogram of residuals, 128 at most
+  double valley = 0.12;       ///< height of the valley over the lower peak's
+  std::size_t points = 24;    ///< points that a histogram takes
+  std::size_t counted = 512;  ///< points counted; larger balls are counted in strides
+  double apart = 3.0;         ///< distance of the sides' means over the sides' own deviation
+  double least_side = 0.05;   ///< share of the points on the smaller side
+};
+
+/** \brief What noise does to heights on average (docs/theory.md, section of that name). */
+struct BiasConstants {
+  double most_share = 1.0 / 25;  ///< largest lambda / r^2 taken back: r = 5 sqrt(lambda)
+};
+
+/** \brief One ball (docs/theory.md, "One ball"). */
+struct BallConstants {
+  double lone_share =
+      0.3;  ///< share of points within the normal bound, below which a normal is alone
+  double lone_cosine = 0.3;  ///< mean cosine with them, below which it is ("Lone normals")
+  std::size_t glance_blocks =
+      512;                        ///< blocks of 16 points that tell e^2 to some percent ("Levels")
+  std::size_t glance_stride = 2;  ///< least stride of blocks at which a glance saves time
+  double off_center = 0.03;       ///< a fit that passes its centre farther off [r_r] moves the ball
+  double largest_shift =
+      0.3;  ///< a ball moves at most so far [r_r]; the cover's cells allow for it
+  SheetConstants sheets;
+  BiasConstants bias;
+};
+
+/** \brief The levels and the cover (docs/theory.md, "Levels" and "Cover"). */
+struct CoverConstants {
+  double paper_first_radius = 0.1;                  ///< r_r of level 1 [L]: the paper's L / 10
+  double first_radius = 0.1 / (kGolden * kGolden);  ///< the default's: two levels wider
+  double start_share = 0.5;         ///< the first level's median ball holds at most this share
+  double sharp_start_share = 0.15;  ///< the same with sharp features
+  std::size_t start_samples = 31;   ///< balls whose median that is
+  std::size_t start_slack = 4;      ///< blocks a ball may touch beyond that share
+  int last_start = 30;              ///< the finest first level
+  int last_level = 40;              ///< the finest level: r_r is 1e-9 L, support ends long before
+  double alpha = 2.0 / 3.0;         ///< a leaf covers within alpha r: the paper's
+  double supported_alpha = 0.55;    ///< alpha of leaves that many points stand behind ...
+  double well_supported = 16.0;     ///< ... which are those of more n_eff per coefficient
+  double residual_bound = 5.0;      ///< a leaf covers points within so many e of it
+  double residual_floor = 1e-6;     ///< [r] added to that, for the rounding of exact fits
+};
+
+/** \brief Common sides without normals (docs/theory.md, "Sides"). */
+struct OrientConstants {
+  std::size_t neighbors = 8;  ///< nearest leaves on each level that a leaf has edges to, 32 at most
+  double reach = 0.9;         ///< of r + r': leaves whose centres are farther apart do not overlap
+  float much_wider = 2.0f;    ///< a leaf wider than so many of a level's widest seeks none there
+  float weak_edge = 0.5f;     ///< edges of more weight may lead across a gap
+  double closed_flux = 0.4;   ///< flux above this share of its bound makes a closed body
+  double flat_flux = 0.1;     ///< flux below this share of its bound leaves no inside
+};
+
+/** \brief Target error and number of surfels (docs/theory.md, section of that name). */
+struct PenaltySearchConstants {
+  int most_covers = 12;           ///< covers that are tried
+  double error_tolerance = 0.03;  ///< of the target error
+  double count_tolerance = 0.05;  ///< of the number of surfels, below it
+  double least_step = 0.1;        ///< a secant step keeps this share of the bracket from its ends
+  double largest_error = 0.05;    ///< sqrt(lambda) [L] beyond which no surface is left
+  double least_variance = 1e-24;  ///< lambda [local length squared] that log-log starts from
+};
+
 /** \brief Every tuning constant of the fit; nothing else decides. Paragraphs are those of
- * docs/theory.md. */
+ * docs/theory.md. Lengths are in the units that square brackets name; what has no unit is a ratio
+ * or a count. */
 struct FitConstants {
+  PresetConstants preset;
+  NoiseConstants noise;
+  NormalBoundConstants normal_bound;
+  NormalErrorConstants normal_error;
+  BallConstants ball;
+  CoverConstants cover;
+  OrientConstants orient;
+  PenaltySearchConstants penalty_search;
+};
+
+/** \brief What sums in float can resolve (docs/theory.md, "One ball"). No tuning: they follow from
+ * the format of the numbers, and the kernels know them at compile time. */
+struct FloatLimits {
+  static constexpr double kPivot = 3e-6;         ///< relative pivots of the normal equations
+  static constexpr double kResidual = 1e-3;      ///< share of sum w z^2 that differences keep
+  static constexpr float kSlopeCosine = 0.01f;   ///< least cosine with w that a slope is read from
+  static constexpr double kNormalLength = 1e-6;  ///< least length of a mean of unit normals
 };
 
 }  // namespace pcl_slim::detail

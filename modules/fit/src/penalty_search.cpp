@@ -11,11 +11,6 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr int kMostCovers = 12;
-constexpr double kErrorTolerance = 0.03;
-constexpr double kCountTolerance = 0.05;
-constexpr double kLargestError = 0.05;  ///< of L: no surface is left beyond this
-
 /** What a cover with a given variance comes to. */
 struct CoverResult {
   double leaves = 0, rms = 0;  ///< rms as a share of L
@@ -36,6 +31,9 @@ class PenaltySearch {
   {
   }
 
+  const PenaltySearchConstants& constants() const { return settings_.constants.penalty_search; }
+
+  /** Runs a cover as if lambda were the noise. */
   Error run(double lambda, CoverResult& result)
   {
     settings_.energy.lambda = lambda;
@@ -47,8 +45,8 @@ class PenaltySearch {
       for (const SurfelRecord* s = piece.begin; s != piece.end; ++s) {
         if ((s->flags & kSurfelLeaf) == 0) continue;
         result.leaves += 1;
-        weight += s->confidence;
-        sum += static_cast<double>(s->confidence) * s->error * s->error;
+        weight += s->effective_count;
+        sum += static_cast<double>(s->effective_count) * s->error * s->error;
       }
     }
     result.rms = weight > 0 ? std::sqrt(sum / weight) / settings_.diagonal : 0.0;
@@ -56,16 +54,17 @@ class PenaltySearch {
   }
 
   /** Moves log lambda until goal(result) = log(measured / wanted) is 0 within tolerance; the ends
-   * of the bracket have opposite signs. Keeps the last lambda whose goal is on the side asked for. */
+   * of the bracket have opposite signs. Keeps the last lambda whose goal is on the side asked for.
+   */
   template <typename Goal>
   Error solve(double low, double goal_low, double high, double goal_high, double least, double most,
               const Goal& goal)
   {
     double log_low = std::log(low), log_high = std::log(high);
     double kept = goal_low >= least && goal_low <= most ? low : high;
-    for (int step = 0; step < kMostCovers; ++step) {
+    for (int step = 0; step < constants().most_covers; ++step) {
       double share = goal_low / (goal_low - goal_high);
-      share = std::min(std::max(share, 0.1), 0.9);
+      share = std::min(std::max(share, constants().least_step), 1 - constants().least_step);
       const double middle = log_low + share * (log_high - log_low);
       CoverResult result;
       if (Error error = run(std::exp(middle), result)) return error;
@@ -95,7 +94,7 @@ solveError(PenaltySearch& search, double lambda, double largest, double target)
   const auto goal = [&](const CoverResult& r) { return std::log(std::max(r.rms, 1e-12) / target); };
   CoverResult finest, coarsest;
   if (Error error = search.run(lambda, finest)) return error;
-  const double tolerance = std::log(1 + kErrorTolerance);
+  const double tolerance = std::log(1 + search.constants().error_tolerance);
   if (std::abs(goal(finest)) <= tolerance) return {};
   if (goal(finest) > 0) {
     return {
@@ -122,8 +121,8 @@ solveCount(PenaltySearch& search, double lambda, double largest, double most)
             formatted("%g surfels are too few for this cloud: it needs at least %g", most,
                       coarsest.leaves)};
   }
-  return search.solve(lambda, goal(finest), largest, goal(coarsest), std::log(1 - kCountTolerance),
-                      0.0, goal);
+  return search.solve(lambda, goal(finest), largest, goal(coarsest),
+                      std::log(1 - search.constants().count_tolerance), 0.0, goal);
 }
 
 }  // namespace
@@ -132,8 +131,9 @@ Error
 solvePenalty(const PointStore& store, const FitParams& params, FitSettings& settings, int threads,
              Progress* progress)
 {
-  const double measured = std::max(settings.energy.lambda, 1e-24);
-  const double largest = std::pow(kLargestError * settings.diagonal, 2);
+  const PenaltySearchConstants& constants = settings.constants.penalty_search;
+  const double measured = std::max(settings.energy.lambda, constants.least_variance);
+  const double largest = std::pow(constants.largest_error * settings.diagonal, 2);
   PenaltySearch search(store, settings, threads, progress);
   if (params.max_surfels > 0) {
     return solveCount(search, measured, largest, static_cast<double>(params.max_surfels));

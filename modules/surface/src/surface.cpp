@@ -44,7 +44,7 @@ SLIMSurface::clear()
 void
 SLIMSurface::resize(std::size_t count)
 {
-  for (auto* column : {&cx, &cy, &cz, &radius, &nx, &ny, &nz, &error, &confidence}) {
+  for (auto* column : {&cx, &cy, &cz, &radius, &nx, &ny, &nz, &error, &effective_count}) {
     column->resize(count);
   }
   coefficients.resize(count * static_cast<std::size_t>(stride()));
@@ -66,7 +66,7 @@ SLIMSurface::validate() const
   const auto bad = [](const std::string& what) { return Error{ErrorCode::kBadInput, what}; };
   const std::size_t n = size();
   if (info.degree < 1 || info.degree > kMaxDegree) return bad("surface degree is not 1..4");
-  for (const auto* column : {&cy, &cz, &radius, &nx, &ny, &nz, &error, &confidence}) {
+  for (const auto* column : {&cy, &cz, &radius, &nx, &ny, &nz, &error, &effective_count}) {
     if (column->size() != n) return bad("surface columns have different lengths");
   }
   if (degree.size() != n || level.size() != n || flags.size() != n ||

@@ -310,7 +310,7 @@ encodeSlim(const SLIMSurface& surface)
   }
   putNormals(surface, out);
   out.putFloats(surface.error);
-  out.putFloats(surface.confidence);
+  out.putFloats(surface.effective_count);
   forEachCoefficient(surface, *counts,
                      [&](std::size_t k) { out.putFloat(surface.coefficients[k]); });
 
@@ -342,7 +342,7 @@ decodeSlim(const unsigned char* bytes, std::size_t size)
   }
   getNormals(in, surface);
   in.getFloats(surface.error);
-  in.getFloats(surface.confidence);
+  in.getFloats(surface.effective_count);
   forEachCoefficient(surface, *counts,
                      [&](std::size_t k) { surface.coefficients[k] = in.getFloat(); });
 

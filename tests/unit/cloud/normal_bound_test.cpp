@@ -30,15 +30,15 @@ TEST(NormalGate, IsARightAngleForExactNormalsAndEdges)
       for (int a = 0; a < 3; ++a) cloud.normals.push_back(a == face ? 1.0f : 0.0f);
     }
   }
-  EXPECT_NEAR(normalGate(storeOf(cloud)), 0.0f, 1e-3f);
+  EXPECT_NEAR(normalBound(storeOf(cloud)), 0.0f, 1e-3f);
 }
 
 TEST(NormalGate, WidensWithTheErrorsOfNormals)
 {
-  const auto gate = [](double error) {
-    return normalGate(storeOf(sceneCloud(Shape::kSphere, 50000, 0.0, error)));
+  const auto bound = [](double error) {
+    return normalBound(storeOf(sceneCloud(Shape::kSphere, 50000, 0.0, error)));
   };
-  const float exact = gate(0.0), good = gate(0.05), bad = gate(0.3);
+  const float exact = bound(0.0), good = bound(0.05), bad = bound(0.3);
   EXPECT_GT(exact, -0.1f);
   EXPECT_LT(good, exact);
   EXPECT_GT(good, -0.3f);
@@ -63,7 +63,7 @@ TEST(NormalGate, IsNotFooledByTwoSheets)
                                              cloud.points[3 * i + 2] - 0.001});
     for (std::size_t a = 0; a < 3; ++a) cloud.normals.push_back(-cloud.normals[3 * i + a]);
   }
-  EXPECT_GT(normalGate(storeOf(cloud)), -0.3f);
+  EXPECT_GT(normalBound(storeOf(cloud)), -0.3f);
 }
 
 }  // namespace

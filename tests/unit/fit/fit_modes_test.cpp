@@ -175,7 +175,7 @@ TEST(FitModes, RobustFitsBearOutliers)
   }
 }
 
-TEST(FitModes, LocalNoiseSparesQuietParts)
+TEST(FitModes, LocalNoiseSparesCleanParts)
 {
   // A waved sheet whose noise grows twentyfold from left to right.
   const auto height = [](double x, double y) { return 0.03 * std::sin(9 * x) * std::cos(8 * y); };
@@ -184,7 +184,7 @@ TEST(FitModes, LocalNoiseSparesQuietParts)
   const Cloud cloud = pcl_slim_test::heightField(20000, 17, [&](double x, double y) {
     return height(x, y) + 0.0005 * std::exp2((x + 1.0) * 2.16) * normal(random);
   });
-  double quiet[2] = {}, loud[2] = {};
+  double clean[2] = {}, noisy[2] = {};
   for (const bool local : {false, true}) {
     FitParams params;
     params.local_noise = local;
@@ -194,12 +194,12 @@ TEST(FitModes, LocalNoiseSparesQuietParts)
       const auto p = f.world(f.projection.position[i]);
       if (std::abs(p[0]) > 0.95 || std::abs(p[1]) > 0.95) continue;
       const double d = p[2] - height(p[0], p[1]);
-      if (p[0] < -0.5) quiet[local] += d * d;
-      if (p[0] > 0.5) loud[local] += d * d;
+      if (p[0] < -0.5) clean[local] += d * d;
+      if (p[0] > 0.5) noisy[local] += d * d;
     }
   }
-  EXPECT_LT(std::sqrt(quiet[1]), 0.9 * std::sqrt(quiet[0]));
-  EXPECT_LT(std::sqrt(loud[1]), 1.1 * std::sqrt(loud[0]));
+  EXPECT_LT(std::sqrt(clean[1]), 0.9 * std::sqrt(clean[0]));
+  EXPECT_LT(std::sqrt(noisy[1]), 1.1 * std::sqrt(noisy[0]));
 }
 
 TEST(FitModes, LowerDegreesServeEdges)

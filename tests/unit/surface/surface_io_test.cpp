@@ -37,7 +37,7 @@ expectSame(const SLIMSurface& a, const SLIMSurface& b)
   EXPECT_EQ(a.nz, b.nz);
   EXPECT_EQ(a.coefficients, b.coefficients);
   EXPECT_EQ(a.error, b.error);
-  EXPECT_EQ(a.confidence, b.confidence);
+  EXPECT_EQ(a.effective_count, b.effective_count);
   EXPECT_EQ(a.degree, b.degree);
   EXPECT_EQ(a.level, b.level);
   EXPECT_EQ(a.flags, b.flags);

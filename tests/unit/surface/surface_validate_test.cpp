@@ -26,7 +26,7 @@ TEST(Surface, NamesItsDefects)
       [](SLIMSurface& s) { s.info.degree = 5; },
       [](SLIMSurface& s) { s.info.degree = 0; },
       [](SLIMSurface& s) { s.cy.pop_back(); },
-      [](SLIMSurface& s) { s.confidence.push_back(1.0f); },
+      [](SLIMSurface& s) { s.effective_count.push_back(1.0f); },
       [](SLIMSurface& s) { s.level.pop_back(); },
       [](SLIMSurface& s) { s.coefficients.pop_back(); },
       [](SLIMSurface& s) { s.degree[7] = 0; },

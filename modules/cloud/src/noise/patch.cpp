@@ -17,9 +17,7 @@ principalAxes(const Eigen::Matrix3Xd& points)
 
 namespace {
 
-constexpr Eigen::Index kLeastSide = 1;  ///< points on the other side of a gap between sheets
-constexpr int kSheetPasses = 4;
-constexpr double kSheetGap = 1.0;  ///< such a gap over the larger spread of the two sides
+constexpr Eigen::Index kLeastSide = 1;  ///< a side without a point is none
 
 /** Two parallel sheets through a patch: a common normal, and the height between them. */
 struct SheetPair {
@@ -68,7 +66,7 @@ class PatchColumns {
 
 /** Two-means on heights, with the normal of what is left within the two sides. */
 SheetPair
-pairSheets(const Eigen::Matrix3Xd& points, PatchColumns& columns)
+pairSheets(const Eigen::Matrix3Xd& points, int passes, PatchColumns& columns)
 {
   SheetPair pair{principalAxes(points).eigenvectors().col(0), 0};
   const auto n = static_cast<double>(columns.count());
@@ -77,7 +75,7 @@ pairSheets(const Eigen::Matrix3Xd& points, PatchColumns& columns)
   pair.middle = pair.normal.dot(all) / n;
   Eigen::Vector3d above, last_above = Eigen::Vector3d::Zero();
   double last_count = 0;
-  for (int pass = 0; pass < kSheetPasses; ++pass) {
+  for (int pass = 0; pass < passes; ++pass) {
     columns.heightsAlong(pair.normal);
     const double count = columns.sumAbove(pair.middle, above);
     if (count < kLeastSide || n - count < kLeastSide) break;
@@ -98,12 +96,12 @@ pairSheets(const Eigen::Matrix3Xd& points, PatchColumns& columns)
 }  // namespace
 
 bool
-keepOwnSheet(Patch& patch)
+keepOwnSheet(const PatchSheetConstants& constants, Patch& patch)
 {
   const Eigen::Index n = patch.points.cols();
   if (n < 2 * kLeastSide) return false;
   PatchColumns columns(patch.points);
-  const SheetPair pair = pairSheets(patch.points, columns);
+  const SheetPair pair = pairSheets(patch.points, constants.passes, columns);
   const Eigen::VectorXd& heights = columns.heightsAlong(pair.normal);
   const double lowest = heights.minCoeff(), highest = heights.maxCoeff();
   double end_below = lowest, begin_above = highest;
@@ -116,7 +114,7 @@ keepOwnSheet(Patch& patch)
   }
   if (n - above < kLeastSide || above < kLeastSide) return false;
   const double spread = std::max(end_below - lowest, highest - begin_above);
-  if (begin_above - end_below < kSheetGap * spread) return false;
+  if (begin_above - end_below < constants.gap * spread) return false;
   Eigen::Index kept = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
     // The sample itself stands at height 0.

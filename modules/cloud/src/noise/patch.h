@@ -3,6 +3,8 @@
 
 #include <Eigen/Dense>
 
+#include "pcl_slim/cloud/detail/noise_constants.h"
+
 namespace pcl_slim::detail {
 
 /** \brief Some neighbours of a point. */
@@ -18,6 +20,6 @@ principalAxes(const Eigen::Matrix3Xd& points);
 /** \brief Drops what lies on another sheet than the sample: where a gap parts the patch's heights
  * more than either side spreads, keeps the sample's side. \return true if it dropped points. */
 bool
-keepOwnSheet(Patch& patch);
+keepOwnSheet(const PatchSheetConstants& constants, Patch& patch);
 
 }  // namespace pcl_slim::detail

@@ -2,6 +2,8 @@
 // The points of one ball once they are gathered: framed, thinned out, beside a fit.
 #include "ball/ball_kernels.h"
 
+#include "fit_constants.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "ball/ball_kernels.cpp"
 #include "hwy/foreach_target.h"
@@ -26,13 +28,12 @@ padBall(BallBuffer& ball)
   }
 }
 
-/** Slopes h_u = -n_u / n_w of a surface with these normals, and their weights n_w^3: an error of the
- * direction moves the slope s along itself by 1 + s^2 as much, across by its root, n_w^-3 on average of
- * the squares. */
+/** Slopes h_u = -n_u / n_w of a surface with these normals, and their weights n_w^3: an error of
+ * the direction moves the slope s along itself by 1 + s^2 as much, across by its root, n_w^-3 on
+ * average of the squares. */
 void
 toSlopes(const LocalFrame& frame, BallBuffer& ball)
 {
-  constexpr float kLeastCosine = 0.01f;
   const Tag d;
   Vec axes[3][3];
   for (int a = 0; a < 3; ++a) {
@@ -44,8 +45,8 @@ toSlopes(const LocalFrame& frame, BallBuffer& ball)
     const auto x = hn::Load(d, ball.n_u.data() + i);
     const auto y = hn::Load(d, ball.n_v.data() + i);
     const auto z = hn::Load(d, ball.n_w.data() + i);
-    const auto cosine =
-        hn::Max(dot3(x, y, z, axes[2][0], axes[2][1], axes[2][2]), hn::Set(d, kLeastCosine));
+    const auto cosine = hn::Max(dot3(x, y, z, axes[2][0], axes[2][1], axes[2][2]),
+                                hn::Set(d, FloatLimits::kSlopeCosine));
     hn::Store(hn::Div(dot3(x, y, z, axes[0][0], axes[0][1], axes[0][2]), cosine), d,
               ball.n_u.data() + i);
     hn::Store(hn::Div(dot3(x, y, z, axes[1][0], axes[1][1], axes[1][2]), cosine), d,

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "least_squares/local_fit.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/aligned.h"
 #include "pcl_slim/surface/polynomial.h"
@@ -16,9 +17,9 @@ namespace pcl_slim::detail {
 
 /** \brief The points of one ball as columns, padded with weightless entries to whole vectors.
  *
- * After gathering: offsets from the centre in local units and their squared length; normals where they
- * are data. After toFrame(): frame coordinates and squared distance in units of the gather radius; the
- * slopes that the normals tell.
+ * After gathering: offsets from the centre in local units and their squared length; normals where
+ * they are data. After toFrame(): frame coordinates and squared distance in units of the gather
+ * radius; the slopes that the normals tell.
  */
 struct BallBuffer {
   AlignedVector<float> u, v, w, s_sq;
@@ -43,43 +44,28 @@ struct BallBuffer {
   }
 };
 
-/** \brief A ball of stored points: its place, and the normal gate that keeps other sheets out. */
+/** \brief A ball of stored points: its place, and the normal bound that keeps other sheets out. */
 struct BallQuery {
   std::array<float, 3> center;
   float radius;
-  const float* gate_normal = nullptr;  ///< null: every point counts
-  float min_dot = 0.0f;                ///< points need normal . gate_normal > min_dot
-  bool take_normals = false;           ///< gather the normals too
+  const float* bound_normal = nullptr;  ///< null: every point counts
+  float min_dot = 0.0f;                 ///< points need normal . bound_normal > min_dot
+  bool take_normals = false;            ///< gather the normals too
 };
 
 /** \brief Sums over a gathered ball, weighted by (1 - s^2)^4. */
 struct BallSums {
-  std::size_t inside = 0;  ///< points in the ball, gate or not
+  std::size_t inside = 0;  ///< points in the ball, within the normal bound or not
   double weight = 0;
   std::array<double, 3> normal{};  ///< weighted sum of normals (zero without normals)
   std::array<double, 3> first{};   ///< weighted sum of offsets
   std::array<double, 6> second{};  ///< of products xx, xy, xz, yy, yz, zz
 };
 
-/** \brief A weighted least-squares polynomial and the measures the radius search needs. */
-struct LocalFit {
-  static constexpr int kMaxMoments = 45;
-
-  int degree = 0;                            ///< 0: nothing could be fitted
-  std::array<double, kMaxCoefficients> c{};  ///< in units of the gather radius
-  double residual_sq = 0;                    ///< e^2 = sum w f^2 / sum w, gather radius squared
-  double n_eff = 0;                          ///< (sum w)^2 / sum w^2
-  double slope_sq = 0;                       ///< mean of |grad h|^2, weights w
-  double terms = 0;  ///< coefficients that the heights decide: their number, fewer beside slopes
-  double slope_misfit = 0;  ///< slope_weight times the mean square slope missed, like residual_sq
-  int moment_degree = 0;    ///< the degree asked for: moments go up to twice that
-  std::array<double, kMaxMoments> moments{};  ///< sum w u^i v^j, in rows of fixed i (momentIndex)
-};
-
-/** \brief SIMD inner loops of modules/slim, compiled per instruction set and chosen at run time. */
+/** \brief SIMD inner loops of the fit, compiled per instruction set and chosen at run time. */
 namespace kernels {
 
-/** \brief Gathers the gated points of a ball from the given blocks (ascending). */
+/** \brief Gathers a ball's points within its normal bound from the given blocks (ascending). */
 void
 gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& query,
            bool with_covariance, BallBuffer& ball, BallSums& sums);
@@ -102,21 +88,6 @@ void
 selectResiduals(const BallBuffer& ball, const float* residuals, float low, float high,
                 BallBuffer& kept);
 
-/** \brief Fits heights w over (u, v) with weights G(s / rho) to the points within rho.
- *
- * Minimises sum w (f^2 + slope_weight n_w |grad h - slope|^2): where normals are data, positions and
- * normals are combined by their variances (Nehab et al. 2005).
- * Falls back to the highest lower degree whose n_eff and pivots allow it.
- * \param[in] support points n_eff needed per coefficient.
- * \param[in] refine one step of iterative refinement, for the fit that is kept. */
-LocalFit
-fitBall(const BallBuffer& ball, int degree, float rho, WeightKernel kernel, double support,
-        bool refine);
-
-/** \brief n_eff = (sum w)^2 / sum w^2 of the weights G(s / rho); 0 for an empty ball. */
-double
-effectiveCount(const BallBuffer& ball, float rho, WeightKernel kernel);
-
 /** \brief Residuals w - h(u, v), padding included. \param[out] residuals count rounded up. */
 void
 ballResiduals(const BallBuffer& ball, const LocalFit& fit, float* residuals);
@@ -137,7 +108,8 @@ void
 coverPoints(const PointStore& store, const BlockList& blocks, const CoverLeaf& leaf,
             WeightKernel kernel, float* coverage);
 
-/** \brief Sets the bits of value in the marks of a ball's gated points; touches no other. */
+/** \brief Sets the bits of value in the marks of a ball's points within its normal bound; touches
+ * no other. */
 void
 markPoints(const PointStore& store, const BlockList& blocks, const BallQuery& ball,
            std::uint8_t value, std::uint8_t* marks);

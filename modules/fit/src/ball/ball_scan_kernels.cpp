@@ -17,20 +17,21 @@ namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/** Offsets of one group of lanes from a centre, and which of them lie in the gated ball. */
+/** Offsets of one group of lanes from a centre, and which of them lie in the ball and within its
+ * normal bound. */
 struct Lanes {
   Vec dx, dy, dz, d_sq;
   Mask in_ball, kept;
 };
 
-/** Walks the stored points of some blocks, those of a ball and on its side of the normal gate. */
+/** Walks the stored points of some blocks, those of a ball and within its normal bound. */
 class BallScan {
  public:
   BallScan(const PointStore& store, const BallQuery& query)
       : store_(store), query_(query), radius_sq_(hn::Set(Tag(), query.radius * query.radius))
   {
-    gated_ = query.gate_normal != nullptr;
-    for (int a = 0; a < 3; ++a) gate_[a] = gated_ ? query.gate_normal[a] : 0.0f;
+    bounded_ = query.bound_normal != nullptr;
+    for (int a = 0; a < 3; ++a) bound_[a] = bounded_ ? query.bound_normal[a] : 0.0f;
   }
 
   /** Calls body(first point index, lanes) for every group of lanes that meets the ball. */
@@ -65,10 +66,10 @@ class BallScan {
         lanes.in_ball = hn::Lt(lanes.d_sq, radius_sq_);
         if (hn::AllFalse(d, lanes.in_ball)) continue;
         lanes.kept = lanes.in_ball;
-        if (gated_) {
+        if (bounded_) {
           const auto cosine = dot3(hn::Load(d, store_.nx() + i), hn::Load(d, store_.ny() + i),
-                                   hn::Load(d, store_.nz() + i), hn::Set(d, gate_[0]),
-                                   hn::Set(d, gate_[1]), hn::Set(d, gate_[2]));
+                                   hn::Load(d, store_.nz() + i), hn::Set(d, bound_[0]),
+                                   hn::Set(d, bound_[1]), hn::Set(d, bound_[2]));
           lanes.kept = hn::And(lanes.in_ball, hn::Gt(cosine, hn::Set(d, query_.min_dot)));
         }
         body(i, lanes);
@@ -77,21 +78,22 @@ class BallScan {
   }
 
  private:
-  static constexpr std::size_t kAhead = 4;
+  static constexpr std::size_t kAhead = 4;  ///< blocks between a prefetch and its use; no result
+                                            ///< depends on it
 
   /** Blocks out of line are not fetched ahead by themselves. */
   HWY_INLINE void prefetch(std::uint32_t b) const
   {
     const std::size_t i = b * PointStore::kBlock;
     for (const float* column : {store_.x(), store_.y(), store_.z()}) hwy::Prefetch(column + i);
-    if (!gated_) return;
+    if (!bounded_) return;
     for (const float* column : {store_.nx(), store_.ny(), store_.nz()}) hwy::Prefetch(column + i);
   }
 
   const PointStore& store_;
   const BallQuery& query_;
-  bool gated_;
-  float gate_[3];
+  bool bounded_;
+  float bound_[3];
   Vec radius_sq_;
 };
 
@@ -104,7 +106,7 @@ gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& qu
   ball.reserve(blocks.size() * PointStore::kBlock);
   if (query.take_normals) ball.reserveNormals();
   const auto inverse_sq = hn::Set(d, 1.0f / (query.radius * query.radius));
-  const bool with_normals = query.gate_normal != nullptr;
+  const bool with_normals = query.bound_normal != nullptr;
   std::size_t count = 0, inside = 0;
   Vec weight = zero, n[3] = {zero, zero, zero}, first[3] = {zero, zero, zero};
   Vec second[6] = {zero, zero, zero, zero, zero, zero};
@@ -175,7 +177,7 @@ coverOfDegree(const PointStore& store, const BlockList& blocks, const CoverLeaf&
     const auto w = dot3(l.dx, l.dy, l.dz, axes[2][0], axes[2][1], axes[2][2]);
     const auto residual = hn::Sub(w, height(u, v));
     const auto near = hn::And(l.kept, hn::Le(hn::Abs(residual), limit));
-    // The distance counts to the point's foot: noise thick against the ball is no lack of cover.
+    // The distance counts to the point's foot: noise thick against the ball is no lack of coverage.
     const auto foot_sq = hn::NegMulAdd(hn::Mul(residual, residual), radius_sq, l.d_sq);
     const auto g = kernelWeight<K>(hn::Mul(hn::Max(foot_sq, hn::Zero(d)), inverse_sq));
     addMasked(g, near, coverage + i);

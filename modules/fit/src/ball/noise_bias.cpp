@@ -10,8 +10,6 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr double kMostShare = 1.0 / 25;  ///< r = 5 sqrt(lambda): thinner balls would amplify noise
-
 /** h_uu + h_vv, a polynomial of a degree lower by two, in the same order of coefficients. */
 template <typename Real>
 std::array<double, kMaxCoefficients>
@@ -32,9 +30,9 @@ laplacian(int degree, const Real* c)
 /** \param[in] unit_sq the square of r over the unit of c */
 template <typename Real>
 void
-undo(int degree, double share, double unit_sq, Real* c)
+undo(const BiasConstants& constants, int degree, double share, double unit_sq, Real* c)
 {
-  share = std::min(share, kMostShare);
+  share = std::min(share, constants.most_share);
   const auto bend = laplacian(degree, c);
   for (int k = 0; k < numCoefficients(degree); ++k) {
     c[k] = static_cast<Real>(c[k] * (1.0 + Energy::kTruncation * share) -
@@ -45,15 +43,15 @@ undo(int degree, double share, double unit_sq, Real* c)
 }  // namespace
 
 void
-undoNoiseBias(int degree, double share, float* c)
+undoNoiseBias(const BiasConstants& constants, int degree, double share, float* c)
 {
-  undo(degree, share, 1.0, c);
+  undo(constants, degree, share, 1.0, c);
 }
 
 void
-undoNoiseBias(int degree, double share, double rho, double* c)
+undoNoiseBias(const BiasConstants& constants, int degree, double share, double rho, double* c)
 {
-  undo(degree, share, rho * rho, c);
+  undo(constants, degree, share, rho * rho, c);
 }
 
 }  // namespace pcl_slim::detail

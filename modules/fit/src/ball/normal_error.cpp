@@ -14,15 +14,6 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr std::size_t kSamples = 1000, kLeastPatches = 100;
-constexpr std::size_t kNeighbors = 64;     ///< wider than most estimates of normals reach
-constexpr Eigen::Index kLeastPoints = 48;  ///< of a patch, on the sample's own side
-constexpr Eigen::Index kTiltPoints =
-    9;                              ///< the sample and those about it whose heights tell a tilt
-constexpr Eigen::Index kPairs = 4;  ///< nearest neighbours that the sample is paired with
-constexpr float kOwnSide = 0.3f;    ///< least cosine with the sample's normal
-constexpr double kLeastCosine = 0.1;
-constexpr double kTrim = 0.1;
 constexpr int kTerms = 10;  ///< of a cubic
 
 /** What one patch says; squares < 0: nothing. */
@@ -32,7 +23,8 @@ struct PatchSums {
   double pair_sq = 0, pair_product = 0;
 };
 
-/** A patch in a frame, in units of its radius: terms of a cubic, heights and the normals' slopes. */
+/** A patch in a frame, in units of its radius: terms of a cubic, heights and the normals' slopes.
+ */
 struct FramedPatch {
   Eigen::Matrix<double, Eigen::Dynamic, kTerms> terms;
   Eigen::VectorXd heights;
@@ -41,18 +33,20 @@ struct FramedPatch {
 
 /** Those of the neighbours whose normals turn about as the sample's. */
 void
-keepOwnSide(const PointStore& store, std::size_t sample, std::vector<std::uint32_t>& neighbors)
+keepOwnSide(const PointStore& store, std::size_t sample, float least_cosine,
+            std::vector<std::uint32_t>& neighbors)
 {
   const auto own = store.normal(sample);
   const auto turned = [&](std::uint32_t j) {
     const auto n = store.normal(j);
-    return n[0] * own[0] + n[1] * own[1] + n[2] * own[2] < kOwnSide;
+    return n[0] * own[0] + n[1] * own[1] + n[2] * own[2] < least_cosine;
   };
   neighbors.erase(std::remove_if(neighbors.begin(), neighbors.end(), turned), neighbors.end());
 }
 
 FramedPatch
-framePatch(const PointStore& store, const std::vector<std::uint32_t>& points, double radius)
+framePatch(const PointStore& store, const std::vector<std::uint32_t>& points, double radius,
+           double least_cosine)
 {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const std::uint32_t j : points) {
@@ -77,7 +71,7 @@ framePatch(const PointStore& store, const std::vector<std::uint32_t>& points, do
     const double x = offset.dot(u) / radius, y = offset.dot(v) / radius;
     patch.terms.row(i) << 1, x, y, x * x, x * y, y * y, x * x * x, x * x * y, x * y * y, y * y * y;
     patch.heights[i] = offset.dot(w) / radius;
-    const double cosine = std::max(normal.dot(w), kLeastCosine);
+    const double cosine = std::max(normal.dot(w), least_cosine);
     patch.slopes.row(i) << -normal.dot(u) / cosine, -normal.dot(v) / cosine;
   }
   return patch;
@@ -91,21 +85,22 @@ residuals(const Terms& terms, const Values& values)
 }
 
 PatchSums
-measurePatch(const FramedPatch& patch)
+measurePatch(const FramedPatch& patch, const NormalErrorConstants& constants)
 {
   const Eigen::Index count = patch.heights.size();
   const Eigen::MatrixX2d slopes = residuals(patch.terms, patch.slopes);
   const Eigen::VectorXd heights = residuals(patch.terms, patch.heights);
   // The plane through the noise of the points next to the sample.
-  const Eigen::Matrix<double, kTiltPoints, 3> plane = patch.terms.topLeftCorner<kTiltPoints, 3>();
-  const Eigen::Vector2d tilt = plane.householderQr().solve(heights.head<kTiltPoints>()).tail<2>();
+  const auto tilt_points = static_cast<Eigen::Index>(constants.tilt_points);
+  const Eigen::MatrixX3d plane = patch.terms.leftCols<3>().topRows(tilt_points);
+  const Eigen::Vector2d tilt = plane.householderQr().solve(heights.head(tilt_points)).tail<2>();
   const Eigen::Vector2d own = slopes.row(0);
   PatchSums sums;
   sums.squares = slopes.squaredNorm() / static_cast<double>(count - kTerms);
   sums.own_sq = own.squaredNorm();
   sums.tilt_sq = tilt.squaredNorm();
   sums.tilt_product = own.dot(tilt);
-  for (Eigen::Index i = 1; i <= kPairs; ++i) {
+  for (Eigen::Index i = 1; i <= static_cast<Eigen::Index>(constants.pairs); ++i) {
     sums.pair_sq += 0.5 * (own.squaredNorm() + slopes.row(i).squaredNorm());
     sums.pair_product += own.dot(slopes.row(i).transpose());
   }
@@ -113,7 +108,7 @@ measurePatch(const FramedPatch& patch)
 }
 
 NormalError
-summarize(const std::vector<PatchSums>& patches)
+summarize(const std::vector<PatchSums>& patches, const NormalErrorConstants& constants)
 {
   PatchSums all;
   std::vector<double> variances;
@@ -127,9 +122,9 @@ summarize(const std::vector<PatchSums>& patches)
     all.pair_product += patch.pair_product;
   }
   NormalError error;
-  if (variances.size() < kLeastPatches) return error;
+  if (variances.size() < constants.least_patches) return error;
   std::sort(variances.begin(), variances.end());
-  const auto cut = static_cast<std::size_t>(kTrim * static_cast<double>(variances.size()));
+  const auto cut = static_cast<std::size_t>(constants.trim * static_cast<double>(variances.size()));
   double sum = 0;
   for (std::size_t i = cut; i < variances.size() - cut; ++i) sum += variances[i];
   error.radians = std::sqrt(sum / static_cast<double>(variances.size() - 2 * cut));
@@ -142,9 +137,9 @@ summarize(const std::vector<PatchSums>& patches)
 }  // namespace
 
 NormalError
-measureNormalError(const PointStore& store, int threads)
+measureNormalError(const PointStore& store, const NormalErrorConstants& constants, int threads)
 {
-  const std::size_t samples = std::min(kSamples, store.size());
+  const std::size_t samples = std::min(constants.samples, store.size());
   std::vector<PatchSums> patches(samples);
   threads = resolveThreads(threads);
   std::vector<NeighborSearch> searches(static_cast<std::size_t>(threads), NeighborSearch(store));
@@ -152,12 +147,15 @@ measureNormalError(const PointStore& store, int threads)
     const std::size_t sample = (2 * s + 1) * store.size() / (2 * samples);
     std::vector<std::uint32_t> neighbors;
     std::vector<float> distances_sq;
-    searches[static_cast<std::size_t>(thread)].nearest(sample, kNeighbors, neighbors, distances_sq);
-    keepOwnSide(store, sample, neighbors);
-    if (static_cast<Eigen::Index>(neighbors.size()) < kLeastPoints) return;
-    patches[s] = measurePatch(framePatch(store, neighbors, std::sqrt(distances_sq.back())));
+    searches[static_cast<std::size_t>(thread)].nearest(sample, constants.neighbors, neighbors,
+                                                       distances_sq);
+    keepOwnSide(store, sample, constants.own_side, neighbors);
+    if (neighbors.size() < constants.least_points) return;
+    const double radius = std::sqrt(distances_sq.back());
+    patches[s] =
+        measurePatch(framePatch(store, neighbors, radius, constants.least_cosine), constants);
   });
-  return summarize(patches);
+  return summarize(patches, constants);
 }
 
 }  // namespace pcl_slim::detail

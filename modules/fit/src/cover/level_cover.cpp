@@ -3,19 +3,21 @@
 
 #include <algorithm>
 
+#include "cover/coverage.h"
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim::detail {
 
 namespace {
 
-constexpr int kLastLevel = 40;               ///< r_r falls to 1e-9 L; support ends long before
 constexpr std::uint8_t kServedForGood = 1;   ///< mark: nothing finer can be done for this point
 constexpr std::uint8_t kLoneNormalMark = 2;  ///< mark: passed over for its normal
 constexpr std::uint8_t kFirstLevelMark = 4;  ///< mark: inside an internal ball of a level
 constexpr std::uint8_t kLastLevelMark = 128;
+// How work is shared out; no result depends on it.
 constexpr std::size_t kSlice = 1 << 14;  ///< points a thread takes at a time
-constexpr std::size_t kFewCells = 128;   ///< with them colours leave threads idle
+constexpr std::size_t kFewCells = 128;   ///< so few cells leave threads idle if taken by colour
+constexpr double kReachMargin = 1.001;  ///< a box of blocks may be wider than it need, for rounding
 constexpr char kCancelledMessage[] = "the fit was cancelled";
 
 std::uint64_t
@@ -63,7 +65,8 @@ Error
 LevelCover::run(int first_level, Progress* progress)
 {
   const double points = static_cast<double>(store_.size());
-  for (int level = first_level; !active_.empty() && level <= kLastLevel; ++level) {
+  for (int level = first_level; !active_.empty() && level <= settings_.constants.cover.last_level;
+       ++level) {
     if (progress != nullptr) {
       if (progress->cancelled()) return {ErrorCode::kCancelled, kCancelledMessage};
       progress->report(static_cast<float>(1.0 - static_cast<double>(active_.size()) / points),
@@ -82,13 +85,13 @@ LevelCover::coverLevel(int level)
 {
   // A ball writes within r_r of where it moved to, a leaf grown to the next radius up within
   // alpha r_r / gamma.
-  cells_.divide(
-      store_, active_,
-      settings_.levelRadius(level) * std::max(1.0 + kLargestShift, settings_.alpha / kGolden));
+  const double moved = 1.0 + settings_.constants.ball.largest_shift;
+  cells_.divide(store_, active_,
+                settings_.levelRadius(level) * std::max(moved, settings_.alpha / kGolden));
   const std::size_t first = outputs_.size();
   outputs_.resize(first + cells_.size());
   if (threads_ > 1 && cells_.size() <= kFewCells) {
-    coverAhead(level, first);
+    coverSpeculatively(level, first);
   } else {
     for (int color = 0; color < 8; ++color) {
       const std::size_t begin = cells_.colorBegin(color), end = cells_.colorBegin(color + 1);
@@ -145,10 +148,10 @@ LevelCover::coverCell(const CoverCells::Cell& cell, int level, int thread, Outpu
   SurfelRecord surfel;
   bool prepared = false;
   for (std::uint32_t point; visits.next(served, point);) {
-    if (!prepared) prepareNeighborhood(cell, level, fitter);
+    if (!prepared) collectNearby(cell, level, fitter.nearby());
     prepared = true;
     const BallOutcome outcome = fitter.fit(point, level, surfel);
-    keep(point, outcome, surfel, fitter, made);
+    keep(point, outcome, surfel, fitter.nearby(), made);
   }
   output = made;
 }
@@ -156,16 +159,16 @@ LevelCover::coverCell(const CoverCells::Cell& cell, int level, int thread, Outpu
 /** Serves what a fitted ball serves; its surfel, if it has one, ends its cell's output. */
 void
 LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& surfel,
-                 BallFitter& fitter, Output& output)
+                 NearbyBlocks& nearby, Output& output)
 {
   output.lasts |= outcome != BallOutcome::kInternal;
   switch (outcome) {
     case BallOutcome::kLeaf:
-      fitter.cover(surfel, coverage_.data());
-      marks_[point] |= surfel.flags & kSurfelForced ? kServedForGood : level_mark_;
+      addCoverage(store_, settings_, surfel, nearby, coverage_.data());
+      marks_[point] |= surfel.flags & kSurfelSupportLimited ? kServedForGood : level_mark_;
       break;
     case BallOutcome::kInternal:
-      fitter.mark(surfel, level_mark_, marks_.data());
+      markBall(store_, settings_, surfel, level_mark_, nearby, marks_.data());
       marks_[point] |= level_mark_;
       break;
     case BallOutcome::kUnsupported: marks_[point] = kServedForGood; return;
@@ -177,7 +180,7 @@ LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& s
 
 /** Collects the blocks that any ball of the cell's centres can reach. */
 void
-LevelCover::prepareNeighborhood(const CoverCells::Cell& cell, int level, BallFitter& fitter) const
+LevelCover::collectNearby(const CoverCells::Cell& cell, int level, NearbyBlocks& nearby) const
 {
   float low[3] = {1, 1, 1}, high[3] = {-1, -1, -1};
   const BlockTree::Level& boxes = store_.tree().levels().front();
@@ -190,13 +193,13 @@ LevelCover::prepareNeighborhood(const CoverCells::Cell& cell, int level, BallFit
       high[a] = std::max(high[a], maxs[a]);
     }
   }
-  const auto reach =
-      static_cast<float>(1.001 * settings_.levelRadius(level) * (1.0 / kGolden + kLargestShift));
+  const double widest = 1.0 / kGolden + settings_.constants.ball.largest_shift;
+  const auto reach = static_cast<float>(kReachMargin * settings_.levelRadius(level) * widest);
   for (int a = 0; a < 3; ++a) {
     low[a] -= reach;
     high[a] += reach;
   }
-  fitter.neighborhood().collect(store_.tree(), low, high);
+  nearby.collect(store_.tree(), low, high);
 }
 
 /** Where a level has only divided what it found, the next takes another mark and goes on. */
@@ -266,19 +269,12 @@ LevelCover::counters() const
 {
   BallCounters sum;
   for (const auto& worker : workers_) {
-    const BallCounters& counters = worker->fitter.counters();
+    const BallCounters counters = worker->fitter.counters();
     sum.gathered += counters.gathered;
     sum.split_sheets += counters.split_sheets;
     sum.tried += counters.tried;
+    sum.fits += counters.fits;
   }
-  return sum;
-}
-
-std::uint64_t
-LevelCover::numFits() const
-{
-  std::uint64_t sum = 0;
-  for (const auto& worker : workers_) sum += worker->fitter.numFits();
   return sum;
 }
 

@@ -19,12 +19,13 @@ struct PointCounts {
   std::uint64_t lone_normals = 0;                ///< passed over for their normals
 };
 
-/** \brief Covers the points level by level (section 2, "Multi-scale surfel-based approximation").
+/** \brief Covers the points level by level (section 2, "Multi-scale surfel-based approximation";
+ * docs/theory.md, "Levels").
  *
  * Within a level the centres of one Morton cell are tried one after another, cells of one of
  * eight colours at the same time: cells are at least twice as wide as a ball reaches, so no two
  * threads touch the same point and the result does not depend on their number. Where cells are too
- * few for that, threads fit balls ahead of their turn.
+ * few for that, threads fit balls speculatively, before their turn.
  */
 class LevelCover {
  public:
@@ -45,7 +46,6 @@ class LevelCover {
   int lastLevel() const { return last_level_; }
   PointCounts countPoints() const;
   BallCounters counters() const;
-  std::uint64_t numFits() const;
   std::uint64_t peakBytes() const { return peak_bytes_; }
 
  private:
@@ -61,16 +61,16 @@ class LevelCover {
     BallFitter fitter;
     std::vector<SurfelRecord> arena;
   };
-  class Ahead;
+  class Speculation;
 
   void coverLevel(int level);
-  void coverAhead(int level, std::size_t first_output);
+  void coverSpeculatively(int level, std::size_t first_output);
   CellVisits visitsOf(const CoverCells::Cell& cell) const;
   void coverCell(const CoverCells::Cell& cell, int level, int thread, Output& output);
   Worker& worker(int thread) const { return *workers_[static_cast<std::size_t>(thread)]; }
   void keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& surfel,
-            BallFitter& fitter, Output& output);
-  void prepareNeighborhood(const CoverCells::Cell& cell, int level, BallFitter& fitter) const;
+            NearbyBlocks& nearby, Output& output);
+  void collectNearby(const CoverCells::Cell& cell, int level, NearbyBlocks& nearby) const;
   void countBytes();
   template <typename Body>
   void forSlices(std::size_t count, const Body& body) const;

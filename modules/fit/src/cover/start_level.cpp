@@ -6,22 +6,16 @@
 
 namespace pcl_slim::detail {
 
-namespace {
-
-constexpr std::size_t kSamples = 31;
-constexpr int kLastStart = 30;
-
-}  // namespace
-
 int
 startLevel(const PointStore& store, const FitSettings& settings)
 {
   if (settings.paper) return 1;
-  const std::size_t samples = std::min(kSamples, store.size());
+  const CoverConstants& constants = settings.constants.cover;
+  const std::size_t samples = std::min(constants.start_samples, store.size());
   const auto most =
       static_cast<std::size_t>(settings.start_share * static_cast<double>(store.size()));
   std::vector<std::uint32_t> blocks;
-  for (int level = 1; level < kLastStart; ++level) {
+  for (int level = 1; level < constants.last_start; ++level) {
     std::size_t crowded = 0;
     for (std::size_t s = 0; s < samples; ++s) {
       const auto p = store.position((2 * s + 1) * store.size() / (2 * samples));
@@ -30,11 +24,12 @@ startLevel(const PointStore& store, const FitSettings& settings)
       blocks.clear();
       // Blocks stand for their points: enough for a choice between factors of 1.6.
       store.tree().blocksInBall(center, static_cast<float>(settings.levelRadius(level)), blocks);
-      crowded += blocks.size() * PointStore::kBlock > most + 4 * PointStore::kBlock;
+      crowded +=
+          blocks.size() * PointStore::kBlock > most + constants.start_slack * PointStore::kBlock;
     }
     if (2 * crowded <= samples) return level;
   }
-  return kLastStart;
+  return constants.last_start;
 }
 
 }  // namespace pcl_slim::detail

@@ -67,8 +67,8 @@ class CellVisits {
   {
   }
 
-  /** \brief Finds the next point that served(point) does not hold for; a point served once must stay
-   * so. \return whether there is one. */
+  /** \brief Finds the next point that served(point) does not hold for; a point served once must
+   * stay so. \return whether there is one. */
   template <typename Served>
   bool next(const Served& served, std::uint32_t& point)
   {
@@ -104,7 +104,10 @@ class CellVisits {
   }
 
   const std::uint32_t* points_;
-  std::uint32_t n_, patience_, visit_ = 0, in_vain_ = 0;
+  std::uint32_t n_;
+  std::uint32_t
+      patience_;  ///< visits in vain after which the rest is sought; the order is the same
+  std::uint32_t visit_ = 0, in_vain_ = 0;
   VisitOrder order_;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> left_;  ///< when, and which point
   std::size_t next_left_ = 0;

@@ -10,54 +10,42 @@
 #include "orient/signed_forest.h"
 #include "pcl_slim/core/aligned.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim::detail {
 
 namespace {
 
-using Vector = std::array<double, 3>;
-
-constexpr double kFlatFlux = 0.1;    ///< flux below this share of its bound: no inside
-constexpr float kWeakEdge = 0.5f;    ///< edges of more weight may lead across a gap
-constexpr double kClosedFlux = 0.4;  ///< flux above this share of its bound: a body of its own
-constexpr int kClassBits = 12;       ///< sign, exponent and 3 bits: classes an eighth wide
+/// Sign, exponent and 3 bits: classes an eighth wide; no result depends on their width.
+constexpr int kClassBits = 12;
 constexpr std::uint32_t kSignBit = 0x80000000u;
 
-Vector
+Vector3
 centerOf(const SLIMSurface& s, std::size_t i)
 {
   return {s.cx[i], s.cy[i], s.cz[i]};
 }
 
-Vector
+Vector3
 normalOf(const SLIMSurface& s, std::size_t i)
 {
   return {s.nx[i], s.ny[i], s.nz[i]};
-}
-
-double
-dot(const Vector& a, const Vector& b)
-{
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-Vector
-minus(const Vector& a, const Vector& b)
-{
-  return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
 /** Area-weighted moments of a connected part of the leaves. Outward is where the flux about the
  * part's middle is positive; a sheet too flat to have an inside turns up its main side. */
 struct Part {
   double weight = 0, flux = 0, reach = 0;
-  Vector center{}, normal{};
+  Vector3 center{}, normal{};
 
-  bool closed() const { return std::abs(flux) > kClosedFlux * reach; }
-
-  bool turned() const
+  bool closed(const OrientConstants& constants) const
   {
-    if (std::abs(flux) > kFlatFlux * reach) return flux < 0;
+    return std::abs(flux) > constants.closed_flux * reach;
+  }
+
+  bool turned(const OrientConstants& constants) const
+  {
+    if (std::abs(flux) > constants.flat_flux * reach) return flux < 0;
     const auto main = std::max_element(
         normal.begin(), normal.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
     return *main < 0;
@@ -93,15 +81,15 @@ partsOf(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, SignedFo
     Part& part = parts[at];
     const double area = static_cast<double>(s.radius[i]) * s.radius[i];
     part.weight += area;
-    const Vector c = centerOf(s, i);
+    const Vector3 c = centerOf(s, i);
     for (int a = 0; a < 3; ++a) part.center[a] += area * c[a];
   }
   for (std::size_t k = 0; k < leaves.size(); ++k) {
     const std::uint32_t i = leaves[k];
     Part& part = parts[part_of[k]];
-    const Vector c = centerOf(s, i), n = normalOf(s, i);
-    const Vector away = {c[0] - part.center[0] / part.weight, c[1] - part.center[1] / part.weight,
-                         c[2] - part.center[2] / part.weight};
+    const Vector3 c = centerOf(s, i), n = normalOf(s, i);
+    const Vector3 away = {c[0] - part.center[0] / part.weight, c[1] - part.center[1] / part.weight,
+                          c[2] - part.center[2] / part.weight};
     const double area = static_cast<double>(s.radius[i]) * s.radius[i];
     part.flux += signs[k] * area * dot(away, n);
     part.reach += area * std::sqrt(dot(away, away));
@@ -138,8 +126,8 @@ class ClassedEdges {
     }
   }
 
-  /** Calls visit(edge) in ascending order for the edges that wanted(edge) still holds for when their
-   * class comes. */
+  /** Calls visit(edge) in ascending order for the edges that wanted(edge) still holds for when
+   * their class comes. */
   template <typename Wanted, typename Visit>
   void forEach(const Wanted& wanted, const Visit& visit)
   {
@@ -160,15 +148,16 @@ class ClassedEdges {
 /** A spanning forest of the overlap graph. Weak edges come last and never join two closed bodies:
  * what faces each other across a gap says nothing about either's outside. */
 SignedForest
-spanningForest(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int threads)
+spanningForest(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves,
+               const OrientConstants& constants, int threads)
 {
   // Most edges lie within what lighter ones have joined: they are dropped before they are ordered.
-  ClassedEdges edges(overlapGraph(s, leaves, threads));
+  ClassedEdges edges(overlapGraph(s, leaves, threads, constants));
   SignedForest forest(s.size());
   std::vector<char> closed;
   const auto joinsTwo = [&](const OverlapEdge& e) { return forest.root(e.a) != forest.root(e.b); };
   edges.forEach(joinsTwo, [&](const OverlapEdge& e) {
-    if (e.weight <= kWeakEdge) {
+    if (e.weight <= constants.weak_edge) {
       forest.join(e.a, e.b, e.opposed);
       return;
     }
@@ -176,7 +165,7 @@ spanningForest(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, i
       const Parts found = partsOf(s, leaves, forest);
       closed.resize(s.size());
       for (std::size_t k = 0; k < leaves.size(); ++k) {
-        closed[forest.root(leaves[k])] = found.parts[found.part_of[k]].closed();
+        closed[forest.root(leaves[k])] = found.parts[found.part_of[k]].closed(constants);
       }
     }
     const std::uint32_t a = forest.root(e.a), b = forest.root(e.b);
@@ -187,15 +176,17 @@ spanningForest(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, i
   return forest;
 }
 
-/** Signs per surfel such that neighbouring leaves agree and each part looks away from its middle. */
+/** Signs per surfel such that neighbouring leaves agree and each part looks away from its middle.
+ */
 std::vector<signed char>
-graphSigns(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int threads)
+graphSigns(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves,
+           const OrientConstants& constants, int threads)
 {
-  SignedForest forest = spanningForest(s, leaves, threads);
+  SignedForest forest = spanningForest(s, leaves, constants, threads);
   const Parts found = partsOf(s, leaves, forest);
   std::vector<signed char> signs(s.size(), 1);
   for (std::size_t k = 0; k < leaves.size(); ++k) {
-    const bool turned = found.parts[found.part_of[k]].turned();
+    const bool turned = found.parts[found.part_of[k]].turned(constants);
     signs[leaves[k]] = static_cast<signed char>(turned ? -found.signs[k] : found.signs[k]);
   }
   return signs;
@@ -205,11 +196,11 @@ std::vector<signed char>
 viewpointSigns(const SLIMSurface& s, const FitParams& params,
                const std::vector<std::uint32_t>& leaves)
 {
-  Vector eye;
+  Vector3 eye;
   for (int a = 0; a < 3; ++a) eye[a] = (params.viewpoint[a] - s.info.origin[a]) / s.info.scale;
   std::vector<signed char> signs(s.size(), 1);
   for (const std::uint32_t i : leaves) {
-    if (dot(minus(eye, centerOf(s, i)), normalOf(s, i)) < 0) signs[i] = -1;
+    if (dot(subtract(eye, centerOf(s, i)), normalOf(s, i)) < 0) signs[i] = -1;
   }
   return signs;
 }
@@ -237,7 +228,7 @@ signInternals(const SLIMSurface& s, std::vector<signed char>& signs)
 }  // namespace
 
 void
-orientSurface(const FitParams& params, SLIMSurface& surface)
+orientSurface(const FitParams& params, const OrientConstants& constants, SLIMSurface& surface)
 {
   std::vector<std::uint32_t> leaves;
   for (std::uint32_t i = 0; i < surface.size(); ++i) {
@@ -245,7 +236,7 @@ orientSurface(const FitParams& params, SLIMSurface& surface)
   }
   std::vector<signed char> signs =
       params.has_viewpoint ? viewpointSigns(surface, params, leaves)
-                           : graphSigns(surface, leaves, resolveThreads(params.threads));
+                           : graphSigns(surface, leaves, constants, resolveThreads(params.threads));
   signInternals(surface, signs);
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (signs[i] < 0) surface.flip(i);

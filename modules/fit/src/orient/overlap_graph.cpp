@@ -8,29 +8,19 @@
 
 #include "pcl_slim/core/aligned.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/vector3.h"
 #include "pcl_slim/surface/detail/center_grid.h"
 
 namespace pcl_slim::detail {
 
 namespace {
 
-using Vector = std::array<double, 3>;
-
-constexpr std::size_t kMostEdges = 8;  ///< per leaf and level, the nearest
-constexpr double kReach = 0.9;         ///< of r + r': farther centres are not neighbours
-constexpr double kMargin = 1.0001;     ///< for rounding, where more is sought than needed
-constexpr float kMuchWider = 2.0f;     ///< than a level's widest leaf: such a ball is none of it
-constexpr std::size_t kTask = 512;     ///< leaves a thread takes at a time
-
-double
-dot(const Vector& a, const Vector& b)
-{
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
+constexpr double kMargin = 1.0001;  ///< more is sought than needed, for rounding; dropped after
+constexpr std::size_t kTask = 512;  ///< leaves a thread takes at a time; no result depends on it
 
 /** A leaf with its frame at hand. Orientation needs no more of it than its quadric. */
 struct Leaf {
-  Vector center;
+  Vector3 center;
   LocalFrame frame;
   double radius;
   std::array<double, 6> c;
@@ -51,13 +41,13 @@ leafOf(const SLIMSurface& s, std::uint32_t i)
 /** |f| of a leaf at x in local length, and the gradient of f there (not unit). */
 struct Probe {
   double offset;
-  Vector gradient;
+  Vector3 gradient;
 };
 
 Probe
-probe(const Leaf& leaf, const Vector& x)
+probe(const Leaf& leaf, const Vector3& x)
 {
-  const Vector d = {x[0] - leaf.center[0], x[1] - leaf.center[1], x[2] - leaf.center[2]};
+  const Vector3 d = subtract(x, leaf.center);
   const double r = leaf.radius;
   // Beyond its ball a polynomial says nothing: ask it at the rim.
   double u = dot(d, leaf.frame.u) / r, v = dot(d, leaf.frame.v) / r;
@@ -99,7 +89,8 @@ struct LevelLeaves {
 };
 
 LevelLeaves
-makeLevel(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int level)
+makeLevel(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int level,
+          const OrientConstants& constants)
 {
   std::vector<std::uint32_t> members, seekers;
   LevelLeaves result;
@@ -110,10 +101,11 @@ makeLevel(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int le
     widest = std::max(widest, s.radius[i]);
   }
   for (const std::uint32_t i : leaves) {
-    if (s.level[i] > level && s.radius[i] <= kMuchWider * widest) seekers.push_back(i);
+    if (s.level[i] > level && s.radius[i] <= constants.much_wider * widest) seekers.push_back(i);
   }
   result.level = level;
-  result.grid = std::make_unique<CenterGrid>(s, members, static_cast<float>(2.0 * kReach) * widest);
+  const auto twice_reach = static_cast<float>(2.0 * constants.reach);
+  result.grid = std::make_unique<CenterGrid>(s, members, twice_reach * widest);
   result.radii.resize(members.size());
   for (std::size_t at = 0; at < members.size(); ++at) {
     result.radii[at] = s.radius[result.grid->memberAt(at)];
@@ -135,12 +127,14 @@ using Neighbor = std::pair<float, std::uint32_t>;  ///< squared distance, surfel
 /** The nearest few of some neighbours. */
 class NearestFew {
  public:
+  explicit NearestFew(std::size_t most) : few_(most) {}
+
   void clear() { count_ = 0; }
 
   void offer(const Neighbor& neighbor)
   {
-    if (count_ == kMostEdges && !(neighbor < few_[count_ - 1])) return;
-    std::size_t place = count_ < kMostEdges ? count_++ : count_ - 1;
+    if (count_ == few_.size() && !(neighbor < few_[count_ - 1])) return;
+    std::size_t place = count_ < few_.size() ? count_++ : count_ - 1;
     for (; place > 0 && neighbor < few_[place - 1]; --place) few_[place] = few_[place - 1];
     few_[place] = neighbor;
   }
@@ -149,15 +143,20 @@ class NearestFew {
   const Neighbor* end() const { return few_.data() + count_; }
 
  private:
-  std::array<Neighbor, kMostEdges> few_;
+  std::vector<Neighbor> few_;
   std::size_t count_ = 0;
 };
 
 /** Finds a seeker's overlapping leaves on one level, those of the seeker's own only once. */
 class NeighborFinder {
  public:
-  NeighborFinder(const SLIMSurface& surface, const LevelLeaves& level)
-      : surface_(surface), level_(level), walk_(*level.grid)
+  NeighborFinder(const SLIMSurface& surface, const LevelLeaves& level,
+                 const OrientConstants& constants)
+      : surface_(surface),
+        level_(level),
+        reach_(constants.reach),
+        walk_(*level.grid),
+        few_(constants.neighbors)
   {
   }
 
@@ -166,7 +165,7 @@ class NeighborFinder {
     const auto [cell, i] = seeker;
     const float radius = surface_.radius[i];
     const float place[3] = {surface_.cx[i], surface_.cy[i], surface_.cz[i]};
-    const double farthest = kMargin * kReach * (radius + level_.widest);
+    const double farthest = kMargin * reach_ * (radius + level_.widest);
     level_.grid->findWithin(walk_.around(cell), place, static_cast<float>(farthest * farthest),
                             near_);
     const bool same_level = surface_.level[i] == level_.level;
@@ -174,7 +173,7 @@ class NeighborFinder {
     few_.clear();
     for (std::size_t k = 0; k < near_.count; ++k) {
       const std::uint32_t j = level_.grid->memberAt(near_.places[k]);
-      const double reach = kReach * (radius + level_.radii[near_.places[k]]);
+      const double reach = reach_ * (radius + level_.radii[near_.places[k]]);
       const float distance_sq = near_.distances_sq[k];
       if (j < below && distance_sq < reach * reach) few_.offer({distance_sq, j});
     }
@@ -184,6 +183,7 @@ class NeighborFinder {
  private:
   const SLIMSurface& surface_;
   const LevelLeaves& level_;
+  double reach_;
   CenterGrid::Walk walk_;
   CenterGrid::Near near_;
   NearestFew few_;
@@ -192,7 +192,8 @@ class NeighborFinder {
 }  // namespace
 
 std::vector<std::vector<OverlapEdge>>
-overlapGraph(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int threads)
+overlapGraph(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int threads,
+             const OrientConstants& constants)
 {
   AlignedVector<Leaf> data(s.size());
   parallelFor(leaves.size(), threads, kTask,
@@ -206,7 +207,7 @@ overlapGraph(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int
   // Leaves of one level are alike in size, so one grid serves each.
   std::vector<LevelLeaves> levels(numbers.size());
   parallelFor(levels.size(), threads, 1,
-              [&](std::size_t k, int) { levels[k] = makeLevel(s, leaves, numbers[k]); });
+              [&](std::size_t k, int) { levels[k] = makeLevel(s, leaves, numbers[k], constants); });
   struct Task {
     std::size_t level, begin;
   };
@@ -218,8 +219,8 @@ overlapGraph(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int
   parallelFor(tasks.size(), threads, 1, [&](std::size_t t, int) {
     const LevelLeaves& level = levels[tasks[t].level];
     const std::size_t end = std::min(tasks[t].begin + kTask, level.seekers.size());
-    edges[t].reserve(kMostEdges * (end - tasks[t].begin));
-    NeighborFinder finder(s, level);
+    edges[t].reserve(constants.neighbors * (end - tasks[t].begin));
+    NeighborFinder finder(s, level, constants);
     for (std::size_t at = tasks[t].begin; at < end; ++at) {
       for (const auto& [distance_sq, j] : finder.nearest(level.seekers[at])) {
         edges[t].push_back(makeEdge(data, j, level.seekers[at].surfel, std::sqrt(distance_sq)));

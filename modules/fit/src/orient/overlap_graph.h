@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "fit_constants.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim::detail {
@@ -27,6 +28,7 @@ struct OverlapEdge {
  * The weight is 1 - |n . n'| plus how far each leaf passes the other's centre over their distance.
  * O(M log M) for M leaves alike in size on each level. */
 std::vector<std::vector<OverlapEdge>>
-overlapGraph(const SLIMSurface& surface, const std::vector<std::uint32_t>& leaves, int threads);
+overlapGraph(const SLIMSurface& surface, const std::vector<std::uint32_t>& leaves, int threads,
+             const OrientConstants& constants = {});
 
 }  // namespace pcl_slim::detail

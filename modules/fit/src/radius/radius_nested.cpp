@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ball/mean_slope.h"
-#include "ball/nested_fit.h"
 #include "ball/noise_bias.h"
+#include "least_squares/mean_slope.h"
+#include "least_squares/nested_fit.h"
 #include "radius/radius_search.h"
 
 namespace pcl_slim::detail {
@@ -29,7 +29,8 @@ RadiusSearch::unbiased(const Trial& trial) const
 {
   auto c = trial.fit.c;
   const double r = trial.rho * gather_radius_;
-  undoNoiseBias(trial.fit.degree, noise() / (r * r), trial.rho, c.data());
+  undoNoiseBias(settings_.constants.ball.bias, trial.fit.degree, noise() / (r * r), trial.rho,
+                c.data());
   return c;
 }
 

@@ -121,7 +121,7 @@ class Projector {
     rules_.with_third = params.extremality;
     noise_ = std::sqrt(std::max(0.0, surface.info.lambda)) * surface.info.diagonal;
     gated_ = surface.info.oriented && store.hasNormals() && !params.paper_mode;
-    if (gated_) min_dot_ = params.sharp_features ? kSharpDot : normalGate(store);
+    if (gated_) min_dot_ = params.sharp_features ? kSharpDot : normalBound(store);
     placed_.resize(leaves.size());
     parallelFor(leaves.size(), threads, 1024,
                 [&](std::size_t j, int) { placed_[j] = place(leaves[j]); });

@@ -39,7 +39,7 @@ TEST(NoiseBias, WhatNoiseWearsDownIsRestored)
       worn[5] += kShare / 2 * (2 * .01f);
     }
     for (int k = 0; k < numCoefficients(degree); ++k) worn[k] /= 1.0 + 10 * kShare;
-    undoNoiseBias(degree, kShare, worn);
+    undoNoiseBias({}, degree, kShare, worn);
     for (int k = 0; k < numCoefficients(degree); ++k) {
       EXPECT_NEAR(worn[k], kHeights[k], kShare * kShare) << degree << ' ' << k;
     }
@@ -57,8 +57,8 @@ TEST(NoiseBias, TheUnitOfLengthChangesNothing)
   for (int d = 0, k = 0; d <= kMaxDegree; ++d) {
     for (int j = 0; j <= d; ++j, ++k) other[k] = kHeights[k] * factor(d);
   }
-  undoNoiseBias(kMaxDegree, kShare, in_r);
-  undoNoiseBias(kMaxDegree, kShare, kRho, other);
+  undoNoiseBias({}, kMaxDegree, kShare, in_r);
+  undoNoiseBias({}, kMaxDegree, kShare, kRho, other);
   for (int d = 0, k = 0; d <= kMaxDegree; ++d) {
     for (int j = 0; j <= d; ++j, ++k) EXPECT_NEAR(other[k] / factor(d), in_r[k], 1e-8) << k;
   }
@@ -69,8 +69,8 @@ TEST(NoiseBias, ThickNoiseIsNotAmplified)
   float thick[kMaxCoefficients], limit[kMaxCoefficients];
   std::copy_n(kHeights, kMaxCoefficients, thick);
   std::copy_n(kHeights, kMaxCoefficients, limit);
-  undoNoiseBias(4, 1e6, thick);
-  undoNoiseBias(4, 0.04, limit);
+  undoNoiseBias({}, 4, 1e6, thick);
+  undoNoiseBias({}, 4, 0.04, limit);
   for (int k = 0; k < kMaxCoefficients; ++k) EXPECT_EQ(thick[k], limit[k]) << k;
 }
 

@@ -24,7 +24,7 @@ TEST(NormalError, IsThatOfNormalsMeasuredApart)
   for (const Shape shape : {Shape::kSphere, Shape::kTorus, Shape::kBumpy}) {
     for (const double noise : {0.0005, 0.002, 0.005}) {
       const double per_axis = 0.08;
-      const auto e = measureNormalError(storeOf(sceneCloud(shape, 50000, noise, per_axis)), 1);
+      const auto e = measureNormalError(storeOf(sceneCloud(shape, 50000, noise, per_axis)), {}, 1);
       EXPECT_TRUE(e.independent()) << e.with_heights << ' ' << e.with_neighbors;
       // Of two axes; a point that noise moved sideways brings the normal of another place with it.
       EXPECT_GT(e.radians, 0.95 * std::sqrt(2.0) * per_axis);
@@ -38,7 +38,7 @@ TEST(NormalError, NormalsComputedFromThePointsAreNoNews)
   for (const Shape shape : {Shape::kSphere, Shape::kBumpy}) {
     const Cloud cloud = sceneCloud(shape, 20000, 0.002);
     for (const std::size_t k : {8, 15, 30, 60, 150}) {
-      const auto e = measureNormalError(storeOf(withPlaneNormals(cloud, k)), 1);
+      const auto e = measureNormalError(storeOf(withPlaneNormals(cloud, k)), {}, 1);
       EXPECT_GT(e.radians, 0.0);
       EXPECT_FALSE(e.independent()) << k << ' ' << e.with_heights << ' ' << e.with_neighbors;
     }
@@ -47,7 +47,7 @@ TEST(NormalError, NormalsComputedFromThePointsAreNoNews)
 
 TEST(NormalError, FewPointsTellNothing)
 {
-  const auto few = measureNormalError(storeOf(sceneCloud(Shape::kSphere, 90, 0.002, 0.05)), 1);
+  const auto few = measureNormalError(storeOf(sceneCloud(Shape::kSphere, 90, 0.002, 0.05)), {}, 1);
   EXPECT_EQ(few.radians, 0.0);
   EXPECT_FALSE(few.independent());
 }
@@ -55,9 +55,9 @@ TEST(NormalError, FewPointsTellNothing)
 TEST(NormalError, IsTheSameForAnyNumberOfThreads)
 {
   const PointStore store = storeOf(sceneCloud(Shape::kRelief, 20000, 0.002, 0.05));
-  const auto one = measureNormalError(store, 1);
+  const auto one = measureNormalError(store, {}, 1);
   for (const int threads : {2, 8}) {
-    const auto more = measureNormalError(store, threads);
+    const auto more = measureNormalError(store, {}, threads);
     EXPECT_EQ(more.radians, one.radians);
     EXPECT_EQ(more.with_heights, one.with_heights);
     EXPECT_EQ(more.with_neighbors, one.with_neighbors);

@@ -28,7 +28,7 @@ struct FitParams {
       false;            ///< keep sharp edges: only points with n . n_c > 1/2 (needs normals)
   bool robust = false;  ///< reweight residuals against outliers (two more passes a leaf)
   bool local_noise =
-      false;  ///< lambda varies over the cloud: smooths loud parts, spares quiet ones
+      false;  ///< lambda varies over the cloud: noisy parts are smoothed more than clean ones
   bool normals_as_data = false;  ///< fit positions and normals together, by their errors; needs
                                  ///< normals that were measured apart from the points
   double normal_error = 0.0;   ///< with it: the normals' RMS error, (0, pi/2] radians; 0: measured,
@@ -51,13 +51,14 @@ struct FitParams {
 struct FitStatistics {
   std::uint64_t points = 0;  ///< stored points (finite, distinct)
   std::uint64_t leaves = 0, internals = 0;
-  std::uint64_t forced = 0;           ///< leaves that ended by minimum support
+  std::uint64_t support_limited = 0;  ///< leaves that ended by minimum support
   std::uint64_t reduced_degree = 0;   ///< surfels whose degree fell below the one asked for
-  std::uint64_t uncovered = 0;        ///< points whose sum of cover weights stays below gamma
+  std::uint64_t uncovered = 0;        ///< points whose coverage stays below gamma
   std::uint64_t unsupported = 0;      ///< of those, points inside no leaf's support at all
   std::uint64_t skipped_normals = 0;  ///< centres passed over because their normal stands alone
   std::uint64_t split_sheets = 0;     ///< balls in which two sheets were parted
   std::uint64_t fits = 0;             ///< least-squares systems solved
+  std::uint64_t noise_patches = 0;    ///< patches of points on which noise was measured
   std::uint64_t gathered = 0;         ///< points gathered into balls, all balls together
   std::uint64_t never_gathered = 0;   ///< centres never tried: points covered by another's leaf
   int first_level = 1, levels_skipped = 0, last_level = 0;

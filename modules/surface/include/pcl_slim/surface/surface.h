@@ -15,8 +15,8 @@ namespace pcl_slim {
 
 /** \brief What a surfel is; bits of SLIMSurface::flags. */
 enum SurfelFlag : std::uint8_t {
-  kSurfelLeaf = 1,    ///< blended into the surface; otherwise an internal node of the hierarchy
-  kSurfelForced = 2,  ///< ended by minimum support, not by a minimum of the energy
+  kSurfelLeaf = 1,  ///< blended into the surface; otherwise an internal node of the hierarchy
+  kSurfelSupportLimited = 2,  ///< ended by minimum support, not by a minimum of the energy
 };
 
 /** \brief How a surface was made, and the units it is stored in. */
@@ -51,15 +51,15 @@ class SLIMSurface {
  public:
   SurfaceInfo info;
 
-  std::vector<float> cx, cy, cz;     ///< centres
-  std::vector<float> radius;         ///< support radii
-  std::vector<float> nx, ny, nz;     ///< unit normals: the w axes
-  std::vector<float> coefficients;   ///< stride() per surfel, unused ones 0
-  std::vector<float> error;          ///< weighted RMS residual of the fit, in local units
-  std::vector<float> confidence;     ///< effective number of points behind the fit, n_eff
-  std::vector<std::uint8_t> degree;  ///< degree of each surfel, at most info.degree
-  std::vector<std::uint8_t> level;   ///< k of the paper's sliding interval, 1 = coarsest
-  std::vector<std::uint8_t> flags;   ///< SurfelFlag bits
+  std::vector<float> cx, cy, cz;       ///< centres
+  std::vector<float> radius;           ///< support radii
+  std::vector<float> nx, ny, nz;       ///< unit normals: the w axes
+  std::vector<float> coefficients;     ///< stride() per surfel, unused ones 0
+  std::vector<float> error;            ///< weighted RMS residual of the fit, in local units
+  std::vector<float> effective_count;  ///< effective number of points behind the fit, n_eff
+  std::vector<std::uint8_t> degree;    ///< degree of each surfel, at most info.degree
+  std::vector<std::uint8_t> level;     ///< k of the paper's sliding interval, 1 = coarsest
+  std::vector<std::uint8_t> flags;     ///< SurfelFlag bits
 
   std::vector<std::uint32_t> child_begin;  ///< size() + 1 offsets into children (may be empty)
   std::vector<std::uint32_t> children;     ///< surfels one level finer whose centre lies inside

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "pcl_slim/cloud/detail/noise_constants.h"
 #include "pcl_slim/cloud/point_store.h"
 
 namespace pcl_slim::detail {
 
-/** \brief The cosine up to which two normals of a store count as those of different sheets.
+/** \brief The normal bound: the cosine up to which two normals of a store count as those of
+ * different sheets.
  *
  * Exact normals part sheets, and faces of an edge, at right angles: 0. Three deviations of the
  * normals' own errors go below it, so that a ball that bends keeps the points whose normals happen
@@ -13,6 +15,6 @@ namespace pcl_slim::detail {
  * their block, so edges and curvature of most of the surface matter little. O(1000 blocks).
  */
 float
-normalGate(const PointStore& store);
+normalBound(const PointStore& store, const NormalBoundConstants& constants = {});
 
 }  // namespace pcl_slim::detail

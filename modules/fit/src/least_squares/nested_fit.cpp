@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ball/nested_fit.h"
+#include "least_squares/nested_fit.h"
 
 #include <Eigen/Cholesky>
 
-#include "ball/mean_slope.h"
+#include "least_squares/mean_slope.h"
 
 namespace pcl_slim::detail {
 

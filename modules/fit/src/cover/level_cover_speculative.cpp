@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Coarse levels by several threads: their few balls nearly all touch each other, so there is no
 // order in which two can be kept at once. But what a ball's fit is does not depend on what others
-// have served; only whether it is wanted does.
+// have served; only whether it is wanted does. So fits are made speculatively, before their turn.
 #include <condition_variable>
 #include <deque>
 #include <mutex>
@@ -14,20 +14,17 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr std::size_t kWindow = 8;  ///< centres per thread that are looked at ahead of their turn
+/// Centres per thread that are looked at before their turn; no result depends on it.
+constexpr std::size_t kWindow = 8;
 
 }  // namespace
 
-/** \brief The centres of a level in their order: fitted ahead of their turn where earlier balls are
+/** \brief The centres of a level in their order: fitted before their turn where earlier balls are
  * not likely to serve them, and kept in turn if they are still wanted then. */
-class LevelCover::Ahead {
+class LevelCover::Speculation {
  public:
-  Ahead(LevelCover& cover, int level, Output* outputs)
-      : cover_(cover),
-        level_(level),
-        reach_(cover.settings_.levelRadius(level)),
-        outputs_(outputs),
-        keeper_(cover.store_, cover.settings_)
+  Speculation(LevelCover& cover, int level, Output* outputs)
+      : cover_(cover), level_(level), reach_(cover.settings_.levelRadius(level)), outputs_(outputs)
   {
   }
 
@@ -47,7 +44,7 @@ class LevelCover::Ahead {
       }
       lock.unlock();
       try {
-        prepare(fitter, prepared, slot->cell);
+        prepare(fitter.nearby(), prepared, slot->cell);
         slot->outcome = fitter.fit(slot->point, level_, slot->surfel);
       } catch (...) {
         lock.lock();
@@ -74,9 +71,9 @@ class LevelCover::Ahead {
     SurfelRecord surfel;
   };
 
-  void prepare(BallFitter& fitter, std::uint32_t& prepared, std::uint32_t cell) const
+  void prepare(NearbyBlocks& nearby, std::uint32_t& prepared, std::uint32_t cell) const
   {
-    if (prepared != cell) cover_.prepareNeighborhood(cover_.cells_[cell], level_, fitter);
+    if (prepared != cell) cover_.collectNearby(cover_.cells_[cell], level_, nearby);
     prepared = cell;
   }
 
@@ -95,8 +92,8 @@ class LevelCover::Ahead {
         const auto begin = static_cast<std::uint32_t>(cover_.worker(0).arena.size());
         output = {0, begin, begin, false};
       }
-      prepare(keeper_, kept_cell_, slot.cell);
-      cover_.keep(slot.point, slot.outcome, slot.surfel, keeper_, output);
+      prepare(kept_nearby_, kept_cell_, slot.cell);
+      cover_.keep(slot.point, slot.outcome, slot.surfel, kept_nearby_, output);
     }
   }
 
@@ -159,8 +156,8 @@ class LevelCover::Ahead {
   int level_;
   double reach_;
   Output* outputs_;
-  BallFitter keeper_;
-  std::uint32_t kept_cell_ = kNone;  ///< whose neighbourhood the keeper has
+  NearbyBlocks kept_nearby_;         ///< of the cell whose balls are kept
+  std::uint32_t kept_cell_ = kNone;  ///< that cell
   std::mutex mutex_;
   std::condition_variable changed_;  ///< a fit is done, or all are
   std::deque<Slot> slots_;           ///< in turn
@@ -172,11 +169,11 @@ class LevelCover::Ahead {
 };
 
 void
-LevelCover::coverAhead(int level, std::size_t first_output)
+LevelCover::coverSpeculatively(int level, std::size_t first_output)
 {
-  Ahead ahead(*this, level, outputs_.data() + first_output);
+  Speculation speculation(*this, level, outputs_.data() + first_output);
   const auto workers = static_cast<std::size_t>(threads_);
-  parallelFor(workers, threads_, 1, [&](std::size_t, int thread) { ahead.work(thread); });
+  parallelFor(workers, threads_, 1, [&](std::size_t, int thread) { speculation.work(thread); });
 }
 
 }  // namespace pcl_slim::detail

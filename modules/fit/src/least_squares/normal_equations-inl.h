@@ -10,7 +10,8 @@
 
 #include <cmath>
 
-#include "ball/mean_slope.h"
+#include "fit_constants.h"
+#include "least_squares/mean_slope.h"
 #include "pcl_slim/surface/detail/kernel_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -18,13 +19,11 @@ namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr double kPivotGate = 3e-6;  ///< float moments resolve relative pivots down to about here
-
 /** The factor U of the normal equations A = U^T U of degree D, with U^-T b as last column.
  *
- * Everything is unrolled, so that rows stay in registers where there are enough of them, and the next
- * pivot is brought up to date ahead of its row: square root and division follow one another and
- * little else waits for them. */
+ * Everything is unrolled, so that rows stay in registers where there are enough of them, and the
+ * next pivot is brought up to date ahead of its row: square root and division follow one another
+ * and little else waits for them. */
 template <int D>
 class NormalEquations {
  public:
@@ -109,7 +108,7 @@ class NormalEquations {
       rows_[p()][kLast] = z[p()];
     });
     if (slopes != nullptr) addSlopes(slopes);
-    for (int p = 0; p < kSize; ++p) gates_[p] = kPivotGate * rows_[p][p];
+    for (int p = 0; p < kSize; ++p) least_[p] = FloatLimits::kPivot * rows_[p][p];
     // Once all are written: single values do not pass on to vectors before they reach the cache.
     unrolled<kSize * kVectors>([&](auto at) HWY_ATTR {
       constexpr int kRow = at() / kVectors, kVector = at() % kVectors;
@@ -141,12 +140,13 @@ class NormalEquations {
     return count;
   }
 
-  /** Scales row P and takes it off the rows below. \return false, and nothing done, for no pivot. */
+  /** Scales row P and takes it off the rows below. \return false, and nothing done, for no pivot.
+   */
   template <int P>
   HWY_INLINE bool eliminate(WideVec* rows)
   {
     const Wide d;
-    if (!(pivot_ > gates_[P])) return false;
+    if (!(pivot_ > least_[P])) return false;
     inverse_[P] = 1.0 / std::sqrt(pivot_);
     if constexpr (P + 1 < kSize) {
       // The next pivot, by the operations that its row sees below.
@@ -197,7 +197,7 @@ class NormalEquations {
   }
 
   HWY_ALIGN double rows_[kSize][kStride];
-  double gates_[kSize], inverse_[kSize];
+  double least_[kSize], inverse_[kSize];
   double pivot_;
 };
 

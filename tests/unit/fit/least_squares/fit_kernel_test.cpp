@@ -7,8 +7,8 @@
 #include <random>
 
 #include "ball/ball_kernels.h"
-#include "ball/mean_slope.h"
-#include "ball/nested_fit.h"
+#include "least_squares/mean_slope.h"
+#include "least_squares/nested_fit.h"
 
 namespace pcl_slim {
 

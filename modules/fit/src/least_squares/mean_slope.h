@@ -48,7 +48,8 @@ slopeMoments()
 }
 
 /** \brief Weighted mean of |grad h|^2 over a ball: the slope's square is a polynomial of degree
- * 2D - 2, so the moments of the normal equations hold its mean. moments[0] is the sum of weights. */
+ * 2D - 2, so the moments of the normal equations hold its mean. moments[0] is the sum of weights.
+ */
 template <int D>
 double
 meanSlopeSq(const double* moments, const double* c)
@@ -84,8 +85,8 @@ meanSlopeSq(int degree, const double* moments, const double* c)
   }
 }
 
-/** \brief Weighted mean of h^2 over a ball, likewise, for moments up to degree 2 * degree and as many
- * coefficients as a polynomial of that degree has. */
+/** \brief Weighted mean of h^2 over a ball, likewise, for moments up to degree 2 * degree and as
+ * many coefficients as a polynomial of that degree has. */
 inline double
 meanSquare(int degree, const double* moments, const double* c)
 {

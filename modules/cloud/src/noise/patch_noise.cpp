@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "noise/patch_noise.h"
+
+#include <Eigen/Dense>
+#include <cmath>
+
+namespace pcl_slim::detail {
+
+namespace {
+
+constexpr double kRidge = 1e-12;  ///< keeps patches that are a line solvable; moves no digit
+
+/** Residual variance of a cubic height field over the patch's two main axes; < 0: too few points.
+ */
+double
+cubicResidual(const Patch& patch)
+{
+  const Eigen::Index n = patch.points.cols();
+  if (n <= kCubicTerms + 1) return -1.0;
+  const Eigen::Matrix3d axes = principalAxes(patch.points).eigenvectors();
+  const Eigen::Matrix3Xd local = axes.transpose() * patch.points / patch.radius;
+  Eigen::Matrix<double, Eigen::Dynamic, kCubicTerms> terms(n, kCubicTerms);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double u = local(2, i), v = local(1, i);
+    terms.row(i) << 1, u, v, u * u, u * v, v * v, u * u * u, u * u * v, u * v * v, v * v * v;
+  }
+  const Eigen::VectorXd heights = local.row(0).transpose();
+  Eigen::Matrix<double, kCubicTerms, kCubicTerms> normal = terms.transpose() * terms;
+  normal.diagonal().array() *= 1.0 + kRidge;
+  const Eigen::Matrix<double, kCubicTerms, 1> c = normal.ldlt().solve(terms.transpose() * heights);
+  const double rss = (heights - terms * c).squaredNorm();
+  const double variance = rss / static_cast<double>(n - kCubicTerms) * patch.radius * patch.radius;
+  return std::isfinite(variance) ? variance : -1.0;
+}
+
+}  // namespace
+
+Patch
+patchAbout(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k)
+{
+  thread_local std::vector<std::uint32_t> neighbors;
+  thread_local std::vector<float> distances_sq;
+  search.nearest(sample, k, neighbors, distances_sq);
+  Patch patch;
+  patch.radius = std::sqrt(distances_sq.back());
+  patch.points.resize(3, static_cast<Eigen::Index>(neighbors.size()));
+  const auto center = store.position(sample);
+  Eigen::Index count = 0;
+  for (const std::uint32_t j : neighbors) {
+    if (store.hasNormals()) {
+      const auto a = store.normal(sample), b = store.normal(j);
+      if (a[0] * b[0] + a[1] * b[1] + a[2] * b[2] <= 0.0f) continue;
+    }
+    const auto p = store.position(j);
+    patch.points.col(count++) << p[0] - center[0], p[1] - center[1], p[2] - center[2];
+  }
+  patch.points.conservativeResize(3, count);
+  return patch;
+}
+
+double
+patchVariance(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
+              const NoiseConstants& constants, double& radius)
+{
+  k /= patchStride(k, constants);
+  Patch patch = patchAbout(store, search, sample, k);
+  if (!store.hasNormals() && keepOwnSheet(constants.sheets, patch)) {
+    // Half the neighbours lay on another sheet: twice as many give the patch its size back.
+    patch = patchAbout(store, search, sample, constants.sheets.factor * k);
+    keepOwnSheet(constants.sheets, patch);
+  }
+  radius = patch.radius;
+  return cubicResidual(patch);
+}
+
+double
+trimmedMean(std::vector<double>& values, double trim)
+{
+  values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return v < 0.0; }),
+               values.end());
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  const auto cut = static_cast<std::size_t>(trim * static_cast<double>(values.size()));
+  double sum = 0;
+  for (std::size_t i = cut; i < values.size() - cut; ++i) sum += values[i];
+  return sum / static_cast<double>(values.size() - 2 * cut);
+}
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "noise/patch.h"
+#include "pcl_slim/cloud/detail/noise_constants.h"
+#include "pcl_slim/cloud/knn.h"
+#include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/core/parallel.h"
+
+namespace pcl_slim::detail {
+
+constexpr int kCubicTerms = 10;  ///< coefficients of a cubic in two variables
+
+/** \brief The k points of a search nearest to a sample; where the store has normals, those whose
+ * normal is opposed to the sample's are left out. */
+Patch
+patchAbout(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k);
+
+/** \brief The stride of the points looked at for patches of k points. */
+inline std::size_t
+patchStride(std::size_t k, const NoiseConstants& constants)
+{
+  return std::max<std::size_t>(1, k / constants.patch_points);
+}
+
+/** \brief Residual variance of a cubic on the patch of k points about a sample, in squared local
+ * lengths; < 0: too few points. \param[in] search over every patchStride(k)-th point \param[out]
+ * radius of the patch */
+double
+patchVariance(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
+              const NoiseConstants& constants, double& radius);
+
+/** \brief Mean of the values that are not negative, without a share of the largest and as many of
+ * the smallest; 0 of none. Sorts them. */
+double
+trimmedMean(std::vector<double>& values, double trim);
+
+/** \brief Calls measure(search, sample, s) at evenly strided points, s counting them. */
+template <typename Measure>
+std::vector<double>
+sampleStore(const PointStore& store, std::size_t samples, std::size_t stride, int threads,
+            const Measure& measure)
+{
+  samples = std::min(samples, store.size());
+  std::vector<double> values(samples);
+  std::vector<NeighborSearch> searches(static_cast<std::size_t>(threads),
+                                       NeighborSearch(store, stride));
+  parallelFor(samples, threads, 4, [&](std::size_t s, int thread) {
+    const std::size_t sample = (2 * s + 1) * store.size() / (2 * samples);
+    values[s] = measure(searches[static_cast<std::size_t>(thread)], sample, s);
+  });
+  return values;
+}
+
+}  // namespace pcl_slim::detail

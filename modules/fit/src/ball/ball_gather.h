@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "ball/ball_kernels.h"
+#include "ball/nearby_blocks.h"
+#include "fit_settings.h"
+
+namespace pcl_slim::detail {
+
+/** \brief Where a ball stands, before any point is read. Local units. */
+struct BallSite {
+  std::array<float, 3> center{};  ///< on the grid of centres
+  std::array<float, 3> normal{};  ///< of the point there: what the normal bound compares with
+  double radius = 0;              ///< of the gather
+  double lambda = 0;              ///< noise variance that E(r) reckons with
+  double noise = 0;  ///< variance of the points about the surface, in space; 0: not known
+};
+
+/** \brief The points about a site: offsets from its centre, in scratch memory of the thread. */
+struct GatheredBall {
+  BallSite site;
+  BallSums sums;
+  BallBuffer* points = nullptr;
+
+  bool empty() const { return points->count == 0 || !(sums.weight > 0); }
+};
+
+/** \brief The site of stored point i for balls of a radius. */
+BallSite
+siteOf(const PointStore& store, const FitSettings& settings, std::size_t i, double radius);
+
+/** \brief The nearest place on the grid of centres. */
+std::array<float, 3>
+onCenterGrid(const std::array<double, 3>& place, double grid);
+
+/** \brief Gathers balls of one store. One per thread: it keeps its scratch memory, so a gathered
+ * ball lasts until the next. */
+class BallGatherer {
+ public:
+  BallGatherer(const PointStore& store, const FitSettings& settings)
+      : store_(store), settings_(settings)
+  {
+  }
+
+  NearbyBlocks& nearby() { return nearby_; }
+
+  /** \brief How many blocks a site's ball meets. */
+  std::size_t countBlocks(const BallSite& site)
+  {
+    return nearby_.within(site.center, site.radius).size();
+  }
+
+  /** \brief Gathers the points of every so many blocks. */
+  GatheredBall gather(const BallSite& site, std::size_t stride = 1);
+
+  /** \brief Points gathered so far. */
+  std::uint64_t numGathered() const { return gathered_; }
+
+ private:
+  const PointStore& store_;
+  const FitSettings& settings_;
+  NearbyBlocks nearby_;
+  BlockList sampled_;
+  BallBuffer points_;
+  std::uint64_t gathered_ = 0;
+};
+
+/** \brief Whether the ball's points turn elsewhere than its centre: too few share its side, or
+ * those that do are the ball's rim, bent away from it (docs/theory.md, "Lone normals"). */
+bool
+normalIsAlone(const GatheredBall& ball, const FitSettings& settings);
+
+}  // namespace pcl_slim::detail
