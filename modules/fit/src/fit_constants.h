@@ -23,7 +23,8 @@ struct PresetConstants {
   double lenience_with_t = 1.0;      ///< the same where T is given
   double lack_of_fit = 2.5;          ///< no leaf while e exceeds this many sqrt(lambda)
   double lack_of_fit_with_t = 10.0;  ///< the same where T is given
-  double thick_with_t = 4.0;         ///< noise fills balls below so many sqrt(lambda), T given
+  double thick = 5.0;                ///< noise fills balls below so many sqrt(lambda)
+  double thick_with_t = 4.0;         ///< the same where T is given
   float sharp_bound = 0.5f;          ///< the normal bound with sharp features [cosine]
 };
 

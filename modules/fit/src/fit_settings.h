@@ -48,7 +48,10 @@ struct FitSettings {
   std::uint64_t seed = 1;
 
   FitSettings() = default;
-  explicit FitSettings(const FitConstants& values) : constants(values) {}
+  explicit FitSettings(const FitConstants& values) : constants(values)
+  {
+    energy.thick = values.preset.thick;
+  }
 
   /** \brief The noise ratio about point i of n: the noise variance there over the cloud's. */
   double noiseRatioAt(std::size_t i, std::size_t n) const
