@@ -6,7 +6,7 @@ set -euo pipefail
 
 packages=(
   cmake ninja-build g++ pkg-config
-  libpcl-dev libeigen3-dev libhwy-dev libpng-dev nlohmann-json3-dev libgtest-dev
+  libpcl-dev libeigen3-dev libhwy-dev libpng-dev libtbb-dev nlohmann-json3-dev libgtest-dev
 )
 # Benchmarks, and ROS's own check of package.xml in the tests: nothing fails without them.
 optional=(libnanoflann-dev python3-catkin-pkg)
