@@ -8,7 +8,7 @@ set -euo pipefail
 
 packages=(
   cmake ninja-build g++ pkg-config
-  libpcl-dev libeigen3-dev libhwy-dev libpng-dev zlib1g-dev nlohmann-json3-dev libgtest-dev python3
+  libpcl-dev libeigen3-dev libhwy-dev libpng-dev zlib1g-dev libtbb-dev nlohmann-json3-dev libgtest-dev python3
 )
 [ "${1-}" != ci ] || packages+=(git clang clang-tidy clang-format libclang-rt-14-dev)
 # Benchmarks, and ROS's own check of package.xml in the tests: nothing fails without them.

@@ -1,32 +1,41 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/core/parallel.h"
 
-#include <algorithm>
-#include <thread>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
-#include "thread_team.h"
+#include <algorithm>
+#include <optional>
+#include <thread>
 
 namespace pcl_slim {
 
-using namespace detail;
-
 namespace {
 
-thread_local bool in_team = false;
+thread_local bool in_loop = false;  ///< a body of a loop runs on this thread
 
-/** What a member of a team runs, remembering meanwhile that it is one. */
-struct Membership {
-  void (*work)(void*, int);
-  void* context;
+/** A place of at least so many threads in oneTBB's pool, which all callers share. Each calling
+ * thread keeps its own: a fit is some hundred short loops, and helpers that still look out for work
+ * there come to the next at once. It only grows, as making one costs more than a short loop does.
+ * Against a thread team of our own, one for each calling thread, this took .96 to 1.02 of the wall
+ * time (benchmarks/reports/benchmarks.md, "Time and memory of the fit"). */
+tbb::task_arena&
+arenaOf(int threads)
+{
+  thread_local std::optional<tbb::task_arena> arena;
+  if (!arena || arena->max_concurrency() < threads) arena.emplace(threads);
+  return *arena;
+}
 
-  static void run(void* membership, int thread)
-  {
-    const auto& self = *static_cast<const Membership*>(membership);
-    in_team = true;
-    self.work(self.context, thread);
-    in_team = false;
-  }
-};
+/** Threads that the pool grants; it would print a warning if asked for more. */
+int
+granted(int threads)
+{
+  const std::size_t most =
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  return static_cast<int>(std::min(static_cast<std::size_t>(std::max(threads, 1)), most));
+}
 
 }  // namespace
 
@@ -42,10 +51,14 @@ namespace internal {
 void
 runOnTeam(int threads, void (*work)(void*, int), void* context)
 {
-  if (threads <= 1 || in_team) return work(context, 0);
-  thread_local ThreadTeam team;
-  Membership membership{work, context};
-  team.run(threads, Membership::run, &membership);
+  const int shares = in_loop ? 1 : granted(threads);
+  if (shares <= 1) return work(context, 0);
+  const auto run = [work, context](int share) {
+    in_loop = true;
+    work(context, share);
+    in_loop = false;
+  };
+  arenaOf(shares).execute([&] { tbb::parallel_for(0, shares, run, tbb::simple_partitioner()); });
 }
 
 }  // namespace internal

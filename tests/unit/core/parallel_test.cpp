@@ -4,8 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <atomic>
 #include <chrono>
+#include <filesystem>
+#include <iterator>
 #include <numeric>
 #include <stdexcept>
 #include <thread>
@@ -52,15 +55,17 @@ TEST(ParallelFor, GivesNoThreadTwoBodiesAtOnce)
   EXPECT_FALSE(twice);
 }
 
-TEST(ParallelFor, RunsItsThreadsAtOnce)
+TEST(ParallelFor, IsHelpedByAnotherThread)
 {
-  // Each body waits for all others to have begun.
-  std::atomic<int> begun{0};
-  parallelFor(4, 4, 1, [&](std::size_t, int) {
-    ++begun;
-    while (begun < 4) std::this_thread::yield();
-  });
-  EXPECT_EQ(begun, 4);
+  if (resolveThreads(0) < 2) GTEST_SKIP() << "one core: nobody can help";
+  // The pool may be late for one loop, but not for all.
+  std::array<std::thread::id, 2> ids;
+  const auto note = [&](std::size_t i, int) {
+    ids[i] = std::this_thread::get_id();
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  };
+  for (int loop = 0; loop < 2000 && ids[0] == ids[1]; ++loop) parallelFor(2, 2, 1, note);
+  EXPECT_NE(ids[0], ids[1]);
 }
 
 TEST(ParallelFor, WakesThreadsThatFellAsleep)
@@ -121,6 +126,40 @@ TEST(ParallelFor, ServesSeveralCallersAtOnce)
   }
   for (std::thread& caller : callers) caller.join();
   EXPECT_EQ(wrong, 0);
+}
+
+/** Threads of this process that are alive. */
+std::size_t
+livingThreads()
+{
+  const std::filesystem::directory_iterator tasks("/proc/self/task"), end;
+  return static_cast<std::size_t>(std::distance(tasks, end));
+}
+
+TEST(ParallelFor, CallersShareOnePool)
+{
+  if (!std::filesystem::exists("/proc/self/task")) GTEST_SKIP() << "the system tells no threads";
+  // A team for each caller would be kCallers times as many helpers as there are cores.
+  constexpr int kCallers = 8;
+  const int threads = resolveThreads(0) + 2;
+  const std::size_t before = livingThreads();
+  std::atomic<int> done{0}, wrong{0};
+  std::atomic<bool> counted{false};
+  std::vector<std::thread> callers;
+  for (int c = 0; c < kCallers; ++c) {
+    callers.emplace_back([&] {
+      for (int round = 0; round < 50; ++round)
+        wrong += runsOf(500, threads, 1) != std::vector<int>(500, 1);
+      ++done;
+      while (!counted) std::this_thread::yield();
+    });
+  }
+  while (done < kCallers) std::this_thread::yield();
+  const std::size_t living = livingThreads();
+  counted = true;
+  for (std::thread& caller : callers) caller.join();
+  EXPECT_EQ(wrong, 0);
+  EXPECT_LT(living, before + kCallers + static_cast<std::size_t>(threads));
 }
 
 }  // namespace

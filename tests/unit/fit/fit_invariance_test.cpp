@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <random>
+#include <thread>
 
 #include "pcl_slim/surface/surface_io.h"
 #include "support/clouds.h"
@@ -46,6 +48,22 @@ TEST(FitInvariance, OrderAndCopiesChangeNoByte)
     order.insert(order.end(), order.begin(), order.begin() + 3000);
     EXPECT_EQ(encodeSlim(fitted(reordered(cloud, order)).surface), expected);
   }
+}
+
+TEST(FitInvariance, SeveralCallersGetTheSameBytes)
+{
+  const Cloud cloud = sceneCloud(Shape::kBumpy, 6000, 0.0005, 0.1);
+  FitParams params;
+  params.threads = 1;
+  const auto expected = encodeSlim(fitted(cloud, params).surface);
+  params.threads = 4;
+  std::array<bool, 4> same{};
+  std::vector<std::thread> callers;
+  for (bool& result : same) {
+    callers.emplace_back([&] { result = encodeSlim(fitted(cloud, params).surface) == expected; });
+  }
+  for (std::thread& caller : callers) caller.join();
+  for (const bool result : same) EXPECT_TRUE(result);
 }
 
 TEST(FitInvariance, APowerOfTwoScalesTheUnitsOnly)

@@ -13,9 +13,9 @@ resolveThreads(int requested);
 /** \brief Runs body(i, thread) for i in [0, count), in chunks handed out dynamically.
  *
  * The order in which indices run is unspecified, so body must write by index only; sums belong
- * into fixed-size partial results that are added in index order afterwards. All threads run at once.
- * Inside a body another loop runs on the body's thread alone. The first exception thrown by body is
- * rethrown here once every thread has stopped, and no new chunk is begun.
+ * into fixed-size partial results that are added in index order afterwards. All callers share one
+ * pool, oneTBB's: fewer threads than asked for may run, so no body may wait for another to begin.
+ * Loops inside a body run on its thread alone. An exception of a body ends the loop and is rethrown.
  */
 template <typename Body>
 void

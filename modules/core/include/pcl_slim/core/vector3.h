@@ -6,6 +6,10 @@
 
 namespace pcl_slim {
 
+/** \brief A point or direction; installed headers that take one need no Eigen.
+ *
+ * Eigen::Vector3d's operations on the same three numbers are no faster: `pcl_slim_render -threads 1`
+ * of a fitted dragon took 1.04 times the CPU time with them (9 pairs), for the same picture. */
 using Vector3 = std::array<double, 3>;
 
 inline double
