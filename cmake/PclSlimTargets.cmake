@@ -21,8 +21,8 @@ endfunction()
 # Adds pcl_slim::<name> (target pcl_slim_lib_<name>, as programs have the plain names; the file is
 # libpcl_slim_<name>) from src/*.cpp and include/ below the current folder, and installs it as a
 # component of the package. BUILD_ONLY is for header-only libraries that only our own sources
-# include: whoever uses the installed package does not need them. WITHOUT names sources to leave out,
-# relative to src/: of two that answer for an optional library, the one that is not wanted.
+# include: whoever uses the installed package does not need them. WITHOUT names sources to leave
+# out, relative to src/: of two that answer for an optional library, the one that is not wanted.
 function(pcl_slim_add_library name)
   cmake_parse_arguments(arg "" "" "PUBLIC;PRIVATE;BUILD_ONLY;WITHOUT" ${ARGN})
   set(target pcl_slim_lib_${name})

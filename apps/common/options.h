@@ -18,9 +18,9 @@ enum ExitStatus : int {
 
 /** \brief A program's arguments: each declared once, for parsing, help and documentation.
  *
- * Options have one dash and a separate value, as PCL's tools do. A switch may stand alone: -quiet is
- * -quiet 1. A 0 or 1 right after a switch is always its value, so a file of that name is written ./0
- * or ./1 there. A target's value at the time of declaration is the default that the help shows;
+ * Options have one dash and a separate value, as PCL's tools do. A switch may stand alone: -quiet
+ * is -quiet 1. A 0 or 1 right after a switch is always its value, so a file of that name is written
+ * ./0 or ./1 there. A target's value at the time of declaration is the default that the help shows;
  * targets must outlive parse().
  */
 class OptionTable {

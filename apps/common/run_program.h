@@ -13,7 +13,7 @@ namespace pcl_slim {
 int
 fail(const std::string& program, int status, const std::string& message);
 
-/** \brief The same for work that failed: kExitInterrupted for what was cancelled, else kExitFailed. */
+/** \brief The same for work that failed: kExitInterrupted if it was cancelled, else kExitFailed. */
 int
 failWork(const std::string& program, const Error& error);
 
@@ -28,8 +28,8 @@ int
 runProgram(OptionTable& options, int argc, const char* const* argv, const std::string& relief,
            const std::function<Error()>& check, const std::function<Error()>& work);
 
-/** \brief The same for a program whose arguments fill one struct: declare(settings) makes the table,
- * check(table, settings) checks, work(settings) works. */
+/** \brief The same for a program whose arguments fill one struct: declare(settings) makes the
+ * table, check(table, settings) checks, work(settings) works. */
 template <typename Settings, typename Declare, typename Check, typename Work>
 int
 runProgram(int argc, const char* const* argv, const std::string& relief, const Declare& declare,

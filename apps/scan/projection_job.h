@@ -23,8 +23,8 @@ struct ProjectionProgram {
   std::string switch_name, switch_help;
 };
 
-/** \brief Makes the file to write from the file read and its projection. \param[in] chosen whether the
- * program's own switch is on; \param[in] threads 0: all cores. */
+/** \brief Makes the file to write from the file read and its projection. \param[in] chosen whether
+ * the program's own switch is on; \param[in] threads 0: all cores. */
 using MakeOutput = std::function<PointFile(const PointFile& file, const CloudProjection& projection,
                                            bool chosen, int threads)>;
 

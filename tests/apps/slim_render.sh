@@ -44,6 +44,14 @@ expect 0 '' pcl_slim_render surface.slim b.png $small -camera 0,-1,0.5,0,0,0.2,0
 same a.png b.png
 
 # Mistakes.
+# .ppm holds the same pixels, uncompressed.
+expect 0 '' pcl_slim_render surface.slim a.PPM $small
+size=${small#*-size }
+size=${size%% *}
+head -n 3 a.PPM | cmp -s - <(printf 'P6\n%s %s\n255\n' "${size%x*}" "${size#*x}") || complain "a.PPM has another header"
+[ "$(head -n 3 a.PPM | wc -c)" -lt 20 ] && [ "$(wc -c < a.PPM)" -eq $((${size%x*} * ${size#*x} * 3 + $(head -n 3 a.PPM | wc -c))) ] ||
+  complain "a.PPM has another size"
+
 rm -f x.png
 expect 2 'missing.slim' pcl_slim_render missing.slim x.png
 expect 2 'neither' pcl_slim_render scan.pcd x.png

@@ -65,18 +65,18 @@ badScans() {
 refuses() {
   expect 2 'no IN'
   expect 2 'no OUT' "$1"
-  expect 2 'unexpected argument' "$1" d.pcd e.pcd
-  expect 2 'No such file' missing.pcd d.pcd
-  expect 2 'folder' folder.pcd d.pcd
-  expect 2 'truncated' cut.pcd d.pcd
-  expect 2 'empty' empty.pcd d.pcd
-  expect 2 'x y z' fields.pcd d.pcd
-  expect 1 'NaN' nan.pcd d.pcd
-  expect 1 'no points' none.pcd d.pcd
-  expect 1 'does not exist' "$1" nowhere/d.pcd
+  expect 2 'unexpected argument' "$1" refused.pcd more.pcd
+  expect 2 'No such file' missing.pcd refused.pcd
+  expect 2 'folder' folder.pcd refused.pcd
+  expect 2 'truncated' cut.pcd refused.pcd
+  expect 2 'empty' empty.pcd refused.pcd
+  expect 2 'x y z' fields.pcd refused.pcd
+  expect 1 'NaN' nan.pcd refused.pcd
+  expect 1 'no points' none.pcd refused.pcd
+  expect 1 'does not exist' "$1" nowhere/refused.pcd
   expect 1 'folder' "$1" folder.pcd
-  expect 1 'does not exist' "$1" d.pcd -json nowhere/d.json
-  absent d.pcd e.pcd nowhere
+  expect 1 'does not exist' "$1" refused.pcd -json nowhere/d.json
+  absent refused.pcd nowhere
   [ -z "$(find . -name '*.part')" ] || complain "temporary files were left behind"
 }
 

@@ -29,7 +29,7 @@ namespace pcl_slim {
  * Colours and normals are optional: without colours shape alone decides, without normals (neither
  * setInputNormals() nor fields of PointT) they are estimated from neighbours. Non-finite points are
  * skipped and counted, indices honoured. A missing or empty cloud, one without a finite point, and
- * indices out of range are errors: told by getError(), and by filter() printed as PCL prints errors.
+ * indices out of range are errors: told by getError(), and by filter() printed as PCL prints them.
  * Outputs are cleared first. The result is the same for any number of threads.
  *
  * Compiled for PointXYZ, PointXYZI, PointXYZRGB, PointXYZRGBA, PointNormal, PointXYZINormal and
