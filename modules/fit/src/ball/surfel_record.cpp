@@ -52,7 +52,7 @@ recordOf(const FramedBall& ball, const RadiusChoice& choice, int level,
   surfel.degree = static_cast<std::uint8_t>(trial.fit.degree);
   surfel.level = static_cast<std::uint8_t>(level);
   surfel.flags = choice.kind == RadiusChoice::Kind::kLeaf ? kSurfelLeaf : 0;
-  if (choice.forced) surfel.flags |= kSurfelSupportLimited;
+  if (choice.support_limited) surfel.flags |= kSurfelSupportLimited;
   setCoefficients(trial, surfel);
   const double share = ball.site.noise / (trial.rho * trial.rho * unit * unit);
   undoNoiseBias(constants, surfel.degree, share, surfel.c.data());

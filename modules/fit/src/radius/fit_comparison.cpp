@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "ball/mean_slope.h"
 #include "ball/noise_bias.h"
+#include "least_squares/mean_slope.h"
 
 namespace pcl_slim::detail {
 
@@ -14,7 +14,8 @@ FitComparison::unbiased(const Trial& trial) const
 {
   auto c = trial.fit.c;
   const double r = trials_.radiusOf(trial);
-  undoNoiseBias(trial.fit.degree, trials_.noise() / (r * r), trial.rho, c.data());
+  undoNoiseBias(trials_.settings().constants.ball.bias, trial.fit.degree, trials_.noise() / (r * r),
+                trial.rho, c.data());
   return c;
 }
 
