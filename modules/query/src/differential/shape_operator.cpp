@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "differential/shape_operator.h"
+#include "pcl_slim/query/detail/shape_operator.h"
 
 #include <cmath>
 

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "differential/shape_operator.h"
+#include "pcl_slim/query/detail/shape_operator.h"
 #include "pcl_slim/cloud/detail/normal_bound.h"
 #include "pcl_slim/core/parallel.h"
-#include "projection/block_means.h"
-#include "projection/projection_kernel.h"
+#include "pcl_slim/query/detail/block_means.h"
+#include "pcl_slim/query/detail/projection_kernel.h"
 
 namespace pcl_slim {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Sixteen points of one block against one leaf: the blending loop of equations (6)-(8).
-#include "projection/projection_kernel.h"
+#include "pcl_slim/query/detail/projection_kernel.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "projection/projection_kernel.cpp"
