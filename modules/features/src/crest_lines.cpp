@@ -36,7 +36,7 @@ toFloat(const Vector3& a)
   return {static_cast<float>(a[0]), static_cast<float>(a[1]), static_cast<float>(a[2])};
 }
 
-/** Mean radius of the leaves: the width of cells in which vertices are looked up. */
+/** Mean radius of the leaves: what cells in which vertices are looked up go by. */
 double
 meanRadius(const SLIMSurface& surface)
 {
@@ -192,12 +192,12 @@ traceCrestLines(const PointStore& store, const Projection& projection, const SLI
   const ProbeIndex index(surface);
   const double noise = std::sqrt(std::max(0.0, surface.info.lambda));
   const double sigma = std::max(noise, kStorePrecision) * surface.info.diagonal;
-  const double cell = std::max(params.step * meanRadius(surface), 1e-6);
+  const double radius = std::max(meanRadius(surface), 1e-6);
   std::vector<std::unique_ptr<CrestTracer>> tracers(2);
   for (const CrestType type : {CrestType::kRidge, CrestType::kRavine}) {
     if (!(type == CrestType::kRidge ? params.ridges : params.ravines)) continue;
     tracers[static_cast<std::size_t>(type)] = std::make_unique<CrestTracer>(
-        index, type, params, sigma, noise < kCleanNoise, cell);
+        index, type, params, sigma, noise < kCleanNoise, radius);
   }
   if (Error error = followAll(seeds, tracers, threads, progress)) return error;
   collect(tracers, params, surface.info, lines, made);

@@ -51,6 +51,13 @@ class CrestField {
   /** Samples at up to three places nearby, in one request. */
   void sample(const Vector3* centers, std::size_t count, const CrestAxes& axes, CrestSample* samples);
 
+  /** Samples at place - span across, place and place + span across: a section of a line. */
+  void sampleAcross(const Vector3& place, const Vector3& across, double span,
+                    const CrestAxes& axes, CrestSample* samples);
+
+  /** Differences of k between sections nearer than this would tell noise. */
+  double leastSpan(const CrestAxes& axes) const;
+
   /** k less the larger k at half a radius to both sides along t; for up to eight vertices. */
   void findProminence(CrestVertex* vertices, std::size_t count);
 
@@ -65,6 +72,8 @@ class CrestField {
   void interpret(const ProbeSample& from, const CrestAxes& axes, CrestSample& sample) const;
   double difference(const ProbeSample* around, const CrestAxes& axes, const CrestSample& sample,
                     bool& known) const;
+  bool sampleInRow(const Vector3& place, const Vector3& across, double span, const CrestAxes& axes,
+                   CrestSample* samples);
   double kOf(const ProbeSample& from, const Vector3& normal) const;
 
   SurfaceProbe probe_;

@@ -17,6 +17,7 @@ constexpr double kShorter = 0.4;      ///< a step that fails is tried once more,
 constexpr double kLeastCosine = 0.5;  ///< a line turns by less than 60 degrees a step
 constexpr double kFine = 0.02;        ///< distance of the last samples across, in radii
 constexpr int kRefinements = 3;
+constexpr double kPastReach = 1.2;  ///< roots count so far beyond where they are looked for
 constexpr double kGradient = 0.1;  ///< reach of the differences that tell a seed's direction, in radii
 constexpr double kSeedShare = 0.5;  ///< of the significance: seeds stand a little beside their line
 constexpr double kNoiseOfPeaks = 60.0;  ///< brings significance on noisy spheres to an RMS of 1 to 2
@@ -34,14 +35,22 @@ significanceOf(double prominence, double radius, double confidence, double sigma
 }  // namespace
 
 CrestTracer::CrestTracer(const ProbeIndex& index, CrestType type, const CrestParams& params,
-                         double sigma, bool analytic, double cell)
+                         double sigma, bool analytic, double mean_radius)
     : params_(params),
       field_(index, type, analytic),
       sigma_(sigma),
-      traced_(cell),
-      refused_(cell),
-      own_(cell)
+      mean_radius_(mean_radius),
+      traced_(2 * reachOf(mean_radius)),
+      refused_(2 * reachOf(mean_radius)),
+      own_(2 * reachOf(mean_radius))
 {
+}
+
+/** How far a vertex or a seed keeps other seeds away. */
+double
+CrestTracer::reachOf(double radius) const
+{
+  return kSeedGap * params_.step * radius;
 }
 
 CrestStatistics
@@ -56,7 +65,7 @@ bool
 CrestTracer::refuse(const CrestSeed& seed, std::uint64_t& counter)
 {
   ++counter;
-  refused_.add(seed.position, 0);
+  refused_.add(seed.position, reachOf(seed_radius_), 0);
   return false;
 }
 
@@ -64,55 +73,54 @@ void
 CrestTracer::follow(const CrestSeed& seed)
 {
   ++statistics_.seeds;
-  field_.restart(0);
-  const double radius = field_.scaleAt(seed.position, seed.normal).radius;
-  if (!(radius > 0)) {
-    refuse(seed, statistics_.seeds_failed);
-    return;
-  }
-  const double gap = kSeedGap * params_.step * radius;
-  if (traced_.anyWithin(seed.position, gap) || refused_.anyWithin(seed.position, gap)) {
+  if (traced_.holds(seed.position, 1) || refused_.holds(seed.position, 1)) {
     ++statistics_.seeds_on_lines;
     return;
   }
-  field_.restart(radius);
+  field_.restart(mean_radius_);
+  seed_radius_ = field_.scaleAt(seed.position, seed.normal).radius;
+  if (!(seed_radius_ > 0)) {
+    ++statistics_.seeds_failed;
+    return;
+  }
   CrestVertex first;
-  if (!standsOut(seed, radius) || !start(seed, radius, first)) return;
-  if (traced_.anyWithin(first.position, kJoinGap * params_.step * first.radius)) {
+  if (!standsOut(seed) || !start(seed, first)) return;
+  if (traced_.holds(first.position, kJoinGap / kSeedGap)) {
     refuse(seed, statistics_.seeds_on_lines);
     return;
   }
   own_.clear();
-  own_.add(first.position, kMiddle);
+  own_.add(first.position, reachOf(first.radius), kMiddle);
   std::vector<CrestVertex> forward = {first}, backward = {first};
   const End end = walk(forward, true);
   count(end);
   if (end != End::kClosed) count(walk(backward, false));
   keep(std::move(forward), backward, end == End::kClosed);
   // A seed beside a line that begins a little off would otherwise be followed again and again.
-  refused_.add(seed.position, 0);
+  refused_.add(seed.position, reachOf(seed_radius_), 0);
 }
 
 /** Whether noise cannot explain the seed by itself. */
 bool
-CrestTracer::standsOut(const CrestSeed& seed, double radius)
+CrestTracer::standsOut(const CrestSeed& seed)
 {
   CrestVertex v;
   v.position = seed.position;
   v.normal = seed.normal;
   v.t = seed.t;
   v.k = seed.k;
-  v.radius = radius;
+  v.radius = seed_radius_;
   const double confidence = field_.scaleAt(seed.position, seed.normal).confidence;
   field_.findProminence(&v, 1);
-  const double z = significanceOf(v.prominence, radius, confidence, sigma_);
+  const double z = significanceOf(v.prominence, seed_radius_, confidence, sigma_);
   return z >= kSeedShare * params_.significance || refuse(seed, statistics_.seeds_insignificant);
 }
 
 /** Moves a seed onto its line: to the root of dk/dt along its gradient. */
 bool
-CrestTracer::start(const CrestSeed& seed, double radius, CrestVertex& vertex)
+CrestTracer::start(const CrestSeed& seed, CrestVertex& vertex)
 {
+  const double radius = seed_radius_;
   const CrestAxes axes{seed.normal, seed.t, radius};
   const double reach = kGradient * radius;
   const Vector3 a = normalized(along(seed.t, -dot(seed.t, seed.normal), seed.normal));
@@ -138,25 +146,24 @@ bool
 CrestTracer::correct(const Vector3& place, const Vector3& across, double reach,
                      const CrestAxes& axes, CrestVertex& vertex)
 {
-  double at = 0, span = reach;
+  double at = 0, span = std::max(reach, field_.leastSpan(axes));
   CrestSample s[3];
   for (int round = 0; round <= kRefinements; ++round) {
-    const Vector3 centers[3] = {along(place, at - span, across), along(place, at, across),
-                                along(place, at + span, across)};
-    field_.sample(centers, 3, axes, s);
+    field_.sampleAcross(along(place, at, across), across, span, axes, s);
     const CrossSection section(s, across);
     double move = 0;
     if (section.hasRoot()) {
       move = section.root();
-      if (round > 0) {
+      if (round > 0 || !field_.isAnalytic()) {
         vertex = section.vertex();
-        return vertex.k > std::abs(vertex.other);
+        return std::abs(at + move * span) <= kPastReach * reach &&
+               vertex.k > std::abs(vertex.other);
       }
     } else if (round == 0 || !section.newton(move)) {
       return false;
     }
     at += std::clamp(move * span, -reach, reach);
-    if (std::abs(at) > 1.2 * reach) return false;
+    if (std::abs(at) > kPastReach * reach) return false;
     span = std::min(reach, kFine * axes.radius);
   }
   return false;
@@ -192,17 +199,18 @@ CrestTracer::advance(std::vector<CrestVertex>& line, std::int64_t number)
   const double size = params_.step * from.radius;
   CrestVertex next;
   if (!step(from, size, next) && !step(from, kShorter * size, next)) return End::kLost;
-  const double gap = kJoinGap * size;
+  constexpr double kShare = kJoinGap / kSeedGap;
   const std::int64_t other =
-      traced_.nearest(next.position, gap, [](std::int64_t) { return true; });
-  if (other >= 0) {
+      traced_.nearest(next.position, kShare, [](std::int64_t) { return true; });
+  if (other != PlaceGrid::kNothing) {
     line.push_back(vertices_[static_cast<std::size_t>(other)]);
     return End::kJoined;
   }
-  const std::int64_t own = own_.nearest(
-      next.position, gap, [&](std::int64_t n) { return std::abs(n - number) > kOwnGap; });
-  if (own >= 0) return std::abs(own - kMiddle) <= 2 ? End::kClosed : End::kJoined;
-  own_.add(next.position, number);
+  const std::int64_t own = own_.nearest(next.position, kShare, [&](std::int64_t n) {
+    return std::abs(n - number) > kOwnGap;
+  });
+  if (own != PlaceGrid::kNothing) return std::abs(own - kMiddle) <= 2 ? End::kClosed : End::kJoined;
+  own_.add(next.position, reachOf(next.radius), number);
   line.push_back(next);
   return End::kGoesOn;
 }
@@ -216,7 +224,7 @@ CrestTracer::walk(std::vector<CrestVertex>& line, bool forward)
     const auto offset = static_cast<std::int64_t>(i);
     const End end = advance(line, forward ? kMiddle + offset : kMiddle - offset);
     if (end != End::kGoesOn) {
-      measure(line, measured, end == End::kJoined ? line.size() : line.size());
+      measure(line, measured, line.size());
       return end;
     }
     if (line.size() == measured + kChunk) {
@@ -276,7 +284,7 @@ CrestTracer::keep(std::vector<CrestVertex> forward, const std::vector<CrestVerte
   }
   line.vertices.insert(line.vertices.end(), forward.begin(), forward.end());
   for (const CrestVertex& v : line.vertices) {
-    traced_.add(v.position, static_cast<std::int64_t>(vertices_.size()));
+    traced_.add(v.position, reachOf(v.radius), static_cast<std::int64_t>(vertices_.size()));
     vertices_.push_back(v);
   }
   lines_.push_back(std::move(line));

@@ -18,9 +18,10 @@ struct TracedLine {
 /** Follows the lines of one type from its seeds. */
 class CrestTracer {
  public:
-  /** \param[in] sigma the noise's deviation, at least the store's precision, local units. */
+  /** \param[in] sigma the noise's deviation, at least the store's precision, local units;
+   * mean_radius of the leaves. */
   CrestTracer(const ProbeIndex& index, CrestType type, const CrestParams& params, double sigma,
-              bool analytic, double cell);
+              bool analytic, double mean_radius);
 
   /** Traces the line through a seed, unless one is there already or noise explains it. */
   void follow(const CrestSeed& seed);
@@ -33,8 +34,9 @@ class CrestTracer {
   enum class End { kGoesOn, kClosed, kJoined, kLost, kFaded };
 
   bool refuse(const CrestSeed& seed, std::uint64_t& counter);
-  bool standsOut(const CrestSeed& seed, double radius);
-  bool start(const CrestSeed& seed, double radius, CrestVertex& vertex);
+  double reachOf(double radius) const;
+  bool standsOut(const CrestSeed& seed);
+  bool start(const CrestSeed& seed, CrestVertex& vertex);
   bool correct(const Vector3& place, const Vector3& across, double reach, const CrestAxes& axes,
                CrestVertex& vertex);
   bool complete(CrestVertex& vertex);
@@ -48,7 +50,8 @@ class CrestTracer {
 
   CrestParams params_;
   CrestField field_;
-  double sigma_;
+  double sigma_, mean_radius_;
+  double seed_radius_ = 0;  ///< of the leaves at the seed being followed
   PlaceGrid traced_;   ///< vertices of all lines so far, numbered in order
   PlaceGrid refused_;  ///< seeds that were looked at in vain
   PlaceGrid own_;      ///< vertices of the line being traced, numbered from kMiddle both ways

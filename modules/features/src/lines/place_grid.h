@@ -1,71 +1,54 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cmath>
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
 #include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim::detail {
 
-/** Places with a number each, found by distance. Cells are looked up by place and never listed, so that
- * the order of the hash table cannot reach a result. */
+/** Places with a number and a reach each, found from any place within their reach.
+ *
+ * Each is listed in every cell that its reach meets, so that looking up opens one cell. Cells are found
+ * by hashing their place and never listed: the order of the table cannot reach a result. */
 class PlaceGrid {
  public:
-  explicit PlaceGrid(double width) : inverse_(1.0 / width) {}
+  static constexpr std::int64_t kNothing = -1;
 
-  void clear()
-  {
-    first_.clear();
-    entries_.clear();
-  }
+  /** \param[in] width of a cell, about twice the usual reach. */
+  explicit PlaceGrid(double width) : inverse_(1.0 / width), slots_(1024) {}
 
-  void add(const Vector3& place, std::int64_t number)
-  {
-    auto& first = first_.try_emplace(key(cell(place[0]), cell(place[1]), cell(place[2])), kNone)
-                      .first->second;
-    entries_.push_back({place, number, first});
-    first = static_cast<std::uint32_t>(entries_.size() - 1);
-  }
+  void clear();
+  /** \param[in] number 0 or more. */
+  void add(const Vector3& place, double reach, std::int64_t number);
 
-  /** The place nearest to another that lies within a distance and that accept(number) agrees to; ties
-   * go to the one added first. \return its number, or -1. */
+  /** The nearest of those that have a place within a share of their reach and that accept(number) agrees
+   * to; ties go to the one added first. \return its number, or kNothing. \param[in] share at most 1. */
   template <typename Accept>
-  std::int64_t nearest(const Vector3& place, double distance, const Accept& accept) const
+  std::int64_t nearest(const Vector3& place, double share, const Accept& accept) const
   {
-    if (entries_.empty()) return -1;
-    double least_sq = distance * distance;
+    std::int64_t cell[3];
+    cellOf(place, cell);
+    double least_sq = 0;
     std::uint32_t found = kNone;
-    std::int64_t low[3], high[3];
-    for (std::size_t a = 0; a < 3; ++a) {
-      low[a] = cell(place[a] - distance);
-      high[a] = cell(place[a] + distance);
-    }
-    for (std::int64_t x = low[0]; x <= high[0]; ++x) {
-      for (std::int64_t y = low[1]; y <= high[1]; ++y) {
-        for (std::int64_t z = low[2]; z <= high[2]; ++z) {
-          const auto it = first_.find(key(x, y, z));
-          if (it == first_.end()) continue;
-          for (std::uint32_t at = it->second; at != kNone; at = entries_[at].next) {
-            const Vector3 off = subtract(entries_[at].place, place);
-            const double d_sq = dot(off, off);
-            const bool nearer = d_sq < least_sq || (d_sq == least_sq && at < found);
-            if (nearer && accept(entries_[at].number)) {
-              least_sq = d_sq;
-              found = at;
-            }
-          }
-        }
+    for (std::uint32_t at = headOf(keyOf(cell)); at != kNone; at = links_[at].next) {
+      const Entry& entry = entries_[links_[at].entry];
+      const Vector3 off = subtract(entry.place, place);
+      const double d_sq = dot(off, off);
+      if (d_sq >= share * share * entry.reach_sq || !accept(entry.number)) continue;
+      // Links run from the last entry to the first.
+      if (found == kNone || d_sq <= least_sq) {
+        least_sq = d_sq;
+        found = links_[at].entry;
       }
     }
-    return found == kNone ? -1 : entries_[found].number;
+    return found == kNone ? kNothing : entries_[found].number;
   }
 
-  bool anyWithin(const Vector3& place, double distance) const
+  bool holds(const Vector3& place, double share) const
   {
-    return nearest(place, distance, [](std::int64_t) { return true; }) >= 0;
+    return nearest(place, share, [](std::int64_t) { return true; }) != kNothing;
   }
 
  private:
@@ -73,21 +56,29 @@ class PlaceGrid {
 
   struct Entry {
     Vector3 place;
+    double reach_sq;
     std::int64_t number;
-    std::uint32_t next;
+  };
+  struct Link {
+    std::uint32_t entry, next;
+  };
+  struct Slot {
+    std::uint64_t key = 0;
+    std::uint32_t head = kNone, age = 0;  ///< of an age other than the grid's: empty
   };
 
-  std::int64_t cell(double v) const { return static_cast<std::int64_t>(std::floor(v * inverse_)); }
-  static std::uint64_t key(std::int64_t x, std::int64_t y, std::int64_t z)
-  {
-    constexpr std::uint64_t kMask = (std::uint64_t{1} << 21) - 1;
-    return (static_cast<std::uint64_t>(x) & kMask) << 42 |
-           (static_cast<std::uint64_t>(y) & kMask) << 21 | (static_cast<std::uint64_t>(z) & kMask);
-  }
+  void cellOf(const Vector3& place, std::int64_t (&cell)[3]) const;
+  static std::uint64_t keyOf(const std::int64_t (&cell)[3]);
+  std::size_t slotOf(std::uint64_t key) const;
+  std::uint32_t headOf(std::uint64_t key) const;
+  void grow();
 
   double inverse_;
-  std::unordered_map<std::uint64_t, std::uint32_t> first_;
+  std::vector<Slot> slots_;  ///< a power of two, at most half of them used
+  std::uint32_t age_ = 1;
+  std::size_t used_ = 0;
   std::vector<Entry> entries_;
+  std::vector<Link> links_;
 };
 
 }  // namespace pcl_slim::detail

@@ -193,11 +193,11 @@ SurfaceProbe::gatherNear(const Vector3& low, const Vector3& high)
   cover(low, high);
   Scratch& s = *scratch_;
   s.near.clear();
-  for (std::size_t j = 0; j < s.region.size(); ++j) {
-    const double r = s.region[j].radius;
-    if (distanceSq(index_.leaves_->all[s.places[j]].center, low, high) <= r * r) {
-      s.near.push_back(&s.region[j]);
-    }
+  const Vector3 near_low = subtract(low, s.origin), near_high = subtract(high, s.origin);
+  for (const BlockLeaf& leaf : s.region) {
+    const Vector3 center = {-leaf.shift[0], -leaf.shift[1], -leaf.shift[2]};
+    const double r = leaf.radius;
+    if (distanceSq(center, near_low, near_high) < r * r) s.near.push_back(&leaf);
   }
 }
 
