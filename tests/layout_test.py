@@ -20,13 +20,14 @@ MOST_LINES_IN_FUNCTION = 60
 MOST_LINES_IN_NINE_OF_TEN = 23
 
 # What a folder may include, itself apart.
-MODULES = ("core", "cloud", "surface", "fit", "query", "splat", "render")
+MODULES = ("core", "cloud", "surface", "fit", "query", "features", "splat", "render")
 ARROWS = {
     "core": (),
     "cloud": ("core",),
     "surface": ("core",),
     "fit": ("core", "cloud", "surface"),
     "query": ("core", "cloud", "surface"),
+    "features": ("core", "cloud", "surface", "query"),
     "splat": ("core", "cloud"),
     "render": ("core", "cloud", "surface", "query", "splat"),
     "filters": tuple(m for m in MODULES if m != "render"),

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Curvatures from a blended gradient and Hessian: theory.md, "Curvature"; equation (8), left.
-#include "differential/shape_operator.h"
+#include "pcl_slim/query/detail/shape_operator.h"
 
 #include <cmath>
 

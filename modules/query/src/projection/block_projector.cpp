@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "differential/shape_operator.h"
+#include "pcl_slim/query/detail/shape_operator.h"
 #include "pcl_slim/cloud/detail/normal_bound.h"
 #include "pcl_slim/core/parallel.h"
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "pcl_slim/query/projection.h"
-#include "projection/block_means.h"
+#include "pcl_slim/query/detail/block_means.h"
 #include "projection/placement.h"
-#include "projection/projection_kernel.h"
+#include "pcl_slim/query/detail/projection_kernel.h"
 
 namespace pcl_slim::detail {
 

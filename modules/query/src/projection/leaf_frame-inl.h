@@ -10,7 +10,7 @@
 
 #include "pcl_slim/surface/detail/kernel_math-inl.h"
 #include "projection/height_jets-inl.h"
-#include "projection/projection_kernel.h"
+#include "pcl_slim/query/detail/projection_kernel.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {

@@ -3,7 +3,7 @@
 // Pass 1 gives each point its ray, along the blended normals; pass 2 meets the ray with the leaf
 // and blends offset (6), gradient (7), Hessian (8, left) and third derivatives. Which roots count,
 // and how much, is what theory.md tells under "Guards", Projection.
-#include "projection/projection_kernel.h"
+#include "pcl_slim/query/detail/projection_kernel.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "projection/projection_kernel.cpp"

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "projection/projection_kernel.h"
+#include "pcl_slim/query/detail/projection_kernel.h"
 
 namespace pcl_slim::detail {
 

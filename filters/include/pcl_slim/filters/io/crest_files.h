@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/core/vector3.h"
+#include "pcl_slim/features/crest_lines.h"
+#include "pcl_slim/filters/io/point_file.h"
+#include "pcl_slim/surface/surface.h"
+
+namespace pcl_slim {
+
+/** \brief How an SVG shows lines: in parallel projection. */
+struct CrestView {
+  Vector3 toward_viewer = {0, 0, 1};  ///< from the object, any length but 0
+  Vector3 up = {0, 1, 0};             ///< points up in the picture
+  double width = 1000;                ///< of the longer side, pixels
+  double line_width = 1.2;            ///< pixels
+  /** Hides lines behind it: leaves stand as flat patches of two thirds of their radius, so that lines
+   * within half a radius of what hides them may show. Null: every line shows. */
+  const SLIMSurface* surface = nullptr;
+};
+
+/** \brief Writes lines by extension (upper or lower case), seen under its name only when whole.
+ *
+ * .vtp  ParaView: one polyline cell a line with type, length, strength, significance; point data
+ * .ply  binary_little_endian, `element edge` with vertex1 and vertex2
+ * .pcd  binary; a `line` field tells which vertices belong together
+ * .svg  ridges blue and ravines red, as that side shows towards the viewer (a ridge seen from behind is
+ *       a ravine)
+ *
+ * Coordinates are floats unless that would move a vertex by a thousandth of its distance from the next.
+ */
+Error
+saveCrestLines(const std::string& path, const CrestLines& lines, const CrestView& view = {});
+
+/** \brief Whether the extension is one saveCrestLines knows; names those it does otherwise. */
+Error
+checkCrestExtension(const std::string& path);
+
+/** \brief Lines as points with the fields of PointCrest; x y z of either precision. O(vertices). */
+PointFile
+toPointFile(const CrestLines& lines);
+
+/** \brief The text of an SVG of the lines. */
+std::string
+crestSvg(const CrestLines& lines, const CrestView& view);
+
+}  // namespace pcl_slim

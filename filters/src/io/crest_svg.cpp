@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "pcl_slim/filters/io/crest_files.h"
+
+namespace pcl_slim {
+
+namespace {
+
+constexpr double kMargin = 10;        ///< pixels around the picture
+constexpr int kSamples = 4;           ///< of a leaf's patch to each side of its centre
+constexpr double kPatch = 0.67;       ///< of a leaf's radius: the patches cover all the surface
+constexpr double kCell = 0.25;        ///< of the median radius
+constexpr std::size_t kMostCells = 4000;  ///< a side of the depth map
+constexpr double kBehind = 0.5;       ///< radii: so far behind the front a line still shows
+constexpr double kSteepest = 4.0;     ///< of the slopes that a cell of the map allows for
+constexpr const char* kColors[] = {"#1f4fb4", "#c0281e"};  // ridges, ravines
+
+struct Axes {
+  Vector3 right, up, toward;
+
+  explicit Axes(const CrestView& view)
+      : right(normalized(cross(view.up, view.toward_viewer))),
+        toward(normalized(view.toward_viewer))
+  {
+    up = cross(toward, right);
+  }
+  /** Right, up and towards the viewer. */
+  Vector3 operator()(const Vector3& p) const { return {dot(p, right), dot(p, up), dot(p, toward)}; }
+};
+
+struct Frame {
+  double low[2] = {0, 0}, high[2] = {0, 0};
+
+  void add(const Vector3& p, double reach)
+  {
+    for (std::size_t a = 0; a < 2; ++a) {
+      low[a] = empty ? p[a] - reach : std::min(low[a], p[a] - reach);
+      high[a] = empty ? p[a] + reach : std::max(high[a], p[a] + reach);
+    }
+    empty = false;
+  }
+  double side() const { return std::max({high[0] - low[0], high[1] - low[1], 1e-300}); }
+
+  bool empty = true;
+};
+
+/** The depth of what is foremost, on a grid of the picture. */
+class DepthMap {
+ public:
+  DepthMap(const SLIMSurface& surface, const Axes& axes, const Frame& frame) : frame_(frame)
+  {
+    std::vector<float> radii;
+    for (std::size_t i = 0; i < surface.size(); ++i) {
+      if (surface.isLeaf(i)) radii.push_back(surface.radius[i]);
+    }
+    if (radii.empty()) return;
+    const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
+    std::nth_element(radii.begin(), middle, radii.end());
+    cell_ = std::max(kCell * *middle * surface.info.scale, frame.side() / kMostCells);
+    columns_ = static_cast<std::size_t>((frame.high[0] - frame.low[0]) / cell_) + 1;
+    rows_ = static_cast<std::size_t>((frame.high[1] - frame.low[1]) / cell_) + 1;
+    depth_.assign(columns_ * rows_, -std::numeric_limits<double>::infinity());
+    for (std::size_t i = 0; i < surface.size(); ++i) {
+      if (surface.isLeaf(i)) draw(surface, i, axes);
+    }
+  }
+
+  /** Whether something lies well in front of a vertex. */
+  bool hides(const Vector3& p, double radius, double facing) const
+  {
+    const std::size_t at = index(p);
+    if (at >= depth_.size()) return false;
+    const double slope = std::min(kSteepest, 1 / std::max(std::abs(facing), 1e-3));
+    return depth_[at] > p[2] + kBehind * radius + cell_ * slope;
+  }
+
+ private:
+  std::size_t index(const Vector3& p) const
+  {
+    const double x = (p[0] - frame_.low[0]) / cell_, y = (p[1] - frame_.low[1]) / cell_;
+    if (!(x >= 0 && y >= 0 && x < static_cast<double>(columns_) && y < static_cast<double>(rows_))) {
+      return depth_.size();
+    }
+    return static_cast<std::size_t>(y) * columns_ + static_cast<std::size_t>(x);
+  }
+
+  void draw(const SLIMSurface& surface, std::size_t i, const Axes& axes)
+  {
+    const LocalFrame frame({surface.nx[i], surface.ny[i], surface.nz[i]});
+    const Vector3 c = {surface.cx[i], surface.cy[i], surface.cz[i]};
+    const double r = surface.radius[i];
+    for (int a = -kSamples; a <= kSamples; ++a) {
+      for (int b = -kSamples; b <= kSamples; ++b) {
+        if (a * a + b * b > kSamples * kSamples) continue;
+        const double u = kPatch * a / kSamples, v = kPatch * b / kSamples;
+        const double h = evaluateHeight(surface.degree[i], surface.coefficientsOf(i), u, v);
+        if (!(std::abs(h) < 1)) continue;
+        const Vector3 p = along(along(along(c, r * u, frame.u), r * v, frame.v), r * h, frame.w);
+        const Vector3 seen =
+            axes(along(surface.info.origin, surface.info.scale, p));
+        const std::size_t at = index(seen);
+        if (at < depth_.size()) depth_[at] = std::max(depth_[at], seen[2]);
+      }
+    }
+  }
+
+  Frame frame_;
+  double cell_ = 1;
+  std::size_t columns_ = 0, rows_ = 0;
+  std::vector<double> depth_;
+};
+
+void
+appendNumber(std::string& text, const char* format, double value)
+{
+  char digits[64];
+  std::snprintf(digits, sizeof(digits), format, value);
+  std::replace(digits, digits + sizeof(digits), ',', '.');  // independent of the locale
+  text += digits;
+}
+
+/** The stretches of one line that are seen, as paths. */
+class Painter {
+ public:
+  Painter(const CrestLines& lines, const Axes& axes, const Frame& frame, const DepthMap* map,
+          double zoom)
+      : lines_(lines), axes_(axes), frame_(frame), map_(map), zoom_(zoom)
+  {
+  }
+
+  /** \param[in] color 0: what shows as a ridge, 1: as a ravine. */
+  std::string paths(std::size_t line, std::size_t color) const
+  {
+    std::string text;
+    const std::size_t begin = lines_.line_begin[line], n = lines_.line_begin[line + 1] - begin;
+    bool drawing = false;
+    for (std::size_t i = 0; i < n + lines_.closed[line]; ++i) {
+      const std::size_t v = begin + i % n;
+      const Vector3 p = axes_(lines_.position[v]);
+      const Vector3 normal = {lines_.normal[v][0], lines_.normal[v][1], lines_.normal[v][2]};
+      const double facing = dot(normal, axes_.toward);
+      const std::size_t shown = static_cast<std::size_t>(lines_.type[line]) ^ (facing < 0 ? 1 : 0);
+      if (shown != color || (map_ != nullptr && map_->hides(p, lines_.radius[v], facing))) {
+        drawing = false;
+        continue;
+      }
+      text += drawing ? "L" : "M";
+      appendNumber(text, "%.2f", kMargin + zoom_ * (p[0] - frame_.low[0]));
+      appendNumber(text, " %.2f", kMargin + zoom_ * (frame_.high[1] - p[1]));
+      drawing = true;
+    }
+    return text;
+  }
+
+ private:
+  const CrestLines& lines_;
+  const Axes& axes_;
+  const Frame& frame_;
+  const DepthMap* map_;
+  double zoom_;
+};
+
+Frame
+frameOf(const CrestLines& lines, const CrestView& view, const Axes& axes)
+{
+  Frame frame;
+  for (const auto& p : lines.position) frame.add(axes(p), 0);
+  if (view.surface == nullptr) return frame;
+  const SurfaceInfo& info = view.surface->info;
+  for (std::size_t i = 0; i < view.surface->size(); ++i) {
+    if (!view.surface->isLeaf(i)) continue;
+    const Vector3 c = {view.surface->cx[i], view.surface->cy[i], view.surface->cz[i]};
+    frame.add(axes(along(info.origin, info.scale, c)), 0);
+  }
+  return frame;
+}
+
+}  // namespace
+
+std::string
+crestSvg(const CrestLines& lines, const CrestView& view)
+{
+  const Axes axes(view);
+  const Frame frame = frameOf(lines, view, axes);
+  const double zoom = view.width / frame.side();
+  DepthMap* map = nullptr;
+  std::vector<DepthMap> maps;
+  if (view.surface != nullptr) {
+    maps.emplace_back(*view.surface, axes, frame);
+    map = &maps.front();
+  }
+  const Painter painter(lines, axes, frame, map, zoom);
+  std::string text = "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"";
+  appendNumber(text, "%.0f", 2 * kMargin + zoom * (frame.high[0] - frame.low[0]));
+  appendNumber(text, "\" height=\"%.0f", 2 * kMargin + zoom * (frame.high[1] - frame.low[1]));
+  text += "\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n";
+  for (const std::size_t color : {1, 0}) {
+    text += "<g fill=\"none\" stroke=\"" + std::string(kColors[color]);
+    appendNumber(text, "\" stroke-width=\"%.2f", view.line_width);
+    text += "\" stroke-linecap=\"round\" stroke-linejoin=\"round\">\n";
+    for (std::size_t line = 0; line < lines.numLines(); ++line) {
+      const std::string path = painter.paths(line, color);
+      if (!path.empty()) text += "<path d=\"" + path + "\"/>\n";
+    }
+    text += "</g>\n";
+  }
+  return text + "</svg>\n";
+}
+
+}  // namespace pcl_slim

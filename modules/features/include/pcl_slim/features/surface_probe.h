@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "pcl_slim/core/vector3.h"
+#include "pcl_slim/query/projection.h"
+#include "pcl_slim/surface/surface.h"
+
+namespace pcl_slim {
+
+/** \brief A surface's leaves, arranged so that those around a place are found fast.
+ *
+ * Built once in O(M log M), about 150 bytes a leaf; any number of SurfaceProbe objects share it. */
+class ProbeIndex {
+ public:
+  /** \brief The surface must outlive this object. */
+  explicit ProbeIndex(const SLIMSurface& surface);
+  ~ProbeIndex();
+  ProbeIndex(const ProbeIndex&) = delete;
+  ProbeIndex& operator=(const ProbeIndex&) = delete;
+
+  const SLIMSurface& surface() const { return surface_; }
+  std::size_t memoryBytes() const;
+
+ private:
+  friend class SurfaceProbe;
+  struct Leaves;
+  const SLIMSurface& surface_;
+  std::unique_ptr<Leaves> leaves_;
+};
+
+/** \brief The blended surface next to a place, in the surface's local units. */
+struct ProbeSample {
+  bool supported = false;  ///< false: no leaf serves the place, and nothing else here counts
+  Vector3 position{};      ///< on the surface
+  Vector3 normal{};        ///< unit
+  PrincipalFrame frame;    ///< k1 and k2 always; directions and extremalities where asked for
+};
+
+/** \brief How far leaves reach and how many points stand behind them at a place: both blended with the
+ * leaves' weights, 0 where there is none. */
+struct ProbeScale {
+  double radius = 0;      ///< local units
+  double effective_count = 0;  ///< effective number of points
+};
+
+/** \brief What to evaluate. */
+struct ProbeRequest {
+  const Vector3* positions = nullptr;  ///< local units, near the surface
+  std::size_t count = 0;               ///< at most SurfaceProbe::kMost
+  std::size_t with_directions = 0;     ///< so many of the first positions get directions
+  bool extremality = false;            ///< and their extremalities too
+  Vector3 side{};  ///< leaves that face away from it do not count; zero: all count
+};
+
+/** \brief Evaluates a surface at any places, as projectPoints() does at stored points: equations (6) to
+ * (8) of Ohtake, Belyaev, Alexa 2005 with the same guards, up to sixteen places at a time.
+ *
+ * Places in one request should lie close together, as the leaves of all are gone through: about 2 us for
+ * sixteen places within a ball's radius. Leaves found for one request serve the next ones nearby. One
+ * object per thread. The last digits of a result depend on the requests since restart(). Residual gates
+ * are never narrower than a tenth of a ball's radius, as places between samples of a clean fit would
+ * fall through those that projectPoints() needs for points.
+ */
+class SurfaceProbe {
+ public:
+  static constexpr std::size_t kMost = 16;
+
+  explicit SurfaceProbe(const ProbeIndex& index);
+  ~SurfaceProbe();
+
+  /** \brief Forgets the leaves found, so that results depend on what follows alone.
+   * \param[in] margin how far around a request leaves are looked for ahead, local units. */
+  void restart(double margin);
+
+  /** \brief \param[out] samples one for each position. Cost: O(leaves near the places). */
+  void evaluate(const ProbeRequest& request, ProbeSample* samples);
+
+  /** \brief Blended radius and number of points at a place. O(leaves near it). */
+  ProbeScale scaleAt(const Vector3& position, const Vector3& side);
+
+  std::uint64_t numRequests() const { return num_requests_; }
+
+ private:
+  struct Scratch;
+  void cover(const Vector3& low, const Vector3& high);
+  void gatherNear(const Vector3& low, const Vector3& high);
+  void load(const ProbeRequest& request);
+
+  const ProbeIndex& index_;
+  double margin_ = 0;
+  std::uint64_t num_requests_ = 0;
+  std::unique_ptr<Scratch> scratch_;
+};
+
+}  // namespace pcl_slim

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/features/crest_lines.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <tuple>
+#include <utility>
+
+#include "lines/crest_filter.h"
+#include "lines/crest_seeds.h"
+#include "lines/crest_tracer.h"
+#include "pcl_slim/core/parallel.h"
+
+namespace pcl_slim {
+
+using namespace detail;
+
+namespace {
+
+constexpr double kStorePrecision = 1e-9;  ///< of L: rounding must not pass for structure
+constexpr double kCleanNoise = 1e-6;      ///< of L: below it third derivatives are the more exact
+constexpr std::size_t kSlices = 32;       ///< progress is told and cancelling asked for in between
+constexpr float kSeedsShare = 0.1f;       ///< of the time
+
+double
+secondsSince(std::chrono::steady_clock::time_point begin)
+{
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+std::array<float, 3>
+toFloat(const Vector3& a)
+{
+  return {static_cast<float>(a[0]), static_cast<float>(a[1]), static_cast<float>(a[2])};
+}
+
+/** Mean radius of the leaves: what cells in which vertices are looked up go by. */
+double
+meanRadius(const SLIMSurface& surface)
+{
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    if (!surface.isLeaf(i)) continue;
+    sum += surface.radius[i];
+    ++count;
+  }
+  return count > 0 ? sum / static_cast<double>(count) : 1.0;
+}
+
+void
+addTo(CrestStatistics& sum, const CrestStatistics& part)
+{
+  using Column = std::uint64_t CrestStatistics::*;
+  for (const Column column :
+       {&CrestStatistics::seeds, &CrestStatistics::seeds_on_lines,
+        &CrestStatistics::seeds_insignificant, &CrestStatistics::seeds_failed,
+        &CrestStatistics::traced, &CrestStatistics::joined, &CrestStatistics::ended,
+        &CrestStatistics::faded, &CrestStatistics::requests}) {
+    sum.*column += part.*column;
+  }
+}
+
+/** Writes a line in world units at the end of the others. */
+void
+append(const TracedLine& line, CrestType type, const SurfaceInfo& info, CrestLines& lines)
+{
+  const double scale = info.scale;
+  const bool ridge = type == CrestType::kRidge;
+  for (const CrestVertex& v : line.vertices) {
+    auto& position = lines.position.emplace_back();
+    for (std::size_t a = 0; a < 3; ++a) position[a] = info.origin[a] + scale * v.position[a];
+    lines.normal.push_back(toFloat(v.normal));
+    lines.tangent.push_back(toFloat(v.ahead));
+    lines.k1.push_back(static_cast<float>((ridge ? v.k : -v.other) / scale));
+    lines.k2.push_back(static_cast<float>((ridge ? v.other : -v.k) / scale));
+    lines.prominence.push_back(static_cast<float>(v.prominence / scale));
+    lines.significance.push_back(static_cast<float>(v.significance));
+    lines.radius.push_back(static_cast<float>(v.radius * scale));
+  }
+  const LineSums sums(line);
+  lines.line_begin.push_back(static_cast<std::uint32_t>(lines.position.size()));
+  lines.type.push_back(type);
+  lines.closed.push_back(line.closed ? 1 : 0);
+  lines.length.push_back(sums.length * scale);
+  lines.strength.push_back(sums.strength);
+  lines.mean_significance.push_back(sums.significance);
+}
+
+struct KeptLine {
+  TracedLine line;
+  CrestType type;
+  double strength;
+};
+
+void
+collect(const std::vector<std::unique_ptr<CrestTracer>>& tracers, const CrestParams& params,
+        const SurfaceInfo& info, CrestLines& lines, CrestStatistics& statistics)
+{
+  std::vector<KeptLine> kept;
+  for (std::size_t type = 0; type < tracers.size(); ++type) {
+    if (!tracers[type]) continue;
+    addTo(statistics, tracers[type]->statistics());
+    for (TracedLine& line : keptStretches(tracers[type]->lines(), params, statistics)) {
+      const double strength = LineSums(line).strength;
+      kept.push_back({std::move(line), static_cast<CrestType>(type), strength});
+    }
+  }
+  std::sort(kept.begin(), kept.end(), [](const KeptLine& a, const KeptLine& b) {
+    return std::tie(b.strength, a.type, a.line.vertices[0].position) <
+           std::tie(a.strength, b.type, b.line.vertices[0].position);
+  });
+  for (const KeptLine& line : kept) append(line.line, line.type, info, lines);
+}
+
+Error
+checkInput(const PointStore& store, const Projection& projection, const SLIMSurface& surface)
+{
+  if (projection.position.size() != store.size() || projection.principal.size() != store.size()) {
+    return {ErrorCode::kBadArgument,
+            "the projection is not of these points with extremality; project them so"};
+  }
+  return surface.validate();
+}
+
+/** Follows the seeds of both types, a slice of each in turn. */
+Error
+followAll(const std::vector<std::vector<CrestSeed>>& seeds,
+          const std::vector<std::unique_ptr<CrestTracer>>& tracers, int threads, Progress* progress)
+{
+  for (std::size_t slice = 0; slice < kSlices; ++slice) {
+    if (progress != nullptr) {
+      const float done = static_cast<float>(slice) / static_cast<float>(kSlices);
+      progress->report(kSeedsShare + (1 - kSeedsShare) * done, "tracing");
+    }
+    parallelFor(tracers.size(), std::min<int>(threads, static_cast<int>(tracers.size())), 1,
+                [&](std::size_t type, int) {
+                  if (!tracers[type]) return;
+                  const std::size_t n = seeds[type].size();
+                  for (std::size_t i = n * slice / kSlices; i < n * (slice + 1) / kSlices; ++i) {
+                    if (progress != nullptr && progress->cancelled()) return;
+                    tracers[type]->follow(seeds[type][i]);
+                  }
+                });
+    if (progress != nullptr && progress->cancelled()) {
+      return {ErrorCode::kCancelled, "the tracing of lines was cancelled"};
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+Error
+CrestParams::validate() const
+{
+  if (!ridges && !ravines) {
+    return {ErrorCode::kBadArgument, "neither ridges nor ravines are asked for; ask for one"};
+  }
+  if (!(significance >= 0 && peak_significance >= significance && peak_significance < 1e9)) {
+    return {ErrorCode::kBadArgument,
+            "significance must be 0 or more, and its peak at least that; set both"};
+  }
+  if (!(min_strength >= 0 && min_strength < 1e9 && min_length >= 0 && min_length < 1e9)) {
+    return {ErrorCode::kBadArgument, "least strength and length must be 0 or more; raise them"};
+  }
+  if (!(step >= 0.02 && step <= 0.5)) {
+    return {ErrorCode::kBadArgument, "the step must lie between .02 and .5 radii; change it"};
+  }
+  return {};
+}
+
+Error
+traceCrestLines(const PointStore& store, const Projection& projection, const SLIMSurface& surface,
+                const CrestParams& params, CrestLines& lines, CrestStatistics* statistics,
+                Progress* progress)
+{
+  lines = CrestLines();
+  CrestStatistics made;
+  if (statistics != nullptr) *statistics = made;
+  if (Error error = params.validate()) return error;
+  if (Error error = checkInput(store, projection, surface)) return error;
+  const int threads = resolveThreads(params.threads);
+  if (progress != nullptr) progress->report(0.0f, "finding seeds");
+  auto begin = std::chrono::steady_clock::now();
+  const auto seeds = findCrestSeeds(store, projection, surface, threads, progress);
+  made.seconds_seeds = secondsSince(begin);
+
+  begin = std::chrono::steady_clock::now();
+  const ProbeIndex index(surface);
+  const double noise = std::sqrt(std::max(0.0, surface.info.lambda));
+  const double sigma = std::max(noise, kStorePrecision) * surface.info.diagonal;
+  const double radius = std::max(meanRadius(surface), 1e-6);
+  std::vector<std::unique_ptr<CrestTracer>> tracers(2);
+  for (const CrestType type : {CrestType::kRidge, CrestType::kRavine}) {
+    if (!(type == CrestType::kRidge ? params.ridges : params.ravines)) continue;
+    tracers[static_cast<std::size_t>(type)] = std::make_unique<CrestTracer>(
+        index, type, params, sigma, noise < kCleanNoise, radius);
+  }
+  if (Error error = followAll(seeds, tracers, threads, progress)) return error;
+  collect(tracers, params, surface.info, lines, made);
+  made.seconds_trace = secondsSince(begin);
+  if (statistics != nullptr) *statistics = made;
+  if (progress != nullptr) progress->report(1.0f, "tracing");
+  return {};
+}
+
+}  // namespace pcl_slim

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lines/crest_field.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcl_slim::detail {
+
+namespace {
+
+constexpr double kDifference = 0.1;  ///< differences of k reach so many radii to both sides
+constexpr double kInRow = 0.7;       ///< least cosine between t and the section for sampling in a row
+constexpr double kMargin = 0.3;      ///< leaves are found so many radii ahead
+constexpr double kHalfStep = 0.25;   ///< half the way to where prominence is measured, in radii
+
+}  // namespace
+
+void
+CrestField::restart(double radius)
+{
+  probe_.restart(kMargin * radius);
+}
+
+double
+CrestField::kOf(const ProbeSample& from, const Vector3& normal) const
+{
+  return crestSide(from.frame, type_, dot(from.normal, normal) < 0).k;
+}
+
+void
+CrestField::interpret(const ProbeSample& from, const CrestAxes& axes, CrestSample& sample) const
+{
+  sample.known = from.supported;
+  if (!from.supported) return;
+  const bool turned = dot(from.normal, axes.normal) < 0;
+  const CrestSide side = crestSide(from.frame, type_, turned);
+  sample.position = from.position;
+  sample.normal = scaled(from.normal, turned ? -1.0 : 1.0);
+  sample.t = {side.t[0], side.t[1], side.t[2]};
+  sample.e = side.e;
+  if (dot(sample.t, axes.t) < 0) {
+    sample.t = scaled(sample.t, -1.0);
+    sample.e = -sample.e;
+  }
+  sample.k = side.k;
+  sample.other = side.other;
+}
+
+double
+CrestField::difference(const ProbeSample* around, const CrestAxes& axes, const CrestSample& sample,
+                       bool& known) const
+{
+  for (std::size_t i = 0; i < 4; ++i) known = known && around[i].supported;
+  if (!known) return 0;
+  const double reach = 2 * kDifference * axes.radius;
+  const Vector3 b = cross(axes.normal, axes.t);
+  const double along_t = (kOf(around[0], axes.normal) - kOf(around[1], axes.normal)) / reach;
+  const double along_b = (kOf(around[2], axes.normal) - kOf(around[3], axes.normal)) / reach;
+  return dot(sample.t, axes.t) * along_t + dot(sample.t, b) * along_b;
+}
+
+void
+CrestField::sample(const Vector3* centers, std::size_t count, const CrestAxes& axes,
+                   CrestSample* samples)
+{
+  Vector3 positions[SurfaceProbe::kMost];
+  ProbeSample found[SurfaceProbe::kMost];
+  std::copy(centers, centers + count, positions);
+  ProbeRequest request;
+  request.positions = positions;
+  request.count = request.with_directions = count;
+  request.extremality = analytic_;
+  request.side = axes.normal;
+  if (!analytic_) {
+    const double reach = kDifference * axes.radius;
+    const Vector3 b = cross(axes.normal, axes.t);
+    for (std::size_t i = 0; i < count; ++i) {
+      Vector3* const around = positions + count + 4 * i;
+      around[0] = along(centers[i], reach, axes.t);
+      around[1] = along(centers[i], -reach, axes.t);
+      around[2] = along(centers[i], reach, b);
+      around[3] = along(centers[i], -reach, b);
+    }
+    request.count = 5 * count;
+  }
+  probe_.evaluate(request, found);
+  for (std::size_t i = 0; i < count; ++i) {
+    interpret(found[i], axes, samples[i]);
+    if (analytic_ || !samples[i].known) continue;
+    samples[i].e = difference(found + count + 4 * i, axes, samples[i], samples[i].known);
+  }
+}
+
+double
+CrestField::leastSpan(const CrestAxes& axes) const
+{
+  return analytic_ ? 0.0 : kDifference * axes.radius;
+}
+
+void
+CrestField::sampleAcross(const Vector3& place, const Vector3& across, double span,
+                         const CrestAxes& axes, CrestSample* samples)
+{
+  if (!analytic_ && std::abs(dot(axes.t, across)) > kInRow) {
+    if (sampleInRow(place, across, span, axes, samples)) return;
+  }
+  const Vector3 centers[3] = {along(place, -span, across), place, along(place, span, across)};
+  sample(centers, 3, axes, samples);
+}
+
+/** Where lines run across t, as most do, neighbours in the row tell each other's differences, and seven
+ * places do in place of fifteen. What k does along the line is taken from the middle. */
+bool
+CrestField::sampleInRow(const Vector3& place, const Vector3& across, double span,
+                        const CrestAxes& axes, CrestSample* samples)
+{
+  const Vector3 b = cross(axes.normal, across);
+  const double reach = kDifference * axes.radius;
+  const Vector3 positions[7] = {along(place, -span, across),     place,
+                                along(place, span, across),      along(place, -2 * span, across),
+                                along(place, 2 * span, across), along(place, -reach, b),
+                                along(place, reach, b)};
+  ProbeSample found[7];
+  ProbeRequest request;
+  request.positions = positions;
+  request.count = 7;
+  request.with_directions = 3;
+  request.side = axes.normal;
+  probe_.evaluate(request, found);
+  double k[7];
+  for (std::size_t i = 0; i < 7; ++i) {
+    if (!found[i].supported) return false;
+    k[i] = kOf(found[i], axes.normal);
+  }
+  const double row[5] = {k[3], k[0], k[1], k[2], k[4]};
+  const double along_b = (k[6] - k[5]) / (2 * reach);
+  for (std::size_t i = 0; i < 3; ++i) {
+    interpret(found[i], axes, samples[i]);
+    samples[i].e = dot(samples[i].t, across) * (row[i + 2] - row[i]) / (2 * span) +
+                   dot(samples[i].t, b) * along_b;
+  }
+  return true;
+}
+
+void
+CrestField::findProminence(CrestVertex* vertices, std::size_t count)
+{
+  // Two half steps, each put back on the surface: one along the tangent would leave a wide ball's
+  // support.
+  Vector3 positions[2 * kMostVertices], directions[2 * kMostVertices];
+  ProbeSample near[2 * kMostVertices], far[2 * kMostVertices];
+  ProbeRequest request;
+  request.positions = positions;
+  request.count = 2 * count;
+  for (std::size_t i = 0; i < request.count; ++i) {
+    const CrestVertex& v = vertices[i / 2];
+    directions[i] = scaled(v.t, i % 2 == 0 ? 1.0 : -1.0);
+    positions[i] = along(v.position, kHalfStep * v.radius, directions[i]);
+    request.side = along(request.side, 1.0, v.normal);
+  }
+  probe_.evaluate(request, near);
+  for (std::size_t i = 0; i < request.count; ++i) {
+    const CrestVertex& v = vertices[i / 2];
+    if (!near[i].supported) continue;
+    const Vector3& n = near[i].normal;
+    const Vector3 on = normalized(along(directions[i], -dot(directions[i], n), n));
+    positions[i] = along(near[i].position, kHalfStep * v.radius, on);
+  }
+  probe_.evaluate(request, far);
+  for (std::size_t i = 0; i < count; ++i) {
+    CrestVertex& v = vertices[i];
+    double beside = v.k;
+    bool any = false;
+    for (std::size_t side = 2 * i; side < 2 * i + 2; ++side) {
+      if (!near[side].supported) {
+        beside = v.k;  // a border: nothing is known of that side
+        any = true;
+        break;
+      }
+      const double k = kOf(far[side].supported ? far[side] : near[side], v.normal);
+      beside = any ? std::max(beside, k) : k;
+      any = true;
+    }
+    v.prominence = v.k - beside;
+  }
+}
+
+}  // namespace pcl_slim::detail

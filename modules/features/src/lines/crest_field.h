@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "lines/crest_side.h"
+#include "pcl_slim/core/vector3.h"
+#include "pcl_slim/features/crest_lines.h"
+#include "pcl_slim/features/surface_probe.h"
+
+namespace pcl_slim::detail {
+
+/** The frame of a place that samples nearby are aligned to. */
+struct CrestAxes {
+  Vector3 normal{}, t{};
+  double radius = 0;  ///< of the leaves
+};
+
+/** The line's curvature at a place: that of ridges, or of ravines with its signs turned. */
+struct CrestSample {
+  bool known = false;
+  Vector3 position{}, normal{}, t{};
+  double k = 0, other = 0;
+  double e = 0;  ///< dk/dt
+};
+
+/** A vertex of a line being traced, in the surface's local units. */
+struct CrestVertex {
+  Vector3 position{}, normal{}, t{};
+  Vector3 ahead{};  ///< unit, along the line
+  double k = 0, other = 0;
+  double radius = 0, effective_count = 0;
+  double prominence = 0, significance = 0;
+
+  CrestAxes axes() const { return {normal, t, radius}; }
+};
+
+/** The field whose zeros are lines of one type. */
+class CrestField {
+ public:
+  static constexpr std::size_t kMostCenters = 3;
+  static constexpr std::size_t kMostVertices = 8;
+
+  /** \param[in] analytic take dk/dt from third derivatives rather than from differences of k. */
+  CrestField(const ProbeIndex& index, CrestType type, bool analytic)
+      : probe_(index), type_(type), analytic_(analytic)
+  {
+  }
+
+  /** Leaves found for earlier places no longer count. */
+  void restart(double radius);
+
+  /** Samples at up to three places nearby, in one request. */
+  void sample(const Vector3* centers, std::size_t count, const CrestAxes& axes, CrestSample* samples);
+
+  /** Samples at place - span across, place and place + span across: a section of a line. */
+  void sampleAcross(const Vector3& place, const Vector3& across, double span,
+                    const CrestAxes& axes, CrestSample* samples);
+
+  /** Differences of k between sections nearer than this would tell noise. */
+  double leastSpan(const CrestAxes& axes) const;
+
+  /** k less the larger k at half a radius to both sides along t; for up to eight vertices. */
+  void findProminence(CrestVertex* vertices, std::size_t count);
+
+  ProbeScale scaleAt(const Vector3& position, const Vector3& side)
+  {
+    return probe_.scaleAt(position, side);
+  }
+  std::uint64_t numRequests() const { return probe_.numRequests(); }
+  bool isAnalytic() const { return analytic_; }
+
+ private:
+  void interpret(const ProbeSample& from, const CrestAxes& axes, CrestSample& sample) const;
+  double difference(const ProbeSample* around, const CrestAxes& axes, const CrestSample& sample,
+                    bool& known) const;
+  bool sampleInRow(const Vector3& place, const Vector3& across, double span, const CrestAxes& axes,
+                   CrestSample* samples);
+  double kOf(const ProbeSample& from, const Vector3& normal) const;
+
+  SurfaceProbe probe_;
+  CrestType type_;
+  bool analytic_;
+};
+
+}  // namespace pcl_slim::detail

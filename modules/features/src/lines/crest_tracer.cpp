@@ -1,0 +1,293 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "lines/crest_tracer.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lines/crest_root.h"
+
+namespace pcl_slim::detail {
+
+namespace {
+
+constexpr double kSeedGap = 0.9;      ///< seeds nearer than so many steps to a line are left out
+constexpr double kJoinGap = 0.5;      ///< lines nearer than so many steps become one
+constexpr double kAside = 0.8;        ///< roots are looked for so many steps to both sides
+constexpr double kShorter = 0.4;      ///< a step that fails is tried once more, so much shorter
+constexpr double kLeastCosine = 0.5;  ///< a line turns by less than 60 degrees a step
+constexpr double kFine = 0.02;        ///< distance of the last samples across, in radii
+constexpr int kRefinements = 3;
+constexpr double kPastReach = 1.2;  ///< roots count so far beyond where they are looked for
+constexpr double kGradient = 0.1;  ///< reach of the differences that tell a seed's direction, in radii
+constexpr double kSeedShare = 0.5;  ///< of the significance: seeds stand a little beside their line
+constexpr double kNoiseOfPeaks = 60.0;  ///< brings significance on noisy spheres to an RMS of 1 to 2
+constexpr std::int64_t kMiddle = std::int64_t{1} << 32;
+constexpr std::int64_t kOwnGap = 8;  ///< own vertices so many steps back are another line's
+constexpr std::size_t kChunk = CrestField::kMostVertices;
+constexpr std::size_t kMostSteps = 1000000;
+
+double
+significanceOf(double prominence, double radius, double effective_count, double sigma)
+{
+  return prominence * radius * radius * std::sqrt(effective_count) / (kNoiseOfPeaks * sigma);
+}
+
+}  // namespace
+
+CrestTracer::CrestTracer(const ProbeIndex& index, CrestType type, const CrestParams& params,
+                         double sigma, bool analytic, double mean_radius)
+    : params_(params),
+      field_(index, type, analytic),
+      sigma_(sigma),
+      mean_radius_(mean_radius),
+      traced_(2 * reachOf(mean_radius)),
+      refused_(2 * reachOf(mean_radius)),
+      own_(2 * reachOf(mean_radius))
+{
+}
+
+/** How far a vertex or a seed keeps other seeds away. */
+double
+CrestTracer::reachOf(double radius) const
+{
+  return kSeedGap * params_.step * radius;
+}
+
+CrestStatistics
+CrestTracer::statistics() const
+{
+  CrestStatistics s = statistics_;
+  s.requests = field_.numRequests();
+  return s;
+}
+
+bool
+CrestTracer::refuse(const CrestSeed& seed, std::uint64_t& counter)
+{
+  ++counter;
+  refused_.add(seed.position, reachOf(seed_radius_), 0);
+  return false;
+}
+
+void
+CrestTracer::follow(const CrestSeed& seed)
+{
+  ++statistics_.seeds;
+  if (traced_.holds(seed.position, 1) || refused_.holds(seed.position, 1)) {
+    ++statistics_.seeds_on_lines;
+    return;
+  }
+  field_.restart(mean_radius_);
+  seed_radius_ = field_.scaleAt(seed.position, seed.normal).radius;
+  if (!(seed_radius_ > 0)) {
+    ++statistics_.seeds_failed;
+    return;
+  }
+  CrestVertex first;
+  if (!standsOut(seed) || !start(seed, first)) return;
+  if (traced_.holds(first.position, kJoinGap / kSeedGap)) {
+    refuse(seed, statistics_.seeds_on_lines);
+    return;
+  }
+  own_.clear();
+  own_.add(first.position, reachOf(first.radius), kMiddle);
+  std::vector<CrestVertex> forward = {first}, backward = {first};
+  const End end = walk(forward, true);
+  count(end);
+  if (end != End::kClosed) count(walk(backward, false));
+  keep(std::move(forward), backward, end == End::kClosed);
+  // A seed beside a line that begins a little off would otherwise be followed again and again.
+  refused_.add(seed.position, reachOf(seed_radius_), 0);
+}
+
+/** Whether noise cannot explain the seed by itself. */
+bool
+CrestTracer::standsOut(const CrestSeed& seed)
+{
+  CrestVertex v;
+  v.position = seed.position;
+  v.normal = seed.normal;
+  v.t = seed.t;
+  v.k = seed.k;
+  v.radius = seed_radius_;
+  const double effective_count = field_.scaleAt(seed.position, seed.normal).effective_count;
+  field_.findProminence(&v, 1);
+  const double z = significanceOf(v.prominence, seed_radius_, effective_count, sigma_);
+  return z >= kSeedShare * params_.significance || refuse(seed, statistics_.seeds_insignificant);
+}
+
+/** Moves a seed onto its line: to the root of dk/dt along its gradient. */
+bool
+CrestTracer::start(const CrestSeed& seed, CrestVertex& vertex)
+{
+  const double radius = seed_radius_;
+  const CrestAxes axes{seed.normal, seed.t, radius};
+  const double reach = kGradient * radius;
+  const Vector3 a = normalized(along(seed.t, -dot(seed.t, seed.normal), seed.normal));
+  const Vector3 b = cross(seed.normal, a);
+  const Vector3 centers[3] = {seed.position, along(seed.position, reach, a),
+                              along(seed.position, reach, b)};
+  CrestSample s[3];
+  field_.sample(centers, 3, axes, s);
+  if (!s[0].known || !s[1].known || !s[2].known) return refuse(seed, statistics_.seeds_failed);
+  const Vector3 gradient = along(scaled(a, s[1].e - s[0].e), s[2].e - s[0].e, b);
+  const Vector3 across = normalized(gradient);
+  const double size = params_.step * radius;
+  if (!(length(gradient) > 0) ||
+      !correct(s[0].position, across, kAside * size, axes, vertex)) {
+    return refuse(seed, statistics_.seeds_failed);
+  }
+  vertex.ahead = normalized(cross(vertex.normal, across));
+  return complete(vertex) || refuse(seed, statistics_.seeds_failed);
+}
+
+/** Finds the line's vertex on a segment across it. */
+bool
+CrestTracer::correct(const Vector3& place, const Vector3& across, double reach,
+                     const CrestAxes& axes, CrestVertex& vertex)
+{
+  double at = 0, span = std::max(reach, field_.leastSpan(axes));
+  CrestSample s[3];
+  for (int round = 0; round <= kRefinements; ++round) {
+    field_.sampleAcross(along(place, at, across), across, span, axes, s);
+    const CrossSection section(s, across);
+    double move = 0;
+    if (section.hasRoot()) {
+      move = section.root();
+      if (round > 0 || !field_.isAnalytic()) {
+        vertex = section.vertex();
+        return std::abs(at + move * span) <= kPastReach * reach &&
+               vertex.k > std::abs(vertex.other);
+      }
+    } else if (round == 0 || !section.newton(move)) {
+      return false;
+    }
+    at += std::clamp(move * span, -reach, reach);
+    if (std::abs(at) > kPastReach * reach) return false;
+    span = std::min(reach, kFine * axes.radius);
+  }
+  return false;
+}
+
+/** Fills in what depends on the leaves around a vertex; false outside their support. */
+bool
+CrestTracer::complete(CrestVertex& vertex)
+{
+  const ProbeScale scale = field_.scaleAt(vertex.position, vertex.normal);
+  vertex.radius = scale.radius;
+  vertex.effective_count = scale.effective_count;
+  return scale.radius > 0;
+}
+
+bool
+CrestTracer::step(const CrestVertex& from, double size, CrestVertex& next)
+{
+  const Vector3 across = normalized(cross(from.normal, from.ahead));
+  const Vector3 place = along(from.position, size, from.ahead);
+  if (!correct(place, across, kAside * size, from.axes(), next)) return false;
+  const Vector3 chord = normalized(subtract(next.position, from.position));
+  if (dot(chord, from.ahead) < kLeastCosine) return false;
+  next.ahead = normalized(along(chord, -dot(chord, next.normal), next.normal));
+  return complete(next);
+}
+
+/** One vertex more. \param[in] number of it among the line's own, counted both ways from the first. */
+CrestTracer::End
+CrestTracer::advance(std::vector<CrestVertex>& line, std::int64_t number)
+{
+  const CrestVertex& from = line.back();
+  const double size = params_.step * from.radius;
+  CrestVertex next;
+  if (!step(from, size, next) && !step(from, kShorter * size, next)) return End::kLost;
+  constexpr double kShare = kJoinGap / kSeedGap;
+  const std::int64_t other =
+      traced_.nearest(next.position, kShare, [](std::int64_t) { return true; });
+  if (other != PlaceGrid::kNothing) {
+    line.push_back(vertices_[static_cast<std::size_t>(other)]);
+    return End::kJoined;
+  }
+  const std::int64_t own = own_.nearest(next.position, kShare, [&](std::int64_t n) {
+    return std::abs(n - number) > kOwnGap;
+  });
+  if (own != PlaceGrid::kNothing) return std::abs(own - kMiddle) <= 2 ? End::kClosed : End::kJoined;
+  own_.add(next.position, reachOf(next.radius), number);
+  line.push_back(next);
+  return End::kGoesOn;
+}
+
+CrestTracer::End
+CrestTracer::walk(std::vector<CrestVertex>& line, bool forward)
+{
+  if (!forward) line.front().ahead = scaled(line.front().ahead, -1.0);
+  std::size_t measured = 1;
+  for (std::size_t i = 1; i < kMostSteps; ++i) {
+    const auto offset = static_cast<std::int64_t>(i);
+    const End end = advance(line, forward ? kMiddle + offset : kMiddle - offset);
+    if (end != End::kGoesOn) {
+      measure(line, measured, line.size());
+      return end;
+    }
+    if (line.size() == measured + kChunk) {
+      if (faded(line, measured)) return End::kFaded;
+      measured = line.size();
+    }
+  }
+  return End::kLost;
+}
+
+void
+CrestTracer::measure(std::vector<CrestVertex>& line, std::size_t begin, std::size_t end)
+{
+  for (; begin < end; begin += kChunk) {
+    const std::size_t some = std::min(kChunk, end - begin);
+    field_.findProminence(line.data() + begin, some);
+    for (std::size_t i = begin; i < begin + some; ++i) {
+      CrestVertex& v = line[i];
+      v.significance = significanceOf(v.prominence, v.radius, v.effective_count, sigma_);
+    }
+  }
+}
+
+/** Measures the last vertices. \return whether they are noise on average: what lies beyond has seeds
+ * of its own if it stands out again. */
+bool
+CrestTracer::faded(std::vector<CrestVertex>& line, std::size_t begin)
+{
+  measure(line, begin, line.size());
+  double sum = 0;
+  for (std::size_t i = begin; i < line.size(); ++i) sum += line[i].significance;
+  return sum < params_.significance * static_cast<double>(line.size() - begin);
+}
+
+void
+CrestTracer::count(End end)
+{
+  switch (end) {
+    case End::kJoined: ++statistics_.joined; return;
+    case End::kLost: ++statistics_.ended; return;
+    case End::kFaded: ++statistics_.faded; return;
+    default: return;
+  }
+}
+
+void
+CrestTracer::keep(std::vector<CrestVertex> forward, const std::vector<CrestVertex>& backward,
+                  bool closed)
+{
+  ++statistics_.traced;
+  measure(forward, 0, 1);
+  TracedLine line;
+  line.closed = closed;
+  for (std::size_t i = backward.size(); i-- > 1;) {
+    line.vertices.push_back(backward[i]);
+    line.vertices.back().ahead = scaled(line.vertices.back().ahead, -1.0);
+  }
+  line.vertices.insert(line.vertices.end(), forward.begin(), forward.end());
+  for (const CrestVertex& v : line.vertices) {
+    traced_.add(v.position, reachOf(v.radius), static_cast<std::int64_t>(vertices_.size()));
+    vertices_.push_back(v);
+  }
+  lines_.push_back(std::move(line));
+}
+
+}  // namespace pcl_slim::detail
