@@ -6,7 +6,6 @@
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/filters/io/splat_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
-#include "pcl_slim/render/disc_framing.h"
 
 namespace pcl_slim {
 namespace {
@@ -21,7 +20,6 @@ modelFrom(const PointFile& file)
     if (!splats) return splats.error();
     model.is_splats = true;
     model.splats = std::move(*splats);
-    model.surface = framingOf(model.splats);
     return model;
   }
   if (findField(file.cloud, "radius") < 0 && findField(file.cloud, "c0") < 0) {
@@ -43,6 +41,12 @@ Model::describe() const
   if (is_splats) return std::to_string(splats.size()) + " splats";
   return std::to_string(surface.numLeaves()) + " leaves of " + std::to_string(surface.size()) +
          " surfels";
+}
+
+BoundingSpheres
+Model::spheres() const
+{
+  return is_splats ? spheresOf(splats) : spheresOf(surface);
 }
 
 Result<Model>

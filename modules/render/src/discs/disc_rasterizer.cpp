@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "pcl_slim/core/parallel.h"
-#include "tiles/disc_tile.h"
+#include "discs/disc_tile.h"
 
 namespace pcl_slim {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tiles/tile_passes.h"
+#include "reference/tile_passes.h"
 
 #include <algorithm>
 #include <limits>

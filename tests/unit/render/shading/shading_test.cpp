@@ -9,7 +9,7 @@
 #include <random>
 #include <set>
 
-#include "test_surfaces.h"
+#include "unit/render/test_surfaces.h"
 
 namespace pcl_slim {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "sphere_view.h"
+#include "unit/render/sphere_view.h"
 
 namespace pcl_slim {
 namespace {

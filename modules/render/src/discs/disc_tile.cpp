@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tiles/disc_tile.h"
+#include "discs/disc_tile.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sphere_view.h"
+#include "unit/render/sphere_view.h"
 
 namespace pcl_slim {
 namespace {

@@ -7,7 +7,7 @@
 #include "camera/camera_rays.h"
 #include "pcl_slim/core/parallel.h"
 #include "tiles/surfel_bins.h"
-#include "tiles/tile_passes.h"
+#include "reference/tile_passes.h"
 
 namespace pcl_slim {
 

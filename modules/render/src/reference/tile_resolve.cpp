@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tiles/tile_passes.h"
+#include "reference/tile_passes.h"
 
 namespace pcl_slim::detail {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/render/tile_rasterizer.h"
-#include "test_surfaces.h"
+#include "unit/render/test_surfaces.h"
 
 namespace pcl_slim {
 namespace {
@@ -51,7 +51,7 @@ TEST(FitCamera, FramesTheWholeObjectTightlyAndCentred)
   surface.info.origin = {5000.0, 300.0, -20.0};
   surface.info.scale = 4.0;
   for (const double azimuth : {0.0, 77.0, 200.0}) {
-    const Camera camera = fitCamera(surface, viewFromAngles(UpAxis::kZ, azimuth, 35.0), {160, 120});
+    const Camera camera = fitCamera(spheresOf(surface), viewFromAngles(UpAxis::kZ, azimuth, 35.0), {160, 120});
     const auto b = coveredBounds(rendered(surface, camera));
     EXPECT_GT(b[1], 0);
     EXPECT_LT(b[3], 119);
@@ -65,7 +65,7 @@ TEST(FitCamera, OrthographicFramesAsWell)
 {
   const SLIMSurface surface = sphereSurface(4, 0.25, 600, 0.07, {0.1, -0.2, 0.05});
   const Camera camera =
-      fitOrthographicCamera(surface, viewFromAngles(UpAxis::kY, 20.0, 10.0), {120, 160});
+      fitOrthographicCamera(spheresOf(surface), viewFromAngles(UpAxis::kY, 20.0, 10.0), {120, 160});
   const auto b = coveredBounds(rendered(surface, camera));
   EXPECT_GT(b[0], 0);
   EXPECT_LT(b[2], 119);
@@ -78,20 +78,20 @@ TEST(FitCamera, OneStrayLeafDoesNotShrinkTheObject)
 {
   SLIMSurface surface = sphereSurface(4, 0.25, 600, 0.07);
   const ViewDirection view = viewFromAngles(UpAxis::kZ, 0.0, 0.0);
-  const Camera before = fitCamera(surface, view, {160, 120});
+  const Camera before = fitCamera(spheresOf(surface), view, {160, 120});
   surface.cx[17] = 40.0f;
-  const Camera after = fitCamera(surface, view, {160, 120});
+  const Camera after = fitCamera(spheresOf(surface), view, {160, 120});
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(before.position[k], after.position[k], 0.02);
 }
 
 TEST(FitCamera, EmptySurfaceAndSinglePointGiveValidCameras)
 {
   SLIMSurface surface;
-  EXPECT_FALSE(fitCamera(surface, chooseView(surface), {80, 60}).validate());
-  EXPECT_FALSE(fitOrthographicCamera(surface, chooseView(surface), {80, 60}).validate());
+  EXPECT_FALSE(fitCamera(spheresOf(surface), chooseView(spheresOf(surface)), {80, 60}).validate());
+  EXPECT_FALSE(fitOrthographicCamera(spheresOf(surface), chooseView(spheresOf(surface)), {80, 60}).validate());
   surface = sphereSurface(2, 0.25, 1, 0.07);
-  EXPECT_FALSE(fitCamera(surface, chooseView(surface), {80, 60}).validate());
-  EXPECT_FALSE(fitOrthographicCamera(surface, chooseView(surface), {80, 60}).validate());
+  EXPECT_FALSE(fitCamera(spheresOf(surface), chooseView(spheresOf(surface)), {80, 60}).validate());
+  EXPECT_FALSE(fitOrthographicCamera(spheresOf(surface), chooseView(spheresOf(surface)), {80, 60}).validate());
 }
 
 TEST(ViewFromAngles, StandsWhereTheConventionSays)
@@ -120,20 +120,20 @@ stretched(double x, double y, double z)
 
 TEST(GuessUpAxis, StatuesStandAndTerrainLies)
 {
-  EXPECT_EQ(guessUpAxis(stretched(0.2, 0.2, 0.4)), UpAxis::kZ);
-  EXPECT_EQ(guessUpAxis(stretched(0.2, 0.4, 0.2)), UpAxis::kY);
-  EXPECT_EQ(guessUpAxis(stretched(0.3, 0.3, 0.3)), UpAxis::kZ);
-  EXPECT_EQ(guessUpAxis(stretched(0.3, 0.4, 0.02)), UpAxis::kZ);
-  EXPECT_EQ(guessUpAxis(stretched(0.3, 0.02, 0.4)), UpAxis::kY);
+  EXPECT_EQ(guessUpAxis(spheresOf(stretched(0.2, 0.2, 0.4))), UpAxis::kZ);
+  EXPECT_EQ(guessUpAxis(spheresOf(stretched(0.2, 0.4, 0.2))), UpAxis::kY);
+  EXPECT_EQ(guessUpAxis(spheresOf(stretched(0.3, 0.3, 0.3))), UpAxis::kZ);
+  EXPECT_EQ(guessUpAxis(spheresOf(stretched(0.3, 0.4, 0.02))), UpAxis::kZ);
+  EXPECT_EQ(guessUpAxis(spheresOf(stretched(0.3, 0.02, 0.4))), UpAxis::kY);
   SLIMSurface map = stretched(0.2, 0.4, 0.2);
   map.info.origin = {5e5, 5.4e6, 300.0};
   map.info.scale = 64.0;
-  EXPECT_EQ(guessUpAxis(map), UpAxis::kZ);
+  EXPECT_EQ(guessUpAxis(spheresOf(map)), UpAxis::kZ);
 }
 
 TEST(ChooseView, TerrainIsSeenFromAboveAcrossItsLongerSide)
 {
-  const ViewDirection view = chooseView(stretched(0.5, 0.2, 0.01));
+  const ViewDirection view = chooseView(spheresOf(stretched(0.5, 0.2, 0.01)));
   EXPECT_GT(view.towards_viewer[2], 0.5);
   EXPECT_NEAR(view.towards_viewer[0], 0.0, 0.05);
 }
@@ -144,15 +144,15 @@ TEST(ChooseView, OneSidedScanIsSeenFromItsSide)
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (surface.nx[i] > 0.1f) surface.flags[i] = 0;  // nothing measured at +x
   }
-  EXPECT_LT(chooseView(surface).towards_viewer[0], -0.8);
+  EXPECT_LT(chooseView(spheresOf(surface)).towards_viewer[0], -0.8);
   surface.info.oriented = false;  // the normals say nothing then
-  EXPECT_GT(chooseView(surface).towards_viewer[0], 0.0);
+  EXPECT_GT(chooseView(spheresOf(surface)).towards_viewer[0], 0.0);
 }
 
 TEST(ChooseView, DepthCameraIsPutBackWhereItStood)
 {
   SLIMSurface surface = sphereSurface(2, 0.4, 500, 0.05, {0.0, 0.0, 1.0});
-  const ViewDirection view = chooseView(surface);
+  const ViewDirection view = chooseView(spheresOf(surface));
   EXPECT_LT(view.towards_viewer[2], -0.9);
   EXPECT_LT(view.up[1], -0.9);
 }

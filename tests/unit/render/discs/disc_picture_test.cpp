@@ -2,10 +2,10 @@
 #include <gtest/gtest.h>
 
 #include "pcl_slim/render/auto_view.h"
-#include "pcl_slim/render/disc_framing.h"
+#include "pcl_slim/render/bounding_spheres.h"
 #include "pcl_slim/render/shading.h"
 #include "test_discs.h"
-#include "test_surfaces.h"
+#include "unit/render/test_surfaces.h"
 
 namespace pcl_slim {
 namespace {
@@ -81,9 +81,8 @@ TEST(DiscPicture, CamerasFrameDiscs)
 {
   SplatSet set = discSphere(0.5, 2000, 0.04);
   set.origin = {637000.0, 851000.0, 500.0};
-  const SLIMSurface object = framingOf(set);
-  EXPECT_FALSE(object.validate());
-  EXPECT_EQ(object.numLeaves(), set.size());
+  const BoundingSpheres object = spheresOf(set);
+  EXPECT_EQ(object.spheres.size(), set.size());
   const ImageSize size{64, 48};
   for (const Camera& camera : {fitCamera(object, chooseView(object), size),
                                fitOrthographicCamera(object, chooseView(object), size)}) {
@@ -93,10 +92,12 @@ TEST(DiscPicture, CamerasFrameDiscs)
     EXPECT_GT(buffer.numCovered(), static_cast<std::size_t>(0.6 * 48 * 48));
     for (int x = 0; x < 64; ++x) EXPECT_FALSE(buffer.covered(buffer.index(x, 0)));
   }
-  EXPECT_EQ(framingOf(SplatSet()).size(), 0u);
+  EXPECT_TRUE(spheresOf(SplatSet()).spheres.empty());
   SplatSet point;
   addDisc(point, {1, 2, 3}, {0, 0, 1}, 0.0, 0);
-  EXPECT_FALSE(framingOf(point).validate());
+  const BoundingSpheres one = spheresOf(point);
+  EXPECT_GT(one.spheres[0].radius, 0.0f);
+  EXPECT_FALSE(fitCamera(one, chooseView(one), size).validate());
 }
 
 }  // namespace
