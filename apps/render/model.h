@@ -24,6 +24,10 @@ struct Model {
   BoundingSpheres spheres() const;
 };
 
+/** \brief Whether a file's extension and fields tell of a surface or splats, not of a plain scan. */
+Result<bool>
+holdsModel(const std::string& path);
+
 /** \brief Loads a surface (.pcd .ply .vtp .slim) or splats (.pcd .ply); the fields tell which. */
 Result<Model>
 loadModel(const std::string& path);

@@ -25,6 +25,19 @@ struct Chord {
   }
 };
 
+/** \brief Depth at which a ray has entered every half space; infinity when it never does. */
+double
+entryDepth(const std::vector<HalfSpace>& cuts, const Ray& ray, double nearest)
+{
+  for (const HalfSpace& cut : cuts) {
+    const double inside = dot(cut.normal, ray.origin) - cut.offset;
+    const double slope = dot(cut.normal, ray.direction);
+    if (slope > 0.0) nearest = std::max(nearest, -inside / slope);
+    else if (inside < 0.0) return kInfinity;
+  }
+  return nearest;
+}
+
 /** \brief Depth of the first root of a leaf between two depths, or infinity. */
 double
 firstRoot(const FrameContext& frame, const RaySurfel& surfel, const Ray& ray, double nearest,
@@ -170,7 +183,10 @@ Tile::begin(const FrameContext& frame, const ImageSize& size, std::size_t t)
   sums.assign(kTileSize * kTileSize, BlendSum());
   pending = {x0, y0, x0 + width - 1, y0 + height - 1};
   for (int y = y0; y < y0 + height; ++y) {
-    for (int x = x0; x < x0 + width; ++x) rays[index(x, y)] = frame.rays.ray(x, y);
+    for (int x = x0; x < x0 + width; ++x) {
+      const Ray ray = rays[index(x, y)] = frame.rays.ray(x, y);
+      if (!frame.cuts.empty()) nearest[index(x, y)] = entryDepth(frame.cuts, ray, frame.near_plane);
+    }
   }
 }
 

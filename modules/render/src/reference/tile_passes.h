@@ -22,6 +22,7 @@ struct FrameContext {
   double near_plane;    ///< local length
   bool front_only;      ///< only roots at which the gradient faces the viewer count
   bool skip;
+  std::vector<HalfSpace> cuts;  ///< local coordinates
 };
 
 /** \brief Sums of one pixel's blend (eqs. 6, 7, 8 left), before division by the weight. */

@@ -18,9 +18,21 @@ constexpr int kMaxLayers = 8;        ///< how often a ray may pass through uncov
 constexpr double kMaxShrink = 0.95;  ///< at the very rim a leaf has no weight to blend with
 
 bool
-frontOnly(const SLIMSurface& surface, VisibleSides sides)
+frontOnly(const SLIMSurface& surface, const RenderParams& params)
 {
-  return sides == VisibleSides::kFront || (sides == VisibleSides::kAuto && surface.info.oriented);
+  if (params.sides != VisibleSides::kAuto) return params.sides == VisibleSides::kFront;
+  return surface.info.oriented && params.cuts.empty();
+}
+
+/** \brief Half spaces in a surface's local coordinates. */
+std::vector<HalfSpace>
+localCuts(const RenderParams& params, const SurfaceInfo& info)
+{
+  std::vector<HalfSpace> cuts = params.cuts;
+  for (HalfSpace& cut : cuts) {
+    cut.offset = (cut.offset - dot(cut.normal, info.origin)) / info.scale;
+  }
+  return cuts;
 }
 
 }  // namespace
@@ -36,6 +48,13 @@ RenderParams::validate() const
   }
   if (!(near_plane >= 0.0 && std::isfinite(near_plane))) {
     return {ErrorCode::kBadArgument, "the near plane must be a finite distance, 0 or more"};
+  }
+  for (const HalfSpace& cut : cuts) {
+    const double size = length(cut.normal);
+    if (!(size > 0.0 && std::isfinite(size) && std::isfinite(cut.offset))) {
+      return {ErrorCode::kBadArgument,
+              "a half space needs a finite offset and a finite normal that is not 0"};
+    }
   }
   return {};
 }
@@ -68,7 +87,7 @@ renderSurface(const SLIMSurface& surface, const Camera& camera, const RenderPara
   const double wanted = params.shrink > 0.0 ? params.shrink : surface.info.cover_radius;
   const double shrink = std::clamp(wanted, 0.05, kMaxShrink);
   const double near_plane = params.near_plane / surface.info.scale;
-  const bool front_only = frontOnly(surface, params.sides);
+  const bool front_only = frontOnly(surface, params);
   RenderStatistics total;
   const CameraRays rays(camera, surface.info.origin, surface.info.scale);
   const SurfelBins bins = binLeaves(surface, rays, camera.size, shrink, near_plane,
@@ -77,7 +96,8 @@ renderSurface(const SLIMSurface& surface, const Camera& camera, const RenderPara
   const double min_coverage =
       params.min_coverage >= 0.0 ? params.min_coverage : surface.info.cover_threshold;
   const FrameContext frame{surface,      rays,       bins,       shrink,     cover_radius,
-                           min_coverage, near_plane, front_only, params.skip};
+                           min_coverage, near_plane, front_only, params.skip,
+                           localCuts(params, surface.info)};
 
   total += forEachTile<Tile, RenderStatistics>(
       bins, threads, [&](std::size_t t, Tile& tile, RenderStatistics& counts) {
