@@ -7,6 +7,7 @@
 #include <vtkOpenGLHelper.h>
 #include <vtkOpenGLRenderWindow.h>
 #include <vtkOpenGLState.h>
+#include <vtkOpenGLVertexArrayObject.h>
 #include <vtkPolyData.h>
 #include <vtkRenderer.h>
 #include <vtkShader.h>
@@ -238,6 +239,8 @@ GBufferMapper::RenderPieceDraw(vtkRenderer* renderer, vtkActor* actor)
   uploadFrame(static_cast<vtkOpenGLRenderWindow*>(renderer->GetRenderWindow()));
   s.textures.activate();
   UpdateShaders(Primitives[PrimitiveTris], renderer, actor);
+  // A new shader has dropped the vertex array, and without one nothing is drawn.
+  Primitives[PrimitiveTris].VAO->Bind();
   glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
   s.textures.deactivate();
 }

@@ -35,7 +35,6 @@ uniform mat3 slimRotation;      // model to view
 uniform int slimMode;
 uniform vec3 slimRange;         // lowest value, 1 / span, and whether by the logarithm
 const vec3 slimBackColor = vec3(0.52, 0.56, 0.64);  // the inner side, where both are shown
-uniform int cameraParallel;
 uniform int slimNumCuts;
 uniform vec4 slimCuts[6];       // clipping planes in view coordinates
 
