@@ -2,8 +2,8 @@
 # Looks for what visualization/ needs: VTK's rendering and PCL's visualization. Where something is
 # missing, PCL_SLIM_HAS_VISUALIZATION is off, and the rest is built without it.
 set(PCL_SLIM_VTK_RENDERING_COMPONENTS CommonCore CommonDataModel CommonExecutionModel CommonMath
-  ImagingCore InteractionStyle IOImage RenderingAnnotation RenderingCore RenderingFreeType
-  RenderingOpenGL2 glew opengl)
+  CommonTransforms FiltersSources InteractionStyle RenderingAnnotation RenderingCore
+  RenderingFreeType RenderingOpenGL2 glew opengl)
 
 # PCL's own component would bring Qt along; the library and its header are all that is called.
 function(pcl_slim_find_visualization result)

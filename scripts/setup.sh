@@ -8,8 +8,9 @@ packages=(
   cmake ninja-build g++ pkg-config
   libpcl-dev libeigen3-dev libhwy-dev libpng-dev nlohmann-json3-dev libgtest-dev
 )
-# Benchmarks, and ROS's own check of package.xml in the tests: nothing fails without them.
-optional=(libnanoflann-dev python3-catkin-pkg)
+# Benchmarks, ROS's own check of package.xml in the tests, and the X server that windows are tested
+# on: nothing fails without them.
+optional=(libnanoflann-dev python3-catkin-pkg xvfb xauth libgl1-mesa-dri)
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
   echo "This is not Debian or Ubuntu: install what these packages hold, then run cmake by hand:" >&2

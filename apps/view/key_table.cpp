@@ -12,9 +12,14 @@ makeTable()
   std::vector<Key> keys;
   const std::vector<std::string> modes = displayModeNames();
   for (std::size_t i = 0; i < modes.size(); ++i) {
-    // Ten modes stand on the digits from 1 to 9 and 0.
-    const std::string digit = std::to_string((i + 1) % 10);
-    keys.push_back({digit, Command::kMode, digit, "colours: " + modes[i]});
+    // Ten modes stand on the digits from 1 to 9 and 0; the help tells five of them a line.
+    Key key{std::to_string((i + 1) % 10), Command::kMode, "", "", static_cast<int>(i)};
+    if (i % 5 == 0) {
+      key.shown = i == 0 ? "1 - 5" : "6 - 0";
+      key.meaning = "colours:";
+      for (std::size_t j = i; j < i + 5; ++j) key.meaning += " " + modes[j];
+    }
+    keys.push_back(key);
   }
   const std::vector<Key> others{
       {"m", Command::kNextMode, "m, M", "next, previous colours"},

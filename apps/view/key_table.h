@@ -34,7 +34,8 @@ enum class Command : unsigned char {
 struct Key {
   std::string symbol;  ///< vtkRenderWindowInteractor::GetKeySym()
   Command command;
-  std::string shown, meaning;  ///< as the help names them; no meaning: another name of the key above
+  std::string shown, meaning;  ///< as the help names them; no meaning: told with a key above
+  int mode = 0;                ///< of kMode: the DisplayMode
 };
 
 const std::vector<Key>&

@@ -127,7 +127,9 @@ Viewer::resetCamera()
 {
   settings_.view.size = {window_->GetSize()[0], window_->GetSize()[1]};
   const bool parallel = renderer_->GetActiveCamera()->GetParallelProjection() != 0;
-  setCamera(settings_.view.cameraFor(scene_.spheres()), renderer_);
+  const BoundingSpheres object = scene_.spheres();
+  setCamera(settings_.view.cameraFor(object), renderer_);
+  setTurningPoint(object, renderer_->GetActiveCamera());
   if (parallel && !settings_.view.orthographic) onKey("o");
 }
 
@@ -147,8 +149,8 @@ Viewer::execute(const Key& key)
 {
   switch (key.command) {
     case Command::kMode: {
-      const auto mode = displayModeOf(key.meaning.substr(key.meaning.rfind(' ') + 1));
-      if (!scene_.setMode(*mode, 0.0)) message_ = "nothing here has " + nameOf(*mode) + " colours";
+      const auto mode = static_cast<DisplayMode>(key.mode);
+      if (!scene_.setMode(mode, 0.0)) message_ = "nothing here has " + nameOf(mode) + " colours";
       return;
     }
     case Command::kNextMode: return scene_.stepMode(1);

@@ -4,10 +4,12 @@
 #include <vtkCamera.h>
 #include <vtkRenderer.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <vector>
 
 #include "render/view_request.h"
 
@@ -28,6 +30,27 @@ setCamera(const Camera& from, vtkRenderer* renderer)
     camera->SetViewAngle(from.fov);
   }
   renderer->ResetCameraClippingRange();
+}
+
+void
+setTurningPoint(const BoundingSpheres& object, vtkCamera* camera)
+{
+  std::vector<double> depths;
+  const double *eye = camera->GetPosition(), *forward = camera->GetDirectionOfProjection();
+  for (const BoundingSphere& sphere : object.spheres) {
+    double depth = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double x = object.origin[k] + object.scale * double{sphere.center[k]};
+      depth += (x - eye[k]) * forward[k];
+    }
+    depths.push_back(depth);
+  }
+  if (depths.empty()) return;
+  // The middle of the bulk: a few strays far away do not count.
+  std::sort(depths.begin(), depths.end());
+  const std::size_t n = depths.size() - 1;
+  const double middle = 0.5 * (depths[n / 50] + depths[n - n / 50]);
+  if (middle > 0.0) camera->SetDistance(middle);
 }
 
 std::string

@@ -17,10 +17,12 @@ fillColorTable(DisplayMode mode, const std::array<double, 2>& range, vtkLookupTa
   const int first = static_cast<int>(std::lround(range[0]));
   const int count = levels ? static_cast<int>(std::lround(range[1])) - first + 1 : 256;
   table.SetNumberOfTableValues(count);
-  table.SetScale(mode == DisplayMode::kSize ? VTK_SCALE_LOG10 : VTK_SCALE_LINEAR);
+  table.SetScaleToLinear();
   // A level's colour fills the table from half a level below it to half a level above.
   const double half = levels ? 0.5 : 0.0;
   table.SetTableRange(range[0] - half, range[1] + half);
+  // Last, as a table by the logarithm refuses the signed range it may have had before.
+  if (mode == DisplayMode::kSize) table.SetScaleToLog10();
   for (int i = 0; i < count; ++i) {
     const double x = count > 1 ? i / (count - 1.0) : 0.5;
     const Color color = levels ? categoryColor(static_cast<std::uint32_t>(first + i))

@@ -38,28 +38,55 @@ const vec3 slimBackColor = vec3(0.52, 0.56, 0.64);  // the inner side, where bot
 uniform int slimNumCuts;
 uniform vec4 slimCuts[6];       // clipping planes in view coordinates
 
-// Between rays that stand several pixels apart: blended where all four met one sheet.
-vec4 slimFetch(sampler2D source, vec2 at, bool smoothly)
+// Which texels a pixel looks at, and how much of each: the one it lies in where every pixel has a
+// ray, otherwise those of the four rays around it that met one sheet.
+ivec2 slimLow, slimHigh;
+vec4 slimWeights;
+
+vec4 slimFetch(sampler2D source)
 {
-  ivec2 last = textureSize(source, 0) - 1;
-  if (!smoothly) return texelFetch(source, clamp(ivec2(floor(at)), ivec2(0), last), 0);
-  vec2 low = floor(at - 0.5);
-  vec2 f = at - 0.5 - low;
-  ivec2 i = clamp(ivec2(low), ivec2(0), last), j = clamp(ivec2(low) + 1, ivec2(0), last);
-  return mix(mix(texelFetch(source, i, 0), texelFetch(source, ivec2(j.x, i.y), 0), f.x),
-             mix(texelFetch(source, ivec2(i.x, j.y), 0), texelFetch(source, j, 0), f.x), f.y);
+  if (slimTexels.y > 0.99) return texelFetch(source, slimLow, 0);
+  return slimWeights.x * texelFetch(source, slimLow, 0) +
+         slimWeights.y * texelFetch(source, ivec2(slimHigh.x, slimLow.y), 0) +
+         slimWeights.z * texelFetch(source, ivec2(slimLow.x, slimHigh.y), 0) +
+         slimWeights.w * texelFetch(source, slimHigh, 0);
 }
 
-bool slimOneSheet(vec2 at)
+// Levels are not blended: that of the ray that counts most.
+vec4 slimFetchLargest(sampler2D source)
 {
-  if (slimTexels.y > 0.99) return false;
+  if (slimTexels.y > 0.99) return texelFetch(source, slimLow, 0);
+  float most = max(max(slimWeights.x, slimWeights.y), max(slimWeights.z, slimWeights.w));
+  bool right = slimWeights.y == most || slimWeights.w == most;
+  bool below = slimWeights.z == most || slimWeights.w == most;
+  return texelFetch(source, ivec2(right ? slimHigh.x : slimLow.x, below ? slimHigh.y : slimLow.y), 0);
+}
+
+// The silhouette runs where half of the weight has met something, and between two sheets likewise.
+void slimChoose(vec2 at)
+{
   ivec2 last = textureSize(slimGeometry, 0) - 1;
-  ivec2 low = ivec2(floor(at - 0.5));
-  ivec2 i = clamp(low, ivec2(0), last), j = clamp(low + 1, ivec2(0), last);
-  vec4 d = vec4(texelFetch(slimGeometry, i, 0).w, texelFetch(slimGeometry, ivec2(j.x, i.y), 0).w,
-                texelFetch(slimGeometry, ivec2(i.x, j.y), 0).w, texelFetch(slimGeometry, j, 0).w);
-  float near = min(min(d.x, d.y), min(d.z, d.w)), far = max(max(d.x, d.y), max(d.z, d.w));
-  return near * far > 0.0 && far - near < 0.02 * max(abs(near), abs(far));
+  slimWeights = vec4(1.0, 0.0, 0.0, 0.0);
+  slimLow = slimHigh = clamp(ivec2(floor(at)), ivec2(0), last);
+  if (slimTexels.y > 0.99) return;
+  vec2 corner = floor(at - 0.5), f = at - 0.5 - corner;
+  slimLow = clamp(ivec2(corner), ivec2(0), last);
+  slimHigh = clamp(ivec2(corner) + 1, ivec2(0), last);
+  vec4 w = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
+  vec4 d = abs(vec4(texelFetch(slimGeometry, slimLow, 0).w,
+                    texelFetch(slimGeometry, ivec2(slimHigh.x, slimLow.y), 0).w,
+                    texelFetch(slimGeometry, ivec2(slimLow.x, slimHigh.y), 0).w,
+                    texelFetch(slimGeometry, slimHigh, 0).w));
+  vec4 met = w * vec4(greaterThan(d, vec4(0.0)));
+  vec4 filled = d + 1e30 * vec4(equal(d, vec4(0.0)));
+  float nearest = min(min(filled.x, filled.y), min(filled.z, filled.w));
+  vec4 front = met * vec4(lessThan(d, vec4(1.02 * nearest)));
+  float all = dot(met, vec4(1.0)), before = dot(front, vec4(1.0));
+  if (all < 0.5) {
+    slimWeights = vec4(0.0);
+  } else {
+    slimWeights = before >= 0.5 * all ? front / before : (met - front) / (all - before);
+  }
 }
 
 float slimValue(vec4 a)
@@ -84,8 +111,8 @@ float slimStripes(vec3 direction)
 constexpr const char* kPosition = R"(
   vec2 slimAt = vec2(gl_FragCoord.x - slimViewport.x,
                      slimViewport.w - (gl_FragCoord.y - slimViewport.y)) * slimTexels;
-  bool slimSmooth = slimOneSheet(slimAt);
-  vec4 slimHit = slimFetch(slimGeometry, slimAt, slimSmooth);
+  slimChoose(slimAt);
+  vec4 slimHit = slimFetch(slimGeometry);
   vec2 slimNdc = 2.0 * (gl_FragCoord.xy - slimViewport.xy) / slimViewport.zw - 1.0;
   vec2 slimXY = slimPlane.xz * slimNdc + slimPlane.yw;
   float slimT = abs(slimHit.w) * slimDepth.z;
@@ -111,7 +138,8 @@ constexpr const char* kColor = R"(//VTK::Color::Impl
   if (slimMode == 0 && slimHit.w < 0.0) diffuseColor = slimBackColor;
   if (slimMode == 1) slimBase = 0.5 * slimHit.xyz / length(slimHit.xyz) + 0.5;
   if (slimMode >= 2 && slimMode <= 7) {
-    float value = slimValue(slimFetch(slimAttributes, slimAt, slimSmooth && slimMode != 6));
+    float value = slimValue(slimMode == 6 ? slimFetchLargest(slimAttributes)
+                                         : slimFetch(slimAttributes));
     if (slimRange.z > 0.0) value = log(max(value, 1e-30));
     float x = clamp((value - slimRange.x) * slimRange.y, 0.0, 1.0);
     float n = float(textureSize(slimTable, 0).x);
@@ -120,7 +148,7 @@ constexpr const char* kColor = R"(//VTK::Color::Impl
     slimBase = texture(slimTable, vec2(u, 0.5)).rgb;
   }
   if (slimMode == 8) slimBase = mix(vec3(0.08, 0.09, 0.12), vec3(0.96), slimStripe);
-  if (slimMode == 9) slimBase = slimFetch(slimColors, slimAt, slimSmooth).rgb;
+  if (slimMode == 9) slimBase = slimFetch(slimColors).rgb;
   if (slimMode > 0) {
     ambientColor = 0.45 * slimBase;
     diffuseColor = 0.55 * slimBase;
