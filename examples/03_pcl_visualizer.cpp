@@ -20,7 +20,8 @@ main(int argc, char** argv)
   pcl::visualization::PCLVisualizer viewer("Points and their surface");
   viewer.setBackgroundColor(1.0, 1.0, 1.0);
   viewer.addPointCloud<pcl::PointXYZ>(cloud, "scan");
-  viewer.setPointCloudRenderingProperties(pcl::visualization::PCL_VISUALIZER_COLOR, 0, 0, 0, "scan");
+  viewer.setPointCloudRenderingProperties(pcl::visualization::PCL_VISUALIZER_COLOR, 0, 0, 0,
+                                          "scan");
 
   pcl_slim::SLIMFit<pcl::PointXYZ> fit;
   pcl_slim::SLIMSurface surface;

@@ -92,7 +92,8 @@ helpMarkdown()
   for (const Key& key : keyTable()) {
     if (!key.meaning.empty()) text += "| `" + key.shown + "` | " + key.meaning + " |\n";
   }
-  for (const auto& [button, meaning] : kMouse) text += "| mouse: " + button + " | " + meaning + " |\n";
+  for (const auto& [button, meaning] : kMouse)
+    text += "| mouse: " + button + " | " + meaning + " |\n";
   return text;
 }
 

@@ -44,7 +44,6 @@ Overlay::Overlay(vtkRenderer* renderer)
   help_->GetTextProperty()->SetFontFamilyToCourier();
   help_->GetTextProperty()->SetJustificationToLeft();
   help_->GetPositionCoordinate()->SetValue(0.1, 0.5);
-  help_->GetTextProperty()->SetBackgroundColor(1.0, 1.0, 1.0);
   help_->GetTextProperty()->SetBackgroundOpacity(0.88);
   help_->GetTextProperty()->SetFrame(true);
   help_->GetTextProperty()->SetFrameColor(0.6, 0.6, 0.62);
@@ -61,6 +60,8 @@ Overlay::addText(vtkRenderer* renderer, int size)
   look->SetFontFamilyToArial();
   look->SetFontSize(size);
   look->SetColor(0.12, 0.13, 0.15);
+  look->SetBackgroundColor(1.0, 1.0, 1.0);
+  look->SetBackgroundOpacity(0.6);
   actor->SetVisibility(false);
   renderer->AddActor2D(actor);
   return actor;

@@ -34,8 +34,8 @@ describePick(const SurfacePick& pick)
 {
   return print("leaf %u  level %d  degree %d  ball radius %.4g  error %.3g  points %.0f\n",
                pick.surfel, pick.level, pick.degree, pick.radius, pick.error, pick.confidence) +
-         print("mean %.4g  Gauss %.4g  k_max %.4g  k_min %.4g\n", pick.mean, pick.gauss,
-               pick.k_max, pick.k_min) +
+         print("mean %.4g  Gauss %.4g  k_max %.4g  k_min %.4g\n", pick.mean, pick.gauss, pick.k_max,
+               pick.k_min) +
          print("at %.7g %.7g %.7g  normal %.3f %.3f %.3f", pick.position[0], pick.position[1],
                pick.position[2], pick.normal[0], pick.normal[1], pick.normal[2]);
 }
@@ -47,8 +47,8 @@ describeSplat(const SplatSet& splats, std::size_t i)
   return print("splat %zu  radius %.4g  colour %u %u %u\n", i, double{splats.radius[i]},
                (rgb >> 16) & 255, (rgb >> 8) & 255, rgb & 255) +
          print("at %.7g %.7g %.7g  normal %.3f %.3f %.3f", splats.origin[0] + splats.x[i],
-               splats.origin[1] + splats.y[i], splats.origin[2] + splats.z[i],
-               double{splats.nx[i]}, double{splats.ny[i]}, double{splats.nz[i]});
+               splats.origin[1] + splats.y[i], splats.origin[2] + splats.z[i], double{splats.nx[i]},
+               double{splats.ny[i]}, double{splats.nz[i]});
 }
 
 }  // namespace

@@ -66,11 +66,7 @@ Scene::setSurface(std::shared_ptr<const SLIMSurface> surface)
   surface_ = std::move(surface);
   vtkNew<SLIMMapper> mapper;
   mapper->setSurface(surface_);
-  mapper_ = mapper;
-  model_ = vtkSmartPointer<vtkActor>::New();
-  model_->SetMapper(mapper_);
-  setClayLook(model_->GetProperty());
-  renderer_->AddActor(model_);
+  setMapper(mapper);
 }
 
 void
@@ -79,11 +75,19 @@ Scene::setSplats(std::shared_ptr<const SplatSet> splats)
   splats_ = std::move(splats);
   vtkNew<SplatMapper> mapper;
   mapper->setSplats(splats_);
+  setMapper(mapper);
+}
+
+void
+Scene::setMapper(GBufferMapper* mapper)
+{
   mapper_ = mapper;
   model_ = vtkSmartPointer<vtkActor>::New();
   model_->SetMapper(mapper_);
   setClayLook(model_->GetProperty());
   renderer_->AddActor(model_);
+  // Points of two pixels would cover the surface they lie on.
+  if (points_) points_->GetProperty()->SetPointSize(1.0f);
 }
 
 void

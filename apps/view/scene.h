@@ -59,6 +59,7 @@ class Scene {
   bool normalsShown() const;
 
  private:
+  void setMapper(GBufferMapper* mapper);
   void updateBar();
 
   vtkRenderer* renderer_;

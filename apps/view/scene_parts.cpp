@@ -41,8 +41,8 @@ linesAlongNormals(vtkPolyData* pieces)
     normals->GetTuple(i, n);
     const double size = 0.5 * radii->GetTuple1(i);
     const vtkIdType a = ends->InsertNextPoint(from);
-    const vtkIdType b = ends->InsertNextPoint(from[0] + size * n[0], from[1] + size * n[1],
-                                              from[2] + size * n[2]);
+    const vtkIdType b =
+        ends->InsertNextPoint(from[0] + size * n[0], from[1] + size * n[1], from[2] + size * n[2]);
     lines->InsertNextCell({a, b});
   }
   vtkNew<vtkPolyData> data;
@@ -128,8 +128,7 @@ makeBalls(const SLIMSurface& surface)
   vtkNew<vtkFloatArray> reach;
   reach->SetName("reach");
   for (vtkIdType i = 0; i < radii->GetNumberOfTuples(); ++i) {
-    reach->InsertNextValue(
-        static_cast<float>(surface.info.cover_radius * radii->GetTuple1(i)));
+    reach->InsertNextValue(static_cast<float>(surface.info.cover_radius * radii->GetTuple1(i)));
   }
   leaves->GetPointData()->AddArray(reach);
   leaves->GetPointData()->SetActiveScalars("radius");

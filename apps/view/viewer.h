@@ -75,9 +75,9 @@ class Viewer {
   Overlay overlay_;
   FitTask* task_ = nullptr;
   Error fit_error_;
-  std::string message_;         ///< told once in the status line
-  bool camera_moved_ = false;   ///< by the user, so that a finished fit leaves it
-  bool mouse_rests_ = true;     ///< and what lies under it is told
+  std::string message_;        ///< told once in the status line
+  bool camera_moved_ = false;  ///< by the user, so that a finished fit leaves it
+  bool mouse_rests_ = true;    ///< and what lies under it is told
 };
 
 }  // namespace pcl_slim

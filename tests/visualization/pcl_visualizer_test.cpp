@@ -120,8 +120,7 @@ TEST(PolyDataTest, HoldsEverySurfelInWorldUnits)
   EXPECT_EQ(data->GetNumberOfVerts(), 600);
   EXPECT_EQ(data->GetPoint(5)[0], 500000.0 + 2.0 * surface.cx[5]);
   EXPECT_FLOAT_EQ(data->GetPointData()->GetArray("radius")->GetTuple1(5), 2.0f * surface.radius[5]);
-  EXPECT_FLOAT_EQ(data->GetPointData()->GetArray("c3")->GetTuple1(5),
-                  surface.coefficientsOf(5)[3]);
+  EXPECT_FLOAT_EQ(data->GetPointData()->GetArray("c3")->GetTuple1(5), surface.coefficientsOf(5)[3]);
   EXPECT_FLOAT_EQ(data->GetPointData()->GetNormals()->GetComponent(5, 2), surface.nz[5]);
   EXPECT_EQ(toPolyData(surface, true)->GetNumberOfPoints(), 599);
   EXPECT_EQ(toPolyData(SplatSet())->GetNumberOfPoints(), 0);

@@ -79,13 +79,12 @@ TEST(ViewCameraTest, DepthsComeBackAsViewCoordinates)
     ASSERT_FALSE(translateView(view, 0.5, 1, v));
     const Ray ray = CameraRays(v.camera, {0.0, 0.0, 0.0}, 1.0).ray(17, 23);
     const double t = 3.7;
-    const Vector3 expected =
-        apply(view.model_to_view, along(ray.origin, t, ray.direction), 1.0);
+    const Vector3 expected = apply(view.model_to_view, along(ray.origin, t, ray.direction), 1.0);
     const double x = v.x_scale * (2.0 * 17.5 / 120.0 - 1.0) + v.x_shift;
     const double y = v.y_scale * (1.0 - 2.0 * 23.5 / 90.0) + v.y_shift;
     const Vector3 direction = normalized({x, y, -1.0});
-    const Vector3 at = parallel ? Vector3{x, y, -v.start - v.view_scale * t}
-                                : scaled(direction, v.view_scale * t);
+    const Vector3 at =
+        parallel ? Vector3{x, y, -v.start - v.view_scale * t} : scaled(direction, v.view_scale * t);
     EXPECT_LT(length(subtract(at, expected)), 1e-9) << parallel;
   }
 }

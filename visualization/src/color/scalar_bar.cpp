@@ -83,12 +83,12 @@ makeScalarBar(GBufferMapper& mapper, const std::string& unit)
   bar->SetLabelFormat(levels ? "%-4.3g" : "%-#9.3g");
   bar->SetMaximumNumberOfColors(256);
   bar->SetOrientationToVertical();
-  bar->SetPosition(0.88, 0.22);
-  bar->SetWidth(0.1);
-  bar->SetHeight(0.56);
-  bar->SetBarRatio(0.28);
+  bar->SetPosition(0.84, 0.2);
+  bar->SetWidth(0.15);
+  bar->SetHeight(0.6);
+  bar->SetBarRatio(0.2);
   bar->SetUnconstrainedFontSize(true);
-  setTextLook(bar->GetTitleTextProperty(), 15, true);
+  setTextLook(bar->GetTitleTextProperty(), 13, true);
   setTextLook(bar->GetLabelTextProperty(), 13, false);
   bar->SetVerticalTitleSeparation(10);
   return bar;

@@ -33,10 +33,8 @@ curvatureAtCenter(const SLIMSurface& surface, std::size_t i, DisplayMode mode)
   const HeightJet jet = evaluateJet(surface.degree[i], surface.coefficientsOf(i), 0.0, 0.0);
   const double e = 1.0 + jet.hu * jet.hu, g = 1.0 + jet.hv * jet.hv, f = jet.hu * jet.hv;
   const double root = std::sqrt(e + g - 1.0);
-  const double mean =
-      -(g * jet.huu - 2.0 * f * jet.huv + e * jet.hvv) / (2.0 * root * root * root);
-  const double gauss =
-      (jet.huu * jet.hvv - jet.huv * jet.huv) / ((e + g - 1.0) * (e + g - 1.0));
+  const double mean = -(g * jet.huu - 2.0 * f * jet.huv + e * jet.hvv) / (2.0 * root * root * root);
+  const double gauss = (jet.huu * jet.hvv - jet.huv * jet.huv) / ((e + g - 1.0) * (e + g - 1.0));
   const double spread = std::sqrt(std::max(0.0, mean * mean - gauss));
   switch (mode) {
     case DisplayMode::kGauss: return gauss;

@@ -12,10 +12,7 @@ namespace {
 /** \brief Points with the bounds of balls around them, built one by one. */
 class BallPoints {
  public:
-  BallPoints()
-  {
-    points_->SetDataTypeToDouble();
-  }
+  BallPoints() { points_->SetDataTypeToDouble(); }
 
   void add(const std::array<double, 3>& center, double radius)
   {

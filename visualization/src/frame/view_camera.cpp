@@ -51,8 +51,7 @@ setPicture(const GLView& view, double view_height, double shift_x, double shift_
 {
   Camera& camera = result.camera;
   // Pixels of the camera are square: one whose pixels are not has another number of columns.
-  const double columns =
-      std::max(1.0, std::round(view.height * result.x_scale / result.y_scale));
+  const double columns = std::max(1.0, std::round(view.height * result.x_scale / result.y_scale));
   const double pixel = view_height / view.height;
   camera.size.width = static_cast<int>(std::ceil(columns / coarseness));
   camera.size.height = (view.height + coarseness - 1) / coarseness;

@@ -13,8 +13,8 @@ using Matrix4 = std::array<double, 16>;
 
 /** \brief A view as OpenGL has it. */
 struct GLView {
-  Matrix4 model_to_view;  ///< a rotation, a scale alike in all directions and a shift
-  Matrix4 projection;     ///< a pinhole or a parallel one; off the axis and of any aspect
+  Matrix4 model_to_view;      ///< a rotation, a scale alike in all directions and a shift
+  Matrix4 projection;         ///< a pinhole or a parallel one; off the axis and of any aspect
   int width = 0, height = 0;  ///< of the viewport, pixels
 };
 
@@ -25,13 +25,13 @@ struct GLView {
  * depth t of its ray stands at view-space distance view_scale t + start.
  */
 struct ViewCamera {
-  Camera camera;          ///< in the model's coordinates
+  Camera camera;  ///< in the model's coordinates
   bool parallel = false;
   double x_scale = 1.0, x_shift = 0.0, y_scale = 1.0, y_shift = 0.0;
-  double view_scale = 1.0;            ///< view-space length of a unit of the model
-  double start = 0.0;                 ///< parallel: where rays begin
-  std::array<double, 9> rotation{};   ///< model to view, rows first
-  double near_plane = 0.0;            ///< model units along the ray
+  double view_scale = 1.0;                ///< view-space length of a unit of the model
+  double start = 0.0;                     ///< parallel: where rays begin
+  std::array<double, 9> rotation{};       ///< model to view, rows first
+  double near_plane = 0.0;                ///< model units along the ray
   double texels_x = 1.0, texels_y = 1.0;  ///< of the camera's picture, per viewport pixel
 };
 

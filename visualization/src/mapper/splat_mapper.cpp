@@ -16,7 +16,6 @@ using namespace detail;
 vtkStandardNewMacro(SplatMapper)
 
 namespace {
-
 bool
 isKept(const SplatSet& splats, std::size_t i, const std::vector<HalfSpace>& planes)
 {

@@ -21,12 +21,12 @@ namespace pcl_slim {
 
 /** \brief What a mapper drew, and what it did not have to draw again. */
 struct FrameStatistics {
-  std::uint64_t frames = 0;         ///< times the renderer asked for the object
-  std::uint64_t rasterized = 0;     ///< times its rays were intersected; else shaded again only
-  std::uint64_t tables = 0;         ///< times the table of colours was made
-  int coarseness = 1;               ///< of the last frame: rays stand this many pixels apart
-  double rasterize_seconds = 0.0;   ///< wall time of the last intersection of rays, upload included
-  std::uint64_t covered_pixels = 0; ///< rays of it that met the object
+  std::uint64_t frames = 0;        ///< times the renderer asked for the object
+  std::uint64_t rasterized = 0;    ///< times its rays were intersected; else shaded again only
+  std::uint64_t tables = 0;        ///< times the table of colours was made
+  int coarseness = 1;              ///< of the last frame: rays stand this many pixels apart
+  double rasterize_seconds = 0.0;  ///< wall time of the last intersection of rays, upload included
+  std::uint64_t covered_pixels = 0;  ///< rays of it that met the object
 };
 
 /** \brief What a frame is drawn with besides the camera. */

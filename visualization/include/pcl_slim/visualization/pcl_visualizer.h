@@ -48,8 +48,8 @@ getSLIMMapper(pcl::visualization::PCLVisualizer& viewer, const std::string& id =
 /** \brief Chooses what a surface's colours show. With a mode that shows numbers a scalar bar
  * appears, with another it goes. \param[in] range curvature of full colour; 0: automatic. */
 bool
-setSLIMSurfaceMode(pcl::visualization::PCLVisualizer& viewer, DisplayMode mode,
-                   double range = 0.0, const std::string& id = "slim");
+setSLIMSurfaceMode(pcl::visualization::PCLVisualizer& viewer, DisplayMode mode, double range = 0.0,
+                   const std::string& id = "slim");
 
 /** \brief Adds discs: PCL's surfels with colours (rgba), in the cloud's coordinates. Those with a
  * value that is not finite, a radius below 0 or no normal are left out. */

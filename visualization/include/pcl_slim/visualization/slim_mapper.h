@@ -17,7 +17,7 @@ class SurfaceFrames;
 
 /** \brief What lies under a pixel of a drawn surface; lengths in world units. */
 struct SurfacePick {
-  std::uint32_t surfel = 0;        ///< index of the leaf of the largest weight
+  std::uint32_t surfel = 0;          ///< index of the leaf of the largest weight
   std::array<double, 3> position{};  ///< blended point, world coordinates of the surface
   std::array<double, 3> normal{};    ///< unit, towards the viewer if seen from both sides
   double mean = 0.0, gauss = 0.0;    ///< 1/length, 1/length^2
