@@ -167,7 +167,7 @@ run(const Settings& s)
 
   console.begin("Rendering " + s.view.size_text);
   const Stopwatch render_time;
-  const Camera camera = s.view.cameraFor(model->surface);
+  const Camera camera = s.view.cameraFor(model->spheres());
   std::uint64_t covered = 0;
   const auto render = model->is_splats ? renderSplatModel : renderSurfaceModel;
   const auto image = render(s, *model, camera, report.json(), covered);

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # What is built. A project that pulls this one in by add_subdirectory gets the libraries only.
 option(PCL_SLIM_BUILD_FILTERS "Build the classes that take PCL clouds (needs PCL)" ON)
+option(PCL_SLIM_BUILD_VISUALIZATION
+  "Build mappers for VTK and PCLVisualizer, where VTK's rendering and PCL's visualization are" ON)
 option(PCL_SLIM_BUILD_APPS "Build the programs" ${PROJECT_IS_TOP_LEVEL})
 option(PCL_SLIM_BUILD_TESTS "Build the tests" ${PROJECT_IS_TOP_LEVEL})
 option(PCL_SLIM_BUILD_EXAMPLES "Build the examples" OFF)
@@ -13,7 +15,7 @@ set(PCL_SLIM_SANITIZE "" CACHE STRING
   "Value of -fsanitize= for everything built here, as 'address,undefined' or 'thread'")
 
 if(NOT PCL_SLIM_BUILD_FILTERS)
-  foreach(part APPS EXAMPLES BENCHMARKS)
+  foreach(part VISUALIZATION APPS EXAMPLES BENCHMARKS)
     if(PCL_SLIM_BUILD_${part})
       message(STATUS "PCL_SLIM_BUILD_${part} is off: it needs PCL_SLIM_BUILD_FILTERS")
       set(PCL_SLIM_BUILD_${part} OFF)

@@ -11,8 +11,9 @@ packages=(
   libpcl-dev libeigen3-dev libhwy-dev libpng-dev zlib1g-dev libtbb-dev nlohmann-json3-dev libgtest-dev python3
 )
 [ "${1-}" != ci ] || packages+=(git clang clang-tidy clang-format libclang-rt-14-dev)
-# Benchmarks, and ROS's own check of package.xml in the tests: nothing fails without them.
-optional=(libnanoflann-dev python3-catkin-pkg)
+# Benchmarks, ROS's own check of package.xml in the tests, and the X server that windows are tested
+# on: nothing fails without them.
+optional=(libnanoflann-dev python3-catkin-pkg xvfb xauth libgl1-mesa-dri)
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
   echo "This is not Debian or Ubuntu: install what these packages hold, then run cmake by hand:" >&2

@@ -6,10 +6,23 @@
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/filters/io/splat_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
-#include "pcl_slim/render/disc_framing.h"
 
 namespace pcl_slim {
 namespace {
+
+/** \brief Only surfaces and splats have balls or polynomials. */
+bool
+hasModelFields(const PointFile& file)
+{
+  return findField(file.cloud, "radius") >= 0 || findField(file.cloud, "c0") >= 0;
+}
+
+bool
+isPointFile(const std::string& path)
+{
+  const std::string extension = lowerExtension(path);
+  return extension == ".pcd" || extension == ".ply";
+}
 
 /** \brief A model from a point file's fields; errors do not name the file yet. */
 Result<Model>
@@ -21,10 +34,9 @@ modelFrom(const PointFile& file)
     if (!splats) return splats.error();
     model.is_splats = true;
     model.splats = std::move(*splats);
-    model.surface = framingOf(model.splats);
     return model;
   }
-  if (findField(file.cloud, "radius") < 0 && findField(file.cloud, "c0") < 0) {
+  if (!hasModelFields(file)) {
     return Error{ErrorCode::kBadInput,
                  "neither a surface nor splats (no field 'radius' or 'c0'); make one of the scan "
                  "with pcl_slim_fit or pcl_color_splat_sampling"};
@@ -45,11 +57,25 @@ Model::describe() const
          " surfels";
 }
 
+BoundingSpheres
+Model::spheres() const
+{
+  return is_splats ? spheresOf(splats) : spheresOf(surface);
+}
+
+Result<bool>
+holdsModel(const std::string& path)
+{
+  if (!isPointFile(path)) return true;
+  const Result<PointFile> file = loadPointFile(path);
+  if (!file) return file.error();
+  return hasModelFields(*file);
+}
+
 Result<Model>
 loadModel(const std::string& path)
 {
-  const std::string extension = lowerExtension(path);
-  if (extension != ".pcd" && extension != ".ply") {
+  if (!isPointFile(path)) {
     Result<SLIMSurface> surface = loadSurface(path);
     if (!surface) return surface.error();
     Model model;

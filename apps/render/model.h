@@ -5,6 +5,7 @@
 #include <string>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/render/bounding_spheres.h"
 #include "pcl_slim/splat/splat_set.h"
 #include "pcl_slim/surface/surface.h"
 
@@ -13,13 +14,19 @@ namespace pcl_slim {
 /** \brief What can be rendered: a surface or splats. */
 struct Model {
   bool is_splats = false;
-  SLIMSurface surface;        ///< of splats: what cameras look at (framingOf)
+  SLIMSurface surface;        ///< empty of splats
   SplatSet splats;            ///< empty of a surface
   std::uint64_t skipped = 0;  ///< splats left out: not finite or without a normal
 
   /** \brief "5000 leaves of 5329 surfels" or "17307 splats". */
   std::string describe() const;
+  /** \brief What cameras look at. */
+  BoundingSpheres spheres() const;
 };
+
+/** \brief Whether a file's extension and fields tell of a surface or splats, not of a plain scan. */
+Result<bool>
+holdsModel(const std::string& path);
 
 /** \brief Loads a surface (.pcd .ply .vtp .slim) or splats (.pcd .ply); the fields tell which. */
 Result<Model>

@@ -131,7 +131,7 @@ ViewRequest::parse()
 }
 
 Camera
-ViewRequest::cameraFor(const SLIMSurface& object) const
+ViewRequest::cameraFor(const BoundingSpheres& object) const
 {
   if (!pose.empty()) return cameraOfPose(*this);
   UpAxis axis = upAxis(up);

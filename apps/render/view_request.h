@@ -27,7 +27,7 @@ struct ViewRequest {
   Error parse();
 
   /** \brief The camera for an object, once parse() has gone well. */
-  Camera cameraFor(const SLIMSurface& object) const;
+  Camera cameraFor(const BoundingSpheres& object) const;
 };
 
 }  // namespace pcl_slim

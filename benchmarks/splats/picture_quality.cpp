@@ -10,7 +10,7 @@
 #include "pcl_slim/cloud/knn.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/render/auto_view.h"
-#include "pcl_slim/render/disc_framing.h"
+#include "pcl_slim/render/bounding_spheres.h"
 #include "pcl_slim/splat/cielab.h"
 
 namespace pcl_slim::measure {
@@ -46,15 +46,14 @@ spacingsOf(const PointStore& store)
 }
 
 bool
-isOneSided(const SLIMSurface& object)
+isOneSided(const BoundingSpheres& object)
 {
   Vector mean{};
-  for (std::size_t i = 0; i < object.size(); ++i) {
-    mean[0] += object.nx[i];
-    mean[1] += object.ny[i];
-    mean[2] += object.nz[i];
+  for (const BoundingSphere& sphere : object.spheres) {
+    for (std::size_t a = 0; a < 3; ++a) mean[a] += sphere.normal[a];
   }
-  return std::hypot(mean[0], mean[1], mean[2]) > kOneSided * static_cast<double>(object.size());
+  const auto count = static_cast<double>(object.spheres.size());
+  return std::hypot(mean[0], mean[1], mean[2]) > kOneSided * count;
 }
 
 Vector
@@ -71,7 +70,7 @@ rotated(const Vector& v, const Vector& axis, double degrees)
 }
 
 std::vector<ViewDirection>
-fixedViews(const SLIMSurface& object)
+fixedViews(const BoundingSpheres& object)
 {
   std::vector<ViewDirection> views;
   if (!isOneSided(object)) {
@@ -145,8 +144,8 @@ PictureComparison::PictureComparison(const SplatSet& every_point, int size,
                                      const std::optional<Ball>& focus)
     : focus_(focus)
 {
-  const SLIMSurface object = framingOf(every_point);
-  step_ = kStep * object.info.scale;
+  const BoundingSpheres object = spheresOf(every_point);
+  step_ = kStep * object.scale;
   for (const ViewDirection& view : fixedViews(object)) {
     cameras_.push_back(fitCamera(object, view, {size, size}));
     reference_.push_back(draw(every_point, cameras_.back(), {}));

@@ -79,7 +79,7 @@ main()
   if (!again) return fail("decode", again.error());
 
   const pcl_slim::ImageSize size{64, 48};
-  const auto camera = pcl_slim::fitCamera(*again, {}, size);
+  const auto camera = pcl_slim::fitCamera(pcl_slim::spheresOf(*again), {}, size);
   pcl_slim::GBuffer buffer;
   if (const auto error = pcl_slim::renderSurface(*again, camera, {}, buffer)) {
     return fail("render", error);

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "pcl_slim/render/tile_rasterizer.h"
-#include "test_surfaces.h"
+#include "unit/render/test_surfaces.h"
 
 /** \brief A camera before a sphere, and what its picture must show. */
 namespace pcl_slim::test {

@@ -25,16 +25,11 @@ constexpr double kGateNoise = 0.6;
 
 /** k1 and k2 alone: the eigenvalues of the Hessian over |g| in the tangent plane. */
 std::pair<double, double>
-principalValues(const double g[3], double length, const double h[6])
+principalValues(const Vector3& g, double length, const Symmetric3<double>& h)
 {
   const LocalFrame frame({g[0] / length, g[1] / length, g[2] / length});
   const Vector3 &u = frame.u, &v = frame.v;
-  const Vector3 hu = {h[0] * u[0] + h[1] * u[1] + h[2] * u[2],
-                      h[1] * u[0] + h[3] * u[1] + h[4] * u[2],
-                      h[2] * u[0] + h[4] * u[1] + h[5] * u[2]};
-  const Vector3 hv = {h[0] * v[0] + h[1] * v[1] + h[2] * v[2],
-                      h[1] * v[0] + h[3] * v[1] + h[4] * v[2],
-                      h[2] * v[0] + h[4] * v[1] + h[5] * v[2]};
+  const Vector3 hu = multiplied(h, u), hv = multiplied(h, v);
   const double uu = dot(u, hu), uv = dot(u, hv), vv = dot(v, hv);
   const double mean = 0.5 * (uu + vv), half = 0.5 * (uu - vv);
   const double spread = std::sqrt(half * half + uv * uv);

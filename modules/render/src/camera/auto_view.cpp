@@ -15,8 +15,8 @@ constexpr double kOneSided = 0.15;      ///< length of the mean normal across th
 constexpr double kQuarterView = 30.0;   ///< azimuth in degrees
 constexpr double kCameraFacing = 0.4;   ///< mean normal along -z of a scan in camera axes
 
-/** \brief Leaves as weighted points: weight r^2, about the area each stands for. */
-struct LeafCloud {
+/** \brief Spheres as weighted points: weight r^2, about the area each stands for. */
+struct SphereCloud {
   std::vector<Vector3> centers;
   std::vector<double> weights;
   double total = 0.0;
@@ -24,21 +24,21 @@ struct LeafCloud {
   Vector3 deviation{};    ///< standard deviation along each axis, inside those bounds
   Vector3 mean_normal{0.0, 0.0, 0.0};
 
-  explicit LeafCloud(const SLIMSurface& surface);
+  explicit SphereCloud(const std::vector<BoundingSphere>& spheres);
   void measureAxis(std::size_t axis);
   bool empty() const { return centers.empty(); }
   double extent(std::size_t axis) const { return high[axis] - low[axis]; }
 };
 
-LeafCloud::LeafCloud(const SLIMSurface& surface)
+SphereCloud::SphereCloud(const std::vector<BoundingSphere>& spheres)
 {
-  for (std::size_t i = 0; i < surface.size(); ++i) {
-    if (!surface.isLeaf(i)) continue;
-    const double weight = static_cast<double>(surface.radius[i]) * surface.radius[i];
-    centers.push_back({surface.cx[i], surface.cy[i], surface.cz[i]});
+  for (const BoundingSphere& sphere : spheres) {
+    const auto &c = sphere.center, &n = sphere.normal;
+    const double weight = static_cast<double>(sphere.radius) * sphere.radius;
+    centers.push_back({c[0], c[1], c[2]});
     weights.push_back(weight);
     total += weight;
-    mean_normal = along(mean_normal, weight, {surface.nx[i], surface.ny[i], surface.nz[i]});
+    mean_normal = along(mean_normal, weight, {n[0], n[1], n[2]});
   }
   if (empty()) return;
   mean_normal = scaled(mean_normal, 1.0 / total);
@@ -46,7 +46,7 @@ LeafCloud::LeafCloud(const SLIMSurface& surface)
 }
 
 void
-LeafCloud::measureAxis(std::size_t axis)
+SphereCloud::measureAxis(std::size_t axis)
 {
   std::vector<double> values(centers.size());
   for (std::size_t i = 0; i < centers.size(); ++i) values[i] = centers[i][axis];
@@ -69,7 +69,7 @@ LeafCloud::measureAxis(std::size_t axis)
 
 /** \brief True when all extents but the one along axis are at least four times as long. */
 bool
-isFlatAlong(const LeafCloud& cloud, std::size_t axis)
+isFlatAlong(const SphereCloud& cloud, std::size_t axis)
 {
   const double across = std::min(cloud.deviation[(axis + 1) % 3], cloud.deviation[(axis + 2) % 3]);
   return cloud.deviation[axis] < 0.25 * across;
@@ -78,9 +78,9 @@ isFlatAlong(const LeafCloud& cloud, std::size_t axis)
 /** \brief True when the world's origin sees the cloud as a depth camera would: in front along z,
  * at ranges a camera has, in a cone of ordinary width that the cloud fills around the axis. */
 bool
-seenByDepthCamera(const LeafCloud& cloud, const SurfaceInfo& info)
+seenByDepthCamera(const SphereCloud& cloud, const BoundingSpheres& object)
 {
-  const Vector3 origin = scaled(info.origin, 1.0 / info.scale);
+  const Vector3 origin = scaled(object.origin, 1.0 / object.scale);
   std::vector<double> slopes_x, slopes_y, depths;
   for (const Vector3& c : cloud.centers) {
     const Vector3 p = along(c, 1.0, origin);
@@ -103,10 +103,10 @@ seenByDepthCamera(const LeafCloud& cloud, const SurfaceInfo& info)
 
 /** \brief Map coordinates: both horizontal ones far from 0, many times the cloud's size. */
 bool
-isGeoreferenced(const SurfaceInfo& info)
+isGeoreferenced(const BoundingSpheres& object)
 {
-  const double far = 100.0 * info.diagonal * info.scale;
-  return std::abs(info.origin[0]) > far && std::abs(info.origin[1]) > far;
+  const double far = 100.0 * object.diagonal * object.scale;
+  return std::abs(object.origin[0]) > far && std::abs(object.origin[1]) > far;
 }
 
 struct Upright {
@@ -134,7 +134,7 @@ indexOf(UpAxis axis)
 
 /** \brief Azimuth in degrees from which horizontal extents look widest, in (-90, 90]. */
 double
-widestAzimuth(const LeafCloud& cloud, const Upright& frame)
+widestAzimuth(const SphereCloud& cloud, const Upright& frame)
 {
   double rr = 0.0, ff = 0.0, rf = 0.0, mean_r = 0.0, mean_f = 0.0;
   for (std::size_t i = 0; i < cloud.centers.size(); ++i) {
@@ -176,28 +176,28 @@ viewFromAngles(UpAxis up, double azimuth, double elevation)
 }
 
 UpAxis
-guessUpAxis(const SLIMSurface& surface)
+guessUpAxis(const BoundingSpheres& object)
 {
-  const LeafCloud cloud(surface);
-  if (cloud.empty() || isFlatAlong(cloud, 2) || isGeoreferenced(surface.info)) return UpAxis::kZ;
+  const SphereCloud cloud(object.spheres);
+  if (cloud.empty() || isFlatAlong(cloud, 2) || isGeoreferenced(object)) return UpAxis::kZ;
   if (isFlatAlong(cloud, 1)) return UpAxis::kY;
   return cloud.extent(1) > kClearlyLonger * cloud.extent(2) ? UpAxis::kY : UpAxis::kZ;
 }
 
 ViewDirection
-chooseView(const SLIMSurface& surface, UpAxis up)
+chooseView(const BoundingSpheres& object, UpAxis up)
 {
-  const LeafCloud cloud(surface);
+  const SphereCloud cloud(object.spheres);
   if (cloud.empty()) return viewFromAngles(up, kQuarterView, 18.0);
-  if (up == UpAxis::kAuto && !isFlatAlong(cloud, 2) && seenByDepthCamera(cloud, surface.info)) {
+  if (up == UpAxis::kAuto && !isFlatAlong(cloud, 2) && seenByDepthCamera(cloud, object)) {
     return {{0.0, -0.12, -1.0}, {0.0, -1.0, 0.0}};
   }
-  const UpAxis axis = up == UpAxis::kAuto ? guessUpAxis(surface) : up;
+  const UpAxis axis = up == UpAxis::kAuto ? guessUpAxis(object) : up;
   const Upright frame = uprightOf(axis);
   if (isFlatAlong(cloud, indexOf(axis))) {
     return viewFrom(frame, widestAzimuth(cloud, frame), 42.0);
   }
-  if (!surface.info.oriented) return viewFrom(frame, kQuarterView, 18.0);
+  if (!object.oriented) return viewFrom(frame, kQuarterView, 18.0);
   const bool camera_axes =
       up == UpAxis::kAuto && axis == UpAxis::kY && cloud.mean_normal[2] < -kCameraFacing;
   const Upright seen_from = camera_axes ? kCameraUpright : frame;

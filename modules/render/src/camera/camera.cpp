@@ -22,13 +22,12 @@ isFinite(const Vector3& v)
 
 /** \brief Per axis, the interval of centres that a view of the whole object frames. */
 std::array<std::array<double, 2>, 3>
-framedExtent(const SLIMSurface& surface, const std::vector<std::size_t>& leaves)
+framedExtent(const std::vector<BoundingSphere>& spheres)
 {
   std::array<std::array<double, 2>, 3> extent;
-  const std::vector<float>* columns[3] = {&surface.cx, &surface.cy, &surface.cz};
-  std::vector<float> values(leaves.size());
-  for (int a = 0; a < 3; ++a) {
-    for (std::size_t i = 0; i < leaves.size(); ++i) values[i] = (*columns[a])[leaves[i]];
+  std::vector<float> values(spheres.size());
+  for (std::size_t a = 0; a < 3; ++a) {
+    for (std::size_t i = 0; i < spheres.size(); ++i) values[i] = spheres[i].center[a];
     const auto quantile = [&](double share) {
       const auto k = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
       std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(k),
@@ -41,23 +40,19 @@ framedExtent(const SLIMSurface& surface, const std::vector<std::size_t>& leaves)
   return extent;
 }
 
-/** \brief Leaves a view of the whole object has to show. */
-std::vector<std::size_t>
-framedLeaves(const SLIMSurface& surface)
+/** \brief Spheres a view of the whole object has to show. */
+std::vector<BoundingSphere>
+framedSpheres(const std::vector<BoundingSphere>& spheres)
 {
-  std::vector<std::size_t> leaves, framed;
-  for (std::size_t i = 0; i < surface.size(); ++i) {
-    if (surface.isLeaf(i)) leaves.push_back(i);
-  }
-  if (leaves.empty()) return framed;
-  const auto extent = framedExtent(surface, leaves);
-  for (const std::size_t i : leaves) {
-    const float c[3] = {surface.cx[i], surface.cy[i], surface.cz[i]};
+  std::vector<BoundingSphere> framed;
+  if (spheres.empty()) return framed;
+  const auto extent = framedExtent(spheres);
+  for (const BoundingSphere& sphere : spheres) {
     bool inside = true;
     for (std::size_t a = 0; a < 3; ++a) {
-      inside = inside && c[a] >= extent[a][0] && c[a] <= extent[a][1];
+      inside = inside && sphere.center[a] >= extent[a][0] && sphere.center[a] <= extent[a][1];
     }
-    if (inside) framed.push_back(i);
+    if (inside) framed.push_back(sphere);
   }
   return framed;
 }
@@ -68,17 +63,16 @@ struct FrustumFit {
   double max_right = -HUGE_VAL, max_left = -HUGE_VAL, max_up = -HUGE_VAL, max_down = -HUGE_VAL;
   double min_depth = HUGE_VAL;
 
-  FrustumFit(const SLIMSurface& surface, const std::vector<std::size_t>& leaves,
-             const CameraAxes& axes, double tx, double ty)
+  /** \param[in] reach share of each radius that is to be seen */
+  FrustumFit(const std::vector<BoundingSphere>& spheres, double reach, const CameraAxes& axes,
+             double tx, double ty)
   {
-    // A leaf is seen about as far as it covers, not to the rim of its support.
-    const double reach = 0.5 * surface.info.cover_radius;
     const double reach_x = reach * std::sqrt(1.0 + tx * tx),
                  reach_y = reach * std::sqrt(1.0 + ty * ty);
-    for (const std::size_t i : leaves) {
-      const Vector3 c{surface.cx[i], surface.cy[i], surface.cz[i]};
+    for (const BoundingSphere& sphere : spheres) {
+      const Vector3 c{sphere.center[0], sphere.center[1], sphere.center[2]};
       const double x = dot(c, axes.right), y = dot(c, axes.up), z = dot(c, axes.forward);
-      const double r = surface.radius[i];
+      const double r = sphere.radius;
       max_right = std::max(max_right, x - tx * z + reach_x * r);
       max_left = std::max(max_left, -x - tx * z + reach_x * r);
       max_up = std::max(max_up, y - ty * z + reach_y * r);
@@ -88,27 +82,27 @@ struct FrustumFit {
   }
 };
 
-/** \brief A camera that looks the right way from one world unit off the surface's origin. */
+/** \brief A camera that looks the right way from one world unit off the object's origin. */
 Camera
-startingCamera(const SLIMSurface& surface, const ViewDirection& direction, const ImageSize& size)
+startingCamera(const BoundingSpheres& object, const ViewDirection& direction, const ImageSize& size)
 {
   Camera camera;
   camera.size = size;
   camera.up = direction.up;
-  camera.look_at = surface.info.origin;
-  camera.position = along(surface.info.origin, 1.0, normalized(direction.towards_viewer));
+  camera.look_at = object.origin;
+  camera.position = along(object.origin, 1.0, normalized(direction.towards_viewer));
   return camera;
 }
 
 /** \brief Puts the camera at depth z (local), centred on what fit measured. */
 void
-placeCamera(const SLIMSurface& surface, const CameraAxes& axes, const FrustumFit& fit, double z,
+placeCamera(const BoundingSpheres& object, const CameraAxes& axes, const FrustumFit& fit, double z,
             Camera& camera)
 {
   const double x = 0.5 * (fit.max_right - fit.max_left), y = 0.5 * (fit.max_up - fit.max_down);
   const Vector3 eye = along(along(scaled(axes.right, x), y, axes.up), z, axes.forward);
-  camera.position = along(surface.info.origin, surface.info.scale, eye);
-  camera.look_at = along(camera.position, surface.info.scale, axes.forward);
+  camera.position = along(object.origin, object.scale, eye);
+  camera.look_at = along(camera.position, object.scale, axes.forward);
 }
 
 }  // namespace
@@ -139,41 +133,41 @@ Camera::validate() const
 }
 
 Camera
-fitCamera(const SLIMSurface& surface, const ViewDirection& direction, const ImageSize& size,
+fitCamera(const BoundingSpheres& object, const ViewDirection& direction, const ImageSize& size,
           double fov, double margin)
 {
-  Camera camera = startingCamera(surface, direction, size);
+  Camera camera = startingCamera(object, direction, size);
   camera.fov = fov;
-  const std::vector<std::size_t> leaves = framedLeaves(surface);
-  if (leaves.empty()) return camera;
+  const std::vector<BoundingSphere> framed = framedSpheres(object.spheres);
+  if (framed.empty()) return camera;
 
   const CameraAxes axes(camera);
   const double free = 1.0 - 2.0 * std::clamp(margin, 0.0, 0.4);
   const double ty = std::tan(fov * kPi / 360.0) * free, tx = ty * size.width / size.height;
-  const FrustumFit fit(surface, leaves, axes, tx, ty);
+  const FrustumFit fit(framed, object.seen_radius, axes, tx, ty);
   const double z =
       std::min(-0.5 * (fit.max_right + fit.max_left) / tx, -0.5 * (fit.max_up + fit.max_down) / ty);
-  placeCamera(surface, axes, fit, z, camera);
+  placeCamera(object, axes, fit, z, camera);
   return camera;
 }
 
 Camera
-fitOrthographicCamera(const SLIMSurface& surface, const ViewDirection& direction,
+fitOrthographicCamera(const BoundingSpheres& object, const ViewDirection& direction,
                       const ImageSize& size, double margin)
 {
-  Camera camera = startingCamera(surface, direction, size);
+  Camera camera = startingCamera(object, direction, size);
   camera.projection = Camera::Projection::kOrthographic;
-  camera.view_height = surface.info.scale;
-  const std::vector<std::size_t> leaves = framedLeaves(surface);
-  if (leaves.empty()) return camera;
+  camera.view_height = object.scale;
+  const std::vector<BoundingSphere> framed = framedSpheres(object.spheres);
+  if (framed.empty()) return camera;
 
   const CameraAxes axes(camera);
   const double free = 1.0 - 2.0 * std::clamp(margin, 0.0, 0.4);
-  const FrustumFit fit(surface, leaves, axes, 0.0, 0.0);
+  const FrustumFit fit(framed, object.seen_radius, axes, 0.0, 0.0);
   const double width = fit.max_right + fit.max_left, height = fit.max_up + fit.max_down;
   const double local_height = std::max(height, width * size.height / size.width) / free;
-  camera.view_height = std::max(local_height, 1e-9) * surface.info.scale;
-  placeCamera(surface, axes, fit, fit.min_depth - local_height, camera);
+  camera.view_height = std::max(local_height, 1e-9) * object.scale;
+  placeCamera(object, axes, fit, fit.min_depth - local_height, camera);
   return camera;
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "pcl_slim/render/bounding_spheres.h"
 #include "pcl_slim/render/camera.h"
-#include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
 
@@ -20,20 +20,20 @@ viewFromAngles(UpAxis up, double azimuth, double elevation);
 
 /** \brief The upward axis a cloud suggests: z in map coordinates (both horizontal ones beyond 100
  * diagonals), the normal of a flat cloud if that is y or z, else y where the cloud is clearly
- * longer along y than along z, else z. Statues stand, terrain lies. O(leaves log leaves). */
+ * longer along y than along z, else z. Statues stand, terrain lies. O(spheres log spheres). */
 UpAxis
-guessUpAxis(const SLIMSurface& surface);
+guessUpAxis(const BoundingSpheres& object);
 
-/** \brief A pleasant view of a whole surface. O(leaves log leaves).
+/** \brief A pleasant view of a whole object. O(spheres log spheres).
  *
  * - A cloud seen by a depth camera at the world's origin (x right, y down, z forward) is shown
  *   from there.
  * - A flat cloud such as terrain is shown obliquely from above, across its longer side.
- * - A one-sided scan is shown from the side its normals face (oriented surfaces only); when that
+ * - A one-sided scan is shown from the side its normals face (oriented objects only); when that
  *   is -z, in the axes of a camera (x right, y down, z forward).
  * - Anything else is shown from the front, turned by 30 degrees and slightly from above.
  */
 ViewDirection
-chooseView(const SLIMSurface& surface, UpAxis up = UpAxis::kAuto);
+chooseView(const BoundingSpheres& object, UpAxis up = UpAxis::kAuto);
 
 }  // namespace pcl_slim

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "pcl_slim/core/error.h"
-#include "pcl_slim/surface/surface.h"
+#include "pcl_slim/render/bounding_spheres.h"
 
 namespace pcl_slim {
 
@@ -41,20 +41,20 @@ struct ViewDirection {
   std::array<double, 3> up{0.0, 0.0, 1.0};
 };
 
-/** \brief A perspective camera that sees every leaf of a surface, as large as the picture allows.
+/** \brief A perspective camera that sees every sphere of an object, as large as the picture allows.
  *
- * Leaves far outside the bulk (beyond a whole extent past the 1st and 99th percentile of the
+ * Spheres far outside the bulk (beyond a whole extent past the 1st and 99th percentile of the
  * centres) are not framed, so that one stray point does not shrink the object to a dot. An empty
- * surface gives a camera at one world unit from its origin. O(leaves).
+ * object gives a camera at one world unit from its origin. O(spheres).
  * \param[in] margin share of the picture left free on each side, [0, 0.4]
  */
 Camera
-fitCamera(const SLIMSurface& surface, const ViewDirection& direction, const ImageSize& size,
+fitCamera(const BoundingSpheres& object, const ViewDirection& direction, const ImageSize& size,
           double fov = 30.0, double margin = 0.04);
 
 /** \brief The same for parallel projection. */
 Camera
-fitOrthographicCamera(const SLIMSurface& surface, const ViewDirection& direction,
+fitOrthographicCamera(const BoundingSpheres& object, const ViewDirection& direction,
                       const ImageSize& size, double margin = 0.04);
 
 }  // namespace pcl_slim

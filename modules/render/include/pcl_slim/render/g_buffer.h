@@ -10,11 +10,23 @@
 
 namespace pcl_slim {
 
+/** \brief Columns of a G-buffer that a frame may do without; bits of a set. */
+enum GBufferColumn : std::uint8_t {
+  kPositionColumn = 1,
+  kGradientColumn = 2,   ///< not normalised
+  kHessianColumn = 4,
+  kCurvatureColumn = 8,  ///< mean, Gaussian and principal
+  kLeafColumns = 16,     ///< level and radius
+  kWeightColumns = 32,   ///< weight and coverage
+  kAllColumns = 63,
+};
+
 /** \brief What a picture's rays met, one value per pixel and column, rows from the top.
  *
  * Lengths are in the surface's local units (world = origin + scale * local), directions in world
  * axes. Where a ray meets nothing surfel is kNothing, depth is infinity and the rest is 0; no
- * value is ever NaN. Normals and the derivatives face the viewer when the surface has no
+ * value is ever NaN. Columns that were not asked for are empty; depth, normal, surfel and back_face
+ * are always there. Normals and the derivatives face the viewer when the surface has no
  * orientation or both of its sides are shown. Discs leave derivatives, curvatures and levels at 0.
  */
 struct GBuffer {
@@ -37,8 +49,11 @@ struct GBuffer {
   std::vector<std::uint8_t> back_face;          ///< 1: an oriented surface seen from behind
   std::vector<std::array<float, 3>> color;      ///< sRGB in [0, 1]; of discs only, else empty
 
-  /** \brief Sets the size and marks every pixel as met by nothing. */
-  void resize(int new_width, int new_height);
+  /** \brief Sets the size and marks every pixel as met by nothing.
+   * \param[in] columns GBufferColumn bits: what to hold besides depth, normal, surfel, back_face */
+  void resize(int new_width, int new_height, unsigned columns = kAllColumns);
+  /** \brief Sets the size only: whoever calls it writes every pixel of every column. */
+  void reserve(int new_width, int new_height, unsigned columns);
 
   std::size_t numPixels() const { return depth.size(); }
   std::size_t index(int x, int y) const

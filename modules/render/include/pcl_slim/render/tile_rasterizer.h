@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <vector>
 
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/render/camera.h"
@@ -17,6 +19,12 @@ enum class VisibleSides : unsigned char {
   kBoth,   ///< either side; derivatives are turned to the viewer leaf by leaf
 };
 
+/** \brief A half space: points x with dot(normal, x) >= offset, world coordinates. */
+struct HalfSpace {
+  std::array<double, 3> normal{0.0, 0.0, 1.0};  ///< any length but 0
+  double offset = 0.0;
+};
+
 /** \brief Parameters of renderSurface. */
 struct RenderParams {
   VisibleSides sides = VisibleSides::kAuto;
@@ -26,6 +34,9 @@ struct RenderParams {
   double near_plane = 0.0;  ///< smallest depth shown, world units, >= 0
   bool skip = true;         ///< leave out work that cannot change the result
   int threads = 0;          ///< 0: all cores; never changes the result
+  /** Rays begin where they enter the last of these half spaces: the surface is cut open. With kAuto
+   * both sides of a cut surface are drawn. Where a ray has left one, the caller has to look. */
+  std::vector<HalfSpace> cuts;
 
   /** \brief Names the first parameter out of range. */
   Error validate() const;

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// pcl_slim_view: a window for SLIM surfaces, splats and scans.
+#include <cstdio>
+#include <string>
+
+#include "common/fit_job.h"
+#include "common/options.h"
+#include "common/program.h"
+#include "common/progress_bar.h"
+#include "common/report.h"
+#include "pcl_slim/core/file_access.h"
+#include "pcl_slim/visualization/display_mode.h"
+#include "render/model.h"
+#include "view/display.h"
+#include "view/viewer.h"
+
+using namespace pcl_slim;
+
+namespace {
+
+constexpr const char* kProgram = "pcl_slim_view";
+
+struct Settings {
+  std::string input, screenshot;
+  ViewerSettings viewer;
+  FitJob fit;
+  bool quiet = false;
+};
+
+OptionTable
+declareOptions(Settings& s)
+{
+  OptionTable table(
+      kProgram, PCL_SLIM_VERSION,
+      "Shows a SLIM surface (.pcd .ply .vtp .slim), splats (.pcd .ply) or a scan "
+      "(.pcd .ply), which is fitted on the fly, in a window; h there tells the keys.");
+  table.positional("IN.pcd|.ply|.vtp|.slim", &s.input,
+                   "surface of pcl_slim_fit, splats of pcl_color_splat_sampling, or a scan");
+  s.viewer.view.declareSize(table);
+  std::vector<std::string> modes = displayModeNames();
+  modes.insert(modes.begin(), "auto");
+  table.choice("mode", &s.viewer.mode, modes,
+               "what the colours show; auto: shaded surfaces, splats in their colours");
+  table.number("range", &s.viewer.range, 0.0, 1e300, "curvature of full colour, 1/length",
+               "automatic");
+  table.toggle("balls", &s.viewer.balls, "balls of the leaves, coloured by size");
+  table.toggle("points", &s.viewer.points, "points of a scan, also once it is fitted");
+  table.toggle("normals", &s.viewer.normals, "normals of leaves or splats");
+  table.toggle("help_overlay", &s.viewer.help, "begin with the help over the picture");
+  table.number("frame_budget", &s.viewer.frame_budget, 0.0, 1e6,
+               "milliseconds a frame may take while the mouse moves, else it is coarser; 0: any");
+  s.viewer.view.declareCamera(table);
+  table.text("camera_file", &s.viewer.camera_file, "FILE",
+             "where the keys c and C save and load the camera");
+  table.text("screenshot", &s.screenshot, "FILE.png", "save a picture instead of opening a window");
+  declareFitOptions(table, s.fit);
+  table.toggle("quiet", &s.quiet, "print nothing");
+  return table;
+}
+
+/** \brief A window for a scan, whose surface comes while the points are shown. */
+int
+showScan(const Settings& s, const CloudFile& cloud, Console& console)
+{
+  Viewer viewer(s.viewer, s.screenshot.empty());
+  viewer.scene().setPoints(cloud.view(false));
+  if (s.screenshot.empty()) {
+    viewer.begin();
+    FitTask task(s.fit, cloud);
+    const Error error = viewer.runFit(task);
+    return error ? fail(kProgram, kExitFailed, error.message) : kExitDone;
+  }
+  Report report(kProgram, PCL_SLIM_VERSION, s.input, s.fit.params.threads);
+  auto surface = std::make_shared<SLIMSurface>();
+  if (Error error = fitScan(s.fit, cloud, console, report, *surface)) {
+    return fail(kProgram, kExitFailed, error.message);
+  }
+  viewer.scene().setSurface(surface);
+  viewer.begin();
+  const Error error = viewer.saveScreenshot(s.screenshot);
+  return error ? fail(kProgram, kExitFailed, error.message) : kExitDone;
+}
+
+int
+showModel(const Settings& s, Model& model)
+{
+  Viewer viewer(s.viewer, s.screenshot.empty());
+  if (model.is_splats) {
+    viewer.scene().setSplats(std::make_shared<SplatSet>(std::move(model.splats)));
+  } else {
+    viewer.scene().setSurface(std::make_shared<SLIMSurface>(std::move(model.surface)));
+  }
+  viewer.begin();
+  if (s.screenshot.empty()) {
+    viewer.run();
+    return kExitDone;
+  }
+  const Error error = viewer.saveScreenshot(s.screenshot);
+  return error ? fail(kProgram, kExitFailed, error.message) : kExitDone;
+}
+
+int
+run(const Settings& s)
+{
+  if (!s.screenshot.empty()) {
+    if (Error error = checkWritable(s.screenshot)) {
+      return fail(kProgram, kExitFailed, error.message);
+    }
+  }
+  Console console(s.quiet);
+  const Result<bool> is_model = holdsModel(s.input);
+  if (!is_model) return fail(kProgram, kExitUsage, is_model.error().message);
+  if (!*is_model) {
+    Report report(kProgram, PCL_SLIM_VERSION, s.input, s.fit.params.threads);
+    const Result<CloudFile> cloud = loadScan(s.input, s.fit, console, report);
+    if (!cloud) return fail(kProgram, kExitUsage, cloud.error().message);
+    if (Error error = checkDisplay()) return fail(kProgram, kExitFailed, error.message);
+    return showScan(s, *cloud, console);
+  }
+  console.begin("Loading " + s.input);
+  const Stopwatch watch;
+  Result<Model> model = loadModel(s.input);
+  if (!model) {
+    console.failed();
+    return fail(kProgram, kExitUsage, model.error().message);
+  }
+  console.done(watch.seconds(), model->describe());
+  if (Error error = checkDisplay()) return fail(kProgram, kExitFailed, error.message);
+  return showModel(s, *model);
+}
+
+}  // namespace
+
+int
+main(int argc, char** argv)
+{
+  Settings settings;
+  OptionTable table = declareOptions(settings);
+  if (const auto status = table.parse(argc, argv)) return *status;
+  Error error = settings.viewer.view.parse();
+  if (!error) error = finishFitOptions(settings.fit);
+  if (!error && !settings.screenshot.empty() && lowerExtension(settings.screenshot) != ".png") {
+    error = {ErrorCode::kBadArgument,
+             "the picture '" + settings.screenshot + "' must be named .png"};
+  }
+  if (error) return fail(kProgram, kExitUsage, error.message);
+  settings.viewer.threads = settings.fit.params.threads;
+  settings.viewer.title = settings.input + " - " + kProgram;
+  return guarded(kProgram, "show a smaller model", [&] { return run(settings); });
+}

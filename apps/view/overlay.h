@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vtkSmartPointer.h>
+
+#include <string>
+
+class vtkRenderer;
+class vtkTextActor;
+
+namespace pcl_slim {
+
+/** \brief Text over a window's picture: a status line, what lies under the mouse, help, a bar. */
+class Overlay {
+ public:
+  explicit Overlay(vtkRenderer* renderer);
+  ~Overlay();
+
+  /** \brief The upper left corner: what is shown. */
+  void setStatus(const std::string& text);
+  /** \brief The lower left corner: what lies under the mouse; empty: nothing. */
+  void setReadout(const std::string& text);
+  /** \brief A stage and its share done in the lower middle; below 0: nothing. */
+  void setProgress(float fraction, const std::string& stage);
+  void showHelp(bool shown);
+  bool helpShown() const;
+
+ private:
+  vtkSmartPointer<vtkTextActor> addText(vtkRenderer* renderer, int size);
+
+  vtkSmartPointer<vtkTextActor> status_, readout_, progress_, help_;
+};
+
+}  // namespace pcl_slim

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "view/scene.h"
+
+#include <vtkActor.h>
+#include <vtkProperty.h>
+#include <vtkRenderer.h>
+#include <vtkScalarBarActor.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "pcl_slim/visualization/scalar_bar.h"
+#include "pcl_slim/visualization/slim_mapper.h"
+#include "pcl_slim/visualization/splat_mapper.h"
+#include "view/scene_parts.h"
+
+namespace pcl_slim {
+namespace {
+
+/** \brief Points as spheres of no size, with a normal that says nothing, for a camera to frame. */
+BoundingSpheres
+spheresOfPoints(vtkActor* points)
+{
+  const double* b = points->GetBounds();
+  BoundingSpheres result;
+  result.oriented = false;
+  double diagonal_sq = 0.0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    result.origin[k] = 0.5 * (b[2 * k] + b[2 * k + 1]);
+    diagonal_sq += (b[2 * k + 1] - b[2 * k]) * (b[2 * k + 1] - b[2 * k]);
+  }
+  result.scale = diagonal_sq > 0.0 ? std::sqrt(diagonal_sq) : 1.0;
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    BoundingSphere sphere{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double x = b[2 * k + ((corner >> k) & 1)];
+      sphere.center[k] = static_cast<float>((x - result.origin[k]) / result.scale);
+    }
+    sphere.normal = {0.0f, 0.0f, 1.0f};
+    result.spheres.push_back(sphere);
+  }
+  return result;
+}
+
+void
+setShown(vtkActor* actor, bool shown)
+{
+  if (actor) actor->SetVisibility(shown);
+}
+
+bool
+isShown(vtkActor* actor)
+{
+  return actor && actor->GetVisibility();
+}
+
+}  // namespace
+
+Scene::Scene(vtkRenderer* renderer) : renderer_(renderer) {}
+Scene::~Scene() = default;
+
+void
+Scene::setSurface(std::shared_ptr<const SLIMSurface> surface)
+{
+  surface_ = std::move(surface);
+  vtkNew<SLIMMapper> mapper;
+  mapper->setSurface(surface_);
+  setMapper(mapper);
+}
+
+void
+Scene::setSplats(std::shared_ptr<const SplatSet> splats)
+{
+  splats_ = std::move(splats);
+  vtkNew<SplatMapper> mapper;
+  mapper->setSplats(splats_);
+  setMapper(mapper);
+}
+
+void
+Scene::setMapper(GBufferMapper* mapper)
+{
+  mapper_ = mapper;
+  model_ = vtkSmartPointer<vtkActor>::New();
+  model_->SetMapper(mapper_);
+  setClayLook(model_->GetProperty());
+  renderer_->AddActor(model_);
+  // Points of two pixels would cover the surface they lie on.
+  if (points_) points_->GetProperty()->SetPointSize(1.0f);
+}
+
+void
+Scene::setPoints(const CloudView& points)
+{
+  points_ = makePoints(points);
+  renderer_->AddActor(points_);
+  point_spheres_ = spheresOfPoints(points_);
+}
+
+GBufferMapper*
+Scene::mapper() const
+{
+  return mapper_;
+}
+
+SLIMMapper*
+Scene::surfaceMapper() const
+{
+  return SLIMMapper::SafeDownCast(mapper_);
+}
+
+vtkActor*
+Scene::model() const
+{
+  return model_;
+}
+
+BoundingSpheres
+Scene::spheres() const
+{
+  if (surface_) return spheresOf(*surface_);
+  if (splats_) return spheresOf(*splats_);
+  return point_spheres_;
+}
+
+bool
+Scene::setMode(DisplayMode mode, double range)
+{
+  if (!mapper_ || !mapper_->setMode(mode)) return false;
+  mapper_->setRange(range);
+  updateBar();
+  return true;
+}
+
+void
+Scene::stepMode(int step)
+{
+  if (!mapper_) return;
+  const int count = static_cast<int>(displayModeNames().size());
+  int mode = static_cast<int>(mapper_->getMode());
+  do {
+    mode = (mode + step + count) % count;
+  } while (!mapper_->supports(static_cast<DisplayMode>(mode)));
+  setMode(static_cast<DisplayMode>(mode), 0.0);
+}
+
+void
+Scene::scaleRange(double factor)
+{
+  if (!mapper_ || !showsCurvature(mapper_->getMode())) return;
+  mapper_->setRange(factor > 0.0 ? factor * mapper_->getRange() : 0.0);
+}
+
+void
+Scene::updateBar()
+{
+  if (bar_) renderer_->RemoveActor2D(bar_);
+  bar_ = nullptr;
+  if (!showsNumbers(mapper_->getMode())) return;
+  bar_ = makeScalarBar(*mapper_);
+  renderer_->AddActor2D(bar_);
+}
+
+void
+Scene::showModel(bool shown)
+{
+  setShown(model_, shown);
+}
+
+void
+Scene::showPoints(bool shown)
+{
+  setShown(points_, shown);
+}
+
+void
+Scene::showBalls(bool shown)
+{
+  if (shown && !balls_ && surface_) {
+    balls_ = makeBalls(*surface_);
+    renderer_->AddActor(balls_);
+  }
+  setShown(balls_, shown);
+}
+
+void
+Scene::showNormals(bool shown)
+{
+  if (shown && !normals_ && (surface_ || splats_)) {
+    normals_ = surface_ ? makeNormals(*surface_) : makeNormals(*splats_);
+    renderer_->AddActor(normals_);
+  }
+  setShown(normals_, shown);
+}
+
+bool
+Scene::modelShown() const
+{
+  return isShown(model_);
+}
+
+bool
+Scene::pointsShown() const
+{
+  return isShown(points_);
+}
+
+bool
+Scene::ballsShown() const
+{
+  return isShown(balls_);
+}
+
+bool
+Scene::normalsShown() const
+{
+  return isShown(normals_);
+}
+
+}  // namespace pcl_slim

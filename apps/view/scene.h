@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vtkNew.h>
+#include <vtkSmartPointer.h>
+
+#include <memory>
+#include <string>
+
+#include "pcl_slim/cloud/cloud_view.h"
+#include "pcl_slim/render/bounding_spheres.h"
+#include "pcl_slim/splat/splat_set.h"
+#include "pcl_slim/surface/surface.h"
+#include "pcl_slim/visualization/display_mode.h"
+
+class vtkActor;
+class vtkRenderer;
+class vtkScalarBarActor;
+
+namespace pcl_slim {
+
+class GBufferMapper;
+class SLIMMapper;
+class SplatMapper;
+
+/** \brief What a window shows of a model: the model itself, and, where asked for, the points it was
+ * made of, the balls of its leaves coloured by size, and the normals. */
+class Scene {
+ public:
+  explicit Scene(vtkRenderer* renderer);
+  ~Scene();
+
+  void setSurface(std::shared_ptr<const SLIMSurface> surface);
+  void setSplats(std::shared_ptr<const SplatSet> splats);
+  /** \brief Shows a scan's finite points, grey. O(points). */
+  void setPoints(const CloudView& points);
+
+  /** \brief The mapper of the surface or the splats; null before there is either. */
+  GBufferMapper* mapper() const;
+  SLIMMapper* surfaceMapper() const;
+  vtkActor* model() const;
+  /** \brief What cameras look at: the model, else the points. */
+  BoundingSpheres spheres() const;
+
+  /** \brief \return false for what the model does not have. */
+  bool setMode(DisplayMode mode, double range);
+  /** \brief The next mode the model has, forwards or backwards. */
+  void stepMode(int step);
+  /** \brief Widens or narrows the range of a curvature map; 0: back to the automatic one. */
+  void scaleRange(double factor);
+
+  void showModel(bool shown);
+  void showPoints(bool shown);
+  void showBalls(bool shown);
+  void showNormals(bool shown);
+  bool modelShown() const;
+  bool pointsShown() const;
+  bool ballsShown() const;
+  bool normalsShown() const;
+
+ private:
+  void setMapper(GBufferMapper* mapper);
+  void updateBar();
+
+  vtkRenderer* renderer_;
+  std::shared_ptr<const SLIMSurface> surface_;
+  std::shared_ptr<const SplatSet> splats_;
+  BoundingSpheres point_spheres_;
+  vtkSmartPointer<GBufferMapper> mapper_;
+  vtkSmartPointer<vtkActor> model_, points_, balls_, normals_;
+  vtkSmartPointer<vtkScalarBarActor> bar_;
+};
+
+}  // namespace pcl_slim

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "view/viewer.h"
+
+#include <vtkCallbackCommand.h>
+#include <vtkCamera.h>
+#include <vtkInteractorStyleTrackballCamera.h>
+#include <vtkObjectFactory.h>
+#include <vtkRenderWindow.h>
+#include <vtkRenderWindowInteractor.h>
+#include <vtkRenderer.h>
+
+#include "pcl_slim/visualization/scalar_bar.h"
+#include "pcl_slim/visualization/slim_mapper.h"
+#include "view/readout.h"
+#include "view/vtk_camera.h"
+
+namespace pcl_slim {
+namespace {
+
+/** \brief The trackball of VTK with the keys of this program instead of VTK's. */
+class ViewerStyle : public vtkInteractorStyleTrackballCamera {
+ public:
+  static ViewerStyle* New();
+  vtkTypeMacro(ViewerStyle, vtkInteractorStyleTrackballCamera)
+
+  Viewer* viewer = nullptr;
+
+  void OnChar() override {}
+  void OnKeyPress() override { viewer->onKey(Interactor->GetKeySym()); }
+  void OnMouseMove() override
+  {
+    Superclass::OnMouseMove();
+    viewer->onMouseMoved();
+  }
+  void OnTimer() override
+  {
+    Superclass::OnTimer();
+    viewer->onTimer();
+  }
+};
+
+vtkStandardNewMacro(ViewerStyle)
+
+void
+setBackground(vtkRenderer* renderer)
+{
+  renderer->GradientBackgroundOn();
+  renderer->SetBackground(0.84, 0.84, 0.846);
+  renderer->SetBackground2(0.985, 0.985, 0.99);
+}
+
+}  // namespace
+
+Viewer::Viewer(const ViewerSettings& settings, bool on_screen)
+    : settings_(settings), scene_(renderer_), overlay_(renderer_)
+{
+  setBackground(renderer_);
+  setStudioLights(renderer_);
+  renderer_->UseFXAAOn();
+  window_->SetMultiSamples(0);
+  if (!on_screen) window_->SetOffScreenRendering(1);
+  window_->SetSize(settings.view.size.width, settings.view.size.height);
+  window_->SetWindowName(settings.title.c_str());
+  window_->AddRenderer(renderer_);
+  if (!on_screen) return;
+  interactor_->SetRenderWindow(window_);
+  vtkNew<ViewerStyle> style;
+  style->viewer = this;
+  interactor_->SetInteractorStyle(style);
+}
+
+Viewer::~Viewer() = default;
+
+void
+Viewer::begin()
+{
+  GBufferMapper* mapper = scene_.mapper();
+  if (mapper) {
+    mapper->setFrameBudget(settings_.frame_budget);
+    mapper->setNumberOfThreads(settings_.threads);
+    const std::string automatic = scene_.surfaceMapper() ? "shaded" : "color";
+    const std::string& name = settings_.mode == "auto" ? automatic : settings_.mode;
+    if (const auto mode = displayModeOf(name)) scene_.setMode(*mode, settings_.range);
+  }
+  scene_.showBalls(settings_.balls);
+  scene_.showNormals(settings_.normals);
+  scene_.showPoints(settings_.points || !mapper);
+  overlay_.showHelp(settings_.help);
+  if (!camera_moved_) resetCamera();
+  updateStatus();
+}
+
+void
+Viewer::run()
+{
+  window_->Render();
+  interactor_->Initialize();
+  interactor_->CreateRepeatingTimer(100);
+  interactor_->Start();
+}
+
+Error
+Viewer::runFit(FitTask& task)
+{
+  task_ = &task;
+  run();
+  task_ = nullptr;
+  return fit_error_;
+}
+
+Error
+Viewer::saveScreenshot(const std::string& path)
+{
+  render();
+  return savePicture(window_, path);
+}
+
+void
+Viewer::render()
+{
+  renderer_->ResetCameraClippingRange();
+  window_->Render();
+}
+
+void
+Viewer::resetCamera()
+{
+  settings_.view.size = {window_->GetSize()[0], window_->GetSize()[1]};
+  const bool parallel = renderer_->GetActiveCamera()->GetParallelProjection() != 0;
+  const BoundingSpheres object = scene_.spheres();
+  setCamera(settings_.view.cameraFor(object), renderer_);
+  setTurningPoint(object, renderer_->GetActiveCamera());
+  if (parallel && !settings_.view.orthographic) onKey("o");
+}
+
+void
+Viewer::onKey(const std::string& symbol)
+{
+  const Key* key = findKey(symbol);
+  if (!key) return;
+  message_.clear();
+  execute(*key);
+  updateStatus();
+  if (key->command != Command::kQuit) render();
+}
+
+void
+Viewer::execute(const Key& key)
+{
+  switch (key.command) {
+    case Command::kMode: {
+      const auto mode = static_cast<DisplayMode>(key.mode);
+      if (!scene_.setMode(mode, 0.0)) message_ = "nothing here has " + nameOf(mode) + " colours";
+      return;
+    }
+    case Command::kNextMode: return scene_.stepMode(1);
+    case Command::kPreviousMode: return scene_.stepMode(-1);
+    case Command::kWiderRange: return scene_.scaleRange(1.25);
+    case Command::kNarrowerRange: return scene_.scaleRange(0.8);
+    case Command::kAutomaticRange: return scene_.scaleRange(0.0);
+    case Command::kDetail: return stepDetail();
+    case Command::kSides: return stepSides();
+    case Command::kReset: return resetCamera();
+    case Command::kFocus: return focusUnderMouse();
+    case Command::kScreenshot: return screenshotByKey();
+    case Command::kHelp: return overlay_.showHelp(!overlay_.helpShown());
+    case Command::kQuit: return interactor_->TerminateApp();
+    default: return toggle(key.command);
+  }
+}
+
+void
+Viewer::toggle(Command command)
+{
+  const auto told = [this](const Error& error, const std::string& done) {
+    message_ = error ? error.message : done + settings_.camera_file;
+  };
+  switch (command) {
+    case Command::kModel: return scene_.showModel(!scene_.modelShown());
+    case Command::kPoints: return scene_.showPoints(!scene_.pointsShown());
+    case Command::kBalls: return scene_.showBalls(!scene_.ballsShown());
+    case Command::kNormals: return scene_.showNormals(!scene_.normalsShown());
+    case Command::kSaveCamera:
+      return told(saveCamera(settings_.camera_file, renderer_), "camera saved: ");
+    case Command::kLoadCamera:
+      return told(loadCamera(settings_.camera_file, renderer_), "camera loaded: ");
+    case Command::kParallel: return toggleParallel(renderer_->GetActiveCamera());
+    default: return;
+  }
+}
+
+void
+Viewer::stepDetail()
+{
+  GBufferMapper* mapper = scene_.mapper();
+  if (!mapper) return;
+  const double budget = mapper->getFrameBudget();
+  mapper->setFrameBudget(budget > 20.0 ? 20.0 : budget > 0.0 ? 0.0 : 50.0);
+  message_ = mapper->getFrameBudget() > 0.0
+                 ? "while the mouse moves, frames of at most " +
+                       std::to_string(static_cast<int>(mapper->getFrameBudget())) + " ms"
+                 : "full detail while the mouse moves";
+}
+
+void
+Viewer::stepSides()
+{
+  GBufferMapper* mapper = scene_.mapper();
+  if (!mapper) return;
+  const char* const names[] = {"sides: automatic", "sides: front", "sides: both"};
+  const int next = (static_cast<int>(mapper->getSides()) + 1) % 3;
+  mapper->setSides(static_cast<VisibleSides>(next));
+  message_ = names[next];
+}
+
+void
+Viewer::focusUnderMouse()
+{
+  const int* at = interactor_->GetEventPosition();
+  SurfacePick pick;
+  SLIMMapper* mapper = scene_.surfaceMapper();
+  if (!mapper || !mapper->pick(renderer_, scene_.model(), at[0], at[1], pick)) return;
+  renderer_->GetActiveCamera()->SetFocalPoint(pick.position.data());
+  camera_moved_ = true;
+}
+
+void
+Viewer::screenshotByKey()
+{
+  const std::string path = freePictureName();
+  const Error error = savePicture(window_, path);
+  message_ = error ? error.message : "saved " + path;
+}
+
+void
+Viewer::onMouseMoved()
+{
+  const auto* style = vtkInteractorStyle::SafeDownCast(interactor_->GetInteractorStyle());
+  if (style && const_cast<vtkInteractorStyle*>(style)->GetState() != VTKIS_NONE) {
+    camera_moved_ = true;
+  }
+  mouse_rests_ = false;
+}
+
+void
+Viewer::onTimer()
+{
+  if (task_) {
+    std::string stage;
+    const float fraction = task_->progress(stage);
+    overlay_.setProgress(fraction, stage);
+    if (task_->finished()) takeFit();
+    render();
+    return;
+  }
+  auto* style = vtkInteractorStyle::SafeDownCast(interactor_->GetInteractorStyle());
+  if (mouse_rests_ || style->GetState() != VTKIS_NONE) return;
+  mouse_rests_ = true;
+  readUnderMouse();
+}
+
+void
+Viewer::readUnderMouse()
+{
+  if (!scene_.mapper() || !scene_.modelShown()) return;
+  const int* at = interactor_->GetEventPosition();
+  overlay_.setReadout(describeUnder(scene_, renderer_, at[0], at[1]));
+  render();
+}
+
+void
+Viewer::takeFit()
+{
+  overlay_.setProgress(-1.0f, "");
+  fit_error_ = task_->error();
+  if (!fit_error_) {
+    scene_.setSurface(task_->surface());
+    begin();
+  } else {
+    message_ = fit_error_.message;
+    updateStatus();
+  }
+  task_ = nullptr;
+}
+
+void
+Viewer::updateStatus()
+{
+  overlay_.setStatus(describeScene(scene_) + (message_.empty() ? "" : "\n" + message_));
+}
+
+}  // namespace pcl_slim

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vtkNew.h>
+#include <vtkSmartPointer.h>
+
+#include <memory>
+#include <string>
+
+#include "pcl_slim/core/error.h"
+#include "render/view_request.h"
+#include "view/fit_task.h"
+#include "view/key_table.h"
+#include "view/overlay.h"
+#include "view/scene.h"
+
+class vtkRenderWindow;
+class vtkRenderWindowInteractor;
+class vtkRenderer;
+
+namespace pcl_slim {
+
+/** \brief How a window begins. */
+struct ViewerSettings {
+  std::string title, mode = "auto", camera_file = "pcl_slim_camera.txt";
+  double range = 0.0, frame_budget = 50.0;
+  bool balls = false, points = false, normals = false, help = false;
+  int threads = 0;
+  ViewRequest view;
+};
+
+/** \brief The window of pcl_slim_view: a scene, text over it, keys and the mouse. */
+class Viewer {
+ public:
+  explicit Viewer(const ViewerSettings& settings, bool on_screen);
+  ~Viewer();
+  Viewer(const Viewer&) = delete;
+  Viewer& operator=(const Viewer&) = delete;
+
+  Scene& scene() { return scene_; }
+
+  /** \brief Brings the first mode, the extras asked for and the camera to what is in the scene. */
+  void begin();
+  /** \brief Opens the window and returns when it is closed. */
+  void run();
+  /** \brief The same while a scan is being fitted; its surface replaces the points when it is there.
+   * \return what was wrong with the fit. */
+  Error runFit(FitTask& task);
+  /** \brief Draws the window once and saves it as a PNG file. */
+  Error saveScreenshot(const std::string& path);
+
+  // Called by the interactor's style ------------------------------------------------------------
+  void onKey(const std::string& symbol);
+  void onMouseMoved();
+  void onTimer();
+
+ private:
+  void render();
+  void resetCamera();
+  void execute(const Key& key);
+  void toggle(Command command);
+  void stepDetail();
+  void stepSides();
+  void focusUnderMouse();
+  void screenshotByKey();
+  void readUnderMouse();
+  void updateStatus();
+  void takeFit();
+
+  ViewerSettings settings_;
+  vtkNew<vtkRenderer> renderer_;
+  vtkNew<vtkRenderWindow> window_;
+  vtkNew<vtkRenderWindowInteractor> interactor_;
+  Scene scene_;
+  Overlay overlay_;
+  FitTask* task_ = nullptr;
+  Error fit_error_;
+  std::string message_;        ///< told once in the status line
+  bool camera_moved_ = false;  ///< by the user, so that a finished fit leaves it
+  bool mouse_rests_ = true;    ///< and what lies under it is told
+};
+
+}  // namespace pcl_slim

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "pcl_slim/splat/splat_set.h"
+#include "pcl_slim/surface/surface.h"
+
+namespace pcl_slim {
+
+/** \brief A sphere that encloses a piece of an object, and that piece's normal. */
+struct BoundingSphere {
+  std::array<float, 3> center;
+  float radius;
+  std::array<float, 3> normal;  ///< unit length
+};
+
+/** \brief An object as the spheres that enclose its pieces: what cameras look at.
+ *
+ * Lengths are in local units: world = origin + scale * local.
+ */
+struct BoundingSpheres {
+  std::vector<BoundingSphere> spheres;
+  std::array<double, 3> origin{};
+  double scale = 1.0;
+  double diagonal = 1.0;      ///< of the object's bounding box
+  double seen_radius = 1.0;   ///< share of each radius that a picture has to show
+  bool oriented = true;       ///< the normals point to the outer side
+};
+
+/** \brief The leaves' balls of a surface. O(surfels). */
+BoundingSpheres
+spheresOf(const SLIMSurface& surface);
+
+/** \brief The discs of a set, which must be valid (validateDiscs); their normals count as oriented,
+ * so that discs which face one way are seen from there. O(discs). */
+BoundingSpheres
+spheresOf(const SplatSet& splats);
+
+}  // namespace pcl_slim

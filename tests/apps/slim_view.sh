@@ -1,0 +1,61 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# pcl_slim_view: exit status and messages; pictures where xvfb-run brings an X server.
+# Arguments: programs' folder, an empty folder to work in.
+source "$(dirname -- "${BASH_SOURCE[0]}")/../support/program_test.sh"
+if [ ! -x "$bin/pcl_slim_view" ]; then
+  echo "pcl_slim_view is not built"
+  exit 0
+fi
+program=pcl_slim_view
+"$bin/pcl_slim_demo_scan" scan.pcd -points 8000 > out.txt
+"$bin/pcl_slim_fit" scan.pcd surface.slim > out.txt
+"$bin/pcl_color_splat_sampling" scan.pcd splats.pcd > out.txt 2> err.txt || true
+
+# Mistakes are told before a window is opened.
+unset DISPLAY
+expect 2 'missing.slim' missing.slim
+expect 2 'missing.pcd' missing.pcd
+head -c 2000 surface.slim > cut.slim
+expect 2 'truncated' cut.slim
+expect 2 'modee' surface.slim -modee mean
+expect 2 'mode' surface.slim -mode shiny
+expect 2 'named .png' surface.slim -screenshot x.jpg
+expect 2 'size' surface.slim -size 80
+expect 2 'exclude' surface.slim -camera 0,-1,0,0,0,0,0,0,1 -view top
+expect 1 'no/such' surface.slim -screenshot no/such/x.png
+expect 1 'X server' surface.slim -screenshot x.png
+absent x.png x.jpg
+documented pcl_slim_view
+
+if ! command -v xvfb-run > /dev/null; then
+  echo "no xvfb-run: no pictures are tried"
+  finish
+  exit 0
+fi
+
+# shot FILE.png ARGS...: a picture from a window that no one sees.
+shot() {
+  local file=$1
+  shift
+  xvfb-run -a -s "-screen 0 640x480x24" "$bin/pcl_slim_view" "$@" -screenshot "$file" \
+    -size 160x120 -quiet 1 > out.txt 2> err.txt || complain "no $file: $(head -c 300 err.txt)"
+  [ -s "$file" ] || complain "$file is empty or missing"
+}
+shot shaded.png surface.slim
+shot again.png surface.slim -threads 1
+shot mean.png surface.slim -mode mean
+shot balls.png surface.slim -balls 1
+shot top.png surface.slim -view top
+shot parallel.png surface.slim -ortho 1
+shot scan.png scan.pcd
+same shaded.png again.png
+# The scan is fitted as pcl_slim_fit does it.
+same shaded.png scan.png
+for other in mean balls top parallel; do differ shaded.png $other.png; done
+if [ -s splats.pcd ]; then
+  shot color.png splats.pcd
+  shot normal.png splats.pcd -mode normal
+  differ color.png normal.png
+fi
+finish

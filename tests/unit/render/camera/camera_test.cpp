@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/render/camera.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pcl_slim/render/auto_view.h"
+#include "pcl_slim/render/tile_rasterizer.h"
+#include "unit/render/test_surfaces.h"
+
+namespace pcl_slim {
+namespace {
+
+using namespace test;
+
+/** \brief Bounds of the covered pixels: x0, y0, x1, y1. */
+std::array<int, 4>
+coveredBounds(const GBuffer& buffer)
+{
+  std::array<int, 4> bounds{buffer.width, buffer.height, -1, -1};
+  for (int y = 0; y < buffer.height; ++y) {
+    for (int x = 0; x < buffer.width; ++x) {
+      if (!buffer.covered(buffer.index(x, y))) continue;
+      bounds = {std::min(bounds[0], x), std::min(bounds[1], y), std::max(bounds[2], x),
+                std::max(bounds[3], y)};
+    }
+  }
+  return bounds;
+}
+
+GBuffer
+rendered(const SLIMSurface& surface, const Camera& camera)
+{
+  GBuffer buffer;
+  const Error error = renderSurface(surface, camera, {}, buffer);
+  EXPECT_FALSE(error) << error.message;
+  return buffer;
+}
+
+void
+expectDirection(const std::array<double, 3>& actual, const std::array<double, 3>& expected)
+{
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(actual[k], expected[k], 1e-12);
+}
+
+TEST(FitCamera, FramesTheWholeObjectTightlyAndCentred)
+{
+  SLIMSurface surface = sphereSurface(4, 0.25, 600, 0.07, {0.1, -0.2, 0.05});
+  surface.info.origin = {5000.0, 300.0, -20.0};
+  surface.info.scale = 4.0;
+  for (const double azimuth : {0.0, 77.0, 200.0}) {
+    const Camera camera = fitCamera(spheresOf(surface), viewFromAngles(UpAxis::kZ, azimuth, 35.0), {160, 120});
+    const auto b = coveredBounds(rendered(surface, camera));
+    EXPECT_GT(b[1], 0);
+    EXPECT_LT(b[3], 119);
+    EXPECT_GT(b[3] - b[1], 95);        // 92 % of the height less the leaves' own reach
+    EXPECT_NEAR(b[1] + b[3], 119, 3);  // centred
+    EXPECT_NEAR(b[0] + b[2], 159, 3);
+  }
+}
+
+TEST(FitCamera, OrthographicFramesAsWell)
+{
+  const SLIMSurface surface = sphereSurface(4, 0.25, 600, 0.07, {0.1, -0.2, 0.05});
+  const Camera camera =
+      fitOrthographicCamera(spheresOf(surface), viewFromAngles(UpAxis::kY, 20.0, 10.0), {120, 160});
+  const auto b = coveredBounds(rendered(surface, camera));
+  EXPECT_GT(b[0], 0);
+  EXPECT_LT(b[2], 119);
+  EXPECT_GT(b[2] - b[0], 95);
+  EXPECT_NEAR(b[0] + b[2], 119, 3);
+  EXPECT_NEAR(b[1] + b[3], 159, 3);
+}
+
+TEST(FitCamera, OneStrayLeafDoesNotShrinkTheObject)
+{
+  SLIMSurface surface = sphereSurface(4, 0.25, 600, 0.07);
+  const ViewDirection view = viewFromAngles(UpAxis::kZ, 0.0, 0.0);
+  const Camera before = fitCamera(spheresOf(surface), view, {160, 120});
+  surface.cx[17] = 40.0f;
+  const Camera after = fitCamera(spheresOf(surface), view, {160, 120});
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(before.position[k], after.position[k], 0.02);
+}
+
+TEST(FitCamera, EmptySurfaceAndSinglePointGiveValidCameras)
+{
+  SLIMSurface surface;
+  EXPECT_FALSE(fitCamera(spheresOf(surface), chooseView(spheresOf(surface)), {80, 60}).validate());
+  EXPECT_FALSE(fitOrthographicCamera(spheresOf(surface), chooseView(spheresOf(surface)), {80, 60}).validate());
+  surface = sphereSurface(2, 0.25, 1, 0.07);
+  EXPECT_FALSE(fitCamera(spheresOf(surface), chooseView(spheresOf(surface)), {80, 60}).validate());
+  EXPECT_FALSE(fitOrthographicCamera(spheresOf(surface), chooseView(spheresOf(surface)), {80, 60}).validate());
+}
+
+TEST(ViewFromAngles, StandsWhereTheConventionSays)
+{
+  expectDirection(viewFromAngles(UpAxis::kZ, 0.0, 0.0).towards_viewer, {0.0, -1.0, 0.0});
+  expectDirection(viewFromAngles(UpAxis::kZ, 90.0, 0.0).towards_viewer, {1.0, 0.0, 0.0});
+  expectDirection(viewFromAngles(UpAxis::kZ, 0.0, 90.0).towards_viewer, {0.0, 0.0, 1.0});
+  expectDirection(viewFromAngles(UpAxis::kZ, 0.0, 90.0).up, {0.0, 1.0, 0.0});
+  expectDirection(viewFromAngles(UpAxis::kY, 0.0, 0.0).towards_viewer, {0.0, 0.0, 1.0});
+  expectDirection(viewFromAngles(UpAxis::kY, 90.0, 0.0).towards_viewer, {1.0, 0.0, 0.0});
+  expectDirection(viewFromAngles(UpAxis::kY, 90.0, 0.0).up, {0.0, 1.0, 0.0});
+}
+
+/** \brief The sphere's leaves stretched along each axis (their polynomials do not matter here). */
+SLIMSurface
+stretched(double x, double y, double z)
+{
+  SLIMSurface surface = sphereSurface(2, 1.0, 500, 0.05);
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    surface.cx[i] *= static_cast<float>(x);
+    surface.cy[i] *= static_cast<float>(y);
+    surface.cz[i] *= static_cast<float>(z);
+  }
+  return surface;
+}
+
+TEST(GuessUpAxis, StatuesStandAndTerrainLies)
+{
+  EXPECT_EQ(guessUpAxis(spheresOf(stretched(0.2, 0.2, 0.4))), UpAxis::kZ);
+  EXPECT_EQ(guessUpAxis(spheresOf(stretched(0.2, 0.4, 0.2))), UpAxis::kY);
+  EXPECT_EQ(guessUpAxis(spheresOf(stretched(0.3, 0.3, 0.3))), UpAxis::kZ);
+  EXPECT_EQ(guessUpAxis(spheresOf(stretched(0.3, 0.4, 0.02))), UpAxis::kZ);
+  EXPECT_EQ(guessUpAxis(spheresOf(stretched(0.3, 0.02, 0.4))), UpAxis::kY);
+  SLIMSurface map = stretched(0.2, 0.4, 0.2);
+  map.info.origin = {5e5, 5.4e6, 300.0};
+  map.info.scale = 64.0;
+  EXPECT_EQ(guessUpAxis(spheresOf(map)), UpAxis::kZ);
+}
+
+TEST(ChooseView, TerrainIsSeenFromAboveAcrossItsLongerSide)
+{
+  const ViewDirection view = chooseView(spheresOf(stretched(0.5, 0.2, 0.01)));
+  EXPECT_GT(view.towards_viewer[2], 0.5);
+  EXPECT_NEAR(view.towards_viewer[0], 0.0, 0.05);
+}
+
+TEST(ChooseView, OneSidedScanIsSeenFromItsSide)
+{
+  SLIMSurface surface = stretched(0.25, 0.25, 0.4);
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    if (surface.nx[i] > 0.1f) surface.flags[i] = 0;  // nothing measured at +x
+  }
+  EXPECT_LT(chooseView(spheresOf(surface)).towards_viewer[0], -0.8);
+  surface.info.oriented = false;  // the normals say nothing then
+  EXPECT_GT(chooseView(spheresOf(surface)).towards_viewer[0], 0.0);
+}
+
+TEST(ChooseView, DepthCameraIsPutBackWhereItStood)
+{
+  SLIMSurface surface = sphereSurface(2, 0.4, 500, 0.05, {0.0, 0.0, 1.0});
+  const ViewDirection view = chooseView(spheresOf(surface));
+  EXPECT_LT(view.towards_viewer[2], -0.9);
+  EXPECT_LT(view.up[1], -0.9);
+}
+
+}  // namespace
+}  // namespace pcl_slim

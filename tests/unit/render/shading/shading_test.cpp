@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/render/shading.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <set>
+
+#include "unit/render/test_surfaces.h"
+
+namespace pcl_slim {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace test;
+
+Camera
+frontCamera()
+{
+  Camera camera;
+  camera.position = {0.0, 0.0, 1.2};
+  camera.size = {96, 72};
+  return camera;
+}
+
+std::array<int, 3>
+pixelOf(const Image& image, int x, int y)
+{
+  const std::size_t i = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                             static_cast<std::size_t>(x));
+  return {image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]};
+}
+
+Image
+pictured(ShadingMode mode, int supersampling = 1, int threads = 1)
+{
+  RenderParams render_params;
+  render_params.threads = threads;
+  ShadingParams params;
+  params.mode = mode;
+  params.supersampling = supersampling;
+  params.threads = threads;
+  const auto image =
+      renderPicture(sphereSurface(4, 0.25, 600, 0.07), frontCamera(), render_params, params);
+  EXPECT_TRUE(image) << image.error().message;
+  return *image;
+}
+
+/** \brief A folder that goes away with the test. */
+struct TemporaryFolder {
+  fs::path path = fs::temp_directory_path() /
+                  ("pcl_slim_shading_test." + std::to_string(std::random_device()()));
+  TemporaryFolder() { fs::create_directories(path); }
+  ~TemporaryFolder() { fs::remove_all(path); }
+};
+
+TEST(Shading, NormalModeEncodesTheNormal)
+{
+  const auto middle = pixelOf(pictured(ShadingMode::kNormal), 48, 36);
+  EXPECT_NEAR(middle[0], 128, 4);
+  EXPECT_NEAR(middle[1], 128, 4);
+  EXPECT_NEAR(middle[2], 255, 2);
+}
+
+TEST(Shading, EveryModeShowsTheObjectAndKnowsItsName)
+{
+  std::set<std::vector<std::uint8_t>> pictures;
+  for (const char* name : {"shaded", "normal", "mean", "level", "size"}) {
+    const auto mode = shadingModeOf(name);
+    ASSERT_TRUE(mode) << name;
+    const Image image = pictured(*mode);
+    EXPECT_NE(pixelOf(image, 48, 36), pixelOf(image, 2, 36)) << name;
+    pictures.insert(image.rgb);
+  }
+  EXPECT_EQ(pictures.size(), 5u);
+  EXPECT_FALSE(shadingModeOf("sahded"));
+}
+
+TEST(Shading, AGivenRangeSetsTheCurvatureColours)
+{
+  const Camera camera = frontCamera();
+  SLIMSurface surface = sphereSurface(4, 0.25, 600, 0.07);
+  surface.info.scale = 0.5;  // world radius .125, mean curvature 8
+  Camera near = camera;
+  near.position = {0.0, 0.0, 0.6};
+  GBuffer buffer;
+  ASSERT_FALSE(renderSurface(surface, near, {}, buffer));
+  ShadingParams params;
+  params.mode = ShadingMode::kMean;
+  params.range = 8.0;
+  EXPECT_NEAR(rangeOf(buffer, params, 0.5).curvature, 4.0, 1e-9);
+  params.range = 8000.0;  // everything is flat against that: the middle of the map is grey
+  const auto image = shade(buffer, near, params, 0.5);
+  ASSERT_TRUE(image);
+  const auto middle = pixelOf(*image, 48, 36);
+  EXPECT_LT(std::abs(middle[0] - middle[2]), 16);
+}
+
+TEST(Shading, SupersamplingSmoothsTheSilhouette)
+{
+  const auto colours = [](const Image& image) {
+    std::set<std::array<int, 3>> found;
+    for (int x = 0; x < image.width; ++x) found.insert(pixelOf(image, x, 36));
+    return found.size();
+  };
+  EXPECT_NE(pictured(ShadingMode::kShaded, 2).rgb, pictured(ShadingMode::kShaded, 1).rgb);
+  EXPECT_GT(colours(pictured(ShadingMode::kLevel, 3)), colours(pictured(ShadingMode::kLevel, 1)));
+}
+
+TEST(Shading, OneAndFourThreadsGiveTheSameBytes)
+{
+  EXPECT_EQ(pictured(ShadingMode::kShaded, 2, 1).rgb, pictured(ShadingMode::kShaded, 2, 4).rgb);
+  EXPECT_EQ(pictured(ShadingMode::kMean, 2, 1).rgb, pictured(ShadingMode::kMean, 2, 4).rgb);
+}
+
+TEST(Shading, EmptySurfaceGivesABackground)
+{
+  const auto image = renderPicture(SLIMSurface(), frontCamera(), {}, {});
+  ASSERT_TRUE(image);
+  EXPECT_GT(pixelOf(*image, 48, 1)[0], 240);
+}
+
+TEST(Shading, NamesBadParametersAndForeignBuffers)
+{
+  ShadingParams params;
+  params.supersampling = 0;
+  EXPECT_EQ(renderPicture(SLIMSurface(), frontCamera(), {}, params).error().code,
+            ErrorCode::kBadArgument);
+  params = {};
+  params.percentile = 0.0;
+  EXPECT_EQ(renderPicture(SLIMSurface(), frontCamera(), {}, params).error().code,
+            ErrorCode::kBadArgument);
+  GBuffer buffer;
+  buffer.resize(10, 10);
+  EXPECT_EQ(shade(buffer, frontCamera(), {}).error().code, ErrorCode::kBadArgument);
+}
+
+TEST(Png, ReadsBackWhatWasWritten)
+{
+  if (checkImageExtension("a.png")) GTEST_SKIP() << "a build without PNG";
+  const TemporaryFolder folder;
+  const std::string path = (folder.path / "a picture.png").string();
+  const Image image = pictured(ShadingMode::kShaded);
+  const Error error = savePng(path, image);
+  ASSERT_FALSE(error) << error.message;
+  const auto read = loadPng(path);
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->width, image.width);
+  EXPECT_EQ(read->height, image.height);
+  EXPECT_EQ(read->rgb, image.rgb);
+}
+
+TEST(Png, UnwritablePathsAndBadFilesAreNamed)
+{
+  if (checkImageExtension("a.png")) GTEST_SKIP() << "a build without PNG";
+  const TemporaryFolder folder;
+  const Image image = pictured(ShadingMode::kShaded);
+  const std::string missing = (folder.path / "no" / "such.png").string();
+  const Error error = savePng(missing, image);
+  EXPECT_EQ(error.code, ErrorCode::kIo);
+  EXPECT_NE(error.message.find(missing), std::string::npos);
+  EXPECT_FALSE(fs::exists(missing));
+  EXPECT_EQ(savePng((folder.path / "x.png").string(), Image()).code, ErrorCode::kBadInput);
+  EXPECT_TRUE(fs::is_empty(folder.path));
+
+  const std::string truncated = (folder.path / "truncated.png").string();
+  ASSERT_FALSE(savePng(truncated, image));
+  fs::resize_file(truncated, fs::file_size(truncated) / 2);
+  EXPECT_EQ(loadPng(truncated).error().code, ErrorCode::kIo);
+  EXPECT_EQ(loadPng(missing).error().code, ErrorCode::kIo);
+}
+
+}  // namespace
+}  // namespace pcl_slim

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pcl_slim {
+
+/** \brief What the colours of a surface or of splats show in a window. */
+enum class DisplayMode : unsigned char {
+  kShaded,      ///< the actor's own colour under the renderer's lights
+  kNormal,      ///< rgb = n / 2 + 1/2, world axes, without light
+  kMean,        ///< mean curvature, 1/length, positive on a ball
+  kGauss,       ///< Gaussian curvature, 1/length^2
+  kMax,         ///< larger principal curvature, 1/length
+  kMin,         ///< smaller principal curvature, 1/length
+  kLevel,       ///< level of the leaf of the largest weight, one colour each
+  kSize,        ///< its radius, small red to large blue, by the logarithm
+  kReflection,  ///< stripes of light far away as the surface mirrors them
+  kColor,       ///< colours of splats
+};
+
+/** \brief "shaded", "normal", "mean", "gauss", "kmax", "kmin", "level", "size", "reflection" or
+ * "color". */
+std::string
+nameOf(DisplayMode mode);
+
+/** \brief The mode of a name, or nothing. */
+std::optional<DisplayMode>
+displayModeOf(const std::string& name);
+
+/** \brief Names of all modes, in their order. */
+std::vector<std::string>
+displayModeNames();
+
+/** \brief Whether the mode shows a curvature: values of both signs about 0, in 1/length or
+ * 1/length^2. */
+bool
+showsCurvature(DisplayMode mode);
+
+/** \brief Whether colours stand for numbers that a scalar bar explains. */
+bool
+showsNumbers(DisplayMode mode);
+
+}  // namespace pcl_slim

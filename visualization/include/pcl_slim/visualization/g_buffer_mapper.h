@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vtkOpenGLPolyDataMapper.h>
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/render/camera.h"
+#include "pcl_slim/render/g_buffer.h"
+#include "pcl_slim/render/tile_rasterizer.h"
+#include "pcl_slim/visualization/display_mode.h"
+
+class vtkOpenGLRenderWindow;
+
+namespace pcl_slim {
+
+/** \brief What a mapper drew, and what it did not have to draw again. */
+struct FrameStatistics {
+  std::uint64_t frames = 0;        ///< times the renderer asked for the object
+  std::uint64_t rasterized = 0;    ///< times its rays were intersected; else shaded again only
+  std::uint64_t tables = 0;        ///< times the table of colours was made
+  int coarseness = 1;              ///< of the last frame: rays stand this many pixels apart
+  double rasterize_seconds = 0.0;  ///< wall time of the last intersection of rays, upload included
+  std::uint64_t covered_pixels = 0;  ///< rays of it that met the object
+};
+
+/** \brief What a frame is drawn with besides the camera. */
+struct FrameRequest {
+  double near_plane = 0.0;  ///< smallest depth, world units
+  VisibleSides sides = VisibleSides::kAuto;
+  int threads = 0;
+  std::vector<HalfSpace> clip_planes;  ///< what is kept, the object's coordinates, unit normals
+};
+
+/** \brief Base of the mappers that draw what has no triangles: rays are intersected on the CPU or
+ * the graphics card, and a full-viewport pass resolves the result inside VTK's own fragment shader.
+ *
+ * VTK's lights, vtkProperty (colour, opacity, highlights), the actor's place, depth composition
+ * with other actors, depth peeling and hardware picking therefore work as with triangles. The
+ * actor's matrix may turn, move and scale alike in all directions; with any other matrix nothing is
+ * drawn and getError() says so. Of a translucent object the front sheet is drawn.
+ *
+ * The rays' result is kept while camera, size, object and clipping planes stay as they are; a
+ * change of mode, range, light or property only shades it again. While the mouse moves, rays
+ * stand 2 or 4 pixels apart if a full frame takes longer than the frame budget; the frame that an
+ * interactor style draws when the button is released is full again.
+ *
+ * Methods in VTK's spelling are VTK's own. One object serves one render window. VTK's rule for
+ * threads applies: call it from the thread of the window.
+ */
+class GBufferMapper : public vtkOpenGLPolyDataMapper {
+ public:
+  vtkTypeMacro(GBufferMapper, vtkOpenGLPolyDataMapper)
+  void PrintSelf(ostream& os, vtkIndent indent) override;
+
+  /** \brief What colours show (kShaded); GetLookupTable() then holds the table of colours, for a
+   * vtkScalarBarActor. \return false, and nothing changes, for what the object does not have. */
+  bool setMode(DisplayMode mode);
+  DisplayMode getMode() const;
+  /** \brief Whether the object can be shown so. */
+  virtual bool supports(DisplayMode mode) const = 0;
+
+  /** \brief Curvature of full colour, 1/length or 1/length^2; 0 (default): such that 95 % of the
+   * object's area lies inside, whatever part of it is seen. */
+  void setRange(double range);
+  /** \brief The range given, or the automatic one of the mode that is set. */
+  double getRange() const;
+
+  /** \brief Longest time for a frame while the mouse moves, milliseconds (50); 0: any. */
+  void setFrameBudget(double milliseconds);
+  double getFrameBudget() const;
+
+  /** \brief Sides of the object to draw (kAuto). */
+  void setSides(VisibleSides sides);
+  VisibleSides getSides() const;
+
+  /** \brief Threads for rays; 0 (default): all cores. Never changes the picture. */
+  void setNumberOfThreads(int threads);
+  int getNumberOfThreads() const;
+
+  const FrameStatistics& getStatistics() const;
+  /** \brief Why the last frame is empty; no error after a good one. */
+  const Error& getError() const;
+
+  /** \brief What a camera sees through one pixel of a viewport: one ray, drawn on the CPU.
+   * \param[in] x, y display coordinates, from the lower left corner of the window, as
+   * vtkRenderWindowInteractor gives them; \param[out] pixel a buffer of one pixel.
+   * \return false where the ray meets nothing. O(leaves or splats). */
+  bool castRay(vtkRenderer* renderer, vtkActor* actor, int x, int y, GBuffer& pixel);
+
+  // VTK's own ------------------------------------------------------------------------------------
+  void RenderPieceDraw(vtkRenderer* renderer, vtkActor* actor) override;
+  void ReleaseGraphicsResources(vtkWindow* window) override;
+
+ protected:
+  GBufferMapper();
+  ~GBufferMapper() override;
+
+  /** \brief Intersects the rays of a camera with the object. */
+  virtual Error rasterize(const Camera& camera, const FrameRequest& request, GBuffer& buffer) = 0;
+  /** \brief World units per unit of the buffer's lengths. */
+  virtual double lengthScale() const = 0;
+  /** \brief Values of the first and last colour of a mode that shows numbers. */
+  virtual std::array<double, 2> automaticRange(DisplayMode mode) const = 0;
+
+  /** \brief To be called when the object has changed: bounds given, empty ones for no object. */
+  void objectChanged(vtkPolyData* points, const std::array<double, 6>& bounds);
+
+  void ComputeBounds() override;
+  void UpdateBufferObjects(vtkRenderer* renderer, vtkActor* actor) override;
+  void GetShaderTemplate(std::map<vtkShader::Type, vtkShader*> shaders, vtkRenderer* renderer,
+                         vtkActor* actor) override;
+  void ReplaceShaderValues(std::map<vtkShader::Type, vtkShader*> shaders, vtkRenderer* renderer,
+                           vtkActor* actor) override;
+  void SetCameraShaderParameters(vtkOpenGLHelper& primitive, vtkRenderer* renderer,
+                                 vtkActor* actor) override;
+
+ private:
+  GBufferMapper(const GBufferMapper&) = delete;
+  void operator=(const GBufferMapper&) = delete;
+
+  bool prepareFrame(vtkRenderer* renderer, vtkActor* actor);
+  void uploadFrame(vtkOpenGLRenderWindow* window);
+  void updateTable();
+
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace pcl_slim

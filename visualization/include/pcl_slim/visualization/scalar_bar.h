@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vtkSmartPointer.h>
+
+#include <string>
+
+#include "pcl_slim/visualization/display_mode.h"
+
+class vtkProperty;
+class vtkRenderer;
+class vtkScalarBarActor;
+
+namespace pcl_slim {
+
+class GBufferMapper;
+
+/** \brief "mean curvature", "radius" ...: what a mode's colours stand for. */
+std::string
+titleOf(DisplayMode mode);
+
+/** \brief A scalar bar of a mapper's colours at the right of the window, with title and unit. It
+ * follows the mapper's range; make another for another mode. \param[in] unit of length: "mm", or
+ * nothing. */
+vtkSmartPointer<vtkScalarBarActor>
+makeScalarBar(GBufferMapper& mapper, const std::string& unit = "");
+
+/** \brief The clay of pcl_slim_render's pictures: colour and highlight. */
+void
+setClayLook(vtkProperty* property);
+
+/** \brief Lights of pcl_slim_render's pictures, which move with the camera: one at the viewer and a
+ * key light from the upper left. Replaces the renderer's lights. */
+void
+setStudioLights(vtkRenderer* renderer);
+
+}  // namespace pcl_slim

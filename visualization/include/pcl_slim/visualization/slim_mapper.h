@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+
+#include "pcl_slim/surface/surface.h"
+#include "pcl_slim/visualization/g_buffer_mapper.h"
+
+namespace pcl_slim {
+
+namespace detail {
+class SurfaceFrames;
+}
+
+/** \brief What lies under a pixel of a drawn surface; lengths in world units. */
+struct SurfacePick {
+  std::uint32_t surfel = 0;          ///< index of the leaf of the largest weight
+  std::array<double, 3> position{};  ///< blended point, world coordinates of the surface
+  std::array<double, 3> normal{};    ///< unit, towards the viewer if seen from both sides
+  double mean = 0.0, gauss = 0.0;    ///< 1/length, 1/length^2
+  double k_max = 0.0, k_min = 0.0;   ///< 1/length
+  int level = 0, degree = 0;         ///< of the surfel
+  double radius = 0.0;               ///< of the surfel
+  double error = 0.0;                ///< its root-mean-square residual
+  double confidence = 0.0;           ///< number of points behind it
+};
+
+/** \brief Draws a SLIM surface, blended per pixel, in any VTK renderer.
+ *
+ * \code
+ * vtkNew<pcl_slim::SLIMMapper> mapper;
+ * mapper->setSurface(std::make_shared<pcl_slim::SLIMSurface>(surface));
+ * vtkNew<vtkActor> actor;
+ * actor->SetMapper(mapper);
+ * renderer->AddActor(actor);
+ * \endcode
+ *
+ * See GBufferMapper for what is kept from frame to frame. The picture of a surface from outside
+ * is that of renderSurface(), pixel by pixel. Cutting an oriented surface open with clipping
+ * planes shows its inner side as well.
+ */
+class SLIMMapper : public GBufferMapper {
+ public:
+  static SLIMMapper* New();
+  vtkTypeMacro(SLIMMapper, GBufferMapper)
+
+  /** \brief The surface to draw, shared and not copied; null: none. It must not change while it is
+   * here. A surface that does not pass validate() is refused: false, and none is drawn then.
+   * O(leaves). */
+  bool setSurface(std::shared_ptr<const SLIMSurface> surface);
+  const std::shared_ptr<const SLIMSurface>& getSurface() const { return surface_; }
+
+  /** \brief Tells what is drawn at a pixel. \param[in] x, y display coordinates, from the lower left
+   * corner of the window. \return false beside the surface. O(leaves). */
+  bool pick(vtkRenderer* renderer, vtkActor* actor, int x, int y, SurfacePick& result);
+
+  bool supports(DisplayMode mode) const override;
+
+ protected:
+  SLIMMapper();
+  ~SLIMMapper() override;
+
+  Error rasterize(const Camera& camera, const FrameRequest& request, GBuffer& buffer) override;
+  double lengthScale() const override;
+  std::array<double, 2> automaticRange(DisplayMode mode) const override;
+
+ private:
+  SLIMMapper(const SLIMMapper&) = delete;
+  void operator=(const SLIMMapper&) = delete;
+
+  std::shared_ptr<const SLIMSurface> surface_;
+  std::unique_ptr<detail::SurfaceFrames> frames_;
+  mutable std::map<DisplayMode, std::array<double, 2>> ranges_;  ///< those asked for so far
+};
+
+}  // namespace pcl_slim

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/visualization/scalar_bar.h"
+
+#include <vtkLight.h>
+#include <vtkNew.h>
+#include <vtkProperty.h>
+#include <vtkRenderer.h>
+#include <vtkScalarBarActor.h>
+#include <vtkScalarsToColors.h>
+#include <vtkTextProperty.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "pcl_slim/visualization/g_buffer_mapper.h"
+
+namespace pcl_slim {
+namespace {
+
+void
+setTextLook(vtkTextProperty* text, int size, bool bold)
+{
+  text->SetFontFamilyToArial();
+  text->SetFontSize(size);
+  text->SetColor(0.12, 0.13, 0.15);
+  text->SetBold(bold);
+  text->SetItalic(false);
+  text->SetShadow(false);
+}
+
+std::string
+unitOf(DisplayMode mode, const std::string& unit)
+{
+  if (mode == DisplayMode::kSize) return unit;
+  if (!showsCurvature(mode)) return "";
+  return "1/" + (unit.empty() ? "length" : unit) + (mode == DisplayMode::kGauss ? "^2" : "");
+}
+
+void
+addLight(vtkRenderer* renderer, double x, double y, double z, double intensity)
+{
+  vtkNew<vtkLight> light;
+  light->SetLightTypeToCameraLight();
+  light->SetPosition(x, y, z);
+  light->SetFocalPoint(0.0, 0.0, 0.0);
+  light->SetIntensity(intensity);
+  renderer->AddLight(light);
+}
+
+}  // namespace
+
+std::string
+titleOf(DisplayMode mode)
+{
+  switch (mode) {
+    case DisplayMode::kMean: return "mean curvature";
+    case DisplayMode::kGauss: return "Gaussian curvature";
+    case DisplayMode::kMax: return "largest curvature";
+    case DisplayMode::kMin: return "smallest curvature";
+    case DisplayMode::kLevel: return "level";
+    case DisplayMode::kSize: return "ball radius";
+    case DisplayMode::kReflection: return "reflection lines";
+    case DisplayMode::kColor: return "colour";
+    default: return nameOf(mode);
+  }
+}
+
+vtkSmartPointer<vtkScalarBarActor>
+makeScalarBar(GBufferMapper& mapper, const std::string& unit)
+{
+  auto bar = vtkSmartPointer<vtkScalarBarActor>::New();
+  const DisplayMode mode = mapper.getMode();
+  vtkScalarsToColors* table = mapper.GetLookupTable();
+  const std::string shown_unit = unitOf(mode, unit);
+  const std::string title = titleOf(mode) + (shown_unit.empty() ? "" : "\n" + shown_unit);
+  bar->SetLookupTable(table);
+  bar->SetTitle(title.c_str());
+  const bool levels = mode == DisplayMode::kLevel;
+  const double* range = table->GetRange();
+  const int count = static_cast<int>(std::lround(range[1] - range[0]));
+  // Half levels stand at the borders of the colours, whole ones in their middle.
+  bar->SetNumberOfLabels(levels ? std::min(2 * count + 1, 21) : 5);
+  bar->SetLabelFormat(levels ? "%-4.3g" : "%-#9.3g");
+  bar->SetMaximumNumberOfColors(256);
+  bar->SetOrientationToVertical();
+  bar->SetPosition(0.84, 0.2);
+  bar->SetWidth(0.15);
+  bar->SetHeight(0.6);
+  bar->SetBarRatio(0.2);
+  bar->SetUnconstrainedFontSize(true);
+  setTextLook(bar->GetTitleTextProperty(), 13, true);
+  setTextLook(bar->GetLabelTextProperty(), 13, false);
+  bar->SetVerticalTitleSeparation(10);
+  return bar;
+}
+
+void
+setClayLook(vtkProperty* property)
+{
+  property->SetColor(0.80, 0.74, 0.66);
+  property->SetAmbient(0.22);
+  property->SetDiffuse(0.9);
+  property->SetSpecular(0.18);
+  property->SetSpecularColor(1.0, 1.0, 1.0);
+  property->SetSpecularPower(40.0);
+}
+
+void
+setStudioLights(vtkRenderer* renderer)
+{
+  renderer->RemoveAllLights();
+  renderer->AutomaticLightCreationOff();
+  addLight(renderer, 0.0, 0.0, 1.0, 0.35);
+  addLight(renderer, -0.55, 0.75, 0.65, 0.68);
+}
+
+}  // namespace pcl_slim

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "frame/packed_frame.h"
+#include "frame/view_camera.h"
+#include "frame/vtk_view.h"
+#include "pcl_slim/core/error.h"
+
+namespace pcl_slim::detail {
+
+/** \brief All that decides what a frame's rays meet, besides how far apart they stand. */
+struct FrameKey {
+  Matrix4 model_to_view{};
+  std::array<double, 7> projection{};  ///< without the depth range, which moves no ray
+  int width = 0, height = 0;
+  double near_distance = 0.0;
+  std::vector<double> planes;
+  VisibleSides sides = VisibleSides::kAuto;
+  std::uint64_t object = 0;  ///< counts changes of the object
+
+  FrameKey() = default;
+  FrameKey(const VtkView& view, const FrameRequest& request, std::uint64_t object_count);
+
+  bool operator==(const FrameKey& other) const;
+};
+
+/** \brief What the rays of the last frame met, kept until something moves. */
+class CachedFrame {
+ public:
+  using Rasterize = std::function<Error(const Camera&, const FrameRequest&, GBuffer&)>;
+
+  /** \brief Whether a frame at least as fine is there. */
+  bool holds(const FrameKey& key, int coarseness) const;
+
+  /** \brief Makes a frame. \param[in] request near_plane is filled in here; \param[in] scale of the
+   * lengths that rasterize writes. After an error there is none. */
+  Error make(const VtkView& view, FrameKey key, int coarseness, FrameRequest request, double scale,
+             const Rasterize& rasterize);
+
+  /** \brief Forgets the frame and how long it took. */
+  void clear();
+
+  /** \brief How far apart rays have to stand so that a frame takes no longer than this. */
+  int coarsenessFor(double milliseconds) const;
+
+  const ViewCamera& view() const { return view_; }
+  const PackedFrame& packed() const { return packed_; }
+  int width() const { return buffer_.width; }
+  int height() const { return buffer_.height; }
+  int coarseness() const { return coarseness_; }
+  double seconds() const { return seconds_; }
+  std::uint64_t coveredPixels() const { return covered_; }
+  /** \brief Left, bottom, right, top of all covered pixels, normalised device coordinates. */
+  const std::array<float, 4>& rectangle() const { return rectangle_; }
+
+ private:
+  bool valid_ = false;
+  FrameKey key_;
+  int coarseness_ = 1;
+  double seconds_ = 0.0;       ///< what the frame took
+  double full_seconds_ = 0.0;  ///< about what a frame with a ray for every pixel takes
+  std::uint64_t covered_ = 0;
+  ViewCamera view_;
+  GBuffer buffer_;
+  PackedFrame packed_;
+  std::array<float, 4> rectangle_{};
+};
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "frame/frame_textures.h"
+
+#include <vtkOpenGLRenderWindow.h>
+#include <vtkScalarsToColors.h>
+#include <vtkShaderProgram.h>
+#include <vtkTextureObject.h>
+
+#include <cmath>
+
+namespace pcl_slim::detail {
+namespace {
+
+void
+upload(vtkOpenGLRenderWindow* window, int width, int height, int type, const void* data,
+       vtkTextureObject* texture)
+{
+  texture->SetContext(window);
+  texture->Create2DFromRaw(static_cast<unsigned>(width), static_cast<unsigned>(height), 4, type,
+                           const_cast<void*>(data));
+}
+
+void
+setSampling(vtkTextureObject* texture, int filter)
+{
+  texture->SetMinificationFilter(filter);
+  texture->SetMagnificationFilter(filter);
+  texture->SetWrapS(vtkTextureObject::ClampToEdge);
+  texture->SetWrapT(vtkTextureObject::ClampToEdge);
+}
+
+}  // namespace
+
+FrameTextures::FrameTextures()
+{
+  setSampling(geometry_, vtkTextureObject::Nearest);
+  setSampling(attributes_, vtkTextureObject::Nearest);
+  setSampling(colors_, vtkTextureObject::Nearest);
+  setSampling(table_, vtkTextureObject::Linear);
+}
+
+FrameTextures::~FrameTextures() = default;
+
+void
+FrameTextures::setFrame(vtkOpenGLRenderWindow* window, const PackedFrame& frame, int width,
+                        int height)
+{
+  width_ = width;
+  height_ = height;
+  upload(window, width, height, VTK_FLOAT, frame.geometry.data(), geometry_);
+  has_attributes_ = false;
+  has_colors_ = !frame.colors.empty();
+  if (has_colors_) {
+    upload(window, width, height, VTK_UNSIGNED_CHAR, frame.colors.data(), colors_);
+  }
+}
+
+void
+FrameTextures::needAttributes(vtkOpenGLRenderWindow* window, const PackedFrame& frame)
+{
+  if (has_attributes_) return;
+  upload(window, width_, height_, VTK_FLOAT, frame.attributes.data(), attributes_);
+  has_attributes_ = true;
+}
+
+void
+FrameTextures::setTable(vtkOpenGLRenderWindow* window, vtkScalarsToColors* table,
+                        const ColorScale& scale)
+{
+  std::vector<std::uint8_t> texels;
+  for (int i = 0; i < scale.texels; ++i) {
+    const double x = scale.texels > 1 ? i / (scale.texels - 1.0) : 0.5;
+    const double value = scale.logarithm ? scale.low * std::pow(scale.high / scale.low, x)
+                                         : scale.low + x * (scale.high - scale.low);
+    const unsigned char* rgba = table->MapValue(value);
+    texels.insert(texels.end(), rgba, rgba + 4);
+  }
+  upload(window, scale.texels, 1, VTK_UNSIGNED_CHAR, texels.data(), table_);
+  has_table_ = true;
+}
+
+void
+FrameTextures::activate()
+{
+  geometry_->Activate();
+  if (has_attributes_) attributes_->Activate();
+  if (has_colors_) colors_->Activate();
+  if (has_table_) table_->Activate();
+}
+
+void
+FrameTextures::tell(vtkShaderProgram* program)
+{
+  const int unit = geometry_->GetTextureUnit();
+  // A sampler of a texture that no mode reads now has to name some texture of its type.
+  program->SetUniformi("slimGeometry", unit);
+  program->SetUniformi("slimAttributes", has_attributes_ ? attributes_->GetTextureUnit() : unit);
+  program->SetUniformi("slimColors", has_colors_ ? colors_->GetTextureUnit() : unit);
+  program->SetUniformi("slimTable", has_table_ ? table_->GetTextureUnit() : unit);
+}
+
+void
+FrameTextures::deactivate()
+{
+  geometry_->Deactivate();
+  if (has_attributes_) attributes_->Deactivate();
+  if (has_colors_) colors_->Deactivate();
+  if (has_table_) table_->Deactivate();
+}
+
+void
+FrameTextures::release(vtkWindow* window)
+{
+  for (vtkTextureObject* texture :
+       {geometry_.Get(), attributes_.Get(), colors_.Get(), table_.Get()}) {
+    texture->ReleaseGraphicsResources(window);
+  }
+  has_attributes_ = has_colors_ = has_table_ = false;
+}
+
+}  // namespace pcl_slim::detail

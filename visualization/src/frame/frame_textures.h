@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vtkNew.h>
+
+#include "color/color_scale.h"
+#include "frame/packed_frame.h"
+
+class vtkOpenGLRenderWindow;
+class vtkScalarsToColors;
+class vtkShaderProgram;
+class vtkTextureObject;
+class vtkWindow;
+
+namespace pcl_slim::detail {
+
+/** \brief The textures the resolve shader reads, on the graphics card. */
+class FrameTextures {
+ public:
+  FrameTextures();
+  ~FrameTextures();
+  FrameTextures(const FrameTextures&) = delete;
+  FrameTextures& operator=(const FrameTextures&) = delete;
+
+  /** \brief A new frame of the CPU's; its attributes follow when a mode asks for them. */
+  void setFrame(vtkOpenGLRenderWindow* window, const PackedFrame& frame, int width, int height);
+  /** \brief Brings the attributes over, unless they are there. */
+  void needAttributes(vtkOpenGLRenderWindow* window, const PackedFrame& frame);
+  /** \brief Samples a table of colours over its scale. */
+  void setTable(vtkOpenGLRenderWindow* window, vtkScalarsToColors* table, const ColorScale& scale);
+
+  /** \brief Makes the textures current; after that the program can be told of them. */
+  void activate();
+  void tell(vtkShaderProgram* program);
+  void deactivate();
+  void release(vtkWindow* window);
+
+ private:
+  int width_ = 0, height_ = 0;
+  bool has_attributes_ = false, has_colors_ = false, has_table_ = false;
+  vtkNew<vtkTextureObject> geometry_, attributes_, colors_, table_;
+};
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "frame/view_camera.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pcl_slim/core/vector3.h"
+
+namespace pcl_slim::detail {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+/** \brief Rotation and scale of a matrix. \return false unless it is a similarity that keeps
+ * right hands right. */
+bool
+splitSimilarity(const Matrix4& m, std::array<double, 9>& rotation, double& scale)
+{
+  constexpr double kTolerance = 1e-5;
+  const Vector3 rows[3] = {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}};
+  const double determinant = dot(rows[0], cross(rows[1], rows[2]));
+  if (!(determinant > 0.0) || !std::isfinite(determinant)) return false;
+  scale = std::cbrt(determinant);
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const double expected = i == j ? 1.0 : 0.0;
+      if (std::abs(dot(rows[i], rows[j]) / (scale * scale) - expected) > kTolerance) return false;
+    }
+    const Vector3 axis = normalized(rows[i]);
+    std::copy(axis.begin(), axis.end(), rotation.begin() + 3 * i);
+  }
+  return true;
+}
+
+/** \brief Where the viewer stands, in the model's coordinates: the origin of view space. */
+Vector3
+eyeOf(const Matrix4& m, const std::array<double, 9>& r, double scale)
+{
+  Vector3 eye{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    eye[k] = -(r[k] * m[3] + r[3 + k] * m[7] + r[6 + k] * m[11]) / scale;
+  }
+  return eye;
+}
+
+/** \brief Fills in size, opening and shift of the picture. \param[in] view_height of the whole
+ * viewport on the image plane. */
+void
+setPicture(const GLView& view, double view_height, double shift_x, double shift_y, int coarseness,
+           ViewCamera& result)
+{
+  Camera& camera = result.camera;
+  // Pixels of the camera are square: one whose pixels are not has another number of columns.
+  const double columns = std::max(1.0, std::round(view.height * result.x_scale / result.y_scale));
+  const double pixel = view_height / view.height;
+  camera.size.width = static_cast<int>(std::ceil(columns / coarseness));
+  camera.size.height = (view.height + coarseness - 1) / coarseness;
+  // A coarse pixel's ray passes through the middle of the pixels it stands for.
+  const auto offset = [coarseness](double fine_count, int coarse_count, double fine_shift) {
+    const double center = 0.5 * (fine_count - 1.0) - fine_shift;
+    return 0.5 * (coarse_count - 1.0) - (center - 0.5 * (coarseness - 1.0)) / coarseness;
+  };
+  camera.pixel_offset = {offset(columns, camera.size.width, shift_x / pixel),
+                         offset(view.height, camera.size.height, -shift_y / pixel)};
+  const double coarse_height = camera.size.height * coarseness * pixel;
+  if (result.parallel) {
+    camera.view_height = coarse_height / result.view_scale;
+  } else {
+    camera.fov = 2.0 * std::atan(0.5 * coarse_height) * 180.0 / kPi;
+  }
+  result.texels_x = columns / view.width / coarseness;
+  result.texels_y = 1.0 / coarseness;
+}
+
+}  // namespace
+
+Error
+translateView(const GLView& view, double near_distance, int coarseness, ViewCamera& result)
+{
+  const Matrix4& p = view.projection;
+  result.parallel = p[15] != 0.0;
+  if (!splitSimilarity(view.model_to_view, result.rotation, result.view_scale)) {
+    return {ErrorCode::kBadArgument,
+            "the actor's matrix shears, mirrors or scales unequally, and curved surfels cannot "
+            "follow; give it rotation, position and one scale only"};
+  }
+  if (!(p[0] > 0.0 && p[5] > 0.0) || view.width < 1 || view.height < 1) {
+    return {ErrorCode::kBadArgument,
+            "the camera's projection or the viewport is empty; give the window a size"};
+  }
+  result.x_scale = 1.0 / p[0];
+  result.y_scale = 1.0 / p[5];
+  result.x_shift = result.parallel ? -p[3] / p[0] : p[2] / p[0];
+  result.y_shift = result.parallel ? -p[7] / p[5] : p[6] / p[5];
+
+  Camera& camera = result.camera;
+  camera.projection =
+      result.parallel ? Camera::Projection::kOrthographic : Camera::Projection::kPerspective;
+  const auto& r = result.rotation;
+  const Vector3 forward{-r[6], -r[7], -r[8]};
+  result.start = result.parallel ? near_distance : 0.0;
+  result.near_plane = result.parallel ? 0.0 : std::max(0.0, near_distance) / result.view_scale;
+  const Vector3 eye = eyeOf(view.model_to_view, r, result.view_scale);
+  camera.position = along(eye, result.start / result.view_scale, forward);
+  // Far enough that the difference of two large coordinates still tells the direction.
+  const double reach = std::max(length(camera.position), 1.0 / result.view_scale);
+  camera.look_at = along(camera.position, reach, forward);
+  camera.up = {r[3], r[4], r[5]};
+  setPicture(view, 2.0 * result.y_scale, result.x_shift, result.y_shift, coarseness, result);
+  return camera.validate();
+}
+
+Camera
+cameraOfPixel(const Camera& camera, double column, double row)
+{
+  Camera pixel = camera;
+  pixel.size = {1, 1};
+  pixel.pixel_offset = {column - 0.5 * (camera.size.width - 1) + camera.pixel_offset[0],
+                        row - 0.5 * (camera.size.height - 1) + camera.pixel_offset[1]};
+  const double height = camera.size.height;
+  pixel.fov = 2.0 * std::atan(std::tan(camera.fov * kPi / 360.0) / height) * 180.0 / kPi;
+  pixel.view_height = camera.view_height / height;
+  return pixel;
+}
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,324 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/visualization/g_buffer_mapper.h"
+
+#include <vtkActor.h>
+#include <vtkLookupTable.h>
+#include <vtkNew.h>
+#include <vtkOpenGLHelper.h>
+#include <vtkOpenGLRenderWindow.h>
+#include <vtkOpenGLState.h>
+#include <vtkOpenGLVertexArrayObject.h>
+#include <vtkPolyData.h>
+#include <vtkRenderer.h>
+#include <vtkShader.h>
+#include <vtkShaderProgram.h>
+#include <vtk_glew.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "color/color_scale.h"
+#include "frame/cached_frame.h"
+#include "frame/frame_textures.h"
+#include "frame/vtk_view.h"
+#include "shader/resolve_shader.h"
+
+namespace pcl_slim {
+
+using namespace detail;
+
+struct GBufferMapper::State {
+  DisplayMode mode = DisplayMode::kShaded;
+  double range = 0.0, budget = 50.0;
+  VisibleSides sides = VisibleSides::kAuto;
+  int threads = 0;
+  FrameStatistics statistics;
+  Error error;
+
+  std::array<double, 6> bounds{1.0, -1.0, 1.0, -1.0, 1.0, -1.0};
+  std::uint64_t object = 0;  ///< counts changes of the object
+
+  VtkView view;
+  std::vector<HalfSpace> planes;
+  std::array<int, 4> viewport{};
+  CachedFrame frame;
+  bool uploaded = false;  ///< textures hold the frame
+  FrameTextures textures;
+
+  vtkNew<vtkLookupTable> table;
+  bool table_current = false;
+  vtkMTimeType table_time = 0;  ///< of the table whose texture there is
+};
+
+GBufferMapper::GBufferMapper() : state_(std::make_unique<State>())
+{
+  SetLookupTable(state_->table);
+  ScalarVisibilityOff();
+}
+
+GBufferMapper::~GBufferMapper() = default;
+
+bool
+GBufferMapper::setMode(DisplayMode mode)
+{
+  if (!supports(mode)) return false;
+  if (mode == state_->mode) return true;
+  state_->mode = mode;
+  state_->table_current = false;
+  updateTable();
+  Modified();
+  return true;
+}
+
+DisplayMode
+GBufferMapper::getMode() const
+{
+  return state_->mode;
+}
+
+void
+GBufferMapper::setRange(double range)
+{
+  range = std::isfinite(range) ? std::max(0.0, range) : 0.0;
+  if (range == state_->range) return;
+  state_->range = range;
+  state_->table_current = false;
+  updateTable();
+  Modified();
+}
+
+double
+GBufferMapper::getRange() const
+{
+  if (showsCurvature(state_->mode) && state_->range > 0.0) return state_->range;
+  return automaticRange(state_->mode)[1];
+}
+
+void
+GBufferMapper::setFrameBudget(double milliseconds)
+{
+  state_->budget = std::isfinite(milliseconds) ? std::max(0.0, milliseconds) : 0.0;
+}
+
+double
+GBufferMapper::getFrameBudget() const
+{
+  return state_->budget;
+}
+
+void
+GBufferMapper::setSides(VisibleSides sides)
+{
+  if (sides == state_->sides) return;
+  state_->sides = sides;
+  Modified();
+}
+
+VisibleSides
+GBufferMapper::getSides() const
+{
+  return state_->sides;
+}
+
+void
+GBufferMapper::setNumberOfThreads(int threads)
+{
+  state_->threads = std::max(0, threads);
+}
+
+int
+GBufferMapper::getNumberOfThreads() const
+{
+  return state_->threads;
+}
+
+const FrameStatistics&
+GBufferMapper::getStatistics() const
+{
+  return state_->statistics;
+}
+
+const Error&
+GBufferMapper::getError() const
+{
+  return state_->error;
+}
+
+void
+GBufferMapper::objectChanged(vtkPolyData* points, const std::array<double, 6>& bounds)
+{
+  state_->bounds = bounds;
+  ++state_->object;
+  state_->frame.clear();
+  state_->table_current = false;
+  SetInputData(points);
+  if (!supports(state_->mode)) state_->mode = DisplayMode::kShaded;
+  updateTable();
+  Modified();
+}
+
+/** \brief Fills the table of colours anew where mode, range or object have changed. */
+void
+GBufferMapper::updateTable()
+{
+  State& s = *state_;
+  if (s.table_current || !showsNumbers(s.mode)) return;
+  std::array<double, 2> limits = automaticRange(s.mode);
+  if (showsCurvature(s.mode) && s.range > 0.0) limits = {-s.range, s.range};
+  fillColorTable(s.mode, limits, *s.table);
+  s.table_current = true;
+  ++s.statistics.tables;
+}
+
+void
+GBufferMapper::ComputeBounds()
+{
+  std::copy(state_->bounds.begin(), state_->bounds.end(), Bounds);
+}
+
+void
+GBufferMapper::UpdateBufferObjects(vtkRenderer* /*renderer*/, vtkActor* /*actor*/)
+{
+  // There are no vertices: rays meet the object itself.
+}
+
+/** \brief Intersects rays unless the last frame still holds. \return false for an empty frame. */
+bool
+GBufferMapper::prepareFrame(vtkRenderer* renderer, vtkActor* actor)
+{
+  State& s = *state_;
+  auto* window = static_cast<vtkOpenGLRenderWindow*>(renderer->GetRenderWindow());
+  window->GetState()->vtkglGetIntegerv(GL_VIEWPORT, s.viewport.data());
+  s.view = viewOf(renderer, actor, s.bounds, s.viewport[2], s.viewport[3]);
+  s.planes = clipPlanesOf(this, actor);
+  const FrameRequest request{0.0, s.sides, s.threads, s.planes};
+  FrameKey key(s.view, request, s.object);
+  const bool hurry = s.budget > 0.0 && isInteracting(renderer);
+  const int coarseness = hurry ? s.frame.coarsenessFor(s.budget) : 1;
+  if (!s.frame.holds(key, coarseness)) {
+    s.uploaded = false;
+    s.error = s.frame.make(s.view, std::move(key), coarseness, request, lengthScale(),
+                           [this](const Camera& camera, const FrameRequest& what, GBuffer& buffer) {
+                             return rasterize(camera, what, buffer);
+                           });
+    if (s.error) {
+      vtkErrorMacro(<< s.error.message);
+      return false;
+    }
+    ++s.statistics.rasterized;
+    s.statistics.coarseness = coarseness;
+    s.statistics.covered_pixels = s.frame.coveredPixels();
+    s.statistics.rasterize_seconds = s.frame.seconds();
+  }
+  return s.frame.coveredPixels() > 0;
+}
+
+/** \brief Brings over to the graphics card what has changed since it was there. */
+void
+GBufferMapper::uploadFrame(vtkOpenGLRenderWindow* window)
+{
+  State& s = *state_;
+  if (!s.uploaded) {
+    s.textures.setFrame(window, s.frame.packed(), s.frame.width(), s.frame.height());
+    s.uploaded = true;
+  }
+  if (!showsNumbers(s.mode)) return;
+  s.textures.needAttributes(window, s.frame.packed());
+  vtkScalarsToColors* table = GetLookupTable();
+  if (s.table_time == table->GetMTime()) return;
+  s.textures.setTable(window, table, ColorScale(s.mode, table));
+  s.table_time = table->GetMTime();
+}
+
+void
+GBufferMapper::RenderPieceDraw(vtkRenderer* renderer, vtkActor* actor)
+{
+  State& s = *state_;
+  ++s.statistics.frames;
+  if (!prepareFrame(renderer, actor)) return;
+  uploadFrame(static_cast<vtkOpenGLRenderWindow*>(renderer->GetRenderWindow()));
+  s.textures.activate();
+  UpdateShaders(Primitives[PrimitiveTris], renderer, actor);
+  // A new shader has dropped the vertex array, and without one nothing is drawn.
+  Primitives[PrimitiveTris].VAO->Bind();
+  glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+  s.textures.deactivate();
+}
+
+void
+GBufferMapper::ReleaseGraphicsResources(vtkWindow* window)
+{
+  state_->textures.release(window);
+  state_->uploaded = false;
+  state_->table_time = 0;
+  Superclass::ReleaseGraphicsResources(window);
+}
+
+void
+GBufferMapper::GetShaderTemplate(std::map<vtkShader::Type, vtkShader*> shaders,
+                                 vtkRenderer* renderer, vtkActor* actor)
+{
+  Superclass::GetShaderTemplate(shaders, renderer, actor);
+  shaders[vtkShader::Vertex]->SetSource(resolveVertexShader());
+  shaders[vtkShader::Geometry]->SetSource("");
+}
+
+void
+GBufferMapper::ReplaceShaderValues(std::map<vtkShader::Type, vtkShader*> shaders,
+                                   vtkRenderer* renderer, vtkActor* actor)
+{
+  std::string source = shaders[vtkShader::Fragment]->GetSource();
+  insertResolve(source);
+  shaders[vtkShader::Fragment]->SetSource(source);
+  Superclass::ReplaceShaderValues(shaders, renderer, actor);
+}
+
+void
+GBufferMapper::SetCameraShaderParameters(vtkOpenGLHelper& primitive, vtkRenderer* /*renderer*/,
+                                         vtkActor* /*actor*/)
+{
+  State& s = *state_;
+  vtkShaderProgram* program = primitive.Program;
+  s.textures.tell(program);
+  const std::array<float, 3> range = ColorScale(s.mode, GetLookupTable()).shader;
+  program->SetUniformi("slimMode", static_cast<int>(s.mode));
+  program->SetUniform3f("slimRange", range.data());
+  program->SetUniform4f("slimRectangle", s.frame.rectangle().data());
+  std::array<float, 4> viewport{};
+  std::copy(s.viewport.begin(), s.viewport.end(), viewport.begin());
+  program->SetUniform4f("slimViewport", viewport.data());
+  tellView(s.frame.view(), s.view.gl, s.planes, program);
+}
+
+bool
+GBufferMapper::castRay(vtkRenderer* renderer, vtkActor* actor, int x, int y, GBuffer& pixel)
+{
+  pixel.resize(0, 0);
+  int width = 0, height = 0, left = 0, bottom = 0;
+  renderer->GetTiledSizeAndOrigin(&width, &height, &left, &bottom);
+  x -= left;
+  y -= bottom;
+  if (x < 0 || y < 0 || x >= width || y >= height) return false;
+  const VtkView view = viewOf(renderer, actor, state_->bounds, width, height);
+  ViewCamera translated;
+  if (translateView(view.gl, view.near_distance, 1, translated)) return false;
+  const double column = (x + 0.5) * translated.texels_x - 0.5;
+  const FrameRequest request{translated.near_plane, state_->sides, state_->threads,
+                             clipPlanesOf(this, actor)};
+  const Camera camera = cameraOfPixel(translated.camera, column, height - 1 - y);
+  if (rasterize(camera, request, pixel)) return false;
+  return pixel.numPixels() == 1 && pixel.covered(0);
+}
+
+void
+GBufferMapper::PrintSelf(ostream& os, vtkIndent indent)
+{
+  Superclass::PrintSelf(os, indent);
+  os << indent << "Mode: " << nameOf(state_->mode) << "\n";
+  os << indent << "Range: " << state_->range << "\n";
+  os << indent << "FrameBudget: " << state_->budget << "\n";
+  os << indent << "Rasterized: " << state_->statistics.rasterized << " of "
+     << state_->statistics.frames << "\n";
+}
+
+}  // namespace pcl_slim

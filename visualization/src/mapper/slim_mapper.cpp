@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/visualization/slim_mapper.h"
+
+#include <vtkObjectFactory.h>
+#include <vtkPolyData.h>
+
+#include "color/surface_ranges.h"
+#include "export/leaf_points.h"
+#include "frame/surface_frame.h"
+
+namespace pcl_slim {
+
+using namespace detail;
+
+vtkStandardNewMacro(SLIMMapper)
+
+SLIMMapper::SLIMMapper() = default;
+SLIMMapper::~SLIMMapper() = default;
+
+bool
+SLIMMapper::setSurface(std::shared_ptr<const SLIMSurface> surface)
+{
+  const bool usable = !surface || !surface->validate();
+  surface_ = usable ? std::move(surface) : nullptr;
+  frames_ = surface_ ? std::make_unique<SurfaceFrames>(*surface_) : nullptr;
+  ranges_.clear();
+  std::array<double, 6> bounds{};
+  const vtkSmartPointer<vtkPolyData> points = leafPoints(surface_.get(), bounds);
+  objectChanged(points, bounds);
+  return usable;
+}
+
+bool
+SLIMMapper::supports(DisplayMode mode) const
+{
+  return mode != DisplayMode::kColor;
+}
+
+Error
+SLIMMapper::rasterize(const Camera& camera, const FrameRequest& request, GBuffer& buffer)
+{
+  if (frames_) return frames_->render(camera, request, buffer);
+  buffer.resize(camera.size.width, camera.size.height);
+  return {};
+}
+
+double
+SLIMMapper::lengthScale() const
+{
+  return surface_ ? surface_->info.scale : 1.0;
+}
+
+std::array<double, 2>
+SLIMMapper::automaticRange(DisplayMode mode) const
+{
+  const auto known = ranges_.find(mode);
+  if (known != ranges_.end()) return known->second;
+  return ranges_[mode] = surface_ ? surfaceRange(*surface_, mode) : std::array<double, 2>{0.5, 1.0};
+}
+
+bool
+SLIMMapper::pick(vtkRenderer* renderer, vtkActor* actor, int x, int y, SurfacePick& result)
+{
+  result = {};
+  GBuffer pixel;
+  if (!surface_ || !castRay(renderer, actor, x, y, pixel)) return false;
+  const SLIMSurface& surface = *surface_;
+  const double scale = surface.info.scale;
+  const std::size_t i = result.surfel = pixel.surfel[0];
+  for (std::size_t k = 0; k < 3; ++k) {
+    result.position[k] = surface.info.origin[k] + scale * double{pixel.position[0][k]};
+    result.normal[k] = pixel.normal[0][k];
+  }
+  result.mean = pixel.mean_curvature[0] / scale;
+  result.gauss = pixel.gaussian_curvature[0] / (scale * scale);
+  result.k_max = pixel.principal[0][0] / scale;
+  result.k_min = pixel.principal[0][1] / scale;
+  result.level = surface.level[i];
+  result.degree = surface.degree[i];
+  result.radius = surface.radius[i] * scale;
+  result.error = surface.error[i] * scale;
+  result.confidence = surface.confidence[i];
+  return true;
+}
+
+}  // namespace pcl_slim

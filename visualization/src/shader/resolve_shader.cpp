@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "shader/resolve_shader.h"
+
+#include <vtkShaderProgram.h>
+
+#include <algorithm>
+
+namespace pcl_slim::detail {
+namespace {
+
+constexpr const char* kVertex = R"(//VTK::System::Dec
+//VTK::Picking::Dec
+//VTK::PrimID::Dec
+uniform vec4 slimRectangle;  // left, bottom, right, top in normalised device coordinates
+void main()
+{
+  gl_Position = vec4((gl_VertexID & 1) == 0 ? slimRectangle.x : slimRectangle.z,
+                     (gl_VertexID & 2) == 0 ? slimRectangle.y : slimRectangle.w, 0.0, 1.0);
+  //VTK::PrimID::Impl
+  //VTK::Picking::Impl
+}
+)";
+
+constexpr const char* kDeclarations = R"(
+uniform sampler2D slimGeometry;
+uniform sampler2D slimAttributes;
+uniform sampler2D slimColors;
+uniform sampler2D slimTable;
+uniform vec4 slimViewport;      // x, y, width, height in pixels
+uniform vec2 slimTexels;        // of the frame, per pixel of the viewport
+uniform vec4 slimPlane;         // scale and shift of x, scale and shift of y on the image plane
+uniform vec3 slimDepth;         // parallel or not, where rays begin, view length of a model unit
+uniform mat4 slimProjection;
+uniform mat3 slimRotation;      // model to view
+uniform int slimMode;
+uniform vec3 slimRange;         // lowest value, 1 / span, and whether by the logarithm
+const vec3 slimBackColor = vec3(0.52, 0.56, 0.64);  // the inner side, where both are shown
+uniform int slimNumCuts;
+uniform vec4 slimCuts[6];       // clipping planes in view coordinates
+
+// Which texels a pixel looks at, and how much of each: the one it lies in where every pixel has a
+// ray, otherwise those of the four rays around it that met one sheet.
+ivec2 slimLow, slimHigh;
+vec4 slimWeights;
+
+vec4 slimFetch(sampler2D source)
+{
+  if (slimTexels.y > 0.99) return texelFetch(source, slimLow, 0);
+  return slimWeights.x * texelFetch(source, slimLow, 0) +
+         slimWeights.y * texelFetch(source, ivec2(slimHigh.x, slimLow.y), 0) +
+         slimWeights.z * texelFetch(source, ivec2(slimLow.x, slimHigh.y), 0) +
+         slimWeights.w * texelFetch(source, slimHigh, 0);
+}
+
+// Levels are not blended: that of the ray that counts most.
+vec4 slimFetchLargest(sampler2D source)
+{
+  if (slimTexels.y > 0.99) return texelFetch(source, slimLow, 0);
+  float most = max(max(slimWeights.x, slimWeights.y), max(slimWeights.z, slimWeights.w));
+  bool right = slimWeights.y == most || slimWeights.w == most;
+  bool below = slimWeights.z == most || slimWeights.w == most;
+  return texelFetch(source, ivec2(right ? slimHigh.x : slimLow.x, below ? slimHigh.y : slimLow.y), 0);
+}
+
+// The silhouette runs where half of the weight has met something, and between two sheets likewise.
+void slimChoose(vec2 at)
+{
+  ivec2 last = textureSize(slimGeometry, 0) - 1;
+  slimWeights = vec4(1.0, 0.0, 0.0, 0.0);
+  slimLow = slimHigh = clamp(ivec2(floor(at)), ivec2(0), last);
+  if (slimTexels.y > 0.99) return;
+  vec2 corner = floor(at - 0.5), f = at - 0.5 - corner;
+  slimLow = clamp(ivec2(corner), ivec2(0), last);
+  slimHigh = clamp(ivec2(corner) + 1, ivec2(0), last);
+  vec4 w = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
+  vec4 d = abs(vec4(texelFetch(slimGeometry, slimLow, 0).w,
+                    texelFetch(slimGeometry, ivec2(slimHigh.x, slimLow.y), 0).w,
+                    texelFetch(slimGeometry, ivec2(slimLow.x, slimHigh.y), 0).w,
+                    texelFetch(slimGeometry, slimHigh, 0).w));
+  vec4 met = w * vec4(greaterThan(d, vec4(0.0)));
+  vec4 filled = d + 1e30 * vec4(equal(d, vec4(0.0)));
+  float nearest = min(min(filled.x, filled.y), min(filled.z, filled.w));
+  vec4 front = met * vec4(lessThan(d, vec4(1.02 * nearest)));
+  float all = dot(met, vec4(1.0)), before = dot(front, vec4(1.0));
+  if (all < 0.5) {
+    slimWeights = vec4(0.0);
+  } else {
+    slimWeights = before >= 0.5 * all ? front / before : (met - front) / (all - before);
+  }
+}
+
+float slimValue(vec4 a)
+{
+  if (slimMode == 2) return 0.5 * (a.x + a.y);
+  if (slimMode == 3) return a.x * a.y;
+  if (slimMode == 4) return a.x;
+  if (slimMode == 5) return a.y;
+  if (slimMode == 6) return a.w;
+  return a.z;
+}
+
+// Stripes of light along the vertical, far away all around the viewer.
+float slimStripes(vec3 direction)
+{
+  float angle = 18.0 * asin(clamp(direction.x, -1.0, 1.0));
+  float soft = clamp(fwidth(angle), 0.02, 2.0);
+  return clamp(0.5 + sin(angle) / soft, 0.0, 1.0);
+}
+)";
+
+constexpr const char* kPosition = R"(
+  vec2 slimAt = vec2(gl_FragCoord.x - slimViewport.x,
+                     slimViewport.w - (gl_FragCoord.y - slimViewport.y)) * slimTexels;
+  slimChoose(slimAt);
+  vec4 slimHit = slimFetch(slimGeometry);
+  vec2 slimNdc = 2.0 * (gl_FragCoord.xy - slimViewport.xy) / slimViewport.zw - 1.0;
+  vec2 slimXY = slimPlane.xz * slimNdc + slimPlane.yw;
+  float slimT = abs(slimHit.w) * slimDepth.z;
+  vec3 slimRay = slimDepth.x > 0.0 ? vec3(0.0, 0.0, -1.0) : normalize(vec3(slimXY, -1.0));
+  vec4 vertexVC = slimDepth.x > 0.0 ? vec4(slimXY, -slimDepth.y - slimT, 1.0)
+                                    : vec4(slimT * slimRay, 1.0);
+  vec3 normalVCVSOutput = normalize(slimRotation * slimHit.xyz + vec3(0.0, 0.0, 1e-30));
+  float slimStripe = slimMode == 8 ? slimStripes(reflect(slimRay, normalVCVSOutput)) : 0.0;
+)";
+
+constexpr const char* kDepth = R"(
+  if (slimHit.w == 0.0) discard;
+  for (int i = 0; i < slimNumCuts; ++i) {
+    if (dot(slimCuts[i], vertexVC) < -1e-5 * slimT) discard;
+  }
+  vec4 slimClip = slimProjection * vertexVC;
+  gl_FragDepth = clamp(0.5 + 0.5 * slimClip.z / slimClip.w, 0.0, 1.0);
+)";
+
+// Colours that stand for numbers keep most of their brightness, so that they stay legible.
+constexpr const char* kColor = R"(//VTK::Color::Impl
+  vec3 slimBase = diffuseColor;
+  if (slimMode == 0 && slimHit.w < 0.0) diffuseColor = slimBackColor;
+  if (slimMode == 1) slimBase = 0.5 * slimHit.xyz / length(slimHit.xyz) + 0.5;
+  if (slimMode >= 2 && slimMode <= 7) {
+    float value = slimValue(slimMode == 6 ? slimFetchLargest(slimAttributes)
+                                         : slimFetch(slimAttributes));
+    if (slimRange.z > 0.0) value = log(max(value, 1e-30));
+    float x = clamp((value - slimRange.x) * slimRange.y, 0.0, 1.0);
+    float n = float(textureSize(slimTable, 0).x);
+    // Each level has a texel of its own; all other tables are interpolated.
+    float u = slimMode == 6 ? (floor(min(x * n, n - 1.0)) + 0.5) / n : (x * (n - 1.0) + 0.5) / n;
+    slimBase = texture(slimTable, vec2(u, 0.5)).rgb;
+  }
+  if (slimMode == 8) slimBase = mix(vec3(0.08, 0.09, 0.12), vec3(0.96), slimStripe);
+  if (slimMode == 9) slimBase = slimFetch(slimColors).rgb;
+  if (slimMode > 0) {
+    ambientColor = 0.45 * slimBase;
+    diffuseColor = 0.55 * slimBase;
+  }
+)";
+
+// Normals, stripes and the colours of splats are shown as they are.
+constexpr const char* kUnlit = R"(
+  if (slimMode == 1 || slimMode >= 8) gl_FragData[0] = vec4(slimBase, opacity);
+  //VTK::TCoord::Impl
+)";
+
+/** \brief Clipping planes in view coordinates: n.x >= d of the model is (R n).y >= s d + (R n).m with
+ * y = s R x + m. */
+void
+tellPlanes(const ViewCamera& view, const GLView& seen, const std::vector<HalfSpace>& planes,
+           vtkShaderProgram* program)
+{
+  constexpr std::size_t kMostPlanes = 6;  // as in VTK
+  float cuts[kMostPlanes][4] = {};
+  const std::size_t count = std::min(planes.size(), kMostPlanes);
+  for (std::size_t p = 0; p < count; ++p) {
+    double offset = view.view_scale * planes[p].offset;
+    for (std::size_t i = 0; i < 3; ++i) {
+      double n = 0.0;
+      for (std::size_t j = 0; j < 3; ++j) n += view.rotation[3 * i + j] * planes[p].normal[j];
+      cuts[p][i] = static_cast<float>(n);
+      offset += n * seen.model_to_view[4 * i + 3];
+    }
+    cuts[p][3] = static_cast<float>(-offset);
+  }
+  program->SetUniformi("slimNumCuts", static_cast<int>(count));
+  if (count > 0) program->SetUniform4fv("slimCuts", static_cast<int>(count), cuts);
+}
+
+}  // namespace
+
+const char*
+resolveVertexShader()
+{
+  return kVertex;
+}
+
+void
+insertResolve(std::string& source)
+{
+  vtkShaderProgram::Substitute(source, "//VTK::PositionVC::Dec", kDeclarations);
+  vtkShaderProgram::Substitute(source, "//VTK::PositionVC::Impl", kPosition);
+  vtkShaderProgram::Substitute(source, "//VTK::Depth::Impl", kDepth);
+  // VTK's own clipping would want a distance from the vertex shader.
+  vtkShaderProgram::Substitute(source, "//VTK::Clip::Dec", "");
+  vtkShaderProgram::Substitute(source, "//VTK::Clip::Impl", "");
+  vtkShaderProgram::Substitute(source, "//VTK::Normal::Dec", "");
+  vtkShaderProgram::Substitute(source, "//VTK::Normal::Impl", "");
+  vtkShaderProgram::Substitute(source, "//VTK::Color::Impl", kColor);
+  vtkShaderProgram::Substitute(source, "//VTK::TCoord::Impl", kUnlit);
+}
+
+void
+tellView(const ViewCamera& view, const GLView& seen, const std::vector<HalfSpace>& planes,
+         vtkShaderProgram* program)
+{
+  const auto f = [](double value) { return static_cast<float>(value); };
+  const float texels[2] = {f(view.texels_x), f(view.texels_y)};
+  const float plane[4] = {f(view.x_scale), f(view.x_shift), f(view.y_scale), f(view.y_shift)};
+  const float depth[3] = {view.parallel ? 1.0f : 0.0f, f(view.start), f(view.view_scale)};
+  program->SetUniform2f("slimTexels", texels);
+  program->SetUniform4f("slimPlane", plane);
+  program->SetUniform3f("slimDepth", depth);
+  program->SetUniformi("cameraParallel", view.parallel ? 1 : 0);
+  // OpenGL takes columns first.
+  float columns3[9], columns4[16];
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) columns3[3 * j + i] = f(view.rotation[3 * i + j]);
+  }
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (std::size_t j = 0; j < 4; ++j) columns4[4 * j + i] = f(seen.projection[4 * i + j]);
+  }
+  program->SetUniformMatrix3x3("slimRotation", columns3);
+  program->SetUniformMatrix4x4("slimProjection", columns4);
+  tellPlanes(view, seen, planes, program);
+}
+
+}  // namespace pcl_slim::detail
