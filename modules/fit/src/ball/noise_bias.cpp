@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "radius/energy.h"
+#include "pcl_slim/surface/polynomial.h"
 
 namespace pcl_slim::detail {
 
@@ -30,28 +30,43 @@ laplacian(int degree, const Real* c)
 /** \param[in] unit_sq the square of r over the unit of c */
 template <typename Real>
 void
-undo(const BiasConstants& constants, int degree, double share, double unit_sq, Real* c)
+undo(const BiasConstants& constants, WeightKernel kernel, int degree, double share, double unit_sq,
+     Real* c)
 {
   share = std::min(share, constants.most_share);
+  const double truncation = heightTruncation(kernel);
   const auto bend = laplacian(degree, c);
   for (int k = 0; k < numCoefficients(degree); ++k) {
-    c[k] = static_cast<Real>(c[k] * (1.0 + Energy::kTruncation * share) -
-                             0.5 * share * unit_sq * bend[k]);
+    c[k] = static_cast<Real>(c[k] * (1.0 + truncation * share) - 0.5 * share * unit_sq * bend[k]);
   }
 }
 
 }  // namespace
 
-void
-undoNoiseBias(const BiasConstants& constants, int degree, double share, float* c)
+double
+heightTruncation(WeightKernel kernel)
 {
-  undo(constants, degree, share, 1.0, c);
+  switch (kernel) {
+    case WeightKernel::kPower2: return 6.0;
+    case WeightKernel::kPower4: return 10.0;
+    case WeightKernel::kPower7: return 16.0;
+    // The integral is (1 - e^-2) / 8 + 32 e^-2 (1 / 160 - 1 / 384).
+    default: return 16.1457;
+  }
 }
 
 void
-undoNoiseBias(const BiasConstants& constants, int degree, double share, double rho, double* c)
+undoNoiseBias(const BiasConstants& constants, WeightKernel kernel, int degree, double share,
+              float* c)
 {
-  undo(constants, degree, share, rho * rho, c);
+  undo(constants, kernel, degree, share, 1.0, c);
+}
+
+void
+undoNoiseBias(const BiasConstants& constants, WeightKernel kernel, int degree, double share,
+              double rho, double* c)
+{
+  undo(constants, kernel, degree, share, rho * rho, c);
 }
 
 }  // namespace pcl_slim::detail

@@ -55,7 +55,7 @@ recordOf(const FramedBall& ball, const RadiusChoice& choice, int level,
   if (choice.support_limited) surfel.flags |= kSurfelSupportLimited;
   setCoefficients(trial, surfel);
   const double share = ball.site.noise / (trial.rho * trial.rho * unit * unit);
-  undoNoiseBias(constants, surfel.degree, share, surfel.c.data());
+  undoNoiseBias(constants, trial.fit.kernel, surfel.degree, share, surfel.c.data());
   if (surfel.degree == 1) framePlane(surfel);
   return surfel;
 }

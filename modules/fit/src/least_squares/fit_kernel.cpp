@@ -89,6 +89,7 @@ LocalFit
 fitWith(const BallBuffer& points, float rho, double support, bool refine)
 {
   LocalFit fit;
+  fit.kernel = K;
   const WeightedBall<K> ball(points, rho);
   Moments m;
   computeMoments<D, K>(ball, m);

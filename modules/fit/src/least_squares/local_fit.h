@@ -14,11 +14,12 @@ struct BallBuffer;
 struct LocalFit {
   static constexpr int kMaxMoments = 45;
 
-  int degree = 0;                            ///< 0: nothing could be fitted
-  std::array<double, kMaxCoefficients> c{};  ///< in units of the gather radius
-  double residual_sq = 0;                    ///< e^2 = sum w f^2 / sum w, gather radius squared
-  double n_eff = 0;                          ///< (sum w)^2 / sum w^2
-  double slope_sq = 0;                       ///< mean of |grad h|^2, weights w
+  int degree = 0;                               ///< 0: nothing could be fitted
+  WeightKernel kernel = WeightKernel::kPower4;  ///< the weights it was made with
+  std::array<double, kMaxCoefficients> c{};     ///< in units of the gather radius
+  double residual_sq = 0;                       ///< e^2 = sum w f^2 / sum w, gather radius squared
+  double n_eff = 0;                             ///< (sum w)^2 / sum w^2
+  double slope_sq = 0;                          ///< mean of |grad h|^2, weights w
   double terms = 0;  ///< coefficients that the heights decide: their number, fewer beside slopes
   double slope_misfit = 0;  ///< slope_weight times the mean square slope missed, like residual_sq
   int moment_degree = 0;    ///< the degree asked for: moments go up to twice that

@@ -7,14 +7,13 @@
 #include <limits>
 
 #include "ball/ball_kernels.h"
+#include "ball/noise_bias.h"
 #include "radius/radius_constants.h"
 
 namespace pcl_slim::detail {
 
 /** \brief What a radius costs: residual plus a penalty on small balls. All in local units. */
 struct Energy {
-  static constexpr double kTruncation = 10.0;  ///< 2 (m + 1) of the kernel (1 - s^2)^m, m = 4
-
   double lambda = 0;      ///< noise variance
   double kappa = 0;       ///< Mallows' Cp: kappa lambda P / n_eff, where t_mdl is 0
   double t_mdl = 0;       ///< T_MDL L: the paper's penalty lambda (T L / r)^2
@@ -27,9 +26,10 @@ struct Energy {
   {
     double e_sq = variance(fit, gather_radius);
     if (corrected) {
-      // Weights fall with height too, so a thin ball sees e^2 = s^2 / (1 + 10 s^2 / r^2) of a noise
+      // Weights fall with height too, so a thin ball sees e^2 = s^2 / (1 + a s^2 / r^2) of a noise
       // variance s^2, and one the noise fills sees little but its own size.
-      e_sq /= std::max(constants.least_seen_share, 1.0 - kTruncation * e_sq / (r * r));
+      const double truncation = heightTruncation(fit.kernel);
+      e_sq /= std::max(constants.least_seen_share, 1.0 - truncation * e_sq / (r * r));
       if (filledByNoise(r)) e_sq = std::max(e_sq, lambda);
       const double freedom = fit.n_eff - numCoefficients(fit.degree);
       if (!(freedom > 0)) return std::numeric_limits<double>::infinity();

@@ -14,8 +14,8 @@ FitComparison::unbiased(const Trial& trial) const
 {
   auto c = trial.fit.c;
   const double r = trials_.radiusOf(trial);
-  undoNoiseBias(trials_.settings().constants.ball.bias, trial.fit.degree, trials_.noise() / (r * r),
-                trial.rho, c.data());
+  undoNoiseBias(trials_.settings().constants.ball.bias, trial.fit.kernel, trial.fit.degree,
+                trials_.noise() / (r * r), trial.rho, c.data());
   return c;
 }
 

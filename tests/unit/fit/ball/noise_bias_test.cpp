@@ -24,21 +24,37 @@ constexpr float kHeights[kMaxCoefficients] = {.01f,  .02f, -.01f, .01f, .03f, -.
 TEST(NoiseBias, WhatNoiseWearsDownIsRestored)
 {
   constexpr double kShare = 1e-3;
-  for (int degree = 1; degree <= kMaxDegree; ++degree) {
-    float worn[kMaxCoefficients];
-    std::copy_n(kHeights, numCoefficients(degree), worn);
-    // Added by hand: share / 2 (h_uu + h_vv), then drawn to the centre.
-    if (degree >= 2) worn[0] += kShare / 2 * (2 * .01f + 2 * -.02f);
-    if (degree >= 3) worn[1] += kShare / 2 * (6 * .01f - 2 * .01f);
-    if (degree >= 4) {
-      worn[3] += kShare / 2 * (12 * .01f + 2 * .01f);
-      worn[5] += kShare / 2 * (2 * .01f);
+  // The kernel (1 - s^2)^m draws heights to the centre by 1 + 2 (m + 1) share.
+  for (const auto& [kernel, drawn] :
+       {std::pair{WeightKernel::kPower2, 6.0}, std::pair{WeightKernel::kPower4, 10.0}}) {
+    for (int degree = 1; degree <= kMaxDegree; ++degree) {
+      float worn[kMaxCoefficients];
+      std::copy_n(kHeights, numCoefficients(degree), worn);
+      // Added by hand: share / 2 (h_uu + h_vv), then drawn to the centre.
+      if (degree >= 2) worn[0] += kShare / 2 * (2 * .01f + 2 * -.02f);
+      if (degree >= 3) worn[1] += kShare / 2 * (6 * .01f - 2 * .01f);
+      if (degree >= 4) {
+        worn[3] += kShare / 2 * (12 * .01f + 2 * .01f);
+        worn[5] += kShare / 2 * (2 * .01f);
+      }
+      for (int k = 0; k < numCoefficients(degree); ++k) worn[k] /= 1.0 + drawn * kShare;
+      undoNoiseBias({}, kernel, degree, kShare, worn);
+      for (int k = 0; k < numCoefficients(degree); ++k) {
+        EXPECT_NEAR(worn[k], kHeights[k], kShare * kShare) << degree << ' ' << k;
+      }
     }
-    for (int k = 0; k < numCoefficients(degree); ++k) worn[k] /= 1.0 + 10 * kShare;
-    undoNoiseBias({}, degree, kShare, worn);
-    for (int k = 0; k < numCoefficients(degree); ++k) {
-      EXPECT_NEAR(worn[k], kHeights[k], kShare * kShare) << degree << ' ' << k;
-    }
+  }
+}
+
+TEST(NoiseBias, WeightsFallWithHeightAsTheirKernelHasIt)
+{
+  for (const WeightKernel kernel : {WeightKernel::kPower2, WeightKernel::kPower4,
+                                    WeightKernel::kPower7, WeightKernel::kGaussian}) {
+    constexpr int kSteps = 100000;
+    double integral = 0;
+    for (int i = 0; i < kSteps; ++i)
+      integral += evaluateKernel(kernel, (i + 0.5) / kSteps) / kSteps;
+    EXPECT_NEAR(heightTruncation(kernel) * integral, 2.0, 1e-5) << static_cast<int>(kernel);
   }
 }
 
@@ -53,8 +69,8 @@ TEST(NoiseBias, TheUnitOfLengthChangesNothing)
   for (int d = 0, k = 0; d <= kMaxDegree; ++d) {
     for (int j = 0; j <= d; ++j, ++k) other[k] = kHeights[k] * factor(d);
   }
-  undoNoiseBias({}, kMaxDegree, kShare, in_r);
-  undoNoiseBias({}, kMaxDegree, kShare, kRho, other);
+  undoNoiseBias({}, WeightKernel::kPower4, kMaxDegree, kShare, in_r);
+  undoNoiseBias({}, WeightKernel::kPower4, kMaxDegree, kShare, kRho, other);
   for (int d = 0, k = 0; d <= kMaxDegree; ++d) {
     for (int j = 0; j <= d; ++j, ++k) EXPECT_NEAR(other[k] / factor(d), in_r[k], 1e-8) << k;
   }
@@ -65,8 +81,8 @@ TEST(NoiseBias, ThickNoiseIsNotAmplified)
   float thick[kMaxCoefficients], limit[kMaxCoefficients];
   std::copy_n(kHeights, kMaxCoefficients, thick);
   std::copy_n(kHeights, kMaxCoefficients, limit);
-  undoNoiseBias({}, 4, 1e6, thick);
-  undoNoiseBias({}, 4, 0.04, limit);
+  undoNoiseBias({}, WeightKernel::kPower4, 4, 1e6, thick);
+  undoNoiseBias({}, WeightKernel::kPower4, 4, 0.04, limit);
   for (int k = 0; k < kMaxCoefficients; ++k) EXPECT_EQ(thick[k], limit[k]) << k;
 }
 
