@@ -31,14 +31,14 @@ firstRoot(const FrameContext& frame, const RaySurfel& surfel, const Ray& ray, do
           double limit, std::uint64_t& evaluated)
 {
   const Approach approach(surfel, ray);
-  Chord chord(surfel, approach, frame.shrink, nearest);
+  Chord chord(surfel, approach, frame.rules.shrink, nearest);
   chord.high = std::min(chord.high, (limit - approach.depth) * surfel.inverse_radius);
   if (!(chord.low <= chord.high)) return kInfinity;
   ++evaluated;
   const RayPolynomial polynomial(surfel, approach, ray.direction);
   const Roots roots = polynomial.roots(surfel.degree, chord.low, chord.high);
   for (int i = 0; i < roots.count; ++i) {
-    if (frame.front_only && !(polynomial.slope(roots.at[i]) < 0.0)) continue;
+    if (frame.rules.front_only && !(polynomial.slope(roots.at[i]) < 0.0)) continue;
     return approach.depth + roots.at[i] * surfel.radius;
   }
   return kInfinity;
@@ -113,9 +113,9 @@ blendLeaf(const FrameContext& frame, const RaySurfel& surfel, std::uint32_t id, 
   ++evaluated;
   const RayPolynomial polynomial(surfel, approach, ray.direction);
   if (!(std::abs(evaluate<4>(polynomial.a, s_hat)) < kMaxShift)) return;
-  const Chord chord(surfel, approach, 1.0, frame.near_plane);
+  const Chord chord(surfel, approach, 1.0, frame.rules.near_plane);
   double s = 0.0;
-  if (!nearestRoot(polynomial, surfel.degree, chord, s_hat, frame.front_only, s)) return;
+  if (!nearestRoot(polynomial, surfel.degree, chord, s_hat, frame.rules.front_only, s)) return;
 
   const Vector3 q = along(approach.point, s, ray.direction);
   const HeightJet jet = evaluateJet(surfel.degree, surfel.coefficients, dot(q, surfel.frame.u),
@@ -129,7 +129,7 @@ blendLeaf(const FrameContext& frame, const RaySurfel& surfel, std::uint32_t id, 
   const double side = slope > 0.0 ? -1.0 : 1.0;
   sum.weight += weight;
   sum.shift += weight * (s - s_hat) * surfel.radius;
-  sum.coverage += evaluateKernel(kernel, root_sq / (frame.cover_radius * frame.cover_radius));
+  sum.coverage += evaluateKernel(kernel, root_sq / (frame.rules.cover_radius * frame.rules.cover_radius));
   for (std::size_t k = 0; k < 3; ++k) sum.lean[k] += weight * q[k];
   ++sum.leaves;
   sum.facing += slope > 0.0 ? -1 : 1;
@@ -165,7 +165,7 @@ Tile::begin(const FrameContext& frame, const ImageSize& size, std::size_t t)
   height = std::min(kTileSize, size.height - y0);
   rays.resize(kTileSize * kTileSize);
   first_depth.assign(kTileSize * kTileSize, kInfinity);
-  nearest.assign(kTileSize * kTileSize, frame.near_plane);
+  nearest.assign(kTileSize * kTileSize, frame.rules.near_plane);
   is_pending.assign(kTileSize * kTileSize, 1);
   sums.assign(kTileSize * kTileSize, BlendSum());
   pending = {x0, y0, x0 + width - 1, y0 + height - 1};
@@ -189,7 +189,7 @@ findFirstIntersections(const FrameContext& frame, std::size_t t, Tile& tile,
   const SurfelBins& bins = frame.bins;
   for (std::uint64_t e = bins.begin[t]; e < bins.begin[t + 1]; ++e) {
     const VisibleLeaf& leaf = bins.leaves[bins.entries[e]];
-    if (frame.skip && (e - bins.begin[t]) % kLookEvery == 0 && leaf.nearest > farthest(tile)) {
+    if (frame.rules.skip && (e - bins.begin[t]) % kLookEvery == 0 && leaf.nearest > farthest(tile)) {
       statistics.occluded_entries += bins.begin[t + 1] - e;
       return;  // entries are sorted: every later one is as far
     }
@@ -218,7 +218,7 @@ gatherBlends(const FrameContext& frame, std::size_t t, Tile& tile, RenderStatist
   }
   for (std::uint64_t e = bins.begin[t]; e < bins.begin[t + 1]; ++e) {
     const VisibleLeaf& leaf = bins.leaves[bins.entries[e]];
-    if (frame.skip && leaf.nearest > last) return;
+    if (frame.rules.skip && leaf.nearest > last) return;
     const PixelRect rect = tile.clip(leaf.blend);
     if (rect.empty()) continue;
     const RaySurfel surfel(frame.surface, leaf.surfel);
@@ -248,7 +248,7 @@ peelUncovered(const FrameContext& frame, Tile& tile)
       if (!tile.is_pending[pixel]) continue;
       BlendSum& sum = tile.sums[pixel];
       const bool met = sum.surfel != GBuffer::kNothing;
-      if (!met || isSupported(sum, frame.min_coverage)) {
+      if (!met || isSupported(sum, frame.rules.min_coverage)) {
         tile.is_pending[pixel] = 0;
         continue;
       }

@@ -6,7 +6,8 @@
 
 #include "camera/camera_rays.h"
 #include "pcl_slim/render/g_buffer.h"
-#include "pcl_slim/render/tile_rasterizer.h"
+#include "pcl_slim/render/render_params.h"
+#include "tiles/frame_rules.h"
 #include "tiles/surfel_bins.h"
 
 namespace pcl_slim::detail {
@@ -16,12 +17,7 @@ struct FrameContext {
   const SLIMSurface& surface;
   const CameraRays& rays;
   const SurfelBins& bins;
-  double shrink;        ///< alpha of pass 1
-  double cover_radius;  ///< alpha of the coverage measure
-  double min_coverage;  ///< where it is less, the surface is not defined
-  double near_plane;    ///< local length
-  bool front_only;      ///< only roots at which the gradient faces the viewer count
-  bool skip;
+  const FrameRules& rules;
 };
 
 /** \brief Sums of one pixel's blend (eqs. 6, 7, 8 left), before division by the weight. */
