@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/render/surface_renderer.h"
 
+#include "fast/fast_rasterizer.h"
+#include "pcl_slim/core/parallel.h"
 #include "reference/tile_rasterizer.h"
 #include "tiles/frame_rules.h"
 
@@ -11,11 +13,15 @@ using namespace detail;
 struct SurfaceRenderer::State {
   const SLIMSurface& surface;
   Error defect;  ///< of the surface
+  std::unique_ptr<FastRasterizer> fast;
 };
 
-SurfaceRenderer::SurfaceRenderer(const SLIMSurface& surface, int)
-    : state_(new State{surface, surface.validate()})
+SurfaceRenderer::SurfaceRenderer(const SLIMSurface& surface, int threads)
+    : state_(new State{surface, surface.validate(), nullptr})
 {
+  if (!state_->defect) {
+    state_->fast = std::make_unique<FastRasterizer>(surface, resolveThreads(threads));
+  }
 }
 
 SurfaceRenderer::~SurfaceRenderer() = default;
@@ -42,8 +48,13 @@ SurfaceRenderer::render(const Camera& camera, const RenderParams& params, GBuffe
   if (state_->defect) return refused(state_->defect);
   const FrameRules rules(state_->surface.info, params);
   RenderStatistics counts;
-  buffer.resize(camera.size.width, camera.size.height, params.columns);
-  renderReference(state_->surface, camera, rules, buffer, counts);
+  if (params.reference) {
+    buffer.resize(camera.size.width, camera.size.height, params.columns);
+    renderReference(state_->surface, camera, rules, buffer, counts);
+  } else {
+    buffer.reserve(camera.size.width, camera.size.height, params.columns);
+    state_->fast->draw(camera, rules, params.columns, buffer, counts);
+  }
   if (statistics) *statistics = counts;
   return {};
 }

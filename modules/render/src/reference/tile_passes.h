@@ -7,6 +7,7 @@
 #include "camera/camera_rays.h"
 #include "pcl_slim/render/g_buffer.h"
 #include "pcl_slim/render/render_params.h"
+#include "reference/leaf_on_ray.h"
 #include "tiles/frame_rules.h"
 #include "tiles/surfel_bins.h"
 
@@ -18,20 +19,6 @@ struct FrameContext {
   const CameraRays& rays;
   const SurfelBins& bins;
   const FrameRules& rules;
-};
-
-/** \brief Sums of one pixel's blend (eqs. 6, 7, 8 left), before division by the weight. */
-struct BlendSum {
-  double weight = 0.0;
-  double shift = 0.0;  ///< of w (t - t^): q lies on the ray
-  double coverage = 0.0;
-  double lean[3] = {0.0, 0.0, 0.0};  ///< of w (q - c) / r: points away from the leaves' middle
-  int leaves = 0;
-  double gradient[3] = {0.0, 0.0, 0.0};
-  double hessian[6] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0};  ///< xx yy zz xy xz yz
-  double largest_weight = 0.0;
-  std::uint32_t surfel = GBuffer::kNothing;
-  std::int32_t facing = 0;  ///< leaves seen from the front minus those seen from behind
 };
 
 /** \brief One tile's pixels while they are being rendered; reused from tile to tile. */

@@ -18,9 +18,8 @@ renderReference(const SLIMSurface& surface, const Camera& camera, const FrameRul
                 GBuffer& buffer, RenderStatistics& statistics)
 {
   const CameraRays rays(camera, surface.info.origin, surface.info.scale);
-  const SurfelBins bins =
-      binLeaves(surface, rays, camera.size, rules.shrink, rules.near_plane,
-                rules.front_only && rules.skip, rules.threads, statistics);
+  const SurfelBins bins = binLeaves(surface, rays, camera.size, rules.shrink, rules.near_plane,
+                                    rules.front_only && rules.skip, rules.threads, statistics);
   const FrameContext frame{surface, rays, bins, rules};
   statistics += forEachTile<Tile, RenderStatistics>(
       bins, rules.threads, [&](std::size_t t, Tile& tile, RenderStatistics& counts) {

@@ -6,11 +6,6 @@
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim::detail {
-namespace {
-
-constexpr double kMaxShrink = 0.95;  ///< at the very rim a leaf has no weight to blend with
-
-}  // namespace
 
 FrameRules::FrameRules(const SurfaceInfo& info, const RenderParams& params)
     : shrink(std::clamp(params.shrink > 0.0 ? params.shrink : info.cover_radius, 0.05, kMaxShrink)),

@@ -6,6 +6,9 @@
 
 namespace pcl_slim::detail {
 
+/** \brief Largest alpha of pass 1: at the very rim a leaf has no weight to blend with. */
+constexpr double kMaxShrink = 0.95;
+
 /** \brief What a frame's parameters mean for a surface, lengths in its local units. */
 struct FrameRules {
   double shrink;        ///< alpha of pass 1

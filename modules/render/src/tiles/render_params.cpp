@@ -3,11 +3,11 @@
 
 #include <cmath>
 
+#include "tiles/frame_rules.h"
+
 namespace pcl_slim {
-namespace {
 
-
-}  // namespace
+using detail::kMaxShrink;
 
 Error
 RenderParams::validate() const
