@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <string>
 
-#include "common/fit_job.h"
+#include "scan/fit_job.h"
 #include "common/options.h"
 #include "common/program.h"
 #include "common/progress_bar.h"

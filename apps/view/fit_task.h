@@ -7,7 +7,7 @@
 #include <string>
 #include <thread>
 
-#include "common/fit_job.h"
+#include "scan/fit_job.h"
 #include "pcl_slim/core/progress.h"
 
 namespace pcl_slim {

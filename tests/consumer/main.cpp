@@ -7,7 +7,7 @@
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/render/camera.h"
-#include "pcl_slim/render/tile_rasterizer.h"
+#include "pcl_slim/render/surface_renderer.h"
 #include "pcl_slim/surface/surface_io.h"
 
 #ifdef CONSUMER_USES_FILTERS

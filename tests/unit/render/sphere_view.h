@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "pcl_slim/render/tile_rasterizer.h"
+#include "pcl_slim/render/surface_renderer.h"
 #include "unit/render/test_surfaces.h"
 
 /** \brief A camera before a sphere, and what its picture must show. */

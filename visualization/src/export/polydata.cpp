@@ -102,7 +102,7 @@ toPolyData(const SLIMSurface& surface, bool leaves_only)
   builder.add("level", [&](std::size_t i) { return surface.level[i]; });
   builder.add("leaf", [&](std::size_t i) { return surface.flags[i]; });
   builder.add("error", [&](std::size_t i) { return info.scale * surface.error[i]; });
-  builder.add("confidence", [&](std::size_t i) { return surface.confidence[i]; });
+  builder.add("confidence", [&](std::size_t i) { return surface.effective_count[i]; });
   return builder.data();
 }
 
@@ -119,7 +119,7 @@ toPolyData(const SplatSet& splats)
   builder.setColors(splats.rgb);
   builder.add("radius", [&](std::size_t i) { return splats.radius[i]; });
   builder.add("confidence", [&](std::size_t i) { return splats.confidence[i]; });
-  builder.add("curvature", [&](std::size_t i) { return splats.curvature[i]; });
+  builder.add("curvature", [&](std::size_t i) { return splats.normal_variance[i]; });
   return builder.data();
 }
 

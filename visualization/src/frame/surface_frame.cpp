@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frame/surface_frame.h"
 
-#include "pcl_slim/render/tile_rasterizer.h"
-
 namespace pcl_slim::detail {
 
 Error
-SurfaceFrames::render(const Camera& camera, const FrameRequest& request, GBuffer& buffer) const
+SurfaceFrames::render(const Camera& camera, const FrameRequest& request, GBuffer& buffer)
 {
   RenderParams params;
   params.sides = request.sides;
   params.near_plane = request.near_plane;
   params.threads = request.threads;
+  params.columns = kPositionColumn | kCurvatureColumn | kLeafColumns;
   params.cuts = request.clip_planes;
-  return renderSurface(surface_, camera, params, buffer);
+  return renderer_.render(camera, params, buffer);
 }
 
 }  // namespace pcl_slim::detail

@@ -2,11 +2,8 @@
 #pragma once
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/render/surface_renderer.h"
 #include "pcl_slim/visualization/g_buffer_mapper.h"
-
-namespace pcl_slim {
-class SLIMSurface;
-}
 
 namespace pcl_slim::detail {
 
@@ -14,12 +11,12 @@ namespace pcl_slim::detail {
  * this object. */
 class SurfaceFrames {
  public:
-  explicit SurfaceFrames(const SLIMSurface& surface) : surface_(surface) {}
+  explicit SurfaceFrames(const SLIMSurface& surface) : renderer_(surface) {}
 
-  Error render(const Camera& camera, const FrameRequest& request, GBuffer& buffer) const;
+  Error render(const Camera& camera, const FrameRequest& request, GBuffer& buffer);
 
  private:
-  const SLIMSurface& surface_;
+  SurfaceRenderer renderer_;
 };
 
 }  // namespace pcl_slim::detail

@@ -79,7 +79,7 @@ SLIMMapper::pick(vtkRenderer* renderer, vtkActor* actor, int x, int y, SurfacePi
   result.degree = surface.degree[i];
   result.radius = surface.radius[i] * scale;
   result.error = surface.error[i] * scale;
-  result.confidence = surface.confidence[i];
+  result.effective_count = surface.effective_count[i];
   return true;
 }
 

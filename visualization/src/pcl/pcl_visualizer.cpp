@@ -187,7 +187,7 @@ splatsFrom(const pcl::PointCloud<pcl::PointSurfel>& cloud)
     splats.radius[n] = p.radius;
     splats.rgb[n] = p.rgba & 0xffffffu;
     splats.confidence[n] = p.confidence;
-    splats.curvature[n] = p.curvature;
+    splats.normal_variance[n] = p.curvature;
     splats.kept[n] = static_cast<std::uint32_t>(i);
     ++n;
   }

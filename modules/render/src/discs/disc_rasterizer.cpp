@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "pcl_slim/core/parallel.h"
 #include "discs/disc_tile.h"
+#include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim {
 

@@ -5,9 +5,10 @@
 #include <vector>
 
 #include "camera/camera_rays.h"
-#include "pcl_slim/core/symmetric.h"
 #include "pcl_slim/render/g_buffer.h"
-#include "pcl_slim/render/tile_rasterizer.h"
+#include "pcl_slim/render/render_params.h"
+#include "reference/leaf_on_ray.h"
+#include "tiles/frame_rules.h"
 #include "tiles/surfel_bins.h"
 
 namespace pcl_slim::detail {
@@ -17,27 +18,7 @@ struct FrameContext {
   const SLIMSurface& surface;
   const CameraRays& rays;
   const SurfelBins& bins;
-  double shrink;        ///< alpha of pass 1
-  double cover_radius;  ///< alpha of the coverage measure
-  double min_coverage;  ///< where it is less, the surface is not defined
-  double near_plane;    ///< local length
-  bool front_only;      ///< only roots at which the gradient faces the viewer count
-  bool skip;
-  std::vector<HalfSpace> cuts;  ///< local coordinates
-};
-
-/** \brief Sums of one pixel's blend (eqs. 6, 7, 8 left), before division by the weight. */
-struct BlendSum {
-  double weight = 0.0;
-  double shift = 0.0;  ///< of w (t - t^): q lies on the ray
-  double coverage = 0.0;
-  double lean[3] = {0.0, 0.0, 0.0};  ///< of w (q - c) / r: points away from the leaves' middle
-  int leaves = 0;
-  double gradient[3] = {0.0, 0.0, 0.0};
-  Symmetric3<double> hessian{};
-  double largest_weight = 0.0;
-  std::uint32_t surfel = GBuffer::kNothing;
-  std::int32_t facing = 0;  ///< leaves seen from the front minus those seen from behind
+  const FrameRules& rules;
 };
 
 /** \brief One tile's pixels while they are being rendered; reused from tile to tile. */

@@ -32,33 +32,49 @@ struct LevelSetCurvature {
   }
 };
 
+/** \brief Writes what the picture asks of the blended derivatives. */
 void
-writePixel(const FrameContext& frame, const Ray& ray, double depth_hat, const BlendSum& sum,
-           std::size_t pixel, GBuffer& out)
+writeDerivatives(const BlendSum& sum, std::size_t pixel, GBuffer& out)
 {
   double gradient[3];
   Symmetric3<double> hessian;
   for (int k = 0; k < 3; ++k) gradient[k] = sum.gradient[k] / sum.weight;
   for (std::size_t k = 0; k < 6; ++k) hessian[k] = sum.hessian[k] / sum.weight;
   const Vector3 normal = normalized({gradient[0], gradient[1], gradient[2]});
-  const double depth = depth_hat + sum.shift / sum.weight;
-  const Vector3 q = along(ray.origin, depth, ray.direction);
-  const LevelSetCurvature curvature(gradient, hessian);
-  out.depth[pixel] = static_cast<float>(depth);
   for (std::size_t k = 0; k < 3; ++k) {
-    out.position[pixel][k] = static_cast<float>(q[k]);
     out.normal[pixel][k] = static_cast<float>(normal[k]);
-    out.gradient[pixel][k] = static_cast<float>(gradient[k]);
+    if (!out.gradient.empty()) out.gradient[pixel][k] = static_cast<float>(gradient[k]);
   }
-  for (std::size_t k = 0; k < 6; ++k) out.hessian[pixel][k] = static_cast<float>(hessian[k]);
+  for (std::size_t k = 0; k < 6 && !out.hessian.empty(); ++k) {
+    out.hessian[pixel][k] = static_cast<float>(hessian[k]);
+  }
+  if (out.mean_curvature.empty()) return;
+  const LevelSetCurvature curvature(gradient, hessian);
   out.mean_curvature[pixel] = static_cast<float>(curvature.mean);
   out.gaussian_curvature[pixel] = static_cast<float>(curvature.gaussian);
   out.principal[pixel] = {static_cast<float>(curvature.k_max), static_cast<float>(curvature.k_min)};
+}
+
+void
+writePixel(const FrameContext& frame, const Ray& ray, double depth_hat, const BlendSum& sum,
+           std::size_t pixel, GBuffer& out)
+{
+  const double depth = depth_hat + sum.shift / sum.weight;
+  const Vector3 q = along(ray.origin, depth, ray.direction);
+  out.depth[pixel] = static_cast<float>(depth);
+  for (std::size_t k = 0; k < 3 && !out.position.empty(); ++k) {
+    out.position[pixel][k] = static_cast<float>(q[k]);
+  }
+  writeDerivatives(sum, pixel, out);
   out.surfel[pixel] = sum.surfel;
-  out.level[pixel] = frame.surface.level[sum.surfel];
-  out.radius[pixel] = frame.surface.radius[sum.surfel];
-  out.weight[pixel] = static_cast<float>(sum.weight);
-  out.coverage[pixel] = static_cast<float>(sum.coverage);
+  if (!out.level.empty()) {
+    out.level[pixel] = frame.surface.level[sum.surfel];
+    out.radius[pixel] = frame.surface.radius[sum.surfel];
+  }
+  if (!out.weight.empty()) {
+    out.weight[pixel] = static_cast<float>(sum.weight);
+    out.coverage[pixel] = static_cast<float>(sum.coverage);
+  }
   out.back_face[pixel] = static_cast<std::uint8_t>(frame.surface.info.oriented && sum.facing < 0);
 }
 

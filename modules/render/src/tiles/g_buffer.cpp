@@ -4,7 +4,29 @@
 #include <algorithm>
 #include <limits>
 
+#include "tiles/clear_pixels.h"
+
 namespace pcl_slim {
+
+void
+detail::clearPixels(GBuffer& buffer, std::size_t begin, std::size_t count)
+{
+  const auto clear = [&](auto& column, auto value) {
+    if (!column.empty()) std::fill_n(column.data() + begin, count, value);
+  };
+  clear(buffer.depth, std::numeric_limits<float>::infinity());
+  for (auto* column : {&buffer.position, &buffer.normal, &buffer.gradient}) {
+    clear(*column, std::array<float, 3>{});
+  }
+  clear(buffer.hessian, std::array<float, 6>{});
+  for (auto* column : {&buffer.mean_curvature, &buffer.gaussian_curvature, &buffer.radius,
+                       &buffer.weight, &buffer.coverage}) {
+    clear(*column, 0.0f);
+  }
+  clear(buffer.principal, std::array<float, 2>{});
+  clear(buffer.surfel, GBuffer::kNothing);
+  for (auto* column : {&buffer.level, &buffer.back_face}) clear(*column, std::uint8_t{0});
+}
 
 void
 GBuffer::reserve(int new_width, int new_height, unsigned columns)
@@ -34,18 +56,7 @@ void
 GBuffer::resize(int new_width, int new_height, unsigned columns)
 {
   reserve(new_width, new_height, columns);
-  const auto clear = [](auto& column, auto value) {
-    std::fill(column.begin(), column.end(), value);
-  };
-  clear(depth, std::numeric_limits<float>::infinity());
-  for (auto* column : {&position, &normal, &gradient}) clear(*column, std::array<float, 3>{});
-  clear(hessian, std::array<float, 6>{});
-  for (auto* column : {&mean_curvature, &gaussian_curvature, &radius, &weight, &coverage}) {
-    clear(*column, 0.0f);
-  }
-  clear(principal, std::array<float, 2>{});
-  clear(surfel, kNothing);
-  for (auto* column : {&level, &back_face}) clear(*column, std::uint8_t{0});
+  detail::clearPixels(*this, 0, numPixels());
 }
 
 std::size_t

@@ -6,7 +6,8 @@
 
 #include "camera/camera_rays.h"
 #include "pcl_slim/core/parallel.h"
-#include "pcl_slim/render/tile_rasterizer.h"
+#include "pcl_slim/render/render_params.h"
+#include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim::detail {
 

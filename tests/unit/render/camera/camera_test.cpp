@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "pcl_slim/render/auto_view.h"
-#include "pcl_slim/render/tile_rasterizer.h"
+#include "pcl_slim/render/surface_renderer.h"
 #include "unit/render/test_surfaces.h"
 
 namespace pcl_slim {

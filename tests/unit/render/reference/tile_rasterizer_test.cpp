@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pcl_slim/render/tile_rasterizer.h"
+#include "pcl_slim/render/surface_renderer.h"
 
 #include <gtest/gtest.h>
 

@@ -12,7 +12,7 @@
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/render/camera.h"
 #include "pcl_slim/render/g_buffer.h"
-#include "pcl_slim/render/tile_rasterizer.h"
+#include "pcl_slim/render/render_params.h"
 #include "pcl_slim/visualization/display_mode.h"
 
 class vtkOpenGLRenderWindow;

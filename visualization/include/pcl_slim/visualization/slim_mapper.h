@@ -25,7 +25,7 @@ struct SurfacePick {
   int level = 0, degree = 0;         ///< of the surfel
   double radius = 0.0;               ///< of the surfel
   double error = 0.0;                ///< its root-mean-square residual
-  double confidence = 0.0;           ///< number of points behind it
+  double effective_count = 0.0;      ///< number of points behind it
 };
 
 /** \brief Draws a SLIM surface, blended per pixel, in any VTK renderer.

@@ -6,7 +6,7 @@
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/render/camera.h"
 #include "pcl_slim/render/g_buffer.h"
-#include "pcl_slim/render/tile_rasterizer.h"
+#include "pcl_slim/render/render_params.h"
 #include "pcl_slim/splat/splat_set.h"
 
 namespace pcl_slim {

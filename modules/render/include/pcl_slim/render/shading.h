@@ -12,7 +12,7 @@
 #include "pcl_slim/render/disc_rasterizer.h"
 #include "pcl_slim/render/g_buffer.h"
 #include "pcl_slim/render/image.h"
-#include "pcl_slim/render/tile_rasterizer.h"
+#include "pcl_slim/render/surface_renderer.h"
 
 namespace pcl_slim {
 

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Milliseconds a frame of the fast rasteriser beside the reference in double, in one run, and by
+// how much their pictures differ.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "common/options.h"
+#include "measure/clocks.h"
+#include "pcl_slim/render/auto_view.h"
+#include "pcl_slim/render/surface_renderer.h"
+#include "pcl_slim/surface/surface_io.h"
+
+using namespace pcl_slim;
+using measure::median;
+using measure::wallSeconds;
+
+namespace {
+
+struct Settings {
+  std::string surface;
+  int size = 1000, repeat = 15, threads = 2;
+  double zoom = 1.0, lod = 0.0;
+  bool reference = true;
+};
+
+/** \brief Milliseconds a frame: the median of warm ones, each from a camera turned a little. */
+double
+frameTime(SurfaceRenderer& renderer, const Camera& camera, const RenderParams& params, int repeat,
+          GBuffer& buffer, RenderStatistics& counts)
+{
+  std::vector<double> times;
+  for (int i = 0; i <= repeat; ++i) {
+    Camera moved = camera;
+    moved.pixel_offset = {0.01 * i, -0.02 * i};
+    const double start = wallSeconds();
+    if (Error error = renderer.render(moved, params, buffer, &counts)) {
+      std::fprintf(stderr, "render_bench: %s\n", error.message.c_str());
+      return 0.0;
+    }
+    if (i > 0) times.push_back(1e3 * (wallSeconds() - start));
+  }
+  return median(times);
+}
+
+/** \brief How a frame differs from the reference's of the same camera. */
+void
+printDifference(const GBuffer& a, const GBuffer& b)
+{
+  std::size_t coverage = 0, both = 0, far = 0, tilted = 0;
+  double depth_sq = 0.0, cosine_sum = 0.0;
+  for (std::size_t i = 0; i < a.numPixels(); ++i) {
+    coverage += a.covered(i) != b.covered(i);
+    if (!a.covered(i) || !b.covered(i)) continue;
+    ++both;
+    const double d = a.depth[i] - b.depth[i];
+    if (std::abs(d) > 1e-3) {
+      ++far;
+      continue;
+    }
+    depth_sq += d * d;
+    double cosine = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) cosine += a.normal[i][k] * b.normal[i][k];
+    const double angle = std::acos(std::clamp(cosine, -1.0, 1.0));
+    tilted += angle > 0.02;
+    cosine_sum += angle;
+  }
+  const double n = static_cast<double>(std::max<std::size_t>(both, 1));
+  std::printf("  differ: coverage %zu pixels, depth by over 1e-3 in %zu, normal by over .02 in %zu; "
+              "rms depth %.2e, mean angle %.2e\n",
+              coverage, far, tilted, std::sqrt(depth_sq / n), cosine_sum / n);
+}
+
+int
+run(const Settings& s)
+{
+  const auto surface = loadSlim(s.surface);
+  if (!surface) {
+    std::fprintf(stderr, "render_bench: %s\n", surface.error().message.c_str());
+    return kExitUsage;
+  }
+  const BoundingSpheres object = spheresOf(*surface);
+  Camera camera = fitCamera(object, chooseView(object), {s.size, s.size});
+  camera.fov /= s.zoom;
+  const double start = wallSeconds();
+  SurfaceRenderer renderer(*surface, s.threads);
+  std::printf("%s: %zu leaves of degree %d, index %.1f ms\n", s.surface.c_str(),
+              surface->numLeaves(), surface->info.degree, 1e3 * (wallSeconds() - start));
+
+  RenderParams params;
+  params.threads = s.threads;
+  params.lod = s.lod;
+  GBuffer buffer;
+  RenderStatistics counts;
+  params.columns = kCurvatureColumn;
+  const double curvature = frameTime(renderer, camera, params, s.repeat, buffer, counts);
+  params.columns = 0;
+  const double plain = frameTime(renderer, camera, params, s.repeat, buffer, counts);
+  params.threads = 1;
+  const double single = frameTime(renderer, camera, params, s.repeat, buffer, counts);
+  std::printf("  %llu pixels covered; %.2f ms a frame, %.2f with curvature (%.2f times), %.2f on one "
+              "thread\n",
+              static_cast<unsigned long long>(counts.covered_pixels), plain, curvature,
+              curvature / plain, single);
+  std::printf("  outside %llu, back-facing %llu, entries %llu, rays %llu + %llu, bracketed %llu\n",
+              static_cast<unsigned long long>(counts.outside_frustum),
+              static_cast<unsigned long long>(counts.back_facing),
+              static_cast<unsigned long long>(counts.tile_entries),
+              static_cast<unsigned long long>(counts.rays_first),
+              static_cast<unsigned long long>(counts.rays_blend),
+              static_cast<unsigned long long>(counts.rays_bracketed));
+  if (!s.reference) return kExitDone;
+  params.threads = s.threads;
+  params.lod = 0.0;
+  params.reference = true;
+  GBuffer reference;
+  const double slow = frameTime(renderer, camera, params, 3, reference, counts);
+  std::printf("  reference %.1f ms: %.1f times\n", slow, slow / plain);
+  params.reference = false;
+  frameTime(renderer, camera, params, 3, buffer, counts);
+  printDifference(buffer, reference);
+  return kExitDone;
+}
+
+}  // namespace
+
+int
+main(int argc, char** argv)
+{
+  Settings s;
+  OptionTable table("render_bench", "", "Milliseconds a frame beside the reference rasteriser.");
+  table.positional("SURFACE.slim", &s.surface, "surface of pcl_slim_fit");
+  table.integer("size", &s.size, 16, 8192, "pixels a side");
+  table.integer("repeat", &s.repeat, 1, 1000, "frames to take the median of");
+  table.integer("threads", &s.threads, 1, 256, "threads");
+  table.number("zoom", &s.zoom, 0.01, 1000.0, "narrows the field of view");
+  table.number("lod", &s.lod, 0.0, 1024.0, "level of detail in pixels");
+  table.toggle("reference", &s.reference, "compare with the reference");
+  if (const auto status = table.parse(argc, argv)) return *status;
+  return run(s);
+}

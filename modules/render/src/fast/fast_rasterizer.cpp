@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fast/fast_rasterizer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "fast/leaf_setup.h"
+#include "fast/tile_kernel.h"
+#include "pcl_slim/cloud/morton_sort.h"
+#include "pcl_slim/core/parallel.h"
+#include "tiles/clear_pixels.h"
+#include "tiles/surfel_bins.h"
+
+namespace pcl_slim::detail {
+namespace {
+
+/** \brief Share of a ball's radius at which the blending weight has fallen to 1e-4. What lies
+ * beyond moves a blend by less than that share of what its leaves differ by. */
+float
+weightReach(WeightKernel kernel)
+{
+  switch (kernel) {
+    case WeightKernel::kPower2: return 0.995f;  // 1 - s^2 = .01
+    case WeightKernel::kPower4: return 0.949f;  // .1
+    case WeightKernel::kPower7: return 0.856f;  // .268
+    default: return 0.918f;                     // 16 e^-2 (1 - s)^4
+  }
+}
+
+/** \brief Bits that order floats as their values do. */
+std::uint32_t
+orderedBits(float value)
+{
+  std::uint32_t bits;
+  std::memcpy(&bits, &value, sizeof bits);
+  return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
+}
+
+/** \brief Tiles that a circle in the picture touches; empty if x0 > x1 or y0 > y1. */
+struct TileRange {
+  int x0, y0, x1, y1;
+
+  TileRange(const FrameLeaf& leaf, const FrameTiles& tiles)
+  {
+    const auto tile = [](float pixel, int last) {
+      const float t = std::floor(pixel / kTileSize);
+      return static_cast<int>(std::clamp(t, -1.0f, static_cast<float>(last + 1)));
+    };
+    x0 = std::max(0, tile(std::ceil(leaf.blend_x - leaf.blend_reach), tiles.columns - 1));
+    x1 = std::min(tiles.columns - 1, tile(leaf.blend_x + leaf.blend_reach, tiles.columns - 1));
+    y0 = std::max(0, tile(std::ceil(leaf.blend_y - leaf.blend_reach), tiles.rows - 1));
+    y1 = std::min(tiles.rows - 1, tile(leaf.blend_y + leaf.blend_reach, tiles.rows - 1));
+  }
+
+  template <typename Visit>
+  void forEach(const FrameTiles& tiles, const Visit& visit) const
+  {
+    for (int y = y0; y <= y1; ++y) {
+      for (int x = x0; x <= x1; ++x) visit(static_cast<std::size_t>(y * tiles.columns + x));
+    }
+  }
+};
+
+/** \brief The leaves of one cluster sorted into batches of one degree, set up as they fill. */
+class BatchFiller {
+ public:
+  BatchFiller(const SLIMSurface& surface, const LeafIndex& index, const FrameView& view,
+              const BallShares& shares)
+      : surface_(surface), index_(index), view_(view), shares_(shares)
+  {
+  }
+
+  void add(std::size_t i, FrameLeaf* target)
+  {
+    const std::uint32_t s = index_.surfel[i];
+    const int degree = std::max<int>(2, surface_.degree[s]);
+    LeafBatch& batch = batches_[degree - 2];
+    const std::size_t lane = batch.count++;
+    batch.x[lane] = index_.x[i];
+    batch.y[lane] = index_.y[i];
+    batch.z[lane] = index_.z[i];
+    batch.radius[lane] = index_.radius[i];
+    batch.nx[lane] = index_.nx[i];
+    batch.ny[lane] = index_.ny[i];
+    batch.nz[lane] = index_.nz[i];
+    batch.variance_weight[lane] = index_.variance_weight[i];
+    batch.surfel[lane] = s;
+    batch.target[lane] = target;
+    const float* c = surface_.coefficientsOf(s);
+    const int known = numCoefficients(surface_.degree[s]), all = numCoefficients(degree);
+    for (int k = 0; k < all; ++k) batch.c[k][lane] = k < known ? c[k] : 0.0f;
+    if (batch.count == LeafBatch::kSize) flush(degree);
+  }
+
+  void flushAll()
+  {
+    for (int degree = 2; degree <= kMaxDegree; ++degree) flush(degree);
+  }
+
+ private:
+  void flush(int degree)
+  {
+    LeafBatch& batch = batches_[degree - 2];
+    if (batch.count == 0) return;
+    // Lanes to spare repeat the first one: any surfel will do, but numbers must be there.
+    for (std::size_t lane = batch.count; lane < LeafBatch::kSize; ++lane) {
+      for (float* column : {batch.x, batch.y, batch.z, batch.radius, batch.nx, batch.ny, batch.nz,
+                            batch.variance_weight}) {
+        column[lane] = column[0];
+      }
+      for (int k = 0; k < numCoefficients(degree); ++k) batch.c[k][lane] = batch.c[k][0];
+    }
+    kernels::setUpLeaves(batch, degree, view_, shares_);
+    batch.count = 0;
+  }
+
+  const SLIMSurface& surface_;
+  const LeafIndex& index_;
+  const FrameView& view_;
+  const BallShares& shares_;
+  LeafBatch batches_[3];
+};
+
+}  // namespace
+
+FastRasterizer::FastRasterizer(const SLIMSurface& surface, int threads)
+    : surface_(surface),
+      index_(surface, threads),
+      stride_(leafStride(std::max(2, surface.info.degree)))
+{
+}
+
+void
+FastRasterizer::setUpCluster(std::size_t n, const FrameView& view, const FrameRules& rules,
+                             const BallShares& shares, RenderStatistics& statistics)
+{
+  const LeafNode& cluster = index_.cluster(clusters_[n]);
+  Visibility visibility[kClusterSize];
+  kernels::cullLeaves(index_, cluster.begin, cluster.end, view, rules.front_only && rules.skip,
+                      visibility);
+  BatchFiller filler(surface_, index_, view, shares);
+  std::size_t count = 0;
+  for (std::uint32_t i = cluster.begin; i < cluster.end; ++i) {
+    const Visibility seen = visibility[i - cluster.begin];
+    statistics.outside_frustum += seen == Visibility::kOutside;
+    statistics.back_facing += seen == Visibility::kBackFacing;
+    if (seen == Visibility::kVisible) filler.add(i, &record(n * kClusterSize + count++));
+  }
+  filler.flushAll();
+  counts_[n] = static_cast<std::uint8_t>(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    FrameLeaf& leaf = record(n * kClusterSize + k);
+    if (leaf.degree != kNearLeaf) continue;
+    // The camera is inside the ball or next to it: it may be seen anywhere.
+    leaf.blend_x = leaf.blend_y = leaf.first_x = leaf.first_y = 0.0f;
+    leaf.blend_reach = leaf.first_reach = 1e9f;
+    leaf.nearest = -std::numeric_limits<float>::max();
+  }
+}
+
+void
+FastRasterizer::setUp(const FrameView& view, const FrameRules& rules, const BallShares& shares,
+                      RenderStatistics& statistics)
+{
+  clusters_.clear();
+  index_.findVisible(view, rules.front_only && rules.skip, clusters_, statistics.outside_frustum,
+                     statistics.back_facing);
+  counts_.resize(clusters_.size());
+  records_.resize(clusters_.size() * kClusterSize * stride_);
+  std::vector<RenderStatistics> parts(static_cast<std::size_t>(rules.threads));
+  parallelFor(clusters_.size(), rules.threads, 8, [&](std::size_t n, int thread) {
+    setUpCluster(n, view, rules, shares, parts[static_cast<std::size_t>(thread)]);
+  });
+  for (const RenderStatistics& part : parts) statistics += part;
+}
+
+void
+FastRasterizer::sortByDepth(const FrameRules& rules)
+{
+  by_depth_.clear();
+  for (std::size_t n = 0; n < clusters_.size(); ++n) {
+    for (std::size_t k = 0; k < counts_[n]; ++k) {
+      const std::size_t place = n * kClusterSize + k;
+      by_depth_.push_back(std::uint64_t{orderedBits(record(place).nearest)} << 32 | place);
+    }
+  }
+  sortByBits(by_depth_, 32, 64, rules.threads);
+}
+
+void
+FastRasterizer::bin(const FrameView& view)
+{
+  tiles_.columns = (view.width + kTileSize - 1) / kTileSize;
+  tiles_.rows = (view.height + kTileSize - 1) / kTileSize;
+  tiles_.begin.assign(tiles_.size() + 1, 0);
+  const auto forEachPair = [&](const auto& visit) {
+    for (const std::uint64_t value : by_depth_) {
+      const auto place = static_cast<std::uint32_t>(value);
+      TileRange(record(place), tiles_).forEach(tiles_, [&](std::size_t t) { visit(t, place); });
+    }
+  };
+  forEachPair([&](std::size_t t, std::uint32_t) { ++tiles_.begin[t + 1]; });
+  for (std::size_t t = 0; t < tiles_.size(); ++t) tiles_.begin[t + 1] += tiles_.begin[t];
+  tiles_.entries.resize(tiles_.begin.back());
+  std::vector<std::uint32_t> next(tiles_.begin.begin(), tiles_.begin.end() - 1);
+  forEachPair([&](std::size_t t, std::uint32_t place) { tiles_.entries[next[t]++] = place; });
+}
+
+void
+FastRasterizer::draw(const Camera& camera, const FrameRules& rules, unsigned columns,
+                     GBuffer& buffer, RenderStatistics& statistics)
+{
+  const FrameView view(camera, surface_.info.origin, surface_.info.scale);
+  const CameraRays rays(camera, surface_.info.origin, surface_.info.scale);
+  const BallShares shares{
+      static_cast<float>(rules.shrink),
+      std::max(weightReach(surface_.info.blend_kernel), static_cast<float>(rules.shrink))};
+  statistics.leaves += index_.size();
+  setUp(view, rules, shares, statistics);
+  sortByDepth(rules);
+  bin(view);
+  statistics.tile_entries += tiles_.entries.size();
+
+  const FrameScene scene{surface_, view, rays, rules, shares, columns, records_, stride_, tiles_};
+  const auto threads = static_cast<std::size_t>(rules.threads);
+  if (scratch_.size() < threads) scratch_.resize(threads);
+  std::vector<RenderStatistics> parts(threads);
+  parallelFor(tiles_.size(), rules.threads, 1, [&](std::size_t t, int thread) {
+    const auto own = static_cast<std::size_t>(thread);
+    if (tiles_.begin[t] < tiles_.begin[t + 1]) {
+      kernels::drawTile(scene, t, scratch_[own], buffer, parts[own]);
+      return;
+    }
+    const int x0 = static_cast<int>(t) % tiles_.columns * kTileSize;
+    const int y0 = static_cast<int>(t) / tiles_.columns * kTileSize;
+    const int width = std::min(kTileSize, view.width - x0);
+    for (int y = y0; y < std::min(y0 + kTileSize, view.height); ++y) {
+      clearPixels(buffer, buffer.index(x0, y), static_cast<std::size_t>(width));
+    }
+  });
+  for (const RenderStatistics& part : parts) statistics += part;
+}
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "fast/frame_scene.h"
+#include "fast/leaf_index.h"
+#include "pcl_slim/render/camera.h"
+#include "pcl_slim/render/g_buffer.h"
+#include "pcl_slim/render/render_params.h"
+
+namespace pcl_slim::detail {
+
+/** \brief Draws frames of one surface in single precision; keeps its index and its memory. */
+class FastRasterizer {
+ public:
+  FastRasterizer(const SLIMSurface& surface, int threads);
+
+  /** \brief Draws a frame. \param[in,out] buffer of the camera's size; every pixel is written */
+  void draw(const Camera& camera, const FrameRules& rules, unsigned columns, GBuffer& buffer,
+            RenderStatistics& statistics);
+
+ private:
+  void setUp(const FrameView& view, const FrameRules& rules, const BallShares& shares,
+             RenderStatistics& statistics);
+  void setUpCluster(std::size_t n, const FrameView& view, const FrameRules& rules,
+                    const BallShares& shares, RenderStatistics& statistics);
+  void sortByDepth(const FrameRules& rules);
+  void bin(const FrameView& view);
+  FrameLeaf& record(std::size_t place)
+  {
+    return *reinterpret_cast<FrameLeaf*>(records_.data() + place * stride_);
+  }
+
+  const SLIMSurface& surface_;
+  LeafIndex index_;
+  std::size_t stride_;
+  std::vector<std::uint32_t> clusters_;    ///< those that may be seen
+  std::vector<std::uint8_t> counts_;       ///< records of each
+  AlignedVector<std::uint8_t> records_;    ///< kClusterSize places for each of them
+  AlignedVector<std::uint64_t> by_depth_;  ///< depth value's bits and place
+  FrameTiles tiles_;
+  std::vector<TileScratch> scratch_;
+};
+
+}  // namespace pcl_slim::detail

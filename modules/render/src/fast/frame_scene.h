@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "camera/camera_rays.h"
+#include "fast/frame_leaf.h"
+#include "fast/frame_view.h"
+#include "fast/leaf_setup.h"
+#include "pcl_slim/core/aligned.h"
+#include "pcl_slim/render/g_buffer.h"
+#include "pcl_slim/surface/surface.h"
+#include "tiles/frame_rules.h"
+
+namespace pcl_slim::detail {
+
+/** \brief Surfels of one frame sorted into tiles, each tile's from near to far. */
+struct FrameTiles {
+  int columns = 0, rows = 0;
+  std::vector<std::uint32_t> begin;    ///< tile t: entries[begin[t] ... begin[t + 1])
+  std::vector<std::uint32_t> entries;  ///< places of records
+
+  std::size_t size() const
+  {
+    return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
+  }
+};
+
+/** \brief What every tile of a frame needs. */
+struct FrameScene {
+  const SLIMSurface& surface;
+  const FrameView& view;
+  const CameraRays& rays;  ///< the same camera in double, for surfels too near for records
+  const FrameRules& rules;
+  BallShares shares;
+  unsigned columns;  ///< GBufferColumn bits
+  const AlignedVector<std::uint8_t>& records;
+  std::size_t stride;
+  const FrameTiles& tiles;
+
+  const FrameLeaf& leaf(std::uint32_t place) const
+  {
+    return *reinterpret_cast<const FrameLeaf*>(records.data() + place * stride);
+  }
+};
+
+/** \brief A record in one tile's coordinates. */
+struct TileLeaf {
+  const FrameLeaf* leaf;
+  float x, y;     ///< X and Y of the tile's upper left pixel
+  float sigma;    ///< sigma = sigma + beta * depth, depth being D less the tile's
+  float nearest;  ///< in the tile's depth
+};
+
+/** \brief One thread's memory for tiles, reused from tile to tile. */
+struct TileScratch {
+  static constexpr std::size_t kMaxBlocks = 256;
+
+  std::vector<TileLeaf> leaves;
+  std::vector<std::uint32_t> lists;  ///< per block: a leaf's place times 2, plus 1 if for pass 1
+  std::uint32_t counts[kMaxBlocks];
+};
+
+}  // namespace pcl_slim::detail

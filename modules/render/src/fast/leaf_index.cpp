@@ -1,0 +1,218 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fast/leaf_index.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pcl_slim/cloud/morton.h"
+#include "pcl_slim/cloud/morton_sort.h"
+#include "pcl_slim/core/vector3.h"
+
+namespace pcl_slim::detail {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr std::size_t kFanout = 8;
+
+/** \brief Length and inner products of a point seen from the camera. */
+struct Seen {
+  double x, y, z, distance_sq;
+
+  Seen(const FrameView& view, const float point[3])
+  {
+    double p[3];
+    for (int a = 0; a < 3; ++a) p[a] = double{point[a]} - view.eye[a] - view.eye_rest[a];
+    x = p[0] * view.right[0] + p[1] * view.right[1] + p[2] * view.right[2];
+    y = p[0] * view.up[0] + p[1] * view.up[1] + p[2] * view.up[2];
+    z = p[0] * view.forward[0] + p[1] * view.forward[1] + p[2] * view.forward[2];
+    distance_sq = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
+  }
+};
+
+/** \brief True if a ball at coordinate x, depth z is beyond the side of the picture at slope t. */
+bool
+beyond(bool perspective, double x, double z, double t, double radius)
+{
+  return perspective ? x - t * z > radius * std::sqrt(1.0 + t * t) : x - t > radius;
+}
+
+bool
+outsideFrustum(const FrameView& view, const Seen& p, double radius)
+{
+  if (p.z + radius <= 0.0) return true;
+  // Half a pixel on top of the outermost rays keeps rounding out of it.
+  const double right = (view.width - 0.5 - view.center_x) * view.pixel;
+  const double left = (view.center_x + 0.5) * view.pixel;
+  const double top = (view.center_y + 0.5) * view.pixel;
+  const double bottom = (view.height - 0.5 - view.center_y) * view.pixel;
+  return beyond(view.perspective, p.x, p.z, right, radius) ||
+         beyond(view.perspective, -p.x, p.z, left, radius) ||
+         beyond(view.perspective, p.y, p.z, top, radius) ||
+         beyond(view.perspective, -p.y, p.z, bottom, radius);
+}
+
+/** \brief Angle between a unit vector and a vector of a length. */
+double
+angleTo(const float axis[3], const Vector3& direction)
+{
+  const double cosine = axis[0] * direction[0] + axis[1] * direction[1] + axis[2] * direction[2];
+  return std::acos(std::clamp(cosine, -1.0, 1.0));
+}
+
+bool
+turnedAway(const FrameView& view, const Seen& p, const LeafNode& node)
+{
+  constexpr double kMargin = 1e-3;  // radians, above any rounding here
+  const double distance = std::sqrt(p.distance_sq);
+  Vector3 direction{view.forward[0], view.forward[1], view.forward[2]};
+  double spread = node.cone;
+  if (view.perspective) {
+    if (!(distance > node.radius)) return false;
+    spread += std::asin(node.radius / distance);
+    for (std::size_t a = 0; a < 3; ++a) {
+      direction[a] = (double{node.center[a]} - view.eye[a] - view.eye_rest[a]) / distance;
+    }
+  }
+  return angleTo(node.axis, direction) + spread < 0.5 * kPi - kMargin;
+}
+
+}  // namespace
+
+double
+slopeBound(const SLIMSurface& surface, std::size_t i)
+{
+  const float* c = surface.coefficientsOf(i);
+  double bound = 0.0;
+  for (int degree = 1, k = 1; degree <= surface.degree[i]; ++degree) {
+    for (int j = 0; j <= degree; ++j, ++k) bound += degree * std::abs(static_cast<double>(c[k]));
+  }
+  return bound;
+}
+
+Visibility
+visibilityOf(const FrameView& view, const LeafNode& node, bool front_only)
+{
+  const Seen p(view, node.center);
+  if (outsideFrustum(view, p, node.radius)) return Visibility::kOutside;
+  if (front_only && turnedAway(view, p, node)) return Visibility::kBackFacing;
+  return Visibility::kVisible;
+}
+
+LeafIndex::LeafIndex(const SLIMSurface& surface, int threads)
+{
+  sortLeaves(surface, threads);
+  fillColumns(surface);
+  if (size() == 0) return;
+  std::vector<LeafNode> clusters;
+  for (std::uint32_t begin = 0; begin < size(); begin += kClusterSize) {
+    clusters.push_back(
+        enclose(begin, std::min(begin + kClusterSize, static_cast<std::uint32_t>(size()))));
+  }
+  levels_.push_back(std::move(clusters));
+  while (levels_.back().size() > kFanout) {
+    const std::vector<LeafNode>& below = levels_.back();
+    std::vector<LeafNode> level;
+    for (std::size_t i = 0; i < below.size(); i += kFanout) {
+      const std::size_t last = std::min(i + kFanout, below.size()) - 1;
+      level.push_back(enclose(below[i].begin, below[last].end));
+    }
+    levels_.push_back(std::move(level));
+  }
+}
+
+void
+LeafIndex::sortLeaves(const SLIMSurface& surface, int threads)
+{
+  std::vector<std::uint32_t> leaves;
+  AlignedVector<std::uint64_t> keys;
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    if (!surface.isLeaf(i)) continue;
+    leaves.push_back(static_cast<std::uint32_t>(i));
+    keys.push_back(mortonCode(surface.cx[i], surface.cy[i], surface.cz[i]));
+  }
+  AlignedVector<std::uint32_t> order;
+  sortByKey(keys, order, threads);
+  surfel.resize(leaves.size());
+  for (std::size_t i = 0; i < leaves.size(); ++i) surfel[i] = leaves[order[i]];
+}
+
+void
+LeafIndex::fillColumns(const SLIMSurface& surface)
+{
+  const std::size_t padded = (size() + kClusterSize - 1) / kClusterSize * kClusterSize;
+  for (auto* column : {&x, &y, &z, &radius, &nx, &ny, &nz, &sine, &variance_weight}) {
+    column->assign(padded, 0.0f);
+  }
+  for (std::size_t i = 0; i < size(); ++i) {
+    const std::size_t s = surfel[i];
+    x[i] = surface.cx[s];
+    y[i] = surface.cy[s];
+    z[i] = surface.cz[s];
+    radius[i] = surface.radius[s];
+    nx[i] = surface.nx[s];
+    ny[i] = surface.ny[s];
+    nz[i] = surface.nz[s];
+    sine[i] = static_cast<float>(std::sin(std::atan(slopeBound(surface, s))));
+    variance_weight[i] = surface.info.paper_mode ? 1.0f : surface.varianceWeight(s);
+  }
+}
+
+LeafNode
+LeafIndex::enclose(std::uint32_t begin, std::uint32_t end) const
+{
+  LeafNode node{};
+  node.begin = begin;
+  node.end = end;
+  float low[3], high[3];
+  const AlignedVector<float>* columns[3] = {&x, &y, &z};
+  Vector3 sum{0.0, 0.0, 0.0};
+  for (int a = 0; a < 3; ++a) {
+    const auto first = columns[a]->begin() + begin, last = columns[a]->begin() + end;
+    low[a] = *std::min_element(first, last);
+    high[a] = *std::max_element(first, last);
+    node.center[a] = 0.5f * (low[a] + high[a]);
+  }
+  for (std::uint32_t i = begin; i < end; ++i) sum = along(sum, 1.0, {nx[i], ny[i], nz[i]});
+  const Vector3 axis = normalized(sum);
+  for (std::size_t a = 0; a < 3; ++a) node.axis[a] = static_cast<float>(axis[a]);
+  double reach = 0.0, cone = length(axis) > 0.5 ? 0.0 : 2.0 * kPi;
+  for (std::uint32_t i = begin; i < end; ++i) {
+    const Vector3 d{x[i] - node.center[0], y[i] - node.center[1], z[i] - node.center[2]};
+    reach = std::max(reach, length(d) + radius[i]);
+    cone = std::max(cone, angleTo(node.axis, {nx[i], ny[i], nz[i]}) + std::asin(sine[i]));
+  }
+  node.radius = static_cast<float>(reach * (1.0 + 1e-6));
+  node.cone = static_cast<float>(cone + 1e-5);
+  return node;
+}
+
+void
+LeafIndex::findVisible(const FrameView& view, bool front_only, std::vector<std::uint32_t>& clusters,
+                       std::uint64_t& outside, std::uint64_t& back_facing) const
+{
+  struct Place {
+    std::size_t level, node;
+  };
+  std::vector<Place> stack;
+  if (levels_.empty()) return;
+  for (std::size_t n = levels_.back().size(); n-- > 0;) stack.push_back({levels_.size() - 1, n});
+  while (!stack.empty()) {
+    const Place at = stack.back();
+    stack.pop_back();
+    const LeafNode& node = levels_[at.level][at.node];
+    const Visibility visibility = visibilityOf(view, node, front_only);
+    if (visibility == Visibility::kOutside) outside += node.end - node.begin;
+    if (visibility == Visibility::kBackFacing) back_facing += node.end - node.begin;
+    if (visibility != Visibility::kVisible) continue;
+    if (at.level == 0) {
+      clusters.push_back(static_cast<std::uint32_t>(at.node));
+      continue;
+    }
+    const std::size_t begin = kFanout * at.node;
+    for (std::size_t n = std::min(begin + kFanout, levels_[at.level - 1].size()); n-- > begin;) {
+      stack.push_back({at.level - 1, n});
+    }
+  }
+}
+
+}  // namespace pcl_slim::detail

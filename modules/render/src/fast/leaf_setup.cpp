@@ -1,0 +1,329 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Leaves side by side: what is seen of them, and their polynomials in the camera's coordinates.
+#include "fast/leaf_setup.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "fast/leaf_setup.cpp"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+
+#include "fast/ray_forms-inl.h"
+#include "pcl_slim/surface/detail/kernel_math-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr float kNearest = 0.7f;  ///< largest r / z_c of a leaf that is drawn by its polynomial
+
+/** Vectors in the camera's axes. */
+struct Triple {
+  Vec x, y, z;
+};
+
+HWY_INLINE Vec
+dot3(const Triple& a, const Triple& b)
+{
+  return dot3(a.x, a.y, a.z, b.x, b.y, b.z);
+}
+
+HWY_INLINE Triple
+axisOf(const float axis[3])
+{
+  return {hn::Set(Tag(), axis[0]), hn::Set(Tag(), axis[1]), hn::Set(Tag(), axis[2])};
+}
+
+/** The camera's axes in registers. */
+struct Axes {
+  Triple right, up, forward;
+
+  explicit Axes(const FrameView& view)
+      : right(axisOf(view.right)), up(axisOf(view.up)), forward(axisOf(view.forward))
+  {
+  }
+  HWY_INLINE Triple turn(const Triple& p) const
+  {
+    return {dot3(p, right), dot3(p, up), dot3(p, forward)};
+  }
+};
+
+/** World positions from the camera's, without loss where the camera is far from the origin. */
+HWY_INLINE Triple
+fromEye(const FrameView& view, Vec x, Vec y, Vec z)
+{
+  const Triple eye = axisOf(view.eye), rest = axisOf(view.eye_rest);
+  return {hn::Sub(hn::Sub(x, eye.x), rest.x), hn::Sub(hn::Sub(y, eye.y), rest.y),
+          hn::Sub(hn::Sub(z, eye.z), rest.z)};
+}
+
+/** Lanes whose ball lies beyond one side of the picture. */
+HWY_INLINE Mask
+beyondSide(bool perspective, Vec x, Vec z, float side, Vec radius)
+{
+  const Tag d;
+  if (!perspective) return hn::Gt(hn::Sub(x, hn::Set(d, side)), radius);
+  const Vec stretch = hn::Set(d, __builtin_sqrtf(1.0f + side * side));
+  return hn::Gt(hn::NegMulAdd(hn::Set(d, side), z, x), hn::Mul(radius, stretch));
+}
+
+HWY_INLINE Mask
+outsideFrustum(const FrameView& view, const Triple& p, Vec radius)
+{
+  const Tag d;
+  const float right = (static_cast<float>(view.width) - 0.4f - view.center_x) * view.pixel;
+  const float left = (view.center_x + 0.6f) * view.pixel;
+  const float top = (view.center_y + 0.6f) * view.pixel;
+  const float bottom = (static_cast<float>(view.height) - 0.4f - view.center_y) * view.pixel;
+  const bool perspective = view.perspective;
+  Mask outside = hn::Le(hn::Add(p.z, radius), hn::Zero(d));
+  outside = hn::Or(outside, beyondSide(perspective, p.x, p.z, right, radius));
+  outside = hn::Or(outside, beyondSide(perspective, hn::Neg(p.x), p.z, left, radius));
+  outside = hn::Or(outside, beyondSide(perspective, p.y, p.z, top, radius));
+  return hn::Or(outside, beyondSide(perspective, hn::Neg(p.y), p.z, bottom, radius));
+}
+
+/** Lanes all of whose gradients point away from every ray through the ball: the angle between
+ * normal and ray is less than what the cones of gradients and of rays leave of a right angle. */
+HWY_INLINE Mask
+turnedAway(const FrameView& view, const Triple& p, const Triple& normal, Vec radius, Vec sine)
+{
+  const Tag d;
+  const Vec one = hn::Set(d, 1.0f), margin = hn::Set(d, 1e-3f);
+  if (!view.perspective) return hn::Gt(normal.z, hn::Add(sine, margin));
+  const Vec distance_sq = dot3(p, p);
+  const Vec tangent = hn::Sqrt(hn::Max(hn::Zero(d), hn::NegMulAdd(radius, radius, distance_sq)));
+  const Vec cosine = hn::Sqrt(hn::Max(hn::Zero(d), hn::NegMulAdd(sine, sine, one)));
+  const Vec needed = hn::MulAdd(sine, tangent, hn::Mul(cosine, radius));
+  const Mask acute = hn::Gt(hn::Mul(cosine, tangent), hn::Mul(sine, radius));
+  const Vec slack = hn::Mul(margin, hn::Sqrt(distance_sq));
+  return hn::And(acute, hn::Gt(dot3(normal, p), hn::Add(needed, slack)));
+}
+
+void
+cullLeaves(const LeafIndex& index, std::uint32_t begin, std::uint32_t end, const FrameView& view,
+           bool front_only, Visibility* visibility)
+{
+  const Tag d;
+  const Axes axes(view);
+  for (std::size_t i = begin; i < end; i += hn::Lanes(d)) {
+    const auto load = [&](const AlignedVector<float>& column)
+                          HWY_ATTR { return hn::LoadU(d, column.data() + i); };
+    const Triple p = axes.turn(fromEye(view, load(index.x), load(index.y), load(index.z)));
+    const Triple normal = axes.turn({load(index.nx), load(index.ny), load(index.nz)});
+    const Vec radius = load(index.radius);
+    const Mask outside = outsideFrustum(view, p, radius);
+    Mask away = hn::Xor(outside, outside);
+    if (front_only) away = turnedAway(view, p, normal, radius, load(index.sine));
+    HWY_ALIGN std::uint8_t bits[2][8] = {};
+    hn::StoreMaskBits(d, outside, bits[0]);
+    hn::StoreMaskBits(d, away, bits[1]);
+    for (std::size_t k = 0; k < hn::Lanes(d) && i + k < end; ++k) {
+      const bool is_outside = bits[0][k / 8] >> (k % 8) & 1,
+                 is_away = bits[1][k / 8] >> (k % 8) & 1;
+      visibility[i + k - begin] = is_outside ? Visibility::kOutside
+                                  : is_away  ? Visibility::kBackFacing
+                                             : Visibility::kVisible;
+    }
+  }
+}
+
+/** A circle in the picture, in pixels. */
+struct Circle {
+  Vec x, y, reach;
+};
+
+/** Encloses the picture of balls of a share of the radius. The picture of a ball is an ellipse; its
+ * centre lies at tan of the mean of the angles at which the ball begins and ends. */
+HWY_INLINE Circle
+circleAround(const FrameView& view, const Triple& p, Vec radius, float share)
+{
+  const Tag d;
+  const Vec rho = hn::Mul(radius, hn::Set(d, share));
+  const Vec to_pixel = hn::Set(d, 1.0f / view.pixel);
+  Vec x = p.x, y = p.y, reach = rho;
+  if (view.perspective) {
+    const Vec rho_sq = hn::Mul(rho, rho);
+    const Vec inverse = hn::Div(hn::Set(d, 1.0f), hn::NegMulAdd(rho, rho, hn::Mul(p.z, p.z)));
+    const Vec along = hn::Mul(p.z, inverse);
+    x = hn::Mul(p.x, along);
+    y = hn::Mul(p.y, along);
+    reach = hn::Mul(hn::Mul(rho, inverse), hn::Sqrt(hn::Sub(dot3(p, p), rho_sq)));
+  }
+  const Vec wider = hn::Set(d, 1.0f + 1e-4f);
+  return {hn::MulAdd(x, to_pixel, hn::Set(d, view.center_x)),
+          hn::NegMulAdd(y, to_pixel, hn::Set(d, view.center_y)),
+          hn::MulAdd(hn::Mul(reach, to_pixel), wider, hn::Set(d, 0.01f))};
+}
+
+/** Columns of a batch's records on their way out. */
+class Outlet {
+ public:
+  HWY_INLINE void put(std::size_t column, Vec value) { hn::Store(value, Tag(), rows_[column]); }
+  float at(std::size_t column, std::size_t lane) const { return rows_[column][lane]; }
+
+ private:
+  HWY_ALIGN float rows_[35][16];
+};
+
+/** The frame of leaves in the camera's axes (Duff et al. 2017, as LocalFrame). */
+struct LeafAxes {
+  Triple u, v, w;
+
+  LeafAxes(const Axes& axes, Vec nx, Vec ny, Vec nz)
+  {
+    const Tag d;
+    const Vec one = hn::Set(d, 1.0f);
+    const Vec sign = hn::CopySign(one, nz);
+    const Vec a = hn::Div(hn::Neg(one), hn::Add(sign, nz));
+    const Vec b = hn::Mul(hn::Mul(nx, ny), a);
+    const Vec sx = hn::Mul(sign, nx);
+    u = axes.turn({hn::MulAdd(hn::Mul(sx, nx), a, one), hn::Mul(sign, b), hn::Neg(sx)});
+    v = axes.turn({b, hn::MulAdd(hn::Mul(ny, ny), a, sign), hn::Neg(ny)});
+    w = axes.turn({nx, ny, nz});
+  }
+};
+
+/** Everything but polynomials, as vectors. */
+struct Heads {
+  Vec pixel_x, pixel_y, per_pixel, eps, xc, yc, depth, inverse_depth;
+  Vec radius, inverse_radius, beta, inverse_beta, nearest;
+
+  Heads(const FrameView& view, const Triple& p, Vec r, float share)
+  {
+    const Tag d;
+    const Vec one = hn::Set(d, 1.0f), zero = hn::Zero(d), pixel = hn::Set(d, view.pixel);
+    radius = r;
+    inverse_radius = hn::Div(one, r);
+    depth = p.z;
+    const Vec reach = hn::Mul(r, hn::Set(d, share * 1.0001f));
+    const Vec begin = hn::Sub(p.z, reach);
+    Vec x = p.x, y = p.y;
+    if (view.perspective) {
+      inverse_depth = hn::Div(one, p.z);
+      eps = hn::Mul(r, inverse_depth);
+      xc = x = hn::Mul(p.x, inverse_depth);
+      yc = y = hn::Mul(p.y, inverse_depth);
+      per_pixel = hn::Mul(hn::Mul(pixel, p.z), inverse_radius);
+      beta = hn::Mul(hn::Mul(p.z, p.z), inverse_radius);
+      // The rounding of depth values near the camera's own scale stays below this share.
+      nearest = hn::Mul(hn::Div(hn::Neg(one), begin), hn::Set(d, 1.0f + 1e-6f));
+    } else {
+      inverse_depth = one;
+      eps = xc = yc = zero;
+      per_pixel = hn::Mul(pixel, inverse_radius);
+      beta = inverse_radius;
+      nearest = hn::Sub(begin, hn::Mul(hn::Abs(begin), hn::Set(d, 1e-6f)));
+    }
+    inverse_beta = hn::Div(one, beta);
+    const Vec to_pixel = hn::Set(d, 1.0f / view.pixel);
+    pixel_x = hn::MulAdd(x, to_pixel, hn::Set(d, view.center_x));
+    pixel_y = hn::NegMulAdd(y, to_pixel, hn::Set(d, view.center_y));
+  }
+};
+
+/** Writes the members from x to first_reach of up to 16 records. */
+HWY_INLINE void
+writeHeads(const LeafBatch& batch, std::size_t lane, const FrameView& view, const Triple& p,
+           const Heads& h, const LeafAxes& frame, const BallShares& shares)
+{
+  static_assert(offsetof(FrameLeaf, surfel) == 31 * sizeof(float), "31 floats stand before");
+  const Tag d;
+  const Circle blend = circleAround(view, p, h.radius, shares.blend);
+  const Circle first = circleAround(view, p, h.radius, shares.first);
+  const Vec uc = dot3(frame.u, Triple{h.xc, h.yc, hn::Set(d, 1.0f)});
+  const Vec vc = dot3(frame.v, Triple{h.xc, h.yc, hn::Set(d, 1.0f)});
+  const Vec columns[31] = {h.pixel_x,   h.pixel_y,
+                           h.per_pixel, h.eps,
+                           h.xc,        h.yc,
+                           h.depth,     h.inverse_depth,
+                           h.radius,    h.inverse_radius,
+                           h.beta,      h.inverse_beta,
+                           h.nearest,   hn::Load(d, batch.variance_weight + lane),
+                           frame.u.x,   frame.u.y,
+                           frame.u.z,   frame.v.x,
+                           frame.v.y,   frame.v.z,
+                           frame.w.x,   frame.w.y,
+                           frame.w.z,   uc,
+                           vc,          blend.x,
+                           blend.y,     blend.reach,
+                           first.x,     first.y,
+                           first.reach};
+  Outlet out;
+  for (std::size_t k = 0; k < 31; ++k) out.put(k, columns[k]);
+  for (std::size_t i = 0; i < hn::Lanes(d) && lane + i < batch.count; ++i) {
+    float* target = reinterpret_cast<float*>(batch.target[lane + i]);
+    for (std::size_t k = 0; k < 31; ++k) target[k] = out.at(k, i);
+  }
+}
+
+template <int D>
+void
+setUpOfDegree(const LeafBatch& batch, const FrameView& view, const BallShares& shares)
+{
+  const Tag d;
+  const Axes axes(view);
+  for (std::size_t lane = 0; lane < batch.count; lane += hn::Lanes(d)) {
+    const auto load = [&](const float* column) HWY_ATTR { return hn::Load(d, column + lane); };
+    const Triple p = axes.turn(fromEye(view, load(batch.x), load(batch.y), load(batch.z)));
+    const Heads heads(view, p, load(batch.radius), 1.0f);
+    const LeafAxes frame(axes, load(batch.nx), load(batch.ny), load(batch.nz));
+    writeHeads(batch, lane, view, p, heads, frame, shares);
+    RayForm<D> form({frame.u.x, frame.u.y, frame.u.z}, {frame.v.x, frame.v.y, frame.v.z},
+                    {frame.w.x, frame.w.y, frame.w.z}, heads.xc, heads.yc, heads.eps);
+    form.build([&](int k) HWY_ATTR { return hn::Load(d, batch.c[k] + lane); });
+    Outlet out;
+    for (int k = 0; k < FrameLeaf::formSize(D); ++k) {
+      out.put(static_cast<std::size_t>(k), form.coefficient(k));
+    }
+    HWY_ALIGN float falls[16];
+    hn::Store(form.steepest(shares.first), d, falls);
+    for (std::size_t i = 0; i < hn::Lanes(d) && lane + i < batch.count; ++i) {
+      FrameLeaf& leaf = *batch.target[lane + i];
+      const bool drawable = leaf.depth > 0.0f && leaf.eps < kNearest;
+      leaf.surfel = batch.surfel[lane + i];
+      leaf.degree = view.perspective && !drawable ? kNearLeaf : static_cast<std::uint16_t>(D);
+      leaf.monotone = falls[i] < -0.02f;
+      float* target = leaf.form();
+      for (int k = 0; k < FrameLeaf::formSize(D); ++k) {
+        *target++ = out.at(static_cast<std::size_t>(k), i);
+      }
+      for (int k = 0; k < numCoefficients(D); ++k) *target++ = batch.c[k][lane + i];
+    }
+  }
+}
+
+void
+setUpLeaves(const LeafBatch& batch, int degree, const FrameView& view, const BallShares& shares)
+{
+  switch (degree) {
+    case 2: return setUpOfDegree<2>(batch, view, shares);
+    case 3: return setUpOfDegree<3>(batch, view, shares);
+    default: return setUpOfDegree<4>(batch, view, shares);
+  }
+}
+
+}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pcl_slim::detail::kernels {
+
+HWY_EXPORT(cullLeaves);
+HWY_EXPORT(setUpLeaves);
+
+void
+cullLeaves(const LeafIndex& index, std::uint32_t begin, std::uint32_t end, const FrameView& view,
+           bool front_only, Visibility* visibility)
+{
+  HWY_DYNAMIC_DISPATCH(cullLeaves)(index, begin, end, view, front_only, visibility);
+}
+
+void
+setUpLeaves(const LeafBatch& batch, int degree, const FrameView& view, const BallShares& shares)
+{
+  HWY_DYNAMIC_DISPATCH(setUpLeaves)(batch, degree, view, shares);
+}
+
+}  // namespace pcl_slim::detail::kernels
+#endif

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "reference/leaf_on_ray.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace pcl_slim::detail {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kMaxShift = 0.25;  ///< distance of q^ from a leaf's own surface, in its radii
+
+/** \brief Interval of s in which a ray is inside the ball of relative radius rho and beyond the
+ * near plane; empty when low > high. */
+struct Chord {
+  double low, high;
+
+  Chord(const RaySurfel& surfel, const Approach& approach, double rho, double near_plane)
+  {
+    const double half_sq = rho * rho - approach.distance_sq;
+    high = half_sq > 0.0 ? std::sqrt(half_sq) : -1.0;
+    low = std::max(-high, (near_plane - approach.depth) * surfel.inverse_radius);
+  }
+};
+
+/** \brief Adds w grad f and w H of a leaf, turned by sign, in world axes. */
+void
+addDerivatives(const RaySurfel& surfel, const HeightJet& jet, double weight, BlendSum& sum)
+{
+  const Vector3 &u = surfel.frame.u, &v = surfel.frame.v, &w = surfel.frame.w;
+  for (int k = 0; k < 3; ++k) {
+    sum.gradient[k] += weight * (w[k] - jet.hu * u[k] - jet.hv * v[k]);
+  }
+  const double scale = -weight * surfel.inverse_radius;
+  const auto entry = [&](int i, int j) {
+    return scale *
+           (jet.huu * u[i] * u[j] + jet.huv * (u[i] * v[j] + v[i] * u[j]) + jet.hvv * v[i] * v[j]);
+  };
+  sum.hessian[kXX] += entry(0, 0);
+  sum.hessian[kYY] += entry(1, 1);
+  sum.hessian[kZZ] += entry(2, 2);
+  sum.hessian[kXY] += entry(0, 1);
+  sum.hessian[kXZ] += entry(0, 2);
+  sum.hessian[kYZ] += entry(1, 2);
+}
+
+/** \brief The root nearest to s_hat, of those on the chord that count. \return false when there is
+ * none. */
+bool
+nearestRoot(const RayPolynomial& polynomial, int degree, const Chord& chord, double s_hat,
+            bool front_only, double& root)
+{
+  const auto counts = [&](double s) { return !front_only || polynomial.slope(s) < 0.0; };
+  if (obviousRoot(polynomial.a, s_hat, root) && root >= chord.low && root <= chord.high &&
+      counts(root)) {
+    return true;
+  }
+  const Roots roots = polynomial.roots(degree, chord.low, chord.high);
+  bool found = false;
+  for (int i = 0; i < roots.count; ++i) {
+    const double s = roots.at[i];
+    if (!counts(s) || (found && std::abs(s - s_hat) >= std::abs(root - s_hat))) continue;
+    root = s;
+    found = true;
+  }
+  return found;
+}
+
+}  // namespace
+
+double
+firstRoot(const FrameRules& rules, const RaySurfel& surfel, const Ray& ray, double nearest,
+          double limit, std::uint64_t& evaluated)
+{
+  const Approach approach(surfel, ray);
+  Chord chord(surfel, approach, rules.shrink, nearest);
+  chord.high = std::min(chord.high, (limit - approach.depth) * surfel.inverse_radius);
+  if (!(chord.low <= chord.high)) return kInfinity;
+  ++evaluated;
+  const RayPolynomial polynomial(surfel, approach, ray.direction);
+  const Roots roots = polynomial.roots(surfel.degree, chord.low, chord.high);
+  for (int i = 0; i < roots.count; ++i) {
+    if (rules.front_only && !(polynomial.slope(roots.at[i]) < 0.0)) continue;
+    return approach.depth + roots.at[i] * surfel.radius;
+  }
+  return kInfinity;
+}
+
+void
+blendLeaf(const FrameRules& rules, WeightKernel kernel, const RaySurfel& surfel, std::uint32_t id,
+          const Ray& ray, double depth_hat, BlendSum& sum, std::uint64_t& evaluated)
+{
+  const Approach approach(surfel, ray);
+  const double s_hat = (depth_hat - approach.depth) * surfel.inverse_radius;
+  const double hat_sq = approach.distance_sq + s_hat * s_hat;
+  if (!(hat_sq < 1.0)) return;
+  ++evaluated;
+  const RayPolynomial polynomial(surfel, approach, ray.direction);
+  if (!(std::abs(evaluate<4>(polynomial.a, s_hat)) < kMaxShift)) return;
+  const Chord chord(surfel, approach, 1.0, rules.near_plane);
+  double s = 0.0;
+  if (!nearestRoot(polynomial, surfel.degree, chord, s_hat, rules.front_only, s)) return;
+
+  const Vector3 q = along(approach.point, s, ray.direction);
+  const HeightJet jet = evaluateJet(surfel.degree, surfel.coefficients, dot(q, surfel.frame.u),
+                                    dot(q, surfel.frame.v));
+  const double slope = polynomial.slope(s);
+  // A leaf of another sheet may have its root near its own centre: q^ has to be near as well.
+  const double root_sq = approach.distance_sq + s * s;
+  const double weight = surfel.variance_weight * evaluateKernel(kernel, std::max(hat_sq, root_sq));
+  if (!(weight > 0.0)) return;
+  const double side = slope > 0.0 ? -1.0 : 1.0;
+  sum.weight += weight;
+  sum.shift += weight * (s - s_hat) * surfel.radius;
+  sum.coverage += evaluateKernel(kernel, root_sq / (rules.cover_radius * rules.cover_radius));
+  for (std::size_t k = 0; k < 3; ++k) sum.lean[k] += weight * q[k];
+  ++sum.leaves;
+  sum.facing += slope > 0.0 ? -1 : 1;
+  addDerivatives(surfel, jet, side * weight, sum);
+  if (weight > sum.largest_weight) {
+    sum.largest_weight = weight;
+    sum.surfel = id;
+  }
+}
+
+bool
+isSupported(const BlendSum& sum, double min_coverage)
+{
+  constexpr int kMinLeaves = 3;
+  constexpr double kMaxLean = 0.25;  ///< in radii
+  if (sum.coverage >= min_coverage) return true;
+  const double lean_sq =
+      sum.lean[0] * sum.lean[0] + sum.lean[1] * sum.lean[1] + sum.lean[2] * sum.lean[2];
+  return sum.leaves >= kMinLeaves && lean_sq < kMaxLean * kMaxLean * sum.weight * sum.weight;
+}
+
+}  // namespace pcl_slim::detail

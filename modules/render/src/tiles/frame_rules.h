@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "pcl_slim/render/render_params.h"
+#include "pcl_slim/surface/surface.h"
+
+namespace pcl_slim::detail {
+
+/** \brief Largest alpha of pass 1: at the very rim a leaf has no weight to blend with. */
+constexpr double kMaxShrink = 0.95;
+
+/** \brief What a frame's parameters mean for a surface, lengths in its local units. */
+struct FrameRules {
+  double shrink;        ///< alpha of pass 1
+  double cover_radius;  ///< alpha of the coverage measure
+  double min_coverage;  ///< where it is less, the surface is not defined
+  double near_plane;
+  double lod;       ///< pixels; 0: none
+  bool front_only;  ///< only roots at which the gradient faces the viewer count
+  bool skip;
+  int threads;                  ///< at least 1
+  std::vector<HalfSpace> cuts;  ///< local coordinates
+
+  FrameRules(const SurfaceInfo& info, const RenderParams& params);
+};
+
+}  // namespace pcl_slim::detail
