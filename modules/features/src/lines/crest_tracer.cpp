@@ -16,6 +16,7 @@ constexpr double kAside = 0.8;        ///< roots are looked for so many steps to
 constexpr double kShorter = 0.4;      ///< a step that fails is tried once more, so much shorter
 constexpr double kLeastCosine = 0.5;  ///< a line turns by less than 60 degrees a step
 constexpr double kFine = 0.02;        ///< distance of the last samples across, in radii
+constexpr double kNearMiddle = 0.3;  ///< of a section's half width
 constexpr int kRefinements = 3;
 constexpr double kPastReach = 1.2;  ///< roots count so far beyond where they are looked for
 constexpr double kGradient = 0.1;  ///< reach of the differences that tell a seed's direction, in radii
@@ -154,7 +155,9 @@ CrestTracer::correct(const Vector3& place, const Vector3& across, double reach,
     double move = 0;
     if (section.hasRoot()) {
       move = section.root();
-      if (round > 0 || !field_.isAnalytic()) {
+      // Differences reach as far as the section: one whose middle is near the root is as good as any.
+      const bool centered = !field_.isAnalytic() && std::abs(move) < kNearMiddle;
+      if (round > 0 || centered) {
         vertex = section.vertex();
         return std::abs(at + move * span) <= kPastReach * reach &&
                vertex.k > std::abs(vertex.other);
@@ -164,7 +167,7 @@ CrestTracer::correct(const Vector3& place, const Vector3& across, double reach,
     }
     at += std::clamp(move * span, -reach, reach);
     if (std::abs(at) > kPastReach * reach) return false;
-    span = std::min(reach, kFine * axes.radius);
+    span = std::max(std::min(reach, kFine * axes.radius), field_.leastSpan(axes));
   }
   return false;
 }
