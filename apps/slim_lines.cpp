@@ -101,9 +101,8 @@ reportLines(const CrestLines& lines, const CrestStatistics& statistics, Report& 
   json["vertices"] = lines.numVertices();
   json["seeds"] = statistics.seeds;
   json["requests"] = statistics.requests;
-  json["ends"] = {{"joined", statistics.joined},
-                  {"ended", statistics.ended},
-                  {"faded", statistics.faded}};
+  json["ends"] = {
+      {"joined", statistics.joined}, {"ended", statistics.ended}, {"faded", statistics.faded}};
   json["left_out"] = {{"seeds_on_lines", statistics.seeds_on_lines},
                       {"seeds_insignificant", statistics.seeds_insignificant},
                       {"seeds_failed", statistics.seeds_failed},
@@ -128,9 +127,10 @@ project(const Settings& s, const PointStore& store, const SLIMSurface& surface, 
   const double supported = static_cast<double>(store.size() - projection.num_unsupported);
   if (!error && !s.surface.empty() &&
       supported < kLeastSharedSupport * static_cast<double>(store.size())) {
-    error = {ErrorCode::kBadArgument,
-             "the surface supports less than a tenth of the points: it is of another cloud or faces "
-             "the other way; give this cloud's"};
+    error = {
+        ErrorCode::kBadArgument,
+        "the surface supports less than a tenth of the points: it is of another cloud or faces "
+        "the other way; give this cloud's"};
   }
   if (error) {
     console.failed();
@@ -138,8 +138,8 @@ project(const Settings& s, const PointStore& store, const SLIMSurface& surface, 
   }
   report.time("project", watch.seconds());
   report.json()["unsupported"] = projection.num_unsupported;
-  console.done(watch.seconds(), std::to_string(store.size() - projection.num_unsupported) +
-                                    " points");
+  console.done(watch.seconds(),
+               std::to_string(store.size() - projection.num_unsupported) + " points");
   return {};
 }
 
@@ -152,8 +152,8 @@ trace(const Settings& s, const PointStore& store, const SLIMSurface& surface, Co
   const Stopwatch watch;
   console.begin("Tracing");
   CrestStatistics statistics;
-  Error error = traceCrestLines(store, projection, surface, s.crest, lines, &statistics,
-                                &console.progress());
+  Error error =
+      traceCrestLines(store, projection, surface, s.crest, lines, &statistics, &console.progress());
   if (error) {
     console.failed();
     return error;
@@ -214,7 +214,8 @@ run(int argc, char** argv)
   SLIMSurface surface;
   PointStore store;
   CrestLines lines;
-  error = prepare(s, *cloud, s.surface.empty() ? nullptr : &*given, console, report, surface, store);
+  error =
+      prepare(s, *cloud, s.surface.empty() ? nullptr : &*given, console, report, surface, store);
   if (!error && !console.interrupted()) error = trace(s, store, surface, console, report, lines);
   if (console.interrupted())
     return fail(options.program(), kExitInterrupted, "stopped; nothing is written");
@@ -231,6 +232,5 @@ run(int argc, char** argv)
 int
 main(int argc, char** argv)
 {
-  return pcl_slim::guarded("pcl_slim_lines", "use a smaller scan",
-                           [&] { return run(argc, argv); });
+  return pcl_slim::guarded("pcl_slim_lines", "use a smaller scan", [&] { return run(argc, argv); });
 }

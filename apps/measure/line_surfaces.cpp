@@ -86,10 +86,9 @@ bool
 parseLineSurface(const std::string& name, LineSurface& surface)
 {
   if (name == "sphere") {
-    surface = starShaped([](const Vector3&) { return 1.0; },
-                         [](const Jet& x, const Jet& y, const Jet& z) {
-                           return sqrt(x * x + y * y + z * z) - 1.0;
-                         });
+    surface = starShaped(
+        [](const Vector3&) { return 1.0; },
+        [](const Jet& x, const Jet& y, const Jet& z) { return sqrt(x * x + y * y + z * z) - 1.0; });
   } else if (name == "ellipsoid") {
     surface = starShaped(
         [](const Vector3& d) {

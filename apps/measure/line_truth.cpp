@@ -79,8 +79,7 @@ zeroBetween(const LineSurface& s, const Corner& a, const Corner& b, const Vector
   Vector3 place{};
   for (int i = 0; i < kSecants; ++i) {
     const double x = low + (high - low) * at_low / (at_low - at_high);
-    const ExactCrest c =
-        exactCrest(s, a.u + x * (b.u - a.u), a.v + x * (b.v - a.v), ravine);
+    const ExactCrest c = exactCrest(s, a.u + x * (b.u - a.u), a.v + x * (b.v - a.v), ravine);
     const double e = alignedE(c, t);
     place = c.position;
     if ((e > 0) == (at_low > 0)) {

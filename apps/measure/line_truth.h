@@ -76,7 +76,7 @@ class SegmentIndex {
 /** \brief How found lines and true ones agree, lengths in the scene's units. */
 struct LineScore {
   double found_length = 0, true_length = 0;
-  double rms = 0;               ///< distance from the truth of the found length within 3 spacings, in spacings
+  double rms = 0;  ///< distance from the truth of the found length within 3 spacings, in spacings
   double found1 = 0, found3 = 0;  ///< share of true length with a line within 1, 3 spacings
   double off1 = 0, off3 = 0;      ///< share of found length farther than that from the truth
 };

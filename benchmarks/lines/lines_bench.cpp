@@ -31,6 +31,7 @@ struct Settings {
 struct Outcome {
   measure::LineScore score;
   std::size_t lines = 0;
+  double z = 0, highest = 0;  ///< RMS of the vertices' significance, greatest mean of a line
   double fit = 0, project = 0, trace = 0;  ///< us a point
   CrestStatistics statistics;
 };
@@ -56,7 +57,8 @@ declareOptions(Settings& s)
   options.integer("cells", &s.cells, 50, 10000, "cells a side of the grid that finds exact lines");
   options.number("step", &s.params.step, 0.02, 0.5, "step along lines, in radii");
   options.number("strength", &s.params.min_strength, 0, 1e6, "least strength of a line");
-  options.toggle("turned", &s.turned, "turn the points by 33 degrees; lines against those unturned");
+  options.toggle("turned", &s.turned,
+                 "turn the points by 33 degrees; lines against those unturned");
   options.toggle("unfiltered", &s.unfiltered, "keep every line, whatever its significance");
   options.integer("threads", &s.params.threads, 0, 4096, "threads, 0: all cores");
   return options;
@@ -114,10 +116,14 @@ trace(const Settings& s, const measure::Scene& scene, CrestLines& lines, Outcome
   begin = measure::cpuSeconds();
   CrestParams params = s.params;
   if (s.unfiltered) params.significance = params.peak_significance = params.min_length = 0;
-  Error error =
-      traceCrestLines(*store, projection, surface, params, lines, &outcome.statistics);
+  Error error = traceCrestLines(*store, projection, surface, params, lines, &outcome.statistics);
   outcome.trace = (measure::cpuSeconds() - begin) / n;
   outcome.lines = lines.numLines();
+  for (const float z : lines.significance) {
+    outcome.z += z * z / static_cast<double>(lines.numVertices());
+  }
+  outcome.z = std::sqrt(outcome.z);
+  for (const double z : lines.mean_significance) outcome.highest = std::max(outcome.highest, z);
   return error;
 }
 
@@ -168,17 +174,20 @@ printRow(const Settings& s, const std::string& name, const Truth& truth, std::si
       sum.score.*c += share * (one.score.*c);
     }
     sum.lines += one.lines;
+    sum.z += share * one.z;
+    sum.highest = std::max(sum.highest, one.highest);
     sum.fit += share * one.fit;
     sum.project += share * one.project;
     sum.trace += share * one.trace;
     sum.statistics = one.statistics;
   }
   const measure::LineScore& r = sum.score;
-  std::printf("| %s | %zu | %g | %.3f | %.3f | %.3f | %.3f | %.3f | %.2f | %.2f | %zu | %.1f | %.2f "
-              "| %.2f |\n",
-              name.c_str(), points, noise, r.rms, r.found1, r.found3, r.off1, r.off3,
-              r.found_length, r.true_length, sum.lines / static_cast<std::size_t>(s.seeds), sum.fit,
-              sum.project, sum.trace);
+  std::printf(
+      "| %s | %zu | %g | %.3f | %.3f | %.3f | %.3f | %.3f | %.2f | %.2f | %zu | %.1f | %.1f | %.1f "
+      "| %.2f | %.2f |\n",
+      name.c_str(), points, noise, r.rms, r.found1, r.found3, r.off1, r.off3, r.found_length,
+      r.true_length, sum.lines / static_cast<std::size_t>(s.seeds), sum.z, sum.highest, sum.fit,
+      sum.project, sum.trace);
   std::fflush(stdout);
   return {};
 }
@@ -196,9 +205,10 @@ printTable(Settings& s)
                                          {"noise", &s.noise, 0, 1, false, &s.noise_list}})) {
     return error;
   }
-  std::printf("| surface | points | noise | RMS | found1 | found3 | off1 | off3 | found | true | "
-              "lines | fit us | projection us | lines us |\n"
-              "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  std::printf(
+      "| surface | points | noise | RMS | found1 | found3 | off1 | off3 | found | true | "
+      "lines | z | highest | fit us | projection us | lines us |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const std::string& name : names) {
     Truth truth;
     if (!measure::parseLineSurface(name, truth.surface)) {

@@ -17,9 +17,10 @@ checkSupport(const Projection& projection)
   const auto points = static_cast<double>(projection.position.size());
   const double supported = points - static_cast<double>(projection.num_unsupported);
   if (supported >= kLeastSharedSupport * points) return {};
-  return {ErrorCode::kBadArgument,
-          "the surface supports less than a tenth of the points: it is of another cloud or faces the "
-          "other way; give this cloud's"};
+  return {
+      ErrorCode::kBadArgument,
+      "the surface supports less than a tenth of the points: it is of another cloud or faces the "
+      "other way; give this cloud's"};
 }
 
 }  // namespace
@@ -67,9 +68,9 @@ traceCloud(const CloudView& cloud, CrestRun& run, CrestLines& lines, Progress* p
 }  // namespace pcl_slim
 
 PCL_SLIM_INSTANTIATE_SLIMCrestLines(pcl::PointXYZ)
-PCL_SLIM_INSTANTIATE_SLIMCrestLines(pcl::PointXYZI)
-PCL_SLIM_INSTANTIATE_SLIMCrestLines(pcl::PointXYZRGB)
-PCL_SLIM_INSTANTIATE_SLIMCrestLines(pcl::PointXYZRGBA)
-PCL_SLIM_INSTANTIATE_SLIMCrestLines(pcl::PointNormal)
-PCL_SLIM_INSTANTIATE_SLIMCrestLines(pcl::PointXYZINormal)
-PCL_SLIM_INSTANTIATE_SLIMCrestLines(pcl::PointXYZRGBNormal)
+    PCL_SLIM_INSTANTIATE_SLIMCrestLines(pcl::PointXYZI)
+        PCL_SLIM_INSTANTIATE_SLIMCrestLines(pcl::PointXYZRGB)
+            PCL_SLIM_INSTANTIATE_SLIMCrestLines(pcl::PointXYZRGBA)
+                PCL_SLIM_INSTANTIATE_SLIMCrestLines(pcl::PointNormal)
+                    PCL_SLIM_INSTANTIATE_SLIMCrestLines(pcl::PointXYZINormal)
+                        PCL_SLIM_INSTANTIATE_SLIMCrestLines(pcl::PointXYZRGBNormal)

@@ -12,9 +12,9 @@ namespace {
 constexpr double kFloatStep = 0x1p-23;  ///< distance of neighbouring floats over their size
 constexpr double kShareOfStep = 1e-3;
 
-const char* const kColumns[] = {"x",         "y",         "z",  "normal_x", "normal_y",
-                                "normal_z",  "tangent_x", "tangent_y", "tangent_z", "k1",
-                                "k2",        "significance", "strength", "type", "line"};
+const char* const kColumns[] = {
+    "x",         "y",  "z",  "normal_x",     "normal_y", "normal_z", "tangent_x", "tangent_y",
+    "tangent_z", "k1", "k2", "significance", "strength", "type",     "line"};
 constexpr std::size_t kWholeNumbers = 2;  ///< of the columns, the last ones
 constexpr std::size_t kNumColumns = sizeof(kColumns) / sizeof(kColumns[0]);
 
@@ -92,9 +92,9 @@ toPointFile(const CrestLines& lines)
     pcl::PCLPointField field;
     field.name = kColumns[c];
     field.offset = cloud.point_step;
-    field.datatype = c < 3 && !narrow                     ? pcl::PCLPointField::FLOAT64
+    field.datatype = c < 3 && !narrow                   ? pcl::PCLPointField::FLOAT64
                      : c + kWholeNumbers >= kNumColumns ? pcl::PCLPointField::UINT32
-                                                          : pcl::PCLPointField::FLOAT32;
+                                                        : pcl::PCLPointField::FLOAT32;
     field.count = 1;
     cloud.fields.push_back(field);
     cloud.point_step += c < 3 && !narrow ? 8 : 4;

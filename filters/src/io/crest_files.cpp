@@ -133,8 +133,8 @@ saveCrestPly(const std::string& path, const CrestLines& lines)
   }
   static const std::string kEnd = "end_header\n";
   const auto end = std::search(bytes.begin(), bytes.end(), kEnd.begin(), kEnd.end());
-  const std::string element = "element edge " + std::to_string(edges) +
-                              "\nproperty int vertex1\nproperty int vertex2\n";
+  const std::string element =
+      "element edge " + std::to_string(edges) + "\nproperty int vertex1\nproperty int vertex2\n";
   bytes.insert(end, element.begin(), element.end());
   return writeFile(path, bytes.data(), bytes.size());
 }

@@ -10,13 +10,13 @@ namespace pcl_slim {
 
 namespace {
 
-constexpr double kMargin = 10;        ///< pixels around the picture
-constexpr int kSamples = 4;           ///< of a leaf's patch to each side of its centre
-constexpr double kPatch = 0.67;       ///< of a leaf's radius: the patches cover all the surface
-constexpr double kCell = 0.25;        ///< of the median radius
+constexpr double kMargin = 10;            ///< pixels around the picture
+constexpr int kSamples = 4;               ///< of a leaf's patch to each side of its centre
+constexpr double kPatch = 0.67;           ///< of a leaf's radius: the patches cover all the surface
+constexpr double kCell = 0.25;            ///< of the median radius
 constexpr std::size_t kMostCells = 4000;  ///< a side of the depth map
-constexpr double kBehind = 0.5;       ///< radii: so far behind the front a line still shows
-constexpr double kSteepest = 4.0;     ///< of the slopes that a cell of the map allows for
+constexpr double kBehind = 0.5;           ///< radii: so far behind the front a line still shows
+constexpr double kSteepest = 4.0;         ///< of the slopes that a cell of the map allows for
 constexpr const char* kColors[] = {"#1f4fb4", "#c0281e"};  // ridges, ravines
 
 struct Axes {
@@ -82,7 +82,8 @@ class DepthMap {
   std::size_t index(const Vector3& p) const
   {
     const double x = (p[0] - frame_.low[0]) / cell_, y = (p[1] - frame_.low[1]) / cell_;
-    if (!(x >= 0 && y >= 0 && x < static_cast<double>(columns_) && y < static_cast<double>(rows_))) {
+    if (!(x >= 0 && y >= 0 && x < static_cast<double>(columns_) &&
+          y < static_cast<double>(rows_))) {
       return depth_.size();
     }
     return static_cast<std::size_t>(y) * columns_ + static_cast<std::size_t>(x);
@@ -100,8 +101,7 @@ class DepthMap {
         const double h = evaluateHeight(surface.degree[i], surface.coefficientsOf(i), u, v);
         if (!(std::abs(h) < 1)) continue;
         const Vector3 p = along(along(along(c, r * u, frame.u), r * v, frame.v), r * h, frame.w);
-        const Vector3 seen =
-            axes(along(surface.info.origin, surface.info.scale, p));
+        const Vector3 seen = axes(along(surface.info.origin, surface.info.scale, p));
         const std::size_t at = index(seen);
         if (at < depth_.size()) depth_[at] = std::max(depth_[at], seen[2]);
       }

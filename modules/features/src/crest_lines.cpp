@@ -196,8 +196,8 @@ traceCrestLines(const PointStore& store, const Projection& projection, const SLI
   std::vector<std::unique_ptr<CrestTracer>> tracers(2);
   for (const CrestType type : {CrestType::kRidge, CrestType::kRavine}) {
     if (!(type == CrestType::kRidge ? params.ridges : params.ravines)) continue;
-    tracers[static_cast<std::size_t>(type)] = std::make_unique<CrestTracer>(
-        index, type, params, sigma, noise < kCleanNoise, radius);
+    tracers[static_cast<std::size_t>(type)] =
+        std::make_unique<CrestTracer>(index, type, params, sigma, noise < kCleanNoise, radius);
   }
   if (Error error = followAll(seeds, tracers, threads, progress)) return error;
   collect(tracers, params, surface.info, lines, made);

@@ -9,9 +9,9 @@ namespace pcl_slim::detail {
 namespace {
 
 constexpr double kDifference = 0.1;  ///< differences of k reach so many radii to both sides
-constexpr double kInRow = 0.7;       ///< least cosine between t and the section for sampling in a row
-constexpr double kMargin = 0.3;      ///< leaves are found so many radii ahead
-constexpr double kHalfStep = 0.25;   ///< half the way to where prominence is measured, in radii
+constexpr double kInRow = 0.7;   ///< least cosine between t and the section for sampling in a row
+constexpr double kMargin = 0.3;  ///< leaves are found so many radii ahead
+constexpr double kHalfStep = 0.25;  ///< half the way to where prominence is measured, in radii
 
 }  // namespace
 
@@ -116,8 +116,8 @@ CrestField::sampleInRow(const Vector3& place, const Vector3& across, double span
 {
   const Vector3 b = cross(axes.normal, across);
   const double reach = kDifference * axes.radius;
-  const Vector3 positions[7] = {along(place, -span, across),     place,
-                                along(place, span, across),      along(place, -2 * span, across),
+  const Vector3 positions[7] = {along(place, -span, across),    place,
+                                along(place, span, across),     along(place, -2 * span, across),
                                 along(place, 2 * span, across), along(place, -reach, b),
                                 along(place, reach, b)};
   ProbeSample found[7];

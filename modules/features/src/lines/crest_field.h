@@ -49,11 +49,12 @@ class CrestField {
   void restart(double radius);
 
   /** Samples at up to three places nearby, in one request. */
-  void sample(const Vector3* centers, std::size_t count, const CrestAxes& axes, CrestSample* samples);
+  void sample(const Vector3* centers, std::size_t count, const CrestAxes& axes,
+              CrestSample* samples);
 
   /** Samples at place - span across, place and place + span across: a section of a line. */
-  void sampleAcross(const Vector3& place, const Vector3& across, double span,
-                    const CrestAxes& axes, CrestSample* samples);
+  void sampleAcross(const Vector3& place, const Vector3& across, double span, const CrestAxes& axes,
+                    CrestSample* samples);
 
   /** Differences of k between sections nearer than this would tell noise. */
   double leastSpan(const CrestAxes& axes) const;

@@ -8,7 +8,8 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr std::ptrdiff_t kAround = 3;  ///< vertices to both sides of one that smooth its significance
+constexpr std::ptrdiff_t kAround =
+    3;  ///< vertices to both sides of one that smooth its significance
 
 /** Means of the significance over seven vertices; of fewer at an open end. */
 std::vector<double>

@@ -16,11 +16,14 @@ constexpr double kAside = 0.8;        ///< roots are looked for so many steps to
 constexpr double kShorter = 0.4;      ///< a step that fails is tried once more, so much shorter
 constexpr double kLeastCosine = 0.5;  ///< a line turns by less than 60 degrees a step
 constexpr double kFine = 0.02;        ///< distance of the last samples across, in radii
+constexpr double kNearMiddle = 0.3;   ///< of a section's half width
 constexpr int kRefinements = 3;
 constexpr double kPastReach = 1.2;  ///< roots count so far beyond where they are looked for
-constexpr double kGradient = 0.1;  ///< reach of the differences that tell a seed's direction, in radii
+constexpr double kGradient =
+    0.1;  ///< reach of the differences that tell a seed's direction, in radii
 constexpr double kSeedShare = 0.5;  ///< of the significance: seeds stand a little beside their line
-constexpr double kNoiseOfPeaks = 60.0;  ///< brings significance on noisy spheres to an RMS of 1 to 2
+constexpr double kNoiseOfPeaks =
+    60.0;  ///< brings significance on noisy spheres to an RMS of 1 to 2
 constexpr std::int64_t kMiddle = std::int64_t{1} << 32;
 constexpr std::int64_t kOwnGap = 8;  ///< own vertices so many steps back are another line's
 constexpr std::size_t kChunk = CrestField::kMostVertices;
@@ -133,8 +136,7 @@ CrestTracer::start(const CrestSeed& seed, CrestVertex& vertex)
   const Vector3 gradient = along(scaled(a, s[1].e - s[0].e), s[2].e - s[0].e, b);
   const Vector3 across = normalized(gradient);
   const double size = params_.step * radius;
-  if (!(length(gradient) > 0) ||
-      !correct(s[0].position, across, kAside * size, axes, vertex)) {
+  if (!(length(gradient) > 0) || !correct(s[0].position, across, kAside * size, axes, vertex)) {
     return refuse(seed, statistics_.seeds_failed);
   }
   vertex.ahead = normalized(cross(vertex.normal, across));
@@ -154,7 +156,9 @@ CrestTracer::correct(const Vector3& place, const Vector3& across, double reach,
     double move = 0;
     if (section.hasRoot()) {
       move = section.root();
-      if (round > 0 || !field_.isAnalytic()) {
+      // Differences reach as far as the section: one whose middle is near the root is as good as any.
+      const bool centered = !field_.isAnalytic() && std::abs(move) < kNearMiddle;
+      if (round > 0 || centered) {
         vertex = section.vertex();
         return std::abs(at + move * span) <= kPastReach * reach &&
                vertex.k > std::abs(vertex.other);
@@ -164,7 +168,7 @@ CrestTracer::correct(const Vector3& place, const Vector3& across, double reach,
     }
     at += std::clamp(move * span, -reach, reach);
     if (std::abs(at) > kPastReach * reach) return false;
-    span = std::min(reach, kFine * axes.radius);
+    span = std::max(std::min(reach, kFine * axes.radius), field_.leastSpan(axes));
   }
   return false;
 }
@@ -206,9 +210,8 @@ CrestTracer::advance(std::vector<CrestVertex>& line, std::int64_t number)
     line.push_back(vertices_[static_cast<std::size_t>(other)]);
     return End::kJoined;
   }
-  const std::int64_t own = own_.nearest(next.position, kShare, [&](std::int64_t n) {
-    return std::abs(n - number) > kOwnGap;
-  });
+  const std::int64_t own = own_.nearest(
+      next.position, kShare, [&](std::int64_t n) { return std::abs(n - number) > kOwnGap; });
   if (own != PlaceGrid::kNothing) return std::abs(own - kMiddle) <= 2 ? End::kClosed : End::kJoined;
   own_.add(next.position, reachOf(next.radius), number);
   line.push_back(next);

@@ -46,15 +46,16 @@ class CrestTracer {
   bool faded(std::vector<CrestVertex>& line, std::size_t begin);
   void measure(std::vector<CrestVertex>& line, std::size_t begin, std::size_t end);
   void count(End end);
-  void keep(std::vector<CrestVertex> forward, const std::vector<CrestVertex>& backward, bool closed);
+  void keep(std::vector<CrestVertex> forward, const std::vector<CrestVertex>& backward,
+            bool closed);
 
   CrestParams params_;
   CrestField field_;
   double sigma_, mean_radius_;
   double seed_radius_ = 0;  ///< of the leaves at the seed being followed
-  PlaceGrid traced_;   ///< vertices of all lines so far, numbered in order
-  PlaceGrid refused_;  ///< seeds that were looked at in vain
-  PlaceGrid own_;      ///< vertices of the line being traced, numbered from kMiddle both ways
+  PlaceGrid traced_;        ///< vertices of all lines so far, numbered in order
+  PlaceGrid refused_;       ///< seeds that were looked at in vain
+  PlaceGrid own_;           ///< vertices of the line being traced, numbered from kMiddle both ways
   std::vector<CrestVertex> vertices_;
   std::vector<TracedLine> lines_;
   CrestStatistics statistics_;

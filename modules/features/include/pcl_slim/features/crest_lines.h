@@ -44,15 +44,15 @@ struct CrestLines {
   std::vector<std::array<float, 3>> normal;   ///< unit, the surface's
   std::vector<std::array<float, 3>> tangent;  ///< unit, along the line
   std::vector<float> k1, k2;                  ///< principal curvatures, 1/length; k1 >= k2
-  std::vector<float> prominence;    ///< |k| less that half a radius aside, 1/length
-  std::vector<float> significance;  ///< prominence in deviations of the noise's
-  std::vector<float> radius;        ///< blended radius of the leaves
+  std::vector<float> prominence;              ///< |k| less that half a radius aside, 1/length
+  std::vector<float> significance;            ///< prominence in deviations of the noise's
+  std::vector<float> radius;                  ///< blended radius of the leaves
 
   std::vector<std::uint32_t> line_begin = {0};  ///< numLines() + 1 offsets
   std::vector<CrestType> type;
   std::vector<std::uint8_t> closed;
-  std::vector<double> length;           ///< of the polyline
-  std::vector<double> strength;         ///< integral of |k| ds
+  std::vector<double> length;    ///< of the polyline
+  std::vector<double> strength;  ///< integral of |k| ds
   std::vector<float> mean_significance;
 
   std::size_t numLines() const { return type.size(); }
@@ -67,12 +67,12 @@ struct CrestStatistics {
   std::uint64_t seeds_failed = 0;         ///< left out: no line found there
   std::uint64_t traced = 0;               ///< lines followed, before any is dropped
   std::uint64_t joined = 0;               ///< ends at another line
-  std::uint64_t ended = 0;                ///< ends where the line stops being one, or the surface ends
-  std::uint64_t faded = 0;                ///< ends where it sinks into the noise
-  std::uint64_t insignificant = 0;        ///< lines left out: nowhere significant enough
-  std::uint64_t short_lines = 0;          ///< stretches left out: shorter than min_length
-  std::uint64_t weak_lines = 0;           ///< stretches left out: below min_strength
-  std::uint64_t requests = 0;             ///< requests to SurfaceProbe
+  std::uint64_t ended = 0;          ///< ends where the line stops being one, or the surface ends
+  std::uint64_t faded = 0;          ///< ends where it sinks into the noise
+  std::uint64_t insignificant = 0;  ///< lines left out: nowhere significant enough
+  std::uint64_t short_lines = 0;    ///< stretches left out: shorter than min_length
+  std::uint64_t weak_lines = 0;     ///< stretches left out: below min_strength
+  std::uint64_t requests = 0;       ///< requests to SurfaceProbe
   double seconds_seeds = 0, seconds_trace = 0;
 };
 
