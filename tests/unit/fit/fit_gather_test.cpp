@@ -22,19 +22,19 @@ constexpr float kUntouched = -7.0f;
 struct TestBall {
   BallQuery query;
   BlockList blocks;
-  std::vector<std::size_t> inside, gated;
+  std::vector<std::size_t> inside, bounded;
   bool clear = true;  ///< no point is so near a limit that rounding decides
 };
 
 TestBall
-ballAt(const PointStore& store, std::size_t i, float radius, const std::array<float, 3>* gate,
+ballAt(const PointStore& store, std::size_t i, float radius, const std::array<float, 3>* bound,
        float min_dot)
 {
   TestBall ball;
   const auto p = store.position(i);
   for (std::size_t a = 0; a < 3; ++a) ball.query.center[a] = static_cast<float>(p[a]);
   ball.query.radius = radius;
-  ball.query.gate_normal = gate != nullptr ? gate->data() : nullptr;
+  ball.query.bound_normal = bound != nullptr ? bound->data() : nullptr;
   ball.query.min_dot = min_dot;
   std::vector<std::uint32_t> blocks;
   store.tree().blocksInBall(ball.query.center.data(), radius, blocks);
@@ -47,12 +47,12 @@ ballAt(const PointStore& store, std::size_t i, float radius, const std::array<fl
     if (distance >= radius) continue;
     ball.inside.push_back(j);
     double dot = 1;
-    if (gate != nullptr) {
+    if (bound != nullptr) {
       const auto n = store.normal(j);
-      dot = double(n[0]) * (*gate)[0] + double(n[1]) * (*gate)[1] + double(n[2]) * (*gate)[2];
+      dot = double(n[0]) * (*bound)[0] + double(n[1]) * (*bound)[1] + double(n[2]) * (*bound)[2];
     }
-    if (gate != nullptr && std::abs(dot - min_dot) < 1e-6) ball.clear = false;
-    if (gate == nullptr || dot > min_dot) ball.gated.push_back(j);
+    if (bound != nullptr && std::abs(dot - min_dot) < 1e-6) ball.clear = false;
+    if (bound == nullptr || dot > min_dot) ball.bounded.push_back(j);
   }
   return ball;
 }
@@ -66,7 +66,7 @@ class FitGather : public testing::Test {
     without_normals_ = storeOf(cloud.withoutNormals());
   }
 
-  /** Calls body(store, ball) for balls of many sizes, with and without a gate. */
+  /** Calls body(store, ball) for balls of many sizes, with and without a bound. */
   template <typename Body>
   void forEachBall(const Body& body)
   {
@@ -76,10 +76,10 @@ class FitGather : public testing::Test {
     for (int trial = 0; trial < 60; ++trial) {
       const PointStore& store = trial % 3 == 0 ? without_normals_ : with_normals_;
       const std::size_t i = pick(random);
-      const auto gate = with_normals_.normal(i);
+      const auto bound = with_normals_.normal(i);
       const float radius = 0.004f * static_cast<float>(1 + trial);
       const TestBall ball =
-          ballAt(store, i, radius, trial % 3 == 0 ? nullptr : &gate, trial % 3 == 1 ? 0.0f : 0.5f);
+          ballAt(store, i, radius, trial % 3 == 0 ? nullptr : &bound, trial % 3 == 1 ? 0.0f : 0.5f);
       if (!ball.clear) continue;
       ++tested;
       body(store, ball);
@@ -98,10 +98,10 @@ TEST_F(FitGather, TakesThePointsOfTheBallAndItsSums)
     BallSums sums;
     kernels::gatherBall(store, ball.blocks, ball.query, true, buffer, sums);
     ASSERT_EQ(sums.inside, ball.inside.size());
-    ASSERT_EQ(buffer.count, ball.gated.size());
+    ASSERT_EQ(buffer.count, ball.bounded.size());
     double weight = 0, first = 0, second[6] = {}, normal = 0;
-    for (std::size_t k = 0; k < ball.gated.size(); ++k) {
-      const auto q = store.position(ball.gated[k]);
+    for (std::size_t k = 0; k < ball.bounded.size(); ++k) {
+      const auto q = store.position(ball.bounded[k]);
       const auto& c = ball.query.center;
       const double d[3] = {q[0] - c[0], q[1] - c[1], q[2] - c[2]};
       // Points stand in stored order: a fit is the same however they were found.
@@ -117,7 +117,7 @@ TEST_F(FitGather, TakesThePointsOfTheBallAndItsSums)
       for (int a = 0, m = 0; a < 3; ++a) {
         for (int b = a; b < 3; ++b, ++m) second[m] += g * d[a] * d[b];
       }
-      if (ball.query.gate_normal != nullptr) normal += g * store.normal(ball.gated[k])[2];
+      if (ball.query.bound_normal != nullptr) normal += g * store.normal(ball.bounded[k])[2];
     }
     const double r = ball.query.radius;
     ASSERT_NEAR(sums.weight, weight, 1e-4 * weight);
@@ -136,8 +136,8 @@ TEST_F(FitGather, TurnsOffsetsIntoTheFrame)
     kernels::gatherBall(store, ball.blocks, ball.query, false, buffer, sums);
     const LocalFrame frame({0.36, 0.48, -0.8});
     kernels::toFrame(frame, ball.query.radius, buffer);
-    for (std::size_t k = 0; k < ball.gated.size(); ++k) {
-      const auto q = store.position(ball.gated[k]);
+    for (std::size_t k = 0; k < ball.bounded.size(); ++k) {
+      const auto q = store.position(ball.bounded[k]);
       double u = 0, v = 0, w = 0;
       for (std::size_t a = 0; a < 3; ++a) {
         const double d = (q[a] - ball.query.center[a]) / ball.query.radius;
@@ -157,7 +157,7 @@ TEST_F(FitGather, MarksOnlyThePointsOfTheBall)
 {
   forEachBall([](const PointStore& store, const TestBall& ball) {
     std::vector<std::uint8_t> marks(store.numBlocks() * PointStore::kBlock, 8), expected = marks;
-    for (const std::size_t i : ball.gated) expected[i] = 9;
+    for (const std::size_t i : ball.bounded) expected[i] = 9;
     kernels::markPoints(store, ball.blocks, ball.query, 1, marks.data());
     ASSERT_EQ(marks, expected);
   });
@@ -180,7 +180,7 @@ TEST_F(FitGather, CoversOnlyThePointsOfTheBallNearTheSurface)
         std::vector<float> coverage(store.numBlocks() * PointStore::kBlock, kUntouched);
         kernels::coverPoints(store, ball.blocks, leaf, kernel, coverage.data());
         std::vector<float> expected(coverage.size(), kUntouched);
-        for (const std::size_t i : ball.gated) {
+        for (const std::size_t i : ball.bounded) {
           const auto q = store.position(i);
           double u = 0, v = 0, w = 0, d_sq = 0;
           for (std::size_t a = 0; a < 3; ++a) {

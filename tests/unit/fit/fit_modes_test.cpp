@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "pcl_slim/cloud/noise_level.h"
 #include "support/clouds.h"
 
 namespace pcl_slim {
@@ -196,6 +197,21 @@ TEST(FitModes, LocalNoiseSparesCleanParts)
   }
   EXPECT_LT(std::sqrt(clean[1]), 0.9 * std::sqrt(clean[0]));
   EXPECT_LT(std::sqrt(noisy[1]), 1.1 * std::sqrt(noisy[0]));
+}
+
+TEST(FitModes, LocalNoiseMeasuresTheLevelOnce)
+{
+  const Cloud cloud = sceneCloud(Shape::kSphere, 20000, 0.002);
+  FitParams params;
+  const std::uint64_t level = fitted(cloud, params).statistics.noise_patches;
+  ASSERT_GT(level, 0u);
+  params.local_noise = true;
+  // The profile takes a patch for each of its runs and nothing else.
+  const std::size_t runs = noiseProfile(pcl_slim_test::storeOf(cloud), 1).size();
+  EXPECT_EQ(fitted(cloud, params).statistics.noise_patches, level + runs);
+  // The paper's estimate and a stated lambda know no patches: there the level is measured for it.
+  params.lambda = 1e-6;
+  EXPECT_EQ(fitted(cloud, params).statistics.noise_patches, level + runs);
 }
 
 TEST(FitModes, LowerDegreesServeEdges)

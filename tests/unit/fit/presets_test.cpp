@@ -77,6 +77,11 @@ TEST(Presets, SharpFeaturesNarrowTheStartAndTheNormalBound)
   EXPECT_LE(plain.min_dot, 0.0f);
 }
 
+TEST(Presets, ASurfaceStatesTheFitsOwnPenaltyByDefault)
+{
+  EXPECT_EQ(SurfaceInfo().penalty, FitParams().resolved().penalty);
+}
+
 TEST(Presets, WhatTheUserSetsStands)
 {
   FitParams params;
