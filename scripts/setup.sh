@@ -2,12 +2,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Installs the Debian or Ubuntu packages that building and testing need. Does nothing when they
 # are there; without root rights it names the command to run and exits 1.
+#   scripts/setup.sh        what the README's commands need
+#   scripts/setup.sh ci     what .ci/run needs beside it: clang, clang-tidy, clang-format
 set -euo pipefail
 
 packages=(
   cmake ninja-build g++ pkg-config
   libpcl-dev libeigen3-dev libhwy-dev libpng-dev libtbb-dev nlohmann-json3-dev libgtest-dev
+  python3
 )
+[ "${1-}" != ci ] || packages+=(git clang clang-tidy clang-format libclang-rt-14-dev)
 # Benchmarks, and ROS's own check of package.xml in the tests: nothing fails without them.
 optional=(libnanoflann-dev python3-catkin-pkg)
 
@@ -29,7 +33,7 @@ for package in "${packages[@]}" "${optional[@]}"; do
 done
 [ ${#missing[@]} -gt 0 ] || exit 0
 
-install=(apt-get install -y --no-install-recommends "${missing[@]}")
+install=(apt-get install -y --no-remove --no-install-recommends "${missing[@]}")
 as_root=()
 if [ "$(id -u)" -ne 0 ]; then
   if command -v sudo >/dev/null && sudo -n true 2>/dev/null; then

@@ -1,0 +1,202 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Rules of the house that a compiler does not check.
+
+    python3 tests/layout_test.py ROOT            prints each breach; exits 1 if there is one
+    python3 tests/layout_test.py ROOT --figures  prints the distribution of lengths as well
+
+Every source starts with its licence, headers guard themselves, modules neither print nor know PCL or
+VTK, includes between folders follow ARROWS and make no cycle, private headers keep their names in a
+namespace of their own, files, functions and folders are short.
+"""
+import collections
+import os
+import re
+import sys
+
+SOURCES = ("modules", "filters", "visualization", "apps", "tests", "examples", "benchmarks")
+MOST_FILES_IN_FOLDER = 20
+MOST_LINES_IN_FILE = 400
+MOST_LINES_IN_FUNCTION = 60
+MOST_LINES_IN_NINE_OF_TEN = 23
+
+# What a folder may include, itself apart.
+MODULES = ("core", "cloud", "surface", "fit", "query", "splat", "render")
+ARROWS = {
+    "core": (),
+    "cloud": ("core",),
+    "surface": ("core",),
+    "fit": ("core", "cloud", "surface"),
+    "query": ("core", "cloud", "surface"),
+    "splat": ("core", "cloud"),
+    "render": ("core", "cloud", "surface", "query", "splat"),
+    "filters": tuple(m for m in MODULES if m != "render"),
+    "visualization": MODULES + ("filters",),
+    "apps": MODULES + ("filters", "visualization"),
+    "examples": MODULES + ("filters", "visualization"),
+    "benchmarks": MODULES + ("filters", "visualization", "apps"),
+    "tests": MODULES + ("filters", "visualization", "apps", "benchmarks"),
+}
+
+
+def sources(root):
+    for top in SOURCES:
+        for folder, folders, names in os.walk(os.path.join(root, top)):
+            folders.sort()
+            for name in sorted(names):
+                if name.endswith((".h", ".hpp", ".cpp")):
+                    yield os.path.relpath(os.path.join(folder, name), root).replace(os.sep, "/")
+
+
+def room_of(path):
+    """modules/fit/src/ball/x.h -> fit; apps/common/x.h -> apps."""
+    parts = path.split("/")
+    return parts[1] if parts[0] == "modules" else parts[0]
+
+
+def included(path, text, by_name):
+    """The project's own files that a source includes."""
+    for name in re.findall(r'^#include "([^"]+)"', text, re.M):
+        beside = os.path.normpath(os.path.join(os.path.dirname(path), name)).replace(os.sep, "/")
+        candidates = by_name.get(name, ())
+        if beside in by_name["/paths"]:
+            yield beside
+        elif candidates:
+            own = [c for c in candidates if room_of(c) == room_of(path)]
+            yield (own or list(candidates))[0]
+
+
+def index(paths):
+    by_name = collections.defaultdict(list)
+    by_name["/paths"] = set(paths)
+    for path in paths:
+        parts = path.split("/")
+        for i in range(len(parts)):
+            by_name["/".join(parts[i:])].append(path)
+    return by_name
+
+
+def function_lengths(text):
+    """(first line, length) of every function, from the line of its name to its closing brace. The style
+    puts no other brace on a line of its own but a function's, and return types above names."""
+    lines = text.split("\n")
+    for i, line in enumerate(lines):
+        if re.match(r"[^/]*\)( const)?( noexcept)?( override)? \{ .*\}$", line):
+            yield i + 1, 1
+        opening = re.fullmatch(r"( *)\{", line)
+        if not opening:
+            continue
+        end = next((j for j in range(i, len(lines)) if lines[j].startswith(opening[1] + "}")), i)
+        begin = i
+        while begin > 0 and not re.match(r"\s*$|\s*//|\s*/?\*|#|.*[;{}]$|\s*\w+:$", lines[begin - 1]):
+            begin -= 1
+        while begin < i and "(" not in lines[begin]:
+            begin += 1
+        yield begin + 1, end - begin + 1
+
+
+def cycle(graph):
+    """Some cycle of a directed graph, as a list of nodes, or None."""
+    state, stack = {}, []
+
+    def visit(node):
+        state[node] = 1
+        stack.append(node)
+        for other in sorted(graph.get(node, ())):
+            if state.get(other) == 1:
+                return stack[stack.index(other):] + [other]
+            if other not in state:
+                found = visit(other)
+                if found:
+                    return found
+        state[node] = 2
+        stack.pop()
+        return None
+
+    for node in sorted(graph):
+        if node not in state:
+            found = visit(node)
+            if found:
+                return found
+    return None
+
+
+def breaches_of_file(path, text):
+    if not text.startswith("// SPDX-License-Identifier: BSD-3-Clause\n"):
+        yield "does not start with its SPDX line"
+    header = path.endswith((".h", ".hpp"))
+    # Highway's *-inl.h files are included once per instruction set and cannot use the pragma.
+    if header and not path.endswith("-inl.h") and "\n#pragma once\n" not in text:
+        yield "has no #pragma once"
+    count = text.count("\n")
+    if count > MOST_LINES_IN_FILE:
+        yield f"has {count} lines: split it (limit {MOST_LINES_IN_FILE})"
+    for line, length in function_lengths(text):
+        if length > MOST_LINES_IN_FUNCTION:
+            yield f"function at line {line} has {length} lines (limit {MOST_LINES_IN_FUNCTION})"
+    if not path.startswith("modules/"):
+        return
+    if re.search(r'#include [<"](pcl/|vtk)', text):
+        yield "a module includes PCL or VTK"
+    if re.search(r"#include <iostream>|[^a-z_]f?printf\(|std::(cout|cerr|clog)", text):
+        yield "a module prints"
+    private = header and ("/src/" in path or "/detail/" in path)
+    if private and re.search(r"^namespace pcl_slim(::(?!detail\b)\w+)* \{", text, re.M):
+        yield "a private header declares names outside pcl_slim::detail"
+
+
+def breaches(root, paths):
+    texts = {p: open(os.path.join(root, p), encoding="utf-8").read() for p in paths}
+    by_name = index(paths)
+    rooms, files = collections.defaultdict(set), {}
+    for path in paths:
+        for what in breaches_of_file(path, texts[path]):
+            yield f"{path}: {what}"
+        files[path] = set(included(path, texts[path], by_name))
+        if "/impl/" in path:  # a template's body comes with its header, either way in
+            files[path].discard(path.replace("/impl/", "/").replace(".hpp", ".h"))
+        for other in files[path]:
+            room, its = room_of(path), room_of(other)
+            if room == its:
+                continue
+            if its not in ARROWS[room]:
+                yield f"{path}: includes {other}, against the arrows of CONTRIBUTING"
+            if path.startswith("modules/"):
+                folder = "/".join(other.split("/")[:3])
+                if folder.endswith("/src"):
+                    yield f"{path}: includes {other}, a private part of another module"
+            rooms[room].add(its)
+    # Within a module, files of one folder may know each other; include cycles of files are never right.
+    found = cycle(files)
+    if found:
+        yield "includes make a cycle: " + " -> ".join(found)
+    found = cycle(rooms)
+    if found:
+        yield "folders include each other in a cycle: " + " -> ".join(found)
+    per_folder = collections.Counter(os.path.dirname(p) for p in paths)
+    for folder, count in sorted(per_folder.items()):
+        if count > MOST_FILES_IN_FOLDER:
+            yield f"{folder}: holds {count} sources (limit {MOST_FILES_IN_FOLDER})"
+    lengths = sorted(n for p in paths for _, n in function_lengths(texts[p]))
+    if lengths and lengths[len(lengths) * 9 // 10] > MOST_LINES_IN_NINE_OF_TEN:
+        yield (f"nine functions of ten have up to {lengths[len(lengths) * 9 // 10]} lines "
+               f"(limit {MOST_LINES_IN_NINE_OF_TEN})")
+    if "--figures" in sys.argv:
+        print(f"{len(lengths)} functions: median {lengths[len(lengths) // 2]}, "
+              f"p90 {lengths[len(lengths) * 9 // 10]}, longest {lengths[-1]}; "
+              f"fullest folder {max(per_folder.values())} sources")
+
+
+def main():
+    root = sys.argv[1]
+    paths = list(sources(root))
+    found = list(breaches(root, paths))
+    for line in found:
+        print(line)
+    if not paths:
+        print("no sources below", root)
+    print(f"{len(paths)} sources, {len(found)} breaches")
+    return 1 if found or not paths else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
