@@ -60,7 +60,8 @@ Tile::begin(const FrameContext& frame, const ImageSize& size, std::size_t t)
   for (int y = y0; y < y0 + height; ++y) {
     for (int x = x0; x < x0 + width; ++x) {
       const Ray ray = rays[index(x, y)] = frame.rays.ray(x, y);
-      if (!frame.rules.cuts.empty()) nearest[index(x, y)] = entryDepth(frame.rules.cuts, ray, frame.rules.near_plane);
+      if (!frame.rules.cuts.empty())
+        nearest[index(x, y)] = entryDepth(frame.rules.cuts, ray, frame.rules.near_plane);
     }
   }
 }
