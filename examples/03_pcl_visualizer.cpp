@@ -6,6 +6,7 @@
 #include <pcl_slim/visualization/pcl_visualizer.h>
 
 #include <iostream>
+#include <string>
 
 int
 main(int argc, char** argv)
@@ -17,12 +18,6 @@ main(int argc, char** argv)
   auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
   if (pcl::io::loadPCDFile(argv[1], *cloud) < 0) return 2;
 
-  pcl::visualization::PCLVisualizer viewer("Points and their surface");
-  viewer.setBackgroundColor(1.0, 1.0, 1.0);
-  viewer.addPointCloud<pcl::PointXYZ>(cloud, "scan");
-  viewer.setPointCloudRenderingProperties(pcl::visualization::PCL_VISUALIZER_COLOR, 0, 0, 0,
-                                          "scan");
-
   pcl_slim::SLIMFit<pcl::PointXYZ> fit;
   pcl_slim::SLIMSurface surface;
   fit.setInputCloud(cloud);
@@ -30,6 +25,9 @@ main(int argc, char** argv)
     std::cerr << fit.getError().message << "\n";
     return 1;
   }
+  pcl::visualization::PCLVisualizer viewer("The surface of " + std::string(argv[1]));
+  viewer.setBackgroundColor(1.0, 1.0, 1.0);
+  viewer.setSize(800, 600);
   pcl_slim::addSLIMSurface(viewer, surface, "surface");
   pcl_slim::setSLIMSurfaceMode(viewer, pcl_slim::DisplayMode::kMean, 0.0, "surface");
 

@@ -85,16 +85,4 @@ helpText()
   return text.substr(0, text.size() - 1);
 }
 
-std::string
-helpMarkdown()
-{
-  std::string text = "| key | meaning |\n|---|---|\n";
-  for (const Key& key : keyTable()) {
-    if (!key.meaning.empty()) text += "| `" + key.shown + "` | " + key.meaning + " |\n";
-  }
-  for (const auto& [button, meaning] : kMouse)
-    text += "| mouse: " + button + " | " + meaning + " |\n";
-  return text;
-}
-
 }  // namespace pcl_slim

@@ -49,8 +49,4 @@ findKey(const std::string& symbol);
 std::string
 helpText();
 
-/** \brief The same as a Markdown table: what docs/ holds. */
-std::string
-helpMarkdown();
-
 }  // namespace pcl_slim

@@ -2,6 +2,7 @@
 // A program as a user of the package would write it: fits a sphere, packs it, renders it.
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <vector>
 
 #include "pcl_slim/cloud/point_store.h"
@@ -15,6 +16,13 @@
 #include <pcl/point_types.h>
 
 #include "pcl_slim/filters/slim_fit.h"
+#endif
+
+#ifdef CONSUMER_USES_VISUALIZATION
+#include <vtkPolyData.h>
+
+#include "pcl_slim/visualization/polydata.h"
+#include "pcl_slim/visualization/slim_mapper.h"
 #endif
 
 namespace {
@@ -91,6 +99,13 @@ main()
   const std::size_t surfels = fitWithPCL(xyz);
   std::printf("%zu surfels through PCL\n", surfels);
   good = good && surfels == surface.size();
+#endif
+#ifdef CONSUMER_USES_VISUALIZATION
+  vtkNew<pcl_slim::SLIMMapper> mapper;
+  good = good && mapper->setSurface(std::make_shared<pcl_slim::SLIMSurface>(surface));
+  const auto points = static_cast<std::size_t>(pcl_slim::toPolyData(surface)->GetNumberOfPoints());
+  std::printf("%zu points for VTK\n", points);
+  good = good && points == surface.size();
 #endif
   return good ? 0 : 1;
 }

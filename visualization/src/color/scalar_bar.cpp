@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/visualization/scalar_bar.h"
 
+#include <vtkDoubleArray.h>
 #include <vtkLight.h>
 #include <vtkNew.h>
 #include <vtkProperty.h>
@@ -34,6 +35,20 @@ unitOf(DisplayMode mode, const std::string& unit)
   if (mode == DisplayMode::kSize) return unit;
   if (!showsCurvature(mode)) return "";
   return "1/" + (unit.empty() ? "length" : unit) + (mode == DisplayMode::kGauss ? "^2" : "");
+}
+
+/** \brief A number in the middle of each level's colour, at most ten of them. */
+void
+labelLevels(const double* range, vtkScalarBarActor* bar)
+{
+  const int first = static_cast<int>(std::lround(range[0] + 0.5));
+  const int last = static_cast<int>(std::lround(range[1] - 0.5));
+  const int step = 1 + (last - first) / 10;
+  vtkNew<vtkDoubleArray> labels;
+  for (int level = first; level <= last; level += step) labels->InsertNextValue(level);
+  bar->SetCustomLabels(labels);
+  bar->SetUseCustomLabels(true);
+  bar->SetLabelFormat("%-2.0f");
 }
 
 void
@@ -72,21 +87,23 @@ makeScalarBar(GBufferMapper& mapper, const std::string& unit)
   const DisplayMode mode = mapper.getMode();
   vtkScalarsToColors* table = mapper.GetLookupTable();
   const std::string shown_unit = unitOf(mode, unit);
-  const std::string title = titleOf(mode) + (shown_unit.empty() ? "" : "\n" + shown_unit);
+  std::string title = titleOf(mode) + (shown_unit.empty() ? "" : "\n" + shown_unit);
+  // A word a line, so that the title fits beside the picture in small windows as well.
+  std::replace(title.begin(), title.end(), ' ', '\n');
   bar->SetLookupTable(table);
   bar->SetTitle(title.c_str());
-  const bool levels = mode == DisplayMode::kLevel;
-  const double* range = table->GetRange();
-  const int count = static_cast<int>(std::lround(range[1] - range[0]));
-  // Half levels stand at the borders of the colours, whole ones in their middle.
-  bar->SetNumberOfLabels(levels ? std::min(2 * count + 1, 21) : 5);
-  bar->SetLabelFormat(levels ? "%-4.3g" : "%-#9.3g");
+  if (mode == DisplayMode::kLevel) {
+    labelLevels(table->GetRange(), bar);
+  } else {
+    bar->SetNumberOfLabels(5);
+    bar->SetLabelFormat("%-#9.3g");
+  }
   bar->SetMaximumNumberOfColors(256);
   bar->SetOrientationToVertical();
-  bar->SetPosition(0.84, 0.2);
-  bar->SetWidth(0.15);
+  bar->SetPosition(0.87, 0.2);
+  bar->SetWidth(0.12);
   bar->SetHeight(0.6);
-  bar->SetBarRatio(0.2);
+  bar->SetBarRatio(0.22);
   bar->SetUnconstrainedFontSize(true);
   setTextLook(bar->GetTitleTextProperty(), 13, true);
   setTextLook(bar->GetLabelTextProperty(), 13, false);

@@ -102,7 +102,7 @@ float slimValue(vec4 a)
 // Stripes of light along the vertical, far away all around the viewer.
 float slimStripes(vec3 direction)
 {
-  float angle = 18.0 * asin(clamp(direction.x, -1.0, 1.0));
+  float angle = 12.0 * asin(clamp(direction.x, -1.0, 1.0));
   float soft = clamp(fwidth(angle), 0.02, 2.0);
   return clamp(0.5 + sin(angle) / soft, 0.0, 1.0);
 }
