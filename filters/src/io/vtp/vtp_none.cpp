@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stands in for vtp_file.cpp in a build without VTK.
+#include "io/vtp/crest_vtp.h"
 #include "io/vtp/vtp_file.h"
 
 namespace pcl_slim {
@@ -20,6 +21,12 @@ saveVtp(const std::string& path, const PointFile&)
 
 Result<PointFile>
 loadVtp(const std::string& path)
+{
+  return checkVtp(path);
+}
+
+Error
+saveCrestVtp(const std::string& path, const CrestLines&)
 {
   return checkVtp(path);
 }
