@@ -8,18 +8,43 @@ namespace pcl_slim::detail {
 
 namespace {
 
+/** The noise level by the residual estimate, measured where something asks for it, and then once. */
+class ResidualNoise {
+ public:
+  ResidualNoise(const PointStore& store, const NoiseConstants& constants, int threads,
+                FitStatistics& stats)
+      : store_(store), constants_(constants), threads_(threads), stats_(stats)
+  {
+  }
+
+  const NoiseLevel& level()
+  {
+    if (!measured_) {
+      level_ = measureNoise(store_, constants_, threads_);
+      stats_.noise_patches += level_.patches;
+    }
+    measured_ = true;
+    return level_;
+  }
+
+ private:
+  const PointStore& store_;
+  const NoiseConstants& constants_;
+  int threads_;
+  FitStatistics& stats_;
+  NoiseLevel level_;
+  bool measured_ = false;
+};
+
 /** The paper's T_MDL belongs to its lambda; the default penalty to the residual estimate. */
 double
 noiseVariance(const PointStore& store, const FitParams& params, const NoiseConstants& constants,
-              int threads, FitStatistics& stats)
+              int threads, ResidualNoise& residual)
 {
   const double diagonal = store.diagonal();
   if (params.lambda > 0) return params.lambda * diagonal * diagonal;
   const bool paper = params.paper_mode || params.t_mdl > 0;
-  const NoiseLevel noise = paper ? measurePaperNoise(store, constants, threads)
-                                 : measureNoise(store, constants, threads);
-  stats.noise_patches += noise.patches;
-  return noise.variance;
+  return paper ? measurePaperNoise(store, constants, threads).variance : residual.level().variance;
 }
 
 void
@@ -27,14 +52,14 @@ measureNoiseSettings(const PointStore& store, const FitParams& params, int threa
                      FitSettings& settings, FitStatistics& stats)
 {
   const NoiseConstants& constants = settings.constants.noise;
-  settings.energy.lambda = noiseVariance(store, params, constants, threads, stats);
+  ResidualNoise residual(store, constants, threads, stats);
+  settings.energy.lambda = noiseVariance(store, params, constants, threads, residual);
   // The paper's lambda, which T goes with, holds the surface's bend too; the smallest balls follow
   // it.
   if (params.t_mdl <= 0 && !params.paper_mode) settings.noise = settings.energy.lambda;
   if (!params.local_noise) return;
-  const NoiseLevel noise = measureNoise(store, constants, threads);
-  settings.noise_profile = measureNoiseProfile(store, noise, constants, threads);
-  stats.noise_patches += noise.patches + settings.noise_profile.size();
+  settings.noise_profile = measureNoiseProfile(store, residual.level(), constants, threads);
+  stats.noise_patches += settings.noise_profile.size();
 }
 
 /** What normals weigh as data: the error stated, or the one measured if it is their own. */

@@ -83,6 +83,20 @@ TEST(PointStore, AFarOutlierCostsTheClusterNothing)
   for (int i = 0; i < 5000; ++i) cloud.add(u(random), u(random), u(random));
   cloud.add(1e6, 2e6, -3e6);
   const PointStore store = storeOf(cloud);
+  EXPECT_EQ(store.size(), 5000u);
+  EXPECT_EQ(store.statistics().far_away, 1u);
+  EXPECT_EQ(store.storeOfInput()[5000], PointStore::kSkipped);
+  EXPECT_LT(largestOffset(cloud, store), 1e-7);
+}
+
+TEST(PointStore, AnOutlierThatStaysCostsTheClusterLittle)
+{
+  Cloud cloud;
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> u(0.0, 1.0);
+  for (int i = 0; i < 5000; ++i) cloud.add(u(random), u(random), u(random));
+  cloud.add(3e3, 2e3, -3e3);
+  const PointStore store = storeOf(cloud);
   ASSERT_EQ(store.size(), 5001u);
   EXPECT_LT(largestOffset(cloud, store), 4e-8);
   // A block with the outlier in it has float offsets of half the box; every other is near its own.

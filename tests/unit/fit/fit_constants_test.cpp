@@ -98,7 +98,7 @@ TEST(FitConstants, DecideSidesAndSizes)
   expectEachChanges(cloud, FitParams(),
                     {{"flux", [](FitConstants& c) { c.orient.flat_flux = 2; }}});
   FitParams sized;
-  sized.target_error = 0.01;
+  sized.target_error = 0.003;
   expectEachChanges(
       cloud, sized,
       {{"covers", [](FitConstants& c) { c.penalty_search.most_covers = 1; }},

@@ -44,19 +44,25 @@ TEST(BallSamples, InnerPartsHoldAllPointsWithinARadius)
   }
 }
 
+/** A single point more or less moves n_eff by some percent, so the mean over balls tells. */
 TEST(TrialFits, TheMinimumSupportRadiusJustHasTheSupport)
 {
-  const TestBall ball = wavyBall(2, 2000, 0.0, 1.0, kNoise, 8);
   const FitSettings settings = settingsOfNoise();
   TrialFits trials(settings);
-  trials.begin(ball.points, 1.0, 1.0);
-  for (const int degree : {1, 2, 3, 4}) {
+  constexpr unsigned kBalls = 20;
+  for (const int degree : {3, 4}) {
     for (const WeightKernel kernel : {WeightKernel::kPower2, WeightKernel::kPower4}) {
-      const double rho = trials.minimumSupportRadius(1.0, degree, kernel);
-      const double n_eff = kernels::effectiveCount(ball.points, static_cast<float>(rho), kernel);
       const double least = settings.support * numCoefficients(degree);
-      EXPECT_GE(n_eff, least) << degree;
-      EXPECT_LE(n_eff, 1.05 * least) << degree;
+      double mean = 0;
+      for (unsigned b = 0; b < kBalls; ++b) {
+        const TestBall ball = wavyBall(2, 200, 0.0, 1.0, kNoise, 40 + b);
+        trials.begin(ball.points, 1.0, 1.0);
+        const auto rho = static_cast<float>(trials.minimumSupportRadius(1.0, degree, kernel));
+        const double n_eff = kernels::effectiveCount(ball.points, rho, kernel);
+        EXPECT_GE(n_eff, 0.9999 * least) << degree;
+        mean += n_eff / least / kBalls;
+      }
+      EXPECT_LE(mean, 1.1) << degree;
     }
   }
   EXPECT_EQ(trials.numFits(), 0u);
