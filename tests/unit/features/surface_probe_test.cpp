@@ -28,15 +28,15 @@ TEST(SurfaceProbe, AgreesWithProjectionAtStoredPoints)
     probe.evaluate(request, &sample);
     ASSERT_TRUE(sample.supported);
     const PrincipalFrame& frame = fit.fit.projection.principal[i];
+    // A clean fit's own gates are narrower than a probe's, so that a leaf more may count here and there.
     for (std::size_t a = 0; a < 3; ++a) {
-      // The store's and the region's own origin round differently.
       EXPECT_NEAR(sample.position[a], fit.fit.projection.position[i][a], 1e-6);
-      EXPECT_NEAR(sample.normal[a], n[a], 1e-5);
+      EXPECT_NEAR(sample.normal[a], n[a], 1e-4);
     }
-    EXPECT_NEAR(sample.frame.k1, frame.k1, 1e-3 * (1 + std::abs(frame.k1)));
-    EXPECT_NEAR(sample.frame.k2, frame.k2, 1e-3 * (1 + std::abs(frame.k2)));
+    EXPECT_NEAR(sample.frame.k1, frame.k1, 1e-2 * (1 + std::abs(frame.k1)));
+    EXPECT_NEAR(sample.frame.k2, frame.k2, 1e-2 * (1 + std::abs(frame.k2)));
     EXPECT_NEAR(std::abs(sample.frame.extremality1), std::abs(frame.extremality1),
-                1e-2 * (1 + std::abs(frame.extremality1)));
+                0.1 * (1 + std::abs(frame.extremality1)));
   }
 }
 

@@ -240,30 +240,36 @@ SurfaceProbe::evaluate(const ProbeRequest& request, ProbeSample* samples)
   kernels::finishDirections(s.sums);
   for (const BlockLeaf* leaf : s.near) kernels::addIntersections(points, *leaf, rules, s.sums);
   const BlockMeans means(s.sums);
-  for (std::size_t i = 0; i < request.count; ++i) {
-    ProbeSample& sample = samples[i];
-    const double weight = s.sums.weight[i], length = means.length[i];
-    sample.supported = weight > 0 && length > BlockMeans::kLeastGradient;
-    if (!sample.supported) continue;
-    const Vector3 g = {means.gradient[0][i], means.gradient[1][i], means.gradient[2][i]};
-    for (std::size_t a = 0; a < 3; ++a) {
-      sample.position[a] = request.positions[i][a] + means.offset[i] * s.sums.direction[a][i];
-      sample.normal[a] = g[a] / length;
-    }
-    Symmetric3<double> h;
-    double third[10];
-    for (std::size_t k = 0; k < 6; ++k) h[k] = s.sums.hessian[k][i] / weight;
-    if (i >= request.with_directions) {
-      const auto [k1, k2] = principalValues(g, length, h);
-      sample.frame.k1 = static_cast<float>(k1);
-      sample.frame.k2 = static_cast<float>(k2);
-      continue;
-    }
-    sample.frame = principalCurvatures(g, length, h);
-    if (!request.extremality) continue;
-    for (std::size_t k = 0; k < 10; ++k) third[k] = s.sums.third[k][i] / weight;
-    setExtremality(g, length, h, third, sample.frame);
+  for (std::size_t i = 0; i < request.count; ++i) finish(request, means, i, samples[i]);
+}
+
+/** Writes down what was blended for one place. */
+void
+SurfaceProbe::finish(const ProbeRequest& request, const BlockMeans& means, std::size_t i,
+                     ProbeSample& sample) const
+{
+  const BlockSums& sums = scratch_->sums;
+  const double weight = sums.weight[i], length = means.length[i];
+  sample.supported = weight > 0 && length > BlockMeans::kLeastGradient;
+  if (!sample.supported) return;
+  const Vector3 g = {means.gradient[0][i], means.gradient[1][i], means.gradient[2][i]};
+  for (std::size_t a = 0; a < 3; ++a) {
+    sample.position[a] = request.positions[i][a] + means.offset[i] * sums.direction[a][i];
+    sample.normal[a] = g[a] / length;
   }
+  Symmetric3<double> h;
+  double third[10];
+  for (std::size_t k = 0; k < 6; ++k) h[k] = sums.hessian[k][i] / weight;
+  if (i >= request.with_directions) {
+    const auto [k1, k2] = principalValues(g, length, h);
+    sample.frame.k1 = static_cast<float>(k1);
+    sample.frame.k2 = static_cast<float>(k2);
+    return;
+  }
+  sample.frame = principalCurvatures(g, length, h);
+  if (!request.extremality) return;
+  for (std::size_t k = 0; k < 10; ++k) third[k] = sums.third[k][i] / weight;
+  setExtremality(g, length, h, third, sample.frame);
 }
 
 ProbeScale

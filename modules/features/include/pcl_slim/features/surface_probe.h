@@ -12,6 +12,10 @@
 
 namespace pcl_slim {
 
+namespace detail {
+struct BlockMeans;
+}
+
 /** \brief A surface's leaves, arranged so that those around a place are found fast.
  *
  * Built once in O(M log M), about 150 bytes a leaf; any number of SurfaceProbe objects share it. */
@@ -90,6 +94,8 @@ class SurfaceProbe {
   void cover(const Vector3& low, const Vector3& high);
   void gatherNear(const Vector3& low, const Vector3& high);
   void load(const ProbeRequest& request);
+  void finish(const ProbeRequest& request, const detail::BlockMeans& means, std::size_t i,
+              ProbeSample& sample) const;
 
   const ProbeIndex& index_;
   double margin_ = 0;
