@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <string>
 
-#include "scan/fit_job.h"
 #include "common/options.h"
 #include "common/program.h"
 #include "common/progress_bar.h"
@@ -11,6 +10,7 @@
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/visualization/display_mode.h"
 #include "render/model.h"
+#include "scan/fit_job.h"
 #include "view/display.h"
 #include "view/viewer.h"
 

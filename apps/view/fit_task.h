@@ -7,8 +7,8 @@
 #include <string>
 #include <thread>
 
-#include "scan/fit_job.h"
 #include "pcl_slim/core/progress.h"
+#include "scan/fit_job.h"
 
 namespace pcl_slim {
 

@@ -33,7 +33,8 @@ std::string
 describePick(const SurfacePick& pick)
 {
   return print("leaf %u  level %d  degree %d  ball radius %.4g  error %.3g  points %.0f\n",
-               pick.surfel, pick.level, pick.degree, pick.radius, pick.error, pick.effective_count) +
+               pick.surfel, pick.level, pick.degree, pick.radius, pick.error,
+               pick.effective_count) +
          print("mean %.4g  Gauss %.4g  k_max %.4g  k_min %.4g\n", pick.mean, pick.gauss, pick.k_max,
                pick.k_min) +
          print("at %.7g %.7g %.7g  normal %.3f %.3f %.3f", pick.position[0], pick.position[1],

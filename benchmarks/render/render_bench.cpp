@@ -68,9 +68,10 @@ printDifference(const GBuffer& a, const GBuffer& b)
     cosine_sum += angle;
   }
   const double n = static_cast<double>(std::max<std::size_t>(both, 1));
-  std::printf("  differ: coverage %zu pixels, depth by over 1e-3 in %zu, normal by over .02 in %zu; "
-              "rms depth %.2e, mean angle %.2e\n",
-              coverage, far, tilted, std::sqrt(depth_sq / n), cosine_sum / n);
+  std::printf(
+      "  differ: coverage %zu pixels, depth by over 1e-3 in %zu, normal by over .02 in %zu; "
+      "rms depth %.2e, mean angle %.2e\n",
+      coverage, far, tilted, std::sqrt(depth_sq / n), cosine_sum / n);
 }
 
 int
@@ -100,10 +101,11 @@ run(const Settings& s)
   const double plain = frameTime(renderer, camera, params, s.repeat, buffer, counts);
   params.threads = 1;
   const double single = frameTime(renderer, camera, params, s.repeat, buffer, counts);
-  std::printf("  %llu pixels covered; %.2f ms a frame, %.2f with curvature (%.2f times), %.2f on one "
-              "thread\n",
-              static_cast<unsigned long long>(counts.covered_pixels), plain, curvature,
-              curvature / plain, single);
+  std::printf(
+      "  %llu pixels covered; %.2f ms a frame, %.2f with curvature (%.2f times), %.2f on one "
+      "thread\n",
+      static_cast<unsigned long long>(counts.covered_pixels), plain, curvature, curvature / plain,
+      single);
   std::printf("  outside %llu, back-facing %llu, entries %llu, rays %llu + %llu, bracketed %llu\n",
               static_cast<unsigned long long>(counts.outside_frustum),
               static_cast<unsigned long long>(counts.back_facing),

@@ -182,6 +182,16 @@ TEST(PointFile, BoastfulAndBrokenHeadersAreErrors)
   }
 }
 
+std::vector<unsigned char>
+damagedBytes(std::vector<unsigned char> bytes, std::mt19937& random, bool cut)
+{
+  for (int k = 0; k < 3; ++k) {
+    bytes[random() % bytes.size()] = static_cast<unsigned char>(random());
+  }
+  if (cut) bytes.resize(random() % bytes.size());
+  return bytes;
+}
+
 TEST(PointFile, DamagedFilesNeverCrash)
 {
   const TemporaryFolder folder;
@@ -194,12 +204,7 @@ TEST(PointFile, DamagedFilesNeverCrash)
   for (const std::string name : {"a.pcd", "a.ply"}) {
     const auto bytes = fileBytes(folder / name);
     for (int trial = 0; trial < 400; ++trial) {
-      auto damaged = bytes;
-      for (int k = 0; k < 3; ++k) {
-        damaged[random() % damaged.size()] = static_cast<unsigned char>(random());
-      }
-      if (trial % 3 == 0) damaged.resize(random() % damaged.size());
-      writeBytes(folder / ("damaged" + name), damaged);
+      writeBytes(folder / ("damaged" + name), damagedBytes(bytes, random, trial % 3 == 0));
       const auto file = loadPointFile(folder / ("damaged" + name));
       ASSERT_TRUE(!file ||
                   file->cloud.data.size() == numPoints(file->cloud) * file->cloud.point_step);

@@ -119,6 +119,12 @@ TEST(SplatInput, BadInputIsAnError)
   EXPECT_FALSE(sampleSplats(cloud.view(), cloud.colors(), {}, splats, &statistics));
   EXPECT_EQ(statistics.non_finite, 1u);
   EXPECT_EQ(statistics.points, 99u);
+}
+
+TEST(SplatInput, IndicesOutOfRangeAreAnError)
+{
+  SplatSet splats;
+  const PaintedCloud cloud = painted(100);
   const std::int32_t indices[] = {0, 100};
   CloudView view = cloud.view();
   view.indices = indices;

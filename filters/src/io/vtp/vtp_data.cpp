@@ -36,12 +36,7 @@ class ByteSource {
    * few, or no base64. */
   bool read(std::size_t count, std::vector<std::uint8_t>& bytes)
   {
-    if (!base64_) {
-      if (count > text_.size()) return false;
-      bytes.insert(bytes.end(), text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(count));
-      text_.remove_prefix(count);
-      return true;
-    }
+    if (!base64_) return readRaw(count, bytes);
     if (count / 3 > text_.size() / 4) return false;
     for (std::size_t left = count; left > 0;) {
       if (text_.size() < 4) return false;
@@ -60,6 +55,14 @@ class ByteSource {
   }
 
  private:
+  bool readRaw(std::size_t count, std::vector<std::uint8_t>& bytes)
+  {
+    if (count > text_.size()) return false;
+    bytes.insert(bytes.end(), text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(count));
+    text_.remove_prefix(count);
+    return true;
+  }
+
   std::string_view text_;
   bool base64_;
 };

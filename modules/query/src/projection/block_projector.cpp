@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pcl_slim/query/detail/shape_operator.h"
 #include "pcl_slim/cloud/detail/normal_bound.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/query/detail/shape_operator.h"
 
 namespace pcl_slim::detail {
 

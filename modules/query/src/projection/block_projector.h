@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "pcl_slim/query/projection.h"
 #include "pcl_slim/query/detail/block_means.h"
-#include "projection/placement.h"
 #include "pcl_slim/query/detail/projection_kernel.h"
+#include "pcl_slim/query/projection.h"
+#include "projection/placement.h"
 
 namespace pcl_slim::detail {
 

@@ -8,9 +8,9 @@
 #define PCL_SLIM_LEAF_FRAME_INL
 #endif
 
+#include "pcl_slim/query/detail/projection_kernel.h"
 #include "pcl_slim/surface/detail/kernel_math-inl.h"
 #include "projection/height_jets-inl.h"
-#include "pcl_slim/query/detail/projection_kernel.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "fast/frame_scene.h"
-#include "fast/leaf_index.h"
+#include "index/leaf_index.h"
 #include "pcl_slim/render/camera.h"
 #include "pcl_slim/render/g_buffer.h"
 #include "pcl_slim/render/render_params.h"

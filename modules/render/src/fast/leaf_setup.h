@@ -6,7 +6,7 @@
 
 #include "fast/frame_leaf.h"
 #include "fast/frame_view.h"
-#include "fast/leaf_index.h"
+#include "index/leaf_index.h"
 
 namespace pcl_slim::detail {
 

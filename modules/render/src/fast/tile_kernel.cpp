@@ -7,6 +7,7 @@
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
+#include "fast/blend_pass-inl.h"
 #include "fast/block_output-inl.h"
 #include "fast/block_passes-inl.h"
 #include "fast/tile_blocks-inl.h"

@@ -51,7 +51,8 @@ TEST(FitCamera, FramesTheWholeObjectTightlyAndCentred)
   surface.info.origin = {5000.0, 300.0, -20.0};
   surface.info.scale = 4.0;
   for (const double azimuth : {0.0, 77.0, 200.0}) {
-    const Camera camera = fitCamera(spheresOf(surface), viewFromAngles(UpAxis::kZ, azimuth, 35.0), {160, 120});
+    const Camera camera =
+        fitCamera(spheresOf(surface), viewFromAngles(UpAxis::kZ, azimuth, 35.0), {160, 120});
     const auto b = coveredBounds(rendered(surface, camera));
     EXPECT_GT(b[1], 0);
     EXPECT_LT(b[3], 119);
@@ -88,10 +89,12 @@ TEST(FitCamera, EmptySurfaceAndSinglePointGiveValidCameras)
 {
   SLIMSurface surface;
   EXPECT_FALSE(fitCamera(spheresOf(surface), chooseView(spheresOf(surface)), {80, 60}).validate());
-  EXPECT_FALSE(fitOrthographicCamera(spheresOf(surface), chooseView(spheresOf(surface)), {80, 60}).validate());
+  EXPECT_FALSE(fitOrthographicCamera(spheresOf(surface), chooseView(spheresOf(surface)), {80, 60})
+                   .validate());
   surface = sphereSurface(2, 0.25, 1, 0.07);
   EXPECT_FALSE(fitCamera(spheresOf(surface), chooseView(spheresOf(surface)), {80, 60}).validate());
-  EXPECT_FALSE(fitOrthographicCamera(spheresOf(surface), chooseView(spheresOf(surface)), {80, 60}).validate());
+  EXPECT_FALSE(fitOrthographicCamera(spheresOf(surface), chooseView(spheresOf(surface)), {80, 60})
+                   .validate());
 }
 
 TEST(ViewFromAngles, StandsWhereTheConventionSays)

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <limits>
 
-#include "unit/render/same_buffers.h"
 #include "test_discs.h"
+#include "unit/render/same_buffers.h"
 
 namespace pcl_slim {
 namespace {

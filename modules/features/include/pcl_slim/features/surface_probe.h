@@ -48,7 +48,7 @@ struct ProbeSample {
 /** \brief How far leaves reach and how many points stand behind them at a place: both blended with the
  * leaves' weights, 0 where there is none. */
 struct ProbeScale {
-  double radius = 0;      ///< local units
+  double radius = 0;           ///< local units
   double effective_count = 0;  ///< effective number of points
 };
 

@@ -24,9 +24,9 @@ struct BoundingSpheres {
   std::vector<BoundingSphere> spheres;
   std::array<double, 3> origin{};
   double scale = 1.0;
-  double diagonal = 1.0;      ///< of the object's bounding box
-  double seen_radius = 1.0;   ///< share of each radius that a picture has to show
-  bool oriented = true;       ///< the normals point to the outer side
+  double diagonal = 1.0;     ///< of the object's bounding box
+  double seen_radius = 1.0;  ///< share of each radius that a picture has to show
+  bool oriented = true;      ///< the normals point to the outer side
 };
 
 /** \brief The leaves' balls of a surface. O(surfels). */

@@ -13,7 +13,7 @@ namespace pcl_slim {
 /** \brief Columns of a G-buffer that a frame may do without; bits of a set. */
 enum GBufferColumn : std::uint8_t {
   kPositionColumn = 1,
-  kGradientColumn = 2,   ///< not normalised
+  kGradientColumn = 2,  ///< not normalised
   kHessianColumn = 4,
   kCurvatureColumn = 8,  ///< mean, Gaussian and principal
   kLeafColumns = 16,     ///< level and radius

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fast/leaf_index.h"
+#include "index/leaf_index.h"
 
 #include <algorithm>
 #include <cmath>
