@@ -46,7 +46,7 @@ class SLIMCrestLinesBase {
   bool getRavines() const { return crest_.ravines; }
 
   /** \brief How many deviations of the noise a line must stand out everywhere, and somewhere (default
-   * 2 and 6). */
+   * 2 and 5). */
   void setSignificance(double everywhere, double somewhere)
   {
     crest_.significance = everywhere;

@@ -24,7 +24,7 @@ struct CrestParams {
   double significance = 2.0;
   /** ... and somewhere along that stretch, as a mean of seven vertices, this many; at least significance.
    * Noise alone makes an RMS of 1 to 2. */
-  double peak_significance = 6.0;
+  double peak_significance = 5.0;
   double min_strength = 0.0;  ///< integral of |k| ds of a line, no unit; the user's knob
   double min_length = 0.3;    ///< of a line, in mean radii of the leaves along it
   double step = 0.15;         ///< distance of vertices in radii of the leaves, in [.02, .5]
