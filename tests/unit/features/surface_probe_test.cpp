@@ -85,7 +85,7 @@ TEST(SurfaceProbe, FarPlacesAreUnsupported)
   EXPECT_EQ(probe.scaleAt(p, {0, 0, 1}).radius, 0);
   const ProbeScale scale = probe.scaleAt(fit.fit.projection.position[5], {0, 0, 0});
   EXPECT_GT(scale.radius, 0);
-  EXPECT_GT(scale.confidence, 10);
+  EXPECT_GT(scale.effective_count, 10);
 }
 
 TEST(PlaceGrid, FindsTheNearestWithinReach)
