@@ -35,6 +35,7 @@ if ! command -v xvfb-run > /dev/null; then
 fi
 
 # One X server for all pictures, from a number of its own: two that start at once would race for one.
+# Without -noreset it would start anew after each picture and refuse the next.
 cat > shots.sh << 'END'
 # shot FILE.png ARGS...: a picture from a window that no one sees.
 shot() {
@@ -54,7 +55,7 @@ if [ -s splats.pcd ]; then
   shot normal.png splats.pcd -mode normal
 fi
 END
-bin=$bin xvfb-run -a -n 300 -s "-screen 0 640x480x24" bash shots.sh
+bin=$bin xvfb-run -a -n 300 -s "-screen 0 640x480x24 -noreset" bash shots.sh
 for file in *.png.txt; do
   picture=${file%.txt}
   [ -s "$picture" ] || complain "no $picture: $(head -c 300 "$file")"
