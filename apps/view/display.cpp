@@ -11,13 +11,14 @@ Error
 checkDisplay()
 {
 #ifdef PCL_SLIM_HAS_X11
-  Display* display = XOpenDisplay(nullptr);
+  // The connection stays open as long as the program runs: Xvfb starts anew when its last client
+  // leaves, and refuses whoever comes meanwhile.
+  static Display* const display = XOpenDisplay(nullptr);
   if (!display) {
     return {ErrorCode::kIo,
             "there is no X server to open a window on; set DISPLAY, run it under xvfb-run, or make "
             "a picture with pcl_slim_render"};
   }
-  XCloseDisplay(display);
 #endif
   return {};
 }
