@@ -101,7 +101,7 @@ TEST(FitConstants, DecideSidesAndSizes)
   sized.target_error = 0.003;
   expectEachChanges(
       cloud, sized,
-      {{"covers", [](FitConstants& c) { c.penalty_search.most_covers = 1; }},
+      {{"tolerance", [](FitConstants& c) { c.penalty_search.error_tolerance = 1e-6; }},
        {"largest error", [](FitConstants& c) { c.penalty_search.largest_error = 0.005; }}});
 }
 
