@@ -97,12 +97,15 @@ TEST(FitConstants, DecideSidesAndSizes)
   const Cloud cloud = sceneCloud(Shape::kSphere, 4000, 0.001).withoutNormals();
   expectEachChanges(cloud, FitParams(),
                     {{"flux", [](FitConstants& c) { c.orient.flat_flux = 2; }}});
+  // No cover of a sphere leaves as much: the largest error decides.
   FitParams sized;
-  sized.target_error = 0.003;
+  sized.target_error = 0.01;
   expectEachChanges(
       cloud, sized,
-      {{"tolerance", [](FitConstants& c) { c.penalty_search.error_tolerance = 1e-6; }},
-       {"largest error", [](FitConstants& c) { c.penalty_search.largest_error = 0.005; }}});
+      {{"largest error", [](FitConstants& c) { c.penalty_search.largest_error = 0.005; }}});
+  sized.target_error = 0.003;
+  expectEachChanges(sceneCloud(Shape::kBumpy, 4000, 0.0005).withoutNormals(), sized,
+                    {{"covers", [](FitConstants& c) { c.penalty_search.most_covers = 1; }}});
 }
 
 }  // namespace
