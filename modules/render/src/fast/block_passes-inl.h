@@ -45,13 +45,14 @@ struct BlockSums {
 
 /** Rays of a block and what they have met. Depths are D less the tile's. */
 struct Block {
-  Vec dx, dy;            ///< pixel from the tile's corner
-  Vec slope_x, slope_y;  ///< rays (x, y, 1) or, parallel, where they start
-  Vec slant;             ///< length of a ray's step to the next unit of z
-  Vec near_plane;        ///< depth
-  Vec nearest;           ///< pass 1 looks no nearer than this
-  Vec first;             ///< of q^; infinity where nothing was met
-  Vec z;                 ///< of q^; 1 if parallel
+  Vec dx, dy;                    ///< pixel from the tile's corner
+  Vec slope_x, slope_y;          ///< rays (x, y, 1) or, parallel, where they start
+  Vec direction_x, direction_y;  ///< rays (x, y, 1); 0 if parallel
+  Vec slant;                     ///< length of a ray's step to the next unit of z
+  Vec near_plane;                ///< depth
+  Vec nearest;                   ///< pass 1 looks no nearer than this
+  Vec first;                     ///< of q^; infinity where nothing was met
+  Vec z;                         ///< of q^; 1 if parallel
   Mask pending;
 };
 
@@ -167,7 +168,7 @@ firstOfHigher(const PassContext& context, const TileLeaf& at, Block& block)
   const LeafRays rays = raysOf(at, block);
   const RayPolynomials<D> f(at.leaf->form(), rays.x, rays.y);
   Mask open = block.pending;
-  if (at.leaf->monotone != 0) {
+  if ((at.leaf->monotone & kFirstMonotone) != 0) {
     open = firstByNewton<D>(context, at, rays, f, block);
     if (hn::AllFalse(d, open)) return;
   }
@@ -180,8 +181,8 @@ firstOfHigher(const PassContext& context, const TileLeaf& at, Block& block)
   const auto found = isolate<D>(f, low, high, context.front_only, open, sigma);
   moveForward(at, found.one, sigma, block);
   if (hn::AllFalse(d, found.unclear)) return;
-  const Mask solved = solveOneByOne<D>(f, low, high, low, context.front_only, found.unclear, sigma,
-                                       context.statistics.rays_bracketed);
+  const Mask solved = solveUnclear<D>(f, low, high, low, context.front_only, found.unclear, sigma,
+                                      context.statistics.rays_bracketed);
   moveForward(at, solved, sigma, block);
 }
 

@@ -79,7 +79,7 @@ struct RayPolynomials {
     return f;
   }
 
-  /** The same polynomial with its origin at t. */
+  /** Moves the origin to t. */
   HWY_INLINE void shift(Vec t)
   {
     unrolled<D>([&](auto i) HWY_ATTR {
@@ -129,6 +129,7 @@ struct LeafRays {
 /** Both roots of a quadratic, the falling one (F' < 0) first where front_only asks for no other. */
 struct QuadraticRoots {
   Vec falling, rising;
+  Vec slope;  ///< of F at the falling root
   Mask real;
 
   /** Without cancellation, and for any leading coefficient. */
@@ -139,6 +140,7 @@ struct QuadraticRoots {
     const Vec under = hn::MulAdd(hn::Mul(four, a[2]), a[0], hn::Mul(a[1], a[1]));
     real = hn::Ge(under, hn::Zero(d));
     const Vec root = hn::Sqrt(hn::Max(under, hn::Zero(d)));
+    slope = hn::Neg(root);
     const Mask descends = hn::Lt(a[1], hn::Zero(d));
     const Vec apart = hn::Add(hn::Abs(a[1]), root);  // |a1| + root: no difference of like numbers
     const Vec twice0 = hn::Mul(two, a[0]), twice2 = hn::Mul(two, a[2]);
@@ -247,6 +249,27 @@ solveOneByOne(const RayPolynomials<D>& f, Vec low, Vec high, Vec aim, bool front
   }
   root = hn::Load(d, roots);
   return hn::Gt(hn::Load(d, found), hn::Zero(d));
+}
+
+/** Solves lanes that are unclear: by halves of the interval first, then one by one.
+ * \return lanes with a root that counts, the one nearest to aim. */
+template <int D>
+HWY_NOINLINE Mask
+solveUnclear(const RayPolynomials<D>& f, Vec low, Vec high, Vec aim, bool front_only, Mask unclear,
+             Vec& root, std::uint64_t& solved)
+{
+  const Tag d;
+  const Vec middle = hn::Mul(set(0.5f), hn::Add(low, high));
+  Vec near = root, far = root;
+  const auto first = isolate<D>(f, low, middle, front_only, unclear, near);
+  const auto second = isolate<D>(f, middle, high, front_only, unclear, far);
+  const Mask rest = hn::Or(first.unclear, second.unclear);
+  const Mask nearer = hn::Le(hn::Abs(hn::Sub(near, aim)), hn::Abs(hn::Sub(far, aim)));
+  const Mask take_first = hn::And(first.one, hn::Or(hn::Not(second.one), nearer));
+  root = hn::IfThenElse(take_first, near, hn::IfThenElse(second.one, far, root));
+  const Mask clear = hn::AndNot(rest, hn::Or(first.one, second.one));
+  if (hn::AllFalse(d, rest)) return clear;
+  return hn::Or(clear, solveOneByOne<D>(f, low, high, aim, front_only, rest, root, solved));
 }
 
 }  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE

@@ -2,6 +2,9 @@
 // Draws one tile, block by block of pixels, a ray a lane.
 #include "fast/tile_kernel.h"
 
+// These would do no better than the next lower instruction set, and each costs a minute to compile.
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL | HWY_SSE4 | HWY_AVX3)
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fast/tile_kernel.cpp"
 #include "hwy/foreach_target.h"
@@ -41,11 +44,14 @@ blockAt(const PassContext& context, int x, int y)
   block.slope_x = hn::Mul(pixel, hn::Add(block.dx, from_x));
   block.slope_y = hn::Mul(pixel, hn::Sub(from_y, block.dy));
   block.slant = set(1.0f);
+  block.direction_x = block.direction_y = hn::Zero(d);
   const auto near = static_cast<float>(context.scene.rules.near_plane);
   block.near_plane = set(near - tile.depth);
   if (view.perspective) {
     const Vec flat_sq = hn::MulAdd(block.slope_x, block.slope_x, set(1.0f));
     block.slant = hn::Sqrt(hn::MulAdd(block.slope_y, block.slope_y, flat_sq));
+    block.direction_x = block.slope_x;
+    block.direction_y = block.slope_y;
     block.near_plane = set(-kInfinite);
     if (near > 0.0f) {
       block.near_plane = hn::Sub(hn::Mul(block.slant, set(-1.0f / near)), set(tile.depth));
@@ -110,80 +116,90 @@ blendNear(const PassContext& context, const FrameLeaf& leaf, const Block& block,
                                sums.surfel);
 }
 
-HWY_INLINE float
-farthest(const Block& block)
+/** Whether any lane may still meet, or has met, something at this depth or beyond. */
+HWY_INLINE bool
+reaches(const Block& block, float nearest)
 {
-  const Tag d;
-  const Vec depth = hn::IfThenElse(block.pending, block.first, set(-kInfinite));
-  return hn::GetLane(hn::MaxOfLanes(d, depth));
+  return !hn::AllFalse(Tag(), hn::And(block.pending, hn::Ge(block.first, set(nearest))));
 }
 
 /** Pass 1: the first intersection of each ray with a leaf inside its shrunk ball. */
 void
-findFirst(const PassContext& context, int index, Block& block)
+findFirst(const PassContext& context, int x, int y, Block& block)
 {
-  const TileBlocks& tile = context.tile;
-  const std::uint32_t* list = tile.list(index);
-  const std::uint32_t count = tile.count(index);
-  float last = kInfinite;
-  std::uint32_t looked = 0, i = 0;
-  for (; i < count; ++i) {
-    if ((list[i] & 1) == 0) continue;
-    const TileLeaf& leaf = tile.leaf(list[i]);
-    if (context.scene.rules.skip && leaf.nearest > last) break;
+  const bool skip = context.scene.rules.skip;
+  std::uint32_t looked = 0;
+  context.tile.forEachFirst(x, y, [&](const TileLeaf& at) HWY_ATTR {
+    if (skip && !reaches(block, at.nearest)) return false;
     ++looked;
-    switch (leaf.leaf->degree) {
-      case kNearLeaf: firstOfNear(context, *leaf.leaf, block); break;
-      case 2: firstOfQuadratic(context, leaf, block); break;
-      case 3: firstOfHigher<3>(context, leaf, block); break;
-      default: firstOfHigher<4>(context, leaf, block); break;
+    switch (at.leaf->degree) {
+      case kNearLeaf: firstOfNear(context, *at.leaf, block); break;
+      case 2: firstOfQuadratic(context, at, block); break;
+      case 3: firstOfHigher<3>(context, at, block); break;
+      default: firstOfHigher<4>(context, at, block); break;
     }
-    last = farthest(block);
-  }
+    return true;
+  });
   context.statistics.rays_first += looked * hn::Lanes(Tag());
-  context.statistics.occluded_entries += count - i;
+}
+
+/** A ball around q^ of all pending lanes. */
+Ball
+ballAround(const PassContext& context, const Block& block)
+{
+  const Tag d;
+  const FrameView& view = context.scene.view;
+  const Vec z = view.perspective ? block.z : hn::Add(block.first, set(context.tile.depth));
+  const auto smallest = [&](Vec v) HWY_ATTR {
+    return hn::GetLane(hn::MinOfLanes(d, hn::IfThenElse(block.pending, v, set(kInfinite))));
+  };
+  const float near = smallest(z), far = -smallest(hn::Neg(z)), middle = 0.5f * (near + far);
+  const float wide = kBlockWidth - 1.0f, high = static_cast<float>(blockHeight() - 1);
+  const float pixel = view.pixel * (view.perspective ? far : 1.0f);
+  // Lane 0 is the upper left one.
+  const float sx = hn::GetLane(block.slope_x) + 0.5f * wide * view.pixel;
+  const float sy = hn::GetLane(block.slope_y) - 0.5f * high * view.pixel;
+  const float aside = 0.5f * std::sqrt(wide * wide + high * high) * pixel;
+  if (!view.perspective) return {sx, sy, middle, 1.01f * (aside + 0.5f * (far - near))};
+  const float slant = std::sqrt(1.0f + sx * sx + sy * sy);
+  return {sx * middle, sy * middle, middle, 1.01f * (aside + 0.5f * (far - near) * slant)};
 }
 
 /** Pass 2: sums over the leaves whose ball holds q^. */
 template <bool WithLean>
 void
-gather(const PassContext& context, int index, const Block& block, BlockSums& sums)
+gather(const PassContext& context, const Ball& around, const Block& block, BlockSums& sums)
 {
-  const TileBlocks& tile = context.tile;
-  const std::uint32_t* list = tile.list(index);
-  const std::uint32_t count = tile.count(index);
-  const float last = farthest(block);
   std::uint32_t looked = 0;
   sums.clear();
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const TileLeaf& leaf = tile.leaf(list[i]);
-    if (context.scene.rules.skip && leaf.nearest > last) break;
+  context.tile.forEachBlend(around, [&](const TileLeaf& at) HWY_ATTR {
     ++looked;
-    switch (leaf.leaf->degree) {
-      case kNearLeaf: blendNear(context, *leaf.leaf, block, sums); break;
-      case 2: blendLeaf<2, WithLean>(context, leaf, block, sums); break;
-      case 3: blendLeaf<3, WithLean>(context, leaf, block, sums); break;
-      default: blendLeaf<4, WithLean>(context, leaf, block, sums); break;
+    switch (at.leaf->degree) {
+      case kNearLeaf: blendNear(context, *at.leaf, block, sums); break;
+      case 2: blendLeaf<2, WithLean>(context, at, block, sums); break;
+      case 3: blendLeaf<3, WithLean>(context, at, block, sums); break;
+      default: blendLeaf<4, WithLean>(context, at, block, sums); break;
     }
-  }
+    return true;
+  });
   context.statistics.rays_blend += looked * hn::Lanes(Tag());
 }
 
 /** Lanes whose blend belongs to no surface: neither covered, nor in a gap between leaves all
  * around. */
 HWY_NOINLINE Mask
-unsupported(const PassContext& context, int index, const Block& block, Mask doubtful)
+unsupported(const PassContext& context, const Ball& around, const Block& block, Mask doubtful)
 {
   constexpr float kMinLeaves = 3.0f, kMaxLean = 0.25f;  // as isSupported()
   const Tag d;
   BlockSums sums;
-  gather<true>(context, index, block, sums);
+  gather<true>(context, around, block, sums);
   const Vec* l = sums.lean;
   const Vec allowed = hn::Mul(set(kMaxLean), sums.weight);
-  const Mask around =
+  const Mask surrounded =
       hn::And(hn::Ge(sums.leaves, set(kMinLeaves)),
               hn::Lt(dot3(l[0], l[1], l[2], l[0], l[1], l[2]), hn::Mul(allowed, allowed)));
-  return hn::AndNot(around, hn::And(doubtful, hn::Gt(sums.weight, hn::Zero(d))));
+  return hn::AndNot(surrounded, hn::And(doubtful, hn::Gt(sums.weight, hn::Zero(d))));
 }
 
 /** Sends uncovered lanes back to pass 1, to look behind their q^. */
@@ -237,30 +253,29 @@ prepareBlend(const PassContext& context, Block& block)
   }
 }
 
+/** Draws the block whose upper left pixel stands at (x, y) of its tile. */
 void
-drawBlock(const PassContext& context, int index, GBuffer& buffer)
+drawBlock(const PassContext& context, const BlockOutput& output)
 {
   const Tag d;
-  const int x = index % kBlockColumns * kBlockWidth, y = index / kBlockColumns * blockHeight();
-  if (x >= context.tile.width || y >= context.tile.height) return;
-  const BlockOutput output{context.scene, context.tile, x, y, buffer, context.statistics};
-  if (context.tile.count(index) == 0) return output.writeNothing();
-  Block block = blockAt(context, x, y);
+  Block block = blockAt(context, output.x, output.y);
   const auto min_coverage = static_cast<float>(context.scene.rules.min_coverage);
-  BlockSums kept;
+  BlockSums kept, sums;
   kept.clear();
   Vec kept_first = hn::Zero(d);
   for (int layer = 0; layer < kMaxLayers; ++layer) {
-    findFirst(context, index, block);
+    findFirst(context, output.x, output.y, block);
     prepareBlend(context, block);
     if (hn::AllFalse(d, block.pending)) break;
-    BlockSums sums;
-    gather<false>(context, index, block, sums);
+    const Ball around = ballAround(context, block);
+    gather<false>(context, around, block, sums);
     const Mask met = hn::Gt(sums.weight, hn::Zero(d));
     Mask uncovered = hn::And(met, hn::Lt(sums.coverage, set(min_coverage)));
-    if (!hn::AllFalse(d, uncovered)) uncovered = unsupported(context, index, block, uncovered);
+    if (!hn::AllFalse(d, uncovered)) uncovered = unsupported(context, around, block, uncovered);
+    const bool last = hn::AllFalse(d, uncovered);
+    if (last && layer == 0) return output.write(block, sums, block.first);
     keep(hn::AndNot(uncovered, met), sums, block, kept, kept_first);
-    if (hn::AllFalse(d, uncovered)) break;
+    if (last) break;
     lookBehind(context, uncovered, sums, block);
   }
   output.write(block, kept, kept_first);
@@ -270,10 +285,21 @@ void
 drawTile(const FrameScene& scene, std::size_t t, TileScratch& scratch, GBuffer& buffer,
          RenderStatistics& statistics)
 {
-  const TileBlocks tile(scene, t, scratch);
+  TileBlocks tile(scene, t, scratch);
   const PassContext context(scene, tile, statistics);
-  for (int index = 0; index < kBlockColumns * tile.rows; ++index) {
-    drawBlock(context, index, buffer);
+  for (int py = 0; py < tile.height; py += kPatchSize) {
+    for (int px = 0; px < tile.width; px += kPatchSize) {
+      const bool any = tile.beginPatch(px, py);
+      for (int y = py; y < std::min(py + kPatchSize, tile.height); y += blockHeight()) {
+        for (int x = px; x < std::min(px + kPatchSize, tile.width); x += kBlockWidth) {
+          const BlockOutput output{scene, tile, x, y, buffer, statistics};
+          if (any)
+            drawBlock(context, output);
+          else
+            output.writeNothing();
+        }
+      }
+    }
   }
 }
 
