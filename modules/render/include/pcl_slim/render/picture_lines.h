@@ -77,8 +77,8 @@ projectLines(const std::vector<SpaceLine>& lines, const GBuffer& buffer, const C
 /** \brief How lines are drawn. */
 struct LineStyle {
   double width = 1.6;                     ///< pixels of a line four times as strong as the least
-  Color ridge{0.60f, 0.10f, 0.08f};       ///< sRGB
-  Color ravine{0.06f, 0.16f, 0.50f};      ///< sRGB
+  Color ridge{0.06f, 0.16f, 0.50f};       ///< sRGB
+  Color ravine{0.60f, 0.10f, 0.08f};      ///< sRGB
   Color suggestive{0.10f, 0.10f, 0.10f};  ///< sRGB
   Color contour{0.0f, 0.0f, 0.0f};        ///< sRGB
 };
