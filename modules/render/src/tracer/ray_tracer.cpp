@@ -8,8 +8,8 @@
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/render/disc_rasterizer.h"
-#include "rays/trace_tile.h"
-#include "rays/traced_object.h"
+#include "tracer/trace_tile.h"
+#include "tracer/traced_object.h"
 
 namespace pcl_slim {
 

@@ -5,7 +5,7 @@
 
 #include "discs/disc_blend.h"
 #include "pcl_slim/core/parallel.h"
-#include "rays/traced_object.h"
+#include "tracer/traced_object.h"
 
 namespace pcl_slim::detail {
 namespace {

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "rays/traced_object.h"
+#include "tracer/traced_object.h"
 #include "reference/tile_passes.h"
 
 namespace pcl_slim::detail {

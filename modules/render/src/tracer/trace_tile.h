@@ -7,7 +7,7 @@
 
 #include "camera/camera_rays.h"
 #include "pcl_slim/render/ray_tracer.h"
-#include "rays/traced_object.h"
+#include "tracer/traced_object.h"
 
 namespace pcl_slim::detail {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "rays/trace_tile.h"
+#include "tracer/trace_tile.h"
 
 #include <algorithm>
 
-#include "rays/ray_samples.h"
+#include "tracer/ray_samples.h"
 
 namespace pcl_slim::detail {
 namespace {
