@@ -50,6 +50,14 @@ setBackground(vtkRenderer* renderer)
   renderer->SetBackground2(0.985, 0.985, 0.99);
 }
 
+RayBackend
+backendOf(const std::string& name)
+{
+  return name == "cpu"      ? RayBackend::kCPU
+         : name == "opengl" ? RayBackend::kOpenGL
+                            : RayBackend::kAuto;
+}
+
 }  // namespace
 
 Viewer::Viewer(const ViewerSettings& settings, bool on_screen)
@@ -82,6 +90,9 @@ Viewer::begin()
     const std::string automatic = scene_.surfaceMapper() ? "shaded" : "color";
     const std::string& name = settings_.mode == "auto" ? automatic : settings_.mode;
     if (const auto mode = displayModeOf(name)) scene_.setMode(*mode, settings_.range);
+  }
+  if (SLIMMapper* surface = scene_.surfaceMapper()) {
+    surface->setBackend(backendOf(settings_.backend));
   }
   scene_.showBalls(settings_.balls);
   scene_.showNormals(settings_.normals);
@@ -149,17 +160,14 @@ void
 Viewer::execute(const Key& key)
 {
   switch (key.command) {
-    case Command::kMode: {
-      const auto mode = static_cast<DisplayMode>(key.mode);
-      if (!scene_.setMode(mode, 0.0)) message_ = "nothing here has " + nameOf(mode) + " colours";
-      return;
-    }
+    case Command::kMode: return setDigitMode(key.mode);
     case Command::kNextMode: return scene_.stepMode(1);
     case Command::kPreviousMode: return scene_.stepMode(-1);
     case Command::kWiderRange: return scene_.scaleRange(1.25);
     case Command::kNarrowerRange: return scene_.scaleRange(0.8);
     case Command::kAutomaticRange: return scene_.scaleRange(0.0);
     case Command::kDetail: return stepDetail();
+    case Command::kBackend: return stepBackend();
     case Command::kSides: return stepSides();
     case Command::kReset: return resetCamera();
     case Command::kFocus: return focusUnderMouse();
@@ -168,6 +176,15 @@ Viewer::execute(const Key& key)
     case Command::kQuit: return interactor_->TerminateApp();
     default: return toggle(key.command);
   }
+}
+
+void
+Viewer::setDigitMode(int digit)
+{
+  auto mode = static_cast<DisplayMode>(digit);
+  if (scene_.setMode(mode, 0.0)) return;
+  if (mode == DisplayMode::kColor) mode = DisplayMode::kError;
+  if (!scene_.setMode(mode, 0.0)) message_ = "nothing here has " + nameOf(mode) + " colours";
 }
 
 void
@@ -183,8 +200,7 @@ Viewer::toggle(Command command)
     case Command::kNormals: return scene_.showNormals(!scene_.normalsShown());
     case Command::kSaveCamera:
       return told(saveCamera(settings_.camera_file, cameraOf(renderer_)), "camera saved: ");
-    case Command::kLoadCamera:
-      return told(loadCameraFile(), "camera loaded: ");
+    case Command::kLoadCamera: return told(loadCameraFile(), "camera loaded: ");
     case Command::kParallel: return toggleParallel(renderer_->GetActiveCamera());
     default: return;
   }
@@ -211,6 +227,18 @@ Viewer::stepDetail()
                  ? "while the mouse moves, frames of at most " +
                        std::to_string(static_cast<int>(mapper->getFrameBudget())) + " ms"
                  : "full detail while the mouse moves";
+}
+
+void
+Viewer::stepBackend()
+{
+  SLIMMapper* mapper = scene_.surfaceMapper();
+  if (!mapper) return;
+  const char* const names[] = {"rays by whichever is faster", "rays by the CPU",
+                               "rays by the graphics card"};
+  const int next = (static_cast<int>(mapper->getBackend()) + 1) % 3;
+  mapper->setBackend(static_cast<RayBackend>(next));
+  message_ = names[next];
 }
 
 void
