@@ -13,6 +13,7 @@
 #include "pcl_slim/render/shading.h"
 #include "render/camera_file.h"
 #include "render/frame_clock.h"
+#include "render/line_request.h"
 #include "render/model.h"
 #include "render/picture_request.h"
 #include "render/turntable.h"
@@ -26,6 +27,7 @@ struct Settings {
   std::string input, output, sides = "auto", derivatives = "blended", save_camera, json;
   ViewRequest view;
   PictureRequest picture;
+  LineRequest lines;
   double near_plane = 0.0;
   int threads = 0, turntable = 1, repeat = 0;
   bool filtered = true, skip = true, reference = false, quiet = false;
@@ -54,6 +56,7 @@ declareOptions(Settings& s)
                "of normals and curvatures: the leaves', blended, or those of their partition of "
                "unity, to compare with");
   s.picture.declareFinish(table);
+  s.lines.declare(table);
   table.toggle("skip", &s.skip, "leave out work that cannot change the picture");
   table.toggle("reference", &s.reference, "draw in double, ray by ray: slow");
   table.integer("repeat", &s.repeat, 0, 10000,
@@ -163,12 +166,18 @@ renderSurfaceModel(const Settings& s, const Model& model, const Camera& camera, 
   SurfaceRenderer renderer(model.surface, s.threads);
   const ShadingParams shading = s.picture.shadingFor(false, s.threads);
   RenderStatistics total;
+  std::size_t lines = 0;
   Error error = renderTurns(s, model, camera, save_seconds, [&](const Camera& turned) {
     RenderStatistics counts;
     auto image = renderPicture(renderer, turned, renderingOf(s), shading, &counts);
     total += counts;
+    if (image && s.lines.any()) {
+      const Error failed = s.lines.draw(renderer, turned, renderingOf(s), *image, lines);
+      if (failed) return Result<Image>(failed);
+    }
     return image;
   });
+  if (s.lines.any()) report.json()["lines"] = lines;
   if (!error) error = reportFrames(s, renderer, camera, report);
   reportSurface(model, total, report.json());
   return error;
@@ -178,6 +187,10 @@ Error
 renderSplatModel(const Settings& s, const Model& model, const Camera& camera, Report& report,
                  double& save_seconds)
 {
+  if (s.lines.any()) {
+    return {ErrorCode::kBadArgument,
+            "lines need a surface: splats have no curvature; drop -lines, -line_file and sketch"};
+  }
   DiscRenderParams params;
   params.filtered = s.filtered;
   params.sides = sidesOf(s);
@@ -270,6 +283,8 @@ main(int argc, char** argv)
   if (const auto status = table.parse(argc, argv)) return *status;
   Error error = settings.view.parse();
   if (!error) error = settings.picture.parse();
+  if (!error && settings.picture.mode == "sketch") settings.lines.drawAlone(settings.picture);
+  if (!error) error = settings.lines.load();
   if (!error) error = checkImageExtension(settings.output);
   if (error) {
     std::fprintf(stderr, "pcl_slim_render: %s\n", error.message.c_str());

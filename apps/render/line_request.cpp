@@ -67,6 +67,16 @@ LineRequest::declare(OptionTable& table)
   table.number("line_length", &length, 0, 1e6, "least length of a line, pixels");
 }
 
+void
+LineRequest::drawAlone(PictureRequest& colors)
+{
+  sketch = true;
+  // What lies under white paper need not be smooth.
+  colors.mode = "shaded";
+  colors.supersampling = 1;
+  colors.occlusion = 0;
+}
+
 Error
 LineRequest::load()
 {

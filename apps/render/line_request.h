@@ -7,6 +7,7 @@
 #include "common/options.h"
 #include "pcl_slim/render/picture_lines.h"
 #include "pcl_slim/render/surface_renderer.h"
+#include "render/picture_request.h"
 
 namespace pcl_slim {
 
@@ -20,6 +21,9 @@ struct LineRequest {
 
   /** \brief Adds the options. The request must outlive the table's parse(). */
   void declare(OptionTable& table);
+
+  /** \brief Sets itself and the colours for a picture of nothing but lines. */
+  void drawAlone(PictureRequest& colors);
 
   /** \brief Reads the file of lines, if one is named. */
   Error load();
