@@ -4,20 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <string>
 
-#include "smoothing/face_geometry.h"
-#include "smoothing/face_projection.h"
-#include "smoothing/normal_filter.h"
-#include "smoothing/vertex_update.h"
+#include "smoothing/smoothing_run.h"
+#include "topology/edge_census.h"
 
-#include <cstdlib>
 namespace pcl_slim {
 
 namespace {
-double P(const char* n, double d) { const char* v = std::getenv(n); return v ? std::atof(v) : d; }
-
-using detail::FaceGeometry;
-using detail::FaceProjection;
 
 std::vector<Vector3>
 positionsOf(const CloudView& cloud)
@@ -42,7 +36,20 @@ isFinite(const Vector3& p)
   return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
-/** Faces of three finite corners or more, and which they are of those given. */
+bool
+isUsable(const std::vector<Vector3>& vertices, IndexRow corners)
+{
+  if (corners.size() < 3) return false;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    if (!isFinite(vertices[corners[k]])) return false;
+    if (std::find(corners.begin(), corners.begin() + k, corners[k]) != corners.begin() + k) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/** Faces that can be used, and which they are of those given. */
 struct UsedFaces {
   MeshFaces faces;
   std::vector<std::uint32_t> given;
@@ -53,157 +60,58 @@ usedFaces(const std::vector<Vector3>& vertices, const MeshFaces& faces)
 {
   UsedFaces used;
   for (std::size_t f = 0; f < faces.size(); ++f) {
-    const IndexRow corners = faces[f];
-    const bool finite = std::all_of(corners.begin(), corners.end(),
-                                    [&](std::uint32_t v) { return isFinite(vertices[v]); });
-    if (corners.size() < 3 || !finite) continue;
-    used.faces.add(corners.begin(), corners.size());
+    if (!isUsable(vertices, faces[f])) continue;
+    used.faces.add(faces[f].begin(), faces[f].size());
     used.given.push_back(static_cast<std::uint32_t>(f));
   }
   return used;
 }
 
 Error
-cancelled(Progress* progress)
+checkInput(const CloudView& cloud, const MeshFaces& faces, const MeshSmoothParams& params,
+           const SLIMSurface* surface)
 {
-  if (progress == nullptr || !progress->cancelled()) return {};
-  return {ErrorCode::kCancelled, "the smoothing was cancelled"};
+  if (Error error = params.validate()) return error;
+  if (cloud.size == 0) return {ErrorCode::kBadInput, "the mesh has no vertices; give one that has"};
+  if (Error error = cloud.validate()) return error;
+  if (faces.size() == 0) {
+    return {ErrorCode::kBadInput,
+            "the mesh has no faces; smooth its points as a cloud, or give one that has"};
+  }
+  if (Error error = faces.validate(cloud.size)) return error;
+  return surface != nullptr ? surface->validate() : Error();
 }
 
-/** One run, from noisy vertices to smooth ones. */
-class Smoothing {
- public:
-  Smoothing(const MeshFaces& faces, std::vector<Vector3> vertices, const MeshSmoothParams& params,
-            const SLIMSurface* surface, MeshSmoothStatistics& statistics, Progress* progress)
-      : faces_(faces),
-        noisy_(std::move(vertices)),
-        params_(params),
-        surface_(surface),
-        statistics_(statistics),
-        progress_(progress),
-        topology_(faces_, noisy_.size()),
-        moved_(noisy_),
-        held_(noisy_.size())
-  {
-    geometry_ = detail::measureFaces(noisy_, faces_, params.fit.threads);
-  }
-
-  Error run()
-  {
-    params_.fit.sharp_features = params_.edges == MeshEdges::kSharp;
-    if (params_.fit.paper_mode) return runAsPaper();
-    if (params_.edges != MeshEdges::kRounded) {
-      if (Error error = runSharp()) return error;
-      statistics_.sharp_share = detail::sharpShare(normals_, topology_);
-      statistics_.sharp = true;
-      if (params_.edges == MeshEdges::kSharp || statistics_.sharp_share > P("SHARE", 0.5)) return {};
+/** Counts what became of the vertices. */
+void
+countVertices(const std::vector<Vector3>& before, const SmoothedMesh& after, const MeshFaces& used,
+              MeshSmoothStatistics& s)
+{
+  std::vector<std::uint8_t> named(before.size());
+  for (const std::uint32_t v : used.corners) named[v] = 1;
+  double sum = 0;
+  for (std::size_t v = 0; v < before.size(); ++v) {
+    if (!isFinite(before[v])) {
+      ++s.non_finite;
+      continue;
     }
-    return runRounded();
+    if (named[v] == 0) ++s.isolated;
+    if (after.vertices[v] == before[v]) continue;
+    const double distance = length(subtract(after.vertices[v], before[v]));
+    ++s.moved;
+    sum += distance * distance;
+    s.max_displacement = std::max(s.max_displacement, distance);
   }
+  s.rms_displacement = s.moved > 0 ? std::sqrt(sum / static_cast<double>(s.moved)) : 0;
+}
 
-  const std::vector<Vector3>& vertices() const { return moved_; }
-  const std::vector<Vector3>& normals() const { return normals_; }
-  const std::vector<std::uint8_t>& held() const { return held_; }
-  const SLIMSurface& fitted() const { return fitted_; }
-
- private:
-  /** Fits to the noisy vertices, with normals of faces as they are known now, and projects the moved
-   * mesh's faces. */
-  Error project(const std::vector<Vector3>& normals, FaceProjection& made)
-  {
-    if (surface_ == nullptr) {
-      const auto vertex_normals = detail::vertexNormals(geometry_, normals, topology_,
-                                                        noisy_.size(), params_.fit.threads);
-      Error error = detail::fitToVertices(noisy_, vertex_normals, params_.fit, fitted_,
-                                          statistics_.fit, progress_);
-      if (error) return error;
-    }
-    const SLIMSurface& surface = surface_ ? *surface_ : fitted_;
-    const FaceGeometry now = detail::measureFaces(moved_, faces_, params_.fit.threads);
-    Error error =
-        detail::projectFaces(now.centroids, normals, surface, params_.fit, made, progress_);
-    statistics_.faces_unsupported = made.unsupported;
-    statistics_.noise = std::sqrt(surface.info.lambda) * surface.info.diagonal *
-                        surface.info.scale / detail::meanEdgeLength(noisy_, faces_);
-    return error;
-  }
-
-  detail::MovingMesh moving()
-  {
-    return {faces_, topology_, moved_, held_, params_.fit.threads};
-  }
-
-  Error runAsPaper()
-  {
-    FaceProjection made;
-    if (Error error = project(geometry_.normals, made)) return error;
-    normals_ = made.normals;
-    constexpr double kRegularity = 0.01;
-    for (std::size_t f = 0; f < normals_.size(); ++f) {
-      if (normals_[f] == Vector3{}) normals_[f] = geometry_.normals[f];
-    }
-    detail::minimiseQuadrics(made.places, normals_, geometry_.areas, kRegularity, moving());
-    return {};
-  }
-
-  Error runRounded()
-  {
-    params_.fit.sharp_features = false;
-    statistics_.sharp = false;
-    moved_ = noisy_;
-    std::fill(held_.begin(), held_.end(), 0);
-    FaceProjection made;
-    if (Error error = project(geometry_.normals, made)) return error;
-    normals_ = geometry_.normals;
-    const double tau = std::max(statistics_.noise, 1e-6);
-    const double pull = P("PULL", .1) * std::pow(P("TAU", .2) / tau, 2);
-    const detail::NormalFilter filter{geometry_, topology_, P("RANGE", .7), params_.fit.threads};
-    for (int i = 0; i < P("ITER", 4); ++i) {
-      normals_ = detail::filterNormals(filter, normals_, normals_);
-      detail::pullNormals(made.normals, pull, normals_);
-    }
-    detail::followNormals(normals_, static_cast<int>(P("STEPS", 10)), moving());
-    return {};
-  }
-
-  Error runSharp()
-  {
-    params_.fit.sharp_features = true;
-    detail::NormalFilter filter{geometry_, topology_, P("PRERANGE", .5), params_.fit.threads};
-    normals_ = geometry_.normals;
-    for (int i = 0; i < P("PRE", 5); ++i) normals_ = detail::filterNormals(filter, normals_, normals_);
-    const int rounds = static_cast<int>(P("ROUNDS", 4));
-    for (int round = 0; round < rounds; ++round) {
-      if (progress_) progress_->report(static_cast<float>(round) / 5.0f, "smoothing");
-      if (Error error = cancelled(progress_)) return error;
-      FaceProjection made;
-      if (Error error = project(normals_, made)) return error;
-      const FaceGeometry now = detail::measureFaces(moved_, faces_, params_.fit.threads);
-      for (std::size_t f = 0; f < now.normals.size(); ++f) {
-        if (made.normals[f] == Vector3{}) made.normals[f] = normals_[f];
-      }
-      const detail::NormalFilter sharp{now, topology_, P("SRANGE", .15), params_.fit.threads};
-      normals_ = detail::filterNormals(sharp, made.normals, now.normals);
-      for (int i = 1; i < P("SITER", 6); ++i) normals_ = detail::filterNormals(sharp, normals_, normals_);
-      moved_ = noisy_;
-      std::fill(held_.begin(), held_.end(), 0);
-      detail::followNormals(normals_, static_cast<int>(P("SSTEPS", 20)), moving());
-    }
-    return {};
-  }
-
-  const MeshFaces& faces_;
-  const std::vector<Vector3> noisy_;
-  MeshSmoothParams params_;
-  const SLIMSurface* surface_;
-  MeshSmoothStatistics& statistics_;
-  Progress* progress_;
-  MeshTopology topology_;
-  FaceGeometry geometry_;  ///< of the noisy mesh
-  std::vector<Vector3> moved_, normals_;
-  std::vector<std::uint8_t> held_;
-  SLIMSurface fitted_;
-};
+Error
+noUsableFace(std::size_t faces)
+{
+  return {ErrorCode::kBadInput,
+          "none of " + std::to_string(faces) +
+              " faces has three different finite corners; give a mesh that has some"};
+}
 
 }  // namespace
 
@@ -213,20 +121,31 @@ smoothMesh(const CloudView& cloud, const MeshFaces& faces, const MeshSmoothParam
            SLIMSurface* fitted, Progress* progress)
 {
   MeshSmoothStatistics own;
-  MeshSmoothStatistics& s = statistics ? *statistics : own;
+  MeshSmoothStatistics& s = statistics != nullptr ? *statistics : own;
   s = {};
   result = {};
-  std::vector<Vector3> vertices = positionsOf(cloud);
-  UsedFaces used = usedFaces(vertices, faces);
-  Smoothing smoothing(used.faces, vertices, params, surface, s, progress);
-  if (Error error = smoothing.run()) return error;
-  result.vertices = smoothing.vertices();
+  if (fitted != nullptr) *fitted = {};
+  if (Error error = checkInput(cloud, faces, params, surface)) return error;
+  const std::vector<Vector3> vertices = positionsOf(cloud);
+  const UsedFaces used = usedFaces(vertices, faces);
+  s.faces = faces.size();
+  s.faces_left_out = faces.size() - used.given.size();
+  if (used.given.empty()) return noUsableFace(faces.size());
+  detail::countEdges(used.faces, s.disagreeing_edges, s.nonmanifold_edges);
+  detail::SmoothingRun run(used.faces, vertices, params, surface, s, progress);
+  if (Error error = run.run()) return error;
+  // Asked for after the last place where anyone looks: whoever cancels wants no result.
+  if (progress != nullptr && progress->cancelled()) {
+    return {ErrorCode::kCancelled, "the smoothing was cancelled"};
+  }
+  result.vertices = run.vertices();
   result.face_normals.assign(faces.size(), Vector3{});
   for (std::size_t f = 0; f < used.given.size(); ++f) {
-    result.face_normals[used.given[f]] = smoothing.normals()[f];
+    result.face_normals[used.given[f]] = run.normals()[f];
   }
-  for (auto h : smoothing.held()) s.held += h;
-  if (fitted) *fitted = smoothing.fitted();
+  s.held = static_cast<std::uint64_t>(std::count(run.held().begin(), run.held().end(), 1));
+  countVertices(vertices, result, used.faces, s);
+  if (fitted != nullptr && surface == nullptr) *fitted = run.takeFitted();
   return {};
 }
 

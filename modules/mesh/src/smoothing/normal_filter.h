@@ -22,6 +22,15 @@ std::vector<Vector3>
 filterNormals(const NormalFilter& filter, const std::vector<Vector3>& guide,
               const std::vector<Vector3>& normals);
 
+/** \brief Means of the normals of the faces around each face, weighed by area; zero without any. */
+std::vector<Vector3>
+ringNormals(const NormalFilter& filter, const std::vector<Vector3>& normals);
+
+/** \brief Gives normals that look elsewhere than all around them the mean of those. No edge parts one
+ * face from all its neighbours by so much (66 degrees from their mean); folds and slivers do. */
+void
+mendLoneNormals(const NormalFilter& filter, std::vector<Vector3>& normals);
+
 /** \brief Unit vectors along normals + weight * others, where others are not zero. */
 void
 pullNormals(const std::vector<Vector3>& others, double weight, std::vector<Vector3>& normals);

@@ -3,6 +3,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <algorithm>
 
 #include "pcl_slim/core/parallel.h"
 
@@ -11,6 +12,8 @@ namespace pcl_slim::detail {
 namespace {
 
 constexpr std::size_t kChunk = 512;
+/** Faces that agree less with their normals are about to turn over: 84 degrees. */
+constexpr double kLeastAgreement = 0.1;
 
 /** Cosine of the angle between a face and the normal it shall have; 0 without area. */
 double
@@ -25,9 +28,8 @@ bool
 turnsOver(const MovingMesh& mesh, const std::vector<Vector3>& before, const Vector3& normal,
           std::size_t f)
 {
-  constexpr double kLeast = 0.1;
   const double after = agreement(mesh, mesh.vertices, normal, f);
-  return after < kLeast && after < agreement(mesh, before, normal, f);
+  return after < kLeastAgreement && after < agreement(mesh, before, normal, f);
 }
 
 /** Takes vertices back where a face turns over, until none does. */
@@ -54,7 +56,43 @@ takeBack(const std::vector<Vector3>& normals, const std::vector<Vector3>& before
   }
 }
 
+/** A place half way to the middle of the other corners of a vertex's faces, along the surface. */
+Vector3
+nearerToNeighbours(const std::vector<Vector3>& normals, const MovingMesh& mesh, std::size_t v)
+{
+  Vector3 sum{}, normal{};
+  double count = 0;
+  for (const std::uint32_t f : mesh.topology.facesOf(v)) {
+    normal = along(normal, 1, normals[f]);
+    for (const std::uint32_t other : mesh.faces[f]) {
+      if (other == v) continue;
+      sum = along(sum, 1, mesh.vertices[other]);
+      ++count;
+    }
+  }
+  normal = normalized(normal);
+  const Vector3 step = subtract(scaled(sum, 1 / count), mesh.vertices[v]);
+  return along(along(mesh.vertices[v], 0.5, step), -0.5 * dot(step, normal), normal);
+}
+
 }  // namespace
+
+void
+unfold(const std::vector<Vector3>& normals, int steps, const MovingMesh& mesh)
+{
+  for (int i = 0; i < steps; ++i) {
+    std::vector<std::uint32_t> corners;
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+      if (agreement(mesh, mesh.vertices, normals[f], f) >= kLeastAgreement) continue;
+      corners.insert(corners.end(), mesh.faces[f].begin(), mesh.faces[f].end());
+    }
+    std::sort(corners.begin(), corners.end());
+    corners.erase(std::unique(corners.begin(), corners.end()), corners.end());
+    std::vector<Vector3> places;
+    for (const std::uint32_t v : corners) places.push_back(nearerToNeighbours(normals, mesh, v));
+    for (std::size_t k = 0; k < corners.size(); ++k) mesh.vertices[corners[k]] = places[k];
+  }
+}
 
 void
 followNormals(const std::vector<Vector3>& normals, int steps, const MovingMesh& mesh)

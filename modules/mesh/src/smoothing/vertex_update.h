@@ -26,6 +26,11 @@ struct MovingMesh {
 void
 followNormals(const std::vector<Vector3>& normals, int steps, const MovingMesh& mesh);
 
+/** \brief Brings the corners of faces that face away from the normals given nearer to the middle of
+ * their neighbours, along the surface, step by step until none does or steps are used up. */
+void
+unfold(const std::vector<Vector3>& normals, int steps, const MovingMesh& mesh);
+
 /** \brief Moves each vertex to where the weighted sum of squared distances from the planes of its
  * faces is least (Garland, Heckbert 1997); directions the planes leave open keep the vertex near its
  * place, by a term of regularity times the distance squared. */
