@@ -76,8 +76,12 @@ jonesFilter(const Points& vertices, const MeshFaces& faces, const JonesParams& p
 {
   const MeshTopology topology(faces, vertices.size());
   const double edge = meanEdge(vertices, faces);
-  Pass pass{topology, faceCentroids(vertices, faces), {}, faceAreas(vertices, faces),
-            params.spatial * edge / 2, 0};
+  Pass pass{topology,
+            faceCentroids(vertices, faces),
+            {},
+            faceAreas(vertices, faces),
+            params.spatial * edge / 2,
+            0};
   const Points mollified = runPass(pass, vertices);
   pass.normals = faceNormals(mollified, faces);
   pass.spatial = params.spatial * edge;

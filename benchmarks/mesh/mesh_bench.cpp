@@ -108,7 +108,8 @@ main(int argc, char** argv)
   const std::string which = argc > 2 ? argv[2] : "all";
   const std::string names = argc > 3 ? argv[3] : "julius_02 fandisk_03 block_04";
   std::printf(
-      "| pair | method | RMS | vertex RMS | normals | volume | sharp RMS | sharp angle | folded | new | s |\n");
+      "| pair | method | RMS | vertex RMS | normals | volume | sharp RMS | sharp angle | folded | "
+      "new | s |\n");
   for (const char* name : {"julius_02", "fandisk_03", "block_04"}) {
     if (names.find(name) == std::string::npos) continue;
     const auto pair = loadPair(folder, name);
@@ -120,9 +121,14 @@ main(int argc, char** argv)
     printRow(name, "noisy", compare(*pair, pair->noisy), 0);
     if (which.find("ours") != std::string::npos) ours(*pair, argc > 4 ? argv[4] : "", printRow);
     if (which == "rivals" || which == "all") {
-      sweepJones(*pair);}if (which == "rivals" || which == "all" ||which=="guided"){
-      sweepNormals(*pair, "Zheng", bilateralNormalFilter, {0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6, 0.8}, {1, 2, 3, 5, 8, 12, 20, 30, 50});
-      sweepNormals(*pair, "Guided", guidedNormalFilter, {0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6}, {1, 2, 3, 5, 8, 12, 20, 30, 50});
+      sweepJones(*pair);
+    }
+    if (which == "rivals" || which == "all" || which == "guided") {
+      sweepNormals(*pair, "Zheng", bilateralNormalFilter,
+                   {0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6, 0.8},
+                   {1, 2, 3, 5, 8, 12, 20, 30, 50});
+      sweepNormals(*pair, "Guided", guidedNormalFilter, {0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6},
+                   {1, 2, 3, 5, 8, 12, 20, 30, 50});
     }
   }
   return 0;

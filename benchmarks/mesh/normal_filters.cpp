@@ -28,9 +28,9 @@ meanNormal(const Weights& w, const Points& normals, std::uint32_t f, const std::
 {
   Vector3 sum{};
   for (const std::uint32_t* g = first; g != last; ++g) {
-    const double weight =
-        w.areas[*g] * gaussian(subtract(w.centroids[f], w.centroids[*g]), w.spatial) *
-        gaussian(subtract(w.guidance[f], w.guidance[*g]), w.range);
+    const double weight = w.areas[*g] *
+                          gaussian(subtract(w.centroids[f], w.centroids[*g]), w.spatial) *
+                          gaussian(subtract(w.guidance[f], w.guidance[*g]), w.range);
     sum = along(sum, weight, normals[*g]);
   }
   return dot(sum, sum) > 0 ? normalized(sum) : normals[f];

@@ -1,13 +1,15 @@
 #include "ours.h"
-#include "measure/clocks.h"
-#include "pcl_slim/mesh/mesh_smoothing.h"
-#include <cstdlib>
-#include <sstream>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <sstream>
+#include "measure/clocks.h"
+#include "pcl_slim/mesh/mesh_smoothing.h"
 namespace pcl_slim::mesh_bench {
 void
-ours(const Pair& pair, const std::string& options, const std::function<void(const std::string&, const std::string&, const Measures&, double)>& print)
+ours(const Pair& pair, const std::string& options,
+     const std::function<void(const std::string&, const std::string&, const Measures&, double)>&
+         print)
 {
   std::istringstream in(options);
   std::string kv;
@@ -16,10 +18,14 @@ ours(const Pair& pair, const std::string& options, const std::function<void(cons
   std::string modes = "012";
   while (in >> kv) {
     auto e = kv.find('=');
-    if (kv.substr(0, e) == "paper") paper = true;
-    else if (kv.substr(0, e) == "clean") p2.noisy = p2.truth;
-    else if (kv.substr(0, e) == "modes") modes = kv.substr(e + 1);
-    else setenv(kv.substr(0, e).c_str(), kv.c_str() + e + 1, 1);
+    if (kv.substr(0, e) == "paper")
+      paper = true;
+    else if (kv.substr(0, e) == "clean")
+      p2.noisy = p2.truth;
+    else if (kv.substr(0, e) == "modes")
+      modes = kv.substr(e + 1);
+    else
+      setenv(kv.substr(0, e).c_str(), kv.c_str() + e + 1, 1);
   }
   for (char m : modes) {
     MeshSmoothParams params;
@@ -39,9 +45,12 @@ ours(const Pair& pair, const std::string& options, const std::function<void(cons
     if (e) std::printf("%s\n", e.message.c_str());
     double ang = 0;
     Points truth = faceNormals(pair.truth, pair.faces);
-    for (std::size_t f = 0; f < truth.size(); ++f) ang += std::acos(std::max(-1., std::min(1., dot(truth[f], made.face_normals[f])))) * 57.3 / static_cast<double>(truth.size());
+    for (std::size_t f = 0; f < truth.size(); ++f)
+      ang += std::acos(std::max(-1., std::min(1., dot(truth[f], made.face_normals[f])))) * 57.3 /
+             static_cast<double>(truth.size());
     char b[300];
-    std::snprintf(b, 300, "mode %c sharp %d share %.3f noise %.3f held %lu normals %.2f", m, st.sharp, st.sharp_share, st.noise, (unsigned long)st.held, ang);
+    std::snprintf(b, 300, "mode %c sharp %d share %.3f noise %.3f held %lu normals %.2f", m,
+                  st.sharp, st.sharp_share, st.noise, (unsigned long)st.held, ang);
     print(pair.name, b, compare(p2, made.vertices), t);
   }
 }

@@ -10,7 +10,8 @@ namespace pcl_slim::mesh_bench {
 /** \brief Bilateral filter of vertices over the planes of faces near them (Jones, Durand, Desbrun:
  * Non-iterative, feature-preserving mesh smoothing, SIGGRAPH 2003). Both widths in mean edges. */
 struct JonesParams {
-  double spatial = 2;  ///< sigma_f: standard deviation over distances; normals are mollified by half
+  double spatial =
+      2;  ///< sigma_f: standard deviation over distances; normals are mollified by half
   double range = 0.5;  ///< sigma_g: over the heights of planes
 };
 

@@ -139,6 +139,7 @@ smoothMesh(const CloudView& cloud, const MeshFaces& faces, const MeshSmoothParam
     return {ErrorCode::kCancelled, "the smoothing was cancelled"};
   }
   result.vertices = run.vertices();
+  result.normals = run.vertexNormals();
   result.face_normals.assign(faces.size(), Vector3{});
   for (std::size_t f = 0; f < used.given.size(); ++f) {
     result.face_normals[used.given[f]] = run.normals()[f];

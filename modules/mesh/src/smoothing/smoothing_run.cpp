@@ -59,6 +59,12 @@ SmoothingRun::moving()
   return {faces_, topology_, moved_, held_, params_.fit.threads};
 }
 
+std::vector<Vector3>
+SmoothingRun::vertexNormals() const
+{
+  return detail::vertexNormals(facesNow(), normals_, topology_, moved_.size(), params_.fit.threads);
+}
+
 FaceGeometry
 SmoothingRun::facesNow() const
 {
@@ -70,18 +76,16 @@ SmoothingRun::project(const std::vector<Vector3>& normals, FaceProjection& made)
 {
   if (surface_ == nullptr) {
     const auto sides =
-        vertexNormals(geometry_, normals, topology_, given_.size(), params_.fit.threads);
+        detail::vertexNormals(geometry_, normals, topology_, given_.size(), params_.fit.threads);
     Error error = fitToVertices(given_, sides, params_.fit, fitted_, statistics_.fit, progress_);
     if (error) return error;
   }
   const SLIMSurface& surface = surface_ != nullptr ? *surface_ : fitted_;
-  Error error =
-      projectFaces(facesNow().centroids, normals, surface, params_.fit, made, progress_);
+  Error error = projectFaces(facesNow().centroids, normals, surface, params_.fit, made, progress_);
   statistics_.faces_unsupported = made.unsupported;
   const double edge = meanEdgeLength(given_, faces_);
   const SurfaceInfo& info = surface.info;
-  statistics_.noise =
-      edge > 0 ? std::sqrt(info.lambda) * info.diagonal * info.scale / edge : 0;
+  statistics_.noise = edge > 0 ? std::sqrt(info.lambda) * info.diagonal * info.scale / edge : 0;
   // Where there is no surface, the face's own normal is all that is known.
   for (std::size_t f = 0; f < made.normals.size(); ++f) {
     if (made.normals[f] == Vector3{}) made.normals[f] = normals[f];
@@ -147,8 +151,7 @@ bool
 SmoothingRun::hasSharpEdges()
 {
   statistics_.sharp_share = sharpShare(normals_, topology_);
-  statistics_.sharp =
-      params_.edges == MeshEdges::kSharp || statistics_.sharp_share > kSharpShare;
+  statistics_.sharp = params_.edges == MeshEdges::kSharp || statistics_.sharp_share > kSharpShare;
   return statistics_.sharp;
 }
 

@@ -23,6 +23,8 @@ class SmoothingRun {
 
   const std::vector<Vector3>& vertices() const { return moved_; }
   const std::vector<Vector3>& normals() const { return normals_; }
+  /** \brief Of the smooth mesh, at its vertices. */
+  std::vector<Vector3> vertexNormals() const;
   const std::vector<std::uint8_t>& held() const { return held_; }
   SLIMSurface takeFitted() { return std::move(fitted_); }
 

@@ -19,8 +19,8 @@ MeshFaces::validate(std::size_t num_vertices) const
 {
   for (std::size_t f = 0; f < size(); ++f) {
     if (begin[f + 1] < begin[f] || begin[f + 1] > corners.size()) {
-      return {ErrorCode::kBadInput,
-              "face " + std::to_string(f) + " has offsets that do not ascend; make the faces again"};
+      return {ErrorCode::kBadInput, "face " + std::to_string(f) +
+                                        " has offsets that do not ascend; make the faces again"};
     }
     for (const std::uint32_t vertex : (*this)[f]) {
       if (vertex < num_vertices) continue;

@@ -42,17 +42,18 @@ struct MeshSmoothStatistics {
   std::uint64_t moved = 0;              ///< vertices brought to a new place
   std::uint64_t isolated = 0;           ///< finite vertices without a face: they keep their place
   std::uint64_t non_finite = 0;         ///< vertices with a NaN or infinite coordinate
-  std::uint64_t held = 0;      ///< vertices held back at least once lest a face turn over
-  bool sharp = false;          ///< edges were kept
-  double sharp_share = 0;      ///< share of the mesh's bending that lies in its sharp edges
-  double noise = 0;            ///< deviation of the vertices' noise, mean edge lengths
+  std::uint64_t held = 0;               ///< vertices held back at least once lest a face turn over
+  bool sharp = false;                   ///< edges were kept
+  double sharp_share = 0;       ///< share of the mesh's bending that lies in its sharp edges
+  double noise = 0;             ///< deviation of the vertices' noise, mean edge lengths
   double rms_displacement = 0;  ///< of moved vertices, world units
   double max_displacement = 0;
 };
 
-/** \brief A smoothed mesh: one place a vertex and one normal a face, in the order given. */
+/** \brief A smoothed mesh: vertices and faces in the order given. */
 struct SmoothedMesh {
   std::vector<Vector3> vertices;      ///< world coordinates
+  std::vector<Vector3> normals;       ///< unit, at the vertices; zero for those without faces
   std::vector<Vector3> face_normals;  ///< unit, to the face's own side; zero where left out
 };
 
