@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mesh/bench_mesh.h"
 
+#include <pcl/conversions.h>
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+
 #include "pcl_slim/filters/io/point_file.h"
 
 namespace pcl_slim::mesh_bench {
@@ -22,24 +26,51 @@ positionsOf(const PointFile& file)
 
 }  // namespace
 
+Result<Mesh>
+loadMesh(const std::string& path)
+{
+  const auto file = loadPointFile(path);
+  if (!file) return file.error();
+  Mesh mesh;
+  mesh.vertices = positionsOf(*file);
+  mesh.faces.begin = file->face_begin;
+  mesh.faces.corners = file->face_vertices;
+  if (mesh.faces.size() > 0) return mesh;
+  return Error{ErrorCode::kBadInput, "'" + path + "' has no faces; name a mesh"};
+}
+
 Result<Pair>
 loadPair(const std::string& folder, const std::string& name)
 {
-  const auto noisy = loadPointFile(folder + "/" + name + "_noisy.ply");
+  auto noisy = loadMesh(folder + "/" + name + "_noisy.ply");
   if (!noisy) return noisy.error();
-  const auto truth = loadPointFile(folder + "/" + name + "_original.ply");
+  auto truth = loadMesh(folder + "/" + name + "_original.ply");
   if (!truth) return truth.error();
   Pair pair;
   pair.name = name;
-  pair.noisy = positionsOf(*noisy);
-  pair.truth = positionsOf(*truth);
-  pair.faces.begin = noisy->face_begin;
-  pair.faces.corners = noisy->face_vertices;
-  if (pair.noisy.size() != pair.truth.size() || pair.faces.size() == 0) {
+  pair.noisy = std::move(noisy->vertices);
+  pair.truth = std::move(truth->vertices);
+  pair.faces = std::move(noisy->faces);
+  if (pair.noisy.size() != pair.truth.size()) {
     return Error{ErrorCode::kBadInput, "'" + name + "' is no pair of meshes of the same vertices"};
   }
   pair.edge = meanEdge(pair.truth, pair.faces);
   return pair;
+}
+
+Error
+saveMesh(const std::string& path, const Points& vertices, const MeshFaces& faces)
+{
+  pcl::PointCloud<pcl::PointXYZ> cloud;
+  for (const Vector3& p : vertices) {
+    cloud.emplace_back(static_cast<float>(p[0]), static_cast<float>(p[1]),
+                       static_cast<float>(p[2]));
+  }
+  PointFile file;
+  pcl::toPCLPointCloud2(cloud, file.cloud);
+  file.face_begin = faces.begin;
+  file.face_vertices = faces.corners;
+  return savePointFile(path, file);
 }
 
 Points

@@ -24,6 +24,20 @@ struct Pair {
 Result<Pair>
 loadPair(const std::string& folder, const std::string& name);
 
+/** \brief A mesh alone. */
+struct Mesh {
+  Points vertices;
+  MeshFaces faces;
+};
+
+/** \brief Reads a .ply with faces. */
+Result<Mesh>
+loadMesh(const std::string& path);
+
+/** \brief Writes a mesh as .ply. */
+Error
+saveMesh(const std::string& path, const Points& vertices, const MeshFaces& faces);
+
 /** \brief Unit normals of all faces, zero for those without area. */
 Points
 faceNormals(const Points& vertices, const MeshFaces& faces);

@@ -40,6 +40,11 @@ void
 guidedNormalFilter(const Points& vertices, const MeshFaces& faces, const NormalFilterParams& params,
                    const Snapshot& tell);
 
+/** \brief Projects vertices onto the SLIM surface fitted to them, as SLIMProjectionSmoother does. */
+Error
+plainProjection(const Points& vertices, const MeshFaces& faces, bool sharp, int threads,
+                Points& made);
+
 /** \brief Moves vertices towards given face normals: each by the mean of the steps to the planes
  * through the centroids of its faces (Sun, Rosin, Martin, Langbein: Fast and effective
  * feature-preserving mesh denoising, TVCG 2007). */

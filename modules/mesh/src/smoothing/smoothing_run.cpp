@@ -18,9 +18,9 @@ constexpr int kRoundedSteps = 10, kSharpSteps = 20, kUnfoldSteps = 5;
 /** Weight of the surface's normals beside the mesh's own, at noise of a fifth of an edge. Noise of
  * normals grows with that of vertices, and weights go by variances. */
 constexpr double kPull = 0.1, kPullNoise = 0.2;
-/** Least share of the bending in sharp edges for a mesh that has edges. Machine parts have .7 and more
- * after the first round, bodies and scans .35 and less. */
-constexpr double kSharpShare = 0.5;
+/** Least share of the bending in sharp edges for a mesh that has edges. Machine parts have .70 to .84
+ * after the first round, scans of bodies .21 to .56. */
+constexpr double kSharpShare = 0.63;
 /** Beside planes of weight 1: keeps vertices from running along what planes leave open. */
 constexpr double kPaperRegularity = 0.01;
 
