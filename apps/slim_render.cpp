@@ -15,6 +15,7 @@
 #include "render/frame_clock.h"
 #include "render/model.h"
 #include "render/picture_request.h"
+#include "render/traced_request.h"
 #include "render/turntable.h"
 #include "render/view_request.h"
 
@@ -26,6 +27,7 @@ struct Settings {
   std::string input, output, sides = "auto", derivatives = "blended", save_camera, json;
   ViewRequest view;
   PictureRequest picture;
+  TracedRequest traced;
   double near_plane = 0.0;
   int threads = 0, turntable = 1, repeat = 0;
   bool filtered = true, skip = true, reference = false, quiet = false;
@@ -42,6 +44,7 @@ declareOptions(Settings& s)
   table.positional("OUT.png|.ppm", &s.output, "picture");
   s.view.declareSize(table);
   s.picture.declareColors(table);
+  s.traced.declare(table);
   table.toggle("filtered", &s.filtered,
                "blend splats, none below a pixel; 0: the nearest as it is");
   s.view.declareCamera(table);
@@ -196,12 +199,66 @@ renderSplatModel(const Settings& s, const Model& model, const Camera& camera, Re
   return error;
 }
 
+void
+reportTraced(const Model& model, const TraceStatistics& counts, nlohmann::ordered_json& json)
+{
+  json.update({{model.is_splats ? "splats" : "leaves", counts.leaves},
+               {"covered_pixels", counts.covered_pixels},
+               {"rays_primary", counts.rays_primary},
+               {"rays_shadow", counts.rays_shadow},
+               {"rays_occlusion", counts.rays_occlusion},
+               {"tested_first", counts.tested_first},
+               {"tested_blend", counts.tested_blend},
+               {"tested_per_ray", counts.testedPerRay()}});
+}
+
+TraceParams
+tracingOf(const Settings& s)
+{
+  constexpr int kOcclusionRays = 4;  // in each of the frames of -aa
+  TraceParams params;
+  params.sides = sidesOf(s);
+  params.near_plane = s.near_plane;
+  params.filtered = s.filtered;
+  params.occlusion_rays = s.picture.occlusion > 0.0 ? kOcclusionRays : 0;
+  params.threads = s.threads;
+  return params;
+}
+
+Error
+renderTracedModel(const Settings& s, const Model& model, const Camera& camera, Report& report,
+                  double& save_seconds, Progress& progress)
+{
+  RayTracer tracer =
+      model.is_splats ? RayTracer(model.splats, s.threads) : RayTracer(model.surface, s.threads);
+  TraceParams params = tracingOf(s);
+  const ShadingParams shading = s.picture.shadingFor(model.is_splats, s.threads);
+  TraceStatistics total;
+  Error error = renderTurns(s, model, camera, save_seconds, [&](const Camera& turned) {
+    params.lights = s.traced.lightsFor(turned);
+    TraceStatistics counts;
+    auto image = renderTracedPicture(tracer, turned, params, shading, &counts, &progress);
+    total += counts;
+    return image;
+  });
+  reportTraced(model, total, report.json());
+  return error;
+}
+
 int
 fail(Console& console, int status, const Error& error)
 {
   console.failed();
   std::fprintf(stderr, "pcl_slim_render: %s\n", error.message.c_str());
   return status;
+}
+
+int
+statusOf(const Error& error)
+{
+  return error.code == ErrorCode::kBadArgument ? kExitUsage
+         : error.code == ErrorCode::kCancelled ? kExitInterrupted
+                                               : kExitFailed;
 }
 
 /** Draws and saves, and notes how long each took. */
@@ -213,7 +270,10 @@ renderModel(const Settings& s, const Model& model, const Camera& camera, Console
   const Stopwatch watch;
   double save_seconds = 0.0;
   const auto render = model.is_splats ? renderSplatModel : renderSurfaceModel;
-  if (Error error = render(s, model, camera, report, save_seconds)) return error;
+  Error error = s.picture.isTraced()
+                    ? renderTracedModel(s, model, camera, report, save_seconds, console.progress())
+                    : render(s, model, camera, report, save_seconds);
+  if (error) return error;
   const double seconds = watch.seconds() - save_seconds;
   const auto covered = report.json()["covered_pixels"].get<std::uint64_t>();
   report.time("render", seconds);
@@ -251,7 +311,7 @@ run(const Settings& s)
   if (shading.color_bar && showsNumbers(shading.mode)) view.right_margin = colorBarShare(view.size);
   const Camera camera = view.cameraFor(model->spheres());
   if (Error error = renderModel(s, *model, camera, console, report)) {
-    return fail(console, error.code == ErrorCode::kBadArgument ? kExitUsage : kExitFailed, error);
+    return fail(console, statusOf(error), error);
   }
   report.json()["camera"] = {
       {"position", camera.position}, {"look_at", camera.look_at},  {"up", camera.up},
@@ -270,6 +330,7 @@ main(int argc, char** argv)
   if (const auto status = table.parse(argc, argv)) return *status;
   Error error = settings.view.parse();
   if (!error) error = settings.picture.parse();
+  if (!error) error = settings.traced.parse();
   if (!error) error = checkImageExtension(settings.output);
   if (error) {
     std::fprintf(stderr, "pcl_slim_render: %s\n", error.message.c_str());
