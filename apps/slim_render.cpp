@@ -4,6 +4,7 @@
 #include <new>
 #include <string>
 
+#include "common/memory_limit.h"
 #include "common/options.h"
 #include "common/program.h"
 #include "common/progress_bar.h"
@@ -23,6 +24,7 @@ struct Settings {
   ViewRequest view;
   double near_plane = 0.0, range = 0.0, occlusion = 0.6;
   int supersampling = 2, threads = 0;
+  std::uint64_t max_memory = 0;
   bool filtered = true, white = false, skip = true, quiet = false;
 };
 
@@ -52,6 +54,7 @@ declareOptions(Settings& s)
   table.toggle("skip", &s.skip, "leave out work that cannot change the picture");
   table.integer("threads", &s.threads, 0, 1024, "threads, 0: all cores");
   table.text("json", &s.json, "FILE", "write a report");
+  declareMemoryLimit(table, &s.max_memory);
   table.toggle("quiet", &s.quiet, "print nothing");
   return table;
 }
@@ -145,13 +148,22 @@ fail(Console& console, int status, const Error& error)
   return status;
 }
 
+/** What the rays' columns and the picture take at least. */
+double
+bytesOfPicture(const Settings& s)
+{
+  constexpr double kBytesOfRay = 20;
+  const double rays = static_cast<double>(s.supersampling) * s.supersampling;
+  return kBytesOfRay * rays * s.view.size.width * s.view.size.height;
+}
+
 int
 run(const Settings& s)
 {
-  if (Error error = checkWritable(s.output)) {
-    std::fprintf(stderr, "pcl_slim_render: %s\n", error.message.c_str());
-    return kExitFailed;
-  }
+  Error error = limitMemory(s.max_memory);
+  if (error) return pcl_slim::fail("pcl_slim_render", kExitUsage, error.message);
+  error = checkWritable(s.output);
+  if (error) return pcl_slim::fail("pcl_slim_render", kExitFailed, error.message);
   Console console(s.quiet);
   Report report("pcl_slim_render", PCL_SLIM_VERSION, s.input, resolveThreads(s.threads));
   console.begin("Loading " + s.input);
@@ -165,6 +177,8 @@ run(const Settings& s)
                  " not finite or without a normal");
   }
 
+  error = checkMemory(bytesOfPicture(s), "a picture of " + s.view.size_text);
+  if (error) return fail(console, kExitFailed, error);
   console.begin("Rendering " + s.view.size_text);
   const Stopwatch render_time;
   const Camera camera = s.view.cameraFor(model->spheres());

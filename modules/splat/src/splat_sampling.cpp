@@ -55,7 +55,7 @@ class Sampling {
   {
     if (!begin(0.0f, "ordering")) return cancelled();
     Result<OctreeCloud> cloud =
-        OctreeCloud::build(view_, plan_.rootGrid(view_.count()), params().threads);
+        OctreeCloud::build(view_, plan_.rootGrid(), params().threads, colors_);
     if (!cloud) return cloud.error();
     statistics_.seconds_order = lap();
     if (needsNormals() || plan_.needsNeighbors()) {
@@ -123,6 +123,7 @@ class Sampling {
   {
     statistics_.points = cloud.size();
     statistics_.non_finite = cloud.numNonFinite();
+    statistics_.duplicates = cloud.numDuplicates();
     statistics_.roots = cloud.numRoots();
     statistics_.resolution = cloud.resolution();
     statistics_.cell = cloud.cell();
@@ -131,7 +132,7 @@ class Sampling {
   }
 
   /** Cells and their discs, by tolerances or by a budget. source must outlive the builder. */
-  SplatBuilder divide(OctreeCloud& cloud, const OctreeSource& source)
+  SplatBuilder divide(const OctreeCloud& cloud, const OctreeSource& source)
   {
     const SampleNoise noise =
         plan_.needsNoise() ? estimateSampleNoise(cloud, source, params().threads) : SampleNoise();
@@ -151,7 +152,7 @@ class Sampling {
     return builder;
   }
 
-  SplatBuilder cut(OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule)
+  SplatBuilder cut(const OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule)
   {
     const OctreeCut cut = cutOptimally(
         cloud, source, rule, {params().max_splats, params().target_error}, params().threads);

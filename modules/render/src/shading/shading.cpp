@@ -134,7 +134,7 @@ ShadingParams::validate() const
     return bad("the strength of ambient occlusion must be in [0, 1]");
   }
   if (supersampling < 1 || supersampling > 8) return bad("supersampling must be 1 to 8");
-  return {};
+  return checkThreads(threads);
 }
 
 ShadingRange
