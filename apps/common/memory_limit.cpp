@@ -15,7 +15,7 @@ namespace pcl_slim {
 namespace {
 
 constexpr double kMegabyte = 1024.0 * 1024.0;
-constexpr std::uint64_t kMostMegabytes = std::uint64_t{1} << 40;
+constexpr std::uint64_t kMostMegabytes = 1000000000000000000u;
 constexpr double kStack = 8 * kMegabyte;  ///< address space that a thread reserves and hardly uses
 
 std::uint64_t limit = 0;  ///< megabytes; 0: none
