@@ -71,8 +71,10 @@ TEST(FitInput, SurvivesALine)
 std::string
 noSurfaceIn(const Cloud& cloud)
 {
+  FitParams params;
+  params.sharp_features = !cloud.normals.empty();
   Error none;
-  fitted(cloud, {}, false, &none);
+  fitted(cloud, params, false, &none);
   return none.message;
 }
 
@@ -86,9 +88,9 @@ TEST(FitInput, SaysWhyPointsAreNoSurface)
   for (int i = 0; i < 100; ++i) same.add(3.0, 4.0, 5.0);
   for (int i = 0; i < 500; ++i) line.add(0.1 * i, 0.2 * i, -0.05 * i);
   for (int i = 0; i < 900; ++i) {
-    const float up = i % 2 == 0 ? 1.0f : -1.0f, side = i % 3 == 0 ? 1.0f : -1.0f;
-    contrary.add({0.1 * (i % 30), 0.1 * (i / 30), 0.0},
-                 {i % 4 < 2 ? up : 0.0f, i % 4 < 2 ? 0.0f : side, 0.0f});
+    std::array<double, 3> n{};  // six directions, a sixth of the points each
+    n[static_cast<std::size_t>(i * 7 % 3)] = i * 11 % 13 % 2 == 0 ? 1 : -1;
+    contrary.add({0.1 * (i % 30), 0.1 * (i / 30), 0.0}, n);
   }
   says(same, "1 distinct point is too few");
   says(line, "along lines");
