@@ -178,7 +178,8 @@ judgeProjection(const StressCloud& cloud, const Fit& fit)
   if (cloud.on_wave == 0 || !cloud.must_succeed) return result();
   const double left = waveError(cloud, fit, projection),
                rounding = 1e-15 * std::abs(cloud.offset / cloud.scale);
-  const double most = cloud.error_factor * undisturbedError(cloud) + 4 * rounding + 1e-4;
+  const double most =
+      cloud.error_factor * undisturbedError(cloud) + 4 * rounding + cloud.error_slack;
   if (left <= most) return result();
   return failed("error " + std::to_string(left) + " of at most " + std::to_string(most));
 }
@@ -233,7 +234,7 @@ cameraOf(const StressCloud& cloud, const BoundingSpheres& object)
   const std::size_t middle = 3 * (cloud.size() / 2);
   const double* at = cloud.points.data() + middle;
   const double size = std::max(std::abs(cloud.scale), 1e-37);
-  switch (cloud.view) {
+  switch (cloud.camera) {
     case StressView::kFront: break;
     case StressView::kGrazing:
       camera.position = {at[0] - 3 * size, at[1], at[2]};
@@ -251,7 +252,7 @@ cameraOf(const StressCloud& cloud, const BoundingSpheres& object)
 StressOutcome
 judgePicture(const StressCloud& cloud, const GBuffer& buffer, const Error& error)
 {
-  const bool no_area = cloud.view == StressView::kNoArea;
+  const bool no_area = cloud.camera == StressView::kNoArea;
   if (error) return refused(error, no_area || !cloud.must_succeed);
   if (no_area) return failed("a picture of no area");
   for (std::size_t i = 0; i < buffer.numPixels(); ++i) {

@@ -22,11 +22,12 @@ struct StressCloud {
   std::size_t on_wave = 0;       ///< so many of the first points lie on the wave, but for noise
   double scale = 1, offset = 0;  ///< of the wave: p = offset + scale q
   double noise = 0;              ///< of q
-  double error_factor = 2;       ///< of the undisturbed wave's error that may be left
+  double error_factor = 2;       ///< of the undisturbed wave's error that may be left,
+  double error_slack = 1e-4;     ///< and this much more, in units of q
   bool one_look = true;          ///< no two points at one place with different normals
   int resolution = 0;            ///< root cells along the longest side for splats; 0: theirs
   int max_depth = 20;
-  StressView view = StressView::kFront;
+  StressView camera = StressView::kFront;
 
   std::size_t size() const { return points.size() / 3; }
   pcl_slim::CloudView cloud() const;

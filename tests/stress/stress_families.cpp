@@ -192,7 +192,8 @@ outliers(Random& random)
     cloud.add(between(random, -0.5, 1.5), between(random, -0.5, 1.5), between(random, -1, 1),
               cloud.normals.empty() ? nullptr : n);
   }
-  cloud.error_factor = share > 0.1 ? 60 : 20;  // what lies between wave and outlier moves
+  // What lies between wave and outliers moves towards them, by a share of what is between points.
+  cloud.error_slack = (share > 0.1 ? 0.3 : 0.1) / std::sqrt(static_cast<double>(cloud.size()));
   return cloud;
 }
 
@@ -292,7 +293,7 @@ StressCloud
 views(Random& random)
 {
   StressCloud cloud = base(random, 300, 900);
-  cloud.view = static_cast<StressView>(1 + random() % 4);
+  cloud.camera = static_cast<StressView>(1 + random() % 4);
   if (coin(random)) transform(cloud, std::pow(10.0, between(random, -6, 6)), 0);
   return cloud;
 }

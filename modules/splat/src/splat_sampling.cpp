@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <optional>
 
 #include "disc/sample_noise.h"
@@ -22,7 +23,24 @@ namespace {
 
 constexpr std::size_t kCellSlice = 256;  ///< cells whose points are brought together at a time
 
-/** Whether any point asked for has a usable normal. */
+bool
+isFinitePoint(const CloudView& cloud, std::size_t input)
+{
+  const auto* at = static_cast<const unsigned char*>(cloud.xyz) + input * cloud.xyz_stride;
+  double p[3];
+  for (std::size_t a = 0; a < 3; ++a) {
+    float value;
+    if (cloud.scalar == CloudView::Scalar::kDouble) {
+      std::memcpy(&p[a], at + a * sizeof(double), sizeof(double));
+    } else {
+      std::memcpy(&value, at + a * sizeof(float), sizeof(float));
+      p[a] = value;
+    }
+  }
+  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+}
+
+/** Whether any point asked for that is finite has a usable normal. */
 bool
 hasNormals(const CloudView& cloud)
 {
@@ -32,7 +50,8 @@ hasNormals(const CloudView& cloud)
     const auto* n =
         reinterpret_cast<const float*>(base + cloud.inputIndex(i) * cloud.normal_stride);
     const float sq = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-    if (sq > 1e-24f && std::isfinite(sq)) return true;
+    const bool usable = sq > 1e-24f && std::isfinite(sq);
+    if (usable && isFinitePoint(cloud, cloud.inputIndex(i))) return true;
   }
   return false;
 }
