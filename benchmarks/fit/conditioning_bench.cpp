@@ -35,8 +35,8 @@ Eigen::VectorXd
 termsAt(int degree, double u, double v)
 {
   Eigen::VectorXd terms(numCoefficients(degree));
-  for (int k = 0; k < numCoefficients(degree); ++k) {
-    terms[k] = std::pow(u, kTerms[k].i) * std::pow(v, kTerms[k].j);
+  for (int d = 0, k = 0; d <= degree; ++d) {
+    for (int j = 0; j <= d; ++j) terms[k++] = std::pow(u, d - j) * std::pow(v, j);
   }
   return terms;
 }
@@ -136,7 +136,7 @@ main(int argc, char** argv)
 {
   int samples = 50;
   double noise = 0;
-  OptionTable options("conditioning_bench", PCL_SLIM_VERSION,
+  OptionTable options("conditioning_bench", "1",
                       "Measures how errors of local fits grow with their condition.");
   options.integer("samples", &samples, 1, 100000, "balls whose mean a row is");
   options.number("noise", &noise, 0, 1, "standard deviation of heights, in radii");
