@@ -72,7 +72,7 @@ fitWithConstants(const FitConstants& constants, const PointStore& store, const F
 
   countFit(store, cover, surface, stats);
   if (statistics != nullptr) *statistics = stats;
-  Error error = checkLeaves(stats);
+  Error error = checkLeaves(store, stats);
   if (error) surface.clear();
   return error;
 }

@@ -53,18 +53,20 @@ constexpr std::uint64_t kFewPoints = 12;  ///< about what the smallest leaf take
 }  // namespace
 
 Error
-checkLeaves(const FitStatistics& stats)
+checkLeaves(const PointStore& store, const FitStatistics& stats)
 {
   if (stats.leaves > 0) return {};
-  const std::string points = std::to_string(stats.points);
+  const std::string points = std::to_string(store.size());
   std::string why = "the " + points +
                     " points lie along lines or scattered, nowhere along a surface: give more "
                     "points beside them";
-  if (stats.points < kFewPoints) {
-    why = points + (stats.points == 1 ? " distinct point is" : " distinct points are") +
+  if (store.statistics().without_normal > store.size()) {
+    why = "only " + points +
+          " of the points have a usable normal, which are no surface: fit without "
+          "normals, or mend them";
+  } else if (store.size() < kFewPoints) {
+    why = points + (store.size() == 1 ? " distinct point is" : " distinct points are") +
           " too few for a surface: give a dozen or more";
-  } else if (2 * stats.skipped_normals > stats.points) {
-    why = "the points' normals contradict each other: fit without normals, or mend them";
   }
   return {ErrorCode::kNoSurface, why};
 }

@@ -14,6 +14,6 @@ countFit(const PointStore& store, const LevelCover& cover, const SLIMSurface& su
 
 /** \brief Why a fit has no leaf, and what helps; no error where it has some. */
 Error
-checkLeaves(const FitStatistics& stats);
+checkLeaves(const PointStore& store, const FitStatistics& stats);
 
 }  // namespace pcl_slim::detail
