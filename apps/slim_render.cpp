@@ -23,7 +23,7 @@ struct Settings {
   ViewRequest view;
   double near_plane = 0.0, range = 0.0, occlusion = 0.6;
   int supersampling = 2, threads = 0;
-  bool filtered = true, white = false, skip = true, quiet = false;
+  bool filtered = true, trim = true, white = false, skip = true, quiet = false;
 };
 
 OptionTable
@@ -45,6 +45,7 @@ declareOptions(Settings& s)
   s.view.declareCamera(table);
   table.number("near", &s.near_plane, 0.0, 1e300, "cut away what is nearer than this");
   table.choice("sides", &s.sides, {"auto", "front", "both"}, "sides of the surface to draw");
+  table.toggle("trim", &s.trim, "end a surface where its scan ended; 0: draw all of its balls");
   table.number("range", &s.range, 0.0, 1e300, "curvature of full colour, 1/length", "automatic");
   table.number("ao", &s.occlusion, 0.0, 1.0, "strength of the shade in hollows");
   table.toggle("white", &s.white, "white background");
@@ -97,6 +98,7 @@ renderSurfaceModel(const Settings& s, const Model& model, const Camera& camera,
   RenderParams params;
   params.sides = sidesOf(s);
   params.near_plane = s.near_plane;
+  params.trim = s.trim;
   params.skip = s.skip;
   params.threads = s.threads;
   RenderStatistics counts;

@@ -13,6 +13,7 @@ SLIMProjectionBase::clearResults()
   fitted_surface_.reset();
   projection_ = {};
   unsupported_.clear();
+  outside_.clear();
 }
 
 bool
@@ -32,6 +33,8 @@ SLIMProjectionBase::project(const CloudView& points, const CloudView& fitted,
   projection_ = projection.statistics();
   const auto unsupported = projection.unsupported();
   unsupported_.assign(unsupported.begin(), unsupported.end());
+  const auto outside = projection.outside();
+  outside_.assign(outside.begin(), outside.end());
   return true;
 }
 
