@@ -17,7 +17,8 @@ namespace pcl_slim {
  * program that fits. */
 struct FitJob {
   FitParams params;
-  std::vector<double> viewpoint;
+  std::vector<double> viewpoint, noise_model;
+  std::string correlation = "auto";
   bool compact = false, use_normals = true;
   int normal_neighbours = 0;
 };
