@@ -93,20 +93,24 @@ sharedInPatch(const PatchCubic& cubic, const SharedNoiseConstants& constants)
 }  // namespace
 
 double
-measureCorrelation(const PointStore& store, std::size_t k, const NoiseConstants& constants,
+measureCorrelation(const PointStore& store, std::size_t points, const NoiseConstants& constants,
                    int threads)
 {
   const SharedNoiseConstants& shared = constants.shared;
-  const std::size_t points = std::clamp(2 * k, shared.least_points, shared.most_points);
+  points = std::max(points, shared.least_points);
+  // Of wider patches every so many points are looked at; a point shares with as many fewer of them.
+  const std::size_t stride = std::max<std::size_t>(1, points / shared.most_points);
+  points /= stride;
   const auto measure = [&](NeighborSearch& search, std::size_t sample, std::size_t) {
     Patch patch = patchAbout(store, search, sample, points);
     if (!store.hasNormals()) keepOwnSheet(constants.sheets, patch);
     PatchCubic cubic;
     return fitCubic(patch, cubic) ? sharedInPatch(cubic, shared) : -1.0;
   };
-  auto values = sampleStore(store, shared.patches, 1, resolveThreads(threads), measure);
-  return squareThatShares(trimmedMean(values, constants.trim),
-                          static_cast<double>(points) / shared.cells);
+  auto values = sampleStore(store, shared.patches, stride, resolveThreads(threads), measure);
+  const double among = squareThatShares(trimmedMean(values, constants.trim),
+                                        static_cast<double>(points) / shared.cells);
+  return 1 + static_cast<double>(stride) * (among - 1);
 }
 
 }  // namespace pcl_slim::detail

@@ -14,14 +14,21 @@ namespace {
 struct Scale {
   std::size_t k = 0;
   std::vector<double> variances, radii;
+
+  /** The variance at the place that is the s-th of so many. */
+  double at(std::size_t s, std::size_t places) const
+  {
+    return variances[(2 * s + 1) * variances.size() / (2 * places)];
+  }
 };
 
 Scale
-measureScale(const PointStore& store, std::size_t k, const NoiseConstants& constants, int threads)
+measureScale(const PointStore& store, std::size_t k, std::size_t places,
+             const NoiseConstants& constants, int threads)
 {
   Scale scale;
   scale.k = k;
-  scale.radii.resize(std::min(constants.shared.places, store.size()));
+  scale.radii.resize(std::min(places, store.size()));
   const auto measure = [&](NeighborSearch& search, std::size_t sample, std::size_t s) {
     return patchVariance(store, search, sample, k, constants, scale.radii[s]);
   };
@@ -38,13 +45,14 @@ median(std::vector<double>& values)
   return *middle;
 }
 
-/** The median over places of log2 (wider / narrow); a share takes variances of 0. */
+/** The median over the wider scale's places of log2 (wider / narrow); a share takes variances of 0. */
 double
 growth(const Scale& narrow, const Scale& wider)
 {
   std::vector<double> shares;
-  for (std::size_t s = 0; s < narrow.variances.size(); ++s) {
-    const double a = narrow.variances[s], b = wider.variances[s];
+  const std::size_t places = wider.variances.size();
+  for (std::size_t s = 0; s < places; ++s) {
+    const double a = narrow.at(s, places), b = wider.variances[s];
     if (a < 0 || b < 0) continue;
     shares.push_back(a + b > 0 ? b / (a + b) : 0.5);
   }
@@ -56,54 +64,71 @@ growth(const Scale& narrow, const Scale& wider)
 /** Follows the curve from scale to scale until it says what the noise is. */
 class GrowthCurve {
  public:
-  explicit GrowthCurve(const SharedNoiseConstants& constants) : constants_(constants) {}
+  /** The curve from the smallest patches on: white noise shows at once. */
+  explicit GrowthCurve(const SharedNoiseConstants& constants)
+      : constants_(constants), flat_first_(constants.white), steep_first_(HUGE_VAL)
+  {
+  }
+
+  /** The curve from patches on that are wide enough for detail to show at once. */
+  static GrowthCurve ofWidePatches(const SharedNoiseConstants& constants)
+  {
+    GrowthCurve curve(constants);
+    curve.flat_first_ = constants.plateau;
+    curve.steep_first_ = constants.slow;
+    return curve;
+  }
 
   /** Takes in the growth from the next scale on. \return whether the curve is told to its end. */
   bool follow(double growth)
   {
-    const std::size_t scale = scales_++;
-    if (scale == 0) {
-      first_ = least_ = growth;
-      return growth <= constants_.white;
-    }
-    const bool detail = growth > least_ + constants_.rise || growth > constants_.steep;
-    if (growth < least_) {
-      least_ = growth;
-      slowest_ = scale;
-    }
-    return detail || growth <= constants_.plateau;
+    const bool first = scales_ == 0;
+    if (first) first_ = least_ = growth;
+    detail_ =
+        growth > (first ? steep_first_ : std::min(least_ + constants_.rise, constants_.steep));
+    ++scales_;
+    if (detail_) return true;
+    least_ = std::min(least_, growth);
+    return growth <= (first ? flat_first_ : constants_.plateau);
   }
 
-  /** The number of the scale of least growth, if the curve has slowed down enough there; else 0. */
-  std::size_t plateau() const
+  /** Whether growth has slowed down as shared noise makes it. */
+  bool slowsDown() const
   {
-    if (first_ <= constants_.white) return 0;
-    const bool slow = least_ <= constants_.slow && least_ <= first_ - constants_.fall;
-    return slow || least_ <= constants_.plateau ? slowest_ : 0;
+    if (first_ <= flat_first_) return false;
+    const bool slow = least_ <= constants_.slow && least_ <= constants_.fall * first_;
+    return slow || least_ <= constants_.plateau;
   }
+
+  bool endsInDetail() const { return detail_; }
+
+  /** The number of the plateau, or of the last scale before the surface's detail. */
+  std::size_t last() const { return scales_ < 2 ? 0 : scales_ - (detail_ ? 2 : 1); }
 
  private:
   const SharedNoiseConstants& constants_;
-  std::size_t scales_ = 0, slowest_ = 0;
+  double flat_first_, steep_first_;  ///< growth at the first scale that tells all
+  std::size_t scales_ = 0;
   double first_ = 0, least_ = 0;
+  bool detail_ = false;
 };
 
-/** Measures scales until their curve ends. \return the number of its plateau, 0 where it has none. */
-std::size_t
-measureCurve(const PointStore& store, std::size_t least, const NoiseConstants& constants,
-             int threads, std::vector<Scale>& scales)
+/** Measures scales from k points on until their curve ends. The first two, which most clouds end
+ * with, have more places. */
+void
+measureCurve(const PointStore& store, std::size_t k, const NoiseConstants& constants, int threads,
+             GrowthCurve& curve, std::vector<Scale>& scales)
 {
   const std::size_t most = store.size() / constants.shared.most_part;
-  GrowthCurve curve(constants.shared);
-  scales.push_back(measureScale(store, least, constants, threads));
-  for (std::size_t k = 2 * least; k <= most; k *= 2) {
-    scales.push_back(measureScale(store, k, constants, threads));
+  for (std::size_t places = constants.shared.places; scales.empty() || k <= most; k *= 2) {
+    scales.push_back(measureScale(store, k, places, constants, threads));
+    if (scales.size() < 2) continue;
     if (curve.follow(growth(scales[scales.size() - 2], scales.back()))) break;
+    places = constants.shared.patches;
   }
-  return curve.plateau();
 }
 
-/** Whether some places have so much more noise than the cloud that it would pass for lack of fit. */
+/** Whether a share of places has more noise than the cloud by a factor that a fit takes for detail. */
 bool
 isUneven(const Scale& scale, const Scale& wider, double variance, const NoiseConstants& constants)
 {
@@ -113,6 +138,23 @@ isUneven(const Scale& scale, const Scale& wider, double variance, const NoiseCon
   for (std::size_t s = 0; s < wide.size(); ++s)
     noisy += wide[s] > constants.uneven * variance && isFlat(narrow[s], wide[s], constants.shared);
   return static_cast<double>(noisy) > constants.uneven_share * static_cast<double>(wide.size());
+}
+
+/** The same on two pairs of scales: an edge's residual is noise to one of them at most.
+ * \param[in] scales the first two of a curve, from the noise's own patches on or not */
+bool
+staysUneven(const PointStore& store, const NoiseLevel& noise, const std::vector<Scale>& scales,
+            const NoiseConstants& constants, int threads)
+{
+  const std::size_t k = noise.neighbors;
+  if (4 * k * constants.shared.most_part > store.size()) return false;
+  const auto scale = [&](std::size_t factor) {
+    return measureScale(store, factor * k, constants.shared.places, constants, threads);
+  };
+  const bool known = scales.front().k == k;
+  const Scale narrow = known ? scales[0] : scale(1), wider = known ? scales[1] : scale(2);
+  return isUneven(narrow, wider, noise.variance, constants) &&
+         isUneven(wider, scale(4), noise.variance, constants);
 }
 
 /** The noise level of a scale; white's own where the scale is none. */
@@ -128,6 +170,21 @@ levelOf(const Scale& scale, const NoiseConstants& constants)
   return noise;
 }
 
+/** How many points share what the last scale of a curve shows; 1 where they share no noise. */
+double
+correlationOf(const PointStore& store, const GrowthCurve& curve, const NoiseLevel& noise,
+              const NoiseConstants& constants, int threads)
+{
+  // Where the surface's detail shows in wider patches already, tau is measured without them.
+  const std::size_t points = (curve.endsInDetail() ? 1 : 2) * noise.neighbors;
+  // Waves that the smallest patches do not resolve share over half a wave, and nothing over two.
+  const std::size_t wider = 4 * points;
+  if (wider > store.size() / 4) return 1;
+  const double tau = measureCorrelation(store, points, constants, threads);
+  if (tau < constants.shared.least) return 1;
+  return measureCorrelation(store, wider, constants, threads) > 0.5 * tau ? tau : 1;
+}
+
 /** Steps of a coordinate that the curve does not show, since noise hides where they lie. */
 NoiseLevel
 withSteps(const PointStore& store, const NoiseLevel& white, const NoiseConstants& constants,
@@ -135,12 +192,26 @@ withSteps(const PointStore& store, const NoiseLevel& white, const NoiseConstants
 {
   const double step = measureSteps(store, constants, threads);
   const std::size_t k = constants.steps.wide;
-  if (!(step > 0) || store.size() < constants.shared.most_part * k) return white;
-  NoiseLevel noise = levelOf(measureScale(store, k, constants, threads), constants);
+  if (!(step > 0) || store.size() < 2 * constants.shared.most_part * k) return white;
+  std::vector<Scale> scales;
+  GrowthCurve curve = GrowthCurve::ofWidePatches(constants.shared);
+  measureCurve(store, k, constants, threads, curve, scales);
+  NoiseLevel noise = levelOf(scales[curve.last()], constants);
   noise.correlation =
-      std::max(constants.steps.correlation, measureCorrelation(store, k, constants, threads));
+      std::max(correlationOf(store, curve, noise, constants, threads), constants.steps.correlation);
   noise.step = step;
   return noise;
+}
+
+/** Noise that is white but differs from place to place, told on patches that show all of it. */
+NoiseLevel
+withUnevenness(const PointStore& store, const NoiseLevel& white, const NoiseLevel& plateau,
+               const std::vector<Scale>& scales, const NoiseConstants& constants, int threads)
+{
+  NoiseLevel noise = plateau;
+  noise.correlation = 1;
+  noise.uneven = staysUneven(store, noise, scales, constants, threads);
+  return noise.uneven ? noise : white;
 }
 
 }  // namespace
@@ -152,17 +223,19 @@ recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
   if (white.neighbors == 0) return white;
   threads = resolveThreads(threads);
   std::vector<Scale> scales;
-  const std::size_t plateau =
-      measureCurve(store, white.least_neighbors, constants, threads, scales);
+  GrowthCurve curve(constants.shared);
+  measureCurve(store, white.neighbors, constants, threads, curve, scales);
   NoiseLevel noise = white;
-  if (plateau > 0) {
-    noise = levelOf(scales[plateau], constants);
-    const double tau = measureCorrelation(store, noise.neighbors, constants, threads);
-    if (tau >= constants.shared.least) noise.correlation = tau;
+  if (curve.slowsDown()) {
+    noise = levelOf(scales[curve.last()], constants);
+    noise.correlation = correlationOf(store, curve, noise, constants, threads);
   }
-  if (!(noise.correlation > 1)) noise = withSteps(store, noise, constants, threads);
-  if (!(noise.correlation > 1) && plateau + 1 < scales.size())
-    noise.uneven = isUneven(scales[plateau], scales[plateau + 1], noise.variance, constants);
+  if (!(noise.correlation > 1)) {
+    const NoiseLevel plateau = noise;
+    noise = withSteps(store, white, constants, threads);
+    if (!(noise.step > 0))
+      noise = withUnevenness(store, white, plateau, scales, constants, threads);
+  }
   noise.patches = white.patches + scales.size() * scales.front().variances.size();
   return noise;
 }
@@ -177,7 +250,8 @@ measureSharedNoise(const PointStore& store, double correlation, const NoiseConst
   while (static_cast<double>(k) < constants.shared.given_patch * correlation && 2 * k <= most)
     k *= 2;
   threads = resolveThreads(threads);
-  NoiseLevel noise = levelOf(measureScale(store, k, constants, threads), constants);
+  NoiseLevel noise =
+      levelOf(measureScale(store, k, constants.shared.places, constants, threads), constants);
   noise.correlation = correlation;
   noise.patches = constants.shared.places;
   return noise;

@@ -20,14 +20,14 @@ struct SharedNoiseConstants {
   std::size_t most_part = 16;  ///< a patch holds at most 1 / so much of the cloud's points
   double white = 0.25;         ///< least growth at the first k that can be shared noise
   double plateau = 0.15;       ///< growth at which noise shows all of itself
-  double rise = 0.25;          ///< growth this far above its least is a surface's detail
+  double rise = 0.3;           ///< growth this far above its least is a surface's detail
   double steep = 1.0;          ///< growth, after the first, that no noise shows
-  double slow = 0.45;          ///< growth up to which a least one will do for a plateau ...
-  double fall = 0.15;          ///< ... if it lies so far below the first
+  double slow = 0.55;          ///< growth up to which a least one will do for a plateau ...
+  double fall = 0.7;           ///< ... if it has fallen to this share of the first
 
   std::size_t patches = 100;  ///< patches on which the number of sharing neighbours is measured
-  std::size_t least_points = 320;  ///< points of such a patch ...
-  std::size_t most_points = 2560;  ///< ... which are all looked at
+  std::size_t least_points = 160;  ///< points of such a patch ...
+  std::size_t most_points = 2560;  ///< ... which are all looked at up to so many
   double cells = 32;               ///< of equal size, into which a patch's points fall
   double least = 1.8;              ///< fewer neighbours than that share nothing
   double given_patch = 32;         ///< points of a patch over a given number that share
@@ -42,7 +42,7 @@ struct StepConstants {
   double pure_ratio = 2.0;              ///< ... up to which there is little else, ...
   double most_ratio = 5.0;              ///< ... and beyond which rounding does not matter
   double growth = 1.4;     ///< from narrow to wide patches, where there is something else
-  double correlation = 6;  ///< points that share a step's error, at least
+  double correlation = 3;  ///< points that share a step's error, at least
 };
 
 /** \brief The measurement of a cloud's noise level (docs/theory.md, "Noise"). */
@@ -71,8 +71,8 @@ struct NoiseConstants {
   std::size_t most_runs = 8192;      ///< entries of a noise profile
   std::size_t window = 8;            ///< runs to either side that an entry rests on
   float least_ratio = 0.001f;        ///< least noise ratio of an entry; its inverse is the largest
-  double uneven = 6.25;        ///< variance over the cloud's that a fit would take for lack of fit
-  double uneven_share = 0.02;  ///< share of places of so much noise that makes a profile worth it
+  double uneven = 2;          ///< variance over the cloud's from which noise passes for detail
+  double uneven_share = 0.1;  ///< share of places of so much noise that makes a profile worth it
 
   PatchSheetConstants sheets;
   SharedNoiseConstants shared;

@@ -11,14 +11,13 @@ namespace pcl_slim::detail {
 
 /** \brief A measured noise level, and the patches that showed it. */
 struct NoiseLevel {
-  double variance = 0;              ///< lambda, squared local lengths
-  double patch_radius = 0;          ///< median radius of the patches, local length
-  std::size_t neighbors = 0;        ///< points of such a patch; 0: the store has too few points
-  std::size_t least_neighbors = 0;  ///< points of the smallest patch that noise does not fill
-  std::size_t patches = 0;          ///< patches measured, of any size
-  double correlation = 1;           ///< tau: points that share their errors; 1: white noise
-  double step = 0;                  ///< of quantised coordinates, local length; 0: none was found
-  bool uneven = false;  ///< places have so much more noise that a fit would seek detail there
+  double variance = 0;        ///< lambda, squared local lengths
+  double patch_radius = 0;    ///< median radius of the patches, local length
+  std::size_t neighbors = 0;  ///< points of such a patch; 0: the store has too few points
+  std::size_t patches = 0;    ///< patches measured, of any size
+  double correlation = 1;     ///< tau: points that share their errors; 1: white noise
+  double step = 0;            ///< of quantised coordinates, local length; 0: none was found
+  bool uneven = false;        ///< places have so much more noise that a fit would seek detail there
 };
 
 /** \brief NoiseEstimator::kCubicResidual. Nothing for stores of fewer than 12 points. */
@@ -44,10 +43,10 @@ measureSharedNoise(const PointStore& store, double correlation, const NoiseConst
 double
 measureSteps(const PointStore& store, const NoiseConstants& constants, int threads);
 
-/** \brief tau of cubics' residuals on patches for which k points show all of the noise: the sum of
- * its autocorrelation over a point's neighbours, the point included. 1 for white noise. */
+/** \brief tau of cubics' residuals on patches of so many points: the sum of the noise's
+ * autocorrelation over a point's neighbours, the point included. 1 for white noise. */
 double
-measureCorrelation(const PointStore& store, std::size_t k, const NoiseConstants& constants,
+measureCorrelation(const PointStore& store, std::size_t points, const NoiseConstants& constants,
                    int threads);
 
 /** \brief NoiseEstimator::kMinEigenvalue10. Nothing for stores of fewer than 12 points. */
