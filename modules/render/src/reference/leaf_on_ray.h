@@ -17,7 +17,8 @@ struct BlendSum {
   double coverage = 0.0;
   double outside = 0.0;              ///< of w outsideShare(): of the trim maps
   double lean[3] = {0.0, 0.0, 0.0};  ///< of w (q - c) / r: points away from the leaves' middle
-  double spread[3] = {0.0, 0.0, 0.0};  ///< of (q - c) / r, all leaves alike; by the ray tracer alone
+  double spread[3] = {0.0, 0.0,
+                      0.0};  ///< of (q - c) / r, all leaves alike; by the ray tracer alone
   int leaves = 0;
   double gradient[3] = {0.0, 0.0, 0.0};
   Symmetric3<double> hessian{};
