@@ -4,11 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "trim/trim_columns.h"
-
 namespace pcl_slim {
-
-using namespace detail;
 
 std::size_t
 SLIMSurface::numLeaves() const
@@ -63,7 +59,6 @@ SLIMSurface::resize(std::size_t count)
   }
   coefficients.resize(count * static_cast<std::size_t>(stride()));
   for (auto* column : {&degree, &level, &flags}) column->resize(count);
-  dropTrimMaps();
 }
 
 void
@@ -73,7 +68,6 @@ SLIMSurface::flip(std::size_t i)
   ny[i] = -ny[i];
   nz[i] = -nz[i];
   flipCoefficients(degree[i], coefficients.data() + i * static_cast<std::size_t>(stride()));
-  if (isOpen(i)) mirrorTrimMap(trim_maps.data() + trim_begin[i]);
 }
 
 Error
@@ -105,7 +99,7 @@ SLIMSurface::validate() const
       return badInput("a coefficient" + where + " is not finite");
     }
   }
-  return checkTrimMaps(*this);
+  return {};
 }
 
 }  // namespace pcl_slim

@@ -12,18 +12,11 @@
 namespace pcl_slim::detail {
 
 /** \brief What became of a centre. */
-enum class BallOutcome : unsigned char {
-  kLeaf,
-  kInternal,
-  kLine,  ///< many points, but along a line: to be divided, and there is no surfel
-  kUnsupported,
-  kLoneNormal
-};
+enum class BallOutcome : unsigned char { kLeaf, kInternal, kUnsupported, kLoneNormal };
 
 /** \brief Counters of one thread; they add up in any order. */
 struct BallCounters {
-  std::uint64_t gathered = 0, split_sheets = 0, tried = 0, lines = 0;
-  FitCounts fits;
+  std::uint64_t gathered = 0, split_sheets = 0, tried = 0, fits = 0;
 };
 
 /** \brief Makes the surfel of one centre (docs/theory.md, "One ball"). One per thread: it keeps the
@@ -39,12 +32,12 @@ class BallFitter {
   NearbyBlocks& nearby() { return gatherer_.nearby(); }
 
   /** \brief Fits the ball of stored point i at level k. \param[out] surfel of a leaf or internal
-   * node; of a line, the ball that holds it. */
+   * node. */
   BallOutcome fit(std::size_t i, int level, SurfelRecord& surfel);
 
   BallCounters counters() const
   {
-    return {gatherer_.numGathered(), splitter_.numSplit(), tried_, lines_, search_.counts()};
+    return {gatherer_.numGathered(), splitter_.numSplit(), tried_, search_.numFits()};
   }
 
  private:
@@ -54,15 +47,13 @@ class BallFitter {
   FramedBall ownSheet(const FramedBall& ball);
   FramedBall onItsFit(const FramedBall& ball, std::size_t stride);
   RadiusChoice chooseRadius(FramedBall& ball);
-  BallOutcome withoutFit(const FramedBall& ball, const BallSite& site, const Trial& trial,
-                         SurfelRecord& surfel);
 
   const PointStore& store_;
   const FitSettings& settings_;
   BallGatherer gatherer_;
   RadiusSearch search_;
   SheetSplitter splitter_;
-  std::uint64_t tried_ = 0, lines_ = 0;
+  std::uint64_t tried_ = 0;
 };
 
 }  // namespace pcl_slim::detail

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "radius/trial_fits.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "least_squares/nested_fit.h"
@@ -26,17 +25,13 @@ TrialFits::right()
 Trial
 TrialFits::at(double rho, int degree, WeightKernel kernel)
 {
-  ++counts_.fits;
+  ++fits_;
   Trial trial;
   trial.rho = rho;
   trial.fit = kernels::fitBall(samples_.within(rho), degree, static_cast<float>(rho), kernel,
                                settings_.support, false);
   trial.supported = trial.fit.degree == degree;
-  if (trial.supported) {
-    trial.energy = energyOf(trial, energy_);
-  } else {
-    ++(trial.fit.fell_by_pivot ? counts_.fell_by_pivot : counts_.fell_by_support);
-  }
+  if (trial.supported) trial.energy = energyOf(trial, energy_);
   return trial;
 }
 
@@ -85,16 +80,12 @@ TrialFits::ofLowerDegree(const Trial& trial, int degree)
 bool
 TrialFits::refit(const BallBuffer& points, WeightKernel kernel, Trial& trial)
 {
-  ++counts_.fits;
+  ++fits_;
   // The degree was settled with the full support; rounding must not undo it here.
   const double support = constants().refit_support * settings_.support;
   const LocalFit fit = kernels::fitBall(points, trial.fit.degree, static_cast<float>(trial.rho),
                                         kernel, support, true);
-  if (fit.degree != trial.fit.degree) {
-    ++counts_.fell_by_pivot;
-    return false;
-  }
-  counts_.least_pivot = std::min(counts_.least_pivot, fit.least_pivot);
+  if (fit.degree != trial.fit.degree) return false;
   trial.fit = fit;
   return true;
 }

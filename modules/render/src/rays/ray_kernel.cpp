@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "rays/ray_scene.h"
-#include "tiles/frame_rules.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "rays/ray_kernel.cpp"
@@ -30,29 +29,24 @@ roundedUp(double depth)
   return static_cast<float>(depth + 2e-7 * std::abs(depth));
 }
 
-/** The first root of any leaf inside its ball of a share of its radius, from nearest to farthest;
- * infinity without one. Shares above the scene's own need the wider boxes. */
+/** The first root of any leaf inside its shrunk ball, from nearest on; infinity without one. */
 HWY_INLINE double
-firstDepth(const BlendContext& context, const BoundedRay& ray, const Line& line, double nearest,
-           double farthest, double share)
+firstDepth(const BlendContext& context, const BoundedRay& ray, const Line& line, double nearest)
 {
   const RayScene& scene = context.scene;
-  const bool wide = share > scene.shrink;
-  double best = farthest;
+  double best = ray.farthest;
   bool met = false;
   float until = roundedUp(best - line.shift);
   const float from = static_cast<float>(std::max(0.0, nearest - line.shift - 1e-6));
-  const auto meet = [&](std::uint32_t n, float* entry) HWY_ATTR {
-    const WideBoxes& boxes = wide ? scene.tree.reach[n] : scene.tree.nodes[n].hit;
-    return meetChildren(boxes, line, from, until, entry);
-  };
+  const auto meet = [&](const WideNode& node, float* entry)
+                        HWY_ATTR { return meetChildren(node, line, from, until, entry); };
   walkAlong(scene.tree, from, until, context.counts.nodes, meet, [&](std::uint32_t b) HWY_ATTR {
     const LeafBlocks::Head& head = scene.blocks.head(b);
     const LocalRay local(ray, head, nearest, best);
     for (std::size_t k = 0; k < kWide; k += hn::Lanes(Lane())) {
       LaneRoots roots;
       const BlockLanes block{scene.blocks.columns(b), k};
-      const auto shrink = static_cast<float>(share);
+      const auto shrink = static_cast<float>(scene.shrink);
       if (!firstRootsOf(head.degree, block, local, shrink, context.counts, roots)) continue;
       const Lanes depths = hn::Mul(roots.s, roots.radius);
       const double depth = local.depth + hn::GetLane(hn::MinOfLanes(Lane(), depths));
@@ -66,29 +60,20 @@ firstDepth(const BlendContext& context, const BoundedRay& ray, const Line& line,
   return met ? best : HUGE_VAL;
 }
 
-/** The blend at a depth of a ray. */
-BlendSum
-blendOn(const BlendContext& context, const BoundedRay& ray, double depth)
+void
+traceOne(const BlendContext& context, const BoundedRay& ray, BlendedHit& hit)
 {
-  const Ray& own = ray.ray;
-  return blendAt(context,
-                 {along(own.origin, depth, own.direction), own.direction, ray.nearest - depth});
-}
-
-/** Looks for a hit among first roots inside balls of a share of their radii, behind those whose blend
- * is refused too. \param[in] accept bool(sum) */
-template <typename Accept>
-HWY_INLINE void
-traceLayers(const BlendContext& context, const BoundedRay& ray, const Line& line, double farthest,
-            double share, const Accept& accept, BlendedHit& hit)
-{
+  hit = BlendedHit();
+  const Line line(ray.ray, context.scene.tree.bounds);
   double nearest = ray.nearest;
   for (int layer = 0; layer < kMaxLayers; ++layer) {
-    const double depth = firstDepth(context, ray, line, nearest, farthest, share);
+    const double depth = firstDepth(context, ray, line, nearest);
     if (!(depth < HUGE_VAL)) return;
-    const BlendSum sum = blendOn(context, ray, depth);
+    const BlendPlace place{along(ray.ray.origin, depth, ray.ray.direction), ray.ray.direction,
+                           ray.nearest - depth};
+    const BlendSum sum = blendAt(context, place);
     if (sum.surfel == WideTree::kNothing) return;
-    if (accept(sum)) {
+    if (isSupported(sum, context.rules.min_coverage)) {
       hit.depth_hat = depth;
       hit.sum = sum;
       return;
@@ -98,29 +83,10 @@ traceLayers(const BlendContext& context, const BoundedRay& ray, const Line& line
   }
 }
 
-void
-traceOne(const BlendContext& context, const BoundedRay& ray, BlendedHit& hit)
-{
-  hit = BlendedHit();
-  const Line line(ray.ray, context.scene.tree.bounds);
-  const double coverage = context.rules.min_coverage;
-  traceLayers(
-      context, ray, line, ray.farthest, context.scene.shrink,
-      [&](const BlendSum& sum) { return isSupported(sum, coverage); }, hit);
-  if (hit.met() || !context.rules.close_gaps) return;
-  // Between shrunk balls a ray may slip through a sheet that goes on all around it.
-  traceLayers(
-      context, ray, line, ray.farthest, kMaxShrink,
-      [&](const BlendSum& sum) { return closesGap(sum, ray.ray.direction); }, hit);
-  if (hit.met()) ++context.counts.closed;
-}
-
-/** Whether one of some lanes' roots is accepted.
- * \param[in] alone a leaf that covers its root by so much needs no look at the blend there */
-template <typename Accept>
+/** Whether one of some lanes' roots lies on the surface. What a leaf alone covers needs no blend. */
 HWY_INLINE bool
-anyAccepted(const BlendContext& context, const BoundedRay& ray, double depth,
-            const LaneRoots& roots, double alone, const Accept& accept)
+anyOnSurface(const BlendContext& context, const BoundedRay& ray, double depth,
+             const LaneRoots& roots)
 {
   const Lane d;
   const RayScene& scene = context.scene;
@@ -129,63 +95,42 @@ anyAccepted(const BlendContext& context, const BoundedRay& ray, double depth,
   const float cover = static_cast<float>(1.0 / (scene.cover_radius * scene.cover_radius));
   const Lanes own = weightOf(scene.surface.info.blend_kernel,
                              hn::Min(hn::Mul(roots.from_center_sq, all(cover)), all(1.0f)));
-  const Lanes needed = all(static_cast<float>(alone));
-  const bool trimmed = scene.surface.hasTrimMaps();
-  if (!trimmed && (bitsOf(hn::Ge(own, needed)) & met) != 0) return true;
+  const Lanes needed = all(static_cast<float>(context.rules.min_coverage));
+  if ((bitsOf(hn::Ge(own, needed)) & met) != 0) return true;
   HWY_ALIGN float depths[kWide];
   hn::Store(hn::Mul(roots.s, roots.radius), d, depths);
   for (unsigned bits = met; bits != 0; bits &= bits - 1) {
     const double at = depth + depths[__builtin_ctz(bits)];
-    if (accept(blendOn(context, ray, at))) return true;
+    const BlendPlace place{along(ray.ray.origin, at, ray.ray.direction), ray.ray.direction, -at};
+    if (isSupported(blendAt(context, place), context.rules.min_coverage)) return true;
     ++context.counts.peeled;
   }
   return false;
 }
 
-/** Whether any root inside balls of a share of their radii is accepted. */
-template <typename Accept>
-HWY_INLINE bool
-anyRoot(const BlendContext& context, const BoundedRay& ray, const Line& line, double share,
-        double alone, const Accept& accept)
-{
-  const RayScene& scene = context.scene;
-  const bool wide = share > scene.shrink;
-  const float until = roundedUp(ray.farthest - line.shift);
-  const float from = static_cast<float>(std::max(0.0, ray.nearest - line.shift - 1e-6));
-  bool found = false;
-  const auto meet = [&](std::uint32_t n, float* entry) HWY_ATTR {
-    const WideBoxes& boxes = wide ? scene.tree.reach[n] : scene.tree.nodes[n].hit;
-    return meetChildren(boxes, line, from, until, entry);
-  };
-  walkAlong(scene.tree, from, until, context.counts.nodes, meet, [&](std::uint32_t b) HWY_ATTR {
-    const LeafBlocks::Head& head = scene.blocks.head(b);
-    const LocalRay local(ray, head, ray.nearest, ray.farthest);
-    for (std::size_t k = 0; k < kWide && !found; k += hn::Lanes(Lane())) {
-      LaneRoots roots;
-      const BlockLanes block{scene.blocks.columns(b), k};
-      const auto shrink = static_cast<float>(share);
-      if (!firstRootsOf(head.degree, block, local, shrink, context.counts, roots)) continue;
-      found = anyAccepted(context, ray, local.depth, roots, alone, accept);
-    }
-    return !found;
-  });
-  return found;
-}
-
 bool
 blockedOne(const BlendContext& context, const BoundedRay& ray)
 {
-  const Line line(ray.ray, context.scene.tree.bounds);
-  const double coverage = context.rules.min_coverage;
-  if (anyRoot(context, ray, line, context.scene.shrink, coverage,
-              [&](const BlendSum& sum) { return isSupported(sum, coverage); })) {
-    return true;
-  }
-  if (!context.rules.close_gaps) return false;
-  BoundedRay beyond = ray;
-  beyond.nearest = std::max(ray.nearest, ray.nearest_gap);
-  return anyRoot(context, beyond, line, kMaxShrink, HUGE_VAL,
-                 [&](const BlendSum& sum) { return closesGap(sum, ray.ray.direction); });
+  const RayScene& scene = context.scene;
+  const Line line(ray.ray, scene.tree.bounds);
+  const float until = roundedUp(ray.farthest - line.shift);
+  const float from = static_cast<float>(std::max(0.0, ray.nearest - line.shift - 1e-6));
+  bool blocked = false;
+  const auto meet = [&](const WideNode& node, float* entry)
+                        HWY_ATTR { return meetChildren(node, line, from, until, entry); };
+  walkAlong(scene.tree, from, until, context.counts.nodes, meet, [&](std::uint32_t b) HWY_ATTR {
+    const LeafBlocks::Head& head = scene.blocks.head(b);
+    const LocalRay local(ray, head, ray.nearest, ray.farthest);
+    for (std::size_t k = 0; k < kWide && !blocked; k += hn::Lanes(Lane())) {
+      LaneRoots roots;
+      const BlockLanes block{scene.blocks.columns(b), k};
+      const auto shrink = static_cast<float>(scene.shrink);
+      if (!firstRootsOf(head.degree, block, local, shrink, context.counts, roots)) continue;
+      blocked = anyOnSurface(context, ray, local.depth, roots);
+    }
+    return !blocked;
+  });
+  return blocked;
 }
 
 void
@@ -208,8 +153,7 @@ traceDepths(const RayScene& scene, const RayRules& rules, const BoundedRay* rays
   for (std::size_t i = 0; i < count; ++i) {
     BoundedRay ray = rays[i];
     if (rules.front_only) ray.nearest_behind = HUGE_VAL;
-    const Line line(ray.ray, scene.tree.bounds);
-    depths[i] = firstDepth(context, ray, line, ray.nearest, ray.farthest, scene.shrink);
+    depths[i] = firstDepth(context, ray, Line(ray.ray, scene.tree.bounds), ray.nearest);
   }
 }
 
@@ -232,9 +176,8 @@ visitBlocks(const WideTree& tree, const BoundedRay& ray, const RayWidth& width,
   float until = roundedUp(ray.farthest - line.shift);
   // A widened box may begin before the place where the line starts in single precision.
   const float from = static_cast<float>(ray.nearest - line.shift - 1e-6);
-  const auto meet = [&](std::uint32_t n, float* entry) HWY_ATTR {
-    return meetWidened(tree.nodes[n].hit, line, width, from, until, entry);
-  };
+  const auto meet = [&](const WideNode& node, float* entry)
+                        HWY_ATTR { return meetWidened(node, line, width, from, until, entry); };
   walkAlong(tree, from, until, nodes, meet, [&](std::uint32_t block) HWY_ATTR {
     double farthest = ray.farthest;
     const bool more = visitor.visit(visitor.context, block, farthest);

@@ -12,10 +12,9 @@ namespace pcl_slim {
 using namespace detail;
 
 Result<OctreeCloud>
-OctreeCloud::build(const CloudView& cloud, const RootGrid& grid, int threads,
-                   const ColorView& colors)
+OctreeCloud::build(const CloudView& cloud, const RootGrid& grid, int threads)
 {
-  return OctreeCloudBuilder(cloud, colors, resolveThreads(threads)).run(grid);
+  return OctreeCloudBuilder(cloud, resolveThreads(threads)).run(grid);
 }
 
 double

@@ -26,9 +26,9 @@ costOf(double points, double deviation)
 
 class ForestBuilder {
  public:
-  ForestBuilder(const OctreeCloud& cloud, const SplitRule& rule, const PointWindow& window,
+  ForestBuilder(const OctreeCloud& cloud, const SplitRule& rule, PointWindow& window,
                 std::vector<OctreeNode>& nodes, OctreeForest& forest)
-      : keys_{cloud.keys()},
+      : cloud_(cloud),
         rule_(rule),
         window_(window),
         nodes_(nodes),
@@ -44,7 +44,7 @@ class ForestBuilder {
 
   void root(std::size_t begin, std::size_t end, int shift)
   {
-    grow(begin, end, shift, nullptr);
+    grow(begin, end, shift, keysOf(cloud_), nullptr);
     forest_.roots.push_back(static_cast<std::uint32_t>(nodes_.size() - 1));
   }
 
@@ -52,7 +52,7 @@ class ForestBuilder {
 
  private:
   /** Adds the nodes of one cell's points; parent: receives their sums too, if not null. */
-  void grow(std::size_t begin, std::size_t end, int shift, CellSums* parent)
+  void grow(std::size_t begin, std::size_t end, int shift, RunKeys keys, CellSums* parent)
   {
     const std::size_t first = nodes_.size(), n = end - begin;
     OctreeNode node{
@@ -62,7 +62,7 @@ class ForestBuilder {
       nodes_.push_back(node);
       return;
     }
-    const int children = dividing(begin, end);
+    const int children = dividing(begin, end, keys);
     const bool whole = children < least_shift_;
     const bool direct = whole || n <= kDirect;
     CellSums sums = direct ? sumsOf(window_, begin, end) : CellSums();
@@ -70,8 +70,8 @@ class ForestBuilder {
       // What all points share is the cell: an ancestor of the same points costs no less.
       node.shift = std::min(shift, children + 1);
       for (std::size_t at = begin; at < end;) {
-        const std::size_t next = keys_.runEnd(at, end, children);
-        grow(at, next, children, direct ? nullptr : &sums);
+        const std::size_t next = keys.runEnd(at, end, children);
+        grow(at, next, children, keys, direct ? nullptr : &sums);
         at = next;
       }
     }
@@ -89,9 +89,15 @@ class ForestBuilder {
   }
 
   /** Level at which a cell's points fall apart; below least_shift_: not at all. */
-  int dividing(std::size_t begin, std::size_t end) const
+  int dividing(std::size_t begin, std::size_t end, RunKeys& keys)
   {
-    return end - begin < rule_.min_points ? -1 : keys_.dividingShift(begin, end);
+    if (end - begin < rule_.min_points) return -1;
+    int children = keys.keys ? keys.dividingShift(begin, end) : -1;
+    if (children < keys.lowest && keys.lowest > least_shift_) {
+      keys = refine(cloud_, window_, begin, end);
+      children = keys.dividingShift(begin, end);
+    }
+    return children;
   }
 
   double variance(const CellSums& sums) const
@@ -101,9 +107,9 @@ class ForestBuilder {
 
   static constexpr std::size_t kDirect = 32;  ///< points quicker summed again than from children
 
-  RunKeys keys_;
+  const OctreeCloud& cloud_;
   const SplitRule& rule_;
-  const PointWindow& window_;
+  PointWindow& window_;
   std::vector<OctreeNode>& nodes_;
   OctreeForest& forest_;
   int least_shift_;
@@ -165,7 +171,7 @@ OctreeForest::extract(double lambda, std::size_t i, float spacing,
 }
 
 std::vector<OctreeForest>
-growForests(const OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule, int growth,
+growForests(OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule, int growth,
             int threads)
 {
   std::vector<OctreeForest> forests(numRootSlices(cloud));
@@ -185,6 +191,7 @@ growForests(const OctreeCloud& cloud, const OctreeSource& source, const SplitRul
           builder.root(cloud.root(group).begin, cloud.root(r).begin, cloud.depth() + growth);
         }
         builder.finish();
+        for (std::size_t i = begin; i < end; ++i) cloud.setOrder(i, window.order(i));
       });
   return forests;
 }

@@ -37,9 +37,10 @@ struct OctreeForest {
   bool whole(std::size_t i, double lambda) const { return best[i] >= nodes[i].cost + lambda; }
 };
 
-/** Grows the trees above all points, slice by slice, from cells 2^growth roots wide. */
+/** Grows the trees above all points, slice by slice, from cells 2^growth roots wide; points of the
+ * cloud are put in their full order. */
 std::vector<OctreeForest>
-growForests(const OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule, int growth,
+growForests(OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule, int growth,
             int threads);
 
 }  // namespace pcl_slim::detail
