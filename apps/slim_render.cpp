@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "common/memory_limit.h"
 #include "common/options.h"
 #include "common/program.h"
 #include "common/progress_bar.h"
@@ -31,9 +32,10 @@ struct Settings {
   PictureRequest picture;
   LineRequest lines;
   TracedRequest traced;
-  double near_plane = 0.0;
+  double near_plane = 0.0, lod = 0.0;
   int threads = 0, turntable = 1, repeat = 0;
-  bool filtered = true, skip = true, reference = false, quiet = false;
+  std::uint64_t max_memory = 0;
+  bool filtered = true, trim = true, skip = true, reference = false, quiet = false;
 };
 
 OptionTable
@@ -56,17 +58,21 @@ declareOptions(Settings& s)
                 "pictures all the way round: OUT_000.png, OUT_001.png ...");
   table.number("near", &s.near_plane, 0.0, 1e300, "cut away what is nearer than this");
   table.choice("sides", &s.sides, {"auto", "front", "both"}, "sides of the surface to draw");
+  table.toggle("trim", &s.trim, "end a surface where its scan ended; 0: draw all of its balls");
   table.choice("derivatives", &s.derivatives, {"blended", "unity"},
                "of normals and curvatures: the leaves', blended, or those of their partition of "
                "unity, to compare with");
   s.picture.declareFinish(table);
   s.lines.declare(table);
+  table.number("lod", &s.lod, 0.0, 1024.0,
+               "draw coarser surfels where they are seen smaller than this many pixels");
   table.toggle("skip", &s.skip, "leave out work that cannot change the picture");
   table.toggle("reference", &s.reference, "draw in double, ray by ray: slow");
   table.integer("repeat", &s.repeat, 0, 10000,
                 "time N frames of one ray a pixel: seconds.frame of -json");
   table.integer("threads", &s.threads, 0, 1024, "threads, 0: all cores");
   table.text("json", &s.json, "FILE", "write a report");
+  declareMemoryLimit(table, &s.max_memory);
   table.toggle("quiet", &s.quiet, "print nothing");
   return table;
 }
@@ -96,6 +102,7 @@ renderingOf(const Settings& s)
   RenderParams params;
   params.sides = sidesOf(s);
   params.near_plane = s.near_plane;
+  params.lod = s.lod;
   params.derivatives =
       s.derivatives == "unity" ? Derivatives::kPartitionOfUnity : Derivatives::kBlended;
   params.reference = s.reference;
@@ -129,7 +136,9 @@ reportSurface(const Model& model, const RenderStatistics& counts, nlohmann::orde
   json["rays_bracketed"] = counts.rays_bracketed;
   json["skipped"] = {{"outside_frustum", counts.outside_frustum},
                      {"back_facing", counts.back_facing},
+                     {"below_detail", counts.below_detail},
                      {"occluded_entries", counts.occluded_entries}};
+  json["coarse_surfels"] = counts.coarse_surfels;
 }
 
 void
@@ -274,6 +283,14 @@ fail(Console& console, int status, const Error& error)
   return status;
 }
 
+/** What the rays' columns and the picture take at least. */
+double
+bytesOfPicture(const Settings& s)
+{
+  constexpr double kBytesOfPixel = 40;  // one frame at a time, whatever -aa
+  return kBytesOfPixel * s.view.size.width * s.view.size.height;
+}
+
 int
 statusOf(const Error& error)
 {
@@ -308,18 +325,19 @@ renderModel(const Settings& s, const Model& model, const Camera& camera, Console
 int
 run(const Settings& s)
 {
+  if (Error error = limitMemory(s.max_memory))
+    return pcl_slim::fail("pcl_slim_render", kExitUsage, error.message);
   for (const std::string& path : {turntablePath(s.output, 0, s.turntable), s.save_camera}) {
     const Error error = path.empty() ? Error{} : checkWritable(path);
-    if (!error) continue;
-    std::fprintf(stderr, "pcl_slim_render: %s\n", error.message.c_str());
-    return kExitFailed;
+    if (error) return pcl_slim::fail("pcl_slim_render", kExitFailed, error.message);
   }
   Console console(s.quiet);
   Report report("pcl_slim_render", PCL_SLIM_VERSION, s.input, resolveThreads(s.threads));
   console.begin("Loading " + s.input);
   const Stopwatch load_time;
-  const Result<Model> model = loadModel(s.input);
+  Result<Model> model = loadModel(s.input);
   if (!model) return fail(console, kExitUsage, model.error());
+  if (!s.trim) model->surface.dropTrimMaps();
   report.time("load", load_time.seconds());
   console.done(load_time.seconds(), model->describe());
   if (model->skipped > 0) {
@@ -332,6 +350,8 @@ run(const Settings& s)
                 {ErrorCode::kBadArgument,
                  "splats have no curvature; drop -lines, -line_file and -mode sketch"});
   }
+  if (Error error = checkMemory(bytesOfPicture(s), "a picture of " + s.view.size_text))
+    return fail(console, kExitFailed, error);
   const ShadingParams shading = s.picture.shadingFor(model->is_splats, 1);
   ViewRequest view = s.view;
   if (shading.color_bar && showsNumbers(shading.mode)) view.right_margin = colorBarShare(view.size);

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "common/memory_limit.h"
 #include "pcl_slim/cloud/point_store.h"
 
 namespace pcl_slim {
@@ -10,6 +11,7 @@ namespace pcl_slim {
 namespace {
 
 constexpr std::uint64_t kMany = 1000000000000000000u;
+constexpr double kBytesOfPoint = 60;  ///< that a fit takes at least while the store is built
 
 const char*
 normalSourceName(NormalSource source)
@@ -49,7 +51,13 @@ reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatisti
               {"split_sheets", fit.split_sheets},
               {"oriented", surface.info.oriented},
               {"fits", fit.fits},
+              {"fell_by_support", fit.fell_by_support},
+              {"fell_by_pivot", fit.fell_by_pivot},
+              {"line_balls", fit.line_balls},
+              {"least_pivot", fit.least_pivot},
               {"gathered", fit.gathered},
+              {"open_leaves", fit.open_leaves},
+              {"trim_bytes", surface.trim_maps.size()},
               {"store_bytes", store.memoryBytes()},
               {"working_bytes", fit.working_bytes}});
   report.json()["skipped"] = {{"non_finite", points.non_finite},
@@ -63,6 +71,7 @@ reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatisti
   report.time("cover", fit.seconds_cover);
   report.time("links", fit.seconds_links);
   report.time("orient", fit.seconds_orient);
+  report.time("trim", fit.seconds_trim);
 }
 
 /** "1 level", "3 levels". */
@@ -130,6 +139,16 @@ declareFitOptions(OptionTable& options, FitJob& job)
   for (const char* name : {"t_mdl", "paper"}) options.exclusive({"normals_as_data", name});
 }
 
+void
+declareTrimOptions(OptionTable& options, FitJob& job)
+{
+  job.params.trim = true;
+  options.toggle("trim", &job.params.trim,
+                 "end the surface where the scan ends, and keep the scan's holes");
+  options.number("hole", &job.params.hole_size, 2, 50,
+                 "diameter of the smallest hole kept, in spacings of the points");
+}
+
 Error
 finishFitOptions(FitJob& job)
 {
@@ -161,7 +180,12 @@ loadScan(const std::string& path, const FitJob& job, Console& console, Report& r
   if (job.normal_neighbours > 0) {
     const Stopwatch estimation;
     console.begin("Estimating normals");
-    estimateNormals(job.normal_neighbours, job.viewpoint, job.params.threads, *cloud);
+    const Error error =
+        estimateNormals(job.normal_neighbours, job.viewpoint, job.params.threads, *cloud);
+    if (error) {
+      console.failed();
+      return error;
+    }
     report.time("normals", estimation.seconds());
     console.done(estimation.seconds(), std::to_string(job.normal_neighbours) + " neighbours");
   }
@@ -175,6 +199,8 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
         SLIMSurface& surface, PointStore* kept)
 {
   Stopwatch watch;
+  const double bytes = kBytesOfPoint * static_cast<double>(cloud.size());
+  if (Error error = checkMemory(bytes, "fitting " + counted(cloud.size(), "point"))) return error;
   console.begin("Preparing");
   Result<PointStore> store = PointStore::build(
       cloud.view(job.use_normals || job.normal_neighbours > 0), job.params.threads);
@@ -190,7 +216,8 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
   watch = Stopwatch();
   console.begin("Fitting");
   FitStatistics statistics;
-  if (Error error = fitSurface(*store, job.params, surface, &statistics, &console.progress())) {
+  Error error = fitSurface(*store, job.params, surface, &statistics, &console.progress());
+  if (error && error.code != ErrorCode::kNoSurface) {
     console.failed();
     return error;
   }
@@ -208,7 +235,7 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
         "used as directions, not as data");
   }
   if (kept) *kept = std::move(*store);
-  return {};
+  return error;
 }
 
 }  // namespace pcl_slim

@@ -25,13 +25,14 @@ constexpr float kSameSheet = 5e-4f;  ///< of r: q^ gains nothing by moving forwa
 /** Sums of a block's blend (eqs. 6, 7, 8 left), before division by the weight; camera's axes. */
 struct BlockSums {
   Vec weight, shift, coverage, facing, best;
+  Vec outside;  ///< of w outsideShare(): of the trim maps
   Vec gradient[3], hessian[6], lean[3], leaves;
   UintVec surfel;
 
   void clear()
   {
     const Vec zero = set(0.0f);
-    weight = shift = coverage = facing = best = leaves = zero;
+    weight = shift = coverage = facing = best = outside = leaves = zero;
     for (auto& g : gradient) g = zero;
     for (auto& h : hessian) h = zero;
     for (auto& l : lean) l = zero;
@@ -58,7 +59,6 @@ struct PassContext {
   TileBlocks& tile;
   WeightKernel kernel;
   float first_sq, blend_sq;  ///< squared shares of radii
-  float inverse_cover_sq;
   bool front_only, with_hessian, with_near_plane;
   RenderStatistics& statistics;
 
@@ -68,7 +68,6 @@ struct PassContext {
         kernel(s.surface.info.blend_kernel),
         first_sq(s.shares.first * s.shares.first),
         blend_sq(s.shares.blend * s.shares.blend),
-        inverse_cover_sq(static_cast<float>(1.0 / (s.rules.cover_radius * s.rules.cover_radius))),
         front_only(s.rules.front_only),
         with_hessian((s.columns & (kHessianColumn | kCurvatureColumn)) != 0),
         with_near_plane(s.rules.near_plane > 0.0),

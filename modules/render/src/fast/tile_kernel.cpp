@@ -2,7 +2,8 @@
 // Draws one tile, block by block of pixels, a ray a lane.
 #include "fast/tile_kernel.h"
 
-// These would do no better than the next lower instruction set, and each costs a minute to compile.
+// Pairs of vectors want eight lanes at most: processors with AVX-512 run the code for AVX2. Those
+// without AVX2 are old enough to take the plain code; every set costs a minute to compile.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL | HWY_SSE4 | HWY_AVX3)
 
 #undef HWY_TARGET_INCLUDE
@@ -99,6 +100,7 @@ blendNear(const PassContext& context, const FrameLeaf& leaf, const Block& block,
   add(sums.weight, lanes.weight);
   add(sums.shift, lanes.shift);
   add(sums.coverage, lanes.coverage);
+  add(sums.outside, lanes.outside);
   add(sums.facing, lanes.facing);
   for (int a = 0; a < 3; ++a) {
     add(sums.gradient[a], lanes.gradient[a]);
@@ -260,8 +262,10 @@ drawBlock(const PassContext& context, const BlockOutput& output)
     const Ball around = ballAround(context, block);
     gather<false>(context, around, block, sums);
     const Mask met = Gt(sums.weight, set(0.0f));
-    Mask uncovered = And(met, Lt(sums.coverage, set(min_coverage)));
+    const Mask outside = Gt(sums.outside, Mul(set(0.5f), sums.weight));
+    Mask uncovered = AndNot(outside, And(met, Lt(sums.coverage, set(min_coverage))));
     if (!AllFalse(uncovered)) uncovered = unsupported(context, around, block, uncovered);
+    uncovered = Or(uncovered, outside);
     const bool last = AllFalse(uncovered);
     if (last && layer == 0) return output.write(block, sums, block.first);
     keep(AndNot(uncovered, met), sums, block, kept, kept_first);

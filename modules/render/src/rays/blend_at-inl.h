@@ -23,7 +23,8 @@ constexpr float kMaxShift = 0.25f;  ///< distance of q^ from a leaf's own surfac
 /** The sums of a blend, each over the leaves of its lane. */
 struct LaneSums {
   Lanes weight, shift, coverage, leaves, facing;
-  Lanes gradient[3], hessian[6], lean[3];
+  Lanes gradient[3], hessian[6], lean[3], spread[3];
+  double outside = 0.0;  ///< of w outsideShare(), over all lanes
   HWY_ALIGN float largest[kWide];
   std::uint32_t surfel[kWide];
 
@@ -33,6 +34,7 @@ struct LaneSums {
     for (auto& g : gradient) g = weight;
     for (auto& h : hessian) h = weight;
     for (auto& l : lean) l = weight;
+    for (auto& l : spread) l = weight;
     std::fill(largest, largest + kWide, 0.0f);
     std::fill(surfel, surfel + kWide, WideTree::kNothing);
   }
@@ -44,11 +46,13 @@ struct LaneSums {
     sum.weight = over(weight);
     sum.shift = over(shift);
     sum.coverage = over(coverage);
+    sum.outside = outside;
     sum.leaves = static_cast<int>(over(leaves));
     sum.facing = static_cast<std::int32_t>(over(facing));
     for (int a = 0; a < 3; ++a) {
       sum.gradient[a] = over(gradient[a]);
       sum.lean[a] = over(lean[a]);
+      sum.spread[a] = over(spread[a]);
     }
     for (std::size_t i = 0; i < 6; ++i) sum.hessian[i] = over(hessian[i]);
     for (std::size_t k = 0; k < kWide; ++k) {
@@ -202,6 +206,33 @@ keepLargest(const LeafBlocks::Head& head, std::size_t k, Lanes weight, LaneSums&
   }
 }
 
+/** Adds what the trim maps of open leaves say of their crossings at (u, v). */
+HWY_NOINLINE void
+addOutside(const SLIMSurface& surface, const std::uint32_t* surfels, Lanes weight, Lanes u, Lanes v,
+           LaneSums& sums)
+{
+  const Lane d;
+  HWY_ALIGN float w[kWide], at_u[kWide], at_v[kWide];
+  hn::Store(weight, d, w);
+  hn::Store(u, d, at_u);
+  hn::Store(v, d, at_v);
+  for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
+    if (!(w[k] > 0.0f)) continue;
+    sums.outside += w[k] * outsideShare(surface.trimMap(surfels[k]), at_u[k], at_v[k]);
+  }
+}
+
+/** Adds where leaves meet the ray, from their centres: weighted, and as they are. */
+HWY_INLINE void
+addPlaces(const Triad& at, Lanes weight, Some added, LaneSums& sums)
+{
+  const Lanes places[] = {at.x, at.y, at.z};
+  for (std::size_t a = 0; a < 3; ++a) {
+    sums.lean[a] = hn::MulAdd(weight, places[a], sums.lean[a]);
+    sums.spread[a] = hn::Add(sums.spread[a], hn::IfThenElseZero(added, places[a]));
+  }
+}
+
 /** Adds leaves k, k + 1, ... of a block to a blend, as blendLeaf(). */
 template <int D>
 HWY_INLINE void
@@ -252,12 +283,13 @@ addLeaves(const BlendContext& context, const LeafBlocks::Head& head, const Block
   const Some rises = hn::Gt(line.slope(s), zero);
   const Lanes side = hn::IfThenElse(rises, hn::Neg(one), one);
   sums.facing = hn::Add(sums.facing, only(side));
-  const Triad at = p.along(s, direction);
-  sums.lean[0] = hn::MulAdd(weight, at.x, sums.lean[0]);
-  sums.lean[1] = hn::MulAdd(weight, at.y, sums.lean[1]);
-  sums.lean[2] = hn::MulAdd(weight, at.z, sums.lean[2]);
-  addDerivatives<D>(block, frame, hn::MulAdd(s, line.du, u), hn::MulAdd(s, line.dv, v),
-                    hn::Mul(side, weight), context.rules.with_hessian, sums);
+  addPlaces(p.along(s, direction), weight, added, sums);
+  const Lanes at_u = hn::MulAdd(s, line.du, u), at_v = hn::MulAdd(s, line.dv, v);
+  addDerivatives<D>(block, frame, at_u, at_v, hn::Mul(side, weight), context.rules.with_hessian,
+                    sums);
+  if (context.scene.surface.hasTrimMaps()) {
+    addOutside(context.scene.surface, head.surfel + block.k, weight, at_u, at_v, sums);
+  }
   keepLargest(head, block.k, weight, sums);
 }
 
