@@ -184,6 +184,11 @@ GBufferMapper::UpdateBufferObjects(vtkRenderer* /*renderer*/, vtkActor* /*actor*
   // There are no vertices: rays meet the object itself.
 }
 
+void
+GBufferMapper::complete(FrameRequest& /*request*/) const
+{
+}
+
 bool
 GBufferMapper::usesCard(vtkOpenGLRenderWindow* /*window*/, const FrameRequest& /*request*/)
 {
@@ -237,7 +242,8 @@ GBufferMapper::prepareFrame(vtkRenderer* renderer, vtkActor* actor)
   window->GetState()->vtkglGetIntegerv(GL_VIEWPORT, s.viewport.data());
   s.view = viewOf(renderer, actor, s.bounds, s.viewport[2], s.viewport[3]);
   s.planes = clipPlanesOf(this, actor);
-  const FrameRequest request{0.0, s.sides, s.threads, s.planes};
+  FrameRequest request{0.0, s.sides, s.threads, s.planes};
+  complete(request);
   const FrameKey key(s.view, request, s.object);
   const bool hurry = s.budget > 0.0 && isInteracting(renderer);
   const int coarseness = hurry ? s.frame.coarsenessFor(s.budget) : 1;
@@ -346,8 +352,10 @@ GBufferMapper::castRay(vtkRenderer* renderer, vtkActor* actor, int x, int y, GBu
   ViewCamera translated;
   if (translateView(view.gl, view.near_distance, 1, translated)) return false;
   const double column = (x + 0.5) * translated.texels_x - 0.5;
-  const FrameRequest request{translated.near_plane, state_->sides, state_->threads,
-                             clipPlanesOf(this, actor)};
+  FrameRequest request{translated.near_plane, state_->sides, state_->threads,
+                       clipPlanesOf(this, actor)};
+  complete(request);
+  request.lod = 0.0;
   const Camera camera = cameraOfPixel(translated.camera, column, height - 1 - y);
   if (rasterize(camera, request, pixel)) return false;
   return pixel.numPixels() == 1 && pixel.covered(0);

@@ -4,6 +4,9 @@
 #include <vtkObjectFactory.h>
 #include <vtkPolyData.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "color/surface_ranges.h"
 #include "export/leaf_points.h"
 #include "frame/surface_frame.h"
@@ -55,6 +58,31 @@ SLIMMapper::setBackend(RayBackend backend)
   backend_ = backend;
   card_fails_ = false;
   dropFrame();
+}
+
+void
+SLIMMapper::setLevelOfDetail(double pixels)
+{
+  constexpr double kMost = 1024.0;  // as RenderParams takes
+  pixels = std::isfinite(pixels) ? std::clamp(pixels, 0.0, kMost) : 0.0;
+  if (pixels == lod_) return;
+  lod_ = pixels;
+  Modified();
+}
+
+void
+SLIMMapper::setTrimming(bool trim)
+{
+  if (trim == trim_) return;
+  trim_ = trim;
+  Modified();
+}
+
+void
+SLIMMapper::complete(FrameRequest& request) const
+{
+  request.lod = lod_;
+  request.trim = trim_;
 }
 
 bool

@@ -41,6 +41,8 @@ struct FrameRequest {
   VisibleSides sides = VisibleSides::kAuto;
   int threads = 0;
   std::vector<HalfSpace> clip_planes;  ///< what is kept, the object's coordinates, unit normals
+  double lod = 0.0;  ///< level of detail, pixels from one ray to the next; 0: none
+  bool trim = true;  ///< heed trim maps
 };
 
 /** \brief Base of the mappers that draw what has no triangles: rays are intersected on the CPU or
@@ -53,8 +55,9 @@ struct FrameRequest {
  *
  * The rays' result is kept while camera, size, object and clipping planes stay as they are; a
  * change of mode, range, light or property only shades it again. While the mouse moves, rays
- * stand 2 or 4 pixels apart if a full frame takes longer than the frame budget; the frame that an
- * interactor style draws when the button is released is full again.
+ * stand 2 or 4 pixels apart if a full frame takes longer than the frame budget, and what is seen
+ * smaller than their distance is left to coarser surfels; the frame that an interactor style draws
+ * when the button is released is full again.
  *
  * Methods in VTK's spelling are VTK's own. One object serves one render window. VTK's rule for
  * threads applies: call it from the thread of the window.
@@ -107,6 +110,9 @@ class GBufferMapper : public vtkOpenGLPolyDataMapper {
   GBufferMapper();
   ~GBufferMapper() override;
 
+  /** \brief Adds what the object alone knows of to a frame's request, lengths in pixels of the
+   * window. */
+  virtual void complete(FrameRequest& request) const;
   /** \brief Intersects the rays of a camera with the object. */
   virtual Error rasterize(const Camera& camera, const FrameRequest& request, GBuffer& buffer) = 0;
   /** \brief Whether the graphics card intersects the rays of such a frame. The window's context is

@@ -70,6 +70,16 @@ class SLIMMapper : public GBufferMapper {
   void setBackend(RayBackend backend);
   RayBackend getBackend() const { return backend_; }
 
+  /** \brief Surfels seen smaller than this many pixels stand for their descendants, so that far
+   * surfaces cost less; 0 (default): every leaf is drawn. Both back ends; what has clipping planes
+   * is drawn leaf by leaf. The graphics card then holds internal surfels as well. */
+  void setLevelOfDetail(double pixels);
+  double getLevelOfDetail() const { return lod_; }
+
+  /** \brief Whether an open surface ends where its trim maps say that its data do (true). */
+  void setTrimming(bool trim);
+  bool getTrimming() const { return trim_; }
+
   bool supports(DisplayMode mode) const override;
   void ReleaseGraphicsResources(vtkWindow* window) override;
 
@@ -77,6 +87,7 @@ class SLIMMapper : public GBufferMapper {
   SLIMMapper();
   ~SLIMMapper() override;
 
+  void complete(FrameRequest& request) const override;
   Error rasterize(const Camera& camera, const FrameRequest& request, GBuffer& buffer) override;
   bool usesCard(vtkOpenGLRenderWindow* window, const FrameRequest& request) override;
   Error drawOnCard(vtkOpenGLRenderWindow* window, const detail::ViewCamera& view,
@@ -93,6 +104,8 @@ class SLIMMapper : public GBufferMapper {
   std::unique_ptr<detail::SurfaceFrames> frames_;
   std::unique_ptr<detail::CardRasterizer> card_;
   RayBackend backend_ = RayBackend::kAuto;
+  double lod_ = 0.0;
+  bool trim_ = true;
   bool card_fails_ = false;                                      ///< and has said so once
   mutable std::map<DisplayMode, std::array<double, 2>> ranges_;  ///< those asked for so far
 };
