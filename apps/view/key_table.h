@@ -19,6 +19,8 @@ enum class Command : unsigned char {
   kBalls,
   kNormals,
   kDetail,
+  kLevelOfDetail,
+  kTrim,
   kBackend,
   kSides,
   kParallel,

@@ -9,6 +9,8 @@
 #include <vtkRenderWindowInteractor.h>
 #include <vtkRenderer.h>
 
+#include <cstdio>
+
 #include "pcl_slim/visualization/scalar_bar.h"
 #include "pcl_slim/visualization/slim_mapper.h"
 #include "render/camera_file.h"
@@ -93,6 +95,7 @@ Viewer::begin()
   }
   if (SLIMMapper* surface = scene_.surfaceMapper()) {
     surface->setBackend(backendOf(settings_.backend));
+    surface->setLevelOfDetail(settings_.lod);
   }
   scene_.showBalls(settings_.balls);
   scene_.showNormals(settings_.normals);
@@ -169,6 +172,8 @@ Viewer::execute(const Key& key)
     case Command::kNarrowerRange: return scene_.scaleRange(0.8);
     case Command::kAutomaticRange: return scene_.scaleRange(0.0);
     case Command::kDetail: return stepDetail();
+    case Command::kLevelOfDetail: return stepLevelOfDetail();
+    case Command::kTrim: return toggleTrimming();
     case Command::kBackend: return stepBackend();
     case Command::kSides: return stepSides();
     case Command::kReset: return resetCamera();
@@ -229,6 +234,28 @@ Viewer::stepDetail()
                  ? "while the mouse moves, frames of at most " +
                        std::to_string(static_cast<int>(mapper->getFrameBudget())) + " ms"
                  : "full detail while the mouse moves";
+}
+
+void
+Viewer::stepLevelOfDetail()
+{
+  SLIMMapper* mapper = scene_.surfaceMapper();
+  if (!mapper) return;
+  const double now = mapper->getLevelOfDetail();
+  mapper->setLevelOfDetail(now <= 0.0 ? 1.0 : now < 32.0 ? 2.0 * now : 0.0);
+  char text[80];
+  std::snprintf(text, sizeof(text), "surfels below %g pixels stand for their descendants",
+                mapper->getLevelOfDetail());
+  message_ = mapper->getLevelOfDetail() > 0.0 ? text : "every leaf is drawn";
+}
+
+void
+Viewer::toggleTrimming()
+{
+  SLIMMapper* mapper = scene_.surfaceMapper();
+  if (!mapper) return;
+  mapper->setTrimming(!mapper->getTrimming());
+  message_ = mapper->getTrimming() ? "the surface ends where its data do" : "all of every ball";
 }
 
 void

@@ -23,7 +23,7 @@ namespace pcl_slim {
 /** \brief How a window begins. */
 struct ViewerSettings {
   std::string title, mode = "auto", camera_file = "pcl_slim_camera.txt", backend = "auto";
-  double range = 0.0, frame_budget = 50.0;
+  double range = 0.0, frame_budget = 50.0, lod = 0.0;
   bool balls = false, points = false, normals = false, help = false;
   int threads = 0;
   ViewRequest view;
@@ -61,6 +61,8 @@ class Viewer {
   void toggle(Command command);
   Error loadCameraFile();
   void stepDetail();
+  void stepLevelOfDetail();
+  void toggleTrimming();
   void setDigitMode(int digit);
   void stepBackend();
   void stepSides();

@@ -29,7 +29,7 @@ uniform int slimTexelsOfLeaf;
 uniform int slimDegree;
 uniform int slimFrontOnly;
 flat in int slimLeaf;
-flat in vec3 slimPart;         // share of the weight, of pass 1's ball, 1 / the cover's radius
+flat in vec3 slimPart;         // share of the weight, 1 / the cover's radius, scale of the ball
 flat in ivec2 slimTrim;        // where the trim map begins and its side; side 0: closed
 
 // Along the ray s counts in radii from where it is nearest to the centre.

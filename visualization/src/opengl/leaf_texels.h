@@ -22,7 +22,8 @@ struct LeafTexels {
   /** texelsOfLeaf(info.degree) texels for each leaf and, behind all leaves, for each internal
    * surfel if they were asked for. The fourth texel of one: the begin of its trim map in 4096 words,
    * what that leaves over times 64 plus the map's side less 1, or -1 of a closed one; its own radius,
-   * 0 of a leaf; the largest radius of a parent, 1e18 without one. */
+   * 0 of a leaf; the largest radius of a parent, 1e18 without one. Balls of internal surfels are
+   * drawn larger than their radius. */
   std::vector<float> surfels;
   /** Words of TrimTable, row by row; one word at least, as a buffer cannot be empty. */
   std::vector<std::int32_t> trim_words;

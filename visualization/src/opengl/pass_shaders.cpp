@@ -26,16 +26,16 @@ float slimCoarse(float radius, float z)
   return smoothstep(0.0, 1.0, (fade - size) / (fade - 1.0));
 }
 
-// What leaves and internal surfels count for. Internal ones overlap far less than leaves: rays meet
-// them in the whole ball, and they cover what they hold.
-vec3 slimPartOf(vec4 more, float z)
+// What leaves and internal surfels count for; internal ones cover what they hold.
+vec3 slimPartOf(vec4 ball, vec4 more, float z)
 {
-  const float whole = 0.95, meets = 0.4;
-  if (slimDetail <= 0.0) return vec3(1.0, slimReach, 1.0 / slimCoverRadius);
-  float share = slimCoarse(more.z, z) * (1.0 - slimCoarse(more.w, z));
-  if (slimFirstPass != 0 && share < meets) share = 0.0;
-  if (more.z > 0.0) return vec3(share, slimFirstPass != 0 ? whole : slimReach, 0.0);
-  return vec3(share, slimReach, 1.0 / slimCoverRadius);
+  const float meets = 0.4;
+  vec3 part = vec3(1.0, 1.0 / slimCoverRadius, 1.0);
+  if (slimDetail <= 0.0) return part;
+  part.x = slimCoarse(more.z, z) * (1.0 - slimCoarse(more.w, z));
+  if (slimFirstPass != 0 && part.x < meets) part.x = 0.0;
+  if (more.z > 0.0) part.yz = vec2(0.0, ball.w / more.z);
+  return part;
 }
 
 // Bounds of a sphere's outline on the plane at unit depth, along one axis.
@@ -55,8 +55,8 @@ void main()
   vec3 center = ((ball.xyz - slimEye) - slimEyeRest) * slimAxes;
   int rest = int(more.y);
   slimTrim = rest < 0 ? ivec2(0) : ivec2(4096 * int(more.x) + rest / 64, rest % 64 + 1);
-  slimPart = slimPartOf(more, center.z);
-  float radius = 1.001 * slimPart.y * ball.w;
+  slimPart = slimPartOf(ball, more, center.z);
+  float radius = 1.001 * slimReach * ball.w;
   vec2 x = vec2(center.x - radius, center.x + radius);
   vec2 y = vec2(center.y - radius, center.y + radius);
   if (slimScreen.w == 0.0) {
@@ -80,6 +80,7 @@ void main()
 
 constexpr const char* kFirstPass = R"(
 uniform sampler2D slimNearest;   // rays begin here; below 0 where they are done
+uniform float slimReach;
 void main()
 {
   float nearest = texelFetch(slimNearest, ivec2(gl_FragCoord.xy), 0).x;
@@ -87,7 +88,7 @@ void main()
   vec2 slopes = slimSlopes();
   vec3 direction = slimDirection(slopes);
   Leaf leaf = slimReadLeaf(slopes, direction);
-  float rest = slimPart.y * slimPart.y - leaf.distance2;
+  float rest = slimReach * slimReach - leaf.distance2;
   if (!(rest > 0.0)) discard;
   float high = sqrt(rest), low = max(-high, (nearest - leaf.depth) / leaf.radius);
   if (!(low <= high)) discard;
@@ -212,14 +213,14 @@ void main()
   float at_u = dot(q, leaf.u), at_v = dot(q, leaf.v);
   slimJet(leaf, at_u, at_v, g, h);
   float side = slimSlope(a, s) > 0.0 ? -1.0 : 1.0;
-  float cover = slimWeight((leaf.distance2 + s * s) * slimPart.z * slimPart.z);
+  float cover = slimWeight((leaf.distance2 + s * s) * slimPart.y * slimPart.y);
   vec3 u = leaf.u, v = leaf.v;
   float scale = -side * w / leaf.radius;
   gl_FragData[0] = vec4(w, w * (s - s_hat) * leaf.radius, cover, 1.0);
   gl_FragData[1] = vec4(w * q, side);
   gl_FragData[2] = vec4(side * w * (leaf.w - g.x * u - g.y * v), w * leaf.radius);
   gl_FragData[3] = vec4(scale * (h.x * u * u + 2.0 * h.y * u * v + h.z * v * v),
-                        w * slimOutside(at_u, at_v));
+                        w * slimOutside(slimPart.z * at_u, slimPart.z * at_v));
   gl_FragData[4] = vec4(scale * (h.x * u.x * u.y + h.y * (u.x * v.y + v.x * u.y) + h.z * v.x * v.y),
                         scale * (h.x * u.x * u.z + h.y * (u.x * v.z + v.x * u.z) + h.z * v.x * v.z),
                         scale * (h.x * u.y * u.z + h.y * (u.y * v.z + v.y * u.z) + h.z * v.y * v.z),
@@ -242,7 +243,7 @@ void main()
   if (!(w > 0.0)) discard;
   // Depths near 1 tell small weights no longer apart, so it is the logarithm that is compared.
   gl_FragDepth = clamp(-log2(w) / 64.0, 0.0, 0.999);
-  gl_FragData[0] = vec4(0.0, 0.0, leaf.radius * slimScale, leaf.share);
+  gl_FragData[0] = vec4(0.0, 0.0, leaf.radius / slimPart.z * slimScale, leaf.share);
 }
 )";
 
