@@ -51,6 +51,9 @@ declareOptions(Settings& s)
                "milliseconds a frame may take while the mouse moves, else it is coarser; 0: any");
   table.number("lod", &s.viewer.lod, 0.0, 1024.0,
                "draw coarser surfels where they are seen smaller than this many pixels");
+  table.choice("lines", &s.viewer.lines, {"none", "crest", "suggestive", "contour", "all"},
+               "lines over a surface; none with -mode sketch: all");
+  table.number("line_width", &s.viewer.line_width, 0.1, 100, "width of strong lines, pixels");
   table.choice("backend", &s.viewer.backend, {"auto", "cpu", "opengl"},
                "what intersects rays with a surface; auto: the graphics card if there is one");
   s.viewer.view.declareCamera(table);

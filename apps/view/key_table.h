@@ -21,6 +21,7 @@ enum class Command : unsigned char {
   kDetail,
   kLevelOfDetail,
   kTrim,
+  kLines,
   kBackend,
   kSides,
   kParallel,

@@ -29,9 +29,10 @@ coveredRectangle(const GBuffer& buffer)
     const float x = static_cast<float>(texel) / static_cast<float>(count);
     return std::clamp(2.0f * x - 1.0f, -1.0f, 1.0f);
   };
-  // A texel more on each side for what is interpolated between rays.
-  return {ndc(x0 - 1, buffer.width), -ndc(y1 + 2, buffer.height), ndc(x1 + 2, buffer.width),
-          -ndc(y0 - 1, buffer.height)};
+  // Texels more on each side for what is interpolated between rays, and for lines on the silhouette.
+  constexpr int kMore = 2;
+  return {ndc(x0 - kMore, buffer.width), -ndc(y1 + 1 + kMore, buffer.height),
+          ndc(x1 + 1 + kMore, buffer.width), -ndc(y0 - kMore, buffer.height)};
 }
 
 }  // namespace
@@ -59,8 +60,8 @@ FrameKey::operator==(const FrameKey& other) const
 {
   return model_to_view == other.model_to_view && projection == other.projection &&
          width == other.width && height == other.height && near_distance == other.near_distance &&
-         planes == other.planes && sides == other.sides && lod == other.lod &&
-         trim == other.trim && object == other.object;
+         planes == other.planes && sides == other.sides && lod == other.lod && trim == other.trim &&
+         object == other.object;
 }
 
 bool

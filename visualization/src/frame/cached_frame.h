@@ -59,6 +59,8 @@ class CachedFrame {
   int coarsenessFor(double milliseconds) const;
 
   const ViewCamera& view() const { return view_; }
+  /** \brief The frame of the CPU itself. */
+  const GBuffer& buffer() const { return buffer_; }
   const PackedFrame& packed() const { return packed_; }
   int width() const { return buffer_.width; }
   int height() const { return buffer_.height; }

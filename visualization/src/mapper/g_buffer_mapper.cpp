@@ -15,6 +15,7 @@
 #include <vtk_glew.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "color/color_scale.h"
@@ -42,7 +43,9 @@ struct GBufferMapper::State {
   std::vector<HalfSpace> planes;
   std::array<int, 4> viewport{};
   CachedFrame frame;
-  bool uploaded = false;  ///< textures hold the frame
+  FrameRequest request;        ///< what it was made with
+  bool uploaded = false;       ///< textures hold the frame
+  bool lines_current = false;  ///< and its lines
   FrameTextures textures;
 
   vtkNew<vtkLookupTable> table;
@@ -63,6 +66,7 @@ GBufferMapper::setMode(DisplayMode mode)
 {
   if (!supports(mode)) return false;
   if (mode == state_->mode) return true;
+  if (mode == DisplayMode::kSketch || state_->mode == DisplayMode::kSketch) dropLines();
   state_->mode = mode;
   state_->table_current = false;
   updateTable();
@@ -190,6 +194,26 @@ GBufferMapper::complete(FrameRequest& /*request*/) const
 }
 
 bool
+GBufferMapper::wantsLines() const
+{
+  return false;
+}
+
+Error
+GBufferMapper::drawLinesOver(const Camera& /*camera*/, const FrameRequest& /*request*/,
+                             const GBuffer* /*buffer*/, std::vector<std::uint8_t>& /*rgba*/)
+{
+  return {};
+}
+
+void
+GBufferMapper::dropLines()
+{
+  state_->lines_current = false;
+  Modified();
+}
+
+bool
 GBufferMapper::usesCard(vtkOpenGLRenderWindow* /*window*/, const FrameRequest& /*request*/)
 {
   return false;
@@ -212,10 +236,12 @@ GBufferMapper::dropFrame()
 
 /** \brief Intersects a frame's rays on the graphics card or, failing that, on the CPU. */
 Error
-GBufferMapper::makeFrame(vtkOpenGLRenderWindow* window, const FrameRequest& request, int coarseness)
+GBufferMapper::makeFrame(vtkOpenGLRenderWindow* window, FrameRequest request, int coarseness)
 {
   State& s = *state_;
   const FrameKey key(s.view, request, s.object);
+  if (coarseness > 1) request.columns = 0;
+  s.request = request;
   s.statistics.on_card = false;
   if (usesCard(window, request)) {
     const Error error = s.frame.makeOnCard(
@@ -248,6 +274,7 @@ GBufferMapper::prepareFrame(vtkRenderer* renderer, vtkActor* actor)
   const bool hurry = s.budget > 0.0 && isInteracting(renderer);
   const int coarseness = hurry ? s.frame.coarsenessFor(s.budget) : 1;
   if (!s.frame.holds(key, coarseness)) {
+    s.lines_current = false;
     s.error = makeFrame(window, request, coarseness);
     if (s.error) {
       vtkErrorMacro(<< s.error.message);
@@ -278,6 +305,31 @@ GBufferMapper::uploadFrame(vtkOpenGLRenderWindow* window)
   s.table_time = table->GetMTime();
 }
 
+/** \brief Lays lines over the frame where it has a ray for every pixel, while the mouse moves only if
+ * frame and lines together take no longer than the budget. */
+void
+GBufferMapper::prepareLines(vtkRenderer* renderer)
+{
+  State& s = *state_;
+  if (s.lines_current && wantsLines()) return;
+  s.textures.dropLines();
+  const double milliseconds = 1000.0 * (s.frame.seconds() + s.statistics.line_seconds);
+  const bool slow = s.budget > 0.0 && (s.statistics.lines == 0 || milliseconds > s.budget);
+  if (!wantsLines() || s.frame.coarseness() > 1 || (slow && isInteracting(renderer))) return;
+  const auto start = std::chrono::steady_clock::now();
+  std::vector<std::uint8_t> rgba;
+  s.request.near_plane = s.frame.view().near_plane;
+  const Camera& camera = s.frame.view().camera;
+  s.error =
+      drawLinesOver(camera, s.request, s.statistics.on_card ? nullptr : &s.frame.buffer(), rgba);
+  const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
+  s.statistics.line_seconds = passed.count();
+  ++s.statistics.lines;
+  s.lines_current = true;
+  if (s.error || rgba.empty()) return;
+  s.textures.setLines(static_cast<vtkOpenGLRenderWindow*>(renderer->GetRenderWindow()), rgba);
+}
+
 void
 GBufferMapper::RenderPieceDraw(vtkRenderer* renderer, vtkActor* actor)
 {
@@ -285,6 +337,7 @@ GBufferMapper::RenderPieceDraw(vtkRenderer* renderer, vtkActor* actor)
   ++s.statistics.frames;
   if (!prepareFrame(renderer, actor)) return;
   uploadFrame(static_cast<vtkOpenGLRenderWindow*>(renderer->GetRenderWindow()));
+  prepareLines(renderer);
   s.textures.activate();
   UpdateShaders(Primitives[PrimitiveTris], renderer, actor);
   // A new shader has dropped the vertex array, and without one nothing is drawn.
@@ -298,7 +351,7 @@ GBufferMapper::ReleaseGraphicsResources(vtkWindow* window)
 {
   state_->textures.release(window);
   if (state_->statistics.on_card) state_->frame.clear();
-  state_->uploaded = false;
+  state_->uploaded = state_->lines_current = false;
   state_->table_time = 0;
   Superclass::ReleaseGraphicsResources(window);
 }

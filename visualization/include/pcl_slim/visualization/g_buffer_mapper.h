@@ -30,6 +30,8 @@ struct FrameStatistics {
   std::uint64_t rasterized = 0;    ///< times its rays were intersected; else shaded again only
   std::uint64_t tables = 0;        ///< times the table of colours was made
   int coarseness = 1;              ///< of the last frame: rays stand this many pixels apart
+  std::uint64_t lines = 0;         ///< times lines were looked for
+  double line_seconds = 0.0;       ///< wall time of the last time
   double rasterize_seconds = 0.0;  ///< wall time of the last intersection of rays, upload included
   std::uint64_t covered_pixels = 0;  ///< rays of it that met the object
   bool on_card = false;              ///< the graphics card intersected the rays, not the CPU
@@ -41,8 +43,9 @@ struct FrameRequest {
   VisibleSides sides = VisibleSides::kAuto;
   int threads = 0;
   std::vector<HalfSpace> clip_planes;  ///< what is kept, the object's coordinates, unit normals
-  double lod = 0.0;  ///< level of detail, pixels from one ray to the next; 0: none
-  bool trim = true;  ///< heed trim maps
+  double lod = 0.0;      ///< level of detail, pixels from one ray to the next; 0: none
+  bool trim = true;      ///< heed trim maps
+  unsigned columns = 0;  ///< GBufferColumn bits besides those of the colours
 };
 
 /** \brief Base of the mappers that draw what has no triangles: rays are intersected on the CPU or
@@ -125,6 +128,14 @@ class GBufferMapper : public vtkOpenGLPolyDataMapper {
                            std::uint64_t& covered);
   /** \brief To be called when frames are to be made in another way. */
   void dropFrame();
+  /** \brief Whether lines are to be laid over a frame. */
+  virtual bool wantsLines() const;
+  /** \brief Draws them. \param[in] buffer what the CPU drew, or null; \param[out] rgba four bytes a
+   * pixel of the camera's, see drawLines() */
+  virtual Error drawLinesOver(const Camera& camera, const FrameRequest& request,
+                              const GBuffer* buffer, std::vector<std::uint8_t>& rgba);
+  /** \brief To be called when other lines are to be drawn over the same frames. */
+  void dropLines();
   /** \brief World units per unit of the buffer's lengths. */
   virtual double lengthScale() const = 0;
   /** \brief Values of the first and last colour of a mode that shows numbers. */
@@ -147,9 +158,10 @@ class GBufferMapper : public vtkOpenGLPolyDataMapper {
   void operator=(const GBufferMapper&) = delete;
 
   bool prepareFrame(vtkRenderer* renderer, vtkActor* actor);
-  Error makeFrame(vtkOpenGLRenderWindow* window, const FrameRequest& request, int coarseness);
+  Error makeFrame(vtkOpenGLRenderWindow* window, FrameRequest request, int coarseness);
   void uploadFrame(vtkOpenGLRenderWindow* window);
   void updateTable();
+  void prepareLines(vtkRenderer* renderer);
 
   struct State;
   std::unique_ptr<State> state_;
