@@ -45,12 +45,12 @@ LeafBuffer::store(vtkOpenGLRenderWindow* window, const LeafTexels& texels)
   trims_->SetContext(window);
   // Of itself VTK would have the shader read whole numbers as floats.
   trims_->SetInternalFormat(GL_R32I);
-  const bool made =
-      texture_->CreateTextureBuffer(static_cast<unsigned>(texels.surfels.size() / 4), 4, VTK_FLOAT,
-                                    buffer_) &&
-      trims_->CreateTextureBuffer(static_cast<unsigned>(texels.trim_words.size()), 1, VTK_INT,
-                                  trim_buffer_);
-  return made ? Error{} : Error{ErrorCode::kBadArgument, "the graphics card has no texture buffers"};
+  const bool made = texture_->CreateTextureBuffer(static_cast<unsigned>(texels.surfels.size() / 4),
+                                                  4, VTK_FLOAT, buffer_) &&
+                    trims_->CreateTextureBuffer(static_cast<unsigned>(texels.trim_words.size()), 1,
+                                                VTK_INT, trim_buffer_);
+  return made ? Error{}
+              : Error{ErrorCode::kBadArgument, "the graphics card has no texture buffers"};
 }
 
 void
