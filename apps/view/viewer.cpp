@@ -11,6 +11,7 @@
 
 #include "pcl_slim/visualization/scalar_bar.h"
 #include "pcl_slim/visualization/slim_mapper.h"
+#include "render/camera_file.h"
 #include "view/readout.h"
 #include "view/vtk_camera.h"
 
@@ -181,12 +182,22 @@ Viewer::toggle(Command command)
     case Command::kBalls: return scene_.showBalls(!scene_.ballsShown());
     case Command::kNormals: return scene_.showNormals(!scene_.normalsShown());
     case Command::kSaveCamera:
-      return told(saveCamera(settings_.camera_file, renderer_), "camera saved: ");
+      return told(saveCamera(settings_.camera_file, cameraOf(renderer_)), "camera saved: ");
     case Command::kLoadCamera:
-      return told(loadCamera(settings_.camera_file, renderer_), "camera loaded: ");
+      return told(loadCameraFile(), "camera loaded: ");
     case Command::kParallel: return toggleParallel(renderer_->GetActiveCamera());
     default: return;
   }
+}
+
+Error
+Viewer::loadCameraFile()
+{
+  const Result<Camera> camera = loadCamera(settings_.camera_file);
+  if (!camera) return camera.error();
+  setCamera(*camera, renderer_);
+  camera_moved_ = true;
+  return {};
 }
 
 void

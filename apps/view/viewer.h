@@ -59,6 +59,7 @@ class Viewer {
   void resetCamera();
   void execute(const Key& key);
   void toggle(Command command);
+  Error loadCameraFile();
   void stepDetail();
   void stepSides();
   void focusUnderMouse();
