@@ -17,16 +17,16 @@
 namespace pcl_slim::detail {
 namespace {
 
-/** \brief Share of a ball's radius at which the blending weight has fallen to 1e-4. What lies
+/** \brief Share of a ball's radius at which the blending weight has fallen to 1e-3. What lies
  * beyond moves a blend by less than that share of what its leaves differ by. */
 float
 weightReach(WeightKernel kernel)
 {
   switch (kernel) {
-    case WeightKernel::kPower2: return 0.995f;  // 1 - s^2 = .01
-    case WeightKernel::kPower4: return 0.949f;  // .1
-    case WeightKernel::kPower7: return 0.856f;  // .268
-    default: return 0.918f;                     // 16 e^-2 (1 - s)^4
+    case WeightKernel::kPower2: return 0.984f;  // 1 - s^2 = .0316
+    case WeightKernel::kPower4: return 0.907f;  // .178
+    case WeightKernel::kPower7: return 0.792f;  // .373
+    default: return 0.854f;                     // 16 e^-2 (1 - s)^4
   }
 }
 

@@ -79,6 +79,7 @@ struct TileScratch {
   std::vector<TileLeaf> leaves;
   LeafTable tile;          ///< all leaves
   LeafTable first, blend;  ///< those that one patch's passes may meet
+  LeafTable list;          ///< those of one block in one pass
 };
 
 }  // namespace pcl_slim::detail

@@ -11,9 +11,11 @@
 #include <algorithm>
 #include <cstring>
 
+#include "hwy/cache_control.h"
+
 #include "fast/compress-inl.h"
 #include "fast/frame_scene.h"
-#include "fast/leaf_rays-inl.h"
+#include "fast/pair-inl.h"
 #include "tiles/surfel_bins.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -21,13 +23,14 @@ namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr int kBlockWidth = hn::MaxLanes(Tag()) < 4 ? 1 : 4;  ///< pixels
+constexpr int kBlockWidth = pair::kLanes < 4 ? pair::kLanes : 4;  ///< pixels
+constexpr int kBlockHeight = pair::kLanes / kBlockWidth;
 constexpr int kPatchSize = 8;  ///< pixels a side of the squares in which blocks share their lists
 
-inline int
-blockHeight()
+HWY_INLINE Vec
+same(float value)
 {
-  return static_cast<int>(hn::Lanes(Tag())) / kBlockWidth;
+  return hn::Set(Tag(), value);
 }
 
 /** Rows of the tables of leaves; pixels count from the tile's corner. */
@@ -96,33 +99,35 @@ class TileBlocks {
     return first.count > 0;
   }
 
-  /** Calls visit(leaf) for each leaf of the patch whose surface pass 1 may meet in a block, from
-   * near to far, until it returns false. */
-  template <typename Visit>
-  HWY_INLINE void forEachFirst(int x, int y, const Visit& visit) const
+  /** Lists the leaves of the patch whose surface pass 1 may meet in a block, from near to far.
+   * \return how many */
+  std::size_t listFirst(int x, int y)
   {
-    const Tag d;
-    const PixelBox box = boxAt(x, y, kBlockWidth, blockHeight());
-    const LeafTable& list = scratch_.first;
-    for (std::size_t i = 0; i < list.count; i += hn::Lanes(d)) {
-      if (!visitEach(list, i, hn::And(mayMeet(list, i, box), within(list, i)), visit)) return;
-    }
+    const PixelBox box = boxAt(x, y, kBlockWidth, kBlockHeight);
+    const LeafTable& first = scratch_.first;
+    return list(first, [&](std::size_t i) HWY_ATTR { return mayMeet(first, i, box); });
   }
 
-  /** The same for each leaf whose ball meets another. */
-  template <typename Visit>
-  HWY_INLINE void forEachBlend(const Ball& ball, const Visit& visit) const
+  /** The same of those whose ball meets another. */
+  std::size_t listBlend(const Ball& ball)
   {
-    const Tag d;
-    const LeafTable& list = scratch_.blend;
-    for (std::size_t i = 0; i < list.count; i += hn::Lanes(d)) {
-      const auto row = [&](std::size_t k) HWY_ATTR { return hn::Load(d, list.row(k) + i); };
-      const Vec dx = hn::Sub(row(kCenterX), set(ball.x)), dy = hn::Sub(row(kCenterY), set(ball.y));
-      const Vec dz = hn::Sub(row(kCenterZ), set(ball.z));
-      const Vec reach = hn::Add(row(kBallRadius), set(ball.radius));
-      const Mask near = hn::Le(dot3(dx, dy, dz, dx, dy, dz), hn::Mul(reach, reach));
-      if (!visitEach(list, i, hn::And(near, within(list, i)), visit)) return;
-    }
+    const LeafTable& blend = scratch_.blend;
+    return list(blend, [&](std::size_t i) HWY_ATTR {
+      const auto row = [&](std::size_t k) HWY_ATTR { return hn::Load(Tag(), blend.row(k) + i); };
+      const Vec dx = hn::Sub(row(kCenterX), same(ball.x)),
+                dy = hn::Sub(row(kCenterY), same(ball.y));
+      const Vec dz = hn::Sub(row(kCenterZ), same(ball.z));
+      const Vec reach = hn::Add(row(kBallRadius), same(ball.radius));
+      return hn::Le(dot3(dx, dy, dz, dx, dy, dz), hn::Mul(reach, reach));
+    });
+  }
+
+  /** The n-th leaf of the last list. */
+  HWY_INLINE const TileLeaf& listed(std::size_t n) const
+  {
+    std::uint32_t place;
+    std::memcpy(&place, scratch_.list.row(kPlaceRow) + n, sizeof place);
+    return scratch_.leaves[place];
   }
 
   int x0, y0, width, height;
@@ -147,8 +152,8 @@ class TileBlocks {
   {
     const Tag d;
     const auto gap = [&](std::size_t axis, float from, float extent) HWY_ATTR {
-      const Vec behind = hn::Sub(hn::Load(d, table.row(k + axis) + i), set(from));
-      return hn::Max(hn::Max(hn::Neg(behind), hn::Sub(behind, set(extent))), hn::Zero(d));
+      const Vec behind = hn::Sub(hn::Load(d, table.row(k + axis) + i), same(from));
+      return hn::Max(hn::Max(hn::Neg(behind), hn::Sub(behind, same(extent))), hn::Zero(d));
     };
     const Vec x = gap(0, box.x, box.width), y = gap(1, box.y, box.height);
     return hn::Le(hn::MulAdd(x, x, hn::Mul(y, y)), hn::Load(d, table.row(k + 2) + i));
@@ -161,10 +166,10 @@ class TileBlocks {
     const auto row = [&](std::size_t k) HWY_ATTR { return hn::Load(d, table.row(k) + i); };
     const float half_x = 0.5f * box.width, half_y = 0.5f * box.height;
     const Vec sx = row(kStripX), sy = row(kStripY);
-    const Vec from =
-        hn::MulAdd(sx, set(box.x + half_x), hn::MulSub(sy, set(box.y + half_y), row(kStripMiddle)));
-    const Vec reach =
-        hn::MulAdd(hn::Abs(sx), set(half_x), hn::MulAdd(hn::Abs(sy), set(half_y), row(kStripHalf)));
+    const Vec from = hn::MulAdd(sx, same(box.x + half_x),
+                                hn::MulSub(sy, same(box.y + half_y), row(kStripMiddle)));
+    const Vec reach = hn::MulAdd(hn::Abs(sx), same(half_x),
+                                 hn::MulAdd(hn::Abs(sy), same(half_y), row(kStripHalf)));
     return hn::And(touches(table, i, kFirstX, box), hn::Le(hn::Abs(from), reach));
   }
 
@@ -181,19 +186,24 @@ class TileBlocks {
     list.count += hn::CountTrue(d, taken);
   }
 
-  template <typename Visit>
-  HWY_INLINE bool visitEach(const LeafTable& list, std::size_t i, Mask some,
-                            const Visit& visit) const
+  /** Lists the leaves of a table for which some(i) holds, i being the first lane. */
+  template <typename Some>
+  HWY_INLINE std::size_t list(const LeafTable& from, const Some& some)
   {
-    std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(Tag(), some, bytes);
-    for (unsigned bits = bytes[0] | static_cast<unsigned>(bytes[1]) << 8; bits != 0;
-         bits &= bits - 1) {
-      std::uint32_t place;
-      std::memcpy(&place, list.row(kPlaceRow) + i + __builtin_ctz(bits), sizeof place);
-      if (!visit(scratch_.leaves[place])) return false;
+    LeafTable& list = scratch_.list;
+    list.reset(1, from.count);
+    for (std::size_t i = 0; i < from.count; i += hn::Lanes(Tag())) {
+      const Mask taken = hn::And(some(i), within(from, i));
+      if (!hn::AllFalse(Tag(), taken)) take(from, i, 0, taken, 1, list);
     }
-    return true;
+    return list.count;
+  }
+
+  /** Records lie in no order: memory is asked for them early. */
+  HWY_INLINE void prefetch(std::uint32_t entry) const
+  {
+    const auto* record = reinterpret_cast<const char*>(&scene_.leaf(scene_.tiles.entries[entry]));
+    for (std::size_t line = 0; line < scene_.stride; line += 64) hwy::Prefetch(record + line);
   }
 
   void placeLeaves(std::size_t t)
@@ -203,6 +213,7 @@ class TileBlocks {
     scratch_.leaves.clear();
     float middle = 0.0f;  // z of the tile
     for (std::uint32_t e = tiles.begin[t]; e < tiles.begin[t + 1]; ++e) {
+      prefetch(std::min(e + kAhead, tiles.begin[t + 1] - 1));
       const FrameLeaf& leaf = scene_.leaf(tiles.entries[e]);
       if (middle == 0.0f && leaf.degree != kNearLeaf) {
         middle = leaf.depth;
@@ -261,6 +272,8 @@ class TileBlocks {
     return {(leaf.x - view.center_x) * scale, (view.center_y - leaf.y) * scale, leaf.depth,
             1.001f * radius + 4e-7f * std::abs(leaf.depth)};
   }
+
+  static constexpr std::uint32_t kAhead = 6;
 
   const FrameScene& scene_;
   TileScratch& scratch_;
