@@ -123,6 +123,8 @@ Viewer::runFit(FitTask& task)
 Error
 Viewer::saveScreenshot(const std::string& path)
 {
+  // Nobody reads in a picture which keys there are.
+  overlay_.setStatus("");
   render();
   return savePicture(window_, path);
 }
