@@ -16,6 +16,7 @@
 #include "render/line_request.h"
 #include "render/model.h"
 #include "render/picture_request.h"
+#include "render/traced_request.h"
 #include "render/turntable.h"
 #include "render/view_request.h"
 
@@ -28,6 +29,7 @@ struct Settings {
   ViewRequest view;
   PictureRequest picture;
   LineRequest lines;
+  TracedRequest traced;
   double near_plane = 0.0;
   int threads = 0, turntable = 1, repeat = 0;
   bool filtered = true, skip = true, reference = false, quiet = false;
@@ -44,6 +46,7 @@ declareOptions(Settings& s)
   table.positional("OUT.png|.ppm", &s.output, "picture");
   s.view.declareSize(table);
   s.picture.declareColors(table);
+  s.traced.declare(table);
   table.toggle("filtered", &s.filtered,
                "blend splats, none below a pixel; 0: the nearest as it is");
   s.view.declareCamera(table);
@@ -159,6 +162,16 @@ renderTurns(const Settings& s, const Model& model, const Camera& camera, double&
   return {};
 }
 
+/** A picture with the lines that were asked for drawn over it. */
+Result<Image>
+withLines(const Settings& s, SurfaceRenderer& renderer, const Camera& camera, Result<Image> image,
+          std::size_t& count)
+{
+  if (!image || !s.lines.any()) return image;
+  const Error error = s.lines.draw(renderer, camera, renderingOf(s), *image, count);
+  return error ? Result<Image>(error) : image;
+}
+
 Error
 renderSurfaceModel(const Settings& s, const Model& model, const Camera& camera, Report& report,
                    double& save_seconds)
@@ -171,11 +184,7 @@ renderSurfaceModel(const Settings& s, const Model& model, const Camera& camera, 
     RenderStatistics counts;
     auto image = renderPicture(renderer, turned, renderingOf(s), shading, &counts);
     total += counts;
-    if (image && s.lines.any()) {
-      const Error failed = s.lines.draw(renderer, turned, renderingOf(s), *image, lines);
-      if (failed) return Result<Image>(failed);
-    }
-    return image;
+    return withLines(s, renderer, turned, std::move(image), lines);
   });
   if (s.lines.any()) report.json()["lines"] = lines;
   if (!error) error = reportFrames(s, renderer, camera, report);
@@ -187,10 +196,6 @@ Error
 renderSplatModel(const Settings& s, const Model& model, const Camera& camera, Report& report,
                  double& save_seconds)
 {
-  if (s.lines.any()) {
-    return {ErrorCode::kBadArgument,
-            "lines need a surface: splats have no curvature; drop -lines, -line_file and sketch"};
-  }
   DiscRenderParams params;
   params.filtered = s.filtered;
   params.sides = sidesOf(s);
@@ -209,12 +214,71 @@ renderSplatModel(const Settings& s, const Model& model, const Camera& camera, Re
   return error;
 }
 
+void
+reportTraced(const Model& model, const TraceStatistics& counts, nlohmann::ordered_json& json)
+{
+  json.update({{model.is_splats ? "splats" : "leaves", counts.leaves},
+               {"covered_pixels", counts.covered_pixels},
+               {"rays_primary", counts.rays_primary},
+               {"rays_shadow", counts.rays_shadow},
+               {"rays_occlusion", counts.rays_occlusion},
+               {"tested_first", counts.tested_first},
+               {"tested_blend", counts.tested_blend},
+               {"tested_per_ray", counts.testedPerRay()}});
+}
+
+TraceParams
+tracingOf(const Settings& s)
+{
+  constexpr int kOcclusionRays = 4;  // in each of the frames of -aa
+  TraceParams params;
+  params.sides = sidesOf(s);
+  params.near_plane = s.near_plane;
+  params.filtered = s.filtered;
+  params.occlusion_rays = s.picture.occlusion > 0.0 ? kOcclusionRays : 0;
+  params.threads = s.threads;
+  return params;
+}
+
+Error
+renderTracedModel(const Settings& s, const Model& model, const Camera& camera, Report& report,
+                  double& save_seconds, Progress& progress)
+{
+  RayTracer tracer =
+      model.is_splats ? RayTracer(model.splats, s.threads) : RayTracer(model.surface, s.threads);
+  TraceParams params = tracingOf(s);
+  const ShadingParams shading = s.picture.shadingFor(model.is_splats, s.threads);
+  // Lines are found in what the rasteriser sees of the same camera.
+  static const SLIMSurface kNone;
+  SurfaceRenderer renderer(s.lines.any() ? model.surface : kNone, s.threads);
+  std::size_t lines = 0;
+  TraceStatistics total;
+  Error error = renderTurns(s, model, camera, save_seconds, [&](const Camera& turned) {
+    params.lights = s.traced.lightsFor(turned);
+    TraceStatistics counts;
+    auto image = renderTracedPicture(tracer, turned, params, shading, &counts, &progress);
+    total += counts;
+    return model.is_splats ? image : withLines(s, renderer, turned, std::move(image), lines);
+  });
+  if (s.lines.any()) report.json()["lines"] = lines;
+  reportTraced(model, total, report.json());
+  return error;
+}
+
 int
 fail(Console& console, int status, const Error& error)
 {
   console.failed();
   std::fprintf(stderr, "pcl_slim_render: %s\n", error.message.c_str());
   return status;
+}
+
+int
+statusOf(const Error& error)
+{
+  return error.code == ErrorCode::kBadArgument ? kExitUsage
+         : error.code == ErrorCode::kCancelled ? kExitInterrupted
+                                               : kExitFailed;
 }
 
 /** Draws and saves, and notes how long each took. */
@@ -226,7 +290,10 @@ renderModel(const Settings& s, const Model& model, const Camera& camera, Console
   const Stopwatch watch;
   double save_seconds = 0.0;
   const auto render = model.is_splats ? renderSplatModel : renderSurfaceModel;
-  if (Error error = render(s, model, camera, report, save_seconds)) return error;
+  Error error = s.picture.isTraced()
+                    ? renderTracedModel(s, model, camera, report, save_seconds, console.progress())
+                    : render(s, model, camera, report, save_seconds);
+  if (error) return error;
   const double seconds = watch.seconds() - save_seconds;
   const auto covered = report.json()["covered_pixels"].get<std::uint64_t>();
   report.time("render", seconds);
@@ -259,12 +326,17 @@ run(const Settings& s)
                  " not finite or without a normal");
   }
 
+  if (model->is_splats && s.lines.any()) {
+    return fail(console, kExitUsage,
+                {ErrorCode::kBadArgument,
+                 "splats have no curvature; drop -lines, -line_file and -mode sketch"});
+  }
   const ShadingParams shading = s.picture.shadingFor(model->is_splats, 1);
   ViewRequest view = s.view;
   if (shading.color_bar && showsNumbers(shading.mode)) view.right_margin = colorBarShare(view.size);
   const Camera camera = view.cameraFor(model->spheres());
   if (Error error = renderModel(s, *model, camera, console, report)) {
-    return fail(console, error.code == ErrorCode::kBadArgument ? kExitUsage : kExitFailed, error);
+    return fail(console, statusOf(error), error);
   }
   report.json()["camera"] = {
       {"position", camera.position}, {"look_at", camera.look_at},  {"up", camera.up},
@@ -285,6 +357,7 @@ main(int argc, char** argv)
   if (!error) error = settings.picture.parse();
   if (!error && settings.picture.mode == "sketch") settings.lines.drawAlone(settings.picture);
   if (!error) error = settings.lines.load();
+  if (!error) error = settings.traced.parse();
   if (!error) error = checkImageExtension(settings.output);
   if (error) {
     std::fprintf(stderr, "pcl_slim_render: %s\n", error.message.c_str());

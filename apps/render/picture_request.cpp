@@ -12,7 +12,7 @@ PictureRequest::declareColors(OptionTable& table)
 {
   table.choice("mode", &mode,
                {"auto", "shaded", "normal", "mean", "gauss", "kmax", "kmin", "level", "size",
-                "error", "reflection", "color", "sketch"},
+                "error", "reflection", "color", "raytraced", "sketch"},
                "what the colours show; auto: shaded surfaces, splats in their colours");
   table.text(
       "range", &range_text, "auto|X|LO,HI",
@@ -58,7 +58,7 @@ PictureRequest::shadingFor(bool is_splats, int threads) const
 {
   ShadingParams params;
   const std::string automatic = is_splats ? "color" : "shaded";
-  params.mode = *shadingModeOf(mode == "auto" ? automatic : mode);
+  params.mode = *shadingModeOf(mode == "auto" || isTraced() ? automatic : mode);
   params.lighting = lighting == "auto" ? params.mode != ShadingMode::kColor : lighting == "1";
   params.range = range;
   params.map = map == "diverging"    ? ColorMap::kDiverging

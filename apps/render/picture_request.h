@@ -25,6 +25,9 @@ struct PictureRequest {
   /** \brief Reads range_text. */
   Error parse();
 
+  /** \brief Whether the picture is to be ray-traced. */
+  bool isTraced() const { return mode == "raytraced"; }
+
   /** \brief Parameters for a model, once parse() has gone well. */
   ShadingParams shadingFor(bool is_splats, int threads) const;
 };

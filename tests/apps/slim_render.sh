@@ -54,6 +54,25 @@ for key in frame shade; do
   grep -q "\"$key\"" frames.json || complain "the report lacks seconds.$key"
 done
 
+# Ray tracing: threads change nothing, lights and occlusion do.
+traced="-size 96x72 -aa 1 -mode raytraced"
+expect 0 '' pcl_slim_render surface.slim traced.png $traced -json traced.json -threads 1
+expect 0 '' pcl_slim_render surface.slim traced2.png $traced -threads 3
+same traced.png traced2.png
+differ shaded.png traced.png
+for key in rays_primary rays_shadow rays_occlusion tested_per_ray covered_pixels leaves camera; do
+  grep -q "\"$key\"" traced.json || complain "the report lacks $key"
+done
+for option in '-lights -60,50' '-lights -60,50,0.9:40,10,0.25,3' '-ao 0' '-white 1'; do
+  # shellcheck disable=SC2086
+  expect 0 '' pcl_slim_render surface.slim traced2.png $traced $option
+  differ traced.png traced2.png
+done
+for lights in 1 1,2,3,4,5 1,2,-1 1,2,1,50 1,2: sun; do
+  expect 2 'lights' pcl_slim_render surface.slim none.png $traced -lights "$lights"
+done
+absent none.png
+
 # Cameras and turntables.
 expect 0 '' pcl_slim_render surface.slim top.png $small -view top -save_camera top.txt
 expect 0 '' pcl_slim_render surface.slim top2.png $small -camera top.txt

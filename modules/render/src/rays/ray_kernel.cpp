@@ -146,6 +146,18 @@ traceHits(const RayScene& scene, const RayRules& rules, const BoundedRay* rays, 
 }
 
 void
+traceDepths(const RayScene& scene, const RayRules& rules, const BoundedRay* rays, std::size_t count,
+            double* depths, RayCounts& counts)
+{
+  const BlendContext context{scene, rules, counts};
+  for (std::size_t i = 0; i < count; ++i) {
+    BoundedRay ray = rays[i];
+    if (rules.front_only) ray.nearest_behind = HUGE_VAL;
+    depths[i] = firstDepth(context, ray, Line(ray.ray, scene.tree.bounds), ray.nearest);
+  }
+}
+
+void
 traceBlocked(const RayScene& scene, const RayRules& rules, const BoundedRay* rays,
              std::size_t count, std::uint8_t* blocked, RayCounts& counts)
 {
@@ -181,6 +193,7 @@ HWY_AFTER_NAMESPACE();
 namespace pcl_slim::detail::kernels {
 
 HWY_EXPORT(traceHits);
+HWY_EXPORT(traceDepths);
 HWY_EXPORT(traceBlocked);
 HWY_EXPORT(visitBlocks);
 
@@ -193,6 +206,15 @@ traceHits(const RayScene& scene, const RayRules& rules, const BoundedRay* rays, 
     return;
   }
   HWY_DYNAMIC_DISPATCH(traceHits)(scene, rules, rays, count, hits, counts);
+}
+
+void
+traceDepths(const RayScene& scene, const RayRules& rules, const BoundedRay* rays, std::size_t count,
+            double* depths, RayCounts& counts)
+{
+  std::fill(depths, depths + count, HUGE_VAL);
+  if (scene.tree.empty()) return;
+  HWY_DYNAMIC_DISPATCH(traceDepths)(scene, rules, rays, count, depths, counts);
 }
 
 void

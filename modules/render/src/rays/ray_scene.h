@@ -77,6 +77,11 @@ void
 traceHits(const RayScene& scene, const RayRules& rules, const BoundedRay* rays, std::size_t count,
           BlendedHit* hits, RayCounts& counts);
 
+/** \brief Depths of the first roots inside shrunk balls alone, without a look at the blend there. */
+void
+traceDepths(const RayScene& scene, const RayRules& rules, const BoundedRay* rays, std::size_t count,
+            double* depths, RayCounts& counts);
+
 /** \brief Whether anything of the surface lies on the stretch of each ray: a root of a leaf at which
  * the blend belongs to the surface. front_only does not hold here. */
 void

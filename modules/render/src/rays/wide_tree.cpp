@@ -223,6 +223,25 @@ Builder::addSubtree(const Range& range, int level, Part& part)
   return node;
 }
 
+/** \brief Appends a part to the tree. \return its root there. */
+std::uint32_t
+append(Part& part, std::uint32_t root, WideTree& tree)
+{
+  const auto first_node = static_cast<std::uint32_t>(tree.nodes.size());
+  const auto first_block = static_cast<std::uint32_t>(tree.numBlocks());
+  const auto moved = [&](std::uint32_t child) {
+    if (child == WideNode::kNoChild) return child;
+    return child + ((child & WideNode::kBlock) != 0 ? first_block : first_node);
+  };
+  for (WideNode& node : part.nodes) {
+    for (std::uint32_t& child : node.child) child = moved(child);
+    tree.nodes.push_back(node);
+  }
+  tree.reach.insert(tree.reach.end(), part.reach.begin(), part.reach.end());
+  tree.order.insert(tree.order.end(), part.order.begin(), part.order.end());
+  return moved(root);
+}
+
 WideTree
 Builder::build(int threads)
 {
@@ -239,19 +258,7 @@ Builder::build(int threads)
   tree.nodes.assign(top.nodes.begin(), top.nodes.end());
   tree.reach.assign(top.reach.begin(), top.reach.end());
   for (std::size_t k = 0; k < parts.size(); ++k) {
-    const auto first_node = static_cast<std::uint32_t>(tree.nodes.size());
-    const auto first_block = static_cast<std::uint32_t>(tree.numBlocks());
-    const auto moved = [&](std::uint32_t child) {
-      if (child == WideNode::kNoChild) return child;
-      return child + ((child & WideNode::kBlock) != 0 ? first_block : first_node);
-    };
-    tree.nodes[0].child[k] = moved(roots[k]);
-    for (WideNode& node : parts[k].nodes) {
-      for (std::uint32_t& child : node.child) child = moved(child);
-      tree.nodes.push_back(node);
-    }
-    tree.reach.insert(tree.reach.end(), parts[k].reach.begin(), parts[k].reach.end());
-    tree.order.insert(tree.order.end(), parts[k].order.begin(), parts[k].order.end());
+    tree.nodes[0].child[k] = append(parts[k], roots[k], tree);
   }
   return tree;
 }

@@ -42,6 +42,19 @@ localRay(const TracedObject& object, const WorldRay& ray)
   return local;
 }
 
+WorldHit
+worldHit(const MetPoint& point, const WorldRay& ray, double scale)
+{
+  WorldHit hit;
+  if (!point.met()) return hit;
+  hit.depth = point.depth * scale;
+  hit.position = along(ray.origin, hit.depth, normalized(ray.direction));
+  for (std::size_t a = 0; a < 3; ++a) hit.normal[a] = static_cast<float>(point.normal[a]);
+  hit.color = point.color;
+  hit.surfel = point.id;
+  return hit;
+}
+
 Error
 checkRays(const std::vector<WorldRay>& rays)
 {
@@ -135,6 +148,18 @@ traceTiles(const TraceFrame& frame, int threads, GBuffer& buffer, LightBuffer& l
   return true;
 }
 
+/** \brief Makes both buffers of a frame's size and empty. */
+void
+clearFrame(const TracedObject& object, const Camera& camera, const TraceParams& params,
+           GBuffer& buffer, LightBuffer& light)
+{
+  const unsigned columns = object.discs ? unsigned{kAllColumns} : params.columns;
+  buffer.resize(camera.size.width, camera.size.height, columns);
+  if (object.discs) buffer.color.assign(buffer.numPixels(), {});
+  light.visible.assign(params.lights.size() * buffer.numPixels(), 0.0f);
+  light.open.assign(buffer.numPixels(), 1.0f);
+}
+
 }  // namespace
 
 Error
@@ -151,12 +176,7 @@ RayTracer::trace(const Camera& camera, const TraceParams& params, GBuffer& buffe
   if (Error error = params.validate()) return refused(error);
   if (state_->defect) return refused(state_->defect);
   const TracedObject& object = *state_->object;
-  const unsigned columns = object.discs ? unsigned{kAllColumns} : params.columns;
-  buffer.resize(camera.size.width, camera.size.height, columns);
-  if (object.discs) buffer.color.assign(buffer.numPixels(), {});
-  light.visible.assign(params.lights.size() * buffer.numPixels(), 0.0f);
-  light.open.assign(buffer.numPixels(), 1.0f);
-
+  clearFrame(object, camera, params, buffer, light);
   const CameraRays rays(camera, object.origin, object.scale);
   const TraceView view{params, &rays};
   const TraceFrame frame(object, view, camera);
@@ -187,14 +207,7 @@ RayTracer::cast(const std::vector<WorldRay>& rays, VisibleSides sides, std::vect
     for (std::size_t i = begin; i < end; ++i) local.push_back(localRay(object, rays[i]));
     object.trace(view, local.data(), local.size(), met.data(), nullptr, nullptr, counts);
     for (std::size_t i = begin; i < end; ++i) {
-      const MetPoint& point = met[i - begin];
-      if (!point.met()) continue;
-      WorldHit& hit = hits[i];
-      hit.depth = point.depth * object.scale;
-      hit.position = along(rays[i].origin, hit.depth, local[i - begin].ray.direction);
-      for (std::size_t a = 0; a < 3; ++a) hit.normal[a] = static_cast<float>(point.normal[a]);
-      hit.color = point.color;
-      hit.surfel = point.id;
+      hits[i] = worldHit(met[i - begin], rays[i], object.scale);
     }
   });
   return {};

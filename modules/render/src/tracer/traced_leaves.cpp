@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "tracer/traced_object.h"
 #include "reference/tile_passes.h"
+#include "tracer/traced_object.h"
 
 namespace pcl_slim::detail {
 namespace {
@@ -37,6 +37,9 @@ class TracedLeaves : public TracedObject {
       met[i] = pointOf(hits[i]);
       if (!buffer || !met[i].met()) continue;
       writeBlend(scene_.surface, rays[i].ray, hits[i].depth_hat, hits[i].sum, pixels[i], *buffer);
+      if (!buffer->residual.empty()) {
+        buffer->residual[pixels[i]] = scene_.surface.error[met[i].id];
+      }
     }
   }
 

@@ -94,6 +94,23 @@ colorAt(const TracedRig& rig, int x, int y, const Color& empty)
   return color;
 }
 
+Error
+checkMode(ShadingMode mode, bool discs)
+{
+  if (mode == ShadingMode::kShaded || (mode == ShadingMode::kColor && discs)) return {};
+  return {ErrorCode::kBadArgument, discs ? "traced discs are shaded or show their colours"
+                                         : "a traced surface is shaded; it has no colours"};
+}
+
+void
+add(const std::vector<Color>& frame, std::vector<Color>& sums)
+{
+  sums.resize(frame.size(), Color{0.0f, 0.0f, 0.0f});
+  for (std::size_t i = 0; i < frame.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k) sums[i][k] += frame[i][k];
+  }
+}
+
 Image
 averaged(const std::vector<Color>& sums, const ImageSize& size, int frames)
 {
@@ -173,13 +190,7 @@ renderTracedPicture(RayTracer& tracer, const Camera& camera, const TraceParams& 
                     Progress* progress)
 {
   if (Error error = shading_params.validate()) return error;
-  const bool colors = shading_params.mode == ShadingMode::kColor;
-  if (!colors && shading_params.mode != ShadingMode::kShaded) {
-    return Error{ErrorCode::kBadArgument, "traced pictures are shaded or show discs' colours"};
-  }
-  if (colors && !tracer.isOfDiscs()) {
-    return Error{ErrorCode::kBadArgument, "a surface has no colours; choose shaded"};
-  }
+  if (Error error = checkMode(shading_params.mode, tracer.isOfDiscs())) return error;
   const FrameSequence frames{camera, trace_params, shading_params.supersampling};
   const int count = frames.n * frames.n;
   std::vector<Color> sums;
@@ -194,11 +205,7 @@ renderTracedPicture(RayTracer& tracer, const Camera& camera, const TraceParams& 
       return error;
     }
     total += counts;
-    const auto shaded = shadeTraced(buffer, light, shifted, params.lights, shading_params);
-    sums.resize(shaded.size(), Color{0.0f, 0.0f, 0.0f});
-    for (std::size_t i = 0; i < shaded.size(); ++i) {
-      for (std::size_t k = 0; k < 3; ++k) sums[i][k] += shaded[i][k];
-    }
+    add(shadeTraced(buffer, light, shifted, params.lights, shading_params), sums);
   }
   if (statistics) *statistics = total;
   return averaged(sums, camera.size, count);
