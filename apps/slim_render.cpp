@@ -2,6 +2,7 @@
 // pcl_slim_render: pictures of a SLIM surface or of splats, without a window system.
 #include <cstdio>
 #include <new>
+#include <optional>
 #include <string>
 
 #include "common/options.h"
@@ -249,8 +250,8 @@ renderTracedModel(const Settings& s, const Model& model, const Camera& camera, R
   TraceParams params = tracingOf(s);
   const ShadingParams shading = s.picture.shadingFor(model.is_splats, s.threads);
   // Lines are found in what the rasteriser sees of the same camera.
-  static const SLIMSurface kNone;
-  SurfaceRenderer renderer(s.lines.any() ? model.surface : kNone, s.threads);
+  std::optional<SurfaceRenderer> renderer;
+  if (s.lines.any()) renderer.emplace(model.surface, s.threads);
   std::size_t lines = 0;
   TraceStatistics total;
   Error error = renderTurns(s, model, camera, save_seconds, [&](const Camera& turned) {
@@ -258,7 +259,7 @@ renderTracedModel(const Settings& s, const Model& model, const Camera& camera, R
     TraceStatistics counts;
     auto image = renderTracedPicture(tracer, turned, params, shading, &counts, &progress);
     total += counts;
-    return model.is_splats ? image : withLines(s, renderer, turned, std::move(image), lines);
+    return renderer ? withLines(s, *renderer, turned, std::move(image), lines) : image;
   });
   if (s.lines.any()) report.json()["lines"] = lines;
   reportTraced(model, total, report.json());
