@@ -111,7 +111,7 @@ template <typename Filter>
 void
 sweepNormals(Sweep sweep, const Pair& pair, const Filter& filter, const std::vector<double>& ranges)
 {
-  const std::vector<int> snapshots = {1, 2, 3, 5, 8, 12, 20, 30, 50};
+  const std::vector<int> snapshots = {1, 2, 3, 5, 8, 12, 20, 30, 50, 75, 100};
   for (const double range : ranges) {
     for (const int vertex_iterations : {10, 20}) {
       double begin = measure::cpuSeconds();
