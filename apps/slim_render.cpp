@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "common/memory_limit.h"
 #include "common/options.h"
 #include "common/program.h"
 #include "common/progress_bar.h"
@@ -33,6 +34,7 @@ struct Settings {
   TracedRequest traced;
   double near_plane = 0.0;
   int threads = 0, turntable = 1, repeat = 0;
+  std::uint64_t max_memory = 0;
   bool filtered = true, skip = true, reference = false, quiet = false;
 };
 
@@ -67,6 +69,7 @@ declareOptions(Settings& s)
                 "time N frames of one ray a pixel: seconds.frame of -json");
   table.integer("threads", &s.threads, 0, 1024, "threads, 0: all cores");
   table.text("json", &s.json, "FILE", "write a report");
+  declareMemoryLimit(table, &s.max_memory);
   table.toggle("quiet", &s.quiet, "print nothing");
   return table;
 }
@@ -274,6 +277,14 @@ fail(Console& console, int status, const Error& error)
   return status;
 }
 
+/** What the rays' columns and the picture take at least. */
+double
+bytesOfPicture(const Settings& s)
+{
+  constexpr double kBytesOfPixel = 40;  // one frame at a time, whatever -aa
+  return kBytesOfPixel * s.view.size.width * s.view.size.height;
+}
+
 int
 statusOf(const Error& error)
 {
@@ -308,11 +319,11 @@ renderModel(const Settings& s, const Model& model, const Camera& camera, Console
 int
 run(const Settings& s)
 {
+  if (Error error = limitMemory(s.max_memory))
+    return pcl_slim::fail("pcl_slim_render", kExitUsage, error.message);
   for (const std::string& path : {turntablePath(s.output, 0, s.turntable), s.save_camera}) {
     const Error error = path.empty() ? Error{} : checkWritable(path);
-    if (!error) continue;
-    std::fprintf(stderr, "pcl_slim_render: %s\n", error.message.c_str());
-    return kExitFailed;
+    if (error) return pcl_slim::fail("pcl_slim_render", kExitFailed, error.message);
   }
   Console console(s.quiet);
   Report report("pcl_slim_render", PCL_SLIM_VERSION, s.input, resolveThreads(s.threads));
@@ -332,6 +343,8 @@ run(const Settings& s)
                 {ErrorCode::kBadArgument,
                  "splats have no curvature; drop -lines, -line_file and -mode sketch"});
   }
+  if (Error error = checkMemory(bytesOfPicture(s), "a picture of " + s.view.size_text))
+    return fail(console, kExitFailed, error);
   const ShadingParams shading = s.picture.shadingFor(model->is_splats, 1);
   ViewRequest view = s.view;
   if (shading.color_bar && showsNumbers(shading.mode)) view.right_margin = colorBarShare(view.size);

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "common/memory_limit.h"
 #include "pcl_slim/cloud/point_store.h"
 
 namespace pcl_slim {
@@ -10,6 +11,7 @@ namespace pcl_slim {
 namespace {
 
 constexpr std::uint64_t kMany = 1000000000000000000u;
+constexpr double kBytesOfPoint = 60;  ///< that a fit takes at least while the store is built
 
 const char*
 normalSourceName(NormalSource source)
@@ -49,6 +51,10 @@ reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatisti
               {"split_sheets", fit.split_sheets},
               {"oriented", surface.info.oriented},
               {"fits", fit.fits},
+              {"fell_by_support", fit.fell_by_support},
+              {"fell_by_pivot", fit.fell_by_pivot},
+              {"line_balls", fit.line_balls},
+              {"least_pivot", fit.least_pivot},
               {"gathered", fit.gathered},
               {"store_bytes", store.memoryBytes()},
               {"working_bytes", fit.working_bytes}});
@@ -161,7 +167,12 @@ loadScan(const std::string& path, const FitJob& job, Console& console, Report& r
   if (job.normal_neighbours > 0) {
     const Stopwatch estimation;
     console.begin("Estimating normals");
-    estimateNormals(job.normal_neighbours, job.viewpoint, job.params.threads, *cloud);
+    const Error error =
+        estimateNormals(job.normal_neighbours, job.viewpoint, job.params.threads, *cloud);
+    if (error) {
+      console.failed();
+      return error;
+    }
     report.time("normals", estimation.seconds());
     console.done(estimation.seconds(), std::to_string(job.normal_neighbours) + " neighbours");
   }
@@ -175,6 +186,8 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
         SLIMSurface& surface, PointStore* kept)
 {
   Stopwatch watch;
+  const double bytes = kBytesOfPoint * static_cast<double>(cloud.size());
+  if (Error error = checkMemory(bytes, "fitting " + counted(cloud.size(), "point"))) return error;
   console.begin("Preparing");
   Result<PointStore> store = PointStore::build(
       cloud.view(job.use_normals || job.normal_neighbours > 0), job.params.threads);
@@ -190,7 +203,8 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
   watch = Stopwatch();
   console.begin("Fitting");
   FitStatistics statistics;
-  if (Error error = fitSurface(*store, job.params, surface, &statistics, &console.progress())) {
+  Error error = fitSurface(*store, job.params, surface, &statistics, &console.progress());
+  if (error && error.code != ErrorCode::kNoSurface) {
     console.failed();
     return error;
   }
@@ -208,7 +222,7 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
         "used as directions, not as data");
   }
   if (kept) *kept = std::move(*store);
-  return {};
+  return error;
 }
 
 }  // namespace pcl_slim

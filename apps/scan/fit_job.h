@@ -35,7 +35,8 @@ Result<CloudFile>
 loadScan(const std::string& path, const FitJob& job, Console& console, Report& report);
 
 /** \brief Fits a surface to a scan; says and reports what was done and what was skipped.
- * \param[out] kept the store of the scan, for who goes on working with it (may be null). */
+ * \param[out] kept the store of the scan, for who goes on working with it (may be null); also where
+ * the error is that the points are no surface. */
 Error
 fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& report,
         SLIMSurface& surface, PointStore* kept = nullptr);

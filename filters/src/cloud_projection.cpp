@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -27,14 +28,23 @@ turn(ProjectedPoint& point)
   principal.extremality2 = -principal.extremality2;
 }
 
+/** As a float, the largest there is where it is beyond: in clouds of 1e-25 units squared curvatures
+ * are. */
+float
+saturated(double value)
+{
+  constexpr double kMost = std::numeric_limits<float>::max();
+  return static_cast<float>(std::clamp(value, -kMost, kMost));
+}
+
 /** Brings curvatures to another unit of length: factor of the new ones is one of the old. */
 void
 rescale(double factor, PrincipalFrame& principal)
 {
-  principal.k1 = static_cast<float>(principal.k1 / factor);
-  principal.k2 = static_cast<float>(principal.k2 / factor);
-  principal.extremality1 = static_cast<float>(principal.extremality1 / (factor * factor));
-  principal.extremality2 = static_cast<float>(principal.extremality2 / (factor * factor));
+  principal.k1 = saturated(principal.k1 / factor);
+  principal.k2 = saturated(principal.k2 / factor);
+  principal.extremality1 = saturated(principal.extremality1 / factor / factor);
+  principal.extremality2 = saturated(principal.extremality2 / factor / factor);
 }
 
 Error
@@ -112,7 +122,7 @@ CloudProjection::add(const PointStore& store, const SLIMSurface& surface, Progre
     if (!more.curvature.empty()) {
       auto [mean, gaussian] = more.curvature[i];
       projection_.curvature.push_back(
-          {static_cast<float>(mean / factor), static_cast<float>(gaussian / (factor * factor))});
+          {saturated(mean / factor), saturated(gaussian / factor / factor)});
     }
     if (!more.principal.empty()) {
       rescale(factor, projection_.principal.emplace_back(more.principal[i]));
@@ -203,8 +213,8 @@ CloudProjection::point(std::size_t i) const
   point.normal = projection_.normal[s];
   if (!projection_.curvature.empty()) {
     const auto& curvature = projection_.curvature[s];
-    point.mean_curvature = static_cast<float>(curvature[0] / scale_);
-    point.gaussian_curvature = static_cast<float>(curvature[1] / (scale_ * scale_));
+    point.mean_curvature = saturated(curvature[0] / scale_);
+    point.gaussian_curvature = saturated(curvature[1] / scale_ / scale_);
   }
   if (!projection_.principal.empty()) {
     point.principal = projection_.principal[s];

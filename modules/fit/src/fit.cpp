@@ -72,7 +72,9 @@ fitWithConstants(const FitConstants& constants, const PointStore& store, const F
 
   countFit(store, cover, surface, stats);
   if (statistics != nullptr) *statistics = stats;
-  return {};
+  Error error = checkLeaves(store, stats);
+  if (error) surface.clear();
+  return error;
 }
 
 }  // namespace detail

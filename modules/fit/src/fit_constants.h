@@ -69,6 +69,7 @@ struct BallConstants {
   std::size_t glance_blocks =
       512;                        ///< blocks of 16 points that tell e^2 to some percent ("Levels")
   std::size_t glance_stride = 2;  ///< least stride of blocks at which a glance saves time
+  std::size_t line_points = 64;   ///< so many points without a plane are divided ("Levels")
   double off_center = 0.03;       ///< a fit that passes its centre farther off [r_r] moves the ball
   double largest_shift =
       0.3;  ///< a ball moves at most so far [r_r]; the cover's cells allow for it

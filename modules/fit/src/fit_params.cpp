@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pcl_slim/core/parallel.h"
 #include "pcl_slim/fit/fit.h"
 #include "presets.h"
 
@@ -48,6 +49,7 @@ FitParams::validate() const
         "normals as data are weighed against the noise, which T_MDL and the paper's mode leave "
         "open: drop one");
   }
+  if (Error error = checkThreads(threads)) return error;
   const auto finite = [](double value) { return std::isfinite(value); };
   if (has_viewpoint && !std::all_of(viewpoint, viewpoint + 3, finite)) {
     return bad("the viewpoint must be finite");

@@ -4,6 +4,7 @@
 #include <pcl/types.h>
 
 #include <memory>
+#include <string>
 
 #include "pcl_slim/filters/cloud_projection.h"
 #include "pcl_slim/filters/slim_fit_base.h"
@@ -30,6 +31,10 @@ class SLIMProjectionBase : public SLIMFitBase {
   /** \brief The surface that the last run fitted; null when it used a given one or failed. */
   const SurfaceConstPtr& getFittedSurface() const { return fitted_surface_; }
 
+  /** \brief Why the last run, a smoothing, found no surface in the points and left all as they are;
+   * empty where it found one. */
+  const std::string& getWarning() const { return warning_; }
+
   // Results --------------------------------------------------------------------------------------
 
   /** \brief How many points the last run moved, and how far. getStatistics() tells of its fit. */
@@ -42,7 +47,8 @@ class SLIMProjectionBase : public SLIMFitBase {
   const pcl::Indices& getUnsupported() const { return unsupported_; }
 
  protected:
-  SLIMProjectionBase() = default;
+  /** \param[in] keeps_points points that are no surface stay as they are: a warning, no error. */
+  explicit SLIMProjectionBase(bool keeps_points = false) : keeps_points_(keeps_points) {}
   ~SLIMProjectionBase() = default;
 
   /** \brief Forgets the last run. */
@@ -58,6 +64,10 @@ class SLIMProjectionBase : public SLIMFitBase {
   Error fitAndProject(const CloudView& points, const CloudView& fitted,
                       const ProjectionParams& params, CloudProjection& projection);
 
+  Result<std::shared_ptr<SLIMSurface>> fitTo(const PointStore& store);
+
+  bool keeps_points_;
+  std::string warning_;
   SurfaceConstPtr surface_, fitted_surface_;
   CloudProjectionStatistics projection_;
   pcl::Indices unsupported_;

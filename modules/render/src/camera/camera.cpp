@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kMaxSide = 32768;
+constexpr double kFarOrigin = 0x1p40;  ///< beyond it doubles hardly hold a unit more
 
 bool
 isFinite(const Vector3& v)
@@ -69,7 +70,10 @@ startingCamera(const BoundingSpheres& object, const ViewDirection& direction, co
   camera.size = size;
   camera.up = direction.up;
   camera.look_at = object.origin;
-  camera.position = along(object.origin, 1.0, normalized(direction.towards_viewer));
+  double farthest = 0;
+  for (const double o : object.origin) farthest = std::max(farthest, std::abs(o));
+  const double off = farthest < kFarOrigin ? 1.0 : farthest;  // a unit would be lost out there
+  camera.position = along(object.origin, off, normalized(direction.towards_viewer));
   return camera;
 }
 

@@ -70,7 +70,7 @@ DiscRenderParams::validate() const
   if (!(near_plane >= 0.0 && std::isfinite(near_plane))) {
     return bad("the near plane must be a finite distance, 0 or more");
   }
-  return {};
+  return checkThreads(threads);
 }
 
 DiscRenderStatistics&

@@ -153,7 +153,7 @@ ShadingParams::validate() const
     return bad("the unit of length must be lower-case letters, such as mm");
   }
   if (supersampling < 1 || supersampling > 8) return bad("supersampling must be 1 to 8");
-  return {};
+  return checkThreads(threads);
 }
 
 std::vector<Color>

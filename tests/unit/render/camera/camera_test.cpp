@@ -209,6 +209,16 @@ TEST(ChooseView, OneSidedScanIsSeenFromItsSide)
   EXPECT_GT(chooseView(spheresOf(surface)).towards_viewer[0], 0.0);
 }
 
+TEST(FitCamera, SeesWhatLiesWhereAUnitIsLost)
+{
+  SLIMSurface surface = stretched(0.25, 0.25, 0.4);
+  surface.info.scale = 1e24;
+  surface.info.origin = {3e25, -1e24, 2e24};
+  const BoundingSpheres spheres = spheresOf(surface);
+  const Camera camera = fitCamera(spheres, chooseView(spheres), {40, 30});
+  EXPECT_FALSE(camera.validate()) << camera.validate().message;
+}
+
 TEST(ChooseView, DepthCameraIsPutBackWhereItStood)
 {
   SLIMSurface surface = sphereSurface(2, 0.4, 500, 0.05, {0.0, 0.0, 1.0});

@@ -189,8 +189,8 @@ SLIMFit<PointT>::findNormals(const pcl::IndicesPtr& selected, NormalCloud& norma
     if (!prepareSearch(cloud)) return false;
     search = std::make_shared<PlainPointSearch<PointT>>(search_);
   }
-  pclNormals(plain, selected, search, normal_neighbours_, params_, normals);
-  return true;
+  error_ = pclNormals(plain, selected, search, normal_neighbours_, params_, normals);
+  return !error_;
 }
 
 template <typename PointT>
@@ -200,6 +200,8 @@ SLIMFit<PointT>::estimateNormals(std::vector<float>& estimated)
   if (normal_neighbours_ < 3) {
     return fail(ErrorCode::kBadArgument, "a normal needs at least 3 neighbours; raise k");
   }
+  error_ = params_.validate();
+  if (error_) return false;
   const pcl::IndicesPtr selected = finiteSelection();
   estimated.assign(3 * input_->size(), 0.0f);
   if (selected->empty()) return true;  // the fit says what is wrong

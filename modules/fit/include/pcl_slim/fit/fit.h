@@ -58,9 +58,15 @@ struct FitStatistics {
   std::uint64_t skipped_normals = 0;  ///< centres passed over because their normal stands alone
   std::uint64_t split_sheets = 0;     ///< balls in which two sheets were parted
   std::uint64_t fits = 0;             ///< least-squares systems solved
-  std::uint64_t noise_patches = 0;    ///< patches of points on which noise was measured
-  std::uint64_t gathered = 0;         ///< points gathered into balls, all balls together
-  std::uint64_t never_gathered = 0;   ///< centres never tried: points covered by another's leaf
+  std::uint64_t fell_by_support =
+      0;                            ///< of those, of a lower degree: too few points stand behind it
+  std::uint64_t fell_by_pivot = 0;  ///< likewise: the points do not tell its coefficients apart
+  std::uint64_t line_balls = 0;     ///< balls divided because their many points lie along a line
+  double least_pivot =
+      1;  ///< of the leaves' normal equations, over its diagonal entry; 1: orthogonal
+  std::uint64_t noise_patches = 0;   ///< patches of points on which noise was measured
+  std::uint64_t gathered = 0;        ///< points gathered into balls, all balls together
+  std::uint64_t never_gathered = 0;  ///< centres never tried: points covered by another's leaf
   int first_level = 1, levels_skipped = 0, last_level = 0;
   double lambda = 0;              ///< noise variance [L^2]
   double penalty = 0, t_mdl = 0;  ///< as used (solved for, where asked)
@@ -81,7 +87,8 @@ struct FitStatistics {
  * cover points, the others internal nodes, until every point is covered or reported. Same bytes
  * for any number of threads.
  *
- * \return an error for bad parameters, no points, or cancellation; surface is then empty.
+ * \return an error for bad parameters, no points, points that are nowhere a surface
+ * (ErrorCode::kNoSurface; the statistics are then told), or cancellation; surface is then empty.
  */
 Error
 fitSurface(const PointStore& store, const FitParams& params, SLIMSurface& surface,
