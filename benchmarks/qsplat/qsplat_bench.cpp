@@ -25,7 +25,7 @@ namespace {
 struct Settings {
   std::string surface, pictures;
   int size = 600, threads = 2;
-  double zoom = 1.0;
+  double zoom = 1.0, per_leaf = 1.0;
 };
 
 Camera
@@ -158,7 +158,8 @@ run(const Settings& s)
   const detail::CameraRays rays(camera, {0.0, 0.0, 0.0}, 1.0);
   const GBuffer exact = exactFrame(s, rays);
 
-  const std::size_t count = surface->numLeaves();
+  const std::size_t leaves = surface->numLeaves();
+  const auto count = static_cast<std::size_t>(s.per_leaf * static_cast<double>(leaves));
   GBuffer points, slim;
   points.resize(s.size, s.size, kPositionColumn);
   const QSplat qsplat(splatsOf(count));
@@ -183,7 +184,7 @@ run(const Settings& s)
              of_slim = shade(slim, camera, shading, surface->info.scale);
   if (!right || !of_points || !of_slim) return kExitFailed;
   printRow("QSplat", count, points_seconds, Deviation(points, *of_points, exact, *right, 1.0));
-  printRow("SLIM", count, slim_seconds,
+  printRow("SLIM", leaves, slim_seconds,
            Deviation(slim, *of_slim, exact, *right, surface->info.scale));
   if (s.pictures.empty()) return kExitDone;
   const std::pair<const char*, const Image*> all[] = {
@@ -206,6 +207,7 @@ main(int argc, char** argv)
              "write NAME_exact.png, NAME_qsplat.png, NAME_slim.png");
   table.integer("size", &s.size, 16, 4096, "pixels a side");
   table.number("zoom", &s.zoom, 0.1, 100.0, "narrows the field of view");
+  table.number("per_leaf", &s.per_leaf, 0.01, 100.0, "points of QSplat for each leaf");
   table.integer("threads", &s.threads, 1, 256, "threads of the exact picture");
   if (const auto status = table.parse(argc, argv)) return *status;
   return run(s);

@@ -138,14 +138,16 @@ printFrames(const Settings& s, RayTracer& tracer, const Camera& camera, GBuffer&
     print(what, seconds, rays);
     std::printf(
         "    rays: %llu from the camera, %llu of them met, %llu to lights, %llu for "
-        "occlusion; a ray: %.1f nodes, %.1f leaves to find q^, %.1f to blend; peeled %llu\n",
+        "occlusion; a ray: %.1f nodes, %.1f leaves to find q^, %.1f to blend; "
+        "peeled %llu, gaps closed %llu\n",
         static_cast<unsigned long long>(counts.rays_primary),
         static_cast<unsigned long long>(counts.covered_pixels),
         static_cast<unsigned long long>(counts.rays_shadow),
         static_cast<unsigned long long>(counts.rays_occlusion),
         static_cast<double>(counts.nodes) / rays, static_cast<double>(counts.tested_first) / rays,
         static_cast<double>(counts.tested_blend) / rays,
-        static_cast<unsigned long long>(counts.peeled));
+        static_cast<unsigned long long>(counts.peeled),
+        static_cast<unsigned long long>(counts.closed));
   };
   if (s.occlusion > 0) {
     TraceParams params = paramsOf(s, camera, true);

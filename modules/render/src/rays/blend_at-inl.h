@@ -23,7 +23,7 @@ constexpr float kMaxShift = 0.25f;  ///< distance of q^ from a leaf's own surfac
 /** The sums of a blend, each over the leaves of its lane. */
 struct LaneSums {
   Lanes weight, shift, coverage, leaves, facing;
-  Lanes gradient[3], hessian[6], lean[3];
+  Lanes gradient[3], hessian[6], lean[3], spread[3];
   HWY_ALIGN float largest[kWide];
   std::uint32_t surfel[kWide];
 
@@ -33,6 +33,7 @@ struct LaneSums {
     for (auto& g : gradient) g = weight;
     for (auto& h : hessian) h = weight;
     for (auto& l : lean) l = weight;
+    for (auto& l : spread) l = weight;
     std::fill(largest, largest + kWide, 0.0f);
     std::fill(surfel, surfel + kWide, WideTree::kNothing);
   }
@@ -49,6 +50,7 @@ struct LaneSums {
     for (int a = 0; a < 3; ++a) {
       sum.gradient[a] = over(gradient[a]);
       sum.lean[a] = over(lean[a]);
+      sum.spread[a] = over(spread[a]);
     }
     for (std::size_t i = 0; i < 6; ++i) sum.hessian[i] = over(hessian[i]);
     for (std::size_t k = 0; k < kWide; ++k) {
@@ -256,6 +258,9 @@ addLeaves(const BlendContext& context, const LeafBlocks::Head& head, const Block
   sums.lean[0] = hn::MulAdd(weight, at.x, sums.lean[0]);
   sums.lean[1] = hn::MulAdd(weight, at.y, sums.lean[1]);
   sums.lean[2] = hn::MulAdd(weight, at.z, sums.lean[2]);
+  sums.spread[0] = hn::Add(sums.spread[0], only(at.x));
+  sums.spread[1] = hn::Add(sums.spread[1], only(at.y));
+  sums.spread[2] = hn::Add(sums.spread[2], only(at.z));
   addDerivatives<D>(block, frame, hn::MulAdd(s, line.du, u), hn::MulAdd(s, line.dv, v),
                     hn::Mul(side, weight), context.rules.with_hessian, sums);
   keepLargest(head, block.k, weight, sums);

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "rays/ray_scene.h"
+#include "tiles/frame_rules.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "rays/ray_kernel.cpp"
@@ -29,24 +30,29 @@ roundedUp(double depth)
   return static_cast<float>(depth + 2e-7 * std::abs(depth));
 }
 
-/** The first root of any leaf inside its shrunk ball, from nearest on; infinity without one. */
+/** The first root of any leaf inside its ball of a share of its radius, from nearest to farthest;
+ * infinity without one. Shares above the scene's own need the wider boxes. */
 HWY_INLINE double
-firstDepth(const BlendContext& context, const BoundedRay& ray, const Line& line, double nearest)
+firstDepth(const BlendContext& context, const BoundedRay& ray, const Line& line, double nearest,
+           double farthest, double share)
 {
   const RayScene& scene = context.scene;
-  double best = ray.farthest;
+  const bool wide = share > scene.shrink;
+  double best = farthest;
   bool met = false;
   float until = roundedUp(best - line.shift);
   const float from = static_cast<float>(std::max(0.0, nearest - line.shift - 1e-6));
-  const auto meet = [&](const WideNode& node, float* entry)
-                        HWY_ATTR { return meetChildren(node, line, from, until, entry); };
+  const auto meet = [&](std::uint32_t n, float* entry) HWY_ATTR {
+    const WideBoxes& boxes = wide ? scene.tree.reach[n] : scene.tree.nodes[n].hit;
+    return meetChildren(boxes, line, from, until, entry);
+  };
   walkAlong(scene.tree, from, until, context.counts.nodes, meet, [&](std::uint32_t b) HWY_ATTR {
     const LeafBlocks::Head& head = scene.blocks.head(b);
     const LocalRay local(ray, head, nearest, best);
     for (std::size_t k = 0; k < kWide; k += hn::Lanes(Lane())) {
       LaneRoots roots;
       const BlockLanes block{scene.blocks.columns(b), k};
-      const auto shrink = static_cast<float>(scene.shrink);
+      const auto shrink = static_cast<float>(share);
       if (!firstRootsOf(head.degree, block, local, shrink, context.counts, roots)) continue;
       const Lanes depths = hn::Mul(roots.s, roots.radius);
       const double depth = local.depth + hn::GetLane(hn::MinOfLanes(Lane(), depths));
@@ -60,20 +66,29 @@ firstDepth(const BlendContext& context, const BoundedRay& ray, const Line& line,
   return met ? best : HUGE_VAL;
 }
 
-void
-traceOne(const BlendContext& context, const BoundedRay& ray, BlendedHit& hit)
+/** The blend at a depth of a ray. */
+BlendSum
+blendOn(const BlendContext& context, const BoundedRay& ray, double depth)
 {
-  hit = BlendedHit();
-  const Line line(ray.ray, context.scene.tree.bounds);
+  const Ray& own = ray.ray;
+  return blendAt(context,
+                 {along(own.origin, depth, own.direction), own.direction, ray.nearest - depth});
+}
+
+/** Looks for a hit among first roots inside balls of a share of their radii, behind those whose blend
+ * is refused too. \param[in] accept bool(sum) */
+template <typename Accept>
+HWY_INLINE void
+traceLayers(const BlendContext& context, const BoundedRay& ray, const Line& line, double farthest,
+            double share, const Accept& accept, BlendedHit& hit)
+{
   double nearest = ray.nearest;
   for (int layer = 0; layer < kMaxLayers; ++layer) {
-    const double depth = firstDepth(context, ray, line, nearest);
+    const double depth = firstDepth(context, ray, line, nearest, farthest, share);
     if (!(depth < HUGE_VAL)) return;
-    const BlendPlace place{along(ray.ray.origin, depth, ray.ray.direction), ray.ray.direction,
-                           ray.nearest - depth};
-    const BlendSum sum = blendAt(context, place);
+    const BlendSum sum = blendOn(context, ray, depth);
     if (sum.surfel == WideTree::kNothing) return;
-    if (isSupported(sum, context.rules.min_coverage)) {
+    if (accept(sum)) {
       hit.depth_hat = depth;
       hit.sum = sum;
       return;
@@ -83,10 +98,29 @@ traceOne(const BlendContext& context, const BoundedRay& ray, BlendedHit& hit)
   }
 }
 
-/** Whether one of some lanes' roots lies on the surface. What a leaf alone covers needs no blend. */
+void
+traceOne(const BlendContext& context, const BoundedRay& ray, BlendedHit& hit)
+{
+  hit = BlendedHit();
+  const Line line(ray.ray, context.scene.tree.bounds);
+  const double coverage = context.rules.min_coverage;
+  traceLayers(
+      context, ray, line, ray.farthest, context.scene.shrink,
+      [&](const BlendSum& sum) { return isSupported(sum, coverage); }, hit);
+  if (hit.met() || !context.rules.close_gaps) return;
+  // Between shrunk balls a ray may slip through a sheet that goes on all around it.
+  traceLayers(
+      context, ray, line, ray.farthest, kMaxShrink,
+      [&](const BlendSum& sum) { return closesGap(sum, ray.ray.direction); }, hit);
+  if (hit.met()) ++context.counts.closed;
+}
+
+/** Whether one of some lanes' roots is accepted.
+ * \param[in] alone a leaf that covers its root by so much needs no look at the blend there */
+template <typename Accept>
 HWY_INLINE bool
-anyOnSurface(const BlendContext& context, const BoundedRay& ray, double depth,
-             const LaneRoots& roots)
+anyAccepted(const BlendContext& context, const BoundedRay& ray, double depth,
+            const LaneRoots& roots, double alone, const Accept& accept)
 {
   const Lane d;
   const RayScene& scene = context.scene;
@@ -95,42 +129,62 @@ anyOnSurface(const BlendContext& context, const BoundedRay& ray, double depth,
   const float cover = static_cast<float>(1.0 / (scene.cover_radius * scene.cover_radius));
   const Lanes own = weightOf(scene.surface.info.blend_kernel,
                              hn::Min(hn::Mul(roots.from_center_sq, all(cover)), all(1.0f)));
-  const Lanes needed = all(static_cast<float>(context.rules.min_coverage));
+  const Lanes needed = all(static_cast<float>(alone));
   if ((bitsOf(hn::Ge(own, needed)) & met) != 0) return true;
   HWY_ALIGN float depths[kWide];
   hn::Store(hn::Mul(roots.s, roots.radius), d, depths);
   for (unsigned bits = met; bits != 0; bits &= bits - 1) {
     const double at = depth + depths[__builtin_ctz(bits)];
-    const BlendPlace place{along(ray.ray.origin, at, ray.ray.direction), ray.ray.direction, -at};
-    if (isSupported(blendAt(context, place), context.rules.min_coverage)) return true;
+    if (accept(blendOn(context, ray, at))) return true;
     ++context.counts.peeled;
   }
   return false;
 }
 
-bool
-blockedOne(const BlendContext& context, const BoundedRay& ray)
+/** Whether any root inside balls of a share of their radii is accepted. */
+template <typename Accept>
+HWY_INLINE bool
+anyRoot(const BlendContext& context, const BoundedRay& ray, const Line& line, double share,
+        double alone, const Accept& accept)
 {
   const RayScene& scene = context.scene;
-  const Line line(ray.ray, scene.tree.bounds);
+  const bool wide = share > scene.shrink;
   const float until = roundedUp(ray.farthest - line.shift);
   const float from = static_cast<float>(std::max(0.0, ray.nearest - line.shift - 1e-6));
-  bool blocked = false;
-  const auto meet = [&](const WideNode& node, float* entry)
-                        HWY_ATTR { return meetChildren(node, line, from, until, entry); };
+  bool found = false;
+  const auto meet = [&](std::uint32_t n, float* entry) HWY_ATTR {
+    const WideBoxes& boxes = wide ? scene.tree.reach[n] : scene.tree.nodes[n].hit;
+    return meetChildren(boxes, line, from, until, entry);
+  };
   walkAlong(scene.tree, from, until, context.counts.nodes, meet, [&](std::uint32_t b) HWY_ATTR {
     const LeafBlocks::Head& head = scene.blocks.head(b);
     const LocalRay local(ray, head, ray.nearest, ray.farthest);
-    for (std::size_t k = 0; k < kWide && !blocked; k += hn::Lanes(Lane())) {
+    for (std::size_t k = 0; k < kWide && !found; k += hn::Lanes(Lane())) {
       LaneRoots roots;
       const BlockLanes block{scene.blocks.columns(b), k};
-      const auto shrink = static_cast<float>(scene.shrink);
+      const auto shrink = static_cast<float>(share);
       if (!firstRootsOf(head.degree, block, local, shrink, context.counts, roots)) continue;
-      blocked = anyOnSurface(context, ray, local.depth, roots);
+      found = anyAccepted(context, ray, local.depth, roots, alone, accept);
     }
-    return !blocked;
+    return !found;
   });
-  return blocked;
+  return found;
+}
+
+bool
+blockedOne(const BlendContext& context, const BoundedRay& ray)
+{
+  const Line line(ray.ray, context.scene.tree.bounds);
+  const double coverage = context.rules.min_coverage;
+  if (anyRoot(context, ray, line, context.scene.shrink, coverage,
+              [&](const BlendSum& sum) { return isSupported(sum, coverage); })) {
+    return true;
+  }
+  if (!context.rules.close_gaps) return false;
+  BoundedRay beyond = ray;
+  beyond.nearest = std::max(ray.nearest, ray.nearest_gap);
+  return anyRoot(context, beyond, line, kMaxShrink, HUGE_VAL,
+                 [&](const BlendSum& sum) { return closesGap(sum, ray.ray.direction); });
 }
 
 void
@@ -153,7 +207,8 @@ traceDepths(const RayScene& scene, const RayRules& rules, const BoundedRay* rays
   for (std::size_t i = 0; i < count; ++i) {
     BoundedRay ray = rays[i];
     if (rules.front_only) ray.nearest_behind = HUGE_VAL;
-    depths[i] = firstDepth(context, ray, Line(ray.ray, scene.tree.bounds), ray.nearest);
+    const Line line(ray.ray, scene.tree.bounds);
+    depths[i] = firstDepth(context, ray, line, ray.nearest, ray.farthest, scene.shrink);
   }
 }
 
@@ -176,8 +231,9 @@ visitBlocks(const WideTree& tree, const BoundedRay& ray, const RayWidth& width,
   float until = roundedUp(ray.farthest - line.shift);
   // A widened box may begin before the place where the line starts in single precision.
   const float from = static_cast<float>(ray.nearest - line.shift - 1e-6);
-  const auto meet = [&](const WideNode& node, float* entry)
-                        HWY_ATTR { return meetWidened(node, line, width, from, until, entry); };
+  const auto meet = [&](std::uint32_t n, float* entry) HWY_ATTR {
+    return meetWidened(tree.nodes[n].hit, line, width, from, until, entry);
+  };
   walkAlong(tree, from, until, nodes, meet, [&](std::uint32_t block) HWY_ATTR {
     double farthest = ray.farthest;
     const bool more = visitor.visit(visitor.context, block, farthest);

@@ -27,6 +27,7 @@ struct RayScene {
 struct RayRules {
   bool front_only = false;    ///< first roots and blends: only where the gradient faces the ray
   bool with_hessian = false;  ///< blend second derivatives too
+  bool close_gaps = false;    ///< look beyond shrunk balls where a ray meets nothing in them
   double min_coverage = 0.1;  ///< where it is less, the surface is not defined
 };
 
@@ -36,6 +37,7 @@ struct BoundedRay {
   double nearest = 0.0;         ///< first roots come no nearer
   double nearest_front = 0.0;   ///< the same of those met from the front ...
   double nearest_behind = 0.0;  ///< ... and from behind
+  double nearest_gap = 0.0;     ///< gaps between shrunk balls come no nearer
   double farthest = HUGE_VAL;
 };
 
@@ -64,15 +66,22 @@ struct RayCounts {
   std::uint64_t leaves_first = 0;  ///< polynomials restricted to a ray to find the first root
   std::uint64_t leaves_blend = 0;  ///< the same to blend
   std::uint64_t bracketed = 0;     ///< of both, those whose roots had to be isolated one by one
+  std::uint64_t closed = 0;        ///< camera rays that met a gap between shrunk balls
   std::uint64_t peeled = 0;        ///< blends that did not belong to the surface
 
   RayCounts& operator+=(const RayCounts& other);
 };
 
+/** \brief Whether a blend that no shrunk ball holds closes a gap in a sheet: leaves lie all around it,
+ * point one way and face the ray. Across a slit they face each other, and at a silhouette they lie to
+ * one side and aslant. */
+bool
+closesGap(const BlendSum& sum, const Vector3& direction);
+
 namespace kernels {
 
 /** \brief The first place of each ray at which the blend of leaves belongs to the surface: q^ and
- * the sums there, as the reference rasteriser's in every rule. */
+ * the sums there, as the reference rasteriser's in every rule but close_gaps. */
 void
 traceHits(const RayScene& scene, const RayRules& rules, const BoundedRay* rays, std::size_t count,
           BlendedHit* hits, RayCounts& counts);

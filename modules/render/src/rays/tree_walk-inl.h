@@ -53,7 +53,7 @@ struct Line {
 
 /** Children whose boxes a line meets between two depths, and where it enters them. */
 HWY_INLINE unsigned
-meetChildren(const WideNode& node, const Line& line, float from, float to, float* entry)
+meetChildren(const WideBoxes& boxes, const Line& line, float from, float to, float* entry)
 {
   const Lane d;
   unsigned bits = 0;
@@ -61,8 +61,8 @@ meetChildren(const WideNode& node, const Line& line, float from, float to, float
     Lanes near = all(from), far = all(to);
     for (std::size_t a = 0; a < 3; ++a) {
       const Lanes origin = all(line.origin[a]), inverse = all(line.inverse[a]);
-      const Lanes first = hn::Load(d, node.hit.bound[line.near_row[a]] + k);
-      const Lanes last = hn::Load(d, node.hit.bound[line.near_row[a] ^ 1u] + k);
+      const Lanes first = hn::Load(d, boxes.bound[line.near_row[a]] + k);
+      const Lanes last = hn::Load(d, boxes.bound[line.near_row[a] ^ 1u] + k);
       near = hn::Max(near, hn::Mul(hn::Sub(first, origin), inverse));
       far = hn::Min(far, hn::Mul(hn::Sub(last, origin), inverse));
     }
@@ -75,7 +75,7 @@ meetChildren(const WideNode& node, const Line& line, float from, float to, float
 /** The same of boxes widened by base, and by slope times how far their farthest corner may be from the
  * ray's own origin: a pixel's length there. */
 HWY_INLINE unsigned
-meetWidened(const WideNode& node, const Line& line, const RayWidth& width, float from, float to,
+meetWidened(const WideBoxes& boxes, const Line& line, const RayWidth& width, float from, float to,
             float* entry)
 {
   const Lane d;
@@ -83,8 +83,8 @@ meetWidened(const WideNode& node, const Line& line, const RayWidth& width, float
   for (std::size_t k = 0; k < kWide; k += hn::Lanes(d)) {
     Lanes low[3], high[3], away = all(static_cast<float>(line.shift));
     for (std::size_t a = 0; a < 3; ++a) {
-      low[a] = hn::Sub(hn::Load(d, node.hit.bound[2 * a] + k), all(line.origin[a]));
-      high[a] = hn::Sub(hn::Load(d, node.hit.bound[2 * a + 1] + k), all(line.origin[a]));
+      low[a] = hn::Sub(hn::Load(d, boxes.bound[2 * a] + k), all(line.origin[a]));
+      high[a] = hn::Sub(hn::Load(d, boxes.bound[2 * a + 1] + k), all(line.origin[a]));
       away = hn::Add(away, hn::Max(hn::Abs(low[a]), hn::Abs(high[a])));
     }
     const Lanes wider = hn::MulAdd(all(width.slope), away, all(width.base));
@@ -126,7 +126,7 @@ struct Visit {
 
 /** Visits the blocks that a line meets, roughly from near to far, until body returns false.
  * \param[in] until a depth less the line's shift, read anew at every step
- * \param[in] meet unsigned(node, float* entry): children that the line meets
+ * \param[in] meet unsigned(node's number, float* entry): children that the line meets
  * \param[in] body bool(block) */
 template <typename Meet, typename Body>
 HWY_INLINE void
@@ -147,7 +147,7 @@ walkAlong(const WideTree& tree, float from, const float& until, std::uint64_t& n
     const WideNode& node = tree.nodes[at.child];
     HWY_ALIGN float entry[kWide];
     const std::size_t first = top;
-    for (unsigned bits = meet(node, entry); bits != 0; bits &= bits - 1) {
+    for (unsigned bits = meet(at.child, entry); bits != 0; bits &= bits - 1) {
       const auto k = static_cast<std::size_t>(__builtin_ctz(bits));
       std::size_t place = top++;
       for (; place > first && stack[place - 1].entry < entry[k]; --place) {

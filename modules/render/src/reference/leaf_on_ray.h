@@ -16,6 +16,7 @@ struct BlendSum {
   double shift = 0.0;  ///< of w (t - t^): q lies on the ray
   double coverage = 0.0;
   double lean[3] = {0.0, 0.0, 0.0};  ///< of w (q - c) / r: points away from the leaves' middle
+  double spread[3] = {0.0, 0.0, 0.0};  ///< of (q - c) / r, all leaves alike; by the ray tracer alone
   int leaves = 0;
   double gradient[3] = {0.0, 0.0, 0.0};
   Symmetric3<double> hessian{};

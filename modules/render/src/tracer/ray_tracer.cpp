@@ -225,7 +225,7 @@ RayTracer::castShadows(const std::vector<WorldRay>& rays, std::vector<std::uint8
   forBatches(rays.size(), threads, [&](std::size_t begin, std::size_t end, RayCounts& counts) {
     std::vector<BoundedRay> local;
     for (std::size_t i = begin; i < end; ++i) local.push_back(localRay(object, rays[i]));
-    object.block(local.data(), local.size(), blocked.data() + begin, counts);
+    object.block(local.data(), local.size(), true, blocked.data() + begin, counts);
   });
   return {};
 }

@@ -74,6 +74,7 @@ TraceStatistics::operator+=(const TraceStatistics& other)
   tested_first += other.tested_first;
   tested_blend += other.tested_blend;
   bracketed += other.bracketed;
+  closed += other.closed;
   peeled += other.peeled;
   covered_pixels += other.covered_pixels;
   return *this;

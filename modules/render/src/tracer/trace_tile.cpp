@@ -41,6 +41,7 @@ TraceTile::trace(const TraceFrame& frame, int x0, int y0, GBuffer& buffer, Light
   statistics.tested_first += counts_.leaves_first;
   statistics.tested_blend += counts_.leaves_blend;
   statistics.bracketed += counts_.bracketed;
+  statistics.closed += counts_.closed;
   statistics.peeled += counts_.peeled;
   for (const MetPoint& point : met_) statistics.covered_pixels += point.met();
 }
@@ -77,14 +78,15 @@ TraceTile::leaving(const TraceFrame& frame, std::size_t i, const Vector3& direct
   ray.ray = {along(position, departure.lift, point.normal), direction};
   ray.nearest_front = departure.front;
   ray.nearest_behind = departure.behind;
+  ray.nearest_gap = departure.gap;
   return ray;
 }
 
 void
-TraceTile::block(const TraceFrame& frame)
+TraceTile::block(const TraceFrame& frame, bool close_gaps)
 {
   blocked_.resize(outgoing_.size());
-  frame.object.block(outgoing_.data(), outgoing_.size(), blocked_.data(), counts_);
+  frame.object.block(outgoing_.data(), outgoing_.size(), close_gaps, blocked_.data(), counts_);
 }
 
 void
@@ -102,7 +104,7 @@ TraceTile::traceLight(const TraceFrame& frame, std::size_t l, const GBuffer& buf
     outgoing_.push_back(leaving(frame, i, direction));
     source_.push_back(i);
   }
-  block(frame);
+  block(frame, frame.view.params.close_gaps);
   shadow_ += outgoing_.size();
   for (std::size_t k = 0; k < outgoing_.size(); ++k) {
     light.visible[l * buffer.numPixels() + pixels_[source_[k]]] = blocked_[k] ? 0.0f : 1.0f;
@@ -123,7 +125,7 @@ TraceTile::traceOcclusion(const TraceFrame& frame, LightBuffer& light)
       outgoing_.push_back(leaving(frame, i, cosineDirection(met_[i].normal, at)));
       outgoing_.back().farthest = frame.reach;
     }
-    block(frame);
+    block(frame, false);  // a ray of many: what slips through a gap does not show
     occlusion_ += rays;
     const auto hidden = std::count(blocked_.begin(), blocked_.end(), std::uint8_t{1});
     light.open[pixels_[i]] = 1.0f - static_cast<float>(hidden) / static_cast<float>(rays);

@@ -38,7 +38,7 @@ class TraceTile {
                   LightBuffer& light);
   void traceOcclusion(const TraceFrame& frame, LightBuffer& light);
   BoundedRay leaving(const TraceFrame& frame, std::size_t i, const Vector3& direction) const;
-  void block(const TraceFrame& frame);
+  void block(const TraceFrame& frame, bool close_gaps);
 
   std::vector<BoundedRay> rays_, outgoing_;
   std::vector<MetPoint> met_;

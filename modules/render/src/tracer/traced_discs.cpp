@@ -92,7 +92,7 @@ class TracedDiscs : public TracedObject {
     }
   }
 
-  void block(const BoundedRay* rays, std::size_t count, std::uint8_t* blocked,
+  void block(const BoundedRay* rays, std::size_t count, bool /*close_gaps*/, std::uint8_t* blocked,
              RayCounts& counts) const override
   {
     const CameraRays none(Camera(), origin, 1.0);
@@ -117,7 +117,7 @@ class TracedDiscs : public TracedObject {
   {
     // Discs within half a radius of each other are blended as one surface.
     const double r = splats_.radius[point.id];
-    return {0.5 * r, r, r};
+    return {0.5 * r, r, r, r};
   }
 
  private:

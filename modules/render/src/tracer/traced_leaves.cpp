@@ -30,6 +30,7 @@ class TracedLeaves : public TracedObject {
   {
     RayRules rules = rules_;
     rules.front_only = frontOnly(view.params.sides, scene_.surface.info.oriented);
+    rules.close_gaps = view.params.close_gaps;
     rules.with_hessian = buffer && (view.params.columns & (kHessianColumn | kCurvatureColumn)) != 0;
     std::vector<BlendedHit> hits(count);
     kernels::traceHits(scene_, rules, rays, count, hits.data(), counts);
@@ -43,10 +44,12 @@ class TracedLeaves : public TracedObject {
     }
   }
 
-  void block(const BoundedRay* rays, std::size_t count, std::uint8_t* blocked,
+  void block(const BoundedRay* rays, std::size_t count, bool close_gaps, std::uint8_t* blocked,
              RayCounts& counts) const override
   {
-    kernels::traceBlocked(scene_, rules_, rays, count, blocked, counts);
+    RayRules rules = rules_;
+    rules.close_gaps = close_gaps;
+    kernels::traceBlocked(scene_, rules, rays, count, blocked, counts);
   }
 
   Departure departure(const MetPoint& point) const override
@@ -55,8 +58,8 @@ class TracedLeaves : public TracedObject {
     // Leaves that blend at a point lie apart by about their residuals, and by a small share of
     // their radii where the data are clean.
     const double lift = std::min(0.1 * r, 2.0 * error + 0.005 * r);
-    if (!scene_.surface.info.oriented) return {lift, 0.0, 0.0};
-    return point.back ? Departure{lift, r, 0.0} : Departure{lift, 0.0, r};
+    if (!scene_.surface.info.oriented) return {lift, 0.0, 0.0, r};
+    return point.back ? Departure{lift, r, 0.0, r} : Departure{lift, 0.0, r, r};
   }
 
  private:

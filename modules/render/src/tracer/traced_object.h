@@ -33,6 +33,7 @@ struct Departure {
   double lift;    ///< they start so far along the normal
   double front;   ///< what they meet from the front nearer than this does not count
   double behind;  ///< nor does what they meet from behind
+  double gap;  ///< nor gaps that they meet, as the rims of leaves around the point lie apart most
 };
 
 /** \brief Something that rays meet. Local = (world - origin) / scale. */
@@ -52,8 +53,8 @@ class TracedObject {
                      RayCounts& counts) const = 0;
 
   /** \brief Whether anything stands in the way of each ray. */
-  virtual void block(const BoundedRay* rays, std::size_t count, std::uint8_t* blocked,
-                     RayCounts& counts) const = 0;
+  virtual void block(const BoundedRay* rays, std::size_t count, bool close_gaps,
+                     std::uint8_t* blocked, RayCounts& counts) const = 0;
 
   virtual Departure departure(const MetPoint& point) const = 0;
 };

@@ -28,7 +28,10 @@ struct RayLight {
 /** \brief Parameters of RayTracer::trace. */
 struct TraceParams {
   VisibleSides sides = VisibleSides::kAuto;  ///< as the rasterisers': kAuto of discs is both
-  double near_plane = 0.0;         ///< smallest depth shown along a ray, world units, >= 0
+  double near_plane = 0.0;  ///< smallest depth shown along a ray, world units, >= 0
+  /** Of surfaces: where a ray would meet nothing but slips between shrunk balls it meets the blend of the leaves around, if these
+   * lie on all sides, point one way and face it. false: such gaps are open, as the rasterisers' are. */
+  bool close_gaps = true;
   bool filtered = true;            ///< of discs, as DiscRenderParams::filtered
   double depth_tolerance = 0.5;    ///< of discs, as DiscRenderParams::depth_tolerance
   unsigned columns = kAllColumns;  ///< GBufferColumn bits; discs fill every one they have
@@ -59,6 +62,7 @@ struct TraceStatistics {
   std::uint64_t tested_first = 0;  ///< leaves or discs intersected with a ray to find the first
   std::uint64_t tested_blend = 0;  ///< the same to blend
   std::uint64_t bracketed = 0;     ///< of both, those whose roots had to be isolated one by one
+  std::uint64_t closed = 0;        ///< camera rays that met a gap that close_gaps closed
   std::uint64_t peeled = 0;        ///< blends that did not belong to the surface
   std::uint64_t covered_pixels = 0;
 
@@ -91,7 +95,8 @@ struct WorldHit {
  *
  * A ray's hit is the rasteriser's, by the same rules: q^ is the first intersection with a leaf inside
  * its ball shrunk by alpha; the blend of the leaves whose ball holds q^ is the hit (eqs. 6, 7), if it is
- * covered or lies in a gap between leaves; else the ray goes on behind it. Discs are blended as
+ * covered or lies in a gap between leaves; else the ray goes on behind it. Gaps between shrunk balls, at
+ * which the rasterisers show what lies behind, are closed (TraceParams::close_gaps). Discs are blended as
  * renderDiscs() blends them. A shadow ray is blocked by any root of a leaf at which the blend belongs to
  * the surface, from either side of it, so that shadows end where silhouettes do. It starts a little
  * above its point, by what leaves that meet there may disagree, and sees the inner side of an oriented
