@@ -20,7 +20,8 @@ MOST_LINES_IN_FUNCTION = 60
 MOST_LINES_IN_NINE_OF_TEN = 23
 
 # What a folder may include, itself apart.
-MODULES = ("core", "cloud", "surface", "fit", "query", "features", "splat", "render")
+MODULES = ("core", "cloud", "surface", "fit", "query", "features", "mesh", "splat",
+           "render")
 ARROWS = {
     "core": (),
     "cloud": ("core",),
@@ -28,6 +29,7 @@ ARROWS = {
     "fit": ("core", "cloud", "surface"),
     "query": ("core", "cloud", "surface"),
     "features": ("core", "cloud", "surface", "query"),
+    "mesh": ("core", "cloud", "surface", "fit", "query"),
     "splat": ("core", "cloud"),
     "render": ("core", "cloud", "surface", "query", "splat"),
     "filters": tuple(m for m in MODULES if m != "render"),

@@ -5,6 +5,7 @@
 
 #include "common/program.h"
 #include "pcl_slim/filters/io/surface_files.h"
+#include "scan/mesh_job.h"
 
 namespace pcl_slim {
 
@@ -97,6 +98,21 @@ fitAndProject(const ProjectionJob& job, const CloudFile& cloud, SLIMSurface& sur
   return projectScan(job, cloud, surface, &store, console, report);
 }
 
+/** Smooths the mesh. \param[in] sharp_given whether the user says what to do at edges. */
+Result<PointFile>
+smoothMesh(const ProjectionJob& job, bool normals, bool sharp_given, const SLIMSurface& surface,
+           const CloudFile& cloud, Console& console, Report& report)
+{
+  MeshJob mesh;
+  mesh.params.fit = job.fit.params;
+  if (sharp_given) {
+    mesh.params.edges = job.fit.params.sharp_features ? MeshEdges::kSharp : MeshEdges::kRounded;
+  }
+  if (!job.surface.empty()) mesh.surface = &surface;
+  mesh.normals = normals;
+  return smoothMeshFile(mesh, cloud, console, report);
+}
+
 OptionTable
 declareOptions(const ProjectionProgram& program, ProjectionJob& job, bool& chosen)
 {
@@ -105,6 +121,11 @@ declareOptions(const ProjectionProgram& program, ProjectionJob& job, bool& chose
                      "the scan; its normals or faces are used if it has any");
   options.positional("OUT.pcd|.ply", &job.files.output, "the same points, with every field kept");
   options.toggle(program.switch_name, &chosen, program.switch_help);
+  if (program.meshes) {
+    options.toggle("mesh", &job.mesh,
+                   "smooth the faces of a mesh, not its points; -sharp 0 or 1: round or keep all "
+                   "edges, else as measured");
+  }
   options.text("surface", &job.surface, "FILE",
                "use a surface made by pcl_slim_fit (.pcd, .ply, .vtp, .slim) in place of a fit");
   declareFitOptions(options, job.fit);
@@ -113,6 +134,11 @@ declareOptions(const ProjectionProgram& program, ProjectionJob& job, bool& chose
        {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "robust", "local_noise",
         "normals_as_data", "normal_error", "paper", "compact", "lambda", "seed"}) {
     options.exclusive({"surface", name});
+  }
+  // A mesh has its normals, and their sides, from its faces.
+  for (const char* name :
+       {"normals_as_data", "normal_error", "viewpoint", "estimate_normals", "use_normals"}) {
+    if (program.meshes) options.exclusive({"mesh", name});
   }
   return options;
 }
@@ -133,9 +159,15 @@ runProjectionProgram(const ProjectionProgram& program, ProjectionJob& job, int a
     return job.surface.empty() ? Error() : readSurface(job.surface, console, report, surface);
   };
   steps.work = [&](const CloudFile& cloud, Console& console, Report& report, ScanResult& result) {
-    const auto projection = fitAndProject(job, cloud, surface, console, report);
-    if (!projection) return projection.error();
-    made = make_output(cloud.file, *projection, chosen, job.fit.params.threads);
+    if (job.mesh) {
+      auto mesh = smoothMesh(job, chosen, options.given("sharp"), surface, cloud, console, report);
+      if (!mesh) return mesh.error();
+      made = std::move(*mesh);
+    } else {
+      const auto projection = fitAndProject(job, cloud, surface, console, report);
+      if (!projection) return projection.error();
+      made = make_output(cloud.file, *projection, chosen, job.fit.params.threads);
+    }
     result.save = [&] { return savePointFile(job.files.output, made); };
     result.detail = std::to_string(numPoints(made.cloud)) + " points";
     return Error();

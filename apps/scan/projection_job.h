@@ -15,12 +15,14 @@ struct ProjectionJob {
   std::string surface;  ///< a file to read instead of fitting, or none
   FitJob fit;
   ProjectionParams projection;
+  bool mesh = false;  ///< smooth the scan's mesh in place of its points
 };
 
 /** \brief What a program of this kind is called, and the one switch of its own. */
 struct ProjectionProgram {
   std::string name, version, summary;
   std::string switch_name, switch_help;
+  bool meshes = false;  ///< whether it has the option -mesh
 };
 
 /** \brief Makes the file to write from the file read and its projection. \param[in] chosen whether

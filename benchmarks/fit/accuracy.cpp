@@ -62,7 +62,7 @@ compare(Shape shape, const PointStore& store, const Projection& projection)
 
 Result<Outcome>
 measureAccuracy(Shape shape, const Scene& scene, const FitParams& params, bool normals,
-                bool float_input)
+                bool float_input, const Fitter& fitter)
 {
   std::vector<float> floats;
   if (float_input) floats.assign(scene.points.begin(), scene.points.end());
@@ -71,7 +71,10 @@ measureAccuracy(Shape shape, const Scene& scene, const FitParams& params, bool n
   if (!store) return store.error();
   Outcome outcome;
   SLIMSurface surface;
-  if (Error error = fitSurface(*store, params, surface, &outcome.fit)) return error;
+  if (Error error = fitter ? fitter(*store, params, surface, &outcome.fit)
+                           : fitSurface(*store, params, surface, &outcome.fit)) {
+    return error;
+  }
   ProjectionParams projection_params;
   projection_params.curvature = true;
   projection_params.threads = params.threads;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
+
 #include "measure/scenes.h"
 #include "pcl_slim/fit/fit.h"
 
@@ -24,10 +26,15 @@ struct Outcome {
   std::uint64_t unsupported = 0;  ///< points no surfel supports
 };
 
+/** \brief What fits a surface to a store: fitSurface(), or one of other constants. */
+using Fitter =
+    std::function<Error(const PointStore&, const FitParams&, SLIMSurface&, FitStatistics*)>;
+
 /** \brief Fits a scene and projects its points.
- * \param[in] float_input round the coordinates to float first, as a file of floats does. */
+ * \param[in] float_input round the coordinates to float first, as a file of floats does.
+ * \param[in] fitter the fit that is measured; empty: fitSurface(). */
 Result<Outcome>
 measureAccuracy(Shape shape, const Scene& scene, const FitParams& params, bool normals,
-                bool float_input);
+                bool float_input, const Fitter& fitter = {});
 
 }  // namespace pcl_slim::measure

@@ -141,6 +141,27 @@ header whole_out.pcd 'SIZE 8 8 8 4 8'
 expect 0 '' mesh.ply faceless.pcd -use_normals 0
 header faceless.pcd 'FIELDS x y z rgb weird'
 
+# The mesh itself: its faces, fields and comment stay, its edges are measured or as told, and the points' own
+# options are refused.
+expect 0 '' mesh.ply mesh_m.ply -mesh 1 -json mesh_m.json
+cmp -s <(tail -c $((13 * 3042)) mesh_out.ply) <(tail -c $((13 * 3042)) mesh_m.ply) || complain "-mesh changed faces"
+for key in faces faces_left_out moved isolated held sharp sharp_share noise rms_displacement smooth; do
+  grep -q "\"$key\"" mesh_m.json || complain "no $key in the report of -mesh"
+done
+[ "$(value mesh_m.json faces)" = 3042 ] || complain "not all faces are counted"
+grep -q '^> Smoothing the mesh \[done, .* ms : .* vertices' out.txt || complain "no line on the mesh"
+expect 0 '' mesh.ply mesh_t.ply -mesh 1 -threads 3 -quiet
+same mesh_m.ply mesh_t.ply
+expect 0 '' mesh.ply mesh_s.ply -mesh 1 -sharp 1 -json mesh_s.json
+grep -q '"sharp": true' mesh_s.json || complain "-sharp 1 keeps no edges"
+expect 0 '' mesh.ply mesh_n.ply -mesh 1 -sharp 0 -normals 1
+header mesh_n.ply 'property float nx'
+expect 0 '' mesh.ply mesh_p.ply -mesh 1 -paper 1
+differ mesh_p.ply mesh_m.ply
+expect 1 'no faces' near.pcd d.pcd -mesh 1
+expect 2 'exclude each other' mesh.ply d.ply -mesh 1 -use_normals 0
+absent d.pcd d.ply
+
 # A surface made before gives the very same points; another object's is refused.
 "$bin/pcl_slim_fit" near.pcd surface.slim -quiet 1 || complain "pcl_slim_fit failed"
 expect 0 '' near.pcd reused.pcd -surface surface.slim -json reused.json

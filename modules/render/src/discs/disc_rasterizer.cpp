@@ -132,7 +132,7 @@ renderDiscs(const SplatSet& splats, const Camera& camera, const DiscRenderParams
   DiscRenderStatistics total;
   const CameraRays rays(camera, splats.origin, 1.0);
   SurfelBins bins;
-  const DiscFrame frame{splats, rays, bins, params, params.sides == VisibleSides::kFront};
+  const DiscFrame frame{{splats, rays, params, params.sides == VisibleSides::kFront}, bins};
   bins = binDiscs(frame, camera.size, threads, total);
 
   total += forEachTile<DiscTile, DiscRenderStatistics>(
