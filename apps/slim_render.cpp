@@ -97,7 +97,6 @@ renderingOf(const Settings& s)
   RenderParams params;
   params.sides = sidesOf(s);
   params.near_plane = s.near_plane;
-  params.trim = s.trim;
   params.derivatives =
       s.derivatives == "unity" ? Derivatives::kPartitionOfUnity : Derivatives::kBlended;
   params.reference = s.reference;
@@ -320,8 +319,9 @@ run(const Settings& s)
   Report report("pcl_slim_render", PCL_SLIM_VERSION, s.input, resolveThreads(s.threads));
   console.begin("Loading " + s.input);
   const Stopwatch load_time;
-  const Result<Model> model = loadModel(s.input);
+  Result<Model> model = loadModel(s.input);
   if (!model) return fail(console, kExitUsage, model.error());
+  if (!s.trim) model->surface.dropTrimMaps();
   report.time("load", load_time.seconds());
   console.done(load_time.seconds(), model->describe());
   if (model->skipped > 0) {

@@ -142,7 +142,7 @@ addBlend(const BlockLeaf& leaf, const LeafFrame& frame, const HeightJets<D>& jet
   addTo(sums.weight + i, near, g);
   addTo(sums.offset + i, near, hn::Mul(g, hn::Mul(root.t, set(leaf.radius))));
   if (!leaf.trim.closed()) {
-    addTo(sums.outside + i, near, hn::Mul(g, outsideShares(leaf.trim, root.q.u, root.q.v)));
+    addTo(sums.outside + i, near, hn::Mul(g, outsideShares(Tag(), leaf.trim, root.q.u, root.q.v)));
   }
   // Signed so that every gradient points along the ray.
   const Vec signed_g = rules.oriented ? g : hn::Mul(g, alignment(root.along_ray));
