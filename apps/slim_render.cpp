@@ -35,7 +35,7 @@ struct Settings {
   double near_plane = 0.0;
   int threads = 0, turntable = 1, repeat = 0;
   std::uint64_t max_memory = 0;
-  bool filtered = true, skip = true, reference = false, quiet = false;
+  bool filtered = true, trim = true, skip = true, reference = false, quiet = false;
 };
 
 OptionTable
@@ -58,6 +58,7 @@ declareOptions(Settings& s)
                 "pictures all the way round: OUT_000.png, OUT_001.png ...");
   table.number("near", &s.near_plane, 0.0, 1e300, "cut away what is nearer than this");
   table.choice("sides", &s.sides, {"auto", "front", "both"}, "sides of the surface to draw");
+  table.toggle("trim", &s.trim, "end a surface where its scan ended; 0: draw all of its balls");
   table.choice("derivatives", &s.derivatives, {"blended", "unity"},
                "of normals and curvatures: the leaves', blended, or those of their partition of "
                "unity, to compare with");
@@ -329,8 +330,9 @@ run(const Settings& s)
   Report report("pcl_slim_render", PCL_SLIM_VERSION, s.input, resolveThreads(s.threads));
   console.begin("Loading " + s.input);
   const Stopwatch load_time;
-  const Result<Model> model = loadModel(s.input);
+  Result<Model> model = loadModel(s.input);
   if (!model) return fail(console, kExitUsage, model.error());
+  if (!s.trim) model->surface.dropTrimMaps();
   report.time("load", load_time.seconds());
   console.done(load_time.seconds(), model->describe());
   if (model->skipped > 0) {

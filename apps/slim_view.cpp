@@ -56,6 +56,7 @@ declareOptions(Settings& s)
              "where the keys c and C save and load the camera");
   table.text("screenshot", &s.screenshot, "FILE.png", "save a picture instead of opening a window");
   declareFitOptions(table, s.fit);
+  declareTrimOptions(table, s.fit);
   table.toggle("quiet", &s.quiet, "print nothing");
   return table;
 }
@@ -90,7 +91,9 @@ showModel(const Settings& s, Model& model)
   if (model.is_splats) {
     viewer.scene().setSplats(std::make_shared<SplatSet>(std::move(model.splats)));
   } else {
-    viewer.scene().setSurface(std::make_shared<SLIMSurface>(std::move(model.surface)));
+    auto surface = std::make_shared<SLIMSurface>(std::move(model.surface));
+    if (!s.fit.params.trim) surface->dropTrimMaps();
+    viewer.scene().setSurface(surface);
   }
   viewer.begin();
   if (s.screenshot.empty()) {

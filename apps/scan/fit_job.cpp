@@ -56,6 +56,8 @@ reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatisti
               {"line_balls", fit.line_balls},
               {"least_pivot", fit.least_pivot},
               {"gathered", fit.gathered},
+              {"open_leaves", fit.open_leaves},
+              {"trim_bytes", surface.trim_maps.size()},
               {"store_bytes", store.memoryBytes()},
               {"working_bytes", fit.working_bytes}});
   report.json()["skipped"] = {{"non_finite", points.non_finite},
@@ -69,6 +71,7 @@ reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatisti
   report.time("cover", fit.seconds_cover);
   report.time("links", fit.seconds_links);
   report.time("orient", fit.seconds_orient);
+  report.time("trim", fit.seconds_trim);
 }
 
 /** "1 level", "3 levels". */
@@ -134,6 +137,16 @@ declareFitOptions(OptionTable& options, FitJob& job)
                   "seed of the order in which centres are tried");
   options.exclusive({"penalty", "t_mdl", "target_error", "max_surfels"});
   for (const char* name : {"t_mdl", "paper"}) options.exclusive({"normals_as_data", name});
+}
+
+void
+declareTrimOptions(OptionTable& options, FitJob& job)
+{
+  job.params.trim = true;
+  options.toggle("trim", &job.params.trim,
+                 "end the surface where the scan ends, and keep the scan's holes");
+  options.number("hole", &job.params.hole_size, 2, 50,
+                 "diameter of the smallest hole kept, in spacings of the points");
 }
 
 Error

@@ -13,10 +13,19 @@
 
 namespace pcl_slim {
 
+/** \brief The defaults of a fit whose surface nobody sees. */
+inline FitParams
+withoutTrim()
+{
+  FitParams params;
+  params.trim = false;
+  return params;
+}
+
 /** \brief From a scan's file to its surface: the options, steps and report entries of every
  * program that fits. */
 struct FitJob {
-  FitParams params;
+  FitParams params = withoutTrim();
   std::vector<double> viewpoint;
   bool compact = false, use_normals = true;
   int normal_neighbours = 0;
@@ -25,6 +34,10 @@ struct FitJob {
 /** \brief Adds the options of a fit. The job must outlive the table's parse(). */
 void
 declareFitOptions(OptionTable& options, FitJob& job);
+
+/** \brief Adds those of trim maps, for programs whose surface is kept or drawn; others make none. */
+void
+declareTrimOptions(OptionTable& options, FitJob& job);
 
 /** \brief Brings the options read into the parameters and checks them. */
 Error

@@ -119,6 +119,7 @@ CloudProjection::add(const PointStore& store, const SLIMSurface& surface, Progre
     projection_.position.push_back(toFirst(store, more.position[i]));
     projection_.normal.push_back(more.normal[i]);
     projection_.supported.push_back(more.supported[i]);
+    projection_.inside.push_back(more.inside[i]);
     if (!more.curvature.empty()) {
       auto [mean, gaussian] = more.curvature[i];
       projection_.curvature.push_back(
@@ -224,17 +225,27 @@ CloudProjection::point(std::size_t i) const
   return point;
 }
 
+template <typename Which>
+std::vector<std::int32_t>
+CloudProjection::indicesOf(const Which& which) const
+{
+  std::vector<std::int32_t> indices;
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (which(i)) indices.push_back(static_cast<std::int32_t>(cloud_.inputIndex(i)));
+  }
+  return indices;
+}
+
 std::vector<std::int32_t>
 CloudProjection::unsupported() const
 {
-  std::vector<std::int32_t> indices;
-  indices.reserve(statistics_.unsupported);
-  for (std::size_t i = 0; i < size(); ++i) {
-    if (isFinite(i) && !isSupported(i)) {
-      indices.push_back(static_cast<std::int32_t>(cloud_.inputIndex(i)));
-    }
-  }
-  return indices;
+  return indicesOf([this](std::size_t i) { return isFinite(i) && !isSupported(i); });
+}
+
+std::vector<std::int32_t>
+CloudProjection::outside() const
+{
+  return indicesOf([this](std::size_t i) { return isSupported(i) && !isInside(i); });
 }
 
 }  // namespace pcl_slim

@@ -14,6 +14,7 @@ SLIMProjectionBase::clearResults()
   warning_.clear();
   projection_ = {};
   unsupported_.clear();
+  outside_.clear();
 }
 
 bool
@@ -34,6 +35,8 @@ SLIMProjectionBase::project(const CloudView& points, const CloudView& fitted,
   projection_ = projection.statistics();
   const auto unsupported = projection.unsupported();
   unsupported_.assign(unsupported.begin(), unsupported.end());
+  const auto outside = projection.outside();
+  outside_.assign(outside.begin(), outside.end());
   return true;
 }
 

@@ -94,6 +94,17 @@ expect 2 'exclude each other' measured.pcd d.pcd -normals_as_data 1 -t_mdl 0.01
 expect 2 'ask for that too' measured.pcd d.pcd -normal_error 0.1
 absent d.pcd
 
+# Trim maps: a sheet ends, so some of its leaves are open; without maps the file is an older version's.
+expect 0 '' measured.pcd open.slim -json open.json
+expect 0 '' measured.pcd whole.slim -trim 0 -json whole.json
+expect 0 '' measured.pcd wide.slim -hole 20
+awk '/"open_leaves"/ { gsub(/[^0-9]/, ""); found = $0 > 0 } END { exit !found }' open.json ||
+  complain "no leaf of a sheet is open: $(grep open_leaves open.json)"
+grep -q '"open_leaves": 0' whole.json || complain "open without maps: $(grep open_leaves whole.json)"
+[ "$(od -An -tu1 -j8 -N1 open.slim)" -eq 2 ] || complain "maps in a file of version 1"
+[ "$(od -An -tu1 -j8 -N1 whole.slim)" -eq 1 ] || complain "a file without maps is not of version 1"
+expect 2 'from 2 to 50' measured.pcd d.pcd -hole 1
+
 # Help, version, documentation.
 expect 0 '' -h
 grep -q '^Syntax is: pcl_slim_fit ' out.txt || complain "no syntax line"

@@ -26,8 +26,12 @@ expect 0 '' pcl_slim_fit scan.pcd surface.slim
 expect 0 '' pcl_slim_fit scan.pcd surface.pcd
 small="-size 96x72 -aa 1"
 expect 0 '' pcl_slim_render surface.slim shaded.png $small -json report.json -threads 1
-expect 0 '' pcl_slim_render surface.pcd "with space/shaded.png" $small -threads 4 -skip 0
+expect 0 '' pcl_slim_render surface.slim "with space/shaded.png" $small -threads 4 -skip 0
 same shaded.png "with space/shaded.png"
+# Points keep all of a surface but trim maps, which they have coarsely.
+expect 0 '' pcl_slim_render surface.slim whole.png $small -trim 0
+expect 0 '' pcl_slim_render surface.pcd points.png $small -trim 0
+same whole.png points.png
 for key in program version input points threads total load render peak_rss_mb leaves levels \
   covered_pixels outside_frustum camera; do
   grep -q "\"$key\"" report.json || complain "the report lacks $key"

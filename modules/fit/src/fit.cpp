@@ -15,6 +15,7 @@
 #include "pcl_slim/core/parallel.h"
 #include "penalty_search.h"
 #include "presets.h"
+#include "trim/trim_maps.h"
 
 namespace pcl_slim {
 
@@ -69,6 +70,10 @@ fitWithConstants(const FitConstants& constants, const PointStore& store, const F
 
   if (!store.hasNormals() && params.orient) orientSurface(params, constants.orient, surface);
   stats.seconds_orient = watch.lap();
+
+  if (params.trim && !params.paper_mode)
+    makeTrimMaps(store, settings, params.hole_size, stats, surface);
+  stats.seconds_trim = watch.lap();
 
   countFit(store, cover, surface, stats);
   if (statistics != nullptr) *statistics = stats;

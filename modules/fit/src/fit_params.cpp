@@ -12,6 +12,8 @@ using namespace detail;
 
 namespace {
 
+constexpr double kLeastHole = 2.0;  ///< spacings: smaller gaps are between neighbours
+constexpr double kMostHole = 50.0;  ///< spacings: wider ones are never closed, no ball spans them
 constexpr double kMostNormalError = 1.5707963267948966;  ///< pi/2: normals that tell nothing
 
 }  // namespace
@@ -50,6 +52,8 @@ FitParams::validate() const
         "open: drop one");
   }
   if (Error error = checkThreads(threads)) return error;
+  if (!(hole_size >= kLeastHole && hole_size <= kMostHole))
+    return bad("the smallest hole's size must be 2 to 50 spacings of the points");
   const auto finite = [](double value) { return std::isfinite(value); };
   if (has_viewpoint && !std::all_of(viewpoint, viewpoint + 3, finite)) {
     return bad("the viewpoint must be finite");

@@ -18,6 +18,7 @@ countSurfels(const SLIMSurface& surface, FitStatistics& stats)
     stats.reduced_degree += surface.degree[i] < surface.info.degree;
     if (!surface.isLeaf(i)) continue;
     ++stats.leaves;
+    stats.open_leaves += surface.isOpen(i);
     ++stats.leaves_per_level[surface.level[i]];
     stats.support_limited += (surface.flags[i] & kSurfelSupportLimited) != 0;
     weight += surface.effective_count[i];

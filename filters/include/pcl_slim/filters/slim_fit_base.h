@@ -81,6 +81,16 @@ class SLIMFitBase : public ControlledRun {
   void setNormalError(double radians) { params_.normal_error = radians; }
   double getNormalError() const { return params_.normal_error; }
 
+  /** \brief Makes trim maps: drawn, the surface ends where its data end, and has their holes (default
+   * on for SLIMFit, off for classes that move points only). */
+  void setTrimming(bool trim) { params_.trim = trim; }
+  bool getTrimming() const { return params_.trim; }
+
+  /** \brief Diameter of the smallest hole that trimming keeps, in spacings of the points, 2 to 50
+   * (default 4); smaller ones are closed. */
+  void setHoleSize(double spacings) { params_.hole_size = spacings; }
+  double getHoleSize() const { return params_.hole_size; }
+
   /** \brief Without normals: gives the surface one consistent side (default on). */
   void setOrientation(bool orient) { params_.orient = orient; }
   bool getOrientation() const { return params_.orient; }

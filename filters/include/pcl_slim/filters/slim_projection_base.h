@@ -45,10 +45,18 @@ class SLIMProjectionBase : public SLIMFitBase {
   double getMaxDisplacement() const { return projection_.max_displacement; }
   /** \brief Indices, in the input cloud, of finite points that no surfel supports. */
   const pcl::Indices& getUnsupported() const { return unsupported_; }
+  /** \brief Indices, in the input cloud, of points that were moved to places beyond the surface's
+   * borders: it has none there to be drawn. Needs trim maps: those of a given surface, or
+   * setTrimming(). No point is dropped for it. */
+  const pcl::Indices& getOutside() const { return outside_; }
 
  protected:
-  /** \param[in] keeps_points points that are no surface stay as they are: a warning, no error. */
-  explicit SLIMProjectionBase(bool keeps_points = false) : keeps_points_(keeps_points) {}
+  /** \brief Points move alike with trim maps and without: none are made unless asked for.
+   * \param[in] keeps_points points that are no surface stay as they are: a warning, no error. */
+  explicit SLIMProjectionBase(bool keeps_points = false) : keeps_points_(keeps_points)
+  {
+    params_.trim = false;
+  }
   ~SLIMProjectionBase() = default;
 
   /** \brief Forgets the last run. */
@@ -70,7 +78,7 @@ class SLIMProjectionBase : public SLIMFitBase {
   std::string warning_;
   SurfaceConstPtr surface_, fitted_surface_;
   CloudProjectionStatistics projection_;
-  pcl::Indices unsupported_;
+  pcl::Indices unsupported_, outside_;
 };
 
 }  // namespace pcl_slim

@@ -25,13 +25,14 @@ constexpr float kSameSheet = 5e-4f;  ///< of r: q^ gains nothing by moving forwa
 /** Sums of a block's blend (eqs. 6, 7, 8 left), before division by the weight; camera's axes. */
 struct BlockSums {
   Vec weight, shift, coverage, facing, best;
+  Vec outside;  ///< of w outsideShare(): of the trim maps
   Vec gradient[3], hessian[6], lean[3], leaves;
   UintVec surfel;
 
   void clear()
   {
     const Vec zero = set(0.0f);
-    weight = shift = coverage = facing = best = leaves = zero;
+    weight = shift = coverage = facing = best = outside = leaves = zero;
     for (auto& g : gradient) g = zero;
     for (auto& h : hessian) h = zero;
     for (auto& l : lean) l = zero;

@@ -62,16 +62,18 @@ placeOf(const FrameLeaf& leaf, const FrameView& view)
 FastRasterizer::FastRasterizer(const SLIMSurface& surface, int threads)
     : surface_(surface),
       index_(surface, threads),
+      trims_(surface),
       stride_(leafStride(std::max(2, surface.info.degree)))
 {
 }
 
 void
-FastRasterizer::place(std::size_t group, std::size_t count, const FrameView& view)
+FastRasterizer::place(std::size_t group, std::size_t count, const FrameView& view, bool trim)
 {
   counts_[group] = static_cast<std::uint8_t>(count);
   for (std::size_t k = 0; k < count; ++k) {
     FrameLeaf& leaf = record(group * kClusterSize + k);
+    leaf.trim = trim ? trims_.of(leaf.surfel) : TrimTable();
     if (leaf.degree == kNearLeaf) {
       // The camera is inside the ball or next to it: it may be seen anywhere.
       leaf.blend_x = leaf.blend_y = leaf.first_x = leaf.first_y = 0.0f;
@@ -100,7 +102,7 @@ FastRasterizer::setUpCluster(std::size_t n, const FrameView& view, const FrameRu
     filler.add(index_.surfel[i], index_.variance_weight[i], &record(n * kClusterSize + count++));
   }
   filler.flushAll();
-  place(n, count, view);
+  place(n, count, view, rules.trim);
 }
 
 void

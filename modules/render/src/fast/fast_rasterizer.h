@@ -32,7 +32,7 @@ class FastRasterizer {
              RenderStatistics& statistics);
   void setUpCluster(std::size_t n, const FrameView& view, const FrameRules& rules,
                     const BallShares& shares, RenderStatistics& statistics);
-  void place(std::size_t group, std::size_t count, const FrameView& view);
+  void place(std::size_t group, std::size_t count, const FrameView& view, bool trim);
   void sortByDepth(const FrameRules& rules);
   void bin(const FrameView& view);
   FrameLeaf& record(std::size_t place)
@@ -42,6 +42,7 @@ class FastRasterizer {
 
   const SLIMSurface& surface_;
   LeafIndex index_;
+  TrimTables trims_;
   std::size_t stride_;
   std::vector<std::uint32_t> clusters_;    ///< those that may be seen
   std::vector<std::uint8_t> counts_;       ///< records of each

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "pcl_slim/surface/detail/trim_tables.h"
 #include "pcl_slim/surface/polynomial.h"
 
 namespace pcl_slim::detail {
@@ -37,6 +38,8 @@ struct FrameLeaf {
   std::uint32_t surfel;
   std::uint16_t degree;    ///< of the polynomials here, 2 to 4; kNearLeaf: none, too near
   std::uint16_t monotone;  ///< bits: F falls along every ray in the ball of pass 1, of pass 2
+
+  TrimTable trim;  ///< where the surfel's data lie
 
   const float* form() const { return reinterpret_cast<const float*>(this + 1); }
   float* form() { return reinterpret_cast<float*>(this + 1); }

@@ -99,6 +99,7 @@ blendNear(const PassContext& context, const FrameLeaf& leaf, const Block& block,
   add(sums.weight, lanes.weight);
   add(sums.shift, lanes.shift);
   add(sums.coverage, lanes.coverage);
+  add(sums.outside, lanes.outside);
   add(sums.facing, lanes.facing);
   for (int a = 0; a < 3; ++a) {
     add(sums.gradient[a], lanes.gradient[a]);
@@ -260,8 +261,10 @@ drawBlock(const PassContext& context, const BlockOutput& output)
     const Ball around = ballAround(context, block);
     gather<false>(context, around, block, sums);
     const Mask met = Gt(sums.weight, set(0.0f));
-    Mask uncovered = And(met, Lt(sums.coverage, set(min_coverage)));
+    const Mask outside = Gt(sums.outside, Mul(set(0.5f), sums.weight));
+    Mask uncovered = AndNot(outside, And(met, Lt(sums.coverage, set(min_coverage))));
     if (!AllFalse(uncovered)) uncovered = unsupported(context, around, block, uncovered);
+    uncovered = Or(uncovered, outside);
     const bool last = AllFalse(uncovered);
     if (last && layer == 0) return output.write(block, sums, block.first);
     keep(AndNot(uncovered, met), sums, block, kept, kept_first);

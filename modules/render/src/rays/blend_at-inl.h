@@ -24,6 +24,7 @@ constexpr float kMaxShift = 0.25f;  ///< distance of q^ from a leaf's own surfac
 struct LaneSums {
   Lanes weight, shift, coverage, leaves, facing;
   Lanes gradient[3], hessian[6], lean[3], spread[3];
+  double outside = 0.0;  ///< of w outsideShare(), over all lanes
   HWY_ALIGN float largest[kWide];
   std::uint32_t surfel[kWide];
 
@@ -45,6 +46,7 @@ struct LaneSums {
     sum.weight = over(weight);
     sum.shift = over(shift);
     sum.coverage = over(coverage);
+    sum.outside = outside;
     sum.leaves = static_cast<int>(over(leaves));
     sum.facing = static_cast<std::int32_t>(over(facing));
     for (int a = 0; a < 3; ++a) {
@@ -204,6 +206,22 @@ keepLargest(const LeafBlocks::Head& head, std::size_t k, Lanes weight, LaneSums&
   }
 }
 
+/** Adds what the trim maps of open leaves say of their crossings at (u, v). */
+HWY_NOINLINE void
+addOutside(const SLIMSurface& surface, const std::uint32_t* surfels, Lanes weight, Lanes u, Lanes v,
+           LaneSums& sums)
+{
+  const Lane d;
+  HWY_ALIGN float w[kWide], at_u[kWide], at_v[kWide];
+  hn::Store(weight, d, w);
+  hn::Store(u, d, at_u);
+  hn::Store(v, d, at_v);
+  for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
+    if (!(w[k] > 0.0f)) continue;
+    sums.outside += w[k] * outsideShare(surface.trimMap(surfels[k]), at_u[k], at_v[k]);
+  }
+}
+
 /** Adds leaves k, k + 1, ... of a block to a blend, as blendLeaf(). */
 template <int D>
 HWY_INLINE void
@@ -261,8 +279,12 @@ addLeaves(const BlendContext& context, const LeafBlocks::Head& head, const Block
   sums.spread[0] = hn::Add(sums.spread[0], only(at.x));
   sums.spread[1] = hn::Add(sums.spread[1], only(at.y));
   sums.spread[2] = hn::Add(sums.spread[2], only(at.z));
-  addDerivatives<D>(block, frame, hn::MulAdd(s, line.du, u), hn::MulAdd(s, line.dv, v),
-                    hn::Mul(side, weight), context.rules.with_hessian, sums);
+  const Lanes at_u = hn::MulAdd(s, line.du, u), at_v = hn::MulAdd(s, line.dv, v);
+  addDerivatives<D>(block, frame, at_u, at_v, hn::Mul(side, weight), context.rules.with_hessian,
+                    sums);
+  if (context.scene.surface.hasTrimMaps()) {
+    addOutside(context.scene.surface, head.surfel + block.k, weight, at_u, at_v, sums);
+  }
   keepLargest(head, block.k, weight, sums);
 }
 

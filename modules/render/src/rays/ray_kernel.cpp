@@ -130,7 +130,8 @@ anyAccepted(const BlendContext& context, const BoundedRay& ray, double depth,
   const Lanes own = weightOf(scene.surface.info.blend_kernel,
                              hn::Min(hn::Mul(roots.from_center_sq, all(cover)), all(1.0f)));
   const Lanes needed = all(static_cast<float>(alone));
-  if ((bitsOf(hn::Ge(own, needed)) & met) != 0) return true;
+  const bool trimmed = scene.surface.hasTrimMaps();
+  if (!trimmed && (bitsOf(hn::Ge(own, needed)) & met) != 0) return true;
   HWY_ALIGN float depths[kWide];
   hn::Store(hn::Mul(roots.s, roots.radius), d, depths);
   for (unsigned bits = met; bits != 0; bits &= bits - 1) {

@@ -6,6 +6,7 @@
 
 #include "pcl_slim/render/auto_view.h"
 #include "support/clouds.h"
+#include "support/trim_maps.h"
 #include "unit/render/sphere_view.h"
 
 namespace pcl_slim {
@@ -103,6 +104,24 @@ INSTANTIATE_TEST_SUITE_P(Models, FastAgainstReference,
                                          ModelCase{Shape::kRelief, 4, 0.0, true},
                                          ModelCase{Shape::kTorus, 2, 0.0, false},
                                          ModelCase{Shape::kTorus, 4, 0.0, false}));
+
+// Random maps leave borders everywhere: a pixel of a hundred lies next to one that rounding decides.
+TEST_P(FastAgainstReference, TrimmedPicturesAgree)
+{
+  const ModelCase& p = GetParam();
+  SLIMSurface surface = fittedScene(p.shape, p.degree, p.noise, p.normals);
+  const Camera camera = viewOf(surface, 200, 150);
+  const std::size_t whole = rendered(surface, camera).numCovered();
+  pcl_slim_test::setRandomTrimMaps(surface);
+  const Difference d = difference(surface, camera);
+  EXPECT_GT(d.covered, whole / 3);
+  EXPECT_LT(d.covered, whole);
+  EXPECT_LE(d.coverage + d.far, d.covered / 200);
+  EXPECT_LT(d.rms(d.depth_sq), 5e-6);
+  RenderParams untrimmed;
+  untrimmed.trim = false;
+  EXPECT_EQ(rendered(surface, camera, untrimmed).numCovered(), whole);
+}
 
 TEST(FastRasterizer, AgreesInParallelProjectionFromBehindAndWithANearPlane)
 {

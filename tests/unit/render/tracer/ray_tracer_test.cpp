@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "support/trim_maps.h"
 #include "traced_scenes.h"
 #include "unit/render/same_buffers.h"
 #include "unit/render/sphere_view.h"
@@ -83,6 +84,20 @@ TEST_P(TracedSphere, OfAParallelCameraToo)
   camera.projection = Camera::Projection::kOrthographic;
   camera.view_height = 0.6;
   expectReference(surface, camera, VisibleSides::kAuto);
+}
+
+TEST_P(TracedSphere, EndsWhereTrimMapsDo)
+{
+  SLIMSurface surface = sphereSurface(GetParam(), kSphere, 600, 0.07);
+  const std::size_t whole = rendered(surface, frontCamera()).numCovered();
+  pcl_slim_test::setRandomTrimMaps(surface);
+  RenderParams render;
+  render.reference = true;
+  const GBuffer reference = rendered(surface, frontCamera(), render);
+  const FrameDifference d(traced(surface, frontCamera()), reference);
+  EXPECT_LT(reference.numCovered(), whole);
+  EXPECT_GT(d.both, whole / 3);
+  EXPECT_LE(d.coverage, d.both / 200) << "rays that rounding decides";
 }
 
 INSTANTIATE_TEST_SUITE_P(Degrees, TracedSphere, testing::Values(1, 2, 3, 4));

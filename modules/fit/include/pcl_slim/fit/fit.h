@@ -34,6 +34,10 @@ struct FitParams {
   double normal_error = 0.0;   ///< with it: the normals' RMS error, (0, pi/2] radians; 0: measured,
                                ///< and normals that follow the points' own noise are no data
   bool paper_mode = false;     ///< the choices of Ohtake et al. 2005 throughout
+  bool trim = true;            ///< make trim maps, which end the surface where the data end or
+                               ///< leave holes; never with paper_mode
+  double hole_size = 4.0;      ///< with it: diameter of the smallest hole kept, in spacings of the
+                               ///< points; 2 or more
   bool orient = true;          ///< without normals: sign the output by the leaves' graph
   bool has_viewpoint = false;  ///< sign the output towards viewpoint instead
   double viewpoint[3] = {0, 0, 0};  ///< world coordinates
@@ -73,8 +77,11 @@ struct FitStatistics {
   double normal_error = 0;        ///< of normals used as data [rad]; 0: they were not
   /// normals were to be data, but repeat the points' noise, or too few points tell
   bool normals_follow_points = false;
-  double rms_error = 0;  ///< RMS residual of covered points against their leaves [L]
+  double rms_error = 0;               ///< RMS residual of covered points against their leaves [L]
+  std::uint64_t open_leaves = 0;      ///< leaves with a trim map: data end or leave a hole in them
+  std::uint64_t trim_candidates = 0;  ///< surfels whose gaps were measured; the others have none
   double seconds_noise = 0, seconds_cover = 0, seconds_links = 0, seconds_orient = 0;
+  double seconds_trim = 0;
   int threads = 1;
   std::uint64_t working_bytes = 0;  ///< memory of the fit beside the store and the surface
   std::vector<std::uint64_t> leaves_per_level;  ///< index k
@@ -84,8 +91,8 @@ struct FitStatistics {
  *
  * Levels k = k0, k0+1, ...: ball centres are chosen among the points not yet covered; each ball
  * seeks the radius in [gamma^2, 1] r_r that minimises E(r); balls with a minimum become leaves and
- * cover points, the others internal nodes, until every point is covered or reported. Same bytes
- * for any number of threads.
+ * cover points, the others internal nodes, until every point is covered or reported. Surfels in
+ * whose ball the data end or leave a hole get a trim map. Same bytes for any number of threads.
  *
  * \return an error for bad parameters, no points, points that are nowhere a surface
  * (ErrorCode::kNoSurface; the statistics are then told), or cancellation; surface is then empty.

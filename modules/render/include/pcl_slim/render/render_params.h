@@ -35,6 +35,7 @@ struct RenderParams {
   double shrink = 0.0;  ///< alpha of pass 1, (0, 0.95]; 0: the surface's cover radius
   double min_coverage =
       -1.0;                 ///< rays pass through where coverage is less; < 0: the surface's gamma
+  bool trim = true;         ///< end open surfaces, and open holes, where their trim maps say so
   double near_plane = 0.0;  ///< smallest depth shown along a ray, world units, >= 0
   double lod = 0.0;         ///< surfels of this projected diameter in pixels stand for their
                             ///< descendants; 0: every leaf is drawn; the paper draws at 4
