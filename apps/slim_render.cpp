@@ -26,7 +26,7 @@ struct Settings {
   std::string input, output, sides = "auto", derivatives = "blended", save_camera, json;
   ViewRequest view;
   PictureRequest picture;
-  double near_plane = 0.0;
+  double near_plane = 0.0, lod = 0.0;
   int threads = 0, turntable = 1, repeat = 0;
   bool filtered = true, skip = true, reference = false, quiet = false;
 };
@@ -54,6 +54,8 @@ declareOptions(Settings& s)
                "of normals and curvatures: the leaves', blended, or those of their partition of "
                "unity, to compare with");
   s.picture.declareFinish(table);
+  table.number("lod", &s.lod, 0.0, 1024.0,
+               "draw coarser surfels where they are seen smaller than this many pixels");
   table.toggle("skip", &s.skip, "leave out work that cannot change the picture");
   table.toggle("reference", &s.reference, "draw in double, ray by ray: slow");
   table.integer("repeat", &s.repeat, 0, 10000,
@@ -89,6 +91,7 @@ renderingOf(const Settings& s)
   RenderParams params;
   params.sides = sidesOf(s);
   params.near_plane = s.near_plane;
+  params.lod = s.lod;
   params.derivatives =
       s.derivatives == "unity" ? Derivatives::kPartitionOfUnity : Derivatives::kBlended;
   params.reference = s.reference;
@@ -122,7 +125,9 @@ reportSurface(const Model& model, const RenderStatistics& counts, nlohmann::orde
   json["rays_bracketed"] = counts.rays_bracketed;
   json["skipped"] = {{"outside_frustum", counts.outside_frustum},
                      {"back_facing", counts.back_facing},
+                     {"below_detail", counts.below_detail},
                      {"occluded_entries", counts.occluded_entries}};
+  json["coarse_surfels"] = counts.coarse_surfels;
 }
 
 void
