@@ -32,7 +32,7 @@ struct Settings {
   PictureRequest picture;
   LineRequest lines;
   TracedRequest traced;
-  double near_plane = 0.0;
+  double near_plane = 0.0, lod = 0.0;
   int threads = 0, turntable = 1, repeat = 0;
   std::uint64_t max_memory = 0;
   bool filtered = true, trim = true, skip = true, reference = false, quiet = false;
@@ -64,6 +64,8 @@ declareOptions(Settings& s)
                "unity, to compare with");
   s.picture.declareFinish(table);
   s.lines.declare(table);
+  table.number("lod", &s.lod, 0.0, 1024.0,
+               "draw coarser surfels where they are seen smaller than this many pixels");
   table.toggle("skip", &s.skip, "leave out work that cannot change the picture");
   table.toggle("reference", &s.reference, "draw in double, ray by ray: slow");
   table.integer("repeat", &s.repeat, 0, 10000,
@@ -100,6 +102,7 @@ renderingOf(const Settings& s)
   RenderParams params;
   params.sides = sidesOf(s);
   params.near_plane = s.near_plane;
+  params.lod = s.lod;
   params.derivatives =
       s.derivatives == "unity" ? Derivatives::kPartitionOfUnity : Derivatives::kBlended;
   params.reference = s.reference;
@@ -133,7 +136,9 @@ reportSurface(const Model& model, const RenderStatistics& counts, nlohmann::orde
   json["rays_bracketed"] = counts.rays_bracketed;
   json["skipped"] = {{"outside_frustum", counts.outside_frustum},
                      {"back_facing", counts.back_facing},
+                     {"below_detail", counts.below_detail},
                      {"occluded_entries", counts.occluded_entries}};
+  json["coarse_surfels"] = counts.coarse_surfels;
 }
 
 void

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/options.h"
@@ -12,6 +13,7 @@
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/render/surface_renderer.h"
 #include "pcl_slim/surface/surface_io.h"
+#include "render/made_sphere.h"
 
 using namespace pcl_slim;
 using measure::median;
@@ -21,7 +23,7 @@ namespace {
 
 struct Settings {
   std::string surface;
-  int size = 1000, repeat = 15, threads = 2;
+  int size = 1000, repeat = 15, threads = 2, leaves = 48000, degree = 2;
   double zoom = 1.0, lod = 0.0;
   bool reference = true;
 };
@@ -84,52 +86,51 @@ printDifference(const GBuffer& a, const GBuffer& b)
       coverage, far, tilted, std::sqrt(depth_sq / n), cosine_sum / n);
 }
 
-int
-run(const Settings& s)
+/** \brief A surface and the camera before it. */
+struct Scene {
+  SLIMSurface surface;
+  Camera camera;
+};
+
+Result<Scene>
+sceneOf(const Settings& s)
 {
-  const auto surface = loadSlim(s.surface);
-  if (!surface) {
-    std::fprintf(stderr, "render_bench: %s\n", surface.error().message.c_str());
-    return kExitUsage;
+  if (s.surface == "sphere" || s.surface == "cap") {
+    const MadeSphere sphere{static_cast<std::size_t>(s.leaves), s.degree, s.surface == "cap",
+                            s.lod > 0.0};
+    return Scene{makeSphere(sphere), cameraBeforeSphere(s.size, s.zoom)};
   }
+  Result<SLIMSurface> surface = loadSlim(s.surface);
+  if (!surface) return surface.error();
   const BoundingSpheres object = spheresOf(*surface);
   Camera camera = fitCamera(object, chooseView(object), {s.size, s.size});
   camera.fov /= s.zoom;
-  const double start = wallSeconds();
-  SurfaceRenderer renderer(*surface, s.threads);
-  std::printf("%s: %zu leaves of degree %d, index %.1f ms\n", s.surface.c_str(),
-              surface->numLeaves(), surface->info.degree, 1e3 * (wallSeconds() - start));
+  return Scene{std::move(*surface), camera};
+}
 
+void
+printCounts(const RenderStatistics& counts)
+{
+  const auto n = [](std::uint64_t value) { return static_cast<unsigned long long>(value); };
+  std::printf(
+      "  outside %llu, back-facing %llu, below detail %llu, coarse %llu, entries %llu, "
+      "rays %llu + %llu, bracketed %llu\n",
+      n(counts.outside_frustum), n(counts.back_facing), n(counts.below_detail),
+      n(counts.coarse_surfels), n(counts.tile_entries), n(counts.rays_first), n(counts.rays_blend),
+      n(counts.rays_bracketed));
+}
+
+/** \brief The same frame by the reference: how much slower it is, and what differs. */
+void
+compareWithReference(const Settings& s, const Camera& camera, const FrameTime& plain,
+                     SurfaceRenderer& renderer, GBuffer& buffer)
+{
   RenderParams params;
   params.threads = s.threads;
-  params.lod = s.lod;
-  GBuffer buffer;
-  RenderStatistics counts;
-  params.columns = kCurvatureColumn;
-  const FrameTime curvature = frameTime(renderer, camera, params, s.repeat, buffer, counts);
   params.columns = 0;
-  const FrameTime plain = frameTime(renderer, camera, params, s.repeat, buffer, counts);
-  params.threads = 1;
-  const FrameTime single = frameTime(renderer, camera, params, s.repeat, buffer, counts);
-  std::printf(
-      "  %llu pixels covered; %.2f ms a frame (%.2f of threads), with curvature %.2f "
-      "(%.2f: %.2f times), on one thread %.2f (%.2f)\n"
-      "  quickest: %.2f, %.2f, %.2f\n",
-      static_cast<unsigned long long>(counts.covered_pixels), plain.wall, plain.cpu, curvature.wall,
-      curvature.cpu, curvature.cpu / plain.cpu, single.wall, single.cpu, plain.least,
-      curvature.least, single.least);
-  std::printf("  outside %llu, back-facing %llu, entries %llu, rays %llu + %llu, bracketed %llu\n",
-              static_cast<unsigned long long>(counts.outside_frustum),
-              static_cast<unsigned long long>(counts.back_facing),
-              static_cast<unsigned long long>(counts.tile_entries),
-              static_cast<unsigned long long>(counts.rays_first),
-              static_cast<unsigned long long>(counts.rays_blend),
-              static_cast<unsigned long long>(counts.rays_bracketed));
-  if (!s.reference) return kExitDone;
-  params.threads = s.threads;
-  params.lod = 0.0;
   params.reference = true;
   GBuffer reference;
+  RenderStatistics counts;
   const FrameTime slow = frameTime(renderer, camera, params, 3, reference, counts);
   std::printf("  reference %.1f ms (%.1f): %.1f times, %.1f of threads\n", slow.wall, slow.cpu,
               slow.wall / plain.wall, slow.cpu / plain.cpu);
@@ -137,6 +138,44 @@ run(const Settings& s)
   params.reference = false;
   frameTime(renderer, camera, params, 3, buffer, counts);
   printDifference(buffer, reference);
+}
+
+int
+run(const Settings& s)
+{
+  const Result<Scene> scene = sceneOf(s);
+  if (!scene) {
+    std::fprintf(stderr, "render_bench: %s\n", scene.error().message.c_str());
+    return kExitUsage;
+  }
+  const double start = wallSeconds();
+  SurfaceRenderer renderer(scene->surface, s.threads);
+  std::printf("%s: %zu leaves of degree %d, index %.1f ms\n", s.surface.c_str(),
+              scene->surface.numLeaves(), scene->surface.info.degree,
+              1e3 * (wallSeconds() - start));
+  RenderParams params;
+  params.threads = s.threads;
+  params.lod = s.lod;
+  GBuffer buffer;
+  RenderStatistics counts;
+  const auto time = [&] {
+    return frameTime(renderer, scene->camera, params, s.repeat, buffer, counts);
+  };
+  params.columns = kCurvatureColumn;
+  const FrameTime curvature = time();
+  params.columns = 0;
+  const FrameTime plain = time();
+  params.threads = 1;
+  const FrameTime single = time();
+  std::printf(
+      "  %llu pixels covered; %.2f ms a frame (%.2f of threads), with curvature %.2f "
+      "(%.2f: %.2f times), on one thread %.2f (%.2f)\n"
+      "  quickest: %.2f, %.2f, %.2f\n",
+      static_cast<unsigned long long>(counts.covered_pixels), plain.wall, plain.cpu, curvature.wall,
+      curvature.cpu, curvature.cpu / plain.cpu, single.wall, single.cpu, plain.least,
+      curvature.least, single.least);
+  printCounts(counts);
+  if (s.reference) compareWithReference(s, scene->camera, plain, renderer, buffer);
   return kExitDone;
 }
 
@@ -147,7 +186,10 @@ main(int argc, char** argv)
 {
   Settings s;
   OptionTable table("render_bench", "", "Milliseconds a frame beside the reference rasteriser.");
-  table.positional("SURFACE.slim", &s.surface, "surface of pcl_slim_fit");
+  table.positional("SURFACE.slim|sphere|cap", &s.surface,
+                   "surface of pcl_slim_fit, a sphere made here, or its middle alone");
+  table.integer("leaves", &s.leaves, 100, 10000000, "of the sphere");
+  table.integer("degree", &s.degree, 2, 4, "of the sphere's leaves");
   table.integer("size", &s.size, 16, 8192, "pixels a side");
   table.integer("repeat", &s.repeat, 1, 1000, "frames to take the median of");
   table.integer("threads", &s.threads, 1, 256, "threads");

@@ -8,6 +8,7 @@
 
 #include "measure/sensor/sensor_scan.h"
 #include "pcl_slim/cloud/detail/noise_measurement.h"
+#include "pcl_slim/cloud/noise_level.h"
 #include "support/clouds.h"
 
 namespace pcl_slim {

@@ -261,7 +261,7 @@ blendLeaf(const PassContext& context, const TileLeaf& place, const Block& block,
   // s - s^ = (sigma - sigma^) / (m m^).
   const Vec moved = Mul(Sub(at.sigma, hats.sigma), Mul(at.inverse_m, hats.inverse_m));
   sums.shift = MulAdd(Mul(at.weight, set(leaf.radius)), moved, sums.shift);
-  const Vec cover = blendWeight(context.kernel, Mul(root_sq, set(context.inverse_cover_sq)));
+  const Vec cover = blendWeight(context.kernel, Mul(root_sq, set(leaf.inverse_cover_sq)));
   sums.coverage = Add(sums.coverage, IfThenElseZero(counts, cover));
   at.side = set(1.0f);
   if (!context.front_only) {

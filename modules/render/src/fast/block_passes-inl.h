@@ -59,7 +59,6 @@ struct PassContext {
   TileBlocks& tile;
   WeightKernel kernel;
   float first_sq, blend_sq;  ///< squared shares of radii
-  float inverse_cover_sq;
   bool front_only, with_hessian, with_near_plane;
   RenderStatistics& statistics;
 
@@ -69,7 +68,6 @@ struct PassContext {
         kernel(s.surface.info.blend_kernel),
         first_sq(s.shares.first * s.shares.first),
         blend_sq(s.shares.blend * s.shares.blend),
-        inverse_cover_sq(static_cast<float>(1.0 / (s.rules.cover_radius * s.rules.cover_radius))),
         front_only(s.rules.front_only),
         with_hessian((s.columns & (kHessianColumn | kCurvatureColumn)) != 0),
         with_near_plane(s.rules.near_plane > 0.0),

@@ -6,8 +6,9 @@
 #include <cstring>
 #include <limits>
 
-#include "fast/batch_filler.h"
-#include "fast/leaf_setup.h"
+#include "fast/setup/batch_filler.h"
+#include "fast/setup/leaf_culling.h"
+#include "fast/setup/leaf_setup.h"
 #include "fast/tile_kernel.h"
 #include "pcl_slim/cloud/morton_sort.h"
 #include "pcl_slim/core/parallel.h"
@@ -57,6 +58,17 @@ placeOf(const FrameLeaf& leaf, const FrameView& view)
   return placed;
 }
 
+/** \brief Adds leaves left out to a frame's counts; of internal surfels nothing is told. */
+void
+countHidden(bool are_leaves, const std::uint64_t* hidden, RenderStatistics& statistics)
+{
+  if (!are_leaves) return;
+  const auto of = [&](Visibility v) { return hidden[static_cast<std::size_t>(v)]; };
+  statistics.outside_frustum += of(Visibility::kOutside);
+  statistics.back_facing += of(Visibility::kBackFacing);
+  statistics.below_detail += of(Visibility::kTooSmall);
+}
+
 }  // namespace
 
 FastRasterizer::FastRasterizer(const SLIMSurface& surface, int threads)
@@ -68,12 +80,12 @@ FastRasterizer::FastRasterizer(const SLIMSurface& surface, int threads)
 }
 
 void
-FastRasterizer::place(std::size_t group, std::size_t count, const FrameView& view, bool trim)
+FastRasterizer::place(std::size_t group, std::size_t count, const FrameView& view)
 {
   counts_[group] = static_cast<std::uint8_t>(count);
   for (std::size_t k = 0; k < count; ++k) {
     FrameLeaf& leaf = record(group * kClusterSize + k);
-    leaf.trim = trim ? trims_.of(leaf.surfel) : TrimTable();
+    leaf.trim = trim_ ? trims_.of(leaf.surfel) : TrimTable();
     if (leaf.degree == kNearLeaf) {
       // The camera is inside the ball or next to it: it may be seen anywhere.
       leaf.blend_x = leaf.blend_y = leaf.first_x = leaf.first_y = 0.0f;
@@ -85,39 +97,70 @@ FastRasterizer::place(std::size_t group, std::size_t count, const FrameView& vie
 }
 
 void
-FastRasterizer::setUpCluster(std::size_t n, const FrameView& view, const FrameRules& rules,
+FastRasterizer::setUpCluster(std::size_t n, const FrameView& view, const VisibilityRules& rules,
                              const BallShares& shares, RenderStatistics& statistics)
 {
-  const LeafNode& cluster = index_.cluster(clusters_[n]);
+  constexpr float kFarAway = -1e9f;  // pixels
+  const bool are_leaves = n < leaf_clusters_;
+  const LeafIndex& index = are_leaves ? index_ : *internal_;
+  const LeafNode& cluster = index.cluster(clusters_[n]);
   Visibility visibility[kClusterSize];
-  kernels::cullLeaves(index_, cluster.begin, cluster.end, view, rules.front_only && rules.skip,
-                      visibility);
+  float weights[kClusterSize], drawn[kClusterSize];
+  kernels::cullLeaves(index, cluster.begin, cluster.end, view, rules, visibility, weights);
+  const BallShape shape = are_leaves ? leaf_shape_ : internal_shape_;
   BatchFiller filler(surface_, view, shares);
   std::size_t count = 0;
+  std::uint64_t hidden[kVisibilities] = {};
   for (std::uint32_t i = cluster.begin; i < cluster.end; ++i) {
-    const Visibility seen = visibility[i - cluster.begin];
-    statistics.outside_frustum += seen == Visibility::kOutside;
-    statistics.back_facing += seen == Visibility::kBackFacing;
-    if (seen != Visibility::kVisible) continue;
-    filler.add(index_.surfel[i], index_.variance_weight[i], &record(n * kClusterSize + count++));
+    ++hidden[static_cast<std::size_t>(visibility[i - cluster.begin])];
+    if (visibility[i - cluster.begin] != Visibility::kVisible) continue;
+    drawn[count] = weights[i - cluster.begin];
+    filler.add(index.surfel[i], index.variance_weight[i] * drawn[count], shape,
+               &record(n * kClusterSize + count));
+    ++count;
   }
   filler.flushAll();
-  place(n, count, view, rules.trim);
+  place(n, count, view);
+  for (std::size_t k = 0; k < count; ++k) {
+    if (drawn[k] < DetailRule::kMeets) record(n * kClusterSize + k).first_x = kFarAway;
+  }
+  countHidden(are_leaves, hidden, statistics);
+  if (!are_leaves) statistics.coarse_surfels += count;
+}
+
+void
+FastRasterizer::findClusters(const FrameView& view, const VisibilityRules& rules, int threads,
+                             RenderStatistics& statistics)
+{
+  clusters_.clear();
+  std::uint64_t hidden[kVisibilities] = {};
+  index_.findVisible(view, rules, clusters_, hidden);
+  countHidden(true, hidden, statistics);
+  leaf_clusters_ = clusters_.size();
+  if (!rules.detail.active()) return;
+  if (!internal_) {
+    internal_ = std::make_unique<LeafIndex>(surface_, threads, IndexedSurfels::kInternal);
+  }
+  internal_->findVisible(view, rules, clusters_, hidden);
 }
 
 void
 FastRasterizer::setUp(const FrameView& view, const FrameRules& rules, const BallShares& shares,
                       RenderStatistics& statistics)
 {
-  clusters_.clear();
-  index_.findVisible(view, rules.front_only && rules.skip, clusters_, statistics.outside_frustum,
-                     statistics.back_facing);
+  const VisibilityRules visible{rules.front_only && rules.skip,
+                                DetailRule{static_cast<float>(rules.lod)}};
+  findClusters(view, visible, rules.threads, statistics);
+  trim_ = rules.trim;
+  leaf_shape_ = {1.0f, static_cast<float>(1.0 / (rules.cover_radius * rules.cover_radius))};
+  // Internal surfels overlap far less than leaves: rays meet them in the whole ball.
+  internal_shape_ = {static_cast<float>(kMaxShrink / rules.shrink), 0.0f};
   counts_.resize(clusters_.size());
   records_.resize(clusters_.size() * kClusterSize * stride_);
   placed_.resize(clusters_.size() * kClusterSize);
   std::vector<RenderStatistics> parts(static_cast<std::size_t>(rules.threads));
   parallelFor(clusters_.size(), rules.threads, 8, [&](std::size_t n, int thread) {
-    setUpCluster(n, view, rules, shares, parts[static_cast<std::size_t>(thread)]);
+    setUpCluster(n, view, visible, shares, parts[static_cast<std::size_t>(thread)]);
   });
   for (const RenderStatistics& part : parts) statistics += part;
 }

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "fast/frame_scene.h"
+#include "fast/setup/batch_filler.h"
 #include "index/leaf_index.h"
 #include "pcl_slim/render/camera.h"
 #include "pcl_slim/render/g_buffer.h"
@@ -30,9 +32,11 @@ class FastRasterizer {
  private:
   void setUp(const FrameView& view, const FrameRules& rules, const BallShares& shares,
              RenderStatistics& statistics);
-  void setUpCluster(std::size_t n, const FrameView& view, const FrameRules& rules,
+  void findClusters(const FrameView& view, const VisibilityRules& rules, int threads,
+                    RenderStatistics& statistics);
+  void setUpCluster(std::size_t n, const FrameView& view, const VisibilityRules& rules,
                     const BallShares& shares, RenderStatistics& statistics);
-  void place(std::size_t group, std::size_t count, const FrameView& view, bool trim);
+  void place(std::size_t group, std::size_t count, const FrameView& view);
   void sortByDepth(const FrameRules& rules);
   void bin(const FrameView& view);
   FrameLeaf& record(std::size_t place)
@@ -43,8 +47,12 @@ class FastRasterizer {
   const SLIMSurface& surface_;
   LeafIndex index_;
   TrimTables trims_;
+  bool trim_ = true;                     ///< whether this frame ends where trim maps do
+  std::unique_ptr<LeafIndex> internal_;  ///< made when a level of detail is first asked for
   std::size_t stride_;
-  std::vector<std::uint32_t> clusters_;    ///< those that may be seen
+  std::vector<std::uint32_t> clusters_;  ///< those that may be seen, leaves' first
+  std::size_t leaf_clusters_ = 0;
+  BallShape leaf_shape_, internal_shape_;  ///< of this frame
   std::vector<std::uint8_t> counts_;       ///< records of each
   AlignedVector<std::uint8_t> records_;    ///< kClusterSize places for each of them
   std::vector<PlacedLeaf> placed_;         ///< by record

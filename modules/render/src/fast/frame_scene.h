@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "camera/camera_rays.h"
-#include "fast/frame_leaf.h"
 #include "fast/frame_view.h"
-#include "fast/leaf_setup.h"
+#include "fast/setup/frame_leaf.h"
+#include "fast/setup/leaf_setup.h"
 #include "pcl_slim/core/aligned.h"
 #include "pcl_slim/render/g_buffer.h"
 #include "pcl_slim/surface/surface.h"

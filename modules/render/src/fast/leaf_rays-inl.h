@@ -10,9 +10,9 @@
 
 #include <limits>
 
-#include "fast/frame_leaf.h"
 #include "fast/isolated_root.h"
 #include "fast/pair-inl.h"
+#include "fast/setup/frame_leaf.h"
 #include "pcl_slim/surface/detail/kernel_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -2,7 +2,8 @@
 // Draws one tile, block by block of pixels, a ray a lane.
 #include "fast/tile_kernel.h"
 
-// These would do no better than the next lower instruction set, and each costs a minute to compile.
+// Pairs of vectors want eight lanes at most: processors with AVX-512 run the code for AVX2. Those
+// without AVX2 are old enough to take the plain code; every set costs a minute to compile.
 #define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL | HWY_SSE4 | HWY_AVX3)
 
 #undef HWY_TARGET_INCLUDE

@@ -90,18 +90,38 @@ slopeBound(const SLIMSurface& surface, std::size_t i)
 }
 
 Visibility
-visibilityOf(const FrameView& view, const LeafNode& node, bool front_only)
+visibilityOf(const FrameView& view, const LeafNode& node, const VisibilityRules& rules)
 {
   const Seen p(view, node.center);
   if (outsideFrustum(view, p, node.radius)) return Visibility::kOutside;
-  if (front_only && turnedAway(view, p, node)) return Visibility::kBackFacing;
+  if (rules.detail.active()) {
+    const double lod = 0.5 * rules.detail.lod * view.pixel;  // radii on the plane z = 1
+    const double near = view.perspective ? p.z - node.radius : 1.0;
+    const double far = view.perspective ? p.z + node.radius : 1.0;
+    if (near > 0.0 && node.largest < lod * near) return Visibility::kTooSmall;
+    if (node.smallest > DetailRule::kFade * lod * far) return Visibility::kTooLarge;
+  }
+  if (rules.front_only && turnedAway(view, p, node)) return Visibility::kBackFacing;
   return Visibility::kVisible;
 }
 
-LeafIndex::LeafIndex(const SLIMSurface& surface, int threads)
+LeafIndex::LeafIndex(const SLIMSurface& surface, int threads, IndexedSurfels which)
 {
-  sortLeaves(surface, threads);
+  std::vector<std::uint32_t> leaves;
+  std::vector<std::vector<std::uint32_t>> levels(256);
+  for (std::uint32_t i = 0; i < surface.size(); ++i) {
+    if (surface.isLeaf(i))
+      leaves.push_back(i);
+    else
+      levels[surface.level[i]].push_back(i);
+  }
+  if (which == IndexedSurfels::kLeaves) {
+    sortSurfels(surface, std::move(leaves), threads);
+  } else {
+    for (auto& level : levels) sortSurfels(surface, std::move(level), threads);
+  }
   fillColumns(surface);
+  fillRadii(surface);
   if (size() == 0) return;
   std::vector<LeafNode> clusters;
   for (std::uint32_t begin = 0; begin < size(); begin += kClusterSize) {
@@ -121,19 +141,36 @@ LeafIndex::LeafIndex(const SLIMSurface& surface, int threads)
 }
 
 void
-LeafIndex::sortLeaves(const SLIMSurface& surface, int threads)
+LeafIndex::sortSurfels(const SLIMSurface& surface, std::vector<std::uint32_t> surfels, int threads)
 {
-  std::vector<std::uint32_t> leaves;
   AlignedVector<std::uint64_t> keys;
-  for (std::size_t i = 0; i < surface.size(); ++i) {
-    if (!surface.isLeaf(i)) continue;
-    leaves.push_back(static_cast<std::uint32_t>(i));
+  keys.reserve(surfels.size());
+  for (const std::uint32_t i : surfels) {
     keys.push_back(mortonCode(surface.cx[i], surface.cy[i], surface.cz[i]));
   }
   AlignedVector<std::uint32_t> order;
   sortByKey(keys, order, threads);
-  surfel.resize(leaves.size());
-  for (std::size_t i = 0; i < leaves.size(); ++i) surfel[i] = leaves[order[i]];
+  for (const std::uint32_t i : order) surfel.push_back(surfels[i]);
+}
+
+void
+LeafIndex::fillRadii(const SLIMSurface& surface)
+{
+  own_radius.assign(x.size(), 0.0f);
+  parent_radius.assign(x.size(), kNoParent);
+  if (surface.child_begin.size() != surface.size() + 1) return;
+  std::vector<float> of_parent(surface.size(), 0.0f);
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    for (std::uint32_t k = surface.child_begin[i]; k < surface.child_begin[i + 1]; ++k) {
+      float& largest = of_parent[surface.children[k]];
+      largest = std::max(largest, surface.radius[i]);
+    }
+  }
+  for (std::size_t i = 0; i < size(); ++i) {
+    const std::uint32_t s = surfel[i];
+    if (!surface.isLeaf(s)) own_radius[i] = surface.radius[s];
+    if (of_parent[s] > 0.0f) parent_radius[i] = of_parent[s];
+  }
 }
 
 void
@@ -181,14 +218,16 @@ LeafIndex::enclose(std::uint32_t begin, std::uint32_t end) const
     reach = std::max(reach, length(d) + radius[i]);
     cone = std::max(cone, angleTo(node.axis, {nx[i], ny[i], nz[i]}) + std::asin(sine[i]));
   }
+  node.smallest = *std::min_element(own_radius.begin() + begin, own_radius.begin() + end);
+  node.largest = *std::max_element(parent_radius.begin() + begin, parent_radius.begin() + end);
   node.radius = static_cast<float>(reach * (1.0 + 1e-6));
   node.cone = static_cast<float>(cone + 1e-5);
   return node;
 }
 
 void
-LeafIndex::findVisible(const FrameView& view, bool front_only, std::vector<std::uint32_t>& clusters,
-                       std::uint64_t& outside, std::uint64_t& back_facing) const
+LeafIndex::findVisible(const FrameView& view, const VisibilityRules& rules,
+                       std::vector<std::uint32_t>& clusters, std::uint64_t* hidden) const
 {
   struct Place {
     std::size_t level, node;
@@ -200,10 +239,11 @@ LeafIndex::findVisible(const FrameView& view, bool front_only, std::vector<std::
     const Place at = stack.back();
     stack.pop_back();
     const LeafNode& node = levels_[at.level][at.node];
-    const Visibility visibility = visibilityOf(view, node, front_only);
-    if (visibility == Visibility::kOutside) outside += node.end - node.begin;
-    if (visibility == Visibility::kBackFacing) back_facing += node.end - node.begin;
-    if (visibility != Visibility::kVisible) continue;
+    const Visibility visibility = visibilityOf(view, node, rules);
+    if (visibility != Visibility::kVisible) {
+      hidden[static_cast<std::size_t>(visibility)] += node.end - node.begin;
+      continue;
+    }
     if (at.level == 0) {
       clusters.push_back(static_cast<std::uint32_t>(at.node));
       continue;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "fast/frame_view.h"
+#include "index/detail_rule.h"
 #include "pcl_slim/core/aligned.h"
 #include "pcl_slim/surface/surface.h"
 
@@ -17,27 +18,47 @@ struct LeafNode {
   float center[3];
   float radius;
   float axis[3];
-  float cone;  ///< half angle in radians; pi and more: the gradients have no side in common
+  float cone;      ///< half angle in radians; pi and more: the gradients have no side in common
+  float smallest;  ///< of own_radius
+  float largest;   ///< of parent_radius
   std::uint32_t begin, end;  ///< leaves, in the index's order
 };
 
-/** \brief Whether a ball or node may be seen. */
-enum class Visibility : std::uint8_t { kVisible, kOutside, kBackFacing };
+/** \brief Whether a ball or node may be seen, and if not, why. */
+enum class Visibility : std::uint8_t {
+  kVisible,
+  kOutside,
+  kBackFacing,
+  kTooSmall,  ///< a coarser surfel stands for it
+  kTooLarge,  ///< its descendants stand for it
+};
+constexpr int kVisibilities = 5;
 
-/** \brief A surface's leaves along a space-filling curve, under a tree of spheres and cones.
+/** \brief Which surfels of a surface an index holds. */
+enum class IndexedSurfels : std::uint8_t { kLeaves, kInternal };
+
+/** \brief What a frame looks for in an index. */
+struct VisibilityRules {
+  bool front_only;  ///< leave out what is turned away
+  DetailRule detail;
+};
+
+/** \brief A surface's leaves, or its internal surfels level by level, along a space-filling curve,
+ * under a tree of spheres and cones.
  *
- * Leaf columns are padded to whole clusters. Built once per surface: O(leaves log leaves).
+ * Columns are padded to whole clusters. Built once per surface: O(surfels log surfels + links).
  */
 class LeafIndex {
  public:
-  LeafIndex(const SLIMSurface& surface, int threads);
+  LeafIndex(const SLIMSurface& surface, int threads,
+            IndexedSurfels which = IndexedSurfels::kLeaves);
 
   std::size_t size() const { return surfel.size(); }
 
-  /** \brief Appends the clusters that may be seen, in order, and counts the leaves of the others.
-   * \param[in] front_only leave out what is turned away as well */
-  void findVisible(const FrameView& view, bool front_only, std::vector<std::uint32_t>& clusters,
-                   std::uint64_t& outside, std::uint64_t& back_facing) const;
+  /** \brief Appends the clusters that may be seen, in order, and adds the surfels of the others to
+   * the counts, by reason. */
+  void findVisible(const FrameView& view, const VisibilityRules& rules,
+                   std::vector<std::uint32_t>& clusters, std::uint64_t* hidden) const;
 
   const LeafNode& cluster(std::uint32_t c) const { return levels_.front()[c]; }
   std::size_t numClusters() const { return levels_.empty() ? 0 : levels_.front().size(); }
@@ -47,18 +68,23 @@ class LeafIndex {
   AlignedVector<float> nx, ny, nz;       ///< the normal
   AlignedVector<float> sine;  ///< of the largest angle between normal and gradient in the ball
   AlignedVector<float> variance_weight;
+  AlignedVector<float> own_radius;     ///< 0 of a leaf: nothing finer stands for it
+  AlignedVector<float> parent_radius;  ///< the largest of its parents'; of none kNoParent
+
+  static constexpr float kNoParent = 1e18f;
 
  private:
-  void sortLeaves(const SLIMSurface& surface, int threads);
+  void sortSurfels(const SLIMSurface& surface, std::vector<std::uint32_t> surfels, int threads);
   void fillColumns(const SLIMSurface& surface);
+  void fillRadii(const SLIMSurface& surface);
   LeafNode enclose(std::uint32_t begin, std::uint32_t end) const;
 
   std::vector<std::vector<LeafNode>> levels_;  ///< clusters first, each level 8 of the one before
 };
 
-/** \brief Whether a ball whose gradients lie in a cone may be seen. Errs on the visible side. */
+/** \brief Whether balls whose gradients lie in a cone may be seen. Errs on the visible side. */
 Visibility
-visibilityOf(const FrameView& view, const LeafNode& node, bool front_only);
+visibilityOf(const FrameView& view, const LeafNode& node, const VisibilityRules& rules);
 
 /** \brief An upper bound on |grad h| over the unit ball, from the coefficients' absolute values. */
 double

@@ -222,6 +222,17 @@ addOutside(const SLIMSurface& surface, const std::uint32_t* surfels, Lanes weigh
   }
 }
 
+/** Adds where leaves meet the ray, from their centres: weighted, and as they are. */
+HWY_INLINE void
+addPlaces(const Triad& at, Lanes weight, Some added, LaneSums& sums)
+{
+  const Lanes places[] = {at.x, at.y, at.z};
+  for (std::size_t a = 0; a < 3; ++a) {
+    sums.lean[a] = hn::MulAdd(weight, places[a], sums.lean[a]);
+    sums.spread[a] = hn::Add(sums.spread[a], hn::IfThenElseZero(added, places[a]));
+  }
+}
+
 /** Adds leaves k, k + 1, ... of a block to a blend, as blendLeaf(). */
 template <int D>
 HWY_INLINE void
@@ -272,13 +283,7 @@ addLeaves(const BlendContext& context, const LeafBlocks::Head& head, const Block
   const Some rises = hn::Gt(line.slope(s), zero);
   const Lanes side = hn::IfThenElse(rises, hn::Neg(one), one);
   sums.facing = hn::Add(sums.facing, only(side));
-  const Triad at = p.along(s, direction);
-  sums.lean[0] = hn::MulAdd(weight, at.x, sums.lean[0]);
-  sums.lean[1] = hn::MulAdd(weight, at.y, sums.lean[1]);
-  sums.lean[2] = hn::MulAdd(weight, at.z, sums.lean[2]);
-  sums.spread[0] = hn::Add(sums.spread[0], only(at.x));
-  sums.spread[1] = hn::Add(sums.spread[1], only(at.y));
-  sums.spread[2] = hn::Add(sums.spread[2], only(at.z));
+  addPlaces(p.along(s, direction), weight, added, sums);
   const Lanes at_u = hn::MulAdd(s, line.du, u), at_v = hn::MulAdd(s, line.dv, v);
   addDerivatives<D>(block, frame, at_u, at_v, hn::Mul(side, weight), context.rules.with_hessian,
                     sums);

@@ -3,10 +3,16 @@
 
 #include <algorithm>
 
-#include "fast/leaf_setup.h"
+#include "fast/setup/leaf_setup.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim::detail {
+
+/** \brief How large a surfel's ball is taken, and in what share of it the surfel covers. */
+struct BallShape {
+  float scale = 1.0f;
+  float inverse_cover_sq = 0.0f;  ///< 0: wherever it counts
+};
 
 /** \brief Surfels sorted into batches of one degree, set up as they fill. */
 class BatchFiller {
@@ -17,7 +23,7 @@ class BatchFiller {
   }
 
   /** \param[in] weight factor of its blending weight */
-  void add(std::uint32_t s, float weight, FrameLeaf* target)
+  void add(std::uint32_t s, float weight, const BallShape& shape, FrameLeaf* target)
   {
     const int degree = std::max<int>(2, surface_.degree[s]);
     LeafBatch& batch = batches_[degree - 2];
@@ -25,16 +31,20 @@ class BatchFiller {
     batch.x[lane] = surface_.cx[s];
     batch.y[lane] = surface_.cy[s];
     batch.z[lane] = surface_.cz[s];
-    batch.radius[lane] = surface_.radius[s];
+    batch.radius[lane] = shape.scale * surface_.radius[s];
     batch.nx[lane] = surface_.nx[s];
     batch.ny[lane] = surface_.ny[s];
     batch.nz[lane] = surface_.nz[s];
     batch.variance_weight[lane] = weight;
+    batch.inverse_cover_sq[lane] = shape.inverse_cover_sq;
     batch.surfel[lane] = s;
     batch.target[lane] = target;
     const float* c = surface_.coefficientsOf(s);
     const int known = numCoefficients(surface_.degree[s]), all = numCoefficients(degree);
-    for (int k = 0; k < all; ++k) batch.c[k][lane] = k < known ? c[k] : 0.0f;
+    float power = 1.0f / shape.scale;  // of a radius that large, at height 0
+    for (int n = 0, k = 0; k < all; ++n, power *= shape.scale) {
+      for (int j = 0; j <= n; ++j, ++k) batch.c[k][lane] = k < known ? power * c[k] : 0.0f;
+    }
     if (batch.count == LeafBatch::kSize) flush(degree);
   }
 

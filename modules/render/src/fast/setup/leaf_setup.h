@@ -4,9 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "fast/frame_leaf.h"
 #include "fast/frame_view.h"
-#include "index/leaf_index.h"
+#include "fast/setup/frame_leaf.h"
 
 namespace pcl_slim::detail {
 
@@ -23,18 +22,13 @@ struct LeafBatch {
   alignas(64) float x[kSize], y[kSize], z[kSize], radius[kSize];
   alignas(64) float nx[kSize], ny[kSize], nz[kSize], variance_weight[kSize];
   alignas(64) float c[kMaxCoefficients][kSize];
+  float inverse_cover_sq[kSize];
   std::uint32_t surfel[kSize];
   FrameLeaf* target[kSize];
   std::size_t count = 0;
 };
 
 namespace kernels {
-
-/** \brief What is seen of one cluster's leaves: Visibility by leaf. Errs on the visible side.
- * \param[in] front_only leave out leaves turned away */
-void
-cullLeaves(const LeafIndex& index, std::uint32_t begin, std::uint32_t end, const FrameView& view,
-           bool front_only, Visibility* visibility);
 
 /** \brief Writes the frame's records of a batch. Surfels too near to the camera for a polynomial
  * along its rays get kNearLeaf. \param[in] degree 2 to 4; missing coefficients are 0 */

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Leaves side by side: what is seen of them, and their polynomials in the camera's coordinates.
-#include "fast/leaf_setup.h"
+// Leaves side by side: their records in the camera's coordinates.
+#include "fast/setup/leaf_setup.h"
 
 #include "pcl_slim/core/symmetric.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "fast/leaf_setup.cpp"
+#define HWY_TARGET_INCLUDE "fast/setup/leaf_setup.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
-#include "fast/ray_forms-inl.h"
-#include "fast/surface_bounds-inl.h"
+#include "fast/setup/camera_axes-inl.h"
+#include "fast/setup/ray_forms-inl.h"
+#include "fast/setup/surface_bounds-inl.h"
 #include "pcl_slim/surface/detail/kernel_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -19,117 +20,6 @@ namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 constexpr float kNearest = 0.7f;  ///< largest r / z_c of a leaf that is drawn by its polynomial
-
-/** Vectors in the camera's axes. */
-struct Triple {
-  Vec x, y, z;
-};
-
-HWY_INLINE Vec
-dot3(const Triple& a, const Triple& b)
-{
-  return dot3(a.x, a.y, a.z, b.x, b.y, b.z);
-}
-
-HWY_INLINE Triple
-axisOf(const float axis[3])
-{
-  return {hn::Set(Tag(), axis[0]), hn::Set(Tag(), axis[1]), hn::Set(Tag(), axis[2])};
-}
-
-/** The camera's axes in registers. */
-struct Axes {
-  Triple right, up, forward;
-
-  explicit Axes(const FrameView& view)
-      : right(axisOf(view.right)), up(axisOf(view.up)), forward(axisOf(view.forward))
-  {
-  }
-  HWY_INLINE Triple turn(const Triple& p) const
-  {
-    return {dot3(p, right), dot3(p, up), dot3(p, forward)};
-  }
-};
-
-/** World positions from the camera's, without loss where the camera is far from the origin. */
-HWY_INLINE Triple
-fromEye(const FrameView& view, Vec x, Vec y, Vec z)
-{
-  const Triple eye = axisOf(view.eye), rest = axisOf(view.eye_rest);
-  return {hn::Sub(hn::Sub(x, eye.x), rest.x), hn::Sub(hn::Sub(y, eye.y), rest.y),
-          hn::Sub(hn::Sub(z, eye.z), rest.z)};
-}
-
-/** Lanes whose ball lies beyond one side of the picture. */
-HWY_INLINE Mask
-beyondSide(bool perspective, Vec x, Vec z, float side, Vec radius)
-{
-  const Tag d;
-  if (!perspective) return hn::Gt(hn::Sub(x, hn::Set(d, side)), radius);
-  const Vec stretch = hn::Set(d, __builtin_sqrtf(1.0f + side * side));
-  return hn::Gt(hn::NegMulAdd(hn::Set(d, side), z, x), hn::Mul(radius, stretch));
-}
-
-HWY_INLINE Mask
-outsideFrustum(const FrameView& view, const Triple& p, Vec radius)
-{
-  const Tag d;
-  const float right = (static_cast<float>(view.width) - 0.4f - view.center_x) * view.pixel;
-  const float left = (view.center_x + 0.6f) * view.pixel;
-  const float top = (view.center_y + 0.6f) * view.pixel;
-  const float bottom = (static_cast<float>(view.height) - 0.4f - view.center_y) * view.pixel;
-  const bool perspective = view.perspective;
-  Mask outside = hn::Le(hn::Add(p.z, radius), hn::Zero(d));
-  outside = hn::Or(outside, beyondSide(perspective, p.x, p.z, right, radius));
-  outside = hn::Or(outside, beyondSide(perspective, hn::Neg(p.x), p.z, left, radius));
-  outside = hn::Or(outside, beyondSide(perspective, p.y, p.z, top, radius));
-  return hn::Or(outside, beyondSide(perspective, hn::Neg(p.y), p.z, bottom, radius));
-}
-
-/** Lanes all of whose gradients point away from every ray through the ball: the angle between
- * normal and ray is less than what the cones of gradients and of rays leave of a right angle. */
-HWY_INLINE Mask
-turnedAway(const FrameView& view, const Triple& p, const Triple& normal, Vec radius, Vec sine)
-{
-  const Tag d;
-  const Vec one = hn::Set(d, 1.0f), margin = hn::Set(d, 1e-3f);
-  if (!view.perspective) return hn::Gt(normal.z, hn::Add(sine, margin));
-  const Vec distance_sq = dot3(p, p);
-  const Vec tangent = hn::Sqrt(hn::Max(hn::Zero(d), hn::NegMulAdd(radius, radius, distance_sq)));
-  const Vec cosine = hn::Sqrt(hn::Max(hn::Zero(d), hn::NegMulAdd(sine, sine, one)));
-  const Vec needed = hn::MulAdd(sine, tangent, hn::Mul(cosine, radius));
-  const Mask acute = hn::Gt(hn::Mul(cosine, tangent), hn::Mul(sine, radius));
-  const Vec slack = hn::Mul(margin, hn::Sqrt(distance_sq));
-  return hn::And(acute, hn::Gt(dot3(normal, p), hn::Add(needed, slack)));
-}
-
-void
-cullLeaves(const LeafIndex& index, std::uint32_t begin, std::uint32_t end, const FrameView& view,
-           bool front_only, Visibility* visibility)
-{
-  const Tag d;
-  const Axes axes(view);
-  for (std::size_t i = begin; i < end; i += hn::Lanes(d)) {
-    const auto load = [&](const AlignedVector<float>& column)
-                          HWY_ATTR { return hn::LoadU(d, column.data() + i); };
-    const Triple p = axes.turn(fromEye(view, load(index.x), load(index.y), load(index.z)));
-    const Triple normal = axes.turn({load(index.nx), load(index.ny), load(index.nz)});
-    const Vec radius = load(index.radius);
-    const Mask outside = outsideFrustum(view, p, radius);
-    Mask away = hn::Xor(outside, outside);
-    if (front_only) away = turnedAway(view, p, normal, radius, load(index.sine));
-    HWY_ALIGN std::uint8_t bits[2][8] = {};
-    hn::StoreMaskBits(d, outside, bits[0]);
-    hn::StoreMaskBits(d, away, bits[1]);
-    for (std::size_t k = 0; k < hn::Lanes(d) && i + k < end; ++k) {
-      const bool is_outside = bits[0][k / 8] >> (k % 8) & 1,
-                 is_away = bits[1][k / 8] >> (k % 8) & 1;
-      visibility[i + k - begin] = is_outside ? Visibility::kOutside
-                                  : is_away  ? Visibility::kBackFacing
-                                             : Visibility::kVisible;
-    }
-  }
-}
 
 /** A circle in the picture, in pixels. */
 struct Circle {
@@ -249,7 +139,7 @@ writeHeads(const LeafBatch& batch, std::size_t lane, const FrameView& view, cons
            const BallShares& shares)
 {
   constexpr std::size_t kCount = 35;
-  static_assert(offsetof(FrameLeaf, surfel) == kCount * sizeof(float), "floats before");
+  static_assert(offsetof(FrameLeaf, inverse_cover_sq) == kCount * sizeof(float), "floats before");
   const Tag d;
   const Circle blend = circleAround(view, p, h.radius, shares.blend);
   const Circle first = circleAround(view, p, h.radius, shares.first);
@@ -351,6 +241,7 @@ setUpOfDegree(const LeafBatch& batch, const FrameView& view, const BallShares& s
     for (std::size_t i = 0; i < hn::Lanes(d) && lane + i < batch.count; ++i) {
       FrameLeaf& leaf = *batch.target[lane + i];
       const bool drawable = leaf.depth > 0.0f && leaf.eps < kNearest;
+      leaf.inverse_cover_sq = batch.inverse_cover_sq[lane + i];
       leaf.surfel = batch.surfel[lane + i];
       leaf.degree = view.perspective && !drawable ? kNearLeaf : static_cast<std::uint16_t>(D);
       const auto bit = [&](int ball) { return falls[ball][i / 8] >> (i % 8) & 1; };
@@ -377,15 +268,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace pcl_slim::detail::kernels {
 
-HWY_EXPORT(cullLeaves);
 HWY_EXPORT(setUpLeaves);
-
-void
-cullLeaves(const LeafIndex& index, std::uint32_t begin, std::uint32_t end, const FrameView& view,
-           bool front_only, Visibility* visibility)
-{
-  HWY_DYNAMIC_DISPATCH(cullLeaves)(index, begin, end, view, front_only, visibility);
-}
 
 void
 setUpLeaves(const LeafBatch& batch, int degree, const FrameView& view, const BallShares& shares)

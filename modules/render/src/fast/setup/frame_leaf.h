@@ -35,6 +35,7 @@ struct FrameLeaf {
   float first_x, first_y, first_reach;  ///< the same of the ball of pass 1
   float strip_x, strip_y;               ///< a direction in the picture, and between which
   float strip_low, strip_high;  ///< pixels from the centre the surface in that ball lies along it
+  float inverse_cover_sq;       ///< of the radius in which it covers; 0: wherever it counts
   std::uint32_t surfel;
   std::uint16_t degree;    ///< of the polynomials here, 2 to 4; kNearLeaf: none, too near
   std::uint16_t monotone;  ///< bits: F falls along every ray in the ball of pass 1, of pass 2
