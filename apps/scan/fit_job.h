@@ -26,8 +26,7 @@ withoutTrim()
  * program that fits. */
 struct FitJob {
   FitParams params = withoutTrim();
-  std::vector<double> viewpoint, noise_model;
-  std::string correlation = "auto";
+  std::vector<double> viewpoint;
   bool compact = false, use_normals = true;
   int normal_neighbours = 0;
 };

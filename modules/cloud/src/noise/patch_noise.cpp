@@ -10,16 +10,15 @@ namespace {
 
 constexpr double kRidge = 1e-12;  ///< keeps patches that are a line solvable; moves no digit
 
-}  // namespace
-
-bool
-fitCubic(const Patch& patch, PatchCubic& cubic)
+/** Residual variance of a cubic height field over the patch's two main axes; < 0: too few points.
+ */
+double
+cubicResidual(const Patch& patch)
 {
   const Eigen::Index n = patch.points.cols();
-  if (n <= kCubicTerms + 1) return false;
+  if (n <= kCubicTerms + 1) return -1.0;
   const Eigen::Matrix3d axes = principalAxes(patch.points).eigenvectors();
-  cubic.places = axes.transpose() * patch.points / patch.radius;
-  const Eigen::Matrix3Xd& local = cubic.places;
+  const Eigen::Matrix3Xd local = axes.transpose() * patch.points / patch.radius;
   Eigen::Matrix<double, Eigen::Dynamic, kCubicTerms> terms(n, kCubicTerms);
   for (Eigen::Index i = 0; i < n; ++i) {
     const double u = local(2, i), v = local(1, i);
@@ -29,11 +28,12 @@ fitCubic(const Patch& patch, PatchCubic& cubic)
   Eigen::Matrix<double, kCubicTerms, kCubicTerms> normal = terms.transpose() * terms;
   normal.diagonal().array() *= 1.0 + kRidge;
   const Eigen::Matrix<double, kCubicTerms, 1> c = normal.ldlt().solve(terms.transpose() * heights);
-  cubic.residuals = heights - terms * c;
-  const double rss = cubic.residuals.squaredNorm();
-  cubic.variance = rss / static_cast<double>(n - kCubicTerms) * patch.radius * patch.radius;
-  return std::isfinite(cubic.variance);
+  const double rss = (heights - terms * c).squaredNorm();
+  const double variance = rss / static_cast<double>(n - kCubicTerms) * patch.radius * patch.radius;
+  return std::isfinite(variance) ? variance : -1.0;
 }
+
+}  // namespace
 
 Patch
 patchAbout(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k)
@@ -70,8 +70,7 @@ patchVariance(const PointStore& store, NeighborSearch& search, std::size_t sampl
     keepOwnSheet(constants.sheets, patch);
   }
   radius = patch.radius;
-  PatchCubic cubic;
-  return fitCubic(patch, cubic) ? cubic.variance : -1.0;
+  return cubicResidual(patch);
 }
 
 double
