@@ -77,8 +77,9 @@ peak() {
 # shortOfMemory ARGS...: under ever tighter limits of address space the program ends well, or says in
 # one sentence that memory is short, and leaves no file.
 shortOfMemory() {
-  local limit got said=0
-  for limit in 1600000 800000 600000 500000 450000 400000 350000; do
+  local limit=1000000 got=0 said=0
+  while [ $got -ne 127 ] && [ $limit -gt 20000 ]; do
+    limit=$((limit * 9 / 10))
     got=0
     (ulimit -v $limit && exec "$bin/$program" "$@" -threads 1 -quiet) > out.txt 2> err.txt || got=$?
     case $got in
@@ -89,7 +90,7 @@ shortOfMemory() {
         said=$((said + 1))
         absent "$2"
         ;;
-      127) ;; # too little to load the program
+      127) ;; # too little to load the program: no tighter limit tells more
       *) complain "$limit KB: exit $got, $(head -c 300 err.txt)" ;;
     esac
     rm -f "$2"
