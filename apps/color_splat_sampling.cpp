@@ -2,7 +2,9 @@
 // pcl_color_splat_sampling: turns a coloured scan into discs that cover its surface.
 #include <cstdio>
 #include <memory>
+#include <string>
 
+#include "common/memory_limit.h"
 #include "pcl_slim/filters/io/splat_conversion.h"
 #include "pcl_slim/splat/hole_check.h"
 #include "pcl_slim/splat/splat_sampling.h"
@@ -13,6 +15,7 @@ namespace {
 using namespace pcl_slim;
 
 constexpr std::uint64_t kMany = 1000000000000000000u;
+constexpr double kBytesOfPoint = 36;  ///< that a sampling takes at least while points are ordered
 
 struct Settings {
   ScanFiles files;
@@ -92,7 +95,9 @@ reportSplats(const SplatStatistics& st, bool has_colors, Report& report)
               {"color_noise", st.color_noise},
               {"normal_noise", st.normal_noise}});
   if (st.tree_cells > 0) report.add({{"tree_cells", st.tree_cells}, {"mean_error", st.error}});
-  report.json()["skipped"] = {{"non_finite", st.non_finite}, {"without_normal", st.without_normal}};
+  report.json()["skipped"] = {{"non_finite", st.non_finite},
+                              {"duplicates", st.duplicates},
+                              {"without_normal", st.without_normal}};
   report.time("order", st.seconds_order);
   report.time("normals", st.seconds_normals);
   report.time("divide", st.seconds_divide);
@@ -108,6 +113,9 @@ sample(Settings& s, const CloudFile& cloud, Console& console, Report& report, Sp
                                 : cloud.file.sensor_origin[static_cast<Eigen::Index>(a)];
   }
   const Stopwatch watch;
+  const double bytes = kBytesOfPoint * static_cast<double>(cloud.size());
+  const std::string work = "sampling " + std::to_string(cloud.size()) + " points";
+  if (Error error = checkMemory(bytes, work)) return error;
   console.begin("Sampling");
   const ColorView colors = colorsOf(cloud);
   SplatStatistics statistics;

@@ -2,6 +2,7 @@
 // pcl_slim_demo_scan: a coloured object as a laser scanner sees it, to try the other programs on.
 #include <string>
 
+#include "common/memory_limit.h"
 #include "common/options.h"
 #include "common/program.h"
 #include "demo/scanner.h"
@@ -13,6 +14,7 @@ using namespace pcl_slim;
 namespace {
 
 constexpr char kProgram[] = "pcl_slim_demo_scan";
+constexpr double kBytesOfPoint = 32;  ///< in the scan and in its file
 
 int
 run(const std::string& output, const demo::ScanParams& params, const std::string& json, bool quiet)
@@ -46,6 +48,7 @@ main(int argc, char** argv)
   demo::ScanParams params;
   std::string output, json;
   bool quiet = false;
+  std::uint64_t max_memory = 0;
   OptionTable table(
       kProgram, PCL_SLIM_VERSION,
       "Writes a coloured amphora as a laser scanner on four tripods would see it: with "
@@ -57,12 +60,19 @@ main(int argc, char** argv)
   table.integer("seed", &params.seed, 0, 1000000000000, "start of the random numbers");
   table.toggle("organized", &params.organized, "one tripod's grid, NaN where nothing was hit");
   table.integer("threads", &params.threads, 0, 1024, "threads, 0: all cores");
+  declareMemoryLimit(table, &max_memory);
   table.text("json", &json, "FILE", "write a report");
   table.toggle("quiet", &quiet, "print nothing");
   if (const auto status = table.parse(argc, argv)) return *status;
   if (lowerExtension(output) != ".pcd") {
     return fail(kProgram, kExitUsage, "the scan '" + output + "' must be named .pcd");
   }
-  return guarded(kProgram, "ask for fewer points",
-                 [&] { return run(output, params, json, quiet); });
+  return guarded(kProgram, "ask for fewer points", [&]() -> int {
+    Error error = limitMemory(max_memory);
+    if (!error) {
+      error = checkMemory(kBytesOfPoint * static_cast<double>(params.points), "such a scan");
+    }
+    if (error) return fail(kProgram, kExitUsage, error.message);
+    return run(output, params, json, quiet);
+  });
 }

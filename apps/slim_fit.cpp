@@ -24,6 +24,7 @@ declareOptions(Settings& s)
                      "the scan; its normals or faces are used if it has any");
   options.positional("OUT.pcd|.ply|.vtp|.slim", &s.files.output, "the surface");
   declareFitOptions(options, s.job);
+  declareTrimOptions(options, s.job);
   declareReport(options, s.files);
   return options;
 }

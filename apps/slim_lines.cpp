@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/memory_limit.h"
 #include "common/program.h"
 #include "common/run_program.h"
 #include "pcl_slim/core/parallel.h"
@@ -22,6 +23,7 @@ struct Settings {
   FitJob job;
   CrestParams crest;
   std::vector<double> view, up;
+  std::uint64_t max_memory = 0;
   bool quiet = false;
 };
 
@@ -47,10 +49,11 @@ declareOptions(Settings& s)
                "use a surface made by pcl_slim_fit (.pcd, .ply, .vtp, .slim) in place of a fit");
   declareFitOptions(options, s.job);
   options.text("json", &s.json, "FILE", "write a report");
+  declareMemoryLimit(options, &s.max_memory);
   options.toggle("quiet", &s.quiet, "say nothing but errors");
-  for (const char* name :
-       {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "robust", "local_noise",
-        "normals_as_data", "normal_error", "paper", "compact", "lambda", "seed"}) {
+  for (const char* name : {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "robust",
+                           "local_noise", "correlation", "noise_model", "normals_as_data",
+                           "normal_error", "paper", "compact", "lambda", "seed"}) {
     options.exclusive({"surface", name});
   }
   return options;
@@ -198,6 +201,7 @@ run(int argc, char** argv)
   OptionTable options = declareOptions(s);
   if (const auto status = options.parse(argc, argv)) return *status;
   Error error = checkSettings(s);
+  if (!error) error = limitMemory(s.max_memory);
   if (error) return fail(options.program(), kExitUsage, error.message);
   Console console(s.quiet);
   Report report(options.program(), options.version(), s.input,

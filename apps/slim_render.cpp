@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// pcl_slim_render: a picture of a SLIM surface or of splats, without a window system.
+// pcl_slim_render: pictures of a SLIM surface or of splats, without a window system.
 #include <cstdio>
 #include <new>
+#include <optional>
 #include <string>
 
+#include "common/memory_limit.h"
 #include "common/options.h"
 #include "common/program.h"
 #include "common/progress_bar.h"
@@ -11,7 +13,13 @@
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/render/shading.h"
+#include "render/camera_file.h"
+#include "render/frame_clock.h"
+#include "render/line_request.h"
 #include "render/model.h"
+#include "render/picture_request.h"
+#include "render/traced_request.h"
+#include "render/turntable.h"
 #include "render/view_request.h"
 
 using namespace pcl_slim;
@@ -19,11 +27,15 @@ using namespace pcl_slim;
 namespace {
 
 struct Settings {
-  std::string input, output, mode = "auto", lighting = "auto", sides = "auto", json;
+  std::string input, output, sides = "auto", derivatives = "blended", save_camera, json;
   ViewRequest view;
-  double near_plane = 0.0, range = 0.0, occlusion = 0.6;
-  int supersampling = 2, threads = 0;
-  bool filtered = true, white = false, skip = true, quiet = false;
+  PictureRequest picture;
+  LineRequest lines;
+  TracedRequest traced;
+  double near_plane = 0.0;
+  int threads = 0, turntable = 1, repeat = 0;
+  std::uint64_t max_memory = 0;
+  bool filtered = true, trim = true, skip = true, reference = false, quiet = false;
 };
 
 OptionTable
@@ -36,22 +48,29 @@ declareOptions(Settings& s)
                    "surface of pcl_slim_fit or splats of pcl_color_splat_sampling");
   table.positional("OUT.png|.ppm", &s.output, "picture");
   s.view.declareSize(table);
-  table.choice("mode", &s.mode, {"auto", "shaded", "normal", "mean", "level", "size", "color"},
-               "what the colours show; auto: shaded surfaces, splats in their colours");
-  table.choice("lighting", &s.lighting, {"auto", "0", "1"},
-               "light on the colours; auto: all but -mode color");
+  s.picture.declareColors(table);
+  s.traced.declare(table);
   table.toggle("filtered", &s.filtered,
                "blend splats, none below a pixel; 0: the nearest as it is");
   s.view.declareCamera(table);
+  table.text("save_camera", &s.save_camera, "FILE", "write the camera, for -camera FILE");
+  table.integer("turntable", &s.turntable, 1, 10000,
+                "pictures all the way round: OUT_000.png, OUT_001.png ...");
   table.number("near", &s.near_plane, 0.0, 1e300, "cut away what is nearer than this");
   table.choice("sides", &s.sides, {"auto", "front", "both"}, "sides of the surface to draw");
-  table.number("range", &s.range, 0.0, 1e300, "curvature of full colour, 1/length", "automatic");
-  table.number("ao", &s.occlusion, 0.0, 1.0, "strength of the shade in hollows");
-  table.toggle("white", &s.white, "white background");
-  table.integer("aa", &s.supersampling, 1, 8, "N x N rays a pixel");
+  table.toggle("trim", &s.trim, "end a surface where its scan ended; 0: draw all of its balls");
+  table.choice("derivatives", &s.derivatives, {"blended", "unity"},
+               "of normals and curvatures: the leaves', blended, or those of their partition of "
+               "unity, to compare with");
+  s.picture.declareFinish(table);
+  s.lines.declare(table);
   table.toggle("skip", &s.skip, "leave out work that cannot change the picture");
+  table.toggle("reference", &s.reference, "draw in double, ray by ray: slow");
+  table.integer("repeat", &s.repeat, 0, 10000,
+                "time N frames of one ray a pixel: seconds.frame of -json");
   table.integer("threads", &s.threads, 0, 1024, "threads, 0: all cores");
   table.text("json", &s.json, "FILE", "write a report");
+  declareMemoryLimit(table, &s.max_memory);
   table.toggle("quiet", &s.quiet, "print nothing");
   return table;
 }
@@ -62,21 +81,6 @@ sidesOf(const Settings& s)
   return s.sides == "front"  ? VisibleSides::kFront
          : s.sides == "both" ? VisibleSides::kBoth
                              : VisibleSides::kAuto;
-}
-
-ShadingParams
-shadingOf(const Settings& s, const Model& model)
-{
-  ShadingParams params;
-  const std::string automatic = model.is_splats ? "color" : "shaded";
-  params.mode = *shadingModeOf(s.mode == "auto" ? automatic : s.mode);
-  params.lighting = s.lighting == "auto" ? params.mode != ShadingMode::kColor : s.lighting == "1";
-  params.range = s.range;
-  params.ambient_occlusion = s.occlusion;
-  params.gradient_background = !s.white;
-  params.supersampling = s.supersampling;
-  params.threads = s.threads;
-  return params;
 }
 
 /** What a picture of either kind cost. */
@@ -90,43 +94,52 @@ reportCounts(const Counts& counts, nlohmann::ordered_json& json)
                {"tile_entries", counts.tile_entries}});
 }
 
-Result<Image>
-renderSurfaceModel(const Settings& s, const Model& model, const Camera& camera,
-                   nlohmann::ordered_json& json, std::uint64_t& covered)
+RenderParams
+renderingOf(const Settings& s)
 {
   RenderParams params;
   params.sides = sidesOf(s);
   params.near_plane = s.near_plane;
+  params.derivatives =
+      s.derivatives == "unity" ? Derivatives::kPartitionOfUnity : Derivatives::kBlended;
+  params.reference = s.reference;
   params.skip = s.skip;
   params.threads = s.threads;
-  RenderStatistics counts;
-  auto image = renderPicture(model.surface, camera, params, shadingOf(s, model), &counts);
-  covered = counts.covered_pixels;
+  return params;
+}
+
+/** What -repeat measured. */
+Error
+reportFrames(const Settings& s, SurfaceRenderer& renderer, const Camera& camera, Report& report)
+{
+  if (s.repeat == 0) return {};
+  const ShadingParams shading = s.picture.shadingFor(false, s.threads);
+  const auto seconds = timeFrames(renderer, camera, renderingOf(s), shading, s.repeat);
+  if (!seconds) return seconds.error();
+  report.time("frame", seconds->frame);
+  report.time("shade", seconds->shade);
+  return {};
+}
+
+void
+reportSurface(const Model& model, const RenderStatistics& counts, nlohmann::ordered_json& json)
+{
   json.update({{"points", model.surface.info.num_points},
                {"surfels", model.surface.size()},
                {"leaves", model.surface.numLeaves()},
                {"levels", model.surface.numLevels()},
                {"degree", model.surface.info.degree}});
   reportCounts(counts, json);
+  json["rays_bracketed"] = counts.rays_bracketed;
   json["skipped"] = {{"outside_frustum", counts.outside_frustum},
                      {"back_facing", counts.back_facing},
                      {"occluded_entries", counts.occluded_entries}};
-  return image;
 }
 
-Result<Image>
-renderSplatModel(const Settings& s, const Model& model, const Camera& camera,
-                 nlohmann::ordered_json& json, std::uint64_t& covered)
+void
+reportSplats(const Model& model, const DiscRenderStatistics& counts, nlohmann::ordered_json& json)
 {
-  DiscRenderParams params;
-  params.filtered = s.filtered;
-  params.sides = sidesOf(s);
-  params.near_plane = s.near_plane;
-  params.skip = s.skip;
-  params.threads = s.threads;
-  DiscRenderStatistics counts;
-  auto image = renderPicture(model.splats, camera, params, shadingOf(s, model), &counts);
-  covered = counts.covered_pixels;
+  const std::uint64_t covered = counts.covered_pixels;
   json.update({{"splats", model.splats.size()}, {"gradient", !model.splats.gradient.empty()}});
   reportCounts(counts, json);
   json["overlap"] =
@@ -134,7 +147,127 @@ renderSplatModel(const Settings& s, const Model& model, const Camera& camera,
   json["skipped"] = {{"unusable", model.skipped},
                      {"outside_frustum", counts.outside_frustum},
                      {"back_facing", counts.back_facing}};
-  return image;
+}
+
+/** Every picture of the turntable, each saved when it is drawn.
+ * \param[in] draw Result<Image>(const Camera&) */
+template <typename Draw>
+Error
+renderTurns(const Settings& s, const Model& model, const Camera& camera, double& save_seconds,
+            const Draw& draw)
+{
+  const BoundingSpheres object = model.spheres();
+  for (int turn = 0; turn < s.turntable; ++turn) {
+    const Result<Image> image = draw(turnedCamera(camera, object, turn, s.turntable));
+    if (!image) return image.error();
+    const Stopwatch watch;
+    if (Error error = saveImage(turntablePath(s.output, turn, s.turntable), *image)) return error;
+    save_seconds += watch.seconds();
+  }
+  return {};
+}
+
+/** A picture with the lines that were asked for drawn over it. */
+Result<Image>
+withLines(const Settings& s, SurfaceRenderer& renderer, const Camera& camera, Result<Image> image,
+          std::size_t& count)
+{
+  if (!image || !s.lines.any()) return image;
+  const Error error = s.lines.draw(renderer, camera, renderingOf(s), *image, count);
+  return error ? Result<Image>(error) : image;
+}
+
+Error
+renderSurfaceModel(const Settings& s, const Model& model, const Camera& camera, Report& report,
+                   double& save_seconds)
+{
+  SurfaceRenderer renderer(model.surface, s.threads);
+  const ShadingParams shading = s.picture.shadingFor(false, s.threads);
+  RenderStatistics total;
+  std::size_t lines = 0;
+  Error error = renderTurns(s, model, camera, save_seconds, [&](const Camera& turned) {
+    RenderStatistics counts;
+    auto image = renderPicture(renderer, turned, renderingOf(s), shading, &counts);
+    total += counts;
+    return withLines(s, renderer, turned, std::move(image), lines);
+  });
+  if (s.lines.any()) report.json()["lines"] = lines;
+  if (!error) error = reportFrames(s, renderer, camera, report);
+  reportSurface(model, total, report.json());
+  return error;
+}
+
+Error
+renderSplatModel(const Settings& s, const Model& model, const Camera& camera, Report& report,
+                 double& save_seconds)
+{
+  DiscRenderParams params;
+  params.filtered = s.filtered;
+  params.sides = sidesOf(s);
+  params.near_plane = s.near_plane;
+  params.skip = s.skip;
+  params.threads = s.threads;
+  const ShadingParams shading = s.picture.shadingFor(true, s.threads);
+  DiscRenderStatistics total;
+  Error error = renderTurns(s, model, camera, save_seconds, [&](const Camera& turned) {
+    DiscRenderStatistics counts;
+    auto image = renderPicture(model.splats, turned, params, shading, &counts);
+    total += counts;
+    return image;
+  });
+  reportSplats(model, total, report.json());
+  return error;
+}
+
+void
+reportTraced(const Model& model, const TraceStatistics& counts, nlohmann::ordered_json& json)
+{
+  json.update({{model.is_splats ? "splats" : "leaves", counts.leaves},
+               {"covered_pixels", counts.covered_pixels},
+               {"rays_primary", counts.rays_primary},
+               {"rays_shadow", counts.rays_shadow},
+               {"rays_occlusion", counts.rays_occlusion},
+               {"tested_first", counts.tested_first},
+               {"tested_blend", counts.tested_blend},
+               {"tested_per_ray", counts.testedPerRay()}});
+}
+
+TraceParams
+tracingOf(const Settings& s)
+{
+  constexpr int kOcclusionRays = 4;  // in each of the frames of -aa
+  TraceParams params;
+  params.sides = sidesOf(s);
+  params.near_plane = s.near_plane;
+  params.filtered = s.filtered;
+  params.occlusion_rays = s.picture.occlusion > 0.0 ? kOcclusionRays : 0;
+  params.threads = s.threads;
+  return params;
+}
+
+Error
+renderTracedModel(const Settings& s, const Model& model, const Camera& camera, Report& report,
+                  double& save_seconds, Progress& progress)
+{
+  RayTracer tracer =
+      model.is_splats ? RayTracer(model.splats, s.threads) : RayTracer(model.surface, s.threads);
+  TraceParams params = tracingOf(s);
+  const ShadingParams shading = s.picture.shadingFor(model.is_splats, s.threads);
+  // Lines are found in what the rasteriser sees of the same camera.
+  std::optional<SurfaceRenderer> renderer;
+  if (s.lines.any()) renderer.emplace(model.surface, s.threads);
+  std::size_t lines = 0;
+  TraceStatistics total;
+  Error error = renderTurns(s, model, camera, save_seconds, [&](const Camera& turned) {
+    params.lights = s.traced.lightsFor(turned);
+    TraceStatistics counts;
+    auto image = renderTracedPicture(tracer, turned, params, shading, &counts, &progress);
+    total += counts;
+    return renderer ? withLines(s, *renderer, turned, std::move(image), lines) : image;
+  });
+  if (s.lines.any()) report.json()["lines"] = lines;
+  reportTraced(model, total, report.json());
+  return error;
 }
 
 int
@@ -145,19 +278,61 @@ fail(Console& console, int status, const Error& error)
   return status;
 }
 
+/** What the rays' columns and the picture take at least. */
+double
+bytesOfPicture(const Settings& s)
+{
+  constexpr double kBytesOfPixel = 40;  // one frame at a time, whatever -aa
+  return kBytesOfPixel * s.view.size.width * s.view.size.height;
+}
+
+int
+statusOf(const Error& error)
+{
+  return error.code == ErrorCode::kBadArgument ? kExitUsage
+         : error.code == ErrorCode::kCancelled ? kExitInterrupted
+                                               : kExitFailed;
+}
+
+/** Draws and saves, and notes how long each took. */
+Error
+renderModel(const Settings& s, const Model& model, const Camera& camera, Console& console,
+            Report& report)
+{
+  console.begin("Rendering " + s.view.size_text);
+  const Stopwatch watch;
+  double save_seconds = 0.0;
+  const auto render = model.is_splats ? renderSplatModel : renderSurfaceModel;
+  Error error = s.picture.isTraced()
+                    ? renderTracedModel(s, model, camera, report, save_seconds, console.progress())
+                    : render(s, model, camera, report, save_seconds);
+  if (error) return error;
+  const double seconds = watch.seconds() - save_seconds;
+  const auto covered = report.json()["covered_pixels"].get<std::uint64_t>();
+  report.time("render", seconds);
+  console.done(seconds, std::to_string(covered) + " rays met the surface");
+  report.time("save", save_seconds);
+  console.begin("Saving " + s.output);
+  console.done(save_seconds, s.view.size_text + " pixels");
+  return s.save_camera.empty() ? Error{} : saveCamera(s.save_camera, camera);
+}
+
 int
 run(const Settings& s)
 {
-  if (Error error = checkWritable(s.output)) {
-    std::fprintf(stderr, "pcl_slim_render: %s\n", error.message.c_str());
-    return kExitFailed;
+  if (Error error = limitMemory(s.max_memory))
+    return pcl_slim::fail("pcl_slim_render", kExitUsage, error.message);
+  for (const std::string& path : {turntablePath(s.output, 0, s.turntable), s.save_camera}) {
+    const Error error = path.empty() ? Error{} : checkWritable(path);
+    if (error) return pcl_slim::fail("pcl_slim_render", kExitFailed, error.message);
   }
   Console console(s.quiet);
   Report report("pcl_slim_render", PCL_SLIM_VERSION, s.input, resolveThreads(s.threads));
   console.begin("Loading " + s.input);
   const Stopwatch load_time;
-  const Result<Model> model = loadModel(s.input);
+  Result<Model> model = loadModel(s.input);
   if (!model) return fail(console, kExitUsage, model.error());
+  if (!s.trim) model->surface.dropTrimMaps();
   report.time("load", load_time.seconds());
   console.done(load_time.seconds(), model->describe());
   if (model->skipped > 0) {
@@ -165,24 +340,20 @@ run(const Settings& s)
                  " not finite or without a normal");
   }
 
-  console.begin("Rendering " + s.view.size_text);
-  const Stopwatch render_time;
-  const Camera camera = s.view.cameraFor(model->spheres());
-  std::uint64_t covered = 0;
-  const auto render = model->is_splats ? renderSplatModel : renderSurfaceModel;
-  const auto image = render(s, *model, camera, report.json(), covered);
-  if (!image) {
-    const bool usage = image.error().code == ErrorCode::kBadArgument;
-    return fail(console, usage ? kExitUsage : kExitFailed, image.error());
+  if (model->is_splats && s.lines.any()) {
+    return fail(console, kExitUsage,
+                {ErrorCode::kBadArgument,
+                 "splats have no curvature; drop -lines, -line_file and -mode sketch"});
   }
-  report.time("render", render_time.seconds());
-  console.done(render_time.seconds(), std::to_string(covered) + " rays met the surface");
-
-  console.begin("Saving " + s.output);
-  const Stopwatch save_time;
-  if (Error error = saveImage(s.output, *image)) return fail(console, kExitFailed, error);
-  report.time("save", save_time.seconds());
-  console.done(save_time.seconds(), s.view.size_text + " pixels");
+  if (Error error = checkMemory(bytesOfPicture(s), "a picture of " + s.view.size_text))
+    return fail(console, kExitFailed, error);
+  const ShadingParams shading = s.picture.shadingFor(model->is_splats, 1);
+  ViewRequest view = s.view;
+  if (shading.color_bar && showsNumbers(shading.mode)) view.right_margin = colorBarShare(view.size);
+  const Camera camera = view.cameraFor(model->spheres());
+  if (Error error = renderModel(s, *model, camera, console, report)) {
+    return fail(console, statusOf(error), error);
+  }
   report.json()["camera"] = {
       {"position", camera.position}, {"look_at", camera.look_at},  {"up", camera.up},
       {"fov", camera.fov},           {"width", camera.size.width}, {"height", camera.size.height}};
@@ -199,6 +370,10 @@ main(int argc, char** argv)
   OptionTable table = declareOptions(settings);
   if (const auto status = table.parse(argc, argv)) return *status;
   Error error = settings.view.parse();
+  if (!error) error = settings.picture.parse();
+  if (!error && settings.picture.mode == "sketch") settings.lines.drawAlone(settings.picture);
+  if (!error) error = settings.lines.load();
+  if (!error) error = settings.traced.parse();
   if (!error) error = checkImageExtension(settings.output);
   if (error) {
     std::fprintf(stderr, "pcl_slim_render: %s\n", error.message.c_str());

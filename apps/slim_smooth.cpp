@@ -70,6 +70,6 @@ main(int argc, char** argv)
   return runProjectionProgram(
       {"pcl_slim_smooth", PCL_SLIM_VERSION,
        "Smooths a scan: moves its points onto the SLIM surface fitted to it.", "normals",
-       "also write the surface's normals and mean curvature; of a mesh, normals alone", true},
+       "also write the surface's normals and mean curvature; of a mesh, normals alone", true, true},
       job, argc, argv, smoothed);
 }

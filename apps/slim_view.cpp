@@ -41,7 +41,7 @@ declareOptions(Settings& s)
   modes.insert(modes.begin(), "auto");
   table.choice("mode", &s.viewer.mode, modes,
                "what the colours show; auto: shaded surfaces, splats in their colours");
-  table.number("range", &s.viewer.range, 0.0, 1e300, "curvature of full colour, 1/length",
+  table.number("range", &s.viewer.range, 0.0, 1e300, "curvature or error of full colour",
                "automatic");
   table.toggle("balls", &s.viewer.balls, "balls of the leaves, coloured by size");
   table.toggle("points", &s.viewer.points, "points of a scan, also once it is fitted");
@@ -49,11 +49,14 @@ declareOptions(Settings& s)
   table.toggle("help_overlay", &s.viewer.help, "begin with the help over the picture");
   table.number("frame_budget", &s.viewer.frame_budget, 0.0, 1e6,
                "milliseconds a frame may take while the mouse moves, else it is coarser; 0: any");
+  table.choice("backend", &s.viewer.backend, {"auto", "cpu", "opengl"},
+               "what intersects rays with a surface; auto: the graphics card if there is one");
   s.viewer.view.declareCamera(table);
   table.text("camera_file", &s.viewer.camera_file, "FILE",
              "where the keys c and C save and load the camera");
   table.text("screenshot", &s.screenshot, "FILE.png", "save a picture instead of opening a window");
   declareFitOptions(table, s.fit);
+  declareTrimOptions(table, s.fit);
   table.toggle("quiet", &s.quiet, "print nothing");
   return table;
 }
@@ -88,7 +91,9 @@ showModel(const Settings& s, Model& model)
   if (model.is_splats) {
     viewer.scene().setSplats(std::make_shared<SplatSet>(std::move(model.splats)));
   } else {
-    viewer.scene().setSurface(std::make_shared<SLIMSurface>(std::move(model.surface)));
+    auto surface = std::make_shared<SLIMSurface>(std::move(model.surface));
+    if (!s.fit.params.trim) surface->dropTrimMaps();
+    viewer.scene().setSurface(surface);
   }
   viewer.begin();
   if (s.screenshot.empty()) {

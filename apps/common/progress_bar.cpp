@@ -58,6 +58,13 @@ Console::note(const std::string& text)
 }
 
 void
+Console::warn(const std::string& text)
+{
+  std::fflush(stdout);
+  std::fprintf(stderr, "warning: %s\n", text.c_str());
+}
+
+void
 Console::showBar(float fraction, const char* stage)
 {
   if (!terminal_) return;

@@ -10,7 +10,7 @@ namespace pcl_slim {
 /** \brief What a program says while it works, in the manner of PCL's tools:
  * "> Loading scan.pcd [done, 12 ms : 34817 points]".
  *
- * On a terminal a bar shows how far a stage is. With quiet nothing is written. While it lives,
+ * On a terminal a bar shows how far a stage is. With quiet nothing is written but warnings. While it lives,
  * Ctrl-C cancels the running work through progress() (see endOnSignals()).
  */
 class Console {
@@ -28,6 +28,8 @@ class Console {
   void failed();
   /** \brief A line of its own. */
   void note(const std::string& text);
+  /** \brief One on stderr, also with quiet: the output is not what was hoped for. */
+  void warn(const std::string& text);
 
   Progress& progress() { return progress_; }
   bool interrupted() const { return progress_.cancelled(); }

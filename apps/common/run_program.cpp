@@ -6,6 +6,7 @@
 #include <new>
 
 #include "common/interrupt.h"
+#include "common/memory_limit.h"
 
 namespace pcl_slim {
 
@@ -31,7 +32,8 @@ guarded(const std::string& program, const std::string& relief, const std::functi
     const int status = work();
     return status == kExitInterrupted && receivedSignal() != 0 ? 128 + receivedSignal() : status;
   } catch (const std::bad_alloc&) {
-    return fail(program, kExitFailed, "not enough memory; " + relief + " or fewer -threads");
+    return fail(program, kExitFailed,
+                "not enough memory" + memoryLimitText() + "; " + relief + " or fewer -threads");
   } catch (const std::exception& failure) {
     return fail(program, kExitFailed, failure.what());
   }

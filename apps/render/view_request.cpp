@@ -2,34 +2,21 @@
 #include "render/view_request.h"
 
 #include <cstdio>
-#include <cstdlib>
 #include <map>
 
 #include "pcl_slim/render/auto_view.h"
+#include "render/camera_file.h"
+#include "render/number_list.h"
 
 namespace pcl_slim {
 namespace {
+
+constexpr double kMargin = 0.04;  ///< share of the picture, on each side
 
 Error
 badOption(const std::string& message)
 {
   return {ErrorCode::kBadArgument, message};
-}
-
-/** \brief Numbers separated by single commas; nothing else may stand between. */
-bool
-parseNumberList(const std::string& text, std::vector<double>& values)
-{
-  const char* at = text.c_str();
-  for (;;) {
-    char* end = nullptr;
-    const double value = std::strtod(at, &end);
-    if (end == at) return false;
-    values.push_back(value);
-    if (*end == '\0') return true;
-    if (*end != ',') return false;
-    at = end + 1;
-  }
 }
 
 Error
@@ -77,19 +64,6 @@ parseView(const std::string& text, std::vector<double>& angles)
       text + "'");
 }
 
-Camera
-cameraOfPose(const ViewRequest& request)
-{
-  const std::vector<double>& p = request.pose;
-  Camera camera;
-  camera.size = request.size;
-  camera.position = {p[0], p[1], p[2]};
-  camera.look_at = {p[3], p[4], p[5]};
-  camera.up = {p[6], p[7], p[8]};
-  camera.fov = p.size() == 10 ? p[9] : request.fov;
-  return camera;
-}
-
 }  // namespace
 
 void
@@ -105,8 +79,9 @@ ViewRequest::declareCamera(OptionTable& table)
       "view", &view, "NAME|AZ,EL",
       "auto, front, back, left, right, top, bottom, iso, or azimuth and elevation in degrees");
   table.choice("up", &up, {"auto", "x", "y", "z"}, "axis that points upwards");
-  table.text("camera", &camera, "auto|PX,PY,PZ,LX,LY,LZ,UX,UY,UZ[,FOV]",
-             "position, target and upward direction in world coordinates");
+  table.text(
+      "camera", &camera, "auto|FILE|PX,PY,PZ,LX,LY,LZ,UX,UY,UZ[,FOV]",
+      "a file of -save_camera, or position, target and upward direction in world coordinates");
   table.number("fov", &fov, 1.0, 150.0, "vertical field of view in degrees");
   table.toggle("ortho", &orthographic, "parallel projection");
   table.exclusive({"camera", "view"});
@@ -119,21 +94,21 @@ ViewRequest::parse()
   if (Error error = parseSize(size_text, size)) return error;
   if (Error error = parseView(view, angles)) return error;
   if (camera == "auto") return {};
-  if (!parseNumberList(camera, pose) || (pose.size() != 9 && pose.size() != 10)) {
-    return badOption(
-        "-camera takes auto or nine or ten numbers separated by commas: position, "
-        "target, upward direction and, if wanted, the field of view");
-  }
+  const Result<Camera> read =
+      looksLikeCamera(camera) ? cameraFromText(camera, fov) : loadCamera(camera);
+  if (!read) return read.error();
   if (orthographic) {
     return badOption("-ortho frames the object itself: give -view instead of -camera");
   }
-  return cameraOfPose(*this).validate();
+  given = *read;
+  given->size = size;
+  return {};
 }
 
 Camera
 ViewRequest::cameraFor(const BoundingSpheres& object) const
 {
-  if (!pose.empty()) return cameraOfPose(*this);
+  if (given) return *given;
   UpAxis axis = upAxis(up);
   ViewDirection direction;
   if (angles.empty()) {
@@ -142,8 +117,8 @@ ViewRequest::cameraFor(const BoundingSpheres& object) const
     if (axis == UpAxis::kAuto) axis = guessUpAxis(object);
     direction = viewFromAngles(axis, angles[0], angles[1]);
   }
-  return orthographic ? fitOrthographicCamera(object, direction, size)
-                      : fitCamera(object, direction, size, fov);
+  return orthographic ? fitOrthographicCamera(object, direction, size, kMargin, right_margin)
+                      : fitCamera(object, direction, size, fov, kMargin, right_margin);
 }
 
 }  // namespace pcl_slim

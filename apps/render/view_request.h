@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "common/options.h"
+#include "pcl_slim/render/bounding_spheres.h"
 #include "pcl_slim/render/camera.h"
-#include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
 
@@ -14,9 +15,11 @@ namespace pcl_slim {
 struct ViewRequest {
   std::string camera = "auto", view = "auto", up = "auto", size_text = "800x600";
   double fov = 30.0;
+  double right_margin = 0.0;  ///< share of the width that the object is to leave free there
   bool orthographic = false;
-  ImageSize size;                    ///< of size_text
-  std::vector<double> angles, pose;  ///< of view and camera; empty: chosen by the object
+  ImageSize size;               ///< of size_text
+  std::vector<double> angles;   ///< of view; empty: chosen by the object
+  std::optional<Camera> given;  ///< of camera, but for its size
 
   /** \brief Adds -size. */
   void declareSize(OptionTable& table);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scan/cloud_file.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -128,6 +129,9 @@ CloudView
 CloudFile::view(bool with_normals) const
 {
   CloudView view;
+  const Eigen::Vector4f& at = file.sensor_origin;
+  // An organized cloud has its sensor even at 0, others may have none that is known.
+  if (file.cloud.height > 1 || !at.head<3>().isZero()) view.sensor = {at[0], at[1], at[2]};
   const pcl::PCLPointField* fields[3];
   view.size = size();
   view.scalar = double_precision ? CloudView::Scalar::kDouble : CloudView::Scalar::kFloat;
@@ -193,40 +197,70 @@ colorsOf(const CloudFile& cloud)
   return {};
 }
 
-void
-estimateNormals(int k, const std::vector<double>& viewpoint, int threads, CloudFile& cloud)
-{
-  const CloudView view = cloud.view();
-  auto points = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
-  std::vector<std::size_t> source;
+namespace {
+
+/** A cloud's finite points as floats PCL can square: from the first of them, and where they are very
+ * large or small, scaled by a power of two. */
+struct PlainPoints {
+  pcl::PointCloud<pcl::PointXYZ>::Ptr points = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+  std::vector<std::size_t> source;  ///< the point of the cloud that each is
   std::array<double, 3> origin{};
+  double scale = 1.0;
+
+  double local(double world, std::size_t axis) const { return scale * (world - origin[axis]); }
+};
+
+PlainPoints
+plainPoints(const CloudView& view)
+{
+  PlainPoints plain;
+  double largest = 0;
   for (std::size_t i = 0; i < view.size; ++i) {
     const std::array<double, 3> p = position(view, i);
     if (!isFinite(p)) continue;
-    if (source.empty()) origin = p;  // float holds what is near
-    source.push_back(i);
-    points->push_back(pcl::PointXYZ(static_cast<float>(p[0] - origin[0]),
-                                    static_cast<float>(p[1] - origin[1]),
-                                    static_cast<float>(p[2] - origin[2])));
+    if (plain.source.empty()) plain.origin = p;
+    plain.source.push_back(i);
+    for (std::size_t a = 0; a < 3; ++a) {
+      largest = std::max(largest, std::abs(0.5 * p[a] - 0.5 * plain.origin[a]));
+    }
   }
-  cloud.normals.assign(view.size * 3, 0.0f);
+  if (largest > 0 && (largest > 1e12 || largest < 1e-9)) {
+    plain.scale = std::exp2(-std::ilogb(largest));
+  }
+  for (const std::size_t i : plain.source) {
+    const std::array<double, 3> p = position(view, i);
+    plain.points->push_back(pcl::PointXYZ(static_cast<float>(plain.local(p[0], 0)),
+                                          static_cast<float>(plain.local(p[1], 1)),
+                                          static_cast<float>(plain.local(p[2], 2))));
+  }
+  return plain;
+}
+
+}  // namespace
+
+Error
+estimateNormals(int k, const std::vector<double>& viewpoint, int threads, CloudFile& cloud)
+{
+  const PlainPoints plain = plainPoints(cloud.view());
+  cloud.normals.assign(cloud.size() * 3, 0.0f);
   cloud.normal_source = NormalSource::kEstimated;
-  if (points->empty()) return;
+  if (plain.source.empty()) return {};
   FitParams params;
   params.threads = threads;
   params.has_viewpoint = true;
   const auto& sensor = cloud.file.sensor_origin;
   for (int a = 0; a < 3; ++a) {
     const auto axis = static_cast<std::size_t>(a);
-    params.viewpoint[a] = (viewpoint.size() == 3 ? viewpoint[axis] : sensor[a]) - origin[axis];
+    params.viewpoint[a] = plain.local(viewpoint.size() == 3 ? viewpoint[axis] : sensor[a], axis);
   }
-  auto selected = std::make_shared<pcl::Indices>(points->size());
+  auto selected = std::make_shared<pcl::Indices>(plain.source.size());
   std::iota(selected->begin(), selected->end(), 0);
   pcl::PointCloud<pcl::Normal> estimated;
-  pclNormals(points, selected, makeSearch(points), k, params, estimated);
-  for (std::size_t i = 0; i < source.size(); ++i) {
-    std::memcpy(&cloud.normals[3 * source[i]], estimated[i].normal, 3 * sizeof(float));
+  Error error = pclNormals(plain.points, selected, makeSearch(plain.points), k, params, estimated);
+  for (std::size_t i = 0; i < plain.source.size() && !error; ++i) {
+    std::memcpy(&cloud.normals[3 * plain.source[i]], estimated[i].normal, 3 * sizeof(float));
   }
+  return error;
 }
 
 }  // namespace pcl_slim

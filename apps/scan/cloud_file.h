@@ -48,9 +48,9 @@ colorsOf(const CloudFile& cloud);
 /** \brief Replaces the normals by PCL's, from the k nearest neighbours of each point.
  *
  * They point to the viewpoint (world coordinates; empty: the origin of the file's sensor).
- * Points without k finite neighbours get none. \param[in] threads 0: all cores.
+ * \param[in] threads 0: all cores. \return an error for a k beyond the number of finite points.
  */
-void
+Error
 estimateNormals(int k, const std::vector<double>& viewpoint, int threads, CloudFile& cloud);
 
 }  // namespace pcl_slim

@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scan/fit_job.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <utility>
 
+#include "common/memory_limit.h"
 #include "pcl_slim/cloud/point_store.h"
 
 namespace pcl_slim {
@@ -10,6 +15,7 @@ namespace pcl_slim {
 namespace {
 
 constexpr std::uint64_t kMany = 1000000000000000000u;
+constexpr double kBytesOfPoint = 60;  ///< that a fit takes at least while the store is built
 
 const char*
 normalSourceName(NormalSource source)
@@ -40,6 +46,10 @@ reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatisti
               {"t_mdl", fit.t_mdl},
               {"normal_error", fit.normal_error},
               {"lambda", fit.lambda},
+              {"noise_correlation", fit.noise_correlation},
+              {"noise_step", fit.noise_step},
+              {"noise_neighbors", fit.noise_neighbors},
+              {"noise_varies", fit.noise_varies},
               {"diagonal", store.diagonal() * store.scale()},
               {"rms_error_over_diagonal", fit.rms_error},
               {"uncovered", fit.uncovered},
@@ -49,7 +59,13 @@ reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatisti
               {"split_sheets", fit.split_sheets},
               {"oriented", surface.info.oriented},
               {"fits", fit.fits},
+              {"fell_by_support", fit.fell_by_support},
+              {"fell_by_pivot", fit.fell_by_pivot},
+              {"line_balls", fit.line_balls},
+              {"least_pivot", fit.least_pivot},
               {"gathered", fit.gathered},
+              {"open_leaves", fit.open_leaves},
+              {"trim_bytes", surface.trim_maps.size()},
               {"store_bytes", store.memoryBytes()},
               {"working_bytes", fit.working_bytes}});
   report.json()["skipped"] = {{"non_finite", points.non_finite},
@@ -63,6 +79,24 @@ reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatisti
   report.time("cover", fit.seconds_cover);
   report.time("links", fit.seconds_links);
   report.time("orient", fit.seconds_orient);
+  report.time("trim", fit.seconds_trim);
+}
+
+/** "noise: 1.9 mm..."-like line: sigma in the scan's units and what kind of noise it is. */
+std::string
+noiseText(const PointStore& store, const FitStatistics& fit)
+{
+  const double diagonal = store.diagonal() * store.scale();
+  char text[160];
+  std::snprintf(text, sizeof(text), "noise %.3g RMS", std::sqrt(fit.lambda) * diagonal);
+  std::string line = text;
+  if (fit.noise_step > 0) {
+    std::snprintf(text, sizeof(text), ", in steps of %.3g", fit.noise_step * diagonal);
+    line += text;
+  }
+  std::snprintf(text, sizeof(text), ", correlated over %.0f points", fit.noise_correlation);
+  line += fit.noise_correlation > 1 ? text : ", white";
+  return line + (fit.noise_varies ? ", varying over the scan" : "");
 }
 
 /** "1 level", "3 levels". */
@@ -107,6 +141,10 @@ declareFitOptions(OptionTable& options, FitJob& job)
   options.toggle("robust", &job.params.robust, "reweight residuals against outliers");
   options.toggle("local_noise", &job.params.local_noise,
                  "noise is measured along the scan, not once for all of it");
+  options.text("correlation", &job.correlation, "auto|off|N",
+               "points that share their errors, as those of depth cameras do");
+  options.numbers("noise_model", &job.noise_model, "A,B,C",
+                  "RMS error A + B z + C z^2 along the ray at distance z from -viewpoint");
   options.toggle("normals_as_data", &job.params.normals_as_data,
                  "fit points and normals together; for normals measured apart from the points");
   options.number("normal_error", &job.params.normal_error, 1e-6, 1.5707,
@@ -128,11 +166,47 @@ declareFitOptions(OptionTable& options, FitJob& job)
                   "seed of the order in which centres are tried");
   options.exclusive({"penalty", "t_mdl", "target_error", "max_surfels"});
   for (const char* name : {"t_mdl", "paper"}) options.exclusive({"normals_as_data", name});
+  for (const char* name : {"lambda", "local_noise", "t_mdl", "paper"})
+    options.exclusive({"noise_model", name});
 }
+
+void
+declareTrimOptions(OptionTable& options, FitJob& job)
+{
+  job.params.trim = true;
+  options.toggle("trim", &job.params.trim,
+                 "end the surface where the scan ends, and keep the scan's holes");
+  options.number("hole", &job.params.hole_size, 2, 50,
+                 "diameter of the smallest hole kept, in spacings of the points");
+}
+
+namespace {
+
+/** What -correlation and -noise_model say. */
+Error
+finishNoiseOptions(FitJob& job)
+{
+  FitParams& params = job.params;
+  if (job.correlation == "off") {
+    params.noise_correlation = 1;
+  } else if (job.correlation != "auto") {
+    char* end = nullptr;
+    params.noise_correlation = std::strtod(job.correlation.c_str(), &end);
+    if (*end != '\0' || !(params.noise_correlation >= 1))
+      return {ErrorCode::kBadArgument,
+              "-correlation '" + job.correlation + "' is neither auto, off nor a number from 1 on"};
+  }
+  params.has_noise_model = job.noise_model.size() == 3;
+  std::copy(job.noise_model.begin(), job.noise_model.end(), params.noise_model);
+  return {};
+}
+
+}  // namespace
 
 Error
 finishFitOptions(FitJob& job)
 {
+  if (Error error = finishNoiseOptions(job)) return error;
   if (job.compact) job.params.cover_radius = 1.0;
   job.params.has_viewpoint = job.viewpoint.size() == 3;
   for (std::size_t a = 0; a < job.viewpoint.size(); ++a) {
@@ -161,7 +235,12 @@ loadScan(const std::string& path, const FitJob& job, Console& console, Report& r
   if (job.normal_neighbours > 0) {
     const Stopwatch estimation;
     console.begin("Estimating normals");
-    estimateNormals(job.normal_neighbours, job.viewpoint, job.params.threads, *cloud);
+    const Error error =
+        estimateNormals(job.normal_neighbours, job.viewpoint, job.params.threads, *cloud);
+    if (error) {
+      console.failed();
+      return error;
+    }
     report.time("normals", estimation.seconds());
     console.done(estimation.seconds(), std::to_string(job.normal_neighbours) + " neighbours");
   }
@@ -175,6 +254,8 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
         SLIMSurface& surface, PointStore* kept)
 {
   Stopwatch watch;
+  const double bytes = kBytesOfPoint * static_cast<double>(cloud.size());
+  if (Error error = checkMemory(bytes, "fitting " + counted(cloud.size(), "point"))) return error;
   console.begin("Preparing");
   Result<PointStore> store = PointStore::build(
       cloud.view(job.use_normals || job.normal_neighbours > 0), job.params.threads);
@@ -190,7 +271,8 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
   watch = Stopwatch();
   console.begin("Fitting");
   FitStatistics statistics;
-  if (Error error = fitSurface(*store, job.params, surface, &statistics, &console.progress())) {
+  Error error = fitSurface(*store, job.params, surface, &statistics, &console.progress());
+  if (error && error.code != ErrorCode::kNoSurface) {
     console.failed();
     return error;
   }
@@ -198,6 +280,7 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
   reportFit(*store, surface, statistics, report);
   console.done(watch.seconds(), std::to_string(statistics.leaves) + " leaves, " +
                                     counted(surface.numLevels(), "level"));
+  console.note("  " + noiseText(*store, statistics));
   if (statistics.uncovered > 0) {
     console.note("  " + counted(statistics.uncovered, "point") + " not covered, " +
                  std::to_string(statistics.unsupported) + " of them inside no surfel");
@@ -208,7 +291,7 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
         "used as directions, not as data");
   }
   if (kept) *kept = std::move(*store);
-  return {};
+  return error;
 }
 
 }  // namespace pcl_slim

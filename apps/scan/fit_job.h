@@ -13,11 +13,21 @@
 
 namespace pcl_slim {
 
+/** \brief The defaults of a fit whose surface nobody sees. */
+inline FitParams
+withoutTrim()
+{
+  FitParams params;
+  params.trim = false;
+  return params;
+}
+
 /** \brief From a scan's file to its surface: the options, steps and report entries of every
  * program that fits. */
 struct FitJob {
-  FitParams params;
-  std::vector<double> viewpoint;
+  FitParams params = withoutTrim();
+  std::vector<double> viewpoint, noise_model;
+  std::string correlation = "auto";
   bool compact = false, use_normals = true;
   int normal_neighbours = 0;
 };
@@ -25,6 +35,10 @@ struct FitJob {
 /** \brief Adds the options of a fit. The job must outlive the table's parse(). */
 void
 declareFitOptions(OptionTable& options, FitJob& job);
+
+/** \brief Adds those of trim maps, for programs whose surface is kept or drawn; others make none. */
+void
+declareTrimOptions(OptionTable& options, FitJob& job);
 
 /** \brief Brings the options read into the parameters and checks them. */
 Error
@@ -35,7 +49,8 @@ Result<CloudFile>
 loadScan(const std::string& path, const FitJob& job, Console& console, Report& report);
 
 /** \brief Fits a surface to a scan; says and reports what was done and what was skipped.
- * \param[out] kept the store of the scan, for who goes on working with it (may be null). */
+ * \param[out] kept the store of the scan, for who goes on working with it (may be null); also where
+ * the error is that the points are no surface. */
 Error
 fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& report,
         SLIMSurface& surface, PointStore* kept = nullptr);

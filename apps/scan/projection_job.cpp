@@ -88,12 +88,17 @@ projectScan(const ProjectionJob& job, const CloudFile& cloud, const SLIMSurface&
 
 /** Fits, unless a surface was read, and projects. */
 Result<CloudProjection>
-fitAndProject(const ProjectionJob& job, const CloudFile& cloud, SLIMSurface& surface,
-              Console& console, Report& report)
+fitAndProject(const ProjectionProgram& program, const ProjectionJob& job, const CloudFile& cloud,
+              SLIMSurface& surface, Console& console, Report& report)
 {
   if (!job.surface.empty()) return projectScan(job, cloud, surface, nullptr, console, report);
   PointStore store;
-  if (Error error = fitScan(job.fit, cloud, console, report, surface, &store)) return error;
+  const Error error = fitScan(job.fit, cloud, console, report, surface, &store);
+  if (error && !(program.keeps_scan && error.code == ErrorCode::kNoSurface)) return error;
+  if (error) {
+    console.warn(error.message + "; the points are written as they are");
+    report.json()["warning"] = error.message;
+  }
   if (console.interrupted()) return Error{ErrorCode::kCancelled, "stopped; nothing is written"};
   return projectScan(job, cloud, surface, &store, console, report);
 }
@@ -130,9 +135,9 @@ declareOptions(const ProjectionProgram& program, ProjectionJob& job, bool& chose
                "use a surface made by pcl_slim_fit (.pcd, .ply, .vtp, .slim) in place of a fit");
   declareFitOptions(options, job.fit);
   declareReport(options, job.files);
-  for (const char* name :
-       {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "robust", "local_noise",
-        "normals_as_data", "normal_error", "paper", "compact", "lambda", "seed"}) {
+  for (const char* name : {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "robust",
+                           "local_noise", "correlation", "noise_model", "normals_as_data",
+                           "normal_error", "paper", "compact", "lambda", "seed"}) {
     options.exclusive({"surface", name});
   }
   // A mesh has its normals, and their sides, from its faces.
@@ -164,7 +169,7 @@ runProjectionProgram(const ProjectionProgram& program, ProjectionJob& job, int a
       if (!mesh) return mesh.error();
       made = std::move(*mesh);
     } else {
-      const auto projection = fitAndProject(job, cloud, surface, console, report);
+      const auto projection = fitAndProject(program, job, cloud, surface, console, report);
       if (!projection) return projection.error();
       made = make_output(cloud.file, *projection, chosen, job.fit.params.threads);
     }

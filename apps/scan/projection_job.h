@@ -22,7 +22,8 @@ struct ProjectionJob {
 struct ProjectionProgram {
   std::string name, version, summary;
   std::string switch_name, switch_help;
-  bool meshes = false;  ///< whether it has the option -mesh
+  bool meshes = false;      ///< whether it has the option -mesh
+  bool keeps_scan = false;  ///< a scan that is no surface is written unchanged, with a warning
 };
 
 /** \brief Makes the file to write from the file read and its projection. \param[in] chosen whether

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scan/scan_program.h"
 
+#include "common/memory_limit.h"
 #include "common/program.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/parallel.h"
@@ -18,6 +19,7 @@ runSteps(const OptionTable& options, const ScanFiles& files, const FitJob& scan,
     return fail(options.program(), status, error.message);
   };
   Error error = steps.check();
+  if (!error) error = limitMemory(files.max_memory);
   if (error) return leave(kExitUsage, error);
   Console console(files.quiet);
   Report report(options.program(), options.version(), files.input, resolveThreads(threads));
@@ -45,6 +47,7 @@ void
 declareReport(OptionTable& options, ScanFiles& files)
 {
   options.text("json", &files.json, "FILE", "write a report");
+  declareMemoryLimit(options, &files.max_memory);
   options.toggle("quiet", &files.quiet, "say nothing but errors");
 }
 

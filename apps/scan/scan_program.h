@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -12,10 +13,11 @@ namespace pcl_slim {
 /** \brief The files of a program that makes one file of a scan, and whether it is to be quiet. */
 struct ScanFiles {
   std::string input, output, json;  ///< json: the report's file, or none
+  std::uint64_t max_memory = 0;     ///< megabytes; 0: no limit
   bool quiet = false;
 };
 
-/** \brief Declares -json and -quiet; files must outlive the table's parse(). */
+/** \brief Declares -json, -max_memory and -quiet; files must outlive the table's parse(). */
 void
 declareReport(OptionTable& options, ScanFiles& files);
 

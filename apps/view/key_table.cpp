@@ -11,20 +11,23 @@ makeTable()
 {
   std::vector<Key> keys;
   const std::vector<std::string> modes = displayModeNames();
-  for (std::size_t i = 0; i < modes.size(); ++i) {
-    // Ten modes stand on the digits from 1 to 9 and 0; the help tells five of them a line.
+  // Ten modes stand on the digits from 1 to 9 and 0; the help tells five of them a line.
+  for (std::size_t i = 0; i < 10; ++i) {
     Key key{std::to_string((i + 1) % 10), Command::kMode, "", "", static_cast<int>(i)};
     if (i % 5 == 0) {
       key.shown = i == 0 ? "1 - 5" : "6 - 0";
       key.meaning = "colours:";
       for (std::size_t j = i; j < i + 5; ++j) key.meaning += " " + modes[j];
+      // What splats have on the last digit, surfaces do not, and the other way round.
+      if (i == 5) key.meaning += " or error";
     }
     keys.push_back(key);
   }
   const std::vector<Key> others{
       {"m", Command::kNextMode, "m, M", "next, previous colours"},
       {"M", Command::kPreviousMode, "M", ""},
-      {"bracketright", Command::kWiderRange, "]  [", "wider, narrower range of a curvature map"},
+      {"bracketright", Command::kWiderRange, "]  [",
+       "wider, narrower range of curvatures or errors"},
       {"bracketleft", Command::kNarrowerRange, "[", ""},
       {"a", Command::kAutomaticRange, "a", "automatic range"},
       {"s", Command::kModel, "s", "surface or splats on, off"},
@@ -32,6 +35,8 @@ makeTable()
       {"b", Command::kBalls, "b", "balls of the leaves by size on, off"},
       {"n", Command::kNormals, "n", "normals on, off"},
       {"d", Command::kDetail, "d", "detail while the mouse moves: 50 ms, 20 ms, full"},
+      {"g", Command::kBackend, "g",
+       "rays by: graphics card or CPU, whichever is faster; CPU; card"},
       {"e", Command::kSides, "e", "sides: automatic, front, both"},
       {"o", Command::kParallel, "o", "parallel or perspective projection"},
       {"r", Command::kReset, "r", "the whole object"},

@@ -19,6 +19,7 @@ enum class Command : unsigned char {
   kBalls,
   kNormals,
   kDetail,
+  kBackend,
   kSides,
   kParallel,
   kReset,

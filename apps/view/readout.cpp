@@ -66,7 +66,7 @@ describeScene(const Scene& scene)
     text = std::to_string(static_cast<SplatMapper*>(mapper)->getSplats()->size()) + " splats";
   }
   text += "   " + titleOf(mapper->getMode());
-  if (showsCurvature(mapper->getMode())) text += print(" within %.4g", mapper->getRange());
+  if (takesRange(mapper->getMode())) text += print(" within %.4g", mapper->getRange());
   return text + "   h: help";
 }
 

@@ -148,7 +148,7 @@ Scene::stepMode(int step)
 void
 Scene::scaleRange(double factor)
 {
-  if (!mapper_ || !showsCurvature(mapper_->getMode())) return;
+  if (!mapper_ || !takesRange(mapper_->getMode())) return;
   mapper_->setRange(factor > 0.0 ? factor * mapper_->getRange() : 0.0);
 }
 

@@ -11,6 +11,7 @@
 
 #include "pcl_slim/visualization/scalar_bar.h"
 #include "pcl_slim/visualization/slim_mapper.h"
+#include "render/camera_file.h"
 #include "view/readout.h"
 #include "view/vtk_camera.h"
 
@@ -49,6 +50,14 @@ setBackground(vtkRenderer* renderer)
   renderer->SetBackground2(0.985, 0.985, 0.99);
 }
 
+RayBackend
+backendOf(const std::string& name)
+{
+  return name == "cpu"      ? RayBackend::kCPU
+         : name == "opengl" ? RayBackend::kOpenGL
+                            : RayBackend::kAuto;
+}
+
 }  // namespace
 
 Viewer::Viewer(const ViewerSettings& settings, bool on_screen)
@@ -82,6 +91,9 @@ Viewer::begin()
     const std::string& name = settings_.mode == "auto" ? automatic : settings_.mode;
     if (const auto mode = displayModeOf(name)) scene_.setMode(*mode, settings_.range);
   }
+  if (SLIMMapper* surface = scene_.surfaceMapper()) {
+    surface->setBackend(backendOf(settings_.backend));
+  }
   scene_.showBalls(settings_.balls);
   scene_.showNormals(settings_.normals);
   scene_.showPoints(settings_.points || !mapper);
@@ -111,6 +123,8 @@ Viewer::runFit(FitTask& task)
 Error
 Viewer::saveScreenshot(const std::string& path)
 {
+  // Nobody reads in a picture which keys there are.
+  overlay_.setStatus("");
   render();
   return savePicture(window_, path);
 }
@@ -148,17 +162,14 @@ void
 Viewer::execute(const Key& key)
 {
   switch (key.command) {
-    case Command::kMode: {
-      const auto mode = static_cast<DisplayMode>(key.mode);
-      if (!scene_.setMode(mode, 0.0)) message_ = "nothing here has " + nameOf(mode) + " colours";
-      return;
-    }
+    case Command::kMode: return setDigitMode(key.mode);
     case Command::kNextMode: return scene_.stepMode(1);
     case Command::kPreviousMode: return scene_.stepMode(-1);
     case Command::kWiderRange: return scene_.scaleRange(1.25);
     case Command::kNarrowerRange: return scene_.scaleRange(0.8);
     case Command::kAutomaticRange: return scene_.scaleRange(0.0);
     case Command::kDetail: return stepDetail();
+    case Command::kBackend: return stepBackend();
     case Command::kSides: return stepSides();
     case Command::kReset: return resetCamera();
     case Command::kFocus: return focusUnderMouse();
@@ -167,6 +178,15 @@ Viewer::execute(const Key& key)
     case Command::kQuit: return interactor_->TerminateApp();
     default: return toggle(key.command);
   }
+}
+
+void
+Viewer::setDigitMode(int digit)
+{
+  auto mode = static_cast<DisplayMode>(digit);
+  if (scene_.setMode(mode, 0.0)) return;
+  if (mode == DisplayMode::kColor) mode = DisplayMode::kError;
+  if (!scene_.setMode(mode, 0.0)) message_ = "nothing here has " + nameOf(mode) + " colours";
 }
 
 void
@@ -181,12 +201,21 @@ Viewer::toggle(Command command)
     case Command::kBalls: return scene_.showBalls(!scene_.ballsShown());
     case Command::kNormals: return scene_.showNormals(!scene_.normalsShown());
     case Command::kSaveCamera:
-      return told(saveCamera(settings_.camera_file, renderer_), "camera saved: ");
-    case Command::kLoadCamera:
-      return told(loadCamera(settings_.camera_file, renderer_), "camera loaded: ");
+      return told(saveCamera(settings_.camera_file, cameraOf(renderer_)), "camera saved: ");
+    case Command::kLoadCamera: return told(loadCameraFile(), "camera loaded: ");
     case Command::kParallel: return toggleParallel(renderer_->GetActiveCamera());
     default: return;
   }
+}
+
+Error
+Viewer::loadCameraFile()
+{
+  const Result<Camera> camera = loadCamera(settings_.camera_file);
+  if (!camera) return camera.error();
+  setCamera(*camera, renderer_);
+  camera_moved_ = true;
+  return {};
 }
 
 void
@@ -200,6 +229,18 @@ Viewer::stepDetail()
                  ? "while the mouse moves, frames of at most " +
                        std::to_string(static_cast<int>(mapper->getFrameBudget())) + " ms"
                  : "full detail while the mouse moves";
+}
+
+void
+Viewer::stepBackend()
+{
+  SLIMMapper* mapper = scene_.surfaceMapper();
+  if (!mapper) return;
+  const char* const names[] = {"rays by whichever is faster", "rays by the CPU",
+                               "rays by the graphics card"};
+  const int next = (static_cast<int>(mapper->getBackend()) + 1) % 3;
+  mapper->setBackend(static_cast<RayBackend>(next));
+  message_ = names[next];
 }
 
 void

@@ -22,7 +22,7 @@ namespace pcl_slim {
 
 /** \brief How a window begins. */
 struct ViewerSettings {
-  std::string title, mode = "auto", camera_file = "pcl_slim_camera.txt";
+  std::string title, mode = "auto", camera_file = "pcl_slim_camera.txt", backend = "auto";
   double range = 0.0, frame_budget = 50.0;
   bool balls = false, points = false, normals = false, help = false;
   int threads = 0;
@@ -59,7 +59,10 @@ class Viewer {
   void resetCamera();
   void execute(const Key& key);
   void toggle(Command command);
+  Error loadCameraFile();
   void stepDetail();
+  void setDigitMode(int digit);
+  void stepBackend();
   void stepSides();
   void focusUnderMouse();
   void screenshotByKey();

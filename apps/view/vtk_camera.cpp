@@ -5,13 +5,7 @@
 #include <vtkRenderer.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdio>
-#include <fstream>
 #include <vector>
-
-#include "render/view_request.h"
 
 namespace pcl_slim {
 
@@ -53,54 +47,20 @@ setTurningPoint(const BoundingSpheres& object, vtkCamera* camera)
   if (middle > 0.0) camera->SetDistance(middle);
 }
 
-std::string
-describeCamera(vtkRenderer* renderer)
+Camera
+cameraOf(vtkRenderer* renderer)
 {
-  vtkCamera* camera = renderer->GetActiveCamera();
-  double fov = camera->GetViewAngle();
-  if (camera->GetParallelProjection()) {
-    constexpr double kDegrees = 180.0 / 3.14159265358979323846;
-    fov = 2.0 * kDegrees * std::atan(camera->GetParallelScale() / camera->GetDistance());
+  vtkCamera* from = renderer->GetActiveCamera();
+  Camera camera;
+  from->GetPosition(camera.position.data());
+  from->GetFocalPoint(camera.look_at.data());
+  from->GetViewUp(camera.up.data());
+  camera.fov = from->GetViewAngle();
+  if (from->GetParallelProjection()) {
+    camera.projection = Camera::Projection::kOrthographic;
+    camera.view_height = 2.0 * from->GetParallelScale();
   }
-  std::array<double, 10> numbers{};
-  camera->GetPosition(numbers.data());
-  camera->GetFocalPoint(numbers.data() + 3);
-  camera->GetViewUp(numbers.data() + 6);
-  numbers[9] = fov;
-  std::string text;
-  for (const double number : numbers) {
-    char digits[32];
-    std::snprintf(digits, sizeof(digits), "%.12g", number);
-    text += (text.empty() ? "" : ",") + std::string(digits);
-  }
-  return text;
-}
-
-Error
-saveCamera(const std::string& path, vtkRenderer* renderer)
-{
-  std::ofstream file(path);
-  file << describeCamera(renderer) << "\n";
-  file.close();
-  if (file) return {};
-  return {ErrorCode::kIo, "'" + path + "' cannot be written; give -camera_file another path"};
-}
-
-Error
-loadCamera(const std::string& path, vtkRenderer* renderer)
-{
-  std::ifstream file(path);
-  std::string line;
-  if (!std::getline(file, line)) {
-    return {ErrorCode::kIo, "'" + path + "' cannot be read; save a camera with c first"};
-  }
-  ViewRequest request;
-  request.camera = line;
-  if (request.parse() || request.pose.empty()) {
-    return {ErrorCode::kBadInput, "'" + path + "' holds no camera; save one with c"};
-  }
-  setCamera(request.cameraFor({}), renderer);
-  return {};
+  return camera;
 }
 
 }  // namespace pcl_slim

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <string>
-
-#include "pcl_slim/core/error.h"
 #include "pcl_slim/render/bounding_spheres.h"
 #include "pcl_slim/render/camera.h"
 
@@ -21,16 +18,8 @@ setCamera(const Camera& camera, vtkRenderer* renderer);
 void
 setTurningPoint(const BoundingSpheres& object, vtkCamera* camera);
 
-/** \brief A renderer's camera as pcl_slim_render -camera takes it: position, target, upward
- * direction and field of view, with commas between. A parallel one is given as the pinhole that
- * sees as much at its target. */
-std::string
-describeCamera(vtkRenderer* renderer);
-
-Error
-saveCamera(const std::string& path, vtkRenderer* renderer);
-
-Error
-loadCamera(const std::string& path, vtkRenderer* renderer);
+/** \brief A renderer's camera, but for the picture's size. */
+Camera
+cameraOf(vtkRenderer* renderer);
 
 }  // namespace pcl_slim

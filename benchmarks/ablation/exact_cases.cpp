@@ -60,24 +60,37 @@ class ExactCase : public Case {
 
 }  // namespace
 
+namespace {
+
+/** A shape under one noise, with and without normals. */
+void
+addShape(const char* name, std::size_t points, double noise, const CaseRequest& request,
+         Cases& cases)
+{
+  Shape shape{};
+  if (!measure::parseShape(name, shape)) return;
+  std::vector<Scene> scenes;
+  for (int seed = 0; seed < request.seeds; ++seed)
+    scenes.push_back(measure::makeScene(shape, points, noise, 0.05, 7 + seed));
+  for (const bool normals : {true, false}) {
+    char title[64];
+    std::snprintf(title, sizeof title, "%s %g %%%s%s", name, 100 * noise, normals ? " n" : "",
+                  points > request.points ? ", dense" : "");
+    cases.push_back(std::make_unique<ExactCase>(title, shape, scenes, normals, request.threads));
+  }
+}
+
+}  // namespace
+
 Result<Cases>
 exactCases(const CaseRequest& request)
 {
   Cases cases;
   for (const char* name : {"sphere", "torus", "bumpy", "relief"}) {
-    for (const double noise : {0.0, 1e-4, 1e-3, 5e-3}) {
-      Shape shape{};
-      if (!measure::parseShape(name, shape)) continue;
-      std::vector<Scene> scenes;
-      for (int seed = 0; seed < request.seeds; ++seed)
-        scenes.push_back(measure::makeScene(shape, request.points, noise, 0.05, 7 + seed));
-      for (const bool normals : {true, false}) {
-        char title[64];
-        std::snprintf(title, sizeof title, "%s %g %%%s", name, 100 * noise, normals ? " n" : "");
-        cases.push_back(
-            std::make_unique<ExactCase>(title, shape, scenes, normals, request.threads));
-      }
-    }
+    for (const double noise : {0.0, 1e-4, 1e-3, 5e-3, 1e-2})
+      addShape(name, request.points, noise, request, cases);
+    // Noise of many spacings fills the balls that it would take to see it.
+    addShape(name, 10 * request.points, 2e-2, request, cases);
   }
   return cases;
 }

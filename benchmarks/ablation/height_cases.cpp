@@ -28,7 +28,7 @@ struct Sheets {
 constexpr Sheets kSheets[] = {
     {"fine waves, noise", 0.004, 60, 0.0012},
     {"fine waves", 0.004, 60, 0},
-    {"two sheets", 0.05, 4, 0.002, 2, 0.02},
+    {"two sheets", 0.05, 4, 0.002, 2, 0.04},
     {"density 1000:1", 0.05, 8, 0.001, 1, 0, 6.9},
     {"outliers, robust", 0.05, 8, 0.001, 1, 0, 0, 0.1, true},
 };

@@ -21,7 +21,7 @@ ballRules()
       {"noise bias", "off", [](FitConstants& c) { c.ball.bias.most_share = 0; }},
       {"least seen share", "off", [](FitConstants& c) { c.radius.least_seen_share = 0; }},
       {"normal bound", "off",
-       [](FitConstants& c) { c.normal_bound.blocks = 0, c.preset.sharp_bound = 0; }},
+       [](FitConstants& c) { c.normal_bound.least_points = 1000, c.preset.sharp_bound = 0; }},
   };
 }
 

@@ -19,7 +19,9 @@ loadColoredScan(const std::string& path)
     return Error{ErrorCode::kBadInput,
                  "'" + path + "' has no points or no colours; name a coloured scan"};
   }
-  if (scan.file.normal_source == NormalSource::kNothing) estimateNormals(16, {}, 0, scan.file);
+  if (scan.file.normal_source == NormalSource::kNothing) {
+    if (Error error = estimateNormals(16, {}, 0, scan.file)) return error;
+  }
   return scan;
 }
 

@@ -79,7 +79,7 @@ main(int argc, char** argv)
   if (const auto status = options.parse(argc, argv)) return *status;
   Result<CloudFile> scan = loadCloudFile(input);
   if (!scan) return fail(scan.error());
-  estimateNormals(neighbours, viewpoint, 0, *scan);
+  if (const Error error = estimateNormals(neighbours, viewpoint, 0, *scan)) return fail(error);
   const Result<SplatSet> discs = discsOf(scan->view(), static_cast<std::size_t>(neighbours));
   if (!discs) return fail(discs.error());
   if (const Error error = savePointFile(output, toPointFile(*discs, splatShift(*discs)))) {

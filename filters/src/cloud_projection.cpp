@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -27,14 +28,23 @@ turn(ProjectedPoint& point)
   principal.extremality2 = -principal.extremality2;
 }
 
+/** As a float, the largest there is where it is beyond: in clouds of 1e-25 units squared curvatures
+ * are. */
+float
+saturated(double value)
+{
+  constexpr double kMost = std::numeric_limits<float>::max();
+  return static_cast<float>(std::clamp(value, -kMost, kMost));
+}
+
 /** Brings curvatures to another unit of length: factor of the new ones is one of the old. */
 void
 rescale(double factor, PrincipalFrame& principal)
 {
-  principal.k1 = static_cast<float>(principal.k1 / factor);
-  principal.k2 = static_cast<float>(principal.k2 / factor);
-  principal.extremality1 = static_cast<float>(principal.extremality1 / (factor * factor));
-  principal.extremality2 = static_cast<float>(principal.extremality2 / (factor * factor));
+  principal.k1 = saturated(principal.k1 / factor);
+  principal.k2 = saturated(principal.k2 / factor);
+  principal.extremality1 = saturated(principal.extremality1 / factor / factor);
+  principal.extremality2 = saturated(principal.extremality2 / factor / factor);
 }
 
 Error
@@ -109,10 +119,11 @@ CloudProjection::add(const PointStore& store, const SLIMSurface& surface, Progre
     projection_.position.push_back(toFirst(store, more.position[i]));
     projection_.normal.push_back(more.normal[i]);
     projection_.supported.push_back(more.supported[i]);
+    projection_.inside.push_back(more.inside[i]);
     if (!more.curvature.empty()) {
       auto [mean, gaussian] = more.curvature[i];
       projection_.curvature.push_back(
-          {static_cast<float>(mean / factor), static_cast<float>(gaussian / (factor * factor))});
+          {saturated(mean / factor), saturated(gaussian / factor / factor)});
     }
     if (!more.principal.empty()) {
       rescale(factor, projection_.principal.emplace_back(more.principal[i]));
@@ -185,8 +196,10 @@ CloudProjection::side(std::size_t i, const ProjectedPoint& point) const
   // A missing normal is zero or not finite, and says nothing.
   if (along == 0.0 || !std::isfinite(along)) {
     along = 0.0;
-    for (std::size_t a = 0; a < 3 && params_.has_viewpoint; ++a) {
-      along += (params_.viewpoint[a] - point.position[a]) * point.normal[a];
+    const bool faces = params_.has_viewpoint || cloud_.sensor;
+    for (std::size_t a = 0; a < 3 && faces; ++a) {
+      const double eye = params_.has_viewpoint ? params_.viewpoint[a] : (*cloud_.sensor)[a];
+      along += (eye - point.position[a]) * point.normal[a];
     }
   }
   return along < 0.0 ? -1.0f : 1.0f;
@@ -203,8 +216,8 @@ CloudProjection::point(std::size_t i) const
   point.normal = projection_.normal[s];
   if (!projection_.curvature.empty()) {
     const auto& curvature = projection_.curvature[s];
-    point.mean_curvature = static_cast<float>(curvature[0] / scale_);
-    point.gaussian_curvature = static_cast<float>(curvature[1] / (scale_ * scale_));
+    point.mean_curvature = saturated(curvature[0] / scale_);
+    point.gaussian_curvature = saturated(curvature[1] / scale_ / scale_);
   }
   if (!projection_.principal.empty()) {
     point.principal = projection_.principal[s];
@@ -214,17 +227,27 @@ CloudProjection::point(std::size_t i) const
   return point;
 }
 
+template <typename Which>
+std::vector<std::int32_t>
+CloudProjection::indicesOf(const Which& which) const
+{
+  std::vector<std::int32_t> indices;
+  for (std::size_t i = 0; i < size(); ++i) {
+    if (which(i)) indices.push_back(static_cast<std::int32_t>(cloud_.inputIndex(i)));
+  }
+  return indices;
+}
+
 std::vector<std::int32_t>
 CloudProjection::unsupported() const
 {
-  std::vector<std::int32_t> indices;
-  indices.reserve(statistics_.unsupported);
-  for (std::size_t i = 0; i < size(); ++i) {
-    if (isFinite(i) && !isSupported(i)) {
-      indices.push_back(static_cast<std::int32_t>(cloud_.inputIndex(i)));
-    }
-  }
-  return indices;
+  return indicesOf([this](std::size_t i) { return isFinite(i) && !isSupported(i); });
+}
+
+std::vector<std::int32_t>
+CloudProjection::outside() const
+{
+  return indicesOf([this](std::size_t i) { return isSupported(i) && !isInside(i); });
 }
 
 }  // namespace pcl_slim

@@ -11,8 +11,10 @@ SLIMProjectionBase::clearResults()
 {
   SLIMFitBase::clearResults();
   fitted_surface_.reset();
+  warning_.clear();
   projection_ = {};
   unsupported_.clear();
+  outside_.clear();
 }
 
 bool
@@ -27,12 +29,26 @@ SLIMProjectionBase::project(const CloudView& points, const CloudView& fitted,
                             [&] { return fitAndProject(points, fitted, params, projection); });
   if (!done) {
     fitted_surface_.reset();
+    warning_.clear();
     return false;
   }
   projection_ = projection.statistics();
   const auto unsupported = projection.unsupported();
   unsupported_.assign(unsupported.begin(), unsupported.end());
+  const auto outside = projection.outside();
+  outside_.assign(outside.begin(), outside.end());
   return true;
+}
+
+/** Fits; where points that are no surface may stay as they are, the surface of such is empty. */
+Result<std::shared_ptr<SLIMSurface>>
+SLIMProjectionBase::fitTo(const PointStore& store)
+{
+  auto made = std::make_shared<SLIMSurface>();
+  const Error error = fitSurface(store, params_, *made, &statistics_, &control_.progress);
+  if (error && !(keeps_points_ && error.code == ErrorCode::kNoSurface)) return error;
+  warning_ = error.message;
+  return made;
 }
 
 Error
@@ -48,11 +64,10 @@ SLIMProjectionBase::fitAndProject(const CloudView& points, const CloudView& fitt
     if (!built) return built.error();
     store.emplace(std::move(*built));
     input_statistics_ = store->statistics();
-    auto made = std::make_shared<SLIMSurface>();
-    if (Error error = fitSurface(*store, params_, *made, &statistics_, &control_.progress)) {
-      return error;
-    }
-    surface = fitted_surface_ = made;
+    auto made = fitTo(*store);
+    if (!made) return made.error();
+    surface = *made;
+    if (warning_.empty()) fitted_surface_ = surface;
   }
   CloudProjectionParams how;
   how.projection = params;

@@ -86,6 +86,9 @@ expect 2 'exclude each other' plain.pcd d.pcd -surface surface.slim -penalty 2
 expect 2 '.pcd or .ply' plain.pcd d.vtp
 expect 2 'overwritten' plain.pcd ./plain.pcd
 absent d.vtp
+noSurfaces
+expect 1 'along lines' line.pcd line_out.pcd
+absent line_out.pcd
 refuses plain.pcd
 
 if [ -n "$data" ] && [ -f "$data/fandisk_03_original.ply" ]; then

@@ -94,6 +94,17 @@ expect 2 'exclude each other' measured.pcd d.pcd -normals_as_data 1 -t_mdl 0.01
 expect 2 'ask for that too' measured.pcd d.pcd -normal_error 0.1
 absent d.pcd
 
+# Trim maps: a sheet ends, so some of its leaves are open; without maps the file is an older version's.
+expect 0 '' measured.pcd open.slim -json open.json
+expect 0 '' measured.pcd whole.slim -trim 0 -json whole.json
+expect 0 '' measured.pcd wide.slim -hole 20
+awk '/"open_leaves"/ { gsub(/[^0-9]/, ""); found = $0 > 0 } END { exit !found }' open.json ||
+  complain "no leaf of a sheet is open: $(grep open_leaves open.json)"
+grep -q '"open_leaves": 0' whole.json || complain "open without maps: $(grep open_leaves whole.json)"
+[ "$(od -An -tu1 -j8 -N1 open.slim)" -eq 2 ] || complain "maps in a file of version 1"
+[ "$(od -An -tu1 -j8 -N1 whole.slim)" -eq 1 ] || complain "a file without maps is not of version 1"
+expect 2 'from 2 to 50' measured.pcd d.pcd -hole 1
+
 # Help, version, documentation.
 expect 0 '' -h
 grep -q '^Syntax is: pcl_slim_fit ' out.txt || complain "no syntax line"
@@ -120,9 +131,27 @@ expect 2 'format' scan.xyz d.pcd
 
 # Scans of no use and places that cannot be written: status 2 or 1, nothing left.
 refuses scan.pcd
-got=0
-"$bin/$program" one.pcd one.slim > out.txt 2> err.txt || got=$?
-[ "$got" -le 1 ] || complain "one point: exit $got"
+expect 1 'too few' one.pcd one.slim -json one.json
+noSurfaces
+expect 1 'along lines' line.pcd one.slim
+expect 1 '1 distinct point ' same.pcd one.slim -quiet
+expect 1 'neighbours of 4000 points' scan.pcd one.slim -estimate_normals 4001
+absent one.slim one.json
+
+# Coordinates near the largest float, and the smallest: normals are PCL's all the same.
+for factor in 2.5e38 1e-33; do
+  awk -v f=$factor '/^DATA/ { data = 1; print; next } !data { print; next } { print $1 * f, $2 * f, $3 * f }' \
+    scan.pcd > scaled.pcd
+  expect 0 '' scaled.pcd scaled.slim -estimate_normals 10
+done
+
+# Memory: refused before the work, or obeyed by it; the message names what to raise.
+cloud many.pcd sheet 4 300000 0
+expect 2 'less than the program itself' scan.pcd d.slim -max_memory 1
+expect 1 'above -max_memory' many.pcd d.slim -max_memory "$(peak scan.pcd)"
+expect 0 '' scan.pcd d.slim -max_memory 4000 -json d.json
+rm -f d.slim
+shortOfMemory many.pcd d.slim
 
 # Ctrl-C: status 130, nothing left.
 cloud big.pcd sheet 4 200000 0

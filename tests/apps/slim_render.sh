@@ -26,16 +26,73 @@ expect 0 '' pcl_slim_fit scan.pcd surface.slim
 expect 0 '' pcl_slim_fit scan.pcd surface.pcd
 small="-size 96x72 -aa 1"
 expect 0 '' pcl_slim_render surface.slim shaded.png $small -json report.json -threads 1
-expect 0 '' pcl_slim_render surface.pcd "with space/shaded.png" $small -threads 4 -skip 0
+expect 0 '' pcl_slim_render surface.slim "with space/shaded.png" $small -threads 4 -skip 0
 same shaded.png "with space/shaded.png"
+# Points keep all of a surface but trim maps, which they have coarsely.
+expect 0 '' pcl_slim_render surface.slim whole.png $small -trim 0
+expect 0 '' pcl_slim_render surface.pcd points.png $small -trim 0
+same whole.png points.png
 for key in program version input points threads total load render peak_rss_mb leaves levels \
   covered_pixels outside_frustum camera; do
   grep -q "\"$key\"" report.json || complain "the report lacks $key"
 done
-for mode in normal mean level size; do
+for mode in normal mean gauss kmax kmin level size error reflection; do
   expect 0 '' pcl_slim_render surface.slim "$mode.png" $small -mode "$mode"
   differ shaded.png "$mode.png"
 done
+expect 0 '' pcl_slim_render surface.slim range.png $small -mode mean -range 3
+expect 0 '' pcl_slim_render surface.slim range2.png $small -mode mean -range -3,3
+same range.png range2.png
+differ mean.png range.png
+expect 0 '' pcl_slim_render surface.slim map.png $small -mode mean -map perceptual
+differ mean.png map.png
+expect 2 'partition of unity' pcl_slim_render surface.slim unity.png $small -derivatives unity
+wide="-size 320x240 -aa 1 -mode mean"
+expect 0 '' pcl_slim_render surface.slim plain.png $wide
+expect 0 '' pcl_slim_render surface.slim bar.png $wide -bar 1
+expect 0 '' pcl_slim_render surface.slim unit.png $wide -bar 1 -unit mm
+differ plain.png bar.png
+differ bar.png unit.png
+expect 0 '' pcl_slim_render surface.slim exact.png $small -reference 1 -repeat 2 -json frames.json
+for key in frame shade; do
+  grep -q "\"$key\"" frames.json || complain "the report lacks seconds.$key"
+done
+
+# Ray tracing: threads change nothing, lights and occlusion do.
+traced="-size 96x72 -aa 1 -mode raytraced"
+expect 0 '' pcl_slim_render surface.slim traced.png $traced -json traced.json -threads 1
+expect 0 '' pcl_slim_render surface.slim traced2.png $traced -threads 3
+same traced.png traced2.png
+differ shaded.png traced.png
+for key in rays_primary rays_shadow rays_occlusion tested_per_ray covered_pixels leaves camera; do
+  grep -q "\"$key\"" traced.json || complain "the report lacks $key"
+done
+for option in '-lights -60,50' '-lights -60,50,0.9:40,10,0.25,3' '-ao 0' '-white 1'; do
+  # shellcheck disable=SC2086
+  expect 0 '' pcl_slim_render surface.slim traced2.png $traced $option
+  differ traced.png traced2.png
+done
+for lights in 1 1,2,3,4,5 1,2,-1 1,2,1,50 1,2: sun; do
+  expect 2 'lights' pcl_slim_render surface.slim none.png $traced -lights "$lights"
+done
+absent none.png
+
+# Cameras and turntables.
+expect 0 '' pcl_slim_render surface.slim top.png $small -view top -save_camera top.txt
+expect 0 '' pcl_slim_render surface.slim top2.png $small -camera top.txt
+expect 0 '' pcl_slim_render surface.slim top3.png $small -camera "$(cat top.txt)"
+same top.png top2.png
+same top.png top3.png
+expect 0 '' pcl_slim_render surface.slim parallel.png $small -ortho 1 -save_camera parallel.txt
+expect 0 '' pcl_slim_render surface.slim parallel2.png $small -camera parallel.txt
+same parallel.png parallel2.png
+expect 0 '' pcl_slim_render surface.slim turn.png $small -turntable 3
+for turn in 000 001 002; do
+  [ -s turn_$turn.png ] || complain "no turn_$turn.png"
+done
+absent turn.png
+same shaded.png turn_000.png
+differ turn_000.png turn_001.png
 for view in front back left right top bottom iso 12.5,-30; do
   expect 0 '' pcl_slim_render surface.slim view.png $small -view "$view" -ortho 1
 done
@@ -63,6 +120,12 @@ expect 2 'size' pcl_slim_render surface.slim x.png -size 0x80
 expect 2 'mode' pcl_slim_render surface.slim x.png -mode shiny
 expect 2 'view' pcl_slim_render surface.slim x.png -view 1,2,3
 expect 2 'camera' pcl_slim_render surface.slim x.png -camera 1,2,3
+expect 2 'missing.txt' pcl_slim_render surface.slim x.png -camera missing.txt
+expect 2 'holds no camera' pcl_slim_render surface.slim x.png -camera report.json
+expect 2 'range' pcl_slim_render surface.slim x.png -mode mean -range 3,-3
+expect 2 'range' pcl_slim_render surface.slim x.png -mode size -range 3
+expect 2 'positive' pcl_slim_render surface.slim x.png -mode size -range -3,3
+expect 2 'lower-case' pcl_slim_render surface.slim x.png -unit MM
 expect 2 'differ' pcl_slim_render surface.slim x.png -camera 1,2,3,1,2,3,0,0,1
 expect 2 'colour' pcl_slim_render surface.slim x.png -colour 1
 expect 1 'no/such' pcl_slim_render surface.slim no/such/x.png

@@ -23,7 +23,7 @@ for key in program version input points threads total load render peak_rss_mb sp
   grep -q "\"$key\"" report.json || complain "the report lacks $key"
 done
 for option in '-filtered 0' '-lighting 1' '-mode shaded' '-mode normal' '-mode size' '-ortho 1' \
-  '-sides front' '-view top' '-white 1'; do
+  '-sides front' '-view top' '-white 1' '-mode raytraced'; do
   # shellcheck disable=SC2086
   expect 0 '' pcl_slim_render splats.pcd other.png $small $option
   [ "$option" = '-sides front' ] || differ color.png other.png

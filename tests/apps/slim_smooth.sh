@@ -198,9 +198,22 @@ absent d.slim
 
 # Scans of no use and places that cannot be written: status 2 or 1, nothing left.
 refuses near.pcd
-got=0
-"$bin/pcl_slim_smooth" one.pcd one_out.pcd > out.txt 2> err.txt || got=$?
-[ "$got" -le 1 ] || complain "one point: exit $got"
+
+# Points that are no surface are written as they are, with a warning.
+noSurfaces
+for scan in one line same; do
+  got=0
+  "$bin/$program" $scan.pcd kept.pcd -quiet -json kept.json > out.txt 2> err.txt || got=$?
+  [ "$got" -eq 0 ] || complain "$scan: exit $got"
+  [ ! -s out.txt ] || complain "-quiet is not quiet"
+  [ "$(grep -c '^warning: .*written as they are' err.txt)" = 1 ] || complain "$scan: $(cat err.txt)"
+  grep -q '"warning"' kept.json || complain "$scan: no warning in the report"
+  "$bin/$program" $scan.pcd twice.pcd -quiet 2> /dev/null && "$bin/$program" twice.pcd again.pcd -quiet 2> /dev/null
+  same twice.pcd again.pcd
+  rows kept.pcd 12 "$(grep -a '^POINTS' kept.pcd | cut -d' ' -f2)" f4 | awk '{ print $1 + 0, $2 + 0, $3 + 0 }' > kept.txt
+  awk '/^DATA/ { data = 1; next } data { print $1 + 0, $2 + 0, $3 + 0 }' $scan.pcd > wanted.txt
+  same kept.txt wanted.txt
+done
 
 # Ctrl-C: status 130, nothing left.
 points=200000

@@ -46,6 +46,8 @@ shot() {
 shot shaded.png surface.slim
 shot again.png surface.slim -threads 1
 shot mean.png surface.slim -mode mean
+shot error.png surface.slim -mode error
+shot card.png surface.slim -backend opengl
 shot balls.png surface.slim -balls 1
 shot top.png surface.slim -view top
 shot parallel.png surface.slim -ortho 1
@@ -62,8 +64,9 @@ for file in *.png.txt; do
   [ ! -s "$file" ] || complain "$picture comes with words: $(head -c 300 "$file")"
 done
 same shaded.png again.png
+[ -s card.png ] && [ "$(wc -c < card.png)" -gt 2000 ] || complain "the card's picture is empty"
 # The scan is fitted as pcl_slim_fit does it.
 same shaded.png scan.png
-for other in mean balls top parallel; do differ shaded.png $other.png; done
+for other in mean error balls top parallel; do differ shaded.png $other.png; done
 [ ! -s splats.pcd ] || differ color.png normal.png
 finish

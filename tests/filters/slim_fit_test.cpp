@@ -170,6 +170,58 @@ TEST(SLIMFit, UnsuitableSearchAndNeighbourhoodAreErrors)
   EXPECT_TRUE(fit.fit(surface)) << fit.getError().message;
 }
 
+TEST(SLIMFit, NeighboursBeyondThePointsAndCoordinatesBeyondSquaresAreErrors)
+{
+  SLIMFit<pcl::PointXYZ> fit;
+  auto cloud = bumpySphere<pcl::PointXYZ>(500);
+  fit.setInputCloud(cloud);
+  fit.setNormalEstimationNeighbors(501);
+  SLIMSurface surface;
+  EXPECT_FALSE(fit.fit(surface));
+  EXPECT_NE(fit.getError().message.find("501 neighbours of 500"), std::string::npos);
+  fit.setNormalEstimationNeighbors(10);
+  for (const float factor : {2.5e38f, 1e-20f}) {
+    auto scaled = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>(*cloud);
+    for (auto& p : *scaled) p.getVector3fMap() *= factor / 2.0f;
+    fit.setInputCloud(scaled);
+    EXPECT_FALSE(fit.fit(surface)) << factor;
+    EXPECT_NE(fit.getError().message.find("scale"), std::string::npos) << fit.getError().message;
+  }
+}
+
+TEST(SLIMFit, TooManyThreadsAreAnError)
+{
+  SLIMFit<pcl::PointXYZ> fit;
+  fit.setInputCloud(bumpySphere<pcl::PointXYZ>(500));
+  SLIMSurface surface;
+  for (const int neighbours : {0, 10}) {
+    fit.setNormalEstimationNeighbors(neighbours);
+    for (const unsigned int threads : {4097u, 100000u, 4000000000u}) {
+      fit.setNumberOfThreads(threads);
+      EXPECT_FALSE(fit.fit(surface)) << threads;
+      EXPECT_EQ(fit.getError().code, ErrorCode::kBadArgument);
+    }
+    fit.setNumberOfThreads(2);
+    EXPECT_TRUE(fit.fit(surface)) << fit.getError().message;
+  }
+}
+
+TEST(SLIMFit, PointsThatAreNoSurfaceAreAnError)
+{
+  auto line = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+  for (int i = 0; i < 500; ++i) {
+    const auto t = static_cast<float>(i);
+    line->push_back(pcl::PointXYZ(0.1f * t, 0.2f * t, 0.3f * t));
+  }
+  SLIMFit<pcl::PointXYZ> fit;
+  fit.setInputCloud(line);
+  SLIMSurface surface;
+  EXPECT_FALSE(fit.fit(surface));
+  EXPECT_EQ(fit.getError().code, ErrorCode::kNoSurface);
+  EXPECT_TRUE(surface.empty());
+  EXPECT_EQ(fit.getStatistics().points, 500u);
+}
+
 TEST(SLIMFit, EstimatedNormalsSurviveNanAndIndices)
 {
   auto cloud = bumpySphere<pcl::PointXYZ>(2000);

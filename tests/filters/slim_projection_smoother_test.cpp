@@ -251,6 +251,33 @@ TEST(SLIMProjectionSmoother, ServesAsPclsBaseClass)
   EXPECT_EQ(out.size(), 1000u);
 }
 
+TEST(SLIMProjectionSmoother, PointsThatAreNoSurfaceStayAndAreWarnedOf)
+{
+  auto line = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+  for (int i = 0; i < 500; ++i) {
+    const auto t = static_cast<float>(i);
+    line->push_back(pcl::PointXYZ(0.1f * t, 0.2f * t, 0.3f * t));
+  }
+  SLIMProjectionSmoother<pcl::PointXYZ> smoother;
+  smoother.setInputCloud(line);
+  pcl::PointCloud<pcl::PointXYZ> smooth;
+  testing::internal::CaptureStderr();
+  smoother.process(smooth);
+  const std::string printed = testing::internal::GetCapturedStderr();
+  EXPECT_FALSE(smoother.getError());
+  EXPECT_NE(smoother.getWarning().find("along lines"), std::string::npos) << smoother.getWarning();
+  EXPECT_EQ(printed.empty(), false);
+  EXPECT_FALSE(smoother.getFittedSurface());
+  EXPECT_EQ(smoother.getUnsupported().size(), line->size());
+  ASSERT_EQ(smooth.size(), line->size());
+  for (std::size_t i = 0; i < line->size(); ++i) {
+    EXPECT_EQ(smooth[i].getVector3fMap(), (*line)[i].getVector3fMap());
+  }
+  smoother.setInputCloud(bumpySphere<pcl::PointXYZ>(500));
+  smoother.process(smooth);
+  EXPECT_TRUE(smoother.getWarning().empty());
+}
+
 TEST(SLIMProjectionSmoother, BadParametersAreErrors)
 {
   SLIMProjectionSmoother<pcl::PointXYZ> smoother;

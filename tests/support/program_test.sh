@@ -60,6 +60,43 @@ badScans() {
   printf "VERSION 0.7\n$xyz\nWIDTH 1\nHEIGHT 1\nDATA ascii\n1 2 3\n" > one.pcd
 }
 
+# noSurfaces: a line and a hundred equal points, which are no surface.
+noSurfaces() {
+  local header='VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nHEIGHT 1\nWIDTH'
+  { printf "$header 500\nDATA ascii\n"; awk 'BEGIN { for (i = 0; i < 500; ++i) print i, 2 * i, -i / 2 }'; } > line.pcd
+  { printf "$header 100\nDATA ascii\n"; awk 'BEGIN { for (i = 0; i < 100; ++i) print 3, 4, 5 }'; } > same.pcd
+}
+
+# peak SCAN: MB that the program takes for a scan, and a tenth more.
+peak() {
+  "$bin/$program" "$1" peak.tmp.slim -json peak.json > /dev/null 2>&1
+  rm -f peak.tmp.slim
+  value peak.json peak_rss_mb | awk '{ print int(1.1 * $1) + 1 }'
+}
+
+# shortOfMemory ARGS...: under ever tighter limits of address space the program ends well, or says in
+# one sentence that memory is short, and leaves no file.
+shortOfMemory() {
+  local limit got said=0
+  for limit in 1600000 800000 600000 500000 450000 400000 350000; do
+    got=0
+    (ulimit -v $limit && exec "$bin/$program" "$@" -threads 1 -quiet) > out.txt 2> err.txt || got=$?
+    case $got in
+      0) ;;
+      1)
+        grep -q 'not enough memory' err.txt || complain "$limit KB: $(head -c 300 err.txt)"
+        [ "$(wc -l < err.txt)" -eq 1 ] || complain "$limit KB: not one line"
+        said=$((said + 1))
+        absent "$2"
+        ;;
+      127) ;; # too little to load the program
+      *) complain "$limit KB: exit $got, $(head -c 300 err.txt)" ;;
+    esac
+    rm -f "$2"
+  done
+  [ "$said" -gt 0 ] || complain "memory was never short"
+}
+
 # refuses SCAN: what every program that turns a scan into a file refuses, given a good scan; nothing
 # is left. Needs badScans.
 refuses() {

@@ -53,7 +53,7 @@ TEST_F(WindowTest, ShowsTheSamePictureAsTheModuleDoes)
     camera.size = {160, 120};
     ShadingParams params;
     params.mode = shading;
-    params.range = 8.0;
+    params.range = {-8.0, 8.0};
     params.lighting = false;
     params.gradient_background = false;
     params.supersampling = 1;

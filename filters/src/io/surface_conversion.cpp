@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "io/scalar_type.h"
 #include "pcl_slim/filters/io/point_file.h"
@@ -18,6 +19,43 @@ const char* const kFieldsBefore[kFieldsBeforeCoefficients] = {
     "x", "y", "z", "normal_x", "normal_y", "normal_z", "radius"};
 const char* const kFieldsAfter[kFieldsAfterCoefficients] = {"degree", "level", "leaf", "error",
                                                             "confidence"};
+
+constexpr int kTrimSide = 8;  ///< nodes a side of the trim maps that points carry
+const char* const kTrimFields[2] = {"trim_low", "trim_high"};
+
+/** A surfel's trim map brought to 8 x 8 nodes, row by row, lowest bit first; 0 if it is closed. */
+std::array<std::uint32_t, 2>
+coarseTrimMap(const SLIMSurface& surface, std::size_t i)
+{
+  std::array<std::uint32_t, 2> bits{};
+  if (!surface.isOpen(i)) return bits;
+  const TrimMap map = surface.trimMap(i);
+  const auto coordinate = [](int node) { return 2.0 * node / (kTrimSide - 1) - 1.0; };
+  for (int k = 0; k < kTrimSide * kTrimSide; ++k) {
+    const int column = k % kTrimSide, row = k / kTrimSide;
+    const bool inside = map.side == kTrimSide
+                            ? map.at(column, row)
+                            : outsideShare(map, coordinate(column), coordinate(row)) <= 0.5;
+    bits[static_cast<std::size_t>(k >> 5)] |= static_cast<std::uint32_t>(inside) << (k & 31);
+  }
+  return bits;
+}
+
+/** Gives the surfels that points mark as open their maps. */
+void
+setTrimMaps(const pcl::PointCloud<PointSLIM>& cloud, SLIMSurface& surface)
+{
+  std::vector<std::uint8_t> sides(cloud.size()), bits;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (!surface.isOpen(i)) continue;
+    sides[i] = kTrimSide;
+    for (const std::uint32_t half : {cloud[i].trim_low, cloud[i].trim_high}) {
+      for (int byte = 0; byte < 4; ++byte)
+        bits.push_back(static_cast<std::uint8_t>(half >> 8 * byte));
+    }
+  }
+  surface.setTrimMaps(sides, bits);
+}
 
 double
 toLocal(float value, int axis, const SurfaceMetadata& metadata)
@@ -68,6 +106,9 @@ toPoint(const SLIMSurface& surface, std::size_t i, const SurfaceMetadata& metada
   p.degree = surface.degree[i];
   p.level = surface.level[i];
   p.leaf = surface.flags[i];
+  const auto trim = coarseTrimMap(surface, i);
+  p.trim_low = trim[0];
+  p.trim_high = trim[1];
   p.error = static_cast<float>(info.scale * surface.error[i]);
   p.confidence = surface.effective_count[i];
   return p;
@@ -128,11 +169,20 @@ deriveMetadata(const pcl::PointCloud<PointSLIM>& cloud)
   return metadata;
 }
 
+/** A surfel's flags, if they are any, without the one that announces a trim map. */
+float
+closed(float flags)
+{
+  const bool open = flags >= 0.0f && flags <= 255.0f && (static_cast<int>(flags) & kSurfelOpen);
+  return open ? flags - kSurfelOpen : flags;
+}
+
 /** The columns of a cloud by name; -1 where absent. */
 struct Columns {
   int before[kFieldsBeforeCoefficients];
   int coefficients[kMaxCoefficients];
   int after[kFieldsAfterCoefficients];
+  int trim[2];
   int degree = 0;  ///< highest degree whose coefficients are all there
 };
 
@@ -158,6 +208,7 @@ findColumns(const pcl::PCLPointCloud2& cloud, Columns& columns)
   for (int k = 0; k < kFieldsAfterCoefficients; ++k) {
     columns.after[k] = findField(cloud, kFieldsAfter[k]);
   }
+  for (int k = 0; k < 2; ++k) columns.trim[k] = findField(cloud, kTrimFields[k]);
   if (columns.degree > 0) return {};
   return {ErrorCode::kBadInput,
           "these points are not SLIM surfels: a field of 'c0', 'c1', 'c2' is missing; name a file "
@@ -170,10 +221,10 @@ gatherPoints(const pcl::PCLPointCloud2& cloud, const Columns& columns)
   pcl::PointCloud<PointSLIM> points;
   points.resize(numPoints(cloud));
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const auto read = [&](int column, float& value) {
+    const auto read = [&](int column, auto& value) {
       if (column < 0) return;
-      value =
-          static_cast<float>(fieldValue(cloud, i, cloud.fields[static_cast<std::size_t>(column)]));
+      value = static_cast<std::decay_t<decltype(value)>>(
+          fieldValue(cloud, i, cloud.fields[static_cast<std::size_t>(column)]));
     };
     PointSLIM& p = points[i];
     p.degree = static_cast<float>(columns.degree);
@@ -182,6 +233,10 @@ gatherPoints(const pcl::PCLPointCloud2& cloud, const Columns& columns)
     for (int k = 0; k < kFieldsBeforeCoefficients; ++k) read(columns.before[k], *before[k]);
     for (int k = 0; k < numCoefficients(columns.degree); ++k) read(columns.coefficients[k], p.c[k]);
     for (int k = 0; k < kFieldsAfterCoefficients; ++k) read(columns.after[k], *after[k]);
+    read(columns.trim[0], p.trim_low);
+    read(columns.trim[1], p.trim_high);
+    // Without a map an open surfel would be empty; without its mark a map would be none.
+    if (columns.trim[0] < 0 || columns.trim[1] < 0) p.leaf = closed(p.leaf);
   }
   return points;
 }
@@ -208,15 +263,18 @@ toPCL(const SLIMSurface& surface, pcl::PCLPointCloud2& cloud)
   for (const char* name : kFieldsBefore) addField(cloud, name, kFloat32);
   for (std::size_t k = 0; k < stride; ++k) addField(cloud, "c" + std::to_string(k), kFloat32);
   for (const char* name : kFieldsAfter) addField(cloud, name, kFloat32);
+  if (surface.hasTrimMaps()) {
+    for (const char* name : kTrimFields) addField(cloud, name, kUInt32);
+  }
   cloud.height = 1;
   cloud.width = static_cast<pcl::uindex_t>(surface.size());
   cloud.row_step = cloud.point_step * cloud.width;
   cloud.is_dense = 1;
   cloud.data.resize(static_cast<std::size_t>(cloud.point_step) * surface.size());
   auto* at = cloud.data.data();
-  const auto put = [&at](const float* values, std::size_t count) {
+  const auto put = [&at](const auto* values, std::size_t count) {
     const auto* bytes = reinterpret_cast<const std::uint8_t*>(values);
-    at = std::copy(bytes, bytes + count * sizeof(float), at);
+    at = std::copy(bytes, bytes + count * sizeof(*values), at);
   };
   for (std::size_t i = 0; i < surface.size(); ++i) {
     const PointSLIM p = toPoint(surface, i, metadata);
@@ -225,6 +283,9 @@ toPCL(const SLIMSurface& surface, pcl::PCLPointCloud2& cloud)
     put(&p.radius, 1);
     put(p.c, stride);
     for (const float value : {p.degree, p.level, p.leaf, p.error, p.confidence}) put(&value, 1);
+    for (const std::uint32_t half : {p.trim_low, p.trim_high}) {
+      if (surface.hasTrimMaps()) put(&half, 1);
+    }
   }
   return metadata;
 }
@@ -245,6 +306,7 @@ fromPCL(const pcl::PointCloud<PointSLIM>& cloud, const SurfaceMetadata* metadata
                                              " is not a whole number from 0 to 255"};
     }
   }
+  setTrimMaps(cloud, surface);
   if (Error error = surface.validate()) return error;
   surface.buildLinks();
   return surface;

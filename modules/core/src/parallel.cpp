@@ -39,6 +39,13 @@ granted(int threads)
 
 }  // namespace
 
+Error
+checkThreads(int requested)
+{
+  if (requested >= 0 && requested <= kMostThreads) return {};
+  return {ErrorCode::kBadArgument, "the number of threads must be 0 (all cores) to 4096"};
+}
+
 int
 resolveThreads(int requested)
 {

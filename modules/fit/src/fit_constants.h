@@ -69,6 +69,7 @@ struct BallConstants {
   std::size_t glance_blocks =
       512;                        ///< blocks of 16 points that tell e^2 to some percent ("Levels")
   std::size_t glance_stride = 2;  ///< least stride of blocks at which a glance saves time
+  std::size_t line_points = 64;   ///< so many points without a plane are divided ("Levels")
   double off_center = 0.03;       ///< a fit that passes its centre farther off [r_r] moves the ball
   double largest_shift =
       0.3;  ///< a ball moves at most so far [r_r]; the cover's cells allow for it
@@ -103,6 +104,20 @@ struct OrientConstants {
   double flat_flux = 0.1;     ///< flux below this share of its bound leaves no inside
 };
 
+/** \brief Borders and holes (docs/theory.md, "Borders"). Lengths are in spacings of a surfel's points
+ * unless brackets say otherwise. */
+struct TrimConstants {
+  double known = 1.15;         ///< [r] points are gathered within
+  double gate = 0.25;          ///< [r] points farther from the surfel are no points of it, ...
+  double growth = 0.3;         ///< a sample owns this much beyond itself, beside half a cell
+  double cell = 0.5;           ///< width of a raster's cells
+  double clear = 0.3;          ///< depth inside data from which on a place is clear of any border
+  double looked_at = 0.9;      ///< [r] gaps beyond do not open a surfel: its weight is next to 0
+  double gap_cell = 0.125;     ///< [hole size] cells in which empty blocks of 5 x 5 are looked for
+  int internal_side = 9;       ///< nodes a side of internal surfels' maps, which are drawn small
+  std::size_t sampled = 1024;  ///< points of an internal ball from which on samples of them do
+};
+
 /** \brief Target error and number of surfels (docs/theory.md, section of that name). */
 struct PenaltySearchConstants {
   int most_covers = 12;           ///< covers that are tried
@@ -125,6 +140,7 @@ struct FitConstants {
   RadiusConstants radius;
   CoverConstants cover;
   OrientConstants orient;
+  TrimConstants trim;
   PenaltySearchConstants penalty_search;
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 namespace pcl_slim::detail {
 
@@ -17,6 +18,7 @@ countSurfels(const SLIMSurface& surface, FitStatistics& stats)
     stats.reduced_degree += surface.degree[i] < surface.info.degree;
     if (!surface.isLeaf(i)) continue;
     ++stats.leaves;
+    stats.open_leaves += surface.isOpen(i);
     ++stats.leaves_per_level[surface.level[i]];
     stats.support_limited += (surface.flags[i] & kSurfelSupportLimited) != 0;
     weight += surface.effective_count[i];
@@ -38,12 +40,37 @@ countPoints(const PointStore& store, const LevelCover& cover, FitStatistics& sta
   stats.split_sheets = balls.split_sheets;
   stats.gathered = balls.gathered;
   stats.never_gathered = store.size() - std::min<std::uint64_t>(store.size(), balls.tried);
-  stats.fits = balls.fits;
+  stats.line_balls = balls.lines;
+  stats.fits = balls.fits.fits;
+  stats.fell_by_support = balls.fits.fell_by_support;
+  stats.fell_by_pivot = balls.fits.fell_by_pivot;
+  stats.least_pivot = balls.fits.least_pivot;
   stats.last_level = cover.lastLevel();
   stats.working_bytes = cover.peakBytes();
 }
 
+constexpr std::uint64_t kFewPoints = 12;  ///< about what the smallest leaf takes
+
 }  // namespace
+
+Error
+checkLeaves(const PointStore& store, const FitStatistics& stats)
+{
+  if (stats.leaves > 0) return {};
+  const std::string points = std::to_string(store.size());
+  std::string why = "the " + points +
+                    " points lie along lines or scattered, nowhere along a surface: give more "
+                    "points beside them";
+  if (store.statistics().without_normal > store.size()) {
+    why = "only " + points +
+          " of the points have a usable normal, which are no surface: fit without "
+          "normals, or mend them";
+  } else if (store.size() < kFewPoints) {
+    why = points + (store.size() == 1 ? " distinct point is" : " distinct points are") +
+          " too few for a surface: give a dozen or more";
+  }
+  return {ErrorCode::kNoSurface, why};
+}
 
 void
 countFit(const PointStore& store, const LevelCover& cover, const SLIMSurface& surface,

@@ -12,4 +12,8 @@ void
 countFit(const PointStore& store, const LevelCover& cover, const SLIMSurface& surface,
          FitStatistics& stats);
 
+/** \brief Why a fit has no leaf, and what helps; no error where it has some. */
+Error
+checkLeaves(const PointStore& store, const FitStatistics& stats);
+
 }  // namespace pcl_slim::detail

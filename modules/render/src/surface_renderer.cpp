@@ -4,6 +4,7 @@
 #include "fast/fast_rasterizer.h"
 #include "pcl_slim/core/parallel.h"
 #include "reference/tile_rasterizer.h"
+#include "space/space_derivatives.h"
 #include "tiles/frame_rules.h"
 
 namespace pcl_slim {
@@ -14,10 +15,34 @@ struct SurfaceRenderer::State {
   const SLIMSurface& surface;
   Error defect;  ///< of the surface
   std::unique_ptr<FastRasterizer> fast;
+  std::unique_ptr<PartitionOfUnity> unity;  ///< made when a frame first asks for it
 };
 
+namespace {
+
+/** \brief Looks up the residual of every covered pixel's leaf. */
+void
+lookUpResiduals(const SLIMSurface& surface, int threads, GBuffer& buffer)
+{
+  parallelFor(buffer.numPixels(), threads, 16384, [&](std::size_t pixel, int) {
+    buffer.residual[pixel] = buffer.covered(pixel) ? surface.error[buffer.surfel[pixel]] : 0.0f;
+  });
+}
+
+/** \brief Names what keeps a surface from having a partition of unity. */
+Error
+checkUnity(const SLIMSurface& surface, const RenderParams& params)
+{
+  if (params.derivatives == Derivatives::kBlended || surface.info.oriented) return {};
+  return {ErrorCode::kBadArgument,
+          "leaves that differ in orientation have no partition of unity; fit the surface with "
+          "normals or take blended derivatives"};
+}
+
+}  // namespace
+
 SurfaceRenderer::SurfaceRenderer(const SLIMSurface& surface, int threads)
-    : state_(new State{surface, surface.validate(), nullptr})
+    : state_(new State{surface, surface.validate(), nullptr, nullptr})
 {
   if (!state_->defect) {
     state_->fast = std::make_unique<FastRasterizer>(surface, resolveThreads(threads));
@@ -46,15 +71,24 @@ SurfaceRenderer::render(const Camera& camera, const RenderParams& params, GBuffe
   if (Error error = camera.validate()) return refused(error);
   if (Error error = params.validate()) return refused(error);
   if (state_->defect) return refused(state_->defect);
+  if (Error error = checkUnity(state_->surface, params)) return refused(error);
   const FrameRules rules(state_->surface.info, params);
+  const bool in_space = params.derivatives == Derivatives::kPartitionOfUnity;
+  const unsigned columns = params.columns | (in_space ? unsigned{kPositionColumn} : 0u);
   RenderStatistics counts;
   if (params.reference || !params.cuts.empty()) {
-    buffer.resize(camera.size.width, camera.size.height, params.columns);
+    buffer.resize(camera.size.width, camera.size.height, columns);
     renderReference(state_->surface, camera, rules, buffer, counts);
   } else {
-    buffer.reserve(camera.size.width, camera.size.height, params.columns);
-    state_->fast->draw(camera, rules, params.columns, buffer, counts);
+    buffer.reserve(camera.size.width, camera.size.height, columns);
+    state_->fast->draw(camera, rules, columns, buffer, counts);
   }
+  const int threads = resolveThreads(params.threads);
+  if (in_space) {
+    if (!state_->unity) state_->unity = std::make_unique<PartitionOfUnity>(state_->surface);
+    differentiateInSpace(*state_->unity, threads, buffer);
+  }
+  if (columns & kResidualColumn) lookUpResiduals(state_->surface, threads, buffer);
   if (statistics) *statistics = counts;
   return {};
 }

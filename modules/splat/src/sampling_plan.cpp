@@ -39,20 +39,16 @@ SamplingPlan::needsNoise() const
 }
 
 RootGrid
-SamplingPlan::rootGrid(std::size_t points) const
+SamplingPlan::rootGrid() const
 {
-  const auto n = static_cast<double>(points);
   RootGrid grid;
   if (params.max_splats > 0) {
     grid.occupied = kRootsPerSplat * static_cast<double>(params.max_splats);
   } else if (params.initial_resolution > 0) {
     grid.resolution = params.initial_resolution;
   } else {
-    grid.occupied = n / (params.target_error > 0 ? kPointsPerErrorRoot : kPointsPerRoot);
+    grid.points_per_root = params.target_error > 0 ? kPointsPerErrorRoot : kPointsPerRoot;
   }
-  // What lies below is put in order where a cell is divided, and a budget's tree divides all.
-  if (!hasBudget()) grid.per_key = kPointsPerRoot;
-  if (isUniform()) grid.per_key = kInfinity;
   return grid;
 }
 

@@ -20,8 +20,8 @@ struct SamplingPlan {
   /** Whether any rule takes noise off; else it is not measured. */
   bool needsNoise() const;
 
-  /** Step 1: the grid of cubes over so many points. */
-  RootGrid rootGrid(std::size_t points) const;
+  /** Step 1: the grid of cubes. */
+  RootGrid rootGrid() const;
   /** Step 2: when a cube is halved. */
   SplitRule splitRule(const SampleNoise& noise, bool normals_estimated) const;
 };

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstring>
 #include <optional>
 
 #include "disc/sample_noise.h"
@@ -22,7 +23,24 @@ namespace {
 
 constexpr std::size_t kCellSlice = 256;  ///< cells whose points are brought together at a time
 
-/** Whether any point asked for has a usable normal. */
+bool
+isFinitePoint(const CloudView& cloud, std::size_t input)
+{
+  const auto* at = static_cast<const unsigned char*>(cloud.xyz) + input * cloud.xyz_stride;
+  double p[3];
+  for (std::size_t a = 0; a < 3; ++a) {
+    float value;
+    if (cloud.scalar == CloudView::Scalar::kDouble) {
+      std::memcpy(&p[a], at + a * sizeof(double), sizeof(double));
+    } else {
+      std::memcpy(&value, at + a * sizeof(float), sizeof(float));
+      p[a] = value;
+    }
+  }
+  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+}
+
+/** Whether any point asked for that is finite has a usable normal. */
 bool
 hasNormals(const CloudView& cloud)
 {
@@ -32,7 +50,8 @@ hasNormals(const CloudView& cloud)
     const auto* n =
         reinterpret_cast<const float*>(base + cloud.inputIndex(i) * cloud.normal_stride);
     const float sq = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-    if (sq > 1e-24f && std::isfinite(sq)) return true;
+    const bool usable = sq > 1e-24f && std::isfinite(sq);
+    if (usable && isFinitePoint(cloud, cloud.inputIndex(i))) return true;
   }
   return false;
 }
@@ -55,7 +74,7 @@ class Sampling {
   {
     if (!begin(0.0f, "ordering")) return cancelled();
     Result<OctreeCloud> cloud =
-        OctreeCloud::build(view_, plan_.rootGrid(view_.count()), params().threads);
+        OctreeCloud::build(view_, plan_.rootGrid(), params().threads, colors_);
     if (!cloud) return cloud.error();
     statistics_.seconds_order = lap();
     if (needsNormals() || plan_.needsNeighbors()) {
@@ -123,6 +142,7 @@ class Sampling {
   {
     statistics_.points = cloud.size();
     statistics_.non_finite = cloud.numNonFinite();
+    statistics_.duplicates = cloud.numDuplicates();
     statistics_.roots = cloud.numRoots();
     statistics_.resolution = cloud.resolution();
     statistics_.cell = cloud.cell();
@@ -131,7 +151,7 @@ class Sampling {
   }
 
   /** Cells and their discs, by tolerances or by a budget. source must outlive the builder. */
-  SplatBuilder divide(OctreeCloud& cloud, const OctreeSource& source)
+  SplatBuilder divide(const OctreeCloud& cloud, const OctreeSource& source)
   {
     const SampleNoise noise =
         plan_.needsNoise() ? estimateSampleNoise(cloud, source, params().threads) : SampleNoise();
@@ -151,7 +171,7 @@ class Sampling {
     return builder;
   }
 
-  SplatBuilder cut(OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule)
+  SplatBuilder cut(const OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule)
   {
     const OctreeCut cut = cutOptimally(
         cloud, source, rule, {params().max_splats, params().target_error}, params().threads);

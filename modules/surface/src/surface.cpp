@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "trim/trim_columns.h"
+
 namespace pcl_slim {
+
+using namespace detail;
 
 std::size_t
 SLIMSurface::numLeaves() const
@@ -59,6 +63,7 @@ SLIMSurface::resize(std::size_t count)
   }
   coefficients.resize(count * static_cast<std::size_t>(stride()));
   for (auto* column : {&degree, &level, &flags}) column->resize(count);
+  dropTrimMaps();
 }
 
 void
@@ -68,6 +73,7 @@ SLIMSurface::flip(std::size_t i)
   ny[i] = -ny[i];
   nz[i] = -nz[i];
   flipCoefficients(degree[i], coefficients.data() + i * static_cast<std::size_t>(stride()));
+  if (isOpen(i)) mirrorTrimMap(trim_maps.data() + trim_begin[i]);
 }
 
 Error
@@ -99,7 +105,7 @@ SLIMSurface::validate() const
       return badInput("a coefficient" + where + " is not finite");
     }
   }
-  return {};
+  return checkTrimMaps(*this);
 }
 
 }  // namespace pcl_slim

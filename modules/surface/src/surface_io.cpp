@@ -12,7 +12,8 @@
 // Layout, little-endian: the header (file/slim_header.h), then columns of n values each: degree,
 // level, flags (1 byte); centre x, y, z, radius, normal a, b, error, confidence (float); then for
 // each coefficient k the values of those surfels that store it: as many as their degree has, but
-// only the first where the flag byte's bit kPlaneOnly says that the normal is the plane's own.
+// only the first where the flag byte's bit kPlaneOnly says that the normal is the plane's own; then,
+// from version 2 on, the trim maps of those surfels whose flags say so: side (1 byte) and bits.
 
 namespace pcl_slim {
 
@@ -84,6 +85,27 @@ putNormals(const SLIMSurface& surface, ByteWriter& out)
   out.putFloats(b);
 }
 
+/** Reads the trim maps of the surfels whose flags announce them, which must fill what is left. */
+Error
+getTrimMaps(const unsigned char* at, std::uint64_t left, SLIMSurface& surface)
+{
+  std::vector<std::uint8_t> sides(surface.size()), bits;
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    if (!surface.isOpen(i)) continue;
+    const int side = left > 0 ? *at : 0;
+    const std::size_t bytes = TrimMap::numBytes(side);
+    if (side < TrimMap::kLeastSide || side > TrimMap::kMostSide || left < 1 + bytes)
+      return contradictorySlim();
+    sides[i] = static_cast<std::uint8_t>(side);
+    bits.insert(bits.end(), at + 1, at + 1 + bytes);
+    at += 1 + bytes;
+    left -= 1 + bytes;
+  }
+  if (left != 0) return contradictorySlim();
+  surface.setTrimMaps(sides, bits);
+  return {};
+}
+
 /** Calls visit(index into coefficients) in the file's order: by coefficient, then by surfel. */
 template <typename Visit>
 void
@@ -106,7 +128,7 @@ encodeSlim(const SLIMSurface& surface)
   const std::vector<std::uint8_t> flags = fileFlags(surface);
   const auto counts = storedCoefficients(surface, flags);
   if (!counts) return {};
-  const std::uint64_t payload = payloadBytes(*counts);
+  const std::uint64_t payload = payloadBytes(*counts) + surface.trim_maps.size();
   ByteWriter out;
   out.bytes.reserve(kSlimHeaderBytes + payload);
   putSlimHeader(surface, payload, out);
@@ -119,6 +141,7 @@ encodeSlim(const SLIMSurface& surface)
   out.putFloats(surface.effective_count);
   forEachCoefficient(surface, *counts,
                      [&](std::size_t k) { out.putFloat(surface.coefficients[k]); });
+  out.putBytes(surface.trim_maps);
   sealSlim(out.bytes);
   return out.bytes;
 }
@@ -137,7 +160,9 @@ decodeSlim(const unsigned char* bytes, std::size_t size)
   ByteReader in(bytes + kSlimHeaderBytes);
   for (auto* column : {&surface.degree, &surface.level, &surface.flags}) in.getBytes(*column);
   const auto counts = storedCoefficients(surface, surface.flags);
-  if (!counts || payloadBytes(*counts) != payload) return contradictorySlim();
+  const std::uint64_t columns = counts ? payloadBytes(*counts) : 0;
+  if (!counts || columns > payload) return contradictorySlim();
+  if (columns < payload && !holdsTrimMaps(bytes)) return contradictorySlim();
   for (std::uint8_t& flags : surface.flags) flags &= static_cast<std::uint8_t>(~kPlaneOnly);
   for (auto* column : {&surface.cx, &surface.cy, &surface.cz, &surface.radius}) {
     in.getFloats(*column);
@@ -147,6 +172,8 @@ decodeSlim(const unsigned char* bytes, std::size_t size)
   in.getFloats(surface.effective_count);
   forEachCoefficient(surface, *counts,
                      [&](std::size_t k) { surface.coefficients[k] = in.getFloat(); });
+  if (Error error = getTrimMaps(bytes + kSlimHeaderBytes + columns, payload - columns, surface))
+    return error;
 
   if (Error error = surface.validate()) return error;
   surface.buildLinks();

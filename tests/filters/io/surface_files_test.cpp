@@ -11,6 +11,7 @@
 #include "pcl_slim/filters/io/surface_conversion.h"
 #include "pcl_slim/surface/surface_io.h"
 #include "support/sphere_surface.h"
+#include "support/trim_maps.h"
 
 namespace pcl_slim {
 namespace {
@@ -59,6 +60,46 @@ TEST_P(SurfaceFiles, SaveAndLoadGiveTheSameBytes)
     EXPECT_EQ(fileBytes(first), fileBytes(second));
   }
   EXPECT_EQ(folder.numFiles(), 2u);
+}
+
+TEST_P(SurfaceFiles, TrimMapsAreKeptAtEightNodesASideAtLeast)
+{
+  const TemporaryFolder folder;
+  SLIMSurface surface = sphereSurface(2, 300);
+  setRandomTrimMaps(surface);
+  const std::string first = folder / ("first" + std::string(GetParam()));
+  const std::string second = folder / ("second" + std::string(GetParam()));
+  ASSERT_FALSE(saveSurface(first, surface));
+  const auto loaded = loadSurface(first);
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_EQ(loaded->flags, surface.flags);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    const TrimMap map = surface.trimMap(i), again = loaded->trimMap(i);
+    if (map.side != 8 && std::string(GetParam()) != ".slim") continue;
+    ASSERT_EQ(again.side, map.side);
+    for (int k = 0; k < map.side * map.side; ++k) {
+      ASSERT_EQ(again.at(k % map.side, k / map.side), map.at(k % map.side, k / map.side));
+    }
+    ++kept;
+  }
+  EXPECT_GT(kept, 2u);
+  ASSERT_FALSE(saveSurface(second, *loaded));
+  EXPECT_EQ(fileBytes(first), fileBytes(second));
+}
+
+TEST(SurfaceFiles, PointsWithoutTheirTrimColumnsAreClosed)
+{
+  SLIMSurface surface = sphereSurface(2, 30);
+  setRandomTrimMaps(surface);
+  pcl::PCLPointCloud2 cloud;
+  const SurfaceMetadata metadata = toPCL(surface, cloud);
+  ASSERT_EQ(cloud.fields.back().name, "trim_high");
+  cloud.fields.pop_back();
+  const auto loaded = fromPCL(cloud, &metadata);
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  surface.dropTrimMaps();
+  expectSame(surface, loaded);
 }
 
 TEST_P(SurfaceFiles, FarOriginsAreKeptByAShift)

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include "pcl_slim/cloud/point_store.h"
 #include "support/survey_cloud.h"
@@ -237,6 +238,32 @@ TEST(PointStore, RefusesNothing)
   view.indices = &index;
   view.num_indices = 0;
   EXPECT_FALSE(PointStore::build(view, 1));
+}
+
+/** Repeated points leave the others' normals as they are, to the last bit, and their own. */
+TEST(PointStore, PointsGivenAgainChangeNoNormal)
+{
+  std::mt19937_64 random(8);
+  std::normal_distribution<double> normal;
+  Cloud once;
+  for (int i = 0; i < 300; ++i) {
+    once.add({normal(random), normal(random), normal(random)},
+             {normal(random), normal(random), normal(random)});
+  }
+  const auto expected = PointStore::build(once.view(), 1);
+  ASSERT_TRUE(expected);
+  Cloud again = once;
+  for (std::size_t times = 2; times < 5; ++times) {
+    again.points.insert(again.points.end(), once.points.begin(), once.points.end());
+    again.normals.insert(again.normals.end(), once.normals.begin(), once.normals.end());
+    const auto store = PointStore::build(again.view(), 1);
+    ASSERT_TRUE(store);
+    ASSERT_EQ(store->size(), expected->size());
+    for (std::size_t i = 0; i < store->size(); ++i) {
+      ASSERT_EQ(store->position(i), expected->position(i));
+      ASSERT_EQ(store->normal(i), expected->normal(i)) << times << " times";
+    }
+  }
 }
 
 TEST(PointStore, RefusesCoordinatesThatNoBoxCanHold)

@@ -27,8 +27,11 @@ expectSurvived(const Cloud& cloud)
       params.t_mdl = mode == 2 ? 0.01 : 0.0;
       params.robust = mode == 3;
       params.sharp_features = mode == 4;
-      const auto f = fitted(cloud, params, true);
+      Error none;
+      const auto f = fitted(cloud, params, true, &none);
       expectSound(f);
+      EXPECT_EQ(f.statistics.leaves == 0, none.code == ErrorCode::kNoSurface);
+      EXPECT_EQ(f.surface.empty(), f.statistics.leaves == 0);
       EXPECT_EQ(f.statistics.points, f.store.size());
       EXPECT_LE(f.statistics.uncovered, f.store.size());
       EXPECT_GE(f.statistics.unsupported, f.statistics.leaves == 0 ? f.store.size() : 0);
@@ -63,6 +66,65 @@ TEST(FitInput, SurvivesALine)
   line.normals.clear();
   for (int i = 0; i < 400; ++i) line.normals.insert(line.normals.end(), {0.0f, 0.0f, 1.0f});
   expectSurvived(line);
+}
+
+std::string
+noSurfaceIn(const Cloud& cloud)
+{
+  Error none;
+  fitted(cloud, {}, false, &none);
+  return none.message;
+}
+
+TEST(FitInput, SaysWhyPointsAreNoSurface)
+{
+  const auto says = [](const Cloud& cloud, const char* word) {
+    const std::string message = noSurfaceIn(cloud);
+    EXPECT_NE(message.find(word), std::string::npos) << message;
+  };
+  Cloud same, line, bare;
+  for (int i = 0; i < 100; ++i) same.add(3.0, 4.0, 5.0);
+  for (int i = 0; i < 500; ++i) line.add(0.1 * i, 0.2 * i, -0.05 * i);
+  for (int i = 0; i < 900; ++i) {
+    bare.add({0.1 * (i % 30), 0.1 * (i / 30), 0.0}, {0.0, 0.0, i == 70 ? 1.0 : 0.0});
+  }
+  says(same, "1 distinct point is too few");
+  says(line, "along lines");
+  says(bare, "only 1 of the points have a usable normal");
+}
+
+/** How many points the balls of a line of count points gather, all balls together. */
+std::uint64_t
+gatheredOnALine(int count, bool normals)
+{
+  Cloud line;
+  for (int i = 0; i < count; ++i) line.add(1.0 * i, 2.0 * i, -0.5 * i);
+  for (int i = 0; i < count && normals; ++i)
+    line.normals.insert(line.normals.end(), {0.0f, 0.0f, 1.0f});
+  Error none;
+  const auto f = fitted(line, {}, false, &none);
+  EXPECT_EQ(none.code, ErrorCode::kNoSurface);
+  return f.statistics.gathered;
+}
+
+TEST(FitInput, WorkOnALineGrowsLikeItsPoints)
+{
+  for (const bool normals : {false, true}) {
+    const std::uint64_t few = gatheredOnALine(2000, normals);
+    const std::uint64_t many = gatheredOnALine(16000, normals);
+    EXPECT_LT(many, 16 * few) << "eight times the points, a little more than eight times the work";
+  }
+}
+
+TEST(FitInput, FindsANarrowBandBelowItsLength)
+{
+  Cloud band;
+  std::mt19937_64 random(63);
+  std::uniform_real_distribution<double> uniform;
+  for (int i = 0; i < 40000; ++i) band.add(uniform(random), 5e-4 * uniform(random), 0.0);
+  const auto f = fitted(band);
+  expectSound(f);
+  EXPECT_LT(f.statistics.uncovered, 2000u);
 }
 
 TEST(FitInput, SurvivesEqualPoints)

@@ -7,7 +7,6 @@
 #include <set>
 
 #include "octree/cell_sums.h"
-#include "octree/octree_key.h"
 #include "octree/octree_runs.h"
 #include "painted_clouds.h"
 
@@ -63,9 +62,8 @@ TEST(OctreeCloud, KeysTellCellsBelowRootsApart)
   const PaintedCloud cloud = painted(20000);
   const auto octree = OctreeCloud::build(cloud.view(), {20, 0}, 1);
   ASSERT_TRUE(octree);
-  ASSERT_GT(octree->sortedDepth(), 1);
-  const RunKeys keys = keysOf(*octree);
-  const int shift = octree->depth() - octree->sortedDepth();
+  const RunKeys keys{octree->keys()};
+  const int shift = octree->depth() - 4;
   const double width = octree->edge(shift);
   std::set<Cell> cells;
   std::size_t runs = 0;
@@ -78,44 +76,61 @@ TEST(OctreeCloud, KeysTellCellsBelowRootsApart)
   EXPECT_GT(runs, octree->numRoots());
 }
 
-TEST(OctreeCloud, WithoutKeysRootsHoldTheirPointsInOrder)
+TEST(OctreeCloud, EqualPointsCountOnceAndOrderIsNoMatter)
 {
-  PaintedCloud cloud = painted(20000);
-  std::vector<double> rows(cloud.points);
-  for (const bool coherent : {false, true}) {
-    const auto keyed = OctreeCloud::build(cloud.view(), {30, 0}, 1);
-    ASSERT_TRUE(keyed);
-    if (coherent) {  // points of a root follow each other, as where a scanner walked row by row
-      for (std::size_t i = 0; i < cloud.size(); ++i) {
-        std::copy_n(cloud.points.data() + 3 * keyed->order(i), 3, rows.data() + 3 * i);
-      }
-      cloud.points = rows;
-      cloud.points[3 * 700] = std::nan("");  // in the middle of such points
-    }
-    RootGrid grid;
-    grid.resolution = 30;
-    grid.per_key = std::numeric_limits<double>::infinity();
-    for (const int threads : {1, 3}) {
-      const auto octree = OctreeCloud::build(cloud.view(), grid, threads);
-      ASSERT_TRUE(octree);
-      EXPECT_EQ(octree->sortedDepth(), 0);
-      ASSERT_EQ(octree->size(), cloud.size() - (coherent ? 1 : 0));
-      std::map<Cell, std::vector<std::uint32_t>> points;
-      for (std::uint32_t i = 0; i < cloud.size(); ++i) {
-        if (std::isnan(cloud.points[3 * i])) continue;
-        points[cellOf(cloud, *octree, i, 1.0)].push_back(i);
-      }
-      ASSERT_EQ(octree->numRoots(), points.size());
-      for (std::size_t r = 0; r < octree->numRoots(); ++r) {
-        const std::size_t begin = octree->root(r).begin, end = octree->root(r + 1).begin;
-        const auto& expected = points[cellOf(cloud, *octree, octree->order(begin), 1.0)];
-        ASSERT_EQ(end - begin, expected.size());
-        for (std::size_t i = begin; i < end; ++i) {
-          ASSERT_EQ(octree->order(i), expected[i - begin]);
-        }
-      }
+  const PaintedCloud cloud = painted(3000);
+  PaintedCloud mixed;
+  for (std::size_t i = 2 * cloud.size(); i-- > 0;) {  // every point twice, backwards
+    const std::size_t k = i % cloud.size();
+    const float* n = cloud.normals.data() + 3 * k;
+    const std::uint8_t* c = cloud.bgr.data() + 3 * k;
+    mixed.add({cloud.points[3 * k], cloud.points[3 * k + 1], cloud.points[3 * k + 2]},
+              {n[0], n[1], n[2]}, {c[2], c[1], c[0]});
+    if (i % 7 == 0) mixed.add({std::nan(""), 0, 0}, {0, 0, 1}, {0, 0, 0});
+  }
+  const RootGrid grid{0, 0, 20};
+  const auto once = OctreeCloud::build(cloud.view(), grid, 1, cloud.colors());
+  const auto twice = OctreeCloud::build(mixed.view(), grid, 3, mixed.colors());
+  ASSERT_TRUE(once && twice);
+  EXPECT_EQ(twice->numDuplicates(), cloud.size());
+  EXPECT_EQ(twice->resolution(), once->resolution());
+  ASSERT_EQ(twice->size(), once->size());
+  for (std::size_t i = 0; i < once->size(); ++i) {
+    ASSERT_EQ(twice->keys()[i], once->keys()[i]);
+    for (std::size_t a = 0; a < 3; ++a) {
+      ASSERT_EQ(mixed.points[3 * twice->order(i) + a], cloud.points[3 * once->order(i) + a]);
     }
   }
+}
+
+TEST(OctreeCloud, PointsAtOnePlaceWithOtherColoursStay)
+{
+  PaintedCloud cloud = painted(100);
+  cloud.add({cloud.points[0], cloud.points[1], cloud.points[2]}, {0, 0, 1}, {1, 2, 3});
+  const auto octree = OctreeCloud::build(cloud.view(), {4, 0, 0}, 1, cloud.colors());
+  ASSERT_TRUE(octree);
+  EXPECT_EQ(octree->size(), 101u);
+}
+
+/** Clouds of more places than are drawn: how many there are is guessed, from the same places each
+ * time. */
+TEST(OctreeCloud, CountsPlacesHoweverOftenTheyAreGiven)
+{
+  const PaintedCloud cloud = painted(60000);
+  const auto resolutionOf = [&](std::size_t times) {
+    PaintedCloud repeated;
+    for (std::size_t k = 0; k < times; ++k) {
+      repeated.points.insert(repeated.points.end(), cloud.points.begin(), cloud.points.end());
+    }
+    const auto octree = OctreeCloud::build(repeated.view(false), {0, 0, 50}, 2);
+    EXPECT_TRUE(octree);
+    return octree ? octree->resolution() : 0;
+  };
+  const int once = resolutionOf(1);
+  for (const std::size_t times : {2u, 5u, 9u}) EXPECT_EQ(resolutionOf(times), once) << times;
+  const auto exact = OctreeCloud::build(cloud.view(), {0, 60000.0 / 50, 0}, 1);
+  ASSERT_TRUE(exact);
+  EXPECT_NEAR(exact->resolution(), once, 1);
 }
 
 TEST(OctreeCloud, FloatsAndIndicesGiveTheSameOrder)
@@ -220,29 +235,6 @@ TEST_F(Window, SumsAreThoseOfItsPoints)
       EXPECT_NEAR(sums.lab_sq, ll, 1e-12 * count * 1e4);
       EXPECT_NEAR(sums.normals(), count, 1e-6 * count);
     }
-  }
-}
-
-TEST_F(Window, SortsARunByTheLevelsAtWhichItFallsApart)
-{
-  load(10, 3000);
-  for (const std::size_t last : {28u, 2000u}) {
-    std::multiset<std::uint32_t> before, after;
-    for (std::size_t i = 20; i < last; ++i) before.insert(window_.order(i));
-    const int lowest = window_.sortRun(*octree_, 20, last);
-    const std::uint64_t* keys = window_.keys(20);
-    for (std::size_t i = 20; i < last; ++i) {
-      after.insert(window_.order(i));
-      float cells[3];
-      octree_->frame().position(cloud_.points.data() + 3 * window_.order(i), cells);
-      ASSERT_EQ(window_.position(i)[2], cells[2]) << "columns move together";
-      ASSERT_EQ(keys[i - 20], mortonKey(window_.position(i), octree_->depth()));
-      const std::size_t before_it = std::max<std::size_t>(i, 21) - 21;
-      ASSERT_LE(keys[before_it] >> 3 * lowest, keys[i - 20] >> 3 * lowest);
-    }
-    EXPECT_EQ(before, after);
-    EXPECT_NE(keys[0] >> 3 * lowest, keys[last - 21] >> 3 * lowest) << "they do fall apart";
-    EXPECT_TRUE(last > 28 || lowest == 0) << "few points are in order at every level";
   }
 }
 

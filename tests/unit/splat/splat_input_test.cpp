@@ -2,6 +2,7 @@
 #include "pcl_slim/splat/splat_sampling.h"
 
 #include <limits>
+#include <string>
 
 #include "painted_clouds.h"
 
@@ -28,7 +29,7 @@ TEST(SplatInput, OneColourOnePointOneLine)
       SplatParams params = oneThread();
       params.radius = rule;
       splats = sampled(cloud, params, nullptr, normals);
-      expectSound(splats, cloud.size());
+      expectSound(splats, 500);
       for (const std::uint32_t rgb : splats.rgb) EXPECT_EQ(rgb, 0x0a141eu);
     }
   }
@@ -102,6 +103,66 @@ TEST(SplatInput, ThreadsChangeNothing)
   }
 }
 
+/** The same cloud with its points in another order, each so many times, and so many points that are
+ * nowhere. \param[out] from the point of the cloud that each is. */
+PaintedCloud
+shuffled(const PaintedCloud& cloud, std::size_t times, std::size_t nowhere,
+         std::vector<std::uint32_t>& from)
+{
+  from.assign(nowhere, 0xffffffffu);
+  for (std::uint32_t i = 0; i < times * cloud.size(); ++i) {
+    from.push_back(i % static_cast<std::uint32_t>(cloud.size()));
+  }
+  std::shuffle(from.begin(), from.end(), std::mt19937_64(9));
+  PaintedCloud made;
+  for (const std::uint32_t k : from) {
+    if (k == 0xffffffffu) {
+      made.add({1.0, std::nan(""), 2.0}, {0, 0, 1}, {1, 2, 3});
+      continue;
+    }
+    made.points.insert(made.points.end(), &cloud.points[3 * k], &cloud.points[3 * k] + 3);
+    made.normals.insert(made.normals.end(), &cloud.normals[3 * k], &cloud.normals[3 * k] + 3);
+    made.bgr.insert(made.bgr.end(), &cloud.bgr[3 * k], &cloud.bgr[3 * k] + 3);
+  }
+  return made;
+}
+
+TEST(SplatInput, OrderDuplicatesAndPointsThatAreNowhereChangeNothing)
+{
+  for (const std::size_t count : {3000u, 50000u}) {
+    const PaintedCloud cloud = painted(count, 5.0);
+    for (int mode = 0; mode < 4; ++mode) {
+      SplatParams params = oneThread();
+      if (mode == 1) params.max_splats = 1000;
+      if (mode == 2) params.radius = RadiusRule::kNeighbors;
+      if (mode == 3) params.paper_mode = true;
+      params.color = SplatColor::kGradient;
+      const bool normals = mode != 2;
+      const SplatSet expected = sampled(cloud, params, nullptr, normals);
+      for (const std::size_t times : {1u, 2u, 3u}) {
+        SCOPED_TRACE(std::to_string(mode) + " x " + std::to_string(times));
+        std::vector<std::uint32_t> from;
+        const PaintedCloud other = shuffled(cloud, times, times == 2 ? 0 : count / 4, from);
+        SplatSet splats = sampled(other, params, nullptr, normals);
+        for (std::uint32_t& kept : splats.kept) kept = from[kept];
+        expectSame(splats, expected);
+      }
+    }
+  }
+}
+
+TEST(SplatInput, CoordinatesNearTheLargestFloatAreAnError)
+{
+  PaintedCloud cloud = painted(500);
+  for (double& value : cloud.points) value *= 2.5e38;
+  SplatSet splats;
+  const Error error = sampleSplats(cloud.view(), cloud.colors(), {}, splats);
+  EXPECT_EQ(error.code, ErrorCode::kBadInput);
+  EXPECT_NE(error.message.find("scale"), std::string::npos) << error.message;
+  for (double& value : cloud.points) value *= 1e-70;
+  expectSound(sampled(cloud, oneThread()), cloud.size());
+}
+
 TEST(SplatInput, BadInputIsAnError)
 {
   SplatSet splats;
@@ -137,7 +198,8 @@ TEST(SplatInput, BadParametersAreErrors)
 {
   const PaintedCloud cloud = painted(100);
   const double nan = std::nan("");
-  std::vector<SplatParams> bad(8);
+  const double inf = std::numeric_limits<double>::infinity();
+  std::vector<SplatParams> bad(12);
   bad[0].geometric_error = -0.1;
   bad[1].color_error = nan;
   bad[2].max_depth = -1;
@@ -147,6 +209,10 @@ TEST(SplatInput, BadParametersAreErrors)
   bad[5].target_error = 1.0;
   bad[6].normal_neighbors = 2;
   bad[7].viewpoint[1] = nan;
+  bad[8].geometric_error = inf;
+  bad[9].color_error = inf;
+  bad[10].threads = 100000;
+  bad[11].threads = -1;
   for (const SplatParams& params : bad) {
     SplatSet splats;
     splats.resize(3, false);

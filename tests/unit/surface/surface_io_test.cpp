@@ -8,6 +8,7 @@
 
 #include "support/clouds.h"
 #include "support/sphere_surface.h"
+#include "support/trim_maps.h"
 
 namespace pcl_slim {
 namespace {
@@ -39,6 +40,8 @@ expectSame(const SLIMSurface& a, const SLIMSurface& b)
        {&SLIMSurface::children, &SLIMSurface::child_begin, &SLIMSurface::roots}) {
     EXPECT_EQ(a.*links, b.*links);
   }
+  EXPECT_EQ(a.trim_begin, b.trim_begin);
+  EXPECT_EQ(a.trim_maps, b.trim_maps);
   EXPECT_EQ(a.info.origin, b.info.origin);
   EXPECT_EQ(a.info.scale, b.info.scale);
   EXPECT_EQ(a.info.diagonal, b.info.diagonal);
@@ -54,6 +57,21 @@ TEST_P(SurfaceIo, GivesTheSurfaceBackExactly)
 {
   const SLIMSurface surface = sphereSurface(GetParam(), 500);
   const auto bytes = encodeSlim(surface);
+  const auto again = decodeSlim(bytes.data(), bytes.size());
+  ASSERT_TRUE(again) << again.error().message;
+  expectSame(surface, *again);
+  EXPECT_EQ(bytes, encodeSlim(*again));
+}
+
+TEST_P(SurfaceIo, GivesTrimMapsBackExactly)
+{
+  SLIMSurface surface = sphereSurface(GetParam(), 300);
+  const auto closed = encodeSlim(surface);
+  setRandomTrimMaps(surface);
+  const auto bytes = encodeSlim(surface);
+  EXPECT_EQ(closed[8], 1) << "files without maps stay what older programs read";
+  EXPECT_EQ(bytes[8], 2);
+  EXPECT_EQ(bytes.size(), closed.size() + surface.trim_maps.size());
   const auto again = decodeSlim(bytes.data(), bytes.size());
   ASSERT_TRUE(again) << again.error().message;
   expectSame(surface, *again);
@@ -130,7 +148,9 @@ TEST(SurfaceIo, EmptySurfaceIsAFileToo)
 
 TEST(SurfaceIo, EveryTruncationIsNamed)
 {
-  const auto bytes = encodeSlim(sphereSurface(3, 20));
+  SLIMSurface open = sphereSurface(3, 20);
+  setRandomTrimMaps(open);
+  const auto bytes = encodeSlim(open);
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     const auto surface = decodeSlim(bytes.data(), size);
     ASSERT_FALSE(surface) << size;

@@ -26,8 +26,9 @@ fillColorTable(DisplayMode mode, const std::array<double, 2>& range, vtkLookupTa
   for (int i = 0; i < count; ++i) {
     const double x = count > 1 ? i / (count - 1.0) : 0.5;
     const Color color = levels ? categoryColor(static_cast<std::uint32_t>(first + i))
-                        : mode == DisplayMode::kSize ? sizeColor(x)
-                                                     : divergingColor(2.0 * x - 1.0);
+                        : mode == DisplayMode::kSize  ? sizeColor(x)
+                        : mode == DisplayMode::kError ? perceptualColor(x)
+                                                      : divergingColor(2.0 * x - 1.0);
     table.SetTableValue(i, color[0], color[1], color[2]);
   }
 }

@@ -6,8 +6,9 @@
 namespace pcl_slim {
 namespace {
 
-constexpr std::array<const char*, 10> kNames{"shaded", "normal", "mean", "gauss",      "kmax",
-                                             "kmin",   "level",  "size", "reflection", "color"};
+constexpr std::array<const char*, 11> kNames{"shaded",     "normal", "mean",  "gauss",
+                                             "kmax",       "kmin",   "level", "size",
+                                             "reflection", "color",  "error"};
 
 }  // namespace
 
@@ -40,9 +41,15 @@ showsCurvature(DisplayMode mode)
 }
 
 bool
+takesRange(DisplayMode mode)
+{
+  return showsCurvature(mode) || mode == DisplayMode::kError;
+}
+
+bool
 showsNumbers(DisplayMode mode)
 {
-  return showsCurvature(mode) || mode == DisplayMode::kLevel || mode == DisplayMode::kSize;
+  return takesRange(mode) || mode == DisplayMode::kLevel || mode == DisplayMode::kSize;
 }
 
 }  // namespace pcl_slim

@@ -32,7 +32,7 @@ setTextLook(vtkTextProperty* text, int size, bool bold)
 std::string
 unitOf(DisplayMode mode, const std::string& unit)
 {
-  if (mode == DisplayMode::kSize) return unit;
+  if (mode == DisplayMode::kSize || mode == DisplayMode::kError) return unit;
   if (!showsCurvature(mode)) return "";
   return "1/" + (unit.empty() ? "length" : unit) + (mode == DisplayMode::kGauss ? "^2" : "");
 }
@@ -74,6 +74,7 @@ titleOf(DisplayMode mode)
     case DisplayMode::kMin: return "smallest curvature";
     case DisplayMode::kLevel: return "level";
     case DisplayMode::kSize: return "ball radius";
+    case DisplayMode::kError: return "residual";
     case DisplayMode::kReflection: return "reflection lines";
     case DisplayMode::kColor: return "colour";
     default: return nameOf(mode);

@@ -50,6 +50,7 @@ valueOf(const SLIMSurface& surface, std::size_t i, DisplayMode mode)
   const double radius = surface.radius[i] * surface.info.scale;
   if (mode == DisplayMode::kSize) return radius;
   if (mode == DisplayMode::kLevel) return surface.level[i];
+  if (mode == DisplayMode::kError) return surface.error[i] * surface.info.scale;
   const double unit = mode == DisplayMode::kGauss ? radius * radius : radius;
   return std::abs(curvatureAtCenter(surface, i, mode)) / unit;
 }
@@ -73,7 +74,7 @@ surfaceRange(const SLIMSurface& surface, DisplayMode mode)
   const double range = quantile(values, 0.95);
   // A flat surface has no curvature to span colours: any range shows it grey.
   const double shown = range > 0.0 && std::isfinite(range) ? range : 1.0;
-  return {-shown, shown};
+  return {mode == DisplayMode::kError ? 0.0 : -shown, shown};
 }
 
 }  // namespace pcl_slim::detail

@@ -100,7 +100,7 @@ toPolyData(const SLIMSurface& surface, bool leaves_only)
   }
   builder.add("degree", [&](std::size_t i) { return surface.degree[i]; });
   builder.add("level", [&](std::size_t i) { return surface.level[i]; });
-  builder.add("leaf", [&](std::size_t i) { return surface.flags[i]; });
+  builder.add("leaf", [&](std::size_t i) { return surface.flags[i] & ~kSurfelOpen; });
   builder.add("error", [&](std::size_t i) { return info.scale * surface.error[i]; });
   builder.add("confidence", [&](std::size_t i) { return surface.effective_count[i]; });
   return builder.data();

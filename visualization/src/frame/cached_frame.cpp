@@ -2,7 +2,6 @@
 #include "frame/cached_frame.h"
 
 #include <algorithm>
-#include <chrono>
 
 #include "pcl_slim/core/parallel.h"
 
@@ -71,7 +70,7 @@ Error
 CachedFrame::make(const VtkView& view, FrameKey key, int coarseness, FrameRequest request,
                   double scale, const Rasterize& rasterize)
 {
-  const auto begin = std::chrono::steady_clock::now();
+  const Clock::time_point begin = Clock::now();
   valid_ = false;
   if (Error error = translateView(view.gl, view.near_distance, coarseness, view_)) return error;
   request.near_plane = view_.near_plane;
@@ -79,12 +78,32 @@ CachedFrame::make(const VtkView& view, FrameKey key, int coarseness, FrameReques
   packFrame(buffer_, scale, resolveThreads(request.threads), packed_);
   rectangle_ = coveredRectangle(buffer_);
   covered_ = buffer_.numCovered();
+  finish(std::move(key), coarseness, begin);
+  return {};
+}
+
+Error
+CachedFrame::makeOnCard(const VtkView& view, FrameKey key, int coarseness, FrameRequest request,
+                        const DrawOnCard& draw)
+{
+  const Clock::time_point begin = Clock::now();
+  valid_ = false;
+  if (Error error = translateView(view.gl, view.near_distance, coarseness, view_)) return error;
+  request.near_plane = view_.near_plane;
+  if (Error error = draw(view_, request, covered_)) return error;
+  rectangle_ = {-1.0f, -1.0f, 1.0f, 1.0f};
+  finish(std::move(key), coarseness, begin);
+  return {};
+}
+
+void
+CachedFrame::finish(FrameKey key, int coarseness, Clock::time_point begin)
+{
   key_ = std::move(key);
   coarseness_ = coarseness;
   valid_ = true;
-  seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  seconds_ = std::chrono::duration<double>(Clock::now() - begin).count();
   full_seconds_ = seconds_ * coarseness * coarseness;
-  return {};
 }
 
 void

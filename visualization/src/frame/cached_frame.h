@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -33,6 +34,8 @@ struct FrameKey {
 class CachedFrame {
  public:
   using Rasterize = std::function<Error(const Camera&, const FrameRequest&, GBuffer&)>;
+  /** Draws on the graphics card and counts the covered pixels. */
+  using DrawOnCard = std::function<Error(const ViewCamera&, const FrameRequest&, std::uint64_t&)>;
 
   /** \brief Whether a frame at least as fine is there. */
   bool holds(const FrameKey& key, int coarseness) const;
@@ -41,6 +44,10 @@ class CachedFrame {
    * lengths that rasterize writes. After an error there is none. */
   Error make(const VtkView& view, FrameKey key, int coarseness, FrameRequest request, double scale,
              const Rasterize& rasterize);
+
+  /** \brief Makes a frame that stays on the graphics card: packed() is of no use then. */
+  Error makeOnCard(const VtkView& view, FrameKey key, int coarseness, FrameRequest request,
+                   const DrawOnCard& draw);
 
   /** \brief Forgets the frame and how long it took. */
   void clear();
@@ -59,6 +66,10 @@ class CachedFrame {
   const std::array<float, 4>& rectangle() const { return rectangle_; }
 
  private:
+  using Clock = std::chrono::steady_clock;
+
+  void finish(FrameKey key, int coarseness, Clock::time_point begin);
+
   bool valid_ = false;
   FrameKey key_;
   int coarseness_ = 1;

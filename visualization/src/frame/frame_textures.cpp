@@ -64,6 +64,20 @@ FrameTextures::needAttributes(vtkOpenGLRenderWindow* window, const PackedFrame& 
 }
 
 void
+FrameTextures::allocate(vtkOpenGLRenderWindow* window, int width, int height)
+{
+  width_ = width;
+  height_ = height;
+  for (vtkTextureObject* texture : {geometry_.Get(), attributes_.Get()}) {
+    texture->SetContext(window);
+    texture->Allocate2D(static_cast<unsigned>(width), static_cast<unsigned>(height), 4, VTK_FLOAT);
+    texture->Deactivate();
+  }
+  has_attributes_ = true;
+  has_colors_ = false;
+}
+
+void
 FrameTextures::setTable(vtkOpenGLRenderWindow* window, vtkScalarsToColors* table,
                         const ColorScale& scale)
 {

@@ -26,6 +26,10 @@ class FrameTextures {
   void setFrame(vtkOpenGLRenderWindow* window, const PackedFrame& frame, int width, int height);
   /** \brief Brings the attributes over, unless they are there. */
   void needAttributes(vtkOpenGLRenderWindow* window, const PackedFrame& frame);
+  /** \brief Makes room for a frame that the graphics card draws, attributes included. */
+  void allocate(vtkOpenGLRenderWindow* window, int width, int height);
+  vtkTextureObject* geometry() const { return geometry_; }
+  vtkTextureObject* attributes() const { return attributes_; }
   /** \brief Samples a table of colours over its scale. */
   void setTable(vtkOpenGLRenderWindow* window, vtkScalarsToColors* table, const ColorScale& scale);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frame/packed_frame.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "pcl_slim/core/parallel.h"
@@ -23,10 +24,20 @@ packPixel(const GBuffer& buffer, std::size_t pixel, float scale, PackedFrame& fr
   attributes[0] = buffer.principal.empty() ? 0.0f : buffer.principal[pixel][0] / scale;
   attributes[1] = buffer.principal.empty() ? 0.0f : buffer.principal[pixel][1] / scale;
   attributes[2] = buffer.radius.empty() ? 0.0f : buffer.radius[pixel] * scale;
-  attributes[3] = buffer.level.empty() ? 0.0f : static_cast<float>(buffer.level[pixel]);
+  const float residual = buffer.residual.empty() ? 0.0f : buffer.residual[pixel];
+  attributes[3] = buffer.level.empty()
+                      ? 0.0f
+                      : levelAndResidual(buffer.level[pixel], residual, buffer.radius[pixel]);
 }
 
 }  // namespace
+
+float
+levelAndResidual(int level, float residual, float radius)
+{
+  const float share = radius > 0.0f ? std::clamp(residual / radius, 0.0f, 0.999f) : 0.0f;
+  return static_cast<float>(level) + share;
+}
 
 void
 packFrame(const GBuffer& buffer, double scale, int threads, PackedFrame& frame)

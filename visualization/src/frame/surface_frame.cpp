@@ -10,7 +10,7 @@ SurfaceFrames::render(const Camera& camera, const FrameRequest& request, GBuffer
   params.sides = request.sides;
   params.near_plane = request.near_plane;
   params.threads = request.threads;
-  params.columns = kPositionColumn | kCurvatureColumn | kLeafColumns;
+  params.columns = kPositionColumn | kCurvatureColumn | kLeafColumns | kResidualColumn;
   params.cuts = request.clip_planes;
   return renderer_.render(camera, params, buffer);
 }

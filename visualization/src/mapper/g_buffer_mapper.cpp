@@ -90,7 +90,7 @@ GBufferMapper::setRange(double range)
 double
 GBufferMapper::getRange() const
 {
-  if (showsCurvature(state_->mode) && state_->range > 0.0) return state_->range;
+  if (takesRange(state_->mode) && state_->range > 0.0) return state_->range;
   return automaticRange(state_->mode)[1];
 }
 
@@ -164,7 +164,9 @@ GBufferMapper::updateTable()
   State& s = *state_;
   if (s.table_current || !showsNumbers(s.mode)) return;
   std::array<double, 2> limits = automaticRange(s.mode);
-  if (showsCurvature(s.mode) && s.range > 0.0) limits = {-s.range, s.range};
+  if (takesRange(s.mode) && s.range > 0.0) {
+    limits = {showsCurvature(s.mode) ? -s.range : 0.0, s.range};
+  }
   fillColorTable(s.mode, limits, *s.table);
   s.table_current = true;
   ++s.statistics.tables;
@@ -182,6 +184,50 @@ GBufferMapper::UpdateBufferObjects(vtkRenderer* /*renderer*/, vtkActor* /*actor*
   // There are no vertices: rays meet the object itself.
 }
 
+bool
+GBufferMapper::usesCard(vtkOpenGLRenderWindow* /*window*/, const FrameRequest& /*request*/)
+{
+  return false;
+}
+
+Error
+GBufferMapper::drawOnCard(vtkOpenGLRenderWindow* /*window*/, const ViewCamera& /*view*/,
+                          const FrameRequest& /*request*/, FrameTextures& /*textures*/,
+                          std::uint64_t& /*covered*/)
+{
+  return {ErrorCode::kBadArgument, "the graphics card does not draw this; draw it on the CPU"};
+}
+
+void
+GBufferMapper::dropFrame()
+{
+  state_->frame.clear();
+  Modified();
+}
+
+/** \brief Intersects a frame's rays on the graphics card or, failing that, on the CPU. */
+Error
+GBufferMapper::makeFrame(vtkOpenGLRenderWindow* window, const FrameRequest& request, int coarseness)
+{
+  State& s = *state_;
+  const FrameKey key(s.view, request, s.object);
+  s.statistics.on_card = false;
+  if (usesCard(window, request)) {
+    const Error error = s.frame.makeOnCard(
+        s.view, key, coarseness, request,
+        [&](const ViewCamera& view, const FrameRequest& what, std::uint64_t& covered) {
+          return drawOnCard(window, view, what, s.textures, covered);
+        });
+    s.statistics.on_card = s.uploaded = !error;
+    if (!error) return {};
+  }
+  s.uploaded = false;
+  return s.frame.make(s.view, key, coarseness, request, lengthScale(),
+                      [this](const Camera& camera, const FrameRequest& what, GBuffer& buffer) {
+                        return rasterize(camera, what, buffer);
+                      });
+}
+
 /** \brief Intersects rays unless the last frame still holds. \return false for an empty frame. */
 bool
 GBufferMapper::prepareFrame(vtkRenderer* renderer, vtkActor* actor)
@@ -192,15 +238,11 @@ GBufferMapper::prepareFrame(vtkRenderer* renderer, vtkActor* actor)
   s.view = viewOf(renderer, actor, s.bounds, s.viewport[2], s.viewport[3]);
   s.planes = clipPlanesOf(this, actor);
   const FrameRequest request{0.0, s.sides, s.threads, s.planes};
-  FrameKey key(s.view, request, s.object);
+  const FrameKey key(s.view, request, s.object);
   const bool hurry = s.budget > 0.0 && isInteracting(renderer);
   const int coarseness = hurry ? s.frame.coarsenessFor(s.budget) : 1;
   if (!s.frame.holds(key, coarseness)) {
-    s.uploaded = false;
-    s.error = s.frame.make(s.view, std::move(key), coarseness, request, lengthScale(),
-                           [this](const Camera& camera, const FrameRequest& what, GBuffer& buffer) {
-                             return rasterize(camera, what, buffer);
-                           });
+    s.error = makeFrame(window, request, coarseness);
     if (s.error) {
       vtkErrorMacro(<< s.error.message);
       return false;
@@ -249,6 +291,7 @@ void
 GBufferMapper::ReleaseGraphicsResources(vtkWindow* window)
 {
   state_->textures.release(window);
+  if (state_->statistics.on_card) state_->frame.clear();
   state_->uploaded = false;
   state_->table_time = 0;
   Superclass::ReleaseGraphicsResources(window);
@@ -317,6 +360,7 @@ GBufferMapper::PrintSelf(ostream& os, vtkIndent indent)
   os << indent << "Mode: " << nameOf(state_->mode) << "\n";
   os << indent << "Range: " << state_->range << "\n";
   os << indent << "FrameBudget: " << state_->budget << "\n";
+  os << indent << "OnCard: " << state_->statistics.on_card << "\n";
   os << indent << "Rasterized: " << state_->statistics.rasterized << " of "
      << state_->statistics.frames << "\n";
 }

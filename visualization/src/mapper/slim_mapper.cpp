@@ -7,6 +7,7 @@
 #include "color/surface_ranges.h"
 #include "export/leaf_points.h"
 #include "frame/surface_frame.h"
+#include "opengl/card_rasterizer.h"
 
 namespace pcl_slim {
 
@@ -23,6 +24,9 @@ SLIMMapper::setSurface(std::shared_ptr<const SLIMSurface> surface)
   const bool usable = !surface || !surface->validate();
   surface_ = usable ? std::move(surface) : nullptr;
   frames_ = surface_ ? std::make_unique<SurfaceFrames>(*surface_) : nullptr;
+  // Another surface may have the place in memory that this one had.
+  if (card_) card_->setSurface(nullptr);
+  card_fails_ = false;
   ranges_.clear();
   std::array<double, 6> bounds{};
   const vtkSmartPointer<vtkPolyData> points = leafPoints(surface_.get(), bounds);
@@ -42,6 +46,41 @@ SLIMMapper::rasterize(const Camera& camera, const FrameRequest& request, GBuffer
   if (frames_) return frames_->render(camera, request, buffer);
   buffer.resize(camera.size.width, camera.size.height);
   return {};
+}
+
+void
+SLIMMapper::setBackend(RayBackend backend)
+{
+  if (backend == backend_) return;
+  backend_ = backend;
+  card_fails_ = false;
+  dropFrame();
+}
+
+bool
+SLIMMapper::usesCard(vtkOpenGLRenderWindow* /*window*/, const FrameRequest& request)
+{
+  if (!surface_ || card_fails_ || !request.clip_planes.empty()) return false;
+  if (backend_ == RayBackend::kAuto) return !CardRasterizer::isSoftware();
+  return backend_ == RayBackend::kOpenGL;
+}
+
+Error
+SLIMMapper::drawOnCard(vtkOpenGLRenderWindow* window, const ViewCamera& view,
+                       const FrameRequest& request, FrameTextures& textures, std::uint64_t& covered)
+{
+  if (!card_) card_ = std::make_unique<CardRasterizer>();
+  card_->setSurface(surface_.get());
+  Error error = card_->draw(window, view, request, textures, covered);
+  card_fails_ = static_cast<bool>(error);
+  return error;
+}
+
+void
+SLIMMapper::ReleaseGraphicsResources(vtkWindow* window)
+{
+  if (card_) card_->release(window);
+  Superclass::ReleaseGraphicsResources(window);
 }
 
 double

@@ -95,7 +95,8 @@ float slimValue(vec4 a)
   if (slimMode == 3) return a.x * a.y;
   if (slimMode == 4) return a.x;
   if (slimMode == 5) return a.y;
-  if (slimMode == 6) return a.w;
+  if (slimMode == 6) return floor(a.w);
+  if (slimMode == 10) return fract(a.w) * a.z;  // a residual in radii
   return a.z;
 }
 
@@ -137,9 +138,9 @@ constexpr const char* kColor = R"(//VTK::Color::Impl
   vec3 slimBase = diffuseColor;
   if (slimMode == 0 && slimHit.w < 0.0) diffuseColor = slimBackColor;
   if (slimMode == 1) slimBase = 0.5 * slimHit.xyz / length(slimHit.xyz) + 0.5;
-  if (slimMode >= 2 && slimMode <= 7) {
-    float value = slimValue(slimMode == 6 ? slimFetchLargest(slimAttributes)
-                                         : slimFetch(slimAttributes));
+  if ((slimMode >= 2 && slimMode <= 7) || slimMode == 10) {
+    bool whole = slimMode == 6 || slimMode == 10;
+    float value = slimValue(whole ? slimFetchLargest(slimAttributes) : slimFetch(slimAttributes));
     if (slimRange.z > 0.0) value = log(max(value, 1e-30));
     float x = clamp((value - slimRange.x) * slimRange.y, 0.0, 1.0);
     float n = float(textureSize(slimTable, 0).x);
@@ -157,7 +158,7 @@ constexpr const char* kColor = R"(//VTK::Color::Impl
 
 // Normals, stripes and the colours of splats are shown as they are.
 constexpr const char* kUnlit = R"(
-  if (slimMode == 1 || slimMode >= 8) gl_FragData[0] = vec4(slimBase, opacity);
+  if (slimMode == 1 || slimMode == 8 || slimMode == 9) gl_FragData[0] = vec4(slimBase, opacity);
   //VTK::TCoord::Impl
 )";
 

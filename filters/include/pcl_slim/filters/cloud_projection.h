@@ -74,15 +74,23 @@ class CloudProjection {
   {
     return isFinite(i) && projection_.supported[stored_[i]] != 0;
   }
+  /** \brief Whether the i-th point asked for has been moved to a place inside the surface's borders,
+   * as its trim maps have them. */
+  bool isInside(std::size_t i) const { return isFinite(i) && projection_.inside[stored_[i]] != 0; }
   /** \brief The i-th point asked for, which must be supported. */
   ProjectedPoint point(std::size_t i) const;
 
   /** \brief Indices, in the cloud, of the finite points that no surfel supports. */
   std::vector<std::int32_t> unsupported() const;
+  /** \brief Indices, in the cloud, of the points that were moved to places beyond the borders. */
+  std::vector<std::int32_t> outside() const;
   const CloudProjectionStatistics& statistics() const { return statistics_; }
   const PointStoreStatistics& inputStatistics() const { return input_statistics_; }
 
  private:
+  /** \brief Indices, in the cloud, of those points asked for that which(i) names. */
+  template <typename Which>
+  std::vector<std::int32_t> indicesOf(const Which& which) const;
   /** \brief Projects a store's points and appends them, in the first store's units. */
   Error add(const PointStore& store, const SLIMSurface& surface, Progress* progress);
   /** \brief Adds the finite points that the first store left out: for want of a normal, or as strays far away. */

@@ -18,9 +18,12 @@ makeSearch(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud);
  *
  * Every point of the cloud may be a neighbour. Normals face the viewpoint of params, or the
  * cloud's sensor where none is set; those that cannot be computed are NaN. \param[in] search
- * holds the cloud. \param[out] normals one for each selected point. May throw what PCL throws.
+ * holds the cloud. \param[out] normals one for each selected point.
+ * \return an error for more neighbours than there are finite points, or fewer than 3; for a bad number
+ * of threads; and for coordinates whose squares a float cannot hold, which PCL's searches take. May
+ * throw what PCL throws.
  */
-void
+Error
 pclNormals(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud,
            const pcl::IndicesConstPtr& selected,
            const pcl::search::Search<pcl::PointXYZ>::Ptr& search, int neighbours,

@@ -7,10 +7,11 @@
 #include <pcl/register_point_struct.h>
 
 #include <boost/mpl/vector/vector30.hpp>
+#include <cstdint>
 
 namespace pcl_slim {
 
-/** \brief One surfel as a PCL point: ball, normal and polynomial, all fields float.
+/** \brief One surfel as a PCL point: ball, normal and polynomial, all fields but two float.
  *
  * Lengths are in the cloud's units, coefficients carry none: with r the radius and (u, v, w) the
  * frame of the normal (LocalFrame), the surface inside the ball is
@@ -24,9 +25,12 @@ struct EIGEN_ALIGN16 PointSLIM {
   float radius;      ///< radius of the ball, cloud units
   float degree;      ///< degree of the polynomial, 1..4
   float level;       ///< level of the hierarchy, 1 = coarsest
-  float leaf;        ///< 0: internal node, 1: leaf, 3: leaf that ended by minimum support
+  float leaf;        ///< 0: internal node, 1: leaf, 3: leaf that ended by minimum support; 4 more if
+                     ///< data end or leave a hole in its ball
   float error;       ///< weighted RMS residual of the fit, cloud units
   float confidence;  ///< effective number of points behind the fit
+  std::uint32_t trim_low, trim_high;  ///< then: 8 x 8 bits over the square about the ball, where
+                                      ///< data are; row by row from v = -r, lowest bit u = -r
 
   PointSLIM()
       : data{0.0f, 0.0f, 0.0f, 1.0f},
@@ -37,7 +41,9 @@ struct EIGEN_ALIGN16 PointSLIM {
         level(1.0f),
         leaf(1.0f),
         error(0.0f),
-        confidence(0.0f)
+        confidence(0.0f),
+        trim_low(0),
+        trim_high(0)
   {
   }
 
@@ -59,7 +65,8 @@ struct EIGEN_ALIGN16 PointSLIM {
   ((float, x, x))((float, y, y))((float, z, z))((float, normal_x, normal_x))                   \
   ((float, normal_y, normal_y))((float, normal_z, normal_z))((float, radius, radius))          \
   PCL_SLIM_COEFFICIENT_TAGS((float, degree, degree))((float, level, level))                    \
-  ((float, leaf, leaf))((float, error, error))((float, confidence, confidence))
+  ((float, leaf, leaf))((float, error, error))((float, confidence, confidence))             \
+  ((std::uint32_t, trim_low, trim_low))((std::uint32_t, trim_high, trim_high))
 
 namespace pcl {
 namespace fields {
@@ -71,7 +78,7 @@ BOOST_PP_SEQ_FOR_EACH(POINT_CLOUD_REGISTER_FIELD_OFFSET, pcl_slim::PointSLIM, PC
 BOOST_PP_SEQ_FOR_EACH(POINT_CLOUD_REGISTER_FIELD_DATATYPE, pcl_slim::PointSLIM, PCL_SLIM_POINT_TAGS)
 template <>
 struct fieldList<pcl_slim::PointSLIM> {
-  using type = boost::mpl::vector27<
+  using type = boost::mpl::vector29<
       BOOST_PP_SEQ_ENUM(BOOST_PP_SEQ_TRANSFORM(POINT_CLOUD_TAG_OP, _, PCL_SLIM_POINT_TAGS))>;
 };
 }  // namespace traits

@@ -33,6 +33,9 @@ class SLIMCrestLines : public SLIMFit<PointT>, public SLIMCrestLinesBase {
   using Ptr = pcl::shared_ptr<SLIMCrestLines<PointT>>;
   using ConstPtr = pcl::shared_ptr<const SLIMCrestLines<PointT>>;
 
+  /** \brief Lines need no trim maps: none are made unless asked for. */
+  SLIMCrestLines() { this->setTrimming(false); }
+
   /** \brief Traces the lines. \return false with getError() and no lines when it cannot. O(points) for
    * the fit and the seeds, then by the length of the lines. */
   bool compute(CrestLines& lines);

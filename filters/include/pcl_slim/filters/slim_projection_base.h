@@ -4,6 +4,7 @@
 #include <pcl/types.h>
 
 #include <memory>
+#include <string>
 
 #include "pcl_slim/filters/cloud_projection.h"
 #include "pcl_slim/filters/slim_fit_base.h"
@@ -30,6 +31,10 @@ class SLIMProjectionBase : public SLIMFitBase {
   /** \brief The surface that the last run fitted; null when it used a given one or failed. */
   const SurfaceConstPtr& getFittedSurface() const { return fitted_surface_; }
 
+  /** \brief Why the last run, a smoothing, found no surface in the points and left all as they are;
+   * empty where it found one. */
+  const std::string& getWarning() const { return warning_; }
+
   // Results --------------------------------------------------------------------------------------
 
   /** \brief How many points the last run moved, and how far. getStatistics() tells of its fit. */
@@ -40,9 +45,18 @@ class SLIMProjectionBase : public SLIMFitBase {
   double getMaxDisplacement() const { return projection_.max_displacement; }
   /** \brief Indices, in the input cloud, of finite points that no surfel supports. */
   const pcl::Indices& getUnsupported() const { return unsupported_; }
+  /** \brief Indices, in the input cloud, of points that were moved to places beyond the surface's
+   * borders: it has none there to be drawn. Needs trim maps: those of a given surface, or
+   * setTrimming(). No point is dropped for it. */
+  const pcl::Indices& getOutside() const { return outside_; }
 
  protected:
-  SLIMProjectionBase() = default;
+  /** \brief Points move alike with trim maps and without: none are made unless asked for.
+   * \param[in] keeps_points points that are no surface stay as they are: a warning, no error. */
+  explicit SLIMProjectionBase(bool keeps_points = false) : keeps_points_(keeps_points)
+  {
+    params_.trim = false;
+  }
   ~SLIMProjectionBase() = default;
 
   /** \brief Forgets the last run. */
@@ -58,9 +72,13 @@ class SLIMProjectionBase : public SLIMFitBase {
   Error fitAndProject(const CloudView& points, const CloudView& fitted,
                       const ProjectionParams& params, CloudProjection& projection);
 
+  Result<std::shared_ptr<SLIMSurface>> fitTo(const PointStore& store);
+
+  bool keeps_points_;
+  std::string warning_;
   SurfaceConstPtr surface_, fitted_surface_;
   CloudProjectionStatistics projection_;
-  pcl::Indices unsupported_;
+  pcl::Indices unsupported_, outside_;
 };
 
 }  // namespace pcl_slim

@@ -31,7 +31,8 @@ namespace pcl_slim {
  * There is no setSearchRadius(): each ball of the surface finds its own radius from the noise and
  * the shape. setPenalty() or setTargetError() say how smooth the result shall be.
  *
- * A missing or empty cloud, one without a finite point, and indices out of range are errors: the
+ * Points that are nowhere a surface (a dozen or fewer, those of lines) stay as they are: a warning,
+ * printed as PCL prints warnings and told by getWarning(). A missing or empty cloud, one without a finite point, and indices out of range are errors: the
  * output is then empty, the error printed as PCL prints errors, and told by getError().
  *
  * Compiled for PointXYZ, PointXYZI, PointXYZRGB, PointXYZRGBA, PointNormal, PointXYZINormal and
@@ -92,6 +93,9 @@ class SLIMProjectionSmoother : public pcl::CloudSurfaceProcessing<PointInT, Poin
   using pcl::PCLBase<PointInT>::use_indices_;
 
   void performProcessing(PointCloudOut& output) override;
+
+ public:
+  SLIMProjectionSmoother() : SLIMProjectionBase(true) {}
 
  private:
   /** \brief Makes the output of a projection. */

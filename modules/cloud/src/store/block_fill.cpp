@@ -2,6 +2,7 @@
 // The last step of a store: sorted points, which lie anywhere in the caller's cloud, become blocks.
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "pcl_slim/core/extent.h"
 #include "pcl_slim/core/parallel.h"
@@ -29,15 +30,21 @@ PointStoreBuilder::mergedNormal(std::size_t i) const
       std::lower_bound(store_.merged_.begin(), store_.merged_.end(), stored,
                        [](const auto& entry, std::uint32_t value) { return entry[1] < value; });
   if (it == store_.merged_.end() || (*it)[1] != stored) return n;
-  std::array<float, 3> sum = n;
+  // Each once and in an order of their own: how often and in which order points are given is no news.
+  std::vector<std::array<float, 3>> normals = {n};
   for (; it != store_.merged_.end() && (*it)[1] == stored; ++it) {
-    const auto m = reader_.normal(cloud_.inputIndex((*it)[0]));
+    normals.push_back(reader_.normal(cloud_.inputIndex((*it)[0])));
+  }
+  std::sort(normals.begin(), normals.end());
+  normals.erase(std::unique(normals.begin(), normals.end()), normals.end());
+  if (normals.size() == 1) return n;
+  std::array<float, 3> sum{};
+  for (const auto& m : normals) {
     for (int a = 0; a < 3; ++a) sum[a] += m[a];
   }
   const float length = std::sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
-  if (length > 1e-3f) {
-    for (int a = 0; a < 3; ++a) n[a] = sum[a] / length;
-  }
+  if (!(length > 1e-3f)) return normals.front();
+  for (int a = 0; a < 3; ++a) n[a] = sum[a] / length;
   return n;
 }
 

@@ -16,7 +16,9 @@ BallFitter::fit(std::size_t i, int level, SurfelRecord& surfel)
   const BallOutcome outcome = prepare(site, 1, ball);
   if (outcome != BallOutcome::kLeaf) return outcome;
   const RadiusChoice choice = chooseRadius(ball);
-  if (choice.kind == RadiusChoice::Kind::kSparse) return BallOutcome::kUnsupported;
+  if (choice.kind == RadiusChoice::Kind::kSparse) {
+    return withoutFit(ball, site, choice.trial, surfel);
+  }
   surfel = recordOf(ball, choice, level, settings_.constants.ball.bias);
   return choice.kind == RadiusChoice::Kind::kLeaf ? BallOutcome::kLeaf : BallOutcome::kInternal;
 }
@@ -67,6 +69,21 @@ BallFitter::chooseRadius(FramedBall& ball)
   }
   if (choice.kind == RadiusChoice::Kind::kLeaf) choice.trial = search_.refine(choice);
   return choice;
+}
+
+/** Many points without even a plane lie along a line: a finer level may find the band they are. The
+ * ball looked at is one radius wider than the site's, so those of the points marked lie in it. */
+BallOutcome
+BallFitter::withoutFit(const FramedBall& ball, const BallSite& site, const Trial& trial,
+                       SurfelRecord& surfel)
+{
+  const bool many = ball.points->count >= settings_.constants.ball.line_points;
+  if (!many || trial.fit.degree > 0) return BallOutcome::kUnsupported;
+  ++lines_;
+  surfel.center = site.center;
+  surfel.normal = site.normal;
+  surfel.radius = static_cast<float>(kGolden * site.radius);
+  return BallOutcome::kLine;
 }
 
 /** Some thousand points tell that a wide ball must be divided: the rest need not be read. */

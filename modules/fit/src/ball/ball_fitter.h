@@ -12,11 +12,18 @@
 namespace pcl_slim::detail {
 
 /** \brief What became of a centre. */
-enum class BallOutcome : unsigned char { kLeaf, kInternal, kUnsupported, kLoneNormal };
+enum class BallOutcome : unsigned char {
+  kLeaf,
+  kInternal,
+  kLine,  ///< many points, but along a line: to be divided, and there is no surfel
+  kUnsupported,
+  kLoneNormal
+};
 
 /** \brief Counters of one thread; they add up in any order. */
 struct BallCounters {
-  std::uint64_t gathered = 0, split_sheets = 0, tried = 0, fits = 0;
+  std::uint64_t gathered = 0, split_sheets = 0, tried = 0, lines = 0;
+  FitCounts fits;
 };
 
 /** \brief Makes the surfel of one centre (docs/theory.md, "One ball"). One per thread: it keeps the
@@ -32,12 +39,12 @@ class BallFitter {
   NearbyBlocks& nearby() { return gatherer_.nearby(); }
 
   /** \brief Fits the ball of stored point i at level k. \param[out] surfel of a leaf or internal
-   * node. */
+   * node; of a line, the ball that holds it. */
   BallOutcome fit(std::size_t i, int level, SurfelRecord& surfel);
 
   BallCounters counters() const
   {
-    return {gatherer_.numGathered(), splitter_.numSplit(), tried_, search_.numFits()};
+    return {gatherer_.numGathered(), splitter_.numSplit(), tried_, lines_, search_.counts()};
   }
 
  private:
@@ -47,13 +54,15 @@ class BallFitter {
   FramedBall ownSheet(const FramedBall& ball);
   FramedBall onItsFit(const FramedBall& ball, std::size_t stride);
   RadiusChoice chooseRadius(FramedBall& ball);
+  BallOutcome withoutFit(const FramedBall& ball, const BallSite& site, const Trial& trial,
+                         SurfelRecord& surfel);
 
   const PointStore& store_;
   const FitSettings& settings_;
   BallGatherer gatherer_;
   RadiusSearch search_;
   SheetSplitter splitter_;
-  std::uint64_t tried_ = 0;
+  std::uint64_t tried_ = 0, lines_ = 0;
 };
 
 }  // namespace pcl_slim::detail

@@ -161,7 +161,7 @@ void
 LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& surfel,
                  NearbyBlocks& nearby, Output& output)
 {
-  output.lasts |= outcome != BallOutcome::kInternal;
+  output.lasts |= outcome != BallOutcome::kInternal && outcome != BallOutcome::kLine;
   switch (outcome) {
     case BallOutcome::kLeaf:
       addCoverage(store_, settings_, surfel, nearby, coverage_.data());
@@ -171,6 +171,10 @@ LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& s
       markBall(store_, settings_, surfel, level_mark_, nearby, marks_.data());
       marks_[point] |= level_mark_;
       break;
+    case BallOutcome::kLine:
+      markBall(store_, settings_, surfel, level_mark_, nearby, marks_.data());
+      marks_[point] |= level_mark_;
+      return;
     case BallOutcome::kUnsupported: marks_[point] = kServedForGood; return;
     case BallOutcome::kLoneNormal: marks_[point] = kServedForGood | kLoneNormalMark; return;
   }
@@ -273,6 +277,7 @@ LevelCover::counters() const
     sum.gathered += counters.gathered;
     sum.split_sheets += counters.split_sheets;
     sum.tried += counters.tried;
+    sum.lines += counters.lines;
     sum.fits += counters.fits;
   }
   return sum;

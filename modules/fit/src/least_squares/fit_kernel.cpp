@@ -107,6 +107,7 @@ fitWith(const BallBuffer& points, float rho, double support, bool refine)
   NormalEquations<D> equations;
   const int pivots = equations.factor(m.uv, m.z, slopes ? of_slopes.uv : nullptr);
   fit.degree = supportedDegree(D, pivots, fit.n_eff, support);
+  fit.fell_by_pivot = fit.degree < D && fit.n_eff >= support * numCoefficients(fit.degree + 1);
   if (fit.degree == 0) return fit;
   const int size = numCoefficients(fit.degree);
   double rss = m.zz;
@@ -117,6 +118,7 @@ fitWith(const BallBuffer& points, float rho, double support, bool refine)
     residualSums<D, K>(ball, fit.c.data(), b, ff);
     if (slopes) addSlopeSums<D, K>(ball, fit.c.data(), b);
     equations.solveAndAdd(size, b, fit.c.data());
+    fit.least_pivot = equations.leastPivot(size);
   }
   if (refine || slopes || rss < FloatLimits::kResidual * m.zz)
     rss = residualSum<D, K>(ball, fit.c.data());

@@ -22,7 +22,9 @@ struct LocalFit {
   double slope_sq = 0;                          ///< mean of |grad h|^2, weights w
   double terms = 0;  ///< coefficients that the heights decide: their number, fewer beside slopes
   double slope_misfit = 0;  ///< slope_weight times the mean square slope missed, like residual_sq
-  int moment_degree = 0;    ///< the degree asked for: moments go up to twice that
+  bool fell_by_pivot = false;  ///< the degree asked for had the points, not the pivots
+  double least_pivot = 1;      ///< over its diagonal entry; told for refined fits
+  int moment_degree = 0;       ///< the degree asked for: moments go up to twice that
   std::array<double, kMaxMoments> moments{};  ///< sum w u^i v^j, in rows of fixed i (momentIndex)
 };
 

@@ -64,6 +64,17 @@ class NormalEquations {
     for (int p = 0; p < size; ++p) c[p] += delta[p];
   }
 
+  /** The smallest of the first size pivots over its diagonal entry: about 1 over the condition of the
+   * equations, scaled to a unit diagonal. */
+  double leastPivot(int size) const
+  {
+    double least = 1.0;
+    for (int p = 0; p < size; ++p) {
+      least = std::min(least, FloatLimits::kPivot / (inverse_[p] * inverse_[p] * least_[p]));
+    }
+    return least;
+  }
+
   /** tr(M A^-1) for the moments M of heights alone: the coefficients that they decide. */
   double heightTerms(int size, const double* uv) const
   {

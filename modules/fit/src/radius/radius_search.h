@@ -49,7 +49,7 @@ class RadiusSearch {
   /** \brief The final fit of a leaf, with refinement and, where asked, robust weights. */
   Trial refine(const RadiusChoice& choice) { return final_.make(choice, *rule_); }
 
-  std::uint64_t numFits() const { return trials_.numFits(); }
+  const FitCounts& counts() const { return trials_.counts(); }
 
  private:
   TrialFits trials_;

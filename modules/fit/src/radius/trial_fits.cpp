@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "radius/trial_fits.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "least_squares/nested_fit.h"
@@ -25,13 +26,17 @@ TrialFits::right()
 Trial
 TrialFits::at(double rho, int degree, WeightKernel kernel)
 {
-  ++fits_;
+  ++counts_.fits;
   Trial trial;
   trial.rho = rho;
   trial.fit = kernels::fitBall(samples_.within(rho), degree, static_cast<float>(rho), kernel,
                                settings_.support, false);
   trial.supported = trial.fit.degree == degree;
-  if (trial.supported) trial.energy = energyOf(trial, energy_);
+  if (trial.supported) {
+    trial.energy = energyOf(trial, energy_);
+  } else {
+    ++(trial.fit.fell_by_pivot ? counts_.fell_by_pivot : counts_.fell_by_support);
+  }
   return trial;
 }
 
@@ -80,12 +85,16 @@ TrialFits::ofLowerDegree(const Trial& trial, int degree)
 bool
 TrialFits::refit(const BallBuffer& points, WeightKernel kernel, Trial& trial)
 {
-  ++fits_;
+  ++counts_.fits;
   // The degree was settled with the full support; rounding must not undo it here.
   const double support = constants().refit_support * settings_.support;
   const LocalFit fit = kernels::fitBall(points, trial.fit.degree, static_cast<float>(trial.rho),
                                         kernel, support, true);
-  if (fit.degree != trial.fit.degree) return false;
+  if (fit.degree != trial.fit.degree) {
+    ++counts_.fell_by_pivot;
+    return false;
+  }
+  counts_.least_pivot = std::min(counts_.least_pivot, fit.least_pivot);
   trial.fit = fit;
   return true;
 }

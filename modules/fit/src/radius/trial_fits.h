@@ -3,6 +3,7 @@
 // between; the minimum-support radius is that of "Guards", Minimum support.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "fit_settings.h"
@@ -18,9 +19,24 @@ struct Trial {
   bool supported = false;  ///< the full degree could be fitted with enough points
 };
 
+/** \brief Systems solved, those whose degree fell and why, and the worst pivot of those kept. */
+struct FitCounts {
+  std::uint64_t fits = 0, fell_by_support = 0, fell_by_pivot = 0;
+  double least_pivot = 1;  ///< over its diagonal entry, of refined fits
+
+  FitCounts& operator+=(const FitCounts& other)
+  {
+    fits += other.fits;
+    fell_by_support += other.fell_by_support;
+    fell_by_pivot += other.fell_by_pivot;
+    least_pivot = std::min(least_pivot, other.least_pivot);
+    return *this;
+  }
+};
+
 /** \brief Fits the samples of one ball at any radius and degree. One per thread.
  *
- * Every fit costs O(points within the radius) and counts in numFits(). */
+ * Every fit costs O(points within the radius) and counts in counts(). */
 class TrialFits {
  public:
   explicit TrialFits(const FitSettings& settings) : settings_(settings), energy_(settings.energy) {}
@@ -79,7 +95,7 @@ class TrialFits {
   const Energy& energy() const { return energy_; }
   const FitSettings& settings() const { return settings_; }
   const RadiusConstants& constants() const { return settings_.constants.radius; }
-  std::uint64_t numFits() const { return fits_; }
+  const FitCounts& counts() const { return counts_; }
 
  private:
   const FitSettings& settings_;
@@ -87,7 +103,7 @@ class TrialFits {
   BallSamples samples_;
   Trial right_;
   bool has_right_ = false;
-  std::uint64_t fits_ = 0;
+  FitCounts counts_;
 };
 
 }  // namespace pcl_slim::detail

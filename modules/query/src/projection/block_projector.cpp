@@ -27,6 +27,7 @@ BlockProjector::BlockProjector(const PointStore& store, const SLIMSurface& surfa
     : store_(store),
       surface_(surface),
       placement_(store, surface),
+      trims_(surface),
       with_directions_(params.directions || params.extremality),
       noise_(std::sqrt(std::max(0.0, surface.info.lambda)) * surface.info.diagonal),
       by_normals_(surface.info.oriented && store.hasNormals() && !params.paper_mode)
@@ -61,6 +62,7 @@ BlockProjector::placed(std::uint32_t i) const
   leaf.variance_weight = rules_.guarded ? surface_.varianceWeight(i) : 1.0f;
   leaf.degree = surface_.degree[i];
   leaf.c = surface_.coefficientsOf(i);
+  leaf.trim = trims_.of(i);
   return placed;
 }
 
@@ -125,6 +127,7 @@ BlockProjector::write(std::size_t i, std::size_t lane, const BlockSums& sums,
       result.normal[i][a] = means.unit[a][lane];
     }
     result.supported[i] = 1;
+    result.inside[i] = static_cast<std::uint8_t>(sums.outside[lane] <= 0.5f * sums.weight[lane]);
     if (rules_.with_hessian) writeCurvature(i, lane, sums, means, result);
   }
   result.position[i] = position;

@@ -49,6 +49,7 @@ class BlockProjector {
   const PointStore& store_;
   const SLIMSurface& surface_;
   Placement placement_;
+  TrimTables trims_;
   std::vector<PlacedLeaf> placed_;
   BlendRules rules_;
   bool with_directions_;  ///< principal curvatures and directions

@@ -20,6 +20,7 @@ allocate(std::size_t points, const ProjectionParams& params, Projection& result)
   result.position.resize(points);
   result.normal.assign(points, {0, 0, 0});
   result.supported.assign(points, 0);
+  result.inside.assign(points, 0);
   const bool directions = params.directions || params.extremality;
   if (params.curvature || directions) result.curvature.assign(points, {0, 0});
   if (directions) result.principal.assign(points, {});

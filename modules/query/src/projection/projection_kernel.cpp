@@ -11,6 +11,7 @@
 #include "hwy/highway.h"
 
 #include "pcl_slim/surface/detail/kernel_math-inl.h"
+#include "pcl_slim/surface/detail/trim_outside-inl.h"
 #include "projection/derivative_sums-inl.h"
 #include "projection/height_jets-inl.h"
 #include "projection/leaf_frame-inl.h"
@@ -140,6 +141,9 @@ addBlend(const BlockLeaf& leaf, const LeafFrame& frame, const HeightJets<D>& jet
 {
   addTo(sums.weight + i, near, g);
   addTo(sums.offset + i, near, hn::Mul(g, hn::Mul(root.t, set(leaf.radius))));
+  if (!leaf.trim.closed()) {
+    addTo(sums.outside + i, near, hn::Mul(g, outsideShares(Tag(), leaf.trim, root.q.u, root.q.v)));
+  }
   // Signed so that every gradient points along the ray.
   const Vec signed_g = rules.oriented ? g : hn::Mul(g, alignment(root.along_ray));
   const Local n = gradientOf(root.hu, root.hv);
@@ -211,6 +215,7 @@ finishDirections(BlockSums& sums)
     }
     hn::Store(zero, d, sums.weight + i);
     hn::Store(zero, d, sums.offset + i);
+    hn::Store(zero, d, sums.outside + i);
     for (auto& column : sums.hessian) hn::Store(zero, d, column + i);
     for (auto& column : sums.third) hn::Store(zero, d, column + i);
   }

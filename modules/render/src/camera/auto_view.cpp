@@ -2,6 +2,7 @@
 #include "pcl_slim/render/auto_view.h"
 
 #include <algorithm>
+#include <numeric>
 #include <vector>
 
 #include "pcl_slim/core/vector3.h"
@@ -11,13 +12,15 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kClearlyLonger = 1.1;  ///< y over z, for a cloud to count as standing along y
+constexpr double kOpenBelow = 0.1;      ///< mean normals that tell which of two axes is up
+constexpr double kBase = 0.03;          ///< share of the area by which flat bases tell
 constexpr double kOneSided = 0.15;      ///< length of the mean normal across the upward axis
 constexpr double kQuarterView = 30.0;   ///< azimuth in degrees
 constexpr double kCameraFacing = 0.4;   ///< mean normal along -z of a scan in camera axes
 
 /** \brief Spheres as weighted points: weight r^2, about the area each stands for. */
 struct SphereCloud {
-  std::vector<Vector3> centers;
+  std::vector<Vector3> centers, normals;
   std::vector<double> weights;
   double total = 0.0;
   Vector3 low{}, high{};  ///< bounds of the central 98 % on each axis
@@ -26,6 +29,8 @@ struct SphereCloud {
 
   explicit SphereCloud(const std::vector<BoundingSphere>& spheres);
   void measureAxis(std::size_t axis);
+  /** \brief Share of the area that lies flat at the lower end of an axis: what an object stands on. */
+  double baseShare(std::size_t axis) const;
   bool empty() const { return centers.empty(); }
   double extent(std::size_t axis) const { return high[axis] - low[axis]; }
 };
@@ -36,6 +41,7 @@ SphereCloud::SphereCloud(const std::vector<BoundingSphere>& spheres)
     const auto &c = sphere.center, &n = sphere.normal;
     const double weight = static_cast<double>(sphere.radius) * sphere.radius;
     centers.push_back({c[0], c[1], c[2]});
+    normals.push_back({n[0], n[1], n[2]});
     weights.push_back(weight);
     total += weight;
     mean_normal = along(mean_normal, weight, {n[0], n[1], n[2]});
@@ -48,23 +54,42 @@ SphereCloud::SphereCloud(const std::vector<BoundingSphere>& spheres)
 void
 SphereCloud::measureAxis(std::size_t axis)
 {
-  std::vector<double> values(centers.size());
-  for (std::size_t i = 0; i < centers.size(); ++i) values[i] = centers[i][axis];
-  std::sort(values.begin(), values.end());
-  const auto last = static_cast<double>(values.size() - 1);
-  low[axis] = values[static_cast<std::size_t>(0.01 * last)];
-  high[axis] = values[static_cast<std::size_t>(0.99 * last)];
-  double sum = 0.0, sum_sq = 0.0, weight = 0.0;
-  for (std::size_t i = 0; i < centers.size(); ++i) {
+  std::vector<std::size_t> order(centers.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return centers[a][axis] < centers[b][axis]; });
+  // By area, not by number: where there is detail there are many small spheres.
+  double below = 0.0, sum = 0.0, sum_sq = 0.0, weight = 0.0;
+  low[axis] = centers[order.front()][axis];
+  high[axis] = centers[order.back()][axis];
+  bool begun = false;
+  for (const std::size_t i : order) {
+    below += weights[i];
+    if (below < 0.01 * total) continue;
+    if (!begun) low[axis] = centers[i][axis];
+    begun = true;
     const double x = centers[i][axis] - low[axis];
-    if (x < 0.0 || centers[i][axis] > high[axis]) continue;
     sum += weights[i] * x;
     sum_sq += weights[i] * x * x;
     weight += weights[i];
+    if (below < 0.99 * total) continue;
+    high[axis] = centers[i][axis];
+    break;
   }
-  if (!(weight > 0.0)) return;
   const double mean = sum / weight;
   deviation[axis] = std::sqrt(std::max(0.0, sum_sq / weight - mean * mean));
+}
+
+double
+SphereCloud::baseShare(std::size_t axis) const
+{
+  constexpr double kFacing = 0.94, kNearEnd = 0.06;
+  const double end = low[axis] + kNearEnd * extent(axis);
+  double area = 0.0;
+  for (std::size_t i = 0; i < centers.size(); ++i) {
+    if (centers[i][axis] < end && std::abs(normals[i][axis]) > kFacing) area += weights[i];
+  }
+  return area / total;
 }
 
 /** \brief True when all extents but the one along axis are at least four times as long. */
@@ -181,7 +206,14 @@ guessUpAxis(const BoundingSpheres& object)
   const SphereCloud cloud(object.spheres);
   if (cloud.empty() || isFlatAlong(cloud, 2) || isGeoreferenced(object)) return UpAxis::kZ;
   if (isFlatAlong(cloud, 1)) return UpAxis::kY;
-  return cloud.extent(1) > kClearlyLonger * cloud.extent(2) ? UpAxis::kY : UpAxis::kZ;
+  if (cloud.extent(1) > kClearlyLonger * cloud.extent(2)) return UpAxis::kY;
+  if (cloud.extent(2) > kClearlyLonger * cloud.extent(1)) return UpAxis::kZ;
+  // Neither is clearly longer: nothing that stands is measured from below, or it has a flat base.
+  const double open_y = cloud.mean_normal[1], open_z = cloud.mean_normal[2];
+  if (object.oriented && std::abs(open_y - open_z) > kOpenBelow) {
+    return open_y > open_z ? UpAxis::kY : UpAxis::kZ;
+  }
+  return cloud.baseShare(1) > cloud.baseShare(2) + kBase ? UpAxis::kY : UpAxis::kZ;
 }
 
 ViewDirection

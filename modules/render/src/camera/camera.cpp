@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "camera/bulk.h"
 #include "camera/camera_rays.h"
 
 namespace pcl_slim {
@@ -13,6 +14,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr int kMaxSide = 32768;
+constexpr double kFarOrigin = 0x1p40;  ///< beyond it doubles hardly hold a unit more
 
 bool
 isFinite(const Vector3& v)
@@ -20,63 +22,41 @@ isFinite(const Vector3& v)
   return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
 }
 
-/** \brief Per axis, the interval of centres that a view of the whole object frames. */
-std::array<std::array<double, 2>, 3>
-framedExtent(const std::vector<BoundingSphere>& spheres)
-{
-  std::array<std::array<double, 2>, 3> extent;
-  std::vector<float> values(spheres.size());
-  for (std::size_t a = 0; a < 3; ++a) {
-    for (std::size_t i = 0; i < spheres.size(); ++i) values[i] = spheres[i].center[a];
-    const auto quantile = [&](double share) {
-      const auto k = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
-      std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(k),
-                       values.end());
-      return static_cast<double>(values[k]);
-    };
-    const double low = quantile(0.01), high = quantile(0.99), slack = high - low;
-    extent[a] = {low - slack - 1e-3, high + slack + 1e-3};
-  }
-  return extent;
-}
+/** \brief What is free for the object on the plane at depth 1: how far to either side. */
+struct Opening {
+  double left, right, vertical;
 
-/** \brief Spheres a view of the whole object has to show. */
-std::vector<BoundingSphere>
-framedSpheres(const std::vector<BoundingSphere>& spheres)
-{
-  std::vector<BoundingSphere> framed;
-  if (spheres.empty()) return framed;
-  const auto extent = framedExtent(spheres);
-  for (const BoundingSphere& sphere : spheres) {
-    bool inside = true;
-    for (std::size_t a = 0; a < 3; ++a) {
-      inside = inside && sphere.center[a] >= extent[a][0] && sphere.center[a] <= extent[a][1];
-    }
-    if (inside) framed.push_back(sphere);
+  /** \brief A share of the whole, which is as wide as width to height; right_margin is left out. */
+  Opening(double half_height, const ImageSize& size, double margin, double right_margin)
+  {
+    const double free = 1.0 - 2.0 * std::clamp(margin, 0.0, 0.4);
+    vertical = half_height * free;
+    left = vertical * size.width / size.height;
+    right = left * (1.0 - 2.0 * std::clamp(right_margin, 0.0, 0.4));
   }
-  return framed;
-}
+};
 
-/** \brief Balls as a frustum with half widths tx, ty at depth 1 sees them: bounds of x - tx z,
- * -x - tx z, y - ty z, -y - ty z and of z in camera axes. */
+/** \brief Balls as a frustum sees them that is open so far at depth 1: bounds of x - right z,
+ * -x - left z, y - vertical z, -y - vertical z and of z in camera axes. */
 struct FrustumFit {
   double max_right = -HUGE_VAL, max_left = -HUGE_VAL, max_up = -HUGE_VAL, max_down = -HUGE_VAL;
   double min_depth = HUGE_VAL;
 
   /** \param[in] reach share of each radius that is to be seen */
   FrustumFit(const std::vector<BoundingSphere>& spheres, double reach, const CameraAxes& axes,
-             double tx, double ty)
+             const Opening& open)
   {
-    const double reach_x = reach * std::sqrt(1.0 + tx * tx),
-                 reach_y = reach * std::sqrt(1.0 + ty * ty);
+    const auto sloped = [reach](double slope) { return reach * std::sqrt(1.0 + slope * slope); };
+    const double reach_left = sloped(open.left), reach_right = sloped(open.right),
+                 reach_y = sloped(open.vertical);
     for (const BoundingSphere& sphere : spheres) {
       const Vector3 c{sphere.center[0], sphere.center[1], sphere.center[2]};
       const double x = dot(c, axes.right), y = dot(c, axes.up), z = dot(c, axes.forward);
       const double r = sphere.radius;
-      max_right = std::max(max_right, x - tx * z + reach_x * r);
-      max_left = std::max(max_left, -x - tx * z + reach_x * r);
-      max_up = std::max(max_up, y - ty * z + reach_y * r);
-      max_down = std::max(max_down, -y - ty * z + reach_y * r);
+      max_right = std::max(max_right, x - open.right * z + reach_right * r);
+      max_left = std::max(max_left, -x - open.left * z + reach_left * r);
+      max_up = std::max(max_up, y - open.vertical * z + reach_y * r);
+      max_down = std::max(max_down, -y - open.vertical * z + reach_y * r);
       min_depth = std::min(min_depth, z - r);
     }
   }
@@ -90,16 +70,21 @@ startingCamera(const BoundingSpheres& object, const ViewDirection& direction, co
   camera.size = size;
   camera.up = direction.up;
   camera.look_at = object.origin;
-  camera.position = along(object.origin, 1.0, normalized(direction.towards_viewer));
+  double farthest = 0;
+  for (const double o : object.origin) farthest = std::max(farthest, std::abs(o));
+  const double off = farthest < kFarOrigin ? 1.0 : farthest;  // a unit would be lost out there
+  camera.position = along(object.origin, off, normalized(direction.towards_viewer));
   return camera;
 }
 
-/** \brief Puts the camera at depth z (local), centred on what fit measured. */
+/** \brief Puts the camera at depth z (local), centred on what fit measured but for a shift to the
+ * right. */
 void
 placeCamera(const BoundingSpheres& object, const CameraAxes& axes, const FrustumFit& fit, double z,
-            Camera& camera)
+            double shift, Camera& camera)
 {
-  const double x = 0.5 * (fit.max_right - fit.max_left), y = 0.5 * (fit.max_up - fit.max_down);
+  const double x = 0.5 * (fit.max_right - fit.max_left + shift),
+               y = 0.5 * (fit.max_up - fit.max_down);
   const Vector3 eye = along(along(scaled(axes.right, x), y, axes.up), z, axes.forward);
   camera.position = along(object.origin, object.scale, eye);
   camera.look_at = along(camera.position, object.scale, axes.forward);
@@ -134,40 +119,40 @@ Camera::validate() const
 
 Camera
 fitCamera(const BoundingSpheres& object, const ViewDirection& direction, const ImageSize& size,
-          double fov, double margin)
+          double fov, double margin, double right_margin)
 {
   Camera camera = startingCamera(object, direction, size);
   camera.fov = fov;
-  const std::vector<BoundingSphere> framed = framedSpheres(object.spheres);
+  const std::vector<BoundingSphere> framed = bulkOf(object.spheres);
   if (framed.empty()) return camera;
 
   const CameraAxes axes(camera);
-  const double free = 1.0 - 2.0 * std::clamp(margin, 0.0, 0.4);
-  const double ty = std::tan(fov * kPi / 360.0) * free, tx = ty * size.width / size.height;
-  const FrustumFit fit(framed, object.seen_radius, axes, tx, ty);
-  const double z =
-      std::min(-0.5 * (fit.max_right + fit.max_left) / tx, -0.5 * (fit.max_up + fit.max_down) / ty);
-  placeCamera(object, axes, fit, z, camera);
+  const Opening open(std::tan(fov * kPi / 360.0), size, margin, right_margin);
+  const FrustumFit fit(framed, object.seen_radius, axes, open);
+  const double z = std::min(-(fit.max_right + fit.max_left) / (open.left + open.right),
+                            -0.5 * (fit.max_up + fit.max_down) / open.vertical);
+  placeCamera(object, axes, fit, z, (open.right - open.left) * z, camera);
   return camera;
 }
 
 Camera
 fitOrthographicCamera(const BoundingSpheres& object, const ViewDirection& direction,
-                      const ImageSize& size, double margin)
+                      const ImageSize& size, double margin, double right_margin)
 {
   Camera camera = startingCamera(object, direction, size);
   camera.projection = Camera::Projection::kOrthographic;
   camera.view_height = object.scale;
-  const std::vector<BoundingSphere> framed = framedSpheres(object.spheres);
+  const std::vector<BoundingSphere> framed = bulkOf(object.spheres);
   if (framed.empty()) return camera;
 
   const CameraAxes axes(camera);
-  const double free = 1.0 - 2.0 * std::clamp(margin, 0.0, 0.4);
-  const FrustumFit fit(framed, object.seen_radius, axes, 0.0, 0.0);
+  const Opening open(1.0, size, margin, right_margin);
+  const FrustumFit fit(framed, object.seen_radius, axes, {0.0, size, margin, right_margin});
   const double width = fit.max_right + fit.max_left, height = fit.max_up + fit.max_down;
-  const double local_height = std::max(height, width * size.height / size.width) / free;
-  camera.view_height = std::max(local_height, 1e-9) * object.scale;
-  placeCamera(object, axes, fit, fit.min_depth - local_height, camera);
+  const double half = std::max(0.5 * height / open.vertical, width / (open.left + open.right));
+  camera.view_height = std::max(2.0 * half, 1e-9) * object.scale;
+  placeCamera(object, axes, fit, fit.min_depth - 2.0 * half, (open.left - open.right) * half,
+              camera);
   return camera;
 }
 

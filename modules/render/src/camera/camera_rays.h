@@ -34,6 +34,10 @@ class CameraRays {
   /** \brief Length of a pixel at a point's depth; 0 for a point behind a perspective camera. */
   double pixelLength(const Vector3& point) const;
 
+  /** \brief pixelAtEye() + pixelPerDepth() times the distance is never less than pixelLength(). */
+  double pixelAtEye() const { return perspective_ ? 0.0 : pixel_; }
+  double pixelPerDepth() const { return perspective_ ? pixel_ : 0.0; }
+
   /** \brief Smallest depth at which a ray through the ball can meet it (negative: behind). */
   double nearestDepth(const Vector3& center, double radius) const;
 

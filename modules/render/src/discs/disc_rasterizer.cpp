@@ -70,7 +70,7 @@ DiscRenderParams::validate() const
   if (!(near_plane >= 0.0 && std::isfinite(near_plane))) {
     return bad("the near plane must be a finite distance, 0 or more");
   }
-  return {};
+  return checkThreads(threads);
 }
 
 DiscRenderStatistics&
@@ -132,7 +132,7 @@ renderDiscs(const SplatSet& splats, const Camera& camera, const DiscRenderParams
   DiscRenderStatistics total;
   const CameraRays rays(camera, splats.origin, 1.0);
   SurfelBins bins;
-  const DiscFrame frame{splats, rays, bins, params, params.sides == VisibleSides::kFront};
+  const DiscFrame frame{{splats, rays, params, params.sides == VisibleSides::kFront}, bins};
   bins = binDiscs(frame, camera.size, threads, total);
 
   total += forEachTile<DiscTile, DiscRenderStatistics>(

@@ -15,11 +15,7 @@
 #include "fast/tile_blocks-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
-using UintTag = hn::RebindToUnsigned<Tag>;
-using UintVec = hn::Vec<UintTag>;
+namespace pcl_slim::detail::kernels::HWY_NAMESPACE::pair {
 
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 constexpr float kMaxShift = 0.25f;   ///< distance of q^ from a leaf's own surface, in its radii
@@ -29,43 +25,45 @@ constexpr float kSameSheet = 5e-4f;  ///< of r: q^ gains nothing by moving forwa
 /** Sums of a block's blend (eqs. 6, 7, 8 left), before division by the weight; camera's axes. */
 struct BlockSums {
   Vec weight, shift, coverage, facing, best;
+  Vec outside;  ///< of w outsideShare(): of the trim maps
   Vec gradient[3], hessian[6], lean[3], leaves;
   UintVec surfel;
 
   void clear()
   {
-    const Vec zero = hn::Zero(Tag());
-    weight = shift = coverage = facing = best = leaves = zero;
+    const Vec zero = set(0.0f);
+    weight = shift = coverage = facing = best = outside = leaves = zero;
     for (auto& g : gradient) g = zero;
     for (auto& h : hessian) h = zero;
     for (auto& l : lean) l = zero;
-    surfel = hn::Set(UintTag(), GBuffer::kNothing);
+    surfel = setUint(GBuffer::kNothing);
   }
 };
 
 /** Rays of a block and what they have met. Depths are D less the tile's. */
 struct Block {
-  Vec dx, dy;            ///< pixel from the tile's corner
-  Vec slope_x, slope_y;  ///< rays (x, y, 1) or, parallel, where they start
-  Vec slant;             ///< length of a ray's step to the next unit of z
-  Vec near_plane;        ///< depth
-  Vec nearest;           ///< pass 1 looks no nearer than this
-  Vec first;             ///< of q^; infinity where nothing was met
-  Vec z;                 ///< of q^; 1 if parallel
+  Vec dx, dy;                    ///< pixel from the tile's corner
+  Vec slope_x, slope_y;          ///< rays (x, y, 1) or, parallel, where they start
+  Vec direction_x, direction_y;  ///< rays (x, y, 1); 0 if parallel
+  Vec slant;                     ///< length of a ray's step to the next unit of z
+  Vec near_plane;                ///< depth
+  Vec nearest;                   ///< pass 1 looks no nearer than this
+  Vec first;                     ///< of q^; infinity where nothing was met
+  Vec z;                         ///< of q^; 1 if parallel
   Mask pending;
 };
 
 /** What both passes need of a frame and a tile. */
 struct PassContext {
   const FrameScene& scene;
-  const TileBlocks& tile;
+  TileBlocks& tile;
   WeightKernel kernel;
   float first_sq, blend_sq;  ///< squared shares of radii
   float inverse_cover_sq;
   bool front_only, with_hessian, with_near_plane;
   RenderStatistics& statistics;
 
-  PassContext(const FrameScene& s, const TileBlocks& t, RenderStatistics& counts)
+  PassContext(const FrameScene& s, TileBlocks& t, RenderStatistics& counts)
       : scene(s),
         tile(t),
         kernel(s.surface.info.blend_kernel),
@@ -80,38 +78,27 @@ struct PassContext {
   }
 };
 
-HWY_INLINE Vec
-blendWeight(WeightKernel kernel, Vec s_sq)
-{
-  switch (kernel) {
-    case WeightKernel::kPower2: return kernelWeight<WeightKernel::kPower2>(s_sq);
-    case WeightKernel::kPower4: return kernelWeight<WeightKernel::kPower4>(s_sq);
-    case WeightKernel::kPower7: return kernelWeight<WeightKernel::kPower7>(s_sq);
-    default: return kernelWeight<WeightKernel::kGaussian>(s_sq);
-  }
-}
-
 HWY_INLINE LeafRays
 raysOf(const TileLeaf& at, const Block& block)
 {
   const FrameLeaf& leaf = *at.leaf;
-  return {leaf, hn::MulAdd(set(leaf.per_pixel), block.dx, set(at.x)),
-          hn::NegMulAdd(set(leaf.per_pixel), block.dy, set(at.y))};
+  return {leaf, MulAdd(set(leaf.per_pixel), block.dx, set(at.x)),
+          NegMulAdd(set(leaf.per_pixel), block.dy, set(at.y))};
 }
 
 HWY_INLINE Vec
 sigmaOf(const TileLeaf& at, Vec depth)
 {
-  return hn::MulAdd(set(at.leaf->beta), depth, set(at.sigma));
+  return MulAdd(set(at.leaf->beta), depth, set(at.sigma));
 }
 
 /** Moves q^ of lanes whose root lies before it. */
 HWY_INLINE void
 moveForward(const TileLeaf& at, Mask found, Vec sigma, Block& block)
 {
-  const Vec depth = hn::Mul(hn::Sub(sigma, set(at.sigma)), set(at.leaf->inverse_beta));
-  found = hn::And(found, hn::And(hn::Lt(depth, block.first), hn::Ge(depth, block.nearest)));
-  block.first = hn::IfThenElse(found, depth, block.first);
+  const Vec depth = Mul(Sub(sigma, set(at.sigma)), set(at.leaf->inverse_beta));
+  found = And(found, And(Lt(depth, block.first), Ge(depth, block.nearest)));
+  block.first = IfThenElse(found, depth, block.first);
 }
 
 /** Pass 1 of a quadratic leaf: roots in closed form, then whether they lie in the ball. */
@@ -121,9 +108,9 @@ firstOfQuadratic(const PassContext& context, const TileLeaf& at, Block& block)
   const LeafRays rays = raysOf(at, block);
   const RayPolynomials<2> f(at.leaf->form(), rays.x, rays.y);
   const QuadraticRoots roots(f, context.front_only);
-  const Mask live = hn::And(block.pending, roots.real);
+  const Mask live = And(block.pending, roots.real);
   const auto take = [&](Vec sigma) HWY_ATTR {
-    moveForward(at, hn::And(live, rays.inBall(sigma, context.first_sq)), sigma, block);
+    moveForward(at, And(live, rays.inBall(sigma, context.first_sq)), sigma, block);
   };
   take(roots.falling);
   if (!context.front_only) take(roots.rising);
@@ -136,25 +123,24 @@ HWY_INLINE Mask
 firstByNewton(const PassContext& context, const TileLeaf& at, const LeafRays& rays,
               const RayPolynomials<D>& f, Block& block)
 {
-  const Tag d;
   const Vec reached = sigmaOf(at, block.first);
-  const Mask have = hn::Lt(reached, set(1.5f));  // also false where nothing was met
-  Vec sigma = hn::IfThenElseZero(have, hn::Max(reached, set(-1.5f)));
+  const Mask have = Lt(reached, set(1.5f));  // also false where nothing was met
+  Vec sigma = IfThenElseZero(have, Max(reached, set(-1.5f)));
   Vec value = f.value(sigma);
   // F < 0 at q^: q^ lies behind this leaf's surface.
-  Mask active = hn::And(block.pending, hn::Or(hn::Not(have), hn::Lt(value, set(-kSameSheet))));
-  if (hn::AllFalse(d, active)) return active;
+  Mask active = And(block.pending, Or(Not(have), Lt(value, set(-kSameSheet))));
+  if (AllFalse(active)) return active;
   Mask open = active;
   for (int step = 0; step < 4; ++step) {
-    const Vec slope = hn::Min(f.slope(sigma), set(-0.01f));
-    const Vec change = hn::Div(value, slope);
-    sigma = hn::Clamp(hn::Sub(sigma, change), set(-1.5f), set(1.5f));
-    open = hn::And(active, hn::Ge(hn::Abs(change), set(10.0f * kSettled)));
-    if (hn::AllFalse(d, open)) break;
+    const Vec slope = Min(f.slope(sigma), set(-0.01f));
+    const Vec change = Div(value, slope);
+    sigma = Clamp(Sub(sigma, change), set(-1.5f), set(1.5f));
+    open = And(active, Ge(Abs(change), set(10.0f * kSettled)));
+    if (AllFalse(open)) break;
     value = f.value(sigma);
   }
   const Mask inside = rays.inBall(sigma, context.first_sq);
-  moveForward(at, hn::And(hn::AndNot(open, active), inside), sigma, block);
+  moveForward(at, And(AndNot(open, active), inside), sigma, block);
   return open;
 }
 
@@ -163,28 +149,27 @@ template <int D>
 HWY_INLINE void
 firstOfHigher(const PassContext& context, const TileLeaf& at, Block& block)
 {
-  const Tag d;
   const LeafRays rays = raysOf(at, block);
   const RayPolynomials<D> f(at.leaf->form(), rays.x, rays.y);
   Mask open = block.pending;
-  if (at.leaf->monotone != 0) {
+  if ((at.leaf->monotone & kFirstMonotone) != 0) {
     open = firstByNewton<D>(context, at, rays, f, block);
-    if (hn::AllFalse(d, open)) return;
+    if (AllFalse(open)) return;
   }
-  Vec low, high, sigma = hn::Zero(d);
-  open = hn::And(open, rays.chord(context.first_sq, low, high));
-  low = hn::Max(low, sigmaOf(at, block.nearest));
-  high = hn::Min(high, sigmaOf(at, block.first));
-  open = hn::And(open, hn::Lt(low, high));
-  if (hn::AllFalse(d, open)) return;
+  Vec low, high, sigma = set(0.0f);
+  open = And(open, rays.chord(context.first_sq, low, high));
+  low = Max(low, sigmaOf(at, block.nearest));
+  high = Min(high, sigmaOf(at, block.first));
+  open = And(open, Lt(low, high));
+  if (AllFalse(open)) return;
   const auto found = isolate<D>(f, low, high, context.front_only, open, sigma);
   moveForward(at, found.one, sigma, block);
-  if (hn::AllFalse(d, found.unclear)) return;
-  const Mask solved = solveOneByOne<D>(f, low, high, low, context.front_only, found.unclear, sigma,
-                                       context.statistics.rays_bracketed);
+  if (AllFalse(found.unclear)) return;
+  const Mask solved = solveUnclear<D>(f, low, high, low, context.front_only, found.unclear, sigma,
+                                      context.statistics.rays_bracketed);
   moveForward(at, solved, sigma, block);
 }
 
-}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE
+}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::pair
 HWY_AFTER_NAMESPACE();
 #endif

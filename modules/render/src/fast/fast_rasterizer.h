@@ -12,6 +12,12 @@
 
 namespace pcl_slim::detail {
 
+/** \brief Where a record lies in the picture. */
+struct PlacedLeaf {
+  std::uint32_t depth;          ///< bits in the order of depth values
+  std::int16_t x0, y0, x1, y1;  ///< tiles that it touches; x0 > x1: none
+};
+
 /** \brief Draws frames of one surface in single precision; keeps its index and its memory. */
 class FastRasterizer {
  public:
@@ -26,6 +32,7 @@ class FastRasterizer {
              RenderStatistics& statistics);
   void setUpCluster(std::size_t n, const FrameView& view, const FrameRules& rules,
                     const BallShares& shares, RenderStatistics& statistics);
+  void place(std::size_t group, std::size_t count, const FrameView& view, bool trim);
   void sortByDepth(const FrameRules& rules);
   void bin(const FrameView& view);
   FrameLeaf& record(std::size_t place)
@@ -35,10 +42,12 @@ class FastRasterizer {
 
   const SLIMSurface& surface_;
   LeafIndex index_;
+  TrimTables trims_;
   std::size_t stride_;
   std::vector<std::uint32_t> clusters_;    ///< those that may be seen
   std::vector<std::uint8_t> counts_;       ///< records of each
   AlignedVector<std::uint8_t> records_;    ///< kClusterSize places for each of them
+  std::vector<PlacedLeaf> placed_;         ///< by record
   AlignedVector<std::uint64_t> by_depth_;  ///< depth value's bits and place
   FrameTiles tiles_;
   std::vector<TileScratch> scratch_;

@@ -53,13 +53,33 @@ struct TileLeaf {
   float nearest;  ///< in the tile's depth
 };
 
+/** \brief Values of some leaves, a row each, padded to whole vectors. */
+class LeafTable {
+ public:
+  static constexpr std::size_t kPadding = 16;
+
+  void reset(std::size_t rows, std::size_t capacity)
+  {
+    stride_ = (capacity + 2 * kPadding - 1) / kPadding * kPadding;
+    count = 0;
+    if (values_.size() < rows * stride_) values_.resize(rows * stride_);
+  }
+  float* row(std::size_t k) { return values_.data() + k * stride_; }
+  const float* row(std::size_t k) const { return values_.data() + k * stride_; }
+
+  std::size_t count = 0;
+
+ private:
+  AlignedVector<float> values_;
+  std::size_t stride_ = 0;
+};
+
 /** \brief One thread's memory for tiles, reused from tile to tile. */
 struct TileScratch {
-  static constexpr std::size_t kMaxBlocks = 256;
-
   std::vector<TileLeaf> leaves;
-  std::vector<std::uint32_t> lists;  ///< per block: a leaf's place times 2, plus 1 if for pass 1
-  std::uint32_t counts[kMaxBlocks];
+  LeafTable tile;          ///< all leaves
+  LeafTable first, blend;  ///< those that one patch's passes may meet
+  LeafTable list;          ///< those of one block in one pass
 };
 
 }  // namespace pcl_slim::detail

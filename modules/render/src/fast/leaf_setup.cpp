@@ -2,12 +2,15 @@
 // Leaves side by side: what is seen of them, and their polynomials in the camera's coordinates.
 #include "fast/leaf_setup.h"
 
+#include "pcl_slim/core/symmetric.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fast/leaf_setup.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
 #include "fast/ray_forms-inl.h"
+#include "fast/surface_bounds-inl.h"
 #include "pcl_slim/surface/detail/kernel_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -163,7 +166,8 @@ class Outlet {
   float at(std::size_t column, std::size_t lane) const { return rows_[column][lane]; }
 
  private:
-  HWY_ALIGN float rows_[35][16];
+  HWY_ALIGN float rows_[FrameLeaf::formSize(kMaxDegree) + FrameLeaf::derivativeSize(kMaxDegree)]
+                       [16];
 };
 
 /** The frame of leaves in the camera's axes (Duff et al. 2017, as LocalFrame). */
@@ -222,38 +226,95 @@ struct Heads {
   }
 };
 
-/** Writes the members from x to first_reach of up to 16 records. */
+/** The strip of a batch's surfaces in the ball of pass 1. */
+HWY_INLINE Strip
+stripOf(const Heads& h, const LeafAxes& frame, const CentreRay& ray, const FormNorms& norms,
+        const BallShares& shares)
+{
+  const auto moves = [&](const Triple& axis, Vec moved[2]) HWY_ATTR {
+    moved[0] = hn::NegMulAdd(h.xc, axis.z, axis.x);
+    moved[1] = hn::NegMulAdd(h.yc, axis.z, axis.y);
+  };
+  Vec u[2], v[2], w[2];
+  moves(frame.u, u);
+  moves(frame.v, v);
+  moves(frame.w, w);
+  return stripOf(u, v, w, ray, norms, h.per_pixel, shares.first);
+}
+
+/** Writes the members from x to strip_high of up to 16 records. */
 HWY_INLINE void
 writeHeads(const LeafBatch& batch, std::size_t lane, const FrameView& view, const Triple& p,
-           const Heads& h, const LeafAxes& frame, const BallShares& shares)
+           const Heads& h, const LeafAxes& frame, const CentreRay& ray, const Strip& strip,
+           const BallShares& shares)
 {
-  static_assert(offsetof(FrameLeaf, surfel) == 31 * sizeof(float), "31 floats stand before");
+  constexpr std::size_t kCount = 35;
+  static_assert(offsetof(FrameLeaf, surfel) == kCount * sizeof(float), "floats before");
   const Tag d;
   const Circle blend = circleAround(view, p, h.radius, shares.blend);
   const Circle first = circleAround(view, p, h.radius, shares.first);
-  const Vec uc = dot3(frame.u, Triple{h.xc, h.yc, hn::Set(d, 1.0f)});
-  const Vec vc = dot3(frame.v, Triple{h.xc, h.yc, hn::Set(d, 1.0f)});
-  const Vec columns[31] = {h.pixel_x,   h.pixel_y,
-                           h.per_pixel, h.eps,
-                           h.xc,        h.yc,
-                           h.depth,     h.inverse_depth,
-                           h.radius,    h.inverse_radius,
-                           h.beta,      h.inverse_beta,
-                           h.nearest,   hn::Load(d, batch.variance_weight + lane),
-                           frame.u.x,   frame.u.y,
-                           frame.u.z,   frame.v.x,
-                           frame.v.y,   frame.v.z,
-                           frame.w.x,   frame.w.y,
-                           frame.w.z,   uc,
-                           vc,          blend.x,
-                           blend.y,     blend.reach,
-                           first.x,     first.y,
-                           first.reach};
+  const Vec columns[kCount] = {h.pixel_x,   h.pixel_y,
+                               h.per_pixel, h.eps,
+                               h.xc,        h.yc,
+                               h.depth,     h.inverse_depth,
+                               h.radius,    h.inverse_radius,
+                               h.beta,      h.inverse_beta,
+                               h.nearest,   hn::Load(d, batch.variance_weight + lane),
+                               frame.u.x,   frame.u.y,
+                               frame.u.z,   frame.v.x,
+                               frame.v.y,   frame.v.z,
+                               frame.w.x,   frame.w.y,
+                               frame.w.z,   ray.uc,
+                               ray.vc,      blend.x,
+                               blend.y,     blend.reach,
+                               first.x,     first.y,
+                               first.reach, strip.x,
+                               strip.y,     strip.low,
+                               strip.high};
   Outlet out;
-  for (std::size_t k = 0; k < 31; ++k) out.put(k, columns[k]);
+  for (std::size_t k = 0; k < kCount; ++k) out.put(k, columns[k]);
   for (std::size_t i = 0; i < hn::Lanes(d) && lane + i < batch.count; ++i) {
     float* target = reinterpret_cast<float*>(batch.target[lane + i]);
-    for (std::size_t k = 0; k < 31; ++k) target[k] = out.at(k, i);
+    for (std::size_t k = 0; k < kCount; ++k) target[k] = out.at(k, i);
+  }
+}
+
+/** The derivatives that follow a record's form. */
+template <int D, typename Coefficient>
+HWY_INLINE void
+putDerivatives(const Heads& h, const LeafAxes& frame, const Coefficient& c, std::size_t k,
+               Outlet& out)
+{
+  const Tag d;
+  const auto times = [&](int factor, Vec v)
+                         HWY_ATTR { return hn::Mul(hn::Set(d, static_cast<float>(factor)), v); };
+  if constexpr (D == 2) {
+    const Vec scale = hn::Neg(h.inverse_radius);
+    const Vec huu = times(2, hn::Mul(scale, c(3))), huv = hn::Mul(scale, c(4));
+    const Vec hvv = times(2, hn::Mul(scale, c(5)));
+    const Vec u[3] = {frame.u.x, frame.u.y, frame.u.z}, v[3] = {frame.v.x, frame.v.y, frame.v.z};
+    for (int i = 0; i < 3; ++i) {
+      const Vec by_u = hn::MulAdd(huu, u[i], hn::Mul(huv, v[i]));
+      const Vec by_v = hn::MulAdd(huv, u[i], hn::Mul(hvv, v[i]));
+      for (int j = i; j < 3; ++j) {
+        out.put(k + static_cast<std::size_t>(kSymmetricEntry[i][j]),
+                hn::MulAdd(by_u, u[j], hn::Mul(by_v, v[j])));
+      }
+    }
+  } else {
+    // d/du^a dv^b of u^i v^j, by the order of derivatives and of their coefficients.
+    constexpr int kOrders[5][2] = {{1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}};
+    for (const auto& [a, b] : kOrders) {
+      for (int degree = 0; degree <= D - a - b; ++degree) {
+        for (int j = 0; j <= degree; ++j) {
+          int factor = 1;
+          for (int n = 0; n < a; ++n) factor *= degree - j + a - n;
+          for (int n = 0; n < b; ++n) factor *= j + b - n;
+          const int whole = degree + a + b;
+          out.put(k++, times(factor, c(whole * (whole + 1) / 2 + j + b)));
+        }
+      }
+    }
   }
 }
 
@@ -261,34 +322,41 @@ template <int D>
 void
 setUpOfDegree(const LeafBatch& batch, const FrameView& view, const BallShares& shares)
 {
+  constexpr int kFloats = FrameLeaf::formSize(D) + FrameLeaf::derivativeSize(D);
   const Tag d;
   const Axes axes(view);
   for (std::size_t lane = 0; lane < batch.count; lane += hn::Lanes(d)) {
     const auto load = [&](const float* column) HWY_ATTR { return hn::Load(d, column + lane); };
+    const auto c = [&](int k) HWY_ATTR { return load(batch.c[k]); };
     const Triple p = axes.turn(fromEye(view, load(batch.x), load(batch.y), load(batch.z)));
     const Heads heads(view, p, load(batch.radius), 1.0f);
     const LeafAxes frame(axes, load(batch.nx), load(batch.ny), load(batch.nz));
-    writeHeads(batch, lane, view, p, heads, frame, shares);
+    const Triple center{heads.xc, heads.yc, hn::Set(d, 1.0f)};
+    const CentreRay ray{
+        c(0),     c(1), c(2), dot3(frame.u, center), dot3(frame.v, center), dot3(frame.w, center),
+        heads.eps};
+    const FormNorms norms(D, c);
+    writeHeads(batch, lane, view, p, heads, frame, ray, stripOf(heads, frame, ray, norms, shares),
+               shares);
     RayForm<D> form({frame.u.x, frame.u.y, frame.u.z}, {frame.v.x, frame.v.y, frame.v.z},
                     {frame.w.x, frame.w.y, frame.w.z}, heads.xc, heads.yc, heads.eps);
-    form.build([&](int k) HWY_ATTR { return hn::Load(d, batch.c[k] + lane); });
+    form.build(c);
     Outlet out;
-    for (int k = 0; k < FrameLeaf::formSize(D); ++k) {
-      out.put(static_cast<std::size_t>(k), form.coefficient(k));
-    }
-    HWY_ALIGN float falls[16];
-    hn::Store(form.steepest(shares.first), d, falls);
+    constexpr auto kForm = static_cast<std::size_t>(FrameLeaf::formSize(D));
+    for (std::size_t k = 0; k < kForm; ++k) out.put(k, form.coefficient(static_cast<int>(k)));
+    putDerivatives<D>(heads, frame, c, kForm, out);
+    HWY_ALIGN std::uint8_t falls[2][8] = {};
+    hn::StoreMaskBits(d, fallsAll(D, ray, norms, shares.first), falls[0]);
+    hn::StoreMaskBits(d, fallsAll(D, ray, norms, shares.blend), falls[1]);
     for (std::size_t i = 0; i < hn::Lanes(d) && lane + i < batch.count; ++i) {
       FrameLeaf& leaf = *batch.target[lane + i];
       const bool drawable = leaf.depth > 0.0f && leaf.eps < kNearest;
       leaf.surfel = batch.surfel[lane + i];
       leaf.degree = view.perspective && !drawable ? kNearLeaf : static_cast<std::uint16_t>(D);
-      leaf.monotone = falls[i] < -0.02f;
+      const auto bit = [&](int ball) { return falls[ball][i / 8] >> (i % 8) & 1; };
+      leaf.monotone = static_cast<std::uint16_t>(bit(0) * kFirstMonotone | bit(1) * kBlendMonotone);
       float* target = leaf.form();
-      for (int k = 0; k < FrameLeaf::formSize(D); ++k) {
-        *target++ = out.at(static_cast<std::size_t>(k), i);
-      }
-      for (int k = 0; k < numCoefficients(D); ++k) *target++ = batch.c[k][lane + i];
+      for (std::size_t k = 0; k < kFloats; ++k) target[k] = out.at(k, i);
     }
   }
 }

@@ -90,6 +90,7 @@ blendNearLeaf(const FrameScene& scene, std::uint32_t surfel, NearLanes& lanes)
     lanes.weight[i] = static_cast<float>(sum.weight);
     lanes.shift[i] = static_cast<float>(sum.shift / scale.slant);
     lanes.coverage[i] = static_cast<float>(sum.coverage);
+    lanes.outside[i] = static_cast<float>(sum.outside);
     lanes.facing[i] = static_cast<float>(sum.facing);
     turn(scene.view, sum, i, lanes);
   }

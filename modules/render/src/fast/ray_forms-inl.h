@@ -26,7 +26,6 @@ class RayForm {
   RayForm(const Axis& u, const Axis& v, const Axis& w, Vec xc, Vec yc, Vec eps)
       : u_(u), v_(v), w_(w), eps_(eps)
   {
-    reach_ = hn::Max(hn::Abs(xc), hn::Abs(yc));
     uc_ = slope(u, xc, yc);
     vc_ = slope(v, xc, yc);
     wc_ = slope(w, xc, yc);
@@ -57,29 +56,6 @@ class RayForm {
       ++i;
     }
     return a_[i][k];
-  }
-
-  /** Upper bound on dF / d sigma over the ball of a share of the radius. */
-  HWY_INLINE Vec steepest(float share) const
-  {
-    const Tag d;
-    const Vec one = hn::Set(d, 1.0f), rho = hn::Set(d, share);
-    // |sigma| <= rho m and |X + x_c sigma| <= rho m with m <= 1 + eps rho / (1 - eps rho).
-    const Vec m = hn::Div(one, hn::Sub(one, hn::Mul(hn::Min(eps_, hn::Set(d, 0.7f)), rho)));
-    const Vec sigma = hn::Mul(rho, m), b = hn::Mul(sigma, hn::Add(one, reach_));
-    Vec bound = a_[1][0], power = hn::Set(d, 1.0f);
-    for (int i = 1; i <= D; ++i) {
-      const Vec factor = hn::Mul(power, hn::Set(d, static_cast<float>(i)));
-      for (int degree = 0, k = 0; degree <= D - i; ++degree) {
-        Vec size = factor;
-        for (int p = 0; p < degree; ++p) size = hn::Mul(size, b);
-        for (int j = 0; j <= degree; ++j, ++k) {
-          if (i > 1 || k > 0) bound = hn::MulAdd(hn::Abs(a_[i][k]), size, bound);
-        }
-      }
-      power = hn::Mul(power, sigma);
-    }
-    return bound;
   }
 
  private:
@@ -148,7 +124,7 @@ class RayForm {
   }
 
   Axis u_, v_, w_;
-  Vec eps_, reach_, uc_, vc_, wc_;
+  Vec eps_, uc_, vc_, wc_;
   Vec a_[D + 1][numCoefficients(D)];
 };
 

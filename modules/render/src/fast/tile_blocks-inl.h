@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A tile's leaves by blocks of pixels. The guard toggles: Highway compiles a kernel file once per
-// instruction set.
+// Which leaves of a tile its blocks of pixels have to look at. The guard toggles: Highway compiles a
+// kernel file once per instruction set.
 #if defined(PCL_SLIM_TILE_BLOCKS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PCL_SLIM_TILE_BLOCKS_INL
 #undef PCL_SLIM_TILE_BLOCKS_INL
@@ -9,9 +9,13 @@
 #endif
 
 #include <algorithm>
+#include <cstring>
 
+#include "hwy/cache_control.h"
+
+#include "fast/compress-inl.h"
 #include "fast/frame_scene.h"
-#include "fast/leaf_rays-inl.h"
+#include "fast/pair-inl.h"
 #include "tiles/surfel_bins.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -19,16 +23,50 @@ namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr int kBlockWidth = 4;
-constexpr int kBlockColumns = kTileSize / kBlockWidth;
+constexpr int kBlockWidth = pair::kLanes < 4 ? pair::kLanes : 4;  ///< pixels
+constexpr int kBlockHeight = pair::kLanes / kBlockWidth;
+constexpr int kPatchSize = 8;  ///< pixels a side of the squares in which blocks share their lists
 
-inline int
-blockHeight()
+HWY_INLINE Vec
+same(float value)
 {
-  return static_cast<int>(hn::Lanes(Tag())) / kBlockWidth;
+  return hn::Set(Tag(), value);
 }
 
-/** One tile: its corner, and its leaves in its coordinates, listed by block. */
+/** Rows of the tables of leaves; pixels count from the tile's corner. */
+enum LeafRow : std::size_t {
+  kPlaceRow,  ///< of TileLeaf, as bits
+  kFirstX,    ///< circle around the picture of the ball of pass 1
+  kFirstY,
+  kFirstReachSq,
+  kStripX,  ///< strip that holds the surface in it
+  kStripY,
+  kStripMiddle,
+  kStripHalf,
+  kFirstRows,
+  kCenterX = 1,  ///< ball of pass 2, camera's axes
+  kCenterY,
+  kCenterZ,
+  kBallRadius,
+  kBlendRows,
+  kBlendOfTile = kFirstRows - 1,        ///< in the tile's table the second list follows the first
+  kBlendX = kBlendOfTile + kBlendRows,  ///< circle around that ball's picture
+  kBlendY,
+  kBlendReachSq,
+  kTileRows
+};
+
+/** Pixels from (x, y) on. */
+struct PixelBox {
+  float x, y, width, height;  ///< from the first to the last pixel
+};
+
+/** A ball in the camera's axes. */
+struct Ball {
+  float x, y, z, radius;
+};
+
+/** One tile: its corner, and its leaves in its coordinates, listed by patch and by block. */
 class TileBlocks {
  public:
   TileBlocks(const FrameScene& scene, std::size_t t, TileScratch& scratch)
@@ -39,26 +77,135 @@ class TileBlocks {
     y0 = static_cast<int>(t / columns) * kTileSize;
     width = std::min(kTileSize, scene.view.width - x0);
     height = std::min(kTileSize, scene.view.height - y0);
-    rows = kTileSize / blockHeight();
     placeLeaves(t);
-    std::fill_n(scratch_.counts, kBlockColumns * rows, 0u);
-    stride_ = scratch_.leaves.size();
-    const std::size_t needed = stride_ * static_cast<std::size_t>(kBlockColumns * rows);
-    if (scratch_.lists.size() < needed) scratch_.lists.resize(needed);
-    for (std::size_t i = 0; i < stride_; ++i) listLeaf(static_cast<std::uint32_t>(i));
+    fillTable();
   }
 
-  const std::uint32_t* list(int block) const
+  /** Lists the leaves of a patch. \return whether pass 1 may meet any */
+  bool beginPatch(int x, int y)
   {
-    return scratch_.lists.data() + stride_ * static_cast<std::size_t>(block);
+    const Tag d;
+    const PixelBox box = boxAt(x, y, kPatchSize, kPatchSize);
+    const LeafTable& all = scratch_.tile;
+    LeafTable &first = scratch_.first, &blend = scratch_.blend;
+    first.reset(kFirstRows, all.count);
+    blend.reset(kBlendRows, all.count);
+    for (std::size_t i = 0; i < all.count; i += hn::Lanes(d)) {
+      const Mask seen = hn::And(touches(all, i, kBlendX, box), within(all, i));
+      if (hn::AllFalse(d, seen)) continue;
+      take(all, i, kBlendOfTile, seen, kBlendRows, blend);
+      take(all, i, 0, hn::And(seen, mayMeet(all, i, box)), kFirstRows, first);
+    }
+    return first.count > 0;
   }
-  std::uint32_t count(int block) const { return scratch_.counts[block]; }
-  const TileLeaf& leaf(std::uint32_t entry) const { return scratch_.leaves[entry >> 1]; }
 
-  int x0, y0, width, height, rows;
+  /** Lists the leaves of the patch whose surface pass 1 may meet in a block, from near to far.
+   * \return how many */
+  std::size_t listFirst(int x, int y)
+  {
+    const PixelBox box = boxAt(x, y, kBlockWidth, kBlockHeight);
+    const LeafTable& first = scratch_.first;
+    return list(first, [&](std::size_t i) HWY_ATTR { return mayMeet(first, i, box); });
+  }
+
+  /** The same of those whose ball meets another. */
+  std::size_t listBlend(const Ball& ball)
+  {
+    const LeafTable& blend = scratch_.blend;
+    return list(blend, [&](std::size_t i) HWY_ATTR {
+      const auto row = [&](std::size_t k) HWY_ATTR { return hn::Load(Tag(), blend.row(k) + i); };
+      const Vec dx = hn::Sub(row(kCenterX), same(ball.x)),
+                dy = hn::Sub(row(kCenterY), same(ball.y));
+      const Vec dz = hn::Sub(row(kCenterZ), same(ball.z));
+      const Vec reach = hn::Add(row(kBallRadius), same(ball.radius));
+      return hn::Le(dot3(dx, dy, dz, dx, dy, dz), hn::Mul(reach, reach));
+    });
+  }
+
+  /** The n-th leaf of the last list. */
+  HWY_INLINE const TileLeaf& listed(std::size_t n) const
+  {
+    std::uint32_t place;
+    std::memcpy(&place, scratch_.list.row(kPlaceRow) + n, sizeof place);
+    return scratch_.leaves[place];
+  }
+
+  int x0, y0, width, height;
   float depth = 0.0f;  ///< D of the tile, from which depths here are counted
 
  private:
+  static PixelBox boxAt(int x, int y, int width, int height)
+  {
+    return {static_cast<float>(x), static_cast<float>(y), static_cast<float>(width - 1),
+            static_cast<float>(height - 1)};
+  }
+
+  /** Lanes that are leaves. */
+  static HWY_INLINE Mask within(const LeafTable& table, std::size_t i)
+  {
+    return hn::FirstN(Tag(), std::min(table.count - i, hn::Lanes(Tag())));
+  }
+
+  /** Lanes whose circle, its rows from k on, touches a box. */
+  static HWY_INLINE Mask touches(const LeafTable& table, std::size_t i, std::size_t k,
+                                 const PixelBox& box)
+  {
+    const Tag d;
+    const auto gap = [&](std::size_t axis, float from, float extent) HWY_ATTR {
+      const Vec behind = hn::Sub(hn::Load(d, table.row(k + axis) + i), same(from));
+      return hn::Max(hn::Max(hn::Neg(behind), hn::Sub(behind, same(extent))), hn::Zero(d));
+    };
+    const Vec x = gap(0, box.x, box.width), y = gap(1, box.y, box.height);
+    return hn::Le(hn::MulAdd(x, x, hn::Mul(y, y)), hn::Load(d, table.row(k + 2) + i));
+  }
+
+  /** Lanes whose surface pass 1 may meet in a box. */
+  static HWY_INLINE Mask mayMeet(const LeafTable& table, std::size_t i, const PixelBox& box)
+  {
+    const Tag d;
+    const auto row = [&](std::size_t k) HWY_ATTR { return hn::Load(d, table.row(k) + i); };
+    const float half_x = 0.5f * box.width, half_y = 0.5f * box.height;
+    const Vec sx = row(kStripX), sy = row(kStripY);
+    const Vec from = hn::MulAdd(sx, same(box.x + half_x),
+                                hn::MulSub(sy, same(box.y + half_y), row(kStripMiddle)));
+    const Vec reach = hn::MulAdd(hn::Abs(sx), same(half_x),
+                                 hn::MulAdd(hn::Abs(sy), same(half_y), row(kStripHalf)));
+    return hn::And(touches(table, i, kFirstX, box), hn::Le(hn::Abs(from), reach));
+  }
+
+  /** Appends some lanes' rows from k on to a list. */
+  static HWY_INLINE void take(const LeafTable& from, std::size_t i, std::size_t k, Mask taken,
+                              std::size_t rows, LeafTable& list)
+  {
+    const Tag d;
+    const Compression front(taken);
+    for (std::size_t r = 0; r < rows; ++r) {
+      const float* row = from.row(r == kPlaceRow ? kPlaceRow : k + r) + i;
+      hn::StoreU(front(hn::Load(d, row)), d, list.row(r) + list.count);
+    }
+    list.count += hn::CountTrue(d, taken);
+  }
+
+  /** Lists the leaves of a table for which some(i) holds, i being the first lane. */
+  template <typename Some>
+  HWY_INLINE std::size_t list(const LeafTable& from, const Some& some)
+  {
+    LeafTable& list = scratch_.list;
+    list.reset(1, from.count);
+    for (std::size_t i = 0; i < from.count; i += hn::Lanes(Tag())) {
+      const Mask taken = hn::And(some(i), within(from, i));
+      if (!hn::AllFalse(Tag(), taken)) take(from, i, 0, taken, 1, list);
+    }
+    return list.count;
+  }
+
+  /** Records lie in no order: memory is asked for them early. */
+  HWY_INLINE void prefetch(std::uint32_t entry) const
+  {
+    const auto* record = reinterpret_cast<const char*>(&scene_.leaf(scene_.tiles.entries[entry]));
+    for (std::size_t line = 0; line < scene_.stride; line += 64) hwy::Prefetch(record + line);
+  }
+
   void placeLeaves(std::size_t t)
   {
     const FrameTiles& tiles = scene_.tiles;
@@ -66,6 +213,7 @@ class TileBlocks {
     scratch_.leaves.clear();
     float middle = 0.0f;  // z of the tile
     for (std::uint32_t e = tiles.begin[t]; e < tiles.begin[t + 1]; ++e) {
+      prefetch(std::min(e + kAhead, tiles.begin[t + 1] - 1));
       const FrameLeaf& leaf = scene_.leaf(tiles.entries[e]);
       if (middle == 0.0f && leaf.degree != kNearLeaf) {
         middle = leaf.depth;
@@ -83,47 +231,52 @@ class TileBlocks {
     }
   }
 
-  /** Puts a leaf on the lists of the blocks that the picture of its ball touches. */
-  void listLeaf(std::uint32_t place)
+  void fillTable()
   {
-    const FrameLeaf& leaf = *scratch_.leaves[place].leaf;
-    const float high = static_cast<float>(blockHeight());
-    const float bx = leaf.blend_x - static_cast<float>(x0),
-                by = leaf.blend_y - static_cast<float>(y0);
-    const float fx = leaf.first_x - static_cast<float>(x0),
-                fy = leaf.first_y - static_cast<float>(y0);
-    const auto clamped = [](float value, int last) {
-      return static_cast<int>(std::clamp(value, -1.0f, static_cast<float>(last + 1)));
-    };
-    // A block's pixels stand at 0 ... 3 from its corner.
-    const int column0 = std::max(0, clamped((bx - leaf.blend_reach - 3.0f) / kBlockWidth, 7));
-    const int column1 =
-        std::min(kBlockColumns - 1, clamped((bx + leaf.blend_reach) / kBlockWidth, 7));
-    const int row0 = std::max(0, clamped((by - leaf.blend_reach - high + 1.0f) / high, rows - 1));
-    const int row1 = std::min(rows - 1, clamped((by + leaf.blend_reach) / high, rows - 1));
-    const float blend_sq = leaf.blend_reach * leaf.blend_reach;
-    const float first_sq = leaf.first_reach * leaf.first_reach;
-    const auto gapSq = [](float from, float extent) {
-      const float outside = std::max(std::max(-from, from - extent), 0.0f);
-      return outside * outside;
-    };
-    for (int row = row0; row <= row1; ++row) {
-      const float top = static_cast<float>(row) * high;
-      const float blend_dy = gapSq(by - top, high - 1.0f), first_dy = gapSq(fy - top, high - 1.0f);
-      for (int column = column0; column <= column1; ++column) {
-        const float left = static_cast<float>(column * kBlockWidth);
-        if (!(gapSq(bx - left, kBlockWidth - 1.0f) + blend_dy <= blend_sq)) continue;
-        const bool first = gapSq(fx - left, kBlockWidth - 1.0f) + first_dy <= first_sq;
-        const int block = row * kBlockColumns + column;
-        scratch_.lists[stride_ * static_cast<std::size_t>(block) + scratch_.counts[block]++] =
-            place << 1 | static_cast<std::uint32_t>(first);
-      }
+    LeafTable& table = scratch_.tile;
+    const std::size_t count = scratch_.leaves.size();
+    table.reset(kTileRows, count);
+    const float left = static_cast<float>(x0), top = static_cast<float>(y0);
+    for (std::size_t i = 0; i < count; ++i) {
+      const FrameLeaf& leaf = *scratch_.leaves[i].leaf;
+      const auto put = [&](std::size_t k, float value) { table.row(k)[i] = value; };
+      const auto place = static_cast<std::uint32_t>(i);
+      std::memcpy(table.row(kPlaceRow) + i, &place, sizeof place);
+      put(kFirstX, leaf.first_x - left);
+      put(kFirstY, leaf.first_y - top);
+      put(kFirstReachSq, leaf.first_reach * leaf.first_reach);
+      put(kStripX, leaf.strip_x);
+      put(kStripY, leaf.strip_y);
+      const float middle = leaf.strip_x * (leaf.x - left) + leaf.strip_y * (leaf.y - top);
+      put(kStripMiddle, middle + 0.5f * (leaf.strip_low + leaf.strip_high));
+      put(kStripHalf, 0.5f * (leaf.strip_high - leaf.strip_low));
+      put(kBlendX, leaf.blend_x - left);
+      put(kBlendY, leaf.blend_y - top);
+      put(kBlendReachSq, leaf.blend_reach * leaf.blend_reach);
+      const Ball ball = ballOf(leaf);
+      put(kBlendOfTile + kCenterX, ball.x);
+      put(kBlendOfTile + kCenterY, ball.y);
+      put(kBlendOfTile + kCenterZ, ball.z);
+      put(kBlendOfTile + kBallRadius, ball.radius);
     }
+    table.count = count;
   }
+
+  /** The ball of pass 2, and a little more against rounding. */
+  Ball ballOf(const FrameLeaf& leaf) const
+  {
+    if (leaf.degree == kNearLeaf) return {0.0f, 0.0f, 0.0f, 1e18f};
+    const FrameView& view = scene_.view;
+    const float scale = view.pixel * (view.perspective ? leaf.depth : 1.0f);
+    const float radius = leaf.radius * scene_.shares.blend;
+    return {(leaf.x - view.center_x) * scale, (view.center_y - leaf.y) * scale, leaf.depth,
+            1.001f * radius + 4e-7f * std::abs(leaf.depth)};
+  }
+
+  static constexpr std::uint32_t kAhead = 6;
 
   const FrameScene& scene_;
   TileScratch& scratch_;
-  std::size_t stride_ = 0;
 };
 
 }  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE

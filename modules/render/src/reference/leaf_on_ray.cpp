@@ -102,8 +102,8 @@ blendLeaf(const FrameRules& rules, WeightKernel kernel, const RaySurfel& surfel,
   if (!nearestRoot(polynomial, surfel.degree, chord, s_hat, rules.front_only, s)) return;
 
   const Vector3 q = along(approach.point, s, ray.direction);
-  const HeightJet jet = evaluateJet(surfel.degree, surfel.coefficients, dot(q, surfel.frame.u),
-                                    dot(q, surfel.frame.v));
+  const double u = dot(q, surfel.frame.u), v = dot(q, surfel.frame.v);
+  const HeightJet jet = evaluateJet(surfel.degree, surfel.coefficients, u, v);
   const double slope = polynomial.slope(s);
   // A leaf of another sheet may have its root near its own centre: q^ has to be near as well.
   const double root_sq = approach.distance_sq + s * s;
@@ -113,6 +113,7 @@ blendLeaf(const FrameRules& rules, WeightKernel kernel, const RaySurfel& surfel,
   sum.weight += weight;
   sum.shift += weight * (s - s_hat) * surfel.radius;
   sum.coverage += evaluateKernel(kernel, root_sq / (rules.cover_radius * rules.cover_radius));
+  if (rules.trim) sum.outside += weight * outsideShare(surfel.trim, u, v);
   for (std::size_t k = 0; k < 3; ++k) sum.lean[k] += weight * q[k];
   ++sum.leaves;
   sum.facing += slope > 0.0 ? -1 : 1;
@@ -128,6 +129,7 @@ isSupported(const BlendSum& sum, double min_coverage)
 {
   constexpr int kMinLeaves = 3;
   constexpr double kMaxLean = 0.25;  ///< in radii
+  if (sum.outside > 0.5 * sum.weight) return false;
   if (sum.coverage >= min_coverage) return true;
   const double lean_sq =
       sum.lean[0] * sum.lean[0] + sum.lean[1] * sum.lean[1] + sum.lean[2] * sum.lean[2];

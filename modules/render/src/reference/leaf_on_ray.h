@@ -15,7 +15,9 @@ struct BlendSum {
   double weight = 0.0;
   double shift = 0.0;  ///< of w (t - t^): q lies on the ray
   double coverage = 0.0;
+  double outside = 0.0;              ///< of w outsideShare(): of the trim maps
   double lean[3] = {0.0, 0.0, 0.0};  ///< of w (q - c) / r: points away from the leaves' middle
+  double spread[3] = {0.0, 0.0, 0.0};  ///< of (q - c) / r, all leaves alike; by the ray tracer alone
   int leaves = 0;
   double gradient[3] = {0.0, 0.0, 0.0};
   Symmetric3<double> hessian{};
@@ -35,7 +37,8 @@ blendLeaf(const FrameRules& rules, WeightKernel kernel, const RaySurfel& surfel,
           const Ray& ray, double depth_hat, BlendSum& sum, std::uint64_t& evaluated);
 
 /** \brief Whether a blend belongs to the surface: its leaves cover it, or it lies in a gap between
- * leaves all around it. Beyond the rim of what was measured all leaves lie to one side. */
+ * leaves all around it; and it lies inside the border that trim maps draw. Beyond the rim of what
+ * was measured all leaves lie to one side. */
 bool
 isSupported(const BlendSum& sum, double min_coverage);
 

@@ -55,6 +55,11 @@ gatherBlends(const FrameContext& frame, std::size_t t, Tile& tile, RenderStatist
 bool
 peelUncovered(const FrameContext& frame, Tile& tile);
 
+/** \brief Divides a blend's sums and writes them into a pixel of the buffer. */
+void
+writeBlend(const SLIMSurface& surface, const Ray& ray, double depth_hat, const BlendSum& sum,
+           std::size_t pixel, GBuffer& out);
+
 /** \brief Divides the sums and writes the tile's pixels into the buffer. */
 void
 resolveTile(const FrameContext& frame, const Tile& tile, GBuffer& buffer,

@@ -55,8 +55,10 @@ writeDerivatives(const BlendSum& sum, std::size_t pixel, GBuffer& out)
   out.principal[pixel] = {static_cast<float>(curvature.k_max), static_cast<float>(curvature.k_min)};
 }
 
+}  // namespace
+
 void
-writePixel(const FrameContext& frame, const Ray& ray, double depth_hat, const BlendSum& sum,
+writeBlend(const SLIMSurface& surface, const Ray& ray, double depth_hat, const BlendSum& sum,
            std::size_t pixel, GBuffer& out)
 {
   const double depth = depth_hat + sum.shift / sum.weight;
@@ -68,17 +70,15 @@ writePixel(const FrameContext& frame, const Ray& ray, double depth_hat, const Bl
   writeDerivatives(sum, pixel, out);
   out.surfel[pixel] = sum.surfel;
   if (!out.level.empty()) {
-    out.level[pixel] = frame.surface.level[sum.surfel];
-    out.radius[pixel] = frame.surface.radius[sum.surfel];
+    out.level[pixel] = surface.level[sum.surfel];
+    out.radius[pixel] = surface.radius[sum.surfel];
   }
   if (!out.weight.empty()) {
     out.weight[pixel] = static_cast<float>(sum.weight);
     out.coverage[pixel] = static_cast<float>(sum.coverage);
   }
-  out.back_face[pixel] = static_cast<std::uint8_t>(frame.surface.info.oriented && sum.facing < 0);
+  out.back_face[pixel] = static_cast<std::uint8_t>(surface.info.oriented && sum.facing < 0);
 }
-
-}  // namespace
 
 void
 resolveTile(const FrameContext& frame, const Tile& tile, GBuffer& buffer,
@@ -89,7 +89,8 @@ resolveTile(const FrameContext& frame, const Tile& tile, GBuffer& buffer,
       const std::size_t pixel = tile.index(x, y);
       const BlendSum& sum = tile.sums[pixel];
       if (sum.surfel == GBuffer::kNothing) continue;
-      writePixel(frame, tile.rays[pixel], tile.first_depth[pixel], sum, buffer.index(x, y), buffer);
+      writeBlend(frame.surface, tile.rays[pixel], tile.first_depth[pixel], sum, buffer.index(x, y),
+                 buffer);
       ++statistics.covered_pixels;
     }
   }

@@ -37,6 +37,20 @@ divergingColor(double x)
 }
 
 Color
+perceptualColor(double x)
+{
+  // Lightness rises evenly from 15 to 91 (CIE L*).
+  static constexpr std::array<Color, 7> kTable{{{0.16f, 0.08f, 0.36f},
+                                                {0.18f, 0.25f, 0.51f},
+                                                {0.14f, 0.41f, 0.55f},
+                                                {0.12f, 0.55f, 0.53f},
+                                                {0.31f, 0.69f, 0.42f},
+                                                {0.65f, 0.80f, 0.27f},
+                                                {0.98f, 0.90f, 0.35f}}};
+  return interpolate(kTable, x);
+}
+
+Color
 sizeColor(double x)
 {
   static constexpr std::array<Color, 5> kTable{{{0.80f, 0.16f, 0.15f},

@@ -39,19 +39,36 @@ averageFrames(const Camera& camera, const ShadingParams& params, double scale, c
     shifted.pixel_offset = {(pass % n + 0.5) / n - 0.5, (pass / n + 0.5) / n - 0.5};
     if (Error error = render(shifted, buffer)) return error;
     if (pass == 0) range = rangeOf(buffer, params, scale);
-    const auto colors = shadeLinear(buffer, shifted, params, range);
+    const auto colors = shadeLinear(buffer, shifted, params, range, scale);
     sums.resize(colors.size(), Color{0.0f, 0.0f, 0.0f});
     for (std::size_t i = 0; i < colors.size(); ++i) {
       for (std::size_t k = 0; k < 3; ++k) sums[i][k] += colors[i][k];
     }
   }
-  return toImage(sums, camera.size, n * n, resolveThreads(params.threads));
+  Image image = toImage(sums, camera.size, n * n, resolveThreads(params.threads));
+  if (params.color_bar) addColorBar(params, range, image);
+  return image;
 }
 
 Error
 noColors()
 {
   return {ErrorCode::kBadArgument, "a surface has no colours; choose another mode than color"};
+}
+
+/** \brief Names what a mode needs and a buffer was made without. */
+Error
+lacksColumns(const GBuffer& buffer, const ShadingParams& params)
+{
+  const unsigned needed = columnsFor(params);
+  const std::size_t n = buffer.numPixels();
+  const bool complete = ((needed & kPositionColumn) == 0 || buffer.position.size() == n) &&
+                        ((needed & kCurvatureColumn) == 0 || buffer.principal.size() == n) &&
+                        ((needed & kLeafColumns) == 0 || buffer.radius.size() == n) &&
+                        ((needed & kResidualColumn) == 0 || buffer.residual.size() == n);
+  if (complete) return {};
+  return {ErrorCode::kBadArgument,
+          "the G-buffer lacks a column that the mode shows; render it with columnsFor()"};
 }
 
 }  // namespace
@@ -69,26 +86,40 @@ shade(const GBuffer& buffer, const Camera& camera, const ShadingParams& params, 
   if (params.mode == ShadingMode::kColor && buffer.color.size() != buffer.numPixels()) {
     return noColors();
   }
-  const auto colors = shadeLinear(buffer, camera, params, rangeOf(buffer, params, scale));
-  return toImage(colors, camera.size, 1, resolveThreads(params.threads));
+  if (Error error = lacksColumns(buffer, params)) return error;
+  const ShadingRange range = rangeOf(buffer, params, scale);
+  const auto colors = shadeLinear(buffer, camera, params, range, scale);
+  Image image = toImage(colors, camera.size, 1, resolveThreads(params.threads));
+  if (params.color_bar) addColorBar(params, range, image);
+  return image;
+}
+
+Result<Image>
+renderPicture(SurfaceRenderer& renderer, const Camera& camera, const RenderParams& render_params,
+              const ShadingParams& shading_params, RenderStatistics* statistics)
+{
+  if (Error error = shading_params.validate()) return error;
+  if (shading_params.mode == ShadingMode::kColor) return noColors();
+  RenderParams needed = render_params;
+  needed.columns = columnsFor(shading_params);
+  RenderStatistics total;
+  auto image = averageFrames(camera, shading_params, renderer.surface().info.scale,
+                             [&](const Camera& shifted, GBuffer& buffer) {
+                               RenderStatistics counts;
+                               Error error = renderer.render(shifted, needed, buffer, &counts);
+                               total += counts;
+                               return error;
+                             });
+  if (image && statistics) *statistics = total;
+  return image;
 }
 
 Result<Image>
 renderPicture(const SLIMSurface& surface, const Camera& camera, const RenderParams& render_params,
               const ShadingParams& shading_params, RenderStatistics* statistics)
 {
-  if (Error error = shading_params.validate()) return error;
-  if (shading_params.mode == ShadingMode::kColor) return noColors();
-  RenderStatistics total;
-  auto image = averageFrames(
-      camera, shading_params, surface.info.scale, [&](const Camera& shifted, GBuffer& buffer) {
-        RenderStatistics counts;
-        Error error = renderSurface(surface, shifted, render_params, buffer, &counts);
-        total += counts;
-        return error;
-      });
-  if (image && statistics) *statistics = total;
-  return image;
+  SurfaceRenderer renderer(surface, render_params.threads);
+  return renderPicture(renderer, camera, render_params, shading_params, statistics);
 }
 
 Result<Image>
@@ -96,9 +127,12 @@ renderPicture(const SplatSet& splats, const Camera& camera, const DiscRenderPara
               const ShadingParams& shading_params, DiscRenderStatistics* statistics)
 {
   if (Error error = shading_params.validate()) return error;
-  if (shading_params.mode == ShadingMode::kMean || shading_params.mode == ShadingMode::kLevel) {
-    return Error{ErrorCode::kBadArgument,
-                 "splats have no curvature and no levels; choose color, shaded, normal or size"};
+  const unsigned of_leaves = kCurvatureColumn | kLeafColumns | kResidualColumn;
+  if ((columnsFor(shading_params) & of_leaves) != 0 && shading_params.mode != ShadingMode::kSize) {
+    return Error{
+        ErrorCode::kBadArgument,
+        "splats have no curvature, levels or residuals; choose color, shaded, normal, size "
+        "or reflection"};
   }
   DiscRenderStatistics total;
   auto image =

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "camera/camera_rays.h"
 #include "pcl_slim/core/parallel.h"
 #include "shading/ambient_occlusion.h"
 #include "shading/linear_light.h"
+#include "shading/value_range.h"
 
 namespace pcl_slim {
 
@@ -16,7 +18,7 @@ namespace {
 
 /** \brief Lights that move with the camera, directions towards the light, world axes. */
 struct LightRig {
-  Vector3 head, key, sky;
+  Vector3 head, key, sky, right;
   CameraRays rays;
 
   explicit LightRig(const Camera& camera) : rays(camera, {0.0, 0.0, 0.0}, 1.0)
@@ -25,6 +27,7 @@ struct LightRig {
     head = scaled(axes.forward, -1.0);
     key = normalized(along(along(scaled(axes.right, -0.55), 0.75, axes.up), -0.65, axes.forward));
     sky = axes.up;
+    right = axes.right;
   }
 };
 
@@ -48,19 +51,32 @@ struct Light {
 
 Color
 baseColor(const GBuffer& buffer, std::size_t pixel, const ShadingParams& params,
-          const ShadingRange& range)
+          const ShadingRange& range, double scale)
 {
+  if (showsNumbers(params.mode)) {
+    return colorOf(params, range, valueAt(buffer, pixel, params.mode, scale));
+  }
   switch (params.mode) {
-    case ShadingMode::kMean: return divergingColor(buffer.mean_curvature[pixel] / range.curvature);
     case ShadingMode::kLevel: return categoryColor(buffer.level[pixel]);
-    case ShadingMode::kSize: {
-      const double span = std::log(range.radius_max / range.radius_min);
-      const double x = span > 0.0 ? std::log(buffer.radius[pixel] / range.radius_min) / span : 0.5;
-      return sizeColor(x);
-    }
     case ShadingMode::kColor: return buffer.color[pixel];
     default: return buffer.back_face[pixel] ? kClayBack : kClay;
   }
+}
+
+/** \brief Vertical stripes of light, far away all around the viewer, as the surface mirrors them. */
+Color
+mirroredStripes(const LightRig& rig, const Vector3& normal, const Vector3& ray)
+{
+  constexpr double kStripes = 12.0;  ///< phase per radian
+  constexpr double kEdge = 0.15;     ///< of a stripe, by the sine of its phase
+  constexpr Color kDark{0.08f, 0.09f, 0.12f};
+  constexpr float kLight = 0.96f;
+  const Vector3 mirrored = along(ray, -2.0 * dot(ray, normal), normal);
+  const double phase = kStripes * std::asin(std::clamp(dot(mirrored, rig.right), -1.0, 1.0));
+  const auto share = static_cast<float>(std::clamp(0.5 + std::sin(phase) / kEdge, 0.0, 1.0));
+  Color color;
+  for (std::size_t k = 0; k < 3; ++k) color[k] = kDark[k] + share * (kLight - kDark[k]);
+  return toLinear(color);
 }
 
 Color
@@ -81,13 +97,15 @@ background(const ShadingParams& params, int y, int height)
 /** \brief Light of one covered pixel. */
 Color
 litColor(const GBuffer& buffer, std::size_t pixel, int x, int y, const LightRig& rig,
-         const ShadingParams& params, const ShadingRange& range, float open)
+         const ShadingParams& params, const ShadingRange& range, double scale, float open)
 {
   const auto& n = buffer.normal[pixel];
   if (params.mode == ShadingMode::kNormal) return normalColor(n);
-  const Color base = toLinear(baseColor(buffer, pixel, params, range));
+  const Vector3 normal{n[0], n[1], n[2]}, ray = rig.rays.ray(x, y).direction;
+  if (params.mode == ShadingMode::kReflection) return mirroredStripes(rig, normal, ray);
+  const Color base = toLinear(baseColor(buffer, pixel, params, range, scale));
   if (!params.lighting) return base;
-  const Light light(rig, {n[0], n[1], n[2]}, rig.rays.ray(x, y).direction);
+  const Light light(rig, normal, ray);
   const bool clay = params.mode == ShadingMode::kShaded;
   // Colour-coded pictures keep their colours legible: less contrast, no highlight.
   const double diffuse = clay ? light.diffuse : 0.45 + 0.55 * std::min(1.0, light.diffuse);
@@ -100,70 +118,52 @@ litColor(const GBuffer& buffer, std::size_t pixel, int x, int y, const LightRig&
   return color;
 }
 
-/** \brief The value below which a share of the (finite) values lies; 0 when there are none. */
-double
-quantile(std::vector<float>& values, double share)
-{
-  if (values.empty()) return 0.0;
-  const auto k = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(k), values.end());
-  return values[k];
-}
-
 }  // namespace
 
 std::optional<ShadingMode>
 shadingModeOf(const std::string& name)
 {
-  if (name == "shaded") return ShadingMode::kShaded;
-  if (name == "normal") return ShadingMode::kNormal;
-  if (name == "mean") return ShadingMode::kMean;
-  if (name == "level") return ShadingMode::kLevel;
-  if (name == "size") return ShadingMode::kSize;
-  if (name == "color") return ShadingMode::kColor;
-  return std::nullopt;
+  static const std::map<std::string, ShadingMode> kModes{
+      {"shaded", ShadingMode::kShaded}, {"normal", ShadingMode::kNormal},
+      {"mean", ShadingMode::kMean},     {"gauss", ShadingMode::kGaussian},
+      {"kmax", ShadingMode::kKMax},     {"kmin", ShadingMode::kKMin},
+      {"level", ShadingMode::kLevel},   {"size", ShadingMode::kSize},
+      {"error", ShadingMode::kError},   {"reflection", ShadingMode::kReflection},
+      {"color", ShadingMode::kColor}};
+  const auto found = kModes.find(name);
+  if (found == kModes.end()) return std::nullopt;
+  return found->second;
 }
 
 Error
 ShadingParams::validate() const
 {
   const auto bad = [](const char* what) { return Error{ErrorCode::kBadArgument, what}; };
-  if (!(range >= 0.0 && std::isfinite(range))) return bad("the colour range must be 0 or more");
+  if (!(std::isfinite(range[0]) && std::isfinite(range[1]) && range[0] <= range[1])) {
+    return bad("the colour range must be two finite numbers, the lower one first");
+  }
+  if (mode == ShadingMode::kSize && range[0] < range[1] && !(range[0] > 0.0)) {
+    return bad("the colour range of sizes must be positive: its colours are logarithmic");
+  }
   if (!(percentile > 0.0 && percentile <= 1.0)) return bad("the percentile must be in (0, 1]");
   if (!(ambient_occlusion >= 0.0 && ambient_occlusion <= 1.0)) {
     return bad("the strength of ambient occlusion must be in [0, 1]");
   }
-  if (supersampling < 1 || supersampling > 8) return bad("supersampling must be 1 to 8");
-  return {};
-}
-
-ShadingRange
-rangeOf(const GBuffer& buffer, const ShadingParams& params, double scale)
-{
-  std::vector<float> curvature, radius;
-  for (std::size_t i = 0; i < buffer.numPixels(); ++i) {
-    if (!buffer.covered(i)) continue;
-    curvature.push_back(std::abs(buffer.mean_curvature[i]));
-    radius.push_back(buffer.radius[i]);
+  if (!std::all_of(unit.begin(), unit.end(), [](char c) { return c >= 'a' && c <= 'z'; })) {
+    return bad("the unit of length must be lower-case letters, such as mm");
   }
-  ShadingRange range;
-  if (radius.empty()) return range;
-  range.curvature =
-      params.range > 0.0 ? params.range * scale : quantile(curvature, params.percentile);
-  if (!(range.curvature > 0.0)) range.curvature = 1.0;
-  range.radius_min = quantile(radius, 0.02);
-  range.radius_max = quantile(radius, 0.98);
-  return range;
+  if (supersampling < 1 || supersampling > 8) return bad("supersampling must be 1 to 8");
+  return checkThreads(threads);
 }
 
 std::vector<Color>
 shadeLinear(const GBuffer& buffer, const Camera& camera, const ShadingParams& params,
-            const ShadingRange& range)
+            const ShadingRange& range, double scale)
 {
   const int threads = resolveThreads(params.threads);
   const LightRig rig(camera);
   std::vector<float> open(buffer.numPixels(), 1.0f);
-  if (params.ambient_occlusion > 0.0 && params.lighting && params.mode != ShadingMode::kNormal) {
+  if (wantsAmbientOcclusion(params)) {
     open = ambientOcclusion(buffer, threads);
   }
   std::vector<Color> colors(buffer.numPixels());
@@ -173,7 +173,7 @@ shadeLinear(const GBuffer& buffer, const Camera& camera, const ShadingParams& pa
     for (int x = 0; x < buffer.width; ++x) {
       const std::size_t i = buffer.index(x, y);
       colors[i] =
-          buffer.covered(i) ? litColor(buffer, i, x, y, rig, params, range, open[i]) : empty;
+          buffer.covered(i) ? litColor(buffer, i, x, y, rig, params, range, scale, open[i]) : empty;
     }
   });
   return colors;

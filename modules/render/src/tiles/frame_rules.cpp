@@ -14,6 +14,7 @@ FrameRules::FrameRules(const SurfaceInfo& info, const RenderParams& params)
       min_coverage(params.min_coverage >= 0.0 ? params.min_coverage : info.cover_threshold),
       near_plane(params.near_plane / info.scale),
       lod(params.lod),
+      trim(params.trim),
       front_only(params.sides == VisibleSides::kFront ||
                  (params.sides == VisibleSides::kAuto && info.oriented && params.cuts.empty())),
       skip(params.skip),

@@ -18,6 +18,7 @@ struct FrameRules {
   double min_coverage;  ///< where it is less, the surface is not defined
   double near_plane;
   double lod;       ///< pixels; 0: none
+  bool trim;        ///< heed trim maps
   bool front_only;  ///< only roots at which the gradient faces the viewer count
   bool skip;
   int threads;                  ///< at least 1

@@ -20,7 +20,7 @@ detail::clearPixels(GBuffer& buffer, std::size_t begin, std::size_t count)
   }
   clear(buffer.hessian, std::array<float, 6>{});
   for (auto* column : {&buffer.mean_curvature, &buffer.gaussian_curvature, &buffer.radius,
-                       &buffer.weight, &buffer.coverage}) {
+                       &buffer.residual, &buffer.weight, &buffer.coverage}) {
     clear(*column, 0.0f);
   }
   clear(buffer.principal, std::array<float, 2>{});
@@ -47,6 +47,7 @@ GBuffer::reserve(int new_width, int new_height, unsigned columns)
   principal.resize(wanted(kCurvatureColumn));
   level.resize(wanted(kLeafColumns));
   radius.resize(wanted(kLeafColumns));
+  residual.resize(wanted(kResidualColumn));
   weight.resize(wanted(kWeightColumns));
   coverage.resize(wanted(kWeightColumns));
   color.clear();

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/vector3.h"
 #include "tiles/frame_rules.h"
 
@@ -36,7 +37,7 @@ RenderParams::validate() const
     return {ErrorCode::kBadArgument,
             "the reference rasteriser draws every leaf; set the level of detail to 0"};
   }
-  return {};
+  return checkThreads(threads);
 }
 
 RenderStatistics&

@@ -16,10 +16,8 @@ namespace {
 constexpr std::size_t kFewestSamples = 150, kSamples = 600;
 constexpr std::size_t kPointsPerSample = 1000;  ///< between these two: noise is to cost little
 constexpr std::size_t kNeighbors = 8;
-// Points before and after a sample to choose neighbours from, at most: where there are no keys the
-// points of a root are in no order of space, and all are looked at if they are no more than that.
-constexpr std::size_t kReach = 24, kRootReach = 64;
-constexpr std::size_t kLeastReach = 12;
+// Points before and after a sample along the curve to choose neighbours from.
+constexpr std::size_t kLeastReach = 12, kReach = 24;
 // A sample less the mean of k neighbours has the variance of one point times (k + 1) / k.
 constexpr double kMeanFactor = static_cast<double>(kNeighbors) / (kNeighbors + 1);
 constexpr double kMedian3 = 3.0 / 2.36597;  ///< mean over median of chi squared, 3 degrees
@@ -90,15 +88,14 @@ estimateSampleNoise(const OctreeCloud& cloud, const OctreeSource& source, int th
   if (n < 4 * kNeighbors) return noise;
   const std::size_t samples =
       std::min(n, std::clamp(n / kPointsPerSample, kFewestSamples, kSamples));
-  const std::size_t reach = cloud.sortedDepth() > 0 ? kReach : kRootReach;
   std::vector<double> color(samples), normal(samples, -1.0);
   std::vector<PointWindow> windows(static_cast<std::size_t>(threads));
   parallelFor(samples, threads, 32, [&](std::size_t s, int thread) {
     const std::size_t i = (2 * s + 1) * n / (2 * samples);
     PointWindow& window = windows[static_cast<std::size_t>(thread)];
     const std::size_t r = cloud.rootOf(i);
-    const std::size_t before = std::clamp(i - cloud.root(r).begin, kLeastReach, reach);
-    const std::size_t behind = std::clamp(cloud.root(r + 1).begin - i, kLeastReach, reach);
+    const std::size_t before = std::clamp(i - cloud.root(r).begin, kLeastReach, kReach);
+    const std::size_t behind = std::clamp(cloud.root(r + 1).begin - i, kLeastReach, kReach);
     window.load(cloud, source, i - std::min(i, before), std::min(n, i + behind));
     const CellSums near = neighborsOf(window, i);
     color[s] = colorResidual(window.lab(i), near);

@@ -12,9 +12,10 @@ namespace pcl_slim {
 using namespace detail;
 
 Result<OctreeCloud>
-OctreeCloud::build(const CloudView& cloud, const RootGrid& grid, int threads)
+OctreeCloud::build(const CloudView& cloud, const RootGrid& grid, int threads,
+                   const ColorView& colors)
 {
-  return OctreeCloudBuilder(cloud, resolveThreads(threads)).run(grid);
+  return OctreeCloudBuilder(cloud, colors, resolveThreads(threads)).run(grid);
 }
 
 double

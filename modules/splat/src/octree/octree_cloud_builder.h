@@ -7,13 +7,14 @@
 #include <cmath>
 #include <vector>
 
+#include "octree/area_probe.h"
+#include "octree/canonical_order.h"
 #include "octree/octree_grid.h"
-#include "octree/octree_key.h"
 #include "octree/point_blocks.h"
-#include "octree/run_placement.h"
+#include "octree/point_sample.h"
 #include "pcl_slim/cloud/morton_sort.h"
+#include "pcl_slim/core/parallel.h"
 #include "pcl_slim/splat/octree_cloud.h"
-#include "points/point_runs.h"
 #include "points/splat_kernels.h"
 
 namespace pcl_slim::detail {
@@ -21,9 +22,13 @@ namespace pcl_slim::detail {
 /** The steps of OctreeCloud::build. */
 class OctreeCloudBuilder {
   static constexpr double kLargest = 1e150;  ///< squares of such coordinates are still finite
+  static constexpr double kWidest = 1e38;    ///< splats are told in floats from the box's corner
 
  public:
-  OctreeCloudBuilder(const CloudView& cloud, int threads) : view_(cloud), threads_(threads) {}
+  OctreeCloudBuilder(const CloudView& cloud, const ColorView& colors, int threads)
+      : view_(cloud), colors_(colors), threads_(threads)
+  {
+  }
 
   Result<OctreeCloud> run(const RootGrid& grid)
   {
@@ -44,6 +49,9 @@ class OctreeCloudBuilder {
     out_.num_non_finite_ = view_.count() - box.finite;
     chooseGrid(read, box, grid);
     sort(PointBlocks<T>(read, view_.count(), out_.frame_, first_, threads_));
+    CanonicalOrder<T>(view_, colors_, read).apply(out_.keys_, out_.order_);
+    out_.num_duplicates_ = box.finite - out_.order_.size();
+    findRoots();
     return {};
   }
 
@@ -54,6 +62,11 @@ class OctreeCloudBuilder {
       if (std::max(std::abs(box.min[a]), std::abs(box.max[a])) > kLargest) {
         return badInput("some coordinates are beyond 1e150: remove those points");
       }
+    }
+    if (box.longest() > kWidest) {
+      return badInput(
+          "the points span more than 1e38, which splats, being floats, cannot tell: "
+          "scale the cloud, or remove the farthest points");
     }
     return {};
   }
@@ -71,14 +84,7 @@ class OctreeCloudBuilder {
   {
     const double longest = box.longest();
     out_.resolution_ = 1;
-    if (longest > 0.0) {
-      const octree_grid::AreaProbe probe(read, view_.count(), box);
-      out_.resolution_ = grid.resolution > 0 ? std::min(grid.resolution, RootGrid::kMaxResolution)
-                                             : probe.resolutionFor(grid.occupied);
-      join_ = probe.isCoherent();
-      const int fine = probe.resolutionFor(static_cast<double>(box.finite) / grid.per_key);
-      while (out_.resolution_ << wanted_depth_ < fine) ++wanted_depth_;
-    }
+    if (longest > 0.0) out_.resolution_ = resolutionOf(read, box, grid);
     out_.cell_ = longest / out_.resolution_;
     out_.depth_ = OctreeCloud::kBits - bitsOf(static_cast<std::uint64_t>(out_.resolution_ - 1));
     out_.frame_.origin = box.min;
@@ -86,71 +92,50 @@ class OctreeCloudBuilder {
     out_.frame_.last = std::nextafter(static_cast<float>(out_.resolution_), 0.0f);
   }
 
-  /** Sorts as many bits of the keys as fit into one number with the index, up to those wanted. */
+  template <typename T>
+  int resolutionOf(const octree_grid::Reader<T>& read, const octree_grid::Box& box,
+                   const RootGrid& grid) const
+  {
+    if (grid.resolution > 0) return std::min(grid.resolution, RootGrid::kMaxResolution);
+    const PlaceSample sample(read, view_.count(), box.finite, threads_);
+    const double wanted =
+        grid.points_per_root > 0 ? sample.distinct() / grid.points_per_root : grid.occupied;
+    return AreaProbe(read, sample, box).resolutionFor(wanted);
+  }
+
+  /** Sorts all points by their keys, those of one key in their owner's order. */
   template <typename T>
   void sort(const PointBlocks<T>& blocks)
   {
-    const int index_bits = std::max(1, bitsOf(view_.count() - 1));
-    const int root_bits = 3 * (OctreeCloud::kBits - out_.depth_);
-    const int spare_bits = 64 - index_bits - root_bits;
-    out_.index_bits_ = index_bits;
-    if (spare_bits < 0) return sortWide(blocks);
-    out_.sorted_depth_ = std::min({spare_bits / 3, wanted_depth_, out_.depth_});
-    const bool join = join_ && out_.sorted_depth_ == 0 && spare_bits >= RunFormat::kCountBits;
-    sortPacked(blocks, {index_bits, join ? RunFormat::kCountBits : 0}, root_bits);
-  }
-
-  /** Runs of points in one number each. */
-  template <typename T>
-  void sortPacked(const PointBlocks<T>& blocks, RunFormat format, int root_bits)
-  {
-    AlignedVector<std::uint64_t> runs(first_.back());
-    const auto ends = blocks.forEach([&](std::size_t place, const PointBlock& block) {
-      std::uint64_t points[PointBlock::kSize];
-      splat_kernels::packKeys(block.x, block.y, block.z, block.index, PointBlock::kSize,
-                              out_.sorted_depth_, format.index_bits, format.count_bits, points);
-      return format.join(points, block.count, runs.data() + place);
-    });
-    std::vector<Stretch> filled(ends.size());
-    for (std::size_t s = 0; s < ends.size(); ++s) filled[s] = {first_[s], ends[s]};
-    const int root_bit = format.keyBit() + 3 * out_.sorted_depth_;
-    sortByBits(runs, filled, format.keyBit(), root_bit + root_bits, threads_);
-    placePoints(runs.size(), [&](std::size_t i) {
-      return PointRun{runs[i] >> root_bit, format.first(runs[i]), format.count(runs[i])};
-    });
-    if (out_.sorted_depth_ > 0) out_.keys_ = std::move(runs);
-  }
-
-  /** Grids so fine that key and index do not fit into one number. */
-  template <typename T>
-  void sortWide(const PointBlocks<T>& blocks)
-  {
-    AlignedVector<std::uint64_t> keys(first_.back());
-    AlignedVector<std::uint32_t> indices(first_.back()), order;
+    AlignedVector<std::uint32_t> points(first_.back());
+    out_.keys_.resize(first_.back());
     blocks.forEach([&](std::size_t place, const PointBlock& block) {
-      for (std::size_t k = 0; k < block.count; ++k) {
-        keys[place + k] = mortonKey({block.x[k], block.y[k], block.z[k]}, out_.depth_);
-        indices[place + k] = block.index[k];
-      }
-      return block.count;
+      std::uint64_t keys[PointBlock::kSize];
+      splat_kernels::mortonKeys(block.x, block.y, block.z, PointBlock::kSize, out_.depth_, keys);
+      std::copy_n(keys, block.count, out_.keys_.data() + place);
+      std::copy_n(block.index, block.count, points.data() + place);
     });
-    sortByKey(keys, order, threads_);
-    placePoints(keys.size(), [&](std::size_t i) {
-      return PointRun{keys[i] >> 3 * out_.depth_, indices[order[i]], 1};
-    });
+    sortByKey(out_.keys_, out_.order_, threads_);
+    parallelFor(points.size(), threads_, octree_grid::kSlice,
+                [&](std::size_t i, int) { out_.order_[i] = points[out_.order_[i]]; });
   }
 
-  template <typename RunOf>
-  void placePoints(std::size_t runs, const RunOf& runOf)
+  void findRoots()
   {
-    const bool joined = runs < first_.back();
-    RunPlacement<RunOf>(runs, joined, runOf, threads_).write(out_.order_, out_.roots_);
+    const std::size_t n = out_.keys_.size();
+    const int below = 3 * out_.depth_;
+    out_.roots_.clear();
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::uint64_t root = out_.keys_[i] >> below;
+      if (i > 0 && root == out_.roots_.back().key) continue;
+      out_.roots_.push_back({root, static_cast<std::uint32_t>(i)});
+    }
+    out_.roots_.push_back({~std::uint64_t{0}, static_cast<std::uint32_t>(n)});
   }
 
   const CloudView& view_;
+  ColorView colors_;
   int threads_;
-  int wanted_depth_ = 0;            ///< halvings below roots that keys had better resolve
-  bool join_ = false;               ///< whether points of one root follow each other
   std::vector<std::size_t> first_;  ///< finite points before each slice
   OctreeCloud out_;
 };

@@ -54,7 +54,7 @@ class Bracket {
 /** Finds lambda. */
 class CutSolver {
  public:
-  CutSolver(OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule,
+  CutSolver(const OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule,
             const CutBudget& budget, int threads)
       : cloud_(cloud), budget_(budget), threads_(threads)
   {
@@ -142,7 +142,7 @@ class CutSolver {
 }  // namespace
 
 OctreeCut
-cutOptimally(OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule,
+cutOptimally(const OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule,
              const CutBudget& budget, int threads)
 {
   return CutSolver(cloud, source, rule, budget, threads).run();

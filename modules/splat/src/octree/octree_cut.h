@@ -22,11 +22,10 @@ struct OctreeCut {
  * edge^(5/4) with d^2 = c / 100^2 + v / 20 + v^2 / 2, c the variance of colours and v that of
  * normals, and solves for lambda: as many cells as max_cells allows (within 1 %, where the cloud
  * has that many), or as few as meet target_error (else the finest cut). Roots are grown where max_cells asks for fewer than exist. The tolerances of rule
- * are not used; its noise, least points and depth are. Points of the cloud are put in their full
- * order. O(N) time, 40 bytes a cell of the tree.
+ * are not used; its noise, least points and depth are. O(N) time, 40 bytes a cell of the tree.
  */
 OctreeCut
-cutOptimally(OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule,
+cutOptimally(const OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule,
              const CutBudget& budget, int threads);
 
 }  // namespace pcl_slim::detail

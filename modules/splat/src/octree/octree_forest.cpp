@@ -26,9 +26,9 @@ costOf(double points, double deviation)
 
 class ForestBuilder {
  public:
-  ForestBuilder(const OctreeCloud& cloud, const SplitRule& rule, PointWindow& window,
+  ForestBuilder(const OctreeCloud& cloud, const SplitRule& rule, const PointWindow& window,
                 std::vector<OctreeNode>& nodes, OctreeForest& forest)
-      : cloud_(cloud),
+      : keys_{cloud.keys()},
         rule_(rule),
         window_(window),
         nodes_(nodes),
@@ -44,7 +44,7 @@ class ForestBuilder {
 
   void root(std::size_t begin, std::size_t end, int shift)
   {
-    grow(begin, end, shift, keysOf(cloud_), nullptr);
+    grow(begin, end, shift, nullptr);
     forest_.roots.push_back(static_cast<std::uint32_t>(nodes_.size() - 1));
   }
 
@@ -52,7 +52,7 @@ class ForestBuilder {
 
  private:
   /** Adds the nodes of one cell's points; parent: receives their sums too, if not null. */
-  void grow(std::size_t begin, std::size_t end, int shift, RunKeys keys, CellSums* parent)
+  void grow(std::size_t begin, std::size_t end, int shift, CellSums* parent)
   {
     const std::size_t first = nodes_.size(), n = end - begin;
     OctreeNode node{
@@ -62,7 +62,7 @@ class ForestBuilder {
       nodes_.push_back(node);
       return;
     }
-    const int children = dividing(begin, end, keys);
+    const int children = dividing(begin, end);
     const bool whole = children < least_shift_;
     const bool direct = whole || n <= kDirect;
     CellSums sums = direct ? sumsOf(window_, begin, end) : CellSums();
@@ -70,8 +70,8 @@ class ForestBuilder {
       // What all points share is the cell: an ancestor of the same points costs no less.
       node.shift = std::min(shift, children + 1);
       for (std::size_t at = begin; at < end;) {
-        const std::size_t next = keys.runEnd(at, end, children);
-        grow(at, next, children, keys, direct ? nullptr : &sums);
+        const std::size_t next = keys_.runEnd(at, end, children);
+        grow(at, next, children, direct ? nullptr : &sums);
         at = next;
       }
     }
@@ -89,15 +89,9 @@ class ForestBuilder {
   }
 
   /** Level at which a cell's points fall apart; below least_shift_: not at all. */
-  int dividing(std::size_t begin, std::size_t end, RunKeys& keys)
+  int dividing(std::size_t begin, std::size_t end) const
   {
-    if (end - begin < rule_.min_points) return -1;
-    int children = keys.keys ? keys.dividingShift(begin, end) : -1;
-    if (children < keys.lowest && keys.lowest > least_shift_) {
-      keys = refine(cloud_, window_, begin, end);
-      children = keys.dividingShift(begin, end);
-    }
-    return children;
+    return end - begin < rule_.min_points ? -1 : keys_.dividingShift(begin, end);
   }
 
   double variance(const CellSums& sums) const
@@ -107,9 +101,9 @@ class ForestBuilder {
 
   static constexpr std::size_t kDirect = 32;  ///< points quicker summed again than from children
 
-  const OctreeCloud& cloud_;
+  RunKeys keys_;
   const SplitRule& rule_;
-  PointWindow& window_;
+  const PointWindow& window_;
   std::vector<OctreeNode>& nodes_;
   OctreeForest& forest_;
   int least_shift_;
@@ -171,7 +165,7 @@ OctreeForest::extract(double lambda, std::size_t i, float spacing,
 }
 
 std::vector<OctreeForest>
-growForests(OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule, int growth,
+growForests(const OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule, int growth,
             int threads)
 {
   std::vector<OctreeForest> forests(numRootSlices(cloud));
@@ -191,7 +185,6 @@ growForests(OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rul
           builder.root(cloud.root(group).begin, cloud.root(r).begin, cloud.depth() + growth);
         }
         builder.finish();
-        for (std::size_t i = begin; i < end; ++i) cloud.setOrder(i, window.order(i));
       });
   return forests;
 }

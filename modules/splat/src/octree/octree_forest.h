@@ -37,10 +37,9 @@ struct OctreeForest {
   bool whole(std::size_t i, double lambda) const { return best[i] >= nodes[i].cost + lambda; }
 };
 
-/** Grows the trees above all points, slice by slice, from cells 2^growth roots wide; points of the
- * cloud are put in their full order. */
+/** Grows the trees above all points, slice by slice, from cells 2^growth roots wide. */
 std::vector<OctreeForest>
-growForests(OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule, int growth,
+growForests(const OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule, int growth,
             int threads);
 
 }  // namespace pcl_slim::detail

@@ -11,15 +11,12 @@
 
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/core/parallel.h"
-#include "points/prefetch.h"
 #include "points/splat_kernels.h"
 
-/** \brief A cloud's box, and how fine a grid must be for so many occupied cells. */
+/** \brief Coordinates as their owner has them, and a cloud's box. */
 namespace pcl_slim::detail::octree_grid {
 
-constexpr std::size_t kSlice = 1 << 15;        ///< points a thread takes at a time
-constexpr int kProbeBits = 6;                  ///< the grid that guesses a cloud's area: 64 an axis
-constexpr std::size_t kProbePoints = 1 << 15;  ///< points that suffice for it
+constexpr std::size_t kSlice = 1 << 15;  ///< points a thread takes at a time
 
 /** Coordinates stored as T. */
 template <typename T>
@@ -138,61 +135,5 @@ measure(const Reader<T>& read, std::size_t n, int threads, std::vector<std::size
   for (const Box& part : parts) finite.push_back(finite.back() + part.finite);
   return unionOf(parts);
 }
-
-/** Resolutions that give about as many occupied cells as wanted: a surface's count grows with the
- * square of the resolution, and a coarse grid over some of the points tells the factor. */
-class AreaProbe {
- public:
-  template <typename T>
-  AreaProbe(const Reader<T>& read, std::size_t n, const Box& box)
-  {
-    constexpr std::size_t kWords = (std::size_t{1} << 3 * kProbeBits) / 64;
-    std::vector<std::uint64_t> seen(kWords, 0);
-    const std::size_t stride = std::max<std::size_t>(1, n / kProbePoints);
-    const double scale = kCells / box.longest();
-    const bool all = box.finite == n;
-    const auto cellOf = [&](std::size_t i) {
-      T p[3];
-      read(i, p);
-      if (!all && !isFinite(p)) return -1;
-      int cell = 0;
-      for (std::size_t a = 0; a < 3; ++a) {
-        const double at = (static_cast<double>(p[a]) - box.min[a]) * scale;
-        cell = cell << kProbeBits | static_cast<int>(std::min(at, kCells - 1.0));
-      }
-      return cell;
-    };
-    std::size_t looked = 0, together = 0;
-    for (std::size_t i = 0; i < n; i += stride) {
-      PCL_SLIM_PREFETCH(read.address(std::min(n - 1, i + kAhead * stride)));
-      const int cell = cellOf(i);
-      if (cell < 0) continue;
-      const auto bit = static_cast<std::size_t>(cell);
-      seen[bit / 64] |= std::uint64_t{1} << bit % 64;
-      if (++looked % kPairs != 0 || i + 1 == n) continue;
-      together += cellOf(i + 1) == cell;
-    }
-    coherent_ = 2 * kPairs * together > looked;
-    for (std::uint64_t word : seen) {
-      for (; word != 0; word &= word - 1) ++occupied_;
-    }
-  }
-
-  /** Whether most points share a cell of this grid with the one behind them. */
-  bool isCoherent() const { return coherent_; }
-
-  int resolutionFor(double wanted) const
-  {
-    const double ratio = std::max(wanted, 1.0) / std::max(occupied_, 1.0);
-    return static_cast<int>(std::clamp(std::round(kCells * std::sqrt(ratio)), 1.0, 65536.0));
-  }
-
- private:
-  static constexpr double kCells = 1 << kProbeBits;
-  static constexpr std::size_t kAhead = 16;  ///< points between asking for one and looking at it
-  static constexpr std::size_t kPairs = 16;  ///< of so many points one is compared with the next
-  double occupied_ = 0;
-  bool coherent_ = false;
-};
 
 }  // namespace pcl_slim::detail::octree_grid

@@ -49,17 +49,11 @@ forEachRootSlice(const OctreeCloud& cloud, int growth, int threads, const Body& 
   });
 }
 
-/** Keys of a run of points, in order; below their lowest bit points are not told apart. */
+/** A cloud's keys, which tell the runs of points that share a cell. */
 struct RunKeys {
-  const std::uint64_t* keys;  ///< of the point first and those after it; null: not known
-  std::size_t first;
-  int bit;     ///< where level 0 of the keys begins; negative: where level -bit / 3 begins at 0
-  int lowest;  ///< the finest level that they tell
+  const std::uint64_t* keys;
 
-  std::uint64_t above(std::size_t i, int shift) const
-  {
-    return keys[i - first] >> (bit + 3 * shift);
-  }
+  std::uint64_t above(std::size_t i, int shift) const { return keys[i] >> 3 * shift; }
 
   /** End of the run that starts at begin and shares its cell of that size. */
   std::size_t runEnd(std::size_t begin, std::size_t end, int shift) const
@@ -79,32 +73,15 @@ struct RunKeys {
     return high;
   }
 
-  /** The level at which a run falls apart; below lowest: not at any that the keys tell. */
+  /** The level at which a run falls apart; -1: not at any that keys tell. */
   int dividingShift(std::size_t begin, std::size_t end) const
   {
-    std::uint64_t difference = above(begin, lowest) ^ above(end - 1, lowest);
-    int shift = lowest - 1;
+    std::uint64_t difference = keys[begin] ^ keys[end - 1];
+    int shift = -1;
     for (; difference != 0; difference >>= 3) ++shift;
     return shift;
   }
 };
-
-/** The keys a cloud has. */
-inline RunKeys
-keysOf(const OctreeCloud& cloud)
-{
-  if (cloud.sortedDepth() == 0) return {nullptr, 0, 0, OctreeCloud::kBits};
-  return {cloud.keys(), 0, cloud.keyBit(0), cloud.depth() - cloud.sortedDepth()};
-}
-
-/** Brings points that keys do not tell apart further into the order of some levels below, or of all.
- * Cells of those levels stay what they are while points in one are brought into the order of more. */
-inline RunKeys
-refine(const OctreeCloud& cloud, PointWindow& window, std::size_t begin, std::size_t end)
-{
-  const int lowest = window.sortRun(cloud, begin, end);
-  return {window.keys(begin), begin, 0, lowest};
-}
 
 /** Spacing around a cell too small to tell: that of the smallest cell of roots around it with
  * enough points, of those the window holds and kSpacingReach allows. */

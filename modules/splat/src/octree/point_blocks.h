@@ -34,23 +34,20 @@ class PointBlocks {
   {
   }
 
-  /** Runs body(place, block) for all blocks. body returns how many places it filled; each slice of
-   * points has as many as it has finite points. \return where those filled end. */
+  /** Runs body(place, block) for all blocks; place: finite points before them. */
   template <typename Body>
-  std::vector<std::size_t> forEach(const Body& body) const
+  void forEach(const Body& body) const
   {
-    std::vector<std::size_t> ends(first_.size() - 1);
     octree_grid::forEachSlice(points_, threads_,
                               [&](std::size_t s, std::size_t begin, std::size_t end) {
                                 std::size_t place = first_[s];
                                 PointBlock block;
                                 for (; begin < end; begin += PointBlock::kSize) {
                                   fill(begin, std::min(end, begin + PointBlock::kSize), block);
-                                  place += body(place, block);
+                                  body(place, block);
+                                  place += block.count;
                                 }
-                                ends[s] = place;
                               });
-    return ends;
   }
 
  private:

@@ -15,8 +15,10 @@ namespace pcl_slim::detail {
  * Chains of cells that hold the same points are skipped. */
 class Divider {
  public:
-  Divider(const OctreeCloud& cloud, const SplitRule& rule, PointWindow& window, CellBatch& leaves)
+  Divider(const OctreeCloud& cloud, const SplitRule& rule, const PointWindow& window,
+          CellBatch& leaves)
       : cloud_(cloud),
+        keys_{cloud.keys()},
         rule_(rule),
         window_(window),
         leaves_(leaves),
@@ -26,23 +28,20 @@ class Divider {
   {
   }
 
-  void root(std::size_t begin, std::size_t end)
-  {
-    divide(begin, end, cloud_.depth(), 0.0, keysOf(cloud_));
-  }
+  void root(std::size_t begin, std::size_t end) { divide(begin, end, cloud_.depth(), 0.0); }
 
  private:
-  void divide(std::size_t begin, std::size_t end, int shift, double spacing, RunKeys keys)
+  void divide(std::size_t begin, std::size_t end, int shift, double spacing)
   {
     const std::size_t n = end - begin;
     const CellSums sums = sumsOf(window_, begin, end);
     if (n >= kSpacingPoints) spacing = sums.spacing();
     if (n > 1 && n >= rule_.min_points && least_shift_ < shift && asksForMore(sums)) {
-      const int children = childLevel(begin, end, keys);
+      const int children = keys_.dividingShift(begin, end);
       if (children >= least_shift_) {
         for (std::size_t at = begin; at < end;) {
-          const std::size_t next = keys.runEnd(at, end, children);
-          divide(at, next, children, spacing, keys);
+          const std::size_t next = keys_.runEnd(at, end, children);
+          divide(at, next, children, spacing);
           at = next;
         }
         return;
@@ -54,15 +53,6 @@ class Divider {
                 sums);
   }
 
-  /** The level at which a run falls apart, from keys that tell more of it where these do not. */
-  int childLevel(std::size_t begin, std::size_t end, RunKeys& keys) const
-  {
-    const int level = keys.keys ? keys.dividingShift(begin, end) : -1;
-    if (level >= keys.lowest || keys.lowest <= least_shift_) return level;
-    keys = refine(cloud_, window_, begin, end);
-    return keys.dividingShift(begin, end);
-  }
-
   bool asksForMore(const CellSums& sums) const
   {
     const double slack = 1.0 + rule_.noise_z / std::sqrt(sums.count - 1.0);
@@ -72,8 +62,9 @@ class Divider {
   }
 
   const OctreeCloud& cloud_;
+  RunKeys keys_;
   const SplitRule& rule_;
-  PointWindow& window_;
+  const PointWindow& window_;
   CellBatch& leaves_;
   double color_limit_, normal_limit_;
   int least_shift_;

@@ -118,20 +118,6 @@ mortonCodes(const float* x, const float* y, const float* z, float scale)
 }
 
 void
-packKeys(const float* x, const float* y, const float* z, const std::uint32_t* index, std::size_t n,
-         int depth, int index_bits, int zeros, std::uint64_t* packed)
-{
-  const Words d;
-  const hn::Rebind<std::uint32_t, Words> du;
-  const auto scale = static_cast<float>(1 << depth);
-  for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {
-    const auto code = hn::ShiftLeftSame(mortonCodes(x + i, y + i, z + i, scale), index_bits);
-    const auto key = hn::Or(code, hn::PromoteTo(d, hn::Load(du, index + i)));
-    hn::StoreU(hn::ShiftLeftSame(key, zeros), d, packed + i);
-  }
-}
-
-void
 mortonKeys(const float* x, const float* y, const float* z, std::size_t n, int depth,
            std::uint64_t* keys)
 {
@@ -250,14 +236,6 @@ void
 toCells(const OctreeFrame& frame, float* x, float* y, float* z, std::size_t n)
 {
   HWY_DYNAMIC_DISPATCH(toCells)(frame, x, y, z, n);
-}
-
-HWY_EXPORT(packKeys);
-void
-packKeys(const float* x, const float* y, const float* z, const std::uint32_t* index, std::size_t n,
-         int depth, int index_bits, int zeros, std::uint64_t* packed)
-{
-  HWY_DYNAMIC_DISPATCH(packKeys)(x, y, z, index, n, depth, index_bits, zeros, packed);
 }
 
 HWY_EXPORT(mortonKeys);

@@ -49,28 +49,12 @@ class alignas(64) PointWindow {
   /** The i of CloudView::inputIndex(i). */
   std::uint32_t order(std::size_t i) const { return order_[i - begin_]; }
 
-  /** Orders the points [first, last) along the curve by the two levels of cells at which they fall
-   * apart, or by all where they are few; what those do not tell apart keeps its order. \return the
-   * finest level that is in order now. */
-  int sortRun(const OctreeCloud& cloud, std::size_t first, std::size_t last);
-  /** Full Morton codes from the i-th point of the cloud on, as far as sortRun() was asked for them. */
-  const std::uint64_t* keys(std::size_t i) const { return keys_.data() + (i - begin_); }
-
  private:
   /** Fills order_. \return places in the caller's arrays. */
   const std::uint32_t* fetchOrder(const OctreeCloud& cloud, const OctreeSource& source);
-  /** Brings points from at on into the order of from_. */
-  void permute(std::size_t at, std::size_t n);
-  /** Writes places of keys by a digit of 64 to from_, in order. */
-  void sortDigit(const std::uint64_t* keys, std::size_t n, int shift);
-  void sortFew(const std::uint64_t* keys, std::size_t n);
 
   std::array<AlignedVector<float>, kNumColumns> columns_;
   AlignedVector<std::uint32_t> order_, inputs_;  ///< inputs: places in the caller's arrays
-  AlignedVector<std::uint32_t> from_;  ///< where points of a run come from when they are sorted
-  AlignedVector<std::uint64_t> keys_, unsorted_;
-  AlignedVector<float> numbers_;         ///< three columns of a run on their way to its order
-  AlignedVector<std::uint32_t> places_;  ///< its order_, likewise
   std::size_t begin_ = 0, end_ = 0;
 };
 

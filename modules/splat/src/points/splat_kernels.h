@@ -26,12 +26,6 @@ gatherVectors(const unsigned char* first, std::size_t stride, const std::uint32_
 void
 toCells(const OctreeFrame& frame, float* x, float* y, float* z, std::size_t n);
 
-/** Morton codes of positions in root cells, halved depth times, each with an index below it and some
- * zeros: (code << index_bits | index) << zeros. n: a multiple of 16, aligned. */
-void
-packKeys(const float* x, const float* y, const float* z, const std::uint32_t* index, std::size_t n,
-         int depth, int index_bits, int zeros, std::uint64_t* packed);
-
 /** Morton codes of positions in root cells, halved depth times; as many as up to the next multiple of 8
  * are read and written. */
 void

@@ -11,7 +11,9 @@ namespace {
 
 // Like PNG's: catches files mangled as text, and is not valid text itself.
 constexpr unsigned char kMagic[8] = {0x89, 'S', 'L', 'I', 'M', '\r', '\n', 0x1a};
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;             ///< the newest
+constexpr std::uint32_t kVersionWithoutMaps = 1;  ///< of files without trim maps
+constexpr std::size_t kVersionAt = sizeof(kMagic);
 constexpr std::size_t kChecksumAt = 24;
 
 /** FNV-1a over everything but the checksum's own eight bytes: each step is a bijection of the
@@ -48,7 +50,7 @@ putSlimHeader(const SLIMSurface& surface, std::uint64_t payload, ByteWriter& out
 {
   const SurfaceInfo& info = surface.info;
   out.bytes.insert(out.bytes.end(), kMagic, kMagic + sizeof(kMagic));
-  out.putUnsigned(kVersion);
+  out.putUnsigned(surface.hasTrimMaps() ? kVersion : kVersionWithoutMaps);
   out.putUnsigned(static_cast<std::uint32_t>(kSlimHeaderBytes));
   out.putUnsigned(payload);
   out.putUnsigned(std::uint64_t{0});  // the checksum, which is known at the end
@@ -105,6 +107,12 @@ checkSlimFrame(const unsigned char* bytes, std::size_t size)
     return badInput("the .slim file is corrupted: its checksum does not match; copy it again");
   }
   return {};
+}
+
+bool
+holdsTrimMaps(const unsigned char* bytes)
+{
+  return ByteReader(bytes + kVersionAt).getUnsigned<std::uint32_t>() > kVersionWithoutMaps;
 }
 
 Result<std::uint64_t>

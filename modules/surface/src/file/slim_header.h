@@ -10,7 +10,8 @@
 #include "pcl_slim/surface/surface.h"
 
 // A .slim file's header: magic (8 bytes), version and header size (4 each), size of the payload,
-// checksum (8 each), then what SurfaceInfo holds.
+// checksum (8 each), then what SurfaceInfo holds. Version 2 has trim maps behind the columns; files
+// without any are written as version 1.
 
 namespace pcl_slim::detail {
 
@@ -29,6 +30,10 @@ sealSlim(std::vector<unsigned char>& bytes);
  * sizes and checksum. */
 Error
 checkSlimFrame(const unsigned char* bytes, std::size_t size);
+
+/** \brief Whether a file that checkSlimFrame passed is of a version with trim maps. */
+bool
+holdsTrimMaps(const unsigned char* bytes);
 
 /** \brief Reads the header of a file that checkSlimFrame passed.
  * \return the number of surfels, or an error where a value cannot be. */

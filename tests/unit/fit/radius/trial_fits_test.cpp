@@ -65,7 +65,7 @@ TEST(TrialFits, TheMinimumSupportRadiusJustHasTheSupport)
       EXPECT_LE(mean, 1.1) << degree;
     }
   }
-  EXPECT_EQ(trials.numFits(), 0u);
+  EXPECT_EQ(trials.counts().fits, 0u);
 }
 
 TEST(TrialFits, TheFitAtTheRightRadiusIsMadeOnce)
@@ -76,7 +76,7 @@ TEST(TrialFits, TheFitAtTheRightRadiusIsMadeOnce)
   trials.begin(ball.points, 1.0, 1.0);
   EXPECT_TRUE(trials.right().supported);
   EXPECT_EQ(trials.right().rho, 1.0);
-  EXPECT_EQ(trials.numFits(), 1u);
+  EXPECT_EQ(trials.counts().fits, 1u);
 }
 
 /** On a noisy plane the wide fit serves the middle ball's points as well; over a wave it does not.

@@ -85,6 +85,41 @@ TEST(FitCamera, OneStrayLeafDoesNotShrinkTheObject)
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(before.position[k], after.position[k], 0.02);
 }
 
+TEST(FitCamera, APieceApartIsNotFramedButLargeOnesAre)
+{
+  const SLIMSurface sphere = sphereSurface(4, 0.25, 600, 0.07);
+  const ViewDirection view = viewFromAngles(UpAxis::kZ, 0.0, 0.0);
+  const Camera before = fitCamera(spheresOf(sphere), view, {160, 120});
+  // Four leaves aside, near enough to count by their distance.
+  BoundingSpheres strays = spheresOf(sphere);
+  for (std::size_t i = 0; i < 4; ++i) strays.spheres[i].center = {0.5f, 0.0f, 0.01f * i};
+  const Camera with_strays = fitCamera(strays, view, {160, 120});
+  for (std::size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(before.position[k], with_strays.position[k], 0.03);
+  }
+  BoundingSpheres two = spheresOf(sphere);
+  for (const BoundingSphere& sphere_part : spheresOf(sphere).spheres) {
+    two.spheres.push_back(sphere_part);
+    two.spheres.back().center[0] += 1.0f;
+  }
+  EXPECT_NEAR(fitCamera(two, view, {160, 120}).position[0], 0.5, 0.03);
+}
+
+TEST(FitCamera, AMarginAtTheRightStaysFree)
+{
+  const SLIMSurface surface = sphereSurface(4, 0.25, 600, 0.07, {0.1, -0.2, 0.05});
+  const ViewDirection view = viewFromAngles(UpAxis::kZ, 30.0, 20.0);
+  for (const bool parallel : {false, true}) {
+    const Camera camera =
+        parallel ? fitOrthographicCamera(spheresOf(surface), view, {120, 120}, 0.04, 0.3)
+                 : fitCamera(spheresOf(surface), view, {120, 120}, 30.0, 0.04, 0.3);
+    const auto b = coveredBounds(rendered(surface, camera));
+    EXPECT_GT(b[0], 0) << parallel;
+    EXPECT_LT(b[2], 84) << parallel;
+    EXPECT_GT(b[2] - b[0], 60) << parallel;
+  }
+}
+
 TEST(FitCamera, EmptySurfaceAndSinglePointGiveValidCameras)
 {
   SLIMSurface surface;
@@ -134,6 +169,28 @@ TEST(GuessUpAxis, StatuesStandAndTerrainLies)
   EXPECT_EQ(guessUpAxis(spheresOf(map)), UpAxis::kZ);
 }
 
+TEST(GuessUpAxis, AHeadThatIsAsDeepAsHighStandsOnItsNeck)
+{
+  // Cut off below, it is hardly longer along z than along y.
+  SLIMSurface head = stretched(0.26, 0.36, 0.301);
+  for (std::size_t i = 0; i < head.size(); ++i) {
+    if (head.ny[i] < -0.6f) head.flags[i] = 0;
+  }
+  EXPECT_EQ(guessUpAxis(spheresOf(head)), UpAxis::kY);
+  // Closed by a flat cut instead, normals without a side.
+  SLIMSurface bust = stretched(0.26, 0.3, 0.301);
+  bust.info.oriented = false;
+  for (std::size_t i = 0; i < bust.size(); ++i) {
+    if (bust.cy[i] > -0.15f) continue;
+    bust.cy[i] = -0.15f;
+    bust.nx[i] = bust.nz[i] = 0.0f;
+    bust.ny[i] = -1.0f;
+  }
+  EXPECT_EQ(guessUpAxis(spheresOf(bust)), UpAxis::kZ);  // longer along z: .3 + .15 against .6
+  for (float& z : bust.cz) z *= 0.75f;
+  EXPECT_EQ(guessUpAxis(spheresOf(bust)), UpAxis::kY);
+}
+
 TEST(ChooseView, TerrainIsSeenFromAboveAcrossItsLongerSide)
 {
   const ViewDirection view = chooseView(spheresOf(stretched(0.5, 0.2, 0.01)));
@@ -150,6 +207,16 @@ TEST(ChooseView, OneSidedScanIsSeenFromItsSide)
   EXPECT_LT(chooseView(spheresOf(surface)).towards_viewer[0], -0.8);
   surface.info.oriented = false;  // the normals say nothing then
   EXPECT_GT(chooseView(spheresOf(surface)).towards_viewer[0], 0.0);
+}
+
+TEST(FitCamera, SeesWhatLiesWhereAUnitIsLost)
+{
+  SLIMSurface surface = stretched(0.25, 0.25, 0.4);
+  surface.info.scale = 1e24;
+  surface.info.origin = {3e25, -1e24, 2e24};
+  const BoundingSpheres spheres = spheresOf(surface);
+  const Camera camera = fitCamera(spheres, chooseView(spheres), {40, 30});
+  EXPECT_FALSE(camera.validate()) << camera.validate().message;
 }
 
 TEST(ChooseView, DepthCameraIsPutBackWhereItStood)

@@ -67,16 +67,68 @@ TEST(Shading, NormalModeEncodesTheNormal)
 
 TEST(Shading, EveryModeShowsTheObjectAndKnowsItsName)
 {
+  SLIMSurface surface = sphereSurface(4, 0.25, 600, 0.07);
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    surface.radius[i] *= i % 2 ? 1.0f : 0.8f;
+    surface.error[i] = 1e-3f * static_cast<float>(i % 7);
+    surface.cz[i] *= 0.8f;  // a little off the sphere: curvatures differ
+  }
   std::set<std::vector<std::uint8_t>> pictures;
-  for (const char* name : {"shaded", "normal", "mean", "level", "size"}) {
+  for (const char* name : {"shaded", "normal", "mean", "gauss", "kmax", "kmin", "level", "size",
+                           "error", "reflection"}) {
     const auto mode = shadingModeOf(name);
     ASSERT_TRUE(mode) << name;
-    const Image image = pictured(*mode);
-    EXPECT_NE(pixelOf(image, 48, 36), pixelOf(image, 2, 36)) << name;
-    pictures.insert(image.rgb);
+    ShadingParams params;
+    params.mode = *mode;
+    params.supersampling = 1;
+    const auto image = renderPicture(surface, frontCamera(), RenderParams(), params);
+    ASSERT_TRUE(image) << name;
+    EXPECT_NE(pixelOf(*image, 48, 36), pixelOf(*image, 2, 36)) << name;
+    pictures.insert(image->rgb);
   }
-  EXPECT_EQ(pictures.size(), 5u);
+  EXPECT_EQ(pictures.size(), 10u);
   EXPECT_FALSE(shadingModeOf("sahded"));
+}
+
+TEST(Shading, ABarShowsTheRangeInTheMargin)
+{
+  Camera camera = frontCamera();
+  camera.size = {320, 240};
+  ShadingParams params;
+  params.mode = ShadingMode::kMean;
+  params.supersampling = 1;
+  params.range = {-8.0, 8.0};
+  const SLIMSurface surface = sphereSurface(4, 0.25, 600, 0.07);
+  const auto plain = renderPicture(surface, camera, RenderParams(), params);
+  params.color_bar = true;
+  const auto barred = renderPicture(surface, camera, RenderParams(), params);
+  ASSERT_TRUE(plain && barred);
+  EXPECT_EQ(pixelOf(*plain, 100, 120), pixelOf(*barred, 100, 120));
+  // Its upper end is the map's red, its lower one the map's blue.
+  const int x = 320 - 78 + 7;
+  const auto top = pixelOf(*barred, x, 240 / 5 + 2);
+  const auto bottom = pixelOf(*barred, x, 240 - 240 / 5 - 3);
+  EXPECT_GT(top[0], top[2] + 40);
+  EXPECT_GT(bottom[2], bottom[0] + 40);
+  params.mode = ShadingMode::kShaded;  // shows no numbers
+  params.color_bar = false;
+  const auto clay = renderPicture(surface, camera, RenderParams(), params);
+  params.color_bar = true;
+  EXPECT_EQ(clay->rgb, renderPicture(surface, camera, RenderParams(), params)->rgb);
+}
+
+TEST(Shading, ABufferWithoutTheModesColumnsIsRefused)
+{
+  GBuffer buffer;
+  RenderParams render_params;
+  render_params.columns = 0;
+  ASSERT_FALSE(
+      renderSurface(sphereSurface(4, 0.25, 600, 0.07), frontCamera(), render_params, buffer));
+  ShadingParams params;
+  params.mode = ShadingMode::kNormal;
+  EXPECT_TRUE(shade(buffer, frontCamera(), params));
+  params.mode = ShadingMode::kMean;
+  EXPECT_EQ(shade(buffer, frontCamera(), params).error().code, ErrorCode::kBadArgument);
 }
 
 TEST(Shading, AGivenRangeSetsTheCurvatureColours)
@@ -90,9 +142,9 @@ TEST(Shading, AGivenRangeSetsTheCurvatureColours)
   ASSERT_FALSE(renderSurface(surface, near, {}, buffer));
   ShadingParams params;
   params.mode = ShadingMode::kMean;
-  params.range = 8.0;
-  EXPECT_NEAR(rangeOf(buffer, params, 0.5).curvature, 4.0, 1e-9);
-  params.range = 8000.0;  // everything is flat against that: the middle of the map is grey
+  EXPECT_NEAR(rangeOf(buffer, params, 0.5).high, 8.0, 0.2);
+  params.range = {-8000.0,
+                  8000.0};  // everything is flat against that: the middle of the map is grey
   const auto image = shade(buffer, near, params, 0.5);
   ASSERT_TRUE(image);
   const auto middle = pixelOf(*image, 48, 36);
@@ -118,7 +170,7 @@ TEST(Shading, OneAndFourThreadsGiveTheSameBytes)
 
 TEST(Shading, EmptySurfaceGivesABackground)
 {
-  const auto image = renderPicture(SLIMSurface(), frontCamera(), {}, {});
+  const auto image = renderPicture(SLIMSurface(), frontCamera(), RenderParams(), {});
   ASSERT_TRUE(image);
   EXPECT_GT(pixelOf(*image, 48, 1)[0], 240);
 }
@@ -127,11 +179,15 @@ TEST(Shading, NamesBadParametersAndForeignBuffers)
 {
   ShadingParams params;
   params.supersampling = 0;
-  EXPECT_EQ(renderPicture(SLIMSurface(), frontCamera(), {}, params).error().code,
+  EXPECT_EQ(renderPicture(SLIMSurface(), frontCamera(), RenderParams(), params).error().code,
+            ErrorCode::kBadArgument);
+  params = {};
+  params.range = {2.0, 1.0};
+  EXPECT_EQ(renderPicture(SLIMSurface(), frontCamera(), RenderParams(), params).error().code,
             ErrorCode::kBadArgument);
   params = {};
   params.percentile = 0.0;
-  EXPECT_EQ(renderPicture(SLIMSurface(), frontCamera(), {}, params).error().code,
+  EXPECT_EQ(renderPicture(SLIMSurface(), frontCamera(), RenderParams(), params).error().code,
             ErrorCode::kBadArgument);
   GBuffer buffer;
   buffer.resize(10, 10);

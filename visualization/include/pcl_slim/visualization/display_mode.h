@@ -19,10 +19,11 @@ enum class DisplayMode : unsigned char {
   kSize,        ///< its radius, small red to large blue, by the logarithm
   kReflection,  ///< stripes of light far away as the surface mirrors them
   kColor,       ///< colours of splats
+  kError,       ///< root mean square residual of the leaf of the largest weight, dark to light
 };
 
-/** \brief "shaded", "normal", "mean", "gauss", "kmax", "kmin", "level", "size", "reflection" or
- * "color". */
+/** \brief "shaded", "normal", "mean", "gauss", "kmax", "kmin", "level", "size",
+ * "reflection", "color" or "error". */
 std::string
 nameOf(DisplayMode mode);
 
@@ -38,6 +39,10 @@ displayModeNames();
  * 1/length^2. */
 bool
 showsCurvature(DisplayMode mode);
+
+/** \brief Whether a mode's colours can be given a range: curvatures and residuals. */
+bool
+takesRange(DisplayMode mode);
 
 /** \brief Whether colours stand for numbers that a scalar bar explains. */
 bool

@@ -19,6 +19,11 @@ class vtkOpenGLRenderWindow;
 
 namespace pcl_slim {
 
+namespace detail {
+class FrameTextures;
+struct ViewCamera;
+}  // namespace detail
+
 /** \brief What a mapper drew, and what it did not have to draw again. */
 struct FrameStatistics {
   std::uint64_t frames = 0;        ///< times the renderer asked for the object
@@ -27,6 +32,7 @@ struct FrameStatistics {
   int coarseness = 1;              ///< of the last frame: rays stand this many pixels apart
   double rasterize_seconds = 0.0;  ///< wall time of the last intersection of rays, upload included
   std::uint64_t covered_pixels = 0;  ///< rays of it that met the object
+  bool on_card = false;              ///< the graphics card intersected the rays, not the CPU
 };
 
 /** \brief What a frame is drawn with besides the camera. */
@@ -65,8 +71,8 @@ class GBufferMapper : public vtkOpenGLPolyDataMapper {
   /** \brief Whether the object can be shown so. */
   virtual bool supports(DisplayMode mode) const = 0;
 
-  /** \brief Curvature of full colour, 1/length or 1/length^2; 0 (default): such that 95 % of the
-   * object's area lies inside, whatever part of it is seen. */
+  /** \brief Curvature of full colour, 1/length or 1/length^2, or residual of full colour; 0
+   * (default): such that 95 % of the object's area lies inside, whatever part of it is seen. */
   void setRange(double range);
   /** \brief The range given, or the automatic one of the mode that is set. */
   double getRange() const;
@@ -103,6 +109,16 @@ class GBufferMapper : public vtkOpenGLPolyDataMapper {
 
   /** \brief Intersects the rays of a camera with the object. */
   virtual Error rasterize(const Camera& camera, const FrameRequest& request, GBuffer& buffer) = 0;
+  /** \brief Whether the graphics card intersects the rays of such a frame. The window's context is
+   * current. */
+  virtual bool usesCard(vtkOpenGLRenderWindow* window, const FrameRequest& request);
+  /** \brief Does it, into the textures that a frame of the CPU is brought over to otherwise. After
+   * an error the CPU draws. */
+  virtual Error drawOnCard(vtkOpenGLRenderWindow* window, const detail::ViewCamera& view,
+                           const FrameRequest& request, detail::FrameTextures& textures,
+                           std::uint64_t& covered);
+  /** \brief To be called when frames are to be made in another way. */
+  void dropFrame();
   /** \brief World units per unit of the buffer's lengths. */
   virtual double lengthScale() const = 0;
   /** \brief Values of the first and last colour of a mode that shows numbers. */
@@ -125,6 +141,7 @@ class GBufferMapper : public vtkOpenGLPolyDataMapper {
   void operator=(const GBufferMapper&) = delete;
 
   bool prepareFrame(vtkRenderer* renderer, vtkActor* actor);
+  Error makeFrame(vtkOpenGLRenderWindow* window, const FrameRequest& request, int coarseness);
   void uploadFrame(vtkOpenGLRenderWindow* window);
   void updateTable();
 

@@ -12,8 +12,16 @@
 namespace pcl_slim {
 
 namespace detail {
+class CardRasterizer;
 class SurfaceFrames;
-}
+}  // namespace detail
+
+/** \brief What intersects rays with a surface. */
+enum class RayBackend : unsigned char {
+  kAuto,    ///< the graphics card, unless its OpenGL is a processor's (llvmpipe, softpipe)
+  kCPU,     ///< the rasteriser of pcl_slim_render, vector units and threads
+  kOpenGL,  ///< shaders; the CPU still draws what has clipping planes or what the card refuses
+};
 
 /** \brief What lies under a pixel of a drawn surface; lengths in world units. */
 struct SurfacePick {
@@ -57,13 +65,23 @@ class SLIMMapper : public GBufferMapper {
    * corner of the window. \return false beside the surface. O(leaves). */
   bool pick(vtkRenderer* renderer, vtkActor* actor, int x, int y, SurfacePick& result);
 
+  /** \brief What intersects rays (kAuto); FrameStatistics::on_card tells what did. Pictures of the
+   * two differ by rounding. */
+  void setBackend(RayBackend backend);
+  RayBackend getBackend() const { return backend_; }
+
   bool supports(DisplayMode mode) const override;
+  void ReleaseGraphicsResources(vtkWindow* window) override;
 
  protected:
   SLIMMapper();
   ~SLIMMapper() override;
 
   Error rasterize(const Camera& camera, const FrameRequest& request, GBuffer& buffer) override;
+  bool usesCard(vtkOpenGLRenderWindow* window, const FrameRequest& request) override;
+  Error drawOnCard(vtkOpenGLRenderWindow* window, const detail::ViewCamera& view,
+                   const FrameRequest& request, detail::FrameTextures& textures,
+                   std::uint64_t& covered) override;
   double lengthScale() const override;
   std::array<double, 2> automaticRange(DisplayMode mode) const override;
 
@@ -73,6 +91,9 @@ class SLIMMapper : public GBufferMapper {
 
   std::shared_ptr<const SLIMSurface> surface_;
   std::unique_ptr<detail::SurfaceFrames> frames_;
+  std::unique_ptr<detail::CardRasterizer> card_;
+  RayBackend backend_ = RayBackend::kAuto;
+  bool card_fails_ = false;                                      ///< and has said so once
   mutable std::map<DisplayMode, std::array<double, 2>> ranges_;  ///< those asked for so far
 };
 

@@ -5,9 +5,11 @@
 #include <pcl/common/point_tests.h>
 #include <pcl/search/organized.h>
 
+#include <array>
 #include <cstring>
 #include <exception>
 #include <memory>
+#include <optional>
 #include <type_traits>
 
 #include "pcl_slim/filters/pcl_normals.h"
@@ -60,6 +62,16 @@ class PlainPointSearch : public pcl::search::Search<pcl::PointXYZ> {
   typename pcl::search::Search<PointT>::Ptr search_;
 };
 
+/** Where a cloud was seen from: the origin of its sensor, which an organized cloud has even at 0. */
+template <typename PointT>
+std::optional<std::array<double, 3>>
+sensorOf(const pcl::PointCloud<PointT>& cloud)
+{
+  const Eigen::Vector4f& at = cloud.sensor_origin_;
+  if (!cloud.isOrganized() && at.head<3>().isZero()) return {};
+  return std::array<double, 3>{at[0], at[1], at[2]};
+}
+
 template <typename PointT>
 bool
 SLIMFit<PointT>::fit(SLIMSurface& surface)
@@ -101,6 +113,7 @@ SLIMFit<PointT>::describeInput(CloudView& view)
   view.xyz = reinterpret_cast<const unsigned char*>(input_->points.data()) +
              traits::offset<PointT, fields::x>::value;
   view.xyz_stride = sizeof(PointT);
+  view.sensor = sensorOf(*input_);
   if (!use_indices_ || !indices_) return true;
 
   static_assert(sizeof(pcl::index_t) == sizeof(std::int32_t), "PCL is built with 32-bit indices");
@@ -189,8 +202,8 @@ SLIMFit<PointT>::findNormals(const pcl::IndicesPtr& selected, NormalCloud& norma
     if (!prepareSearch(cloud)) return false;
     search = std::make_shared<PlainPointSearch<PointT>>(search_);
   }
-  pclNormals(plain, selected, search, normal_neighbours_, params_, normals);
-  return true;
+  error_ = pclNormals(plain, selected, search, normal_neighbours_, params_, normals);
+  return !error_;
 }
 
 template <typename PointT>
@@ -200,6 +213,8 @@ SLIMFit<PointT>::estimateNormals(std::vector<float>& estimated)
   if (normal_neighbours_ < 3) {
     return fail(ErrorCode::kBadArgument, "a normal needs at least 3 neighbours; raise k");
   }
+  error_ = params_.validate();
+  if (error_) return false;
   const pcl::IndicesPtr selected = finiteSelection();
   estimated.assign(3 * input_->size(), 0.0f);
   if (selected->empty()) return true;  // the fit says what is wrong

@@ -29,6 +29,10 @@ SLIMProjectionSmoother<PointInT, PointOutT>::process(PointCloudOut& output)
       PCL_ERROR("[pcl_slim::SLIMProjectionSmoother::process] %s\n", error_.message.c_str());
     }
   }
+  if (!getWarning().empty()) {
+    PCL_WARN("[pcl_slim::SLIMProjectionSmoother::process] %s; the points stay as they are\n",
+             getWarning().c_str());
+  }
   output = std::move(made);
 }
 

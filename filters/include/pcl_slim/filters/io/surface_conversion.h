@@ -26,13 +26,16 @@ struct SurfaceMetadata {
 
 /** \brief Writes a surface's surfels as points, in their order, in world units less the shift.
  *
- * Every number is exact: fromPCL with the returned metadata gives the same surface, bit by bit.
+ * Every number is exact: fromPCL with the returned metadata gives the same surface, bit by bit, but
+ * for trim maps, which points carry at 8 x 8 nodes: coarse where a ball is wider than a dozen
+ * spacings. A .slim file keeps them as they are.
  * O(surfels). An empty surface gives an empty cloud.
  */
 SurfaceMetadata
 toPCL(const SLIMSurface& surface, pcl::PointCloud<PointSLIM>& cloud);
 
-/** \brief The same as a field-described cloud with only the coefficients info.degree needs. */
+/** \brief The same as a field-described cloud with only the coefficients info.degree needs, and
+ * without trim maps where every surfel is closed. */
 SurfaceMetadata
 toPCL(const SLIMSurface& surface, pcl::PCLPointCloud2& cloud);
 

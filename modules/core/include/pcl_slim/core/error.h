@@ -14,6 +14,7 @@ enum class ErrorCode {
   kBadInput,     ///< the data cannot be worked on (empty, all non-finite, truncated, foreign)
   kIo,           ///< a file cannot be opened, read or written
   kCancelled,    ///< the caller asked to stop
+  kNoSurface,    ///< the points are fine, but nowhere a surface: too few, along lines, scattered
 };
 
 /** \brief What went wrong, in one sentence that names the defect and the remedy.

@@ -4,7 +4,16 @@
 #include <cstddef>
 #include <exception>
 
+#include "pcl_slim/core/error.h"
+
 namespace pcl_slim {
+
+/** \brief Most threads that may be asked for; more are a slip, and each costs memory of its own. */
+constexpr int kMostThreads = 4096;
+
+/** \brief An error for a number of threads that is negative or above kMostThreads. */
+Error
+checkThreads(int requested);
 
 /** \brief Number of threads to use for a request: 0 (or less) means every available core. */
 int

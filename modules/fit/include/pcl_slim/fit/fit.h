@@ -29,13 +29,24 @@ struct FitParams {
   bool robust = false;  ///< reweight residuals against outliers (two more passes a leaf)
   bool local_noise =
       false;  ///< lambda varies over the cloud: noisy parts are smoothed more than clean ones
+  double noise_correlation =
+      0;  ///< points that share their errors, 1: none do; 0: told by the data
+  bool has_noise_model = false;       ///< the errors follow noise_model; needs a viewpoint or
+                                      ///< the store's sensor
+  double noise_model[3] = {0, 0, 0};  ///< a, b, c: RMS error a + b z + c z^2 along the ray from the
+                                      ///< viewpoint at distance z, world units
   bool normals_as_data = false;  ///< fit positions and normals together, by their errors; needs
                                  ///< normals that were measured apart from the points
   double normal_error = 0.0;   ///< with it: the normals' RMS error, (0, pi/2] radians; 0: measured,
                                ///< and normals that follow the points' own noise are no data
   bool paper_mode = false;     ///< the choices of Ohtake et al. 2005 throughout
+  bool trim = true;            ///< make trim maps, which end the surface where the data end or
+                               ///< leave holes; never with paper_mode
+  double hole_size = 4.0;      ///< with it: diameter of the smallest hole kept, in spacings of the
+                               ///< points; 2 or more
   bool orient = true;          ///< without normals: sign the output by the leaves' graph
-  bool has_viewpoint = false;  ///< sign the output towards viewpoint instead
+  bool has_viewpoint = false;  ///< sign the output towards viewpoint instead; without one, towards
+                               ///< the store's sensor if it has one
   double viewpoint[3] = {0, 0, 0};  ///< world coordinates
   std::uint64_t seed = 1;           ///< of the order in which centres are tried
   int threads = 0;                  ///< 0: all cores; never changes the result
@@ -58,17 +69,30 @@ struct FitStatistics {
   std::uint64_t skipped_normals = 0;  ///< centres passed over because their normal stands alone
   std::uint64_t split_sheets = 0;     ///< balls in which two sheets were parted
   std::uint64_t fits = 0;             ///< least-squares systems solved
-  std::uint64_t noise_patches = 0;    ///< patches of points on which noise was measured
-  std::uint64_t gathered = 0;         ///< points gathered into balls, all balls together
-  std::uint64_t never_gathered = 0;   ///< centres never tried: points covered by another's leaf
+  std::uint64_t fell_by_support =
+      0;                            ///< of those, of a lower degree: too few points stand behind it
+  std::uint64_t fell_by_pivot = 0;  ///< likewise: the points do not tell its coefficients apart
+  std::uint64_t line_balls = 0;     ///< balls divided because their many points lie along a line
+  double least_pivot =
+      1;  ///< of the leaves' normal equations, over its diagonal entry; 1: orthogonal
+  std::uint64_t noise_patches = 0;   ///< patches of points on which noise was measured
+  std::uint64_t gathered = 0;        ///< points gathered into balls, all balls together
+  std::uint64_t never_gathered = 0;  ///< centres never tried: points covered by another's leaf
   int first_level = 1, levels_skipped = 0, last_level = 0;
-  double lambda = 0;              ///< noise variance [L^2]
-  double penalty = 0, t_mdl = 0;  ///< as used (solved for, where asked)
-  double normal_error = 0;        ///< of normals used as data [rad]; 0: they were not
+  double lambda = 0;                  ///< noise variance [L^2]
+  double noise_correlation = 1;       ///< points that share their errors; 1: white noise
+  double noise_step = 0;              ///< of a quantised coordinate, the median [L]; 0: none found
+  std::uint64_t noise_neighbors = 0;  ///< points of a patch that shows all of the noise
+  bool noise_varies = false;          ///< lambda is the cloud's, the noise a profile about it
+  double penalty = 0, t_mdl = 0;      ///< as used (solved for, where asked)
+  double normal_error = 0;            ///< of normals used as data [rad]; 0: they were not
   /// normals were to be data, but repeat the points' noise, or too few points tell
   bool normals_follow_points = false;
-  double rms_error = 0;  ///< RMS residual of covered points against their leaves [L]
+  double rms_error = 0;               ///< RMS residual of covered points against their leaves [L]
+  std::uint64_t open_leaves = 0;      ///< leaves with a trim map: data end or leave a hole in them
+  std::uint64_t trim_candidates = 0;  ///< surfels whose gaps were measured; the others have none
   double seconds_noise = 0, seconds_cover = 0, seconds_links = 0, seconds_orient = 0;
+  double seconds_trim = 0;
   int threads = 1;
   std::uint64_t working_bytes = 0;  ///< memory of the fit beside the store and the surface
   std::vector<std::uint64_t> leaves_per_level;  ///< index k
@@ -78,10 +102,11 @@ struct FitStatistics {
  *
  * Levels k = k0, k0+1, ...: ball centres are chosen among the points not yet covered; each ball
  * seeks the radius in [gamma^2, 1] r_r that minimises E(r); balls with a minimum become leaves and
- * cover points, the others internal nodes, until every point is covered or reported. Same bytes
- * for any number of threads.
+ * cover points, the others internal nodes, until every point is covered or reported. Surfels in
+ * whose ball the data end or leave a hole get a trim map. Same bytes for any number of threads.
  *
- * \return an error for bad parameters, no points, or cancellation; surface is then empty.
+ * \return an error for bad parameters, no points, points that are nowhere a surface
+ * (ErrorCode::kNoSurface; the statistics are then told), or cancellation; surface is then empty.
  */
 Error
 fitSurface(const PointStore& store, const FitParams& params, SLIMSurface& surface,

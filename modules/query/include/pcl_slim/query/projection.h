@@ -42,6 +42,8 @@ struct Projection {
   std::vector<std::array<float, 2>> curvature;  ///< mean and Gaussian, 1/local length, 1/length^2
   std::vector<PrincipalFrame> principal;        ///< where asked for
   std::vector<std::uint8_t> supported;  ///< 0: no surfel supports the point, it kept its place
+  std::vector<std::uint8_t>
+      inside;  ///< 0: unsupported, or beyond the surface's borders (trim maps)
   std::uint64_t num_unsupported = 0;
 };
 
@@ -55,6 +57,7 @@ struct Projection {
  * Curvature is positive where the surface bends away from its normal (a sphere with outward
  * normals has mean 1/R). The points need not be those the surface was fitted to: both stand in
  * world coordinates through their origins and scales, and points away from it are unsupported.
+ * Trim maps move no point and drop none: they only say which of them lie inside the borders.
  */
 Error
 projectPoints(const PointStore& store, const SLIMSurface& surface, const ProjectionParams& params,

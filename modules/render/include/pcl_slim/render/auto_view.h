@@ -18,9 +18,11 @@ enum class UpAxis : unsigned char { kAuto, kX, kY, kZ };
 ViewDirection
 viewFromAngles(UpAxis up, double azimuth, double elevation);
 
-/** \brief The upward axis a cloud suggests: z in map coordinates (both horizontal ones beyond 100
- * diagonals), the normal of a flat cloud if that is y or z, else y where the cloud is clearly
- * longer along y than along z, else z. Statues stand, terrain lies. O(spheres log spheres). */
+/** \brief The upward axis an object suggests: z in map coordinates (both horizontal ones beyond 100
+ * diagonals), the normal of a flat object if that is y or z, else that of y and z along which it is
+ * clearly longer. If neither is, the one along which the normals of an oriented object point upwards
+ * on average, as nothing that stands is measured from below; else the one at whose lower end the
+ * object is flat; else z. Statues stand, terrain lies. O(spheres log spheres). */
 UpAxis
 guessUpAxis(const BoundingSpheres& object);
 

@@ -44,17 +44,18 @@ struct ViewDirection {
 /** \brief A perspective camera that sees every sphere of an object, as large as the picture allows.
  *
  * Spheres far outside the bulk (beyond a whole extent past the 1st and 99th percentile of the
- * centres) are not framed, so that one stray point does not shrink the object to a dot. An empty
- * object gives a camera at one world unit from its origin. O(spheres).
- * \param[in] margin share of the picture left free on each side, [0, 0.4]
+ * centres) are not framed, so that one stray point does not shrink the object to a dot; nor are
+ * pieces apart from the rest that hold less than 1 % of the area. An empty object gives a camera at one world unit from its origin. O(spheres).
+ * \param[in] margin share of the picture left free on each side, [0, 0.4];
+ * \param[in] right_margin share of its width left free on the right besides, [0, 0.4]: for a bar
  */
 Camera
 fitCamera(const BoundingSpheres& object, const ViewDirection& direction, const ImageSize& size,
-          double fov = 30.0, double margin = 0.04);
+          double fov = 30.0, double margin = 0.04, double right_margin = 0.0);
 
 /** \brief The same for parallel projection. */
 Camera
 fitOrthographicCamera(const BoundingSpheres& object, const ViewDirection& direction,
-                      const ImageSize& size, double margin = 0.04);
+                      const ImageSize& size, double margin = 0.04, double right_margin = 0.0);
 
 }  // namespace pcl_slim

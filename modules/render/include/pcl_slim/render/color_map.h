@@ -13,6 +13,10 @@ using Color = std::array<float, 3>;
 Color
 divergingColor(double x);
 
+/** \brief Dark blue (0) through green to light yellow (1), evenly lighter; values are clamped. */
+Color
+perceptualColor(double x);
+
 /** \brief Red (0, small) through yellow and green to blue (1, large); values are clamped. */
 Color
 sizeColor(double x);

@@ -18,7 +18,8 @@ enum GBufferColumn : std::uint8_t {
   kCurvatureColumn = 8,  ///< mean, Gaussian and principal
   kLeafColumns = 16,     ///< level and radius
   kWeightColumns = 32,   ///< weight and coverage
-  kAllColumns = 63,
+  kResidualColumn = 64,
+  kAllColumns = 127,
 };
 
 /** \brief What a picture's rays met, one value per pixel and column, rows from the top.
@@ -44,6 +45,7 @@ struct GBuffer {
   std::vector<std::uint32_t> surfel;            ///< leaf of the largest weight
   std::vector<std::uint8_t> level;              ///< its level
   std::vector<float> radius;                    ///< its support radius
+  std::vector<float> residual;                  ///< its root mean square residual
   std::vector<float> weight;                    ///< sum of blending weights
   std::vector<float> coverage;                  ///< sum of cover weights, G(|q - c| / (alpha r))
   std::vector<std::uint8_t> back_face;          ///< 1: an oriented surface seen from behind

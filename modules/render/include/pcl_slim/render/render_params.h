@@ -17,6 +17,12 @@ enum class VisibleSides : unsigned char {
   kBoth,   ///< either side; derivatives are turned to the viewer leaf by leaf
 };
 
+/** \brief Which derivatives a frame's normals and curvatures are made of (equation 8). */
+enum class Derivatives : unsigned char {
+  kBlended,           ///< its left side: those of the leaves, blended with their weights
+  kPartitionOfUnity,  ///< its right side: those of the leaves' weighted mean, weights included
+};
+
 /** \brief A half space: points x with dot(normal, x) >= offset, world coordinates. */
 struct HalfSpace {
   std::array<double, 3> normal{0.0, 0.0, 1.0};  ///< any length but 0
@@ -29,13 +35,17 @@ struct RenderParams {
   double shrink = 0.0;  ///< alpha of pass 1, (0, 0.95]; 0: the surface's cover radius
   double min_coverage =
       -1.0;                 ///< rays pass through where coverage is less; < 0: the surface's gamma
+  bool trim = true;         ///< end open surfaces, and open holes, where their trim maps say so
   double near_plane = 0.0;  ///< smallest depth shown along a ray, world units, >= 0
   double lod = 0.0;         ///< surfels of this projected diameter in pixels stand for their
                             ///< descendants; 0: every leaf is drawn; the paper draws at 4
   unsigned columns = kAllColumns;  ///< GBufferColumn bits: what the picture needs
   bool reference = false;          ///< the rasteriser in double, leaf by leaf and ray by ray: slow
-  bool skip = true;                ///< leave out work that cannot change the result
-  int threads = 0;                 ///< 0: all cores; never changes the result
+  /** Of normals, gradients, Hessians and curvatures. Where rays meet the surface stays the same.
+   * The right side is evaluated in double, leaf by leaf: microseconds a pixel. */
+  Derivatives derivatives = Derivatives::kBlended;
+  bool skip = true;  ///< leave out work that cannot change the result
+  int threads = 0;   ///< 0: all cores; never changes the result
   /** Rays begin where they have entered each of these half spaces: the surface is cut open, and
    * with kAuto both of its sides are drawn. What lies where a ray has left one again is drawn all
    * the same. Frames with cuts are the reference rasteriser's. */

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -18,12 +19,24 @@ namespace pcl_slim {
 
 /** \brief What a picture shows. */
 enum class ShadingMode : unsigned char {
-  kShaded,  ///< clay under a head light and a key light
-  kNormal,  ///< rgb = n / 2 + 1/2, world axes
-  kMean,    ///< mean curvature, blue (hollow) through grey (flat) to red (bulging)
-  kLevel,   ///< level of the leaf of the largest weight, one colour each
-  kSize,    ///< its radius, blue large to red small (the paper's Fig. 1)
-  kColor,   ///< colours of discs
+  kShaded,    ///< clay under a head light and a key light
+  kNormal,    ///< rgb = n / 2 + 1/2, world axes
+  kMean,      ///< mean curvature
+  kGaussian,  ///< Gaussian curvature
+  kKMax,      ///< the larger principal curvature
+  kKMin,      ///< the smaller one
+  kLevel,     ///< level of the leaf of the largest weight, one colour each
+  kSize,      ///< its radius, blue large to red small (the paper's Fig. 1)
+  kError,     ///< its residual, root mean square: the noise and what the polynomial cannot follow
+  kReflection,  ///< stripes of light far away as the surface mirrors them: they break where normals do
+  kColor,       ///< colours of discs
+};
+
+/** \brief Colours of a mode that shows numbers. */
+enum class ColorMap : unsigned char {
+  kAuto,        ///< diverging for curvatures, perceptual for residuals, the paper's for sizes
+  kDiverging,   ///< blue through grey at the middle of the range to red
+  kPerceptual,  ///< dark blue to light yellow, evenly
 };
 
 /** \brief The mode of a name such as "shaded", or nothing. */
@@ -33,9 +46,12 @@ shadingModeOf(const std::string& name);
 /** \brief Parameters of shade() and renderPicture(). */
 struct ShadingParams {
   ShadingMode mode = ShadingMode::kShaded;
-  bool lighting = true;      ///< false: colours as they are, no light and no shade
-  double range = 0.0;        ///< > 0: curvature of full red, 1/world length; 0: from the picture
-  double percentile = 0.95;  ///< share of pixels inside an automatic range, (0, 1]
+  bool lighting = true;           ///< false: colours as they are, no light and no shade
+  std::array<double, 2> range{};  ///< world units that the colours span; equal: from the picture
+  double percentile = 0.95;       ///< share of pixels inside an automatic range, (0, 1]
+  ColorMap map = ColorMap::kAuto;
+  bool color_bar = false;  ///< draw the range with its numbers and unit into the picture
+  std::string unit;        ///< of length, for the bar: lower-case letters such as mm, or none
   double ambient_occlusion = 0.6;   ///< strength of the shade in hollows, [0, 1]
   bool gradient_background = true;  ///< soft grey gradient instead of white
   int threads = 0;                  ///< 0: all cores; never changes the result
@@ -45,22 +61,39 @@ struct ShadingParams {
   Error validate() const;
 };
 
-/** \brief Ranges the colours span; taken from one buffer, then kept for others. */
+/** \brief What the colours of a mode that shows numbers span, in world units. */
 struct ShadingRange {
-  double curvature = 1.0;                     ///< |H| of full colour, 1/local length
-  double radius_min = 0.0, radius_max = 1.0;  ///< local lengths of full red and full blue
+  double low = 0.0, high = 1.0;
+  bool logarithmic = false;  ///< then both are positive
 };
 
-/** \brief Robust colour ranges of a G-buffer. O(covered pixels).
- * \param[in] scale world units per local unit */
+/** \brief Whether a mode shows numbers: curvatures, sizes and residuals do. */
+bool
+showsNumbers(ShadingMode mode);
+
+/** \brief The range asked for, or a robust one of a G-buffer. O(covered pixels).
+ * \param[in] scale world units per local unit, as SurfaceInfo::scale */
 ShadingRange
 rangeOf(const GBuffer& buffer, const ShadingParams& params, double scale);
+
+/** \brief GBufferColumn bits that a picture needs. */
+unsigned
+columnsFor(const ShadingParams& params);
+
+/** \brief Share of a picture's width that its colour bar takes up at the right; 0 where there is no
+ * room for one. */
+double
+colorBarShare(const ImageSize& size);
+
+/** \brief Draws a range, its numbers and its unit into the right margin of a picture. */
+void
+addColorBar(const ShadingParams& params, const ShadingRange& range, Image& image);
 
 /** \brief Shades a G-buffer to linear light, one colour a pixel, background included.
  * \param[in] scale world units per local unit, as SurfaceInfo::scale */
 std::vector<Color>
 shadeLinear(const GBuffer& buffer, const Camera& camera, const ShadingParams& params,
-            const ShadingRange& range);
+            const ShadingRange& range, double scale = 1.0);
 
 /** \brief Shades a G-buffer to a picture. Its size must be the camera's; kColor wants a buffer with
  * colours. */
@@ -76,7 +109,13 @@ Result<Image>
 renderPicture(const SLIMSurface& surface, const Camera& camera, const RenderParams& render_params,
               const ShadingParams& shading_params, RenderStatistics* statistics = nullptr);
 
-/** \brief The same of coloured discs. kMean and kLevel are refused: discs have neither. */
+/** \brief The same with a renderer that is kept; columns are chosen by the mode. */
+Result<Image>
+renderPicture(SurfaceRenderer& renderer, const Camera& camera, const RenderParams& render_params,
+              const ShadingParams& shading_params, RenderStatistics* statistics = nullptr);
+
+/** \brief The same of coloured discs. Curvatures, levels and residuals are refused: discs have
+ * none. */
 Result<Image>
 renderPicture(const SplatSet& splats, const Camera& camera, const DiscRenderParams& render_params,
               const ShadingParams& shading_params, DiscRenderStatistics* statistics = nullptr);

@@ -28,9 +28,10 @@ struct ColorView {
 struct RootGrid {
   static constexpr int kMaxResolution = 1 << 20;
 
-  int resolution = 0;   ///< cells along the box's longest side; 0: as occupied asks
+  int resolution = 0;   ///< cells along the box's longest side; 0: as the others ask
   double occupied = 0;  ///< occupied cells wanted, roughly, where resolution is 0
-  double per_key = 4;   ///< points that may share a key, roughly; infinite: those of a root
+  double points_per_root =
+      0;  ///< > 0: so many distinct places in an occupied cell, roughly, instead
 };
 
 /** \brief From world coordinates to root cells. */
@@ -52,18 +53,15 @@ struct OctreeFrame {
 /** \brief The order of a cloud's points along the Morton curve of a grid of cubic cells chosen by
  * its user; the points themselves stay where they are.
  *
- * Root cells number floor((p - origin) / cell) along each axis; below them positions resolve depth
+ * Root cells number floor((p - origin) / cell) along each axis; below them keys resolve depth
  * halvings, 21 bits an axis in all. An octree cell at any level is one run of points. Unlike
  * PointStore, whose cells are powers of two of the box, the grid has any size, every finite
- * point stays (also without a normal, also at a position taken), and nothing is built for
- * neighbour searches.
+ * point stays (also without a normal), and nothing is built for neighbour searches.
  *
- * Key and index of a point share 64 bits, so that keys resolve sortedDepth() halvings below a root
- * and not always depth(); whoever divides further orders points further. Points that no key tells
- * apart stay in their owner's order. Where roots are all that is asked for, points of one root that
- * follow each other are ordered as one, and no keys are kept. O(N) time, 4 bytes a point, 8 more for
- * keys, and 16 a root; 16 bytes a point more while it is built. Same input, same order, for any
- * number of threads.
+ * Points equal in place, normal and colour count once. Points that no key tells apart are ordered by
+ * place, normal and colour, so that nothing depends on the order in which the owner has them. O(N)
+ * time, 12 bytes a point and 16 a root; 24 bytes a point more while it is built. Same input, same
+ * order, for any number of threads.
  */
 class OctreeCloud {
  public:
@@ -77,20 +75,16 @@ class OctreeCloud {
 
   /** \brief Orders a cloud. \return why there is none: no points, more than 2^32 - 2, an index
    * outside, not one finite point, or coordinates near the largest double. */
-  static Result<OctreeCloud> build(const CloudView& cloud, const RootGrid& grid, int threads = 0);
+  static Result<OctreeCloud> build(const CloudView& cloud, const RootGrid& grid, int threads = 0,
+                                   const ColorView& colors = {});
 
   std::size_t size() const { return order_.size(); }
   /** \brief The i-th point along the curve, as the i of CloudView::inputIndex. */
   std::uint32_t order(std::size_t i) const { return order_[i]; }
-  /** \brief Puts another point of the same key there. */
-  void setOrder(std::size_t i, std::uint32_t order) { order_[i] = order; }
 
-  /** \brief Ascending numbers whose bits from keyBit(shift) on tell cells 2^shift times the
-   * smallest apart. */
+  /** \brief Ascending Morton codes; their bits from 3 shift on tell cells 2^shift times the smallest
+   * apart. */
   const std::uint64_t* keys() const { return keys_.data(); }
-  int keyBit(int shift) const { return index_bits_ + 3 * (shift - depth_ + sorted_depth_); }
-  /** \brief Halvings of a root that keys resolve; 0: there are no keys. */
-  int sortedDepth() const { return sorted_depth_; }
 
   std::size_t numRoots() const { return roots_.size() - 1; }
   /** \brief Occupied roots along the curve; the one behind the last begins at size(). */
@@ -105,6 +99,7 @@ class OctreeCloud {
   int depth() const { return depth_; }   ///< halvings that positions resolve below a root cell
   int resolution() const { return resolution_; }  ///< root cells along the longest side
   std::uint64_t numNonFinite() const { return num_non_finite_; }
+  std::uint64_t numDuplicates() const { return num_duplicates_; }
 
   /** \brief Edge, in root cells, of cells 2^shift times the smallest. */
   double edge(int shift) const;
@@ -115,12 +110,12 @@ class OctreeCloud {
   friend class detail::OctreeCloudBuilder;
 
   AlignedVector<std::uint32_t> order_;
-  AlignedVector<std::uint64_t> keys_;  ///< each above some bits of no meaning
+  AlignedVector<std::uint64_t> keys_;
   std::vector<Root> roots_{{0, 0}};
   OctreeFrame frame_;
   double cell_ = 0;
-  int depth_ = 0, sorted_depth_ = 0, index_bits_ = 0, resolution_ = 1;
-  std::uint64_t num_non_finite_ = 0;
+  int depth_ = 0, resolution_ = 1;
+  std::uint64_t num_non_finite_ = 0, num_duplicates_ = 0;
 };
 
 }  // namespace pcl_slim

@@ -9,6 +9,7 @@
 
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/surface/polynomial.h"
+#include "pcl_slim/surface/trim_map.h"
 #include "pcl_slim/surface/weight_kernel.h"
 
 namespace pcl_slim {
@@ -17,6 +18,7 @@ namespace pcl_slim {
 enum SurfelFlag : std::uint8_t {
   kSurfelLeaf = 1,  ///< blended into the surface; otherwise an internal node of the hierarchy
   kSurfelSupportLimited = 2,  ///< ended by minimum support, not by a minimum of the energy
+  kSurfelOpen = 4,            ///< data end, or leave a hole, inside its ball: it has a trim map
 };
 
 /** \brief How a surface was made, and the units it is stored in. */
@@ -61,6 +63,9 @@ class SLIMSurface {
   std::vector<std::uint8_t> level;     ///< k of the paper's sliding interval, 1 = coarsest
   std::vector<std::uint8_t> flags;     ///< SurfelFlag bits
 
+  std::vector<std::uint32_t> trim_begin;  ///< size() + 1 offsets into trim_maps; empty: all closed
+  std::vector<std::uint8_t> trim_maps;    ///< of open surfels: side in a byte, then the bits
+
   std::vector<std::uint32_t> child_begin;  ///< size() + 1 offsets into children (may be empty)
   std::vector<std::uint32_t> children;     ///< surfels one level finer whose centre lies inside
   std::vector<std::uint32_t> roots;        ///< children of the enclosing root ball
@@ -76,6 +81,17 @@ class SLIMSurface {
   std::size_t numLevels() const;
   const float* coefficientsOf(std::size_t i) const { return coefficients.data() + i * stride(); }
 
+  bool isOpen(std::size_t i) const { return (flags[i] & kSurfelOpen) != 0; }
+  /** \brief Whether any surfel has a trim map. */
+  bool hasTrimMaps() const { return !trim_begin.empty(); }
+  /** \brief Where the data lie in surfel i's ball; a closed map where they lie all over it. */
+  TrimMap trimMap(std::size_t i) const
+  {
+    if (!isOpen(i)) return {};
+    const std::uint8_t* map = trim_maps.data() + trim_begin[i];
+    return {map[0], map + 1};
+  }
+
   /** \brief Inverse-variance weight of surfel i in a blend: v / (v + e^2) with
    * v = lambda L^2 + (r / 1000)^2, in (0, 1]. A leaf that holds an edge or two sheets counts little
    * beside one that fits; leaves that fit down to the noise count alike. */
@@ -83,10 +99,18 @@ class SLIMSurface {
 
   /** \brief Removes every surfel and link; keeps info. */
   void clear();
+  /** \brief Sets the number of surfels; none has a trim map then. */
   void resize(std::size_t count);
 
-  /** \brief Turns surfel i's normal round; its zero set stays the same. */
+  /** \brief Turns surfel i's normal round; its zero set and its border stay the same. */
   void flip(std::size_t i);
+
+  /** \brief Gives the surfels trim maps in place of those they have, and sets their flags.
+   * \param[in] sides size() values, 0 for closed surfels \param[in] bits the maps of the others, one
+   * after another, TrimMap::numBytes(side) each */
+  void setTrimMaps(const std::vector<std::uint8_t>& sides, const std::vector<std::uint8_t>& bits);
+  /** \brief Makes every surfel closed. */
+  void dropTrimMaps();
 
   /** \brief Rebuilds links and the root from centres, radii and levels (section 2, Fig. 6).
    * O(M log M) for M surfels; the same for any number of threads. */

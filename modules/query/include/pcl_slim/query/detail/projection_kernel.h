@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "pcl_slim/core/symmetric.h"
+#include "pcl_slim/surface/detail/trim_tables.h"
 #include "pcl_slim/surface/polynomial.h"
 #include "pcl_slim/surface/weight_kernel.h"
 
@@ -20,6 +21,7 @@ struct BlockLeaf {
   float variance_weight;  ///< inverse-variance weight, in (0, 1]
   int degree;
   const float* c;
+  TrimTable trim;  ///< where the leaf's data lie
 };
 
 /** \brief A block's 16 points: offsets from its origin, and normals where they are to decide. */
@@ -34,6 +36,7 @@ struct BlockSums {
   alignas(64) float direction[3][16];  ///< sum w n of pass 1, then the unit ray direction
   alignas(64) float weight[16];        ///< sum w
   alignas(64) float offset[16];        ///< sum w t
+  alignas(64) float outside[16];       ///< sum w outside: of the trim maps, see outsideShare
   alignas(64) float gradient[3][16];   ///< sum w grad f
   alignas(64) float hessian[6][16];    ///< sum w H, entries as in Symmetric3
   alignas(64) float third[10][16];     ///< sum w T: xxx xxy xxz xyy xyz xzz yyy yyz yzz zzz

@@ -23,6 +23,7 @@ struct RaySurfel {
   int degree;
   const float* coefficients;
   double variance_weight;  ///< factor of its weight in a blend
+  TrimMap trim;            ///< where its data lie
 
   RaySurfel(const SLIMSurface& surface, std::size_t i)
       : center{surface.cx[i], surface.cy[i], surface.cz[i]},
@@ -31,7 +32,8 @@ struct RaySurfel {
         inverse_radius(1.0 / radius),
         degree(surface.degree[i]),
         coefficients(surface.coefficientsOf(i)),
-        variance_weight(surface.info.paper_mode ? 1.0 : surface.varianceWeight(i))
+        variance_weight(surface.info.paper_mode ? 1.0 : surface.varianceWeight(i)),
+        trim(surface.trimMap(i))
   {
   }
 };

@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "render/line_request.h"
+
+#include <algorithm>
+
+#include "pcl_slim/core/vector3.h"
+#include "pcl_slim/filters/io/point_file.h"
+
+namespace pcl_slim {
+
+namespace {
+
+/** A line whose ends lie as near to each other as its vertices do is closed. */
+void
+close(SpaceLine& line)
+{
+  double length = 0;
+  for (std::size_t i = 1; i < line.points.size(); ++i)
+    length += pcl_slim::length(subtract(line.points[i], line.points[i - 1]));
+  const double step = length / static_cast<double>(line.points.size());
+  const double gap = pcl_slim::length(subtract(line.points.front(), line.points.back()));
+  if (line.points.size() > 3 && gap < 1.5 * step) line.points.push_back(line.points.front());
+}
+
+/** Lines of a file that pcl_slim_lines wrote: neighbours of one line number are neighbours. */
+Result<std::vector<SpaceLine>>
+loadLines(const std::string& path)
+{
+  const auto file = loadPointFile(path);
+  if (!file) return file.error();
+  const pcl::PCLPointCloud2& cloud = file->cloud;
+  std::vector<pcl::PCLPointField> fields;
+  for (const char* name : {"x", "y", "z", "line", "type"}) {
+    const int index = findField(cloud, name);
+    if (index < 0) {
+      return Error{ErrorCode::kBadInput,
+                   path + " has no field " + name + "; name a .pcd or .ply file of pcl_slim_lines"};
+    }
+    fields.push_back(cloud.fields[static_cast<std::size_t>(index)]);
+  }
+  std::vector<SpaceLine> lines;
+  double last = -1;
+  for (std::size_t i = 0; i < numPoints(cloud); ++i) {
+    const auto value = [&](std::size_t f) { return fieldValue(cloud, i, fields[f]); };
+    if (lines.empty() || value(3) != last) lines.emplace_back();
+    last = value(3);
+    lines.back().kind = value(4) == 0 ? PictureLineKind::kRidge : PictureLineKind::kRavine;
+    lines.back().points.push_back({value(0), value(1), value(2)});
+  }
+  for (SpaceLine& line : lines) close(line);
+  return lines;
+}
+
+}  // namespace
+
+void
+LineRequest::declare(OptionTable& table)
+{
+  table.choice("lines", &lines, {"none", "crest", "suggestive", "contour", "all"},
+               "lines over the picture; none with -mode sketch: all");
+  table.text("line_file", &file, "FILE.pcd|.ply",
+             "lines of pcl_slim_lines to draw where they are seen");
+  table.number("line_width", &width, 0.1, 100, "width of strong lines, pixels");
+  table.number("line_curvature", &curvature, 1e-6, 1e9, "least curvature of crest lines, 1/L");
+  table.number("line_slope", &slope, 1e-6, 1e12,
+               "least growth of radial curvature on suggestive contours, 1/L^2");
+  table.number("line_length", &length, 0, 1e6, "least length of a line, pixels");
+}
+
+void
+LineRequest::drawAlone(PictureRequest& colors)
+{
+  sketch = true;
+  // What lies under white paper need not be smooth.
+  colors.mode = "shaded";
+  colors.supersampling = 1;
+  colors.occlusion = 0;
+}
+
+Error
+LineRequest::load()
+{
+  if (file.empty()) return {};
+  auto loaded = loadLines(file);
+  if (!loaded) return loaded.error();
+  in_space_ = std::move(*loaded);
+  return {};
+}
+
+PictureLineParams
+LineRequest::finding(int threads) const
+{
+  PictureLineParams params;
+  const bool all = lines == "all" || (sketch && lines == "none" && file.empty());
+  params.crest = all || lines == "crest";
+  params.suggestive = all || lines == "suggestive";
+  params.contour = all || lines == "contour" || sketch;
+  params.crest_curvature = curvature;
+  params.suggestive_derivative = slope;
+  params.min_length = length;
+  params.threads = threads;
+  return params;
+}
+
+Error
+LineRequest::draw(SurfaceRenderer& renderer, const Camera& camera, RenderParams rendering,
+                  Image& image, std::size_t& count) const
+{
+  const PictureLineParams params = finding(rendering.threads);
+  rendering.columns = pictureLineColumns(params);
+  GBuffer buffer;
+  if (Error error = renderer.render(camera, rendering, buffer)) return error;
+  auto found = findPictureLines(buffer, camera, renderer.surface(), params);
+  if (!found) return found.error();
+  auto seen = projectLines(in_space_, buffer, camera, renderer.surface());
+  if (!seen) return seen.error();
+  found->insert(found->end(), seen->begin(), seen->end());
+  if (sketch) std::fill(image.rgb.begin(), image.rgb.end(), std::uint8_t{255});
+  count = found->size();
+  LineStyle style;
+  style.width = width;
+  return drawLines(*found, style, image);
+}
+
+}  // namespace pcl_slim

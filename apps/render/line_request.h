@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/options.h"
+#include "pcl_slim/render/picture_lines.h"
+#include "pcl_slim/render/surface_renderer.h"
+#include "render/picture_request.h"
+
+namespace pcl_slim {
+
+/** \brief Lines over a picture, as the command line asks for them. */
+struct LineRequest {
+  std::string lines = "none", file;
+  double width = LineStyle().width, curvature = PictureLineParams().crest_curvature;
+  double slope = PictureLineParams().suggestive_derivative;
+  double length = PictureLineParams().min_length;
+  bool sketch = false;  ///< nothing but lines, on white
+
+  /** \brief Adds the options. The request must outlive the table's parse(). */
+  void declare(OptionTable& table);
+
+  /** \brief Sets itself and the colours for a picture of nothing but lines. */
+  void drawAlone(PictureRequest& colors);
+
+  /** \brief Reads the file of lines, if one is named. */
+  Error load();
+
+  /** \brief Whether there is anything to draw. */
+  bool any() const { return sketch || lines != "none" || !file.empty(); }
+
+  /** \brief Finds the lines of a view and draws them over its picture.
+   * \param[in] rendering as the picture was made; \param[out] count lines drawn */
+  Error draw(SurfaceRenderer& renderer, const Camera& camera, RenderParams rendering, Image& image,
+             std::size_t& count) const;
+
+ private:
+  PictureLineParams finding(int threads) const;
+
+  std::vector<SpaceLine> in_space_;
+};
+
+}  // namespace pcl_slim

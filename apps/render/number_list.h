@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+namespace pcl_slim {
+
+/** \brief Reads finite numbers separated by single commas; nothing else may stand between. */
+inline bool
+parseNumberList(const std::string& text, std::vector<double>& values)
+{
+  const char* at = text.c_str();
+  for (;;) {
+    char* end = nullptr;
+    const double value = std::strtod(at, &end);
+    if (end == at || !std::isfinite(value)) return false;
+    values.push_back(value);
+    if (*end == '\0') return true;
+    if (*end != ',') return false;
+    at = end + 1;
+  }
+}
+
+}  // namespace pcl_slim

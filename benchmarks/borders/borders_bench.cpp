@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where drawn surfaces end beside where their data do: on scans the area drawn far from data and the
+// points without anything drawn, on scenes of known outline the rim itself; and what trim maps cost.
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "borders/drawn_area.h"
+#include "borders/rims.h"
+#include "common/options.h"
+#include "common/program.h"
+#include "measure/clocks.h"
+#include "pcl_slim/core/parallel.h"
+#include "pcl_slim/fit/fit.h"
+#include "scan/cloud_file.h"
+
+using namespace pcl_slim;
+
+namespace {
+
+struct Settings {
+  std::string input;
+  FitParams fit;
+  bool reference = false, draw = true, use_normals = true;
+  int size = 1000, repeat = 1;
+  double noise = 0.02;
+};
+
+/** \brief CPU seconds of a fit without trim maps and with them, the least of several. */
+struct Cost {
+  double plain = 1e9, trimmed = 1e9;
+};
+
+Error
+fitBoth(const Settings& s, const PointStore& store, SLIMSurface& surface, FitStatistics& stats,
+        Cost& cost)
+{
+  for (int i = 0; i < s.repeat; ++i) {
+    for (const bool trim : {false, true}) {
+      FitParams params = s.fit;
+      params.trim = trim;
+      const double start = measure::cpuSeconds();
+      if (Error error = fitSurface(store, params, surface, &stats)) return error;
+      double& least = trim ? cost.trimmed : cost.plain;
+      least = std::min(least, measure::cpuSeconds() - start);
+    }
+  }
+  return {};
+}
+
+void
+printCost(const Settings& s, const SLIMSurface& surface, const FitStatistics& stats,
+          const Cost& cost)
+{
+  const double n = static_cast<double>(stats.points);
+  const double leaves = static_cast<double>(stats.leaves);
+  std::printf(
+      "%s: %llu points, %llu leaves, %.3f open, %llu candidates of %zu surfels\n"
+      "  maps %.3f us/pt CPU (fit %.2f), %.1f bytes a leaf, %.2f a point\n",
+      s.input.c_str(), static_cast<unsigned long long>(stats.points),
+      static_cast<unsigned long long>(stats.leaves),
+      static_cast<double>(stats.open_leaves) / leaves,
+      static_cast<unsigned long long>(stats.trim_candidates), surface.size(),
+      1e6 * (cost.trimmed - cost.plain) / n, 1e6 * cost.plain / n,
+      static_cast<double>(surface.trim_maps.size()) / leaves,
+      static_cast<double>(surface.trim_maps.size()) / n);
+}
+
+/** \brief Overshoot and loss, drawn without trim maps and with them. */
+void
+printBorders(const Settings& s, const SLIMSurface& surface, const borders::Feet& feet)
+{
+  borders::DrawnArea areas[2];
+  double lost[2];
+  for (int trim = 0; trim < 2; ++trim) {
+    RenderParams params;
+    params.threads = s.fit.threads;
+    params.reference = s.reference;
+    params.trim = trim == 1;
+    areas[trim] = borders::drawnArea(surface, feet, params, s.size);
+    lost[trim] = borders::lostShare(surface, feet, params);
+  }
+  std::printf(
+      "  overshoot %.3f -> %.3f %%, loss %.3f -> %.3f %%, area kept %.3f, six frames %.2f -> %.2f "
+      "s\n",
+      100.0 * areas[0].far / areas[0].total, 100.0 * areas[1].far / areas[1].total, 100.0 * lost[0],
+      100.0 * lost[1], areas[1].total / areas[0].total, areas[0].seconds, areas[1].seconds);
+}
+
+int
+run(const Settings& s, const CloudView& view, const borders::RimScene* scene)
+{
+  const Result<PointStore> store = PointStore::build(view, s.fit.threads);
+  SLIMSurface surface;
+  FitStatistics stats;
+  Cost cost;
+  const Error error = store ? fitBoth(s, *store, surface, stats, cost) : store.error();
+  if (error) {
+    std::fprintf(stderr, "borders_bench: %s\n", error.message.c_str());
+    return kExitFailed;
+  }
+  printCost(s, surface, stats, cost);
+  if (!s.draw) return kExitDone;
+  printBorders(s, surface, borders::feetOf(*store, surface, stats.threads));
+  for (int trim = 0; scene != nullptr && trim < 2; ++trim) {
+    RenderParams params;
+    params.threads = s.fit.threads;
+    params.reference = s.reference;
+    params.trim = trim == 1;
+    const borders::RimFigures f = borders::measureRims(*scene, surface, params);
+    std::printf("  rim %s: mean %+.2f, sd %.2f, max %.2f, jag %.2f spacings\n",
+                trim == 1 ? "trimmed" : "as balls end", f.mean, f.deviation, f.farthest, f.jag);
+  }
+  std::fflush(stdout);
+  return kExitDone;
+}
+
+int
+runScene(const Settings& s)
+{
+  const borders::RimScene scene = borders::makeRimScene(s.input, s.noise, s.fit.seed);
+  CloudView view;
+  view.xyz = scene.points.data();
+  view.xyz_stride = 3 * sizeof(double);
+  view.scalar = CloudView::Scalar::kDouble;
+  view.size = scene.points.size() / 3;
+  return run(s, view, &scene);
+}
+
+}  // namespace
+
+int
+main(int argc, char** argv)
+{
+  Settings s;
+  s.fit.threads = 1;
+  OptionTable table("borders_bench", "", "Borders as drawn beside borders of the data.");
+  table.positional("SCAN|half|hole|strip|grid", &s.input, "a .pcd or .ply, or a scene by name");
+  table.number("hole", &s.fit.hole_size, 2, 50, "diameter of the smallest hole kept, in spacings");
+  table.number("noise", &s.noise, 0, 10, "of a scene's points, in spacings");
+  table.integer("seed", &s.fit.seed, 0, 1000000, "of a scene, and of the fit");
+  table.integer("threads", &s.fit.threads, 1, 256, "threads");
+  table.integer("size", &s.size, 16, 8192, "pixels a side of the views");
+  table.integer("repeat", &s.repeat, 1, 100, "fits, of which the fastest maps count");
+  table.toggle("draw", &s.draw, "measure what is drawn, not only the maps' cost");
+  table.toggle("reference", &s.reference, "draw with the reference rasteriser");
+  table.toggle("use_normals", &s.use_normals, "use the scan's own normals or faces");
+  if (const auto status = table.parse(argc, argv)) return *status;
+  if (s.input.find('.') == std::string::npos) return runScene(s);
+  const Result<CloudFile> cloud = loadCloudFile(s.input);
+  if (!cloud) {
+    std::fprintf(stderr, "borders_bench: %s\n", cloud.error().message.c_str());
+    return kExitUsage;
+  }
+  return run(s, cloud->view(s.use_normals), nullptr);
+}

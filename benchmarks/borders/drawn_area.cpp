@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "borders/drawn_area.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "measure/clocks.h"
+#include "pcl_slim/cloud/knn.h"
+#include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/vector3.h"
+#include "pcl_slim/render/surface_renderer.h"
+
+namespace pcl_slim::borders {
+namespace {
+
+constexpr double kFar = 1.5;             ///< spacings
+constexpr double kOfEighth = 0.627;      ///< spacing over the distance to the 8th neighbour
+constexpr double kLeastCosine = 0.05;    ///< pixels seen more obliquely show no more than at this
+constexpr std::uint32_t kNeighbors = 9;  ///< with the point itself
+
+/** \brief Whether some foot lies within 1.5 of its spacings of a place, in the store's units. */
+class FootSearch {
+ public:
+  explicit FootSearch(const Feet& feet) : feet_(feet)
+  {
+    for (const float s : feet.spacing) widest_ = std::max(widest_, s);
+    std::vector<double> spacings(feet.spacing.begin(), feet.spacing.end());
+    usual_ = static_cast<float>(kFar * measure::median(std::move(spacings)));
+  }
+
+  bool isNear(const Vector3& world, std::vector<std::uint32_t>& blocks) const
+  {
+    const Vector3 place = scaled(subtract(world, feet_.store.origin()), 1.0 / feet_.store.scale());
+    const float at[3] = {static_cast<float>(place[0]), static_cast<float>(place[1]),
+                         static_cast<float>(place[2])};
+    // Most places have a foot close by: look far only where there is none.
+    for (float reach = usual_;; reach *= 4.0f) {
+      blocks.clear();
+      feet_.store.tree().blocksInBall(at, std::min(reach, static_cast<float>(kFar) * widest_),
+                                      blocks);
+      for (const std::uint32_t b : blocks) {
+        if (nearBlock(place, b)) return true;
+      }
+      if (reach >= kFar * widest_) return false;
+    }
+  }
+
+ private:
+  bool nearBlock(const std::array<double, 3>& place, std::uint32_t block) const
+  {
+    const std::size_t first = block * PointStore::kBlock;
+    const std::size_t end = std::min(first + PointStore::kBlock, feet_.store.size());
+    for (std::size_t i = first; i < end; ++i) {
+      const auto p = feet_.store.position(i);
+      const double x = p[0] - place[0], y = p[1] - place[1], z = p[2] - place[2];
+      const double limit = kFar * feet_.spacing[i];
+      if (x * x + y * y + z * z <= limit * limit) return true;
+    }
+    return false;
+  }
+
+  const Feet& feet_;
+  float widest_ = 0.0f;
+  float usual_ = 0.0f;  ///< 1.5 spacings where points are as dense as usual
+};
+
+std::vector<Camera>
+axisViews(const SLIMSurface& surface, int size)
+{
+  std::vector<Camera> cameras;
+  const BoundingSpheres object = spheresOf(surface);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double side : {1.0, -1.0}) {
+      ViewDirection view{{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+      view.towards_viewer[static_cast<std::size_t>(axis)] = side;
+      view.up[static_cast<std::size_t>((axis + 1) % 3)] = 1.0;
+      cameras.push_back(fitOrthographicCamera(object, view, {size, size}, 0.0));
+    }
+  }
+  return cameras;
+}
+
+/** \brief One view's pixels: where they lie, and how much area each shows. */
+class ViewPixels {
+ public:
+  ViewPixels(const SLIMSurface& surface, const Camera& camera, const GBuffer& buffer)
+      : info_(surface.info), buffer_(buffer)
+  {
+    const double pixel = camera.view_height / camera.size.height;
+    area_ = pixel * pixel;
+    to_eye_ = normalized(subtract(camera.position, camera.look_at));
+  }
+
+  Vector3 world(std::size_t i) const
+  {
+    const auto& p = buffer_.position[i];
+    return along(info_.origin, info_.scale, {p[0], p[1], p[2]});
+  }
+
+  double area(std::size_t i) const
+  {
+    const auto& n = buffer_.normal[i];
+    return area_ / std::max(std::abs(dot(to_eye_, {n[0], n[1], n[2]})), kLeastCosine);
+  }
+
+ private:
+  const SurfaceInfo& info_;
+  const GBuffer& buffer_;
+  double area_;
+  Vector3 to_eye_;
+};
+
+/** \brief Adds one view's pixels. */
+void
+addView(const ViewPixels& pixels, const FootSearch& search, const GBuffer& buffer, int threads,
+        DrawnArea& area)
+{
+  std::vector<DrawnArea> rows(static_cast<std::size_t>(buffer.height));
+  std::vector<std::vector<std::uint32_t>> scratch(static_cast<std::size_t>(threads));
+  parallelFor(rows.size(), threads, 8, [&](std::size_t y, int thread) {
+    for (int x = 0; x < buffer.width; ++x) {
+      const std::size_t i = buffer.index(x, static_cast<int>(y));
+      if (!buffer.covered(i)) continue;
+      const double shown = pixels.area(i);
+      rows[y].total += shown;
+      const bool near = search.isNear(pixels.world(i), scratch[static_cast<std::size_t>(thread)]);
+      if (!near) rows[y].far += shown;
+    }
+  });
+  for (const DrawnArea& row : rows) {
+    area.total += row.total;
+    area.far += row.far;
+  }
+}
+
+/** \brief Spacings and normals of feet that are stored. */
+void
+measureSpacings(int threads, Feet& feet)
+{
+  feet.spacing.resize(feet.store.size());
+  for (std::size_t i = 0; i < feet.store.size(); ++i) feet.normal.push_back(feet.store.normal(i));
+  std::vector<NeighborSearch> searches(static_cast<std::size_t>(threads),
+                                       NeighborSearch(feet.store));
+  parallelFor(feet.store.size(), threads, 1024, [&](std::size_t i, int thread) {
+    std::vector<std::uint32_t> neighbors;
+    std::vector<float> distances_sq;
+    searches[static_cast<std::size_t>(thread)].nearest(i, kNeighbors, neighbors, distances_sq);
+    feet.spacing[i] = static_cast<float>(kOfEighth * std::sqrt(distances_sq.back()));
+  });
+}
+
+}  // namespace
+
+Feet
+feetOf(const PointStore& points, const SLIMSurface& surface, int threads)
+{
+  Projection projection;
+  ProjectionParams params;
+  params.threads = threads;
+  if (projectPoints(points, surface, params, projection)) return {};
+  std::vector<double> xyz;
+  for (const auto& local : projection.position) {
+    const Vector3 foot = along(points.origin(), points.scale(), local);
+    xyz.insert(xyz.end(), foot.begin(), foot.end());
+  }
+  // A point without support has no normal and is left out for it: it is no foot.
+  CloudView view;
+  view.xyz = xyz.data();
+  view.xyz_stride = 3 * sizeof(double);
+  view.scalar = CloudView::Scalar::kDouble;
+  view.normal = projection.normal.data();
+  view.normal_stride = 3 * sizeof(float);
+  view.size = points.size();
+  Result<PointStore> store = PointStore::build(view, threads);
+  Feet feet;
+  if (!store) return feet;
+  feet.store = std::move(*store);
+  measureSpacings(threads, feet);
+  return feet;
+}
+
+DrawnArea
+drawnArea(const SLIMSurface& surface, const Feet& feet, const RenderParams& params, int size)
+{
+  DrawnArea area;
+  RenderParams own = params;
+  own.columns = kPositionColumn;
+  SurfaceRenderer renderer(surface, params.threads);
+  GBuffer buffer;
+  const FootSearch search(feet);
+  for (const Camera& camera : axisViews(surface, size)) {
+    const double start = measure::wallSeconds();
+    if (renderer.render(camera, own, buffer)) return {};
+    area.seconds += measure::wallSeconds() - start;
+    addView({surface, camera, buffer}, search, buffer, resolveThreads(params.threads), area);
+  }
+  return area;
+}
+
+}  // namespace pcl_slim::borders

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/query/projection.h"
+#include "pcl_slim/render/render_params.h"
+#include "pcl_slim/surface/surface.h"
+
+namespace pcl_slim::borders {
+
+/** \brief A scan's points on its surface: where data are. */
+struct Feet {
+  PointStore store;                          ///< of the feet, in units of their own
+  std::vector<float> spacing;                ///< about each stored foot, the store's units
+  std::vector<std::array<float, 3>> normal;  ///< of the surface at each stored foot
+};
+
+/** \brief The feet of a store's points, and .627 times their distances to the 8th neighbour. */
+Feet
+feetOf(const PointStore& points, const SLIMSurface& surface, int threads);
+
+/** \brief Drawn area, and the part of it that is far from data. */
+struct DrawnArea {
+  double total = 0.0, far = 0.0;  ///< any unit
+  double seconds = 0.0;           ///< of drawing, without measuring
+};
+
+/** \brief Sums up, over six views in parallel projection along the axes, the area that pixels show:
+ * all of it, and what lies farther than 1.5 spacings from every foot. */
+DrawnArea
+drawnArea(const SLIMSurface& surface, const Feet& feet, const RenderParams& params, int size);
+
+/** \brief The share of points within half a spacing of which nothing is drawn: neither at the foot
+ * nor at 8 places around it. */
+double
+lostShare(const SLIMSurface& surface, const Feet& feet, const RenderParams& params);
+
+}  // namespace pcl_slim::borders

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Lines in a picture: milliseconds a frame, and how far they drift over the surface when the camera
+// turns. Lines are kept from 12 pixels on, and drift is told from lines of any length: how long a
+// line is seen changes with the view.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "common/run_program.h"
+#include "measure/clocks.h"
+#include "pcl_slim/core/vector3.h"
+#include "pcl_slim/render/auto_view.h"
+#include "pcl_slim/render/picture_lines.h"
+#include "pcl_slim/render/surface_renderer.h"
+#include "pcl_slim/surface/surface_io.h"
+
+namespace {
+
+using namespace pcl_slim;
+
+struct Settings {
+  std::string surface, picture;
+  int width = 1000, height = 800, repeat = 7, threads = 2;
+  PictureLineParams lines;
+};
+
+/** What one camera sees, and the lines in it. */
+struct View {
+  Camera camera;
+  GBuffer buffer;
+  std::vector<PictureLine> lines;
+};
+
+OptionTable
+declareOptions(Settings& s)
+{
+  OptionTable options("picture_lines_bench", "1", "Measures lines in pictures.");
+  options.positional("SURFACE.slim", &s.surface, "surface of pcl_slim_fit");
+  options.integer("width", &s.width, 16, 8192, "pixels");
+  options.integer("height", &s.height, 16, 8192, "pixels");
+  options.integer("repeat", &s.repeat, 1, 1000, "frames to take the median of");
+  options.integer("threads", &s.threads, 1, 256, "threads");
+  options.number("crest", &s.lines.crest_curvature, 1e-6, 1e6, "least curvature [1/L]");
+  options.number("suggestive", &s.lines.suggestive_derivative, 1e-6, 1e9,
+                 "least derivative [1/L^2]");
+  options.text("picture", &s.picture, "FILE.png", "draw the lines");
+  return options;
+}
+
+/** The lines on white paper. */
+Error
+savePicture(const Settings& s, const View& view)
+{
+  Image image;
+  image.width = s.width;
+  image.height = s.height;
+  image.rgb.assign(static_cast<std::size_t>(3) * s.width * s.height, 255);
+  if (Error error = drawLines(view.lines, {}, image)) return error;
+  return saveImage(s.picture, image);
+}
+
+Error
+renderView(SurfaceRenderer& renderer, const Settings& s, View& view)
+{
+  RenderParams params;
+  params.threads = s.threads;
+  params.columns = pictureLineColumns(s.lines) | kPositionColumn;
+  return renderer.render(view.camera, params, view.buffer);
+}
+
+Error
+timeLines(const SLIMSurface& surface, const Settings& s, View& view)
+{
+  std::vector<double> times;
+  for (int i = 0; i < s.repeat; ++i) {
+    const double start = measure::wallSeconds();
+    auto lines = findPictureLines(view.buffer, view.camera, surface, s.lines);
+    if (!lines) return lines.error();
+    times.push_back(1e3 * (measure::wallSeconds() - start));
+    view.lines = std::move(*lines);
+  }
+  std::size_t vertices = 0;
+  for (const PictureLine& line : view.lines) vertices += line.points.size();
+  std::printf("%.1f ms a frame, %zu lines of %zu vertices\n", measure::median(times),
+              view.lines.size(), vertices);
+  return {};
+}
+
+/** A camera turned about its target, about its own upward axis. */
+Camera
+turned(const Camera& camera, double degrees)
+{
+  const double c = std::cos(degrees * M_PI / 180), s = std::sin(degrees * M_PI / 180);
+  const Vector3 axis = normalized(camera.up);
+  const Vector3 arm = subtract(camera.position, camera.look_at);
+  const Vector3 across = cross(axis, arm);
+  const Vector3 flat = scaled(axis, (1 - c) * dot(axis, arm));
+  Camera other = camera;
+  for (std::size_t k = 0; k < 3; ++k)
+    other.position[k] = camera.look_at[k] + c * arm[k] + s * across[k] + flat[k];
+  return other;
+}
+
+/** The surface point at a place between pixels, world coordinates. */
+bool
+placeOn(const SLIMSurface& surface, const GBuffer& buffer, const std::array<float, 2>& p,
+        Vector3& world)
+{
+  const int x = static_cast<int>(std::floor(p[0])), y = static_cast<int>(std::floor(p[1]));
+  if (x < 0 || y < 0 || x + 1 >= buffer.width || y + 1 >= buffer.height) return false;
+  const double fx = p[0] - x, fy = p[1] - y;
+  const double shares[] = {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
+  world = surface.info.origin;
+  for (int corner = 0; corner < 4; ++corner) {
+    const std::size_t i = buffer.index(x + corner % 2, y + corner / 2);
+    if (!buffer.covered(i)) return false;
+    for (std::size_t a = 0; a < 3; ++a)
+      world[a] += shares[corner] * surface.info.scale * buffer.position[i][a];
+  }
+  return true;
+}
+
+/** Crest lines of a view as lines in space. */
+std::vector<SpaceLine>
+placeOn(const SLIMSurface& surface, const View& view)
+{
+  std::vector<SpaceLine> placed;
+  for (const PictureLine& line : view.lines) {
+    if (line.kind != PictureLineKind::kRidge && line.kind != PictureLineKind::kRavine) continue;
+    SpaceLine space{line.kind, {}};
+    Vector3 world;
+    for (const auto& p : line.points) {
+      if (placeOn(surface, view.buffer, p, world)) space.points.push_back(world);
+    }
+    placed.push_back(std::move(space));
+  }
+  return placed;
+}
+
+/** Pixels from a place to the nearest vertex of a view's lines of one kind. */
+double
+distanceTo(const View& view, PictureLineKind kind, const std::array<float, 2>& p)
+{
+  double least = 1e9;
+  for (const PictureLine& line : view.lines) {
+    if (line.kind != kind) continue;
+    for (const auto& q : line.points)
+      least = std::min<double>(least, std::hypot(p[0] - q[0], p[1] - q[1]));
+  }
+  return least;
+}
+
+void
+printDrift(const SLIMSurface& surface, const View& from, const View& to, double degrees)
+{
+  const auto seen = projectLines(placeOn(surface, from), to.buffer, to.camera, surface);
+  if (!seen) return;
+  std::vector<double> distances;
+  for (const PictureLine& line : *seen) {
+    for (const auto& p : line.points) distances.push_back(distanceTo(to, line.kind, p));
+  }
+  const auto near =
+      std::count_if(distances.begin(), distances.end(), [](double d) { return d <= 3.0; });
+  const double share =
+      static_cast<double>(near) / static_cast<double>(std::max<std::size_t>(1, distances.size()));
+  std::printf(
+      "turned by %g: %.1f %% of %zu crest vertices within 3 pixels of a line there, median %.2f "
+      "pixels\n",
+      degrees, 100.0 * share, distances.size(), measure::median(distances));
+}
+
+Error
+run(Settings& s)
+{
+  const auto surface = loadSlim(s.surface);
+  if (!surface) return surface.error();
+  s.lines.threads = s.threads;
+  s.lines.crest = s.lines.suggestive = s.lines.contour = true;
+  const BoundingSpheres object = spheresOf(*surface);
+  View view;
+  view.camera = fitCamera(object, chooseView(object), {s.width, s.height});
+  SurfaceRenderer renderer(*surface, s.threads);
+  if (Error error = renderView(renderer, s, view)) return error;
+  if (Error error = timeLines(*surface, s, view)) return error;
+  if (!s.picture.empty()) {
+    if (Error error = savePicture(s, view)) return error;
+  }
+  for (const double degrees : {1.0, 3.0, 10.0}) {
+    View other;
+    other.camera = turned(view.camera, degrees);
+    if (Error error = renderView(renderer, s, other)) return error;
+    PictureLineParams whole = s.lines;
+    whole.min_length = 0;
+    auto lines = findPictureLines(other.buffer, other.camera, *surface, whole);
+    if (!lines) return lines.error();
+    other.lines = std::move(*lines);
+    printDrift(*surface, view, other, degrees);
+  }
+  return {};
+}
+
+}  // namespace
+
+int
+main(int argc, char** argv)
+{
+  return runProgram<Settings>(
+      argc, argv, "use a smaller picture", declareOptions,
+      [](const OptionTable&, Settings&) { return Error(); }, run);
+}

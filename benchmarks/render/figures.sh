@@ -1,0 +1,119 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# The pictures of docs/figures.md: figures.sh BIN DATA OUT, folders of the built programs, of real scans and
+# for the pictures. Needs ImageMagick's montage, fontconfig and, for balls, xvfb-run.
+set -euo pipefail
+[ $# -eq 3 ] || { echo "usage: figures.sh BIN DATA OUT" >&2; exit 2; }
+bin=$1 data=$2 out=$3
+work=$(mktemp -d)
+trap 'rm -rf -- "$work"' EXIT
+mkdir -p -- "$out"
+font=$(fc-match -f '%{file}' sans)
+dragon=$data/stanford_dragon_res2.ply
+bunny=$data/stanford_bunny_zipper.ply
+sphere_eye=0,-4.2,0,0,0,0,0,0,1,30
+head=$data/julius_02_original.ply
+
+# fit SCAN NAME OPTIONS...: NAME.slim and the report of the fit.
+fit() {
+  "$bin/pcl_slim_fit" "$1" "$work/$2.slim" -json "$work/$2.fit.json" -quiet 1 "${@:3}"
+}
+
+leaves() { sed -n 's/.*"leaves": \([0-9]*\).*/\1/p' "$work/$1.fit.json" | head -n 1; }
+
+# render NAME PICTURE OPTIONS...: a part of a sheet, of NAME.slim.
+render() {
+  "$bin/pcl_slim_render" "$work/$1.slim" "$work/$2.png" -json "$work/$2.json" -white 1 -quiet 1 \
+    "${@:3}"
+}
+
+# near NAME FOV: the camera of "$work/NAME.txt" with a narrower field of view.
+near() { awk -F, -v fov="$2" '{ OFS = ","; $10 = fov; print }' "$work/$1.txt"; }
+
+# sheet PICTURE COLUMNS (LABEL NAME)...: parts side by side.
+sheet() {
+  local picture=$1 columns=$2 parts=()
+  shift 2
+  while [ $# -gt 0 ]; do
+    parts+=(-label "$1" "$work/$2.png")
+    shift 2
+  done
+  montage -font "$font" -pointsize 15 "${parts[@]}" -tile "${columns}x" -geometry +3+3 \
+    +dither -colors 255 -define png:compression-level=9 "png8:$out/$picture"
+}
+
+# Fig. 1: balls by size, shading, mean curvature of cubics.
+fit "$dragon" balls -degree 3
+render balls fig1_shaded -size 420x340 -save_camera "$work/dragon.txt"
+render balls fig1_mean -size 420x340 -mode mean -camera "$work/dragon.txt"
+xvfb-run -a -s "-screen 0 640x480x24" "$bin/pcl_slim_view" "$work/balls.slim" -balls 1 \
+  -camera "$work/dragon.txt" -size 420x340 -screenshot "$work/fig1_balls.png" -quiet 1
+sheet figure_1.png 3 "$(leaves balls) balls, coloured by size" fig1_balls 'shaded' fig1_shaded \
+  'mean curvature' fig1_mean
+
+# Fig. 2: a sphere of few leaves, and what it mirrors.
+awk 'BEGIN {
+  n = 30000; g = 2.39996322972865332
+  print "VERSION .7\nFIELDS x y z normal_x normal_y normal_z\nSIZE 4 4 4 4 4 4\nTYPE F F F F F F"
+  print "COUNT 1 1 1 1 1 1\nWIDTH " n "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " n "\nDATA ascii"
+  for (i = 0; i < n; ++i) {
+    z = 1 - 2 * (i + .5) / n; r = sqrt(1 - z * z)
+    printf "%.7f %.7f %.7f %.7f %.7f %.7f\n", r * cos(g * i), r * sin(g * i), z, r * cos(g * i), r * sin(g * i), z
+  }
+}' > "$work/sphere.pcd"
+for kind in 1:128 1:450 2:105; do
+  name=sphere_${kind/:/_}
+  fit "$work/sphere.pcd" "$name" -degree "${kind%:*}" -compact 1 -max_surfels "${kind#*:}"
+  render "$name" "${name}_shaded" -size 280x280 -camera $sphere_eye
+  render "$name" "${name}_lines" -size 280x280 -camera $sphere_eye -mode reflection
+done
+sheet figure_2.png 3 "$(leaves sphere_1_128) linear leaves" sphere_1_128_shaded \
+  "$(leaves sphere_1_450) linear" sphere_1_450_shaded \
+  "$(leaves sphere_2_105) quadratic" sphere_2_105_shaded \
+  '' sphere_1_128_lines '' sphere_1_450_lines '' sphere_2_105_lines
+
+# Fig. 12: the larger principal curvature of quadratics and cubics.
+for degree in 2 3; do
+  fit "$dragon" dragon_$degree -degree $degree
+  render dragon_$degree kmax_$degree -size 470x380 -mode kmax -range 400 -camera "$work/dragon.txt"
+  render dragon_$degree kmax_near_$degree -size 470x380 -mode kmax -range 400 \
+    -camera "$(near dragon 9)"
+done
+sheet figure_12.png 2 "k_max, $(leaves dragon_2) quadratic leaves" kmax_2 \
+  "k_max, $(leaves dragon_3) cubic leaves" kmax_3 '' kmax_near_2 '' kmax_near_3
+
+# Figs. 15 and 16: equation 8, left against right.
+for degree in 2 3; do
+  fit "$bunny" bunny_$degree -degree $degree
+  render bunny_$degree bunny -size 360x340 -save_camera "$work/bunny.txt"
+  for derivatives in blended unity; do
+    render bunny_$degree shaded_${derivatives}_$degree -size 360x340 -derivatives $derivatives -ao 0 \
+      -camera "$(near bunny 9)"
+    render bunny_$degree mean_${derivatives}_$degree -size 360x340 -derivatives $derivatives \
+      -mode mean -range 200 -camera "$(near bunny 14)"
+  done
+done
+sheet figure_15.png 4 'quadratic, blended gradients' shaded_blended_2 \
+  'quadratic, partition of unity' shaded_unity_2 'cubic, blended gradients' shaded_blended_3 \
+  'cubic, partition of unity' shaded_unity_3
+sheet figure_16.png 4 'quadratic, blended Hessians' mean_blended_2 \
+  'quadratic, partition of unity' mean_unity_2 'cubic, blended Hessians' mean_blended_3 \
+  'cubic, partition of unity' mean_unity_3
+
+# Fig. 17: one error, three degrees.
+for degree in 1 2 3; do
+  fit "$dragon" same_error_$degree -degree $degree -target_error 4e-4
+  render same_error_$degree same_error_$degree -size 450x380 -camera "$work/dragon.txt"
+done
+sheet figure_17.png 3 "$(leaves same_error_1) linear leaves" same_error_1 \
+  "$(leaves same_error_2) quadratic" same_error_2 "$(leaves same_error_3) cubic" same_error_3
+
+# Fig. 22: few quadratics against many planes, near by.
+fit "$head" few -degree 2 -max_surfels 1900
+fit "$head" many -degree 1 -max_surfels 25000
+for name in few many; do
+  render $name ${name}_whole -size 330x360 -save_camera "$work/head.txt"
+  render $name ${name}_near -size 330x360 -camera "$(near head 12)" -mode reflection
+done
+sheet figure_22.png 4 "$(leaves few) quadratic leaves" few_whole "$(leaves many) linear leaves" \
+  many_whole 'quadratic: reflection lines' few_near 'linear' many_near

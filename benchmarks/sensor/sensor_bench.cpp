@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Scans as depth cameras, turning lidars and registered layers make them: RMS errors of our default
+// beside those of pcl::MovingLeastSquares of order 2 at its best radius.
+#include <algorithm>
+#include <cstdio>
+#include <string>
+
+#include "common/run_program.h"
+#include "measure/clocks.h"
+#include "sensor/sensor_errors.h"
+#include "sensor/sensor_rows.h"
+
+namespace {
+
+using namespace pcl_slim;
+
+struct Settings {
+  std::string rows;
+  int seed = 1, seeds = 1, threads = 0;
+  bool mls = true, solids = false, local_noise = false;
+  double lambda = 0, correlation = 0, range_error = 0;
+};
+
+OptionTable
+declareOptions(Settings& s)
+{
+  OptionTable options("sensor_bench", "1", "Measures fits of scans as sensors make them.");
+  options.text("rows", &s.rows, "TEXT", "only rows whose name holds this");
+  options.integer("seed", &s.seed, 0, 1000000, "seed of the scans");
+  options.integer("seeds", &s.seeds, 1, 100, "so many seeds, a row each");
+  options.toggle("mls", &s.mls, "measure MLS too");
+  options.toggle("solids", &s.solids, "errors solid by solid too");
+  options.toggle("local_noise", &s.local_noise, "as pcl_slim_fit's");
+  options.number("lambda", &s.lambda, 0, 1, "as pcl_slim_fit's", "estimated");
+  options.number("correlation", &s.correlation, 1, 1e6, "as pcl_slim_fit's", "auto");
+  options.number("range_error", &s.range_error, 0, 1e3, "the A of pcl_slim_fit's -noise_model",
+                 "none");
+  options.integer("threads", &s.threads, 0, 4096, "threads, 0: all cores; changes no result");
+  return options;
+}
+
+/** MLS over the row's radii: the least error of each kind, whichever radius has it. */
+measure::SensorErrors
+bestOfMls(const measure::SensorScan& scan, const std::vector<double>& radii)
+{
+  measure::SensorErrors best;
+  best.position = best.normal = 1e9;
+  for (double radius : radii) {
+    const measure::SensorErrors errors = measure::errorsOfMls(scan, radius);
+    best.position = std::min(best.position, errors.position);
+    best.normal = std::min(best.normal, errors.normal);
+  }
+  return best;
+}
+
+void
+printSolids(const measure::SensorErrors& errors)
+{
+  for (std::size_t i = 0; i < errors.positions.size(); ++i)
+    std::printf("|   solid %zu | %.2f | %.2f |\n", i, errors.positions[i], errors.normals[i]);
+}
+
+FitParams
+paramsOf(const Settings& s, const measure::SensorScan& scan)
+{
+  FitParams params;
+  params.threads = s.threads;
+  params.local_noise = s.local_noise;
+  params.lambda = s.lambda;
+  params.noise_correlation = s.correlation;
+  params.has_noise_model = params.has_viewpoint = s.range_error > 0;
+  params.noise_model[0] = s.range_error;
+  for (std::size_t a = 0; a < 3; ++a) params.viewpoint[a] = scan.sensor[a];
+  return params;
+}
+
+Error
+printRow(const Settings& s, const measure::SensorRow& row, std::uint64_t seed)
+{
+  const measure::SensorScan scan = row.scan(seed);
+  const FitParams params = paramsOf(s, scan);
+  FitStatistics fit;
+  const double start = measure::cpuSeconds();
+  const auto errors = measure::errorsOfFit(scan, params, fit);
+  if (!errors) return errors.error();
+  const double seconds = measure::cpuSeconds() - start;
+  std::printf("| %s | %.2f | %.2f |", row.name.c_str(), errors->position, errors->normal);
+  if (s.mls) {
+    const measure::SensorErrors mls = bestOfMls(scan, row.radii);
+    std::printf(" %.2f | %.2f |", mls.position, mls.normal);
+  }
+  std::printf(" %zu | %llu | %.2f |\n", scan.size(), static_cast<unsigned long long>(fit.leaves),
+              seconds);
+  if (s.solids) printSolids(*errors);
+  std::fflush(stdout);
+  return {};
+}
+
+Error
+printTable(const Settings& s)
+{
+  std::printf(
+      "| scan | default, mm | ° |%s points | leaves | CPU s |\n|---|---|---|%s---|---|---|\n",
+      s.mls ? " MLS, best radius, mm | ° |" : "", s.mls ? "---|---|" : "");
+  for (const measure::SensorRow& row : measure::sensorRows(s.rows)) {
+    for (int i = 0; i < s.seeds; ++i) {
+      if (Error error = printRow(s, row, static_cast<std::uint64_t>(s.seed + i))) return error;
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+int
+main(int argc, char** argv)
+{
+  return runProgram<Settings>(
+      argc, argv, "give fewer -rows", declareOptions,
+      [](const OptionTable&, const Settings&) { return Error(); }, printTable);
+}

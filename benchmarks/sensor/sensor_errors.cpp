@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sensor/sensor_errors.h"
+
+#include <pcl/point_types.h>
+#include <pcl/surface/mls.h>
+
+#include <cmath>
+
+#include "pcl_slim/query/projection.h"
+
+namespace pcl_slim::measure {
+
+namespace {
+
+constexpr double kDegreesPerRadian = 57.29577951308232;
+constexpr double kMillimetres = 1000;
+
+/** Sums of squares, solid by solid. */
+class ErrorSums {
+ public:
+  explicit ErrorSums(const SensorScan& scan) : scan_(scan), sums_(scan.solids.size()) {}
+
+  void add(std::size_t point, const Vector3& place, const Vector3& normal)
+  {
+    const int solid = scan_.solid[point];
+    if (solid < 0) return;
+    const Foot foot = footOn(scan_.solids[static_cast<std::size_t>(solid)], place);
+    Sums& sums = sums_[static_cast<std::size_t>(solid)];
+    sums.distance += foot.distance * foot.distance;
+    ++sums.points;
+    if (!(dot(normal, normal) > 0)) return;
+    const double angle =
+        std::atan2(length(cross(normal, foot.normal)), std::abs(dot(normal, foot.normal)));
+    sums.angle += angle * angle;
+    ++sums.normals;
+  }
+
+  SensorErrors errors() const
+  {
+    SensorErrors errors;
+    Sums all;
+    for (const Sums& sums : sums_) {
+      all.distance += sums.distance;
+      all.points += sums.points;
+      all.angle += sums.angle;
+      all.normals += sums.normals;
+      errors.positions.push_back(positionOf(sums));
+      errors.normals.push_back(normalOf(sums));
+    }
+    errors.position = positionOf(all);
+    errors.normal = normalOf(all);
+    return errors;
+  }
+
+ private:
+  struct Sums {
+    double distance = 0, angle = 0, points = 0, normals = 0;
+  };
+
+  static double positionOf(const Sums& sums)
+  {
+    return kMillimetres * std::sqrt(sums.distance / sums.points);
+  }
+  static double normalOf(const Sums& sums)
+  {
+    return kDegreesPerRadian * std::sqrt(sums.angle / sums.normals);
+  }
+
+  const SensorScan& scan_;
+  std::vector<Sums> sums_;
+};
+
+CloudView
+viewOf(const SensorScan& scan)
+{
+  CloudView view;
+  view.xyz = scan.points.data();
+  view.xyz_stride = 3 * sizeof(float);
+  view.size = scan.size();
+  return view;
+}
+
+}  // namespace
+
+Result<SensorErrors>
+errorsOfFit(const SensorScan& scan, const FitParams& params, FitStatistics& statistics)
+{
+  const auto store = PointStore::build(viewOf(scan), params.threads);
+  if (!store) return store.error();
+  SLIMSurface surface;
+  if (Error error = fitSurface(*store, params, surface, &statistics)) return error;
+  Projection projection;
+  ProjectionParams how;
+  how.threads = params.threads;
+  if (Error error = projectPoints(*store, surface, how, projection)) return error;
+  ErrorSums sums(scan);
+  for (std::size_t i = 0; i < store->size(); ++i) {
+    const auto& n = projection.normal[i];
+    sums.add(store->orderOfStore()[i],
+             along(store->origin(), store->scale(), projection.position[i]), {n[0], n[1], n[2]});
+  }
+  return sums.errors();
+}
+
+SensorErrors
+errorsOfMls(const SensorScan& scan, double radius)
+{
+  const auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    cloud->push_back({scan.points[3 * i], scan.points[3 * i + 1], scan.points[3 * i + 2]});
+  }
+  pcl::MovingLeastSquares<pcl::PointXYZ, pcl::PointNormal> mls;
+  mls.setInputCloud(cloud);
+  mls.setComputeNormals(true);
+  mls.setPolynomialOrder(2);
+  mls.setSearchRadius(radius);
+  pcl::PointCloud<pcl::PointNormal> output;
+  mls.process(output);
+  ErrorSums sums(scan);
+  const pcl::Indices& source = mls.getCorrespondingIndices()->indices;
+  for (std::size_t o = 0; o < output.size(); ++o) {
+    const pcl::PointNormal& p = output[o];
+    if (!p.getVector3fMap().allFinite() || !p.getNormalVector3fMap().allFinite()) continue;
+    sums.add(static_cast<std::size_t>(source[o]), {p.x, p.y, p.z},
+             {p.normal_x, p.normal_y, p.normal_z});
+  }
+  return sums.errors();
+}
+
+}  // namespace pcl_slim::measure

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "measure/sensor/sensor_scan.h"
+#include "pcl_slim/fit/fit.h"
+
+namespace pcl_slim::measure {
+
+/** \brief RMS errors of a smoothed scan. */
+struct SensorErrors {
+  double position = 0;                     ///< [mm], every point but mixed pixels
+  double normal = 0;                       ///< [degrees], regardless of sign
+  std::vector<double> positions, normals;  ///< the same, solid by solid
+};
+
+/** \brief A scan by our fit and projection; what no leaf supports keeps its place. */
+Result<SensorErrors>
+errorsOfFit(const SensorScan& scan, const FitParams& params, FitStatistics& statistics);
+
+/** \brief A scan by pcl::MovingLeastSquares of order 2; points that it drops are left out. */
+SensorErrors
+errorsOfMls(const SensorScan& scan, double radius);
+
+}  // namespace pcl_slim::measure

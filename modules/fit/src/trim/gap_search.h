@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "fit_constants.h"
+#include "trim/bit_rows.h"
+#include "trim/known_region.h"
+#include "trim/sheet_points.h"
+
+namespace pcl_slim::detail {
+
+/** \brief Looks for gaps in a surfel's points, much faster than they are measured.
+ *
+ * Cells that hold points are marked; a gap is a block of 5 x 5 cells without any, inside what is
+ * known of the surfel's surroundings. One per thread: it keeps its memory.
+ */
+class GapSearch {
+ public:
+  /** \brief Whether points may leave a gap. \param[in] hole diameter of the smallest gap, in radii
+   * of the surfel. O(points + cells / 64). */
+  bool mayHaveGap(const SheetPoints& points, const KnownRegion& known, double hole,
+                  const TrimConstants& constants);
+
+ private:
+  bool hasEmptyBlock();
+
+  BitRows held_;        ///< cells with points, or of which nothing is known
+  BitRows empty_runs_;  ///< cells that begin five empty ones in their row
+};
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "trim/sheet_points.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pcl_slim/core/vector3.h"
+
+namespace pcl_slim::detail {
+
+namespace {
+
+constexpr int kSectors = 16;
+constexpr double kHalfSector = 3.14159265358979323846 / kSectors;
+constexpr float kTanSector = 0.41421356f;
+
+/** Which of 16 equal sectors, in an order of no importance, holds a direction. */
+int
+sectorOf(float u, float v)
+{
+  const float a = std::abs(u), b = std::abs(v);
+  const bool steep = b > a;
+  const bool oblique = std::min(a, b) > kTanSector * std::max(a, b);
+  return (u < 0.0f) | (v < 0.0f) << 1 | steep << 2 | oblique << 3;
+}
+
+/** Whether a surfel serves a stored point, told from the centre in radii. */
+bool
+serves(const PointStore& store, std::size_t i, const kernels::CoverLeaf& surfel,
+       const Vector3& offset)
+{
+  const double reach = surfel.ball.radius / surfel.support_radius;
+  if (!(dot(offset, offset) < reach * reach)) return false;
+  if (const float* bound = surfel.ball.bound_normal) {
+    const auto n = store.normal(i);
+    if (!(n[0] * bound[0] + n[1] * bound[1] + n[2] * bound[2] > surfel.ball.min_dot)) return false;
+  }
+  const double height = evaluateHeight(surfel.degree, surfel.c, dot(offset, surfel.frame.u),
+                                       dot(offset, surfel.frame.v));
+  return std::abs(dot(offset, surfel.frame.w) - height) * surfel.support_radius <=
+         surfel.max_residual;
+}
+
+}  // namespace
+
+void
+sampleSheet(const PointStore& store, const std::vector<std::uint32_t>& blocks,
+            const kernels::CoverLeaf& surfel, SheetPoints& points)
+{
+  points.reserve(blocks.size());
+  points.count = 0;
+  const auto& center = surfel.ball.center;
+  for (const std::uint32_t b : blocks) {
+    const std::size_t i = b * PointStore::kBlock + PointStore::kBlock / 2;
+    if (i >= store.size()) continue;
+    const Vector3 offset = scaled(subtract(store.position(i), {center[0], center[1], center[2]}),
+                                  1.0 / surfel.support_radius);
+    if (!serves(store, i, surfel, offset)) continue;
+    points.u[points.count] = static_cast<float>(dot(offset, surfel.frame.u));
+    points.v[points.count++] = static_cast<float>(dot(offset, surfel.frame.v));
+  }
+}
+
+double
+spacingOf(const SheetPoints& points)
+{
+  float farthest_sq[kSectors] = {};
+  std::size_t inside = 0;
+  for (std::size_t i = 0; i < points.count; ++i) {
+    const float u = points.u[i], v = points.v[i];
+    const float distance_sq = u * u + v * v;
+    if (distance_sq > 1.0f) continue;
+    ++inside;
+    float& farthest = farthest_sq[sectorOf(u, v)];
+    farthest = std::max(farthest, distance_sq);
+  }
+  if (inside == 0) return 0.0;
+  double area = 0.0;
+  for (const float distance_sq : farthest_sq) area += kHalfSector * distance_sq;
+  return std::sqrt(area / static_cast<double>(inside));
+}
+
+}  // namespace pcl_slim::detail

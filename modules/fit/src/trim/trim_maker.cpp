@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "trim/trim_maker.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcl_slim::detail {
+
+namespace {
+
+constexpr int kDepthUnit = 64;  ///< of a raster's depths, a cell
+
+/** Sets the bit of the node next to each point: smoothing wipes out points that stand alone or in a
+ * single row. */
+void
+keepPoints(const SheetPoints& points, int side, std::uint8_t* bits)
+{
+  const float per_unit = 0.5f * static_cast<float>(side - 1);
+  for (std::size_t i = 0; i < points.count; ++i) {
+    const float u = points.u[i], v = points.v[i];
+    if (std::max(std::abs(u), std::abs(v)) > 1.0f) continue;
+    const int column = static_cast<int>((u + 1.0f) * per_unit + 0.5f);
+    const int k = static_cast<int>((v + 1.0f) * per_unit + 0.5f) * side + column;
+    bits[k >> 3] |= static_cast<std::uint8_t>(1 << (k & 7));
+  }
+}
+
+}  // namespace
+
+/** Surfel i as the cover sees it, with a wider ball and more patience for what lies beside it.
+ * \param[in] normal its own, which must outlive the result */
+kernels::CoverLeaf
+TrimMaker::wideSurfel(std::size_t i, const std::array<float, 3>& normal) const
+{
+  const TrimConstants& constants = settings_.constants.trim;
+  const float r = surface_.radius[i];
+  kernels::CoverLeaf surfel;
+  surfel.ball = {{surface_.cx[i], surface_.cy[i], surface_.cz[i]},
+                 static_cast<float>(constants.known * r),
+                 settings_.with_normals ? normal.data() : nullptr,
+                 settings_.min_dot};
+  surfel.frame = LocalFrame({normal[0], normal[1], normal[2]});
+  surfel.degree = surface_.degree[i];
+  surfel.support_radius = r;
+  surfel.c = surface_.coefficientsOf(i);
+  surfel.max_residual = static_cast<float>(
+      std::max(constants.gate * r, settings_.constants.cover.residual_bound * surface_.error[i]));
+  return surfel;
+}
+
+void
+TrimMaker::gather(std::size_t i)
+{
+  const std::array<float, 3> normal{surface_.nx[i], surface_.ny[i], surface_.nz[i]};
+  const kernels::CoverLeaf surfel = wideSurfel(i, normal);
+  found_.clear();
+  store_.tree().blocksInBall(surfel.ball.center.data(), surfel.ball.radius, found_);
+  if (!surface_.isLeaf(i) &&
+      found_.size() * PointStore::kBlock > settings_.constants.trim.sampled) {
+    sampleSheet(store_, found_, surfel, points_);
+  } else {
+    blocks_.assign(found_.begin(), found_.end());
+    kernels::gatherSheet(store_, blocks_, surfel, points_);
+  }
+}
+
+int
+TrimMaker::make(std::size_t i, std::vector<std::uint8_t>& bits)
+{
+  const TrimConstants& constants = settings_.constants.trim;
+  gather(i);
+  // The finest map has a node a spacing, the coarsest five a side.
+  double least = 2.0 / (TrimMap::kMostSide - 1);
+  if (!surface_.isLeaf(i)) least = 2.0 / (constants.internal_side - 1);
+  const KnownRegion known(surface_.degree[i], surface_.coefficientsOf(i), constants.known);
+  const double spacing = std::clamp(spacingOf(points_), least, 0.5);
+  const TrimScale scale{spacing, hole_size_ * spacing, constants.growth * spacing};
+  if (!gaps_.mayHaveGap(points_, known, scale.hole, constants)) return 0;
+  ++candidates_;
+  if (!raster_.measure(points_, known, scale, constants)) return 0;
+  const double clear = kDepthUnit * constants.clear * spacing / raster_.cell();
+  if (raster_.leastDepth(constants.looked_at) > clear) return 0;
+  const int side = std::clamp(static_cast<int>(std::ceil(2.0 / spacing)) + 1, TrimMap::kLeastSide,
+                              TrimMap::kMostSide);
+  const std::size_t begin = bits.size();
+  bits.resize(begin + TrimMap::numBytes(side), 0);
+  raster_.fillMap(side, bits.data() + begin);
+  keepPoints(points_, side, bits.data() + begin);
+  return side;
+}
+
+}  // namespace pcl_slim::detail

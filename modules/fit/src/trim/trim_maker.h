@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "fit_settings.h"
+#include "pcl_slim/cloud/point_store.h"
+#include "trim/gap_search.h"
+#include "trim/sheet_points.h"
+#include "trim/trim_raster.h"
+
+namespace pcl_slim::detail {
+
+/** \brief Makes the trim maps of one surface's surfels, one after another. One per thread: it keeps
+ * its memory. */
+class TrimMaker {
+ public:
+  TrimMaker(const PointStore& store, const FitSettings& settings, double hole_size,
+            const SLIMSurface& surface)
+      : store_(store), settings_(settings), hole_size_(hole_size), surface_(surface)
+  {
+  }
+
+  /** \brief Appends the bits of surfel i's map; nothing if it is closed. \return the map's side, 0
+   * if it is closed. O(points of the ball). */
+  int make(std::size_t i, std::vector<std::uint8_t>& bits);
+
+  /** \brief Surfels measured so far. */
+  std::uint64_t numCandidates() const { return candidates_; }
+
+ private:
+  kernels::CoverLeaf wideSurfel(std::size_t i, const std::array<float, 3>& normal) const;
+  void gather(std::size_t i);
+
+  const PointStore& store_;
+  const FitSettings& settings_;
+  double hole_size_;
+  const SLIMSurface& surface_;
+  std::vector<std::uint32_t> found_;  ///< blocks of the ball ...
+  BlockList blocks_;                  ///< ... as kernels want them
+  SheetPoints points_;
+  GapSearch gaps_;
+  TrimRaster raster_;
+  std::uint64_t candidates_ = 0;
+};
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Two vectors as one, so that what is loaded for a leaf serves twice the pixels and a processor finds
+// two chains of operations to run side by side. Functions are named as Highway's. The guard toggles:
+// Highway compiles a kernel file once per instruction set.
+#if defined(PCL_SLIM_PAIR_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef PCL_SLIM_PAIR_INL
+#undef PCL_SLIM_PAIR_INL
+#else
+#define PCL_SLIM_PAIR_INL
+#endif
+
+#include <cstddef>
+#include <cstdint>
+
+#include "hwy/highway.h"
+#include "pcl_slim/surface/detail/kernel_math-inl.h"
+#include "pcl_slim/surface/weight_kernel.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace pcl_slim::detail::kernels::HWY_NAMESPACE::pair {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using Part = hn::CappedTag<float, 8>;
+using UintPart = hn::RebindToUnsigned<Part>;
+
+constexpr int kPartLanes = static_cast<int>(hn::MaxLanes(Part()));
+constexpr int kLanes = 2 * kPartLanes;
+
+/** Members by name: compilers keep an array in memory. */
+struct Vec {
+  hn::Vec<Part> low, high;
+};
+struct UintVec {
+  hn::Vec<UintPart> low, high;
+};
+struct Mask {
+  hn::Mask<Part> low, high;
+};
+
+#define PCL_SLIM_PAIR_1(Result, Name, Argument) \
+  HWY_INLINE Result Name(const Argument& a)     \
+  {                                             \
+    return {hn::Name(a.low), hn::Name(a.high)}; \
+  }
+#define PCL_SLIM_PAIR_2(Result, Name, Argument)                \
+  HWY_INLINE Result Name(const Argument& a, const Argument& b) \
+  {                                                            \
+    return {hn::Name(a.low, b.low), hn::Name(a.high, b.high)}; \
+  }
+#define PCL_SLIM_PAIR_3(Name)                                                 \
+  HWY_INLINE Vec Name(const Vec& a, const Vec& b, const Vec& c)               \
+  {                                                                           \
+    return {hn::Name(a.low, b.low, c.low), hn::Name(a.high, b.high, c.high)}; \
+  }
+
+PCL_SLIM_PAIR_1(Vec, Neg, Vec)
+PCL_SLIM_PAIR_1(Vec, Abs, Vec)
+PCL_SLIM_PAIR_1(Vec, Sqrt, Vec)
+PCL_SLIM_PAIR_1(Mask, Not, Mask)
+PCL_SLIM_PAIR_2(Vec, Add, Vec)
+PCL_SLIM_PAIR_2(Vec, Sub, Vec)
+PCL_SLIM_PAIR_2(Vec, Mul, Vec)
+PCL_SLIM_PAIR_2(Vec, Div, Vec)
+PCL_SLIM_PAIR_2(Vec, Min, Vec)
+PCL_SLIM_PAIR_2(Vec, Max, Vec)
+PCL_SLIM_PAIR_2(Mask, Lt, Vec)
+PCL_SLIM_PAIR_2(Mask, Le, Vec)
+PCL_SLIM_PAIR_2(Mask, Gt, Vec)
+PCL_SLIM_PAIR_2(Mask, Ge, Vec)
+PCL_SLIM_PAIR_2(Mask, Eq, Vec)
+PCL_SLIM_PAIR_2(Mask, And, Mask)
+PCL_SLIM_PAIR_2(Mask, Or, Mask)
+PCL_SLIM_PAIR_2(Mask, Xor, Mask)
+PCL_SLIM_PAIR_2(Mask, AndNot, Mask)
+PCL_SLIM_PAIR_3(MulAdd)
+PCL_SLIM_PAIR_3(NegMulAdd)
+PCL_SLIM_PAIR_3(MulSub)
+PCL_SLIM_PAIR_3(Clamp)
+
+#undef PCL_SLIM_PAIR_1
+#undef PCL_SLIM_PAIR_2
+#undef PCL_SLIM_PAIR_3
+
+HWY_INLINE Vec
+set(float value)
+{
+  const auto same = hn::Set(Part(), value);
+  return {same, same};
+}
+
+HWY_INLINE UintVec
+setUint(std::uint32_t value)
+{
+  const auto same = hn::Set(UintPart(), value);
+  return {same, same};
+}
+
+/** \param[in] values aligned. */
+HWY_INLINE Vec
+load(const float* values)
+{
+  return {hn::Load(Part(), values), hn::Load(Part(), values + kPartLanes)};
+}
+
+HWY_INLINE void
+store(const Vec& v, float* values)
+{
+  hn::Store(v.low, Part(), values);
+  hn::Store(v.high, Part(), values + kPartLanes);
+}
+
+HWY_INLINE void
+store(const UintVec& v, std::uint32_t* values)
+{
+  hn::Store(v.low, UintPart(), values);
+  hn::Store(v.high, UintPart(), values + kPartLanes);
+}
+
+HWY_INLINE Vec
+IfThenElse(const Mask& m, const Vec& yes, const Vec& no)
+{
+  return {hn::IfThenElse(m.low, yes.low, no.low), hn::IfThenElse(m.high, yes.high, no.high)};
+}
+
+HWY_INLINE Vec
+IfThenElseZero(const Mask& m, const Vec& yes)
+{
+  return {hn::IfThenElseZero(m.low, yes.low), hn::IfThenElseZero(m.high, yes.high)};
+}
+
+HWY_INLINE UintVec
+IfThenElse(const Mask& m, const UintVec& yes, const UintVec& no)
+{
+  const UintPart d;
+  return {hn::IfThenElse(hn::RebindMask(d, m.low), yes.low, no.low),
+          hn::IfThenElse(hn::RebindMask(d, m.high), yes.high, no.high)};
+}
+
+HWY_INLINE bool
+AllFalse(const Mask& m)
+{
+  return hn::AllFalse(Part(), hn::Or(m.low, m.high));
+}
+
+HWY_INLINE bool
+AllTrue(const Mask& m)
+{
+  return hn::AllTrue(Part(), hn::And(m.low, m.high));
+}
+
+HWY_INLINE std::size_t
+CountTrue(const Mask& m)
+{
+  return hn::CountTrue(Part(), m.low) + hn::CountTrue(Part(), m.high);
+}
+
+/** The smallest lane. */
+HWY_INLINE float
+smallest(const Vec& v)
+{
+  return hn::GetLane(hn::MinOfLanes(Part(), hn::Min(v.low, v.high)));
+}
+
+HWY_INLINE Vec
+dot3(const Vec& ax, const Vec& ay, const Vec& az, const Vec& bx, const Vec& by, const Vec& bz)
+{
+  return MulAdd(ax, bx, MulAdd(ay, by, Mul(az, bz)));
+}
+
+template <WeightKernel K>
+HWY_INLINE Vec
+weightOf(const Vec& s_sq)
+{
+  return {kernelWeight<K>(s_sq.low), kernelWeight<K>(s_sq.high)};
+}
+
+/** G at squared relative distances below 1. */
+HWY_INLINE Vec
+blendWeight(WeightKernel kernel, const Vec& s_sq)
+{
+  switch (kernel) {
+    case WeightKernel::kPower2: return weightOf<WeightKernel::kPower2>(s_sq);
+    case WeightKernel::kPower4: return weightOf<WeightKernel::kPower4>(s_sq);
+    case WeightKernel::kPower7: return weightOf<WeightKernel::kPower7>(s_sq);
+    default: return weightOf<WeightKernel::kGaussian>(s_sq);
+  }
+}
+
+}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::pair
+HWY_AFTER_NAMESPACE();
+#endif

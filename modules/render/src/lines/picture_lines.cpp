@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/render/picture_lines.h"
+
+#include <cmath>
+
+#include "lines/contours.h"
+#include "lines/line_fields.h"
+#include "pcl_slim/core/parallel.h"
+
+namespace pcl_slim {
+
+using namespace detail;
+
+Error
+PictureLineParams::validate() const
+{
+  if (!(crest_curvature > 0) || !std::isfinite(crest_curvature))
+    return {ErrorCode::kBadArgument, "the least curvature of a crest line must be above 0"};
+  if (!(suggestive_derivative > 0) || !std::isfinite(suggestive_derivative))
+    return {ErrorCode::kBadArgument,
+            "the least derivative of a suggestive contour must be above 0"};
+  if (!(min_length >= 0)) return {ErrorCode::kBadArgument, "the least length must be 0 or more"};
+  return {};
+}
+
+unsigned
+pictureLineColumns(const PictureLineParams& params)
+{
+  return params.crest || params.suggestive ? kGradientColumn | kHessianColumn | kLeafColumns : 0u;
+}
+
+namespace {
+
+Error
+checkBuffer(const GBuffer& buffer, const Camera& camera, const PictureLineParams& params)
+{
+  if (buffer.width != camera.size.width || buffer.height != camera.size.height)
+    return {
+        ErrorCode::kBadArgument,
+        "the G-buffer and the camera differ in size; find lines with the camera it was made by"};
+  const std::size_t n = buffer.numPixels();
+  const bool bent = buffer.hessian.size() == n && buffer.gradient.size() == n;
+  if ((params.crest || params.suggestive) && !(bent && buffer.radius.size() == n))
+    return {ErrorCode::kBadArgument,
+            "the G-buffer lacks columns; render it with those of pictureLineColumns()"};
+  return {};
+}
+
+}  // namespace
+
+Result<std::vector<PictureLine>>
+findPictureLines(const GBuffer& buffer, const Camera& camera, const SLIMSurface& surface,
+                 const PictureLineParams& params)
+{
+  if (Error error = params.validate()) return error;
+  if (Error error = camera.validate()) return error;
+  if (Error error = checkBuffer(buffer, camera, params)) return error;
+  const int threads = resolveThreads(params.threads), w = buffer.width, h = buffer.height;
+  const PixelGeometry geometry(buffer, camera, surface, threads);
+  const double unit = 1.0 / geometry.diagonal();
+  std::vector<PictureLine> lines;
+  if (params.suggestive) {
+    const RadialField field(
+        geometry, static_cast<float>(params.suggestive_derivative * unit * unit), threads);
+    keepStrong(traceZeros(field, w, h, threads), PictureLineKind::kSuggestive, params.min_length,
+               lines);
+  }
+  if (params.crest) {
+    CrestFrames frames = crestFrames(geometry, threads);
+    const auto least = static_cast<float>(params.crest_curvature * unit);
+    const auto trace = [&](std::vector<PixelFrame>& from, PictureLineKind kind) {
+      const CrestField field(geometry, std::move(from), least, threads);
+      keepStrong(traceZeros(field, w, h, threads), kind, params.min_length, lines);
+    };
+    trace(frames.ravines, PictureLineKind::kRavine);
+    trace(frames.ridges, PictureLineKind::kRidge);
+  }
+  if (params.contour) traceContours(geometry, params.min_length, threads, lines);
+  return lines;
+}
+
+}  // namespace pcl_slim

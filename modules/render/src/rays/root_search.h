@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+
+#include "pcl_slim/query/detail/polynomial_roots.h"
+
+namespace pcl_slim::detail {
+
+/** \brief The smallest root from low_front on at which the polynomial falls, or from low_behind on
+ * at which it rises, up to high; infinity if there is none.
+ * \param[in] a five coefficients, those above the degree 0 */
+inline double
+firstOfRoots(int degree, const double* a, double low_front, double low_behind, double high)
+{
+  Roots roots;
+  const double low = low_front < low_behind ? low_front : low_behind;
+  if (degree == 3)
+    rootsInInterval<3>(a, low, high, roots);
+  else
+    rootsInInterval<4>(a, low, high, roots);
+  for (int i = 0; i < roots.count; ++i) {
+    const bool falls = evaluateDerivative<4>(a, roots.at[i]) < 0.0;
+    if (roots.at[i] >= (falls ? low_front : low_behind)) return roots.at[i];
+  }
+  return HUGE_VAL;
+}
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One ray's or one point's way down a tree of eight children a node. The guard toggles: Highway
+// compiles a kernel file once per instruction set.
+#if defined(PCL_SLIM_TREE_WALK_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef PCL_SLIM_TREE_WALK_INL
+#undef PCL_SLIM_TREE_WALK_INL
+#else
+#define PCL_SLIM_TREE_WALK_INL
+#endif
+
+#include <algorithm>
+#include <cmath>
+
+#include "pcl_slim/query/detail/ray_surfel.h"
+#include "rays/leaf_lines-inl.h"
+#include "rays/wide_tree.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+constexpr std::size_t kStack = 7 * 64 + 8;  ///< seven siblings are left at each of 64 levels
+
+/** A ray in single precision, from a point next to the tree on. */
+struct Line {
+  double shift = 0.0;  ///< depth of that point
+  float origin[3], inverse[3];
+  std::size_t near_row[3];
+
+  Line(const Ray& ray, const Box& bounds)
+  {
+    Vector3 middle{};
+    double reach = 0.0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      middle[a] = 0.5 * (double{bounds.low[a]} + bounds.high[a]);
+      const double half = 0.5 * (double{bounds.high[a]} - bounds.low[a]);
+      reach += half * half;
+    }
+    shift = std::max(0.0, dot(subtract(middle, ray.origin), ray.direction) - std::sqrt(reach));
+    const Vector3 start = along(ray.origin, shift, ray.direction);
+    for (std::size_t a = 0; a < 3; ++a) {
+      constexpr double kLeast = 1e-18;  // keeps 0 times infinity out of the boxes' distances
+      const double slope = std::abs(ray.direction[a]) > kLeast
+                               ? ray.direction[a]
+                               : std::copysign(kLeast, ray.direction[a]);
+      origin[a] = static_cast<float>(start[a]);
+      inverse[a] = static_cast<float>(1.0 / slope);
+      near_row[a] = 2 * a + (slope < 0.0 ? 1 : 0);
+    }
+  }
+};
+
+/** Children whose boxes a line meets between two depths, and where it enters them. */
+HWY_INLINE unsigned
+meetChildren(const WideBoxes& boxes, const Line& line, float from, float to, float* entry)
+{
+  const Lane d;
+  unsigned bits = 0;
+  for (std::size_t k = 0; k < kWide; k += hn::Lanes(d)) {
+    Lanes near = all(from), far = all(to);
+    for (std::size_t a = 0; a < 3; ++a) {
+      const Lanes origin = all(line.origin[a]), inverse = all(line.inverse[a]);
+      const Lanes first = hn::Load(d, boxes.bound[line.near_row[a]] + k);
+      const Lanes last = hn::Load(d, boxes.bound[line.near_row[a] ^ 1u] + k);
+      near = hn::Max(near, hn::Mul(hn::Sub(first, origin), inverse));
+      far = hn::Min(far, hn::Mul(hn::Sub(last, origin), inverse));
+    }
+    hn::Store(near, d, entry + k);
+    bits |= bitsOf(hn::Le(near, far)) << k;
+  }
+  return bits;
+}
+
+/** The same of boxes widened by base, and by slope times how far their farthest corner may be from the
+ * ray's own origin: a pixel's length there. */
+HWY_INLINE unsigned
+meetWidened(const WideBoxes& boxes, const Line& line, const RayWidth& width, float from, float to,
+            float* entry)
+{
+  const Lane d;
+  unsigned bits = 0;
+  for (std::size_t k = 0; k < kWide; k += hn::Lanes(d)) {
+    Lanes low[3], high[3], away = all(static_cast<float>(line.shift));
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = hn::Sub(hn::Load(d, boxes.bound[2 * a] + k), all(line.origin[a]));
+      high[a] = hn::Sub(hn::Load(d, boxes.bound[2 * a + 1] + k), all(line.origin[a]));
+      away = hn::Add(away, hn::Max(hn::Abs(low[a]), hn::Abs(high[a])));
+    }
+    const Lanes wider = hn::MulAdd(all(width.slope), away, all(width.base));
+    Lanes near = all(from), far = all(to);
+    for (std::size_t a = 0; a < 3; ++a) {
+      const Lanes one = hn::Mul(hn::Sub(low[a], wider), all(line.inverse[a]));
+      const Lanes two = hn::Mul(hn::Add(high[a], wider), all(line.inverse[a]));
+      near = hn::Max(near, hn::Min(one, two));
+      far = hn::Min(far, hn::Max(one, two));
+    }
+    hn::Store(near, d, entry + k);
+    bits |= bitsOf(hn::Le(near, far)) << k;
+  }
+  return bits;
+}
+
+/** Children whose wider box holds a point. */
+HWY_INLINE unsigned
+childrenAround(const WideBoxes& boxes, const float point[3])
+{
+  const Lane d;
+  unsigned bits = 0;
+  for (std::size_t k = 0; k < kWide; k += hn::Lanes(d)) {
+    const auto within = [&](std::size_t a) HWY_ATTR {
+      const Lanes p = all(point[a]);
+      return hn::And(hn::Le(hn::Load(d, boxes.bound[2 * a] + k), p),
+                     hn::Ge(hn::Load(d, boxes.bound[2 * a + 1] + k), p));
+    };
+    bits |= bitsOf(hn::And(within(0), hn::And(within(1), within(2)))) << k;
+  }
+  return bits;
+}
+
+/** A child to be visited, and where the ray enters it. */
+struct Visit {
+  std::uint32_t child;
+  float entry;
+};
+
+/** Visits the blocks that a line meets, roughly from near to far, until body returns false.
+ * \param[in] until a depth less the line's shift, read anew at every step
+ * \param[in] meet unsigned(node's number, float* entry): children that the line meets
+ * \param[in] body bool(block) */
+template <typename Meet, typename Body>
+HWY_INLINE void
+walkAlong(const WideTree& tree, float from, const float& until, std::uint64_t& nodes,
+          const Meet& meet, const Body& body)
+{
+  Visit stack[kStack];
+  std::size_t top = 0;
+  stack[top++] = {0, from};
+  while (top > 0) {
+    const Visit at = stack[--top];
+    if (!(at.entry <= until)) continue;
+    if ((at.child & WideNode::kBlock) != 0) {
+      if (!body(at.child & ~WideNode::kBlock)) return;
+      continue;
+    }
+    ++nodes;
+    const WideNode& node = tree.nodes[at.child];
+    HWY_ALIGN float entry[kWide];
+    const std::size_t first = top;
+    for (unsigned bits = meet(at.child, entry); bits != 0; bits &= bits - 1) {
+      const auto k = static_cast<std::size_t>(__builtin_ctz(bits));
+      std::size_t place = top++;
+      for (; place > first && stack[place - 1].entry < entry[k]; --place) {
+        stack[place] = stack[place - 1];
+      }
+      stack[place] = {node.child[k], entry[k]};
+    }
+  }
+}
+
+/** Visits the blocks whose wider box holds a point. */
+template <typename Body>
+HWY_INLINE void
+walkAround(const WideTree& tree, const float point[3], std::uint64_t& nodes, const Body& body)
+{
+  std::uint32_t stack[kStack];
+  std::size_t top = 0;
+  stack[top++] = 0;
+  while (top > 0) {
+    const std::uint32_t at = stack[--top];
+    if ((at & WideNode::kBlock) != 0) {
+      body(at & ~WideNode::kBlock);
+      continue;
+    }
+    ++nodes;
+    for (unsigned bits = childrenAround(tree.reach[at], point); bits != 0; bits &= bits - 1) {
+      stack[top++] = tree.nodes[at].child[__builtin_ctz(bits)];
+    }
+  }
+}
+
+}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif

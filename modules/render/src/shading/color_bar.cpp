@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The range of a picture's colours with numbers and unit, drawn into its margin.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "pcl_slim/render/shading.h"
+#include "shading/pixel_font.h"
+#include "shading/value_range.h"
+
+namespace pcl_slim {
+
+using namespace detail;
+namespace {
+
+/** \brief Places and sizes in pixels. */
+struct BarLayout {
+  int letter;  ///< pixels a dot of the font
+  int left, top, width, height;
+
+  BarLayout(int image_width, int image_height)
+      : letter(std::max(1, image_height / 480)),
+        left(image_width - letter * 78),
+        top(image_height / 5),
+        width(letter * 14),
+        height(image_height - 2 * (image_height / 5))
+  {
+  }
+
+  int pad() const { return 4 * letter; }
+  bool fits() const { return left >= 3 * pad() && height >= 40 * letter; }
+};
+
+void
+paint(Image& image, int x, int y, const Color& color, float share)
+{
+  if (x < 0 || y < 0 || x >= image.width || y >= image.height) return;
+  const std::size_t at = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
+                              static_cast<std::size_t>(x));
+  for (std::size_t k = 0; k < 3; ++k) {
+    const float mixed = (1.0f - share) * image.rgb[at + k] + share * 255.0f * color[k];
+    image.rgb[at + k] = static_cast<std::uint8_t>(std::lround(mixed));
+  }
+}
+
+void
+paintText(Image& image, int x, int y, int letter, const std::string& text)
+{
+  constexpr Color kInk{0.1f, 0.1f, 0.1f};
+  for (const char c : text) {
+    const PixelGlyph glyph = glyphOf(c);
+    for (int row = 0; row < PixelGlyph::kHeight * letter; ++row) {
+      for (int column = 0; column < PixelGlyph::kWidth * letter; ++column) {
+        if (glyph.dot(column / letter, row / letter)) paint(image, x + column, y + row, kInk, 1.0f);
+      }
+    }
+    x += (PixelGlyph::kWidth + 1) * letter;
+  }
+}
+
+std::string
+numberText(double value)
+{
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+std::string
+titleOf(ShadingMode mode)
+{
+  switch (mode) {
+    case ShadingMode::kMean: return "mean";
+    case ShadingMode::kGaussian: return "Gauss";
+    case ShadingMode::kKMax: return "k max";
+    case ShadingMode::kKMin: return "k min";
+    case ShadingMode::kError: return "residual";
+    default: return "radius";
+  }
+}
+
+std::string
+unitOf(const ShadingParams& params)
+{
+  const std::string length = params.unit.empty() ? "length" : params.unit;
+  switch (params.mode) {
+    case ShadingMode::kGaussian: return "1/" + length + "^2";
+    case ShadingMode::kSize:
+    case ShadingMode::kError: return length;
+    default: return "1/" + length;
+  }
+}
+
+constexpr int kTicks = 5;
+constexpr int kLine = PixelGlyph::kHeight + 3;  ///< dots from one line of text to the next
+constexpr Color kFrame{0.25f, 0.25f, 0.25f};
+
+/** \brief Makes the picture paler behind the bar and its text. */
+void
+paintPaper(const BarLayout& at, Image& image)
+{
+  constexpr Color kPaper{1.0f, 1.0f, 1.0f};
+  const int line = kLine * at.letter, pad = at.pad();
+  for (int y = at.top - 3 * line - pad; y < at.top + at.height + line; ++y) {
+    for (int x = at.left - pad; x < image.width - at.letter; ++x) paint(image, x, y, kPaper, 0.8f);
+  }
+}
+
+void
+paintColors(const BarLayout& at, const ShadingParams& params, Image& image)
+{
+  for (int y = 0; y < at.height; ++y) {
+    const Color color = colorAtShare(params, 1.0 - (y + 0.5) / at.height);
+    for (int x = 0; x < at.width; ++x) {
+      const bool rim = x == 0 || y == 0 || x + 1 == at.width || y + 1 == at.height;
+      paint(image, at.left + x, at.top + y, rim ? kFrame : color, 1.0f);
+    }
+  }
+}
+
+void
+paintTick(const BarLayout& at, const ShadingRange& range, double share, Image& image)
+{
+  const double value = range.logarithmic ? range.low * std::pow(range.high / range.low, share)
+                                         : range.low + share * (range.high - range.low);
+  const int y = at.top + static_cast<int>(std::lround((1.0 - share) * (at.height - 1)));
+  const int right = at.left + at.width;
+  for (int x = 0; x < 3 * at.letter; ++x) paint(image, right + x, y, kFrame, 1.0f);
+  paintText(image, right + 5 * at.letter, y - 3 * at.letter, at.letter, numberText(value));
+}
+
+}  // namespace
+
+double
+colorBarShare(const ImageSize& size)
+{
+  const BarLayout at(size.width, size.height);
+  return at.fits() ? static_cast<double>(size.width - at.left + at.pad()) / size.width : 0.0;
+}
+
+void
+addColorBar(const ShadingParams& params, const ShadingRange& range, Image& image)
+{
+  const BarLayout at(image.width, image.height);
+  if (!showsNumbers(params.mode) || !at.fits()) return;
+  paintPaper(at, image);
+  paintColors(at, params, image);
+  for (int tick = 0; tick < kTicks; ++tick) paintTick(at, range, tick / (kTicks - 1.0), image);
+  const int line = kLine * at.letter;
+  paintText(image, at.left, at.top - 3 * line + at.pad(), at.letter, titleOf(params.mode));
+  paintText(image, at.left, at.top - 2 * line + at.pad(), at.letter, unitOf(params));
+}
+
+}  // namespace pcl_slim

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+
+#include "pcl_slim/render/shading.h"
+
+namespace pcl_slim::detail {
+
+/** \brief What a mode that shows numbers shows at a covered pixel, in world units. */
+double
+valueAt(const GBuffer& buffer, std::size_t pixel, ShadingMode mode, double scale);
+
+/** \brief The colour of a value. */
+Color
+colorOf(const ShadingParams& params, const ShadingRange& range, double value);
+
+/** \brief The colour of a share of the range, 0 its lower end. */
+Color
+colorAtShare(const ShadingParams& params, double share);
+
+/** \brief Whether a picture has a shade in its hollows. */
+bool
+wantsAmbientOcclusion(const ShadingParams& params);
+
+}  // namespace pcl_slim::detail

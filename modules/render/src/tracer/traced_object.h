@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "camera/camera_rays.h"
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/render/ray_tracer.h"
+#include "rays/ray_scene.h"
+
+namespace pcl_slim::detail {
+
+/** \brief A frame as an object needs to know it. */
+struct TraceView {
+  const TraceParams& params;
+  const CameraRays* camera;  ///< null: rays of no camera
+};
+
+/** \brief What a ray met, in the object's local units. */
+struct MetPoint {
+  std::uint32_t id = GBuffer::kNothing;
+  double depth = 0.0;
+  Vector3 normal{};
+  Color color{};
+  bool back = false;  ///< the inner side of an oriented surface
+
+  bool met() const { return id != GBuffer::kNothing; }
+};
+
+/** \brief How rays that leave a met point are to begin, local lengths. */
+struct Departure {
+  double lift;    ///< they start so far along the normal
+  double front;   ///< what they meet from the front nearer than this does not count
+  double behind;  ///< nor does what they meet from behind
+  double gap;  ///< nor gaps that they meet, as the rims of leaves around the point lie apart most
+};
+
+/** \brief Something that rays meet. Local = (world - origin) / scale. */
+class TracedObject {
+ public:
+  virtual ~TracedObject() = default;
+
+  Vector3 origin{};
+  double scale = 1.0;
+  double diagonal = 1.0;  ///< local
+  std::uint64_t size = 0;
+  bool discs = false;
+
+  /** \brief The first point of each ray. Writes it to buffer as well, at pixels, if there is one. */
+  virtual void trace(const TraceView& view, const BoundedRay* rays, std::size_t count,
+                     MetPoint* met, GBuffer* buffer, const std::size_t* pixels,
+                     RayCounts& counts) const = 0;
+
+  /** \brief Whether anything stands in the way of each ray. */
+  virtual void block(const BoundedRay* rays, std::size_t count, bool close_gaps,
+                     std::uint8_t* blocked, RayCounts& counts) const = 0;
+
+  virtual Departure departure(const MetPoint& point) const = 0;
+};
+
+/** \brief A valid surface's leaves under their tree. O(leaves log leaves). */
+std::unique_ptr<TracedObject>
+tracedLeaves(const SLIMSurface& surface, int threads);
+
+/** \brief Valid discs under their tree. O(discs log discs). */
+std::unique_ptr<TracedObject>
+tracedDiscs(const SplatSet& splats, int threads);
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include "fuzz/fuzz_targets.h"
+#include "pcl_slim/filters/io/point_file.h"
+#include "pcl_slim/filters/io/splat_files.h"
+#include "pcl_slim/filters/io/surface_files.h"
+
+namespace pcl_slim_test {
+
+namespace {
+
+using namespace pcl_slim;
+
+/** A file of this process that holds some bytes. */
+class BytesFile {
+ public:
+  BytesFile(const std::uint8_t* bytes, std::size_t size, const std::string& extension)
+      : path_("/tmp/pcl_slim_fuzz_" + std::to_string(getpid()) + extension)
+  {
+    std::FILE* const file = std::fopen(path_.c_str(), "wb");
+    if (file == nullptr || std::fwrite(bytes, 1, size, file) != size) std::abort();
+    std::fclose(file);
+  }
+  ~BytesFile() { std::remove(path_.c_str()); }
+  BytesFile(const BytesFile&) = delete;
+  BytesFile& operator=(const BytesFile&) = delete;
+
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+/** Points, and what surfaces and splats they make; a file that is read is written and read again. */
+void
+readPoints(const std::string& path, const std::string& extension)
+{
+  const Result<PointFile> file = loadPointFile(path);
+  if (!file) return;
+  static_cast<void>(surfaceFrom(*file));
+  static_cast<void>(splatsFrom(*file));
+  const std::string copy = path + ".copy" + extension;
+  if (!savePointFile(copy, *file)) {
+    const Result<PointFile> again = loadPointFile(copy);
+    if (!again || again->cloud.data != file->cloud.data) std::abort();
+  }
+  std::remove(copy.c_str());
+}
+
+}  // namespace
+
+int
+fuzzPcd(const std::uint8_t* bytes, std::size_t size)
+{
+  const BytesFile file(bytes, size, ".pcd");
+  readPoints(file.path(), ".pcd");
+  return 0;
+}
+
+int
+fuzzPly(const std::uint8_t* bytes, std::size_t size)
+{
+  const BytesFile file(bytes, size, ".ply");
+  readPoints(file.path(), ".ply");
+  return 0;
+}
+
+int
+fuzzVtp(const std::uint8_t* bytes, std::size_t size)
+{
+  const BytesFile file(bytes, size, ".vtp");
+  const Result<SLIMSurface> surface = loadSurface(file.path());
+  if (surface && surface->validate()) std::abort();
+  return 0;
+}
+
+}  // namespace pcl_slim_test

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <vector>
+
+#include "fuzz/fuzz_targets.h"
+#include "pcl_slim/fit/fit.h"
+#include "pcl_slim/query/projection.h"
+#include "pcl_slim/render/auto_view.h"
+#include "pcl_slim/render/disc_rasterizer.h"
+#include "pcl_slim/render/surface_renderer.h"
+#include "pcl_slim/splat/splat_sampling.h"
+#include "pcl_slim/surface/surface_io.h"
+
+namespace pcl_slim_test {
+
+namespace {
+
+using namespace pcl_slim;
+
+constexpr std::size_t kMostPoints = 400;  ///< a run is to take milliseconds
+
+void
+require(bool condition)
+{
+  if (!condition) std::abort();
+}
+
+void
+require(const Error& error)
+{
+  require(!error);
+}
+
+/** Floats of the bytes behind the first two, which say what to do with them. */
+struct FuzzCloud {
+  std::vector<float> values;
+  std::vector<std::uint8_t> bgr;
+  CloudView view;
+
+  FuzzCloud(const std::uint8_t* bytes, std::size_t size, bool normals)
+  {
+    const std::size_t row = normals ? 6 : 3;
+    values.resize(std::min(size / (4 * row), kMostPoints) * row);
+    std::memcpy(values.data(), bytes, 4 * values.size());
+    view.size = values.size() / row;
+    bgr.assign(3 * view.size, std::uint8_t{90});
+    view.xyz = values.data();
+    view.xyz_stride = 4 * row;
+    if (!normals) return;
+    view.normal = values.data() + 3;
+    view.normal_stride = 4 * row;
+  }
+};
+
+void
+renderSurfaceOf(const SLIMSurface& surface)
+{
+  const BoundingSpheres spheres = spheresOf(surface);
+  const Camera camera = fitCamera(spheres, chooseView(spheres), {16, 12});
+  if (camera.validate()) return;
+  for (const bool reference : {false, true}) {
+    RenderParams params;
+    params.threads = 1;
+    params.reference = reference;
+    GBuffer buffer;
+    require(renderSurface(surface, camera, params, buffer));
+    for (const float depth : buffer.depth) require(!std::isnan(depth));
+  }
+}
+
+void
+fitAndRender(const CloudView& view, int degree)
+{
+  const Result<PointStore> store = PointStore::build(view, 1);
+  if (!store) return;
+  FitParams params;
+  params.threads = 1;
+  params.degree = degree;
+  SLIMSurface surface;
+  if (fitSurface(*store, params, surface)) return require(surface.empty());
+  require(surface.validate());
+  require(surface.numLeaves() > 0);
+  ProjectionParams how;
+  how.threads = 1;
+  how.curvature = how.directions = true;
+  Projection projection;
+  require(projectPoints(*store, surface, how, projection));
+  for (const auto& p : projection.position) {
+    for (const double value : p) require(std::isfinite(value));
+  }
+  renderSurfaceOf(surface);
+}
+
+void
+sampleAndRender(const FuzzCloud& cloud)
+{
+  SplatParams params;
+  params.threads = 1;
+  SplatSet splats;
+  if (sampleSplats(cloud.view, {cloud.bgr.data(), 3}, params, splats))
+    return require(splats.empty());
+  require(validateDiscs(splats));
+  const BoundingSpheres spheres = spheresOf(splats);
+  const Camera camera = fitCamera(spheres, chooseView(spheres), {16, 12});
+  if (camera.validate()) return;
+  DiscRenderParams how;
+  how.threads = 1;
+  GBuffer buffer;
+  require(renderDiscs(splats, camera, how, buffer));
+}
+
+}  // namespace
+
+int
+fuzzSlim(const std::uint8_t* bytes, std::size_t size)
+{
+  const Result<SLIMSurface> surface = decodeSlim(bytes, size);
+  if (!surface) return 0;
+  require(surface->validate());
+  const std::vector<unsigned char> written = encodeSlim(*surface);
+  const Result<SLIMSurface> again = decodeSlim(written.data(), written.size());
+  require(static_cast<bool>(again));
+  require(encodeSlim(*again) == written);
+  if (surface->size() < kMostPoints) renderSurfaceOf(*surface);
+  return 0;
+}
+
+int
+fuzzClouds(const std::uint8_t* bytes, std::size_t size)
+{
+  if (size < 2) return 0;
+  const FuzzCloud cloud(bytes + 2, size - 2, bytes[0] % 2 == 1);
+  fitAndRender(cloud.view, bytes[1] % 5);
+  sampleAndRender(cloud);
+  return 0;
+}
+
+}  // namespace pcl_slim_test

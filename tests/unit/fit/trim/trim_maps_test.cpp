@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which surfels get trim maps, and where these put the border.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "pcl_slim/surface/surface_io.h"
+#include "support/clouds.h"
+
+namespace pcl_slim {
+namespace {
+
+using measure::Shape;
+using namespace pcl_slim_test;
+
+/** A jittered grid of spacing 1 on the plane, where holds(x, y). */
+template <typename Holds>
+Cloud
+flatScan(const Holds& holds)
+{
+  Cloud cloud;
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> jitter(-0.25, 0.25);
+  for (int k = 0; k < 80 * 80; ++k) {
+    const double x = k % 80 - 39.5 + jitter(random), y = k / 80 - 39.5 + jitter(random);
+    if (holds(x, y)) cloud.add(x, y, 0.02 * jitter(random) + 1e-3 * (x * x - y * y));
+  }
+  return cloud;
+}
+
+/** Whether a place of the sheet lies inside the drawn border: places are projected, in world
+ * coordinates. */
+std::vector<bool>
+insideAt(const Fitted& f, const Cloud& places)
+{
+  const PointStore store = storeOf(places);
+  Projection projection;
+  EXPECT_FALSE(projectPoints(store, f.surface, {}, projection));
+  std::vector<bool> inside(places.size());
+  for (std::size_t i = 0; i < store.size(); ++i) {
+    inside[store.orderOfStore()[i]] = projection.inside[i] != 0;
+  }
+  return inside;
+}
+
+double
+sheet(double x, double y)
+{
+  return 1e-3 * (x * x - y * y);
+}
+
+TEST(TrimMaps, ClosedSurfacesHaveNone)
+{
+  for (const Shape shape : {Shape::kSphere, Shape::kTorus, Shape::kBumpy}) {
+    for (const double noise : {0.0, 0.002}) {
+      const Fitted f = fitted(sceneCloud(shape, 20000, noise));
+      EXPECT_EQ(f.statistics.open_leaves, 0u);
+      EXPECT_LT(f.surface.trim_maps.size(), f.store.size() / 20);
+    }
+  }
+}
+
+TEST(TrimMaps, BordersStandWhereDataEnd)
+{
+  const auto disc = [](double x, double y) { return std::hypot(x, y) < 30.0; };
+  const Fitted f = fitted(flatScan(disc));
+  EXPECT_GT(f.statistics.open_leaves, 0u);
+  EXPECT_LT(f.statistics.open_leaves, f.statistics.leaves);
+  Cloud within, beyond;
+  for (int k = 0; k < 100; ++k) {
+    const double c = std::cos(0.0628 * k), s = std::sin(0.0628 * k);
+    within.add(28.5 * c, 28.5 * s, sheet(28.5 * c, 28.5 * s));
+    beyond.add(31.5 * c, 31.5 * s, sheet(31.5 * c, 31.5 * s));
+  }
+  for (const bool inside : insideAt(f, within)) EXPECT_TRUE(inside);
+  for (const bool inside : insideAt(f, beyond)) EXPECT_FALSE(inside);
+}
+
+TEST(TrimMaps, HolesAreKeptAsTheirSizeAsks)
+{
+  const auto holed = [](double x, double y) {
+    return std::hypot(x - 10.0, y) > 5.0 && std::hypot(x + 15.0, y) > 1.25;
+  };
+  const auto holes = [&](double hole_size) {
+    FitParams params;
+    params.hole_size = hole_size;
+    Cloud middles;
+    middles.add(10.0, 0.0, sheet(10.0, 0.0));
+    middles.add(-15.0, 0.0, sheet(-15.0, 0.0));
+    const auto inside = insideAt(fitted(flatScan(holed), params), middles);
+    return std::array<bool, 2>{!inside[0], !inside[1]};
+  };
+  EXPECT_EQ(holes(4.0), (std::array<bool, 2>{true, false}));  // 10 wide is open, 2.5 is closed
+  EXPECT_EQ(holes(14.0), (std::array<bool, 2>{false, false}));
+}
+
+TEST(TrimMaps, ChangeNothingElseOfAFit)
+{
+  const Cloud cloud = flatScan([](double x, double y) { return x + 0.3 * y < 12.0; });
+  FitParams plain;
+  plain.trim = false;
+  const Fitted with = fitted(cloud), without = fitted(cloud, plain);
+  EXPECT_TRUE(with.surface.hasTrimMaps());
+  EXPECT_FALSE(without.surface.hasTrimMaps());
+  SLIMSurface dropped = with.surface;
+  dropped.dropTrimMaps();
+  EXPECT_EQ(encodeSlim(dropped), encodeSlim(without.surface));
+  EXPECT_EQ(with.projection.position, without.projection.position);
+  EXPECT_EQ(with.projection.supported, without.projection.supported);
+  EXPECT_EQ(without.projection.inside, without.projection.supported);
+}
+
+TEST(TrimMaps, SameForAnyNumberOfThreads)
+{
+  const Cloud cloud = flatScan([](double x, double y) { return std::sin(x) + std::cos(y) > -1.2; });
+  const PointStore store = storeOf(cloud);
+  SLIMSurface surfaces[3];
+  for (int t = 0; t < 3; ++t) {
+    FitParams params;
+    params.threads = 1 << 2 * t;
+    ASSERT_FALSE(fitSurface(store, params, surfaces[t]));
+    EXPECT_GT(surfaces[t].trim_maps.size(), 100u);
+    EXPECT_EQ(surfaces[t].trim_maps, surfaces[0].trim_maps);
+    EXPECT_EQ(surfaces[t].trim_begin, surfaces[0].trim_begin);
+  }
+}
+
+TEST(TrimMaps, SizesOutOfRangeAreRefused)
+{
+  for (const double size : {1.9, 51.0, -1.0, std::nan("")}) {
+    FitParams params;
+    params.hole_size = size;
+    EXPECT_NE(params.validate().message.find("hole"), std::string::npos) << size;
+  }
+}
+
+}  // namespace
+}  // namespace pcl_slim
