@@ -95,7 +95,7 @@ ballsByLevel(const StudySettings& settings)
   const int first = *std::min_element(surface.level.begin(), surface.level.end());
   const int last = *std::max_element(surface.level.begin(), surface.level.end());
   for (int level = first; level <= last; ++level) {
-    BallPicture picture(0.66 * kSize / surface.root_ball[3]);
+    BallPicture picture(0.6 * kSize / surface.root_ball[3]);
     std::size_t leaves = 0, internal = 0;
     for (std::size_t i = 0; i < surface.size(); ++i) {
       const bool leaf = surface.isLeaf(i);
