@@ -26,7 +26,7 @@ row() {
 }
 
 row julius julius_02 "-eye 0.25,0.06,-1 -up 0,1,0 -middle 0.02,0.02,0 -width 0.55"
-row fandisk fandisk_03 "-eye 0.5,0.6,0.7 -up 0,1,0 -middle 2.4,15.2,-1.3 -width 5"
+row fandisk fandisk_03 "-eye 0.5,0.6,0.7 -up 0,1,0 -middle 2.4,14.5,-1.3 -width 5.4"
 row block block_04 "-eye 1,0.7,0.7 -up 0,1,0 -middle 1.7,0,0 -width 28"
 montage -font "$(fc-match -f '%{file}' sans)" -pointsize 13 "${parts[@]}" -tile 3x -geometry +2+2 \
   "$work/all.png"

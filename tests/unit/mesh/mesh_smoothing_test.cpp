@@ -188,14 +188,16 @@ TEST(MeshSmoothing, BadInputIsNamed)
   EXPECT_NE(message(cube.view(), cube.faces, params).find("degree"), std::string::npos);
 }
 
-TEST(MeshSmoothing, ATriangleAloneSurvives)
+TEST(MeshSmoothing, ATriangleAloneIsNoSurface)
 {
   TestMesh mesh;
   mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
   const std::uint32_t corners[] = {0, 1, 2};
   mesh.faces.add(corners, 3);
-  const SmoothedMesh made = smoothed(mesh);
-  for (const Vector3& p : made.vertices) EXPECT_NEAR(p[2], 0, 1e-6);
+  SmoothedMesh made;
+  const Error error = smoothMesh(mesh.view(), mesh.faces, {}, nullptr, made);
+  EXPECT_EQ(error.code, ErrorCode::kNoSurface);
+  EXPECT_TRUE(made.vertices.empty());
 }
 
 TEST(MeshSmoothing, StopsWhenAsked)

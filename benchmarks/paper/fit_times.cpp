@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Times and counts of fits at the paper's T (Table 1).
+#include "measure/scenes.h"
+#include "paper/study.h"
+
+namespace pcl_slim::paper {
+
+namespace {
+
+struct Row {
+  const char* file;  ///< null: a bumpy sphere of so many points
+  std::size_t points;
+  double t_mdl;
+  int degree;
+  const char* paper;  ///< the paper's row of like size
+};
+
+constexpr Row kRows[] = {
+    {"armadillo_50k.ply", 0, 0.02, 2, "Dinosaur 56K: 6K leaves, 8 s"},
+    {"stanford_bunny_raw_scans.pcd", 0, 0.01, 2, "Dragon 438K: 44K, 67 s"},
+    {"stanford_bunny_raw_scans.pcd", 0, 0.01, 3, "Dragon 438K: 31K, 86 s"},
+    {"lion_takanawa.pcd", 0, 0.01, 2, "Dragon 438K: 44K, 67 s"},
+    {"lion_takanawa.pcd", 0, 0.01, 3, "Dragon 438K: 31K, 86 s"},
+    {"stanford_dragon_res2.ply", 0, 0.01, 2, "Dragon 438K: 44K, 67 s"},
+    {"stanford_dragon_res2.ply", 0, 0.01, 3, "Dragon 438K: 31K, 86 s"},
+    {nullptr, 438000, 0.01, 2, "Dragon 438K: 44K, 67 s"},
+    {nullptr, 5000000, 0.005, 2, "Thai statue 5M: 345K, 15 min"},
+};
+
+Result<Model>
+modelOf(const StudySettings& settings, const Row& row)
+{
+  if (row.file != nullptr) return loadModel(settings, row.file);
+  const measure::Scene scene =
+      measure::makeScene(measure::Shape::kBumpy, row.points, 1e-4, 0.02, 7);
+  Model model;
+  model.name = "bumpy sphere, noise 1e-4";
+  for (std::size_t i = 0; i < scene.points.size(); i += 3) {
+    model.points.push_back({scene.points[i], scene.points[i + 1], scene.points[i + 2]});
+  }
+  model.normals = scene.normals;
+  return model;
+}
+
+}  // namespace
+
+Error
+fitTimes(const StudySettings& settings)
+{
+  Table table("Fits at the paper's T, store and fit, CPU seconds, " +
+                  std::to_string(settings.threads) + " thread(s) (Table 1)",
+              {"model", "points", "T", "degree", "leaves", "of points", "s", "us/point",
+               "the paper's row of like size, Pentium 4"});
+  for (const Row& row : kRows) {
+    const auto model = modelOf(settings, row);
+    if (!model) return model.error();
+    FitParams params;
+    params.paper_mode = true;
+    params.degree = row.degree;
+    params.t_mdl = row.t_mdl;
+    params.threads = settings.threads;
+    const auto fitted = fitModel(*model, params);
+    if (!fitted) return fitted.error();
+    const auto points = static_cast<double>(model->points.size());
+    const auto leaves = static_cast<double>(fitted->statistics.leaves);
+    table.row({model->name, number("%.0f", points), number("%g", row.t_mdl),
+               std::to_string(row.degree), number("%.0f", leaves),
+               number("%.1f %%", 100 * leaves / points), number("%.2f", fitted->seconds),
+               number("%.2f", 1e6 * fitted->seconds / points), row.paper});
+  }
+  return table.save(settings, "table1");
+}
+
+}  // namespace pcl_slim::paper

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Remakes figures, tables and claims of Ohtake, Belyaev, Alexa 2005 that no other program shows.
+#include <cstdio>
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "common/options.h"
+#include "paper/study.h"
+
+namespace {
+
+using namespace pcl_slim;
+using namespace pcl_slim::paper;
+
+struct Study {
+  const char* name;
+  Error (*run)(const StudySettings&);
+};
+
+constexpr Study kStudies[] = {
+    {"4", energyCurves},    {"7", ballsByLevel}, {"21", sparsity},        {"table1", fitTimes},
+    {"s37", rotationDrift}, {"s42", costOfRays}, {"s43", parabolicLines},
+};
+
+}  // namespace
+
+int
+main(int argc, char** argv)
+{
+  StudySettings settings;
+  std::string figure = "all";
+  OptionTable options("paper_bench", "1", "Remakes figures and tables of the SLIM paper.");
+  options.positional("DATA", &settings.data, "folder of scans");
+  options.positional("OUT", &settings.out, "folder for tables and pictures, which must exist");
+  options.choice("figure", &figure, {"all", "4", "7", "21", "table1", "s37", "s42", "s43"},
+                 "what to remake: a figure, Table 1, or rotation, cost of rays, parabolic lines");
+  options.integer("threads", &settings.threads, 0, 4096, "threads of fits, 0: all cores");
+  if (const auto status = options.parse(argc, argv)) return *status;
+  for (const Study& study : kStudies) {
+    if (figure != "all" && figure != study.name) continue;
+    std::printf("\n## %s\n", study.name);
+    if (const Error error = study.run(settings)) {
+      std::fprintf(stderr, "paper_bench: %s\n", error.message.c_str());
+      return 2;
+    }
+  }
+  return 0;
+}

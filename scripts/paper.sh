@@ -1,0 +1,35 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Remakes the figures and tables of docs/paper.md: scripts/paper.sh DATA OUT. DATA is a folder of scans
+# (benchmarks/reports/scans.md names them), OUT gets tables and pictures. Half an hour or more.
+# Needs ImageMagick, fontconfig and, for some pictures, rsvg-convert and xvfb-run.
+set -euo pipefail
+# shellcheck source=scripts/common.sh
+source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
+if [ $# -ne 2 ] || [ ! -d "$1" ]; then
+  echo "usage: scripts/paper.sh DATA OUT, DATA a folder of scans" >&2
+  exit 2
+fi
+mkdir -p -- "$2"
+data=$(cd -- "$1" && pwd) out=$(cd -- "$2" && pwd)
+
+bash "$root/scripts/setup.sh"
+configure -DPCL_SLIM_BUILD_BENCHMARKS=ON
+build
+bin=$root/build/release/bin
+part() { quietly "$1" "$out/log/$1.log" "${@:2}"; }
+
+part studies "$bin/paper_bench" "$data" "$out"
+for plot in fig04 fig21 fig21_paper; do
+  command -v rsvg-convert > /dev/null && rsvg-convert "$out/$plot.svg" -o "$out/$plot.png"
+done
+mkdir -p -- "$out/meshes"
+part meshes "$bin/mesh_bench" "$data" -save "$out/meshes"
+cp -- "$out/log/meshes.log" "$out/fig20.md"
+part mesh-pictures "$root/benchmarks/mesh/pictures.sh" "$bin" "$data" "$out" "$out/meshes"
+part pictures "$root/benchmarks/render/figures.sh" "$bin" "$data" "$out"
+part qsplat "$root/benchmarks/qsplat/figures.sh" "$bin" "$out/qsplat" "$out"
+part splat-pictures "$root/benchmarks/splats/figures.sh" "$bin" "$data" "$out"
+part splat-tables "$root/benchmarks/splats/tables.sh" "$bin" "$data"
+part lines "$bin/lines_bench" -turned
+echo "Tables and pictures are in $out, what the programs printed in $out/log"
