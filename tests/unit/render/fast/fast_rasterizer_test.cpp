@@ -110,6 +110,7 @@ TEST_P(FastAgainstReference, TrimmedPicturesAgree)
 {
   const ModelCase& p = GetParam();
   SLIMSurface surface = fittedScene(p.shape, p.degree, p.noise, p.normals);
+  surface.dropTrimMaps();
   const Camera camera = viewOf(surface, 200, 150);
   const std::size_t whole = rendered(surface, camera).numCovered();
   pcl_slim_test::setRandomTrimMaps(surface);

@@ -94,7 +94,9 @@ TEST_P(TracedSphere, EndsWhereTrimMapsDo)
   RenderParams render;
   render.reference = true;
   const GBuffer reference = rendered(surface, frontCamera(), render);
-  const FrameDifference d(traced(surface, frontCamera()), reference);
+  TraceParams trace;
+  trace.close_gaps = false;  // the reference closes none
+  const FrameDifference d(traced(surface, frontCamera(), trace), reference);
   EXPECT_LT(reference.numCovered(), whole);
   EXPECT_GT(d.both, whole / 3);
   EXPECT_LE(d.coverage, d.both / 200) << "rays that rounding decides";
@@ -277,6 +279,42 @@ TEST(RayTracer, GapsBetweenShrunkBallsAreClosed)
   EXPECT_EQ(counts.closed, 0u);
   EXPECT_EQ(openPixels(surface, camera, true, &counts), 0u);
   EXPECT_EQ(counts.closed, open);
+}
+
+/** Cuts a hole about the origin into a flat sheet, by a map for every leaf. */
+void
+cutHole(SLIMSurface& surface, double hole_radius)
+{
+  constexpr int kSide = 16;
+  std::vector<std::uint8_t> bits;
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    const LocalFrame frame({surface.nx[i], surface.ny[i], surface.nz[i]});
+    std::vector<std::uint8_t> map(TrimMap::numBytes(kSide));
+    for (std::size_t k = 0; k < kSide * kSide; ++k) {
+      const double u =
+          surface.radius[i] * (2.0 * static_cast<double>(k % kSide) / (kSide - 1) - 1.0);
+      const double v =
+          surface.radius[i] * (2.0 * static_cast<double>(k / kSide) / (kSide - 1) - 1.0);
+      const double x = surface.cx[i] + u * frame.u[0] + v * frame.v[0];
+      const double y = surface.cy[i] + u * frame.u[1] + v * frame.v[1];
+      if (std::hypot(x, y) > hole_radius) map[k >> 3] |= static_cast<std::uint8_t>(1 << (k & 7));
+    }
+    bits.insert(bits.end(), map.begin(), map.end());
+  }
+  surface.setTrimMaps(std::vector<std::uint8_t>(surface.size(), kSide), bits);
+}
+
+TEST(RayTracer, HolesOfTrimMapsStayOpen)
+{
+  SLIMSurface surface = emptySurface(2);
+  addRectangle(surface, {-0.348, -0.348, 0.0}, {0.696, 0.0, 0.0}, {0.0, 0.696, 0.0},
+               {0.0, 0.0, 1.0}, 0.024, 0.05);
+  Camera camera = frontCamera(100, 100);
+  camera.fov = 10.0;
+  EXPECT_EQ(openPixels(surface, camera, true), 0u);
+  cutHole(surface, 0.05);
+  EXPECT_GT(openPixels(surface, camera, true), 300u);
+  EXPECT_EQ(openPixels(surface, camera, true), openPixels(surface, camera, false));
 }
 
 TEST(RayTracer, LightDoesNotLeakThroughGaps)
