@@ -29,6 +29,8 @@ uniform int slimTexelsOfLeaf;
 uniform int slimDegree;
 uniform int slimFrontOnly;
 flat in int slimLeaf;
+flat in vec3 slimPart;         // share of the weight, 1 / the cover's radius, scale of the ball
+flat in ivec2 slimTrim;        // where the trim map begins and its side; side 0: closed
 
 // Along the ray s counts in radii from where it is nearest to the centre.
 struct Leaf {
@@ -48,13 +50,13 @@ Leaf slimReadLeaf(vec2 slopes, vec3 direction)
   vec4 normal = texelFetch(slimLeaves, at + 1);
   vec4 axis = texelFetch(slimLeaves, at + 2);
   leaf.radius = ball.w;
-  leaf.weight = normal.w;
+  leaf.weight = normal.w * slimPart.x;
   leaf.share = axis.w;
   leaf.w = normal.xyz;
   leaf.u = axis.xyz;
   leaf.v = cross(leaf.w, leaf.u);
   for (int i = 0; i < 4; ++i) {
-    vec4 four = i + 3 < slimTexelsOfLeaf ? texelFetch(slimLeaves, at + 3 + i) : vec4(0.0);
+    vec4 four = i + 4 < slimTexelsOfLeaf ? texelFetch(slimLeaves, at + 4 + i) : vec4(0.0);
     for (int k = 0; k < 4; ++k) leaf.c[4 * i + k] = four[k];
   }
   vec3 center = (ball.xyz - slimEye) - slimEyeRest;

@@ -200,7 +200,9 @@ addOutside(const LeafRays& rays, const Crossing& at, BlockSums& sums)
 {
   const Part d;
   const FrameLeaf& leaf = rays.leaf;
-  const Vec u = inPlane(rays, at, leaf.u, leaf.uc), v = inPlane(rays, at, leaf.v, leaf.vc);
+  const Vec scale = set(leaf.trim_scale);
+  const Vec u = Mul(scale, inPlane(rays, at, leaf.u, leaf.uc));
+  const Vec v = Mul(scale, inPlane(rays, at, leaf.v, leaf.vc));
   const Vec outside{outsideShares(d, leaf.trim, u.low, v.low),
                     outsideShares(d, leaf.trim, u.high, v.high)};
   sums.outside = MulAdd(at.weight, outside, sums.outside);
