@@ -93,6 +93,7 @@ measureNoise(const PointStore& store, const NoiseConstants& constants, int threa
   }
   const double floor = constants.floor * store.diagonal();
   noise.variance = std::max(noise.variance, floor * floor);
+  noise.least_neighbors = least;
   noise.patches = patches;
   return noise;
 }

@@ -82,34 +82,38 @@ class GrowthCurve {
   /** Takes in the growth from the next scale on. \return whether the curve is told to its end. */
   bool follow(double growth)
   {
-    const bool first = scales_ == 0;
-    if (first) first_ = least_ = growth;
-    detail_ =
-        growth > (first ? steep_first_ : std::min(least_ + constants_.rise, constants_.steep));
-    ++scales_;
-    if (detail_) return true;
-    least_ = std::min(least_, growth);
-    return growth <= (first ? flat_first_ : constants_.plateau);
+    const bool first = growths_.empty();
+    const double steep =
+        first ? steep_first_ : std::min(least() + constants_.rise, constants_.steep);
+    growths_.push_back(growth);
+    detail_ = growth > steep;
+    return detail_ || growth <= (first ? flat_first_ : constants_.plateau);
   }
 
   /** Whether growth has slowed down as shared noise makes it. */
   bool slowsDown() const
   {
-    if (first_ <= flat_first_) return false;
-    const bool slow = least_ <= constants_.slow && least_ <= constants_.fall * first_;
-    return slow || least_ <= constants_.plateau;
+    if (growths_.empty() || growths_.front() <= flat_first_) return false;
+    const bool slow = least() <= constants_.slow && least() <= constants_.fall * growths_.front();
+    return slow || least() <= constants_.plateau;
   }
 
   bool endsInDetail() const { return detail_; }
 
-  /** The number of the plateau, or of the last scale before the surface's detail. */
-  std::size_t last() const { return scales_ < 2 ? 0 : scales_ - (detail_ ? 2 : 1); }
+  /** The number of the widest scale whose growth is about the least. */
+  std::size_t slowest() const
+  {
+    std::size_t scale = growths_.size();
+    while (scale > 1 && growths_[scale - 1] > constants_.slack * least()) --scale;
+    return scale == 0 ? 0 : scale - 1;
+  }
 
  private:
+  double least() const { return *std::min_element(growths_.begin(), growths_.end()); }
+
   const SharedNoiseConstants& constants_;
   double flat_first_, steep_first_;  ///< growth at the first scale that tells all
-  std::size_t scales_ = 0;
-  double first_ = 0, least_ = 0;
+  std::vector<double> growths_;
   bool detail_ = false;
 };
 
@@ -196,9 +200,10 @@ withSteps(const PointStore& store, const NoiseLevel& white, const NoiseConstants
   std::vector<Scale> scales;
   GrowthCurve curve = GrowthCurve::ofWidePatches(constants.shared);
   measureCurve(store, k, constants, threads, curve, scales);
-  NoiseLevel noise = levelOf(scales[curve.last()], constants);
-  noise.correlation =
-      std::max(correlationOf(store, curve, noise, constants, threads), constants.steps.correlation);
+  NoiseLevel noise = levelOf(scales[curve.slowest()], constants);
+  noise.correlation = correlationOf(store, curve, noise, constants, threads);
+  if (!(noise.correlation > 1)) noise = levelOf(scales.front(), constants);
+  noise.correlation = std::max(noise.correlation, constants.steps.correlation);
   noise.step = step;
   return noise;
 }
@@ -224,10 +229,10 @@ recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
   threads = resolveThreads(threads);
   std::vector<Scale> scales;
   GrowthCurve curve(constants.shared);
-  measureCurve(store, white.neighbors, constants, threads, curve, scales);
+  measureCurve(store, white.least_neighbors, constants, threads, curve, scales);
   NoiseLevel noise = white;
   if (curve.slowsDown()) {
-    noise = levelOf(scales[curve.last()], constants);
+    noise = levelOf(scales[curve.slowest()], constants);
     noise.correlation = correlationOf(store, curve, noise, constants, threads);
   }
   if (!(noise.correlation > 1)) {

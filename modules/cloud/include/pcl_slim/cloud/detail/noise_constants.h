@@ -25,6 +25,8 @@ struct SharedNoiseConstants {
   double slow = 0.55;          ///< growth up to which a least one will do for a plateau ...
   double fall = 0.7;           ///< ... if it has fallen to this share of the first
 
+  double slack = 1.25;  ///< growth over the least that shows as much of the noise
+
   std::size_t patches = 100;  ///< patches on which the number of sharing neighbours is measured
   std::size_t least_points = 160;  ///< points of such a patch ...
   std::size_t most_points = 2560;  ///< ... which are all looked at up to so many

@@ -11,13 +11,14 @@ namespace pcl_slim::detail {
 
 /** \brief A measured noise level, and the patches that showed it. */
 struct NoiseLevel {
-  double variance = 0;        ///< lambda, squared local lengths
-  double patch_radius = 0;    ///< median radius of the patches, local length
-  std::size_t neighbors = 0;  ///< points of such a patch; 0: the store has too few points
-  std::size_t patches = 0;    ///< patches measured, of any size
-  double correlation = 1;     ///< tau: points that share their errors; 1: white noise
-  double step = 0;            ///< of quantised coordinates, local length; 0: none was found
-  bool uneven = false;        ///< places have so much more noise that a fit would seek detail there
+  double variance = 0;              ///< lambda, squared local lengths
+  double patch_radius = 0;          ///< median radius of the patches, local length
+  std::size_t neighbors = 0;        ///< points of such a patch; 0: the store has too few points
+  std::size_t least_neighbors = 0;  ///< points of the smallest patch that noise does not fill
+  std::size_t patches = 0;          ///< patches measured, of any size
+  double correlation = 1;           ///< tau: points that share their errors; 1: white noise
+  double step = 0;                  ///< of quantised coordinates, local length; 0: none was found
+  bool uneven = false;  ///< places have so much more noise that a fit would seek detail there
 };
 
 /** \brief NoiseEstimator::kCubicResidual. Nothing for stores of fewer than 12 points. */
