@@ -2,6 +2,7 @@
 // docs/theory.md, "Noise that neighbours share": the curve of residual variance over scales.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "noise/patch_noise.h"
 #include "pcl_slim/cloud/detail/noise_measurement.h"
@@ -98,14 +99,36 @@ class GrowthCurve {
     return slow || least() <= constants_.plateau;
   }
 
-  bool endsInDetail() const { return detail_; }
+  bool startsInDetail() const { return detail_ && growths_.size() == 1; }
 
-  /** The number of the widest scale whose growth is about the least. */
-  std::size_t slowest() const
+  /** A scale that shows all of the noise, and whether wider ones show detail. */
+  struct Plateau {
+    std::size_t scale = 0;
+    bool detail_follows = false;
+  };
+
+  /** The widest scale whose growth is about the least; where growth has passed a peak since, and no
+   * detail follows, the last one. */
+  Plateau slowest() const
   {
+    const auto least_at = std::min_element(growths_.begin(), growths_.end());
+    const double peak = *std::max_element(least_at, growths_.end());
+    if (!detail_ && growths_.back() < peak) return {growths_.size() - 1, false};
     std::size_t scale = growths_.size();
     while (scale > 1 && growths_[scale - 1] > constants_.slack * least()) --scale;
-    return scale == 0 ? 0 : scale - 1;
+    return {scale - 1, detail_};
+  }
+
+  /** The scale where growth was least before its last peak, if it had slowed down there: what
+   * follows is detail that wider patches have left behind. */
+  std::optional<Plateau> beforeLastPeak() const
+  {
+    auto peak = growths_.end() - 1;
+    while (peak > growths_.begin() && *(peak - 1) >= *peak) --peak;
+    const auto dip = std::min_element(growths_.begin(), peak);
+    const double limit = std::min(constants_.slow, constants_.fall * growths_.front());
+    if (dip == peak || *dip > limit) return {};
+    return Plateau{static_cast<std::size_t>(dip - growths_.begin()), true};
   }
 
  private:
@@ -174,19 +197,29 @@ levelOf(const Scale& scale, const NoiseConstants& constants)
   return noise;
 }
 
-/** How many points share what the last scale of a curve shows; 1 where they share no noise. */
+/** How many points share what a scale shows; 1 where they share no noise. */
 double
-correlationOf(const PointStore& store, const GrowthCurve& curve, const NoiseLevel& noise,
+correlationOf(const PointStore& store, bool detail_follows, const NoiseLevel& noise,
               const NoiseConstants& constants, int threads)
 {
   // Where the surface's detail shows in wider patches already, tau is measured without them.
-  const std::size_t points = (curve.endsInDetail() ? 1 : 2) * noise.neighbors;
+  const std::size_t points = (detail_follows ? 1 : 2) * noise.neighbors;
   // Waves that the smallest patches do not resolve share over half a wave, and nothing over two.
   const std::size_t wider = 4 * points;
   if (wider > store.size() / 4) return 1;
   const double tau = measureCorrelation(store, points, constants, threads);
   if (tau < constants.shared.least) return 1;
   return measureCorrelation(store, wider, constants, threads) > 0.5 * tau ? tau : 1;
+}
+
+/** The noise of a curve's plateau with the points that share it: 1 where it is none. */
+NoiseLevel
+plateauNoise(const PointStore& store, const GrowthCurve::Plateau& plateau,
+             const std::vector<Scale>& scales, const NoiseConstants& constants, int threads)
+{
+  NoiseLevel noise = levelOf(scales[plateau.scale], constants);
+  noise.correlation = correlationOf(store, plateau.detail_follows, noise, constants, threads);
+  return noise;
 }
 
 /** Steps of a coordinate that the curve does not show, since noise hides where they lie. */
@@ -200,9 +233,12 @@ withSteps(const PointStore& store, const NoiseLevel& white, const NoiseConstants
   std::vector<Scale> scales;
   GrowthCurve curve = GrowthCurve::ofWidePatches(constants.shared);
   measureCurve(store, k, constants, threads, curve, scales);
-  NoiseLevel noise = levelOf(scales[curve.slowest()], constants);
-  noise.correlation = correlationOf(store, curve, noise, constants, threads);
-  if (!(noise.correlation > 1)) noise = levelOf(scales.front(), constants);
+  NoiseLevel noise = plateauNoise(store, curve.slowest(), scales, constants, threads);
+  if (!(noise.correlation > 1) || curve.startsInDetail()) {
+    const std::size_t narrow = curve.startsInDetail() ? k / 2 : k;
+    noise = levelOf(measureScale(store, narrow, constants.shared.places, constants, threads),
+                    constants);
+  }
   noise.correlation = std::max(noise.correlation, constants.steps.correlation);
   noise.step = step;
   return noise;
@@ -232,8 +268,10 @@ recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
   measureCurve(store, white.least_neighbors, constants, threads, curve, scales);
   NoiseLevel noise = white;
   if (curve.slowsDown()) {
-    noise = levelOf(scales[curve.slowest()], constants);
-    noise.correlation = correlationOf(store, curve, noise, constants, threads);
+    noise = plateauNoise(store, curve.slowest(), scales, constants, threads);
+    const auto dip = curve.beforeLastPeak();
+    if (!(noise.correlation > 1) && dip)
+      noise = plateauNoise(store, *dip, scales, constants, threads);
   }
   if (!(noise.correlation > 1)) {
     const NoiseLevel plateau = noise;

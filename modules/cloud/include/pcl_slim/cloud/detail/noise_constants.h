@@ -44,7 +44,7 @@ struct StepConstants {
   double pure_ratio = 2.0;              ///< ... up to which there is little else, ...
   double most_ratio = 5.0;              ///< ... and beyond which rounding does not matter
   double growth = 1.4;     ///< from narrow to wide patches, where there is something else
-  double correlation = 3;  ///< points that share a step's error, at least
+  double correlation = 2;  ///< points that share a step's error, at least
 };
 
 /** \brief The measurement of a cloud's noise level (docs/theory.md, "Noise"). */
