@@ -122,7 +122,7 @@ measureNoiseSettings(const PointStore& store, const FitParams& params, int threa
   ResidualNoise residual(store, params, constants, threads, stats);
   if (!params.has_noise_model)
     settings.energy.lambda = noiseVariance(store, params, constants, threads, residual);
-  if (measuresResiduals(params)) settings.energy.correlation = residual.level().correlation;
+  if (measuresResiduals(params)) settings.energy.correlation = residual.level().dependence;
   if (params.noise_correlation > 0) settings.energy.correlation = params.noise_correlation;
   measureProfile(store, params, threads, residual, settings);
   // The paper's lambda, which T goes with, holds the surface's bend too; the smallest balls follow
@@ -132,6 +132,7 @@ measureNoiseSettings(const PointStore& store, const FitParams& params, int threa
   stats.noise_correlation = settings.energy.correlation;
   stats.noise_varies = !settings.noise_profile.empty();
   if (!measuresResiduals(params)) return;
+  stats.noise_correlation = residual.level().correlation;
   stats.noise_step = residual.level().step / store.diagonal();
   stats.noise_neighbors = residual.level().neighbors;
 }

@@ -219,6 +219,9 @@ plateauNoise(const PointStore& store, const GrowthCurve::Plateau& plateau,
 {
   NoiseLevel noise = levelOf(scales[plateau.scale], constants);
   noise.correlation = correlationOf(store, plateau.detail_follows, noise, constants, threads);
+  noise.dependence = noise.correlation;
+  if (!plateau.detail_follows && noise.correlation > constants.shared.counted)
+    noise.dependence = std::sqrt(constants.shared.counted * noise.correlation);
   return noise;
 }
 
@@ -240,6 +243,7 @@ withSteps(const PointStore& store, const NoiseLevel& white, const NoiseConstants
                     constants);
   }
   noise.correlation = std::max(noise.correlation, constants.steps.correlation);
+  noise.dependence = std::max(noise.dependence, constants.steps.correlation);
   noise.step = step;
   return noise;
 }
@@ -250,7 +254,7 @@ withUnevenness(const PointStore& store, const NoiseLevel& white, const NoiseLeve
                const std::vector<Scale>& scales, const NoiseConstants& constants, int threads)
 {
   NoiseLevel noise = plateau;
-  noise.correlation = 1;
+  noise.correlation = noise.dependence = 1;
   noise.uneven = staysUneven(store, noise, scales, constants, threads);
   return noise.uneven ? noise : white;
 }
@@ -295,7 +299,7 @@ measureSharedNoise(const PointStore& store, double correlation, const NoiseConst
   threads = resolveThreads(threads);
   NoiseLevel noise =
       levelOf(measureScale(store, k, constants.shared.places, constants, threads), constants);
-  noise.correlation = correlation;
+  noise.correlation = noise.dependence = correlation;
   noise.patches = constants.shared.places;
   return noise;
 }

@@ -27,12 +27,15 @@ struct SharedNoiseConstants {
 
   double slack = 1.25;  ///< growth over the least that shows as much of the noise
 
-  std::size_t patches = 100;  ///< patches on which the number of sharing neighbours is measured
-  std::size_t least_points = 160;  ///< points of such a patch ...
+  std::size_t patches = 100;      ///< patches on which the number of sharing neighbours is measured
+  std::size_t least_points = 80;  ///< points of such a patch ...
   std::size_t most_points = 2560;  ///< ... which are all looked at up to so many
   double cells = 32;               ///< of equal size, into which a patch's points fall
-  double least = 1.8;              ///< fewer neighbours than that share nothing
-  double given_patch = 32;         ///< points of a patch over a given number that share
+  double least = 1.5;              ///< fewer neighbours than that share nothing
+  /// Of more points fits count the geometric mean with this, where no detail shows: a wide tau rounds
+  /// edges, and a part of it costs smooth parts little.
+  double counted = 12;
+  double given_patch = 32;  ///< points of a patch over a given number that share
 };
 
 /** \brief How a coordinate that a sensor rounds is recognised (docs/theory.md, "Steps"). */

@@ -17,6 +17,7 @@ struct NoiseLevel {
   std::size_t least_neighbors = 0;  ///< points of the smallest patch that noise does not fill
   std::size_t patches = 0;          ///< patches measured, of any size
   double correlation = 1;           ///< tau: points that share their errors; 1: white noise
+  double dependence = 1;            ///< of these, as many as a fit takes for one
   double step = 0;                  ///< of quantised coordinates, local length; 0: none was found
   bool uneven = false;  ///< places have so much more noise that a fit would seek detail there
 };
