@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <limits>
 #include <string>
@@ -257,6 +258,7 @@ scanOrganized(const Amphora& object, const ScanParams& params)
   Scan scan;
   scan.width = static_cast<std::uint32_t>(grid[0].columns);
   scan.height = static_cast<std::uint32_t>(grid[0].rows);
+  for (std::size_t a = 0; a < 3; ++a) scan.sensor[a] = static_cast<float>(grid[0].eye[a]);
   constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
   for (const Hit& hit : hits) {
     for (const float value : hit.position) scan.xyz.push_back(hit.valid ? value : kNaN);
@@ -277,11 +279,14 @@ scanAmphora(const ScanParams& params)
 std::vector<unsigned char>
 encodePcd(const Scan& scan)
 {
+  char viewpoint[64];
+  std::snprintf(viewpoint, sizeof(viewpoint), "%.9g %.9g %.9g", scan.sensor[0], scan.sensor[1],
+                scan.sensor[2]);
   const std::string header =
       "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS x y z rgb\n"
       "SIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH " +
-      std::to_string(scan.width) + "\nHEIGHT " + std::to_string(scan.height) +
-      "\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + std::to_string(scan.rgb.size()) + "\nDATA binary\n";
+      std::to_string(scan.width) + "\nHEIGHT " + std::to_string(scan.height) + "\nVIEWPOINT " +
+      viewpoint + " 1 0 0 0\nPOINTS " + std::to_string(scan.rgb.size()) + "\nDATA binary\n";
   std::vector<unsigned char> bytes(header.begin(), header.end());
   const std::size_t start = bytes.size();
   bytes.resize(start + 16 * scan.rgb.size());

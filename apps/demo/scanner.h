@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -22,6 +23,7 @@ struct Scan {
   std::uint32_t width = 0, height = 1;
   std::vector<float> xyz;
   std::vector<std::uint32_t> rgb;
+  std::array<float, 3> sensor{};  ///< where an organized scan was made from; 0 for several places
 };
 
 /** \brief Scans the amphora as a laser scanner on four tripods would.

@@ -129,6 +129,9 @@ CloudView
 CloudFile::view(bool with_normals) const
 {
   CloudView view;
+  const Eigen::Vector4f& at = file.sensor_origin;
+  // An organized cloud has its sensor even at 0, others may have none that is known.
+  if (file.cloud.height > 1 || !at.head<3>().isZero()) view.sensor = {at[0], at[1], at[2]};
   const pcl::PCLPointField* fields[3];
   view.size = size();
   view.scalar = double_precision ? CloudView::Scalar::kDouble : CloudView::Scalar::kFloat;

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scan/fit_job.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <utility>
 
 #include "common/memory_limit.h"
@@ -42,6 +46,10 @@ reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatisti
               {"t_mdl", fit.t_mdl},
               {"normal_error", fit.normal_error},
               {"lambda", fit.lambda},
+              {"noise_correlation", fit.noise_correlation},
+              {"noise_step", fit.noise_step},
+              {"noise_neighbors", fit.noise_neighbors},
+              {"noise_varies", fit.noise_varies},
               {"diagonal", store.diagonal() * store.scale()},
               {"rms_error_over_diagonal", fit.rms_error},
               {"uncovered", fit.uncovered},
@@ -72,6 +80,23 @@ reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatisti
   report.time("links", fit.seconds_links);
   report.time("orient", fit.seconds_orient);
   report.time("trim", fit.seconds_trim);
+}
+
+/** "noise: 1.9 mm..."-like line: sigma in the scan's units and what kind of noise it is. */
+std::string
+noiseText(const PointStore& store, const FitStatistics& fit)
+{
+  const double diagonal = store.diagonal() * store.scale();
+  char text[160];
+  std::snprintf(text, sizeof(text), "noise %.3g RMS", std::sqrt(fit.lambda) * diagonal);
+  std::string line = text;
+  if (fit.noise_step > 0) {
+    std::snprintf(text, sizeof(text), ", in steps of %.3g", fit.noise_step * diagonal);
+    line += text;
+  }
+  std::snprintf(text, sizeof(text), ", correlated over %.0f points", fit.noise_correlation);
+  line += fit.noise_correlation > 1 ? text : ", white";
+  return line + (fit.noise_varies ? ", varying over the scan" : "");
 }
 
 /** "1 level", "3 levels". */
@@ -116,6 +141,10 @@ declareFitOptions(OptionTable& options, FitJob& job)
   options.toggle("robust", &job.params.robust, "reweight residuals against outliers");
   options.toggle("local_noise", &job.params.local_noise,
                  "noise is measured along the scan, not once for all of it");
+  options.text("correlation", &job.correlation, "auto|off|N",
+               "points that share their errors, as those of depth cameras do");
+  options.numbers("noise_model", &job.noise_model, "A,B,C",
+                  "RMS error A + B z + C z^2 along the ray at distance z from -viewpoint");
   options.toggle("normals_as_data", &job.params.normals_as_data,
                  "fit points and normals together; for normals measured apart from the points");
   options.number("normal_error", &job.params.normal_error, 1e-6, 1.5707,
@@ -137,6 +166,8 @@ declareFitOptions(OptionTable& options, FitJob& job)
                   "seed of the order in which centres are tried");
   options.exclusive({"penalty", "t_mdl", "target_error", "max_surfels"});
   for (const char* name : {"t_mdl", "paper"}) options.exclusive({"normals_as_data", name});
+  for (const char* name : {"lambda", "local_noise", "t_mdl", "paper"})
+    options.exclusive({"noise_model", name});
 }
 
 void
@@ -149,9 +180,33 @@ declareTrimOptions(OptionTable& options, FitJob& job)
                  "diameter of the smallest hole kept, in spacings of the points");
 }
 
+namespace {
+
+/** What -correlation and -noise_model say. */
+Error
+finishNoiseOptions(FitJob& job)
+{
+  FitParams& params = job.params;
+  if (job.correlation == "off") {
+    params.noise_correlation = 1;
+  } else if (job.correlation != "auto") {
+    char* end = nullptr;
+    params.noise_correlation = std::strtod(job.correlation.c_str(), &end);
+    if (*end != '\0' || !(params.noise_correlation >= 1))
+      return {ErrorCode::kBadArgument,
+              "-correlation '" + job.correlation + "' is neither auto, off nor a number from 1 on"};
+  }
+  params.has_noise_model = job.noise_model.size() == 3;
+  std::copy(job.noise_model.begin(), job.noise_model.end(), params.noise_model);
+  return {};
+}
+
+}  // namespace
+
 Error
 finishFitOptions(FitJob& job)
 {
+  if (Error error = finishNoiseOptions(job)) return error;
   if (job.compact) job.params.cover_radius = 1.0;
   job.params.has_viewpoint = job.viewpoint.size() == 3;
   for (std::size_t a = 0; a < job.viewpoint.size(); ++a) {
@@ -225,6 +280,7 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
   reportFit(*store, surface, statistics, report);
   console.done(watch.seconds(), std::to_string(statistics.leaves) + " leaves, " +
                                     counted(surface.numLevels(), "level"));
+  console.note("  " + noiseText(*store, statistics));
   if (statistics.uncovered > 0) {
     console.note("  " + counted(statistics.uncovered, "point") + " not covered, " +
                  std::to_string(statistics.unsupported) + " of them inside no surfel");

@@ -26,7 +26,8 @@ withoutTrim()
  * program that fits. */
 struct FitJob {
   FitParams params = withoutTrim();
-  std::vector<double> viewpoint;
+  std::vector<double> viewpoint, noise_model;
+  std::string correlation = "auto";
   bool compact = false, use_normals = true;
   int normal_neighbours = 0;
 };

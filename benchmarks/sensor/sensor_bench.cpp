@@ -18,7 +18,7 @@ struct Settings {
   std::string rows;
   int seed = 1, seeds = 1, threads = 0;
   bool mls = true, solids = false, local_noise = false;
-  double lambda = 0;
+  double lambda = 0, correlation = 0, range_error = 0;
 };
 
 OptionTable
@@ -32,6 +32,9 @@ declareOptions(Settings& s)
   options.toggle("solids", &s.solids, "errors solid by solid too");
   options.toggle("local_noise", &s.local_noise, "as pcl_slim_fit's");
   options.number("lambda", &s.lambda, 0, 1, "as pcl_slim_fit's", "estimated");
+  options.number("correlation", &s.correlation, 1, 1e6, "as pcl_slim_fit's", "auto");
+  options.number("range_error", &s.range_error, 0, 1e3, "the A of pcl_slim_fit's -noise_model",
+                 "none");
   options.integer("threads", &s.threads, 0, 4096, "threads, 0: all cores; changes no result");
   return options;
 }
@@ -57,14 +60,25 @@ printSolids(const measure::SensorErrors& errors)
     std::printf("|   solid %zu | %.2f | %.2f |\n", i, errors.positions[i], errors.normals[i]);
 }
 
-Error
-printRow(const Settings& s, const measure::SensorRow& row, std::uint64_t seed)
+FitParams
+paramsOf(const Settings& s, const measure::SensorScan& scan)
 {
-  const measure::SensorScan scan = row.scan(seed);
   FitParams params;
   params.threads = s.threads;
   params.local_noise = s.local_noise;
   params.lambda = s.lambda;
+  params.noise_correlation = s.correlation;
+  params.has_noise_model = params.has_viewpoint = s.range_error > 0;
+  params.noise_model[0] = s.range_error;
+  for (std::size_t a = 0; a < 3; ++a) params.viewpoint[a] = scan.sensor[a];
+  return params;
+}
+
+Error
+printRow(const Settings& s, const measure::SensorRow& row, std::uint64_t seed)
+{
+  const measure::SensorScan scan = row.scan(seed);
+  const FitParams params = paramsOf(s, scan);
   FitStatistics fit;
   const double start = measure::cpuSeconds();
   const auto errors = measure::errorsOfFit(scan, params, fit);

@@ -196,8 +196,10 @@ CloudProjection::side(std::size_t i, const ProjectedPoint& point) const
   // A missing normal is zero or not finite, and says nothing.
   if (along == 0.0 || !std::isfinite(along)) {
     along = 0.0;
-    for (std::size_t a = 0; a < 3 && params_.has_viewpoint; ++a) {
-      along += (params_.viewpoint[a] - point.position[a]) * point.normal[a];
+    const bool faces = params_.has_viewpoint || cloud_.sensor;
+    for (std::size_t a = 0; a < 3 && faces; ++a) {
+      const double eye = params_.has_viewpoint ? params_.viewpoint[a] : (*cloud_.sensor)[a];
+      along += (eye - point.position[a]) * point.normal[a];
     }
   }
   return along < 0.0 ? -1.0f : 1.0f;

@@ -23,6 +23,25 @@ SLIMFitBase::getViewPoint(double& x, double& y, double& z) const
 }
 
 void
+SLIMFitBase::setNoiseModel(double a, double b, double c)
+{
+  params_.has_noise_model = true;
+  params_.noise_model[0] = a;
+  params_.noise_model[1] = b;
+  params_.noise_model[2] = c;
+}
+
+bool
+SLIMFitBase::getNoiseModel(double& a, double& b, double& c) const
+{
+  if (!params_.has_noise_model) return false;
+  a = params_.noise_model[0];
+  b = params_.noise_model[1];
+  c = params_.noise_model[2];
+  return true;
+}
+
+void
 SLIMFitBase::clearResults()
 {
   ControlledRun::clearResults();

@@ -3,6 +3,7 @@
 // covered, links, sides (docs/theory.md, "One fit, step by step").
 #include "pcl_slim/fit/fit.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include "cover/level_cover.h"
@@ -37,6 +38,16 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
+/** Where no viewpoint is given, the sensor is one. */
+FitParams
+facingSensor(const PointStore& store, FitParams params)
+{
+  if (params.has_viewpoint || !store.sensor()) return params;
+  params.has_viewpoint = true;
+  std::copy(store.sensor()->begin(), store.sensor()->end(), params.viewpoint);
+  return params;
+}
+
 }  // namespace
 
 Error
@@ -47,7 +58,11 @@ fitWithConstants(const FitConstants& constants, const PointStore& store, const F
   if (Error error = asked.validate()) return error;
   if (store.size() == 0)
     return {ErrorCode::kBadInput, "the store holds no points: build it from some"};
-  const FitParams params = resolvedParams(asked, constants.preset);
+  const FitParams params = facingSensor(store, resolvedParams(asked, constants.preset));
+  if (params.has_noise_model && !params.has_viewpoint) {
+    return {ErrorCode::kBadArgument,
+            "a noise model tells errors along rays: give the viewpoint that they come from"};
+  }
   FitStatistics stats;
   stats.threads = resolveThreads(params.threads);
   Stopwatch watch;

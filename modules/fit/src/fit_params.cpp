@@ -16,6 +16,33 @@ constexpr double kLeastHole = 2.0;  ///< spacings: smaller gaps are between neig
 constexpr double kMostHole = 50.0;  ///< spacings: wider ones are never closed, no ball spans them
 constexpr double kMostNormalError = 1.5707963267948966;  ///< pi/2: normals that tell nothing
 
+Error
+badNoise(const char* text)
+{
+  return {ErrorCode::kBadArgument, text};
+}
+
+/** What is said of the noise, and whether it can be said together. */
+Error
+validateNoise(const FitParams& params)
+{
+  const double tau = params.noise_correlation;
+  if (!(tau == 0 || tau >= 1) || !std::isfinite(tau))
+    return badNoise("1 point or more share their errors (0: told by the data)");
+  if (tau > 1 && (params.t_mdl > 0 || params.paper_mode))
+    return badNoise("T_MDL and the paper's choices leave no room for shared errors: drop one");
+  if (!params.has_noise_model) return {};
+  const double* model = params.noise_model;
+  const auto valid = [](double value) { return value >= 0 && std::isfinite(value); };
+  if (!std::all_of(model, model + 3, valid) || !(model[0] + model[1] + model[2] > 0))
+    return badNoise("the noise model's a, b, c must not be negative nor all 0");
+  if (params.lambda > 0 || params.local_noise || params.t_mdl > 0 || params.paper_mode)
+    return badNoise(
+        "a noise model stands in place of lambda, local noise, T_MDL and the paper's choices: give "
+        "one");
+  return {};
+}
+
 }  // namespace
 
 Error
@@ -54,6 +81,7 @@ FitParams::validate() const
   if (Error error = checkThreads(threads)) return error;
   if (!(hole_size >= kLeastHole && hole_size <= kMostHole))
     return bad("the smallest hole's size must be 2 to 50 spacings of the points");
+  if (Error error = validateNoise(*this)) return error;
   const auto finite = [](double value) { return std::isfinite(value); };
   if (has_viewpoint && !std::all_of(viewpoint, viewpoint + 3, finite)) {
     return bad("the viewpoint must be finite");

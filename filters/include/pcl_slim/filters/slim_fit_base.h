@@ -65,10 +65,23 @@ class SLIMFitBase : public ControlledRun {
   void setRobust(bool robust) { params_.robust = robust; }
   bool getRobust() const { return params_.robust; }
 
-  /** \brief Measures noise along the cloud instead of once for all, for scans in which it varies
-   * with range, angle or material (default off). */
+  /** \brief Measures noise along the cloud instead of once for all. Off (default), it is done where
+   * the data ask for it: where neighbours share their errors, and where some parts are so much
+   * noisier that their noise would pass for detail. */
   void setLocalNoise(bool local) { params_.local_noise = local; }
   bool getLocalNoise() const { return params_.local_noise; }
+
+  /** \brief How many points share their errors, as the pixels of a depth camera do. 0 (default):
+   * told by the data; 1: none do; more: so many. */
+  void setNoiseCorrelation(double points) { params_.noise_correlation = points; }
+  double getNoiseCorrelation() const { return params_.noise_correlation; }
+
+  /** \brief RMS error a + b z + c z^2 along the ray from the viewpoint at distance z, in the cloud's
+   * units, in place of noise measured on the points. Needs setViewPoint(). */
+  void setNoiseModel(double a, double b, double c);
+  /** \brief \return whether a model is set, and then writes it. */
+  bool getNoiseModel(double& a, double& b, double& c) const;
+  void clearNoiseModel() { params_.has_noise_model = false; }
 
   /** \brief Fits positions and normals together, each weighed by its error (default off: normals tell
    * sides and directions). For normals measured apart from the points, as photometric stereo or a

@@ -72,8 +72,7 @@ measureNoise(const PointStore& store, const NoiseConstants& constants, int threa
 {
   if (store.size() < kCubicTerms + 2) return {};
   threads = resolveThreads(threads);
-  const std::size_t most = std::min(constants.most_neighbors,
-                                    store.size() / constants.most_part + constants.first_neighbors);
+  const std::size_t most = store.size() / constants.most_part + constants.first_neighbors;
   std::size_t patches = 0;
   const std::size_t least = leastNeighbors(store, most, constants, threads, patches);
   NoiseLevel noise = patchLevel(store, least, constants, threads);
@@ -94,6 +93,7 @@ measureNoise(const PointStore& store, const NoiseConstants& constants, int threa
   }
   const double floor = constants.floor * store.diagonal();
   noise.variance = std::max(noise.variance, floor * floor);
+  noise.least_neighbors = least;
   noise.patches = patches;
   return noise;
 }

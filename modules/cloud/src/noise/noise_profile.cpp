@@ -10,9 +10,6 @@ namespace pcl_slim {
 
 namespace detail {
 
-namespace {
-
-/** Trimmed means over windows about each of the values. */
 std::vector<float>
 windowedMeans(const std::vector<double>& values, const NoiseConstants& constants)
 {
@@ -28,6 +25,27 @@ windowedMeans(const std::vector<double>& values, const NoiseConstants& constants
   return means;
 }
 
+namespace {
+
+std::size_t
+numRuns(const PointStore& store, const NoiseConstants& constants)
+{
+  return std::clamp(store.size() / constants.points_per_run,
+                    std::min(constants.least_samples, store.size()), constants.most_runs);
+}
+
+/** The variance of a patch of k points in every run. */
+std::vector<double>
+runVariances(const PointStore& store, std::size_t k, const NoiseConstants& constants, int threads)
+{
+  const auto measure = [&](NeighborSearch& search, std::size_t sample, std::size_t) {
+    double radius;
+    return patchVariance(store, search, sample, k, constants, radius);
+  };
+  return sampleStore(store, numRuns(store, constants), patchStride(k, constants),
+                     resolveThreads(threads), measure);
+}
+
 }  // namespace
 
 std::vector<float>
@@ -35,16 +53,7 @@ measureNoiseProfile(const PointStore& store, const NoiseLevel& level,
                     const NoiseConstants& constants, int threads)
 {
   if (level.neighbors == 0) return {};
-  const std::size_t k = level.neighbors;
-  const std::size_t samples =
-      std::clamp(store.size() / constants.points_per_run,
-                 std::min(constants.least_samples, store.size()), constants.most_runs);
-  const auto measure = [&](NeighborSearch& search, std::size_t sample, std::size_t) {
-    double radius;
-    return patchVariance(store, search, sample, k, constants, radius);
-  };
-  auto values =
-      sampleStore(store, samples, patchStride(k, constants), resolveThreads(threads), measure);
+  auto values = runVariances(store, level.neighbors, constants, threads);
   std::vector<float> profile = windowedMeans(values, constants);
   const double whole = trimmedMean(values, constants.trim);
   const float least = constants.least_ratio;
@@ -52,6 +61,40 @@ measureNoiseProfile(const PointStore& store, const NoiseLevel& level,
     ratio = whole > 0 ? std::clamp(static_cast<float>(ratio / whole), least, 1 / least) : 1.0f;
   }
   return profile;
+}
+
+std::vector<float>
+measureRaisedProfile(const PointStore& store, const NoiseLevel& level,
+                     const NoiseConstants& constants, int threads)
+{
+  if (level.neighbors == 0 || !(level.variance > 0)) return {};
+  const std::size_t k = level.neighbors;
+  std::vector<float> profile = windowedMeans(runVariances(store, k, constants, threads), constants);
+  const std::vector<float> wider =
+      windowedMeans(runVariances(store, 2 * k, constants, threads), constants);
+  for (std::size_t j = 0; j < profile.size(); ++j) {
+    const bool noise = isFlat(profile[j], wider[j], constants.shared);
+    const auto ratio = static_cast<float>(wider[j] / level.variance);
+    profile[j] = noise ? std::clamp(ratio, 1.0f, 1 / constants.least_ratio) : 1.0f;
+  }
+  return profile;
+}
+
+std::vector<float>
+modelledNoise(const PointStore& store, const RangeError& error, const NoiseConstants& constants,
+              int threads)
+{
+  const auto variance = [&](NeighborSearch& search, std::size_t sample, std::size_t) {
+    const Patch patch = patchAbout(store, search, sample, constants.first_neighbors);
+    const Vector3 ray = subtract(store.position(sample), error.sensor);
+    const double z = length(ray), sigma = error.a + error.b * z + error.c * z * z;
+    const Eigen::Vector3d normal = principalAxes(patch.points).eigenvectors().col(0);
+    const double along = dot(ray, {normal[0], normal[1], normal[2]}) / std::max(z, 1e-300);
+    return sigma * sigma * along * along;
+  };
+  return windowedMeans(
+      sampleStore(store, numRuns(store, constants), 1, resolveThreads(threads), variance),
+      constants);
 }
 
 }  // namespace detail

@@ -10,15 +10,16 @@ namespace {
 
 constexpr double kRidge = 1e-12;  ///< keeps patches that are a line solvable; moves no digit
 
-/** Residual variance of a cubic height field over the patch's two main axes; < 0: too few points.
- */
-double
-cubicResidual(const Patch& patch)
+}  // namespace
+
+bool
+fitCubic(const Patch& patch, PatchCubic& cubic)
 {
   const Eigen::Index n = patch.points.cols();
-  if (n <= kCubicTerms + 1) return -1.0;
+  if (n <= kCubicTerms + 1) return false;
   const Eigen::Matrix3d axes = principalAxes(patch.points).eigenvectors();
-  const Eigen::Matrix3Xd local = axes.transpose() * patch.points / patch.radius;
+  cubic.places = axes.transpose() * patch.points / patch.radius;
+  const Eigen::Matrix3Xd& local = cubic.places;
   Eigen::Matrix<double, Eigen::Dynamic, kCubicTerms> terms(n, kCubicTerms);
   for (Eigen::Index i = 0; i < n; ++i) {
     const double u = local(2, i), v = local(1, i);
@@ -28,12 +29,11 @@ cubicResidual(const Patch& patch)
   Eigen::Matrix<double, kCubicTerms, kCubicTerms> normal = terms.transpose() * terms;
   normal.diagonal().array() *= 1.0 + kRidge;
   const Eigen::Matrix<double, kCubicTerms, 1> c = normal.ldlt().solve(terms.transpose() * heights);
-  const double rss = (heights - terms * c).squaredNorm();
-  const double variance = rss / static_cast<double>(n - kCubicTerms) * patch.radius * patch.radius;
-  return std::isfinite(variance) ? variance : -1.0;
+  cubic.residuals = heights - terms * c;
+  const double rss = cubic.residuals.squaredNorm();
+  cubic.variance = rss / static_cast<double>(n - kCubicTerms) * patch.radius * patch.radius;
+  return std::isfinite(cubic.variance);
 }
-
-}  // namespace
 
 Patch
 patchAbout(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k)
@@ -70,7 +70,8 @@ patchVariance(const PointStore& store, NeighborSearch& search, std::size_t sampl
     keepOwnSheet(constants.sheets, patch);
   }
   radius = patch.radius;
-  return cubicResidual(patch);
+  PatchCubic cubic;
+  return fitCubic(patch, cubic) ? cubic.variance : -1.0;
 }
 
 double

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "noise/patch.h"
@@ -18,6 +19,17 @@ constexpr int kCubicTerms = 10;  ///< coefficients of a cubic in two variables
  * normal is opposed to the sample's are left out. */
 Patch
 patchAbout(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k);
+
+/** \brief A cubic height field over a patch's two main axes, in units of the patch's radius. */
+struct PatchCubic {
+  Eigen::Matrix3Xd places;    ///< of the points: along the normal and the two axes, lesser first
+  Eigen::VectorXd residuals;  ///< of the heights
+  double variance = 0;        ///< of the residuals per degree of freedom, squared local lengths
+};
+
+/** \brief Fits a cubic to a patch by least squares. \return false where there are too few points. */
+bool
+fitCubic(const Patch& patch, PatchCubic& cubic);
 
 /** \brief The stride of the points looked at for patches of k points. */
 inline std::size_t
@@ -37,6 +49,17 @@ patchVariance(const PointStore& store, NeighborSearch& search, std::size_t sampl
  * the smallest; 0 of none. Sorts them. */
 double
 trimmedMean(std::vector<double>& values, double trim);
+
+/** \brief Trimmed means over windows about each of the values, which lie along the Morton curve. */
+std::vector<float>
+windowedMeans(const std::vector<double>& values, const NoiseConstants& constants);
+
+/** \brief Whether a variance grows no more from k to 2 k neighbours than white noise's may. */
+inline bool
+isFlat(double narrow, double wider, const SharedNoiseConstants& constants)
+{
+  return wider <= std::exp2(constants.white) * narrow;
+}
 
 /** \brief Calls measure(search, sample, s) at evenly strided points, s counting them. */
 template <typename Measure>

@@ -20,6 +20,7 @@ PointStore::build(const CloudView& cloud, int threads)
   builder.mergeDuplicates();
   builder.fillBlocks();
   PointStore store = builder.take();
+  store.sensor_ = cloud.sensor;
   store.statistics_.seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return store;

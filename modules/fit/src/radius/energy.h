@@ -14,11 +14,12 @@ namespace pcl_slim::detail {
 
 /** \brief What a radius costs: residual plus a penalty on small balls. All in local units. */
 struct Energy {
-  double lambda = 0;      ///< noise variance
-  double kappa = 0;       ///< Mallows' Cp: kappa lambda P / n_eff, where t_mdl is 0
-  double t_mdl = 0;       ///< T_MDL L: the paper's penalty lambda (T L / r)^2
-  double thick = 5.0;     ///< balls below so many sqrt(lambda) are filled by noise
-  bool corrected = true;  ///< residual variance over n - P degrees of freedom (not in the paper)
+  double lambda = 0;       ///< noise variance
+  double correlation = 1;  ///< tau: so many points share their errors and tell no more than one
+  double kappa = 0;        ///< Mallows' Cp: kappa lambda P / n_eff, where t_mdl is 0
+  double t_mdl = 0;        ///< T_MDL L: the paper's penalty lambda (T L / r)^2
+  double thick = 5.0;      ///< balls below so many sqrt(lambda) are filled by noise
+  bool corrected = true;   ///< residual variance over n - P degrees of freedom (not in the paper)
 
   /** \brief E(r) of a fit with radius r; gather_radius is the unit the fit was made in. */
   double operator()(const LocalFit& fit, double r, double gather_radius,
@@ -31,7 +32,7 @@ struct Energy {
       const double truncation = heightTruncation(fit.kernel);
       e_sq /= std::max(constants.least_seen_share, 1.0 - truncation * e_sq / (r * r));
       if (filledByNoise(r)) e_sq = std::max(e_sq, lambda);
-      const double freedom = fit.n_eff - numCoefficients(fit.degree);
+      const double freedom = degreesOfFreedom(fit);
       if (!(freedom > 0)) return std::numeric_limits<double>::infinity();
       e_sq *= fit.n_eff / freedom;
     }
@@ -52,7 +53,15 @@ struct Energy {
   double penalty(const LocalFit& fit, double r) const
   {
     if (t_mdl > 0) return lambda * (t_mdl / r) * (t_mdl / r);  // eq. (3)
-    return kappa * lambda * numCoefficients(fit.degree) / fit.n_eff;
+    return kappa * lambda * correlation * numCoefficients(fit.degree) / fit.n_eff;
+  }
+
+  /** \brief What a fit leaves of its points: a coefficient follows as much of the noise as that many
+   * points have in common. */
+  double degreesOfFreedom(const LocalFit& fit) const
+  {
+    const double freedom = fit.n_eff - correlation * numCoefficients(fit.degree);
+    return correlation > 1 ? std::max(freedom, 0.25 * fit.n_eff) : freedom;
   }
 
   /** \brief Whether a ball of radius r is so thin that it sees little but its own size of the

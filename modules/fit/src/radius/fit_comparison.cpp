@@ -39,8 +39,9 @@ FitComparison::acceptsSimpler(const Trial& simpler, const Trial& close, double t
   if (!(simpler.energy < constants.comparison_rise * close.energy)) return false;
   const double saved = close.fit.terms / close.fit.n_eff - simpler.fit.terms / simpler.fit.n_eff;
   // The rest of kappa insures against luck, of which there is little here.
-  return meanSquaredDifference(simpler, close) <
-         trust * constants.comparison_worth * trials_.energy().kappa * trials_.noise() * saved;
+  return meanSquaredDifference(simpler, close) < trust * constants.comparison_worth *
+                                                     trials_.energy().kappa * trials_.noise() *
+                                                     trials_.energy().correlation * saved;
 }
 
 Trial

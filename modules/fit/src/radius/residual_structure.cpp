@@ -14,9 +14,10 @@ constexpr double kDiscPerSquare = 0.785;  ///< pi / 4: the area of a disc over t
 
 ResidualStructure::Finding
 ResidualStructure::measure(const BallBuffer& points, const LocalFit& fit, double rho,
-                           double least_cell)
+                           double least_cell, double correlation)
 {
-  const int side = cellsAlongSide(points.count, rho, least_cell);
+  // Cells hold as many independent points as they would of white noise.
+  const int side = cellsAlongSide(static_cast<double>(points.count) / correlation, rho, least_cell);
   if (side < constants_.least_cells) return {};
   residuals_.resize(points.count + BallBuffer::kPadding);
   kernels::ballResiduals(points, fit, residuals_.data());
@@ -31,15 +32,17 @@ ResidualStructure::measure(const BallBuffer& points, const LocalFit& fit, double
   if (!(pairs > 0.0) || !(squares > 0.0)) return {};
   // A fit follows its points' noise, which leaves neighbouring residuals opposed.
   const double absorbed = constants_.absorbed_share * numCoefficients(fit.degree) / fit.n_eff;
-  return {products / pairs * inside / squares + absorbed, std::sqrt(2.0 / pairs)};
+  // Noise that neighbours share is common to that share of a cell's pairs.
+  const double expected = (correlation - 1.0) * inside / pairs;
+  return {products / pairs * inside / squares + absorbed - expected,
+          correlation * std::sqrt(2.0 / pairs)};
 }
 
 /** The points' density decides, within limits. */
 int
-ResidualStructure::cellsAlongSide(std::size_t points, double rho, double least_cell) const
+ResidualStructure::cellsAlongSide(double points, double rho, double least_cell) const
 {
-  const double squares_wanted =
-      static_cast<double>(points) / (kDiscPerSquare * constants_.points_per_cell);
+  const double squares_wanted = points / (kDiscPerSquare * constants_.points_per_cell);
   double cells = std::min(std::sqrt(squares_wanted), static_cast<double>(constants_.most_cells));
   if (least_cell > 0) cells = std::min(cells, 2.0 * rho / least_cell);
   return static_cast<int>(cells);

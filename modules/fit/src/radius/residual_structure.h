@@ -26,9 +26,10 @@ class ResidualStructure {
   };
 
   /** \brief Looks at the residuals of a fit within rho. \param[in] least_cell least width of a
-   * cell; 0: as the points' density has it. O(points). */
+   * cell; 0: as the points' density has it. \param[in] correlation points that share their noise.
+   * O(points). */
   Finding measure(const BallBuffer& points, const LocalFit& fit, double rho,
-                  double least_cell = 0.0);
+                  double least_cell = 0.0, double correlation = 1.0);
 
  private:
   /** \brief A cell of the frame's plane. */
@@ -36,7 +37,7 @@ class ResidualStructure {
     float count, sum;  ///< points and the sum of their residuals
   };
 
-  int cellsAlongSide(std::size_t points, double rho, double least_cell) const;
+  int cellsAlongSide(double points, double rho, double least_cell) const;
   double fillCells(const BallBuffer& points, double rho, int side);
 
   const RadiusConstants& constants_;

@@ -24,13 +24,15 @@ ResidualTests::hidesDetail(const Trial& trial)
   const FitSettings& settings = trials_.settings();
   const RadiusConstants& constants = trials_.constants();
   if (!settings.find_detail || lacksFit(trial)) return false;
-  const double terms = numCoefficients(trial.fit.degree);
+  const double correlation = trials_.energy().correlation;
+  const double terms = correlation * numCoefficients(trial.fit.degree);
   if (trial.fit.n_eff < constants.detail_support * settings.support * terms) return false;
 
   BallSamples& samples = trials_.samples();
   const double unit = samples.gatherRadius(), inner = kGolden * trial.rho;
-  const auto found = structure_.measure(samples.within(inner), trial.fit, inner,
-                                        constants.detail_cell * std::sqrt(trials_.noise()) / unit);
+  const double least_cell = constants.detail_cell * std::sqrt(trials_.noise()) / unit;
+  const auto found =
+      structure_.measure(samples.within(inner), trial.fit, inner, least_cell, correlation);
   if (!(found.deviation > 0)) return false;
   if (found.share < constants.detail_deviations * found.deviation) return false;
   const double shared = found.share * trial.fit.residual_sq * unit * unit;

@@ -5,9 +5,11 @@
 #include <pcl/common/point_tests.h>
 #include <pcl/search/organized.h>
 
+#include <array>
 #include <cstring>
 #include <exception>
 #include <memory>
+#include <optional>
 #include <type_traits>
 
 #include "pcl_slim/filters/pcl_normals.h"
@@ -60,6 +62,16 @@ class PlainPointSearch : public pcl::search::Search<pcl::PointXYZ> {
   typename pcl::search::Search<PointT>::Ptr search_;
 };
 
+/** Where a cloud was seen from: the origin of its sensor, which an organized cloud has even at 0. */
+template <typename PointT>
+std::optional<std::array<double, 3>>
+sensorOf(const pcl::PointCloud<PointT>& cloud)
+{
+  const Eigen::Vector4f& at = cloud.sensor_origin_;
+  if (!cloud.isOrganized() && at.head<3>().isZero()) return {};
+  return std::array<double, 3>{at[0], at[1], at[2]};
+}
+
 template <typename PointT>
 bool
 SLIMFit<PointT>::fit(SLIMSurface& surface)
@@ -101,6 +113,7 @@ SLIMFit<PointT>::describeInput(CloudView& view)
   view.xyz = reinterpret_cast<const unsigned char*>(input_->points.data()) +
              traits::offset<PointT, fields::x>::value;
   view.xyz_stride = sizeof(PointT);
+  view.sensor = sensorOf(*input_);
   if (!use_indices_ || !indices_) return true;
 
   static_assert(sizeof(pcl::index_t) == sizeof(std::int32_t), "PCL is built with 32-bit indices");

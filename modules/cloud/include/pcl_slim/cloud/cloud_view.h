@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "pcl_slim/core/error.h"
 
@@ -25,6 +27,8 @@ struct CloudView {
   std::size_t size = 0;                   ///< number of points behind xyz and normal
   const std::int32_t* indices = nullptr;  ///< points to use (null: all), values in [0, size)
   std::size_t num_indices = 0;
+  std::optional<std::array<double, 3>>
+      sensor;  ///< where the points were seen from, if that is known
 
   /** \brief Number of points to use. */
   std::size_t count() const { return indices ? num_indices : size; }

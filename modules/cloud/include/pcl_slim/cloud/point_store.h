@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "pcl_slim/cloud/block_tree.h"
@@ -64,6 +65,8 @@ class PointStore {
   std::array<float, 3> normal(std::size_t i) const { return {nx_[i], ny_[i], nz_[i]}; }
 
   const std::array<double, 3>& origin() const { return origin_; }  ///< world position of local 0
+  /** \brief World position that the points were seen from, where the cloud knows it. */
+  const std::optional<std::array<double, 3>>& sensor() const { return sensor_; }
   double scale() const { return scale_; }        ///< world units per local unit, a power of two
   double diagonal() const { return diagonal_; }  ///< L in local units, in (.49, 1); 0: one position
 
@@ -112,6 +115,7 @@ class PointStore {
   std::vector<std::array<std::uint32_t, 2>> merged_;  ///< (order asked for, stored point)
   BlockTree tree_;
   PointStoreStatistics statistics_;
+  std::optional<std::array<double, 3>> sensor_;
 };
 
 }  // namespace pcl_slim

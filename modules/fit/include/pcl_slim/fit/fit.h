@@ -29,6 +29,12 @@ struct FitParams {
   bool robust = false;  ///< reweight residuals against outliers (two more passes a leaf)
   bool local_noise =
       false;  ///< lambda varies over the cloud: noisy parts are smoothed more than clean ones
+  double noise_correlation =
+      0;  ///< points that share their errors, 1: none do; 0: told by the data
+  bool has_noise_model = false;       ///< the errors follow noise_model; needs a viewpoint or
+                                      ///< the store's sensor
+  double noise_model[3] = {0, 0, 0};  ///< a, b, c: RMS error a + b z + c z^2 along the ray from the
+                                      ///< viewpoint at distance z, world units
   bool normals_as_data = false;  ///< fit positions and normals together, by their errors; needs
                                  ///< normals that were measured apart from the points
   double normal_error = 0.0;   ///< with it: the normals' RMS error, (0, pi/2] radians; 0: measured,
@@ -39,7 +45,8 @@ struct FitParams {
   double hole_size = 4.0;      ///< with it: diameter of the smallest hole kept, in spacings of the
                                ///< points; 2 or more
   bool orient = true;          ///< without normals: sign the output by the leaves' graph
-  bool has_viewpoint = false;  ///< sign the output towards viewpoint instead
+  bool has_viewpoint = false;  ///< sign the output towards viewpoint instead; without one, towards
+                               ///< the store's sensor if it has one
   double viewpoint[3] = {0, 0, 0};  ///< world coordinates
   std::uint64_t seed = 1;           ///< of the order in which centres are tried
   int threads = 0;                  ///< 0: all cores; never changes the result
@@ -72,9 +79,13 @@ struct FitStatistics {
   std::uint64_t gathered = 0;        ///< points gathered into balls, all balls together
   std::uint64_t never_gathered = 0;  ///< centres never tried: points covered by another's leaf
   int first_level = 1, levels_skipped = 0, last_level = 0;
-  double lambda = 0;              ///< noise variance [L^2]
-  double penalty = 0, t_mdl = 0;  ///< as used (solved for, where asked)
-  double normal_error = 0;        ///< of normals used as data [rad]; 0: they were not
+  double lambda = 0;                  ///< noise variance [L^2]
+  double noise_correlation = 1;       ///< points that share their errors; 1: white noise
+  double noise_step = 0;              ///< of a quantised coordinate, the median [L]; 0: none found
+  std::uint64_t noise_neighbors = 0;  ///< points of a patch that shows all of the noise
+  bool noise_varies = false;          ///< lambda is the cloud's, the noise a profile about it
+  double penalty = 0, t_mdl = 0;      ///< as used (solved for, where asked)
+  double normal_error = 0;            ///< of normals used as data [rad]; 0: they were not
   /// normals were to be data, but repeat the points' noise, or too few points tell
   bool normals_follow_points = false;
   double rms_error = 0;               ///< RMS residual of covered points against their leaves [L]

@@ -5,20 +5,51 @@
 
 #include "pcl_slim/cloud/detail/noise_constants.h"
 #include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim::detail {
 
 /** \brief A measured noise level, and the patches that showed it. */
 struct NoiseLevel {
-  double variance = 0;        ///< lambda, squared local lengths
-  double patch_radius = 0;    ///< median radius of the patches, local length
-  std::size_t neighbors = 0;  ///< points of such a patch; 0: the store has too few points
-  std::size_t patches = 0;    ///< patches measured, of any size
+  double variance = 0;              ///< lambda, squared local lengths
+  double patch_radius = 0;          ///< median radius of the patches, local length
+  std::size_t neighbors = 0;        ///< points of such a patch; 0: the store has too few points
+  std::size_t least_neighbors = 0;  ///< points of the smallest patch that noise does not fill
+  std::size_t patches = 0;          ///< patches measured, of any size
+  double correlation = 1;           ///< tau: points that share their errors; 1: white noise
+  double dependence = 1;            ///< of these, as many as a fit takes for one
+  double step = 0;                  ///< of quantised coordinates, local length; 0: none was found
+  bool uneven = false;  ///< places have so much more noise that a fit would seek detail there
 };
 
 /** \brief NoiseEstimator::kCubicResidual. Nothing for stores of fewer than 12 points. */
 NoiseLevel
 measureNoise(const PointStore& store, const NoiseConstants& constants, int threads);
+
+/** \brief Recognises noise that neighbours share, which measureNoise() takes along as if it were
+ * the surface's. \param[in] white what measureNoise() says. \return white itself where noise is
+ * white or cannot be told from detail, else variance, patches and number of sharing neighbours of
+ * the noise as a whole. O(places k) to the k that shows it all. */
+NoiseLevel
+recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
+                     const NoiseConstants& constants, int threads);
+
+/** \brief The noise that so many points share, on patches wide enough to show all of it. */
+NoiseLevel
+measureSharedNoise(const PointStore& store, double correlation, const NoiseConstants& constants,
+                   int threads);
+
+/** \brief The median step of the one coordinate that is rounded so coarsely that the noise is mostly
+ * rounding, local length; 0: none is. Sensors that tell depth in steps make it so. O(n log n) for
+ * clouds with few levels, of 8192 points for others. */
+double
+measureSteps(const PointStore& store, const NoiseConstants& constants, int threads);
+
+/** \brief tau of cubics' residuals on patches of so many points: the sum of the noise's
+ * autocorrelation over a point's neighbours, the point included. 1 for white noise. */
+double
+measureCorrelation(const PointStore& store, std::size_t points, const NoiseConstants& constants,
+                   int threads);
 
 /** \brief NoiseEstimator::kMinEigenvalue10. Nothing for stores of fewer than 12 points. */
 NoiseLevel
@@ -28,5 +59,23 @@ measurePaperNoise(const PointStore& store, const NoiseConstants& constants, int 
 std::vector<float>
 measureNoiseProfile(const PointStore& store, const NoiseLevel& level,
                     const NoiseConstants& constants, int threads);
+
+/** \brief The profile for uneven noise: ratios above 1 where the noise is more than the level's, 1
+ * elsewhere and where what stands out grows with the patch as detail does. */
+std::vector<float>
+measureRaisedProfile(const PointStore& store, const NoiseLevel& level,
+                     const NoiseConstants& constants, int threads);
+
+/** \brief RMS error along the ray from a sensor, a + b z + c z^2 at distance z; local lengths. */
+struct RangeError {
+  Vector3 sensor{};
+  double a = 0, b = 0, c = 0;
+};
+
+/** \brief Noise variances across the surface, squared local lengths, of runs of points along the
+ * Morton curve: a range error's share along the normals of small patches. */
+std::vector<float>
+modelledNoise(const PointStore& store, const RangeError& error, const NoiseConstants& constants,
+              int threads);
 
 }  // namespace pcl_slim::detail

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// docs/theory.md, "Steps": a coordinate that a sensor tells in steps.
+#include <algorithm>
+#include <cmath>
+
+#include "noise/patch_noise.h"
+#include "pcl_slim/cloud/detail/noise_measurement.h"
+
+namespace pcl_slim::detail {
+
+namespace {
+
+constexpr double kSameLevel = 1e-7;  ///< [L]; the store keeps coordinates to about 1e-9
+
+/** The distinct values, ascending, of one coordinate of every stride-th point. */
+std::vector<double>
+levelsOf(const PointStore& store, int axis, std::size_t stride)
+{
+  std::vector<double> values;
+  values.reserve(store.size() / stride + 1);
+  for (std::size_t i = 0; i < store.size(); i += stride)
+    values.push_back(store.position(i)[static_cast<std::size_t>(axis)]);
+  std::sort(values.begin(), values.end());
+  const double same = kSameLevel * store.diagonal();
+  const auto end = std::unique(values.begin(), values.end(),
+                               [same](double a, double b) { return b - a < same; });
+  values.erase(end, values.end());
+  return values;
+}
+
+/** The step between the levels about a value. */
+double
+stepAt(const std::vector<double>& levels, double value)
+{
+  const auto above = std::lower_bound(levels.begin(), levels.end(), value) - levels.begin();
+  const auto last = static_cast<std::ptrdiff_t>(levels.size()) - 1;
+  const std::ptrdiff_t low = std::max<std::ptrdiff_t>(0, above - 2),
+                       high = std::min(last, above + 2);
+  return (levels[static_cast<std::size_t>(high)] - levels[static_cast<std::size_t>(low)]) /
+         static_cast<double>(high - low);
+}
+
+/** Levels of the only coordinate that has few; none where no or several coordinates have. */
+std::vector<double>
+fewLevels(const PointStore& store, const StepConstants& constants, int& axis)
+{
+  const auto few = [&](const std::vector<double>& levels, std::size_t points) {
+    return levels.size() > 2 && constants.least_points * static_cast<double>(levels.size()) <
+                                    static_cast<double>(points);
+  };
+  const std::size_t stride = std::max<std::size_t>(1, store.size() / constants.scouts);
+  std::vector<double> found;
+  for (int a = 0; a < 3; ++a) {
+    // Scouts see no more levels than there are, so few points a level of theirs prove nothing.
+    const std::vector<double> scouted = levelsOf(store, a, stride);
+    if (!few(scouted, 4 * constants.scouts)) continue;
+    std::vector<double> levels = stride > 1 ? levelsOf(store, a, 1) : scouted;
+    if (!few(levels, store.size())) continue;
+    if (!found.empty()) return {};
+    found = std::move(levels);
+    axis = a;
+  }
+  return found;
+}
+
+double
+median(std::vector<double>& values)
+{
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/** Medians over places of the noise, over that of rounding and over that of narrow patches. */
+struct StepRatios {
+  double to_rounding = 0, to_narrow = 0, step = 0;
+};
+
+/** One place's. */
+StepRatios
+ratiosAt(const PointStore& store, NeighborSearch& search, std::size_t sample,
+         const NoiseConstants& constants, const std::vector<double>& levels, int axis)
+{
+  const Patch patch = patchAbout(store, search, sample, constants.steps.wide);
+  const Patch narrow = patchAbout(store, search, sample, constants.steps.narrow);
+  PatchCubic wide_cubic, narrow_cubic;
+  if (!fitCubic(patch, wide_cubic) || !fitCubic(narrow, narrow_cubic)) return {-1, -1, 0};
+  StepRatios ratios;
+  ratios.step = stepAt(levels, store.position(sample)[static_cast<std::size_t>(axis)]);
+  const double along = principalAxes(patch.points).eigenvectors()(axis, 0) * ratios.step;
+  ratios.to_rounding = wide_cubic.variance * 12 / std::max(along * along, 1e-300);
+  ratios.to_narrow = wide_cubic.variance / std::max(narrow_cubic.variance, 1e-300);
+  return ratios;
+}
+
+StepRatios
+measureRatios(const PointStore& store, const NoiseConstants& constants, int threads,
+              const std::vector<double>& levels, int axis)
+{
+  std::vector<StepRatios> ratios(std::min(constants.shared.places, store.size()));
+  sampleStore(store, ratios.size(), 1, threads,
+              [&](NeighborSearch& search, std::size_t sample, std::size_t s) {
+                ratios[s] = ratiosAt(store, search, sample, constants, levels, axis);
+                return 0.0;
+              });
+  std::vector<double> rounding, narrow, steps;
+  for (const StepRatios& r : ratios) {
+    if (r.to_rounding < 0) continue;
+    rounding.push_back(r.to_rounding);
+    narrow.push_back(r.to_narrow);
+    steps.push_back(r.step);
+  }
+  if (rounding.empty()) return {};
+  return {median(rounding), median(narrow), median(steps)};
+}
+
+}  // namespace
+
+double
+measureSteps(const PointStore& store, const NoiseConstants& constants, int threads)
+{
+  int axis = 0;
+  const StepConstants& steps = constants.steps;
+  const std::vector<double> levels = fewLevels(store, steps, axis);
+  if (levels.empty()) return 0;
+  const StepRatios found = measureRatios(store, constants, resolveThreads(threads), levels, axis);
+  if (!(found.to_rounding > steps.least_ratio) || found.to_rounding > steps.most_ratio) return 0;
+  const bool shared = found.to_rounding < steps.pure_ratio || found.to_narrow > steps.growth;
+  return shared ? found.step : 0;
+}
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Noise that neighbours share, told from detail: docs/theory.md, "Noise that neighbours share".
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <random>
+
+#include "measure/sensor/sensor_scan.h"
+#include "pcl_slim/cloud/detail/noise_measurement.h"
+#include "pcl_slim/cloud/noise_level.h"
+#include "support/clouds.h"
+
+namespace pcl_slim {
+namespace {
+
+using namespace pcl_slim_test;
+using detail::NoiseLevel;
+
+NoiseLevel
+recognized(const PointStore& store)
+{
+  const detail::NoiseConstants constants;
+  return recognizeSharedNoise(store, measureNoise(store, constants, 1), constants, 1);
+}
+
+NoiseLevel
+recognized(const Cloud& cloud)
+{
+  return recognized(storeOf(cloud));
+}
+
+/** A scan's points, turned by an angle about an axis that is none of the coordinates'. */
+Cloud
+cloudOf(const measure::SensorScan& scan, double angle = 0)
+{
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(angle, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  Cloud cloud;
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const float* p = &scan.points[3 * i];
+    const Eigen::Vector3d turned = turn * Eigen::Vector3d(p[0], p[1], p[2]);
+    cloud.add(turned[0], turned[1], turned[2]);
+  }
+  return cloud;
+}
+
+measure::SensorScan
+cameraScan(const std::string& solids, const measure::DepthCamera& camera)
+{
+  return scanByCamera(measure::namedSolids(solids), camera, 3);
+}
+
+/** A grid of heights: noise averaged over boxes of so many points a side. */
+Cloud
+boxNoise(int box, double sigma)
+{
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  const int side = 250, wide = side + box;
+  std::vector<double> white(static_cast<std::size_t>(wide * wide));
+  for (double& value : white) value = normal(random);
+  Cloud cloud;
+  for (int y = 0; y < side; ++y) {
+    for (int x = 0; x < side; ++x) {
+      double sum = 0;
+      for (int k = 0; k < box * box; ++k)
+        sum += white[static_cast<std::size_t>((y + k / box) * wide + x + k % box)];
+      cloud.add(0.01 * x, 0.01 * y, 0.3 * x * 0.01 + sigma * sum / box);
+    }
+  }
+  return cloud;
+}
+
+TEST(SharedNoise, CountsThePointsThatShareIt)
+{
+  for (const int box : {3, 5}) {
+    const NoiseLevel noise = recognized(boxNoise(box, 0.003));
+    const double ratio = noise.correlation / (box * box);
+    EXPECT_GT(ratio, 1 / 1.5) << box;
+    EXPECT_LT(ratio, 1.5) << box;
+  }
+}
+
+TEST(SharedNoise, MeasuresAllOfIt)
+{
+  for (const int box : {3, 5}) {
+    const PointStore store = storeOf(boxNoise(box, 0.003));
+    const double across = 0.003 / std::sqrt(1 + 0.3 * 0.3);
+    const double sigma = std::sqrt(recognized(store).variance) * store.scale();
+    EXPECT_NEAR(sigma / across, 1.0, 0.1) << box;
+    // What 20 neighbours share was taken for the surface's before.
+    EXPECT_LT(std::sqrt(estimateNoise(store, NoiseEstimator::kCubicResidual, 1)) * store.scale(),
+              0.8 * across)
+        << box;
+  }
+}
+
+TEST(SharedNoise, IsNotWhiteNoise)
+{
+  const auto expectWhite = [](const Cloud& cloud, double level) {
+    const PointStore store = storeOf(cloud);
+    const NoiseLevel noise = recognized(store);
+    EXPECT_EQ(noise.correlation, 1.0) << level;
+    EXPECT_FALSE(noise.uneven) << level;
+    EXPECT_EQ(noise.variance, estimateNoise(store, NoiseEstimator::kCubicResidual, 1)) << level;
+  };
+  for (const double level : {0.0, 0.001, 0.01}) {
+    for (const auto shape : {measure::Shape::kSphere, measure::Shape::kTorus,
+                             measure::Shape::kBumpy, measure::Shape::kRelief})
+      expectWhite(sceneCloud(shape, 40000, level).withoutNormals(), level);
+  }
+  expectWhite(boxNoise(1, 0.003), 0.003);
+}
+
+TEST(SharedNoise, IsNotWaves)
+{
+  // Waves 12 spacings long and of a tenth of their height in noise.
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  Cloud cloud;
+  for (int i = 0; i < 250 * 250; ++i) {
+    const double x = 0.01 * (i % 250), y = 0.01 * (i / 250), k = 2 * M_PI / 0.12;
+    cloud.add(x, y, 0.01 * std::sin(k * x) * std::sin(k * y) + 0.001 * normal(random));
+  }
+  EXPECT_EQ(recognized(cloud).correlation, 1.0);
+}
+
+TEST(SharedNoise, StepsOfACameraAreFound)
+{
+  measure::DepthCamera camera;
+  camera.sigma = 0;
+  camera.step = 0.125;
+  const PointStore store = storeOf(cloudOf(cameraScan("wave40", camera)));
+  const NoiseLevel noise = recognized(store);
+  EXPECT_GT(noise.correlation, 1.0);
+  // A step of disparity is step z^2 / (f b) of depth; half of the scene lies within .1 of 1.2 m.
+  const double step = 0.125 * 1.2 * 1.2 / (camera.disparity_focal * camera.baseline);
+  EXPECT_NEAR(noise.step * store.scale() / step, 1.0, 0.2);
+}
+
+TEST(SharedNoise, AGridIsNoSteps)
+{
+  // x and y take few values, z is what noise makes it.
+  EXPECT_EQ(recognized(boxNoise(1, 0.002)).step, 0.0);
+  // A clean grid of rounded heights has few values along every axis.
+  Cloud cloud;
+  for (int i = 0; i < 250 * 250; ++i)
+    cloud.add(0.01 * (i % 250), 0.01 * (i / 250), 0.001 * std::round(10.0 * std::sin(0.02 * i)));
+  EXPECT_EQ(recognized(cloud).step, 0.0);
+}
+
+TEST(SharedNoise, ATurnedCameraIsFound)
+{
+  measure::DepthCamera camera;
+  camera.correlated_x = camera.correlated_y = 3;
+  camera.step = 0.125;
+  EXPECT_GT(recognized(cloudOf(cameraScan("room", camera), 0.7)).correlation, 2.0);
+}
+
+}  // namespace
+}  // namespace pcl_slim

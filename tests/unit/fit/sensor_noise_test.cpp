@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Fits of scans as sensors make them: docs/sensors.md.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "measure/sensor/sensor_scan.h"
+#include "support/clouds.h"
+
+namespace pcl_slim {
+namespace {
+
+using namespace pcl_slim_test;
+using measure::SensorScan;
+
+/** RMS distance of the projected points from their surfaces [m], and RMS angle [degrees]. */
+struct Errors {
+  double position = 0, normal = 0;
+  FitStatistics fit;
+};
+
+Errors
+errorsOf(const SensorScan& scan, const FitParams& params = {})
+{
+  CloudView view;
+  view.xyz = scan.points.data();
+  view.xyz_stride = 3 * sizeof(float);
+  view.size = scan.size();
+  const auto store = PointStore::build(view);
+  SLIMSurface surface;
+  Projection projection;
+  Errors errors;
+  EXPECT_FALSE(fitSurface(*store, params, surface, &errors.fit));
+  EXPECT_FALSE(projectPoints(*store, surface, {}, projection));
+  double distance_sq = 0, angle_sq = 0;
+  for (std::size_t i = 0; i < store->size(); ++i) {
+    const int solid = scan.solid[store->orderOfStore()[i]];
+    const Vector3 place = along(store->origin(), store->scale(), projection.position[i]);
+    const auto foot = footOn(scan.solids[static_cast<std::size_t>(solid)], place);
+    const auto& n = projection.normal[i];
+    const double angle = std::acos(std::min(1.0, std::abs(dot({n[0], n[1], n[2]}, foot.normal))));
+    distance_sq += foot.distance * foot.distance;
+    angle_sq += angle * angle;
+  }
+  const auto count = static_cast<double>(store->size());
+  errors.position = std::sqrt(distance_sq / count);
+  errors.normal = std::sqrt(angle_sq / count) * 180 / M_PI;
+  return errors;
+}
+
+measure::DepthCamera
+camera(int box, double step, double sigma = 0.06)
+{
+  measure::DepthCamera camera;
+  camera.correlated_x = camera.correlated_y = box;
+  camera.step = step;
+  camera.sigma = sigma;
+  return camera;
+}
+
+FitParams
+withoutRecognition()
+{
+  FitParams params;
+  params.noise_correlation = 1;
+  return params;
+}
+
+TEST(SensorNoise, OfDepthCamerasIsTakenOff)
+{
+  for (const auto& made : {camera(3, 0.125), camera(1, 0.125, 0), camera(5, 0)}) {
+    const SensorScan scan = scanByCamera(measure::namedSolids("wave40"), made, 3);
+    const Errors on = errorsOf(scan), off = errorsOf(scan, withoutRecognition());
+    EXPECT_GT(on.fit.noise_correlation, 1.0);
+    EXPECT_EQ(off.fit.noise_correlation, 1.0);
+    EXPECT_LT(on.position, 0.7 * off.position);
+    EXPECT_LT(on.normal, 0.4 * off.normal);
+  }
+}
+
+TEST(SensorNoise, StepsThatDitherCostNothing)
+{
+  // Steps crossed within a few pixels of fine waves: taken for wide terraces they would flatten these.
+  const SensorScan scan = scanByCamera(measure::namedSolids("wave6"), camera(1, 0.125, 0), 3);
+  const Errors on = errorsOf(scan), off = errorsOf(scan, withoutRecognition());
+  EXPECT_GT(on.fit.noise_step, 0.0);
+  EXPECT_LT(on.position, off.position);
+  EXPECT_LT(on.normal, off.normal);
+}
+
+TEST(SensorNoise, WhiteNoiseIsFittedAsBefore)
+{
+  const SensorScan scan = scanByCamera(measure::namedSolids("wave15"), camera(1, 0), 3);
+  const Errors on = errorsOf(scan), off = errorsOf(scan, withoutRecognition());
+  EXPECT_EQ(on.position, off.position);
+  EXPECT_EQ(on.fit.lambda, off.fit.lambda);
+  EXPECT_EQ(on.fit.leaves, off.fit.leaves);
+}
+
+TEST(SensorNoise, CorrelationCanBeGiven)
+{
+  // Noise over 9 pixels on waves cannot be told from relief; told, it is smoothed.
+  const SensorScan scan = scanByCamera(measure::namedSolids("wave40"), camera(9, 0), 3);
+  FitParams told;
+  told.noise_correlation = 81;
+  const Errors on = errorsOf(scan, told), off = errorsOf(scan, withoutRecognition());
+  EXPECT_EQ(on.fit.noise_correlation, 81.0);
+  EXPECT_LT(on.position, 0.8 * off.position);
+}
+
+TEST(SensorNoise, ALidarsWallsAreNoDetail)
+{
+  const SensorScan scan = scanByLidar(measure::namedSolids("street"), {}, 3);
+  const Errors on = errorsOf(scan), off = errorsOf(scan, withoutRecognition());
+  EXPECT_LT(on.normal, 0.7 * off.normal);
+}
+
+TEST(SensorNoise, AModelStandsInItsPlace)
+{
+  const SensorScan scan = scanByLidar(measure::namedSolids("street"), {}, 3);
+  FitParams params;
+  params.has_noise_model = true;
+  params.noise_model[0] = 0.02;
+  Errors errors;
+  SLIMSurface surface;
+  CloudView view;
+  view.xyz = scan.points.data();
+  view.xyz_stride = 3 * sizeof(float);
+  view.size = scan.size();
+  // Errors along rays need to know where rays come from.
+  EXPECT_TRUE(fitSurface(*PointStore::build(view), params, surface));
+  params.has_viewpoint = true;
+  std::copy(scan.sensor.begin(), scan.sensor.end(), params.viewpoint);
+  const Errors on = errorsOf(scan, params), off = errorsOf(scan, withoutRecognition());
+  EXPECT_TRUE(on.fit.noise_varies);
+  EXPECT_LT(on.normal, 0.7 * off.normal);
+  params.lambda = 1e-6;
+  EXPECT_TRUE(params.validate());
+}
+
+TEST(SensorNoise, TheSensorIsTheSide)
+{
+  SensorScan scan = scanByCamera(measure::namedSolids("balls"), camera(1, 0), 3);
+  CloudView view;
+  view.xyz = scan.points.data();
+  view.xyz_stride = 3 * sizeof(float);
+  view.size = scan.size();
+  view.sensor = scan.sensor;
+  const auto store = PointStore::build(view);
+  SLIMSurface surface;
+  ASSERT_FALSE(fitSurface(*store, {}, surface));
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    if (!surface.isLeaf(i)) continue;
+    const Vector3 center = along(surface.info.origin, surface.info.scale,
+                                 {surface.cx[i], surface.cy[i], surface.cz[i]});
+    const Vector3 normal = {surface.nx[i], surface.ny[i], surface.nz[i]};
+    EXPECT_GE(dot(normal, subtract(scan.sensor, center)), 0);
+  }
+}
+
+}  // namespace
+}  // namespace pcl_slim
