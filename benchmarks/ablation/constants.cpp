@@ -50,7 +50,6 @@ void
 addNoise(Changes& all)
 {
   PCL_SLIM_SCALED(noise.first_neighbors);
-  PCL_SLIM_SCALED(noise.most_neighbors);
   PCL_SLIM_SCALED(noise.most_part);
   PCL_SLIM_SCALED(noise.patch_points);
   PCL_SLIM_SCALED(noise.samples);
@@ -69,6 +68,28 @@ addNoise(Changes& all)
   PCL_SLIM_SCALED(noise.sheets.passes);
   PCL_SLIM_SCALED(noise.sheets.gap);
   PCL_SLIM_SCALED(noise.sheets.factor);
+}
+
+void
+addSensorNoise(Changes& all)
+{
+  PCL_SLIM_SCALED(noise.uneven);
+  PCL_SLIM_SCALED(noise.uneven_share);
+  PCL_SLIM_SCALED(noise.shared.white);
+  PCL_SLIM_SCALED(noise.shared.plateau);
+  PCL_SLIM_SCALED(noise.shared.rise);
+  PCL_SLIM_SCALED(noise.shared.steep);
+  PCL_SLIM_SCALED(noise.shared.slow);
+  PCL_SLIM_SCALED(noise.shared.fall);
+  PCL_SLIM_SCALED(noise.shared.slack);
+  PCL_SLIM_SCALED(noise.shared.least);
+  PCL_SLIM_SCALED(noise.shared.counted);
+  PCL_SLIM_SCALED(noise.steps.least_points);
+  PCL_SLIM_SCALED(noise.steps.least_ratio);
+  PCL_SLIM_SCALED(noise.steps.pure_ratio);
+  PCL_SLIM_SCALED(noise.steps.most_ratio);
+  PCL_SLIM_SCALED(noise.steps.growth);
+  PCL_SLIM_SCALED(noise.steps.correlation);
 }
 
 void
@@ -191,8 +212,8 @@ Changes
 constantsScaled()
 {
   Changes all;
-  for (const auto add : {addPreset, addNoise, addNormalBound, addBall, addSheet, addSupport,
-                         addComparison, addDetail, addFeature, addCover, addOrient})
+  for (const auto add : {addPreset, addNoise, addSensorNoise, addNormalBound, addBall, addSheet,
+                         addSupport, addComparison, addDetail, addFeature, addCover, addOrient})
     add(all);
   return all;
 }

@@ -77,7 +77,7 @@ noiseRules()
   return {
       {"scouts", "off", [](FitConstants& c) { c.noise.scouts = c.noise.samples; }},
       {"wider patches", "off",
-       [](FitConstants& c) { c.noise.most_neighbors = c.noise.first_neighbors; }},
+       [](FitConstants& c) { c.noise.most_part = std::numeric_limits<std::size_t>::max(); }},
       {"filled patch", "off", [](FitConstants& c) { c.noise.filled_patch = 0; }},
       {"relief", "off", [](FitConstants& c) { c.noise.relief = kInfinite; }},
       {"bias of cubics", "off", [](FitConstants& c) { c.noise.bias_growth = 1e300; }},
@@ -85,6 +85,9 @@ noiseRules()
       {"trim", "off", [](FitConstants& c) { c.noise.trim = 0; }},
       {"floor", "off", [](FitConstants& c) { c.noise.floor = 1e-30; }},
       {"sheets of patches", "off", [](FitConstants& c) { c.noise.sheets.passes = 0; }},
+      {"shared noise", "off", [](FitConstants& c) { c.noise.shared.white = kInfinite; }},
+      {"steps", "off", [](FitConstants& c) { c.noise.steps.least_points = kInfinite; }},
+      {"uneven noise", "off", [](FitConstants& c) { c.noise.uneven = kInfinite; }},
   };
 }
 
