@@ -49,6 +49,11 @@ declareOptions(Settings& s)
   table.toggle("help_overlay", &s.viewer.help, "begin with the help over the picture");
   table.number("frame_budget", &s.viewer.frame_budget, 0.0, 1e6,
                "milliseconds a frame may take while the mouse moves, else it is coarser; 0: any");
+  table.number("lod", &s.viewer.lod, 0.0, 1024.0,
+               "draw coarser surfels where they are seen smaller than this many pixels");
+  table.choice("lines", &s.viewer.lines, {"none", "crest", "suggestive", "contour", "all"},
+               "lines over a surface; none with -mode sketch: all");
+  table.number("line_width", &s.viewer.line_width, 0.1, 100, "width of strong lines, pixels");
   table.choice("backend", &s.viewer.backend, {"auto", "cpu", "opengl"},
                "what intersects rays with a surface; auto: the graphics card if there is one");
   s.viewer.view.declareCamera(table);

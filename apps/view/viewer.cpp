@@ -9,6 +9,9 @@
 #include <vtkRenderWindowInteractor.h>
 #include <vtkRenderer.h>
 
+#include <algorithm>
+#include <cstdio>
+
 #include "pcl_slim/visualization/scalar_bar.h"
 #include "pcl_slim/visualization/slim_mapper.h"
 #include "render/camera_file.h"
@@ -42,13 +45,17 @@ class ViewerStyle : public vtkInteractorStyleTrackballCamera {
 
 vtkStandardNewMacro(ViewerStyle)
 
+/** \brief A grey that grows lighter upwards, or white paper. */
 void
-setBackground(vtkRenderer* renderer)
+setBackground(vtkRenderer* renderer, bool is_paper)
 {
-  renderer->GradientBackgroundOn();
+  renderer->SetGradientBackground(!is_paper);
+  if (is_paper) return renderer->SetBackground(1.0, 1.0, 1.0);
   renderer->SetBackground(0.84, 0.84, 0.846);
   renderer->SetBackground2(0.985, 0.985, 0.99);
 }
+
+const std::vector<std::string> kLineKinds{"none", "crest", "suggestive", "contour", "all"};
 
 RayBackend
 backendOf(const std::string& name)
@@ -63,7 +70,7 @@ backendOf(const std::string& name)
 Viewer::Viewer(const ViewerSettings& settings, bool on_screen)
     : settings_(settings), scene_(renderer_), overlay_(renderer_)
 {
-  setBackground(renderer_);
+  setBackground(renderer_, false);
   setStudioLights(renderer_);
   renderer_->UseFXAAOn();
   window_->SetMultiSamples(0);
@@ -93,6 +100,8 @@ Viewer::begin()
   }
   if (SLIMMapper* surface = scene_.surfaceMapper()) {
     surface->setBackend(backendOf(settings_.backend));
+    surface->setLevelOfDetail(settings_.lod);
+    setLines(settings_.lines);
   }
   scene_.showBalls(settings_.balls);
   scene_.showNormals(settings_.normals);
@@ -169,6 +178,9 @@ Viewer::execute(const Key& key)
     case Command::kNarrowerRange: return scene_.scaleRange(0.8);
     case Command::kAutomaticRange: return scene_.scaleRange(0.0);
     case Command::kDetail: return stepDetail();
+    case Command::kLevelOfDetail: return stepLevelOfDetail();
+    case Command::kTrim: return toggleTrimming();
+    case Command::kLines: return stepLines();
     case Command::kBackend: return stepBackend();
     case Command::kSides: return stepSides();
     case Command::kReset: return resetCamera();
@@ -229,6 +241,60 @@ Viewer::stepDetail()
                  ? "while the mouse moves, frames of at most " +
                        std::to_string(static_cast<int>(mapper->getFrameBudget())) + " ms"
                  : "full detail while the mouse moves";
+}
+
+void
+Viewer::stepLevelOfDetail()
+{
+  SLIMMapper* mapper = scene_.surfaceMapper();
+  if (!mapper) return;
+  const double now = mapper->getLevelOfDetail();
+  mapper->setLevelOfDetail(now <= 0.0 ? 1.0 : now < 32.0 ? 2.0 * now : 0.0);
+  char text[80];
+  std::snprintf(text, sizeof(text), "surfels below %g pixels stand for their descendants",
+                mapper->getLevelOfDetail());
+  message_ = mapper->getLevelOfDetail() > 0.0 ? text : "every leaf is drawn";
+}
+
+void
+Viewer::toggleTrimming()
+{
+  SLIMMapper* mapper = scene_.surfaceMapper();
+  if (!mapper) return;
+  mapper->setTrimming(!mapper->getTrimming());
+  message_ = mapper->getTrimming() ? "the surface ends where its data do" : "all of every ball";
+}
+
+void
+Viewer::stepLines()
+{
+  const auto at = std::find(kLineKinds.begin(), kLineKinds.end(), settings_.lines);
+  const auto next = static_cast<std::size_t>(at - kLineKinds.begin() + 1) % kLineKinds.size();
+  setLines(kLineKinds[next]);
+  message_ = "lines: " + settings_.lines;
+}
+
+void
+Viewer::setLines(const std::string& kind)
+{
+  SLIMMapper* mapper = scene_.surfaceMapper();
+  if (!mapper) return;
+  settings_.lines = kind;
+  const bool all = kind == "all";
+  PictureLineParams params = mapper->getLines();
+  params.crest = all || kind == "crest";
+  params.suggestive = all || kind == "suggestive";
+  params.contour = all || kind == "contour";
+  LineStyle style;
+  style.width = settings_.line_width;
+  if (const Error error = mapper->setLines(params, style)) message_ = error.message;
+}
+
+void
+Viewer::updateBackground()
+{
+  const GBufferMapper* mapper = scene_.mapper();
+  setBackground(renderer_, mapper && mapper->getMode() == DisplayMode::kSketch);
 }
 
 void
@@ -327,6 +393,7 @@ Viewer::takeFit()
 void
 Viewer::updateStatus()
 {
+  updateBackground();
   overlay_.setStatus(describeScene(scene_) + (message_.empty() ? "" : "\n" + message_));
 }
 

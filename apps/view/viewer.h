@@ -8,6 +8,7 @@
 #include <string>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/render/picture_lines.h"
 #include "render/view_request.h"
 #include "view/fit_task.h"
 #include "view/key_table.h"
@@ -22,8 +23,9 @@ namespace pcl_slim {
 
 /** \brief How a window begins. */
 struct ViewerSettings {
-  std::string title, mode = "auto", camera_file = "pcl_slim_camera.txt", backend = "auto";
-  double range = 0.0, frame_budget = 50.0;
+  std::string title, mode = "auto", camera_file = "pcl_slim_camera.txt", backend = "auto",
+                     lines = "none";
+  double range = 0.0, frame_budget = 50.0, lod = 0.0, line_width = LineStyle().width;
   bool balls = false, points = false, normals = false, help = false;
   int threads = 0;
   ViewRequest view;
@@ -61,6 +63,11 @@ class Viewer {
   void toggle(Command command);
   Error loadCameraFile();
   void stepDetail();
+  void stepLevelOfDetail();
+  void toggleTrimming();
+  void stepLines();
+  void setLines(const std::string& kind);
+  void updateBackground();
   void setDigitMode(int digit);
   void stepBackend();
   void stepSides();

@@ -116,7 +116,6 @@ addSupport(Changes& all)
   PCL_SLIM_MARGIN(radius.support_margin);
   PCL_SLIM_MARGIN(radius.support_aim);
   PCL_SLIM_MARGIN(radius.support_lenience);
-  PCL_SLIM_MARGIN(radius.data_margin);
   PCL_SLIM_SCALED(radius.scattered_ratio);
   PCL_SLIM_SCALED(radius.refit_support);
   PCL_SLIM_SCALED(radius.robust_scale);

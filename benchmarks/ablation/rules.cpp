@@ -35,7 +35,6 @@ radiusRules()
       {"thick", "off", [](FitConstants& c) { c.preset.thick = 0; }},
       {"sure margin", "off", [](FitConstants& c) { c.radius.sure_margin = kInfinite; }},
       {"wider at minimum support", "off", [](FitConstants& c) { c.radius.support_lenience = 0; }},
-      {"radius of data", "off", [](FitConstants& c) { c.radius.data_margin = kInfinite; }},
       {"scattered", "off", [](FitConstants& c) { c.radius.scattered_ratio = kInfinite; }},
       {"comparison", "off", [](FitConstants& c) { c.radius.comparison_worth = 0; }},
       {"comparison's rise of E", "off", [](FitConstants& c) { c.radius.comparison_rise = 1e300; }},

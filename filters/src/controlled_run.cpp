@@ -20,19 +20,19 @@ ControlledRun::fail(ErrorCode code, const std::string& message)
 }
 
 bool
-ControlledRun::guarded(const std::string& work, const std::string& remedy,
-                       const std::function<Error()>& body)
+ControlledRun::guardedCall(const char* work, const char* remedy, Error (*call)(const void*),
+                           const void* body)
 {
   try {
-    error_ = body();
+    error_ = call(body);
     // Asked for after the last place where anyone looks: whoever cancels wants no result.
     if (!error_ && control_.progress.cancelled()) {
-      fail(ErrorCode::kCancelled, work + " was cancelled");
+      fail(ErrorCode::kCancelled, std::string(work) + " was cancelled");
     }
   } catch (const std::bad_alloc&) {
-    fail(ErrorCode::kBadInput, "not enough memory for this cloud; " + remedy);
+    fail(ErrorCode::kBadInput, std::string("not enough memory for this cloud; ") + remedy);
   } catch (const std::exception& failure) {
-    fail(ErrorCode::kBadInput, work + " stopped: " + failure.what());
+    fail(ErrorCode::kBadInput, std::string(work) + " stopped: " + failure.what());
   }
   return !error_;
 }

@@ -20,6 +20,8 @@ head -c 2000 surface.slim > cut.slim
 expect 2 'truncated' cut.slim
 expect 2 'modee' surface.slim -modee mean
 expect 2 'mode' surface.slim -mode shiny
+expect 2 'lines' surface.slim -lines wavy
+expect 2 'lod' surface.slim -lod -1
 expect 2 'named .png' surface.slim -screenshot x.jpg
 expect 2 'size' surface.slim -size 80
 expect 2 'exclude' surface.slim -camera 0,-1,0,0,0,0,0,0,1 -view top
@@ -49,6 +51,9 @@ shot mean.png surface.slim -mode mean
 shot error.png surface.slim -mode error
 shot card.png surface.slim -backend opengl
 shot balls.png surface.slim -balls 1
+shot lines.png surface.slim -lines contour -line_width 3
+shot sketch.png surface.slim -mode sketch
+shot lod.png surface.slim -lod 40
 shot top.png surface.slim -view top
 shot parallel.png surface.slim -ortho 1
 shot scan.png scan.pcd
@@ -67,6 +72,6 @@ same shaded.png again.png
 [ -s card.png ] && [ "$(wc -c < card.png)" -gt 2000 ] || complain "the card's picture is empty"
 # The scan is fitted as pcl_slim_fit does it.
 same shaded.png scan.png
-for other in mean error balls top parallel; do differ shaded.png $other.png; done
+for other in mean error balls lines sketch lod top parallel; do differ shaded.png $other.png; done
 [ ! -s splats.pcd ] || differ color.png normal.png
 finish

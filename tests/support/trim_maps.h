@@ -18,8 +18,8 @@ setRandomTrimMaps(pcl_slim::SLIMSurface& surface)
   std::vector<std::uint8_t> sides(surface.size()), bits;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (i % 3 == 0) continue;
-    const int side =
-        TrimMap::kLeastSide + static_cast<int>(i) % (TrimMap::kMostSide - TrimMap::kLeastSide + 1);
+    constexpr int kSides = TrimMap::kMostSide - TrimMap::kLeastSide + 1;
+    const int side = TrimMap::kLeastSide + static_cast<int>(i / 3) % kSides;
     sides[i] = static_cast<std::uint8_t>(side);
     std::vector<std::uint8_t> map(TrimMap::numBytes(side));
     for (int k = 0; k < side * side; ++k) {

@@ -64,6 +64,17 @@ TEST_F(WindowTest, ShowsTheSamePictureAsTheModuleDoes)
   }
 }
 
+TEST_F(WindowTest, RoundingSpansNoColours)
+{
+  auto surface = std::make_shared<SLIMSurface>(sphereSurface(2, 0.25, 200, 0.09));
+  for (float& c : surface->coefficients) c *= 1e-9f;
+  mapper->setSurface(surface);
+  for (const DisplayMode mode : {DisplayMode::kMean, DisplayMode::kGauss, DisplayMode::kMax}) {
+    mapper->setMode(mode);
+    EXPECT_GT(mapper->getRange(), 0.1) << nameOf(mode);
+  }
+}
+
 TEST_F(WindowTest, ChangesOfModeAndRangeShadeAgainOnly)
 {
   addSphere();

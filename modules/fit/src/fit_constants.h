@@ -107,14 +107,15 @@ struct OrientConstants {
 /** \brief Borders and holes (docs/theory.md, "Borders"). Lengths are in spacings of a surfel's points
  * unless brackets say otherwise. */
 struct TrimConstants {
-  double known = 1.15;         ///< [r] points are gathered within
-  double gate = 0.25;          ///< [r] points farther from the surfel are no points of it, ...
-  double growth = 0.3;         ///< a sample owns this much beyond itself, beside half a cell
-  double cell = 0.5;           ///< width of a raster's cells
-  double clear = 0.3;          ///< depth inside data from which on a place is clear of any border
-  double looked_at = 0.9;      ///< [r] gaps beyond do not open a surfel: its weight is next to 0
-  double gap_cell = 0.125;     ///< [hole size] cells in which empty blocks of 5 x 5 are looked for
-  int internal_side = 9;       ///< nodes a side of internal surfels' maps, which are drawn small
+  double known = 1.15;      ///< [r] points are gathered within
+  double gate = 0.25;       ///< [r] points farther from the surfel are no points of it, ...
+  double growth = 0.3;      ///< a sample owns this much beyond itself, beside half a cell
+  double cell = 0.5;        ///< width of a raster's cells
+  double clear = 0.3;       ///< depth inside data from which on a place is clear of any border
+  double looked_at = 0.9;   ///< [r] gaps beyond do not open a surfel: its weight is next to 0
+  double gap_cell = 0.125;  ///< [hole size] cells in which empty patches of 6 cells are looked for
+  double sure = 1.0;      ///< [half of hole size] a gap this far inside what is known is no chance
+  int internal_side = 9;  ///< nodes a side of internal surfels' maps, which are drawn small
   std::size_t sampled = 1024;  ///< points of an internal ball from which on samples of them do
 };
 

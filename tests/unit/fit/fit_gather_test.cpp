@@ -207,25 +207,5 @@ TEST_F(FitGather, CoversOnlyThePointsOfTheBallNearTheSurface)
   }
 }
 
-TEST(FarthestWithin, IsTheLargestBelowTheLimit)
-{
-  BallBuffer ball;
-  for (const std::size_t count : {0u, 1u, 15u, 16u, 37u}) {
-    ball.reserve(count);
-    ball.count = count;
-    for (std::size_t i = 0; i < count; ++i) {
-      ball.s_sq[i] = static_cast<float>((i * 7) % count) / static_cast<float>(count);
-    }
-    for (std::size_t i = count; i < count + BallBuffer::kPadding; ++i) ball.s_sq[i] = 2.0f;
-    for (const float limit : {0.0f, 0.3f, 0.8f, 1.0f}) {
-      float expected = 0;
-      for (std::size_t i = 0; i < count; ++i) {
-        if (ball.s_sq[i] < limit) expected = std::max(expected, ball.s_sq[i]);
-      }
-      EXPECT_EQ(kernels::farthestWithin(ball, limit), expected) << count << " " << limit;
-    }
-  }
-}
-
 }  // namespace
 }  // namespace pcl_slim

@@ -108,6 +108,7 @@ TEST(SurfaceIo, AFitOfDegreeOneHasSevenFloatsASurfel)
 {
   FitParams params;
   params.degree = 1;
+  params.trim = false;
   const Fitted f = fitted(sceneCloud(measure::Shape::kSphere, 3000, 0.0), params);
   const std::size_t floats = 7 + 2;  // and error and confidence
   EXPECT_EQ(encodeSlim(f.surface).size(),

@@ -6,9 +6,9 @@
 namespace pcl_slim {
 namespace {
 
-constexpr std::array<const char*, 11> kNames{"shaded",     "normal", "mean",  "gauss",
+constexpr std::array<const char*, 12> kNames{"shaded",     "normal", "mean",  "gauss",
                                              "kmax",       "kmin",   "level", "size",
-                                             "reflection", "color",  "error"};
+                                             "reflection", "color",  "error", "sketch"};
 
 }  // namespace
 

@@ -55,6 +55,15 @@ valueOf(const SLIMSurface& surface, std::size_t i, DisplayMode mode)
   return std::abs(curvatureAtCenter(surface, i, mode)) / unit;
 }
 
+/** \brief What is taken for rounding: a millionth of one over the surface's extent, or its square. */
+double
+leastShown(double scale, DisplayMode mode)
+{
+  constexpr double kShare = 1e-6;
+  if (mode == DisplayMode::kError) return 0.0;
+  return mode == DisplayMode::kGauss ? kShare * kShare / (scale * scale) : kShare / scale;
+}
+
 }  // namespace
 
 std::array<double, 2>
@@ -72,8 +81,10 @@ surfaceRange(const SLIMSurface& surface, DisplayMode mode)
   if (mode == DisplayMode::kLevel) return {values.front().first, values.back().first};
   if (mode == DisplayMode::kSize) return {quantile(values, 0.02), quantile(values, 0.98)};
   const double range = quantile(values, 0.95);
-  // A flat surface has no curvature to span colours: any range shows it grey.
-  const double shown = range > 0.0 && std::isfinite(range) ? range : 1.0;
+  // A flat surface has no curvature but by rounding, and that spans no colours: any range far above
+  // it shows the surface grey.
+  const double least = leastShown(surface.info.scale, mode);
+  const double shown = range > least && std::isfinite(range) ? range : 1.0 / surface.info.scale;
   return {mode == DisplayMode::kError ? 0.0 : -shown, shown};
 }
 

@@ -29,9 +29,10 @@ coveredRectangle(const GBuffer& buffer)
     const float x = static_cast<float>(texel) / static_cast<float>(count);
     return std::clamp(2.0f * x - 1.0f, -1.0f, 1.0f);
   };
-  // A texel more on each side for what is interpolated between rays.
-  return {ndc(x0 - 1, buffer.width), -ndc(y1 + 2, buffer.height), ndc(x1 + 2, buffer.width),
-          -ndc(y0 - 1, buffer.height)};
+  // Texels more on each side for what is interpolated between rays, and for lines on the silhouette.
+  constexpr int kMore = 2;
+  return {ndc(x0 - kMore, buffer.width), -ndc(y1 + 1 + kMore, buffer.height),
+          ndc(x1 + 1 + kMore, buffer.width), -ndc(y0 - kMore, buffer.height)};
 }
 
 }  // namespace
@@ -42,6 +43,8 @@ FrameKey::FrameKey(const VtkView& view, const FrameRequest& request, std::uint64
       height(view.gl.height),
       near_distance(view.near_distance),
       sides(request.sides),
+      lod(request.lod),
+      trim(request.trim),
       object(object_count)
 {
   const Matrix4& p = view.gl.projection;
@@ -57,7 +60,8 @@ FrameKey::operator==(const FrameKey& other) const
 {
   return model_to_view == other.model_to_view && projection == other.projection &&
          width == other.width && height == other.height && near_distance == other.near_distance &&
-         planes == other.planes && sides == other.sides && object == other.object;
+         planes == other.planes && sides == other.sides && lod == other.lod && trim == other.trim &&
+         object == other.object;
 }
 
 bool
@@ -66,19 +70,30 @@ CachedFrame::holds(const FrameKey& key, int coarseness) const
   return valid_ && key == key_ && coarseness_ <= coarseness;
 }
 
+/** \brief Brings a request to a camera whose rays stand some pixels apart. */
+Error
+CachedFrame::begin(const VtkView& view, int coarseness, FrameRequest& request)
+{
+  valid_ = false;
+  if (Error error = translateView(view.gl, view.near_distance, coarseness, view_)) return error;
+  request.near_plane = view_.near_plane;
+  request.lod /= coarseness;
+  // A frame that has to hurry shows nothing that falls between its rays.
+  if (coarseness > 1) request.lod = std::max(request.lod, 1.0);
+  return {};
+}
+
 Error
 CachedFrame::make(const VtkView& view, FrameKey key, int coarseness, FrameRequest request,
                   double scale, const Rasterize& rasterize)
 {
-  const Clock::time_point begin = Clock::now();
-  valid_ = false;
-  if (Error error = translateView(view.gl, view.near_distance, coarseness, view_)) return error;
-  request.near_plane = view_.near_plane;
+  const Clock::time_point start = Clock::now();
+  if (Error error = begin(view, coarseness, request)) return error;
   if (Error error = rasterize(view_.camera, request, buffer_)) return error;
   packFrame(buffer_, scale, resolveThreads(request.threads), packed_);
   rectangle_ = coveredRectangle(buffer_);
   covered_ = buffer_.numCovered();
-  finish(std::move(key), coarseness, begin);
+  finish(std::move(key), coarseness, start);
   return {};
 }
 
@@ -86,23 +101,21 @@ Error
 CachedFrame::makeOnCard(const VtkView& view, FrameKey key, int coarseness, FrameRequest request,
                         const DrawOnCard& draw)
 {
-  const Clock::time_point begin = Clock::now();
-  valid_ = false;
-  if (Error error = translateView(view.gl, view.near_distance, coarseness, view_)) return error;
-  request.near_plane = view_.near_plane;
+  const Clock::time_point start = Clock::now();
+  if (Error error = begin(view, coarseness, request)) return error;
   if (Error error = draw(view_, request, covered_)) return error;
   rectangle_ = {-1.0f, -1.0f, 1.0f, 1.0f};
-  finish(std::move(key), coarseness, begin);
+  finish(std::move(key), coarseness, start);
   return {};
 }
 
 void
-CachedFrame::finish(FrameKey key, int coarseness, Clock::time_point begin)
+CachedFrame::finish(FrameKey key, int coarseness, Clock::time_point start)
 {
   key_ = std::move(key);
   coarseness_ = coarseness;
   valid_ = true;
-  seconds_ = std::chrono::duration<double>(Clock::now() - begin).count();
+  seconds_ = std::chrono::duration<double>(Clock::now() - start).count();
   full_seconds_ = seconds_ * coarseness * coarseness;
 }
 

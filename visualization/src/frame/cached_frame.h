@@ -22,6 +22,8 @@ struct FrameKey {
   double near_distance = 0.0;
   std::vector<double> planes;
   VisibleSides sides = VisibleSides::kAuto;
+  double lod = 0.0;  ///< of a frame at rest
+  bool trim = true;
   std::uint64_t object = 0;  ///< counts changes of the object
 
   FrameKey() = default;
@@ -40,8 +42,9 @@ class CachedFrame {
   /** \brief Whether a frame at least as fine is there. */
   bool holds(const FrameKey& key, int coarseness) const;
 
-  /** \brief Makes a frame. \param[in] request near_plane is filled in here; \param[in] scale of the
-   * lengths that rasterize writes. After an error there is none. */
+  /** \brief Makes a frame. \param[in] request near_plane is filled in here, and lod is brought to
+   * the rays' distance; \param[in] scale of the lengths that rasterize writes. After an error there
+   * is none. */
   Error make(const VtkView& view, FrameKey key, int coarseness, FrameRequest request, double scale,
              const Rasterize& rasterize);
 
@@ -56,6 +59,8 @@ class CachedFrame {
   int coarsenessFor(double milliseconds) const;
 
   const ViewCamera& view() const { return view_; }
+  /** \brief The frame of the CPU itself. */
+  const GBuffer& buffer() const { return buffer_; }
   const PackedFrame& packed() const { return packed_; }
   int width() const { return buffer_.width; }
   int height() const { return buffer_.height; }
@@ -68,7 +73,8 @@ class CachedFrame {
  private:
   using Clock = std::chrono::steady_clock;
 
-  void finish(FrameKey key, int coarseness, Clock::time_point begin);
+  Error begin(const VtkView& view, int coarseness, FrameRequest& request);
+  void finish(FrameKey key, int coarseness, Clock::time_point start);
 
   bool valid_ = false;
   FrameKey key_;

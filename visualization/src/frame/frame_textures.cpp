@@ -36,6 +36,7 @@ FrameTextures::FrameTextures()
   setSampling(geometry_, vtkTextureObject::Nearest);
   setSampling(attributes_, vtkTextureObject::Nearest);
   setSampling(colors_, vtkTextureObject::Nearest);
+  setSampling(lines_, vtkTextureObject::Nearest);
   setSampling(table_, vtkTextureObject::Linear);
 }
 
@@ -94,12 +95,20 @@ FrameTextures::setTable(vtkOpenGLRenderWindow* window, vtkScalarsToColors* table
 }
 
 void
+FrameTextures::setLines(vtkOpenGLRenderWindow* window, const std::vector<std::uint8_t>& rgba)
+{
+  upload(window, width_, height_, VTK_UNSIGNED_CHAR, rgba.data(), lines_);
+  has_lines_ = true;
+}
+
+void
 FrameTextures::activate()
 {
   geometry_->Activate();
   if (has_attributes_) attributes_->Activate();
   if (has_colors_) colors_->Activate();
   if (has_table_) table_->Activate();
+  if (has_lines_) lines_->Activate();
 }
 
 void
@@ -111,6 +120,8 @@ FrameTextures::tell(vtkShaderProgram* program)
   program->SetUniformi("slimAttributes", has_attributes_ ? attributes_->GetTextureUnit() : unit);
   program->SetUniformi("slimColors", has_colors_ ? colors_->GetTextureUnit() : unit);
   program->SetUniformi("slimTable", has_table_ ? table_->GetTextureUnit() : unit);
+  program->SetUniformi("slimLines", has_lines_ ? lines_->GetTextureUnit() : unit);
+  program->SetUniformi("slimHasLines", has_lines_);
 }
 
 void
@@ -120,16 +131,17 @@ FrameTextures::deactivate()
   if (has_attributes_) attributes_->Deactivate();
   if (has_colors_) colors_->Deactivate();
   if (has_table_) table_->Deactivate();
+  if (has_lines_) lines_->Deactivate();
 }
 
 void
 FrameTextures::release(vtkWindow* window)
 {
   for (vtkTextureObject* texture :
-       {geometry_.Get(), attributes_.Get(), colors_.Get(), table_.Get()}) {
+       {geometry_.Get(), attributes_.Get(), colors_.Get(), table_.Get(), lines_.Get()}) {
     texture->ReleaseGraphicsResources(window);
   }
-  has_attributes_ = has_colors_ = has_table_ = false;
+  has_attributes_ = has_colors_ = has_table_ = has_lines_ = false;
 }
 
 }  // namespace pcl_slim::detail

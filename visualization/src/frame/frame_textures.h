@@ -33,6 +33,10 @@ class FrameTextures {
   /** \brief Samples a table of colours over its scale. */
   void setTable(vtkOpenGLRenderWindow* window, vtkScalarsToColors* table, const ColorScale& scale);
 
+  /** \brief Lays lines over the frame, four bytes a pixel of it. */
+  void setLines(vtkOpenGLRenderWindow* window, const std::vector<std::uint8_t>& rgba);
+  void dropLines() { has_lines_ = false; }
+
   /** \brief Makes the textures current; after that the program can be told of them. */
   void activate();
   void tell(vtkShaderProgram* program);
@@ -41,8 +45,8 @@ class FrameTextures {
 
  private:
   int width_ = 0, height_ = 0;
-  bool has_attributes_ = false, has_colors_ = false, has_table_ = false;
-  vtkNew<vtkTextureObject> geometry_, attributes_, colors_, table_;
+  bool has_attributes_ = false, has_colors_ = false, has_table_ = false, has_lines_ = false;
+  vtkNew<vtkTextureObject> geometry_, attributes_, colors_, table_, lines_;
 };
 
 }  // namespace pcl_slim::detail

@@ -10,7 +10,10 @@ SurfaceFrames::render(const Camera& camera, const FrameRequest& request, GBuffer
   params.sides = request.sides;
   params.near_plane = request.near_plane;
   params.threads = request.threads;
-  params.columns = kPositionColumn | kCurvatureColumn | kLeafColumns | kResidualColumn;
+  params.columns =
+      kPositionColumn | kCurvatureColumn | kLeafColumns | kResidualColumn | request.columns;
+  params.lod = request.clip_planes.empty() ? request.lod : 0.0;
+  params.trim = request.trim;
   params.cuts = request.clip_planes;
   return renderer_.render(camera, params, buffer);
 }

@@ -2,53 +2,18 @@
 #include "pcl_slim/visualization/g_buffer_mapper.h"
 
 #include <vtkActor.h>
-#include <vtkLookupTable.h>
-#include <vtkNew.h>
-#include <vtkOpenGLHelper.h>
-#include <vtkOpenGLRenderWindow.h>
-#include <vtkOpenGLState.h>
-#include <vtkOpenGLVertexArrayObject.h>
 #include <vtkPolyData.h>
 #include <vtkRenderer.h>
-#include <vtkShader.h>
-#include <vtkShaderProgram.h>
-#include <vtk_glew.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "color/color_scale.h"
-#include "frame/cached_frame.h"
-#include "frame/frame_textures.h"
-#include "frame/vtk_view.h"
-#include "shader/resolve_shader.h"
+#include "mapper/mapper_state.h"
 
 namespace pcl_slim {
 
 using namespace detail;
-
-struct GBufferMapper::State {
-  DisplayMode mode = DisplayMode::kShaded;
-  double range = 0.0, budget = 50.0;
-  VisibleSides sides = VisibleSides::kAuto;
-  int threads = 0;
-  FrameStatistics statistics;
-  Error error;
-
-  std::array<double, 6> bounds{1.0, -1.0, 1.0, -1.0, 1.0, -1.0};
-  std::uint64_t object = 0;  ///< counts changes of the object
-
-  VtkView view;
-  std::vector<HalfSpace> planes;
-  std::array<int, 4> viewport{};
-  CachedFrame frame;
-  bool uploaded = false;  ///< textures hold the frame
-  FrameTextures textures;
-
-  vtkNew<vtkLookupTable> table;
-  bool table_current = false;
-  vtkMTimeType table_time = 0;  ///< of the table whose texture there is
-};
 
 GBufferMapper::GBufferMapper() : state_(std::make_unique<State>())
 {
@@ -63,6 +28,7 @@ GBufferMapper::setMode(DisplayMode mode)
 {
   if (!supports(mode)) return false;
   if (mode == state_->mode) return true;
+  if (mode == DisplayMode::kSketch || state_->mode == DisplayMode::kSketch) dropLines();
   state_->mode = mode;
   state_->table_current = false;
   updateTable();
@@ -184,6 +150,31 @@ GBufferMapper::UpdateBufferObjects(vtkRenderer* /*renderer*/, vtkActor* /*actor*
   // There are no vertices: rays meet the object itself.
 }
 
+void
+GBufferMapper::complete(FrameRequest& /*request*/) const
+{
+}
+
+bool
+GBufferMapper::wantsLines() const
+{
+  return false;
+}
+
+Error
+GBufferMapper::drawLinesOver(const Camera& /*camera*/, const FrameRequest& /*request*/,
+                             const GBuffer* /*buffer*/, std::vector<std::uint8_t>& /*rgba*/)
+{
+  return {};
+}
+
+void
+GBufferMapper::dropLines()
+{
+  state_->lines_current = false;
+  Modified();
+}
+
 bool
 GBufferMapper::usesCard(vtkOpenGLRenderWindow* /*window*/, const FrameRequest& /*request*/)
 {
@@ -205,134 +196,6 @@ GBufferMapper::dropFrame()
   Modified();
 }
 
-/** \brief Intersects a frame's rays on the graphics card or, failing that, on the CPU. */
-Error
-GBufferMapper::makeFrame(vtkOpenGLRenderWindow* window, const FrameRequest& request, int coarseness)
-{
-  State& s = *state_;
-  const FrameKey key(s.view, request, s.object);
-  s.statistics.on_card = false;
-  if (usesCard(window, request)) {
-    const Error error = s.frame.makeOnCard(
-        s.view, key, coarseness, request,
-        [&](const ViewCamera& view, const FrameRequest& what, std::uint64_t& covered) {
-          return drawOnCard(window, view, what, s.textures, covered);
-        });
-    s.statistics.on_card = s.uploaded = !error;
-    if (!error) return {};
-  }
-  s.uploaded = false;
-  return s.frame.make(s.view, key, coarseness, request, lengthScale(),
-                      [this](const Camera& camera, const FrameRequest& what, GBuffer& buffer) {
-                        return rasterize(camera, what, buffer);
-                      });
-}
-
-/** \brief Intersects rays unless the last frame still holds. \return false for an empty frame. */
-bool
-GBufferMapper::prepareFrame(vtkRenderer* renderer, vtkActor* actor)
-{
-  State& s = *state_;
-  auto* window = static_cast<vtkOpenGLRenderWindow*>(renderer->GetRenderWindow());
-  window->GetState()->vtkglGetIntegerv(GL_VIEWPORT, s.viewport.data());
-  s.view = viewOf(renderer, actor, s.bounds, s.viewport[2], s.viewport[3]);
-  s.planes = clipPlanesOf(this, actor);
-  const FrameRequest request{0.0, s.sides, s.threads, s.planes};
-  const FrameKey key(s.view, request, s.object);
-  const bool hurry = s.budget > 0.0 && isInteracting(renderer);
-  const int coarseness = hurry ? s.frame.coarsenessFor(s.budget) : 1;
-  if (!s.frame.holds(key, coarseness)) {
-    s.error = makeFrame(window, request, coarseness);
-    if (s.error) {
-      vtkErrorMacro(<< s.error.message);
-      return false;
-    }
-    ++s.statistics.rasterized;
-    s.statistics.coarseness = coarseness;
-    s.statistics.covered_pixels = s.frame.coveredPixels();
-    s.statistics.rasterize_seconds = s.frame.seconds();
-  }
-  return s.frame.coveredPixels() > 0;
-}
-
-/** \brief Brings over to the graphics card what has changed since it was there. */
-void
-GBufferMapper::uploadFrame(vtkOpenGLRenderWindow* window)
-{
-  State& s = *state_;
-  if (!s.uploaded) {
-    s.textures.setFrame(window, s.frame.packed(), s.frame.width(), s.frame.height());
-    s.uploaded = true;
-  }
-  if (!showsNumbers(s.mode)) return;
-  s.textures.needAttributes(window, s.frame.packed());
-  vtkScalarsToColors* table = GetLookupTable();
-  if (s.table_time == table->GetMTime()) return;
-  s.textures.setTable(window, table, ColorScale(s.mode, table));
-  s.table_time = table->GetMTime();
-}
-
-void
-GBufferMapper::RenderPieceDraw(vtkRenderer* renderer, vtkActor* actor)
-{
-  State& s = *state_;
-  ++s.statistics.frames;
-  if (!prepareFrame(renderer, actor)) return;
-  uploadFrame(static_cast<vtkOpenGLRenderWindow*>(renderer->GetRenderWindow()));
-  s.textures.activate();
-  UpdateShaders(Primitives[PrimitiveTris], renderer, actor);
-  // A new shader has dropped the vertex array, and without one nothing is drawn.
-  Primitives[PrimitiveTris].VAO->Bind();
-  glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
-  s.textures.deactivate();
-}
-
-void
-GBufferMapper::ReleaseGraphicsResources(vtkWindow* window)
-{
-  state_->textures.release(window);
-  if (state_->statistics.on_card) state_->frame.clear();
-  state_->uploaded = false;
-  state_->table_time = 0;
-  Superclass::ReleaseGraphicsResources(window);
-}
-
-void
-GBufferMapper::GetShaderTemplate(std::map<vtkShader::Type, vtkShader*> shaders,
-                                 vtkRenderer* renderer, vtkActor* actor)
-{
-  Superclass::GetShaderTemplate(shaders, renderer, actor);
-  shaders[vtkShader::Vertex]->SetSource(resolveVertexShader());
-  shaders[vtkShader::Geometry]->SetSource("");
-}
-
-void
-GBufferMapper::ReplaceShaderValues(std::map<vtkShader::Type, vtkShader*> shaders,
-                                   vtkRenderer* renderer, vtkActor* actor)
-{
-  std::string source = shaders[vtkShader::Fragment]->GetSource();
-  insertResolve(source);
-  shaders[vtkShader::Fragment]->SetSource(source);
-  Superclass::ReplaceShaderValues(shaders, renderer, actor);
-}
-
-void
-GBufferMapper::SetCameraShaderParameters(vtkOpenGLHelper& primitive, vtkRenderer* /*renderer*/,
-                                         vtkActor* /*actor*/)
-{
-  State& s = *state_;
-  vtkShaderProgram* program = primitive.Program;
-  s.textures.tell(program);
-  const std::array<float, 3> range = ColorScale(s.mode, GetLookupTable()).shader;
-  program->SetUniformi("slimMode", static_cast<int>(s.mode));
-  program->SetUniform3f("slimRange", range.data());
-  program->SetUniform4f("slimRectangle", s.frame.rectangle().data());
-  std::array<float, 4> viewport{};
-  std::copy(s.viewport.begin(), s.viewport.end(), viewport.begin());
-  program->SetUniform4f("slimViewport", viewport.data());
-  tellView(s.frame.view(), s.view.gl, s.planes, program);
-}
-
 bool
 GBufferMapper::castRay(vtkRenderer* renderer, vtkActor* actor, int x, int y, GBuffer& pixel)
 {
@@ -346,8 +209,10 @@ GBufferMapper::castRay(vtkRenderer* renderer, vtkActor* actor, int x, int y, GBu
   ViewCamera translated;
   if (translateView(view.gl, view.near_distance, 1, translated)) return false;
   const double column = (x + 0.5) * translated.texels_x - 0.5;
-  const FrameRequest request{translated.near_plane, state_->sides, state_->threads,
-                             clipPlanesOf(this, actor)};
+  FrameRequest request{translated.near_plane, state_->sides, state_->threads,
+                       clipPlanesOf(this, actor)};
+  complete(request);
+  request.lod = 0.0;
   const Camera camera = cameraOfPixel(translated.camera, column, height - 1 - y);
   if (rasterize(camera, request, pixel)) return false;
   return pixel.numPixels() == 1 && pixel.covered(0);

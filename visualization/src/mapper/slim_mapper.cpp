@@ -4,6 +4,9 @@
 #include <vtkObjectFactory.h>
 #include <vtkPolyData.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "color/surface_ranges.h"
 #include "export/leaf_points.h"
 #include "frame/surface_frame.h"
@@ -55,6 +58,81 @@ SLIMMapper::setBackend(RayBackend backend)
   backend_ = backend;
   card_fails_ = false;
   dropFrame();
+}
+
+void
+SLIMMapper::setLevelOfDetail(double pixels)
+{
+  constexpr double kMost = 1024.0;  // as RenderParams takes
+  pixels = std::isfinite(pixels) ? std::clamp(pixels, 0.0, kMost) : 0.0;
+  if (pixels == lod_) return;
+  lod_ = pixels;
+  Modified();
+}
+
+void
+SLIMMapper::setTrimming(bool trim)
+{
+  if (trim == trim_) return;
+  trim_ = trim;
+  Modified();
+}
+
+void
+SLIMMapper::complete(FrameRequest& request) const
+{
+  request.lod = lod_;
+  request.trim = trim_;
+  request.columns = pictureLineColumns(linesShown());
+}
+
+Error
+SLIMMapper::setLines(const PictureLineParams& lines, const LineStyle& style)
+{
+  if (Error error = lines.validate()) return error;
+  std::vector<std::uint8_t> none;
+  if (Error error = drawLines({}, style, {1, 1}, none)) return error;
+  lines_ = lines;
+  line_style_ = style;
+  dropLines();
+  return {};
+}
+
+/** \brief The kinds that are drawn in the mode that is set. */
+PictureLineParams
+SLIMMapper::linesShown() const
+{
+  PictureLineParams shown = lines_;
+  const bool any = lines_.crest || lines_.suggestive || lines_.contour;
+  if (!any && getMode() == DisplayMode::kSketch) {
+    shown.crest = shown.suggestive = shown.contour = true;
+  }
+  return shown;
+}
+
+bool
+SLIMMapper::wantsLines() const
+{
+  const PictureLineParams shown = linesShown();
+  return surface_ && (shown.crest || shown.suggestive || shown.contour);
+}
+
+Error
+SLIMMapper::drawLinesOver(const Camera& camera, const FrameRequest& request, const GBuffer* buffer,
+                          std::vector<std::uint8_t>& rgba)
+{
+  PictureLineParams shown = linesShown();
+  shown.threads = request.threads;
+  const unsigned needed = pictureLineColumns(shown);
+  GBuffer own;
+  if (!buffer || (request.columns & needed) != needed) {
+    FrameRequest with_columns = request;
+    with_columns.columns = needed;
+    if (Error error = rasterize(camera, with_columns, own)) return error;
+    buffer = &own;
+  }
+  auto lines = findPictureLines(*buffer, camera, *surface_, shown);
+  return lines ? drawLines(*lines, line_style_, camera.size, rgba) : lines.error();
 }
 
 bool

@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 constexpr float kNothing = 3e38f;  ///< depth where no ray has met anything
-constexpr int kMostPeels = 24;
+constexpr int kMostPeels = 8;      ///< as the CPU lets rays pass
 
 float
 single(double x)
@@ -42,8 +42,8 @@ clear(int target, float value)
 /** \brief What the shaders are told of a frame: the rules of FrameRules in float. */
 struct CardRasterizer::FrameValues {
   float eye[3], eye_rest[3], axes[9], screen[4], shift[2];
-  float near_depth, shrink, cover_radius, min_coverage, scale;
-  int front_only, oriented, kernel, degree;
+  float near_depth, shrink, cover_radius, min_coverage, scale, detail;
+  int front_only, oriented, kernel, degree, trimmed;
 
   FrameValues(const SLIMSurface& surface, const ViewCamera& view, const FrameRequest& request)
   {
@@ -59,6 +59,8 @@ struct CardRasterizer::FrameValues {
     oriented = info.oriented;
     kernel = static_cast<int>(info.blend_kernel);
     degree = info.degree;
+    trimmed = request.trim;
+    detail = 0.5f * single(request.lod) * screen[0];
   }
 
   void setCamera(const SurfaceInfo& info, const Camera& camera)
@@ -109,8 +111,9 @@ struct CardRasterizer::Pass {
     read.push_back(source);
   }
 
-  /** \brief Draws a rectangle around every leaf. \param[in] reach share of its radius */
-  void drawLeaves(float reach)
+  /** \brief Draws a rectangle around every leaf, and every internal surfel that a level of detail
+   * may show. \param[in] reach share of its radius */
+  void drawLeaves(float reach, bool is_first = false)
   {
     texture("slimLeaves", leaves.texture());
     const FrameValues& v = values;
@@ -127,7 +130,11 @@ struct CardRasterizer::Pass {
     program->SetUniformf("slimNear", v.near_depth);
     program->SetUniformf("slimCoverRadius", v.cover_radius);
     program->SetUniformf("slimScale", v.scale);
-    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, leaves.leaves());
+    program->SetUniformf("slimDetail", v.detail);
+    program->SetUniformi("slimFirstPass", is_first);
+    program->SetUniformi("slimTrimmed", v.trimmed);
+    const int count = v.detail > 0.0f ? leaves.surfels() : leaves.leaves();
+    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, count);
     end();
   }
 
@@ -179,7 +186,7 @@ CardRasterizer::draw(vtkOpenGLRenderWindow* window, const ViewCamera& view,
 {
   covered = 0;
   if (!surface_) return {};
-  if (Error error = leaves_.upload(window, *surface_)) return error;
+  if (Error error = leaves_.upload(window, *surface_, request.lod > 0.0)) return error;
   if (leaves_.leaves() == 0) return {};
   const int width = view.camera.size.width, height = view.camera.size.height;
   const CardState keeper(window);
@@ -223,7 +230,7 @@ CardRasterizer::findFirst(Pass& pass, int from)
   if (Error error = pass.begin(leafVertexShader(), firstPassShader())) return error;
   pass.addInto(GL_MIN);
   pass.texture("slimNearest", targets_.nearest[static_cast<std::size_t>(from)]);
-  pass.drawLeaves(pass.values.shrink);
+  pass.drawLeaves(pass.values.shrink, true);
   return {};
 }
 
@@ -236,6 +243,7 @@ CardRasterizer::blend(Pass& pass)
   if (Error error = pass.begin(leafVertexShader(), blendPassShader())) return error;
   pass.addInto(GL_FUNC_ADD);
   pass.texture("slimFirst", targets_.first);
+  pass.texture("slimTrims", leaves_.trims());
   pass.drawLeaves(1.0f);
   return {};
 }
@@ -268,7 +276,7 @@ CardRasterizer::peel(Pass& pass, int from, std::uint64_t& left)
   if (Error error = pass.begin(frameVertexShader(), peelShader())) return error;
   pass.texture("slimFirst", targets_.first);
   pass.texture("slimNearest", targets_.nearest[source]);
-  for (std::size_t i = 0; i < 3; ++i) {
+  for (std::size_t i = 0; i < 4; ++i) {
     pass.texture(("slimSums" + std::to_string(i)).c_str(), targets_.sums[i]);
   }
   glBeginQuery(GL_SAMPLES_PASSED, query_);

@@ -9,64 +9,59 @@
 
 #include <algorithm>
 
-#include "frame/packed_frame.h"
-
 namespace pcl_slim::detail {
-
-std::vector<float>
-packLeaves(const SLIMSurface& surface)
-{
-  const std::size_t length = 4 * static_cast<std::size_t>(texelsOfLeaf(surface.info.degree));
-  std::vector<float> texels;
-  texels.reserve(surface.numLeaves() * length);
-  for (std::size_t i = 0; i < surface.size(); ++i) {
-    if (!surface.isLeaf(i)) continue;
-    const std::array<double, 3> normal{surface.nx[i], surface.ny[i], surface.nz[i]};
-    const LocalFrame frame(normal);
-    const double weight = surface.info.paper_mode ? 1.0 : surface.varianceWeight(i);
-    const std::size_t end = texels.size() + length;
-    texels.insert(texels.end(), {surface.cx[i], surface.cy[i], surface.cz[i], surface.radius[i]});
-    for (const double value : frame.w) texels.push_back(static_cast<float>(value));
-    texels.push_back(static_cast<float>(weight));
-    for (const double value : frame.u) texels.push_back(static_cast<float>(value));
-    texels.push_back(levelAndResidual(surface.level[i], surface.error[i], surface.radius[i]));
-    const float* c = surface.coefficientsOf(i);
-    texels.insert(texels.end(), c, c + surface.stride());
-    texels.resize(end, 0.0f);
-  }
-  return texels;
-}
 
 LeafBuffer::LeafBuffer() = default;
 LeafBuffer::~LeafBuffer() = default;
 
 Error
-LeafBuffer::upload(vtkOpenGLRenderWindow* window, const SLIMSurface& surface)
+LeafBuffer::upload(vtkOpenGLRenderWindow* window, const SLIMSurface& surface, bool with_internal)
 {
-  if (there_) return {};
-  const std::vector<float> texels = packLeaves(surface);
+  if (there_ && (internal_there_ || !with_internal)) return {};
+  leaves_ = surfels_ = 0;
+  const LeafTexels texels = packLeaves(surface, with_internal);
+  if (texels.leaves == 0) return {};
+  if (Error error = store(window, texels)) return error;
+  leaves_ = static_cast<int>(texels.leaves);
+  surfels_ = static_cast<int>(texels.all);
+  there_ = true;
+  internal_there_ = with_internal;
+  return {};
+}
+
+Error
+LeafBuffer::store(vtkOpenGLRenderWindow* window, const LeafTexels& texels)
+{
   GLint most = 0;
   window->GetState()->vtkglGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
-  if (texels.size() / 4 > static_cast<std::size_t>(std::max(0, most))) {
+  if (std::max(texels.surfels.size() / 4, texels.trim_words.size()) >
+      static_cast<std::size_t>(std::max(0, most))) {
     return {ErrorCode::kBadArgument,
             "the graphics card takes no surface of so many leaves; draw it on the CPU"};
   }
-  leaves_ = static_cast<int>(surface.numLeaves());
-  if (leaves_ == 0) return {};
-  buffer_->Upload(texels, vtkOpenGLBufferObject::TextureBuffer);
+  buffer_->Upload(texels.surfels, vtkOpenGLBufferObject::TextureBuffer);
+  trim_buffer_->Upload(texels.trim_words, vtkOpenGLBufferObject::TextureBuffer);
   texture_->SetContext(window);
-  const bool made = texture_->CreateTextureBuffer(static_cast<unsigned>(texels.size() / 4), 4,
-                                                  VTK_FLOAT, buffer_);
-  if (!made) return {ErrorCode::kBadArgument, "the graphics card has no texture buffers"};
-  there_ = true;
-  return {};
+  trims_->SetContext(window);
+  // Of itself VTK would have the shader read whole numbers as floats.
+  trims_->SetInternalFormat(GL_R32I);
+  const bool made = texture_->CreateTextureBuffer(static_cast<unsigned>(texels.surfels.size() / 4),
+                                                  4, VTK_FLOAT, buffer_) &&
+                    trims_->CreateTextureBuffer(static_cast<unsigned>(texels.trim_words.size()), 1,
+                                                VTK_INT, trim_buffer_);
+  return made ? Error{}
+              : Error{ErrorCode::kBadArgument, "the graphics card has no texture buffers"};
 }
 
 void
 LeafBuffer::release(vtkWindow* window)
 {
-  texture_->ReleaseGraphicsResources(window);
-  buffer_->ReleaseGraphicsResources();
+  for (vtkTextureObject* texture : {texture_.Get(), trims_.Get()}) {
+    texture->ReleaseGraphicsResources(window);
+  }
+  for (vtkOpenGLBufferObject* buffer : {buffer_.Get(), trim_buffer_.Get()}) {
+    buffer->ReleaseGraphicsResources();
+  }
   there_ = false;
 }
 

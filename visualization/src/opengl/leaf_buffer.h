@@ -3,10 +3,8 @@
 
 #include <vtkNew.h>
 
-#include <vector>
-
+#include "opengl/leaf_texels.h"
 #include "pcl_slim/core/error.h"
-#include "pcl_slim/surface/surface.h"
 
 class vtkOpenGLBufferObject;
 class vtkOpenGLRenderWindow;
@@ -15,20 +13,8 @@ class vtkWindow;
 
 namespace pcl_slim::detail {
 
-/** \brief Texels of four numbers a leaf of a surface takes on the graphics card: centre and radius,
- * normal and weight, the frame's u axis with the level and, as its fraction, the residual in radii;
- * then the coefficients. */
-constexpr int
-texelsOfLeaf(int degree)
-{
-  return 3 + (numCoefficients(degree) + 3) / 4;
-}
-
-/** \brief A surface's leaves, texelsOfLeaf(info.degree) texels each. O(leaves). */
-std::vector<float>
-packLeaves(const SLIMSurface& surface);
-
-/** \brief Those on the graphics card, as a texture of one dimension. */
+/** \brief A surface's surfels on the graphics card, and the trim maps of the open ones, as textures
+ * of one dimension. */
 class LeafBuffer {
  public:
   LeafBuffer();
@@ -36,21 +22,25 @@ class LeafBuffer {
   LeafBuffer(const LeafBuffer&) = delete;
   LeafBuffer& operator=(const LeafBuffer&) = delete;
 
-  /** \brief Brings the leaves over, unless they are there. \return an error where the card takes no
-   * texture so long. */
-  Error upload(vtkOpenGLRenderWindow* window, const SLIMSurface& surface);
-  /** \brief Lets the next upload() bring leaves over again. */
+  /** \brief Brings the surfels over, unless they are there. \param[in] with_internal internal ones
+   * too. \return an error where the card takes no texture so long. */
+  Error upload(vtkOpenGLRenderWindow* window, const SLIMSurface& surface, bool with_internal);
+  /** \brief Lets the next upload() bring surfels over again. */
   void forget() { there_ = false; }
   void release(vtkWindow* window);
 
   vtkTextureObject* texture() const { return texture_; }
+  vtkTextureObject* trims() const { return trims_; }
   int leaves() const { return leaves_; }
+  int surfels() const { return surfels_; }  ///< leaves, which come first, and internal ones
 
  private:
-  bool there_ = false;
-  int leaves_ = 0;
-  vtkNew<vtkOpenGLBufferObject> buffer_;
-  vtkNew<vtkTextureObject> texture_;
+  Error store(vtkOpenGLRenderWindow* window, const LeafTexels& texels);
+
+  bool there_ = false, internal_there_ = false;
+  int leaves_ = 0, surfels_ = 0;
+  vtkNew<vtkOpenGLBufferObject> buffer_, trim_buffer_;
+  vtkNew<vtkTextureObject> texture_, trims_;
 };
 
 }  // namespace pcl_slim::detail

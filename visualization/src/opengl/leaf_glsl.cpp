@@ -29,6 +29,8 @@ uniform int slimTexelsOfLeaf;
 uniform int slimDegree;
 uniform int slimFrontOnly;
 flat in int slimLeaf;
+flat in vec3 slimPart;         // share of the weight, 1 / the cover's radius, scale of the ball
+flat in ivec2 slimTrim;        // where the trim map begins and its side; side 0: closed
 
 // Along the ray s counts in radii from where it is nearest to the centre.
 struct Leaf {
@@ -48,13 +50,13 @@ Leaf slimReadLeaf(vec2 slopes, vec3 direction)
   vec4 normal = texelFetch(slimLeaves, at + 1);
   vec4 axis = texelFetch(slimLeaves, at + 2);
   leaf.radius = ball.w;
-  leaf.weight = normal.w;
+  leaf.weight = normal.w * slimPart.x;
   leaf.share = axis.w;
   leaf.w = normal.xyz;
   leaf.u = axis.xyz;
   leaf.v = cross(leaf.w, leaf.u);
   for (int i = 0; i < 4; ++i) {
-    vec4 four = i + 3 < slimTexelsOfLeaf ? texelFetch(slimLeaves, at + 3 + i) : vec4(0.0);
+    vec4 four = i + 4 < slimTexelsOfLeaf ? texelFetch(slimLeaves, at + 4 + i) : vec4(0.0);
     for (int k = 0; k < 4; ++k) leaf.c[4 * i + k] = four[k];
   }
   vec3 center = (ball.xyz - slimEye) - slimEyeRest;
@@ -138,7 +140,7 @@ const float kNoRoot = 1e9;
 float slimRootBetween(float a[5], float low, float high, float none)
 {
   float at_low = slimValue(a, low), at_high = slimValue(a, high);
-  bool crosses = (at_low > 0.0) != (at_high > 0.0);
+  if ((at_low > 0.0) == (at_high > 0.0)) return none;
   float x = low + (high - low) * at_low / (at_low - at_high);
   for (int i = 0; i < 24; ++i) {
     float value = slimValue(a, x);
@@ -153,7 +155,7 @@ float slimRootBetween(float a[5], float low, float high, float none)
     x = next;
     if (settled) break;
   }
-  return crosses ? x : none;
+  return x;
 }
 
 // Both roots, ascending, of a[0] + a[1] s + a[2] s^2; kNoRoot for those that are missing.
@@ -182,6 +184,12 @@ vec4 slimRoots(float a[5], float low, float high)
     vec2 r = slimQuadratic(a);
     return vec4(r.x >= low && r.x <= high ? r.x : kNoRoot, r.y >= low && r.y <= high ? r.y : kNoRoot,
                 kNoRoot, kNoRoot);
+  }
+  // Most leaves lie so flat that the slope keeps its sign all along the chord.
+  float h = max(abs(low), abs(high));
+  float bend = h * (2.0 * abs(a[2]) + h * (3.0 * abs(a[3]) + h * 4.0 * abs(a[4])));
+  if (abs(a[1]) > bend) {
+    return vec4(slimRootBetween(a, low, high, kNoRoot), kNoRoot, kNoRoot, kNoRoot);
   }
   if (slimDegree == 3) {
     vec2 k = slimTurns(a, low, high);

@@ -10,7 +10,33 @@ constexpr const char* kLeafVertex = R"(
 uniform samplerBuffer slimLeaves;
 uniform int slimTexelsOfLeaf;
 uniform float slimReach;     // share of a leaf's radius that counts
+uniform int slimFirstPass;
+uniform float slimCoverRadius;
+uniform float slimDetail;    // radius on the plane at unit depth of the level of detail; 0: none
 flat out int slimLeaf;
+flat out vec3 slimPart;
+flat out ivec2 slimTrim;
+
+// How far surfels of a radius stand for their descendants: from the level of detail to half more
+// they fade.
+float slimCoarse(float radius, float z)
+{
+  const float fade = 1.5;
+  float size = radius / max(slimDetail * (slimScreen.w > 0.0 ? 1.0 : z), 1e-30);
+  return smoothstep(0.0, 1.0, (fade - size) / (fade - 1.0));
+}
+
+// What leaves and internal surfels count for; internal ones cover what they hold.
+vec3 slimPartOf(vec4 ball, vec4 more, float z)
+{
+  const float meets = 0.4;
+  vec3 part = vec3(1.0, 1.0 / slimCoverRadius, 1.0);
+  if (slimDetail <= 0.0) return part;
+  part.x = slimCoarse(more.z, z) * (1.0 - slimCoarse(more.w, z));
+  if (slimFirstPass != 0 && part.x < meets) part.x = 0.0;
+  if (more.z > 0.0) part.yz = vec2(0.0, ball.w / more.z);
+  return part;
+}
 
 // Bounds of a sphere's outline on the plane at unit depth, along one axis.
 vec2 slimOutline(float x, float z, float radius)
@@ -25,7 +51,11 @@ void main()
 {
   slimLeaf = gl_InstanceID;
   vec4 ball = texelFetch(slimLeaves, gl_InstanceID * slimTexelsOfLeaf);
+  vec4 more = texelFetch(slimLeaves, gl_InstanceID * slimTexelsOfLeaf + 3);
   vec3 center = ((ball.xyz - slimEye) - slimEyeRest) * slimAxes;
+  int rest = int(more.y);
+  slimTrim = rest < 0 ? ivec2(0) : ivec2(4096 * int(more.x) + rest / 64, rest % 64 + 1);
+  slimPart = slimPartOf(ball, more, center.z);
   float radius = 1.001 * slimReach * ball.w;
   vec2 x = vec2(center.x - radius, center.x + radius);
   vec2 y = vec2(center.y - radius, center.y + radius);
@@ -35,8 +65,8 @@ void main()
   }
   vec2 slope = vec2((gl_VertexID & 1) == 0 ? x.x : x.y, (gl_VertexID & 2) == 0 ? y.x : y.y);
   vec2 ndc = 2.0 * (vec2(slope.x, -slope.y) / slimScreen.x - slimShift) / slimScreen.yz;
-  bool behind = center.z < -radius;
-  gl_Position = behind ? vec4(2.0, 2.0, 0.0, 1.0) : vec4(clamp(ndc, -2.0, 2.0), 0.0, 1.0);
+  bool hidden = center.z < -radius || slimPart.x <= 0.0;
+  gl_Position = hidden ? vec4(2.0, 2.0, 0.0, 1.0) : vec4(clamp(ndc, -2.0, 2.0), 0.0, 1.0);
 }
 )";
 
@@ -112,7 +142,34 @@ float slimBlendedRoot(Leaf leaf, float a[5], float s_hat, out float s)
 )";
 
 constexpr const char* kBlendPass = R"(
-uniform float slimCoverRadius;
+uniform isamplerBuffer slimTrims;
+uniform int slimTrimmed;
+
+// Weights of the node nearest to a coordinate and of its neighbours.
+vec3 slimSpline(float coordinate, int last, out int node)
+{
+  float x = clamp(0.5 * (coordinate + 1.0), 0.0, 1.0) * float(last);
+  node = int(x + 0.5);
+  float d = x - float(node);
+  return vec3(0.5 * (0.5 - d) * (0.5 - d), 0.75 - d * d, 0.5 * (0.5 + d) * (0.5 + d));
+}
+
+// How far outside of its data a leaf is: 0 inside, 1 outside, 1/2 on the border. A word holds the
+// nodes below, on and above a row in columns 8 q - 1 ... 8 q + 8, a bit each, set outside.
+float slimOutside(float u, float v)
+{
+  if (slimTrimmed == 0 || slimTrim.y == 0) return 0.0;
+  int column, row;
+  vec3 x = slimSpline(u, slimTrim.y - 1, column), y = slimSpline(v, slimTrim.y - 1, row);
+  int word = texelFetch(slimTrims, slimTrim.x + row * ((slimTrim.y + 7) / 8) + column / 8).x;
+  int code = (word >> (3 * (column & 7))) & 511;
+  float sum = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    ivec3 set = (ivec3(code) >> (ivec3(3 * i) + ivec3(0, 1, 2))) & 1;
+    sum += x[i] * dot(y, vec3(set));
+  }
+  return sum;
+}
 
 void slimJet(Leaf leaf, float u, float v, out vec2 g, out vec3 h)
 {
@@ -153,15 +210,17 @@ void main()
   vec3 q = leaf.point + s * direction;
   vec2 g;
   vec3 h;
-  slimJet(leaf, dot(q, leaf.u), dot(q, leaf.v), g, h);
+  float at_u = dot(q, leaf.u), at_v = dot(q, leaf.v);
+  slimJet(leaf, at_u, at_v, g, h);
   float side = slimSlope(a, s) > 0.0 ? -1.0 : 1.0;
-  float cover = slimWeight((leaf.distance2 + s * s) / (slimCoverRadius * slimCoverRadius));
+  float cover = slimWeight((leaf.distance2 + s * s) * slimPart.y * slimPart.y);
   vec3 u = leaf.u, v = leaf.v;
   float scale = -side * w / leaf.radius;
   gl_FragData[0] = vec4(w, w * (s - s_hat) * leaf.radius, cover, 1.0);
   gl_FragData[1] = vec4(w * q, side);
   gl_FragData[2] = vec4(side * w * (leaf.w - g.x * u - g.y * v), w * leaf.radius);
-  gl_FragData[3] = vec4(scale * (h.x * u * u + 2.0 * h.y * u * v + h.z * v * v), 0.0);
+  gl_FragData[3] = vec4(scale * (h.x * u * u + 2.0 * h.y * u * v + h.z * v * v),
+                        w * slimOutside(slimPart.z * at_u, slimPart.z * at_v));
   gl_FragData[4] = vec4(scale * (h.x * u.x * u.y + h.y * (u.x * v.y + v.x * u.y) + h.z * v.x * v.y),
                         scale * (h.x * u.x * u.z + h.y * (u.x * v.z + v.x * u.z) + h.z * v.x * v.z),
                         scale * (h.x * u.y * u.z + h.y * (u.y * v.z + v.y * u.z) + h.z * v.y * v.z),
@@ -184,7 +243,7 @@ void main()
   if (!(w > 0.0)) discard;
   // Depths near 1 tell small weights no longer apart, so it is the logarithm that is compared.
   gl_FragDepth = clamp(-log2(w) / 64.0, 0.0, 0.999);
-  gl_FragData[0] = vec4(0.0, 0.0, leaf.radius * slimScale, leaf.share);
+  gl_FragData[0] = vec4(0.0, 0.0, leaf.radius / slimPart.z * slimScale, leaf.share);
 }
 )";
 
@@ -199,9 +258,10 @@ uniform sampler2D slimSums3;
 uniform sampler2D slimSums4;
 uniform float slimMinCoverage;
 
-bool slimSupported(vec4 sum, vec3 lean)
+bool slimSupported(vec4 sum, vec3 lean, float outside)
 {
   const float most = 0.25;  // of how far the leaves' middle lies aside, in radii
+  if (outside > 0.5 * sum.x) return false;
   if (sum.z >= slimMinCoverage) return true;
   return sum.w >= 2.5 && dot(lean, lean) < most * most * sum.x * sum.x;
 }
@@ -231,10 +291,10 @@ void main()
   if (texelFetch(slimNearest, at, 0).x < 0.0) discard;
   float first = texelFetch(slimFirst, at, 0).x;
   vec4 sum = texelFetch(slimSums0, at, 0);
-  vec4 lean = texelFetch(slimSums1, at, 0);
-  if (!(sum.x > 0.0) || !slimSupported(sum, lean.xyz)) discard;
+  vec4 lean = texelFetch(slimSums1, at, 0), bent = texelFetch(slimSums3, at, 0);
+  if (!(sum.x > 0.0) || !slimSupported(sum, lean.xyz, bent.w)) discard;
   vec3 g = texelFetch(slimSums2, at, 0).xyz / sum.x;
-  vec3 d = texelFetch(slimSums3, at, 0).xyz / sum.x;
+  vec3 d = bent.xyz / sum.x;
   vec3 o = texelFetch(slimSums4, at, 0).xyz / sum.x;
   float depth = (first + sum.y / sum.x) * slimScale;
   bool behind = slimOriented != 0 && lean.w < 0.0;
@@ -250,7 +310,8 @@ void main()
   ivec2 at = ivec2(gl_FragCoord.xy);
   if (texelFetch(slimNearest, at, 0).x < 0.0) discard;
   vec4 sum = texelFetch(slimSums0, at, 0);
-  if (!(sum.x > 0.0) || slimSupported(sum, texelFetch(slimSums1, at, 0).xyz)) discard;
+  vec3 lean = texelFetch(slimSums1, at, 0).xyz;
+  if (!(sum.x > 0.0) || slimSupported(sum, lean, texelFetch(slimSums3, at, 0).w)) discard;
   const float step = 0.05;  // of a radius: passes over the other leaves of the same flap
   float radius = texelFetch(slimSums2, at, 0).w / sum.x;
   gl_FragData[0] = vec4(texelFetch(slimFirst, at, 0).x + step * radius);

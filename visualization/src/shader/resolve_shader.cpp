@@ -26,6 +26,8 @@ uniform sampler2D slimGeometry;
 uniform sampler2D slimAttributes;
 uniform sampler2D slimColors;
 uniform sampler2D slimTable;
+uniform sampler2D slimLines;
+uniform int slimHasLines;
 uniform vec4 slimViewport;      // x, y, width, height in pixels
 uniform vec2 slimTexels;        // of the frame, per pixel of the viewport
 uniform vec4 slimPlane;         // scale and shift of x, scale and shift of y on the image plane
@@ -89,6 +91,26 @@ void slimChoose(vec2 at)
   }
 }
 
+// A pixel beside the silhouette that a line covers lies on the sheet next to it.
+vec4 slimBeside()
+{
+  vec4 hit = vec4(0.0);
+  ivec2 last = textureSize(slimGeometry, 0) - 1;
+  for (int y = -2; y <= 2; ++y) {
+    for (int x = -2; x <= 2; ++x) {
+      vec4 near = texelFetch(slimGeometry, clamp(slimLow + ivec2(x, y), ivec2(0), last), 0);
+      if (near.w != 0.0 && (hit.w == 0.0 || abs(near.w) < abs(hit.w))) hit = near;
+    }
+  }
+  return hit;
+}
+
+// Lines are drawn where every pixel has a ray.
+vec4 slimLineAt()
+{
+  return slimHasLines != 0 ? texelFetch(slimLines, slimLow, 0) : vec4(0.0);
+}
+
 float slimValue(vec4 a)
 {
   if (slimMode == 2) return 0.5 * (a.x + a.y);
@@ -114,6 +136,9 @@ constexpr const char* kPosition = R"(
                      slimViewport.w - (gl_FragCoord.y - slimViewport.y)) * slimTexels;
   slimChoose(slimAt);
   vec4 slimHit = slimFetch(slimGeometry);
+  vec4 slimLine = slimLineAt();
+  bool slimOff = slimHit.w == 0.0 && slimLine.a >= 0.5;
+  if (slimOff) slimHit = slimBeside();
   vec2 slimNdc = 2.0 * (gl_FragCoord.xy - slimViewport.xy) / slimViewport.zw - 1.0;
   vec2 slimXY = slimPlane.xz * slimNdc + slimPlane.yw;
   float slimT = abs(slimHit.w) * slimDepth.z;
@@ -159,6 +184,12 @@ constexpr const char* kColor = R"(//VTK::Color::Impl
 // Normals, stripes and the colours of splats are shown as they are.
 constexpr const char* kUnlit = R"(
   if (slimMode == 1 || slimMode == 8 || slimMode == 9) gl_FragData[0] = vec4(slimBase, opacity);
+  if (slimMode == 11) gl_FragData[0] = vec4(1.0, 1.0, 1.0, opacity);
+  vec3 slimPaper = pow(max(gl_FragData[0].rgb, vec3(0.0)), vec3(2.2));
+  vec3 slimInk = pow(slimLine.rgb, vec3(2.2));
+  if (slimLine.a > 0.0) {
+    gl_FragData[0].rgb = pow(mix(slimPaper, slimInk, slimOff ? 1.0 : slimLine.a), vec3(1.0 / 2.2));
+  }
   //VTK::TCoord::Impl
 )";
 

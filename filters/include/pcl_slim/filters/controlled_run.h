@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <functional>
 #include <string>
 #include <utility>
 
@@ -49,14 +48,22 @@ class ControlledRun {
   void clearResults();
   /** \brief Records an error. \return false, as the run itself does. */
   bool fail(ErrorCode code, const std::string& message);
-  /** \brief Records what body returns, that it was cancelled meanwhile, or what it threw.
-   * \param[in] work what body does, as in "the fit"; \param[in] remedy where memory does not
-   * suffice. \return whether all went well. */
-  bool guarded(const std::string& work, const std::string& remedy,
-               const std::function<Error()>& body);
+  /** \brief Records the Error that body() returns, that it was cancelled meanwhile, or what it threw.
+   * Takes no memory before body() runs. \param[in] work what body does, as in "the fit";
+   * \param[in] remedy where memory does not suffice. \return whether all went well. */
+  template <typename Body>
+  bool guarded(const char* work, const char* remedy, const Body& body)
+  {
+    const auto call = [](const void* that) -> Error { return (*static_cast<const Body*>(that))(); };
+    return guardedCall(work, remedy, call, &body);
+  }
 
   RunControl control_;
   Error error_;
+
+ private:
+  bool guardedCall(const char* work, const char* remedy, Error (*call)(const void*),
+                   const void* body);
 };
 
 }  // namespace pcl_slim

@@ -10,8 +10,10 @@
 #include <vtkPolyData.h>
 #include <vtkSmartPointer.h>
 #include <vtkStringArray.h>
+#include <vtkUnsignedIntArray.h>
 #include <vtkXMLPolyDataWriter.h>
 
+#include <array>
 #include <cstring>
 #include <utility>
 
@@ -46,12 +48,15 @@ isOneOf(const std::string& name, const char* const (&names)[3])
   return name == names[0] || name == names[1] || name == names[2];
 }
 
-/** An array of one component for each field named. */
-vtkSmartPointer<vtkFloatArray>
+/** An array of one component for each field named; whole where the first field's numbers are. */
+vtkSmartPointer<vtkDataArray>
 gatherArray(const pcl::PCLPointCloud2& cloud, const char* name,
             const std::vector<std::size_t>& fields)
 {
-  auto array = vtkSmartPointer<vtkFloatArray>::New();
+  vtkSmartPointer<vtkDataArray> array = vtkSmartPointer<vtkFloatArray>::New();
+  if (!fields.empty() && cloud.fields[fields[0]].datatype == kUInt32) {
+    array = vtkSmartPointer<vtkUnsignedIntArray>::New();
+  }
   array->SetName(name);
   array->SetNumberOfComponents(static_cast<int>(fields.size()));
   array->SetNumberOfTuples(static_cast<vtkIdType>(numPoints(cloud)));
@@ -99,16 +104,33 @@ fillPolyData(const PointFile& file, vtkPolyData* data)
   data->GetFieldData()->AddArray(metadata);
 }
 
-/** Appends a float field, its values taken from one component of an array. */
-void
-addColumn(const std::string& name, const std::vector<double>& values, std::size_t components,
-          std::size_t component, pcl::PCLPointCloud2& cloud,
-          std::vector<std::vector<float>>& columns)
+/** A field's values, each as the four bytes of its type. */
+using Column = std::vector<std::array<std::uint8_t, 4>>;
+
+template <typename T>
+std::array<std::uint8_t, 4>
+bytesOf(T value)
 {
-  addField(cloud, name, kFloat32);
-  std::vector<float> column(values.size() / components);
+  std::array<std::uint8_t, 4> bytes;
+  static_assert(sizeof(value) == sizeof(bytes));
+  std::memcpy(bytes.data(), &value, sizeof(value));
+  return bytes;
+}
+
+/** Appends a field of floats, or of whole numbers where the array holds bits (all that 32 of them can
+ * say, which a float cannot), its values taken from one component of an array. */
+void
+addColumn(const std::string& name, std::uint8_t type, const std::vector<double>& values,
+          std::size_t components, std::size_t component, pcl::PCLPointCloud2& cloud,
+          std::vector<Column>& columns)
+{
+  const bool whole = type == kUInt32;
+  addField(cloud, name, whole ? kUInt32 : kFloat32);
+  Column column(values.size() / components);
   for (std::size_t i = 0; i < column.size(); ++i) {
-    column[i] = static_cast<float>(values[i * components + component]);
+    const double value = values[i * components + component];
+    column[i] =
+        whole ? bytesOf(static_cast<std::uint32_t>(value)) : bytesOf(static_cast<float>(value));
   }
   columns.push_back(std::move(column));
 }
@@ -116,12 +138,13 @@ addColumn(const std::string& name, const std::vector<double>& values, std::size_
 /** Appends the three fields of a vector array, or one of a scalar. */
 Error
 addArray(const VtpMarkup& markup, const VtpArray& array, const char* const* names,
-         pcl::PCLPointCloud2& cloud, std::vector<std::vector<float>>& columns)
+         pcl::PCLPointCloud2& cloud, std::vector<Column>& columns)
 {
   const auto values = readVtpNumbers(markup, array, markup.points * array.components);
   if (!values) return values.error();
   for (std::size_t k = 0; k < array.components; ++k) {
-    addColumn(names ? names[k] : array.name, *values, array.components, k, cloud, columns);
+    addColumn(names ? names[k] : array.name, array.type, *values, array.components, k, cloud,
+              columns);
   }
   return {};
 }
@@ -139,7 +162,7 @@ findArray(const VtpMarkup& markup, const char* section, const std::string& name)
 Error
 readFields(const VtpMarkup& markup, pcl::PCLPointCloud2& cloud)
 {
-  std::vector<std::vector<float>> columns;
+  std::vector<Column> columns;
   const VtpArray* const points = findArray(markup, "Points", "");
   if (points == nullptr || points->components != 3) {
     return {ErrorCode::kBadInput, "the VTP file holds no points; name one that saveSurface wrote"};
@@ -162,8 +185,7 @@ readFields(const VtpMarkup& markup, pcl::PCLPointCloud2& cloud)
   cloud.data.resize(n * cloud.point_step);
   for (std::size_t f = 0; f < columns.size(); ++f) {
     for (std::size_t i = 0; i < n; ++i) {
-      std::memcpy(cloud.data.data() + i * cloud.point_step + f * sizeof(float), &columns[f][i],
-                  sizeof(float));
+      std::memcpy(cloud.data.data() + i * cloud.point_step + 4 * f, columns[f][i].data(), 4);
     }
   }
   return {};

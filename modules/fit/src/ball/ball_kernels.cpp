@@ -129,19 +129,6 @@ selectResiduals(const BallBuffer& ball, const float* residuals, float low, float
   copyWhere(ball, keep, kept);
 }
 
-float
-farthestWithin(const BallBuffer& ball, float limit_sq)
-{
-  const Tag d;
-  const auto limit = hn::Set(d, limit_sq);
-  auto farthest = hn::Zero(d);
-  for (std::size_t i = 0; i < ball.count; i += hn::Lanes(d)) {
-    const auto s_sq = hn::Load(d, ball.s_sq.data() + i);
-    farthest = hn::Max(farthest, hn::IfThenElseZero(hn::Lt(s_sq, limit), s_sq));
-  }
-  return hn::GetLane(hn::MaxOfLanes(d, farthest));
-}
-
 template <int D>
 void
 residualsOfDegree(const BallBuffer& ball, const double* c, float* residuals)
@@ -174,7 +161,6 @@ namespace pcl_slim::detail::kernels {
 HWY_EXPORT(toFrame);
 HWY_EXPORT(compactBall);
 HWY_EXPORT(selectResiduals);
-HWY_EXPORT(farthestWithin);
 HWY_EXPORT(ballResiduals);
 
 void
@@ -194,12 +180,6 @@ selectResiduals(const BallBuffer& ball, const float* residuals, float low, float
                 BallBuffer& kept)
 {
   HWY_DYNAMIC_DISPATCH(selectResiduals)(ball, residuals, low, high, kept);
-}
-
-float
-farthestWithin(const BallBuffer& ball, float limit_sq)
-{
-  return HWY_DYNAMIC_DISPATCH(farthestWithin)(ball, limit_sq);
 }
 
 void

@@ -79,10 +79,6 @@ toFrame(const LocalFrame& frame, float radius, BallBuffer& ball);
 void
 compactBall(const BallBuffer& ball, float limit_sq, BallBuffer& inner);
 
-/** \brief The largest s_sq below a limit, at most 2; 0 where there is none. */
-float
-farthestWithin(const BallBuffer& ball, float limit_sq);
-
 /** \brief Copies the points whose residual lies in [low, high]. */
 void
 selectResiduals(const BallBuffer& ball, const float* residuals, float low, float high,

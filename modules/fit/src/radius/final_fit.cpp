@@ -6,29 +6,14 @@
 
 namespace pcl_slim::detail {
 
-double
-radiusOfData(TrialFits& trials, const Trial& trial, WeightKernel kernel)
-{
-  const BallBuffer& points = trials.samples().within(trial.rho);
-  // The least float that is not below rho^2 has the same floats below it.
-  const double rho_sq = trial.rho * trial.rho;
-  auto limit_sq = static_cast<float>(rho_sq);
-  if (limit_sq < rho_sq) limit_sq = std::nextafter(limit_sq, 2.0f * limit_sq);
-  const float farthest_sq = kernels::farthestWithin(points, limit_sq);
-  const double extent = trials.constants().data_margin * std::sqrt(farthest_sq);
-  if (extent >= trial.rho) return trial.rho;
-  return std::max(extent, trials.minimumSupportRadius(trial.rho, trial.fit.degree, kernel));
-}
-
 Trial
-FinalFit::make(const RadiusChoice& choice, RadiusRule& rule)
+FinalFit::make(const RadiusChoice& choice)
 {
   const FitSettings& settings = trials_.settings();
   const Trial& chosen = choice.trial;
   const bool at_minimum_support = choice.support_limited && chosen.supported;
   const WeightKernel kernel = at_minimum_support ? settings.wall_kernel : settings.fit_kernel;
   Trial result = chosen;
-  result.rho = rule.keptRadius(chosen, kernel);
   if (!trials_.refit(trials_.samples().within(result.rho), kernel, result)) {
     // Rounding cost a pivot: the accepted fit stands, made again with its coefficients.
     return trials_.at(chosen.rho, chosen.fit.degree, kernel);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// docs/theory.md, "One fit, step by step", 4 (the fit that is kept), and "Guards", Thin data and
-// Outliers.
+// docs/theory.md, "One fit, step by step", 4 (the fit that is kept), and "Guards", Outliers.
 #pragma once
 
 #include <vector>
@@ -14,9 +13,8 @@ class FinalFit {
  public:
   explicit FinalFit(TrialFits& trials) : trials_(trials) {}
 
-  /** \brief The fit at the radius that the rule keeps, with iterative refinement and, where asked,
-   * robust weights. */
-  Trial make(const RadiusChoice& choice, RadiusRule& rule);
+  /** \brief The chosen fit once more, with iterative refinement and, where asked, robust weights. */
+  Trial make(const RadiusChoice& choice);
 
  private:
   void fitRobustly(WeightKernel kernel, Trial& trial);
@@ -26,10 +24,5 @@ class FinalFit {
   BallBuffer robust_;
   std::vector<float> residuals_;
 };
-
-/** \brief A trial's radius, or less where the ball would spread the leaf over empty space: it
- * shrinks to its points as far as support allows. O(points). */
-double
-radiusOfData(TrialFits& trials, const Trial& trial, WeightKernel kernel);
 
 }  // namespace pcl_slim::detail

@@ -30,7 +30,6 @@ struct RadiusConstants {
   double support_lenience = 1.3;  ///< ratio of E; a wider ball is taken up to so many times E there
 
   // "Guards", Thin data.
-  double data_margin = 1.25;      ///< ratio of r to the distance of the farthest point, at most
   double scattered_ratio = 0.02;  ///< e / r beyond which few points make no surface
 
   // "Two fits on the same points".

@@ -47,7 +47,7 @@ class RadiusSearch {
   RadiusChoice fallBack();
 
   /** \brief The final fit of a leaf, with refinement and, where asked, robust weights. */
-  Trial refine(const RadiusChoice& choice) { return final_.make(choice, *rule_); }
+  Trial refine(const RadiusChoice& choice) { return final_.make(choice); }
 
   const FitCounts& counts() const { return trials_.counts(); }
 

@@ -8,12 +8,13 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr int kBlock = 5;       ///< cells a side of a block
-constexpr int kMostHalf = 127;  ///< cells from the middle: finer ones tell no more
+constexpr int kLong = 6, kShort = 4;  ///< cells of the rows of a patch, and its height in cells
+constexpr int kMostHalf = 127;        ///< cells from the middle: finer ones tell no more
 
-/** Bits that begin a run of kBlock zeros in a row; what lies beyond the row counts as ones. */
+/** Bits that begin runs of kLong and of kShort zeros in a row; what lies beyond the row counts as ones. */
 void
-findEmptyRuns(const std::uint64_t* held, int side, std::uint64_t* runs)
+findEmptyRuns(const std::uint64_t* held, int side, std::uint64_t* long_runs,
+              std::uint64_t* short_runs)
 {
   const int last = (side - 1) >> 6;
   const std::uint64_t in_last = (std::uint64_t{2} << ((side - 1) & 63)) - 1;
@@ -22,26 +23,36 @@ findEmptyRuns(const std::uint64_t* held, int side, std::uint64_t* runs)
   };
   for (int w = 0; w <= last; ++w) {
     const std::uint64_t empty = emptyOf(w), next = emptyOf(w + 1);
+    const auto shifted = [&](int k) { return empty >> k | next << (64 - k); };
     std::uint64_t run = empty;
-    for (int k = 1; k < kBlock; ++k) run &= empty >> k | next << (64 - k);
-    runs[w] = run;
+    for (int k = 1; k < kShort; ++k) run &= shifted(k);
+    short_runs[w] = run;
+    for (int k = kShort; k < kLong; ++k) run &= shifted(k);
+    long_runs[w] = run;
   }
 }
 
 }  // namespace
 
+/** Whether rows of 4, 6, 6, 6, 6 and 4 cells lie empty, each in the middle of the next: what a disc of
+ * eight cells' width leaves empty wherever it lies. */
 bool
-GapSearch::hasEmptyBlock()
+GapSearch::hasEmptyPatch()
 {
-  const std::size_t words = held_.wordsPerRow();
-  empty_runs_.reset(held_.side());
-  for (int y = 0; y < held_.side(); ++y)
-    findEmptyRuns(held_.row(y), held_.side(), empty_runs_.row(y));
-  for (int y = 0; y + kBlock <= held_.side(); ++y) {
-    for (std::size_t w = 0; w < words; ++w) {
-      std::uint64_t block = empty_runs_.row(y)[w];
-      for (int k = 1; k < kBlock; ++k) block &= empty_runs_.row(y + k)[w];
-      if (block != 0) return true;
+  const int side = held_.side();
+  long_runs_.reset(side);
+  short_runs_.reset(side);
+  for (int y = 0; y < side; ++y) {
+    findEmptyRuns(held_.row(y), side, long_runs_.row(y), short_runs_.row(y));
+  }
+  for (int y = 0; y + kLong <= side; ++y) {
+    const std::uint64_t *first = short_runs_.row(y), *last = short_runs_.row(y + kLong - 1);
+    for (std::size_t w = 0; w < held_.wordsPerRow(); ++w) {
+      const bool more = w + 1 < held_.wordsPerRow();
+      const std::uint64_t ends = first[w] & last[w], next = more ? first[w + 1] & last[w + 1] : 0;
+      std::uint64_t patch = ends >> 1 | next << 63;
+      for (int k = 1; k < kLong - 1; ++k) patch &= long_runs_.row(y + k)[w];
+      if (patch != 0) return true;
     }
   }
   return false;
@@ -62,7 +73,7 @@ GapSearch::mayHaveGap(const SheetPoints& points, const KnownRegion& known, doubl
   }
   // Of cells beyond nothing is known: they are no gap.
   known.markBeyond(constants.known / half, half - 0.5, held_);
-  return hasEmptyBlock();
+  return hasEmptyPatch();
 }
 
 }  // namespace pcl_slim::detail

@@ -10,8 +10,8 @@ namespace pcl_slim::detail {
 
 /** \brief Looks for gaps in a surfel's points, much faster than they are measured.
  *
- * Cells that hold points are marked; a gap is a block of 5 x 5 cells without any, inside what is
- * known of the surfel's surroundings. One per thread: it keeps its memory.
+ * Cells that hold points are marked; a gap is a round patch, six cells wide, without any, inside
+ * what is known of the surfel's surroundings. One per thread: it keeps its memory.
  */
 class GapSearch {
  public:
@@ -21,10 +21,10 @@ class GapSearch {
                   const TrimConstants& constants);
 
  private:
-  bool hasEmptyBlock();
+  bool hasEmptyPatch();
 
-  BitRows held_;        ///< cells with points, or of which nothing is known
-  BitRows empty_runs_;  ///< cells that begin five empty ones in their row
+  BitRows held_;                    ///< cells with points, or of which nothing is known
+  BitRows long_runs_, short_runs_;  ///< cells that begin six or four empty ones in their row
 };
 
 }  // namespace pcl_slim::detail

@@ -10,11 +10,31 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr int kSectors = 16;
-constexpr double kHalfSector = 3.14159265358979323846 / kSectors;
+constexpr int kSectors = 16, kLeastSectors = 4;
+constexpr std::size_t kPointsOfSector = 3;  ///< fewer leave too many sectors empty by chance
+constexpr double kPi = 3.14159265358979323846;
 constexpr float kTanSector = 0.41421356f;
 
-/** Which of 16 equal sectors, in an order of no importance, holds a direction. */
+/** Points of one direction. */
+struct Sector {
+  float farthest_sq = 0.0f;
+  int count = 0;
+
+  void add(const Sector& other)
+  {
+    farthest_sq = std::max(farthest_sq, other.farthest_sq);
+    count += other.count;
+  }
+
+  /** Radius squared of the points' region: of m even ones the farthest is expected at m / (m + 1). */
+  double reachSq() const
+  {
+    if (count == 0) return 0.0;
+    return std::min(1.0, static_cast<double>(farthest_sq) * (count + 1) / count);
+  }
+};
+
+/** Which of 16 equal sectors holds a direction; halves of them differ in the highest bit. */
 int
 sectorOf(float u, float v)
 {
@@ -64,19 +84,23 @@ sampleSheet(const PointStore& store, const std::vector<std::uint32_t>& blocks,
 double
 spacingOf(const SheetPoints& points)
 {
-  float farthest_sq[kSectors] = {};
+  Sector sectors[kSectors];
   std::size_t inside = 0;
   for (std::size_t i = 0; i < points.count; ++i) {
     const float u = points.u[i], v = points.v[i];
     const float distance_sq = u * u + v * v;
     if (distance_sq > 1.0f) continue;
     ++inside;
-    float& farthest = farthest_sq[sectorOf(u, v)];
-    farthest = std::max(farthest, distance_sq);
+    sectors[sectorOf(u, v)].add({distance_sq, 1});
   }
   if (inside == 0) return 0.0;
+  int count = kSectors;
+  while (count > kLeastSectors && inside < kPointsOfSector * static_cast<std::size_t>(count)) {
+    count /= 2;
+    for (int k = 0; k < count; ++k) sectors[k].add(sectors[k + count]);
+  }
   double area = 0.0;
-  for (const float distance_sq : farthest_sq) area += kHalfSector * distance_sq;
+  for (int k = 0; k < count; ++k) area += sectors[k].reachSq() * kPi / count;
   return std::sqrt(area / static_cast<double>(inside));
 }
 

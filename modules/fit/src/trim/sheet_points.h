@@ -26,7 +26,8 @@ struct SheetPoints {
 };
 
 /** \brief Mean spacing of points in the unit disc, in units of its radius: the root of the area that
- * one point has. The area reaches, in each of 16 sectors, to the farthest point of the sector.
+ * one point has. The area reaches, in each of 16 sectors (or 8 or 4, where points are few), as far as
+ * the farthest point of the sector tells.
  * \return 0 where points have no area. O(points). */
 double
 spacingOf(const SheetPoints& points);

@@ -69,15 +69,18 @@ TrimMaker::make(std::size_t i, std::vector<std::uint8_t>& bits)
 {
   const TrimConstants& constants = settings_.constants.trim;
   gather(i);
+  const float* c = surface_.coefficientsOf(i);
   // The finest map has a node a spacing, the coarsest five a side.
   double least = 2.0 / (TrimMap::kMostSide - 1);
   if (!surface_.isLeaf(i)) least = 2.0 / (constants.internal_side - 1);
-  const KnownRegion known(surface_.degree[i], surface_.coefficientsOf(i), constants.known);
+  const KnownRegion known(surface_.degree[i], c, constants.known);
   const double spacing = std::clamp(spacingOf(points_), least, 0.5);
   const TrimScale scale{spacing, hole_size_ * spacing, constants.growth * spacing};
   if (!gaps_.mayHaveGap(points_, known, scale.hole, constants)) return 0;
   ++candidates_;
   if (!raster_.measure(points_, known, scale, constants)) return 0;
+  const double sure = constants.known - 0.5 * constants.sure * scale.hole;
+  if (!raster_.hasGapWithin(KnownRegion(surface_.degree[i], c, std::max(sure, 0.0)))) return 0;
   const double clear = kDepthUnit * constants.clear * spacing / raster_.cell();
   if (raster_.leastDepth(constants.looked_at) > clear) return 0;
   const int side = std::clamp(static_cast<int>(std::ceil(2.0 / spacing)) + 1, TrimMap::kLeastSide,

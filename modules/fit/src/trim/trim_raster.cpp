@@ -173,6 +173,22 @@ TrimRaster::measure(const SheetPoints& points, const KnownRegion& known, const T
   return true;
 }
 
+bool
+TrimRaster::hasGapWithin(const KnownRegion& sure)
+{
+  unsure_.reset(side_);
+  sure.markBeyond(cell_, half_, unsure_);
+  const std::size_t words = covered_.wordsPerRow();
+  const std::uint64_t in_last = (std::uint64_t{2} << ((side_ - 1) & 63)) - 1;
+  for (int y = 0; y < side_; ++y) {
+    for (std::size_t w = 0; w < words; ++w) {
+      const std::uint64_t gap = ~(covered_.row(y)[w] | unsure_.row(y)[w]);
+      if ((w + 1 < words ? gap : gap & in_last) != 0) return true;
+    }
+  }
+  return false;
+}
+
 int
 TrimRaster::leastDepth(double share) const
 {

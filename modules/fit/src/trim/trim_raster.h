@@ -31,6 +31,10 @@ class TrimRaster {
   bool measure(const SheetPoints& points, const KnownRegion& known, const TrimScale& scale,
                const TrimConstants& constants);
 
+  /** \brief Whether a place within a radius is uncovered: one whose disc of the smallest hole's
+   * diameter the gathered points tell enough of. Beyond, chance leaves half discs empty. */
+  bool hasGapWithin(const KnownRegion& sure);
+
   /** \brief The least depth within a share of the radius, in cells / 64. */
   int leastDepth(double share) const;
 
@@ -52,7 +56,7 @@ class TrimRaster {
 
   double cell_ = 0.0;
   int half_ = 0, side_ = 0;  ///< cells from the middle, and in all
-  BitRows covered_;
+  BitRows covered_, unsure_;
   std::vector<int> run_halves_;  ///< of a disc's rows
   std::vector<std::uint8_t> row_has_gap_;
   std::vector<std::int16_t> row_distance_sq_, distance_sq_, depth_, scratch_, depth_of_sq_;

@@ -24,14 +24,19 @@ struct NearRoots {
 HWY_INLINE NearRoots
 nextRoot(const PassContext& context, const RayPolynomials<2>& f, Vec hat, Vec, Mask live)
 {
+  // A ray along a flat leaf meets it nowhere: its roots are no numbers, and must not reach a sum.
+  constexpr float kFarthest = 1e6f;
   const QuadraticRoots roots(f, context.front_only);
   live = And(live, roots.real);
-  if (context.front_only) return {roots.falling, roots.slope, live};
+  if (context.front_only) {
+    return {roots.falling, roots.slope, And(live, Lt(Abs(roots.falling), set(kFarthest)))};
+  }
   const Vec falls = Abs(Sub(roots.falling, hat));
   const Vec rises = Abs(Sub(roots.rising, hat));
   const Mask first = Or(Le(falls, rises), Not(Eq(rises, rises)));
-  return {IfThenElse(first, roots.falling, roots.rising),
-          IfThenElse(first, roots.slope, Neg(roots.slope)), live};
+  const Vec nearest = IfThenElse(first, roots.falling, roots.rising);
+  return {nearest, IfThenElse(first, roots.slope, Neg(roots.slope)),
+          And(live, Lt(Abs(nearest), set(kFarthest)))};
 }
 
 /** Lanes in which F, about q^, falls (or rises) all over the interval about q^ that reaches to a root
@@ -195,7 +200,9 @@ addOutside(const LeafRays& rays, const Crossing& at, BlockSums& sums)
 {
   const Part d;
   const FrameLeaf& leaf = rays.leaf;
-  const Vec u = inPlane(rays, at, leaf.u, leaf.uc), v = inPlane(rays, at, leaf.v, leaf.vc);
+  const Vec scale = set(leaf.trim_scale);
+  const Vec u = Mul(scale, inPlane(rays, at, leaf.u, leaf.uc));
+  const Vec v = Mul(scale, inPlane(rays, at, leaf.v, leaf.vc));
   const Vec outside{outsideShares(d, leaf.trim, u.low, v.low),
                     outsideShares(d, leaf.trim, u.high, v.high)};
   sums.outside = MulAdd(at.weight, outside, sums.outside);

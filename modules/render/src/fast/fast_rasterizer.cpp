@@ -83,9 +83,11 @@ void
 FastRasterizer::place(std::size_t group, std::size_t count, const FrameView& view)
 {
   counts_[group] = static_cast<std::uint8_t>(count);
+  const float scale = group < leaf_clusters_ ? leaf_shape_.scale : internal_shape_.scale;
   for (std::size_t k = 0; k < count; ++k) {
     FrameLeaf& leaf = record(group * kClusterSize + k);
     leaf.trim = trim_ ? trims_.of(leaf.surfel) : TrimTable();
+    leaf.trim_scale = scale;
     if (leaf.degree == kNearLeaf) {
       // The camera is inside the ball or next to it: it may be seen anywhere.
       leaf.blend_x = leaf.blend_y = leaf.first_x = leaf.first_y = 0.0f;

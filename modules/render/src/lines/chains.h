@@ -25,4 +25,10 @@ struct Chain {
 std::vector<Chain>
 joinLinks(const std::vector<Link>& links, std::size_t num_joints);
 
+/** \brief Which chains are long enough, a flag each: those of least_length joints, and shorter ones
+ * between two joints of others if all that hangs together is as long. What is short and ends in
+ * nothing is a burr. O(chains + joints). */
+std::vector<std::uint8_t>
+longEnough(const std::vector<Chain>& chains, std::size_t num_joints, double least_length);
+
 }  // namespace pcl_slim::detail

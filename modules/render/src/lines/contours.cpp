@@ -101,8 +101,11 @@ traceContours(const PixelGeometry& geometry, double least_length, int threads,
   for (const auto& row : rows) links.insert(links.end(), row.begin(), row.end());
   const GBuffer& buffer = geometry.buffer();
   const auto corners = static_cast<std::size_t>(buffer.width + 1) * (buffer.height + 1);
-  for (const Chain& chain : joinLinks(links, corners)) {
-    if (static_cast<double>(chain.joints.size()) < least_length) continue;
+  const std::vector<Chain> chains = joinLinks(links, corners);
+  const std::vector<std::uint8_t> keep = longEnough(chains, corners, least_length);
+  for (std::size_t i = 0; i < chains.size(); ++i) {
+    if (!keep[i]) continue;
+    const Chain& chain = chains[i];
     PictureLine line;
     line.kind = PictureLineKind::kContour;
     line.closed = chain.closed;

@@ -87,10 +87,26 @@ blend(const LineMask& mask, const Color& color, Image& image)
   }
 }
 
-}  // namespace
+/** Lays one colour over what glass holds, both in linear light. */
+void
+lay(const LineMask& mask, const Color& color, std::vector<std::array<float, 4>>& glass)
+{
+  const Color ink = toLinear(color);
+  for (std::size_t i = 0; i < glass.size(); ++i) {
+    const float cover = mask.cover(i), below = (1.0f - cover) * glass[i][3];
+    if (!(cover > 0)) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      glass[i][k] = (cover * ink[k] + below * glass[i][k]) / (cover + below);
+    }
+    glass[i][3] = cover + below;
+  }
+}
 
+/** Draws each colour's lines and gives them on, the last to lie on top. */
+template <typename Take>
 Error
-drawLines(const std::vector<PictureLine>& lines, const LineStyle& style, Image& image)
+drawMasks(const std::vector<PictureLine>& lines, const LineStyle& style, int width, int height,
+          const Take& take)
 {
   if (!(style.width > 0) || !std::isfinite(style.width))
     return {ErrorCode::kBadArgument, "the width of lines must be above 0"};
@@ -100,16 +116,43 @@ drawLines(const std::vector<PictureLine>& lines, const LineStyle& style, Image& 
       {PictureLineKind::kRidge, style.ridge},
       {PictureLineKind::kContour, style.contour}};
   for (const auto& [kind, color] : kinds) {
-    LineMask mask(image.width, image.height);
+    LineMask mask(width, height);
     bool any = false;
     for (const PictureLine& line : lines) {
       if (line.kind != kind || line.points.empty()) continue;
       mask.draw(line, static_cast<float>(style.width));
       any = true;
     }
-    if (any) blend(mask, color, image);
+    if (any) take(mask, color);
   }
   return {};
+}
+
+}  // namespace
+
+Error
+drawLines(const std::vector<PictureLine>& lines, const LineStyle& style, Image& image)
+{
+  return drawMasks(lines, style, image.width, image.height,
+                   [&](const LineMask& mask, const Color& color) { blend(mask, color, image); });
+}
+
+Error
+drawLines(const std::vector<PictureLine>& lines, const LineStyle& style, const ImageSize& size,
+          std::vector<std::uint8_t>& rgba)
+{
+  const auto pixels = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
+  std::vector<std::array<float, 4>> glass(pixels, {0.0f, 0.0f, 0.0f, 0.0f});
+  const Error error =
+      drawMasks(lines, style, size.width, size.height,
+                [&](const LineMask& mask, const Color& color) { lay(mask, color, glass); });
+  rgba.assign(4 * pixels, 0);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    if (!(glass[i][3] > 0)) continue;
+    for (std::size_t k = 0; k < 3; ++k) rgba[4 * i + k] = toByte(glass[i][k]);
+    rgba[4 * i + 3] = static_cast<std::uint8_t>(std::lround(255.0f * glass[i][3]));
+  }
+  return error;
 }
 
 }  // namespace pcl_slim

@@ -125,11 +125,17 @@ blendLeaf(const FrameRules& rules, WeightKernel kernel, const RaySurfel& surfel,
 }
 
 bool
+isOutside(const BlendSum& sum)
+{
+  return sum.outside > 0.5 * sum.weight;
+}
+
+bool
 isSupported(const BlendSum& sum, double min_coverage)
 {
   constexpr int kMinLeaves = 3;
   constexpr double kMaxLean = 0.25;  ///< in radii
-  if (sum.outside > 0.5 * sum.weight) return false;
+  if (isOutside(sum)) return false;
   if (sum.coverage >= min_coverage) return true;
   const double lean_sq =
       sum.lean[0] * sum.lean[0] + sum.lean[1] * sum.lean[1] + sum.lean[2] * sum.lean[2];

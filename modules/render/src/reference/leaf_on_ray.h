@@ -37,6 +37,10 @@ void
 blendLeaf(const FrameRules& rules, WeightKernel kernel, const RaySurfel& surfel, std::uint32_t id,
           const Ray& ray, double depth_hat, BlendSum& sum, std::uint64_t& evaluated);
 
+/** \brief Whether a blend lies beyond the border that trim maps draw. */
+bool
+isOutside(const BlendSum& sum);
+
 /** \brief Whether a blend belongs to the surface: its leaves cover it, or it lies in a gap between
  * leaves all around it; and it lies inside the border that trim maps draw. Beyond the rim of what
  * was measured all leaves lie to one side. */

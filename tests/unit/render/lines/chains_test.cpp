@@ -31,9 +31,30 @@ TEST(Chains, AJunctionEndsLines)
   for (const Chain& chain : chains) EXPECT_EQ(chain.joints.size(), 2u);
 }
 
+TEST(Chains, ShortPiecesBetweenJunctionsOfALongLineStay)
+{
+  // 0 - 5 and 6 - 11 are long; 5 - 6 bridges them, 5 - 12 and 6 - 13 are burrs.
+  std::vector<Link> links{{{5, 6}}, {{5, 12}}, {{6, 13}}};
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    links.push_back({{i, i + 1}});
+    links.push_back({{i + 6, i + 7}});
+  }
+  const auto chains = joinLinks(links, 14);
+  ASSERT_EQ(chains.size(), 5u);
+  const auto keep = longEnough(chains, 14, 6.0);
+  for (std::size_t i = 0; i < chains.size(); ++i) {
+    const Joints& joints = chains[i].joints;
+    const bool is_burr = joints.front() > 11 || joints.back() > 11;
+    EXPECT_EQ(keep[i] != 0, !is_burr) << joints.front() << " - " << joints.back();
+  }
+  // All of it hangs together, and is too short for this.
+  for (const std::uint8_t flag : longEnough(chains, 14, 40.0)) EXPECT_EQ(flag, 0);
+}
+
 TEST(Chains, NothingMakesNothing)
 {
   EXPECT_TRUE(joinLinks({}, 0).empty());
+  EXPECT_TRUE(longEnough({}, 0, 12.0).empty());
 }
 
 }  // namespace

@@ -228,6 +228,24 @@ TEST(DrawLines, CoverTheirAreaAndCrossWithoutDarkening)
   EXPECT_GT(once.rgb[3 * (10 * 21 + 9)], 0);
 }
 
+TEST(DrawLines, OnGlassAreThoseOverAPicture)
+{
+  const PictureLine across{PictureLineKind::kRavine, false, {{2, 9.7f}, {18, 11}}, {1, 4}};
+  const PictureLine down{PictureLineKind::kRidge, false, {{10, 2}, {11, 18}}, {4, 2}};
+  Image over = paper(21, 21);
+  ASSERT_FALSE(drawLines({across, down}, {}, over));
+  std::vector<std::uint8_t> glass;
+  ASSERT_FALSE(drawLines({across, down}, {}, {21, 21}, glass));
+  ASSERT_EQ(glass.size(), 4u * 21 * 21);
+  const auto linear = [](double s) { return std::pow((s + 0.055) / 1.055, 2.4); };
+  for (std::size_t i = 0; i < over.rgb.size(); ++i) {
+    const double cover = glass[i / 3 * 4 + 3] / 255.0, ink = glass[i / 3 * 4 + i % 3] / 255.0;
+    const double light = 1.0 - cover + cover * (cover > 0 ? linear(ink) : 0.0);
+    EXPECT_NEAR(light, linear(over.rgb[i] / 255.0), 0.02) << i;
+  }
+  EXPECT_TRUE(drawLines({}, LineStyle{-1.0, {}, {}, {}, {}}, {21, 21}, glass));
+}
+
 TEST(DrawLines, RefuseAWidthThatIsNone)
 {
   Image image = paper(4, 4);

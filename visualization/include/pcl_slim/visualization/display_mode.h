@@ -20,10 +20,11 @@ enum class DisplayMode : unsigned char {
   kReflection,  ///< stripes of light far away as the surface mirrors them
   kColor,       ///< colours of splats
   kError,       ///< root mean square residual of the leaf of the largest weight, dark to light
+  kSketch,      ///< white paper for lines (SLIMMapper::setLines)
 };
 
 /** \brief "shaded", "normal", "mean", "gauss", "kmax", "kmin", "level", "size",
- * "reflection", "color" or "error". */
+ * "reflection", "color", "error" or "sketch". */
 std::string
 nameOf(DisplayMode mode);
 

@@ -30,6 +30,8 @@ struct FrameStatistics {
   std::uint64_t rasterized = 0;    ///< times its rays were intersected; else shaded again only
   std::uint64_t tables = 0;        ///< times the table of colours was made
   int coarseness = 1;              ///< of the last frame: rays stand this many pixels apart
+  std::uint64_t lines = 0;         ///< times lines were looked for
+  double line_seconds = 0.0;       ///< wall time of the last time
   double rasterize_seconds = 0.0;  ///< wall time of the last intersection of rays, upload included
   std::uint64_t covered_pixels = 0;  ///< rays of it that met the object
   bool on_card = false;              ///< the graphics card intersected the rays, not the CPU
@@ -41,6 +43,9 @@ struct FrameRequest {
   VisibleSides sides = VisibleSides::kAuto;
   int threads = 0;
   std::vector<HalfSpace> clip_planes;  ///< what is kept, the object's coordinates, unit normals
+  double lod = 0.0;      ///< level of detail, pixels from one ray to the next; 0: none
+  bool trim = true;      ///< heed trim maps
+  unsigned columns = 0;  ///< GBufferColumn bits besides those of the colours
 };
 
 /** \brief Base of the mappers that draw what has no triangles: rays are intersected on the CPU or
@@ -53,8 +58,9 @@ struct FrameRequest {
  *
  * The rays' result is kept while camera, size, object and clipping planes stay as they are; a
  * change of mode, range, light or property only shades it again. While the mouse moves, rays
- * stand 2 or 4 pixels apart if a full frame takes longer than the frame budget; the frame that an
- * interactor style draws when the button is released is full again.
+ * stand 2 or 4 pixels apart if a full frame takes longer than the frame budget, and what is seen
+ * smaller than their distance is left to coarser surfels; the frame that an interactor style draws
+ * when the button is released is full again.
  *
  * Methods in VTK's spelling are VTK's own. One object serves one render window. VTK's rule for
  * threads applies: call it from the thread of the window.
@@ -107,6 +113,9 @@ class GBufferMapper : public vtkOpenGLPolyDataMapper {
   GBufferMapper();
   ~GBufferMapper() override;
 
+  /** \brief Adds what the object alone knows of to a frame's request, lengths in pixels of the
+   * window. */
+  virtual void complete(FrameRequest& request) const;
   /** \brief Intersects the rays of a camera with the object. */
   virtual Error rasterize(const Camera& camera, const FrameRequest& request, GBuffer& buffer) = 0;
   /** \brief Whether the graphics card intersects the rays of such a frame. The window's context is
@@ -119,6 +128,14 @@ class GBufferMapper : public vtkOpenGLPolyDataMapper {
                            std::uint64_t& covered);
   /** \brief To be called when frames are to be made in another way. */
   void dropFrame();
+  /** \brief Whether lines are to be laid over a frame. */
+  virtual bool wantsLines() const;
+  /** \brief Draws them. \param[in] buffer what the CPU drew, or null; \param[out] rgba four bytes a
+   * pixel of the camera's, see drawLines() */
+  virtual Error drawLinesOver(const Camera& camera, const FrameRequest& request,
+                              const GBuffer* buffer, std::vector<std::uint8_t>& rgba);
+  /** \brief To be called when other lines are to be drawn over the same frames. */
+  void dropLines();
   /** \brief World units per unit of the buffer's lengths. */
   virtual double lengthScale() const = 0;
   /** \brief Values of the first and last colour of a mode that shows numbers. */
@@ -141,9 +158,10 @@ class GBufferMapper : public vtkOpenGLPolyDataMapper {
   void operator=(const GBufferMapper&) = delete;
 
   bool prepareFrame(vtkRenderer* renderer, vtkActor* actor);
-  Error makeFrame(vtkOpenGLRenderWindow* window, const FrameRequest& request, int coarseness);
+  Error makeFrame(vtkOpenGLRenderWindow* window, FrameRequest request, int coarseness);
   void uploadFrame(vtkOpenGLRenderWindow* window);
   void updateTable();
+  void prepareLines(vtkRenderer* renderer);
 
   struct State;
   std::unique_ptr<State> state_;

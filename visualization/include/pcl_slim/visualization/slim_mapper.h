@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 
+#include "pcl_slim/render/picture_lines.h"
 #include "pcl_slim/surface/surface.h"
 #include "pcl_slim/visualization/g_buffer_mapper.h"
 
@@ -70,6 +71,26 @@ class SLIMMapper : public GBufferMapper {
   void setBackend(RayBackend backend);
   RayBackend getBackend() const { return backend_; }
 
+  /** \brief Surfels seen smaller than this many pixels stand for their descendants, so that far
+   * surfaces cost less; 0 (default): every leaf is drawn. Both back ends; what has clipping planes
+   * is drawn leaf by leaf. The graphics card then holds internal surfels as well. */
+  void setLevelOfDetail(double pixels);
+  double getLevelOfDetail() const { return lod_; }
+
+  /** \brief Whether an open surface ends where its trim maps say that its data do (true). */
+  void setTrimming(bool trim);
+  bool getTrimming() const { return trim_; }
+
+  /** \brief Lines over the surface (none): crest lines, suggestive contours and contours of what the
+   * camera sees, as findPictureLines() finds them. They are looked for when the camera rests, and
+   * while it moves if that fits into the frame budget; FrameStatistics tells how long it takes. With
+   * the graphics card the CPU draws the frame that they are looked for in. DisplayMode::kSketch draws
+   * lines of every kind on white if no other are set.
+   * \return an error, and nothing changes, for parameters out of range. */
+  Error setLines(const PictureLineParams& lines, const LineStyle& style = {});
+  const PictureLineParams& getLines() const { return lines_; }
+  const LineStyle& getLineStyle() const { return line_style_; }
+
   bool supports(DisplayMode mode) const override;
   void ReleaseGraphicsResources(vtkWindow* window) override;
 
@@ -77,11 +98,15 @@ class SLIMMapper : public GBufferMapper {
   SLIMMapper();
   ~SLIMMapper() override;
 
+  void complete(FrameRequest& request) const override;
   Error rasterize(const Camera& camera, const FrameRequest& request, GBuffer& buffer) override;
   bool usesCard(vtkOpenGLRenderWindow* window, const FrameRequest& request) override;
   Error drawOnCard(vtkOpenGLRenderWindow* window, const detail::ViewCamera& view,
                    const FrameRequest& request, detail::FrameTextures& textures,
                    std::uint64_t& covered) override;
+  bool wantsLines() const override;
+  Error drawLinesOver(const Camera& camera, const FrameRequest& request, const GBuffer* buffer,
+                      std::vector<std::uint8_t>& rgba) override;
   double lengthScale() const override;
   std::array<double, 2> automaticRange(DisplayMode mode) const override;
 
@@ -89,10 +114,16 @@ class SLIMMapper : public GBufferMapper {
   SLIMMapper(const SLIMMapper&) = delete;
   void operator=(const SLIMMapper&) = delete;
 
+  PictureLineParams linesShown() const;
+
   std::shared_ptr<const SLIMSurface> surface_;
   std::unique_ptr<detail::SurfaceFrames> frames_;
   std::unique_ptr<detail::CardRasterizer> card_;
   RayBackend backend_ = RayBackend::kAuto;
+  double lod_ = 0.0;
+  bool trim_ = true;
+  PictureLineParams lines_;
+  LineStyle line_style_;
   bool card_fails_ = false;                                      ///< and has said so once
   mutable std::map<DisplayMode, std::array<double, 2>> ranges_;  ///< those asked for so far
 };

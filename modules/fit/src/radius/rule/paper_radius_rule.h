@@ -17,7 +17,6 @@ class PaperRadiusRule : public RadiusRule {
   bool surelyInternal() override { return false; }
 
   /** \brief The radius chosen, as it is. */
-  double keptRadius(const Trial& chosen, WeightKernel) override { return chosen.rho; }
 
  private:
   RadiusChoice chooseAmong(const Trial& left, const Trial& middle, const Trial& right);

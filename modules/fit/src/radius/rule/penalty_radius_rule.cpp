@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "radius/final_fit.h"
 #include "radius/rule/bracket.h"
 #include "radius/rule/feature_degree.h"
 
@@ -102,12 +101,6 @@ PenaltyRadiusRule::surelyInternal()
   if (!middle.supported || !left.supported) return false;
   if (tests_.lacksFit(left, middle, margin)) return true;
   return margin * left.energy < middle.energy && margin * middle.energy < right.energy;
-}
-
-double
-PenaltyRadiusRule::keptRadius(const Trial& chosen, WeightKernel kernel)
-{
-  return radiusOfData(trials_, chosen, kernel);
 }
 
 }  // namespace pcl_slim::detail

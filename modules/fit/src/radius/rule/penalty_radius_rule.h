@@ -25,7 +25,6 @@ class PenaltyRadiusRule : public RadiusRule {
   bool surelyInternal() override;
 
   /** \brief The radius chosen, or less where it would reach far past its points. */
-  double keptRadius(const Trial& chosen, WeightKernel kernel) override;
 
  private:
   RadiusChoice chooseByEnergy();

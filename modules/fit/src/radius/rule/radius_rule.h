@@ -42,9 +42,6 @@ class RadiusRule {
 
   /** \brief Whether a smaller radius is needed beyond doubt, seen on a part of a ball's points. */
   virtual bool surelyInternal() = 0;
-
-  /** \brief The radius at which a leaf is kept. */
-  virtual double keptRadius(const Trial& chosen, WeightKernel kernel) = 0;
 };
 
 /** \brief The choice where support ends between the supported radii and the next one down: the last

@@ -88,4 +88,11 @@ struct LineStyle {
 Error
 drawLines(const std::vector<PictureLine>& lines, const LineStyle& style, Image& image);
 
+/** \brief The same lines on glass, to lay over a picture that is elsewhere.
+ * \param[out] rgba sRGB and how much of the pixel lines cover, four bytes a pixel, rows from the
+ * top; laid over a picture in linear light it gives what the other function draws */
+Error
+drawLines(const std::vector<PictureLine>& lines, const LineStyle& style, const ImageSize& size,
+          std::vector<std::uint8_t>& rgba);
+
 }  // namespace pcl_slim

@@ -40,7 +40,8 @@ struct FrameLeaf {
   std::uint16_t degree;    ///< of the polynomials here, 2 to 4; kNearLeaf: none, too near
   std::uint16_t monotone;  ///< bits: F falls along every ray in the ball of pass 1, of pass 2
 
-  TrimTable trim;  ///< where the surfel's data lie
+  TrimTable trim;    ///< where the surfel's data lie
+  float trim_scale;  ///< of the ball here, in the surfel's radii, which its trim map counts in
 
   const float* form() const { return reinterpret_cast<const float*>(this + 1); }
   float* form() { return reinterpret_cast<float*>(this + 1); }
