@@ -26,7 +26,7 @@ patchLevel(const PointStore& store, std::size_t k, std::size_t samples,
   auto values = sampleStore(store, samples, patchStride(k, constants), threads, measure);
   const auto median = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
   std::nth_element(radii.begin(), median, radii.end());
-  return {trimmedMean(values, constants.trim), *median, k, radii.size()};
+  return {trimmedMean(values, constants.trim), *median, k, k, radii.size()};
 }
 
 NoiseLevel
