@@ -28,11 +28,17 @@ sphere plain.pcd 0
 sphere inward.pcd -1
 badScans plain.pcd
 
-# Values and fields, on a closed surface facing outward by itself.
+# Values and fields, on a closed surface facing outward by itself. In rows it is one a sensor has seen,
+# here from within.
+expect 0 '' plain.pcd seen.pcd
+floats seen.pcd 11 5000 | awk '!/nan/ && $1 * $9 + $2 * $10 + $3 * $11 > -4.9 {
+  print "side of a scan in rows: " $0; exit }' > wrong.txt
+[ ! -s wrong.txt ] || complain "$(cat wrong.txt)"
+header seen.pcd 'WIDTH 100'
+header seen.pcd 'HEIGHT 50'
+sed -i 's/^WIDTH 100/WIDTH 5000/; s/^HEIGHT 50/HEIGHT 1/' plain.pcd
 expect 0 '' plain.pcd a.pcd -json a.json
 header a.pcd 'FIELDS x y z intensity k1 k2 mean_curvature gaussian_curvature normal_x normal_y normal_z'
-header a.pcd 'WIDTH 100'
-header a.pcd 'HEIGHT 50'
 for key in program points threads seconds surfels moved unsupported non_finite uncovered skipped; do
   grep -q "\"$key\"" a.json || complain "no $key in the report"
 done
