@@ -140,18 +140,16 @@ class GrowthCurve {
   bool detail_ = false;
 };
 
-/** Measures scales from k points on until their curve ends. The first two, which most clouds end
- * with, have more places. */
+/** Measures scales from k points on until their curve ends. */
 void
 measureCurve(const PointStore& store, std::size_t k, const NoiseConstants& constants, int threads,
              GrowthCurve& curve, std::vector<Scale>& scales)
 {
   const std::size_t most = store.size() / constants.shared.most_part;
-  for (std::size_t places = constants.shared.places; scales.empty() || k <= most; k *= 2) {
-    scales.push_back(measureScale(store, k, places, constants, threads));
+  for (; scales.empty() || k <= most; k *= 2) {
+    scales.push_back(measureScale(store, k, constants.shared.places, constants, threads));
     if (scales.size() < 2) continue;
     if (curve.follow(growth(scales[scales.size() - 2], scales.back()))) break;
-    places = constants.shared.patches;
   }
 }
 
@@ -277,11 +275,13 @@ recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
     if (!(noise.correlation > 1) && dip)
       noise = plateauNoise(store, *dip, scales, constants, threads);
   }
-  if (!(noise.correlation > 1)) {
-    const NoiseLevel plateau = noise;
-    noise = withSteps(store, white, constants, threads);
-    if (!(noise.step > 0))
-      noise = withUnevenness(store, white, plateau, scales, constants, threads);
+  // Between steps as few share an error as chance would have it: they are looked for first.
+  if (noise.correlation < constants.steps.correlation) {
+    const NoiseLevel stepped = withSteps(store, white, constants, threads);
+    if (stepped.step > 0)
+      noise = stepped;
+    else if (!(noise.correlation > 1))
+      noise = withUnevenness(store, white, noise, scales, constants, threads);
   }
   noise.patches = white.patches + scales.size() * scales.front().variances.size();
   return noise;

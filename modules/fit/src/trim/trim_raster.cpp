@@ -30,7 +30,8 @@ TrimRaster::cutDisc(double reach, int rows, int span)
 {
   run_halves_.resize(static_cast<std::size_t>(kFine * span));
   for (int k = 0; k < kFine * span; ++k) {
-    const double up = k % span - rows - static_cast<double>(k / span) / kFine;
+    const int part = k / span;
+    const double up = k % span - rows - static_cast<double>(part) / kFine;
     const double half_sq = reach * reach - up * up;
     run_halves_[static_cast<std::size_t>(k)] =
         half_sq < 0.0 ? -1 : static_cast<int>(kFine * std::sqrt(half_sq));

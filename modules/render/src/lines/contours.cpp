@@ -37,7 +37,8 @@ class ContourEdges {
   std::array<float, 2> place(std::uint32_t corner) const
   {
     const auto across = static_cast<std::uint32_t>(buffer_.width + 1);
-    return {static_cast<float>(corner % across) - 0.5f, static_cast<float>(corner / across) - 0.5f};
+    const std::uint32_t x = corner % across, y = corner / across;
+    return {static_cast<float>(x) - 0.5f, static_cast<float>(y) - 0.5f};
   }
 
  private:

@@ -143,7 +143,7 @@ drawLines(const std::vector<PictureLine>& lines, const LineStyle& style, const I
 {
   const auto pixels = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
   std::vector<std::array<float, 4>> glass(pixels, {0.0f, 0.0f, 0.0f, 0.0f});
-  const Error error =
+  Error error =
       drawMasks(lines, style, size.width, size.height,
                 [&](const LineMask& mask, const Color& color) { lay(mask, color, glass); });
   rgba.assign(4 * pixels, 0);

@@ -23,9 +23,9 @@ struct SharedNoiseConstants {
   double rise = 0.3;           ///< growth this far above its least is a surface's detail
   double steep = 1.0;          ///< growth, after the first, that no noise shows
   double slow = 0.55;          ///< growth up to which a least one will do for a plateau ...
-  double fall = 0.7;           ///< ... if it has fallen to this share of the first
+  double fall = 0.78;          ///< ... if it has fallen to this share of the first
 
-  double slack = 1.25;  ///< growth over the least that shows as much of the noise
+  double slack = 1.4;  ///< growth over the least that shows as much of the noise
 
   std::size_t patches = 100;      ///< patches on which the number of sharing neighbours is measured
   std::size_t least_points = 80;  ///< points of such a patch ...
