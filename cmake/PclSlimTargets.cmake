@@ -16,6 +16,16 @@ function(pcl_slim_set_defaults target)
       $<$<BOOL:${PCL_SLIM_WARNINGS_AS_ERRORS}>:-Werror>>)
 endfunction()
 
+# pcl_slim_spare_sanitized(file...)
+#
+# Kernels that are not optimised where sanitizers watch them: Clang's optimiser takes longer over one of
+# them than over all the rest once every access is checked.
+function(pcl_slim_spare_sanitized)
+  if(PCL_SLIM_SANITIZE AND CMAKE_CXX_COMPILER_ID MATCHES Clang)
+    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -O0)
+  endif()
+endfunction()
+
 # pcl_slim_add_library(name [PUBLIC lib...] [PRIVATE lib...] [BUILD_ONLY lib...] [WITHOUT file...])
 #
 # Adds pcl_slim::<name> (target pcl_slim_lib_<name>, as programs have the plain names; the file is
