@@ -144,6 +144,7 @@ formatPcd(const PointFile& file)
     step += scalarSize(field.datatype) * std::max<std::size_t>(field.count, 1);
   }
   const std::size_t n = numPoints(cloud), start = bytes.size();
+  if (n == 0) return bytes;
   bytes.resize(start + n * step);
   std::size_t offset = start;
   for (const auto& field : cloud.fields) {

@@ -34,8 +34,9 @@ void
 CoverCells::divide(const PointStore& store, const AlignedVector<std::uint32_t>& points,
                    double reach)
 {
-  const int depth =
-      std::clamp(static_cast<int>(std::floor(-std::log2(2.0 * reach))), 0, kMortonBits);
+  // A level may be finer than any number tells: its reach is 0 then.
+  const double levels = std::floor(-std::log2(2.0 * reach));
+  const int depth = static_cast<int>(std::clamp(levels, 0.0, double{kMortonBits}));
   const int shift = 3 * (kMortonBits - depth);
   const auto codeOf = [&](std::uint32_t point) { return store.keys()[point] >> shift; };
   cells_.clear();
