@@ -24,19 +24,14 @@ struct NearRoots {
 HWY_INLINE NearRoots
 nextRoot(const PassContext& context, const RayPolynomials<2>& f, Vec hat, Vec, Mask live)
 {
-  // A ray along a flat leaf meets it nowhere: its roots are no numbers, and must not reach a sum.
-  constexpr float kFarthest = 1e6f;
   const QuadraticRoots roots(f, context.front_only);
   live = And(live, roots.real);
-  if (context.front_only) {
-    return {roots.falling, roots.slope, And(live, Lt(Abs(roots.falling), set(kFarthest)))};
-  }
+  if (context.front_only) return {roots.falling, roots.slope, live};
   const Vec falls = Abs(Sub(roots.falling, hat));
   const Vec rises = Abs(Sub(roots.rising, hat));
   const Mask first = Or(Le(falls, rises), Not(Eq(rises, rises)));
-  const Vec nearest = IfThenElse(first, roots.falling, roots.rising);
-  return {nearest, IfThenElse(first, roots.slope, Neg(roots.slope)),
-          And(live, Lt(Abs(nearest), set(kFarthest)))};
+  return {IfThenElse(first, roots.falling, roots.rising),
+          IfThenElse(first, roots.slope, Neg(roots.slope)), live};
 }
 
 /** Lanes in which F, about q^, falls (or rises) all over the interval about q^ that reaches to a root
@@ -254,14 +249,17 @@ blendLeaf(const PassContext& context, const TileLeaf& place, const Block& block,
   const Vec near_sigma =
       context.with_near_plane ? sigmaOf(place, block.near_plane) : set(-kInfinite);
   const NearRoots near = crossingOf<D>(context, rays, hats, near_sigma, live);
+  // A root outside the ball may be no number (along a flat leaf) or lie in the camera's plane (m = 0), and
+  // no weight of 0 would keep it from the sums: q^ stands for it.
+  const Vec m = rays.scaleAt(near.sigma), from_center_sq = rays.distanceSq(near.sigma);
+  Mask counts = And(near.found, Lt(from_center_sq, Mul(set(context.blend_sq), Mul(m, m))));
+  if (context.with_near_plane) counts = And(counts, Ge(near.sigma, near_sigma));
   Crossing at;
-  at.sigma = IfThenElse(near.found, near.sigma, hats.sigma);
-  at.slope = near.slope;
-  at.inverse_m = Div(set(1.0f), rays.scaleAt(at.sigma));
-  const Vec root_sq = Mul(rays.distanceSq(at.sigma), Mul(at.inverse_m, at.inverse_m));
+  at.sigma = IfThenElse(counts, near.sigma, hats.sigma);
+  at.slope = IfThenElseZero(counts, near.slope);
+  at.inverse_m = Div(set(1.0f), IfThenElse(counts, m, set(1.0f)));
+  const Vec root_sq = Mul(from_center_sq, Mul(at.inverse_m, at.inverse_m));
   const Vec s_sq = Max(hats.distance_sq, root_sq);
-  Mask counts = And(near.found, Lt(s_sq, set(context.blend_sq)));
-  if (context.with_near_plane) counts = And(counts, Ge(at.sigma, near_sigma));
   at.weight =
       IfThenElseZero(counts, Mul(set(leaf.variance_weight), blendWeight(context.kernel, s_sq)));
   sums.weight = Add(sums.weight, at.weight);
