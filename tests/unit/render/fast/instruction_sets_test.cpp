@@ -62,9 +62,8 @@ TEST_P(InstructionSets, WhatIsTooFarToBeSeenLeavesAnEmptyPicture)
   surface.info.scale = 1e-38;
   Camera camera = frontCamera();
   camera.position = {0.3, -0.4, 1.0};
-  pcl_slim_test::forEachInstructionSet([&](const char* name) {
-    EXPECT_EQ(rendered(surface, camera).numCovered(), 0u) << name;
-  });
+  pcl_slim_test::forEachInstructionSet(
+      [&](const char* name) { EXPECT_EQ(rendered(surface, camera).numCovered(), 0u) << name; });
 }
 
 INSTANTIATE_TEST_SUITE_P(Degrees, InstructionSets, testing::Values(1, 2, 3, 4));
