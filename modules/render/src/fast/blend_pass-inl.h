@@ -12,7 +12,7 @@
 #include "pcl_slim/surface/detail/trim_outside-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace pcl_slim::detail::kernels::HWY_NAMESPACE::pair {
+namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes {
 
 /** A leaf's roots next to q^ and what the guards say of them. */
 struct NearRoots {
@@ -193,13 +193,12 @@ addLean(const LeafRays& rays, const Crossing& at, BlockSums& sums)
 HWY_NOINLINE void
 addOutside(const LeafRays& rays, const Crossing& at, BlockSums& sums)
 {
-  const Part d;
   const FrameLeaf& leaf = rays.leaf;
   const Vec scale = set(leaf.trim_scale);
   const Vec u = Mul(scale, inPlane(rays, at, leaf.u, leaf.uc));
   const Vec v = Mul(scale, inPlane(rays, at, leaf.v, leaf.vc));
-  const Vec outside{outsideShares(d, leaf.trim, u.low, v.low),
-                    outsideShares(d, leaf.trim, u.high, v.high)};
+  const Vec outside = byParts(
+      [&](auto pu, auto pv) HWY_ATTR { return outsideShares(Part(), leaf.trim, pu, pv); }, u, v);
   sums.outside = MulAdd(at.weight, outside, sums.outside);
 }
 
@@ -281,6 +280,6 @@ blendLeaf(const PassContext& context, const TileLeaf& place, const Block& block,
   if constexpr (WithLean) addLean(rays, at, sums);
 }
 
-}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::pair
+}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes
 HWY_AFTER_NAMESPACE();
 #endif

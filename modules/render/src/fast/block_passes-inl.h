@@ -15,7 +15,7 @@
 #include "fast/tile_blocks-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace pcl_slim::detail::kernels::HWY_NAMESPACE::pair {
+namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes {
 
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
 constexpr float kMaxShift = 0.25f;   ///< distance of q^ from a leaf's own surface, in its radii
@@ -168,6 +168,6 @@ firstOfHigher(const PassContext& context, const TileLeaf& at, Block& block)
   moveForward(at, solved, sigma, block);
 }
 
-}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::pair
+}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes
 HWY_AFTER_NAMESPACE();
 #endif

@@ -11,12 +11,12 @@
 #include <limits>
 
 #include "fast/isolated_root.h"
-#include "fast/pair-inl.h"
+#include "fast/lanes-inl.h"
 #include "fast/setup/frame_leaf.h"
 #include "pcl_slim/surface/detail/kernel_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace pcl_slim::detail::kernels::HWY_NAMESPACE::pair {
+namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes {
 
 /** A polynomial in X and Y of degree D, coefficients read as they are needed. */
 template <int D>
@@ -267,6 +267,6 @@ solveUnclear(const RayPolynomials<D>& f, Vec low, Vec high, Vec aim, bool front_
   return Or(clear, solveOneByOne<D>(f, low, high, aim, front_only, rest, root, solved));
 }
 
-}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::pair
+}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes
 HWY_AFTER_NAMESPACE();
 #endif
