@@ -12,6 +12,7 @@
 
 #include "fast/leaf_rays-inl.h"
 #include "fast/near_leaf.h"
+#include "fast/root_lanes-inl.h"
 #include "fast/tile_blocks-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -142,6 +143,18 @@ firstByNewton(const PassContext& context, const TileLeaf& at, const LeafRays& ra
   return open;
 }
 
+/** Pass 1 of a cubic or quartic leaf in lanes where it may have several roots between low and high. */
+template <int D>
+HWY_NOINLINE void
+firstOfMany(const PassContext& context, const TileLeaf& at, RayPolynomials<D> f, Vec low, Vec high,
+            Mask open, Block& block)
+{
+  f.shift(low);
+  const FoundRoots roots = firstRootAlong<D>(f, Sub(high, low), context.front_only, open,
+                                             context.statistics.rays_bracketed);
+  moveForward(at, roots.found, Add(low, roots.at), block);
+}
+
 /** Pass 1 of a cubic or quartic leaf. */
 template <int D>
 HWY_INLINE void
@@ -154,18 +167,19 @@ firstOfHigher(const PassContext& context, const TileLeaf& at, Block& block)
     open = firstByNewton<D>(context, at, rays, f, block);
     if (AllFalse(open)) return;
   }
-  Vec low, high, sigma = set(0.0f);
+  Vec low, high;
   open = And(open, rays.chord(context.first_sq, low, high));
   low = Max(low, sigmaOf(at, block.nearest));
   high = Min(high, sigmaOf(at, block.first));
   open = And(open, Lt(low, high));
   if (AllFalse(open)) return;
-  const auto found = isolate<D>(f, low, high, context.front_only, open, sigma);
-  moveForward(at, found.one, sigma, block);
-  if (AllFalse(found.unclear)) return;
-  const Mask solved = solveUnclear<D>(f, low, high, low, context.front_only, found.unclear, sigma,
-                                      context.statistics.rays_bracketed);
-  moveForward(at, solved, sigma, block);
+  const Stretch<D> stretch(f, low, Sub(high, low));
+  const Mask one = And(open, stretch.one(context.front_only));
+  if (!AllFalse(one)) {
+    moveForward(at, one, MulAdd(Sub(high, low), stretch.root(one), low), block);
+  }
+  open = And(open, stretch.many());
+  if (!AllFalse(open)) firstOfMany<D>(context, at, f, low, high, open, block);
 }
 
 }  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes
