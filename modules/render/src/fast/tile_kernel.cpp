@@ -183,11 +183,12 @@ gather(const PassContext& context, const Ball& around, const Block& block, Block
 /** Lanes whose blend belongs to no surface: neither covered, nor in a gap between leaves all
  * around. */
 HWY_NOINLINE Mask
-unsupported(const PassContext& context, const Ball& around, const Block& block, Mask doubtful)
+unsupported(const PassContext& context, Block block, Mask doubtful)
 {
   constexpr float kMinLeaves = 3.0f, kMaxLean = 0.25f;  // as isSupported()
+  block.pending = doubtful;
   BlockSums sums;
-  gather<true>(context, around, block, sums);
+  gather<true>(context, ballAround(context, block), block, sums);
   const Vec* l = sums.lean;
   const Vec allowed = Mul(set(kMaxLean), sums.weight);
   const Mask surrounded = And(Ge(sums.leaves, set(kMinLeaves)),
@@ -263,7 +264,7 @@ drawBlock(const PassContext& context, const BlockOutput& output)
     const Mask met = Gt(sums.weight, set(0.0f));
     const Mask outside = Gt(sums.outside, Mul(set(0.5f), sums.weight));
     Mask uncovered = AndNot(outside, And(met, Lt(sums.coverage, set(min_coverage))));
-    if (!AllFalse(uncovered)) uncovered = unsupported(context, around, block, uncovered);
+    if (!AllFalse(uncovered)) uncovered = unsupported(context, block, uncovered);
     uncovered = Or(uncovered, outside);
     const bool last = AllFalse(uncovered);
     if (last && layer == 0) return output.write(block, sums, block.first);
