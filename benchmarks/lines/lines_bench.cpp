@@ -6,11 +6,10 @@
 #include <new>
 
 #include "common/options.h"
-#include "measure/clocks.h"
+#include "line_run.h"
 #include "measure/line_truth.h"
 #include "measure/lists.h"
 #include "pcl_slim/features/crest_lines.h"
-#include "pcl_slim/fit/fit.h"
 
 namespace {
 
@@ -33,7 +32,6 @@ struct Outcome {
   std::size_t lines = 0;
   double z = 0, highest = 0;  ///< RMS of the vertices' significance, greatest mean of a line
   double fit = 0, project = 0, trace = 0;  ///< us a point
-  CrestStatistics statistics;
 };
 
 struct Truth {
@@ -64,21 +62,6 @@ declareOptions(Settings& s)
   return options;
 }
 
-std::vector<std::vector<Segment>>
-segmentsOf(const CrestLines& lines)
-{
-  std::vector<std::vector<Segment>> made(2);
-  for (std::size_t i = 0; i < lines.numLines(); ++i) {
-    auto& segments = made[static_cast<std::size_t>(lines.type[i])];
-    const std::uint32_t begin = lines.line_begin[i], end = lines.line_begin[i + 1];
-    for (std::uint32_t v = begin; v + 1 < end; ++v) {
-      segments.push_back({lines.position[v], lines.position[v + 1]});
-    }
-    if (lines.closed[i] != 0) segments.push_back({lines.position[end - 1], lines.position[begin]});
-  }
-  return made;
-}
-
 /** Turns a vector by 33 degrees about an axis askew, or back. */
 template <typename T>
 void
@@ -96,35 +79,22 @@ turn(T* p, double sign)
 Error
 trace(const Settings& s, const measure::Scene& scene, CrestLines& lines, Outcome& outcome)
 {
-  const double n = static_cast<double>(scene.points.size() / 3) * 1e-6;
-  double begin = measure::cpuSeconds();
-  const auto store = PointStore::build(measure::viewOf(scene, nullptr, s.normals), 1);
-  if (!store) return store.error();
-  FitParams fit;
-  fit.threads = s.params.threads;
-  fit.degree = s.degree;
-  SLIMSurface surface;
-  if (Error error = fitSurface(*store, fit, surface)) return error;
-  outcome.fit = (measure::cpuSeconds() - begin) / n;
-  begin = measure::cpuSeconds();
-  ProjectionParams how;
-  how.extremality = true;
-  how.threads = s.params.threads;
-  Projection projection;
-  if (Error error = projectPoints(*store, surface, how, projection)) return error;
-  outcome.project = (measure::cpuSeconds() - begin) / n;
-  begin = measure::cpuSeconds();
   CrestParams params = s.params;
   if (s.unfiltered) params.significance = params.peak_significance = params.min_length = 0;
-  Error error = traceCrestLines(*store, projection, surface, params, lines, &outcome.statistics);
-  outcome.trace = (measure::cpuSeconds() - begin) / n;
+  lines_bench::LineRun run;
+  const CloudView cloud = measure::viewOf(scene, nullptr, s.normals);
+  if (Error error = runLines(cloud, s.degree, params, run)) return error;
+  lines = std::move(run.lines);
+  outcome.fit = run.fit;
+  outcome.project = run.project;
+  outcome.trace = run.trace;
   outcome.lines = lines.numLines();
   for (const float z : lines.significance) {
     outcome.z += z * z / static_cast<double>(lines.numVertices());
   }
   outcome.z = std::sqrt(outcome.z);
   for (const double z : lines.mean_significance) outcome.highest = std::max(outcome.highest, z);
-  return error;
+  return {};
 }
 
 /** Lines of turned points, turned back, against those of the points as they are. */
@@ -151,10 +121,10 @@ runScene(const Settings& s, const Truth& truth, std::size_t points, double noise
   const double spacing = std::sqrt(truth.area / static_cast<double>(points));
   auto reference = truth.lines;
   if (s.turned) {
-    reference = segmentsOf(lines);
+    reference = lines_bench::segmentsOf(lines);
     if (Error error = traceTurned(s, scene, lines, outcome)) return error;
   }
-  outcome.score = measure::scoreLines(segmentsOf(lines), reference, spacing);
+  outcome.score = measure::scoreLines(lines_bench::segmentsOf(lines), reference, spacing);
   return {};
 }
 
@@ -179,7 +149,6 @@ printRow(const Settings& s, const std::string& name, const Truth& truth, std::si
     sum.fit += share * one.fit;
     sum.project += share * one.project;
     sum.trace += share * one.trace;
-    sum.statistics = one.statistics;
   }
   const measure::LineScore& r = sum.score;
   std::printf(
