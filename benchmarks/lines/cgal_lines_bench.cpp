@@ -208,6 +208,7 @@ runCgal(const Settings& s, const measure::Scene& clean, const measure::Scene& sc
   best_pieces = pieces;
   for (double least = 0.01; least < 20; least *= 1.25) {
     const auto score = scoreAbove(curves, least, truth, spacing, pieces);
+    if (pieces == 0) break;
     if (score.found3 - score.off3 <= best.found3 - best.off3) continue;
     best = score;
     best_pieces = pieces;
@@ -222,7 +223,7 @@ runOurs(const measure::Scene& scene, const Segments& truth, double spacing)
   CrestParams params;
   params.threads = 1;
   lines_bench::LineRun run;
-  if (Error error = runLines(measure::viewOf(scene, nullptr, true), 4, params, run)) return error;
+  if (Error error = runLines(measure::viewOf(scene, nullptr, true), {}, params, run)) return error;
   const auto score = measure::scoreLines(lines_bench::segmentsOf(run.lines), truth, spacing);
   printRow("SLIM", score, run.lines.numLines(), run.fit + run.project + run.trace);
   return {};

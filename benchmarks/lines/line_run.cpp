@@ -3,21 +3,18 @@
 
 #include "measure/clocks.h"
 #include "pcl_slim/cloud/point_store.h"
-#include "pcl_slim/fit/fit.h"
 
 namespace pcl_slim::lines_bench {
 
 Error
-runLines(const CloudView& cloud, int degree, const CrestParams& params, LineRun& run)
+runLines(const CloudView& cloud, FitParams fit, const CrestParams& params, LineRun& run)
 {
   run.points = cloud.count();
   const double n = static_cast<double>(cloud.count()) * 1e-6;
   double begin = measure::cpuSeconds();
   const auto store = PointStore::build(cloud, params.threads);
   if (!store) return store.error();
-  FitParams fit;
   fit.threads = params.threads;
-  fit.degree = degree;
   SLIMSurface surface;
   if (Error error = fitSurface(*store, fit, surface)) return error;
   run.fit = (measure::cpuSeconds() - begin) / n;

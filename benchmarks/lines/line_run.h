@@ -4,6 +4,7 @@
 #include "measure/line_truth.h"
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/features/crest_lines.h"
+#include "pcl_slim/fit/fit.h"
 
 /** \brief Crest lines of a cloud, each stage on its own clock. */
 namespace pcl_slim::lines_bench {
@@ -15,9 +16,9 @@ struct LineRun {
   double fit = 0, project = 0, trace = 0;  ///< us of CPU time a point
 };
 
-/** \brief Fits, projects and traces. \param[in] degree of the polynomials */
+/** \brief Fits, projects and traces. */
 Error
-runLines(const CloudView& cloud, int degree, const CrestParams& params, LineRun& run);
+runLines(const CloudView& cloud, FitParams fit, const CrestParams& params, LineRun& run);
 
 /** \brief Lines as pieces, ridges and ravines, to be compared with exact ones. */
 std::vector<std::vector<measure::Segment>>

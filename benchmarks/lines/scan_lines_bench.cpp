@@ -13,7 +13,8 @@ using namespace pcl_slim;
 
 struct Settings {
   std::string scan;
-  int repeat = 5, degree = 4;
+  int repeat = 5;
+  FitParams fit;
   CrestParams params;
 
   Settings() { params.threads = 1; }
@@ -25,7 +26,7 @@ declareOptions(Settings& s)
   OptionTable options("scan_lines_bench", "1", "Measures what crest lines of a scan cost.");
   options.positional("SCAN.pcd|.ply", &s.scan, "the scan; its normals or faces are used");
   options.integer("repeat", &s.repeat, 1, 1000, "runs to take the least times of");
-  options.integer("degree", &s.degree, 1, 4, "degree of the polynomials");
+  options.integer("degree", &s.fit.degree, 1, 4, "degree of the polynomials");
   options.integer("threads", &s.params.threads, 0, 4096, "threads, 0: all cores");
   return options;
 }
@@ -39,7 +40,7 @@ run(Settings& s)
   double fit = 1e300, project = 1e300, trace = 1e300;
   lines_bench::LineRun one;
   for (int i = 0; i < s.repeat; ++i) {
-    if (Error error = runLines(cloud->view(), s.degree, s.params, one)) return error;
+    if (Error error = runLines(cloud->view(), s.fit, s.params, one)) return error;
     fit = std::min(fit, one.fit);
     project = std::min(project, one.project);
     trace = std::min(trace, one.trace);
