@@ -95,8 +95,10 @@ class GrowthCurve {
   bool slowsDown() const
   {
     if (growths_.empty() || growths_.front() <= flat_first_) return false;
-    const bool slow = least() <= constants_.slow && least() <= constants_.fall * growths_.front();
-    return slow || least() <= constants_.plateau;
+    const auto least_at = std::min_element(growths_.begin(), growths_.end());
+    const double peak = *std::max_element(growths_.begin(), least_at + 1);
+    return *least_at <= constants_.plateau ||
+           (*least_at <= constants_.slow && *least_at <= constants_.fall * peak);
   }
 
   bool startsInDetail() const { return detail_ && growths_.size() == 1; }
@@ -278,14 +280,14 @@ recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
     if (!(noise.correlation > 1) && dip)
       noise = plateauNoise(store, *dip, true, scales, constants, threads);
   }
-  // Between steps as few share an error as chance would have it: they are looked for first.
-  if (noise.correlation < constants.steps.correlation) {
-    const NoiseLevel stepped = withSteps(store, white, constants, threads);
-    if (stepped.step > 0)
-      noise = stepped;
-    else if (!(noise.correlation > 1))
-      noise = withUnevenness(store, white, noise, scales, constants, threads);
-  }
+  // Between steps as few share an error as chance would have it, and narrow patches see no more.
+  const NoiseLevel stepped = withSteps(store, white, constants, threads);
+  const bool more = noise.correlation < constants.steps.correlation ||
+                    !isFlat(noise.variance, stepped.variance, constants.shared);
+  if (stepped.step > 0 && more)
+    noise = stepped;
+  else if (!(noise.correlation > 1))
+    noise = withUnevenness(store, white, noise, scales, constants, threads);
   noise.patches = white.patches + scales.size() * scales.front().variances.size();
   return noise;
 }

@@ -23,7 +23,7 @@ struct SharedNoiseConstants {
   double rise = 0.3;           ///< growth this far above its least is a surface's detail
   double steep = 1.0;          ///< growth, after the first, that no noise shows
   double slow = 0.55;          ///< growth up to which a least one will do for a plateau ...
-  double fall = 0.78;          ///< ... if it has fallen to this share of the first
+  double fall = 0.78;          ///< ... if it has fallen to this share of the greatest before
 
   double slack = 1.4;  ///< growth over the least that shows as much of the noise
 
