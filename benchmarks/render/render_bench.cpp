@@ -25,7 +25,7 @@ struct Settings {
   std::string surface;
   int size = 1000, repeat = 15, threads = 2, leaves = 48000, degree = 2;
   double zoom = 1.0, lod = 0.0;
-  bool reference = true;
+  bool reference = true, trim = true;
 };
 
 /** \brief Milliseconds a frame: as a clock tells, of all threads together, and of the quickest. */
@@ -128,6 +128,7 @@ compareWithReference(const Settings& s, const Camera& camera, const FrameTime& p
   RenderParams params;
   params.threads = s.threads;
   params.columns = 0;
+  params.trim = s.trim;
   params.reference = true;
   GBuffer reference;
   RenderStatistics counts;
@@ -156,6 +157,7 @@ run(const Settings& s)
   RenderParams params;
   params.threads = s.threads;
   params.lod = s.lod;
+  params.trim = s.trim;
   GBuffer buffer;
   RenderStatistics counts;
   const auto time = [&] {
@@ -195,6 +197,7 @@ main(int argc, char** argv)
   table.integer("threads", &s.threads, 1, 256, "threads");
   table.number("zoom", &s.zoom, 0.01, 1000.0, "narrows the field of view");
   table.number("lod", &s.lod, 0.0, 1024.0, "level of detail in pixels");
+  table.toggle("trim", &s.trim, "end open surfaces where their trim maps say so");
   table.toggle("reference", &s.reference, "compare with the reference");
   if (const auto status = table.parse(argc, argv)) return *status;
   return run(s);

@@ -5,32 +5,13 @@
 #include <cmath>
 
 #include "frame/packed_frame.h"
+#include "pcl_slim/surface/detail/detail_sizes.h"
 #include "pcl_slim/surface/detail/trim_tables.h"
 
 namespace pcl_slim::detail {
 namespace {
 
-constexpr float kNoParent = 1e18f;
 constexpr std::size_t kWordsOfUnit = 4096;  ///< begins of maps in two floats, both exact
-
-/** \brief The largest radius of each surfel's parents. */
-std::vector<float>
-parentRadii(const SLIMSurface& surface)
-{
-  std::vector<float> radii(surface.size(), kNoParent);
-  if (surface.child_begin.size() != surface.size() + 1) return radii;
-  std::vector<float> largest(surface.size(), 0.0f);
-  for (std::size_t i = 0; i < surface.size(); ++i) {
-    for (std::uint32_t k = surface.child_begin[i]; k < surface.child_begin[i + 1]; ++k) {
-      float& radius = largest[surface.children[k]];
-      radius = std::max(radius, surface.radius[i]);
-    }
-  }
-  for (std::size_t i = 0; i < surface.size(); ++i) {
-    if (largest[i] > 0.0f) radii[i] = largest[i];
-  }
-  return radii;
-}
 
 /** \brief Appends one surfel after another. */
 class Packer {
@@ -38,7 +19,7 @@ class Packer {
   Packer(const SLIMSurface& surface, LeafTexels& texels)
       : surface_(surface),
         trims_(surface),
-        parents_(parentRadii(surface)),
+        sizes_(surface),
         length_(4 * static_cast<std::size_t>(texelsOfLeaf(surface.info.degree))),
         texels_(texels)
   {
@@ -58,8 +39,8 @@ class Packer {
     for (const double value : frame.u) to.push_back(static_cast<float>(value));
     to.push_back(levelAndResidual(s.level[i], s.error[i], s.radius[i]));
     addTrim(trims_.of(i));
-    to.push_back(s.isLeaf(i) ? 0.0f : s.radius[i]);
-    to.push_back(parents_[i]);
+    to.push_back(sizes_.own[i]);
+    to.push_back(sizes_.parent[i]);
     addCoefficients(i, scale);
     to.resize(end, 0.0f);
   }
@@ -89,7 +70,7 @@ class Packer {
 
   const SLIMSurface& surface_;
   TrimTables trims_;
-  std::vector<float> parents_;
+  DetailSizes sizes_;
   std::size_t length_;
   LeafTexels& texels_;
 };

@@ -10,7 +10,7 @@ namespace pcl_slim::detail {
 
 /** \brief Texels of four numbers a surfel of a surface takes on the graphics card: centre and
  * radius; normal and weight; the frame's u axis with the level and, as its fraction, the residual in
- * radii; where its trim map begins and the level of detail's radii; then the coefficients. */
+ * radii; where its trim map begins and the level of detail's sizes; then the coefficients. */
 constexpr int
 texelsOfLeaf(int degree)
 {
@@ -21,8 +21,8 @@ texelsOfLeaf(int degree)
 struct LeafTexels {
   /** texelsOfLeaf(info.degree) texels for each leaf and, behind all leaves, for each internal
    * surfel if they were asked for. The fourth texel of one: the begin of its trim map in 4096 words,
-   * what that leaves over times 64 plus the map's side less 1, or -1 of a closed one; its own radius,
-   * 0 of a leaf; the largest radius of a parent, 1e18 without one. Balls of internal surfels are
+   * what that leaves over times 64 plus the map's side less 1, or -1 of a closed one; its own
+   * and its parents' DetailSizes. Balls of internal surfels are
    * drawn larger than their radius. */
   std::vector<float> surfels;
   /** Words of TrimTable, row by row; one word at least, as a buffer cannot be empty. */

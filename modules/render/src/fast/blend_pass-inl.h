@@ -12,7 +12,7 @@
 #include "pcl_slim/surface/detail/trim_outside-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace pcl_slim::detail::kernels::HWY_NAMESPACE::pair {
+namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes {
 
 /** A leaf's roots next to q^ and what the guards say of them. */
 struct NearRoots {
@@ -38,36 +38,42 @@ nextRoot(const PassContext& context, const RayPolynomials<2>& f, Vec hat, Vec, M
  * at t: no other root is as near. */
 template <int D>
 HWY_INLINE Mask
-isNearest(const RayPolynomials<D>& taylor, Vec t, bool front_only)
+isNearest(const RayPolynomials<D>& taylor, Vec t)
 {
   const Vec* a = taylor.a;
   const Vec reach = Abs(t);
   Vec bend = Mul(set(3.0f), Abs(a[3]));
   if constexpr (D == 4) bend = MulAdd(Mul(set(4.0f), Abs(a[4])), reach, bend);
   bend = MulAdd(bend, reach, Mul(set(2.0f), Abs(a[2])));
-  const Vec steep = front_only ? Neg(a[1]) : Abs(a[1]);
-  return Lt(Mul(bend, reach), Mul(set(0.95f), steep));
+  return Lt(Mul(bend, reach), Mul(set(0.95f), Abs(a[1])));
 }
 
-/** The root nearest to q^ by isolation, for some lanes. */
+/** The root nearest to q^ in lanes where near knows none or where one may lie nearer than near.sigma;
+ * taylor is F about q^. */
 template <int D>
 HWY_NOINLINE void
-isolateNear(const PassContext& context, const LeafRays& rays, Vec hat, Vec near_sigma, Mask rest,
-            NearRoots& near)
+isolateNear(const PassContext& context, const LeafRays& rays, const RayPolynomials<D>& taylor,
+            Vec hat, Vec near_sigma, Mask rest, NearRoots& near)
 {
-  const RayPolynomials<D> f(rays.leaf.form(), rays.x, rays.y);
-  Vec low, high, sigma = hat;
-  const Mask meets = And(rest, rays.chord(1.0f, low, high));
+  constexpr float kNearer = 0.999f;  // of the way to a known root
+  Vec low, high;
+  rest = And(rest, rays.chord(1.0f, low, high));
   low = Max(low, near_sigma);
-  const auto found = isolate<D>(f, low, high, context.front_only, meets, sigma);
-  Mask solved = found.one;
-  if (!AllFalse(found.unclear)) {
-    solved = Or(solved, solveUnclear<D>(f, low, high, hat, context.front_only, found.unclear, sigma,
-                                        context.statistics.rays_bracketed));
-  }
-  near.sigma = IfThenElse(solved, sigma, near.sigma);
-  near.slope = IfThenElse(solved, f.slope(sigma), near.slope);
-  near.found = Or(near.found, solved);
+  const Vec known = Mul(set(kNearer), Abs(Sub(near.sigma, hat)));
+  const Vec most = IfThenElse(near.found, known, set(kInfinite));
+  std::uint64_t& solved = context.statistics.rays_bracketed;
+  const FoundRoots behind =
+      firstRootAlong<D>(taylor, Min(most, Sub(high, hat)), context.front_only, rest, solved);
+  // -F(-t) falls where F does.
+  RayPolynomials<D> back = taylor;
+  for (int i = 0; i <= D; i += 2) back.a[i] = Neg(back.a[i]);
+  const Vec down = Min(Sub(hat, low), IfThenElse(behind.found, behind.at, most));
+  const FoundRoots before = firstRootAlong<D>(back, down, context.front_only, rest, solved);
+  const Vec t = IfThenElse(before.found, Neg(before.at), behind.at);
+  const Mask nearer = Or(before.found, behind.found);
+  near.sigma = IfThenElse(nearer, Add(hat, t), near.sigma);
+  near.slope = IfThenElse(nearer, taylor.slope(t), near.slope);
+  near.found = Or(near.found, nearer);
 }
 
 /** The root nearest to q^, taylor being F about q^: a step of Halley's and one of Newton's where
@@ -81,13 +87,13 @@ nextRoot(const PassContext& context, const LeafRays& rays, const RayPolynomials<
   const Vec* a = taylor.a;
   const Vec under = NegMulAdd(a[0], a[2], Mul(a[1], a[1]));
   const Vec start = Neg(Div(Mul(a[0], a[1]), under));
-  const Vec change = Div(taylor.value(start), taylor.slope(start));
+  const Vec slope = taylor.slope(start), change = Div(taylor.value(start), slope);
   const Vec t = Sub(start, change);
-  NearRoots near{Add(hat, t), a[1], live};
+  NearRoots near{Add(hat, t), slope, live};
   near.found = And(live, Lt(Abs(change), set(kShort)));
-  near.found = And(near.found, isNearest<D>(taylor, t, context.front_only));
-  const Mask rest = AndNot(near.found, live);
-  if (!AllFalse(rest)) isolateNear<D>(context, rays, hat, near_sigma, rest, near);
+  if (context.front_only) near.found = And(near.found, Lt(slope, set(0.0f)));
+  const Mask rest = AndNot(And(near.found, isNearest<D>(taylor, t)), live);
+  if (!AllFalse(rest)) isolateNear<D>(context, rays, taylor, hat, near_sigma, rest, near);
   return near;
 }
 
@@ -193,13 +199,12 @@ addLean(const LeafRays& rays, const Crossing& at, BlockSums& sums)
 HWY_NOINLINE void
 addOutside(const LeafRays& rays, const Crossing& at, BlockSums& sums)
 {
-  const Part d;
   const FrameLeaf& leaf = rays.leaf;
   const Vec scale = set(leaf.trim_scale);
   const Vec u = Mul(scale, inPlane(rays, at, leaf.u, leaf.uc));
   const Vec v = Mul(scale, inPlane(rays, at, leaf.v, leaf.vc));
-  const Vec outside{outsideShares(d, leaf.trim, u.low, v.low),
-                    outsideShares(d, leaf.trim, u.high, v.high)};
+  const Vec outside = byParts(
+      [&](auto pu, auto pv) HWY_ATTR { return outsideShares(Part(), leaf.trim, pu, pv); }, u, v);
   sums.outside = MulAdd(at.weight, outside, sums.outside);
 }
 
@@ -281,6 +286,6 @@ blendLeaf(const PassContext& context, const TileLeaf& place, const Block& block,
   if constexpr (WithLean) addLean(rays, at, sums);
 }
 
-}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::pair
+}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes
 HWY_AFTER_NAMESPACE();
 #endif

@@ -15,7 +15,7 @@
 #include "tiles/clear_pixels.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace pcl_slim::detail::kernels::HWY_NAMESPACE::pair {
+namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes {
 
 /** Vectors of a block in world axes, from the camera's. */
 HWY_INLINE void
@@ -95,8 +95,7 @@ struct BlockOutput {
   HWY_INLINE void put(const Vec v[3], std::vector<std::array<float, 3>>& column) const
   {
     HWY_ALIGN float values[48];
-    hn::StoreInterleaved3(v[0].low, v[1].low, v[2].low, Part(), values);
-    hn::StoreInterleaved3(v[0].high, v[1].high, v[2].high, Part(), values + 3 * kPartLanes);
+    storeInterleaved(v[0], v[1], v[2], values);
     forEachRow([&](std::size_t lane, std::size_t pixel, std::size_t count)
                    HWY_ATTR { copy<3>(values + 3 * lane, count, column.data()[pixel].data()); });
   }
@@ -165,8 +164,7 @@ struct BlockOutput {
       HWY_ALIGN float values[32] = {};
       const Vec k_max = IfThenElseZero(met, curvature.k_max);
       const Vec k_min = IfThenElseZero(met, curvature.k_min);
-      hn::StoreInterleaved2(k_max.low, k_min.low, Part(), values);
-      hn::StoreInterleaved2(k_max.high, k_min.high, Part(), values + 2 * kPartLanes);
+      storeInterleaved(k_max, k_min, values);
       forEachRow([&](std::size_t lane, std::size_t pixel, std::size_t count) {
         copy<2>(values + 2 * lane, count, buffer.principal.data()[pixel].data());
       });
@@ -224,6 +222,6 @@ struct BlockOutput {
   }
 };
 
-}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::pair
+}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes
 HWY_AFTER_NAMESPACE();
 #endif

@@ -12,15 +12,14 @@
 
 #include "fast/leaf_rays-inl.h"
 #include "fast/near_leaf.h"
+#include "fast/root_lanes-inl.h"
 #include "fast/tile_blocks-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace pcl_slim::detail::kernels::HWY_NAMESPACE::pair {
+namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes {
 
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
-constexpr float kMaxShift = 0.25f;   ///< distance of q^ from a leaf's own surface, in its radii
-constexpr float kSettled = 1e-4f;    ///< of r: the Newton step after one so short is below rounding
-constexpr float kSameSheet = 5e-4f;  ///< of r: q^ gains nothing by moving forward less than this
+constexpr float kMaxShift = 0.25f;  ///< distance of q^ from a leaf's own surface, in its radii
 
 /** Sums of a block's blend (eqs. 6, 7, 8 left), before division by the weight; camera's axes. */
 struct BlockSums {
@@ -114,32 +113,16 @@ firstOfQuadratic(const PassContext& context, const TileLeaf& at, Block& block)
   if (!context.front_only) take(roots.rising);
 }
 
-/** Pass 1 of a leaf whose F falls all along the rays in its ball: Newton alone leads to the root.
- * \return lanes that Newton did not settle. */
+/** Pass 1 of a cubic or quartic leaf in lanes where it may have several roots between low and high. */
 template <int D>
-HWY_INLINE Mask
-firstByNewton(const PassContext& context, const TileLeaf& at, const LeafRays& rays,
-              const RayPolynomials<D>& f, Block& block)
+HWY_NOINLINE void
+firstOfMany(const PassContext& context, const TileLeaf& at, RayPolynomials<D> f, Vec low, Vec high,
+            Mask open, Block& block)
 {
-  const Vec reached = sigmaOf(at, block.first);
-  const Mask have = Lt(reached, set(1.5f));  // also false where nothing was met
-  Vec sigma = IfThenElseZero(have, Max(reached, set(-1.5f)));
-  Vec value = f.value(sigma);
-  // F < 0 at q^: q^ lies behind this leaf's surface.
-  Mask active = And(block.pending, Or(Not(have), Lt(value, set(-kSameSheet))));
-  if (AllFalse(active)) return active;
-  Mask open = active;
-  for (int step = 0; step < 4; ++step) {
-    const Vec slope = Min(f.slope(sigma), set(-0.01f));
-    const Vec change = Div(value, slope);
-    sigma = Clamp(Sub(sigma, change), set(-1.5f), set(1.5f));
-    open = And(active, Ge(Abs(change), set(10.0f * kSettled)));
-    if (AllFalse(open)) break;
-    value = f.value(sigma);
-  }
-  const Mask inside = rays.inBall(sigma, context.first_sq);
-  moveForward(at, And(AndNot(open, active), inside), sigma, block);
-  return open;
+  f.shift(low);
+  const FoundRoots roots = firstRootAlong<D>(f, Sub(high, low), context.front_only, open,
+                                             context.statistics.rays_bracketed);
+  moveForward(at, roots.found, Add(low, roots.at), block);
 }
 
 /** Pass 1 of a cubic or quartic leaf. */
@@ -149,25 +132,21 @@ firstOfHigher(const PassContext& context, const TileLeaf& at, Block& block)
 {
   const LeafRays rays = raysOf(at, block);
   const RayPolynomials<D> f(at.leaf->form(), rays.x, rays.y);
-  Mask open = block.pending;
-  if ((at.leaf->monotone & kFirstMonotone) != 0) {
-    open = firstByNewton<D>(context, at, rays, f, block);
-    if (AllFalse(open)) return;
-  }
-  Vec low, high, sigma = set(0.0f);
-  open = And(open, rays.chord(context.first_sq, low, high));
+  Vec low, high;
+  Mask open = And(block.pending, rays.chord(context.first_sq, low, high));
   low = Max(low, sigmaOf(at, block.nearest));
   high = Min(high, sigmaOf(at, block.first));
   open = And(open, Lt(low, high));
   if (AllFalse(open)) return;
-  const auto found = isolate<D>(f, low, high, context.front_only, open, sigma);
-  moveForward(at, found.one, sigma, block);
-  if (AllFalse(found.unclear)) return;
-  const Mask solved = solveUnclear<D>(f, low, high, low, context.front_only, found.unclear, sigma,
-                                      context.statistics.rays_bracketed);
-  moveForward(at, solved, sigma, block);
+  const Stretch<D> stretch(f, low, Sub(high, low));
+  const Mask one = And(open, stretch.one(context.front_only));
+  if (!AllFalse(one)) {
+    moveForward(at, one, MulAdd(Sub(high, low), stretch.root(one), low), block);
+  }
+  open = And(open, stretch.many());
+  if (!AllFalse(open)) firstOfMany<D>(context, at, f, low, high, open, block);
 }
 
-}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::pair
+}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes
 HWY_AFTER_NAMESPACE();
 #endif

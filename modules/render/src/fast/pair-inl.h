@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Two vectors as one, so that what is loaded for a leaf serves twice the pixels and a processor finds
-// two chains of operations to run side by side. Functions are named as Highway's. The guard toggles:
-// Highway compiles a kernel file once per instruction set.
+// A block's pixels in two vectors, where a vector has eight lanes or fewer. The guard toggles: Highway
+// compiles a kernel file once per instruction set.
 #if defined(PCL_SLIM_PAIR_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PCL_SLIM_PAIR_INL
 #undef PCL_SLIM_PAIR_INL
@@ -13,11 +12,10 @@
 #include <cstdint>
 
 #include "hwy/highway.h"
-#include "pcl_slim/surface/detail/kernel_math-inl.h"
-#include "pcl_slim/surface/weight_kernel.h"
 
+#if HWY_TARGET != HWY_AVX3
 HWY_BEFORE_NAMESPACE();
-namespace pcl_slim::detail::kernels::HWY_NAMESPACE::pair {
+namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes {
 
 namespace hn = hwy::HWY_NAMESPACE;
 using Part = hn::CappedTag<float, 8>;
@@ -161,31 +159,45 @@ smallest(const Vec& v)
   return hn::GetLane(hn::MinOfLanes(Part(), hn::Min(v.low, v.high)));
 }
 
-HWY_INLINE Vec
-dot3(const Vec& ax, const Vec& ay, const Vec& az, const Vec& bx, const Vec& by, const Vec& bz)
+/** The first lane. */
+HWY_INLINE float
+firstLane(const Vec& v)
 {
-  return MulAdd(ax, bx, MulAdd(ay, by, Mul(az, bz)));
+  return hn::GetLane(v.low);
 }
 
-template <WeightKernel K>
-HWY_INLINE Vec
-weightOf(const Vec& s_sq)
+/** Stores a[0], b[0], a[1], b[1], ... \param[out] values aligned. */
+HWY_INLINE void
+storeInterleaved(const Vec& a, const Vec& b, float* values)
 {
-  return {kernelWeight<K>(s_sq.low), kernelWeight<K>(s_sq.high)};
+  hn::StoreInterleaved2(a.low, b.low, Part(), values);
+  hn::StoreInterleaved2(a.high, b.high, Part(), values + 2 * kPartLanes);
 }
 
-/** G at squared relative distances below 1. */
-HWY_INLINE Vec
-blendWeight(WeightKernel kernel, const Vec& s_sq)
+/** Stores a[0], b[0], c[0], a[1], ... \param[out] values aligned. */
+HWY_INLINE void
+storeInterleaved(const Vec& a, const Vec& b, const Vec& c, float* values)
 {
-  switch (kernel) {
-    case WeightKernel::kPower2: return weightOf<WeightKernel::kPower2>(s_sq);
-    case WeightKernel::kPower4: return weightOf<WeightKernel::kPower4>(s_sq);
-    case WeightKernel::kPower7: return weightOf<WeightKernel::kPower7>(s_sq);
-    default: return weightOf<WeightKernel::kGaussian>(s_sq);
-  }
+  hn::StoreInterleaved3(a.low, b.low, c.low, Part(), values);
+  hn::StoreInterleaved3(a.high, b.high, c.high, Part(), values + 3 * kPartLanes);
 }
 
-}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::pair
+/** What a function of vectors of Highway's makes of each part of some. */
+template <typename Function>
+HWY_INLINE Vec
+byParts(const Function& function, const Vec& a)
+{
+  return {function(a.low), function(a.high)};
+}
+
+template <typename Function>
+HWY_INLINE Vec
+byParts(const Function& function, const Vec& a, const Vec& b)
+{
+  return {function(a.low, b.low), function(a.high, b.high)};
+}
+
+}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes
 HWY_AFTER_NAMESPACE();
+#endif
 #endif

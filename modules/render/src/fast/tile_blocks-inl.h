@@ -15,7 +15,7 @@
 
 #include "fast/compress-inl.h"
 #include "fast/frame_scene.h"
-#include "fast/pair-inl.h"
+#include "fast/lanes-inl.h"
 #include "tiles/surfel_bins.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -23,8 +23,8 @@ namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr int kBlockWidth = pair::kLanes < 4 ? pair::kLanes : 4;  ///< pixels
-constexpr int kBlockHeight = pair::kLanes / kBlockWidth;
+constexpr int kBlockWidth = lanes::kLanes < 4 ? lanes::kLanes : 4;  ///< pixels
+constexpr int kBlockHeight = lanes::kLanes / kBlockWidth;
 constexpr int kPatchSize = 8;  ///< pixels a side of the squares in which blocks share their lists
 
 HWY_INLINE Vec

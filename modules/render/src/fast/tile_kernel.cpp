@@ -2,9 +2,8 @@
 // Draws one tile, block by block of pixels, a ray a lane.
 #include "fast/tile_kernel.h"
 
-// Pairs of vectors want eight lanes at most: processors with AVX-512 run the code for AVX2. Those
-// without AVX2 are old enough to take the plain code; every set costs a minute to compile.
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL | HWY_SSE4 | HWY_AVX3)
+// Processors without AVX2 are old enough to take the plain code; every set costs half a minute to compile.
+#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL | HWY_SSE4)
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fast/tile_kernel.cpp"
@@ -19,7 +18,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
-namespace pair {
+namespace lanes {
 
 constexpr int kMaxLayers = 8;        ///< how often a ray may pass through uncovered flaps
 constexpr float kLayerStep = 0.05f;  ///< of a leaf's radius, as the reference steps
@@ -154,8 +153,8 @@ ballAround(const PassContext& context, const Block& block)
   const float wide = kBlockWidth - 1.0f, high = static_cast<float>(kBlockHeight - 1);
   const float pixel = view.pixel * (view.perspective ? far : 1.0f);
   // Lane 0 is the upper left one.
-  const float sx = hn::GetLane(block.slope_x.low) + 0.5f * wide * view.pixel;
-  const float sy = hn::GetLane(block.slope_y.low) - 0.5f * high * view.pixel;
+  const float sx = firstLane(block.slope_x) + 0.5f * wide * view.pixel;
+  const float sy = firstLane(block.slope_y) - 0.5f * high * view.pixel;
   const float aside = 0.5f * std::sqrt(wide * wide + high * high) * pixel;
   if (!view.perspective) return {sx, sy, middle, 1.01f * (aside + 0.5f * (far - near))};
   const float slant = std::sqrt(1.0f + sx * sx + sy * sy);
@@ -184,11 +183,12 @@ gather(const PassContext& context, const Ball& around, const Block& block, Block
 /** Lanes whose blend belongs to no surface: neither covered, nor in a gap between leaves all
  * around. */
 HWY_NOINLINE Mask
-unsupported(const PassContext& context, const Ball& around, const Block& block, Mask doubtful)
+unsupported(const PassContext& context, Block block, Mask doubtful)
 {
   constexpr float kMinLeaves = 3.0f, kMaxLean = 0.25f;  // as isSupported()
+  block.pending = doubtful;
   BlockSums sums;
-  gather<true>(context, around, block, sums);
+  gather<true>(context, ballAround(context, block), block, sums);
   const Vec* l = sums.lean;
   const Vec allowed = Mul(set(kMaxLean), sums.weight);
   const Mask surrounded = And(Ge(sums.leaves, set(kMinLeaves)),
@@ -264,7 +264,7 @@ drawBlock(const PassContext& context, const BlockOutput& output)
     const Mask met = Gt(sums.weight, set(0.0f));
     const Mask outside = Gt(sums.outside, Mul(set(0.5f), sums.weight));
     Mask uncovered = AndNot(outside, And(met, Lt(sums.coverage, set(min_coverage))));
-    if (!AllFalse(uncovered)) uncovered = unsupported(context, around, block, uncovered);
+    if (!AllFalse(uncovered)) uncovered = unsupported(context, block, uncovered);
     uncovered = Or(uncovered, outside);
     const bool last = AllFalse(uncovered);
     if (last && layer == 0) return output.write(block, sums, block.first);
@@ -296,23 +296,23 @@ clearPatches(const TileBlocks& tile, int x0, int x1, int py, GBuffer& buffer)
   }
 }
 
-}  // namespace pair
+}  // namespace lanes
 
 void
 drawTile(const FrameScene& scene, std::size_t t, TileScratch& scratch, GBuffer& buffer,
          RenderStatistics& statistics)
 {
   TileBlocks tile(scene, t, scratch);
-  const pair::PassContext context(scene, tile, statistics);
+  const lanes::PassContext context(scene, tile, statistics);
   for (int py = 0; py < tile.height; py += kPatchSize) {
     int empty = 0;  // patches from here on are to be cleared
     for (int px = 0; px < tile.width; px += kPatchSize) {
       if (!tile.beginPatch(px, py)) continue;
-      pair::clearPatches(tile, empty, px, py, buffer);
-      pair::drawPatch(context, px, py, buffer);
+      lanes::clearPatches(tile, empty, px, py, buffer);
+      lanes::drawPatch(context, px, py, buffer);
       empty = px + kPatchSize;
     }
-    pair::clearPatches(tile, empty, tile.width, py, buffer);
+    lanes::clearPatches(tile, empty, tile.width, py, buffer);
   }
 }
 

@@ -7,6 +7,7 @@
 #include "pcl_slim/cloud/morton.h"
 #include "pcl_slim/cloud/morton_sort.h"
 #include "pcl_slim/core/vector3.h"
+#include "pcl_slim/surface/detail/detail_sizes.h"
 
 namespace pcl_slim::detail {
 namespace {
@@ -121,7 +122,7 @@ LeafIndex::LeafIndex(const SLIMSurface& surface, int threads, IndexedSurfels whi
     for (auto& level : levels) sortSurfels(surface, std::move(level), threads);
   }
   fillColumns(surface);
-  fillRadii(surface);
+  fillSizes(surface);
   if (size() == 0) return;
   std::vector<LeafNode> clusters;
   for (std::uint32_t begin = 0; begin < size(); begin += kClusterSize) {
@@ -154,22 +155,14 @@ LeafIndex::sortSurfels(const SLIMSurface& surface, std::vector<std::uint32_t> su
 }
 
 void
-LeafIndex::fillRadii(const SLIMSurface& surface)
+LeafIndex::fillSizes(const SLIMSurface& surface)
 {
-  own_radius.assign(x.size(), 0.0f);
-  parent_radius.assign(x.size(), kNoParent);
-  if (surface.child_begin.size() != surface.size() + 1) return;
-  std::vector<float> of_parent(surface.size(), 0.0f);
-  for (std::size_t i = 0; i < surface.size(); ++i) {
-    for (std::uint32_t k = surface.child_begin[i]; k < surface.child_begin[i + 1]; ++k) {
-      float& largest = of_parent[surface.children[k]];
-      largest = std::max(largest, surface.radius[i]);
-    }
-  }
+  const DetailSizes sizes(surface);
+  own_size.assign(x.size(), 0.0f);
+  parent_size.assign(x.size(), DetailSizes::kNoParent);
   for (std::size_t i = 0; i < size(); ++i) {
-    const std::uint32_t s = surfel[i];
-    if (!surface.isLeaf(s)) own_radius[i] = surface.radius[s];
-    if (of_parent[s] > 0.0f) parent_radius[i] = of_parent[s];
+    own_size[i] = sizes.own[surfel[i]];
+    parent_size[i] = sizes.parent[surfel[i]];
   }
 }
 
@@ -218,8 +211,8 @@ LeafIndex::enclose(std::uint32_t begin, std::uint32_t end) const
     reach = std::max(reach, length(d) + radius[i]);
     cone = std::max(cone, angleTo(node.axis, {nx[i], ny[i], nz[i]}) + std::asin(sine[i]));
   }
-  node.smallest = *std::min_element(own_radius.begin() + begin, own_radius.begin() + end);
-  node.largest = *std::max_element(parent_radius.begin() + begin, parent_radius.begin() + end);
+  node.smallest = *std::min_element(own_size.begin() + begin, own_size.begin() + end);
+  node.largest = *std::max_element(parent_size.begin() + begin, parent_size.begin() + end);
   node.radius = static_cast<float>(reach * (1.0 + 1e-6));
   node.cone = static_cast<float>(cone + 1e-5);
   return node;

@@ -19,8 +19,8 @@ struct LeafNode {
   float radius;
   float axis[3];
   float cone;      ///< half angle in radians; pi and more: the gradients have no side in common
-  float smallest;  ///< of own_radius
-  float largest;   ///< of parent_radius
+  float smallest;  ///< of own_size
+  float largest;   ///< of parent_size
   std::uint32_t begin, end;  ///< leaves, in the index's order
 };
 
@@ -68,15 +68,12 @@ class LeafIndex {
   AlignedVector<float> nx, ny, nz;       ///< the normal
   AlignedVector<float> sine;  ///< of the largest angle between normal and gradient in the ball
   AlignedVector<float> variance_weight;
-  AlignedVector<float> own_radius;     ///< 0 of a leaf: nothing finer stands for it
-  AlignedVector<float> parent_radius;  ///< the largest of its parents'; of none kNoParent
-
-  static constexpr float kNoParent = 1e18f;
+  AlignedVector<float> own_size, parent_size;  ///< DetailSizes
 
  private:
   void sortSurfels(const SLIMSurface& surface, std::vector<std::uint32_t> surfels, int threads);
   void fillColumns(const SLIMSurface& surface);
-  void fillRadii(const SLIMSurface& surface);
+  void fillSizes(const SLIMSurface& surface);
   LeafNode enclose(std::uint32_t begin, std::uint32_t end) const;
 
   std::vector<std::vector<LeafNode>> levels_;  ///< clusters first, each level 8 of the one before

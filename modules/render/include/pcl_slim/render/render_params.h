@@ -37,8 +37,8 @@ struct RenderParams {
       -1.0;                 ///< rays pass through where coverage is less; < 0: the surface's gamma
   bool trim = true;         ///< end open surfaces, and open holes, where their trim maps say so
   double near_plane = 0.0;  ///< smallest depth shown along a ray, world units, >= 0
-  double lod = 0.0;         ///< surfels of this projected diameter in pixels stand for their
-                            ///< descendants; 0: every leaf is drawn; the paper draws at 4
+  double lod = 0.0;         ///< surfels of this projected diameter in pixels, or an error of a
+                            ///< sixteenth, stand for their descendants; 0: every leaf is drawn
   unsigned columns = kAllColumns;  ///< GBufferColumn bits: what the picture needs
   bool reference = false;          ///< the rasteriser in double, leaf by leaf and ray by ray: slow
   /** Of normals, gradients, Hessians and curvatures. Where rays meet the surface stays the same.

@@ -37,8 +37,7 @@ struct FrameLeaf {
   float strip_low, strip_high;  ///< pixels from the centre the surface in that ball lies along it
   float inverse_cover_sq;       ///< of the radius in which it covers; 0: wherever it counts
   std::uint32_t surfel;
-  std::uint16_t degree;    ///< of the polynomials here, 2 to 4; kNearLeaf: none, too near
-  std::uint16_t monotone;  ///< bits: F falls along every ray in the ball of pass 1, of pass 2
+  std::uint16_t degree;  ///< of the polynomials here, 2 to 4; kNearLeaf: none, too near
 
   TrimTable trim;    ///< where the surfel's data lie
   float trim_scale;  ///< of the ball here, in the surfel's radii, which its trim map counts in
@@ -57,7 +56,6 @@ struct FrameLeaf {
 };
 
 constexpr std::uint16_t kNearLeaf = 0;
-constexpr std::uint16_t kFirstMonotone = 1, kBlendMonotone = 2;
 
 /** \brief Bytes from one record to the next for surfels of a degree: whole cache lines. */
 constexpr std::size_t

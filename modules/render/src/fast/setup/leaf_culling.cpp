@@ -57,15 +57,15 @@ turnedAway(const FrameView& view, const Triple& p, const Triple& normal, Vec rad
   return hn::And(acute, hn::Gt(dot3(normal, p), hn::Add(needed, slack)));
 }
 
-/** How far surfels of a radius at a depth stand for their descendants: 1 where they are seen smaller
- * than the level of detail, 0 where they are larger by kFade. */
+/** How far surfels of a size (DetailSizes) at a depth stand for their descendants: 1 where they are seen
+ * smaller than the level of detail, 0 where they are larger by kFade. */
 HWY_INLINE Vec
-coarseShare(const FrameView& view, const DetailRule& rule, Vec radius, Vec z)
+coarseShare(const FrameView& view, const DetailRule& rule, Vec half_size, Vec z)
 {
   const Tag d;
   const Vec zero = hn::Zero(d), one = hn::Set(d, 1.0f);
   const Vec lod = hn::Mul(hn::Set(d, 0.5f * rule.lod * view.pixel), view.perspective ? z : one);
-  const Vec size = hn::Div(radius, hn::Max(lod, hn::Set(d, 1e-30f)));
+  const Vec size = hn::Div(half_size, hn::Max(lod, hn::Set(d, 1e-30f)));
   constexpr float kScale = 1.0f / (DetailRule::kFade - 1.0f);
   const Vec rest = hn::Sub(hn::Set(d, DetailRule::kFade), size);
   const Vec t = hn::Clamp(hn::Mul(hn::Set(d, kScale), rest), zero, one);
@@ -107,8 +107,8 @@ cullLeaves(const LeafIndex& index, std::uint32_t begin, std::uint32_t end, const
     reasons.add(outsideFrustum(view, p, radius), Visibility::kOutside);
     Vec share = hn::Set(d, 1.0f);
     if (rules.detail.active()) {
-      const Vec small = coarseShare(view, rules.detail, load(index.parent_radius), p.z);
-      const Vec own = coarseShare(view, rules.detail, load(index.own_radius), p.z);
+      const Vec small = coarseShare(view, rules.detail, load(index.parent_size), p.z);
+      const Vec own = coarseShare(view, rules.detail, load(index.own_size), p.z);
       share = hn::NegMulAdd(own, small, own);
       reasons.add(hn::Ge(small, hn::Set(d, 1.0f)), Visibility::kTooSmall);
       reasons.add(hn::Le(share, hn::Zero(d)), Visibility::kTooLarge);

@@ -235,17 +235,12 @@ setUpOfDegree(const LeafBatch& batch, const FrameView& view, const BallShares& s
     constexpr auto kForm = static_cast<std::size_t>(FrameLeaf::formSize(D));
     for (std::size_t k = 0; k < kForm; ++k) out.put(k, form.coefficient(static_cast<int>(k)));
     putDerivatives<D>(heads, frame, c, kForm, out);
-    HWY_ALIGN std::uint8_t falls[2][8] = {};
-    hn::StoreMaskBits(d, fallsAll(D, ray, norms, shares.first), falls[0]);
-    hn::StoreMaskBits(d, fallsAll(D, ray, norms, shares.blend), falls[1]);
     for (std::size_t i = 0; i < hn::Lanes(d) && lane + i < batch.count; ++i) {
       FrameLeaf& leaf = *batch.target[lane + i];
       const bool drawable = leaf.depth > 0.0f && leaf.eps < kNearest;
       leaf.inverse_cover_sq = batch.inverse_cover_sq[lane + i];
       leaf.surfel = batch.surfel[lane + i];
       leaf.degree = view.perspective && !drawable ? kNearLeaf : static_cast<std::uint16_t>(D);
-      const auto bit = [&](int ball) { return falls[ball][i / 8] >> (i % 8) & 1; };
-      leaf.monotone = static_cast<std::uint16_t>(bit(0) * kFirstMonotone | bit(1) * kBlendMonotone);
       float* target = leaf.form();
       for (std::size_t k = 0; k < kFloats; ++k) target[k] = out.at(k, i);
     }

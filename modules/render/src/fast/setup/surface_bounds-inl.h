@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Bounds on where leaves' own surfaces lie in the picture and on how they meet rays, many leaves at
-// once. The guard toggles: Highway compiles a kernel file once per instruction set.
+// Bounds on where leaves' own surfaces lie in the picture, many leaves at once. The guard toggles: Highway compiles a kernel file once per instruction set.
 #if defined(PCL_SLIM_SURFACE_BOUNDS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PCL_SLIM_SURFACE_BOUNDS_INL
 #undef PCL_SLIM_SURFACE_BOUNDS_INL
@@ -15,10 +14,9 @@ namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/** Norms of the forms of degree 2 to 4 of height polynomials: |form| <= norm |(u, v)|^n and
- * |grad form| <= n norm |(u, v)|^(n - 1) (Bombieri's norm; Kellogg 1928). */
+/** Norms of the forms of degree 2 to 4 of height polynomials: |form| <= norm |(u, v)|^n (Bombieri's
+ * norm). */
 struct FormNorms {
-  Vec tilt;  ///< |(c1, c2)|
   Vec n[3];
 
   template <typename Coefficient>
@@ -29,7 +27,6 @@ struct FormNorms {
                                      {1.0f, 1.0f / 4.0f, 1.0f / 6.0f, 1.0f / 4.0f, 1.0f}};
     const Tag d;
     const auto square = [&](int k) HWY_ATTR { return hn::Mul(c(k), c(k)); };
-    tilt = hn::Sqrt(hn::Add(square(1), square(2)));
     for (int form = 2, k = 3; form <= 4; ++form) {
       Vec sum = hn::Zero(d);
       for (int j = 0; j <= form && form <= degree; ++j, ++k) {
@@ -46,14 +43,6 @@ struct FormNorms {
     const Vec high = hn::MulAdd(hn::Set(d, rho), n[2], n[1]);
     return hn::Mul(hn::Set(d, rho * rho), hn::MulAdd(hn::Set(d, rho), high, n[0]));
   }
-  /** Bound on |grad h - (c1, c2)| over a disc. */
-  HWY_INLINE Vec turn(float rho) const
-  {
-    const Tag d;
-    const Vec high = hn::MulAdd(hn::Set(d, 4.0f * rho), n[2], hn::Mul(hn::Set(d, 3.0f), n[1]));
-    return hn::Mul(hn::Set(d, rho),
-                   hn::MulAdd(hn::Set(d, rho), high, hn::Mul(hn::Set(d, 2.0f), n[0])));
-  }
 };
 
 /** The tangent plane of a leaf at its centre, seen along the ray through the centre. */
@@ -62,26 +51,6 @@ struct CentreRay {
   Vec uc, vc, wc;  ///< the frame's axes times (x_c, y_c, 1)
   Vec eps;
 };
-
-/** Lanes in which F falls along every ray in the ball of a share of the radius. */
-HWY_INLINE Mask
-fallsAll(int degree, const CentreRay& ray, const FormNorms& norms, float rho)
-{
-  const Tag d;
-  const Vec one = hn::Set(d, 1.0f), turn = norms.turn(rho), share = hn::Set(d, rho);
-  // Rays through the ball differ from the central one, (x_c, y_c, 1), by no more than aside.
-  const Vec reach = hn::Mul(hn::Min(ray.eps, hn::Set(d, 0.7f)), share);
-  const Vec aside = hn::Div(reach, hn::Sub(one, reach));
-  const Vec slope = hn::NegMulAdd(ray.c1, ray.uc, hn::NegMulAdd(ray.c2, ray.vc, ray.wc));
-  const Vec flat = hn::Sqrt(hn::MulAdd(ray.uc, ray.uc, hn::Mul(ray.vc, ray.vc)));
-  Vec bound = hn::MulAdd(flat, turn, slope);
-  bound = hn::MulAdd(aside, hn::Add(one, hn::Add(norms.tilt, turn)), bound);
-  // F = m^n f, and m changes by eps.
-  const Vec size =
-      hn::Add(hn::MulAdd(share, hn::Add(one, norms.tilt), hn::Abs(ray.c0)), norms.bend(rho));
-  const Vec change = hn::Mul(hn::Set(d, 2.0f * static_cast<float>(degree)), ray.eps);
-  return hn::Lt(hn::MulAdd(change, size, bound), hn::Set(d, -0.05f));
-}
 
 /** A strip of the picture, in pixels from the centre's. */
 struct Strip {

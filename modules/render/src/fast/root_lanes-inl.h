@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Roots of cubics and quartics along the rays of a block, a ray a lane. The guard toggles: Highway
+// compiles a kernel file once per instruction set.
+#if defined(PCL_SLIM_ROOT_LANES_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef PCL_SLIM_ROOT_LANES_INL
+#undef PCL_SLIM_ROOT_LANES_INL
+#else
+#define PCL_SLIM_ROOT_LANES_INL
+#endif
+
+#include "fast/isolated_root.h"
+#include "fast/leaf_rays-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes {
+
+/** A polynomial on a stretch that starts at 0, as f on [0, 1] and by Descartes' rule. */
+template <int D>
+struct Stretch {
+  RayPolynomials<D> f;
+  Vec first, last;    ///< f at 0 and 1
+  Mask falls, rises;  ///< f's Bernstein coefficients change sign downwards, upwards
+
+  HWY_INLINE Stretch(const RayPolynomials<D>& whole, Vec begin, Vec width) : f(whole)
+  {
+    static_assert(D == 3 || D == 4);
+    f.shift(begin);
+    Vec power = width;
+    unrolled<D>([&](auto i) HWY_ATTR {
+      f.a[i() + 1] = Mul(f.a[i() + 1], power);
+      power = Mul(power, width);
+    });
+    const Vec* a = f.a;
+    Vec b[D + 1];
+    b[0] = a[0];
+    if constexpr (D == 3) {
+      b[1] = MulAdd(a[1], set(1.0f / 3.0f), a[0]);
+      b[2] = MulAdd(MulAdd(set(2.0f), a[1], a[2]), set(1.0f / 3.0f), a[0]);
+      b[3] = Add(Add(a[0], a[1]), Add(a[2], a[3]));
+    } else {
+      b[1] = MulAdd(a[1], set(0.25f), a[0]);
+      b[2] = MulAdd(a[1], set(0.5f), MulAdd(a[2], set(1.0f / 6.0f), a[0]));
+      b[3] = MulAdd(a[1], set(0.75f), MulAdd(a[2], set(0.5f), MulAdd(a[3], set(0.25f), a[0])));
+      b[4] = Add(Add(a[0], a[1]), Add(Add(a[2], a[3]), a[4]));
+    }
+    const Vec zero = set(0.0f);
+    Mask above = Gt(b[0], zero);
+    falls = rises = Lt(zero, zero);
+    unrolled<D>([&](auto i) HWY_ATTR {
+      const Mask next = Gt(b[i() + 1], zero);
+      falls = Or(falls, AndNot(next, above));
+      rises = Or(rises, AndNot(above, next));
+      above = next;
+    });
+    first = b[0];
+    last = b[D];
+  }
+
+  /** Lanes in which several roots may lie. */
+  HWY_INLINE Mask many() const { return And(falls, rises); }
+  /** Lanes with exactly one root that counts; with front_only those at which f falls do. */
+  HWY_INLINE Mask one(bool front_only) const
+  {
+    return front_only ? AndNot(rises, falls) : Xor(falls, rises);
+  }
+
+  /** The root in lanes with one, from 0 to 1: Newton's steps inside a bracket. */
+  HWY_INLINE Vec root(Mask wanted) const
+  {
+    const Vec sign = IfThenElse(rises, set(-1.0f), set(1.0f)), zero = set(0.0f);
+    Vec left = zero, right = set(1.0f);
+    const Vec span = Sub(first, last);
+    Vec t = Div(first, IfThenElse(Eq(span, zero), set(1.0f), span));
+    for (int step = 0; step < 12; ++step) {
+      const Vec value = f.value(t), slope = f.slope(t);
+      const Mask before = Gt(Mul(sign, value), zero);  // the root lies right of t
+      left = IfThenElse(before, t, left);
+      right = IfThenElse(before, right, t);
+      Vec next = Sub(t, Div(value, slope));
+      const Mask inside = And(Ge(next, left), Le(next, right));
+      next = IfThenElse(inside, next, Mul(set(0.5f), Add(left, right)));
+      const Mask settled = And(inside, Lt(Abs(Sub(next, t)), set(1e-4f)));
+      t = next;
+      if (AllTrue(Or(settled, Not(wanted)))) break;
+    }
+    return t;
+  }
+};
+
+/** Roots that lanes have, and lanes that need another way. */
+struct FoundRoots {
+  Vec at;
+  Mask found, unclear;
+};
+
+/** Solves lanes one by one, in double: the root from 0 to length nearest to 0 that counts. */
+template <int D>
+HWY_NOINLINE void
+solveOneByOne(const RayPolynomials<D>& f, Vec length, bool front_only, std::uint64_t& solved,
+              FoundRoots& roots)
+{
+  HWY_ALIGN float a[D + 1][16], lengths[16], at[16], found[16], wanted[16];
+  for (int i = 0; i <= D; ++i) store(f.a[i], a[i]);
+  store(length, lengths);
+  store(roots.at, at);
+  store(IfThenElseZero(roots.found, set(1.0f)), found);
+  store(IfThenElseZero(roots.unclear, set(1.0f)), wanted);
+  for (std::size_t i = 0; i < kLanes; ++i) {
+    if (!(wanted[i] > 0.0f)) continue;
+    double c[5] = {};
+    for (int k = 0; k <= D; ++k) c[k] = a[k][i];
+    found[i] = isolatedRoot(D, c, 0.0, lengths[i], 0.0, front_only, at[i]);
+    ++solved;
+  }
+  roots.at = load(at);
+  roots.found = Gt(load(found), set(0.0f));
+}
+
+/** The first root of f from 0 to length that counts, lane by lane. A lane walks on where Descartes' rule
+ * shows no root that counts in its stretch, by twice as much the next time, and halves it where there may be
+ * several; the few that have not come to an end after kMost stretches, where roots all but coincide,
+ * are solved in double. */
+template <int D>
+HWY_NOINLINE FoundRoots
+firstRootAlong(const RayPolynomials<D>& f, Vec length, bool front_only, Mask active,
+               std::uint64_t& solved)
+{
+  constexpr int kMost = 12;
+  const Vec zero = set(0.0f);
+  FoundRoots roots{zero, Lt(zero, zero), And(active, Gt(length, zero))};
+  Vec begin = zero, width = length, root_begin = zero, root_width = zero;
+  for (int n = 0; n < kMost && !AllFalse(roots.unclear); ++n) {
+    const Vec rest = Sub(length, begin);
+    width = Min(width, rest);
+    const Stretch<D> stretch(f, begin, width);
+    const Mask many = stretch.many();
+    const Mask one = And(roots.unclear, stretch.one(front_only));
+    root_begin = IfThenElse(one, begin, root_begin);
+    root_width = IfThenElse(one, width, root_width);
+    roots.found = Or(roots.found, one);
+    const Mask at_end = AndNot(many, Ge(width, rest));
+    roots.unclear = AndNot(Or(one, at_end), roots.unclear);
+    begin = IfThenElse(many, begin, Add(begin, width));
+    width = Mul(width, IfThenElse(many, set(0.5f), set(2.0f)));
+  }
+  if (!AllFalse(roots.found)) {
+    const Stretch<D> stretch(f, root_begin, root_width);
+    roots.at = MulAdd(root_width, stretch.root(roots.found), root_begin);
+  }
+  if (!AllFalse(roots.unclear)) solveOneByOne<D>(f, length, front_only, solved, roots);
+  return roots;
+}
+
+}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes
+HWY_AFTER_NAMESPACE();
+#endif
