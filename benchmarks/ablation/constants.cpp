@@ -197,7 +197,6 @@ addOrient(Changes& all)
 {
   PCL_SLIM_SCALED(orient.neighbors);
   PCL_SLIM_SCALED(orient.reach);
-  PCL_SLIM_SCALED(orient.much_wider);
   PCL_SLIM_SCALED(orient.weak_edge);
   PCL_SLIM_SCALED(orient.closed_flux);
   PCL_SLIM_SCALED(orient.flat_flux);

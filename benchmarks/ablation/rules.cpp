@@ -66,7 +66,6 @@ coverRules()
        [](FitConstants& c) { c.cover.supported_alpha = c.cover.alpha; }},
       {"residual bound", "off", [](FitConstants& c) { c.cover.residual_bound = 0; }},
       {"residual floor", "off", [](FitConstants& c) { c.cover.residual_floor = 0; }},
-      {"much wider leaves", "off", [](FitConstants& c) { c.orient.much_wider = 1e30f; }},
       {"weak edges", "off", [](FitConstants& c) { c.orient.weak_edge = 2; }},
   };
 }

@@ -18,7 +18,7 @@ struct Settings {
   std::string rows;
   int seed = 1, seeds = 1, threads = 0;
   bool mls = true, solids = false, local_noise = false;
-  double lambda = 0, correlation = 0, range_error = 0;
+  double lambda = 0, correlation = 0, range_error = 0, creases = 0;
 };
 
 OptionTable
@@ -30,6 +30,7 @@ declareOptions(Settings& s)
   options.integer("seeds", &s.seeds, 1, 100, "so many seeds, a row each");
   options.toggle("mls", &s.mls, "measure MLS too");
   options.toggle("solids", &s.solids, "errors solid by solid too");
+  options.number("creases", &s.creases, 0, 1, "leave out points so near another solid [m]", "none");
   options.toggle("local_noise", &s.local_noise, "as pcl_slim_fit's");
   options.number("lambda", &s.lambda, 0, 1, "as pcl_slim_fit's", "estimated");
   options.number("correlation", &s.correlation, 1, 1e6, "as pcl_slim_fit's", "auto");
@@ -77,7 +78,8 @@ paramsOf(const Settings& s, const measure::SensorScan& scan)
 Error
 printRow(const Settings& s, const measure::SensorRow& row, std::uint64_t seed)
 {
-  const measure::SensorScan scan = row.scan(seed);
+  measure::SensorScan scan = row.scan(seed);
+  if (s.creases > 0) measure::leaveOutCreases(s.creases, scan);
   const FitParams params = paramsOf(s, scan);
   FitStatistics fit;
   const double start = measure::cpuSeconds();

@@ -80,7 +80,27 @@ viewOf(const SensorScan& scan)
   return view;
 }
 
+bool
+isBesideAnother(const SensorScan& scan, std::size_t point, double distance)
+{
+  const float* p = &scan.points[3 * point];
+  for (std::size_t s = 0; s < scan.solids.size(); ++s) {
+    const bool own = static_cast<int>(s) == scan.solid[point];
+    if (!own && std::abs(footOn(scan.solids[s], {p[0], p[1], p[2]}).distance) < distance)
+      return true;
+  }
+  return false;
+}
+
 }  // namespace
+
+void
+leaveOutCreases(double distance, SensorScan& scan)
+{
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    if (isBesideAnother(scan, i, distance)) scan.solid[i] = -1;
+  }
+}
 
 Result<SensorErrors>
 errorsOfFit(const SensorScan& scan, const FitParams& params, FitStatistics& statistics)

@@ -13,6 +13,11 @@ struct SensorErrors {
   std::vector<double> positions, normals;  ///< the same, solid by solid
 };
 
+/** \brief Leaves points nearer to another solid than that out of all errors: beside a crease no smoother
+ * knows on which side a point lies, and most of the squared error is there. */
+void
+leaveOutCreases(double distance, SensorScan& scan);
+
 /** \brief A scan by our fit and projection; what no leaf supports keeps its place. */
 Result<SensorErrors>
 errorsOfFit(const SensorScan& scan, const FitParams& params, FitStatistics& statistics);

@@ -118,7 +118,8 @@ std::vector<SensorRow>
 sensorRows(const std::string& part)
 {
   std::vector<SensorRow> rows;
-  for (const char* solids : {"room", "balls", "wave40", "wave15", "wave6"}) {
+  for (const char* solids :
+       {"room", "hall", "frontal hall", "balls", "wave40", "wave15", "wave6"}) {
     for (const NamedCamera& named : cameras())
       rows.push_back(byCamera(solids, named.name, named.camera));
   }

@@ -68,6 +68,15 @@ foot()
   return solid;
 }
 
+/** Wall, floor and two spheres in the air, 1.2 to 2.8 m away.
+ * \param[in] tilt of the wall across the view [slope] */
+std::vector<Solid>
+hall(double tilt)
+{
+  return {plane({0, 0, 2.5}, {tilt, 0.02, -1}), plane({0, 0.5, 0}, {0, -1, 0}),
+          sphere({-0.4375, 0.1, 2}, 0.3), sphere({0.436, 0.15, 1.6}, 0.25)};
+}
+
 std::vector<Solid>
 street()
 {
@@ -90,6 +99,8 @@ namedSolids(const std::string& name)
     return {plane({0, 0, 3}, {0.15, 0, -1}), plane({0, 0.7, 0}, {0, -1, 0}),
             sphere({-0.35, 0.2, 1.6}, 0.3), sphere({0.45, 0.35, 1.1}, 0.2)};
   }
+  if (name == "hall") return hall(0.2);
+  if (name == "frontal hall") return hall(0.1);
   if (name == "balls") {
     return {plane({0, 0, 1.7}, {0.3, 0.1, -1}), plane({0, 0.5, 1.4}, {0, -1, -0.25}),
             sphere({-0.4, -0.1, 1.35}, 0.25),   sphere({0.1, 0.15, 1.1}, 0.16),

@@ -61,8 +61,8 @@ struct LayeredScan {
 SensorScan
 scanInLayers(const std::vector<Solid>& solids, const LayeredScan& layers, std::uint64_t seed);
 
-/** \brief Geometry by name: room (wall, floor, two spheres), balls (two planes, five spheres), wave40,
- * wave15, wave6 (a tilted plane with waves of so many centimetres) for cameras; street (ground,
+/** \brief Geometry by name: room and hall (wall, floor, two spheres), frontal hall (its wall faces the
+ * camera within 6 degrees), balls (two planes, five spheres), wave40, wave15, wave6 (a tilted plane with waves of so many centimetres) for cameras; street (ground,
  * walls, poles) for a lidar; figure (two spheres on a foot) for layers. Empty for another name. */
 std::vector<Solid>
 namedSolids(const std::string& name);

@@ -98,7 +98,6 @@ struct CoverConstants {
 struct OrientConstants {
   std::size_t neighbors = 8;  ///< nearest leaves on each level that a leaf has edges to, 32 at most
   double reach = 0.9;         ///< of r + r': leaves whose centres are farther apart do not overlap
-  float much_wider = 2.0f;    ///< a leaf wider than so many of a level's widest seeks none there
   float weak_edge = 0.5f;     ///< edges of more weight may lead across a gap
   double closed_flux = 0.4;   ///< flux above this share of its bound makes a closed body
   double flat_flux = 0.1;     ///< flux below this share of its bound leaves no inside

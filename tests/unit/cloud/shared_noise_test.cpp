@@ -139,6 +139,38 @@ TEST(SharedNoise, StepsOfACameraAreFound)
   EXPECT_NEAR(noise.step * store.scale() / step, 1.0, 0.2);
 }
 
+TEST(SharedNoise, EverySeedShowsIt)
+{
+  // Of these growth is low at the first scale by chance, or flat where steps hide that it goes on.
+  measure::DepthCamera wide;
+  wide.correlated_x = wide.correlated_y = 5;
+  const auto waves = scanByCamera(measure::namedSolids("wave15"), wide, 24);
+  EXPECT_GT(recognized(cloudOf(waves)).correlation, 8.0);
+  wide.correlated_x = wide.correlated_y = 9;
+  wide.step = 0.125;
+  const auto steps = scanByCamera(measure::namedSolids("wave40"), wide, 21);
+  EXPECT_GT(recognized(cloudOf(steps)).correlation, 25.0);
+}
+
+TEST(SharedNoise, TerracesAreMeasuredInFull)
+{
+  // Steps of 18 mm on a wall 2.5 m away make terraces of 14, 10 and 7 pixels, which patches of 160
+  // points see in part, and whose errors change sign from one to the next.
+  measure::DepthCamera camera;
+  camera.sigma = 0;
+  camera.step = 0.125;
+  for (const double tilt : {0.15, 0.2, 0.3}) {
+    measure::Solid wall;
+    wall.center = {0, 0, 2.5};
+    wall.axis = normalized({tilt, 0.02, -1});
+    const PointStore store = storeOf(cloudOf(scanByCamera({wall}, camera, 3)));
+    const NoiseLevel noise = recognized(store);
+    const double rounding = noise.step / std::sqrt(12.0) * std::abs(wall.axis[2]);
+    EXPECT_NEAR(std::sqrt(noise.variance) / rounding, 1.0, 0.2) << tilt;
+    EXPECT_GT(noise.correlation, 5.0) << tilt;
+  }
+}
+
 TEST(SharedNoise, AGridIsNoSteps)
 {
   // x and y take few values, z is what noise makes it.

@@ -78,10 +78,10 @@ struct StepRatios {
 
 /** One place's. */
 StepRatios
-ratiosAt(const PointStore& store, NeighborSearch& search, std::size_t sample,
+ratiosAt(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
          const NoiseConstants& constants, const std::vector<double>& levels, int axis)
 {
-  const Patch patch = patchAbout(store, search, sample, constants.steps.wide);
+  const Patch patch = patchAbout(store, search, sample, k);
   const Patch narrow = patchAbout(store, search, sample, constants.steps.narrow);
   PatchCubic wide_cubic, narrow_cubic;
   if (!fitCubic(patch, wide_cubic) || !fitCubic(narrow, narrow_cubic)) return {-1, -1, 0};
@@ -94,13 +94,13 @@ ratiosAt(const PointStore& store, NeighborSearch& search, std::size_t sample,
 }
 
 StepRatios
-measureRatios(const PointStore& store, const NoiseConstants& constants, int threads,
+measureRatios(const PointStore& store, const NoiseConstants& constants, std::size_t k, int threads,
               const std::vector<double>& levels, int axis)
 {
   std::vector<StepRatios> ratios(std::min(constants.shared.places, store.size()));
   sampleStore(store, ratios.size(), 1, threads,
               [&](NeighborSearch& search, std::size_t sample, std::size_t s) {
-                ratios[s] = ratiosAt(store, search, sample, constants, levels, axis);
+                ratios[s] = ratiosAt(store, search, sample, k, constants, levels, axis);
                 return 0.0;
               });
   std::vector<double> rounding, narrow, steps;
@@ -116,17 +116,31 @@ measureRatios(const PointStore& store, const NoiseConstants& constants, int thre
 
 }  // namespace
 
-double
+StepNoise
 measureSteps(const PointStore& store, const NoiseConstants& constants, int threads)
 {
   int axis = 0;
   const StepConstants& steps = constants.steps;
   const std::vector<double> levels = fewLevels(store, steps, axis);
-  if (levels.empty()) return 0;
-  const StepRatios found = measureRatios(store, constants, resolveThreads(threads), levels, axis);
-  if (!(found.to_rounding > steps.least_ratio) || found.to_rounding > steps.most_ratio) return 0;
-  const bool shared = found.to_rounding < steps.pure_ratio || found.to_narrow > steps.growth;
-  return shared ? found.step : 0;
+  if (levels.empty()) return {};
+  const auto ratios = [&](std::size_t k) {
+    return measureRatios(store, constants, k, resolveThreads(threads), levels, axis);
+  };
+  std::size_t k = steps.wide;
+  StepRatios found = ratios(k);
+  // On terraces as wide as a patch rounding shows in part; where it shows in full, it grows no more.
+  const std::size_t most = store.size() / (2 * constants.shared.most_part);
+  std::size_t wide = k;
+  StepRatios wider = found;
+  while (wider.to_rounding < steps.full_ratio && 2 * wide <= most) wider = ratios(wide *= 2);
+  if (wide > k && wider.to_rounding >= steps.full_ratio &&
+      isFlat(wider.to_rounding, ratios(2 * wide).to_rounding, constants.shared)) {
+    found = wider;
+    k = wide;
+  }
+  if (!(found.to_rounding > steps.least_ratio) || found.to_rounding > steps.most_ratio) return {};
+  const bool pure = found.to_rounding < steps.pure_ratio;
+  return pure || found.to_narrow > steps.growth ? StepNoise{found.step, k, pure} : StepNoise{};
 }
 
 }  // namespace pcl_slim::detail

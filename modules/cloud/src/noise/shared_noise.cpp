@@ -95,8 +95,10 @@ class GrowthCurve {
   bool slowsDown() const
   {
     if (growths_.empty() || growths_.front() <= flat_first_) return false;
-    const bool slow = least() <= constants_.slow && least() <= constants_.fall * growths_.front();
-    return slow || least() <= constants_.plateau;
+    const auto least_at = std::min_element(growths_.begin(), growths_.end());
+    const double peak = *std::max_element(growths_.begin(), least_at + 1);
+    return *least_at <= constants_.plateau ||
+           (*least_at <= constants_.slow && *least_at <= constants_.fall * peak);
   }
 
   bool startsInDetail() const { return detail_ && growths_.size() == 1; }
@@ -195,13 +197,15 @@ levelOf(const Scale& scale, const NoiseConstants& constants)
   return noise;
 }
 
-/** How many points share what a scale shows; 1 where they share no noise. */
+/** How many points share what a scale shows; 1 where they share no noise. \param[in] waves whether
+ * it may be waves of the surface */
 double
-correlationOf(const PointStore& store, bool detail_follows, const NoiseLevel& noise,
+correlationOf(const PointStore& store, bool detail_follows, bool waves, const NoiseLevel& noise,
               const NoiseConstants& constants, int threads)
 {
   // Where the surface's detail shows in wider patches already, tau is measured without them.
   const std::size_t points = (detail_follows ? 1 : 2) * noise.neighbors;
+  if (!waves) return measureCorrelation(store, points, constants, threads);
   // Waves that the smallest patches do not resolve share over half a wave, and nothing over two.
   const std::size_t wider = 4 * points;
   if (wider > store.size() / 4) return 1;
@@ -212,11 +216,12 @@ correlationOf(const PointStore& store, bool detail_follows, const NoiseLevel& no
 
 /** The noise of a curve's plateau with the points that share it: 1 where it is none. */
 NoiseLevel
-plateauNoise(const PointStore& store, const GrowthCurve::Plateau& plateau,
+plateauNoise(const PointStore& store, const GrowthCurve::Plateau& plateau, bool waves,
              const std::vector<Scale>& scales, const NoiseConstants& constants, int threads)
 {
   NoiseLevel noise = levelOf(scales[plateau.scale], constants);
-  noise.correlation = correlationOf(store, plateau.detail_follows, noise, constants, threads);
+  noise.correlation =
+      correlationOf(store, plateau.detail_follows, waves, noise, constants, threads);
   noise.dependence = noise.correlation;
   if (!plateau.detail_follows && noise.correlation > constants.shared.counted)
     noise.dependence = std::sqrt(constants.shared.counted * noise.correlation);
@@ -228,13 +233,13 @@ NoiseLevel
 withSteps(const PointStore& store, const NoiseLevel& white, const NoiseConstants& constants,
           int threads)
 {
-  const double step = measureSteps(store, constants, threads);
-  const std::size_t k = constants.steps.wide;
-  if (!(step > 0) || store.size() < 2 * constants.shared.most_part * k) return white;
+  const StepNoise steps = measureSteps(store, constants, threads);
+  const std::size_t k = steps.neighbors;
+  if (!(steps.step > 0) || store.size() < 2 * constants.shared.most_part * k) return white;
   std::vector<Scale> scales;
   GrowthCurve curve = GrowthCurve::ofWidePatches(constants.shared);
   measureCurve(store, k, constants, threads, curve, scales);
-  NoiseLevel noise = plateauNoise(store, curve.slowest(), scales, constants, threads);
+  NoiseLevel noise = plateauNoise(store, curve.slowest(), !steps.pure, scales, constants, threads);
   if (!(noise.correlation > 1) || curve.startsInDetail()) {
     const std::size_t narrow = curve.startsInDetail() ? k / 2 : k;
     noise = levelOf(measureScale(store, narrow, constants.shared.places, constants, threads),
@@ -242,7 +247,7 @@ withSteps(const PointStore& store, const NoiseLevel& white, const NoiseConstants
   }
   noise.correlation = std::max(noise.correlation, constants.steps.correlation);
   noise.dependence = std::max(noise.dependence, constants.steps.correlation);
-  noise.step = step;
+  noise.step = steps.step;
   return noise;
 }
 
@@ -270,19 +275,19 @@ recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
   measureCurve(store, white.least_neighbors, constants, threads, curve, scales);
   NoiseLevel noise = white;
   if (curve.slowsDown()) {
-    noise = plateauNoise(store, curve.slowest(), scales, constants, threads);
+    noise = plateauNoise(store, curve.slowest(), true, scales, constants, threads);
     const auto dip = curve.beforeLastPeak();
     if (!(noise.correlation > 1) && dip)
-      noise = plateauNoise(store, *dip, scales, constants, threads);
+      noise = plateauNoise(store, *dip, true, scales, constants, threads);
   }
-  // Between steps as few share an error as chance would have it: they are looked for first.
-  if (noise.correlation < constants.steps.correlation) {
-    const NoiseLevel stepped = withSteps(store, white, constants, threads);
-    if (stepped.step > 0)
-      noise = stepped;
-    else if (!(noise.correlation > 1))
-      noise = withUnevenness(store, white, noise, scales, constants, threads);
-  }
+  // Between steps as few share an error as chance would have it, and narrow patches see no more.
+  const NoiseLevel stepped = withSteps(store, white, constants, threads);
+  const bool more = noise.correlation < constants.steps.correlation ||
+                    !isFlat(noise.variance, stepped.variance, constants.shared);
+  if (stepped.step > 0 && more)
+    noise = stepped;
+  else if (!(noise.correlation > 1))
+    noise = withUnevenness(store, white, noise, scales, constants, threads);
   noise.patches = white.patches + scales.size() * scales.front().variances.size();
   return noise;
 }

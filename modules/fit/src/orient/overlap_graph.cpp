@@ -101,7 +101,7 @@ makeLevel(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int le
     widest = std::max(widest, s.radius[i]);
   }
   for (const std::uint32_t i : leaves) {
-    if (s.level[i] > level && s.radius[i] <= constants.much_wider * widest) seekers.push_back(i);
+    if (s.level[i] > level) seekers.push_back(i);
   }
   result.level = level;
   const auto twice_reach = static_cast<float>(2.0 * constants.reach);

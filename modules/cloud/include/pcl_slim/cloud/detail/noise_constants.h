@@ -23,7 +23,7 @@ struct SharedNoiseConstants {
   double rise = 0.3;           ///< growth this far above its least is a surface's detail
   double steep = 1.0;          ///< growth, after the first, that no noise shows
   double slow = 0.55;          ///< growth up to which a least one will do for a plateau ...
-  double fall = 0.78;          ///< ... if it has fallen to this share of the first
+  double fall = 0.78;          ///< ... if it has fallen to this share of the greatest before
 
   double slack = 1.4;  ///< growth over the least that shows as much of the noise
 
@@ -44,6 +44,7 @@ struct StepConstants {
   double least_points = 50;             ///< points per level, on average
   std::size_t narrow = 20, wide = 160;  ///< points of the patches whose variances are compared
   double least_ratio = 0.25;            ///< variance over that of rounding, (step n)^2 / 12 ...
+  double full_ratio = 0.9;              ///< ... all of which patches must show, ...
   double pure_ratio = 2.0;              ///< ... up to which there is little else, ...
   double most_ratio = 5.0;              ///< ... and beyond which rounding does not matter
   double growth = 1.4;     ///< from narrow to wide patches, where there is something else

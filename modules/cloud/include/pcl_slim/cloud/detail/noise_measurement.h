@@ -39,10 +39,17 @@ NoiseLevel
 measureSharedNoise(const PointStore& store, double correlation, const NoiseConstants& constants,
                    int threads);
 
-/** \brief The median step of the one coordinate that is rounded so coarsely that the noise is mostly
- * rounding, local length; 0: none is. Sensors that tell depth in steps make it so. O(n log n) for
- * clouds with few levels, of 8192 points for others. */
-double
+/** \brief Rounding of one coordinate. */
+struct StepNoise {
+  double step = 0;            ///< median, local length; 0: none was found
+  std::size_t neighbors = 0;  ///< points of the patches that show all of it
+  bool pure = false;          ///< whether there is little other noise
+};
+
+/** \brief The one coordinate that is rounded so coarsely that the noise is mostly rounding, as sensors
+ * that tell depth in steps make it. O(n log n) for clouds with few levels, of 8192 points for
+ * others. */
+StepNoise
 measureSteps(const PointStore& store, const NoiseConstants& constants, int threads);
 
 /** \brief tau of cubics' residuals on patches of so many points: the sum of the noise's
