@@ -52,16 +52,29 @@ torusWithWaves(double waves)
   return {map, implicit};
 }
 
+/** Bumps of a sphere: a height and a frequency each. */
+struct Bumps {
+  double height, frequency;
+};
+
 LineSurface
-bumpySphere()
+bumpySphere(const std::vector<Bumps>& all)
 {
   return starShaped(
-      [](const Vector3& d) {
-        return 1 + 0.1 * std::sin(5 * d[0]) * std::sin(5 * d[1]) * std::cos(5 * d[2]);
+      [all](const Vector3& d) {
+        double r = 1;
+        for (const auto& [h, f] : all)
+          r += h * std::sin(f * d[0]) * std::sin(f * d[1]) * std::cos(f * d[2]);
+        return r;
       },
-      [](const Jet& x, const Jet& y, const Jet& z) {
-        const Jet r = sqrt(x * x + y * y + z * z), inverse = 5.0 * pow(r, -1);
-        return r - 1.0 - 0.1 * sin(x * inverse) * sin(y * inverse) * cos(z * inverse);
+      [all](const Jet& x, const Jet& y, const Jet& z) {
+        const Jet r = sqrt(x * x + y * y + z * z), inverse = pow(r, -1);
+        Jet value = r - 1.0;
+        for (const auto& [h, f] : all) {
+          const Jet a = x * inverse * f, b = y * inverse * f, c = z * inverse * f;
+          value = value - h * sin(a) * sin(b) * cos(c);
+        }
+        return value;
       });
 }
 
@@ -106,7 +119,9 @@ parseLineSurface(const std::string& name, LineSurface& surface)
           return pow(x * x, 5) + pow(y * y, 5) + pow(z * z, 5) - 1.0;
         });
   } else if (name == "bumpy") {
-    surface = bumpySphere();
+    surface = bumpySphere({{0.1, 5}});
+  } else if (name == "mix") {
+    surface = bumpySphere({{0.1, 2.5}, {0.004, 20}});
   } else if (name == "torus" || name == "wtorus") {
     surface = torusWithWaves(name == "torus" ? 0.0 : kWaves);
   } else {

@@ -22,8 +22,8 @@ struct LineSurface {
   std::function<Jet(const Jet& x, const Jet& y, const Jet& z)> implicit;  ///< > 0 outside
 };
 
-/** \brief Surface by name: ellipsoid (axes 1, .8, .5), bumpy, box (x^10 + y^10 + z^10 = 1), wtorus (a torus
- * with waves of 4 % on its tube), sphere, torus. \return false for another name. */
+/** \brief Surface by name: ellipsoid (axes 1, .8, .5), bumpy, mix (a sphere of wide bumps and fine waves), box
+ * (x^10 + y^10 + z^10 = 1), wtorus (a torus with waves of 4 % on its tube), sphere, torus. \return false for another name. */
 bool
 parseLineSurface(const std::string& name, LineSurface& surface);
 

@@ -6,11 +6,10 @@
 #include <new>
 
 #include "common/options.h"
-#include "measure/clocks.h"
+#include "line_run.h"
 #include "measure/line_truth.h"
 #include "measure/lists.h"
 #include "pcl_slim/features/crest_lines.h"
-#include "pcl_slim/fit/fit.h"
 
 namespace {
 
@@ -21,7 +20,8 @@ struct Settings {
   std::string surface = "ellipsoid,bumpy,box,wtorus", noise = "0,0.0001,0.001,0.005";
   std::string points = "100000";
   double normal_noise = 0.05;
-  int seed = 7, seeds = 1, cells = 1500, degree = 4;
+  int seed = 7, seeds = 1, cells = 1500;
+  FitParams fit;
   bool normals = true, turned = false, unfiltered = false;
   CrestParams params;
   std::vector<double> noise_list, point_list;
@@ -31,9 +31,9 @@ struct Settings {
 struct Outcome {
   measure::LineScore score;
   std::size_t lines = 0;
+  double radius = 0, off_radius = 0;  ///< see printTable()
   double z = 0, highest = 0;  ///< RMS of the vertices' significance, greatest mean of a line
   double fit = 0, project = 0, trace = 0;  ///< us a point
-  CrestStatistics statistics;
 };
 
 struct Truth {
@@ -46,14 +46,17 @@ OptionTable
 declareOptions(Settings& s)
 {
   OptionTable options("lines_bench", "1", "Measures crest lines against exact ones.");
-  options.text("surface", &s.surface, "NAME,...", "ellipsoid, bumpy, box, wtorus, sphere, torus");
+  options.text("surface", &s.surface, "NAME,...",
+               "ellipsoid, bumpy, mix, box, wtorus, sphere, torus");
   options.text("points", &s.points, "N,...", "sizes of the cloud");
   options.text("noise", &s.noise, "S,...", "noise, as a share of the box diagonal");
   options.number("normal_noise", &s.normal_noise, 0, 3, "error of the normals given, radians");
   options.toggle("normals", &s.normals, "give normals");
   options.integer("seed", &s.seed, 0, 1000000, "first seed of the scenes");
   options.integer("seeds", &s.seeds, 1, 1000, "scenes a row; figures are means");
-  options.integer("degree", &s.degree, 1, 4, "degree of the polynomials");
+  options.integer("degree", &s.fit.degree, 1, 4, "degree of the polynomials");
+  options.number("lambda", &s.fit.lambda, 0, 1,
+                 "noise variance to fit for, as a share of the squared diagonal; 0: estimated");
   options.integer("cells", &s.cells, 50, 10000, "cells a side of the grid that finds exact lines");
   options.number("step", &s.params.step, 0.02, 0.5, "step along lines, in radii");
   options.number("strength", &s.params.min_strength, 0, 1e6, "least strength of a line");
@@ -62,21 +65,6 @@ declareOptions(Settings& s)
   options.toggle("unfiltered", &s.unfiltered, "keep every line, whatever its significance");
   options.integer("threads", &s.params.threads, 0, 4096, "threads, 0: all cores");
   return options;
-}
-
-std::vector<std::vector<Segment>>
-segmentsOf(const CrestLines& lines)
-{
-  std::vector<std::vector<Segment>> made(2);
-  for (std::size_t i = 0; i < lines.numLines(); ++i) {
-    auto& segments = made[static_cast<std::size_t>(lines.type[i])];
-    const std::uint32_t begin = lines.line_begin[i], end = lines.line_begin[i + 1];
-    for (std::uint32_t v = begin; v + 1 < end; ++v) {
-      segments.push_back({lines.position[v], lines.position[v + 1]});
-    }
-    if (lines.closed[i] != 0) segments.push_back({lines.position[end - 1], lines.position[begin]});
-  }
-  return made;
 }
 
 /** Turns a vector by 33 degrees about an axis askew, or back. */
@@ -96,35 +84,22 @@ turn(T* p, double sign)
 Error
 trace(const Settings& s, const measure::Scene& scene, CrestLines& lines, Outcome& outcome)
 {
-  const double n = static_cast<double>(scene.points.size() / 3) * 1e-6;
-  double begin = measure::cpuSeconds();
-  const auto store = PointStore::build(measure::viewOf(scene, nullptr, s.normals), 1);
-  if (!store) return store.error();
-  FitParams fit;
-  fit.threads = s.params.threads;
-  fit.degree = s.degree;
-  SLIMSurface surface;
-  if (Error error = fitSurface(*store, fit, surface)) return error;
-  outcome.fit = (measure::cpuSeconds() - begin) / n;
-  begin = measure::cpuSeconds();
-  ProjectionParams how;
-  how.extremality = true;
-  how.threads = s.params.threads;
-  Projection projection;
-  if (Error error = projectPoints(*store, surface, how, projection)) return error;
-  outcome.project = (measure::cpuSeconds() - begin) / n;
-  begin = measure::cpuSeconds();
   CrestParams params = s.params;
   if (s.unfiltered) params.significance = params.peak_significance = params.min_length = 0;
-  Error error = traceCrestLines(*store, projection, surface, params, lines, &outcome.statistics);
-  outcome.trace = (measure::cpuSeconds() - begin) / n;
+  lines_bench::LineRun run;
+  const CloudView cloud = measure::viewOf(scene, nullptr, s.normals);
+  if (Error error = runLines(cloud, s.fit, params, run)) return error;
+  lines = std::move(run.lines);
+  outcome.fit = run.fit;
+  outcome.project = run.project;
+  outcome.trace = run.trace;
   outcome.lines = lines.numLines();
   for (const float z : lines.significance) {
     outcome.z += z * z / static_cast<double>(lines.numVertices());
   }
   outcome.z = std::sqrt(outcome.z);
   for (const double z : lines.mean_significance) outcome.highest = std::max(outcome.highest, z);
-  return error;
+  return {};
 }
 
 /** Lines of turned points, turned back, against those of the points as they are. */
@@ -140,6 +115,28 @@ traceTurned(const Settings& s, measure::Scene scene, CrestLines& lines, Outcome&
   return {};
 }
 
+/** Mean radius of the leaves along the lines, in spacings, and the share of vertices that lie farther than a
+ * quarter of theirs from the truth. */
+void
+compareRadii(const CrestLines& lines, const std::vector<std::vector<Segment>>& truth,
+             double spacing, Outcome& outcome)
+{
+  const auto n = static_cast<double>(std::max<std::size_t>(1, lines.numVertices()));
+  double most = spacing;
+  for (const float r : lines.radius) most = std::max<double>(most, r);
+  for (std::size_t type = 0; type < truth.size(); ++type) {
+    const measure::SegmentIndex index(truth[type], 0.26 * most);
+    for (std::size_t i = 0; i < lines.numLines(); ++i) {
+      if (static_cast<std::size_t>(lines.type[i]) != type) continue;
+      for (std::uint32_t v = lines.line_begin[i]; v < lines.line_begin[i + 1]; ++v) {
+        const double r = lines.radius[v];
+        outcome.radius += r / spacing / n;
+        if (index.distance(lines.position[v]) > 0.25 * r) outcome.off_radius += 1 / n;
+      }
+    }
+  }
+}
+
 Error
 runScene(const Settings& s, const Truth& truth, std::size_t points, double noise, int seed,
          Outcome& outcome)
@@ -151,10 +148,11 @@ runScene(const Settings& s, const Truth& truth, std::size_t points, double noise
   const double spacing = std::sqrt(truth.area / static_cast<double>(points));
   auto reference = truth.lines;
   if (s.turned) {
-    reference = segmentsOf(lines);
+    reference = lines_bench::segmentsOf(lines);
     if (Error error = traceTurned(s, scene, lines, outcome)) return error;
   }
-  outcome.score = measure::scoreLines(segmentsOf(lines), reference, spacing);
+  outcome.score = measure::scoreLines(lines_bench::segmentsOf(lines), reference, spacing);
+  compareRadii(lines, reference, spacing, outcome);
   return {};
 }
 
@@ -174,20 +172,22 @@ printRow(const Settings& s, const std::string& name, const Truth& truth, std::si
       sum.score.*c += share * (one.score.*c);
     }
     sum.lines += one.lines;
+    sum.radius += share * one.radius;
+    sum.off_radius += share * one.off_radius;
     sum.z += share * one.z;
     sum.highest = std::max(sum.highest, one.highest);
     sum.fit += share * one.fit;
     sum.project += share * one.project;
     sum.trace += share * one.trace;
-    sum.statistics = one.statistics;
   }
   const measure::LineScore& r = sum.score;
   std::printf(
-      "| %s | %zu | %g | %.3f | %.3f | %.3f | %.3f | %.3f | %.2f | %.2f | %zu | %.1f | %.1f | %.1f "
+      "| %s | %zu | %g | %.3f | %.3f | %.3f | %.3f | %.3f | %.1f | %.3f | %.2f | %.2f | %zu | %.1f "
+      "| %.1f | %.1f "
       "| %.2f | %.2f |\n",
-      name.c_str(), points, noise, r.rms, r.found1, r.found3, r.off1, r.off3, r.found_length,
-      r.true_length, sum.lines / static_cast<std::size_t>(s.seeds), sum.z, sum.highest, sum.fit,
-      sum.project, sum.trace);
+      name.c_str(), points, noise, r.rms, r.found1, r.found3, r.off1, r.off3, sum.radius,
+      sum.off_radius, r.found_length, r.true_length, sum.lines / static_cast<std::size_t>(s.seeds),
+      sum.z, sum.highest, sum.fit, sum.project, sum.trace);
   std::fflush(stdout);
   return {};
 }
@@ -206,9 +206,10 @@ printTable(Settings& s)
     return error;
   }
   std::printf(
-      "| surface | points | noise | RMS | found1 | found3 | off1 | off3 | found | true | "
+      "| surface | points | noise | RMS | found1 | found3 | off1 | off3 | radius | off r/4 | found "
+      "| true | "
       "lines | z | highest | fit us | projection us | lines us |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+      "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const std::string& name : names) {
     Truth truth;
     if (!measure::parseLineSurface(name, truth.surface)) {

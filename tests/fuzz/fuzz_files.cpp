@@ -9,6 +9,7 @@
 #include "pcl_slim/filters/io/point_file.h"
 #include "pcl_slim/filters/io/splat_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
+#include "render/camera_file.h"
 
 namespace pcl_slim_test {
 
@@ -76,6 +77,17 @@ fuzzVtp(const std::uint8_t* bytes, std::size_t size)
   const BytesFile file(bytes, size, ".vtp");
   const Result<SLIMSurface> surface = loadSurface(file.path());
   if (surface && surface->validate()) std::abort();
+  return 0;
+}
+
+int
+fuzzCamera(const std::uint8_t* bytes, std::size_t size)
+{
+  const BytesFile file(bytes, size, ".txt");
+  const Result<Camera> camera = loadCamera(file.path());
+  if (!camera) return 0;
+  const Result<Camera> again = cameraFromText(cameraText(*camera), Camera().fov);
+  if (!again || cameraText(*again) != cameraText(*camera)) std::abort();
   return 0;
 }
 

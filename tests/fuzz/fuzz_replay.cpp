@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_slim_fuzz_replay CORPUS: past failures and a few good inputs through the fuzzers' targets, in the
-// suite and by any compiler. With -seeds it writes the good inputs instead.
+// suite, by any compiler and on every set of instructions. With -seeds it writes the good inputs instead.
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -13,6 +13,7 @@
 #include "fuzz/fuzz_targets.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/fit/fit.h"
+#include "support/instruction_sets.h"
 
 namespace {
 
@@ -24,11 +25,8 @@ struct Target {
   int (*run)(const std::uint8_t*, std::size_t);
 };
 
-constexpr Target kTargets[] = {{"slim", fuzzSlim},
-                               {"pcd", fuzzPcd},
-                               {"ply", fuzzPly},
-                               {"vtp", fuzzVtp},
-                               {"clouds", fuzzClouds}};
+constexpr Target kTargets[] = {{"slim", fuzzSlim}, {"pcd", fuzzPcd},       {"ply", fuzzPly},
+                               {"vtp", fuzzVtp},   {"camera", fuzzCamera}, {"clouds", fuzzClouds}};
 
 /** A hundred floats of a wave, as fuzzClouds() reads them. */
 Bytes
@@ -73,7 +71,7 @@ replay(const Target& target, const std::filesystem::path& folder)
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     std::ifstream file(entry.path(), std::ios::binary);
     const Bytes bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-    target.run(bytes.data(), bytes.size());
+    forEachInstructionSet([&](const char*) { target.run(bytes.data(), bytes.size()); });
     ++files;
   }
   return files;

@@ -24,4 +24,8 @@ fuzzPly(const std::uint8_t* bytes, std::size_t size);
 int
 fuzzVtp(const std::uint8_t* bytes, std::size_t size);
 
+/** A camera file, and what it accepts written and read again. */
+int
+fuzzCamera(const std::uint8_t* bytes, std::size_t size);
+
 }  // namespace pcl_slim_test

@@ -116,6 +116,10 @@ Error
 checkHeader(PcdHeader& header)
 {
   if (header.columns.empty()) return badInput("the PCD header lists no FIELDS");
+  const auto isPadding = [](const PcdColumn& column) { return column.isPadding(); };
+  if (std::all_of(header.columns.begin(), header.columns.end(), isPadding)) {
+    return badInput("the FIELDS of the PCD header are all padding: name x, y and z");
+  }
   if (!header.has_width && !header.has_points) return badInput("the PCD header gives no WIDTH");
   if (!header.has_width) header.width = header.points;
   constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max() - 1;

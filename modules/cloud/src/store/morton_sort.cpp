@@ -68,16 +68,16 @@ sortByKey(Keys& keys, Indices& order, int threads)
   int place_bits = 1;
   while (n >> place_bits != 0) ++place_bits;
   const int low_bits = place_bits - (64 - kKeyBits);
-  Keys numbers(n), sorted(n);
+  Keys numbers(n);
   forAll(n, threads, [&](std::size_t i) { numbers[i] = keys[i] >> low_bits << place_bits | i; });
   sortByBits(numbers, place_bits, 64, threads);
   const std::uint64_t place_mask = (std::uint64_t{1} << place_bits) - 1;
   order.resize(n);
   forAll(n, threads, [&](std::size_t i) {
     order[i] = static_cast<std::uint32_t>(numbers[i] & place_mask);
-    sorted[i] = keys[order[i]];
+    numbers[i] = keys[order[i]];
   });
-  keys.swap(sorted);
+  keys.swap(numbers);
   sortRuns(keys, order, low_bits, threads);
 }
 

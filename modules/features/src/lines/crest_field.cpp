@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kDifference = 0.1;  ///< differences of k reach so many radii to both sides
 constexpr double kInRow = 0.7;   ///< least cosine between t and the section for sampling in a row
-constexpr double kMargin = 0.3;  ///< leaves are found so many radii ahead
+constexpr double kMargin = 0.6;  ///< leaves are found so many radii ahead
 constexpr double kHalfStep = 0.25;  ///< half the way to where prominence is measured, in radii
 
 }  // namespace
@@ -158,6 +158,7 @@ CrestField::findProminence(CrestVertex* vertices, std::size_t count)
     positions[i] = along(v.position, kHalfStep * v.radius, directions[i]);
     request.side = along(request.side, 1.0, v.normal);
   }
+  request.curvature = false;
   probe_.evaluate(request, near);
   for (std::size_t i = 0; i < request.count; ++i) {
     const CrestVertex& v = vertices[i / 2];
@@ -166,7 +167,14 @@ CrestField::findProminence(CrestVertex* vertices, std::size_t count)
     const Vector3 on = normalized(along(directions[i], -dot(directions[i], n), n));
     positions[i] = along(near[i].position, kHalfStep * v.radius, on);
   }
+  request.curvature = true;
   probe_.evaluate(request, far);
+  bool complete = true;
+  for (std::size_t i = 0; i < request.count; ++i) {
+    complete = complete && (far[i].supported || !near[i].supported);
+    if (near[i].supported) positions[i] = near[i].position;
+  }
+  if (!complete) probe_.evaluate(request, near);  // Half way is as far as the surface goes.
   for (std::size_t i = 0; i < count; ++i) {
     CrestVertex& v = vertices[i];
     double beside = v.k;

@@ -1,15 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "lines/crest_root.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace pcl_slim::detail {
 
-namespace {
-
-constexpr int kHalvings = 40;
-
-}  // namespace
+double
+Parabola::rootBetween(double low, double high) const
+{
+  // Of the two quotients that solve it, the one without cancellation and its partner.
+  const double rest = std::sqrt(std::max(0.0, slope * slope - 4 * bend * at0));
+  const double sum = -0.5 * (slope + std::copysign(rest, slope));
+  const double first = sum != 0 ? at0 / sum : 0, second = bend != 0 ? sum / bend : first;
+  const double middle = 0.5 * (low + high);
+  const double root = std::abs(first - middle) <= std::abs(second - middle) ? first : second;
+  return std::clamp(root, low, high);
+}
 
 CrossSection::CrossSection(const CrestSample* samples, const Vector3& across) : samples_(samples)
 {
@@ -29,16 +36,12 @@ CrossSection::search(int from)
   const double before = sense_ * samples_[from].e, after = sense_ * samples_[from + 1].e;
   if (!(before > 0 && after <= 0)) return;
   has_root_ = true;
-  double low = from - 1.0, high = from;
+  const double low = from - 1.0, high = from;
   if (!complete_) {
     root_ = low + before / (before - after);
     return;
   }
-  for (int i = 0; i < kHalvings; ++i) {
-    const double middle = 0.5 * (low + high);
-    (sense_ * e_(middle) > 0 ? low : high) = middle;
-  }
-  root_ = 0.5 * (low + high);
+  root_ = e_.rootBetween(low, high);
 }
 
 bool

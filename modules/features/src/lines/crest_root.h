@@ -16,6 +16,8 @@ struct Parabola {
   }
   double operator()(double x) const { return at0 + x * (slope + x * bend); }
   double slopeAt(double x) const { return slope + 2 * bend * x; }
+  /** The root between two places of different sign. */
+  double rootBetween(double low, double high) const;
 };
 
 /** Three samples side by side across a line, and where between them k is largest along t. */

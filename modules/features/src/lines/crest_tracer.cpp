@@ -11,6 +11,7 @@ namespace pcl_slim::detail {
 namespace {
 
 constexpr double kSeedGap = 0.9;      ///< seeds nearer than so many steps to a line are left out
+constexpr double kCell = 8.0;         ///< of the reach: cells in which vertices are looked up
 constexpr double kJoinGap = 0.5;      ///< lines nearer than so many steps become one
 constexpr double kAside = 0.8;        ///< roots are looked for so many steps to both sides
 constexpr double kShorter = 0.4;      ///< a step that fails is tried once more, so much shorter
@@ -43,9 +44,9 @@ CrestTracer::CrestTracer(const ProbeIndex& index, CrestType type, const CrestPar
       field_(index, type, analytic),
       sigma_(sigma),
       mean_radius_(mean_radius),
-      traced_(2 * reachOf(mean_radius)),
-      refused_(2 * reachOf(mean_radius)),
-      own_(2 * reachOf(mean_radius))
+      traced_(kCell * reachOf(mean_radius)),
+      refused_(kCell * reachOf(mean_radius)),
+      own_(kCell * reachOf(mean_radius))
 {
 }
 
@@ -81,13 +82,14 @@ CrestTracer::follow(const CrestSeed& seed)
     return;
   }
   field_.restart(mean_radius_);
-  seed_radius_ = field_.scaleAt(seed.position, seed.normal).radius;
+  const ProbeScale scale = field_.scaleAt(seed.position, seed.normal);
+  seed_radius_ = scale.radius;
   if (!(seed_radius_ > 0)) {
     ++statistics_.seeds_failed;
     return;
   }
   CrestVertex first;
-  if (!standsOut(seed) || !start(seed, first)) return;
+  if (!standsOut(seed, scale) || !start(seed, first)) return;
   if (traced_.holds(first.position, kJoinGap / kSeedGap)) {
     refuse(seed, statistics_.seeds_on_lines);
     return;
@@ -105,17 +107,16 @@ CrestTracer::follow(const CrestSeed& seed)
 
 /** Whether noise cannot explain the seed by itself. */
 bool
-CrestTracer::standsOut(const CrestSeed& seed)
+CrestTracer::standsOut(const CrestSeed& seed, const ProbeScale& scale)
 {
   CrestVertex v;
   v.position = seed.position;
   v.normal = seed.normal;
   v.t = seed.t;
   v.k = seed.k;
-  v.radius = seed_radius_;
-  const double effective_count = field_.scaleAt(seed.position, seed.normal).effective_count;
+  v.radius = scale.radius;
   field_.findProminence(&v, 1);
-  const double z = significanceOf(v.prominence, seed_radius_, effective_count, sigma_);
+  const double z = significanceOf(v.prominence, scale.radius, scale.effective_count, sigma_);
   return z >= kSeedShare * params_.significance || refuse(seed, statistics_.seeds_insignificant);
 }
 

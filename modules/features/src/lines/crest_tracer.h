@@ -35,7 +35,7 @@ class CrestTracer {
 
   bool refuse(const CrestSeed& seed, std::uint64_t& counter);
   double reachOf(double radius) const;
-  bool standsOut(const CrestSeed& seed);
+  bool standsOut(const CrestSeed& seed, const ProbeScale& scale);
   bool start(const CrestSeed& seed, CrestVertex& vertex);
   bool correct(const Vector3& place, const Vector3& across, double reach, const CrestAxes& axes,
                CrestVertex& vertex);

@@ -16,7 +16,8 @@ class PlaceGrid {
  public:
   static constexpr std::int64_t kNothing = -1;
 
-  /** \param[in] width of a cell, about twice the usual reach. */
+  /** \param[in] width of a cell, a few times the usual reach: wider ones are met by fewer entries and
+   * list more. */
   explicit PlaceGrid(double width) : inverse_(1.0 / width), slots_(1024) {}
 
   void clear();

@@ -11,6 +11,7 @@
 #include "pcl_slim/query/detail/block_means.h"
 #include "pcl_slim/query/detail/projection_kernel.h"
 #include "pcl_slim/query/detail/shape_operator.h"
+#include "probe/leaf_region.h"
 
 namespace pcl_slim {
 
@@ -36,16 +37,10 @@ principalValues(const Vector3& g, double length, const Symmetric3<double>& h)
   return {(mean + spread) / length, (mean - spread) / length};
 }
 
-struct Leaf {
-  BlockLeaf leaf;  ///< but for its shift
-  Vector3 center;
-  float effective_count;
-};
-
-Leaf
+ProbeLeaf
 placeLeaf(const SLIMSurface& surface, std::uint32_t i, double noise)
 {
-  Leaf placed{{}, {surface.cx[i], surface.cy[i], surface.cz[i]}, surface.effective_count[i]};
+  ProbeLeaf placed{{}, {surface.cx[i], surface.cy[i], surface.cz[i]}, surface.effective_count[i]};
   BlockLeaf& leaf = placed.leaf;
   const LocalFrame frame({surface.nx[i], surface.ny[i], surface.nz[i]});
   for (std::size_t a = 0; a < 3; ++a) {
@@ -64,23 +59,11 @@ placeLeaf(const SLIMSurface& surface, std::uint32_t i, double noise)
   return placed;
 }
 
-/** Squared distance from a place to a box. */
-double
-distanceSq(const Vector3& p, const Vector3& low, const Vector3& high)
-{
-  double sum = 0;
-  for (std::size_t a = 0; a < 3; ++a) {
-    const double off = std::max({low[a] - p[a], p[a] - high[a], 0.0});
-    sum += off * off;
-  }
-  return sum;
-}
-
 }  // namespace
 
 struct ProbeIndex::Leaves {
-  std::vector<Leaf> all;  ///< in Morton order of their centres
-  BlockTree tree;         ///< over their balls' boxes
+  std::vector<ProbeLeaf> all;  ///< in Morton order of their centres
+  BlockTree tree;              ///< over their balls' boxes
   BlendRules rules;
 };
 
@@ -120,18 +103,15 @@ ProbeIndex::~ProbeIndex() = default;
 std::size_t
 ProbeIndex::memoryBytes() const
 {
-  return leaves_->all.size() * sizeof(Leaf) + leaves_->tree.memoryBytes();
+  return leaves_->all.size() * sizeof(ProbeLeaf) + leaves_->tree.memoryBytes();
 }
 
 /** What a probe keeps between requests. */
 struct SurfaceProbe::Scratch {
   alignas(64) float x[16], y[16], z[16], nx[16], ny[16], nz[16];
   BlockSums sums;
-  Vector3 low, high, origin;          ///< the region whose leaves are at hand
-  std::vector<std::uint32_t> places;  ///< of these leaves, in the index
-  std::vector<BlockLeaf> region;      ///< and they themselves, relative to origin
+  LeafRegion region;  ///< the leaves at hand
   std::vector<const BlockLeaf*> near;
-  bool valid = false;
 };
 
 SurfaceProbe::SurfaceProbe(const ProbeIndex& index)
@@ -145,55 +125,16 @@ void
 SurfaceProbe::restart(double margin)
 {
   margin_ = margin;
-  scratch_->valid = false;
+  scratch_->region.clear();
 }
 
+/** Leaves near a box are at hand afterwards. */
 void
 SurfaceProbe::cover(const Vector3& low, const Vector3& high)
 {
-  Scratch& s = *scratch_;
-  bool inside = s.valid;
-  for (std::size_t a = 0; a < 3; ++a) inside = inside && s.low[a] <= low[a] && high[a] <= s.high[a];
-  if (inside) return;
-  float min[3], max[3];
-  for (std::size_t a = 0; a < 3; ++a) {
-    s.low[a] = low[a] - margin_;
-    s.high[a] = high[a] + margin_;
-    s.origin[a] = 0.5 * (low[a] + high[a]);
-    min[a] = static_cast<float>(s.low[a]);
-    max[a] = static_cast<float>(s.high[a]);
-  }
-  s.valid = true;
-  s.places.clear();
-  s.region.clear();
-  const ProbeIndex::Leaves& leaves = *index_.leaves_;
-  leaves.tree.blocksInBox(min, max, s.places);
-  std::size_t kept = 0;
-  for (const std::uint32_t place : s.places) {
-    const Leaf& leaf = leaves.all[place];
-    const double r = leaf.leaf.radius;
-    if (distanceSq(leaf.center, s.low, s.high) > r * r) continue;
-    s.places[kept++] = place;
-    BlockLeaf& shifted = s.region.emplace_back(leaf.leaf);
-    for (std::size_t a = 0; a < 3; ++a) {
-      shifted.shift[a] = static_cast<float>(s.origin[a] - leaf.center[a]);
-    }
-  }
-  s.places.resize(kept);
-}
-
-void
-SurfaceProbe::gatherNear(const Vector3& low, const Vector3& high)
-{
-  cover(low, high);
-  Scratch& s = *scratch_;
-  s.near.clear();
-  const Vector3 near_low = subtract(low, s.origin), near_high = subtract(high, s.origin);
-  for (const BlockLeaf& leaf : s.region) {
-    const Vector3 center = {-leaf.shift[0], -leaf.shift[1], -leaf.shift[2]};
-    const double r = leaf.radius;
-    if (distanceSq(center, near_low, near_high) < r * r) s.near.push_back(&leaf);
-  }
+  LeafRegion& region = scratch_->region;
+  if (region.covers(low, high)) return;
+  region.build(index_.leaves_->all, index_.leaves_->tree, low, high, margin_);
 }
 
 void
@@ -206,16 +147,18 @@ SurfaceProbe::load(const ProbeRequest& request)
       high[a] = std::max(high[a], request.positions[i][a]);
     }
   }
-  gatherNear(low, high);
+  cover(low, high);
   Scratch& s = *scratch_;
+  s.region.choose(low, high, s.near);
   float* const columns[3] = {s.x, s.y, s.z};
   float* const sides[3] = {s.nx, s.ny, s.nz};
   for (std::size_t a = 0; a < 3; ++a) {
     std::fill(columns[a], columns[a] + 16, PointStore::kFarAway);
     std::fill(sides[a], sides[a] + 16, static_cast<float>(request.side[a]));
-    for (std::size_t i = 0; i < request.count; ++i) {
-      columns[a][i] = static_cast<float>(request.positions[i][a] - s.origin[a]);
-    }
+  }
+  for (std::size_t i = 0; i < request.count; ++i) {
+    const auto offset = s.region.offset(request.positions[i]);
+    for (std::size_t a = 0; a < 3; ++a) columns[a][i] = offset[a];
   }
 }
 
@@ -227,7 +170,8 @@ SurfaceProbe::evaluate(const ProbeRequest& request, ProbeSample* samples)
   load(request);
   Scratch& s = *scratch_;
   BlendRules rules = index_.leaves_->rules;
-  rules.with_third = request.extremality;
+  rules.with_hessian = request.curvature;
+  rules.with_third = request.curvature && request.extremality;
   BlockPoints points{s.x, s.y, s.z};
   const bool sided = rules.oriented && rules.guarded && dot(request.side, request.side) > 0;
   if (sided) {
@@ -239,7 +183,7 @@ SurfaceProbe::evaluate(const ProbeRequest& request, ProbeSample* samples)
   for (const BlockLeaf* leaf : s.near) kernels::addDirections(points, *leaf, rules, s.sums);
   kernels::finishDirections(s.sums);
   for (const BlockLeaf* leaf : s.near) kernels::addIntersections(points, *leaf, rules, s.sums);
-  const BlockMeans means(s.sums);
+  const BlockMeans means(s.sums, request.count);
   for (std::size_t i = 0; i < request.count; ++i) finish(request, means, i, samples[i]);
 }
 
@@ -257,6 +201,7 @@ SurfaceProbe::finish(const ProbeRequest& request, const BlockMeans& means, std::
     sample.position[a] = request.positions[i][a] + means.offset[i] * sums.direction[a][i];
     sample.normal[a] = g[a] / length;
   }
+  if (!request.curvature) return;
   Symmetric3<double> h;
   double third[10];
   for (std::size_t k = 0; k < 6; ++k) h[k] = sums.hessian[k][i] / weight;
@@ -275,22 +220,17 @@ SurfaceProbe::finish(const ProbeRequest& request, const BlockMeans& means, std::
 ProbeScale
 SurfaceProbe::scaleAt(const Vector3& position, const Vector3& side)
 {
-  gatherNear(position, position);
-  const Scratch& s = *scratch_;
+  cover(position, position);
+  const BlendRules& rules = index_.leaves_->rules;
+  const bool sided = rules.oriented && dot(side, side) > 0;
   double weight = 0, radius = 0, effective_count = 0;
-  for (std::size_t j = 0; j < s.region.size(); ++j) {
-    const BlockLeaf& leaf = s.region[j];
-    const Leaf& own = index_.leaves_->all[s.places[j]];
-    const Vector3 off = subtract(position, own.center);
-    const double s_sq = dot(off, off) / (static_cast<double>(leaf.radius) * leaf.radius);
-    if (!(s_sq < 1.0)) continue;
-    const Vector3 w = {leaf.w[0], leaf.w[1], leaf.w[2]};
-    if (index_.leaves_->rules.oriented && dot(side, side) > 0 && dot(w, side) <= 0) continue;
-    const double g = leaf.variance_weight * evaluateKernel(index_.leaves_->rules.kernel, s_sq);
+  scratch_->region.forHolding(position, [&](const BlockLeaf& leaf, float count, float s_sq) {
+    if (sided && dot({leaf.w[0], leaf.w[1], leaf.w[2]}, side) <= 0) return;
+    const double g = leaf.variance_weight * evaluateKernel(rules.kernel, s_sq);
     weight += g;
     radius += g * leaf.radius;
-    effective_count += g * own.effective_count;
-  }
+    effective_count += g * count;
+  });
   if (!(weight > 0)) return {};
   return {radius / weight, effective_count / weight};
 }

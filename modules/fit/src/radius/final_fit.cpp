@@ -15,8 +15,7 @@ FinalFit::make(const RadiusChoice& choice)
   const WeightKernel kernel = at_minimum_support ? settings.wall_kernel : settings.fit_kernel;
   Trial result = chosen;
   if (!trials_.refit(trials_.samples().within(result.rho), kernel, result)) {
-    // Rounding cost a pivot: the accepted fit stands, made again with its coefficients.
-    return trials_.at(chosen.rho, chosen.fit.degree, kernel);
+    return chosen;  // rounding, or the other kernel, cost a pivot: the accepted fit stands
   }
   if (settings.robust) fitRobustly(kernel, result);
   return result;

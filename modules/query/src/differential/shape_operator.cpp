@@ -3,6 +3,7 @@
 #include "pcl_slim/query/detail/shape_operator.h"
 
 #include <cmath>
+#include <utility>
 
 #include "pcl_slim/surface/polynomial.h"
 
@@ -25,6 +26,16 @@ turned(const LocalFrame& frame, double cosine, double sine)
     direction[a] = static_cast<float>(cosine * frame.u[a] + sine * frame.v[a]);
   }
   return direction;
+}
+
+/** Cosine and sine of half the angle of (x, y), a vector of the given length; cosine >= 0. */
+std::pair<double, double>
+halfAngle(double x, double y, double length)
+{
+  double c = length + x, s = y;
+  if (x < 0) c = std::abs(y), s = std::copysign(length - x, y);
+  const double norm = std::sqrt(c * c + s * s);
+  return norm > 0 ? std::make_pair(c / norm, s / norm) : std::make_pair(1.0, 0.0);
 }
 
 }  // namespace
@@ -54,13 +65,13 @@ principalCurvatures(const Vector3& g, double length, const Symmetric3<double>& h
   const double uv = form(frame.u, h, frame.v) / length;
   const double vv = form(frame.v, h, frame.v) / length;
   const double mean = 0.5 * (uu + vv), half = 0.5 * (uu - vv);
-  const double spread = std::hypot(half, uv);
-  const double angle = 0.5 * std::atan2(uv, half);
+  const double spread = std::sqrt(half * half + uv * uv);
+  const auto [cosine, sine] = halfAngle(half, uv, spread);
   PrincipalFrame principal;
   principal.k1 = static_cast<float>(mean + spread);
   principal.k2 = static_cast<float>(mean - spread);
-  principal.direction1 = turned(frame, std::cos(angle), std::sin(angle));
-  principal.direction2 = turned(frame, -std::sin(angle), std::cos(angle));
+  principal.direction1 = turned(frame, cosine, sine);
+  principal.direction2 = turned(frame, -sine, cosine);
   return principal;
 }
 

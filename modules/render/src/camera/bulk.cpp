@@ -22,13 +22,13 @@ framedExtent(const std::vector<BoundingSphere>& spheres)
   std::vector<float> values(spheres.size());
   for (std::size_t a = 0; a < 3; ++a) {
     for (std::size_t i = 0; i < spheres.size(); ++i) values[i] = spheres[i].center[a];
-    const auto quantile = [&](double share) {
-      const auto k = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
+    const auto ranked = [&](std::size_t k) {
       std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(k),
                        values.end());
       return static_cast<double>(values[k]);
     };
-    const double low = quantile(0.01), high = quantile(0.99), slack = high - low;
+    const std::size_t last = values.size() - 1, strays = last / 100;
+    const double low = ranked(strays), high = ranked(last - strays), slack = high - low;
     extent[a] = {low - slack - 1e-3, high + slack + 1e-3};
   }
   return extent;

@@ -42,7 +42,7 @@ CameraRays::CameraRays(const Camera& camera, const Vector3& origin, double scale
 Ray
 CameraRays::ray(int x, int y) const
 {
-  const double px = (x - center_x_) * pixel_, py = (center_y_ - y) * pixel_;
+  const auto [px, py] = inPlane(x, y);
   const Vector3 offset = along(scaled(axes_.right, px), py, axes_.up);
   if (!perspective_) return {along(eye_, 1.0, offset), axes_.forward};
   return {eye_, normalized(along(axes_.forward, 1.0, offset))};

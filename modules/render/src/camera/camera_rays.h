@@ -31,6 +31,14 @@ class CameraRays {
 
   Ray ray(int x, int y) const;
 
+  /** \brief A pixel's coordinates along right and up, in the plane at depth 1 in front of a
+   * perspective camera, and in any plane of another one; and a pixel's length there. */
+  std::array<double, 2> inPlane(int x, int y) const
+  {
+    return {(x - center_x_) * pixel_, (center_y_ - y) * pixel_};
+  }
+  double pixel() const { return pixel_; }
+
   /** \brief Length of a pixel at a point's depth; 0 for a point behind a perspective camera. */
   double pixelLength(const Vector3& point) const;
 

@@ -31,6 +31,8 @@ weightReach(WeightKernel kernel)
   }
 }
 
+constexpr float kFarAway = -1e9f;  ///< pixels: left of every picture
+
 /** \brief Bits that order floats as their values do. */
 std::uint32_t
 orderedBits(float value)
@@ -93,6 +95,9 @@ FastRasterizer::place(std::size_t group, std::size_t count, const FrameView& vie
       leaf.blend_x = leaf.blend_y = leaf.first_x = leaf.first_y = 0.0f;
       leaf.blend_reach = leaf.first_reach = 1e9f;
       leaf.nearest = -std::numeric_limits<float>::max();
+    } else if (!std::isfinite(leaf.blend_x + leaf.blend_y + leaf.blend_reach)) {
+      leaf.blend_x = leaf.first_x = kFarAway;  // so many radii off that no float tells where
+      leaf.blend_y = leaf.blend_reach = 0.0f;
     }
     placed_[group * kClusterSize + k] = placeOf(leaf, view);
   }
@@ -102,7 +107,6 @@ void
 FastRasterizer::setUpCluster(std::size_t n, const FrameView& view, const VisibilityRules& rules,
                              const BallShares& shares, RenderStatistics& statistics)
 {
-  constexpr float kFarAway = -1e9f;  // pixels
   const bool are_leaves = n < leaf_clusters_;
   const LeafIndex& index = are_leaves ? index_ : *internal_;
   const LeafNode& cluster = index.cluster(clusters_[n]);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "lines/chains.h"
+#include "lines/numbered_set.h"
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim::detail {
@@ -19,7 +20,9 @@ constexpr float kStrength = 4.0f;       ///< a contour is drawn in full width
 class ContourEdges {
  public:
   explicit ContourEdges(const PixelGeometry& geometry)
-      : geometry_(geometry), buffer_(geometry.buffer())
+      : geometry_(geometry),
+        buffer_(geometry.buffer()),
+        least_(static_cast<float>(kShareBehind * geometry.diagonal()))
   {
   }
 
@@ -50,8 +53,10 @@ class ContourEdges {
   bool parted(int xa, int ya, int xb, int yb) const
   {
     const std::size_t a = buffer_.index(xa, ya), b = buffer_.index(xb, yb);
+    // Most neighbours differ by less than any margin; where nothing is seen depth is infinite.
+    const float step = std::abs(buffer_.depth[a] - buffer_.depth[b]);
+    if (!(step >= least_)) return false;
     if (buffer_.covered(a) != buffer_.covered(b)) return true;
-    if (!buffer_.covered(a)) return false;
     return buffer_.depth[a] < buffer_.depth[b] ? hides(a, xa, ya, b, xb, yb)
                                                : hides(b, xb, yb, a, xa, ya);
   }
@@ -60,9 +65,8 @@ class ContourEdges {
    * plane seen from its edge passes nowhere. */
   bool hides(std::size_t near, int xn, int yn, std::size_t far, int xf, int yf) const
   {
-    const float pixel = geometry_.pixelLength(near);
-    const float margin =
-        std::max(kPixelsBehind * pixel, static_cast<float>(kShareBehind * geometry_.diagonal()));
+    const float pixel = geometry_.pixelLength(near, xn, yn);
+    const float margin = std::max(kPixelsBehind * pixel, least_);
     if (buffer_.depth[far] - buffer_.depth[near] < margin) return false;
     const float planar = geometry_.depthOfPlane(near, xn, yn, xf, yf);
     return !(buffer_.depth[far] - planar <= margin);
@@ -70,6 +74,7 @@ class ContourEdges {
 
   const PixelGeometry& geometry_;
   const GBuffer& buffer_;
+  float least_;  ///< step of depth, local units
 };
 
 /** Vertices drawn to the middle of their neighbours'; the ends of open lines stay. */
@@ -88,6 +93,26 @@ smooth(PictureLine& line)
   }
 }
 
+/** Names the links' corners by numbers without gaps. \return the corners by number */
+std::vector<std::uint32_t>
+numberJoints(const GBuffer& buffer, std::vector<Link>& links)
+{
+  NumberedSet set(static_cast<std::size_t>(buffer.width + 1) *
+                  static_cast<std::size_t>(buffer.height + 1));
+  for (const Link& link : links) {
+    for (const std::uint32_t corner : link.joint) set.add(corner);
+  }
+  std::vector<std::uint32_t> corners(set.count());
+  for (Link& link : links) {
+    for (std::uint32_t& joint : link.joint) {
+      const std::uint32_t number = set.numberOf(joint);
+      corners[number] = joint;
+      joint = number;
+    }
+  }
+  return corners;
+}
+
 }  // namespace
 
 void
@@ -100,17 +125,17 @@ traceContours(const PixelGeometry& geometry, double least_length, int threads,
               [&](std::size_t y, int) { rows[y] = edges.row(static_cast<int>(y)); });
   std::vector<Link> links;
   for (const auto& row : rows) links.insert(links.end(), row.begin(), row.end());
-  const GBuffer& buffer = geometry.buffer();
-  const auto corners = static_cast<std::size_t>(buffer.width + 1) * (buffer.height + 1);
-  const std::vector<Chain> chains = joinLinks(links, corners);
-  const std::vector<std::uint8_t> keep = longEnough(chains, corners, least_length);
+  const std::vector<std::uint32_t> corners = numberJoints(geometry.buffer(), links);
+  const std::vector<Chain> chains = joinLinks(links, corners.size());
+  const std::vector<std::uint8_t> keep = longEnough(chains, corners.size(), least_length);
   for (std::size_t i = 0; i < chains.size(); ++i) {
     if (!keep[i]) continue;
     const Chain& chain = chains[i];
     PictureLine line;
     line.kind = PictureLineKind::kContour;
     line.closed = chain.closed;
-    for (const std::uint32_t corner : chain.joints) line.points.push_back(edges.place(corner));
+    for (const std::uint32_t joint : chain.joints)
+      line.points.push_back(edges.place(corners[joint]));
     line.strength.assign(line.points.size(), kStrength);
     smooth(line);
     lines.push_back(std::move(line));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "lines/pixel_frames.h"
+#include "lines/pixel_geometry.h"
 #include "pcl_slim/render/picture_lines.h"
 
 namespace pcl_slim::detail {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pcl_slim/core/parallel.h"
 
@@ -10,132 +11,131 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr float kStep = 2.0f;          ///< pixels over which k is differenced, at least
-constexpr float kRadiusStep = 0.1f;    ///< of the leaf's radius, at least
-constexpr float kMostStep = 24.0f;     ///< pixels, at most
 constexpr float kProminence = 0.5f;    ///< of the leaf's radius: where a crest has to be lower
 constexpr float kSignificance = 2.0f;  ///< deviations of the noise that count as strength 1
 
-float
-screenLength(const PixelFrame& frame)
-{
-  return std::sqrt(frame.screen[0] * frame.screen[0] + frame.screen[1] * frame.screen[1]);
-}
+/** Curvature as lines of one kind want it: of the surface, or of the surface turned round; 0 where
+ * the other is the larger. */
+struct Side {
+  const CurvatureMap& map;
+  float sign;
 
-/** k at a local distance before and behind a pixel along its direction. */
-bool
-sampleBothWays(const PixelGeometry& geometry, const std::vector<PixelFrame>& frames,
-               std::size_t pixel, float distance, float& before, float& behind)
-{
-  const GBuffer& buffer = geometry.buffer();
-  const auto x = static_cast<float>(pixel % buffer.width),
-             y = static_cast<float>(pixel / buffer.width);
-  const float dx = distance * frames[pixel].screen[0], dy = distance * frames[pixel].screen[1];
-  const float depth = buffer.depth[pixel];
-  return geometry.sample(frames, x + dx, y + dy, depth, before) &&
-         geometry.sample(frames, x - dx, y - dy, depth, behind);
-}
-
-/** Local distance over which differences of k are steady, in the pixels of this view. */
-float
-stepAt(const GBuffer& buffer, const PixelFrame& frame, std::size_t pixel)
-{
-  const float pixels = screenLength(frame);
-  const float step = std::max(kStep, kRadiusStep * buffer.radius[pixel] * pixels);
-  return std::min(step, kMostStep) / pixels;
-}
+  float operator()(std::size_t pixel) const { return std::max(0.0f, sign * map[pixel]); }
+};
 
 }  // namespace
 
-CrestField::CrestField(const PixelGeometry& geometry, std::vector<PixelFrame> frames,
-                       float least_curvature, int threads)
-    : geometry_(geometry), least_curvature_(least_curvature)
+CurvatureMap::CurvatureMap(const PixelGeometry& geometry, Kernel kernel, int threads)
+    : values_(new float[geometry.buffer().numPixels()])
 {
-  frames_ = std::move(frames);
-  value_.assign(frames_.size(), 0.0f);
-  valid_.assign(frames_.size(), 0);
-  parallelFor(static_cast<std::size_t>(geometry.buffer().height), threads, 8,
-              [&](std::size_t row, int) { derive(row); });
+  const GBuffer& buffer = geometry.buffer();
+  constexpr std::size_t kRows = 8;
+  const auto height = static_cast<std::size_t>(buffer.height);
+  parallelFor((height + kRows - 1) / kRows, threads, 1, [&](std::size_t slice, int) {
+    FrameRow frames(buffer.width);
+    for (std::size_t y = slice * kRows; y < std::min(height, (slice + 1) * kRows); ++y) {
+      if (geometry.rowIsEmpty(static_cast<int>(y))) continue;
+      kernel(geometry.row(static_cast<int>(y)), frames);
+      std::copy_n(frames.k.begin(), buffer.width,
+                  values_.get() + buffer.index(0, static_cast<int>(y)));
+    }
+  });
+}
+
+CrestField::CrestField(const PixelGeometry& geometry, float least_curvature, int threads)
+    : ZeroField(geometry),
+      map_(geometry, kernels::crestFrames, threads),
+      least_curvature_(least_curvature)
+{
 }
 
 void
-CrestField::derive(std::size_t row)
+CrestField::fill(int y, FieldRow& row) const
 {
-  const GBuffer& buffer = geometry_.buffer();
-  const std::size_t first = row * static_cast<std::size_t>(buffer.width);
-  for (std::size_t i = first; i < first + static_cast<std::size_t>(buffer.width); ++i) {
-    const PixelFrame& frame = frames_[i];
-    if (frame.k < least_curvature_ || !(screenLength(frame) > 0)) continue;
-    const float step = stepAt(buffer, frame, i);
+  std::fill(row.kind.begin(), row.kind.end(), std::uint8_t{0});
+  if (geometry_.rowIsEmpty(y)) return;
+  kernels::crestFrames(geometry_.row(y), row.frames);
+  const std::size_t first = geometry_.buffer().index(0, y);
+  for (std::size_t x = 0; x < row.kind.size(); ++x) {
+    const float k = row.frames.k[x];
+    const Pixel2 screen = {row.frames.screen[0][x], row.frames.screen[1][x]};
+    if (std::abs(k) < least_curvature_ || (screen[0] == 0 && screen[1] == 0)) continue;
+    const float step = geometry_.differenceStep(first + x, screen);
+    const Side side{map_, k > 0 ? 1.0f : -1.0f};
     float before, behind;
-    if (!sampleBothWays(geometry_, frames_, i, step, before, behind)) continue;
-    value_[i] = (before - behind) / (2.0f * step);
-    valid_[i] = 1;
+    if (!geometry_.sampleBothWays(first + x, screen, step, side, before, behind)) continue;
+    row.value[x] = (before - behind) / (2.0f * step);
+    row.kind[x] = k > 0 ? kRidge : kRavine;
   }
 }
 
-/** Whether k is greatest between two neighbours, not least: the derivative falls along the
- * direction. */
-bool
-CrestField::falls(std::size_t a, std::size_t b) const
+/** Strength of curvature alone; 0 where k is least between the two, not greatest. */
+float
+CrestField::mostBetween(const FieldRow& a, std::size_t xa, const FieldRow& b, std::size_t xb,
+                        float share, std::size_t axis) const
 {
-  const auto width = static_cast<std::size_t>(geometry_.buffer().width);
-  const float way = frames_[a].screen[b == a + width ? 1 : 0];
-  return (value(b, a) - value(a, a)) * way < 0;
+  const bool grows = a.value[xa] < 0;
+  const bool ahead = a.frames.screen[axis][xa] > 0;
+  if (grows == ahead) return 0;
+  const float k = a.frames.k[xa] + share * (b.frames.k[xb] - a.frames.k[xa]);
+  return std::abs(k) / least_curvature_;
 }
 
-/** How far k stands out of its surroundings, in deviations of the noise. */
+/** Not more than k stands out of its surroundings, in deviations of the noise. */
 float
-CrestField::significance(std::size_t pixel) const
+CrestField::strength(const Crossing& at, std::size_t nearer, int kind) const
 {
-  const float distance = kProminence * geometry_.buffer().radius[pixel];
+  const Side side{map_, kind == kRidge ? 1.0f : -1.0f};
+  const float distance = kProminence * geometry_.buffer().radius[nearer];
   float before, behind;
-  if (!sampleBothWays(geometry_, frames_, pixel, distance, before, behind)) {
+  if (!geometry_.sampleBothWays(nearer, at.screen, distance, side, before, behind)) {
     before = behind = 0;  // The surface ends: nothing stands beside it.
   }
-  return (frames_[pixel].k - std::max(before, behind)) / geometry_.noiseOfCurvature(pixel);
-}
-
-float
-CrestField::strength(std::size_t a, std::size_t b, float share) const
-{
-  if (!falls(a, b)) return 0;
-  const float k = frames_[a].k + share * (frames_[b].k - frames_[a].k);
-  const float significant = significance(share < 0.5f ? a : b) / kSignificance;
-  return std::max(0.0f, std::min(k / least_curvature_, significant));
+  const float prominence = side(nearer) - std::max(before, behind);
+  const float significant = prominence / (geometry_.noiseOfCurvature(nearer) * kSignificance);
+  return std::max(0.0f, std::min(at.most, significant));
 }
 
 RadialField::RadialField(const PixelGeometry& geometry, float least_derivative, int threads)
-    : geometry_(geometry), least_derivative_(least_derivative)
+    : ZeroField(geometry),
+      map_(geometry, kernels::radialFrames, threads),
+      least_derivative_(least_derivative)
 {
-  signless_ = true;
-  frames_ = radialFrames(geometry, threads);
-  value_.resize(frames_.size());
-  valid_.resize(frames_.size());
-  for (std::size_t i = 0; i < frames_.size(); ++i) {
-    value_[i] = frames_[i].k;
-    valid_[i] = screenLength(frames_[i]) > 0;
+}
+
+void
+RadialField::fill(int y, FieldRow& row) const
+{
+  std::fill(row.kind.begin(), row.kind.end(), std::uint8_t{0});
+  if (geometry_.rowIsEmpty(y)) return;
+  kernels::radialFrames(geometry_.row(y), row.frames);
+  for (auto& column : row.frames.direction) std::fill(column.begin(), column.end(), 0.0f);
+  std::copy_n(row.frames.k.begin(), row.value.size(), row.value.begin());
+  for (std::size_t x = 0; x < row.kind.size(); ++x) {
+    row.kind[x] = row.frames.screen[0][x] != 0 || row.frames.screen[1][x] != 0;
   }
 }
 
-/** Of k towards the viewer along the surface, 1/local length squared. */
 float
-RadialField::derivative(std::size_t pixel) const
+RadialField::mostBetween(const FieldRow&, std::size_t, const FieldRow&, std::size_t, float,
+                         std::size_t) const
 {
-  const float step = stepAt(geometry_.buffer(), frames_[pixel], pixel);
-  float before, behind;
-  if (!sampleBothWays(geometry_, frames_, pixel, step, before, behind)) return 0;
-  return (before - behind) / (2.0f * step);
+  return std::numeric_limits<float>::infinity();
 }
 
+/** The derivative of the curvature towards the viewer along the surface, against the least and
+ * against what noise makes of it. */
 float
-RadialField::strength(std::size_t a, std::size_t b, float share) const
+RadialField::strength(const Crossing& at, std::size_t nearer, int) const
 {
-  const std::size_t pixel = share < 0.5f ? a : b;
-  const float d = derivative(pixel);
-  const float rise = kProminence * geometry_.buffer().radius[pixel] * d;
-  const float significant = rise / (geometry_.noiseOfCurvature(pixel) * kSignificance);
-  return std::max(0.0f, std::min(d / least_derivative_, significant));
+  const float step = geometry_.differenceStep(nearer, at.screen);
+  const auto read = [&](std::size_t pixel) { return map_[pixel]; };
+  float before, behind;
+  if (!geometry_.sampleBothWays(nearer, at.screen, step, read, before, behind)) return 0;
+  const float derivative = (before - behind) / (2.0f * step);
+  const float rise = kProminence * geometry_.buffer().radius[nearer] * derivative;
+  const float significant = rise / (geometry_.noiseOfCurvature(nearer) * kSignificance);
+  return std::max(0.0f, std::min(derivative / least_derivative_, significant));
 }
 
 }  // namespace pcl_slim::detail

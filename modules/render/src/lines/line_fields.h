@@ -1,41 +1,57 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "lines/pixel_frames.h"
+#include <memory>
+
+#include "lines/pixel_geometry.h"
 #include "lines/zero_lines.h"
 
 namespace pcl_slim::detail {
+
+/** \brief A curvature of every pixel that shows the surface; what others hold is not defined. */
+class CurvatureMap {
+ public:
+  using Kernel = void (*)(const PictureRow&, FrameRow&);
+
+  /** O(pixels), rows in parallel. */
+  CurvatureMap(const PixelGeometry& geometry, Kernel kernel, int threads);
+  float operator[](std::size_t pixel) const { return values_[pixel]; }
+
+ private:
+  std::unique_ptr<float[]> values_;  ///< rows that show nothing take no memory
+};
 
 /** \brief The derivative of the greatest curvature along its direction, whose zeros are crest lines
  * where it falls. */
 class CrestField : public ZeroField {
  public:
-  /** \param[in] frames of ridges or of ravines; \param[in] least_curvature 1/local length */
-  CrestField(const PixelGeometry& geometry, std::vector<PixelFrame> frames, float least_curvature,
-             int threads);
-  float strength(std::size_t a, std::size_t b, float share) const override;
+  static constexpr int kRidge = 1, kRavine = 2;  ///< kinds
+
+  /** \param[in] least_curvature 1/local length */
+  CrestField(const PixelGeometry& geometry, float least_curvature, int threads);
+  void fill(int y, FieldRow& row) const override;
+  float mostBetween(const FieldRow& a, std::size_t xa, const FieldRow& b, std::size_t xb,
+                    float share, std::size_t axis) const override;
+  float strength(const Crossing& at, std::size_t nearer, int kind) const override;
 
  private:
-  void derive(std::size_t row);
-  bool falls(std::size_t a, std::size_t b) const;
-  float significance(std::size_t pixel) const;
-
-  const PixelGeometry& geometry_;
+  CurvatureMap map_;
   float least_curvature_;
 };
 
 /** \brief The radial curvature, whose zeros are suggestive contours where it grows towards the
- * viewer. */
+ * viewer. Its values are all of kind 1. */
 class RadialField : public ZeroField {
  public:
   /** \param[in] least_derivative 1/local length squared */
   RadialField(const PixelGeometry& geometry, float least_derivative, int threads);
-  float strength(std::size_t a, std::size_t b, float share) const override;
+  void fill(int y, FieldRow& row) const override;
+  float mostBetween(const FieldRow& a, std::size_t xa, const FieldRow& b, std::size_t xb,
+                    float share, std::size_t axis) const override;
+  float strength(const Crossing& at, std::size_t nearer, int kind) const override;
 
  private:
-  float derivative(std::size_t pixel) const;
-
-  const PixelGeometry& geometry_;
+  CurvatureMap map_;
   float least_derivative_;
 };
 

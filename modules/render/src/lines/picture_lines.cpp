@@ -55,25 +55,25 @@ findPictureLines(const GBuffer& buffer, const Camera& camera, const SLIMSurface&
   if (Error error = params.validate()) return error;
   if (Error error = camera.validate()) return error;
   if (Error error = checkBuffer(buffer, camera, params)) return error;
-  const int threads = resolveThreads(params.threads), w = buffer.width, h = buffer.height;
-  const PixelGeometry geometry(buffer, camera, surface, threads);
+  const int threads = resolveThreads(params.threads);
+  const PixelGeometry geometry(buffer, camera, surface);
   const double unit = 1.0 / geometry.diagonal();
   std::vector<PictureLine> lines;
-  if (params.suggestive) {
-    const RadialField field(
-        geometry, static_cast<float>(params.suggestive_derivative * unit * unit), threads);
-    keepStrong(traceZeros(field, w, h, threads), PictureLineKind::kSuggestive, params.min_length,
+  const auto keep = [&](const ZeroTracer& tracer, int field_kind, PictureLineKind kind) {
+    keepStrong(tracer.lines(field_kind, params.min_length, threads), kind, params.min_length,
                lines);
+  };
+  if (params.suggestive) {
+    const auto least = static_cast<float>(params.suggestive_derivative * unit * unit);
+    const RadialField field(geometry, least, threads);
+    keep(ZeroTracer(field, threads), 1, PictureLineKind::kSuggestive);
   }
   if (params.crest) {
-    CrestFrames frames = crestFrames(geometry, threads);
     const auto least = static_cast<float>(params.crest_curvature * unit);
-    const auto trace = [&](std::vector<PixelFrame>& from, PictureLineKind kind) {
-      const CrestField field(geometry, std::move(from), least, threads);
-      keepStrong(traceZeros(field, w, h, threads), kind, params.min_length, lines);
-    };
-    trace(frames.ravines, PictureLineKind::kRavine);
-    trace(frames.ridges, PictureLineKind::kRidge);
+    const CrestField field(geometry, least, threads);
+    const ZeroTracer tracer(field, threads);
+    keep(tracer, CrestField::kRavine, PictureLineKind::kRavine);
+    keep(tracer, CrestField::kRidge, PictureLineKind::kRidge);
   }
   if (params.contour) traceContours(geometry, params.min_length, threads, lines);
   return lines;

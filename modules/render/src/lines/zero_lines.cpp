@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lines/chains.h"
+#include "lines/numbered_set.h"
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim::detail {
@@ -12,74 +12,170 @@ namespace pcl_slim::detail {
 namespace {
 
 constexpr float kReach = 2.0f;  ///< strength that a line has somewhere
+constexpr std::size_t kBandRows = 16;
+constexpr double kLongestLink = 1.4143;  ///< pixels: across a cell
+constexpr float kNone = -1.0f;
 
-/** Edges of the grid of pixel centres: 2 i from pixel i to the right, 2 i + 1 down. */
-struct Grid {
-  const ZeroField& field;
-  int width;
-
-  std::size_t other(std::uint32_t edge) const { return edge / 2 + (edge % 2 == 0 ? 1 : width); }
-
-  /** Where the field crosses zero on an edge, as a share of it; negative: nowhere. */
-  float crossing(std::uint32_t edge) const
-  {
-    const std::size_t a = edge / 2, b = other(edge);
-    if (!field.valid(a) || !field.valid(b)) return -1.0f;
-    const float at_a = field.value(a, a), at_b = field.value(b, a);
-    if ((at_a < 0) == (at_b < 0)) return -1.0f;
-    return at_a / (at_a - at_b);
-  }
-
-  LineVertex vertexOn(std::uint32_t edge) const
-  {
-    const std::size_t a = edge / 2;
-    const float share = crossing(edge);
-    const auto x = static_cast<float>(a % width), y = static_cast<float>(a / width);
-    const bool right = edge % 2 == 0;
-    return {right ? x + share : x, right ? y : y + share, field.strength(a, other(edge), share)};
-  }
-
-  /** The piece of a line through the cell below and right of a pixel, if there is one. */
-  bool linkIn(std::size_t pixel, Link& link) const
-  {
-    const auto valid = [&](std::size_t i) { return field.valid(i); };
-    if (valid(pixel) + valid(pixel + 1) + valid(pixel + width) + valid(pixel + width + 1) < 3)
-      return false;
-    const auto top = static_cast<std::uint32_t>(2 * pixel), left = top + 1;
-    const auto right = static_cast<std::uint32_t>(2 * (pixel + 1) + 1);
-    const auto bottom = static_cast<std::uint32_t>(2 * (pixel + width));
-    std::size_t count = 0;
-    for (const std::uint32_t edge : {top, left, right, bottom}) {
-      if (crossing(edge) < 0) continue;
-      if (count == 2) return false;
-      link.joint[count++] = edge;
-    }
-    return count == 2;
-  }
-};
+/** Where a field crosses zero between two neighbours, as a share of the way; kNone: nowhere. */
+float
+crossingBetween(const FieldRow& a, std::size_t xa, const FieldRow& b, std::size_t xb)
+{
+  if (a.kind[xa] == 0 || a.kind[xa] != b.kind[xb]) return kNone;
+  const auto &da = a.frames.direction, &db = b.frames.direction;
+  const float along = da[0][xa] * db[0][xb] + da[1][xa] * db[1][xb] + da[2][xa] * db[2][xb];
+  const float at_a = a.value[xa], at_b = along >= 0 ? b.value[xb] : -b.value[xb];
+  return (at_a < 0) == (at_b < 0) ? kNone : at_a / (at_a - at_b);
+}
 
 }  // namespace
 
-std::vector<ZeroLine>
-traceZeros(const ZeroField& field, int width, int height, int threads)
+FieldRow::FieldRow(int width)
+    : frames(width), value(static_cast<std::size_t>(width)), kind(static_cast<std::size_t>(width))
 {
-  const Grid grid{field, width};
-  std::vector<std::vector<Link>> rows(static_cast<std::size_t>(std::max(0, height - 1)));
-  parallelFor(rows.size(), threads, 8, [&](std::size_t y, int) {
-    Link link;
-    for (int x = 0; x + 1 < width; ++x) {
-      if (grid.linkIn(y * width + x, link)) rows[y].push_back(link);
-    }
-  });
-  std::vector<Link> links;
-  for (const auto& row : rows) links.insert(links.end(), row.begin(), row.end());
+}
 
-  const std::vector<Chain> chains = joinLinks(links, 2 * static_cast<std::size_t>(width) * height);
+/** Goes through some rows, of which it holds two at a time. */
+class ZeroTracer::BandScan {
+ public:
+  BandScan(const ZeroField& field, Band& found)
+      : field_(field),
+        found_(found),
+        width_(static_cast<std::size_t>(field.geometry().buffer().width)),
+        upper_(static_cast<int>(width_)),
+        lower_(upper_),
+        across_(width_, kNone),
+        next_across_(width_, kNone),
+        down_(width_, kNone)
+  {
+  }
+
+  /** \param[in] end row behind the last; height of the picture */
+  void scan(std::size_t begin, std::size_t end, std::size_t height)
+  {
+    load(begin, lower_, next_across_);
+    for (std::size_t y = begin; y < end; ++y) {
+      std::swap(upper_, lower_);
+      std::swap(across_, next_across_);
+      const bool last = y + 1 == height;
+      if (!last) load(y + 1, lower_, next_across_);
+      for (std::size_t x = 0; x < width_; ++x) {
+        down_[x] = last ? kNone : crossingBetween(upper_, x, lower_, x);
+      }
+      collect(y * width_);
+      if (!last) link(y * width_);
+    }
+  }
+
+ private:
+  void load(std::size_t y, FieldRow& row, std::vector<float>& across) const
+  {
+    field_.fill(static_cast<int>(y), row);
+    for (std::size_t x = 0; x + 1 < width_; ++x) across[x] = crossingBetween(row, x, row, x + 1);
+  }
+
+  /** Crossings to the right of the upper row's pixels and below them. */
+  void collect(std::size_t first)
+  {
+    for (std::size_t x = 0; x < width_; ++x) {
+      if (across_[x] >= 0) add(2 * (first + x), across_[x], x, upper_, x + 1);
+      if (down_[x] >= 0) add(2 * (first + x) + 1, down_[x], x, lower_, x);
+    }
+  }
+
+  void add(std::size_t edge, float share, std::size_t xa, const FieldRow& other, std::size_t xb)
+  {
+    const float most = field_.mostBetween(upper_, xa, other, xb, share, edge % 2);
+    const auto& screen = share < 0.5f ? upper_.frames.screen : other.frames.screen;
+    const std::size_t x = share < 0.5f ? xa : xb;
+    found_[upper_.kind[xa] - 1].crossings.push_back(
+        {static_cast<std::uint32_t>(edge), share, most, {screen[0][x], screen[1][x]}});
+  }
+
+  /** The piece of a line through each cell below and right of an upper pixel, if there is one. */
+  void link(std::size_t first)
+  {
+    for (std::size_t x = 0; x + 1 < width_; ++x) {
+      const float shares[] = {across_[x], down_[x], down_[x + 1], next_across_[x]};
+      const int count = (shares[0] >= 0) + (shares[1] >= 0) + (shares[2] >= 0) + (shares[3] >= 0);
+      const int kind = count == 2 ? kindOfCell(x) : 0;
+      if (kind == 0) continue;
+      const std::size_t top = 2 * (first + x);
+      const std::size_t edges[] = {top, top + 1, top + 3, top + 2 * width_};
+      Link link;
+      std::size_t joints = 0;
+      for (std::size_t i = 0; i < 4; ++i) {
+        if (shares[i] >= 0) link.joint[joints++] = static_cast<std::uint32_t>(edges[i]);
+      }
+      found_[static_cast<std::size_t>(kind) - 1].links.push_back(link);
+    }
+  }
+
+  /** The kind of at least three of a cell's corners, 0 where there is none. */
+  int kindOfCell(std::size_t x) const
+  {
+    const std::uint8_t corners[] = {upper_.kind[x], upper_.kind[x + 1], lower_.kind[x],
+                                    lower_.kind[x + 1]};
+    const bool first = corners[0] == corners[1] || corners[0] == corners[2];
+    const std::uint8_t kind = first ? corners[0] : corners[1];
+    return std::count(corners, corners + 4, kind) >= 3 ? kind : 0;
+  }
+
+  const ZeroField& field_;
+  Band& found_;
+  std::size_t width_;
+  FieldRow upper_, lower_;
+  std::vector<float> across_, next_across_, down_;  ///< crossings to the right and below
+};
+
+ZeroTracer::ZeroTracer(const ZeroField& field, int threads) : field_(field)
+{
+  const auto height = static_cast<std::size_t>(field.geometry().buffer().height);
+  bands_.resize((height + kBandRows - 1) / kBandRows);
+  parallelFor(bands_.size(), threads, 1, [&](std::size_t i, int) {
+    BandScan scan(field, bands_[i]);
+    scan.scan(i * kBandRows, std::min(height, (i + 1) * kBandRows), height);
+  });
+}
+
+void
+ZeroTracer::addVertex(const Crossing& at, int kind, ZeroLine& line) const
+{
+  const auto width = static_cast<std::uint32_t>(field_.geometry().buffer().width);
+  const std::uint32_t a = at.edge / 2;
+  const bool down = at.edge % 2 != 0;
+  const auto x = static_cast<float>(a % width), y = static_cast<float>(a / width);
+  const std::uint32_t nearer = at.share < 0.5f ? a : a + (down ? width : 1);
+  const float strength = at.most < 1.0f ? 0.0f : field_.strength(at, nearer, kind);
+  line.vertices.push_back({down ? x : x + at.share, down ? y + at.share : y, strength});
+}
+
+std::vector<ZeroLine>
+ZeroTracer::lines(int kind, double least_length, int threads) const
+{
+  std::vector<Crossing> crossings;
+  std::vector<Link> links;
+  for (const Band& band : bands_) {
+    const Found& found = band[static_cast<std::size_t>(kind) - 1];
+    crossings.insert(crossings.end(), found.crossings.begin(), found.crossings.end());
+    links.insert(links.end(), found.links.begin(), found.links.end());
+  }
+  NumberedSet edges(2 * field_.geometry().buffer().numPixels());
+  for (const Crossing& crossing : crossings) edges.add(crossing.edge);
+  edges.count();
+  for (Link& link : links) {
+    for (std::uint32_t& joint : link.joint) joint = edges.numberOf(joint);
+  }
+  const std::vector<Chain> chains = joinLinks(links, crossings.size());
   std::vector<ZeroLine> lines(chains.size());
   parallelFor(chains.size(), threads, 8, [&](std::size_t i, int) {
+    const auto& joints = chains[i].joints;
+    if (kLongestLink * static_cast<double>(joints.size() - 1) < least_length) return;
+    const bool reaches = std::any_of(joints.begin(), joints.end(), [&](std::uint32_t joint) {
+      return crossings[joint].most >= kReach;
+    });
+    if (!reaches) return;
     lines[i].closed = chains[i].closed;
-    for (const std::uint32_t edge : chains[i].joints)
-      lines[i].vertices.push_back(grid.vertexOn(edge));
+    for (const std::uint32_t joint : joints) addVertex(crossings[joint], kind, lines[i]);
   });
   return lines;
 }
@@ -95,12 +191,18 @@ keepStretch(const std::vector<LineVertex>& vertices, std::size_t begin, std::siz
   float strongest = 0;
   for (std::size_t i = begin; i < end; ++i) {
     const LineVertex& v = vertices[i];
-    if (i > begin) length += std::hypot(v.x - vertices[i - 1].x, v.y - vertices[i - 1].y);
+    if (i > begin) {
+      const float dx = v.x - vertices[i - 1].x, dy = v.y - vertices[i - 1].y;
+      length += std::sqrt(dx * dx + dy * dy);
+    }
     strongest = std::max(strongest, v.strength);
-    line.points.push_back({v.x, v.y});
-    line.strength.push_back(v.strength);
   }
-  if (strongest >= kReach && length >= least_length) lines.push_back(std::move(line));
+  if (!(strongest >= kReach && length >= least_length)) return;
+  for (std::size_t i = begin; i < end; ++i) {
+    line.points.push_back({vertices[i].x, vertices[i].y});
+    line.strength.push_back(vertices[i].strength);
+  }
+  lines.push_back(std::move(line));
 }
 
 /** A closed line, opened at a vertex that is not kept, if there is one. */
@@ -119,11 +221,11 @@ opened(ZeroLine line)
 }  // namespace
 
 void
-keepStrong(const std::vector<ZeroLine>& zeros, PictureLineKind kind, double least_length,
+keepStrong(std::vector<ZeroLine> zeros, PictureLineKind kind, double least_length,
            std::vector<PictureLine>& lines)
 {
-  for (const ZeroLine& zero : zeros) {
-    const ZeroLine line = opened(zero);
+  for (ZeroLine& zero : zeros) {
+    const ZeroLine line = opened(std::move(zero));
     PictureLine kept;
     kept.kind = kind;
     kept.closed = line.closed;

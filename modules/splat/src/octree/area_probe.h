@@ -2,38 +2,47 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "octree/octree_grid.h"
-#include "octree/point_sample.h"
+#include "octree/point_blocks.h"
 
 namespace pcl_slim::detail {
 
 /** Resolutions that give about as many occupied cells as wanted: a surface's count grows with the
- * square of the resolution, and a coarse grid over some of the places tells the factor. */
+ * square of the resolution, and a coarse grid tells the factor. Neither the order of the points nor
+ * how often one is given changes it. */
 class AreaProbe {
  public:
-  template <typename T>
-  AreaProbe(const octree_grid::Reader<T>& read, const PlaceSample& sample,
-            const octree_grid::Box& box)
+  static OctreeFrame frameOver(const octree_grid::Box& box)
   {
-    std::vector<std::uint64_t> seen((std::size_t{1} << 3 * kBits) / 64, 0);
-    const double scale = kCells / box.longest();
-    for (std::size_t k = 0; k < sample.size(); ++k) {
-      T p[3];
-      read(sample.point(k), p);
-      std::size_t cell = 0;
-      for (std::size_t a = 0; a < 3; ++a) {
-        const double at = (static_cast<double>(p[a]) - box.min[a]) * scale;
-        cell = cell << kBits | static_cast<std::size_t>(std::min(at, kCells - 1.0));
+    return {box.min, kCells / box.longest(), std::nextafter(static_cast<float>(kCells), 0.0f)};
+  }
+
+  /** blocks: in the cells of frameOver(). */
+  template <typename T>
+  explicit AreaProbe(const PointBlocks<T>& blocks)
+  {
+    std::vector<std::atomic<std::uint64_t>> seen((std::size_t{1} << 3 * kBits) / 64);
+    blocks.forEach([&](std::size_t, const PointBlock& block) {
+      for (std::size_t k = 0; k < block.count; ++k) {
+        const auto at = [](float c) { return static_cast<std::uint32_t>(c); };
+        const std::uint32_t cell =
+            (at(block.x[k]) << kBits | at(block.y[k])) << kBits | at(block.z[k]);
+        const std::uint64_t bit = std::uint64_t{1} << cell % 64;
+        std::atomic<std::uint64_t>& word = seen[cell / 64];
+        // Most cells are known already: threads seldom write.
+        if ((word.load(std::memory_order_relaxed) & bit) == 0) {
+          word.fetch_or(bit, std::memory_order_relaxed);
+        }
       }
-      seen[cell / 64] |= std::uint64_t{1} << cell % 64;
-    }
-    for (std::uint64_t word : seen) {
-      for (; word != 0; word &= word - 1) ++occupied_;
+    });
+    for (const auto& word : seen) {
+      for (std::uint64_t bits = word; bits != 0; bits &= bits - 1) ++occupied_;
     }
   }
 

@@ -8,45 +8,44 @@
 #include <cstring>
 #include <vector>
 
-#include "octree/octree_grid.h"
-#include "pcl_slim/core/aligned.h"
+#include "octree/point_blocks.h"
+#include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/splat/octree_cloud.h"
 
 namespace pcl_slim::detail {
 
-/** Orders points that no key tells apart by what they are, and keeps one of those that are equal in
- * place, normal and colour, so that nothing depends on the order in which their owner has them. */
+/** Orders points that the leading bits of keys do not tell apart by their whole keys and then by what
+ * they are, and keeps one of those that are equal in place, normal and colour, so that nothing depends
+ * on the order in which their owner has them. One per thread: it keeps its scratch memory. */
 template <typename T>
 class CanonicalOrder {
  public:
   CanonicalOrder(const CloudView& cloud, const ColorView& colors,
-                 const octree_grid::Reader<T>& read)
-      : cloud_(cloud), colors_(colors), read_(read)
+                 const octree_grid::Reader<T>& read, const PointBlocks<T>& blocks, int depth)
+      : cloud_(cloud), colors_(colors), read_(read), blocks_(blocks), depth_(depth)
   {
   }
 
-  /** keys: ascending; order: the points they are of. Both become those of the points kept. */
-  void apply(AlignedVector<std::uint64_t>& keys, AlignedVector<std::uint32_t>& order)
+  /** Brings n points and their keys into that order, those kept to the front. \return how many */
+  std::size_t arrange(std::uint64_t* keys, std::uint32_t* points, std::size_t n)
   {
-    const auto repeated = std::adjacent_find(keys.begin(), keys.end());
-    std::size_t kept = static_cast<std::size_t>(repeated - keys.begin());
-    for (std::size_t i = kept; i < keys.size();) {
-      std::size_t end = i + 1;
-      while (end < keys.size() && keys[end] == keys[i]) ++end;
-      const std::uint64_t key = keys[i];
-      for (const std::uint32_t point : distinct(order.data() + i, order.data() + end)) {
-        keys[kept] = key;
-        order[kept++] = point;
-      }
-      i = end;
+    entries_.clear();
+    for (std::size_t first = 0; first < n; first += PointBlock::kSize) {
+      addEntries(points + first, std::min(PointBlock::kSize, n - first));
     }
-    keys.resize(kept);
-    order.resize(kept);
+    std::sort(entries_.begin(), entries_.end());
+    entries_.erase(std::unique(entries_.begin(), entries_.end()), entries_.end());
+    for (std::size_t i = 0; i < entries_.size(); ++i) {
+      keys[i] = entries_[i].key;
+      points[i] = entries_[i].point;
+    }
+    return entries_.size();
   }
 
  private:
   /** What tells points apart, in the order in which it is compared; the point comes last. */
   struct Entry {
+    std::uint64_t key;
     std::array<T, 3> place;
     std::array<unsigned char, 3 * sizeof(float) + 3> look;  ///< normal and colour
     std::uint32_t point;
@@ -54,27 +53,23 @@ class CanonicalOrder {
     bool operator==(const Entry& other) const { return place == other.place && look == other.look; }
     bool operator<(const Entry& other) const
     {
+      if (key != other.key) return key < other.key;
       if (place != other.place) return place < other.place;
       return look != other.look ? look < other.look : point < other.point;
     }
   };
 
-  const std::vector<std::uint32_t>& distinct(const std::uint32_t* begin, const std::uint32_t* end)
+  void addEntries(const std::uint32_t* points, std::size_t n)
   {
-    points_.assign(begin, end);
-    if (points_.size() == 1) return points_;
-    entries_.clear();
-    for (const std::uint32_t point : points_) entries_.push_back(entryOf(point));
-    std::sort(entries_.begin(), entries_.end());
-    entries_.erase(std::unique(entries_.begin(), entries_.end()), entries_.end());
-    points_.clear();
-    for (const Entry& entry : entries_) points_.push_back(entry.point);
-    return points_;
+    std::uint64_t keys[PointBlock::kSize];
+    blocks_.fillListed(points, n, block_);
+    splat_kernels::mortonKeys(block_.x, block_.y, block_.z, n, depth_, keys);
+    for (std::size_t k = 0; k < n; ++k) entries_.push_back(entryOf(keys[k], points[k]));
   }
 
-  Entry entryOf(std::uint32_t point) const
+  Entry entryOf(std::uint64_t key, std::uint32_t point) const
   {
-    Entry entry{{}, {}, point};
+    Entry entry{key, {}, {}, point};
     read_(point, entry.place.data());
     const std::size_t input = cloud_.inputIndex(point);
     if (cloud_.normal != nullptr) {
@@ -92,8 +87,10 @@ class CanonicalOrder {
   const CloudView& cloud_;
   const ColorView& colors_;
   const octree_grid::Reader<T>& read_;
+  const PointBlocks<T>& blocks_;
+  int depth_;
+  PointBlock block_;
   std::vector<Entry> entries_;
-  std::vector<std::uint32_t> points_;
 };
 
 }  // namespace pcl_slim::detail

@@ -5,17 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "octree/area_probe.h"
 #include "octree/canonical_order.h"
+#include "octree/key_order.h"
 #include "octree/octree_grid.h"
 #include "octree/point_blocks.h"
-#include "octree/point_sample.h"
-#include "pcl_slim/cloud/morton_sort.h"
-#include "pcl_slim/core/parallel.h"
 #include "pcl_slim/splat/octree_cloud.h"
-#include "points/splat_kernels.h"
 
 namespace pcl_slim::detail {
 
@@ -47,12 +45,29 @@ class OctreeCloudBuilder {
     const octree_grid::Box box = octree_grid::measure(read, view_.count(), threads_, first_);
     if (Error error = checkBox(box)) return error;
     out_.num_non_finite_ = view_.count() - box.finite;
-    chooseGrid(read, box, grid);
-    sort(PointBlocks<T>(read, view_.count(), out_.frame_, first_, threads_));
-    CanonicalOrder<T>(view_, colors_, read).apply(out_.keys_, out_.order_);
+    const bool one_place = !(box.longest() > 0.0);
+    std::optional<AreaProbe> area;
+    if (!one_place && grid.resolution == 0) {
+      area.emplace(blocksIn(AreaProbe::frameOver(box), read));
+    }
+    const int first = resolutionOf(grid, area, box.finite);
+    chooseGrid(box, first);
+    sort(read);
+    // Repeated points are known by now: the grid is that of the others.
+    const int resolution = resolutionOf(grid, area, out_.order_.size());
+    if (resolution != first) {
+      chooseGrid(box, resolution);
+      sort(read);
+    }
     out_.num_duplicates_ = box.finite - out_.order_.size();
     findRoots();
     return {};
+  }
+
+  template <typename T>
+  PointBlocks<T> blocksIn(const OctreeFrame& frame, const octree_grid::Reader<T>& read) const
+  {
+    return {read, view_.count(), frame, first_, threads_};
   }
 
   static Error checkBox(const octree_grid::Box& box)
@@ -78,13 +93,19 @@ class OctreeCloudBuilder {
     return bits;
   }
 
-  template <typename T>
-  void chooseGrid(const octree_grid::Reader<T>& read, const octree_grid::Box& box,
-                  const RootGrid& grid)
+  /** For so many different points; without an area for a grid that is given or has one cell. */
+  static int resolutionOf(const RootGrid& grid, const std::optional<AreaProbe>& area,
+                          std::size_t points)
+  {
+    if (!area) return std::clamp(grid.resolution, 1, RootGrid::kMaxResolution);
+    if (!(grid.points_per_root > 0)) return area->resolutionFor(grid.occupied);
+    return area->resolutionFor(static_cast<double>(points) / grid.points_per_root);
+  }
+
+  void chooseGrid(const octree_grid::Box& box, int resolution)
   {
     const double longest = box.longest();
-    out_.resolution_ = 1;
-    if (longest > 0.0) out_.resolution_ = resolutionOf(read, box, grid);
+    out_.resolution_ = longest > 0.0 ? resolution : 1;
     out_.cell_ = longest / out_.resolution_;
     out_.depth_ = OctreeCloud::kBits - bitsOf(static_cast<std::uint64_t>(out_.resolution_ - 1));
     out_.frame_.origin = box.min;
@@ -93,31 +114,11 @@ class OctreeCloudBuilder {
   }
 
   template <typename T>
-  int resolutionOf(const octree_grid::Reader<T>& read, const octree_grid::Box& box,
-                   const RootGrid& grid) const
+  void sort(const octree_grid::Reader<T>& read)
   {
-    if (grid.resolution > 0) return std::min(grid.resolution, RootGrid::kMaxResolution);
-    const PlaceSample sample(read, view_.count(), box.finite, threads_);
-    const double wanted =
-        grid.points_per_root > 0 ? sample.distinct() / grid.points_per_root : grid.occupied;
-    return AreaProbe(read, sample, box).resolutionFor(wanted);
-  }
-
-  /** Sorts all points by their keys, those of one key in their owner's order. */
-  template <typename T>
-  void sort(const PointBlocks<T>& blocks)
-  {
-    AlignedVector<std::uint32_t> points(first_.back());
-    out_.keys_.resize(first_.back());
-    blocks.forEach([&](std::size_t place, const PointBlock& block) {
-      std::uint64_t keys[PointBlock::kSize];
-      splat_kernels::mortonKeys(block.x, block.y, block.z, PointBlock::kSize, out_.depth_, keys);
-      std::copy_n(keys, block.count, out_.keys_.data() + place);
-      std::copy_n(block.index, block.count, points.data() + place);
-    });
-    sortByKey(out_.keys_, out_.order_, threads_);
-    parallelFor(points.size(), threads_, octree_grid::kSlice,
-                [&](std::size_t i, int) { out_.order_[i] = points[out_.order_[i]]; });
+    const PointBlocks<T> blocks = blocksIn(out_.frame_, read);
+    KeyOrder<T>(blocks, view_.count(), out_.depth_, threads_)
+        .run(CanonicalOrder<T>(view_, colors_, read, blocks, out_.depth_), out_.keys_, out_.order_);
   }
 
   void findRoots()

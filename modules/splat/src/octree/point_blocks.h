@@ -34,6 +34,9 @@ class PointBlocks {
   {
   }
 
+  /** How many points are finite. */
+  std::size_t count() const { return first_.back(); }
+
   /** Runs body(place, block) for all blocks; place: finite points before them. */
   template <typename Body>
   void forEach(const Body& body) const
@@ -48,6 +51,17 @@ class PointBlocks {
                                   place += block.count;
                                 }
                               });
+  }
+
+  /** Some points of a list, at most as many as a block holds. */
+  void fillListed(const std::uint32_t* points, std::size_t count, PointBlock& block) const
+  {
+    for (std::size_t k = 0; k < count; ++k) {
+      T p[3];
+      read_(points[k], p);
+      put(p, points[k], k, block);
+    }
+    finish(count, block);
   }
 
  private:
@@ -86,14 +100,26 @@ class PointBlocks {
       T p[3];
       read_(i, p);
       if (!kAllFinite && !octree_grid::isFinite(p)) continue;
-      float q[3] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
-      if constexpr (std::is_same_v<T, double>) frame_.position(p, q);
-      block.x[k] = q[0], block.y[k] = q[1], block.z[k] = q[2];
-      block.index[k++] = static_cast<std::uint32_t>(i);
+      put(p, static_cast<std::uint32_t>(i), k++, block);
     }
-    block.count = k;
+    finish(k, block);
+  }
+
+  void put(const T p[3], std::uint32_t index, std::size_t k, PointBlock& block) const
+  {
+    float q[3] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+    if constexpr (std::is_same_v<T, double>) frame_.position(p, q);
+    block.x[k] = q[0], block.y[k] = q[1], block.z[k] = q[2];
+    block.index[k] = index;
+  }
+
+  void finish(std::size_t count, PointBlock& block) const
+  {
+    constexpr std::size_t kWhole = 16;  // points of the widest vectors
+    block.count = count;
     if constexpr (std::is_same_v<T, float>) {
-      splat_kernels::toCells(frame_, block.x, block.y, block.z, PointBlock::kSize);
+      const std::size_t n = (count + kWhole - 1) / kWhole * kWhole;
+      splat_kernels::toCells(frame_, block.x, block.y, block.z, n);
     }
   }
 

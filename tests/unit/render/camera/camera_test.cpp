@@ -85,6 +85,18 @@ TEST(FitCamera, OneStrayLeafDoesNotShrinkTheObject)
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(before.position[k], after.position[k], 0.02);
 }
 
+// Of two spheres none is a stray, on whichever axes they lie apart.
+TEST(FitCamera, TwoSpheresAreBothFramed)
+{
+  BoundingSpheres object;
+  object.scale = 1e-38;
+  object.spheres = {{{0.0f, 0.01f, 0.0f}, 0.2f, {0.0f, 0.0f, 1.0f}},
+                    {{0.0f, 0.0f, 0.01f}, 0.2f, {0.0f, 0.0f, 1.0f}}};
+  const Camera camera = fitCamera(object, viewFromAngles(UpAxis::kZ, 20.0, 30.0), {160, 120});
+  EXPECT_LT(std::abs(camera.position[0]), 1e-36);
+  EXPECT_FALSE(camera.validate());
+}
+
 TEST(FitCamera, APieceApartIsNotFramedButLargeOnesAre)
 {
   const SLIMSurface sphere = sphereSurface(4, 0.25, 600, 0.07);

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "lines/numbered_set.h"
+
 namespace pcl_slim::detail {
 namespace {
 
@@ -49,6 +51,15 @@ TEST(Chains, ShortPiecesBetweenJunctionsOfALongLineStay)
   }
   // All of it hangs together, and is too short for this.
   for (const std::uint8_t flag : longEnough(chains, 14, 40.0)) EXPECT_EQ(flag, 0);
+}
+
+TEST(Chains, MembersOfASetAreNumberedInOrder)
+{
+  NumberedSet set(1000);
+  const Joints members{0, 1, 63, 64, 65, 127, 500, 999};
+  for (const std::uint32_t i : {500u, 0u, 999u, 64u, 1u, 127u, 63u, 65u, 500u}) set.add(i);
+  ASSERT_EQ(set.count(), members.size());
+  for (std::uint32_t i = 0; i < members.size(); ++i) EXPECT_EQ(set.numberOf(members[i]), i);
 }
 
 TEST(Chains, NothingMakesNothing)

@@ -65,9 +65,12 @@ TEST(PictureLines, ContourOfASphereIsItsSilhouette)
 }
 
 /** Exact crest lines as the camera sees them, and how far a found one is from the nearest. */
-TEST(PictureLines, CrestLinesLieOnExactOnes)
+void
+expectExactCrestLines(Camera::Projection projection)
 {
-  ExactView view("ellipsoid");
+  ExactView view("ellipsoid", 233, 200);
+  view.camera.projection = projection;
+  view.camera.view_height = 2.4;
   view.render();
   PictureLineParams params;
   params.crest = true;
@@ -97,6 +100,12 @@ TEST(PictureLines, CrestLinesLieOnExactOnes)
   EXPECT_LE(far, all / 100) << "of " << all;
 }
 
+TEST(PictureLines, CrestLinesLieOnExactOnes)
+{
+  expectExactCrestLines(Camera::Projection::kPerspective);
+  expectExactCrestLines(Camera::Projection::kOrthographic);
+}
+
 /** Radial curvature by the exact Hessian at the place a pixel's ray meets. */
 double
 radialCurvature(const ExactView& view, const std::array<float, 2>& place)
@@ -112,9 +121,12 @@ radialCurvature(const ExactView& view, const std::array<float, 2>& place)
   return dot(w, multiplied(jet.h, w)) / length(jet.g);
 }
 
-TEST(PictureLines, SuggestiveContoursAreZerosOfRadialCurvature)
+void
+expectZerosOfRadialCurvature(Camera::Projection projection)
 {
   ExactView view("bumpy", 300, 250);
+  view.camera.projection = projection;
+  view.camera.view_height = 2.4;
   view.render();
   PictureLineParams params;
   params.suggestive = true;
@@ -127,6 +139,12 @@ TEST(PictureLines, SuggestiveContoursAreZerosOfRadialCurvature)
   }
   // Curvatures of the surface reach 8; half a pixel beside a zero they reach a twentieth of that.
   EXPECT_LT(largest, 0.4);
+}
+
+TEST(PictureLines, SuggestiveContoursAreZerosOfRadialCurvature)
+{
+  expectZerosOfRadialCurvature(Camera::Projection::kPerspective);
+  expectZerosOfRadialCurvature(Camera::Projection::kOrthographic);
 }
 
 TEST(PictureLines, NoiseThatExplainsCurvatureHidesLines)

@@ -42,7 +42,7 @@ struct ProbeSample {
   bool supported = false;  ///< false: no leaf serves the place, and nothing else here counts
   Vector3 position{};      ///< on the surface
   Vector3 normal{};        ///< unit
-  PrincipalFrame frame;    ///< k1 and k2 always; directions and extremalities where asked for
+  PrincipalFrame frame;    ///< k1 and k2; directions and extremalities where asked for
 };
 
 /** \brief How far leaves reach and how many points stand behind them at a place: both blended with the
@@ -58,6 +58,7 @@ struct ProbeRequest {
   std::size_t count = 0;               ///< at most SurfaceProbe::kMost
   std::size_t with_directions = 0;     ///< so many of the first positions get directions
   bool extremality = false;            ///< and their extremalities too
+  bool curvature = true;               ///< false: positions and normals only
   Vector3 side{};  ///< leaves that face away from it do not count; zero: all count
 };
 
@@ -92,7 +93,6 @@ class SurfaceProbe {
  private:
   struct Scratch;
   void cover(const Vector3& low, const Vector3& high);
-  void gatherNear(const Vector3& low, const Vector3& high);
   void load(const ProbeRequest& request);
   void finish(const ProbeRequest& request, const detail::BlockMeans& means, std::size_t i,
               ProbeSample& sample) const;

@@ -60,7 +60,7 @@ struct OctreeFrame {
  *
  * Points equal in place, normal and colour count once. Points that no key tells apart are ordered by
  * place, normal and colour, so that nothing depends on the order in which the owner has them. O(N)
- * time, 12 bytes a point and 16 a root; 24 bytes a point more while it is built. Same input, same
+ * time, 12 bytes a point and 16 a root; 8 bytes a point more while it is built. Same input, same
  * order, for any number of threads.
  */
 class OctreeCloud {
@@ -83,7 +83,7 @@ class OctreeCloud {
   std::uint32_t order(std::size_t i) const { return order_[i]; }
 
   /** \brief Ascending Morton codes; their bits from 3 shift on tell cells 2^shift times the smallest
-   * apart. */
+   * apart. Below the bits that tell a point from all others they are 0. */
   const std::uint64_t* keys() const { return keys_.data(); }
 
   std::size_t numRoots() const { return roots_.size() - 1; }
