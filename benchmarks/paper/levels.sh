@@ -13,7 +13,7 @@ render() { "$bin/pcl_slim_render" "$work/dragon.slim" -size 600x480 -white 1 -qu
 "$bin/pcl_slim_fit" "$data/stanford_dragon_res2.ply" "$work/dragon.slim" -degree 2 -paper 1 -t_mdl 0.01 -quiet 1
 render "$work/whole.png" -save_camera "$work/near.txt"
 parts=()
-for detail in 0 4; do
+for detail in 0 1; do
   for far in 1 4 12; do
     # The camera steps back from what it looks at; the middle of its picture is shown as large.
     awk -F, -v far=$far '{

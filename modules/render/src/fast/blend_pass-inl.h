@@ -52,8 +52,8 @@ isNearest(const RayPolynomials<D>& taylor, Vec t)
  * taylor is F about q^. */
 template <int D>
 HWY_NOINLINE void
-isolateNear(const PassContext& context, const LeafRays& rays, const RayPolynomials<D>& taylor,
-            Vec hat, Vec near_sigma, Mask rest, NearRoots& near)
+isolateNear(const PassContext& context, const LeafRays& rays, RayPolynomials<D> taylor, Vec hat,
+            Vec near_sigma, Mask rest, NearRoots& near)
 {
   constexpr float kNearer = 0.999f;  // of the way to a known root
   Vec low, high;
