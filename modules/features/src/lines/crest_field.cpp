@@ -182,7 +182,6 @@ CrestField::findProminence(CrestVertex* vertices, std::size_t count)
     for (std::size_t side = 2 * i; side < 2 * i + 2; ++side) {
       if (!near[side].supported) {
         beside = v.k;  // a border: nothing is known of that side
-        any = true;
         break;
       }
       const double k = kOf(far[side].supported ? far[side] : near[side], v.normal);

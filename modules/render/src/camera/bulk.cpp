@@ -174,7 +174,7 @@ std::vector<BoundingSphere>
 bulkOf(const std::vector<BoundingSphere>& spheres)
 {
   if (spheres.empty()) return {};
-  const std::vector<BoundingSphere> inside = withinExtent(spheres);
+  std::vector<BoundingSphere> inside = withinExtent(spheres);
   double total = 0.0;
   for (const BoundingSphere& sphere : inside) total += areaOf(sphere);
   if (inside.empty()) return inside;

@@ -31,8 +31,9 @@ blockAt(const PassContext& context, int x, int y)
   const TileBlocks& tile = context.tile;
   HWY_ALIGN float dx[16], dy[16];
   for (int i = 0; i < kLanes; ++i) {
+    const int row = i / kBlockWidth;
     dx[i] = static_cast<float>(x + i % kBlockWidth);
-    dy[i] = static_cast<float>(y + i / kBlockWidth);
+    dy[i] = static_cast<float>(y + row);
   }
   Block block;
   block.dx = load(dx);

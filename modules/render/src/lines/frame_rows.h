@@ -19,9 +19,10 @@ struct PictureRow {
 
 /** \brief What a row's blends tell of the surface's bending; columns per pixel, padded to sixteen. */
 struct FrameRow {
-  AlignedVector<float> k;             ///< a curvature, 1/local length
-  AlignedVector<float> direction[3];  ///< its unit tangent; the sign is arbitrary
-  AlignedVector<float> screen[2];     ///< the tangent in the picture, pixels per local length
+  AlignedVector<float> k;                         ///< a curvature, 1/local length
+  std::array<AlignedVector<float>, 3> direction;  ///< its unit tangent; the sign is arbitrary
+  std::array<AlignedVector<float>, 2>
+      screen;  ///< the tangent in the picture, pixels per local length
 
   explicit FrameRow(int width);
 };

@@ -65,7 +65,8 @@ class PixelGeometry {
                       float& before, float& behind) const
   {
     const auto width = static_cast<std::size_t>(buffer_.width);
-    const auto x = static_cast<float>(pixel % width), y = static_cast<float>(pixel / width);
+    const std::size_t row = pixel / width;
+    const auto x = static_cast<float>(pixel % width), y = static_cast<float>(row);
     const float dx = distance * screen[0], dy = distance * screen[1];
     const float depth = buffer_.depth[pixel];
     return sample(x + dx, y + dy, depth, read, before) &&

@@ -143,7 +143,8 @@ ZeroTracer::addVertex(const Crossing& at, int kind, ZeroLine& line) const
   const auto width = static_cast<std::uint32_t>(field_.geometry().buffer().width);
   const std::uint32_t a = at.edge / 2;
   const bool down = at.edge % 2 != 0;
-  const auto x = static_cast<float>(a % width), y = static_cast<float>(a / width);
+  const std::uint32_t row = a / width;
+  const auto x = static_cast<float>(a % width), y = static_cast<float>(row);
   const std::uint32_t nearer = at.share < 0.5f ? a : a + (down ? width : 1);
   const float strength = at.most < 1.0f ? 0.0f : field_.strength(at, nearer, kind);
   line.vertices.push_back({down ? x : x + at.share, down ? y + at.share : y, strength});
