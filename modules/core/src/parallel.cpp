@@ -9,11 +9,38 @@
 #include <optional>
 #include <thread>
 
+#ifdef __SANITIZE_THREAD__
+extern "C" {
+void
+__tsan_acquire(void* address);
+void
+__tsan_release(void* address);
+}
+#endif
+
 namespace pcl_slim {
 
 namespace {
 
 thread_local bool in_loop = false;  ///< a body of a loop runs on this thread
+
+/** Tell the thread sanitizer how oneTBB, which is built without it, orders a loop's threads: the caller
+ * before all shares, and those before what follows the loop. */
+void
+handOver([[maybe_unused]] void* loop)
+{
+#ifdef __SANITIZE_THREAD__
+  __tsan_release(loop);
+#endif
+}
+
+void
+takeOver([[maybe_unused]] void* loop)
+{
+#ifdef __SANITIZE_THREAD__
+  __tsan_acquire(loop);
+#endif
+}
 
 /** A place of at least so many threads in oneTBB's pool, which all callers share. Each calling
  * thread keeps its own: a fit is some hundred short loops, and helpers that still look out for work
@@ -60,12 +87,17 @@ runOnTeam(int threads, void (*work)(void*, int), void* context)
 {
   const int shares = in_loop ? 1 : granted(threads);
   if (shares <= 1) return work(context, 0);
-  const auto run = [work, context](int share) {
+  char begin = 0, end = 0;  // addresses that stand for the loop's two ends
+  const auto run = [work, context, from = &begin, to = &end](int share) {
+    takeOver(from);
     in_loop = true;
     work(context, share);
     in_loop = false;
+    handOver(to);
   };
+  handOver(&begin);
   arenaOf(shares).execute([&] { tbb::parallel_for(0, shares, run, tbb::simple_partitioner()); });
+  takeOver(&end);
 }
 
 }  // namespace internal
