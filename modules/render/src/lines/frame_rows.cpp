@@ -175,8 +175,10 @@ putNothing(int first, FrameRow& frames)
   for (auto& column : frames.screen) hn::Store(hn::Zero(d), d, column.data() + first);
 }
 
-void
-crestFrames(const PictureRow& row, FrameRow& frames)
+/** Runs body(pixels, first) for the vectors of a row that show anything. */
+template <typename Body>
+HWY_INLINE void
+forShown(const PictureRow& row, FrameRow& frames, const Body& body)
 {
   const Tag d;
   for (int first = 0; first < row.width; first += static_cast<int>(hn::Lanes(d))) {
@@ -186,6 +188,14 @@ crestFrames(const PictureRow& row, FrameRow& frames)
       continue;
     }
     pixels.load();
+    body(pixels, first);
+  }
+}
+
+void
+crestFrames(const PictureRow& row, FrameRow& frames)
+{
+  forShown(row, frames, [&](const Pixels& pixels, int first) HWY_ATTR {
     const Mask usable = hn::And(pixels.covered, hn::And(hn::Gt(pixels.length, set(0.0f)),
                                                         hn::Ge(pixels.facing, set(kLeastFacing))));
     Lanes3 a, b;
@@ -199,20 +209,13 @@ crestFrames(const PictureRow& row, FrameRow& frames)
     const Vec c = hn::IfThenElse(bulges, found.cosine, hn::Neg(found.sine));
     const Vec s = hn::IfThenElse(bulges, found.sine, found.cosine);
     pixels.put(hn::IfThenElseZero(usable, k), along(scaled(a, c), s, b), usable, first, frames);
-  }
+  });
 }
 
 void
 radialFrames(const PictureRow& row, FrameRow& frames)
 {
-  const Tag d;
-  for (int first = 0; first < row.width; first += static_cast<int>(hn::Lanes(d))) {
-    Pixels pixels(row, first);
-    if (hn::AllFalse(d, pixels.covered)) {
-      putNothing(first, frames);
-      continue;
-    }
-    pixels.load();
+  forShown(row, frames, [&](const Pixels& pixels, int first) HWY_ATTR {
     const Lanes3 back = scaled(pixels.ray, set(-1.0f));
     const Lanes3 w = along(back, hn::Neg(pixels.facing), pixels.normal);
     const Vec w_length = hn::Sqrt(dot(w, w));
@@ -224,7 +227,7 @@ radialFrames(const PictureRow& row, FrameRow& frames)
     const Mask shown = hn::And(usable, hn::And(hn::Ge(pixels.facing, set(kContourFacing)),
                                                hn::Ge(w_length, set(kLeastRadial))));
     pixels.put(hn::IfThenElseZero(usable, k), unit, shown, first, frames);
-  }
+  });
 }
 
 }  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE
