@@ -120,11 +120,10 @@ parseScalar(const char* begin, const char* end, std::uint8_t type, std::uint8_t*
 std::string
 formatScalar(double value)
 {
-  char text[40];
-  std::snprintf(text, sizeof(text), "%.17g", value);
-  for (char& c : text) {
-    if (c == ',') c = '.';
-  }
+  char buffer[40];
+  std::snprintf(buffer, sizeof(buffer), "%.17g", value);
+  std::string text = buffer;
+  std::replace(text.begin(), text.end(), ',', '.');  // some locales write commas
   return text;
 }
 
