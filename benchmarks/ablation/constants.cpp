@@ -54,13 +54,11 @@ addNoise(Changes& all)
   PCL_SLIM_SCALED(noise.patch_points);
   PCL_SLIM_SCALED(noise.samples);
   PCL_SLIM_SCALED(noise.least_samples);
-  PCL_SLIM_SCALED(noise.scouts);
   PCL_SLIM_SCALED(noise.trim);
   PCL_SLIM_SCALED(noise.patch_noise);
   PCL_SLIM_SCALED(noise.filled_patch);
   PCL_SLIM_SCALED(noise.relief);
   PCL_SLIM_SCALED(noise.bias_growth);
-  PCL_SLIM_SCALED(noise.least_share);
   PCL_SLIM_SCALED(noise.floor);
   PCL_SLIM_SCALED(noise.points_per_run);
   PCL_SLIM_SCALED(noise.window);
@@ -138,9 +136,7 @@ addSupport(Changes& all)
   PCL_SLIM_MARGIN(radius.support_aim);
   PCL_SLIM_MARGIN(radius.support_lenience);
   PCL_SLIM_SCALED(radius.scattered_ratio);
-  PCL_SLIM_SCALED(radius.refit_support);
   PCL_SLIM_SCALED(radius.robust_scale);
-  PCL_SLIM_SCALED(radius.robust_residual);
 }
 
 void

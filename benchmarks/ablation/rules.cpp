@@ -48,8 +48,6 @@ radiusRules()
       {"degree at features", "off", [](FitConstants& c) { c.radius.feature_height = kInfinite; }},
       {"feature noise", "off", [](FitConstants& c) { c.radius.feature_noise = 0; }},
       {"feature steps", "one", [](FitConstants& c) { c.radius.feature_steps = 1; }},
-      {"refit support", "whole", [](FitConstants& c) { c.radius.refit_support = 1; }},
-      {"robust residual", "off", [](FitConstants& c) { c.radius.robust_residual = 0; }},
       {"second robust pass", "off", [](FitConstants& c) { c.radius.robust_passes = 1; }},
   };
 }
@@ -74,13 +72,11 @@ std::vector<Change>
 noiseRules()
 {
   return {
-      {"scouts", "off", [](FitConstants& c) { c.noise.scouts = c.noise.samples; }},
       {"wider patches", "off",
        [](FitConstants& c) { c.noise.most_part = std::numeric_limits<std::size_t>::max(); }},
       {"filled patch", "off", [](FitConstants& c) { c.noise.filled_patch = 0; }},
       {"relief", "off", [](FitConstants& c) { c.noise.relief = kInfinite; }},
       {"bias of cubics", "off", [](FitConstants& c) { c.noise.bias_growth = 1e300; }},
-      {"least share", "off", [](FitConstants& c) { c.noise.least_share = 0; }},
       {"trim", "off", [](FitConstants& c) { c.noise.trim = 0; }},
       {"floor", "off", [](FitConstants& c) { c.noise.floor = 1e-30; }},
       {"sheets of patches", "off", [](FitConstants& c) { c.noise.sheets.passes = 0; }},

@@ -172,6 +172,19 @@ TEST(FitModes, RobustFitsBearOutliers)
   }
 }
 
+TEST(FitModes, RobustFitsOfCleanPointsLoseNothing)
+{
+  for (const Shape shape : {Shape::kBumpy, Shape::kTorus}) {
+    const Cloud cloud = sceneCloud(shape, 12000, 0.0);
+    FitParams params;
+    const auto plain = errorsOf(shape, fitted(cloud, params));
+    params.robust = true;
+    const auto robust = errorsOf(shape, fitted(cloud, params));
+    EXPECT_LT(robust.position, 1.1 * plain.position);
+    EXPECT_LT(robust.normal, 1.1 * plain.normal);
+  }
+}
+
 TEST(FitModes, LocalNoiseSparesCleanParts)
 {
   // A waved sheet whose noise grows twentyfold from left to right.

@@ -16,9 +16,11 @@ namespace {
 
 /** The noise of patches of k points: their trimmed mean variance and median radius. */
 NoiseLevel
-patchLevel(const PointStore& store, std::size_t k, std::size_t samples,
-           const NoiseConstants& constants, int threads)
+patchLevel(const PointStore& store, std::size_t k, const NoiseConstants& constants, int threads)
 {
+  // Larger patches average more points each, so fewer of them are needed.
+  const std::size_t samples =
+      std::max(constants.least_samples, constants.samples * constants.first_neighbors / k);
   std::vector<double> radii(std::min(samples, store.size()));
   const auto measure = [&](NeighborSearch& search, std::size_t sample, std::size_t s) {
     return patchVariance(store, search, sample, k, constants, radii[s]);
@@ -29,29 +31,6 @@ patchLevel(const PointStore& store, std::size_t k, std::size_t samples,
   return {trimmedMean(values, constants.trim), *median, k, k, radii.size()};
 }
 
-NoiseLevel
-patchLevel(const PointStore& store, std::size_t k, const NoiseConstants& constants, int threads)
-{
-  // Larger patches average more points each, so fewer of them are needed.
-  const std::size_t samples =
-      std::max(constants.least_samples, constants.samples * constants.first_neighbors / k);
-  return patchLevel(store, k, samples, constants, threads);
-}
-
-/** The first number of neighbours whose patches are not plainly full of noise. */
-std::size_t
-leastNeighbors(const PointStore& store, std::size_t most, const NoiseConstants& constants,
-               int threads, std::size_t& patches)
-{
-  std::size_t k = constants.first_neighbors;
-  for (; 2 * k <= most; k *= 2) {
-    const NoiseLevel noise = patchLevel(store, k, constants.scouts, constants, threads);
-    patches += noise.patches;
-    if (std::sqrt(noise.variance) < constants.filled_patch * noise.patch_radius) break;
-  }
-  return k;
-}
-
 /** Takes the cubic's bias off, which a patch of twice as many points tells, and puts back what the
  * patch's end cuts off. */
 double
@@ -59,8 +38,7 @@ unbiasedVariance(const NoiseLevel& noise, const NoiseLevel& wider, const NoiseCo
 {
   const double growth = constants.bias_growth;
   const double bias_free = (growth * noise.variance - wider.variance) / (growth - 1);
-  const double variance =
-      std::clamp(bias_free, constants.least_share * noise.variance, noise.variance);
+  const double variance = std::clamp(bias_free, 0.0, noise.variance);
   // A patch that ends at R cuts heights off: it sees s^2 (1 - 2 s^2 / R^2) of a variance s^2.
   return variance * (1.0 + 2.0 * variance / (noise.patch_radius * noise.patch_radius));
 }
@@ -73,18 +51,18 @@ measureNoise(const PointStore& store, const NoiseConstants& constants, int threa
   if (store.size() < kCubicTerms + 2) return {};
   threads = resolveThreads(threads);
   const std::size_t most = store.size() / constants.most_part + constants.first_neighbors;
-  std::size_t patches = 0;
-  const std::size_t least = leastNeighbors(store, most, constants, threads, patches);
-  NoiseLevel noise = patchLevel(store, least, constants, threads);
-  patches += noise.patches;
-  for (std::size_t k = 2 * least; k <= most; k *= 2) {
+  NoiseLevel noise = patchLevel(store, constants.first_neighbors, constants, threads);
+  std::size_t least = 0, patches = noise.patches;
+  for (std::size_t k = 2 * constants.first_neighbors; k <= most; k *= 2) {
     const NoiseLevel wider = patchLevel(store, k, constants, threads);
     patches += wider.patches;
     const double share = std::sqrt(noise.variance) / noise.patch_radius;
+    const bool filled = share >= constants.filled_patch;
+    if (!filled && least == 0) least = noise.neighbors;
     // Noise that no longer fills the patch loses in share as the patch widens; relief keeps its
     // own.
-    const bool relief = share < constants.filled_patch &&
-                        std::sqrt(wider.variance) > constants.relief * share * wider.patch_radius;
+    const bool relief =
+        !filled && std::sqrt(wider.variance) > constants.relief * share * wider.patch_radius;
     if (share < constants.patch_noise || relief) {
       noise.variance = unbiasedVariance(noise, wider, constants);
       break;
@@ -93,7 +71,7 @@ measureNoise(const PointStore& store, const NoiseConstants& constants, int threa
   }
   const double floor = constants.floor * store.diagonal();
   noise.variance = std::max(noise.variance, floor * floor);
-  noise.least_neighbors = least;
+  noise.least_neighbors = least > 0 ? least : noise.neighbors;
   noise.patches = patches;
   return noise;
 }

@@ -35,7 +35,7 @@ FinalFit::fitRobustly(WeightKernel kernel, Trial& trial)
   trial.fit.residual_sq = std::max(trial.fit.residual_sq, spread_sq);
 }
 
-/** Cauchy-like weights; their scale is the noise, or the fit where that is worse. */
+/** Cauchy-like weights; their scale is the noise. */
 void
 FinalFit::setRobustWeights(const LocalFit& fit)
 {
@@ -43,9 +43,8 @@ FinalFit::setRobustWeights(const LocalFit& fit)
   const double unit = trials_.samples().gatherRadius();
   residuals_.resize(robust_.count + BallBuffer::kPadding);
   kernels::ballResiduals(robust_, fit, residuals_.data());
-  const double noise_sq = trials_.noise() / (unit * unit);
-  const double scale_sq = constants.robust_scale * constants.robust_scale *
-                          std::max(noise_sq, constants.robust_residual * fit.residual_sq);
+  const double scale_sq =
+      constants.robust_scale * constants.robust_scale * trials_.noise() / (unit * unit);
   robust_.prior.assign(robust_.u.size(), 1.0f);
   for (std::size_t i = 0; i < robust_.count && scale_sq > 0; ++i) {
     const double q = 1.0 / (1.0 + residuals_[i] * residuals_[i] / scale_sq);

@@ -61,10 +61,8 @@ struct RadiusConstants {
   double feature_gain = 0.9;     ///< ratio of expected errors that the lower degree must reach
 
   // "Guards", The fit that is kept, and outliers.
-  double refit_support = 0.5;     ///< ratio of the least support; all of it settled the degree
-  int robust_passes = 2;          ///< number of fits with robust weights
-  double robust_scale = 2.5;      ///< scale of the weights in deviations of noise or residual
-  double robust_residual = 0.25;  ///< share of e^2 that stands for the noise where that is less
+  int robust_passes = 2;      ///< number of fits with robust weights
+  double robust_scale = 2.5;  ///< scale of the weights in deviations of the noise
 };
 
 }  // namespace pcl_slim::detail

@@ -86,10 +86,8 @@ bool
 TrialFits::refit(const BallBuffer& points, WeightKernel kernel, Trial& trial)
 {
   ++counts_.fits;
-  // The degree was settled with the full support; rounding must not undo it here.
-  const double support = constants().refit_support * settings_.support;
   const LocalFit fit = kernels::fitBall(points, trial.fit.degree, static_cast<float>(trial.rho),
-                                        kernel, support, true);
+                                        kernel, settings_.support, true);
   if (fit.degree != trial.fit.degree) {
     ++counts_.fell_by_pivot;
     return false;

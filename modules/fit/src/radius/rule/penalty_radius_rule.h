@@ -24,8 +24,6 @@ class PenaltyRadiusRule : public RadiusRule {
   /** \brief E at all radii, or lack of fit, speaks for smaller ones by more than chance can. */
   bool surelyInternal() override;
 
-  /** \brief The radius chosen, or less where it would reach far past its points. */
-
  private:
   RadiusChoice chooseByEnergy();
   RadiusChoice chooseInside(const Trial& left, const Trial& middle, const Trial& right);

@@ -58,7 +58,6 @@ struct NoiseConstants {
   std::size_t patch_points = 320;    ///< points looked at in a patch; larger patches are sampled
   std::size_t samples = 500;         ///< patches of the smallest size
   std::size_t least_samples = 100;   ///< patches of a large size
-  std::size_t scouts = 25;           ///< patches that tell whether noise fills them
   double trim = 0.1;                 ///< share of patches left out at either end of a trimmed mean
   double patch_noise = 0.2;    ///< sqrt(lambda) over the patch's radius above which noise fills it
   double filled_patch = 0.25;  ///< the same ratio, below which noise plainly does not fill a patch
@@ -66,8 +65,7 @@ struct NoiseConstants {
   double relief = 0.9;
   /// A cubic's squared bias grows by this when the number of points doubles (radius to the eighth).
   double bias_growth = 16.0;
-  double least_share = 1e-4;  ///< share of the residual variance that always counts as noise
-  double floor = 1e-11;       ///< least sqrt(lambda) [L]: float positions resolve no less
+  double floor = 1e-11;  ///< least sqrt(lambda) [L]: float positions resolve no less
 
   std::size_t paper_samples = 1000;  ///< neighbourhoods of the paper's estimate
   std::size_t paper_neighbors = 10;  ///< neighbours of each, the sample left out
