@@ -37,4 +37,6 @@ if(PCL_SLIM_SANITIZE)
   add_compile_options(-fsanitize=${PCL_SLIM_SANITIZE} -fno-omit-frame-pointer
     -fno-sanitize-recover=all)
   add_link_options(-fsanitize=${PCL_SLIM_SANITIZE})
+  # GCC's address sanitizer makes Eigen align memory by itself, which PCL's libraries then free() wrongly.
+  add_compile_definitions(EIGEN_MALLOC_ALREADY_ALIGNED=1)
 endif()

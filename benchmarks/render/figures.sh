@@ -38,8 +38,8 @@ sheet() {
     parts+=(-label "$1" "$work/$2.png")
     shift 2
   done
-  montage -font "$font" -pointsize 15 "${parts[@]}" -tile "${columns}x" -geometry +3+3 \
-    +dither -colors 255 -define png:compression-level=9 "png8:$out/$picture"
+  montage -font "$font" -pointsize 15 "${parts[@]}" -tile "${columns}x" -geometry +3+3 "$work/sheet.png"
+  convert "$work/sheet.png" +dither -colors 255 -define png:compression-level=9 "png8:$out/$picture"
 }
 
 # Fig. 1: balls by size, shading, mean curvature of cubics.
@@ -71,6 +71,21 @@ sheet figure_2.png 3 "$(leaves sphere_1_128) linear leaves" sphere_1_128_shaded 
   "$(leaves sphere_1_450) linear" sphere_1_450_shaded \
   "$(leaves sphere_2_105) quadratic" sphere_2_105_shaded \
   '' sphere_1_128_lines '' sphere_1_450_lines '' sphere_2_105_lines
+
+# Figs. 2 and 11: a mesh with interpolated normals beside quadratics of its vertices, one camera.
+fit "$dragon" phong -degree 2
+for part in "fig2 $(near dragon 9) -mode reflection" "fig11 $work/dragon.txt LINES"; do
+  read -r name camera options <<< "$part"
+  # shellcheck disable=SC2086
+  render phong ${name}_slim -size 470x380 -aa 1 -camera "$camera" ${options/LINES/-lines contour}
+  # shellcheck disable=SC2086
+  "$bin/phong_picture" "$dragon" "$work/phong.slim" "$work/${name}_mesh.png" -size 470x380 \
+    -camera "$camera" ${options/LINES/-contour 1}
+done
+for name in fig2 fig11; do
+  sheet "figure_${name#fig}_mesh.png" 2 '202 520 triangles, interpolated normals' ${name}_mesh \
+    "$(leaves phong) quadratic leaves" ${name}_slim
+done
 
 # Fig. 12: the larger principal curvature of quadratics and cubics.
 for degree in 2 3; do
