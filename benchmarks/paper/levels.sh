@@ -29,5 +29,5 @@ for detail in 0 1; do
     parts+=(-label "-lod $detail, $far times as far: $frame ms" "$name.part.png")
   done
 done
-montage -font "$(fc-match -f '%{file}' sans)" -pointsize 13 "${parts[@]}" -tile 3x -geometry +3+3 all.png
-convert all.png +dither -colors 64 -define png:compression-level=9 "png8:$out/paper_fig10.png"
+montage -font "$(fc-match -f '%{file}' sans)" -pointsize 13 "${parts[@]}" -tile 3x -geometry +3+3 "$work/all.png"
+convert "$work/all.png" +dither -colors 64 -define png:compression-level=9 "png8:$out/paper_fig10.png"

@@ -17,8 +17,10 @@ smallTree()
   SLIMSurface s;
   s.resize(6);
   s.cx[4] = 0.19f;
+  s.nz.assign(6, 1.0f);
+  s.degree.assign(6, 1);
   s.level = {1, 2, 2, 3, 3, 2};
-  s.radius = {0.4f, 0.2f, 0.2f, 0.1f, 0.1f, 0.3f};
+  s.radius = {0.25f, 0.2f, 0.2f, 0.18f, 0.1f, 0.3f};
   s.error = {0.001f, 0.004f, 1.0f, 0.5f, 0.5f, 0.01f};
   s.flags = {0, 0, 0, kSurfelLeaf, kSurfelLeaf, 0};
   s.child_begin = {0, 2, 3, 5, 5, 5, 5};
@@ -46,6 +48,14 @@ TEST(DetailSizes, NeverGrowFromASurfelToItsDescendants)
   EXPECT_EQ(sizes.parent[5], DetailSizes::kNoParent);
 }
 
+// Points of a horn end at its side, and the polynomial of a wide ball goes on.
+TEST(DetailSizes, CountWhatReachesBeyondTheChildren)
+{
+  SLIMSurface s = smallTree();
+  s.radius[3] = 0.1f;  // alone in 1, whose plane is looked at up to .8 of its radius
+  EXPECT_FLOAT_EQ(DetailSizes(s).own[1], 0.5f * DetailSizes::kOverhangs * (0.8f * 0.2f - 0.1f));
+}
+
 // Leaves alone know where a border runs.
 TEST(DetailSizes, OfSurfelsWithABorderAreTheirBalls)
 {
@@ -53,7 +63,7 @@ TEST(DetailSizes, OfSurfelsWithABorderAreTheirBalls)
   s.trim_begin = {0, 0, 0, 0, 9, 9, 9};
   s.trim_maps.assign(9, 0);
   const DetailSizes sizes(s);
-  EXPECT_FLOAT_EQ(sizes.own[0], 0.4f);
+  EXPECT_FLOAT_EQ(sizes.own[0], 0.25f);
   EXPECT_FLOAT_EQ(sizes.own[1], 0.2f);
   EXPECT_FLOAT_EQ(sizes.own[5], 0.5f * DetailSizes::kErrors * 0.01f);
 }

@@ -2,6 +2,9 @@
 #include "pcl_slim/surface/detail/detail_sizes.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim::detail {
 namespace {
@@ -33,6 +36,44 @@ holds(const SLIMSurface& surface, std::uint32_t parent, std::uint32_t child)
   return rest > 0.0f && x * x + y * y + z * z <= rest * rest;
 }
 
+/** \brief Places all over the part of a surfel that rays meet, on its polynomial. */
+template <typename Visit>
+void
+visitPlaces(const SLIMSurface& surface, std::uint32_t surfel, const Visit& visit)
+{
+  constexpr int kDirections = 8;
+  const LocalFrame frame({surface.nx[surfel], surface.ny[surfel], surface.nz[surfel]});
+  const Vector3 center{surface.cx[surfel], surface.cy[surfel], surface.cz[surfel]};
+  const double radius = surface.radius[surfel];
+  for (const double ring : {0.4, 0.8}) {
+    for (int k = 0; k < kDirections; ++k) {
+      const double angle = 2.0 * std::acos(-1.0) * k / kDirections;
+      const double u = ring * std::cos(angle), v = ring * std::sin(angle);
+      const double h = evaluateHeight(surface.degree[surfel], surface.coefficientsOf(surfel), u, v);
+      if (u * u + v * v + h * h > DetailSizes::kCovers * DetailSizes::kCovers) continue;
+      visit(along(along(along(center, radius * u, frame.u), radius * v, frame.v), radius * h,
+                  frame.w));
+    }
+  }
+}
+
+/** \brief How far a surfel's surface reaches beyond its children's balls. */
+float
+overhang(const SLIMSurface& surface, std::uint32_t surfel, std::uint32_t begin, std::uint32_t end)
+{
+  double farthest = 0.0;
+  visitPlaces(surface, surfel, [&](const Vector3& place) {
+    double nearest = surface.radius[surfel];
+    for (std::uint32_t k = begin; k < end; ++k) {
+      const std::uint32_t child = surface.children[k];
+      const Vector3 center{surface.cx[child], surface.cy[child], surface.cz[child]};
+      nearest = std::min(nearest, length(subtract(place, center)) - surface.radius[child]);
+    }
+    farthest = std::max(farthest, nearest);
+  });
+  return static_cast<float>(farthest);
+}
+
 }  // namespace
 
 DetailSizes::DetailSizes(const SLIMSurface& surface)
@@ -52,7 +93,9 @@ DetailSizes::DetailSizes(const SLIMSurface& surface)
       largest = std::max(largest, own[child]);
       open[i] = open[i] || open[child];
     }
-    const float by_error = open[i] ? surface.radius[i] : 0.5f * kErrors * surface.error[i];
+    const float beyond = begin < end ? overhang(surface, i, begin, end) : 0.0f;
+    const float wrong = 0.5f * std::max(kErrors * surface.error[i], kOverhangs * beyond);
+    const float by_error = open[i] ? surface.radius[i] : wrong;
     own[i] = std::max(largest, std::min(surface.radius[i], by_error));
     for (std::uint32_t k = begin; k < end; ++k) {
       const std::uint32_t child = surface.children[k];

@@ -13,11 +13,13 @@ namespace pcl_slim::detail {
  * A surfel is told from its descendants by its ball or by its error, whichever is smaller: a smooth part stands for
  * its descendants however large it is, unless a border runs through it, which leaves alone know.
  * Errors count kErrors fold, as a level of detail is named in pixels and a bump much lower than a pixel
- * still changes a picture's shades. No surfel is smaller than a descendant, so that where it stands for one it
- * stands for all.
+ * still changes a picture's shades. How far a surfel reaches beyond its children counts kOverhangs fold: where
+ * points end inside its ball, at the side of a horn, its polynomial goes on, and its error tells nothing of it.
+ * No surfel is smaller than a descendant, so that where it stands for one it stands for all.
  */
 struct DetailSizes {
   static constexpr float kErrors = 16.0f;  ///< errors of lod / kErrors are let pass
+  static constexpr float kOverhangs = 4.0f;
   static constexpr float kNoParent = 1e18f;
   static constexpr float kCovers = 0.95f;  ///< of an internal surfel's radius, where rays meet it
 
