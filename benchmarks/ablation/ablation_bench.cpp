@@ -20,7 +20,7 @@ struct Settings {
   ablation::CaseRequest request;
   std::string only;
   int points = 30000;
-  bool rules = true, constants = false, exact = true, each = false;
+  bool rules = true, constants = false, exact = true, sensors = true, each = false;
 };
 
 OptionTable
@@ -32,6 +32,7 @@ declareOptions(Settings& s)
   options.toggle("constants", &s.constants, "halve and double each constant");
   options.text("only", &s.only, "TEXT", "changes whose names hold this text; all if empty");
   options.toggle("exact", &s.exact, "exact surfaces under white noise");
+  options.toggle("sensors", &s.sensors, "scans as sensors make them");
   options.text("data", &s.request.data, "FOLDER", "none");
   options.integer("points", &s.points, 1000, 100000000, "points of an exact surface");
   options.integer("seeds", &s.request.seeds, 1, 100, "scenes a case");
@@ -44,8 +45,10 @@ Result<Cases>
 gatherCases(const Settings& s)
 {
   Cases all;
-  for (const auto gather : {ablation::exactCases, ablation::heightCases, ablation::scanCases}) {
-    if (!s.exact && gather != ablation::scanCases) continue;
+  std::vector<decltype(&ablation::scanCases)> kinds = {ablation::scanCases};
+  if (s.exact) kinds.insert(kinds.end(), {ablation::exactCases, ablation::heightCases});
+  if (s.sensors) kinds.push_back(ablation::sensorCases);
+  for (const auto gather : kinds) {
     auto cases = gather(s.request);
     if (!cases) return cases.error();
     for (auto& one : *cases) all.push_back(std::move(one));

@@ -56,4 +56,8 @@ heightCases(const CaseRequest& request);
 Result<Cases>
 scanCases(const CaseRequest& request);
 
+/** \brief Scans as depth cameras and a turning lidar make them; sizes are the sensors'. */
+Result<Cases>
+sensorCases(const CaseRequest& request);
+
 }  // namespace pcl_slim::ablation

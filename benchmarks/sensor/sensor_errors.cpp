@@ -103,16 +103,20 @@ leaveOutCreases(double distance, SensorScan& scan)
 }
 
 Result<SensorErrors>
-errorsOfFit(const SensorScan& scan, const FitParams& params, FitStatistics& statistics)
+errorsOfFit(const SensorScan& scan, const FitParams& params, FitStatistics& statistics,
+            const Fitter& fitter)
 {
   const auto store = PointStore::build(viewOf(scan), params.threads);
   if (!store) return store.error();
   SLIMSurface surface;
-  if (Error error = fitSurface(*store, params, surface, &statistics)) return error;
+  Error error = fitter ? fitter(*store, params, surface, &statistics)
+                       : fitSurface(*store, params, surface, &statistics);
+  if (error) return error;
   Projection projection;
   ProjectionParams how;
   how.threads = params.threads;
-  if (Error error = projectPoints(*store, surface, how, projection)) return error;
+  error = projectPoints(*store, surface, how, projection);
+  if (error) return error;
   ErrorSums sums(scan);
   for (std::size_t i = 0; i < store->size(); ++i) {
     const auto& n = projection.normal[i];

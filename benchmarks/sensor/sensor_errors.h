@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "fit/accuracy.h"
 #include "measure/sensor/sensor_scan.h"
 #include "pcl_slim/fit/fit.h"
 
@@ -18,9 +19,11 @@ struct SensorErrors {
 void
 leaveOutCreases(double distance, SensorScan& scan);
 
-/** \brief A scan by our fit and projection; what no leaf supports keeps its place. */
+/** \brief A scan by our fit and projection; what no leaf supports keeps its place.
+ * \param[in] fitter fits the surface; fitSurface() if empty */
 Result<SensorErrors>
-errorsOfFit(const SensorScan& scan, const FitParams& params, FitStatistics& statistics);
+errorsOfFit(const SensorScan& scan, const FitParams& params, FitStatistics& statistics,
+            const Fitter& fitter = {});
 
 /** \brief A scan by pcl::MovingLeastSquares of order 2; points that it drops are left out. */
 SensorErrors
