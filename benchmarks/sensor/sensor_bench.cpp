@@ -2,6 +2,7 @@
 // Scans as depth cameras, turning lidars and registered layers make them: RMS errors of our default
 // beside those of pcl::MovingLeastSquares of order 2 at its best radius.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <string>
 
@@ -91,7 +92,8 @@ printRow(const Settings& s, const measure::SensorRow& row, std::uint64_t seed)
     const measure::SensorErrors mls = bestOfMls(scan, row.radii);
     std::printf(" %.2f | %.2f |", mls.position, mls.normal);
   }
-  std::printf(" %zu | %llu | %.2f |\n", scan.size(), static_cast<unsigned long long>(fit.leaves),
+  std::printf(" %.2f | %.1f | %zu | %llu | %.2f |\n", errors->unit * std::sqrt(fit.lambda),
+              fit.noise_correlation, scan.size(), static_cast<unsigned long long>(fit.leaves),
               seconds);
   if (s.solids) printSolids(*errors);
   std::fflush(stdout);
@@ -102,7 +104,8 @@ Error
 printTable(const Settings& s)
 {
   std::printf(
-      "| scan | default, mm | ° |%s points | leaves | CPU s |\n|---|---|---|%s---|---|---|\n",
+      "| scan | default, mm | ° |%s noise found, mm | N | points | leaves | CPU s |\n"
+      "|---|---|---|%s---|---|---|---|---|\n",
       s.mls ? " MLS, best radius, mm | ° |" : "", s.mls ? "---|---|" : "");
   for (const measure::SensorRow& row : measure::sensorRows(s.rows)) {
     for (int i = 0; i < s.seeds; ++i) {

@@ -123,7 +123,9 @@ errorsOfFit(const SensorScan& scan, const FitParams& params, FitStatistics& stat
     sums.add(store->orderOfStore()[i],
              along(store->origin(), store->scale(), projection.position[i]), {n[0], n[1], n[2]});
   }
-  return sums.errors();
+  SensorErrors errors = sums.errors();
+  errors.unit = kMillimetres * store->scale() * store->diagonal();
+  return errors;
 }
 
 SensorErrors

@@ -12,6 +12,7 @@ struct SensorErrors {
   double position = 0;                     ///< [mm], every point but mixed pixels
   double normal = 0;                       ///< [degrees], regardless of sign
   std::vector<double> positions, normals;  ///< the same, solid by solid
+  double unit = 0;                         ///< L of a fit [mm]
 };
 
 /** \brief Leaves points nearer to another solid than that out of all errors: beside a crease no smoother
