@@ -47,6 +47,7 @@ reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatisti
               {"normal_error", fit.normal_error},
               {"lambda", fit.lambda},
               {"noise_correlation", fit.noise_correlation},
+              {"noise_line", fit.noise_line},
               {"noise_step", fit.noise_step},
               {"noise_neighbors", fit.noise_neighbors},
               {"noise_varies", fit.noise_varies},
@@ -96,6 +97,7 @@ noiseText(const PointStore& store, const FitStatistics& fit)
   }
   std::snprintf(text, sizeof(text), ", correlated over %.0f points", fit.noise_correlation);
   line += fit.noise_correlation > 1 ? text : ", white";
+  if (fit.noise_line > 0) line += ", on scan lines";
   return line + (fit.noise_varies ? ", varying over the scan" : "");
 }
 

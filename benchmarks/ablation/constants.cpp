@@ -50,6 +50,7 @@ void
 addNoise(Changes& all)
 {
   PCL_SLIM_SCALED(noise.first_neighbors);
+  PCL_SLIM_SCALED(noise.least_width);
   PCL_SLIM_SCALED(noise.most_part);
   PCL_SLIM_SCALED(noise.patch_points);
   PCL_SLIM_SCALED(noise.samples);

@@ -82,6 +82,7 @@ noiseRules()
       {"sheets of patches", "off", [](FitConstants& c) { c.noise.sheets.passes = 0; }},
       {"shared noise", "off", [](FitConstants& c) { c.noise.shared.white = kInfinite; }},
       {"steps", "off", [](FitConstants& c) { c.noise.steps.least_points = kInfinite; }},
+      {"scan lines", "off", [](FitConstants& c) { c.noise.least_width = 0; }},
       {"uneven noise", "off", [](FitConstants& c) { c.noise.uneven = kInfinite; }},
   };
 }

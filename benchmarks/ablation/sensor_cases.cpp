@@ -30,6 +30,8 @@ constexpr const char* kRows[] = {"room, 3 px + 1/8 px",
                                  "wave6, 3 px + 1/8 px",
                                  "wave6, rows 5 x 1 px",
                                  "street, lidar",
+                                 "street, lidar 128 x 1024, 1 cm",
+                                 "street, lidar 32 x 1800, 3 cm",
                                  "figure, layers off by .3 mm"};
 
 /** A row of sensor_bench. */

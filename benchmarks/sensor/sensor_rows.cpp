@@ -92,6 +92,36 @@ addBaselines(std::vector<SensorRow>& rows)
   }
 }
 
+/** Lidars of fewer rings, further apart. */
+void
+addLidars(std::vector<SensorRow>& rows)
+{
+  struct Rings {
+    int count;
+    double lowest, highest;  // elevation [degrees]
+    int steps;
+  };
+  constexpr Rings kRings[] = {{64, -25, 5, 1800},  {128, -22, 22, 1024}, {40, -16, 7, 1800},
+                              {32, -30, 10, 1800}, {32, -16, 15, 1080},  {24, -25, 3, 1200},
+                              {16, -15, 15, 1800}, {16, -15, 15, 900}};
+  for (const Rings& rings : kRings) {
+    for (double sigma : {0.01, 0.03}) {
+      TurningLidar lidar;
+      lidar.rings = rings.count;
+      lidar.lowest = rings.lowest;
+      lidar.highest = rings.highest;
+      lidar.steps = rings.steps;
+      lidar.sigma = sigma;
+      const std::string how = std::to_string(rings.count) + " x " + std::to_string(rings.steps) +
+                              (sigma < 0.02 ? ", 1 cm" : ", 3 cm");
+      rows.push_back(
+          {"street, lidar " + how,
+           [=](std::uint64_t seed) { return scanByLidar(namedSolids("street"), lidar, seed); },
+           {0.25, 0.5, 1.0, 2.0}});
+    }
+  }
+}
+
 void
 addOthers(std::vector<SensorRow>& rows)
 {
@@ -125,6 +155,7 @@ sensorRows(const std::string& part)
   }
   addBaselines(rows);
   addOthers(rows);
+  addLidars(rows);
   std::vector<SensorRow> chosen;
   for (const SensorRow& row : rows) {
     if (row.name.find(part) != std::string::npos) chosen.push_back(row);

@@ -133,6 +133,7 @@ measureNoiseSettings(const PointStore& store, const FitParams& params, int threa
   stats.noise_varies = !settings.noise_profile.empty();
   if (!measuresResiduals(params)) return;
   stats.noise_correlation = residual.level().correlation;
+  stats.noise_line = residual.level().dependence > 1 ? residual.level().line : 0;
   stats.noise_step = residual.level().step / store.diagonal();
   stats.noise_neighbors = residual.level().neighbors;
 }

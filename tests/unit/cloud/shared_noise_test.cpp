@@ -103,6 +103,7 @@ TEST(SharedNoise, IsNotWhiteNoise)
     const NoiseLevel noise = recognized(store);
     EXPECT_EQ(noise.correlation, 1.0) << level;
     EXPECT_FALSE(noise.uneven) << level;
+    EXPECT_EQ(noise.line, 0u) << level;
     EXPECT_EQ(noise.variance, estimateNoise(store, NoiseEstimator::kCubicResidual, 1)) << level;
   };
   for (const double level : {0.0, 0.001, 0.01}) {

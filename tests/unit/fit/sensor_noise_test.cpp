@@ -115,6 +115,21 @@ TEST(SensorNoise, ALidarsWallsAreNoDetail)
   EXPECT_LT(on.normal, 0.7 * off.normal);
 }
 
+TEST(SensorNoise, AlongALidarsRingsIsNoDetail)
+{
+  // Twenty neighbours lie on one ring, along which no noise shows.
+  measure::TurningLidar lidar;
+  lidar.rings = 32;
+  lidar.lowest = -30;
+  lidar.highest = 10;
+  const SensorScan scan = scanByLidar(measure::namedSolids("street"), lidar, 3);
+  const Errors on = errorsOf(scan), off = errorsOf(scan, withoutRecognition());
+  EXPECT_EQ(on.fit.noise_line, 20u);
+  EXPECT_EQ(on.fit.noise_correlation, 1.0);
+  EXPECT_LT(on.normal, 0.4 * off.normal);
+  EXPECT_LT(on.position, 0.6 * off.position);
+}
+
 TEST(SensorNoise, AModelStandsInItsPlace)
 {
   const SensorScan scan = scanByLidar(measure::namedSolids("street"), {}, 3);

@@ -50,10 +50,11 @@ measureNoise(const PointStore& store, const NoiseConstants& constants, int threa
 {
   if (store.size() < kCubicTerms + 2) return {};
   threads = resolveThreads(threads);
-  const std::size_t most = store.size() / constants.most_part + constants.first_neighbors;
-  NoiseLevel noise = patchLevel(store, constants.first_neighbors, constants, threads);
+  const std::size_t first = smallestPatch(store, constants, threads);
+  const std::size_t most = store.size() / constants.most_part + first;
+  NoiseLevel noise = patchLevel(store, first, constants, threads);
   std::size_t least = 0, patches = noise.patches;
-  for (std::size_t k = 2 * constants.first_neighbors; k <= most; k *= 2) {
+  for (std::size_t k = 2 * first; k <= most; k *= 2) {
     const NoiseLevel wider = patchLevel(store, k, constants, threads);
     patches += wider.patches;
     const double share = std::sqrt(noise.variance) / noise.patch_radius;
@@ -72,6 +73,7 @@ measureNoise(const PointStore& store, const NoiseConstants& constants, int threa
   const double floor = constants.floor * store.diagonal();
   noise.variance = std::max(noise.variance, floor * floor);
   noise.least_neighbors = least > 0 ? least : noise.neighbors;
+  noise.line = first > constants.first_neighbors ? first / 2 : 0;
   noise.patches = patches;
   return noise;
 }

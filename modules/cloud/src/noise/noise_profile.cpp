@@ -84,17 +84,19 @@ std::vector<float>
 modelledNoise(const PointStore& store, const RangeError& error, const NoiseConstants& constants,
               int threads)
 {
+  threads = resolveThreads(threads);
+  const std::size_t k = smallestPatch(store, constants, threads);
+  const std::size_t stride = patchStride(k, constants);
   const auto variance = [&](NeighborSearch& search, std::size_t sample, std::size_t) {
-    const Patch patch = patchAbout(store, search, sample, constants.first_neighbors);
+    const Patch patch = patchAbout(store, search, sample, k / stride);
     const Vector3 ray = subtract(store.position(sample), error.sensor);
     const double z = length(ray), sigma = error.a + error.b * z + error.c * z * z;
     const Eigen::Vector3d normal = principalAxes(patch.points).eigenvectors().col(0);
     const double along = dot(ray, {normal[0], normal[1], normal[2]}) / std::max(z, 1e-300);
     return sigma * sigma * along * along;
   };
-  return windowedMeans(
-      sampleStore(store, numRuns(store, constants), 1, resolveThreads(threads), variance),
-      constants);
+  return windowedMeans(sampleStore(store, numRuns(store, constants), stride, threads, variance),
+                       constants);
 }
 
 }  // namespace detail

@@ -74,6 +74,25 @@ patchVariance(const PointStore& store, NeighborSearch& search, std::size_t sampl
   return fitCubic(patch, cubic) ? cubic.variance : -1.0;
 }
 
+std::size_t
+smallestPatch(const PointStore& store, const NoiseConstants& constants, int threads)
+{
+  const std::size_t first = constants.first_neighbors;
+  for (std::size_t k = first; k <= first + store.size() / constants.most_part; k *= 2) {
+    const std::size_t stride = patchStride(k, constants);
+    const auto width = [&](NeighborSearch& search, std::size_t sample, std::size_t) {
+      const Patch patch = patchAbout(store, search, sample, k / stride);
+      const Eigen::Vector3d spreads = principalAxes(patch.points).eigenvalues();
+      return spreads[2] > 0 ? std::sqrt(std::max(0.0, spreads[1] / spreads[2])) : 0.0;
+    };
+    auto widths = sampleStore(store, constants.least_samples, stride, threads, width);
+    const auto median = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
+    std::nth_element(widths.begin(), median, widths.end());
+    if (*median >= constants.least_width) return k;
+  }
+  return first;
+}
+
 double
 trimmedMean(std::vector<double>& values, double trim)
 {

@@ -45,6 +45,11 @@ double
 patchVariance(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
               const NoiseConstants& constants, double& radius);
 
+/** \brief The points of the smallest patches: first_neighbors, doubled until half of the patches are no
+ * lines. Where rings of a turning lidar lie many spacings apart, no noise shows along one of them. */
+std::size_t
+smallestPatch(const PointStore& store, const NoiseConstants& constants, int threads);
+
 /** \brief Mean of the values that are not negative, without a share of the largest and as many of
  * the smallest; 0 of none. Sorts them. */
 double

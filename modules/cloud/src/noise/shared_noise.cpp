@@ -262,6 +262,15 @@ withUnevenness(const PointStore& store, const NoiseLevel& white, const NoiseLeve
   return noise.uneven ? noise : white;
 }
 
+/** White noise of points on lines: those of one line say of the surface across it what one of them says. */
+NoiseLevel
+alongLines(const NoiseLevel& white)
+{
+  NoiseLevel noise = white;
+  noise.dependence = static_cast<double>(white.line);
+  return noise;
+}
+
 }  // namespace
 
 NoiseLevel
@@ -269,6 +278,7 @@ recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
                      const NoiseConstants& constants, int threads)
 {
   if (white.neighbors == 0) return white;
+  if (white.line > 0) return alongLines(white);
   threads = resolveThreads(threads);
   std::vector<Scale> scales;
   GrowthCurve curve(constants.shared);
@@ -296,12 +306,11 @@ NoiseLevel
 measureSharedNoise(const PointStore& store, double correlation, const NoiseConstants& constants,
                    int threads)
 {
-  const std::size_t most =
-      std::max<std::size_t>(constants.first_neighbors, store.size() / constants.shared.most_part);
-  std::size_t k = constants.first_neighbors;
+  threads = resolveThreads(threads);
+  std::size_t k = smallestPatch(store, constants, threads);
+  const std::size_t most = std::max<std::size_t>(k, store.size() / constants.shared.most_part);
   while (static_cast<double>(k) < constants.shared.given_patch * correlation && 2 * k <= most)
     k *= 2;
-  threads = resolveThreads(threads);
   NoiseLevel noise =
       levelOf(measureScale(store, k, constants.shared.places, constants, threads), constants);
   noise.correlation = noise.dependence = correlation;

@@ -81,6 +81,7 @@ struct FitStatistics {
   int first_level = 1, levels_skipped = 0, last_level = 0;
   double lambda = 0;                  ///< noise variance [L^2]
   double noise_correlation = 1;       ///< points that share their errors; 1: white noise
+  std::uint64_t noise_line = 0;       ///< points along a scan line that count as one; 0: no lines
   double noise_step = 0;              ///< of a quantised coordinate, the median [L]; 0: none found
   std::uint64_t noise_neighbors = 0;  ///< points of a patch that shows all of the noise
   bool noise_varies = false;          ///< lambda is the cloud's, the noise a profile about it

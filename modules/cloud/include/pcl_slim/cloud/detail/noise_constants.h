@@ -54,6 +54,7 @@ struct StepConstants {
 /** \brief The measurement of a cloud's noise level (docs/theory.md, "Noise"). */
 struct NoiseConstants {
   std::size_t first_neighbors = 20;  ///< points of the smallest patch
+  double least_width = 0.5;          ///< of a patch, over its length, that is no line
   std::size_t most_part = 8;         ///< a patch holds at most 1 / so much of the cloud's points
   std::size_t patch_points = 320;    ///< points looked at in a patch; larger patches are sampled
   std::size_t samples = 500;         ///< patches of the smallest size
