@@ -45,7 +45,7 @@ double
 patchVariance(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
               const NoiseConstants& constants, double& radius);
 
-/** \brief The points of the smallest patches: first_neighbors, doubled until half of the patches are no
+/** \brief The points of the smallest patches: first_neighbors, doubled until half of them are no
  * lines. Where rings of a turning lidar lie many spacings apart, no noise shows along one of them. */
 std::size_t
 smallestPatch(const PointStore& store, const NoiseConstants& constants, int threads);

@@ -262,7 +262,7 @@ withUnevenness(const PointStore& store, const NoiseLevel& white, const NoiseLeve
   return noise.uneven ? noise : white;
 }
 
-/** White noise of points on lines: those of one line say of the surface across it what one of them says. */
+/** White noise of points on lines: those of a line say of the surface across it what one says. */
 NoiseLevel
 alongLines(const NoiseLevel& white)
 {

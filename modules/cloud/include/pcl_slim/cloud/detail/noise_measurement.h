@@ -15,8 +15,8 @@ struct NoiseLevel {
   double patch_radius = 0;          ///< median radius of the patches, local length
   std::size_t neighbors = 0;        ///< points of such a patch; 0: the store has too few points
   std::size_t least_neighbors = 0;  ///< points of the smallest patch that noise does not fill
-  std::size_t line = 0;             ///< points of a patch that is a line; 0: the smallest are none
   std::size_t patches = 0;          ///< patches measured, of any size
+  std::size_t line = 0;             ///< points of a patch that is a line; 0: the smallest are none
   double correlation = 1;           ///< tau: points that share their errors; 1: white noise
   double dependence = 1;            ///< of these, as many as a fit takes for one
   double step = 0;                  ///< of quantised coordinates, local length; 0: none was found
