@@ -81,6 +81,7 @@ addSensorNoise(Changes& all)
   PCL_SLIM_SCALED(noise.shared.slow);
   PCL_SLIM_SCALED(noise.shared.fall);
   PCL_SLIM_SCALED(noise.shared.slack);
+  PCL_SLIM_SCALED(noise.shared.creases);
   PCL_SLIM_SCALED(noise.shared.least);
   PCL_SLIM_SCALED(noise.shared.counted);
   PCL_SLIM_SCALED(noise.steps.least_points);

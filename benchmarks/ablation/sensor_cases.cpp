@@ -32,6 +32,7 @@ constexpr const char* kRows[] = {"room, 3 px + 1/8 px",
                                  "street, lidar",
                                  "street, lidar 128 x 1024, 1 cm",
                                  "street, lidar 32 x 1800, 3 cm",
+                                 "street, lidar 32 x 1080, 1 cm",
                                  "figure, layers off by .3 mm"};
 
 /** A row of sensor_bench. */

@@ -130,6 +130,21 @@ TEST(SensorNoise, AlongALidarsRingsIsNoDetail)
   EXPECT_LT(on.position, 0.6 * off.position);
 }
 
+TEST(SensorNoise, CreasesAreNoNoise)
+{
+  // Patches wide enough to see several rings hold a pole or a crease in more than a tenth of all places.
+  measure::TurningLidar lidar;
+  lidar.rings = 32;
+  lidar.lowest = -16;
+  lidar.highest = 15;
+  lidar.steps = 1080;
+  lidar.sigma = 0.01;
+  const SensorScan scan = scanByLidar(measure::namedSolids("street"), lidar, 41);
+  const Errors errors = errorsOf(scan);
+  EXPECT_LT(errors.position, 0.004);
+  EXPECT_LT(errors.normal, 10.0);
+}
+
 TEST(SensorNoise, AModelStandsInItsPlace)
 {
   const SensorScan scan = scanByLidar(measure::namedSolids("street"), {}, 3);

@@ -197,6 +197,26 @@ levelOf(const Scale& scale, const NoiseConstants& constants)
   return noise;
 }
 
+/** The binary logarithm of the factor by which the trimmed mean grows. */
+double
+meanGrowth(const Scale& narrow, const Scale& wider, const NoiseConstants& constants)
+{
+  std::vector<double> a = narrow.variances, b = wider.variances;
+  return std::log2(trimmedMean(b, constants.trim) / trimmedMean(a, constants.trim));
+}
+
+/** The widest scale, up to one, whose trimmed mean has grown as its median has: beyond it, creases
+ * lie in more places than the mean leaves out. */
+std::size_t
+beforeCreases(const std::vector<Scale>& scales, std::size_t scale, const NoiseConstants& constants)
+{
+  const auto creased = [&](const Scale& narrow, const Scale& wider) {
+    return meanGrowth(narrow, wider, constants) > growth(narrow, wider) + constants.shared.creases;
+  };
+  while (scale > 0 && creased(scales[scale - 1], scales[scale])) --scale;
+  return scale;
+}
+
 /** How many points share what a scale shows; 1 where they share no noise. \param[in] waves whether
  * it may be waves of the surface */
 double
@@ -219,7 +239,8 @@ NoiseLevel
 plateauNoise(const PointStore& store, const GrowthCurve::Plateau& plateau, bool waves,
              const std::vector<Scale>& scales, const NoiseConstants& constants, int threads)
 {
-  NoiseLevel noise = levelOf(scales[plateau.scale], constants);
+  const std::size_t scale = beforeCreases(scales, plateau.scale, constants);
+  NoiseLevel noise = levelOf(scales[scale], constants);
   noise.correlation =
       correlationOf(store, plateau.detail_follows, waves, noise, constants, threads);
   noise.dependence = noise.correlation;

@@ -25,7 +25,8 @@ struct SharedNoiseConstants {
   double slow = 0.55;          ///< growth up to which a least one will do for a plateau ...
   double fall = 0.78;          ///< ... if it has fallen to this share of the greatest before
 
-  double slack = 1.4;  ///< growth over the least that shows as much of the noise
+  double slack = 1.4;     ///< growth over the least that shows as much of the noise
+  double creases = 0.25;  ///< by how much more the trimmed mean grows where creases spoil it
 
   std::size_t patches = 100;      ///< patches on which the number of sharing neighbours is measured
   std::size_t least_points = 80;  ///< points of such a patch ...
