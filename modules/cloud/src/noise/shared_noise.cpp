@@ -206,14 +206,14 @@ meanGrowth(const Scale& narrow, const Scale& wider, const NoiseConstants& consta
 }
 
 /** The widest scale, up to one, whose trimmed mean has grown as its median has: beyond it, creases
- * lie in more places than the mean leaves out. */
+ * lie in more places than the mean leaves out. The first scale never shows all of shared noise. */
 std::size_t
 beforeCreases(const std::vector<Scale>& scales, std::size_t scale, const NoiseConstants& constants)
 {
   const auto creased = [&](const Scale& narrow, const Scale& wider) {
     return meanGrowth(narrow, wider, constants) > growth(narrow, wider) + constants.shared.creases;
   };
-  while (scale > 0 && creased(scales[scale - 1], scales[scale])) --scale;
+  while (scale > 1 && creased(scales[scale - 1], scales[scale])) --scale;
   return scale;
 }
 
