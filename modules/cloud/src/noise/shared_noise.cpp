@@ -205,8 +205,8 @@ meanGrowth(const Scale& narrow, const Scale& wider, const NoiseConstants& consta
   return std::log2(trimmedMean(b, constants.trim) / trimmedMean(a, constants.trim));
 }
 
-/** The widest scale, up to one, whose trimmed mean has grown as its median has: beyond it, creases
- * lie in more places than the mean leaves out. The first scale never shows all of shared noise. */
+/** The widest scale, up to the given one, whose trimmed mean has grown as its median has: beyond it,
+ * creases lie in more places than the mean leaves out. The first never shows all of shared noise. */
 std::size_t
 beforeCreases(const std::vector<Scale>& scales, std::size_t scale, const NoiseConstants& constants)
 {

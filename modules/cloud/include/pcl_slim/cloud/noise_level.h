@@ -20,9 +20,10 @@ enum class NoiseEstimator : unsigned char {
  * noise fills the patch (not where what stands out grows with it, as detail at every scale does);
  * the mean over 100 to 500 evenly strided samples without the largest and smallest 10 %. Of wide
  * patches 320 to 640 points are looked at, spread evenly. What grows with k like a cubic's bias is
- * taken off, so that clean data show no noise. Where normals are given, neighbours of opposed normal are left out. kMinEigenvalue10: the
- * paper's lambda over 1000 samples (its mean covariance). Never below (1e-6 L)^2 for the paper's,
- * (1e-11 L)^2 for the default. 0 if the store has fewer than 12 points. O(samples k).
+ * taken off, so that clean data show no noise. Where normals are given, neighbours of opposed normal
+ * are left out. kMinEigenvalue10: the paper's lambda over 1000 samples (its mean covariance). Never
+ * below (1e-6 L)^2 for the paper's, (1e-11 L)^2 for the default. 0 if the store has fewer than 12
+ * points. O(samples k).
  */
 double
 estimateNoise(const PointStore& store, NoiseEstimator estimator, int threads = 0);
