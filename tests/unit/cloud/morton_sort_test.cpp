@@ -70,6 +70,27 @@ TEST(SortByKey, AgreesWithAStableSort)
   }
 }
 
+TEST(SortByLeadingBits, AgreesWithAStableSortOfThoseBits)
+{
+  for (const std::size_t count : {0u, 1u, 2u, 100u, 5000u, 20000u, 300000u}) {
+    for (const int shared_bits : {0, 20, 45, 60}) {
+      const Values keys = numbers(count, 63, shared_bits);
+      for (const int threads : {1, 2, 7}) {
+        Values sorted = keys;
+        AlignedVector<std::uint32_t> order, expected(count);
+        const int cut = sortByLeadingBits(sorted, order, threads);
+        std::iota(expected.begin(), expected.end(), 0u);
+        std::stable_sort(expected.begin(), expected.end(), [&](std::uint32_t a, std::uint32_t b) {
+          return keys[a] >> cut < keys[b] >> cut;
+        });
+        EXPECT_LE(cut, 8) << count << " keys";
+        ASSERT_EQ(order, expected) << count << " keys";
+        for (std::size_t i = 0; i < count; ++i) ASSERT_EQ(sorted[i], keys[order[i]] >> cut << cut);
+      }
+    }
+  }
+}
+
 TEST(SortByBits, EqualAndOrderedNumbersStay)
 {
   expectSorted(Values(50000, 77), 0, 40);
@@ -86,27 +107,6 @@ TEST(SortByBits, AllInOneBucketIsNoWorse)
   Values values = numbers(100000, 12, 0);
   values[500] |= std::uint64_t{1} << 43;
   expectSorted(values, 0, 44);
-}
-
-TEST(SortByBits, GapsBetweenStretchesCloseUp)
-{
-  for (const std::size_t stretch : {3u, 900u, 30000u}) {
-    const Values all = numbers(5 * stretch, 40, 10);
-    std::vector<Stretch> stretches;
-    Values expected;
-    for (std::size_t s = 0; s < 5; ++s) {
-      stretches.push_back({s * stretch, s * stretch + stretch / (s + 1)});
-      expected.insert(expected.end(), all.begin() + static_cast<std::ptrdiff_t>(stretches[s].begin),
-                      all.begin() + static_cast<std::ptrdiff_t>(stretches[s].end));
-    }
-    std::stable_sort(expected.begin(), expected.end(),
-                     [](std::uint64_t a, std::uint64_t b) { return a >> 5 < b >> 5; });
-    for (const int threads : {1, 2, 7}) {
-      Values sorted = all;
-      sortByBits(sorted, stretches, 5, 40, threads);
-      EXPECT_EQ(sorted, expected);
-    }
-  }
 }
 
 }  // namespace

@@ -62,15 +62,15 @@ class DigitCounts {
     for (std::size_t i = 0; i < n; ++i) ++counts[values[i] >> shift & mask];
   }
 
-  void scatter(const std::uint64_t* values, std::size_t n, std::uint64_t* out) const
+  /** number(i): what goes where values[i] belongs. */
+  template <typename Number>
+  void scatter(const std::uint64_t* values, std::size_t n, std::uint64_t* out,
+               const Number& number) const
   {
     std::uint32_t* const next = counts_;
     const int shift = shift_;
     const std::uint64_t mask = mask_;
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::uint64_t value = values[i];
-      out[next[value >> shift & mask]++] = value;
-    }
+    for (std::size_t i = 0; i < n; ++i) out[next[values[i] >> shift & mask]++] = number(i);
   }
 
  private:
@@ -94,7 +94,7 @@ digitPass(const std::uint64_t* values, std::uint64_t* out, std::size_t n, int sh
     next[d] = total;
     total += count;
   }
-  counts.scatter(values, n, out);
+  counts.scatter(values, n, out, [values](std::size_t i) { return values[i]; });
 }
 
 /** Leading bits after which few of n numbers agree, if they lie on a surface: every three leave a
@@ -126,27 +126,25 @@ sortBucket(std::uint64_t* values, std::uint64_t* spare, std::size_t n, int low, 
   if (rest > 0) sortNearly(values, n, low);
 }
 
-/** Scatters what stretches hold into spare by its leading digit. \return where each bucket begins. */
+/** Scatters numbers by the leading digit of values: number(i) for values[i]. \return where each bucket
+ * begins. */
+template <typename Number>
 std::vector<std::size_t>
-scatter(const AlignedVector<std::uint64_t>& values, const std::vector<Stretch>& stretches,
-        AlignedVector<std::uint64_t>& spare, int shift, int bits, int threads)
+scatter(const AlignedVector<std::uint64_t>& values, const Number& number,
+        AlignedVector<std::uint64_t>& out, int shift, int bits, int threads)
 {
-  const std::size_t n = spare.size(), digits = std::size_t{1} << bits;
+  const std::size_t n = values.size(), digits = std::size_t{1} << bits;
   const std::size_t slices = n < kMany / 64 ? 1 : static_cast<std::size_t>(threads);
   std::vector<std::uint32_t> next(slices * digits, 0);
   std::vector<std::size_t> begins(digits + 1, n);
   const auto forSlice = [&](const auto& body) {
     parallelFor(slices, threads, 1, [&](std::size_t s, int) {
       const DigitCounts counts(next.data() + s * digits, shift, bits);
-      const std::size_t end = stretches.size() * (s + 1) / slices;
-      for (std::size_t k = stretches.size() * s / slices; k < end; ++k) {
-        const auto [first, last] = stretches[k];
-        body(counts, values.data() + first, last - first);
-      }
+      body(counts, n * s / slices, n * (s + 1) / slices);
     });
   };
-  forSlice([](const DigitCounts& counts, const std::uint64_t* part, std::size_t size) {
-    counts.count(part, size);
+  forSlice([&](const DigitCounts& counts, std::size_t begin, std::size_t end) {
+    counts.count(values.data() + begin, end - begin);
   });
   std::uint32_t total = 0;
   for (std::size_t d = 0; d < digits; ++d) {
@@ -157,20 +155,18 @@ scatter(const AlignedVector<std::uint64_t>& values, const std::vector<Stretch>& 
       total += count;
     }
   }
-  forSlice([&](const DigitCounts& counts, const std::uint64_t* part, std::size_t size) {
-    counts.scatter(part, size, spare.data());
+  forSlice([&](const DigitCounts& counts, std::size_t begin, std::size_t end) {
+    counts.scatter(values.data() + begin, end - begin, out.data(),
+                   [&](std::size_t i) { return number(begin + i); });
   });
   return begins;
 }
 
-/** Brings what stretches hold to the front. */
-void
-pack(AlignedVector<std::uint64_t>& values, const std::vector<Stretch>& stretches)
+/** Bits of the pass over all of n numbers. */
+int
+firstBits(std::size_t n)
 {
-  std::uint64_t* to = values.data();
-  for (const auto [begin, end] : stretches) {
-    to = std::copy(values.data() + begin, values.data() + end, to);
-  }
+  return n < kMany / 16 ? kFirstBitsOfFew : n < kMany ? kFirstBits : kFirstBitsOfMany;
 }
 
 }  // namespace
@@ -178,36 +174,50 @@ pack(AlignedVector<std::uint64_t>& values, const std::vector<Stretch>& stretches
 void
 sortByBits(AlignedVector<std::uint64_t>& values, int low, int high, int threads)
 {
-  const std::size_t n = values.size(), parts = static_cast<std::size_t>(std::max(threads, 1));
-  std::vector<Stretch> stretches;
-  for (std::size_t s = 0; s < parts; ++s) {
-    stretches.push_back({n * s / parts, n * (s + 1) / parts});
-  }
-  sortByBits(values, stretches, low, high, threads);
-}
-
-void
-sortByBits(AlignedVector<std::uint64_t>& values, const std::vector<Stretch>& stretches, int low,
-           int high, int threads)
-{
-  std::size_t n = 0;
-  for (const auto [begin, end] : stretches) n += end - begin;
-  if (n <= kFew || high <= low) {
-    pack(values, stretches);
-    values.resize(n);
-    if (high > low) sortNearly(values.data(), n, low);
-    return;
-  }
-  const int most = n < kMany / 16 ? kFirstBitsOfFew : n < kMany ? kFirstBits : kFirstBitsOfMany;
-  const int bits = std::min(most, high - low);
+  const std::size_t n = values.size();
+  if (high <= low) return;
+  if (n <= kFew) return sortNearly(values.data(), n, low);
+  const int bits = std::min(firstBits(n), high - low);
   const int shift = high - bits;
   AlignedVector<std::uint64_t> spare(n);
-  const auto begins = scatter(values, stretches, spare, shift, bits, threads);
-  values.resize(n);
+  const auto begins = scatter(
+      values, [&](std::size_t i) { return values[i]; }, spare, shift, bits, threads);
   parallelFor(begins.size() - 1, threads, 64, [&](std::size_t d, int) {
     const std::size_t begin = begins[d], count = begins[d + 1] - begin;
     if (count > 0) sortBucket(values.data() + begin, spare.data() + begin, count, low, shift);
   });
+}
+
+int
+sortByLeadingBits(AlignedVector<std::uint64_t>& keys, AlignedVector<std::uint32_t>& order,
+                  int threads)
+{
+  constexpr int kKeyBits = 63;
+  const std::size_t n = keys.size();
+  int place_bits = 1;
+  while (n >> place_bits != 0) ++place_bits;
+  const int bits = firstBits(n), shift = kKeyBits - bits;
+  const int cut = std::max(0, shift + place_bits - 64);
+  // A bucket tells its leading bits: numbers hold those below, as many as fit beside the place.
+  const std::uint64_t below = (std::uint64_t{1} << shift) - 1;
+  AlignedVector<std::uint64_t> numbers(n);
+  const auto begins = scatter(
+      keys, [&](std::size_t i) { return (keys[i] & below) >> cut << place_bits | i; }, numbers,
+      shift, bits, threads);
+  order.resize(n);
+  const std::uint64_t place = (std::uint64_t{1} << place_bits) - 1;
+  parallelFor(begins.size() - 1, threads, 64, [&](std::size_t d, int) {
+    const std::size_t begin = begins[d], end = begins[d + 1];
+    if (begin == end) return;
+    sortBucket(keys.data() + begin, numbers.data() + begin, end - begin, place_bits,
+               place_bits + shift - cut);
+    const std::uint64_t leading = std::uint64_t{d} << shift;
+    for (std::size_t i = begin; i < end; ++i) {
+      order[i] = static_cast<std::uint32_t>(keys[i] & place);
+      keys[i] = leading | keys[i] >> place_bits << cut;
+    }
+  });
+  return cut;
 }
 
 }  // namespace pcl_slim

@@ -10,7 +10,6 @@ namespace pcl_slim {
 
 namespace {
 
-constexpr int kKeyBits = 63;
 constexpr std::size_t kSlice = 1 << 14;  ///< keys a thread takes at a time
 constexpr std::size_t kFew = 1 << 15;    ///< keys that one thread sorts
 
@@ -64,20 +63,10 @@ sortByKey(Keys& keys, Indices& order, int threads)
 {
   const std::size_t n = keys.size();
   if (n < kFew) threads = 1;
-  // A number holds a key's leading bits and its place: few share all bits that fit.
-  int place_bits = 1;
-  while (n >> place_bits != 0) ++place_bits;
-  const int low_bits = place_bits - (64 - kKeyBits);
-  Keys numbers(n);
-  forAll(n, threads, [&](std::size_t i) { numbers[i] = keys[i] >> low_bits << place_bits | i; });
-  sortByBits(numbers, place_bits, 64, threads);
-  const std::uint64_t place_mask = (std::uint64_t{1} << place_bits) - 1;
-  order.resize(n);
-  forAll(n, threads, [&](std::size_t i) {
-    order[i] = static_cast<std::uint32_t>(numbers[i] & place_mask);
-    numbers[i] = keys[order[i]];
-  });
-  keys.swap(numbers);
+  Keys leading = keys;
+  const int low_bits = sortByLeadingBits(leading, order, threads);
+  forAll(n, threads, [&](std::size_t i) { leading[i] = keys[order[i]]; });
+  keys.swap(leading);
   sortRuns(keys, order, low_bits, threads);
 }
 

@@ -18,17 +18,14 @@ namespace pcl_slim::detail {
 
 /** Orders a cloud's points by the Morton codes of their cells, equal points once.
  *
- * A number of 64 bits holds a key's leading bits and its point, and few points of a scan share all
- * the bits that fit: whole keys are made again for those alone. */
+ * Leading bits tell nearly all points of a scan apart: whole keys are made again for the others. */
 template <typename T>
 class KeyOrder {
  public:
-  /** most: points are numbered below it. depth: of keys below root cells. */
-  KeyOrder(const PointBlocks<T>& blocks, std::size_t most, int depth, int threads)
+  /** depth: of keys below root cells. */
+  KeyOrder(const PointBlocks<T>& blocks, int depth, int threads)
       : blocks_(blocks), depth_(depth), threads_(threads)
   {
-    while ((most - 1) >> point_bits_ != 0) ++point_bits_;
-    cut_ = std::max(0, point_bits_ - (64 - kKeyBits));
   }
 
   /** \param[out] keys ascending; below the leading bits they are 0 where those tell a point from all
@@ -36,43 +33,32 @@ class KeyOrder {
   void run(CanonicalOrder<T> ties, AlignedVector<std::uint64_t>& keys,
            AlignedVector<std::uint32_t>& order) const
   {
-    pack(keys);
-    sortByBits(keys, point_bits_, kKeyBits - cut_ + point_bits_, threads_);
-    unpack(keys, order);
+    AlignedVector<std::uint32_t> finite;
+    makeKeys(keys, finite);
+    sortByLeadingBits(keys, order, threads_);
+    if (!finite.empty()) {
+      for (std::uint32_t& point : order) point = finite[point];
+    }
     arrange(ties, tiedRuns(keys), keys, order);
   }
 
  private:
-  static constexpr int kKeyBits = 63;
-
   /** Points that share their leading bits, and how many of them are kept. */
   struct Run {
     std::size_t begin, end, kept;
   };
 
-  void pack(AlignedVector<std::uint64_t>& numbers) const
+  /** \param[out] finite the points the keys are of; empty where that is all. */
+  void makeKeys(AlignedVector<std::uint64_t>& keys, AlignedVector<std::uint32_t>& finite) const
   {
-    numbers.resize(blocks_.count());
+    keys.resize(blocks_.count());
+    if (!blocks_.allFinite()) finite.resize(keys.size());
     blocks_.forEach([&](std::size_t place, const PointBlock& block) {
-      std::uint64_t keys[PointBlock::kSize];
-      splat_kernels::mortonKeys(block.x, block.y, block.z, PointBlock::kSize, depth_, keys);
-      for (std::size_t k = 0; k < block.count; ++k) {
-        numbers[place + k] = keys[k] >> cut_ << point_bits_ | block.index[k];
-      }
+      std::uint64_t part[PointBlock::kSize];
+      splat_kernels::mortonKeys(block.x, block.y, block.z, PointBlock::kSize, depth_, part);
+      std::copy_n(part, block.count, keys.data() + place);
+      if (!finite.empty()) std::copy_n(block.index, block.count, finite.data() + place);
     });
-  }
-
-  void unpack(AlignedVector<std::uint64_t>& numbers, AlignedVector<std::uint32_t>& order) const
-  {
-    const std::uint64_t point = (std::uint64_t{1} << point_bits_) - 1;
-    order.resize(numbers.size());
-    octree_grid::forEachSlice(numbers.size(), threads_,
-                              [&](std::size_t, std::size_t begin, std::size_t end) {
-                                for (std::size_t i = begin; i < end; ++i) {
-                                  order[i] = static_cast<std::uint32_t>(numbers[i] & point);
-                                  numbers[i] = numbers[i] >> point_bits_ << cut_;
-                                }
-                              });
   }
 
   std::vector<Run> tiedRuns(const AlignedVector<std::uint64_t>& keys) const
@@ -123,8 +109,6 @@ class KeyOrder {
 
   const PointBlocks<T>& blocks_;
   int depth_, threads_;
-  int point_bits_ = 1;
-  int cut_;  ///< low bits of keys that do not fit
 };
 
 }  // namespace pcl_slim::detail

@@ -117,7 +117,7 @@ class OctreeCloudBuilder {
   void sort(const octree_grid::Reader<T>& read)
   {
     const PointBlocks<T> blocks = blocksIn(out_.frame_, read);
-    KeyOrder<T>(blocks, view_.count(), out_.depth_, threads_)
+    KeyOrder<T>(blocks, out_.depth_, threads_)
         .run(CanonicalOrder<T>(view_, colors_, read, blocks, out_.depth_), out_.keys_, out_.order_);
   }
 

@@ -36,6 +36,7 @@ class PointBlocks {
 
   /** How many points are finite. */
   std::size_t count() const { return first_.back(); }
+  bool allFinite() const { return count() == points_; }
 
   /** Runs body(place, block) for all blocks; place: finite points before them. */
   template <typename Body>
@@ -67,7 +68,7 @@ class PointBlocks {
  private:
   void fill(std::size_t begin, std::size_t end, PointBlock& block) const
   {
-    const bool all_finite = first_.back() == points_;
+    const bool all_finite = allFinite();
     const bool whole = end - begin == PointBlock::kSize && end < points_;
     if (all_finite && whole && fillWhole(begin, block)) return;
     if (all_finite) {

@@ -11,10 +11,21 @@ namespace pcl_slim {
 
 /** \brief Sorts fewer than 2^32 keys of 63 bits ascending, ties by their places.
  *
- * sortByBits() over the leading bits, then a comparison sort inside the short runs that share them.
+ * sortByLeadingBits(), then a comparison sort inside the short runs that share them.
  * O(N); same result for any number of threads. \param[out] order where each key stood. */
 void
 sortByKey(AlignedVector<std::uint64_t>& keys, AlignedVector<std::uint32_t>& order, int threads);
+
+/** \brief Sorts fewer than 2^32 keys of 63 bits by their leading bits, ties by their places.
+ *
+ * As sortByBits(), of numbers that hold a place and the bits below those the first pass tells, as many
+ * as fit: 52 bits in all of 10M keys, 63 of up to 4,095. Few points of a scan share them.
+ * \param[out] keys the other bits are 0. \param[out] order where each key stood. \return how many
+ * bits the others are. O(N) for Morton codes of surfaces and volumes, O(N log N) at worst; 8 bytes a
+ * key more; same result for any number of threads. */
+int
+sortByLeadingBits(AlignedVector<std::uint64_t>& keys, AlignedVector<std::uint32_t>& order,
+                  int threads);
 
 /** \brief Sorts fewer than 2^32 numbers by their bits [low, high), stably; bits above must be equal.
  *
@@ -25,16 +36,5 @@ sortByKey(AlignedVector<std::uint64_t>& keys, AlignedVector<std::uint32_t>& orde
  */
 void
 sortByBits(AlignedVector<std::uint64_t>& values, int low, int high, int threads);
-
-/** \brief The places [begin, end) of an array. */
-struct Stretch {
-  std::size_t begin, end;
-};
-
-/** \brief Sorts those numbers that stand in some stretches, in their order; values becomes them and
- * nothing else. Threads share the first pass by stretches. */
-void
-sortByBits(AlignedVector<std::uint64_t>& values, const std::vector<Stretch>& stretches, int low,
-           int high, int threads);
 
 }  // namespace pcl_slim
