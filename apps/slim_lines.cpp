@@ -16,7 +16,7 @@ namespace {
 
 using namespace pcl_slim;
 
-constexpr double kPeak = 2.5;  ///< a line's peak must stand out so many times as much as the rest
+constexpr double kPeak = 3.25;  ///< a line's peak must stand out so many times as much as the rest
 
 struct Settings {
   std::string input, output, json, surface, type = "both";
@@ -38,7 +38,7 @@ declareOptions(Settings& s)
   options.choice("type", &s.type, {"ridges", "ravines", "both"}, "which lines");
   options.number(
       "significance", &s.crest.significance, 0, 1e6,
-      "deviations of the noise that a line stands out, two and a half times that at its peak");
+      "deviations of the noise that a line stands out, and 3.25 times that at its peak");
   options.number("strength", &s.crest.min_strength, 0, 1e6,
                  "least integral of curvature along a line; raise it for fewer lines");
   options.number("length", &s.crest.min_length, 0, 1e6,

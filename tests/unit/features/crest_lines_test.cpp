@@ -94,6 +94,12 @@ TEST(CrestLines, NoiseOnASphereMakesNone)
   EXPECT_GT(fit.trace(all).numLines(), 0u) << "nothing was left out";
 }
 
+TEST(CrestLines, NoiseOnATorusMakesNone)
+{
+  // Half a radius aside k is noisy too: the larger of both sides once let this cloud's noise pass.
+  EXPECT_EQ(CrestFit("torus", 20000, 0.002, 31).trace().numLines(), 0u);
+}
+
 TEST(CrestLines, AreTheSameForAnyNumberOfThreads)
 {
   const CrestFit fit("bumpy", 10000, 0.0005);

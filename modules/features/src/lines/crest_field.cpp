@@ -177,16 +177,14 @@ CrestField::findProminence(CrestVertex* vertices, std::size_t count)
   if (!complete) probe_.evaluate(request, near);  // Half way is as far as the surface goes.
   for (std::size_t i = 0; i < count; ++i) {
     CrestVertex& v = vertices[i];
-    double beside = v.k;
-    bool any = false;
+    // The mean of both sides: the larger of two is the one that noise favours.
+    double beside = 0;
     for (std::size_t side = 2 * i; side < 2 * i + 2; ++side) {
       if (!near[side].supported) {
         beside = v.k;  // a border: nothing is known of that side
         break;
       }
-      const double k = kOf(far[side].supported ? far[side] : near[side], v.normal);
-      beside = any ? std::max(beside, k) : k;
-      any = true;
+      beside += 0.5 * kOf(far[side].supported ? far[side] : near[side], v.normal);
     }
     v.prominence = v.k - beside;
   }

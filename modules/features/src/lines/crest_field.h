@@ -59,7 +59,7 @@ class CrestField {
   /** Differences of k between sections nearer than this would tell noise. */
   double leastSpan(const CrestAxes& axes) const;
 
-  /** k less the larger k at half a radius to both sides along t; for up to eight vertices. */
+  /** k less the mean of k at half a radius to both sides along t; for up to eight vertices. */
   void findProminence(CrestVertex* vertices, std::size_t count);
 
   ProbeScale scaleAt(const Vector3& position, const Vector3& side)

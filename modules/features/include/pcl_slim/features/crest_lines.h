@@ -24,7 +24,7 @@ struct CrestParams {
   double significance = 2.0;
   /** ... and somewhere along that stretch, as a mean of seven vertices, this many; at least significance.
    * Noise alone makes an RMS of 1 to 2. */
-  double peak_significance = 5.0;
+  double peak_significance = 6.5;
   double min_strength = 0.0;  ///< integral of |k| ds of a line, no unit; the user's knob
   double min_length = 0.3;    ///< of a line, in mean radii of the leaves along it
   double step = 0.15;         ///< distance of vertices in radii of the leaves, in [.02, .5]
@@ -45,7 +45,7 @@ struct CrestLines {
   std::vector<std::array<float, 3>> normal;   ///< unit, the surface's
   std::vector<std::array<float, 3>> tangent;  ///< unit, along the line
   std::vector<float> k1, k2;                  ///< principal curvatures, 1/length; k1 >= k2
-  std::vector<float> prominence;              ///< |k| less that half a radius aside, 1/length
+  std::vector<float> prominence;              ///< |k| less its mean half a radius aside, 1/length
   std::vector<float> significance;            ///< prominence in deviations of the noise's
   std::vector<float> radius;                  ///< blended radius of the leaves
 
