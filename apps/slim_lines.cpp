@@ -36,9 +36,8 @@ declareOptions(Settings& s)
                      "the scan; its normals or faces are used if it has any");
   options.positional("OUT.vtp|.ply|.pcd|.svg", &s.output, "the lines");
   options.choice("type", &s.type, {"ridges", "ravines", "both"}, "which lines");
-  options.number(
-      "significance", &s.crest.significance, 0, 1e6,
-      "deviations of the noise that a line stands out, and 3.25 times that at its peak");
+  options.number("significance", &s.crest.significance, 0, 1e6,
+                 "deviations of the noise that a line stands out, and 3.25 times that at its peak");
   options.number("strength", &s.crest.min_strength, 0, 1e6,
                  "least integral of curvature along a line; raise it for fewer lines");
   options.number("length", &s.crest.min_length, 0, 1e6,

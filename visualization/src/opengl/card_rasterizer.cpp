@@ -230,6 +230,7 @@ CardRasterizer::findFirst(Pass& pass, int from)
   if (Error error = pass.begin(leafVertexShader(), firstPassShader())) return error;
   pass.addInto(GL_MIN);
   pass.texture("slimNearest", targets_.nearest[static_cast<std::size_t>(from)]);
+  pass.texture("slimTrims", leaves_.trims());
   pass.drawLeaves(pass.values.shrink, true);
   return {};
 }

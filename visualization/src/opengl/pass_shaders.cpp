@@ -78,9 +78,49 @@ void main()
 }
 )";
 
+/** What trim maps say. */
+constexpr const char* kTrims = R"(
+uniform isamplerBuffer slimTrims;
+uniform int slimTrimmed;
+
+// Weights of the node nearest to a coordinate and of its neighbours.
+vec3 slimSpline(float coordinate, int last, out int node)
+{
+  float x = clamp(0.5 * (coordinate + 1.0), 0.0, 1.0) * float(last);
+  node = int(x + 0.5);
+  float d = x - float(node);
+  return vec3(0.5 * (0.5 - d) * (0.5 - d), 0.75 - d * d, 0.5 * (0.5 + d) * (0.5 + d));
+}
+
+// How far outside of its data a leaf is: 0 inside, 1 outside, 1/2 on the border. A word holds the
+// nodes below, on and above a row in columns 8 q - 1 ... 8 q + 8, a bit each, set outside.
+float slimOutside(float u, float v)
+{
+  if (slimTrimmed == 0 || slimTrim.y == 0) return 0.0;
+  int column, row;
+  vec3 x = slimSpline(u, slimTrim.y - 1, column), y = slimSpline(v, slimTrim.y - 1, row);
+  int word = texelFetch(slimTrims, slimTrim.x + row * ((slimTrim.y + 7) / 8) + column / 8).x;
+  int code = (word >> (3 * (column & 7))) & 511;
+  float sum = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    ivec3 set = (ivec3(code) >> (ivec3(3 * i) + ivec3(0, 1, 2))) & 1;
+    sum += x[i] * dot(y, vec3(set));
+  }
+  return sum;
+}
+)";
+
 constexpr const char* kFirstPass = R"(
 uniform sampler2D slimNearest;   // rays begin here; below 0 where they are done
 uniform float slimReach;
+
+// Whether the leaf's own trim map has data on the ray.
+bool slimHasData(Leaf leaf, vec3 direction, float s)
+{
+  vec3 q = slimPart.z * (leaf.point + s * direction);
+  return slimOutside(dot(q, leaf.u), dot(q, leaf.v)) <= 0.5;
+}
+
 void main()
 {
   float nearest = texelFetch(slimNearest, ivec2(gl_FragCoord.xy), 0).x;
@@ -97,7 +137,8 @@ void main()
   vec4 roots = slimRoots(a, low, high);
   float first = kNoRoot;
   for (int i = 0; i < 4; ++i) {
-    if (roots[i] < first && slimFaces(a, roots[i])) first = roots[i];
+    float s = roots[i];
+    if (s < first && slimFaces(a, s) && slimHasData(leaf, direction, s)) first = s;
   }
   if (first == kNoRoot) discard;
   gl_FragData[0] = vec4(leaf.depth + first * leaf.radius);
@@ -142,35 +183,6 @@ float slimBlendedRoot(Leaf leaf, float a[5], float s_hat, out float s)
 )";
 
 constexpr const char* kBlendPass = R"(
-uniform isamplerBuffer slimTrims;
-uniform int slimTrimmed;
-
-// Weights of the node nearest to a coordinate and of its neighbours.
-vec3 slimSpline(float coordinate, int last, out int node)
-{
-  float x = clamp(0.5 * (coordinate + 1.0), 0.0, 1.0) * float(last);
-  node = int(x + 0.5);
-  float d = x - float(node);
-  return vec3(0.5 * (0.5 - d) * (0.5 - d), 0.75 - d * d, 0.5 * (0.5 + d) * (0.5 + d));
-}
-
-// How far outside of its data a leaf is: 0 inside, 1 outside, 1/2 on the border. A word holds the
-// nodes below, on and above a row in columns 8 q - 1 ... 8 q + 8, a bit each, set outside.
-float slimOutside(float u, float v)
-{
-  if (slimTrimmed == 0 || slimTrim.y == 0) return 0.0;
-  int column, row;
-  vec3 x = slimSpline(u, slimTrim.y - 1, column), y = slimSpline(v, slimTrim.y - 1, row);
-  int word = texelFetch(slimTrims, slimTrim.x + row * ((slimTrim.y + 7) / 8) + column / 8).x;
-  int code = (word >> (3 * (column & 7))) & 511;
-  float sum = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    ivec3 set = (ivec3(code) >> (ivec3(3 * i) + ivec3(0, 1, 2))) & 1;
-    sum += x[i] * dot(y, vec3(set));
-  }
-  return sum;
-}
-
 void slimJet(Leaf leaf, float u, float v, out vec2 g, out vec3 h)
 {
   g = vec2(leaf.c[1], leaf.c[2]);
@@ -322,9 +334,9 @@ const std::string kHead = "//VTK::System::Dec\n";
 const std::string kOutput = "//VTK::Output::Dec\n";
 
 std::string
-ofLeaves(const char* blended, const char* body)
+ofLeaves(const std::string& shared, const char* body)
 {
-  return kHead + kOutput + kCameraGlsl + kLeafGlsl + blended + body;
+  return kHead + kOutput + kCameraGlsl + kLeafGlsl + shared + body;
 }
 
 }  // namespace
@@ -347,13 +359,13 @@ frameVertexShader()
 std::string
 firstPassShader()
 {
-  return ofLeaves("", kFirstPass);
+  return ofLeaves(kTrims, kFirstPass);
 }
 
 std::string
 blendPassShader()
 {
-  return ofLeaves(kBlended, kBlendPass);
+  return ofLeaves(std::string(kBlended) + kTrims, kBlendPass);
 }
 
 std::string

@@ -9,7 +9,6 @@
 #endif
 
 #include "fast/block_passes-inl.h"
-#include "pcl_slim/surface/detail/trim_outside-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes {
@@ -149,15 +148,6 @@ addQuadraticDerivatives(const PassContext& context, const LeafRays& rays, const 
   }
 }
 
-/** A crossing's coordinate along an axis of the leaf's plane, in radii. */
-HWY_INLINE Vec
-inPlane(const LeafRays& rays, const Crossing& at, const float* axis, float along)
-{
-  const Vec p =
-      MulAdd(set(axis[0]), rays.x, MulAdd(set(axis[1]), rays.y, Mul(set(along), at.sigma)));
-  return Mul(p, at.inverse_m);
-}
-
 template <int D>
 HWY_INLINE void
 addDerivatives(const PassContext& context, const LeafRays& rays, const Block& block,
@@ -169,7 +159,8 @@ addDerivatives(const PassContext& context, const LeafRays& rays, const Block& bl
     addQuadraticDerivatives(context, rays, block, at, weight, sums);
   } else {
     constexpr int kSize = numCoefficients(D - 1);
-    const Vec u = inPlane(rays, at, leaf.u, leaf.uc), v = inPlane(rays, at, leaf.v, leaf.vc);
+    const Vec u = inPlane(rays, at.sigma, at.inverse_m, leaf.u, leaf.uc);
+    const Vec v = inPlane(rays, at.sigma, at.inverse_m, leaf.v, leaf.vc);
     const float* slopes = leaf.form() + FrameLeaf::formSize(D);
     const Vec hu = planeForm<D - 1>(slopes, u, v), hv = planeForm<D - 1>(slopes + kSize, u, v);
     for (int a = 0; a < 3; ++a) {
@@ -193,19 +184,6 @@ addLean(const LeafRays& rays, const Crossing& at, BlockSums& sums)
   sums.lean[2] = MulAdd(share, at.sigma, sums.lean[2]);
   const Mask counts = Gt(at.weight, set(0.0f));
   sums.leaves = Add(sums.leaves, IfThenElseZero(counts, set(1.0f)));
-}
-
-/** What an open leaf's trim map says of the crossings. */
-HWY_NOINLINE void
-addOutside(const LeafRays& rays, const Crossing& at, BlockSums& sums)
-{
-  const FrameLeaf& leaf = rays.leaf;
-  const Vec scale = set(leaf.trim_scale);
-  const Vec u = Mul(scale, inPlane(rays, at, leaf.u, leaf.uc));
-  const Vec v = Mul(scale, inPlane(rays, at, leaf.v, leaf.vc));
-  const Vec outside = byParts(
-      [&](auto pu, auto pv) HWY_ATTR { return outsideShares(Part(), leaf.trim, pu, pv); }, u, v);
-  sums.outside = MulAdd(at.weight, outside, sums.outside);
 }
 
 /** q^ in a leaf's coordinates. */
@@ -281,7 +259,9 @@ blendLeaf(const PassContext& context, const TileLeaf& place, const Block& block,
   const Mask better = Gt(at.weight, sums.best);
   sums.best = Max(sums.best, at.weight);
   sums.surfel = IfThenElse(better, setUint(leaf.surfel), sums.surfel);
-  if (!leaf.trim.closed()) addOutside(rays, at, sums);
+  if (!leaf.trim.closed()) {
+    sums.outside = MulAdd(at.weight, outsideOf(rays, at.sigma, at.inverse_m), sums.outside);
+  }
   addDerivatives<D>(context, rays, block, at, sums);
   if constexpr (WithLean) addLean(rays, at, sums);
 }

@@ -14,6 +14,7 @@
 #include "fast/near_leaf.h"
 #include "fast/root_lanes-inl.h"
 #include "fast/tile_blocks-inl.h"
+#include "pcl_slim/surface/detail/trim_outside-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes {
@@ -89,13 +90,45 @@ sigmaOf(const TileLeaf& at, Vec depth)
   return MulAdd(set(at.leaf->beta), depth, set(at.sigma));
 }
 
-/** Moves q^ of lanes whose root lies before it. */
-HWY_INLINE void
-moveForward(const TileLeaf& at, Mask found, Vec sigma, Block& block)
+/** A coordinate, in radii, along an axis of the leaf's plane of the points at sigma. */
+HWY_INLINE Vec
+inPlane(const LeafRays& rays, Vec sigma, Vec inverse_m, const float* axis, float along)
+{
+  const Vec p = MulAdd(set(axis[0]), rays.x, MulAdd(set(axis[1]), rays.y, Mul(set(along), sigma)));
+  return Mul(p, inverse_m);
+}
+
+/** What an open leaf's trim map says of the points at sigma. */
+HWY_NOINLINE Vec
+outsideOf(const LeafRays& rays, Vec sigma, Vec inverse_m)
+{
+  const FrameLeaf& leaf = rays.leaf;
+  const Vec scale = Mul(set(leaf.trim_scale), inverse_m);
+  const Vec u = inPlane(rays, sigma, scale, leaf.u, leaf.uc);
+  const Vec v = inPlane(rays, sigma, scale, leaf.v, leaf.vc);
+  return byParts(
+      [&](auto pu, auto pv) HWY_ATTR { return outsideShares(Part(), leaf.trim, pu, pv); }, u, v);
+}
+
+/** Those of some lanes in which the leaf's own trim map has data at sigma. */
+HWY_INLINE Mask
+haveData(const LeafRays& rays, Vec sigma, Mask some)
+{
+  if (rays.leaf.trim.closed() || AllFalse(some)) return some;
+  const Vec inverse_m = Div(set(1.0f), rays.scaleAt(sigma));
+  return And(some, Le(outsideOf(rays, sigma, inverse_m), set(0.5f)));
+}
+
+/** Moves q^ of lanes whose root lies before it. \return lanes that stay only as the leaf has no data
+ * at that root */
+HWY_INLINE Mask
+moveForward(const TileLeaf& at, const LeafRays& rays, Mask found, Vec sigma, Block& block)
 {
   const Vec depth = Mul(Sub(sigma, set(at.sigma)), set(at.leaf->inverse_beta));
-  found = And(found, And(Lt(depth, block.first), Ge(depth, block.nearest)));
-  block.first = IfThenElse(found, depth, block.first);
+  const Mask before = And(found, And(Lt(depth, block.first), Ge(depth, block.nearest)));
+  const Mask moved = haveData(rays, sigma, before);
+  block.first = IfThenElse(moved, depth, block.first);
+  return AndNot(moved, before);
 }
 
 /** Pass 1 of a quadratic leaf: roots in closed form, then whether they lie in the ball. */
@@ -107,7 +140,7 @@ firstOfQuadratic(const PassContext& context, const TileLeaf& at, Block& block)
   const QuadraticRoots roots(f, context.front_only);
   const Mask live = And(block.pending, roots.real);
   const auto take = [&](Vec sigma) HWY_ATTR {
-    moveForward(at, And(live, rays.inBall(sigma, context.first_sq)), sigma, block);
+    moveForward(at, rays, And(live, rays.inBall(sigma, context.first_sq)), sigma, block);
   };
   take(roots.falling);
   if (!context.front_only) take(roots.rising);
@@ -116,13 +149,19 @@ firstOfQuadratic(const PassContext& context, const TileLeaf& at, Block& block)
 /** Pass 1 of a cubic or quartic leaf in lanes where it may have several roots between low and high. */
 template <int D>
 HWY_NOINLINE void
-firstOfMany(const PassContext& context, const TileLeaf& at, RayPolynomials<D> f, Vec low, Vec high,
-            Mask open, Block& block)
+firstOfMany(const PassContext& context, const TileLeaf& at, const LeafRays& rays,
+            RayPolynomials<D> f, Vec low, Vec high, Mask open, Block& block)
 {
-  f.shift(low);
-  const FoundRoots roots = firstRootAlong<D>(f, Sub(high, low), context.front_only, open,
-                                             context.statistics.rays_bracketed);
-  moveForward(at, roots.found, Add(low, roots.at), block);
+  constexpr float kBeyond = 1e-3f;  // where the search goes on behind a root without data
+  Vec step = low;
+  while (!AllFalse(open)) {
+    f.shift(step);
+    const FoundRoots roots = firstRootAlong<D>(f, Sub(high, low), context.front_only, open,
+                                               context.statistics.rays_bracketed);
+    open = moveForward(at, rays, roots.found, Add(low, roots.at), block);
+    step = Add(roots.at, set(kBeyond));
+    low = Add(low, step);
+  }
 }
 
 /** Pass 1 of a cubic or quartic leaf. */
@@ -141,10 +180,10 @@ firstOfHigher(const PassContext& context, const TileLeaf& at, Block& block)
   const Stretch<D> stretch(f, low, Sub(high, low));
   const Mask one = And(open, stretch.one(context.front_only));
   if (!AllFalse(one)) {
-    moveForward(at, one, MulAdd(Sub(high, low), stretch.root(one), low), block);
+    moveForward(at, rays, one, MulAdd(Sub(high, low), stretch.root(one), low), block);
   }
   open = And(open, stretch.many());
-  if (!AllFalse(open)) firstOfMany<D>(context, at, f, low, high, open, block);
+  if (!AllFalse(open)) firstOfMany<D>(context, at, rays, f, low, high, open, block);
 }
 
 }  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes

@@ -64,9 +64,37 @@ struct LaneChords {
   }
 };
 
+/** The trim maps of some lanes' leaves. */
+struct LaneTrims {
+  const SLIMSurface& surface;
+  const std::uint32_t* surfels;
+
+  bool hasData(std::size_t lane, double u, double v) const
+  {
+    return outsideShare(surface.trimMap(surfels[lane]), u, v) <= 0.5;
+  }
+};
+
+/** Those of some lanes whose leaf's own trim map has data at s. */
+template <int D>
+HWY_INLINE Some
+haveData(const LaneTrims& trims, const LeafLines<D>& line, Lanes s, Some some)
+{
+  if (!trims.surface.hasTrimMaps()) return some;
+  const Lane d;
+  HWY_ALIGN float u[kWide], v[kWide], have[kWide] = {};
+  hn::Store(hn::MulAdd(s, line.du, line.u), d, u);
+  hn::Store(hn::MulAdd(s, line.dv, line.v), d, v);
+  for (unsigned bits = bitsOf(some); bits != 0; bits &= bits - 1) {
+    const auto k = static_cast<std::size_t>(__builtin_ctz(bits));
+    have[k] = trims.hasData(k, u[k], v[k]) ? 1.0f : 0.0f;
+  }
+  return hn::Gt(hn::Load(d, have), hn::Zero(d));
+}
+
 /** Roots of quadratic and linear leaves, in closed form without cancellation. */
 HWY_INLINE Lanes
-firstOfQuadratics(const LeafLines<2>& line, const LaneChords& chord)
+firstOfQuadratics(const LeafLines<2>& line, const LaneChords& chord, const LaneTrims& trims)
 {
   const Lanes zero = hn::Zero(Lane());
   const Lanes discriminant =
@@ -79,8 +107,8 @@ firstOfQuadratics(const LeafLines<2>& line, const LaneChords& chord)
   const Lanes one = hn::Div(line.a[0], q), other = hn::Div(q, line.a[2]);
   const auto counted = [&](Lanes s, Some falling) HWY_ATTR {
     const Lanes low = hn::IfThenElse(falling, chord.front, chord.behind);
-    const Some counts = hn::And(real, hn::And(hn::Ge(s, low), hn::Le(s, chord.high)));
-    return hn::IfThenElse(counts, s, all(kNever));
+    const Some on_chord = hn::And(real, hn::And(hn::Ge(s, low), hn::Le(s, chord.high)));
+    return hn::IfThenElse(haveData(trims, line, s, on_chord), s, all(kNever));
   };
   return hn::Min(counted(one, falls), counted(other, hn::Not(falls)));
 }
@@ -127,24 +155,33 @@ mayHaveRoots(const LeafLines<D>& line, Lanes low, Lanes high)
 /** Roots of cubics and quartics, isolated one by one where there may be any. */
 template <int D>
 HWY_INLINE Lanes
-firstOfHigher(const LeafLines<D>& line, const LaneChords& chord, std::uint64_t& bracketed)
+firstOfHigher(const LeafLines<D>& line, const LaneChords& chord, const LaneTrims& trims,
+              std::uint64_t& bracketed)
 {
   const Lane d;
   const Lanes low = hn::Min(chord.front, chord.behind);
   unsigned bits = bitsOf(hn::And(chord.inside, mayHaveRoots<D>(line, low, chord.high)));
   if (bits == 0) return all(kNever);
   HWY_ALIGN float a[D + 1][kWide], front[kWide], behind[kWide], high[kWide], root[kWide];
+  HWY_ALIGN float u[kWide], v[kWide], du[kWide], dv[kWide];
+  hn::Store(line.u, d, u);
+  hn::Store(line.v, d, v);
+  hn::Store(line.du, d, du);
+  hn::Store(line.dv, d, dv);
   for (int i = 0; i <= D; ++i) hn::Store(line.a[i], d, a[i]);
   hn::Store(chord.front, d, front);
   hn::Store(chord.behind, d, behind);
   hn::Store(chord.high, d, high);
   hn::Store(all(kNever), d, root);
   for (; bits != 0; bits &= bits - 1) {
-    const int k = __builtin_ctz(bits);
+    const auto k = static_cast<std::size_t>(__builtin_ctz(bits));
     double own[5] = {};
     for (int i = 0; i <= D; ++i) own[i] = a[i][k];
     ++bracketed;
-    root[k] = static_cast<float>(firstOfRoots(D, own, front[k], behind[k], high[k]));
+    const auto counts = [&](double s) {
+      return trims.hasData(k, u[k] + s * du[k], v[k] + s * dv[k]);
+    };
+    root[k] = static_cast<float>(firstOfRoots(D, own, front[k], behind[k], high[k], counts));
   }
   return hn::Load(d, root);
 }
@@ -156,11 +193,12 @@ struct LaneRoots {
   Lanes from_center_sq;  ///< squared distance of the root from the centre, in radii
 };
 
-/** First roots of leaves k, k + 1, ... of a block. \return false when there are none. */
+/** First roots of leaves k, k + 1, ... of a block at which their trim maps have data. \return false
+ * when there are none. */
 template <int D>
 HWY_INLINE bool
-firstRoots(const BlockLanes& block, const LocalRay& ray, float shrink, RayCounts& counts,
-           LaneRoots& roots)
+firstRoots(const BlockLanes& block, const LaneTrims& trims, const LocalRay& ray, float shrink,
+           RayCounts& counts, LaneRoots& roots)
 {
   const Triad p = block.place(ray.point), direction = everywhere(ray.direction);
   const LaneChords chord(ray, block.column(kBlockInverseRadius), p, direction, shrink);
@@ -169,25 +207,28 @@ firstRoots(const BlockLanes& block, const LocalRay& ray, float shrink, RayCounts
   counts.leaves_first += static_cast<std::uint64_t>(__builtin_popcount(bits));
   const LeafLines<D> line(block, LaneFrames(block), p, direction);
   if constexpr (D == 2)
-    roots.s = firstOfQuadratics(line, chord);
+    roots.s = firstOfQuadratics(line, chord, trims);
   else
-    roots.s = firstOfHigher<D>(line, chord, counts.bracketed);
+    roots.s = firstOfHigher<D>(line, chord, trims, counts.bracketed);
   const Lanes beyond = hn::Sub(roots.s, chord.middle);
   roots.from_center_sq = hn::MulAdd(beyond, beyond, chord.distance_sq);
   roots.radius = block.column(kBlockRadius);
   return true;
 }
 
-/** The same for a block's highest degree. */
+/** The same of lanes k, k + 1, ... of any block. */
 HWY_INLINE bool
-firstRootsOf(int degree, const BlockLanes& block, const LocalRay& ray, float shrink,
-             RayCounts& counts, LaneRoots& roots)
+firstRootsOf(const RayScene& scene, std::uint32_t b, std::size_t k, const LocalRay& ray,
+             float shrink, RayCounts& counts, LaneRoots& roots)
 {
-  switch (degree) {
+  const LeafBlocks::Head& head = scene.blocks.head(b);
+  const BlockLanes block{scene.blocks.columns(b), k};
+  const LaneTrims trims{scene.surface, head.surfel + k};
+  switch (head.degree) {
     case 1:
-    case 2: return firstRoots<2>(block, ray, shrink, counts, roots);
-    case 3: return firstRoots<3>(block, ray, shrink, counts, roots);
-    default: return firstRoots<4>(block, ray, shrink, counts, roots);
+    case 2: return firstRoots<2>(block, trims, ray, shrink, counts, roots);
+    case 3: return firstRoots<3>(block, trims, ray, shrink, counts, roots);
+    default: return firstRoots<4>(block, trims, ray, shrink, counts, roots);
   }
 }
 

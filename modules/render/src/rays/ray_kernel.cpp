@@ -47,13 +47,11 @@ firstDepth(const BlendContext& context, const BoundedRay& ray, const Line& line,
     return meetChildren(boxes, line, from, until, entry);
   };
   walkAlong(scene.tree, from, until, context.counts.nodes, meet, [&](std::uint32_t b) HWY_ATTR {
-    const LeafBlocks::Head& head = scene.blocks.head(b);
-    const LocalRay local(ray, head, nearest, best);
+    const LocalRay local(ray, scene.blocks.head(b), nearest, best);
     for (std::size_t k = 0; k < kWide; k += hn::Lanes(Lane())) {
       LaneRoots roots;
-      const BlockLanes block{scene.blocks.columns(b), k};
       const auto shrink = static_cast<float>(share);
-      if (!firstRootsOf(head.degree, block, local, shrink, context.counts, roots)) continue;
+      if (!firstRootsOf(scene, b, k, local, shrink, context.counts, roots)) continue;
       const Lanes depths = hn::Mul(roots.s, roots.radius);
       const double depth = local.depth + hn::GetLane(hn::MinOfLanes(Lane(), depths));
       if (!(depth < best)) continue;
@@ -158,13 +156,11 @@ anyRoot(const BlendContext& context, const BoundedRay& ray, const Line& line, do
     return meetChildren(boxes, line, from, until, entry);
   };
   walkAlong(scene.tree, from, until, context.counts.nodes, meet, [&](std::uint32_t b) HWY_ATTR {
-    const LeafBlocks::Head& head = scene.blocks.head(b);
-    const LocalRay local(ray, head, ray.nearest, ray.farthest);
+    const LocalRay local(ray, scene.blocks.head(b), ray.nearest, ray.farthest);
     for (std::size_t k = 0; k < kWide && !found; k += hn::Lanes(Lane())) {
       LaneRoots roots;
-      const BlockLanes block{scene.blocks.columns(b), k};
       const auto shrink = static_cast<float>(share);
-      if (!firstRootsOf(head.degree, block, local, shrink, context.counts, roots)) continue;
+      if (!firstRootsOf(scene, b, k, local, shrink, context.counts, roots)) continue;
       found = anyAccepted(context, ray, local.depth, roots, alone, accept);
     }
     return !found;

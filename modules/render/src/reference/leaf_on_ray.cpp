@@ -23,6 +23,13 @@ struct Chord {
   }
 };
 
+/** \brief Whether a leaf's own trim map has data at q, in radii from its centre. */
+bool
+hasData(const RaySurfel& surfel, const Vector3& q)
+{
+  return outsideShare(surfel.trim, dot(q, surfel.frame.u), dot(q, surfel.frame.v)) <= 0.5;
+}
+
 /** \brief Adds w grad f and w H of a leaf, turned by sign, in world axes. */
 void
 addDerivatives(const RaySurfel& surfel, const HeightJet& jet, double weight, BlendSum& sum)
@@ -81,6 +88,8 @@ firstRoot(const FrameRules& rules, const RaySurfel& surfel, const Ray& ray, doub
   const Roots roots = polynomial.roots(surfel.degree, chord.low, chord.high);
   for (int i = 0; i < roots.count; ++i) {
     if (rules.front_only && !(polynomial.slope(roots.at[i]) < 0.0)) continue;
+    const Vector3 q = along(approach.point, roots.at[i], ray.direction);
+    if (rules.trim && !hasData(surfel, q)) continue;
     return approach.depth + roots.at[i] * surfel.radius;
   }
   return kInfinity;

@@ -27,7 +27,8 @@ struct BlendSum {
   std::int32_t facing = 0;  ///< leaves seen from the front minus those seen from behind
 };
 
-/** \brief Depth of the first root of a leaf between two depths, or infinity. */
+/** \brief Depth of the first root of a leaf between two depths at which its own trim map has data, or
+ * infinity. */
 double
 firstRoot(const FrameRules& rules, const RaySurfel& surfel, const Ray& ray, double nearest,
           double limit, std::uint64_t& evaluated);

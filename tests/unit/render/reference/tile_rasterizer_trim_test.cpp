@@ -83,5 +83,23 @@ TEST(TrimmedPicture, NothingIsDrawnWhereNothingLiesBehind)
   EXPECT_LT(with, 2 * without / 3);
 }
 
+TEST(TrimmedPicture, RaysPassALeafWhereItHasNoDataWithoutABlend)
+{
+  const SLIMSurface surface = halfDiscs(2);
+  Camera camera = frontCamera(160, 120);
+  camera.projection = Camera::Projection::kOrthographic;
+  camera.view_height = 0.6;
+  for (const bool reference : {true, false}) {
+    RenderParams params;
+    params.reference = reference;
+    RenderStatistics trimmed, whole;
+    rendered(surface, camera, params, &trimmed);
+    params.trim = false;
+    rendered(surface, camera, params, &whole);
+    EXPECT_GT(trimmed.rays_blend, 0u);
+    EXPECT_LE(trimmed.rays_blend, whole.rays_blend) << (reference ? "reference" : "fast");
+  }
+}
+
 }  // namespace
 }  // namespace pcl_slim
