@@ -2,6 +2,7 @@
 // Every class says in one sentence that memory is short, whichever allocation fails, and works again
 // afterwards. The program's own operator new fails when it is told to.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <cmath>
@@ -70,11 +71,13 @@ namespace pcl_slim {
 namespace {
 
 pcl::PointCloud<pcl::PointXYZ>::Ptr
-wavyCloud()
+wavyCloud(int side = 30)
 {
   auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
-  for (int i = 0; i < 900; ++i) {
-    const float x = 0.03f * static_cast<float>(i % 30), y = 0.03f * static_cast<float>(i / 30);
+  const float spacing = 0.9f / static_cast<float>(side);
+  for (int i = 0; i < side * side; ++i) {
+    const float x = spacing * static_cast<float>(i % side);
+    const float y = spacing * static_cast<float>(i / side);
     cloud->push_back(pcl::PointXYZ(x, y, 0.1f * std::sin(6 * x) * std::cos(5 * y)));
   }
   return cloud;
@@ -87,7 +90,7 @@ void
 expectSentences(Door& door, const Work& work)
 {
   int failures = 0;
-  for (long k = 0; k < 2000000; k += 1 + k / 3) {
+  for (long k = 0; k < 2000000; k += 1 + k / 12) {
     left = k;
     bool done = false;
     try {
@@ -114,11 +117,52 @@ TEST(ShortMemory, AFitSaysSo)
 {
   SLIMFit<pcl::PointXYZ> fit;
   fit.setInputCloud(wavyCloud());
-  for (const unsigned int threads : {1u, 2u}) {
+  for (const unsigned int threads : {1u, 2u, 3u}) {
     fit.setNumberOfThreads(threads);
     SLIMSurface surface;
+    ASSERT_TRUE(fit.fit(surface)) << fit.getError().message;  // the pool of threads stands
     expectSentences(fit, [&] { return fit.fit(surface); });
   }
+}
+
+TEST(ShortMemory, AFitOfManyBallsSaysSo)
+{
+  SLIMFit<pcl::PointXYZ> fit;
+  fit.setInputCloud(wavyCloud(120));
+  fit.setNumberOfThreads(2);
+  SLIMSurface surface;
+  ASSERT_TRUE(fit.fit(surface)) << fit.getError().message;
+  expectSentences(fit, [&] { return fit.fit(surface); });
+}
+
+/** Fits while each of the first allocations fails in turn, among them those with which the pool of
+ * threads sets itself up once a process. \return how many fits there were until one went well */
+int
+fitsUntilPoolStands()
+{
+  SLIMFit<pcl::PointXYZ> fit;
+  fit.setInputCloud(wavyCloud(18));
+  fit.setNumberOfThreads(2);
+  SLIMSurface surface;
+  for (long k = 0; k < 4000; ++k) {
+    left = k;
+    const bool done = fit.fit(surface);
+    const bool reached = left.load() < 0;
+    left = -1;
+    if (!reached) return done ? static_cast<int>(k) : -1;
+  }
+  return 0;
+}
+
+TEST(ShortMemory, APoolOfThreadsThatCannotBeginDoesNotHang)
+{
+  GTEST_FLAG_SET(death_test_style, "threadsafe");  // a process in which no loop has run yet
+  EXPECT_EXIT(
+      {
+        alarm(60);
+        std::exit(fitsUntilPoolStands() > 100 ? 0 : 1);
+      },
+      testing::ExitedWithCode(0), "");
 }
 
 TEST(ShortMemory, ASmoothingSaysSo)

@@ -6,6 +6,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <new>
 #include <optional>
 #include <thread>
 
@@ -55,13 +56,30 @@ arenaOf(int threads)
   return *arena;
 }
 
+/** Whether oneTBB has set itself up. It does so once: where memory was short then, whoever calls it
+ * next waits for ever, so from then on loops run on their callers alone, with the same results. */
+bool
+poolStands()
+{
+  static const bool stands = [] {
+    try {
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+      return true;
+    } catch (const std::bad_alloc&) {
+      return false;
+    }
+  }();
+  return stands;
+}
+
 /** Threads that the pool grants; it would print a warning if asked for more. */
 int
 granted(int threads)
 {
+  if (threads <= 1 || !poolStands()) return 1;
   const std::size_t most =
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  return static_cast<int>(std::min(static_cast<std::size_t>(std::max(threads, 1)), most));
+  return static_cast<int>(std::min(static_cast<std::size_t>(threads), most));
 }
 
 }  // namespace

@@ -28,35 +28,17 @@ class LevelCover::Speculation {
   {
   }
 
-  /** One thread's share. */
+  /** One thread's share. An exception of any thread ends the shares of all. */
   void work(int thread)
   {
-    BallFitter& fitter = cover_.worker(thread).fitter;
-    std::uint32_t prepared = kNone;
-    std::unique_lock<std::mutex> lock(mutex_);
-    for (;;) {
-      keepDone();
-      Slot* const slot = take();
-      if (slot == nullptr) {
-        if (done_ || failed_) break;
-        changed_.wait(lock);
-        continue;
-      }
-      lock.unlock();
-      try {
-        prepare(fitter.nearby(), prepared, slot->cell);
-        slot->outcome = fitter.fit(slot->point, level_, slot->surfel);
-      } catch (...) {
-        lock.lock();
-        failed_ = true;
-        changed_.notify_all();
-        throw;
-      }
-      lock.lock();
-      slot->state = State::kDone;
+    try {
+      fitInTurn(cover_.worker(thread).fitter);
+    } catch (...) {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      failed_ = true;
       changed_.notify_all();
+      throw;
     }
-    changed_.notify_all();
   }
 
  private:
@@ -70,6 +52,29 @@ class LevelCover::Speculation {
     BallOutcome outcome = BallOutcome::kUnsupported;
     SurfelRecord surfel;
   };
+
+  /** Fits and keeps centres until none is left, or until another thread has failed. */
+  void fitInTurn(BallFitter& fitter)
+  {
+    std::uint32_t prepared = kNone;
+    std::unique_lock<std::mutex> lock(mutex_);
+    while (!failed_) {
+      keepDone();
+      Slot* const slot = take();
+      if (slot == nullptr) {
+        if (done_) break;
+        changed_.wait(lock);
+        continue;
+      }
+      lock.unlock();
+      prepare(fitter.nearby(), prepared, slot->cell);
+      slot->outcome = fitter.fit(slot->point, level_, slot->surfel);
+      lock.lock();
+      slot->state = State::kDone;
+      changed_.notify_all();
+    }
+    changed_.notify_all();
+  }
 
   void prepare(NearbyBlocks& nearby, std::uint32_t& prepared, std::uint32_t cell) const
   {
