@@ -17,7 +17,9 @@
 #include "render/frame_clock.h"
 #include "render/line_request.h"
 #include "render/model.h"
+#include "render/model_report.h"
 #include "render/picture_request.h"
+#include "render/region_request.h"
 #include "render/traced_request.h"
 #include "render/turntable.h"
 #include "render/view_request.h"
@@ -30,6 +32,7 @@ struct Settings {
   std::string input, output, sides = "auto", derivatives = "blended", save_camera, json;
   ViewRequest view;
   PictureRequest picture;
+  RegionRequest region;
   LineRequest lines;
   TracedRequest traced;
   double near_plane = 0.0, lod = 0.0;
@@ -57,6 +60,7 @@ declareOptions(Settings& s)
   table.integer("turntable", &s.turntable, 1, 10000,
                 "pictures all the way round: OUT_000.png, OUT_001.png ...");
   table.number("near", &s.near_plane, 0.0, 1e300, "cut away what is nearer than this");
+  s.region.declare(table);
   table.choice("sides", &s.sides, {"auto", "front", "both"}, "sides of the surface to draw");
   table.toggle("trim", &s.trim, "end a surface where its scan ended; 0: draw all of its balls");
   table.choice("derivatives", &s.derivatives, {"blended", "unity"},
@@ -85,17 +89,6 @@ sidesOf(const Settings& s)
                              : VisibleSides::kAuto;
 }
 
-/** What a picture of either kind cost. */
-template <typename Counts>
-void
-reportCounts(const Counts& counts, nlohmann::ordered_json& json)
-{
-  json.update({{"covered_pixels", counts.covered_pixels},
-               {"rays_first", counts.rays_first},
-               {"rays_blend", counts.rays_blend},
-               {"tile_entries", counts.tile_entries}});
-}
-
 RenderParams
 renderingOf(const Settings& s)
 {
@@ -103,6 +96,7 @@ renderingOf(const Settings& s)
   params.sides = sidesOf(s);
   params.near_plane = s.near_plane;
   params.lod = s.lod;
+  params.cuts = s.region.sides;
   params.derivatives =
       s.derivatives == "unity" ? Derivatives::kPartitionOfUnity : Derivatives::kBlended;
   params.reference = s.reference;
@@ -124,46 +118,20 @@ reportFrames(const Settings& s, SurfaceRenderer& renderer, const Camera& camera,
   return {};
 }
 
-void
-reportSurface(const Model& model, const RenderStatistics& counts, nlohmann::ordered_json& json)
-{
-  json.update({{"points", model.surface.info.num_points},
-               {"surfels", model.surface.size()},
-               {"leaves", model.surface.numLeaves()},
-               {"levels", model.surface.numLevels()},
-               {"degree", model.surface.info.degree}});
-  reportCounts(counts, json);
-  json["rays_bracketed"] = counts.rays_bracketed;
-  json["skipped"] = {{"outside_frustum", counts.outside_frustum},
-                     {"back_facing", counts.back_facing},
-                     {"below_detail", counts.below_detail},
-                     {"occluded_entries", counts.occluded_entries}};
-  json["coarse_surfels"] = counts.coarse_surfels;
-}
-
-void
-reportSplats(const Model& model, const DiscRenderStatistics& counts, nlohmann::ordered_json& json)
-{
-  const std::uint64_t covered = counts.covered_pixels;
-  json.update({{"splats", model.splats.size()}, {"gradient", !model.splats.gradient.empty()}});
-  reportCounts(counts, json);
-  json["overlap"] =
-      covered > 0 ? static_cast<double>(counts.blended) / static_cast<double>(covered) : 0.0;
-  json["skipped"] = {{"unusable", model.skipped},
-                     {"outside_frustum", counts.outside_frustum},
-                     {"back_facing", counts.back_facing}};
-}
+/** What is seen, and from where. */
+struct View {
+  BoundingSpheres object;
+  Camera camera;
+};
 
 /** Every picture of the turntable, each saved when it is drawn.
  * \param[in] draw Result<Image>(const Camera&) */
 template <typename Draw>
 Error
-renderTurns(const Settings& s, const Model& model, const Camera& camera, double& save_seconds,
-            const Draw& draw)
+renderTurns(const Settings& s, const View& view, double& save_seconds, const Draw& draw)
 {
-  const BoundingSpheres object = model.spheres();
   for (int turn = 0; turn < s.turntable; ++turn) {
-    const Result<Image> image = draw(turnedCamera(camera, object, turn, s.turntable));
+    const Result<Image> image = draw(turnedCamera(view.camera, view.object, turn, s.turntable));
     if (!image) return image.error();
     const Stopwatch watch;
     if (Error error = saveImage(turntablePath(s.output, turn, s.turntable), *image)) return error;
@@ -183,27 +151,27 @@ withLines(const Settings& s, SurfaceRenderer& renderer, const Camera& camera, Re
 }
 
 Error
-renderSurfaceModel(const Settings& s, const Model& model, const Camera& camera, Report& report,
+renderSurfaceModel(const Settings& s, const Model& model, const View& view, Report& report,
                    double& save_seconds)
 {
   SurfaceRenderer renderer(model.surface, s.threads);
   const ShadingParams shading = s.picture.shadingFor(false, s.threads);
   RenderStatistics total;
   std::size_t lines = 0;
-  Error error = renderTurns(s, model, camera, save_seconds, [&](const Camera& turned) {
+  Error error = renderTurns(s, view, save_seconds, [&](const Camera& turned) {
     RenderStatistics counts;
     auto image = renderPicture(renderer, turned, renderingOf(s), shading, &counts);
     total += counts;
     return withLines(s, renderer, turned, std::move(image), lines);
   });
   if (s.lines.any()) report.json()["lines"] = lines;
-  if (!error) error = reportFrames(s, renderer, camera, report);
+  if (!error) error = reportFrames(s, renderer, view.camera, report);
   reportSurface(model, total, report.json());
   return error;
 }
 
 Error
-renderSplatModel(const Settings& s, const Model& model, const Camera& camera, Report& report,
+renderSplatModel(const Settings& s, const Model& model, const View& view, Report& report,
                  double& save_seconds)
 {
   DiscRenderParams params;
@@ -214,7 +182,7 @@ renderSplatModel(const Settings& s, const Model& model, const Camera& camera, Re
   params.threads = s.threads;
   const ShadingParams shading = s.picture.shadingFor(true, s.threads);
   DiscRenderStatistics total;
-  Error error = renderTurns(s, model, camera, save_seconds, [&](const Camera& turned) {
+  Error error = renderTurns(s, view, save_seconds, [&](const Camera& turned) {
     DiscRenderStatistics counts;
     auto image = renderPicture(model.splats, turned, params, shading, &counts);
     total += counts;
@@ -224,19 +192,6 @@ renderSplatModel(const Settings& s, const Model& model, const Camera& camera, Re
   return error;
 }
 
-void
-reportTraced(const Model& model, const TraceStatistics& counts, nlohmann::ordered_json& json)
-{
-  json.update({{model.is_splats ? "splats" : "leaves", counts.leaves},
-               {"covered_pixels", counts.covered_pixels},
-               {"rays_primary", counts.rays_primary},
-               {"rays_shadow", counts.rays_shadow},
-               {"rays_occlusion", counts.rays_occlusion},
-               {"tested_first", counts.tested_first},
-               {"tested_blend", counts.tested_blend},
-               {"tested_per_ray", counts.testedPerRay()}});
-}
-
 TraceParams
 tracingOf(const Settings& s)
 {
@@ -244,6 +199,7 @@ tracingOf(const Settings& s)
   TraceParams params;
   params.sides = sidesOf(s);
   params.near_plane = s.near_plane;
+  params.cuts = s.region.sides;
   params.filtered = s.filtered;
   params.occlusion_rays = s.picture.occlusion > 0.0 ? kOcclusionRays : 0;
   params.threads = s.threads;
@@ -251,7 +207,7 @@ tracingOf(const Settings& s)
 }
 
 Error
-renderTracedModel(const Settings& s, const Model& model, const Camera& camera, Report& report,
+renderTracedModel(const Settings& s, const Model& model, const View& view, Report& report,
                   double& save_seconds, Progress& progress)
 {
   RayTracer tracer =
@@ -263,7 +219,7 @@ renderTracedModel(const Settings& s, const Model& model, const Camera& camera, R
   if (s.lines.any()) renderer.emplace(model.surface, s.threads);
   std::size_t lines = 0;
   TraceStatistics total;
-  Error error = renderTurns(s, model, camera, save_seconds, [&](const Camera& turned) {
+  Error error = renderTurns(s, view, save_seconds, [&](const Camera& turned) {
     params.lights = s.traced.lightsFor(turned);
     TraceStatistics counts;
     auto image = renderTracedPicture(tracer, turned, params, shading, &counts, &progress);
@@ -301,7 +257,7 @@ statusOf(const Error& error)
 
 /** Draws and saves, and notes how long each took. */
 Error
-renderModel(const Settings& s, const Model& model, const Camera& camera, Console& console,
+renderModel(const Settings& s, const Model& model, const View& view, Console& console,
             Report& report)
 {
   console.begin("Rendering " + s.view.size_text);
@@ -309,8 +265,8 @@ renderModel(const Settings& s, const Model& model, const Camera& camera, Console
   double save_seconds = 0.0;
   const auto render = model.is_splats ? renderSplatModel : renderSurfaceModel;
   Error error = s.picture.isTraced()
-                    ? renderTracedModel(s, model, camera, report, save_seconds, console.progress())
-                    : render(s, model, camera, report, save_seconds);
+                    ? renderTracedModel(s, model, view, report, save_seconds, console.progress())
+                    : render(s, model, view, report, save_seconds);
   if (error) return error;
   const double seconds = watch.seconds() - save_seconds;
   const auto covered = report.json()["covered_pixels"].get<std::uint64_t>();
@@ -319,7 +275,7 @@ renderModel(const Settings& s, const Model& model, const Camera& camera, Console
   report.time("save", save_seconds);
   console.begin("Saving " + s.output);
   console.done(save_seconds, s.view.size_text + " pixels");
-  return s.save_camera.empty() ? Error{} : saveCamera(s.save_camera, camera);
+  return s.save_camera.empty() ? Error{} : saveCamera(s.save_camera, view.camera);
 }
 
 int
@@ -353,10 +309,13 @@ run(const Settings& s)
   if (Error error = checkMemory(bytesOfPicture(s), "a picture of " + s.view.size_text))
     return fail(console, kExitFailed, error);
   const ShadingParams shading = s.picture.shadingFor(model->is_splats, 1);
-  ViewRequest view = s.view;
-  if (shading.color_bar && showsNumbers(shading.mode)) view.right_margin = colorBarShare(view.size);
-  const Camera camera = view.cameraFor(model->spheres());
-  if (Error error = renderModel(s, *model, camera, console, report)) {
+  ViewRequest request = s.view;
+  if (shading.color_bar && showsNumbers(shading.mode))
+    request.right_margin = colorBarShare(request.size);
+  const Result<BoundingSpheres> object = s.region.apply(*model);
+  if (!object) return fail(console, kExitUsage, object.error());
+  const Camera camera = request.cameraFor(*object);
+  if (Error error = renderModel(s, *model, {*object, camera}, console, report)) {
     return fail(console, statusOf(error), error);
   }
   report.json()["camera"] = {
@@ -377,6 +336,7 @@ main(int argc, char** argv)
   Error error = settings.view.parse();
   if (!error) error = settings.picture.parse();
   if (!error && settings.picture.mode == "sketch") settings.lines.drawAlone(settings.picture);
+  if (!error) error = settings.region.parse();
   if (!error) error = settings.lines.load();
   if (!error) error = settings.traced.parse();
   if (!error) error = checkImageExtension(settings.output);

@@ -6,12 +6,12 @@
 
 namespace pcl_slim {
 
-/** \brief A number as people write it: six significant digits at most, no needless zeros. */
+/** \brief A number as people write it: so many significant digits at most, no needless zeros. */
 inline std::string
-numberText(double value)
+numberText(double value, int digits = 6)
 {
   char text[32];
-  std::snprintf(text, sizeof(text), "%.6g", value);
+  std::snprintf(text, sizeof(text), "%.*g", digits, value);
   return text;
 }
 

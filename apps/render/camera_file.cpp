@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <vector>
 
+#include "common/number_list.h"
 #include "pcl_slim/core/file_access.h"
-#include "render/number_list.h"
 
 namespace pcl_slim {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "render/number_list.h"
+#include "common/number_list.h"
 
 namespace pcl_slim {
 

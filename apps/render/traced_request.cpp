@@ -3,7 +3,7 @@
 
 #include <sstream>
 
-#include "render/number_list.h"
+#include "common/number_list.h"
 
 namespace pcl_slim {
 namespace {

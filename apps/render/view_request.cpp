@@ -4,9 +4,9 @@
 #include <cstdio>
 #include <map>
 
+#include "common/number_list.h"
 #include "pcl_slim/render/auto_view.h"
 #include "render/camera_file.h"
-#include "render/number_list.h"
 
 namespace pcl_slim {
 namespace {

@@ -32,6 +32,18 @@ same shaded.png "with space/shaded.png"
 expect 0 '' pcl_slim_render surface.slim whole.png $small -trim 0
 expect 0 '' pcl_slim_render surface.pcd points.png $small -trim 0
 same whole.png points.png
+# A part: framed by itself, the rest left out and counted, the same bytes with and without skipping.
+expect 0 '' pcl_slim_render surface.slim part.png $small -region -1,-1,0.3,1,1,9 -json part.json
+differ shaded.png part.png
+grep -q '"outside_region": [1-9]' part.json || complain "-region leaves nothing out"
+expect 0 '' pcl_slim_render surface.slim again.png $small -region -1,-1,0.3,1,1,9 -skip 0 -threads 3
+same part.png again.png
+expect 0 '' pcl_slim_render surface.slim again.png $small -region -1,-1,0.3,1,1,9 -mode raytraced
+expect 2 'give a part of' pcl_slim_render surface.slim none.png $small -region 7,7,7,8,8,8
+for box in 0,0,0,1,1 0,0,0,1,1,0 0,0,0,1,1,nan here; do
+  expect 2 'lowest and the highest corner' pcl_slim_render surface.slim none.png -region "$box"
+done
+absent none.png
 for key in program version input points threads total load render peak_rss_mb leaves levels \
   covered_pixels outside_frustum camera; do
   grep -q "\"$key\"" report.json || complain "the report lacks $key"

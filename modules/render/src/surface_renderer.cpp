@@ -76,7 +76,7 @@ SurfaceRenderer::render(const Camera& camera, const RenderParams& params, GBuffe
   const bool in_space = params.derivatives == Derivatives::kPartitionOfUnity;
   const unsigned columns = params.columns | (in_space ? unsigned{kPositionColumn} : 0u);
   RenderStatistics counts;
-  if (params.reference || !params.cuts.empty()) {
+  if (params.reference) {
     buffer.resize(camera.size.width, camera.size.height, columns);
     renderReference(state_->surface, camera, rules, buffer, counts);
   } else {

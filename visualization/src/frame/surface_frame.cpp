@@ -12,7 +12,7 @@ SurfaceFrames::render(const Camera& camera, const FrameRequest& request, GBuffer
   params.threads = request.threads;
   params.columns =
       kPositionColumn | kCurvatureColumn | kLeafColumns | kResidualColumn | request.columns;
-  params.lod = request.clip_planes.empty() ? request.lod : 0.0;
+  params.lod = request.lod;
   params.trim = request.trim;
   params.cuts = request.clip_planes;
   return renderer_.render(camera, params, buffer);

@@ -15,40 +15,6 @@ using namespace detail;
 
 vtkStandardNewMacro(SplatMapper)
 
-namespace {
-bool
-isKept(const SplatSet& splats, std::size_t i, const std::vector<HalfSpace>& planes)
-{
-  return std::all_of(planes.begin(), planes.end(), [&](const HalfSpace& plane) {
-    return plane.normal[0] * (splats.origin[0] + double{splats.x[i]}) +
-               plane.normal[1] * (splats.origin[1] + double{splats.y[i]}) +
-               plane.normal[2] * (splats.origin[2] + double{splats.z[i]}) >=
-           plane.offset;
-  });
-}
-
-/** \brief The splats whose centres the planes keep. */
-SplatSet
-keptSplats(const SplatSet& splats, const std::vector<HalfSpace>& planes)
-{
-  SplatSet kept = splats;
-  std::size_t n = 0;
-  for (std::size_t i = 0; i < splats.size(); ++i) {
-    if (!isKept(splats, i, planes)) continue;
-    for (auto column : {&SplatSet::x, &SplatSet::y, &SplatSet::z, &SplatSet::nx, &SplatSet::ny,
-                        &SplatSet::nz, &SplatSet::radius}) {
-      (kept.*column)[n] = (splats.*column)[i];
-    }
-    kept.rgb[n] = splats.rgb[i];
-    if (!splats.gradient.empty()) kept.gradient[n] = splats.gradient[i];
-    ++n;
-  }
-  kept.resize(n, !splats.gradient.empty());
-  return kept;
-}
-
-}  // namespace
-
 bool
 SplatMapper::setSplats(std::shared_ptr<const SplatSet> splats)
 {
@@ -78,7 +44,7 @@ SplatMapper::rasterize(const Camera& camera, const FrameRequest& request, GBuffe
   params.near_plane = request.near_plane;
   params.threads = request.threads;
   if (request.clip_planes.empty()) return renderDiscs(*splats_, camera, params, buffer);
-  return renderDiscs(keptSplats(*splats_, request.clip_planes), camera, params, buffer);
+  return renderDiscs(splatsWithin(*splats_, request.clip_planes), camera, params, buffer);
 }
 
 std::array<double, 2>

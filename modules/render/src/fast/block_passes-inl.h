@@ -47,8 +47,9 @@ struct Block {
   Vec direction_x, direction_y;  ///< rays (x, y, 1); 0 if parallel
   Vec slant;                     ///< length of a ray's step to the next unit of z
   Vec near_plane;                ///< depth
-  Vec nearest;                   ///< pass 1 looks no nearer than this
-  Vec first;                     ///< of q^; infinity where nothing was met
+  Vec nearest;                   ///< pass 1 looks no nearer than this ...
+  Vec farthest;                  ///< ... and no farther
+  Vec first;                     ///< of q^; farthest where nothing was met
   Vec z;                         ///< of q^; 1 if parallel
   Mask pending;
 };

@@ -67,6 +67,7 @@ countHidden(bool are_leaves, const std::uint64_t* hidden, RenderStatistics& stat
   if (!are_leaves) return;
   const auto of = [&](Visibility v) { return hidden[static_cast<std::size_t>(v)]; };
   statistics.outside_frustum += of(Visibility::kOutside);
+  statistics.outside_region += of(Visibility::kCutAway);
   statistics.back_facing += of(Visibility::kBackFacing);
   statistics.below_detail += of(Visibility::kTooSmall);
 }
@@ -155,7 +156,7 @@ FastRasterizer::setUp(const FrameView& view, const FrameRules& rules, const Ball
                       RenderStatistics& statistics)
 {
   const VisibilityRules visible{rules.front_only && rules.skip,
-                                DetailRule{static_cast<float>(rules.lod)}};
+                                DetailRule{static_cast<float>(rules.lod)}, rules.cuts};
   findClusters(view, visible, rules.threads, statistics);
   trim_ = rules.trim;
   leaf_shape_ = {1.0f, static_cast<float>(1.0 / (rules.cover_radius * rules.cover_radius))};
@@ -223,7 +224,9 @@ FastRasterizer::draw(const Camera& camera, const FrameRules& rules, unsigned col
   bin(view);
   statistics.tile_entries += tiles_.entries.size();
 
-  const FrameScene scene{surface_, view, rays, rules, shares, columns, records_, stride_, tiles_};
+  const std::vector<FrameCut> cuts = frameCuts(view, rules.cuts);
+  const FrameScene scene{surface_, view,    rays,     rules,   cuts,
+                         shares,   columns, records_, stride_, tiles_};
   const auto threads = static_cast<std::size_t>(rules.threads);
   if (scratch_.size() < threads) scratch_.resize(threads);
   std::vector<RenderStatistics> parts(threads);

@@ -6,6 +6,7 @@
 
 #include "camera/camera_rays.h"
 #include "fast/frame_view.h"
+#include "fast/setup/frame_cuts.h"
 #include "fast/setup/frame_leaf.h"
 #include "fast/setup/leaf_setup.h"
 #include "pcl_slim/core/aligned.h"
@@ -33,6 +34,7 @@ struct FrameScene {
   const FrameView& view;
   const CameraRays& rays;  ///< the same camera in double, for surfels too near for records
   const FrameRules& rules;
+  const std::vector<FrameCut>& cuts;  ///< of the rules, as this view's rays meet them
   BallShares shares;
   unsigned columns;  ///< GBufferColumn bits
   const AlignedVector<std::uint8_t>& records;

@@ -23,6 +23,32 @@ namespace lanes {
 constexpr int kMaxLayers = 8;        ///< how often a ray may pass through uncovered flaps
 constexpr float kLayerStep = 0.05f;  ///< of a leaf's radius, as the reference steps
 
+/** Bounds a block's rays to what the frame's half spaces leave of them. */
+HWY_NOINLINE void
+cut(const PassContext& context, Block& block)
+{
+  const double x = firstLane(block.slope_x), y = firstLane(block.slope_y);
+  const Vec from_x = Sub(block.slope_x, set(firstLane(block.slope_x)));
+  const Vec from_y = Sub(block.slope_y, set(firstLane(block.slope_y)));
+  for (const FrameCut& half : context.scene.cuts) {
+    const double first =
+        half.by_x * x + half.by_y * y + half.rest + half.gain * double{context.tile.depth};
+    const Vec inside =
+        MulAdd(set(static_cast<float>(half.by_x)), from_x,
+               MulAdd(set(static_cast<float>(half.by_y)), from_y, set(static_cast<float>(first))));
+    if (half.gain == 0.0) {
+      block.pending = And(block.pending, Ge(inside, set(0.0f)));
+      continue;
+    }
+    const Vec bound = Mul(inside, set(static_cast<float>(-1.0 / half.gain)));
+    if (half.gain > 0.0)
+      block.nearest = Max(block.nearest, bound);
+    else
+      block.farthest = Min(block.farthest, bound);
+  }
+  block.pending = And(block.pending, Lt(block.nearest, block.farthest));
+}
+
 /** The rays of a block whose upper left pixel stands at (x, y) of a tile. */
 Block
 blockAt(const PassContext& context, int x, int y)
@@ -58,10 +84,12 @@ blockAt(const PassContext& context, int x, int y)
     }
   }
   block.nearest = block.near_plane;
-  block.first = set(kInfinite);
+  block.farthest = set(kInfinite);
   block.z = set(1.0f);
   block.pending = And(Lt(block.dx, set(static_cast<float>(tile.width))),
                       Lt(block.dy, set(static_cast<float>(tile.height))));
+  if (!context.scene.cuts.empty()) cut(context, block);
+  block.first = block.farthest;
   return block;
 }
 
@@ -215,7 +243,7 @@ lookBehind(const PassContext& context, Mask uncovered, const BlockSums& sums, Bl
     nearest = Sub(Div(set(-1.0f), z), set(context.tile.depth));
   }
   block.nearest = IfThenElse(uncovered, nearest, block.nearest);
-  block.first = set(kInfinite);
+  block.first = block.farthest;
   block.pending = uncovered;
 }
 
@@ -239,7 +267,7 @@ keep(Mask settled, const BlockSums& sums, const Block& block, BlockSums& kept, V
 HWY_INLINE void
 prepareBlend(const PassContext& context, Block& block)
 {
-  const Mask met = And(block.pending, Lt(block.first, set(kInfinite)));
+  const Mask met = And(block.pending, Lt(block.first, block.farthest));
   block.pending = met;
   block.first = IfThenElseZero(met, block.first);
   if (context.scene.view.perspective) {

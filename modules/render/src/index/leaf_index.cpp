@@ -8,6 +8,7 @@
 #include "pcl_slim/cloud/morton_sort.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/surface/detail/detail_sizes.h"
+#include "tiles/half_spaces.h"
 
 namespace pcl_slim::detail {
 namespace {
@@ -95,6 +96,9 @@ visibilityOf(const FrameView& view, const LeafNode& node, const VisibilityRules&
 {
   const Seen p(view, node.center);
   if (outsideFrustum(view, p, node.radius)) return Visibility::kOutside;
+  if (isCutAway(rules.cuts, {node.center[0], node.center[1], node.center[2]}, node.radius)) {
+    return Visibility::kCutAway;
+  }
   if (rules.detail.active()) {
     const double lod = 0.5 * rules.detail.lod * view.pixel;  // radii on the plane z = 1
     const double near = view.perspective ? p.z - node.radius : 1.0;

@@ -7,6 +7,7 @@
 #include "fast/frame_view.h"
 #include "index/detail_rule.h"
 #include "pcl_slim/core/aligned.h"
+#include "pcl_slim/render/render_params.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim::detail {
@@ -28,11 +29,12 @@ struct LeafNode {
 enum class Visibility : std::uint8_t {
   kVisible,
   kOutside,
+  kCutAway,  ///< outside of a half space
   kBackFacing,
   kTooSmall,  ///< a coarser surfel stands for it
   kTooLarge,  ///< its descendants stand for it
 };
-constexpr int kVisibilities = 5;
+constexpr int kVisibilities = 6;
 
 /** \brief Which surfels of a surface an index holds. */
 enum class IndexedSurfels : std::uint8_t { kLeaves, kInternal };
@@ -41,6 +43,7 @@ enum class IndexedSurfels : std::uint8_t { kLeaves, kInternal };
 struct VisibilityRules {
   bool front_only;  ///< leave out what is turned away
   DetailRule detail;
+  const std::vector<HalfSpace>& cuts;  ///< local coordinates, unit normals
 };
 
 /** \brief A surface's leaves, or its internal surfels level by level, along a space-filling curve,

@@ -5,31 +5,16 @@
 #include <limits>
 
 #include "reference/leaf_on_ray.h"
+#include "tiles/half_spaces.h"
 
 namespace pcl_slim::detail {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/** \brief Depth at which a ray has entered every half space; infinity when it never does. */
+/** \brief Largest first depth of the pixels to look at: as far as they see until each has one. */
 double
-entryDepth(const std::vector<HalfSpace>& cuts, const Ray& ray, double nearest)
-{
-  for (const HalfSpace& cut : cuts) {
-    const double inside = dot(cut.normal, ray.origin) - cut.offset;
-    const double slope = dot(cut.normal, ray.direction);
-    if (slope > 0.0) {
-      nearest = std::max(nearest, -inside / slope);
-    } else if (inside < 0.0) {
-      return kInfinity;
-    }
-  }
-  return nearest;
-}
-
-/** \brief Largest first depth of the pixels to look at: infinity until each has one. */
-double
-farthest(const Tile& tile)
+farthestFirst(const Tile& tile)
 {
   double depth = 0.0;
   for (int y = tile.pending.y0; y <= tile.pending.y1; ++y) {
@@ -52,18 +37,20 @@ Tile::begin(const FrameContext& frame, const ImageSize& size, std::size_t t)
   width = std::min(kTileSize, size.width - x0);
   height = std::min(kTileSize, size.height - y0);
   rays.resize(kTileSize * kTileSize);
-  first_depth.assign(kTileSize * kTileSize, kInfinity);
   nearest.assign(kTileSize * kTileSize, frame.rules.near_plane);
+  farthest.assign(kTileSize * kTileSize, kInfinity);
   is_pending.assign(kTileSize * kTileSize, 1);
   sums.assign(kTileSize * kTileSize, BlendSum());
   pending = {x0, y0, x0 + width - 1, y0 + height - 1};
   for (int y = y0; y < y0 + height; ++y) {
     for (int x = x0; x < x0 + width; ++x) {
       const Ray ray = rays[index(x, y)] = frame.rays.ray(x, y);
-      if (!frame.rules.cuts.empty())
-        nearest[index(x, y)] = entryDepth(frame.rules.cuts, ray, frame.rules.near_plane);
+      const RayStretch seen = within(frame.rules.cuts, ray, {frame.rules.near_plane, kInfinity});
+      nearest[index(x, y)] = seen.near;
+      farthest[index(x, y)] = seen.far;
     }
   }
+  first_depth = farthest;
 }
 
 PixelRect
@@ -82,7 +69,7 @@ findFirstIntersections(const FrameContext& frame, std::size_t t, Tile& tile,
   for (std::uint64_t e = bins.begin[t]; e < bins.begin[t + 1]; ++e) {
     const VisibleLeaf& leaf = bins.leaves[bins.entries[e]];
     if (frame.rules.skip && (e - bins.begin[t]) % kLookEvery == 0 &&
-        leaf.nearest > farthest(tile)) {
+        leaf.nearest > farthestFirst(tile)) {
       statistics.occluded_entries += bins.begin[t + 1] - e;
       return;  // entries are sorted: every later one is as far
     }
@@ -106,8 +93,8 @@ gatherBlends(const FrameContext& frame, std::size_t t, Tile& tile, RenderStatist
 {
   const SurfelBins& bins = frame.bins;
   double last = 0.0;
-  for (const double depth : tile.first_depth) {
-    if (depth < kInfinity) last = std::max(last, depth);
+  for (std::size_t i = 0; i < tile.first_depth.size(); ++i) {
+    if (tile.first_depth[i] < tile.farthest[i]) last = std::max(last, tile.first_depth[i]);
   }
   for (std::uint64_t e = bins.begin[t]; e < bins.begin[t + 1]; ++e) {
     const VisibleLeaf& leaf = bins.leaves[bins.entries[e]];
@@ -119,7 +106,7 @@ gatherBlends(const FrameContext& frame, std::size_t t, Tile& tile, RenderStatist
       for (int x = rect.x0; x <= rect.x1; ++x) {
         const std::size_t pixel = tile.index(x, y);
         const double first = tile.first_depth[pixel];
-        if (!tile.is_pending[pixel] || !(first < kInfinity)) continue;
+        if (!tile.is_pending[pixel] || !(first < tile.farthest[pixel])) continue;
         blendLeaf(frame.rules, frame.surface.info.blend_kernel, surfel, leaf.surfel,
                   tile.rays[pixel], first, tile.sums[pixel], statistics.rays_blend);
       }
@@ -146,7 +133,7 @@ peelUncovered(const FrameContext& frame, Tile& tile)
         continue;
       }
       tile.nearest[pixel] = tile.first_depth[pixel] + kStep * frame.surface.radius[sum.surfel];
-      tile.first_depth[pixel] = kInfinity;
+      tile.first_depth[pixel] = tile.farthest[pixel];
       sum = BlendSum();
       left = {std::min(left.x0, x), std::min(left.y0, y), std::max(left.x1, x),
               std::max(left.y1, y)};

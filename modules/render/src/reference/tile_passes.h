@@ -25,8 +25,9 @@ struct FrameContext {
 struct Tile {
   int x0 = 0, y0 = 0, width = 0, height = 0;
   std::vector<Ray> rays;
-  std::vector<double> first_depth;  ///< t^ of pass 1, infinity where nothing was met
-  std::vector<double> nearest;      ///< pass 1 looks no nearer than this
+  std::vector<double> first_depth;  ///< t^ of pass 1; farthest where nothing was met
+  std::vector<double> nearest;      ///< pass 1 looks no nearer than this ...
+  std::vector<double> farthest;     ///< ... and no farther
   std::vector<BlendSum> sums;
   PixelRect pending;  ///< holds every pixel the next passes have to look at
   std::vector<std::uint8_t> is_pending;

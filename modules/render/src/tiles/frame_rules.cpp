@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "pcl_slim/core/parallel.h"
-#include "pcl_slim/core/vector3.h"
+#include "tiles/half_spaces.h"
 
 namespace pcl_slim::detail {
 
@@ -19,9 +19,8 @@ FrameRules::FrameRules(const SurfaceInfo& info, const RenderParams& params)
                  (params.sides == VisibleSides::kAuto && info.oriented && params.cuts.empty())),
       skip(params.skip),
       threads(resolveThreads(params.threads)),
-      cuts(params.cuts)
+      cuts(localHalfSpaces(params.cuts, info.origin, info.scale))
 {
-  for (HalfSpace& cut : cuts) cut.offset = (cut.offset - dot(cut.normal, info.origin)) / info.scale;
 }
 
 }  // namespace pcl_slim::detail

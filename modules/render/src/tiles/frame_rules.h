@@ -22,7 +22,7 @@ struct FrameRules {
   bool front_only;  ///< only roots at which the gradient faces the viewer count
   bool skip;
   int threads;                  ///< at least 1
-  std::vector<HalfSpace> cuts;  ///< local coordinates
+  std::vector<HalfSpace> cuts;  ///< local coordinates, unit normals
 
   FrameRules(const SurfaceInfo& info, const RenderParams& params);
 };

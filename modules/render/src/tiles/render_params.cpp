@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "pcl_slim/core/parallel.h"
-#include "pcl_slim/core/vector3.h"
 #include "tiles/frame_rules.h"
+#include "tiles/half_spaces.h"
 
 namespace pcl_slim {
 
@@ -23,13 +23,7 @@ RenderParams::validate() const
   if (!(near_plane >= 0.0 && std::isfinite(near_plane))) {
     return {ErrorCode::kBadArgument, "the near plane must be a finite distance, 0 or more"};
   }
-  for (const HalfSpace& cut : cuts) {
-    const double size = length(cut.normal);
-    if (!(size > 0.0 && std::isfinite(size) && std::isfinite(cut.offset))) {
-      return {ErrorCode::kBadArgument,
-              "a half space needs a finite offset and a finite normal that is not 0"};
-    }
-  }
+  if (Error error = detail::checkHalfSpaces(cuts)) return error;
   if (!(lod >= 0.0 && lod <= 1024.0)) {
     return {ErrorCode::kBadArgument, "the level of detail must be 0 to 1024 pixels"};
   }
@@ -45,6 +39,7 @@ RenderStatistics::operator+=(const RenderStatistics& other)
 {
   leaves += other.leaves;
   outside_frustum += other.outside_frustum;
+  outside_region += other.outside_region;
   back_facing += other.back_facing;
   below_detail += other.below_detail;
   coarse_surfels += other.coarse_surfels;

@@ -3,6 +3,7 @@
 
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/render/ray_tracer.h"
+#include "tiles/half_spaces.h"
 
 namespace pcl_slim {
 namespace {
@@ -39,6 +40,7 @@ TraceParams::validate() const
   if (!(near_plane >= 0.0 && std::isfinite(near_plane))) {
     return bad("the near plane must be a finite distance, 0 or more");
   }
+  if (Error error = detail::checkHalfSpaces(cuts)) return error;
   if (!(depth_tolerance >= 0.0 && depth_tolerance <= 100.0)) {
     return bad("the depth tolerance must be 0 to 100 radii");
   }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "tiles/half_spaces.h"
 #include "tracer/ray_samples.h"
 
 namespace pcl_slim::detail {
@@ -16,6 +17,7 @@ TraceFrame::TraceFrame(const TracedObject& o, const TraceView& v, const Camera& 
     : object(o),
       view(v),
       camera(c),
+      cuts(localHalfSpaces(v.params.cuts, o.origin, o.scale)),
       near_plane(v.params.near_plane / o.scale),
       reach(v.params.occlusion_reach * o.diagonal)
 {
@@ -58,6 +60,7 @@ TraceTile::traceCamera(const TraceFrame& frame, int x0, int y0, GBuffer& buffer)
       BoundedRay ray;
       ray.ray = frame.view.camera->ray(x, y);
       ray.nearest = frame.near_plane;
+      cut(frame, ray);
       rays_.push_back(ray);
       pixels_.push_back(buffer.index(x, y));
     }
@@ -65,6 +68,15 @@ TraceTile::traceCamera(const TraceFrame& frame, int x0, int y0, GBuffer& buffer)
   met_.assign(rays_.size(), MetPoint());
   frame.object.trace(frame.view, rays_.data(), rays_.size(), met_.data(), &buffer, pixels_.data(),
                      counts_);
+}
+
+/** \brief Bounds a ray to what the frame's half spaces leave of it. */
+void
+TraceTile::cut(const TraceFrame& frame, BoundedRay& ray)
+{
+  const RayStretch left = within(frame.cuts, ray.ray, {ray.nearest, ray.farthest});
+  ray.nearest = left.near;
+  ray.farthest = left.far;
 }
 
 BoundedRay
@@ -79,6 +91,7 @@ TraceTile::leaving(const TraceFrame& frame, std::size_t i, const Vector3& direct
   ray.nearest_front = departure.front;
   ray.nearest_behind = departure.behind;
   ray.nearest_gap = departure.gap;
+  cut(frame, ray);
   return ray;
 }
 
@@ -123,7 +136,7 @@ TraceTile::traceOcclusion(const TraceFrame& frame, LightBuffer& light)
     for (std::size_t k = 0; k < rays; ++k) {
       const auto at = samples.at(frame.view.params.sample * rays + k);
       outgoing_.push_back(leaving(frame, i, cosineDirection(met_[i].normal, at)));
-      outgoing_.back().farthest = frame.reach;
+      outgoing_.back().farthest = std::min(outgoing_.back().farthest, frame.reach);
     }
     block(frame, false);  // a ray of many: what slips through a gap does not show
     occlusion_ += rays;

@@ -20,6 +20,7 @@ struct TraceFrame {
   const Camera& camera;
   std::vector<Vector3> towards;  ///< unit, of each light
   std::vector<double> tangent;   ///< of each light's radius
+  std::vector<HalfSpace> cuts;   ///< local
   double near_plane, reach;      ///< local
 
   TraceFrame(const TracedObject& object, const TraceView& view, const Camera& camera);
@@ -37,6 +38,7 @@ class TraceTile {
   void traceLight(const TraceFrame& frame, std::size_t l, const GBuffer& buffer,
                   LightBuffer& light);
   void traceOcclusion(const TraceFrame& frame, LightBuffer& light);
+  static void cut(const TraceFrame& frame, BoundedRay& ray);
   BoundedRay leaving(const TraceFrame& frame, std::size_t i, const Vector3& direction) const;
   void block(const TraceFrame& frame, bool close_gaps);
 

@@ -29,7 +29,8 @@ class TracedLeaves : public TracedObject {
              GBuffer* buffer, const std::size_t* pixels, RayCounts& counts) const override
   {
     RayRules rules = rules_;
-    rules.front_only = frontOnly(view.params.sides, scene_.surface.info.oriented);
+    const bool closed = scene_.surface.info.oriented && view.params.cuts.empty();
+    rules.front_only = frontOnly(view.params.sides, closed);
     rules.close_gaps = view.params.close_gaps;
     rules.with_hessian = buffer && (view.params.columns & (kHessianColumn | kCurvatureColumn)) != 0;
     std::vector<BlendedHit> hits(count);

@@ -72,8 +72,8 @@ class SLIMMapper : public GBufferMapper {
   RayBackend getBackend() const { return backend_; }
 
   /** \brief Surfels seen smaller than this many pixels stand for their descendants, so that far
-   * surfaces cost less; 0 (default): every leaf is drawn. Both back ends; what has clipping planes
-   * is drawn leaf by leaf. The graphics card then holds internal surfels as well. */
+   * surfaces cost less; 0 (default): every leaf is drawn. Both back ends; the graphics card then holds
+   * internal surfels as well. */
   void setLevelOfDetail(double pixels);
   double getLevelOfDetail() const { return lod_; }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/render/camera.h"
@@ -61,6 +62,10 @@ struct DiscRenderStatistics {
 Error
 renderDiscs(const SplatSet& splats, const Camera& camera, const DiscRenderParams& params,
             GBuffer& buffer, DiscRenderStatistics* statistics = nullptr);
+
+/** \brief The discs whose centres lie in all of some half spaces, in their order. O(discs). */
+SplatSet
+splatsWithin(const SplatSet& splats, const std::vector<HalfSpace>& cuts);
 
 /** \brief Names the first defect of a set of discs: columns of unequal length, a value that is not
  * finite, a negative radius. O(discs). */

@@ -29,6 +29,9 @@ struct RayLight {
 struct TraceParams {
   VisibleSides sides = VisibleSides::kAuto;  ///< as the rasterisers': kAuto of discs is both
   double near_plane = 0.0;  ///< smallest depth shown along a ray, world units, >= 0
+  /** As RenderParams::cuts, for rays of every kind: what is cut away casts no shadow. Discs that cross
+   * a half space's plane are met in it. */
+  std::vector<HalfSpace> cuts;
   /** Of surfaces: where a ray would meet nothing but slips between shrunk balls it meets the blend of the leaves around, if these
    * lie on all sides, point one way and face it. false: such gaps are open, as the rasterisers' are. */
   bool close_gaps = true;

@@ -46,9 +46,9 @@ struct RenderParams {
   Derivatives derivatives = Derivatives::kBlended;
   bool skip = true;  ///< leave out work that cannot change the result
   int threads = 0;   ///< 0: all cores; never changes the result
-  /** Rays begin where they have entered each of these half spaces: the surface is cut open, and
-   * with kAuto both of its sides are drawn. What lies where a ray has left one again is drawn all
-   * the same. Frames with cuts are the reference rasteriser's. */
+  /** Only what lies in all of these half spaces is met: the surface is cut open, and with kAuto both
+   * of its sides are drawn. Balls that lie outside as a whole are left out with their nodes, so that
+   * a part of a large surface costs what it shows. */
   std::vector<HalfSpace> cuts;
 
   /** \brief Names the first parameter out of range. */
@@ -59,6 +59,7 @@ struct RenderParams {
 struct RenderStatistics {
   std::uint64_t leaves = 0;            ///< leaves of the surface
   std::uint64_t outside_frustum = 0;   ///< leaves whose ball no ray meets
+  std::uint64_t outside_region = 0;    ///< leaves whose ball RenderParams::cuts leave nothing of
   std::uint64_t back_facing = 0;       ///< leaves turned away as a whole
   std::uint64_t below_detail = 0;      ///< leaves for which coarser surfels stand, with lod
   std::uint64_t coarse_surfels = 0;    ///< surfels drawn that are no leaves, with lod

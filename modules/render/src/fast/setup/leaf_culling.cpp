@@ -40,6 +40,18 @@ outsideFrustum(const FrameView& view, const Triple& p, Vec radius)
   return hn::Or(outside, beyondSide(perspective, hn::Neg(p.y), p.z, bottom, radius));
 }
 
+/** Lanes whose ball lies outside of a half space as a whole, local coordinates. */
+HWY_INLINE Mask
+outsideHalfSpace(const HalfSpace& cut, const Triple& p, Vec radius)
+{
+  constexpr float kSlack = 1e-6f;  // of the box: floats round
+  const Tag d;
+  const auto n = [&](std::size_t a)
+                     HWY_ATTR { return hn::Set(d, static_cast<float>(cut.normal[a])); };
+  const Vec along = hn::MulAdd(n(0), p.x, hn::MulAdd(n(1), p.y, hn::Mul(n(2), p.z)));
+  return hn::Lt(hn::Add(along, radius), hn::Set(d, static_cast<float>(cut.offset) - kSlack));
+}
+
 /** Lanes all of whose gradients point away from every ray through the ball: the angle between
  * normal and ray is less than what the cones of gradients and of rays leave of a right angle. */
 HWY_INLINE Mask
@@ -100,11 +112,15 @@ cullLeaves(const LeafIndex& index, std::uint32_t begin, std::uint32_t end, const
   for (std::size_t i = begin; i < end; i += hn::Lanes(d)) {
     const auto load = [&](const AlignedVector<float>& column)
                           HWY_ATTR { return hn::LoadU(d, column.data() + i); };
-    const Triple p = axes.turn(fromEye(view, load(index.x), load(index.y), load(index.z)));
+    const Triple place{load(index.x), load(index.y), load(index.z)};
+    const Triple p = axes.turn(fromEye(view, place.x, place.y, place.z));
     const Triple normal = axes.turn({load(index.nx), load(index.ny), load(index.nz)});
     const Vec radius = load(index.radius);
     Reasons reasons;
     reasons.add(outsideFrustum(view, p, radius), Visibility::kOutside);
+    for (const HalfSpace& cut : rules.cuts) {
+      reasons.add(outsideHalfSpace(cut, place, radius), Visibility::kCutAway);
+    }
     Vec share = hn::Set(d, 1.0f);
     if (rules.detail.active()) {
       const Vec small = coarseShare(view, rules.detail, load(index.parent_size), p.z);

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "pcl_slim/render/disc_rasterizer.h"
+#include "pcl_slim/render/ray_tracer.h"
+#include "pcl_slim/render/render_params.h"
+#include "render/model.h"
+
+namespace pcl_slim {
+
+/** \brief Adds what a surface is and what its pictures cost and left out to a report. */
+void
+reportSurface(const Model& model, const RenderStatistics& counts, nlohmann::ordered_json& json);
+
+/** \brief The same of splats. */
+void
+reportSplats(const Model& model, const DiscRenderStatistics& counts, nlohmann::ordered_json& json);
+
+/** \brief The same of traced pictures of either. */
+void
+reportTraced(const Model& model, const TraceStatistics& counts, nlohmann::ordered_json& json);
+
+}  // namespace pcl_slim

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "render/region_request.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "common/number_list.h"
+#include "common/number_text.h"
+#include "pcl_slim/render/disc_rasterizer.h"
+
+namespace pcl_slim {
+namespace {
+
+using Corner = std::array<double, 3>;
+
+Corner
+placeOf(const BoundingSpheres& object, const BoundingSphere& sphere)
+{
+  Corner place;
+  for (std::size_t a = 0; a < 3; ++a) {
+    place[a] = object.origin[a] + object.scale * double{sphere.center[a]};
+  }
+  return place;
+}
+
+bool
+holds(const std::vector<HalfSpace>& sides, const Corner& place)
+{
+  return std::all_of(sides.begin(), sides.end(), [&](const HalfSpace& side) {
+    return side.normal[0] * place[0] + side.normal[1] * place[1] + side.normal[2] * place[2] >=
+           side.offset;
+  });
+}
+
+/** \brief "X0,Y0,Z0,X1,Y1,Z1" of the box around an object's centres. */
+std::string
+boxText(const BoundingSpheres& object)
+{
+  Corner low, high;
+  low.fill(HUGE_VAL);
+  high.fill(-HUGE_VAL);
+  for (const BoundingSphere& sphere : object.spheres) {
+    const Corner place = placeOf(object, sphere);
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], place[a]);
+      high[a] = std::max(high[a], place[a]);
+    }
+  }
+  std::string text;
+  for (const Corner* corner : {&low, &high}) {
+    for (const double value : *corner) text += (text.empty() ? "" : ",") + numberText(value, 9);
+  }
+  return text;
+}
+
+}  // namespace
+
+void
+RegionRequest::declare(OptionTable& table)
+{
+  table.text("region", &text, "all|X0,Y0,Z0,X1,Y1,Z1",
+             "draw only what lies between two corners, world coordinates");
+}
+
+Error
+RegionRequest::parse()
+{
+  if (text == "all") return {};
+  std::vector<double> values;
+  const bool read = parseNumberList(text, values) && values.size() == 6;
+  for (std::size_t a = 0; read && a < 3; ++a) {
+    Corner axis{};
+    axis[a] = 1.0;
+    sides.push_back({axis, values[a]});
+    axis[a] = -1.0;
+    sides.push_back({axis, -values[a + 3]});
+  }
+  const auto below = [&](std::size_t a) { return values[a] < values[a + 3]; };
+  if (read && below(0) && below(1) && below(2)) return {};
+  return {ErrorCode::kBadArgument,
+          "-region takes the lowest and the highest corner of a box, X0,Y0,Z0,X1,Y1,Z1 with X0 < "
+          "X1, Y0 < Y1 and Z0 < Z1, not '" +
+              text + "'"};
+}
+
+Result<BoundingSpheres>
+RegionRequest::apply(Model& model) const
+{
+  BoundingSpheres object = model.spheres();
+  if (sides.empty()) return object;
+  BoundingSpheres part = object;
+  part.spheres.clear();
+  for (const BoundingSphere& sphere : object.spheres) {
+    if (holds(sides, placeOf(object, sphere))) part.spheres.push_back(sphere);
+  }
+  if (part.spheres.empty()) {
+    return Error{ErrorCode::kBadArgument,
+                 "nothing lies in -region " + text + "; give a part of " + boxText(object)};
+  }
+  if (model.is_splats) model.splats = splatsWithin(model.splats, sides);
+  return part;
+}
+
+}  // namespace pcl_slim
