@@ -54,23 +54,61 @@ struct LevelSetCurvatures {
   }
 };
 
-/** Where one block's pixels go. */
-struct BlockOutput {
-  const FrameScene& scene;
+/** The pixels of a block whose upper left one stands at (x, y) of its tile. */
+struct BlockRows {
   const TileBlocks& tile;
-  int x, y;  ///< of the block in its tile
-  GBuffer& buffer;
-  RenderStatistics& statistics;
+  int x, y;
 
   /** Calls row(lane, pixel, count) for each of the block's rows inside the picture. */
   template <typename Row>
-  HWY_INLINE void forEachRow(const Row& row) const
+  HWY_INLINE void forEachRow(const GBuffer& buffer, const Row& row) const
   {
     const int count = std::min(kBlockWidth, tile.width - x);
     for (int r = 0; r < kBlockHeight && y + r < tile.height; ++r) {
       row(static_cast<std::size_t>(r * kBlockWidth), buffer.index(tile.x0 + x, tile.y0 + y + r),
           static_cast<std::size_t>(count));
     }
+  }
+};
+
+/** Pixels that stand apart, a lane each, of those whose sums have a weight. */
+struct PackedPixels {
+  const TileBlocks& tile;
+  const UncoveredRay* rays;
+  std::size_t count;
+  HWY_ALIGN float weight[16];
+
+  PackedPixels(const TileBlocks& t, const UncoveredRay* r, std::size_t n, const BlockSums& sums)
+      : tile(t), rays(r), count(n)
+  {
+    store(sums.weight, weight);
+  }
+
+  template <typename Row>
+  HWY_INLINE void forEachRow(const GBuffer& buffer, const Row& row) const
+  {
+    for (std::size_t i = 0; i < count; ++i) {
+      if (!(weight[i] > 0.0f)) continue;
+      row(i,
+          buffer.index(tile.x0 + static_cast<int>(rays[i].x),
+                       tile.y0 + static_cast<int>(rays[i].y)),
+          std::size_t{1});
+    }
+  }
+};
+
+/** Where the pixels of some rays go. */
+template <typename Pixels>
+struct BlockOutput {
+  const FrameScene& scene;
+  Pixels pixels;
+  GBuffer& buffer;
+  RenderStatistics& statistics;
+
+  template <typename Row>
+  HWY_INLINE void forEachRow(const Row& row) const
+  {
+    pixels.forEachRow(buffer, row);
   }
 
   /** Copies count pixels of some values each. */
@@ -107,7 +145,7 @@ struct BlockOutput {
     });
   }
 
-  void write(const Block& block, const BlockSums& sums, Vec first) const
+  void write(const Block& block, const BlockSums& sums) const
   {
     const FrameView& view = scene.view;
     const Mask met = Gt(sums.weight, set(0.0f));
@@ -115,7 +153,7 @@ struct BlockOutput {
     if (covered == 0) return writeNothing();
     statistics.covered_pixels += covered;
     const Vec share = Div(set(1.0f), IfThenElse(met, sums.weight, set(1.0f)));
-    Vec z = Add(first, set(tile.depth));
+    Vec z = Add(block.first, set(pixels.tile.depth));
     if (view.perspective) z = Div(set(-1.0f), z);
     z = MulAdd(sums.shift, share, z);
     const Vec depth = Mul(z, block.slant);

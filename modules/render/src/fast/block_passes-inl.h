@@ -10,9 +10,9 @@
 
 #include <limits>
 
-#include "fast/leaf_rays-inl.h"
+#include "fast/lanes/leaf_rays-inl.h"
+#include "fast/lanes/root_lanes-inl.h"
 #include "fast/near_leaf.h"
-#include "fast/root_lanes-inl.h"
 #include "fast/tile_blocks-inl.h"
 #include "pcl_slim/surface/detail/trim_outside-inl.h"
 
@@ -42,6 +42,7 @@ struct BlockSums {
 
 /** Rays of a block and what they have met. Depths are D less the tile's. */
 struct Block {
+  PixelBox box;                  ///< holds its pixels
   Vec dx, dy;                    ///< pixel from the tile's corner
   Vec slope_x, slope_y;          ///< rays (x, y, 1) or, parallel, where they start
   Vec direction_x, direction_y;  ///< rays (x, y, 1); 0 if parallel

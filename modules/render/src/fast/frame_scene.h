@@ -76,12 +76,19 @@ class LeafTable {
   std::size_t stride_ = 0;
 };
 
+/** \brief A ray of a tile that has met what is none of the surface. */
+struct UncoveredRay {
+  float x, y;     ///< pixel, from the tile's corner
+  float nearest;  ///< where it is to look on, in the tile's depth
+};
+
 /** \brief One thread's memory for tiles, reused from tile to tile. */
 struct TileScratch {
   std::vector<TileLeaf> leaves;
   LeafTable tile;          ///< all leaves
   LeafTable first, blend;  ///< those that one patch's passes may meet
   LeafTable list;          ///< those of one block in one pass
+  std::vector<UncoveredRay> uncovered, packed;
 };
 
 }  // namespace pcl_slim::detail

@@ -13,9 +13,9 @@
 
 #include "hwy/cache_control.h"
 
-#include "fast/compress-inl.h"
 #include "fast/frame_scene.h"
-#include "fast/lanes-inl.h"
+#include "fast/lanes/compress-inl.h"
+#include "fast/lanes/lanes-inl.h"
 #include "tiles/surfel_bins.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -99,11 +99,10 @@ class TileBlocks {
     return first.count > 0;
   }
 
-  /** Lists the leaves of the patch whose surface pass 1 may meet in a block, from near to far.
+  /** Lists the leaves of the patch whose surface pass 1 may meet in a box, from near to far.
    * \return how many */
-  std::size_t listFirst(int x, int y)
+  std::size_t listFirst(const PixelBox& box)
   {
-    const PixelBox box = boxAt(x, y, kBlockWidth, kBlockHeight);
     const LeafTable& first = scratch_.first;
     return list(first, [&](std::size_t i) HWY_ATTR { return mayMeet(first, i, box); });
   }
@@ -130,16 +129,20 @@ class TileBlocks {
     return scratch_.leaves[place];
   }
 
-  int x0, y0, width, height;
-  float depth = 0.0f;  ///< D of the tile, from which depths here are counted
+  /** Rays that are to look on, and room for those that do. */
+  std::vector<UncoveredRay>& uncovered() { return scratch_.uncovered; }
+  std::vector<UncoveredRay>& packed() { return scratch_.packed; }
 
- private:
   static PixelBox boxAt(int x, int y, int width, int height)
   {
     return {static_cast<float>(x), static_cast<float>(y), static_cast<float>(width - 1),
             static_cast<float>(height - 1)};
   }
 
+  int x0, y0, width, height;
+  float depth = 0.0f;  ///< D of the tile, from which depths here are counted
+
+ private:
   /** Lanes that are leaves. */
   static HWY_INLINE Mask within(const LeafTable& table, std::size_t i)
   {

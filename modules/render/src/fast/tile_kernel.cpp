@@ -13,6 +13,7 @@
 #include "fast/blend_pass-inl.h"
 #include "fast/block_output-inl.h"
 #include "fast/block_passes-inl.h"
+#include "fast/block_rays-inl.h"
 #include "fast/tile_blocks-inl.h"
 #include "tiles/clear_pixels.h"
 
@@ -20,78 +21,7 @@ HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 namespace lanes {
 
-constexpr int kMaxLayers = 8;        ///< how often a ray may pass through uncovered flaps
-constexpr float kLayerStep = 0.05f;  ///< of a leaf's radius, as the reference steps
-
-/** Bounds a block's rays to what the frame's half spaces leave of them. */
-HWY_NOINLINE void
-cut(const PassContext& context, Block& block)
-{
-  const double x = firstLane(block.slope_x), y = firstLane(block.slope_y);
-  const Vec from_x = Sub(block.slope_x, set(firstLane(block.slope_x)));
-  const Vec from_y = Sub(block.slope_y, set(firstLane(block.slope_y)));
-  for (const FrameCut& half : context.scene.cuts) {
-    const double first =
-        half.by_x * x + half.by_y * y + half.rest + half.gain * double{context.tile.depth};
-    const Vec inside =
-        MulAdd(set(static_cast<float>(half.by_x)), from_x,
-               MulAdd(set(static_cast<float>(half.by_y)), from_y, set(static_cast<float>(first))));
-    if (half.gain == 0.0) {
-      block.pending = And(block.pending, Ge(inside, set(0.0f)));
-      continue;
-    }
-    const Vec bound = Mul(inside, set(static_cast<float>(-1.0 / half.gain)));
-    if (half.gain > 0.0)
-      block.nearest = Max(block.nearest, bound);
-    else
-      block.farthest = Min(block.farthest, bound);
-  }
-  block.pending = And(block.pending, Lt(block.nearest, block.farthest));
-}
-
-/** The rays of a block whose upper left pixel stands at (x, y) of a tile. */
-Block
-blockAt(const PassContext& context, int x, int y)
-{
-  const FrameView& view = context.scene.view;
-  const TileBlocks& tile = context.tile;
-  HWY_ALIGN float dx[16], dy[16];
-  for (int i = 0; i < kLanes; ++i) {
-    const int row = i / kBlockWidth;
-    dx[i] = static_cast<float>(x + i % kBlockWidth);
-    dy[i] = static_cast<float>(y + row);
-  }
-  Block block;
-  block.dx = load(dx);
-  block.dy = load(dy);
-  const Vec pixel = set(view.pixel);
-  const Vec from_x = set(static_cast<float>(tile.x0) - view.center_x);
-  const Vec from_y = set(view.center_y - static_cast<float>(tile.y0));
-  block.slope_x = Mul(pixel, Add(block.dx, from_x));
-  block.slope_y = Mul(pixel, Sub(from_y, block.dy));
-  block.slant = set(1.0f);
-  block.direction_x = block.direction_y = set(0.0f);
-  const auto near = static_cast<float>(context.scene.rules.near_plane);
-  block.near_plane = set(near - tile.depth);
-  if (view.perspective) {
-    const Vec flat_sq = MulAdd(block.slope_x, block.slope_x, set(1.0f));
-    block.slant = Sqrt(MulAdd(block.slope_y, block.slope_y, flat_sq));
-    block.direction_x = block.slope_x;
-    block.direction_y = block.slope_y;
-    block.near_plane = set(-kInfinite);
-    if (near > 0.0f) {
-      block.near_plane = Sub(Mul(block.slant, set(-1.0f / near)), set(tile.depth));
-    }
-  }
-  block.nearest = block.near_plane;
-  block.farthest = set(kInfinite);
-  block.z = set(1.0f);
-  block.pending = And(Lt(block.dx, set(static_cast<float>(tile.width))),
-                      Lt(block.dy, set(static_cast<float>(tile.height))));
-  if (!context.scene.cuts.empty()) cut(context, block);
-  block.first = block.farthest;
-  return block;
-}
+constexpr int kMaxLayers = 8;  ///< how often a ray may pass through uncovered flaps
 
 /** Lanes as a leaf too near for a record is drawn in double. */
 NearLanes
@@ -150,10 +80,10 @@ reaches(const Block& block, float nearest)
 
 /** Pass 1: the first intersection of each ray with a leaf inside its shrunk ball. */
 void
-findFirst(const PassContext& context, int x, int y, Block& block)
+findFirst(const PassContext& context, Block& block)
 {
   const bool skip = context.scene.rules.skip;
-  const std::size_t count = context.tile.listFirst(x, y);
+  const std::size_t count = context.tile.listFirst(block.box);
   std::size_t n = 0;
   for (; n < count; ++n) {
     const TileLeaf& at = context.tile.listed(n);
@@ -167,27 +97,6 @@ findFirst(const PassContext& context, int x, int y, Block& block)
   }
   context.statistics.rays_first += n * kLanes;
   context.statistics.occluded_entries += count - n;
-}
-
-/** A ball around q^ of all pending lanes. */
-Ball
-ballAround(const PassContext& context, const Block& block)
-{
-  const FrameView& view = context.scene.view;
-  const Vec z = view.perspective ? block.z : Add(block.first, set(context.tile.depth));
-  const Vec nowhere = set(kInfinite);
-  const float near = smallest(IfThenElse(block.pending, z, nowhere));
-  const float far = -smallest(IfThenElse(block.pending, Neg(z), nowhere));
-  const float middle = 0.5f * (near + far);
-  const float wide = kBlockWidth - 1.0f, high = static_cast<float>(kBlockHeight - 1);
-  const float pixel = view.pixel * (view.perspective ? far : 1.0f);
-  // Lane 0 is the upper left one.
-  const float sx = firstLane(block.slope_x) + 0.5f * wide * view.pixel;
-  const float sy = firstLane(block.slope_y) - 0.5f * high * view.pixel;
-  const float aside = 0.5f * std::sqrt(wide * wide + high * high) * pixel;
-  if (!view.perspective) return {sx, sy, middle, 1.01f * (aside + 0.5f * (far - near))};
-  const float slant = std::sqrt(1.0f + sx * sx + sy * sy);
-  return {sx * middle, sy * middle, middle, 1.01f * (aside + 0.5f * (far - near) * slant)};
 }
 
 /** Pass 2: sums over the leaves whose ball holds q^. */
@@ -225,44 +134,6 @@ unsupported(const PassContext& context, Block block, Mask doubtful)
   return AndNot(surrounded, And(doubtful, Gt(sums.weight, set(0.0f))));
 }
 
-/** Sends uncovered lanes back to pass 1, to look behind their q^. */
-HWY_NOINLINE void
-lookBehind(const PassContext& context, Mask uncovered, const BlockSums& sums, Block& block)
-{
-  HWY_ALIGN std::uint32_t surfel[16] = {};
-  HWY_ALIGN float step[16], bits[16];
-  store(sums.surfel, surfel);
-  store(IfThenElseZero(uncovered, set(1.0f)), bits);
-  for (int i = 0; i < kLanes; ++i) {
-    step[i] = bits[i] > 0.0f ? kLayerStep * context.scene.surface.radius[surfel[i]] : 0.0f;
-  }
-  const Vec forward = Div(load(step), block.slant);
-  Vec nearest = Add(block.first, forward);
-  if (context.scene.view.perspective) {
-    const Vec z = Add(block.z, forward);
-    nearest = Sub(Div(set(-1.0f), z), set(context.tile.depth));
-  }
-  block.nearest = IfThenElse(uncovered, nearest, block.nearest);
-  block.first = block.farthest;
-  block.pending = uncovered;
-}
-
-/** Keeps the sums of some lanes. */
-void
-keep(Mask settled, const BlockSums& sums, const Block& block, BlockSums& kept, Vec& kept_first)
-{
-  const auto take = [&](Vec& target, Vec value)
-                        HWY_ATTR { target = IfThenElse(settled, value, target); };
-  take(kept.weight, sums.weight);
-  take(kept.shift, sums.shift);
-  take(kept.coverage, sums.coverage);
-  take(kept.facing, sums.facing);
-  for (int a = 0; a < 3; ++a) take(kept.gradient[a], sums.gradient[a]);
-  for (int k = 0; k < 6; ++k) take(kept.hessian[k], sums.hessian[k]);
-  take(kept_first, block.first);
-  kept.surfel = IfThenElse(settled, sums.surfel, kept.surfel);
-}
-
 /** z of q^, and lanes that have one alone. */
 HWY_INLINE void
 prepareBlend(const PassContext& context, Block& block)
@@ -275,33 +146,68 @@ prepareBlend(const PassContext& context, Block& block)
   }
 }
 
-/** Draws the block whose upper left pixel stands at (x, y) of its tile. */
-void
-drawBlock(const PassContext& context, const BlockOutput& output)
+/** Lanes whose blend is none of the surface. */
+HWY_INLINE Mask
+uncoveredLanes(const PassContext& context, const Block& block, const BlockSums& sums)
 {
-  Block block = blockAt(context, output.x, output.y);
   const auto min_coverage = static_cast<float>(context.scene.rules.min_coverage);
-  BlockSums kept, sums;
-  kept.clear();
-  Vec kept_first = set(0.0f);
-  for (int layer = 0; layer < kMaxLayers; ++layer) {
-    findFirst(context, output.x, output.y, block);
-    prepareBlend(context, block);
-    if (AllFalse(block.pending)) break;
-    const Ball around = ballAround(context, block);
-    gather<false>(context, around, block, sums);
-    const Mask met = Gt(sums.weight, set(0.0f));
-    const Mask outside = Gt(sums.outside, Mul(set(0.5f), sums.weight));
-    Mask uncovered = AndNot(outside, And(met, Lt(sums.coverage, set(min_coverage))));
-    if (!AllFalse(uncovered)) uncovered = unsupported(context, block, uncovered);
-    uncovered = Or(uncovered, outside);
-    const bool last = AllFalse(uncovered);
-    if (last && layer == 0) return output.write(block, sums, block.first);
-    keep(AndNot(uncovered, met), sums, block, kept, kept_first);
-    if (last) break;
-    lookBehind(context, uncovered, sums, block);
+  const Mask met = Gt(sums.weight, set(0.0f));
+  const Mask outside = Gt(sums.outside, Mul(set(0.5f), sums.weight));
+  Mask uncovered = AndNot(outside, And(met, Lt(sums.coverage, set(min_coverage))));
+  if (!AllFalse(uncovered)) uncovered = unsupported(context, block, uncovered);
+  return Or(uncovered, outside);
+}
+
+/** Both passes over some rays; those that meet what is none of the surface are noted, and have no
+ * weight. \return false: no ray meets anything */
+HWY_NOINLINE bool
+drawLayer(const PassContext& context, Block& block, BlockSums& sums)
+{
+  findFirst(context, block);
+  prepareBlend(context, block);
+  if (AllFalse(block.pending)) return false;
+  gather<false>(context, ballAround(context, block), block, sums);
+  const Mask uncovered = uncoveredLanes(context, block, sums);
+  if (AllFalse(uncovered)) return true;
+  noteUncovered(context, uncovered, sums, block);
+  sums.weight = IfThenElseZero(Not(uncovered), sums.weight);
+  return true;
+}
+
+/** Draws what rays meet first, and notes those that are to look on behind it. */
+void
+drawBlock(const PassContext& context, int x, int y, GBuffer& buffer)
+{
+  const BlockOutput<BlockRows> output{
+      context.scene, {context.tile, x, y}, buffer, context.statistics};
+  Block block = blockAt(context, x, y);
+  BlockSums sums;
+  if (!drawLayer(context, block, sums)) return output.writeNothing();
+  output.write(block, sums);
+}
+
+/** Draws what the rays of a patch meet that looked on behind what is none of the surface. They are few
+ * and stand apart, so that they are packed into blocks of their own. */
+void
+drawBehind(const PassContext& context, GBuffer& buffer)
+{
+  std::vector<UncoveredRay>& uncovered = context.tile.uncovered();
+  std::vector<UncoveredRay>& left = context.tile.packed();
+  for (int layer = 1; layer < kMaxLayers && !uncovered.empty(); ++layer) {
+    left.swap(uncovered);
+    uncovered.clear();
+    for (std::size_t begin = 0; begin < left.size(); begin += kLanes) {
+      const UncoveredRay* const rays = left.data() + begin;
+      const std::size_t count = std::min<std::size_t>(kLanes, left.size() - begin);
+      Block block = packOf(context, rays, count);
+      BlockSums sums;
+      if (!drawLayer(context, block, sums)) continue;
+      BlockOutput<PackedPixels>{
+          context.scene, {context.tile, rays, count, sums}, buffer, context.statistics}
+          .write(block, sums);
+    }
   }
-  output.write(block, kept, kept_first);
+  uncovered.clear();
 }
 
 void
@@ -310,9 +216,10 @@ drawPatch(const PassContext& context, int px, int py, GBuffer& buffer)
   const TileBlocks& tile = context.tile;
   for (int y = py; y < std::min(py + kPatchSize, tile.height); y += kBlockHeight) {
     for (int x = px; x < std::min(px + kPatchSize, tile.width); x += kBlockWidth) {
-      drawBlock(context, {context.scene, tile, x, y, buffer, context.statistics});
+      drawBlock(context, x, y, buffer);
     }
   }
+  drawBehind(context, buffer);
 }
 
 /** Marks the pixels of a row of patches from x0 to before x1 as met by nothing. */

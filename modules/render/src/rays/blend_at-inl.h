@@ -8,7 +8,7 @@
 #define PCL_SLIM_BLEND_AT_INL
 #endif
 
-#include "fast/isolated_root.h"
+#include "fast/lanes/isolated_root.h"
 #include "rays/leaf_lines-inl.h"
 #include "rays/ray_scene.h"
 #include "rays/tree_walk-inl.h"

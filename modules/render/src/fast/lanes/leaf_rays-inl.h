@@ -8,7 +8,7 @@
 #define PCL_SLIM_LEAF_RAYS_INL
 #endif
 
-#include "fast/lanes-inl.h"
+#include "fast/lanes/lanes-inl.h"
 #include "fast/setup/frame_leaf.h"
 #include "pcl_slim/surface/detail/kernel_math-inl.h"
 

@@ -8,8 +8,8 @@
 #define PCL_SLIM_ROOT_LANES_INL
 #endif
 
-#include "fast/isolated_root.h"
-#include "fast/leaf_rays-inl.h"
+#include "fast/lanes/isolated_root.h"
+#include "fast/lanes/leaf_rays-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes {

@@ -9,8 +9,8 @@
 #define PCL_SLIM_LANES_INL
 #endif
 
-#include "fast/pair-inl.h"
-#include "fast/single-inl.h"
+#include "fast/lanes/pair-inl.h"
+#include "fast/lanes/single-inl.h"
 #include "pcl_slim/surface/detail/kernel_math-inl.h"
 #include "pcl_slim/surface/weight_kernel.h"
 
