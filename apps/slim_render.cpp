@@ -35,7 +35,7 @@ struct Settings {
   RegionRequest region;
   LineRequest lines;
   TracedRequest traced;
-  double near_plane = 0.0, lod = 0.0;
+  double near_plane = 0.0, lod = 0.0, hole = 0.0;
   int threads = 0, turntable = 1, repeat = 0;
   std::uint64_t max_memory = 0;
   bool filtered = true, trim = true, skip = true, reference = false, quiet = false;
@@ -63,6 +63,8 @@ declareOptions(Settings& s)
   s.region.declare(table);
   table.choice("sides", &s.sides, {"auto", "front", "both"}, "sides of the surface to draw");
   table.toggle("trim", &s.trim, "end a surface where its scan ended; 0: draw all of its balls");
+  table.number("hole", &s.hole, 0.0, 1e6,
+               "close holes narrower than so many spacings of the points; 0: as they were fitted");
   table.choice("derivatives", &s.derivatives, {"blended", "unity"},
                "of normals and curvatures: the leaves', blended, or those of their partition of "
                "unity, to compare with");
@@ -294,6 +296,7 @@ run(const Settings& s)
   Result<Model> model = loadModel(s.input);
   if (!model) return fail(console, kExitUsage, model.error());
   if (!s.trim) model->surface.dropTrimMaps();
+  model->surface.closeHoles(s.hole, s.threads);
   report.time("load", load_time.seconds());
   console.done(load_time.seconds(), model->describe());
   if (model->skipped > 0) {
@@ -302,9 +305,10 @@ run(const Settings& s)
   }
 
   if (model->is_splats && s.lines.any()) {
-    return fail(console, kExitUsage,
-                {ErrorCode::kBadArgument,
-                 "splats have no curvature; drop -lines, -line_file and -mode sketch"});
+    return fail(
+        console, kExitUsage,
+        {ErrorCode::kBadArgument,
+         "splats have no curvature; drop -lines, -line_file and -mode crest, contours or sketch"});
   }
   if (Error error = checkMemory(bytesOfPicture(s), "a picture of " + s.view.size_text))
     return fail(console, kExitFailed, error);
@@ -335,7 +339,7 @@ main(int argc, char** argv)
   if (const auto status = table.parse(argc, argv)) return *status;
   Error error = settings.view.parse();
   if (!error) error = settings.picture.parse();
-  if (!error && settings.picture.mode == "sketch") settings.lines.drawAlone(settings.picture);
+  if (!error) settings.lines.applyMode(settings.picture);
   if (!error) error = settings.region.parse();
   if (!error) error = settings.lines.load();
   if (!error) error = settings.traced.parse();

@@ -68,9 +68,13 @@ LineRequest::declare(OptionTable& table)
 }
 
 void
-LineRequest::drawAlone(PictureRequest& colors)
+LineRequest::applyMode(PictureRequest& colors)
 {
-  sketch = true;
+  crest = colors.mode == "crest";
+  contours = colors.mode == "contours";
+  sketch = colors.mode == "sketch";
+  if (crest || contours) colors.mode = "shaded";
+  if (!sketch) return;
   // What lies under white paper need not be smooth.
   colors.mode = "shaded";
   colors.supersampling = 1;
@@ -92,9 +96,9 @@ LineRequest::finding(int threads) const
 {
   PictureLineParams params;
   const bool all = lines == "all" || (sketch && lines == "none" && file.empty());
-  params.crest = all || lines == "crest";
-  params.suggestive = all || lines == "suggestive";
-  params.contour = all || lines == "contour" || sketch;
+  params.crest = all || crest || lines == "crest";
+  params.suggestive = all || contours || lines == "suggestive";
+  params.contour = all || contours || sketch || lines == "contour";
   params.crest_curvature = curvature;
   params.suggestive_derivative = slope;
   params.min_length = length;

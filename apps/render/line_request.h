@@ -17,19 +17,21 @@ struct LineRequest {
   double width = LineStyle().width, curvature = PictureLineParams().crest_curvature;
   double slope = PictureLineParams().suggestive_derivative;
   double length = PictureLineParams().min_length;
-  bool sketch = false;  ///< nothing but lines, on white
+  bool crest = false, contours = false;  ///< lines of these modes, over the picture
+  bool sketch = false;                   ///< nothing but lines, on white
 
   /** \brief Adds the options. The request must outlive the table's parse(). */
   void declare(OptionTable& table);
 
-  /** \brief Sets itself and the colours for a picture of nothing but lines. */
-  void drawAlone(PictureRequest& colors);
+  /** \brief Sets itself and the colours for the modes that are lines: over a shaded surface, or
+   * alone on white. Other modes change nothing. */
+  void applyMode(PictureRequest& colors);
 
   /** \brief Reads the file of lines, if one is named. */
   Error load();
 
   /** \brief Whether there is anything to draw. */
-  bool any() const { return sketch || lines != "none" || !file.empty(); }
+  bool any() const { return crest || contours || sketch || lines != "none" || !file.empty(); }
 
   /** \brief Finds the lines of a view and draws them over its picture.
    * \param[in] rendering as the picture was made; \param[out] count lines drawn */

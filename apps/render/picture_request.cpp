@@ -12,7 +12,7 @@ PictureRequest::declareColors(OptionTable& table)
 {
   table.choice("mode", &mode,
                {"auto", "shaded", "normal", "mean", "gauss", "kmax", "kmin", "level", "size",
-                "error", "reflection", "color", "raytraced", "sketch"},
+                "error", "reflection", "color", "raytraced", "crest", "contours", "sketch"},
                "what the colours show; auto: shaded surfaces, splats in their colours");
   table.text(
       "range", &range_text, "auto|X|LO,HI",

@@ -32,6 +32,16 @@ same shaded.png "with space/shaded.png"
 expect 0 '' pcl_slim_render surface.slim whole.png $small -trim 0
 expect 0 '' pcl_slim_render surface.pcd points.png $small -trim 0
 same whole.png points.png
+# Modes that are lines over a shaded surface; holes closed without another fit.
+expect 0 '' pcl_slim_render surface.slim crest.png $small -mode crest
+expect 0 '' pcl_slim_render surface.slim lines.png $small -lines crest
+same crest.png lines.png
+expect 0 '' pcl_slim_render surface.slim contours.png $small -mode contours
+differ shaded.png contours.png
+expect 0 '' pcl_slim_render surface.slim holes.png $small -hole 1 -threads 3
+same shaded.png holes.png
+expect 0 '' pcl_slim_render surface.slim holes.png $small -hole 12
+differ shaded.png holes.png
 # A part: framed by itself, the rest left out and counted, the same bytes with and without skipping.
 expect 0 '' pcl_slim_render surface.slim part.png $small -region -1,-1,0.3,1,1,9 -json part.json
 differ shaded.png part.png

@@ -85,5 +85,66 @@ TEST(TrimMap, ValidationNamesBrokenMaps)
   EXPECT_EQ(defectOf([](SLIMSurface& s) { s.dropTrimMaps(); }), "");
 }
 
+/** A map of one round hole, so many nodes wide, in its middle. */
+std::vector<std::uint8_t>
+aroundHole(double width, int side)
+{
+  std::vector<std::uint8_t> bits(TrimMap::numBytes(side));
+  const double middle = 0.5 * (side - 1);
+  for (int k = 0; k < side * side; ++k) {
+    if (std::hypot(k % side - middle, k / side - middle) > 0.5 * width)
+      bits[static_cast<std::size_t>(k >> 3)] |= static_cast<std::uint8_t>(1 << (k & 7));
+  }
+  return bits;
+}
+
+TEST(TrimMap, HolesAreClosedByTheirWidth)
+{
+  constexpr int kSide = 33;
+  SLIMSurface surface = sphereSurface(2, 3);
+  // Two holes, eight and fourteen spacings wide in the data, and a straight border.
+  std::vector<std::uint8_t> bits;
+  for (const auto& map : {aroundHole(7.0, kSide), aroundHole(13.0, kSide), leftOf(20, kSide)}) {
+    bits.insert(bits.end(), map.begin(), map.end());
+  }
+  surface.setTrimMaps(std::vector<std::uint8_t>(3, kSide), bits);
+  const SLIMSurface before = surface;
+
+  surface.closeHoles(4.0);
+  EXPECT_EQ(surface.trim_maps, before.trim_maps);
+  surface.closeHoles(10.0, 3);
+  EXPECT_TRUE(surface.trimMap(0).closed());
+  ASSERT_FALSE(surface.trimMap(1).closed());
+  EXPECT_FALSE(surface.trimMap(1).at(kSide / 2, kSide / 2));
+  surface.closeHoles(18.0);
+  EXPECT_TRUE(surface.trimMap(1).closed());
+  surface.closeHoles(1e6);  // a border is no hole, however wide
+  ASSERT_FALSE(surface.trimMap(2).closed());
+  for (int row = 0; row < kSide; ++row) {
+    for (int column = 0; column < kSide; ++column) {
+      EXPECT_EQ(surface.trimMap(2).at(column, row), column < 20) << column << ' ' << row;
+    }
+  }
+  EXPECT_FALSE(surface.validate());
+}
+
+TEST(TrimMap, ClosingHolesOpensNothing)
+{
+  SLIMSurface surface = sphereSurface(3, 200);
+  setRandomTrimMaps(surface);
+  SLIMSurface closed = surface, again = surface;
+  closed.closeHoles(5.0, 1);
+  again.closeHoles(5.0, 4);
+  EXPECT_EQ(closed.trim_maps, again.trim_maps);
+  ASSERT_FALSE(closed.validate());
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    const TrimMap map = surface.trimMap(i), later = closed.trimMap(i);
+    if (later.closed()) continue;
+    for (int k = 0; k < map.side * map.side; ++k) {
+      EXPECT_GE(later.at(k % map.side, k / map.side), map.at(k % map.side, k / map.side));
+    }
+  }
+}
+
 }  // namespace
 }  // namespace pcl_slim

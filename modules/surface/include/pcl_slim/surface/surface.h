@@ -109,6 +109,10 @@ class SLIMSurface {
    * \param[in] sides size() values, 0 for closed surfels \param[in] bits the maps of the others, one
    * after another, TrimMap::numBytes(side) each */
   void setTrimMaps(const std::vector<std::uint8_t>& sides, const std::vector<std::uint8_t>& bits);
+  /** \brief Closes what holes the trim maps have that are narrower than so many spacings of the points, as a
+   * fit that was asked for no smaller ones does; bounded by what one ball spans. Holes that a fit has
+   * closed stay closed. O(nodes of the maps times hole); the same for any number of threads. */
+  void closeHoles(double hole, int threads = 1);
   /** \brief Makes every surfel closed. */
   void dropTrimMaps();
 
