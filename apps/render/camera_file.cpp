@@ -80,7 +80,7 @@ loadCamera(const std::string& path)
   if (!bytes) return bytes.error();
   std::string text(bytes->begin(), bytes->end());
   text.erase(std::min(text.find_last_not_of(" \r\n") + 1, text.size()));
-  const Result<Camera> camera = cameraFromText(text, Camera().fov);
+  Result<Camera> camera = cameraFromText(text, Camera().fov);
   if (camera) return camera;
   return Error{ErrorCode::kBadInput,
                "'" + path +

@@ -84,8 +84,9 @@ blockAt(const PassContext& context, int x, int y)
 {
   HWY_ALIGN float dx[16], dy[16];
   for (int i = 0; i < kLanes; ++i) {
-    dx[i] = static_cast<float>(x + i % kBlockWidth);
-    dy[i] = static_cast<float>(y + i / kBlockWidth);
+    const int column = i % kBlockWidth, row = i / kBlockWidth;
+    dx[i] = static_cast<float>(x + column);
+    dy[i] = static_cast<float>(y + row);
   }
   return raysAt(context, dx, dy, TileBlocks::boxAt(x, y, kBlockWidth, kBlockHeight));
 }
