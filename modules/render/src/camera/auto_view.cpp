@@ -134,6 +134,14 @@ isGeoreferenced(const BoundingSpheres& object)
   return std::abs(object.origin[0]) > far && std::abs(object.origin[1]) > far;
 }
 
+/** \brief Terrain and what stands on it: map coordinates, or a cloud that is flat along its upward
+ * axis. */
+bool
+liesOnGround(const SphereCloud& cloud, const BoundingSpheres& object, std::size_t up)
+{
+  return isFlatAlong(cloud, up) || (up == 2 && isGeoreferenced(object));
+}
+
 struct Upright {
   Vector3 up, front, right;
 };
@@ -226,7 +234,7 @@ chooseView(const BoundingSpheres& object, UpAxis up)
   }
   const UpAxis axis = up == UpAxis::kAuto ? guessUpAxis(object) : up;
   const Upright frame = uprightOf(axis);
-  if (isFlatAlong(cloud, indexOf(axis))) {
+  if (liesOnGround(cloud, object, indexOf(axis))) {
     return viewFrom(frame, widestAzimuth(cloud, frame), 42.0);
   }
   if (!object.oriented) return viewFrom(frame, kQuarterView, 18.0);

@@ -30,7 +30,8 @@ guessUpAxis(const BoundingSpheres& object);
  *
  * - A cloud seen by a depth camera at the world's origin (x right, y down, z forward) is shown
  *   from there.
- * - A flat cloud such as terrain is shown obliquely from above, across its longer side.
+ * - Terrain, a flat cloud or one with map coordinates, is shown obliquely from above, across its
+ *   longer side.
  * - A one-sided scan is shown from the side its normals face (oriented objects only); when that
  *   is -z, in the axes of a camera (x right, y down, z forward).
  * - Anything else is shown from the front, turned by 30 degrees and slightly from above.
