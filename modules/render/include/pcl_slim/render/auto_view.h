@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+
 #include "pcl_slim/render/bounding_spheres.h"
 #include "pcl_slim/render/camera.h"
 
@@ -38,5 +40,10 @@ guessUpAxis(const BoundingSpheres& object);
  */
 ViewDirection
 chooseView(const BoundingSpheres& object, UpAxis up = UpAxis::kAuto);
+
+/** \brief The world direction that is upwards in the view of chooseView, however far that looks down:
+ * the upward axis, or -y for what is shown in the axes of a camera. O(spheres log spheres). */
+std::array<double, 3>
+upwardsIn(const BoundingSpheres& object, UpAxis up = UpAxis::kAuto);
 
 }  // namespace pcl_slim
