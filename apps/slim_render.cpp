@@ -352,7 +352,7 @@ run(const Settings& s)
     return fail(console, kExitFailed, error);
   const ShadingParams shading = s.picture.shadingFor(model->is_splats, 1);
   ViewRequest view = s.view;
-  if (shading.color_bar && showsNumbers(shading.mode)) view.right_margin = colorBarShare(view.size);
+  if (shading.color_bar && hasColorBar(shading.mode)) view.right_margin = colorBarShare(view.size);
   const Turntable table(view, model->spheres(), s.turntable);
   const Camera camera = table.camera(0);
   if (Error error = renderModel(s, *model, table, console, report)) {
