@@ -36,6 +36,11 @@ class ViewerStyle : public vtkInteractorStyleTrackballCamera {
     Superclass::OnMouseMove();
     viewer->onMouseMoved();
   }
+  void OnConfigure() override
+  {
+    Superclass::OnConfigure();
+    viewer->onResized();
+  }
   void OnTimer() override
   {
     Superclass::OnTimer();
@@ -63,6 +68,21 @@ backendOf(const std::string& name)
   return name == "cpu"      ? RayBackend::kCPU
          : name == "opengl" ? RayBackend::kOpenGL
                             : RayBackend::kAuto;
+}
+
+constexpr double kBarShare = 0.14;  ///< of the window's width, left to the scalar bar
+
+/** \brief What the user may change of a camera's place. */
+std::vector<double>
+placeOf(vtkCamera* camera)
+{
+  std::vector<double> place;
+  for (const double* values :
+       {camera->GetPosition(), camera->GetFocalPoint(), camera->GetViewUp()}) {
+    place.insert(place.end(), values, values + 3);
+  }
+  place.push_back(camera->GetParallelScale());
+  return place;
 }
 
 }  // namespace
@@ -107,7 +127,8 @@ Viewer::begin()
   scene_.showNormals(settings_.normals);
   scene_.showPoints(settings_.points || !mapper);
   overlay_.showHelp(settings_.help);
-  if (!camera_moved_) resetCamera();
+  if (!isCameraTheUsers()) resetCamera();
+  onResized();
   updateStatus();
 }
 
@@ -151,9 +172,27 @@ Viewer::resetCamera()
   settings_.view.size = {window_->GetSize()[0], window_->GetSize()[1]};
   const bool parallel = renderer_->GetActiveCamera()->GetParallelProjection() != 0;
   const BoundingSpheres object = scene_.spheres();
+  settings_.view.right_margin = scene_.barShown() ? kBarShare : 0.0;
   setCamera(settings_.view.cameraFor(object), renderer_);
   setTurningPoint(object, renderer_->GetActiveCamera());
   if (parallel && !settings_.view.orthographic) onKey("o");
+  framed_ = placeOf(renderer_->GetActiveCamera());
+}
+
+/** \brief Whether keys or the mouse have moved the camera since it was put to show the whole object. */
+bool
+Viewer::isCameraTheUsers() const
+{
+  return !framed_.empty() && framed_ != placeOf(renderer_->GetActiveCamera());
+}
+
+/** \brief Leaves the right margin to a scalar bar, unless the camera is the user's. */
+void
+Viewer::makeRoomForBar()
+{
+  const double margin = scene_.barShown() ? kBarShare : 0.0;
+  if (margin == settings_.view.right_margin || isCameraTheUsers()) return;
+  resetCamera();
 }
 
 void
@@ -163,6 +202,7 @@ Viewer::onKey(const std::string& symbol)
   if (!key) return;
   message_.clear();
   execute(*key);
+  makeRoomForBar();
   updateStatus();
   if (key->command != Command::kQuit) render();
 }
@@ -226,7 +266,6 @@ Viewer::loadCameraFile()
   const Result<Camera> camera = loadCamera(settings_.camera_file);
   if (!camera) return camera.error();
   setCamera(*camera, renderer_);
-  camera_moved_ = true;
   return {};
 }
 
@@ -328,7 +367,6 @@ Viewer::focusUnderMouse()
   SLIMMapper* mapper = scene_.surfaceMapper();
   if (!mapper || !mapper->pick(renderer_, scene_.model(), at[0], at[1], pick)) return;
   renderer_->GetActiveCamera()->SetFocalPoint(pick.position.data());
-  camera_moved_ = true;
 }
 
 void
@@ -342,11 +380,13 @@ Viewer::screenshotByKey()
 void
 Viewer::onMouseMoved()
 {
-  const auto* style = vtkInteractorStyle::SafeDownCast(interactor_->GetInteractorStyle());
-  if (style && const_cast<vtkInteractorStyle*>(style)->GetState() != VTKIS_NONE) {
-    camera_moved_ = true;
-  }
   mouse_rests_ = false;
+}
+
+void
+Viewer::onResized()
+{
+  overlay_.fitTo(window_->GetSize()[0], window_->GetSize()[1]);
 }
 
 void
@@ -394,6 +434,7 @@ void
 Viewer::updateStatus()
 {
   updateBackground();
+  overlay_.raise();
   overlay_.setStatus(describeScene(scene_) + (message_.empty() ? "" : "\n" + message_));
 }
 
