@@ -120,23 +120,17 @@ reportFrames(const Settings& s, SurfaceRenderer& renderer, const Camera& camera,
   return {};
 }
 
-/** What is seen, and from where. */
-struct View {
-  BoundingSpheres object;
-  Camera camera;
-};
-
 /** Every picture of the turntable, each saved when it is drawn.
  * \param[in] draw Result<Image>(const Camera&) */
 template <typename Draw>
 Error
-renderTurns(const Settings& s, const View& view, double& save_seconds, const Draw& draw)
+renderTurns(const Settings& s, const Turntable& table, double& save_seconds, const Draw& draw)
 {
-  for (int turn = 0; turn < s.turntable; ++turn) {
-    const Result<Image> image = draw(turnedCamera(view.camera, view.object, turn, s.turntable));
+  for (int turn = 0; turn < table.count(); ++turn) {
+    const Result<Image> image = draw(table.camera(turn));
     if (!image) return image.error();
     const Stopwatch watch;
-    if (Error error = saveImage(turntablePath(s.output, turn, s.turntable), *image)) return error;
+    if (Error error = saveImage(Turntable::path(s.output, turn, s.turntable), *image)) return error;
     save_seconds += watch.seconds();
   }
   return {};
@@ -153,27 +147,27 @@ withLines(const Settings& s, SurfaceRenderer& renderer, const Camera& camera, Re
 }
 
 Error
-renderSurfaceModel(const Settings& s, const Model& model, const View& view, Report& report,
+renderSurfaceModel(const Settings& s, const Model& model, const Turntable& table, Report& report,
                    double& save_seconds)
 {
   SurfaceRenderer renderer(model.surface, s.threads);
   const ShadingParams shading = s.picture.shadingFor(false, s.threads);
   RenderStatistics total;
   std::size_t lines = 0;
-  Error error = renderTurns(s, view, save_seconds, [&](const Camera& turned) {
+  Error error = renderTurns(s, table, save_seconds, [&](const Camera& turned) {
     RenderStatistics counts;
     auto image = renderPicture(renderer, turned, renderingOf(s), shading, &counts);
     total += counts;
     return withLines(s, renderer, turned, std::move(image), lines);
   });
   if (s.lines.any()) report.json()["lines"] = lines;
-  if (!error) error = reportFrames(s, renderer, view.camera, report);
+  if (!error) error = reportFrames(s, renderer, table.camera(0), report);
   reportSurface(model, total, report.json());
   return error;
 }
 
 Error
-renderSplatModel(const Settings& s, const Model& model, const View& view, Report& report,
+renderSplatModel(const Settings& s, const Model& model, const Turntable& table, Report& report,
                  double& save_seconds)
 {
   DiscRenderParams params;
@@ -184,7 +178,7 @@ renderSplatModel(const Settings& s, const Model& model, const View& view, Report
   params.threads = s.threads;
   const ShadingParams shading = s.picture.shadingFor(true, s.threads);
   DiscRenderStatistics total;
-  Error error = renderTurns(s, view, save_seconds, [&](const Camera& turned) {
+  Error error = renderTurns(s, table, save_seconds, [&](const Camera& turned) {
     DiscRenderStatistics counts;
     auto image = renderPicture(model.splats, turned, params, shading, &counts);
     total += counts;
@@ -209,7 +203,7 @@ tracingOf(const Settings& s)
 }
 
 Error
-renderTracedModel(const Settings& s, const Model& model, const View& view, Report& report,
+renderTracedModel(const Settings& s, const Model& model, const Turntable& table, Report& report,
                   double& save_seconds, Progress& progress)
 {
   RayTracer tracer =
@@ -221,7 +215,7 @@ renderTracedModel(const Settings& s, const Model& model, const View& view, Repor
   if (s.lines.any()) renderer.emplace(model.surface, s.threads);
   std::size_t lines = 0;
   TraceStatistics total;
-  Error error = renderTurns(s, view, save_seconds, [&](const Camera& turned) {
+  Error error = renderTurns(s, table, save_seconds, [&](const Camera& turned) {
     params.lights = s.traced.lightsFor(turned);
     TraceStatistics counts;
     auto image = renderTracedPicture(tracer, turned, params, shading, &counts, &progress);
@@ -259,7 +253,7 @@ statusOf(const Error& error)
 
 /** Draws and saves, and notes how long each took. */
 Error
-renderModel(const Settings& s, const Model& model, const View& view, Console& console,
+renderModel(const Settings& s, const Model& model, const Turntable& table, Console& console,
             Report& report)
 {
   console.begin("Rendering " + s.view.size_text);
@@ -267,8 +261,8 @@ renderModel(const Settings& s, const Model& model, const View& view, Console& co
   double save_seconds = 0.0;
   const auto render = model.is_splats ? renderSplatModel : renderSurfaceModel;
   Error error = s.picture.isTraced()
-                    ? renderTracedModel(s, model, view, report, save_seconds, console.progress())
-                    : render(s, model, view, report, save_seconds);
+                    ? renderTracedModel(s, model, table, report, save_seconds, console.progress())
+                    : render(s, model, table, report, save_seconds);
   if (error) return error;
   const double seconds = watch.seconds() - save_seconds;
   const auto covered = report.json()["covered_pixels"].get<std::uint64_t>();
@@ -277,7 +271,7 @@ renderModel(const Settings& s, const Model& model, const View& view, Console& co
   report.time("save", save_seconds);
   console.begin("Saving " + s.output);
   console.done(save_seconds, s.view.size_text + " pixels");
-  return s.save_camera.empty() ? Error{} : saveCamera(s.save_camera, view.camera);
+  return s.save_camera.empty() ? Error{} : saveCamera(s.save_camera, table.camera(0));
 }
 
 int
@@ -285,7 +279,7 @@ run(const Settings& s)
 {
   if (Error error = limitMemory(s.max_memory))
     return pcl_slim::fail("pcl_slim_render", kExitUsage, error.message);
-  for (const std::string& path : {turntablePath(s.output, 0, s.turntable), s.save_camera}) {
+  for (const std::string& path : {Turntable::path(s.output, 0, s.turntable), s.save_camera}) {
     const Error error = path.empty() ? Error{} : checkWritable(path);
     if (error) return pcl_slim::fail("pcl_slim_render", kExitFailed, error.message);
   }
@@ -313,13 +307,13 @@ run(const Settings& s)
   if (Error error = checkMemory(bytesOfPicture(s), "a picture of " + s.view.size_text))
     return fail(console, kExitFailed, error);
   const ShadingParams shading = s.picture.shadingFor(model->is_splats, 1);
-  ViewRequest request = s.view;
-  if (shading.color_bar && showsNumbers(shading.mode))
-    request.right_margin = colorBarShare(request.size);
+  ViewRequest view = s.view;
+  if (shading.color_bar && hasColorBar(shading.mode)) view.right_margin = colorBarShare(view.size);
   const Result<BoundingSpheres> object = s.region.apply(*model);
   if (!object) return fail(console, kExitUsage, object.error());
-  const Camera camera = request.cameraFor(*object);
-  if (Error error = renderModel(s, *model, {*object, camera}, console, report)) {
+  const Turntable table(view, *object, s.turntable);
+  const Camera camera = table.camera(0);
+  if (Error error = renderModel(s, *model, table, console, report)) {
     return fail(console, statusOf(error), error);
   }
   report.json()["camera"] = {

@@ -1,58 +1,33 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "render/turntable.h"
 
-#include <algorithm>
-#include <cmath>
 #include <cstdio>
-#include <vector>
 
-#include "pcl_slim/core/vector3.h"
+#include "pcl_slim/render/turning.h"
 
 namespace pcl_slim {
-namespace {
 
-/** \brief The median of the spheres' centres, world coordinates. */
-Vector3
-middleOf(const BoundingSpheres& object)
+Turntable::Turntable(const ViewRequest& request, const BoundingSpheres& object, int count)
+    : count_(count)
 {
-  Vector3 middle = object.origin;
-  if (object.spheres.empty()) return middle;
-  std::vector<float> values(object.spheres.size());
-  for (std::size_t a = 0; a < 3; ++a) {
-    for (std::size_t i = 0; i < values.size(); ++i) values[i] = object.spheres[i].center[a];
-    const auto half = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), half, values.end());
-    middle[a] += object.scale * *half;
+  if (count == 1) {
+    first_ = request.cameraFor(object);
+    return;
   }
-  return middle;
+  axis_ = request.upwards(object);
+  const BoundingSpheres swept = sweptAbout(object, axis_);
+  pivot_ = swept.origin;
+  first_ = request.cameraFor(object, swept);
 }
-
-/** \brief v turned about a unit axis (Rodrigues). */
-Vector3
-turned(const Vector3& v, const Vector3& axis, double angle)
-{
-  const Vector3 straight = scaled(axis, dot(axis, v) * (1.0 - std::cos(angle)));
-  return along(along(straight, std::cos(angle), v), std::sin(angle), cross(axis, v));
-}
-
-}  // namespace
 
 Camera
-turnedCamera(const Camera& camera, const BoundingSpheres& object, int turn, int count)
+Turntable::camera(int turn) const
 {
-  if (turn == 0) return camera;
-  const double angle = 2.0 * std::acos(-1.0) * turn / count;
-  const Vector3 middle = middleOf(object), axis = normalized(camera.up);
-  const Vector3 offset = subtract(camera.position, middle);
-  Camera moved = camera;
-  moved.position = along(middle, 1.0, turned(offset, axis, angle));
-  const Vector3 view = turned(subtract(camera.look_at, camera.position), axis, angle);
-  moved.look_at = along(moved.position, 1.0, view);
-  return moved;
+  return turnedCamera(first_, pivot_, axis_, turn, count_);
 }
 
 std::string
-turntablePath(const std::string& path, int turn, int count)
+Turntable::path(const std::string& path, int turn, int count)
 {
   if (count == 1) return path;
   char number[16];

@@ -1,20 +1,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <string>
 
 #include "pcl_slim/render/bounding_spheres.h"
 #include "pcl_slim/render/camera.h"
+#include "render/view_request.h"
 
 namespace pcl_slim {
 
-/** \brief A camera turned about its upward axis through the object's middle by turn / count of a
- * full circle, to the right. */
-Camera
-turnedCamera(const Camera& camera, const BoundingSpheres& object, int turn, int count);
+/** \brief The cameras of pictures all the way round an upright object, to the right. One that the
+ * request does not give stands so far off that every picture shows the whole object. */
+class Turntable {
+ public:
+  Turntable(const ViewRequest& request, const BoundingSpheres& object, int count);
 
-/** \brief OUT_000.png, OUT_001.png ... for OUT.png; OUT.png itself if there is but one. */
-std::string
-turntablePath(const std::string& path, int turn, int count);
+  int count() const { return count_; }
+  Camera camera(int turn) const;
+
+  /** \brief OUT_000.png, OUT_001.png ... for OUT.png; OUT.png itself if there is but one. */
+  static std::string path(const std::string& path, int turn, int count);
+
+ private:
+  Camera first_;
+  std::array<double, 3> axis_{}, pivot_{};
+  int count_;
+};
 
 }  // namespace pcl_slim

@@ -106,7 +106,7 @@ ViewRequest::parse()
 }
 
 Camera
-ViewRequest::cameraFor(const BoundingSpheres& object) const
+ViewRequest::cameraFor(const BoundingSpheres& object, const BoundingSpheres& framed) const
 {
   if (given) return *given;
   UpAxis axis = upAxis(up);
@@ -117,8 +117,16 @@ ViewRequest::cameraFor(const BoundingSpheres& object) const
     if (axis == UpAxis::kAuto) axis = guessUpAxis(object);
     direction = viewFromAngles(axis, angles[0], angles[1]);
   }
-  return orthographic ? fitOrthographicCamera(object, direction, size, kMargin, right_margin)
-                      : fitCamera(object, direction, size, fov, kMargin, right_margin);
+  return orthographic ? fitOrthographicCamera(framed, direction, size, kMargin, right_margin)
+                      : fitCamera(framed, direction, size, fov, kMargin, right_margin);
+}
+
+std::array<double, 3>
+ViewRequest::upwards(const BoundingSpheres& object) const
+{
+  const UpAxis axis = upAxis(up);
+  if (angles.empty()) return upwardsIn(object, axis);
+  return upwardsIn(object, axis == UpAxis::kAuto ? guessUpAxis(object) : axis);
 }
 
 }  // namespace pcl_slim

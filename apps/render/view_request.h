@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,7 +31,11 @@ struct ViewRequest {
   Error parse();
 
   /** \brief The camera for an object, once parse() has gone well. */
-  Camera cameraFor(const BoundingSpheres& object) const;
+  Camera cameraFor(const BoundingSpheres& object) const { return cameraFor(object, object); }
+  /** \brief The same, standing where framed fits into the picture. */
+  Camera cameraFor(const BoundingSpheres& object, const BoundingSpheres& framed) const;
+  /** \brief The direction in which the object stands up, whichever way the camera looks. */
+  std::array<double, 3> upwards(const BoundingSpheres& object) const;
 };
 
 }  // namespace pcl_slim

@@ -13,6 +13,10 @@
 namespace pcl_slim {
 namespace {
 
+constexpr int kLetter = 14;        ///< pixels, in a window that has room for it
+constexpr int kSmallest = 6;       ///< that can be read
+constexpr double kWidest = 560.0;  ///< pixels that the readout takes
+
 void
 place(vtkTextActor* actor, double x, double y, int horizontal, int vertical)
 {
@@ -32,18 +36,17 @@ setText(vtkTextActor* actor, const std::string& text)
 }  // namespace
 
 Overlay::Overlay(vtkRenderer* renderer)
-    : status_(addText(renderer, 14)),
-      readout_(addText(renderer, 14)),
+    : renderer_(renderer),
+      status_(addText(renderer, kLetter)),
+      readout_(addText(renderer, kLetter)),
       progress_(addText(renderer, 16)),
-      help_(addText(renderer, 14))
+      help_(addText(renderer, kLetter))
 {
   place(status_, 0.012, 0.985, VTK_TEXT_LEFT, VTK_TEXT_TOP);
   place(readout_, 0.012, 0.015, VTK_TEXT_LEFT, VTK_TEXT_BOTTOM);
   place(progress_, 0.5, 0.08, VTK_TEXT_CENTERED, VTK_TEXT_BOTTOM);
-  place(help_, 0.5, 0.5, VTK_TEXT_CENTERED, VTK_TEXT_CENTERED);
+  place(help_, 0.0, 0.5, VTK_TEXT_LEFT, VTK_TEXT_CENTERED);
   help_->GetTextProperty()->SetFontFamilyToCourier();
-  help_->GetTextProperty()->SetJustificationToLeft();
-  help_->GetPositionCoordinate()->SetValue(0.1, 0.5);
   help_->GetTextProperty()->SetBackgroundOpacity(0.88);
   help_->GetTextProperty()->SetFrame(true);
   help_->GetTextProperty()->SetFrameColor(0.6, 0.6, 0.62);
@@ -65,6 +68,33 @@ Overlay::addText(vtkRenderer* renderer, int size)
   actor->SetVisibility(false);
   renderer->AddActor2D(actor);
   return actor;
+}
+
+void
+Overlay::fitTo(int width, int height)
+{
+  const int letter = static_cast<int>(kLetter * std::min(1.0, width / kWidest));
+  for (vtkTextActor* text : {status_.Get(), readout_.Get()}) {
+    text->GetTextProperty()->SetFontSize(std::max(kSmallest, letter));
+  }
+  double box[4]{};
+  const auto widthAt = [&](int size) {
+    help_->GetTextProperty()->SetFontSize(size);
+    help_->GetBoundingBox(renderer_, box);
+    return box[1] - box[0];
+  };
+  int size = kLetter;
+  while (widthAt(size) > 0.96 * width || box[3] - box[2] > 0.9 * height) {
+    if (--size < kSmallest) break;
+  }
+  help_->GetPositionCoordinate()->SetValue(0.5 - 0.5 * (box[1] - box[0]) / width, 0.5);
+}
+
+void
+Overlay::raise()
+{
+  renderer_->RemoveViewProp(help_);
+  renderer_->AddViewProp(help_);
 }
 
 void

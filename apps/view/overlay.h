@@ -16,6 +16,10 @@ class Overlay {
   explicit Overlay(vtkRenderer* renderer);
   ~Overlay();
 
+  /** \brief Makes text small enough for a window. */
+  void fitTo(int width, int height);
+  /** \brief Draws the help over what has been added since, such as a scalar bar. */
+  void raise();
   /** \brief The upper left corner: what is shown. */
   void setStatus(const std::string& text);
   /** \brief The lower left corner: what lies under the mouse; empty: nothing. */
@@ -28,6 +32,7 @@ class Overlay {
  private:
   vtkSmartPointer<vtkTextActor> addText(vtkRenderer* renderer, int size);
 
+  vtkRenderer* renderer_;
   vtkSmartPointer<vtkTextActor> status_, readout_, progress_, help_;
 };
 

@@ -57,6 +57,7 @@ class Scene {
   bool pointsShown() const;
   bool ballsShown() const;
   bool normalsShown() const;
+  bool barShown() const { return bar_ != nullptr; }
 
  private:
   void setMapper(GBufferMapper* mapper);

@@ -6,6 +6,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/render/picture_lines.h"
@@ -54,11 +55,13 @@ class Viewer {
   // Called by the interactor's style ------------------------------------------------------------
   void onKey(const std::string& symbol);
   void onMouseMoved();
+  void onResized();
   void onTimer();
 
  private:
   void render();
   void resetCamera();
+  bool isCameraTheUsers() const;
   void execute(const Key& key);
   void toggle(Command command);
   Error loadCameraFile();
@@ -74,6 +77,7 @@ class Viewer {
   void focusUnderMouse();
   void screenshotByKey();
   void readUnderMouse();
+  void makeRoomForBar();
   void updateStatus();
   void takeFit();
 
@@ -85,9 +89,9 @@ class Viewer {
   Overlay overlay_;
   FitTask* task_ = nullptr;
   Error fit_error_;
-  std::string message_;        ///< told once in the status line
-  bool camera_moved_ = false;  ///< by the user, so that a finished fit leaves it
-  bool mouse_rests_ = true;    ///< and what lies under it is told
+  std::string message_;         ///< told once in the status line
+  std::vector<double> framed_;  ///< the camera of resetCamera(); another one is the user's
+  bool mouse_rests_ = true;     ///< and what lies under it is told
 };
 
 }  // namespace pcl_slim

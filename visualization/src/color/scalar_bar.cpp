@@ -73,7 +73,7 @@ titleOf(DisplayMode mode)
     case DisplayMode::kMax: return "largest curvature";
     case DisplayMode::kMin: return "smallest curvature";
     case DisplayMode::kLevel: return "level";
-    case DisplayMode::kSize: return "ball radius";
+    case DisplayMode::kSize: return "radius";
     case DisplayMode::kError: return "residual";
     case DisplayMode::kReflection: return "reflection lines";
     case DisplayMode::kColor: return "colour";
@@ -97,7 +97,7 @@ makeScalarBar(GBufferMapper& mapper, const std::string& unit)
     labelLevels(table->GetRange(), bar);
   } else {
     bar->SetNumberOfLabels(5);
-    bar->SetLabelFormat("%-#9.3g");
+    bar->SetLabelFormat("%.3g");
   }
   bar->SetMaximumNumberOfColors(256);
   bar->SetOrientationToVertical();

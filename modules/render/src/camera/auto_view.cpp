@@ -134,6 +134,14 @@ isGeoreferenced(const BoundingSpheres& object)
   return std::abs(object.origin[0]) > far && std::abs(object.origin[1]) > far;
 }
 
+/** \brief Terrain and what stands on it: map coordinates, or a cloud that is flat along its upward
+ * axis. */
+bool
+liesOnGround(const SphereCloud& cloud, const BoundingSpheres& object, std::size_t up)
+{
+  return isFlatAlong(cloud, up) || (up == 2 && isGeoreferenced(object));
+}
+
 struct Upright {
   Vector3 up, front, right;
 };
@@ -192,18 +200,15 @@ viewFrom(const Upright& frame, double azimuth, double elevation)
           along(scaled(level, -std::sin(e)), std::cos(e), frame.up)};
 }
 
-}  // namespace
-
-ViewDirection
-viewFromAngles(UpAxis up, double azimuth, double elevation)
-{
-  return viewFrom(uprightOf(up), azimuth, elevation);
-}
+/** \brief Where a viewer stands; angles in degrees. */
+struct Stand {
+  Upright frame;
+  double azimuth = 0.0, elevation = 0.0;
+};
 
 UpAxis
-guessUpAxis(const BoundingSpheres& object)
+guessUpAxis(const SphereCloud& cloud, const BoundingSpheres& object)
 {
-  const SphereCloud cloud(object.spheres);
   if (cloud.empty() || isFlatAlong(cloud, 2) || isGeoreferenced(object)) return UpAxis::kZ;
   if (isFlatAlong(cloud, 1)) return UpAxis::kY;
   if (cloud.extent(1) > kClearlyLonger * cloud.extent(2)) return UpAxis::kY;
@@ -216,28 +221,53 @@ guessUpAxis(const BoundingSpheres& object)
   return cloud.baseShare(1) > cloud.baseShare(2) + kBase ? UpAxis::kY : UpAxis::kZ;
 }
 
-ViewDirection
-chooseView(const BoundingSpheres& object, UpAxis up)
+Stand
+chooseStand(const BoundingSpheres& object, UpAxis up)
 {
   const SphereCloud cloud(object.spheres);
-  if (cloud.empty()) return viewFromAngles(up, kQuarterView, 18.0);
-  if (up == UpAxis::kAuto && !isFlatAlong(cloud, 2) && seenByDepthCamera(cloud, object)) {
-    return {{0.0, -0.12, -1.0}, {0.0, -1.0, 0.0}};
+  const bool is_auto = up == UpAxis::kAuto;
+  if (cloud.empty()) return {uprightOf(up), kQuarterView, 18.0};
+  if (is_auto && !isFlatAlong(cloud, 2) && seenByDepthCamera(cloud, object)) {
+    return {kCameraUpright, 0.0, 7.0};
   }
-  const UpAxis axis = up == UpAxis::kAuto ? guessUpAxis(object) : up;
+  const UpAxis axis = is_auto ? guessUpAxis(cloud, object) : up;
   const Upright frame = uprightOf(axis);
-  if (isFlatAlong(cloud, indexOf(axis))) {
-    return viewFrom(frame, widestAzimuth(cloud, frame), 42.0);
-  }
-  if (!object.oriented) return viewFrom(frame, kQuarterView, 18.0);
-  const bool camera_axes =
-      up == UpAxis::kAuto && axis == UpAxis::kY && cloud.mean_normal[2] < -kCameraFacing;
+  if (liesOnGround(cloud, object, indexOf(axis))) return {frame, widestAzimuth(cloud, frame), 42.0};
+  const bool camera_axes = is_auto && axis == UpAxis::kY && cloud.mean_normal[2] < -kCameraFacing;
   const Upright seen_from = camera_axes ? kCameraUpright : frame;
   const double facing_front = dot(cloud.mean_normal, seen_from.front);
   const double facing_right = dot(cloud.mean_normal, seen_from.right);
-  if (std::hypot(facing_front, facing_right) < kOneSided)
-    return viewFrom(frame, kQuarterView, 18.0);
-  return viewFrom(seen_from, std::atan2(facing_right, facing_front) * 180.0 / kPi + 15.0, 12.0);
+  if (!object.oriented || std::hypot(facing_front, facing_right) < kOneSided) {
+    return {frame, kQuarterView, 18.0};
+  }
+  return {seen_from, std::atan2(facing_right, facing_front) * 180.0 / kPi + 15.0, 12.0};
+}
+
+}  // namespace
+
+ViewDirection
+viewFromAngles(UpAxis up, double azimuth, double elevation)
+{
+  return viewFrom(uprightOf(up), azimuth, elevation);
+}
+
+UpAxis
+guessUpAxis(const BoundingSpheres& object)
+{
+  return guessUpAxis(SphereCloud(object.spheres), object);
+}
+
+ViewDirection
+chooseView(const BoundingSpheres& object, UpAxis up)
+{
+  const Stand stand = chooseStand(object, up);
+  return viewFrom(stand.frame, stand.azimuth, stand.elevation);
+}
+
+std::array<double, 3>
+upwardsIn(const BoundingSpheres& object, UpAxis up)
+{
+  return chooseStand(object, up).frame.up;
 }
 
 }  // namespace pcl_slim

@@ -62,6 +62,13 @@ struct FrustumFit {
   }
 };
 
+/** \brief What a picture has to show. */
+std::vector<BoundingSphere>
+framedSpheres(const BoundingSpheres& object)
+{
+  return object.no_strays ? object.spheres : bulkOf(object.spheres);
+}
+
 /** \brief A camera that looks the right way from one world unit off the object's origin. */
 Camera
 startingCamera(const BoundingSpheres& object, const ViewDirection& direction, const ImageSize& size)
@@ -123,7 +130,7 @@ fitCamera(const BoundingSpheres& object, const ViewDirection& direction, const I
 {
   Camera camera = startingCamera(object, direction, size);
   camera.fov = fov;
-  const std::vector<BoundingSphere> framed = bulkOf(object.spheres);
+  const std::vector<BoundingSphere> framed = framedSpheres(object);
   if (framed.empty()) return camera;
 
   const CameraAxes axes(camera);
@@ -142,7 +149,7 @@ fitOrthographicCamera(const BoundingSpheres& object, const ViewDirection& direct
   Camera camera = startingCamera(object, direction, size);
   camera.projection = Camera::Projection::kOrthographic;
   camera.view_height = object.scale;
-  const std::vector<BoundingSphere> framed = bulkOf(object.spheres);
+  const std::vector<BoundingSphere> framed = framedSpheres(object);
   if (framed.empty()) return camera;
 
   const CameraAxes axes(camera);

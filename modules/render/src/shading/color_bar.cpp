@@ -76,6 +76,7 @@ titleOf(ShadingMode mode)
     case ShadingMode::kKMax: return "k max";
     case ShadingMode::kKMin: return "k min";
     case ShadingMode::kError: return "residual";
+    case ShadingMode::kLevel: return "level";
     default: return "radius";
   }
 }
@@ -88,11 +89,11 @@ unitOf(const ShadingParams& params)
     case ShadingMode::kGaussian: return "1/" + length + "^2";
     case ShadingMode::kSize:
     case ShadingMode::kError: return length;
+    case ShadingMode::kLevel: return "";
     default: return "1/" + length;
   }
 }
 
-constexpr int kTicks = 5;
 constexpr int kLine = PixelGlyph::kHeight + 3;  ///< dots from one line of text to the next
 constexpr Color kFrame{0.25f, 0.25f, 0.25f};
 
@@ -108,10 +109,11 @@ paintPaper(const BarLayout& at, Image& image)
 }
 
 void
-paintColors(const BarLayout& at, const ShadingParams& params, Image& image)
+paintColors(const BarLayout& at, const ShadingParams& params, const ShadingRange& range,
+            Image& image)
 {
   for (int y = 0; y < at.height; ++y) {
-    const Color color = colorAtShare(params, 1.0 - (y + 0.5) / at.height);
+    const Color color = colorAtShare(params, range, 1.0 - (y + 0.5) / at.height);
     for (int x = 0; x < at.width; ++x) {
       const bool rim = x == 0 || y == 0 || x + 1 == at.width || y + 1 == at.height;
       paint(image, at.left + x, at.top + y, rim ? kFrame : color, 1.0f);
@@ -120,14 +122,38 @@ paintColors(const BarLayout& at, const ShadingParams& params, Image& image)
 }
 
 void
-paintTick(const BarLayout& at, const ShadingRange& range, double share, Image& image)
+paintTick(const BarLayout& at, const std::string& number, double share, Image& image)
 {
-  const double value = range.logarithmic ? range.low * std::pow(range.high / range.low, share)
-                                         : range.low + share * (range.high - range.low);
   const int y = at.top + static_cast<int>(std::lround((1.0 - share) * (at.height - 1)));
   const int right = at.left + at.width;
   for (int x = 0; x < 3 * at.letter; ++x) paint(image, right + x, y, kFrame, 1.0f);
-  paintText(image, right + 5 * at.letter, y - 3 * at.letter, at.letter, numberText(value));
+  paintText(image, right + 5 * at.letter, y - 3 * at.letter, at.letter, number);
+}
+
+/** \brief Five numbers, evenly spaced. */
+void
+paintNumbers(const BarLayout& at, const ShadingRange& range, Image& image)
+{
+  constexpr int kTicks = 5;
+  for (int tick = 0; tick < kTicks; ++tick) {
+    const double share = tick / (kTicks - 1.0);
+    const double value = range.logarithmic ? range.low * std::pow(range.high / range.low, share)
+                                           : range.low + share * (range.high - range.low);
+    paintTick(at, numberText(value), share, image);
+  }
+}
+
+/** \brief Numbers in the middle of each level's colour, at most ten. */
+void
+paintLevels(const BarLayout& at, const ShadingRange& range, Image& image)
+{
+  constexpr int kMostNumbers = 10;
+  const int count = static_cast<int>(std::lround(range.high - range.low));
+  const int step = (count + kMostNumbers - 1) / kMostNumbers;
+  for (int i = 0; i < count; i += step) {
+    const double share = (i + 0.5) / count;
+    paintTick(at, std::to_string(levelAtShare(range, share)), share, image);
+  }
 }
 
 }  // namespace
@@ -143,10 +169,11 @@ void
 addColorBar(const ShadingParams& params, const ShadingRange& range, Image& image)
 {
   const BarLayout at(image.width, image.height);
-  if (!showsNumbers(params.mode) || !at.fits()) return;
+  if (!hasColorBar(params.mode) || !at.fits()) return;
   paintPaper(at, image);
-  paintColors(at, params, image);
-  for (int tick = 0; tick < kTicks; ++tick) paintTick(at, range, tick / (kTicks - 1.0), image);
+  paintColors(at, params, range, image);
+  const bool levels = params.mode == ShadingMode::kLevel;
+  (levels ? paintLevels : paintNumbers)(at, range, image);
   const int line = kLine * at.letter;
   paintText(image, at.left, at.top - 3 * line + at.pad(), at.letter, titleOf(params.mode));
   paintText(image, at.left, at.top - 2 * line + at.pad(), at.letter, unitOf(params));

@@ -21,9 +21,17 @@ valueAt(const GBuffer& buffer, std::size_t pixel, ShadingMode mode, double scale
   }
 }
 
-Color
-colorAtShare(const ShadingParams& params, double share)
+std::uint32_t
+levelAtShare(const ShadingRange& range, double share)
 {
+  const double level = range.low + share * (range.high - range.low);
+  return static_cast<std::uint32_t>(std::lround(std::max(0.0, level)));
+}
+
+Color
+colorAtShare(const ShadingParams& params, const ShadingRange& range, double share)
+{
+  if (params.mode == ShadingMode::kLevel) return categoryColor(levelAtShare(range, share));
   if (params.map == ColorMap::kPerceptual) return perceptualColor(share);
   if (params.map == ColorMap::kDiverging) return divergingColor(2.0 * share - 1.0);
   if (params.mode == ShadingMode::kSize) return sizeColor(share);
@@ -40,7 +48,7 @@ colorOf(const ShadingParams& params, const ShadingRange& range, double value)
     high = std::log(high);
     value = std::log(value);
   }
-  return colorAtShare(params, high > low ? (value - low) / (high - low) : 0.5);
+  return colorAtShare(params, range, high > low ? (value - low) / (high - low) : 0.5);
 }
 
 bool
@@ -93,7 +101,26 @@ setRobustRange(const GBuffer& buffer, const ShadingParams& params, double scale,
   range.low = isSigned(params.mode) ? -range.high : 0.0;
 }
 
+/** \brief Half a level past those that a picture shows; level 1 if it shows none. */
+ShadingRange
+levelsOf(const GBuffer& buffer)
+{
+  ShadingRange range{HUGE_VAL, -HUGE_VAL, false};
+  for (std::size_t i = 0; i < buffer.numPixels(); ++i) {
+    if (!buffer.covered(i)) continue;
+    range.low = std::min(range.low, buffer.level[i] - 0.5);
+    range.high = std::max(range.high, buffer.level[i] + 0.5);
+  }
+  return range.low < range.high ? range : ShadingRange{0.5, 1.5, false};
+}
+
 }  // namespace
+
+bool
+hasColorBar(ShadingMode mode)
+{
+  return showsNumbers(mode) || mode == ShadingMode::kLevel;
+}
 
 bool
 showsNumbers(ShadingMode mode)
@@ -132,6 +159,7 @@ rangeOf(const GBuffer& buffer, const ShadingParams& params, double scale)
   ShadingRange range;
   range.logarithmic = params.mode == ShadingMode::kSize;
   if (range.logarithmic) range.low = 0.5;
+  if (params.mode == ShadingMode::kLevel) return levelsOf(buffer);
   if (!showsNumbers(params.mode)) return range;
   if (params.range[0] < params.range[1]) {
     range.low = params.range[0];

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "pcl_slim/render/shading.h"
 
@@ -15,9 +16,13 @@ valueAt(const GBuffer& buffer, std::size_t pixel, ShadingMode mode, double scale
 Color
 colorOf(const ShadingParams& params, const ShadingRange& range, double value);
 
+/** \brief The level at a share of a range of levels. */
+std::uint32_t
+levelAtShare(const ShadingRange& range, double share);
+
 /** \brief The colour of a share of the range, 0 its lower end. */
 Color
-colorAtShare(const ShadingParams& params, double share);
+colorAtShare(const ShadingParams& params, const ShadingRange& range, double share);
 
 /** \brief Whether a picture has a shade in its hollows. */
 bool

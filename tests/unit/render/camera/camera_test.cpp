@@ -210,6 +210,18 @@ TEST(ChooseView, TerrainIsSeenFromAboveAcrossItsLongerSide)
   EXPECT_NEAR(view.towards_viewer[0], 0.0, 0.05);
 }
 
+TEST(ChooseView, MapsAreSeenFromAboveHoweverHighTheirTrees)
+{
+  SLIMSurface map = stretched(0.5, 0.2, 0.25);
+  const double beside = chooseView(spheresOf(map)).towards_viewer[2];
+  EXPECT_LT(beside, 0.4);
+  map.info.origin = {5e5, 5.4e6, 300.0};
+  map.info.scale = 64.0;
+  const ViewDirection view = chooseView(spheresOf(map));
+  EXPECT_GT(view.towards_viewer[2], 0.5);
+  EXPECT_NEAR(view.towards_viewer[0], 0.0, 0.05);
+}
+
 TEST(ChooseView, OneSidedScanIsSeenFromItsSide)
 {
   SLIMSurface surface = stretched(0.25, 0.25, 0.4);

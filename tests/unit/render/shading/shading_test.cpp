@@ -151,6 +151,31 @@ TEST(Shading, AGivenRangeSetsTheCurvatureColours)
   EXPECT_LT(std::abs(middle[0] - middle[2]), 16);
 }
 
+TEST(Shading, BarOfLevelsHasTheColoursOfThoseInThePicture)
+{
+  SLIMSurface surface = sphereSurface(4, 0.25, 600, 0.07);
+  for (std::size_t i = 0; i < surface.size(); ++i) surface.level[i] = surface.cx[i] < 0.0f ? 4 : 6;
+  Camera camera = frontCamera();
+  camera.size = {320, 240};
+  ShadingParams params;
+  params.mode = ShadingMode::kLevel;
+  params.supersampling = 1;
+  const auto plain = renderPicture(surface, camera, RenderParams(), params);
+  params.color_bar = true;
+  const auto barred = renderPicture(surface, camera, RenderParams(), params);
+  ASSERT_TRUE(plain && barred);
+  EXPECT_EQ(pixelOf(*plain, 100, 120), pixelOf(*barred, 100, 120));
+  const int x = 320 - 78 + 7;
+  const auto expectColour = [&](int y, std::uint32_t level) {
+    const auto pixel = pixelOf(*barred, x, y);
+    const Color colour = categoryColor(level);
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(pixel[k], 255.0f * colour[k], 1.0) << level;
+  };
+  expectColour(240 / 5 + 4, 6);
+  expectColour(120, 5);  // between the two, though no leaf has it
+  expectColour(240 - 240 / 5 - 5, 4);
+}
+
 TEST(Shading, SupersamplingSmoothsTheSilhouette)
 {
   const auto colours = [](const Image& image) {

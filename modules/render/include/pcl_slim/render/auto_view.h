@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+
 #include "pcl_slim/render/bounding_spheres.h"
 #include "pcl_slim/render/camera.h"
 
@@ -30,12 +32,18 @@ guessUpAxis(const BoundingSpheres& object);
  *
  * - A cloud seen by a depth camera at the world's origin (x right, y down, z forward) is shown
  *   from there.
- * - A flat cloud such as terrain is shown obliquely from above, across its longer side.
+ * - Terrain, a flat cloud or one with map coordinates, is shown obliquely from above, across its
+ *   longer side.
  * - A one-sided scan is shown from the side its normals face (oriented objects only); when that
  *   is -z, in the axes of a camera (x right, y down, z forward).
  * - Anything else is shown from the front, turned by 30 degrees and slightly from above.
  */
 ViewDirection
 chooseView(const BoundingSpheres& object, UpAxis up = UpAxis::kAuto);
+
+/** \brief The world direction that is upwards in the view of chooseView, however far that looks down:
+ * the upward axis, or -y for what is shown in the axes of a camera. O(spheres log spheres). */
+std::array<double, 3>
+upwardsIn(const BoundingSpheres& object, UpAxis up = UpAxis::kAuto);
 
 }  // namespace pcl_slim

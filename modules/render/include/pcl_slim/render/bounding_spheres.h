@@ -27,6 +27,7 @@ struct BoundingSpheres {
   double diagonal = 1.0;     ///< of the object's bounding box
   double seen_radius = 1.0;  ///< share of each radius that a picture has to show
   bool oriented = true;      ///< the normals point to the outer side
+  bool no_strays = false;    ///< a picture has to show every sphere, however far from the bulk
 };
 
 /** \brief The leaves' balls of a surface. O(surfels). */

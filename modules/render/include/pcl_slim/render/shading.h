@@ -61,7 +61,7 @@ struct ShadingParams {
   Error validate() const;
 };
 
-/** \brief What the colours of a mode that shows numbers span, in world units. */
+/** \brief What the colours of a mode that shows numbers or levels span, in world units. */
 struct ShadingRange {
   double low = 0.0, high = 1.0;
   bool logarithmic = false;  ///< then both are positive
@@ -71,7 +71,12 @@ struct ShadingRange {
 bool
 showsNumbers(ShadingMode mode);
 
-/** \brief The range asked for, or a robust one of a G-buffer. O(covered pixels).
+/** \brief Whether a mode has a colour bar: those that show numbers, and levels. */
+bool
+hasColorBar(ShadingMode mode);
+
+/** \brief The range asked for, or a robust one of a G-buffer; of levels half a level past those it
+ * shows. O(covered pixels).
  * \param[in] scale world units per local unit, as SurfaceInfo::scale */
 ShadingRange
 rangeOf(const GBuffer& buffer, const ShadingParams& params, double scale);

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the keys of the window do.
+#include <vtkCamera.h>
+#include <vtkRenderWindow.h>
+#include <vtkRenderWindowInteractor.h>
+#include <vtkRenderer.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+#include "pcl_slim/visualization/slim_mapper.h"
+#include "render/camera_file.h"
+#include "view/readout.h"
+#include "view/viewer.h"
+#include "view/vtk_camera.h"
+
+namespace pcl_slim {
+namespace {
+
+const std::vector<std::string> kLineKinds{"none", "crest", "suggestive", "contour", "all"};
+
+}  // namespace
+
+void
+Viewer::execute(const Key& key)
+{
+  switch (key.command) {
+    case Command::kMode: return setDigitMode(key.mode);
+    case Command::kNextMode: return scene_.stepMode(1);
+    case Command::kPreviousMode: return scene_.stepMode(-1);
+    case Command::kWiderRange: return scene_.scaleRange(1.25);
+    case Command::kNarrowerRange: return scene_.scaleRange(0.8);
+    case Command::kAutomaticRange: return scene_.scaleRange(0.0);
+    case Command::kDetail: return stepDetail();
+    case Command::kLevelOfDetail: return stepLevelOfDetail();
+    case Command::kTrim: return toggleTrimming();
+    case Command::kLines: return stepLines();
+    case Command::kBackend: return stepBackend();
+    case Command::kSides: return stepSides();
+    case Command::kReset: return resetCamera();
+    case Command::kFocus: return focusUnderMouse();
+    case Command::kScreenshot: return screenshotByKey();
+    case Command::kHelp: return overlay_.showHelp(!overlay_.helpShown());
+    case Command::kQuit: return interactor_->TerminateApp();
+    default: return toggle(key.command);
+  }
+}
+
+void
+Viewer::setDigitMode(int digit)
+{
+  auto mode = static_cast<DisplayMode>(digit);
+  if (scene_.setMode(mode, 0.0)) return;
+  if (mode == DisplayMode::kColor) mode = DisplayMode::kError;
+  if (!scene_.setMode(mode, 0.0)) message_ = "nothing here has " + nameOf(mode) + " colours";
+}
+
+void
+Viewer::toggle(Command command)
+{
+  const auto told = [this](const Error& error, const std::string& done) {
+    message_ = error ? error.message : done + settings_.camera_file;
+  };
+  switch (command) {
+    case Command::kModel: return scene_.showModel(!scene_.modelShown());
+    case Command::kPoints: return scene_.showPoints(!scene_.pointsShown());
+    case Command::kBalls: return scene_.showBalls(!scene_.ballsShown());
+    case Command::kNormals: return scene_.showNormals(!scene_.normalsShown());
+    case Command::kSaveCamera:
+      return told(saveCamera(settings_.camera_file, cameraOf(renderer_)), "camera saved: ");
+    case Command::kLoadCamera: return told(loadCameraFile(), "camera loaded: ");
+    case Command::kParallel: return toggleParallel(renderer_->GetActiveCamera());
+    default: return;
+  }
+}
+
+Error
+Viewer::loadCameraFile()
+{
+  const Result<Camera> camera = loadCamera(settings_.camera_file);
+  if (!camera) return camera.error();
+  setCamera(*camera, renderer_);
+  return {};
+}
+
+void
+Viewer::stepDetail()
+{
+  GBufferMapper* mapper = scene_.mapper();
+  if (!mapper) return;
+  const double budget = mapper->getFrameBudget();
+  mapper->setFrameBudget(budget > 20.0 ? 20.0 : budget > 0.0 ? 0.0 : 50.0);
+  message_ = mapper->getFrameBudget() > 0.0
+                 ? "while the mouse moves, frames of at most " +
+                       std::to_string(static_cast<int>(mapper->getFrameBudget())) + " ms"
+                 : "full detail while the mouse moves";
+}
+
+void
+Viewer::stepLevelOfDetail()
+{
+  SLIMMapper* mapper = scene_.surfaceMapper();
+  if (!mapper) return;
+  const double now = mapper->getLevelOfDetail();
+  mapper->setLevelOfDetail(now <= 0.0 ? 1.0 : now < 32.0 ? 2.0 * now : 0.0);
+  char text[80];
+  std::snprintf(text, sizeof(text), "surfels below %g pixels stand for their descendants",
+                mapper->getLevelOfDetail());
+  message_ = mapper->getLevelOfDetail() > 0.0 ? text : "every leaf is drawn";
+}
+
+void
+Viewer::toggleTrimming()
+{
+  SLIMMapper* mapper = scene_.surfaceMapper();
+  if (!mapper) return;
+  mapper->setTrimming(!mapper->getTrimming());
+  message_ = mapper->getTrimming() ? "the surface ends where its data do" : "all of every ball";
+}
+
+void
+Viewer::stepLines()
+{
+  const auto at = std::find(kLineKinds.begin(), kLineKinds.end(), settings_.lines);
+  const auto next = static_cast<std::size_t>(at - kLineKinds.begin() + 1) % kLineKinds.size();
+  setLines(kLineKinds[next]);
+  message_ = "lines: " + settings_.lines;
+}
+
+void
+Viewer::setLines(const std::string& kind)
+{
+  SLIMMapper* mapper = scene_.surfaceMapper();
+  if (!mapper) return;
+  settings_.lines = kind;
+  const bool all = kind == "all";
+  PictureLineParams params = mapper->getLines();
+  params.crest = all || kind == "crest";
+  params.suggestive = all || kind == "suggestive";
+  params.contour = all || kind == "contour";
+  LineStyle style;
+  style.width = settings_.line_width;
+  if (const Error error = mapper->setLines(params, style)) message_ = error.message;
+}
+
+void
+Viewer::stepBackend()
+{
+  SLIMMapper* mapper = scene_.surfaceMapper();
+  if (!mapper) return;
+  const char* const names[] = {"rays by whichever is faster", "rays by the CPU",
+                               "rays by the graphics card"};
+  const int next = (static_cast<int>(mapper->getBackend()) + 1) % 3;
+  mapper->setBackend(static_cast<RayBackend>(next));
+  message_ = names[next];
+}
+
+void
+Viewer::stepSides()
+{
+  GBufferMapper* mapper = scene_.mapper();
+  if (!mapper) return;
+  const char* const names[] = {"sides: automatic", "sides: front", "sides: both"};
+  const int next = (static_cast<int>(mapper->getSides()) + 1) % 3;
+  mapper->setSides(static_cast<VisibleSides>(next));
+  message_ = names[next];
+}
+
+void
+Viewer::focusUnderMouse()
+{
+  const int* at = interactor_->GetEventPosition();
+  SurfacePick pick;
+  SLIMMapper* mapper = scene_.surfaceMapper();
+  if (!mapper || !mapper->pick(renderer_, scene_.model(), at[0], at[1], pick)) return;
+  renderer_->GetActiveCamera()->SetFocalPoint(pick.position.data());
+}
+
+void
+Viewer::screenshotByKey()
+{
+  const std::string path = freePictureName();
+  const Error error = savePicture(window_, path);
+  message_ = error ? error.message : "saved " + path;
+}
+
+}  // namespace pcl_slim
