@@ -309,8 +309,9 @@ run(const Settings& s)
   const ShadingParams shading = s.picture.shadingFor(model->is_splats, 1);
   ViewRequest view = s.view;
   if (shading.color_bar && hasColorBar(shading.mode)) view.right_margin = colorBarShare(view.size);
-  const Result<BoundingSpheres> object = s.region.apply(*model);
+  const Result<BoundingSpheres> object = s.region.within(model->spheres());
   if (!object) return fail(console, kExitUsage, object.error());
+  if (model->is_splats) model->splats = splatsWithin(model->splats, s.region.sides);
   const Turntable table(view, *object, s.turntable);
   const Camera camera = table.camera(0);
   if (Error error = renderModel(s, *model, table, console, report)) {

@@ -57,6 +57,7 @@ declareOptions(Settings& s)
   table.choice("backend", &s.viewer.backend, {"auto", "cpu", "opengl"},
                "what intersects rays with a surface; auto: the graphics card if there is one");
   s.viewer.view.declareCamera(table);
+  s.viewer.region.declare(table);
   table.text("camera_file", &s.viewer.camera_file, "FILE",
              "where the keys c and C save and load the camera");
   table.text("screenshot", &s.screenshot, "FILE.png", "save a picture instead of opening a window");
@@ -136,6 +137,8 @@ run(const Settings& s)
     return fail(kProgram, kExitUsage, model.error().message);
   }
   console.done(watch.seconds(), model->describe());
+  const Result<BoundingSpheres> seen = s.viewer.region.within(model->spheres());
+  if (!seen) return fail(kProgram, kExitUsage, seen.error().message);
   if (Error error = checkDisplay()) return fail(kProgram, kExitFailed, error.message);
   return showModel(s, *model);
 }
@@ -149,6 +152,7 @@ main(int argc, char** argv)
   OptionTable table = declareOptions(settings);
   if (const auto status = table.parse(argc, argv)) return *status;
   Error error = settings.viewer.view.parse();
+  if (!error) error = settings.viewer.region.parse();
   if (!error) error = finishFitOptions(settings.fit);
   if (!error && !settings.screenshot.empty() && lowerExtension(settings.screenshot) != ".png") {
     error = {ErrorCode::kBadArgument,

@@ -2,7 +2,7 @@
 # Looks for what visualization/ needs: VTK's rendering and PCL's visualization. Where something is
 # missing, PCL_SLIM_HAS_VISUALIZATION is off, and the rest is built without it.
 set(PCL_SLIM_VTK_RENDERING_COMPONENTS CommonCore CommonDataModel CommonExecutionModel CommonMath
-  CommonTransforms FiltersSources InteractionStyle RenderingAnnotation RenderingCore
+  CommonTransforms FiltersSources InteractionStyle InteractionWidgets RenderingAnnotation RenderingCore
   RenderingFreeType RenderingOpenGL2 glew opengl)
 
 # PCL's own component would bring Qt along; the library and its header are all that is called.

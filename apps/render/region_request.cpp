@@ -7,7 +7,6 @@
 
 #include "common/number_list.h"
 #include "common/number_text.h"
-#include "pcl_slim/render/disc_rasterizer.h"
 
 namespace pcl_slim {
 namespace {
@@ -33,25 +32,23 @@ holds(const std::vector<HalfSpace>& sides, const Corner& place)
   });
 }
 
-/** \brief "X0,Y0,Z0,X1,Y1,Z1" of the box around an object's centres. */
-std::string
-boxText(const BoundingSpheres& object)
+/** \brief x0, x1, y0, y1, z0, z1 of an object's centres. */
+std::array<double, 6>
+boundsOf(const BoundingSpheres& object)
 {
-  Corner low, high;
-  low.fill(HUGE_VAL);
-  high.fill(-HUGE_VAL);
+  std::array<double, 6> bounds;
+  for (std::size_t a = 0; a < 3; ++a) {
+    bounds[2 * a] = HUGE_VAL;
+    bounds[2 * a + 1] = -HUGE_VAL;
+  }
   for (const BoundingSphere& sphere : object.spheres) {
     const Corner place = placeOf(object, sphere);
     for (std::size_t a = 0; a < 3; ++a) {
-      low[a] = std::min(low[a], place[a]);
-      high[a] = std::max(high[a], place[a]);
+      bounds[2 * a] = std::min(bounds[2 * a], place[a]);
+      bounds[2 * a + 1] = std::max(bounds[2 * a + 1], place[a]);
     }
   }
-  std::string text;
-  for (const Corner* corner : {&low, &high}) {
-    for (const double value : *corner) text += (text.empty() ? "" : ",") + numberText(value, 9);
-  }
-  return text;
+  return bounds;
 }
 
 }  // namespace
@@ -84,22 +81,32 @@ RegionRequest::parse()
               text + "'"};
 }
 
-Result<BoundingSpheres>
-RegionRequest::apply(Model& model) const
+std::array<double, 6>
+RegionRequest::bounds(const BoundingSpheres& object) const
 {
-  BoundingSpheres object = model.spheres();
+  if (sides.empty()) return boundsOf(object);
+  std::array<double, 6> bounds;
+  for (std::size_t k = 0; k < 6; ++k) bounds[k] = k % 2 == 0 ? sides[k].offset : -sides[k].offset;
+  return bounds;
+}
+
+Result<BoundingSpheres>
+RegionRequest::within(const BoundingSpheres& object) const
+{
   if (sides.empty()) return object;
   BoundingSpheres part = object;
   part.spheres.clear();
   for (const BoundingSphere& sphere : object.spheres) {
     if (holds(sides, placeOf(object, sphere))) part.spheres.push_back(sphere);
   }
-  if (part.spheres.empty()) {
-    return Error{ErrorCode::kBadArgument,
-                 "nothing lies in -region " + text + "; give a part of " + boxText(object)};
+  if (!part.spheres.empty()) return part;
+  const std::array<double, 6> b = boundsOf(object);
+  std::string corners;
+  for (const std::size_t k : {0u, 2u, 4u, 1u, 3u, 5u}) {
+    corners += (corners.empty() ? "" : ",") + numberText(b[k], 9);
   }
-  if (model.is_splats) model.splats = splatsWithin(model.splats, sides);
-  return part;
+  return Error{ErrorCode::kBadArgument,
+               "nothing lies in -region " + text + "; give a part of " + corners};
 }
 
 }  // namespace pcl_slim

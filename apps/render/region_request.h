@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
 #include "common/options.h"
 #include "pcl_slim/render/bounding_spheres.h"
 #include "pcl_slim/render/render_params.h"
-#include "render/model.h"
 
 namespace pcl_slim {
 
@@ -16,15 +16,18 @@ struct RegionRequest {
   std::string text = "all";
   std::vector<HalfSpace> sides;  ///< of text, world coordinates; empty: no box
 
+  /** \brief x0, x1, y0, y1, z0, z1 of the box, once parse() has gone well; an object's own without one. */
+  std::array<double, 6> bounds(const BoundingSpheres& object) const;
+
   /** \brief Adds -region. The request must outlive the table's parse(). */
   void declare(OptionTable& table);
 
   /** \brief Reads text. */
   Error parse();
 
-  /** \brief Drops a model's splats outside of the box; what remains of a model for the camera to look at.
-   * \return an error that tells where the model lies when the box holds nothing of it */
-  Result<BoundingSpheres> apply(Model& model) const;
+  /** \brief What a camera has to look at.
+   * \return an error that tells where the object lies when the box holds nothing of it */
+  Result<BoundingSpheres> within(const BoundingSpheres& object) const;
 };
 
 }  // namespace pcl_slim

@@ -38,6 +38,7 @@ makeTable()
       {"v", Command::kLevelOfDetail, "v",
        "level of detail: every leaf, surfels of 1, 2, 4 ... 32 pixels"},
       {"t", Command::kTrim, "t", "borders: where the data end, or all of every ball"},
+      {"k", Command::kCutBox, "k", "cut: a box whose sides the mouse drags on, off"},
       {"l", Command::kLines, "l", "lines: crest, suggestive contours, contours, all, none"},
       {"g", Command::kBackend, "g",
        "rays by: graphics card or CPU, whichever is faster; CPU; card"},

@@ -21,6 +21,7 @@ enum class Command : unsigned char {
   kDetail,
   kLevelOfDetail,
   kTrim,
+  kCutBox,
   kLines,
   kBackend,
   kSides,

@@ -2,6 +2,9 @@
 #include "view/scene.h"
 
 #include <vtkActor.h>
+#include <vtkMapper.h>
+#include <vtkPlane.h>
+#include <vtkPlaneCollection.h>
 #include <vtkProperty.h>
 #include <vtkRenderer.h>
 #include <vtkScalarBarActor.h>
@@ -85,7 +88,7 @@ Scene::setMapper(GBufferMapper* mapper)
   model_ = vtkSmartPointer<vtkActor>::New();
   model_->SetMapper(mapper_);
   setClayLook(model_->GetProperty());
-  renderer_->AddActor(model_);
+  add(model_);
   // Points of two pixels would cover the surface they lie on.
   if (points_) points_->GetProperty()->SetPointSize(1.0f);
 }
@@ -94,7 +97,7 @@ void
 Scene::setPoints(const CloudView& points)
 {
   points_ = makePoints(points);
-  renderer_->AddActor(points_);
+  add(points_);
   point_spheres_ = spheresOfPoints(points_);
 }
 
@@ -162,6 +165,30 @@ Scene::updateBar()
   renderer_->AddActor2D(bar_);
 }
 
+/** Adds what a mapper draws to the window, cut as all else. */
+void
+Scene::add(vtkActor* actor)
+{
+  actor->GetMapper()->SetClippingPlanes(cuts_);
+  renderer_->AddActor(actor);
+}
+
+void
+Scene::cut(const std::vector<HalfSpace>& sides)
+{
+  cuts_->RemoveAllItems();
+  for (const HalfSpace& side : sides) {
+    vtkNew<vtkPlane> plane;
+    plane->SetNormal(side.normal.data());
+    plane->SetOrigin(side.normal[0] * side.offset, side.normal[1] * side.offset,
+                     side.normal[2] * side.offset);
+    cuts_->AddItem(plane);
+  }
+  for (vtkActor* actor : {model_.Get(), points_.Get(), balls_.Get(), normals_.Get()}) {
+    if (actor) actor->GetMapper()->Modified();
+  }
+}
+
 void
 Scene::showModel(bool shown)
 {
@@ -179,7 +206,7 @@ Scene::showBalls(bool shown)
 {
   if (shown && !balls_ && surface_) {
     balls_ = makeBalls(*surface_);
-    renderer_->AddActor(balls_);
+    add(balls_);
   }
   setShown(balls_, shown);
 }
@@ -189,7 +216,7 @@ Scene::showNormals(bool shown)
 {
   if (shown && !normals_ && (surface_ || splats_)) {
     normals_ = surface_ ? makeNormals(*surface_) : makeNormals(*splats_);
-    renderer_->AddActor(normals_);
+    add(normals_);
   }
   setShown(normals_, shown);
 }

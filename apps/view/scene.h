@@ -6,14 +6,17 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/render/bounding_spheres.h"
+#include "pcl_slim/render/render_params.h"
 #include "pcl_slim/splat/splat_set.h"
 #include "pcl_slim/surface/surface.h"
 #include "pcl_slim/visualization/display_mode.h"
 
 class vtkActor;
+class vtkPlaneCollection;
 class vtkRenderer;
 class vtkScalarBarActor;
 
@@ -49,6 +52,9 @@ class Scene {
   /** \brief Widens or narrows the range of a curvature map; 0: back to the automatic one. */
   void scaleRange(double factor);
 
+  /** \brief Cuts all that is shown, and will be, to what lies in some half spaces. */
+  void cut(const std::vector<HalfSpace>& sides);
+
   void showModel(bool shown);
   void showPoints(bool shown);
   void showBalls(bool shown);
@@ -61,12 +67,14 @@ class Scene {
 
  private:
   void setMapper(GBufferMapper* mapper);
+  void add(vtkActor* actor);
   void updateBar();
 
   vtkRenderer* renderer_;
   std::shared_ptr<const SLIMSurface> surface_;
   std::shared_ptr<const SplatSet> splats_;
   BoundingSpheres point_spheres_;
+  vtkNew<vtkPlaneCollection> cuts_;
   vtkSmartPointer<GBufferMapper> mapper_;
   vtkSmartPointer<vtkActor> model_, points_, balls_, normals_;
   vtkSmartPointer<vtkScalarBarActor> bar_;

@@ -81,7 +81,10 @@ placeOf(vtkCamera* camera)
 }  // namespace
 
 Viewer::Viewer(const ViewerSettings& settings, bool on_screen)
-    : settings_(settings), scene_(renderer_), overlay_(renderer_)
+    : settings_(settings),
+      scene_(renderer_),
+      overlay_(renderer_),
+      cut_box_([this] { scene_.cut(cut_box_.sides()); })
 {
   setBackground(renderer_, false);
   setStudioLights(renderer_);
@@ -116,6 +119,7 @@ Viewer::begin()
     surface->setLevelOfDetail(settings_.lod);
     setLines(settings_.lines);
   }
+  scene_.cut(cut_box_.shown() ? cut_box_.sides() : settings_.region.sides);
   scene_.showBalls(settings_.balls);
   scene_.showNormals(settings_.normals);
   scene_.showPoints(settings_.points || !mapper);
@@ -164,7 +168,8 @@ Viewer::resetCamera()
 {
   settings_.view.size = {window_->GetSize()[0], window_->GetSize()[1]};
   const bool parallel = renderer_->GetActiveCamera()->GetParallelProjection() != 0;
-  const BoundingSpheres object = scene_.spheres();
+  BoundingSpheres object = scene_.spheres();
+  if (Result<BoundingSpheres> part = settings_.region.within(object)) object = std::move(*part);
   settings_.view.right_margin = scene_.barShown() ? kBarShare : 0.0;
   setCamera(settings_.view.cameraFor(object), renderer_);
   setTurningPoint(object, renderer_->GetActiveCamera());

@@ -10,7 +10,9 @@
 
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/render/picture_lines.h"
+#include "render/region_request.h"
 #include "render/view_request.h"
+#include "view/cut_box.h"
 #include "view/fit_task.h"
 #include "view/key_table.h"
 #include "view/overlay.h"
@@ -30,6 +32,7 @@ struct ViewerSettings {
   bool balls = false, points = false, normals = false, help = false;
   int threads = 0;
   ViewRequest view;
+  RegionRequest region;
 };
 
 /** \brief The window of pcl_slim_view: a scene, text over it, keys and the mouse. */
@@ -68,6 +71,7 @@ class Viewer {
   void stepDetail();
   void stepLevelOfDetail();
   void toggleTrimming();
+  void toggleCutBox();
   void stepLines();
   void setLines(const std::string& kind);
   void updateBackground();
@@ -87,6 +91,7 @@ class Viewer {
   vtkNew<vtkRenderWindowInteractor> interactor_;
   Scene scene_;
   Overlay overlay_;
+  CutBox cut_box_;
   FitTask* task_ = nullptr;
   Error fit_error_;
   std::string message_;         ///< told once in the status line

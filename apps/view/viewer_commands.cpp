@@ -36,6 +36,7 @@ Viewer::execute(const Key& key)
     case Command::kDetail: return stepDetail();
     case Command::kLevelOfDetail: return stepLevelOfDetail();
     case Command::kTrim: return toggleTrimming();
+    case Command::kCutBox: return toggleCutBox();
     case Command::kLines: return stepLines();
     case Command::kBackend: return stepBackend();
     case Command::kSides: return stepSides();
@@ -118,6 +119,21 @@ Viewer::toggleTrimming()
   if (!mapper) return;
   mapper->setTrimming(!mapper->getTrimming());
   message_ = mapper->getTrimming() ? "the surface ends where its data do" : "all of every ball";
+}
+
+void
+Viewer::toggleCutBox()
+{
+  if (cut_box_.shown()) {
+    cut_box_.hide();
+    settings_.region = {};
+    scene_.cut({});
+    message_ = "all is shown";
+    return;
+  }
+  cut_box_.show(interactor_, settings_.region.bounds(scene_.spheres()));
+  scene_.cut(cut_box_.sides());
+  message_ = "cut: drag the box by its handles";
 }
 
 void

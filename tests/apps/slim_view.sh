@@ -24,6 +24,8 @@ expect 2 'lines' surface.slim -lines wavy
 expect 2 'lod' surface.slim -lod -1
 expect 2 'named .png' surface.slim -screenshot x.jpg
 expect 2 'size' surface.slim -size 80
+expect 2 'lowest and the highest corner' surface.slim -region 1,2,3
+expect 2 'give a part of' surface.slim -region 7,7,7,8,8,8
 expect 2 'exclude' surface.slim -camera 0,-1,0,0,0,0,0,0,1 -view top
 expect 1 'no/such' surface.slim -screenshot no/such/x.png
 expect 1 'X server' surface.slim -screenshot x.png
@@ -56,6 +58,7 @@ shot sketch.png surface.slim -mode sketch
 shot lod.png surface.slim -lod 40
 shot top.png surface.slim -view top
 shot parallel.png surface.slim -ortho 1
+shot part.png surface.slim -region -1,-1,0.3,1,1,9
 shot scan.png scan.pcd
 if [ -s splats.pcd ]; then
   shot color.png splats.pcd
@@ -72,6 +75,6 @@ same shaded.png again.png
 [ -s card.png ] && [ "$(wc -c < card.png)" -gt 2000 ] || complain "the card's picture is empty"
 # The scan is fitted as pcl_slim_fit does it.
 same shaded.png scan.png
-for other in mean error balls lines sketch lod top parallel; do differ shaded.png $other.png; done
+for other in mean error balls lines sketch lod top parallel part; do differ shaded.png $other.png; done
 [ ! -s splats.pcd ] || differ color.png normal.png
 finish
