@@ -12,11 +12,11 @@
 #include "pcl_slim/render/picture_lines.h"
 #include "render/region_request.h"
 #include "render/view_request.h"
-#include "view/cut_box.h"
 #include "view/fit_task.h"
 #include "view/key_table.h"
 #include "view/overlay.h"
-#include "view/scene.h"
+#include "view/scene/cut_box.h"
+#include "view/scene/scene.h"
 
 class vtkRenderWindow;
 class vtkRenderWindowInteractor;

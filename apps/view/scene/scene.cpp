@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "view/scene.h"
+#include "view/scene/scene.h"
 
 #include <vtkActor.h>
 #include <vtkMapper.h>
@@ -16,7 +16,7 @@
 #include "pcl_slim/visualization/scalar_bar.h"
 #include "pcl_slim/visualization/slim_mapper.h"
 #include "pcl_slim/visualization/splat_mapper.h"
-#include "view/scene_parts.h"
+#include "view/scene/scene_parts.h"
 
 namespace pcl_slim {
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "view/scene_parts.h"
+#include "view/scene/scene_parts.h"
 
 #include <vtkActor.h>
 #include <vtkCellArray.h>

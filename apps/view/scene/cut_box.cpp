@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "view/cut_box.h"
+#include "view/scene/cut_box.h"
 
 #include <vtkBoxRepresentation.h>
 #include <vtkBoxWidget2.h>
