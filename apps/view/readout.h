@@ -4,7 +4,7 @@
 #include <string>
 
 #include "pcl_slim/core/error.h"
-#include "view/scene.h"
+#include "view/scene/scene.h"
 
 class vtkCamera;
 class vtkRenderWindow;

@@ -14,7 +14,7 @@
 #include "view/fit_task.h"
 #include "view/key_table.h"
 #include "view/overlay.h"
-#include "view/scene.h"
+#include "view/scene/scene.h"
 
 class vtkRenderWindow;
 class vtkRenderWindowInteractor;
