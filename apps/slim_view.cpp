@@ -72,7 +72,7 @@ int
 showScan(const Settings& s, const CloudFile& cloud, Console& console)
 {
   Viewer viewer(s.viewer, s.screenshot.empty());
-  viewer.scene().setPoints(cloud.view(false));
+  viewer.scene().setPoints(cloud.view(s.fit.use_normals));
   if (s.screenshot.empty()) {
     viewer.begin();
     FitTask task(s.fit, cloud);

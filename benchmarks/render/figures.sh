@@ -39,7 +39,7 @@ sheet() {
     shift 2
   done
   montage -font "$font" -pointsize 15 "${parts[@]}" -tile "${columns}x" -geometry +3+3 "$work/sheet.png"
-  convert "$work/sheet.png" +dither -colors 255 -define png:compression-level=9 "png8:$out/$picture"
+  convert "$work/sheet.png" -dither FloydSteinberg -colors 255 -define png:compression-level=9 "png8:$out/$picture"
 }
 
 # Fig. 1: balls by size, shading, mean curvature of cubics.

@@ -9,42 +9,14 @@
 #include <vtkRenderer.h>
 #include <vtkScalarBarActor.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-
 #include "pcl_slim/visualization/scalar_bar.h"
 #include "pcl_slim/visualization/slim_mapper.h"
 #include "pcl_slim/visualization/splat_mapper.h"
+#include "view/scene/point_spheres.h"
 #include "view/scene/scene_parts.h"
 
 namespace pcl_slim {
 namespace {
-
-/** \brief Points as spheres of no size, with a normal that says nothing, for a camera to frame. */
-BoundingSpheres
-spheresOfPoints(vtkActor* points)
-{
-  const double* b = points->GetBounds();
-  BoundingSpheres result;
-  result.oriented = false;
-  double diagonal_sq = 0.0;
-  for (std::size_t k = 0; k < 3; ++k) {
-    result.origin[k] = 0.5 * (b[2 * k] + b[2 * k + 1]);
-    diagonal_sq += (b[2 * k + 1] - b[2 * k]) * (b[2 * k + 1] - b[2 * k]);
-  }
-  result.scale = diagonal_sq > 0.0 ? std::sqrt(diagonal_sq) : 1.0;
-  for (std::size_t corner = 0; corner < 8; ++corner) {
-    BoundingSphere sphere{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double x = b[2 * k + ((corner >> k) & 1)];
-      sphere.center[k] = static_cast<float>((x - result.origin[k]) / result.scale);
-    }
-    sphere.normal = {0.0f, 0.0f, 1.0f};
-    result.spheres.push_back(sphere);
-  }
-  return result;
-}
 
 void
 setShown(vtkActor* actor, bool shown)
@@ -98,7 +70,7 @@ Scene::setPoints(const CloudView& points)
 {
   points_ = makePoints(points);
   add(points_);
-  point_spheres_ = spheresOfPoints(points_);
+  point_spheres_ = spheresOfPoints(points);
 }
 
 GBufferMapper*

@@ -17,11 +17,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <vector>
 
 #include "pcl_slim/render/color_map.h"
 #include "pcl_slim/visualization/polydata.h"
+#include "view/scene/point_spheres.h"
 
 namespace pcl_slim {
 namespace {
@@ -76,21 +76,6 @@ sizeTable(vtkDataArray* radii)
   table->SetScaleToLog10();
   table->SetTableRange(at(0.02), std::max(at(0.98), 1.0001 * at(0.02)));
   return table;
-}
-
-std::array<double, 3>
-positionOf(const CloudView& points, std::size_t i)
-{
-  const auto* bytes = static_cast<const unsigned char*>(points.xyz) + i * points.xyz_stride;
-  std::array<double, 3> position{};
-  if (points.scalar == CloudView::Scalar::kDouble) {
-    std::memcpy(position.data(), bytes, sizeof(position));
-    return position;
-  }
-  std::array<float, 3> narrow{};
-  std::memcpy(narrow.data(), bytes, sizeof(narrow));
-  std::copy(narrow.begin(), narrow.end(), position.begin());
-  return position;
 }
 
 }  // namespace

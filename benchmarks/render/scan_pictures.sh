@@ -1,0 +1,91 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# The pictures of real scans in docs/ and benchmarks/reports/: scan_pictures.sh BIN DATA OUT, folders of the built
+# programs, of real scans and for the pictures. Needs ImageMagick's montage; for windows xvfb-run and xdotool.
+set -euo pipefail
+[ $# -eq 3 ] || { echo "usage: scan_pictures.sh BIN DATA OUT" >&2; exit 2; }
+bin=$(realpath -- "$1") data=$(realpath -- "$2")
+mkdir -p -- "$3"
+out=$(realpath -- "$3")
+work=$(mktemp -d)
+trap 'rm -rf -- "$work"' EXIT
+cd -- "$work"
+
+# sheet PICTURE COLUMNS NAME...: parts side by side.
+sheet() {
+  local picture=$1 columns=$2
+  shift 2
+  montage "${@/%/.png}" -tile "${columns}x" -geometry +2+2 sheet.png
+  convert sheet.png -dither FloydSteinberg -colors 255 -define png:compression-level=9 "png8:$out/$picture"
+}
+
+# scan FILE OPTIONS...: FILE.slim and FILE.png, the defaults' fit from where the program stands.
+scan() {
+  local name=${1%.*}
+  "$bin/pcl_slim_fit" "$data/$1" "$name.slim" -quiet 1
+  "$bin/pcl_slim_render" "$name.slim" "$name.png" -size 400x330 -white 1 -quiet 1 "${@:2}"
+}
+
+for name in stanford_bunny_raw_scans lion_takanawa lone_star_geyser_tls autzen_stadium \
+  terrain_isprs_csite1_utm kinect_mosd_learn13 pcpnet_cube100k; do
+  scan $name.pcd
+done
+for name in stanford_dragon_res2 angel_real_scan stanford_bunny_zipper julius_02_original \
+  julius_02_noisy fandisk_03_original fandisk_03_noisy block_04_original block_04_noisy; do
+  scan $name.ply
+done
+scan armadillo_50k.ply -view 200,10
+sheet scans.png 3 stanford_bunny_raw_scans lion_takanawa lone_star_geyser_tls autzen_stadium \
+  terrain_isprs_csite1_utm kinect_mosd_learn13 stanford_dragon_res2 armadillo_50k angel_real_scan
+sheet scans_more.png 4 stanford_bunny_zipper julius_02_original julius_02_noisy fandisk_03_original \
+  fandisk_03_noisy block_04_original block_04_noisy pcpnet_cube100k
+
+# window NAME FILE WIDTHxHEIGHT OPTIONS... -- ACTION...: the window with FILE after what xdotool did in it.
+cat > window.sh <<'END'
+picture=$1 file=$2 size=$3 options=()
+shift 3
+while [ "$1" != -- ]; do options+=("$1"); shift; done
+shift
+"$bin/pcl_slim_view" "$file" -size "$size" -quiet 1 "${options[@]}" &
+viewer=$!
+for ((i = 0; i < 100; ++i)); do
+  id=$(xdotool search --onlyvisible --name pcl_slim_view 2> /dev/null | tail -n 1) && [ -n "$id" ] && break
+  sleep .1
+done
+[ -n "$id" ] || exit 1
+xdotool windowmove "$id" 0 0
+sleep 2
+for action in "$@"; do xdotool ${action//WINDOW/$id} 2> /dev/null; sleep 1; done
+import -window "$id" "$picture"
+kill $viewer
+END
+window() {
+  bin=$bin xvfb-run -a -s "-screen 0 1280x1024x24" bash window.sh "$1.png" "${@:2}"
+}
+dragon=stanford_dragon_res2.slim
+window mean $dragon 560x420 -mode mean --
+window kmin $dragon 560x420 -mode kmin --
+window reflection $dragon 560x420 -mode reflection --
+window balls $dragon 560x420 -balls 1 --
+window size $dragon 560x420 -mode size --
+window help $dragon 560x420 -help_overlay 1 --
+sheet view_modes.png 3 mean kmin reflection balls size help
+window bunny "$data/stanford_bunny_raw_scans.pcd" 560x420 --
+window lion "$data/lion_takanawa.pcd" 560x420 --
+window angel "$data/angel_real_scan.ply" 560x420 -mode mean -lines crest -- 'mousemove 260 260' \
+  'mousedown 1' 'mousemove 290 255' 'mousemove 320 250' 'mousemove 330 250' 'mouseup 1' 'mousemove 250 190'
+sheet view_scans.png 3 bunny lion angel
+
+# The example: a PCLVisualizer.
+cat > example.sh <<'END'
+"$bin/pcl_slim_example_03_pcl_visualizer" stanford_bunny.pcd &
+example=$!
+sleep 6
+id=$(xdotool search --onlyvisible --name 'The surface' | tail -n 1)
+[ -n "$id" ] && import -window "$id" pcl_visualizer.png
+kill $example
+[ -s pcl_visualizer.png ]
+END
+cp -- "$data/stanford_bunny_raw_scans.pcd" stanford_bunny.pcd
+bin=$bin xvfb-run -a -s "-screen 0 1280x1024x24" bash example.sh
+convert pcl_visualizer.png -dither FloydSteinberg -colors 255 "png8:$out/pcl_visualizer.png"
