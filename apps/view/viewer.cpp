@@ -2,8 +2,6 @@
 #include "view/viewer.h"
 
 #include <vtkCamera.h>
-#include <vtkInteractorStyleTrackballCamera.h>
-#include <vtkObjectFactory.h>
 #include <vtkRenderWindow.h>
 #include <vtkRenderWindowInteractor.h>
 #include <vtkRenderer.h>
@@ -11,39 +9,11 @@
 #include "pcl_slim/visualization/scalar_bar.h"
 #include "pcl_slim/visualization/slim_mapper.h"
 #include "view/readout.h"
+#include "view/viewer_style.h"
 #include "view/vtk_camera.h"
 
 namespace pcl_slim {
 namespace {
-
-/** \brief The trackball of VTK with the keys of this program instead of VTK's. */
-class ViewerStyle : public vtkInteractorStyleTrackballCamera {
- public:
-  static ViewerStyle* New();
-  vtkTypeMacro(ViewerStyle, vtkInteractorStyleTrackballCamera)
-
-  Viewer* viewer = nullptr;
-
-  void OnChar() override {}
-  void OnKeyPress() override { viewer->onKey(Interactor->GetKeySym()); }
-  void OnMouseMove() override
-  {
-    Superclass::OnMouseMove();
-    viewer->onMouseMoved();
-  }
-  void OnConfigure() override
-  {
-    Superclass::OnConfigure();
-    viewer->onResized();
-  }
-  void OnTimer() override
-  {
-    Superclass::OnTimer();
-    viewer->onTimer();
-  }
-};
-
-vtkStandardNewMacro(ViewerStyle)
 
 /** \brief A grey that grows lighter upwards, or white paper. */
 void
@@ -97,7 +67,10 @@ Viewer::Viewer(const ViewerSettings& settings, bool on_screen)
   if (!on_screen) return;
   interactor_->SetRenderWindow(window_);
   vtkNew<ViewerStyle> style;
-  style->viewer = this;
+  style->on_key = [this](const std::string& symbol) { onKey(symbol); };
+  style->on_move = [this] { mouse_rests_ = false; };
+  style->on_resize = [this] { onResized(); };
+  style->on_timer = [this] { onTimer(); };
   interactor_->SetInteractorStyle(style);
 }
 
@@ -210,12 +183,6 @@ Viewer::updateBackground()
 {
   const GBufferMapper* mapper = scene_.mapper();
   setBackground(renderer_, mapper && mapper->getMode() == DisplayMode::kSketch);
-}
-
-void
-Viewer::onMouseMoved()
-{
-  mouse_rests_ = false;
 }
 
 void

@@ -57,7 +57,6 @@ class Viewer {
 
   // Called by the interactor's style ------------------------------------------------------------
   void onKey(const std::string& symbol);
-  void onMouseMoved();
   void onResized();
   void onTimer();
 

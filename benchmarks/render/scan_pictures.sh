@@ -54,7 +54,7 @@ for ((i = 0; i < 100; ++i)); do
 done
 [ -n "$id" ] || exit 1
 xdotool windowmove "$id" 0 0
-sleep 2
+sleep 6
 for action in "$@"; do xdotool ${action//WINDOW/$id} 2> /dev/null; sleep 1; done
 import -window "$id" "$picture"
 kill $viewer

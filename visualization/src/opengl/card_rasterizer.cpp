@@ -132,6 +132,7 @@ struct CardRasterizer::Pass {
     program->SetUniformf("slimScale", v.scale);
     program->SetUniformf("slimDetail", v.detail);
     program->SetUniformi("slimFirstPass", is_first);
+    program->SetUniformi("slimMostSide", TrimMap::kMostSide);
     program->SetUniformi("slimTrimmed", v.trimmed);
     const int count = v.detail > 0.0f ? leaves.surfels() : leaves.leaves();
     glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, count);

@@ -61,7 +61,8 @@ class Packer {
     const std::size_t begin = texels_.trim_words.size();
     const auto last = static_cast<int>(table.last);
     const float rest =
-        table.closed() ? -1.0f : static_cast<float>(begin % kWordsOfUnit * 64) + table.last;
+        table.closed() ? -1.0f
+                       : static_cast<float>(begin % kWordsOfUnit * TrimMap::kMostSide) + table.last;
     texels_.surfels.insert(texels_.surfels.end(), {static_cast<float>(begin / kWordsOfUnit), rest});
     if (table.closed()) return;
     texels_.trim_words.insert(texels_.trim_words.end(), table.words,

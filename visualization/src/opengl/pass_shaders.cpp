@@ -11,6 +11,7 @@ uniform samplerBuffer slimLeaves;
 uniform int slimTexelsOfLeaf;
 uniform float slimReach;     // share of a leaf's radius that counts
 uniform int slimFirstPass;
+uniform int slimMostSide;    // nodes a side of a trim map at most
 uniform float slimCoverRadius;
 uniform float slimDetail;    // radius on the plane at unit depth of the level of detail; 0: none
 flat out int slimLeaf;
@@ -54,7 +55,7 @@ void main()
   vec4 more = texelFetch(slimLeaves, gl_InstanceID * slimTexelsOfLeaf + 3);
   vec3 center = ((ball.xyz - slimEye) - slimEyeRest) * slimAxes;
   int rest = int(more.y);
-  slimTrim = rest < 0 ? ivec2(0) : ivec2(4096 * int(more.x) + rest / 64, rest % 64 + 1);
+  slimTrim = rest < 0 ? ivec2(0) : ivec2(4096 * int(more.x) + rest / slimMostSide, rest % slimMostSide + 1);
   slimPart = slimPartOf(ball, more, center.z);
   float radius = 1.001 * slimReach * ball.w;
   vec2 x = vec2(center.x - radius, center.x + radius);

@@ -13,16 +13,19 @@ namespace {
 using measure::Shape;
 using namespace pcl_slim_test;
 
-/** A jittered grid of spacing 1 on the plane, where holds(x, y). */
+/** A jittered grid of 80 x 80 on the plane, where holds(x, y), at spacing 1 or finer. */
 template <typename Holds>
 Cloud
-flatScan(const Holds& holds)
+flatScan(const Holds& holds, int points_a_unit = 1)
 {
+  const int side = 80 * points_a_unit;
+  const double spacing = 1.0 / points_a_unit;
   Cloud cloud;
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> jitter(-0.25, 0.25);
-  for (int k = 0; k < 80 * 80; ++k) {
-    const double x = k % 80 - 39.5 + jitter(random), y = k / 80 - 39.5 + jitter(random);
+  for (int k = 0; k < side * side; ++k) {
+    const double x = (k % side + jitter(random) + 0.5) * spacing - 40.0,
+                 y = (k / side + jitter(random) + 0.5) * spacing - 40.0;
     if (holds(x, y)) cloud.add(x, y, 0.02 * jitter(random) + 1e-3 * (x * x - y * y));
   }
   return cloud;
@@ -96,6 +99,29 @@ TEST(TrimMaps, BordersStandWhereDataEnd)
     const double c = std::cos(0.0628 * k), s = std::sin(0.0628 * k);
     within.add(28.5 * c, 28.5 * s, sheet(28.5 * c, 28.5 * s));
     beyond.add(31.5 * c, 31.5 * s, sheet(31.5 * c, 31.5 * s));
+  }
+  for (const bool inside : insideAt(f, within)) EXPECT_TRUE(inside);
+  for (const bool inside : insideAt(f, beyond)) EXPECT_FALSE(inside);
+}
+
+// A leaf as wide as the scan: with 64 nodes a side its border was drawn two spacings off.
+TEST(TrimMaps, WideLeavesOfManyPointsHaveFineMaps)
+{
+  constexpr int kPointsAUnit = 3;
+  const auto disc = [](double x, double y) { return std::hypot(x, y) < 30.0; };
+  const Fitted f = fitted(flatScan(disc, kPointsAUnit));
+  int finest = 0;
+  for (std::size_t i = 0; i < f.surface.size(); ++i) {
+    finest = std::max(finest, f.surface.trimMap(i).side);
+  }
+  EXPECT_GT(finest, 64);
+  Cloud within, beyond;
+  for (int k = 0; k < 400; ++k) {
+    const double c = std::cos(0.0157 * k), s = std::sin(0.0157 * k);
+    for (const double off : {-1.5 / kPointsAUnit, 1.5 / kPointsAUnit}) {
+      const double r = 30.0 + off;
+      (off < 0.0 ? within : beyond).add(r * c, r * s, sheet(r * c, r * s));
+    }
   }
   for (const bool inside : insideAt(f, within)) EXPECT_TRUE(inside);
   for (const bool inside : insideAt(f, beyond)) EXPECT_FALSE(inside);

@@ -14,7 +14,7 @@ namespace pcl_slim {
  * everywhere.
  */
 struct TrimMap {
-  static constexpr int kLeastSide = 5, kMostSide = 64;
+  static constexpr int kLeastSide = 5, kMostSide = 128;
 
   int side = 0;  ///< 0: closed
   const std::uint8_t* bits = nullptr;
