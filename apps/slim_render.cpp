@@ -154,7 +154,8 @@ reportSplats(const Model& model, const DiscRenderStatistics& counts, nlohmann::o
                      {"back_facing", counts.back_facing}};
 }
 
-/** Every picture of the turntable, each saved when it is drawn.
+/** Every picture of the turntable, each in its place as soon as it is drawn; a single one with the
+ * camera and the report.
  * \param[in] draw Result<Image>(const Camera&) */
 template <typename Draw>
 Error
@@ -166,7 +167,11 @@ renderTurns(const Settings& s, const Model& model, const Camera& camera, double&
     const Result<Image> image = draw(turnedCamera(camera, object, turn, s.turntable));
     if (!image) return image.error();
     const Stopwatch watch;
-    if (Error error = saveImage(turntablePath(s.output, turn, s.turntable), *image)) return error;
+    std::optional<FileTransaction> at_once;
+    if (s.turntable > 1) at_once.emplace();
+    Error error = saveImage(turntablePath(s.output, turn, s.turntable), *image);
+    if (!error && at_once) error = at_once->commit();
+    if (error) return error;
     save_seconds += watch.seconds();
   }
   return {};
@@ -327,7 +332,11 @@ run(const Settings& s)
 {
   if (Error error = limitMemory(s.max_memory))
     return pcl_slim::fail("pcl_slim_render", kExitUsage, error.message);
-  for (const std::string& path : {turntablePath(s.output, 0, s.turntable), s.save_camera}) {
+  const std::string output = turntablePath(s.output, 0, s.turntable);
+  if (Error error =
+          checkPlaces({s.input, s.lines.file, s.view.camera}, {output, s.save_camera, s.json}))
+    return pcl_slim::fail("pcl_slim_render", kExitUsage, error.message);
+  for (const std::string& path : {output, s.save_camera, s.json}) {
     const Error error = path.empty() ? Error{} : checkWritable(path);
     if (error) return pcl_slim::fail("pcl_slim_render", kExitFailed, error.message);
   }
@@ -356,14 +365,16 @@ run(const Settings& s)
   ViewRequest view = s.view;
   if (shading.color_bar && showsNumbers(shading.mode)) view.right_margin = colorBarShare(view.size);
   const Camera camera = view.cameraFor(model->spheres());
+  FileTransaction files;
   if (Error error = renderModel(s, *model, camera, console, report)) {
     return fail(console, statusOf(error), error);
   }
   report.json()["camera"] = {
       {"position", camera.position}, {"look_at", camera.look_at},  {"up", camera.up},
       {"fov", camera.fov},           {"width", camera.size.width}, {"height", camera.size.height}};
-  if (Error error = report.write(s.json)) return fail(console, kExitFailed, error);
-  return kExitDone;
+  Error error = report.write(s.json);
+  if (!error) error = commitOutputs(files);
+  return error ? fail(console, statusOf(error), error) : kExitDone;
 }
 
 }  // namespace

@@ -17,12 +17,7 @@ checkJob(ProjectionJob& job)
 {
   if (Error error = finishFitOptions(job.fit)) return error;
   if (Error error = checkPointExtension(job.files.output)) return error;
-  for (const std::string* read : {&job.files.input, &job.surface}) {
-    if (samePlace(*read, job.files.output) || samePlace(*read, job.files.json)) {
-      return {ErrorCode::kBadArgument, "'" + *read + "' would be overwritten; name another file"};
-    }
-  }
-  return checkFilesDiffer(job.files);
+  return checkPlaces({job.files.input, job.surface}, {job.files.output, job.files.json});
 }
 
 Error

@@ -85,6 +85,7 @@ absent e.pcd e.vtp
 
 # Scans of no use and places that cannot be written: status 2 or 1, nothing left.
 refuses scan.pcd
+keepsOld kept.pcd scan.pcd
 expect 0 '' one.pcd one.ply -json one.json
 [ "$(value one.json splats)" = 1 ] || complain "one point is not one splat"
 

@@ -131,6 +131,7 @@ expect 2 'format' scan.xyz d.pcd
 
 # Scans of no use and places that cannot be written: status 2 or 1, nothing left.
 refuses scan.pcd
+keepsOld kept.slim scan.pcd
 expect 1 'too few' one.pcd one.slim -json one.json
 noSurfaces
 expect 1 'along lines' line.pcd one.slim

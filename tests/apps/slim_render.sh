@@ -20,6 +20,7 @@ expect 2 'named .pcd' pcl_slim_demo_scan scan.xyz
 expect 2 'poinst' pcl_slim_demo_scan typo.pcd -poinst 100
 expect 1 'no/such' pcl_slim_demo_scan no/such/scan.pcd
 absent typo.pcd
+keepsOld kept.pcd pcl_slim_demo_scan -points 2000
 
 # Pictures.
 expect 0 '' pcl_slim_fit scan.pcd surface.slim
@@ -32,6 +33,11 @@ same shaded.png "with space/shaded.png"
 expect 0 '' pcl_slim_render surface.slim whole.png $small -trim 0
 expect 0 '' pcl_slim_render surface.pcd points.png $small -trim 0
 same whole.png points.png
+keepsOld kept.png pcl_slim_render $small surface.slim
+expect 2 'overwritten' pcl_slim_render surface.slim kept.png $small -save_camera ./surface.slim
+expect 2 'share' pcl_slim_render surface.slim kept.png $small -save_camera cam.txt -json ./cam.txt
+expect 1 'does not exist' pcl_slim_render surface.slim kept.png $small -json nowhere/r.json
+absent kept.png cam.txt
 for key in program version input points threads total load render peak_rss_mb leaves levels \
   covered_pixels outside_frustum camera; do
   grep -q "\"$key\"" report.json || complain "the report lacks $key"

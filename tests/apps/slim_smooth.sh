@@ -198,6 +198,7 @@ absent d.slim
 
 # Scans of no use and places that cannot be written: status 2 or 1, nothing left.
 refuses near.pcd
+keepsOld kept.pcd near.pcd
 
 # Points that are no surface are written as they are, with a warning.
 noSurfaces
