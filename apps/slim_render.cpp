@@ -359,7 +359,8 @@ run(const Settings& s)
                 {ErrorCode::kBadArgument,
                  "splats have no curvature; drop -lines, -line_file and -mode sketch"});
   }
-  if (Error error = checkMemory(bytesOfPicture(s), "a picture of " + s.view.size_text))
+  if (Error error = checkMemory(bytesOfPicture(s), "a picture of " + s.view.size_text,
+                                "ask for a smaller picture"))
     return fail(console, kExitFailed, error);
   const ShadingParams shading = s.picture.shadingFor(model->is_splats, 1);
   ViewRequest view = s.view;

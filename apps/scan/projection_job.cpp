@@ -159,6 +159,9 @@ runProjectionProgram(const ProjectionProgram& program, ProjectionJob& job, int a
     return job.surface.empty() ? Error() : readSurface(job.surface, console, report, surface);
   };
   steps.work = [&](const CloudFile& cloud, Console& console, Report& report, ScanResult& result) {
+    for (const std::string& name : cloud.file.left_out) {
+      console.warn(name + " of the scan is not written: the output holds its points and faces");
+    }
     if (job.mesh) {
       auto mesh = smoothMesh(job, chosen, options.given("sharp"), surface, cloud, console, report);
       if (!mesh) return mesh.error();
