@@ -161,6 +161,11 @@ LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& s
         return;
       }
       addCoverage(store_, settings_, surfel, nearby, coverage_.data());
+      if (coverage_[point] <= 0.0f) {  // nor will a leaf about those beside it that no centre parts
+        const std::uint8_t own = marks_[point];
+        giveUp(point, nearby);
+        marks_[point] = own;
+      }
       marks_[point] |= surfel.flags & kSurfelSupportLimited ? kServedForGood : level_mark_;
       break;
     case BallOutcome::kInternal:
