@@ -37,7 +37,7 @@ run(const std::string& output, const demo::ScanParams& params, const std::string
   error = saveOutput(
       output, json, [&] { return writeFile(output, bytes.data(), bytes.size()); },
       std::to_string(bytes.size()) + " bytes", console, report);
-  return error ? fail(kProgram, kExitFailed, error.message) : kExitDone;
+  return error ? failWork(kProgram, error) : kExitDone;
 }
 
 }  // namespace
@@ -68,7 +68,8 @@ main(int argc, char** argv)
     return fail(kProgram, kExitUsage, "the scan '" + output + "' must be named .pcd");
   }
   return guarded(kProgram, "ask for fewer points", [&]() -> int {
-    Error error = limitMemory(max_memory);
+    Error error = checkPlaces({}, {output, json});
+    if (!error) error = limitMemory(max_memory);
     if (!error) {
       error = checkMemory(kBytesOfPoint * static_cast<double>(params.points), "such a scan");
     }

@@ -64,14 +64,7 @@ checkSettings(Settings& s)
 {
   if (Error error = finishFitOptions(s.job)) return error;
   if (Error error = checkCrestExtension(s.output)) return error;
-  for (const std::string* read : {&s.input, &s.surface}) {
-    if (samePlace(*read, s.output) || samePlace(*read, s.json)) {
-      return {ErrorCode::kBadArgument, "'" + *read + "' would be overwritten; name another file"};
-    }
-  }
-  if (samePlace(s.output, s.json)) {
-    return {ErrorCode::kBadArgument, "output and report share a file; name different ones"};
-  }
+  if (Error error = checkPlaces({s.input, s.surface}, {s.output, s.json})) return error;
   s.crest.ridges = s.type != "ravines";
   s.crest.ravines = s.type != "ridges";
   s.crest.peak_significance = kPeak * s.crest.significance;
@@ -228,7 +221,7 @@ run(int argc, char** argv)
         s.output, s.json, [&] { return saveCrestLines(s.output, lines, viewOf(s, surface)); },
         std::to_string(lines.numLines()) + " lines", console, report);
   }
-  return error ? fail(options.program(), kExitFailed, error.message) : kExitDone;
+  return error ? failWork(options.program(), error) : kExitDone;
 }
 
 }  // namespace

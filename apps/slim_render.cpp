@@ -120,7 +120,8 @@ reportFrames(const Settings& s, SurfaceRenderer& renderer, const Camera& camera,
   return {};
 }
 
-/** Every picture of the turntable, each saved when it is drawn.
+/** Every picture of the turntable, each in its place as soon as it is drawn; a single one with the
+ * camera and the report.
  * \param[in] draw Result<Image>(const Camera&) */
 template <typename Draw>
 Error
@@ -130,7 +131,11 @@ renderTurns(const Settings& s, const Turntable& table, double& save_seconds, con
     const Result<Image> image = draw(table.camera(turn));
     if (!image) return image.error();
     const Stopwatch watch;
-    if (Error error = saveImage(Turntable::path(s.output, turn, s.turntable), *image)) return error;
+    std::optional<FileTransaction> at_once;
+    if (s.turntable > 1) at_once.emplace();
+    Error error = saveImage(Turntable::path(s.output, turn, s.turntable), *image);
+    if (!error && at_once) error = at_once->commit();
+    if (error) return error;
     save_seconds += watch.seconds();
   }
   return {};
@@ -279,7 +284,11 @@ run(const Settings& s)
 {
   if (Error error = limitMemory(s.max_memory))
     return pcl_slim::fail("pcl_slim_render", kExitUsage, error.message);
-  for (const std::string& path : {Turntable::path(s.output, 0, s.turntable), s.save_camera}) {
+  const std::string output = Turntable::path(s.output, 0, s.turntable);
+  if (Error error =
+          checkPlaces({s.input, s.lines.file, s.view.camera}, {output, s.save_camera, s.json}))
+    return pcl_slim::fail("pcl_slim_render", kExitUsage, error.message);
+  for (const std::string& path : {output, s.save_camera, s.json}) {
     const Error error = path.empty() ? Error{} : checkWritable(path);
     if (error) return pcl_slim::fail("pcl_slim_render", kExitFailed, error.message);
   }
@@ -304,7 +313,8 @@ run(const Settings& s)
         {ErrorCode::kBadArgument,
          "splats have no curvature; drop -lines, -line_file and -mode crest, contours or sketch"});
   }
-  if (Error error = checkMemory(bytesOfPicture(s), "a picture of " + s.view.size_text))
+  if (Error error = checkMemory(bytesOfPicture(s), "a picture of " + s.view.size_text,
+                                "ask for a smaller picture"))
     return fail(console, kExitFailed, error);
   const ShadingParams shading = s.picture.shadingFor(model->is_splats, 1);
   ViewRequest view = s.view;
@@ -314,14 +324,16 @@ run(const Settings& s)
   if (model->is_splats) model->splats = splatsWithin(model->splats, s.region.sides);
   const Turntable table(view, *object, s.turntable);
   const Camera camera = table.camera(0);
+  FileTransaction files;
   if (Error error = renderModel(s, *model, table, console, report)) {
     return fail(console, statusOf(error), error);
   }
   report.json()["camera"] = {
       {"position", camera.position}, {"look_at", camera.look_at},  {"up", camera.up},
       {"fov", camera.fov},           {"width", camera.size.width}, {"height", camera.size.height}};
-  if (Error error = report.write(s.json)) return fail(console, kExitFailed, error);
-  return kExitDone;
+  Error error = report.write(s.json);
+  if (!error) error = commitOutputs(files);
+  return error ? fail(console, statusOf(error), error) : kExitDone;
 }
 
 }  // namespace

@@ -222,8 +222,10 @@ Error
 writeTables(const std::string& prefix, const std::string& csv, const std::string& markdown,
             Console& console)
 {
+  FileTransaction files;
   Error error = writeFile(prefix + ".csv", csv.data(), csv.size());
   if (!error) error = writeFile(prefix + ".md", markdown.data(), markdown.size());
+  if (!error) error = files.commit();
   if (!error) console.note("> Wrote " + prefix + ".csv and " + prefix + ".md");
   return error;
 }

@@ -14,6 +14,7 @@ namespace pcl_slim {
 namespace {
 
 constexpr int kPatienceMicroseconds = 500000;
+constexpr int kEndingSignals[] = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
 
 std::atomic<Progress*> g_running{nullptr};
 std::atomic<int> g_signal{0};
@@ -62,12 +63,21 @@ void
 endOnSignals()
 {
   handle(SIGALRM, endOnAlarm);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+  for (const int signal : {SIGPIPE, SIGXFSZ}) handle(signal, SIG_IGN);
+  for (const int signal : kEndingSignals) {
     struct sigaction before = {};
     sigaction(signal, nullptr, &before);
     // nohup asks to live on.
     if (signal != SIGHUP || before.sa_handler != SIG_IGN) handle(signal, onSignal);
   }
+}
+
+bool
+outlastSignals()
+{
+  for (const int signal : kEndingSignals) handle(signal, SIG_IGN);
+  handle(SIGALRM, SIG_IGN);
+  return g_signal.load() == 0;
 }
 
 void

@@ -76,12 +76,12 @@ limitMemory(std::uint64_t megabytes)
 }
 
 Error
-checkMemory(double bytes, const std::string& what)
+checkMemory(double bytes, const std::string& what, const std::string& relief)
 {
   const double needed = bytes + statusOf("VmRSS:");
   if (limit == 0 || needed <= kMegabyte * static_cast<double>(limit)) return {};
   return badInput(what + " takes " + megabytesText(needed) + " or more, above -max_memory " +
-                  std::to_string(limit) + ": raise it, or use fewer points");
+                  std::to_string(limit) + ": raise it, or " + relief);
 }
 
 std::string

@@ -20,9 +20,10 @@ Error
 limitMemory(std::uint64_t megabytes);
 
 /** \brief Refuses work that would take it beyond the limit set. \param[in] bytes a lower bound of what
- * the work will take on top; \param[in] what needs it, as in "fitting 5000000 points". */
+ * the work will take on top; \param[in] what needs it, as in "fitting 5000000 points";
+ * \param[in] relief what else helps than a higher limit. */
 Error
-checkMemory(double bytes, const std::string& what);
+checkMemory(double bytes, const std::string& what, const std::string& relief = "use fewer points");
 
 /** \brief " within -max_memory 500", or nothing where there is no limit. */
 std::string

@@ -90,7 +90,9 @@ OptionTable::assign(Option& option, const std::string& value)
     case Kind::kToggle:
       *static_cast<bool*>(option.target) = value == "1";
       return value == "0" || value == "1" ? "" : "0 or 1";
-    case Kind::kText: *static_cast<std::string*>(option.target) = value; return "";
+    case Kind::kText:
+      *static_cast<std::string*>(option.target) = value;
+      return value.empty() ? option.value_name : "";
     case Kind::kChoice:
       *static_cast<std::string*>(option.target) = value;
       return std::count(option.words.begin(), option.words.end(), value) ? "" : option.value_name;
@@ -117,14 +119,17 @@ OptionTable::takePositional(const std::string& word, const Option* bare, std::si
 }
 
 /** Takes an option and its value, which is the next argument if there is one. A switch takes a 0 or
- * 1 only; without one it is 1. \param[out] used whether the next argument was taken. */
+ * 1 only; without one it is 1. A text is never the name of another option: that one lacks a value.
+ * \param[out] used whether the next argument was taken. */
 std::string
 OptionTable::takeOption(Option& option, const char* following, bool& used)
 {
   if (option.given) return "option -" + option.name + " is given twice; give it once";
   const std::string next = following ? following : "";
+  const bool is_name = next.size() > 1 && next[0] == '-' && find(next.substr(1)) != nullptr;
   option.given = true;
-  used = option.kind == Kind::kToggle ? next == "0" || next == "1" : following != nullptr;
+  used = option.kind == Kind::kToggle ? next == "0" || next == "1"
+                                      : following && !(option.kind == Kind::kText && is_name);
   if (option.kind == Kind::kToggle && !used) {
     *static_cast<bool*>(option.target) = true;
     return "";

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 
+#include "common/interrupt.h"
 #include "pcl_slim/core/file_access.h"
 
 namespace pcl_slim {
@@ -10,8 +11,31 @@ namespace pcl_slim {
 bool
 samePlace(const std::string& a, const std::string& b)
 {
+  if (a.empty() || b.empty()) return false;
   std::error_code code;
-  return !a.empty() && !b.empty() && (a == b || std::filesystem::equivalent(a, b, code));
+  if (a == b || std::filesystem::equivalent(a, b, code)) return true;
+  // Of files that are not there yet, or links to such.
+  const std::string first = placeOf(a), second = placeOf(b);
+  return !first.empty() && first == second;
+}
+
+Error
+checkPlaces(const std::vector<std::string>& read, const std::vector<std::string>& written)
+{
+  for (std::size_t i = 0; i < written.size(); ++i) {
+    for (const std::string& name : read) {
+      if (samePlace(name, written[i])) {
+        return {ErrorCode::kBadArgument, "'" + name + "' would be overwritten; name another file"};
+      }
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      if (samePlace(written[j], written[i])) {
+        return {ErrorCode::kBadArgument,
+                "two outputs share a file, '" + written[i] + "'; name different ones"};
+      }
+    }
+  }
+  return {};
 }
 
 Error
@@ -27,19 +51,27 @@ saveOutput(const std::string& output, const std::string& report_file,
            const std::function<Error()>& save, const std::string& detail, Console& console,
            Report& report)
 {
+  FileTransaction files;
   const Stopwatch watch;
   console.begin("Saving " + output);
-  if (Error error = save()) {
-    console.failed();
-    return error;
-  }
-  report.time("save", watch.seconds());
-  console.done(watch.seconds(), detail);
+  Error error = save();
+  const double seconds = watch.seconds();
+  report.time("save", seconds);
   report.json()["output"] = output;
-  Error error = report.write(report_file);
-  std::error_code code;
-  if (error) std::filesystem::remove(output, code);
+  if (!error) error = report.write(report_file);
+  if (!error) error = commitOutputs(files);
+  if (error)
+    console.failed();
+  else
+    console.done(seconds, detail);
   return error;
+}
+
+Error
+commitOutputs(FileTransaction& files)
+{
+  if (!outlastSignals()) return {ErrorCode::kCancelled, "stopped; nothing is written"};
+  return files.commit();
 }
 
 }  // namespace pcl_slim

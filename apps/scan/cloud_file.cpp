@@ -178,23 +178,8 @@ loadCloudFile(const std::string& path)
     cloud.num_non_finite += isFinite(position(view, i)) ? 0 : 1;
   }
   adoptNormals(cloud);
+  adoptColors(cloud);
   return cloud;
-}
-
-ColorView
-colorsOf(const CloudFile& cloud)
-{
-  const pcl::PCLPointCloud2& points = cloud.file.cloud;
-  for (const char* name : {"rgba", "rgb"}) {
-    const int i = findField(points, name);
-    if (i < 0) continue;
-    const pcl::PCLPointField& field = points.fields[static_cast<std::size_t>(i)];
-    const bool packed = field.datatype == pcl::PCLPointField::FLOAT32 ||
-                        field.datatype == pcl::PCLPointField::UINT32 ||
-                        field.datatype == pcl::PCLPointField::INT32;
-    if (packed) return {points.data.data() + field.offset, points.point_step};
-  }
-  return {};
 }
 
 namespace {

@@ -25,6 +25,8 @@ struct CloudFile {
   PointFile file;
   std::vector<double> xyz;     ///< coordinates, where they could not be used in place
   std::vector<float> normals;  ///< normals, likewise, and those made here
+  std::vector<std::uint8_t>
+      colors;  ///< blue green red of each point, where no field has them packed
   NormalSource normal_source = NormalSource::kNothing;
   bool double_precision = false;
   std::uint64_t num_non_finite = 0;  ///< points with a NaN or infinite coordinate
@@ -40,8 +42,13 @@ struct CloudFile {
 Result<CloudFile>
 loadCloudFile(const std::string& path);
 
+/** \brief Brings colours that are three fields of any type, red green blue or r g b, to bytes. Their
+ * white is 1 for fractions up to that, 255 for values up to that, 65535 up to that, else the largest. */
+void
+adoptColors(CloudFile& cloud);
+
 /** \brief The colours of a cloud's points, in its field rgba or rgb where that is packed into four
- * bytes; null without. Valid as long as view() is. */
+ * bytes, or as adoptColors() found them; null without. Valid as long as view() is. */
 ColorView
 colorsOf(const CloudFile& cloud);
 

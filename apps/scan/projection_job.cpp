@@ -17,12 +17,7 @@ checkJob(ProjectionJob& job)
 {
   if (Error error = finishFitOptions(job.fit)) return error;
   if (Error error = checkPointExtension(job.files.output)) return error;
-  for (const std::string* read : {&job.files.input, &job.surface}) {
-    if (samePlace(*read, job.files.output) || samePlace(*read, job.files.json)) {
-      return {ErrorCode::kBadArgument, "'" + *read + "' would be overwritten; name another file"};
-    }
-  }
-  return checkFilesDiffer(job.files);
+  return checkPlaces({job.files.input, job.surface}, {job.files.output, job.files.json});
 }
 
 Error
@@ -164,6 +159,9 @@ runProjectionProgram(const ProjectionProgram& program, ProjectionJob& job, int a
     return job.surface.empty() ? Error() : readSurface(job.surface, console, report, surface);
   };
   steps.work = [&](const CloudFile& cloud, Console& console, Report& report, ScanResult& result) {
+    for (const std::string& name : cloud.file.left_out) {
+      console.warn(name + " of the scan is not written: the output holds its points and faces");
+    }
     if (job.mesh) {
       auto mesh = smoothMesh(job, chosen, options.given("sharp"), surface, cloud, console, report);
       if (!mesh) return mesh.error();

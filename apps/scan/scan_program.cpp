@@ -38,7 +38,7 @@ runSteps(const OptionTable& options, const ScanFiles& files, const FitJob& scan,
   if (!error) {
     error = saveOutput(files.output, files.json, result.save, result.detail, console, report);
   }
-  return error ? leave(kExitFailed, error) : kExitDone;
+  return error ? failWork(options.program(), error) : kExitDone;
 }
 
 }  // namespace

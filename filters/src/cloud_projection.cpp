@@ -78,8 +78,12 @@ CloudProjection::make(const CloudView& cloud, const SLIMSurface& surface,
   made.input_statistics_ = store->statistics();
   made.stored_ = store->storeOfInput();
   if (Error error = made.add(*store, surface, progress)) return error;
-  if (store->statistics().without_normal > 0 || store->statistics().far_away > 0) {
-    if (Error error = made.addRest(surface, progress)) return error;
+  std::uint64_t left = store->statistics().far_away;
+  if (store->statistics().without_normal > 0) {
+    if (Error error = made.addRest(surface, progress, store, left)) return error;
+  }
+  while (left > 0) {  // strays may have strays of their own
+    if (Error error = made.addRest(surface, progress, nullptr, left)) return error;
   }
   CloudProjectionStatistics& statistics = made.statistics_;
   statistics.points = made.size();
@@ -133,8 +137,22 @@ CloudProjection::add(const PointStore& store, const SLIMSurface& surface, Progre
   return {};
 }
 
+void
+CloudProjection::keep(const PointStore& store)
+{
+  const std::size_t count = projection_.position.size() + store.size();
+  projection_.position.resize(count);
+  projection_.normal.resize(count);
+  projection_.supported.resize(count);
+  projection_.inside.resize(count);
+  if (!projection_.curvature.empty()) projection_.curvature.resize(count);
+  if (!projection_.principal.empty()) projection_.principal.resize(count);
+  measure(store, count - store.size());
+}
+
 Error
-CloudProjection::addRest(const SLIMSurface& surface, Progress* progress)
+CloudProjection::addRest(const SLIMSurface& surface, Progress* progress, const PointStore* frame,
+                         std::uint64_t& left)
 {
   std::vector<std::int32_t> indices;  // those of non-finite points too: the store skips them again
   std::vector<std::size_t> asked;
@@ -147,12 +165,19 @@ CloudProjection::addRest(const SLIMSurface& surface, Progress* progress)
   rest.normal = nullptr;
   rest.indices = indices.data();
   rest.num_indices = indices.size();
-  const Result<PointStore> store = PointStore::build(rest, params_.projection.threads);
+  const Result<PointStore> store = PointStore::build(rest, params_.projection.threads, frame);
   if (!store) return store.error();
+  left = store->statistics().far_away;
   const std::vector<std::uint32_t> map = store->storeOfInput();
   const auto first = static_cast<std::uint32_t>(projection_.position.size());
   for (std::size_t j = 0; j < map.size(); ++j) {
     if (map[j] != PointStore::kSkipped) stored_[asked[j]] = first + map[j];
+  }
+  // Beside points so far away that they have units of their own, a surface is a place.
+  constexpr double kPlace = 1e-20;
+  if (surface.info.scale < kPlace * store->scale()) {
+    keep(*store);
+    return {};
   }
   return add(*store, surface, progress);
 }

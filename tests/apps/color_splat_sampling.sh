@@ -66,6 +66,24 @@ expect 0 '' scan.pcd coarse.pcd -color 1 -json coarse.json
 expect 0 '' plain.pcd d.pcd -json plain.json
 grep -q 'no colours' out.txt || complain "not said that there are no colours"
 
+# Colours of any type are the same colours.
+channels() { # FILE TYPE WHITE
+  {
+    printf 'ply\nformat ascii 1.0\nelement vertex 6000\nproperty float x\nproperty float y\nproperty float z\n'
+    printf "property $2 red\nproperty $2 green\nproperty $2 blue\nend_header\n"
+    awk -v white="$3" 'seen { c = $4; r = int(c / 65536); g = int(c / 256) % 256; b = c % 256; f = white / 255
+      print $1, $2, $3, r * f, g * f, b * f }
+      /^DATA/ { seen = 1 }' scan.pcd
+  } > "$1"
+}
+for type in 'uchar 255' 'ushort 65535' 'float 1' 'double 255'; do
+  # shellcheck disable=SC2086
+  channels "${type% *}.ply" $type
+  expect 0 '' "${type% *}.ply" "${type% *}.pcd"
+  ! grep -q 'no colours' out.txt || complain "no colours of type ${type% *}"
+  same uchar.pcd "${type% *}.pcd"
+done
+
 # Coordinates of type double: a far scan gives the splats of the near one, place apart.
 expect 0 '' far.pcd far.pcd.ply -json far.json
 expect 0 '' near.pcd near.ply -json near.json
@@ -85,6 +103,7 @@ absent e.pcd e.vtp
 
 # Scans of no use and places that cannot be written: status 2 or 1, nothing left.
 refuses scan.pcd
+keepsOld kept.pcd scan.pcd
 expect 0 '' one.pcd one.ply -json one.json
 [ "$(value one.json splats)" = 1 ] || complain "one point is not one splat"
 

@@ -96,6 +96,7 @@ noSurfaces
 expect 1 'along lines' line.pcd line_out.pcd
 absent line_out.pcd
 refuses plain.pcd
+keepsOld kept.pcd plain.pcd
 
 if [ -n "$data" ] && [ -f "$data/fandisk_03_original.ply" ]; then
   expect 0 '' "$data/fandisk_03_original.ply" fandisk.ply

@@ -131,6 +131,18 @@ expect 2 'format' scan.xyz d.pcd
 
 # Scans of no use and places that cannot be written: status 2 or 1, nothing left.
 refuses scan.pcd
+keepsOld kept.slim scan.pcd
+
+# A stray among thousands of points at one place, as cameras write them, is a stray all the same.
+awk '/^WIDTH/ { print "WIDTH 16001"; next } /^POINTS/ { print "POINTS 16001"; next } { print }
+  END { for (i = 0; i < 12000; ++i) print 0, 0, 0; print 1e9, 0, 0 }' scan.pcd > zeros.pcd
+expect 0 '' zeros.pcd zeros.slim -json zeros.json
+grep -q '"far_away": 1' zeros.json || complain "strays beside zeros: $(grep far_away zeros.json)"
+# Two scans a billion times as far apart as they are wide cannot be one surface.
+awk '/^WIDTH/ { print "WIDTH 8000"; next } /^POINTS/ { print "POINTS 8000"; next } /^SIZE/ { print "SIZE 8 8 8"; next }
+  /^DATA/ { data = 1; print; next } !data { print; next } { print; printf "%.9f %s %s\n", $1 + 1e9, $2, $3 }' scan.pcd > apart.pcd
+expect 1 'fit each group by itself' apart.pcd apart.slim
+absent apart.slim
 expect 1 'too few' one.pcd one.slim -json one.json
 noSurfaces
 expect 1 'along lines' line.pcd one.slim

@@ -20,6 +20,7 @@ expect 2 'named .pcd' pcl_slim_demo_scan scan.xyz
 expect 2 'poinst' pcl_slim_demo_scan typo.pcd -poinst 100
 expect 1 'no/such' pcl_slim_demo_scan no/such/scan.pcd
 absent typo.pcd
+keepsOld kept.pcd pcl_slim_demo_scan -points 2000
 
 # Pictures.
 expect 0 '' pcl_slim_fit scan.pcd surface.slim
@@ -54,6 +55,12 @@ for box in 0,0,0,1,1 0,0,0,1,1,0 0,0,0,1,1,nan here; do
   expect 2 'lowest and the highest corner' pcl_slim_render surface.slim none.png -region "$box"
 done
 absent none.png
+keepsOld kept.png pcl_slim_render $small surface.slim
+expect 2 'overwritten' pcl_slim_render surface.slim kept.png $small -save_camera ./surface.slim
+expect 2 'share' pcl_slim_render surface.slim kept.png $small -save_camera cam.txt -json ./cam.txt
+expect 1 'does not exist' pcl_slim_render surface.slim kept.png $small -json nowhere/r.json
+expect 1 'smaller picture' pcl_slim_render surface.slim kept.png -size 20000x20000 -max_memory 400
+absent kept.png cam.txt
 for key in program version input points threads total load render peak_rss_mb leaves levels \
   covered_pixels outside_frustum camera; do
   grep -q "\"$key\"" report.json || complain "the report lacks $key"

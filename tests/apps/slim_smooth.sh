@@ -198,6 +198,17 @@ absent d.slim
 
 # Scans of no use and places that cannot be written: status 2 or 1, nothing left.
 refuses near.pcd
+keepsOld kept.pcd near.pcd
+
+# What a PLY file holds beside points and faces is not written, and said to be left out.
+{
+  printf 'ply\nformat ascii 1.0\nelement vertex 900\nproperty float x\nproperty float y\nproperty float z\n'
+  printf 'property list uchar int tags\nelement edge 1\nproperty int a\nend_header\n'
+  awk 'BEGIN { for (i = 0; i < 900; ++i) print i % 30, int(i / 30), sin(i % 30 / 9), 1, 5; print 7 }'
+} > tagged.ply
+"$bin/$program" tagged.ply untagged.ply > out.txt 2> err.txt || complain "a file with tags fails"
+[ "$(grep -c 'is not written' err.txt)" -eq 2 ] || complain "not said what is left out: $(cat err.txt)"
+rm -f untagged.ply
 
 # Points that are no surface are written as they are, with a warning.
 noSurfaces

@@ -67,6 +67,26 @@ noSurfaces() {
   { printf "$header 100\nDATA ascii\n"; awk 'BEGIN { for (i = 0; i < 100; ++i) print 3, 4, 5 }'; } > same.pcd
 }
 
+# keepsOld OUT ARGS...: what stood under a name stays when anything fails, the report included, and no
+# two files that are written, or written and read, are one, however their names are spelled. ARGS are
+# what expect takes before the output, and end with the input if there is one.
+keepsOld() {
+  local out=$1 input=${!#}
+  shift
+  echo old > "$out"
+  [ ! -c /dev/full ] || expect 1 'make room' "$@" "$out" -json /dev/full
+  grep -qx old "$out" || complain "$out is not the old one after a report that failed"
+  rm -f "$out"
+  expect 2 'share' "$@" "$out" -json "./$out"
+  ln -s "$out" "link_$out"
+  expect 2 'share' "$@" "$out" -json "link_$out"
+  rm -f "link_$out"
+  expect 2 "option -json got ''" "$@" "$out" -json ''
+  expect 2 'option -json needs a value' "$@" "$out" -json -quiet
+  [ ! -f "$input" ] || expect 2 'overwritten\|share' "$@" "$out" -json "./$input"
+  absent "$out" ./-quiet
+}
+
 # peak SCAN: MB that the program takes for a scan, and a tenth more.
 peak() {
   "$bin/$program" "$1" peak.tmp.slim -json peak.json > /dev/null 2>&1

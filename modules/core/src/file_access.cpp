@@ -1,21 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/core/file_access.h"
 
-#include <limits.h>
 #include <unistd.h>
 
-#include <array>
-#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <random>
+#include <memory>
 #include <system_error>
+#include <utility>
+
+#include "files/temporary_file.h"
 
 namespace pcl_slim {
 
 namespace fs = std::filesystem;
+
+using detail::TemporaryFile;
 
 namespace {
 
@@ -25,10 +27,37 @@ ioError(const std::string& verb, const std::string& path, const std::string& why
   return {ErrorCode::kIo, "cannot " + verb + " '" + path + "': " + why};
 }
 
+/** What helps against a defect that the operating system names; empty: who knows. */
+std::string
+remedyOf(int code)
+{
+  switch (code) {
+    case EACCES:
+    case EPERM: return "; allow it or name another place";
+    case EROFS: return "; name another place";
+    case ENOSPC:
+    case EDQUOT: return "; make room or name another place";
+    case EFBIG: return "; raise the limit of ulimit -f";
+    case ENAMETOOLONG: return "; give a shorter name";
+    case ENOENT: return "; check the name";
+    case ENOTDIR: return "; make it a folder or name another";
+    case ELOOP: return "; its links lead to themselves, name a file";
+    case EPIPE: return "; what read it has ended";
+    default: return "";
+  }
+}
+
+std::string
+systemMessage(int code)
+{
+  if (code == 0) return "the operating system gave no reason";
+  return std::strerror(code) + remedyOf(code);
+}
+
 std::string
 systemMessage()
 {
-  return errno != 0 ? std::strerror(errno) : "the operating system gave no reason";
+  return systemMessage(errno);
 }
 
 /** Where the bytes of path really go, and whether a rename can put them there. */
@@ -38,65 +67,16 @@ struct Target {
   fs::perms permissions = fs::perms::unknown;  ///< of the file that is replaced
 };
 
-/** Names of temporary files, kept where a signal handler may read them. */
-struct UnfinishedFile {
-  std::atomic<bool> taken{false}, exists{false};
-  char path[PATH_MAX];
-};
-std::array<UnfinishedFile, 16> g_unfinished;
-
-/** A temporary file beside a target, removed unless it is renamed. Its name is short and no longer
- * than the longest allowed, however long the target's is. */
-class TemporaryFile {
- public:
-  explicit TemporaryFile(const fs::path& target)
-  {
-    std::random_device random;
-    std::error_code code;
-    do {
-      path_ = target.parent_path() / (".pcl_slim_" + std::to_string(random()) + ".part");
-    } while (fs::exists(path_, code));
-    remember();
+/** The place that links lead to, whether or not something is there yet. */
+fs::path
+behindLinks(fs::path path)
+{
+  std::error_code code;
+  while (fs::is_symlink(fs::symlink_status(path, code))) {
+    path = path.parent_path() / fs::read_symlink(path, code);
   }
-  ~TemporaryFile()
-  {
-    std::error_code code;
-    if (!renamed_) fs::remove(path_, code);
-    if (slot_ == nullptr) return;
-    slot_->exists = false;
-    slot_->taken = false;
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-
-  const fs::path& path() const { return path_; }
-
-  std::error_code renameTo(const fs::path& target)
-  {
-    std::error_code code;
-    fs::rename(path_, target, code);
-    renamed_ = !code;
-    return code;
-  }
-
- private:
-  void remember()
-  {
-    const std::string name = fs::absolute(path_).string();
-    if (name.size() >= PATH_MAX) return;
-    for (UnfinishedFile& file : g_unfinished) {
-      if (file.taken.exchange(true)) continue;
-      std::memcpy(file.path, name.c_str(), name.size() + 1);
-      file.exists = true;
-      slot_ = &file;
-      return;
-    }
-  }
-
-  fs::path path_;
-  bool renamed_ = false;
-  UnfinishedFile* slot_ = nullptr;
-};
+  return path;
+}
 
 Error
 resolveTarget(const std::string& name, Target& target)
@@ -104,6 +84,7 @@ resolveTarget(const std::string& name, Target& target)
   std::error_code code;
   target.path = name;
   const fs::file_status status = fs::status(target.path, code);
+  if (!fs::status_known(status)) return ioError("write", name, systemMessage(code.value()));
   if (fs::is_directory(status)) return ioError("write", name, "it is a folder; name a file");
   if (fs::exists(status)) {
     target.direct = !fs::is_regular_file(status);
@@ -119,8 +100,9 @@ resolveTarget(const std::string& name, Target& target)
     }
     return {};
   }
-  const fs::path folder = target.path.has_parent_path() ? target.path.parent_path() : ".";
   if (name.empty() || !target.path.has_filename()) return ioError("write", name, "name a file");
+  target.path = behindLinks(target.path);
+  const fs::path folder = target.path.has_parent_path() ? target.path.parent_path() : ".";
   if (!fs::is_directory(folder, code)) {
     return ioError("write", name,
                    "the folder '" + folder.string() + "' does not exist; create it first");
@@ -137,6 +119,28 @@ writeAll(const fs::path& path, const void* bytes, std::size_t size)
   file.close();
   return !file.fail();
 }
+
+/** A file that is complete but for its name. */
+struct WaitingFile {
+  std::string name;  ///< as it was asked for
+  fs::path target;
+  std::unique_ptr<TemporaryFile> temporary;
+};
+
+Error
+putInPlace(const WaitingFile& file)
+{
+  const std::error_code code = file.temporary->renameTo(file.target);
+  return code ? ioError("write", file.name, systemMessage(code.value())) : Error{};
+}
+
+}  // namespace
+
+struct FileTransaction::Waiting : std::vector<WaitingFile> {};
+
+namespace {
+
+thread_local FileTransaction::Waiting* t_waiting = nullptr;
 
 }  // namespace
 
@@ -175,14 +179,37 @@ writeFile(const std::string& path, const void* bytes, std::size_t size)
   if (target.direct) {
     return writeAll(target.path, bytes, size) ? Error{} : ioError("write", path, systemMessage());
   }
-  TemporaryFile temporary(target.path);
-  if (!writeAll(temporary.path(), bytes, size)) return ioError("write", path, systemMessage());
+  auto temporary = std::make_unique<TemporaryFile>(target.path);
+  if (!writeAll(temporary->path(), bytes, size)) return ioError("write", path, systemMessage());
   if (target.permissions != fs::perms::unknown) {
     std::error_code ignored;  // the bytes count more than their permissions
-    fs::permissions(temporary.path(), target.permissions, ignored);
+    fs::permissions(temporary->path(), target.permissions, ignored);
   }
-  const std::error_code code = temporary.renameTo(target.path);
-  return code ? ioError("write", path, code.message()) : Error{};
+  WaitingFile waiting{path, target.path, std::move(temporary)};
+  if (t_waiting == nullptr) return putInPlace(waiting);
+  t_waiting->push_back(std::move(waiting));
+  return {};
+}
+
+FileTransaction::FileTransaction() : waiting_(std::make_unique<Waiting>()), outer_(t_waiting)
+{
+  t_waiting = waiting_.get();
+}
+
+FileTransaction::~FileTransaction()
+{
+  t_waiting = outer_;
+}
+
+Error
+FileTransaction::commit()
+{
+  Error error;
+  for (const WaitingFile& file : *waiting_) {
+    if (!error) error = putInPlace(file);
+  }
+  waiting_->clear();
+  return error;
 }
 
 Error
@@ -195,12 +222,12 @@ checkWritable(const std::string& path)
   return writeAll(temporary.path(), nullptr, 0) ? Error{} : ioError("write", path, systemMessage());
 }
 
-void
-removeUnfinishedFiles()
+std::string
+placeOf(const std::string& path)
 {
-  for (const UnfinishedFile& file : g_unfinished) {
-    if (file.exists) unlink(file.path);
-  }
+  std::error_code code;
+  if (!fs::status_known(fs::status(path, code))) return "";
+  return fs::weakly_canonical(fs::absolute(behindLinks(path), code), code).string();
 }
 
 std::string

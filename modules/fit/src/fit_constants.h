@@ -87,6 +87,7 @@ struct CoverConstants {
   std::size_t start_slack = 4;      ///< blocks a ball may touch beyond that share
   int last_start = 30;              ///< the finest first level
   int last_level = 40;              ///< the finest level: r_r is 1e-9 L, support ends long before
+  double least_radius = 1.0;        ///< [steps of the centres' grid]: no ball misses its own point
   double alpha = 2.0 / 3.0;         ///< a leaf covers within alpha r: the paper's
   double supported_alpha = 0.55;    ///< alpha of leaves that many points stand behind ...
   double well_supported = 16.0;     ///< ... which are those of more n_eff per coefficient

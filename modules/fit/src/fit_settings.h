@@ -59,6 +59,12 @@ struct FitSettings {
     return noise_profile.empty() ? 1.0 : noise_profile[i * noise_profile.size() / n];
   }
 
+  /** \brief Smaller balls may miss the point that they are about, for their centres stand on a grid. */
+  double leastRadius() const { return constants.cover.least_radius * center_grid; }
+
+  /** \brief Whether balls of level k, and the narrower ones that they mark, hold their own points. */
+  bool resolves(int k) const { return levelRadius(k) >= 2 * leastRadius(); }
+
   /** \brief r_r of level k (eq. 5). */
   double levelRadius(int k) const { return first_radius * diagonal * std::pow(kGolden, k - 1); }
 };

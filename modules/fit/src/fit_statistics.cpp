@@ -35,6 +35,7 @@ countPoints(const PointStore& store, const LevelCover& cover, FitStatistics& sta
   stats.points = store.size();
   stats.uncovered = counts.uncovered;
   stats.unsupported = counts.unsupported;
+  stats.unresolved = counts.unresolved;
   stats.skipped_normals = counts.lone_normals;
   const BallCounters balls = cover.counters();
   stats.split_sheets = balls.split_sheets;
@@ -49,6 +50,8 @@ countPoints(const PointStore& store, const LevelCover& cover, FitStatistics& sta
   stats.working_bytes = cover.peakBytes();
 }
 
+constexpr std::uint64_t kFewCovered =
+    100;                                  ///< leaves that cover less than 1 in so many mean nothing
 constexpr std::uint64_t kFewPoints = 12;  ///< about what the smallest leaf takes
 
 }  // namespace
@@ -56,7 +59,8 @@ constexpr std::uint64_t kFewPoints = 12;  ///< about what the smallest leaf take
 Error
 checkLeaves(const PointStore& store, const FitStatistics& stats)
 {
-  if (stats.leaves > 0) return {};
+  const std::uint64_t covered = stats.points - std::min(stats.points, stats.uncovered);
+  if (stats.leaves > 0 && covered >= stats.points / kFewCovered) return {};
   const std::string points = std::to_string(store.size());
   std::string why = "the " + points +
                     " points lie along lines or scattered, nowhere along a surface: give more "
@@ -68,6 +72,9 @@ checkLeaves(const PointStore& store, const FitStatistics& stats)
   } else if (store.size() < kFewPoints) {
     why = points + (store.size() == 1 ? " distinct point is" : " distinct points are") +
           " too few for a surface: give a dozen or more";
+  } else if (2 * stats.unresolved >= store.size()) {
+    why = "of the " + points + " points, " + std::to_string(stats.unresolved) +
+          " lie in groups a millionth as wide as all of them are: fit each group by itself";
   }
   return {ErrorCode::kNoSurface, why};
 }

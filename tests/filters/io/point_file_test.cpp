@@ -145,6 +145,7 @@ TEST(PointFile, BoastfulAndBrokenHeadersAreErrors)
   };
   const std::string ply = "ply\nformat ascii 1.0\nelement vertex ";
   const std::string xyz = "\nproperty float x\nproperty float y\nproperty float z\n";
+  const std::string triangles = "element face 1\nproperty list uchar int vertex_indices\n";
   const std::pair<std::string, std::string> files[] = {
       {"a.pcd", pcd + "WIDTH 4000000000\nHEIGHT 1\nDATA ascii\n1 2 3\n"},
       {"b.pcd", pcd + "WIDTH 4000000000\nHEIGHT 4000000000\nDATA binary\n"},
@@ -159,6 +160,9 @@ TEST(PointFile, BoastfulAndBrokenHeadersAreErrors)
       {"k.pcd", counts("1 1 0") + "abcdefgh"},
       {"l.pcd", "FIELDS x y z _\nSIZE 4 4 4 0\nTYPE F F F U\n" + one},
       {"m.pcd", "FIELDS x y z\nSIZE 4 4 3\nTYPE F F F\n" + one},
+      {"o.pcd", pcd + "HEIGHT 1\nDATA ascii\n1 2 3\n"},
+      {"p.pcd", pcd + "WIDTH -1\nHEIGHT 1\nDATA ascii\n1 2 3\n"},
+      {"q.pcd", "WIDTH 1\nHEIGHT 1\nDATA ascii\n1 2 3\n"},
       {"n.pcd", counts("65536 65536 65536") + "abc"},
       {"a.ply", ply + "4000000000" + xyz + "end_header\n1 2 3\n"},
       {"b.ply", ply + "1" + xyz + "end_header\n1 2\n"},
@@ -172,6 +176,13 @@ TEST(PointFile, BoastfulAndBrokenHeadersAreErrors)
                     "1 2 3\n3 0 0 -1\n"},
       {"g.ply", ply + "-1" + xyz + "end_header\n"},
       {"h.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty quaternion x\nend_header\n1\n"},
+      {"i.ply", ply + "1" + xyz + "element vertex 1" + xyz + "end_header\n1 2 3\n4 5 6\n"},
+      {"j.ply", ply + "1" + xyz + triangles + triangles + "end_header\n1 2 3\n3 0 0 0\n3 0 0 0\n"},
+      {"k.ply", ply + "1" + xyz + triangles +
+                    "property list uchar int vertex_index\nend_header\n1 2 3\n3 0 0 0 3 0 0 0\n"},
+      {"l.ply", ply + "2" + xyz +
+                    "element face 1\nproperty list uchar float vertex_indices\nend_header\n"
+                    "1 2 3\n4 5 6\n3 0 0.5 1\n"},
   };
   for (const auto& [name, text] : files) {
     writeText(folder / name, text);
@@ -179,7 +190,28 @@ TEST(PointFile, BoastfulAndBrokenHeadersAreErrors)
     ASSERT_FALSE(file) << name;
     EXPECT_NE(file.error().message.find(name), std::string::npos);
     EXPECT_EQ(file.error().message.find('\n'), std::string::npos) << file.error().message;
+    // "'file': defect: remedy" or "'file': defect; remedy"
+    const std::string said = file.error().message.substr(file.error().message.find(name));
+    EXPECT_NE(said.find_first_of(":;", name.size() + 2), std::string::npos) << said;
   }
+}
+
+TEST(PointFile, NamesWhatItLeavesOut)
+{
+  const TemporaryFolder folder;
+  writeText(
+      folder / "a.ply",
+      "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float "
+      "z\nproperty list uchar int tags\nelement face 1\nproperty uchar flag\n"
+      "property list uchar int vertex_indices\nelement edge 1\nproperty int a\n"
+      "element nothing 0\nproperty int a\nend_header\n1 2 3 2 7 8\n9 3 0 0 0\n5\n");
+  const auto file = loadPointFile(folder / "a.ply");
+  ASSERT_TRUE(file) << file.error().message;
+  EXPECT_EQ(file->left_out,
+            (std::vector<std::string>{"'tags' of element 'vertex'", "'flag' of element 'face'",
+                                      "element 'edge'"}));
+  ASSERT_FALSE(savePointFile(folder / "b.ply", *file));
+  EXPECT_TRUE(loadPointFile(folder / "b.ply")->left_out.empty());
 }
 
 std::vector<unsigned char>

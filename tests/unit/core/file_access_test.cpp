@@ -35,6 +35,86 @@ TEST(FileAccess, FollowsLinksAndKeepsThem)
   EXPECT_EQ(fileBytes(folder / "real")[0], 'n');
 }
 
+TEST(FileAccess, FollowsLinksToWhereNothingIsYet)
+{
+  namespace fs = std::filesystem;
+  const TemporaryFolder folder;
+  fs::create_symlink("real", folder / "second");
+  fs::create_symlink("second", folder / "first");
+  ASSERT_FALSE(checkWritable(folder / "first"));
+  ASSERT_FALSE(writeFile(folder / "first", "new", 3));
+  EXPECT_TRUE(fs::is_symlink(folder / "first"));
+  EXPECT_TRUE(fs::is_symlink(folder / "second"));
+  EXPECT_EQ(fileBytes(folder / "real").size(), 3u);
+}
+
+TEST(FileAccess, KeepsLinksThatLeadToThemselves)
+{
+  const TemporaryFolder folder;
+  std::filesystem::create_symlink("round", folder / "round");
+  EXPECT_EQ(checkWritable(folder / "round").code, ErrorCode::kIo);
+  EXPECT_EQ(writeFile(folder / "round", "new", 3).code, ErrorCode::kIo);
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "round"));
+}
+
+TEST(FileAccess, OnePlaceHasOneName)
+{
+  const TemporaryFolder folder;
+  const std::string place = placeOf(folder / "absent");
+  std::filesystem::create_symlink("absent", folder / "link");
+  EXPECT_EQ(placeOf(folder / "./absent"), place);
+  EXPECT_EQ(placeOf(folder / "link"), place);
+  EXPECT_EQ(placeOf("absent"), placeOf("./absent"));
+  EXPECT_NE(placeOf(folder / "other"), place);
+}
+
+TEST(FileTransaction, FilesAppearTogether)
+{
+  const TemporaryFolder folder;
+  writeText(folder / "a", "old");
+  FileTransaction files;
+  ASSERT_FALSE(writeFile(folder / "a", "new", 3));
+  ASSERT_FALSE(writeFile(folder / "b", "new", 3));
+  EXPECT_EQ(fileBytes(folder / "a")[0], 'o');
+  EXPECT_FALSE(std::filesystem::exists(folder / "b"));
+  ASSERT_FALSE(files.commit());
+  EXPECT_EQ(fileBytes(folder / "a")[0], 'n');
+  EXPECT_EQ(fileBytes(folder / "b")[0], 'n');
+  EXPECT_EQ(folder.numFiles(), 2u);
+}
+
+TEST(FileTransaction, LeavesNothingUnlessCommitted)
+{
+  const TemporaryFolder folder;
+  writeText(folder / "a", "old");
+  {
+    const FileTransaction files;
+    ASSERT_FALSE(writeFile(folder / "a", "new", 3));
+    FileTransaction inner;
+    ASSERT_FALSE(writeFile(folder / "b", "new", 3));
+    ASSERT_FALSE(inner.commit());
+  }
+  EXPECT_EQ(fileBytes(folder / "a")[0], 'o');
+  EXPECT_EQ(folder.numFiles(), 2u);
+  ASSERT_FALSE(writeFile(folder / "a", "new", 3));
+  EXPECT_EQ(fileBytes(folder / "a")[0], 'n');
+}
+
+TEST(FileTransaction, ToldWhenAPlaceHasGone)
+{
+  namespace fs = std::filesystem;
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "gone");
+  FileTransaction files;
+  ASSERT_FALSE(writeFile(folder / "gone/a", "new", 3));
+  ASSERT_FALSE(writeFile(folder / "b", "new", 3));
+  fs::remove_all(folder / "gone");
+  const Error error = files.commit();
+  EXPECT_EQ(error.code, ErrorCode::kIo);
+  EXPECT_NE(error.message.find("gone/a"), std::string::npos) << error.message;
+  EXPECT_EQ(folder.numFiles(), 0u);
+}
+
 TEST(FileAccess, WritesDevicesDirectly)
 {
   EXPECT_FALSE(writeFile("/dev/null", "abc", 3));

@@ -93,8 +93,13 @@ class CloudProjection {
   std::vector<std::int32_t> indicesOf(const Which& which) const;
   /** \brief Projects a store's points and appends them, in the first store's units. */
   Error add(const PointStore& store, const SLIMSurface& surface, Progress* progress);
-  /** \brief Adds the finite points that the first store left out: for want of a normal, or as strays far away. */
-  Error addRest(const SLIMSurface& surface, Progress* progress);
+  /** \brief Appends a store's points as such that no surfel supports. */
+  void keep(const PointStore& store);
+  /** \brief Adds finite points that the stores before left out: for want of a normal, or as strays
+   * far away. \param[in] frame the first store: those near its points; null: strays.
+   * \param[out] left how many strays are still left out. */
+  Error addRest(const SLIMSurface& surface, Progress* progress, const PointStore* frame,
+                std::uint64_t& left);
   /** \brief A store's local position in the first store's units. */
   std::array<double, 3> toFirst(const PointStore& store, const std::array<double, 3>& local) const;
   /** \brief Counts and measures the points whose stored ones begin at first. */

@@ -39,7 +39,7 @@ readAscii(const std::uint8_t* payload, std::size_t size, const PcdHeader& header
         if (column.isPadding()) continue;
         if (!parseScalar(begin, end, scalarType(column), at)) {
           return badInput("field '" + column.name + "' of point " + std::to_string(i) +
-                          " of the PCD file is not a number of its type: '" +
+                          " of the PCD file is not a number of its type: mend '" +
                           std::string(begin, end) + "'");
         }
         at += column.size;
@@ -97,7 +97,9 @@ readCompressed(const std::uint8_t* payload, std::size_t size, const PcdHeader& h
   std::memcpy(&plain, payload + 4, 4);
   if (compressed > size - 8) return truncated("bytes of compressed data", size - 8, compressed);
   if (plain != header.points * step) {
-    return badInput("the PCD file's compressed data do not hold the points its header announces");
+    return badInput(
+        "the PCD file's compressed data do not hold the points its header announces; copy it "
+        "again");
   }
   std::vector<std::uint8_t> columns(plain);
   if (pcl::lzfDecompress(payload + 8, compressed, columns.data(), plain) != plain) {

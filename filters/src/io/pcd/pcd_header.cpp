@@ -115,21 +115,22 @@ checkColumns(const std::vector<PcdColumn>& columns)
 Error
 checkHeader(PcdHeader& header)
 {
-  if (header.columns.empty()) return badInput("the PCD header lists no FIELDS");
+  if (header.columns.empty()) return badInput("the PCD header lists no FIELDS: name x, y and z");
   const auto isPadding = [](const PcdColumn& column) { return column.isPadding(); };
   if (std::all_of(header.columns.begin(), header.columns.end(), isPadding)) {
     return badInput("the FIELDS of the PCD header are all padding: name x, y and z");
   }
-  if (!header.has_width && !header.has_points) return badInput("the PCD header gives no WIDTH");
+  if (!header.has_width && !header.has_points)
+    return badInput("the PCD header gives no WIDTH: add the number of points");
   if (!header.has_width) header.width = header.points;
   constexpr std::size_t kMost = std::numeric_limits<std::uint32_t>::max() - 1;
   if (header.width > kMost || header.height > kMost ||
       (header.width != 0 && header.height > kMost / header.width)) {
-    return badInput("the PCD header announces more than 2^32 - 2 points");
+    return badInput("the PCD header announces more than 2^32 - 2 points: check WIDTH and HEIGHT");
   }
   if (header.has_points && header.points != header.width * header.height) {
     return badInput("the PCD header contradicts itself: POINTS " + std::to_string(header.points) +
-                    " is not WIDTH times HEIGHT");
+                    " is not WIDTH times HEIGHT: copy it again, or mend what is wrong");
   }
   header.points = header.width * header.height;
   return checkColumns(header.columns);
@@ -174,7 +175,8 @@ parsePcdHeader(const std::vector<unsigned char>& bytes, PcdHeader& header, Point
   for (std::string line; header.data.empty() && scanner.nextLine(line);) {
     ++line_number;
     if (!parseHeaderLine(line, header, file)) {
-      return badInput("line " + std::to_string(line_number) + " is not part of a PCD header");
+      return badInput("line " + std::to_string(line_number) +
+                      " is not part of a PCD header: mend it, or write the file again");
     }
   }
   if (header.data.empty()) return badInput("it has no complete PCD header; name a PCD file");

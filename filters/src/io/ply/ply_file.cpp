@@ -2,6 +2,7 @@
 #include "io/ply/ply_file.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <limits>
 
@@ -47,7 +48,7 @@ class BodyReader {
     std::uint8_t value[8];
     if (!next(type, value)) return false;
     const double number = readScalar(value, type);
-    malformed_ = !(number >= 0.0 && number < 4294967295.0);
+    malformed_ = !(number >= 0.0 && number < 4294967295.0 && number == std::floor(number));
     count = malformed_ ? 0 : static_cast<std::uint64_t>(number);
     return !malformed_;
   }
@@ -189,6 +190,23 @@ appendFaces(const PointFile& file, bool long_faces, std::vector<unsigned char>& 
   }
 }
 
+/** What a file holds beside the points and their faces, in words; none of it is kept. */
+std::vector<std::string>
+leftOut(const std::vector<PlyElement>& elements)
+{
+  std::vector<std::string> names;
+  for (const PlyElement& element : elements) {
+    const bool points = element.name == "vertex", faces = element.name == "face";
+    if (element.count == 0) continue;
+    if (!points && !faces) names.push_back("element '" + element.name + "'");
+    for (const PlyProperty& property : element.properties) {
+      const bool kept = points ? property.list_type == 0 : !faces || isFaceList(property);
+      if (!kept) names.push_back("'" + property.name + "' of element '" + element.name + "'");
+    }
+  }
+  return names;
+}
+
 }  // namespace
 
 Result<PointFile>
@@ -198,6 +216,7 @@ parsePly(const std::vector<unsigned char>& bytes)
   if (Error error = parsePlyHeader(bytes, header)) return error;
   PointFile file;
   file.comments = header.comments;
+  file.left_out = leftOut(header.elements);
   BodyReader in(bytes, header.size, header.form);
   for (const PlyElement& element : header.elements) {
     if (Error error = readElement(in, element, file)) return error;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/ply/ply_header.h"
 
+#include <algorithm>
 #include <sstream>
 
 #include "io/scalar_type.h"
@@ -97,6 +98,25 @@ parseLine(const std::string& line, PlyHeader& header)
   return words[0] == "property" && parseProperty(words, header);
 }
 
+/** What is there twice would be read over itself. */
+Error
+checkElements(const std::vector<PlyElement>& elements)
+{
+  for (std::size_t i = 0; i < elements.size(); ++i) {
+    const auto& properties = elements[i].properties;
+    if (std::count_if(properties.begin(), properties.end(), isFaceList) > 1) {
+      return badInput("the PLY header lists the vertices of a '" + elements[i].name +
+                      "' twice; keep one list");
+    }
+    for (std::size_t j = 0; j < i; ++j) {
+      if (elements[i].name == elements[j].name) {
+        return badInput("the PLY header has two elements '" + elements[i].name + "'; keep one");
+      }
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 bool
@@ -117,10 +137,11 @@ parsePlyHeader(const std::vector<unsigned char>& bytes, PlyHeader& header)
   for (int number = 2; scanner.nextLine(line); ++number) {
     if (splitWords(line) == std::vector<std::string>{"end_header"}) {
       header.size = scanner.position();
-      return {};
+      return checkElements(header.elements);
     }
     if (!parseLine(line, header)) {
-      return badInput("line " + std::to_string(number) + " is not part of a PLY header");
+      return badInput("line " + std::to_string(number) +
+                      " is not part of a PLY header: mend it, or write the file again");
     }
   }
   return badInput("the PLY file is truncated inside its header; copy it again");

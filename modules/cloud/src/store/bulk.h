@@ -3,9 +3,9 @@
 
 #include <array>
 #include <cmath>
-#include <cstddef>
-#include <functional>
 #include <limits>
+
+#include "store/cloud_reader.h"
 
 namespace pcl_slim::detail {
 
@@ -24,11 +24,11 @@ struct Bulk {
   }
 };
 
-/** \brief The bulk of count points, found from at most 4096 of them, evenly strided. Half the cube's
- * edge is 2^14 times the diagonal of the box between the quartiles of each coordinate: a survey with half
- * of its points on one object a metre wide keeps all others within 16 km.
- * \param[in] point the i-th; those that do not count have coordinates that are not finite. O(1). */
+/** \brief The bulk of a cloud, found from at most 4096 of its places: those whose hashes are least,
+ * so that neither the points' order nor their repetition changes anything. Half the cube's edge is 2^14
+ * times the diagonal of the box between the quartiles of each coordinate: a survey with half of its
+ * places on one object a metre wide keeps all others within 16 km. O(points), a few nanoseconds each. */
 Bulk
-findBulk(std::size_t count, const std::function<std::array<double, 3>(std::size_t i)>& point);
+findBulk(const CloudView& cloud, const CloudReader& reader, int threads);
 
 }  // namespace pcl_slim::detail

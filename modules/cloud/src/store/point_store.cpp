@@ -11,10 +11,10 @@ namespace pcl_slim {
 using namespace detail;
 
 Result<PointStore>
-PointStore::build(const CloudView& cloud, int threads)
+PointStore::build(const CloudView& cloud, int threads, const PointStore* frame)
 {
   const auto start = std::chrono::steady_clock::now();
-  PointStoreBuilder builder(cloud, resolveThreads(threads));
+  PointStoreBuilder builder(cloud, resolveThreads(threads), frame);
   if (Error error = builder.measure()) return error;
   builder.sortPoints();
   builder.mergeDuplicates();

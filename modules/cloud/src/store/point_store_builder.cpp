@@ -80,8 +80,8 @@ summarizeAll(const CloudView& cloud, const CloudReader& reader, const Bulk& bulk
 
 }  // namespace
 
-PointStoreBuilder::PointStoreBuilder(const CloudView& cloud, int threads)
-    : cloud_(cloud), reader_(cloud_), threads_(threads)
+PointStoreBuilder::PointStoreBuilder(const CloudView& cloud, int threads, const PointStore* frame)
+    : cloud_(cloud), reader_(cloud_), threads_(threads), frame_(frame)
 {
 }
 
@@ -89,10 +89,12 @@ Error
 PointStoreBuilder::measure()
 {
   if (Error error = cloud_.validate()) return error;
-  bulk_ = findBulk(cloud_.count(),
-                   [&](std::size_t i) { return reader_.position(cloud_.inputIndex(i)); });
+  bulk_ = frame_ ? Bulk{frame_->bulk_center_, frame_->bulk_reach_}
+                 : findBulk(cloud_, reader_, threads_);
+  store_.bulk_center_ = bulk_.median;
+  store_.bulk_reach_ = bulk_.reach;
   SliceSummary all = summarizeAll(cloud_, reader_, bulk_, false, threads_);
-  if (all.finite == 0) return CloudView::nothingFinite();
+  if (all.near == 0) return CloudView::nothingFinite();
   with_normals_ = all.with_normal > 0;
   if (with_normals_ && all.with_normal < all.near) {
     all = summarizeAll(cloud_, reader_, bulk_, true, threads_);
@@ -117,7 +119,9 @@ PointStoreBuilder::setUnits(const std::array<double, 3>& low, const std::array<d
   }
   const double diagonal = 2.0 * std::hypot(half[0], half[1], half[2]);
   // The slack keeps coordinates inside [-1/2, 1/2] once the origin is rounded to its grid.
-  const double span = diagonal > 0 ? diagonal : std::max(farthest * 0x1p-20, 0x1p-100);
+  const double least = frame_ ? frame_->diagonal_ * frame_->scale_ : 0.0;
+  const double one_place = std::max(farthest * 0x1p-20, 0x1p-100);
+  const double span = std::max(diagonal > 0 ? diagonal : one_place, least);
   store_.scale_ = std::exp2(std::ceil(std::log2(span * (1.0 + 4 * kOriginGrid))));
   if (!std::isfinite(store_.scale_)) {
     return {ErrorCode::kBadInput,

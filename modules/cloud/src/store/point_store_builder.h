@@ -13,7 +13,7 @@ namespace pcl_slim::detail {
 /** \brief The steps of PointStore::build, in order. */
 class PointStoreBuilder {
  public:
-  PointStoreBuilder(const CloudView& cloud, int threads);
+  PointStoreBuilder(const CloudView& cloud, int threads, const PointStore* frame);
 
   Error measure();         ///< which points count, their box, origin and scale
   void sortPoints();       ///< Morton keys, sorted
@@ -37,6 +37,7 @@ class PointStoreBuilder {
   const CloudView& cloud_;
   CloudReader reader_;
   int threads_;
+  const PointStore* frame_;
   bool with_normals_ = false;
   double inverse_scale_ = 1;
   Bulk bulk_;  ///< of the usable points

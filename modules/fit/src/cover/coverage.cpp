@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cover/coverage.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace pcl_slim::detail {
 
 namespace {
@@ -45,6 +48,28 @@ markBall(const PointStore& store, const FitSettings& settings, const SurfelRecor
 {
   kernels::markPoints(store, nearby.within(surfel.center, surfel.radius),
                       queryOf(surfel, surfel.radius, settings), value, marks);
+}
+
+std::uint32_t
+markUncovered(const PointStore& store, const FitSettings& settings, std::uint32_t point,
+              double reach, std::uint8_t value, NearbyBlocks& nearby, const float* coverage,
+              std::uint8_t* marks)
+{
+  const auto at = store.position(point);
+  const std::array<float, 3> center = {static_cast<float>(at[0]), static_cast<float>(at[1]),
+                                       static_cast<float>(at[2])};
+  std::uint32_t count = 0;
+  for (const std::uint32_t block : nearby.within(center, reach)) {
+    const std::size_t begin = block * PointStore::kBlock;
+    for (std::size_t i = begin; i < std::min(begin + PointStore::kBlock, store.size()); ++i) {
+      const auto p = store.position(i);
+      if (std::hypot(p[0] - at[0], p[1] - at[1], p[2] - at[2]) > reach) continue;
+      if (coverage[i] >= settings.gamma || (marks[i] & value) != 0) continue;
+      marks[i] |= value;
+      ++count;
+    }
+  }
+  return count;
 }
 
 }  // namespace pcl_slim::detail

@@ -19,4 +19,11 @@ void
 markBall(const PointStore& store, const FitSettings& settings, const SurfelRecord& surfel,
          std::uint8_t value, NearbyBlocks& nearby, std::uint8_t* marks);
 
+/** \brief Sets the bits of value in the marks of those points about a stored point that have none of
+ * them and are not covered. \return how many those are. */
+std::uint32_t
+markUncovered(const PointStore& store, const FitSettings& settings, std::uint32_t point,
+              double reach, std::uint8_t value, NearbyBlocks& nearby, const float* coverage,
+              std::uint8_t* marks);
+
 }  // namespace pcl_slim::detail

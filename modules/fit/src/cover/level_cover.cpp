@@ -67,6 +67,10 @@ LevelCover::run(int first_level, Progress* progress)
   const double points = static_cast<double>(store_.size());
   for (int level = first_level; !active_.empty() && level <= settings_.constants.cover.last_level;
        ++level) {
+    if (!settings_.resolves(level)) {
+      unresolved_ = active_.size();
+      break;
+    }
     if (progress != nullptr) {
       if (progress->cancelled()) return {ErrorCode::kCancelled, kCancelledMessage};
       progress->report(static_cast<float>(1.0 - static_cast<double>(active_.size()) / points),
@@ -105,30 +109,6 @@ LevelCover::coverLevel(int level)
   endLevel(first);
 }
 
-void
-LevelCover::countBytes()
-{
-  std::uint64_t bytes = outputs_.capacity() * sizeof(Output);
-  for (const auto& worker : workers_) bytes += worker->arena.capacity() * sizeof(SurfelRecord);
-  bytes += coverage_.size() * sizeof(float) + marks_.size() +
-           active_.capacity() * sizeof(std::uint32_t) + cells_.memoryBytes();
-  peak_bytes_ = std::max(peak_bytes_, bytes);
-}
-
-std::vector<LevelCover::Piece>
-LevelCover::pieces() const
-{
-  std::vector<Piece> pieces;
-  std::size_t first = 0;
-  for (const Output& output : outputs_) {
-    const SurfelRecord* records = worker(output.thread).arena.data();
-    if (output.begin == output.end) continue;
-    pieces.push_back({records + output.begin, records + output.end, first});
-    first += output.end - output.begin;
-  }
-  return pieces;
-}
-
 CellVisits
 LevelCover::visitsOf(const CoverCells::Cell& cell) const
 {
@@ -156,6 +136,18 @@ LevelCover::coverCell(const CoverCells::Cell& cell, int level, int thread, Outpu
   output = made;
 }
 
+/** Nothing can be done for a point, nor for those so near to it that no centre tells them apart.
+ * \return how many those are. */
+std::uint32_t
+LevelCover::giveUp(std::uint32_t point, NearbyBlocks& nearby)
+{
+  const std::uint32_t count =
+      markUncovered(store_, settings_, point, settings_.leastRadius(), kServedForGood, nearby,
+                    coverage_.data(), marks_.data());
+  marks_[point] |= kServedForGood;
+  return count;
+}
+
 /** Serves what a fitted ball serves; its surfel, if it has one, ends its cell's output. */
 void
 LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& surfel,
@@ -164,7 +156,16 @@ LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& s
   output.lasts |= outcome != BallOutcome::kInternal && outcome != BallOutcome::kLine;
   switch (outcome) {
     case BallOutcome::kLeaf:
+      if (surfel.radius < settings_.leastRadius()) {
+        output.unresolved += giveUp(point, nearby);
+        return;
+      }
       addCoverage(store_, settings_, surfel, nearby, coverage_.data());
+      if (coverage_[point] <= 0.0f) {  // nor will a leaf about those beside it that no centre parts
+        const std::uint8_t own = marks_[point];
+        giveUp(point, nearby);
+        marks_[point] = own;
+      }
       marks_[point] |= surfel.flags & kSurfelSupportLimited ? kServedForGood : level_mark_;
       break;
     case BallOutcome::kInternal:
@@ -175,7 +176,9 @@ LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& s
       markBall(store_, settings_, surfel, level_mark_, nearby, marks_.data());
       marks_[point] |= level_mark_;
       return;
-    case BallOutcome::kUnsupported: marks_[point] = kServedForGood; return;
+    case BallOutcome::kUnsupported:
+      if (const std::uint32_t group = giveUp(point, nearby); group > 1) output.unresolved += group;
+      return;
     case BallOutcome::kLoneNormal: marks_[point] = kServedForGood | kLoneNormalMark; return;
   }
   worker(output.thread).arena.push_back(surfel);
@@ -260,25 +263,12 @@ LevelCover::countPoints() const
     }
   });
   PointCounts sum;
+  sum.unresolved = unresolved_;
+  for (const Output& output : outputs_) sum.unresolved += output.unresolved;
   for (const PointCounts& part : parts) {
     sum.uncovered += part.uncovered;
     sum.unsupported += part.unsupported;
     sum.lone_normals += part.lone_normals;
-  }
-  return sum;
-}
-
-BallCounters
-LevelCover::counters() const
-{
-  BallCounters sum;
-  for (const auto& worker : workers_) {
-    const BallCounters counters = worker->fitter.counters();
-    sum.gathered += counters.gathered;
-    sum.split_sheets += counters.split_sheets;
-    sum.tried += counters.tried;
-    sum.lines += counters.lines;
-    sum.fits += counters.fits;
   }
   return sum;
 }

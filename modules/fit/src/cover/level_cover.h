@@ -17,6 +17,8 @@ namespace pcl_slim::detail {
 struct PointCounts {
   std::uint64_t uncovered = 0, unsupported = 0;  ///< unsupported: by any leaf at all
   std::uint64_t lone_normals = 0;                ///< passed over for their normals
+  std::uint64_t unresolved =
+      0;  ///< whose balls would be too small for the grid that centres stand on
 };
 
 /** \brief Covers the points level by level (section 2, "Multi-scale surfel-based approximation";
@@ -54,6 +56,7 @@ class LevelCover {
     int thread = 0;
     std::uint32_t begin = 0, end = 0;
     bool lasts = false;  ///< whether some points need no finer level
+    std::uint32_t unresolved = 0;
   };
   /** What a thread writes all the time, in cache lines of its own. */
   struct alignas(64) Worker {
@@ -68,6 +71,7 @@ class LevelCover {
   CellVisits visitsOf(const CoverCells::Cell& cell) const;
   void coverCell(const CoverCells::Cell& cell, int level, int thread, Output& output);
   Worker& worker(int thread) const { return *workers_[static_cast<std::size_t>(thread)]; }
+  std::uint32_t giveUp(std::uint32_t point, NearbyBlocks& nearby);
   void keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& surfel,
             NearbyBlocks& nearby, Output& output);
   void collectNearby(const CoverCells::Cell& cell, int level, NearbyBlocks& nearby) const;
@@ -92,6 +96,7 @@ class LevelCover {
   std::vector<Output> outputs_;          ///< of all levels so far
   std::uint8_t level_mark_, serving_;    ///< mark of this level, and all that count at it
   int last_level_ = 0;
+  std::uint64_t unresolved_ = 0;  ///< points left when levels became too fine
   std::uint64_t peak_bytes_ = 0;
 };
 

@@ -15,7 +15,8 @@ startLevel(const PointStore& store, const FitSettings& settings)
   const auto most =
       static_cast<std::size_t>(settings.start_share * static_cast<double>(store.size()));
   std::vector<std::uint32_t> blocks;
-  for (int level = 1; level < constants.last_start; ++level) {
+  int level = 1;
+  for (; level < constants.last_start && settings.resolves(level + 1); ++level) {
     std::size_t crowded = 0;
     for (std::size_t s = 0; s < samples; ++s) {
       const auto p = store.position((2 * s + 1) * store.size() / (2 * samples));
@@ -29,7 +30,7 @@ startLevel(const PointStore& store, const FitSettings& settings)
     }
     if (2 * crowded <= samples) return level;
   }
-  return constants.last_start;
+  return level;
 }
 
 }  // namespace pcl_slim::detail

@@ -23,7 +23,9 @@ struct PointFile {
   pcl::PCLPointCloud2 cloud;
   Eigen::Vector4f sensor_origin = Eigen::Vector4f::Zero();
   Eigen::Quaternionf sensor_orientation = Eigen::Quaternionf::Identity();
-  std::vector<std::string> comments;      ///< text of the header's comment lines, in order
+  std::vector<std::string> comments;  ///< text of the header's comment lines, in order
+  std::vector<std::string>
+      left_out;  ///< what the file held beside this, in words: "element 'edge'"
   std::vector<std::uint32_t> face_begin;  ///< PLY faces: number of faces + 1 offsets, or empty
   std::vector<std::uint32_t>
       face_vertices;  ///< vertices of face i: [face_begin[i], face_begin[i+1])
@@ -34,7 +36,8 @@ struct PointFile {
 /** \brief Reads .pcd (ascii, binary, binary_compressed) or .ply (ascii, binary of either order).
  *
  * A missing, foreign, truncated or self-contradicting file gives an error; one without points
- * is read and has none. List properties other than the faces' vertices are passed over.
+ * is read and has none. Of a PLY file, elements other than vertices and faces, lists of vertices, and all
+ * of faces but their vertices are passed over, and named in left_out.
  */
 Result<PointFile>
 loadPointFile(const std::string& path);

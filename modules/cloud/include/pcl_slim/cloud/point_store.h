@@ -47,8 +47,11 @@ class PointStore {
   static constexpr std::uint32_t kSkipped = 0xffffffffu;  ///< in storeOfInput(): not in the store
 
   /** \brief Brings a cloud into Morton order. \return the store, or why there is none: no input,
-   * more than 2^32 - 2 points, or not one finite point. \param[in] threads 0: all cores. */
-  static Result<PointStore> build(const CloudView& cloud, int threads = 0);
+   * more than 2^32 - 2 points, or not one finite point. \param[in] threads 0: all cores.
+   * \param[in] frame store of a larger cloud that these points belong to: what is far away beside that
+   * is far away here, too, and the units are at least its own. null: none. */
+  static Result<PointStore> build(const CloudView& cloud, int threads = 0,
+                                  const PointStore* frame = nullptr);
 
   std::size_t size() const { return size_; }
   std::size_t numBlocks() const { return block_origin_x_.size(); }
@@ -104,6 +107,8 @@ class PointStore {
   friend class detail::PointStoreBuilder;
 
   std::size_t size_ = 0;
+  std::array<double, 3> bulk_center_{};  ///< of the cube outside which points are strays ...
+  double bulk_reach_ = 0;                ///< ... and half its edge
   std::array<double, 3> origin_{};
   double scale_ = 1.0;
   double diagonal_ = 0.0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -19,17 +20,46 @@ readFile(const std::string& path);
  * The bytes go to a temporary file beside the target, which is then renamed; on any failure the
  * temporary file is removed and an older file under that name is left as it was. A new file takes
  * over an older one's permissions, and one that nobody may write is not replaced. A symbolic link
- * is followed; what is not a plain file (a pipe, a device) is written directly.
+ * is followed, also to a place where nothing is yet; what is not a plain file (a pipe, a device) is
+ * written directly. For several files that belong together see FileTransaction.
  */
 Error
 writeFile(const std::string& path, const void* bytes, std::size_t size);
+
+/** \brief Several files that appear together or not at all.
+ *
+ * While one lives, what its thread's writeFile() calls have written waits beside the places asked for;
+ * commit() moves all of it there. What is not committed is removed, and older files stay as they were.
+ * Pipes and devices are written at once. The innermost one counts. */
+class FileTransaction {
+ public:
+  struct Waiting;
+
+  FileTransaction();
+  ~FileTransaction();
+  FileTransaction(const FileTransaction&) = delete;
+  FileTransaction& operator=(const FileTransaction&) = delete;
+
+  /** \brief Moves the files to their places. The first that cannot be moved, because its folder has
+   * gone meanwhile, gives kIo, and those after it are removed. */
+  Error commit();
+
+ private:
+  std::unique_ptr<Waiting> waiting_;
+  Waiting* outer_;
+};
 
 /** \brief Tells before long work whether writeFile could create this file. Leaves nothing behind. */
 Error
 checkWritable(const std::string& path);
 
-/** \brief Removes the temporary files of writeFile() calls that are running now. For a program that is
- * about to end in the middle of one; safe in a signal handler. */
+/** \brief The one place that a name stands for, links followed, whether or not a file is there yet;
+ * empty where there can be none. */
+std::string
+placeOf(const std::string& path);
+
+/** \brief Removes the temporary files of writeFile() calls and transactions that are not done. For a
+ * program that is about to end in the middle of one; safe in a signal handler. */
 void
 removeUnfinishedFiles();
 

@@ -78,6 +78,7 @@ struct FitStatistics {
   std::uint64_t noise_patches = 0;   ///< patches of points on which noise was measured
   std::uint64_t gathered = 0;        ///< points gathered into balls, all balls together
   std::uint64_t never_gathered = 0;  ///< centres never tried: points covered by another's leaf
+  std::uint64_t unresolved = 0;  ///< points whose detail is too fine for the cloud's width, 1e-6 L
   int first_level = 1, levels_skipped = 0, last_level = 0;
   double lambda = 0;                  ///< noise variance [L^2]
   double noise_correlation = 1;       ///< points that share their errors; 1: white noise

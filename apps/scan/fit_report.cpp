@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scan/fit_report.h"
+
+#include <cmath>
+#include <cstdio>
+
+namespace pcl_slim {
+
+void
+reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatistics& fit,
+          Report& report)
+{
+  const PointStoreStatistics& points = store.statistics();
+  report.add({{"stored_points", store.size()},
+              {"surfels", surface.size()},
+              {"leaves", fit.leaves},
+              {"internals", fit.internals},
+              {"levels", surface.numLevels()},
+              {"first_level", fit.first_level},
+              {"last_level", fit.last_level},
+              {"leaves_per_level", fit.leaves_per_level},
+              {"degree", surface.info.degree},
+              {"penalty", fit.penalty},
+              {"t_mdl", fit.t_mdl},
+              {"normal_error", fit.normal_error},
+              {"lambda", fit.lambda},
+              {"noise_correlation", fit.noise_correlation},
+              {"noise_line", fit.noise_line},
+              {"noise_step", fit.noise_step},
+              {"noise_neighbors", fit.noise_neighbors},
+              {"noise_varies", fit.noise_varies},
+              {"diagonal", store.diagonal() * store.scale()},
+              {"rms_error_over_diagonal", fit.rms_error},
+              {"uncovered", fit.uncovered},
+              {"unsupported", fit.unsupported},
+              {"unresolved", fit.unresolved},
+              {"support_limited", fit.support_limited},
+              {"reduced_degree", fit.reduced_degree},
+              {"split_sheets", fit.split_sheets},
+              {"oriented", surface.info.oriented},
+              {"fits", fit.fits},
+              {"fell_by_support", fit.fell_by_support},
+              {"fell_by_pivot", fit.fell_by_pivot},
+              {"line_balls", fit.line_balls},
+              {"least_pivot", fit.least_pivot},
+              {"gathered", fit.gathered},
+              {"open_leaves", fit.open_leaves},
+              {"trim_bytes", surface.trim_maps.size()},
+              {"store_bytes", store.memoryBytes()},
+              {"working_bytes", fit.working_bytes}});
+  report.json()["skipped"] = {{"non_finite", points.non_finite},
+                              {"far_away", points.far_away},
+                              {"without_normal", points.without_normal},
+                              {"duplicates", points.duplicates},
+                              {"lone_normals", fit.skipped_normals},
+                              {"never_gathered", fit.never_gathered},
+                              {"levels", fit.levels_skipped}};
+  report.time("noise", fit.seconds_noise);
+  report.time("cover", fit.seconds_cover);
+  report.time("links", fit.seconds_links);
+  report.time("orient", fit.seconds_orient);
+  report.time("trim", fit.seconds_trim);
+}
+
+std::string
+counted(std::uint64_t count, const std::string& what)
+{
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+std::string
+noiseText(const PointStore& store, const FitStatistics& fit)
+{
+  const double diagonal = store.diagonal() * store.scale();
+  char text[160];
+  std::snprintf(text, sizeof(text), "noise %.3g RMS", std::sqrt(fit.lambda) * diagonal);
+  std::string line = text;
+  if (fit.noise_step > 0) {
+    std::snprintf(text, sizeof(text), ", in steps of %.3g", fit.noise_step * diagonal);
+    line += text;
+  }
+  std::snprintf(text, sizeof(text), ", correlated over %.0f points", fit.noise_correlation);
+  line += fit.noise_correlation > 1 ? text : ", white";
+  if (fit.noise_line > 0) line += ", on scan lines";
+  return line + (fit.noise_varies ? ", varying over the scan" : "");
+}
+
+std::string
+skippedText(const PointStoreStatistics& points)
+{
+  std::string text;
+  const auto add = [&text](std::uint64_t count, const char* what) {
+    if (count == 0) return;
+    text += (text.empty() ? "points skipped: " : ", ") + std::to_string(count) + " " + what;
+  };
+  add(points.non_finite, "non-finite");
+  add(points.far_away, "far away");
+  add(points.without_normal, "without normal");
+  add(points.duplicates, "duplicate");
+  return text;
+}
+
+std::vector<std::string>
+coverNotes(const FitStatistics& fit)
+{
+  std::vector<std::string> notes;
+  if (fit.uncovered > 0) {
+    notes.push_back("  " + counted(fit.uncovered, "point") + " not covered, " +
+                    std::to_string(fit.unsupported) + " of them inside no surfel");
+  }
+  if (fit.unresolved > 0) {
+    notes.push_back("  " + counted(fit.unresolved, "point") +
+                    " in groups too small for the scan's width: fit them by themselves");
+  }
+  return notes;
+}
+
+}  // namespace pcl_slim

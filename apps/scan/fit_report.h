@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/report.h"
+#include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/fit/fit.h"
+
+namespace pcl_slim {
+
+/** \brief What a fit came to, into the report. */
+void
+reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatistics& fit,
+          Report& report);
+
+/** \brief "1 level", "3 levels". */
+std::string
+counted(std::uint64_t count, const std::string& what);
+
+/** \brief "noise 1.9 RMS, white"-like line: sigma in the scan's units and what kind of noise it is. */
+std::string
+noiseText(const PointStore& store, const FitStatistics& fit);
+
+/** \brief "points skipped: 32 non-finite, 4 duplicate", or nothing. */
+std::string
+skippedText(const PointStoreStatistics& points);
+
+/** \brief Lines about points that no leaf serves; none if all are covered. */
+std::vector<std::string>
+coverNotes(const FitStatistics& fit);
+
+}  // namespace pcl_slim
