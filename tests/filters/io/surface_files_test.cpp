@@ -65,7 +65,7 @@ TEST_P(SurfaceFiles, SaveAndLoadGiveTheSameBytes)
 TEST_P(SurfaceFiles, TrimMapsAreKeptAtEightNodesASideAtLeast)
 {
   const TemporaryFolder folder;
-  SLIMSurface surface = sphereSurface(2, 300);
+  SLIMSurface surface = sphereSurface(2, 900);  // a hundredth have maps of 8 nodes
   setRandomTrimMaps(surface);
   const std::string first = folder / ("first" + std::string(GetParam()));
   const std::string second = folder / ("second" + std::string(GetParam()));
