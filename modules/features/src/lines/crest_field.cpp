@@ -142,51 +142,72 @@ CrestField::sampleInRow(const Vector3& place, const Vector3& across, double span
   return true;
 }
 
+/** Where a line's vertex and its curvature expect the surface at half a radius to both sides along t. */
 void
-CrestField::findProminence(CrestVertex* vertices, std::size_t count)
+CrestField::placeAside(const CrestVertex& v, Vector3* places) const
 {
-  // Two half steps, each put back on the surface: one along the tangent would leave a wide ball's
-  // support.
-  Vector3 positions[2 * kMostVertices], directions[2 * kMostVertices];
-  ProbeSample near[2 * kMostVertices], far[2 * kMostVertices];
-  ProbeRequest request;
+  const double far = 2 * kHalfStep * v.radius;
+  const double turn = std::clamp(v.k * far, -1.0, 1.0);
+  const double sink = (type_ == CrestType::kRidge ? 0.5 : -0.5) * turn * far;
+  const Vector3 middle = along(v.position, -sink, v.normal);
+  places[0] = along(middle, far * (1 - turn * turn / 6), v.t);
+  places[1] = along(middle, -far * (1 - turn * turn / 6), v.t);
+}
+
+bool
+CrestField::lookAside(const CrestVertex* vertices, ProbeRequest request, ProbeSample* found)
+{
+  Vector3 positions[2 * kMostVertices];
+  for (std::size_t i = 0; i < request.count; i += 2) placeAside(vertices[i / 2], positions + i);
   request.positions = positions;
-  request.count = 2 * count;
+  probe_.evaluate(request, found);
+  return std::all_of(found, found + request.count,
+                     [](const ProbeSample& sample) { return sample.supported; });
+}
+
+/** Two half steps, each put back on the surface: where the surface does not go on as expected, or ends. A
+ * sample is of half way where it goes no farther, and not supported where it does not go as far. */
+void
+CrestField::walkAside(const CrestVertex* vertices, ProbeRequest request, ProbeSample* found)
+{
+  Vector3 positions[2 * kMostVertices], directions[2 * kMostVertices];
+  ProbeSample near[2 * kMostVertices];
   for (std::size_t i = 0; i < request.count; ++i) {
     const CrestVertex& v = vertices[i / 2];
     directions[i] = scaled(v.t, i % 2 == 0 ? 1.0 : -1.0);
     positions[i] = along(v.position, kHalfStep * v.radius, directions[i]);
-    request.side = along(request.side, 1.0, v.normal);
   }
-  request.curvature = false;
+  request.positions = positions;
   probe_.evaluate(request, near);
   for (std::size_t i = 0; i < request.count; ++i) {
-    const CrestVertex& v = vertices[i / 2];
     if (!near[i].supported) continue;
     const Vector3& n = near[i].normal;
     const Vector3 on = normalized(along(directions[i], -dot(directions[i], n), n));
-    positions[i] = along(near[i].position, kHalfStep * v.radius, on);
+    positions[i] = along(near[i].position, kHalfStep * vertices[i / 2].radius, on);
   }
-  request.curvature = true;
-  probe_.evaluate(request, far);
-  bool complete = true;
+  probe_.evaluate(request, found);
   for (std::size_t i = 0; i < request.count; ++i) {
-    complete = complete && (far[i].supported || !near[i].supported);
-    if (near[i].supported) positions[i] = near[i].position;
+    if (!near[i].supported || !found[i].supported) found[i] = near[i];
   }
-  if (!complete) probe_.evaluate(request, near);  // Half way is as far as the surface goes.
+}
+
+void
+CrestField::findProminence(CrestVertex* vertices, std::size_t count)
+{
+  ProbeSample found[2 * kMostVertices];
+  ProbeRequest request;
+  request.count = 2 * count;
+  for (std::size_t i = 0; i < count; ++i) {
+    request.side = along(request.side, 2.0, vertices[i].normal);
+  }
+  if (!lookAside(vertices, request, found)) walkAside(vertices, request, found);
   for (std::size_t i = 0; i < count; ++i) {
     CrestVertex& v = vertices[i];
-    // The mean of both sides: the larger of two is the one that noise favours.
-    double beside = 0;
-    for (std::size_t side = 2 * i; side < 2 * i + 2; ++side) {
-      if (!near[side].supported) {
-        beside = v.k;  // a border: nothing is known of that side
-        break;
-      }
-      beside += 0.5 * kOf(far[side].supported ? far[side] : near[side], v.normal);
-    }
-    v.prominence = v.k - beside;
+    const ProbeSample *left = found + 2 * i, *right = left + 1;
+    // The mean of both sides: the larger of two is the one that noise favours. Beyond a border nothing is
+    // known.
+    const bool known = left->supported && right->supported;
+    v.prominence = known ? v.k - 0.5 * (kOf(*left, v.normal) + kOf(*right, v.normal)) : 0;
   }
 }
 

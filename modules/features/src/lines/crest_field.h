@@ -75,6 +75,9 @@ class CrestField {
                     bool& known) const;
   bool sampleInRow(const Vector3& place, const Vector3& across, double span, const CrestAxes& axes,
                    CrestSample* samples);
+  void placeAside(const CrestVertex& v, Vector3* places) const;
+  bool lookAside(const CrestVertex* vertices, ProbeRequest request, ProbeSample* found);
+  void walkAside(const CrestVertex* vertices, ProbeRequest request, ProbeSample* found);
   double kOf(const ProbeSample& from, const Vector3& normal) const;
 
   SurfaceProbe probe_;
