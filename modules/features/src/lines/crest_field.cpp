@@ -98,48 +98,67 @@ CrestField::leastSpan(const CrestAxes& axes) const
 }
 
 void
-CrestField::sampleAcross(const Vector3& place, const Vector3& across, double span,
-                         const CrestAxes& axes, CrestSample* samples)
+CrestField::sampleAcross(const CrestRow* rows, std::size_t count, const CrestAxes& axes,
+                         CrestSample* samples)
 {
-  if (!analytic_ && std::abs(dot(axes.t, across)) > kInRow) {
-    if (sampleInRow(place, across, span, axes, samples)) return;
+  for (std::size_t i = 0; i < 3 * count; ++i) samples[i].known = false;
+  const CrestRow& row = rows[0];
+  if (!analytic_ && std::abs(dot(axes.t, row.across)) > kInRow) {
+    sampleInRows(rows, count, axes, samples);
+    if (samples[0].known) return;
   }
-  const Vector3 centers[3] = {along(place, -span, across), place, along(place, span, across)};
+  const Vector3 centers[3] = {along(row.place, -row.span, row.across), row.place,
+                              along(row.place, row.span, row.across)};
   sample(centers, 3, axes, samples);
 }
 
 /** Where lines run across t, as most do, neighbours in the row tell each other's differences, and seven
  * places do in place of fifteen. What k does along the line is taken from the middle. */
-bool
-CrestField::sampleInRow(const Vector3& place, const Vector3& across, double span,
-                        const CrestAxes& axes, CrestSample* samples)
+void
+CrestField::sampleInRows(const CrestRow* rows, std::size_t count, const CrestAxes& axes,
+                         CrestSample* samples)
 {
-  const Vector3 b = cross(axes.normal, across);
   const double reach = kDifference * axes.radius;
-  const Vector3 positions[7] = {along(place, -span, across),    place,
-                                along(place, span, across),     along(place, -2 * span, across),
-                                along(place, 2 * span, across), along(place, -reach, b),
-                                along(place, reach, b)};
-  ProbeSample found[7];
+  Vector3 positions[SurfaceProbe::kMost];
+  for (std::size_t i = 0; i < count; ++i) {
+    const CrestRow& row = rows[i];
+    const Vector3 b = cross(axes.normal, row.across);
+    Vector3 *const middle = positions + 3 * i, *const outer = positions + 3 * count + 4 * i;
+    for (int j = 0; j < 3; ++j) middle[j] = along(row.place, (j - 1) * row.span, row.across);
+    outer[0] = along(row.place, -2 * row.span, row.across);
+    outer[1] = along(row.place, 2 * row.span, row.across);
+    outer[2] = along(row.place, -reach, b);
+    outer[3] = along(row.place, reach, b);
+  }
+  ProbeSample found[SurfaceProbe::kMost];
   ProbeRequest request;
   request.positions = positions;
-  request.count = 7;
-  request.with_directions = 3;
+  request.count = 7 * count;
+  request.with_directions = 3 * count;
   request.side = axes.normal;
   probe_.evaluate(request, found);
-  double k[7];
-  for (std::size_t i = 0; i < 7; ++i) {
-    if (!found[i].supported) return false;
-    k[i] = kOf(found[i], axes.normal);
+  for (std::size_t i = 0; i < count; ++i) {
+    interpretRow(found + 3 * i, found + 3 * count + 4 * i, rows[i], axes, samples + 3 * i);
   }
-  const double row[5] = {k[3], k[0], k[1], k[2], k[4]};
-  const double along_b = (k[6] - k[5]) / (2 * reach);
+}
+
+void
+CrestField::interpretRow(const ProbeSample* middle, const ProbeSample* outer, const CrestRow& row,
+                         const CrestAxes& axes, CrestSample* samples) const
+{
+  const auto supported = [](const ProbeSample& sample) { return sample.supported; };
+  if (!std::all_of(middle, middle + 3, supported) || !std::all_of(outer, outer + 4, supported)) {
+    return;
+  }
+  const auto k = [&](const ProbeSample& sample) { return kOf(sample, axes.normal); };
+  const double in_row[5] = {k(outer[0]), k(middle[0]), k(middle[1]), k(middle[2]), k(outer[1])};
+  const double along_b = (k(outer[3]) - k(outer[2])) / (2 * kDifference * axes.radius);
+  const Vector3 b = cross(axes.normal, row.across);
   for (std::size_t i = 0; i < 3; ++i) {
-    interpret(found[i], axes, samples[i]);
-    samples[i].e = dot(samples[i].t, across) * (row[i + 2] - row[i]) / (2 * span) +
+    interpret(middle[i], axes, samples[i]);
+    samples[i].e = dot(samples[i].t, row.across) * (in_row[i + 2] - in_row[i]) / (2 * row.span) +
                    dot(samples[i].t, b) * along_b;
   }
-  return true;
 }
 
 /** Where a line's vertex and its curvature expect the surface at half a radius to both sides along t. */

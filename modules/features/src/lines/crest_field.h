@@ -22,6 +22,12 @@ struct CrestSample {
   double e = 0;  ///< dk/dt
 };
 
+/** Three samples side by side, so far apart. */
+struct CrestRow {
+  Vector3 place{}, across{};
+  double span = 0;
+};
+
 /** A vertex of a line being traced, in the surface's local units. */
 struct CrestVertex {
   Vector3 position{}, normal{}, t{};
@@ -52,8 +58,9 @@ class CrestField {
   void sample(const Vector3* centers, std::size_t count, const CrestAxes& axes,
               CrestSample* samples);
 
-  /** Samples at place - span across, place and place + span across: a section of a line. */
-  void sampleAcross(const Vector3& place, const Vector3& across, double span, const CrestAxes& axes,
+  /** Samples of a row, or of two in one request: at place - span across, place and place + span across.
+   * Those of the second are not known where they would have needed a request of their own. */
+  void sampleAcross(const CrestRow* rows, std::size_t count, const CrestAxes& axes,
                     CrestSample* samples);
 
   /** Differences of k between sections nearer than this would tell noise. */
@@ -73,8 +80,10 @@ class CrestField {
   void interpret(const ProbeSample& from, const CrestAxes& axes, CrestSample& sample) const;
   double difference(const ProbeSample* around, const CrestAxes& axes, const CrestSample& sample,
                     bool& known) const;
-  bool sampleInRow(const Vector3& place, const Vector3& across, double span, const CrestAxes& axes,
-                   CrestSample* samples);
+  void sampleInRows(const CrestRow* rows, std::size_t count, const CrestAxes& axes,
+                    CrestSample* samples);
+  void interpretRow(const ProbeSample* middle, const ProbeSample* outer, const CrestRow& row,
+                    const CrestAxes& axes, CrestSample* samples) const;
   void placeAside(const CrestVertex& v, Vector3* places) const;
   bool lookAside(const CrestVertex* vertices, ProbeRequest request, ProbeSample* found);
   void walkAside(const CrestVertex* vertices, ProbeRequest request, ProbeSample* found);
