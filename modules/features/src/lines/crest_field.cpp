@@ -140,6 +140,21 @@ CrestField::sampleInRows(const CrestRow* rows, std::size_t count, const CrestAxe
   for (std::size_t i = 0; i < count; ++i) {
     interpretRow(found + 3 * i, found + 3 * count + 4 * i, rows[i], axes, samples + 3 * i);
   }
+  if (count == 2) twist(rows, axes, samples);
+}
+
+/** What k does along the line differs from end to end of a row as the next row tells. */
+void
+CrestField::twist(const CrestRow* rows, const CrestAxes& axes, CrestSample* samples)
+{
+  if (!samples[0].known || !samples[3].known) return;
+  const Vector3 b = cross(axes.normal, rows[0].across);
+  const double stride = dot(subtract(rows[1].place, rows[0].place), b);
+  const double rise = (samples[5].k - samples[3].k) - (samples[2].k - samples[0].k);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const double share = static_cast<double>(i % 3) - 1.0;
+    samples[i].e += dot(samples[i].t, b) * share * rise / (2 * stride);
+  }
 }
 
 void

@@ -82,6 +82,7 @@ class CrestField {
                     bool& known) const;
   void sampleInRows(const CrestRow* rows, std::size_t count, const CrestAxes& axes,
                     CrestSample* samples);
+  static void twist(const CrestRow* rows, const CrestAxes& axes, CrestSample* samples);
   void interpretRow(const ProbeSample* middle, const ProbeSample* outer, const CrestRow& row,
                     const CrestAxes& axes, CrestSample* samples) const;
   void placeAside(const CrestVertex& v, Vector3* places) const;

@@ -15,7 +15,7 @@ constexpr double kShorter = 0.4;      ///< a step that fails is tried once more,
 constexpr double kLeastCosine = 0.5;  ///< a line turns by less than 60 degrees a step
 constexpr double kTurnAgain = 0.5;   ///< share of the last turn that the next one is expected to be
 constexpr double kFine = 0.02;       ///< distance of the last samples across, in radii
-constexpr double kNearMiddle = 0.3;  ///< of a section's half width
+constexpr double kNearMiddle = 0.4;  ///< of a section's half width
 constexpr int kRefinements = 3;
 constexpr double kPastReach = 1.2;  ///< roots count so far beyond where they are looked for
 constexpr double kGradient =
@@ -48,6 +48,8 @@ CrestStepper::start(const CrestSeed& seed, double radius, CrestVertex& vertex)
   Search search;
   search.row = {s[0].position, normalized(gradient), std::max(size, field_.leastSpan(axes))};
   search.reach = size;
+  search.stride_across = search.row.across;
+  search.stride = scaled(cross(seed.normal, search.row.across), step_ * radius);
   if (!(length(gradient) > 0) || !correct(search, axes, vertex)) return false;
   vertex.ahead = normalized(cross(vertex.normal, search.row.across));
   return complete(vertex);

@@ -138,9 +138,11 @@ CrestTracer::advance(std::vector<CrestVertex>& line, std::int64_t number)
 CrestTracer::End
 CrestTracer::walk(std::vector<CrestVertex>& line, bool forward)
 {
-  stepper_.forget();
-  if (!forward) line.front().ahead = scaled(line.front().ahead, -1.0);
-  std::size_t measured = 1;
+  if (!forward) {
+    stepper_.forget();
+    line.front().ahead = scaled(line.front().ahead, -1.0);
+  }
+  std::size_t measured = forward ? 0 : 1;  // they share their first
   for (std::size_t i = 1; i < kMostSteps; ++i) {
     const auto offset = static_cast<std::int64_t>(i);
     const End end = advance(line, forward ? kMiddle + offset : kMiddle - offset);
@@ -196,7 +198,6 @@ CrestTracer::keep(std::vector<CrestVertex> forward, const std::vector<CrestVerte
                   bool closed)
 {
   ++statistics_.traced;
-  measure(forward, 0, 1);
   TracedLine line;
   line.closed = closed;
   for (std::size_t i = backward.size(); i-- > 1;) {
