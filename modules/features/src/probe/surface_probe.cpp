@@ -112,6 +112,7 @@ struct SurfaceProbe::Scratch {
   BlockSums sums;
   LeafRegion region;  ///< the leaves at hand
   std::vector<const BlockLeaf*> near;
+  std::vector<LeafHeights> heights;  ///< of those near
 };
 
 SurfaceProbe::SurfaceProbe(const ProbeIndex& index)
@@ -180,9 +181,14 @@ SurfaceProbe::evaluate(const ProbeRequest& request, ProbeSample* samples)
     points.nz = s.nz;
   }
   for (auto& column : s.sums.direction) std::fill(column, column + 16, 0.0f);
-  for (const BlockLeaf* leaf : s.near) kernels::addDirections(points, *leaf, rules, s.sums);
+  s.heights.resize(std::max(s.near.size(), s.heights.size()));
+  for (std::size_t j = 0; j < s.near.size(); ++j) {
+    kernels::addDirections(points, *s.near[j], rules, s.sums, s.heights[j]);
+  }
   kernels::finishDirections(s.sums);
-  for (const BlockLeaf* leaf : s.near) kernels::addIntersections(points, *leaf, rules, s.sums);
+  for (std::size_t j = 0; j < s.near.size(); ++j) {
+    kernels::addIntersections(points, *s.near[j], rules, s.heights[j], s.sums);
+  }
   const BlockMeans means(s.sums, request.count);
   for (std::size_t i = 0; i < request.count; ++i) finish(request, means, i, samples[i]);
 }
