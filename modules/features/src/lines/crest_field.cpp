@@ -91,6 +91,44 @@ CrestField::sample(const Vector3* centers, std::size_t count, const CrestAxes& a
   }
 }
 
+void
+CrestField::sampleSeed(CrestVertex& seed, CrestSample (&samples)[3])
+{
+  // The three and what their differences of k take, in steps along t and across it.
+  constexpr int kGrid[10][2] = {{0, 0}, {1, 0}, {0, 1},  {-1, 0}, {0, -1},
+                                {2, 0}, {1, 1}, {1, -1}, {-1, 1}, {0, 2}};
+  constexpr int kSides[3][4] = {{1, 3, 2, 4}, {5, 0, 6, 7}, {6, 8, 9, 0}};
+  const CrestAxes axes = seed.axes();
+  const double reach = kDifference * axes.radius;
+  const Vector3 b = cross(axes.normal, axes.t);
+  const std::size_t count = analytic_ ? 3 : 10;
+  Vector3 positions[SurfaceProbe::kMost];
+  for (std::size_t i = 0; i < count; ++i) {
+    positions[i] = along(along(seed.position, kGrid[i][0] * reach, axes.t), kGrid[i][1] * reach, b);
+  }
+  placeAside(seed, positions + count);
+  ProbeSample found[SurfaceProbe::kMost];
+  ProbeRequest request;
+  request.positions = positions;
+  request.count = count + 2;
+  request.with_directions = 3;
+  request.extremality = analytic_;
+  request.side = axes.normal;
+  probe_.evaluate(request, found);
+  for (std::size_t i = 0; i < 3; ++i) {
+    interpret(found[i], axes, samples[i]);
+    if (analytic_) continue;
+    ProbeSample around[4];
+    for (std::size_t j = 0; j < 4; ++j) around[j] = found[kSides[i][j]];
+    samples[i].e = difference(around, axes, samples[i], samples[i].known);
+  }
+  if (found[count].supported && found[count + 1].supported) {
+    seed.prominence = prominenceOf(seed, found + count);
+  } else {
+    findProminence(&seed, 1);
+  }
+}
+
 double
 CrestField::leastSpan(const CrestAxes& axes) const
 {
@@ -236,13 +274,17 @@ CrestField::findProminence(CrestVertex* vertices, std::size_t count)
   }
   if (!lookAside(vertices, request, found)) walkAside(vertices, request, found);
   for (std::size_t i = 0; i < count; ++i) {
-    CrestVertex& v = vertices[i];
-    const ProbeSample *left = found + 2 * i, *right = left + 1;
-    // The mean of both sides: the larger of two is the one that noise favours. Beyond a border nothing is
-    // known.
-    const bool known = left->supported && right->supported;
-    v.prominence = known ? v.k - 0.5 * (kOf(*left, v.normal) + kOf(*right, v.normal)) : 0;
+    vertices[i].prominence = prominenceOf(vertices[i], found + 2 * i);
   }
+}
+
+double
+CrestField::prominenceOf(const CrestVertex& v, const ProbeSample* aside) const
+{
+  // Beyond a border nothing is known.
+  if (!aside[0].supported || !aside[1].supported) return 0;
+  // The mean of both sides: the larger of two is the one that noise favours.
+  return v.k - 0.5 * (kOf(aside[0], v.normal) + kOf(aside[1], v.normal));
 }
 
 }  // namespace pcl_slim::detail

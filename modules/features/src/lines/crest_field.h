@@ -58,6 +58,10 @@ class CrestField {
   void sample(const Vector3* centers, std::size_t count, const CrestAxes& axes,
               CrestSample* samples);
 
+  /** Samples at a seed, a tenth of a radius off it along t and as far across, and the seed's prominence, in
+   * one request. */
+  void sampleSeed(CrestVertex& seed, CrestSample (&samples)[3]);
+
   /** Samples of a row, or of two in one request: at place - span across, place and place + span across.
    * Those of the second are not known where they would have needed a request of their own. */
   void sampleAcross(const CrestRow* rows, std::size_t count, const CrestAxes& axes,
@@ -85,6 +89,7 @@ class CrestField {
   static void twist(const CrestRow* rows, const CrestAxes& axes, CrestSample* samples);
   void interpretRow(const ProbeSample* middle, const ProbeSample* outer, const CrestRow& row,
                     const CrestAxes& axes, CrestSample* samples) const;
+  double prominenceOf(const CrestVertex& v, const ProbeSample* aside) const;
   void placeAside(const CrestVertex& v, Vector3* places) const;
   bool lookAside(const CrestVertex* vertices, ProbeRequest request, ProbeSample* found);
   void walkAside(const CrestVertex* vertices, ProbeRequest request, ProbeSample* found);

@@ -18,8 +18,6 @@ constexpr double kFine = 0.02;       ///< distance of the last samples across, i
 constexpr double kNearMiddle = 0.4;  ///< of a section's half width
 constexpr int kRefinements = 3;
 constexpr double kPastReach = 1.2;  ///< roots count so far beyond where they are looked for
-constexpr double kGradient =
-    0.1;  ///< reach of the differences that tell a seed's direction, in radii
 
 Vector3
 acrossOf(const Vector3& normal, const Vector3& ahead)
@@ -31,26 +29,21 @@ acrossOf(const Vector3& normal, const Vector3& ahead)
 
 /** To the root of dk/dt along its gradient. */
 bool
-CrestStepper::start(const CrestSeed& seed, double radius, CrestVertex& vertex)
+CrestStepper::start(const CrestVertex& seed, const CrestSample (&samples)[3], CrestVertex& vertex)
 {
   forget();
-  const CrestAxes axes{seed.normal, seed.t, radius};
-  const double reach = kGradient * radius;
-  const Vector3 a = normalized(along(seed.t, -dot(seed.t, seed.normal), seed.normal));
-  const Vector3 b = cross(seed.normal, a);
-  const Vector3 centers[3] = {seed.position, along(seed.position, reach, a),
-                              along(seed.position, reach, b)};
-  CrestSample s[3];
-  field_.sample(centers, 3, axes, s);
-  if (!s[0].known || !s[1].known || !s[2].known) return false;
-  const Vector3 gradient = along(scaled(a, s[1].e - s[0].e), s[2].e - s[0].e, b);
-  const double size = kAside * step_ * radius;
+  if (!samples[0].known || !samples[1].known || !samples[2].known) return false;
+  const CrestAxes axes = seed.axes();
+  const Vector3 gradient = along(scaled(axes.t, samples[1].e - samples[0].e),
+                                 samples[2].e - samples[0].e, cross(axes.normal, axes.t));
+  if (!(length(gradient) > 0)) return false;
+  const double size = kAside * step_ * axes.radius;
   Search search;
-  search.row = {s[0].position, normalized(gradient), std::max(size, field_.leastSpan(axes))};
+  search.row = {samples[0].position, normalized(gradient), std::max(size, field_.leastSpan(axes))};
   search.reach = size;
   search.stride_across = search.row.across;
-  search.stride = scaled(cross(seed.normal, search.row.across), step_ * radius);
-  if (!(length(gradient) > 0) || !correct(search, axes, vertex)) return false;
+  search.stride = scaled(cross(axes.normal, search.row.across), step_ * axes.radius);
+  if (!correct(search, axes, vertex)) return false;
   vertex.ahead = normalized(cross(vertex.normal, search.row.across));
   return complete(vertex);
 }

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "lines/crest_field.h"
-#include "lines/crest_seeds.h"
 
 namespace pcl_slim::detail {
 
@@ -14,8 +13,8 @@ class CrestStepper {
   /** \param[in] step distance of vertices in radii. */
   CrestStepper(CrestField& field, double step) : field_(field), step_(step) {}
 
-  /** Moves a seed onto its line. \param[in] radius of the leaves there. */
-  bool start(const CrestSeed& seed, double radius, CrestVertex& vertex);
+  /** Moves a seed onto its line. \param[in] samples as CrestField::sampleSeed gave them. */
+  bool start(const CrestVertex& seed, const CrestSample (&samples)[3], CrestVertex& vertex);
 
   /** The vertex a step ahead of a line's last, or a shorter step; false where there is none. */
   bool advance(const std::vector<CrestVertex>& line, CrestVertex& next);

@@ -79,11 +79,7 @@ CrestTracer::follow(const CrestSeed& seed)
     return;
   }
   CrestVertex first;
-  if (!standsOut(seed, scale)) return;
-  if (!stepper_.start(seed, seed_radius_, first)) {
-    refuse(seed, statistics_.seeds_failed);
-    return;
-  }
+  if (!begin(seed, scale, first)) return;
   if (traced_.holds(first.position, kJoinGap / kSeedGap)) {
     refuse(seed, statistics_.seeds_on_lines);
     return;
@@ -99,19 +95,23 @@ CrestTracer::follow(const CrestSeed& seed)
   refused_.add(seed.position, reachOf(seed_radius_), 0);
 }
 
-/** Whether noise cannot explain the seed by itself. */
+/** The line's vertex next to a seed, if noise cannot explain the seed by itself. */
 bool
-CrestTracer::standsOut(const CrestSeed& seed, const ProbeScale& scale)
+CrestTracer::begin(const CrestSeed& seed, const ProbeScale& scale, CrestVertex& first)
 {
   CrestVertex v;
   v.position = seed.position;
   v.normal = seed.normal;
-  v.t = seed.t;
+  v.t = normalized(along(seed.t, -dot(seed.t, seed.normal), seed.normal));
   v.k = seed.k;
   v.radius = scale.radius;
-  field_.findProminence(&v, 1);
+  CrestSample samples[3];
+  field_.sampleSeed(v, samples);
   const double z = significanceOf(v.prominence, scale.radius, scale.effective_count, sigma_);
-  return z >= kSeedShare * params_.significance || refuse(seed, statistics_.seeds_insignificant);
+  if (!(z >= kSeedShare * params_.significance)) {
+    return refuse(seed, statistics_.seeds_insignificant);
+  }
+  return stepper_.start(v, samples, first) || refuse(seed, statistics_.seeds_failed);
 }
 
 /** One vertex more. \param[in] number of it among the line's own, counted both ways from the first. */

@@ -36,7 +36,7 @@ class CrestTracer {
 
   bool refuse(const CrestSeed& seed, std::uint64_t& counter);
   double reachOf(double radius) const;
-  bool standsOut(const CrestSeed& seed, const ProbeScale& scale);
+  bool begin(const CrestSeed& seed, const ProbeScale& scale, CrestVertex& first);
   End walk(std::vector<CrestVertex>& line, bool forward);
   End advance(std::vector<CrestVertex>& line, std::int64_t number);
   bool faded(std::vector<CrestVertex>& line, std::size_t begin);
