@@ -8,7 +8,9 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr double kDifference = 0.1;  ///< differences of k reach so many radii to both sides
+constexpr double kDifference = 0.1;     ///< differences of k reach so many radii to both sides,
+constexpr double kWide = 0.15;          ///< or up to so many on crests so broad
+constexpr double kShareOfCrest = 0.21;  ///< that this share of them is no less
 constexpr double kInRow = 0.7;   ///< least cosine between t and the section for sampling in a row
 constexpr double kMargin = 0.6;  ///< leaves are found so many radii ahead
 constexpr double kHalfStep = 0.25;  ///< half the way to where prominence is measured, in radii
@@ -52,7 +54,7 @@ CrestField::difference(const ProbeSample* around, const CrestAxes& axes, const C
 {
   for (std::size_t i = 0; i < 4; ++i) known = known && around[i].supported;
   if (!known) return 0;
-  const double reach = 2 * kDifference * axes.radius;
+  const double reach = 2 * axes.reach;
   const Vector3 b = cross(axes.normal, axes.t);
   const double along_t = (kOf(around[0], axes.normal) - kOf(around[1], axes.normal)) / reach;
   const double along_b = (kOf(around[2], axes.normal) - kOf(around[3], axes.normal)) / reach;
@@ -72,7 +74,7 @@ CrestField::sample(const Vector3* centers, std::size_t count, const CrestAxes& a
   request.extremality = analytic_;
   request.side = axes.normal;
   if (!analytic_) {
-    const double reach = kDifference * axes.radius;
+    const double reach = axes.reach;
     const Vector3 b = cross(axes.normal, axes.t);
     for (std::size_t i = 0; i < count; ++i) {
       Vector3* const around = positions + count + 4 * i;
@@ -99,7 +101,7 @@ CrestField::sampleSeed(CrestVertex& seed, CrestSample (&samples)[3])
                                 {2, 0}, {1, 1}, {1, -1}, {-1, 1}, {0, 2}};
   constexpr int kSides[3][4] = {{1, 3, 2, 4}, {5, 0, 6, 7}, {6, 8, 9, 0}};
   const CrestAxes axes = seed.axes();
-  const double reach = kDifference * axes.radius;
+  const double reach = axes.reach;
   const Vector3 b = cross(axes.normal, axes.t);
   const std::size_t count = analytic_ ? 3 : 10;
   Vector3 positions[SurfaceProbe::kMost];
@@ -129,10 +131,15 @@ CrestField::sampleSeed(CrestVertex& seed, CrestSample (&samples)[3])
   }
 }
 
+/** Wide differences tell less noise, and more of what differs from one side of a crest to the other. Broad
+ * is one on which k would fall to nothing far off, were it a parabola. */
 double
-CrestField::leastSpan(const CrestAxes& axes) const
+CrestField::reachAt(const CrestVertex& vertex)
 {
-  return analytic_ ? 0.0 : kDifference * axes.radius;
+  const double least = kDifference * vertex.radius;
+  if (!(vertex.fall > 0 && vertex.k > 0)) return least;
+  const double broad = std::sqrt(2 * vertex.k / vertex.fall);
+  return std::clamp(kShareOfCrest * broad, least, kWide * vertex.radius);
 }
 
 void
@@ -156,7 +163,7 @@ void
 CrestField::sampleInRows(const CrestRow* rows, std::size_t count, const CrestAxes& axes,
                          CrestSample* samples)
 {
-  const double reach = kDifference * axes.radius;
+  const double reach = axes.reach;
   Vector3 positions[SurfaceProbe::kMost];
   for (std::size_t i = 0; i < count; ++i) {
     const CrestRow& row = rows[i];
@@ -205,7 +212,7 @@ CrestField::interpretRow(const ProbeSample* middle, const ProbeSample* outer, co
   }
   const auto k = [&](const ProbeSample& sample) { return kOf(sample, axes.normal); };
   const double in_row[5] = {k(outer[0]), k(middle[0]), k(middle[1]), k(middle[2]), k(outer[1])};
-  const double along_b = (k(outer[3]) - k(outer[2])) / (2 * kDifference * axes.radius);
+  const double along_b = (k(outer[3]) - k(outer[2])) / (2 * axes.reach);
   const Vector3 b = cross(axes.normal, row.across);
   for (std::size_t i = 0; i < 3; ++i) {
     interpret(middle[i], axes, samples[i]);

@@ -12,6 +12,7 @@ namespace pcl_slim::detail {
 struct CrestAxes {
   Vector3 normal{}, t{};
   double radius = 0;  ///< of the leaves
+  double reach = 0;   ///< of differences of k, to both sides
 };
 
 /** The line's curvature at a place: that of ridges, or of ravines with its signs turned. */
@@ -34,9 +35,11 @@ struct CrestVertex {
   Vector3 ahead{};  ///< unit, along the line
   double k = 0, other = 0;
   double radius = 0, effective_count = 0;
+  double fall = 0;   ///< of dk/dt across the line, per length; 0: not known
+  double reach = 0;  ///< of differences of k about it
   double prominence = 0, significance = 0;
 
-  CrestAxes axes() const { return {normal, t, radius}; }
+  CrestAxes axes() const { return {normal, t, radius, reach}; }
 };
 
 /** The field whose zeros are lines of one type. */
@@ -68,7 +71,10 @@ class CrestField {
                     CrestSample* samples);
 
   /** Differences of k between sections nearer than this would tell noise. */
-  double leastSpan(const CrestAxes& axes) const;
+  double leastSpan(const CrestAxes& axes) const { return analytic_ ? 0.0 : axes.reach; }
+
+  /** How far differences of k should reach about a vertex. */
+  static double reachAt(const CrestVertex& vertex);
 
   /** k less the mean of k at half a radius to both sides along t; for up to eight vertices. */
   void findProminence(CrestVertex* vertices, std::size_t count);

@@ -70,6 +70,7 @@ CrestStepper::correct(const Search& search, const CrestAxes& axes, CrestVertex& 
       const bool centered = !field_.isAnalytic() && std::abs(move) < kNearMiddle;
       if (round > 0 || centered) {
         vertex = section.vertex();
+        vertex.fall /= span;
         ahead_.known = strides && s[3].known;
         ahead_.row = rows[1];
         std::copy(s + 3, s + 6, ahead_.samples);
@@ -93,6 +94,7 @@ CrestStepper::complete(CrestVertex& vertex)
   const ProbeScale scale = field_.scaleAt(vertex.position, vertex.normal);
   vertex.radius = scale.radius;
   vertex.effective_count = scale.effective_count;
+  vertex.reach = CrestField::reachAt(vertex);
   return scale.radius > 0;
 }
 
@@ -132,6 +134,7 @@ CrestStepper::useAhead(const CrestVertex& from, CrestVertex& next)
   const CrossSection section(ahead_.samples, ahead_.row.across);
   if (!section.hasRoot() || std::abs(section.root()) >= kNearMiddle) return false;
   next = section.vertex();
+  next.fall /= ahead_.row.span;
   return next.k > std::abs(next.other) && finish(from, next);
 }
 

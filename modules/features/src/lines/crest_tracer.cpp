@@ -105,6 +105,7 @@ CrestTracer::begin(const CrestSeed& seed, const ProbeScale& scale, CrestVertex& 
   v.t = normalized(along(seed.t, -dot(seed.t, seed.normal), seed.normal));
   v.k = seed.k;
   v.radius = scale.radius;
+  v.reach = CrestField::reachAt(v);
   CrestSample samples[3];
   field_.sampleSeed(v, samples);
   const double z = significanceOf(v.prominence, scale.radius, scale.effective_count, sigma_);
