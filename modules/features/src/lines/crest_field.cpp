@@ -8,7 +8,9 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr double kDifference = 0.1;  ///< differences of k reach so many radii to both sides
+constexpr double kDifference = 0.1;     ///< differences of k reach so many radii to both sides,
+constexpr double kWide = 0.15;          ///< or up to so many on crests so broad
+constexpr double kShareOfCrest = 0.21;  ///< that this share of them is no less
 constexpr double kInRow = 0.7;   ///< least cosine between t and the section for sampling in a row
 constexpr double kMargin = 0.6;  ///< leaves are found so many radii ahead
 constexpr double kHalfStep = 0.25;  ///< half the way to where prominence is measured, in radii
@@ -52,7 +54,7 @@ CrestField::difference(const ProbeSample* around, const CrestAxes& axes, const C
 {
   for (std::size_t i = 0; i < 4; ++i) known = known && around[i].supported;
   if (!known) return 0;
-  const double reach = 2 * kDifference * axes.radius;
+  const double reach = 2 * axes.reach;
   const Vector3 b = cross(axes.normal, axes.t);
   const double along_t = (kOf(around[0], axes.normal) - kOf(around[1], axes.normal)) / reach;
   const double along_b = (kOf(around[2], axes.normal) - kOf(around[3], axes.normal)) / reach;
@@ -72,7 +74,7 @@ CrestField::sample(const Vector3* centers, std::size_t count, const CrestAxes& a
   request.extremality = analytic_;
   request.side = axes.normal;
   if (!analytic_) {
-    const double reach = kDifference * axes.radius;
+    const double reach = axes.reach;
     const Vector3 b = cross(axes.normal, axes.t);
     for (std::size_t i = 0; i < count; ++i) {
       Vector3* const around = positions + count + 4 * i;
@@ -91,103 +93,205 @@ CrestField::sample(const Vector3* centers, std::size_t count, const CrestAxes& a
   }
 }
 
-double
-CrestField::leastSpan(const CrestAxes& axes) const
+void
+CrestField::sampleSeed(CrestVertex& seed, CrestSample (&samples)[3])
 {
-  return analytic_ ? 0.0 : kDifference * axes.radius;
+  // The three and what their differences of k take, in steps along t and across it.
+  constexpr int kGrid[10][2] = {{0, 0}, {1, 0}, {0, 1},  {-1, 0}, {0, -1},
+                                {2, 0}, {1, 1}, {1, -1}, {-1, 1}, {0, 2}};
+  constexpr int kSides[3][4] = {{1, 3, 2, 4}, {5, 0, 6, 7}, {6, 8, 9, 0}};
+  const CrestAxes axes = seed.axes();
+  const double reach = axes.reach;
+  const Vector3 b = cross(axes.normal, axes.t);
+  const std::size_t count = analytic_ ? 3 : 10;
+  Vector3 positions[SurfaceProbe::kMost];
+  for (std::size_t i = 0; i < count; ++i) {
+    positions[i] = along(along(seed.position, kGrid[i][0] * reach, axes.t), kGrid[i][1] * reach, b);
+  }
+  placeAside(seed, positions + count);
+  ProbeSample found[SurfaceProbe::kMost];
+  ProbeRequest request;
+  request.positions = positions;
+  request.count = count + 2;
+  request.with_directions = 3;
+  request.extremality = analytic_;
+  request.side = axes.normal;
+  probe_.evaluate(request, found);
+  for (std::size_t i = 0; i < 3; ++i) {
+    interpret(found[i], axes, samples[i]);
+    if (analytic_) continue;
+    ProbeSample around[4];
+    for (std::size_t j = 0; j < 4; ++j) around[j] = found[kSides[i][j]];
+    samples[i].e = difference(around, axes, samples[i], samples[i].known);
+  }
+  if (found[count].supported && found[count + 1].supported) {
+    seed.prominence = prominenceOf(seed, found + count);
+  } else {
+    findProminence(&seed, 1);
+  }
+}
+
+/** Wide differences tell less noise, and more of what differs from one side of a crest to the other. Broad
+ * is one on which k would fall to nothing far off, were it a parabola. */
+double
+CrestField::reachAt(const CrestVertex& vertex)
+{
+  const double least = kDifference * vertex.radius;
+  if (!(vertex.fall > 0 && vertex.k > 0)) return least;
+  const double broad = std::sqrt(2 * vertex.k / vertex.fall);
+  return std::clamp(kShareOfCrest * broad, least, kWide * vertex.radius);
 }
 
 void
-CrestField::sampleAcross(const Vector3& place, const Vector3& across, double span,
-                         const CrestAxes& axes, CrestSample* samples)
+CrestField::sampleAcross(const CrestRow* rows, std::size_t count, const CrestAxes& axes,
+                         CrestSample* samples)
 {
-  if (!analytic_ && std::abs(dot(axes.t, across)) > kInRow) {
-    if (sampleInRow(place, across, span, axes, samples)) return;
+  for (std::size_t i = 0; i < 3 * count; ++i) samples[i].known = false;
+  const CrestRow& row = rows[0];
+  if (!analytic_ && std::abs(dot(axes.t, row.across)) > kInRow) {
+    sampleInRows(rows, count, axes, samples);
+    if (samples[0].known) return;
   }
-  const Vector3 centers[3] = {along(place, -span, across), place, along(place, span, across)};
+  const Vector3 centers[3] = {along(row.place, -row.span, row.across), row.place,
+                              along(row.place, row.span, row.across)};
   sample(centers, 3, axes, samples);
 }
 
 /** Where lines run across t, as most do, neighbours in the row tell each other's differences, and seven
  * places do in place of fifteen. What k does along the line is taken from the middle. */
-bool
-CrestField::sampleInRow(const Vector3& place, const Vector3& across, double span,
-                        const CrestAxes& axes, CrestSample* samples)
+void
+CrestField::sampleInRows(const CrestRow* rows, std::size_t count, const CrestAxes& axes,
+                         CrestSample* samples)
 {
-  const Vector3 b = cross(axes.normal, across);
-  const double reach = kDifference * axes.radius;
-  const Vector3 positions[7] = {along(place, -span, across),    place,
-                                along(place, span, across),     along(place, -2 * span, across),
-                                along(place, 2 * span, across), along(place, -reach, b),
-                                along(place, reach, b)};
-  ProbeSample found[7];
+  const double reach = axes.reach;
+  Vector3 positions[SurfaceProbe::kMost];
+  for (std::size_t i = 0; i < count; ++i) {
+    const CrestRow& row = rows[i];
+    const Vector3 b = cross(axes.normal, row.across);
+    Vector3 *const middle = positions + 3 * i, *const outer = positions + 3 * count + 4 * i;
+    for (int j = 0; j < 3; ++j) middle[j] = along(row.place, (j - 1) * row.span, row.across);
+    outer[0] = along(row.place, -2 * row.span, row.across);
+    outer[1] = along(row.place, 2 * row.span, row.across);
+    outer[2] = along(row.place, -reach, b);
+    outer[3] = along(row.place, reach, b);
+  }
+  ProbeSample found[SurfaceProbe::kMost];
   ProbeRequest request;
   request.positions = positions;
-  request.count = 7;
-  request.with_directions = 3;
+  request.count = 7 * count;
+  request.with_directions = 3 * count;
   request.side = axes.normal;
   probe_.evaluate(request, found);
-  double k[7];
-  for (std::size_t i = 0; i < 7; ++i) {
-    if (!found[i].supported) return false;
-    k[i] = kOf(found[i], axes.normal);
+  for (std::size_t i = 0; i < count; ++i) {
+    interpretRow(found + 3 * i, found + 3 * count + 4 * i, rows[i], axes, samples + 3 * i);
   }
-  const double row[5] = {k[3], k[0], k[1], k[2], k[4]};
-  const double along_b = (k[6] - k[5]) / (2 * reach);
+  if (count == 2) twist(rows, axes, samples);
+}
+
+/** What k does along the line differs from end to end of a row as the next row tells. */
+void
+CrestField::twist(const CrestRow* rows, const CrestAxes& axes, CrestSample* samples)
+{
+  if (!samples[0].known || !samples[3].known) return;
+  const Vector3 b = cross(axes.normal, rows[0].across);
+  const double stride = dot(subtract(rows[1].place, rows[0].place), b);
+  const double rise = (samples[5].k - samples[3].k) - (samples[2].k - samples[0].k);
+  for (std::size_t i = 0; i < 6; ++i) {
+    const double share = static_cast<double>(i % 3) - 1.0;
+    samples[i].e += dot(samples[i].t, b) * share * rise / (2 * stride);
+  }
+}
+
+void
+CrestField::interpretRow(const ProbeSample* middle, const ProbeSample* outer, const CrestRow& row,
+                         const CrestAxes& axes, CrestSample* samples) const
+{
+  const auto supported = [](const ProbeSample& sample) { return sample.supported; };
+  if (!std::all_of(middle, middle + 3, supported) || !std::all_of(outer, outer + 4, supported)) {
+    return;
+  }
+  const auto k = [&](const ProbeSample& sample) { return kOf(sample, axes.normal); };
+  const double in_row[5] = {k(outer[0]), k(middle[0]), k(middle[1]), k(middle[2]), k(outer[1])};
+  const double along_b = (k(outer[3]) - k(outer[2])) / (2 * axes.reach);
+  const Vector3 b = cross(axes.normal, row.across);
   for (std::size_t i = 0; i < 3; ++i) {
-    interpret(found[i], axes, samples[i]);
-    samples[i].e = dot(samples[i].t, across) * (row[i + 2] - row[i]) / (2 * span) +
+    interpret(middle[i], axes, samples[i]);
+    samples[i].e = dot(samples[i].t, row.across) * (in_row[i + 2] - in_row[i]) / (2 * row.span) +
                    dot(samples[i].t, b) * along_b;
   }
-  return true;
+}
+
+/** Where a line's vertex and its curvature expect the surface at half a radius to both sides along t. */
+void
+CrestField::placeAside(const CrestVertex& v, Vector3* places) const
+{
+  const double far = 2 * kHalfStep * v.radius;
+  const double turn = std::clamp(v.k * far, -1.0, 1.0);
+  const double sink = (type_ == CrestType::kRidge ? 0.5 : -0.5) * turn * far;
+  const Vector3 middle = along(v.position, -sink, v.normal);
+  places[0] = along(middle, far * (1 - turn * turn / 6), v.t);
+  places[1] = along(middle, -far * (1 - turn * turn / 6), v.t);
+}
+
+bool
+CrestField::lookAside(const CrestVertex* vertices, ProbeRequest request, ProbeSample* found)
+{
+  Vector3 positions[2 * kMostVertices];
+  for (std::size_t i = 0; i < request.count; i += 2) placeAside(vertices[i / 2], positions + i);
+  request.positions = positions;
+  probe_.evaluate(request, found);
+  return std::all_of(found, found + request.count,
+                     [](const ProbeSample& sample) { return sample.supported; });
+}
+
+/** Two half steps, each put back on the surface: where the surface does not go on as expected, or ends. A
+ * sample is of half way where it goes no farther, and not supported where it does not go as far. */
+void
+CrestField::walkAside(const CrestVertex* vertices, ProbeRequest request, ProbeSample* found)
+{
+  Vector3 positions[2 * kMostVertices], directions[2 * kMostVertices];
+  ProbeSample near[2 * kMostVertices];
+  for (std::size_t i = 0; i < request.count; ++i) {
+    const CrestVertex& v = vertices[i / 2];
+    directions[i] = scaled(v.t, i % 2 == 0 ? 1.0 : -1.0);
+    positions[i] = along(v.position, kHalfStep * v.radius, directions[i]);
+  }
+  request.positions = positions;
+  probe_.evaluate(request, near);
+  for (std::size_t i = 0; i < request.count; ++i) {
+    if (!near[i].supported) continue;
+    const Vector3& n = near[i].normal;
+    const Vector3 on = normalized(along(directions[i], -dot(directions[i], n), n));
+    positions[i] = along(near[i].position, kHalfStep * vertices[i / 2].radius, on);
+  }
+  probe_.evaluate(request, found);
+  for (std::size_t i = 0; i < request.count; ++i) {
+    if (!near[i].supported || !found[i].supported) found[i] = near[i];
+  }
 }
 
 void
 CrestField::findProminence(CrestVertex* vertices, std::size_t count)
 {
-  // Two half steps, each put back on the surface: one along the tangent would leave a wide ball's
-  // support.
-  Vector3 positions[2 * kMostVertices], directions[2 * kMostVertices];
-  ProbeSample near[2 * kMostVertices], far[2 * kMostVertices];
+  ProbeSample found[2 * kMostVertices];
   ProbeRequest request;
-  request.positions = positions;
   request.count = 2 * count;
-  for (std::size_t i = 0; i < request.count; ++i) {
-    const CrestVertex& v = vertices[i / 2];
-    directions[i] = scaled(v.t, i % 2 == 0 ? 1.0 : -1.0);
-    positions[i] = along(v.position, kHalfStep * v.radius, directions[i]);
-    request.side = along(request.side, 1.0, v.normal);
-  }
-  request.curvature = false;
-  probe_.evaluate(request, near);
-  for (std::size_t i = 0; i < request.count; ++i) {
-    const CrestVertex& v = vertices[i / 2];
-    if (!near[i].supported) continue;
-    const Vector3& n = near[i].normal;
-    const Vector3 on = normalized(along(directions[i], -dot(directions[i], n), n));
-    positions[i] = along(near[i].position, kHalfStep * v.radius, on);
-  }
-  request.curvature = true;
-  probe_.evaluate(request, far);
-  bool complete = true;
-  for (std::size_t i = 0; i < request.count; ++i) {
-    complete = complete && (far[i].supported || !near[i].supported);
-    if (near[i].supported) positions[i] = near[i].position;
-  }
-  if (!complete) probe_.evaluate(request, near);  // Half way is as far as the surface goes.
   for (std::size_t i = 0; i < count; ++i) {
-    CrestVertex& v = vertices[i];
-    // The mean of both sides: the larger of two is the one that noise favours.
-    double beside = 0;
-    for (std::size_t side = 2 * i; side < 2 * i + 2; ++side) {
-      if (!near[side].supported) {
-        beside = v.k;  // a border: nothing is known of that side
-        break;
-      }
-      beside += 0.5 * kOf(far[side].supported ? far[side] : near[side], v.normal);
-    }
-    v.prominence = v.k - beside;
+    request.side = along(request.side, 2.0, vertices[i].normal);
   }
+  if (!lookAside(vertices, request, found)) walkAside(vertices, request, found);
+  for (std::size_t i = 0; i < count; ++i) {
+    vertices[i].prominence = prominenceOf(vertices[i], found + 2 * i);
+  }
+}
+
+double
+CrestField::prominenceOf(const CrestVertex& v, const ProbeSample* aside) const
+{
+  // Beyond a border nothing is known.
+  if (!aside[0].supported || !aside[1].supported) return 0;
+  // The mean of both sides: the larger of two is the one that noise favours.
+  return v.k - 0.5 * (kOf(aside[0], v.normal) + kOf(aside[1], v.normal));
 }
 
 }  // namespace pcl_slim::detail

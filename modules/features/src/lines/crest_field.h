@@ -12,6 +12,7 @@ namespace pcl_slim::detail {
 struct CrestAxes {
   Vector3 normal{}, t{};
   double radius = 0;  ///< of the leaves
+  double reach = 0;   ///< of differences of k, to both sides
 };
 
 /** The line's curvature at a place: that of ridges, or of ravines with its signs turned. */
@@ -22,15 +23,23 @@ struct CrestSample {
   double e = 0;  ///< dk/dt
 };
 
+/** Three samples side by side, so far apart. */
+struct CrestRow {
+  Vector3 place{}, across{};
+  double span = 0;
+};
+
 /** A vertex of a line being traced, in the surface's local units. */
 struct CrestVertex {
   Vector3 position{}, normal{}, t{};
   Vector3 ahead{};  ///< unit, along the line
   double k = 0, other = 0;
   double radius = 0, effective_count = 0;
+  double fall = 0;   ///< of dk/dt across the line, per length; 0: not known
+  double reach = 0;  ///< of differences of k about it
   double prominence = 0, significance = 0;
 
-  CrestAxes axes() const { return {normal, t, radius}; }
+  CrestAxes axes() const { return {normal, t, radius, reach}; }
 };
 
 /** The field whose zeros are lines of one type. */
@@ -52,12 +61,20 @@ class CrestField {
   void sample(const Vector3* centers, std::size_t count, const CrestAxes& axes,
               CrestSample* samples);
 
-  /** Samples at place - span across, place and place + span across: a section of a line. */
-  void sampleAcross(const Vector3& place, const Vector3& across, double span, const CrestAxes& axes,
+  /** Samples at a seed, a tenth of a radius off it along t and as far across, and the seed's prominence, in
+   * one request. */
+  void sampleSeed(CrestVertex& seed, CrestSample (&samples)[3]);
+
+  /** Samples of a row, or of two in one request: at place - span across, place and place + span across.
+   * Those of the second are not known where they would have needed a request of their own. */
+  void sampleAcross(const CrestRow* rows, std::size_t count, const CrestAxes& axes,
                     CrestSample* samples);
 
   /** Differences of k between sections nearer than this would tell noise. */
-  double leastSpan(const CrestAxes& axes) const;
+  double leastSpan(const CrestAxes& axes) const { return analytic_ ? 0.0 : axes.reach; }
+
+  /** How far differences of k should reach about a vertex. */
+  static double reachAt(const CrestVertex& vertex);
 
   /** k less the mean of k at half a radius to both sides along t; for up to eight vertices. */
   void findProminence(CrestVertex* vertices, std::size_t count);
@@ -73,8 +90,15 @@ class CrestField {
   void interpret(const ProbeSample& from, const CrestAxes& axes, CrestSample& sample) const;
   double difference(const ProbeSample* around, const CrestAxes& axes, const CrestSample& sample,
                     bool& known) const;
-  bool sampleInRow(const Vector3& place, const Vector3& across, double span, const CrestAxes& axes,
-                   CrestSample* samples);
+  void sampleInRows(const CrestRow* rows, std::size_t count, const CrestAxes& axes,
+                    CrestSample* samples);
+  static void twist(const CrestRow* rows, const CrestAxes& axes, CrestSample* samples);
+  void interpretRow(const ProbeSample* middle, const ProbeSample* outer, const CrestRow& row,
+                    const CrestAxes& axes, CrestSample* samples) const;
+  double prominenceOf(const CrestVertex& v, const ProbeSample* aside) const;
+  void placeAside(const CrestVertex& v, Vector3* places) const;
+  bool lookAside(const CrestVertex* vertices, ProbeRequest request, ProbeSample* found);
+  void walkAside(const CrestVertex* vertices, ProbeRequest request, ProbeSample* found);
   double kOf(const ProbeSample& from, const Vector3& normal) const;
 
   SurfaceProbe probe_;

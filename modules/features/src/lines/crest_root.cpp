@@ -78,6 +78,7 @@ CrossSection::vertex() const
   const Vector3 t = between(&CrestSample::t);
   v.t = normalized(along(t, -dot(t, v.normal), v.normal));
   v.k = between(samples_[0].k, samples_[1].k, samples_[2].k);
+  if (complete_) v.fall = -sense_ * e_.slopeAt(root_);
   v.other = between(samples_[0].other, samples_[1].other, samples_[2].other);
   return v;
 }

@@ -31,7 +31,7 @@ class CrossSection {
   double root() const { return root_; }
   /** A Newton step from the middle; false where it goes nowhere. */
   bool newton(double& step) const;
-  /** Position, frame and curvatures at the root. */
+  /** Position, frame and curvatures at the root; its fall per sample. */
   CrestVertex vertex() const;
 
  private:

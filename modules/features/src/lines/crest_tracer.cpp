@@ -4,24 +4,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lines/crest_root.h"
-
 namespace pcl_slim::detail {
 
 namespace {
 
-constexpr double kSeedGap = 0.9;      ///< seeds nearer than so many steps to a line are left out
-constexpr double kCell = 8.0;         ///< of the reach: cells in which vertices are looked up
-constexpr double kJoinGap = 0.5;      ///< lines nearer than so many steps become one
-constexpr double kAside = 0.8;        ///< roots are looked for so many steps to both sides
-constexpr double kShorter = 0.4;      ///< a step that fails is tried once more, so much shorter
-constexpr double kLeastCosine = 0.5;  ///< a line turns by less than 60 degrees a step
-constexpr double kFine = 0.02;        ///< distance of the last samples across, in radii
-constexpr double kNearMiddle = 0.3;   ///< of a section's half width
-constexpr int kRefinements = 3;
-constexpr double kPastReach = 1.2;  ///< roots count so far beyond where they are looked for
-constexpr double kGradient =
-    0.1;  ///< reach of the differences that tell a seed's direction, in radii
+constexpr double kSeedGap = 0.9;    ///< seeds nearer than so many steps to a line are left out
+constexpr double kCell = 8.0;       ///< of the reach: cells in which vertices are looked up
+constexpr double kJoinGap = 0.5;    ///< lines nearer than so many steps become one
 constexpr double kSeedShare = 0.5;  ///< of the significance: seeds stand a little beside their line
 constexpr double kNoiseOfPeaks =
     60.0;  ///< brings significance on noisy spheres to an RMS of 1 to 2
@@ -42,6 +31,7 @@ CrestTracer::CrestTracer(const ProbeIndex& index, CrestType type, const CrestPar
                          double sigma, bool analytic, double mean_radius)
     : params_(params),
       field_(index, type, analytic),
+      stepper_(field_, params.step),
       sigma_(sigma),
       mean_radius_(mean_radius),
       traced_(kCell * reachOf(mean_radius)),
@@ -89,7 +79,7 @@ CrestTracer::follow(const CrestSeed& seed)
     return;
   }
   CrestVertex first;
-  if (!standsOut(seed, scale) || !start(seed, first)) return;
+  if (!begin(seed, scale, first)) return;
   if (traced_.holds(first.position, kJoinGap / kSeedGap)) {
     refuse(seed, statistics_.seeds_on_lines);
     return;
@@ -105,105 +95,32 @@ CrestTracer::follow(const CrestSeed& seed)
   refused_.add(seed.position, reachOf(seed_radius_), 0);
 }
 
-/** Whether noise cannot explain the seed by itself. */
+/** The line's vertex next to a seed, if noise cannot explain the seed by itself. */
 bool
-CrestTracer::standsOut(const CrestSeed& seed, const ProbeScale& scale)
+CrestTracer::begin(const CrestSeed& seed, const ProbeScale& scale, CrestVertex& first)
 {
   CrestVertex v;
   v.position = seed.position;
   v.normal = seed.normal;
-  v.t = seed.t;
+  v.t = normalized(along(seed.t, -dot(seed.t, seed.normal), seed.normal));
   v.k = seed.k;
   v.radius = scale.radius;
-  field_.findProminence(&v, 1);
+  v.reach = CrestField::reachAt(v);
+  CrestSample samples[3];
+  field_.sampleSeed(v, samples);
   const double z = significanceOf(v.prominence, scale.radius, scale.effective_count, sigma_);
-  return z >= kSeedShare * params_.significance || refuse(seed, statistics_.seeds_insignificant);
-}
-
-/** Moves a seed onto its line: to the root of dk/dt along its gradient. */
-bool
-CrestTracer::start(const CrestSeed& seed, CrestVertex& vertex)
-{
-  const double radius = seed_radius_;
-  const CrestAxes axes{seed.normal, seed.t, radius};
-  const double reach = kGradient * radius;
-  const Vector3 a = normalized(along(seed.t, -dot(seed.t, seed.normal), seed.normal));
-  const Vector3 b = cross(seed.normal, a);
-  const Vector3 centers[3] = {seed.position, along(seed.position, reach, a),
-                              along(seed.position, reach, b)};
-  CrestSample s[3];
-  field_.sample(centers, 3, axes, s);
-  if (!s[0].known || !s[1].known || !s[2].known) return refuse(seed, statistics_.seeds_failed);
-  const Vector3 gradient = along(scaled(a, s[1].e - s[0].e), s[2].e - s[0].e, b);
-  const Vector3 across = normalized(gradient);
-  const double size = params_.step * radius;
-  if (!(length(gradient) > 0) || !correct(s[0].position, across, kAside * size, axes, vertex)) {
-    return refuse(seed, statistics_.seeds_failed);
+  if (!(z >= kSeedShare * params_.significance)) {
+    return refuse(seed, statistics_.seeds_insignificant);
   }
-  vertex.ahead = normalized(cross(vertex.normal, across));
-  return complete(vertex) || refuse(seed, statistics_.seeds_failed);
-}
-
-/** Finds the line's vertex on a segment across it. */
-bool
-CrestTracer::correct(const Vector3& place, const Vector3& across, double reach,
-                     const CrestAxes& axes, CrestVertex& vertex)
-{
-  double at = 0, span = std::max(reach, field_.leastSpan(axes));
-  CrestSample s[3];
-  for (int round = 0; round <= kRefinements; ++round) {
-    field_.sampleAcross(along(place, at, across), across, span, axes, s);
-    const CrossSection section(s, across);
-    double move = 0;
-    if (section.hasRoot()) {
-      move = section.root();
-      // Differences reach as far as the section: one whose middle is near the root is as good as any.
-      const bool centered = !field_.isAnalytic() && std::abs(move) < kNearMiddle;
-      if (round > 0 || centered) {
-        vertex = section.vertex();
-        return std::abs(at + move * span) <= kPastReach * reach &&
-               vertex.k > std::abs(vertex.other);
-      }
-    } else if (round == 0 || !section.newton(move)) {
-      return false;
-    }
-    at += std::clamp(move * span, -reach, reach);
-    if (std::abs(at) > kPastReach * reach) return false;
-    span = std::max(std::min(reach, kFine * axes.radius), field_.leastSpan(axes));
-  }
-  return false;
-}
-
-/** Fills in what depends on the leaves around a vertex; false outside their support. */
-bool
-CrestTracer::complete(CrestVertex& vertex)
-{
-  const ProbeScale scale = field_.scaleAt(vertex.position, vertex.normal);
-  vertex.radius = scale.radius;
-  vertex.effective_count = scale.effective_count;
-  return scale.radius > 0;
-}
-
-bool
-CrestTracer::step(const CrestVertex& from, double size, CrestVertex& next)
-{
-  const Vector3 across = normalized(cross(from.normal, from.ahead));
-  const Vector3 place = along(from.position, size, from.ahead);
-  if (!correct(place, across, kAside * size, from.axes(), next)) return false;
-  const Vector3 chord = normalized(subtract(next.position, from.position));
-  if (dot(chord, from.ahead) < kLeastCosine) return false;
-  next.ahead = normalized(along(chord, -dot(chord, next.normal), next.normal));
-  return complete(next);
+  return stepper_.start(v, samples, first) || refuse(seed, statistics_.seeds_failed);
 }
 
 /** One vertex more. \param[in] number of it among the line's own, counted both ways from the first. */
 CrestTracer::End
 CrestTracer::advance(std::vector<CrestVertex>& line, std::int64_t number)
 {
-  const CrestVertex& from = line.back();
-  const double size = params_.step * from.radius;
   CrestVertex next;
-  if (!step(from, size, next) && !step(from, kShorter * size, next)) return End::kLost;
+  if (!stepper_.advance(line, next)) return End::kLost;
   constexpr double kShare = kJoinGap / kSeedGap;
   const std::int64_t other =
       traced_.nearest(next.position, kShare, [](std::int64_t) { return true; });
@@ -222,8 +139,11 @@ CrestTracer::advance(std::vector<CrestVertex>& line, std::int64_t number)
 CrestTracer::End
 CrestTracer::walk(std::vector<CrestVertex>& line, bool forward)
 {
-  if (!forward) line.front().ahead = scaled(line.front().ahead, -1.0);
-  std::size_t measured = 1;
+  if (!forward) {
+    stepper_.forget();
+    line.front().ahead = scaled(line.front().ahead, -1.0);
+  }
+  std::size_t measured = forward ? 0 : 1;  // they share their first
   for (std::size_t i = 1; i < kMostSteps; ++i) {
     const auto offset = static_cast<std::int64_t>(i);
     const End end = advance(line, forward ? kMiddle + offset : kMiddle - offset);
@@ -279,7 +199,6 @@ CrestTracer::keep(std::vector<CrestVertex> forward, const std::vector<CrestVerte
                   bool closed)
 {
   ++statistics_.traced;
-  measure(forward, 0, 1);
   TracedLine line;
   line.closed = closed;
   for (std::size_t i = backward.size(); i-- > 1;) {

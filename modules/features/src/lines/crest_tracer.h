@@ -5,6 +5,7 @@
 
 #include "lines/crest_field.h"
 #include "lines/crest_seeds.h"
+#include "lines/crest_stepper.h"
 #include "lines/place_grid.h"
 
 namespace pcl_slim::detail {
@@ -35,12 +36,7 @@ class CrestTracer {
 
   bool refuse(const CrestSeed& seed, std::uint64_t& counter);
   double reachOf(double radius) const;
-  bool standsOut(const CrestSeed& seed, const ProbeScale& scale);
-  bool start(const CrestSeed& seed, CrestVertex& vertex);
-  bool correct(const Vector3& place, const Vector3& across, double reach, const CrestAxes& axes,
-               CrestVertex& vertex);
-  bool complete(CrestVertex& vertex);
-  bool step(const CrestVertex& from, double size, CrestVertex& next);
+  bool begin(const CrestSeed& seed, const ProbeScale& scale, CrestVertex& first);
   End walk(std::vector<CrestVertex>& line, bool forward);
   End advance(std::vector<CrestVertex>& line, std::int64_t number);
   bool faded(std::vector<CrestVertex>& line, std::size_t begin);
@@ -51,6 +47,7 @@ class CrestTracer {
 
   CrestParams params_;
   CrestField field_;
+  CrestStepper stepper_;
   double sigma_, mean_radius_;
   double seed_radius_ = 0;  ///< of the leaves at the seed being followed
   PlaceGrid traced_;        ///< vertices of all lines so far, numbered in order

@@ -103,9 +103,15 @@ BlockProjector::project(std::size_t block, const std::uint32_t* begin, const std
   }
   const BlockPoints points = pointsOf(block);
   for (auto& column : sums.direction) std::fill(column, column + PointStore::kBlock, 0.0f);
-  for (const BlockLeaf& leaf : scratch.near) kernels::addDirections(points, leaf, rules_, sums);
+  const std::size_t leaves = scratch.near.size();
+  scratch.heights.resize(std::max(leaves, scratch.heights.size()));
+  for (std::size_t j = 0; j < leaves; ++j) {
+    kernels::addDirections(points, scratch.near[j], rules_, sums, scratch.heights[j]);
+  }
   kernels::finishDirections(sums);
-  for (const BlockLeaf& leaf : scratch.near) kernels::addIntersections(points, leaf, rules_, sums);
+  for (std::size_t j = 0; j < leaves; ++j) {
+    kernels::addIntersections(points, scratch.near[j], rules_, scratch.heights[j], sums);
+  }
 
   const std::size_t first = block * PointStore::kBlock;
   const std::size_t count = std::min(PointStore::kBlock, store_.size() - first);

@@ -19,7 +19,8 @@ class BlockProjector {
   /** \brief What one thread needs beside the result. */
   struct Scratch {
     BlockSums sums;
-    std::vector<BlockLeaf> near;  ///< the leaves of one block
+    std::vector<BlockLeaf> near;       ///< the leaves of one block
+    std::vector<LeafHeights> heights;  ///< under its points
   };
 
   /** \brief Everything named must outlive this object. \param[in] leaves those that places name. */

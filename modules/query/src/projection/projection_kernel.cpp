@@ -70,21 +70,29 @@ reached(const BlockPoints& points, const BlockLeaf& leaf, std::size_t i, Vec p_s
   return hn::And(hn::Lt(p_sq, set(1.0f)), sameSide(points, leaf, i));
 }
 
+HWY_INLINE void
+keep(const Vec (&values)[3], float (&columns)[3][16], std::size_t i)
+{
+  for (int a = 0; a < 3; ++a) hn::Store(values[a], Tag(), columns[a] + i);
+}
+
 template <int D>
 void
 addDirectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-                BlockSums& sums)
+                BlockSums& sums, LeafHeights& heights)
 {
   const Tag d;
   const LeafFrame frame(leaf);
   const HeightJets<D> jets(leaf.c);
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
     const Local p = frame.place(points, i);
+    keep({p.u, p.v, p.w}, heights.place, i);
     const Vec s_sq = p.lengthSq();
     Mask near = reached(points, leaf, i, s_sq);
     if (hn::AllFalse(d, near)) continue;
     Vec h, hu, hv;
     jets.gradient(p.u, p.v, h, hu, hv);
+    keep({h, hu, hv}, heights.height, i);
     if (rules.guarded) {
       near = hn::And(near, hn::Le(hn::Abs(hn::Sub(p.w, h)), set(leaf.max_residual)));
     }
@@ -113,12 +121,15 @@ struct Crossing {
 /** Newton's steps from t = 0 on F(t) = f(p + t d): points lie within noise of the leaf. */
 template <int D>
 HWY_INLINE Crossing
-crossingOf(const HeightJets<D>& jets, const Local& p, const Local& ray, Mask near)
+crossingOf(const HeightJets<D>& jets, const Local& p, const LeafHeights& heights, std::size_t i,
+           const Local& ray, Mask near)
 {
   const Tag d;
-  Vec t = hn::Zero(d), u = p.u, v = p.v, w = p.w, h, hu, hv, slope;
+  Vec t = hn::Zero(d), u = p.u, v = p.v, w = p.w, slope;
+  Vec h = hn::Load(d, heights.height[0] + i), hu = hn::Load(d, heights.height[1] + i),
+      hv = hn::Load(d, heights.height[2] + i);
   for (int step = 0; step < kNewtonSteps; ++step) {
-    jets.gradient(u, v, h, hu, hv);
+    if (step > 0) jets.gradient(u, v, h, hu, hv);
     slope = hn::NegMulAdd(hu, ray.u, hn::NegMulAdd(hv, ray.v, ray.w));
     const Mask usable = hn::Gt(hn::Abs(slope), set(kLeastSlope));
     const Vec change = hn::Div(hn::Sub(w, h), hn::IfThenElse(usable, slope, set(kNoStep)));
@@ -161,20 +172,21 @@ addBlend(const BlockLeaf& leaf, const LeafFrame& frame, const HeightJets<D>& jet
 template <int D>
 void
 addIntersectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-                   BlockSums& sums)
+                   const LeafHeights& heights, BlockSums& sums)
 {
   const Tag d;
   const LeafFrame frame(leaf);
   const HeightJets<D> jets(leaf.c);
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
-    const Local p = frame.place(points, i);
+    const Local p = {hn::Load(d, heights.place[0] + i), hn::Load(d, heights.place[1] + i),
+                     hn::Load(d, heights.place[2] + i)};
     const Vec p_sq = p.lengthSq();
     Mask near = reached(points, leaf, i, p_sq);
     if (hn::AllFalse(d, near)) continue;
     const Local ray =
         frame.turn(hn::Load(d, sums.direction[0] + i), hn::Load(d, sums.direction[1] + i),
                    hn::Load(d, sums.direction[2] + i));
-    const Crossing root = crossingOf(jets, p, ray, near);
+    const Crossing root = crossingOf(jets, p, heights, i, ray, near);
     const Vec q_sq = root.q.lengthSq();
     const Mask usable = hn::Gt(hn::Abs(root.along_ray), set(kLeastSlope));
     near = hn::And(near, hn::And(hn::Lt(q_sq, set(1.0f)), usable));
@@ -192,10 +204,11 @@ addIntersectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const Blend
 
 void
 addDirections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-              BlockSums& sums)
+              BlockSums& sums, LeafHeights& heights)
 {
-  forDegree(leaf.degree,
-            [&](auto degree) HWY_ATTR { addDirectionsOf<degree()>(points, leaf, rules, sums); });
+  forDegree(leaf.degree, [&](auto degree) HWY_ATTR {
+    addDirectionsOf<degree()>(points, leaf, rules, sums, heights);
+  });
 }
 
 void
@@ -223,10 +236,11 @@ finishDirections(BlockSums& sums)
 
 void
 addIntersections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-                 BlockSums& sums)
+                 const LeafHeights& heights, BlockSums& sums)
 {
-  forDegree(leaf.degree,
-            [&](auto degree) HWY_ATTR { addIntersectionsOf<degree()>(points, leaf, rules, sums); });
+  forDegree(leaf.degree, [&](auto degree) HWY_ATTR {
+    addIntersectionsOf<degree()>(points, leaf, rules, heights, sums);
+  });
 }
 
 }  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE
@@ -238,9 +252,9 @@ namespace pcl_slim::detail::kernels {
 HWY_EXPORT(addDirections);
 void
 addDirections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-              BlockSums& sums)
+              BlockSums& sums, LeafHeights& heights)
 {
-  HWY_DYNAMIC_DISPATCH(addDirections)(points, leaf, rules, sums);
+  HWY_DYNAMIC_DISPATCH(addDirections)(points, leaf, rules, sums, heights);
 }
 
 HWY_EXPORT(finishDirections);
@@ -253,9 +267,9 @@ finishDirections(BlockSums& sums)
 HWY_EXPORT(addIntersections);
 void
 addIntersections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-                 BlockSums& sums)
+                 const LeafHeights& heights, BlockSums& sums)
 {
-  HWY_DYNAMIC_DISPATCH(addIntersections)(points, leaf, rules, sums);
+  HWY_DYNAMIC_DISPATCH(addIntersections)(points, leaf, rules, heights, sums);
 }
 
 }  // namespace pcl_slim::detail::kernels

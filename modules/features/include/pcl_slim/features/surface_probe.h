@@ -12,10 +12,6 @@
 
 namespace pcl_slim {
 
-namespace detail {
-struct BlockMeans;
-}
-
 /** \brief A surface's leaves, arranged so that those around a place are found fast.
  *
  * Built once in O(M log M), about 150 bytes a leaf; any number of SurfaceProbe objects share it. */
@@ -94,8 +90,8 @@ class SurfaceProbe {
   struct Scratch;
   void cover(const Vector3& low, const Vector3& high);
   void load(const ProbeRequest& request);
-  void finish(const ProbeRequest& request, const detail::BlockMeans& means, std::size_t i,
-              ProbeSample& sample) const;
+  void finish(const ProbeRequest& request, std::size_t i, ProbeSample& sample) const;
+  void finishThird(std::size_t i, ProbeSample& sample) const;
 
   const ProbeIndex& index_;
   double margin_ = 0;

@@ -7,27 +7,16 @@
 
 namespace pcl_slim::detail {
 
-/** \brief Weighted means of a block's points, in plain loops over all of them or over the first few;
- * of no use where nothing was added. */
+/** \brief Weighted means of a block's points, in plain loops; of no use where nothing was added. */
 struct BlockMeans {
   static constexpr double kLeastGradient = 1e-6;  ///< shorter blended gradients tell no direction
 
   double offset[16], gradient[3][16], length[16];
   float unit[3][16];
 
-  explicit BlockMeans(const BlockSums& sums, std::size_t count = 16)
+  explicit BlockMeans(const BlockSums& sums)
   {
-    if (count > 8) {
-      make<16>(sums);
-    } else {
-      make<8>(sums);
-    }
-  }
-
- private:
-  template <int N>
-  void make(const BlockSums& sums)
-  {
+    constexpr int N = 16;
     double weight[N];
     for (int i = 0; i < N; ++i) {
       const double own = sums.weight[i];

@@ -42,6 +42,13 @@ struct BlockSums {
   alignas(64) float third[10][16];     ///< sum w T: xxx xxy xxz xyy xyz xzz yyy yyz yzz zzz
 };
 
+/** \brief One leaf under a block's points, in its own frame and units: what pass 1 keeps for pass 2 of the
+ * points in its ball. */
+struct LeafHeights {
+  alignas(64) float place[3][16];
+  alignas(64) float height[3][16];  ///< of the polynomial, and its slopes
+};
+
 /** \brief How leaves meet points. */
 struct BlendRules {
   WeightKernel kernel = WeightKernel::kPower4;
@@ -56,16 +63,17 @@ namespace kernels {
 /** \brief Pass 1: adds a leaf's normals, in the points' frame, to the ray directions. */
 void
 addDirections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-              BlockSums& sums);
+              BlockSums& sums, LeafHeights& heights);
 
 /** \brief Makes the directions unit and clears the sums of pass 2; zero where nothing was added. */
 void
 finishDirections(BlockSums& sums);
 
-/** \brief Pass 2: meets the rays p + t d with a leaf and adds what equations (6)-(8) blend. */
+/** \brief Pass 2: meets the rays p + t d with a leaf and adds what equations (6)-(8) blend.
+ * \param[in] heights as pass 1 left them. */
 void
 addIntersections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
-                 BlockSums& sums);
+                 const LeafHeights& heights, BlockSums& sums);
 
 }  // namespace kernels
 }  // namespace pcl_slim::detail
