@@ -83,7 +83,7 @@ struct CrestStatistics {
  * A ridge is where k1 has a maximum along its direction t1 and k1 > |k2|; a ravine the same of -k2 along
  * t2. Lines are followed on the blended surface itself, without a mesh, by predictor and corrector: a
  * step along the line, then the root of dk/dt across it. Under noise dk/dt is taken from differences of
- * k over a tenth of the leaves' radius; on clean data from third derivatives. What noise of the
+ * k over a tenth of the leaves' radius or somewhat more; on clean data from third derivatives. What noise of the
  * surface's lambda could have made is left out. Which of the two kinds a line is depends on the side the
  * normals face.
  *
