@@ -18,7 +18,8 @@ loadPointFile(const std::string& path)
   }
   const Result<std::vector<unsigned char>> bytes = readFile(path);
   if (!bytes) return bytes.error();
-  if (bytes->empty()) return Error{ErrorCode::kBadInput, "'" + path + "' is empty (0 bytes); copy it again"};
+  if (bytes->empty())
+    return Error{ErrorCode::kBadInput, "'" + path + "' is empty (0 bytes); copy it again"};
   Result<PointFile> file = extension == ".pcd" ? parsePcd(*bytes) : parsePly(*bytes);
   if (file) return file;
   return Error{file.error().code, "'" + path + "': " + file.error().message};
