@@ -49,5 +49,27 @@ TEST(FitGroups, NoLeafIsFinerThanTheUnitsTell)
   }
 }
 
+TEST(FitGroups, AFarPointMakesNoCoverCoarser)
+{
+  const auto fitWith = [](double far, FitStatistics& statistics) {
+    Cloud cloud = twoGroups(0.0, 1.0);
+    if (far > 0) cloud.add(far, 0, 0);
+    SLIMSurface surface;
+    const Error error = fitSurface(storeOf(cloud), {}, surface, &statistics);
+    EXPECT_FALSE(error) << error.message;
+  };
+  FitStatistics alone;
+  fitWith(0.0, alone);
+  const auto expected = static_cast<double>(alone.leaves);
+  for (const double far : {1e1, 1e2, 1e3, 1e4, 1e6, 1e12, 1e38}) {
+    FitStatistics statistics;
+    fitWith(far, statistics);
+    // Wider units turn and shift the cells in whose order centres are tried.
+    EXPECT_NEAR(static_cast<double>(statistics.leaves), expected, 0.1 * expected) << far;
+    EXPECT_LE(statistics.uncovered, 1u) << far;
+    EXPECT_LE(statistics.gathered, 2 * alone.gathered) << far;
+  }
+}
+
 }  // namespace
 }  // namespace pcl_slim

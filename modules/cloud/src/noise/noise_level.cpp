@@ -70,7 +70,7 @@ measureNoise(const PointStore& store, const NoiseConstants& constants, int threa
     }
     noise = wider;
   }
-  const double floor = constants.floor * store.diagonal();
+  const double floor = constants.floor * store.bulkDiagonal();
   noise.variance = std::max(noise.variance, floor * floor);
   noise.least_neighbors = least > 0 ? least : noise.neighbors;
   noise.line = first > constants.first_neighbors ? first / 2 : 0;

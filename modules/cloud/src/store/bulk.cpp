@@ -130,7 +130,10 @@ findBulk(const CloudView& cloud, const CloudReader& reader, int threads)
     bulk.median[a] = quantile(columns[a], 0.5);
     between = std::hypot(between, quantile(columns[a], 0.75) - quantile(columns[a], 0.25));
   }
-  if (between > 0) bulk.reach = kReach * between;
+  if (between > 0) {
+    bulk.between = between;
+    bulk.reach = kReach * between;
+  }
   return bulk;
 }
 

@@ -15,6 +15,7 @@ namespace pcl_slim::detail {
  * the others would leave them none. Points outside the cube are left out of the store and counted. */
 struct Bulk {
   std::array<double, 3> median{};
+  double between = std::numeric_limits<double>::infinity();  ///< diagonal of the box of quartiles
   double reach = std::numeric_limits<double>::infinity();  ///< half the cube's edge; infinite: all
 
   bool holds(const std::array<double, 3>& p) const

@@ -89,9 +89,10 @@ Error
 PointStoreBuilder::measure()
 {
   if (Error error = cloud_.validate()) return error;
-  bulk_ = frame_ ? Bulk{frame_->bulk_center_, frame_->bulk_reach_}
+  bulk_ = frame_ ? Bulk{frame_->bulk_center_, frame_->bulk_between_, frame_->bulk_reach_}
                  : findBulk(cloud_, reader_, threads_);
   store_.bulk_center_ = bulk_.median;
+  store_.bulk_between_ = bulk_.between;
   store_.bulk_reach_ = bulk_.reach;
   SliceSummary all = summarizeAll(cloud_, reader_, bulk_, false, threads_);
   if (all.near == 0) return CloudView::nothingFinite();
@@ -129,6 +130,9 @@ PointStoreBuilder::setUnits(const std::array<double, 3>& low, const std::array<d
   }
   inverse_scale_ = 1.0 / store_.scale_;
   store_.diagonal_ = diagonal / store_.scale_;
+  constexpr double kQuartiles =
+      4.0;  // of points spread evenly L is twice as wide as their quartiles
+  store_.bulk_diagonal_ = std::min(store_.diagonal_, kQuartiles * bulk_.between / store_.scale_);
   const double origin_grid = store_.scale_ * kOriginGrid;
   for (double& o : store_.origin_) o = std::round(o / origin_grid) * origin_grid;
   const double reach = farthest / store_.scale_ + 0.5 + kOriginGrid;

@@ -70,7 +70,10 @@ class PointStore {
   const std::array<double, 3>& origin() const { return origin_; }  ///< world position of local 0
   /** \brief World position that the points were seen from, where the cloud knows it. */
   const std::optional<std::array<double, 3>>& sensor() const { return sensor_; }
-  double scale() const { return scale_; }        ///< world units per local unit, a power of two
+  double scale() const { return scale_; }  ///< world units per local unit, a power of two
+  /** \brief L of the bulk alone, local units: four times the diagonal between the quartiles of each
+   * coordinate, and L where that is less, as it is of most clouds. */
+  double bulkDiagonal() const { return bulk_diagonal_; }
   double diagonal() const { return diagonal_; }  ///< L in local units, in (.49, 1); 0: one position
 
   /** \brief 63-bit Morton codes, ascending; three bits a level, x highest. */
@@ -108,10 +111,11 @@ class PointStore {
 
   std::size_t size_ = 0;
   std::array<double, 3> bulk_center_{};  ///< of the cube outside which points are strays ...
-  double bulk_reach_ = 0;                ///< ... and half its edge
+  double bulk_reach_ = 0;                ///< ... and half its edge, from that of
+  double bulk_between_ = 0;              ///< the box between the quartiles: its diagonal
   std::array<double, 3> origin_{};
   double scale_ = 1.0;
-  double diagonal_ = 0.0;
+  double diagonal_ = 0.0, bulk_diagonal_ = 0.0;
   AlignedVector<float> x_, y_, z_, nx_, ny_, nz_;
   AlignedVector<float> block_origin_x_, block_origin_y_, block_origin_z_;
   AlignedVector<std::uint32_t> order_of_store_;

@@ -67,7 +67,7 @@ struct NoiseConstants {
   double relief = 0.9;
   /// A cubic's squared bias grows by this when the number of points doubles (radius to the eighth).
   double bias_growth = 16.0;
-  double floor = 1e-11;  ///< least sqrt(lambda) [L]: float positions resolve no less
+  double floor = 1e-11;  ///< least sqrt(lambda) [L of the bulk]: float positions resolve no less
 
   std::size_t paper_samples = 1000;  ///< neighbourhoods of the paper's estimate
   std::size_t paper_neighbors = 10;  ///< neighbours of each, the sample left out
