@@ -84,7 +84,7 @@ titleOf(ShadingMode mode)
 std::string
 unitOf(const ShadingParams& params)
 {
-  const std::string length = params.unit.empty() ? "length" : params.unit;
+  std::string length = params.unit.empty() ? "length" : params.unit;
   switch (params.mode) {
     case ShadingMode::kGaussian: return "1/" + length + "^2";
     case ShadingMode::kSize:
