@@ -27,7 +27,8 @@ readAscii(const std::uint8_t* payload, std::size_t size, const PcdHeader& header
   // Every value takes a character and a separator: no allocation for a header that only boasts.
   std::size_t values = 0;
   for (const PcdColumn& column : header.columns) values += column.count;
-  if (values > 0 && header.points > (size / 2 + 1) / values) return truncated("points", 0, header.points);
+  if (values > 0 && header.points > (size / 2 + 1) / values)
+    return truncated("points", 0, header.points);
   cloud.data.resize(header.points * cloud.point_step);
   TextScanner scanner(payload, size);
   std::uint8_t* at = cloud.data.data();
