@@ -47,10 +47,11 @@ class PixelGeometry {
     const std::size_t below = first + static_cast<std::size_t>(buffer_.width);
     // Where nothing is seen the depth is infinite.
     const float* const d = buffer_.depth.data();
-    const bool near =
-        (std::abs(d[first] - depth) <= step_) & (std::abs(d[first + 1] - depth) <= step_) &
-        (std::abs(d[below] - depth) <= step_) & (std::abs(d[below + 1] - depth) <= step_);
-    if (!near) return false;
+    // Counted without a branch each.
+    const auto near = [&](std::size_t i) {
+      return static_cast<int>(std::abs(d[i] - depth) <= step_);
+    };
+    if (near(first) + near(first + 1) + near(below) + near(below + 1) < 4) return false;
     const float top_left = read(first), bottom_left = read(below);
     const float top = top_left + fx * (read(first + 1) - top_left);
     const float bottom = bottom_left + fx * (read(below + 1) - bottom_left);
