@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fit/smoothed_points.h"
+
+namespace pcl_slim::continuity {
+
+using Points = std::vector<Eigen::Vector3d>;
+
+/** \brief A scan whose variants are compared: its finite points. */
+struct Scan {
+  std::string name;
+  Points points;
+  std::vector<std::uint32_t> row, column;  ///< of each point in an organized cloud; else empty
+  bool floats = true;                      ///< coordinates have float precision
+  std::optional<Eigen::Vector3d> sensor;
+
+  Eigen::AlignedBox3d box() const;
+};
+
+/** \brief Loads a .pcd or .ply file. */
+Result<Scan>
+loadScan(const std::string& path);
+
+/** \brief Generated scans of sensor_bench whose names contain a text, of one seed. */
+std::vector<Scan>
+generatedScans(const std::string& part, std::uint64_t seed);
+
+/** \brief Keeps at most this many points: a window about the middle of an organized cloud, whose
+ * errors keep their correlation; a random subset of any other. */
+void
+reduce(std::size_t most, std::uint64_t seed, Scan& scan);
+
+/** \brief Fits points and projects them; rounds them to float first where asked for. */
+Result<measure::SmoothedPoints>
+smooth(const Points& points, bool floats, const std::optional<Eigen::Vector3d>& sensor,
+       int threads);
+
+}  // namespace pcl_slim::continuity

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "continuity/variants.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+
+namespace pcl_slim::continuity {
+
+namespace {
+
+using measure::SmoothedPoints;
+
+/** Beyond this many diagonals from the origin, float coordinates lose more than noise and are not
+ * what a user has. */
+constexpr double kFarFromOrigin = 100;
+
+Varied
+mapped(const Scan& scan, const SmoothedPoints& smoothed, const Eigen::Affine3d& map, bool floats)
+{
+  Varied varied;
+  varied.map = map;
+  varied.scale = std::cbrt(std::abs(map.linear().determinant()));
+  varied.floats = floats;
+  varied.leaves = static_cast<double>(smoothed.leaves.size());
+  varied.source.resize(scan.points.size());
+  std::iota(varied.source.begin(), varied.source.end(), 0);
+  for (const Eigen::Vector3d& p : scan.points) varied.points.emplace_back(map * p);
+  return varied;
+}
+
+bool
+keepsFloats(const Scan& scan)
+{
+  const Eigen::AlignedBox3d box = scan.box();
+  return scan.floats && box.center().norm() < kFarFromOrigin * box.diagonal().norm();
+}
+
+/** A linear map about the middle of the scan's box. */
+Variant
+turned(const std::string& name, const Eigen::Matrix3d& linear)
+{
+  return {name, [linear](const Scan& scan, const SmoothedPoints& smoothed) {
+            const Eigen::Vector3d middle = scan.box().center();
+            return mapped(scan, smoothed,
+                          Eigen::Translation3d(middle) * linear * Eigen::Translation3d(-middle),
+                          keepsFloats(scan));
+          }};
+}
+
+Variant
+shifted(const std::string& name, double diagonals)
+{
+  return {name, [diagonals](const Scan& scan, const SmoothedPoints& smoothed) {
+            const Eigen::Vector3d direction = Eigen::Vector3d(0.62, -0.53, 0.58).normalized();
+            return mapped(scan, smoothed,
+                          Eigen::Affine3d(Eigen::Translation3d(
+                              diagonals * scan.box().diagonal().norm() * direction)),
+                          keepsFloats(scan));
+          }};
+}
+
+/** The scan about the origin in another precision. */
+Variant
+inPrecision(const std::string& name, bool floats)
+{
+  return {name, [floats](const Scan& scan, const SmoothedPoints& smoothed) {
+            return mapped(scan, smoothed,
+                          Eigen::Affine3d(Eigen::Translation3d(-scan.box().center())), floats);
+          }};
+}
+
+/** Coordinates rounded to a tenth of their own step, else to 1e-4 of the points' spacing. */
+Varied
+rounded(const Scan& scan, const SmoothedPoints& smoothed)
+{
+  const Eigen::Vector3d size = scan.box().sizes();
+  const double step = smoothed.fit.noise_step * size.norm();
+  // A surface's area is about that of its box's largest side.
+  const double area = size.prod() / size.minCoeff();
+  const double spacing = std::sqrt(area / static_cast<double>(scan.points.size()));
+  const double grid = step > 0 ? step / 10 : 1e-4 * spacing;
+  Varied varied = mapped(scan, smoothed, Eigen::Affine3d::Identity(), scan.floats);
+  for (Eigen::Vector3d& p : varied.points) p = ((p / grid).array().round() * grid).matrix();
+  return varied;
+}
+
+/** Some of the points. */
+template <typename Keep>
+Varied
+part(const Scan& scan, const SmoothedPoints& smoothed, const Keep& keep)
+{
+  Varied varied;
+  varied.floats = scan.floats;
+  varied.leaves = static_cast<double>(smoothed.leaves.size());
+  for (std::size_t i = 0; i < scan.points.size(); ++i) {
+    if (!keep(i)) continue;
+    varied.points.push_back(scan.points[i]);
+    varied.source.push_back(i);
+  }
+  varied.density =
+      static_cast<double>(varied.points.size()) / static_cast<double>(scan.points.size());
+  return varied;
+}
+
+Variant
+thinned(const std::string& name, double share, std::uint64_t seed)
+{
+  return {name, [share, seed](const Scan& scan, const SmoothedPoints& smoothed) {
+            std::mt19937_64 rng(seed);
+            std::uniform_real_distribution<double> unit(0, 1);
+            return part(scan, smoothed, [&](std::size_t) { return unit(rng) < share; });
+          }};
+}
+
+/** The same points in another order. */
+Variant
+shuffled(std::uint64_t seed)
+{
+  return {"shuffled", [seed](const Scan& scan, const SmoothedPoints& smoothed) {
+            Varied varied = mapped(scan, smoothed, Eigen::Affine3d::Identity(), scan.floats);
+            std::mt19937_64 rng(seed);
+            std::shuffle(varied.source.begin(), varied.source.end(), rng);
+            for (std::size_t i = 0; i < varied.source.size(); ++i)
+              varied.points[i] = scan.points[varied.source[i]];
+            return varied;
+          }};
+}
+
+Varied
+everySecondRow(const Scan& scan, const SmoothedPoints& smoothed)
+{
+  if (scan.row.empty()) return {};
+  return part(scan, smoothed, [&](std::size_t i) { return scan.row[i] % 2 == 0; });
+}
+
+/** The half below the median along the box's longest edge, at the scan's own density. */
+Varied
+cropped(const Scan& scan, const SmoothedPoints& smoothed)
+{
+  Eigen::Index axis = 0;
+  scan.box().sizes().maxCoeff(&axis);
+  std::vector<double> along;
+  for (const Eigen::Vector3d& p : scan.points) along.push_back(p[axis]);
+  const auto middle = along.begin() + static_cast<std::ptrdiff_t>(along.size() / 2);
+  std::nth_element(along.begin(), middle, along.end());
+  const double cut = *middle;
+  Varied varied = part(scan, smoothed, [&](std::size_t i) { return scan.points[i][axis] < cut; });
+  varied.density = 1;
+  varied.leaves = static_cast<double>(std::count_if(
+      smoothed.leaves.begin(), smoothed.leaves.end(),
+      [&](const Vector3& leaf) { return leaf[static_cast<std::size_t>(axis)] < cut; }));
+  return varied;
+}
+
+Eigen::Matrix3d
+tilt(double angle)
+{
+  return Eigen::AngleAxisd(angle, Eigen::Vector3d(1, 0.7, 0.3).normalized()).toRotationMatrix();
+}
+
+/** The scan and a second frame of the same surface: every smoothed point with the residual of the
+ * point half a patch further in the scan's order along its own normal, so that correlated errors stay
+ * correlated, registered with an error of .001 rad. */
+Varied
+merged(const Scan& scan, const SmoothedPoints& smoothed)
+{
+  constexpr std::size_t kFurther = 997;
+  Varied varied = mapped(scan, smoothed, Eigen::Affine3d::Identity(), scan.floats);
+  const std::size_t count = scan.points.size();
+  const Eigen::Vector3d middle = scan.box().center();
+  const auto at = [](const Vector3& v) { return Eigen::Map<const Eigen::Vector3d>(v.data()); };
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t other = (i + kFurther) % count;
+    if (!at(smoothed.points[i]).allFinite() || !at(smoothed.points[other]).allFinite()) continue;
+    const double residual =
+        (scan.points[other] - at(smoothed.points[other])).dot(at(smoothed.normals[other]));
+    const Eigen::Vector3d own = at(smoothed.points[i]) + residual * at(smoothed.normals[i]);
+    varied.points.emplace_back(middle + tilt(0.001) * (own - middle));
+  }
+  varied.density = 2;
+  return varied;
+}
+
+}  // namespace
+
+std::vector<Variant>
+allVariants(std::uint64_t seed)
+{
+  std::mt19937_64 rng(seed);
+  std::normal_distribution<double> gauss;
+  const auto randomTurn = [&]() -> Eigen::Matrix3d {
+    return Eigen::Quaterniond(gauss(rng), gauss(rng), gauss(rng), gauss(rng))
+        .normalized()
+        .toRotationMatrix();
+  };
+  Eigen::Matrix3d permuted = Eigen::Matrix3d::Zero();
+  permuted(0, 1) = permuted(1, 2) = permuted(2, 0) = 1;
+  return {turned("tilt .001", tilt(0.001)),
+          turned("tilt .01", tilt(0.01)),
+          turned("tilt .03", tilt(0.03)),
+          turned("tilt .3", tilt(0.3)),
+          turned("turn 1", randomTurn()),
+          turned("turn 2", randomTurn()),
+          turned("mirror", Eigen::Vector3d(-1, 1, 1).asDiagonal()),
+          turned("permuted axes", permuted),
+          shifted("shift 10 L", 10),
+          shifted("shift 1e-6 L", 1e-6),
+          turned("scale 1000", 1000 * Eigen::Matrix3d::Identity()),
+          turned("scale .001", 0.001 * Eigen::Matrix3d::Identity()),
+          inPrecision("float", true),
+          inPrecision("double", false),
+          {"rounded", rounded},
+          shuffled(seed),
+          thinned("80 %", 0.8, seed),
+          thinned("50 %", 0.5, seed),
+          {"every second row", everySecondRow},
+          {"cropped half", cropped},
+          {"two frames merged", merged}};
+}
+
+}  // namespace pcl_slim::continuity
