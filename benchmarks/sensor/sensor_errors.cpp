@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sensor/sensor_errors.h"
 
-#include <pcl/point_types.h>
-#include <pcl/surface/mls.h>
-
 #include <cmath>
 
 #include "pcl_slim/query/projection.h"
+#include "rivals/mls.h"
 
 namespace pcl_slim::measure {
 
@@ -131,24 +129,14 @@ errorsOfFit(const SensorScan& scan, const FitParams& params, FitStatistics& stat
 SensorErrors
 errorsOfMls(const SensorScan& scan, double radius)
 {
-  const auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+  std::vector<Vector3> points;
   for (std::size_t i = 0; i < scan.size(); ++i) {
-    cloud->push_back({scan.points[3 * i], scan.points[3 * i + 1], scan.points[3 * i + 2]});
+    points.push_back({scan.points[3 * i], scan.points[3 * i + 1], scan.points[3 * i + 2]});
   }
-  pcl::MovingLeastSquares<pcl::PointXYZ, pcl::PointNormal> mls;
-  mls.setInputCloud(cloud);
-  mls.setComputeNormals(true);
-  mls.setPolynomialOrder(2);
-  mls.setSearchRadius(radius);
-  pcl::PointCloud<pcl::PointNormal> output;
-  mls.process(output);
+  const rivals::Smoothed smoothed = rivals::smoothByMls(points, 2, radius);
   ErrorSums sums(scan);
-  const pcl::Indices& source = mls.getCorrespondingIndices()->indices;
-  for (std::size_t o = 0; o < output.size(); ++o) {
-    const pcl::PointNormal& p = output[o];
-    if (!p.getVector3fMap().allFinite() || !p.getNormalVector3fMap().allFinite()) continue;
-    sums.add(static_cast<std::size_t>(source[o]), {p.x, p.y, p.z},
-             {p.normal_x, p.normal_y, p.normal_z});
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (std::isfinite(smoothed.points[i][0])) sums.add(i, smoothed.points[i], smoothed.normals[i]);
   }
   return sums.errors();
 }
