@@ -11,6 +11,7 @@
 #include "pcl_slim/filters/io/crest_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "scan/fit_job.h"
+#include "scan/fit_report.h"
 
 namespace {
 
@@ -181,8 +182,7 @@ prepare(const Settings& s, const CloudFile& cloud, const SLIMSurface* given, Con
   Result<PointStore> built = storeOf(s, cloud);
   if (!built) return built.error();
   store = std::move(*built);
-  report.json()["surface"] = s.surface;
-  report.json()["surfels"] = surface.size();
+  reportSurface(s.surface, surface, report);
   return {};
 }
 

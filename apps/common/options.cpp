@@ -96,12 +96,28 @@ OptionTable::number(const std::string& name, double* target, double low, double 
   option.default_text = unset.empty() ? numberText(*target) : unset;
 }
 
+template <typename Target>
 void
-OptionTable::toggle(const std::string& name, bool* target, const std::string& help)
+OptionTable::addSwitch(const std::string& name, Target* target, const std::string& default_text,
+                       const std::string& help)
 {
   Option& option = add(name, Kind::kToggle, target, help);
   option.value_name = "[0|1]";
-  option.default_text = *target ? "1" : "0";
+  option.default_text = default_text;
+  option.turn = [target](bool on) { *target = on; };
+}
+
+void
+OptionTable::toggle(const std::string& name, bool* target, const std::string& help)
+{
+  addSwitch(name, target, *target ? "1" : "0", help);
+}
+
+void
+OptionTable::toggle(const std::string& name, std::optional<bool>* target, const std::string& help,
+                    const std::string& unset)
+{
+  addSwitch(name, target, unset, help);
 }
 
 void

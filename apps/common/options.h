@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,6 +41,9 @@ class OptionTable {
               const std::string& help, const std::string& unset = "");
   /** \brief A switch: 0 or 1; without a value it is 1. */
   void toggle(const std::string& name, bool* target, const std::string& help);
+  /** \brief A switch that stays unset unless given. \param[in] unset text shown as its default. */
+  void toggle(const std::string& name, std::optional<bool>* target, const std::string& help,
+              const std::string& unset);
   /** \brief Text; value_name stands for it in the help. */
   void text(const std::string& name, std::string* target, const std::string& value_name,
             const std::string& help);
@@ -81,6 +85,7 @@ class OptionTable {
     double low = 0, high = 0;
     std::string value_name, help, default_text;
     std::vector<std::string> words;
+    std::function<void(bool)> turn;  ///< of a switch: sets its target
     bool given = false;
   };
   struct Positional {
@@ -89,6 +94,9 @@ class OptionTable {
   };
 
   Option& add(const std::string& name, Kind kind, void* target, const std::string& help);
+  template <typename Target>
+  void addSwitch(const std::string& name, Target* target, const std::string& default_text,
+                 const std::string& help);
   std::string parseArguments(int argc, const char* const* argv);
   std::string takePositional(const std::string& word, const Option* bare, std::size_t& next);
   std::string takeOption(Option& option, const char* following, bool& used);

@@ -88,7 +88,7 @@ OptionTable::assign(Option& option, const std::string& value)
       return "";
     }
     case Kind::kToggle:
-      *static_cast<bool*>(option.target) = value == "1";
+      option.turn(value == "1");
       return value == "0" || value == "1" ? "" : "0 or 1";
     case Kind::kText:
       *static_cast<std::string*>(option.target) = value;
@@ -131,7 +131,7 @@ OptionTable::takeOption(Option& option, const char* following, bool& used)
   used = option.kind == Kind::kToggle ? next == "0" || next == "1"
                                       : following && !(option.kind == Kind::kText && is_name);
   if (option.kind == Kind::kToggle && !used) {
-    *static_cast<bool*>(option.target) = true;
+    option.turn(true);
     return "";
   }
   if (!used) return "option -" + option.name + " needs a value: " + option.value_name;

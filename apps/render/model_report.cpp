@@ -24,7 +24,8 @@ reportSurface(const Model& model, const RenderStatistics& counts, nlohmann::orde
                {"surfels", model.surface.size()},
                {"leaves", model.surface.numLeaves()},
                {"levels", model.surface.numLevels()},
-               {"degree", model.surface.info.degree}});
+               {"degree", model.surface.info.degree},
+               {"lambda", model.surface.info.lambda}});
   reportCounts(counts, json);
   json["rays_bracketed"] = counts.rays_bracketed;
   json["skipped"] = {{"outside_frustum", counts.outside_frustum},

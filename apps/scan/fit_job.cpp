@@ -47,7 +47,7 @@ declareFitOptions(OptionTable& options, FitJob& job)
   options.toggle("sharp", &job.params.sharp_features, "keep sharp edges; needs normals");
   options.toggle("robust", &job.params.robust, "reweight residuals against outliers");
   options.toggle("local_noise", &job.params.local_noise,
-                 "noise is measured along the scan, not once for all of it");
+                 "noise is measured along the scan, not once for all of it", "auto");
   options.text("correlation", &job.correlation, "auto|off|N",
                "points that share their errors, as those of depth cameras do");
   options.numbers("noise_model", &job.noise_model, "A,B,C",

@@ -62,6 +62,15 @@ reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatisti
   report.time("trim", fit.seconds_trim);
 }
 
+void
+reportSurface(const std::string& path, const SLIMSurface& surface, Report& report)
+{
+  report.add({{"surface", path},
+              {"surfels", surface.size()},
+              {"lambda", surface.info.lambda},
+              {"diagonal", surface.info.diagonal * surface.info.scale}});
+}
+
 std::string
 counted(std::uint64_t count, const std::string& what)
 {

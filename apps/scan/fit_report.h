@@ -15,6 +15,10 @@ void
 reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatistics& fit,
           Report& report);
 
+/** \brief A surface read in place of a fit, into the report: its lambda under a fit's key. */
+void
+reportSurface(const std::string& path, const SLIMSurface& surface, Report& report);
+
 /** \brief "1 level", "3 levels". */
 std::string
 counted(std::uint64_t count, const std::string& what);

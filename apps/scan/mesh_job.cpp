@@ -83,6 +83,7 @@ smoothMeshFile(const MeshJob& job, const CloudFile& cloud, Console& console, Rep
   }
   report.time("smooth", watch.seconds());
   reportMesh(s, report);
+  if (job.surface == nullptr) report.json()["lambda"] = s.fit.lambda;
   console.done(watch.seconds(),
                std::to_string(s.moved) + " vertices" + (s.sharp ? ", sharp edges kept" : ""));
   note(s.faces_left_out, " face left out", " faces left out", console);

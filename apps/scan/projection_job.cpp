@@ -5,6 +5,7 @@
 
 #include "common/program.h"
 #include "pcl_slim/filters/io/surface_files.h"
+#include "scan/fit_report.h"
 #include "scan/mesh_job.h"
 
 namespace pcl_slim {
@@ -32,8 +33,7 @@ readSurface(const std::string& path, Console& console, Report& report, SLIMSurfa
   }
   surface = std::move(*loaded);
   report.time("surface", watch.seconds());
-  report.json()["surface"] = path;
-  report.json()["surfels"] = surface.size();
+  reportSurface(path, surface, report);
   console.done(watch.seconds(), std::to_string(surface.size()) + " surfels");
   return {};
 }
@@ -154,7 +154,10 @@ runProjectionProgram(const ProjectionProgram& program, ProjectionJob& job, int a
   SLIMSurface surface;
   PointFile made;
   ScanSteps steps;
-  steps.check = [&] { return checkJob(job); };
+  steps.check = [&] {
+    job.projection.curvature = chosen;
+    return checkJob(job);
+  };
   steps.load = [&](Console& console, Report& report) {
     return job.surface.empty() ? Error() : readSurface(job.surface, console, report, surface);
   };

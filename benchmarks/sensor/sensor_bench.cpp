@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <string>
 
 #include "common/run_program.h"
@@ -18,7 +19,8 @@ using namespace pcl_slim;
 struct Settings {
   std::string rows;
   int seed = 1, seeds = 1, threads = 0;
-  bool mls = true, solids = false, local_noise = false;
+  bool mls = true, solids = false;
+  std::optional<bool> local_noise;
   double lambda = 0, correlation = 0, range_error = 0, creases = 0;
 };
 
@@ -32,7 +34,7 @@ declareOptions(Settings& s)
   options.toggle("mls", &s.mls, "measure MLS too");
   options.toggle("solids", &s.solids, "errors solid by solid too");
   options.number("creases", &s.creases, 0, 1, "leave out points so near another solid [m]", "none");
-  options.toggle("local_noise", &s.local_noise, "as pcl_slim_fit's");
+  options.toggle("local_noise", &s.local_noise, "as pcl_slim_fit's", "auto");
   options.number("lambda", &s.lambda, 0, 1, "as pcl_slim_fit's", "estimated");
   options.number("correlation", &s.correlation, 1, 1e6, "as pcl_slim_fit's", "auto");
   options.number("range_error", &s.range_error, 0, 1e3, "the A of pcl_slim_fit's -noise_model",

@@ -56,6 +56,7 @@ same b1.ply b3.ply
 "$bin/pcl_slim_fit" plain.pcd surface.slim -quiet 1 || complain "pcl_slim_fit failed"
 expect 0 '' plain.pcd reused.ply -surface surface.slim -json c.json
 same a.ply reused.ply
+grep -q '"lambda"' c.json || complain "no lambda in the report"
 grep -q '"surface"' c.json || complain "the report does not name the surface"
 
 # Help, documentation, mistakes, failures.

@@ -111,6 +111,19 @@ rows grid_out.pcd 32 4800 f4 | awk '{
 awk '/^DATA/ { data = 1; next } data && /^nan/ { ++n } END { print n }' grid.pcd > holes.txt
 [ "$(value grid.json non_finite)" = "$(cat holes.txt)" ] || complain "NaN are not counted"
 
+# Curvature is that of a sphere of radius 5, whose normals point outward.
+awk -v n=3000 'BEGIN {
+  print "VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " n "\nHEIGHT 1"
+  print "POINTS " n "\nDATA ascii"
+  for (i = 0; i < n; ++i) {
+    z = 1 - (2 * i + 1) / n; r = sqrt(1 - z * z); a = i * 2.399963229728653
+    printf "%.7f %.7f %.7f\n", 5 * r * cos(a), 5 * r * sin(a), 5 * z
+  }
+}' > sphere.pcd
+expect 0 '' sphere.pcd sphere_out.pcd -normals 1
+rows sphere_out.pcd 28 3000 f4 | awk '($7 - 0.2) ^ 2 > 1e-6 { print; exit }' > wrong.txt
+[ ! -s wrong.txt ] || complain "no curvature of .2: $(cat wrong.txt)"
+
 # A mesh: faces and unknown properties stay; whole-number coordinates become real ones.
 awk 'BEGIN {
   n = 40
@@ -145,7 +158,7 @@ header faceless.pcd 'FIELDS x y z rgb weird'
 # options are refused.
 expect 0 '' mesh.ply mesh_m.ply -mesh 1 -json mesh_m.json
 cmp -s <(tail -c $((13 * 3042)) mesh_out.ply) <(tail -c $((13 * 3042)) mesh_m.ply) || complain "-mesh changed faces"
-for key in faces faces_left_out moved isolated held sharp sharp_share noise rms_displacement smooth; do
+for key in faces faces_left_out moved isolated held sharp sharp_share noise lambda rms_displacement smooth; do
   grep -q "\"$key\"" mesh_m.json || complain "no $key in the report of -mesh"
 done
 [ "$(value mesh_m.json faces)" = 3042 ] || complain "not all faces are counted"
@@ -167,6 +180,7 @@ absent d.pcd d.ply
 expect 0 '' near.pcd reused.pcd -surface surface.slim -json reused.json
 same a.pcd reused.pcd
 grep -q '"surface": "surface.slim"' reused.json || complain "the surface is not reported"
+[ "$(value reused.json lambda)" = "$(value a.json lambda)" ] || complain "lambda is not the fit's"
 expect 1 'another cloud' grid.pcd d.pcd -surface surface.slim
 expect 2 'exclude each other' near.pcd d.pcd -surface surface.slim -degree 2
 expect 2 'No such file' near.pcd d.pcd -surface missing.slim

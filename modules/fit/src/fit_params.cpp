@@ -36,7 +36,7 @@ validateNoise(const FitParams& params)
   const auto valid = [](double value) { return value >= 0 && std::isfinite(value); };
   if (!std::all_of(model, model + 3, valid) || !(model[0] + model[1] + model[2] > 0))
     return badNoise("the noise model's a, b, c must not be negative nor all 0");
-  if (params.lambda > 0 || params.local_noise || params.t_mdl > 0 || params.paper_mode)
+  if (params.lambda > 0 || params.local_noise == true || params.t_mdl > 0 || params.paper_mode)
     return badNoise(
         "a noise model stands in place of lambda, local noise, T_MDL and the paper's choices: give "
         "one");

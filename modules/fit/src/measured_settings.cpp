@@ -107,7 +107,9 @@ measureProfile(const PointStore& store, const FitParams& params, int threads,
   const bool shared = settings.energy.correlation > 1;
   if (params.has_noise_model) {
     takeVariances(modelProfile(store, params, constants, threads), settings);
-  } else if (params.local_noise || (shared && measuresResiduals(params))) {
+  } else if (params.local_noise == false) {
+    return;
+  } else if (params.local_noise == true || (shared && measuresResiduals(params))) {
     settings.noise_profile = measureNoiseProfile(store, residual.level(), constants, threads);
   } else if (measuresResiduals(params) && residual.level().uneven) {
     settings.noise_profile = measureRaisedProfile(store, residual.level(), constants, threads);

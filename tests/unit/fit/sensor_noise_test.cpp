@@ -145,6 +145,22 @@ TEST(SensorNoise, CreasesAreNoNoise)
   EXPECT_LT(errors.normal, 10.0);
 }
 
+TEST(SensorNoise, VariesWhereTheDataAskUnlessSwitchedOff)
+{
+  const SensorScan scan = scanByCamera(measure::namedSolids("wave40"), camera(3, 0.125), 3);
+  FitParams params;
+  const FitStatistics automatic = errorsOf(scan).fit;
+  params.local_noise = false;
+  const FitStatistics off = errorsOf(scan, params).fit;
+  params.local_noise = true;
+  const FitStatistics on = errorsOf(scan, params).fit;
+  EXPECT_TRUE(automatic.noise_varies);
+  EXPECT_TRUE(on.noise_varies);
+  EXPECT_FALSE(off.noise_varies);
+  EXPECT_EQ(off.lambda, automatic.lambda);
+  EXPECT_NE(off.leaves, automatic.leaves);
+}
+
 TEST(SensorNoise, AModelStandsInItsPlace)
 {
   const SensorScan scan = scanByLidar(measure::namedSolids("street"), {}, 3);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
+
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/filters/controlled_run.h"
@@ -65,11 +67,11 @@ class SLIMFitBase : public ControlledRun {
   void setRobust(bool robust) { params_.robust = robust; }
   bool getRobust() const { return params_.robust; }
 
-  /** \brief Measures noise along the cloud instead of once for all. Off (default), it is done where
-   * the data ask for it: where neighbours share their errors, and where some parts are so much
-   * noisier that their noise would pass for detail. */
-  void setLocalNoise(bool local) { params_.local_noise = local; }
-  bool getLocalNoise() const { return params_.local_noise; }
+  /** \brief Measures noise along the cloud (true) or once for all of it (false). Unset (default),
+   * it is measured along the cloud where the data ask for it: where neighbours share their errors,
+   * and where some parts are so much noisier that their noise would pass for detail. */
+  void setLocalNoise(std::optional<bool> local) { params_.local_noise = local; }
+  std::optional<bool> getLocalNoise() const { return params_.local_noise; }
 
   /** \brief How many points share their errors, as the pixels of a depth camera do. 0 (default):
    * told by the data; 1: none do; more: so many. */

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "pcl_slim/cloud/point_store.h"
@@ -27,8 +28,8 @@ struct FitParams {
   bool sharp_features =
       false;            ///< keep sharp edges: only points with n . n_c > 1/2 (needs normals)
   bool robust = false;  ///< reweight residuals against outliers (two more passes a leaf)
-  bool local_noise =
-      false;  ///< lambda varies over the cloud: noisy parts are smoothed more than clean ones
+  std::optional<bool> local_noise;  ///< lambda varies over the cloud: noisy parts are smoothed more
+                                    ///< than clean ones; unset: where the data ask for it
   double noise_correlation =
       0;  ///< points that share their errors, 1: none do; 0: told by the data
   bool has_noise_model = false;       ///< the errors follow noise_model; needs a viewpoint or
