@@ -2,12 +2,13 @@
 #include "opengl/pass_shaders.h"
 
 #include "opengl/leaf_glsl.h"
+#include "pcl_slim/render/detail/frame_constants.h"
 
 namespace pcl_slim::detail {
 namespace {
 
-constexpr const char* kLeafVertex = R"(
-uniform samplerBuffer slimLeaves;
+/** What a surfel counts for, and where its trim map is. */
+constexpr const char* kSurfel = R"(
 uniform int slimTexelsOfLeaf;
 uniform float slimReach;     // share of a leaf's radius that counts
 uniform int slimFirstPass;
@@ -22,23 +23,30 @@ flat out ivec2 slimTrim;
 // they fade.
 float slimCoarse(float radius, float z)
 {
-  const float fade = 1.5;
   float size = radius / max(slimDetail * (slimScreen.w > 0.0 ? 1.0 : z), 1e-30);
-  return smoothstep(0.0, 1.0, (fade - size) / (fade - 1.0));
+  return smoothstep(0.0, 1.0, (kDetailFade - size) / (kDetailFade - 1.0));
 }
 
-// What leaves and internal surfels count for; internal ones cover what they hold.
-vec3 slimPartOf(vec4 ball, vec4 more, float z)
+// What leaves and internal surfels count for; internal ones cover what they hold, and their balls
+// are packed larger than their radii.
+vec3 slimPartOf(vec4 more, float z)
 {
-  const float meets = 0.4;
   vec3 part = vec3(1.0, 1.0 / slimCoverRadius, 1.0);
   if (slimDetail <= 0.0) return part;
   part.x = slimCoarse(more.z, z) * (1.0 - slimCoarse(more.w, z));
-  if (slimFirstPass != 0 && part.x < meets) part.x = 0.0;
-  if (more.z > 0.0) part.yz = vec2(0.0, ball.w / more.z);
+  if (slimFirstPass != 0 && part.x < kDetailMeets) part.x = 0.0;
+  if (more.z > 0.0) part.yz = vec2(0.0, kMaxShrink / min(slimCoverRadius, kMaxShrink));
   return part;
 }
 
+ivec2 slimTrimOf(vec4 more)
+{
+  int rest = int(more.y);
+  return rest < 0 ? ivec2(0) : ivec2(4096 * int(more.x) + rest / slimMostSide, rest % slimMostSide + 1);
+}
+)";
+
+constexpr const char* kLeafVertex = R"(
 // Bounds of a sphere's outline on the plane at unit depth, along one axis.
 vec2 slimOutline(float x, float z, float radius)
 {
@@ -51,12 +59,11 @@ vec2 slimOutline(float x, float z, float radius)
 void main()
 {
   slimLeaf = gl_InstanceID;
-  vec4 ball = texelFetch(slimLeaves, gl_InstanceID * slimTexelsOfLeaf);
-  vec4 more = texelFetch(slimLeaves, gl_InstanceID * slimTexelsOfLeaf + 3);
+  vec4 ball = slimTexel(gl_InstanceID * slimTexelsOfLeaf);
+  vec4 more = slimTexel(gl_InstanceID * slimTexelsOfLeaf + 3);
   vec3 center = ((ball.xyz - slimEye) - slimEyeRest) * slimAxes;
-  int rest = int(more.y);
-  slimTrim = rest < 0 ? ivec2(0) : ivec2(4096 * int(more.x) + rest / slimMostSide, rest % slimMostSide + 1);
-  slimPart = slimPartOf(ball, more, center.z);
+  slimTrim = slimTrimOf(more);
+  slimPart = slimPartOf(more, center.z);
   float radius = 1.001 * slimReach * ball.w;
   vec2 x = vec2(center.x - radius, center.x + radius);
   vec2 y = vec2(center.y - radius, center.y + radius);
@@ -81,7 +88,6 @@ void main()
 
 /** What trim maps say. */
 constexpr const char* kTrims = R"(
-uniform isamplerBuffer slimTrims;
 uniform int slimTrimmed;
 
 // Weights of the node nearest to a coordinate and of its neighbours.
@@ -100,7 +106,7 @@ float slimOutside(float u, float v)
   if (slimTrimmed == 0 || slimTrim.y == 0) return 0.0;
   int column, row;
   vec3 x = slimSpline(u, slimTrim.y - 1, column), y = slimSpline(v, slimTrim.y - 1, row);
-  int word = texelFetch(slimTrims, slimTrim.x + row * ((slimTrim.y + 7) / 8) + column / 8).x;
+  int word = slimTrimWord(slimTrim.x + row * ((slimTrim.y + 7) / 8) + column / 8);
   int code = (word >> (3 * (column & 7))) & 511;
   float sum = 0.0;
   for (int i = 0; i < 3; ++i) {
@@ -151,7 +157,6 @@ constexpr const char* kBlended = R"(
 uniform sampler2D slimFirst;
 uniform float slimNear;
 uniform int slimKernel;
-const float kMaxShift = 0.25;
 
 float slimWeight(float s2)
 {
@@ -273,10 +278,9 @@ uniform float slimMinCoverage;
 
 bool slimSupported(vec4 sum, vec3 lean, float outside)
 {
-  const float most = 0.25;  // of how far the leaves' middle lies aside, in radii
   if (outside > 0.5 * sum.x) return false;
   if (sum.z >= slimMinCoverage) return true;
-  return sum.w >= 2.5 && dot(lean, lean) < most * most * sum.x * sum.x;
+  return sum.w > kMinLeaves - 0.5 && dot(lean, lean) < kMaxLean * kMaxLean * sum.x * sum.x;
 }
 )";
 
@@ -325,19 +329,39 @@ void main()
   vec4 sum = texelFetch(slimSums0, at, 0);
   vec3 lean = texelFetch(slimSums1, at, 0).xyz;
   if (!(sum.x > 0.0) || slimSupported(sum, lean, texelFetch(slimSums3, at, 0).w)) discard;
-  const float step = 0.05;  // of a radius: passes over the other leaves of the same flap
   float radius = texelFetch(slimSums2, at, 0).w / sum.x;
-  gl_FragData[0] = vec4(texelFetch(slimFirst, at, 0).x + step * radius);
+  gl_FragData[0] = vec4(texelFetch(slimFirst, at, 0).x + kPeelStep * radius);
 }
 )";
 
-const std::string kHead = "//VTK::System::Dec\n";
+/** The constants of the CPU's renderer. */
+std::string
+constants()
+{
+  std::string text;
+  for (const FrameConstant& c : kFrameConstants) {
+    text += "const float " + std::string(c.name) + " = " + std::to_string(c.value) + ";\n";
+  }
+  return text;
+}
+
+/** How shaders read a surface here. */
+constexpr const char* kTexels = R"(
+uniform samplerBuffer slimLeaves;
+vec4 slimTexel(int at) { return texelFetch(slimLeaves, at); }
+)";
+constexpr const char* kTrimTexels = R"(
+uniform isamplerBuffer slimTrims;
+int slimTrimWord(int at) { return texelFetch(slimTrims, at).x; }
+)";
+
+const std::string kHead = "//VTK::System::Dec\n" + constants();
 const std::string kOutput = "//VTK::Output::Dec\n";
 
 std::string
 ofLeaves(const std::string& shared, const char* body)
 {
-  return kHead + kOutput + kCameraGlsl + kLeafGlsl + shared + body;
+  return kHead + kOutput + kTexels + kCameraGlsl + kLeafGlsl + shared + body;
 }
 
 }  // namespace
@@ -348,7 +372,7 @@ leafVertexShader()
   // slimSlopes() reads a fragment's place, which a vertex has not.
   std::string camera = kCameraGlsl;
   camera.erase(camera.find("// Texels stand"));
-  return kHead + camera + kLeafVertex;
+  return kHead + kTexels + camera + kSurfel + kLeafVertex;
 }
 
 std::string
@@ -360,13 +384,13 @@ frameVertexShader()
 std::string
 firstPassShader()
 {
-  return ofLeaves(kTrims, kFirstPass);
+  return ofLeaves(std::string(kTrimTexels) + kTrims, kFirstPass);
 }
 
 std::string
 blendPassShader()
 {
-  return ofLeaves(std::string(kBlended) + kTrims, kBlendPass);
+  return ofLeaves(std::string(kBlended) + kTrimTexels + kTrims, kBlendPass);
 }
 
 std::string

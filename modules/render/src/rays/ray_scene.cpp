@@ -14,7 +14,6 @@ RayScene::RayScene(const SLIMSurface& s, int threads)
       shrink(std::clamp(s.info.cover_radius, 0.05, kMaxShrink)),
       cover_radius(std::clamp(s.info.cover_radius, 0.05, 1.0))
 {
-  constexpr double kMaxShift = 0.25;  // as in blendLeaf()
   const std::vector<std::uint32_t> leaves = surface.leaves();
   std::vector<Box> hit(leaves.size()), reach(leaves.size());
   parallelFor(leaves.size(), threads, 1024, [&](std::size_t i, int) {

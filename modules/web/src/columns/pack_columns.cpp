@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "columns/new_frame.h"
+#include "columns/surface_columns.h"
+#include "columns/web_columns.h"
+#include "columns/web_header.h"
+#include "pcl_slim/cloud/morton.h"
+#include "pcl_slim/surface/detail/detail_sizes.h"
+#include "pcl_slim/surface/oct_normal.h"
+
+namespace pcl_slim::detail {
+namespace {
+
+/** \brief The surfels of a surface in a page's order, column by column. */
+class Packer {
+ public:
+  Packer(const SLIMSurface& surface, double precision) : s_(surface), sizes_(surface)
+  {
+    header_.surfels = static_cast<std::uint32_t>(s_.size());
+    header_.leaves = static_cast<std::uint32_t>(s_.numLeaves());
+    header_.info = s_.info;
+    header_.precision = precision;
+    placeGrid();
+    header_.radius.cover(s_.radius);
+    header_.error.cover(s_.error);
+    std::vector<float> sizes = sizes_.own;
+    for (const float size : sizes_.parent) {
+      if (size < DetailSizes::kNoParent) sizes.push_back(size);
+    }
+    header_.size.cover(sizes);
+    sortSurfels();
+  }
+
+  std::vector<unsigned char> pack()
+  {
+    header_.write(out_);
+    putBalls();
+    putDetail();
+    putCoefficients();
+    putTrimMaps();
+    return std::move(out_.data);
+  }
+
+ private:
+  bool exact() const { return header_.precision == 0.0; }
+
+  void placeGrid()
+  {
+    double low[3], extent = 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto& column = *columns(k);
+      const auto [least, most] = std::minmax_element(column.begin(), column.end());
+      header_.corner[k] = low[k] = s_.empty() ? 0.0 : static_cast<double>(*least);
+      if (!s_.empty()) extent = std::max(extent, static_cast<double>(*most) - low[k]);
+    }
+    header_.step = extent > 0.0 ? extent / kCenterSteps : 1.0;
+  }
+
+  const std::vector<float>* columns(std::size_t k) const
+  {
+    const std::vector<float>* const axes[3] = {&s_.cx, &s_.cy, &s_.cz};
+    return axes[k];
+  }
+
+  std::uint32_t cell(std::size_t k, std::size_t i) const
+  {
+    return static_cast<std::uint32_t>(
+        std::lround(((*columns(k))[i] - header_.corner[k]) / header_.step));
+  }
+
+  /** \brief Leaves first; Morton order makes neighbours' differences small. */
+  void sortSurfels()
+  {
+    std::vector<std::uint64_t> keys;
+    for (std::uint32_t i = 0; i < s_.size(); ++i) {
+      order_.push_back(i);
+      keys.push_back(spreadBits(cell(0, i)) << 2 | spreadBits(cell(1, i)) << 1 |
+                     spreadBits(cell(2, i)));
+    }
+    std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
+      if (s_.isLeaf(a) != s_.isLeaf(b)) return s_.isLeaf(a);
+      return keys[a] != keys[b] ? keys[a] < keys[b] : a < b;
+    });
+  }
+
+  /** \param[in] codeOf std::uint32_t(std::uint32_t surfel) */
+  template <typename CodeOf>
+  void putColumn(int bytes, const CodeOf& codeOf)
+  {
+    std::vector<std::uint32_t> column;
+    column.reserve(order_.size());
+    for (const std::uint32_t i : order_) column.push_back(codeOf(i));
+    out_.put(column, bytes);
+  }
+
+  void putFloats(const std::vector<float>& column)
+  {
+    putColumn(4, [&](std::uint32_t i) { return bitsOf(column[i]); });
+  }
+
+  /** \brief Eight bits of a logarithm, or the float itself. */
+  void putLogarithms(const std::vector<float>& column, const LogScale& scale)
+  {
+    if (exact()) return putFloats(column);
+    putColumn(1, [&](std::uint32_t i) { return scale.code(column[i]); });
+  }
+
+  void putBalls()
+  {
+    if (exact()) {
+      for (const auto* column : {&s_.cx, &s_.cy, &s_.cz, &s_.nx, &s_.ny, &s_.nz})
+        putFloats(*column);
+    } else {
+      for (std::size_t k = 0; k < 3; ++k) {
+        std::uint32_t last = 0;
+        putColumn(2, [&](std::uint32_t i) {
+          const std::uint32_t here = cell(k, i), step = here - last;
+          last = here;
+          return step & 0xffffu;
+        });
+      }
+      putColumn(2, [&](std::uint32_t i) { return gridCode(codeOf(i).a); });
+      putColumn(2, [&](std::uint32_t i) { return gridCode(codeOf(i).b); });
+    }
+    putLogarithms(s_.radius, header_.radius);
+    putLogarithms(s_.error, header_.error);
+  }
+
+  OctNormal codeOf(std::uint32_t i) const
+  {
+    return encodeNormal({s_.nx[i], s_.ny[i], s_.nz[i]}, kNormalGrid);
+  }
+
+  void putDetail()
+  {
+    putColumn(1, [&](std::uint32_t i) { return s_.level[i]; });
+    putColumn(1, [&](std::uint32_t i) { return s_.degree[i]; });
+    std::vector<float> parent = sizes_.parent;
+    for (float& size : parent) size = size < DetailSizes::kNoParent ? size : 0.0f;
+    putLogarithms(sizes_.own, header_.size);
+    putLogarithms(parent, header_.size);
+  }
+
+  /** \brief The polynomial in the ball and frame that the viewer will have. */
+  std::array<double, kMaxCoefficients> rewritten(std::uint32_t i) const
+  {
+    const FramedBall from{
+        {s_.cx[i], s_.cy[i], s_.cz[i]}, {s_.nx[i], s_.ny[i], s_.nz[i]}, s_.radius[i]};
+    FramedBall to = from;
+    for (std::size_t k = 0; k < 3; ++k)
+      to.center[k] = header_.corner[k] + cell(k, i) * header_.step;
+    const std::array<float, 3> normal = decodeNormal(codeOf(i));
+    to.normal = {normal[0], normal[1], normal[2]};
+    to.radius = header_.radius.value(header_.radius.code(s_.radius[i]));
+    return inNewFrame(s_.degree[i], s_.coefficientsOf(i), from, to);
+  }
+
+  void putCoefficients()
+  {
+    const auto stride = static_cast<std::size_t>(s_.stride());
+    if (exact()) {
+      for (std::size_t k = 0; k < stride; ++k) {
+        putColumn(4, [&](std::uint32_t i) { return bitsOf(s_.coefficientsOf(i)[k]); });
+      }
+      return;
+    }
+    std::vector<std::vector<std::uint32_t>> columns(stride);
+    for (const std::uint32_t i : order_) {
+      const auto c = rewritten(i);
+      for (std::size_t k = 0; k < stride; ++k) {
+        columns[k].push_back(zigzag(c[k] * stepsOf(header_.precision, k)));
+      }
+    }
+    for (auto& column : columns) putEscaped(column);
+  }
+
+  /** \brief A byte each; those that it does not hold, in three bytes, behind all. */
+  void putEscaped(std::vector<std::uint32_t>& column)
+  {
+    std::vector<std::uint32_t> large;
+    for (std::uint32_t& code : column) {
+      if (code < kEscape) continue;
+      large.push_back(code);
+      code = kEscape;
+    }
+    out_.put(column, 1);
+    out_.put(large, 3);
+  }
+
+  void putTrimMaps()
+  {
+    putColumn(1, [&](std::uint32_t i) { return static_cast<std::uint32_t>(s_.trimMap(i).side); });
+    for (const std::uint32_t i : order_) {
+      const TrimMap map = s_.trimMap(i);
+      for (int row = 0; row < map.side; ++row) putTrimRow(map, row);
+    }
+  }
+
+  /** \brief What changes from the row before: little, so that it deflates well. */
+  void putTrimRow(const TrimMap& map, int row)
+  {
+    for (int first = 0; first < map.side; first += 8) {
+      std::uint32_t byte = 0;
+      for (int k = first; k < std::min(first + 8, map.side); ++k) {
+        const bool before = row > 0 && map.at(k, row - 1);
+        byte |= static_cast<std::uint32_t>(map.at(k, row) != before) << (k - first);
+      }
+      out_.put({byte}, 1);
+    }
+  }
+
+  const SLIMSurface& s_;
+  DetailSizes sizes_;
+  WebHeader header_;
+  std::vector<std::uint32_t> order_;
+  PlaneWriter out_;
+};
+
+}  // namespace
+
+std::vector<unsigned char>
+packColumns(const SLIMSurface& surface, double precision)
+{
+  return Packer(surface, precision).pack();
+}
+
+}  // namespace pcl_slim::detail

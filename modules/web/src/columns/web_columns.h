@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+namespace pcl_slim::detail {
+
+constexpr double kCenterSteps = 65535.0;  ///< along the longest side of the centres' box
+constexpr double kNormalGrid = 2047.0;    ///< steps of a coordinate to each side: 12 bits
+constexpr std::uint32_t kEscape = 255;    ///< a coefficient whose code takes three bytes
+constexpr double kMostSteps = 8388607.0;  ///< that three bytes hold with a sign
+
+inline std::uint32_t
+bitsOf(float value)
+{
+  std::uint32_t bits;
+  std::memcpy(&bits, &value, sizeof bits);
+  return bits;
+}
+
+inline float
+floatOf(std::uint32_t bits)
+{
+  float value;
+  std::memcpy(&value, &bits, sizeof value);
+  return value;
+}
+
+/** \brief A coordinate of a normal's octahedral code as a number from 0 on, and back. */
+inline std::uint32_t
+gridCode(float coordinate)
+{
+  return static_cast<std::uint32_t>(std::lround((coordinate + 1.0) * kNormalGrid));
+}
+
+inline float
+gridCoordinate(std::uint32_t code)
+{
+  return static_cast<float>(code / kNormalGrid - 1.0);
+}
+
+/** \brief Steps per radius of coefficient k; the constant one moves the surface as a whole. */
+inline double
+stepsOf(double precision, std::size_t k)
+{
+  return k == 0 ? 4.0 * precision : precision;
+}
+
+/** \brief A rounded number as 0, -1, 1, -2, 2 ... count from 0 on. */
+inline std::uint32_t
+zigzag(double steps)
+{
+  const auto v = static_cast<std::int32_t>(std::lround(std::clamp(steps, -kMostSteps, kMostSteps)));
+  return v < 0 ? static_cast<std::uint32_t>(-2 * v - 1) : static_cast<std::uint32_t>(2 * v);
+}
+
+inline double
+unzigzag(std::uint32_t code)
+{
+  return code % 2 == 0 ? code / 2 : -((code + 1.0) / 2);
+}
+
+}  // namespace pcl_slim::detail
