@@ -19,6 +19,7 @@ export class Camera {
     this.fov = given.fov || 0;
     this.height = (given.height || 0) / scale;
     this.aspect = given.aspect;
+    this.share = 1;  // of a picture's height that the object is framed in
   }
 
   copy() { return Object.assign(Object.create(Camera.prototype), this); }
@@ -33,7 +34,7 @@ export class Camera {
    * pictures. */
   pixel(width, height) {
     const tall = this.height || 2 * Math.tan(this.fov * Math.PI / 360);
-    return tall * Math.max(1 / height, this.aspect / width);
+    return tall * Math.max(1 / (this.share * height), this.aspect / width);
   }
 
   /** The ray through a place of a picture, in pixels from its upper left corner. */

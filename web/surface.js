@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A surface as modules/web packs it: its columns, the texels that shaders read, and rays in double.
 
-const CENTER_MASK = 0xffff, NORMAL_GRID = 2047, ESCAPE = 255, LOG_STEPS = 254;
+const CENTER_MASK = 0xffff, NORMAL_GRID = 2047, ESCAPE = 255, LOG_STEPS = [0, 254, 4094], LARGE_BALL = 0.02;
 
 /** Undoes base64 and gzip; throws for what was cut or changed. */
 export async function inflate(text, length) {
@@ -29,10 +29,9 @@ export class Planes {
   double() { return new Float64Array(Uint32Array.of(this.number(), this.number()).buffer)[0]; }
   doubles(count) { return Array.from({length: count}, () => this.double()); }
   floats(count) { return Float64Array.from(new Float32Array(this.get(count, 4).buffer)); }
-  /** 8-bit logarithms; 0 stays 0. */
-  logarithms(count, [low, ratio]) {
-    const values = Float64Array.from({length: 256}, (_, k) => k ? low * ratio ** ((k - 1) / LOG_STEPS) : 0);
-    return Float64Array.from(this.get(count, 1), code => values[code]);
+  /** Logarithms of one byte or two; 0 stays 0. */
+  logarithms(count, [low, ratio], size = 1) {
+    return Float64Array.from(this.get(count, size), code => code && low * ratio ** ((code - 1) / LOG_STEPS[size]));
   }
   cells(count, corner, step) {
     let cell = 0;
@@ -64,14 +63,14 @@ function readHeader(planes) {
 
 function readCoefficients(s, planes) {
   s.c = new Float64Array(s.count * s.stride);
+  const steps = (k, r) => (k ? 1 : 4) * s.precision * Math.max(1, r / s.diagonal / LARGE_BALL);
   for (let k = 0; k < s.stride; ++k) {
-    const steps = k ? s.precision : 4 * s.precision;
     const codes = s.precision ? planes.get(s.count, 1) : planes.floats(s.count);
     const large = s.precision ? planes.get(codes.filter(c => c === ESCAPE).length, 3) : [];
     let next = 0;
     for (let i = 0; i < s.count; ++i) {
       const code = codes[i] === ESCAPE && s.precision ? large[next++] : codes[i];
-      s.c[i * s.stride + k] = !s.precision ? code : (code & 1 ? -(code + 1) / 2 : code / 2) / steps;
+      s.c[i * s.stride + k] = !s.precision ? code : (code & 1 ? -(code + 1) / 2 : code / 2) / steps(k, s.radius[i]);
     }
   }
 }
@@ -102,9 +101,9 @@ export function decode(bytes) {
   for (let i = 0; i < n; ++i) {
     s.normal.set(exact ? codes.map(c => c[i]) : octNormal(codes[0][i], codes[1][i]), 3 * i);
   }
-  const logarithms = k => exact ? planes.floats(n) : planes.logarithms(n, s.logs[k]);
+  const logarithms = (k, size) => exact ? planes.floats(n) : planes.logarithms(n, s.logs[k], size);
   s.radius = logarithms(0);
-  s.error = logarithms(1);
+  s.error = logarithms(1, 2);
   s.level = planes.get(n, 1);
   planes.get(n, 1);  // degrees: unused coefficients are 0
   s.own = logarithms(2);

@@ -105,7 +105,7 @@ class Packer {
   void putLogarithms(const std::vector<float>& column, const LogScale& scale)
   {
     if (exact()) return putFloats(column);
-    putColumn(1, [&](std::uint32_t i) { return scale.code(column[i]); });
+    putColumn(scale.bytes, [&](std::uint32_t i) { return scale.code(column[i]); });
   }
 
   void putBalls()
@@ -144,6 +144,11 @@ class Packer {
     putLogarithms(parent, header_.size);
   }
 
+  double roundedRadius(std::uint32_t i) const
+  {
+    return header_.radius.value(header_.radius.code(s_.radius[i]));
+  }
+
   /** \brief The polynomial in the ball and frame that the viewer will have. */
   std::array<double, kMaxCoefficients> rewritten(std::uint32_t i) const
   {
@@ -154,7 +159,7 @@ class Packer {
       to.center[k] = header_.corner[k] + cell(k, i) * header_.step;
     const std::array<float, 3> normal = decodeNormal(codeOf(i));
     to.normal = {normal[0], normal[1], normal[2]};
-    to.radius = header_.radius.value(header_.radius.code(s_.radius[i]));
+    to.radius = roundedRadius(i);
     return inNewFrame(s_.degree[i], s_.coefficientsOf(i), from, to);
   }
 
@@ -170,8 +175,9 @@ class Packer {
     std::vector<std::vector<std::uint32_t>> columns(stride);
     for (const std::uint32_t i : order_) {
       const auto c = rewritten(i);
+      const double diagonals = roundedRadius(i) / s_.info.diagonal;
       for (std::size_t k = 0; k < stride; ++k) {
-        columns[k].push_back(zigzag(c[k] * stepsOf(header_.precision, k)));
+        columns[k].push_back(zigzag(c[k] * stepsOf(header_.precision, k, diagonals)));
       }
     }
     for (auto& column : columns) putEscaped(column);

@@ -99,8 +99,10 @@ class Unpacker {
       const auto codes = exact() ? in_.get(n_, 4) : getEscaped();
       for (std::size_t i = 0; i < codes.size(); ++i) {
         s.coefficients[i * stride + k] =
-            exact() ? floatOf(codes[i])
-                    : static_cast<float>(unzigzag(codes[i]) / stepsOf(header_.precision, k));
+            exact()
+                ? floatOf(codes[i])
+                : static_cast<float>(unzigzag(codes[i]) /
+                                     stepsOf(header_.precision, k, s.radius[i] / s.info.diagonal));
       }
     }
   }

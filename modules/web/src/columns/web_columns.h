@@ -42,11 +42,13 @@ gridCoordinate(std::uint32_t code)
   return static_cast<float>(code / kNormalGrid - 1.0);
 }
 
-/** \brief Steps per radius of coefficient k; the constant one moves the surface as a whole. */
+/** \brief Steps per radius of coefficient k. The constant one moves the surface as a whole; steps of large
+ * balls are as long as those of balls of kLargeBall diagonals. */
 inline double
-stepsOf(double precision, std::size_t k)
+stepsOf(double precision, std::size_t k, double diagonals)
 {
-  return k == 0 ? 4.0 * precision : precision;
+  constexpr double kLargeBall = 0.02;
+  return (k == 0 ? 4.0 : 1.0) * precision * std::max(1.0, diagonals / kLargeBall);
 }
 
 /** \brief A rounded number as 0, -1, 1, -2, 2 ... count from 0 on. */

@@ -12,10 +12,10 @@
 
 namespace pcl_slim::detail {
 
-/** \brief Positive numbers as 8-bit logarithms between the smallest and the largest; 0 stays 0. */
+/** \brief Positive numbers as logarithms between the smallest and the largest; 0 stays 0. */
 struct LogScale {
-  static constexpr double kSteps = 254.0;
-
+  int bytes = 1;                  ///< of a code
+  double steps = 254.0;           ///< between the codes 1 and the largest
   double low = 1.0, ratio = 1.0;  ///< of code 1; largest over smallest
 
   /** \brief Widens the scale: a number that it codes. */
@@ -38,12 +38,12 @@ struct LogScale {
   {
     if (!(value > 0.0)) return 0;
     const double share = ratio > 1.0 ? std::log(value / low) / std::log(ratio) : 0.0;
-    return 1 + static_cast<std::uint32_t>(std::lround(kSteps * std::clamp(share, 0.0, 1.0)));
+    return 1 + static_cast<std::uint32_t>(std::lround(steps * std::clamp(share, 0.0, 1.0)));
   }
 
   double value(std::uint32_t code) const
   {
-    return code == 0 ? 0.0 : low * std::pow(ratio, (code - 1.0) / kSteps);
+    return code == 0 ? 0.0 : low * std::pow(ratio, (code - 1.0) / steps);
   }
 };
 
@@ -53,7 +53,8 @@ struct WebHeader {
   SurfaceInfo info;
   double precision = 0.0;                          ///< steps of a coefficient per radius; 0: floats
   double corner[3] = {0.0, 0.0, 0.0}, step = 1.0;  ///< of the grid that centres lie on
-  LogScale radius, error, size;
+  LogScale radius, size;
+  LogScale error{2, 4094.0, 1.0, 1.0};  ///< weights follow from it
 
   void write(PlaneWriter& out) const;
   /** \return false for bytes that are no header of this version */

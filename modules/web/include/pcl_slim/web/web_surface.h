@@ -21,10 +21,10 @@ struct WebSurface {
  * logarithms. Coefficients are rewritten for the rounded ball and frame before they are rounded, so
  * that the surface moves by their steps alone. effective_count is left out.
  * \param[in] precision steps of a coefficient per radius, 16 ... 65536, and four times as many of the
- * constant one; 0: nothing is rounded. 512 moves normals by .05 degrees (95th percentile).
+ * constant one; 0: nothing is rounded. 640 moves normals by .05 degrees (95th percentile).
  * O(surfels + links). The bytes are the same for every run. */
 Result<std::vector<unsigned char>>
-encodeWebSurface(const SLIMSurface& surface, double precision = 512.0);
+encodeWebSurface(const SLIMSurface& surface, double precision = 640.0);
 
 /** \brief Inverse of encodeWebSurface, as the viewer does it. Truncated, damaged or foreign bytes give
  * an error. */
