@@ -10,7 +10,7 @@ const LABELS = {shaded: 'Shaded', normal: 'Normals', mean: 'Mean curvature', gau
   reflection: 'Reflection lines'};
 const ORDER = Object.keys(LABELS);
 
-const text = x => x === 0 || Math.abs(x) >= 1e-3 && Math.abs(x) < 1e6 ? String(+x.toPrecision(5)) : x.toExponential(3);
+const text = x => x === 0 || Math.abs(x) >= 1e-3 && Math.abs(x) < 1e7 ? String(+x.toPrecision(Math.abs(x) < 1e4 ? 5 : 8)) : x.toExponential(3);
 
 function fail(sentence) {
   $('message').textContent = sentence;
@@ -28,7 +28,11 @@ class Page {
     Object.assign(this, {viewer, page, canvas: viewer.canvas, pointers: new Map(), marks: []});
     this.fillModes();
     this.listen();
-    viewer.onFrame = () => this.drawMarks();
+    viewer.onFrame = () => {
+      this.drawMarks();
+      $('message').hidden = true;
+      document.body.classList.add('ready');
+    };
     const dark = matchMedia('(prefers-color-scheme: dark)');
     const follow = () => { viewer.dark = dark.matches; viewer.recolor(); };
     dark.addEventListener('change', follow);
@@ -48,7 +52,7 @@ class Page {
     const {count, degree} = this.viewer.surface;
     $('facts').textContent = `${count.toLocaleString('en')} polynomial patches of degree ${degree}` +
       (this.page.points ? `, ${this.page.points.toLocaleString('en')} points` : '') +
-      (this.viewer.software ? '; drawn without a graphics card, so coarsely and slowly' : '');
+      (this.viewer.software ? '; no graphics card: coarse and slow' : '');
   }
 
   listen() {
@@ -67,6 +71,7 @@ class Page {
     on($('measure'), 'click', () => this.setMeasuring(!this.measuring));
     on($('save'), 'click', () => this.save());
     on($('help'), 'click', () => this.setHelp($('keys').hidden));
+    on($('close'), 'click', () => this.setHelp(false));
   }
 
   setMode(mode) {
@@ -80,7 +85,7 @@ class Page {
   showScale() {
     const {viewer} = this, {mode} = viewer, [low, high] = viewer.range(), css = c => `rgb(${c.map(x => 255 * x)})`;
     $('scale').hidden = !viewer.hasRange();
-    $('range').disabled = mode === 'level';
+    $('range').hidden = mode === 'level';
     let stops = viewer.table().map(css);
     if (mode === 'level') {
       const count = Math.round(high - low), levels = Array.from({length: count}, (_, k) => Math.round(low + k + 0.5));
@@ -102,7 +107,7 @@ class Page {
   pivotAt(x, y) { return this.viewer.pick(x, y)?.point || this.viewer.middle(); }
 
   press(e) {
-    this.canvas.focus({preventScroll: true});
+    this.canvas.focus({preventScroll: true, focusVisible: false});
     this.canvas.setPointerCapture(e.pointerId);
     this.pointers.set(e.pointerId, this.place(e));
     this.start = {at: this.place(e), moved: false, pan: e.button > 0 || e.shiftKey};
@@ -238,9 +243,9 @@ class Page {
     const list = v => v.map(text).join('  ');
     const rows = {
       Position: list(this.viewer.world(point)), Normal: list(normal.map(x => +x.toFixed(4))), Distance: text(depth * scale),
-      'Largest curvature': text(kMax / scale), 'Smallest curvature': text(kMin / scale),
-      'Mean curvature': text((kMax + kMin) / 2 / scale), 'Gaussian curvature': text(kMax * kMin / scale ** 2),
-      'Radius of ball': text(s.radius[leaf] * scale), Level: s.level[leaf], Residual: text(s.error[leaf] * scale),
+      'Principal curvatures': list([kMax / scale, kMin / scale]),
+      'Mean, Gaussian': list([(kMax + kMin) / 2 / scale, kMax * kMin / scale ** 2]),
+      'Ball, residual': list([s.radius[leaf] * scale, s.error[leaf] * scale]), Level: s.level[leaf],
     };
     for (const [name, words] of Object.entries(rows)) {
       const row = table.insertRow();
@@ -287,8 +292,6 @@ async function open() {
     const viewer = window.slim = new Viewer(gl, surface, page);
     if (location.hash === '#still') document.body.classList.add('bare');
     viewer.ui = new Page(viewer, page);
-    $('message').hidden = true;
-    document.body.classList.add('ready');
   } catch (defect) {
     console.error(defect);
     fail(`This device does not draw the surface (${String(defect.message).split('\n')[0]}); try another browser`);

@@ -119,7 +119,7 @@ export class Viewer {
     this.resting = false;
     const begin = performance.now();
     this.work = null;
-    this.drawWhole(this.coarse, this.software ? 1 : 2, Math.max(this.page.lod, 1));
+    this.drawWhole(this.coarse, this.software ? 1 : 2, Math.max(this.page.lod, this.software ? 3 : 1));
     if (this.software) this.finish();
     // A frame took as long as the one before it was on the screen.
     const took = this.software ? performance.now() - begin : now - (this.lastTick || now);
