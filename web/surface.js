@@ -118,6 +118,19 @@ export function decode(bytes) {
   return s;
 }
 
+/** Polylines: [kind, x, y, z, x, y, z, ...] each. */
+export function decodeLines(bytes) {
+  const planes = new Planes(bytes), count = planes.number(), kinds = planes.get(count, 1), counts = planes.get(count, 4);
+  const points = counts.reduce((sum, n) => sum + n, 0), step = planes.double();
+  const axes = [0, 1, 2].map(() => planes.cells(points, planes.double(), step));
+  let next = 0;
+  return Array.from(counts, (n, k) => [kinds[k], ...Array(n).fill(0).flatMap(() => {
+    const point = axes.map(axis => axis[next]);
+    ++next;
+    return point;
+  })]);
+}
+
 /** Axes (u, v, w) of a surfel's frame: a fixed function of its normal. */
 export function frameOf(s, i) {
   const [x, y, z] = s.normal.subarray(3 * i, 3 * i + 3), sign = z < 0 || Object.is(z, -0) ? -1 : 1;

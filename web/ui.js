@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page: what pointers, keys and buttons do, and what is read at a point.
-import {boundsOf, decode, inflate} from './surface.js';
+import {boundsOf, decode, decodeLines, inflate} from './surface.js';
 import {obstacle} from './renderer.js';
 import {MODES, Viewer} from './viewer.js';
 
@@ -258,7 +258,7 @@ class Page {
   drawMarks() {
     const {clientWidth: w, clientHeight: h} = this.canvas, {camera} = this.viewer;
     const at = this.marks.map(p => camera.project(p, w, h)).filter(Boolean);
-    const line = at.length > 1 ? `<line x1="${at[0][0]}" y1="${at[0][1]}" x2="${at[1][0]}" y2="${at[1][1]}"/>` : '';
+    const line = at.length > 1 ? `<line x1="${at[0][0]}" y1="${at[0][1]}" x2="${at[1][0]}" y2="${at[1][1]}"/>`.repeat(2) : '';
     $('marks').innerHTML = line + at.map(([x, y]) => `<circle cx="${x}" cy="${y}" r="5"/>`).join('');
   }
 
@@ -280,7 +280,8 @@ async function open() {
   let page, surface;
   try {
     page = JSON.parse($('options').textContent);
-    surface = decode(await inflate($('data').textContent.trim(), page.bytes));
+    page.lines = decodeLines(await inflate($('lines').textContent, page.lineBytes));
+    surface = decode(await inflate($('data').textContent, page.bytes));
   } catch (defect) {
     return fail('This page is damaged or was cut off: save it again');
   }

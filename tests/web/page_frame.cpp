@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "web/page_frame.h"
 
-#include <algorithm>
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -13,20 +14,12 @@
 namespace pcl_slim::test {
 namespace {
 
-double
-percentile(std::vector<double> values, double share)
-{
-  if (values.empty()) return 0.0;
-  const auto k = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + k, values.end());
-  return values[static_cast<std::size_t>(k)];
-}
-
 /** \brief The columns that gbuffer.mjs writes, in local units. */
 void
 fillBuffer(const float* columns, std::size_t pixels, double unit, GBuffer& buffer)
 {
-  const float *geometry = columns, *attributes = columns + 4 * pixels, *named = columns + 8 * pixels;
+  const float *geometry = columns, *attributes = columns + 4 * pixels,
+              *named = columns + 8 * pixels;
   for (std::size_t i = 0; i < pixels; ++i) {
     if (geometry[4 * i + 3] == 0.0f) continue;
     buffer.surfel[i] = 0;
@@ -46,7 +39,8 @@ std::string
 whyNoBrowser()
 {
   if (std::string(PCL_SLIM_NODE).empty()) return "node is not installed: pages are not drawn";
-  if (std::string(PCL_SLIM_CHROMIUM).empty()) return "Chromium is not installed: pages are not drawn";
+  if (std::string(PCL_SLIM_CHROMIUM).empty())
+    return "Chromium is not installed: pages are not drawn";
   return "";
 }
 
@@ -64,26 +58,23 @@ runScript(const std::string& script, const std::string& arguments)
 }
 
 PageFrame
-drawPage(const std::string& page, const SLIMSurface& surface, int width, int height, double lod,
-         const std::vector<std::string>& modes)
+drawPage(const std::string& script, const std::string& page, const SLIMSurface& surface,
+         const ImageSize& size, double lod, const std::vector<std::string>& modes)
 {
   const std::string out = page + ".frame";
-  std::string arguments = page + " " + out + " " + std::to_string(width) + " " +
-                          std::to_string(height) + " " + std::to_string(lod);
+  std::string arguments = page + " " + out + " " + std::to_string(size.width) + " " +
+                          std::to_string(size.height) + " " + std::to_string(lod);
   for (const std::string& mode : modes) arguments += " " + mode;
-  const std::string said = runScript("gbuffer.mjs", arguments);
-  if (!said.empty()) std::fprintf(stderr, "%s\n", said.c_str());
+  EXPECT_EQ(runScript(script, arguments), "");
   std::ifstream file(out, std::ios::binary);
   const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
-  const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  const auto pixels = static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height);
   const std::size_t columns = 3 * sizeof(double), pictures = columns + 12 * pixels * sizeof(float);
   PageFrame frame;
   if (bytes.size() != pictures + 4 * pixels * modes.size()) return frame;
   double units[3];
   std::memcpy(units, bytes.data(), sizeof units);
-  frame.width = static_cast<int>(units[1]);
-  frame.height = static_cast<int>(units[2]);
-  frame.buffer.resize(width, height);
+  frame.buffer.resize(size.width, size.height);
   std::vector<float> floats(12 * pixels);
   std::memcpy(floats.data(), bytes.data() + columns, 12 * pixels * sizeof(float));
   fillBuffer(floats.data(), pixels, units[0] / surface.info.scale, frame.buffer);
@@ -93,36 +84,6 @@ drawPage(const std::string& page, const SLIMSurface& surface, int width, int hei
   }
   std::remove(out.c_str());
   return frame;
-}
-
-FrameDifference
-compareFrames(const GBuffer& seen, const GBuffer& truth, double diagonal)
-{
-  FrameDifference d;
-  std::vector<double> normals, depths, curvatures, sizes;
-  for (std::size_t i = 0; i < truth.numPixels(); ++i) {
-    if (seen.covered(i) != truth.covered(i)) ++d.one;
-    if (!seen.covered(i) || !truth.covered(i)) continue;
-    ++d.both;
-    double square = 0.0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double step = double{seen.normal[i][k]} - truth.normal[i][k];
-      square += step * step;
-    }
-    normals.push_back(2.0 * std::asin(std::min(1.0, 0.5 * std::sqrt(square))) * 180.0 / M_PI);
-    depths.push_back(std::abs(double{seen.depth[i]} - truth.depth[i]) / diagonal);
-    for (std::size_t k = 0; k < 2; ++k) {
-      curvatures.push_back(std::abs(double{seen.principal[i][k]} - truth.principal[i][k]));
-      sizes.push_back(std::abs(double{truth.principal[i][k]}));
-    }
-    const bool same_radius = std::abs(seen.radius[i] / truth.radius[i] - 1.0f) < 0.05f;
-    d.levels += seen.level[i] != truth.level[i] || !same_radius;
-  }
-  d.normal_p95 = percentile(normals, 0.95);
-  d.normal_p99 = percentile(normals, 0.99);
-  d.depth_p99 = percentile(depths, 0.99);
-  d.curvature_p95 = percentile(curvatures, 0.95) / std::max(1e-30, percentile(sizes, 0.95));
-  return d;
 }
 
 }  // namespace pcl_slim::test

@@ -1,83 +1,198 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pages in a real browser, beside the renderer in double.
+// Pages in a real browser beside the renderer in double. Small pictures: a processor draws them.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
-#include <cstdlib>
-#include <fstream>
+#include <algorithm>
+#include <cstdio>
 
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/surface/surface_io.h"
 #include "pcl_slim/web/page.h"
+#include "support/clouds.h"
+#include "support/frame_difference.h"
+#include "unit/render/sphere_view.h"
 #include "web/page_frame.h"
 
-using namespace pcl_slim;
-using namespace pcl_slim::test;
-
+namespace pcl_slim {
 namespace {
 
-struct Drawn {
-  SLIMSurface surface;
-  Camera camera;
-  PageFrame frame;
-  GBuffer truth;
-  std::vector<Image> pictures;
+using namespace test;
+using measure::Shape;
+
+constexpr int kWidth = 120, kHeight = 90;
+
+/** \brief A page in a file, for as long as this lives. */
+class PageFile {
+ public:
+  PageFile(const SLIMSurface& surface, const Camera& camera, double precision, double lod = 0.0)
+  {
+    RenderParams rendering;
+    rendering.lod = lod;
+    ShadingParams shading;
+    shading.mode = ShadingMode::kNormal;
+    PageParams params;
+    params.precision = precision;
+    const auto page = encodePage(surface, camera, rendering, shading, params);
+    EXPECT_TRUE(page) << page.error().message;
+    EXPECT_FALSE(page ? writeFile(path_, page->data(), page->size()) : page.error());
+  }
+  ~PageFile() { std::remove(path_.c_str()); }
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_ = testing::TempDir() + "pcl_slim_" + std::to_string(getpid()) + ".html";
 };
 
-/** \brief A surface in a page and by the renderer in double, at the same size. */
-Drawn
-drawBoth(const SLIMSurface& surface, double precision, double lod, const std::vector<std::string>& modes,
-         int width, int height)
+SLIMSurface
+fittedSurface(Shape shape, int degree, bool with_normals)
 {
-  Drawn drawn;
-  drawn.camera = fitCamera(spheresOf(surface), viewFromAngles(UpAxis::kY, 30.0, 10.0), {width, height});
-  RenderParams rendering;
-  rendering.lod = lod;
-  ShadingParams shading;
-  shading.ambient_occlusion = 0.0;
-  shading.supersampling = 1;
-  PageParams params;
-  params.precision = precision;
-  const auto page = encodePage(surface, drawn.camera, rendering, shading, params);
-  if (!page) return drawn;
-  const std::string path = ::testing::TempDir() + "page_" + std::to_string(getpid()) + ".html";
-  static_cast<void>(writeFile(path, page->data(), page->size()));
-  drawn.frame = drawPage(path, surface, width, height, lod, modes);
-  std::remove(path.c_str());
-  SurfaceRenderer renderer(surface);
-  rendering.reference = lod == 0.0;  // the level of detail is the tiles' alone
-  static_cast<void>(renderer.render(drawn.camera, rendering, drawn.truth));
-  for (const std::string& mode : modes) {
-    shading.mode = *shadingModeOf(mode);
-    auto picture = renderPicture(renderer, drawn.camera, rendering, shading);
-    drawn.pictures.push_back(picture ? *picture : Image());
+  FitParams params;
+  params.degree = degree;
+  const auto cloud = pcl_slim_test::sceneCloud(shape, 8000, 0.0005, 0.02);
+  return pcl_slim_test::fitted(with_normals ? cloud : cloud.withoutNormals(), params).surface;
+}
+
+/** \brief Share of pixels in which a picture differs by more than 2 of 255. */
+double
+shareOff(const std::vector<std::uint8_t>& seen, const Image& truth)
+{
+  std::size_t off = 0;
+  for (int y = 0; y < truth.height; ++y) {
+    for (int x = 0; x < truth.width; ++x) {
+      const auto below = static_cast<std::size_t>((truth.height - 1 - y) * truth.width + x);
+      const auto at = static_cast<std::size_t>(y * truth.width + x);
+      int most = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        most = std::max(most, std::abs(int{seen[4 * below + k]} - int{truth.rgb[3 * at + k]}));
+      }
+      off += most > 2;
+    }
   }
-  return drawn;
+  return static_cast<double>(off) / (truth.width * truth.height);
+}
+
+class PageInBrowser : public testing::Test {
+ protected:
+  void SetUp() override
+  {
+    const std::string why = whyNoBrowser();
+    if (!why.empty()) GTEST_SKIP() << why;
+  }
+
+  static Camera cameraFor(const SLIMSurface& surface)
+  {
+    return fitCamera(spheresOf(surface), viewFromAngles(UpAxis::kZ, 30, 25), {kWidth, kHeight});
+  }
+
+  /** \brief The browser's frame, and how it differs from the renderer's in double. */
+  static FrameDifference draw(const SLIMSurface& surface, double precision, double lod,
+                              const std::vector<std::string>& modes, PageFrame& frame)
+  {
+    const Camera camera = cameraFor(surface);
+    const PageFile page(surface, camera, precision, lod);
+    frame = drawPage("gbuffer.mjs", page.path(), surface, {kWidth, kHeight}, lod, modes);
+    RenderParams rendering;
+    rendering.lod = lod;
+    rendering.reference = lod == 0.0;  // which draws leaves alone
+    GBuffer truth;
+    EXPECT_FALSE(SurfaceRenderer(surface).render(camera, rendering, truth));
+    if (frame.buffer.numPixels() != truth.numPixels()) return {};
+    return compareFrames(frame.buffer, truth, surface.info.diagonal);
+  }
+};
+
+TEST_F(PageInBrowser, DrawsWhatTheRendererDraws)
+{
+  const std::vector<std::string> modes{"shaded", "normal", "mean", "gauss", "kmax",
+                                       "kmin",   "level",  "size", "error", "reflection"};
+  for (const auto& [shape, degree, oriented] :
+       {std::tuple{Shape::kBumpy, 4, true}, std::tuple{Shape::kRelief, 2, false}}) {
+    const SLIMSurface surface = fittedSurface(shape, degree, oriented);
+    PageFrame frame;
+    const FrameDifference d = draw(surface, 0.0, 0.0, modes, frame);
+    EXPECT_GT(d.both, 2000u);
+    EXPECT_LE(d.one, 2u);
+    EXPECT_LT(d.normal_p99, 2e-3);  // floats beside doubles
+    EXPECT_LT(d.depth_p99, 1e-6);
+    EXPECT_LT(d.curvature_p95, 1e-4);
+    EXPECT_LE(d.leaves, d.both / 1000);
+    ASSERT_EQ(frame.pictures.size(), modes.size());
+    SurfaceRenderer renderer(surface);
+    ShadingParams shading;
+    shading.ambient_occlusion = 0.0;
+    shading.supersampling = 1;
+    for (std::size_t k = 0; k < modes.size(); ++k) {
+      shading.mode = *shadingModeOf(modes[k]);
+      const auto picture = renderPicture(renderer, cameraFor(surface), {}, shading);
+      ASSERT_TRUE(picture);
+      EXPECT_LT(shareOff(frame.pictures[k], *picture), 2e-3) << modes[k];
+    }
+  }
+}
+
+TEST_F(PageInBrowser, DrawsARoundedSurface)
+{
+  const SLIMSurface surface = fittedSurface(Shape::kRelief, 4, true);
+  ASSERT_TRUE(surface.hasTrimMaps());
+  PageFrame frame;
+  const FrameDifference d = draw(surface, PageParams().precision, 0.0, {}, frame);
+  EXPECT_GT(d.both, 2000u);
+  EXPECT_LE(d.one, 4u);
+  EXPECT_LT(d.normal_p95, 0.06);
+  EXPECT_LT(d.depth_p99, 4e-5);  // along rays that meet it at 25 degrees
+}
+
+TEST_F(PageInBrowser, DrawsALevelOfDetail)
+{
+  const SLIMSurface surface = fittedSurface(Shape::kBumpy, 2, true);
+  PageFrame frame;
+  const FrameDifference d = draw(surface, 0.0, 8.0, {}, frame);
+  EXPECT_GT(d.both, 2000u);
+  EXPECT_LE(d.one, 2u);
+  EXPECT_LT(d.normal_p95, 0.1);
+  EXPECT_LE(d.leaves, d.both / 100);
+}
+
+TEST_F(PageInBrowser, DoesWhatItsReaderDoes)
+{
+  const SLIMSurface sphere = sphereSurface(4, kSphere, 300, 0.07);
+  const PageFile page(sphere, frontCamera(kWidth, kHeight), 640.0);
+  EXPECT_EQ(runScript("actions.mjs", page.path()), "");
+}
+
+TEST(PageInNode, AnswersClicksInDouble)
+{
+  if (std::string(PCL_SLIM_NODE).empty()) GTEST_SKIP() << "node is not installed";
+  for (const auto& [shape, degree] :
+       {std::tuple{Shape::kBumpy, 4}, std::tuple{Shape::kRelief, 3}}) {
+    const SLIMSurface surface = fittedSurface(shape, degree, shape == Shape::kBumpy);
+    const Camera camera =
+        fitCamera(spheresOf(surface), viewFromAngles(UpAxis::kZ, 30, 25), {48, 36});
+    const PageFile page(surface, camera, 0.0);
+    const PageFrame frame = drawPage("cast.mjs", page.path(), surface, {48, 36}, 0.0, {});
+    GBuffer truth;
+    RenderParams rendering;
+    rendering.reference = true;
+    ASSERT_FALSE(SurfaceRenderer(surface).render(camera, rendering, truth));
+    ASSERT_EQ(frame.buffer.numPixels(), truth.numPixels());
+    const FrameDifference d = compareFrames(frame.buffer, truth, surface.info.diagonal);
+    EXPECT_GT(d.both, 300u);
+    EXPECT_EQ(d.one, 0u);
+    // Both are rounded to float.
+    EXPECT_LT(d.depth_p99, 3e-7);
+    EXPECT_LT(d.normal_p99, 2e-5);
+    EXPECT_LT(d.curvature_p95, 1e-5);
+    EXPECT_EQ(d.leaves, 0u);
+  }
+}
+
+TEST(Viewer, IsCurrent)
+{
+  if (std::string(PCL_SLIM_NODE).empty()) GTEST_SKIP() << "node is not installed";
+  EXPECT_EQ(runScript("../../web/bundle.mjs --check", ""), "");
 }
 
 }  // namespace
-
-TEST(Try, frame)
-{
-  const auto s = loadSlim(std::getenv("TRY"));
-  const double precision = std::atof(std::getenv("PREC"));
-  const char* lod = std::getenv("LOD");
-  const int w = std::getenv("W") ? std::atoi(std::getenv("W")) : 200;
-  auto drawn = drawBoth(*s, precision, lod ? std::atof(lod) : 0.0, {"shaded", "mean", "gauss", "kmax", "kmin", "normal", "level", "size", "error", "reflection"}, w, w * 3 / 4);
-  const auto d = compareFrames(drawn.frame.buffer, drawn.truth, s->info.diagonal);
-  std::printf("both %zu one %zu normal p95 %.5f p99 %.5f depth p99 %.2g curv p95 %.2g named %zu\n", d.both, d.one,
-              d.normal_p95, d.normal_p99, d.depth_p99, d.curvature_p95, d.levels);
-  const std::size_t n = drawn.truth.numPixels();
-  for (std::size_t k = 0; k < drawn.pictures.size(); ++k) {
-    std::size_t off = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::size_t x = i % static_cast<std::size_t>(w), y = i / static_cast<std::size_t>(w);
-      const std::size_t flipped = (static_cast<std::size_t>(w * 3 / 4) - 1 - y) * static_cast<std::size_t>(w) + x;
-      int most = 0;
-      for (std::size_t c = 0; c < 3; ++c) most = std::max(most, std::abs(int(drawn.pictures[k].rgb[3 * i + c]) - int(drawn.frame.pictures[k][4 * flipped + c])));
-      off += most > 2;
-    }
-    std::printf(" %zu", off);
-  }
-  std::printf(" of %zu off\n", n);
-}
+}  // namespace pcl_slim

@@ -44,7 +44,8 @@ class Unpacker {
   void getLogarithms(std::vector<float>& column, const LogScale& scale)
   {
     if (exact()) return getColumn(4, column, floatOf);
-    getColumn(1, column, [&](std::uint32_t code) { return static_cast<float>(scale.value(code)); });
+    getColumn(scale.bytes, column,
+              [&](std::uint32_t code) { return static_cast<float>(scale.value(code)); });
   }
 
   void getBalls()

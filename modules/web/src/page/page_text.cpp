@@ -98,20 +98,6 @@ cameraJson(const Camera& camera)
 }
 
 std::string
-linesJson(const std::vector<SpaceLine>& lines, const Vector3& origin, double scale)
-{
-  std::string text;
-  for (const SpaceLine& line : lines) {
-    std::vector<double> numbers{line.kind == PictureLineKind::kRidge ? 0.0 : 1.0};
-    for (const auto& point : line.points) {
-      for (std::size_t k = 0; k < 3; ++k) numbers.push_back((point[k] - origin[k]) / scale);
-    }
-    text += (text.empty() ? "" : ",") + JsonText::numbers(numbers, 6);
-  }
-  return "[" + text + "]";
-}
-
-std::string
 mapName(ColorMap map)
 {
   return map == ColorMap::kDiverging    ? "diverging"
@@ -129,8 +115,7 @@ replace(std::string& text, const std::string& mark, const std::string& value)
 }  // namespace
 
 JsonText
-pageOptions(const Camera& camera, const ShadingParams& shading, const PageParams& params,
-            const std::array<double, 3>& origin, double scale)
+pageOptions(const Camera& camera, const ShadingParams& shading, const PageParams& params)
 {
   JsonText json;
   json.member("camera", cameraJson(camera));
@@ -144,13 +129,11 @@ pageOptions(const Camera& camera, const ShadingParams& shading, const PageParams
   json.member("white", JsonText::boolean(!shading.gradient_background));
   json.member("colors", colorTables());
   json.member("constants", constants());
-  json.member("lines", linesJson(params.lines, origin, scale));
   return json;
 }
 
 Result<std::string>
-fillPage(const std::string& title, const std::string& options,
-         const std::vector<unsigned char>& data, const std::vector<std::uint8_t>& still)
+fillPage(const std::string& title, JsonText options, const PageParts& parts)
 {
   std::string page = kViewerText;
   const std::string mark = "<!--viewer-->";
@@ -162,12 +145,15 @@ fillPage(const std::string& title, const std::string& options,
   page.replace(begin, end + mark.size() - begin, base64(*script));
   replace(page, "<!--title-->", htmlText(title));
   replace(page, "<!--heading-->", htmlText(title));
-  if (!still.empty()) {
+  if (!parts.still.empty()) {
     replace(page, "<!--still-->",
-            "<img id=still alt=\"\" src=\"data:image/png;base64," + base64(still) + "\">");
+            "<img id=still alt=\"\" src=\"data:image/png;base64," + base64(parts.still) + "\">");
   }
-  replace(page, "<!--options-->", options);
-  replace(page, "<!--data-->", base64(data));
+  options.member("bytes", std::to_string(parts.data.size()));
+  options.member("lineBytes", std::to_string(parts.lines.size()));
+  replace(page, "<!--options-->", options.object());
+  replace(page, "<!--lines-->", base64(parts.lines));
+  replace(page, "<!--data-->", base64(parts.data));
   return page;
 }
 

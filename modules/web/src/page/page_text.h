@@ -9,17 +9,25 @@
 
 namespace pcl_slim::detail {
 
-/** \brief What the viewer takes from the command line and from the C++ renderer's tables.
- * \param[in] origin, scale of the model: lines are given in its local units */
+/** \brief What the viewer takes from the command line and from the C++ renderer's tables. */
 JsonText
-pageOptions(const Camera& camera, const ShadingParams& shading, const PageParams& params,
-            const std::array<double, 3>& origin, double scale);
+pageOptions(const Camera& camera, const ShadingParams& shading, const PageParams& params);
 
-/** \brief Fills the viewer's text, its script deflated. \param[in] data of the model \param[in] still picture, PNG or
- * empty */
+/** \brief What is packed into a page, each part deflated. */
+struct PageParts {
+  std::vector<unsigned char> data;   ///< the model
+  std::vector<unsigned char> lines;  ///< packLines()
+  std::vector<std::uint8_t> still;   ///< picture as PNG, or empty
+};
+
+/** \brief Lines on a grid of 16 bits an axis, deflated. \param[in] origin, scale of the model, in whose
+ * local units the viewer works */
+Result<std::vector<unsigned char>>
+packLines(const std::vector<SpaceLine>& lines, const std::array<double, 3>& origin, double scale);
+
+/** \brief Fills the viewer's text, its script deflated. */
 Result<std::string>
-fillPage(const std::string& title, const std::string& options,
-         const std::vector<unsigned char>& data, const std::vector<std::uint8_t>& still);
+fillPage(const std::string& title, JsonText options, const PageParts& parts);
 
 /** \brief The picture that a page shows before, and instead of, its viewer: as PNG, in few colours. */
 std::vector<std::uint8_t>

@@ -44,6 +44,8 @@ encodePage(const SLIMSurface& surface, const Camera& camera, const RenderParams&
   }
   auto data = encodeWebSurface(surface, params.precision);
   if (!data) return data.error();
+  auto lines = packLines(params.lines, surface.info.origin, surface.info.scale);
+  if (!lines) return lines.error();
   SurfaceRenderer renderer(surface, rendering.threads);
   RenderParams all = rendering;
   all.columns = kAllColumns;
@@ -55,7 +57,7 @@ encodePage(const SLIMSurface& surface, const Camera& camera, const RenderParams&
   auto still = renderPicture(renderer, smallCamera(camera, kStillSize), rendering, plain);
   if (!still) return still.error();
 
-  JsonText options = pageOptions(camera, shading, params, surface.info.origin, surface.info.scale);
+  JsonText options = pageOptions(camera, shading, params);
   const bool front = rendering.sides == VisibleSides::kFront ||
                      (rendering.sides == VisibleSides::kAuto && surface.info.oriented);
   options.member("kind", "\"surface\"");
@@ -65,8 +67,8 @@ encodePage(const SLIMSurface& surface, const Camera& camera, const RenderParams&
   options.member("lod", JsonText::number(rendering.lod));
   options.member("points", std::to_string(surface.info.num_points));
   options.member("ranges", *ranges);
-  options.member("bytes", std::to_string(data->size()));
-  return fillPage(params.title, options.object(), *data, stillPicture(std::move(*still)));
+  return fillPage(params.title, options,
+                  {std::move(*data), std::move(*lines), stillPicture(std::move(*still))});
 }
 
 }  // namespace pcl_slim
