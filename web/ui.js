@@ -60,7 +60,6 @@ class Page {
     on(canvas, 'pointerdown', e => this.press(e));
     on(canvas, 'pointermove', e => this.drag(e));
     for (const name of ['pointerup', 'pointercancel']) on(canvas, name, e => this.release(e));
-    on(canvas, 'dblclick', e => this.center(e));
     on(canvas, 'contextmenu', e => e.preventDefault());
     on(canvas, 'wheel', e => this.wheel(e));
     on(canvas, 'keydown', e => this.key(e));
@@ -147,23 +146,25 @@ class Page {
 
   release(e) {
     if (!this.pointers.delete(e.pointerId)) return;
-    if (e.type === 'pointerup' && !this.start.moved && !this.pointers.size) this.read(...this.place(e));
+    if (e.type === 'pointerup' && !this.start.moved && !this.pointers.size) this.tap(...this.place(e), e.timeStamp);
     if (this.pointers.size) this.pivot = this.pivotAt(...this.middleOfPointers());
   }
 
-  center(e) {
-    const hit = this.viewer.pick(...this.place(e));
-    if (!hit) return;
+  /** One tap reads a point, a second one at its place brings it to the middle: fingers have no double click. */
+  tap(x, y, time) {
+    const {tapped} = this, again = tapped && time - tapped.time < 400 && Math.hypot(x - tapped.x, y - tapped.y) < 12;
+    this.tapped = again ? null : {x, y, time};
+    const hit = again && !this.measuring && this.viewer.pick(x, y);
+    if (!hit) return this.read(x, y);
     this.viewer.camera.center(hit.point);
     this.viewer.moved();
   }
 
   wheel(e) {
     e.preventDefault();
-    const at = this.place(e), now = performance.now();
     // One pick for one turn of the wheel: the point stays under the pointer.
-    if (!(now - this.wheeled < 400)) this.wheelPivot = this.pivotAt(...at);
-    this.wheeled = now;
+    if (!(e.timeStamp - this.wheeled < 400)) this.wheelPivot = this.pivotAt(...this.place(e));
+    this.wheeled = e.timeStamp;
     const lines = e.deltaMode ? 20 * e.deltaY : e.deltaY;
     this.viewer.camera.zoom(this.wheelPivot, Math.exp(0.0015 * Math.max(-300, Math.min(300, lines))));
     this.viewer.moved();
