@@ -174,9 +174,8 @@ renderSurfaceModel(const Settings& s, const Model& model, const Turntable& table
   return error;
 }
 
-Error
-renderSplatModel(const Settings& s, const Model& model, const Turntable& table, Report& report,
-                 double& save_seconds)
+DiscRenderParams
+discsOf(const Settings& s)
 {
   DiscRenderParams params;
   params.filtered = s.filtered;
@@ -184,6 +183,14 @@ renderSplatModel(const Settings& s, const Model& model, const Turntable& table, 
   params.near_plane = s.near_plane;
   params.skip = s.skip;
   params.threads = s.threads;
+  return params;
+}
+
+Error
+renderSplatModel(const Settings& s, const Model& model, const Turntable& table, Report& report,
+                 double& save_seconds)
+{
+  const DiscRenderParams params = discsOf(s);
   const ShadingParams shading = s.picture.shadingFor(true, s.threads);
   DiscRenderStatistics total;
   Error error = renderTurns(s, table, save_seconds, [&](const Camera& turned) {
@@ -272,10 +279,13 @@ writePage(const Settings& s, const Model& model, const Camera& camera, Console& 
   params.precision = s.page.precision;
   params.lines = s.lines.inSpace();
   const ShadingParams shading = s.picture.shadingFor(model.is_splats, s.threads);
-  const auto page = encodePage(model.surface, camera, renderingOf(s), shading, params);
+  const auto page = model.is_splats
+                        ? encodePage(model.splats, camera, discsOf(s), shading, params)
+                        : encodePage(model.surface, camera, renderingOf(s), shading, params);
   if (!page) return page.error();
   if (Error error = writeFile(s.output, page->data(), page->size())) return error;
-  report.json()["surfels"] = model.surface.size();
+  report.json()[model.is_splats ? "splats" : "surfels"] =
+      model.is_splats ? model.splats.size() : model.surface.size();
   report.json()["page_bytes"] = page->size();
   report.time("page", watch.seconds());
   console.done(watch.seconds(), std::to_string(page->size()) + " bytes");

@@ -3,7 +3,7 @@
 // is what differs: WebGL 2 has no buffer textures, leaves are drawn as hulls, and colours are our own.
 import {SHARED} from './shared.js';  // made by bundle.mjs
 
-const HEAD = constants => `#version 300 es
+export const HEAD = constants => `#version 300 es
 precision highp float;
 precision highp int;
 precision highp sampler2D;
@@ -15,7 +15,7 @@ vec4 slimTexel(int at) { return texelFetch(slimLeaves, ivec2(at & 2047, at >> 11
 int slimTrimWord(int at) { return texelFetch(slimTrims, ivec2(at & 2047, at >> 11), 0).x; }
 `;
 
-const OUTPUTS = count => `layout(location = 0) out vec4 slimOut[${count}];\n`;
+export const OUTPUTS = count => `layout(location = 0) out vec4 slimOut[${count}];\n`;
 
 /** A surfel as the box around the part of its polynomial inside its ball. Back faces are drawn: they are
  * there even where the eye is inside. Its depth is that of the ball's front, the same all over. */

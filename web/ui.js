@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page: what pointers, keys and buttons do, and what is read at a point.
-import {boundsOf, decode, decodeLines, inflate} from './surface.js';
-import {obstacle} from './renderer.js';
-import {MODES, Viewer} from './viewer.js';
+import {decode, decodeLines, inflate} from './surface.js';
+import {decodeSplats} from './splats.js';
+import {obstacle} from './frames.js';
+import {Viewer} from './viewer.js';
 
 const $ = id => document.getElementById(id);
 const LABELS = {shaded: 'Shaded', normal: 'Normals', mean: 'Mean curvature', gauss: 'Gaussian curvature',
   kmax: 'Largest curvature', kmin: 'Smallest curvature', level: 'Level', size: 'Size of balls', error: 'Residual',
-  reflection: 'Reflection lines'};
-const ORDER = Object.keys(LABELS);
+  reflection: 'Reflection lines', color: 'Colours'};
+const SPLAT_MODES = ['color', 'shaded', 'normal', 'size', 'reflection'];
 
 const text = x => x === 0 || Math.abs(x) >= 1e-3 && Math.abs(x) < 1e7 ? String(+x.toPrecision(Math.abs(x) < 1e4 ? 5 : 8)) : x.toExponential(3);
 
@@ -44,13 +45,14 @@ class Page {
   }
 
   fillModes() {
-    for (const mode of ORDER) $('mode').add(new Option(LABELS[mode], mode));
+    this.modes = Object.keys(LABELS).filter(mode => this.viewer.isSplats ? SPLAT_MODES.includes(mode) : mode !== 'color');
+    for (const mode of this.modes) $('mode').add(new Option(LABELS[mode], mode));
     $('mode').value = this.viewer.mode;
   }
 
   showFacts() {
     const {count, degree} = this.viewer.surface;
-    $('facts').textContent = `${count.toLocaleString('en')} polynomial patches of degree ${degree}` +
+    $('facts').textContent = `${count.toLocaleString('en')} ${this.viewer.isSplats ? 'coloured discs' : `polynomial patches of degree ${degree}`}` +
       (this.page.points ? `, ${this.page.points.toLocaleString('en')} points` : '') +
       (this.viewer.software ? '; no graphics card: coarse and slow' : '');
   }
@@ -189,7 +191,7 @@ class Page {
     } else if (acts[e.key]) {
       acts[e.key]();
     } else if (/^[0-9]$/.test(e.key)) {
-      this.setMode(ORDER[(+e.key + 9) % 10]);
+      this.setMode(this.modes[(+e.key + 9) % 10] || this.viewer.mode);
     } else {
       return;
     }
@@ -242,8 +244,13 @@ class Page {
   sayPoint({point, depth, normal, kMax, kMin, leaf}) {
     const {surface: s} = this.viewer, {scale} = s, table = document.createElement('table');
     const list = v => v.map(text).join('  ');
-    const rows = {
+    const place = {
       Position: list(this.viewer.world(point)), Normal: list(normal.map(x => +x.toFixed(4))), Distance: text(depth * scale),
+    };
+    const rows = this.viewer.isSplats ? {
+      ...place, Radius: text(s.radius[leaf]), Colour: list(s.rgb.map(c => c[leaf])),
+    } : {
+      ...place,
       'Principal curvatures': list([kMax / scale, kMin / scale]),
       'Mean, Gaussian': list([(kMax + kMin) / 2 / scale, kMax * kMin / scale ** 2]),
       'Ball, residual': list([s.radius[leaf] * scale, s.error[leaf] * scale]), Level: s.level[leaf],
@@ -282,11 +289,10 @@ async function open() {
   try {
     page = JSON.parse($('options').textContent);
     page.lines = decodeLines(await inflate($('lines').textContent, page.lineBytes));
-    surface = decode(await inflate($('data').textContent, page.bytes));
+    surface = (page.kind === 'splats' ? decodeSplats : decode)(await inflate($('data').textContent, page.bytes));
   } catch (defect) {
     return fail('This page is damaged or was cut off: save it again');
   }
-  surface.bounds = boundsOf(surface);
   const gl = canvas.getContext('webgl2', {antialias: false, alpha: false, powerPreference: 'high-performance'});
   const missing = obstacle(gl);
   if (missing) return fail(`${missing}: the picture does not turn; try another browser`);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What is drawn when: coarse frames while something moves, then whole ones, then more samples.
 import {Camera} from './camera.js';
-import {isSoftware, Renderer} from './renderer.js';
-import {cast, dot, length, minus} from './surface.js';
+import {isSoftware} from './frames.js';
+import {SurfaceFrames} from './renderer.js';
+import {castSplats, SplatFrames} from './splats.js';
+import {boundsOf, cast, dot, length, minus} from './surface.js';
 
 export const MODES = ['shaded', 'normal', 'mean', 'gauss', 'kmax', 'kmin', 'level', 'size', 'reflection',
                       'color', 'error'];
@@ -11,7 +13,9 @@ const MOST_PIXELS = 2.3e6, REST = 160, SAMPLES = 4;
 
 export class Viewer {
   constructor(gl, surface, page) {
-    Object.assign(this, {gl, surface, page, canvas: gl.canvas});
+    Object.assign(this, {gl, surface, page, canvas: gl.canvas, isSplats: page.kind === 'splats'});
+    surface.bounds = boundsOf(surface);
+    surface.diagonal ||= 2 * surface.bounds.radius;
     this.rules = {...page.constants, front: page.front, trim: page.trim, near: page.near / surface.scale};
     this.camera = new Camera(page.camera, page.turn, surface.origin, surface.scale);
     this.camera.share = location.hash === '#still' ? 1 : 0.8;  // the rest is for buttons
@@ -23,7 +27,7 @@ export class Viewer {
     this.software = isSoftware(gl);
     this.coarse = this.software ? 0.2 : 0.5;  // pixels drawn while moving, of the canvas's along an axis
     this.pixelCost = 0;                       // milliseconds, on software
-    this.renderer = new Renderer(gl, surface, this.rules, page);
+    this.renderer = new (this.isSplats ? SplatFrames : SurfaceFrames)(gl, surface, this.rules, page);
     this.lastMove = -Infinity;
     this.onFrame = () => {};
   }
@@ -53,11 +57,12 @@ export class Viewer {
     const {mode, page} = this, table = this.table(), logarithmic = mode === 'size';
     const [low, high] = this.range().map(x => logarithmic ? Math.log(x) : x);
     const plain = mode === 'normal' || mode === 'reflection';
+    const lit = mode === page.mode ? page.lighting : mode !== 'color';
     const paper = page.white ? [1, 0, 0] : this.dark ? [0.17, 0.07, 0.012] : [0.985, 0.145, 0.006];
     return {
-      named: NAMED.includes(mode), hollows: page.lighting && !plain ? this.hollows : 0,
+      named: NAMED.includes(mode), hollows: lit && !plain ? this.hollows : 0,
       values: {slimMode: MODES.indexOf(mode), slimKnots: table.length, slimLevels: +(mode === 'level'),
-               slimLit: +page.lighting, slimTable: [...table, ...Array(10 - table.length).fill([0, 0, 0])].flat(),
+               slimLit: +lit, slimTable: [...table, ...Array(10 - table.length).fill([0, 0, 0])].flat(),
                slimRange: [low, 1 / Math.max(1e-300, high - low), +logarithmic], slimPaper: paper},
     };
   }
@@ -166,7 +171,7 @@ export class Viewer {
   /** What the ray through a place of the canvas meets, in CSS pixels. */
   pick(x, y) {
     const {clientWidth: w, clientHeight: h} = this.canvas;
-    return cast(this.surface, this.rules, ...this.camera.ray(x, y, w, h));
+    return (this.isSplats ? castSplats : cast)(this.surface, this.rules, ...this.camera.ray(x, y, w, h));
   }
 
   /** The point about which to turn where nothing is under the pointer: the object's middle, at its depth. */

@@ -3,11 +3,11 @@
 #include <cmath>
 #include <cstring>
 
+#include "columns/center_cells.h"
 #include "columns/new_frame.h"
 #include "columns/surface_columns.h"
 #include "columns/web_columns.h"
 #include "columns/web_header.h"
-#include "pcl_slim/cloud/morton.h"
 #include "pcl_slim/surface/detail/detail_sizes.h"
 #include "pcl_slim/surface/oct_normal.h"
 
@@ -17,13 +17,15 @@ namespace {
 /** \brief The surfels of a surface in a page's order, column by column. */
 class Packer {
  public:
-  Packer(const SLIMSurface& surface, double precision) : s_(surface), sizes_(surface)
+  Packer(const SLIMSurface& surface, double precision)
+      : s_(surface), sizes_(surface), cells_({&surface.cx, &surface.cy, &surface.cz})
   {
     header_.surfels = static_cast<std::uint32_t>(s_.size());
     header_.leaves = static_cast<std::uint32_t>(s_.numLeaves());
     header_.info = s_.info;
     header_.precision = precision;
-    placeGrid();
+    std::copy(cells_.corner, cells_.corner + 3, header_.corner);
+    header_.step = cells_.step;
     header_.radius.cover(s_.radius);
     header_.error.cover(s_.error);
     std::vector<float> sizes = sizes_.own;
@@ -31,7 +33,7 @@ class Packer {
       if (size < DetailSizes::kNoParent) sizes.push_back(size);
     }
     header_.size.cover(sizes);
-    sortSurfels();
+    order_ = cells_.order([&](std::uint32_t i) { return s_.isLeaf(i); });
   }
 
   std::vector<unsigned char> pack()
@@ -46,45 +48,6 @@ class Packer {
 
  private:
   bool exact() const { return header_.precision == 0.0; }
-
-  void placeGrid()
-  {
-    double low[3], extent = 0.0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto& column = *columns(k);
-      const auto [least, most] = std::minmax_element(column.begin(), column.end());
-      header_.corner[k] = low[k] = s_.empty() ? 0.0 : static_cast<double>(*least);
-      if (!s_.empty()) extent = std::max(extent, static_cast<double>(*most) - low[k]);
-    }
-    header_.step = extent > 0.0 ? extent / kCenterSteps : 1.0;
-  }
-
-  const std::vector<float>* columns(std::size_t k) const
-  {
-    const std::vector<float>* const axes[3] = {&s_.cx, &s_.cy, &s_.cz};
-    return axes[k];
-  }
-
-  std::uint32_t cell(std::size_t k, std::size_t i) const
-  {
-    return static_cast<std::uint32_t>(
-        std::lround(((*columns(k))[i] - header_.corner[k]) / header_.step));
-  }
-
-  /** \brief Leaves first; Morton order makes neighbours' differences small. */
-  void sortSurfels()
-  {
-    std::vector<std::uint64_t> keys;
-    for (std::uint32_t i = 0; i < s_.size(); ++i) {
-      order_.push_back(i);
-      keys.push_back(spreadBits(cell(0, i)) << 2 | spreadBits(cell(1, i)) << 1 |
-                     spreadBits(cell(2, i)));
-    }
-    std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
-      if (s_.isLeaf(a) != s_.isLeaf(b)) return s_.isLeaf(a);
-      return keys[a] != keys[b] ? keys[a] < keys[b] : a < b;
-    });
-  }
 
   /** \param[in] codeOf std::uint32_t(std::uint32_t surfel) */
   template <typename CodeOf>
@@ -114,14 +77,7 @@ class Packer {
       for (const auto* column : {&s_.cx, &s_.cy, &s_.cz, &s_.nx, &s_.ny, &s_.nz})
         putFloats(*column);
     } else {
-      for (std::size_t k = 0; k < 3; ++k) {
-        std::uint32_t last = 0;
-        putColumn(2, [&](std::uint32_t i) {
-          const std::uint32_t here = cell(k, i), step = here - last;
-          last = here;
-          return step & 0xffffu;
-        });
-      }
+      cells_.write(order_, out_);
       putColumn(2, [&](std::uint32_t i) { return gridCode(codeOf(i).a); });
       putColumn(2, [&](std::uint32_t i) { return gridCode(codeOf(i).b); });
     }
@@ -155,8 +111,7 @@ class Packer {
     const FramedBall from{
         {s_.cx[i], s_.cy[i], s_.cz[i]}, {s_.nx[i], s_.ny[i], s_.nz[i]}, s_.radius[i]};
     FramedBall to = from;
-    for (std::size_t k = 0; k < 3; ++k)
-      to.center[k] = header_.corner[k] + cell(k, i) * header_.step;
+    for (std::size_t k = 0; k < 3; ++k) to.center[k] = cells_.rounded(k, i);
     const std::array<float, 3> normal = decodeNormal(codeOf(i));
     to.normal = {normal[0], normal[1], normal[2]};
     to.radius = roundedRadius(i);
@@ -220,6 +175,7 @@ class Packer {
 
   const SLIMSurface& s_;
   DetailSizes sizes_;
+  CenterCells cells_;
   WebHeader header_;
   std::vector<std::uint32_t> order_;
   PlaneWriter out_;

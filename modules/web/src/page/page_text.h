@@ -29,6 +29,9 @@ packLines(const std::vector<SpaceLine>& lines, const std::array<double, 3>& orig
 Result<std::string>
 fillPage(const std::string& title, JsonText options, const PageParts& parts);
 
+constexpr int kStillSize = 240;  ///< pixels along the longer side of the still picture
+constexpr int kRangeSize = 400;  ///< the same of the frame that automatic ranges are taken from
+
 /** \brief The picture that a page shows before, and instead of, its viewer: as PNG, in few colours. */
 std::vector<std::uint8_t>
 stillPicture(Image image);

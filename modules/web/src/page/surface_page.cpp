@@ -9,9 +9,6 @@ namespace pcl_slim {
 using namespace detail;
 namespace {
 
-constexpr int kStillSize = 240;  ///< pixels along the longer side
-constexpr int kRangeSize = 400;  ///< of the frame that ranges are taken from
-
 /** \brief The ranges that pictures of this view have in each mode. */
 Result<std::string>
 rangesSeen(SurfaceRenderer& renderer, const Camera& camera, const RenderParams& rendering,

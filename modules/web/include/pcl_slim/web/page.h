@@ -23,7 +23,7 @@ struct PageParams {
   std::vector<SpaceLine> lines;             ///< to draw over the surface, world coordinates
 };
 
-/** \brief One HTML file that shows a surface: any browser with WebGL 2 opens it, without network.
+/** \brief One HTML file that shows a surface. Any browser with WebGL 2 opens it, without network.
  *
  * It opens with the picture of renderPicture() and lets its reader turn it, change its mode and read
  * positions, normals and curvatures. camera.size sets the shape of the still picture that stands for
@@ -31,6 +31,11 @@ struct PageParams {
  * \return the file's text: 30 to 45 bytes a surfel of degree 4 and 90 KB. The same for every run. */
 Result<std::string>
 encodePage(const SLIMSurface& surface, const Camera& camera, const RenderParams& rendering,
+           const ShadingParams& shading, const PageParams& params);
+
+/** \brief The same for coloured discs, some 15 bytes each; params.precision means nothing. */
+Result<std::string>
+encodePage(const SplatSet& splats, const Camera& camera, const DiscRenderParams& rendering,
            const ShadingParams& shading, const PageParams& params);
 
 }  // namespace pcl_slim
