@@ -26,7 +26,7 @@ export class Viewer {
     this.dark = false;
     this.software = isSoftware(gl);
     this.coarse = this.software ? 0.2 : 0.5;  // pixels drawn while moving, of the canvas's along an axis
-    this.pixelCost = 0;                       // milliseconds, on software
+    this.patience = 2500;                     // milliseconds that a frame of software may take
     this.renderer = new (this.isSplats ? SplatFrames : SurfaceFrames)(gl, surface, this.rules, page);
     this.lastMove = -Infinity;
     this.onFrame = () => {};
@@ -130,8 +130,6 @@ export class Viewer {
     const took = this.software ? performance.now() - begin : now - (this.lastTick || now);
     this.lastTick = now;
     if (!(took > 0 && took < 2000)) return;
-    const [w, h] = this.size(this.coarse);
-    if (this.software) this.pixelCost = took / (w * h);
     const goal = this.software ? 150 : 30, step = Math.min(1.25, Math.max(0.6, Math.sqrt(goal / took)));
     if (step < 0.9 || step > 1.1) this.coarse = Math.min(1, Math.max(this.software ? 0.1 : 0.2, this.coarse * step));
   }
@@ -150,22 +148,32 @@ export class Viewer {
     this.renderer.present(1.1 * this.canvas.width / this.canvas.clientWidth);
   }
 
-  /** At rest, a round a frame: all rays to their end, then samples beside the pixels' centres. Software draws
-   * one, no larger than it can within two seconds. */
+  /** At rest: samples beside the pixels' centres, a round a frame. Software draws ever finer frames instead, as
+   * long as the next is not likely to take longer than it may. */
   *refine() {
-    const [width, height] = this.size(1), most = 2000 / (this.pixelCost || 0.02) / (width * height);
-    const share = this.software ? Math.min(1, Math.sqrt(most)) : 1;
-    for (let k = 0; k <= (this.software ? 0 : SAMPLES); ++k) {
-      const shift = k ? [((k - 1) % 2 + 0.5) / 2 - 0.5, ((k - 1 >> 1) + 0.5) / 2 - 0.5] : [0, 0];
-      this.renderer.begin(this.camera, ...this.size(share), shift, this.page.lod);
-      for (let left = true; left;) {
-        this.renderer.drawRound();
-        if (k === 0) this.show(false);
-        do yield; while ((left = this.renderer.raysLeft()) === undefined);
+    if (this.software) {
+      for (let share = this.coarse, took = 0; ; share = Math.min(1, 2 * share)) {
+        const begin = performance.now();
+        yield* this.sample(share, [0, 0], false);
+        this.finish();
+        took = performance.now() - begin;
+        if (share === 1 || 3 * took > this.patience) return;
       }
-      this.show(k > 0);
-      yield;
     }
+    for (let k = 0; k <= SAMPLES; ++k) {
+      yield* this.sample(1, k ? [((k - 1) % 2 + 0.5) / 2 - 0.5, ((k - 1 >> 1) + 0.5) / 2 - 0.5] : [0, 0], k > 0);
+    }
+  }
+
+  /** All rays of a frame to their end; added to the samples before, or in their place. */
+  *sample(share, shift, add) {
+    this.renderer.begin(this.camera, ...this.size(share), shift, this.page.lod);
+    for (let left = true; left;) {
+      this.renderer.drawRound();
+      if (!add) this.show(false);
+      do yield; while ((left = this.renderer.raysLeft()) === undefined);
+    }
+    this.show(add);
   }
 
   /** What the ray through a place of the canvas meets, in CSS pixels. */

@@ -171,6 +171,7 @@ async function damage() {
 
 try {
   await browser.open(page);
+  await run('slim.patience = 100');
   await rest();
   check('the page says something', await message() === '', await message());
   for (const step of [turnAndZoom, pressKeys, readAndMeasure, save, looks, damage]) await step();

@@ -34,14 +34,21 @@ class PageFile {
     shading.mode = ShadingMode::kNormal;
     PageParams params;
     params.precision = precision;
-    const auto page = encodePage(surface, camera, rendering, shading, params);
-    EXPECT_TRUE(page) << page.error().message;
-    EXPECT_FALSE(page ? writeFile(path_, page->data(), page->size()) : page.error());
+    write(encodePage(surface, camera, rendering, shading, params));
+  }
+  PageFile(const SplatSet& splats, const Camera& camera, const ShadingParams& shading)
+  {
+    write(encodePage(splats, camera, {}, shading, {}));
   }
   ~PageFile() { std::remove(path_.c_str()); }
   const std::string& path() const { return path_; }
 
  private:
+  void write(const Result<std::string>& page)
+  {
+    EXPECT_FALSE(page ? writeFile(path_, page->data(), page->size()) : page.error());
+  }
+
   std::string path_ = testing::TempDir() + "pcl_slim_" + std::to_string(getpid()) + ".html";
 };
 
@@ -153,6 +160,61 @@ TEST_F(PageInBrowser, DrawsALevelOfDetail)
   EXPECT_LE(d.one, 2u);
   EXPECT_LT(d.normal_p95, 0.1);
   EXPECT_LE(d.leaves, d.both / 100);
+}
+
+/** \brief Discs all over a sphere, coloured by their places, with the colours' change. */
+SplatSet
+discsOnSphere()
+{
+  const SLIMSurface sphere = sphereSurface(1, kSphere, 500, 0.04);
+  SplatSet splats;
+  splats.resize(sphere.size(), true);
+  splats.x = sphere.cx;
+  splats.y = sphere.cy;
+  splats.z = sphere.cz;
+  splats.nx = sphere.nx;
+  splats.ny = sphere.ny;
+  splats.nz = sphere.nz;
+  splats.radius = sphere.radius;
+  for (std::size_t i = 0; i < splats.size(); ++i) {
+    const auto byte = [](float x) { return static_cast<std::uint32_t>(127.0f + 400.0f * x); };
+    splats.rgb[i] = byte(splats.x[i]) << 16 | byte(splats.y[i]) << 8 | byte(splats.z[i]);
+    const float n[3] = {splats.nx[i], splats.ny[i], splats.nz[i]};
+    for (std::size_t k = 0; k < 9; ++k) {
+      splats.gradient[i][k] = 400.0f * ((k / 3 == k % 3 ? 1.0f : 0.0f) - n[k / 3] * n[k % 3]);
+    }
+  }
+  return splats;
+}
+
+TEST_F(PageInBrowser, DrawsSplats)
+{
+  const SplatSet splats = discsOnSphere();
+  const Camera camera = frontCamera(kWidth, kHeight);
+  ShadingParams shading;
+  shading.mode = ShadingMode::kColor;
+  shading.lighting = false;
+  shading.ambient_occlusion = 0.0;
+  shading.supersampling = 1;
+  const PageFile page(splats, camera, shading);
+  SLIMSurface units;
+  const PageFrame frame =
+      drawPage("gbuffer.mjs", page.path(), units, {kWidth, kHeight}, 0.0, {"color", "shaded"});
+  GBuffer truth;
+  ASSERT_FALSE(renderDiscs(splats, camera, {}, truth));
+  ASSERT_EQ(frame.pictures.size(), 2u);
+  const FrameDifference d = compareFrames(frame.buffer, truth, 2.0 * kSphere);
+  EXPECT_GT(d.both, 2000u);
+  EXPECT_LE(d.one, d.both / 200);  // radii and places are rounded
+  EXPECT_LT(d.normal_p95, 0.3);
+  EXPECT_LT(d.depth_p99, 1e-3);
+  for (std::size_t k = 0; k < 2; ++k) {
+    shading.mode = k == 0 ? ShadingMode::kColor : ShadingMode::kShaded;
+    shading.lighting = k > 0;
+    const auto picture = renderPicture(splats, camera, {}, shading);
+    ASSERT_TRUE(picture);
+    EXPECT_LT(shareOff(frame.pictures[k], *picture), 0.02) << k;
+  }
 }
 
 TEST_F(PageInBrowser, DoesWhatItsReaderDoes)
