@@ -12,7 +12,7 @@ const MODULES = ['surface.js', 'camera.js', 'shaders.js', 'frames.js', 'renderer
 /** Shader texts that the viewer shares with visualization/: the raw strings there, by their names. */
 export function sharedShaders() {
   const shared = {};
-  for (const name of ['leaf_glsl', 'pass_shaders']) {
+  for (const name of ['leaf_glsl', 'pass_glsl']) {
     const source = read(`../visualization/src/opengl/${name}.cpp`);
     for (const [, id, text] of source.matchAll(/char\* (?:const )?(k\w+) = R"\(([^]*?)\)";/g)) shared[id] = text;
   }
@@ -24,8 +24,7 @@ const stripped = text => text.replace(/\/\*[^]*?\*\//g, '').replace(/^\s*\/\/.*$
   .replace(/^\s+/gm, '').replace(/\n+/g, '\n');
 
 function bundle() {
-  const glsl = Object.entries(sharedShaders()).filter(([id]) => /^(kCamera|kLeafGlsl|kSurfel|kTrims|kFirst|kBlend|kLeafPass|kSums|kResult|kPeel)/.test(id))
-    .map(([id, text]) => `${id}: \`${stripped(text)}\``);
+  const glsl = Object.entries(sharedShaders()) .map(([id, text]) => `${id}: \`${stripped(text)}\``);
   const code = MODULES.map(read).join('\n').replace(/^import .*$/gm, '').replace(/^export /gm, '');
   const script = `'use strict';(()=>{\nconst SHARED={${glsl.join(',\n')}};\n${stripped(code)}})();`;
   const page = stripped(read('page.html').replace('/*viewer*/', 'VIEWER'));

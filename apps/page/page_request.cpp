@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "render/page_request.h"
+#include "page/page_request.h"
 
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/render/shading.h"
