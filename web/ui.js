@@ -38,10 +38,18 @@ class Page {
     const follow = () => { viewer.dark = dark.matches; viewer.recolor(); };
     dark.addEventListener('change', follow);
     viewer.dark = dark.matches;
-    new ResizeObserver(() => viewer.fit()).observe(this.canvas);
-    viewer.fit();
     this.showScale();
     this.showFacts();
+    new ResizeObserver(() => this.fit()).observe(this.canvas);
+    this.fit();
+  }
+
+  /** Frames the object between what is above and below it. */
+  fit() {
+    const taken = Math.max($('title').offsetHeight, document.querySelector('footer').offsetHeight) + 14;
+    const share = Math.max(0.5, 1 - 2 * taken / this.canvas.clientHeight);
+    for (const camera of [this.viewer.camera, this.viewer.home]) camera.share = document.body.classList.contains('bare') ? 1 : share;
+    this.viewer.fit();
   }
 
   fillModes() {

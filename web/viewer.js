@@ -18,7 +18,6 @@ export class Viewer {
     surface.diagonal ||= 2 * surface.bounds.radius;
     this.rules = {...page.constants, front: page.front, trim: page.trim, near: page.near / surface.scale};
     this.camera = new Camera(page.camera, page.turn, surface.origin, surface.scale);
-    this.camera.share = location.hash === '#still' ? 1 : 0.8;  // the rest is for buttons
     this.home = this.camera.copy();
     this.mode = page.mode;
     this.spread = 1;       // of the range, by the slider

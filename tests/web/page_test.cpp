@@ -26,7 +26,8 @@ constexpr int kWidth = 120, kHeight = 90;
 /** \brief A page in a file, for as long as this lives. */
 class PageFile {
  public:
-  PageFile(const SLIMSurface& surface, const Camera& camera, double precision, double lod = 0.0)
+  PageFile(const SLIMSurface& surface, const Camera& camera, double precision, double lod = 0.0,
+           const std::vector<SpaceLine>& lines = {})
   {
     RenderParams rendering;
     rendering.lod = lod;
@@ -34,6 +35,7 @@ class PageFile {
     shading.mode = ShadingMode::kNormal;
     PageParams params;
     params.precision = precision;
+    params.lines = lines;
     write(encodePage(surface, camera, rendering, shading, params));
   }
   PageFile(const SplatSet& splats, const Camera& camera, const ShadingParams& shading)
@@ -215,6 +217,33 @@ TEST_F(PageInBrowser, DrawsSplats)
     ASSERT_TRUE(picture);
     EXPECT_LT(shareOff(frame.pictures[k], *picture), 0.02) << k;
   }
+}
+
+TEST_F(PageInBrowser, DrawsLinesWhereTheyAreSeen)
+{
+  // A circle on the sphere whose near half is the upper one.
+  SpaceLine ring;
+  ring.kind = PictureLineKind::kRidge;
+  for (int k = 0; k <= 100; ++k) {
+    const double angle = 2.0 * std::acos(-1.0) * k / 100.0, up = 0.5, near = std::sqrt(0.75);
+    ring.points.push_back({kSphere * std::cos(angle), kSphere * up * std::sin(angle),
+                           kSphere * near * std::sin(angle)});
+  }
+  const SLIMSurface sphere = sphereSurface(4, kSphere, 300, 0.07);
+  const PageFile page(sphere, frontCamera(kWidth, kHeight), 640.0, 0.0, {ring});
+  const PageFrame frame =
+      drawPage("gbuffer.mjs", page.path(), sphere, {kWidth, kHeight}, 0.0, {"shaded"});
+  ASSERT_EQ(frame.pictures.size(), 1u);
+  int red[2] = {0, 0};  // below and above the middle, but for the sphere's sides
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = kWidth / 3; x < 2 * kWidth / 3; ++x) {
+      const std::uint8_t* pixel =
+          &frame.pictures[0][static_cast<std::size_t>(4 * (y * kWidth + x))];
+      red[y >= kHeight / 2] += pixel[0] > 2 * pixel[1];
+    }
+  }
+  EXPECT_GE(red[1], kWidth / 3);
+  EXPECT_EQ(red[0], 0);
 }
 
 TEST_F(PageInBrowser, DoesWhatItsReaderDoes)
