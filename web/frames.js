@@ -67,7 +67,7 @@ class Program {
 /** Textures and framebuffers of one size. */
 class Targets {
   constructor(gl, width, height, sums, attributes) {
-    Object.assign(this, {gl, width, height, made: []});
+    Object.assign(this, {gl, width, height, format: sums, made: []});
     this.depth = this.buffer();
     this.first = this.texture(gl.R32F);
     this.nearest = [this.texture(gl.R32F), this.texture(gl.R32F)];
@@ -118,7 +118,8 @@ export class Frames {
   /** model: local units, with bounds and scale; unit: length here, a power of two; page: its options. */
   constructor(gl, model, unit, page, attributes) {
     Object.assign(this, {gl, model, unit, page, attributes, programs: {}});
-    this.sumFormats = gl.getExtension('EXT_float_blend') ? [gl.RGBA32F, gl.RGBA16F] : [gl.RGBA16F];
+    this.canAddFloats = !!gl.getExtension('EXT_float_blend');
+    this.exact = false;  // sums in 32 bits: half floats take half the memory, and normals .03 degrees
     this.linePieces = this.packLines(page.lines);
   }
 
@@ -161,14 +162,14 @@ export class Frames {
   }
 
   resize(width, height) {
-    if (this.targets?.width === width && this.targets.height === height) return;
-    for (;;) {
-      this.targets?.release();
-      this.targets = new Targets(this.gl, width, height, this.sumFormats[0], this.attributes);
-      if (this.targets.complete || this.sumFormats.length === 1) break;
-      this.sumFormats.shift();
-    }
-    if (!this.targets.complete) throw new Error('This device draws no float colours');
+    const sums = this.exact && this.canAddFloats ? this.gl.RGBA32F : this.gl.RGBA16F, t = this.targets;
+    if (t?.width === width && t.height === height && t.format === sums) return;
+    t?.release();
+    this.targets = new Targets(this.gl, width, height, sums, this.attributes);
+    if (this.targets.complete) return;
+    if (!this.exact) throw new Error('This device draws no float colours');
+    this.canAddFloats = false;
+    this.resize(width, height);
   }
 
   /** Takes up a frame: a camera in local units, the size of its picture and a shift of its rays in pixels. */

@@ -69,7 +69,8 @@ export class Viewer {
   /** Fits the canvas to its place on the page. */
   fit() {
     const {clientWidth: w, clientHeight: h} = this.canvas;
-    const ratio = Math.min(window.devicePixelRatio || 1, Math.sqrt(MOST_PIXELS / Math.max(1, w * h)));
+    const most = matchMedia('(pointer: coarse)').matches ? MOST_PIXELS / 2 : MOST_PIXELS;  // phones have less memory
+    const ratio = Math.min(window.devicePixelRatio || 1, Math.sqrt(most / Math.max(1, w * h)));
     const width = Math.max(1, Math.round(w * ratio)), height = Math.max(1, Math.round(h * ratio));
     if (this.canvas.width === width && this.canvas.height === height) return;
     [this.canvas.width, this.canvas.height] = [width, height];
@@ -113,6 +114,7 @@ export class Viewer {
       this.drawCoarse(now);
       this.wake();
     } else {
+      this.lastTick = 0;
       if (this.work === null) this.work = this.refine();
       if (this.work.next().done) this.resting = true; else this.wake();
     }
@@ -192,7 +194,8 @@ export class Viewer {
   distance(a, b) { return this.surface.scale * length(minus(a, b)); }
 
   /** One complete frame of a size, as columns; for tests and for whoever wants the numbers. */
-  async measure(width, height, shift = [0, 0], lod = this.page.lod) {
+  async measure(width, height, shift = [0, 0], lod = this.page.lod, exact = true) {
+    this.renderer.exact = exact;
     this.renderer.begin(this.camera, width, height, shift, lod);
     for (let left = true; left;) {
       this.renderer.drawRound();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The rays of a page's opening view in double, as clicks are answered, without a browser:
-// node cast.mjs CHROMIUM PAGE OUT WIDTH HEIGHT LOD writes what gbuffer.mjs does, without pictures.
+// node cast.mjs CHROMIUM PAGE OUT WIDTH HEIGHT ... writes what gbuffer.mjs does, without pictures.
 import {readFileSync, writeFileSync} from 'node:fs';
 import {Camera} from '../../web/camera.js';
 import {cast, decode, inflate} from '../../web/surface.js';

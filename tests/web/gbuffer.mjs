@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One frame of a page as numbers: node gbuffer.mjs CHROMIUM PAGE OUT WIDTH HEIGHT LOD MODE...
+// One frame of a page as numbers: node gbuffer.mjs CHROMIUM PAGE OUT WIDTH HEIGHT LOD EXACT MODE...
+// EXACT 1: sums in 32 bits, 0: in 16, as on the screen.
 // OUT: floats of geometry, attributes and named leaves, four a pixel, then the bytes of a picture for each mode.
 import {writeFileSync} from 'node:fs';
 import {Browser} from './browser.mjs';
 
-const [chromium, page, out, width, height, lod, ...modes] = process.argv.slice(2);
+const [chromium, page, out, width, height, lod, exact, ...modes] = process.argv.slice(2);
 const browser = await Browser.launch(chromium, +width, +height);
 try {
   await browser.open(page, '#still');
@@ -19,7 +20,7 @@ try {
     };
     slim.tick = () => {};
     slim.hollows = 0;
-    const {geometry, attributes, named} = await slim.measure(${width}, ${height}, [0, 0], ${lod});
+    const {geometry, attributes, named} = await slim.measure(${width}, ${height}, [0, 0], ${lod}, ${exact} > 0);
     const pictures = ${JSON.stringify(modes)}.map(mode => {
       slim.mode = mode;
       slim.show(false);

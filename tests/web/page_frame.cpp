@@ -59,11 +59,12 @@ runScript(const std::string& script, const std::string& arguments)
 
 PageFrame
 drawPage(const std::string& script, const std::string& page, const SLIMSurface& surface,
-         const ImageSize& size, double lod, const std::vector<std::string>& modes)
+         const ImageSize& size, double lod, const std::vector<std::string>& modes, bool exact)
 {
   const std::string out = page + ".frame";
   std::string arguments = page + " " + out + " " + std::to_string(size.width) + " " +
-                          std::to_string(size.height) + " " + std::to_string(lod);
+                          std::to_string(size.height) + " " + std::to_string(lod) +
+                          (exact ? " 1" : " 0");
   for (const std::string& mode : modes) arguments += " " + mode;
   EXPECT_EQ(runScript(script, arguments), "");
   std::ifstream file(out, std::ios::binary);

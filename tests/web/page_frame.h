@@ -26,9 +26,11 @@ struct PageFrame {
   std::vector<std::vector<std::uint8_t>> pictures;  ///< rows from the bottom, 4 bytes a pixel
 };
 
-/** \brief Draws a page by gbuffer.mjs, in Chromium, or cast.mjs, in node. */
+/** \brief Draws a page by gbuffer.mjs, in Chromium, or cast.mjs, in node.
+ * \param[in] exact sums in 32 bits a number, not in 16 */
 PageFrame
 drawPage(const std::string& script, const std::string& page, const SLIMSurface& surface,
-         const ImageSize& size, double lod, const std::vector<std::string>& modes);
+         const ImageSize& size, double lod, const std::vector<std::string>& modes,
+         bool exact = true);
 
 }  // namespace pcl_slim::test

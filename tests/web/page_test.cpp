@@ -97,11 +97,12 @@ class PageInBrowser : public testing::Test {
 
   /** \brief The browser's frame, and how it differs from the renderer's in double. */
   static FrameDifference draw(const SLIMSurface& surface, double precision, double lod,
-                              const std::vector<std::string>& modes, PageFrame& frame)
+                              const std::vector<std::string>& modes, PageFrame& frame,
+                              bool exact = true)
   {
     const Camera camera = cameraFor(surface);
     const PageFile page(surface, camera, precision, lod);
-    frame = drawPage("gbuffer.mjs", page.path(), surface, {kWidth, kHeight}, lod, modes);
+    frame = drawPage("gbuffer.mjs", page.path(), surface, {kWidth, kHeight}, lod, modes, exact);
     RenderParams rendering;
     rendering.lod = lod;
     rendering.reference = lod == 0.0;  // which draws leaves alone
@@ -151,6 +152,19 @@ TEST_F(PageInBrowser, DrawsARoundedSurface)
   EXPECT_LE(d.one, 4u);
   EXPECT_LT(d.normal_p95, 0.06);
   EXPECT_LT(d.depth_p99, 4e-5);  // along rays that meet it at 25 degrees
+}
+
+TEST_F(PageInBrowser, DrawsOnTheScreenInHalfFloats)
+{
+  const SLIMSurface surface = fittedSurface(Shape::kBumpy, 4, true);
+  PageFrame frame;
+  const FrameDifference d = draw(surface, 0.0, 0.0, {"shaded"}, frame, false);
+  EXPECT_GT(d.both, 2000u);
+  EXPECT_LE(d.one, 4u);
+  // Eleven bits of sums over some ten leaves.
+  EXPECT_LT(d.normal_p95, 0.05);
+  EXPECT_GT(d.normal_p95, 1e-3);
+  EXPECT_LT(d.curvature_p95, 2e-3);
 }
 
 TEST_F(PageInBrowser, DrawsALevelOfDetail)
