@@ -84,15 +84,17 @@ export class Viewer {
   /** Something moved: coarse frames until it rests. */
   moved() {
     this.lastMove = performance.now();
+    this.resting = false;
     this.work = null;
     this.wake();
   }
 
   /** Colours changed, rays did not. */
   recolor() {
+    this.resting = false;
     if (this.renderer.values && !this.isMoving()) {
       this.show(false);
-      this.work = this.software ? null : this.refine();
+      if (!this.software) this.work = this.refine();  // whose samples had the old colours
     } else {
       this.moved();
     }
@@ -122,7 +124,6 @@ export class Viewer {
   }
 
   drawCoarse(now) {
-    this.resting = false;
     const begin = performance.now();
     this.work = null;
     this.drawWhole(this.coarse, this.software ? 1 : 2, Math.max(this.page.lod, this.software ? 3 : 1));

@@ -62,7 +62,7 @@ zigzag(double steps)
 inline double
 unzigzag(std::uint32_t code)
 {
-  return code % 2 == 0 ? code / 2 : -((code + 1.0) / 2);
+  return code % 2 == 0 ? 0.5 * code : -0.5 * (code + 1.0);
 }
 
 }  // namespace pcl_slim::detail
