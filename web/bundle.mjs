@@ -7,7 +7,7 @@ import {dirname, join} from 'node:path';
 import {fileURLToPath} from 'node:url';
 
 const web = dirname(fileURLToPath(import.meta.url)), read = name => readFileSync(join(web, name), 'utf8');
-const MODULES = ['surface.js', 'camera.js', 'shaders.js', 'frames.js', 'renderer.js', 'splats.js', 'viewer.js', 'ui.js'];
+const MODULES = ['vectors.js', 'surface.js', 'rays.js', 'camera.js', 'shaders.js', 'frames.js', 'renderer.js', 'splats.js', 'viewer.js', 'ui.js'];
 
 /** Shader texts that the viewer shares with visualization/: the raw strings there, by their names. */
 export function sharedShaders() {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A camera that orbits, in a model's local units and in double.
-import {along, cross, dot, length, minus, scaled, unit} from './surface.js';
+import {along, cross, dot, length, minus, scaled, unit} from './vectors.js';
 
 /** v turned about a unit axis. */
 function turned(v, axis, angle) {

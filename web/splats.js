@@ -3,7 +3,8 @@
 // modules/render/src/discs does it) and what a ray meets.
 import {Frames, NOTHING} from './frames.js';
 import {HEAD, OUTPUTS, surfacePrograms} from './shaders.js';
-import {along, dot, frameOf, minus, octNormal, Planes, scaled} from './surface.js';
+import {frameOf, octNormal, Planes} from './surface.js';
+import {along, dot, minus, scaled} from './vectors.js';
 
 /** The columns of packSplats(), in double. */
 export function decodeSplats(bytes) {

@@ -4,7 +4,9 @@ import {Camera} from './camera.js';
 import {isSoftware} from './frames.js';
 import {SurfaceFrames} from './renderer.js';
 import {castSplats, SplatFrames} from './splats.js';
-import {boundsOf, cast, dot, length, minus} from './surface.js';
+import {cast} from './rays.js';
+import {boundsOf} from './surface.js';
+import {dot, length, minus} from './vectors.js';
 
 export const MODES = ['shaded', 'normal', 'mean', 'gauss', 'kmax', 'kmin', 'level', 'size', 'reflection',
                       'color', 'error'];

@@ -124,6 +124,7 @@ async function save() {
 
 async function looks() {
   await browser.send('Emulation.setEmulatedMedia', {features: [{name: 'prefers-color-scheme', value: 'dark'}]});
+  await browser.until('slim.dark', 10);
   await rest();
   const corner = await run(`(() => {
     slim.show(false);

@@ -3,7 +3,8 @@
 // node cast.mjs CHROMIUM PAGE OUT WIDTH HEIGHT ... writes what gbuffer.mjs does, without pictures.
 import {readFileSync, writeFileSync} from 'node:fs';
 import {Camera} from '../../web/camera.js';
-import {cast, decode, inflate} from '../../web/surface.js';
+import {cast} from '../../web/rays.js';
+import {decode, inflate} from '../../web/surface.js';
 
 const [, page, out, w, h] = process.argv.slice(2), width = +w, height = +h;
 const part = id => new RegExp(`id="${id}">([^<]*)<`).exec(readFileSync(page, 'utf8'))[1];
