@@ -19,7 +19,7 @@ export function sharedShaders() {
   return shared;
 }
 
-/** Without comments, indentation and empty lines. Strings here hold no comment marks. */
+/** Without comments, indentation and empty lines. Strings in web/ contain no comment marks. */
 const stripped = text => text.replace(/\/\*[^]*?\*\//g, '').replace(/^\s*\/\/.*$/gm, '').replace(/ +\/\/ .*$/gm, '')
   .replace(/^\s+/gm, '').replace(/\n+/g, '\n');
 

@@ -9,7 +9,7 @@ export class SurfaceFrames extends Frames {
   /** rules: the page's constants with front, trim and near. */
   constructor(gl, surface, rules, page) {
     const radii = Array.from(surface.radius).sort((a, b) => a - b);
-    // Half floats hold what is about as large as a ball.
+    // In units of a typical radius, so that derivatives of small balls do not overflow half floats.
     super(gl, surface, 2 ** Math.round(Math.log2(radii[radii.length >> 1] || 1)), page, gl.RG32F);
     Object.assign(this, {surface, rules});
     this.reach = Math.min(rules.kMaxShrink, Math.max(0.05, surface.coverRadius));

@@ -100,7 +100,12 @@ class PageInBrowser : public testing::Test {
                               const std::vector<std::string>& modes, PageFrame& frame,
                               bool exact = true)
   {
-    const Camera camera = cameraFor(surface);
+    return draw(surface, cameraFor(surface), precision, lod, modes, frame, exact);
+  }
+  static FrameDifference draw(const SLIMSurface& surface, const Camera& camera, double precision,
+                              double lod, const std::vector<std::string>& modes, PageFrame& frame,
+                              bool exact)
+  {
     const PageFile page(surface, camera, precision, lod);
     frame = drawPage("gbuffer.mjs", page.path(), surface, {kWidth, kHeight}, lod, modes, exact);
     RenderParams rendering;
@@ -140,6 +145,19 @@ TEST_F(PageInBrowser, DrawsWhatTheRendererDraws)
       EXPECT_LT(shareOff(frame.pictures[k], *picture), 2e-3) << modes[k];
     }
   }
+}
+
+TEST_F(PageInBrowser, DrawsInParallelProjection)
+{
+  const SLIMSurface surface = fittedSurface(Shape::kRelief, 2, false);
+  const Camera camera = fitOrthographicCamera(
+      spheresOf(surface), viewFromAngles(UpAxis::kZ, 30, 25), {kWidth, kHeight});
+  PageFrame frame;
+  const FrameDifference d = draw(surface, camera, 0.0, 0.0, {}, frame, true);
+  EXPECT_GT(d.both, 2000u);
+  EXPECT_LE(d.one, 2u);
+  EXPECT_LT(d.normal_p99, 2e-3);
+  EXPECT_LT(d.depth_p99, 1e-6);
 }
 
 TEST_F(PageInBrowser, DrawsARoundedSurface)

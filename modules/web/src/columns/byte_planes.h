@@ -7,8 +7,8 @@
 
 namespace pcl_slim::detail {
 
-/** \brief Appends columns of numbers, each byte of all numbers in a plane of its own: what deflates
- * well stands together. Little-endian on every machine. */
+/** \brief Appends columns of numbers as byte planes: the lowest byte of every number, then the next, which
+ * compresses better than number after number. Little-endian on every machine. */
 class PlaneWriter {
  public:
   void put(const std::vector<std::uint32_t>& column, int bytes)

@@ -34,7 +34,7 @@ class CenterCells {
     return static_cast<std::uint32_t>(std::lround(((*axes_[k])[i] - corner[k]) / step));
   }
 
-  /** \brief The place that the cell stands for. */
+  /** \brief The place of the cell in the grid, in local units. */
   double rounded(std::size_t k, std::size_t i) const { return corner[k] + cell(k, i) * step; }
 
   /** \brief All places along a Morton curve, those of the first kind before the others.

@@ -138,7 +138,7 @@ class Packer {
     for (auto& column : columns) putEscaped(column);
   }
 
-  /** \brief A byte each; those that it does not hold, in three bytes, behind all. */
+  /** \brief One byte per code; larger codes follow the column, three bytes each. */
   void putEscaped(std::vector<std::uint32_t>& column)
   {
     std::vector<std::uint32_t> large;
@@ -160,7 +160,7 @@ class Packer {
     }
   }
 
-  /** \brief What changes from the row before: little, so that it deflates well. */
+  /** \brief The difference from the row before, which compresses better than the row. */
   void putTrimRow(const TrimMap& map, int row)
   {
     for (int first = 0; first < map.side; first += 8) {

@@ -10,8 +10,9 @@ namespace pcl_slim::detail {
 
 constexpr double kCenterSteps = 65535.0;  ///< along the longest side of the centres' box
 constexpr double kNormalGrid = 2047.0;    ///< steps of a coordinate to each side: 12 bits
-constexpr std::uint32_t kEscape = 255;    ///< a coefficient whose code takes three bytes
-constexpr double kMostSteps = 8388607.0;  ///< that three bytes hold with a sign
+constexpr std::uint32_t kEscape = 255;    ///< marks a coefficient with a three-byte code
+constexpr double kMostSteps =
+    8388607.0;  ///< largest number of steps that a three-byte code can represent
 
 inline std::uint32_t
 bitsOf(float value)

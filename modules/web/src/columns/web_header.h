@@ -47,12 +47,12 @@ struct LogScale {
   }
 };
 
-/** \brief What stands before the columns. */
+/** \brief The numbers before the columns. */
 struct WebHeader {
   std::uint32_t surfels = 0, leaves = 0;
   SurfaceInfo info;
   double precision = 0.0;                          ///< steps of a coefficient per radius; 0: floats
-  double corner[3] = {0.0, 0.0, 0.0}, step = 1.0;  ///< of the grid that centres lie on
+  double corner[3] = {0.0, 0.0, 0.0}, step = 1.0;  ///< of the grid of centres
   LogScale radius, size;
   LogScale error{2, 4094.0, 1.0, 1.0};  ///< weights follow from it
 

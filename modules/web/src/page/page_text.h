@@ -36,7 +36,7 @@ constexpr int kRangeSize = 400;  ///< the same of the frame that automatic range
 std::vector<std::uint8_t>
 stillPicture(Image image);
 
-/** \brief A camera whose picture has at most so many pixels along its longer side. */
+/** \brief The same camera for a picture whose longer side is at most `longest` pixels. */
 Camera
 smallCamera(Camera camera, int longest);
 

@@ -26,9 +26,9 @@ struct PageParams {
 /** \brief One HTML file that shows a surface. Any browser with WebGL 2 opens it, without network.
  *
  * It opens with the picture of renderPicture() and lets its reader turn it, change its mode and read
- * positions, normals and curvatures. camera.size sets the shape of the still picture that stands for
- * the surface where WebGL 2 is missing. Cuts and partition-of-unity derivatives are refused.
- * \return the file's text: 30 to 45 bytes a surfel of degree 4 and 90 KB. The same for every run. */
+ * positions, normals and curvatures. camera.size sets the shape of the still picture that is
+ * shown where WebGL 2 is missing. Cuts and partition-of-unity derivatives are refused.
+ * \return the file's text: 40 bytes a surfel of degree 4 and some 70 KB. The same for every run. */
 Result<std::string>
 encodePage(const SLIMSurface& surface, const Camera& camera, const RenderParams& rendering,
            const ShadingParams& shading, const PageParams& params);
