@@ -128,7 +128,7 @@ export class Frames {
   }
 
   dataTexture(data, channels, internal, format, type) {
-    const gl = this.gl, texture = gl.createTexture(), rows = Math.ceil(data.length / channels / ROW);
+    const gl = this.gl, texture = gl.createTexture(), rows = Math.max(1, Math.ceil(data.length / channels / ROW));
     const padded = new data.constructor(rows * ROW * channels);
     padded.set(data);
     gl.bindTexture(gl.TEXTURE_2D, texture);
