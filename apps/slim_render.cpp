@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// pcl_slim_render: pictures of a SLIM surface or of splats, without a window system.
+// pcl_slim_render: pictures and pages of a SLIM surface or of splats, without a window system.
 #include <cstdio>
 #include <new>
 #include <optional>
@@ -10,6 +10,7 @@
 #include "common/program.h"
 #include "common/progress_bar.h"
 #include "common/report.h"
+#include "page/page_request.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/render/shading.h"
@@ -35,6 +36,7 @@ struct Settings {
   RegionRequest region;
   LineRequest lines;
   TracedRequest traced;
+  PageRequest page;
   double near_plane = 0.0, lod = 0.0, hole = 0.0;
   int threads = 0, turntable = 1, repeat = 0;
   std::uint64_t max_memory = 0;
@@ -46,10 +48,10 @@ declareOptions(Settings& s)
 {
   OptionTable table("pcl_slim_render", PCL_SLIM_VERSION,
                     "Renders a SLIM surface (.pcd .ply .vtp .slim) or splats (.pcd .ply) into a "
-                    "picture; no X server needed.");
+                    "picture or a page for browsers; no X server needed.");
   table.positional("IN.pcd|.ply|.vtp|.slim", &s.input,
                    "surface of pcl_slim_fit or splats of pcl_color_splat_sampling");
-  table.positional("OUT.png|.ppm", &s.output, "picture");
+  table.positional("OUT.png|.ppm|.html", &s.output, "picture or page");
   s.view.declareSize(table);
   s.picture.declareColors(table);
   s.traced.declare(table);
@@ -70,6 +72,7 @@ declareOptions(Settings& s)
                "unity, to compare with");
   s.picture.declareFinish(table);
   s.lines.declare(table);
+  s.page.declare(table);
   table.number("lod", &s.lod, 0.0, 1024.0,
                "draw coarser surfels where they are seen smaller than this many pixels");
   table.toggle("skip", &s.skip, "leave out work that cannot change the picture");
@@ -171,9 +174,8 @@ renderSurfaceModel(const Settings& s, const Model& model, const Turntable& table
   return error;
 }
 
-Error
-renderSplatModel(const Settings& s, const Model& model, const Turntable& table, Report& report,
-                 double& save_seconds)
+DiscRenderParams
+discsOf(const Settings& s)
 {
   DiscRenderParams params;
   params.filtered = s.filtered;
@@ -181,6 +183,14 @@ renderSplatModel(const Settings& s, const Model& model, const Turntable& table, 
   params.near_plane = s.near_plane;
   params.skip = s.skip;
   params.threads = s.threads;
+  return params;
+}
+
+Error
+renderSplatModel(const Settings& s, const Model& model, const Turntable& table, Report& report,
+                 double& save_seconds)
+{
+  const DiscRenderParams params = discsOf(s);
   const ShadingParams shading = s.picture.shadingFor(true, s.threads);
   DiscRenderStatistics total;
   Error error = renderTurns(s, table, save_seconds, [&](const Camera& turned) {
@@ -256,6 +266,32 @@ statusOf(const Error& error)
                                                : kExitFailed;
 }
 
+/** Writes a page in place of a picture. */
+Error
+writePage(const Settings& s, const Model& model, const Camera& camera, Console& console,
+          Report& report)
+{
+  console.begin("Writing " + s.output);
+  const Stopwatch watch;
+  PageParams params;
+  params.title = PageRequest::titleOf(s.input);
+  params.up = s.view.upwards(model.spheres());
+  params.precision = s.page.precision;
+  params.lines = s.lines.inSpace();
+  const ShadingParams shading = s.picture.shadingFor(model.is_splats, s.threads);
+  const auto page = model.is_splats
+                        ? encodePage(model.splats, camera, discsOf(s), shading, params)
+                        : encodePage(model.surface, camera, renderingOf(s), shading, params);
+  if (!page) return page.error();
+  if (Error error = writeFile(s.output, page->data(), page->size())) return error;
+  report.json()[model.is_splats ? "splats" : "surfels"] =
+      model.is_splats ? model.splats.size() : model.surface.size();
+  report.json()["page_bytes"] = page->size();
+  report.time("page", watch.seconds());
+  console.done(watch.seconds(), std::to_string(page->size()) + " bytes");
+  return s.save_camera.empty() ? Error{} : saveCamera(s.save_camera, camera);
+}
+
 /** Draws and saves, and notes how long each took. */
 Error
 renderModel(const Settings& s, const Model& model, const Turntable& table, Console& console,
@@ -325,9 +361,10 @@ run(const Settings& s)
   const Turntable table(view, *object, s.turntable);
   const Camera camera = table.camera(0);
   FileTransaction files;
-  if (Error error = renderModel(s, *model, table, console, report)) {
-    return fail(console, statusOf(error), error);
-  }
+  const Error failed = PageRequest::isPage(s.output)
+                           ? writePage(s, *model, camera, console, report)
+                           : renderModel(s, *model, table, console, report);
+  if (failed) return fail(console, statusOf(failed), failed);
   report.json()["camera"] = {
       {"position", camera.position}, {"look_at", camera.look_at},  {"up", camera.up},
       {"fov", camera.fov},           {"width", camera.size.width}, {"height", camera.size.height}};
@@ -346,11 +383,12 @@ main(int argc, char** argv)
   if (const auto status = table.parse(argc, argv)) return *status;
   Error error = settings.view.parse();
   if (!error) error = settings.picture.parse();
+  if (!error) error = PageRequest::check(table, settings.output, settings.picture.mode);
   if (!error) settings.lines.applyMode(settings.picture);
   if (!error) error = settings.region.parse();
   if (!error) error = settings.lines.load();
   if (!error) error = settings.traced.parse();
-  if (!error) error = checkImageExtension(settings.output);
+  if (!error && !PageRequest::isPage(settings.output)) error = checkImageExtension(settings.output);
   if (error) {
     std::fprintf(stderr, "pcl_slim_render: %s\n", error.message.c_str());
     return kExitUsage;

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# Turns a scan into a SLIM surface, a report and a picture in demo_out/.
+# Turns a scan into a SLIM surface, a report, a picture and a page for browsers in demo_out/.
 #   scripts/demo.sh             makes a scan of its own: no download
 #   scripts/demo.sh SCAN.pcd    takes yours (.pcd or .ply)
 set -euo pipefail
@@ -32,7 +32,7 @@ bin=$root/build/release/bin
 out=$root/demo_out
 [ "$PWD" != "$root" ] || out=demo_out
 mkdir -p -- "$out"
-rm -f -- "$out/surface.pcd" "$out/fit.json" "$out/surface.png"
+rm -f -- "$out/surface.pcd" "$out/fit.json" "$out/surface.png" "$out/surface.html"
 echo
 if [ -z "$scan" ]; then
   scan=$out/scan.pcd
@@ -40,9 +40,11 @@ if [ -z "$scan" ]; then
 fi
 "$bin/pcl_slim_fit" "$scan" "$out/surface.pcd" -json "$out/fit.json"
 "$bin/pcl_slim_render" "$out/surface.pcd" "$out/surface.png"
+"$bin/pcl_slim_render" "$out/surface.pcd" "$out/surface.html"
 
 echo
 echo "Scan      $scan"
 echo "Surface   $out/surface.pcd   (pcl_viewer opens it)"
 echo "Report    $out/fit.json"
 echo "Picture   $out/surface.png"
+echo "Page      $out/surface.html   (any browser opens it)"

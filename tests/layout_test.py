@@ -21,7 +21,7 @@ MOST_LINES_IN_NINE_OF_TEN = 23
 
 # What a folder may include, itself apart.
 MODULES = ("core", "cloud", "surface", "fit", "query", "features", "mesh", "splat",
-           "render")
+           "render", "web")
 ARROWS = {
     "core": (),
     "cloud": ("core",),
@@ -32,7 +32,8 @@ ARROWS = {
     "mesh": ("core", "cloud", "surface", "fit", "query"),
     "splat": ("core", "cloud"),
     "render": ("core", "cloud", "surface", "query", "splat"),
-    "filters": tuple(m for m in MODULES if m != "render"),
+    "web": ("core", "cloud", "surface", "query", "splat", "render"),
+    "filters": tuple(m for m in MODULES if m not in ("render", "web")),
     "visualization": MODULES + ("filters",),
     "apps": MODULES + ("filters", "visualization"),
     "examples": MODULES + ("filters", "visualization"),

@@ -33,6 +33,9 @@ struct LineRequest {
   /** \brief Whether there is anything to draw. */
   bool any() const { return crest || contours || sketch || lines != "none" || !file.empty(); }
 
+  /** \brief The lines of the file. */
+  const std::vector<SpaceLine>& inSpace() const { return in_space_; }
+
   /** \brief Finds the lines of a view and draws them over its picture.
    * \param[in] rendering as the picture was made; \param[out] count lines drawn */
   Error draw(SurfaceRenderer& renderer, const Camera& camera, RenderParams rendering, Image& image,

@@ -140,6 +140,26 @@ head -n 3 a.PPM | cmp -s - <(printf 'P6\n%s %s\n255\n' "${size%x*}" "${size#*x}"
   complain "a.PPM has another size"
 
 rm -f x.png
+# Pages: the same bytes for any number of threads; options that mean nothing there are named.
+expect 0 '' pcl_slim_render surface.slim page.html -mode mean -range 5 -json page.json -threads 1
+expect 0 '' pcl_slim_render surface.slim again.html -mode mean -range 5 -threads 4 -quiet
+same page.html again.html
+grep -q '"page_bytes": [1-9]' page.json || complain "the report does not have the page's size"
+grep -q '"mode":"mean","range":\[-5,5\]' page.html || complain "the page does not open as asked"
+expect 0 '' pcl_slim_render surface.slim exact.html -precision 0
+differ page.html exact.html
+for option in "-size 80x60" "-bar" "-aa 2" "-turntable 3" "-lines crest" "-reference" "-region 0,0,0,1,1,1"; do
+  # shellcheck disable=SC2086 # an option and its value
+  expect 2 "${option%% *} means nothing in a page" pcl_slim_render surface.slim none.html $option
+done
+for mode in raytraced sketch crest contours; do
+  expect 2 "mode $mode cannot be shown" pcl_slim_render surface.slim none.html -mode $mode
+done
+expect 2 'ends in .html' pcl_slim_render surface.slim none.png -precision 640
+expect 2 'precision' pcl_slim_render surface.slim none.html -precision 3
+expect 1 'no/such' pcl_slim_render surface.slim no/such/page.html
+absent none.html none.png
+
 expect 2 'missing.slim' pcl_slim_render missing.slim x.png
 expect 2 'neither' pcl_slim_render scan.pcd x.png
 head -c 2000 surface.slim > cut.slim

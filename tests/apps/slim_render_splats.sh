@@ -55,6 +55,14 @@ expect 0 '' pcl_slim_render none.pcd none.png $small
 
 # Mistakes.
 rm -f x.png
+# Pages, of none at all too.
+expect 0 '' pcl_slim_render gradient.ply page.html -json page.json
+grep -q '"kind":"splats"' page.html || complain "page.html is no page of splats"
+grep -q '"splats": [1-9]' page.json || complain "page.json does not count the splats"
+expect 0 '' pcl_slim_render none.pcd none.html
+expect 2 'no curvature' pcl_slim_render splats.pcd x.html -mode mean
+absent x.html
+
 expect 2 'no curvature' pcl_slim_render splats.pcd x.png -mode mean
 expect 2 'no colours' pcl_slim_render surface.pcd x.png -mode color
 expect 2 'neither a surface nor splats' pcl_slim_render scan.pcd x.png

@@ -117,6 +117,16 @@ TEST_P(CardSurfels, CoarserSurfelsStandForTheirDescendants)
 
 INSTANTIATE_TEST_SUITE_P(All, CardSurfels, ::testing::Values(2, 4));
 
+TEST_F(CardTest, CoarserSurfelsHaveTheirOwnSizes)
+{
+  const auto surface = openDome(2);
+  surface->dropTrimMaps();  // so that a coarse surfel's level of detail goes by its error
+  mapper->setSurface(surface);
+  mapper->setMode(DisplayMode::kSize);
+  mapper->setLevelOfDetail(20.0);
+  EXPECT_LE(difference(), kFewPixels);
+}
+
 TEST_F(CardTest, ANewLevelOfDetailIsANewFrame)
 {
   mapper->setSurface(openDome(2));

@@ -7,10 +7,6 @@ namespace pcl_slim {
 
 namespace {
 
-// 2^22: codes are exact in float, and rounding a decoded normal to float moves it by at most an
-// eighth of a step, so that encoding it again finds the same grid point.
-constexpr double kGrid = 4194304.0;
-
 double
 signOf(double value)
 {
@@ -20,24 +16,24 @@ signOf(double value)
 }  // namespace
 
 OctNormal
-encodeNormal(const std::array<double, 3>& normal)
+encodeNormal(const std::array<double, 3>& normal, double grid)
 {
   const double sum = std::abs(normal[0]) + std::abs(normal[1]) + std::abs(normal[2]);
   if (!(sum > 0.0) || !std::isfinite(sum)) return {};
-  double x = std::nearbyint(normal[0] / sum * kGrid);
-  double y = std::nearbyint(normal[1] / sum * kGrid);
+  double x = std::nearbyint(normal[0] / sum * grid);
+  double y = std::nearbyint(normal[1] / sum * grid);
   // Keep |z| at one step or more.
-  const double excess = std::abs(x) + std::abs(y) - (kGrid - 1.0);
+  const double excess = std::abs(x) + std::abs(y) - (grid - 1.0);
   if (excess > 0.0) {
     double& larger = std::abs(x) >= std::abs(y) ? x : y;
     larger -= signOf(larger) * excess;
   }
   double a = x, b = y;
   if (std::signbit(normal[2])) {
-    a = (kGrid - std::abs(y)) * signOf(x);
-    b = (kGrid - std::abs(x)) * signOf(y);
+    a = (grid - std::abs(y)) * signOf(x);
+    b = (grid - std::abs(x)) * signOf(y);
   }
-  return {static_cast<float>(a / kGrid), static_cast<float>(b / kGrid)};
+  return {static_cast<float>(a / grid), static_cast<float>(b / grid)};
 }
 
 std::array<float, 3>

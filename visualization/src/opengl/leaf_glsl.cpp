@@ -24,7 +24,6 @@ vec3 slimDirection(vec2 slopes)
 )";
 
 const char* const kLeafGlsl = R"(
-uniform samplerBuffer slimLeaves;
 uniform int slimTexelsOfLeaf;
 uniform int slimDegree;
 uniform int slimFrontOnly;
@@ -46,9 +45,9 @@ Leaf slimReadLeaf(vec2 slopes, vec3 direction)
 {
   Leaf leaf;
   int at = slimLeaf * slimTexelsOfLeaf;
-  vec4 ball = texelFetch(slimLeaves, at);
-  vec4 normal = texelFetch(slimLeaves, at + 1);
-  vec4 axis = texelFetch(slimLeaves, at + 2);
+  vec4 ball = slimTexel(at);
+  vec4 normal = slimTexel(at + 1);
+  vec4 axis = slimTexel(at + 2);
   leaf.radius = ball.w;
   leaf.weight = normal.w * slimPart.x;
   leaf.share = axis.w;
@@ -56,7 +55,7 @@ Leaf slimReadLeaf(vec2 slopes, vec3 direction)
   leaf.u = axis.xyz;
   leaf.v = cross(leaf.w, leaf.u);
   for (int i = 0; i < 4; ++i) {
-    vec4 four = i + 4 < slimTexelsOfLeaf ? texelFetch(slimLeaves, at + 4 + i) : vec4(0.0);
+    vec4 four = i + 4 < slimTexelsOfLeaf ? slimTexel(at + 4 + i) : vec4(0.0);
     for (int k = 0; k < 4; ++k) leaf.c[4 * i + k] = four[k];
   }
   vec3 center = (ball.xyz - slimEye) - slimEyeRest;

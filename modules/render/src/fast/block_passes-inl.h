@@ -14,13 +14,13 @@
 #include "fast/lanes/root_lanes-inl.h"
 #include "fast/near_leaf.h"
 #include "fast/tile_blocks-inl.h"
+#include "pcl_slim/render/detail/frame_constants.h"
 #include "pcl_slim/surface/detail/trim_outside-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes {
 
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
-constexpr float kMaxShift = 0.25f;  ///< distance of q^ from a leaf's own surface, in its radii
 
 /** Sums of a block's blend (eqs. 6, 7, 8 left), before division by the weight; camera's axes. */
 struct BlockSums {

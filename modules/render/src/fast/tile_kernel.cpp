@@ -21,8 +21,6 @@ HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 namespace lanes {
 
-constexpr int kMaxLayers = 8;  ///< how often a ray may pass through uncovered flaps
-
 /** Lanes as a leaf too near for a record is drawn in double. */
 NearLanes
 nearLanes(const PassContext& context, const Block& block)
@@ -123,7 +121,6 @@ gather(const PassContext& context, const Ball& around, const Block& block, Block
 HWY_NOINLINE Mask
 unsupported(const PassContext& context, Block block, Mask doubtful)
 {
-  constexpr float kMinLeaves = 3.0f, kMaxLean = 0.25f;  // as isSupported()
   block.pending = doubtful;
   BlockSums sums;
   gather<true>(context, ballAround(context, block), block, sums);

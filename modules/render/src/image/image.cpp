@@ -55,7 +55,7 @@ Error
 savePng(const std::string& path, const Image& image)
 {
   if (Error error = checkComplete(path, image)) return error;
-  const auto bytes = detail::encodePng(image);
+  const auto bytes = encodePng(image);
   if (!bytes) return {bytes.error().code, "cannot write '" + path + "': " + bytes.error().message};
   return writeFile(path, bytes->data(), bytes->size());
 }

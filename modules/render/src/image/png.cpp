@@ -18,6 +18,8 @@ hasPng()
   return true;
 }
 
+}  // namespace detail
+
 Result<std::vector<std::uint8_t>>
 encodePng(const Image& image)
 {
@@ -35,8 +37,6 @@ encodePng(const Image& image)
   bytes.resize(size);
   return bytes;
 }
-
-}  // namespace detail
 
 Result<Image>
 loadPng(const std::string& path)

@@ -12,14 +12,14 @@ hasPng()
   return false;
 }
 
+}  // namespace detail
+
 Result<std::vector<std::uint8_t>>
 encodePng(const Image&)
 {
   return Error{ErrorCode::kBadArgument,
                "this build has no PNG (PCL_SLIM_WITH_PNG); name a .ppm file"};
 }
-
-}  // namespace detail
 
 Result<Image>
 loadPng(const std::string& path)

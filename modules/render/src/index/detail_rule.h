@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "pcl_slim/render/detail/frame_constants.h"
+
 namespace pcl_slim::detail {
 
 /** \brief Which surfels of a hierarchy stand for a surface in a picture, and with what share of
@@ -12,9 +14,8 @@ namespace pcl_slim::detail {
  * to level, older ancestors are then large enough to be out of it.
  */
 struct DetailRule {
-  static constexpr float kFade = 1.5f;  ///< sizes, in lod, over which surfels fade
-  static constexpr float kMeets =
-      0.4f;  ///< surfels of a smaller share are not met by rays of pass 1
+  static constexpr auto kFade = static_cast<float>(kDetailFade);
+  static constexpr auto kMeets = static_cast<float>(kDetailMeets);
 
   float lod = 0.0f;  ///< pixels; 0: leaves alone stand for the surface
 

@@ -9,6 +9,7 @@
 #endif
 
 #include "fast/lanes/isolated_root.h"
+#include "pcl_slim/render/detail/frame_constants.h"
 #include "rays/leaf_lines-inl.h"
 #include "rays/ray_scene.h"
 #include "rays/tree_walk-inl.h"
@@ -17,8 +18,6 @@ HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-
-constexpr float kMaxShift = 0.25f;  ///< distance of q^ from a leaf's own surface, in its radii
 
 /** The sums of a blend, each over the leaves of its lane. */
 struct LaneSums {

@@ -20,9 +20,6 @@ namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-constexpr int kMaxLayers = 8;   ///< how often a ray may pass through uncovered flaps
-constexpr double kStep = 0.05;  ///< of a leaf's radius: how far behind a flap the search goes on
-
 /** A depth less a line's shift, rounded up. */
 HWY_INLINE float
 roundedUp(double depth)
@@ -92,7 +89,7 @@ traceLayers(const BlendContext& context, const BoundedRay& ray, const Line& line
       return;
     }
     ++context.counts.peeled;
-    nearest = depth + kStep * double{context.scene.surface.radius[sum.surfel]};
+    nearest = depth + kPeelStep * double{context.scene.surface.radius[sum.surfel]};
   }
 }
 

@@ -14,7 +14,6 @@ RayScene::RayScene(const SLIMSurface& s, int threads)
       shrink(std::clamp(s.info.cover_radius, 0.05, kMaxShrink)),
       cover_radius(std::clamp(s.info.cover_radius, 0.05, 1.0))
 {
-  constexpr double kMaxShift = 0.25;  // as in blendLeaf()
   const std::vector<std::uint32_t> leaves = surface.leaves();
   std::vector<Box> hit(leaves.size()), reach(leaves.size());
   parallelFor(leaves.size(), threads, 1024, [&](std::size_t i, int) {
@@ -30,13 +29,13 @@ closesGap(const BlendSum& sum, const Vector3& direction)
 {
   // In the rim of balls weights fall steeply, so that the nearest leaf outweighs all others: leaves count
   // alike here. Beside the rim of a sheet they lie to one side, .5 radii off and more in the mean.
-  constexpr double kMaxLean = 0.3, kAgreement = 0.8, kLeastCosine = 0.4;
+  constexpr double kMaxSpread = 0.3, kAgreement = 0.8, kLeastCosine = 0.4;
   constexpr int kLeastLeaves = 3;
   if (isOutside(sum)) return false;
   const Vector3 gradient{sum.gradient[0], sum.gradient[1], sum.gradient[2]};
   const Vector3 lean{sum.spread[0], sum.spread[1], sum.spread[2]};
   const double size = length(gradient);
-  return sum.leaves >= kLeastLeaves && length(lean) < kMaxLean * sum.leaves &&
+  return sum.leaves >= kLeastLeaves && length(lean) < kMaxSpread * sum.leaves &&
          size > kAgreement * sum.weight && std::abs(dot(gradient, direction)) > kLeastCosine * size;
 }
 

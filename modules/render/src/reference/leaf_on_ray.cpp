@@ -8,7 +8,6 @@ namespace pcl_slim::detail {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kMaxShift = 0.25;  ///< distance of q^ from a leaf's own surface, in its radii
 
 /** \brief Interval of s in which a ray is inside the ball of relative radius rho and beyond the
  * near plane; empty when low > high. */
@@ -142,8 +141,6 @@ isOutside(const BlendSum& sum)
 bool
 isSupported(const BlendSum& sum, double min_coverage)
 {
-  constexpr int kMinLeaves = 3;
-  constexpr double kMaxLean = 0.25;  ///< in radii
   if (isOutside(sum)) return false;
   if (sum.coverage >= min_coverage) return true;
   const double lean_sq =

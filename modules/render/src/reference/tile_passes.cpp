@@ -119,7 +119,6 @@ peelUncovered(const FrameContext& frame, Tile& tile)
 {
   // Nothing well covered lies within a leaf's reach of an uncovered q^, or it would have been
   // blended: a step of a share of its radius passes over the other leaves of the same flap.
-  constexpr double kStep = 0.05;
   PixelRect left;
   left.x0 = left.y0 = std::numeric_limits<int>::max();
   for (int y = tile.pending.y0; y <= tile.pending.y1; ++y) {
@@ -132,7 +131,7 @@ peelUncovered(const FrameContext& frame, Tile& tile)
         tile.is_pending[pixel] = 0;
         continue;
       }
-      tile.nearest[pixel] = tile.first_depth[pixel] + kStep * frame.surface.radius[sum.surfel];
+      tile.nearest[pixel] = tile.first_depth[pixel] + kPeelStep * frame.surface.radius[sum.surfel];
       tile.first_depth[pixel] = tile.farthest[pixel];
       sum = BlendSum();
       left = {std::min(left.x0, x), std::min(left.y0, y), std::max(left.x1, x),

@@ -7,12 +7,6 @@
 #include "tiles/surfel_bins.h"
 
 namespace pcl_slim::detail {
-namespace {
-
-constexpr int kMaxLayers = 8;  ///< how often a ray may pass through uncovered flaps
-
-}  // namespace
-
 void
 renderReference(const SLIMSurface& surface, const Camera& camera, const FrameRules& rules,
                 GBuffer& buffer, RenderStatistics& statistics)

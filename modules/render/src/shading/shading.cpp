@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "camera/camera_rays.h"
 #include "pcl_slim/core/parallel.h"
@@ -120,19 +119,22 @@ litColor(const GBuffer& buffer, std::size_t pixel, int x, int y, const LightRig&
 
 }  // namespace
 
+std::string
+nameOf(ShadingMode mode)
+{
+  static const std::array<const char*, 11> kNames{"shaded", "normal",     "mean",  "gauss",
+                                                  "kmax",   "kmin",       "level", "size",
+                                                  "error",  "reflection", "color"};
+  return kNames[static_cast<std::size_t>(mode)];
+}
+
 std::optional<ShadingMode>
 shadingModeOf(const std::string& name)
 {
-  static const std::map<std::string, ShadingMode> kModes{
-      {"shaded", ShadingMode::kShaded}, {"normal", ShadingMode::kNormal},
-      {"mean", ShadingMode::kMean},     {"gauss", ShadingMode::kGaussian},
-      {"kmax", ShadingMode::kKMax},     {"kmin", ShadingMode::kKMin},
-      {"level", ShadingMode::kLevel},   {"size", ShadingMode::kSize},
-      {"error", ShadingMode::kError},   {"reflection", ShadingMode::kReflection},
-      {"color", ShadingMode::kColor}};
-  const auto found = kModes.find(name);
-  if (found == kModes.end()) return std::nullopt;
-  return found->second;
+  for (int k = 0; k <= static_cast<int>(ShadingMode::kColor); ++k) {
+    if (nameOf(static_cast<ShadingMode>(k)) == name) return static_cast<ShadingMode>(k);
+  }
+  return std::nullopt;
 }
 
 Error

@@ -3,13 +3,11 @@
 
 #include <vector>
 
+#include "pcl_slim/render/detail/frame_constants.h"
 #include "pcl_slim/render/render_params.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim::detail {
-
-/** \brief Largest alpha of pass 1: at the very rim a leaf has no weight to blend with. */
-constexpr double kMaxShrink = 0.95;
 
 /** \brief What a frame's parameters mean for a surface, lengths in its local units. */
 struct FrameRules {

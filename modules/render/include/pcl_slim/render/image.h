@@ -30,6 +30,10 @@ saveImage(const std::string& path, const Image& image);
 Error
 savePng(const std::string& path, const Image& image);
 
+/** \brief The bytes of a PNG file, or the reason why there are none: a build without PNG. */
+Result<std::vector<std::uint8_t>>
+encodePng(const Image& image);
+
 /** \brief Reads a PNG file of any colour type as 8-bit sRGB. \return an error for what is no PNG
  * file, and for every file in a build without PNG. */
 Result<Image>

@@ -32,6 +32,10 @@ enum class ShadingMode : unsigned char {
   kColor,       ///< colours of discs
 };
 
+/** \brief The name of a mode, as shadingModeOf() takes it. */
+std::string
+nameOf(ShadingMode mode);
+
 /** \brief Colours of a mode that shows numbers. */
 enum class ColorMap : unsigned char {
   kAuto,        ///< diverging for curvatures, perceptual for residuals, the paper's for sizes

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+
+namespace pcl_slim::detail {
+
+/** \brief A constant of the rules by which rays meet a surface, by its name in shaders and pages. */
+struct FrameConstant {
+  const char* name;
+  double value;
+};
+
+constexpr double kMaxShrink =
+    0.95;  ///< of pass 1: at the very rim a leaf has no weight to blend with
+constexpr double kMaxShift = 0.25;  ///< distance of q^ from a leaf's own surface [radii]
+constexpr double kMinLeaves = 3.0;  ///< that surround a gap which still belongs to the surface
+constexpr double kMaxLean = 0.25;   ///< of those leaves' middle from the gap [radii]
+constexpr double kPeelStep = 0.05;  ///< where the search continues behind an uncovered flap [radii]
+constexpr int kMaxLayers = 8;       ///< how often a ray may pass through uncovered flaps
+constexpr double kDetailFade = 1.5;   ///< sizes over which surfels fade [levels of detail]
+constexpr double kDetailMeets = 0.4;  ///< surfels of a smaller share are not met by rays of pass 1
+
+/** \brief What the shaders of visualization/ and of a page need of them. */
+constexpr std::array<FrameConstant, 7> kFrameConstants{{{"kMaxShrink", kMaxShrink},
+                                                        {"kMaxShift", kMaxShift},
+                                                        {"kMinLeaves", kMinLeaves},
+                                                        {"kMaxLean", kMaxLean},
+                                                        {"kPeelStep", kPeelStep},
+                                                        {"kDetailFade", kDetailFade},
+                                                        {"kDetailMeets", kDetailMeets}}};
+
+}  // namespace pcl_slim::detail

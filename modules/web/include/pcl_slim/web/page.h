@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/render/camera.h"
+#include "pcl_slim/render/picture_lines.h"
+#include "pcl_slim/render/render_params.h"
+#include "pcl_slim/render/shading.h"
+#include "pcl_slim/splat/splat_set.h"
+#include "pcl_slim/surface/surface.h"
+
+namespace pcl_slim {
+
+/** \brief What a page has besides the picture that it opens with. */
+struct PageParams {
+  std::string title = "surface";
+  std::array<double, 3> up{0.0, 0.0, 1.0};  ///< dragging turns the object about this direction
+  double precision = 640.0;                 ///< of encodeWebSurface()
+  std::vector<SpaceLine> lines;             ///< to draw over the surface, world coordinates
+};
+
+/** \brief One HTML file that shows a surface. Any browser with WebGL 2 opens it, without network.
+ *
+ * It opens with the picture of renderPicture() and lets its reader turn it, change its mode and read
+ * positions, normals and curvatures. camera.size sets the shape of the still picture that is
+ * shown where WebGL 2 is missing. Cuts and partition-of-unity derivatives are refused.
+ * \return the file's text: 40 bytes a surfel of degree 4 and some 70 KB. The same for every run. */
+Result<std::string>
+encodePage(const SLIMSurface& surface, const Camera& camera, const RenderParams& rendering,
+           const ShadingParams& shading, const PageParams& params);
+
+/** \brief The same for coloured discs, some 15 bytes each; params.precision means nothing. */
+Result<std::string>
+encodePage(const SplatSet& splats, const Camera& camera, const DiscRenderParams& rendering,
+           const ShadingParams& shading, const PageParams& params);
+
+}  // namespace pcl_slim

@@ -1,0 +1,252 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What frames of surfaces and splats have in common in WebGL 2: programs, targets, colours, lines over them.
+
+export const NOTHING = 3e38;
+const ROW = 2048;
+
+/** Why this browser cannot draw, or nothing. */
+export function obstacle(gl) {
+  if (!gl) return 'This browser has no WebGL 2';
+  if (!gl.getExtension('EXT_color_buffer_float')) return 'This device draws no float colours';
+  if (gl.getParameter(gl.MAX_DRAW_BUFFERS) < 5) return 'This device draws too few colours at once';
+  return '';
+}
+
+/** Whether frames are drawn by the processor: hundreds of times slower. */
+export function isSoftware(gl) {
+  const info = gl.getExtension('WEBGL_debug_renderer_info');
+  const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : '';
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+}
+
+/** A linked program that takes its uniforms by name. */
+class Program {
+  constructor(gl, [vertex, fragment]) {
+    this.gl = gl;
+    this.id = gl.createProgram();
+    for (const [type, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+      const shader = gl.createShader(type);
+      gl.shaderSource(shader, text);
+      gl.compileShader(shader);
+      gl.attachShader(this.id, shader);
+      this.log = () => gl.getShaderInfoLog(shader) + gl.getProgramInfoLog(this.id);
+    }
+    gl.linkProgram(this.id);
+  }
+
+  use(values, textures) {
+    const gl = this.gl;
+    if (!this.places) this.find();
+    gl.useProgram(this.id);
+    for (const [name, value] of Object.entries(values)) if (this.places[name]) this.places[name](value);
+    Object.entries(textures).forEach(([name, texture], unit) => {
+      if (!this.places[name]) return;
+      gl.activeTexture(gl.TEXTURE0 + unit);
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      this.places[name](unit);
+    });
+  }
+
+  find() {
+    const gl = this.gl;
+    if (!gl.getProgramParameter(this.id, gl.LINK_STATUS)) throw new Error(this.log());
+    const set = {
+      [gl.FLOAT]: (at, v) => gl.uniform1f(at, v), [gl.FLOAT_VEC2]: (at, v) => gl.uniform2fv(at, v),
+      [gl.FLOAT_VEC3]: (at, v) => gl.uniform3fv(at, v), [gl.FLOAT_VEC4]: (at, v) => gl.uniform4fv(at, v),
+      [gl.FLOAT_MAT3]: (at, v) => gl.uniformMatrix3fv(at, false, v),
+    };
+    this.places = {};
+    for (let i = 0; i < gl.getProgramParameter(this.id, gl.ACTIVE_UNIFORMS); ++i) {
+      const {name, type} = gl.getActiveUniform(this.id, i), at = gl.getUniformLocation(this.id, name);
+      const to = set[type] || ((place, v) => gl.uniform1i(place, v));
+      this.places[name.replace('[0]', '')] = value => to(at, value);
+    }
+  }
+}
+
+/** Textures and framebuffers of one size. */
+class Targets {
+  constructor(gl, width, height, sums, attributes) {
+    Object.assign(this, {gl, width, height, format: sums, made: []});
+    this.depth = this.buffer();
+    this.first = this.texture(gl.R32F);
+    this.nearest = [this.texture(gl.R32F), this.texture(gl.R32F)];
+    this.sums = [0, 1, 2, 3, 4].map(() => this.texture(sums));
+    this.geometry = this.texture(gl.RGBA32F);
+    this.attributes = this.texture(attributes);
+    this.met = this.texture(gl.R32F);
+    this.named = this.texture(gl.RGBA32F);
+    this.colors = this.texture(gl.RGBA16F, gl.LINEAR);
+    this.into = {
+      first: this.frame([this.first], true), firstNamed: this.frame([this.first, this.named], true), sums: this.frame(this.sums, true),
+      result: this.frame([this.geometry, this.attributes, this.met]),
+      nearest: this.nearest.map(texture => this.frame([texture])),
+      named: this.frame([this.named], true), colors: this.frame([this.colors]),
+    };
+  }
+  texture(format, filter = this.gl.NEAREST) {
+    const gl = this.gl, texture = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, format, this.width, this.height);
+    for (const name of ['MIN', 'MAG']) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_${name}_FILTER`], filter);
+    for (const name of ['S', 'T']) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_WRAP_${name}`], gl.CLAMP_TO_EDGE);
+    this.made.push(() => gl.deleteTexture(texture));
+    return texture;
+  }
+  buffer() {
+    const gl = this.gl, buffer = gl.createRenderbuffer();
+    gl.bindRenderbuffer(gl.RENDERBUFFER, buffer);
+    gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT32F, this.width, this.height);
+    this.made.push(() => gl.deleteRenderbuffer(buffer));
+    return buffer;
+  }
+  frame(textures, deep) {
+    const gl = this.gl, frame = gl.createFramebuffer(), places = textures.map((_, k) => gl.COLOR_ATTACHMENT0 + k);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+    textures.forEach((t, k) => gl.framebufferTexture2D(gl.FRAMEBUFFER, places[k], gl.TEXTURE_2D, t, 0));
+    if (deep) gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, this.depth);
+    gl.drawBuffers(places);
+    this.complete = gl.checkFramebufferStatus(gl.FRAMEBUFFER) === gl.FRAMEBUFFER_COMPLETE && this.complete !== false;
+    this.made.push(() => gl.deleteFramebuffer(frame));
+    return frame;
+  }
+  release() { this.made.forEach(release => release()); }
+}
+
+/** Frames of a model; whoever draws one adds its passes. */
+export class Frames {
+  /** model: local units, with bounds and scale; unit: length here, a power of two; page: its options. */
+  constructor(gl, model, unit, page, attributes) {
+    Object.assign(this, {gl, model, unit, page, attributes, programs: {}});
+    this.canAddFloats = !!gl.getExtension('EXT_float_blend');
+    this.exact = false;  // sums in 32 bits: half floats take half the memory, and normals .03 degrees
+    this.linePieces = this.packLines(page.lines);
+  }
+
+  compile(texts) {
+    for (const [name, pair] of Object.entries(texts)) this.programs[name] = new Program(this.gl, pair);
+  }
+
+  dataTexture(data, channels, internal, format, type) {
+    const gl = this.gl, texture = gl.createTexture(), rows = Math.max(1, Math.ceil(data.length / channels / ROW));
+    const padded = new data.constructor(rows * ROW * channels);
+    padded.set(data);
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.texImage2D(gl.TEXTURE_2D, 0, internal, ROW, rows, 0, format, type, padded);
+    for (const name of ['MIN', 'MAG']) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_${name}_FILTER`], gl.NEAREST);
+    return texture;
+  }
+
+  /** An array of floats for each instance: [numbers, offset in bytes] of every attribute. */
+  vertices(data, attributes, stride) {
+    const gl = this.gl, array = gl.createVertexArray();
+    gl.bindVertexArray(array);
+    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
+    attributes.forEach(([size, offset], place) => {
+      gl.enableVertexAttribArray(place);
+      gl.vertexAttribPointer(place, size, gl.FLOAT, false, stride, offset);
+      gl.vertexAttribDivisor(place, 1);
+    });
+    gl.bindVertexArray(null);
+    return array;
+  }
+
+  packLines(lines) {
+    const data = [];
+    for (const [kind, ...numbers] of lines) {
+      const at = k => numbers.slice(k, k + 3).map(x => x / this.unit);
+      for (let k = 0; k + 5 < numbers.length; k += 3) data.push(...at(k), kind, ...at(k + 3));
+    }
+    return {count: data.length / 7, array: this.vertices(new Float32Array(data), [[4, 0], [3, 16]], 28)};
+  }
+
+  resize(width, height) {
+    const sums = this.exact && this.canAddFloats ? this.gl.RGBA32F : this.gl.RGBA16F, t = this.targets;
+    if (t?.width === width && t.height === height && t.format === sums) return;
+    t?.release();
+    this.targets = new Targets(this.gl, width, height, sums, this.attributes);
+    if (this.targets.complete) return;
+    if (!this.exact) throw new Error('This device draws no float colours');
+    this.canAddFloats = false;
+    this.resize(width, height);
+  }
+
+  /** Takes up a frame: a camera in local units, the size of its picture and a shift of its rays in pixels. */
+  begin(camera, width, height, shift) {
+    this.resize(width, height);
+    const gl = this.gl, {model, targets: t} = this, [right, up, forward] = camera.axes();
+    const eye = camera.position.map(x => x / this.unit), parallel = camera.height > 0;
+    const pixel = camera.pixel(width, height) / (parallel ? this.unit : 1);
+    const box = model.bounds, away = Math.hypot(...box.center.map((c, k) => c / this.unit - eye[k]));
+    this.values = {
+      slimEye: eye, slimEyeRest: eye.map(x => x - Math.fround(x)), slimAxes: [...right, ...up, ...forward],
+      slimScreen: [pixel, width, height, parallel ? 1 : 0], slimShift: shift,
+      slimNear: this.page.near / model.scale / this.unit, slimFar: (away + 1.01 * box.radius / this.unit) || 1,
+      slimWorld: model.scale * this.unit, slimPixel: pixel * (parallel ? 1 : Math.max(1e-9, away)),
+    };
+    gl.viewport(0, 0, width, height);
+    gl.disable(gl.BLEND);
+    this.clear(t.into.result, [0, 0, 0, 0], [0, 0, 0, 0], [NOTHING, 0, 0, 0]);
+    this.round = 0;
+    this.isNamed = false;
+  }
+
+  clear(frame, ...colors) {
+    const gl = this.gl;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+    colors.forEach((color, k) => gl.clearBufferfv(gl.COLOR, k, color));
+  }
+
+  drawFrame(program, textures, values = {}) {
+    this.programs[program].use({...this.values, ...values}, textures);
+    this.gl.drawArrays(this.gl.TRIANGLE_STRIP, 0, 4);
+  }
+
+  /** Adds the frame's colours to the samples, or takes their place. look: mode, table, range, ... */
+  shade(look, add) {
+    const gl = this.gl, t = this.targets;
+    if (look.named) this.nameLeaves();
+    gl.viewport(0, 0, t.width, t.height);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, t.into.colors);
+    if (!add) gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]);
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE);
+    this.drawFrame('shade', {slimGeometry: t.geometry, slimAttributes: t.attributes, slimNamed: t.named},
+      {...look.values, slimHollows: [look.hollows, this.values.slimPixel]});
+    gl.disable(gl.BLEND);
+  }
+
+  /** Shows the samples on the canvas, and the lines over them. */
+  present(lineWidth) {
+    const gl = this.gl, {width, height} = gl.canvas, canvas = {slimCanvas: [width, height]};
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.viewport(0, 0, width, height);
+    this.drawFrame('present', {slimColors: this.targets.colors}, canvas);
+    if (!this.linePieces.count || !lineWidth) return;
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    const slack = 0.004 * this.model.diagonal / this.unit;
+    this.programs.lines.use({...this.values, ...canvas, slimWidth: lineWidth, slimSlack: slack},
+      {slimGeometry: this.targets.geometry});
+    gl.bindVertexArray(this.linePieces.array);
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.linePieces.count);
+    gl.bindVertexArray(null);
+    gl.disable(gl.BLEND);
+  }
+
+  /** The frame's columns, rows from the top: normals and depths (local units, below 0 from behind), principal
+   * curvatures, and of the named leaf level, residual and radius. */
+  read() {
+    const gl = this.gl, t = this.targets, of = (frame, k) => {
+      const data = new Float32Array(4 * t.width * t.height);
+      gl.bindFramebuffer(gl.FRAMEBUFFER, frame);
+      gl.readBuffer(gl.COLOR_ATTACHMENT0 + k);
+      gl.readPixels(0, 0, t.width, t.height, gl.RGBA, gl.FLOAT, data);
+      gl.readBuffer(gl.COLOR_ATTACHMENT0);
+      return data;
+    };
+    this.nameLeaves();
+    return {geometry: of(t.into.result, 0), attributes: of(t.into.result, 1), named: of(t.into.named, 0)};
+  }
+}

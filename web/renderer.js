@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A surface's frames: first hits by the depth test, sums of blends, what they give, and behind what is uncovered
+// once more (Ohtake, Belyaev, Alexa 2005, section 3), as visualization/src/opengl does it.
+import {Frames, NOTHING} from './frames.js';
+import {surfacePrograms} from './shaders.js';
+import {MOST_SIDE, texels} from './surface.js';
+
+export class SurfaceFrames extends Frames {
+  /** rules: the page's constants with front, trim and near. */
+  constructor(gl, surface, rules, page) {
+    const radii = Array.from(surface.radius).sort((a, b) => a - b);
+    // In units of a typical radius, so that derivatives of small balls do not overflow half floats.
+    super(gl, surface, 2 ** Math.round(Math.log2(radii[radii.length >> 1] || 1)), page, gl.RG32F);
+    Object.assign(this, {surface, rules});
+    this.reach = Math.min(rules.kMaxShrink, Math.max(0.05, surface.coverRadius));
+    const packed = texels(surface, rules, this.unit);
+    this.perLeaf = packed.perLeaf;
+    this.leaves = this.dataTexture(packed.data, 4, gl.RGBA32F, gl.RGBA, gl.FLOAT);
+    this.trims = this.dataTexture(packed.words, 1, gl.R32I, gl.RED_INTEGER, gl.INT);
+    this.hulls = this.vertices(packed.hulls, [[4, 0], [1, 16]], 20);
+    this.compile(surfacePrograms(page.constants));
+    this.query = gl.createQuery();
+  }
+
+  /** lod: pixels below which coarser surfels stand for leaves; 0: never. */
+  begin(camera, width, height, shift, lod) {
+    super.begin(camera, width, height, shift);
+    const {surface: s, rules} = this;
+    Object.assign(this.values, {
+      slimTexelsOfLeaf: this.perLeaf, slimDegree: s.degree, slimFrontOnly: +rules.front, slimKernel: s.kernel,
+      slimCoverRadius: Math.min(1, Math.max(0.05, s.coverRadius)), slimScale: 1,
+      slimDetail: 0.5 * lod * this.values.slimScreen[0], slimMostSide: MOST_SIDE,
+      slimTrimmed: +(rules.trim && s.trimmed), slimMinCoverage: s.coverThreshold, slimOriented: s.oriented,
+    });
+    this.clear(this.targets.into.nearest[0], [this.values.slimNear, 0, 0, 0]);
+  }
+
+  drawHulls(program, reach, first, textures) {
+    const gl = this.gl, {leaves, trims} = this;
+    const count = this.values.slimDetail > 0 ? this.surface.count : this.surface.leaves;
+    this.programs[program].use({...this.values, slimReach: reach, slimFirstPass: first},
+      {slimLeaves: leaves, slimTrims: trims, ...textures});
+    gl.enable(gl.DEPTH_TEST);
+    gl.enable(gl.CULL_FACE);
+    gl.cullFace(gl.FRONT);
+    gl.bindVertexArray(this.hulls);
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 14, count);
+    gl.bindVertexArray(null);
+    gl.disable(gl.CULL_FACE);
+    gl.disable(gl.DEPTH_TEST);
+    gl.depthMask(true);
+  }
+
+  /** First hits, blends and what they give; what is uncovered waits for another round. */
+  drawRound() {
+    const gl = this.gl, t = this.targets, from = this.round++ % 2;
+    const nearest = {slimNearest: t.nearest[from]};
+    this.clear(t.into.first, [NOTHING, 0, 0, 0]);
+    gl.clearBufferfv(gl.DEPTH, 0, [1]);
+    gl.depthFunc(gl.LESS);
+    this.drawHulls('first', this.reach, 1, nearest);
+
+    this.clear(t.into.sums, ...t.sums.map(() => [0, 0, 0, 0]));
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE);
+    gl.depthFunc(gl.LEQUAL);
+    gl.depthMask(false);
+    this.drawHulls('blend', 1, 0, {slimFirst: t.first});
+    gl.disable(gl.BLEND);
+
+    const sums = Object.fromEntries(t.sums.map((texture, k) => [`slimSums${k}`, texture]));
+    gl.bindFramebuffer(gl.FRAMEBUFFER, t.into.result);
+    this.drawFrame('result', {slimFirst: t.first, ...nearest, ...sums});
+    this.clear(t.into.nearest[1 - from], [-1, 0, 0, 0]);
+    gl.beginQuery(gl.ANY_SAMPLES_PASSED, this.query);
+    this.drawFrame('peel', {slimFirst: t.first, ...nearest, ...sums});
+    gl.endQuery(gl.ANY_SAMPLES_PASSED);
+  }
+
+  /** Whether rays are left for another round; undefined while the answer is not there. */
+  raysLeft() {
+    const gl = this.gl;
+    if (this.round >= this.rules.kMaxLayers) return false;
+    if (!gl.getQueryParameter(this.query, gl.QUERY_RESULT_AVAILABLE)) return undefined;
+    return gl.getQueryParameter(this.query, gl.QUERY_RESULT) !== 0;
+  }
+
+  /** Level, radius and residual of the leaf of the largest weight. */
+  nameLeaves() {
+    if (this.isNamed) return;
+    const gl = this.gl, t = this.targets;
+    gl.viewport(0, 0, t.width, t.height);
+    this.clear(t.into.named, [0, 0, 0, 0]);
+    gl.clearBufferfv(gl.DEPTH, 0, [1]);
+    gl.depthFunc(gl.LESS);
+    this.drawHulls('name', 1, 0, {slimFirst: t.met});
+    this.isNamed = true;
+  }
+}

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Shaders. What meets a surface is the text of visualization/src/opengl (SHARED, put in by bundle.mjs); here
+// is what differs: WebGL 2 has no buffer textures, leaves are drawn as hulls, and colours are our own.
+import {SHARED} from './shared.js';  // made by bundle.mjs
+
+export const HEAD = constants => `#version 300 es
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+precision highp isampler2D;
+${Object.entries(constants).map(([name, v]) => `const float ${name} = ${v.toFixed(6)};`).join('\n')}
+uniform sampler2D slimLeaves;
+uniform isampler2D slimTrims;
+vec4 slimTexel(int at) { return texelFetch(slimLeaves, ivec2(at & 2047, at >> 11), 0); }
+int slimTrimWord(int at) { return texelFetch(slimTrims, ivec2(at & 2047, at >> 11), 0).x; }
+`;
+
+export const OUTPUTS = count => `layout(location = 0) out vec4 slimOut[${count}];\n`;
+
+/** A surfel as the box around the part of its polynomial inside its ball. Back faces are drawn: they are
+ * there even where the eye is inside. Its depth is that of the ball's front, the same all over. */
+const HULL_VERTEX = `
+layout(location = 0) in vec4 slimHeights;  // bounds within the reach of pass 1, and in the whole ball
+layout(location = 1) in float slimSteep;   // bound of the slope
+uniform float slimFar;
+uniform int slimFrontOnly;
+
+bool slimTurnedAway(vec3 center, vec3 w, float radius)
+{
+  if (slimFrontOnly == 0) return false;
+  float away = length(center);
+  if (slimScreen.w == 0.0 && away <= radius) return false;
+  float spread = slimScreen.w > 0.0 ? 0.0 : asin(radius / away);
+  float facing = slimScreen.w > 0.0 ? dot(slimAxes[2], w) : dot(center, w) / away;
+  return acos(clamp(facing, -1.0, 1.0)) + spread < atan(1.0, slimSteep);
+}
+
+void main()
+{
+  slimLeaf = gl_InstanceID;
+  int at = gl_InstanceID * slimTexelsOfLeaf;
+  vec4 ball = slimTexel(at), more = slimTexel(at + 3);
+  vec3 w = slimTexel(at + 1).xyz, u = slimTexel(at + 2).xyz;
+  vec3 center = (ball.xyz - slimEye) - slimEyeRest;
+  float depth = dot(center, slimAxes[2]);
+  slimTrim = slimTrimOf(more);
+  slimPart = slimPartOf(more, depth);
+  if (slimPart.x <= 0.0 || depth < -ball.w || slimTurnedAway(center, w, ball.w)) {
+    gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+    return;
+  }
+  int corner = 1 << gl_VertexID;  // of a cube as one strip
+  vec2 heights = slimFirstPass != 0 ? slimHeights.xy : slimHeights.zw;
+  float x = (0x287a & corner) != 0 ? 1.001 : -1.001, y = (0x02af & corner) != 0 ? 1.001 : -1.001;
+  float z = (0x31e3 & corner) != 0 ? heights.y + 0.001 : heights.x - 0.001;
+  vec3 place = (center + ball.w * (slimReach * (x * u + y * cross(w, u)) + z * w)) * slimAxes;
+  float along = slimScreen.w > 0.0 ? 1.0 : place.z;
+  float front = (slimScreen.w > 0.0 ? depth : length(center)) - 1.001 * ball.w;
+  gl_Position = vec4(2.0 * (vec2(place.x, -place.y) / slimScreen.x - slimShift * along) / slimScreen.yz,
+                     (2.0 * clamp(front / slimFar, 0.0, 1.0) - 1.0) * along, along);
+}
+`;
+
+const FRAME_VERTEX = `
+void main()
+{
+  gl_Position = vec4((gl_VertexID & 1) == 0 ? -1.0 : 1.0, (gl_VertexID & 2) == 0 ? -1.0 : 1.0, 0.0, 1.0);
+}
+`;
+
+/** Depth in the depth buffer as well, which keeps the first hit of all leaves. */
+const FIRST_DEPTH = `
+uniform float slimFar;
+void main()
+{
+  slimMain();
+  gl_FragDepth = clamp(slimOut[0].x / slimFar, 0.0, 1.0);
+}
+`;
+
+/** Colours of modules/render/src/shading: modes, lights, shade in hollows; linear light. */
+const SHADE = `
+uniform sampler2D slimGeometry, slimAttributes, slimNamed;
+uniform int slimMode, slimKnots, slimLevels, slimLit;
+uniform vec3 slimTable[10];
+uniform vec3 slimRange;     // lowest value, 1 / span, and whether by the logarithm
+uniform float slimWorld;    // world units per unit here
+uniform vec2 slimHollows;   // strength, and length of a pixel at the object
+uniform vec3 slimPaper;     // grey level at the top, what it loses downwards, tint
+
+vec3 slimLinear(vec3 s)
+{
+  return mix(s / 12.92, pow((s + 0.055) / 1.055, vec3(2.4)), greaterThan(s, vec3(0.04045)));
+}
+
+vec3 slimBackground(float from_top)
+{
+  float level = slimPaper.x - slimPaper.y * from_top * from_top;
+  return slimLinear(vec3(level, level, level + slimPaper.z));
+}
+
+vec2 slimSlopesAt(ivec2 at)
+{
+  vec2 pixel = vec2(at) + 0.5 + slimShift - 0.5 * slimScreen.yz;
+  return slimScreen.x * vec2(pixel.x, -pixel.y);
+}
+
+vec3 slimPlace(ivec2 at, float depth)
+{
+  vec2 slopes = slimSlopesAt(at);
+  return slimScreen.w > 0.0 ? vec3(slopes, depth) : normalize(vec3(slopes, 1.0)) * depth;
+}
+
+float slimValueOf(ivec2 at)
+{
+  vec4 a = texelFetch(slimAttributes, at, 0), named = texelFetch(slimNamed, at, 0);
+  if (slimMode == 2) return 0.5 * (a.x + a.y) / slimWorld;
+  if (slimMode == 3) return a.x * a.y / (slimWorld * slimWorld);
+  if (slimMode == 4) return a.x / slimWorld;
+  if (slimMode == 5) return a.y / slimWorld;
+  if (slimMode == 6) return floor(named.w);
+  if (slimMode == 10) return fract(named.w) * named.z * slimWorld;
+  return named.z * slimWorld;
+}
+
+vec3 slimColorOf(float value)
+{
+  if (slimLevels != 0) return slimTable[int(value) % 10];
+  if (slimRange.z > 0.0) value = log(max(value, 1e-30));
+  float x = clamp((value - slimRange.x) * slimRange.y, 0.0, 1.0) * float(slimKnots - 1);
+  int k = min(int(x), slimKnots - 2);
+  return mix(slimTable[k], slimTable[k + 1], x - float(k));
+}
+
+// How open the half space over a pixel is: sixteen neighbours on a spiral.
+float slimOpen(ivec2 at, vec3 place, vec3 normal)
+{
+  float pixels = max(2.0, 0.045 * min(slimScreen.y, slimScreen.z)), reach = pixels * slimHollows.y;
+  int pattern = (at.y & 3) * 4 + (at.x & 3);
+  float turn = 6.2831853 * float((pattern * 7) % 16) / 16.0, hidden = 0.0;
+  for (int i = 0; i < 16; ++i) {
+    float r = max(1.0, pixels * sqrt((float(i) + 0.5) / 16.0)), angle = turn + 2.39996323 * float(i);
+    ivec2 to = at + ivec2(round(r * vec2(cos(angle), sin(angle))));
+    if (to.x < 0 || to.y < 0 || to.x >= int(slimScreen.y) || to.y >= int(slimScreen.z)) continue;
+    float depth = texelFetch(slimGeometry, to, 0).w;
+    if (depth == 0.0) continue;
+    vec3 d = slimPlace(to, abs(depth)) - place;
+    float square = dot(d, d);
+    if (square > 0.0) {
+      hidden += max(0.0, dot(d, normal) / sqrt(square) - 0.08) * max(0.0, 1.0 - square / (4.0 * reach * reach));
+    }
+  }
+  return max(0.0, 1.0 - 0.1 * hidden);
+}
+
+vec3 slimStripes(vec3 normal, vec3 ray)
+{
+  float phase = 12.0 * asin(clamp(reflect(ray, normal).x, -1.0, 1.0));
+  return slimLinear(mix(vec3(0.08, 0.09, 0.12), vec3(0.96), clamp(0.5 + sin(phase) / 0.15, 0.0, 1.0)));
+}
+
+// Everything in the camera's axes: right, up, forward.
+vec3 slimShade(ivec2 at, vec4 hit)
+{
+  vec3 place = slimPlace(at, abs(hit.w)), normal = hit.xyz * slimAxes;
+  vec3 ray = slimScreen.w > 0.0 ? vec3(0.0, 0.0, 1.0) : normalize(place);
+  if (slimMode == 1) return slimLinear(0.5 * hit.xyz + 0.5);
+  if (slimMode == 8) return slimStripes(normal, ray);
+  vec3 base = hit.w < 0.0 ? vec3(0.52, 0.56, 0.64) : vec3(0.80, 0.74, 0.66);
+  if (slimMode == 9) base = texelFetch(slimAttributes, at, 0).rgb;
+  else if (slimMode > 0) base = slimColorOf(slimValueOf(at));
+  base = slimLinear(base);
+  if (slimLit == 0) return base;
+  vec3 key = normalize(vec3(-0.55, 0.75, -0.65));
+  float lit = max(0.0, dot(normal, key));
+  float diffuse = 0.10 + 0.12 * (0.5 + 0.5 * normal.y) + 0.28 * max(0.0, -dot(normal, ray)) + 0.62 * lit;
+  float shine = lit > 0.0 ? 0.16 * pow(max(0.0, dot(normal, normalize(key - ray))), 40.0) : 0.0;
+  float dim = slimHollows.x > 0.0 ? 1.0 - slimHollows.x * (1.0 - slimOpen(at, place, normal)) : 1.0;
+  if (slimMode > 0) return base * (0.45 + 0.55 * min(1.0, diffuse)) * dim;
+  return min(vec3(1.0), (base * diffuse + shine) * dim);
+}
+
+void main()
+{
+  ivec2 at = ivec2(gl_FragCoord.xy);
+  vec4 hit = texelFetch(slimGeometry, at, 0);
+  vec3 color = hit.w == 0.0 ? slimBackground((float(at.y) + 0.5) / slimScreen.z) : slimShade(at, hit);
+  slimOut[0] = vec4(color, 1.0);
+}
+`;
+
+/** The mean of the samples, on the canvas, whose rows begin at the bottom. */
+const PRESENT = `
+uniform sampler2D slimColors;
+uniform vec2 slimCanvas;
+void main()
+{
+  vec2 at = gl_FragCoord.xy / slimCanvas;
+  vec4 sum = texture(slimColors, vec2(at.x, 1.0 - at.y));
+  vec3 s = clamp(sum.rgb / sum.a, 0.0, 1.0);
+  slimOut[0] = vec4(mix(12.92 * s, 1.055 * pow(s, vec3(1.0 / 2.4)) - 0.055, greaterThan(s, vec3(0.0031308))), 1.0);
+}
+`;
+
+/** Lines over the surface: a quad for each piece, drawn where the surface is not in front of it. */
+const LINE_VERTEX = `
+layout(location = 0) in vec4 slimFrom;   // place and kind
+layout(location = 1) in vec3 slimTo;
+uniform vec2 slimCanvas;
+uniform float slimWidth;
+out float slimAway, slimSide;
+flat out float slimKind;
+
+vec3 slimSeen(vec3 place)
+{
+  return ((place - slimEye) - slimEyeRest) * slimAxes;
+}
+
+void main()
+{
+  vec3 a = slimSeen(slimFrom.xyz), b = slimSeen(slimTo);
+  bool parallel = slimScreen.w > 0.0;
+  vec2 size = 0.5 * slimScreen.x * slimScreen.yz;
+  vec2 p = a.xy / (parallel ? 1.0 : max(a.z, 1e-6)) / size, q = b.xy / (parallel ? 1.0 : max(b.z, 1e-6)) / size;
+  vec2 run = (q - p) * slimCanvas;
+  vec2 aside = vec2(-run.y, run.x) / max(length(run), 1e-6) / slimCanvas;
+  bool end = (gl_VertexID & 2) != 0;
+  slimSide = (gl_VertexID & 1) == 0 ? -1.0 : 1.0;
+  vec3 place = end ? b : a;
+  slimAway = parallel ? place.z : length(place);
+  slimKind = slimFrom.w;
+  gl_Position = min(a.z, b.z) <= 0.0 && !parallel ? vec4(2.0, 2.0, 2.0, 1.0)
+                                     : vec4((end ? q : p) + slimSide * (slimWidth + 1.0) * aside, 0.0, 1.0);
+}
+`;
+
+const LINE = `
+uniform sampler2D slimGeometry;
+uniform vec2 slimCanvas;
+uniform float slimWidth, slimSlack;
+in float slimAway, slimSide;
+flat in float slimKind;
+void main()
+{
+  ivec2 size = textureSize(slimGeometry, 0);
+  vec2 at = gl_FragCoord.xy / slimCanvas;
+  float depth = abs(texelFetch(slimGeometry, ivec2(vec2(at.x, 1.0 - at.y) * vec2(size)), 0).w);
+  if (depth > 0.0 && slimAway > depth + slimSlack) discard;
+  float soft = clamp(0.5 * (slimWidth + 1.0 - abs(slimSide) * (slimWidth + 1.0)) + 0.5, 0.0, 1.0);
+  slimOut[0] = vec4(slimKind < 0.5 ? vec3(0.72, 0.11, 0.09) : vec3(0.10, 0.22, 0.62), soft);
+}
+`;
+
+/** The programs of a surface: [vertex shader, fragment shader] by name. */
+export function surfacePrograms(constants) {
+  const head = HEAD(constants), es = text => text.replace(/gl_FragData\[(\d)\]/g, 'slimOut[$1]');
+  const camera = SHARED.kCameraGlsl, vertexCamera = camera.slice(0, camera.indexOf('vec2 slimSlopes'));
+  const hull = head + vertexCamera + SHARED.kSurfel + HULL_VERTEX, frame = head + FRAME_VERTEX;
+  const ofLeaves = (outputs, ...parts) => head + OUTPUTS(outputs) + es(camera + SHARED.kLeafGlsl + parts.join(''));
+  const ofFrame = (outputs, ...parts) => head + OUTPUTS(outputs) + es(parts.join(''));
+  const renamed = text => text.replace('void main()', 'void slimMain()');
+  return {
+    first: [hull, ofLeaves(1, SHARED.kTrims, renamed(SHARED.kFirstPass), FIRST_DEPTH)],
+    blend: [hull, ofLeaves(5, SHARED.kBlended, SHARED.kTrims, SHARED.kBlendPass)],
+    name: [hull, ofLeaves(1, SHARED.kBlended, SHARED.kLeafPass)],
+    result: [frame, ofFrame(3, SHARED.kSums, SHARED.kResult)],
+    peel: [frame, ofFrame(1, SHARED.kSums, SHARED.kPeel)],
+    shade: [frame, ofFrame(1, camera, SHADE)],
+    present: [frame, ofFrame(1, PRESENT)],
+    lines: [head + vertexCamera + LINE_VERTEX, ofFrame(1, LINE)],
+  };
+}

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What is drawn when: coarse frames while something moves, then whole ones, then more samples.
+import {Camera} from './camera.js';
+import {isSoftware} from './frames.js';
+import {SurfaceFrames} from './renderer.js';
+import {castSplats, SplatFrames} from './splats.js';
+import {cast} from './rays.js';
+import {boundsOf} from './surface.js';
+import {dot, length, minus} from './vectors.js';
+
+export const MODES = ['shaded', 'normal', 'mean', 'gauss', 'kmax', 'kmin', 'level', 'size', 'reflection',
+                      'color', 'error'];
+const NAMED = ['level', 'size', 'error'], SIGNED = ['mean', 'gauss', 'kmax', 'kmin'];
+const MOST_PIXELS = 2.3e6, REST = 160, SAMPLES = 4;
+
+export class Viewer {
+  constructor(gl, surface, page) {
+    Object.assign(this, {gl, surface, page, canvas: gl.canvas, isSplats: page.kind === 'splats'});
+    surface.bounds = boundsOf(surface);
+    surface.diagonal ||= 2 * surface.bounds.radius;
+    this.rules = {...page.constants, front: page.front, trim: page.trim, near: page.near / surface.scale};
+    this.camera = new Camera(page.camera, page.turn, surface.origin, surface.scale);
+    this.home = this.camera.copy();
+    this.mode = page.mode;
+    this.spread = 1;       // of the range, by the slider
+    this.hollows = page.ao;
+    this.dark = false;
+    this.software = isSoftware(gl);
+    this.coarse = this.software ? 0.2 : 0.5;  // pixels drawn while moving, of the canvas's along an axis
+    this.patience = 2500;                     // milliseconds that a frame of software may take
+    this.renderer = new (this.isSplats ? SplatFrames : SurfaceFrames)(gl, surface, this.rules, page);
+    this.lastMove = -Infinity;
+    this.onFrame = () => {};
+  }
+
+  /** The range of a mode's colours: the page's, spread by the slider. */
+  range(mode = this.mode) {
+    const [low, high] = mode === this.page.mode && this.page.range || this.page.ranges[mode] || [0, 1];
+    if (mode === 'level') return [low, high];
+    if (mode === 'size') {
+      const middle = Math.sqrt(low * high), ratio = Math.sqrt(high / low) ** this.spread;
+      return [middle / ratio, middle * ratio];
+    }
+    return [low * this.spread, high * this.spread];
+  }
+
+  /** Colours of the range, or of ten levels. */
+  table(mode = this.mode) {
+    const {colors, map} = this.page;
+    if (mode === 'level') return colors.category;
+    if (map !== 'auto') return colors[map];
+    return mode === 'size' ? colors.size : mode === 'error' ? colors.perceptual : colors.diverging;
+  }
+
+  hasRange() { return NAMED.includes(this.mode) || SIGNED.includes(this.mode); }
+
+  look() {
+    const {mode, page} = this, table = this.table(), logarithmic = mode === 'size';
+    const [low, high] = this.range().map(x => logarithmic ? Math.log(x) : x);
+    const plain = mode === 'normal' || mode === 'reflection';
+    const lit = mode === page.mode ? page.lighting : mode !== 'color';
+    const paper = page.white ? [1, 0, 0] : this.dark ? [0.17, 0.07, 0.012] : [0.985, 0.145, 0.006];
+    return {
+      named: NAMED.includes(mode), hollows: lit && !plain ? this.hollows : 0,
+      values: {slimMode: MODES.indexOf(mode), slimKnots: table.length, slimLevels: +(mode === 'level'),
+               slimLit: +lit, slimTable: [...table, ...Array(10 - table.length).fill([0, 0, 0])].flat(),
+               slimRange: [low, 1 / Math.max(1e-300, high - low), +logarithmic], slimPaper: paper},
+    };
+  }
+
+  /** Fits the canvas to its place on the page. */
+  fit() {
+    const {clientWidth: w, clientHeight: h} = this.canvas;
+    const most = matchMedia('(pointer: coarse)').matches ? MOST_PIXELS / 2 : MOST_PIXELS;  // phones have less memory
+    const ratio = Math.min(window.devicePixelRatio || 1, Math.sqrt(most / Math.max(1, w * h)));
+    const width = Math.max(1, Math.round(w * ratio)), height = Math.max(1, Math.round(h * ratio));
+    if (this.canvas.width === width && this.canvas.height === height) return;
+    [this.canvas.width, this.canvas.height] = [width, height];
+    this.moved();
+  }
+
+  size(share) {
+    return [this.canvas.width, this.canvas.height].map(pixels => Math.max(1, Math.round(pixels * share)));
+  }
+
+  /** Something moved: coarse frames until it rests. */
+  moved() {
+    this.lastMove = performance.now();
+    this.resting = false;
+    this.work = null;
+    this.wake();
+  }
+
+  /** Colours changed, rays did not. */
+  recolor() {
+    this.resting = false;
+    if (this.renderer.values && !this.isMoving()) {
+      this.show(false);
+      if (!this.software) this.work = this.refine();  // whose samples had the old colours
+    } else {
+      this.moved();
+    }
+    this.wake();
+  }
+
+  isMoving() { return performance.now() - this.lastMove < REST; }
+
+  wake() {
+    if (this.pending) return;
+    this.pending = true;
+    requestAnimationFrame(now => this.tick(now));
+  }
+
+  tick(now) {
+    this.pending = false;
+    if (this.gl.isContextLost()) return;
+    if (this.isMoving()) {
+      this.drawCoarse(now);
+      this.wake();
+    } else {
+      this.lastTick = 0;
+      if (this.work === null) this.work = this.refine();
+      if (this.work.next().done) this.resting = true; else this.wake();
+    }
+    this.onFrame();
+  }
+
+  drawCoarse(now) {
+    const begin = performance.now();
+    this.work = null;
+    this.drawWhole(this.coarse, this.software ? 1 : 2, Math.max(this.page.lod, this.software ? 3 : 1));
+    if (this.software) this.finish();
+    // A frame took as long as the one before it was on the screen.
+    const took = this.software ? performance.now() - begin : now - (this.lastTick || now);
+    this.lastTick = now;
+    if (!(took > 0 && took < 2000)) return;
+    const goal = this.software ? 150 : 30, step = Math.min(1.25, Math.max(0.6, Math.sqrt(goal / took)));
+    if (step < 0.9 || step > 1.1) this.coarse = Math.min(1, Math.max(this.software ? 0.1 : 0.2, this.coarse * step));
+  }
+
+  /** Waits for the picture. */
+  finish() { this.gl.readPixels(0, 0, 1, 1, this.gl.RGBA, this.gl.UNSIGNED_BYTE, new Uint8Array(4)); }
+
+  drawWhole(share, rounds, lod) {
+    this.renderer.begin(this.camera, ...this.size(share), [0, 0], lod);
+    for (let k = 0; k < rounds; ++k) this.renderer.drawRound();
+    this.show(false);
+  }
+
+  show(add) {
+    this.renderer.shade(this.look(), add);
+    this.renderer.present(1.1 * this.canvas.width / this.canvas.clientWidth);
+  }
+
+  /** At rest: samples beside the pixels' centres, a round a frame. Software draws ever finer frames instead, as
+   * long as the next is not likely to take longer than it may. */
+  *refine() {
+    if (this.software) {
+      for (let share = this.coarse, took = 0; ; share = Math.min(1, 2 * share)) {
+        const begin = performance.now();
+        yield* this.sample(share, [0, 0], false);
+        this.finish();
+        took = performance.now() - begin;
+        if (share === 1 || 3 * took > this.patience) return;
+      }
+    }
+    for (let k = 0; k <= SAMPLES; ++k) {
+      yield* this.sample(1, k ? [((k - 1) % 2 + 0.5) / 2 - 0.5, ((k - 1 >> 1) + 0.5) / 2 - 0.5] : [0, 0], k > 0);
+    }
+  }
+
+  /** All rays of a frame to their end; added to the samples before, or in their place. */
+  *sample(share, shift, add) {
+    this.renderer.begin(this.camera, ...this.size(share), shift, this.page.lod);
+    for (let left = true; left;) {
+      this.renderer.drawRound();
+      if (!add) this.show(false);
+      do yield; while ((left = this.renderer.raysLeft()) === undefined);
+    }
+    this.show(add);
+  }
+
+  /** What the ray through a place of the canvas meets, in CSS pixels. */
+  pick(x, y) {
+    const {clientWidth: w, clientHeight: h} = this.canvas;
+    return (this.isSplats ? castSplats : cast)(this.surface, this.rules, ...this.camera.ray(x, y, w, h));
+  }
+
+  /** The point about which to turn where nothing is under the pointer: the object's middle, at its depth. */
+  middle() {
+    const {center} = this.surface.bounds, forward = this.camera.axes()[2];
+    return this.camera.position.map((p, k) => p + forward[k] * Math.max(1e-6, dot(minus(center, this.camera.position), forward)));
+  }
+
+  world(point) { return point.map((x, k) => this.surface.origin[k] + this.surface.scale * x); }
+
+  distance(a, b) { return this.surface.scale * length(minus(a, b)); }
+
+  /** One complete frame of a size, as columns; for tests and for whoever wants the numbers. */
+  async measure(width, height, shift = [0, 0], lod = this.page.lod, exact = true) {
+    this.renderer.exact = exact;
+    this.renderer.begin(this.camera, width, height, shift, lod);
+    for (let left = true; left;) {
+      this.renderer.drawRound();
+      do await new Promise(done => setTimeout(done)); while ((left = this.renderer.raysLeft()) === undefined);
+    }
+    return {...this.renderer.read(), unit: this.renderer.unit};
+  }
+}
