@@ -143,6 +143,8 @@ def breaches_of_file(path, text):
         yield "a module includes PCL or VTK"
     if re.search(r"#include <iostream>|[^a-z_]f?printf\(|std::(cout|cerr|clog)", text):
         yield "a module prints"
+    if "hn::Compress" in text and not path.endswith("core/detail/lane_packing-inl.h"):
+        yield "calls hn::Compress, whose table is copied at every call: use LanePacking"
     private = header and ("/src/" in path or "/detail/" in path)
     if private and re.search(r"^namespace pcl_slim(::(?!detail\b)\w+)* \{", text, re.M):
         yield "a private header declares names outside pcl_slim::detail"

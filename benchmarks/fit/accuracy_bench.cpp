@@ -9,6 +9,7 @@
 #include "measure/clocks.h"
 #include "measure/lists.h"
 #include "measure/scenes.h"
+#include "measure/vectors.h"
 
 namespace {
 
@@ -16,7 +17,7 @@ using namespace pcl_slim;
 
 struct Settings {
   std::string shape = "sphere,torus,bumpy,relief", noise = "0,0.0001,0.001,0.005";
-  std::string degree = "4", normals = "0,1", t_mdl = "0", points = "100000";
+  std::string degree = "4", normals = "0,1", t_mdl = "0", points = "100000", vectors = "best";
   double penalty = FitParams().penalty, lambda = 0, alpha = FitParams().cover_radius;
   double normal_noise = 0.05;
   int threads = 0, seed = 7;
@@ -55,6 +56,7 @@ declareOptions(Settings& s)
                  "fit positions and the normals given together");
   options.integer("seed", &s.seed, 0, 1000000, "seed of the scenes");
   options.integer("threads", &s.threads, 0, 4096, "threads, 0: all cores; changes no result");
+  options.text("vectors", &s.vectors, "NAME", "instruction set of the kernels, such as AVX2");
   options.toggle("float", &s.float_input, "round coordinates to float first");
   options.toggle("paper", &s.paper, "the choices of Ohtake, Belyaev, Alexa 2005 throughout");
   options.toggle("by_degree", &s.by_degree, "short table: one column a degree");
@@ -73,6 +75,7 @@ finishOptions(const OptionTable& options, Settings& s)
     if (!options.given("normals")) s.normals = "1";
     if (!options.given("noise")) s.noise = "0";
   }
+  if (Error error = measure::chooseVectors(s.vectors)) return error;
   if (Error error = measure::parseShapes(s.shape, s.shape_list)) return error;
   return measure::parseLists({{"points", &s.points, 100, 4e9, true, &s.point_list},
                               {"degree", &s.degree, 1, 4, true, &s.degree_list},

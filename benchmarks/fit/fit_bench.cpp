@@ -9,6 +9,7 @@
 #include "measure/clocks.h"
 #include "measure/lists.h"
 #include "measure/scenes.h"
+#include "measure/vectors.h"
 #include "pcl_slim/cloud/detail/block_kernels.h"
 #include "pcl_slim/fit/fit.h"
 
@@ -22,7 +23,7 @@ constexpr double kNormalNoise = 0.05;
 
 struct Settings {
   std::string points = "100000,438000,1000000,5000000", degree = "1,2,3,4", threads = "1,2";
-  std::string normals = "1,0", t_mdl = "0.01,0", noise = "0", shape = "bumpy";
+  std::string normals = "1,0", t_mdl = "0.01,0", noise = "0", shape = "bumpy", vectors = "best";
   int repeats = 3;
   /** Beyond this many points the sweep keeps two settings only; asking for one lifts it. */
   double sweep_limit = 2e6;
@@ -41,7 +42,7 @@ struct Row {
 
 /** Medians over the repeats; seconds unless told otherwise. */
 struct Timing {
-  std::vector<double> unit, units_cpu, units_wall, cpu, store, noise, cover, links, orient;
+  std::vector<double> unit, units_cpu, units_wall, cpu, store, noise, cover, links, orient, trim;
   double counted_bytes = 0, peak_bytes = 0;
   FitStatistics fit;
 };
@@ -57,6 +58,7 @@ declareOptions(Settings& s)
   options.text("t_mdl", &s.t_mdl, "T,...", "the paper's T_MDL; 0: the default penalty");
   options.text("noise", &s.noise, "S,...", "noise, as a share of the box diagonal");
   options.text("shape", &s.shape, "NAME,...", "sphere, torus, bumpy, relief");
+  options.text("vectors", &s.vectors, "NAME", "instruction set of the kernels, such as AVX2");
   options.integer("repeats", &s.repeats, 1, 100, "runs of each row; medians are shown");
   return options;
 }
@@ -65,6 +67,7 @@ Error
 finishOptions(const OptionTable& options, Settings& s)
 {
   if (options.given("degree") || options.given("t_mdl")) s.sweep_limit = 1e18;
+  if (Error error = measure::chooseVectors(s.vectors)) return error;
   if (Error error = measure::parseShapes(s.shape, s.shape_list)) return error;
   return measure::parseLists({{"points", &s.points, 100, 4e9, true, &s.point_list},
                               {"degree", &s.degree, 1, 4, true, &s.degree_list},
@@ -102,6 +105,7 @@ fitOnce(const CloudView& view, const FitParams& params, Timing& t)
   t.cover.push_back(t.fit.seconds_cover);
   t.links.push_back(t.fit.seconds_links);
   t.orient.push_back(t.fit.seconds_orient);
+  t.trim.push_back(t.fit.seconds_trim);
   return {};
 }
 
@@ -111,7 +115,7 @@ printHeader()
   std::printf("instruction set %s\n\n", kernels::instructionSet());
   std::puts(
       "| cloud | noise | T | degree | normals | threads | **units CPU** | **units wall** "
-      "| µs/pt CPU | store + noise + cover + links + orient | unit, µs/pt | leaves/pt "
+      "| µs/pt CPU | store + noise + cover + links + orient + trim | unit, µs/pt | leaves/pt "
       "| bytes/pt counted | bytes/pt peak |");
   std::puts("|---|---|---|---|---|---|---|---|---|---|---|---|---|---|");
 }
@@ -128,10 +132,10 @@ printRow(const Row& row, const Timing& t)
   if (t.peak_bytes >= 0) std::snprintf(peak, sizeof(peak), "%.0f", t.peak_bytes / n);
   std::printf(
       "| %s %zu | %g | %s | %d | %s | %d | %.3f | %.3f | %.3f "
-      "| %.3f + %.3f + %.3f + %.3f + %.3f | %.3f | %.4f | %.0f | %s |\n",
+      "| %.3f + %.3f + %.3f + %.3f + %.3f + %.3f | %.3f | %.4f | %.0f | %s |\n",
       row.shape.c_str(), row.points, row.noise, penalty, row.degree, row.normals ? "given" : "none",
       row.threads, measure::median(t.units_cpu), measure::median(t.units_wall), us(t.cpu),
-      us(t.store), us(t.noise), us(t.cover), us(t.links), us(t.orient), us(t.unit),
+      us(t.store), us(t.noise), us(t.cover), us(t.links), us(t.orient), us(t.trim), us(t.unit),
       static_cast<double>(t.fit.leaves) / n, t.counted_bytes / n, peak);
   std::fflush(stdout);
 }

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "common/options.h"
-#include "hwy/targets.h"
 #include "measure/clocks.h"
+#include "measure/vectors.h"
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/render/surface_renderer.h"
 #include "pcl_slim/surface/surface_io.h"
@@ -28,26 +28,6 @@ struct Settings {
   double zoom = 1.0, lod = 0.0;
   bool reference = true, trim = true;
 };
-
-/** \brief Holds the kernels to one set of vector instructions. \return false: there is none such here */
-bool
-chooseVectors(const std::string& name)
-{
-  if (name == "best") return true;
-  for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
-    const std::int64_t target = left & -left;
-    if (name != hwy::TargetName(target)) continue;
-    hwy::SetSupportedTargetsForTest(target);
-    hwy::GetChosenTarget().DeInit();
-    return true;
-  }
-  std::fprintf(stderr, "render_bench: no instructions '%s' here; name one of:", name.c_str());
-  for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
-    std::fprintf(stderr, " %s", hwy::TargetName(left & -left));
-  }
-  std::fprintf(stderr, "\n");
-  return false;
-}
 
 /** \brief Milliseconds a frame: as a clock tells, of all threads together, and of the quickest. */
 struct FrameTime {
@@ -220,8 +200,11 @@ main(int argc, char** argv)
   table.number("lod", &s.lod, 0.0, 1024.0, "level of detail in pixels");
   table.toggle("trim", &s.trim, "end open surfaces where their trim maps say so");
   table.toggle("reference", &s.reference, "compare with the reference");
-  table.text("vectors", &s.vectors, "NAME", "instructions of the kernels, such as AVX2");
+  table.text("vectors", &s.vectors, "NAME", "instruction set of the kernels, such as AVX2");
   if (const auto status = table.parse(argc, argv)) return *status;
-  if (!chooseVectors(s.vectors)) return 2;
+  if (Error error = measure::chooseVectors(s.vectors)) {
+    std::fprintf(stderr, "render_bench: %s\n", error.message.c_str());
+    return kExitUsage;
+  }
   return run(s);
 }

@@ -8,6 +8,8 @@
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
+#include "pcl_slim/core/detail/lane_packing-inl.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
@@ -75,10 +77,9 @@ groupedBoxesInBall(const BlockTree::Level& groups, const std::uint32_t* ids,
       const std::uint32_t id = ids[g + static_cast<std::size_t>(__builtin_ctz(hits))];
       const std::size_t first = id * BlockTree::kFan;
       for (std::size_t i = first; i < first + BlockTree::kFan; i += hn::Lanes(d)) {
-        const auto mask = hn::RebindMask(du, meets(boxes, i));
-        const auto box = hn::Iota(du, static_cast<std::uint32_t>(i));
-        hn::StoreU(hn::Compress(box, mask), du, found + count);
-        count += hn::CountTrue(du, mask);
+        const LanePacking packing(d, meets(boxes, i));
+        packing.store(hn::Iota(du, static_cast<std::uint32_t>(i)), found + count);
+        count += packing.count();
       }
     }
   }
@@ -126,10 +127,10 @@ pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num
       const auto distance_sq = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
       const auto near = hn::Le(distance_sq, limit);
       if (hn::AllFalse(d, near)) continue;
-      const auto index = hn::Iota(du, static_cast<std::uint32_t>(i));
-      hn::StoreU(hn::Compress(distance_sq, near), d, distances_sq + count);
-      hn::StoreU(hn::Compress(index, hn::RebindMask(du, near)), du, points + count);
-      count += hn::CountTrue(d, near);
+      const LanePacking packing(d, near);
+      packing.store(distance_sq, distances_sq + count);
+      packing.store(hn::Iota(du, static_cast<std::uint32_t>(i)), points + count);
+      count += packing.count();
     }
   }
   return count;

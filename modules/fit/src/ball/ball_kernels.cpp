@@ -92,16 +92,17 @@ copyWhere(const BallBuffer& ball, const Keep& keep, BallBuffer& out)
   for (std::size_t i = 0; i < ball.count; i += hn::Lanes(d)) {
     const auto s_sq = hn::Load(d, ball.s_sq.data() + i);
     const auto mask = keep(i, s_sq);
-    append(hn::Load(d, ball.u.data() + i), mask, out.u.data() + count);
-    append(hn::Load(d, ball.v.data() + i), mask, out.v.data() + count);
-    append(hn::Load(d, ball.w.data() + i), mask, out.w.data() + count);
-    append(s_sq, mask, out.s_sq.data() + count);
+    const LanePacking packing(d, mask);
+    packing.store(hn::Load(d, ball.u.data() + i), out.u.data() + count);
+    packing.store(hn::Load(d, ball.v.data() + i), out.v.data() + count);
+    packing.store(hn::Load(d, ball.w.data() + i), out.w.data() + count);
+    packing.store(s_sq, out.s_sq.data() + count);
     if (out.slope_weight > 0) {
-      append(hn::Load(d, ball.n_u.data() + i), mask, out.n_u.data() + count);
-      append(hn::Load(d, ball.n_v.data() + i), mask, out.n_v.data() + count);
-      append(hn::Load(d, ball.n_w.data() + i), mask, out.n_w.data() + count);
+      packing.store(hn::Load(d, ball.n_u.data() + i), out.n_u.data() + count);
+      packing.store(hn::Load(d, ball.n_v.data() + i), out.n_v.data() + count);
+      packing.store(hn::Load(d, ball.n_w.data() + i), out.n_w.data() + count);
     }
-    count += hn::CountTrue(d, mask);
+    count += packing.count();
   }
   out.count = count;
   out.prior.clear();

@@ -52,16 +52,17 @@ gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& qu
       second[4] = hn::MulAdd(gy, l.dz, second[4]);
       second[5] = hn::MulAdd(gz, l.dz, second[5]);
     }
-    append(l.dx, l.kept, ball.u.data() + count);
-    append(l.dy, l.kept, ball.v.data() + count);
-    append(l.dz, l.kept, ball.w.data() + count);
-    append(l.d_sq, l.kept, ball.s_sq.data() + count);
+    const LanePacking packing(d, l.kept);
+    packing.store(l.dx, ball.u.data() + count);
+    packing.store(l.dy, ball.v.data() + count);
+    packing.store(l.dz, ball.w.data() + count);
+    packing.store(l.d_sq, ball.s_sq.data() + count);
     if (query.take_normals) {
-      append(hn::Load(d, store.nx() + i), l.kept, ball.n_u.data() + count);
-      append(hn::Load(d, store.ny() + i), l.kept, ball.n_v.data() + count);
-      append(hn::Load(d, store.nz() + i), l.kept, ball.n_w.data() + count);
+      packing.store(hn::Load(d, store.nx() + i), ball.n_u.data() + count);
+      packing.store(hn::Load(d, store.ny() + i), ball.n_v.data() + count);
+      packing.store(hn::Load(d, store.nz() + i), ball.n_w.data() + count);
     }
-    count += hn::CountTrue(d, l.kept);
+    count += packing.count();
   });
   ball.count = count;
   ball.prior.clear();

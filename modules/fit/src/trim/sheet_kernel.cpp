@@ -34,9 +34,10 @@ gatherSheetOf(const PointStore& store, const BlockList& blocks, const CoverLeaf&
     const auto v = dot3(l.dx, l.dy, l.dz, axes[1][0], axes[1][1], axes[1][2]);
     const auto w = dot3(l.dx, l.dy, l.dz, axes[2][0], axes[2][1], axes[2][2]);
     const auto near = hn::And(l.kept, hn::Le(hn::Abs(hn::Sub(w, height(u, v))), limit));
-    append(u, near, points.u.data() + count);
-    append(v, near, points.v.data() + count);
-    count += hn::CountTrue(d, near);
+    const LanePacking packing(d, near);
+    packing.store(u, points.u.data() + count);
+    packing.store(v, points.v.data() + count);
+    count += packing.count();
   });
   points.count = count;
 }

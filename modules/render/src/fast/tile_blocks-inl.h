@@ -14,7 +14,6 @@
 #include "hwy/cache_control.h"
 
 #include "fast/frame_scene.h"
-#include "fast/lanes/compress-inl.h"
 #include "fast/lanes/lanes-inl.h"
 #include "tiles/surfel_bins.h"
 
@@ -181,12 +180,12 @@ class TileBlocks {
                               std::size_t rows, LeafTable& list)
   {
     const Tag d;
-    const Compression front(taken);
+    const LanePacking packing(d, taken);
     for (std::size_t r = 0; r < rows; ++r) {
       const float* row = from.row(r == kPlaceRow ? kPlaceRow : k + r) + i;
-      hn::StoreU(front(hn::Load(d, row)), d, list.row(r) + list.count);
+      packing.store(hn::Load(d, row), list.row(r) + list.count);
     }
-    list.count += hn::CountTrue(d, taken);
+    list.count += packing.count();
   }
 
   /** Lists the leaves of a table for which some(i) holds, i being the first lane. */

@@ -29,10 +29,10 @@ entriesWithin(const float* x, const float* y, const float* z, const ColumnRange*
       // Not fused: the same bits for every instruction set.
       const auto distance_sq = hn::Add(hn::Add(hn::Mul(ex, ex), hn::Mul(ey, ey)), hn::Mul(ez, ez));
       const auto near = hn::And(hn::Lt(distance_sq, limit), hn::FirstN(d, ranges[r].end - i));
-      hn::StoreU(hn::Compress(distance_sq, near), d, distances_sq + count);
-      const auto entry = hn::Iota(du, static_cast<std::uint32_t>(i));
-      hn::StoreU(hn::Compress(entry, hn::RebindMask(du, near)), du, entries + count);
-      count += hn::CountTrue(d, near);
+      const LanePacking packing(d, near);
+      packing.store(distance_sq, distances_sq + count);
+      packing.store(hn::Iota(du, static_cast<std::uint32_t>(i)), entries + count);
+      count += packing.count();
     }
   }
   return count;

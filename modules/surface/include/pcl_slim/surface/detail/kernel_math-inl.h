@@ -12,6 +12,7 @@
 
 #include "hwy/contrib/math/math-inl.h"
 #include "hwy/highway.h"
+#include "pcl_slim/core/detail/lane_packing-inl.h"
 #include "pcl_slim/surface/polynomial.h"
 #include "pcl_slim/surface/weight_kernel.h"
 
@@ -55,14 +56,6 @@ HWY_INLINE Vec
 dot3(Vec ax, Vec ay, Vec az, Vec bx, Vec by, Vec bz)
 {
   return hn::MulAdd(ax, bx, hn::MulAdd(ay, by, hn::Mul(az, bz)));
-}
-
-/** Writes the lanes of mask side by side; whole vectors are stored, columns are padded for it.
- * (Compressing straight to memory is microcoded on some processors, a hundred cycles and more.) */
-HWY_INLINE void
-append(Vec v, Mask mask, float* target)
-{
-  hn::StoreU(hn::Compress(v, mask), Tag(), target);
 }
 
 HWY_INLINE double
