@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
+#include <sstream>
 
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/render/auto_view.h"
@@ -44,14 +46,17 @@ class PageFile {
   }
   ~PageFile() { std::remove(path_.c_str()); }
   const std::string& path() const { return path_; }
+  std::size_t bytes() const { return bytes_; }
 
  private:
   void write(const Result<std::string>& page)
   {
     EXPECT_FALSE(page ? writeFile(path_, page->data(), page->size()) : page.error());
+    if (page) bytes_ = page->size();
   }
 
   std::string path_ = testing::TempDir() + "pcl_slim_" + std::to_string(getpid()) + ".html";
+  std::size_t bytes_ = 0;
 };
 
 SLIMSurface
@@ -170,6 +175,44 @@ TEST_F(PageInBrowser, DrawsARoundedSurface)
   EXPECT_LE(d.one, 4u);
   EXPECT_LT(d.normal_p95, 0.06);
   EXPECT_LT(d.depth_p99, 4e-5);  // along rays that meet it at 25 degrees
+}
+
+/** The table of docs/web_page.md: surfaces named in PCL_SLIM_PAGES, separated by commas. */
+TEST_F(PageInBrowser, DrawsGivenSurfaces)
+{
+  const char* const files = std::getenv("PCL_SLIM_PAGES");
+  if (!files) GTEST_SKIP() << "PCL_SLIM_PAGES names no .slim files";
+  std::printf(
+      "| surface | bytes | covered by one | normals p95 | p99 | position p99 | off by > 2 |\n");
+  std::istringstream names(files);
+  for (std::string name; std::getline(names, name, ',');) {
+    const Result<SLIMSurface> loaded = loadSlim(name);
+    ASSERT_TRUE(loaded) << name;
+    const SLIMSurface& surface = *loaded;
+    const ImageSize size{200, 150};
+    const Camera camera = fitCamera(spheresOf(surface), viewFromAngles(UpAxis::kZ, 30, 25), size);
+    const PageFile page(surface, camera, PageParams().precision);
+    const PageFrame frame = drawPage("gbuffer.mjs", page.path(), surface, size, 0.0, {"shaded"});
+    SurfaceRenderer renderer(surface);
+    RenderParams rendering;
+    rendering.reference = true;
+    GBuffer truth;
+    ASSERT_FALSE(renderer.render(camera, rendering, truth));
+    ShadingParams shading;
+    shading.ambient_occlusion = 0.0;
+    shading.supersampling = 1;
+    const auto picture = renderPicture(renderer, camera, rendering, shading);
+    ASSERT_TRUE(picture);
+    ASSERT_EQ(frame.pictures.size(), 1u) << name;
+    const FrameDifference d = compareFrames(frame.buffer, truth, surface.info.diagonal);
+    const double off = shareOff(frame.pictures[0], *picture);
+    std::printf("| %s | %zu | %zu | %.3f | %.3f | %.1e | %.1e |\n", name.c_str(), page.bytes(),
+                d.one, d.normal_p95, d.normal_p99, d.depth_p99, off);
+    EXPECT_LE(d.one, 2u) << name;
+    EXPECT_LT(d.normal_p95, 0.06) << name;
+    EXPECT_LT(d.depth_p99, 2e-5) << name;
+    EXPECT_LT(off, 4e-4) << name;
+  }
 }
 
 TEST_F(PageInBrowser, DrawsOnTheScreenInHalfFloats)

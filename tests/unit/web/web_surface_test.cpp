@@ -80,7 +80,7 @@ TEST(WebSurface, RoundedIsNearIt)
       EXPECT_LT(d.one, d.both / 1000 + 3) << degree;
       // A half step of each coefficient, blended over several leaves.
       EXPECT_LT(d.normal_p95, 0.06) << degree;
-      // Steps of large balls are up to 1.6e-5 L; rays lean.
+      // Steps of large balls are up to 1.6e-5 L, longer along rays that meet the surface obliquely.
       EXPECT_LT(d.depth_p99, 8e-5) << degree;
     }
   }

@@ -68,8 +68,8 @@ class SLIMFitBase : public ControlledRun {
   bool getRobust() const { return params_.robust; }
 
   /** \brief Measures noise along the cloud (true) or once for all of it (false). Unset (default),
-   * it is measured along the cloud where the data ask for it: where neighbours share their errors,
-   * and where some parts are so much noisier that their noise would pass for detail. */
+   * it is measured along the cloud where neighbouring points share their errors, and where some
+   * parts are so much noisier that a fit would take their noise for detail. */
   void setLocalNoise(std::optional<bool> local) { params_.local_noise = local; }
   std::optional<bool> getLocalNoise() const { return params_.local_noise; }
 

@@ -135,7 +135,7 @@ pageOptions(const Camera& camera, const ShadingParams& shading, const PageParams
 Result<std::string>
 fillPage(const std::string& title, JsonText options, const PageParts& parts)
 {
-  std::string page = kViewerText;
+  std::string page = viewerText();
   const std::string mark = "<!--viewer-->";
   const std::size_t begin = page.find(mark), code = begin + mark.size(),
                     end = page.find(mark, code);

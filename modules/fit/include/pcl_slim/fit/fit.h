@@ -29,7 +29,7 @@ struct FitParams {
       false;            ///< keep sharp edges: only points with n . n_c > 1/2 (needs normals)
   bool robust = false;  ///< reweight residuals against outliers (two more passes a leaf)
   std::optional<bool> local_noise;  ///< lambda varies over the cloud: noisy parts are smoothed more
-                                    ///< than clean ones; unset: where the data ask for it
+                                    ///< than clean ones; unset: if the data show it
   double noise_correlation =
       0;  ///< points that share their errors, 1: none do; 0: told by the data
   bool has_noise_model = false;       ///< the errors follow noise_model; needs a viewpoint or
