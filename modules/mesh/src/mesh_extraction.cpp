@@ -2,6 +2,7 @@
 #include "pcl_slim/mesh/mesh_extraction.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numeric>
 
@@ -9,6 +10,7 @@
 #include "contour/polygons.h"
 #include "octree/leaf_shapes.h"
 #include "topology/fans.h"
+#include "trim/close_gaps.h"
 #include "trim/crumbs.h"
 #include "trim/holes.h"
 #include "trim/trim_border.h"
@@ -22,8 +24,11 @@ namespace {
 
 constexpr double kNoiseShare = 0.25;      ///< of the noise's deviation: the default tolerance
 constexpr double kLeastTolerance = 1e-4;  ///< of the diagonal, by default
-constexpr double kMargin = 3.0;           ///< cells around sixteen places
-constexpr int kMostTries = 8;             ///< tolerances tried for a number of triangles
+/// Spacings of the points: narrower cells follow what the points do not tell, but for a given tolerance.
+constexpr double kLeastSpacings = 1, kLeastAsked = 0.5;
+constexpr double kWidestGap = 6;  ///< spacings: gaps of the contouring that are closed
+constexpr double kMargin = 3.0;   ///< cells around sixteen places
+constexpr int kMostTries = 8;     ///< tolerances tried for a number of triangles
 constexpr double kMostRelaxation = 100;
 
 Error
@@ -31,6 +36,21 @@ cancelledError()
 {
   return {ErrorCode::kCancelled, "the extraction was cancelled"};
 }
+
+/** Wall time since the last lap. */
+class StageClock {
+ public:
+  double lap()
+  {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
 
 /** One extraction: what its steps share. */
 class Extraction {
@@ -51,19 +71,26 @@ class Extraction {
   {
     statistics_ = MeshStatistics();
     statistics_.tolerance = tolerance * surface_.info.scale;
+    StageClock clock;
     report(0.0f, "dividing cells");
-    const std::vector<LeafShape> shapes = shapesOf(surface_, tolerance, threads_);
+    const double least = params_.tolerance > 0 ? kLeastAsked : kLeastSpacings;
+    const std::vector<LeafShape> shapes = shapesOf(surface_, tolerance, least, threads_);
     CellTree tree;
     if (Error error = tree.build(shapes, threads_)) return error;
+    statistics_.seconds_tree = clock.lap();
     const ProbeField field{index_, kMargin * thriftyCellSize(shapes), threads_};
     if (cancelled()) return cancelledError();
     report(0.2f, "contouring");
-    makeVertices(contour(field, surface_.info.oriented, tree, statistics_, progress_), field);
+    const SheetVertices sheets =
+        contour(field, surface_.info.oriented, tree, statistics_, progress_);
+    statistics_.seconds_contour = clock.lap();
+    makeVertices(sheets, field);
     statistics_.cells = tree.numNear();
     if (cancelled()) return cancelledError();
     report(0.8f, "smoothing triangles");
     relax(field, triangles_, params_.relax, vertices_);
     if (cancelled()) return cancelledError();
+    statistics_.seconds_vertices = clock.lap();
     report(0.9f, "trimming");
     if (params_.trim && surface_.hasTrimMaps()) {
       // Where no leaf supports a vertex its data have ended.
@@ -75,6 +102,7 @@ class Extraction {
     }
     separate();
     dropCrumbs(field, params_.min_component_points, vertices_, triangles_, statistics_);
+    statistics_.seconds_trim = clock.lap();
     return {};
   }
 
@@ -119,6 +147,8 @@ Extraction::makeVertices(const SheetVertices& sheets, const ProbeField& field)
   statistics_.unprojected = static_cast<std::uint64_t>(
       std::count(vertices_.supported.begin(), vertices_.supported.end(), 0));
   triangles_ = cutIntoTriangles(sheets.of_crossing, vertices_.position, vertices_.normal);
+  separate();
+  statistics_.closed_gaps = closeGaps(field, kWidestGap, triangles_, vertices_);
   separate();
   if (!surface_.info.oriented) agreeOnSides(triangles_, threads_);
   dropTurned(triangles_, threads_);
@@ -205,14 +235,18 @@ firstTolerance(const SLIMSurface& surface, double asked)
 Error
 runToLimit(Extraction& extraction, std::uint64_t most, double tolerance)
 {
+  std::size_t fewest = 0;
   for (int tries = 0; tries < kMostTries; ++tries) {
     if (Error error = extraction.run(tolerance)) return error;
-    const auto made = static_cast<double>(extraction.numTriangles());
-    if (most == 0 || extraction.numTriangles() <= most) return {};
-    tolerance *= 1.1 * made / static_cast<double>(most);
+    const std::size_t made = extraction.numTriangles();
+    if (most == 0 || made <= most) return {};
+    fewest = tries == 0 ? made : std::min(fewest, made);
+    tolerance *= std::max(1.2, 1.1 * static_cast<double>(made) / static_cast<double>(most));
   }
-  return {ErrorCode::kBadArgument, "the surface does not fit into " + std::to_string(most) +
-                                       " triangles, however coarse; allow more"};
+  return {ErrorCode::kBadArgument,
+          "the surface's leaves need " + std::to_string(fewest) + " triangles, and " +
+              std::to_string(most) +
+              " are allowed; allow more, or fit with fewer surfels (a larger penalty)"};
 }
 
 }  // namespace

@@ -85,10 +85,10 @@ TEST_P(ClosedSurfaces, AreClosedManifoldAndWithinTheTolerance)
     EXPECT_LE(error.max, statistics.tolerance);
     EXPECT_LE(error.normal, 1.0);
   } else {
-    // The vertices lie on the fit, which averages the noise down to about a fifth; triangles add less than
-    // the tolerance, a quarter of it.
+    // The vertices lie on the fit, which averages the noise down to about a fifth. Triangles as wide as the
+    // points' spacing add about the tolerance.
     EXPECT_LE(error.vertex_rms, 0.35 * sigma);
-    EXPECT_LE(error.rms, error.vertex_rms + 0.5 * statistics.tolerance);
+    EXPECT_LE(error.rms, error.vertex_rms + 0.7 * statistics.tolerance);
   }
   double volume = 0;
   for (const auto& t : mesh.triangles) {
@@ -117,7 +117,7 @@ TEST(MeshExtraction, ToleranceBoundsTheError)
 {
   const SLIMSurface surface = surfaceOf(pcl_slim_test::sceneCloud(Shape::kTorus, 20000, 0));
   std::size_t last = std::numeric_limits<std::size_t>::max();
-  for (const double tolerance : {4e-4, 1e-3}) {
+  for (const double tolerance : {3e-4, 1e-3}) {
     MeshParams params;
     params.tolerance = tolerance;
     MeshStatistics statistics;

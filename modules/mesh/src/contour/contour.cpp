@@ -14,6 +14,23 @@ namespace {
 
 constexpr int kMostRounds = 6;
 
+/** Takes away the crossings on edges of cells that have been divided, and renumbers the others' cells. */
+void
+keepWhole(const std::vector<std::uint32_t>& numbers, std::vector<Crossing>& crossings)
+{
+  std::size_t kept = 0;
+  for (const Crossing& crossing : crossings) {
+    Crossing own = crossing;
+    bool whole = true;
+    for (std::uint32_t& cell : own.cell) {
+      cell = numbers[cell];
+      whole = whole && cell != CellTree::kDivided;
+    }
+    if (whole) crossings[kept++] = own;
+  }
+  crossings.resize(kept);
+}
+
 }  // namespace
 
 SheetVertices
@@ -21,20 +38,20 @@ contour(const ProbeField& field, bool oriented, CellTree& tree, MeshStatistics& 
         const Progress* progress)
 {
   CornerValues corners(field);
+  std::vector<Crossing> crossings;
   SheetVertices vertices;
   statistics.split_cells = 0;
   for (int round = 0; round < kMostRounds; ++round) {
     statistics.rounds = static_cast<std::uint64_t>(round) + 1;
-    const std::vector<CellEdge> edges = cellEdges(tree);
+    const std::vector<CellEdge> edges = cellEdges(tree, round > 0);
     const auto ends = corners.evaluate(tree, edges);
     if (progress != nullptr && progress->cancelled()) return vertices;
-    const auto crossings = findCrossings(tree, edges, ends, corners.values(), oriented);
+    findCrossings(tree, edges, ends, corners.values(), oriented, crossings);
     vertices = findSheetVertices(crossings, oriented, field.threads);
-    std::vector<std::uint32_t> cells = crowdedCells(vertices, field.threads);
-    if (cells.empty()) break;
-    if (round + 1 == kMostRounds) break;
+    const std::vector<std::uint32_t> cells = crowdedCells(vertices, field.threads);
+    if (cells.empty() || round + 1 == kMostRounds) break;
     statistics.split_cells += cells.size();
-    tree.split(cells);
+    keepWhole(tree.split(cells), crossings);
   }
   statistics.corners = corners.values().size();
   return vertices;

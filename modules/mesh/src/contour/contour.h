@@ -12,8 +12,7 @@
 namespace pcl_slim::detail {
 
 /** Contours the surface on a tree: edges, distances at corners, crossings, vertices. Cells with vertices on
- * an edge of more than two faces are divided, and all but the distances found is done again, a few times at
- * most. */
+ * an edge of more than two faces are divided and their edges contoured again, a few times at most. */
 SheetVertices
 contour(const ProbeField& field, bool oriented, CellTree& tree, MeshStatistics& statistics,
         const Progress* progress);

@@ -2,6 +2,7 @@
 #include "contour/corner_values.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "pcl_slim/cloud/morton.h"
 #include "pcl_slim/cloud/morton_sort.h"
@@ -62,17 +63,19 @@ CornerValues::evaluate(const CellTree& tree, const std::vector<CellEdge>& edges)
   return corners;
 }
 
-/** Keeps the values of corners that are still there, and evaluates the new ones. */
+/** Adds corners to those known, and evaluates the new ones. */
 void
 CornerValues::merge(const CellTree& tree, const std::vector<std::uint64_t>& keys)
 {
-  std::vector<SheetDistance> values(keys.size());
+  std::vector<std::uint64_t> all;
+  all.reserve(keys_.size() + keys.size());
+  std::set_union(keys_.begin(), keys_.end(), keys.begin(), keys.end(), std::back_inserter(all));
+  std::vector<SheetDistance> values(all.size());
   std::vector<std::uint32_t> missing;
   std::size_t old = 0;
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    while (old < keys_.size() && keys_[old] < keys[i]) ++old;
-    if (old < keys_.size() && keys_[old] == keys[i]) {
-      values[i] = values_[old];
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (old < keys_.size() && keys_[old] == all[i]) {
+      values[i] = values_[old++];
     } else {
       missing.push_back(static_cast<std::uint32_t>(i));
     }
@@ -81,12 +84,13 @@ CornerValues::merge(const CellTree& tree, const std::vector<std::uint64_t>& keys
                  [&](SurfaceProbe& probe, std::size_t first, std::size_t n) {
                    Vector3 places[SurfaceProbe::kMost] = {};
                    SheetDistance found[SurfaceProbe::kMost];
-                   for (std::size_t i = 0; i < n; ++i)
-                     places[i] = placeOf(tree, keys[missing[first + i]]);
+                   for (std::size_t i = 0; i < n; ++i) {
+                     places[i] = placeOf(tree, all[missing[first + i]]);
+                   }
                    probe.distances(places, n, found);
                    for (std::size_t i = 0; i < n; ++i) values[missing[first + i]] = found[i];
                  });
-  keys_ = keys;
+  keys_ = std::move(all);
   values_ = std::move(values);
 }
 

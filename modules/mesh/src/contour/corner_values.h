@@ -17,7 +17,7 @@ class CornerValues {
   explicit CornerValues(const ProbeField& field) : field_(field) {}
 
   /** Evaluates the ends of edges where that is not done yet. \return of each edge its lower and upper
-   * end, as places in values(). O(edges), and a probe's time for each new corner. */
+   * end, as places in values() until the next call. O(corners), and a probe's time for each new corner. */
   std::vector<std::array<std::uint32_t, 2>> evaluate(const CellTree& tree,
                                                      const std::vector<CellEdge>& edges);
 

@@ -9,10 +9,11 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr double kMostDistance =
-    1.5;                        ///< edges: an end farther from the surface is of another sheet
-constexpr double kSlope = 1.3;  ///< the distances' sum over what the normals predict ...
-constexpr double kSlack = 0.2;  ///< ... and edges to spare
+/// Ends whose normals agree are of one sheet unless the distances, in edges, are out of all proportion;
+/// polynomials err at corners that far off.
+constexpr double kMostOfSheet = 2.5, kMostSumOfSheet = 3;
+/// Others may be of two sheets: then the distances' sum is larger than the normals predict.
+constexpr double kMostDistance = 1.5, kSlope = 1.3, kSlack = 0.6;
 
 /** The crossing of an edge between a and b, which has the length given. \return false: there is none. */
 bool
@@ -28,8 +29,10 @@ crossingOf(const SheetDistance& a, const SheetDistance& b, bool oriented, unsign
   if ((fa < 0) == (fb < 0)) return false;
   const double sum = std::abs(fa) + std::abs(fb);
   const double slope = std::max(std::abs(a.normal[axis]), std::abs(b.normal[axis]));
-  if (std::max(std::abs(fa), std::abs(fb)) > kMostDistance * edge) return false;
-  if (sum > (kSlope * slope + kSlack) * edge) return false;
+  const bool agree = turn * cosine > 0;
+  const double most_sum = agree ? kMostSumOfSheet : kSlope * slope + kSlack;
+  const double most = agree ? kMostOfSheet : kMostDistance;
+  if (std::max(std::abs(fa), std::abs(fb)) > most * edge || sum > most_sum * edge) return false;
   share = sum > 0 ? std::abs(fa) / sum : 0.5;
   for (std::size_t k = 0; k < 3; ++k) {
     normal[k] = (1 - share) * a.normal[k] + share * turn * b.normal[k];
@@ -42,12 +45,12 @@ crossingOf(const SheetDistance& a, const SheetDistance& b, bool oriented, unsign
 
 }  // namespace
 
-std::vector<Crossing>
+void
 findCrossings(const CellTree& tree, const std::vector<CellEdge>& edges,
               const std::vector<std::array<std::uint32_t, 2>>& ends,
-              const std::vector<SheetDistance>& values, bool oriented)
+              const std::vector<SheetDistance>& values, bool oriented,
+              std::vector<Crossing>& crossings)
 {
-  std::vector<Crossing> crossings;
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const SheetDistance &a = values[ends[e][0]], &b = values[ends[e][1]];
     const CellEdge& edge = edges[e];
@@ -63,7 +66,6 @@ findCrossings(const CellTree& tree, const std::vector<CellEdge>& edges,
     if (!(a.distance < 0)) std::swap(made.cell[1], made.cell[3]);
     crossings.push_back(made);
   }
-  return crossings;
 }
 
 }  // namespace pcl_slim::detail

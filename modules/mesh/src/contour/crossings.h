@@ -15,12 +15,13 @@ struct Crossing {
   float size;  ///< of the edge
 };
 
-/** The edges at whose ends the surface's distance has different signs, but for jumps from one sheet to
+/** Appends the edges at whose ends the surface's distance has different signs, but for jumps from one sheet to
  * another. Ends whose normals oppose each other are turned to agree first where the surface is not
  * oriented. O(edges). */
-std::vector<Crossing>
+void
 findCrossings(const CellTree& tree, const std::vector<CellEdge>& edges,
               const std::vector<std::array<std::uint32_t, 2>>& ends,
-              const std::vector<SheetDistance>& values, bool oriented);
+              const std::vector<SheetDistance>& values, bool oriented,
+              std::vector<Crossing>& crossings);
 
 }  // namespace pcl_slim::detail

@@ -25,11 +25,14 @@ axisBit(unsigned int axis)
 
 class EdgeWalk {
  public:
-  EdgeWalk(const CellTree& tree, std::vector<CellEdge>& edges) : tree_(tree), edges_(edges) {}
+  EdgeWalk(const CellTree& tree, bool fresh_only, std::vector<CellEdge>& edges)
+      : tree_(tree), fresh_only_(fresh_only), edges_(edges)
+  {
+  }
 
   void cell(const Placed& parent)
   {
-    if (isLeaf(parent)) return;
+    if (isLeaf(parent) || isDone(parent)) return;
     Placed children[8];
     for (unsigned int k = 0; k < 8; ++k) children[k] = child(parent, k);
     for (const Placed& one : children) cell(one);
@@ -54,6 +57,8 @@ class EdgeWalk {
 
   bool isLeaf(const Placed& p) const { return tree_.nodes()[p.node].first_child == 0; }
 
+  bool isDone(const Placed& p) const { return fresh_only_ && !tree_.nodes()[p.node].fresh; }
+
   Placed child(const Placed& parent, unsigned int octant) const
   {
     return {tree_.nodes()[parent.node].first_child + octant, CellTree::child(parent.place, octant)};
@@ -66,7 +71,7 @@ class EdgeWalk {
   /** The face between two nodes, the first one lower along axis. */
   void face(unsigned int axis, const Placed& low, const Placed& high)
   {
-    if (isLeaf(low) && isLeaf(high)) return;
+    if ((isLeaf(low) && isLeaf(high)) || (isDone(low) && isDone(high))) return;
     const unsigned int a = axisBit(axis);
     for (unsigned int k = 0; k < 8; ++k) {
       if ((k & a) == 0) face(axis, childOrSelf(low, k | a), childOrSelf(high, k));
@@ -86,6 +91,8 @@ class EdgeWalk {
 
   void edge(unsigned int axis, const Ring& ring)
   {
+    if (isDone(ring.at[0]) && isDone(ring.at[1]) && isDone(ring.at[2]) && isDone(ring.at[3]))
+      return;
     if (isLeaf(ring.at[0]) && isLeaf(ring.at[1]) && isLeaf(ring.at[2]) && isLeaf(ring.at[3])) {
       emit(axis, ring);
       return;
@@ -119,16 +126,17 @@ class EdgeWalk {
   }
 
   const CellTree& tree_;
+  bool fresh_only_;
   std::vector<CellEdge>& edges_;
 };
 
 }  // namespace
 
 std::vector<CellEdge>
-cellEdges(const CellTree& tree)
+cellEdges(const CellTree& tree, bool fresh_only)
 {
   std::vector<CellEdge> edges;
-  EdgeWalk(tree, edges).cell({});
+  EdgeWalk(tree, fresh_only, edges).cell({});
   return edges;
 }
 

@@ -18,8 +18,9 @@ struct CellEdge {
   std::uint8_t depth;  ///< of cells as wide as the edge is long
 };
 
-/** All such edges with a cell about them that a sheet passes, in a fixed order. O(nodes). */
+/** All such edges with a cell about them that a sheet passes, in a fixed order. O(nodes).
+ * \param[in] fresh_only only those of cells that the last split() has made. O(those and nodes above). */
 std::vector<CellEdge>
-cellEdges(const CellTree& tree);
+cellEdges(const CellTree& tree, bool fresh_only = false);
 
 }  // namespace pcl_slim::detail

@@ -57,7 +57,7 @@ class Grower {
   }
 
  private:
-  /** \param[out] members leaves whose sheet passes the cell; only one where none can divide it.
+  /** \param[out] members leaves whose sheet passes the cell; one is enough where none can divide it.
    * \return whether the cell is wider than one of them asks for. */
   bool examine(const CellPlace& place, const Members& candidates, Members& members) const
   {
@@ -65,21 +65,22 @@ class Grower {
     const bool finest = place.depth >= CellTree::kMostDepth;
     Vector3 middle = tree_.corner(place.low);
     for (double& x : middle) x += 0.5 * size;
+    const bool may =
+        !finest && std::any_of(candidates.begin(), candidates.end(),
+                               [&](std::uint32_t j) { return wantsNarrower(shapes_[j], size); });
     bool divide = false;
-    const bool may = !finest && mayDivide(candidates, size);
     for (const std::uint32_t j : candidates) {
       if (!passes(shapes_[j], middle, size)) continue;
       members.push_back(j);
       if (!may) break;
-      divide = divide || size > kSlack * shapes_[j].cell_size;
+      divide = divide || wantsNarrower(shapes_[j], size);
     }
     return divide;
   }
 
-  bool mayDivide(const Members& candidates, float size) const
+  static bool wantsNarrower(const LeafShape& leaf, float size)
   {
-    return std::any_of(candidates.begin(), candidates.end(),
-                       [&](std::uint32_t j) { return size > kSlack * shapes_[j].cell_size; });
+    return size > kSlack * leaf.cell_size && kSlack * size >= 2 * leaf.least;
   }
 
   static bool passes(const LeafShape& leaf, const Vector3& middle, float size)
@@ -166,22 +167,37 @@ CellTree::build(const std::vector<LeafShape>& shapes, int threads)
   return {};
 }
 
-void
+std::vector<std::uint32_t>
 CellTree::split(const std::vector<std::uint32_t>& cells)
 {
-  std::vector<bool> wanted(cells_.size(), false);
+  std::vector<std::uint32_t> numbers(cells_.size(), 0);
   for (const std::uint32_t cell : cells) {
-    wanted[cell] = cells_[cell].depth < kMostDepth;
+    if (cells_[cell].depth < kMostDepth) numbers[cell] = kDivided;
   }
   const std::size_t before = nodes_.size();
-  for (std::size_t i = 0; i < before; ++i) {
-    if (nodes_[i].first_child != 0 || !wanted[nodes_[i].cell]) continue;
+  std::vector<std::uint32_t> kept(cells_.size());
+  for (std::uint32_t i = 0; i < before; ++i) {
+    nodes_[i].fresh = false;
+    if (nodes_[i].first_child != 0) continue;
+    kept[nodes_[i].cell] = i;
+    if (numbers[nodes_[i].cell] != kDivided) continue;
     nodes_[i].first_child = static_cast<std::uint32_t>(nodes_.size());
     CellNode added;
-    added.near = true;
+    added.near = added.fresh = true;
     nodes_.insert(nodes_.end(), 8, added);
   }
+  // Children come after their parents.
+  for (std::size_t i = before; i-- > 0;) {
+    const std::uint32_t first = nodes_[i].first_child;
+    for (std::uint32_t k = 0; first != 0 && k < 8; ++k) {
+      nodes_[i].fresh = nodes_[i].fresh || nodes_[first + k].fresh;
+    }
+  }
   number();
+  for (std::size_t cell = 0; cell < numbers.size(); ++cell) {
+    if (numbers[cell] != kDivided) numbers[cell] = nodes_[kept[cell]].cell;
+  }
+  return numbers;
 }
 
 /** Lists the cells not divided, depth first. */

@@ -21,6 +21,7 @@ struct CellNode {
   std::uint32_t first_child = 0;  ///< of eight, x highest; 0: not divided
   std::uint32_t cell = 0;         ///< number among the cells not divided, in Morton order
   bool near = false;              ///< a leaf's sheet passes it, or may
+  bool fresh = false;             ///< made by the last split(), or above such
 };
 
 /** An octree over the leaves of a surface. */
@@ -32,8 +33,10 @@ class CellTree {
    * would be too many. O(cells times leaves near each); the same for any number of threads. */
   Error build(const std::vector<LeafShape>& shapes, int threads);
 
-  /** Divides more cells, by their numbers. Numbers change. */
-  void split(const std::vector<std::uint32_t>& cells);
+  static constexpr std::uint32_t kDivided = 0xffffffffu;
+
+  /** Divides more cells, by their numbers. \return of each cell its number from now on, or kDivided. */
+  std::vector<std::uint32_t> split(const std::vector<std::uint32_t>& cells);
 
   const std::vector<CellNode>& nodes() const { return nodes_; }
   /** Cells not divided, in Morton order. */

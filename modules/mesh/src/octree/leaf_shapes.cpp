@@ -10,10 +10,9 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr double kWidest = 0.6;         ///< of r: no wider cells
-constexpr double kPatch = 0.45;         ///< of r: curvature is looked at so far around the centre
-constexpr int kSteps = 16;              ///< widths looked at from one to twice as much
-constexpr double kLeastSpacings = 1.0;  ///< finer cells would follow what the points do not tell
+constexpr double kWidest = 0.6;  ///< of r: no wider cells
+constexpr double kPatch = 0.45;  ///< of r: curvature is looked at so far around the centre
+constexpr int kSteps = 16;       ///< widths looked at from one to twice as much
 
 /** Largest curvature on a leaf, 1/length. */
 double
@@ -42,7 +41,7 @@ spacingOf(const SLIMSurface& surface, std::uint32_t i)
 }
 
 LeafShape
-shapeOf(const SLIMSurface& surface, std::uint32_t i, double tolerance)
+shapeOf(const SLIMSurface& surface, std::uint32_t i, double tolerance, double least_spacings)
 {
   LeafShape shape{};
   const LocalFrame frame({surface.nx[i], surface.ny[i], surface.nz[i]});
@@ -57,9 +56,8 @@ shapeOf(const SLIMSurface& surface, std::uint32_t i, double tolerance)
   shape.c = surface.coefficientsOf(i);
   const double curvature = std::max(curvatureOf(surface, i), 1e-6);
   const double widest = kWidest * shape.radius;
-  const double least = std::min(kLeastSpacings * spacingOf(surface, i), widest);
-  shape.cell_size =
-      static_cast<float>(std::clamp(std::sqrt(4 * tolerance / curvature), least, widest));
+  shape.cell_size = static_cast<float>(std::min(std::sqrt(4 * tolerance / curvature), widest));
+  shape.least = static_cast<float>(least_spacings * spacingOf(surface, i));
   return shape;
 }
 
@@ -90,12 +88,13 @@ offsetFrom(const LeafShape& leaf, const Vector3& place)
 }
 
 std::vector<LeafShape>
-shapesOf(const SLIMSurface& surface, double tolerance, int threads)
+shapesOf(const SLIMSurface& surface, double tolerance, double least_spacings, int threads)
 {
   const std::vector<std::uint32_t> leaves = surface.leaves();
   std::vector<LeafShape> shapes(leaves.size());
-  parallelFor(leaves.size(), threads, 256,
-              [&](std::size_t j, int) { shapes[j] = shapeOf(surface, leaves[j], tolerance); });
+  parallelFor(leaves.size(), threads, 256, [&](std::size_t j, int) {
+    shapes[j] = shapeOf(surface, leaves[j], tolerance, least_spacings);
+  });
   return shapes;
 }
 
@@ -103,7 +102,7 @@ double
 thriftyCellSize(const std::vector<LeafShape>& shapes)
 {
   std::vector<float> sizes;
-  for (const LeafShape& shape : shapes) sizes.push_back(shape.cell_size);
+  for (const LeafShape& shape : shapes) sizes.push_back(std::max(shape.cell_size, shape.least));
   const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
   std::nth_element(sizes.begin(), middle, sizes.end());
   const double median = *middle;
@@ -113,7 +112,8 @@ thriftyCellSize(const std::vector<LeafShape>& shapes)
     double cells = 0;
     for (const LeafShape& shape : shapes) {
       // Leaves overlap about alike everywhere: each has an area like r^2.
-      const double levels = std::ceil(std::log2(size / shape.cell_size) - 1e-3);
+      const double wanted = std::max(shape.cell_size, shape.least);
+      const double levels = std::ceil(std::log2(size / wanted) - 1e-3);
       const double share = shape.radius / (size * std::exp2(-levels));
       cells += share * share;
     }

@@ -14,7 +14,8 @@ struct LeafShape {
   std::array<float, 3> center;
   std::array<float, 3> u, v, w;
   float radius;
-  float cell_size;  ///< cells on its sheet are to be no wider
+  float cell_size;  ///< cells on its sheet are to be no wider ...
+  float least;      ///< ... unless their halves would be narrower than this
   int degree;
   const float* c;
 };
@@ -30,10 +31,10 @@ SheetOffset
 offsetFrom(const LeafShape& leaf, const Vector3& place);
 
 /** The leaves of a surface with the cells' sizes that keep a mesh within a tolerance (local units):
- * sqrt(4 tolerance / k) for the largest curvature k, a Frobenius norm, on the leaf; no less than
- * the spacing of its points, and at most .6 of its radius. */
+ * sqrt(4 tolerance / k) for the largest curvature k, a Frobenius norm, on the leaf, and at most .6 of its
+ * radius; and no less than so many spacings of its points. */
 std::vector<LeafShape>
-shapesOf(const SLIMSurface& surface, double tolerance, int threads);
+shapesOf(const SLIMSurface& surface, double tolerance, double least_spacings, int threads);
 
 /** The width of a cell such that cells of that width times powers of two, none wider than the leaves on it
  * ask for, are as few as can be. O(shapes). */

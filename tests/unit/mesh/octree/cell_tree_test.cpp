@@ -20,7 +20,7 @@ treeOfSphere(double tolerance, int threads = 1)
   const auto fit =
       pcl_slim_test::fitted(pcl_slim_test::sceneCloud(measure::Shape::kSphere, 3000, 0));
   CellTree tree;
-  EXPECT_FALSE(tree.build(shapesOf(fit.surface, tolerance, 1), threads));
+  EXPECT_FALSE(tree.build(shapesOf(fit.surface, tolerance, 1, 1), threads));
   return tree;
 }
 
@@ -54,6 +54,38 @@ TEST(CellTree, SplitDividesTheCellsNamed)
   EXPECT_EQ(tree.cells().size(), before + 14);
   EXPECT_EQ(tree.cells()[3].depth, third.depth + 1);
   EXPECT_EQ(tree.cells()[3].low[0], third.low[0]);
+}
+
+using EdgeKey = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t, int, int>;
+
+EdgeKey
+keyOf(const CellEdge& edge)
+{
+  return {edge.low[0], edge.low[1], edge.low[2], edge.axis, edge.depth};
+}
+
+TEST(CellEdges, FreshOnesAreThoseOfDividedCells)
+{
+  CellTree tree = treeOfSphere(1e-3);
+  std::vector<std::uint32_t> divided;
+  for (const CellNode& node : tree.nodes()) {
+    if (node.first_child == 0 && node.near && node.cell % 50 == 0) divided.push_back(node.cell);
+  }
+  ASSERT_GT(divided.size(), 5u);
+  const auto before = cellEdges(tree);
+  const auto numbers = tree.split(divided);
+  std::set<EdgeKey> expected;
+  for (const CellEdge& edge : before) {
+    bool whole = true;
+    for (const std::uint32_t cell : edge.cell) whole = whole && numbers[cell] != CellTree::kDivided;
+    if (whole) expected.insert(keyOf(edge));
+  }
+  const auto fresh = cellEdges(tree, true);
+  for (const CellEdge& edge : fresh) EXPECT_TRUE(expected.insert(keyOf(edge)).second);
+  std::set<EdgeKey> all;
+  for (const CellEdge& edge : cellEdges(tree)) all.insert(keyOf(edge));
+  EXPECT_EQ(expected, all);
+  EXPECT_LT(fresh.size(), all.size() / 2);
 }
 
 TEST(CellEdges, AreMinimalUniqueAndSurroundedByTheirCells)

@@ -13,7 +13,8 @@ namespace pcl_slim {
 /** \brief How a surface becomes triangles. */
 struct MeshParams {
   /** Largest distance between mesh and surface [world units]; 0: a quarter of the noise's standard
-   * deviation, and at least 1e-4 of the diagonal. Cells are never narrower than the points' spacing. */
+   * deviation, and at least 1e-4 of the diagonal. Vertices are not nearer to each other than about the spacing
+   * of the points, or half of it for a given tolerance: an error that remains then is larger. */
   double tolerance = 0;
   bool trim = true;  ///< end the mesh where the data end: by the surface's trim maps
   /** Holes in the data are closed unless they are as large as a disc of this diameter [spacings of the
@@ -39,6 +40,7 @@ struct MeshStatistics {
   std::uint64_t split_cells = 0;   ///< for the sake of topology
   std::uint64_t rounds = 0;        ///< of contouring, for the last tolerance
   std::uint64_t unprojected = 0;   ///< vertices that no leaf supports: they stay where edges cross
+  std::uint64_t closed_gaps = 0;   ///< of the contouring: places where leaves disagree too much
   std::uint64_t closed_holes = 0;  ///< of the data, smaller than asked for
   std::uint64_t dropped = 0;       ///< triangles of components left out
   std::uint64_t dropped_components = 0;
