@@ -24,7 +24,8 @@ namespace {
 
 constexpr double kNoiseShare = 0.25;      ///< of the noise's deviation: the default tolerance
 constexpr double kLeastTolerance = 1e-4;  ///< of the diagonal, by default
-/// Spacings of the points: narrower cells follow what the points do not tell, but for a given tolerance.
+/// Spacings of the points: narrower cells follow what the points do not tell. The second is for a tolerance
+/// below the default one.
 constexpr double kLeastSpacings = 1, kLeastAsked = 0.5;
 constexpr double kWidestGap = 6;  ///< spacings: gaps of the contouring that are closed
 constexpr double kMargin = 3.0;   ///< cells around sixteen places
@@ -35,6 +36,15 @@ Error
 cancelledError()
 {
   return {ErrorCode::kCancelled, "the extraction was cancelled"};
+}
+
+/** Local units. */
+double
+defaultTolerance(const SLIMSurface& surface)
+{
+  const SurfaceInfo& info = surface.info;
+  const double noise = std::sqrt(std::max(0.0, info.lambda)) * info.diagonal;
+  return std::max(kNoiseShare * noise, kLeastTolerance * info.diagonal);
 }
 
 /** Wall time since the last lap. */
@@ -73,7 +83,8 @@ class Extraction {
     statistics_.tolerance = tolerance * surface_.info.scale;
     StageClock clock;
     report(0.0f, "dividing cells");
-    const double least = params_.tolerance > 0 ? kLeastAsked : kLeastSpacings;
+    const bool finer = tolerance < defaultTolerance(surface_);
+    const double least = finer ? kLeastAsked : kLeastSpacings;
     const std::vector<LeafShape> shapes = shapesOf(surface_, tolerance, least, threads_);
     CellTree tree;
     if (Error error = tree.build(shapes, threads_)) return error;
@@ -93,10 +104,7 @@ class Extraction {
     statistics_.seconds_vertices = clock.lap();
     report(0.9f, "trimming");
     if (params_.trim && surface_.hasTrimMaps()) {
-      // Where no leaf supports a vertex its data have ended.
-      for (std::size_t v = 0; v < vertices_.count(); ++v) {
-        if (vertices_.supported[v] == 0) vertices_.outside[v] = 1;
-      }
+      markUncovered(field, surface_.info.cover_threshold, vertices_);
       statistics_.closed_holes = closeHoles(field, params_.hole_size, triangles_, vertices_);
       trimAtBorder(field, triangles_, vertices_);
     }
@@ -148,10 +156,11 @@ Extraction::makeVertices(const SheetVertices& sheets, const ProbeField& field)
       std::count(vertices_.supported.begin(), vertices_.supported.end(), 0));
   triangles_ = cutIntoTriangles(sheets.of_crossing, vertices_.position, vertices_.normal);
   separate();
-  statistics_.closed_gaps = closeGaps(field, kWidestGap, triangles_, vertices_);
-  separate();
   if (!surface_.info.oriented) agreeOnSides(triangles_, threads_);
   dropTurned(triangles_, threads_);
+  separate();
+  statistics_.closed_gaps = closeGaps(field, kWidestGap, triangles_, vertices_);
+  separate();
   if (!surface_.info.oriented) turnToTriangles();
 }
 
@@ -220,16 +229,6 @@ Extraction::write(TriangleMesh& mesh) const
   }
 }
 
-/** The tolerance to begin with, local units. */
-double
-firstTolerance(const SLIMSurface& surface, double asked)
-{
-  const SurfaceInfo& info = surface.info;
-  if (asked > 0) return asked / info.scale;
-  const double noise = std::sqrt(std::max(0.0, info.lambda)) * info.diagonal;
-  return std::max(kNoiseShare * noise, kLeastTolerance * info.diagonal);
-}
-
 /** Extracts with ever larger tolerances until no more triangles are made than asked for; their number
  * falls about as the tolerance rises. */
 Error
@@ -281,8 +280,9 @@ extractMesh(const SLIMSurface& surface, const MeshParams& params, TriangleMesh& 
   if (Error error = surface.validate()) return error;
   if (surface.numLeaves() == 0) return badInput("the surface has no leaves; fit it to more points");
   Extraction extraction(surface, params, counts, progress);
-  if (Error error =
-          runToLimit(extraction, params.max_triangles, firstTolerance(surface, params.tolerance))) {
+  if (Error error = runToLimit(extraction, params.max_triangles,
+                               params.tolerance > 0 ? params.tolerance / surface.info.scale
+                                                    : defaultTolerance(surface))) {
     return error;
   }
   if (extraction.numTriangles() == 0) {

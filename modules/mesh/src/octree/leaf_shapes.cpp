@@ -57,7 +57,7 @@ shapeOf(const SLIMSurface& surface, std::uint32_t i, double tolerance, double le
   const double curvature = std::max(curvatureOf(surface, i), 1e-6);
   const double widest = kWidest * shape.radius;
   shape.cell_size = static_cast<float>(std::min(std::sqrt(4 * tolerance / curvature), widest));
-  shape.least = static_cast<float>(least_spacings * spacingOf(surface, i));
+  shape.least = static_cast<float>(std::min(least_spacings * spacingOf(surface, i), 0.5 * widest));
   return shape;
 }
 

@@ -45,6 +45,20 @@ findPatches(const std::vector<Triangle>& triangles, const SurfaceVertices& verti
 
 }  // namespace
 
+void
+markUncovered(const ProbeField& field, double threshold, SurfaceVertices& vertices)
+{
+  forProbeBlocks(
+      field, vertices.count(), [&](SurfaceProbe& probe, std::size_t first, std::size_t n) {
+        for (std::size_t v = first; v < first + n; ++v) {
+          const ProbeScale scale = probe.scaleAt(vertices.position[v], vertices.normal[v]);
+          if (vertices.supported[v] == 0 || scale.coverage < threshold) {
+            vertices.outside[v] = 1;
+          }
+        }
+      });
+}
+
 std::uint64_t
 closeHoles(const ProbeField& field, double hole_size, const std::vector<Triangle>& triangles,
            SurfaceVertices& vertices)

@@ -296,16 +296,18 @@ SurfaceProbe::scaleAt(const Vector3& position, const Vector3& side)
   cover(position, position);
   const BlendRules& rules = index_.leaves_->rules;
   const bool sided = rules.oriented && dot(side, side) > 0;
-  double weight = 0, radius = 0, effective_count = 0;
+  const double alpha = index_.surface_.info.cover_radius, widening = 1 / (alpha * alpha);
+  double weight = 0, radius = 0, effective_count = 0, coverage = 0;
   scratch_->region.forHolding(position, [&](const BlockLeaf& leaf, float count, float s_sq) {
     if (sided && dot({leaf.w[0], leaf.w[1], leaf.w[2]}, side) <= 0) return;
     const double g = leaf.variance_weight * evaluateKernel(rules.kernel, s_sq);
     weight += g;
     radius += g * leaf.radius;
     effective_count += g * count;
+    coverage += evaluateKernel(rules.kernel, widening * s_sq);
   });
   if (!(weight > 0)) return {};
-  return {radius / weight, effective_count / weight};
+  return {radius / weight, effective_count / weight, coverage};
 }
 
 }  // namespace pcl_slim

@@ -14,7 +14,7 @@ namespace pcl_slim {
 struct MeshParams {
   /** Largest distance between mesh and surface [world units]; 0: a quarter of the noise's standard
    * deviation, and at least 1e-4 of the diagonal. Vertices are not nearer to each other than about the spacing
-   * of the points, or half of it for a given tolerance: an error that remains then is larger. */
+   * of the points, or half of it for a smaller tolerance than that: an error that remains then is larger. */
   double tolerance = 0;
   bool trim = true;  ///< end the mesh where the data end: by the surface's trim maps
   /** Holes in the data are closed unless they are as large as a disc of this diameter [spacings of the

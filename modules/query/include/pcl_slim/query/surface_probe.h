@@ -55,11 +55,12 @@ struct SheetDistance {
   float normal[3] = {};  ///< unit, blended
 };
 
-/** \brief How far leaves reach and how many points stand behind them at a place: both blended with the
- * leaves' weights, 0 where there is none. */
+/** \brief How far leaves reach and how many points are behind them at a place, both blended with the
+ * leaves' weights, and how well they cover it; 0 where there is none. */
 struct ProbeScale {
   double radius = 0;           ///< local units
   double effective_count = 0;  ///< effective number of points
+  double coverage = 0;  ///< sum of G(d / alpha r): a fit's points have cover_threshold or more
 };
 
 /** \brief What to evaluate. */
