@@ -41,7 +41,7 @@ declareMeshOptions(OptionTable& options, Settings& s)
   options.number("tol_noise", &s.tolerance_noise, 0, 1e6,
                  "the same in standard deviations of the noise", "off");
   options.integer("max_triangles", &s.mesh.max_triangles, 0, kMany,
-                  "raise the tolerance until there are no more; 0: no limit");
+                  "collapse edges until there are no more; 0: no limit");
   options.toggle("trim", &s.mesh.trim, "end the mesh where the scan ends, and keep its holes");
   options.number("hole", &s.mesh.hole_size, 0, 1e6,
                  "diameter of the smallest hole kept, in spacings of the points");
@@ -50,8 +50,6 @@ declareMeshOptions(OptionTable& options, Settings& s)
   options.integer("relax", &s.mesh.relax, 0, 100, "rounds that make triangles more even");
   options.toggle("color", &s.color, "colour the vertices from the scan's points");
   options.exclusive({"tol", "tol_noise"});
-  options.exclusive({"tol", "max_triangles"});
-  options.exclusive({"tol_noise", "max_triangles"});
 }
 
 OptionTable
@@ -162,6 +160,7 @@ reportMesh(const MeshStatistics& m, Report& report)
               {"border_edges", c.border_edges},
               {"nonmanifold", c.nonmanifold_edges + c.nonmanifold_vertices},
               {"euler", c.euler},
+              {"collapsed", m.collapsed},
               {"dropped", m.dropped},
               {"dropped_components", m.dropped_components},
               {"closed_holes", m.closed_holes},

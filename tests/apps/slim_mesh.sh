@@ -78,6 +78,9 @@ expect 0 '' ball.pcd coarse.ply -tol 0.05 -json c.json
 expect 0 '' ball.pcd noise.ply -tol_noise 2 -json n.json
 expect 0 '' bowl.pcd whole.ply -trim 0 -json w.json
 [ "$(value w.json vertices)" -gt "$(value b.json vertices)" ] || complain "-trim 0 changes nothing"
+expect 0 '' ball.pcd few.ply -max_triangles 500 -json few.json
+[ "$(value few.json triangles)" -le 500 ] || complain "$(value few.json triangles) triangles"
+[ "$(value few.json euler)" = 2 ] || complain "few triangles: Euler characteristic $(value few.json euler)"
 expect 0 '' ball.pcd still.ply -relax 0
 differ a.ply still.ply
 
@@ -87,7 +90,7 @@ badScans ball.pcd
 noSurfaces
 expect 2 'no OUT' ball.pcd
 expect 2 'must be named' ball.pcd d.pcd
-expect 2 'exclude each other' ball.pcd d.ply -tol 1 -max_triangles 100
+expect 2 'exclude each other' ball.pcd d.ply -tol 1 -tol_noise 2
 expect 2 'exclude each other' ball.pcd d.ply -surface surface.slim -penalty 2
 expect 2 'no colours' plain.pcd d.ply -color
 expect 2 'needs the scan' surface.slim d.ply -color
@@ -97,7 +100,7 @@ expect 2 'No such file' missing.slim d.ply
 expect 2 'truncated' cut.pcd d.ply
 expect 2 '-tol' ball.pcd d.ply -tol -1
 expect 2 'did you mean -tol' ball.pcd d.ply -tool 1
-expect 1 'are allowed' ball.pcd d.ply -max_triangles 3
+expect 1 'allow as many' ball.pcd d.ply -max_triangles 3
 expect 1 'NaN' nan.pcd d.ply
 expect 1 'no points' none.pcd d.ply
 expect 1 '' one.pcd d.ply

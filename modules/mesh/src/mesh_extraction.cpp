@@ -9,6 +9,7 @@
 #include "contour/contour.h"
 #include "contour/polygons.h"
 #include "octree/leaf_shapes.h"
+#include "simplify/edge_collapse.h"
 #include "topology/fans.h"
 #include "trim/close_gaps.h"
 #include "trim/crumbs.h"
@@ -29,7 +30,6 @@ constexpr double kLeastTolerance = 1e-4;  ///< of the diagonal, by default
 constexpr double kLeastSpacings = 1, kLeastAsked = 0.5;
 constexpr double kWidestGap = 6;  ///< spacings: gaps of the contouring that are closed
 constexpr double kMargin = 3.0;   ///< cells around sixteen places
-constexpr int kMostTries = 8;     ///< tolerances tried for a number of triangles
 constexpr double kMostRelaxation = 100;
 
 Error
@@ -111,7 +111,9 @@ class Extraction {
     separate();
     dropCrumbs(field, params_.min_component_points, vertices_, triangles_, statistics_);
     statistics_.seconds_trim = clock.lap();
-    return {};
+    if (Error error = simplify(field)) return error;
+    statistics_.seconds_simplify = clock.lap();
+    return cancelled() ? cancelledError() : Error{};
   }
 
   std::size_t numTriangles() const { return triangles_.size(); }
@@ -129,6 +131,7 @@ class Extraction {
   void makeVertices(const SheetVertices& sheets, const ProbeField& field);
   void turnToTriangles();
   void separate();
+  Error simplify(const ProbeField& field);
 
   const SLIMSurface& surface_;
   const MeshParams& params_;
@@ -203,6 +206,29 @@ Extraction::separate()
   }
 }
 
+/** Collapses edges until there are no more triangles than asked for, and puts the vertices back onto the
+ * surface. */
+Error
+Extraction::simplify(const ProbeField& field)
+{
+  const std::size_t before = triangles_.size();
+  if (params_.max_triangles == 0 || before <= params_.max_triangles) return {};
+  report(0.95f, "simplifying");
+  collapseEdges(params_.max_triangles, triangles_, vertices_);
+  if (triangles_.size() > params_.max_triangles) {
+    return {ErrorCode::kBadArgument,
+            "the mesh cannot have fewer than " + std::to_string(triangles_.size()) +
+                " triangles without losing holes or pieces; allow as many"};
+  }
+  statistics_.collapsed = before - triangles_.size();
+  std::vector<std::uint32_t> used;
+  for (const Triangle& t : triangles_) used.insert(used.end(), t.begin(), t.end());
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  putOnSurface(field, used, vertices_);
+  return {};
+}
+
 void
 Extraction::write(TriangleMesh& mesh) const
 {
@@ -227,25 +253,6 @@ Extraction::write(TriangleMesh& mesh) const
   for (const Triangle& t : triangles_) {
     mesh.triangles.push_back({number[t[0]], number[t[1]], number[t[2]]});
   }
-}
-
-/** Extracts with ever larger tolerances until no more triangles are made than asked for; their number
- * falls about as the tolerance rises. */
-Error
-runToLimit(Extraction& extraction, std::uint64_t most, double tolerance)
-{
-  std::size_t fewest = 0;
-  for (int tries = 0; tries < kMostTries; ++tries) {
-    if (Error error = extraction.run(tolerance)) return error;
-    const std::size_t made = extraction.numTriangles();
-    if (most == 0 || made <= most) return {};
-    fewest = tries == 0 ? made : std::min(fewest, made);
-    tolerance *= std::max(1.2, 1.1 * static_cast<double>(made) / static_cast<double>(most));
-  }
-  return {ErrorCode::kBadArgument,
-          "the surface's leaves need " + std::to_string(fewest) + " triangles, and " +
-              std::to_string(most) +
-              " are allowed; allow more, or fit with fewer surfels (a larger penalty)"};
 }
 
 }  // namespace
@@ -280,11 +287,8 @@ extractMesh(const SLIMSurface& surface, const MeshParams& params, TriangleMesh& 
   if (Error error = surface.validate()) return error;
   if (surface.numLeaves() == 0) return badInput("the surface has no leaves; fit it to more points");
   Extraction extraction(surface, params, counts, progress);
-  if (Error error = runToLimit(extraction, params.max_triangles,
-                               params.tolerance > 0 ? params.tolerance / surface.info.scale
-                                                    : defaultTolerance(surface))) {
-    return error;
-  }
+  const double asked = params.tolerance / surface.info.scale;
+  if (Error error = extraction.run(asked > 0 ? asked : defaultTolerance(surface))) return error;
   if (extraction.numTriangles() == 0) {
     return {ErrorCode::kNoSurface, "no triangle fits the surface; lower the tolerance"};
   }

@@ -27,7 +27,7 @@ class SLIMReconstructionBase : public SLIMFitBase {
   void setTolerance(double tolerance) { mesh_params_.tolerance = tolerance; }
   double getTolerance() const { return mesh_params_.tolerance; }
 
-  /** \brief Raises the tolerance until no more triangles are made; 0: no limit (default). */
+  /** \brief Collapses edges until there are no more triangles; 0: no limit (default). */
   void setMaxTriangles(std::uint64_t count) { mesh_params_.max_triangles = count; }
   std::uint64_t getMaxTriangles() const { return mesh_params_.max_triangles; }
 

@@ -23,9 +23,11 @@ struct MeshParams {
   /** Components on which fewer points lie are left out; 0: all stay. The points of a component are its
    * area times the density that the surface's leaves report. */
   double min_component_points = 50;
-  int relax = 2;                    ///< rounds of tangential smoothing of the triangles; 0 to 100
-  std::uint64_t max_triangles = 0;  ///< raise the tolerance until no more are made; 0: no limit
-  int threads = 0;                  ///< 0: all cores; never changes the result
+  int relax = 2;  ///< rounds of tangential smoothing of the triangles; 0 to 100
+  /** Edges are collapsed, those of least error first, until there are no more triangles; 0: no limit. The
+   * tolerance is then not kept. */
+  std::uint64_t max_triangles = 0;
+  int threads = 0;  ///< 0: all cores; never changes the result
 
   /** \brief Names the first parameter out of range. */
   Error validate() const;
@@ -38,13 +40,15 @@ struct MeshStatistics {
   std::uint64_t cells = 0;         ///< of the octree that hold surface
   std::uint64_t corners = 0;       ///< places at which distances were evaluated
   std::uint64_t split_cells = 0;   ///< for the sake of topology
-  std::uint64_t rounds = 0;        ///< of contouring, for the last tolerance
+  std::uint64_t collapsed = 0;     ///< triangles taken away for max_triangles
+  std::uint64_t rounds = 0;        ///< of contouring
   std::uint64_t unprojected = 0;   ///< vertices that no leaf supports: they stay where edges cross
   std::uint64_t closed_gaps = 0;   ///< of the contouring: places where leaves disagree too much
   std::uint64_t closed_holes = 0;  ///< of the data, smaller than asked for
   std::uint64_t dropped = 0;       ///< triangles of components left out
   std::uint64_t dropped_components = 0;
-  double seconds_tree = 0, seconds_contour = 0, seconds_vertices = 0, seconds_trim = 0;
+  double seconds_tree = 0, seconds_contour = 0, seconds_vertices = 0, seconds_trim = 0,
+         seconds_simplify = 0;
 };
 
 /** \brief Triangulates a SLIM surface by dual contouring (Ju, Losasso, Schaefer, Warren 2002) on an octree
