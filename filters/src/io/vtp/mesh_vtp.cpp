@@ -6,7 +6,7 @@
 #include <vtkPolyData.h>
 #include <vtkUnsignedCharArray.h>
 
-#include "io/mesh/mesh_formats.h"
+#include "io/triangles/mesh_formats.h"
 #include "io/vtp/vtp_writing.h"
 
 namespace pcl_slim {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stands in for vtp_file.cpp in a build without VTK.
-#include "io/mesh/mesh_formats.h"
+#include "io/triangles/mesh_formats.h"
 #include "io/vtp/crest_vtp.h"
 #include "io/vtp/vtp_file.h"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "io/mesh/mesh_formats.h"
+#include "io/triangles/mesh_formats.h"
 #include "io/vtp/vtp_file.h"
 #include "pcl_slim/core/file_access.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cstring>
 
-#include "io/mesh/mesh_formats.h"
+#include "io/triangles/mesh_formats.h"
 #include "pcl_slim/filters/io/mesh_conversion.h"
 
 namespace pcl_slim {

@@ -5,7 +5,7 @@
 #include <locale>
 #include <sstream>
 
-#include "io/mesh/mesh_formats.h"
+#include "io/triangles/mesh_formats.h"
 
 namespace pcl_slim {
 
