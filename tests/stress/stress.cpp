@@ -121,9 +121,12 @@ main(int argc, char** argv)
   const std::size_t families = stressFamilies().size();
   const std::size_t clouds = std::strtoul(argc > 1 ? argv[1] : asked ? asked : "100", nullptr, 10);
   const std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
-  std::printf("| what is special | %s | %s | %s | %s | %s |\n|---|---|---|---|---|---|\n",
-              stressClasses()[0], stressClasses()[1], stressClasses()[2], stressClasses()[3],
-              stressClasses()[4]);
+  std::string names, line;
+  for (const char* name : stressClasses()) {
+    names += std::string(" ") + name + " |";
+    line += "---|";
+  }
+  std::printf("| what is special |%s\n|---|%s\n", names.c_str(), line.c_str());
   std::size_t failures = 0, cases = 0;
   for (std::size_t f = 0; f < families; ++f) {
     std::vector<Cell> row(stressClasses().size());

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "pcl_slim/fit/fit.h"
+#include "pcl_slim/mesh/mesh_extraction.h"
 #include "pcl_slim/query/projection.h"
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/render/disc_rasterizer.h"
@@ -19,6 +20,7 @@ namespace {
 using namespace pcl_slim;
 
 constexpr double kMostGathered = 3000;  ///< points gathered into balls for each point stored
+constexpr double kMostTriangles = 300;  ///< of a mesh, for each point stored
 
 StressOutcome
 result()
@@ -292,13 +294,44 @@ judgeDiscs(const StressCloud& cloud, const SplatSet& splats)
   return judgePicture(cloud, buffer, error);
 }
 
+StressOutcome
+judgeMesh(const Fit& fit)
+{
+  MeshParams params;
+  params.threads = 1;
+  TriangleMesh mesh, again;
+  MeshStatistics statistics;
+  if (const Error error = extractMesh(fit.surface, params, mesh, &statistics)) {
+    return mesh.triangles.empty() ? refused(error, true) : failed("a mesh beside an error");
+  }
+  const MeshCensus& census = statistics.census;
+  if (mesh.triangles.empty()) return failed("no triangle and no error");
+  if (census.nonmanifold_edges + census.nonmanifold_vertices + census.turned_edges > 0) {
+    return failed("the mesh is not manifold");
+  }
+  for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (!allFinite(mesh.vertices[v]) || !allFinite(mesh.normals[v]) || !std::isfinite(mesh.k1[v]) ||
+        !std::isfinite(mesh.k2[v])) {
+      return failed("a vertex is not finite");
+    }
+  }
+  if (static_cast<double>(census.triangles) >
+      kMostTriangles * static_cast<double>(fit.store.size() + 100)) {
+    return failed(std::to_string(census.triangles) + " triangles");
+  }
+  params.threads = 3;
+  if (extractMesh(fit.surface, params, again)) return failed("refused with three threads");
+  const bool same = again.vertices == mesh.vertices && again.triangles == mesh.triangles;
+  return same ? result() : failed("depends on the number of threads");
+}
+
 }  // namespace
 
 const std::vector<const char*>&
 stressClasses()
 {
-  static const std::vector<const char*> names = {"fit", "projection", "picture", "splats",
-                                                 "picture of splats"};
+  static const std::vector<const char*> names = {"fit",    "projection",        "picture",
+                                                 "splats", "picture of splats", "mesh"};
   return names;
 }
 
@@ -311,6 +344,7 @@ runClasses(const StressCloud& cloud, std::mt19937_64& random)
   if (!fit.error) {
     outcomes[1] = judgeProjection(cloud, fit);
     outcomes[2] = judgeRender(cloud, fit);
+    outcomes[5] = judgeMesh(fit);
   }
   SplatSet splats;
   outcomes[3] = judgeSplats(cloud, splats, random);

@@ -9,31 +9,12 @@
 #include <vtkPointData.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
-#include <vtkXMLPolyDataWriter.h>
 
-#include "pcl_slim/core/file_access.h"
+#include "io/vtp/vtp_writing.h"
 
 namespace pcl_slim {
 
 namespace {
-
-template <typename Array, typename Value>
-void
-addArray(vtkDataSetAttributes* data, const char* name, std::size_t count, int components,
-         const Value& value)
-{
-  vtkNew<Array> array;
-  array->SetName(name);
-  array->SetNumberOfComponents(components);
-  array->SetNumberOfTuples(static_cast<vtkIdType>(count));
-  for (std::size_t i = 0; i < count; ++i) {
-    for (int k = 0; k < components; ++k) {
-      array->SetComponent(static_cast<vtkIdType>(i), k,
-                          static_cast<double>(value(i, static_cast<std::size_t>(k))));
-    }
-  }
-  data->AddArray(array);
-}
 
 void
 addPointData(const CrestLines& lines, vtkDataSetAttributes* data)
@@ -89,15 +70,7 @@ saveCrestVtp(const std::string& path, const CrestLines& lines)
   data->SetLines(cells);
   addPointData(lines, data->GetPointData());
   addCellData(lines, data->GetCellData());
-  vtkNew<vtkXMLPolyDataWriter> writer;
-  writer->SetInputData(data);
-  writer->WriteToOutputStringOn();
-  if (writer->Write() == 0) {
-    return {ErrorCode::kIo,
-            "cannot write '" + path + "': VTK refused the data; write a .ply file instead"};
-  }
-  const std::string text = writer->GetOutputString();
-  return writeFile(path, text.data(), text.size());
+  return writeVtp(path, data);
 }
 
 }  // namespace pcl_slim

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stands in for vtp_file.cpp in a build without VTK.
+#include "io/triangles/mesh_formats.h"
 #include "io/vtp/crest_vtp.h"
 #include "io/vtp/vtp_file.h"
 
@@ -27,6 +28,12 @@ loadVtp(const std::string& path)
 
 Error
 saveCrestVtp(const std::string& path, const CrestLines&)
+{
+  return checkVtp(path);
+}
+
+Error
+saveMeshVtp(const std::string& path, const TriangleMesh&)
 {
   return checkVtp(path);
 }

@@ -4,7 +4,7 @@
 #include "lines/crest_side.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/features/crest_lines.h"
-#include "pcl_slim/features/surface_probe.h"
+#include "pcl_slim/query/surface_probe.h"
 
 namespace pcl_slim::detail {
 

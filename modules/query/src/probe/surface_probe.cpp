@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pcl_slim/features/surface_probe.h"
+#include "pcl_slim/query/surface_probe.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +12,7 @@
 #include "pcl_slim/query/detail/shape_operator.h"
 #include "probe/leaf_region.h"
 #include "probe/principal_kernel.h"
+#include "probe/sheet_kernel.h"
 
 namespace pcl_slim {
 
@@ -24,6 +25,13 @@ constexpr double kGateErrors = 5.0;      ///< residuals and offsets beyond so ma
 constexpr double kLeastGate = 0.1;       ///< but those up to this share of r do
 constexpr double kGateRadius = 0.25;
 constexpr double kGateNoise = 0.6;
+
+// Distances to sheets.
+constexpr float kMostDistance = 0.6f;  ///< of r: leaves farther from a place do not count
+constexpr double kReach = 1.17;        ///< of r: a place that far from its foot in the ball
+constexpr float kSameSheet = 0.3f;     ///< of r: leaves of one sheet differ by no more
+constexpr float kNoiseErrors = 3.0f;   ///< and by so many deviations of the noise
+constexpr float kSoftening = 0.05f;    ///< of r: nearer leaves are equally near
 
 ProbeLeaf
 placeLeaf(const SLIMSurface& surface, std::uint32_t i, double noise)
@@ -53,11 +61,19 @@ struct ProbeIndex::Leaves {
   std::vector<ProbeLeaf> all;  ///< in Morton order of their centres
   BlockTree tree;              ///< over their balls' boxes
   BlendRules rules;
+  TrimTables trims;
+  double reach = 1;  ///< of leaves, in radii
+  float noise = 0;   ///< local units
 };
 
-ProbeIndex::ProbeIndex(const SLIMSurface& surface)
+ProbeIndex::ProbeIndex(const SLIMSurface& surface, ProbeUse use)
     : surface_(surface), leaves_(std::make_unique<Leaves>())
 {
+  const bool extraction = use == ProbeUse::kExtraction;
+  if (extraction) {
+    leaves_->reach = kReach;
+    leaves_->trims = TrimTables(surface);
+  }
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
   for (std::uint32_t i = 0; i < surface.size(); ++i) {
     if (!surface.isLeaf(i)) continue;
@@ -71,7 +87,8 @@ ProbeIndex::ProbeIndex(const SLIMSurface& surface)
   for (std::size_t j = 0; j < order.size(); ++j) {
     const std::uint32_t i = order[j].second;
     leaves_->all.push_back(placeLeaf(surface, i, noise));
-    const float r = surface.radius[i];
+    leaves_->all.back().leaf.trim = leaves_->trims.of(i);
+    const float r = static_cast<float>(leaves_->reach * surface.radius[i]);
     boxes.min_x[j] = surface.cx[i] - r;
     boxes.min_y[j] = surface.cy[i] - r;
     boxes.min_z[j] = surface.cz[i] - r;
@@ -84,6 +101,7 @@ ProbeIndex::ProbeIndex(const SLIMSurface& surface)
   leaves_->rules.oriented = surface.info.oriented;
   leaves_->rules.guarded = !surface.info.paper_mode;
   leaves_->rules.with_hessian = true;
+  leaves_->noise = static_cast<float>(noise);
 }
 
 ProbeIndex::~ProbeIndex() = default;
@@ -98,6 +116,7 @@ ProbeIndex::memoryBytes() const
 struct SurfaceProbe::Scratch {
   alignas(64) float x[16], y[16], z[16], nx[16], ny[16], nz[16];
   BlockSums sums;
+  BlockSheets sheets;
   BlockPrincipals principals;
   LeafRegion region;  ///< the leaves at hand
   std::vector<const BlockLeaf*> near;
@@ -124,32 +143,47 @@ SurfaceProbe::cover(const Vector3& low, const Vector3& high)
 {
   LeafRegion& region = scratch_->region;
   if (region.covers(low, high)) return;
-  region.build(index_.leaves_->all, index_.leaves_->tree, low, high, margin_);
+  region.build(index_.leaves_->all, index_.leaves_->tree, index_.leaves_->reach, low, high,
+               margin_);
 }
 
+/** Chooses the leaves near some places, and writes the places where kernels read them. */
 void
-SurfaceProbe::load(const ProbeRequest& request)
+SurfaceProbe::load(const Vector3* positions, std::size_t count)
 {
-  Vector3 low = request.positions[0], high = low;
-  for (std::size_t i = 1; i < request.count; ++i) {
+  Vector3 low = positions[0], high = low;
+  for (std::size_t i = 1; i < count; ++i) {
     for (std::size_t a = 0; a < 3; ++a) {
-      low[a] = std::min(low[a], request.positions[i][a]);
-      high[a] = std::max(high[a], request.positions[i][a]);
+      low[a] = std::min(low[a], positions[i][a]);
+      high[a] = std::max(high[a], positions[i][a]);
     }
   }
   cover(low, high);
   Scratch& s = *scratch_;
   s.region.choose(low, high, s.near);
   float* const columns[3] = {s.x, s.y, s.z};
-  float* const sides[3] = {s.nx, s.ny, s.nz};
-  for (std::size_t a = 0; a < 3; ++a) {
-    std::fill(columns[a], columns[a] + 16, PointStore::kFarAway);
-    std::fill(sides[a], sides[a] + 16, static_cast<float>(request.side[a]));
-  }
-  for (std::size_t i = 0; i < request.count; ++i) {
-    const auto offset = s.region.offset(request.positions[i]);
+  for (float* column : columns) std::fill(column, column + 16, PointStore::kFarAway);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto offset = s.region.offset(positions[i]);
     for (std::size_t a = 0; a < 3; ++a) columns[a][i] = offset[a];
   }
+}
+
+/** Writes down which sides leaves must face. \return whether any. */
+bool
+SurfaceProbe::loadSides(const ProbeRequest& request)
+{
+  Scratch& s = *scratch_;
+  const bool each = request.sides != nullptr;
+  if (!each && !(dot(request.side, request.side) > 0)) return false;
+  float* const sides[3] = {s.nx, s.ny, s.nz};
+  for (std::size_t a = 0; a < 3; ++a) {
+    std::fill(sides[a], sides[a] + 16, static_cast<float>(request.side[a]));
+    for (std::size_t i = 0; each && i < request.count; ++i) {
+      sides[a][i] = static_cast<float>(request.sides[i][a]);
+    }
+  }
+  return true;
 }
 
 void
@@ -157,14 +191,13 @@ SurfaceProbe::evaluate(const ProbeRequest& request, ProbeSample* samples)
 {
   if (request.count == 0) return;
   ++num_requests_;
-  load(request);
+  load(request.positions, request.count);
   Scratch& s = *scratch_;
   BlendRules rules = index_.leaves_->rules;
   rules.with_hessian = request.curvature;
   rules.with_third = request.curvature && request.extremality;
   BlockPoints points{s.x, s.y, s.z};
-  const bool sided = rules.oriented && rules.guarded && dot(request.side, request.side) > 0;
-  if (sided) {
+  if (rules.oriented && rules.guarded && loadSides(request)) {
     points.nx = s.nx;
     points.ny = s.ny;
     points.nz = s.nz;
@@ -196,6 +229,7 @@ SurfaceProbe::finish(const ProbeRequest& request, std::size_t i, ProbeSample& sa
     sample.position[a] = request.positions[i][a] + offset * sums.direction[a][i];
     sample.normal[a] = found.normal[a][i];
   }
+  sample.outside = sums.outside[i] / weight;
   if (!request.curvature) return;
   if (request.extremality && i < request.with_directions) return finishThird(i, sample);
   sample.frame.k1 = found.k1[i];
@@ -225,22 +259,55 @@ SurfaceProbe::finishThird(std::size_t i, ProbeSample& sample) const
   setExtremality(g, length, h, third, sample.frame);
 }
 
+void
+SurfaceProbe::distances(const Vector3* places, std::size_t count, SheetDistance* distances)
+{
+  if (count == 0) return;
+  ++num_requests_;
+  load(places, count);
+  Scratch& s = *scratch_;
+  const ProbeIndex::Leaves& leaves = *index_.leaves_;
+  SheetRules rules{leaves.rules.kernel, leaves.rules.oriented};
+  rules.most_distance = kMostDistance;
+  rules.reach_sq = static_cast<float>(kReach * kReach);
+  rules.same_sheet = kSameSheet;
+  rules.softening = kSoftening;
+  rules.noise = kNoiseErrors * leaves.noise;
+  const BlockPoints points{s.x, s.y, s.z};
+  kernels::clearSheets(s.sheets);
+  for (const BlockLeaf* leaf : s.near) kernels::findSheets(points, *leaf, rules, s.sheets);
+  for (const BlockLeaf* leaf : s.near) kernels::addSheets(points, *leaf, rules, s.sheets);
+  for (std::size_t i = 0; i < count; ++i) {
+    const float weight = s.sheets.weight[i];
+    const Vector3 sum = {s.sheets.normal_sum[0][i], s.sheets.normal_sum[1][i],
+                         s.sheets.normal_sum[2][i]};
+    distances[i] = SheetDistance();
+    if (!(weight > 0) || !(dot(sum, sum) > 0)) continue;
+    const Vector3 unit = normalized(sum);
+    distances[i].known = true;
+    distances[i].distance = s.sheets.distance_sum[i] / weight;
+    for (std::size_t a = 0; a < 3; ++a) distances[i].normal[a] = static_cast<float>(unit[a]);
+  }
+}
+
 ProbeScale
 SurfaceProbe::scaleAt(const Vector3& position, const Vector3& side)
 {
   cover(position, position);
   const BlendRules& rules = index_.leaves_->rules;
   const bool sided = rules.oriented && dot(side, side) > 0;
-  double weight = 0, radius = 0, effective_count = 0;
+  const double alpha = index_.surface_.info.cover_radius, widening = 1 / (alpha * alpha);
+  double weight = 0, radius = 0, effective_count = 0, coverage = 0;
   scratch_->region.forHolding(position, [&](const BlockLeaf& leaf, float count, float s_sq) {
     if (sided && dot({leaf.w[0], leaf.w[1], leaf.w[2]}, side) <= 0) return;
     const double g = leaf.variance_weight * evaluateKernel(rules.kernel, s_sq);
     weight += g;
     radius += g * leaf.radius;
     effective_count += g * count;
+    coverage += evaluateKernel(rules.kernel, widening * s_sq);
   });
   if (!(weight > 0)) return {};
-  return {radius / weight, effective_count / weight};
+  return {radius / weight, effective_count / weight, coverage};
 }
 
 }  // namespace pcl_slim

@@ -23,9 +23,10 @@ class LeafRegion {
   bool covers(const Vector3& low, const Vector3& high) const;
   void clear() { valid_ = false; }
 
-  /** Collects the leaves about a box and a margin around it. \param[in] tree of the leaves' boxes */
-  void build(const std::vector<ProbeLeaf>& leaves, const BlockTree& tree, const Vector3& low,
-             const Vector3& high, double margin);
+  /** Collects the leaves about a box and a margin around it. \param[in] tree of the leaves' boxes
+   * \param[in] reach how far a leaf reaches, in radii of its ball */
+  void build(const std::vector<ProbeLeaf>& leaves, const BlockTree& tree, double reach,
+             const Vector3& low, const Vector3& high, double margin);
 
   const Vector3& origin() const { return origin_; }
   /** A place relative to the origin. */
@@ -35,7 +36,7 @@ class LeafRegion {
             static_cast<float>(p[2] - origin_[2])};
   }
 
-  /** Leaves whose balls meet a box inside the region. */
+  /** Leaves that reach into a box inside the region. */
   void choose(const Vector3& low, const Vector3& high, std::vector<const BlockLeaf*>& chosen);
 
   /** Calls body(leaf, number of points, squared distance over squared radius) for each leaf that holds
@@ -46,10 +47,12 @@ class LeafRegion {
     const auto p = offset(place);
     for (std::size_t j = 0; j < count_; ++j) {
       const float dx = x_[j] - p[0], dy = y_[j] - p[1], dz = z_[j] - p[2];
-      measure_[j] = dx * dx + dy * dy + dz * dz - radius_sq_[j];
+      measure_[j] = dx * dx + dy * dy + dz * dz - share_ * reach_sq_[j];
     }
     for (std::size_t j = 0; j < count_; ++j) {
-      if (measure_[j] < 0) body(leaves_[j], effective_count_[j], 1 + measure_[j] / radius_sq_[j]);
+      if (measure_[j] < 0) {
+        body(leaves_[j], effective_count_[j], 1 + measure_[j] / (share_ * reach_sq_[j]));
+      }
     }
   }
 
@@ -57,10 +60,11 @@ class LeafRegion {
   void resize(std::size_t count);
 
   bool valid_ = false;
+  float share_ = 1;  ///< of the squared reach: the squared radius
   Vector3 low_{}, high_{}, origin_{};
   std::size_t count_ = 0;
   std::vector<std::uint32_t> places_;
-  std::vector<float> x_, y_, z_, radius_sq_, effective_count_, measure_;
+  std::vector<float> x_, y_, z_, reach_sq_, effective_count_, measure_;
   std::vector<BlockLeaf> leaves_;
 };
 

@@ -12,13 +12,19 @@
 
 namespace pcl_slim {
 
+/** \brief What a ProbeIndex is built for. */
+enum class ProbeUse : std::uint8_t {
+  kSamples,     ///< positions, normals and curvatures
+  kExtraction,  ///< distances() as well, and borders: ProbeSample::outside is set
+};
+
 /** \brief A surface's leaves, arranged so that those around a place are found fast.
  *
  * Built once in O(M log M), about 150 bytes a leaf; any number of SurfaceProbe objects share it. */
 class ProbeIndex {
  public:
   /** \brief The surface must outlive this object. */
-  explicit ProbeIndex(const SLIMSurface& surface);
+  explicit ProbeIndex(const SLIMSurface& surface, ProbeUse use = ProbeUse::kSamples);
   ~ProbeIndex();
   ProbeIndex(const ProbeIndex&) = delete;
   ProbeIndex& operator=(const ProbeIndex&) = delete;
@@ -39,13 +45,22 @@ struct ProbeSample {
   Vector3 position{};      ///< on the surface
   Vector3 normal{};        ///< unit
   PrincipalFrame frame;    ///< k1 and k2; directions and extremalities where asked for
+  double outside = 0;      ///< blended outsideShare() of the trim maps: the surface ends at 1/2
 };
 
-/** \brief How far leaves reach and how many points stand behind them at a place: both blended with the
- * leaves' weights, 0 where there is none. */
+/** \brief Signed distance from a place to the sheet of surface nearest to it. */
+struct SheetDistance {
+  bool known = false;    ///< false: no leaf's ball contains the foot of the place
+  float distance = 0;    ///< local units, positive on the side of normal
+  float normal[3] = {};  ///< unit, blended
+};
+
+/** \brief How far leaves reach and how many points are behind them at a place, both blended with the
+ * leaves' weights, and how well they cover it; 0 where there is none. */
 struct ProbeScale {
   double radius = 0;           ///< local units
   double effective_count = 0;  ///< effective number of points
+  double coverage = 0;  ///< sum of G(d / alpha r): a fit's points have cover_threshold or more
 };
 
 /** \brief What to evaluate. */
@@ -55,7 +70,8 @@ struct ProbeRequest {
   std::size_t with_directions = 0;     ///< so many of the first positions get directions
   bool extremality = false;            ///< and their extremalities too
   bool curvature = true;               ///< false: positions and normals only
-  Vector3 side{};  ///< leaves that face away from it do not count; zero: all count
+  Vector3 side{};                  ///< leaves that face away from it do not count; zero: all count
+  const Vector3* sides = nullptr;  ///< one for each position, in place of side
 };
 
 /** \brief Evaluates a surface at any places, as projectPoints() does at stored points: equations (6) to
@@ -81,6 +97,15 @@ class SurfaceProbe {
   /** \brief \param[out] samples one for each position. Cost: O(leaves near the places). */
   void evaluate(const ProbeRequest& request, ProbeSample* samples);
 
+  /** \brief Distances from up to kMost places to the sheets of surface nearest to them; needs an index for
+   * ProbeUse::kExtraction.
+   *
+   * The nearest leaf, by weight over squared distance, chooses the sheet; leaves on its side and at about its
+   * distance are blended, with their weights at the places' feet. The zero set is that of the blended
+   * surface but for terms of second order in the distance. Unoriented surfaces give the sign of the
+   * nearest leaf. O(leaves near the places). \param[out] distances one for each place. */
+  void distances(const Vector3* places, std::size_t count, SheetDistance* distances);
+
   /** \brief Blended radius and number of points at a place. O(leaves near it). */
   ProbeScale scaleAt(const Vector3& position, const Vector3& side);
 
@@ -89,7 +114,8 @@ class SurfaceProbe {
  private:
   struct Scratch;
   void cover(const Vector3& low, const Vector3& high);
-  void load(const ProbeRequest& request);
+  void load(const Vector3* positions, std::size_t count);
+  bool loadSides(const ProbeRequest& request);
   void finish(const ProbeRequest& request, std::size_t i, ProbeSample& sample) const;
   void finishThird(std::size_t i, ProbeSample& sample) const;
 

@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// pcl_slim_mesh: triangulates the SLIM surface of a scan.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/memory_limit.h"
+#include "common/program.h"
+#include "common/run_program.h"
+#include "pcl_slim/core/parallel.h"
+#include "pcl_slim/filters/io/mesh_files.h"
+#include "pcl_slim/filters/io/surface_files.h"
+#include "pcl_slim/filters/mesh_colors.h"
+#include "pcl_slim/mesh/mesh_extraction.h"
+#include "scan/fit_job.h"
+#include "scan/fit_report.h"
+
+namespace {
+
+using namespace pcl_slim;
+
+constexpr std::uint64_t kMany = 1000000000000000000u;
+constexpr double kLeastHole = 2, kUsualHole = 4;  ///< spacings that a fit may and does keep
+
+struct Settings {
+  std::string input, output, json, surface;
+  FitJob job;
+  MeshParams mesh;
+  double tolerance_noise = 0;
+  bool color = false;
+  std::uint64_t max_memory = 0;
+  bool quiet = false;
+};
+
+void
+declareMeshOptions(OptionTable& options, Settings& s)
+{
+  options.number("tol", &s.mesh.tolerance, 0, 1e12,
+                 "largest distance between mesh and surface, in units of the scan",
+                 "a quarter of the noise, at least 1e-4 of the box diagonal");
+  options.number("tol_noise", &s.tolerance_noise, 0, 1e6,
+                 "the same in standard deviations of the noise", "off");
+  options.integer("max_triangles", &s.mesh.max_triangles, 0, kMany,
+                  "collapse edges until there are no more; 0: no limit");
+  options.toggle("trim", &s.mesh.trim, "end the mesh where the scan ends, and keep its holes");
+  options.number("hole", &s.mesh.hole_size, 0, 1e6,
+                 "diameter of the smallest hole kept, in spacings of the points");
+  options.number("min_component", &s.mesh.min_component_points, 0, 1e12,
+                 "leave out pieces on which fewer points lie; 0: keep all");
+  options.integer("relax", &s.mesh.relax, 0, 100, "rounds that make triangles more even");
+  options.toggle("color", &s.color, "colour the vertices from the scan's points");
+  options.exclusive({"tol", "tol_noise"});
+}
+
+OptionTable
+declareOptions(Settings& s)
+{
+  OptionTable options("pcl_slim_mesh", PCL_SLIM_VERSION,
+                      "Makes a triangle mesh of a scan's SLIM surface.");
+  options.positional("IN.pcd|.ply|.slim|.vtp", &s.input,
+                     "the scan, or a surface made by pcl_slim_fit");
+  options.positional("OUT.ply|.obj|.stl|.glb|.vtp", &s.output, "the mesh");
+  declareMeshOptions(options, s);
+  options.text("surface", &s.surface, "FILE",
+               "use a surface made by pcl_slim_fit (.pcd, .ply, .vtp, .slim) in place of a fit");
+  declareFitOptions(options, s.job);
+  options.text("json", &s.json, "FILE", "write a report");
+  declareMemoryLimit(options, &s.max_memory);
+  options.toggle("quiet", &s.quiet, "say nothing but errors");
+  for (const char* name : {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "robust",
+                           "local_noise", "correlation", "noise_model", "normals_as_data",
+                           "normal_error", "paper", "compact", "lambda", "seed"}) {
+    options.exclusive({"surface", name});
+  }
+  return options;
+}
+
+/** What can be said before the input is touched. */
+Error
+checkSettings(Settings& s)
+{
+  s.job.params.trim = s.mesh.trim;
+  if (s.mesh.hole_size > 0) {
+    s.job.params.hole_size = std::clamp(s.mesh.hole_size, kLeastHole, kUsualHole);
+  }
+  if (Error error = finishFitOptions(s.job)) return error;
+  if (Error error = checkMeshExtension(s.output)) return error;
+  if (Error error = checkPlaces({s.input, s.surface}, {s.output, s.json})) return error;
+  s.mesh.threads = s.job.params.threads;
+  return s.mesh.validate();
+}
+
+/** Whether a file can only hold a surface, or its fields say so. */
+bool
+isSurface(const std::string& path, const CloudFile* cloud)
+{
+  const std::string extension = lowerExtension(path);
+  if (extension == ".slim" || extension == ".vtp") return true;
+  return cloud != nullptr && findField(cloud->file.cloud, "c0") >= 0;
+}
+
+/** The input: a scan or a surface, and the surface that stands in for a fit. */
+struct Input {
+  CloudFile cloud;
+  SLIMSurface surface;
+  bool has_cloud = false, has_surface = false;
+};
+
+Error
+loadGiven(const std::string& path, Console& console, Report& report, Input& input)
+{
+  const Stopwatch watch;
+  console.begin("Loading " + path);
+  Result<SLIMSurface> surface = loadSurface(path);
+  if (!surface) {
+    console.failed();
+    return surface.error();
+  }
+  input.surface = std::move(*surface);
+  input.has_surface = true;
+  report.time("load_surface", watch.seconds());
+  reportSurface(path, input.surface, report);
+  console.done(watch.seconds(), counted(input.surface.numLeaves(), "surfel"));
+  return {};
+}
+
+Error
+loadInput(const Settings& s, Console& console, Report& report, Input& input)
+{
+  if (!isSurface(s.input, nullptr)) {
+    Result<CloudFile> cloud = loadScan(s.input, s.job, console, report);
+    if (!cloud) return cloud.error();
+    input.cloud = std::move(*cloud);
+    input.has_cloud = !isSurface(s.input, &input.cloud);
+  }
+  if (!input.has_cloud) {
+    if (!s.surface.empty()) {
+      return {ErrorCode::kBadArgument,
+              "'" + s.input + "' is a surface itself: leave -surface out, or name a scan"};
+    }
+    if (s.color) {
+      return {ErrorCode::kBadArgument, "-color needs the scan: name it, with -surface " + s.input};
+    }
+    return loadGiven(s.input, console, report, input);
+  }
+  if (s.color && colorsOf(input.cloud).bgr == nullptr) {
+    return badInput("'" + s.input +
+                    "' has no colours (rgb, rgba or red green blue); leave -color out");
+  }
+  return s.surface.empty() ? Error{} : loadGiven(s.surface, console, report, input);
+}
+
+void
+reportMesh(const MeshStatistics& m, Report& report)
+{
+  const MeshCensus& c = m.census;
+  report.add({{"triangles", c.triangles},
+              {"vertices", c.vertices},
+              {"components", c.components},
+              {"border_edges", c.border_edges},
+              {"nonmanifold", c.nonmanifold_edges + c.nonmanifold_vertices},
+              {"euler", c.euler},
+              {"collapsed", m.collapsed},
+              {"dropped", m.dropped},
+              {"dropped_components", m.dropped_components},
+              {"closed_holes", m.closed_holes},
+              {"unprojected", m.unprojected},
+              {"tolerance", m.tolerance},
+              {"cells", m.cells},
+              {"corners", m.corners},
+              {"split_cells", m.split_cells}});
+}
+
+/** "closed, 1 component" and what was left out. */
+void
+noteMesh(const MeshStatistics& m, Console& console)
+{
+  const MeshCensus& c = m.census;
+  const std::string border =
+      c.border_edges == 0 ? "closed" : "open, " + counted(c.border_edges, "border edge");
+  console.note("  " + border + ", " + counted(c.components, "component"));
+  if (m.dropped_components > 0) {
+    console.note("  left out: " + counted(m.dropped_components, "small component") + " of " +
+                 counted(m.dropped, "triangle"));
+  }
+}
+
+Error
+makeMesh(const Settings& s, const SLIMSurface& surface, Console& console, Report& report,
+         TriangleMesh& mesh)
+{
+  const Stopwatch watch;
+  console.begin("Meshing");
+  MeshParams params = s.mesh;
+  if (s.tolerance_noise > 0) {
+    const double noise = std::sqrt(std::max(0.0, surface.info.lambda)) * surface.info.diagonal;
+    params.tolerance = s.tolerance_noise * noise * surface.info.scale;
+  }
+  MeshStatistics statistics;
+  if (Error error = extractMesh(surface, params, mesh, &statistics, &console.progress())) {
+    console.failed();
+    return error;
+  }
+  report.time("mesh", watch.seconds());
+  report.time("mesh_tree", statistics.seconds_tree);
+  report.time("mesh_contour", statistics.seconds_contour);
+  report.time("mesh_vertices", statistics.seconds_vertices);
+  report.time("mesh_trim", statistics.seconds_trim);
+  reportMesh(statistics, report);
+  console.done(watch.seconds(), counted(mesh.triangles.size(), "triangle"));
+  noteMesh(statistics, console);
+  return {};
+}
+
+Error
+work(const Settings& s, const Input& input, Console& console, Report& report, TriangleMesh& mesh)
+{
+  SLIMSurface fitted;
+  if (!input.has_surface) {
+    if (Error error = fitScan(s.job, input.cloud, console, report, fitted)) return error;
+  }
+  if (console.interrupted()) return {};
+  const SLIMSurface& surface = input.has_surface ? input.surface : fitted;
+  if (Error error = makeMesh(s, surface, console, report, mesh)) return error;
+  if (!s.color) return {};
+  return colorFromPoints(input.cloud.view(false), colorsOf(input.cloud), s.mesh.threads, mesh);
+}
+
+int
+run(int argc, char** argv)
+{
+  Settings s;
+  OptionTable options = declareOptions(s);
+  if (const auto status = options.parse(argc, argv)) return *status;
+  Error error = checkSettings(s);
+  if (!error) error = limitMemory(s.max_memory);
+  if (error) return fail(options.program(), kExitUsage, error.message);
+  Console console(s.quiet);
+  Report report(options.program(), options.version(), s.input, resolveThreads(s.mesh.threads));
+  Input input;
+  error = loadInput(s, console, report, input);
+  if (error) return fail(options.program(), kExitUsage, error.message);
+  error = checkOutputs(s.output, s.json);
+  if (error) return fail(options.program(), kExitFailed, error.message);
+  TriangleMesh mesh;
+  error = work(s, input, console, report, mesh);
+  if (console.interrupted())
+    return fail(options.program(), kExitInterrupted, "stopped; nothing is written");
+  if (error) return failWork(options.program(), error);
+  if (lowerExtension(s.output) == ".stl" && floatErrorOf(mesh) > 1e-2) {
+    console.warn(
+        "pcl_slim_mesh: .stl holds floats, too coarse for these coordinates; .ply and .vtp "
+        "keep them");
+  }
+  error = saveOutput(
+      s.output, s.json, [&] { return saveMesh(s.output, mesh); },
+      counted(mesh.triangles.size(), "triangle"), console, report);
+  return error ? failWork(options.program(), error) : kExitDone;
+}
+
+}  // namespace
+
+int
+main(int argc, char** argv)
+{
+  return pcl_slim::guarded("pcl_slim_mesh", "use a smaller scan", [&] { return run(argc, argv); });
+}

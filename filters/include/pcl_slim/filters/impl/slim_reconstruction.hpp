@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl/console/print.h>
+
+#include <vector>
+
+#include "pcl_slim/filters/impl/cloud_description.hpp"
+#include "pcl_slim/filters/io/mesh_conversion.h"
+#include "pcl_slim/filters/slim_reconstruction.h"
+
+namespace pcl_slim {
+
+template <typename PointT>
+bool
+SLIMReconstruction<PointT>::run()
+{
+  clearMesh();
+  CloudDescription<PointT> description(input_, use_indices_ ? indices_ : pcl::IndicesPtr(),
+                                       params_);
+  description.setInputNormals(normals_);
+  bool done = description.describe();
+  if (!done) {
+    error_ = description.getError();
+  } else {
+    ColorView colors;
+    const auto* first = reinterpret_cast<const unsigned char*>(input_->points.data());
+    if constexpr (pcl::traits::has_field<PointT, pcl::fields::rgba>::value) {
+      colors = {first + pcl::traits::offset<PointT, pcl::fields::rgba>::value, sizeof(PointT)};
+    } else if constexpr (pcl::traits::has_field<PointT, pcl::fields::rgb>::value) {
+      colors = {first + pcl::traits::offset<PointT, pcl::fields::rgb>::value, sizeof(PointT)};
+    }
+    done = makeMesh(description.view(), colors);
+  }
+  if (!done && error_.code != ErrorCode::kCancelled) {
+    PCL_ERROR("[pcl_slim::SLIMReconstruction::reconstruct] %s\n", error_.message.c_str());
+  }
+  return done;
+}
+
+template <typename PointT>
+void
+SLIMReconstruction<PointT>::reconstruct(pcl::PolygonMesh& output)
+{
+  output = pcl::PolygonMesh();
+  if (input_) output.header = input_->header;
+  performReconstruction(output);
+}
+
+template <typename PointT>
+void
+SLIMReconstruction<PointT>::reconstruct(PointCloud& points, std::vector<pcl::Vertices>& polygons)
+{
+  points = PointCloud();
+  polygons.clear();
+  if (input_) points.header = input_->header;
+  performReconstruction(points, polygons);
+}
+
+template <typename PointT>
+void
+SLIMReconstruction<PointT>::performReconstruction(pcl::PolygonMesh& output)
+{
+  const pcl::PCLHeader header = output.header;
+  output = pcl::PolygonMesh();
+  output.header = header;
+  if (!run()) return;
+  output = toPolygonMesh(mesh_, compute_curvature_);
+  output.header = output.cloud.header = header;
+}
+
+template <typename PointT>
+void
+SLIMReconstruction<PointT>::performReconstruction(PointCloud& points,
+                                                  std::vector<pcl::Vertices>& polygons)
+{
+  points.clear();
+  polygons.clear();
+  if (!run()) return;
+  points.resize(mesh_.vertices.size());
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    PointT& p = points[v];
+    p.x = static_cast<float>(mesh_.vertices[v][0]);
+    p.y = static_cast<float>(mesh_.vertices[v][1]);
+    p.z = static_cast<float>(mesh_.vertices[v][2]);
+    if constexpr (pcl::traits::has_normal<PointT>::value) {
+      p.normal_x = mesh_.normals[v][0];
+      p.normal_y = mesh_.normals[v][1];
+      p.normal_z = mesh_.normals[v][2];
+    }
+    if constexpr (pcl::traits::has_color<PointT>::value) {
+      if (mesh_.colors.empty()) continue;
+      p.r = mesh_.colors[v][0];
+      p.g = mesh_.colors[v][1];
+      p.b = mesh_.colors[v][2];
+      p.a = 255;
+    }
+  }
+  points.is_dense = true;
+  polygons = polygonsOf(mesh_);
+}
+
+}  // namespace pcl_slim
+
+#define PCL_SLIM_INSTANTIATE_SLIMReconstruction(PointT) \
+  template class pcl_slim::SLIMReconstruction<PointT>;

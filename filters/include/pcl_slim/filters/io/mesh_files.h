@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/mesh/triangle_mesh.h"
+
+namespace pcl_slim {
+
+/** \brief Whether the extension is one this build's saveMesh knows; names those it does otherwise. */
+Error
+checkMeshExtension(const std::string& path);
+
+/** \brief Writes a mesh by extension (upper or lower case), seen under its name only when whole.
+ *
+ * .ply   binary_little_endian: x y z, normals, k1 k2, colours if there are any
+ * .obj   text: positions, colours behind them if there are any, normals
+ * .stl   binary: triangles alone
+ * .glb   glTF 2.0 in one file: positions about the middle of the mesh, which is the node's translation,
+ *        normals, colours
+ * .vtp   for ParaView, in builds with PCL_SLIM_WITH_VTP: points, "Normals", k1, k2, "RGB"
+ *
+ * .ply and .vtp hold doubles where floats would move vertices by more than a thousandth of an edge; .stl
+ * always holds floats. O(triangles).
+ */
+Error
+saveMesh(const std::string& path, const TriangleMesh& mesh);
+
+/** \brief How far .stl's floats may move a vertex that the mesh has, in lengths of a mean edge. */
+double
+floatErrorOf(const TriangleMesh& mesh);
+
+}  // namespace pcl_slim

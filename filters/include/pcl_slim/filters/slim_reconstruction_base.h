@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+
+#include "pcl_slim/cloud/cloud_view.h"
+#include "pcl_slim/filters/slim_fit_base.h"
+#include "pcl_slim/mesh/mesh_extraction.h"
+#include "pcl_slim/splat/octree_cloud.h"
+
+namespace pcl_slim {
+
+/** \brief Parameters and results of SLIMReconstruction that do not depend on the point type; MeshParams says
+ * what each means. Values are checked when reconstruct() runs. */
+class SLIMReconstructionBase : public SLIMFitBase {
+ public:
+  using SurfaceConstPtr = std::shared_ptr<const SLIMSurface>;
+
+  // Parameters -----------------------------------------------------------------------------------
+
+  /** \brief All parameters of the mesh at once; threads and trimming are those of the fit's setters. */
+  void setMeshParams(const MeshParams& params) { mesh_params_ = params; }
+  const MeshParams& getMeshParams() const { return mesh_params_; }
+
+  /** \brief Largest distance between mesh and surface, in the cloud's units; 0 (default): a quarter of the
+   * noise, and at least 1e-4 of the diagonal. */
+  void setTolerance(double tolerance) { mesh_params_.tolerance = tolerance; }
+  double getTolerance() const { return mesh_params_.tolerance; }
+
+  /** \brief Collapses edges until there are no more triangles; 0: no limit (default). */
+  void setMaxTriangles(std::uint64_t count) { mesh_params_.max_triangles = count; }
+  std::uint64_t getMaxTriangles() const { return mesh_params_.max_triangles; }
+
+  /** \brief Holes of the data are closed unless as large as a disc of this diameter, in spacings of the points
+   * (default 6); 0 keeps all. */
+  void setHoleSize(double spacings) { mesh_params_.hole_size = spacings; }
+  double getHoleSize() const { return mesh_params_.hole_size; }
+
+  /** \brief Leaves out components on which fewer points lie (default 50); 0 keeps all. */
+  void setMinComponentPoints(double points) { mesh_params_.min_component_points = points; }
+  double getMinComponentPoints() const { return mesh_params_.min_component_points; }
+
+  /** \brief Rounds of tangential smoothing of the triangles (default 2). */
+  void setRelaxation(int rounds) { mesh_params_.relax = rounds; }
+  int getRelaxation() const { return mesh_params_.relax; }
+
+  /** \brief A surface to mesh in place of a fit; null: fit (default). */
+  void setSurface(const SurfaceConstPtr& surface) { surface_ = surface; }
+  const SurfaceConstPtr& getSurface() const { return surface_; }
+
+  /** \brief Whether a pcl::PolygonMesh gets fields k1 and k2 (default off). */
+  void setComputeCurvature(bool compute) { compute_curvature_ = compute; }
+  bool getComputeCurvature() const { return compute_curvature_; }
+
+  /** \brief Whether vertices get the colours of the points nearest to them, where PointT has any (default
+   * on). */
+  void setColors(bool colors) { colors_ = colors; }
+  bool getColors() const { return colors_; }
+
+  // Results --------------------------------------------------------------------------------------
+
+  /** \brief What the last run made and left out. */
+  const MeshStatistics& getMeshStatistics() const { return mesh_statistics_; }
+  /** \brief The last run's mesh: coordinates in double, normals, curvatures, colours. */
+  const TriangleMesh& getMesh() const { return mesh_; }
+  /** \brief The surface that the last run fitted; null when it used a given one or failed. */
+  const SurfaceConstPtr& getFittedSurface() const { return fitted_surface_; }
+
+ protected:
+  SLIMReconstructionBase() = default;
+  ~SLIMReconstructionBase() = default;
+
+  /** \brief Forgets the last run. */
+  void clearMesh();
+  /** \brief Fits unless there is a surface, and extracts the mesh. \param[in] colors of the points, or
+   * none. \return whether there is one; getError() says why not. */
+  bool makeMesh(const CloudView& cloud, const ColorView& colors);
+
+  MeshParams mesh_params_;
+  MeshStatistics mesh_statistics_;
+  SurfaceConstPtr surface_, fitted_surface_;
+  TriangleMesh mesh_;
+  bool compute_curvature_ = false, colors_ = true;
+};
+
+}  // namespace pcl_slim

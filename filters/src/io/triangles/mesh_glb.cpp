@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// glTF 2.0, binary form: a chunk of JSON, then one of numbers (Khronos, glTF 2.0 Specification, 4.4).
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <locale>
+#include <sstream>
+
+#include "io/triangles/mesh_formats.h"
+
+namespace pcl_slim {
+
+namespace {
+
+enum ComponentType { kUnsignedShort = 5123, kUnsignedInt = 5125, kFloat = 5126 };
+enum Target { kArrayBuffer = 34962, kElementArrayBuffer = 34963 };
+
+std::string
+numbersOf(const float (&values)[3])
+{
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text.precision(9);
+  text << '[' << values[0] << ',' << values[1] << ',' << values[2] << ']';
+  return text.str();
+}
+
+/** Views, accessors and the bytes they are of. */
+class GlbBuffer {
+ public:
+  /** Appends numbers. \param[in] rest more of the accessor's JSON, from a comma on. */
+  template <typename T>
+  void add(const std::vector<T>& numbers, ComponentType type, const char* shape, std::size_t count,
+           Target target, const std::string& rest)
+  {
+    const std::size_t size = numbers.size() * sizeof(T), begin = bytes.size();
+    bytes.resize(begin + size);
+    if (size > 0) std::memcpy(bytes.data() + begin, numbers.data(), size);
+    const std::string comma = views.empty() ? "" : ",";
+    views += comma + "{\"buffer\":0,\"byteOffset\":" + std::to_string(begin) +
+             ",\"byteLength\":" + std::to_string(size) + ",\"target\":" + std::to_string(target) +
+             "}";
+    accessors += comma + "{\"bufferView\":" + std::to_string(number) +
+                 ",\"componentType\":" + std::to_string(type) +
+                 ",\"count\":" + std::to_string(count) + ",\"type\":\"" + shape + "\"" + rest + "}";
+    ++number;
+  }
+
+  std::vector<unsigned char> bytes;
+  std::string views, accessors;
+  std::size_t number = 0;
+};
+
+/** The middle of the box about a mesh, in floats. */
+std::array<float, 3>
+middleOf(const TriangleMesh& mesh)
+{
+  std::array<float, 3> middle{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    double low = std::numeric_limits<double>::max(), high = std::numeric_limits<double>::lowest();
+    for (const Vector3& p : mesh.vertices) {
+      low = std::min(low, p[a]);
+      high = std::max(high, p[a]);
+    }
+    if (low <= high) middle[a] = static_cast<float>(0.5 * (low + high));
+  }
+  return middle;
+}
+
+void
+addPositions(const TriangleMesh& mesh, const std::array<float, 3>& middle, GlbBuffer& buffer)
+{
+  std::vector<float> values;
+  values.reserve(3 * mesh.vertices.size());
+  constexpr float kMost = std::numeric_limits<float>::max();
+  float low[3] = {kMost, kMost, kMost}, high[3] = {-kMost, -kMost, -kMost};
+  for (const Vector3& p : mesh.vertices) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      const auto x = static_cast<float>(p[a] - static_cast<double>(middle[a]));
+      low[a] = std::min(low[a], x);
+      high[a] = std::max(high[a], x);
+      values.push_back(x);
+    }
+  }
+  buffer.add(values, kFloat, "VEC3", mesh.vertices.size(), kArrayBuffer,
+             ",\"min\":" + numbersOf(low) + ",\"max\":" + numbersOf(high));
+}
+
+/** glTF's vertex colours are linear: sixteen bits keep the darks of eight bits of sRGB apart. */
+std::uint16_t
+linearOf(std::uint8_t c)
+{
+  const double s = c / 255.0;
+  const double linear = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
+  return static_cast<std::uint16_t>(std::lround(linear * 65535));
+}
+
+void
+addColors(const TriangleMesh& mesh, GlbBuffer& buffer)
+{
+  std::vector<std::uint16_t> values;
+  values.reserve(4 * mesh.colors.size());
+  for (const auto& color : mesh.colors) {
+    for (const std::uint8_t c : color) values.push_back(linearOf(c));
+    values.push_back(65535);
+  }
+  buffer.add(values, kUnsignedShort, "VEC4", mesh.colors.size(), kArrayBuffer,
+             ",\"normalized\":true");
+}
+
+std::string
+headerOf(const GlbBuffer& buffer, const std::array<float, 3>& middle, bool colors)
+{
+  const float translation[3] = {middle[0], middle[1], middle[2]};
+  return "{\"asset\":{\"version\":\"2.0\",\"generator\":\"pcl_slim\"},\"scene\":0,"
+         "\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0,\"translation\":" +
+         numbersOf(translation) +
+         "}],\"materials\":[{\"doubleSided\":true,\"pbrMetallicRoughness\":{\"baseColorFactor\":" +
+         (colors ? "[1,1,1,1]" : "[0.6,0.6,0.6,1]") +
+         ",\"metallicFactor\":0,\"roughnessFactor\":0.6}}],"
+         "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1" +
+         (colors ? ",\"COLOR_0\":3" : "") + "},\"indices\":2,\"material\":0}]}],\"buffers\":[{" +
+         "\"byteLength\":" + std::to_string(buffer.bytes.size()) + "}],\"bufferViews\":[" +
+         buffer.views + "],\"accessors\":[" + buffer.accessors + "]}";
+}
+
+void
+putWord(std::uint32_t word, std::vector<unsigned char>& bytes)
+{
+  for (int shift = 0; shift < 32; shift += 8) {
+    bytes.push_back(static_cast<unsigned char>(word >> shift & 0xffu));
+  }
+}
+
+}  // namespace
+
+Result<std::vector<unsigned char>>
+formatGlb(const TriangleMesh& mesh)
+{
+  const std::array<float, 3> middle = middleOf(mesh);
+  GlbBuffer buffer;
+  addPositions(mesh, middle, buffer);
+  std::vector<float> normals;
+  for (const auto& n : mesh.normals) normals.insert(normals.end(), n.begin(), n.end());
+  buffer.add(normals, kFloat, "VEC3", mesh.normals.size(), kArrayBuffer, "");
+  std::vector<std::uint32_t> corners;
+  for (const auto& t : mesh.triangles) corners.insert(corners.end(), t.begin(), t.end());
+  buffer.add(corners, kUnsignedInt, "SCALAR", corners.size(), kElementArrayBuffer, "");
+  if (!mesh.colors.empty()) addColors(mesh, buffer);
+  std::string header = headerOf(buffer, middle, !mesh.colors.empty());
+  while (header.size() % 4 != 0) header += ' ';
+  const std::size_t total = 12 + 8 + header.size() + 8 + buffer.bytes.size();
+  if (total > std::numeric_limits<std::uint32_t>::max()) {
+    return Error{ErrorCode::kIo,
+                 "the mesh is larger than the 4 GB of a .glb file; write a .ply file instead"};
+  }
+  std::vector<unsigned char> bytes;
+  bytes.reserve(total);
+  for (const std::uint32_t word : {0x46546c67u, 2u, static_cast<std::uint32_t>(total),
+                                   static_cast<std::uint32_t>(header.size()), 0x4e4f534au}) {
+    putWord(word, bytes);
+  }
+  bytes.insert(bytes.end(), header.begin(), header.end());
+  putWord(static_cast<std::uint32_t>(buffer.bytes.size()), bytes);
+  putWord(0x004e4942u, bytes);
+  bytes.insert(bytes.end(), buffer.bytes.begin(), buffer.bytes.end());
+  return bytes;
+}
+
+}  // namespace pcl_slim

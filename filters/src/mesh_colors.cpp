@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/filters/mesh_colors.h"
+
+#include <pcl/kdtree/kdtree_flann.h>
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "pcl_slim/core/parallel.h"
+
+namespace pcl_slim {
+
+namespace {
+
+constexpr int kNearest = 4;
+
+Vector3
+positionOf(const CloudView& cloud, std::size_t i)
+{
+  const auto* at = static_cast<const unsigned char*>(cloud.xyz) + i * cloud.xyz_stride;
+  Vector3 p{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (cloud.scalar == CloudView::Scalar::kDouble) {
+      std::memcpy(&p[a], at + a * sizeof(double), sizeof(double));
+      continue;
+    }
+    float x = 0;
+    std::memcpy(&x, at + a * sizeof(float), sizeof(float));
+    p[a] = x;
+  }
+  return p;
+}
+
+/** The finite points of a cloud, about one of them, and where they are in it. */
+struct NearbyPoints {
+  Vector3 origin{};
+  pcl::PointCloud<pcl::PointXYZ>::Ptr points{new pcl::PointCloud<pcl::PointXYZ>};
+  std::vector<std::size_t> places;
+
+  explicit NearbyPoints(const CloudView& cloud)
+  {
+    for (std::size_t i = 0; i < cloud.count(); ++i) {
+      const std::size_t place = cloud.inputIndex(i);
+      const Vector3 p = positionOf(cloud, place);
+      if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) continue;
+      if (places.empty()) origin = p;
+      places.push_back(place);
+      points->push_back(relative(p));
+    }
+  }
+
+  pcl::PointXYZ relative(const Vector3& p) const
+  {
+    return {static_cast<float>(p[0] - origin[0]), static_cast<float>(p[1] - origin[1]),
+            static_cast<float>(p[2] - origin[2])};
+  }
+};
+
+}  // namespace
+
+Error
+colorFromPoints(const CloudView& cloud, const ColorView& colors, int threads, TriangleMesh& mesh)
+{
+  mesh.colors.clear();
+  if (colors.bgr == nullptr) return badInput("the points have no colours; give a coloured scan");
+  if (Error error = cloud.validate()) return error;
+  const NearbyPoints nearby(cloud);
+  if (nearby.places.empty()) return CloudView::nothingFinite();
+  pcl::KdTreeFLANN<pcl::PointXYZ> tree;
+  tree.setInputCloud(nearby.points);
+  const int k = std::min<int>(kNearest, static_cast<int>(nearby.places.size()));
+  mesh.colors.resize(mesh.vertices.size());
+  parallelFor(mesh.vertices.size(), resolveThreads(threads), 1024, [&](std::size_t v, int) {
+    pcl::Indices found(static_cast<std::size_t>(k));
+    std::vector<float> distances(static_cast<std::size_t>(k));
+    const int count = tree.nearestKSearch(nearby.relative(mesh.vertices[v]), k, found, distances);
+    double sum[3] = {0, 0, 0}, weights = 0;
+    for (std::size_t j = 0; j < static_cast<std::size_t>(count); ++j) {
+      const std::size_t place = nearby.places[static_cast<std::size_t>(found[j])];
+      const auto* bgr = static_cast<const std::uint8_t*>(colors.bgr) + place * colors.stride;
+      const double weight = 1 / (static_cast<double>(distances[j]) + 1e-30);
+      for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * bgr[2 - c];
+      weights += weight;
+    }
+    for (std::size_t c = 0; c < 3 && weights > 0; ++c) {
+      mesh.colors[v][c] = static_cast<std::uint8_t>(std::lround(sum[c] / weights));
+    }
+  });
+  return {};
+}
+
+}  // namespace pcl_slim

@@ -1,0 +1,7 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#define PCL_SLIM_PCL_POINTS_ONLY
+#include "pcl_slim/filters/impl/slim_reconstruction.hpp"
+
+#include "input_types.h"
+
+PCL_SLIM_FOR_INPUT_TYPES(PCL_SLIM_INSTANTIATE_SLIMReconstruction)

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/filters/slim_reconstruction_base.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "pcl_slim/filters/mesh_colors.h"
+
+namespace pcl_slim {
+
+namespace {
+
+constexpr double kLeastHole = 2, kUsualHole = 4;  ///< spacings that trim maps may and do keep
+
+/** The fit's parameters for a mesh: trim maps keep holes as small as the mesh is to have. */
+FitParams
+fitParamsFor(const FitParams& fit, const MeshParams& mesh)
+{
+  FitParams made = fit;
+  if (mesh.hole_size > 0) made.hole_size = std::clamp(mesh.hole_size, kLeastHole, kUsualHole);
+  return made;
+}
+
+}  // namespace
+
+void
+SLIMReconstructionBase::clearMesh()
+{
+  clearResults();
+  mesh_.clear();
+  mesh_statistics_ = {};
+  fitted_surface_.reset();
+}
+
+bool
+SLIMReconstructionBase::makeMesh(const CloudView& cloud, const ColorView& colors)
+{
+  MeshParams params = mesh_params_;
+  params.trim = params_.trim;
+  params.threads = params_.threads;
+  if (const Error error = params.validate()) return fail(error.code, error.message);
+  SurfaceConstPtr surface = surface_;
+  if (!surface) {
+    auto fitted = std::make_shared<SLIMSurface>();
+    const FitParams own = std::exchange(params_, fitParamsFor(params_, params));
+    const bool done = run(cloud, *fitted);
+    params_ = own;
+    if (!done) return false;
+    surface = fitted;
+  }
+  const CancellableRun cancellable(control_.progress);
+  const bool done = guarded("the extraction", "raise the tolerance", [&]() -> Error {
+    if (Error error = extractMesh(*surface, params, mesh_, &mesh_statistics_, &control_.progress)) {
+      return error;
+    }
+    if (!colors_ || colors.bgr == nullptr) return {};
+    return colorFromPoints(cloud, colors, params.threads, mesh_);
+  });
+  if (!done) {
+    mesh_.clear();
+    return false;
+  }
+  if (!surface_) fitted_surface_ = surface;
+  return true;
+}
+
+}  // namespace pcl_slim

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/core/progress.h"
+#include "pcl_slim/mesh/triangle_mesh.h"
+#include "pcl_slim/surface/surface.h"
+
+namespace pcl_slim {
+
+/** \brief How a surface becomes triangles. */
+struct MeshParams {
+  /** Largest distance between mesh and surface [world units]; 0: a quarter of the noise's standard
+   * deviation, and at least 1e-4 of the diagonal. Vertices are not nearer to each other than about the spacing
+   * of the points, or half of it for a smaller tolerance than that: an error that remains then is larger. */
+  double tolerance = 0;
+  bool trim = true;  ///< end the mesh where the data end: by the surface's trim maps
+  /** Holes in the data are closed unless they are as large as a disc of this diameter [spacings of the
+   * points]; 0: all stay open. Those that reach the end of the surface's leaves stay open too. */
+  double hole_size = 6;
+  /** Components on which fewer points lie are left out; 0: all stay. The points of a component are its
+   * area times the density that the surface's leaves report. */
+  double min_component_points = 50;
+  int relax = 2;  ///< rounds of tangential smoothing of the triangles; 0 to 100
+  /** Edges are collapsed, those of least error first, until there are no more triangles; 0: no limit. The
+   * tolerance is then not kept. */
+  std::uint64_t max_triangles = 0;
+  int threads = 0;  ///< 0: all cores; never changes the result
+
+  /** \brief Names the first parameter out of range. */
+  Error validate() const;
+};
+
+/** \brief What an extraction did and what it left out. */
+struct MeshStatistics {
+  MeshCensus census;
+  double tolerance = 0;            ///< as used [world units]
+  std::uint64_t cells = 0;         ///< of the octree that hold surface
+  std::uint64_t corners = 0;       ///< places at which distances were evaluated
+  std::uint64_t split_cells = 0;   ///< for the sake of topology
+  std::uint64_t collapsed = 0;     ///< triangles taken away for max_triangles
+  std::uint64_t rounds = 0;        ///< of contouring
+  std::uint64_t unprojected = 0;   ///< vertices that no leaf supports: they stay where edges cross
+  std::uint64_t closed_gaps = 0;   ///< of the contouring: places where leaves disagree too much
+  std::uint64_t closed_holes = 0;  ///< of the data, smaller than asked for
+  std::uint64_t dropped = 0;       ///< triangles of components left out
+  std::uint64_t dropped_components = 0;
+  double seconds_tree = 0, seconds_contour = 0, seconds_vertices = 0, seconds_trim = 0,
+         seconds_simplify = 0;
+};
+
+/** \brief Triangulates a SLIM surface by dual contouring (Ju, Losasso, Schaefer, Warren 2002) on an octree
+ * whose cells follow the leaves' curvature; one vertex for each sheet of surface in a cell, put onto the
+ * surface by equations (6) and (7) of Ohtake, Belyaev, Alexa 2005.
+ *
+ * Closed surfaces give closed meshes; where a surface has trim maps the mesh ends on their border. Every edge
+ * has at most two triangles. Triangles face the side of the surface's normals; those of an unoriented
+ * surface agree within each component where that is possible.
+ *
+ * \return an error for parameters out of range, an empty or invalid surface, a tolerance that needs
+ * more than 2^30 cells, or cancellation; the mesh is then empty. Same bytes for any number of threads.
+ * O(triangles + leaves).
+ */
+Error
+extractMesh(const SLIMSurface& surface, const MeshParams& params, TriangleMesh& mesh,
+            MeshStatistics* statistics = nullptr, Progress* progress = nullptr);
+
+}  // namespace pcl_slim

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "octree/cell_tree.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pcl_slim/core/parallel.h"
+
+namespace pcl_slim::detail {
+
+namespace {
+
+constexpr float kBall = 0.8f;  ///< of r: leaves cover their points within two thirds
+constexpr float kSheetReach =
+    0.95f;                        ///< of a cell's width: its middle is that near to a sheet in it
+constexpr float kCoarse = 1.0f;   ///< radii: polynomials say nothing of wider cells
+constexpr float kSlack = 1.001f;  ///< a cell as wide as it may be is not divided for rounding
+constexpr std::uint32_t kSerialDepth = 5;  ///< levels divided before threads take over
+constexpr std::size_t kMostNodes = std::size_t{1} << 30;
+/// Where the cube begins, in cells: no plane of a scan and no body's middle falls on corners.
+constexpr double kShift[3] = {0.37, 0.23, 0.41};
+
+using Members = std::vector<std::uint32_t>;
+
+/** A node whose subtree is still to be made. */
+struct Pending {
+  std::uint32_t node;
+  CellPlace place;
+  Members members;
+};
+
+/** Divides cells downwards from one. */
+class Grower {
+ public:
+  Grower(const CellTree& tree, const std::vector<LeafShape>& shapes) : tree_(tree), shapes_(shapes)
+  {
+  }
+
+  /** Makes what is below nodes[i], but for nodes at depth limit: they are left pending. */
+  void grow(std::vector<CellNode>& nodes, std::uint32_t i, const CellPlace& place,
+            const Members& candidates, std::uint32_t limit, std::vector<Pending>& pending) const
+  {
+    Members members;
+    const bool divide = examine(place, candidates, members);
+    nodes[i].near = !members.empty();
+    if (!divide || nodes.size() > kMostNodes) return;
+    if (place.depth == limit) {
+      pending.push_back({i, place, members});
+      return;
+    }
+    const auto first = static_cast<std::uint32_t>(nodes.size());
+    nodes[i].first_child = first;
+    nodes.resize(nodes.size() + 8);
+    for (unsigned int k = 0; k < 8; ++k) {
+      grow(nodes, first + k, CellTree::child(place, k), members, limit, pending);
+    }
+  }
+
+ private:
+  /** \param[out] members leaves whose sheet passes the cell; one is enough where none can divide it.
+   * \return whether the cell is wider than one of them asks for. */
+  bool examine(const CellPlace& place, const Members& candidates, Members& members) const
+  {
+    const auto size = static_cast<float>(tree_.size(place.depth));
+    const bool finest = place.depth >= CellTree::kMostDepth;
+    Vector3 middle = tree_.corner(place.low);
+    for (double& x : middle) x += 0.5 * size;
+    const bool may =
+        !finest && std::any_of(candidates.begin(), candidates.end(),
+                               [&](std::uint32_t j) { return wantsNarrower(shapes_[j], size); });
+    bool divide = false;
+    for (const std::uint32_t j : candidates) {
+      if (!passes(shapes_[j], middle, size)) continue;
+      members.push_back(j);
+      if (!may) break;
+      divide = divide || wantsNarrower(shapes_[j], size);
+    }
+    return divide;
+  }
+
+  static bool wantsNarrower(const LeafShape& leaf, float size)
+  {
+    return size > kSlack * leaf.cell_size && kSlack * size >= 2 * leaf.least;
+  }
+
+  static bool passes(const LeafShape& leaf, const Vector3& middle, float size)
+  {
+    float off_sq = 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const float off = std::abs(static_cast<float>(middle[a]) - leaf.center[a]) - 0.5f * size;
+      if (off > 0) off_sq += off * off;
+    }
+    const float ball = kBall * leaf.radius;
+    if (off_sq > ball * ball) return false;
+    if (size > kCoarse * leaf.radius) return true;
+    return std::abs(offsetFrom(leaf, middle).distance) <= kSheetReach * size;
+  }
+
+  const CellTree& tree_;
+  const std::vector<LeafShape>& shapes_;
+};
+
+}  // namespace
+
+CellPlace
+CellTree::child(const CellPlace& parent, unsigned int octant)
+{
+  CellPlace made = parent;
+  ++made.depth;
+  const std::uint32_t half = width(made.depth);
+  for (unsigned int a = 0; a < 3; ++a) {
+    if ((octant >> (2 - a) & 1u) != 0) made.low[a] += half;
+  }
+  return made;
+}
+
+/** Places the root: a cube about the leaves. */
+void
+CellTree::place(const std::vector<LeafShape>& shapes)
+{
+  Vector3 low = {1e30, 1e30, 1e30}, high = {-1e30, -1e30, -1e30};
+  for (const LeafShape& shape : shapes) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], static_cast<double>(shape.center[a] - shape.radius));
+      high[a] = std::max(high[a], static_cast<double>(shape.center[a] + shape.radius));
+    }
+  }
+  const double cell = thriftyCellSize(shapes);
+  const double span = std::max({high[0] - low[0], high[1] - low[1], high[2] - low[2]}) + 2 * cell;
+  double root = cell;
+  while (root < span) root *= 2;
+  unit_ = root / width(0);
+  for (std::size_t a = 0; a < 3; ++a) low_[a] = low[a] - (1 + kShift[a]) * cell;
+}
+
+Error
+CellTree::build(const std::vector<LeafShape>& shapes, int threads)
+{
+  place(shapes);
+  const Grower grower(*this, shapes);
+  nodes_.assign(1, {});
+  Members all(shapes.size());
+  for (std::size_t j = 0; j < all.size(); ++j) all[j] = static_cast<std::uint32_t>(j);
+  std::vector<Pending> pending, none;
+  grower.grow(nodes_, 0, {}, all, kSerialDepth, pending);
+  std::vector<std::vector<CellNode>> made(pending.size());
+  parallelFor(pending.size(), threads, 1, [&](std::size_t p, int) {
+    std::vector<Pending> nothing;
+    made[p].assign(1, {});
+    grower.grow(made[p], 0, pending[p].place, pending[p].members, kMostDepth + 1, nothing);
+  });
+  for (std::size_t p = 0; p < pending.size(); ++p) {
+    // A subtree's node k goes to offset + k; its root is here already.
+    const auto offset = static_cast<std::uint32_t>(nodes_.size()) - 1;
+    for (CellNode& node : made[p]) {
+      if (node.first_child != 0) node.first_child += offset;
+    }
+    nodes_[pending[p].node] = made[p][0];
+    nodes_.insert(nodes_.end(), made[p].begin() + 1, made[p].end());
+    if (nodes_.size() > kMostNodes) {
+      return {ErrorCode::kBadArgument,
+              "the tolerance asks for more than 2^30 cells; raise the tolerance"};
+    }
+    std::vector<CellNode>().swap(made[p]);
+  }
+  number();
+  return {};
+}
+
+std::vector<std::uint32_t>
+CellTree::split(const std::vector<std::uint32_t>& cells)
+{
+  std::vector<std::uint32_t> numbers(cells_.size(), 0);
+  for (const std::uint32_t cell : cells) {
+    if (cells_[cell].depth < kMostDepth) numbers[cell] = kDivided;
+  }
+  const std::size_t before = nodes_.size();
+  std::vector<std::uint32_t> kept(cells_.size());
+  for (std::uint32_t i = 0; i < before; ++i) {
+    nodes_[i].fresh = false;
+    if (nodes_[i].first_child != 0) continue;
+    kept[nodes_[i].cell] = i;
+    if (numbers[nodes_[i].cell] != kDivided) continue;
+    nodes_[i].first_child = static_cast<std::uint32_t>(nodes_.size());
+    CellNode added;
+    added.near = added.fresh = true;
+    nodes_.insert(nodes_.end(), 8, added);
+  }
+  // Children come after their parents.
+  for (std::size_t i = before; i-- > 0;) {
+    const std::uint32_t first = nodes_[i].first_child;
+    for (std::uint32_t k = 0; first != 0 && k < 8; ++k) {
+      nodes_[i].fresh = nodes_[i].fresh || nodes_[first + k].fresh;
+    }
+  }
+  number();
+  for (std::size_t cell = 0; cell < numbers.size(); ++cell) {
+    if (numbers[cell] != kDivided) numbers[cell] = nodes_[kept[cell]].cell;
+  }
+  return numbers;
+}
+
+/** Lists the cells not divided, depth first. */
+void
+CellTree::number()
+{
+  cells_.clear();
+  std::vector<std::pair<std::uint32_t, CellPlace>> stack = {{0, {}}};
+  while (!stack.empty()) {
+    const auto [node, at] = stack.back();
+    stack.pop_back();
+    const std::uint32_t first = nodes_[node].first_child;
+    if (first == 0) {
+      nodes_[node].cell = static_cast<std::uint32_t>(cells_.size());
+      cells_.push_back(at);
+      continue;
+    }
+    for (unsigned int k = 8; k-- > 0;) stack.emplace_back(first + k, child(at, k));
+  }
+}
+
+std::uint64_t
+CellTree::numNear() const
+{
+  return static_cast<std::uint64_t>(
+      std::count_if(nodes_.begin(), nodes_.end(),
+                    [](const CellNode& node) { return node.first_child == 0 && node.near; }));
+}
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "topology/fans.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "pcl_slim/cloud/morton_sort.h"
+
+namespace pcl_slim::detail {
+
+namespace {
+
+std::uint32_t
+findRoot(std::vector<std::uint32_t>& parent, std::uint32_t i)
+{
+  while (parent[i] != i) i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+void
+joinRoots(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b)
+{
+  a = findRoot(parent, a);
+  b = findRoot(parent, b);
+  parent[std::max(a, b)] = std::min(a, b);
+}
+
+/** The corner of triangle t, 3 t + k, that is vertex v. */
+std::uint32_t
+cornerAt(const std::vector<Triangle>& triangles, std::uint32_t t, std::uint32_t v)
+{
+  const Triangle& own = triangles[t];
+  return 3 * t + (own[0] == v ? 0 : own[1] == v ? 1 : 2);
+}
+
+/** Turns the triangles of one component so that they agree with its first. */
+class SideFlood {
+ public:
+  SideFlood(const std::vector<Triangle>& triangles, const EdgeTable& table)
+      : next_(3 * triangles.size(), kNone),
+        seen_(triangles.size(), 0),
+        turned_(triangles.size(), 0),
+        triangles_(triangles)
+  {
+    for (const MeshEdge& edge : table.edges) {
+      if (edge.count != 2) continue;
+      const std::uint32_t a = table.uses[edge.first], b = table.uses[edge.first + 1];
+      next_[a] = b;
+      next_[b] = a;
+    }
+  }
+
+  std::vector<std::uint8_t> run()
+  {
+    for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
+      if (seen_[t] != 0) continue;
+      flood(t);
+      std::size_t turned = 0;
+      for (const std::uint32_t m : members_) turned += turned_[m];
+      if (2 * turned <= members_.size()) continue;
+      for (const std::uint32_t m : members_) turned_[m] ^= 1;
+    }
+    return turned_;
+  }
+
+ private:
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+
+  void flood(std::uint32_t first)
+  {
+    members_.assign(1, first);
+    seen_[first] = 1;
+    for (std::size_t at = 0; at < members_.size(); ++at) {
+      const std::uint32_t t = members_[at];
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        const std::uint32_t other = next_[3 * t + k];
+        if (other == kNone || seen_[other / 3] != 0) continue;
+        // Agreeing neighbours run along their edge in opposite directions.
+        const bool same = triangles_[t][k] == triangles_[other / 3][other % 3];
+        seen_[other / 3] = 1;
+        turned_[other / 3] = turned_[t] ^ static_cast<std::uint8_t>(same);
+        members_.push_back(other / 3);
+      }
+    }
+  }
+
+  std::vector<std::uint32_t> next_, members_;
+  std::vector<std::uint8_t> seen_, turned_;
+  const std::vector<Triangle>& triangles_;
+};
+
+}  // namespace
+
+EdgeTable::EdgeTable(const std::vector<Triangle>& triangles, int threads)
+{
+  AlignedVector<std::uint64_t> keys(3 * triangles.size());
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
+      keys[3 * t + k] = static_cast<std::uint64_t>(std::min(a, b)) << 32 | std::max(a, b);
+    }
+  }
+  AlignedVector<std::uint32_t> order;
+  sortByKey(keys, order, threads);
+  uses.assign(order.begin(), order.end());
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (i == 0 || keys[i] != keys[i - 1]) {
+      edges.push_back({static_cast<std::uint32_t>(keys[i] >> 32),
+                       static_cast<std::uint32_t>(keys[i]), static_cast<std::uint32_t>(i), 0});
+    }
+    ++edges.back().count;
+  }
+}
+
+std::vector<std::uint32_t>
+separateFans(std::size_t num_vertices, std::vector<Triangle>& triangles, int threads)
+{
+  std::vector<std::uint32_t> parent(3 * triangles.size(), 0);
+  std::iota(parent.begin(), parent.end(), 0u);
+  const EdgeTable table(triangles, threads);
+  for (const MeshEdge& edge : table.edges) {
+    if (edge.count != 2) continue;
+    const std::uint32_t a = table.uses[edge.first] / 3, b = table.uses[edge.first + 1] / 3;
+    for (const std::uint32_t v : {edge.low, edge.high}) {
+      joinRoots(parent, cornerAt(triangles, a, v), cornerAt(triangles, b, v));
+    }
+  }
+  constexpr std::uint32_t kFree = 0xffffffffu;
+  std::vector<std::uint32_t> copies, first(num_vertices, kFree);
+  std::vector<std::uint32_t> number(parent.size(), 0);
+  std::vector<Triangle> made = triangles;
+  for (std::uint32_t i = 0; i < parent.size(); ++i) {
+    const std::uint32_t v = triangles[i / 3][i % 3], root = findRoot(parent, i);
+    if (root == i) {
+      number[i] = v;
+      if (first[v] != kFree) {
+        number[i] = static_cast<std::uint32_t>(num_vertices + copies.size());
+        copies.push_back(v);
+      }
+      first[v] = i;
+    }
+    made[i / 3][i % 3] = number[root];
+  }
+  triangles = std::move(made);
+  return copies;
+}
+
+std::vector<std::uint8_t>
+agreeOnSides(std::vector<Triangle>& triangles, int threads)
+{
+  const EdgeTable table(triangles, threads);
+  std::vector<std::uint8_t> turned = SideFlood(triangles, table).run();
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    if (turned[t] != 0) std::swap(triangles[t][1], triangles[t][2]);
+  }
+  return turned;
+}
+
+void
+dropTurned(std::vector<Triangle>& triangles, int threads)
+{
+  const EdgeTable table(triangles, threads);
+  std::vector<bool> dropped(triangles.size(), false);
+  bool any = false;
+  for (const MeshEdge& edge : table.edges) {
+    if (edge.count != 2) continue;
+    const std::uint32_t a = table.uses[edge.first], b = table.uses[edge.first + 1];
+    if (triangles[a / 3][a % 3] != triangles[b / 3][b % 3] || dropped[a / 3]) continue;
+    dropped[b / 3] = any = true;
+  }
+  if (!any) return;
+  std::vector<Triangle> kept;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    if (!dropped[t]) kept.push_back(triangles[t]);
+  }
+  triangles = std::move(kept);
+}
+
+std::vector<std::uint32_t>
+componentsOf(const std::vector<Triangle>& triangles, std::size_t num_vertices, std::size_t& count)
+{
+  std::vector<std::uint32_t> parent(num_vertices, 0);
+  std::iota(parent.begin(), parent.end(), 0u);
+  for (const Triangle& t : triangles) {
+    joinRoots(parent, t[0], t[1]);
+    joinRoots(parent, t[0], t[2]);
+  }
+  constexpr std::uint32_t kFree = 0xffffffffu;
+  std::vector<std::uint32_t> number(num_vertices, kFree), component(triangles.size());
+  count = 0;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    std::uint32_t& own = number[findRoot(parent, triangles[t][0])];
+    if (own == kFree) own = static_cast<std::uint32_t>(count++);
+    component[t] = own;
+  }
+  return component;
+}
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Distances from sixteen places to one leaf, to first order: f / |grad f| and the foot it leads to.
+#include "probe/sheet_kernel.h"
+
+#include <algorithm>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "probe/sheet_kernel.cpp"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+
+#include "pcl_slim/surface/detail/kernel_math-inl.h"
+#include "projection/derivative_sums-inl.h"
+#include "projection/height_jets-inl.h"
+#include "projection/leaf_frame-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
+
+/** A leaf beneath some places. */
+struct SheetFeet {
+  Mask near;      ///< lanes that it counts for
+  Vec distance;   ///< in radii
+  Vec weight;     ///< at the foot; 0 elsewhere
+  Vec normal[3];  ///< unit, the block's axes
+};
+
+HWY_INLINE Vec
+sheetWeight(WeightKernel kernel, Vec s_sq)
+{
+  switch (kernel) {
+    case WeightKernel::kPower2: return kernelWeight<WeightKernel::kPower2>(s_sq);
+    case WeightKernel::kPower4: return kernelWeight<WeightKernel::kPower4>(s_sq);
+    case WeightKernel::kPower7: return kernelWeight<WeightKernel::kPower7>(s_sq);
+    default: return kernelWeight<WeightKernel::kGaussian>(s_sq);
+  }
+}
+
+template <int D>
+HWY_INLINE SheetFeet
+feetOf(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
+       const LeafFrame& frame, const HeightJets<D>& jets, std::size_t i)
+{
+  const Tag d;
+  SheetFeet feet;
+  const Local p = frame.place(points, i);
+  feet.near = hn::Lt(p.lengthSq(), set(rules.reach_sq));
+  if (hn::AllFalse(d, feet.near)) return feet;
+  Vec h, hu, hv;
+  jets.gradient(p.u, p.v, h, hu, hv);
+  const Vec slope_sq = hn::MulAdd(hu, hu, hn::MulAdd(hv, hv, set(1.0f)));
+  const Vec inverse = hn::Div(set(1.0f), hn::Sqrt(slope_sq));
+  const Vec f = hn::Sub(p.w, h);
+  feet.distance = hn::Mul(f, inverse);
+  const Vec t = hn::Mul(feet.distance, inverse);
+  const Local foot = {hn::MulAdd(t, hu, p.u), hn::MulAdd(t, hv, p.v), hn::Sub(p.w, t)};
+  const Vec s_sq = foot.lengthSq();
+  feet.near = hn::And(feet.near, hn::Lt(s_sq, set(1.0f)));
+  feet.near = hn::And(feet.near, hn::Le(hn::Abs(feet.distance), set(rules.most_distance)));
+  feet.weight = hn::IfThenElseZero(
+      feet.near, hn::Mul(set(leaf.variance_weight), sheetWeight(rules.kernel, s_sq)));
+  const Local n = {hn::Neg(hn::Mul(hu, inverse)), hn::Neg(hn::Mul(hv, inverse)), inverse};
+  for (int a = 0; a < 3; ++a) feet.normal[a] = frame.back(a, n);
+  return feet;
+}
+
+template <int D>
+void
+findSheetsOf(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
+             BlockSheets& sheets)
+{
+  const Tag d;
+  const LeafFrame frame(leaf);
+  const HeightJets<D> jets(leaf.c);
+  const float soft = rules.softening * leaf.radius + rules.noise;
+  for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
+    const SheetFeet feet = feetOf(points, leaf, rules, frame, jets, i);
+    if (hn::AllFalse(d, feet.near)) continue;
+    const Vec distance = hn::Mul(feet.distance, set(leaf.radius));
+    const Vec score =
+        hn::Div(feet.weight, hn::MulAdd(distance, distance, set(soft * soft + 1e-30f)));
+    const Vec best = hn::Load(d, sheets.score + i);
+    const Mask better = hn::And(feet.near, hn::Gt(score, best));
+    hn::Store(hn::IfThenElse(better, score, best), d, sheets.score + i);
+    hn::Store(hn::IfThenElse(better, distance, hn::Load(d, sheets.distance + i)), d,
+              sheets.distance + i);
+    for (int a = 0; a < 3; ++a) {
+      const Vec old = hn::Load(d, sheets.normal[a] + i);
+      hn::Store(hn::IfThenElse(better, feet.normal[a], old), d, sheets.normal[a] + i);
+    }
+  }
+}
+
+template <int D>
+void
+addSheetsOf(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
+            BlockSheets& sheets)
+{
+  const Tag d;
+  const LeafFrame frame(leaf);
+  const HeightJets<D> jets(leaf.c);
+  const float most = rules.same_sheet * leaf.radius + rules.noise;
+  for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
+    const SheetFeet feet = feetOf(points, leaf, rules, frame, jets, i);
+    Mask near = hn::And(feet.near, hn::Gt(hn::Load(d, sheets.score + i), hn::Zero(d)));
+    if (hn::AllFalse(d, near)) continue;
+    const Vec cosine =
+        dot3(feet.normal[0], feet.normal[1], feet.normal[2], hn::Load(d, sheets.normal[0] + i),
+             hn::Load(d, sheets.normal[1] + i), hn::Load(d, sheets.normal[2] + i));
+    const Vec turn = hn::IfThenElse(hn::Lt(cosine, hn::Zero(d)), set(-1.0f), set(1.0f));
+    if (rules.oriented) near = hn::And(near, hn::Gt(cosine, hn::Zero(d)));
+    const Vec distance = hn::Mul(turn, hn::Mul(feet.distance, set(leaf.radius)));
+    const Vec off = hn::Abs(hn::Sub(distance, hn::Load(d, sheets.distance + i)));
+    near = hn::And(near, hn::Le(off, set(most)));
+    addTo(sheets.weight + i, near, feet.weight);
+    addTo(sheets.distance_sum + i, near, hn::Mul(feet.weight, distance));
+    for (int a = 0; a < 3; ++a) {
+      addTo(sheets.normal_sum[a] + i, near, hn::Mul(feet.weight, hn::Mul(turn, feet.normal[a])));
+    }
+  }
+}
+
+void
+findSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
+           BlockSheets& sheets)
+{
+  forDegree(leaf.degree,
+            [&](auto degree) HWY_ATTR { findSheetsOf<degree()>(points, leaf, rules, sheets); });
+}
+
+void
+addSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
+          BlockSheets& sheets)
+{
+  forDegree(leaf.degree,
+            [&](auto degree) HWY_ATTR { addSheetsOf<degree()>(points, leaf, rules, sheets); });
+}
+
+}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pcl_slim::detail::kernels {
+
+void
+clearSheets(BlockSheets& sheets)
+{
+  sheets = BlockSheets{};
+}
+
+HWY_EXPORT(findSheets);
+void
+findSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
+           BlockSheets& sheets)
+{
+  HWY_DYNAMIC_DISPATCH(findSheets)(points, leaf, rules, sheets);
+}
+
+HWY_EXPORT(addSheets);
+void
+addSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
+          BlockSheets& sheets)
+{
+  HWY_DYNAMIC_DISPATCH(addSheets)(points, leaf, rules, sheets);
+}
+
+}  // namespace pcl_slim::detail::kernels
+#endif

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "pcl_slim/query/detail/projection_kernel.h"
+
+namespace pcl_slim::detail {
+
+/** Which leaves a place's distance is blended from; lengths in radii of a leaf but for the noise. */
+struct SheetRules {
+  WeightKernel kernel = WeightKernel::kPower4;
+  bool oriented = false;
+  float most_distance = 0;  ///< leaves farther from a place do not count
+  float reach_sq = 0;       ///< nor do those whose centre is farther, squared
+  float same_sheet = 0;     ///< leaves of one sheet differ by no more than this and the noise
+  float softening = 0;      ///< leaves nearer than this and the noise are equally near
+  float noise = 0;          ///< local units
+};
+
+/** The nearest leaf of a block's 16 places, then sums over the leaves of its sheet. */
+struct BlockSheets {
+  alignas(64) float score[16];      ///< of the nearest leaf; 0: there is none
+  alignas(64) float distance[16];   ///< to it, signed, local units
+  alignas(64) float normal[3][16];  ///< its normal at the foot
+  alignas(64) float weight[16], distance_sum[16], normal_sum[3][16];
+};
+
+namespace kernels {
+
+void
+clearSheets(BlockSheets& sheets);
+
+/** Pass 1: keeps a leaf where it scores more than those before it. */
+void
+findSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
+           BlockSheets& sheets);
+
+/** Pass 2: adds a leaf where it belongs to the sheet of the nearest one. */
+void
+addSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
+          BlockSheets& sheets);
+
+}  // namespace kernels
+}  // namespace pcl_slim::detail
