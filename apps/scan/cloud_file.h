@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -32,6 +33,9 @@ struct CloudFile {
   std::uint64_t num_non_finite = 0;  ///< points with a NaN or infinite coordinate
 
   std::size_t size() const { return numPoints(file.cloud); }
+
+  /** \brief Where the file's sensor was; 0 where the file gives no finite place. */
+  std::array<double, 3> sensor() const;
 
   /** \brief A view of the points; valid while this object lives and is not changed. */
   CloudView view(bool with_normals = true) const;

@@ -72,6 +72,7 @@ declareFitOptions(OptionTable& options, FitJob& job)
   options.integer("seed", &job.params.seed, 0, kMany,
                   "seed of the order in which centres are tried");
   options.exclusive({"penalty", "t_mdl", "target_error", "max_surfels"});
+  for (const char* name : {"penalty", "trim", "hole"}) options.exclusive({"paper", name});
   for (const char* name : {"t_mdl", "paper"}) options.exclusive({"normals_as_data", name});
   for (const char* name : {"lambda", "local_noise", "t_mdl", "paper"})
     options.exclusive({"noise_model", name});
@@ -156,6 +157,28 @@ loadScan(const std::string& path, const FitJob& job, Console& console, Report& r
   return cloud;
 }
 
+namespace {
+
+/** Options that had no effect on this scan, one line each. */
+std::vector<std::string>
+unusedNotes(const FitJob& job, const CloudFile& cloud, const FitStatistics& fit)
+{
+  constexpr double kBinding = 0.8;  // a bound that binds is met more closely
+  std::vector<std::string> notes;
+  const auto most = static_cast<double>(job.params.max_surfels);
+  if (most > 0 && static_cast<double>(fit.leaves) < kBinding * most) {
+    notes.push_back("  -max_surfels " + std::to_string(job.params.max_surfels) +
+                    " has no effect: this scan needs fewer");
+  }
+  const bool own =
+      cloud.normal_source == NormalSource::kFields || cloud.normal_source == NormalSource::kMesh;
+  if (job.params.has_viewpoint && !job.params.has_noise_model && job.use_normals && own)
+    notes.push_back("  -viewpoint has no effect: the scan's own normals give the sides");
+  return notes;
+}
+
+}  // namespace
+
 Error
 fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& report,
         SLIMSurface& surface, PointStore* kept)
@@ -188,6 +211,7 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
   console.done(watch.seconds(), std::to_string(statistics.leaves) + " leaves, " +
                                     counted(surface.numLevels(), "level"));
   console.note("  " + noiseText(*store, statistics));
+  for (const std::string& note : unusedNotes(job, cloud, statistics)) console.note(note);
   for (const std::string& note : coverNotes(statistics)) console.note(note);
   if (statistics.normals_follow_points) {
     console.note(

@@ -124,7 +124,17 @@ expect 2 'given twice' scan.pcd d.pcd -sharp -sharp
 expect 2 'no OUT' scan.pcd -sharp 1
 expect 2 'X,Y,Z' scan.pcd d.pcd -viewpoint 1,2
 expect 2 'exclude each other' scan.pcd d.pcd -penalty 2 -t_mdl 0.01
+for pair in '-paper -penalty 2' '-paper -trim 1' '-paper -hole 9'; do
+  # shellcheck disable=SC2086
+  expect 2 'exclude each other' scan.pcd d.pcd $pair
+done
+expect 2 'a number from 1e-12 to 1' scan.pcd d.pcd -target_error 1.5
 expect 2 'a number' scan.pcd d.pcd -penalty nan
+expect 0 '' scan.pcd most.slim -max_surfels 100000
+grep -q -- '-max_surfels 100000 has no effect' out.txt || complain "an idle bound is not told"
+expect 0 '' scan.pcd most.slim -max_surfels 300
+! grep -q 'has no effect' out.txt || complain "a bound that binds is said to have no effect"
+expect 0 '' scan.pcd most.slim -target_error 1 -quiet
 expect 2 '.slim' scan.pcd d.obj
 expect 2 'share a file' scan.pcd ./scan.pcd
 expect 2 'format' scan.xyz d.pcd

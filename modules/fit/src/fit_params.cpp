@@ -56,7 +56,7 @@ FitParams::validate() const
     return bad("the penalty kappa must be positive (0: by the other parameters)");
   }
   if (!(t_mdl >= 0) || !std::isfinite(t_mdl)) return bad("T_MDL must be positive (0: unused)");
-  if (!(target_error >= 0 && target_error < 1))
+  if (!(target_error >= 0 && target_error <= 1))
     return bad("the target error is a share of the diagonal: 0 to 1");
   if (!(lambda >= 0) || !std::isfinite(lambda)) return bad("lambda must not be negative");
   if (!(cover_radius >= 0 && cover_radius <= 1))
