@@ -32,8 +32,7 @@ declareOptions(Settings& s)
   OptionTable options("pcl_color_splat_sampling", PCL_SLIM_VERSION,
                       "Thins a coloured scan to discs that cover its surface without holes.");
   SplatParams& p = s.params;
-  options.positional("IN.pcd|.ply", &s.files.input,
-                     "the scan, with or without colours and normals");
+  options.positional("IN", &s.files.input, kScanHelp);
   options.positional("OUT.pcd|.ply", &s.files.output, "the splats: x y z, normal, rgba, radius");
   options.integer("initial", &p.initial_resolution, 0, RootGrid::kMaxResolution,
                   "cells of the initial grid along the longest side; 0: about 50 points a cell");

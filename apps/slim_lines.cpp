@@ -33,8 +33,7 @@ declareOptions(Settings& s)
 {
   OptionTable options("pcl_slim_lines", PCL_SLIM_VERSION,
                       "Traces the ridges and ravines of a scan as polylines.");
-  options.positional("IN.pcd|.ply", &s.input,
-                     "the scan; its normals or faces are used if it has any");
+  options.positional("IN", &s.input, kScanHelp);
   options.positional("OUT.vtp|.ply|.pcd|.svg", &s.output, "the lines");
   options.choice("type", &s.type, {"ridges", "ravines", "both"}, "which lines");
   options.number("significance", &s.crest.significance, 0, 1e6,

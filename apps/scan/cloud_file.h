@@ -41,7 +41,7 @@ struct CloudFile {
   CloudView view(bool with_normals = true) const;
 };
 
-/** \brief Loads a .pcd or .ply file. A missing, foreign, truncated or coordinate-less file gives
+/** \brief Loads a file of any format of loadPointFile(). A missing, foreign, truncated or coordinate-less file gives
  * an error; one without points does not. */
 Result<CloudFile>
 loadCloudFile(const std::string& path);

@@ -140,6 +140,10 @@ loadScan(const std::string& path, const FitJob& job, Console& console, Report& r
   report.json()["points"] = cloud->size();
   report.time("load", watch.seconds());
   console.done(watch.seconds(), counted(cloud->size(), "point"));
+  if (!cloud->file.columns.empty()) {
+    console.note("  columns: " + cloud->file.columns);
+    report.json()["columns"] = cloud->file.columns;
+  }
   if (job.normal_neighbours > 0) {
     const Stopwatch estimation;
     console.begin("Estimating normals");

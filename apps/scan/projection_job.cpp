@@ -17,7 +17,7 @@ Error
 checkJob(ProjectionJob& job)
 {
   if (Error error = finishFitOptions(job.fit)) return error;
-  if (Error error = checkPointExtension(job.files.output)) return error;
+  if (Error error = checkPointExtension(job.files.output, true)) return error;
   return checkPlaces({job.files.input, job.surface}, {job.files.output, job.files.json});
 }
 
@@ -117,9 +117,9 @@ OptionTable
 declareOptions(const ProjectionProgram& program, ProjectionJob& job, bool& chosen)
 {
   OptionTable options(program.name, program.version, program.summary);
-  options.positional("IN.pcd|.ply", &job.files.input,
-                     "the scan; its normals or faces are used if it has any");
-  options.positional("OUT.pcd|.ply", &job.files.output, "the same points, with every field kept");
+  options.positional("IN", &job.files.input, kScanHelp);
+  options.positional("OUT.pcd|.ply|.las", &job.files.output,
+                     "the same points, with every field kept");
   options.toggle(program.switch_name, &chosen, program.switch_help);
   if (program.meshes) {
     options.toggle("mesh", &job.mesh,

@@ -137,7 +137,7 @@ expect 0 '' scan.pcd most.slim -max_surfels 300
 expect 0 '' scan.pcd most.slim -target_error 1 -quiet
 expect 2 '.slim' scan.pcd d.obj
 expect 2 'share a file' scan.pcd ./scan.pcd
-expect 2 'format' scan.xyz d.pcd
+expect 2 'format' scan.abc d.pcd
 
 # Scans of no use and places that cannot be written: status 2 or 1, nothing left.
 refuses scan.pcd

@@ -204,7 +204,7 @@ documented "$program"
 # Usage errors: status 2, nothing written.
 expect 2 'did you mean -normals' near.pcd d.pcd -normal 1
 expect 2 '0 or 1' near.pcd d.pcd -normals yes
-expect 2 '.pcd or .ply' near.pcd d.slim
+expect 2 '.pcd, .ply or .las' near.pcd d.slim
 expect 2 'overwritten' near.pcd ./near.pcd
 expect 2 'overwritten' near.pcd d.pcd -json near.pcd
 expect 2 'share a file' near.pcd d.pcd -json d.pcd
