@@ -44,6 +44,9 @@ declareFitOptions(OptionTable& options, FitJob& job)
                  "RMS residual to reach, as a share of the box diagonal", "off");
   options.integer("max_surfels", &job.params.max_surfels, 0, kMany,
                   "most leaves allowed; 0: as many as it takes");
+  options.number("least_radius", &job.params.least_radius, 0, 1e300,
+                 "radius of the smallest ball, in the scan's units: no finer detail is kept",
+                 "off");
   options.toggle("sharp", &job.params.sharp_features, "keep sharp edges; needs normals");
   options.toggle("robust", &job.params.robust, "reweight residuals against outliers");
   options.toggle("local_noise", &job.params.local_noise,
@@ -174,6 +177,8 @@ unusedNotes(const FitJob& job, const CloudFile& cloud, const FitStatistics& fit)
     notes.push_back("  -max_surfels " + std::to_string(job.params.max_surfels) +
                     " has no effect: this scan needs fewer");
   }
+  if (job.params.sharp_features && cloud.normal_source == NormalSource::kNothing)
+    notes.push_back("  -sharp has no effect: it needs normals; give -estimate_normals");
   const bool own =
       cloud.normal_source == NormalSource::kFields || cloud.normal_source == NormalSource::kMesh;
   if (job.params.has_viewpoint && !job.params.has_noise_model && job.use_normals && own)

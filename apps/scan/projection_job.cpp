@@ -130,9 +130,10 @@ declareOptions(const ProjectionProgram& program, ProjectionJob& job, bool& chose
                "use a surface made by pcl_slim_fit (.pcd, .ply, .vtp, .slim) in place of a fit");
   declareFitOptions(options, job.fit);
   declareReport(options, job.files);
-  for (const char* name : {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "robust",
-                           "local_noise", "correlation", "noise_model", "normals_as_data",
-                           "normal_error", "paper", "compact", "lambda", "seed"}) {
+  for (const char* name :
+       {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "least_radius", "robust",
+        "local_noise", "correlation", "noise_model", "normals_as_data", "normal_error", "paper",
+        "compact", "lambda", "seed"}) {
     options.exclusive({"surface", name});
   }
   // A mesh has its normals, and their sides, from its faces.

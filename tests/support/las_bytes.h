@@ -32,6 +32,19 @@ struct LasBytes {
 /** Bytes of the records of LAS 1.4's point formats, from the specification's tables. */
 constexpr std::size_t kLasSizes[] = {20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67};
 
+/** The VLR of a float and of three bytes. */
+inline void
+describeExtra(std::size_t vlr, LasBytes& las)
+{
+  std::memcpy(las.bytes.data() + vlr + 2, "LASF_Spec", 9);
+  las.put(vlr + 18, std::uint16_t{4});
+  las.put(vlr + 20, std::uint16_t{2 * 192});
+  las.bytes[vlr + 54 + 2] = 9;  // float
+  std::memcpy(las.bytes.data() + vlr + 54 + 4, "depth", 5);
+  las.bytes[vlr + 54 + 192 + 2] = 21;  // three bytes
+  std::memcpy(las.bytes.data() + vlr + 54 + 192 + 4, "my triple", 9);
+}
+
 /** A file of count points with random bits in every value. \param[in] extra whether a point has a float
  * "depth", a triple of bytes and two bytes that nothing describes. */
 inline LasBytes
@@ -63,16 +76,7 @@ lasBytes(int format, std::size_t count, bool extra, unsigned int seed = 1)
   std::memcpy(las.bytes.data() + header + 2, "somebody", 8);
   las.put(header + 20, std::uint16_t{7});
   std::memcpy(las.bytes.data() + header + 54, "a text.", 7);
-  if (extra) {
-    const std::size_t vlr = header + 61;
-    std::memcpy(las.bytes.data() + vlr + 2, "LASF_Spec", 9);
-    las.put(vlr + 18, std::uint16_t{4});
-    las.put(vlr + 20, std::uint16_t{2 * 192});
-    las.bytes[vlr + 54 + 2] = 9;  // float
-    std::memcpy(las.bytes.data() + vlr + 54 + 4, "depth", 5);
-    las.bytes[vlr + 54 + 192 + 2] = 21;  // three bytes
-    std::memcpy(las.bytes.data() + vlr + 54 + 192 + 4, "my triple", 9);
-  }
+  if (extra) describeExtra(header + 61, las);
   std::mt19937 random(seed);
   const double scale[3] = {0.01, 0.001, 0.25}, offset[3] = {500000, 4918360.25, -7};
   std::int32_t low[3], high[3];

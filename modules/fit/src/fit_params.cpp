@@ -63,6 +63,8 @@ FitParams::validate() const
     return bad("the cover radius alpha must lie in (0, 1] (0: by the points behind a leaf)");
   if (!(cover_threshold > 0 && cover_threshold <= 1))
     return bad("the cover threshold gamma must lie in (0, 1]");
+  if (!(least_radius >= 0) || !std::isfinite(least_radius))
+    return bad("the least radius of balls must not be negative (0: none)");
   if (target_error > 0 && max_surfels > 0)
     return bad("give a target error or a number of surfels, not both");
   if (t_mdl > 0 && (target_error > 0 || max_surfels > 0)) {
