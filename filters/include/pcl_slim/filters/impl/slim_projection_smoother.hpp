@@ -41,12 +41,13 @@ template <typename PointInT, typename PointOutT>
 void
 SLIMProjectionSmoother<PointInT, PointOutT>::performProcessing(PointCloudOut& output)
 {
-  corresponding_ = std::make_shared<pcl::PointIndices>();
+  corresponding_.reset();
   CloudDescription<PointInT> description(input_, use_indices_ ? indices_ : nullptr, params_);
   description.setInputNormals(normals_);
   description.setSearchMethod(search_);
   description.setNormalEstimationNeighbors(normal_neighbours_);
   try {
+    corresponding_ = std::make_shared<pcl::PointIndices>();
     error_ = checkSmoother(distinct_cloud_ != nullptr);
     if (error_) return;
     if (!description.describe()) {
