@@ -150,7 +150,7 @@ Error
 SLIMSurface::validate() const
 {
   const std::size_t n = size();
-  if (Error error = checkInfo(info)) return error;
+  if (Error defect = checkInfo(info)) return defect;
   for (const auto* column : {&cy, &cz, &radius, &nx, &ny, &nz, &error, &effective_count}) {
     if (column->size() != n) return badInput("surface columns have different lengths");
   }
@@ -159,7 +159,7 @@ SLIMSurface::validate() const
     return badInput("surface columns have different lengths");
   }
   for (std::size_t i = 0; i < n; ++i) {
-    if (Error error = checkSurfel(*this, i)) return error;
+    if (Error defect = checkSurfel(*this, i)) return defect;
   }
   return checkTrimMaps(*this);
 }
