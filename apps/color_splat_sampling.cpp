@@ -23,6 +23,7 @@ struct Settings {
   SplatParams params;
   FitJob scan;  ///< how the scan is loaded
   std::uint64_t min_points = 4, rays = 100000;
+  bool neighbors_given = false;
 };
 
 OptionTable
@@ -31,8 +32,7 @@ declareOptions(Settings& s)
   OptionTable options("pcl_color_splat_sampling", PCL_SLIM_VERSION,
                       "Thins a coloured scan to discs that cover its surface without holes.");
   SplatParams& p = s.params;
-  options.positional("IN.pcd|.ply", &s.files.input,
-                     "the scan, with or without colours and normals");
+  options.positional("IN", &s.files.input, kScanHelp);
   options.positional("OUT.pcd|.ply", &s.files.output, "the splats: x y z, normal, rgba, radius");
   options.integer("initial", &p.initial_resolution, 0, RootGrid::kMaxResolution,
                   "cells of the initial grid along the longest side; 0: about 50 points a cell");
@@ -64,6 +64,13 @@ declareOptions(Settings& s)
                   "threads, 0: all cores; never changes the result");
   declareReport(options, s.files);
   options.exclusive({"max_splats", "target_error"});
+  options.exclusive({"max_splats", "initial"});
+  for (const char* name : {"geo", "color"}) {
+    options.exclusive({"max_splats", name});
+    options.exclusive({"target_error", name});
+  }
+  for (const char* name : {"min_points", "colors", "radius", "remove_noise"})
+    options.exclusive({"paper", name});
   return options;
 }
 
@@ -108,9 +115,7 @@ Error
 sample(Settings& s, const CloudFile& cloud, Console& console, Report& report, SplatSet& splats)
 {
   for (std::size_t a = 0; a < 3; ++a) {
-    s.params.viewpoint[a] = s.scan.viewpoint.size() == 3
-                                ? s.scan.viewpoint[a]
-                                : cloud.file.sensor_origin[static_cast<Eigen::Index>(a)];
+    s.params.viewpoint[a] = s.scan.viewpoint.size() == 3 ? s.scan.viewpoint[a] : cloud.sensor()[a];
   }
   const Stopwatch watch;
   const double bytes = kBytesOfPoint * static_cast<double>(cloud.size());
@@ -128,6 +133,11 @@ sample(Settings& s, const CloudFile& cloud, Console& console, Report& report, Sp
   reportSplats(statistics, colors.bgr != nullptr, report);
   console.done(watch.seconds(), std::to_string(splats.size()) + " splats");
   if (colors.bgr == nullptr) console.note("  the scan has no colours: shape alone decides");
+  if (!statistics.normals_estimated && (s.neighbors_given || !s.scan.viewpoint.empty())) {
+    console.note(
+        "  the scan has normals: -estimate_normals and -viewpoint have no effect without "
+        "-use_normals 0");
+  }
   if (statistics.non_finite > 0) {
     console.note("  points skipped: " + std::to_string(statistics.non_finite) + " non-finite");
   }
@@ -190,7 +200,10 @@ main(int argc, char** argv)
 {
   Settings s;
   OptionTable options = declareOptions(s);
-  const ScanSteps steps = {[&] { return finishSettings(s); },
+  const ScanSteps steps = {[&] {
+                             s.neighbors_given = options.given("estimate_normals");
+                             return finishSettings(s);
+                           },
                            {},
                            [&](auto&... stage) { return makeSplats(s, stage...); }};
   return runScanProgram(options, argc, argv, s.files, s.scan, s.params.threads, steps);

@@ -20,8 +20,7 @@ declareOptions(Settings& s)
 {
   OptionTable options("pcl_slim_fit", PCL_SLIM_VERSION,
                       "Fits a sparse set of local polynomials (a SLIM surface) to a scan.");
-  options.positional("IN.pcd|.ply", &s.files.input,
-                     "the scan; its normals or faces are used if it has any");
+  options.positional("IN", &s.files.input, kScanHelp);
   options.positional("OUT.pcd|.ply|.vtp|.slim", &s.files.output, "the surface");
   declareFitOptions(options, s.job);
   declareTrimOptions(options, s.job);

@@ -33,8 +33,7 @@ declareOptions(Settings& s)
 {
   OptionTable options("pcl_slim_lines", PCL_SLIM_VERSION,
                       "Traces the ridges and ravines of a scan as polylines.");
-  options.positional("IN.pcd|.ply", &s.input,
-                     "the scan; its normals or faces are used if it has any");
+  options.positional("IN", &s.input, kScanHelp);
   options.positional("OUT.vtp|.ply|.pcd|.svg", &s.output, "the lines");
   options.choice("type", &s.type, {"ridges", "ravines", "both"}, "which lines");
   options.number("significance", &s.crest.significance, 0, 1e6,
@@ -51,9 +50,10 @@ declareOptions(Settings& s)
   options.text("json", &s.json, "FILE", "write a report");
   declareMemoryLimit(options, &s.max_memory);
   options.toggle("quiet", &s.quiet, "say nothing but errors");
-  for (const char* name : {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "robust",
-                           "local_noise", "correlation", "noise_model", "normals_as_data",
-                           "normal_error", "paper", "compact", "lambda", "seed"}) {
+  for (const char* name :
+       {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "least_radius", "robust",
+        "local_noise", "correlation", "noise_model", "normals_as_data", "normal_error", "paper",
+        "compact", "lambda", "seed"}) {
     options.exclusive({"surface", name});
   }
   return options;

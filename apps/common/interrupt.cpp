@@ -33,7 +33,8 @@ endNow(int signal)
 extern "C" void
 endOnAlarm(int)
 {
-  endNow(g_signal.load());
+  const int signal = g_signal.load();
+  endNow(signal != 0 ? signal : SIGALRM);  // without one before, the alarm is another program's
 }
 
 extern "C" void

@@ -3,7 +3,6 @@
 
 #include <utility>
 
-#include "pcl_slim/core/file_access.h"
 #include "pcl_slim/filters/io/splat_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
 
@@ -20,8 +19,7 @@ hasModelFields(const PointFile& file)
 bool
 isPointFile(const std::string& path)
 {
-  const std::string extension = lowerExtension(path);
-  return extension == ".pcd" || extension == ".ply";
+  return !checkPointFileExtension(path);
 }
 
 /** \brief A model from a point file's fields; errors do not name the file yet. */

@@ -85,6 +85,8 @@ withRealFields(const PointFile& file, const std::vector<std::string>& names, std
   made.comments = file.comments;
   made.face_begin = file.face_begin;
   made.face_vertices = file.face_vertices;
+  made.las_head = file.las_head;
+  made.las_tail = file.las_tail;
   pcl::PCLPointCloud2& to = made.cloud;
   to.header = from.header;
   to.width = from.width;

@@ -125,13 +125,21 @@ adoptNormals(CloudFile& cloud)
 
 }  // namespace
 
+std::array<double, 3>
+CloudFile::sensor() const
+{
+  const Eigen::Vector4f& at = file.sensor_origin;
+  if (!at.head<3>().allFinite()) return {};
+  return {at[0], at[1], at[2]};
+}
+
 CloudView
 CloudFile::view(bool with_normals) const
 {
   CloudView view;
-  const Eigen::Vector4f& at = file.sensor_origin;
+  const std::array<double, 3> at = sensor();
   // An organized cloud has its sensor even at 0, others may have none that is known.
-  if (file.cloud.height > 1 || !at.head<3>().isZero()) view.sensor = {at[0], at[1], at[2]};
+  if (file.cloud.height > 1 || at != std::array<double, 3>{}) view.sensor = at;
   const pcl::PCLPointField* fields[3];
   view.size = size();
   view.scalar = double_precision ? CloudView::Scalar::kDouble : CloudView::Scalar::kFloat;
@@ -209,8 +217,9 @@ plainPoints(const CloudView& view)
       largest = std::max(largest, std::abs(0.5 * p[a] - 0.5 * plain.origin[a]));
     }
   }
+  constexpr int kLeastExponent = -1000;  // the inverse of a smaller power is infinite
   if (largest > 0 && (largest > 1e12 || largest < 1e-9)) {
-    plain.scale = std::exp2(-std::ilogb(largest));
+    plain.scale = std::exp2(-std::max(std::ilogb(largest), kLeastExponent));
   }
   for (const std::size_t i : plain.source) {
     const std::array<double, 3> p = position(view, i);
@@ -233,11 +242,9 @@ estimateNormals(int k, const std::vector<double>& viewpoint, int threads, CloudF
   FitParams params;
   params.threads = threads;
   params.has_viewpoint = true;
-  const auto& sensor = cloud.file.sensor_origin;
-  for (int a = 0; a < 3; ++a) {
-    const auto axis = static_cast<std::size_t>(a);
-    params.viewpoint[a] = plain.local(viewpoint.size() == 3 ? viewpoint[axis] : sensor[a], axis);
-  }
+  const std::array<double, 3> sensor = cloud.sensor();
+  for (std::size_t a = 0; a < 3; ++a)
+    params.viewpoint[a] = plain.local(viewpoint.size() == 3 ? viewpoint[a] : sensor[a], a);
   auto selected = std::make_shared<pcl::Indices>(plain.source.size());
   std::iota(selected->begin(), selected->end(), 0);
   pcl::PointCloud<pcl::Normal> estimated;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -33,11 +34,14 @@ struct CloudFile {
 
   std::size_t size() const { return numPoints(file.cloud); }
 
+  /** \brief Where the file's sensor was; 0 where the file gives no finite place. */
+  std::array<double, 3> sensor() const;
+
   /** \brief A view of the points; valid while this object lives and is not changed. */
   CloudView view(bool with_normals = true) const;
 };
 
-/** \brief Loads a .pcd or .ply file. A missing, foreign, truncated or coordinate-less file gives
+/** \brief Loads a file of any format of loadPointFile(). A missing, foreign, truncated or coordinate-less file gives
  * an error; one without points does not. */
 Result<CloudFile>
 loadCloudFile(const std::string& path);

@@ -44,6 +44,9 @@ declareFitOptions(OptionTable& options, FitJob& job)
                  "RMS residual to reach, as a share of the box diagonal", "off");
   options.integer("max_surfels", &job.params.max_surfels, 0, kMany,
                   "most leaves allowed; 0: as many as it takes");
+  options.number("least_radius", &job.params.least_radius, 0, 1e300,
+                 "radius of the smallest ball, in the scan's units: no finer detail is kept",
+                 "off");
   options.toggle("sharp", &job.params.sharp_features, "keep sharp edges; needs normals");
   options.toggle("robust", &job.params.robust, "reweight residuals against outliers");
   options.toggle("local_noise", &job.params.local_noise,
@@ -72,6 +75,7 @@ declareFitOptions(OptionTable& options, FitJob& job)
   options.integer("seed", &job.params.seed, 0, kMany,
                   "seed of the order in which centres are tried");
   options.exclusive({"penalty", "t_mdl", "target_error", "max_surfels"});
+  for (const char* name : {"penalty", "trim", "hole"}) options.exclusive({"paper", name});
   for (const char* name : {"t_mdl", "paper"}) options.exclusive({"normals_as_data", name});
   for (const char* name : {"lambda", "local_noise", "t_mdl", "paper"})
     options.exclusive({"noise_model", name});
@@ -139,6 +143,10 @@ loadScan(const std::string& path, const FitJob& job, Console& console, Report& r
   report.json()["points"] = cloud->size();
   report.time("load", watch.seconds());
   console.done(watch.seconds(), counted(cloud->size(), "point"));
+  if (!cloud->file.columns.empty()) {
+    console.note("  columns: " + cloud->file.columns);
+    report.json()["columns"] = cloud->file.columns;
+  }
   if (job.normal_neighbours > 0) {
     const Stopwatch estimation;
     console.begin("Estimating normals");
@@ -155,6 +163,30 @@ loadScan(const std::string& path, const FitJob& job, Console& console, Report& r
       job.use_normals || job.normal_neighbours > 0 ? cloud->normal_source : NormalSource::kNothing);
   return cloud;
 }
+
+namespace {
+
+/** Options that had no effect on this scan, one line each. */
+std::vector<std::string>
+unusedNotes(const FitJob& job, const CloudFile& cloud, const FitStatistics& fit)
+{
+  constexpr double kBinding = 0.8;  // a bound that binds is met more closely
+  std::vector<std::string> notes;
+  const auto most = static_cast<double>(job.params.max_surfels);
+  if (most > 0 && static_cast<double>(fit.leaves) < kBinding * most) {
+    notes.push_back("  -max_surfels " + std::to_string(job.params.max_surfels) +
+                    " has no effect: this scan needs fewer");
+  }
+  if (job.params.sharp_features && cloud.normal_source == NormalSource::kNothing)
+    notes.push_back("  -sharp has no effect: it needs normals; give -estimate_normals");
+  const bool own =
+      cloud.normal_source == NormalSource::kFields || cloud.normal_source == NormalSource::kMesh;
+  if (job.params.has_viewpoint && !job.params.has_noise_model && job.use_normals && own)
+    notes.push_back("  -viewpoint has no effect: the scan's own normals give the sides");
+  return notes;
+}
+
+}  // namespace
 
 Error
 fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& report,
@@ -188,6 +220,7 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
   console.done(watch.seconds(), std::to_string(statistics.leaves) + " leaves, " +
                                     counted(surface.numLevels(), "level"));
   console.note("  " + noiseText(*store, statistics));
+  for (const std::string& note : unusedNotes(job, cloud, statistics)) console.note(note);
   for (const std::string& note : coverNotes(statistics)) console.note(note);
   if (statistics.normals_follow_points) {
     console.note(

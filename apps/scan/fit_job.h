@@ -22,6 +22,10 @@ withoutTrim()
   return params;
 }
 
+/** \brief What programs say of their input. */
+constexpr const char* kScanHelp =
+    "the scan: .pcd .ply .las .xyz .txt .csv .pts .obj .off .stl; normals and faces are used";
+
 /** \brief From a scan's file to its surface: the options, steps and report entries of every
  * program that fits. */
 struct FitJob {

@@ -17,7 +17,7 @@ Error
 checkJob(ProjectionJob& job)
 {
   if (Error error = finishFitOptions(job.fit)) return error;
-  if (Error error = checkPointExtension(job.files.output)) return error;
+  if (Error error = checkPointExtension(job.files.output, true)) return error;
   return checkPlaces({job.files.input, job.surface}, {job.files.output, job.files.json});
 }
 
@@ -117,9 +117,9 @@ OptionTable
 declareOptions(const ProjectionProgram& program, ProjectionJob& job, bool& chosen)
 {
   OptionTable options(program.name, program.version, program.summary);
-  options.positional("IN.pcd|.ply", &job.files.input,
-                     "the scan; its normals or faces are used if it has any");
-  options.positional("OUT.pcd|.ply", &job.files.output, "the same points, with every field kept");
+  options.positional("IN", &job.files.input, kScanHelp);
+  options.positional("OUT.pcd|.ply|.las", &job.files.output,
+                     "the same points, with every field kept");
   options.toggle(program.switch_name, &chosen, program.switch_help);
   if (program.meshes) {
     options.toggle("mesh", &job.mesh,
@@ -130,9 +130,10 @@ declareOptions(const ProjectionProgram& program, ProjectionJob& job, bool& chose
                "use a surface made by pcl_slim_fit (.pcd, .ply, .vtp, .slim) in place of a fit");
   declareFitOptions(options, job.fit);
   declareReport(options, job.files);
-  for (const char* name : {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "robust",
-                           "local_noise", "correlation", "noise_model", "normals_as_data",
-                           "normal_error", "paper", "compact", "lambda", "seed"}) {
+  for (const char* name :
+       {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "least_radius", "robust",
+        "local_noise", "correlation", "noise_model", "normals_as_data", "normal_error", "paper",
+        "compact", "lambda", "seed"}) {
     options.exclusive({"surface", name});
   }
   // A mesh has its normals, and their sides, from its faces.

@@ -62,12 +62,12 @@ checkFilesDiffer(const ScanFiles& files)
 }
 
 Error
-checkPointExtension(const std::string& path)
+checkPointExtension(const std::string& path, bool las)
 {
   const std::string extension = lowerExtension(path);
-  if (extension == ".pcd" || extension == ".ply") return {};
-  return {ErrorCode::kBadArgument,
-          "cannot tell the format of '" + path + "'; name a .pcd or .ply file"};
+  if (extension == ".pcd" || extension == ".ply" || (las && extension == ".las")) return {};
+  return {ErrorCode::kBadArgument, "cannot tell the format of '" + path + "'; name a " +
+                                       (las ? ".pcd, .ply or .las" : ".pcd or .ply") + " file"};
 }
 
 int

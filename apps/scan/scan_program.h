@@ -25,9 +25,9 @@ declareReport(OptionTable& options, ScanFiles& files);
 Error
 checkFilesDiffer(const ScanFiles& files);
 
-/** \brief No error for a name that ends in .pcd or .ply. */
+/** \brief No error for a name that ends in .pcd or .ply, or in .las where that can be written. */
 Error
-checkPointExtension(const std::string& path);
+checkPointExtension(const std::string& path, bool las = false);
 
 /** \brief What a program makes of a scan. */
 struct ScanResult {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/filters/color_octree_splat_sampler_base.h"
 
+#include <cmath>
+
 namespace pcl_slim {
 
 void
@@ -35,7 +37,9 @@ ColorOctreeSplatSamplerBase::run(const CloudView& cloud, const ColorView& colors
 {
   const CancellableRun cancellable(control_.progress);
   SplatParams params = params_;
-  for (int a = 0; a < 3 && !has_viewpoint_; ++a) params.viewpoint[a] = sensor[a];
+  const bool known =
+      std::isfinite(sensor[0]) && std::isfinite(sensor[1]) && std::isfinite(sensor[2]);
+  for (int a = 0; a < 3 && !has_viewpoint_; ++a) params.viewpoint[a] = known ? sensor[a] : 0.0;
   const bool done = guarded("the sampling", "sample fewer points", [&] {
     return sampleSplats(cloud, colors, params, splats, &statistics_, &control_.progress);
   });

@@ -80,7 +80,7 @@ pclNormals(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud,
     estimation.setViewPoint(static_cast<float>(params.viewpoint[0]),
                             static_cast<float>(params.viewpoint[1]),
                             static_cast<float>(params.viewpoint[2]));
-  } else {
+  } else if (cloud->sensor_origin_.head<3>().allFinite()) {
     estimation.useSensorOriginAsViewPoint();
   }
   estimation.compute(normals);

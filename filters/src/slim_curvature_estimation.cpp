@@ -7,7 +7,8 @@
 // clang-format off
 #define PCL_SLIM_INSTANTIATE_FOR(In)                                                   \
   PCL_SLIM_INSTANTIATE_SLIMCurvatureEstimation(In, pcl_slim::PointCurvature)           \
-  PCL_SLIM_INSTANTIATE_SLIMCurvatureEstimation(In, pcl::PrincipalCurvatures)
+  PCL_SLIM_INSTANTIATE_SLIMCurvatureEstimation(In, pcl::PrincipalCurvatures)           \
+  PCL_SLIM_INSTANTIATE_SLIMCurvatureEstimation(In, pcl::Normal)
 // clang-format on
 
 PCL_SLIM_FOR_INPUT_TYPES(PCL_SLIM_INSTANTIATE_FOR)

@@ -51,6 +51,36 @@ SLIMProjectionBase::fitTo(const PointStore& store)
   return made;
 }
 
+CloudProjectionParams
+SLIMProjectionBase::projectionOn(const SLIMSurface& surface, const ProjectionParams& params) const
+{
+  CloudProjectionParams how;
+  how.projection = params;
+  how.projection.sharp_features = params_.sharp_features;
+  how.projection.paper_mode = surface.info.paper_mode;
+  how.has_viewpoint = params_.has_viewpoint;
+  for (std::size_t a = 0; a < 3; ++a) how.viewpoint[a] = params_.viewpoint[a];
+  return how;
+}
+
+bool
+SLIMProjectionBase::projectMore(const CloudView& points, const ProjectionParams& params,
+                                CloudProjection& projection)
+{
+  const CancellableRun cancellable(control_.progress);
+  const SurfaceConstPtr surface = surface_ ? surface_ : fitted_surface_;
+  if (!surface) return fail(ErrorCode::kNoSurface, "there is no surface to project onto");
+  ProjectionParams how = params;
+  how.threads = params_.threads;
+  return guarded("the projection", "process fewer points", [&]() -> Error {
+    auto made =
+        CloudProjection::make(points, *surface, projectionOn(*surface, how), &control_.progress);
+    if (!made) return made.error();
+    projection = std::move(*made);
+    return {};
+  });
+}
+
 Error
 SLIMProjectionBase::fitAndProject(const CloudView& points, const CloudView& fitted,
                                   const ProjectionParams& params, CloudProjection& projection)
@@ -69,12 +99,7 @@ SLIMProjectionBase::fitAndProject(const CloudView& points, const CloudView& fitt
     surface = *made;
     if (warning_.empty()) fitted_surface_ = surface;
   }
-  CloudProjectionParams how;
-  how.projection = params;
-  how.projection.sharp_features = params_.sharp_features;
-  how.projection.paper_mode = surface->info.paper_mode;
-  how.has_viewpoint = params_.has_viewpoint;
-  for (std::size_t a = 0; a < 3; ++a) how.viewpoint[a] = params_.viewpoint[a];
+  CloudProjectionParams how = projectionOn(*surface, params);
   if (surface_) how.least_support = kLeastSharedSupport;
   const bool same = store && &points == &fitted;
   auto made =

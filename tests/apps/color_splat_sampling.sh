@@ -91,11 +91,23 @@ grep -a -q 'pcl_slim shift 4918360' far.pcd.ply || complain "a far scan is not s
 awk -v f="$(value far.json splats)" -v n="$(value near.json splats)" \
   'BEGIN { exit !(f > 0.97 * n && f < 1.03 * n) }' || complain "far and near differ"
 
+# A sensor that is nowhere is none: normals are estimated and seen from 0.
+sed 's/^VIEWPOINT.*//; s/^POINTS/VIEWPOINT nan nan nan 1 0 0 0\nPOINTS/' scan.pcd > nowhere.pcd
+expect 0 '' nowhere.pcd nowhere_out.pcd -use_normals 0
+sed 's/^VIEWPOINT.*//; s/^POINTS/VIEWPOINT 0 0 0 1 0 0 0\nPOINTS/' scan.pcd > origin.pcd
+expect 0 '' origin.pcd origin_out.pcd -use_normals 0
+same nowhere_out.pcd origin_out.pcd
+
 # Help, documentation, usage errors: status 2, nothing written.
 documented "$program"
 expect 2 'did you mean -color' scan.pcd e.pcd -colour 2
 expect 2 'a number' scan.pcd e.pcd -geo nan
 expect 2 'exclude each other' scan.pcd e.pcd -max_splats 10 -target_error 2
+for pair in '-max_splats 10 -initial 5' '-max_splats 10 -geo .2' '-target_error 3 -color .1' \
+  '-paper -radius corner' '-paper -min_points 3'; do
+  # shellcheck disable=SC2086
+  expect 2 'exclude each other' scan.pcd e.pcd $pair
+done
 expect 2 'mean' scan.pcd e.pcd -colors pretty
 expect 2 'name a .pcd or .ply' scan.pcd e.vtp
 expect 2 'share a file' scan.pcd scan.pcd

@@ -37,6 +37,7 @@ stops() {
   [ -z "$(find . -name '.pcl_slim_*')" ] || complain "$program left $(find . -name '.pcl_slim_*')"
 }
 
+stops ALRM 14 out.slim pcl_slim_fit scan.pcd out.slim
 for signal in 'INT 2' 'TERM 15' 'HUP 1'; do
   # shellcheck disable=SC2086
   {

@@ -55,7 +55,7 @@ expect 0 '' "with space/scan.pcd" "with space/a.PLY"
 expect 0 '' scan.pcd b.slim -threads 1
 cmp -s a.slim b.slim || complain "threads change the surface"
 for option in '-degree 2' '-t_mdl 0.02' '-compact 1' '-robust 1' '-paper 1' '-lambda 1e-6' \
-  '-viewpoint -1,2.5,9' '-estimate_normals 12' '-target_error 0.001' '-max_surfels 400' '-seed 5'; do
+  '-viewpoint -1,2.5,9' '-estimate_normals 12' '-target_error 0.001' '-max_surfels 400' '-least_radius 0.1' '-seed 5'; do
   # shellcheck disable=SC2086
   expect 0 '' scan.pcd c.slim $option
 done
@@ -124,10 +124,20 @@ expect 2 'given twice' scan.pcd d.pcd -sharp -sharp
 expect 2 'no OUT' scan.pcd -sharp 1
 expect 2 'X,Y,Z' scan.pcd d.pcd -viewpoint 1,2
 expect 2 'exclude each other' scan.pcd d.pcd -penalty 2 -t_mdl 0.01
+for pair in '-paper -penalty 2' '-paper -trim 1' '-paper -hole 9'; do
+  # shellcheck disable=SC2086
+  expect 2 'exclude each other' scan.pcd d.pcd $pair
+done
+expect 2 'a number from 1e-12 to 1' scan.pcd d.pcd -target_error 1.5
 expect 2 'a number' scan.pcd d.pcd -penalty nan
+expect 0 '' scan.pcd most.slim -max_surfels 100000
+grep -q -- '-max_surfels 100000 has no effect' out.txt || complain "an idle bound is not told"
+expect 0 '' scan.pcd most.slim -max_surfels 300
+! grep -q 'has no effect' out.txt || complain "a bound that binds is said to have no effect"
+expect 0 '' scan.pcd most.slim -target_error 1 -quiet
 expect 2 '.slim' scan.pcd d.obj
 expect 2 'share a file' scan.pcd ./scan.pcd
-expect 2 'format' scan.xyz d.pcd
+expect 2 'format' scan.abc d.pcd
 
 # Scans of no use and places that cannot be written: status 2 or 1, nothing left.
 refuses scan.pcd

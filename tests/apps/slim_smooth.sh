@@ -189,7 +189,7 @@ expect 2 '' near.pcd d.pcd -surface near.pcd
 absent d.pcd
 
 for option in '-degree 2' '-t_mdl 0.02' '-compact 1' '-robust 1' '-paper 1' '-lambda 1e-6' \
-  '-viewpoint -1,2.5,9' '-estimate_normals 12' '-target_error 0.002' '-max_surfels 400' '-seed 5'; do
+  '-viewpoint -1,2.5,9' '-estimate_normals 12' '-target_error 0.002' '-max_surfels 400' '-least_radius 0.1' '-seed 5'; do
   # shellcheck disable=SC2086
   expect 0 '' near.pcd c.pcd $option
 done
@@ -204,7 +204,7 @@ documented "$program"
 # Usage errors: status 2, nothing written.
 expect 2 'did you mean -normals' near.pcd d.pcd -normal 1
 expect 2 '0 or 1' near.pcd d.pcd -normals yes
-expect 2 '.pcd or .ply' near.pcd d.slim
+expect 2 '.pcd, .ply or .las' near.pcd d.slim
 expect 2 'overwritten' near.pcd ./near.pcd
 expect 2 'overwritten' near.pcd d.pcd -json near.pcd
 expect 2 'share a file' near.pcd d.pcd -json d.pcd

@@ -218,6 +218,28 @@ TYPED_TEST_P(DoorSuite, CancelBeforeTheRunHoldsOnce)
   this->runWell(door);
 }
 
+TYPED_TEST_P(DoorSuite, CancelAfterARunIsNotKeptForTheNext)
+{
+  auto door = this->doorTo(bumpySphere<typename TestFixture::Point>(1000));
+  const auto expected = this->runWell(door);
+  door.cancel();
+  EXPECT_EQ(this->runWell(door), expected);
+  door.expectRun();
+  door.cancel();
+  this->expectFailure(door);
+  EXPECT_EQ(door.getError().code, pcl_slim::ErrorCode::kCancelled);
+  EXPECT_EQ(this->runWell(door), expected);
+}
+
+TYPED_TEST_P(DoorSuite, ASensorThatIsNowhereIsNoViewpoint)
+{
+  auto cloud = bumpySphere<typename TestFixture::Point>(1000);
+  auto door = this->doorTo(cloud);
+  const auto expected = this->runWell(door);
+  cloud->sensor_origin_[1] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(this->runWell(door), expected);
+}
+
 TYPED_TEST_P(DoorSuite, AnErrorDoesNotOutliveItsRun)
 {
   auto door = this->doorTo(std::make_shared<typename TestFixture::Cloud>());
@@ -231,6 +253,7 @@ REGISTER_TYPED_TEST_SUITE_P(DoorSuite, NoInputIsAnError, NothingToWorkOnIsAnErro
                             IndicesSelectWhatCopyingSelects, NonFinitePointsAreLeftOut,
                             ThreadsAndRepetitionChangeNothing, CopiesStandAlone,
                             CancelStopsAndTheNextRunWorks, CancelBeforeTheRunHoldsOnce,
+                            CancelAfterARunIsNotKeptForTheNext, ASensorThatIsNowhereIsNoViewpoint,
                             AnErrorDoesNotOutliveItsRun);
 
 }  // namespace pcl_slim_test

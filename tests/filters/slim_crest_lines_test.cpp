@@ -97,6 +97,10 @@ TEST(SLIMCrestLines, ErrorsAreToldAndLeaveNothing)
   crest.setProgressCallback([&](float, const char*) { crest.cancel(); });
   EXPECT_FALSE(crest.compute(lines));
   EXPECT_EQ(crest.getError().code, ErrorCode::kCancelled);
+  crest.setProgressCallback({});
+  EXPECT_TRUE(crest.compute(lines)) << crest.getError().message;
+  crest.cancel();  // too late
+  EXPECT_TRUE(crest.compute(lines)) << crest.getError().message;
 }
 
 /** Two lines: three vertices open, and a closed triangle behind it. */

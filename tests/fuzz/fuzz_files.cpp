@@ -71,6 +71,42 @@ fuzzPly(const std::uint8_t* bytes, std::size_t size)
   return 0;
 }
 
+/** Coordinates that a LAS file cannot hold are an error; what is written can be read. */
+int
+fuzzLas(const std::uint8_t* bytes, std::size_t size)
+{
+  const BytesFile file(bytes, size, ".las");
+  const Result<PointFile> points = loadPointFile(file.path());
+  if (!points) return 0;
+  const std::string copy = file.path() + ".copy.las";
+  if (!savePointFile(copy, *points)) {
+    const Result<PointFile> again = loadPointFile(copy);
+    if (!again || numPoints(again->cloud) != numPoints(points->cloud)) std::abort();
+  }
+  std::remove(copy.c_str());
+  return 0;
+}
+
+int
+fuzzText(const std::uint8_t* bytes, std::size_t size)
+{
+  for (const char* extension : {".csv", ".pts"}) {
+    const BytesFile file(bytes, size, extension);
+    readPoints(file.path(), ".pcd");
+  }
+  return 0;
+}
+
+int
+fuzzMesh(const std::uint8_t* bytes, std::size_t size)
+{
+  for (const char* extension : {".obj", ".off", ".stl"}) {
+    const BytesFile file(bytes, size, extension);
+    readPoints(file.path(), ".ply");
+  }
+  return 0;
+}
+
 int
 fuzzVtp(const std::uint8_t* bytes, std::size_t size)
 {

@@ -26,6 +26,7 @@ struct Target {
 };
 
 constexpr Target kTargets[] = {{"slim", fuzzSlim}, {"pcd", fuzzPcd},       {"ply", fuzzPly},
+                               {"las", fuzzLas},   {"text", fuzzText},     {"mesh", fuzzMesh},
                                {"vtp", fuzzVtp},   {"camera", fuzzCamera}, {"clouds", fuzzClouds}};
 
 /** A hundred floats of a wave, as fuzzClouds() reads them. */

@@ -22,6 +22,12 @@ fuzzPcd(const std::uint8_t* bytes, std::size_t size);
 int
 fuzzPly(const std::uint8_t* bytes, std::size_t size);
 int
+fuzzLas(const std::uint8_t* bytes, std::size_t size);
+int
+fuzzText(const std::uint8_t* bytes, std::size_t size);
+int
+fuzzMesh(const std::uint8_t* bytes, std::size_t size);
+int
 fuzzVtp(const std::uint8_t* bytes, std::size_t size);
 
 /** A camera file, and what it accepts written and read again. */

@@ -1,26 +1,79 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/filters/io/point_file.h"
 
+#include "io/las/las_file.h"
+#include "io/mesh/mesh_files.h"
 #include "io/pcd/pcd_file.h"
 #include "io/ply/ply_file.h"
 #include "io/scalar_type.h"
+#include "io/text/text_file.h"
 #include "pcl_slim/core/file_access.h"
 
 namespace pcl_slim {
 
+namespace {
+
+using Bytes = std::vector<unsigned char>;
+
+struct Format {
+  const char* extension;
+  Result<PointFile> (*parse)(const Bytes& bytes);
+};
+
+constexpr Format kFormats[] = {{".pcd", parsePcd},
+                               {".ply", parsePly},
+                               {".las", parseLas},
+                               {".xyz", [](const Bytes& bytes) { return parseText(bytes, false); }},
+                               {".txt", [](const Bytes& bytes) { return parseText(bytes, false); }},
+                               {".asc", [](const Bytes& bytes) { return parseText(bytes, false); }},
+                               {".csv", [](const Bytes& bytes) { return parseText(bytes, false); }},
+                               {".pts", [](const Bytes& bytes) { return parseText(bytes, true); }},
+                               {".obj", parseObj},
+                               {".off", parseOff},
+                               {".stl", parseStl}};
+
+Result<const Format*>
+formatOf(const std::string& path)
+{
+  const std::string extension = lowerExtension(path);
+  for (const Format& format : kFormats) {
+    if (extension == format.extension) return &format;
+  }
+  const std::string stem = path.substr(0, path.size() - extension.size());
+  if (extension == ".laz") {
+    return Error{ErrorCode::kBadArgument, "'" + path + "' is compressed; convert it: laszip -i '" +
+                                              path + "' -o '" + stem + ".las'"};
+  }
+  if (extension == ".e57") {
+    return Error{ErrorCode::kBadArgument,
+                 "'" + path + "' is not read as it is; convert it: pdal translate '" + path +
+                     "' '" + stem + ".las'"};
+  }
+  return Error{ErrorCode::kBadArgument,
+               "cannot tell the format of '" + path +
+                   "'; name a .pcd, .ply, .las, .xyz, .txt, .asc, .csv, .pts, .obj, .off or .stl "
+                   "file"};
+}
+
+}  // namespace
+
+Error
+checkPointFileExtension(const std::string& path)
+{
+  const auto format = formatOf(path);
+  return format ? Error() : format.error();
+}
+
 Result<PointFile>
 loadPointFile(const std::string& path)
 {
-  const std::string extension = lowerExtension(path);
-  if (extension != ".pcd" && extension != ".ply") {
-    return Error{ErrorCode::kBadArgument,
-                 "cannot tell the format of '" + path + "'; name a .pcd or .ply file"};
-  }
-  const Result<std::vector<unsigned char>> bytes = readFile(path);
+  const auto format = formatOf(path);
+  if (!format) return format.error();
+  const Result<Bytes> bytes = readFile(path);
   if (!bytes) return bytes.error();
   if (bytes->empty())
     return Error{ErrorCode::kBadInput, "'" + path + "' is empty (0 bytes); copy it again"};
-  Result<PointFile> file = extension == ".pcd" ? parsePcd(*bytes) : parsePly(*bytes);
+  Result<PointFile> file = (*format)->parse(*bytes);
   if (file) return file;
   return Error{file.error().code, "'" + path + "': " + file.error().message};
 }
@@ -30,15 +83,15 @@ savePointFile(const std::string& path, const PointFile& file)
 {
   const std::string extension = lowerExtension(path);
   if (extension == ".pcd") {
-    const std::vector<unsigned char> bytes = formatPcd(file);
+    const Bytes bytes = formatPcd(file);
     return writeFile(path, bytes.data(), bytes.size());
   }
-  if (extension == ".ply") {
-    const Result<std::vector<unsigned char>> bytes = formatPly(file);
+  if (extension == ".ply" || extension == ".las") {
+    const Result<Bytes> bytes = extension == ".ply" ? formatPly(file) : formatLas(file);
     return bytes ? writeFile(path, bytes->data(), bytes->size()) : bytes.error();
   }
   return {ErrorCode::kBadArgument,
-          "cannot tell the format of '" + path + "'; name a .pcd or .ply file"};
+          "cannot tell the format of '" + path + "'; name a .pcd, .ply or .las file"};
 }
 
 int

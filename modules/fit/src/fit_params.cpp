@@ -56,13 +56,15 @@ FitParams::validate() const
     return bad("the penalty kappa must be positive (0: by the other parameters)");
   }
   if (!(t_mdl >= 0) || !std::isfinite(t_mdl)) return bad("T_MDL must be positive (0: unused)");
-  if (!(target_error >= 0 && target_error < 1))
+  if (!(target_error >= 0 && target_error <= 1))
     return bad("the target error is a share of the diagonal: 0 to 1");
   if (!(lambda >= 0) || !std::isfinite(lambda)) return bad("lambda must not be negative");
   if (!(cover_radius >= 0 && cover_radius <= 1))
     return bad("the cover radius alpha must lie in (0, 1] (0: by the points behind a leaf)");
   if (!(cover_threshold > 0 && cover_threshold <= 1))
     return bad("the cover threshold gamma must lie in (0, 1]");
+  if (!(least_radius >= 0) || !std::isfinite(least_radius))
+    return bad("the least radius of balls must not be negative (0: none)");
   if (target_error > 0 && max_surfels > 0)
     return bad("give a target error or a number of surfels, not both");
   if (t_mdl > 0 && (target_error > 0 || max_surfels > 0)) {

@@ -35,7 +35,8 @@ struct FitSettings {
   double diagonal = 1.0;      ///< L
   double first_radius = constants.cover.paper_first_radius;  ///< r_r of level 1 over L
   double start_share = constants.cover.start_share;  ///< of the points in level 1's median ball
-  double noise = 0;  ///< variance of points about the surface, in space; 0: not known
+  double noise = 0;       ///< variance of points about the surface, in space; 0: not known
+  double least_ball = 0;  ///< > 0: no leaf's ball is narrower, a local length
   double center_grid = 0x1p-22;
   std::vector<float> noise_profile;  ///< noise ratios of runs of points; empty: all 1
   bool with_normals = false;
@@ -61,6 +62,9 @@ struct FitSettings {
 
   /** \brief Smaller balls may miss the point that they are about, for their centres stand on a grid. */
   double leastRadius() const { return constants.cover.least_radius * center_grid; }
+
+  /** \brief Whether balls of level k are as wide as the least ball asked for. */
+  bool allows(int k) const { return levelRadius(k) >= least_ball; }
 
   /** \brief Whether balls of level k, and the narrower ones that they mark, hold their own points. */
   bool resolves(int k) const { return levelRadius(k) >= 2 * leastRadius(); }

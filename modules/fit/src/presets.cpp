@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "presets.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "pcl_slim/cloud/detail/normal_bound.h"
@@ -107,6 +108,7 @@ makeSettings(const PointStore& store, const FitParams& params, const FitConstant
   s.gamma = params.cover_threshold;
   s.diagonal = store.diagonal();
   s.center_grid = store.centerGrid();
+  s.least_ball = std::min(params.least_radius / store.scale(), s.levelRadius(1));
   s.with_normals = store.hasNormals();
   s.min_dot = minDot(store, params, constants);
   s.split_sheets = !store.hasNormals() && !params.paper_mode;

@@ -57,7 +57,8 @@ SurfaceRenderer::operator=(SurfaceRenderer&&) noexcept = default;
 const SLIMSurface&
 SurfaceRenderer::surface() const
 {
-  return state_->surface;
+  static const SLIMSurface none;
+  return state_ ? state_->surface : none;
 }
 
 Error
@@ -70,6 +71,7 @@ SurfaceRenderer::render(const Camera& camera, const RenderParams& params, GBuffe
   };
   if (Error error = camera.validate()) return refused(error);
   if (Error error = params.validate()) return refused(error);
+  if (!state_) return refused(badInput("the renderer has been moved from; make a new one"));
   if (state_->defect) return refused(state_->defect);
   if (Error error = checkUnity(state_->surface, params)) return refused(error);
   const FrameRules rules(state_->surface.info, params);

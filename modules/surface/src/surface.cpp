@@ -10,6 +10,76 @@ namespace pcl_slim {
 
 using namespace detail;
 
+namespace {
+
+// Local lengths are shares of a box of about 1. Within these bounds squares, and products of four
+// coefficients, are normal floats, and centres in cells of the least radius fit into 64 bits.
+constexpr float kMostLength = 0x1p20f;       ///< of a coordinate or a radius, local units
+constexpr float kLeastRadius = 0x1p-40f;     ///< local units
+constexpr float kMostCoefficient = 0x1p30f;  ///< of a polynomial in the unit ball
+constexpr double kMostWorldLength =
+    0x1p1000;                              ///< of origin and scale: world coordinates are finite
+constexpr double kLeastScale = 0x1p-1000;  ///< its inverse is finite
+
+/** Whether a value lies in [low, high], which no NaN does. */
+template <typename T>
+bool
+within(T value, T low, T high)
+{
+  return value >= low && value <= high;
+}
+
+Error
+checkInfo(const SurfaceInfo& info)
+{
+  if (info.degree < 1 || info.degree > kMaxDegree) return badInput("surface degree is not 1..4");
+  for (const double o : info.origin) {
+    if (!within(o, -kMostWorldLength, kMostWorldLength))
+      return badInput("the surface's origin is not finite or too far away; fit it again");
+  }
+  if (!within(info.scale, kLeastScale, kMostWorldLength))
+    return badInput("the surface's scale is not a usable positive number; fit it again");
+  if (!within(info.diagonal, 0.0, double{kMostLength}) || !within(info.lambda, 0.0, 0x1p40))
+    return badInput("the surface's diagonal or noise variance is out of range; fit it again");
+  if (!within(info.penalty, 0.0, 0x1p100) || !within(info.t_mdl, 0.0, 0x1p100))
+    return badInput("the surface's penalty or T_MDL is negative or not finite; fit it again");
+  const auto isShare = [](double value) { return value > 0.0 && value <= 1.0; };
+  if (!isShare(info.cover_radius) || !isShare(info.cover_threshold))
+    return badInput("the surface's cover radius or threshold is not within 0 to 1; fit it again");
+  return {};
+}
+
+/** Checks the numbers of one surfel. */
+Error
+checkSurfel(const SLIMSurface& s, std::size_t i)
+{
+  const auto bad = [i](const std::string& what, const char* how) {
+    return badInput(what + " of surfel " + std::to_string(i) + how);
+  };
+  if (s.degree[i] < 1 || s.degree[i] > s.info.degree) return bad("degree", " is out of range");
+  if (!(s.radius[i] > 0.0f)) return bad("radius", " is not positive");
+  if (!within(s.radius[i], kLeastRadius, kMostLength))
+    return bad("radius", " is out of proportion to the surface");
+  const float length_sq = s.nx[i] * s.nx[i] + s.ny[i] * s.ny[i] + s.nz[i] * s.nz[i];
+  if (!(std::abs(length_sq - 1.0f) < 1e-3f)) return bad("normal", " has not unit length");
+  for (const float c : {s.cx[i], s.cy[i], s.cz[i]}) {
+    if (!std::isfinite(c)) return bad("centre", " is not finite");
+    if (!within(c, -kMostLength, kMostLength))
+      return bad("centre", " is out of proportion to the surface");
+  }
+  const float* c = s.coefficientsOf(i);
+  for (int k = 0; k < s.stride(); ++k) {
+    if (!std::isfinite(c[k])) return bad("a coefficient", " is not finite");
+    if (!within(c[k], -kMostCoefficient, kMostCoefficient))
+      return bad("a coefficient", " is too large for a polynomial in a unit ball");
+  }
+  const bool measured = within(s.error[i], 0.0f, kMostLength) && s.effective_count[i] >= 0.0f &&
+                        std::isfinite(s.effective_count[i]);
+  return measured ? Error() : bad("error or confidence", " is negative or not finite");
+}
+
+}  // namespace
+
 std::size_t
 SLIMSurface::numLeaves() const
 {
@@ -80,7 +150,7 @@ Error
 SLIMSurface::validate() const
 {
   const std::size_t n = size();
-  if (info.degree < 1 || info.degree > kMaxDegree) return badInput("surface degree is not 1..4");
+  if (Error defect = checkInfo(info)) return defect;
   for (const auto* column : {&cy, &cz, &radius, &nx, &ny, &nz, &error, &effective_count}) {
     if (column->size() != n) return badInput("surface columns have different lengths");
   }
@@ -89,21 +159,7 @@ SLIMSurface::validate() const
     return badInput("surface columns have different lengths");
   }
   for (std::size_t i = 0; i < n; ++i) {
-    const std::string where = " of surfel " + std::to_string(i);
-    if (degree[i] < 1 || degree[i] > info.degree)
-      return badInput("degree" + where + " is out of range");
-    if (!(radius[i] > 0.0f) || !std::isfinite(radius[i]))
-      return badInput("radius" + where + " is not positive");
-    const float length_sq = nx[i] * nx[i] + ny[i] * ny[i] + nz[i] * nz[i];
-    if (!(std::abs(length_sq - 1.0f) < 1e-3f))
-      return badInput("normal" + where + " has not unit length");
-    if (!std::isfinite(cx[i]) || !std::isfinite(cy[i]) || !std::isfinite(cz[i])) {
-      return badInput("centre" + where + " is not finite");
-    }
-    const float* c = coefficientsOf(i);
-    if (!std::all_of(c, c + stride(), [](float value) { return std::isfinite(value); })) {
-      return badInput("a coefficient" + where + " is not finite");
-    }
+    if (Error defect = checkSurfel(*this, i)) return defect;
   }
   return checkTrimMaps(*this);
 }

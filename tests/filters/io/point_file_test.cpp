@@ -196,6 +196,23 @@ TEST(PointFile, BoastfulAndBrokenHeadersAreErrors)
   }
 }
 
+/** Names are looked up, not compared with one another. */
+TEST(PointFile, AHundredThousandElementsAreReadOnce)
+{
+  std::string text = "ply\nformat ascii 1.0\n";
+  for (int i = 0; i < 100000; ++i) text += "element e" + std::to_string(i) + " 0\n";
+  const std::string points = "element vertex 1\nproperty float x\nend_header\n1\n";
+  const TemporaryFolder folder;
+  writeText(folder / "many.ply", text + points);
+  const auto file = loadPointFile(folder / "many.ply");
+  ASSERT_TRUE(file) << file.error().message;
+  EXPECT_EQ(numPoints(file->cloud), 1u);
+  writeText(folder / "twice.ply", text + "element e7 0\n" + points);
+  const auto twice = loadPointFile(folder / "twice.ply");
+  ASSERT_FALSE(twice);
+  EXPECT_NE(twice.error().message.find("two elements 'e7'"), std::string::npos);
+}
+
 TEST(PointFile, NamesWhatItLeavesOut)
 {
   const TemporaryFolder folder;

@@ -198,5 +198,20 @@ TEST(PointStore, ScalesHugeAndTinyClouds)
   }
 }
 
+/** The scale of such clouds has no finite inverse. */
+TEST(PointStore, RefusesCloudsWhoseDifferencesAreDenormal)
+{
+  for (const double size : {1e-303, 1e-310, 1e-320}) {
+    Cloud cloud;
+    std::mt19937_64 random(6);
+    std::uniform_real_distribution<double> u(-1.0, 1.0);
+    for (int i = 0; i < 200; ++i) cloud.add(size * u(random), size * u(random), size * u(random));
+    const auto store = PointStore::build(cloud.view(), 1);
+    ASSERT_FALSE(store) << size;
+    EXPECT_EQ(store.error().code, ErrorCode::kBadInput);
+    EXPECT_NE(store.error().message.find("1e-301"), std::string::npos) << store.error().message;
+  }
+}
+
 }  // namespace
 }  // namespace pcl_slim

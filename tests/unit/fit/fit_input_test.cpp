@@ -206,7 +206,7 @@ TEST(FitInput, RefusesBadParameters)
   for (const int degree : {-1, 5, 400}) with(&FitParams::degree, degree);
   for (const double value : {-1.0, nan, inf}) with(&FitParams::penalty, value);
   for (const double value : {-0.01, nan, inf}) with(&FitParams::t_mdl, value);
-  for (const double value : {-0.01, 1.0, 3.0, nan, inf}) with(&FitParams::target_error, value);
+  for (const double value : {-0.01, 1.5, 3.0, nan, inf}) with(&FitParams::target_error, value);
   for (const double value : {-1e-9, nan, inf}) with(&FitParams::lambda, value);
   for (const double value : {-0.5, 1.01, nan}) with(&FitParams::cover_radius, value);
   for (const double value : {0.0, -0.1, nan, inf}) with(&FitParams::cover_threshold, value);

@@ -163,6 +163,18 @@ TEST(SplatInput, CoordinatesNearTheLargestFloatAreAnError)
   expectSound(sampled(cloud, oneThread()), cloud.size());
 }
 
+TEST(SplatInput, DifferencesThatFloatsCannotHoldAreAnError)
+{
+  for (const double size : {1e-35, 1e-310, 1e-320}) {
+    PaintedCloud cloud = painted(500);
+    for (double& value : cloud.points) value *= size;
+    SplatSet splats;
+    const Error error = sampleSplats(cloud.view(), cloud.colors(), {}, splats);
+    EXPECT_EQ(error.code, ErrorCode::kBadInput) << size;
+    EXPECT_NE(error.message.find("scale"), std::string::npos) << error.message;
+  }
+}
+
 TEST(SplatInput, BadInputIsAnError)
 {
   SplatSet splats;

@@ -39,6 +39,25 @@ TEST(Surface, NamesItsDefects)
       [](SLIMSurface& s) { s.nz[7] = kNan; },
       [](SLIMSurface& s) { s.cz[7] = kNan; },
       [](SLIMSurface& s) { s.coefficients[7 * 15 + 14] = kInf; },
+      // Finite, but beyond what squares in single precision bear.
+      [](SLIMSurface& s) { s.radius[7] = 1e38f; },
+      [](SLIMSurface& s) { s.radius[7] = 1e20f; },
+      [](SLIMSurface& s) { s.radius[7] = 1e-38f; },
+      [](SLIMSurface& s) { s.cx[7] = -1e38f; },
+      [](SLIMSurface& s) { s.coefficients[7 * 15 + 3] = 1e30f; },
+      [](SLIMSurface& s) { s.error[7] = kNan; },
+      [](SLIMSurface& s) { s.error[7] = -1.0f; },
+      [](SLIMSurface& s) { s.effective_count[7] = kInf; },
+      [](SLIMSurface& s) { s.info.scale = 0.0; },
+      [](SLIMSurface& s) { s.info.scale = 1e-310; },
+      [](SLIMSurface& s) { s.info.scale = kInf; },
+      [](SLIMSurface& s) { s.info.origin[1] = kNan; },
+      [](SLIMSurface& s) { s.info.origin[2] = -1e308; },
+      [](SLIMSurface& s) { s.info.diagonal = kInf; },
+      [](SLIMSurface& s) { s.info.lambda = -1.0; },
+      [](SLIMSurface& s) { s.info.cover_radius = 0.0; },
+      [](SLIMSurface& s) { s.info.cover_radius = kNan; },
+      [](SLIMSurface& s) { s.info.cover_threshold = 1.5; },
   };
   for (std::size_t i = 0; i < std::size(defects); ++i) {
     SLIMSurface surface = sphereSurface(4, 40);

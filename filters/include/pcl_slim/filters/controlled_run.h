@@ -33,9 +33,14 @@ class ControlledRun {
   /** \brief Called from the thread that runs with the share done and the stage's name. */
   void setProgressCallback(Progress::Callback callback) { control_.callback = std::move(callback); }
 
-  /** \brief Stops the run from any thread or a signal handler, or the next one if none runs: asked for
-   * right after a run was started in another thread, it holds. */
+  /** \brief Stops the run in progress, from any thread or a signal handler. Before an object's first
+   * run it stops that one. After a run has ended it does nothing, so that one that comes a moment too
+   * late does not stop the next run; see expectRun(). */
   void cancel() { control_.progress.cancel(); }
+
+  /** \brief From now on cancel() is meant for the next run, whether or not it has begun: to be called
+   * before a second or later run is started in another thread. */
+  void expectRun() { control_.progress.expectRun(); }
 
   /** \brief Why the last run failed, in one sentence; no error after a success. */
   const Error& getError() const { return error_; }

@@ -24,8 +24,8 @@ namespace pcl_slim {
  * A missing or empty cloud, one without a finite point, indices out of range and parameters out of range
  * are errors; the output is cleared first. The result is the same for any number of threads.
  *
- * Compiled for the point types SLIMFit is compiled for. For one of your own, include
- * pcl_slim/filters/impl/slim_crest_lines.hpp where you use it.
+ * Compiled for PointXYZ, XYZI, XYZRGB, XYZRGBA, PointNormal, XYZINormal and XYZRGBNormal. For another
+ * type include pcl_slim/filters/impl/slim_crest_lines.hpp where you use it.
  */
 template <typename PointT>
 class SLIMCrestLines : public SLIMFit<PointT>, public SLIMCrestLinesBase {

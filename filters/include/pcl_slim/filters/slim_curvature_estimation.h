@@ -37,8 +37,8 @@ namespace pcl_slim {
  * A missing or empty cloud, one without a finite point, and indices out of range are errors: the
  * output is then empty, the error printed as PCL prints errors, and told by getError().
  *
- * Compiled for the inputs SLIMFit is compiled for, and for PointCurvature and
- * pcl::PrincipalCurvatures as output. For other types include
+ * Compiled for the inputs SLIMCrestLines is compiled for, and for PointCurvature,
+ * pcl::PrincipalCurvatures and pcl::Normal as output. For other types include
  * pcl_slim/filters/impl/slim_curvature_estimation.hpp where you use them. An input type of your own
  * needs, as with any pcl::Feature, pcl/kdtree/impl/kdtree_flann.hpp and pcl/search/impl/kdtree.hpp
  * besides, and lz4 linked, which FLANN's headers call.

@@ -31,9 +31,9 @@ namespace pcl_slim {
  * empty cloud, one without a finite point, and indices out of range are errors. Outputs are
  * cleared first. The result is the same for any number of threads.
  *
- * Compiled for PointXYZ, PointXYZI, PointXYZRGB, PointXYZRGBA, PointNormal, PointXYZINormal and
- * PointXYZRGBNormal. For a point type of your own, include pcl_slim/filters/impl/slim_fit.hpp
- * where you use it.
+ * Compiled for all of PCL_XYZ_POINT_TYPES.
+ *
+ * For a point type of your own, include pcl_slim/filters/impl/slim_fit.hpp where you use it.
  */
 template <typename PointT>
 class SLIMFit : public pcl::PCLBase<PointT>, public SLIMFitBase {

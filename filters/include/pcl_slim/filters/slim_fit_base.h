@@ -59,6 +59,11 @@ class SLIMFitBase : public ControlledRun {
   void setCoverThreshold(double gamma) { params_.cover_threshold = gamma; }
   double getCoverThreshold() const { return params_.cover_threshold; }
 
+  /** \brief Least radius of the balls, in the cloud's units: no finer detail is kept; 0, the default, is no
+   * bound. The rims of sharp edges become as wide. */
+  void setLeastRadius(double radius) { params_.least_radius = radius; }
+  double getLeastRadius() const { return params_.least_radius; }
+
   /** \brief Keeps sharp edges; needs normals (default off). */
   void setSharpFeatures(bool sharp) { params_.sharp_features = sharp; }
   bool getSharpFeatures() const { return params_.sharp_features; }

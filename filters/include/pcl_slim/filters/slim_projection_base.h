@@ -26,6 +26,7 @@ class SLIMProjectionBase : public SLIMFitBase {
    * then unused, except for sharp features, the viewpoint and the number of threads.
    */
   void setSurface(const SurfaceConstPtr& surface) { surface_ = surface; }
+  void setSurface(const SLIMSurface& surface) { surface_ = std::make_shared<SLIMSurface>(surface); }
   const SurfaceConstPtr& getSurface() const { return surface_; }
 
   /** \brief The surface that the last run fitted; null when it used a given one or failed. */
@@ -68,7 +69,13 @@ class SLIMProjectionBase : public SLIMFitBase {
   bool project(const CloudView& points, const CloudView& fitted, ProjectionParams params,
                CloudProjection& projection);
 
+  /** \brief Projects other points onto the surface of the last run. */
+  bool projectMore(const CloudView& points, const ProjectionParams& params,
+                   CloudProjection& projection);
+
  private:
+  CloudProjectionParams projectionOn(const SLIMSurface& surface,
+                                     const ProjectionParams& params) const;
   Error fitAndProject(const CloudView& points, const CloudView& fitted,
                       const ProjectionParams& params, CloudProjection& projection);
 

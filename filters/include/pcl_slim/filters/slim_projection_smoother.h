@@ -6,14 +6,18 @@
 #include <pcl/search/search.h>
 #include <pcl/surface/processing.h>
 
-#include "pcl_slim/filters/slim_projection_base.h"
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "pcl_slim/filters/slim_smoother_base.h"
 
 namespace pcl_slim {
 
 /** \brief Smooths a cloud by moving its points onto the SLIM surface fitted to it (Ohtake, Belyaev,
  * Alexa: Sparse low-degree implicit surfaces, SGP 2005, equations 6 to 8).
  *
- * Stands where pcl::MovingLeastSquares stands:
+ * Stands where pcl::MovingLeastSquares stands, with all of its setters (docs/coming_from_mls.md):
  * \code
  * pcl_slim::SLIMProjectionSmoother<pcl::PointXYZ, pcl::PointNormal> smoother;
  * smoother.setInputCloud(cloud);
@@ -28,28 +32,37 @@ namespace pcl_slim {
  * listed by getUnsupported(). Numbers are computed in double, relative to the cloud's middle, and
  * rounded to float last. The result is the same for any number of threads.
  *
- * There is no setSearchRadius(): each ball of the surface finds its own radius from the noise and
- * the shape. setPenalty() or setTargetError() say how smooth the result shall be.
+ * Each ball of the surface finds its own radius from the noise and the shape; setSearchRadius(),
+ * setPenalty() or setTargetError() say how smooth the result shall be. The output's field curvature is
+ * the mean curvature unless setCurvature() says otherwise: MovingLeastSquares writes kSurfaceVariation.
+ *
+ * With setUpsamplingMethod() other points than the input's come out: those that the surface supports, in
+ * a cloud of height 1, with the fields of the input point each belongs to (getCorrespondingIndices()).
  *
  * Points that are nowhere a surface (a dozen or fewer, those of lines) stay as they are: a warning,
  * printed as PCL prints warnings and told by getWarning(). A missing or empty cloud, one without a finite point, and indices out of range are errors: the
  * output is then empty, the error printed as PCL prints errors, and told by getError().
  *
- * Compiled for PointXYZ, PointXYZI, PointXYZRGB, PointXYZRGBA, PointNormal, PointXYZINormal and
- * PointXYZRGBNormal, in and out. For a point type of your own, include
+ * Compiled for all of PCL_XYZ_POINT_TYPES, in and out. For a point type of your own, include
  * pcl_slim/filters/impl/slim_projection_smoother.hpp where you use it.
  */
 template <typename PointInT, typename PointOutT = PointInT>
 class SLIMProjectionSmoother : public pcl::CloudSurfaceProcessing<PointInT, PointOutT>,
-                               public SLIMProjectionBase {
+                               public SLIMSmootherBase {
  public:
   using Ptr = pcl::shared_ptr<SLIMProjectionSmoother<PointInT, PointOutT>>;
   using ConstPtr = pcl::shared_ptr<const SLIMProjectionSmoother<PointInT, PointOutT>>;
   using PointCloudIn = pcl::PointCloud<PointInT>;
   using PointCloudOut = pcl::PointCloud<PointOutT>;
+  using PointCloudInPtr = typename PointCloudIn::Ptr;
+  using PointCloudInConstPtr = typename PointCloudIn::ConstPtr;
+  using PointCloudOutPtr = typename PointCloudOut::Ptr;
+  using PointCloudOutConstPtr = typename PointCloudOut::ConstPtr;
   using NormalCloud = pcl::PointCloud<pcl::Normal>;
+  using NormalCloudPtr = NormalCloud::Ptr;
   using KdTree = pcl::search::Search<PointInT>;
   using KdTreePtr = typename KdTree::Ptr;
+  using SearchMethod = std::function<int(pcl::index_t, double, pcl::Indices&, std::vector<float>&)>;
 
   // Input ----------------------------------------------------------------------------------------
 
@@ -69,11 +82,14 @@ class SLIMProjectionSmoother : public pcl::CloudSurfaceProcessing<PointInT, Poin
   void setNormalEstimationNeighbors(int k) { normal_neighbours_ = k; }
   int getNormalEstimationNeighbors() const { return normal_neighbours_; }
 
+  /** \brief The cloud whose points UpsamplingMethod DISTINCT_CLOUD projects. */
+  void setDistinctCloud(PointCloudInConstPtr cloud) { distinct_cloud_ = std::move(cloud); }
+  PointCloudInConstPtr getDistinctCloud() const { return distinct_cloud_; }
+
   // Output ---------------------------------------------------------------------------------------
 
-  /** \brief Whether to write the surface's normals, and its mean curvature (1/length, positive
-   * where the surface bends away from the normal) as the field curvature, where PointOutT has
-   * them. On by default: they are exact and nearly free. Off, those fields are copied like others.
+  /** \brief Whether to write the surface's normals, and its curvature (setCurvature(); positive where the
+   * surface bends away from the normal) as the field curvature, where PointOutT has them. On by default: they are exact and nearly free. Off, those fields are copied like others.
    *
    * A normal points to the side of the input's normal at that point, if there is one; otherwise
    * towards the viewpoint, if one is set; otherwise to the surface's outer side. Unsupported
@@ -94,14 +110,22 @@ class SLIMProjectionSmoother : public pcl::CloudSurfaceProcessing<PointInT, Poin
 
   void performProcessing(PointCloudOut& output) override;
 
- public:
-  SLIMProjectionSmoother() : SLIMProjectionBase(true) {}
-
  private:
   /** \brief Makes the output of a projection. */
-  void write(const CloudProjection& projection, PointCloudOut& output) const;
+  void write(const CloudProjection& projection, PointCloudOut& output);
+  /** \brief Makes the output of an upsampling method. */
+  void writeUpsampled(const CloudView& view, const CloudProjection& own, PointCloudOut& output);
   PointOutT smoothed(const CloudProjection& projection, std::size_t i, const PointInT& in) const;
+  /** \brief Writes place, normal and curvature. */
+  void put(const ProjectedPoint& point, PointOutT& out) const;
+  bool writesCurvature() const
+  {
+    return compute_normals_ && pcl::traits::has_curvature<PointOutT>::value;
+  }
+  /** \brief The input point that the i-th point asked for is. */
+  std::size_t inputOf(std::size_t i) const;
 
+  PointCloudInConstPtr distinct_cloud_;
   NormalCloud::ConstPtr normals_;
   KdTreePtr search_;
   int normal_neighbours_ = 0;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <unordered_set>
 
 #include "io/scalar_type.h"
 
@@ -102,16 +103,15 @@ parseLine(const std::string& line, PlyHeader& header)
 Error
 checkElements(const std::vector<PlyElement>& elements)
 {
-  for (std::size_t i = 0; i < elements.size(); ++i) {
-    const auto& properties = elements[i].properties;
+  std::unordered_set<std::string> names;
+  for (const PlyElement& element : elements) {
+    const auto& properties = element.properties;
     if (std::count_if(properties.begin(), properties.end(), isFaceList) > 1) {
-      return badInput("the PLY header lists the vertices of a '" + elements[i].name +
+      return badInput("the PLY header lists the vertices of a '" + element.name +
                       "' twice; keep one list");
     }
-    for (std::size_t j = 0; j < i; ++j) {
-      if (elements[i].name == elements[j].name) {
-        return badInput("the PLY header has two elements '" + elements[i].name + "'; keep one");
-      }
+    if (!names.insert(element.name).second) {
+      return badInput("the PLY header has two elements '" + element.name + "'; keep one");
     }
   }
   return {};

@@ -15,7 +15,8 @@ namespace {
 constexpr std::size_t kSlice = 1 << 15;  ///< points a thread takes at a time
 constexpr double kOriginGrid = 0x1p-10;  ///< the origin is a multiple of this share of the scale
 constexpr std::size_t kKeyBatch = kernels::kMortonBatch;
-constexpr double kFarOrigin = 256.0;  ///< beyond this many L, world floats cannot be exact
+constexpr double kFarOrigin = 256.0;       ///< beyond this many L, world floats cannot be exact
+constexpr double kLeastScale = 0x1p-1000;  ///< its inverse, and 2^-22 of it, are normal numbers
 
 /** What some points come to; the box is that of those that count. */
 struct SliceSummary {
@@ -127,6 +128,12 @@ PointStoreBuilder::setUnits(const std::array<double, 3>& low, const std::array<d
   if (!std::isfinite(store_.scale_)) {
     return {ErrorCode::kBadInput,
             "some coordinates come near the largest number there is: remove those points"};
+  }
+  if (store_.scale_ < kLeastScale) {
+    return {
+        ErrorCode::kBadInput,
+        "the points differ by less than 1e-301, too little to compute with: give coordinates in a "
+        "smaller unit"};
   }
   inverse_scale_ = 1.0 / store_.scale_;
   store_.diagonal_ = diagonal / store_.scale_;

@@ -65,7 +65,8 @@ Error
 LevelCover::run(int first_level, Progress* progress)
 {
   const double points = static_cast<double>(store_.size());
-  for (int level = first_level; !active_.empty() && level <= settings_.constants.cover.last_level;
+  for (int level = first_level;
+       !active_.empty() && level <= settings_.constants.cover.last_level && settings_.allows(level);
        ++level) {
     if (!settings_.resolves(level)) {
       unresolved_ = active_.size();

@@ -16,7 +16,8 @@ startLevel(const PointStore& store, const FitSettings& settings)
       static_cast<std::size_t>(settings.start_share * static_cast<double>(store.size()));
   std::vector<std::uint32_t> blocks;
   int level = 1;
-  for (; level < constants.last_start && settings.resolves(level + 1); ++level) {
+  const auto isLast = [&](int k) { return !settings.resolves(k + 1) || !settings.allows(k + 1); };
+  for (; level < constants.last_start && !isLast(level); ++level) {
     std::size_t crowded = 0;
     for (std::size_t s = 0; s < samples; ++s) {
       const auto p = store.position((2 * s + 1) * store.size() / (2 * samples));

@@ -43,9 +43,11 @@ makeInfo(const PointStore& store, const FitSettings& settings)
   info.origin = store.origin();
   info.scale = store.scale();
   info.diagonal = store.diagonal();
-  info.lambda = settings.energy.lambda / (store.diagonal() * store.diagonal());
+  const double diagonal = store.diagonal();
+  const bool has_extent = diagonal > 0;  // of one place there is no share
+  info.lambda = has_extent ? settings.energy.lambda / (diagonal * diagonal) : 0.0;
   info.penalty = settings.energy.t_mdl > 0 ? 0.0 : settings.energy.kappa;
-  info.t_mdl = settings.energy.t_mdl / store.diagonal();
+  info.t_mdl = has_extent ? settings.energy.t_mdl / diagonal : 0.0;
   info.cover_radius = settings.alpha;
   info.cover_threshold = settings.gamma;
   info.num_points = store.size();

@@ -38,10 +38,10 @@ class RadiusSearch {
   const Trial& right() { return trials_.right(); }
 
   /** \brief The choice on [gamma^2, 1] rho_right. */
-  RadiusChoice search() { return rule_->choose(); }
+  RadiusChoice search();
 
   /** \brief Whether a smaller radius is needed beyond doubt, seen on a part of a ball's points. */
-  bool surelyInternal() { return rule_->surelyInternal(); }
+  bool surelyInternal() { return !isNarrowest() && rule_->surelyInternal(); }
 
   /** \brief For a sparse ball: the best that degree and radius up to the gather radius allow. */
   RadiusChoice fallBack();
@@ -52,6 +52,11 @@ class RadiusSearch {
   const FitCounts& counts() const { return trials_.counts(); }
 
  private:
+  /** \brief Whether balls of the next level would be narrower than the least one asked for. */
+  bool isNarrowest() const;
+  /** \brief A choice of a narrower ball than the least one asked for, at that one's radius. */
+  RadiusChoice notNarrower(const RadiusChoice& choice);
+
   TrialFits trials_;
   ResidualTests tests_;
   FinalFit final_;

@@ -29,6 +29,7 @@ BlockProjector::BlockProjector(const PointStore& store, const SLIMSurface& surfa
       placement_(store, surface),
       trims_(surface),
       with_directions_(params.directions || params.extremality),
+      reach_(static_cast<float>(params.reach)),
       noise_(std::sqrt(std::max(0.0, surface.info.lambda)) * surface.info.diagonal),
       by_normals_(surface.info.oriented && store.hasNormals() && !params.paper_mode)
 {
@@ -59,6 +60,7 @@ BlockProjector::placed(std::uint32_t i) const
   leaf.max_residual = static_cast<float>(residual);
   const double noise = std::min(kErrors * noise_ / surface_.radius[i], kNoiseShare);
   leaf.max_offset = static_cast<float>(std::min(residual, std::max(kOffsetShare, noise)));
+  if (reach_ > 0) leaf.max_residual = leaf.max_offset = reach_;
   leaf.variance_weight = rules_.guarded ? surface_.varianceWeight(i) : 1.0f;
   leaf.degree = surface_.degree[i];
   leaf.c = surface_.coefficientsOf(i);

@@ -54,6 +54,7 @@ class BlockProjector {
   std::vector<PlacedLeaf> placed_;
   BlendRules rules_;
   bool with_directions_;  ///< principal curvatures and directions
+  float reach_;           ///< > 0: of the radius, in place of what residuals allow
   double noise_;          ///< sqrt(lambda) in the surface's local units
   bool by_normals_;       ///< whether points' own normals choose among leaves
   float min_dot_ = 0.0f;  ///< and the cosine from which on they do

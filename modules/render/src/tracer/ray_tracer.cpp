@@ -107,16 +107,22 @@ RayTracer::RayTracer(RayTracer&&) noexcept = default;
 RayTracer&
 RayTracer::operator=(RayTracer&&) noexcept = default;
 
+Error
+RayTracer::defect() const
+{
+  return state_ ? state_->defect : badInput("the tracer has been moved from; make a new one");
+}
+
 bool
 RayTracer::isOfDiscs() const
 {
-  return state_->discs;
+  return state_ && state_->discs;
 }
 
 double
 RayTracer::scale() const
 {
-  return state_->object ? state_->object->scale : 1.0;
+  return state_ && state_->object ? state_->object->scale : 1.0;
 }
 
 namespace {
@@ -174,7 +180,7 @@ RayTracer::trace(const Camera& camera, const TraceParams& params, GBuffer& buffe
   };
   if (Error error = camera.validate()) return refused(error);
   if (Error error = params.validate()) return refused(error);
-  if (state_->defect) return refused(state_->defect);
+  if (Error error = defect()) return refused(error);
   const TracedObject& object = *state_->object;
   clearFrame(object, camera, params, buffer, light);
   const CameraRays rays(camera, object.origin, object.scale);
@@ -194,7 +200,7 @@ RayTracer::cast(const std::vector<WorldRay>& rays, VisibleSides sides, std::vect
                 int threads) const
 {
   hits.clear();
-  if (state_->defect) return state_->defect;
+  if (Error error = defect()) return error;
   if (Error error = checkRays(rays)) return error;
   const TracedObject& object = *state_->object;
   TraceParams params;
@@ -218,7 +224,7 @@ RayTracer::castShadows(const std::vector<WorldRay>& rays, std::vector<std::uint8
                        int threads) const
 {
   blocked.clear();
-  if (state_->defect) return state_->defect;
+  if (Error error = defect()) return error;
   if (Error error = checkRays(rays)) return error;
   const TracedObject& object = *state_->object;
   blocked.resize(rays.size());

@@ -19,8 +19,9 @@ namespace pcl_slim::detail {
 
 /** The steps of OctreeCloud::build. */
 class OctreeCloudBuilder {
-  static constexpr double kLargest = 1e150;  ///< squares of such coordinates are still finite
-  static constexpr double kWidest = 1e38;    ///< splats are told in floats from the box's corner
+  static constexpr double kLargest = 1e150;    ///< squares of such coordinates are still finite
+  static constexpr double kWidest = 1e38;      ///< splats are told in floats from the box's corner
+  static constexpr double kNarrowest = 1e-32;  ///< a millionth of it is a normal float
 
  public:
   OctreeCloudBuilder(const CloudView& cloud, const ColorView& colors, int threads)
@@ -82,6 +83,11 @@ class OctreeCloudBuilder {
       return badInput(
           "the points span more than 1e38, which splats, being floats, cannot tell: "
           "scale the cloud, or remove the farthest points");
+    }
+    if (box.longest() > 0.0 && box.longest() < kNarrowest) {
+      return badInput(
+          "the points span less than 1e-32, which splats, being floats, cannot tell: scale the "
+          "cloud");
     }
     return {};
   }

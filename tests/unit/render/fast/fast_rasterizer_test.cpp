@@ -278,5 +278,19 @@ TEST(FastRasterizer, ColumnsNotAskedForStayEmptyAndChangeNothing)
   EXPECT_EQ(few.surfel, all.surfel);
 }
 
+TEST(SurfaceRenderer, OneThatWasMovedFromSaysSo)
+{
+  const SLIMSurface surface = fittedScene(Shape::kTorus, 2, 0.0);
+  const Camera camera = viewOf(surface, 16, 12);
+  SurfaceRenderer renderer(surface);
+  SurfaceRenderer taken(std::move(renderer));
+  GBuffer buffer;
+  const Error error = renderer.render(camera, {}, buffer);  // NOLINT: on purpose
+  EXPECT_EQ(error.code, ErrorCode::kBadInput);
+  EXPECT_NE(error.message.find("moved"), std::string::npos) << error.message;
+  EXPECT_TRUE(renderer.surface().empty());
+  EXPECT_FALSE(taken.render(camera, {}, buffer));
+}
+
 }  // namespace
 }  // namespace pcl_slim

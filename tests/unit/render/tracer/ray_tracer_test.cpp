@@ -283,6 +283,24 @@ TEST(RayTracer, CancelStopsAFrameAndLeavesNothing)
   EXPECT_FALSE(tracer.trace(frontCamera(64, 48), {}, buffer, light, nullptr, &progress));
 }
 
+TEST(RayTracer, OneThatWasMovedFromSaysSo)
+{
+  const SLIMSurface surface = sphereSurface(2, kSphere, 100, 0.15);
+  RayTracer tracer(surface);
+  RayTracer taken(std::move(tracer));
+  GBuffer buffer;
+  LightBuffer light;
+  const Error error = tracer.trace(frontCamera(16, 12), {}, buffer, light);  // NOLINT: on purpose
+  EXPECT_NE(error.message.find("moved"), std::string::npos) << error.message;
+  std::vector<WorldHit> hits;
+  EXPECT_TRUE(tracer.cast({WorldRay()}, VisibleSides::kAuto, hits));
+  std::vector<std::uint8_t> blocked;
+  EXPECT_TRUE(tracer.castShadows({WorldRay()}, blocked));
+  EXPECT_FALSE(tracer.isOfDiscs());
+  EXPECT_EQ(tracer.scale(), 1.0);
+  EXPECT_FALSE(taken.trace(frontCamera(16, 12), {}, buffer, light));
+}
+
 TEST(RayTracer, NamesWhatIsWrong)
 {
   const SLIMSurface surface = sphereSurface(2, kSphere, 100, 0.15);

@@ -14,6 +14,7 @@ template <typename PointT>
 bool
 SLIMCrestLines<PointT>::compute(CrestLines& lines)
 {
+  const CancellableRun cancellable(this->control_.progress);
   lines = CrestLines();
   this->clearResults();
   fitted_surface_.reset();

@@ -68,7 +68,7 @@ std::optional<std::array<double, 3>>
 sensorOf(const pcl::PointCloud<PointT>& cloud)
 {
   const Eigen::Vector4f& at = cloud.sensor_origin_;
-  if (!cloud.isOrganized() && at.head<3>().isZero()) return {};
+  if (!at.head<3>().allFinite() || (!cloud.isOrganized() && at.head<3>().isZero())) return {};
   return std::array<double, 3>{at[0], at[1], at[2]};
 }
 

@@ -7,6 +7,7 @@
 
 #include <exception>
 #include <limits>
+#include <memory>
 #include <type_traits>
 #include <utility>
 
@@ -40,30 +41,41 @@ template <typename PointInT, typename PointOutT>
 void
 SLIMProjectionSmoother<PointInT, PointOutT>::performProcessing(PointCloudOut& output)
 {
+  corresponding_.reset();
   CloudDescription<PointInT> description(input_, use_indices_ ? indices_ : nullptr, params_);
   description.setInputNormals(normals_);
   description.setSearchMethod(search_);
   description.setNormalEstimationNeighbors(normal_neighbours_);
   try {
+    corresponding_ = std::make_shared<pcl::PointIndices>();
+    error_ = checkSmoother(distinct_cloud_ != nullptr);
+    if (error_) return;
     if (!description.describe()) {
       error_ = description.getError();
       return;
     }
-    ProjectionParams params;
-    params.curvature = compute_normals_ && pcl::traits::has_curvature<PointOutT>::value;
     CloudProjection projection;
-    if (project(description.view(), description.view(), params, projection)) {
+    if (!smooth(description.view(), writesCurvature(), projection)) return;
+    if (upsampling_ == NONE || !getWarning().empty())
       write(projection, output);
-    }
+    else
+      writeUpsampled(description.view(), projection, output);
   } catch (const std::exception& failure) {
     fail(ErrorCode::kBadInput, std::string("smoothing stopped: ") + failure.what());
   }
 }
 
 template <typename PointInT, typename PointOutT>
+std::size_t
+SLIMProjectionSmoother<PointInT, PointOutT>::inputOf(std::size_t i) const
+{
+  return use_indices_ && indices_ ? static_cast<std::size_t>((*indices_)[i]) : i;
+}
+
+template <typename PointInT, typename PointOutT>
 void
 SLIMProjectionSmoother<PointInT, PointOutT>::write(const CloudProjection& projection,
-                                                   PointCloudOut& output) const
+                                                   PointCloudOut& output)
 {
   const bool some = use_indices_ && indices_;
   output.resize(projection.size());
@@ -75,10 +87,58 @@ SLIMProjectionSmoother<PointInT, PointOutT>::write(const CloudProjection& projec
   output.sensor_origin_ = input_->sensor_origin_;
   output.sensor_orientation_ = input_->sensor_orientation_;
   output.is_dense = projection.statistics().non_finite == 0;
+  corresponding_->indices.resize(projection.size());
   parallelFor(projection.size(), resolveThreads(params_.threads), 4096, [&](std::size_t i, int) {
-    const std::size_t from = some ? static_cast<std::size_t>((*indices_)[i]) : i;
-    output[i] = smoothed(projection, i, (*input_)[from]);
+    corresponding_->indices[i] = static_cast<pcl::index_t>(inputOf(i));
+    output[i] = smoothed(projection, i, (*input_)[inputOf(i)]);
   });
+}
+
+template <typename PointInT, typename PointOutT>
+void
+SLIMProjectionSmoother<PointInT, PointOutT>::writeUpsampled(const CloudView& view,
+                                                            const CloudProjection& own,
+                                                            PointCloudOut& output)
+{
+  CloudView distinct;
+  if (distinct_cloud_ && !distinct_cloud_->empty()) {
+    distinct.size = distinct_cloud_->size();
+    distinct.xyz = reinterpret_cast<const unsigned char*>(distinct_cloud_->points.data()) +
+                   pcl::traits::offset<PointInT, pcl::fields::x>::value;
+    distinct.xyz_stride = sizeof(PointInT);
+  }
+  Candidates candidates;
+  CloudProjection projection;
+  if (!upsample(view, writesCurvature(), own, distinct, candidates, projection)) return;
+  for (std::size_t i = 0; i < projection.size(); ++i) {
+    if (!projection.isSupported(i)) continue;
+    const std::size_t from = inputOf(candidates.source[i]);
+    PointOutT out;
+    pcl::copyPoint((*input_)[from], out);
+    put(upsampled(candidates, projection, i), out);
+    output.push_back(out);
+    corresponding_->indices.push_back(static_cast<pcl::index_t>(from));
+  }
+  output.header = input_->header;
+  output.sensor_origin_ = input_->sensor_origin_;
+  output.sensor_orientation_ = input_->sensor_orientation_;
+  output.is_dense = true;
+}
+
+template <typename PointInT, typename PointOutT>
+void
+SLIMProjectionSmoother<PointInT, PointOutT>::put(const ProjectedPoint& point, PointOutT& out) const
+{
+  out.x = static_cast<float>(point.position[0]);
+  out.y = static_cast<float>(point.position[1]);
+  out.z = static_cast<float>(point.position[2]);
+  if (!compute_normals_) return;
+  if constexpr (pcl::traits::has_normal<PointOutT>::value) {
+    out.normal_x = point.normal[0];
+    out.normal_y = point.normal[1];
+    out.normal_z = point.normal[2];
+  }
+  if constexpr (pcl::traits::has_curvature<PointOutT>::value) out.curvature = curvatureOf(point);
 }
 
 template <typename PointInT, typename PointOutT>
@@ -87,29 +147,15 @@ SLIMProjectionSmoother<PointInT, PointOutT>::smoothed(const CloudProjection& pro
                                                       std::size_t i, const PointInT& in) const
 {
   static_assert(std::is_same<decltype(PointOutT::x), float>::value, "x y z are written as float");
-  constexpr bool has_normal = pcl::traits::has_normal<PointOutT>::value;
-  constexpr bool has_curvature = pcl::traits::has_curvature<PointOutT>::value;
   PointOutT out;
   pcl::copyPoint(in, out);
   if (projection.isSupported(i)) {
-    const ProjectedPoint point = projection.point(i);
-    out.x = static_cast<float>(point.position[0]);
-    out.y = static_cast<float>(point.position[1]);
-    out.z = static_cast<float>(point.position[2]);
-    if constexpr (has_normal) {
-      if (compute_normals_) {
-        out.normal_x = point.normal[0];
-        out.normal_y = point.normal[1];
-        out.normal_z = point.normal[2];
-      }
-    }
-    if constexpr (has_curvature) {
-      if (compute_normals_) out.curvature = point.mean_curvature;
-    }
+    put(projection.point(i), out);
   } else if (!projection.isFinite(i) && compute_normals_) {
     constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-    if constexpr (has_normal) out.normal_x = out.normal_y = out.normal_z = kNan;
-    if constexpr (has_curvature) out.curvature = kNan;
+    if constexpr (pcl::traits::has_normal<PointOutT>::value)
+      out.normal_x = out.normal_y = out.normal_z = kNan;
+    if constexpr (pcl::traits::has_curvature<PointOutT>::value) out.curvature = kNan;
   }
   return out;
 }

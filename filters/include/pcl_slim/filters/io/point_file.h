@@ -16,8 +16,8 @@ namespace pcl_slim {
 /** \brief A point file as it stands on disk: every field in its own type, nothing narrowed.
  *
  * PCL's own readers narrow nothing either for PCD, but refuse double properties of PLY files and
- * print instead of reporting; these read both formats alike and return one sentence when a file
- * cannot be used. PLY names become PCL's (nx: normal_x; uchar red green blue: rgb).
+ * print instead of reporting; these read all formats alike and return one sentence when a file
+ * cannot be used. Names become PCL's (nx: normal_x; red green blue of 8 bits: rgb).
  */
 struct PointFile {
   pcl::PCLPointCloud2 cloud;
@@ -26,27 +26,48 @@ struct PointFile {
   std::vector<std::string> comments;  ///< text of the header's comment lines, in order
   std::vector<std::string>
       left_out;  ///< what the file held beside this, in words: "element 'edge'"
-  std::vector<std::uint32_t> face_begin;  ///< PLY faces: number of faces + 1 offsets, or empty
+  std::vector<std::uint32_t> face_begin;  ///< faces: number of faces + 1 offsets, or empty
   std::vector<std::uint32_t>
-      face_vertices;  ///< vertices of face i: [face_begin[i], face_begin[i+1])
+      face_vertices;    ///< vertices of face i: [face_begin[i], face_begin[i+1])
+  std::string columns;  ///< of a text file: what its columns are, and how that is known
+  std::vector<unsigned char>
+      las_head;  ///< of a LAS file: header and records before its points, kept for writing
+  std::vector<unsigned char> las_tail;  ///< what follows them
 
   std::size_t numFaces() const { return face_begin.empty() ? 0 : face_begin.size() - 1; }
 };
 
-/** \brief Reads .pcd (ascii, binary, binary_compressed) or .ply (ascii, binary of either order).
+/** \brief Reads a point file by its extension, upper or lower case.
+ *
+ * .pcd                 ascii, binary, binary_compressed
+ * .ply                 ascii, binary of either order; vertices and faces
+ * .las                 versions 1.0 to 1.4, point formats 0 to 10; x y z are doubles, other values
+ *                      fields of their names (intensity, return_number, classification, gps_time,
+ *                      red, ...), extra bytes fields as their record describes them
+ * .xyz .txt .asc .csv  text, a point a line; columns by their names, or guessed (columns)
+ * .pts                 the same, with the number of points first and intensity before colours
+ * .obj .off .stl       vertices, with normals and colours where there are any, and faces
  *
  * A missing, foreign, truncated or self-contradicting file gives an error; one without points
- * is read and has none. Of a PLY file, elements other than vertices and faces, lists of vertices, and all
- * of faces but their vertices are passed over, and named in left_out.
+ * is read and has none. What of a file is passed over (elements of a PLY file other than vertices and
+ * faces, texture coordinates, colours of faces, columns of text) is named in left_out. For .laz and .e57
+ * the error names the command that converts them.
  */
 Result<PointFile>
 loadPointFile(const std::string& path);
 
-/** \brief Writes .pcd (binary) or .ply (binary_little_endian) by extension, with comments and faces.
+/** \brief No error for an extension that loadPointFile() knows. */
+Error
+checkPointFileExtension(const std::string& path);
+
+/** \brief Writes .pcd (binary), .ply (binary_little_endian) or .las by extension.
  *
- * Fields go out in their order and type, so that loading and saving gives the same bytes again.
- * PCD keeps no faces. \return an error for another extension or when the file cannot be written.
- */
+ * Fields go out in their order and type, so that loading and saving gives the same bytes again. PCD and
+ * LAS keep no faces, LAS no comments. A .las of points read from one keeps its version, point format,
+ * records and extra bytes; new fields become extra bytes. Coordinates that its scale cannot hold get a
+ * finer one. Of other points LAS 1.4 is made, format 6 or, with colours, 7: coordinates are rounded to
+ * a billionth of the extent. \return an error for another extension or when the file cannot be
+ * written. */
 Error
 savePointFile(const std::string& path, const PointFile& file);
 

@@ -25,22 +25,38 @@ class Progress {
     if (callback_) callback_(fraction, stage);
   }
 
-  void cancel() { cancelled_.store(true, std::memory_order_relaxed); }
-  /** \brief Takes cancel() back. */
-  void reset() { cancelled_.store(false, std::memory_order_relaxed); }
-  bool cancelled() const { return cancelled_.load(std::memory_order_relaxed); }
+  /** \brief Asks the run in progress to stop, or the next one if one is expected: before the first
+   * run, and from expectRun() on. Once a run has ended, nothing is there to stop until the next begins. */
+  void cancel()
+  {
+    State expected = State::kOpen;
+    state_.compare_exchange_strong(expected, State::kCancelled);
+  }
+  /** \brief Takes cancel() back; the next run is expected. */
+  void reset() { state_.store(State::kOpen); }
+  /** \brief From now on cancel() is meant for the next run. */
+  void expectRun()
+  {
+    State expected = State::kClosed;
+    state_.compare_exchange_strong(expected, State::kOpen);
+  }
+  /** \brief Ends a run: a cancel() that came too late for it is forgotten. */
+  void closeRun() { state_.store(State::kClosed); }
+  bool cancelled() const { return state_.load(std::memory_order_relaxed) == State::kCancelled; }
 
  private:
+  enum class State { kOpen, kCancelled, kClosed };
+
   Callback callback_;
-  std::atomic<bool> cancelled_{false};
+  std::atomic<State> state_{State::kOpen};
 };
 
-/** \brief One run of what a progress stands for: at its end a cancel() is used up. One that came before
- * the run began holds too, as nobody can know from outside when it begins. */
+/** \brief One run of what a progress stands for. A cancel() during the run is used up at its end, and one
+ * that comes after it is not kept for the next run. */
 class CancellableRun {
  public:
-  explicit CancellableRun(Progress& progress) : progress_(progress) {}
-  ~CancellableRun() { progress_.reset(); }
+  explicit CancellableRun(Progress& progress) : progress_(progress) { progress_.expectRun(); }
+  ~CancellableRun() { progress_.closeRun(); }
   CancellableRun(const CancellableRun&) = delete;
   CancellableRun& operator=(const CancellableRun&) = delete;
 

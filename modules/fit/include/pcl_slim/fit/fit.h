@@ -25,6 +25,8 @@ struct FitParams {
   double cover_radius = 0.0;     ///< alpha in (0, 1], 1 is the compact setting; 0: 2/3, and .55 for
                                  ///< leaves that many points stand behind
   double cover_threshold = 0.1;  ///< gamma > 0
+  double least_radius =
+      0.0;  ///< > 0, world units: no ball is narrower, so that no finer detail is kept
   bool sharp_features =
       false;            ///< keep sharp edges: only points with n . n_c > 1/2 (needs normals)
   bool robust = false;  ///< reweight residuals against outliers (two more passes a leaf)

@@ -18,8 +18,11 @@ struct ProjectionParams {
   bool directions = false;      ///< also principal curvatures and directions; implies curvature
   bool extremality = false;     ///< also their derivatives along the directions; implies directions
   bool sharp_features = false;  ///< as the fit's: leaves serve points of normals within 60 degrees
-  bool paper_mode = false;      ///< formula (6) as printed, without the guards
-  int threads = 0;              ///< 0: all cores; never changes the result
+  double reach =
+      0;  ///< > 0: the points are places, not measurements of the surface: what is up to this
+          ///< share of a ball's radius away counts, whatever the residuals
+  bool paper_mode = false;  ///< formula (6) as printed, without the guards
+  int threads = 0;          ///< 0: all cores; never changes the result
 };
 
 /** \brief Greatest and least normal curvature, 1/local length, and the unit tangents they lie along.

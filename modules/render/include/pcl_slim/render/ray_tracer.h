@@ -147,6 +147,10 @@ class RayTracer {
 
  private:
   struct State;
+
+  /** \brief Why there is nothing to trace, if so. */
+  Error defect() const;
+
   std::unique_ptr<State> state_;
 };
 

@@ -39,6 +39,7 @@ class SurfaceRenderer {
   SurfaceRenderer(SurfaceRenderer&&) noexcept;
   SurfaceRenderer& operator=(SurfaceRenderer&&) noexcept;
 
+  /** \brief The surface it was made of; an empty one where the renderer has been moved from. */
   const SLIMSurface& surface() const;
 
   /** \brief Renders one frame. Buffers are reused: a second frame of one size allocates nothing.

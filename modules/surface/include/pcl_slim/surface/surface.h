@@ -120,7 +120,10 @@ class SLIMSurface {
    * O(M log M) for M surfels; the same for any number of threads. */
   void buildLinks(int threads = 1);
 
-  /** \brief Checks sizes, ranges and finiteness; names the first defect. */
+  /** \brief Checks sizes, and that every number is finite and in a range in which single-precision
+   * squares neither overflow nor vanish; names the first defect. Radii and centres are at most 2^20
+   * local units, radii at least 2^-40, coefficients at most 2^30, origin and scale at most 2^1000 and
+   * the scale at least 2^-1000. O(surfels). */
   Error validate() const;
 };
 

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pcl/PointIndices.h>
+#include <pcl/surface/mls.h>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "pcl_slim/filters/slim_projection_base.h"
+
+namespace pcl_slim {
+
+/** \brief The parameters that SLIMProjectionSmoother shares with pcl::MovingLeastSquares, by the same
+ * names, and what they mean here; they do not depend on the point types.
+ *
+ * Values are checked when process() runs. No setter changes what another one has set. */
+class SLIMSmootherBase : public SLIMProjectionBase {
+ public:
+  // Where points come out ------------------------------------------------------------------------
+
+  /** \brief Which points are brought onto the surface; values as in pcl::MovingLeastSquares. */
+  enum UpsamplingMethod {
+    NONE,                    ///< the input's own (default)
+    DISTINCT_CLOUD,          ///< those of setDistinctCloud()
+    SAMPLE_LOCAL_PLANE,      ///< a grid within setUpsamplingRadius() about each input point
+    RANDOM_UNIFORM_DENSITY,  ///< as many about each input point as setPointDensity() asks for
+    VOXEL_GRID_DILATION      ///< the corners of voxels about the input points
+  };
+
+  void setUpsamplingMethod(UpsamplingMethod method) { upsampling_ = method; }
+  UpsamplingMethod getUpsamplingMethod() const { return upsampling_; }
+
+  /** \brief SAMPLE_LOCAL_PLANE: radius of the disc about each point, in the cloud's units. */
+  void setUpsamplingRadius(double radius) { upsampling_radius_ = radius; }
+  double getUpsamplingRadius() const { return upsampling_radius_; }
+  /** \brief SAMPLE_LOCAL_PLANE: width of the grid in the disc, in the cloud's units. */
+  void setUpsamplingStepSize(double step) { upsampling_step_ = step; }
+  double getUpsamplingStepSize() const { return upsampling_step_; }
+
+  /** \brief RANDOM_UNIFORM_DENSITY: points wanted within the search radius of each point. */
+  void setPointDensity(int points) { point_density_ = points; }
+  int getPointDensity() const { return point_density_; }
+
+  /** \brief VOXEL_GRID_DILATION: edge of a voxel, in the cloud's units. */
+  void setDilationVoxelSize(float size) { voxel_size_ = size; }
+  float getDilationVoxelSize() const { return voxel_size_; }
+  /** \brief VOXEL_GRID_DILATION: how often every voxel is joined by its neighbours. */
+  void setDilationIterations(int iterations) { dilations_ = iterations; }
+  int getDilationIterations() const { return dilations_; }
+
+  /** \brief The input point that each output point belongs to: itself, or the nearest one. Null before the
+   * first run. */
+  pcl::PointIndicesPtr getCorrespondingIndices() const { return corresponding_; }
+
+  // How smooth -----------------------------------------------------------------------------------
+
+  /** \brief No detail finer than this radius is kept, in the cloud's units; 0 (default): what is detail is
+   * measured.
+   *
+   * Sets the least radius of the surface's balls to the one at which a fit averages the noise as much as
+   * pcl::MovingLeastSquares with this radius and order 2 does: 1.42 radii up to degree 3, 1.97 for
+   * degree 4. Wider balls are chosen as without it. */
+  void setSearchRadius(double radius) { search_radius_ = radius; }
+  double getSearchRadius() const { return search_radius_; }
+
+  /** \brief Accepted and unused, with a warning: the weights' width follows from each ball's radius. */
+  void setSqrGaussParam(double value);
+  double getSqrGaussParam() const;
+
+  // Curvature ------------------------------------------------------------------------------------
+
+  /** \brief What the output's field curvature holds. */
+  enum Curvature {
+    kMean,             ///< (k1 + k2) / 2, 1/length (default)
+    kGaussian,         ///< k1 k2, 1/length^2
+    kMaximum,          ///< k1, the larger principal curvature, 1/length
+    kMinimum,          ///< k2, 1/length
+    kSurfaceVariation  ///< what pcl::MovingLeastSquares writes: the least eigenvalue's share of the
+                       ///< covariance within the search radius, 0 to 1/3
+  };
+
+  /** \brief Chooses it. kSurfaceVariation is computed from the curvatures and the noise, and needs
+   * setSearchRadius(). */
+  void setCurvature(Curvature curvature) { curvature_ = curvature; }
+  Curvature getCurvature() const { return curvature_; }
+
+  // Of MovingLeastSquares, without a meaning here --------------------------------------------------
+
+  /** \brief Accepted and unused, with a warning if on: the surface itself is the result that is kept
+   * (getFittedSurface()). */
+  void setCacheMLSResults(bool cache);
+  bool getCacheMLSResults() const { return cache_results_; }
+  /** \brief None are made: empty. */
+  const std::vector<pcl::MLSResult>& getMLSResults() const { return mls_results_; }
+
+  /** \brief Accepted and unused, with a warning: points go to their foot on the surface (equations 6 and
+   * 7 of Ohtake, Belyaev, Alexa 2005). */
+  void setProjectionMethod(pcl::MLSResult::ProjectionMethod method);
+  pcl::MLSResult::ProjectionMethod getProjectionMethod() const { return projection_method_; }
+
+ protected:
+  SLIMSmootherBase() : SLIMProjectionBase(true) {}
+  ~SLIMSmootherBase() = default;
+
+  /** \brief Points to bring onto the surface beside the input's own. */
+  struct Candidates {
+    std::vector<double> xyz;
+    std::vector<float> normals;  ///< of the input points they belong to; zero where there is none
+    std::vector<std::uint32_t>
+        source;  ///< the input point of each, a place in the points asked for
+
+    void add(std::size_t from, const std::array<double, 3>& place);
+    void keep(const CloudProjection& projection);
+    void addAround(const CloudProjection& own, std::size_t from,
+                   const std::vector<std::array<double, 2>>& steps);
+  };
+
+  /** \brief Names the first parameter that a run cannot work with. \param[in] has_distinct whether a
+   * distinct cloud is set. */
+  Error checkSmoother(bool has_distinct) const;
+
+  /** \brief Fits with the least radius of balls that the search radius asks for, and projects; see
+   * SLIMProjectionBase::project(). */
+  bool smooth(const CloudView& points, bool curvature, CloudProjection& projection);
+
+  /** \brief The points that the upsampling method asks for, and their projection; those that are not
+   * supported stay out. \param[in] own the projection of the input. \param[in] distinct for
+   * DISTINCT_CLOUD. */
+  bool upsample(const CloudView& points, bool curvature, const CloudProjection& own,
+                const CloudView& distinct, Candidates& candidates, CloudProjection& projection);
+
+  /** \brief A candidate's foot on the surface, on the side of its input point's. */
+  ProjectedPoint upsampled(const Candidates& candidates, const CloudProjection& projection,
+                           std::size_t i) const;
+
+  /** \brief The value of the field curvature. */
+  float curvatureOf(const ProjectedPoint& point) const;
+
+  pcl::PointIndicesPtr corresponding_;
+  double search_radius_ = 0.0;
+  UpsamplingMethod upsampling_ = NONE;
+  double upsampling_radius_ = 0.0, upsampling_step_ = 0.0;
+  int point_density_ = 0;
+  float voxel_size_ = 1.0f;
+  int dilations_ = 0;
+  Curvature curvature_ = kMean;
+
+ private:
+  void sampleAround(const CloudView& points, const CloudProjection& own,
+                    Candidates& candidates) const;
+  bool collect(const CloudView& points, const CloudProjection& own, const CloudView& distinct,
+               Candidates& candidates);
+  /** \brief Variance of the points about a surface, cloud units squared. */
+  static double noiseOf(const SLIMSurface& surface);
+
+  double noise_ = 0.0;  ///< of the last run
+  double sqr_gauss_param_ = 0.0;
+  bool cache_results_ = false, warned_ = false;
+  pcl::MLSResult::ProjectionMethod projection_method_ = pcl::MLSResult::SIMPLE;
+  std::vector<pcl::MLSResult> mls_results_;
+
+  /** \brief Prints once for an object that a setter has no effect. */
+  void warnUnused(const char* setter);
+};
+
+}  // namespace pcl_slim

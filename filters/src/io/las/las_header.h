@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pcl_slim/core/error.h"
+
+namespace pcl_slim {
+
+/** Where the parts of a LAS file's public header block begin (ASPRS, LAS 1.4 R15, table 3). */
+struct LasAt {
+  static constexpr std::size_t kGlobalEncoding = 6, kVersion = 24, kSystem = 26, kSoftware = 58;
+  static constexpr std::size_t kHeaderBytes = 94, kPointsAt = 96, kNumVlrs = 100, kFormat = 104;
+  static constexpr std::size_t kRecordBytes = 105, kOldCount = 107, kOldReturns = 111;
+  static constexpr std::size_t kScale = 131, kOffset = 155, kBox = 179, kWaveform = 227;
+  static constexpr std::size_t kEvlrs = 235, kNumEvlrs = 243, kCount = 247, kReturns = 255;
+};
+constexpr std::size_t kOldLasHeaderBytes = 227, kLasHeaderBytes = 375;
+
+/** A value that a point record holds behind those of its format, as its VLR describes it. */
+struct LasExtra {
+  std::string name;
+  std::uint8_t type = 0;  ///< ScalarType
+  std::size_t count = 1;
+  std::vector<unsigned char> record;  ///< its 192 bytes in the VLR; empty: none describes it
+
+  std::size_t bytes() const;
+};
+
+/** What is needed to read and write the points. */
+struct LasHeader {
+  int minor = 4;   ///< of version 1.minor
+  int format = 0;  ///< of the point data records
+  std::size_t header_bytes = 0, points_at = 0, record_bytes = 0;
+  std::uint64_t points = 0;
+  std::array<double, 3> scale{}, offset{};
+  std::vector<LasExtra> extras;  ///< they fill the records' rest
+};
+
+/** Reads the header and the VLRs. \param[in] bytes those before the points, at least; \param[in] size of
+ * the whole file, in bytes. */
+Result<LasHeader>
+parseLasHeader(const std::vector<unsigned char>& bytes, std::uint64_t size);
+
+/** The header of a new file, version 1.4, of a point format from 6 on; counts, box and record length
+ * are put in when it is written. */
+std::vector<unsigned char>
+newLasHead(int format);
+
+/** A head with the VLR of extra bytes replaced, or taken away where there are no extras. */
+Result<std::vector<unsigned char>>
+withExtras(const std::vector<unsigned char>& head, const std::vector<LasExtra>& extras);
+
+}  // namespace pcl_slim

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/text/text_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include "io/text/decimal.h"
+
+namespace pcl_slim {
+
+namespace {
+
+constexpr std::size_t kMostColumns = 4096;
+
+using Word = std::pair<const char*, const char*>;
+
+bool
+isBlank(char c)
+{
+  return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+}
+
+Word
+trimmed(const char* begin, const char* end)
+{
+  while (begin != end && isBlank(*begin)) ++begin;
+  while (begin != end && isBlank(end[-1])) --end;
+  if (end - begin > 1 && *begin == '"' && end[-1] == '"') return {begin + 1, end - 1};
+  return {begin, end};
+}
+
+bool
+isNumber(const Word& word)
+{
+  double value = 0;
+  bool in_float = false;
+  return parseDecimal(word.first, word.second, value, in_float);
+}
+
+/** Names of columns do not start as numbers do. */
+bool
+startsNumber(const Word& word)
+{
+  return word.first != word.second && std::strchr("+-.0123456789", *word.first) != nullptr;
+}
+
+std::string
+textOf(const Word& word)
+{
+  constexpr std::ptrdiff_t kMost = 40;
+  return {word.first, word.first + std::min(kMost, word.second - word.first)};
+}
+
+class TableReader {
+ public:
+  explicit TableReader(const std::vector<unsigned char>& bytes)
+      : at_(reinterpret_cast<const char*>(bytes.data())), end_(at_ + bytes.size())
+  {
+    if (bytes.size() >= 3 && std::memcmp(at_, "\xef\xbb\xbf", 3) == 0) at_ += 3;
+  }
+
+  Result<TextTable> read()
+  {
+    if (std::memchr(at_, 0, static_cast<std::size_t>(end_ - at_)))
+      return badInput(
+          "it is no text: it holds bytes of 0; name a file of the format that its "
+          "extension says");
+    while (at_ != end_) {
+      const char* stop =
+          static_cast<const char*>(std::memchr(at_, '\n', static_cast<std::size_t>(end_ - at_)));
+      const Word line = trimmed(at_, stop ? stop : end_);
+      at_ = stop ? stop + 1 : end_;
+      ++line_;
+      if (line.first == line.second) continue;
+      if (Error error = takeLine(line)) return error;
+    }
+    if (table_.columns.empty()) return badInput("it has no points: give one a line, as x y z");
+    if (expected_ > table_.rows()) {
+      return badInput("the file is truncated: " + std::to_string(table_.rows()) + " of " +
+                      std::to_string(expected_) + " points; copy it again");
+    }
+    return std::move(table_);
+  }
+
+ private:
+  static bool isComment(const Word& line)
+  {
+    const char c = *line.first;
+    const bool slashes = line.second - line.first > 1 && c == '/' && line.first[1] == '/';
+    return c == '#' || c == '%' || slashes;
+  }
+
+  Error takeLine(const Word& line)
+  {
+    if (isComment(line)) {
+      takeComment(line);
+      return {};
+    }
+    if (!begun_) chooseSeparator(line);
+    split(line);
+    if (words_.size() == 1 && takeCount(words_[0])) return {};
+    if (!begun_) {
+      begun_ = true;
+      if (!isNumber(words_[0])) {
+        if (startsNumber(words_[0])) return noNumber(words_[0]);
+        names_.clear();
+        for (const Word& word : words_) names_.push_back(textOf(word));
+        return {};
+      }
+    }
+    if (table_.columns.empty()) {
+      if (Error error = beginRows()) return error;
+    }
+    return takeRow();
+  }
+
+  void takeComment(const Word& line)
+  {
+    const char* from = line.first;
+    while (from != line.second && (*from == '#' || *from == '/' || *from == '%' || isBlank(*from)))
+      ++from;
+    table_.comments.emplace_back(from, line.second);
+    if (!table_.columns.empty() || from == line.second) return;
+    chooseSeparator({from, line.second});
+    split({from, line.second});
+    std::vector<std::string> names;
+    for (const Word& word : words_) names.push_back(textOf(word));
+    const auto has = [&names](char low, char high) {
+      return std::any_of(names.begin(), names.end(), [=](const std::string& name) {
+        return name.size() == 1 && (name[0] == low || name[0] == high);
+      });
+    };
+    if (has('x', 'X') && has('y', 'Y') && has('z', 'Z')) names_ = names;
+  }
+
+  void chooseSeparator(const Word& line)
+  {
+    for (const char separator : {';', ','}) {
+      separator_ = separator;
+      if (std::find(line.first, line.second, separator) != line.second) return;
+    }
+    separator_ = ' ';
+  }
+
+  void split(const Word& line)
+  {
+    words_.clear();
+    const char* at = line.first;
+    while (at != line.second) {
+      const auto ends = [this](char c) { return separator_ == ' ' ? isBlank(c) : c == separator_; };
+      const char* stop = std::find_if(at, line.second, ends);
+      if (separator_ != ' ' || stop != at) words_.push_back(trimmed(at, stop));
+      at = stop == line.second ? stop : stop + 1;
+    }
+    // A separator at the end is followed by an empty field only where one is missing.
+    const std::size_t wanted = std::max(table_.columns.size(), names_.size());
+    if (separator_ != ' ' && line.second[-1] == separator_ && words_.size() < wanted)
+      words_.emplace_back(line.second, line.second);
+  }
+
+  /** A line that says how many rows follow. */
+  bool takeCount(const Word& word)
+  {
+    double count = 0;
+    bool in_float = false;
+    if (!parseDecimal(word.first, word.second, count, in_float)) return false;
+    if (!(count >= 0 && count < 1e15 && count == std::floor(count))) return false;
+    expected_ = table_.rows() + static_cast<std::size_t>(count);
+    return true;
+  }
+
+  Error beginRows()
+  {
+    if (words_.size() > kMostColumns)
+      return badInput("line " + std::to_string(line_) + " has more than 4096 columns; split them");
+    table_.columns.resize(words_.size());
+    table_.named = names_.size() == words_.size();
+    if (!table_.named && !names_.empty()) {
+      return badInput("line " + std::to_string(line_) + " has " + std::to_string(words_.size()) +
+                      " columns where " + std::to_string(names_.size()) + " are named; mend it");
+    }
+    for (std::size_t k = 0; k < words_.size(); ++k) {
+      if (table_.named) table_.columns[k].name = names_[k];
+      const bool empty = words_[k].first == words_[k].second;
+      table_.columns[k].numeric = !table_.named || empty || isNumber(words_[k]);
+    }
+    first_row_ = line_;
+    return {};
+  }
+
+  Error takeRow()
+  {
+    if (words_.size() != table_.columns.size()) {
+      return badInput("line " + std::to_string(line_) + " has " + std::to_string(words_.size()) +
+                      " columns, line " + std::to_string(first_row_) + " has " +
+                      std::to_string(table_.columns.size()) + "; mend it");
+    }
+    for (std::size_t k = 0; k < words_.size(); ++k) {
+      TextColumn& column = table_.columns[k];
+      double value = std::numeric_limits<double>::quiet_NaN();
+      const auto [begin, end] = words_[k];
+      if (column.numeric && begin != end && !parseDecimal(begin, end, value, column.in_float)) {
+        return noNumber(words_[k]);
+      }
+      note(value, column);
+      table_.values.push_back(value);
+    }
+    return {};
+  }
+
+  Error noNumber(const Word& word) const
+  {
+    return badInput("line " + std::to_string(line_) + ": '" + textOf(word) +
+                    "' is no number; mend it (decimals have a point)");
+  }
+
+  static void note(double value, TextColumn& column)
+  {
+    if (!std::isfinite(value)) return;
+    column.whole = column.whole && value == std::floor(value);
+    column.least = std::min(column.least, value);
+    column.most = std::max(column.most, value);
+  }
+
+  const char* at_;
+  const char* end_;
+  char separator_ = ' ';
+  bool begun_ = false;
+  std::size_t line_ = 0, first_row_ = 0, expected_ = 0;
+  std::vector<std::string> names_;
+  std::vector<Word> words_;
+  TextTable table_;
+};
+
+}  // namespace
+
+Result<TextTable>
+parseTextTable(const std::vector<unsigned char>& bytes)
+{
+  return TableReader(bytes).read();
+}
+
+}  // namespace pcl_slim

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/filters/slim_smoother_base.h"
+
+#include <pcl/console/print.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "smoother/upsampling.h"
+
+namespace pcl_slim {
+
+using namespace detail;
+
+namespace {
+
+// Variance of a fit's value at its centre, in units of sigma^2 / (points in the ball), for points spread
+// evenly: 4.17 for MovingLeastSquares (weight exp(-d^2/r^2) within r, order 2), 8.36 up to degree 3 and
+// 16.1 at degree 4 for ours (weight (1 - d^2/R^2)^4). Equal at R^2 / r^2 = 8.36 / 4.17 and 16.1 / 4.17.
+constexpr double kRadiiOfCubic = 1.42;
+constexpr double kRadiiOfQuartic = 1.97;
+constexpr double kPlaceReach =
+    0.5;  ///< of a ball's radius: half of it is surely covered beside the foot
+
+Error
+needsPositive(const char* what)
+{
+  return {ErrorCode::kBadArgument, std::string(what) + " must be a positive number; set it"};
+}
+
+bool
+isPositive(double value)
+{
+  return value > 0 && std::isfinite(value);
+}
+
+}  // namespace
+
+void
+SLIMSmootherBase::warnUnused(const char* setter)
+{
+  if (warned_) return;
+  warned_ = true;
+  PCL_WARN(
+      "[pcl_slim::SLIMProjectionSmoother::%s] accepted for MovingLeastSquares' sake; it has no "
+      "effect "
+      "here\n",
+      setter);
+}
+
+void
+SLIMSmootherBase::setSqrGaussParam(double value)
+{
+  sqr_gauss_param_ = value;
+  warnUnused("setSqrGaussParam");
+}
+
+double
+SLIMSmootherBase::getSqrGaussParam() const
+{
+  return sqr_gauss_param_ > 0 ? sqr_gauss_param_ : search_radius_ * search_radius_;
+}
+
+void
+SLIMSmootherBase::setCacheMLSResults(bool cache)
+{
+  cache_results_ = cache;
+  if (cache) warnUnused("setCacheMLSResults");
+}
+
+void
+SLIMSmootherBase::setProjectionMethod(pcl::MLSResult::ProjectionMethod method)
+{
+  projection_method_ = method;
+  warnUnused("setProjectionMethod");
+}
+
+Error
+SLIMSmootherBase::checkSmoother(bool has_distinct) const
+{
+  if (!(search_radius_ >= 0) || !std::isfinite(search_radius_))
+    return {ErrorCode::kBadArgument, "the search radius must not be negative (0: none)"};
+  if (curvature_ == kSurfaceVariation && search_radius_ == 0) {
+    return {ErrorCode::kBadArgument,
+            "surface variation is that of a neighbourhood: give its radius to setSearchRadius()"};
+  }
+  switch (upsampling_) {
+    case NONE: return {};
+    case DISTINCT_CLOUD:
+      if (has_distinct) return {};
+      return {ErrorCode::kBadInput, "no distinct cloud is set; call setDistinctCloud()"};
+    case SAMPLE_LOCAL_PLANE:
+      if (!isPositive(upsampling_radius_)) return needsPositive("the upsampling radius");
+      if (!isPositive(upsampling_step_)) return needsPositive("the upsampling step");
+      if (upsampling_radius_ <= 1000 * upsampling_step_) return {};
+      return {ErrorCode::kBadArgument, "the upsampling step is too small for its radius; raise it"};
+    case RANDOM_UNIFORM_DENSITY:
+      if (search_radius_ == 0) return needsPositive("the search radius, which density is told in,");
+      return point_density_ > 0 ? Error() : needsPositive("the point density");
+    case VOXEL_GRID_DILATION:
+      if (!isPositive(voxel_size_)) return needsPositive("the voxel size");
+      if (dilations_ >= 0 && dilations_ <= 1000) return {};
+      return {ErrorCode::kBadArgument, "the dilation iterations must be 0 to 1000"};
+  }
+  return {ErrorCode::kBadArgument, "the upsampling method is none of the five; name one"};
+}
+
+double
+SLIMSmootherBase::noiseOf(const SLIMSurface& surface)
+{
+  const double sigma = surface.info.diagonal * surface.info.scale;
+  return surface.info.lambda * sigma * sigma;
+}
+
+bool
+SLIMSmootherBase::smooth(const CloudView& points, bool curvature, CloudProjection& projection)
+{
+  const FitParams own = params_;
+  const int degree = own.resolved().degree;
+  const double radii = degree < 4 ? kRadiiOfCubic : kRadiiOfQuartic;
+  params_.least_radius = std::max(own.least_radius, radii * search_radius_);
+  ProjectionParams params;
+  params.curvature = curvature;
+  const bool done = project(points, points, params, projection);
+  params_ = own;
+  const SurfaceConstPtr& surface = getSurface() ? getSurface() : getFittedSurface();
+  noise_ = done && surface ? noiseOf(*surface) : 0.0;
+  return done;
+}
+
+void
+SLIMSmootherBase::Candidates::add(std::size_t from, const std::array<double, 3>& place)
+{
+  source.push_back(static_cast<std::uint32_t>(from));
+  xyz.insert(xyz.end(), place.begin(), place.end());
+}
+
+/** Moves candidates to their projection, and drops those without support. */
+void
+SLIMSmootherBase::Candidates::keep(const CloudProjection& projection)
+{
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < source.size(); ++i) {
+    if (!projection.isSupported(i)) continue;
+    const Position p = projection.point(i).position;
+    for (std::size_t a = 0; a < 3; ++a) {
+      xyz[3 * kept + a] = p[a];
+      normals[3 * kept + a] = normals[3 * i + a];
+    }
+    source[kept++] = source[i];
+  }
+  source.resize(kept);
+  xyz.resize(3 * kept);
+  normals.resize(3 * kept);
+}
+
+/** Adds places in the tangent plane of an input point's foot. */
+void
+SLIMSmootherBase::Candidates::addAround(const CloudProjection& own, std::size_t from,
+                                        const std::vector<std::array<double, 2>>& steps)
+{
+  const ProjectedPoint foot = own.point(from);
+  const Tangents t(foot.normal);
+  for (const auto& [u, v] : steps) {
+    Position p = foot.position;
+    for (std::size_t a = 0; a < 3; ++a) p[a] += u * t.u[a] + v * t.v[a];
+    add(from, p);
+  }
+}
+
+void
+SLIMSmootherBase::sampleAround(const CloudView& points, const CloudProjection& own,
+                               Candidates& candidates) const
+{
+  const bool by_density = upsampling_ == RANDOM_UNIFORM_DENSITY;
+  const auto grid = by_density ? std::vector<std::array<double, 2>>()
+                               : discGrid(upsampling_radius_, upsampling_step_);
+  const auto counts =
+      by_density ? countNeighbors(points, search_radius_) : std::vector<std::uint32_t>();
+  for (std::size_t i = 0; i < own.size(); ++i) {
+    if (!own.isSupported(i)) continue;
+    if (!by_density) {
+      candidates.addAround(own, i, grid);
+      continue;
+    }
+    const auto wanted = static_cast<std::size_t>(point_density_ / 2.0 / counts[i]);
+    if (wanted == 0)
+      candidates.add(i, own.point(i).position);
+    else
+      candidates.addAround(own, i, discSamples(wanted, search_radius_ / 2, params_.seed + i));
+  }
+}
+
+bool
+SLIMSmootherBase::collect(const CloudView& points, const CloudProjection& own,
+                          const CloudView& distinct, Candidates& candidates)
+{
+  if (upsampling_ == SAMPLE_LOCAL_PLANE || upsampling_ == RANDOM_UNIFORM_DENSITY) {
+    sampleAround(points, own, candidates);
+    return true;
+  }
+  std::vector<Position> places;
+  if (upsampling_ == VOXEL_GRID_DILATION) {
+    auto corners = dilatedVoxels(points, voxel_size_, dilations_);
+    if (!corners) return fail(corners.error().code, corners.error().message);
+    places = std::move(*corners);
+  }
+  for (std::size_t i = 0; upsampling_ == DISTINCT_CLOUD && i < distinct.count(); ++i) {
+    const Position p = positionOf(distinct, i);
+    if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2])) places.push_back(p);
+  }
+  const std::vector<std::uint32_t> nearest = nearestPoints(points, places);
+  for (std::size_t i = 0; i < places.size(); ++i) candidates.add(nearest[i], places[i]);
+  return true;
+}
+
+bool
+SLIMSmootherBase::upsample(const CloudView& points, bool curvature, const CloudProjection& own,
+                           const CloudView& distinct, Candidates& candidates,
+                           CloudProjection& projection)
+{
+  if (!collect(points, own, distinct, candidates)) return false;
+  if (candidates.source.empty()) return true;
+  candidates.normals.resize(candidates.xyz.size(), 0.0f);
+  for (std::size_t i = 0; i < candidates.source.size(); ++i) {
+    if (!own.isSupported(candidates.source[i])) continue;
+    const auto normal = own.point(candidates.source[i]).normal;
+    std::copy(normal.begin(), normal.end(),
+              candidates.normals.begin() + static_cast<std::ptrdiff_t>(3 * i));
+  }
+  CloudView view;
+  view.xyz = candidates.xyz.data();
+  view.xyz_stride = 3 * sizeof(double);
+  view.scalar = CloudView::Scalar::kDouble;
+  view.size = candidates.source.size();
+  if (points.normal != nullptr) {  // they keep sheets apart, as those of the input do
+    view.normal = candidates.normals.data();
+    view.normal_stride = 3 * sizeof(float);
+  }
+  ProjectionParams params;
+  params.reach = kPlaceReach;
+  CloudProjection near;
+  if (!projectMore(view, params, near)) return false;
+  candidates.keep(near);
+  if (candidates.source.empty()) return true;
+  view.xyz = candidates.xyz.data();
+  view.normal = view.normal ? candidates.normals.data() : nullptr;
+  view.size = candidates.source.size();
+  params.curvature = curvature;
+  return projectMore(view, params, projection);
+}
+
+ProjectedPoint
+SLIMSmootherBase::upsampled(const Candidates& candidates, const CloudProjection& projection,
+                            std::size_t i) const
+{
+  ProjectedPoint point = projection.point(i);
+  const float* normal = candidates.normals.data() + 3 * i;
+  const float along =
+      normal[0] * point.normal[0] + normal[1] * point.normal[1] + normal[2] * point.normal[2];
+  if (along < 0.0f) {
+    for (float& component : point.normal) component = -component;
+    point.mean_curvature = -point.mean_curvature;
+  }
+  return point;
+}
+
+float
+SLIMSmootherBase::curvatureOf(const ProjectedPoint& point) const
+{
+  const double mean = point.mean_curvature, gaussian = point.gaussian_curvature;
+  const double half_gap = std::sqrt(std::max(0.0, mean * mean - gaussian));
+  switch (curvature_) {
+    case kMean: return point.mean_curvature;
+    case kGaussian: return point.gaussian_curvature;
+    case kMaximum: return static_cast<float>(mean + half_gap);
+    case kMinimum: return static_cast<float>(mean - half_gap);
+    case kSurfaceVariation: break;
+  }
+  // Over a disc of radius r the heights (k1 u^2 + k2 v^2) / 2 have the variance
+  // r^4 ((k1^2 + k2^2) / 64 - k1 k2 / 96), the coordinates u and v have r^2 / 4 each.
+  const double r_sq = search_radius_ * search_radius_;
+  const double squares = 4 * mean * mean - 2 * gaussian;
+  const double heights =
+      std::max(0.0, r_sq * r_sq * (squares / 64 - gaussian / 96)) + std::max(0.0, noise_);
+  const double tangential = r_sq / 4;
+  const double least = std::min(heights, tangential);
+  return static_cast<float>(least / (heights + 2 * tangential));
+}
+
+}  // namespace pcl_slim

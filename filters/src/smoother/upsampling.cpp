@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "smoother/upsampling.h"
+
+#include <pcl/point_types.h>
+#include <pcl/search/kdtree.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+
+namespace pcl_slim::detail {
+
+namespace {
+
+constexpr std::uint64_t kAxisBits = 21;
+constexpr double kMostVoxels = 2097151.0;  ///< along an axis: 21 bits
+
+bool
+isFinite(const Position& p)
+{
+  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
+}
+
+/** A search tree of the finite points; coordinates are taken from the first of them. */
+struct PointTree {
+  pcl::PointCloud<pcl::PointXYZ>::Ptr points = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+  std::vector<std::uint32_t> source;
+  Position origin{};
+  pcl::search::KdTree<pcl::PointXYZ> tree{false};
+
+  explicit PointTree(const CloudView& view)
+  {
+    for (std::size_t i = 0; i < view.count(); ++i) {
+      const Position p = positionOf(view, i);
+      if (!isFinite(p)) continue;
+      if (source.empty()) origin = p;
+      source.push_back(static_cast<std::uint32_t>(i));
+      points->push_back(local(p));
+    }
+    if (!source.empty()) tree.setInputCloud(points);
+  }
+
+  pcl::PointXYZ local(const Position& p) const
+  {
+    return {static_cast<float>(p[0] - origin[0]), static_cast<float>(p[1] - origin[1]),
+            static_cast<float>(p[2] - origin[2])};
+  }
+};
+
+/** The next number of a sequence, in [0, 1). */
+double
+nextShare(std::uint64_t& state)
+{
+  state += 0x9e3779b97f4a7c15u;
+  std::uint64_t bits = state;
+  bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
+  bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
+  return std::ldexp(static_cast<double>((bits ^ (bits >> 31)) >> 11), -53);
+}
+
+void
+makeUnique(std::vector<std::uint64_t>& keys)
+{
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+}
+
+/** Joins every voxel by those up to so many steps along an axis. */
+void
+dilateAlong(int axis, int steps, std::vector<std::uint64_t>& keys)
+{
+  const std::uint64_t step = std::uint64_t{1} << (kAxisBits * static_cast<std::uint64_t>(2 - axis));
+  std::vector<std::uint64_t> wider;
+  wider.reserve(keys.size() * static_cast<std::size_t>(2 * steps + 1));
+  for (const std::uint64_t key : keys) {
+    const std::uint64_t first = key - static_cast<std::uint64_t>(steps) * step;
+    for (int k = 0; k <= 2 * steps; ++k)
+      wider.push_back(first + static_cast<std::uint64_t>(k) * step);
+  }
+  makeUnique(wider);
+  keys = std::move(wider);
+}
+
+}  // namespace
+
+Position
+positionOf(const CloudView& view, std::size_t i)
+{
+  const auto* at =
+      static_cast<const unsigned char*>(view.xyz) + view.inputIndex(i) * view.xyz_stride;
+  Position p{};
+  if (view.scalar == CloudView::Scalar::kDouble) {
+    std::memcpy(p.data(), at, sizeof(p));
+    return p;
+  }
+  std::array<float, 3> q{};
+  std::memcpy(q.data(), at, sizeof(q));
+  return {q[0], q[1], q[2]};
+}
+
+Tangents::Tangents(const std::array<float, 3>& normal)
+{
+  const double x = normal[0], y = normal[1], z = normal[2];
+  // Duff et al., Building an orthonormal basis, revisited, JCGT 2017.
+  const double sign = z < 0.0 ? -1.0 : 1.0, a = -1.0 / (sign + z), b = x * y * a;
+  u = {1.0 + sign * x * x * a, sign * b, -sign * x};
+  v = {b, sign + y * y * a, -y};
+}
+
+std::vector<std::array<double, 2>>
+discGrid(double radius, double step)
+{
+  std::vector<std::array<double, 2>> grid;
+  for (std::size_t i = 0;; ++i) {
+    const double u = static_cast<double>(i) * step - radius;
+    if (u > radius) return grid;
+    for (std::size_t j = 0;; ++j) {
+      const double v = static_cast<double>(j) * step - radius;
+      if (v > radius) break;
+      if (u * u + v * v < radius * radius) grid.push_back({u, v});
+    }
+  }
+}
+
+std::vector<std::array<double, 2>>
+discSamples(std::size_t count, double radius, std::uint64_t seed)
+{
+  std::vector<std::array<double, 2>> samples;
+  while (samples.size() < count) {
+    const double u = 2 * nextShare(seed) - 1, v = 2 * nextShare(seed) - 1;
+    if (u * u + v * v <= 1) samples.push_back({radius * u, radius * v});
+  }
+  return samples;
+}
+
+Result<std::vector<Position>>
+dilatedVoxels(const CloudView& view, double edge, int dilations)
+{
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  Position low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
+  for (std::size_t i = 0; i < view.count(); ++i) {
+    const Position p = positionOf(view, i);
+    if (!isFinite(p)) continue;
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], p[a]);
+      high[a] = std::max(high[a], p[a]);
+    }
+  }
+  for (std::size_t a = 0; a < 3; ++a) {
+    low[a] -= edge * (dilations + 1);
+    if ((high[a] - low[a]) / edge + dilations + 2 > kMostVoxels) {
+      return Error{ErrorCode::kBadArgument,
+                   "there would be more than two million voxels along an axis: make them larger"};
+    }
+  }
+  std::vector<std::uint64_t> keys;
+  for (std::size_t i = 0; i < view.count(); ++i) {
+    const Position p = positionOf(view, i);
+    if (!isFinite(p)) continue;
+    std::uint64_t key = 0;
+    for (std::size_t a = 0; a < 3; ++a)
+      key = key << kAxisBits | static_cast<std::uint64_t>((p[a] - low[a]) / edge);
+    keys.push_back(key);
+  }
+  makeUnique(keys);
+  for (int axis = 0; axis < 3 && dilations > 0; ++axis) dilateAlong(axis, dilations, keys);
+  std::vector<Position> corners;
+  constexpr std::uint64_t kMask = (std::uint64_t{1} << kAxisBits) - 1;
+  for (const std::uint64_t key : keys) {
+    Position p;
+    for (std::size_t a = 0; a < 3; ++a)
+      p[a] = low[a] + edge * static_cast<double>(key >> (kAxisBits * (2 - a)) & kMask);
+    corners.push_back(p);
+  }
+  return corners;
+}
+
+std::vector<std::uint32_t>
+nearestPoints(const CloudView& view, const std::vector<Position>& places)
+{
+  const PointTree points(view);
+  std::vector<std::uint32_t> nearest(places.size(), 0);
+  pcl::Indices found;
+  std::vector<float> distances;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (points.tree.nearestKSearch(points.local(places[i]), 1, found, distances) > 0)
+      nearest[i] = points.source[static_cast<std::size_t>(found.front())];
+  }
+  return nearest;
+}
+
+std::vector<std::uint32_t>
+countNeighbors(const CloudView& view, double radius)
+{
+  const PointTree points(view);
+  std::vector<std::uint32_t> counts(view.count(), 0);
+  pcl::Indices found;
+  std::vector<float> distances;
+  for (std::size_t i = 0; i < points.source.size(); ++i) {
+    const int count = points.tree.radiusSearch((*points.points)[i], radius, found, distances);
+    counts[points.source[i]] = static_cast<std::uint32_t>(count);
+  }
+  return counts;
+}
+
+}  // namespace pcl_slim::detail

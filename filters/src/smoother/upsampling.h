@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "pcl_slim/cloud/cloud_view.h"
+#include "pcl_slim/core/error.h"
+
+namespace pcl_slim::detail {
+
+using Position = std::array<double, 3>;
+
+/** The coordinates of the i-th point that a view asks for. */
+Position
+positionOf(const CloudView& view, std::size_t i);
+
+/** Two unit tangents that with the normal make a right-handed frame. */
+struct Tangents {
+  std::array<double, 3> u, v;
+
+  explicit Tangents(const std::array<float, 3>& normal);
+};
+
+/** Displacements (u, v) on a grid of this step over the open disc of this radius, as
+ * pcl::MovingLeastSquares lays it: from -radius on. */
+std::vector<std::array<double, 2>>
+discGrid(double radius, double step);
+
+/** Displacements spread evenly over the closed disc of this radius; the same for the same seed. */
+std::vector<std::array<double, 2>>
+discSamples(std::size_t count, double radius, std::uint64_t seed);
+
+/** Corners of voxels of this edge that hold points, joined so often by all their neighbours; ascending in
+ * x, then y, then z. \return an error for voxels too small to be counted. */
+Result<std::vector<Position>>
+dilatedVoxels(const CloudView& view, double edge, int dilations);
+
+/** For each place the nearest finite point that the view asks for. O(places log points). */
+std::vector<std::uint32_t>
+nearestPoints(const CloudView& view, const std::vector<Position>& places);
+
+/** How many points lie within a radius of each point that the view asks for, itself included; 0 for those
+ * that are not finite. */
+std::vector<std::uint32_t>
+countNeighbors(const CloudView& view, double radius);
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,93 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# One scan in every format that programs read: the same points, columns named, fields kept.
+# Arguments: programs' folder, an empty folder to work in, folder of real scans (may be empty).
+source "$(dirname -- "${BASH_SOURCE[0]}")/../support/program_test.sh"
+program=pcl_slim_fit
+
+# Points of the sheet z = sin(6 x) cos(5 y) / 10 with noise, six decimals each.
+awk 'BEGIN { srand(5)
+  for (i = 0; i < 4000; ++i) {
+    x = rand(); y = rand(); z = 0.1 * sin(6 * x) * cos(5 * y) + 0.002 * (rand() - 0.5)
+    printf "%.6f %.6f %.6f\n", x, y, z
+  } }' > rows
+{
+  printf 'VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 4000\nHEIGHT 1\nDATA ascii\n'
+  cat rows
+} > scan.pcd
+cp rows scan.xyz
+{ echo 4000; cat rows; } > scan.pts
+{ echo 'X,Y,Z'; tr ' ' ',' < rows; } > scan.csv
+sed 's/ /\t/g' rows > scan.txt
+sed 's/^/v /' rows > scan.obj
+{ echo OFF; echo '4000 0 0'; cat rows; } > scan.off
+expect 0 '' scan.pcd wanted.slim
+for name in scan.xyz scan.pts scan.csv scan.txt scan.obj scan.off; do
+  expect 0 '' $name got.slim -json got.json
+  same wanted.slim got.slim
+  case $name in
+    *.obj | *.off) ! grep -q '"columns"' got.json || complain "$name has columns" ;;
+    *)
+      grep -q '"columns": "x y z' got.json || complain "$name: no columns in the report"
+      grep -q '^  columns: x y z' out.txt || complain "$name: columns are not told"
+      ;;
+  esac
+done
+grep -q 'guessed from the numbers' got.json && complain "an OFF file has no columns"
+expect 0 '' scan.csv got.slim
+grep -q 'as the file names them' out.txt || complain "columns of a header are not guessed"
+
+# An STL file's facets are faces, which give normals.
+awk 'BEGIN { print "solid s"; n = 30
+  for (j = 0; j < n; ++j) for (i = 0; i < n; ++i) for (k = 0; k < 2; ++k) {
+    print "facet normal 0 0 1\nouter loop"
+    for (c = 0; c < 3; ++c) {
+      x = i + (c == 1 || (c == 2 && k == 0)); y = j + (c == 2 || (c == 1 && k == 1))
+      print "vertex", x, y, sin(x / 5)
+    }
+    print "endloop\nendfacet"
+  }
+  print "endsolid s" }' > mesh.stl
+expect 0 '' mesh.stl mesh.slim -json mesh.json
+[ "$(value mesh.json points)" = 961 ] || complain "corners of facets are not joined"
+[ "$(value mesh.json normals)" = '"mesh"' ] || complain "no normals of facets"
+
+# LAS: smoothed in place, nothing lost; curvatures beside; and on to other programs.
+awk '{ print $0, NR % 50, NR % 256, 255 - NR % 256, 7 }' rows > colored.pts
+{ echo 'x,y,z,intensity,red,green,blue,gps_time,classification,return_number,number_of_returns'
+  awk 'BEGIN { OFS = ","; OFMT = "%.6f" } { print 500000 + $1, 4918360 + $2, $3, NR % 50, NR, 2, 3, 1000 + NR / 8, NR % 20, 1 + NR % 2, 2 }' rows
+} > survey.csv
+program=pcl_slim_smooth
+expect 0 '' survey.csv survey.las -json survey.json
+expect 0 '' survey.las again.las -normals -json again.json
+[ "$(value again.json normals)" = '"none"' ] || complain "a LAS file without normals has some"
+expect 0 '' again.las again.pcd
+grep -a -q '^FIELDS x y z intensity return_number .* classification .* gps_time red green blue normal_x' again.pcd ||
+  complain "fields of LAS: $(grep -a FIELDS again.pcd)"
+program=pcl_slim_curvature
+expect 0 '' survey.las curved.las
+expect 0 '' curved.las curved.pcd
+grep -a -q ' k1 k2 mean_curvature gaussian_curvature' curved.pcd || complain "no curvature in LAS"
+program=pcl_color_splat_sampling
+expect 0 '' colored.pts splats.pcd -json splats.json
+grep -q '"colors": true' splats.json || complain "no colours of a .pts file"
+expect 0 '' survey.las splats.pcd -json splats.json
+grep -q '"colors": true' splats.json || complain "no colours of a .las file"
+expect 2 'name a .pcd or .ply' survey.las splats.las
+
+# What is not read names the command that converts it; damage is named in one line.
+program=pcl_slim_fit
+expect 2 "laszip -i 'a.laz' -o 'a.las'" a.laz d.slim
+expect 2 "pdal translate 'a.e57' 'a.las'" a.e57 d.slim
+head -c 9000 survey.las > cut.las
+expect 2 'truncated' cut.las d.slim
+head -c 100 survey.las > cut.las
+expect 2 'truncated' cut.las d.slim
+head -n 3000 scan.pts > cut.pts
+expect 2 '2999 of 4000' cut.pts d.slim
+echo '1 2' >> scan.xyz
+expect 2 'line 4001' scan.xyz d.slim
+: > empty.las
+expect 2 'empty' empty.las d.slim
+absent d.slim
+finish
