@@ -171,10 +171,13 @@ weigh(const std::vector<ScaleFigures>& figures, const std::vector<PlateauChance>
   const std::vector<Eigen::Array2d> shown = withoutShape(figures, chances, white, constants);
   Eigen::Array2d run(std::log(white), shown.front()[1]);
   Eigen::Array2d noise(std::log(white), 0);
+  double peak = 0;  // greatest growth of the power so far
   for (std::size_t i = 0; i < figures.size(); ++i) {
     const double before = i == 0 ? 1 : chances[i - 1].flat;
     const double moves = std::abs(figures[i].power_growth);
-    const double still = i == 0 ? 0 : fallOff(moves, constants.still);
+    const double still =
+        i == 0 ? 0 : fallOff(moves, std::max(constants.still, constants.slowing * peak));
+    peak = std::max(peak, moves);
     run += (1 - before * (1 - still)) * (shown[i] - run);
     noise += chances[i].slow * (run - noise);
   }

@@ -77,9 +77,11 @@ curveNoise(const CurveNoise& curve, const std::vector<PatchScale>& scales, const
   const double share = ramp(curve.correlation, shared.least, shared.all);
   const double growth = std::log2(curve.variance / white.variance);
   const double part = std::max(share, ramp(growth, shared.chance, shared.plain));
-  NoiseLevel noise = share > 0 ? scaleNoise(scales[curve.scale], constants) : white;
+  NoiseLevel noise = part > 0 ? scaleNoise(scales[curve.scale], constants) : white;
   noise.variance = white.variance * std::exp2(part * growth);
-  setCorrelation(1 + share * (curve.correlation - 1), shared, noise);
+  // What the smallest patches' cubics take along, as on a lidar's rings, their points share.
+  const double taken = std::min(std::exp2(part * growth), shared.all);
+  setCorrelation(std::max(taken, 1 + share * (curve.correlation - 1)), shared, noise);
   return noise;
 }
 

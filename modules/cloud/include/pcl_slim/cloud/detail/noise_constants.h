@@ -32,6 +32,7 @@ struct SharedNoiseConstants {
   double shape = 2;          ///< growth, twice in a row, after which there is shape alone
   double fall = 0.8;         ///< fall of the power that noise does not show
   double still = 0.42;       ///< growth of the power, either way, at which it does not stand still
+  double slowing = 0.5;      ///< the same as a share of the greatest growth before
   double very_still = 0.3;   ///< the same where growth has been steep before
   double spread = 1.5;       ///< growth of a plateau's mean over that of plain places, at most, ...
   double creases = 0.1;      ///< ... and beside it
