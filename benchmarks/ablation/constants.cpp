@@ -74,21 +74,27 @@ addSensorNoise(Changes& all)
 {
   PCL_SLIM_SCALED(noise.uneven);
   PCL_SLIM_SCALED(noise.uneven_share);
-  PCL_SLIM_SCALED(noise.shared.white);
-  PCL_SLIM_SCALED(noise.shared.plateau);
-  PCL_SLIM_SCALED(noise.shared.rise);
+  PCL_SLIM_SCALED(noise.shared.plainest);
+  PCL_SLIM_SCALED(noise.shared.flat);
   PCL_SLIM_SCALED(noise.shared.steep);
   PCL_SLIM_SCALED(noise.shared.slow);
-  PCL_SLIM_SCALED(noise.shared.fall);
-  PCL_SLIM_SCALED(noise.shared.slack);
+  PCL_SLIM_SCALED(noise.shared.most_peak);
+  PCL_SLIM_SCALED(noise.shared.still);
+  PCL_SLIM_SCALED(noise.shared.slowing);
+  PCL_SLIM_SCALED(noise.shared.very_still);
+  PCL_SLIM_SCALED(noise.shared.spread);
   PCL_SLIM_SCALED(noise.shared.creases);
+  PCL_SLIM_SCALED(noise.shared.chance);
+  PCL_SLIM_SCALED(noise.shared.plain);
+  PCL_SLIM_SCALED(noise.shared.all);
+  PCL_SLIM_SCALED(noise.shared.fall);
+  PCL_SLIM_SCALED(noise.white);
   PCL_SLIM_SCALED(noise.shared.least);
   PCL_SLIM_SCALED(noise.shared.counted);
   PCL_SLIM_SCALED(noise.steps.least_points);
   PCL_SLIM_SCALED(noise.steps.least_ratio);
-  PCL_SLIM_SCALED(noise.steps.pure_ratio);
   PCL_SLIM_SCALED(noise.steps.most_ratio);
-  PCL_SLIM_SCALED(noise.steps.growth);
+  PCL_SLIM_SCALED(noise.steps.flat);
   PCL_SLIM_SCALED(noise.steps.correlation);
 }
 

@@ -81,7 +81,6 @@ noiseRules()
       {"floor", "off", [](FitConstants& c) { c.noise.floor = 1e-30; }},
       {"sheets of patches", "off", [](FitConstants& c) { c.noise.sheets.passes = 0; }},
       {"shared noise", "off", [](FitConstants& c) { c.noise.shared.least = kInfinite; }},
-      {"before creases", "off", [](FitConstants& c) { c.noise.shared.creases = kInfinite; }},
       {"steps", "off", [](FitConstants& c) { c.noise.steps.least_points = kInfinite; }},
       {"scan lines", "off", [](FitConstants& c) { c.noise.least_width = 0; }},
       {"uneven noise", "off", [](FitConstants& c) { c.noise.uneven = kInfinite; }},

@@ -19,8 +19,10 @@ NoiseLevel
 patchLevel(const PointStore& store, std::size_t k, const NoiseConstants& constants, int threads)
 {
   // Larger patches average more points each, so fewer of them are needed.
+  const std::size_t smallest =
+      std::max(constants.samples, store.size() / constants.points_per_sample);
   const std::size_t samples =
-      std::max(constants.least_samples, constants.samples * constants.first_neighbors / k);
+      std::max(constants.least_samples, smallest * constants.first_neighbors / k);
   std::vector<double> radii(std::min(samples, store.size()));
   const auto measure = [&](NeighborSearch& search, std::size_t sample, std::size_t s) {
     return patchVariance(store, search, sample, k, constants, radii[s]);

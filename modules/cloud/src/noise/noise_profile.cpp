@@ -73,7 +73,7 @@ measureRaisedProfile(const PointStore& store, const NoiseLevel& level,
   const std::vector<float> wider =
       windowedMeans(runVariances(store, 2 * k, constants, threads), constants);
   for (std::size_t j = 0; j < profile.size(); ++j) {
-    const bool noise = isFlat(profile[j], wider[j], constants.shared);
+    const bool noise = isFlat(profile[j], wider[j], constants);
     const auto ratio = static_cast<float>(wider[j] / level.variance);
     profile[j] = noise ? std::clamp(ratio, 1.0f, 1 / constants.least_ratio) : 1.0f;
   }

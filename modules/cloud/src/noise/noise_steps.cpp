@@ -71,25 +71,23 @@ median(std::vector<double>& values)
   return *middle;
 }
 
-/** Medians over places of the noise, over that of rounding and over that of narrow patches. */
+/** Medians over places of the noise over that of rounding, and of the step. */
 struct StepRatios {
-  double to_rounding = 0, to_narrow = 0, step = 0;
+  double to_rounding = 0, step = 0;
 };
 
 /** One place's. */
 StepRatios
 ratiosAt(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
-         const NoiseConstants& constants, const std::vector<double>& levels, int axis)
+         const std::vector<double>& levels, int axis)
 {
   const Patch patch = patchAbout(store, search, sample, k);
-  const Patch narrow = patchAbout(store, search, sample, constants.steps.narrow);
-  PatchCubic wide_cubic, narrow_cubic;
-  if (!fitCubic(patch, wide_cubic) || !fitCubic(narrow, narrow_cubic)) return {-1, -1, 0};
+  PatchCubic cubic;
+  if (!fitCubic(patch, cubic)) return {-1, 0};
   StepRatios ratios;
   ratios.step = stepAt(levels, store.position(sample)[static_cast<std::size_t>(axis)]);
   const double along = principalAxes(patch.points).eigenvectors()(axis, 0) * ratios.step;
-  ratios.to_rounding = wide_cubic.variance * 12 / std::max(along * along, 1e-300);
-  ratios.to_narrow = wide_cubic.variance / std::max(narrow_cubic.variance, 1e-300);
+  ratios.to_rounding = cubic.variance * 12 / std::max(along * along, 1e-300);
   return ratios;
 }
 
@@ -100,18 +98,17 @@ measureRatios(const PointStore& store, const NoiseConstants& constants, std::siz
   std::vector<StepRatios> ratios(std::min(constants.shared.places, store.size()));
   sampleStore(store, ratios.size(), 1, threads,
               [&](NeighborSearch& search, std::size_t sample, std::size_t s) {
-                ratios[s] = ratiosAt(store, search, sample, k, constants, levels, axis);
+                ratios[s] = ratiosAt(store, search, sample, k, levels, axis);
                 return 0.0;
               });
-  std::vector<double> rounding, narrow, steps;
+  std::vector<double> rounding, steps;
   for (const StepRatios& r : ratios) {
     if (r.to_rounding < 0) continue;
     rounding.push_back(r.to_rounding);
-    narrow.push_back(r.to_narrow);
     steps.push_back(r.step);
   }
   if (rounding.empty()) return {};
-  return {median(rounding), median(narrow), median(steps)};
+  return {median(rounding), median(steps)};
 }
 
 }  // namespace
@@ -134,13 +131,12 @@ measureSteps(const PointStore& store, const NoiseConstants& constants, int threa
   StepRatios wider = found;
   while (wider.to_rounding < steps.full_ratio && 2 * wide <= most) wider = ratios(wide *= 2);
   if (wide > k && wider.to_rounding >= steps.full_ratio &&
-      isFlat(wider.to_rounding, ratios(2 * wide).to_rounding, constants.shared)) {
+      isFlat(wider.to_rounding, ratios(2 * wide).to_rounding, constants)) {
     found = wider;
     k = wide;
   }
   if (!(found.to_rounding > steps.least_ratio) || found.to_rounding > steps.most_ratio) return {};
-  const bool pure = found.to_rounding < steps.pure_ratio;
-  return pure || found.to_narrow > steps.growth ? StepNoise{found.step, k, pure} : StepNoise{};
+  return {found.step, k};
 }
 
 }  // namespace pcl_slim::detail

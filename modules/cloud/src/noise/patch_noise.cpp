@@ -58,9 +58,9 @@ patchAbout(const PointStore& store, NeighborSearch& search, std::size_t sample, 
   return patch;
 }
 
-double
-patchVariance(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
-              const NoiseConstants& constants, double& radius)
+bool
+fitPatch(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
+         const NoiseConstants& constants, PatchCubic& cubic, double& radius)
 {
   k /= patchStride(k, constants);
   Patch patch = patchAbout(store, search, sample, k);
@@ -70,8 +70,15 @@ patchVariance(const PointStore& store, NeighborSearch& search, std::size_t sampl
     keepOwnSheet(constants.sheets, patch);
   }
   radius = patch.radius;
+  return fitCubic(patch, cubic);
+}
+
+double
+patchVariance(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
+              const NoiseConstants& constants, double& radius)
+{
   PatchCubic cubic;
-  return fitCubic(patch, cubic) ? cubic.variance : -1.0;
+  return fitPatch(store, search, sample, k, constants, cubic, radius) ? cubic.variance : -1.0;
 }
 
 std::size_t

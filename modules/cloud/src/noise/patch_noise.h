@@ -38,6 +38,13 @@ patchStride(std::size_t k, const NoiseConstants& constants)
   return std::max<std::size_t>(1, k / constants.patch_points);
 }
 
+/** \brief Fits a cubic to the patch of k points about a sample, to the sample's own sheet where two run
+ * through it. \return false: too few points. \param[in] search over every patchStride(k)-th point
+ * \param[out] radius of the patch */
+bool
+fitPatch(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
+         const NoiseConstants& constants, PatchCubic& cubic, double& radius);
+
 /** \brief Residual variance of a cubic on the patch of k points about a sample, in squared local
  * lengths; < 0: too few points. \param[in] search over every patchStride(k)-th point \param[out]
  * radius of the patch */
@@ -61,7 +68,7 @@ windowedMeans(const std::vector<double>& values, const NoiseConstants& constants
 
 /** \brief Whether a variance grows no more from k to 2 k neighbours than white noise's may. */
 inline bool
-isFlat(double narrow, double wider, const SharedNoiseConstants& constants)
+isFlat(double narrow, double wider, const NoiseConstants& constants)
 {
   return wider <= std::exp2(constants.white) * narrow;
 }

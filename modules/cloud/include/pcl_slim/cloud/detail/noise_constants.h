@@ -13,54 +13,66 @@ struct PatchSheetConstants {
 };
 
 /** \brief How noise that neighbours share is told from detail (docs/theory.md, "Noise that
- * neighbours share"). Growth is the binary logarithm of the factor by which the residual variance
- * grows from k neighbours to 2 k, the median over the places. */
+ * neighbours share"). Growth is the binary logarithm of the factor by which a figure grows from
+ * patches of k points to patches of 2 k. */
 struct SharedNoiseConstants {
-  std::size_t places = 300;    ///< places where residual variances are compared
-  std::size_t most_part = 16;  ///< a patch holds at most 1 / so much of the cloud's points
-  double white = 0.25;         ///< least growth at the first k that can be shared noise
-  double plateau = 0.15;       ///< growth at which noise shows all of itself
-  double rise = 0.3;           ///< growth this far above its least is a surface's detail
-  double steep = 1.0;          ///< growth, after the first, that no noise shows
-  double slow = 0.55;          ///< growth up to which a least one will do for a plateau ...
-  double fall = 0.78;          ///< ... if it has fallen to this share of the greatest before
-
-  double slack = 1.4;     ///< growth over the least that shows as much of the noise
-  double creases = 0.25;  ///< by how much more the trimmed mean grows where creases spoil it
-
-  std::size_t patches = 100;      ///< patches on which the number of sharing neighbours is measured
-  std::size_t least_points = 80;  ///< points of such a patch ...
-  std::size_t most_points = 2560;  ///< ... which are all looked at up to so many
-  double cells = 32;               ///< of equal size, into which a patch's points fall
-  double least = 1.5;              ///< fewer neighbours than that share nothing
-  /// Of more points fits count the geometric mean with this, where no detail shows: a wide tau rounds
-  /// edges, and a part of it costs smooth parts little.
+  std::size_t places = 300;       ///< places where patches are compared
+  std::size_t most_part = 8;      ///< a patch holds at most 1 / so much of the cloud's points
+  std::size_t cells = 32;         ///< of equal size, into which a patch's points fall
+  std::size_t least_points = 80;  ///< points of a patch whose squares can share
+  double plainest =
+      0.35;               ///< share of the places, those of least variance, whose growth counts ...
+  std::size_t ahead = 3;  ///< ... on patches that have doubled so many times
+  double flat_place = 0.5;   ///< growth up to which a place is flat
+  double flat = 0.33;        ///< growth of the variance at which a size of patch is no plateau
+  double slow = 0.62;        ///< the same as a share of the greatest growth before, ...
+  double most_peak = 0.8;    ///< ... of which so much counts
+  double steep = 1.2;        ///< growth that noise does not show ...
+  double steep_width = 0.1;  ///< ... and the width of the passage
+  double shape = 2;          ///< growth, twice in a row, after which there is shape alone
+  double fall = 0.8;         ///< fall of the power that noise does not show
+  double still = 0.42;       ///< growth of the power, either way, at which it does not stand still
+  double slowing = 0.5;      ///< the same as a share of the greatest growth before
+  double very_still = 0.3;   ///< the same where growth has been steep before
+  double spread = 1.5;       ///< growth of a plateau's mean over that of plain places, at most, ...
+  double creases = 0.1;      ///< ... and beside it
+  double most = 0.85;        ///< share of the noise that a profile's patches show
+  double trim = 0.15;        ///< share of patches left out at either end of a size's mean
+  double least = 1.5;        ///< fewer neighbours than that share nothing ...
+  double all = 2;            ///< ... and so many count in full
+  /// Of more points fits count the geometric mean with this: a wide tau rounds edges, and a part of it
+  /// costs smooth parts little.
   double counted = 12;
+  double resolved =
+      1e-7;  ///< RMS noise below which there is rounding of floats alone [L of the bulk]
+  double chance =
+      0.2;             ///< growth from the smallest patches' variance that white noise may show ...
+  double plain = 1.0;  ///< ... and from which on all of it counts
   double given_patch = 32;  ///< points of a patch over a given number that share
 };
 
 /** \brief How a coordinate that a sensor rounds is recognised (docs/theory.md, "Steps"). */
 struct StepConstants {
-  std::size_t scouts = 8192;            ///< points whose coordinates are looked at first
-  double least_points = 50;             ///< points per level, on average
-  std::size_t narrow = 20, wide = 160;  ///< points of the patches whose variances are compared
-  double least_ratio = 0.25;            ///< variance over that of rounding, (step n)^2 / 12 ...
-  double full_ratio = 0.9;              ///< ... all of which patches must show, ...
-  double pure_ratio = 2.0;              ///< ... up to which there is little else, ...
-  double most_ratio = 5.0;              ///< ... and beyond which rounding does not matter
-  double growth = 1.4;     ///< from narrow to wide patches, where there is something else
-  double correlation = 2;  ///< points that share a step's error, at least
+  std::size_t scouts = 8192;  ///< points whose coordinates are looked at first
+  double least_points = 50;   ///< points per level, on average
+  std::size_t wide = 160;     ///< points of the patches whose variance is compared
+  double least_ratio = 0.25;  ///< variance over that of rounding, (step n)^2 / 12 ...
+  double full_ratio = 0.9;    ///< ... all of which patches must show ...
+  double most_ratio = 2.0;    ///< ... and beyond which there is other noise
+  double flat = 0.5;          ///< growth beyond those patches that is a surface's
+  double correlation = 2;     ///< points that share a step's error, at least
 };
 
 /** \brief The measurement of a cloud's noise level (docs/theory.md, "Noise"). */
 struct NoiseConstants {
-  std::size_t first_neighbors = 20;  ///< points of the smallest patch
-  double least_width = 0.5;          ///< of a patch, over its length, that is no line
-  std::size_t most_part = 8;         ///< a patch holds at most 1 / so much of the cloud's points
-  std::size_t patch_points = 320;    ///< points looked at in a patch; larger patches are sampled
-  std::size_t samples = 500;         ///< patches of the smallest size
-  std::size_t least_samples = 100;   ///< patches of a large size
-  double trim = 0.1;                 ///< share of patches left out at either end of a trimmed mean
+  std::size_t first_neighbors = 20;     ///< points of the smallest patch
+  double least_width = 0.5;             ///< of a patch, over its length, that is no line
+  std::size_t most_part = 8;            ///< a patch holds at most 1 / so much of the cloud's points
+  std::size_t patch_points = 320;       ///< points looked at in a patch; larger patches are sampled
+  std::size_t samples = 500;            ///< patches of the smallest size ...
+  std::size_t points_per_sample = 250;  ///< ... and of large clouds one for so many points
+  std::size_t least_samples = 100;      ///< patches of a large size
+  double trim = 0.1;           ///< share of patches left out at either end of a trimmed mean
   double patch_noise = 0.2;    ///< sqrt(lambda) over the patch's radius above which noise fills it
   double filled_patch = 0.25;  ///< the same ratio, below which noise plainly does not fill a patch
   /// Surface relief keeps more than this share of that ratio in twice as many points; noise has .8.
@@ -77,6 +89,8 @@ struct NoiseConstants {
   std::size_t most_runs = 8192;      ///< entries of a noise profile
   std::size_t window = 8;            ///< runs to either side that an entry rests on
   float least_ratio = 0.001f;        ///< least noise ratio of an entry; its inverse is the largest
+  double white =
+      0.25;  ///< growth of the variance from k to 2 k neighbours up to which noise is white
   double uneven = 2;          ///< variance over the cloud's from which noise passes for detail
   double uneven_share = 0.1;  ///< share of places of so much noise that makes a profile worth it
 

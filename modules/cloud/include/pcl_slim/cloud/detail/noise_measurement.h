@@ -44,7 +44,6 @@ measureSharedNoise(const PointStore& store, double correlation, const NoiseConst
 struct StepNoise {
   double step = 0;            ///< median, local length; 0: none was found
   std::size_t neighbors = 0;  ///< points of the patches that show all of it
-  bool pure = false;          ///< whether there is little other noise
 };
 
 /** \brief The one coordinate that is rounded so coarsely that the noise is mostly rounding, as sensors
@@ -52,12 +51,6 @@ struct StepNoise {
  * others. */
 StepNoise
 measureSteps(const PointStore& store, const NoiseConstants& constants, int threads);
-
-/** \brief tau of cubics' residuals on patches of so many points: the sum of the noise's
- * autocorrelation over a point's neighbours, the point included. 1 for white noise. */
-double
-measureCorrelation(const PointStore& store, std::size_t points, const NoiseConstants& constants,
-                   int threads);
 
 /** \brief NoiseEstimator::kMinEigenvalue10. Nothing for stores of fewer than 12 points. */
 NoiseLevel

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // docs/theory.md, "Noise that neighbours share": how many points share their errors.
+#include "noise/patch_cells.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -63,8 +65,9 @@ class PatchCells {
   double squares_ = 0;
 };
 
-/** tau of errors averaged over squares, of which cells of so many points share so much: a cell of
- * c x c points sees w - (w^2 - 1) / 3 c along each side of a square of w x w. */
+}  // namespace
+
+// A cell of c x c points sees w - (w^2 - 1) / 3 c along each side of a square of w x w.
 double
 squareThatShares(double shared, double points)
 {
@@ -74,11 +77,10 @@ squareThatShares(double shared, double points)
   return width * width;
 }
 
-/** What a patch's residuals say of tau; < 0: nothing. */
 double
-sharedInPatch(const PatchCubic& cubic, const SharedNoiseConstants& constants)
+sharedInPatch(const PatchCubic& cubic, double num_cells)
 {
-  PatchCells cells(constants.cells);
+  PatchCells cells(num_cells);
   const Eigen::Index n = cubic.residuals.size();
   for (Eigen::Index i = 0; i < n; ++i)
     cells.add(cubic.places(2, i), cubic.places(1, i), cubic.residuals[i]);
@@ -88,29 +90,6 @@ sharedInPatch(const PatchCubic& cubic, const SharedNoiseConstants& constants)
   // The cubic follows its points: neighbours' residuals lose so much of what they have in common.
   const double lost = kCubicTerms * partners / static_cast<double>(n);
   return lost < 1 ? shared / (1 - lost) : -1.0;
-}
-
-}  // namespace
-
-double
-measureCorrelation(const PointStore& store, std::size_t points, const NoiseConstants& constants,
-                   int threads)
-{
-  const SharedNoiseConstants& shared = constants.shared;
-  points = std::max(points, shared.least_points);
-  // Of wider patches every so many points are looked at; a point shares with as many fewer of them.
-  const std::size_t stride = std::max<std::size_t>(1, points / shared.most_points);
-  points /= stride;
-  const auto measure = [&](NeighborSearch& search, std::size_t sample, std::size_t) {
-    Patch patch = patchAbout(store, search, sample, points);
-    if (!store.hasNormals()) keepOwnSheet(constants.sheets, patch);
-    PatchCubic cubic;
-    return fitCubic(patch, cubic) ? sharedInPatch(cubic, shared) : -1.0;
-  };
-  auto values = sampleStore(store, shared.patches, stride, resolveThreads(threads), measure);
-  const double among = squareThatShares(trimmedMean(values, constants.trim),
-                                        static_cast<double>(points) / shared.cells);
-  return 1 + static_cast<double>(stride) * (among - 1);
 }
 
 }  // namespace pcl_slim::detail

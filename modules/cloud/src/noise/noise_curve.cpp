@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// docs/theory.md, "Noise that neighbours share": residuals of cubics over the size of the patch.
+#include "noise/noise_curve.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "noise/patch_noise.h"
+
+namespace pcl_slim::detail {
+
+namespace {
+
+/** From 1 at 0 to 0 beyond a width, and flat at both ends. */
+double
+fallOff(double x, double width)
+{
+  const double ratio = std::max(0.0, x) / width;
+  return std::exp(-ratio * ratio * ratio * ratio);
+}
+
+/** The places measured on every given scale, those of the least variance on the last one. */
+std::vector<std::size_t>
+plainestPlaces(const PatchScale& narrow, const PatchScale& wider, const PatchScale& widest,
+               double share)
+{
+  std::vector<std::size_t> places;
+  for (std::size_t s = 0; s < widest.variances.size(); ++s) {
+    if (std::min({narrow.variances[s], wider.variances[s], widest.variances[s]}) >= 0)
+      places.push_back(s);
+  }
+  const std::vector<double>& variances = widest.variances;
+  std::sort(places.begin(), places.end(), [&](std::size_t a, std::size_t b) {
+    return variances[a] != variances[b] ? variances[a] < variances[b] : a < b;
+  });
+  const double count = share * static_cast<double>(places.size());
+  places.resize(std::min(places.size(), static_cast<std::size_t>(std::ceil(count))));
+  return places;
+}
+
+/** Binary logarithm of the ratio of two trimmed means. */
+double
+growthOf(std::vector<double> narrow, std::vector<double> wider, double trim)
+{
+  const double a = trimmedMean(narrow, trim), b = trimmedMean(wider, trim);
+  if (!(a > 0)) return b > 0 ? HUGE_VAL : 0;
+  return std::log2(b / a);
+}
+
+/** What a scale shows, and how it grows to the next. */
+struct ScaleFigures {
+  double variance = 0, correlation = 1;
+  double growth = 0, power_growth = 0;
+};
+
+/** Growth at the plainest places of a wider scale, which do not depend on what is compared. */
+void
+measureGrowth(const std::vector<PatchScale>& scales, std::size_t i,
+              const SharedNoiseConstants& constants, ScaleFigures& figures)
+{
+  const PatchScale &narrow = scales[i], &wider = scales[i + 1];
+  const PatchScale& widest = scales[std::min(i + constants.ahead, scales.size() - 1)];
+  std::vector<double> variances[2], powers[2];
+  for (const std::size_t s : plainestPlaces(narrow, wider, widest, constants.plainest)) {
+    variances[0].push_back(narrow.variances[s]);
+    variances[1].push_back(wider.variances[s]);
+    powers[0].push_back(narrow.power(s));
+    powers[1].push_back(wider.power(s));
+  }
+  figures.growth = growthOf(variances[0], variances[1], constants.trim);
+  figures.power_growth = growthOf(powers[0], powers[1], constants.trim);
+}
+
+/** Level and correlation at the places where the variance grows little: they are flat at this scale. */
+void
+measureFlatPlaces(const PatchScale& scale, const PatchScale& wider, const NoiseConstants& constants,
+                  ScaleFigures& figures)
+{
+  const SharedNoiseConstants& shared = constants.shared;
+  PatchScale flat;
+  flat.k = scale.k;
+  flat.stride = scale.stride;
+  for (std::size_t s = 0; s < scale.variances.size(); ++s) {
+    if (scale.variances[s] < 0 || wider.variances[s] < 0) continue;
+    if (wider.variances[s] > std::exp2(shared.flat_place) * scale.variances[s]) continue;
+    flat.variances.push_back(scale.variances[s]);
+    flat.shared.push_back(scale.shared[s]);
+    flat.radii.push_back(scale.radii[s]);
+  }
+  if (flat.variances.empty()) return;
+  figures.variance = levelOf(flat, constants);
+  if (scale.k >= shared.least_points) figures.correlation = correlationOf(flat, constants);
+}
+
+/** Binary logarithm of the factor by which the power falls, from a scale on, below its greatest. */
+double
+fallAfter(const std::vector<ScaleFigures>& figures, std::size_t i)
+{
+  double power = 0, greatest = 0, fall = 0;
+  for (; i < figures.size(); ++i) {
+    power += figures[i].power_growth;
+    greatest = std::max(greatest, power);
+    fall = std::max(fall, greatest - power);
+  }
+  return fall;
+}
+
+/** Chances that a scale is a plateau of noise. */
+struct PlateauChance {
+  double slow = 0;  ///< its variance grows more slowly than before ...
+  double flat = 0;  ///< ... or hardly at all
+};
+
+std::vector<PlateauChance>
+plateauChances(const std::vector<ScaleFigures>& figures, const SharedNoiseConstants& constants)
+{
+  std::vector<PlateauChance> chances;
+  double gentle = 1;  // chance that no growth so far was a shape's
+  double peak = 0;    // greatest growth so far
+  for (std::size_t i = 0; i < figures.size(); ++i) {
+    const ScaleFigures& f = figures[i];
+    const double still = fallOff(std::abs(f.power_growth), constants.very_still);
+    const double noise = std::max(gentle, still) * fallOff(fallAfter(figures, i), constants.fall);
+    const double slow = constants.slow * std::min(peak, constants.most_peak);
+    chances.push_back({noise * fallOff(f.growth, std::max(constants.flat, slow)),
+                       noise * fallOff(f.growth, constants.flat)});
+    peak = std::max(peak, f.growth);
+    gentle /= 1 + std::exp((f.growth - constants.steep) / constants.steep_width);
+  }
+  return chances;
+}
+
+/** Logarithms of every scale's variance and correlation. After a plateau they grow about as those of
+ * the plainest places do: what else wider patches show is shape. */
+std::vector<Eigen::Array2d>
+withoutShape(const std::vector<ScaleFigures>& figures, const std::vector<PlateauChance>& chances,
+             double white, const SharedNoiseConstants& constants)
+{
+  std::vector<Eigen::Array2d> shown;
+  for (std::size_t i = 0; i < figures.size(); ++i) {
+    const ScaleFigures& f = figures[i];
+    const double variance = f.variance > 0 ? f.variance : white;
+    shown.emplace_back(std::log(variance), std::log(f.correlation));
+    if (i == 0) continue;
+    const ScaleFigures& last = figures[i - 1];
+    const Eigen::Array2d plain(last.growth, last.power_growth - last.growth);
+    const Eigen::Array2d most =
+        shown[i - 1] + std::log(2.0) * (constants.creases + constants.spread * plain.max(0.0));
+    shown[i] -= chances[i - 1].flat * (shown[i] - most).max(0.0);
+  }
+  return shown;
+}
+
+/** The first scale that shows most of a variance. */
+std::size_t
+scaleOf(double variance, const std::vector<ScaleFigures>& figures,
+        const SharedNoiseConstants& constants)
+{
+  std::size_t i = 0;
+  while (i + 1 < figures.size() && figures[i].variance < constants.most * variance) ++i;
+  return i;
+}
+
+/** Moves from what the smallest patches show towards each scale by its chance to be a plateau. A
+ * run of plateaus has its first one's figures unless their power stands still: where the
+ * variance grows by little and the power by more, wide patches hold a little of the shape. */
+CurveNoise
+weigh(const std::vector<ScaleFigures>& figures, const std::vector<PlateauChance>& chances,
+      double white, const SharedNoiseConstants& constants)
+{
+  const std::vector<Eigen::Array2d> shown = withoutShape(figures, chances, white, constants);
+  Eigen::Array2d run(std::log(white), shown.front()[1]);
+  Eigen::Array2d noise(std::log(white), 0);
+  double peak = 0;  // greatest growth of the power so far
+  for (std::size_t i = 0; i < figures.size(); ++i) {
+    const double before = i == 0 ? 1 : chances[i - 1].flat;
+    const double moves = std::abs(figures[i].power_growth);
+    const double still =
+        i == 0 ? 0 : fallOff(moves, std::max(constants.still, constants.slowing * peak));
+    peak = std::max(peak, moves);
+    run += (1 - before * (1 - still)) * (shown[i] - run);
+    noise += chances[i].slow * (run - noise);
+  }
+  const double variance = std::exp(noise[0]);
+  return {variance, std::exp(noise[1]), scaleOf(variance, figures, constants)};
+}
+
+/** Whether a surface's shape has shown in full, as it does on clean clouds at once. */
+bool
+isShape(const std::vector<PatchScale>& scales, const SharedNoiseConstants& constants)
+{
+  const std::size_t n = scales.size();
+  if (n < 3) return false;
+  ScaleFigures before, last;
+  measureGrowth(scales, n - 3, constants, before);
+  measureGrowth(scales, n - 2, constants, last);
+  return std::min(before.growth, last.growth) > constants.shape;
+}
+
+/** What scales from patches of k points on show. \param[in,out] scales those measured. */
+std::vector<ScaleFigures>
+measureFigures(ThinnedPlaces& points, std::size_t k, std::size_t most,
+               const NoiseConstants& constants, int threads, std::vector<PatchScale>& scales)
+{
+  for (; scales.size() < 2 || (k <= most && !isShape(scales, constants.shared)); k *= 2)
+    scales.push_back(measureScale(points, k, constants, threads));
+  std::vector<ScaleFigures> figures(scales.size() - 1);
+  for (std::size_t i = 0; i < figures.size(); ++i) {
+    measureGrowth(scales, i, constants.shared, figures[i]);
+    measureFlatPlaces(scales[i], scales[i + 1], constants, figures[i]);
+  }
+  return figures;
+}
+
+}  // namespace
+
+CurveNoise
+measureCurve(const PointStore& store, std::size_t k, double white, const NoiseConstants& constants,
+             int threads, std::vector<PatchScale>& scales)
+{
+  ThinnedPlaces points(store, constants.shared.places);
+  const auto figures = measureFigures(points, k, store.size() / constants.shared.most_part,
+                                      constants, threads, scales);
+  return weigh(figures, plateauChances(figures, constants.shared), white, constants.shared);
+}
+
+CurveNoise
+measureRounding(const PointStore& store, std::size_t k, const NoiseConstants& constants,
+                int threads, std::vector<PatchScale>& scales)
+{
+  ThinnedPlaces points(store, constants.shared.places);
+  for (const std::size_t size : {k / 2, k, 2 * k})
+    scales.push_back(measureScale(points, size, constants, threads));
+  const double narrow = levelOf(scales[0], constants), wide = levelOf(scales[1], constants);
+  const double growth = std::log2(median(scales[2].variances) / median(scales[1].variances));
+  const double chance = fallOff(growth, constants.steps.flat);
+  const double least = constants.steps.correlation;
+  const double shared = std::max(least, correlationOf(scales[2], constants));
+  return {narrow * std::pow(wide / narrow, chance), least * std::pow(shared / least, chance), 1};
+}
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "noise/patch_scale.h"
+
+namespace pcl_slim::detail {
+
+/** \brief What the scales of a cloud say of its noise. */
+struct CurveNoise {
+  double variance = 0, correlation = 1;
+  std::size_t scale = 0;  ///< that shows most of it
+};
+
+/** \brief Measures scales, from the smallest patches on, until no wider one can show noise, and weighs
+ * what each shows by the chance that it is a plateau (docs/theory.md, "Noise that neighbours share").
+ * \param[in] white variance by the smallest patches \param[out] scales those measured, two at least */
+CurveNoise
+measureCurve(const PointStore& store, std::size_t k, double white, const NoiseConstants& constants,
+             int threads, std::vector<PatchScale>& scales);
+
+/** \brief The noise of a rounded coordinate, whose errors change sign from one terrace to the next, so
+ * that wide cells share nothing. Where detail follows at once, half as wide patches show it.
+ * \param[in] k points of patches that show all of it \param[out] scales those measured */
+CurveNoise
+measureRounding(const PointStore& store, std::size_t k, const NoiseConstants& constants,
+                int threads, std::vector<PatchScale>& scales);
+
+}  // namespace pcl_slim::detail

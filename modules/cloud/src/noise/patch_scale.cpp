@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// docs/theory.md, "Noise that neighbours share": residuals of cubics on patches of one size.
+#include "noise/patch_scale.h"
+
+#include <algorithm>
+#include <array>
+
+#include "noise/patch_cells.h"
+#include "noise/patch_noise.h"
+#include "pcl_slim/core/vector3.h"
+
+namespace pcl_slim::detail {
+
+namespace {
+
+/** Every second point of a store, in its frame. */
+PointStore
+everySecond(const PointStore& store, int threads)
+{
+  std::vector<Vector3> points;
+  std::vector<std::array<float, 3>> normals;
+  points.reserve(store.size() / 2 + 1);
+  for (std::size_t i = 0; i < store.size(); i += 2) {
+    points.push_back(along(store.origin(), store.scale(), store.position(i)));
+    if (store.hasNormals()) normals.push_back(store.normal(i));
+  }
+  CloudView view;
+  view.xyz = points.data();
+  view.xyz_stride = sizeof(points[0]);
+  view.scalar = CloudView::Scalar::kDouble;
+  view.normal = normals.empty() ? nullptr : normals.data();
+  view.normal_stride = sizeof(std::array<float, 3>);
+  view.size = points.size();
+  return *PointStore::build(view, threads, &store);
+}
+
+}  // namespace
+
+double
+PatchScale::power(std::size_t place) const
+{
+  // Of the points left out as many share with a point as their part of all of them.
+  const double sharing = 1 + static_cast<double>(stride) * (shared[place] - 1);
+  return variances[place] * std::max(1.0, sharing);
+}
+
+ThinnedPlaces::ThinnedPlaces(const PointStore& store, std::size_t count) : whole_(store)
+{
+  count = std::min(count, store.size());
+  for (std::size_t s = 0; s < count; ++s)
+    places_.push_back((2 * s + 1) * store.size() / (2 * count));
+}
+
+void
+ThinnedPlaces::thinTo(std::size_t stride, int threads)
+{
+  for (; stride_ < stride; stride_ *= 2) {
+    thinned_ = everySecond(store(), threads);
+    const std::vector<std::uint32_t> stored = thinned_->storeOfInput();
+    for (std::size_t& place : places_) place = stored[place / 2];
+  }
+}
+
+PatchScale
+measureScale(ThinnedPlaces& points, std::size_t k, const NoiseConstants& constants, int threads)
+{
+  PatchScale scale;
+  scale.k = k;
+  scale.stride = patchStride(k, constants);
+  points.thinTo(scale.stride, threads);
+  const std::size_t places = points.places().size();
+  scale.variances.resize(places);
+  scale.shared.resize(places);
+  scale.radii.resize(places);
+  std::vector<NeighborSearch> searches(static_cast<std::size_t>(threads),
+                                       NeighborSearch(points.store()));
+  parallelFor(places, threads, 4, [&](std::size_t s, int thread) {
+    PatchCubic cubic;
+    const bool fits =
+        fitPatch(points.store(), searches[static_cast<std::size_t>(thread)], points.places()[s],
+                 k / scale.stride, constants, cubic, scale.radii[s]);
+    scale.variances[s] = fits ? cubic.variance : -1;
+    scale.shared[s] = fits ? sharedInPatch(cubic, constants.shared.cells) : -1;
+  });
+  return scale;
+}
+
+PatchScale
+measureScale(const PointStore& store, std::size_t k, const NoiseConstants& constants, int threads)
+{
+  ThinnedPlaces points(store, constants.shared.places);
+  return measureScale(points, k, constants, threads);
+}
+
+double
+levelOf(const PatchScale& scale, const NoiseConstants& constants)
+{
+  std::vector<double> variances = scale.variances, radii = scale.radii;
+  const double variance = trimmedMean(variances, constants.shared.trim);
+  const double radius = median(radii);
+  return variance * (1 + 2 * variance / (radius * radius));
+}
+
+double
+correlationOf(const PatchScale& scale, const NoiseConstants& constants)
+{
+  std::vector<double> shared = scale.shared;
+  const double points =
+      static_cast<double>(scale.k / scale.stride) / static_cast<double>(constants.shared.cells);
+  const double among = squareThatShares(trimmedMean(shared, constants.shared.trim), points);
+  return 1 + static_cast<double>(scale.stride) * (among - 1);
+}
+
+double
+median(std::vector<double> values)
+{
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "pcl_slim/cloud/detail/noise_constants.h"
+#include "pcl_slim/cloud/point_store.h"
+
+namespace pcl_slim::detail {
+
+/** \brief What cubics leave of patches of k points, place by place. */
+struct PatchScale {
+  std::size_t k = 0;
+  std::size_t stride = 1;         ///< one of so many of a patch's points is looked at
+  std::vector<double> variances;  ///< squared local lengths; < 0: too few points
+  std::vector<double> shared;     ///< sharedInPatch(); < 0: not known
+  std::vector<double> radii;
+
+  /** \brief Variance at a place times the number of points that share it there. */
+  double power(std::size_t place) const;
+};
+
+/** \brief Places of a store, among points thinned step by step: wide patches are measured on a part of
+ * their points. */
+class ThinnedPlaces {
+ public:
+  ThinnedPlaces(const PointStore& store, std::size_t count);
+
+  /** \brief Thins to one of so many of the points, a power of two and no less than before. O(n). */
+  void thinTo(std::size_t stride, int threads);
+
+  const PointStore& store() const { return thinned_ ? *thinned_ : whole_; }
+  const std::vector<std::size_t>& places() const { return places_; }
+
+ private:
+  const PointStore& whole_;
+  std::optional<PointStore> thinned_;
+  std::vector<std::size_t> places_;
+  std::size_t stride_ = 1;
+};
+
+/** \brief Measures patches of k points. O(places) beside thinning. */
+PatchScale
+measureScale(ThinnedPlaces& points, std::size_t k, const NoiseConstants& constants, int threads);
+
+/** \brief The same at evenly strided places of a store. */
+PatchScale
+measureScale(const PointStore& store, std::size_t k, const NoiseConstants& constants, int threads);
+
+/** \brief Mean variance of a scale without its largest and smallest, with what patches' ends cut off. */
+double
+levelOf(const PatchScale& scale, const NoiseConstants& constants);
+
+/** \brief Number of points that share their errors, by a scale. 1: none do. */
+double
+correlationOf(const PatchScale& scale, const NoiseConstants& constants);
+
+/** \brief The middle value. */
+double
+median(std::vector<double> values);
+
+}  // namespace pcl_slim::detail
