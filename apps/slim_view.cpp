@@ -99,7 +99,8 @@ showModel(const Settings& s, Model& model)
   } else {
     auto surface = std::make_shared<SLIMSurface>(std::move(model.surface));
     if (!s.fit.params.trim) surface->dropTrimMaps();
-    surface->closeHoles(s.fit.params.hole_size, s.fit.params.threads);
+    if (s.fit.params.hole_size != FitParams().hole_size)
+      surface->closeHoles(s.fit.params.hole_size, s.fit.params.threads);
     viewer.scene().setSurface(surface);
   }
   viewer.begin();

@@ -92,15 +92,19 @@ measureFlatPlaces(const PatchScale& scale, const PatchScale& wider, const NoiseC
   if (scale.k >= shared.least_points) figures.correlation = correlationOf(flat, constants);
 }
 
-/** Binary logarithm of the factor by which the power falls, from a scale on, below its greatest. */
+/** Binary logarithm of the factor by which a scale's power lies below a narrower scale's, or by which
+ * that of the next few scales falls below its greatest. */
 double
-fallAfter(const std::vector<ScaleFigures>& figures, std::size_t i)
+fallAbout(const std::vector<ScaleFigures>& figures, std::size_t i,
+          const SharedNoiseConstants& constants)
 {
   double power = 0, greatest = 0, fall = 0;
-  for (; i < figures.size(); ++i) {
-    power += figures[i].power_growth;
+  for (std::size_t j = 0; j < std::min(i + constants.ahead, figures.size()); ++j) {
+    if (j == i) fall = greatest - power;
+    if (j == i) greatest = power;
+    power += figures[j].power_growth;
     greatest = std::max(greatest, power);
-    fall = std::max(fall, greatest - power);
+    if (j >= i) fall = std::max(fall, greatest - power);
   }
   return fall;
 }
@@ -120,7 +124,8 @@ plateauChances(const std::vector<ScaleFigures>& figures, const SharedNoiseConsta
   for (std::size_t i = 0; i < figures.size(); ++i) {
     const ScaleFigures& f = figures[i];
     const double still = fallOff(std::abs(f.power_growth), constants.very_still);
-    const double noise = std::max(gentle, still) * fallOff(fallAfter(figures, i), constants.fall);
+    const double noise =
+        std::max(gentle, still) * fallOff(fallAbout(figures, i, constants), constants.fall);
     const double slow = constants.slow * std::min(peak, constants.most_peak);
     chances.push_back({noise * fallOff(f.growth, std::max(constants.flat, slow)),
                        noise * fallOff(f.growth, constants.flat)});
@@ -171,15 +176,24 @@ weigh(const std::vector<ScaleFigures>& figures, const std::vector<PlateauChance>
   const std::vector<Eigen::Array2d> shown = withoutShape(figures, chances, white, constants);
   Eigen::Array2d run(std::log(white), shown.front()[1]);
   Eigen::Array2d noise(std::log(white), 0);
-  double peak = 0;  // greatest growth of the power so far
+  double peak = 0;        // greatest growth of the power so far
+  double last = 0;        // chance that the scale before is a plateau whose power stands still ...
+  double first = 0;       // ... and that two such scales in a row have shown the noise
+  double level = run[0];  // of these, its variance
   for (std::size_t i = 0; i < figures.size(); ++i) {
-    const double before = i == 0 ? 1 : chances[i - 1].flat;
+    const double before = i == 0 ? 1 : std::max(chances[i - 1].flat, first);
     const double moves = std::abs(figures[i].power_growth);
-    const double still =
-        i == 0 ? 0 : fallOff(moves, std::max(constants.still, constants.slowing * peak));
+    const double still = fallOff(moves, std::max(constants.still, constants.slowing * peak));
+    if (i > 0) run += (1 - before * (1 - still)) * (shown[i] - run);
+    const double beyond = 1 - fallOff((run[0] - level) / std::log(2.0), constants.beyond);
+    noise += chances[i].slow * (1 - first * beyond) * (run - noise);
+    const double plateau = chances[i].flat * still;
+    if (last * plateau > first) {
+      first = last * plateau;
+      level = run[0];
+    }
+    last = plateau;
     peak = std::max(peak, moves);
-    run += (1 - before * (1 - still)) * (shown[i] - run);
-    noise += chances[i].slow * (run - noise);
   }
   const double variance = std::exp(noise[0]);
   return {variance, std::exp(noise[1]), scaleOf(variance, figures, constants)};

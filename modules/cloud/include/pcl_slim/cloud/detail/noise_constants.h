@@ -36,6 +36,7 @@ struct SharedNoiseConstants {
   double very_still = 0.3;   ///< the same where growth has been steep before
   double spread = 1.5;       ///< growth of a plateau's mean over that of plain places, at most, ...
   double creases = 0.1;      ///< ... and beside it
+  double beyond = 1.5;       ///< growth beyond a plateau, in all, that noise does not show
   double most = 0.85;        ///< share of the noise that a profile's patches show
   double trim = 0.15;        ///< share of patches left out at either end of a size's mean
   double least = 1.5;        ///< fewer neighbours than that share nothing ...
