@@ -37,7 +37,7 @@ struct SharedNoiseConstants {
   double spread = 1.5;       ///< growth of a plateau's mean over that of plain places, at most, ...
   double creases = 0.1;      ///< ... and beside it
   double beyond = 1.5;       ///< growth beyond a plateau, in all, that noise does not show
-  double most = 0.85;        ///< share of the noise that a profile's patches show
+  double most = 0.83;        ///< share of the noise that a profile's patches show
   double trim = 0.15;        ///< share of patches left out at either end of a size's mean
   double least = 1.5;        ///< fewer neighbours than that share nothing ...
   double all = 2;            ///< ... and so many count in full
