@@ -77,11 +77,13 @@ curveNoise(const CurveNoise& curve, const std::vector<PatchScale>& scales, const
   const double share = ramp(curve.correlation, shared.least, shared.all);
   const double growth = std::log2(curve.variance / white.variance);
   const double part = std::max(share, ramp(growth, shared.chance, shared.plain));
-  NoiseLevel noise = part > 0 ? scaleNoise(scales[curve.scale], constants) : white;
-  noise.variance = white.variance * std::exp2(part * growth);
   // What the smallest patches' cubics take along, as on a lidar's rings, their points share.
   const double taken = std::min(std::exp2(part * growth), shared.all);
-  setCorrelation(std::max(taken, 1 + share * (curve.correlation - 1)), shared, noise);
+  const double correlation = std::max(taken, 1 + share * (curve.correlation - 1));
+  NoiseLevel noise =
+      correlation > shared.white ? scaleNoise(scales[curve.scale], constants) : white;
+  noise.variance = white.variance * std::exp2(part * growth);
+  if (correlation > shared.white) setCorrelation(correlation, shared, noise);
   return noise;
 }
 
