@@ -6,13 +6,13 @@
 namespace pcl_slim::detail {
 
 /** \brief How much neighbouring residuals of a patch have in common: the sum of products over all pairs
- * of points in a cell, over the sum of squares. The patch's disc is cut into so many square cells.
+ * of points in a cell, over the sum of squares. The patch's disc is cut into square cells.
  * 1 for white noise; < 0: nothing is known. */
 double
 sharedInPatch(const PatchCubic& cubic, double cells);
 
 /** \brief tau of errors that are averages over squares: the number of points in a square.
- * \param[in] shared what cells of so many points share by sharedInPatch() */
+ * \param[in] shared sharedInPatch() of cells \param[in] points of a cell */
 double
 squareThatShares(double shared, double points);
 

@@ -13,7 +13,7 @@ namespace pcl_slim::detail {
 /** \brief What cubics leave of patches of k points, place by place. */
 struct PatchScale {
   std::size_t k = 0;
-  std::size_t stride = 1;         ///< one of so many of a patch's points is looked at
+  std::size_t stride = 1;         ///< every stride-th of a patch's points is looked at
   std::vector<double> variances;  ///< squared local lengths; < 0: too few points
   std::vector<double> shared;     ///< sharedInPatch(); < 0: not known
   std::vector<double> radii;

@@ -22,7 +22,7 @@ struct SharedNoiseConstants {
   std::size_t least_points = 80;  ///< points of a patch whose squares can share
   double plainest =
       0.35;               ///< share of the places, those of least variance, whose growth counts ...
-  std::size_t ahead = 3;  ///< ... on patches that have doubled so many times
+  std::size_t ahead = 3;  ///< ... on patches this many doublings wider
   double flat_place = 0.5;   ///< growth up to which a place is flat
   double flat = 0.33;        ///< growth of the variance at which a size of patch is no plateau
   double slow = 0.62;        ///< the same as a share of the greatest growth before, ...
@@ -40,7 +40,7 @@ struct SharedNoiseConstants {
   double most = 0.83;        ///< share of the noise that a profile's patches show
   double trim = 0.15;        ///< share of patches left out at either end of a size's mean
   double least = 1.5;        ///< fewer neighbours than that share nothing ...
-  double all = 2;            ///< ... and so many count in full
+  double all = 2;            ///< ... and this many count in full
   double white = 1.15;       ///< number of points up to which noise counts as white
   /// Of more points fits count the geometric mean with this: a wide tau rounds edges, and a part of it
   /// costs smooth parts little.
@@ -72,7 +72,7 @@ struct NoiseConstants {
   std::size_t most_part = 8;            ///< a patch holds at most 1 / so much of the cloud's points
   std::size_t patch_points = 320;       ///< points looked at in a patch; larger patches are sampled
   std::size_t samples = 500;            ///< patches of the smallest size ...
-  std::size_t points_per_sample = 250;  ///< ... and of large clouds one for so many points
+  std::size_t points_per_sample = 250;  ///< ... and one for this many points of large clouds
   std::size_t least_samples = 100;      ///< patches of a large size
   double trim = 0.1;           ///< share of patches left out at either end of a trimmed mean
   double patch_noise = 0.2;    ///< sqrt(lambda) over the patch's radius above which noise fills it
