@@ -32,7 +32,7 @@ offsetFrom(const LeafShape& leaf, const Vector3& place);
 
 /** The leaves of a surface with the cells' sizes that keep a mesh within a tolerance (local units):
  * sqrt(4 tolerance / k) for the largest curvature k, a Frobenius norm, on the leaf, and at most .6 of its
- * radius; and no less than so many spacings of its points. */
+ * radius; and no less than least_spacings spacings of its points. */
 std::vector<LeafShape>
 shapesOf(const SLIMSurface& surface, double tolerance, double least_spacings, int threads);
 

@@ -14,7 +14,7 @@ void
 markUncovered(const ProbeField& field, double threshold, SurfaceVertices& vertices);
 
 /** Closes small holes of the data, before trimming: patches of vertices that are outside, but do not reach the
- * border of the mesh, and on whose area fewer points would lie than on a disc so many spacings wide. Their
+ * border of the mesh, and on whose area fewer points would lie than on a disc `hole_size` spacings wide. Their
  * vertices are inside afterwards. \return how many patches. O(T). */
 std::uint64_t
 closeHoles(const ProbeField& field, double hole_size, const std::vector<Triangle>& triangles,

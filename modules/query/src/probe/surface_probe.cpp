@@ -30,7 +30,7 @@ constexpr double kGateNoise = 0.6;
 constexpr float kMostDistance = 0.6f;  ///< of r: leaves farther from a place do not count
 constexpr double kReach = 1.17;        ///< of r: a place that far from its foot in the ball
 constexpr float kSameSheet = 0.3f;     ///< of r: leaves of one sheet differ by no more
-constexpr float kNoiseErrors = 3.0f;   ///< and by so many deviations of the noise
+constexpr float kNoiseErrors = 3.0f;   ///< and by this many deviations of the noise
 constexpr float kSoftening = 0.05f;    ///< of r: nearer leaves are equally near
 
 ProbeLeaf

@@ -19,8 +19,8 @@ namespace pcl_slim::detail {
 
 /** The steps of OctreeCloud::build. */
 class OctreeCloudBuilder {
-  static constexpr double kLargest = 1e150;    ///< squares of such coordinates are still finite
-  static constexpr double kWidest = 1e38;      ///< splats are told in floats from the box's corner
+  static constexpr double kLargest = 1e150;  ///< squares of such coordinates are still finite
+  static constexpr double kWidest = 1e38;    ///< positions are floats relative to the box's corner
   static constexpr double kNarrowest = 1e-32;  ///< a millionth of it is a normal float
 
  public:
