@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_slim_fit: turns a scan into a SLIM surface.
+#include <filesystem>
 #include <memory>
 #include <string>
 
@@ -43,6 +44,10 @@ makeSurface(const Settings& s, const CloudFile& cloud, Console& console, Report&
 {
   const auto surface = std::make_shared<SLIMSurface>();
   if (Error error = fitScan(s.job, cloud, console, report, *surface)) return error;
+  const bool point_file = std::filesystem::path(s.files.output).extension() != ".slim";
+  if (point_file && surface->hasTrimMaps())
+    console.note(
+        "  borders are rounded to 8 x 8 bits a ball in this format; .slim has them in full");
   result.save = [&s, surface] { return saveSurface(s.files.output, *surface); };
   result.detail = std::to_string(surface->size()) + " surfels";
   return {};

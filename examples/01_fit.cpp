@@ -11,7 +11,7 @@ int
 main(int argc, char** argv)
 {
   if (argc != 3) {
-    std::cerr << "Syntax is: " << argv[0] << " scan.pcd surface.pcd\n";
+    std::cerr << "Syntax is: " << argv[0] << " scan.pcd surface.slim\n";
     return 2;
   }
   auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();

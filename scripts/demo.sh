@@ -32,19 +32,19 @@ bin=$root/build/release/bin
 out=$root/demo_out
 [ "$PWD" != "$root" ] || out=demo_out
 mkdir -p -- "$out"
-rm -f -- "$out/surface.pcd" "$out/fit.json" "$out/surface.png" "$out/surface.html"
+rm -f -- "$out/surface.slim" "$out/fit.json" "$out/surface.png" "$out/surface.html"
 echo
 if [ -z "$scan" ]; then
   scan=$out/scan.pcd
   "$bin/pcl_slim_demo_scan" "$scan"
 fi
-"$bin/pcl_slim_fit" "$scan" "$out/surface.pcd" -json "$out/fit.json"
-"$bin/pcl_slim_render" "$out/surface.pcd" "$out/surface.png"
-"$bin/pcl_slim_render" "$out/surface.pcd" "$out/surface.html"
+"$bin/pcl_slim_fit" "$scan" "$out/surface.slim" -json "$out/fit.json"
+"$bin/pcl_slim_render" "$out/surface.slim" "$out/surface.png"
+"$bin/pcl_slim_render" "$out/surface.slim" "$out/surface.html"
 
 echo
 echo "Scan      $scan"
-echo "Surface   $out/surface.pcd   (pcl_viewer opens it)"
+echo "Surface   $out/surface.slim"
 echo "Report    $out/fit.json"
 echo "Picture   $out/surface.png"
 echo "Page      $out/surface.html   (any browser opens it)"

@@ -48,6 +48,8 @@ declareFitOptions(OptionTable& options, FitJob& job)
                  "radius of the smallest ball, in the scan's units: no finer detail is kept",
                  "off");
   options.toggle("sharp", &job.params.sharp_features, "keep sharp edges; needs normals");
+  options.toggle("outliers", &job.params.keep_outliers,
+                 "fit points that stand apart from all others, too");
   options.toggle("robust", &job.params.robust, "reweight residuals against outliers");
   options.toggle("local_noise", &job.params.local_noise,
                  "noise is measured along the scan, not once for all of it", "auto");

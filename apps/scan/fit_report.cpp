@@ -12,6 +12,7 @@ reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatisti
 {
   const PointStoreStatistics& points = store.statistics();
   report.add({{"stored_points", store.size()},
+              {"outliers", fit.outliers.size()},
               {"surfels", surface.size()},
               {"leaves", fit.leaves},
               {"internals", fit.internals},
@@ -55,6 +56,7 @@ reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatisti
                               {"lone_normals", fit.skipped_normals},
                               {"never_gathered", fit.never_gathered},
                               {"levels", fit.levels_skipped}};
+  report.time("outliers", fit.seconds_outliers);
   report.time("noise", fit.seconds_noise);
   report.time("cover", fit.seconds_cover);
   report.time("links", fit.seconds_links);
@@ -113,6 +115,10 @@ std::vector<std::string>
 coverNotes(const FitStatistics& fit)
 {
   std::vector<std::string> notes;
+  if (!fit.outliers.empty()) {
+    notes.push_back("  " + counted(fit.outliers.size(), "outlier") +
+                    " left out; -outliers 1 fits them, too");
+  }
   if (fit.uncovered > 0) {
     notes.push_back("  " + counted(fit.uncovered, "point") + " not covered, " +
                     std::to_string(fit.unsupported) + " of them inside no surfel");

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/filters/slim_fit_base.h"
 
+#include <algorithm>
+
 namespace pcl_slim {
 
 void
@@ -46,7 +48,19 @@ SLIMFitBase::clearResults()
 {
   ControlledRun::clearResults();
   statistics_ = {};
+  outliers_.clear();
   input_statistics_ = {};
+}
+
+Error
+SLIMFitBase::fitStore(const PointStore& store, const CloudView& cloud, SLIMSurface& surface)
+{
+  outliers_.clear();
+  Error error = fitSurface(store, params_, surface, &statistics_, &control_.progress);
+  for (const std::uint32_t i : statistics_.outliers)
+    outliers_.push_back(static_cast<std::int32_t>(cloud.inputIndex(store.orderOfStore()[i])));
+  std::sort(outliers_.begin(), outliers_.end());
+  return error;
 }
 
 bool
@@ -59,7 +73,7 @@ SLIMFitBase::run(const CloudView& cloud, SLIMSurface& surface)
     const Result<PointStore> store = PointStore::build(cloud, params_.threads);
     if (!store) return store.error();
     input_statistics_ = store->statistics();
-    return fitSurface(*store, params_, surface, &statistics_, &control_.progress);
+    return fitStore(*store, cloud, surface);
   });
   if (!done) surface = SLIMSurface();
   return done;

@@ -42,10 +42,10 @@ SLIMProjectionBase::project(const CloudView& points, const CloudView& fitted,
 
 /** Fits; where points that are no surface may stay as they are, the surface of such is empty. */
 Result<std::shared_ptr<SLIMSurface>>
-SLIMProjectionBase::fitTo(const PointStore& store)
+SLIMProjectionBase::fitTo(const PointStore& store, const CloudView& cloud)
 {
   auto made = std::make_shared<SLIMSurface>();
-  const Error error = fitSurface(store, params_, *made, &statistics_, &control_.progress);
+  const Error error = fitStore(store, cloud, *made);
   if (error && !(keeps_points_ && error.code == ErrorCode::kNoSurface)) return error;
   warning_ = error.message;
   return made;
@@ -94,7 +94,7 @@ SLIMProjectionBase::fitAndProject(const CloudView& points, const CloudView& fitt
     if (!built) return built.error();
     store.emplace(std::move(*built));
     input_statistics_ = store->statistics();
-    auto made = fitTo(*store);
+    auto made = fitTo(*store, fitted);
     if (!made) return made.error();
     surface = *made;
     if (warning_.empty()) fitted_surface_ = surface;

@@ -251,6 +251,25 @@ TEST(SLIMFit, ViewPointDecidesTheSide)
   }
 }
 
+TEST(SLIMFit, NamesOutliersByTheirIndices)
+{
+  const auto cloud = cameraCloud();
+  const std::vector<std::int32_t> raised = {0, 5000, 11111};
+  for (const std::int32_t i : raised) {
+    cloud->points[static_cast<std::size_t>(i)] =
+        pcl::PointXYZ(0.1f * static_cast<float>(i % 7), 0.3f, 1.0f);
+  }
+  SLIMFit<pcl::PointXYZ> fit;
+  fit.setInputCloud(cloud);
+  SLIMSurface surface;
+  ASSERT_TRUE(fit.fit(surface)) << fit.getError().message;
+  EXPECT_EQ(fit.getOutliers(), raised);
+  EXPECT_EQ(fit.getStatistics().outliers.size(), raised.size());
+  fit.setKeepOutliers(true);
+  ASSERT_TRUE(fit.fit(surface)) << fit.getError().message;
+  EXPECT_TRUE(fit.getOutliers().empty());
+}
+
 TEST(SLIMFit, BadParametersAreErrors)
 {
   SLIMFit<pcl::PointXYZ> fit;

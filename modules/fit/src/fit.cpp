@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <optional>
 
 #include "cover/level_cover.h"
 #include "cover/start_level.h"
@@ -13,6 +14,7 @@
 #include "fit_with_constants.h"
 #include "measured_settings.h"
 #include "orient/orientation.h"
+#include "pcl_slim/cloud/outliers.h"
 #include "pcl_slim/core/parallel.h"
 #include "penalty_search.h"
 #include "presets.h"
@@ -51,14 +53,14 @@ facingSensor(const PointStore& store, FitParams params)
 }  // namespace
 
 Error
-fitWithConstants(const FitConstants& constants, const PointStore& store, const FitParams& asked,
+fitWithConstants(const FitConstants& constants, const PointStore& all, const FitParams& asked,
                  SLIMSurface& surface, FitStatistics* statistics, Progress* progress)
 {
   surface.clear();
   if (Error error = asked.validate()) return error;
-  if (store.size() == 0)
+  if (all.size() == 0)
     return {ErrorCode::kBadInput, "the store holds no points: build it from some"};
-  const FitParams params = facingSensor(store, resolvedParams(asked, constants.preset));
+  const FitParams params = facingSensor(all, resolvedParams(asked, constants.preset));
   if (params.has_noise_model && !params.has_viewpoint) {
     return {ErrorCode::kBadArgument,
             "a noise model tells errors along rays: give the viewpoint that they come from"};
@@ -66,6 +68,13 @@ fitWithConstants(const FitConstants& constants, const PointStore& store, const F
   FitStatistics stats;
   stats.threads = resolveThreads(params.threads);
   Stopwatch watch;
+
+  if (!params.keep_outliers && !params.paper_mode)
+    stats.outliers = findOutliers(all, stats.threads);
+  std::optional<PointStore> rest;
+  if (!stats.outliers.empty()) rest = all.without(stats.outliers);
+  const PointStore& store = rest ? *rest : all;
+  stats.seconds_outliers = watch.lap();
 
   FitSettings settings = makeSettings(store, params, constants);
   if (Error error = measureSettings(store, params, stats.threads, settings, stats)) return error;

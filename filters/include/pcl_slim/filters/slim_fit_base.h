@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/cloud/point_store.h"
@@ -67,6 +68,11 @@ class SLIMFitBase : public ControlledRun {
   /** \brief Keeps sharp edges; needs normals (default off). */
   void setSharpFeatures(bool sharp) { params_.sharp_features = sharp; }
   bool getSharpFeatures() const { return params_.sharp_features; }
+
+  /** \brief Fits points that stand apart from all others, too (default off: findOutliers() names them,
+   * and they carry no surface). */
+  void setKeepOutliers(bool keep) { params_.keep_outliers = keep; }
+  bool getKeepOutliers() const { return params_.keep_outliers; }
 
   /** \brief Reweights residuals against outliers (default off). */
   void setRobust(bool robust) { params_.robust = robust; }
@@ -139,6 +145,9 @@ class SLIMFitBase : public ControlledRun {
 
   /** \brief What the last fit() did and skipped. */
   const FitStatistics& getStatistics() const { return statistics_; }
+  /** \brief Indices of the points that the last fit() left out as outliers, ascending; of equal points
+   * the first. */
+  const std::vector<std::int32_t>& getOutliers() const { return outliers_; }
   /** \brief What the last fit() found in its input. */
   const PointStoreStatistics& getInputStatistics() const { return input_statistics_; }
 
@@ -148,11 +157,14 @@ class SLIMFitBase : public ControlledRun {
 
   /** \brief Forgets the last run. */
   void clearResults();
+  /** \brief Fits, and finds the outliers' indices. */
+  Error fitStore(const PointStore& store, const CloudView& cloud, SLIMSurface& surface);
   /** \brief Builds the store and fits. */
   bool run(const CloudView& cloud, SLIMSurface& surface);
 
   FitParams params_;
   FitStatistics statistics_;
+  std::vector<std::int32_t> outliers_;
   PointStoreStatistics input_statistics_;
 };
 

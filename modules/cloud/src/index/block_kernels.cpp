@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/cloud/detail/block_kernels.h"
 
+#include <algorithm>
+
 #include "pcl_slim/cloud/morton.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -136,6 +138,48 @@ pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num
   return count;
 }
 
+/** How many points of a block lie within a squared distance of one that stands at these offsets from
+ * the block's origin. */
+HWY_INLINE std::size_t
+pointsOfBlockUpTo(const PointStore& store, std::size_t block, float x, float y, float z,
+                  float limit_sq)
+{
+  const Tag d;
+  std::size_t count = 0;
+  for (std::size_t i = block * PointStore::kBlock; i < (block + 1) * PointStore::kBlock;
+       i += hn::Lanes(d)) {
+    const auto dx = hn::Sub(hn::Load(d, store.x() + i), hn::Set(d, x));
+    const auto dy = hn::Sub(hn::Load(d, store.y() + i), hn::Set(d, y));
+    const auto dz = hn::Sub(hn::Load(d, store.z() + i), hn::Set(d, z));
+    const auto distance_sq = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
+    count += hn::CountTrue(d, hn::Le(distance_sq, hn::Set(d, limit_sq)));
+  }
+  return count;
+}
+
+std::uint32_t
+sparsePoints(const PointStore& store, std::size_t block, float limit_sq, std::size_t others)
+{
+  constexpr std::size_t kSide = 2;  // blocks before and after
+  std::uint32_t sparse = 0;
+  for (std::size_t k = 0; k < PointStore::kBlock; ++k) {
+    const std::size_t i = block * PointStore::kBlock + k;
+    const float x = store.x()[i], y = store.y()[i], z = store.z()[i];
+    std::size_t count = pointsOfBlockUpTo(store, block, x, y, z, limit_sq);
+    const std::size_t first = block - std::min(block, kSide),
+                      last = std::min(block + kSide, store.numBlocks() - 1);
+    for (std::size_t b = first; b <= last && count <= others; ++b) {
+      if (b == block) continue;
+      const float sx = store.blockOriginX()[block] - store.blockOriginX()[b],
+                  sy = store.blockOriginY()[block] - store.blockOriginY()[b],
+                  sz = store.blockOriginZ()[block] - store.blockOriginZ()[b];
+      count += pointsOfBlockUpTo(store, b, x + sx, y + sy, z + sz, limit_sq);
+    }
+    sparse |= static_cast<std::uint32_t>(count <= others) << k;
+  }
+  return sparse;
+}
+
 /** As mortonCell() has it, in the low bits of each lane. */
 template <class D, class V>
 HWY_INLINE hn::Vec<hn::RebindToUnsigned<D>>
@@ -223,6 +267,13 @@ pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num
 {
   return HWY_DYNAMIC_DISPATCH(pointsUpTo)(store, blocks, num_blocks, center, limit_sq, distances_sq,
                                           points);
+}
+
+HWY_EXPORT(sparsePoints);
+std::uint32_t
+sparsePoints(const PointStore& store, std::size_t block, float limit_sq, std::size_t others)
+{
+  return HWY_DYNAMIC_DISPATCH(sparsePoints)(store, block, limit_sq, others);
 }
 
 HWY_EXPORT(mortonCodes);

@@ -53,6 +53,10 @@ class PointStore {
   static Result<PointStore> build(const CloudView& cloud, int threads = 0,
                                   const PointStore* frame = nullptr);
 
+  /** \brief The same without some points, in the same units; they count as skipped in storeOfInput().
+   * \param[in] dropped stored points, ascending. O(N). */
+  PointStore without(const std::vector<std::uint32_t>& dropped) const;
+
   std::size_t size() const { return size_; }
   std::size_t numBlocks() const { return block_origin_x_.size(); }
   bool hasNormals() const { return !nx_.empty(); }
@@ -108,6 +112,8 @@ class PointStore {
 
  private:
   friend class detail::PointStoreBuilder;
+
+  void copyColumns(const PointStore& from, const std::vector<std::uint32_t>& points);
 
   std::size_t size_ = 0;
   std::array<double, 3> bulk_center_{};  ///< of the cube outside which points are strays ...

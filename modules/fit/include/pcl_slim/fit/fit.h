@@ -30,6 +30,8 @@ struct FitParams {
   bool sharp_features =
       false;            ///< keep sharp edges: only points with n . n_c > 1/2 (needs normals)
   bool robust = false;  ///< reweight residuals against outliers (two more passes a leaf)
+  bool keep_outliers =
+      false;  ///< fit points that stand apart from all others, too (findOutliers())
   std::optional<bool> local_noise;  ///< lambda varies over the cloud: noisy parts are smoothed more
                                     ///< than clean ones; unset: if the data show it
   double noise_correlation =
@@ -63,7 +65,8 @@ struct FitParams {
 
 /** \brief What a fit did, what it skipped and how long its stages took. */
 struct FitStatistics {
-  std::uint64_t points = 0;  ///< stored points (finite, distinct)
+  std::uint64_t points = 0;             ///< fitted: finite, distinct, no outliers
+  std::vector<std::uint32_t> outliers;  ///< stored points that no others support: not fitted
   std::uint64_t leaves = 0, internals = 0;
   std::uint64_t support_limited = 0;  ///< leaves that ended by minimum support
   std::uint64_t reduced_degree = 0;   ///< surfels whose degree fell below the one asked for
@@ -96,7 +99,8 @@ struct FitStatistics {
   double rms_error = 0;               ///< RMS residual of covered points against their leaves [L]
   std::uint64_t open_leaves = 0;      ///< leaves with a trim map: data end or leave a hole in them
   std::uint64_t trim_candidates = 0;  ///< surfels whose gaps were measured; the others have none
-  double seconds_noise = 0, seconds_cover = 0, seconds_links = 0, seconds_orient = 0;
+  double seconds_outliers = 0, seconds_noise = 0, seconds_cover = 0, seconds_links = 0,
+         seconds_orient = 0;
   double seconds_trim = 0;
   int threads = 1;
   std::uint64_t working_bytes = 0;  ///< memory of the fit beside the store and the surface

@@ -34,6 +34,12 @@ std::size_t
 pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num_blocks,
            const double center[3], float limit_sq, float* distances_sq, std::uint32_t* points);
 
+/** \brief Which points of a block may have fewer others within a squared distance than asked for; bit i
+ * stands for the block's point i. The block and the two on either side of it are looked through, so
+ * some of them have as many. */
+std::uint32_t
+sparsePoints(const PointStore& store, std::size_t block, float limit_sq, std::size_t others);
+
 constexpr std::size_t kMortonBatch = 64;
 
 /** \brief Morton codes (morton.h) of a batch of positions, brought to local units on the way. The

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Dense>
+#include <cstddef>
+#include <vector>
+
+#include "pcl_slim/cloud/knn.h"
+#include "pcl_slim/cloud/point_store.h"
+
+namespace pcl_slim::detail {
+
+/** \brief The neighbours of one point after another, for decisions about outliers. */
+class Neighborhood {
+ public:
+  explicit Neighborhood(const PointStore& store) : store_(store), search_(store) {}
+
+  /** \brief Finds the nearest others of a stored point, nearest first.
+   * \param[in] left_out one byte a stored point: those not to be taken; null: none.
+   * \param[in] among how many neighbours are looked through for them. \return how many were found. */
+  std::size_t find(std::size_t point, std::size_t count, const unsigned char* left_out,
+                   std::size_t among);
+
+  /** \brief Distance of the n-th other, n from 1 on; infinite where there are fewer. */
+  double distance(std::size_t n) const;
+
+  /** \brief Whether the point and its neighbours fill a volume, as those of no surface or line do:
+   * least over greatest eigenvalue of their covariance. */
+  bool fillsVolume(double least_ratio) const;
+
+  /** \brief Whether most neighbours are a patch that is far denser than the point's surroundings, and the
+   * point lies outside of it, off the plane or line that it lies along.
+   * \param[in] closeness the patch's points have others within the eighth's distance over this.
+   * \param[in] spreads least distance from the patch's mean, over its RMS distance from it.
+   * \param[in] off least share of it that points away from plane or line. */
+  bool standsApart(double closeness, double spreads, double off) const;
+
+  /** \brief Whether the point stands off its neighbours' plane: more than so many times their own RMS
+   * distance from it, and a given share of its distance from their mean and from the eighth. */
+  bool standsOffPlane(double heights, double share) const;
+
+ private:
+  Eigen::Matrix3Xd closeTogether(double distance) const;
+
+  const PointStore& store_;
+  NeighborSearch search_;
+  std::vector<std::uint32_t> found_;
+  std::vector<float> distances_sq_;
+  Eigen::Matrix3Xd others_;  ///< relative to the point; the first num_others_ columns
+  std::vector<double> distances_;
+};
+
+}  // namespace pcl_slim::detail
