@@ -191,7 +191,7 @@ renderSplatModel(const Settings& s, const Model& model, const Turntable& table, 
                  double& save_seconds)
 {
   const DiscRenderParams params = discsOf(s);
-  const ShadingParams shading = s.picture.shadingFor(true, s.threads);
+  const ShadingParams shading = s.picture.shadingFor(model.splats.hasColors(), s.threads);
   DiscRenderStatistics total;
   Error error = renderTurns(s, table, save_seconds, [&](const Camera& turned) {
     DiscRenderStatistics counts;
@@ -224,7 +224,7 @@ renderTracedModel(const Settings& s, const Model& model, const Turntable& table,
   RayTracer tracer =
       model.is_splats ? RayTracer(model.splats, s.threads) : RayTracer(model.surface, s.threads);
   TraceParams params = tracingOf(s);
-  const ShadingParams shading = s.picture.shadingFor(model.is_splats, s.threads);
+  const ShadingParams shading = s.picture.shadingFor(model.splats.hasColors(), s.threads);
   // Lines are found in what the rasteriser sees of the same camera.
   std::optional<SurfaceRenderer> renderer;
   if (s.lines.any()) renderer.emplace(model.surface, s.threads);
@@ -278,7 +278,7 @@ writePage(const Settings& s, const Model& model, const Camera& camera, Console& 
   params.up = s.view.upwards(model.spheres());
   params.precision = s.page.precision;
   params.lines = s.lines.inSpace();
-  const ShadingParams shading = s.picture.shadingFor(model.is_splats, s.threads);
+  const ShadingParams shading = s.picture.shadingFor(model.splats.hasColors(), s.threads);
   const auto page = model.is_splats
                         ? encodePage(model.splats, camera, discsOf(s), shading, params)
                         : encodePage(model.surface, camera, renderingOf(s), shading, params);
@@ -352,7 +352,7 @@ run(const Settings& s)
   if (Error error = checkMemory(bytesOfPicture(s), "a picture of " + s.view.size_text,
                                 "ask for a smaller picture"))
     return fail(console, kExitFailed, error);
-  const ShadingParams shading = s.picture.shadingFor(model->is_splats, 1);
+  const ShadingParams shading = s.picture.shadingFor(model->splats.hasColors(), 1);
   ViewRequest view = s.view;
   if (shading.color_bar && hasColorBar(shading.mode)) view.right_margin = colorBarShare(view.size);
   const Result<BoundingSpheres> object = s.region.within(model->spheres());

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <sstream>
 
 #include "common/number_text.h"
 
@@ -36,6 +37,27 @@ smallRange(bool whole, double low, double high)
 {
   return whole && high <= 10000 ? numberText(low) + " to " + numberText(high) + ", "
                                 : std::string();
+}
+
+/** One argument of the help: its name, then its meaning in lines that end before column 80. */
+std::string
+helpRow(const std::string& name, const std::string& meaning)
+{
+  constexpr std::size_t kIndent = 28, kColumns = 79;
+  std::string text = "  " + name;
+  if (text.size() + 2 > kIndent) text += "\n";
+  std::size_t column = text.back() == '\n' ? 0 : text.size();
+  std::istringstream words(meaning);
+  for (std::string word; words >> word;) {
+    if (column >= kIndent && column + 1 + word.size() > kColumns) {
+      text += "\n";
+      column = 0;
+    }
+    const std::size_t gap = column < kIndent ? kIndent - column : 1;
+    text += std::string(gap, ' ') + word;
+    column += gap + word.size();
+  }
+  return text + "\n";
 }
 
 }  // namespace
@@ -198,25 +220,23 @@ OptionTable::syntax() const
 std::string
 OptionTable::help() const
 {
-  std::size_t width = 0;
-  for (const Positional& p : positionals_) width = std::max(width, p.name.size());
-  for (const Option& o : options_) width = std::max(width, o.name.size() + o.value_name.size() + 2);
-  const auto row = [width](const std::string& left, const std::string& right) {
-    return std::string(width + 4 - left.size(), ' ') + left + " = " + right + "\n";
-  };
-  std::string text = syntax() + "\n" + summary_ + "\n  where:\n";
-  for (const Positional& p : positionals_) text += row(p.name, p.help);
-  text += "  where options are:\n";
+  std::string text = syntax() + "\n" + summary_ + "\n\nArguments:\n";
+  for (const Positional& p : positionals_) text += helpRow(p.name, p.help);
+  text += "\nOptions:\n";
   for (const Option& o : options_) {
-    text += row("-" + o.name + " " + o.value_name,
-                o.help + " (" + smallRange(o.kind == Kind::kInteger, o.low, o.high) +
-                    "default: " + o.default_text + ")");
+    text += helpRow("-" + o.name + " " + o.value_name,
+                    o.help + " (" + smallRange(o.kind == Kind::kInteger, o.low, o.high) +
+                        "default: " + o.default_text + ")");
   }
-  text += row("-h", "this text") + row("-version", "the version");
+  text += helpRow("-h", "this text") + helpRow("-version", "the version");
   const bool has_switch = std::any_of(options_.begin(), options_.end(),
                                       [](const Option& o) { return o.kind == Kind::kToggle; });
-  if (has_switch)
-    text += "  A switch [0|1] alone is 1; a file named 0 or 1 is written ./0 or ./1.\n";
+  if (has_switch) {
+    text +=
+        "\n-name VALUE may be written --name VALUE or -name=VALUE. A switch [0|1] alone\n"
+        "is 1; true, false, on and off will do, too. A file of such a name is written\n"
+        "./0.\n";
+  }
   return text;
 }
 

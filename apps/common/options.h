@@ -19,9 +19,9 @@ enum ExitStatus : int {
 
 /** \brief A program's arguments: each declared once, for parsing, help and documentation.
  *
- * Options have one dash and a separate value, as PCL's tools do. A switch may stand alone: -quiet
- * is -quiet 1. A 0 or 1 right after a switch is always its value, so a file of that name is written
- * ./0 or ./1 there. A target's value at the time of declaration is the default that the help shows;
+ * Options have one dash and a separate value, as PCL's tools do; two dashes and -name=value mean the
+ * same. A switch may stand alone: -quiet is -quiet 1. A 0, 1, true, false, on or off right after a
+ * switch is always its value, so a file of that name is written ./0 there. A target's value at the time of declaration is the default that the help shows;
  * targets must outlive parse().
  */
 class OptionTable {
@@ -99,7 +99,8 @@ class OptionTable {
                  const std::string& help);
   std::string parseArguments(int argc, const char* const* argv);
   std::string takePositional(const std::string& word, const Option* bare, std::size_t& next);
-  std::string takeOption(Option& option, const char* following, bool& used);
+  std::string takeOption(Option& option, const std::optional<std::string>& own,
+                         const char* following, bool& used);
   std::string assign(Option& option, const std::string& value);
   std::string unknownOption(const std::string& word) const;
   std::string checkExclusive() const;

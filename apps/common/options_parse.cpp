@@ -69,6 +69,28 @@ assignWhole(const std::string& text, double low, double high, void* target)
   return "";
 }
 
+/** What a word means to a switch; nothing if it means nothing. */
+std::optional<bool>
+switchValue(const std::string& word)
+{
+  if (word == "1" || word == "true" || word == "on") return true;
+  if (word == "0" || word == "false" || word == "off") return false;
+  return std::nullopt;
+}
+
+/** An option's name and, after "=", its value, of a word that starts with one dash or two. */
+struct OptionWord {
+  std::string name;
+  std::optional<std::string> value;
+
+  explicit OptionWord(const std::string& word)
+  {
+    const std::size_t begin = word[1] == '-' ? 2 : 1, equals = word.find('=');
+    name = word.substr(begin, equals == std::string::npos ? equals : equals - begin);
+    if (equals != std::string::npos) value = word.substr(equals + 1);
+  }
+};
+
 }  // namespace
 
 /** Stores a value; the text returned, if any, says what the option wants instead. */
@@ -87,9 +109,11 @@ OptionTable::assign(Option& option, const std::string& value)
       *static_cast<double*>(option.target) = v;
       return "";
     }
-    case Kind::kToggle:
-      option.turn(value == "1");
-      return value == "0" || value == "1" ? "" : "0 or 1";
+    case Kind::kToggle: {
+      const std::optional<bool> on = switchValue(value);
+      option.turn(on.value_or(false));
+      return on ? "" : "0 or 1";
+    }
     case Kind::kText:
       *static_cast<std::string*>(option.target) = value;
       return value.empty() ? option.value_name : "";
@@ -118,25 +142,29 @@ OptionTable::takePositional(const std::string& word, const Option* bare, std::si
   return "unexpected argument '" + word + "'; see " + program_ + " -h";
 }
 
-/** Takes an option and its value, which is the next argument if there is one. A switch takes a 0 or
- * 1 only; without one it is 1. A text is never the name of another option: that one lacks a value.
+/** Takes an option and its value: the one after "=", or else the next argument if there is one. A switch
+ * takes a 0 or 1 only, or a word for it; without one it is 1. A text is never the name of another
+ * option: that one lacks a value.
  * \param[out] used whether the next argument was taken. */
 std::string
-OptionTable::takeOption(Option& option, const char* following, bool& used)
+OptionTable::takeOption(Option& option, const std::optional<std::string>& own,
+                        const char* following, bool& used)
 {
   if (option.given) return "option -" + option.name + " is given twice; give it once";
-  const std::string next = following ? following : "";
-  const bool is_name = next.size() > 1 && next[0] == '-' && find(next.substr(1)) != nullptr;
   option.given = true;
-  used = option.kind == Kind::kToggle ? next == "0" || next == "1"
-                                      : following && !(option.kind == Kind::kText && is_name);
-  if (option.kind == Kind::kToggle && !used) {
+  const std::string next = following ? following : "";
+  const bool is_name = next.size() > 1 && next[0] == '-' && find(OptionWord(next).name) != nullptr;
+  const bool toggle = option.kind == Kind::kToggle;
+  used = !own && (toggle ? switchValue(next).has_value()
+                         : following && !(option.kind == Kind::kText && is_name));
+  if (toggle && !own && !used) {
     option.turn(true);
     return "";
   }
-  if (!used) return "option -" + option.name + " needs a value: " + option.value_name;
-  const std::string wanted = assign(option, next);
-  return wanted.empty() ? "" : "option -" + option.name + " got '" + next + "'; give " + wanted;
+  if (!own && !used) return "option -" + option.name + " needs a value: " + option.value_name;
+  const std::string value = own ? *own : next;
+  const std::string wanted = assign(option, value);
+  return wanted.empty() ? "" : "option -" + option.name + " got '" + value + "'; give " + wanted;
 }
 
 /** Reads every argument; the text returned, if any, names the first mistake. */
@@ -152,11 +180,12 @@ OptionTable::parseArguments(int argc, const char* const* argv)
       mistake = takePositional(word, bare, next);
       bare = nullptr;
     } else {
-      auto* option = const_cast<Option*>(find(word.substr(1)));
+      const OptionWord named(word);
+      auto* option = const_cast<Option*>(find(named.name));
       if (!option) return unknownOption(word);
       bool used = false;
-      mistake = takeOption(*option, i + 1 < argc ? argv[i + 1] : nullptr, used);
-      bare = used ? nullptr : option;
+      mistake = takeOption(*option, named.value, i + 1 < argc ? argv[i + 1] : nullptr, used);
+      bare = used || named.value ? nullptr : option;
       i += used ? 1 : 0;
     }
     if (!mistake.empty()) return mistake;
@@ -168,7 +197,7 @@ OptionTable::parseArguments(int argc, const char* const* argv)
 std::string
 OptionTable::unknownOption(const std::string& word) const
 {
-  const std::string nearest = nearestName(word.substr(word[1] == '-' ? 2 : 1));
+  const std::string nearest = nearestName(OptionWord(word).name);
   const std::string hint = nearest.empty() ? "" : "did you mean -" + nearest + "? ";
   return "unknown option '" + word + "'; " + hint + "see " + program_ + " -h";
 }

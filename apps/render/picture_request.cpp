@@ -13,7 +13,8 @@ PictureRequest::declareColors(OptionTable& table)
   table.choice("mode", &mode,
                {"auto", "shaded", "normal", "mean", "gauss", "kmax", "kmin", "level", "size",
                 "error", "reflection", "color", "raytraced", "crest", "contours", "sketch"},
-               "what the colours show; auto: shaded surfaces, splats in their colours");
+               "what the colours show; auto: surfaces and splats without colours shaded, others in "
+               "their colours");
   table.text(
       "range", &range_text, "auto|X|LO,HI",
       "values that the colours span, -X to X for curvatures and 0 to X for errors; auto: the "
@@ -54,10 +55,10 @@ PictureRequest::parse()
 }
 
 ShadingParams
-PictureRequest::shadingFor(bool is_splats, int threads) const
+PictureRequest::shadingFor(bool has_colors, int threads) const
 {
   ShadingParams params;
-  const std::string automatic = is_splats ? "color" : "shaded";
+  const std::string automatic = has_colors ? "color" : "shaded";
   params.mode = *shadingModeOf(mode == "auto" || isTraced() ? automatic : mode);
   params.lighting = lighting == "auto" ? params.mode != ShadingMode::kColor : lighting == "1";
   params.range = range;

@@ -28,8 +28,8 @@ struct PictureRequest {
   /** \brief Whether the picture is to be ray-traced. */
   bool isTraced() const { return mode == "raytraced"; }
 
-  /** \brief Parameters for a model, once parse() has gone well. */
-  ShadingParams shadingFor(bool is_splats, int threads) const;
+  /** \brief Parameters for a model with or without colours of its own, once parse() has gone well. */
+  ShadingParams shadingFor(bool has_colors, int threads) const;
 };
 
 }  // namespace pcl_slim

@@ -83,7 +83,7 @@ Viewer::begin()
   if (mapper) {
     mapper->setFrameBudget(settings_.frame_budget);
     mapper->setNumberOfThreads(settings_.threads);
-    const std::string automatic = scene_.surfaceMapper() ? "shaded" : "color";
+    const std::string automatic = scene_.hasColors() ? "color" : "shaded";
     const std::string& name = settings_.mode == "auto" ? automatic : settings_.mode;
     if (const auto mode = displayModeOf(name)) scene_.setMode(*mode, settings_.range);
   }

@@ -112,6 +112,21 @@ expect 0 '' --help
 expect 0 '' -version
 documented "$program"
 
+awk 'length > 79 && !/^Syntax|^Fits/ { bad = 1 } END { exit bad }' < <("$bin/$program" -h) ||
+  complain "the help is wider than 79 columns"
+
+# Two dashes, -name=value and words for 0 and 1 mean the same.
+expect 0 '' scan.pcd plain.slim -degree 2 -robust 1 -quiet 1
+expect 0 '' scan.pcd dashes.slim --degree 2 --robust=true -quiet on
+same plain.slim dashes.slim
+expect 0 '' scan.pcd plain.slim -degree 3 -trim 0
+expect 0 '' scan.pcd dashes.slim -degree=3 --trim off
+same plain.slim dashes.slim
+expect 2 'from 1 to 4' scan.pcd d.pcd --degree=7
+expect 2 'needs a value\|a whole number' scan.pcd d.pcd -degree=
+expect 2 'unknown option' scan.pcd d.pcd --
+expect 2 'did you mean -degree' scan.pcd d.pcd --degre=2
+
 # Usage errors: status 2, nothing written.
 expect 2 'did you mean -degree' scan.pcd d.pcd -degre 2
 expect 2 'from 1 to 4' scan.pcd d.pcd -degree 7

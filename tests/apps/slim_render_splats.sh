@@ -31,6 +31,14 @@ done
 expect 0 '' pcl_slim_render gradient.ply gradient.png $small
 differ color.png gradient.png
 
+# Splats of a scan without colours are shaded, not a white silhouette.
+awk 'BEGIN { for (i = 0; i < 4000; ++i) { z = 1 - (2 * i + 1) / 4000; r = sqrt(1 - z * z); a = 2.39996 * i
+  print r * cos(a), r * sin(a), z } }' > ball.xyz
+expect 0 '' pcl_color_splat_sampling ball.xyz ball.pcd -rays 0
+expect 0 '' pcl_slim_render ball.pcd automatic.png $small
+expect 0 '' pcl_slim_render ball.pcd shaded.png $small -mode shaded
+same automatic.png shaded.png
+
 # A file of another program: fields in another order, ascii, no colours; one disc has no place.
 cat > foreign.pcd <<'END'
 VERSION 0.7

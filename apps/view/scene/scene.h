@@ -41,6 +41,8 @@ class Scene {
   /** \brief The mapper of the surface or the splats; null before there is either. */
   GBufferMapper* mapper() const;
   SLIMMapper* surfaceMapper() const;
+  /** \brief Whether splats with colours of their own are shown. */
+  bool hasColors() const { return splats_ && splats_->hasColors(); }
   vtkActor* model() const;
   /** \brief What cameras look at: the model, else the points. */
   BoundingSpheres spheres() const;

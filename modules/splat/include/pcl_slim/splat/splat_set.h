@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace pcl_slim {
@@ -29,6 +31,12 @@ struct SplatSet {
 
   std::size_t size() const { return x.size(); }
   bool empty() const { return x.empty(); }
+
+  /** \brief Whether two discs differ in colour: of a cloud without colours all are of one. O(N). */
+  bool hasColors() const
+  {
+    return std::adjacent_find(rgb.begin(), rgb.end(), std::not_equal_to<>()) != rgb.end();
+  }
 
   void resize(std::size_t count, bool with_gradient)
   {

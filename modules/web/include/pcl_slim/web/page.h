@@ -19,7 +19,7 @@ namespace pcl_slim {
 struct PageParams {
   std::string title = "surface";
   std::array<double, 3> up{0.0, 0.0, 1.0};  ///< dragging turns the object about this direction
-  double precision = 640.0;                 ///< of encodeWebSurface()
+  double precision = 896.0;                 ///< of encodeWebSurface()
   std::vector<SpaceLine> lines;             ///< to draw over the surface, world coordinates
 };
 

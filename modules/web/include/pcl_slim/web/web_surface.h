@@ -24,7 +24,7 @@ struct WebSurface {
  * constant one; 0: nothing is rounded. 640 moves normals by .05 degrees (95th percentile).
  * O(surfels + links). The bytes are the same for every run. */
 Result<std::vector<unsigned char>>
-encodeWebSurface(const SLIMSurface& surface, double precision = 640.0);
+encodeWebSurface(const SLIMSurface& surface, double precision = 896.0);
 
 /** \brief Inverse of encodeWebSurface, as the viewer does it. Truncated, damaged or foreign bytes give
  * an error. */
