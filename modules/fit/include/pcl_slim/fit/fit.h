@@ -88,6 +88,7 @@ struct FitStatistics {
   std::uint64_t noise_line = 0;       ///< points along a scan line that count as one; 0: no lines
   double noise_step = 0;              ///< of a quantised coordinate, the median [L]; 0: none found
   std::uint64_t noise_neighbors = 0;  ///< points of a patch that shows all of the noise
+  double noise_patch_radius = 0;      ///< median radius of those patches [L]
   bool noise_varies = false;          ///< lambda is the cloud's, the noise a profile about it
   double penalty = 0, t_mdl = 0;      ///< as used (solved for, where asked)
   double normal_error = 0;            ///< of normals used as data [rad]; 0: they were not
