@@ -6,6 +6,7 @@
 
 #include "pcl_slim/filters/io/surface_files.h"
 #include "scan/scan_program.h"
+#include "scan/tile_request.h"
 
 namespace {
 
@@ -14,6 +15,8 @@ using namespace pcl_slim;
 struct Settings {
   ScanFiles files;
   FitJob job;
+  TileRequest tiles;
+  std::unique_ptr<PointSource> source;  ///< of a scan that is fitted by tiles
 };
 
 OptionTable
@@ -25,6 +28,7 @@ declareOptions(Settings& s)
   options.positional("OUT.pcd|.ply|.vtp|.slim", &s.files.output, "the surface");
   declareFitOptions(options, s.job);
   declareTrimOptions(options, s.job);
+  declareTileOptions(options, s.tiles);
   declareReport(options, s.files);
   return options;
 }
@@ -53,6 +57,25 @@ makeSurface(const Settings& s, const CloudFile& cloud, Console& console, Report&
   return {};
 }
 
+Result<bool>
+openScan(Settings& s, bool asked, Console& console)
+{
+  s.tiles.asked = asked;
+  s.tiles.max_memory = s.files.max_memory;
+  if (Error error = openForTiles(s.files.input, s.job, s.tiles, console, s.source)) return error;
+  return s.source != nullptr;
+}
+
+Error
+streamSurface(const Settings& s, Console& console, Report& report, ScanResult& result)
+{
+  const auto surface = std::make_shared<SLIMSurface>();
+  if (Error error = fitByTiles(*s.source, s.job, s.tiles, console, report, *surface)) return error;
+  result.save = [&s, surface] { return saveSurface(s.files.output, *surface); };
+  result.detail = std::to_string(surface->size()) + " surfels";
+  return {};
+}
+
 }  // namespace
 
 int
@@ -60,8 +83,11 @@ main(int argc, char** argv)
 {
   Settings s;
   OptionTable options = declareOptions(s);
-  return runScanProgram(options, argc, argv, s.files, s.job, s.job.params.threads,
-                        {[&] { return checkSettings(s); },
-                         {},
-                         [&](auto&... stage) { return makeSurface(s, stage...); }});
+  return runScanProgram(
+      options, argc, argv, s.files, s.job, s.job.params.threads,
+      {[&] { return checkSettings(s); },
+       {},
+       [&](auto&... stage) { return makeSurface(s, stage...); },
+       [&](Console& console) { return openScan(s, options.given("tile_points"), console); },
+       [&](auto&... stage) { return streamSurface(s, stage...); }});
 }

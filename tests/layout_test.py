@@ -20,13 +20,14 @@ MOST_LINES_IN_FUNCTION = 60
 MOST_LINES_IN_NINE_OF_TEN = 23
 
 # What a folder may include, itself apart.
-MODULES = ("core", "cloud", "surface", "fit", "query", "features", "mesh", "splat",
+MODULES = ("core", "cloud", "surface", "fit", "stream", "query", "features", "mesh", "splat",
            "render", "web")
 ARROWS = {
     "core": (),
     "cloud": ("core",),
     "surface": ("core",),
     "fit": ("core", "cloud", "surface"),
+    "stream": ("core", "cloud", "surface", "fit"),
     "query": ("core", "cloud", "surface"),
     "features": ("core", "cloud", "surface", "query"),
     "mesh": ("core", "cloud", "surface", "fit", "query"),

@@ -218,10 +218,10 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
     return error;
   }
   report.time("fit", watch.seconds());
-  reportFit(*store, surface, statistics, report);
+  reportFit(fittedPoints(*store), surface, statistics, report);
   console.done(watch.seconds(), std::to_string(statistics.leaves) + " leaves, " +
                                     counted(surface.numLevels(), "level"));
-  console.note("  " + noiseText(*store, statistics));
+  console.note("  " + noiseText(store->diagonal() * store->scale(), statistics));
   for (const std::string& note : unusedNotes(job, cloud, statistics)) console.note(note);
   for (const std::string& note : coverNotes(statistics)) console.note(note);
   if (statistics.normals_follow_points) {

@@ -6,13 +6,19 @@
 
 namespace pcl_slim {
 
+FittedPoints
+fittedPoints(const PointStore& store)
+{
+  return {store.size(), store.diagonal() * store.scale(), store.memoryBytes(), store.statistics()};
+}
+
 void
-reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatistics& fit,
+reportFit(const FittedPoints& fitted, const SLIMSurface& surface, const FitStatistics& fit,
           Report& report)
 {
-  const PointStoreStatistics& points = store.statistics();
-  report.add({{"stored_points", store.size()},
-              {"outliers", fit.outliers.size()},
+  const PointStoreStatistics& points = fitted.statistics;
+  report.add({{"stored_points", fitted.stored},
+              {"outliers", fit.outliers},
               {"surfels", surface.size()},
               {"leaves", fit.leaves},
               {"internals", fit.internals},
@@ -30,7 +36,7 @@ reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatisti
               {"noise_step", fit.noise_step},
               {"noise_neighbors", fit.noise_neighbors},
               {"noise_varies", fit.noise_varies},
-              {"diagonal", store.diagonal() * store.scale()},
+              {"diagonal", fitted.diagonal},
               {"rms_error_over_diagonal", fit.rms_error},
               {"uncovered", fit.uncovered},
               {"unsupported", fit.unsupported},
@@ -47,7 +53,7 @@ reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatisti
               {"gathered", fit.gathered},
               {"open_leaves", fit.open_leaves},
               {"trim_bytes", surface.trim_maps.size()},
-              {"store_bytes", store.memoryBytes()},
+              {"store_bytes", fitted.store_bytes},
               {"working_bytes", fit.working_bytes}});
   report.json()["skipped"] = {{"non_finite", points.non_finite},
                               {"far_away", points.far_away},
@@ -80,9 +86,8 @@ counted(std::uint64_t count, const std::string& what)
 }
 
 std::string
-noiseText(const PointStore& store, const FitStatistics& fit)
+noiseText(double diagonal, const FitStatistics& fit)
 {
-  const double diagonal = store.diagonal() * store.scale();
   char text[160];
   std::snprintf(text, sizeof(text), "noise %.3g RMS", std::sqrt(fit.lambda) * diagonal);
   std::string line = text;
@@ -115,8 +120,8 @@ std::vector<std::string>
 coverNotes(const FitStatistics& fit)
 {
   std::vector<std::string> notes;
-  if (!fit.outliers.empty()) {
-    notes.push_back("  " + counted(fit.outliers.size(), "outlier") +
+  if (fit.outliers > 0) {
+    notes.push_back("  " + counted(fit.outliers, "outlier") +
                     " left out; -outliers 1 fits them, too");
   }
   if (fit.uncovered > 0) {

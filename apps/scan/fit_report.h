@@ -10,9 +10,21 @@
 
 namespace pcl_slim {
 
+/** \brief What a report says of the points that a surface was fitted to. */
+struct FittedPoints {
+  std::uint64_t stored = 0;
+  double diagonal = 0;  ///< world length
+  std::uint64_t store_bytes = 0;
+  PointStoreStatistics statistics;
+};
+
+/** \brief The points of one store. */
+FittedPoints
+fittedPoints(const PointStore& store);
+
 /** \brief What a fit came to, into the report. */
 void
-reportFit(const PointStore& store, const SLIMSurface& surface, const FitStatistics& fit,
+reportFit(const FittedPoints& points, const SLIMSurface& surface, const FitStatistics& fit,
           Report& report);
 
 /** \brief A surface read in place of a fit, into the report: its lambda under a fit's key. */
@@ -25,7 +37,7 @@ counted(std::uint64_t count, const std::string& what);
 
 /** \brief "noise 1.9 RMS, white"-like line: sigma in the scan's units and what kind of noise it is. */
 std::string
-noiseText(const PointStore& store, const FitStatistics& fit);
+noiseText(double diagonal, const FitStatistics& fit);
 
 /** \brief "points skipped: 32 non-finite, 4 duplicate", or nothing. */
 std::string

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scan/scan_program.h"
 
+#include <optional>
+#include <utility>
+
 #include "common/memory_limit.h"
 #include "common/program.h"
 #include "pcl_slim/core/file_access.h"
@@ -9,6 +12,39 @@
 namespace pcl_slim {
 
 namespace {
+
+/** What ends a program early. */
+struct Stop {
+  int status = kExitDone;
+  Error error;
+};
+
+/** Loads the scan, or opens it. \param[out] cloud the scan, unless it is streamed. */
+Stop
+readScan(const ScanFiles& files, const FitJob& scan, const ScanSteps& steps, Console& console,
+         Report& report, std::optional<CloudFile>& cloud)
+{
+  if (steps.open) {
+    const Result<bool> streams = steps.open(console);
+    if (!streams) return {kExitUsage, streams.error()};
+    if (*streams) return {};
+  }
+  Result<CloudFile> loaded = loadScan(files.input, scan, console, report);
+  if (!loaded) return {kExitUsage, loaded.error()};
+  cloud = std::move(*loaded);
+  return {};
+}
+
+/** Does the work. \param[in] cloud null: the scan is streamed. */
+Stop
+work(const ScanSteps& steps, const CloudFile* cloud, Console& console, Report& report,
+     ScanResult& result)
+{
+  if (cloud != nullptr) return {kExitFailed, steps.work(*cloud, console, report, result)};
+  const Error error = steps.stream(console, report, result);
+  const bool usage = error.code == ErrorCode::kBadInput || error.code == ErrorCode::kBadArgument;
+  return {usage ? kExitUsage : kExitFailed, error};
+}
 
 /** What is done once the arguments are read. */
 int
@@ -23,18 +59,19 @@ runSteps(const OptionTable& options, const ScanFiles& files, const FitJob& scan,
   if (error) return leave(kExitUsage, error);
   Console console(files.quiet);
   Report report(options.program(), options.version(), files.input, resolveThreads(threads));
-  const Result<CloudFile> cloud = loadScan(files.input, scan, console, report);
-  if (!cloud) return leave(kExitUsage, cloud.error());
-  if (steps.load) error = steps.load(console, report);
-  if (error) return leave(kExitUsage, error);
-  error = checkOutputs(files.output, files.json);
-  if (error) return leave(kExitFailed, error);
+  std::optional<CloudFile> cloud;
+  Stop stop = readScan(files, scan, steps, console, report, cloud);
+  if (!stop.error && steps.load) stop = {kExitUsage, steps.load(console, report)};
+  if (!stop.error) stop = {kExitFailed, checkOutputs(files.output, files.json)};
+  if (stop.error) return leave(stop.status, stop.error);
 
   ScanResult result;
-  error = steps.work(*cloud, console, report, result);
+  stop = work(steps, cloud ? &*cloud : nullptr, console, report, result);
   if (console.interrupted()) {
     return fail(options.program(), kExitInterrupted, "stopped; nothing is written");
   }
+  error = stop.error;
+  if (error && stop.status == kExitUsage) return leave(kExitUsage, error);
   if (!error) {
     error = saveOutput(files.output, files.json, result.save, result.detail, console, report);
   }

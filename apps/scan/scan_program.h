@@ -43,6 +43,12 @@ struct ScanSteps {
   std::function<Error(Console&, Report&)> load;
   /** \brief The work; an error exits with kExitFailed. */
   std::function<Error(const CloudFile&, Console&, Report&, ScanResult&)> work;
+  /** \brief Opens a scan that is not loaded but read in pieces; null: every scan is loaded. An error exits
+   * with kExitUsage. \return whether this scan is to be streamed. */
+  std::function<Result<bool>(Console&)> open;
+  /** \brief The work on a scan that is streamed; an error exits with kExitFailed, one of the input with
+   * kExitUsage. */
+  std::function<Error(Console&, Report&, ScanResult&)> stream;
 };
 
 /** \brief Reads the arguments, loads the scan, works, writes result and report, and says so.

@@ -57,7 +57,7 @@ SLIMFitBase::fitStore(const PointStore& store, const CloudView& cloud, SLIMSurfa
 {
   outliers_.clear();
   Error error = fitSurface(store, params_, surface, &statistics_, &control_.progress);
-  for (const std::uint32_t i : statistics_.outliers)
+  for (const std::uint32_t i : statistics_.outlier_points)
     outliers_.push_back(static_cast<std::int32_t>(cloud.inputIndex(store.orderOfStore()[i])));
   std::sort(outliers_.begin(), outliers_.end());
   return error;

@@ -264,7 +264,7 @@ TEST(SLIMFit, NamesOutliersByTheirIndices)
   SLIMSurface surface;
   ASSERT_TRUE(fit.fit(surface)) << fit.getError().message;
   EXPECT_EQ(fit.getOutliers(), raised);
-  EXPECT_EQ(fit.getStatistics().outliers.size(), raised.size());
+  EXPECT_EQ(fit.getStatistics().outliers, raised.size());
   fit.setKeepOutliers(true);
   ASSERT_TRUE(fit.fit(surface)) << fit.getError().message;
   EXPECT_TRUE(fit.getOutliers().empty());

@@ -70,9 +70,10 @@ fitWithConstants(const FitConstants& constants, const PointStore& all, const Fit
   Stopwatch watch;
 
   if (!params.keep_outliers && !params.paper_mode)
-    stats.outliers = findOutliers(all, stats.threads);
+    stats.outlier_points = findOutliers(all, stats.threads);
+  stats.outliers = stats.outlier_points.size();
   std::optional<PointStore> rest;
-  if (!stats.outliers.empty()) rest = all.without(stats.outliers);
+  if (stats.outliers > 0) rest = all.without(stats.outlier_points);
   const PointStore& store = rest ? *rest : all;
   stats.seconds_outliers = watch.lap();
 

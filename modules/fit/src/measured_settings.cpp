@@ -138,6 +138,7 @@ measureNoiseSettings(const PointStore& store, const FitParams& params, int threa
   stats.noise_line = residual.level().dependence > 1 ? residual.level().line : 0;
   stats.noise_step = residual.level().step / store.diagonal();
   stats.noise_neighbors = residual.level().neighbors;
+  stats.noise_patch_radius = residual.level().patch_radius / store.diagonal();
 }
 
 /** What normals weigh as data: the error stated, or the one measured if it is their own. */

@@ -32,7 +32,7 @@ expectSurvived(const Cloud& cloud)
       expectSound(f);
       EXPECT_EQ(f.statistics.leaves == 0, none.code == ErrorCode::kNoSurface);
       EXPECT_EQ(f.surface.empty(), f.statistics.leaves == 0);
-      EXPECT_EQ(f.statistics.points + f.statistics.outliers.size(), f.store.size());
+      EXPECT_EQ(f.statistics.points + f.statistics.outliers, f.store.size());
       EXPECT_LE(f.statistics.uncovered, f.store.size());
       EXPECT_GE(f.statistics.unsupported, f.statistics.leaves == 0 ? f.store.size() : 0);
     }

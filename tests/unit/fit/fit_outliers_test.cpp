@@ -43,7 +43,7 @@ TEST(FitOutliers, NoiseIsThatOfTheSurface)
   for (const double share : {0.01, 0.05, 0.1}) {
     const Fitted f = fitted(torusAmongOutliers(share));
     EXPECT_NEAR(std::sqrt(f.statistics.lambda) / clean, 1.0, 0.2) << share;
-    EXPECT_GT(static_cast<double>(f.statistics.outliers.size()), 0.7 * share * 30000) << share;
+    EXPECT_GT(static_cast<double>(f.statistics.outliers), 0.7 * share * 30000) << share;
   }
 }
 
@@ -52,15 +52,14 @@ TEST(FitOutliers, CarryNoSurfaceUnlessAsked)
   const Cloud cloud = torusAmongOutliers(0.05);
   const Fitted without = fitted(cloud);
   std::size_t supported = 0;
-  for (const std::uint32_t i : without.statistics.outliers)
+  for (const std::uint32_t i : without.statistics.outlier_points)
     supported += without.projection.supported[i];
-  EXPECT_LT(static_cast<double>(supported),
-            0.1 * static_cast<double>(without.statistics.outliers.size()));
+  EXPECT_LT(static_cast<double>(supported), 0.1 * static_cast<double>(without.statistics.outliers));
 
   FitParams keep;
   keep.keep_outliers = true;
   const Fitted with = fitted(cloud, keep);
-  EXPECT_TRUE(with.statistics.outliers.empty());
+  EXPECT_TRUE(with.statistics.outlier_points.empty());
   EXPECT_GT(with.statistics.leaves, 3 * without.statistics.leaves);
 }
 
@@ -70,7 +69,7 @@ TEST(FitOutliers, PaperModeKeepsThem)
   paper.paper_mode = true;
   paper.degree = 2;
   paper.t_mdl = 0.1;
-  EXPECT_TRUE(fitted(torusAmongOutliers(0.05), paper).statistics.outliers.empty());
+  EXPECT_TRUE(fitted(torusAmongOutliers(0.05), paper).statistics.outlier_points.empty());
 }
 
 }  // namespace

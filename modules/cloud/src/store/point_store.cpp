@@ -10,18 +10,43 @@ namespace pcl_slim {
 
 using namespace detail;
 
+namespace {
+
+/** The steps after a builder's measure(). */
+Result<PointStore>
+finished(PointStoreBuilder& builder)
+{
+  if (Error error = builder.measure()) return error;
+  builder.sortPoints();
+  builder.mergeDuplicates();
+  builder.fillBlocks();
+  return builder.take();
+}
+
+}  // namespace
+
 Result<PointStore>
 PointStore::build(const CloudView& cloud, int threads, const PointStore* frame)
 {
   const auto start = std::chrono::steady_clock::now();
   PointStoreBuilder builder(cloud, resolveThreads(threads), frame);
-  if (Error error = builder.measure()) return error;
-  builder.sortPoints();
-  builder.mergeDuplicates();
-  builder.fillBlocks();
-  PointStore store = builder.take();
-  store.sensor_ = cloud.sensor;
-  store.statistics_.seconds =
+  Result<PointStore> store = finished(builder);
+  if (!store) return store;
+  store->sensor_ = cloud.sensor;
+  store->statistics_.seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return store;
+}
+
+Result<PointStore>
+PointStore::build(const CloudView& cloud, const StoreFrame& frame, int threads)
+{
+  const auto start = std::chrono::steady_clock::now();
+  PointStoreBuilder builder(cloud, resolveThreads(threads), frame);
+  Result<PointStore> store = finished(builder);
+  if (!store) return store;
+  store->sensor_ = frame.sensor;
+  store->statistics_.seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return store;
 }

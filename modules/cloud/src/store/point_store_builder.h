@@ -6,7 +6,7 @@
 
 #include "pcl_slim/cloud/point_store.h"
 #include "store/bulk.h"
-#include "store/cloud_reader.h"
+#include "pcl_slim/cloud/detail/cloud_reader.h"
 
 namespace pcl_slim::detail {
 
@@ -14,6 +14,7 @@ namespace pcl_slim::detail {
 class PointStoreBuilder {
  public:
   PointStoreBuilder(const CloudView& cloud, int threads, const PointStore* frame);
+  PointStoreBuilder(const CloudView& cloud, int threads, const StoreFrame& given);
 
   Error measure();         ///< which points count, their box, origin and scale
   void sortPoints();       ///< Morton keys, sorted
@@ -25,7 +26,8 @@ class PointStoreBuilder {
   std::array<double, 3> localPosition(std::uint32_t order) const;
   bool usable(const std::array<double, 3>& position, std::size_t input) const;
   bool allUsable() const { return store_.size_ == cloud_.count(); }
-  Error setUnits(const std::array<double, 3>& low, const std::array<double, 3>& high);
+  Bulk bulkOfPoints() const;
+  void adopt(const StoreFrame& frame);
   std::size_t countUsable(std::size_t begin, std::size_t end) const;
   void makeKeys(std::size_t begin, std::size_t end, std::size_t out);
   void mergeRun(std::size_t begin, std::size_t end, std::size_t& kept);
@@ -37,7 +39,8 @@ class PointStoreBuilder {
   const CloudView& cloud_;
   CloudReader reader_;
   int threads_;
-  const PointStore* frame_;
+  const PointStore* frame_ = nullptr;  ///< store of a larger cloud, or null
+  const StoreFrame* given_ = nullptr;  ///< units that are not to be measured, or null
   bool with_normals_ = false;
   double inverse_scale_ = 1;
   Bulk bulk_;  ///< of the usable points

@@ -31,9 +31,16 @@ mixBits(std::uint64_t x)
 }  // namespace
 
 LevelCover::LevelCover(const PointStore& store, const FitSettings& settings, int threads)
+    : LevelCover(store, settings, threads, {0, store.size()})
+{
+}
+
+LevelCover::LevelCover(const PointStore& store, const FitSettings& settings, int threads,
+                       PointRange core)
     : store_(store),
       settings_(settings),
       threads_(threads),
+      core_(core),
       level_mark_(kFirstLevelMark),
       serving_(kServedForGood | kFirstLevelMark)
 {
@@ -43,12 +50,12 @@ LevelCover::LevelCover(const PointStore& store, const FitSettings& settings, int
   const std::size_t padded = store.numBlocks() * PointStore::kBlock;
   coverage_.resize(padded);
   marks_.resize(padded);
-  active_.resize(store.size());
+  active_.resize(core.size());
   forSlices(padded, [&](std::size_t begin, std::size_t end) {
     std::fill(coverage_.begin() + begin, coverage_.begin() + end, 0.0f);
     std::fill(marks_.begin() + begin, marks_.begin() + end, std::uint8_t{0});
     for (std::size_t i = begin; i < std::min(end, active_.size()); ++i) {
-      active_[i] = static_cast<std::uint32_t>(i);
+      active_[i] = static_cast<std::uint32_t>(core.begin + i);
     }
   });
 }
@@ -64,7 +71,7 @@ LevelCover::forSlices(std::size_t count, const Body& body) const
 Error
 LevelCover::run(int first_level, Progress* progress)
 {
-  const double points = static_cast<double>(store_.size());
+  const double points = static_cast<double>(core_.size());
   for (int level = first_level;
        !active_.empty() && level <= settings_.constants.cover.last_level && settings_.allows(level);
        ++level) {
@@ -253,11 +260,11 @@ LevelCover::dropServed()
 PointCounts
 LevelCover::countPoints() const
 {
-  const std::size_t n = store_.size();
+  const std::size_t n = core_.size();
   std::vector<PointCounts> parts((n + kSlice - 1) / kSlice);
   forSlices(n, [&](std::size_t begin, std::size_t end) {
     PointCounts& part = parts[begin / kSlice];
-    for (std::size_t i = begin; i < end; ++i) {
+    for (std::size_t i = core_.begin + begin; i < core_.begin + end; ++i) {
       part.uncovered += coverage_[i] < settings_.gamma;
       part.unsupported += coverage_[i] <= 0.0f;
       part.lone_normals += (marks_[i] & kLoneNormalMark) != 0;

@@ -21,6 +21,13 @@ struct PointCounts {
       0;  ///< whose balls would be too small for the grid that centres stand on
 };
 
+/** \brief Stored points from begin on, to before end. */
+struct PointRange {
+  std::size_t begin = 0, end = 0;
+
+  std::size_t size() const { return end - begin; }
+};
+
 /** \brief Covers the points level by level (section 2, "Multi-scale surfel-based approximation";
  * docs/theory.md, "Levels").
  *
@@ -32,6 +39,10 @@ struct PointCounts {
 class LevelCover {
  public:
   LevelCover(const PointStore& store, const FitSettings& settings, int threads);
+
+  /** \brief Covers a range of the points only: other points are part of its balls, but are no centres
+   * and are not counted. */
+  LevelCover(const PointStore& store, const FitSettings& settings, int threads, PointRange core);
 
   /** \brief Runs levels from first_level until no point is left. */
   Error run(int first_level, Progress* progress);
@@ -88,6 +99,7 @@ class LevelCover {
   const PointStore& store_;
   const FitSettings& settings_;
   int threads_;
+  PointRange core_;
   std::vector<std::unique_ptr<Worker>> workers_;  ///< one per thread
   AlignedVector<float> coverage_;
   AlignedVector<std::uint8_t> marks_;    ///< served for good, or at a level

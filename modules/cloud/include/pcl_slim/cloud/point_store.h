@@ -9,6 +9,7 @@
 
 #include "pcl_slim/cloud/block_tree.h"
 #include "pcl_slim/cloud/cloud_view.h"
+#include "pcl_slim/cloud/store_frame.h"
 #include "pcl_slim/core/aligned.h"
 #include "pcl_slim/core/error.h"
 
@@ -52,6 +53,11 @@ class PointStore {
    * is far away here, too, and the units are at least its own. null: none. */
   static Result<PointStore> build(const CloudView& cloud, int threads = 0,
                                   const PointStore* frame = nullptr);
+
+  /** \brief The same in given units, as a part of a larger cloud has: equal points get the coordinates,
+   * keys and order that they have in a store of all. Points that the frame counts as strays, or whose
+   * normal it misses, are left out. */
+  static Result<PointStore> build(const CloudView& cloud, const StoreFrame& frame, int threads = 0);
 
   /** \brief The same without some points, in the same units; they count as skipped in storeOfInput().
    * \param[in] dropped stored points, ascending. O(N). */

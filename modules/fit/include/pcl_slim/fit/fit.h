@@ -66,7 +66,8 @@ struct FitParams {
 /** \brief What a fit did, what it skipped and how long its stages took. */
 struct FitStatistics {
   std::uint64_t points = 0;             ///< fitted: finite, distinct, no outliers
-  std::vector<std::uint32_t> outliers;  ///< stored points that no others support: not fitted
+  std::uint64_t outliers = 0;  ///< stored points that stand apart from all others: not fitted ...
+  std::vector<std::uint32_t> outlier_points;  ///< ... and which these are; empty of tiles
   std::uint64_t leaves = 0, internals = 0;
   std::uint64_t support_limited = 0;  ///< leaves that ended by minimum support
   std::uint64_t reduced_degree = 0;   ///< surfels whose degree fell below the one asked for
@@ -91,6 +92,7 @@ struct FitStatistics {
   std::uint64_t noise_line = 0;       ///< points along a scan line that count as one; 0: no lines
   double noise_step = 0;              ///< of a quantised coordinate, the median [L]; 0: none found
   std::uint64_t noise_neighbors = 0;  ///< points of a patch that shows all of the noise
+  double noise_patch_radius = 0;      ///< median radius of those patches [L]
   bool noise_varies = false;          ///< lambda is the cloud's, the noise a profile about it
   double penalty = 0, t_mdl = 0;      ///< as used (solved for, where asked)
   double normal_error = 0;            ///< of normals used as data [rad]; 0: they were not

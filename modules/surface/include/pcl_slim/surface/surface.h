@@ -102,6 +102,10 @@ class SLIMSurface {
   /** \brief Sets the number of surfels; none has a trim map then. */
   void resize(std::size_t count);
 
+  /** \brief Appends the surfels of another surface of the same units and degree, as a tile of the same
+   * cloud is; links are dropped, for buildLinks(). An empty surface takes over the other's info. */
+  void append(const SLIMSurface& more);
+
   /** \brief Turns surfel i's normal round; its zero set and its border stay the same. */
   void flip(std::size_t i);
 

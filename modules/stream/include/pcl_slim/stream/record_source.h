@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "pcl_slim/stream/point_source.h"
+
+namespace pcl_slim {
+
+/** \brief Type of a number in a file; the values are those of PCL's PCLPointField and the 64-bit
+ * integers beside them. */
+enum class RecordType : std::uint8_t {
+  kInt8 = 1,
+  kUInt8 = 2,
+  kInt16 = 3,
+  kUInt16 = 4,
+  kInt32 = 5,
+  kUInt32 = 6,
+  kFloat32 = 7,
+  kFloat64 = 8,
+  kInt64 = 9,
+  kUInt64 = 10
+};
+
+/** \brief Where a file has its points: records of one size, or words of text. */
+struct RecordLayout {
+  struct Field {
+    std::size_t offset = 0;  ///< bytes into the record; of text: words into the row
+    RecordType type = RecordType::kFloat32;
+  };
+
+  std::string path;
+  std::uint64_t begin = 0;  ///< bytes in front of the first record
+  std::uint64_t count = 0;  ///< records
+  std::size_t step = 0;     ///< bytes of a record; of text: words of a row
+  bool text = false;        ///< numbers as words, separated by white space
+  bool big_endian = false;
+  std::array<Field, 3> position;
+  std::optional<std::array<Field, 3>> normal;
+  std::optional<std::array<double, 3>> sensor;
+};
+
+/** \brief The points of a file with records of one size, or of text, read in pieces of some megabytes. */
+class RecordSource : public PointSource {
+ public:
+  explicit RecordSource(RecordLayout layout);
+
+  const RecordLayout& layout() const { return layout_; }
+  std::uint64_t size() const override { return layout_.count; }
+  bool hasNormals() const override { return layout_.normal.has_value(); }
+  CloudView::Scalar scalar() const override;
+  std::optional<std::array<double, 3>> sensor() const override { return layout_.sensor; }
+  Error pass(const Visit& visit) override;
+
+ private:
+  RecordLayout layout_;
+};
+
+}  // namespace pcl_slim

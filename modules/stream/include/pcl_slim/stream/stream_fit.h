@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/core/progress.h"
+#include "pcl_slim/fit/tile_fit.h"
+#include "pcl_slim/stream/point_source.h"
+#include "pcl_slim/stream/tile_plan.h"
+
+namespace pcl_slim {
+
+/** \brief Parameters of a fit by tiles. Those of the fit and the tile size decide the result; the scratch
+ * folder and the number of threads do not. */
+struct StreamParams {
+  FitParams fit;
+  std::uint64_t tile_points = 4000000;  ///< most points of a tile's core, at least kLeastTile
+  std::string scratch;                  ///< folder of the scratch file; empty: the system's
+
+  static constexpr std::uint64_t kLeastTile = 10000;
+  /** \brief Points of the median ball that a tile's first level begins with. */
+  std::uint64_t firstBallPoints() const { return tile_points / 50; }
+
+  /** \brief Names the first parameter that is out of range, or that tiles cannot honour. */
+  Error validate() const;
+};
+
+/** \brief What a fit by tiles did, how much it read and wrote and how long its stages took. */
+struct StreamStatistics {
+  FitStatistics fit;            ///< sums over the tiles; measured noise and normals
+  PointStoreStatistics points;  ///< what happened to the input; duplicates of the tiles' cores
+  std::uint64_t tiles = 0;
+  std::uint64_t halo_points = 0;     ///< points that tiles read beside their own
+  std::uint64_t noise_thinning = 1;  ///< noise was measured on one of so many points
+  std::uint64_t passes = 0;          ///< over the source
+  std::uint64_t scratch_read = 0, scratch_written = 0;  ///< bytes
+  double seconds_measure = 0, seconds_sort = 0, seconds_plan = 0, seconds_load = 0;
+};
+
+/** \brief A fit of a cloud that need not fit into memory, tile by tile (docs/tiles.md).
+ *
+ * prepare() reads the source, at least three times, and sorts the points into a scratch file;
+ * then tiles are fitted in any order. All surfels are in one frame(). Same bytes for any order of
+ * the points and the tiles, and for any number of threads.
+ */
+class StreamFit {
+ public:
+  explicit StreamFit(StreamParams params);
+  ~StreamFit();
+  StreamFit(const StreamFit&) = delete;
+  StreamFit& operator=(const StreamFit&) = delete;
+
+  /** \brief Measures, plans and sorts. \return an error for bad parameters, a source that cannot be
+   * read, points without extent, a full disk, or cancellation. */
+  Error prepare(PointSource& source, Progress* progress = nullptr);
+
+  const StoreFrame& frame() const;
+  const TilePlan& plan() const;
+  const CloudTraits& traits() const;
+  /** \brief Points that a tile has in memory, its halo included, at most. */
+  std::uint64_t loadedPoints(std::size_t tile) const;
+  /** \brief Bytes that fitting the largest tile takes, without its surfels. */
+  std::uint64_t workingBytes() const;
+
+  /** \brief Fits one tile. \param[out] surface its surfels, without links or common side; may be empty */
+  Error fit(std::size_t tile, SLIMSurface& surface, Progress* progress = nullptr);
+
+  /** \brief Of prepare() and all tiles fitted so far. */
+  const StreamStatistics& statistics() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/** \brief Fits all tiles into one surface with links, and with a common side where points have no
+ * normals: for clouds whose surfels fit into memory. */
+Error
+fitTiles(PointSource& source, const StreamParams& params, SLIMSurface& surface,
+         StreamStatistics* statistics = nullptr, Progress* progress = nullptr);
+
+}  // namespace pcl_slim

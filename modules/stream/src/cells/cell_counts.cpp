@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "cells/cell_counts.h"
+
+#include <limits>
+
+namespace pcl_slim::detail {
+
+CellCounts::CellCounts() : table_(std::size_t{1} << (3 * kTableDepth), 0)
+{
+  addPage();  // number 0 is none
+}
+
+std::uint32_t
+CellCounts::addPage()
+{
+  const auto page = static_cast<std::uint32_t>(values_.size() / kPage);
+  values_.resize(values_.size() + kPage, 0);
+  deeper_.resize(deeper_.size() + kPage, 0);
+  return page;
+}
+
+Error
+CellCounts::add(const std::uint64_t* keys, std::size_t count)
+{
+  const bool first_pass = depth_ == kTableDepth + kPageDepth;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint64_t key = keys[i];
+    if (key == PointKeys::kLeftOut) continue;
+    std::uint32_t& top = table_[cellOf(key, kTableDepth)];
+    if (top == 0) {
+      if (!first_pass) continue;
+      const std::uint32_t page = addPage();
+      top = page;
+    }
+    std::size_t slot = top * kPage + (cellOf(key, kTableDepth + kPageDepth) & (kPage - 1));
+    int depth = kTableDepth + kPageDepth;
+    while (deeper_[slot] != 0) {
+      depth += kPageDepth;
+      slot = deeper_[slot] * kPage + (cellOf(key, depth) & (kPage - 1));
+    }
+    if (depth != depth_) continue;
+    if (++values_[slot] == std::numeric_limits<std::uint32_t>::max())
+      return badInput("2^32 points lie within a 256th of the cloud's width: fit its parts apart");
+  }
+  return {};
+}
+
+bool
+CellCounts::divideCells(std::uint64_t most)
+{
+  if (depth_ >= kMostDepth) return false;
+  bool divided = false;
+  for (std::size_t slot = kPage; slot < values_.size(); ++slot) {
+    // Cells of earlier passes are divided already, or small.
+    if (deeper_[slot] != 0 || values_[slot] <= most) continue;
+    const std::uint32_t page = addPage();
+    deeper_[slot] = page;
+    values_[slot] = 0;
+    divided = true;
+  }
+  if (divided) depth_ += kPageDepth;
+  return divided;
+}
+
+template <typename Visit>
+void
+CellCounts::forPage(std::uint32_t page, std::uint64_t code, int depth, const Visit& visit) const
+{
+  for (std::size_t k = 0; k < kPage; ++k) {
+    const std::size_t slot = page * kPage + k;
+    const std::uint64_t cell = code << (3 * kPageDepth) | k;
+    if (deeper_[slot] != 0)
+      forPage(deeper_[slot], cell, depth + kPageDepth, visit);
+    else if (values_[slot] != 0)
+      visit(cell, depth, slot);
+  }
+}
+
+template <typename Visit>
+void
+CellCounts::forCells(const Visit& visit) const
+{
+  for (std::size_t code = 0; code < table_.size(); ++code) {
+    if (table_[code] != 0) forPage(table_[code], code, kTableDepth + kPageDepth, visit);
+  }
+}
+
+std::vector<TilePlan::Cell>
+CellCounts::cells() const
+{
+  std::vector<TilePlan::Cell> cells;
+  forCells([&](std::uint64_t code, int depth, std::size_t slot) {
+    TilePlan::Cell cell;
+    cell.first_key = code << (3 * (kDeepestCell - depth));
+    cell.points = values_[slot];
+    cell.depth = static_cast<std::uint32_t>(depth);
+    cells.push_back(cell);
+  });
+  return cells;
+}
+
+void
+CellCounts::setValues(const std::vector<std::uint32_t>& values)
+{
+  std::size_t next = 0;
+  forCells([&](std::uint64_t, int, std::size_t slot) { values_[slot] = values[next++]; });
+}
+
+std::size_t
+CellCounts::memoryBytes() const
+{
+  return sizeof(std::uint32_t) * (table_.capacity() + values_.capacity() + deeper_.capacity());
+}
+
+}  // namespace pcl_slim::detail

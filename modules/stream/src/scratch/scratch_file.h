@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "pcl_slim/core/error.h"
+
+namespace pcl_slim::detail {
+
+/** \brief A file without a name in some folder: it goes when it is closed, however the program ends. */
+class ScratchFile {
+ public:
+  ScratchFile() = default;
+  ~ScratchFile();
+  ScratchFile(const ScratchFile&) = delete;
+  ScratchFile& operator=(const ScratchFile&) = delete;
+
+  /** \brief Makes it. \param[in] folder empty: the system's for temporary files \param[in] bytes that
+   * will be written \return an error where there is no folder or not enough room. */
+  Error create(const std::string& folder, std::uint64_t bytes);
+  Error write(std::uint64_t at, const void* from, std::size_t bytes);
+  Error read(std::uint64_t at, void* to, std::size_t bytes) const;
+
+  std::uint64_t bytesWritten() const { return written_; }
+  std::uint64_t bytesRead() const { return read_; }
+
+ private:
+  Error failed(const char* verb, std::uint64_t at, int code) const;
+
+  std::string folder_;
+  int file_ = -1;
+  std::uint64_t written_ = 0;
+  mutable std::uint64_t read_ = 0;
+};
+
+}  // namespace pcl_slim::detail

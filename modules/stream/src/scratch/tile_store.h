@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "cells/cell_counts.h"
+#include "pcl_slim/cloud/cloud_view.h"
+#include "pcl_slim/stream/tile_plan.h"
+#include "scratch/scratch_file.h"
+
+namespace pcl_slim::detail {
+
+/** \brief How points are kept: coordinates as floats or doubles, then a normal's three floats, if any. */
+struct PointRecord {
+  CloudView::Scalar scalar = CloudView::Scalar::kFloat;
+  bool normals = false;
+
+  std::size_t positionBytes() const { return scalar == CloudView::Scalar::kFloat ? 12 : 24; }
+  std::size_t bytes() const { return positionBytes() + (normals ? 12 : 0); }
+  /** \brief Copies a piece's point. */
+  void write(const CloudView& piece, std::size_t i, unsigned char* to) const;
+  /** \brief A view of records that stand one behind the other. */
+  CloudView view(const std::vector<unsigned char>& records) const;
+};
+
+/** \brief A run of a tile's cells whose points stand together in the scratch file. */
+struct Bucket {
+  std::size_t first_cell = 0, end_cell = 0, tile = 0;
+  std::uint64_t points = 0, first_point = 0;  ///< first_point: of the file
+  std::uint64_t written = 0;                  ///< points so far
+};
+
+/** \brief The cloud's points on disk, sorted into buckets. */
+class TileStore {
+ public:
+  /** \brief Cuts the tiles into buckets and makes the file. \param[in,out] counts learns the cells'
+   * buckets */
+  Error create(const TilePlan& plan, const PointRecord& record, const std::string& folder,
+               CellCounts& counts);
+
+  /** \brief Adds a piece's points to their buckets. */
+  Error add(const CloudView& piece, const std::uint64_t* keys, const CellCounts& counts);
+  /** \brief Writes what is still buffered. \return an error where the points are not those counted. */
+  Error finish();
+
+  const PointRecord& record() const { return record_; }
+  const std::vector<Bucket>& buckets() const { return buckets_; }
+  /** \brief Appends the records of a bucket. */
+  Error read(const Bucket& bucket, std::vector<unsigned char>& records) const;
+  const ScratchFile& file() const { return file_; }
+
+ private:
+  void cut(const TilePlan& plan);
+  Error flush(std::size_t bucket);
+
+  PointRecord record_;
+  std::vector<Bucket> buckets_;
+  std::size_t buffer_points_ = 0;       ///< room of a bucket's buffer
+  std::vector<unsigned char> buffers_;  ///< one a bucket
+  std::vector<std::uint32_t> filled_;   ///< points in it
+  ScratchFile file_;
+};
+
+}  // namespace pcl_slim::detail

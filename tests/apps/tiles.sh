@@ -1,0 +1,61 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Fits by tiles: the same bytes whatever the memory, the threads and the form of the file; what cannot be
+# done is refused in one line, and nothing is left.
+. "$(dirname -- "${BASH_SOURCE[0]}")/../support/program_test.sh"
+program=pcl_slim_fit
+
+"$bin/pcl_slim_demo_scan" scan.pcd -points 200000 -quiet 1 || complain 'no scan'
+expect 0 '' scan.pcd tiles.slim -tile_points 20000 -threads 1 -json tiles.json
+[ "$(value tiles.json count)" -ge 10 ] || complain "$(value tiles.json count) tiles"
+[ "$(value tiles.json uncovered)" -le "$(value tiles.json points)" ] || complain 'no uncovered'
+
+expect 0 '' scan.pcd two.slim -tile_points 20000 -threads 2
+same tiles.slim two.slim
+for limit in 300 200; do
+  expect 0 '' scan.pcd limited.slim -tile_points 20000 -threads 1 -max_memory $limit
+  same tiles.slim limited.slim
+done
+mkdir scratch
+expect 0 '' scan.pcd scratch.slim -tile_points 20000 -scratch scratch
+same tiles.slim scratch.slim
+[ -z "$(ls -A scratch)" ] || complain "scratch folder has $(ls -A scratch)"
+
+# The surface in other forms.
+for form in pcd ply vtp; do
+  expect 0 '' scan.pcd tiles.$form -tile_points 20000
+done
+
+# What tiles cannot do.
+for option in '-paper 1' '-target_error 0.01' '-max_surfels 50' '-estimate_normals 10'; do
+  # shellcheck disable=SC2086
+  expect 2 'by tiles' scan.pcd refused.slim -tile_points 20000 $option
+done
+expect 2 '10000 or more' scan.pcd refused.slim -tile_points 20
+expect 1 'create it first' scan.pcd refused.slim -tile_points 20000 -scratch nowhere
+expect 2 'max_memory' scan.pcd refused.slim -tile_points 200000 -max_memory 5
+head -c 900000 scan.pcd > cut.pcd
+expect 2 'truncated' cut.pcd refused.slim -tile_points 20000
+expect 2 'No such file\|check the name' missing.pcd refused.slim -tile_points 20000
+head -c 30 /dev/zero > odd.f32
+expect 2 'multiple' odd.f32 refused.slim
+absent refused.slim
+
+# A disk that is full, or as much as ulimit grants.
+got=0
+(ulimit -f 500 && exec "$bin/$program" scan.pcd full.slim -tile_points 20000 -quiet) 2> err.txt || got=$?
+[ $got -eq 1 ] || complain "a full disk: exit $got"
+grep -q 'scratch file' err.txt || complain "a full disk: $(cat err.txt)"
+absent full.slim
+
+# Ctrl-C.
+"$bin/$program" scan.pcd stopped.slim -tile_points 20000 -scratch scratch -quiet 2> err.txt &
+pid=$!
+sleep 0.3
+kill -INT $pid
+got=0
+wait $pid || got=$?
+[ $got -eq 130 ] || [ $got -eq 0 ] || complain "stopped: exit $got"
+[ $got -eq 0 ] || absent stopped.slim
+[ -z "$(ls -A scratch)" ] || complain "stopped: scratch folder has $(ls -A scratch)"
+finish

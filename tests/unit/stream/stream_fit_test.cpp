@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/stream/stream_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+#include <vector>
+
+#include "pcl_slim/surface/surface_io.h"
+#include "support/clouds.h"
+
+namespace {
+
+using namespace pcl_slim;
+using namespace pcl_slim_test;
+
+constexpr measure::Shape kShape = measure::Shape::kTorus;
+
+Cloud
+torus(std::size_t count = 200000, double noise = 0.004)
+{
+  return sceneCloud(kShape, count, noise).withoutNormals();
+}
+
+StreamParams
+smallTiles(int threads = 1)
+{
+  StreamParams params;
+  params.tile_points = 20000;
+  params.fit.threads = threads;
+  return params;
+}
+
+SLIMSurface
+byTiles(const Cloud& cloud, const StreamParams& params, StreamStatistics* statistics = nullptr)
+{
+  CloudSource source(cloud.view());
+  SLIMSurface surface;
+  const Error error = fitTiles(source, params, surface, statistics);
+  EXPECT_FALSE(error) << error.message;
+  return surface;
+}
+
+Errors
+errorsBy(const Cloud& cloud, const SLIMSurface& surface)
+{
+  Fitted f;
+  f.store = storeOf(cloud);
+  f.surface = surface;
+  ProjectionParams projection;
+  const Error error = projectPoints(f.store, f.surface, projection, f.projection);
+  EXPECT_FALSE(error) << error.message;
+  return errorsOf(kShape, f);
+}
+
+TEST(StreamFit, IsAsNearToTheTruthAsAFitInMemory)
+{
+  const Cloud cloud = torus();
+  StreamStatistics statistics;
+  const SLIMSurface tiled = byTiles(cloud, smallTiles(), &statistics);
+  const Fitted whole = fitted(cloud);
+  EXPECT_GE(statistics.tiles, 10u);
+  EXPECT_EQ(statistics.fit.points, cloud.size());
+  EXPECT_EQ(statistics.fit.uncovered, 0u);
+  EXPECT_EQ(statistics.fit.leaves, tiled.numLeaves());
+  EXPECT_FALSE(tiled.validate());
+  const Errors by_tiles = errorsBy(cloud, tiled), in_memory = errorsOf(kShape, whole);
+  // Balls begin with a 50th of a tile, 400 points: leaves are narrower than a smooth body allows.
+  EXPECT_LT(by_tiles.position, 1.5 * in_memory.position);
+  EXPECT_LT(by_tiles.normal, 1.5 * in_memory.normal);
+  EXPECT_LT(by_tiles.position, 0.25 * 0.004);
+}
+
+TEST(StreamFit, MeasuresTheNoiseOfTheWholeCloud)
+{
+  const Cloud cloud = torus();
+  StreamStatistics statistics;
+  byTiles(cloud, smallTiles(), &statistics);
+  EXPECT_NEAR(statistics.fit.lambda, fitted(cloud).statistics.lambda, 0.02 * statistics.fit.lambda);
+}
+
+TEST(StreamFit, GivesTheSameBytesForAnyThreads)
+{
+  const Cloud cloud = torus(100000);
+  EXPECT_EQ(encodeSlim(byTiles(cloud, smallTiles(1))), encodeSlim(byTiles(cloud, smallTiles(3))));
+}
+
+TEST(StreamFit, GivesTheSameBytesForAnyOrderOfPoints)
+{
+  const Cloud cloud = torus(100000);
+  std::vector<std::int32_t> order(cloud.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::shuffle(order.begin(), order.end(), std::mt19937(9));
+  CloudView view = cloud.view();
+  view.indices = order.data();
+  view.num_indices = order.size();
+  CloudSource source(view);
+  SLIMSurface shuffled;
+  ASSERT_FALSE(fitTiles(source, smallTiles(), shuffled));
+  EXPECT_EQ(encodeSlim(shuffled), encodeSlim(byTiles(cloud, smallTiles())));
+}
+
+TEST(StreamFit, GivesTheSameBytesForAnyOrderOfTiles)
+{
+  const Cloud cloud = torus(100000);
+  CloudSource source(cloud.view());
+  StreamFit fit(smallTiles());
+  ASSERT_FALSE(fit.prepare(source));
+  const std::size_t tiles = fit.plan().tiles.size();
+  std::vector<std::vector<unsigned char>> forward(tiles);
+  SLIMSurface surface;
+  for (std::size_t t = 0; t < tiles; ++t) {
+    ASSERT_FALSE(fit.fit(t, surface));
+    forward[t] = encodeSlim(surface);
+  }
+  for (std::size_t t = tiles; t-- > 0;) {
+    ASSERT_FALSE(fit.fit(t, surface));
+    EXPECT_EQ(encodeSlim(surface), forward[t]);
+  }
+}
+
+TEST(StreamFit, UsesNormals)
+{
+  const Cloud cloud = sceneCloud(kShape, 100000, 0.004);
+  ASSERT_FALSE(cloud.normals.empty());
+  StreamParams params = smallTiles();
+  params.tile_points = 40000;
+  const SLIMSurface surface = byTiles(cloud, params);
+  EXPECT_TRUE(surface.info.oriented);
+  EXPECT_LT(errorsBy(cloud, surface).position, 1.5 * errorsOf(kShape, fitted(cloud)).position);
+}
+
+TEST(StreamFit, AClosedBodyIsNotOpenedAtTheBordersOfTiles)
+{
+  const Cloud cloud = torus(200000, 0.0);
+  StreamStatistics statistics;
+  byTiles(cloud, smallTiles(), &statistics);
+  const FitStatistics whole = fitted(cloud).statistics;
+  EXPECT_GT(statistics.fit.leaves, 10000u);
+  EXPECT_LE(statistics.fit.open_leaves, whole.open_leaves);
+}
+
+TEST(StreamFit, RefusesWhatTilesCannotDo)
+{
+  const Cloud cloud = torus(30000);
+  CloudSource source(cloud.view());
+  const auto refused = [&](const StreamParams& params, const std::string& word) {
+    SLIMSurface surface;
+    const Error error = fitTiles(source, params, surface);
+    EXPECT_EQ(error.code, ErrorCode::kBadArgument);
+    EXPECT_NE(error.message.find(word), std::string::npos) << error.message;
+    EXPECT_TRUE(surface.empty());
+  };
+  StreamParams params = smallTiles();
+  params.fit.paper_mode = true;
+  refused(params, "by tiles");
+  params = smallTiles();
+  params.fit.target_error = 0.01;
+  refused(params, "by tiles");
+  params = smallTiles();
+  params.fit.max_surfels = 100;
+  refused(params, "by tiles");
+  params = smallTiles();
+  params.tile_points = 5;
+  refused(params, "10000 or more");
+  params = smallTiles();
+  params.scratch = "/no/such/folder";
+  SLIMSurface surface;
+  EXPECT_EQ(fitTiles(source, params, surface).code, ErrorCode::kIo);
+}
+
+TEST(StreamFit, SurvivesCloudsWithoutASurface)
+{
+  Cloud cloud;
+  SLIMSurface surface;
+  CloudSource none(cloud.view());
+  EXPECT_EQ(fitTiles(none, smallTiles(), surface).code, ErrorCode::kBadInput);
+  for (int i = 0; i < 500; ++i) cloud.add(1, 2, 3);
+  CloudSource same(cloud.view());
+  EXPECT_EQ(fitTiles(same, smallTiles(), surface).code, ErrorCode::kNoSurface);
+  cloud.points.clear();
+  for (int i = 0; i < 500; ++i) cloud.add(i, 0, 0);
+  CloudSource line(cloud.view());
+  EXPECT_EQ(fitTiles(line, smallTiles(), surface).code, ErrorCode::kNoSurface);
+  EXPECT_TRUE(surface.empty());
+}
+
+TEST(StreamFit, CanBeCancelled)
+{
+  const Cloud cloud = torus(100000);
+  CloudSource source(cloud.view());
+  for (const float from : {0.0f, 0.05f, 0.5f}) {
+    SLIMSurface surface;
+    Progress* running = nullptr;
+    Progress progress([&](float fraction, const char*) {
+      if (fraction >= from) running->cancel();
+    });
+    running = &progress;
+    EXPECT_EQ(fitTiles(source, smallTiles(), surface, nullptr, &progress).code,
+              ErrorCode::kCancelled);
+  }
+}
+
+/** A source that gives other points when it is read again. */
+class ChangingSource : public CloudSource {
+ public:
+  ChangingSource(const CloudView& first, const CloudView& later, int from)
+      : CloudSource(first), later_(later), from_(from)
+  {
+  }
+  Error pass(const Visit& visit) override
+  {
+    return ++passes_ < from_ ? CloudSource::pass(visit) : later_.pass(visit);
+  }
+
+ private:
+  CloudSource later_;
+  int from_, passes_ = 0;
+};
+
+TEST(StreamFit, NoticesThatPointsChangeWhileTheyAreRead)
+{
+  const Cloud cloud = torus(50000);
+  Cloud fewer = cloud, other = cloud;
+  fewer.points.resize(3 * 40000);
+  for (double& coordinate : other.points) coordinate = -coordinate;
+  for (const Cloud* later : {&fewer, &other}) {
+    StreamStatistics statistics;
+    byTiles(cloud, smallTiles(), &statistics);
+    ChangingSource source(cloud.view(), later->view(), static_cast<int>(statistics.passes));
+    SLIMSurface surface;
+    const Error error = fitTiles(source, smallTiles(), surface);
+    EXPECT_EQ(error.code, ErrorCode::kBadInput);
+    EXPECT_NE(error.message.find("changed"), std::string::npos) << error.message;
+  }
+}
+
+}  // namespace
