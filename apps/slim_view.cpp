@@ -40,7 +40,8 @@ declareOptions(Settings& s)
   std::vector<std::string> modes = displayModeNames();
   modes.insert(modes.begin(), "auto");
   table.choice("mode", &s.viewer.mode, modes,
-               "what the colours show; auto: surfaces and splats without colours shaded, others in their colours");
+               "what the colours show; auto: surfaces and splats without colours shaded, others in "
+               "their colours");
   table.number("range", &s.viewer.range, 0.0, 1e300, "curvature or error of full colour",
                "automatic");
   table.toggle("balls", &s.viewer.balls, "balls of the leaves, coloured by size");

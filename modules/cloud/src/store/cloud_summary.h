@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <limits>
 
-#include "store/bulk.h"
 #include "pcl_slim/cloud/detail/cloud_reader.h"
+#include "store/bulk.h"
 
 namespace pcl_slim::detail {
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "pcl_slim/core/parallel.h"
 #include "pcl_slim/cloud/detail/cloud_reader.h"
+#include "pcl_slim/core/parallel.h"
 #include "store/cloud_summary.h"
 #include "store/frame_units.h"
 #include "store/place_sample.h"

@@ -4,9 +4,9 @@
 #include <array>
 #include <cstdint>
 
+#include "pcl_slim/cloud/detail/cloud_reader.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "store/bulk.h"
-#include "pcl_slim/cloud/detail/cloud_reader.h"
 
 namespace pcl_slim::detail {
 

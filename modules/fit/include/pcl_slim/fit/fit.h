@@ -65,7 +65,7 @@ struct FitParams {
 
 /** \brief What a fit did, what it skipped and how long its stages took. */
 struct FitStatistics {
-  std::uint64_t points = 0;             ///< fitted: finite, distinct, no outliers
+  std::uint64_t points = 0;    ///< fitted: finite, distinct, no outliers
   std::uint64_t outliers = 0;  ///< stored points that stand apart from all others: not fitted ...
   std::vector<std::uint32_t> outlier_points;  ///< ... and which these are; empty of tiles
   std::uint64_t leaves = 0, internals = 0;
