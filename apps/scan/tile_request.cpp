@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "common/memory_limit.h"
-#include "pcl_slim/filters/io/record_layout.h"
 #include "scan/fit_report.h"
 
 namespace pcl_slim {
@@ -79,6 +78,12 @@ fitAll(StreamFit& fit, Console& console, SLIMSurface& surface)
 
 }  // namespace
 
+bool
+wantsTiles(std::uint64_t points, const TileRequest& tiles)
+{
+  return points > kTilesOfCloud * tiles.points || !fitsInMemory(points, tiles);
+}
+
 void
 declareTileOptions(OptionTable& options, TileRequest& tiles)
 {
@@ -101,9 +106,8 @@ openForTiles(const std::string& path, const FitJob& job, const TileRequest& tile
   Result<RecordLayout> layout = recordLayoutOf(path, job.use_normals);
   // Other defects than a form that cannot be streamed are told by who loads the scan.
   if (!layout) return needed ? layout.error() : Error();
-  const bool large = layout->count > kTilesOfCloud * tiles.points;
   const bool fits = fitsInMemory(layout->count, tiles);
-  if (!needed && !large && fits) return {};
+  if (!needed && !wantsTiles(layout->count, tiles)) return {};
   const auto points = static_cast<double>(std::min(layout->count, tiles.points));
   if (Error error =
           checkMemory(kBytesByTiles * points,

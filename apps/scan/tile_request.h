@@ -8,6 +8,7 @@
 #include "common/options.h"
 #include "common/progress_bar.h"
 #include "common/report.h"
+#include "pcl_slim/filters/io/record_layout.h"
 #include "pcl_slim/stream/stream_fit.h"
 #include "scan/fit_job.h"
 
@@ -24,6 +25,11 @@ struct TileRequest {
 /** \brief Adds -tile_points and -scratch. The job must outlive the table's parse(). */
 void
 declareTileOptions(OptionTable& options, TileRequest& tiles);
+
+/** \brief Whether a scan of so many points is worked on in parts without being asked: it has more than
+ * two tiles' points, or does not fit into memory. */
+bool
+wantsTiles(std::uint64_t points, const TileRequest& tiles);
 
 /** \brief Opens a scan for a fit by tiles.
  *

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/stream/stream_fit.h"
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include <algorithm>
 #include <chrono>
 #include <utility>
@@ -24,6 +28,9 @@ constexpr std::uint64_t kCellsOfTile =
     64;  ///< cells of more than such a part of a tile are divided
 constexpr std::uint64_t kBytesOfSorting =
     32;  ///< keys, their order and the store's columns, a point
+
+constexpr std::uint64_t kBallsOfSmallTile = 8;
+constexpr double kMostLoaded = 1.7;  ///< [tile points] of a tile with its halo
 
 class Stopwatch {
  public:
@@ -190,9 +197,19 @@ StreamFit::State::survey(Progress* progress)
     if (progress != nullptr && progress->cancelled()) return cancelled();
     if (Error error = tiles.loadCore(t, records)) return error;
     const CloudView core = tiles.record().view(records);
-    first_levels.push_back(firstLevel(core, frame, radii, params.firstBallPoints(), traits.lambda));
-    const HaloMask mask = tiles.maskOf(t, records, radii.reach(first_levels.back()));
-    halos.push_back(tiles.mostHalo(t, mask));
+    // What is left over at the end of a node has no room for balls of a whole tile's.
+    const std::uint64_t most = std::min(params.firstBallPoints(), core.size / kBallsOfSmallTile);
+    int level = detail::firstLevel(core, frame, radii, most, traits.lambda);
+    std::uint64_t halo = tiles.mostHalo(t, tiles.maskOf(t, records, radii.reach(level)));
+    // A sparse tile beside a dense part of the cloud begins with narrower balls.
+    while (static_cast<double>(core.size + halo) >
+               kMostLoaded * static_cast<double>(params.tile_points) &&
+           isFirstLevel(radii, level + 1, traits.lambda)) {
+      ++level;
+      halo = tiles.mostHalo(t, tiles.maskOf(t, records, radii.reach(level)));
+    }
+    first_levels.push_back(level);
+    halos.push_back(halo);
   }
   return {};
 }
@@ -246,6 +263,9 @@ StreamFit::prepare(PointSource& source, Progress* progress)
   watch = {};
   if (Error error = s.survey(progress)) return error;
   s.stats.seconds_plan = watch.seconds();
+#ifdef __GLIBC__
+  malloc_trim(0);  // what passes have used is tiles' to take
+#endif
   return {};
 }
 
@@ -265,6 +285,12 @@ const CloudTraits&
 StreamFit::traits() const
 {
   return state_->traits;
+}
+
+int
+StreamFit::firstLevel(std::size_t tile) const
+{
+  return state_->first_levels[tile];
 }
 
 std::uint64_t

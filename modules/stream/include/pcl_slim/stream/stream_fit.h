@@ -64,6 +64,8 @@ class StreamFit {
   const StoreFrame& frame() const;
   const TilePlan& plan() const;
   const CloudTraits& traits() const;
+  /** \brief Level that a tile's balls begin with. */
+  int firstLevel(std::size_t tile) const;
   /** \brief Points that a tile has in memory, its halo included, at most. */
   std::uint64_t loadedPoints(std::size_t tile) const;
   /** \brief Bytes that fitting the largest tile takes, without its surfels. */
