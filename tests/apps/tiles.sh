@@ -41,6 +41,31 @@ head -c 30 /dev/zero > odd.f32
 expect 2 'multiple' odd.f32 refused.slim
 absent refused.slim
 
+# A fit that is divided, and one that is killed: the same bytes.
+mkdir job
+expect 0 '' scan.pcd parts.slim -tile_points 20000 -plan job -tiles 0:0
+absent parts.slim
+expect 0 '' scan.pcd parts.slim -tile_points 20000 -plan job -tiles 5:8 -threads 1
+expect 0 '' scan.pcd parts.slim -tile_points 20000 -plan job -tiles 2:5 -threads 2
+expect 2 'no range' scan.pcd parts.slim -tile_points 20000 -plan job -tiles 5:999
+expect 2 'needs -plan' scan.pcd parts.slim -tile_points 20000 -tiles 0:1
+absent parts.slim
+expect 0 '' scan.pcd parts.slim -tile_points 20000 -plan job -json parts.json
+[ "$(value parts.json kept)" -eq 6 ] || complain "$(value parts.json kept) tiles were kept"
+same tiles.slim parts.slim
+[ -z "$(ls -A job)" ] || complain "the plan's folder has $(ls -A job)"
+"$bin/$program" scan.pcd killed.slim -tile_points 20000 -plan job -threads 1 -quiet &
+pid=$!
+for ((i = 0; i < 500; ++i)); do
+  [ ! -e job/tile-1 ] || break
+  sleep 0.01
+done
+kill -KILL $pid
+wait $pid 2> /dev/null
+absent killed.slim
+expect 0 '' scan.pcd killed.slim -tile_points 20000 -plan job
+same tiles.slim killed.slim
+
 # Points brought onto a surface in pieces: the same points, order and fields within rounding.
 # nearly A B: the same header, and floats that differ by rounding.
 nearly() {
