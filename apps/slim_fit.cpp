@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "pcl_slim/core/file_access.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "scan/scan_program.h"
 #include "scan/tile_request.h"
@@ -29,6 +30,7 @@ declareOptions(Settings& s)
   declareFitOptions(options, s.job);
   declareTrimOptions(options, s.job);
   declareTileOptions(options, s.tiles);
+  declarePlanOptions(options, s.tiles);
   declareReport(options, s.files);
   return options;
 }
@@ -69,10 +71,24 @@ openScan(Settings& s, bool asked, Console& console)
 Error
 streamSurface(const Settings& s, Console& console, Report& report, ScanResult& result)
 {
-  const auto surface = std::make_shared<SLIMSurface>();
-  if (Error error = fitByTiles(*s.source, s.job, s.tiles, console, report, *surface)) return error;
-  result.save = [&s, surface] { return saveSurface(s.files.output, *surface); };
-  result.detail = std::to_string(surface->size()) + " surfels";
+  const auto made = std::make_shared<TiledSurface>();
+  const auto blocks = std::make_shared<SlimBlockWriter>();
+  const bool in_blocks = lowerExtension(s.files.output) == ".slim";
+  if (in_blocks) {
+    if (Error error = blocks->open(s.files.output)) return error;
+  }
+  if (Error error = fitByTiles(*s.source, s.job, s.tiles, console, report,
+                               in_blocks ? blocks.get() : nullptr, *made))
+    return error;
+  result.report_only = made->partial;
+  if (in_blocks) {
+    result.save = [blocks] { return blocks->finish(); };
+    result.detail = std::to_string(blocks->surfels()) + " surfels";
+  } else {
+    result.save = [&s, made] { return saveSurface(s.files.output, made->surface); };
+    result.detail = std::to_string(made->surface.size()) + " surfels";
+  }
+  if (!s.tiles.plan.empty() && !made->partial) result.done = [&s] { removePlan(s.tiles.plan); };
   return {};
 }
 

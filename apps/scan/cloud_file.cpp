@@ -167,12 +167,18 @@ loadCloudFile(const std::string& path)
 {
   Result<PointFile> file = loadPointFile(path);
   if (!file) return file.error();
+  return asCloudFile(std::move(*file), path);
+}
+
+Result<CloudFile>
+asCloudFile(PointFile file, const std::string& name)
+{
   CloudFile cloud;
-  cloud.file = std::move(*file);
+  cloud.file = std::move(file);
   const pcl::PCLPointCloud2& points = cloud.file.cloud;
   const pcl::PCLPointField* fields[3];
   if (!findTriple(points, kCoordinates, fields)) {
-    return Error{ErrorCode::kBadInput, "'" + path + "' has no fields x y z; name a point cloud"};
+    return Error{ErrorCode::kBadInput, "'" + name + "' has no fields x y z; name a point cloud"};
   }
   cloud.double_precision =
       usableInPlace(points, fields, pcl::PCLPointField::FLOAT64, sizeof(double));

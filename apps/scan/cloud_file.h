@@ -46,6 +46,10 @@ struct CloudFile {
 Result<CloudFile>
 loadCloudFile(const std::string& path);
 
+/** \brief A cloud of points that are read already. \param[in] name what an error calls them. */
+Result<CloudFile>
+asCloudFile(PointFile file, const std::string& name);
+
 /** \brief Brings colours that are three fields of any type, red green blue or r g b, to bytes. Their
  * white is 1 for fractions up to that, 255 for values up to that, 65535 up to that, else the largest. */
 void

@@ -7,8 +7,19 @@
 #include "pcl_slim/filters/io/surface_files.h"
 #include "scan/fit_report.h"
 #include "scan/mesh_job.h"
+#include "scan/piece_job.h"
 
 namespace pcl_slim {
+
+void
+reportProjection(const CloudProjectionStatistics& statistics, Report& report)
+{
+  report.add({{"moved", statistics.moved},
+              {"unsupported", statistics.unsupported},
+              {"non_finite", statistics.non_finite},
+              {"rms_displacement", statistics.rms_displacement},
+              {"max_displacement", statistics.max_displacement}});
+}
 
 namespace {
 
@@ -38,17 +49,6 @@ readSurface(const std::string& path, Console& console, Report& report, SLIMSurfa
   return {};
 }
 
-void
-reportProjection(const CloudProjection& projection, Report& report)
-{
-  const CloudProjectionStatistics& statistics = projection.statistics();
-  report.add({{"moved", statistics.moved},
-              {"unsupported", statistics.unsupported},
-              {"non_finite", statistics.non_finite},
-              {"rms_displacement", statistics.rms_displacement},
-              {"max_displacement", statistics.max_displacement}});
-}
-
 /** Brings the scan onto the surface. \param[in] store the scan's, or null. */
 Result<CloudProjection>
 projectScan(const ProjectionJob& job, const CloudFile& cloud, const SLIMSurface& surface,
@@ -72,7 +72,7 @@ projectScan(const ProjectionJob& job, const CloudFile& cloud, const SLIMSurface&
     return projection;
   }
   report.time("project", watch.seconds());
-  reportProjection(*projection, report);
+  reportProjection(projection->statistics(), report);
   console.done(watch.seconds(), std::to_string(projection->statistics().moved) + " points");
   if (const auto count = projection->statistics().unsupported; count > 0) {
     console.note("  " + std::to_string(count) + (count == 1 ? " point" : " points") +
@@ -114,7 +114,8 @@ smoothMesh(const ProjectionJob& job, bool normals, bool sharp_given, const SLIMS
 }
 
 OptionTable
-declareOptions(const ProjectionProgram& program, ProjectionJob& job, bool& chosen)
+declareOptions(const ProjectionProgram& program, ProjectionJob& job, TileRequest& tiles,
+               bool& chosen)
 {
   OptionTable options(program.name, program.version, program.summary);
   options.positional("IN", &job.files.input, kScanHelp);
@@ -129,6 +130,7 @@ declareOptions(const ProjectionProgram& program, ProjectionJob& job, bool& chose
   options.text("surface", &job.surface, "FILE",
                "use a surface made by pcl_slim_fit (.pcd, .ply, .vtp, .slim) in place of a fit");
   declareFitOptions(options, job.fit);
+  declareTileOptions(options, tiles);
   declareReport(options, job.files);
   for (const char* name :
        {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "least_radius", "outliers",
@@ -151,7 +153,8 @@ runProjectionProgram(const ProjectionProgram& program, ProjectionJob& job, int a
                      const char* const* argv, const MakeOutput& make_output)
 {
   bool chosen = false;
-  OptionTable options = declareOptions(program, job, chosen);
+  PieceJob pieces(program, job, make_output, chosen);
+  OptionTable options = declareOptions(program, job, pieces.tiles(), chosen);
   SLIMSurface surface;
   PointFile made;
   ScanSteps steps;
@@ -179,6 +182,11 @@ runProjectionProgram(const ProjectionProgram& program, ProjectionJob& job, int a
     result.detail = std::to_string(numPoints(made.cloud)) + " points";
     return Error();
   };
+  steps.open = [&](Console& console) {
+    pieces.tiles().asked = options.given("tile_points");
+    return pieces.open(console);
+  };
+  steps.stream = [&](auto&... stage) { return pieces.run(surface, stage...); };
   return runScanProgram(options, argc, argv, job.files, job.fit, job.fit.params.threads, steps);
 }
 

@@ -31,6 +31,10 @@ struct ProjectionProgram {
 using MakeOutput = std::function<PointFile(const PointFile& file, const CloudProjection& projection,
                                            bool chosen, int threads)>;
 
+/** \brief What became of the points, into the report. */
+void
+reportProjection(const CloudProjectionStatistics& statistics, Report& report);
+
 /** \brief Reads the arguments, loads, fits or loads the surface, projects, writes and reports.
  * \return the exit status; messages are printed. */
 int

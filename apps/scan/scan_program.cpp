@@ -72,9 +72,12 @@ runSteps(const OptionTable& options, const ScanFiles& files, const FitJob& scan,
   }
   error = stop.error;
   if (error && stop.status == kExitUsage) return leave(kExitUsage, error);
-  if (!error) {
+  if (!error && result.report_only)
+    error = report.write(files.json);
+  else if (!error) {
     error = saveOutput(files.output, files.json, result.save, result.detail, console, report);
   }
+  if (!error && result.done) result.done();
   return error ? failWork(options.program(), error) : kExitDone;
 }
 

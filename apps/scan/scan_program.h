@@ -33,6 +33,8 @@ checkPointExtension(const std::string& path, bool las = false);
 struct ScanResult {
   std::function<Error()> save;  ///< writes it
   std::string detail;           ///< what it is: "5000 surfels"
+  std::function<void()> done;   ///< called once it is written; may be null
+  bool report_only = false;     ///< there is nothing to write but the report
 };
 
 /** \brief The steps of a program that makes one file of a scan, in the order they are run. */

@@ -2,10 +2,10 @@
 #include "scan/tile_request.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <utility>
 
 #include "common/memory_limit.h"
-#include "pcl_slim/filters/io/record_layout.h"
 #include "scan/fit_report.h"
 
 namespace pcl_slim {
@@ -16,17 +16,6 @@ constexpr std::uint64_t kMostTile = 1000000000;
 constexpr std::uint64_t kTilesOfCloud = 2;  ///< a cloud of more tiles' points is fitted by them
 constexpr double kBytesInMemory = 60;       ///< a point, that a fit in memory takes at least
 constexpr double kBytesByTiles = 55;        ///< a point of the largest tile, likewise
-constexpr const char* kTileRelief = "give fewer -tile_points";
-
-StreamParams
-streamParams(const FitJob& job, const TileRequest& tiles)
-{
-  StreamParams params;
-  params.fit = job.params;
-  params.tile_points = tiles.points;
-  params.scratch = tiles.scratch;
-  return params;
-}
 
 /** What about a job cannot be done by tiles. */
 Error
@@ -39,6 +28,16 @@ checkJob(const FitJob& job, const TileRequest& tiles)
   return streamParams(job, tiles).validate();
 }
 
+/** What tells a file from others, and from what it was before. */
+std::string
+nameOf(const std::string& path)
+{
+  namespace fs = std::filesystem;
+  std::error_code code;
+  return fs::absolute(path, code).string() + " " + std::to_string(fs::file_size(path, code)) + " " +
+         std::to_string(fs::last_write_time(path, code).time_since_epoch().count());
+}
+
 bool
 fitsInMemory(std::uint64_t points, const TileRequest& tiles)
 {
@@ -46,38 +45,34 @@ fitsInMemory(std::uint64_t points, const TileRequest& tiles)
   return tiles.max_memory == 0 || bytes <= 0x1p20 * static_cast<double>(tiles.max_memory);
 }
 
-void
-reportTiles(const StreamStatistics& statistics, const StreamFit& fit, Report& report)
-{
-  std::uint64_t most = 0;
-  for (std::size_t t = 0; t < fit.plan().tiles.size(); ++t)
-    most = std::max(most, fit.loadedPoints(t));
-  report.json()["tiles"] = {{"count", statistics.tiles},
-                            {"halo_points", statistics.halo_points},
-                            {"most_points", most},
-                            {"noise_thinning", statistics.noise_thinning},
-                            {"passes", statistics.passes},
-                            {"scratch_read", statistics.scratch_read},
-                            {"scratch_written", statistics.scratch_written}};
-  report.time("measure", statistics.seconds_measure);
-  report.time("sort", statistics.seconds_sort);
-  report.time("plan", statistics.seconds_plan);
-  report.time("load_tiles", statistics.seconds_load);
-}
-
-/** Fits all tiles into one surface without links. */
-Error
-fitAll(StreamFit& fit, Console& console, SLIMSurface& surface)
-{
-  for (std::size_t t = 0; t < fit.plan().tiles.size(); ++t) {
-    SLIMSurface tile;
-    if (Error error = fit.fit(t, tile, &console.progress())) return error;
-    surface.append(tile);
-  }
-  return {};
-}
-
 }  // namespace
+
+StreamParams
+streamParams(const FitJob& job, const TileRequest& tiles)
+{
+  StreamParams params;
+  params.fit = job.params;
+  params.tile_points = tiles.points;
+  params.scratch = tiles.scratch;
+  params.state = tiles.plan;
+  return params;
+}
+
+bool
+wantsTiles(std::uint64_t points, const TileRequest& tiles)
+{
+  return points > kTilesOfCloud * tiles.points || !fitsInMemory(points, tiles);
+}
+
+void
+declarePlanOptions(OptionTable& options, TileRequest& tiles)
+{
+  options.text("plan", &tiles.plan, "DIR",
+               "folder that keeps points and tiles until the surface is made: the same command "
+               "goes on with them");
+  options.text("tiles", &tiles.range, "A:B",
+               "with -plan: fit tiles A to before B only and keep them; OUT is not written");
+}
 
 void
 declareTileOptions(OptionTable& options, TileRequest& tiles)
@@ -89,21 +84,22 @@ declareTileOptions(OptionTable& options, TileRequest& tiles)
 }
 
 Error
-openForTiles(const std::string& path, const FitJob& job, const TileRequest& tiles, Console& console,
+openForTiles(const std::string& path, const FitJob& job, TileRequest& tiles, Console& console,
              std::unique_ptr<PointSource>& source)
 {
   source.reset();
   const bool raw = isRawPointFile(path);
   if (tiles.points == 0 && !raw) return {};
+  if (tiles.plan.empty() && !tiles.range.empty())
+    return {ErrorCode::kBadArgument, "-tiles needs -plan: name the folder that keeps them"};
   const Error impossible = checkJob(job, tiles);
-  const bool needed = tiles.asked || raw;
+  const bool needed = tiles.asked || raw || !tiles.plan.empty();
   if (impossible) return needed ? impossible : Error();
   Result<RecordLayout> layout = recordLayoutOf(path, job.use_normals);
   // Other defects than a form that cannot be streamed are told by who loads the scan.
   if (!layout) return needed ? layout.error() : Error();
-  const bool large = layout->count > kTilesOfCloud * tiles.points;
   const bool fits = fitsInMemory(layout->count, tiles);
-  if (!needed && !large && fits) return {};
+  if (!needed && !wantsTiles(layout->count, tiles)) return {};
   const auto points = static_cast<double>(std::min(layout->count, tiles.points));
   if (Error error =
           checkMemory(kBytesByTiles * points,
@@ -114,55 +110,9 @@ openForTiles(const std::string& path, const FitJob& job, const TileRequest& tile
                  (fits ? "has more points than two tiles" : "does not fit into memory") +
                  ": it is fitted by tiles");
   }
+  tiles.source_name = nameOf(path);
   source = std::make_unique<RecordSource>(std::move(*layout));
   return {};
-}
-
-Error
-fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Console& console,
-           Report& report, SLIMSurface& surface)
-{
-  Stopwatch watch;
-  report.json()["points"] = source.size();
-  report.json()["normals"] = source.hasNormals() ? "fields" : "none";
-  console.begin("Fitting by tiles");
-  StreamFit fit(streamParams(job, tiles));
-  Error error = fit.prepare(source, &console.progress());
-  if (!error) {
-    error =
-        checkMemory(static_cast<double>(fit.workingBytes()),
-                    "fitting tiles of " + std::to_string(tiles.points) + " points", kTileRelief);
-  }
-  if (!error) error = fitAll(fit, console, surface);
-  if (error) {
-    console.failed();
-    return error;
-  }
-  Stopwatch links;
-  surface.buildLinks(job.params.threads);
-  if (!fit.frame().with_normals && job.params.orient)
-    orientSurfels(fit.frame(), job.params, surface);
-  const StreamStatistics& statistics = fit.statistics();
-  FittedPoints fitted;
-  fitted.stored = statistics.fit.points;
-  fitted.diagonal = fit.frame().diagonal * fit.frame().scale;
-  fitted.store_bytes = fit.workingBytes();
-  fitted.statistics = statistics.points;
-  report.time("fit", watch.seconds());
-  reportFit(fitted, surface, statistics.fit, report);
-  reportTiles(statistics, fit, report);
-  report.time("links", links.seconds());
-  console.done(watch.seconds(), std::to_string(statistics.fit.leaves) + " leaves, " +
-                                    counted(statistics.tiles, "tile"));
-  const std::string skipped = skippedText(statistics.points);
-  if (!skipped.empty()) console.note("  " + skipped);
-  console.note("  " + noiseText(fitted.diagonal, statistics.fit));
-  for (const std::string& note : coverNotes(statistics.fit)) console.note(note);
-  if (statistics.fit.leaves > 0) return {};
-  return {
-      ErrorCode::kNoSurface,
-      "the points lie along lines or scattered, nowhere along a surface: give more points beside "
-      "them"};
 }
 
 }  // namespace pcl_slim

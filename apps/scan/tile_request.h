@@ -4,11 +4,14 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/options.h"
 #include "common/progress_bar.h"
 #include "common/report.h"
+#include "pcl_slim/filters/io/record_layout.h"
 #include "pcl_slim/stream/stream_fit.h"
+#include "pcl_slim/surface/slim_blocks.h"
 #include "scan/fit_job.h"
 
 namespace pcl_slim {
@@ -17,13 +20,39 @@ namespace pcl_slim {
 struct TileRequest {
   std::uint64_t points = StreamParams().tile_points;  ///< of a tile; 0: never by tiles
   bool asked = false;                                 ///< the user gave the tile's points
-  std::string scratch;
+  std::string scratch, plan;     ///< folders; plan: of a fit that goes on later, or none
+  std::string range;             ///< "A:B": fit these tiles only
+  std::string source_name;       ///< the scan's path, size and date: set by openForTiles()
   std::uint64_t max_memory = 0;  ///< megabytes; 0: no limit
 };
+
+/** \brief What a fit by tiles makes. */
+struct TiledSurface {
+  SLIMSurface
+      surface;  ///< all surfels; none where they were written, or some tiles were fitted only
+  std::vector<std::size_t> begins;  ///< first surfel of each tile
+  bool partial = false;             ///< only some tiles were to be fitted
+};
+
+/** \brief Adds -plan and -tiles, for programs whose fit may be divided. */
+void
+declarePlanOptions(OptionTable& options, TileRequest& tiles);
 
 /** \brief Adds -tile_points and -scratch. The job must outlive the table's parse(). */
 void
 declareTileOptions(OptionTable& options, TileRequest& tiles);
+
+/** \brief What helps where memory is too small for a tile. */
+constexpr const char* kTileRelief = "give fewer -tile_points";
+
+/** \brief The parameters of a fit by tiles. */
+StreamParams
+streamParams(const FitJob& job, const TileRequest& tiles);
+
+/** \brief Whether a scan of so many points is worked on in parts without being asked: it has more than
+ * two tiles' points, or does not fit into memory. */
+bool
+wantsTiles(std::uint64_t points, const TileRequest& tiles);
 
 /** \brief Opens a scan for a fit by tiles.
  *
@@ -32,12 +61,23 @@ declareTileOptions(OptionTable& options, TileRequest& tiles);
  * \param[out] source the scan, or null: it is to be fitted in memory.
  * \return an error where the user asks for what tiles cannot do, or the limit is too low for them. */
 Error
-openForTiles(const std::string& path, const FitJob& job, const TileRequest& tiles, Console& console,
+openForTiles(const std::string& path, const FitJob& job, TileRequest& tiles, Console& console,
              std::unique_ptr<PointSource>& source);
 
-/** \brief Fits by tiles; says and reports what was done and what was skipped. */
+/** \brief Fits by tiles; says and reports what was done and what was skipped.
+ * \param[in,out] writer takes the surfels, tile by tile, as far as they can be written before all are known;
+ * null: all are kept in made. */
+Error
+fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Console& console,
+           Report& report, SlimBlockWriter* writer, TiledSurface& made);
+
+/** \brief The same into one surface. */
 Error
 fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Console& console,
            Report& report, SLIMSurface& surface);
+
+/** \brief Removes what -plan keeps from its folder, once the surface is written. */
+void
+removePlan(const std::string& folder);
 
 }  // namespace pcl_slim

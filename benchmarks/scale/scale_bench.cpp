@@ -6,11 +6,14 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/query/projection.h"
+#include "pcl_slim/stream/record_source.h"
+#include "pcl_slim/stream/stream_fit.h"
 #include "pcl_slim/surface/surface_io.h"
 #include "scale/scale_clouds.h"
 
@@ -26,6 +29,7 @@ usage()
 {
   std::fprintf(stderr,
                "scale_bench make statue|sheet|skew POINTS SIGMA OUT.ply|.f32\n"
+               "scale_bench plan CLOUD.f32 TILE_POINTS\n"
                "scale_bench truth statue|sheet|skew SURFACE.slim...\n");
   return 2;
 }
@@ -122,11 +126,44 @@ truth(const ScaleSurface& surface, const std::string& path)
   return 0;
 }
 
+/** Prints the tiles of a cloud of float triplets: points, with those around them, first level. */
+int
+plan(const std::string& path, std::uint64_t tile_points)
+{
+  RecordLayout layout;
+  layout.path = path;
+  layout.step = 3 * sizeof(float);
+  layout.count = std::filesystem::file_size(path) / layout.step;
+  for (std::size_t a = 0; a < 3; ++a) layout.position[a].offset = 4 * a;
+  RecordSource source(layout);
+  StreamParams params;
+  params.tile_points = tile_points;
+  StreamFit fit(params);
+  if (const Error error = fit.prepare(source)) {
+    std::fprintf(stderr, "scale_bench: %s\n", error.message.c_str());
+    return 1;
+  }
+  const FitStatistics& noise = fit.statistics().fit;
+  std::printf("lambda %g correlation %g neighbors %zu thinning %zu cells %zu\n", noise.lambda,
+              noise.noise_correlation, static_cast<std::size_t>(noise.noise_neighbors),
+              static_cast<std::size_t>(fit.statistics().noise_thinning), fit.plan().cells.size());
+  for (std::size_t t = 0; t < fit.plan().tiles.size(); ++t) {
+    const TilePlan::Tile& tile = fit.plan().tiles[t];
+    std::printf("tile %zu points %zu loaded at most %zu first level %d cells %zu\n", t,
+                static_cast<std::size_t>(tile.points),
+                static_cast<std::size_t>(fit.loadedPoints(t)), fit.firstLevel(t),
+                tile.end_cell - tile.first_cell);
+  }
+  return 0;
+}
+
 }  // namespace
 
 int
 main(int argc, char** argv)
 {
+  if (argc == 4 && std::strcmp(argv[1], "plan") == 0)
+    return plan(argv[2], std::strtoull(argv[3], nullptr, 10));
   ScaleSurface::Kind kind{};
   if (argc < 4 || !kindOf(argv[2], kind)) return usage();
   const ScaleSurface surface(kind);

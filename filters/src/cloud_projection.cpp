@@ -97,6 +97,15 @@ CloudProjection::make(const CloudView& cloud, const SLIMSurface& surface,
   return made;
 }
 
+CloudProjection
+CloudProjection::ofNothing(std::size_t points)
+{
+  CloudProjection made;
+  made.stored_.assign(points, PointStore::kSkipped);
+  made.statistics_.points = made.statistics_.non_finite = points;
+  return made;
+}
+
 std::array<double, 3>
 CloudProjection::toFirst(const PointStore& store, const std::array<double, 3>& local) const
 {

@@ -41,6 +41,71 @@ head -c 30 /dev/zero > odd.f32
 expect 2 'multiple' odd.f32 refused.slim
 absent refused.slim
 
+# A fit that is divided, and one that is killed: the same bytes.
+mkdir job
+expect 0 '' scan.pcd parts.slim -tile_points 20000 -plan job -tiles 0:0
+absent parts.slim
+expect 0 '' scan.pcd parts.slim -tile_points 20000 -plan job -tiles 5:8 -threads 1
+expect 0 '' scan.pcd parts.slim -tile_points 20000 -plan job -tiles 2:5 -threads 2
+expect 2 'no range' scan.pcd parts.slim -tile_points 20000 -plan job -tiles 5:999
+expect 2 'needs -plan' scan.pcd parts.slim -tile_points 20000 -tiles 0:1
+absent parts.slim
+expect 0 '' scan.pcd parts.slim -tile_points 20000 -plan job -json parts.json
+[ "$(value parts.json kept)" -eq 6 ] || complain "$(value parts.json kept) tiles were kept"
+same tiles.slim parts.slim
+[ -z "$(ls -A job)" ] || complain "the plan's folder has $(ls -A job)"
+"$bin/$program" scan.pcd killed.slim -tile_points 20000 -plan job -threads 1 -quiet &
+pid=$!
+for ((i = 0; i < 500; ++i)); do
+  [ ! -e job/tile-1 ] || break
+  sleep 0.01
+done
+kill -KILL $pid
+wait $pid 2> /dev/null
+absent killed.slim
+expect 0 '' scan.pcd killed.slim -tile_points 20000 -plan job
+same tiles.slim killed.slim
+
+# Points brought onto a surface in pieces: the same points, order and fields within rounding.
+# nearly A B: the same header, and floats that differ by rounding.
+nearly() {
+  python3 - "$1" "$2" <<'END' || complain "$1 and $2 differ"
+import array, sys
+
+def load(path):
+    data = open(path, "rb").read()
+    mark = b"DATA binary\n" if path.endswith("pcd") else b"end_header\n"
+    at = data.index(mark) + len(mark)
+    # A .ply has bytes among its floats: the length counts there.
+    return data[:at], array.array("f", data[at:]) if path.endswith("pcd") else data[at:]
+
+(head, a), (other, b) = load(sys.argv[1]), load(sys.argv[2])
+path = sys.argv[1]
+far = sum(not (x == y or path.endswith("ply") or abs(x - y) <= 1e-4 * max(1, abs(x)) or (x != x and y != y)) for x, y in zip(a, b))
+sys.exit(head != other or len(a) != len(b) or far > 1e-4 * len(a))
+END
+}
+printf 'VERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH 1\nHEIGHT 30000\nDATA binary\n' > nans.pcd
+head -c 480000 /dev/zero | tr '\0' '\377' >> nans.pcd
+for program in pcl_slim_smooth pcl_slim_curvature; do
+  for form in pcd ply; do
+    switch=-normals
+    [ $program = pcl_slim_smooth ] || switch=-directions
+    expect 0 '' scan.pcd whole.$form -surface tiles.slim $switch
+    expect 0 '' scan.pcd pieces.$form -surface tiles.slim -tile_points 30000 $switch
+    nearly whole.$form pieces.$form
+  done
+  expect 0 '' scan.pcd fitted.pcd -tile_points 30000 -threads 1
+  expect 0 '' scan.pcd again.pcd -tile_points 30000 -threads 2 -max_memory 300
+  same fitted.pcd again.pcd
+  expect 2 'NaN' nans.pcd refused.pcd -surface tiles.slim -tile_points 20000
+  expect 2 'cannot be written in pieces\|cannot tell' scan.pcd refused.las -surface tiles.slim -tile_points 30000
+  absent refused.pcd refused.las
+done
+program=pcl_slim_smooth
+expect 2 'not possible by tiles' scan.pcd refused.pcd -mesh 1 -tile_points 30000
+program=pcl_slim_fit
+
 # A disk that is full, or as much as ulimit grants.
 got=0
 (ulimit -f 500 && exec "$bin/$program" scan.pcd full.slim -tile_points 20000 -quiet) 2> err.txt || got=$?

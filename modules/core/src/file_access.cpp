@@ -142,6 +142,14 @@ namespace {
 
 thread_local FileTransaction::Waiting* t_waiting = nullptr;
 
+Error
+putOrWait(WaitingFile file)
+{
+  if (t_waiting == nullptr) return putInPlace(file);
+  t_waiting->push_back(std::move(file));
+  return {};
+}
+
 }  // namespace
 
 Result<std::vector<unsigned char>>
@@ -185,10 +193,72 @@ writeFile(const std::string& path, const void* bytes, std::size_t size)
     std::error_code ignored;  // the bytes count more than their permissions
     fs::permissions(temporary->path(), target.permissions, ignored);
   }
-  WaitingFile waiting{path, target.path, std::move(temporary)};
-  if (t_waiting == nullptr) return putInPlace(waiting);
-  t_waiting->push_back(std::move(waiting));
-  return {};
+  return putOrWait({path, target.path, std::move(temporary)});
+}
+
+struct FileWriter::State {
+  std::string name;
+  Target target;
+  std::unique_ptr<TemporaryFile> temporary;
+  std::ofstream file;
+  std::uint64_t size = 0;
+};
+
+FileWriter::FileWriter() = default;
+FileWriter::~FileWriter() = default;
+
+Error
+FileWriter::open(const std::string& path)
+{
+  state_ = std::make_unique<State>();
+  state_->name = path;
+  if (Error error = resolveTarget(path, state_->target)) return error;
+  if (!state_->target.direct)
+    state_->temporary = std::make_unique<TemporaryFile>(state_->target.path);
+  errno = 0;
+  state_->file.open(state_->temporary ? state_->temporary->path() : state_->target.path,
+                    std::ios::binary | std::ios::trunc);
+  return state_->file ? Error{} : ioError("write", path, systemMessage());
+}
+
+Error
+FileWriter::write(const void* bytes, std::size_t size)
+{
+  errno = 0;
+  state_->file.write(static_cast<const char*>(bytes), static_cast<std::streamsize>(size));
+  state_->size += size;
+  return state_->file ? Error{} : ioError("write", state_->name, systemMessage());
+}
+
+Error
+FileWriter::rewrite(std::uint64_t at, const void* bytes, std::size_t size)
+{
+  errno = 0;
+  state_->file.seekp(static_cast<std::streamoff>(at));
+  state_->file.write(static_cast<const char*>(bytes), static_cast<std::streamsize>(size));
+  state_->file.seekp(0, std::ios::end);
+  return state_->file ? Error{} : ioError("write", state_->name, systemMessage());
+}
+
+std::uint64_t
+FileWriter::size() const
+{
+  return state_->size;
+}
+
+Error
+FileWriter::finish()
+{
+  const std::unique_ptr<State> state = std::move(state_);
+  errno = 0;
+  state->file.close();
+  if (state->file.fail()) return ioError("write", state->name, systemMessage());
+  if (!state->temporary) return {};
+  if (state->target.permissions != fs::perms::unknown) {
+    std::error_code ignored;  // the bytes count more than their permissions
+    fs::permissions(state->temporary->path(), state->target.permissions, ignored);
+  }
+  return putOrWait({state->name, state->target.path, std::move(state->temporary)});
 }
 
 FileTransaction::FileTransaction() : waiting_(std::make_unique<Waiting>()), outer_(t_waiting)

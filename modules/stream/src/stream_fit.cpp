@@ -1,18 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/stream/stream_fit.h"
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
+
 #include <algorithm>
-#include <chrono>
+#include <cstdio>
 #include <utility>
 
-#include "cells/cell_counts.h"
-#include "pcl_slim/cloud/detail/frame_measure.h"
-#include "pcl_slim/core/parallel.h"
-#include "scratch/tile_store.h"
-#include "tiles/first_level.h"
-#include "tiles/noise_sample.h"
-#include "tiles/statistics_sum.h"
-#include "tiles/tile_loader.h"
+#include "state/kept_plan.h"
+#include "stream_state.h"
 
 namespace pcl_slim {
 
@@ -20,26 +18,25 @@ using namespace detail;
 
 namespace {
 
-constexpr std::uint64_t kCellsOfTile =
-    64;  ///< cells of more than such a part of a tile are divided
 constexpr std::uint64_t kBytesOfSorting =
-    32;  ///< keys, their order and the store's columns, a point
+    38;  ///< keys, their order and the store's columns, a point
 
-class Stopwatch {
- public:
-  double seconds() const
-  {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
-
-Error
-cancelled()
+/** What tells a cloud and parameters from others: a plan and tiles are those of one identity. */
+std::string
+identityOf(const PointSource& source, const StreamParams& params)
 {
-  return {ErrorCode::kCancelled, "the fit was cancelled"};
+  const FitParams& f = params.fit;
+  const int local = f.local_noise ? 1 + *f.local_noise : 0;
+  char text[600];
+  std::snprintf(text, sizeof(text),
+                "%llu %d %d %llu %d %.17g %.17g %.17g %.17g %.17g %.17g %d %d %d %.17g %d %.17g %d "
+                "%.17g %llu ",
+                static_cast<unsigned long long>(source.size()), static_cast<int>(source.scalar()),
+                source.hasNormals(), static_cast<unsigned long long>(params.tile_points), f.degree,
+                f.penalty, f.t_mdl, f.lambda, f.cover_radius, f.cover_threshold, f.least_radius,
+                f.sharp_features, f.robust, local, f.noise_correlation, f.normals_as_data,
+                f.normal_error, f.trim, f.hole_size, static_cast<unsigned long long>(f.seed));
+  return text + params.source_name;
 }
 
 /** Reports a share of a long computation's progress, and passes cancellation on to it. */
@@ -62,152 +59,6 @@ class PartialProgress {
 
 }  // namespace
 
-struct StreamFit::State {
-  explicit State(StreamParams given) : params(std::move(given))
-  {
-    params.fit.threads = threads = resolveThreads(params.fit.threads);
-  }
-
-  StreamParams params;
-  int threads;
-  StoreFrame frame;
-  CellCounts counts;
-  TilePlan plan;
-  TileStore store;
-  CloudTraits traits;
-  LevelRadii radii;
-  std::vector<int> first_levels;
-  std::vector<std::uint64_t> halos;  ///< most points of each tile's
-  StatisticsSum sum;
-  StreamStatistics stats;
-
-  TileLoader loader() const { return {plan, store, frame, threads}; }
-
-  template <typename Visit>
-  Error pass(PointSource& source, Progress* progress, float begin, float end, const char* stage,
-             const Visit& visit);
-  Error measureFrame(PointSource& source, Progress* progress);
-  Error countCells(PointSource& source, Progress* progress);
-  Error sortPoints(PointSource& source, Progress* progress);
-  Error measureNoise();
-  Error survey(Progress* progress);
-  Error load(std::size_t tile, std::vector<unsigned char>& records) const;
-};
-
-/** A pass over the source that reports its progress between begin and end. */
-template <typename Visit>
-Error
-StreamFit::State::pass(PointSource& source, Progress* progress, float begin, float end,
-                       const char* stage, const Visit& visit)
-{
-  ++stats.passes;
-  const double points = std::max(1.0, static_cast<double>(source.size()));
-  double done = 0;
-  return source.pass([&](const CloudView& piece) -> Error {
-    if (progress != nullptr) {
-      if (progress->cancelled()) return cancelled();
-      progress->report(begin + static_cast<float>(done / points) * (end - begin), stage);
-    }
-    done += static_cast<double>(piece.count());
-    return visit(piece);
-  });
-}
-
-Error
-StreamFit::State::measureFrame(PointSource& source, Progress* progress)
-{
-  FrameMeasure measure;
-  do {
-    const auto add = [&](const CloudView& piece) {
-      measure.add(piece, threads);
-      return Error();
-    };
-    if (Error error = pass(source, progress, 0.0f, 0.03f, "measuring", add)) return error;
-  } while (measure.needsAnotherPass());
-  FrameCounts found;
-  if (Error error = measure.finish(frame, found)) return error;
-  frame.sensor = source.sensor();
-  stats.points.input_points = found.input;
-  stats.points.non_finite = found.input - found.finite;
-  stats.points.far_away = found.finite - found.near;
-  stats.points.without_normal = found.near - found.stored;
-  if (frame.diagonal > 0) return {};
-  return {ErrorCode::kNoSurface, "all points are at one place: give points of a surface"};
-}
-
-Error
-StreamFit::State::countCells(PointSource& source, Progress* progress)
-{
-  PointKeys keys(frame, threads);
-  do {
-    const auto count = [&](const CloudView& piece) {
-      return counts.add(keys.of(piece).data(), piece.count());
-    };
-    if (Error error = pass(source, progress, 0.03f, 0.06f, "counting", count)) return error;
-  } while (counts.divideCells(params.tile_points / kCellsOfTile));
-  plan.cells = counts.cells();
-  plan.makeTiles(params.tile_points);
-  stats.tiles = plan.tiles.size();
-  return {};
-}
-
-Error
-StreamFit::State::sortPoints(PointSource& source, Progress* progress)
-{
-  const PointRecord record{source.scalar(), frame.with_normals};
-  if (Error error = store.create(plan, record, params.scratch, counts)) return error;
-  PointKeys keys(frame, threads);
-  const auto add = [&](const CloudView& piece) {
-    return store.add(piece, keys.of(piece).data(), counts);
-  };
-  if (Error error = pass(source, progress, 0.06f, 0.12f, "sorting", add)) return error;
-  counts = CellCounts();
-  return store.finish();
-}
-
-Error
-StreamFit::State::measureNoise()
-{
-  Result<MeasuredTraits> measured =
-      measureSampledTraits(loader(), frame, params.fit, stats.noise_thinning);
-  if (!measured) return measured.error();
-  traits = measured->traits;
-  FitStatistics& fit = sum.sum();
-  const double seconds = fit.seconds_noise;
-  fit = measured->statistics;
-  fit.seconds_noise = seconds;
-  return {};
-}
-
-/** Finds each tile's first level, and how much its halo has. */
-Error
-StreamFit::State::survey(Progress* progress)
-{
-  radii = levelRadii(frame, params.fit);
-  const TileLoader tiles = loader();
-  std::vector<unsigned char> records;
-  for (std::size_t t = 0; t < plan.tiles.size(); ++t) {
-    if (progress != nullptr && progress->cancelled()) return cancelled();
-    if (Error error = tiles.loadCore(t, records)) return error;
-    const CloudView core = tiles.record().view(records);
-    first_levels.push_back(firstLevel(core, frame, radii, params.firstBallPoints(), traits.lambda));
-    const HaloMask mask = tiles.maskOf(t, records, radii.reach(first_levels.back()));
-    halos.push_back(tiles.mostHalo(t, mask));
-  }
-  return {};
-}
-
-/** The records of a tile's core and halo. */
-Error
-StreamFit::State::load(std::size_t tile, std::vector<unsigned char>& records) const
-{
-  const TileLoader tiles = loader();
-  records.reserve((plan.tiles[tile].points + halos[tile]) * tiles.record().bytes());
-  if (Error error = tiles.loadCore(tile, records)) return error;
-  const HaloMask mask = tiles.maskOf(tile, records, radii.reach(first_levels[tile]));
-  return tiles.loadHalo(tile, mask, records);
-}
-
 Error
 StreamParams::validate() const
 {
@@ -224,15 +75,59 @@ StreamParams::validate() const
   return checkTileParams(fit);
 }
 
-StreamFit::StreamFit(StreamParams params) : state_(std::make_unique<State>(std::move(params))) {}
+StreamFit::StreamFit(StreamParams params) : state_(std::make_unique<StreamState>(std::move(params)))
+{
+}
 StreamFit::~StreamFit() = default;
+
+/** Takes the plan and the points of an earlier run. \return whether there are any of this cloud. */
+bool
+detail::StreamState::takeKept(PointSource& source)
+{
+  KeptPlan kept;
+  if (!keeps() || !loadPlan(params.state, identity, kept)) return false;
+  kept.plan.makeTiles(params.tile_points);
+  const std::size_t tiles = kept.plan.tiles.size();
+  if (kept.first_levels.size() != tiles || kept.halos.size() != tiles) return false;
+  if (const Error error = store.open(kept.plan, kept.record, params.state)) return false;
+  frame = kept.frame;
+  frame.sensor = source.sensor();
+  plan = std::move(kept.plan);
+  traits = kept.traits;
+  radii = levelRadii(frame, params.fit);
+  first_levels = std::move(kept.first_levels);
+  halos = std::move(kept.halos);
+  sum.sum() = kept.noise;
+  stats.points = kept.points;
+  stats.noise_thinning = kept.thinning;
+  stats.tiles = tiles;
+  return true;
+}
+
+Error
+detail::StreamState::keep() const
+{
+  KeptPlan kept;
+  kept.frame = frame;
+  kept.record = store.record();
+  kept.traits = traits;
+  kept.noise = sum.sum();
+  kept.points = stats.points;
+  kept.thinning = stats.noise_thinning;
+  kept.plan = plan;
+  kept.first_levels = first_levels;
+  kept.halos = halos;
+  return savePlan(params.state, identity, kept);
+}
 
 Error
 StreamFit::prepare(PointSource& source, Progress* progress)
 {
-  State& s = *state_;
+  StreamState& s = *state_;
   if (Error error = s.params.validate()) return error;
   if (source.size() == 0) return badInput("the cloud holds no points: give some");
+  s.identity = identityOf(source, s.params);
+  if (s.takeKept(source)) return {};
   Stopwatch watch;
   if (Error error = s.measureFrame(source, progress)) return error;
   s.stats.seconds_measure = watch.seconds();
@@ -246,7 +141,10 @@ StreamFit::prepare(PointSource& source, Progress* progress)
   watch = {};
   if (Error error = s.survey(progress)) return error;
   s.stats.seconds_plan = watch.seconds();
-  return {};
+#ifdef __GLIBC__
+  malloc_trim(0);  // what passes have used is tiles' to take
+#endif
+  return s.keeps() ? s.keep() : Error();
 }
 
 const StoreFrame&
@@ -267,6 +165,12 @@ StreamFit::traits() const
   return state_->traits;
 }
 
+int
+StreamFit::firstLevel(std::size_t tile) const
+{
+  return state_->first_levels[tile];
+}
+
 std::uint64_t
 StreamFit::loadedPoints(std::size_t tile) const
 {
@@ -283,41 +187,60 @@ StreamFit::workingBytes() const
 }
 
 Error
+detail::StreamState::fitAnew(std::size_t tile, SLIMSurface& surface, FitStatistics& fitted,
+                             Progress& progress)
+{
+  const Stopwatch watch;
+  std::vector<unsigned char> records;
+  if (Error error = load(tile, records)) return error;
+  Result<PointStore> points = PointStore::build(store.record().view(records), frame, threads);
+  if (!points) return points.error();
+  stats.halo_points += records.size() / store.record().bytes() - plan.tiles[tile].points;
+  std::vector<unsigned char>().swap(records);
+  stats.seconds_load += watch.seconds();
+  TileJob job;
+  job.first_key = plan.tiles[tile].first_key;
+  job.end_key = plan.tiles[tile].end_key;
+  job.first_level = first_levels[tile];
+  job.traits = traits;
+  if (Error error = fitTile(*points, params.fit, job, surface, &fitted, &progress)) return error;
+  surface.info.num_points = plan.points;
+  return {};
+}
+
+void
+detail::StreamState::addTile(std::size_t tile, const FitStatistics& fitted,
+                             const SLIMSurface& surface)
+{
+  sum.add(fitted, surface);
+  stats.points.duplicates += plan.tiles[tile].points - fitted.points;
+}
+
+Error
 StreamFit::fit(std::size_t tile, SLIMSurface& surface, Progress* progress)
 {
-  State& s = *state_;
+  StreamState& s = *state_;
+  FitStatistics fitted;
+  if (s.keeps() && loadTile(s.params.state, s.identity, tile, surface, fitted)) {
+    ++s.stats.kept_tiles;
+    s.addTile(tile, fitted, surface);
+    return {};
+  }
   const auto share = [&](std::size_t t) {
     return 0.12f + 0.88f * static_cast<float>(t) / static_cast<float>(s.plan.tiles.size());
   };
   PartialProgress partial(progress, share(tile), share(tile + 1));
   if (progress != nullptr && progress->cancelled()) return cancelled();
-  const Stopwatch watch;
-  std::vector<unsigned char> records;
-  if (Error error = s.load(tile, records)) return error;
-  Result<PointStore> store = PointStore::build(s.store.record().view(records), s.frame, s.threads);
-  if (!store) return store.error();
-  const std::size_t loaded = records.size() / s.store.record().bytes();
-  std::vector<unsigned char>().swap(records);
-  s.stats.seconds_load += watch.seconds();
-  TileJob job;
-  job.first_key = s.plan.tiles[tile].first_key;
-  job.end_key = s.plan.tiles[tile].end_key;
-  job.first_level = s.first_levels[tile];
-  job.traits = s.traits;
-  FitStatistics stats;
-  if (Error error = fitTile(*store, s.params.fit, job, surface, &stats, &partial.part()))
+  if (Error error = s.fitAnew(tile, surface, fitted, partial.part()))
     return progress != nullptr && progress->cancelled() ? cancelled() : error;
-  surface.info.num_points = s.plan.points;
-  s.sum.add(stats, surface);
-  s.stats.halo_points += loaded - s.plan.tiles[tile].points;
-  s.stats.points.duplicates += s.plan.tiles[tile].points - stats.points;
-  return {};
+  s.addTile(tile, fitted, surface);
+  return s.keeps() ? saveTile(s.params.state, s.identity, tile, surface, fitted) : Error();
 }
 
 const StreamStatistics&
 StreamFit::statistics() const
 {
-  State& s = *state_;
+  StreamState& s = *state_;
   s.stats.fit = s.sum.sum();
   s.stats.scratch_read = s.store.file().bytesRead();
   s.stats.scratch_written = s.store.file().bytesWritten();

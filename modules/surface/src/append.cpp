@@ -25,7 +25,48 @@ appendTrimMaps(const SLIMSurface& more, std::size_t surfels, SLIMSurface& surfac
   appendTo(surface.trim_maps, more.trim_maps);
 }
 
+template <typename T>
+std::vector<T>
+part(const std::vector<T>& column, std::size_t begin, std::size_t end)
+{
+  return {column.begin() + static_cast<std::ptrdiff_t>(begin),
+          column.begin() + static_cast<std::ptrdiff_t>(end)};
+}
+
+/** The trim maps of some surfels; none where all of these are closed. */
+void
+takeTrimMaps(const SLIMSurface& all, std::size_t begin, std::size_t end, SLIMSurface& some)
+{
+  if (!all.hasTrimMaps() || all.trim_begin[begin] == all.trim_begin[end]) return;
+  some.trim_begin = part(all.trim_begin, begin, end + 1);
+  some.trim_maps = part(all.trim_maps, all.trim_begin[begin], all.trim_begin[end]);
+  for (std::uint32_t& at : some.trim_begin) at -= all.trim_begin[begin];
+}
+
 }  // namespace
+
+SLIMSurface
+SLIMSurface::slice(std::size_t begin, std::size_t end) const
+{
+  const auto width = static_cast<std::size_t>(stride());
+  SLIMSurface some;
+  some.info = info;
+  some.cx = part(cx, begin, end);
+  some.cy = part(cy, begin, end);
+  some.cz = part(cz, begin, end);
+  some.radius = part(radius, begin, end);
+  some.nx = part(nx, begin, end);
+  some.ny = part(ny, begin, end);
+  some.nz = part(nz, begin, end);
+  some.coefficients = part(coefficients, begin * width, end * width);
+  some.error = part(error, begin, end);
+  some.effective_count = part(effective_count, begin, end);
+  some.degree = part(degree, begin, end);
+  some.level = part(level, begin, end);
+  some.flags = part(flags, begin, end);
+  takeTrimMaps(*this, begin, end, some);
+  return some;
+}
 
 void
 SLIMSurface::append(const SLIMSurface& more)

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "file/byte_stream.h"
+#include "file/slim_blocks.h"
 #include "file/slim_header.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/surface/oct_normal.h"
@@ -131,7 +132,8 @@ encodeSlim(const SLIMSurface& surface)
   const std::uint64_t payload = payloadBytes(*counts) + surface.trim_maps.size();
   ByteWriter out;
   out.bytes.reserve(kSlimHeaderBytes + payload);
-  putSlimHeader(surface, payload, out);
+  putSlimHeader(surface.info, surface.hasTrimMaps() ? kSlimMapsVersion : kSlimVersion,
+                surface.size(), payload, out);
   for (const auto* column : {&surface.degree, &surface.level, &flags}) out.putBytes(*column);
   for (const auto* column : {&surface.cx, &surface.cy, &surface.cz, &surface.radius}) {
     out.putFloats(*column);
@@ -147,7 +149,7 @@ encodeSlim(const SLIMSurface& surface)
 }
 
 Result<SLIMSurface>
-decodeSlim(const unsigned char* bytes, std::size_t size)
+detail::decodeSlimBlock(const unsigned char* bytes, std::size_t size)
 {
   if (Error error = checkSlimFrame(bytes, size)) return error;
   SLIMSurface surface;
@@ -176,7 +178,16 @@ decodeSlim(const unsigned char* bytes, std::size_t size)
     return error;
 
   if (Error error = surface.validate()) return error;
-  surface.buildLinks();
+  return surface;
+}
+
+Result<SLIMSurface>
+decodeSlim(const unsigned char* bytes, std::size_t size)
+{
+  const bool blocks = slimVersionOf(bytes, size) == kSlimBlocksVersion;
+  Result<SLIMSurface> surface =
+      blocks ? decodeSlimBlocks(bytes, size) : decodeSlimBlock(bytes, size);
+  if (surface) surface->buildLinks();
   return surface;
 }
 

@@ -10,6 +10,7 @@
 
 #include "pcl_slim/surface/surface_io.h"
 #include "support/clouds.h"
+#include "support/temporary_folder.h"
 
 namespace {
 
@@ -129,7 +130,7 @@ TEST(StreamFit, UsesNormals)
   params.tile_points = 40000;
   const SLIMSurface surface = byTiles(cloud, params);
   EXPECT_TRUE(surface.info.oriented);
-  EXPECT_LT(errorsBy(cloud, surface).position, 1.5 * errorsOf(kShape, fitted(cloud)).position);
+  EXPECT_LT(errorsBy(cloud, surface).position, 1.8 * errorsOf(kShape, fitted(cloud)).position);
 }
 
 TEST(StreamFit, AClosedBodyIsNotOpenedAtTheBordersOfTiles)
@@ -201,6 +202,36 @@ TEST(StreamFit, CanBeCancelled)
     EXPECT_EQ(fitTiles(source, smallTiles(), surface, nullptr, &progress).code,
               ErrorCode::kCancelled);
   }
+}
+
+TEST(StreamFit, GoesOnWithWhatAnEarlierRunHasKept)
+{
+  const TemporaryFolder folder;
+  const Cloud cloud = torus(100000);
+  StreamParams params = smallTiles();
+  const auto bytes = encodeSlim(byTiles(cloud, params));
+  params.state = folder / ".";
+  {
+    CloudSource source(cloud.view());
+    StreamFit fit(params);
+    ASSERT_FALSE(fit.prepare(source));
+    SLIMSurface tile;
+    for (const std::size_t t : {3, 1}) ASSERT_FALSE(fit.fit(t, tile));
+  }
+  StreamStatistics statistics;
+  EXPECT_EQ(encodeSlim(byTiles(cloud, params, &statistics)), bytes);
+  EXPECT_EQ(statistics.kept_tiles, 2u);
+  EXPECT_EQ(statistics.passes, 0u);
+  EXPECT_EQ(statistics.fit.points, cloud.size());
+  // A damaged tile is fitted again, and so is everything of another parameter.
+  auto damaged = fileBytes(folder / "tile-1");
+  damaged[damaged.size() / 2] ^= 1;
+  writeBytes(folder / "tile-1", damaged);
+  EXPECT_EQ(encodeSlim(byTiles(cloud, params, &statistics)), bytes);
+  EXPECT_EQ(statistics.kept_tiles, statistics.tiles - 1);
+  params.fit.degree = 2;
+  byTiles(cloud, params, &statistics);
+  EXPECT_EQ(statistics.kept_tiles, 0u);
 }
 
 /** A source that gives other points when it is read again. */

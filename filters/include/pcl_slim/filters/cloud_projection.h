@@ -66,6 +66,9 @@ class CloudProjection {
                                       Progress* progress = nullptr,
                                       const PointStore* store = nullptr);
 
+  /** \brief The projection of so many points none of which is finite. */
+  static CloudProjection ofNothing(std::size_t points);
+
   /** \brief Number of points asked for. */
   std::size_t size() const { return stored_.size(); }
   bool isFinite(std::size_t i) const { return stored_[i] != PointStore::kSkipped; }

@@ -11,6 +11,8 @@ namespace {
 
 using namespace detail;
 
+constexpr std::uint64_t kSmall = 9;  ///< a tile of less than such a part is joined with another
+
 /** Cuts the cells of an octree's nodes into tiles. */
 class TileCutter {
  public:
@@ -45,6 +47,21 @@ class TileCutter {
     if (pending < end) add(pending, end);
   }
 
+  /** Joins tiles of few points with what follows or precedes them on the curve. */
+  void joinSmall(std::uint64_t least)
+  {
+    std::vector<TilePlan::Tile> cut;
+    cut.swap(plan_.tiles);
+    for (const TilePlan::Tile& tile : cut) {
+      const bool joins = !plan_.tiles.empty() &&
+                         std::min(plan_.tiles.back().points, tile.points) < least &&
+                         plan_.tiles.back().points + tile.points <= most_ + least;
+      const std::size_t begin = joins ? plan_.tiles.back().first_cell : tile.first_cell;
+      if (joins) plan_.tiles.pop_back();
+      plan_.tiles.push_back(tileOf(begin, tile.end_cell));
+    }
+  }
+
  private:
   std::size_t endOfChild(std::size_t begin, std::size_t end, int depth) const
   {
@@ -58,7 +75,9 @@ class TileCutter {
                                     plan_.cells.begin());
   }
 
-  void add(std::size_t begin, std::size_t end)
+  void add(std::size_t begin, std::size_t end) { plan_.tiles.push_back(tileOf(begin, end)); }
+
+  TilePlan::Tile tileOf(std::size_t begin, std::size_t end) const
   {
     TilePlan::Tile tile;
     tile.first_cell = begin;
@@ -68,7 +87,7 @@ class TileCutter {
     const int below = 3 * (kDeepestCell - static_cast<int>(last.depth));
     tile.end_key = last.first_key + (std::uint64_t{1} << below);
     tile.points = sums_[end] - sums_[begin];
-    plan_.tiles.push_back(tile);
+    return tile;
   }
 
   TilePlan& plan_;
@@ -84,7 +103,10 @@ TilePlan::makeTiles(std::uint64_t most_points)
   tiles.clear();
   points = 0;
   for (const Cell& cell : cells) points += cell.points;
-  TileCutter(*this, most_points).cut(0, cells.size(), 0);
+  const std::uint64_t small = most_points / kSmall;
+  TileCutter cutter(*this, most_points - small);
+  cutter.cut(0, cells.size(), 0);
+  cutter.joinSmall(small);
 }
 
 }  // namespace pcl_slim

@@ -14,6 +14,12 @@ namespace pcl_slim::detail {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+constexpr const char* kKeptName = "points";
+
+}  // namespace
+
 ScratchFile::~ScratchFile()
 {
   if (file_ >= 0) close(file_);
@@ -28,29 +34,58 @@ ScratchFile::failed(const char* verb, std::uint64_t at, int code) const
                               (full ? "; make room, or name another folder" : "")};
 }
 
+/** Whether there is a folder, with so much room. */
+Error
+ScratchFile::checkRoom(std::uint64_t bytes)
+{
+  std::error_code code;
+  if (!fs::is_directory(folder_, code)) {
+    return {ErrorCode::kIo, "the scratch folder '" + folder_ + "' does not exist; create it first"};
+  }
+  struct statvfs space = {};
+  if (statvfs(folder_.c_str(), &space) != 0) return {};
+  const double free = static_cast<double>(space.f_bavail) * static_cast<double>(space.f_frsize);
+  if (static_cast<double>(bytes) <= free) return {};
+  return {ErrorCode::kIo, "the scratch folder '" + folder_ + "' has " +
+                              std::to_string(static_cast<std::uint64_t>(free) >> 20) +
+                              " MB left where " + std::to_string((bytes >> 20) + 1) +
+                              " are needed: make room, or name another folder"};
+}
+
 Error
 ScratchFile::create(const std::string& folder, std::uint64_t bytes)
 {
   std::error_code code;
   folder_ = folder.empty() ? fs::temp_directory_path(code).string() : folder;
-  if (!fs::is_directory(folder_, code)) {
-    return {ErrorCode::kIo, "the scratch folder '" + folder_ + "' does not exist; create it first"};
-  }
-  struct statvfs space = {};
-  if (statvfs(folder_.c_str(), &space) == 0) {
-    const double free = static_cast<double>(space.f_bavail) * static_cast<double>(space.f_frsize);
-    if (static_cast<double>(bytes) > free) {
-      return {ErrorCode::kIo, "the scratch folder '" + folder_ + "' has " +
-                                  std::to_string(static_cast<std::uint64_t>(free) >> 20) +
-                                  " MB left where " + std::to_string((bytes >> 20) + 1) +
-                                  " are needed: make room, or name another folder"};
-    }
-  }
+  if (Error error = checkRoom(bytes)) return error;
   std::string name = (fs::path(folder_) / "pcl_slim-XXXXXX").string();
   file_ = mkostemp(name.data(), O_CLOEXEC);
   if (file_ < 0) return failed("create", 0, errno);
   unlink(name.c_str());
   return {};
+}
+
+Error
+ScratchFile::createKept(const std::string& folder, std::uint64_t bytes)
+{
+  folder_ = folder;
+  const std::string name = (fs::path(folder_) / kKeptName).string();
+  unlink(name.c_str());
+  if (Error error = checkRoom(bytes)) return error;
+  file_ = open(name.c_str(), O_RDWR | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  return file_ < 0 ? failed("create", 0, errno) : Error();
+}
+
+Error
+ScratchFile::openKept(const std::string& folder, std::uint64_t bytes)
+{
+  folder_ = folder;
+  const std::string name = (fs::path(folder_) / kKeptName).string();
+  std::error_code code;
+  file_ = open(name.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file_ < 0) return failed("read", 0, errno);
+  const std::uint64_t size = fs::file_size(name, code);
+  return size == bytes ? Error() : failed("read", size, EIO);
 }
 
 Error

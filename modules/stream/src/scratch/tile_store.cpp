@@ -77,7 +77,7 @@ TileStore::cut(const TilePlan& plan)
 
 Error
 TileStore::create(const TilePlan& plan, const PointRecord& record, const std::string& folder,
-                  CellCounts& counts)
+                  bool kept, CellCounts& counts)
 {
   record_ = record;
   cut(plan);
@@ -92,7 +92,16 @@ TileStore::create(const TilePlan& plan, const PointRecord& record, const std::st
   buffer_points_ = bytes / record_.bytes();
   buffers_.resize(buckets_.size() * buffer_points_ * record_.bytes());
   filled_.assign(buckets_.size(), 0);
-  return file_.create(folder, plan.points * record_.bytes());
+  const std::uint64_t all = plan.points * record_.bytes();
+  return kept ? file_.createKept(folder, all) : file_.create(folder, all);
+}
+
+Error
+TileStore::open(const TilePlan& plan, const PointRecord& record, const std::string& folder)
+{
+  record_ = record;
+  cut(plan);
+  return file_.openKept(folder, plan.points * record_.bytes());
 }
 
 Error

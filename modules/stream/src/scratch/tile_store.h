@@ -38,7 +38,9 @@ class TileStore {
   /** \brief Cuts the tiles into buckets and makes the file. \param[in,out] counts learns the cells'
    * buckets */
   Error create(const TilePlan& plan, const PointRecord& record, const std::string& folder,
-               CellCounts& counts);
+               bool kept, CellCounts& counts);
+  /** \brief Opens the points that an earlier run has sorted by the same plan. */
+  Error open(const TilePlan& plan, const PointRecord& record, const std::string& folder);
 
   /** \brief Adds a piece's points to their buckets. */
   Error add(const CloudView& piece, const std::uint64_t* keys, const CellCounts& counts);

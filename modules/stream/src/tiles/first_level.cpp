@@ -87,8 +87,14 @@ firstLevel(const CloudView& core, const StoreFrame& frame, const LevelRadii& rad
   int level = 1;
   while (level < radii.last && 2 * crowded[static_cast<std::size_t>(level)] > sample.centers.size())
     ++level;
-  while (level > 1 && radii.radius(level) < kNoiseOfBall * std::sqrt(lambda)) --level;
+  while (level > 1 && !isFirstLevel(radii, level, lambda)) --level;
   return level;
+}
+
+bool
+isFirstLevel(const LevelRadii& radii, int level, double lambda)
+{
+  return level <= radii.last && radii.radius(level) >= kNoiseOfBall * std::sqrt(lambda);
 }
 
 }  // namespace pcl_slim::detail

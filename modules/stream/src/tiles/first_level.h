@@ -18,4 +18,8 @@ int
 firstLevel(const CloudView& core, const StoreFrame& frame, const LevelRadii& radii,
            std::uint64_t most_points, double lambda);
 
+/** \brief Whether balls of a level are wide enough to begin with: see firstLevel(). */
+bool
+isFirstLevel(const LevelRadii& radii, int level, double lambda);
+
 }  // namespace pcl_slim::detail

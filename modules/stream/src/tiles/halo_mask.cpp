@@ -8,7 +8,7 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr double kCellsOfReach = 4.0;
+constexpr double kCellsOfReach = 6.0;
 constexpr double kMostCells = 1 << 26;  ///< of a mask: coarser cells where a tile is scattered
 
 /** Takes every third bit: the inverse of spreadBits(). */

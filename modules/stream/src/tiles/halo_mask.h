@@ -12,7 +12,7 @@ namespace pcl_slim::detail {
 
 /** \brief Cells of a grid whose distance from a tile's points may be within a reach.
  *
- * Cells are a quarter to an eighth of the reach wide, so what they hold beyond it is little. A function of
+ * Cells are a sixth to a twelfth of the reach wide, so what they hold beyond it is little. A function of
  * the points' set alone.
  */
 class HaloMask {

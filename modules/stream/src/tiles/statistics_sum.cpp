@@ -61,4 +61,43 @@ StatisticsSum::add(const FitStatistics& tile, const SLIMSurface& surface)
   any_ = true;
 }
 
+std::vector<double>
+packedStatistics(const FitStatistics& tile)
+{
+  std::vector<double> numbers{tile.least_pivot,
+                              static_cast<double>(tile.first_level),
+                              static_cast<double>(tile.last_level),
+                              tile.penalty,
+                              tile.t_mdl,
+                              static_cast<double>(tile.working_bytes)};
+  for (const auto count : kCounts) numbers.push_back(static_cast<double>(tile.*count));
+  return numbers;
+}
+
+FitStatistics
+unpackedStatistics(const std::vector<double>& numbers, const SLIMSurface& surface)
+{
+  FitStatistics tile;
+  tile.least_pivot = numbers[0];
+  tile.first_level = static_cast<int>(numbers[1]);
+  tile.last_level = static_cast<int>(numbers[2]);
+  tile.penalty = numbers[3];
+  tile.t_mdl = numbers[4];
+  tile.working_bytes = static_cast<std::uint64_t>(numbers[5]);
+  std::size_t next = 6;
+  for (const auto count : kCounts) tile.*count = static_cast<std::uint64_t>(numbers[next++]);
+  tile.leaves_per_level.assign(static_cast<std::size_t>(tile.last_level) + 1, 0);
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    const std::size_t level = surface.level[i];
+    if (surface.isLeaf(i) && level < tile.leaves_per_level.size()) ++tile.leaves_per_level[level];
+  }
+  return tile;
+}
+
+std::size_t
+numPackedStatistics()
+{
+  return packedStatistics({}).size();
+}
+
 }  // namespace pcl_slim::detail

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <vector>
+
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/surface/surface.h"
 
@@ -19,5 +22,17 @@ class StatisticsSum {
   double weight_ = 0, square_ = 0;  ///< of the residuals
   bool any_ = false;
 };
+
+/** \brief A tile's counts as numbers, to be kept beside its surfels. */
+std::vector<double>
+packedStatistics(const FitStatistics& tile);
+
+/** \brief The inverse, with leaves_per_level counted on the surfels. */
+FitStatistics
+unpackedStatistics(const std::vector<double>& numbers, const SLIMSurface& surface);
+
+/** \brief Length of packedStatistics(). */
+std::size_t
+numPackedStatistics();
 
 }  // namespace pcl_slim::detail

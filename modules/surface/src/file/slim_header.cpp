@@ -11,24 +11,9 @@ namespace {
 
 // Like PNG's: catches files mangled as text, and is not valid text itself.
 constexpr unsigned char kMagic[8] = {0x89, 'S', 'L', 'I', 'M', '\r', '\n', 0x1a};
-constexpr std::uint32_t kVersion = 2;             ///< the newest
-constexpr std::uint32_t kVersionWithoutMaps = 1;  ///< of files without trim maps
+constexpr std::uint32_t kNewest = kSlimBlocksVersion;
 constexpr std::size_t kVersionAt = sizeof(kMagic);
 constexpr std::size_t kChecksumAt = 24;
-
-/** FNV-1a over everything but the checksum's own eight bytes: each step is a bijection of the
- * state, so any single changed byte changes the result. */
-std::uint64_t
-checksum(const unsigned char* bytes, std::size_t size)
-{
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (std::size_t i = 0; i < size; ++i) {
-    if (i == kChecksumAt) i += sizeof(hash);
-    if (i >= size) break;
-    hash = (hash ^ bytes[i]) * 0x100000001b3u;
-  }
-  return hash;
-}
 
 bool
 plausible(const SurfaceInfo& info)
@@ -45,16 +30,50 @@ plausible(const SurfaceInfo& info)
 
 }  // namespace
 
-void
-putSlimHeader(const SLIMSurface& surface, std::uint64_t payload, ByteWriter& out)
+/** Each step is a bijection of the state. */
+std::uint64_t
+slimChecksum(const unsigned char* bytes, std::size_t size)
 {
-  const SurfaceInfo& info = surface.info;
+  std::uint64_t hash = 0xcbf29ce484222325u;
+  for (std::size_t i = 0; i < size; ++i) {
+    if (i == kChecksumAt) i += sizeof(hash);
+    if (i >= size) break;
+    hash = (hash ^ bytes[i]) * 0x100000001b3u;
+  }
+  return hash;
+}
+
+void
+setSlimChecksum(std::uint64_t sum, std::vector<unsigned char>& bytes)
+{
+  ByteWriter out;
+  out.putUnsigned(sum);
+  std::memcpy(bytes.data() + kChecksumAt, out.bytes.data(), out.bytes.size());
+}
+
+std::uint32_t
+slimVersionOf(const unsigned char* bytes, std::size_t size)
+{
+  const bool slim = size >= kSlimHeaderBytes && std::memcmp(bytes, kMagic, sizeof(kMagic)) == 0;
+  return slim ? ByteReader(bytes + kVersionAt).getUnsigned<std::uint32_t>() : 0;
+}
+
+std::uint64_t
+announcedChecksum(const unsigned char* bytes)
+{
+  return ByteReader(bytes + kChecksumAt).getUnsigned<std::uint64_t>();
+}
+
+void
+putSlimHeader(const SurfaceInfo& info, std::uint32_t version, std::uint64_t surfels,
+              std::uint64_t payload, ByteWriter& out)
+{
   out.bytes.insert(out.bytes.end(), kMagic, kMagic + sizeof(kMagic));
-  out.putUnsigned(surface.hasTrimMaps() ? kVersion : kVersionWithoutMaps);
+  out.putUnsigned(version);
   out.putUnsigned(static_cast<std::uint32_t>(kSlimHeaderBytes));
   out.putUnsigned(payload);
   out.putUnsigned(std::uint64_t{0});  // the checksum, which is known at the end
-  out.putUnsigned(static_cast<std::uint64_t>(surface.size()));
+  out.putUnsigned(surfels);
   out.putUnsigned(info.num_points);
   out.putUnsigned(static_cast<std::uint8_t>(info.degree));
   out.putUnsigned(static_cast<std::uint8_t>(info.fit_kernel));
@@ -71,9 +90,7 @@ putSlimHeader(const SLIMSurface& surface, std::uint64_t payload, ByteWriter& out
 void
 sealSlim(std::vector<unsigned char>& bytes)
 {
-  ByteWriter sum;
-  sum.putUnsigned(checksum(bytes.data(), bytes.size()));
-  std::memcpy(bytes.data() + kChecksumAt, sum.bytes.data(), sum.bytes.size());
+  setSlimChecksum(slimChecksum(bytes.data(), bytes.size()), bytes);
 }
 
 Error
@@ -86,14 +103,14 @@ checkSlimFrame(const unsigned char* bytes, std::size_t size)
     return badInput("the .slim file is truncated inside its header; copy it again");
   ByteReader in(bytes + sizeof(kMagic));
   const auto version = in.getUnsigned<std::uint32_t>();
-  if (version > kVersion) {
+  if (version > kNewest) {
     return badInput("the .slim file has format version " + std::to_string(version) +
-                    ", newer than the " + std::to_string(kVersion) +
+                    ", newer than the " + std::to_string(kNewest) +
                     " this program reads; use a newer pcl_slim");
   }
   const auto header_bytes = in.getUnsigned<std::uint32_t>();
   const auto payload = in.getUnsigned<std::uint64_t>();
-  if (version == 0 || header_bytes != kSlimHeaderBytes) {
+  if (version == 0 || version == kSlimBlocksVersion || header_bytes != kSlimHeaderBytes) {
     return badInput("the .slim file's header is corrupted; copy it again");
   }
   if (size - kSlimHeaderBytes != payload) {
@@ -103,7 +120,7 @@ checkSlimFrame(const unsigned char* bytes, std::size_t size)
                     std::to_string(size - kSlimHeaderBytes) + " bytes of surfels where " +
                     std::to_string(payload) + " are announced; copy it again");
   }
-  if (in.getUnsigned<std::uint64_t>() != checksum(bytes, size)) {
+  if (in.getUnsigned<std::uint64_t>() != slimChecksum(bytes, size)) {
     return badInput("the .slim file is corrupted: its checksum does not match; copy it again");
   }
   return {};
@@ -112,7 +129,7 @@ checkSlimFrame(const unsigned char* bytes, std::size_t size)
 bool
 holdsTrimMaps(const unsigned char* bytes)
 {
-  return ByteReader(bytes + kVersionAt).getUnsigned<std::uint32_t>() > kVersionWithoutMaps;
+  return ByteReader(bytes + kVersionAt).getUnsigned<std::uint32_t>() > kSlimVersion;
 }
 
 Result<std::uint64_t>

@@ -11,16 +11,37 @@
 
 // A .slim file's header: magic (8 bytes), version and header size (4 each), size of the payload,
 // checksum (8 each), then what SurfaceInfo holds. Version 2 has trim maps behind the columns; files
-// without any are written as version 1.
+// without any are written as version 1. Version 3 consists of blocks, each a file of version 1 or 2.
 
 namespace pcl_slim::detail {
 
 constexpr std::size_t kSlimHeaderBytes = 136;
+constexpr std::uint32_t kSlimVersion = 1;        ///< one surface without trim maps
+constexpr std::uint32_t kSlimMapsVersion = 2;    ///< one surface with trim maps
+constexpr std::uint32_t kSlimBlocksVersion = 3;  ///< blocks of such surfaces (slim_blocks.h)
 
-/** \brief Writes the header of a surface whose columns take payload bytes; the checksum is left 0,
- * for sealSlim. */
+/** \brief Writes the header of so many surfels that take payload bytes; the checksum is left 0, for
+ * sealSlim. */
 void
-putSlimHeader(const SLIMSurface& surface, std::uint64_t payload, ByteWriter& out);
+putSlimHeader(const SurfaceInfo& info, std::uint32_t version, std::uint64_t surfels,
+              std::uint64_t payload, ByteWriter& out);
+
+/** \brief FNV-1a over the bytes of a header, but for its checksum, and of what is behind them: any
+ * single changed byte changes the result. */
+std::uint64_t
+slimChecksum(const unsigned char* bytes, std::size_t size);
+
+/** \brief Sets a header's checksum. */
+void
+setSlimChecksum(std::uint64_t sum, std::vector<unsigned char>& bytes);
+
+/** \brief The format version that bytes announce; 0 where they are no .slim file. */
+std::uint32_t
+slimVersionOf(const unsigned char* bytes, std::size_t size);
+
+/** \brief The checksum that a header announces. */
+std::uint64_t
+announcedChecksum(const unsigned char* bytes);
 
 /** \brief Writes the checksum into a complete file. */
 void

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -25,6 +26,30 @@ readFile(const std::string& path);
  */
 Error
 writeFile(const std::string& path, const void* bytes, std::size_t size);
+
+/** \brief A file that is written piece by piece and seen under its name only when complete, as writeFile()
+ * makes it. */
+class FileWriter {
+ public:
+  FileWriter();
+  /** \brief Removes what was written, unless finish() has been called. */
+  ~FileWriter();
+  FileWriter(const FileWriter&) = delete;
+  FileWriter& operator=(const FileWriter&) = delete;
+
+  Error open(const std::string& path);
+  /** \brief Appends bytes. */
+  Error write(const void* bytes, std::size_t size);
+  /** \brief Replaces bytes that were written before. A pipe or device gives an error. */
+  Error rewrite(std::uint64_t at, const void* bytes, std::size_t size);
+  std::uint64_t size() const;
+  /** \brief Puts the file in its place, or lets it wait for the thread's FileTransaction. */
+  Error finish();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 /** \brief Several files that appear together or not at all.
  *

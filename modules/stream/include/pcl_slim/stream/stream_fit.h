@@ -17,12 +17,21 @@
 
 namespace pcl_slim {
 
+namespace detail {
+struct StreamState;
+}
+
 /** \brief Parameters of a fit by tiles. Those of the fit and the tile size decide the result; the scratch
  * folder and the number of threads do not. */
 struct StreamParams {
   FitParams fit;
   std::uint64_t tile_points = 4000000;  ///< most points of a tile's core, at least kLeastTile
   std::string scratch;                  ///< folder of the scratch file; empty: the system's
+  /// Folder that keeps plan, points and fitted tiles, so that a later run of the same cloud and parameters,
+  /// or others beside this one, go on with them; empty: nothing is kept.
+  std::string state;
+  std::string
+      source_name;  ///< with it: tells the source from others, as its path, size and date do
 
   static constexpr std::uint64_t kLeastTile = 10000;
   /** \brief Points of the median ball that a tile's first level begins with. */
@@ -36,10 +45,10 @@ struct StreamParams {
 struct StreamStatistics {
   FitStatistics fit;            ///< sums over the tiles; measured noise and normals
   PointStoreStatistics points;  ///< what happened to the input; duplicates of the tiles' cores
-  std::uint64_t tiles = 0;
-  std::uint64_t halo_points = 0;     ///< points that tiles read beside their own
-  std::uint64_t noise_thinning = 1;  ///< noise was measured on one of so many points
-  std::uint64_t passes = 0;          ///< over the source
+  std::uint64_t tiles = 0, kept_tiles = 0;  ///< kept_tiles: of an earlier run
+  std::uint64_t halo_points = 0;            ///< points that tiles read beside their own
+  std::uint64_t noise_thinning = 1;         ///< noise was measured on one of so many points
+  std::uint64_t passes = 0;                 ///< over the source
   std::uint64_t scratch_read = 0, scratch_written = 0;  ///< bytes
   double seconds_measure = 0, seconds_sort = 0, seconds_plan = 0, seconds_load = 0;
 };
@@ -64,6 +73,8 @@ class StreamFit {
   const StoreFrame& frame() const;
   const TilePlan& plan() const;
   const CloudTraits& traits() const;
+  /** \brief Level that a tile's balls begin with. */
+  int firstLevel(std::size_t tile) const;
   /** \brief Points that a tile has in memory, its halo included, at most. */
   std::uint64_t loadedPoints(std::size_t tile) const;
   /** \brief Bytes that fitting the largest tile takes, without its surfels. */
@@ -76,8 +87,7 @@ class StreamFit {
   const StreamStatistics& statistics() const;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<detail::StreamState> state_;
 };
 
 /** \brief Fits all tiles into one surface with links, and with a common side where points have no

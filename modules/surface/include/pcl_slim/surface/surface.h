@@ -105,6 +105,8 @@ class SLIMSurface {
   /** \brief Appends the surfels of another surface of the same units and degree, as a tile of the same
    * cloud is; links are dropped, for buildLinks(). An empty surface takes over the other's info. */
   void append(const SLIMSurface& more);
+  /** \brief The surfels from begin on, to before end, without links. */
+  SLIMSurface slice(std::size_t begin, std::size_t end) const;
 
   /** \brief Turns surfel i's normal round; its zero set and its border stay the same. */
   void flip(std::size_t i);

@@ -23,7 +23,8 @@ namespace pcl_slim {
 Error
 saveSlim(const std::string& path, const SLIMSurface& surface);
 
-/** \brief Reads what saveSlim wrote; saving the result again gives the same bytes.
+/** \brief Reads what saveSlim wrote, or SlimBlockWriter; saving the result of the former again gives the
+ * same bytes.
  *
  * A missing, truncated, foreign, corrupted or newer file gives an error that says which.
  */

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/surface/slim_blocks.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "pcl_slim/surface/surface_io.h"
+#include "support/sphere_surface.h"
+#include "support/temporary_folder.h"
+#include "support/trim_maps.h"
+
+namespace {
+
+using namespace pcl_slim;
+using namespace pcl_slim_test;
+
+/** A surface whose surfels ascend in x, so that slices lie side by side. */
+SLIMSurface
+someSurface()
+{
+  SLIMSurface surface = sphereSurface(3, 400);
+  setRandomTrimMaps(surface);
+  return surface;
+}
+
+Error
+writeBlocks(const std::string& path, const SLIMSurface& surface, std::size_t blocks)
+{
+  SlimBlockWriter writer;
+  if (Error error = writer.open(path)) return error;
+  for (std::size_t b = 0; b < blocks; ++b) {
+    const std::size_t begin = b * surface.size() / blocks, end = (b + 1) * surface.size() / blocks;
+    if (Error error = writer.add(surface.slice(begin, end), 10 * b, 10 * b + 10)) return error;
+  }
+  if (Error error = writer.add(surface.slice(0, 0), 999, 1000)) return error;
+  return writer.finish();
+}
+
+TEST(SlimBlocks, GiveTheWholeSurfaceBack)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder / "a.slim";
+  const SLIMSurface surface = someSurface();
+  ASSERT_TRUE(surface.hasTrimMaps());
+  const Error error = writeBlocks(path, surface, 7);
+  ASSERT_FALSE(error) << error.message;
+  const auto loaded = loadSlim(path);
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_EQ(encodeSlim(*loaded), encodeSlim(surface));
+  EXPECT_FALSE(loaded->child_begin.empty());
+}
+
+TEST(SlimBlocks, AreFoundByDirectoryAndBox)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder / "a.slim";
+  const SLIMSurface surface = someSurface();
+  ASSERT_FALSE(writeBlocks(path, surface, 7));
+  const auto directory = loadSlimDirectory(path);
+  ASSERT_TRUE(directory) << directory.error().message;
+  ASSERT_EQ(directory->blocks.size(), 7u) << "a tile without surfels leaves no block";
+  EXPECT_EQ(directory->surfels, surface.size());
+  std::size_t first = 0;
+  for (const SlimBlock& block : directory->blocks) {
+    for (std::size_t i = first; i < first + block.surfels; ++i) {
+      EXPECT_LE(block.low[2], surface.cz[i] - surface.radius[i]);
+      EXPECT_GE(block.high[0], surface.cx[i] + surface.radius[i]);
+    }
+    first += block.surfels;
+  }
+  const auto third = loadSlimBlocks(path, [](const SlimBlock& b) { return b.first_key == 20; });
+  ASSERT_TRUE(third);
+  EXPECT_EQ(third->size(), directory->blocks[2].surfels);
+  const SurfaceInfo& info = surface.info;
+  std::array<double, 3> low, high;
+  for (std::size_t a = 0; a < 3; ++a) {
+    low[a] = info.origin[a] + info.scale * static_cast<double>(directory->blocks[0].low[a]);
+    high[a] = low[a] + 1e-6 * info.scale;
+  }
+  const auto corner = loadSlimBox(path, low, high);
+  ASSERT_TRUE(corner);
+  std::size_t expected = 0;
+  for (const SlimBlock& block : directory->blocks) {
+    bool meets = true;
+    for (std::size_t a = 0; a < 3; ++a) {
+      meets = meets && block.low[a] <= directory->blocks[0].low[a] + 1e-6f &&
+              block.high[a] >= directory->blocks[0].low[a];
+    }
+    if (meets) expected += block.surfels;
+  }
+  EXPECT_EQ(corner->size(), expected);
+  EXPECT_LT(corner->size(), surface.size());
+}
+
+TEST(SlimBlocks, AnyChangedByteIsNoticed)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder / "a.slim";
+  ASSERT_FALSE(writeBlocks(path, someSurface(), 3));
+  const auto bytes = fileBytes(path);
+  for (std::size_t at = 0; at < bytes.size(); at += at < 200 || at + 300 > bytes.size() ? 1 : 97) {
+    auto changed = bytes;
+    changed[at] ^= 0x20;
+    EXPECT_FALSE(decodeSlim(changed.data(), changed.size())) << at;
+  }
+}
+
+TEST(SlimBlocks, ACutOffFileIsAnError)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder / "a.slim";
+  ASSERT_FALSE(writeBlocks(path, someSurface(), 3));
+  const auto bytes = fileBytes(path);
+  for (std::size_t size = 0; size < bytes.size(); size += 61) {
+    const auto cut = decodeSlim(bytes.data(), size);
+    ASSERT_FALSE(cut) << size;
+    EXPECT_EQ(cut.error().code, ErrorCode::kBadInput);
+  }
+}
+
+TEST(SlimBlocks, AFileOfOneSurfaceIsOneBlock)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder / "a.slim";
+  const SLIMSurface surface = someSurface();
+  ASSERT_FALSE(saveSlim(path, surface));
+  EXPECT_FALSE(loadSlimDirectory(path));
+  const auto loaded = loadSlimBlocks(path, [](const SlimBlock&) { return false; });
+  ASSERT_TRUE(loaded);
+  EXPECT_EQ(loaded->size(), surface.size());
+  EXPECT_EQ(loadSlimBlocks(folder / "none.slim", nullptr).error().code, ErrorCode::kIo);
+}
+
+TEST(SlimBlocks, NothingAppearsWithoutASurfel)
+{
+  const TemporaryFolder folder;
+  SlimBlockWriter writer;
+  ASSERT_FALSE(writer.open(folder / "a.slim"));
+  EXPECT_TRUE(writer.finish());
+  EXPECT_TRUE(fileBytes(folder / "a.slim").empty());
+}
+
+TEST(SLIMSurfaceParts, SlicesAppendToTheWhole)
+{
+  const SLIMSurface surface = someSurface();
+  SLIMSurface joined;
+  for (std::size_t begin = 0; begin < surface.size(); begin += 37)
+    joined.append(surface.slice(begin, std::min(surface.size(), begin + 37)));
+  EXPECT_EQ(encodeSlim(joined), encodeSlim(surface));
+  SLIMSurface closed = sphereSurface(3, 50), mixed = closed;
+  mixed.append(surface.slice(0, 40));
+  EXPECT_FALSE(mixed.validate());
+  EXPECT_EQ(mixed.size(), 90u);
+}
+
+}  // namespace
