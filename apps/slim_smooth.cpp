@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "pcl_slim/core/parallel.h"
+#include "projection/projection_job.h"
 #include "scan/cloud_fields.h"
-#include "scan/projection_job.h"
 
 namespace {
 

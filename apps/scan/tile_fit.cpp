@@ -35,21 +35,56 @@ reportTiles(const StreamStatistics& statistics, const StreamFit& fit, Report& re
   report.time("load_tiles", statistics.seconds_load);
 }
 
-/** Which tiles are to be fitted: [first, second). */
-Result<std::pair<std::size_t, std::size_t>>
-rangeOf(const std::string& text, std::size_t tiles)
+/** Two numbers with a character between them. */
+bool
+parsePair(const std::string& text, char between, std::size_t& first, std::size_t& second)
 {
-  if (text.empty()) return std::pair<std::size_t, std::size_t>{0, tiles};
-  std::size_t begin = 0, end = 0;
   const char *at = text.data(), *last = at + text.size();
-  const auto first = std::from_chars(at, last, begin);
-  const bool colon = first.ec == std::errc() && first.ptr != last && *first.ptr == ':';
-  const auto second = colon ? std::from_chars(first.ptr + 1, last, end) : first;
-  if (colon && second.ec == std::errc() && second.ptr == last && begin <= end && end <= tiles)
-    return std::pair<std::size_t, std::size_t>{begin, end};
-  return Error{ErrorCode::kBadArgument, "-tiles '" + text + "' is no range A:B of the " +
-                                            std::to_string(tiles) +
-                                            " tiles, 0:" + std::to_string(tiles)};
+  const auto begin = std::from_chars(at, last, first);
+  if (begin.ec != std::errc() || begin.ptr == last || *begin.ptr != between) return false;
+  const auto end = std::from_chars(begin.ptr + 1, last, second);
+  return end.ec == std::errc() && end.ptr == last;
+}
+
+/** The tiles of one of some shares of about as many points: the largest tile left goes to the share that
+ * has the least. */
+std::vector<std::size_t>
+shareOf(const StreamFit& fit, std::size_t share, std::size_t shares)
+{
+  std::vector<std::size_t> order(fit.plan().tiles.size());
+  for (std::size_t t = 0; t < order.size(); ++t) order[t] = t;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return fit.loadedPoints(a) > fit.loadedPoints(b);
+  });
+  std::vector<std::uint64_t> loads(shares, 0);
+  std::vector<std::size_t> own;
+  for (const std::size_t t : order) {
+    const auto least = std::min_element(loads.begin(), loads.end());
+    *least += fit.loadedPoints(t);
+    if (static_cast<std::size_t>(least - loads.begin()) == share) own.push_back(t);
+  }
+  return own;
+}
+
+/** Which tiles are to be fitted. */
+Result<std::vector<std::size_t>>
+wantedTiles(const std::string& text, const StreamFit& fit)
+{
+  constexpr std::size_t kMostShares = 1000000;
+  const std::size_t tiles = fit.plan().tiles.size();
+  std::size_t begin = 0, end = 0;
+  if (parsePair(text, '/', begin, end) && begin < end && end <= kMostShares)
+    return shareOf(fit, begin, end);
+  const bool range =
+      text.empty() || (parsePair(text, ':', begin, end) && begin <= end && end <= tiles);
+  if (!range) {
+    const std::string all = std::to_string(tiles);
+    return Error{ErrorCode::kBadArgument, "-tiles '" + text + "' is no range A:B of the " + all +
+                                              " tiles, 0:" + all + ", and no share K/N, 0/4"};
+  }
+  std::vector<std::size_t> wanted;
+  for (std::size_t t = begin; t < (text.empty() ? tiles : end); ++t) wanted.push_back(t);
+  return wanted;
 }
 
 /** One run of a program over some or all tiles. */
@@ -67,13 +102,13 @@ class TileRun {
     const double bytes = static_cast<double>(fit.workingBytes());
     const std::string what = "fitting tiles of " + std::to_string(tiles_.points) + " points";
     if (Error error = checkMemory(bytes, what, kTileRelief)) return error;
-    const auto range = rangeOf(tiles_.range, fit.plan().tiles.size());
-    if (!range) return range.error();
-    made_.partial = range->second - range->first < fit.plan().tiles.size();
+    const auto wanted = wantedTiles(tiles_.range, fit);
+    if (!wanted) return wanted.error();
+    made_.partial = !tiles_.range.empty();
     const bool oriented = fit.frame().with_normals || !job_.params.orient;
     const bool faces = job_.params.has_viewpoint || fit.frame().sensor;
     writes_ = writer_ != nullptr && !made_.partial && (oriented || faces);
-    for (std::size_t t = range->first; t < range->second; ++t) {
+    for (const std::size_t t : *wanted) {
       if (Error error = fitOne(fit, t)) return error;
     }
     return made_.partial ? Error() : finish(fit);

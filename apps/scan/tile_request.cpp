@@ -70,8 +70,10 @@ declarePlanOptions(OptionTable& options, TileRequest& tiles)
   options.text("plan", &tiles.plan, "DIR",
                "folder that keeps points and tiles until the surface is made: the same command "
                "goes on with them");
-  options.text("tiles", &tiles.range, "A:B",
-               "with -plan: fit tiles A to before B only and keep them; OUT is not written");
+  options.text(
+      "tiles", &tiles.range, "A:B|K/N",
+      "with -plan: fit tiles A to before B only, or the K-th of N shares from 0 on, and keep "
+      "them; OUT is not written");
 }
 
 void

@@ -21,6 +21,8 @@ expect 0 '' scan.pcd scratch.slim -tile_points 20000 -scratch scratch
 same tiles.slim scratch.slim
 [ -z "$(ls -A scratch)" ] || complain "scratch folder has $(ls -A scratch)"
 
+head -c 900000 scan.pcd > cut.pcd
+
 # The surface in other forms.
 for form in pcd ply vtp; do
   expect 0 '' scan.pcd tiles.$form -tile_points 20000
@@ -34,7 +36,6 @@ done
 expect 2 '10000 or more' scan.pcd refused.slim -tile_points 20
 expect 1 'create it first' scan.pcd refused.slim -tile_points 20000 -scratch nowhere
 expect 2 'max_memory' scan.pcd refused.slim -tile_points 200000 -max_memory 5
-head -c 900000 scan.pcd > cut.pcd
 expect 2 'truncated' cut.pcd refused.slim -tile_points 20000
 expect 2 'No such file\|check the name' missing.pcd refused.slim -tile_points 20000
 head -c 30 /dev/zero > odd.f32
@@ -65,6 +66,49 @@ wait $pid 2> /dev/null
 absent killed.slim
 expect 0 '' scan.pcd killed.slim -tile_points 20000 -plan job
 same tiles.slim killed.slim
+
+for share in 0/3 2/3 1/3; do
+  expect 0 '' scan.pcd shared.slim -tile_points 20000 -plan job -tiles $share -threads 1
+done
+absent shared.slim
+expect 0 '' scan.pcd shared.slim -tile_points 20000 -plan job -json parts.json
+[ "$(value parts.json kept)" -eq "$(value tiles.json count)" ] || complain 'shares left tiles out'
+same tiles.slim shared.slim
+expect 2 'no range' scan.pcd parts.slim -tile_points 20000 -plan job -tiles 3/3
+
+# Ranks of an MPI job, where there is one: the same bytes, and a rank that fails ends the job.
+if [ -x "$bin/pcl_slim_fit_mpi" ] && command -v mpirun > /dev/null; then
+  export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+  for ranks in 1 2 3 4; do
+    mpirun --oversubscribe -n $ranks "$bin/pcl_slim_fit_mpi" scan.pcd ranks.slim -tile_points 20000 \
+      -plan job -quiet > out.txt 2> err.txt || complain "$ranks ranks: $(head -c 300 err.txt)"
+    same tiles.slim ranks.slim
+    rm -f ranks.slim
+  done
+  got=0
+  mpirun --oversubscribe -n 2 "$bin/pcl_slim_fit_mpi" scan.pcd ranks.slim -tile_points 20000 2> err.txt || got=$?
+  [ $got -eq 2 ] && grep -q 'all ranks see' err.txt || complain "no plan: $got $(head -c 300 err.txt)"
+  got=0
+  mpirun --oversubscribe -n 2 "$bin/pcl_slim_fit_mpi" cut.pcd ranks.slim -tile_points 20000 -plan job \
+    2> err.txt || got=$?
+  [ $got -eq 2 ] && grep -q 'truncated' err.txt || complain "a cut scan: $got $(head -c 300 err.txt)"
+  mpirun --oversubscribe -n 2 "$bin/pcl_slim_fit_mpi" scan.pcd ranks.slim -tile_points 10000 -plan job \
+    -quiet > out.txt 2> err.txt &
+  pid=$!
+  for ((i = 0; i < 500; ++i)); do
+    [ -z "$(find job -name 'tile-*')" ] || break
+    sleep 0.01
+  done
+  kill -TERM $pid
+  got=0
+  wait $pid || got=$?
+  # It may have been done by then: what appears is whole.
+  if [ -e ranks.slim ]; then
+    "$bin/pcl_slim_smooth" scan.pcd whole.pcd -surface ranks.slim -quiet || complain 'a part of a surface appeared'
+  elif [ $got -eq 0 ]; then
+    complain 'a job that was ended says it is done'
+  fi
+fi
 
 # Points brought onto a surface in pieces: the same points, order and fields within rounding.
 # nearly A B: the same header, and floats that differ by rounding.

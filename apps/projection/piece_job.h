@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "pcl_slim/filters/io/point_file_pieces.h"
-#include "scan/projection_job.h"
+#include "projection/projection_job.h"
 #include "scan/tile_request.h"
 
 namespace pcl_slim {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scan/projection_job.h"
+#include "projection/projection_job.h"
 
 #include <utility>
 
 #include "common/program.h"
 #include "pcl_slim/filters/io/surface_files.h"
+#include "projection/piece_job.h"
 #include "scan/fit_report.h"
 #include "scan/mesh_job.h"
-#include "scan/piece_job.h"
 
 namespace pcl_slim {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "scan/piece_job.h"
+#include "projection/piece_job.h"
 
 #include <algorithm>
 #include <cmath>

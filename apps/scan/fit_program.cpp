@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scan/fit_program.h"
+
+#include <memory>
+#include <string>
+
+#include "pcl_slim/core/file_access.h"
+#include "pcl_slim/filters/io/surface_files.h"
+#include "scan/scan_program.h"
+#include "scan/tile_request.h"
+
+namespace pcl_slim {
+
+namespace {
+
+struct Settings {
+  ScanFiles files;
+  FitJob job;
+  TileRequest tiles;
+  std::unique_ptr<PointSource> source;  ///< of a scan that is fitted by tiles
+};
+
+OptionTable
+declareOptions(const char* program, const char* version, Settings& s)
+{
+  OptionTable options(program, version,
+                      "Fits a sparse set of local polynomials (a SLIM surface) to a scan.");
+  options.positional("IN", &s.files.input, kScanHelp);
+  options.positional("OUT.pcd|.ply|.vtp|.slim", &s.files.output, "the surface");
+  declareFitOptions(options, s.job);
+  declareTrimOptions(options, s.job);
+  declareTileOptions(options, s.tiles);
+  declarePlanOptions(options, s.tiles);
+  declareReport(options, s.files);
+  return options;
+}
+
+/** What can be said before the input is touched. */
+Error
+checkSettings(Settings& s)
+{
+  if (Error error = finishFitOptions(s.job)) return error;
+  if (Error error = checkSurfaceExtension(s.files.output)) return error;
+  return checkFilesDiffer(s.files);
+}
+
+Error
+makeSurface(const Settings& s, const CloudFile& cloud, Console& console, Report& report,
+            ScanResult& result)
+{
+  const auto surface = std::make_shared<SLIMSurface>();
+  if (Error error = fitScan(s.job, cloud, console, report, *surface)) return error;
+  if (lowerExtension(s.files.output) != ".slim" && surface->hasTrimMaps()) {
+    console.note(
+        "  borders are rounded to 8 x 8 bits a ball in this format; .slim has them in full");
+  }
+  result.save = [&s, surface] { return saveSurface(s.files.output, *surface); };
+  result.detail = std::to_string(surface->size()) + " surfels";
+  return {};
+}
+
+Result<bool>
+openScan(Settings& s, bool asked, Console& console)
+{
+  s.tiles.asked = asked;
+  s.tiles.max_memory = s.files.max_memory;
+  if (Error error = openForTiles(s.files.input, s.job, s.tiles, console, s.source)) return error;
+  return s.source != nullptr;
+}
+
+Error
+streamSurface(const Settings& s, Console& console, Report& report, ScanResult& result)
+{
+  const auto made = std::make_shared<TiledSurface>();
+  const auto blocks = std::make_shared<SlimBlockWriter>();
+  const bool in_blocks = lowerExtension(s.files.output) == ".slim";
+  if (in_blocks) {
+    if (Error error = blocks->open(s.files.output)) return error;
+  }
+  if (Error error = fitByTiles(*s.source, s.job, s.tiles, console, report,
+                               in_blocks ? blocks.get() : nullptr, *made))
+    return error;
+  result.report_only = made->partial;
+  if (in_blocks) {
+    result.save = [blocks] { return blocks->finish(); };
+    result.detail = std::to_string(blocks->surfels()) + " surfels";
+  } else {
+    result.save = [&s, made] { return saveSurface(s.files.output, made->surface); };
+    result.detail = std::to_string(made->surface.size()) + " surfels";
+  }
+  if (!s.tiles.plan.empty() && !made->partial) result.done = [&s] { removePlan(s.tiles.plan); };
+  return {};
+}
+
+}  // namespace
+
+int
+runFitProgram(const char* program, const char* version, int argc, const char* const* argv)
+{
+  Settings s;
+  OptionTable options = declareOptions(program, version, s);
+  return runScanProgram(
+      options, argc, argv, s.files, s.job, s.job.params.threads,
+      {[&] { return checkSettings(s); },
+       {},
+       [&](auto&... stage) { return makeSurface(s, stage...); },
+       [&](Console& console) { return openScan(s, options.given("tile_points"), console); },
+       [&](auto&... stage) { return streamSurface(s, stage...); }});
+}
+
+}  // namespace pcl_slim
