@@ -132,8 +132,8 @@ declareOptions(const ProjectionProgram& program, ProjectionJob& job, bool& chose
   declareReport(options, job.files);
   for (const char* name :
        {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "least_radius", "robust",
-        "local_noise", "correlation", "noise_model", "normals_as_data", "normal_error", "paper",
-        "compact", "lambda", "seed"}) {
+        "local_noise", "sides", "correlation", "noise_model", "normals_as_data", "normal_error",
+        "paper", "compact", "lambda", "seed"}) {
     options.exclusive({"surface", name});
   }
   // A mesh has its normals, and their sides, from its faces.

@@ -16,6 +16,7 @@
 #include "pcl_slim/core/parallel.h"
 #include "penalty_search.h"
 #include "presets.h"
+#include "sides/sided_store.h"
 #include "trim/trim_maps.h"
 
 namespace pcl_slim {
@@ -48,17 +49,16 @@ facingSensor(const PointStore& store, FitParams params)
   return params;
 }
 
-}  // namespace
-
 Error
-fitWithConstants(const FitConstants& constants, const PointStore& store, const FitParams& asked,
-                 SLIMSurface& surface, FitStatistics* statistics, Progress* progress)
+fitStore(const FitConstants& constants, SidedStore& sided, const FitParams& asked,
+         SLIMSurface& surface, FitStatistics* statistics, Progress* progress)
 {
   surface.clear();
+  const PointStore& given = sided.store();
   if (Error error = asked.validate()) return error;
-  if (store.size() == 0)
+  if (given.size() == 0)
     return {ErrorCode::kBadInput, "the store holds no points: build it from some"};
-  const FitParams params = facingSensor(store, resolvedParams(asked, constants.preset));
+  const FitParams params = facingSensor(given, resolvedParams(asked, constants.preset));
   if (params.has_noise_model && !params.has_viewpoint) {
     return {ErrorCode::kBadArgument,
             "a noise model tells errors along rays: give the viewpoint that they come from"};
@@ -67,9 +67,12 @@ fitWithConstants(const FitConstants& constants, const PointStore& store, const F
   stats.threads = resolveThreads(params.threads);
   Stopwatch watch;
 
-  FitSettings settings = makeSettings(store, params, constants);
-  if (Error error = measureSettings(store, params, stats.threads, settings, stats)) return error;
+  FitSettings settings = makeSettings(given, params, constants);
+  if (Error error = measureSettings(given, params, stats.threads, settings, stats)) return error;
   stats.seconds_noise = watch.lap();
+  if (Error error = giveSides(constants, params, sided, settings, stats)) return error;
+  stats.seconds_sides = watch.lap();
+  const PointStore& store = sided.store();
 
   if (params.target_error > 0 || params.max_surfels > 0) {
     if (Error error = solvePenalty(store, params, settings, stats.threads, progress)) return error;
@@ -83,7 +86,7 @@ fitWithConstants(const FitConstants& constants, const PointStore& store, const F
   surface.buildLinks(stats.threads);
   stats.seconds_links = watch.lap();
 
-  if (!store.hasNormals() && params.orient) orientSurface(params, constants.orient, surface);
+  if (!store.hasSides() && params.orient) orientSurface(params, constants.orient, surface);
   stats.seconds_orient = watch.lap();
 
   if (params.trim && !params.paper_mode)
@@ -97,10 +100,35 @@ fitWithConstants(const FitConstants& constants, const PointStore& store, const F
   return error;
 }
 
+}  // namespace
+
+Error
+fitWithConstants(const FitConstants& constants, const PointStore& store, const FitParams& params,
+                 SLIMSurface& surface, FitStatistics* statistics, Progress* progress)
+{
+  SidedStore sided(store);
+  return fitStore(constants, sided, params, surface, statistics, progress);
+}
+
+Error
+fitWithConstants(const FitConstants& constants, PointStore& store, const FitParams& params,
+                 SLIMSurface& surface, FitStatistics* statistics, Progress* progress)
+{
+  SidedStore sided(store);
+  return fitStore(constants, sided, params, surface, statistics, progress);
+}
+
 }  // namespace detail
 
 Error
 fitSurface(const PointStore& store, const FitParams& params, SLIMSurface& surface,
+           FitStatistics* statistics, Progress* progress)
+{
+  return detail::fitWithConstants({}, store, params, surface, statistics, progress);
+}
+
+Error
+fitSurface(PointStore& store, const FitParams& params, SLIMSurface& surface,
            FitStatistics* statistics, Progress* progress)
 {
   return detail::fitWithConstants({}, store, params, surface, statistics, progress);

@@ -77,6 +77,10 @@ class SLIMFitBase : public ControlledRun {
    * parts are so much noisier that a fit would take their noise for detail. */
   void setLocalNoise(std::optional<bool> local) { params_.local_noise = local; }
   std::optional<bool> getLocalNoise() const { return params_.local_noise; }
+  /** \brief Without normals and viewpoint: gives points a side each before the fit where balls would
+   * meet both sides of thin parts; on unless set. */
+  void setSides(bool sides) { params_.sides = sides; }
+  bool getSides() const { return params_.sides; }
 
   /** \brief How many points share their errors, as the pixels of a depth camera do. 0 (default):
    * told by the data; 1: none do; more: so many. */

@@ -79,7 +79,7 @@ class SLIMProjectionBase : public SLIMFitBase {
   Error fitAndProject(const CloudView& points, const CloudView& fitted,
                       const ProjectionParams& params, CloudProjection& projection);
 
-  Result<std::shared_ptr<SLIMSurface>> fitTo(const PointStore& store);
+  Result<std::shared_ptr<SLIMSurface>> fitTo(PointStore& store);
 
   bool keeps_points_;
   std::string warning_;
