@@ -67,9 +67,10 @@ declareOptions(Settings& s)
   options.text("json", &s.json, "FILE", "write a report");
   declareMemoryLimit(options, &s.max_memory);
   options.toggle("quiet", &s.quiet, "say nothing but errors");
-  for (const char* name : {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "outliers",
-                           "robust", "local_noise", "correlation", "noise_model", "normals_as_data",
-                           "normal_error", "paper", "compact", "lambda", "seed"}) {
+  for (const char* name :
+       {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "outliers", "robust",
+        "local_noise", "sides", "correlation", "noise_model", "normals_as_data", "normal_error",
+        "paper", "compact", "lambda", "seed"}) {
     options.exclusive({"surface", name});
   }
   return options;

@@ -134,8 +134,8 @@ declareOptions(const ProjectionProgram& program, ProjectionJob& job, TileRequest
   declareReport(options, job.files);
   for (const char* name :
        {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "least_radius", "outliers",
-        "robust", "local_noise", "correlation", "noise_model", "normals_as_data", "normal_error",
-        "paper", "compact", "lambda", "seed"}) {
+        "robust", "local_noise", "sides", "correlation", "noise_model", "normals_as_data",
+        "normal_error", "paper", "compact", "lambda", "seed"}) {
     options.exclusive({"surface", name});
   }
   // A mesh has its normals, and their sides, from its faces.

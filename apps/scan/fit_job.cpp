@@ -53,6 +53,8 @@ declareFitOptions(OptionTable& options, FitJob& job)
   options.toggle("robust", &job.params.robust, "reweight residuals against outliers");
   options.toggle("local_noise", &job.params.local_noise,
                  "noise is measured along the scan, not once for all of it", "auto");
+  options.toggle("sides", &job.params.sides,
+                 "give points without normals sides first where parts are thin");
   options.text("correlation", &job.correlation, "auto|off|N",
                "points that share their errors, as those of depth cameras do");
   options.numbers("noise_model", &job.noise_model, "A,B,C",
@@ -222,6 +224,7 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
   console.done(watch.seconds(), std::to_string(statistics.leaves) + " leaves, " +
                                     counted(surface.numLevels(), "level"));
   console.note("  " + noiseText(store->diagonal() * store->scale(), statistics));
+  if (statistics.sided > 0) console.note("  " + sidesText(statistics));
   for (const std::string& note : unusedNotes(job, cloud, statistics)) console.note(note);
   for (const std::string& note : coverNotes(statistics)) console.note(note);
   if (statistics.normals_follow_points) {

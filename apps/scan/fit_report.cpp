@@ -36,6 +36,9 @@ reportFit(const FittedPoints& fitted, const SLIMSurface& surface, const FitStati
               {"noise_step", fit.noise_step},
               {"noise_neighbors", fit.noise_neighbors},
               {"noise_varies", fit.noise_varies},
+              {"thin_places", fit.thin_places},
+              {"sided", fit.sided},
+              {"sided_confidence", fit.sided_confidence},
               {"diagonal", fitted.diagonal},
               {"rms_error_over_diagonal", fit.rms_error},
               {"uncovered", fit.uncovered},
@@ -59,11 +62,13 @@ reportFit(const FittedPoints& fitted, const SLIMSurface& surface, const FitStati
                               {"far_away", points.far_away},
                               {"without_normal", points.without_normal},
                               {"duplicates", points.duplicates},
+                              {"sides", fit.sided > 0 ? 0 : fitted.stored},
                               {"lone_normals", fit.skipped_normals},
                               {"never_gathered", fit.never_gathered},
                               {"levels", fit.levels_skipped}};
   report.time("outliers", fit.seconds_outliers);
   report.time("noise", fit.seconds_noise);
+  report.time("sides", fit.seconds_sides);
   report.time("cover", fit.seconds_cover);
   report.time("links", fit.seconds_links);
   report.time("orient", fit.seconds_orient);
@@ -99,6 +104,17 @@ noiseText(double diagonal, const FitStatistics& fit)
   line += fit.noise_correlation > 1 ? text : ", white";
   if (fit.noise_line > 0) line += ", on scan lines";
   return line + (fit.noise_varies ? ", varying over the scan" : "");
+}
+
+std::string
+sidesText(const FitStatistics& fit)
+{
+  if (fit.sided == 0) return "";
+  char text[160];
+  std::snprintf(text, sizeof(text),
+                "thin parts: %llu points got a side first, %.0f %% of neighbours agree",
+                static_cast<unsigned long long>(fit.sided), 50 * (1 + fit.sided_confidence));
+  return text;
 }
 
 std::string

@@ -39,6 +39,10 @@ counted(std::uint64_t count, const std::string& what);
 std::string
 noiseText(double diagonal, const FitStatistics& fit);
 
+/** \brief How many points got a side before the cover, and how sure those are; empty if none did. */
+std::string
+sidesText(const FitStatistics& fit);
+
 /** \brief "points skipped: 32 non-finite, 4 duplicate", or nothing. */
 std::string
 skippedText(const PointStoreStatistics& points);

@@ -49,7 +49,7 @@ Result<SmoothedPoints>
 smoothPoints(const CloudView& cloud, const FitParams& fit, ProjectionParams how)
 {
   const double start = cpuSeconds();
-  const auto store = PointStore::build(cloud, fit.threads);
+  auto store = PointStore::build(cloud, fit.threads);
   if (!store) return store.error();
   SmoothedPoints result;
   SLIMSurface surface;

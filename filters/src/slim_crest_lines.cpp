@@ -31,7 +31,7 @@ traceCloud(const CloudView& cloud, CrestRun& run, CrestLines& lines, Progress* p
   lines = CrestLines();
   if (Error error = run.fit.validate()) return error;
   if (Error error = run.crest.validate()) return error;
-  const Result<PointStore> store = PointStore::build(cloud, run.fit.threads);
+  Result<PointStore> store = PointStore::build(cloud, run.fit.threads);
   if (!store) return store.error();
   run.input_statistics = store->statistics();
   const bool given = run.surface != nullptr;

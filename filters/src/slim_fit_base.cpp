@@ -53,7 +53,7 @@ SLIMFitBase::clearResults()
 }
 
 Error
-SLIMFitBase::fitStore(const PointStore& store, const CloudView& cloud, SLIMSurface& surface)
+SLIMFitBase::fitStore(PointStore& store, const CloudView& cloud, SLIMSurface& surface)
 {
   outliers_.clear();
   Error error = fitSurface(store, params_, surface, &statistics_, &control_.progress);
@@ -70,7 +70,7 @@ SLIMFitBase::run(const CloudView& cloud, SLIMSurface& surface)
   error_ = params_.validate();
   if (error_) return false;
   const bool done = guarded("the fit", "fit fewer points", [&]() -> Error {
-    const Result<PointStore> store = PointStore::build(cloud, params_.threads);
+    Result<PointStore> store = PointStore::build(cloud, params_.threads);
     if (!store) return store.error();
     input_statistics_ = store->statistics();
     return fitStore(*store, cloud, surface);

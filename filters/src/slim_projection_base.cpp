@@ -42,7 +42,7 @@ SLIMProjectionBase::project(const CloudView& points, const CloudView& fitted,
 
 /** Fits; where points that are no surface may stay as they are, the surface of such is empty. */
 Result<std::shared_ptr<SLIMSurface>>
-SLIMProjectionBase::fitTo(const PointStore& store, const CloudView& cloud)
+SLIMProjectionBase::fitTo(PointStore& store, const CloudView& cloud)
 {
   auto made = std::make_shared<SLIMSurface>();
   const Error error = fitStore(store, cloud, *made);

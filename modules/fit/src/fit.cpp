@@ -18,6 +18,7 @@
 #include "pcl_slim/core/parallel.h"
 #include "penalty_search.h"
 #include "presets.h"
+#include "sides/sided_store.h"
 #include "trim/trim_maps.h"
 
 namespace pcl_slim {
@@ -50,36 +51,36 @@ facingSensor(const PointStore& store, FitParams params)
   return params;
 }
 
-}  // namespace
-
-Error
-fitWithConstants(const FitConstants& constants, const PointStore& all, const FitParams& asked,
-                 SLIMSurface& surface, FitStatistics* statistics, Progress* progress)
+/** Sides of the points that are left without outliers, for the store of all; outliers get none. */
+std::vector<std::array<float, 3>>
+sidesAmongAll(const PointStore& rest, const std::vector<std::uint32_t>& outliers, std::size_t size)
 {
-  surface.clear();
-  if (Error error = asked.validate()) return error;
-  if (all.size() == 0)
-    return {ErrorCode::kBadInput, "the store holds no points: build it from some"};
-  const FitParams params = facingSensor(all, resolvedParams(asked, constants.preset));
-  if (params.has_noise_model && !params.has_viewpoint) {
-    return {ErrorCode::kBadArgument,
-            "a noise model tells errors along rays: give the viewpoint that they come from"};
+  std::vector<std::array<float, 3>> sides(size, {0, 0, 0});
+  auto outlier = outliers.begin();
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    if (outlier != outliers.end() && *outlier == i) {
+      ++outlier;
+    } else {
+      sides[i] = rest.normal(next++);
+    }
   }
-  FitStatistics stats;
-  stats.threads = resolveThreads(params.threads);
+  return sides;
+}
+
+/** The stages of a fit, once outliers are left out. */
+Error
+fitStages(const FitConstants& constants, const FitParams& params, SidedStore& sided,
+          SLIMSurface& surface, FitStatistics& stats, Progress* progress)
+{
   Stopwatch watch;
-
-  if (!params.keep_outliers && !params.paper_mode)
-    stats.outlier_points = findOutliers(all, stats.threads);
-  stats.outliers = stats.outlier_points.size();
-  std::optional<PointStore> rest;
-  if (stats.outliers > 0) rest = all.without(stats.outlier_points);
-  const PointStore& store = rest ? *rest : all;
-  stats.seconds_outliers = watch.lap();
-
-  FitSettings settings = makeSettings(store, params, constants);
-  if (Error error = measureSettings(store, params, stats.threads, settings, stats)) return error;
+  FitSettings settings = makeSettings(sided.store(), params, constants);
+  if (Error error = measureSettings(sided.store(), params, stats.threads, settings, stats))
+    return error;
   stats.seconds_noise = watch.lap();
+  if (Error error = giveSides(constants, params, sided, settings, stats)) return error;
+  stats.seconds_sides = watch.lap();
+  const PointStore& store = sided.store();
 
   if (params.target_error > 0 || params.max_surfels > 0) {
     if (Error error = solvePenalty(store, params, settings, stats.threads, progress)) return error;
@@ -93,7 +94,7 @@ fitWithConstants(const FitConstants& constants, const PointStore& all, const Fit
   surface.buildLinks(stats.threads);
   stats.seconds_links = watch.lap();
 
-  if (!store.hasNormals() && params.orient) orientSurface(params, constants.orient, surface);
+  if (!store.hasSides() && params.orient) orientSurface(params, constants.orient, surface);
   stats.seconds_orient = watch.lap();
 
   if (params.trim && !params.paper_mode)
@@ -101,16 +102,75 @@ fitWithConstants(const FitConstants& constants, const PointStore& all, const Fit
   stats.seconds_trim = watch.lap();
 
   countFit(store, cover, surface, stats);
+  return checkLeaves(store, stats);
+}
+
+Error
+fitStore(const FitConstants& constants, SidedStore& sided, const FitParams& asked,
+         SLIMSurface& surface, FitStatistics* statistics, Progress* progress)
+{
+  surface.clear();
+  const PointStore& all = sided.store();
+  if (Error error = asked.validate()) return error;
+  if (all.size() == 0)
+    return {ErrorCode::kBadInput, "the store holds no points: build it from some"};
+  const FitParams params = facingSensor(all, resolvedParams(asked, constants.preset));
+  if (params.has_noise_model && !params.has_viewpoint) {
+    return {ErrorCode::kBadArgument,
+            "a noise model tells errors along rays: give the viewpoint that they come from"};
+  }
+  FitStatistics stats;
+  stats.threads = resolveThreads(params.threads);
+  Stopwatch watch;
+  if (!params.keep_outliers && !params.paper_mode)
+    stats.outlier_points = findOutliers(all, stats.threads);
+  stats.outliers = stats.outlier_points.size();
+  stats.seconds_outliers = watch.lap();
+
+  Error error;
+  if (stats.outliers == 0) {
+    error = fitStages(constants, params, sided, surface, stats, progress);
+  } else {
+    PointStore rest = all.without(stats.outlier_points);
+    SidedStore sided_rest(rest);
+    error = fitStages(constants, params, sided_rest, surface, stats, progress);
+    if (stats.sided > 0 && sided.isKept())
+      sided.setSides(sidesAmongAll(rest, stats.outlier_points, all.size()));
+  }
   if (statistics != nullptr) *statistics = stats;
-  Error error = checkLeaves(store, stats);
   if (error) surface.clear();
   return error;
+}
+
+}  // namespace
+
+Error
+fitWithConstants(const FitConstants& constants, const PointStore& store, const FitParams& params,
+                 SLIMSurface& surface, FitStatistics* statistics, Progress* progress)
+{
+  SidedStore sided(store);
+  return fitStore(constants, sided, params, surface, statistics, progress);
+}
+
+Error
+fitWithConstants(const FitConstants& constants, PointStore& store, const FitParams& params,
+                 SLIMSurface& surface, FitStatistics* statistics, Progress* progress)
+{
+  SidedStore sided(store);
+  return fitStore(constants, sided, params, surface, statistics, progress);
 }
 
 }  // namespace detail
 
 Error
 fitSurface(const PointStore& store, const FitParams& params, SLIMSurface& surface,
+           FitStatistics* statistics, Progress* progress)
+{
+  return detail::fitWithConstants({}, store, params, surface, statistics, progress);
+}
+
+Error
+fitSurface(PointStore& store, const FitParams& params, SLIMSurface& surface,
            FitStatistics* statistics, Progress* progress)
 {
   return detail::fitWithConstants({}, store, params, surface, statistics, progress);

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "pcl_slim/cloud/detail/noise_constants.h"
+#include "pcl_slim/cloud/detail/side_constants.h"
 #include "radius/radius_constants.h"
 
 namespace pcl_slim::detail {
@@ -135,6 +136,7 @@ struct PenaltySearchConstants {
 struct FitConstants {
   PresetConstants preset;
   NoiseConstants noise;
+  SideConstants sides;
   NormalBoundConstants normal_bound;
   NormalErrorConstants normal_error;
   BallConstants ball;

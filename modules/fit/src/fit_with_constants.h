@@ -13,4 +13,10 @@ fitWithConstants(const FitConstants& constants, const PointStore& store, const F
                  SLIMSurface& surface, FitStatistics* statistics = nullptr,
                  Progress* progress = nullptr);
 
+/** \brief The same of a store that keeps the sides found. */
+Error
+fitWithConstants(const FitConstants& constants, PointStore& store, const FitParams& params,
+                 SLIMSurface& surface, FitStatistics* statistics = nullptr,
+                 Progress* progress = nullptr);
+
 }  // namespace pcl_slim::detail

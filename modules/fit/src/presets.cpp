@@ -35,7 +35,7 @@ float
 minDot(const PointStore& store, const FitParams& params, const FitConstants& constants)
 {
   if (params.sharp_features) return constants.preset.sharp_bound;
-  if (!store.hasNormals() || params.paper_mode) return 0.0f;
+  if (!store.hasSides() || params.paper_mode) return 0.0f;
   return normalBound(store, constants.normal_bound);
 }
 
@@ -109,9 +109,10 @@ makeSettings(const PointStore& store, const FitParams& params, const FitConstant
   s.diagonal = store.diagonal();
   s.center_grid = store.centerGrid();
   s.least_ball = std::min(params.least_radius / store.scale(), s.levelRadius(1));
-  s.with_normals = store.hasNormals();
+  s.with_normals = store.hasSides();
   s.min_dot = minDot(store, params, constants);
   s.split_sheets = !store.hasNormals() && !params.paper_mode;
+  s.skip_lone_normals = s.skip_lone_normals && store.hasNormals();
   s.robust = params.robust;
   s.seed = params.seed;
   s.energy.kappa = params.penalty;

@@ -83,6 +83,10 @@ class SLIMFitBase : public ControlledRun {
    * parts are so much noisier that a fit would take their noise for detail. */
   void setLocalNoise(std::optional<bool> local) { params_.local_noise = local; }
   std::optional<bool> getLocalNoise() const { return params_.local_noise; }
+  /** \brief Without normals and viewpoint: gives points a side each before the fit where balls would
+   * meet both sides of thin parts; on unless set. */
+  void setSides(bool sides) { params_.sides = sides; }
+  bool getSides() const { return params_.sides; }
 
   /** \brief How many points share their errors, as the pixels of a depth camera do. 0 (default):
    * told by the data; 1: none do; more: so many. */
@@ -158,7 +162,7 @@ class SLIMFitBase : public ControlledRun {
   /** \brief Forgets the last run. */
   void clearResults();
   /** \brief Fits, and finds the outliers' indices. */
-  Error fitStore(const PointStore& store, const CloudView& cloud, SLIMSurface& surface);
+  Error fitStore(PointStore& store, const CloudView& cloud, SLIMSurface& surface);
   /** \brief Builds the store and fits. */
   bool run(const CloudView& cloud, SLIMSurface& surface);
 

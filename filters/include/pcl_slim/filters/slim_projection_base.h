@@ -79,7 +79,7 @@ class SLIMProjectionBase : public SLIMFitBase {
   Error fitAndProject(const CloudView& points, const CloudView& fitted,
                       const ProjectionParams& params, CloudProjection& projection);
 
-  Result<std::shared_ptr<SLIMSurface>> fitTo(const PointStore& store, const CloudView& cloud);
+  Result<std::shared_ptr<SLIMSurface>> fitTo(PointStore& store, const CloudView& cloud);
 
   bool keeps_points_;
   std::string warning_;

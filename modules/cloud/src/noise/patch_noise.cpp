@@ -47,7 +47,7 @@ patchAbout(const PointStore& store, NeighborSearch& search, std::size_t sample, 
   const auto center = store.position(sample);
   Eigen::Index count = 0;
   for (const std::uint32_t j : neighbors) {
-    if (store.hasNormals()) {
+    if (store.hasSides()) {
       const auto a = store.normal(sample), b = store.normal(j);
       if (a[0] * b[0] + a[1] * b[1] + a[2] * b[2] <= 0.0f) continue;
     }

@@ -22,7 +22,7 @@ everySecond(const PointStore& store, int threads)
   points.reserve(store.size() / 2 + 1);
   for (std::size_t i = 0; i < store.size(); i += 2) {
     points.push_back(along(store.origin(), store.scale(), store.position(i)));
-    if (store.hasNormals()) normals.push_back(store.normal(i));
+    if (store.hasSides()) normals.push_back(store.normal(i));
   }
   CloudView view;
   view.xyz = points.data();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/cloud/point_store.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include "pcl_slim/core/parallel.h"
@@ -58,6 +59,28 @@ PointStore::storeOfInput() const
   for (std::size_t i = 0; i < size_; ++i) map[order_of_store_[i]] = static_cast<std::uint32_t>(i);
   for (const auto& [order, stored] : merged_) map[order] = stored;
   return map;
+}
+
+void
+PointStore::setSides(const std::vector<std::array<float, 3>>& normals)
+{
+  if (hasNormals() || normals.size() != size_) return;
+  AlignedVector<float>* const columns[3] = {&nx_, &ny_, &nz_};
+  for (std::size_t a = 0; a < 3; ++a) {
+    AlignedVector<float>& column = *columns[a];
+    column.resize(numBlocks() * kBlock);
+    for (std::size_t i = 0; i < size_; ++i) column[i] = normals[i][a];
+    std::fill(column.begin() + static_cast<std::ptrdiff_t>(size_), column.end(), 0.0f);
+  }
+  found_sides_ = true;
+}
+
+void
+PointStore::clearSides()
+{
+  if (!found_sides_) return;
+  for (auto* column : {&nx_, &ny_, &nz_}) *column = {};
+  found_sides_ = false;
 }
 
 std::size_t

@@ -38,7 +38,7 @@ makeInfo(const PointStore& store, const FitSettings& settings)
   info.degree = settings.degree;
   info.fit_kernel = settings.fit_kernel;
   info.blend_kernel = settings.paper ? WeightKernel::kGaussian : WeightKernel::kPower4;
-  info.oriented = store.hasNormals();
+  info.oriented = store.hasSides();
   info.paper_mode = settings.paper;
   info.origin = store.origin();
   info.scale = store.scale();

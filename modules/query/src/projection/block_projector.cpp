@@ -31,7 +31,7 @@ BlockProjector::BlockProjector(const PointStore& store, const SLIMSurface& surfa
       with_directions_(params.directions || params.extremality),
       reach_(static_cast<float>(params.reach)),
       noise_(std::sqrt(std::max(0.0, surface.info.lambda)) * surface.info.diagonal),
-      by_normals_(surface.info.oriented && store.hasNormals() && !params.paper_mode)
+      by_normals_(surface.info.oriented && store.hasSides() && !params.paper_mode)
 {
   rules_.kernel = surface.info.blend_kernel;
   rules_.oriented = surface.info.oriented;

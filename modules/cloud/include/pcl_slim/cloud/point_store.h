@@ -65,7 +65,10 @@ class PointStore {
 
   std::size_t size() const { return size_; }
   std::size_t numBlocks() const { return block_origin_x_.size(); }
-  bool hasNormals() const { return !nx_.empty(); }
+  /** \brief Whether the cloud came with normals. */
+  bool hasNormals() const { return !nx_.empty() && !found_sides_; }
+  /** \brief Whether points have normals of a common side: given ones, or those of setSides(). */
+  bool hasSides() const { return !nx_.empty(); }
 
   /** \brief Local position of point i, exact to the store's precision. */
   std::array<double, 3> position(std::size_t i) const
@@ -113,6 +116,11 @@ class PointStore {
   const BlockTree& tree() const { return tree_; }
   const PointStoreStatistics& statistics() const { return statistics_; }
 
+  /** \brief Gives the points of a cloud without normals a side each: unit normals, in stored order. */
+  void setSides(const std::vector<std::array<float, 3>>& normals);
+  /** \brief Takes them away again; given normals stay. */
+  void clearSides();
+
   /** \brief Bytes held by the store. */
   std::size_t memoryBytes() const;
 
@@ -137,6 +145,7 @@ class PointStore {
   BlockTree tree_;
   PointStoreStatistics statistics_;
   std::optional<std::array<double, 3>> sensor_;
+  bool found_sides_ = false;  ///< the normals are those of setSides()
 };
 
 }  // namespace pcl_slim

@@ -42,14 +42,16 @@ struct FitParams {
                                       ///< viewpoint at distance z, world units
   bool normals_as_data = false;  ///< fit positions and normals together, by their errors; needs
                                  ///< normals that were measured apart from the points
-  double normal_error = 0.0;   ///< with it: the normals' RMS error, (0, pi/2] radians; 0: measured,
-                               ///< and normals that follow the points' own noise are no data
-  bool paper_mode = false;     ///< the choices of Ohtake et al. 2005 throughout
-  bool trim = true;            ///< make trim maps, which end the surface where the data end or
-                               ///< leave holes; never with paper_mode
-  double hole_size = 4.0;      ///< with it: diameter of the smallest hole kept, in spacings of the
-                               ///< points; 2 or more
-  bool orient = true;          ///< without normals: sign the output by the leaves' graph
+  double normal_error = 0.0;  ///< with it: the normals' RMS error, (0, pi/2] radians; 0: measured,
+                              ///< and normals that follow the points' own noise are no data
+  bool paper_mode = false;    ///< the choices of Ohtake et al. 2005 throughout
+  bool trim = true;           ///< make trim maps, which end the surface where the data end or
+                              ///< leave holes; never with paper_mode
+  double hole_size = 4.0;     ///< with it: diameter of the smallest hole kept, in spacings of the
+                              ///< points; 2 or more
+  bool sides = true;   ///< without normals and viewpoint: give points sides before the cover where
+                       ///< balls would meet both sides of thin parts
+  bool orient = true;  ///< without normals: sign the output by the leaves' graph
   bool has_viewpoint = false;  ///< sign the output towards viewpoint instead; without one, towards
                                ///< the store's sensor if it has one
   double viewpoint[3] = {0, 0, 0};  ///< world coordinates
@@ -87,10 +89,13 @@ struct FitStatistics {
   std::uint64_t never_gathered = 0;  ///< centres never tried: points covered by another's leaf
   std::uint64_t unresolved = 0;  ///< points whose detail is too fine for the cloud's width, 1e-6 L
   int first_level = 1, levels_skipped = 0, last_level = 0;
-  double lambda = 0;                  ///< noise variance [L^2]
-  double noise_correlation = 1;       ///< points that share their errors; 1: white noise
-  std::uint64_t noise_line = 0;       ///< points along a scan line that count as one; 0: no lines
-  double noise_step = 0;              ///< of a quantised coordinate, the median [L]; 0: none found
+  double lambda = 0;             ///< noise variance [L^2]
+  std::uint64_t sided = 0;       ///< points that were given a side before the cover
+  double sided_confidence = 0;   ///< agreement of neighbouring sides: 1 in full, 0 as chance has it
+  double thin_places = 0;        ///< share of the places looked at where a ball meets two sides
+  double noise_correlation = 1;  ///< points that share their errors; 1: white noise
+  std::uint64_t noise_line = 0;  ///< points along a scan line that count as one; 0: no lines
+  double noise_step = 0;         ///< of a quantised coordinate, the median [L]; 0: none found
   std::uint64_t noise_neighbors = 0;  ///< points of a patch that shows all of the noise
   double noise_patch_radius = 0;      ///< median radius of those patches [L]
   bool noise_varies = false;          ///< lambda is the cloud's, the noise a profile about it
@@ -101,8 +106,8 @@ struct FitStatistics {
   double rms_error = 0;               ///< RMS residual of covered points against their leaves [L]
   std::uint64_t open_leaves = 0;      ///< leaves with a trim map: data end or leave a hole in them
   std::uint64_t trim_candidates = 0;  ///< surfels whose gaps were measured; the others have none
-  double seconds_outliers = 0, seconds_noise = 0, seconds_cover = 0, seconds_links = 0,
-         seconds_orient = 0;
+  double seconds_outliers = 0, seconds_noise = 0, seconds_sides = 0;
+  double seconds_cover = 0, seconds_links = 0, seconds_orient = 0;
   double seconds_trim = 0;
   int threads = 1;
   std::uint64_t working_bytes = 0;  ///< memory of the fit beside the store and the surface
@@ -121,6 +126,12 @@ struct FitStatistics {
  */
 Error
 fitSurface(const PointStore& store, const FitParams& params, SLIMSurface& surface,
+           FitStatistics* statistics = nullptr, Progress* progress = nullptr);
+
+/** \brief The same; where points were given sides, the store keeps them, and projectPoints() puts each
+ * point onto its own side. Sides of an earlier fit are dropped first. */
+Error
+fitSurface(PointStore& store, const FitParams& params, SLIMSurface& surface,
            FitStatistics* statistics = nullptr, Progress* progress = nullptr);
 
 }  // namespace pcl_slim

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+namespace pcl_slim::detail {
+
+/** \brief How the two sides of thin parts are told apart before a fit (docs/theory.md, "Sides before
+ * the cover"). */
+struct SideConstants {
+  static constexpr std::size_t kMostNeighbors = 36;
+
+  double cell_noise = 1.5;    ///< width of a cell [sqrt(lambda)] ...
+  double cell_spacing = 1.5;  ///< ... and at least this [spacings]
+  /// Cells whose moments give a cell's normal: the flattest of these neighbourhoods does.
+  std::array<std::size_t, 3> neighbors = {12, 18, 36};
+  std::size_t edges = 12;    ///< nearest cells that a cell has edges to, and all on another sheet
+  double agree = 0.5;        ///< length of the mean of unit normals from which cells agree
+  double apart = 4.0;        ///< distance of two sheets' means over their own deviation
+  double clean = 10.0;       ///< the same from which a fit parts sheets without help, ...
+  double clear_gap = 3.0;    ///< ... but by smaller balls where they are this far apart [spacings]
+  double least_side = 0.15;  ///< share of the points on the smaller of two sheets
+  int reach = 8;             ///< cells along the normal in which another sheet is looked for
+  std::size_t points_per_place = 1000;  ///< one place is looked at for this many points ...
+  std::size_t least_places = 64, most_places = 256;  ///< ... within these bounds
+  std::size_t patch = 48;                            ///< points of its smallest patch ...
+  std::size_t wider = 4;                             ///< ... and the factor to the next
+  double filled = 0.1;  ///< a cubic's RMS residual over the radius of a patch that fits
+  double relief = 3;    ///< growth of the variance to the next patch that is a rough surface's own
+  double rod = 0.2;     ///< variance across over that along, below which a patch is a rod ...
+  double thick_rod = 0.2;  ///< ... where its lesser variance across is more of the other than this
+  double least_thin = 0.25;   ///< share of thin places that sides are worth
+  double least_facing = 0.5;  ///< the same of places where sheets face one that a patch fits
+  double part = 0.25;         ///< of that share that must come to face apart, and may be in doubt
+  double same_noise =
+      0.75;  ///< share of the noise that the cells were cut by, from which it is the same
+  int noise_passes = 3;      ///< times that cells are cut by the noise that sides show
+  double least_cells = 1.0;  ///< noise below which cells follow the spacing alone [spacings]
+  double flat_places = 0.1;  ///< share of places that noise is taken from
+  int passes = 4;            ///< rounds of two-means on heights
+};
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "pcl_slim/cloud/detail/noise_constants.h"
+#include "pcl_slim/cloud/detail/side_constants.h"
+#include "pcl_slim/cloud/point_store.h"
+
+namespace pcl_slim::detail {
+
+/** \brief A unit normal of common side for every stored point. */
+struct Sides {
+  std::vector<std::array<float, 3>> normals;
+  std::size_t cells = 0;  ///< that share a normal
+  double thin = 0;        ///< share of the points that face apart from others behind them
+  double confidence = 0;  ///< agreement of neighbouring cells: 1 if all agree, 0 as chance
+};
+
+/** \brief Finds sides of a cloud without normals: normals of cells from the moments of the cells about
+ * them, signs by greedy contraction of the graph of cells. O(n log n); same result for any number
+ * of threads. \param[in] noise RMS distance of points from the surface, local length
+ * \param[in] spacing distance of neighbouring points, local length */
+Sides
+findSides(const PointStore& store, double noise, double spacing, const SideConstants& constants,
+          int threads);
+
+/** \brief Where balls would meet two sides. */
+struct ThinPlaces {
+  double share = 0;    ///< of the places looked at
+  double facing = 0;   ///< share of the others where a sheet faces one that a patch fits
+  double noise = 0;    ///< RMS residual of cubics at places that are not thin; 0: too few are
+  double spacing = 0;  ///< of the points, the median, local length
+};
+
+/** \brief Looks at places spread over a cloud. A place is thin if its points form two sheets, or if
+ * noise fills its patches until the surface bends away: cubics leave more than a share of the
+ * radius however wide they are. O(places k). */
+ThinPlaces
+findThinPlaces(const PointStore& store, const SideConstants& constants, const NoiseConstants& noise,
+               int threads);
+
+}  // namespace pcl_slim::detail

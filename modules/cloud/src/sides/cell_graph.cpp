@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// docs/theory.md, "Sides before the cover": normals of cells, and which cells agree.
+#include "sides/cell_graph.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "pcl_slim/core/parallel.h"
+
+namespace pcl_slim::detail {
+
+namespace {
+
+constexpr double kLeastCosine = 0.5;  ///< of normals that two sheets facing apart may have
+
+/** Edges to a cell's nearest cells, and to all of another sheet. */
+void
+addNearEdges(std::uint32_t cell, const CellSheet& sheet, const std::vector<CellSheet>& sheets,
+             const SideConstants& constants, std::vector<SignedEdge>& edges)
+{
+  for (std::size_t k = 1; k < sheet.count; ++k) {
+    const bool apart = sheet.isOther(k);
+    if (k > constants.edges && !apart) continue;
+    const std::uint32_t other = sheet.cells[k];
+    const double cosine = dot(sheet.normal, sheets[other].normal);
+    edges.push_back({cell, other, apart ? -cosine : cosine, apart});
+  }
+}
+
+/** Edges to the nearest sheets that face a cell's own along its normal, on either side. */
+void
+addFacingEdges(std::uint32_t cell, const SideCells& cut, const std::vector<CellSheet>& sheets,
+               const SideConstants& constants, std::vector<SignedEdge>& edges)
+{
+  const CellSheet& own = sheets[cell];
+  const Vector3& from = cut.cells[cell].mean;
+  const double apart_sq = constants.apart * constants.apart;
+  for (const double way : {1.0, -1.0}) {
+    for (int step = 1; step <= constants.reach; ++step) {
+      const std::uint32_t other = cut.cellAt(along(from, way * step * cut.width, own.normal));
+      if (other == SideCells::kNone || other == cell) continue;
+      const double cosine = dot(own.normal, sheets[other].normal);
+      const double height = dot(subtract(cut.cells[other].mean, from), own.normal);
+      const double spread = std::max(own.spread, sheets[other].spread);
+      if (std::abs(cosine) < kLeastCosine || height * height < apart_sq * spread) continue;
+      edges.push_back({cell, other, -cosine, true});
+      break;
+    }
+  }
+}
+
+}  // namespace
+
+CellGraph
+graphOf(const SideCells& cut, const SideConstants& constants, int threads)
+{
+  constexpr std::size_t kTask = 256;
+  const std::size_t n = cut.cells.size(), tasks = (n + kTask - 1) / kTask;
+  std::vector<CellSheet> sheets(n);
+  parallelFor(tasks, threads, 1, [&](std::size_t t, int) {
+    for (std::size_t c = t * kTask; c < std::min(n, (t + 1) * kTask); ++c)
+      sheets[c] = sheetOf(cut, static_cast<std::uint32_t>(c), constants);
+  });
+  std::vector<std::vector<SignedEdge>> edges(tasks);
+  parallelFor(tasks, threads, 1, [&](std::size_t t, int) {
+    for (std::size_t c = t * kTask; c < std::min(n, (t + 1) * kTask); ++c) {
+      const auto cell = static_cast<std::uint32_t>(c);
+      addNearEdges(cell, sheets[c], sheets, constants, edges[t]);
+      addFacingEdges(cell, cut, sheets, constants, edges[t]);
+    }
+  });
+  CellGraph graph;
+  for (const auto& part : edges) graph.edges.insert(graph.edges.end(), part.begin(), part.end());
+  graph.sheets = std::move(sheets);
+  return graph;
+}
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// docs/theory.md, "Sides before the cover".
+#include "pcl_slim/cloud/detail/sides.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "pcl_slim/core/parallel.h"
+#include "sides/cell_graph.h"
+
+namespace pcl_slim::detail {
+
+namespace {
+
+constexpr double kFlatFlux =
+    0.1;  ///< share of its bound below which a part's flux leaves no inside
+
+/** Moments of a connected part of the cells. */
+struct Part {
+  double count = 0, flux = 0, reach = 0, thickness = 0;
+  Vector3 sum{}, normal{};
+
+  /** Whether it faces its own middle; where it has none inside, whether its sheets face each other
+   * rather than apart; of a single sheet, whether its main side looks down. */
+  bool turned() const
+  {
+    if (std::abs(flux) > kFlatFlux * reach) return flux < 0;
+    if (thickness != 0) return thickness < 0;
+    const auto main = std::max_element(
+        normal.begin(), normal.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+    return *main < 0;
+  }
+};
+
+/** Turns every connected part of the cells outward. */
+void
+turnOutward(const SideCells& cut, const CellGraph& graph, SignedParts& found)
+{
+  const std::size_t n = cut.cells.size();
+  std::vector<Part> parts(n);
+  for (std::size_t c = 0; c < n; ++c) {
+    Part& part = parts[found.part[c]];
+    part.count += cut.cells[c].count;
+    part.sum = along(part.sum, cut.cells[c].count, cut.cells[c].mean);
+  }
+  for (std::size_t c = 0; c < n; ++c) {
+    Part& part = parts[found.part[c]];
+    const Vector3 away = along(cut.cells[c].mean, -1 / part.count, part.sum);
+    const double weight = found.signs[c] * cut.cells[c].count;
+    part.flux += weight * dot(away, graph.sheets[c].normal);
+    part.reach += cut.cells[c].count * length(away);
+    part.normal = along(part.normal, weight, graph.sheets[c].normal);
+  }
+  for (const SignedEdge& e : graph.edges) {
+    const Vector3 behind = subtract(cut.cells[e.a].mean, cut.cells[e.b].mean);
+    if (e.apart && found.part[e.a] == found.part[e.b])
+      parts[found.part[e.a]].thickness += found.signs[e.a] * dot(behind, graph.sheets[e.a].normal);
+  }
+  for (std::size_t c = 0; c < n; ++c) {
+    if (parts[found.part[c]].turned()) found.signs[c] = static_cast<signed char>(-found.signs[c]);
+  }
+}
+
+/** Signed normals, each the mean over the cells near it on its sheet where these agree: cells of a few
+ * stray points have normals of their own. */
+std::vector<Vector3>
+smoothedNormals(const SideCells& cut, const CellGraph& graph, const std::vector<signed char>& signs,
+                const SideConstants& constants, int threads)
+{
+  std::vector<Vector3> normals(cut.cells.size());
+  parallelFor(normals.size(), threads, 1024, [&](std::size_t c, int) {
+    const CellSheet& sheet = graph.sheets[c];
+    Vector3 sum{};
+    double count = 0;
+    for (std::size_t k = 0; k < std::min(sheet.count, constants.edges + 1); ++k) {
+      if (sheet.isOther(k)) continue;
+      const std::uint32_t near = sheet.cells[k];
+      sum = along(sum, signs[near] * cut.cells[near].count, graph.sheets[near].normal);
+      count += cut.cells[near].count;
+    }
+    const bool agree = length(sum) > constants.agree * count;
+    normals[c] = agree ? normalized(sum) : scaled(sheet.normal, signs[c]);
+  });
+  return normals;
+}
+
+/** Share of the agreement of near cells that signs meet; 1: all. */
+double
+agreementOf(const CellGraph& graph, const std::vector<signed char>& signs)
+{
+  double agreed = 0, all = 0;
+  for (const SignedEdge& e : graph.edges) {
+    agreed += signs[e.a] * signs[e.b] * e.agreement;
+    all += std::abs(e.agreement);
+  }
+  return all > 0 ? agreed / all : 0;
+}
+
+/** Share of the points whose cell has another sheet beside it that faces the other way. */
+double
+facingApart(const SideCells& cut, const CellGraph& graph, const std::vector<signed char>& signs)
+{
+  std::vector<char> faces(cut.cells.size(), 0);
+  for (const SignedEdge& e : graph.edges) {
+    const double cosine = dot(graph.sheets[e.a].normal, graph.sheets[e.b].normal);
+    if (e.apart && signs[e.a] * signs[e.b] * cosine < 0) faces[e.a] = faces[e.b] = 1;
+  }
+  double points = 0;
+  for (std::size_t c = 0; c < faces.size(); ++c) points += faces[c] != 0 ? cut.cells[c].count : 0;
+  return points / static_cast<double>(cut.cell_of.size());
+}
+
+}  // namespace
+
+Sides
+findSides(const PointStore& store, double noise, double spacing, const SideConstants& constants,
+          int threads)
+{
+  constexpr std::size_t kTask = 4096;
+  threads = resolveThreads(threads);
+  const double width = std::max(constants.cell_noise * noise, constants.cell_spacing * spacing);
+  const SideCells cut(store, width, threads);
+  const CellGraph graph = graphOf(cut, constants, threads);
+  SignedParts found = contractSigned(cut.cells.size(), graph.edges, threads);
+  turnOutward(cut, graph, found);
+  const std::vector<signed char>& signs = found.signs;
+  Sides sides;
+  sides.cells = cut.cells.size();
+  sides.confidence = agreementOf(graph, signs);
+  sides.thin = facingApart(cut, graph, signs);
+  const std::vector<Vector3> normals = smoothedNormals(cut, graph, signs, constants, threads);
+  sides.normals.resize(store.size());
+  parallelFor((store.size() + kTask - 1) / kTask, threads, 1, [&](std::size_t task, int) {
+    for (std::size_t i = task * kTask; i < std::min(store.size(), (task + 1) * kTask); ++i) {
+      const std::uint32_t c = cut.cell_of[i];
+      const CellSheet& sheet = graph.sheets[c];
+      const bool beyond = sheet.isBeyond(subtract(store.position(i), cut.cells[c].mean));
+      for (std::size_t a = 0; a < 3; ++a)
+        sides.normals[i][a] = static_cast<float>(beyond ? -normals[c][a] : normals[c][a]);
+    }
+  });
+  return sides;
+}
+
+}  // namespace pcl_slim::detail

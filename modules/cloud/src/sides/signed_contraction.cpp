@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sides/signed_contraction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "pcl_slim/cloud/morton_sort.h"
+#include "pcl_slim/core/aligned.h"
+
+namespace pcl_slim::detail {
+
+namespace {
+
+constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr double kStep = 0.7;       ///< from one threshold of agreements to the next
+constexpr double kLeast = 0x1p-20;  ///< of the strongest agreement: less says nothing
+
+/** Components under contraction: a forest with parities, and the edges between roots. */
+class Contraction {
+ public:
+  Contraction(std::size_t nodes, std::vector<SignedEdge> edges, int threads)
+      : threads_(threads),
+        parent_(nodes),
+        sign_(nodes, 1),
+        best_(nodes, kNone),
+        edges_(std::move(edges))
+  {
+    for (std::size_t i = 0; i < nodes; ++i) parent_[i] = static_cast<std::uint32_t>(i);
+    sumParallel();
+  }
+
+  void run()
+  {
+    double threshold = strongest();
+    const double least = kLeast * threshold;
+    while (!edges_.empty() && threshold > least) {
+      if (!joinAbove(kStep * threshold)) threshold = std::min(kStep * threshold, strongest());
+    }
+  }
+
+  /** The root of a node; sign relative to it. Shortens the path. */
+  std::uint32_t root(std::uint32_t i, int& sign)
+  {
+    sign = 1;
+    std::uint32_t r = i;
+    for (; parent_[r] != r; r = parent_[r]) sign *= sign_[r];
+    for (int rest = sign; i != r;) {
+      const std::uint32_t next = parent_[i];
+      const int own = sign_[i];
+      sign_[i] = static_cast<signed char>(rest);
+      parent_[i] = r;
+      rest *= own;
+      i = next;
+    }
+    return r;
+  }
+
+ private:
+  double strongest() const
+  {
+    double most = 0;
+    for (const SignedEdge& e : edges_) most = std::max(most, std::abs(e.agreement));
+    return most;
+  }
+
+  /** Whether edge e is stronger than the best one of a node so far; ties go to the first. */
+  void offer(std::uint32_t node, std::uint32_t e)
+  {
+    std::uint32_t& best = best_[node];
+    if (best == kNone || std::abs(edges_[e].agreement) > std::abs(edges_[best].agreement)) best = e;
+  }
+
+  /** Joins every component with its strongest neighbour, where their agreement is no less than a
+   * threshold. \return whether any were. */
+  bool joinAbove(double threshold)
+  {
+    chosen_.clear();
+    for (std::uint32_t e = 0; e < edges_.size(); ++e) {
+      if (std::abs(edges_[e].agreement) < threshold) continue;
+      offer(edges_[e].a, e);
+      offer(edges_[e].b, e);
+      chosen_.push_back(e);
+    }
+    bool joined = false;
+    for (const std::uint32_t e : chosen_) {
+      const SignedEdge& edge = edges_[e];
+      if (best_[edge.a] == e || best_[edge.b] == e) joined |= join(edge);
+    }
+    for (const std::uint32_t e : chosen_) best_[edges_[e].a] = best_[edges_[e].b] = kNone;
+    if (joined) contract();
+    return joined;
+  }
+
+  bool join(const SignedEdge& edge)
+  {
+    int sign_a, sign_b;
+    const std::uint32_t a = root(edge.a, sign_a), b = root(edge.b, sign_b);
+    if (a == b) return false;
+    const int turn = sign_a * sign_b * (edge.agreement < 0 ? -1 : 1);
+    parent_[std::max(a, b)] = std::min(a, b);
+    sign_[std::max(a, b)] = static_cast<signed char>(turn);
+    return true;
+  }
+
+  /** Moves edges to the roots of their ends and drops those within a component. */
+  void contract()
+  {
+    std::size_t kept = 0;
+    for (const SignedEdge& e : edges_) {
+      int sign_a, sign_b;
+      const std::uint32_t a = root(e.a, sign_a), b = root(e.b, sign_b);
+      if (a != b) edges_[kept++] = {a, b, sign_a * sign_b * e.agreement, e.apart};
+    }
+    edges_.resize(kept);
+    sumParallel();
+  }
+
+  /** Adds up edges between the same two components. */
+  void sumParallel()
+  {
+    for (SignedEdge& e : edges_) {
+      if (e.a > e.b) std::swap(e.a, e.b);
+    }
+    keys_.resize(edges_.size());
+    for (std::size_t i = 0; i < edges_.size(); ++i)
+      keys_[i] = static_cast<std::uint64_t>(edges_[i].a) << 32 | edges_[i].b;
+    sortByKey(keys_, order_, threads_);
+    summed_.clear();
+    for (std::size_t i = 0; i < keys_.size(); ++i) {
+      const SignedEdge& e = edges_[order_[i]];
+      if (i > 0 && keys_[i] == keys_[i - 1]) {
+        summed_.back().agreement += e.agreement;
+      } else {
+        summed_.push_back(e);
+      }
+    }
+    edges_.swap(summed_);
+  }
+
+  int threads_;
+  std::vector<std::uint32_t> parent_;
+  std::vector<signed char> sign_;
+  std::vector<std::uint32_t> best_;  ///< edge, for each root
+  std::vector<SignedEdge> edges_, summed_;
+  AlignedVector<std::uint64_t> keys_;  ///< both nodes of every edge
+  AlignedVector<std::uint32_t> order_;
+  std::vector<std::uint32_t> chosen_;
+};
+
+}  // namespace
+
+SignedParts
+contractSigned(std::size_t nodes, const std::vector<SignedEdge>& edges, int threads)
+{
+  Contraction contraction(nodes, edges, threads);
+  contraction.run();
+  SignedParts result;
+  result.signs.resize(nodes);
+  result.part.resize(nodes);
+  for (std::uint32_t i = 0; i < nodes; ++i) {
+    int sign;
+    result.part[i] = contraction.root(i, sign);
+    result.signs[i] = static_cast<signed char>(sign);
+  }
+  return result;
+}
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include "fit_settings.h"
+#include "pcl_slim/cloud/point_store.h"
+
+namespace pcl_slim::detail {
+
+/** \brief A store that a fit may give sides: the caller's own, or a copy where that is const. */
+class SidedStore {
+ public:
+  explicit SidedStore(PointStore& store) : store_(&store), own_(&store) { store.clearSides(); }
+  explicit SidedStore(const PointStore& store) : store_(&store)
+  {
+    if (!store.hasSides() || store.hasNormals()) return;
+    own().clearSides();
+  }
+
+  const PointStore& store() const { return *store_; }
+  /** \brief Whether the caller's store is what is given sides. */
+  bool isKept() const { return own_ != nullptr && !copy_; }
+  void setSides(const std::vector<std::array<float, 3>>& normals) { own().setSides(normals); }
+  void clearSides()
+  {
+    if (store_->hasSides() && !store_->hasNormals()) own().clearSides();
+  }
+
+ private:
+  PointStore& own()
+  {
+    if (own_ == nullptr) {
+      copy_ = *store_;
+      store_ = own_ = &*copy_;
+    }
+    return *own_;
+  }
+
+  const PointStore* store_;
+  PointStore* own_ = nullptr;
+  std::optional<PointStore> copy_;
+};
+
+/** \brief Gives the points of a cloud without normals sides where balls would meet both sides of thin
+ * parts, and settles the settings anew with them (docs/theory.md, "Sides before the cover"). The
+ * store and the settings stay as they are elsewhere.
+ * \param[in,out] settings measured without sides */
+Error
+giveSides(const FitConstants& constants, const FitParams& params, SidedStore& sided,
+          FitSettings& settings, FitStatistics& stats);
+
+}  // namespace pcl_slim::detail

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "pcl_slim/core/vector3.h"
+#include "support/clouds.h"
+
+namespace {
+
+using namespace pcl_slim;
+using namespace pcl_slim_test;
+
+constexpr double kGolden = 0.6180339887498949;
+
+/** Two plates a gap apart, spacing 1, with white noise; turned by a rotation of no axis. */
+struct Plates {
+  double gap, noise;
+  Vector3 u = normalized({2, -1, 3}), v = normalized(cross(u, {1, 5, -2})), w = cross(u, v);
+
+  Cloud cloud(int side = 50, double scale = 1) const
+  {
+    std::mt19937_64 rng(11);
+    std::normal_distribution<double> gauss(0, 1);
+    Cloud made;
+    for (const double height : {gap / 2, -gap / 2}) {
+      for (int i = 0; i < side * side; ++i) {
+        const double x = (i + 0.5) / side, y = side * std::fmod(i * kGolden + height, 1.0);
+        const Vector3 p = along(along(scaled(u, x + noise * gauss(rng)), y + noise * gauss(rng), v),
+                                height + noise * gauss(rng), w);
+        made.add(scale * p[0], scale * p[1], scale * p[2]);
+      }
+    }
+    return made;
+  }
+
+  double rms(const Fitted& f, double scale = 1) const
+  {
+    double sum = 0;
+    for (const auto& local : f.projection.position)
+      sum += std::pow(std::abs(dot(f.world(local), w)) / scale - gap / 2, 2);
+    return std::sqrt(sum / static_cast<double>(f.store.size()));
+  }
+};
+
+TEST(FitSides, PutsNoisyPointsOntoTheirOwnPlate)
+{
+  const Plates plates{3, 0.3};
+  FitParams params;
+  const Fitted with = fitted(plates.cloud(), params);
+  EXPECT_EQ(with.statistics.sided, with.store.size());
+  EXPECT_TRUE(with.store.hasSides());
+  EXPECT_FALSE(with.store.hasNormals());
+  EXPECT_TRUE(with.surface.info.oriented);
+  // Exact normals leave .026; without sides all points end in the middle, 1.5 away.
+  EXPECT_LT(plates.rms(with), 0.06);
+  params.sides = false;
+  const Fitted without = fitted(plates.cloud(), params);
+  EXPECT_EQ(without.statistics.sided, 0u);
+  EXPECT_FALSE(without.store.hasSides());
+  EXPECT_GT(plates.rms(without), 1.0);
+}
+
+TEST(FitSides, FacesOutward)
+{
+  const Plates plates{3, 0.3};
+  const Fitted f = fitted(plates.cloud(), {});
+  std::size_t outward = 0;
+  for (std::size_t i = 0; i < f.store.size(); ++i) {
+    const auto& n = f.projection.normal[i];
+    const double side = dot(f.world(f.projection.position[i]), plates.w);
+    outward += side * dot({n[0], n[1], n[2]}, plates.w) > 0;
+  }
+  EXPECT_GT(outward, f.store.size() * 98 / 100);
+}
+
+TEST(FitSides, FindsTheNoiseOnceSidesAreKnown)
+{
+  const Plates plates{3, 0.3};
+  const Fitted f = fitted(plates.cloud(), {});
+  const double sigma = std::sqrt(f.statistics.lambda) * f.store.diagonal() * f.store.scale();
+  EXPECT_NEAR(sigma, 0.3, 0.03);
+}
+
+TEST(FitSides, DoNotDependOnScale)
+{
+  const Plates plates{3, 0.3};
+  for (const double scale : {1e-3, 37.0}) {
+    const Fitted f = fitted(plates.cloud(50, scale), {});
+    EXPECT_GT(f.statistics.sided, 0u) << scale;
+    EXPECT_LT(plates.rms(f, scale), 0.06) << scale;
+  }
+}
+
+TEST(FitSides, TurnAndThinningDoNotDecide)
+{
+  Plates plates{3, 0.3};
+  plates.u = {1, 0, 0};
+  plates.v = {0, 1, 0};
+  plates.w = {0, 0, 1};
+  EXPECT_LT(plates.rms(fitted(plates.cloud(), {})), 0.06);
+  const Plates turned{3, 0.3};
+  Cloud cloud = turned.cloud(70), half;
+  for (std::size_t i = 0; i < cloud.size(); i += 2)
+    half.add(cloud.points[3 * i], cloud.points[3 * i + 1], cloud.points[3 * i + 2]);
+  const Fitted f = fitted(half, {});
+  EXPECT_GT(f.statistics.sided, 0u);
+  EXPECT_LT(turned.rms(f), 0.08);
+}
+
+TEST(FitSides, AThickCloudIsFittedAsWithoutThem)
+{
+  const Cloud cloud = sceneCloud(measure::Shape::kTorus, 8000, 0.001).withoutNormals();
+  FitParams params;
+  const Fitted with = fitted(cloud, params);
+  params.sides = false;
+  const Fitted without = fitted(cloud, params);
+  EXPECT_EQ(with.statistics.sided, 0u);
+  EXPECT_LT(with.statistics.thin_places, 0.1);
+  EXPECT_EQ(with.surface.coefficients, without.surface.coefficients);
+  EXPECT_EQ(with.surface.nx, without.surface.nx);
+  EXPECT_EQ(with.projection.position, without.projection.position);
+}
+
+TEST(FitSides, AnyNumberOfThreadsGivesTheSame)
+{
+  const Plates plates{2, 0.2};
+  SLIMSurface surfaces[2];
+  for (const int i : {0, 1}) {
+    PointStore store = storeOf(plates.cloud());
+    FitParams params;
+    params.threads = i == 0 ? 1 : 4;
+    FitStatistics statistics;
+    ASSERT_FALSE(fitSurface(store, params, surfaces[i], &statistics));
+    EXPECT_GT(statistics.sided, 0u);
+  }
+  EXPECT_EQ(surfaces[0].coefficients, surfaces[1].coefficients);
+  EXPECT_EQ(surfaces[0].nx, surfaces[1].nx);
+}
+
+TEST(FitSides, ViewpointsAndGivenNormalsWin)
+{
+  const Plates plates{3, 0.3};
+  FitParams params;
+  params.has_viewpoint = true;
+  params.viewpoint[2] = 1000;
+  EXPECT_EQ(fitted(plates.cloud(), params).statistics.sided, 0u);
+  Cloud cloud = plates.cloud();
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const double side = 2 * i < cloud.size() ? 1 : -1;
+    for (const double n : plates.w) cloud.normals.push_back(static_cast<float>(side * n));
+  }
+  const Fitted given = fitted(cloud, {});
+  EXPECT_EQ(given.statistics.sided, 0u);
+  EXPECT_TRUE(given.store.hasNormals());
+}
+
+TEST(FitSides, AConstStoreStaysAsItIs)
+{
+  const Plates plates{3, 0.3};
+  PointStore store = storeOf(plates.cloud());
+  const PointStore& fixed = store;
+  SLIMSurface surface, again;
+  FitStatistics statistics;
+  ASSERT_FALSE(fitSurface(fixed, {}, surface, &statistics));
+  EXPECT_GT(statistics.sided, 0u);
+  EXPECT_FALSE(store.hasSides());
+  ASSERT_FALSE(fitSurface(store, {}, again));
+  EXPECT_TRUE(store.hasSides());
+  EXPECT_EQ(surface.coefficients, again.coefficients);
+  FitParams off;
+  off.sides = false;
+  ASSERT_FALSE(fitSurface(store, off, again, &statistics));
+  EXPECT_FALSE(store.hasSides());
+}
+
+}  // namespace
