@@ -12,11 +12,29 @@ fittedPoints(const PointStore& store)
   return {store.size(), store.diagonal() * store.scale(), store.memoryBytes(), store.statistics()};
 }
 
+namespace {
+
+/** What a fit left out, and what it had no need to do. */
+nlohmann::ordered_json
+skippedCounts(const FittedPoints& fitted, const FitStatistics& fit)
+{
+  const PointStoreStatistics& points = fitted.statistics;
+  return {{"non_finite", points.non_finite},
+          {"far_away", points.far_away},
+          {"without_normal", points.without_normal},
+          {"duplicates", points.duplicates},
+          {"sides", fit.sided > 0 ? 0 : fitted.stored},
+          {"lone_normals", fit.skipped_normals},
+          {"never_gathered", fit.never_gathered},
+          {"levels", fit.levels_skipped}};
+}
+
+}  // namespace
+
 void
 reportFit(const FittedPoints& fitted, const SLIMSurface& surface, const FitStatistics& fit,
           Report& report)
 {
-  const PointStoreStatistics& points = fitted.statistics;
   report.add({{"stored_points", fitted.stored},
               {"outliers", fit.outliers},
               {"surfels", surface.size()},
@@ -58,14 +76,7 @@ reportFit(const FittedPoints& fitted, const SLIMSurface& surface, const FitStati
               {"trim_bytes", surface.trim_maps.size()},
               {"store_bytes", fitted.store_bytes},
               {"working_bytes", fit.working_bytes}});
-  report.json()["skipped"] = {{"non_finite", points.non_finite},
-                              {"far_away", points.far_away},
-                              {"without_normal", points.without_normal},
-                              {"duplicates", points.duplicates},
-                              {"sides", fit.sided > 0 ? 0 : fitted.stored},
-                              {"lone_normals", fit.skipped_normals},
-                              {"never_gathered", fit.never_gathered},
-                              {"levels", fit.levels_skipped}};
+  report.json()["skipped"] = skippedCounts(fitted, fit);
   report.time("outliers", fit.seconds_outliers);
   report.time("noise", fit.seconds_noise);
   report.time("sides", fit.seconds_sides);
