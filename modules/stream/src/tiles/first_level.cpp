@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::size_t kBalls = 31;
 constexpr std::uint64_t kCounted = 65536;  ///< points that balls are counted on, about
+constexpr double kWideBall = 32.0;         ///< the same of balls that average noise well
 constexpr double kNoiseOfBall = 16.0;  ///< sqrt(lambda) in the radius of the narrowest first ball
 
 using Place = std::array<float, 3>;
@@ -87,7 +88,7 @@ firstLevel(const CloudView& core, const StoreFrame& frame, const LevelRadii& rad
   int level = 1;
   while (level < radii.last && 2 * crowded[static_cast<std::size_t>(level)] > sample.centers.size())
     ++level;
-  while (level > 1 && !isFirstLevel(radii, level, lambda)) --level;
+  while (level > 1 && radii.radius(level) < kWideBall * std::sqrt(lambda)) --level;
   return level;
 }
 

@@ -10,7 +10,7 @@
 namespace pcl_slim::detail {
 
 /** \brief The coarsest level of which a tile's median ball has at most so many of the tile's points, but
- * no finer one than balls of 16 sqrt(lambda): narrower ones do not average noise.
+ * no finer one than balls of 32 sqrt(lambda), which average noise well.
  *
  * Counts 31 balls on some 65,000 of the points, chosen by their places: the points' order changes
  * nothing. O(points). */
@@ -18,7 +18,8 @@ int
 firstLevel(const CloudView& core, const StoreFrame& frame, const LevelRadii& radii,
            std::uint64_t most_points, double lambda);
 
-/** \brief Whether balls of a level are wide enough to begin with: see firstLevel(). */
+/** \brief Whether balls of a level are wide enough to begin with where memory asks for narrow ones: those
+ * of less than 16 sqrt(lambda) do not average noise. */
 bool
 isFirstLevel(const LevelRadii& radii, int level, double lambda);
 
