@@ -32,19 +32,14 @@ GapEvidence::GapEvidence(const TrimConstants& constants, std::size_t points)
 }
 
 bool
-GapEvidence::findGaps(const SheetPoints& points, const KnownRegion& known, double spacing,
-                      double hole)
+GapEvidence::findGaps(const SheetPoints& points, const SheetHeight& sheet, const KnownRegion& known,
+                      double spacing, double hole, bool with_folds)
 {
   spacing_ = spacing;
   hole_ = hole;
   near_.mark(points, known, constants_.known, constants_.evidence_cell * hole);
+  if (!with_folds) near_.hideFolds(sheet, constants_.steepest);
   return near_.findGaps(hole);
-}
-
-bool
-GapEvidence::hideFolds(const SheetHeight& sheet)
-{
-  return !near_.hideFolds(sheet, constants_.steepest) || near_.findGaps(hole_);
 }
 
 /** Marks the cells of discs of one diameter that are too empty for chance. */

@@ -30,12 +30,10 @@ class GapEvidence {
   }
 
   /** \brief Finds the gaps of a leaf's points. O(points + cells). \return whether there is one.
-   * \param[in] spacing of the points, and hole: diameter of the smallest gap; radii of the surfel */
-  bool findGaps(const SheetPoints& points, const KnownRegion& known, double spacing, double hole);
-
-  /** \brief Leaves out what is unknown because the sheet turns away from the plane. \return whether
-   * there still is a gap. */
-  bool hideFolds(const SheetHeight& sheet);
+   * \param[in] spacing of the points, and hole: diameter of the smallest gap; radii of the surfel
+   * \param[in] with_folds also where the sheet turns away from the plane */
+  bool findGaps(const SheetPoints& points, const SheetHeight& sheet, const KnownRegion& known,
+                double spacing, double hole, bool with_folds);
 
   const GapGrid& gaps() const { return near_; }
 

@@ -69,11 +69,10 @@ GapGrid::mark(const SheetPoints& points, const KnownRegion& known, double view, 
 
 /** Whether the sheet is steep at a cell or somewhat nearer to the middle: noise carries points past a fold. */
 bool
-GapGrid::isSteep(const SheetHeight& sheet, int x, int y)
+GapGrid::isSteep(const SheetHeight& sheet, int x, int y) const
 {
   for (const double share : kFoldShares) {
-    if (slopeSq(sheet, share * middle(x), share * middle(y)) > steepest_sq_)
-      return any_steep_ = true;
+    if (slopeSq(sheet, share * middle(x), share * middle(y)) > steepest_sq_) return true;
   }
   return false;
 }
@@ -124,15 +123,13 @@ GapGrid::hideAlongColumns(const SheetHeight& sheet, bool upwards)
   }
 }
 
-bool
+void
 GapGrid::hideFolds(const SheetHeight& sheet, double steepest)
 {
   steepest_sq_ = steepest * steepest;
-  any_steep_ = false;
   hideAlongRows(sheet);
   hideAlongColumns(sheet, true);
   hideAlongColumns(sheet, false);
-  return any_steep_;
 }
 
 bool

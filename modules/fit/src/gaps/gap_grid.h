@@ -31,9 +31,8 @@ class GapGrid {
   void mark(const SheetPoints& points, const KnownRegion& known, double view, double cell);
 
   /** \brief Makes unknown what lies beyond the outermost points of each row and column where the
-   * sheet is steeper than a slope: there it turns away from the plane, and has no border.
-   * \return whether there is such a place */
-  bool hideFolds(const SheetHeight& sheet, double steepest);
+   * sheet is steeper than a slope: there it turns away from the plane, and has no border. */
+  void hideFolds(const SheetHeight& sheet, double steepest);
 
   /** \brief Finds the gaps. \param[in] diameter of the discs, radii of the surfel. \return whether there
    * is one. O(diameter * cells / 64) */
@@ -73,7 +72,7 @@ class GapGrid {
  private:
   void hideAlongRows(const SheetHeight& sheet);
   void hideAlongColumns(const SheetHeight& sheet, bool upwards);
-  bool isSteep(const SheetHeight& sheet, int x, int y);
+  bool isSteep(const SheetHeight& sheet, int x, int y) const;
   void markCenters(double reach);
   void findRuns();
   int rootOf(int run);
@@ -83,7 +82,6 @@ class GapGrid {
   double cell_ = 0.0;  ///< width of a cell in radii of the surfel
   int half_ = 0;       ///< cells from the middle to the end
   double steepest_sq_ = 0.0;
-  bool any_steep_ = false;  ///< whether isSteep() found a place
   BitRows occupied_, beyond_, closed_, centers_, empty_, scratch_, discs_;
   std::vector<std::uint64_t> columns_;
   std::vector<Run> runs_;

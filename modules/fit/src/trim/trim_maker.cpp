@@ -87,21 +87,17 @@ TrimMaker::gatherWidely(std::size_t i, double view)
 }
 
 LeafGaps
-TrimMaker::findGaps(std::size_t i, LeafGaps& flat)
+TrimMaker::findGaps(std::size_t i, bool with_folds)
 {
   const TrimConstants& constants = settings_.constants.trim;
-  const auto surfel = static_cast<std::uint32_t>(i);
   gather(i);
   const KnownRegion known = knownOf(i, constants.known);
   const double hole = hole_size_ * spacing_;
-  if (!search_.mayHaveGap(points_, known, hole, constants)) return {};
-  if (!evidence_.findGaps(points_, known, spacing_, hole)) return {};
-  LeafGaps gaps = leafGapsOf(evidence_.gaps(), surfel);
-  if (evidence_.hideFolds(sheetOf(i))) {
-    LeafGaps without_folds = leafGapsOf(evidence_.gaps(), surfel);
-    if (evidence_.mayBeReal()) flat = std::move(without_folds);
-  }
-  return gaps;
+  may_have_gaps_ = search_.mayHaveGap(points_, known, hole, constants);
+  if (!may_have_gaps_) return {};
+  if (!evidence_.findGaps(points_, sheetOf(i), known, spacing_, hole, with_folds)) return {};
+  LeafGaps gaps = leafGapsOf(evidence_.gaps(), static_cast<std::uint32_t>(i));
+  return with_folds || evidence_.mayBeReal() ? gaps : LeafGaps();
 }
 
 bool
@@ -111,8 +107,7 @@ TrimMaker::findReal(const LeafGaps& gaps, std::vector<std::uint32_t>& real)
   gather(i);
   const KnownRegion known = knownOf(i, settings_.constants.trim.known);
   const double hole = hole_size_ * spacing_;
-  if (!evidence_.findGaps(points_, known, spacing_, hole)) return false;
-  if (!evidence_.hideFolds(sheetOf(i))) return false;
+  if (!evidence_.findGaps(points_, sheetOf(i), known, spacing_, hole, false)) return false;
   const double view = evidence_.view(spacing_);
   const bool wider = view > settings_.constants.trim.known;
   if (wider) gatherWidely(i, view);

@@ -28,8 +28,11 @@ class TrimMaker {
   }
 
   /** \brief The gaps of a leaf, none of them real. O(points of the ball)
-   * \param[out] flat those where the sheet does not turn away from the plane, if they may be real */
-  LeafGaps findGaps(std::size_t i, LeafGaps& flat);
+   * \param[in] with_folds also where the sheet turns away from the plane */
+  LeafGaps findGaps(std::size_t i, bool with_folds);
+
+  /** \brief Whether the leaf last searched may have gaps at all. */
+  bool mayHaveGaps() const { return may_have_gaps_; }
 
   /** \brief The gaps of a leaf that chance does not explain. O(points around the ball)
    * \param[out] real appended to \return whether there is one */
@@ -62,6 +65,7 @@ class TrimMaker {
   BlockList blocks_;                  ///< ... as kernels want them
   SheetPoints points_, seen_;
   double spacing_ = 0.0;  ///< of points_, radii of the surfel
+  bool may_have_gaps_ = false;
   GapSearch search_;
   GapEvidence evidence_;
   std::vector<LeafGaps::Place> places_;

@@ -12,7 +12,7 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr std::size_t kLongChain = 3;  ///< leaves of a chain that need not all be looked at
+constexpr std::size_t kLongChain = 8;  ///< leaves of a chain that need not all be looked at
 constexpr std::size_t kRun = 64;  ///< surfels a thread takes at a time; no result depends on it
 
 /** \brief The steps from a surface to its maps. */
@@ -20,8 +20,12 @@ class TrimStage {
  public:
   TrimStage(const PointStore& store, const FitSettings& settings, double hole_size, int threads,
             SLIMSurface& surface)
-      : surface_(surface), threads_(threads), core_(settings.constants.trim.core)
+      : surface_(surface),
+        threads_(threads),
+        core_(settings.constants.trim.core),
+        may_(surface.size())
   {
+    for (std::size_t i = 0; i < surface.size(); ++i) may_[i] = surface.isLeaf(i);
     for (int t = 0; t < threads; ++t) {
       makers_.push_back(std::make_unique<TrimMaker>(store, settings, hole_size, surface));
     }
@@ -30,9 +34,9 @@ class TrimStage {
   /** \brief Finds the leaves' gaps, and which of them are real. \return whether there is one. */
   bool findOpenLeaves()
   {
-    std::vector<LeafGaps> seeds = findGaps();
-    findReal(seeds);
+    const std::vector<LeafGaps> seeds = findReal();
     if (seeds.empty()) return false;
+    gaps_ = findGaps(true);
     std::vector<std::uint8_t> real(joinChains(surface_, threads_, gaps_), 0);
     auto own = gaps_.begin();
     for (const LeafGaps& seed : seeds) {
@@ -66,28 +70,26 @@ class TrimStage {
   }
 
  private:
-  /** Finds the gaps of all leaves. \return those of them that may be real, without folds */
-  std::vector<LeafGaps> findGaps()
+  std::vector<LeafGaps> findGaps(bool with_folds)
   {
-    const std::size_t num_runs = (surface_.size() + kRun - 1) / kRun;
-    std::vector<std::vector<LeafGaps>> runs(num_runs), flat_runs(num_runs);
+    std::vector<std::vector<LeafGaps>> runs((surface_.size() + kRun - 1) / kRun);
     forRuns(surface_.size(), [&](std::size_t i, std::size_t run, TrimMaker& maker) {
-      if (!surface_.isLeaf(i)) return;
-      LeafGaps flat, gaps = maker.findGaps(i, flat);
+      if (!may_[i]) return;
+      LeafGaps gaps = maker.findGaps(i, with_folds);
+      may_[i] = maker.mayHaveGaps();
       if (gaps.count > 0) runs[run].push_back(std::move(gaps));
-      if (flat.count > 0) flat_runs[run].push_back(std::move(flat));
     });
-    std::vector<LeafGaps> flat;
-    for (auto& run : runs) std::move(run.begin(), run.end(), std::back_inserter(gaps_));
-    for (auto& run : flat_runs) std::move(run.begin(), run.end(), std::back_inserter(flat));
-    return flat;
+    std::vector<LeafGaps> all;
+    for (auto& run : runs) std::move(run.begin(), run.end(), std::back_inserter(all));
+    return all;
   }
 
-  /** Keeps leaves with a gap that chance does not explain. Leaves of long chains are tried until one is
-   * found, those of short ones each but once. */
-  void findReal(std::vector<LeafGaps>& leaves)
+  /** Leaves with a gap that chance does not explain. Leaves of long chains are tried until one is found,
+   * those of short ones each but once. */
+  std::vector<LeafGaps> findReal()
   {
-    if (leaves.empty()) return;
+    std::vector<LeafGaps> leaves = findGaps(false);
+    if (leaves.empty()) return leaves;
     std::vector<std::vector<std::uint32_t>> chains(joinChains(surface_, threads_, leaves));
     for (std::uint32_t k = 0; k < leaves.size(); ++k) {
       for (std::uint32_t gap = 0; gap < leaves[k].count; ++gap) {
@@ -119,6 +121,7 @@ class TrimStage {
     }
     const auto chance = [](const LeafGaps& gaps) { return !gaps.hasReal(); };
     leaves.erase(std::remove_if(leaves.begin(), leaves.end(), chance), leaves.end());
+    return leaves;
   }
 
   template <typename Body>
@@ -149,7 +152,8 @@ class TrimStage {
   int threads_;
   double core_;  ///< [r] real gaps reach a leaf so far in
   std::vector<std::unique_ptr<TrimMaker>> makers_;
-  std::vector<LeafGaps> gaps_;  ///< of leaves that have some
+  std::vector<std::uint8_t> may_;  ///< surfels that may have gaps
+  std::vector<LeafGaps> gaps_;     ///< of leaves that have some
 };
 
 }  // namespace

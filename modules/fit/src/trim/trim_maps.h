@@ -8,10 +8,9 @@ namespace pcl_slim::detail {
 
 /** \brief Gives the surfels that data do not fill their trim maps (docs/theory.md, "Borders").
  *
- * Every leaf's ball is gathered once more and searched for gaps. Leaves are open whose gaps belong
- * to a chain
- * that chance does not explain; so are internal surfels above them, which level of detail draws small, by
- * coarse maps. Surfels in parallel; the same bytes for any number of threads.
+ * Every surfel's ball is gathered once more, and searched for gaps; those that may have one are
+ * measured. Internal surfels, which level of detail draws small, get coarse maps. Surfels in
+ * parallel; the same bytes for any number of threads.
  * \param[in] hole_size diameter of the smallest hole kept, in spacings of a surfel's points
  * \param[in,out] stats its threads are used, trim_candidates counted
  */
