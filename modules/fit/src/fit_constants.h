@@ -115,19 +115,8 @@ struct TrimConstants {
   double clear = 0.3;       ///< depth inside data from which on a place is clear of any border
   double looked_at = 0.9;   ///< [r] gaps beyond do not open a surfel: its weight is next to 0
   double gap_cell = 0.125;  ///< [hole size] cells in which empty patches of 6 cells are looked for
-  double evidence_cell = 0.0625;  ///< [hole size] cells in which gaps are told from chance
-  double core = 0.75;  ///< [r] a real gap reaches a leaf so far in: others see outer ones better
-  double steepest =
-      0.8;  ///< slope of a surfel at its outermost points from which on it folds there
-  double false_gaps =
-      1e-3;  ///< discs, of all of a cloud, that chance leaves as empty as a real gap's
-  double unevenness = 4.0;  ///< density within a leaf over that where it is sparsest, at most
-  double view =
-      2.0;  ///< [widest disc by chance] where that is wider than known, gaps are looked at so far
-  double view_slope =
-      0.2;            ///< there points belong to the sheet up to this height over their distance
-  double sure = 1.0;  ///< [half of hole size] a gap this far inside what is known is no chance
-  int internal_side = 9;       ///< nodes a side of internal surfels' maps, which are drawn small
+  double sure = 1.0;      ///< [half of hole size] a gap this far inside what is known is no chance
+  int internal_side = 9;  ///< nodes a side of internal surfels' maps, which are drawn small
   std::size_t sampled = 1024;  ///< points of an internal ball from which on samples of them do
 };
 

@@ -26,7 +26,6 @@ class BitRows {
     return bits_.data() + static_cast<std::size_t>(y) * words_;
   }
 
-  bool test(int x, int y) const { return (row(y)[x >> 6] >> (x & 63) & 1) != 0; }
   void set(int x, int y) { row(y)[x >> 6] |= std::uint64_t{1} << (x & 63); }
 
   /** \brief Sets columns first to last, both among the row's. */

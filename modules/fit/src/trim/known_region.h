@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
-
-#include "pcl_slim/surface/polynomial.h"
 #include "trim/bit_rows.h"
 
 namespace pcl_slim::detail {
@@ -20,11 +17,7 @@ class KnownRegion {
   void markBeyond(double cell, double middle, BitRows& rows) const;
 
  private:
-  using Row = std::array<double, kMaxDegree + 1>;  ///< of h along a row: by powers of u
-
-  Row rowAt(double v) const;
-  void shrink(const Row& row, double v, double cell, double middle, int& first, int& last) const;
-  bool holds(const Row& row, double u, double v) const;
+  bool holds(double u, double v) const;
 
   int degree_;
   const float* c_;

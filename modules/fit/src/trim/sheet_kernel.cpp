@@ -14,7 +14,7 @@ namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
 template <int D>
 void
-gatherSheetOf(const PointStore& store, const BlockList& blocks, const SheetQuery& surfel,
+gatherSheetOf(const PointStore& store, const BlockList& blocks, const CoverLeaf& surfel,
               SheetPoints& points)
 {
   const Tag d;
@@ -27,24 +27,13 @@ gatherSheetOf(const PointStore& store, const BlockList& blocks, const SheetQuery
   }
   const Height<D> height(surfel.c);
   const auto limit = hn::Set(d, static_cast<float>(surfel.max_residual * scale));
-  const Height < D<2 ? D : 2> quadric(surfel.c);
-  const auto slope = hn::Set(d, surfel.view_slope);
-  const auto known_sq = hn::Set(d, surfel.known * surfel.known);
   std::size_t count = 0;
   points.reserve(blocks.size() * PointStore::kBlock);
   BallScan(store, surfel.ball).forEach(blocks, [&](std::size_t, const Lanes& l) HWY_ATTR {
     const auto u = dot3(l.dx, l.dy, l.dz, axes[0][0], axes[0][1], axes[0][2]);
     const auto v = dot3(l.dx, l.dy, l.dz, axes[1][0], axes[1][1], axes[1][2]);
     const auto w = dot3(l.dx, l.dy, l.dz, axes[2][0], axes[2][1], axes[2][2]);
-    auto off = hn::Abs(hn::Sub(w, height(u, v)));
-    auto most = limit;
-    if (surfel.view_slope > 0.0f) {  // the polynomial ends with what it was fitted to
-      const auto distance_sq = hn::MulAdd(u, u, hn::Mul(v, v));
-      const auto far = hn::Gt(distance_sq, known_sq);
-      off = hn::IfThenElse(far, hn::Abs(hn::Sub(w, quadric(u, v))), off);
-      most = hn::IfThenElse(far, hn::MulAdd(hn::Sqrt(distance_sq), slope, limit), limit);
-    }
-    const auto near = hn::And(l.kept, hn::Le(off, most));
+    const auto near = hn::And(l.kept, hn::Le(hn::Abs(hn::Sub(w, height(u, v))), limit));
     const LanePacking packing(d, near);
     packing.store(u, points.u.data() + count);
     packing.store(v, points.v.data() + count);
@@ -54,7 +43,7 @@ gatherSheetOf(const PointStore& store, const BlockList& blocks, const SheetQuery
 }
 
 void
-gatherSheet(const PointStore& store, const BlockList& blocks, const SheetQuery& surfel,
+gatherSheet(const PointStore& store, const BlockList& blocks, const CoverLeaf& surfel,
             SheetPoints& points)
 {
   forDegree(surfel.degree,
@@ -70,7 +59,7 @@ namespace pcl_slim::detail::kernels {
 HWY_EXPORT(gatherSheet);
 
 void
-gatherSheet(const PointStore& store, const BlockList& blocks, const SheetQuery& surfel,
+gatherSheet(const PointStore& store, const BlockList& blocks, const CoverLeaf& surfel,
             SheetPoints& points)
 {
   HWY_DYNAMIC_DISPATCH(gatherSheet)(store, blocks, surfel, points);

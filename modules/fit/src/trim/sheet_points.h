@@ -40,17 +40,10 @@ sampleSheet(const PointStore& store, const std::vector<std::uint32_t>& blocks,
 
 namespace kernels {
 
-/** \brief A surfel whose sheet's points are wanted. */
-struct SheetQuery : CoverLeaf {
-  float known = 0.0f;       ///< radius within which the polynomial counts, in the surfel's radii
-  float view_slope = 0.0f;  ///< > 0: beyond it points count whose height over the plane is at most
-                            ///< this share of their distance, beside max_residual
-};
-
 /** \brief Collects the stored points that a surfel serves: in its ball, within the normal bound and
  * at most max_residual from f = 0. */
 void
-gatherSheet(const PointStore& store, const BlockList& blocks, const SheetQuery& surfel,
+gatherSheet(const PointStore& store, const BlockList& blocks, const CoverLeaf& surfel,
             SheetPoints& points);
 
 }  // namespace kernels

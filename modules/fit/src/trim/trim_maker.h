@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "fit_settings.h"
-#include "gaps/gap_evidence.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "trim/gap_search.h"
 #include "trim/sheet_points.h"
@@ -13,49 +12,26 @@
 
 namespace pcl_slim::detail {
 
-/** \brief Finds the gaps of one surface's surfels and makes their trim maps, one after another. One per
- * thread: it keeps its memory. */
+/** \brief Makes the trim maps of one surface's surfels, one after another. One per thread: it keeps
+ * its memory. */
 class TrimMaker {
  public:
   TrimMaker(const PointStore& store, const FitSettings& settings, double hole_size,
             const SLIMSurface& surface)
-      : store_(store),
-        settings_(settings),
-        hole_size_(hole_size),
-        surface_(surface),
-        evidence_(settings.constants.trim, store.size())
+      : store_(store), settings_(settings), hole_size_(hole_size), surface_(surface)
   {
   }
 
-  /** \brief The gaps of a leaf, none of them real. O(points of the ball)
-   * \param[in] with_folds also where the sheet turns away from the plane */
-  LeafGaps findGaps(std::size_t i, bool with_folds);
+  /** \brief Appends the bits of surfel i's map; nothing if it is closed. \return the map's side, 0
+   * if it is closed. O(points of the ball). */
+  int make(std::size_t i, std::vector<std::uint8_t>& bits);
 
-  /** \brief Whether the leaf last searched may have gaps at all. */
-  bool mayHaveGaps() const { return may_have_gaps_; }
-
-  /** \brief The gaps of a leaf that chance does not explain. O(points around the ball)
-   * \param[out] real appended to \return whether there is one */
-  bool findReal(const LeafGaps& gaps, std::vector<std::uint32_t>& real);
-
-  /** \brief Appends the bits of surfel i's map; nothing if it is closed. \param[in] gaps of a leaf: those
-   * that are not real are closed; null: every gap counts. \return the map's side, 0 if it is closed.
-   * O(points of the ball). */
-  int make(std::size_t i, const LeafGaps* gaps, std::vector<std::uint8_t>& bits);
+  /** \brief Surfels measured so far. */
+  std::uint64_t numCandidates() const { return candidates_; }
 
  private:
-  kernels::SheetQuery wideSurfel(std::size_t i, const std::array<float, 3>& normal) const;
+  kernels::CoverLeaf wideSurfel(std::size_t i, const std::array<float, 3>& normal) const;
   void gather(std::size_t i);
-  void gatherWidely(std::size_t i, double view);
-  void fillUnreal(const LeafGaps& gaps);
-  KnownRegion knownOf(std::size_t i, double radius) const
-  {
-    return {surface_.degree[i], surface_.coefficientsOf(i), radius};
-  }
-  SheetHeight sheetOf(std::size_t i) const
-  {
-    return {surface_.degree[i], surface_.coefficientsOf(i)};
-  }
 
   const PointStore& store_;
   const FitSettings& settings_;
@@ -63,13 +39,10 @@ class TrimMaker {
   const SLIMSurface& surface_;
   std::vector<std::uint32_t> found_;  ///< blocks of the ball ...
   BlockList blocks_;                  ///< ... as kernels want them
-  SheetPoints points_, seen_;
-  double spacing_ = 0.0;  ///< of points_, radii of the surfel
-  bool may_have_gaps_ = false;
-  GapSearch search_;
-  GapEvidence evidence_;
-  std::vector<LeafGaps::Place> places_;
+  SheetPoints points_;
+  GapSearch gaps_;
   TrimRaster raster_;
+  std::uint64_t candidates_ = 0;
 };
 
 }  // namespace pcl_slim::detail
