@@ -205,6 +205,8 @@ main(int argc, char** argv)
                              return finishSettings(s);
                            },
                            {},
-                           [&](auto&... stage) { return makeSplats(s, stage...); }};
+                           [&](auto&... stage) { return makeSplats(s, stage...); },
+                           {},
+                           {}};
   return runScanProgram(options, argc, argv, s.files, s.scan, s.params.threads, steps);
 }

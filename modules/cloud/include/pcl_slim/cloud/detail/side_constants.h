@@ -30,7 +30,7 @@ struct SideConstants {
   double relief = 3;    ///< growth of the variance to the next patch that is a rough surface's own
   double rod = 0.2;     ///< variance across over that along, below which a patch is a rod ...
   double thick_rod = 0.2;  ///< ... where its lesser variance across is more of the other than this
-  double least_thin = 0.25;   ///< share of thin places that sides are worth
+  double least_thin = 0.35;   ///< share of thin places that sides are worth
   double least_facing = 0.5;  ///< the same of places where sheets face one that a patch fits
   double part = 0.25;         ///< of that share that must come to face apart, and may be in doubt
   double same_noise =
