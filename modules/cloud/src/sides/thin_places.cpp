@@ -169,7 +169,8 @@ findThinPlaces(const PointStore& store, const SideConstants& constants, const No
 {
   const std::size_t asked = std::clamp(store.size() / constants.points_per_place,
                                        constants.least_places, constants.most_places);
-  const std::size_t most = std::max(constants.patch, store.size() / noise.most_part);
+  const std::size_t most =
+      std::clamp(store.size() / noise.most_part, constants.patch, constants.most_patch);
   std::vector<PlaceFigures> figures(std::min(asked, store.size()));
   sampleStore(store, asked, 1, resolveThreads(threads),
               [&](NeighborSearch& search, std::size_t place, std::size_t s) {

@@ -26,9 +26,10 @@ struct SideConstants {
   std::size_t least_places = 64, most_places = 256;  ///< ... within these bounds
   std::size_t patch = 48;                            ///< points of its smallest patch ...
   std::size_t wider = 4;                             ///< ... and the factor to the next
-  double filled = 0.1;  ///< a cubic's RMS residual over the radius of a patch that fits
-  double relief = 3;    ///< growth of the variance to the next patch that is a rough surface's own
-  double rod = 0.2;     ///< variance across over that along, below which a patch is a rod ...
+  std::size_t most_patch = 12288;  ///< points of the widest patch: wider ones cost more than a fit
+  double filled = 0.1;             ///< a cubic's RMS residual over the radius of a patch that fits
+  double relief = 3;  ///< growth of the variance to the next patch that is a rough surface's own
+  double rod = 0.2;   ///< variance across over that along, below which a patch is a rod ...
   double thick_rod = 0.2;  ///< ... where its lesser variance across is more of the other than this
   double least_thin = 0.35;   ///< share of thin places that sides are worth
   double least_facing = 0.5;  ///< the same of places where sheets face one that a patch fits
