@@ -254,7 +254,7 @@ TEST(SLIMFit, ViewPointDecidesTheSide)
 TEST(SLIMFit, NamesOutliersByTheirIndices)
 {
   const auto cloud = cameraCloud();
-  const std::vector<std::int32_t> raised = {0, 5000, 11111};
+  const std::vector<std::int32_t> raised = {0, 5000, 11110};
   for (const std::int32_t i : raised) {
     cloud->points[static_cast<std::size_t>(i)] =
         pcl::PointXYZ(0.1f * static_cast<float>(i % 7), 0.3f, 1.0f);

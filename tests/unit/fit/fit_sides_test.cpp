@@ -49,7 +49,7 @@ TEST(FitSides, PutsNoisyPointsOntoTheirOwnPlate)
   const Plates plates{3, 0.3};
   FitParams params;
   const Fitted with = fitted(plates.cloud(), params);
-  EXPECT_EQ(with.statistics.sided, with.store.size());
+  EXPECT_EQ(with.statistics.sided + with.statistics.outliers, with.store.size());
   EXPECT_TRUE(with.store.hasSides());
   EXPECT_FALSE(with.store.hasNormals());
   EXPECT_TRUE(with.surface.info.oriented);

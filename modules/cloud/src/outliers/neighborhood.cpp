@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "outliers/neighborhood.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -52,27 +53,38 @@ Neighborhood::fillsVolume(double least_ratio) const
   return spread[0] > least_ratio * spread[2];
 }
 
-/** The neighbours that have another one within a distance. */
+/** The neighbours that lie as densely as their median does; none if that is no closer to another than a
+ * given distance. */
 Eigen::Matrix3Xd
-Neighborhood::closeTogether(double distance) const
+Neighborhood::densePatch(double distance) const
 {
-  Eigen::Matrix3Xd close(3, others_.cols());
-  Eigen::Index count = 0;
+  constexpr double kAlike = 3;  // times the median's distance to its nearest
+  std::vector<double> nearest(static_cast<std::size_t>(others_.cols()),
+                              std::numeric_limits<double>::infinity());
   for (Eigen::Index i = 0; i < others_.cols(); ++i) {
     for (Eigen::Index j = 0; j < others_.cols(); ++j) {
-      if (i == j || (others_.col(i) - others_.col(j)).squaredNorm() > distance * distance) continue;
-      close.col(count++) = others_.col(i);
-      break;
+      double& least = nearest[static_cast<std::size_t>(i)];
+      if (i != j) least = std::min(least, (others_.col(i) - others_.col(j)).norm());
     }
   }
-  return close.leftCols(count);
+  std::vector<double> sorted = nearest;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  if (!(*middle <= distance)) return Eigen::Matrix3Xd(3, 0);
+  Eigen::Matrix3Xd patch(3, others_.cols());
+  Eigen::Index count = 0;
+  for (Eigen::Index i = 0; i < others_.cols(); ++i) {
+    if (nearest[static_cast<std::size_t>(i)] <= kAlike * *middle)
+      patch.col(count++) = others_.col(i);
+  }
+  return patch.leftCols(count);
 }
 
 bool
 Neighborhood::standsApart(double closeness, double spreads, double off) const
 {
-  const Eigen::Matrix3Xd patch = closeTogether(distance(kEighth) / closeness);
-  if (2 * patch.cols() < others_.cols() || patch.cols() < 3) return false;
+  const Eigen::Matrix3Xd patch = densePatch(distance(kEighth) / closeness);
+  if (patch.cols() < 3) return false;
   const Eigen::Vector3d mean = patch.rowwise().mean();
   const auto axes = principalAxes(patch);
   const Eigen::Vector3d spread = axes.eigenvalues().cwiseMax(0.0);

@@ -30,7 +30,7 @@ class Neighborhood {
 
   /** \brief Whether most neighbours are a patch that is far denser than the point's surroundings, and the
    * point lies outside of it, off the plane or line that it lies along.
-   * \param[in] closeness the patch's points have others within the eighth's distance over this.
+   * \param[in] closeness half of the neighbours have others within the eighth's distance over this.
    * \param[in] spreads least distance from the patch's mean, over its RMS distance from it.
    * \param[in] off least share of it that points away from plane or line. */
   bool standsApart(double closeness, double spreads, double off) const;
@@ -40,7 +40,7 @@ class Neighborhood {
   bool standsOffPlane(double heights, double share) const;
 
  private:
-  Eigen::Matrix3Xd closeTogether(double distance) const;
+  Eigen::Matrix3Xd densePatch(double distance) const;
 
   const PointStore& store_;
   NeighborSearch search_;

@@ -33,6 +33,7 @@ constexpr std::size_t kPlane = 24;    ///< neighbours whose plane they are off .
 constexpr std::size_t kAmong = 63;    ///< ... found among so many
 constexpr double kHeights = 4.0;      ///< times the neighbours' own RMS height
 constexpr double kSteep = 0.25;       ///< share of their distance that is height
+constexpr double kFew = 0.001;        ///< share of new outliers below which none hides another
 constexpr int kRounds = 2;            ///< at most
 
 /** Distance to the eighth neighbour, of the cloud's median point. */
@@ -155,7 +156,8 @@ findOutliers(const PointStore& store, int threads)
   if (markScattered(store, spacing, threads, marks) == 0) return {};
   markCompany(store, spacing, threads, marks);
   for (int round = 0; round < kRounds; ++round) {
-    if (markNearSurface(store, spacing, threads, marks) == 0) break;
+    const std::size_t marked = markNearSurface(store, spacing, threads, marks);
+    if (static_cast<double>(marked) < kFew * static_cast<double>(n)) break;
   }
   std::vector<std::uint32_t> outliers;
   for (std::size_t i = 0; i < n; ++i) {
