@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/options.h"
 #include "scan/fit_program.h"
 
 namespace {
@@ -42,7 +43,7 @@ forTiles(const Arguments& all, const std::string& tiles)
   for (std::size_t i = 0; i < all.size(); ++i) {
     const bool last = i + 1 == all.size();
     if (all[i] == "-quiet") {
-      if (!last && (all[i + 1] == "0" || all[i + 1] == "1")) ++i;
+      if (!last && pcl_slim::switchValue(all[i + 1])) ++i;
     } else if (all[i] == "-json") {
       ++i;
     } else {
@@ -89,7 +90,7 @@ fitOnRanks(const Arguments& arguments, int rank, int ranks)
 bool
 isForOne(const Arguments& arguments)
 {
-  for (const char* option : {"-h", "--help", "-help", "-version", "--version", "--help-markdown"}) {
+  for (const char* option : {"-h", "-help", "-version", "-help-markdown"}) {
     if (has(arguments, option)) return true;
   }
   return arguments.size() < 3;
@@ -111,10 +112,10 @@ main(int argc, char** argv)
   int rank = 0, ranks = 1;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   MPI_Comm_size(MPI_COMM_WORLD, &ranks);
-  Arguments arguments(argv, argv + argc);
+  Arguments arguments = pcl_slim::plainArguments(argc, argv);
   int status = 0;
   if (isForOne(arguments)) {
-    status = worst(rank == 0 ? run(arguments) : 0);
+    status = worst(rank == 0 ? run(Arguments(argv, argv + argc)) : 0);
   } else if (!has(arguments, "-plan")) {
     status = refuse(rank, "-plan is missing: name a folder that all ranks see");
   } else if (has(arguments, "-tiles")) {

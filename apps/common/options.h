@@ -114,4 +114,12 @@ class OptionTable {
   std::vector<std::vector<std::string>> exclusive_;
 };
 
+/** \brief What a word means to a switch: 1, true, on or 0, false, off; nothing if it means nothing. */
+std::optional<bool>
+switchValue(const std::string& word);
+
+/** \brief The same arguments with one dash and a separate value each: --name=value is -name value. */
+std::vector<std::string>
+plainArguments(int argc, const char* const* argv);
+
 }  // namespace pcl_slim

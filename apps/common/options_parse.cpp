@@ -69,15 +69,6 @@ assignWhole(const std::string& text, double low, double high, void* target)
   return "";
 }
 
-/** What a word means to a switch; nothing if it means nothing. */
-std::optional<bool>
-switchValue(const std::string& word)
-{
-  if (word == "1" || word == "true" || word == "on") return true;
-  if (word == "0" || word == "false" || word == "off") return false;
-  return std::nullopt;
-}
-
 /** An option's name and, after "=", its value, of a word that starts with one dash or two. */
 struct OptionWord {
   std::string name;
@@ -92,6 +83,31 @@ struct OptionWord {
 };
 
 }  // namespace
+
+std::optional<bool>
+switchValue(const std::string& word)
+{
+  if (word == "1" || word == "true" || word == "on") return true;
+  if (word == "0" || word == "false" || word == "off") return false;
+  return std::nullopt;
+}
+
+std::vector<std::string>
+plainArguments(int argc, const char* const* argv)
+{
+  std::vector<std::string> plain;
+  for (int i = 0; i < argc; ++i) {
+    const std::string word = argv[i];
+    if (i == 0 || word.size() < 2 || word[0] != '-') {
+      plain.push_back(word);
+      continue;
+    }
+    const OptionWord option(word);
+    plain.push_back("-" + option.name);
+    if (option.value) plain.push_back(*option.value);
+  }
+  return plain;
+}
 
 /** Stores a value; the text returned, if any, says what the option wants instead. */
 std::string

@@ -69,7 +69,7 @@ declarePlanOptions(OptionTable& options, TileRequest& tiles)
 {
   options.text("plan", &tiles.plan, "DIR",
                "folder that keeps points and tiles until the surface is made: the same command "
-               "goes on with them");
+               "continues from them");
   options.text(
       "tiles", &tiles.range, "A:B|K/N",
       "with -plan: fit tiles A to before B only, or the K-th of N shares from 0 on, and keep "
@@ -98,7 +98,7 @@ openForTiles(const std::string& path, const FitJob& job, TileRequest& tiles, Con
   const bool needed = tiles.asked || raw || !tiles.plan.empty();
   if (impossible) return needed ? impossible : Error();
   Result<RecordLayout> layout = recordLayoutOf(path, job.use_normals);
-  // Other defects than a form that cannot be streamed are told by who loads the scan.
+  // Loading the scan reports any other defect than a form that cannot be streamed.
   if (!layout) return needed ? layout.error() : Error();
   const bool fits = fitsInMemory(layout->count, tiles);
   if (!needed && !wantsTiles(layout->count, tiles)) return {};

@@ -29,7 +29,7 @@ class Neighborhood {
   bool fillsVolume(double least_ratio) const;
 
   /** \brief Whether most neighbours are a patch that is far denser than the point's surroundings, and the
-   * point lies outside of it, off the plane or line that it lies along.
+   * point is outside of it, off its plane or line.
    * \param[in] closeness half of the neighbours have others within the eighth's distance over this.
    * \param[in] spreads least distance from the patch's mean, over its RMS distance from it.
    * \param[in] off least share of it that points away from plane or line. */

@@ -16,7 +16,7 @@ namespace pcl_slim {
  * denser patch, off whose plane it stands, or half of them are outliers. Where more than .5 % of the 4,096 points about are outliers, points closer to
  * the surface are looked at, too: those whose neighbours lie 1.5 times as far away as the median, and
  * which stand 4 times as far off the plane of 24 neighbours as these do themselves (RMS), neighbours
- * that are outliers left out; this is done twice, as one hides another.
+ * that are outliers left out; this is done again where it found more than .1 %, as one hides another.
  *
  * No decision depends on the axes, the order of the points or the unit of length.
  * \return stored points, ascending; none in clouds of fewer than 100 points. Same result for any number

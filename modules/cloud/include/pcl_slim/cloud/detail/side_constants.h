@@ -6,7 +6,7 @@
 
 namespace pcl_slim::detail {
 
-/** \brief How the two sides of thin parts are told apart before a fit (docs/theory.md, "Sides before
+/** \brief How the two sides of thin parts are found before a fit (docs/theory.md, "Sides before
  * the cover"). */
 struct SideConstants {
   static constexpr std::size_t kMostNeighbors = 36;
