@@ -21,8 +21,8 @@ enum ExitStatus : int {
  *
  * Options have one dash and a separate value, as PCL's tools do; two dashes and -name=value mean the
  * same. A switch may stand alone: -quiet is -quiet 1. A 0, 1, true, false, on or off right after a
- * switch is always its value, so a file of that name is written ./0 there. A target's value at the time of declaration is the default that the help shows;
- * targets must outlive parse().
+ * switch is always its value, so a file of that name is written ./0 there. A target's value at the
+ * time of declaration is the default that the help shows; targets must outlive parse().
  */
 class OptionTable {
  public:
