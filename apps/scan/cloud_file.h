@@ -20,7 +20,8 @@ enum class NormalSource { kNothing, kFields, kMesh, kEstimated };
  *
  * Coordinates are read in the file's own precision, in place where they lie as CloudView wants
  * them. Normals come from the fields normal_x normal_y normal_z or, for a mesh, from its faces,
- * weighted by area; vertices no face names then have none.
+ * weighted by area; vertices no face names then have none. A closed mesh whose faces face inwards is turned
+ * outwards.
  */
 struct CloudFile {
   PointFile file;
@@ -30,6 +31,7 @@ struct CloudFile {
       colors;  ///< blue green red of each point, where no field has them packed
   NormalSource normal_source = NormalSource::kNothing;
   bool double_precision = false;
+  bool turned_outwards = false;  ///< the faces are a closed mesh's, which faced inwards in the file
   std::uint64_t num_non_finite = 0;  ///< points with a NaN or infinite coordinate
 
   std::size_t size() const { return numPoints(file.cloud); }

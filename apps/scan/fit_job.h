@@ -33,6 +33,7 @@ struct FitJob {
   std::vector<double> viewpoint, noise_model;
   std::string correlation = "auto";
   bool compact = false, use_normals = true;
+  bool color = false;  ///< the surface gets the colours of the scan's points, where these have any
   int normal_neighbours = 0;
 };
 
@@ -43,6 +44,10 @@ declareFitOptions(OptionTable& options, FitJob& job);
 /** \brief Adds those of trim maps, for programs whose surface is kept or drawn; others make none. */
 void
 declareTrimOptions(OptionTable& options, FitJob& job);
+
+/** \brief Adds that of colours, for programs whose surface is kept, drawn or sampled; others fit none. */
+void
+declareColorOption(OptionTable& options, FitJob& job);
 
 /** \brief Brings the options read into the parameters and checks them. */
 Error
