@@ -8,7 +8,7 @@ namespace pcl_slim {
 namespace {
 
 constexpr int kTrimSide = 8;               ///< nodes a side of the trim maps that points carry
-constexpr std::size_t kBytesOfLine = 675;  ///< a multiple of 3: 900 characters of base64
+constexpr std::size_t kBytesOfLine = 300;  ///< a multiple of 3: 400 characters of base64
 const std::string kTrimLine = "pcl_slim trim_maps ";
 const std::string kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 

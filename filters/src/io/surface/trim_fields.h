@@ -19,7 +19,7 @@ void
 setCoarseTrimMaps(const std::vector<std::array<std::uint32_t, 2>>& maps, SLIMSurface& surface);
 
 /** \brief Appends the trim maps as they are, as lines "pcl_slim trim_maps BASE64", where 8 x 8 nodes do not
- * hold them. Lines are shorter than the 1000 characters that some readers of PLY files take. */
+ * hold them. Lines are shorter than the 511 characters that MeshLab takes. */
 void
 addTrimComments(const SLIMSurface& surface, std::vector<std::string>& comments);
 
