@@ -72,7 +72,8 @@ expect 2 'no curvature' pcl_slim_render splats.pcd x.html -mode mean
 absent x.html
 
 expect 2 'no curvature' pcl_slim_render splats.pcd x.png -mode mean
-expect 2 'no colours' pcl_slim_render surface.pcd x.png -mode color
+expect 0 '' pcl_slim_fit scan.pcd grey.pcd -color 0
+expect 2 'no colours' pcl_slim_render grey.pcd x.png -mode color
 expect 2 'neither a surface nor splats' pcl_slim_render scan.pcd x.png
 sed 's/normal_y/other/' foreign.pcd > lacking.pcd
 expect 2 'normal_y' pcl_slim_render lacking.pcd x.png
