@@ -8,6 +8,7 @@
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/progress.h"
 #include "pcl_slim/query/projection.h"
 #include "pcl_slim/surface/surface.h"
@@ -50,7 +51,7 @@ struct ProjectedPoint {
  * Holds no points itself: about 50 bytes a point, 82 with principal directions. The cloud behind
  * the view must live as long as this object is read.
  */
-class CloudProjection {
+class PCL_SLIM_EXPORT CloudProjection {
  public:
   CloudProjection() = default;
 

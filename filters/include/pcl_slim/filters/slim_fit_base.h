@@ -6,6 +6,7 @@
 
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/filters/controlled_run.h"
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/surface/surface.h"
@@ -17,7 +18,7 @@ namespace pcl_slim {
  * One setter and getter for each parameter; no setter changes another parameter. Values are
  * checked when fit() runs. FitParams says what each means and its default.
  */
-class SLIMFitBase : public ControlledRun {
+class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
  public:
   // Parameters -----------------------------------------------------------------------------------
 

@@ -171,4 +171,4 @@ SLIMCurvatureEstimation<PointInT, PointOutT>::write(const CloudProjection& proje
 }  // namespace pcl_slim
 
 #define PCL_SLIM_INSTANTIATE_SLIMCurvatureEstimation(In, Out) \
-  template class pcl_slim::SLIMCurvatureEstimation<In, Out>;
+  template class PCL_SLIM_EXPORT pcl_slim::SLIMCurvatureEstimation<In, Out>;

@@ -236,4 +236,5 @@ SLIMFit<PointT>::estimateNormals(std::vector<float>& estimated)
 
 }  // namespace pcl_slim
 
-#define PCL_SLIM_INSTANTIATE_SLIMFit(PointT) template class pcl_slim::SLIMFit<PointT>;
+#define PCL_SLIM_INSTANTIATE_SLIMFit(PointT) \
+  template class PCL_SLIM_EXPORT pcl_slim::SLIMFit<PointT>;

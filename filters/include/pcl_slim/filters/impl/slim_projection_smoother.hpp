@@ -163,4 +163,4 @@ SLIMProjectionSmoother<PointInT, PointOutT>::smoothed(const CloudProjection& pro
 }  // namespace pcl_slim
 
 #define PCL_SLIM_INSTANTIATE_SLIMProjectionSmoother(In, Out) \
-  template class pcl_slim::SLIMProjectionSmoother<In, Out>;
+  template class PCL_SLIM_EXPORT pcl_slim::SLIMProjectionSmoother<In, Out>;

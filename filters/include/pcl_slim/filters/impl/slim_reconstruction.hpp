@@ -103,4 +103,4 @@ SLIMReconstruction<PointT>::performReconstruction(PointCloud& points,
 }  // namespace pcl_slim
 
 #define PCL_SLIM_INSTANTIATE_SLIMReconstruction(PointT) \
-  template class pcl_slim::SLIMReconstruction<PointT>;
+  template class PCL_SLIM_EXPORT pcl_slim::SLIMReconstruction<PointT>;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/filters/point_slim.h"
 #include "pcl_slim/surface/surface.h"
 
@@ -31,12 +32,12 @@ struct SurfaceMetadata {
  * spacings. A .slim file keeps them as they are.
  * O(surfels). An empty surface gives an empty cloud.
  */
-SurfaceMetadata
+PCL_SLIM_EXPORT SurfaceMetadata
 toPCL(const SLIMSurface& surface, pcl::PointCloud<PointSLIM>& cloud);
 
 /** \brief The same as a field-described cloud with only the coefficients info.degree needs, and
  * without trim maps where every surfel is closed. */
-SurfaceMetadata
+PCL_SLIM_EXPORT SurfaceMetadata
 toPCL(const SLIMSurface& surface, pcl::PCLPointCloud2& cloud);
 
 /** \brief Makes a surface of surfels, with its links.
@@ -45,7 +46,7 @@ toPCL(const SLIMSurface& surface, pcl::PCLPointCloud2& cloud);
  * points, everything else takes SurfaceInfo's defaults, and normals count as not oriented.
  * \return an error when a surfel is not usable (NaN, radius not positive, degree not 1..4).
  */
-Result<SLIMSurface>
+PCL_SLIM_EXPORT Result<SLIMSurface>
 fromPCL(const pcl::PointCloud<PointSLIM>& cloud, const SurfaceMetadata* metadata = nullptr);
 
 /** \brief The same from fields of any numeric type, found by name.
@@ -53,11 +54,11 @@ fromPCL(const pcl::PointCloud<PointSLIM>& cloud, const SurfaceMetadata* metadata
  * Needed are x y z, normal_x.., radius and c0 c1 c2; degree, level, leaf, error and confidence
  * have defaults (the highest degree whose coefficients are there, 1, 1, 0, 0).
  */
-Result<SLIMSurface>
+PCL_SLIM_EXPORT Result<SLIMSurface>
 fromPCL(const pcl::PCLPointCloud2& cloud, const SurfaceMetadata* metadata = nullptr);
 
 /** \brief The metadata as lines "pcl_slim key value", which files carry as comments. */
-std::vector<std::string>
+PCL_SLIM_EXPORT std::vector<std::string>
 toComments(const SurfaceMetadata& metadata);
 
 /** \brief Reads the metadata among a file's comments.
@@ -65,7 +66,7 @@ toComments(const SurfaceMetadata& metadata);
  * \param[out] found whether there were any. \return an error for a value that cannot be read or
  * for lines a newer version wrote.
  */
-Error
+PCL_SLIM_EXPORT Error
 fromComments(const std::vector<std::string>& comments, SurfaceMetadata& metadata, bool& found);
 
 }  // namespace pcl_slim

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 
 namespace pcl_slim {
 
@@ -16,7 +17,7 @@ namespace pcl_slim {
  * present, three consecutive floats. A point whose coordinates are not finite is skipped; a
  * normal that is zero or not finite counts as missing for that point.
  */
-struct CloudView {
+struct PCL_SLIM_EXPORT CloudView {
   enum class Scalar : unsigned char { kFloat, kDouble };
 
   const void* xyz = nullptr;   ///< address of the first point's x

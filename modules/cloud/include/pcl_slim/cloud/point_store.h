@@ -12,6 +12,7 @@
 #include "pcl_slim/cloud/store_frame.h"
 #include "pcl_slim/core/aligned.h"
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 
 namespace pcl_slim {
 
@@ -41,7 +42,7 @@ struct PointStoreStatistics {
  * Same input, same store, for any number of threads. O(N) time, about 40 bytes a point while
  * building and 28 to 40 bytes a point after.
  */
-class PointStore {
+class PCL_SLIM_EXPORT PointStore {
  public:
   static constexpr std::size_t kBlock = 16;
   static constexpr float kFarAway = 1e15f;                ///< offset of padding in the last block

@@ -7,6 +7,7 @@
 
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/progress.h"
 #include "pcl_slim/surface/surface.h"
 
@@ -14,7 +15,7 @@ namespace pcl_slim {
 
 /** \brief Parameters of a SLIM fit. The defaults need no tuning; lengths marked [L] are shares of
  * the bounding-box diagonal. */
-struct FitParams {
+struct PCL_SLIM_EXPORT FitParams {
   int degree = 0;             ///< polynomial degree, 1..4; 0: 4, or 2 with sharp features
   double penalty = 0.0;       ///< kappa > 0: E = e^2 n/(n-P) + kappa lambda P / n (Mallows' Cp);
                               ///< 0: 3, or 1 with sharp features
@@ -124,13 +125,13 @@ struct FitStatistics {
  * \return an error for bad parameters, no points, points that are nowhere a surface
  * (ErrorCode::kNoSurface; the statistics are then told), or cancellation; surface is then empty.
  */
-Error
+PCL_SLIM_EXPORT Error
 fitSurface(const PointStore& store, const FitParams& params, SLIMSurface& surface,
            FitStatistics* statistics = nullptr, Progress* progress = nullptr);
 
 /** \brief The same; where points were given sides, the store keeps them, and projectPoints() puts each
  * point onto its own side. Sides of an earlier fit are dropped first. */
-Error
+PCL_SLIM_EXPORT Error
 fitSurface(PointStore& store, const FitParams& params, SLIMSurface& surface,
            FitStatistics* statistics = nullptr, Progress* progress = nullptr);
 

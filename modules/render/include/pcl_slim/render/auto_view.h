@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/render/bounding_spheres.h"
 #include "pcl_slim/render/camera.h"
 
@@ -17,7 +18,7 @@ enum class UpAxis : unsigned char { kAuto, kX, kY, kZ };
  * is up; positive azimuths turn the viewer to the right. Elevation 90 looks straight down.
  * \param[in] up kAuto counts as kZ; \param[in] azimuth, elevation degrees
  */
-ViewDirection
+PCL_SLIM_EXPORT ViewDirection
 viewFromAngles(UpAxis up, double azimuth, double elevation);
 
 /** \brief The upward axis an object suggests: z in map coordinates (both horizontal ones beyond 100
@@ -25,7 +26,7 @@ viewFromAngles(UpAxis up, double azimuth, double elevation);
  * clearly longer. If neither is, the one along which the normals of an oriented object point upwards
  * on average, as nothing that stands is measured from below; else the one at whose lower end the
  * object is flat; else z. Statues stand, terrain lies. O(spheres log spheres). */
-UpAxis
+PCL_SLIM_EXPORT UpAxis
 guessUpAxis(const BoundingSpheres& object);
 
 /** \brief A pleasant view of a whole object. O(spheres log spheres).
@@ -38,12 +39,12 @@ guessUpAxis(const BoundingSpheres& object);
  *   is -z, in the axes of a camera (x right, y down, z forward).
  * - Anything else is shown from the front, turned by 30 degrees and slightly from above.
  */
-ViewDirection
+PCL_SLIM_EXPORT ViewDirection
 chooseView(const BoundingSpheres& object, UpAxis up = UpAxis::kAuto);
 
 /** \brief The world direction that is upwards in the view of chooseView, however far that looks down:
  * the upward axis, or -y for what is shown in the axes of a camera. O(spheres log spheres). */
-std::array<double, 3>
+PCL_SLIM_EXPORT std::array<double, 3>
 upwardsIn(const BoundingSpheres& object, UpAxis up = UpAxis::kAuto);
 
 }  // namespace pcl_slim

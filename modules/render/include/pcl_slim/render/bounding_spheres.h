@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/splat/splat_set.h"
 #include "pcl_slim/surface/surface.h"
 
@@ -31,12 +32,12 @@ struct BoundingSpheres {
 };
 
 /** \brief The leaves' balls of a surface. O(surfels). */
-BoundingSpheres
+PCL_SLIM_EXPORT BoundingSpheres
 spheresOf(const SLIMSurface& surface);
 
 /** \brief The discs of a set, which must be valid (validateDiscs); their normals count as oriented,
  * so that discs which face one way are seen from there. O(discs). */
-BoundingSpheres
+PCL_SLIM_EXPORT BoundingSpheres
 spheresOf(const SplatSet& splats);
 
 }  // namespace pcl_slim

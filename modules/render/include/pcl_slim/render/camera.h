@@ -4,6 +4,7 @@
 #include <array>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/render/bounding_spheres.h"
 
 namespace pcl_slim {
@@ -19,7 +20,7 @@ struct ImageSize {
  * Pixel (0, 0) is the upper left one; rays pass through pixel centres. Depth is the distance
  * along the ray, whose direction has unit length.
  */
-struct Camera {
+struct PCL_SLIM_EXPORT Camera {
   enum class Projection : unsigned char { kPerspective, kOrthographic };
 
   Projection projection = Projection::kPerspective;
@@ -49,12 +50,12 @@ struct ViewDirection {
  * \param[in] margin share of the picture left free on each side, [0, 0.4];
  * \param[in] right_margin share of its width left free on the right besides, [0, 0.4]: for a bar
  */
-Camera
+PCL_SLIM_EXPORT Camera
 fitCamera(const BoundingSpheres& object, const ViewDirection& direction, const ImageSize& size,
           double fov = 30.0, double margin = 0.04, double right_margin = 0.0);
 
 /** \brief The same for parallel projection. */
-Camera
+PCL_SLIM_EXPORT Camera
 fitOrthographicCamera(const BoundingSpheres& object, const ViewDirection& direction,
                       const ImageSize& size, double margin = 0.04, double right_margin = 0.0);
 

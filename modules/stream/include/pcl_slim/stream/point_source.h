@@ -8,6 +8,7 @@
 
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 
 namespace pcl_slim {
 
@@ -32,7 +33,7 @@ class PointSource {
 };
 
 /** \brief A cloud in memory as a source. */
-class CloudSource : public PointSource {
+class PCL_SLIM_EXPORT CloudSource : public PointSource {
  public:
   /** \param[in] cloud without more than 2^32 - 2 points; must outlive this. */
   explicit CloudSource(const CloudView& cloud) : cloud_(cloud) {}

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/stream/point_source.h"
 
 namespace pcl_slim {
@@ -45,7 +46,7 @@ struct RecordLayout {
 };
 
 /** \brief The points of a file with records of one size, or of text, read in pieces of some megabytes. */
-class RecordSource : public PointSource {
+class PCL_SLIM_EXPORT RecordSource : public PointSource {
  public:
   explicit RecordSource(RecordLayout layout);
 

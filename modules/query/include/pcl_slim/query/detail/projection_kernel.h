@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/symmetric.h"
 #include "pcl_slim/surface/detail/trim_tables.h"
 #include "pcl_slim/surface/polynomial.h"
@@ -61,17 +62,17 @@ struct BlendRules {
 namespace kernels {
 
 /** \brief Pass 1: adds a leaf's normals, in the points' frame, to the ray directions. */
-void
+PCL_SLIM_EXPORT void
 addDirections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
               BlockSums& sums, LeafHeights& heights);
 
 /** \brief Makes the directions unit and clears the sums of pass 2; zero where nothing was added. */
-void
+PCL_SLIM_EXPORT void
 finishDirections(BlockSums& sums);
 
 /** \brief Pass 2: meets the rays p + t d with a leaf and adds what equations (6)-(8) blend.
  * \param[in] heights as pass 1 left them. */
-void
+PCL_SLIM_EXPORT void
 addIntersections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
                  const LeafHeights& heights, BlockSums& sums);
 
