@@ -120,6 +120,20 @@ struct TrimConstants {
   std::size_t sampled = 1024;  ///< points of an internal ball from which on samples of them do
 };
 
+/** \brief Where the data end (docs/theory.md, "Borders"). */
+struct BorderConstants {
+  double near = 3.0;              ///< [spacing] neighbours that give plane and sectors
+  double noise = 5.0;             ///< [RMS noise] least reach of these
+  std::size_t least_points = 12;  ///< of these
+  double blind = 0.3;             ///< [their reach] nearer ones point anywhere
+  double sector = 1.75;           ///< [radians] empty next to a border
+  double turn = 0.4;              ///< [radians] discs are also tried this much to either side
+  double far = 10.0;              ///< [spacing] a gap as wide needs no other side
+  double disc = 1.2;              ///< [smallest hole] chance leaves narrower discs empty
+  double rim_share = 0.8;         ///< of the neighbours expected on the other side of a gap
+  int places = 12;                ///< in a surfel's gaps whose rims are looked at
+};
+
 /** \brief Target error and number of surfels (docs/theory.md, section of that name). */
 struct PenaltySearchConstants {
   int most_covers = 12;           ///< covers that are tried
@@ -144,6 +158,7 @@ struct FitConstants {
   CoverConstants cover;
   OrientConstants orient;
   TrimConstants trim;
+  BorderConstants border;
   PenaltySearchConstants penalty_search;
 };
 
