@@ -13,6 +13,7 @@
 #include "page/page_request.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/render/shading.h"
 #include "render/camera_file.h"
 #include "render/frame_clock.h"
@@ -316,7 +317,7 @@ renderModel(const Settings& s, const Model& model, const Turntable& table, Conso
 }
 
 int
-run(const Settings& s)
+run(Settings& s)
 {
   if (Error error = limitMemory(s.max_memory))
     return pcl_slim::fail("pcl_slim_render", kExitUsage, error.message);
@@ -358,6 +359,10 @@ run(const Settings& s)
   const Result<BoundingSpheres> object = s.region.within(model->spheres());
   if (!object) return fail(console, kExitUsage, object.error());
   if (model->is_splats) model->splats = splatsWithin(model->splats, s.region.sides);
+  if (s.sides == "auto" && !s.view.given && s.region.sides.empty() && isSeenFromInside(*object)) {
+    s.sides = "front";
+    console.note("  seen from inside: drawn without its near side; -sides both draws that, too");
+  }
   const Turntable table(view, *object, s.turntable);
   const Camera camera = table.camera(0);
   FileTransaction files;

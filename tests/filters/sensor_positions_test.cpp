@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "pcl_slim/filters/color_octree_splat_sampler.h"
+#include "pcl_slim/filters/impl/color_octree_splat_sampler.hpp"
 #include "pcl_slim/filters/slim_curvature_estimation.h"
 #include "pcl_slim/filters/slim_fit.h"
 #include "pcl_slim/filters/slim_projection_smoother.h"
@@ -21,7 +21,8 @@ hollowSphere(int count, std::vector<Eigen::Vector3d>& sensors)
 {
   auto cloud = std::make_shared<pcl::PointCloud<PointT>>();
   for (int i = 0; i < count; ++i) {
-    const double z = 1 - (2 * i + 1.0) / count, turn = 2.399963229728653 * i, r = std::sqrt(1 - z * z);
+    const double z = 1 - (2 * i + 1.0) / count, turn = 2.399963229728653 * i,
+                 r = std::sqrt(1 - z * z);
     PointT point;
     point.x = static_cast<float>(r * std::cos(turn));
     point.y = static_cast<float>(r * std::sin(turn));
@@ -37,7 +38,8 @@ std::size_t
 numOutward(const pcl::PointCloud<PointT>& cloud)
 {
   std::size_t outward = 0;
-  for (const PointT& p : cloud) outward += p.x * p.normal_x + p.y * p.normal_y + p.z * p.normal_z > 0;
+  for (const PointT& p : cloud)
+    outward += p.x * p.normal_x + p.y * p.normal_y + p.z * p.normal_z > 0;
   return outward;
 }
 

@@ -17,7 +17,7 @@ class TrajectoryTest : public ::testing::Test {
  protected:
   Result<Trajectory> read(const std::string& text, const std::string& name = "path.txt")
   {
-    const std::string path = (folder_.path() / name).string();
+    const std::string path = folder_ / name;
     std::ofstream(path) << text;
     return loadTrajectory(path);
   }
@@ -92,19 +92,21 @@ TEST_F(TrajectoryTest, RefusesWhatIsNone)
   refuses("time,x,y,z\n1,2,3,4\n1,2,3,5\n", "two places at time 1");
   refuses("1 2 3 4\n2 nan 4 5\n", "lacks a number");
   refuses("1 2 3 4\n2 3 4\n", "line 2");
-  EXPECT_FALSE(loadTrajectory((folder_.path() / "missing.txt").string()));
+  EXPECT_FALSE(loadTrajectory(folder_ / "missing.txt"));
 }
 
 TEST_F(TrajectoryTest, GivesPlacesBetweenPlaces)
 {
   const auto path = read("1e9 0 0 0\n1000000002 2 4 500000.25\n1000000003 2 4 500001.25\n");
   ASSERT_TRUE(path);
-  PointFile file = timedPoints<double>({1e9, 1e9 + 0.5, 1e9 + 2, 1e9 + 3, 1e9 + 1}, "gps_time", kDouble);
+  PointFile file =
+      timedPoints<double>({1e9, 1e9 + 0.5, 1e9 + 2, 1e9 + 3, 1e9 + 1}, "gps_time", kDouble);
   const float nan = std::nanf("");
   std::memcpy(&file.cloud.data[4 * file.cloud.point_step + 4], &nan, 4);
   const auto places = sensorPlaces(*path, file);
   ASSERT_TRUE(places) << places.error().message;
-  const std::vector<double> expected = {0, 0, 0, 0.5, 1, 125000.0625, 2, 4, 500000.25, 2, 4, 500001.25};
+  const std::vector<double> expected = {0, 0, 0,         0.5, 1, 125000.0625,
+                                        2, 4, 500000.25, 2,   4, 500001.25};
   for (std::size_t k = 0; k < expected.size(); ++k) EXPECT_EQ((*places)[k], expected[k]) << k;
   EXPECT_TRUE(std::isnan((*places)[12])) << "a point that is nowhere";
   // The same by a field of another name, whole numbers, and an offset.
