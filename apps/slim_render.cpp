@@ -13,7 +13,6 @@
 #include "page/page_request.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/core/parallel.h"
-#include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/render/shading.h"
 #include "render/camera_file.h"
 #include "render/frame_clock.h"
@@ -343,7 +342,6 @@ run(Settings& s)
     console.note("  splats left out: " + std::to_string(model->skipped) +
                  " not finite or without a normal");
   }
-
   if (model->is_splats && s.lines.any()) {
     return fail(
         console, kExitUsage,
@@ -359,7 +357,7 @@ run(Settings& s)
   const Result<BoundingSpheres> object = s.region.within(model->spheres());
   if (!object) return fail(console, kExitUsage, object.error());
   if (model->is_splats) model->splats = splatsWithin(model->splats, s.region.sides);
-  if (s.sides == "auto" && !s.view.given && s.region.sides.empty() && isSeenFromInside(*object)) {
+  if (s.sides == "auto" && s.region.sides.empty() && s.view.opens(*object)) {
     s.sides = "front";
     console.note("  seen from inside: drawn without its near side; -sides both draws that, too");
   }

@@ -234,6 +234,12 @@ unusedNotes(const FitJob& job, const CloudFile& cloud, const FitStatistics& fit)
   }
   if (job.params.sharp_features && cloud.normal_source == NormalSource::kNothing)
     notes.push_back("  -sharp has no effect: it needs normals; give -estimate_normals");
+  if (!job.use_normals && job.normal_neighbours > 0)
+    notes.push_back("  -use_normals 0 has no effect: estimated normals replace the scan's own");
+  if (!job.params.trim && job.params.hole_size != FitParams().hole_size)
+    notes.push_back("  -hole has no effect: -trim 0 keeps no borders");
+  if (job.params.paper_mode && job.params.keep_outliers)
+    notes.push_back("  -outliers has no effect: -paper fits all points");
   const bool own =
       cloud.normal_source == NormalSource::kFields || cloud.normal_source == NormalSource::kMesh;
   const bool places = job.params.has_viewpoint || !job.trajectory.empty();
@@ -278,6 +284,8 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
   console.done(watch.seconds(), std::to_string(statistics.leaves) + " leaves, " +
                                     counted(surface.numLevels(), "level"));
   console.note("  " + noiseText(store->diagonal() * store->scale(), statistics));
+  if (job.params.target_error > 0 || job.params.max_surfels > 0)
+    console.note("  " + solvedText(statistics));
   if (statistics.sided > 0) console.note("  " + sidesText(statistics));
   for (const std::string& note : unusedNotes(job, cloud, statistics)) console.note(note);
   for (const std::string& note : coverNotes(statistics)) console.note(note);

@@ -133,6 +133,15 @@ noiseText(double diagonal, const FitStatistics& fit)
 }
 
 std::string
+solvedText(const FitStatistics& fit)
+{
+  char text[160];
+  std::snprintf(text, sizeof(text), "solved: penalty %.3g, residual %.3g of the diagonal", fit.penalty,
+                fit.rms_error);
+  return text;
+}
+
+std::string
 sidesText(const FitStatistics& fit)
 {
   if (fit.sided == 0) return "";

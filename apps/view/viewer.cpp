@@ -6,6 +6,8 @@
 #include <vtkRenderWindowInteractor.h>
 #include <vtkRenderer.h>
 
+#include <algorithm>
+
 #include "pcl_slim/visualization/scalar_bar.h"
 #include "pcl_slim/visualization/slim_mapper.h"
 #include "view/readout.h"
@@ -188,7 +190,9 @@ Viewer::updateBackground()
 void
 Viewer::onResized()
 {
-  overlay_.fitTo(window_->GetSize()[0], window_->GetSize()[1]);
+  const int width = window_->GetSize()[0], height = window_->GetSize()[1];
+  overlay_.fitTo(width, height);
+  scene_.setBarLetters(static_cast<int>(13 * std::max(0.6, Overlay::letterScale(width, height))));
 }
 
 void

@@ -72,6 +72,19 @@ done
 grep -q '"sensors": "fields"' own.json || complain "$(grep '"sensors"' own.json)"
 grep -q '"sensors": "trajectory"' tum.json || complain "$(grep '"sensors"' tum.json)"
 
+# The same through PLY and LAS, whose extra bytes hold the places and whose own field the times.
+for form in ply las; do
+  expect 0 '' pcl_slim_smooth own.pcd own.$form
+  expect 0 '' pcl_slim_smooth own.$form smooth.$form -normals 1 -json $form.json
+  grep -q '"sensors": "fields"' $form.json || complain "$form: $(grep '"sensors"' $form.json)"
+  grep -q '"sides_from": "sensors"' $form.json || complain "$form: $(grep sides_from $form.json)"
+done
+header smooth.ply 'property float vp_z'
+grep -aq vp_z smooth.las || complain 'smooth.las has no vp_z'
+expect 0 '' pcl_slim_smooth timed.pcd timed.las
+expect 0 '' pcl_slim_smooth timed.las smooth.las -trajectory drive.txt -json las.json
+grep -q '"sensors": "trajectory"' las.json || complain "$(grep '"sensors"' las.json)"
+
 # One place does not do; it wins all the same where it is given.
 expect 0 '' pcl_slim_smooth own.pcd one.pcd -normals 1 -viewpoint 0,0,2 -json one.json
 [ "$(right one.pcd 11 7 8)" -lt 950 ] || complain 'a single place orients the streets'

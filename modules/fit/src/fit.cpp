@@ -82,6 +82,7 @@ fitStages(const FitConstants& constants, const FitParams& params, SidedStore& si
   stats.seconds_sides = watch.lap();
   const PointStore& store = sided.store();
 
+  const double measured = settings.energy.lambda;
   if (params.target_error > 0 || params.max_surfels > 0) {
     if (Error error = solvePenalty(store, params, settings, stats.threads, progress)) return error;
   }
@@ -107,6 +108,10 @@ fitStages(const FitConstants& constants, const FitParams& params, SidedStore& si
   stats.seconds_trim = watch.lap();
 
   countFit(store, cover, surface, stats);
+  if (measured > 0 && settings.energy.lambda != measured) {  // penalties act through lambda
+    stats.penalty *= settings.energy.lambda / measured;
+    stats.lambda *= measured / settings.energy.lambda;
+  }
   return checkLeaves(store, stats);
 }
 
