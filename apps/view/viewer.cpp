@@ -88,6 +88,8 @@ Viewer::begin()
     const std::string automatic = scene_.hasColors() ? "color" : "shaded";
     const std::string& name = settings_.mode == "auto" ? automatic : settings_.mode;
     if (const auto mode = displayModeOf(name)) scene_.setMode(*mode, settings_.range);
+    if (settings_.region.sides.empty() && settings_.view.opens(scene_.spheres()))
+      mapper->setSides(VisibleSides::kFront);
   }
   if (SLIMMapper* surface = scene_.surfaceMapper()) {
     surface->setBackend(backendOf(settings_.backend));
