@@ -47,7 +47,8 @@ PCL_SLIM_EXPORT SLIMMapper*
 getSLIMMapper(pcl::visualization::PCLVisualizer& viewer, const std::string& id = "slim");
 
 /** \brief Chooses what a surface's colours show. With a mode that shows numbers a scalar bar
- * appears, with another it goes. \param[in] range curvature of full colour; 0: automatic. */
+ * appears in the surface's viewports, its text light or dark as their background is not; with another it
+ * goes. \param[in] range curvature of full colour; 0: automatic. */
 PCL_SLIM_EXPORT bool
 setSLIMSurfaceMode(pcl::visualization::PCLVisualizer& viewer, DisplayMode mode, double range = 0.0,
                    const std::string& id = "slim");

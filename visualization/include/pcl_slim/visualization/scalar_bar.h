@@ -26,6 +26,14 @@ titleOf(DisplayMode mode);
 vtkSmartPointer<vtkScalarBarActor>
 makeScalarBar(GBufferMapper& mapper, const std::string& unit = "");
 
+/** \brief Makes a bar's text light on a dark background of a renderer, dark on a light one. */
+PCL_SLIM_EXPORT void
+contrastWith(vtkRenderer* renderer, vtkScalarBarActor* bar);
+
+/** \brief Sets the size of a bar's letters in pixels; 13 unless set. */
+PCL_SLIM_EXPORT void
+setLetters(vtkScalarBarActor* bar, int pixels);
+
 /** \brief The clay of pcl_slim_render's pictures: colour and highlight. */
 PCL_SLIM_EXPORT void
 setClayLook(vtkProperty* property);

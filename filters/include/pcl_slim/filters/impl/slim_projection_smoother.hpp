@@ -42,7 +42,8 @@ void
 SLIMProjectionSmoother<PointInT, PointOutT>::performProcessing(PointCloudOut& output)
 {
   corresponding_.reset();
-  CloudDescription<PointInT> description(input_, use_indices_ ? indices_ : nullptr, params_);
+  CloudDescription<PointInT> description(input_, use_indices_ ? indices_ : nullptr, params_,
+                                         sensors_);
   description.setInputNormals(normals_);
   description.setSearchMethod(search_);
   description.setNormalEstimationNeighbors(normal_neighbours_);

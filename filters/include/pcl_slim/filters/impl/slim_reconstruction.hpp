@@ -16,8 +16,8 @@ bool
 SLIMReconstruction<PointT>::run()
 {
   clearMesh();
-  CloudDescription<PointT> description(input_, use_indices_ ? indices_ : pcl::IndicesPtr(),
-                                       params_);
+  CloudDescription<PointT> description(input_, use_indices_ ? indices_ : pcl::IndicesPtr(), params_,
+                                       sensors_);
   description.setInputNormals(normals_);
   bool done = description.describe();
   if (!done) {

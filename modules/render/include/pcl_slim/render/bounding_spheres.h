@@ -15,6 +15,7 @@ struct BoundingSphere {
   std::array<float, 3> center;
   float radius;
   std::array<float, 3> normal;  ///< unit length
+  float points = 1;             ///< scanned points behind the piece: what it weighs in a view
 };
 
 /** \brief An object as the spheres that enclose its pieces: what cameras look at.

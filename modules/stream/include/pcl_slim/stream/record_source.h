@@ -43,6 +43,7 @@ struct RecordLayout {
   std::array<Field, 3> position;
   std::optional<std::array<Field, 3>> normal;
   std::optional<std::array<double, 3>> sensor;
+  bool has_sensors = false;  ///< records also hold places that each point was seen from: not read
 };
 
 /** \brief The points of a file with records of one size, or of text, read in pieces of some megabytes. */

@@ -71,6 +71,7 @@ measureRaisedProfile(const PointStore& store, const NoiseLevel& level,
 /** \brief RMS error along the ray from a sensor, a + b z + c z^2 at distance z; local lengths. */
 struct RangeError {
   Vector3 sensor{};
+  bool own_sensors = false;  ///< each point's, as the store has them
   double a = 0, b = 0, c = 0;
 };
 

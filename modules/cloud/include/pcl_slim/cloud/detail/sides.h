@@ -21,8 +21,8 @@ struct Sides {
 };
 
 /** \brief Finds sides of a cloud without normals: normals of cells from the moments of the cells about
- * them, signs by greedy contraction of the graph of cells. O(n log n); same result for any number
- * of threads. \param[in] noise RMS distance of points from the surface, local length
+ * them, signs by greedy contraction of the graph of cells or, where points have sensors, by these.
+ * O(n log n); same result for any number of threads. \param[in] noise RMS distance of points from the surface, local length
  * \param[in] spacing distance of neighbouring points, local length */
 PCL_SLIM_EXPORT Sides
 findSides(const PointStore& store, double noise, double spacing, const SideConstants& constants,

@@ -35,7 +35,7 @@ struct BlockPoints {
 /** \brief Sums over the leaves of a block's 16 points; columns per point. */
 struct BlockSums {
   alignas(64) float direction[3][16];  ///< sum w n of pass 1, then the unit ray direction
-  alignas(64) float weight[16];        ///< sum w
+  alignas(64) float weight[16];        ///< of pass 1: sum +-w, if leaves need alignment; then sum w
   alignas(64) float offset[16];        ///< sum w t
   alignas(64) float outside[16];       ///< sum w outside: of the trim maps, see outsideShare
   alignas(64) float gradient[3][16];   ///< sum w grad f
