@@ -5,6 +5,7 @@
 #include <string>
 
 #include "common/memory_limit.h"
+#include "pcl_slim/cloud/file_shift.h"
 #include "pcl_slim/filters/io/splat_conversion.h"
 #include "pcl_slim/splat/hole_check.h"
 #include "pcl_slim/splat/splat_sampling.h"
@@ -187,8 +188,8 @@ makeSplats(Settings& s, const CloudFile& cloud, Console& console, Report& report
   if (Error error = sample(s, cloud, console, report, *splats)) return error;
   if (console.interrupted()) return {};
   if (Error error = lookForHoles(s, cloud, *splats, console, report)) return error;
-  result.save = [&s, splats] {
-    return savePointFile(s.files.output, toPointFile(*splats, splatShift(*splats)));
+  result.save = [&s, splats, shift = fileShift(cloud.view(false))] {
+    return savePointFile(s.files.output, toPointFile(*splats, shift));
   };
   result.detail = std::to_string(splats->size()) + " splats";
   return {};

@@ -2,6 +2,7 @@
 // pcl_slim_mesh: triangulates the SLIM surface of a scan.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "common/memory_limit.h"
@@ -12,6 +13,7 @@
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/filters/mesh_colors.h"
 #include "pcl_slim/mesh/mesh_extraction.h"
+#include "pcl_slim/query/surface_colors.h"
 #include "scan/fit_job.h"
 #include "scan/fit_report.h"
 
@@ -27,7 +29,7 @@ struct Settings {
   FitJob job;
   MeshParams mesh;
   double tolerance_noise = 0;
-  bool color = false;
+  std::optional<bool> color;  ///< not given: where there are colours
   std::uint64_t max_memory = 0;
   bool quiet = false;
 };
@@ -48,7 +50,9 @@ declareMeshOptions(OptionTable& options, Settings& s)
   options.number("min_component", &s.mesh.min_component_points, 0, 1e12,
                  "leave out pieces on which fewer points lie; 0: keep all");
   options.integer("relax", &s.mesh.relax, 0, 100, "rounds that make triangles more even");
-  options.toggle("color", &s.color, "colour the vertices from the scan's points");
+  options.toggle("color", &s.color,
+                 "colour the vertices from the scan's points or, without a scan, from the surface",
+                 "where there are colours");
   options.exclusive({"tol", "tol_noise"});
 }
 
@@ -140,12 +144,12 @@ loadInput(const Settings& s, Console& console, Report& report, Input& input)
       return {ErrorCode::kBadArgument,
               "'" + s.input + "' is a surface itself: leave -surface out, or name a scan"};
     }
-    if (s.color) {
-      return {ErrorCode::kBadArgument, "-color needs the scan: name it, with -surface " + s.input};
-    }
-    return loadGiven(s.input, console, report, input);
+    if (Error error = loadGiven(s.input, console, report, input)) return error;
+    if (s.color != true || input.surface.hasColors()) return {};
+    return {ErrorCode::kBadArgument,
+            "the surface has no colours: name its scan, with -surface " + s.input};
   }
-  if (s.color && colorsOf(input.cloud).bgr == nullptr) {
+  if (s.color == true && colorsOf(input.cloud).bgr == nullptr) {
     return badInput("'" + s.input +
                     "' has no colours (rgb, rgba or red green blue); leave -color out");
   }
@@ -224,8 +228,11 @@ work(const Settings& s, const Input& input, Console& console, Report& report, Tr
   if (console.interrupted()) return {};
   const SLIMSurface& surface = input.has_surface ? input.surface : fitted;
   if (Error error = makeMesh(s, surface, console, report, mesh)) return error;
-  if (!s.color) return {};
-  return colorFromPoints(input.cloud.view(false), colorsOf(input.cloud), s.mesh.threads, mesh);
+  if (s.color == false) return {};
+  const ColorView colors = input.has_cloud ? colorsOf(input.cloud) : ColorView();
+  if (colors.bgr) return colorFromPoints(input.cloud.view(false), colors, s.mesh.threads, mesh);
+  mesh.colors = surfaceColors(surface, mesh.vertices, mesh.normals, s.mesh.threads);
+  return {};
 }
 
 int

@@ -224,7 +224,7 @@ renderTracedModel(const Settings& s, const Model& model, const Turntable& table,
   RayTracer tracer =
       model.is_splats ? RayTracer(model.splats, s.threads) : RayTracer(model.surface, s.threads);
   TraceParams params = tracingOf(s);
-  const ShadingParams shading = s.picture.shadingFor(model.splats.hasColors(), s.threads);
+  const ShadingParams shading = s.picture.shadingFor(model.hasColors(), s.threads);
   // Lines are found in what the rasteriser sees of the same camera.
   std::optional<SurfaceRenderer> renderer;
   if (s.lines.any()) renderer.emplace(model.surface, s.threads);

@@ -40,6 +40,7 @@ declareOptions(Settings& s)
                   "how many points, in place of -spacing; 0: as the spacing says");
   declareFitOptions(options, s.job);
   declareTrimOptions(options, s.job);
+  declareColorOption(options, s.job);
   declareReport(options, s.files);
   options.exclusive({"spacing", "number"});
   return options;
@@ -97,6 +98,7 @@ toFile(const SurfaceSamples& samples)
   file = withRealFields(file, {"x", "y", "z"}, far ? wide : real);
   file = withRealFields(
       file, {"normal_x", "normal_y", "normal_z", "curvature", "gaussian_curvature"}, real);
+  if (!samples.color.empty()) file = withRealFields(file, {"rgb"}, real);
   std::vector<FieldWriter> fields;
   for (const auto& field : file.cloud.fields) fields.emplace_back(file.cloud, field.name);
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -106,6 +108,9 @@ toFile(const SurfaceSamples& samples)
     }
     fields[6].set(i, samples.curvature[i][0]);
     fields[7].set(i, samples.curvature[i][1]);
+    if (samples.color.empty()) continue;
+    auto* bgr = file.cloud.data.data() + i * file.cloud.point_step + file.cloud.fields[8].offset;
+    for (std::size_t c = 0; c < 3; ++c) bgr[2 - c] = samples.color[i][c];
   }
   return file;
 }

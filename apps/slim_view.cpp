@@ -39,9 +39,10 @@ declareOptions(Settings& s)
   s.viewer.view.declareSize(table);
   std::vector<std::string> modes = displayModeNames();
   modes.insert(modes.begin(), "auto");
-  table.choice("mode", &s.viewer.mode, modes,
-               "what the colours show; auto: surfaces and splats without colours shaded, others in "
-               "their colours");
+  table.choice(
+      "mode", &s.viewer.mode, modes,
+      "what the colours show; auto: surfaces and splats that have colours in these, others "
+      "shaded");
   table.number("range", &s.viewer.range, 0.0, 1e300, "curvature or error of full colour",
                "automatic");
   table.toggle("balls", &s.viewer.balls, "balls of the leaves, coloured by size");
@@ -64,6 +65,7 @@ declareOptions(Settings& s)
   table.text("screenshot", &s.screenshot, "FILE.png", "save a picture instead of opening a window");
   declareFitOptions(table, s.fit);
   declareTrimOptions(table, s.fit);
+  declareColorOption(table, s.fit);
   table.toggle("quiet", &s.quiet, "print nothing");
   return table;
 }
@@ -73,7 +75,8 @@ int
 showScan(const Settings& s, const CloudFile& cloud, Console& console)
 {
   Viewer viewer(s.viewer, s.screenshot.empty());
-  viewer.scene().setPoints(cloud.view(s.fit.use_normals));
+  viewer.scene().setPoints(cloud.view(s.fit.use_normals),
+                           s.fit.color ? colorsOf(cloud) : ColorView());
   if (s.screenshot.empty()) {
     viewer.begin();
     FitTask task(s.fit, cloud);

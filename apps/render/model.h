@@ -18,6 +18,8 @@ struct Model {
   SplatSet splats;            ///< empty of a surface
   std::uint64_t skipped = 0;  ///< splats left out: not finite or without a normal
 
+  /** \brief Whether it has colours of its own. */
+  bool hasColors() const { return is_splats ? splats.hasColors() : surface.hasColors(); }
   /** \brief "5000 leaves of 5329 surfels" or "17307 splats". */
   std::string describe() const;
   /** \brief What cameras look at. */

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "pcl_slim/filters/pcl_normals.h"
+#include "scan/closed_mesh.h"
 
 namespace pcl_slim {
 
@@ -115,7 +116,10 @@ adoptNormals(CloudFile& cloud)
       cloud.normals = copyTriple<float>(cloud.file.cloud, fields);
     }
   } else if (cloud.file.numFaces() > 0) {
-    cloud.normals = meshNormals(cloud.file, cloud.view());
+    const CloudView view = cloud.view();
+    cloud.turned_outwards =
+        turnOutwards([&](std::uint32_t i) { return position(view, i); }, cloud.file);
+    cloud.normals = meshNormals(cloud.file, view);
     cloud.normal_source = NormalSource::kMesh;
   }
 }

@@ -20,8 +20,9 @@ enum class NormalSource { kNothing, kFields, kMesh, kEstimated };
  *
  * Coordinates are read in the file's own precision, in place where they lie as CloudView wants
  * them. Normals come from the fields normal_x normal_y normal_z or, for a mesh, from its faces,
- * weighted by area; vertices no face names then have none. The places that points were seen from come
- * from the fields vp_x vp_y vp_z, unless all of them are zero.
+ * weighted by area; vertices no face names then have none. A closed mesh whose faces face inwards is turned
+ * outwards. The places that points were seen from come from the fields vp_x vp_y vp_z, unless all of them are
+ * zero.
  */
 struct CloudFile {
   PointFile file;
@@ -33,6 +34,7 @@ struct CloudFile {
       colors;  ///< blue green red of each point, where no field has them packed
   NormalSource normal_source = NormalSource::kNothing;
   bool double_precision = false;
+  bool turned_outwards = false;  ///< the faces are a closed mesh's, which faced inwards in the file
   std::uint64_t num_non_finite = 0;  ///< points with a NaN or infinite coordinate
 
   std::size_t size() const { return numPoints(file.cloud); }

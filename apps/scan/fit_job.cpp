@@ -9,6 +9,7 @@
 
 #include "common/memory_limit.h"
 #include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/fit/fit_colors.h"
 #include "pcl_slim/filters/io/trajectory.h"
 #include "scan/fit_report.h"
 
@@ -111,6 +112,13 @@ declareTrimOptions(OptionTable& options, FitJob& job)
                  "diameter of the smallest hole kept, in spacings of the points");
 }
 
+void
+declareColorOption(OptionTable& options, FitJob& job)
+{
+  job.color = true;
+  options.toggle("color", &job.color, "give the surface the colours of the scan's points");
+}
+
 namespace {
 
 /** What -correlation and -noise_model say. */
@@ -191,6 +199,8 @@ loadScan(const std::string& path, const FitJob& job, Console& console, Report& r
   report.json()["points"] = cloud->size();
   report.time("load", watch.seconds());
   console.done(watch.seconds(), counted(cloud->size(), "point"));
+  if (cloud->turned_outwards)
+    console.note("  the mesh is closed and inside out: its faces are turned outwards");
   if (!cloud->file.columns.empty()) {
     console.note("  columns: " + cloud->file.columns);
     report.json()["columns"] = cloud->file.columns;
@@ -279,6 +289,8 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
     console.failed();
     return error;
   }
+  if (!error && job.color)
+    error = fitColors(*store, cloud.view(), colorsOf(cloud), job.params.threads, surface);
   report.time("fit", watch.seconds());
   reportFit(fittedPoints(*store), surface, statistics, report);
   console.done(watch.seconds(), std::to_string(statistics.leaves) + " leaves, " +

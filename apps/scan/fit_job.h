@@ -35,6 +35,7 @@ struct FitJob {
   double time_offset = 0;
   std::string correlation = "auto";
   bool compact = false, use_normals = true;
+  bool color = false;  ///< the surface gets the colours of the scan's points, where these have any
   int normal_neighbours = 0;
 };
 
@@ -49,6 +50,10 @@ declareSensorOptions(OptionTable& options, FitJob& job, const std::string& viewp
 /** \brief Adds those of trim maps, for programs whose surface is kept or drawn; others make none. */
 void
 declareTrimOptions(OptionTable& options, FitJob& job);
+
+/** \brief Adds that of colours, for programs whose surface is kept, drawn or sampled; others fit none. */
+void
+declareColorOption(OptionTable& options, FitJob& job);
 
 /** \brief Brings the options read into the parameters and checks them. */
 Error

@@ -29,6 +29,7 @@ declareOptions(const char* program, const char* version, Settings& s)
   options.positional("OUT.pcd|.ply|.vtp|.slim", &s.files.output, "the surface");
   declareFitOptions(options, s.job);
   declareTrimOptions(options, s.job);
+  declareColorOption(options, s.job);
   declareTileOptions(options, s.tiles);
   declarePlanOptions(options, s.tiles);
   declareReport(options, s.files);
@@ -50,10 +51,6 @@ makeSurface(const Settings& s, const CloudFile& cloud, Console& console, Report&
 {
   const auto surface = std::make_shared<SLIMSurface>();
   if (Error error = fitScan(s.job, cloud, console, report, *surface)) return error;
-  if (lowerExtension(s.files.output) != ".slim" && surface->hasTrimMaps()) {
-    console.note(
-        "  borders are rounded to 8 x 8 bits a ball in this format; .slim has them in full");
-  }
   result.save = [&s, surface] { return saveSurface(s.files.output, *surface); };
   result.detail = std::to_string(surface->size()) + " surfels";
   return {};

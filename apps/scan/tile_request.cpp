@@ -122,6 +122,7 @@ openForTiles(const std::string& path, const FitJob& job, TileRequest& tiles, Con
                  (fits ? "has more points than two tiles" : "does not fit into memory") +
                  ": it is fitted by tiles");
   }
+  if (job.color && layout->colors) console.note("  a fit by tiles leaves the scan's colours out");
   tiles.source_name = nameOf(path);
   source = std::make_unique<RecordSource>(std::move(*layout));
   return {};

@@ -6,6 +6,7 @@
 
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/fit/fit.h"
+#include "pcl_slim/fit/fit_colors.h"
 
 namespace pcl_slim {
 
@@ -52,6 +53,8 @@ FitTask::run()
     return;
   }
   error_ = fitSurface(*store, job_.params, *surface_, nullptr, &progress_);
+  if (!error_ && job_.color)
+    error_ = fitColors(*store, cloud_.view(), colorsOf(cloud_), job_.params.threads, *surface_);
 }
 
 }  // namespace pcl_slim

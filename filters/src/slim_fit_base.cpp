@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "pcl_slim/fit/fit_colors.h"
+
 namespace pcl_slim {
 
 void
@@ -64,7 +66,7 @@ SLIMFitBase::fitStore(PointStore& store, const CloudView& cloud, SLIMSurface& su
 }
 
 bool
-SLIMFitBase::run(const CloudView& cloud, SLIMSurface& surface)
+SLIMFitBase::run(const CloudView& cloud, SLIMSurface& surface, const ColorView& colors)
 {
   const CancellableRun cancellable(control_.progress);
   error_ = params_.validate();
@@ -73,7 +75,8 @@ SLIMFitBase::run(const CloudView& cloud, SLIMSurface& surface)
     Result<PointStore> store = PointStore::build(cloud, params_.threads);
     if (!store) return store.error();
     input_statistics_ = store->statistics();
-    return fitStore(*store, cloud, surface);
+    if (Error error = fitStore(*store, cloud, surface)) return error;
+    return fitColors(*store, cloud, colors, params_.threads, surface);
   });
   if (!done) surface = SLIMSurface();
   return done;

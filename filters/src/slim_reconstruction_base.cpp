@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "pcl_slim/filters/mesh_colors.h"
+#include "pcl_slim/query/surface_colors.h"
 
 namespace pcl_slim {
 
@@ -53,8 +54,11 @@ SLIMReconstructionBase::makeMesh(const CloudView& cloud, const ColorView& colors
     if (Error error = extractMesh(*surface, params, mesh_, &mesh_statistics_, &control_.progress)) {
       return error;
     }
-    if (!colors_ || colors.bgr == nullptr) return {};
-    return colorFromPoints(cloud, colors, params.threads, mesh_);
+    if (colors_ && colors.bgr != nullptr)
+      return colorFromPoints(cloud, colors, params.threads, mesh_);
+    if (colors_)
+      mesh_.colors = surfaceColors(*surface, mesh_.vertices, mesh_.normals, params.threads);
+    return {};
   });
   if (!done) {
     mesh_.clear();

@@ -52,6 +52,41 @@ expect 0 '' mesh.stl mesh.slim -json mesh.json
 [ "$(value mesh.json points)" = 961 ] || complain "corners of facets are not joined"
 [ "$(value mesh.json normals)" = '"mesh"' ] || complain "no normals of facets"
 
+# A closed mesh inside out is turned outwards; an open one keeps its side.
+awk 'BEGIN { n = 24; m = 48; pi = 3.14159265358979
+  print "v 0 0 3"; print "v 0 0 -3"
+  for (j = 1; j < n; ++j) for (i = 0; i < m; ++i)
+    print "v", 3 * sin(pi * j / n) * cos(2 * pi * i / m), 3 * sin(pi * j / n) * sin(2 * pi * i / m), 3 * cos(pi * j / n)
+  for (i = 0; i < m; ++i) {
+    k = (i + 1) % m
+    print "f", 1, 3 + i, 3 + k
+    for (j = 0; j < n - 2; ++j) print "f", 3 + j * m + i, 3 + (j + 1) * m + i, 3 + (j + 1) * m + k, 3 + j * m + k
+    print "f", 2, 3 + (n - 2) * m + k, 3 + (n - 2) * m + i
+  } }' > ball.obj
+awk '$1 == "f" { printf "f"; for (k = NF; k > 1; --k) printf " %s", $k; print ""; next } { print }' ball.obj > inside_out.obj
+expect 0 '' ball.obj ball.slim
+! grep -q 'inside out' out.txt || complain "a mesh is turned that faces outwards"
+expect 0 '' inside_out.obj turned.slim
+[ "$(grep -c 'closed and inside out' out.txt)" = 1 ] || complain "it does not say that the mesh is turned"
+same ball.slim turned.slim
+sed '/^f 1 3 4$/d' ball.obj > open.obj
+awk '$1 == "f" { printf "f"; for (k = NF; k > 1; --k) printf " %s", $k; print ""; next } { print }' open.obj > open_inside.obj
+expect 0 '' open_inside.obj open.slim
+! grep -q 'inside out' out.txt || complain "an open mesh is turned"
+"$bin/pcl_slim_smooth" inside_out.obj turned.ply -quiet && "$bin/pcl_slim_smooth" ball.obj outside.ply -quiet ||
+  complain "pcl_slim_smooth failed"
+same outside.ply turned.ply
+
+# Far from the origin a surface and splats of one scan leave the same shift out of their coordinates.
+awk '{ print 500000.25 + $1, 4918360.5 + $2, 1700 + $3 }' OFMT=%.6f rows > far.xyz
+expect 0 '' far.xyz far.pcd
+"$bin/pcl_color_splat_sampling" far.xyz far_splats.pcd -quiet || complain "pcl_color_splat_sampling failed"
+grep -a '^# pcl_slim shift' far.pcd > shift.txt
+grep -a '^# pcl_slim shift' far_splats.pcd | cmp -s - shift.txt || complain "shifts differ: $(cat shift.txt)"
+! grep -q 'shift 0 0 0' shift.txt || complain "floats hold far.xyz no better than its file"
+# As in map projections, ParaView and CloudCompare add what the line says.
+grep -a '^# pcl_slim shift' far_splats.pcd | awk '{ exit !($4 > 499990 && $4 < 500010) }' || complain "$(cat shift.txt)"
+
 # LAS: smoothed in place, nothing lost; curvatures beside; and on to other programs.
 awk '{ print $0, NR % 50, NR % 256, 255 - NR % 256, 7 }' rows > colored.pts
 { echo 'x,y,z,intensity,red,green,blue,gps_time,classification,return_number,number_of_returns'

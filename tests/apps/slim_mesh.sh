@@ -55,6 +55,9 @@ grep -aq "NumberOfPolys=\"$(value a.json triangles)\"" a.vtp || complain "polygo
 grep -aq 'Name="k1"' a.vtp || complain "no curvature in a.vtp"
 grep -aq 'Name="RGB"' a.vtp || complain "no colours in a.vtp"
 expect 0 '' ball.pcd color.ply -color
+same a.ply color.ply
+expect 0 '' ball.pcd grey.ply -color 0
+differ grey.ply color.ply
 header color.ply 'property uchar red'
 
 # The same bytes for any number of threads, and from a surface, given as input or beside the scan.
@@ -65,9 +68,15 @@ same t1.ply t3.ply
 "$bin/pcl_slim_fit" ball.pcd surface.slim -quiet || complain "pcl_slim_fit failed"
 "$bin/pcl_slim_fit" ball.pcd surface.pcd -quiet || complain "pcl_slim_fit failed"
 expect 0 '' surface.slim s1.ply -json s.json
-same a.ply s1.ply
+header s1.ply 'property uchar red'
+expect 0 '' surface.slim s0.ply -color 0
+same grey.ply s0.ply
+"$bin/pcl_slim_fit" ball.pcd grey.slim -color 0 -quiet || complain "pcl_slim_fit failed"
+expect 0 '' grey.slim s0.ply
+same grey.ply s0.ply
 [ "$(value s.json euler)" = 2 ] || complain "from a surface: Euler characteristic"
 expect 0 '' surface.pcd s2.ply
+same s1.ply s2.ply
 expect 0 '' ball.pcd s3.ply -surface surface.slim -color
 same color.ply s3.ply
 
@@ -93,7 +102,7 @@ expect 2 'must be named' ball.pcd d.pcd
 expect 2 'exclude each other' ball.pcd d.ply -tol 1 -tol_noise 2
 expect 2 'exclude each other' ball.pcd d.ply -surface surface.slim -penalty 2
 expect 2 'no colours' plain.pcd d.ply -color
-expect 2 'needs the scan' surface.slim d.ply -color
+expect 2 'has no colours' grey.slim d.ply -color
 expect 2 'leave -surface out' surface.pcd d.ply -surface surface.slim
 expect 2 'No such file' missing.pcd d.ply
 expect 2 'No such file' missing.slim d.ply

@@ -29,10 +29,31 @@ small="-size 96x72 -aa 1"
 expect 0 '' pcl_slim_render surface.slim shaded.png $small -json report.json -threads 1
 expect 0 '' pcl_slim_render surface.slim "with space/shaded.png" $small -threads 4 -skip 0
 same shaded.png "with space/shaded.png"
-# Points keep all of a surface but trim maps, which they have coarsely.
-expect 0 '' pcl_slim_render surface.slim whole.png $small -trim 0
-expect 0 '' pcl_slim_render surface.pcd points.png $small -trim 0
-same whole.png points.png
+# Every format keeps all of a surface: borders, which this scan has, and colours.
+for format in pcd ply vtp; do
+  if [ "$format" = pcd ] || pcl_slim_fit scan.pcd surface.$format -quiet 1 2> none.txt; then
+    expect 0 '' pcl_slim_render surface.$format points.png $small
+    same shaded.png points.png
+  fi
+done
+# Colours: the scan's, the same from every format and for any threads; traced, too; none without a scan's.
+expect 0 '' pcl_slim_render surface.slim color.png $small -mode color -threads 1
+differ shaded.png color.png
+expect 0 '' pcl_slim_render surface.pcd again.png $small -mode color -threads 3 -skip 0
+same color.png again.png
+expect 0 '' pcl_slim_render surface.slim lit.png $small -mode color -lighting 1
+differ color.png lit.png
+expect 0 '' pcl_slim_render surface.slim reference.png $small -mode color -reference 1
+expect 0 '' pcl_slim_fit scan.pcd grey.slim -color 0
+[ "$(wc -c < grey.slim)" -lt "$(wc -c < surface.slim)" ] || complain "-color 0 keeps colours"
+expect 0 '' pcl_slim_render grey.slim again.png $small
+same shaded.png again.png
+expect 0 '' pcl_slim_render surface.slim traced_color.png $small -mode raytraced
+expect 0 '' pcl_slim_render grey.slim traced_grey.png $small -mode raytraced
+differ traced_color.png traced_grey.png
+expect 2 'no colours' pcl_slim_render grey.slim none.png $small -mode color
+expect 2 'without its colours' pcl_slim_render surface.slim none.html -mode color
+absent none.png none.html
 # Modes that are lines over a shaded surface; holes closed without another fit.
 expect 0 '' pcl_slim_render surface.slim crest.png $small -mode crest
 expect 0 '' pcl_slim_render surface.slim lines.png $small -lines crest

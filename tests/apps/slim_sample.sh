@@ -39,6 +39,26 @@ same a.pcd e.pcd
 expect 0 '' surface.ply f.pcd -spacing 0.4 -hole 30 -json f.json
 [ "$(value f.json samples)" -gt 500 ] || complain "a surface in a .ply has no samples"
 
+# Colours: of the scan or of its surface; red grows with z here.
+awk 'BEGIN { n = 3000
+  print "VERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH " n "\nHEIGHT 1\nDATA ascii"
+  for (i = 0; i < n; ++i) {
+    z = (i + .5) / n; r = sqrt(1 - z * z); a = i * 2.399963229728653
+    printf "%.6f %.6f %.6f %d\n", 5 * r * cos(a), 5 * r * sin(a), 5 * z, int(40 + 200 * z) * 65536 + 50
+  } }' > colored.pcd
+"$bin/pcl_slim_fit" colored.pcd colored.ply -quiet 1 || complain "pcl_slim_fit failed"
+expect 0 '' colored.pcd h.pcd -number 400
+header h.pcd 'FIELDS x y z normal_x normal_y normal_z curvature gaussian_curvature rgb'
+expect 0 '' colored.ply i.pcd -number 400 -threads 1
+same h.pcd i.pcd
+tail -c 14400 h.pcd | od -An -v -t f4 -w36 | awk '{ print $3 }' > z.txt
+tail -c 14400 h.pcd | od -An -v -t u1 -w36 | awk '{ print $33, $34, $35 }' | paste -d' ' z.txt - | awk '{
+  d = $4 - (40 + 40 * $1)  # not at the rim, where leaves have points on one side
+  if (($1 > .5 && d * d > 36) || ($2 - 50) ^ 2 > 9 || $3 > 2) { print; exit } }' > wrong.txt
+[ ! -s wrong.txt ] || complain "a sample has another colour: $(cat wrong.txt)"
+expect 0 '' colored.pcd j.pcd -number 400 -color 0
+header j.pcd 'FIELDS x y z normal_x normal_y normal_z curvature gaussian_curvature'
+
 documented pcl_slim_sample
 expect 2 'give -spacing or -number' scan.pcd g.pcd
 expect 2 'exclude each other' scan.pcd g.pcd -spacing 1 -number 5

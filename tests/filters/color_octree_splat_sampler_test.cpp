@@ -302,7 +302,8 @@ TEST(SplatConversion, ShiftsOnlyWhereFloatIsTooCoarse)
   EXPECT_EQ(splatShift(splats), (std::array<double, 3>{}));
   EXPECT_EQ(splatShift(SplatSet()), (std::array<double, 3>{}));
   splats.origin = {637080.0, 4918340.25, 415.0};
-  EXPECT_EQ(splatShift(splats), splats.origin);
+  // Multiples of four diagonals, rounded up to a power of two.
+  EXPECT_EQ(splatShift(splats), (std::array<double, 3>{637080.0, 4918340.0, 416.0}));
   const PointFile file = toPointFile(splats, splatShift(splats));
   ASSERT_EQ(numPoints(file.cloud), 3u);
   const char* names[] = {"x",    "y",      "z",          "normal_x",  "normal_y", "normal_z",
@@ -311,7 +312,7 @@ TEST(SplatConversion, ShiftsOnlyWhereFloatIsTooCoarse)
   EXPECT_EQ(fieldValue(file.cloud, 2, file.cloud.fields[0]), 0.5);
   EXPECT_EQ(fieldValue(file.cloud, 1, file.cloud.fields[6]), 0xff102030u);
   EXPECT_EQ(fieldValue(file.cloud, 1, file.cloud.fields[18]), 9.0);
-  EXPECT_EQ(file.comments[2], "pcl_slim shift 637080 4918340.25 415");
+  EXPECT_EQ(file.comments[2], "pcl_slim shift 637080 4918340 416");
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "support/colors.h"
 #include "visualization/card_window.h"
 
 namespace pcl_slim::test {
@@ -50,6 +51,27 @@ TEST_P(CardDegrees, EveryModeIsThatOfTheCpu)
     EXPECT_LE(shareDifferent(expected[i], image, 2), kFewPixels) << nameOf(kModes[i]);
   }
   EXPECT_EQ(mapper->getStatistics().rasterized, 2u);
+}
+
+TEST_F(CardTest, ColoursAreThoseOfTheCpu)
+{
+  window->SetSize(80, 60);
+  auto surface = unevenSphere(3);
+  EXPECT_FALSE(mapper->setMode(DisplayMode::kColor)) << "there is no colour yet";
+  pcl_slim_test::setRandomColors(*surface);
+  mapper->setSurface(surface);
+  ASSERT_TRUE(mapper->setMode(DisplayMode::kColor));
+  EXPECT_LE(difference(), kFewPixels);
+  const Image colored = picture();
+  mapper->setMode(DisplayMode::kShaded);
+  EXPECT_GT(shareDifferent(colored, picture(), 2), 0.05);
+  mapper->setMode(DisplayMode::kColor);
+  EXPECT_EQ(shareDifferent(colored, picture(), 1), 0.0);
+  // From inside, where leaves show their backs.
+  mapper->setSides(VisibleSides::kBoth);
+  renderer->GetActiveCamera()->SetPosition(0.0, 0.0, 0.05);
+  renderer->GetActiveCamera()->SetFocalPoint(0.0, 0.0, -1.0);
+  EXPECT_LE(difference(), kFewPixels);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, CardDegrees, ::testing::Values(1, 2, 3, 4));

@@ -66,9 +66,9 @@ Scene::setMapper(GBufferMapper* mapper)
 }
 
 void
-Scene::setPoints(const CloudView& points)
+Scene::setPoints(const CloudView& points, const ColorView& colors)
 {
-  points_ = makePoints(points);
+  points_ = makePoints(points, colors);
   add(points_);
   point_spheres_ = spheresOfPoints(points);
 }

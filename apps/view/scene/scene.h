@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pcl_slim/cloud/cloud_view.h"
+#include "pcl_slim/cloud/color_view.h"
 #include "pcl_slim/render/bounding_spheres.h"
 #include "pcl_slim/render/render_params.h"
 #include "pcl_slim/splat/splat_set.h"
@@ -35,14 +36,17 @@ class Scene {
 
   void setSurface(std::shared_ptr<const SLIMSurface> surface);
   void setSplats(std::shared_ptr<const SplatSet> splats);
-  /** \brief Shows a scan's finite points, grey. O(points). */
-  void setPoints(const CloudView& points);
+  /** \brief Shows a scan's finite points, in their colours if they have any, else grey. O(points). */
+  void setPoints(const CloudView& points, const ColorView& colors);
 
   /** \brief The mapper of the surface or the splats; null before there is either. */
   GBufferMapper* mapper() const;
   SLIMMapper* surfaceMapper() const;
-  /** \brief Whether splats with colours of their own are shown. */
-  bool hasColors() const { return splats_ && splats_->hasColors(); }
+  /** \brief Whether what is shown has colours of its own. */
+  bool hasColors() const
+  {
+    return (splats_ && splats_->hasColors()) || (surface_ && surface_->hasColors());
+  }
   vtkActor* model() const;
   /** \brief What cameras look at: the model, else the points. */
   BoundingSpheres spheres() const;

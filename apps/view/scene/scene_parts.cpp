@@ -13,6 +13,7 @@
 #include <vtkPolyData.h>
 #include <vtkPolyDataMapper.h>
 #include <vtkProperty.h>
+#include <vtkUnsignedCharArray.h>
 
 #include <algorithm>
 #include <array>
@@ -81,20 +82,27 @@ sizeTable(vtkDataArray* radii)
 }  // namespace
 
 vtkSmartPointer<vtkActor>
-makePoints(const CloudView& points)
+makePoints(const CloudView& points, const ColorView& colors)
 {
   vtkNew<vtkPoints> positions;
   positions->SetDataTypeToDouble();
   vtkNew<vtkCellArray> vertices;
+  vtkNew<vtkUnsignedCharArray> rgb;
+  rgb->SetNumberOfComponents(3);
   for (std::size_t i = 0; i < points.count(); ++i) {
-    const std::array<double, 3> p = positionOf(points, points.inputIndex(i));
+    const std::size_t input = points.inputIndex(i);
+    const std::array<double, 3> p = positionOf(points, input);
     if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) continue;
     const vtkIdType id = positions->InsertNextPoint(p.data());
     vertices->InsertNextCell(1, &id);
+    if (!colors.bgr) continue;
+    const auto* bgr = static_cast<const unsigned char*>(colors.bgr) + input * colors.stride;
+    rgb->InsertNextTuple3(bgr[2], bgr[1], bgr[0]);
   }
   vtkNew<vtkPolyData> data;
   data->SetPoints(positions);
   data->SetVerts(vertices);
+  if (colors.bgr) data->GetPointData()->SetScalars(rgb);
   vtkNew<vtkPolyDataMapper> mapper;
   mapper->SetInputData(data);
   auto actor = vtkSmartPointer<vtkActor>::New();

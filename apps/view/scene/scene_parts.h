@@ -4,6 +4,7 @@
 #include <vtkSmartPointer.h>
 
 #include "pcl_slim/cloud/cloud_view.h"
+#include "pcl_slim/cloud/color_view.h"
 #include "pcl_slim/splat/splat_set.h"
 #include "pcl_slim/surface/surface.h"
 
@@ -11,9 +12,9 @@ class vtkActor;
 
 namespace pcl_slim {
 
-/** \brief A scan's finite points, three pixels wide. O(points). */
+/** \brief A scan's finite points, two pixels wide, in their colours if they have any. O(points). */
 vtkSmartPointer<vtkActor>
-makePoints(const CloudView& points);
+makePoints(const CloudView& points, const ColorView& colors);
 
 /** \brief The balls of a surface's leaves as far as they cover, small red to large blue (Fig. 1 of
  * Ohtake, Belyaev, Alexa 2005). O(leaves). */

@@ -8,32 +8,22 @@
 #include <vector>
 
 #include "io/scalar_type.h"
+#include "pcl_slim/cloud/file_shift.h"
 
 namespace pcl_slim {
-
-namespace {
-
-constexpr double kShareOfRadius = 1e-3;
-constexpr double kFloatStep = 0x1p-23;  ///< distance of neighbouring floats over their size
-
-}  // namespace
 
 std::array<double, 3>
 splatShift(const SplatSet& splats)
 {
   if (splats.empty()) return {};
-  std::vector<float> radius = splats.radius;
-  const auto middle = radius.begin() + static_cast<std::ptrdiff_t>(radius.size() / 2);
-  std::nth_element(radius.begin(), middle, radius.end());
-  double farthest = 0;
+  std::array<double, 3> low, high;
   const std::vector<float>* const columns[3] = {&splats.x, &splats.y, &splats.z};
   for (std::size_t a = 0; a < 3; ++a) {
-    for (const float value : *columns[a]) {
-      farthest = std::max(farthest, std::abs(splats.origin[a] + value));
-    }
+    const auto [least, most] = std::minmax_element(columns[a]->begin(), columns[a]->end());
+    low[a] = splats.origin[a] + *least;
+    high[a] = splats.origin[a] + *most;
   }
-  if (farthest * kFloatStep <= kShareOfRadius * *middle || *middle == 0.0f) return {};
-  return splats.origin;
+  return fileShift(low, high);
 }
 
 void

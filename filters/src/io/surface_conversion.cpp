@@ -7,6 +7,9 @@
 #include <type_traits>
 
 #include "io/scalar_type.h"
+#include "io/surface/color_fields.h"
+#include "io/surface/trim_fields.h"
+#include "pcl_slim/cloud/file_shift.h"
 #include "pcl_slim/filters/io/point_file.h"
 
 namespace pcl_slim {
@@ -20,42 +23,7 @@ const char* const kFieldsBefore[kFieldsBeforeCoefficients] = {
 const char* const kFieldsAfter[kFieldsAfterCoefficients] = {"degree", "level", "leaf", "error",
                                                             "confidence"};
 
-constexpr int kTrimSide = 8;  ///< nodes a side of the trim maps that points carry
 const char* const kTrimFields[2] = {"trim_low", "trim_high"};
-
-/** A surfel's trim map brought to 8 x 8 nodes, row by row, lowest bit first; 0 if it is closed. */
-std::array<std::uint32_t, 2>
-coarseTrimMap(const SLIMSurface& surface, std::size_t i)
-{
-  std::array<std::uint32_t, 2> bits{};
-  if (!surface.isOpen(i)) return bits;
-  const TrimMap map = surface.trimMap(i);
-  const auto coordinate = [](int node) { return 2.0 * node / (kTrimSide - 1) - 1.0; };
-  for (int k = 0; k < kTrimSide * kTrimSide; ++k) {
-    const int column = k % kTrimSide, row = k / kTrimSide;
-    const bool inside = map.side == kTrimSide
-                            ? map.at(column, row)
-                            : outsideShare(map, coordinate(column), coordinate(row)) <= 0.5;
-    bits[static_cast<std::size_t>(k >> 5)] |= static_cast<std::uint32_t>(inside) << (k & 31);
-  }
-  return bits;
-}
-
-/** Gives the surfels that points mark as open their maps. */
-void
-setTrimMaps(const pcl::PointCloud<PointSLIM>& cloud, SLIMSurface& surface)
-{
-  std::vector<std::uint8_t> sides(cloud.size()), bits;
-  for (std::size_t i = 0; i < cloud.size(); ++i) {
-    if (!surface.isOpen(i)) continue;
-    sides[i] = kTrimSide;
-    for (const std::uint32_t half : {cloud[i].trim_low, cloud[i].trim_high}) {
-      for (int byte = 0; byte < 4; ++byte)
-        bits.push_back(static_cast<std::uint8_t>(half >> 8 * byte));
-    }
-  }
-  surface.setTrimMaps(sides, bits);
-}
 
 double
 toLocal(float value, int axis, const SurfaceMetadata& metadata)
@@ -64,13 +32,14 @@ toLocal(float value, int axis, const SurfaceMetadata& metadata)
   return (value + (metadata.shift[a] - metadata.info.origin[a])) / metadata.info.scale;
 }
 
-/** Whether every centre survives the way into float world coordinates and back. */
+/** Whether every centre survives the way into float world coordinates less the shift and back. */
 bool
 exactInWorld(const SLIMSurface& surface, const SurfaceMetadata& metadata)
 {
   const std::vector<float>* const columns[3] = {&surface.cx, &surface.cy, &surface.cz};
   for (int axis = 0; axis < 3; ++axis) {
-    const double origin = surface.info.origin[static_cast<std::size_t>(axis)];
+    const auto a = static_cast<std::size_t>(axis);
+    const double origin = surface.info.origin[a] - metadata.shift[a];
     for (const float local : *columns[axis]) {
       const auto world = static_cast<float>(origin + surface.info.scale * local);
       if (static_cast<float>(toLocal(world, axis, metadata)) != local) return false;
@@ -83,6 +52,8 @@ SurfaceMetadata
 makeMetadata(const SLIMSurface& surface)
 {
   SurfaceMetadata metadata{surface.info, {}};
+  if (exactInWorld(surface, metadata)) return metadata;
+  metadata.shift = fileShift(surface.info.origin, surface.info.scale);
   if (!exactInWorld(surface, metadata)) metadata.shift = surface.info.origin;
   return metadata;
 }
@@ -266,6 +237,7 @@ toPCL(const SLIMSurface& surface, pcl::PCLPointCloud2& cloud)
   if (surface.hasTrimMaps()) {
     for (const char* name : kTrimFields) addField(cloud, name, kUInt32);
   }
+  if (surface.hasColors()) addColorFields(cloud);
   cloud.height = 1;
   cloud.width = static_cast<pcl::uindex_t>(surface.size());
   cloud.row_step = cloud.point_step * cloud.width;
@@ -286,6 +258,9 @@ toPCL(const SLIMSurface& surface, pcl::PCLPointCloud2& cloud)
     for (const std::uint32_t half : {p.trim_low, p.trim_high}) {
       if (surface.hasTrimMaps()) put(&half, 1);
     }
+    if (!surface.hasColors()) continue;
+    const std::vector<float> colors = colorValues(surface, i);
+    put(colors.data(), colors.size());
   }
   return metadata;
 }
@@ -306,7 +281,9 @@ fromPCL(const pcl::PointCloud<PointSLIM>& cloud, const SurfaceMetadata* metadata
                                              " is not a whole number from 0 to 255"};
     }
   }
-  setTrimMaps(cloud, surface);
+  std::vector<std::array<std::uint32_t, 2>> maps;
+  for (const PointSLIM& p : cloud) maps.push_back({p.trim_low, p.trim_high});
+  setCoarseTrimMaps(maps, surface);
   if (Error error = surface.validate()) return error;
   surface.buildLinks();
   return surface;
@@ -322,7 +299,9 @@ fromPCL(const pcl::PCLPointCloud2& cloud, const SurfaceMetadata* metadata)
                  "coefficient fields are missing: degree " + std::to_string(metadata->info.degree) +
                      " is announced, fields reach degree " + std::to_string(columns.degree)};
   }
-  return fromPCL(gatherPoints(cloud, columns), metadata);
+  Result<SLIMSurface> surface = fromPCL(gatherPoints(cloud, columns), metadata);
+  if (surface) takeColors(cloud, *surface);
+  return surface;
 }
 
 }  // namespace pcl_slim

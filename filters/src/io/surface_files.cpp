@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/filters/io/surface_files.h"
 
+#include "io/surface/trim_fields.h"
 #include "io/vtp/vtp_file.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/filters/io/surface_conversion.h"
@@ -29,6 +30,7 @@ saveSurface(const std::string& path, const SLIMSurface& surface)
   if (extension == ".slim") return saveSlim(path, surface);
   PointFile file;
   file.comments = toComments(toPCL(surface, file.cloud));
+  addTrimComments(surface, file.comments);
   return extension == ".vtp" ? saveVtp(path, file) : savePointFile(path, file);
 }
 
@@ -38,7 +40,9 @@ surfaceFrom(const PointFile& file)
   SurfaceMetadata metadata;
   bool found = false;
   if (Error error = fromComments(file.comments, metadata, found)) return error;
-  return fromPCL(file.cloud, found ? &metadata : nullptr);
+  Result<SLIMSurface> surface = fromPCL(file.cloud, found ? &metadata : nullptr);
+  if (surface) takeTrimComments(file.comments, *surface);
+  return surface;
 }
 
 Result<SLIMSurface>

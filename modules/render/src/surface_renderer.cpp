@@ -4,6 +4,7 @@
 #include "fast/fast_rasterizer.h"
 #include "pcl_slim/core/parallel.h"
 #include "reference/tile_rasterizer.h"
+#include "shading/paint_surface.h"
 #include "space/space_derivatives.h"
 #include "tiles/frame_rules.h"
 
@@ -16,6 +17,7 @@ struct SurfaceRenderer::State {
   Error defect;  ///< of the surface
   std::unique_ptr<FastRasterizer> fast;
   std::unique_ptr<PartitionOfUnity> unity;  ///< made when a frame first asks for it
+  SurfacePainter painter;
 };
 
 namespace {
@@ -42,7 +44,7 @@ checkUnity(const SLIMSurface& surface, const RenderParams& params)
 }  // namespace
 
 SurfaceRenderer::SurfaceRenderer(const SLIMSurface& surface, int threads)
-    : state_(new State{surface, surface.validate(), nullptr, nullptr})
+    : state_(new State{surface, surface.validate(), nullptr, nullptr, SurfacePainter(surface)})
 {
   if (!state_->defect) {
     state_->fast = std::make_unique<FastRasterizer>(surface, resolveThreads(threads));
@@ -76,7 +78,8 @@ SurfaceRenderer::render(const Camera& camera, const RenderParams& params, GBuffe
   if (Error error = checkUnity(state_->surface, params)) return refused(error);
   const FrameRules rules(state_->surface.info, params);
   const bool in_space = params.derivatives == Derivatives::kPartitionOfUnity;
-  const unsigned columns = params.columns | (in_space ? unsigned{kPositionColumn} : 0u);
+  const bool with_place = in_space || (params.columns & kColorColumn) != 0;
+  const unsigned columns = params.columns | (with_place ? unsigned{kPositionColumn} : 0u);
   RenderStatistics counts;
   if (params.reference) {
     buffer.resize(camera.size.width, camera.size.height, columns);
@@ -91,6 +94,7 @@ SurfaceRenderer::render(const Camera& camera, const RenderParams& params, GBuffe
     differentiateInSpace(*state_->unity, threads, buffer);
   }
   if (columns & kResidualColumn) lookUpResiduals(state_->surface, threads, buffer);
+  if (columns & kColorColumn) state_->painter.paint(threads, buffer);
   if (statistics) *statistics = counts;
   return {};
 }

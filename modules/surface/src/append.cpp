@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/surface/surface.h"
+#include "pcl_slim/surface/surfel_color.h"
 
 namespace pcl_slim {
 
@@ -65,6 +66,7 @@ SLIMSurface::slice(std::size_t begin, std::size_t end) const
   some.level = part(level, begin, end);
   some.flags = part(flags, begin, end);
   takeTrimMaps(*this, begin, end, some);
+  if (hasColors()) some.colors = part(colors, begin * kColorBytes, end * kColorBytes);
   return some;
 }
 
@@ -74,6 +76,9 @@ SLIMSurface::append(const SLIMSurface& more)
   if (empty()) info = more.info;
   const std::size_t before = size();
   appendTrimMaps(more, before, *this);
+  const bool colored = more.hasColors() && (before == 0 || hasColors());
+  if (!colored) colors.clear();
+  if (colored) appendTo(colors, more.colors);
   appendTo(cx, more.cx);
   appendTo(cy, more.cy);
   appendTo(cz, more.cz);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pcl_slim/surface/surfel_color.h"
 #include "trim/trim_columns.h"
 
 namespace pcl_slim {
@@ -133,6 +134,7 @@ SLIMSurface::resize(std::size_t count)
   }
   coefficients.resize(count * static_cast<std::size_t>(stride()));
   for (auto* column : {&degree, &level, &flags}) column->resize(count);
+  colors.clear();
   dropTrimMaps();
 }
 
@@ -144,6 +146,7 @@ SLIMSurface::flip(std::size_t i)
   nz[i] = -nz[i];
   flipCoefficients(degree[i], coefficients.data() + i * static_cast<std::size_t>(stride()));
   if (isOpen(i)) mirrorTrimMap(trim_maps.data() + trim_begin[i]);
+  if (hasColors()) flipColor(colors.data() + i * kColorBytes);
 }
 
 Error
@@ -155,7 +158,8 @@ SLIMSurface::validate() const
     if (column->size() != n) return badInput("surface columns have different lengths");
   }
   if (degree.size() != n || level.size() != n || flags.size() != n ||
-      coefficients.size() != n * static_cast<std::size_t>(stride())) {
+      coefficients.size() != n * static_cast<std::size_t>(stride()) ||
+      (hasColors() && colors.size() != n * kColorBytes)) {
     return badInput("surface columns have different lengths");
   }
   for (std::size_t i = 0; i < n; ++i) {

@@ -9,12 +9,14 @@
 #include "file/slim_header.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/surface/oct_normal.h"
+#include "pcl_slim/surface/surfel_color.h"
 
 // Layout, little-endian: the header (file/slim_header.h), then columns of n values each: degree,
 // level, flags (1 byte); centre x, y, z, radius, normal a, b, error, confidence (float); then for
 // each coefficient k the values of those surfels that store it: as many as their degree has, but
 // only the first where the flag byte's bit kPlaneOnly says that the normal is the plane's own; then,
-// from version 2 on, the trim maps of those surfels whose flags say so: side (1 byte) and bits.
+// from version 2 on, the trim maps of those surfels whose flags say so: side (1 byte) and bits; then, in
+// version 4, the bytes of all surfels' colours (surfel_color.h).
 
 namespace pcl_slim {
 
@@ -129,11 +131,14 @@ encodeSlim(const SLIMSurface& surface)
   const std::vector<std::uint8_t> flags = fileFlags(surface);
   const auto counts = storedCoefficients(surface, flags);
   if (!counts) return {};
-  const std::uint64_t payload = payloadBytes(*counts) + surface.trim_maps.size();
+  const std::uint64_t payload =
+      payloadBytes(*counts) + surface.trim_maps.size() + surface.colors.size();
   ByteWriter out;
   out.bytes.reserve(kSlimHeaderBytes + payload);
-  putSlimHeader(surface.info, surface.hasTrimMaps() ? kSlimMapsVersion : kSlimVersion,
-                surface.size(), payload, out);
+  const std::uint32_t version = surface.hasColors()     ? kSlimColorsVersion
+                                : surface.hasTrimMaps() ? kSlimMapsVersion
+                                                        : kSlimVersion;
+  putSlimHeader(surface.info, version, surface.size(), payload, out);
   for (const auto* column : {&surface.degree, &surface.level, &flags}) out.putBytes(*column);
   for (const auto* column : {&surface.cx, &surface.cy, &surface.cz, &surface.radius}) {
     out.putFloats(*column);
@@ -144,6 +149,7 @@ encodeSlim(const SLIMSurface& surface)
   forEachCoefficient(surface, *counts,
                      [&](std::size_t k) { out.putFloat(surface.coefficients[k]); });
   out.putBytes(surface.trim_maps);
+  out.putBytes(surface.colors);
   sealSlim(out.bytes);
   return out.bytes;
 }
@@ -163,7 +169,8 @@ detail::decodeSlimBlock(const unsigned char* bytes, std::size_t size)
   for (auto* column : {&surface.degree, &surface.level, &surface.flags}) in.getBytes(*column);
   const auto counts = storedCoefficients(surface, surface.flags);
   const std::uint64_t columns = counts ? payloadBytes(*counts) : 0;
-  if (!counts || columns > payload) return contradictorySlim();
+  const std::uint64_t colors = holdsColors(bytes) ? *count * kColorBytes : 0;
+  if (!counts || columns + colors > payload) return contradictorySlim();
   if (columns < payload && !holdsTrimMaps(bytes)) return contradictorySlim();
   for (std::uint8_t& flags : surface.flags) flags &= static_cast<std::uint8_t>(~kPlaneOnly);
   for (auto* column : {&surface.cx, &surface.cy, &surface.cz, &surface.radius}) {
@@ -174,8 +181,9 @@ detail::decodeSlimBlock(const unsigned char* bytes, std::size_t size)
   in.getFloats(surface.effective_count);
   forEachCoefficient(surface, *counts,
                      [&](std::size_t k) { surface.coefficients[k] = in.getFloat(); });
-  if (Error error = getTrimMaps(bytes + kSlimHeaderBytes + columns, payload - columns, surface))
-    return error;
+  const std::uint64_t maps = payload - columns - colors;
+  if (Error error = getTrimMaps(bytes + kSlimHeaderBytes + columns, maps, surface)) return error;
+  surface.colors.assign(bytes + size - colors, bytes + size);
 
   if (Error error = surface.validate()) return error;
   return surface;

@@ -6,10 +6,15 @@
 #include <pcl/io/ply_io.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "pcl_slim/filters/io/surface_conversion.h"
+#include "pcl_slim/fit/fit.h"
+#include "pcl_slim/fit/fit_colors.h"
+#include "pcl_slim/render/shading.h"
 #include "pcl_slim/surface/surface_io.h"
+#include "support/colors.h"
 #include "support/sphere_surface.h"
 #include "support/trim_maps.h"
 
@@ -62,30 +67,109 @@ TEST_P(SurfaceFiles, SaveAndLoadGiveTheSameBytes)
   EXPECT_EQ(folder.numFiles(), 2u);
 }
 
-TEST_P(SurfaceFiles, TrimMapsAreKeptAtEightNodesASideAtLeast)
+TEST_P(SurfaceFiles, TrimMapsAndColoursAreKeptInFull)
 {
   const TemporaryFolder folder;
-  SLIMSurface surface = sphereSurface(2, 900);  // a hundredth have maps of 8 nodes
-  setRandomTrimMaps(surface);
-  const std::string first = folder / ("first" + std::string(GetParam()));
-  const std::string second = folder / ("second" + std::string(GetParam()));
-  ASSERT_FALSE(saveSurface(first, surface));
-  const auto loaded = loadSurface(first);
-  ASSERT_TRUE(loaded) << loaded.error().message;
-  EXPECT_EQ(loaded->flags, surface.flags);
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < surface.size(); ++i) {
-    const TrimMap map = surface.trimMap(i), again = loaded->trimMap(i);
-    if (map.side != 8 && std::string(GetParam()) != ".slim") continue;
-    ASSERT_EQ(again.side, map.side);
-    for (int k = 0; k < map.side * map.side; ++k) {
-      ASSERT_EQ(again.at(k % map.side, k / map.side), map.at(k % map.side, k / map.side));
-    }
-    ++kept;
+  for (const bool colored : {false, true}) {
+    SLIMSurface surface = sphereSurface(2, 900);  // maps of every side
+    setRandomTrimMaps(surface);
+    if (colored) setRandomColors(surface);
+    const std::string first = folder / ("first" + std::string(GetParam()));
+    const std::string second = folder / ("second" + std::string(GetParam()));
+    ASSERT_FALSE(saveSurface(first, surface));
+    const auto loaded = loadSurface(first);
+    ASSERT_TRUE(loaded) << loaded.error().message;
+    expectSame(surface, *loaded);
+    ASSERT_FALSE(saveSurface(second, *loaded));
+    EXPECT_EQ(fileBytes(first), fileBytes(second));
   }
-  EXPECT_GT(kept, 2u);
-  ASSERT_FALSE(saveSurface(second, *loaded));
-  EXPECT_EQ(fileBytes(first), fileBytes(second));
+}
+
+TEST_P(SurfaceFiles, AScanWithBordersIsDrawnAsFromSlim)
+{
+  // A wavy sheet with a round hole, coloured by its height.
+  std::vector<double> xyz;
+  for (int i = 0; i < 120; ++i) {
+    for (int j = 0; j < 120; ++j) {
+      const double x = i / 119.0, y = j / 119.0;
+      if (std::hypot(x - 0.6, y - 0.4) < 0.17) continue;
+      xyz.insert(xyz.end(), {x, y, 0.1 * std::sin(5 * x) * std::cos(4 * y)});
+    }
+  }
+  CloudView view;
+  view.xyz = xyz.data();
+  view.xyz_stride = 3 * sizeof(double);
+  view.scalar = CloudView::Scalar::kDouble;
+  view.size = xyz.size() / 3;
+  const auto store = PointStore::build(view);
+  ASSERT_TRUE(store);
+  SLIMSurface surface;
+  ASSERT_FALSE(fitSurface(*store, {}, surface));
+  const auto bgr = bgrOf(xyz, [](const std::array<double, 3>& p) {
+    return std::array<double, 3>{128 + 1000 * p[2], 128, 128 - 1000 * p[2]};
+  });
+  ASSERT_FALSE(fitColors(*store, view, {bgr.data(), 3}, 0, surface));
+  bool wider_than_fields = false;
+  for (std::size_t i = 0; i < surface.size(); ++i)
+    wider_than_fields = wider_than_fields || surface.trimMap(i).side > 8;
+  ASSERT_TRUE(wider_than_fields) << "the fields' own maps would do";
+
+  const TemporaryFolder folder;
+  const std::string path = folder / ("sheet" + std::string(GetParam()));
+  ASSERT_FALSE(saveSurface(path, surface));
+  const auto loaded = loadSurface(path);
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  const Camera camera = fitCamera(spheresOf(surface), {{0.2, -0.5, 1.0}, {0, 1, 0}}, {160, 120});
+  for (const ShadingMode mode : {ShadingMode::kShaded, ShadingMode::kColor}) {
+    ShadingParams shading;
+    shading.mode = mode;
+    const auto before = renderPicture(surface, camera, {}, shading);
+    const auto after = renderPicture(*loaded, camera, {}, shading);
+    ASSERT_TRUE(before && after);
+    EXPECT_EQ(before->rgb, after->rgb);
+  }
+}
+
+TEST(SurfaceFiles, MapsOfAFileThatAnotherProgramHasChangedAreTheFieldsOwn)
+{
+  SLIMSurface surface = sphereSurface(2, 90);
+  setRandomTrimMaps(surface);
+  const TemporaryFolder folder;
+  const std::string path = folder / "surface.pcd";
+  ASSERT_FALSE(saveSurface(path, surface));
+  auto file = loadPointFile(path);
+  ASSERT_TRUE(file);
+  // The last surfel is cut off, the comments stay.
+  file->cloud.width -= 1;
+  file->cloud.data.resize(file->cloud.width * file->cloud.point_step);
+  const auto cut = surfaceFrom(*file);
+  ASSERT_TRUE(cut) << cut.error().message;
+  ASSERT_EQ(cut->size(), 89u);
+  for (std::size_t i = 0; i < cut->size(); ++i)
+    EXPECT_EQ(cut->trimMap(i).side, surface.isOpen(i) ? 8 : 0);
+}
+
+TEST(SurfaceFiles, PclReadsTheFieldsOfAColouredOpenSurface)
+{
+  SLIMSurface surface = sphereSurface(2, 300);
+  setRandomTrimMaps(surface);
+  setRandomColors(surface);
+  const TemporaryFolder folder;
+  const std::string pcd = folder / "surface.pcd", ply = folder / "surface.ply";
+  ASSERT_FALSE(saveSurface(pcd, surface));
+  ASSERT_FALSE(saveSurface(ply, surface));
+  pcl::PointCloud<pcl::PointXYZRGB> cloud;
+  ASSERT_EQ(pcl::io::loadPCDFile(pcd, cloud), 0);
+  ASSERT_EQ(cloud.size(), surface.size());
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const std::uint8_t* rgb = surface.colors.data() + i * kColorBytes;
+    ASSERT_EQ(cloud[i].r, rgb[0]);
+    ASSERT_EQ(cloud[i].g, rgb[1]);
+    ASSERT_EQ(cloud[i].b, rgb[2]);
+  }
+  ASSERT_EQ(pcl::io::loadPLYFile(ply, cloud), 0);
+  ASSERT_EQ(cloud.size(), surface.size());
+  EXPECT_EQ(cloud[7].g, surface.colors[7 * kColorBytes + 1]);
 }
 
 TEST(SurfaceFiles, PointsWithoutTheirTrimColumnsAreClosed)

@@ -14,6 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "pcl_slim/surface/surfel_color.h"
+
 namespace pcl_slim {
 namespace {
 
@@ -79,6 +81,22 @@ class PointBuilder {
 
 }  // namespace
 
+namespace {
+
+/** 0xRRGGBB of every surfel. */
+std::vector<std::uint32_t>
+colorsAtCenters(const SLIMSurface& surface)
+{
+  std::vector<std::uint32_t> rgb;
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    const std::uint8_t* c = surface.colors.data() + i * kColorBytes;
+    rgb.push_back(std::uint32_t{c[0]} << 16 | std::uint32_t{c[1]} << 8 | c[2]);
+  }
+  return rgb;
+}
+
+}  // namespace
+
 vtkSmartPointer<vtkPolyData>
 toPolyData(const SLIMSurface& surface, bool leaves_only)
 {
@@ -93,6 +111,7 @@ toPolyData(const SLIMSurface& surface, bool leaves_only)
     return info.origin[k] + info.scale * double{(*centers[k])[i]};
   });
   builder.setNormals(surface.nx, surface.ny, surface.nz);
+  if (surface.hasColors()) builder.setColors(colorsAtCenters(surface));
   builder.add("radius", [&](std::size_t i) { return info.scale * surface.radius[i]; });
   for (int c = 0; c < surface.stride(); ++c) {
     builder.add("c" + std::to_string(c),

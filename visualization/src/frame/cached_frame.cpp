@@ -45,6 +45,7 @@ FrameKey::FrameKey(const VtkView& view, const FrameRequest& request, std::uint64
       sides(request.sides),
       lod(request.lod),
       trim(request.trim),
+      colored((request.columns & kColorColumn) != 0),
       object(object_count)
 {
   const Matrix4& p = view.gl.projection;
@@ -61,7 +62,7 @@ FrameKey::operator==(const FrameKey& other) const
   return model_to_view == other.model_to_view && projection == other.projection &&
          width == other.width && height == other.height && near_distance == other.near_distance &&
          planes == other.planes && sides == other.sides && lod == other.lod && trim == other.trim &&
-         object == other.object;
+         colored == other.colored && object == other.object;
 }
 
 bool

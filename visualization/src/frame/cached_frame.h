@@ -24,6 +24,7 @@ struct FrameKey {
   VisibleSides sides = VisibleSides::kAuto;
   double lod = 0.0;  ///< of a frame at rest
   bool trim = true;
+  bool colored = false;      ///< the frame has the colours of a surface
   std::uint64_t object = 0;  ///< counts changes of the object
 
   FrameKey() = default;

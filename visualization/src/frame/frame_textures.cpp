@@ -52,6 +52,7 @@ FrameTextures::setFrame(vtkOpenGLRenderWindow* window, const PackedFrame& frame,
   has_attributes_ = false;
   has_colors_ = !frame.colors.empty();
   if (has_colors_) {
+    colors_->ResetFormatAndType();
     upload(window, width, height, VTK_UNSIGNED_CHAR, frame.colors.data(), colors_);
   }
 }
@@ -65,17 +66,20 @@ FrameTextures::needAttributes(vtkOpenGLRenderWindow* window, const PackedFrame& 
 }
 
 void
-FrameTextures::allocate(vtkOpenGLRenderWindow* window, int width, int height)
+FrameTextures::allocate(vtkOpenGLRenderWindow* window, int width, int height, bool with_colors)
 {
   width_ = width;
   height_ = height;
-  for (vtkTextureObject* texture : {geometry_.Get(), attributes_.Get()}) {
+  for (vtkTextureObject* texture : {geometry_.Get(), attributes_.Get(), colors_.Get()}) {
+    if (texture == colors_ && !with_colors) continue;
+    // Colours may have been bytes.
+    if (texture == colors_) texture->ResetFormatAndType();
     texture->SetContext(window);
     texture->Allocate2D(static_cast<unsigned>(width), static_cast<unsigned>(height), 4, VTK_FLOAT);
     texture->Deactivate();
   }
   has_attributes_ = true;
-  has_colors_ = false;
+  has_colors_ = with_colors;
 }
 
 void

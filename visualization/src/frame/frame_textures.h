@@ -26,10 +26,12 @@ class FrameTextures {
   void setFrame(vtkOpenGLRenderWindow* window, const PackedFrame& frame, int width, int height);
   /** \brief Brings the attributes over, unless they are there. */
   void needAttributes(vtkOpenGLRenderWindow* window, const PackedFrame& frame);
-  /** \brief Makes room for a frame that the graphics card draws, attributes included. */
-  void allocate(vtkOpenGLRenderWindow* window, int width, int height);
+  /** \brief Makes room for a frame that the graphics card draws, attributes included, and colours where
+   * asked for: red, green and blue times a weight, and that weight. */
+  void allocate(vtkOpenGLRenderWindow* window, int width, int height, bool with_colors);
   vtkTextureObject* geometry() const { return geometry_; }
   vtkTextureObject* attributes() const { return attributes_; }
+  vtkTextureObject* colors() const { return colors_; }
   /** \brief Samples a table of colours over its scale. */
   void setTable(vtkOpenGLRenderWindow* window, vtkScalarsToColors* table, const ColorScale& scale);
 

@@ -15,7 +15,7 @@ struct PackedFrame {
   std::vector<float> geometry;
   /** k_max and k_min (1/length), radius (length), levelAndResidual(). Four numbers a pixel. */
   std::vector<float> attributes;
-  /** Red, green, blue, 255; empty of a surface. Four bytes a pixel. */
+  /** Red, green, blue, 255; empty where no colours were asked for. Four bytes a pixel. */
   std::vector<std::uint8_t> colors;
 };
 

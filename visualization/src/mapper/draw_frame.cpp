@@ -27,7 +27,7 @@ GBufferMapper::makeFrame(vtkOpenGLRenderWindow* window, FrameRequest request, in
 {
   State& s = *state_;
   const FrameKey key(s.view, request, s.object);
-  if (coarseness > 1) request.columns = 0;
+  if (coarseness > 1) request.columns &= kColorColumn;
   s.request = request;
   s.statistics.on_card = false;
   if (usesCard(window, request)) {

@@ -40,7 +40,7 @@ SLIMMapper::setSurface(std::shared_ptr<const SLIMSurface> surface)
 bool
 SLIMMapper::supports(DisplayMode mode) const
 {
-  return mode != DisplayMode::kColor;
+  return mode != DisplayMode::kColor || (surface_ && surface_->hasColors());
 }
 
 Error
@@ -84,6 +84,7 @@ SLIMMapper::complete(FrameRequest& request) const
   request.lod = lod_;
   request.trim = trim_;
   request.columns = pictureLineColumns(linesShown());
+  if (getMode() == DisplayMode::kColor) request.columns |= kColorColumn;
 }
 
 Error

@@ -43,7 +43,7 @@ clear(int target, float value)
 struct CardRasterizer::FrameValues {
   float eye[3], eye_rest[3], axes[9], screen[4], shift[2];
   float near_depth, shrink, cover_radius, min_coverage, scale, detail;
-  int front_only, oriented, kernel, degree, trimmed;
+  int front_only, oriented, kernel, degree, trimmed, texels, color_at;
 
   FrameValues(const SLIMSurface& surface, const ViewCamera& view, const FrameRequest& request)
   {
@@ -60,6 +60,8 @@ struct CardRasterizer::FrameValues {
     kernel = static_cast<int>(info.blend_kernel);
     degree = info.degree;
     trimmed = request.trim;
+    texels = texelsOfLeaf(degree, surface.hasColors());
+    color_at = texelsOfLeaf(degree);
     detail = 0.5f * single(request.lod) * screen[0];
   }
 
@@ -123,7 +125,7 @@ struct CardRasterizer::Pass {
     program->SetUniform4f("slimScreen", v.screen);
     program->SetUniform2f("slimShift", v.shift);
     program->SetUniformf("slimReach", reach);
-    program->SetUniformi("slimTexelsOfLeaf", texelsOfLeaf(v.degree));
+    program->SetUniformi("slimTexelsOfLeaf", v.texels);
     program->SetUniformi("slimDegree", v.degree);
     program->SetUniformi("slimFrontOnly", v.front_only);
     program->SetUniformi("slimKernel", v.kernel);
@@ -134,6 +136,8 @@ struct CardRasterizer::Pass {
     program->SetUniformi("slimFirstPass", is_first);
     program->SetUniformi("slimMostSide", TrimMap::kMostSide);
     program->SetUniformi("slimTrimmed", v.trimmed);
+    program->SetUniformi("slimColorAt", v.color_at);
+    program->SetUniformi("slimOriented", v.oriented);
     const int count = v.detail > 0.0f ? leaves.surfels() : leaves.leaves();
     glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, count);
     end();
@@ -192,14 +196,16 @@ CardRasterizer::draw(vtkOpenGLRenderWindow* window, const ViewCamera& view,
   const int width = view.camera.size.width, height = view.camera.size.height;
   const CardState keeper(window);
   targets_.resize(window, width, height);
-  frame.allocate(window, width, height);
+  const bool colored = (request.columns & kColorColumn) != 0 && surface_->hasColors();
+  frame.allocate(window, width, height, colored);
   if (vertices_ == 0) glGenVertexArrays(1, &vertices_);
   if (query_ == 0) glGenQueries(1, &query_);
   glBindVertexArray(vertices_);
   window->GetState()->vtkglViewport(0, 0, width, height);
   const FrameValues values(*surface_, view, request);
   Pass pass{window, window->GetState(), values, leaves_, nullptr, {}};
-  return drawPasses(pass, frame, covered);
+  if (Error error = drawPasses(pass, frame, covered)) return error;
+  return colored ? addColors(pass, frame) : Error{};
 }
 
 Error
@@ -300,6 +306,21 @@ CardRasterizer::nameLeaves(Pass& pass, FrameTextures& frame)
   // Curvatures stand in the first two channels already.
   pass.state->vtkglColorMask(GL_FALSE, GL_FALSE, GL_TRUE, GL_TRUE);
   pass.texture("slimFirst", targets_.met);
+  pass.drawLeaves(1.0f);
+  return {};
+}
+
+Error
+CardRasterizer::addColors(Pass& pass, FrameTextures& frame)
+{
+  if (Error error = targets_.drawInto({frame.colors()})) return error;
+  pass.state->vtkglColorMask(GL_TRUE, GL_TRUE, GL_TRUE,
+                             GL_TRUE);  // heeded when buffers are cleared
+  clear(0, 0.0f);
+  if (Error error = pass.begin(leafVertexShader(), colorPassShader())) return error;
+  pass.state->vtkglDisable(GL_DEPTH_TEST);
+  pass.addInto(GL_FUNC_ADD);
+  pass.texture("slimShown", frame.geometry());
   pass.drawLeaves(1.0f);
   return {};
 }

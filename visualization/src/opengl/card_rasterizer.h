@@ -41,6 +41,7 @@ class CardRasterizer {
   Error writeResult(Pass& pass, int from, FrameTextures& frame, std::uint64_t& covered);
   Error peel(Pass& pass, int from, std::uint64_t& left);
   Error nameLeaves(Pass& pass, FrameTextures& frame);
+  Error addColors(Pass& pass, FrameTextures& frame);
   std::uint64_t countDrawn();
 
   const SLIMSurface* surface_ = nullptr;

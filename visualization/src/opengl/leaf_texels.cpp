@@ -20,7 +20,8 @@ class Packer {
       : surface_(surface),
         trims_(surface),
         sizes_(surface),
-        length_(4 * static_cast<std::size_t>(texelsOfLeaf(surface.info.degree))),
+        length_(4 *
+                static_cast<std::size_t>(texelsOfLeaf(surface.info.degree, surface.hasColors()))),
         texels_(texels)
   {
   }
@@ -42,6 +43,10 @@ class Packer {
     to.push_back(sizes_.own[i]);
     to.push_back(sizes_.parent[i]);
     addCoefficients(i, scale);
+    const std::size_t colors =
+        end - length_ + 4 * static_cast<std::size_t>(texelsOfLeaf(s.info.degree));
+    to.resize(colors, 0.0f);
+    if (s.hasColors()) addColor(i, scale);
     to.resize(end, 0.0f);
   }
 
@@ -53,6 +58,18 @@ class Packer {
     float power = 1.0f / scale;  // of a radius that large, at height 0
     for (int n = 0, k = 0; n <= degree; ++n, power *= scale) {
       for (int j = 0; j <= n; ++j, ++k) texels_.surfels.push_back(power * c[k]);
+    }
+  }
+
+  void addColor(std::size_t i, float scale)
+  {
+    const ColorPolynomial color = decodeColor(surface_.colors.data() + i * kColorBytes);
+    float power = 1.0f;
+    for (int n = 0, k = 0; n <= kColorDegree; ++n, power *= scale) {
+      for (int j = 0; j <= n; ++j, ++k) {
+        for (const float value : color[static_cast<std::size_t>(k)])
+          texels_.surfels.push_back(power * value);
+      }
     }
   }
 
@@ -84,8 +101,9 @@ packLeaves(const SLIMSurface& surface, bool with_internal)
   LeafTexels texels;
   texels.leaves = surface.numLeaves();
   texels.all = with_internal ? surface.size() : texels.leaves;
-  texels.surfels.reserve(texels.all * 4 *
-                         static_cast<std::size_t>(texelsOfLeaf(surface.info.degree)));
+  texels.surfels.reserve(
+      texels.all * 4 *
+      static_cast<std::size_t>(texelsOfLeaf(surface.info.degree, surface.hasColors())));
   Packer packer(surface, texels);
   // Internal surfels overlap far less than leaves: their balls are so large that what rays meet of
   // them in pass 1 is the whole of what was fitted.

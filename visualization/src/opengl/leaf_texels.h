@@ -5,21 +5,23 @@
 #include <vector>
 
 #include "pcl_slim/surface/surface.h"
+#include "pcl_slim/surface/surfel_color.h"
 
 namespace pcl_slim::detail {
 
 /** \brief Texels of four numbers a surfel of a surface takes on the graphics card: centre and
  * radius; normal and weight; the frame's u axis with the level and, as its fraction, the residual in
- * radii; where its trim map begins and the level of detail's sizes; then the coefficients. */
+ * radii; where its trim map begins and the level of detail's sizes; then the coefficients; then, of a
+ * coloured surface, the terms of its colour, red, green and blue of each. */
 constexpr int
-texelsOfLeaf(int degree)
+texelsOfLeaf(int degree, bool colored = false)
 {
-  return 4 + (numCoefficients(degree) + 3) / 4;
+  return 4 + (numCoefficients(degree) + 3) / 4 + (colored ? (3 * kColorTerms + 3) / 4 : 0);
 }
 
 /** \brief A surface as the shaders read it. */
 struct LeafTexels {
-  /** texelsOfLeaf(info.degree) texels for each leaf and, behind all leaves, for each internal
+  /** texelsOfLeaf() texels for each leaf and, behind all leaves, for each internal
    * surfel if they were asked for. The fourth texel of one: the begin of its trim map in 4096 words,
    * what that leaves over times TrimMap::kMostSide plus the map's side less 1, or -1 of a closed one; its own
    * and its parents' DetailSizes. Balls of internal surfels are

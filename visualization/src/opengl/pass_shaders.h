@@ -24,6 +24,10 @@ blendPassShader();
 /** \brief Radius, level and residual of the leaf of the largest weight, by a depth test. */
 std::string
 leafPassShader();
+/** \brief What a leaf adds to the colour of the blend that is shown: weighted red, green, blue and the
+ * weight, for blending by addition. */
+std::string
+colorPassShader();
 /** \brief Sums to normal, depth and curvatures, where the leaves cover the blend. */
 std::string
 resultShader();

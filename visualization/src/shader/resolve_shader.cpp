@@ -174,14 +174,17 @@ constexpr const char* kColor = R"(//VTK::Color::Impl
     slimBase = texture(slimTable, vec2(u, 0.5)).rgb;
   }
   if (slimMode == 8) slimBase = mix(vec3(0.08, 0.09, 0.12), vec3(0.96), slimStripe);
-  if (slimMode == 9) slimBase = slimFetch(slimColors).rgb;
+  if (slimMode == 9) {
+    vec4 weighted = slimFetch(slimColors);  // by 1, but for those that the graphics card adds up
+    slimBase = weighted.rgb / max(weighted.a, 1e-30);
+  }
   if (slimMode > 0) {
     ambientColor = 0.45 * slimBase;
     diffuseColor = 0.55 * slimBase;
   }
 )";
 
-// Normals, stripes and the colours of splats are shown as they are.
+// Normals, stripes and the colours of what has its own are shown as they are.
 constexpr const char* kUnlit = R"(
   if (slimMode == 1 || slimMode == 8 || slimMode == 9) gl_FragData[0] = vec4(slimBase, opacity);
   if (slimMode == 11) gl_FragData[0] = vec4(1.0, 1.0, 1.0, opacity);

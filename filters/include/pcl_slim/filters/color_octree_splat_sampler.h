@@ -79,7 +79,6 @@ class ColorOctreeSplatSampler : public pcl::FilterIndices<PointT>,
   using pcl::FilterIndices<PointT>::applyFilter;
 
  private:
-  ColorView describeColors() const;
   /** \brief Prints the error, as PCL's filters do; a cancelled run prints nothing. */
   void complain() const;
 

@@ -2,10 +2,10 @@
 #pragma once
 
 #include "pcl_slim/cloud/cloud_view.h"
+#include "pcl_slim/cloud/color_view.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/export.h"
 #include "pcl_slim/mesh/triangle_mesh.h"
-#include "pcl_slim/splat/octree_cloud.h"
 
 namespace pcl_slim {
 

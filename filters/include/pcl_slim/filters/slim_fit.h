@@ -62,6 +62,11 @@ class SLIMFit : public pcl::PCLBase<PointT>, public SLIMFitBase {
   void setNormalEstimationNeighbors(int k) { normal_neighbours_ = k; }
   int getNormalEstimationNeighbors() const { return normal_neighbours_; }
 
+  /** \brief Gives the surface the colours of the points (default on); without effect on clouds that have no
+   * field rgb or rgba. PointSLIM has no colours: those of fit(SLIMSurface&) are kept. */
+  void setColors(bool colors) { colors_ = colors; }
+  bool getColors() const { return colors_; }
+
   // Running --------------------------------------------------------------------------------------
 
   /** \brief Fits the surface. \return false with getError() when there is none; surface is then
@@ -97,6 +102,7 @@ class SLIMFit : public pcl::PCLBase<PointT>, public SLIMFitBase {
   NormalCloud::ConstPtr normals_;
   SearchPtr search_;
   int normal_neighbours_ = 0;
+  bool colors_ = true;
 };
 
 }  // namespace pcl_slim

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pcl_slim/cloud/cloud_view.h"
+#include "pcl_slim/cloud/color_view.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/export.h"
 #include "pcl_slim/filters/controlled_run.h"
@@ -187,8 +188,8 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
   void clearResults();
   /** \brief Fits, and finds the outliers' indices. */
   Error fitStore(PointStore& store, const CloudView& cloud, SLIMSurface& surface);
-  /** \brief Builds the store and fits. */
-  bool run(const CloudView& cloud, SLIMSurface& surface);
+  /** \brief Builds the store and fits; where there are colours, these too. */
+  bool run(const CloudView& cloud, SLIMSurface& surface, const ColorView& colors = {});
 
   FitParams params_;
   SensorPositions sensors_;

@@ -56,6 +56,10 @@ setFields(const std::vector<NamedField>& columns, const char* const (&normals)[3
   constexpr const char* kSensors[3] = {"vp_x", "vp_y", "vp_z"};
   std::array<RecordLayout::Field, 3> normal, sensor;
   layout.has_sensors = findTriple(columns, kSensors, sensor);
+  const auto isColor = [](const NamedField& column) {
+    return column.name == "rgb" || column.name == "rgba" || column.name == "red";
+  };
+  layout.colors = std::any_of(columns.begin(), columns.end(), isColor);
   if (use_normals && findTriple(columns, normals, normal)) layout.normal = normal;
   return {};
 }

@@ -10,6 +10,7 @@
 #include <vtkPolyData.h>
 #include <vtkSmartPointer.h>
 #include <vtkStringArray.h>
+#include <vtkUnsignedCharArray.h>
 #include <vtkUnsignedIntArray.h>
 #include <vtkXMLPolyDataWriter.h>
 
@@ -26,6 +27,7 @@ namespace pcl_slim {
 namespace {
 
 constexpr const char* kMetadataArray = "pcl_slim";
+constexpr const char* kColorArray = "RGB";  ///< three bytes in place of the field rgb
 const char* const kCoordinates[3] = {"x", "y", "z"};
 const char* const kNormals[3] = {"normal_x", "normal_y", "normal_z"};
 
@@ -80,6 +82,21 @@ indicesOf(const pcl::PCLPointCloud2& cloud, const char* const (&names)[3])
   return indices;
 }
 
+/** Red, green and blue of a field that packs them into four bytes. */
+vtkSmartPointer<vtkDataArray>
+colorArray(const pcl::PCLPointCloud2& cloud, const pcl::PCLPointField& field)
+{
+  auto array = vtkSmartPointer<vtkUnsignedCharArray>::New();
+  array->SetName(kColorArray);
+  array->SetNumberOfComponents(3);
+  array->SetNumberOfTuples(static_cast<vtkIdType>(numPoints(cloud)));
+  for (std::size_t i = 0; i < numPoints(cloud); ++i) {
+    const std::uint8_t* bgr = cloud.data.data() + i * cloud.point_step + field.offset;
+    for (int k = 0; k < 3; ++k) array->SetTypedComponent(static_cast<vtkIdType>(i), k, bgr[2 - k]);
+  }
+  return array;
+}
+
 void
 fillPolyData(const PointFile& file, vtkPolyData* data)
 {
@@ -96,7 +113,10 @@ fillPolyData(const PointFile& file, vtkPolyData* data)
   for (std::size_t f = 0; f < cloud.fields.size(); ++f) {
     const std::string& name = cloud.fields[f].name;
     if (isOneOf(name, kCoordinates) || isOneOf(name, kNormals)) continue;
-    data->GetPointData()->AddArray(gatherArray(cloud, name.c_str(), {f}));
+    const bool color = name == "rgb" && scalarSize(cloud.fields[f].datatype) == 4;
+    data->GetPointData()->AddArray(color ? colorArray(cloud, cloud.fields[f])
+                                         : gatherArray(cloud, name.c_str(), {f}));
+    if (color) data->GetPointData()->SetActiveScalars(kColorArray);
   }
   vtkNew<vtkStringArray> metadata;
   metadata->SetName(kMetadataArray);
@@ -133,6 +153,23 @@ addColumn(const std::string& name, std::uint8_t type, const std::vector<double>&
         whole ? bytesOf(static_cast<std::uint32_t>(value)) : bytesOf(static_cast<float>(value));
   }
   columns.push_back(std::move(column));
+}
+
+/** Appends the colours of an array of bytes, packed. */
+Error
+addColors(const VtpMarkup& markup, const VtpArray& array, pcl::PCLPointCloud2& cloud,
+          std::vector<Column>& columns)
+{
+  const auto values = readVtpNumbers(markup, array, 3 * markup.points);
+  if (!values) return values.error();
+  addField(cloud, "rgb", kFloat32);
+  Column column(markup.points);
+  for (std::size_t i = 0; i < column.size(); ++i) {
+    for (std::size_t k = 0; k < 3; ++k)
+      column[i][2 - k] = static_cast<std::uint8_t>((*values)[3 * i + k]);
+  }
+  columns.push_back(std::move(column));
+  return {};
 }
 
 /** Appends the three fields of a vector array, or one of a scalar. */
@@ -174,6 +211,10 @@ readFields(const VtpMarkup& markup, pcl::PCLPointCloud2& cloud)
     if (Error error = addArray(markup, *normals, kNormals, cloud, columns)) return error;
   }
   for (const VtpArray& array : markup.arrays) {
+    if (array.section == "PointData" && array.name == kColorArray && array.type == kUInt8 &&
+        array.components == 3) {
+      if (Error error = addColors(markup, array, cloud, columns)) return error;
+    }
     const bool scalar = array.section == "PointData" && array.components == 1 && array.type != 0;
     if (!scalar || array.name.empty()) continue;
     if (Error error = addArray(markup, array, nullptr, cloud, columns)) return error;

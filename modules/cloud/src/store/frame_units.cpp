@@ -9,7 +9,6 @@ namespace pcl_slim::detail {
 namespace {
 
 constexpr double kOriginGrid = 0x1p-10;    ///< the origin is a multiple of this share of the scale
-constexpr double kFarOrigin = 256.0;       ///< beyond this many L, world floats cannot be exact
 constexpr double kLeastScale = 0x1p-1000;  ///< its inverse, and 2^-22 of it, are normal numbers
 
 }  // namespace

@@ -9,6 +9,8 @@
 
 namespace pcl_slim::detail {
 
+constexpr double kFarOrigin = 256.0;  ///< beyond this many L, world floats cannot be exact
+
 /** \brief Sets origin, scale, diagonals and the grid of centres from the box of the points that count.
  * \param[in] least_span world length that the units span at least, 0: none. \return an error where
  * doubles cannot hold the units. */

@@ -10,6 +10,8 @@
 #include "pcl_slim/cloud/morton.h"
 #include "pcl_slim/query/detail/projection_kernel.h"
 #include "pcl_slim/query/detail/shape_operator.h"
+#include "pcl_slim/surface/surfel_color.h"
+#include "probe/color_kernel.h"
 #include "probe/leaf_region.h"
 #include "probe/principal_kernel.h"
 #include "probe/sheet_kernel.h"
@@ -52,6 +54,7 @@ placeLeaf(const SLIMSurface& surface, std::uint32_t i, double noise)
   leaf.variance_weight = surface.info.paper_mode ? 1.0f : surface.varianceWeight(i);
   leaf.degree = surface.degree[i];
   leaf.c = surface.coefficientsOf(i);
+  if (surface.hasColors()) leaf.color = surface.colors.data() + i * kColorBytes;
   return placed;
 }
 
@@ -117,6 +120,7 @@ struct SurfaceProbe::Scratch {
   alignas(64) float x[16], y[16], z[16], nx[16], ny[16], nz[16];
   BlockSums sums;
   BlockSheets sheets;
+  BlockColors colors;
   BlockPrincipals principals;
   LeafRegion region;  ///< the leaves at hand
   std::vector<const BlockLeaf*> near;
@@ -287,6 +291,33 @@ SurfaceProbe::distances(const Vector3* places, std::size_t count, SheetDistance*
     distances[i].known = true;
     distances[i].distance = s.sheets.distance_sum[i] / weight;
     for (std::size_t a = 0; a < 3; ++a) distances[i].normal[a] = static_cast<float>(unit[a]);
+  }
+}
+
+void
+SurfaceProbe::colors(const Vector3* places, const Vector3* sides, std::size_t count,
+                     std::array<float, 3>* colors)
+{
+  std::fill(colors, colors + count, std::array<float, 3>{-1.0f, -1.0f, -1.0f});
+  if (count == 0 || !index_.surface_.hasColors()) return;
+  ++num_requests_;
+  load(places, count);
+  Scratch& s = *scratch_;
+  const BlendRules& rules = index_.leaves_->rules;
+  BlockPoints points{s.x, s.y, s.z};
+  ProbeRequest facing;
+  facing.count = count;
+  facing.sides = sides;
+  if (rules.oriented && loadSides(facing)) {
+    points.nx = s.nx;
+    points.ny = s.ny;
+    points.nz = s.nz;
+  }
+  s.colors = BlockColors{};
+  for (const BlockLeaf* leaf : s.near) kernels::addColors(points, *leaf, rules, s.colors);
+  for (std::size_t i = 0; i < count; ++i) {
+    const float weight = s.colors.weight[i];
+    for (std::size_t c = 0; c < 3 && weight > 0; ++c) colors[i][c] = s.colors.sum[c][i] / weight;
   }
 }
 

@@ -7,11 +7,14 @@
 #include <numeric>
 #include <utility>
 
+#include "pcl_slim/core/parallel.h"
+
 namespace pcl_slim::detail {
 
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr std::size_t kBatch = 8192;  ///< points that are tried side by side
 
 std::uint64_t
 mixed(std::uint64_t bits)
@@ -101,7 +104,7 @@ class CellTable {
 }  // namespace
 
 std::vector<std::uint32_t>
-poissonSet(const SidedPoints& points, double spacing, std::uint64_t seed)
+poissonSet(const SidedPoints& points, double spacing, std::uint64_t seed, int threads)
 {
   const std::size_t n = points.position.size();
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order(n);
@@ -109,10 +112,19 @@ poissonSet(const SidedPoints& points, double spacing, std::uint64_t seed)
   std::sort(order.begin(), order.end());
   CellTable chosen(points, spacing);
   std::vector<std::uint32_t> set;
-  for (const auto& [key, i] : order) {
-    if (chosen.nearest(i, spacing).first != kNone) continue;
-    chosen.add(i);
-    set.push_back(i);
+  std::vector<std::uint8_t> free(kBatch);
+  for (std::size_t begin = 0; begin < n; begin += kBatch) {
+    // Most points are too near to one of an earlier batch; the few others are tried again in their order.
+    const std::size_t count = std::min(kBatch, n - begin);
+    parallelFor(count, threads, 256, [&](std::size_t k, int) {
+      free[k] = chosen.nearest(order[begin + k].second, spacing).first == kNone;
+    });
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::uint32_t i = order[begin + k].second;
+      if (free[k] == 0 || chosen.nearest(i, spacing).first != kNone) continue;
+      chosen.add(i);
+      set.push_back(i);
+    }
   }
   std::sort(set.begin(), set.end());
   return set;

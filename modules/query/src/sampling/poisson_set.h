@@ -15,9 +15,9 @@ struct SidedPoints {
 };
 
 /** \brief A maximal set of points of which no two are nearer than the spacing, ascending. The points are
- * taken in an order that the seed makes. O(points). */
+ * taken in an order that the seed makes. O(points); the same for any number of threads. */
 std::vector<std::uint32_t>
-poissonSet(const SidedPoints& points, double spacing, std::uint64_t seed);
+poissonSet(const SidedPoints& points, double spacing, std::uint64_t seed, int threads);
 
 /** \brief Leaves out of a set so many as make it this large: those nearest to another, one of each pair
  * first. O(set). */

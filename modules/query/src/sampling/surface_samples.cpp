@@ -6,6 +6,7 @@
 
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/query/projection.h"
+#include "pcl_slim/query/surface_colors.h"
 #include "sampling/poisson_set.h"
 
 namespace pcl_slim {
@@ -20,6 +21,7 @@ constexpr double kMostNodes = 4e8;    ///< candidates that memory is spent on
 constexpr double kFirstCount = 4000;  ///< samples of the first trial for a count
 constexpr double kSurplus = 1.03;     ///< samples over the count, at most, that are thinned
 constexpr int kMostTrials = 12;
+constexpr std::size_t kRun = 64;  ///< surfels a thread takes at a time; no result depends on it
 
 /** Half the width of a leaf's (u, v) square that is sampled, in radii: beyond its cover other leaves
  * sample. */
@@ -85,10 +87,14 @@ makeCandidates(const SLIMSurface& surface, double spacing, int threads, Progress
 {
   const double step = kStep * spacing / surface.info.scale;
   if (Error error = checkNodes(surface, step)) return error;
+  std::vector<std::vector<double>> runs((surface.size() + kRun - 1) / kRun);
+  parallelFor(runs.size(), threads, 1, [&](std::size_t run, int) {
+    for (std::size_t i = run * kRun; i < std::min(surface.size(), (run + 1) * kRun); ++i) {
+      if (surface.isLeaf(i)) appendNodes(surface, i, step, runs[run]);
+    }
+  });
   std::vector<double> xyz;
-  for (std::size_t i = 0; i < surface.size(); ++i) {
-    if (surface.isLeaf(i)) appendNodes(surface, i, step, xyz);
-  }
+  for (const auto& run : runs) xyz.insert(xyz.end(), run.begin(), run.end());
   CloudView view;
   view.xyz = xyz.data();
   view.xyz_stride = 3 * sizeof(double);
@@ -144,6 +150,18 @@ take(const Candidates& candidates, const std::vector<std::uint32_t>& set, double
   }
 }
 
+Error
+sampleSpacing(const SLIMSurface& surface, const SurfaceSampleParams& params, int threads,
+              Progress* progress, SurfaceSamples& samples)
+{
+  Candidates candidates;
+  if (Error error = makeCandidates(surface, params.spacing, threads, progress, candidates))
+    return error;
+  take(candidates, poissonSet(candidates.points, params.spacing, params.seed, threads),
+       params.spacing, samples);
+  return {};
+}
+
 /** Tries spacings until a few more samples than asked for come out, and thins those. */
 Error
 sampleCount(const SLIMSurface& surface, const SurfaceSampleParams& params, int threads,
@@ -155,7 +173,7 @@ sampleCount(const SLIMSurface& surface, const SurfaceSampleParams& params, int t
   for (int trial = 0; trial < kMostTrials; ++trial) {
     Candidates candidates;
     if (Error error = makeCandidates(surface, spacing, threads, progress, candidates)) return error;
-    std::vector<std::uint32_t> set = poissonSet(candidates.points, spacing, params.seed);
+    std::vector<std::uint32_t> set = poissonSet(candidates.points, spacing, params.seed, threads);
     const auto found = static_cast<double>(set.size());
     const bool close = found <= kSurplus * wanted + 1 || trial + 1 == kMostTrials;
     if (found >= wanted && close) {
@@ -190,12 +208,9 @@ sampleSurface(const SLIMSurface& surface, const SurfaceSampleParams& params,
   if (Error error = surface.validate()) return error;
   if (surface.numLeaves() == 0) return badInput("the surface has no leaves: fit one");
   const int threads = resolveThreads(params.threads);
-  if (params.count > 0) return sampleCount(surface, params, threads, progress, samples);
-  Candidates candidates;
-  if (Error error = makeCandidates(surface, params.spacing, threads, progress, candidates))
-    return error;
-  take(candidates, poissonSet(candidates.points, params.spacing, params.seed), params.spacing,
-       samples);
+  const auto make = params.count > 0 ? sampleCount : sampleSpacing;
+  if (Error error = make(surface, params, threads, progress, samples)) return error;
+  samples.color = surfaceColors(surface, samples.position, samples.normal, threads);
   return {};
 }
 

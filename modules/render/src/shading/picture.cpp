@@ -53,7 +53,8 @@ averageFrames(const Camera& camera, const ShadingParams& params, double scale, c
 Error
 noColors()
 {
-  return {ErrorCode::kBadArgument, "a surface has no colours; choose another mode than color"};
+  return {ErrorCode::kBadArgument,
+          "the surface has no colours; fit a coloured scan, or choose another mode than color"};
 }
 
 /** \brief Names what a mode needs and a buffer was made without. */
@@ -99,7 +100,8 @@ renderPicture(SurfaceRenderer& renderer, const Camera& camera, const RenderParam
               const ShadingParams& shading_params, RenderStatistics* statistics)
 {
   if (Error error = shading_params.validate()) return error;
-  if (shading_params.mode == ShadingMode::kColor) return noColors();
+  if (shading_params.mode == ShadingMode::kColor && !renderer.surface().hasColors())
+    return noColors();
   RenderParams needed = render_params;
   needed.columns = columnsFor(shading_params);
   RenderStatistics total;

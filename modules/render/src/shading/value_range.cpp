@@ -149,6 +149,7 @@ columnsFor(const ShadingParams& params)
     case ShadingMode::kLevel:
     case ShadingMode::kSize: return columns | kLeafColumns;
     case ShadingMode::kError: return columns | kResidualColumn;
+    case ShadingMode::kColor: return columns | kColorColumn;
     default: return columns;
   }
 }

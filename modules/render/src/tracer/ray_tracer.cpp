@@ -8,6 +8,7 @@
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/render/disc_rasterizer.h"
+#include "shading/paint_surface.h"
 #include "tracer/trace_tile.h"
 #include "tracer/traced_object.h"
 
@@ -87,17 +88,20 @@ forBatches(std::size_t count, int threads, const Body& body)
 struct RayTracer::State {
   std::unique_ptr<TracedObject> object;
   Error defect;  ///< of the object
-  bool discs = false;
+  bool colored = false;
+  std::unique_ptr<SurfacePainter> painter;  ///< of a surface
 };
 
 RayTracer::RayTracer(const SLIMSurface& surface, int threads)
-    : state_(new State{nullptr, surface.validate(), false})
+    : state_(new State{nullptr, surface.validate(), surface.hasColors(), nullptr})
 {
-  if (!state_->defect) state_->object = tracedLeaves(surface, resolveThreads(threads));
+  if (state_->defect) return;
+  state_->object = tracedLeaves(surface, resolveThreads(threads));
+  state_->painter = std::make_unique<SurfacePainter>(surface);
 }
 
 RayTracer::RayTracer(const SplatSet& splats, int threads)
-    : state_(new State{nullptr, validateDiscs(splats), true})
+    : state_(new State{nullptr, validateDiscs(splats), true, nullptr})
 {
   if (!state_->defect) state_->object = tracedDiscs(splats, resolveThreads(threads));
 }
@@ -114,9 +118,9 @@ RayTracer::defect() const
 }
 
 bool
-RayTracer::isOfDiscs() const
+RayTracer::hasColors() const
 {
-  return state_ && state_->discs;
+  return state_ && state_->colored;
 }
 
 double
@@ -159,7 +163,10 @@ void
 clearFrame(const TracedObject& object, const Camera& camera, const TraceParams& params,
            GBuffer& buffer, LightBuffer& light)
 {
-  const unsigned columns = object.discs ? unsigned{kAllColumns} : params.columns;
+  const bool painted = (params.columns & kColorColumn) != 0;
+  const unsigned columns = object.discs ? unsigned{kAllColumns}
+                           : painted    ? params.columns | kPositionColumn
+                                        : params.columns;
   buffer.resize(camera.size.width, camera.size.height, columns);
   if (object.discs) buffer.color.assign(buffer.numPixels(), {});
   light.visible.assign(params.lights.size() * buffer.numPixels(), 0.0f);
@@ -191,6 +198,8 @@ RayTracer::trace(const Camera& camera, const TraceParams& params, GBuffer& buffe
   const bool done =
       traceTiles(frame, resolveThreads(params.threads), buffer, light, total, progress);
   if (!done) return refused({ErrorCode::kCancelled, "tracing was cancelled"});
+  if (state_->painter && (params.columns & kColorColumn) != 0)
+    state_->painter->paint(resolveThreads(params.threads), buffer);
   if (statistics) *statistics = total;
   return {};
 }

@@ -95,11 +95,11 @@ colorAt(const TracedRig& rig, int x, int y, const Color& empty)
 }
 
 Error
-checkMode(ShadingMode mode, bool discs)
+checkMode(ShadingMode mode, bool colored)
 {
-  if (mode == ShadingMode::kShaded || (mode == ShadingMode::kColor && discs)) return {};
-  return {ErrorCode::kBadArgument, discs ? "traced discs are shaded or show their colours"
-                                         : "a traced surface is shaded; it has no colours"};
+  if (mode == ShadingMode::kShaded || (mode == ShadingMode::kColor && colored)) return {};
+  return {ErrorCode::kBadArgument, colored ? "what is traced is shaded or shows its colours"
+                                           : "a traced surface without colours is shaded"};
 }
 
 void
@@ -131,6 +131,7 @@ struct FrameSequence {
   const Camera& camera;
   const TraceParams& trace;
   int n;
+  unsigned columns;
 
   Camera shifted(int pass) const
   {
@@ -141,7 +142,7 @@ struct FrameSequence {
   TraceParams sampled(int pass) const
   {
     TraceParams params = trace;
-    params.columns = kPositionColumn;
+    params.columns = columns;
     params.sample = trace.sample * static_cast<unsigned>(n * n) + static_cast<unsigned>(pass);
     if (params.lights.empty()) params.lights = defaultLights(camera);
     return params;
@@ -190,8 +191,9 @@ renderTracedPicture(RayTracer& tracer, const Camera& camera, const TraceParams& 
                     Progress* progress)
 {
   if (Error error = shading_params.validate()) return error;
-  if (Error error = checkMode(shading_params.mode, tracer.isOfDiscs())) return error;
-  const FrameSequence frames{camera, trace_params, shading_params.supersampling};
+  if (Error error = checkMode(shading_params.mode, tracer.hasColors())) return error;
+  const FrameSequence frames{camera, trace_params, shading_params.supersampling,
+                             kPositionColumn | columnsFor(shading_params)};
   const int count = frames.n * frames.n;
   std::vector<Color> sums;
   GBuffer buffer;

@@ -10,8 +10,9 @@
 #include "pcl_slim/surface/surface.h"
 
 // A .slim file's header: magic (8 bytes), version and header size (4 each), size of the payload,
-// checksum (8 each), then what SurfaceInfo holds. Version 2 has trim maps behind the columns; files
-// without any are written as version 1. Version 3 consists of blocks, each a file of version 1 or 2.
+// checksum (8 each), then what SurfaceInfo holds. Version 2 has trim maps behind the columns, version 4
+// behind these colours; files without any are written as version 1. Version 3 consists of blocks, each a
+// file of one of the other versions.
 
 namespace pcl_slim::detail {
 
@@ -19,6 +20,8 @@ constexpr std::size_t kSlimHeaderBytes = 136;
 constexpr std::uint32_t kSlimVersion = 1;        ///< one surface without trim maps
 constexpr std::uint32_t kSlimMapsVersion = 2;    ///< one surface with trim maps
 constexpr std::uint32_t kSlimBlocksVersion = 3;  ///< blocks of such surfaces (slim_blocks.h)
+constexpr std::uint32_t kSlimColorsVersion =
+    4;  ///< one surface with colours, and maps where it has any
 
 /** \brief Writes the header of so many surfels that take payload bytes; the checksum is left 0, for
  * sealSlim. */
@@ -55,6 +58,10 @@ checkSlimFrame(const unsigned char* bytes, std::size_t size);
 /** \brief Whether a file that checkSlimFrame passed is of a version with trim maps. */
 bool
 holdsTrimMaps(const unsigned char* bytes);
+
+/** \brief Whether such a file is of the version with colours. */
+bool
+holdsColors(const unsigned char* bytes);
 
 /** \brief Reads the header of a file that checkSlimFrame passed.
  * \return the number of surfels, or an error where a value cannot be. */

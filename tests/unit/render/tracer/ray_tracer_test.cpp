@@ -296,7 +296,7 @@ TEST(RayTracer, OneThatWasMovedFromSaysSo)
   EXPECT_TRUE(tracer.cast({WorldRay()}, VisibleSides::kAuto, hits));
   std::vector<std::uint8_t> blocked;
   EXPECT_TRUE(tracer.castShadows({WorldRay()}, blocked));
-  EXPECT_FALSE(tracer.isOfDiscs());
+  EXPECT_FALSE(tracer.hasColors());
   EXPECT_EQ(tracer.scale(), 1.0);
   EXPECT_FALSE(taken.trace(frontCamera(16, 12), {}, buffer, light));
 }

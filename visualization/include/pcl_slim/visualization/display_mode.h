@@ -20,7 +20,7 @@ enum class DisplayMode : unsigned char {
   kLevel,       ///< level of the leaf of the largest weight, one colour each
   kSize,        ///< its radius, small red to large blue, by the logarithm
   kReflection,  ///< stripes of light far away as the surface mirrors them
-  kColor,       ///< colours of splats
+  kColor,       ///< colours of splats or of a coloured surface
   kError,       ///< root mean square residual of the leaf of the largest weight, dark to light
   kSketch,      ///< white paper for lines (SLIMMapper::setLines)
 };

@@ -9,6 +9,7 @@
 
 #include "pcl_slim/filters/color_octree_splat_sampler.h"
 #include "pcl_slim/filters/impl/cloud_description.hpp"
+#include "pcl_slim/filters/impl/color_view.hpp"
 #include "pcl_slim/filters/io/splat_conversion.h"
 
 #ifndef PCL_SLIM_PCL_POINTS_ONLY
@@ -47,21 +48,6 @@ ColorOctreeSplatSampler<PointT>::operator=(const ColorOctreeSplatSampler& other)
 }
 
 template <typename PointT>
-ColorView
-ColorOctreeSplatSampler<PointT>::describeColors() const
-{
-  ColorView colors;
-  const auto* first = reinterpret_cast<const unsigned char*>(input_->points.data());
-  colors.stride = sizeof(PointT);
-  if constexpr (pcl::traits::has_field<PointT, pcl::fields::rgba>::value) {
-    colors.bgr = first + pcl::traits::offset<PointT, pcl::fields::rgba>::value;
-  } else if constexpr (pcl::traits::has_field<PointT, pcl::fields::rgb>::value) {
-    colors.bgr = first + pcl::traits::offset<PointT, pcl::fields::rgb>::value;
-  }
-  return colors;
-}
-
-template <typename PointT>
 bool
 ColorOctreeSplatSampler<PointT>::sample(SplatSet& splats)
 {
@@ -71,7 +57,7 @@ ColorOctreeSplatSampler<PointT>::sample(SplatSet& splats)
                                  FitParams());
   cloud.setInputNormals(normals_);
   if (!cloud.describe()) return fail(cloud.getError().code, cloud.getError().message);
-  return run(cloud.view(), describeColors(), input_->sensor_origin_.data(), splats);
+  return run(cloud.view(), colorsOfPoints(*input_), input_->sensor_origin_.data(), splats);
 }
 
 template <typename PointT>

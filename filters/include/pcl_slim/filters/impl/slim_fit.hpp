@@ -13,6 +13,7 @@
 #include <optional>
 #include <type_traits>
 
+#include "pcl_slim/filters/impl/color_view.hpp"
 #include "pcl_slim/filters/pcl_normals.h"
 #include "pcl_slim/filters/slim_fit.h"
 
@@ -82,7 +83,7 @@ SLIMFit<PointT>::fit(SLIMSurface& surface)
   CloudView view;
   std::vector<float> estimated;
   if (!describeInput(view) || !describeNormals(view, estimated)) return false;
-  return run(view, surface);
+  return run(view, surface, colors_ ? colorsOfPoints(*input_) : ColorView());
 }
 
 template <typename PointT>

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pcl_slim/filters/impl/cloud_description.hpp"
+#include "pcl_slim/filters/impl/color_view.hpp"
 #include "pcl_slim/filters/io/mesh_conversion.h"
 #include "pcl_slim/filters/slim_reconstruction.h"
 
@@ -23,14 +24,7 @@ SLIMReconstruction<PointT>::run()
   if (!done) {
     error_ = description.getError();
   } else {
-    ColorView colors;
-    const auto* first = reinterpret_cast<const unsigned char*>(input_->points.data());
-    if constexpr (pcl::traits::has_field<PointT, pcl::fields::rgba>::value) {
-      colors = {first + pcl::traits::offset<PointT, pcl::fields::rgba>::value, sizeof(PointT)};
-    } else if constexpr (pcl::traits::has_field<PointT, pcl::fields::rgb>::value) {
-      colors = {first + pcl::traits::offset<PointT, pcl::fields::rgb>::value, sizeof(PointT)};
-    }
-    done = makeMesh(description.view(), colors);
+    done = makeMesh(description.view(), colorsOfPoints(*input_));
   }
   if (!done && error_.code != ErrorCode::kCancelled) {
     PCL_ERROR("[pcl_slim::SLIMReconstruction::reconstruct] %s\n", error_.message.c_str());

@@ -13,8 +13,8 @@
 
 namespace pcl_slim {
 
-/** \brief What to take off world coordinates so that float holds centres to a thousandth of a
- * middling radius: nothing, or the splats' origin where they lie too far from zero. */
+/** \brief What to take off world coordinates that float would hold too coarsely: fileShift() of the discs'
+ * box. Give toPointFile() that of the cloud itself, where there is one: files of its surface have it, too. */
 PCL_SLIM_EXPORT std::array<double, 3>
 splatShift(const SplatSet& splats);
 

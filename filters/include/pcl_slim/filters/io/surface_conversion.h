@@ -18,7 +18,8 @@ namespace pcl_slim {
 /** \brief What a cloud of surfels alone cannot say: the surface's info, and where the cloud stands.
  *
  * world = shift + cloud coordinates. The shift is 0 unless float cannot hold the centres in world
- * coordinates (an origin far from the object); it is then the surface's origin.
+ * coordinates (an origin far from the object); it is then fileShift(), which splats of the same cloud have
+ * as well.
  */
 struct SurfaceMetadata {
   SurfaceInfo info;
@@ -28,15 +29,16 @@ struct SurfaceMetadata {
 /** \brief Writes a surface's surfels as points, in their order, in world units less the shift.
  *
  * Every number is exact: fromPCL with the returned metadata gives the same surface, bit by bit, but
- * for trim maps, which points carry at 8 x 8 nodes: coarse where a ball is wider than a dozen
- * spacings. A .slim file keeps them as they are.
+ * for trim maps, which points carry at 8 x 8 nodes (coarse where a ball is wider than a dozen
+ * spacings), and colours, for which PointSLIM has no fields. Files of saveSurface() keep both as they are.
  * O(surfels). An empty surface gives an empty cloud.
  */
 PCL_SLIM_EXPORT SurfaceMetadata
 toPCL(const SLIMSurface& surface, pcl::PointCloud<PointSLIM>& cloud);
 
 /** \brief The same as a field-described cloud with only the coefficients info.degree needs, and
- * without trim maps where every surfel is closed. */
+ * without trim maps where every surfel is closed. Of a coloured surface it has colours: rgb at the centres,
+ * and the polynomial's other terms in red_u green_u blue_u red_v ... red_vv ..., in 1/255 of white. */
 PCL_SLIM_EXPORT SurfaceMetadata
 toPCL(const SLIMSurface& surface, pcl::PCLPointCloud2& cloud);
 
@@ -52,7 +54,8 @@ fromPCL(const pcl::PointCloud<PointSLIM>& cloud, const SurfaceMetadata* metadata
 /** \brief The same from fields of any numeric type, found by name.
  *
  * Needed are x y z, normal_x.., radius and c0 c1 c2; degree, level, leaf, error and confidence
- * have defaults (the highest degree whose coefficients are there, 1, 1, 0, 0).
+ * have defaults (the highest degree whose coefficients are there, 1, 1, 0, 0). Where there is rgb or
+ * rgba, the surface is coloured.
  */
 PCL_SLIM_EXPORT Result<SLIMSurface>
 fromPCL(const pcl::PCLPointCloud2& cloud, const SurfaceMetadata* metadata = nullptr);

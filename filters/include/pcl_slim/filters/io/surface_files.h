@@ -19,6 +19,7 @@ namespace pcl_slim {
  *        in builds with PCL_SLIM_WITH_VTP
  * .slim  the compact form of surface/surface_io.h
  *
+ * Trim maps of other than 8 x 8 nodes are in further such lines, colours in fields (surface_conversion.h).
  * Loading and saving again gives the same bytes in every format.
  */
 PCL_SLIM_EXPORT Error

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -106,6 +107,14 @@ class PCL_SLIM_EXPORT SurfaceProbe {
    * surface but for terms of second order in the distance. Unoriented surfaces give the sign of the
    * nearest leaf. O(leaves near the places). \param[out] distances one for each place. */
   void distances(const Vector3* places, std::size_t count, SheetDistance* distances);
+
+  /** \brief Colours of a surface that has any, blended with the leaves' weights at places on it.
+   * \param[in] sides normals at the places: where the surface is oriented, leaves that face away from them
+   * do not count. Places that no leaf serves get the colours of whatever balls they are in, or none.
+   * O(leaves near the places). \param[out] colors red, green, blue, 0..255, for each of up to kMost
+   * places; below 0 where there is none. */
+  void colors(const Vector3* places, const Vector3* sides, std::size_t count,
+              std::array<float, 3>* colors);
 
   /** \brief Blended radius and number of points at a place. O(leaves near it). */
   ProbeScale scaleAt(const Vector3& position, const Vector3& side);

@@ -26,10 +26,11 @@ struct PCL_SLIM_EXPORT SurfaceSampleParams {
 /** \brief Points of a surface, in world coordinates. */
 struct SurfaceSamples {
   std::vector<std::array<double, 3>> position;
-  std::vector<std::array<float, 3>> normal;     ///< unit
-  std::vector<std::array<float, 2>> curvature;  ///< mean, 1/length, and Gaussian, 1/length^2
-  double spacing = 0.0;                         ///< least distance that was kept
-  std::uint64_t candidates = 0;                 ///< places that were tried
+  std::vector<std::array<float, 3>> normal;        ///< unit
+  std::vector<std::array<float, 2>> curvature;     ///< mean, 1/length, and Gaussian, 1/length^2
+  std::vector<std::array<std::uint8_t, 3>> color;  ///< red, green, blue; none of a surface without
+  double spacing = 0.0;                            ///< least distance that was kept
+  std::uint64_t candidates = 0;                    ///< places that were tried
 
   std::size_t size() const { return position.size(); }
 };

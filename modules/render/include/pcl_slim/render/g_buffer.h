@@ -20,7 +20,8 @@ enum GBufferColumn : std::uint8_t {
   kLeafColumns = 16,     ///< level and radius
   kWeightColumns = 32,   ///< weight and coverage
   kResidualColumn = 64,
-  kAllColumns = 127,
+  kAllColumns = 127,   ///< but colours
+  kColorColumn = 128,  ///< of a surface that has colours; takes positions as well
 };
 
 /** \brief What a picture's rays met, one value per pixel and column, rows from the top.
@@ -50,7 +51,8 @@ struct PCL_SLIM_EXPORT GBuffer {
   std::vector<float> weight;                    ///< sum of blending weights
   std::vector<float> coverage;                  ///< sum of cover weights, G(|q - c| / (alpha r))
   std::vector<std::uint8_t> back_face;          ///< 1: an oriented surface seen from behind
-  std::vector<std::array<float, 3>> color;      ///< sRGB in [0, 1]; of discs only, else empty
+  std::vector<std::array<float, 3>>
+      color;  ///< sRGB in [0, 1]; of discs and, where asked for, of coloured surfaces; else empty
 
   /** \brief Sets the size and marks every pixel as met by nothing.
    * \param[in] columns GBufferColumn bits: what to hold besides depth, normal, surfel, back_face */

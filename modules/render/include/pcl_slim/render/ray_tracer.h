@@ -122,8 +122,9 @@ class PCL_SLIM_EXPORT RayTracer {
   RayTracer(RayTracer&&) noexcept;
   RayTracer& operator=(RayTracer&&) noexcept;
 
-  /** \brief Whether it was built from discs, which have colours but no curvatures or levels. */
-  bool isOfDiscs() const;
+  /** \brief Whether frames have colours: those of discs, or of a coloured surface where
+   * TraceParams::columns has kColorColumn. */
+  bool hasColors() const;
   /** \brief World units per local unit of the G-buffers. */
   double scale() const;
 

@@ -30,7 +30,7 @@ enum class ShadingMode : unsigned char {
   kSize,      ///< its radius, blue large to red small (the paper's Fig. 1)
   kError,     ///< its residual, root mean square: the noise and what the polynomial cannot follow
   kReflection,  ///< stripes of light far away as the surface mirrors them: they break where normals do
-  kColor,       ///< colours of discs
+  kColor,       ///< colours of discs or of a coloured surface
 };
 
 /** \brief The name of a mode, as shadingModeOf() takes it. */
@@ -113,7 +113,7 @@ shade(const GBuffer& buffer, const Camera& camera, const ShadingParams& params, 
 /** \brief A finished picture: supersampling^2 shifted renderings, averaged in linear light.
  *
  * Memory is that of one G-buffer, whatever the supersampling. Same bytes for any thread count.
- * kColor is refused: a surface has no colours.
+ * kColor is refused where the surface has no colours.
  */
 PCL_SLIM_EXPORT Result<Image>
 renderPicture(const SLIMSurface& surface, const Camera& camera, const RenderParams& render_params,

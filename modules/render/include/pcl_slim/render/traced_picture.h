@@ -24,7 +24,7 @@ lightDirection(const Camera& camera, double azimuth, double elevation);
 PCL_SLIM_EXPORT std::vector<RayLight>
 defaultLights(const Camera& camera);
 
-/** \brief Shades a traced frame to linear light: clay, or the discs' own colours, under the frame's lights
+/** \brief Shades a traced frame to linear light: clay, or the object's own colours, under the frame's lights
  * where these reach, and under an even sky that occlusion dims.
  * \param[in] params ambient_occlusion, gradient_background, threads */
 PCL_SLIM_EXPORT std::vector<Color>
@@ -34,7 +34,7 @@ shadeTraced(const GBuffer& buffer, const LightBuffer& light, const Camera& camer
 /** \brief A finished ray-traced picture: supersampling^2 shifted frames, averaged in linear light.
  *
  * Without lights in trace_params those of defaultLights() shine. The mode of shading_params is kShaded or
- * kColor: the colours of discs, which a surface lacks. Same bytes for any thread count.
+ * kColor: the colours of discs or of a coloured surface. Same bytes for any thread count.
  * \return also an error when progress was cancelled. */
 PCL_SLIM_EXPORT Result<Image>
 renderTracedPicture(RayTracer& tracer, const Camera& camera, const TraceParams& trace_params,

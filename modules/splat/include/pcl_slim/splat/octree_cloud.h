@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pcl_slim/cloud/cloud_view.h"
+#include "pcl_slim/cloud/color_view.h"
 #include "pcl_slim/core/aligned.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/export.h"
@@ -17,13 +18,6 @@ namespace pcl_slim {
 namespace detail {
 class OctreeCloudBuilder;
 }
-
-/** \brief Colours owned by someone else: three consecutive bytes blue, green, red per point, as PCL
- * keeps them; as many points as the CloudView beside it. */
-struct ColorView {
-  const void* bgr = nullptr;  ///< address of the first point's blue, or null: no colours
-  std::size_t stride = 0;     ///< bytes from one point to the next
-};
 
 /** \brief The grid of root cells over a cloud. */
 struct RootGrid {

@@ -40,6 +40,7 @@ struct RecordLayout {
   std::size_t step = 0;     ///< bytes of a record; of text: words of a row
   bool text = false;        ///< numbers as words, separated by white space
   bool big_endian = false;
+  bool colors = false;  ///< records have colours, which no pass reads
   std::array<Field, 3> position;
   std::optional<std::array<Field, 3>> normal;
   std::optional<std::array<double, 3>> sensor;

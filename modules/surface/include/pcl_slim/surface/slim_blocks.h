@@ -16,7 +16,7 @@ namespace pcl_slim {
 
 /** \brief One block of a .slim file of format version 3: the surfels of one tile. */
 struct SlimBlock {
-  std::uint64_t offset = 0, bytes = 0;  ///< in the file: a complete .slim of version 1 or 2
+  std::uint64_t offset = 0, bytes = 0;  ///< in the file: a complete .slim of version 1, 2 or 4
   std::uint64_t surfels = 0;
   std::uint64_t first_key = 0, end_key = 0;  ///< Morton codes of the tile, half open
   std::array<float, 3> low{}, high{};        ///< box of the surfels' balls, local units

@@ -67,6 +67,8 @@ class PCL_SLIM_EXPORT SLIMSurface {
   std::vector<std::uint32_t> trim_begin;  ///< size() + 1 offsets into trim_maps; empty: all closed
   std::vector<std::uint8_t> trim_maps;    ///< of open surfels: side in a byte, then the bits
 
+  std::vector<std::uint8_t> colors;  ///< kColorBytes per surfel (surfel_color.h); empty: none
+
   std::vector<std::uint32_t> child_begin;  ///< size() + 1 offsets into children (may be empty)
   std::vector<std::uint32_t> children;     ///< surfels one level finer whose centre lies inside
   std::vector<std::uint32_t> roots;        ///< children of the enclosing root ball
@@ -98,13 +100,17 @@ class PCL_SLIM_EXPORT SLIMSurface {
    * beside one that fits; leaves that fit down to the noise count alike. */
   float varianceWeight(std::size_t i) const;
 
+  /** \brief Whether the surfels have colours, as those of a coloured cloud do. */
+  bool hasColors() const { return !colors.empty(); }
+
   /** \brief Removes every surfel and link; keeps info. */
   void clear();
-  /** \brief Sets the number of surfels; none has a trim map then. */
+  /** \brief Sets the number of surfels; none has a trim map or a colour then. */
   void resize(std::size_t count);
 
   /** \brief Appends the surfels of another surface of the same units and degree, as a tile of the same
-   * cloud is; links are dropped, for buildLinks(). An empty surface takes over the other's info. */
+   * cloud is; links are dropped, for buildLinks(). An empty surface takes over the other's info. Colours
+   * are kept where both surfaces have them. */
   void append(const SLIMSurface& more);
   /** \brief The surfels from begin on, to before end, without links. */
   SLIMSurface slice(std::size_t begin, std::size_t end) const;

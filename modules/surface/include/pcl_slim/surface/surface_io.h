@@ -18,7 +18,8 @@ namespace pcl_slim {
  * is its own, as every fit makes it; a linear surfel with another normal keeps three and so has 9.
  * Beside them stand degree, level and flags (a byte each), error and confidence (a float each);
  * links are rebuilt on load. Open surfels have their trim map: a byte, and a bit a node; files with
- * such maps are of version 2, others of version 1. Little-endian. Normals that snapNormal made are
+ * such maps are of version 2, others of version 1. Coloured surfaces have kColorBytes more a surfel, in
+ * version 4. Little-endian. Normals that snapNormal made are
  * kept exactly, others to 6.2e-7 rad. The file appears under its name only when complete.
  */
 PCL_SLIM_EXPORT Error

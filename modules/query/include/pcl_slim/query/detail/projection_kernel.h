@@ -22,7 +22,8 @@ struct BlockLeaf {
   float variance_weight;  ///< inverse-variance weight, in (0, 1]
   int degree;
   const float* c;
-  TrimTable trim;  ///< where the leaf's data lie
+  TrimTable trim;                       ///< where the leaf's data lie
+  const std::uint8_t* color = nullptr;  ///< kColorBytes, or none
 };
 
 /** \brief A block's 16 points: offsets from its origin, and normals where they are to decide. */

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Colours of leaves at sixteen places of the surface.
+#include "probe/color_kernel.h"
+
+#include "pcl_slim/query/detail/color_rules.h"
+#include "pcl_slim/surface/surfel_color.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "probe/color_kernel.cpp"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+
+#include "pcl_slim/surface/detail/kernel_math-inl.h"
+#include "projection/derivative_sums-inl.h"
+#include "projection/height_jets-inl.h"
+#include "projection/leaf_frame-inl.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
+
+template <int D, WeightKernel K>
+void
+addColorsOf(const BlockPoints& points, const BlockLeaf& leaf, BlockColors& colors)
+{
+  static_assert(kColorDegree == 2, "the terms below are those of degree 2");
+  const Tag d;
+  const LeafFrame frame(leaf);
+  const HeightJets<D> jets(leaf.c);
+  const ColorPolynomial color = decodeColor(leaf.color);
+  for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
+    const Local p = frame.place(points, i);
+    const Vec s_sq = p.lengthSq();
+    const Mask near = hn::Lt(s_sq, set(1.0f));
+    if (hn::AllFalse(d, near)) continue;
+    Vec h, hu, hv;
+    jets.gradient(p.u, p.v, h, hu, hv);
+    Mask own = hn::And(near, hn::Le(hn::Abs(hn::Sub(p.w, h)), set(kColorGate)));
+    if (points.nx) {
+      const Vec cosine =
+          dot3(hn::Load(d, points.nx + i), hn::Load(d, points.ny + i), hn::Load(d, points.nz + i),
+               set(leaf.w[0]), set(leaf.w[1]), set(leaf.w[2]));
+      own = hn::And(own, hn::Gt(cosine, hn::Zero(d)));
+    }
+    const Vec share = hn::IfThenElse(own, set(1.0f), set(kOtherSheet));
+    const Vec weight = hn::Mul(hn::Mul(share, set(leaf.variance_weight)), kernelWeight<K>(s_sq));
+    const Vec uu = hn::Mul(p.u, p.u), uv = hn::Mul(p.u, p.v), vv = hn::Mul(p.v, p.v);
+    addTo(colors.weight + i, near, weight);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const auto term = [&](std::size_t k) HWY_ATTR { return set(color[k][c]); };
+      const Vec slope = hn::MulAdd(term(1), p.u, hn::MulAdd(term(2), p.v, term(0)));
+      const Vec value =
+          hn::MulAdd(term(3), uu, hn::MulAdd(term(4), uv, hn::MulAdd(term(5), vv, slope)));
+      const Vec weighted = hn::Mul(weight, hn::Min(hn::Max(value, hn::Zero(d)), set(255.0f)));
+      addTo(colors.sum[c] + i, near, weighted);
+    }
+  }
+}
+
+template <int D>
+void
+addColorsBy(const BlockPoints& points, const BlockLeaf& leaf, WeightKernel kernel,
+            BlockColors& colors)
+{
+  switch (kernel) {
+    case WeightKernel::kPower2: return addColorsOf<D, WeightKernel::kPower2>(points, leaf, colors);
+    case WeightKernel::kPower4: return addColorsOf<D, WeightKernel::kPower4>(points, leaf, colors);
+    case WeightKernel::kPower7: return addColorsOf<D, WeightKernel::kPower7>(points, leaf, colors);
+    default: return addColorsOf<D, WeightKernel::kGaussian>(points, leaf, colors);
+  }
+}
+
+void
+addColors(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+          BlockColors& colors)
+{
+  forDegree(leaf.degree, [&](auto degree) HWY_ATTR {
+    addColorsBy<degree()>(points, leaf, rules.kernel, colors);
+  });
+}
+
+}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace pcl_slim::detail::kernels {
+
+HWY_EXPORT(addColors);
+void
+addColors(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+          BlockColors& colors)
+{
+  HWY_DYNAMIC_DISPATCH(addColors)(points, leaf, rules, colors);
+}
+
+}  // namespace pcl_slim::detail::kernels
+#endif

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "pcl_slim/cloud/color_view.h"
+#include "pcl_slim/surface/surface.h"
+#include "pcl_slim/surface/surfel_color.h"
+
+namespace pcl_slim_test {
+
+/** A smooth colour of space, 0..255: waves of a length of about 3. */
+inline std::array<double, 3>
+waveColor(const std::array<double, 3>& p)
+{
+  return {128 + 100 * std::sin(2 * p[0]), 128 + 100 * std::cos(2 * p[1]), 128 + 60 * p[2]};
+}
+
+/** Bytes blue, green, red of a colour at each of some points, three coordinates each. */
+template <typename Color>
+std::vector<std::uint8_t>
+bgrOf(const std::vector<double>& points, const Color& color)
+{
+  std::vector<std::uint8_t> bytes;
+  for (std::size_t i = 0; i < points.size(); i += 3) {
+    const std::array<double, 3> rgb = color({points[i], points[i + 1], points[i + 2]});
+    for (std::size_t c = 0; c < 3; ++c)
+      bytes.push_back(static_cast<std::uint8_t>(std::lround(rgb[2 - c])));
+  }
+  return bytes;
+}
+
+/** Random colours of every surfel. */
+inline void
+setRandomColors(pcl_slim::SLIMSurface& surface)
+{
+  std::mt19937 random(5);
+  surface.colors.resize(surface.size() * pcl_slim::kColorBytes);
+  for (std::size_t k = 0; k < surface.colors.size(); ++k) {
+    auto byte = static_cast<std::uint8_t>(random());
+    if (k % pcl_slim::kColorBytes >= 3 && byte == 128) byte = 127;  // -128 stands for no term
+    surface.colors[k] = byte;
+  }
+}
+
+}  // namespace pcl_slim_test
