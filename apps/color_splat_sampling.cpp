@@ -58,8 +58,8 @@ declareOptions(Settings& s)
   options.toggle("use_normals", &s.scan.use_normals, "use the scan's own normals or faces");
   options.integer("estimate_normals", &p.normal_neighbors, 3, 10000,
                   "neighbours behind each normal of a scan without");
-  options.numbers("viewpoint", &s.scan.viewpoint, "X,Y,Z",
-                  "what estimated normals face; not given: the file's sensor");
+  declareSensorOptions(options, s.scan,
+                       "what estimated normals face; not given: the file's sensor");
   options.integer("rays", &s.rays, 0, 100000000, "rays that look for holes; 0: no check");
   options.integer("threads", &p.threads, 0, 4096,
                   "threads, 0: all cores; never changes the result");
@@ -85,7 +85,7 @@ finishSettings(Settings& s)
   if (s.radius == "neighbours") s.params.radius = RadiusRule::kNeighbors;
   if (s.radius == "corner") s.params.radius = RadiusRule::kCorner;
   if (Error error = checkPointExtension(s.files.output)) return error;
-  if (Error error = checkFilesDiffer(s.files)) return error;
+  if (Error error = checkFilesDiffer(s.files, s.scan.trajectory)) return error;
   return s.params.validate();
 }
 
@@ -134,10 +134,11 @@ sample(Settings& s, const CloudFile& cloud, Console& console, Report& report, Sp
   reportSplats(statistics, colors.bgr != nullptr, report);
   console.done(watch.seconds(), std::to_string(splats.size()) + " splats");
   if (colors.bgr == nullptr) console.note("  the scan has no colours: shape alone decides");
-  if (!statistics.normals_estimated && (s.neighbors_given || !s.scan.viewpoint.empty())) {
+  if (!statistics.normals_estimated &&
+      (s.neighbors_given || !s.scan.viewpoint.empty() || !s.scan.trajectory.empty())) {
     console.note(
-        "  the scan has normals: -estimate_normals and -viewpoint have no effect without "
-        "-use_normals 0");
+        "  the scan has normals: -estimate_normals, -viewpoint and -trajectory have no effect "
+        "without -use_normals 0");
   }
   if (statistics.non_finite > 0) {
     console.note("  points skipped: " + std::to_string(statistics.non_finite) + " non-finite");

@@ -65,7 +65,8 @@ checkSettings(Settings& s)
 {
   if (Error error = finishFitOptions(s.job)) return error;
   if (Error error = checkCrestExtension(s.output)) return error;
-  if (Error error = checkPlaces({s.input, s.surface}, {s.output, s.json})) return error;
+  if (Error error = checkPlaces({s.input, s.surface, s.job.trajectory}, {s.output, s.json}))
+    return error;
   s.crest.ridges = s.type != "ravines";
   s.crest.ravines = s.type != "ridges";
   s.crest.peak_significance = kPeak * s.crest.significance;

@@ -90,7 +90,8 @@ checkSettings(Settings& s)
   }
   if (Error error = finishFitOptions(s.job)) return error;
   if (Error error = checkMeshExtension(s.output)) return error;
-  if (Error error = checkPlaces({s.input, s.surface}, {s.output, s.json})) return error;
+  if (Error error = checkPlaces({s.input, s.surface, s.job.trajectory}, {s.output, s.json}))
+    return error;
   s.mesh.threads = s.job.params.threads;
   return s.mesh.validate();
 }

@@ -316,7 +316,7 @@ renderModel(const Settings& s, const Model& model, const Turntable& table, Conso
 }
 
 int
-run(const Settings& s)
+run(Settings& s)
 {
   if (Error error = limitMemory(s.max_memory))
     return pcl_slim::fail("pcl_slim_render", kExitUsage, error.message);
@@ -342,7 +342,6 @@ run(const Settings& s)
     console.note("  splats left out: " + std::to_string(model->skipped) +
                  " not finite or without a normal");
   }
-
   if (model->is_splats && s.lines.any()) {
     return fail(
         console, kExitUsage,
@@ -358,6 +357,10 @@ run(const Settings& s)
   const Result<BoundingSpheres> object = s.region.within(model->spheres());
   if (!object) return fail(console, kExitUsage, object.error());
   if (model->is_splats) model->splats = splatsWithin(model->splats, s.region.sides);
+  if (s.sides == "auto" && s.region.sides.empty() && s.view.opens(*object)) {
+    s.sides = "front";
+    console.note("  seen from inside: drawn without its near side; -sides both draws that, too");
+  }
   const Turntable table(view, *object, s.turntable);
   const Camera camera = table.camera(0);
   FileTransaction files;

@@ -57,7 +57,7 @@ checkSettings(Settings& s)
     return {ErrorCode::kBadArgument, "say how many points: give -spacing or -number"};
   if (Error error = s.sampling.validate()) return error;
   if (Error error = checkPointExtension(s.files.output, true)) return error;
-  return checkFilesDiffer(s.files);
+  return checkFilesDiffer(s.files, s.job.trajectory);
 }
 
 /** The surface in a file, if it holds one; found says so. */

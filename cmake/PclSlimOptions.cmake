@@ -24,6 +24,16 @@ if(NOT PCL_SLIM_BUILD_FILTERS)
   endforeach()
 endif()
 
+# Shared libraries hide what tests and benchmarks of single kernels call.
+if(BUILD_SHARED_LIBS)
+  foreach(part TESTS BENCHMARKS)
+    if(PCL_SLIM_BUILD_${part})
+      message(STATUS "PCL_SLIM_BUILD_${part} is off: it needs static libraries")
+      set(PCL_SLIM_BUILD_${part} OFF)
+    endif()
+  endforeach()
+endif()
+
 if(PROJECT_IS_TOP_LEVEL)
   get_property(is_multi_config GLOBAL PROPERTY GENERATOR_IS_MULTI_CONFIG)
   if(NOT is_multi_config AND NOT CMAKE_BUILD_TYPE)

@@ -1,6 +1,64 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Installs what find_package(pcl_slim COMPONENTS ...) reads. Called once all libraries are known.
+# Installs what find_package(pcl_slim COMPONENTS ...) and pkg-config read, the examples and the pages. Called
+# once all libraries are known.
 include(CMakePackageConfigHelpers)
+
+# pcl_slim_write_pkg_config(file description requires libraries others flags)
+#
+# Lists are written as they are linked. A static library names what it uses among its own libraries.
+function(pcl_slim_write_pkg_config file description requires libraries others flags)
+  list(TRANSFORM libraries PREPEND -lpcl_slim_)
+  list(JOIN libraries " " libraries)
+  list(JOIN others " " others)
+  set(private "")
+  if(NOT BUILD_SHARED_LIBS)
+    set(private " ${others}")
+  endif()
+  file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/${file}.pc CONTENT
+"prefix=${CMAKE_INSTALL_PREFIX}
+libdir=${CMAKE_INSTALL_FULL_LIBDIR}
+includedir=${CMAKE_INSTALL_FULL_INCLUDEDIR}
+
+Name: ${file}
+Description: ${description}
+Version: ${PROJECT_VERSION}
+Requires: ${requires}
+Libs: -L\${libdir} ${libraries}${private}
+Cflags: -I\${includedir} ${flags}
+")
+  install(FILES ${PROJECT_BINARY_DIR}/${file}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig
+    COMPONENT development)
+endfunction()
+
+# pcl_slim has the modules, pcl_slim_filters the classes that take PCL clouds. PCL's own .pc files are of no
+# use here: they name libraries of cameras and of MPI that Debian does not install with PCL.
+function(pcl_slim_install_pkg_config components)
+  set(modules ${components})
+  list(REMOVE_ITEM modules filters visualization)
+  list(REVERSE modules)
+  set(others -ltbb -lhwy -lz -pthread)
+  if(PCL_SLIM_WITH_PNG)
+    list(APPEND others -lpng)
+  endif()
+  pcl_slim_write_pkg_config(pcl_slim "${PROJECT_DESCRIPTION}" "" "${modules}" "${others}" "")
+  if(TARGET pcl_slim_lib_filters)
+    set(others "")
+    string(REPLACE " " ";" vtk "${PCL_SLIM_VTK_COMPONENTS}")
+    foreach(component IN LISTS vtk)
+      list(APPEND others $<TARGET_FILE:VTK::${component}>)
+    endforeach()
+    set(pcl "")
+    foreach(component IN ITEMS common kdtree octree search filters features io)
+      string(APPEND pcl " -lpcl_${component}")
+    endforeach()
+    list(APPEND others ${pcl})
+    set(flags ${PCL_INCLUDE_DIRS})
+    list(TRANSFORM flags PREPEND -I)
+    list(JOIN flags " " flags)
+    pcl_slim_write_pkg_config(pcl_slim_filters "SLIM surfaces of PCL clouds" pcl_slim filters
+      "${others}" "${flags}")
+  endif()
+endfunction()
 
 function(pcl_slim_install_package)
   get_property(components GLOBAL PROPERTY PCL_SLIM_COMPONENTS)
@@ -31,6 +89,9 @@ function(pcl_slim_install_package)
     DESTINATION ${package_dir} COMPONENT development)
   install(FILES ${PROJECT_SOURCE_DIR}/package.xml
     DESTINATION ${CMAKE_INSTALL_DATADIR}/pcl_slim COMPONENT development)
-  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE
+  pcl_slim_install_pkg_config("${components}")
+  install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md
+    DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/pcl_slim COMPONENT development)
+  install(DIRECTORY ${PROJECT_SOURCE_DIR}/docs ${PROJECT_SOURCE_DIR}/examples
     DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/pcl_slim COMPONENT development)
 endfunction()

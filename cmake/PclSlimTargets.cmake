@@ -9,7 +9,8 @@ include(GNUInstallDirs)
 # built for another alignment than the distribution's PCL crashes.
 function(pcl_slim_set_defaults target)
   target_compile_features(${target} PUBLIC cxx_std_17)
-  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON)
+  set_target_properties(${target} PROPERTIES CXX_EXTENSIONS OFF POSITION_INDEPENDENT_CODE ON
+    CXX_VISIBILITY_PRESET hidden VISIBILITY_INLINES_HIDDEN ON)
   target_compile_options(${target} PRIVATE
     $<$<COMPILE_LANG_AND_ID:CXX,GNU,Clang,AppleClang>:-ffp-contract=off -fno-math-errno
       -fno-trapping-math -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
@@ -53,7 +54,7 @@ function(pcl_slim_add_library name)
       target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:${library}>)
     endforeach()
     set_target_properties(${target} PROPERTIES
-      OUTPUT_NAME pcl_slim_${name}
+      OUTPUT_NAME pcl_slim_${name} DEFINE_SYMBOL ""
       VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
       INSTALL_RPATH $ORIGIN)
   else()
@@ -90,7 +91,6 @@ function(pcl_slim_add_program target)
   pcl_slim_set_defaults(${target})
   pcl_slim_drop_unused_libraries(${target})
   target_link_libraries(${target} PRIVATE ${arg_LINK})
-  target_compile_definitions(${target} PRIVATE PCL_SLIM_VERSION="${PROJECT_VERSION}")
   file(RELATIVE_PATH to_libraries ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR})
   set_target_properties(${target} PROPERTIES INSTALL_RPATH $ORIGIN/${to_libraries})
   if(PCL_SLIM_INSTALL)

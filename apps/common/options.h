@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "pcl_slim/version.h"
+
 namespace pcl_slim {
 
 /** \brief Exit status of every program. */

@@ -29,7 +29,8 @@ checkJob(ProjectionJob& job)
 {
   if (Error error = finishFitOptions(job.fit)) return error;
   if (Error error = checkPointExtension(job.files.output, true)) return error;
-  return checkPlaces({job.files.input, job.surface}, {job.files.output, job.files.json});
+  return checkPlaces({job.files.input, job.surface, job.fit.trajectory},
+                     {job.files.output, job.files.json});
 }
 
 Error
@@ -139,8 +140,8 @@ declareOptions(const ProjectionProgram& program, ProjectionJob& job, TileRequest
     options.exclusive({"surface", name});
   }
   // A mesh has its normals, and their sides, from its faces.
-  for (const char* name :
-       {"normals_as_data", "normal_error", "viewpoint", "estimate_normals", "use_normals"}) {
+  for (const char* name : {"normals_as_data", "normal_error", "viewpoint", "trajectory",
+                           "estimate_normals", "use_normals"}) {
     if (program.meshes) options.exclusive({"mesh", name});
   }
   return options;

@@ -121,6 +121,12 @@ ViewRequest::cameraFor(const BoundingSpheres& object, const BoundingSpheres& fra
                       : fitCamera(framed, direction, size, fov, kMargin, right_margin);
 }
 
+bool
+ViewRequest::opens(const BoundingSpheres& object) const
+{
+  return !given && isSeenFromInside(object);
+}
+
 std::array<double, 3>
 ViewRequest::upwards(const BoundingSpheres& object) const
 {

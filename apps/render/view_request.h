@@ -34,6 +34,9 @@ struct ViewRequest {
   Camera cameraFor(const BoundingSpheres& object) const { return cameraFor(object, object); }
   /** \brief The same, standing where framed fits into the picture. */
   Camera cameraFor(const BoundingSpheres& object, const BoundingSpheres& framed) const;
+  /** \brief Whether an object is to be drawn without its near side, which hides the inside that was
+   * scanned: seen from outside, by a camera of this request's choice. */
+  bool opens(const BoundingSpheres& object) const;
   /** \brief The direction in which the object stands up, whichever way the camera looks. */
   std::array<double, 3> upwards(const BoundingSpheres& object) const;
 };

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <memory>
 #include <numeric>
+#include <utility>
 
 #include "pcl_slim/filters/pcl_normals.h"
 #include "scan/closed_mesh.h"
@@ -17,6 +18,7 @@ namespace {
 
 constexpr const char* kCoordinates[3] = {"x", "y", "z"};
 constexpr const char* kNormals[3] = {"normal_x", "normal_y", "normal_z"};
+constexpr const char* kSensors[3] = {"vp_x", "vp_y", "vp_z"};
 
 bool
 findTriple(const pcl::PCLPointCloud2& cloud, const char* const (&names)[3],
@@ -54,21 +56,6 @@ copyTriple(const pcl::PCLPointCloud2& cloud, const pcl::PCLPointField* const (&f
   return values;
 }
 
-std::array<double, 3>
-position(const CloudView& view, std::size_t i)
-{
-  std::array<double, 3> p{};
-  const auto* at = static_cast<const unsigned char*>(view.xyz) + i * view.xyz_stride;
-  if (view.scalar == CloudView::Scalar::kDouble) {
-    std::memcpy(p.data(), at, sizeof(p));
-  } else {
-    std::array<float, 3> q{};
-    std::memcpy(q.data(), at, sizeof(q));
-    p = {q[0], q[1], q[2]};
-  }
-  return p;
-}
-
 bool
 isFinite(const std::array<double, 3>& p)
 {
@@ -84,11 +71,10 @@ meshNormals(const PointFile& file, const CloudView& view)
     const std::uint32_t* corners = file.face_vertices.data() + file.face_begin[f];
     const std::uint32_t count = file.face_begin[f + 1] - file.face_begin[f];
     if (count < 3) continue;
-    const std::array<double, 3> o = position(view, corners[0]);
+    const std::array<double, 3> o = view.position(corners[0]);
     std::array<double, 3> area{};
     for (std::uint32_t k = 1; k + 1 < count; ++k) {
-      const std::array<double, 3> p = position(view, corners[k]),
-                                  q = position(view, corners[k + 1]);
+      const std::array<double, 3> p = view.position(corners[k]), q = view.position(corners[k + 1]);
       for (std::size_t a = 0; a < 3; ++a) {
         const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
         area[a] += (p[b] - o[b]) * (q[c] - o[c]) - (p[c] - o[c]) * (q[b] - o[b]);
@@ -107,6 +93,17 @@ meshNormals(const PointFile& file, const CloudView& view)
       normals[3 * i + a] = static_cast<float>(sums[i][a] / length);
   }
   return normals;
+}
+
+/** Takes the places that points were seen from out of their fields, unless all are 0: unknown. */
+void
+adoptSensors(CloudFile& cloud)
+{
+  const pcl::PCLPointField* fields[3];
+  if (!findTriple(cloud.file.cloud, kSensors, fields)) return;
+  std::vector<double> places = copyTriple<double>(cloud.file.cloud, fields);
+  const bool known = std::any_of(places.begin(), places.end(), [](double v) { return v != 0; });
+  if (known) cloud.sensors = std::move(places);
 }
 
 void
@@ -144,6 +141,10 @@ CloudFile::view(bool with_normals) const
   const std::array<double, 3> at = sensor();
   // An organized cloud has its sensor even at 0, others may have none that is known.
   if (file.cloud.height > 1 || at != std::array<double, 3>{}) view.sensor = at;
+  if (!sensors.empty()) {
+    view.sensors = sensors.data();
+    view.sensors_stride = 3 * sizeof(double);
+  }
   const pcl::PCLPointField* fields[3];
   view.size = size();
   view.scalar = double_precision ? CloudView::Scalar::kDouble : CloudView::Scalar::kFloat;
@@ -193,8 +194,9 @@ asCloudFile(PointFile file, const std::string& name)
   }
   const CloudView view = cloud.view();
   for (std::size_t i = 0; i < view.size; ++i) {
-    cloud.num_non_finite += isFinite(position(view, i)) ? 0 : 1;
+    cloud.num_non_finite += isFinite(view.position(i)) ? 0 : 1;
   }
+  adoptSensors(cloud);
   adoptNormals(cloud);
   adoptColors(cloud);
   return cloud;
@@ -219,7 +221,7 @@ plainPoints(const CloudView& view)
   PlainPoints plain;
   double largest = 0;
   for (std::size_t i = 0; i < view.size; ++i) {
-    const std::array<double, 3> p = position(view, i);
+    const std::array<double, 3> p = view.position(i);
     if (!isFinite(p)) continue;
     if (plain.source.empty()) plain.origin = p;
     plain.source.push_back(i);
@@ -232,7 +234,7 @@ plainPoints(const CloudView& view)
     plain.scale = std::exp2(-std::max(std::ilogb(largest), kLeastExponent));
   }
   for (const std::size_t i : plain.source) {
-    const std::array<double, 3> p = position(view, i);
+    const std::array<double, 3> p = view.position(i);
     plain.points->push_back(pcl::PointXYZ(static_cast<float>(plain.local(p[0], 0)),
                                           static_cast<float>(plain.local(p[1], 1)),
                                           static_cast<float>(plain.local(p[2], 2))));
@@ -262,6 +264,8 @@ estimateNormals(int k, const std::vector<double>& viewpoint, int threads, CloudF
   for (std::size_t i = 0; i < plain.source.size() && !error; ++i) {
     std::memcpy(&cloud.normals[3 * plain.source[i]], estimated[i].normal, 3 * sizeof(float));
   }
+  if (!cloud.sensors.empty() && viewpoint.empty() && !error)
+    faceSensors(cloud.view(), cloud.normals);
   return error;
 }
 

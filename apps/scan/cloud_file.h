@@ -21,12 +21,15 @@ enum class NormalSource { kNothing, kFields, kMesh, kEstimated };
  * Coordinates are read in the file's own precision, in place where they lie as CloudView wants
  * them. Normals come from the fields normal_x normal_y normal_z or, for a mesh, from its faces,
  * weighted by area; vertices no face names then have none. A closed mesh whose faces face inwards is turned
- * outwards.
+ * outwards. The places that points were seen from come from the fields vp_x vp_y vp_z, unless all of them are
+ * zero.
  */
 struct CloudFile {
   PointFile file;
   std::vector<double> xyz;     ///< coordinates, where they could not be used in place
   std::vector<float> normals;  ///< normals, likewise, and those made here
+  std::vector<double>
+      sensors;  ///< x y z that each point was seen from, or none; view() refers to them
   std::vector<std::uint8_t>
       colors;  ///< blue green red of each point, where no field has them packed
   NormalSource normal_source = NormalSource::kNothing;
@@ -64,7 +67,7 @@ colorsOf(const CloudFile& cloud);
 
 /** \brief Replaces the normals by PCL's, from the k nearest neighbours of each point.
  *
- * They point to the viewpoint (world coordinates; empty: the origin of the file's sensor).
+ * They point to the viewpoint (world coordinates; empty: the points' sensors, or the file's).
  * \param[in] threads 0: all cores. \return an error for a k beyond the number of finite points.
  */
 Error

@@ -10,6 +10,7 @@
 #include "common/memory_limit.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/fit/fit_colors.h"
+#include "pcl_slim/filters/io/trajectory.h"
 #include "scan/fit_report.h"
 
 namespace pcl_slim {
@@ -59,7 +60,7 @@ declareFitOptions(OptionTable& options, FitJob& job)
   options.text("correlation", &job.correlation, "auto|off|N",
                "points that share their errors, as those of depth cameras do");
   options.numbers("noise_model", &job.noise_model, "A,B,C",
-                  "RMS error A + B z + C z^2 along the ray at distance z from -viewpoint");
+                  "RMS error A + B z + C z^2 along the ray at distance z from the sensor");
   options.toggle("normals_as_data", &job.params.normals_as_data,
                  "fit points and normals together; for normals measured apart from the points");
   options.number("normal_error", &job.params.normal_error, 1e-6, 1.5707,
@@ -70,8 +71,8 @@ declareFitOptions(OptionTable& options, FitJob& job)
                  "leaves cover their whole balls: fewer surfels, thinner overlap");
   options.number("lambda", &job.params.lambda, 1e-30, 1,
                  "noise variance, as a share of the squared box diagonal", "estimated");
-  options.numbers("viewpoint", &job.viewpoint, "X,Y,Z",
-                  "the side that the normals of a scan without normals shall face");
+  declareSensorOptions(options, job,
+                       "the side that the normals of a scan without normals shall face");
   options.integer("estimate_normals", &job.normal_neighbours, 0, 10000,
                   "estimate normals from N neighbours, as PCL does; 0: none");
   options.toggle("use_normals", &job.use_normals, "use the scan's own normals or faces");
@@ -84,6 +85,21 @@ declareFitOptions(OptionTable& options, FitJob& job)
   for (const char* name : {"t_mdl", "paper"}) options.exclusive({"normals_as_data", name});
   for (const char* name : {"lambda", "local_noise", "t_mdl", "paper"})
     options.exclusive({"noise_model", name});
+}
+
+void
+declareSensorOptions(OptionTable& options, FitJob& job, const std::string& viewpoint_help)
+{
+  options.numbers("viewpoint", &job.viewpoint, "X,Y,Z", viewpoint_help);
+  options.text(
+      "trajectory", &job.trajectory, "FILE",
+      "where the sensor was, over time (TUM, or CSV with time x y z): each point faces its "
+      "place at the point's time; without it, the fields vp_x vp_y vp_z");
+  options.text("time_field", &job.time_field, "NAME",
+               "with -trajectory: the scan's field of times; not given: found by its name");
+  options.number("time_offset", &job.time_offset, -1e18, 1e18,
+                 "with -trajectory: seconds added to the points' times", "0");
+  options.exclusive({"viewpoint", "trajectory"});
 }
 
 void
@@ -142,12 +158,40 @@ finishFitOptions(FitJob& job)
   return job.params.validate();
 }
 
+namespace {
+
+/** Where the points were seen from: what the user says, or else what the fields do. */
+Error
+placeSensors(const FitJob& job, CloudFile& cloud)
+{
+  if (job.trajectory.empty()) {
+    if (!job.time_field.empty() || job.time_offset != 0) {
+      return {
+          ErrorCode::kBadArgument,
+          "-time_field and -time_offset need -trajectory: name the file of the sensor's places"};
+    }
+    if (!job.viewpoint.empty()) cloud.sensors.clear();
+    return {};
+  }
+  const Result<Trajectory> trajectory = loadTrajectory(job.trajectory);
+  if (!trajectory) return trajectory.error();
+  auto places = sensorPlaces(*trajectory, cloud.file, job.time_field, job.time_offset);
+  if (!places) return places.error();
+  cloud.sensors = std::move(*places);
+  return {};
+}
+
+}  // namespace
+
 Result<CloudFile>
 loadScan(const std::string& path, const FitJob& job, Console& console, Report& report)
 {
   const Stopwatch watch;
   console.begin("Loading " + path);
   Result<CloudFile> cloud = loadCloudFile(path);
+  if (cloud) {
+    if (Error error = placeSensors(job, *cloud)) cloud = std::move(error);
+  }
   if (!cloud) {
     console.failed();
     return cloud;
@@ -161,6 +205,13 @@ loadScan(const std::string& path, const FitJob& job, Console& console, Report& r
     console.note("  columns: " + cloud->file.columns);
     report.json()["columns"] = cloud->file.columns;
   }
+  if (!cloud->sensors.empty()) {
+    console.note("  each point's own sensor, from " +
+                 (job.trajectory.empty() ? "fields vp_x vp_y vp_z" : job.trajectory));
+  }
+  report.json()["sensors"] = cloud->sensors.empty()   ? "none"
+                             : job.trajectory.empty() ? "fields"
+                                                      : "trajectory";
   if (job.normal_neighbours > 0) {
     const Stopwatch estimation;
     console.begin("Estimating normals");
@@ -193,10 +244,19 @@ unusedNotes(const FitJob& job, const CloudFile& cloud, const FitStatistics& fit)
   }
   if (job.params.sharp_features && cloud.normal_source == NormalSource::kNothing)
     notes.push_back("  -sharp has no effect: it needs normals; give -estimate_normals");
+  if (!job.use_normals && job.normal_neighbours > 0)
+    notes.push_back("  -use_normals 0 has no effect: estimated normals replace the scan's own");
+  if (!job.params.trim && job.params.hole_size != FitParams().hole_size)
+    notes.push_back("  -hole has no effect: -trim 0 keeps no borders");
+  if (job.params.paper_mode && job.params.keep_outliers)
+    notes.push_back("  -outliers has no effect: -paper fits all points");
   const bool own =
       cloud.normal_source == NormalSource::kFields || cloud.normal_source == NormalSource::kMesh;
-  if (job.params.has_viewpoint && !job.params.has_noise_model && job.use_normals && own)
-    notes.push_back("  -viewpoint has no effect: the scan's own normals give the sides");
+  const bool places = job.params.has_viewpoint || !job.trajectory.empty();
+  if (places && !job.params.has_noise_model && job.use_normals && own) {
+    notes.push_back(std::string(job.params.has_viewpoint ? "  -viewpoint" : "  -trajectory") +
+                    " has no effect: the scan's own normals give the sides");
+  }
   return notes;
 }
 
@@ -236,6 +296,8 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
   console.done(watch.seconds(), std::to_string(statistics.leaves) + " leaves, " +
                                     counted(surface.numLevels(), "level"));
   console.note("  " + noiseText(store->diagonal() * store->scale(), statistics));
+  if (job.params.target_error > 0 || job.params.max_surfels > 0)
+    console.note("  " + solvedText(statistics));
   if (statistics.sided > 0) console.note("  " + sidesText(statistics));
   for (const std::string& note : unusedNotes(job, cloud, statistics)) console.note(note);
   for (const std::string& note : coverNotes(statistics)) console.note(note);

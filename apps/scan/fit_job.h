@@ -31,6 +31,8 @@ constexpr const char* kScanHelp =
 struct FitJob {
   FitParams params = withoutTrim();
   std::vector<double> viewpoint, noise_model;
+  std::string trajectory, time_field;  ///< file of the sensor's places; field of the points' times
+  double time_offset = 0;
   std::string correlation = "auto";
   bool compact = false, use_normals = true;
   bool color = false;  ///< the surface gets the colours of the scan's points, where these have any
@@ -40,6 +42,10 @@ struct FitJob {
 /** \brief Adds the options of a fit. The job must outlive the table's parse(). */
 void
 declareFitOptions(OptionTable& options, FitJob& job);
+
+/** \brief Adds -viewpoint, with this help, and those of a trajectory. */
+void
+declareSensorOptions(OptionTable& options, FitJob& job, const std::string& viewpoint_help);
 
 /** \brief Adds those of trim maps, for programs whose surface is kept or drawn; others make none. */
 void

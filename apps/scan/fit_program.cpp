@@ -42,7 +42,7 @@ checkSettings(Settings& s)
 {
   if (Error error = finishFitOptions(s.job)) return error;
   if (Error error = checkSurfaceExtension(s.files.output)) return error;
-  return checkFilesDiffer(s.files);
+  return checkFilesDiffer(s.files, s.job.trajectory);
 }
 
 Error

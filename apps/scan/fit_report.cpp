@@ -14,6 +14,19 @@ fittedPoints(const PointStore& store)
 
 namespace {
 
+const char*
+sideSourceName(SideSource source)
+{
+  switch (source) {
+    case SideSource::kNormals: return "normals";
+    case SideSource::kSensors: return "sensors";
+    case SideSource::kViewpoint: return "viewpoint";
+    case SideSource::kThinParts: return "thin_parts";
+    case SideSource::kOverlaps: return "overlaps";
+    default: return "none";
+  }
+}
+
 /** What a fit left out, and what it had no need to do. */
 nlohmann::ordered_json
 skippedCounts(const FittedPoints& fitted, const FitStatistics& fit)
@@ -55,6 +68,8 @@ reportFit(const FittedPoints& fitted, const SLIMSurface& surface, const FitStati
               {"noise_neighbors", fit.noise_neighbors},
               {"noise_varies", fit.noise_varies},
               {"thin_places", fit.thin_places},
+              {"sides_from", sideSourceName(fit.side_source)},
+              {"overlap_edges", fit.overlap_edges},
               {"sided", fit.sided},
               {"sided_confidence", fit.sided_confidence},
               {"diagonal", fitted.diagonal},
@@ -115,6 +130,15 @@ noiseText(double diagonal, const FitStatistics& fit)
   line += fit.noise_correlation > 1 ? text : ", white";
   if (fit.noise_line > 0) line += ", on scan lines";
   return line + (fit.noise_varies ? ", varying over the scan" : "");
+}
+
+std::string
+solvedText(const FitStatistics& fit)
+{
+  char text[160];
+  std::snprintf(text, sizeof(text), "solved: penalty %.3g, residual %.3g of the diagonal", fit.penalty,
+                fit.rms_error);
+  return text;
 }
 
 std::string

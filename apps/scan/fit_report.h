@@ -39,6 +39,10 @@ counted(std::uint64_t count, const std::string& what);
 std::string
 noiseText(double diagonal, const FitStatistics& fit);
 
+/** \brief "solved: penalty 618, residual 0.002 of the diagonal": what a fit to a target came to. */
+std::string
+solvedText(const FitStatistics& fit);
+
 /** \brief How many points got a side before the cover, and how sure those are; empty if none did. */
 std::string
 sidesText(const FitStatistics& fit);

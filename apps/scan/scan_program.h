@@ -21,9 +21,10 @@ struct ScanFiles {
 void
 declareReport(OptionTable& options, ScanFiles& files);
 
-/** \brief No error unless input, output and report share a file. */
+/** \brief No error unless input, output and report share a file, or one that is written with another that
+ * is read (none if empty). */
 Error
-checkFilesDiffer(const ScanFiles& files);
+checkFilesDiffer(const ScanFiles& files, const std::string& read);
 
 /** \brief No error for a name that ends in .pcd or .ply, or in .las where that can be written. */
 Error

@@ -25,6 +25,10 @@ checkJob(const FitJob& job, const TileRequest& tiles)
     return {ErrorCode::kBadArgument,
             "-estimate_normals is not possible by tiles: leave it, or give -tile_points 0"};
   }
+  if (!job.trajectory.empty()) {
+    return {ErrorCode::kBadArgument,
+            "-trajectory is not possible by tiles: give one -viewpoint, or -tile_points 0"};
+  }
   return streamParams(job, tiles).validate();
 }
 
@@ -101,6 +105,12 @@ openForTiles(const std::string& path, const FitJob& job, TileRequest& tiles, Con
   // Loading the scan reports any other defect than a form that cannot be streamed.
   if (!layout) return needed ? layout.error() : Error();
   const bool fits = fitsInMemory(layout->count, tiles);
+  if (layout->has_sensors && !layout->normal && job.viewpoint.empty()) {
+    const Error own{ErrorCode::kBadArgument,
+                    "the sensors of single points (vp_x vp_y vp_z) are not used by tiles: give one "
+                    "-viewpoint, or -tile_points 0"};
+    return needed || !fits ? own : Error();
+  }
   if (!needed && !wantsTiles(layout->count, tiles)) return {};
   const auto points = static_cast<double>(std::min(layout->count, tiles.points));
   if (Error error =

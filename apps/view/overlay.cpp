@@ -70,20 +70,28 @@ Overlay::addText(vtkRenderer* renderer, int size)
   return actor;
 }
 
+double
+Overlay::letterScale(int width, int height)
+{
+  constexpr double kHeight = 600.0;  // of a window whose letters are kLetter
+  return std::min(std::max(1.0, height / kHeight), width / kWidest);
+}
+
 void
 Overlay::fitTo(int width, int height)
 {
-  const int letter = static_cast<int>(kLetter * std::min(1.0, width / kWidest));
-  for (vtkTextActor* text : {status_.Get(), readout_.Get()}) {
-    text->GetTextProperty()->SetFontSize(std::max(kSmallest, letter));
-  }
+  const double scale = letterScale(width, height);
+  const int letter = std::max(kSmallest, static_cast<int>(kLetter * scale));
+  for (vtkTextActor* text : {status_.Get(), readout_.Get()})
+    text->GetTextProperty()->SetFontSize(letter);
+  progress_->GetTextProperty()->SetFontSize(std::max(kSmallest, static_cast<int>(16 * scale)));
   double box[4]{};
   const auto widthAt = [&](int size) {
     help_->GetTextProperty()->SetFontSize(size);
     help_->GetBoundingBox(renderer_, box);
     return box[1] - box[0];
   };
-  int size = kLetter;
+  int size = std::max(kLetter, letter);
   while (widthAt(size) > 0.96 * width || box[3] - box[2] > 0.9 * height) {
     if (--size < kSmallest) break;
   }

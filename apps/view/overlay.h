@@ -16,8 +16,11 @@ class Overlay {
   explicit Overlay(vtkRenderer* renderer);
   ~Overlay();
 
-  /** \brief Makes text small enough for a window. */
+  /** \brief Makes text small enough for a window, and large enough to be read in a large one. */
   void fitTo(int width, int height);
+  /** \brief Size of letters over that in a window of 800 x 600: as the height beyond that, less where the
+   * width has no room. */
+  static double letterScale(int width, int height);
   /** \brief Draws the help over what has been added since, such as a scalar bar. */
   void raise();
   /** \brief The upper left corner: what is shown. */

@@ -6,6 +6,8 @@
 #include <vtkRenderWindowInteractor.h>
 #include <vtkRenderer.h>
 
+#include <algorithm>
+
 #include "pcl_slim/visualization/scalar_bar.h"
 #include "pcl_slim/visualization/slim_mapper.h"
 #include "view/readout.h"
@@ -86,6 +88,8 @@ Viewer::begin()
     const std::string automatic = scene_.hasColors() ? "color" : "shaded";
     const std::string& name = settings_.mode == "auto" ? automatic : settings_.mode;
     if (const auto mode = displayModeOf(name)) scene_.setMode(*mode, settings_.range);
+    if (settings_.region.sides.empty() && settings_.view.opens(scene_.spheres()))
+      mapper->setSides(VisibleSides::kFront);
   }
   if (SLIMMapper* surface = scene_.surfaceMapper()) {
     surface->setBackend(backendOf(settings_.backend));
@@ -188,7 +192,9 @@ Viewer::updateBackground()
 void
 Viewer::onResized()
 {
-  overlay_.fitTo(window_->GetSize()[0], window_->GetSize()[1]);
+  const int width = window_->GetSize()[0], height = window_->GetSize()[1];
+  overlay_.fitTo(width, height);
+  scene_.setBarLetters(static_cast<int>(13 * std::max(0.6, Overlay::letterScale(width, height))));
 }
 
 void

@@ -12,6 +12,8 @@ namespace pcl_slim {
 
 namespace {
 
+constexpr double kClearBeam = 0.2;  ///< cosine from which a point's own beam gives its side
+
 /** Turns a point's normal round, and with it what hangs on its side. */
 void
 turn(ProjectedPoint& point)
@@ -172,6 +174,7 @@ CloudProjection::addRest(const SLIMSurface& surface, Progress* progress, const P
   }
   CloudView rest = cloud_;
   rest.normal = nullptr;
+  rest.sensors = nullptr;
   rest.indices = indices.data();
   rest.num_indices = indices.size();
   const Result<PointStore> store = PointStore::build(rest, params_.projection.threads, frame);
@@ -213,6 +216,15 @@ CloudProjection::measure(const PointStore& store, std::size_t first)
   }
 }
 
+/** Where a point was seen from, if that is known. */
+std::optional<std::array<double, 3>>
+CloudProjection::eyeOf(std::size_t input) const
+{
+  if (params_.has_viewpoint) return params_.viewpoint;
+  if (cloud_.sensors) return cloud_.sensorPosition(input);
+  return cloud_.sensor;
+}
+
 float
 CloudProjection::side(std::size_t i, const ProjectedPoint& point) const
 {
@@ -230,11 +242,16 @@ CloudProjection::side(std::size_t i, const ProjectedPoint& point) const
   // A missing normal is zero or not finite, and says nothing.
   if (along == 0.0 || !std::isfinite(along)) {
     along = 0.0;
-    const bool faces = params_.has_viewpoint || cloud_.sensor;
-    for (std::size_t a = 0; a < 3 && faces; ++a) {
-      const double eye = params_.has_viewpoint ? params_.viewpoint[a] : (*cloud_.sensor)[a];
-      along += (eye - point.position[a]) * point.normal[a];
+    double range_sq = 0.0;
+    const auto eye = eyeOf(cloud_.inputIndex(i));
+    for (std::size_t a = 0; a < 3 && eye; ++a) {
+      const double ray = (*eye)[a] - point.position[a];
+      along += ray * point.normal[a];
+      range_sq += ray * ray;
     }
+    // The surface faces the points' sensors as a whole; a grazing beam says less than it does.
+    const bool own = !params_.has_viewpoint && cloud_.sensors;
+    if (own && along > -kClearBeam * std::sqrt(range_sq)) along = 0.0;
   }
   return along < 0.0 ? -1.0f : 1.0f;
 }

@@ -40,8 +40,10 @@ ColorOctreeSplatSamplerBase::run(const CloudView& cloud, const ColorView& colors
   const bool known =
       std::isfinite(sensor[0]) && std::isfinite(sensor[1]) && std::isfinite(sensor[2]);
   for (int a = 0; a < 3 && !has_viewpoint_; ++a) params.viewpoint[a] = known ? sensor[a] : 0.0;
+  CloudView view = cloud;
+  if (has_viewpoint_) view.sensors = nullptr;
   const bool done = guarded("the sampling", "sample fewer points", [&] {
-    return sampleSplats(cloud, colors, params, splats, &statistics_, &control_.progress);
+    return sampleSplats(view, colors, params, splats, &statistics_, &control_.progress);
   });
   if (!done) splats = SplatSet();
   return done;

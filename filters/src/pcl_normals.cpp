@@ -87,4 +87,16 @@ pclNormals(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud,
   return {};
 }
 
+void
+faceSensors(const CloudView& view, std::vector<float>& normals)
+{
+  for (std::size_t i = 0; i < view.size; ++i) {
+    const auto from = view.position(i), sensor = view.sensorPosition(i);
+    float* n = &normals[3 * i];
+    double along = 0;
+    for (std::size_t a = 0; a < 3; ++a) along += (sensor[a] - from[a]) * n[a];
+    for (std::size_t a = 0; a < 3 && along < 0; ++a) n[a] = -n[a];
+  }
+}
+
 }  // namespace pcl_slim

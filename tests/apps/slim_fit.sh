@@ -149,6 +149,15 @@ expect 0 '' scan.pcd most.slim -max_surfels 100000
 grep -q -- '-max_surfels 100000 has no effect' out.txt || complain "an idle bound is not told"
 expect 0 '' scan.pcd most.slim -max_surfels 300
 ! grep -q 'has no effect' out.txt || complain "a bound that binds is said to have no effect"
+grep -q '  solved: penalty [0-9.e+]*, residual ' out.txt || complain "no penalty: $(cat out.txt)"
+expect 0 '' scan.pcd most.slim -max_surfels 100 -json most.json
+expect 0 '' scan.pcd least.slim -json least.json
+awk -v m="$(value most.json lambda)" -v l="$(value least.json lambda)" 'BEGIN { exit !(m / l > 0.999 && m / l < 1.001) }' ||
+  complain "a target changes the noise: $(value most.json lambda), $(value least.json lambda)"
+expect 0 '' measured.pcd idle.slim -estimate_normals 12 -use_normals 0
+grep -q -- '-use_normals 0 has no effect' out.txt || complain "an idle -use_normals is not told"
+expect 0 '' scan.pcd idle.slim -trim 0 -hole 9
+grep -q -- '-hole has no effect' out.txt || complain "an idle -hole is not told"
 expect 0 '' scan.pcd most.slim -target_error 1 -quiet
 expect 2 '.slim' scan.pcd d.obj
 expect 2 'share a file' scan.pcd ./scan.pcd

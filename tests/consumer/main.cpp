@@ -10,6 +10,11 @@
 #include "pcl_slim/render/camera.h"
 #include "pcl_slim/render/surface_renderer.h"
 #include "pcl_slim/surface/surface_io.h"
+#include "pcl_slim/version.h"
+
+#if PCL_SLIM_VERSION_NUMBER < 100
+#error "written for 0.1.0"
+#endif
 
 #ifdef CONSUMER_USES_FILTERS
 #include <pcl/point_cloud.h>

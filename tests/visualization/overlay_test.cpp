@@ -58,6 +58,29 @@ TEST(OverlayTest, HelpAndReadoutFitIntoTheWindow)
   }
 }
 
+TEST(OverlayTest, TextGrowsWithTheWindow)
+{
+  vtkNew<vtkRenderer> renderer;
+  vtkNew<vtkRenderWindow> window;
+  window->SetOffScreenRendering(1);
+  window->AddRenderer(renderer);
+  Overlay overlay(renderer);
+  overlay.setStatus("5000 leaves");
+  overlay.setProgress(0.5f, "covering");
+  for (const char* words : {"5000 leaves", "covering", "quit"}) {
+    double small[4]{}, large[4]{};
+    window->SetSize(800, 600);
+    overlay.fitTo(800, 600);
+    textWith(renderer, words)->GetBoundingBox(renderer, small);
+    window->SetSize(2400, 1800);
+    overlay.fitTo(2400, 1800);
+    textWith(renderer, words)->GetBoundingBox(renderer, large);
+    const double growth = (large[3] - large[2]) / (small[3] - small[2]);  // of boxes with their rims
+    EXPECT_GT(growth, 2.3) << words;
+    EXPECT_LT(growth, 3.3) << words;
+  }
+}
+
 TEST(OverlayTest, HelpIsDrawnOverWhatWasAddedLater)
 {
   vtkNew<vtkRenderer> renderer;

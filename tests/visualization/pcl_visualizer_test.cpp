@@ -4,7 +4,10 @@
 #include <pcl/visualization/pcl_visualizer.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
+#include <vtkPropCollection.h>
 #include <vtkRendererCollection.h>
+#include <vtkScalarBarActor.h>
+#include <vtkTextProperty.h>
 
 #include "pcl_slim/visualization/polydata.h"
 #include "pcl_slim/visualization/splat_mapper.h"
@@ -84,6 +87,43 @@ TEST_F(PCLVisualizerTest, AScalarBarComesAndGoesWithTheMode)
   setSLIMSurfaceMode(viewer, DisplayMode::kSize, 0.0, "sphere");
   EXPECT_TRUE(removeSLIMSurface(viewer, "sphere"));
   EXPECT_EQ(viewer.getShapeActorMap()->size(), shapes - 1);
+}
+
+/** The text's lightness of the scalar bar of a renderer; -1 without one. */
+double
+barLightness(vtkRenderer* renderer)
+{
+  vtkPropCollection* props = renderer->GetViewProps();
+  props->InitTraversal();
+  while (vtkProp* prop = props->GetNextProp()) {
+    if (auto* bar = vtkScalarBarActor::SafeDownCast(prop))
+      return bar->GetLabelTextProperty()->GetColor()[1];
+  }
+  return -1.0;
+}
+
+TEST_F(PCLVisualizerTest, AScalarBarIsLegibleInTheViewportOfItsSurface)
+{
+  int left = 0, right = 0;
+  viewer.createViewPort(0.0, 0.0, 0.5, 1.0, left);
+  viewer.createViewPort(0.5, 0.0, 1.0, 1.0, right);
+  viewer.setBackgroundColor(0.0, 0.0, 0.0, left);
+  viewer.setBackgroundColor(1.0, 1.0, 0.9, right);
+  std::vector<vtkRenderer*> renderers;
+  auto all = viewer.getRendererCollection();
+  all->InitTraversal();
+  while (vtkRenderer* renderer = all->GetNextItem()) renderers.push_back(renderer);
+  ASSERT_TRUE(addSLIMSurface(viewer, *smallSphere(), "dark", left));
+  ASSERT_TRUE(addSLIMSurface(viewer, *smallSphere(), "light", right));
+  const auto at = [&](int viewport) { return renderers[static_cast<std::size_t>(viewport)]; };
+  ASSERT_TRUE(setSLIMSurfaceMode(viewer, DisplayMode::kMean, 0.0, "dark"));
+  EXPECT_GT(barLightness(at(left)), 0.8);
+  EXPECT_EQ(barLightness(at(right)), -1.0);
+  ASSERT_TRUE(setSLIMSurfaceMode(viewer, DisplayMode::kMean, 0.0, "light"));
+  EXPECT_LT(barLightness(at(right)), 0.2);
+  ASSERT_TRUE(setSLIMSurfaceMode(viewer, DisplayMode::kShaded, 0.0, "dark"));
+  EXPECT_EQ(barLightness(at(left)), -1.0);
+  EXPECT_GE(barLightness(at(right)), 0.0);
 }
 
 TEST_F(PCLVisualizerTest, SplatsOfACloud)

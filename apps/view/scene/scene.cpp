@@ -134,7 +134,16 @@ Scene::updateBar()
   bar_ = nullptr;
   if (!showsNumbers(mapper_->getMode())) return;
   bar_ = makeScalarBar(*mapper_);
+  contrastWith(renderer_, bar_);
+  setLetters(bar_, letters_);
   renderer_->AddActor2D(bar_);
+}
+
+void
+Scene::setBarLetters(int pixels)
+{
+  letters_ = pixels;
+  if (bar_) setLetters(bar_, letters_);
 }
 
 /** Adds what a mapper draws to the window, cut as all else. */

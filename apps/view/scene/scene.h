@@ -70,6 +70,8 @@ class Scene {
   bool ballsShown() const;
   bool normalsShown() const;
   bool barShown() const { return bar_ != nullptr; }
+  /** \brief Size of the scalar bar's letters, that shown and those to come. */
+  void setBarLetters(int pixels);
 
  private:
   void setMapper(GBufferMapper* mapper);
@@ -84,6 +86,7 @@ class Scene {
   vtkSmartPointer<GBufferMapper> mapper_;
   vtkSmartPointer<vtkActor> model_, points_, balls_, normals_;
   vtkSmartPointer<vtkScalarBarActor> bar_;
+  int letters_ = 13;  ///< pixels
 };
 
 }  // namespace pcl_slim

@@ -41,11 +41,11 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-/** Where no viewpoint is given, the sensor is one. */
+/** Where no viewpoint is given and points have no sensors of their own, the only one is it. */
 FitParams
 facingSensor(const PointStore& store, FitParams params)
 {
-  if (params.has_viewpoint || !store.sensor()) return params;
+  if (params.has_viewpoint || store.hasSensors() || !store.sensor()) return params;
   params.has_viewpoint = true;
   std::copy(store.sensor()->begin(), store.sensor()->end(), params.viewpoint);
   return params;
@@ -82,6 +82,7 @@ fitStages(const FitConstants& constants, const FitParams& params, SidedStore& si
   stats.seconds_sides = watch.lap();
   const PointStore& store = sided.store();
 
+  const double measured = settings.energy.lambda;
   if (params.target_error > 0 || params.max_surfels > 0) {
     if (Error error = solvePenalty(store, params, settings, stats.threads, progress)) return error;
   }
@@ -94,7 +95,12 @@ fitStages(const FitConstants& constants, const FitParams& params, SidedStore& si
   surface.buildLinks(stats.threads);
   stats.seconds_links = watch.lap();
 
-  if (!store.hasSides() && params.orient) orientSurface(params, constants.orient, surface);
+  if (store.hasNormals())
+    stats.side_source = SideSource::kNormals;
+  else if (store.hasSides())
+    stats.side_source = store.hasSensors() ? SideSource::kSensors : SideSource::kThinParts;
+  else if (params.orient)
+    orientSurface(&store, params, constants.orient, surface, stats);
   stats.seconds_orient = watch.lap();
 
   if (params.trim && !params.paper_mode)
@@ -102,6 +108,10 @@ fitStages(const FitConstants& constants, const FitParams& params, SidedStore& si
   stats.seconds_trim = watch.lap();
 
   countFit(store, cover, surface, stats);
+  if (measured > 0 && settings.energy.lambda != measured) {  // penalties act through lambda
+    stats.penalty *= settings.energy.lambda / measured;
+    stats.lambda *= measured / settings.energy.lambda;
+  }
   return checkLeaves(store, stats);
 }
 
@@ -115,7 +125,7 @@ fitStore(const FitConstants& constants, SidedStore& sided, const FitParams& aske
   if (all.size() == 0)
     return {ErrorCode::kBadInput, "the store holds no points: build it from some"};
   const FitParams params = facingSensor(all, resolvedParams(asked, constants.preset));
-  if (params.has_noise_model && !params.has_viewpoint) {
+  if (params.has_noise_model && !params.has_viewpoint && !all.hasSensors()) {
     return {ErrorCode::kBadArgument,
             "a noise model tells errors along rays: give the viewpoint that they come from"};
   }

@@ -103,6 +103,7 @@ struct OrientConstants {
   float weak_edge = 0.5f;     ///< edges of more weight may lead across a gap
   double closed_flux = 0.4;   ///< flux above this share of its bound makes a closed body
   double flat_flux = 0.1;     ///< flux below this share of its bound leaves no inside
+  double sheet = 3.0;  ///< [a leaf's RMS residual] points farther from it are of another sheet
 };
 
 /** \brief Borders and holes (docs/theory.md, "Borders"). Lengths are in spacings of a surfel's points
@@ -118,6 +119,20 @@ struct TrimConstants {
   double sure = 1.0;      ///< [half of hole size] a gap this far inside what is known is no chance
   int internal_side = 9;  ///< nodes a side of internal surfels' maps, which are drawn small
   std::size_t sampled = 1024;  ///< points of an internal ball from which on samples of them do
+};
+
+/** \brief Where the data end (docs/theory.md, "Borders"). */
+struct BorderConstants {
+  double near = 3.0;              ///< [spacing] neighbours that give plane and sectors
+  double noise = 5.0;             ///< [RMS noise] least reach of these
+  std::size_t least_points = 12;  ///< of these
+  double blind = 0.3;             ///< [their reach] nearer ones point anywhere
+  double sector = 1.75;           ///< [radians] empty next to a border
+  double turn = 0.4;              ///< [radians] discs are also tried this much to either side
+  double far = 10.0;              ///< [spacing] a gap as wide needs no other side
+  double disc = 1.2;              ///< [smallest hole] chance leaves narrower discs empty
+  double rim_share = 0.8;         ///< of the neighbours expected on the other side of a gap
+  int places = 12;                ///< in a surfel's gaps whose rims are looked at
 };
 
 /** \brief Target error and number of surfels (docs/theory.md, section of that name). */
@@ -144,6 +159,7 @@ struct FitConstants {
   CoverConstants cover;
   OrientConstants orient;
   TrimConstants trim;
+  BorderConstants border;
   PenaltySearchConstants penalty_search;
 };
 

@@ -64,6 +64,7 @@ modelProfile(const PointStore& store, const FitParams& params, const NoiseConsta
 {
   RangeError error;
   const double scale = store.scale();
+  error.own_sensors = store.hasSensors() && !params.has_viewpoint;
   for (std::size_t a = 0; a < 3; ++a)
     error.sensor[a] = (params.viewpoint[a] - store.origin()[a]) / scale;
   error.a = params.noise_model[0] / scale;

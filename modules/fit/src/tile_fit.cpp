@@ -222,7 +222,9 @@ orientSurfels(const StoreFrame& frame, const FitParams& params, SLIMSurface& sur
     facing.has_viewpoint = true;
     std::copy(frame.sensor->begin(), frame.sensor->end(), facing.viewpoint);
   }
-  orientSurface(facing, FitConstants().orient, surface);
+  FitStatistics stats;
+  stats.threads = resolveThreads(params.threads);
+  orientSurface(nullptr, facing, FitConstants().orient, surface, stats);
 }
 
 }  // namespace pcl_slim

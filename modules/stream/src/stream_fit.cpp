@@ -126,6 +126,10 @@ StreamFit::prepare(PointSource& source, Progress* progress)
   StreamState& s = *state_;
   if (Error error = s.params.validate()) return error;
   if (source.size() == 0) return badInput("the cloud holds no points: give some");
+  if (source.hasSensors()) {
+    return {ErrorCode::kBadArgument,
+            "a fit by tiles knows one sensor for all points: give a viewpoint in place of sensors"};
+  }
   s.identity = identityOf(source, s.params);
   if (s.takeKept(source)) return {};
   Stopwatch watch;

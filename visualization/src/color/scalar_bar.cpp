@@ -113,6 +113,30 @@ makeScalarBar(GBufferMapper& mapper, const std::string& unit)
 }
 
 void
+contrastWith(vtkRenderer* renderer, vtkScalarBarActor* bar)
+{
+  double light = 0.0;  // as the eye weighs colours, of both ends of a gradient
+  for (const double* color :
+       {renderer->GetBackground(), renderer->GetGradientBackground() ? renderer->GetBackground2()
+                                                                     : renderer->GetBackground()}) {
+    light += 0.5 * (0.299 * color[0] + 0.587 * color[1] + 0.114 * color[2]);
+  }
+  for (vtkTextProperty* text : {bar->GetTitleTextProperty(), bar->GetLabelTextProperty()}) {
+    if (light < 0.5)
+      text->SetColor(0.95, 0.95, 0.93);
+    else
+      text->SetColor(0.12, 0.13, 0.15);
+  }
+}
+
+void
+setLetters(vtkScalarBarActor* bar, int pixels)
+{
+  bar->GetTitleTextProperty()->SetFontSize(pixels);
+  bar->GetLabelTextProperty()->SetFontSize(pixels);
+}
+
+void
 setClayLook(vtkProperty* property)
 {
   property->SetColor(0.80, 0.74, 0.66);

@@ -119,7 +119,14 @@ setSLIMSurfaceMode(PCLVisualizer& viewer, DisplayMode mode, double range, const 
   mapper->setRange(range);
   const bool has_bar = viewer.contains(barId(id));
   if (has_bar) viewer.removeShape(barId(id));
-  if (showsNumbers(mode)) addShape(viewer, makeScalarBar(*mapper), barId(id), 0);
+  if (!showsNumbers(mode)) return true;
+  const auto bar = makeScalarBar(*mapper);
+  forEachRenderer(viewer, 0, [&](vtkRenderer* renderer) {
+    if (!renderer->HasViewProp(actorOf(viewer, id))) return;
+    contrastWith(renderer, bar);
+    renderer->AddViewProp(bar);
+  });
+  (*viewer.getShapeActorMap())[barId(id)] = bar;
   return true;
 }
 

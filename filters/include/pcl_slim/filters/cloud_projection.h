@@ -3,11 +3,13 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/progress.h"
 #include "pcl_slim/query/projection.h"
 #include "pcl_slim/surface/surface.h"
@@ -50,7 +52,7 @@ struct ProjectedPoint {
  * Holds no points itself: about 50 bytes a point, 82 with principal directions. The cloud behind
  * the view must live as long as this object is read.
  */
-class CloudProjection {
+class PCL_SLIM_EXPORT CloudProjection {
  public:
   CloudProjection() = default;
 
@@ -107,6 +109,7 @@ class CloudProjection {
   std::array<double, 3> toFirst(const PointStore& store, const std::array<double, 3>& local) const;
   /** \brief Counts and measures the points whose stored ones begin at first. */
   void measure(const PointStore& store, std::size_t first);
+  std::optional<std::array<double, 3>> eyeOf(std::size_t input) const;
   /** \brief -1 where a surface normal at a point must be turned round, else 1. */
   float side(std::size_t i, const ProjectedPoint& point) const;
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/filters/controlled_run.h"
 #include "pcl_slim/splat/splat_sampling.h"
 
@@ -10,7 +11,7 @@ namespace pcl_slim {
  *
  * No setter changes another parameter. Values are checked when the sampler runs.
  */
-class ColorOctreeSplatSamplerBase : public ControlledRun {
+class PCL_SLIM_EXPORT ColorOctreeSplatSamplerBase : public ControlledRun {
  public:
   // Parameters -----------------------------------------------------------------------------------
 

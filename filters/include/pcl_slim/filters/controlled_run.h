@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/progress.h"
 
 namespace pcl_slim {
@@ -28,7 +29,7 @@ class RunControl {
 
 /** \brief What every class that works on PCL clouds has in common: progress, a way to stop it, and
  * the reason why it failed. */
-class ControlledRun {
+class PCL_SLIM_EXPORT ControlledRun {
  public:
   /** \brief Called from the thread that runs with the share done and the stage's name. */
   void setProgressCallback(Progress::Callback callback) { control_.callback = std::move(callback); }

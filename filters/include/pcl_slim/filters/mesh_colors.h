@@ -4,6 +4,7 @@
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/cloud/color_view.h"
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/mesh/triangle_mesh.h"
 
 namespace pcl_slim {
@@ -15,7 +16,7 @@ namespace pcl_slim {
  * \param[in] colors one for each of its points. \return an error for a cloud without finite points or
  * without colours. O((V + N) log N); the same for any number of threads.
  */
-Error
+PCL_SLIM_EXPORT Error
 colorFromPoints(const CloudView& cloud, const ColorView& colors, int threads, TriangleMesh& mesh);
 
 }  // namespace pcl_slim

@@ -5,13 +5,16 @@
 #include <pcl/point_types.h>
 #include <pcl/search/search.h>
 
+#include <vector>
+#include "pcl_slim/cloud/cloud_view.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/fit/fit.h"
 
 namespace pcl_slim {
 
 /** \brief A search object that suits a cloud and holds it: OrganizedNeighbor for an organized
  * cloud seen by one camera, otherwise KdTree. is_dense must be honest. */
-pcl::search::Search<pcl::PointXYZ>::Ptr
+PCL_SLIM_EXPORT pcl::search::Search<pcl::PointXYZ>::Ptr
 makeSearch(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud);
 
 /** \brief Normals of the selected, finite points by pcl::NormalEstimationOMP.
@@ -23,10 +26,15 @@ makeSearch(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud);
  * of threads; and for coordinates whose squares a float cannot hold, which PCL's searches take. May
  * throw what PCL throws.
  */
-Error
+PCL_SLIM_EXPORT Error
 pclNormals(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud,
            const pcl::IndicesConstPtr& selected,
            const pcl::search::Search<pcl::PointXYZ>::Ptr& search, int neighbours,
            const FitParams& params, pcl::PointCloud<pcl::Normal>& normals);
+
+/** \brief Turns normals to the sensors of their points. \param[in] view a view with sensors
+ * \param[in,out] normals three floats for each point of view; zero or NaN ones stay as they are */
+PCL_SLIM_EXPORT void
+faceSensors(const CloudView& view, std::vector<float>& normals);
 
 }  // namespace pcl_slim

@@ -9,6 +9,7 @@
 
 #include <cstdint>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/features/crest_lines.h"
 
 namespace pcl_slim {
@@ -31,7 +32,7 @@ struct EIGEN_ALIGN16 PointCrest {
 };
 
 /** \brief Lines as points, line by line in their order; coordinates are rounded to float. O(vertices). */
-void
+PCL_SLIM_EXPORT void
 toPointCloud(const CrestLines& lines, pcl::PointCloud<PointCrest>& cloud);
 
 }  // namespace pcl_slim

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "pcl_slim/cloud/cloud_view.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/features/crest_lines.h"
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/surface/surface.h"
@@ -23,7 +24,7 @@ struct CrestRun {
 /** \brief Fits, unless a surface is given, projects, and traces.
  * \return an error for input that cannot be fitted, a surface of another cloud (less than a tenth of the
  * points supported), parameters out of range, or cancellation. */
-Error
+PCL_SLIM_EXPORT Error
 traceCloud(const CloudView& cloud, CrestRun& run, CrestLines& lines, Progress* progress = nullptr);
 
 /** \brief Parameters and results of SLIMCrestLines that do not depend on the point type; CrestParams says

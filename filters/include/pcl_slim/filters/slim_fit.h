@@ -25,7 +25,8 @@ namespace pcl_slim {
  *
  * Normals are optional: those of setInputNormals() come first, then estimated ones when
  * setNormalEstimationNeighbors() asks for them, then the fields of PointT. Without any, each ball
- * finds its own frame, and the surface gets one consistent side (setOrientation, setViewPoint).
+ * finds its own frame, and the surface gets one consistent side (setOrientation, setViewPoint,
+ * setSensorPositions).
  *
  * Non-finite points are skipped and counted, duplicates merged, indices honoured. A missing or
  * empty cloud, one without a finite point, and indices out of range are errors. Outputs are
@@ -87,6 +88,8 @@ class SLIMFit : public pcl::PCLBase<PointT>, public SLIMFitBase {
   bool describeNormals(CloudView& view, std::vector<float>& estimated);
 
  private:
+  /** \brief Describes where points were seen from, if that is known. */
+  bool describeSensors(CloudView& view);
   /** \brief PCL's normals of the selected points, zero for all others; three floats a point. */
   bool estimateNormals(std::vector<float>& estimated);
   /** \brief The points to use that are finite. */

@@ -1,24 +1,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
+#include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/cloud/color_view.h"
 #include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/filters/controlled_run.h"
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
 
+/** \brief Where each point of a cloud was seen from, in the cloud's coordinates; shared, never changed. */
+using SensorPositions = std::shared_ptr<const std::vector<Eigen::Vector3d>>;
+
 /** \brief Parameters and results of SLIMFit that do not depend on the point type.
  *
  * One setter and getter for each parameter; no setter changes another parameter. Values are
  * checked when fit() runs. FitParams says what each means and its default.
  */
-class SLIMFitBase : public ControlledRun {
+class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
  public:
   // Parameters -----------------------------------------------------------------------------------
 
@@ -95,7 +102,8 @@ class SLIMFitBase : public ControlledRun {
   double getNoiseCorrelation() const { return params_.noise_correlation; }
 
   /** \brief RMS error a + b z + c z^2 along the ray from the viewpoint at distance z, in the cloud's
-   * units, in place of noise measured on the points. Needs setViewPoint(). */
+   * units, in place of noise measured on the points. Needs setViewPoint(), setSensorPositions() or a
+   * cloud that knows its sensor. */
   void setNoiseModel(double a, double b, double c);
   /** \brief \return whether a model is set, and then writes it. */
   bool getNoiseModel(double& a, double& b, double& c) const;
@@ -127,12 +135,28 @@ class SLIMFitBase : public ControlledRun {
   bool getOrientation() const { return params_.orient; }
 
   /** \brief The point, in the cloud's coordinates, that normals shall face: those of the output
-   * when the cloud has none, and estimated ones. Not set: the leaves' graph decides, and
-   * estimated normals face the cloud's sensor. */
+   * when the cloud has none, and estimated ones. Not set: they face the sensors of the points or of the
+   * cloud, where these are known; else the leaves' graph decides. */
   void setViewPoint(double x, double y, double z);
   /** \brief \return whether a viewpoint is set, and then writes it. */
   bool getViewPoint(double& x, double& y, double& z) const;
   void clearViewPoint() { params_.has_viewpoint = false; }
+  /** \brief The same as setViewPoint(): one place that all points were seen from. */
+  void setSensorPosition(double x, double y, double z) { setViewPoint(x, y, z); }
+
+  /** \brief Where each point of the input cloud was seen from, in the cloud's coordinates, as a lidar
+   * on a car or in a hand knows it. Without normals, each leaf faces the sensors of its points, and the
+   * noise model takes each point's own beam; the graph of leaves is not searched. One for each
+   * point, not for each index; points that are NaN may have any. Not set (default, or an empty vector):
+   * fields vp_x vp_y vp_z of the point type if they are not all zero. Together with a viewpoint the
+   * run fails. 24 bytes a point here, and 12 while a fit runs. */
+  void setSensorPositions(std::vector<Eigen::Vector3d> positions)
+  {
+    sensors_ = std::make_shared<const std::vector<Eigen::Vector3d>>(std::move(positions));
+  }
+  /** \brief The positions set, or null. */
+  const SensorPositions& getSensorPositions() const { return sensors_; }
+  void clearSensorPositions() { sensors_.reset(); }
 
   /** \brief The choices of Ohtake, Belyaev, Alexa 2005 throughout (default off). */
   void setPaperMode(bool paper) { params_.paper_mode = paper; }
@@ -168,6 +192,7 @@ class SLIMFitBase : public ControlledRun {
   bool run(const CloudView& cloud, SLIMSurface& surface, const ColorView& colors = {});
 
   FitParams params_;
+  SensorPositions sensors_;
   FitStatistics statistics_;
   std::vector<std::int32_t> outliers_;
   PointStoreStatistics input_statistics_;

@@ -6,6 +6,7 @@
 
 #include <memory>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/filters/slim_fit_base.h"
 #include "pcl_slim/mesh/mesh_smoothing.h"
 
@@ -34,7 +35,7 @@ namespace pcl_slim {
  * Setters of the fit are those of SLIMFit. setSharpFeatures() keeps or rounds all edges; without a call
  * of it the mesh itself tells whether it has any.
  */
-class SLIMMeshSmoother : public SLIMFitBase {
+class PCL_SLIM_EXPORT SLIMMeshSmoother : public SLIMFitBase {
  public:
   using Ptr = pcl::shared_ptr<SLIMMeshSmoother>;
   using ConstPtr = pcl::shared_ptr<const SLIMMeshSmoother>;

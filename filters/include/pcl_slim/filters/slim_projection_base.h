@@ -6,6 +6,7 @@
 #include <memory>
 #include <string>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/filters/cloud_projection.h"
 #include "pcl_slim/filters/slim_fit_base.h"
 
@@ -13,7 +14,7 @@ namespace pcl_slim {
 
 /** \brief What SLIMProjectionSmoother and SLIMCurvatureEstimation have in common: every parameter
  * of a fit, a surface to use in its place, and what became of the points. */
-class SLIMProjectionBase : public SLIMFitBase {
+class PCL_SLIM_EXPORT SLIMProjectionBase : public SLIMFitBase {
  public:
   using SurfaceConstPtr = std::shared_ptr<const SLIMSurface>;
 

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "pcl_slim/cloud/cloud_view.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/filters/slim_fit_base.h"
 #include "pcl_slim/mesh/mesh_extraction.h"
 #include "pcl_slim/splat/octree_cloud.h"
@@ -12,7 +13,7 @@ namespace pcl_slim {
 
 /** \brief Parameters and results of SLIMReconstruction that do not depend on the point type; MeshParams says
  * what each means. Values are checked when reconstruct() runs. */
-class SLIMReconstructionBase : public SLIMFitBase {
+class PCL_SLIM_EXPORT SLIMReconstructionBase : public SLIMFitBase {
  public:
   using SurfaceConstPtr = std::shared_ptr<const SLIMSurface>;
 

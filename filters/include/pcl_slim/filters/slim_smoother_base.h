@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/filters/slim_projection_base.h"
 
 namespace pcl_slim {
@@ -16,7 +17,7 @@ namespace pcl_slim {
  * names, and what they mean here; they do not depend on the point types.
  *
  * Values are checked when process() runs. No setter changes what another one has set. */
-class SLIMSmootherBase : public SLIMProjectionBase {
+class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
  public:
   // Where points come out ------------------------------------------------------------------------
 

@@ -53,11 +53,13 @@ setFields(const std::vector<NamedField>& columns, const char* const (&normals)[3
   constexpr const char* kPosition[3] = {"x", "y", "z"};
   if (!findTriple(columns, kPosition, layout.position))
     return badInput("'" + layout.path + "' has no fields x y z; name a point cloud");
+  constexpr const char* kSensors[3] = {"vp_x", "vp_y", "vp_z"};
+  std::array<RecordLayout::Field, 3> normal, sensor;
+  layout.has_sensors = findTriple(columns, kSensors, sensor);
   const auto isColor = [](const NamedField& column) {
     return column.name == "rgb" || column.name == "rgba" || column.name == "red";
   };
   layout.colors = std::any_of(columns.begin(), columns.end(), isColor);
-  std::array<RecordLayout::Field, 3> normal;
   if (use_normals && findTriple(columns, normals, normal)) layout.normal = normal;
   return {};
 }

@@ -21,19 +21,6 @@ constexpr Alias kAliases[] = {
     {"normalx", "normal_x"}, {"normaly", "normal_y"}, {"normalz", "normal_z"},
     {"i", "intensity"}};
 
-/** Lower case, without a unit in brackets, with _ for what separates words. */
-std::string
-plainName(const std::string& written)
-{
-  std::string name;
-  for (const char c : written.substr(0, written.find_first_of("[("))) {
-    const auto byte = static_cast<unsigned char>(c);
-    name += byte <= ' ' ? '_' : static_cast<char>(std::tolower(byte));
-  }
-  while (!name.empty() && name.back() == '_') name.pop_back();
-  return name.empty() ? "column" : name;
-}
-
 bool
 has(const std::vector<std::string>& names, const std::string& name)
 {
@@ -58,7 +45,7 @@ knownNames(const TextTable& table)
   std::vector<std::string> names;
   std::string written;
   for (const TextColumn& column : table.columns) {
-    names.push_back(plainName(column.name));
+    names.push_back(plainColumnName(column.name));
     written += (written.empty() ? "" : ", ") + column.name;
   }
   for (const Alias& alias : kAliases) {
@@ -132,6 +119,18 @@ guessedNames(const TextTable& table, bool intensity_first)
 }
 
 }  // namespace
+
+std::string
+plainColumnName(const std::string& written)
+{
+  std::string name;
+  for (const char c : written.substr(0, written.find_first_of("[("))) {
+    const auto byte = static_cast<unsigned char>(c);
+    name += byte <= ' ' ? '_' : static_cast<char>(std::tolower(byte));
+  }
+  while (!name.empty() && name.back() == '_') name.pop_back();
+  return name.empty() ? "column" : name;
+}
 
 Result<std::vector<std::string>>
 columnNames(const TextTable& table, bool intensity_first)

@@ -8,6 +8,10 @@
 
 namespace pcl_slim {
 
+/** A column's name in lower case, without a unit in brackets, with _ for what separates words. */
+std::string
+plainColumnName(const std::string& written);
+
 /** Names of fields for a table's columns: x y z, normal_x normal_y normal_z, red green blue alpha,
  * intensity where they are such, others as the file names them or column_4 and so on.
  *

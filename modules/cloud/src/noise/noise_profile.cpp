@@ -89,7 +89,8 @@ modelledNoise(const PointStore& store, const RangeError& error, const NoiseConst
   const std::size_t stride = patchStride(k, constants);
   const auto variance = [&](NeighborSearch& search, std::size_t sample, std::size_t) {
     const Patch patch = patchAbout(store, search, sample, k / stride);
-    const Vector3 ray = subtract(store.position(sample), error.sensor);
+    const Vector3 sensor = error.own_sensors ? store.sensor(sample) : error.sensor;
+    const Vector3 ray = subtract(store.position(sample), sensor);
     const double z = length(ray), sigma = error.a + error.b * z + error.c * z * z;
     const Eigen::Vector3d normal = principalAxes(patch.points).eigenvectors().col(0);
     const double along = dot(ray, {normal[0], normal[1], normal[2]}) / std::max(z, 1e-300);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "pcl_slim/core/parallel.h"
@@ -62,6 +63,30 @@ turnOutward(const SideCells& cut, const CellGraph& graph, SignedParts& found)
   }
 }
 
+/** Cosine between a direction and a point's beam towards its sensor. */
+double
+beamCosine(const PointStore& store, std::size_t point, const Vector3& direction)
+{
+  const Vector3 ray = subtract(store.sensor(point), store.position(point));
+  const double range = length(ray);
+  return range > 0 ? dot(ray, direction) / range : 0.0;
+}
+
+/** Signs of the cells' normals by the sensors of their points. */
+std::vector<signed char>
+signsBySensors(const PointStore& store, const SideCells& cut, const CellGraph& graph)
+{
+  std::vector<double> votes(cut.cells.size(), 0.0);
+  for (std::size_t i = 0; i < store.size(); ++i) {
+    const std::uint32_t c = cut.cell_of[i];
+    votes[c] += beamCosine(store, i, graph.sheets[c].normal);
+  }
+  std::vector<signed char> signs(votes.size());
+  std::transform(votes.begin(), votes.end(), signs.begin(),
+                 [](double vote) { return static_cast<signed char>(vote < 0 ? -1 : 1); });
+  return signs;
+}
+
 /** Signed normals, each the mean over the cells near it on its sheet where these agree: cells of a few
  * stray points have normals of their own. */
 std::vector<Vector3>
@@ -97,18 +122,17 @@ agreementOf(const CellGraph& graph, const std::vector<signed char>& signs)
   return all > 0 ? agreed / all : 0;
 }
 
-/** Share of the points whose cell has another sheet beside it that faces the other way. */
-double
-facingApart(const SideCells& cut, const CellGraph& graph, const std::vector<signed char>& signs)
+/** Marks the cells that have another sheet beside them that faces the other way. */
+std::vector<char>
+cellsFacingApart(const SideCells& cut, const CellGraph& graph,
+                 const std::vector<signed char>& signs)
 {
   std::vector<char> faces(cut.cells.size(), 0);
   for (const SignedEdge& e : graph.edges) {
     const double cosine = dot(graph.sheets[e.a].normal, graph.sheets[e.b].normal);
     if (e.apart && signs[e.a] * signs[e.b] * cosine < 0) faces[e.a] = faces[e.b] = 1;
   }
-  double points = 0;
-  for (std::size_t c = 0; c < faces.size(); ++c) points += faces[c] != 0 ? cut.cells[c].count : 0;
-  return points / static_cast<double>(cut.cell_of.size());
+  return faces;
 }
 
 }  // namespace
@@ -122,24 +146,39 @@ findSides(const PointStore& store, double noise, double spacing, const SideConst
   const double width = std::max(constants.cell_noise * noise, constants.cell_spacing * spacing);
   const SideCells cut(store, width, threads);
   const CellGraph graph = graphOf(cut, constants, threads);
-  SignedParts found = contractSigned(cut.cells.size(), graph.edges, threads);
-  turnOutward(cut, graph, found);
-  const std::vector<signed char>& signs = found.signs;
   Sides sides;
+  std::vector<signed char> signs;
+  if (store.hasSensors()) {
+    signs = signsBySensors(store, cut, graph);
+    sides.confidence = 1;
+  } else {
+    SignedParts found = contractSigned(cut.cells.size(), graph.edges, threads);
+    turnOutward(cut, graph, found);
+    signs = std::move(found.signs);
+    sides.confidence = agreementOf(graph, signs);
+  }
   sides.cells = cut.cells.size();
-  sides.confidence = agreementOf(graph, signs);
-  sides.thin = facingApart(cut, graph, signs);
   const std::vector<Vector3> normals = smoothedNormals(cut, graph, signs, constants, threads);
+  std::vector<char> apart = cellsFacingApart(cut, graph, signs);
   sides.normals.resize(store.size());
-  parallelFor((store.size() + kTask - 1) / kTask, threads, 1, [&](std::size_t task, int) {
+  std::vector<std::size_t> thin((store.size() + kTask - 1) / kTask, 0);
+  parallelFor(thin.size(), threads, 1, [&](std::size_t task, int) {
     for (std::size_t i = task * kTask; i < std::min(store.size(), (task + 1) * kTask); ++i) {
       const std::uint32_t c = cut.cell_of[i];
-      const CellSheet& sheet = graph.sheets[c];
-      const bool beyond = sheet.isBeyond(subtract(store.position(i), cut.cells[c].mean));
+      bool turned = graph.sheets[c].isBeyond(subtract(store.position(i), cut.cells[c].mean));
+      bool own = false;  // its beam says what the cell does not
+      if (store.hasSensors()) {
+        const double cosine = beamCosine(store, i, normals[c]);
+        own = std::abs(cosine) > constants.clear_beam && (cosine < 0) != turned;
+        turned ^= own;
+      }
+      thin[task] += own || apart[c] != 0;
       for (std::size_t a = 0; a < 3; ++a)
-        sides.normals[i][a] = static_cast<float>(beyond ? -normals[c][a] : normals[c][a]);
+        sides.normals[i][a] = static_cast<float>(turned ? -normals[c][a] : normals[c][a]);
     }
   });
+  for (const std::size_t count : thin)
+    sides.thin += static_cast<double>(count) / static_cast<double>(store.size());
   return sides;
 }
 

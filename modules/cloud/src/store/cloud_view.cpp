@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/cloud/cloud_view.h"
 
+#include <cstring>
 #include <string>
 
 namespace pcl_slim {
@@ -11,6 +12,21 @@ constexpr std::size_t kTooMany =
     0xffffffffu;  ///< points are counted in 32 bits, one number is spare
 
 }  // namespace
+
+std::array<double, 3>
+CloudView::placeAt(const void* first, std::size_t offset, Scalar scalar)
+{
+  const char* at = static_cast<const char*>(first) + offset;
+  std::array<double, 3> place{};
+  if (scalar == Scalar::kDouble) {
+    std::memcpy(place.data(), at, sizeof(place));
+  } else {
+    std::array<float, 3> narrow{};
+    std::memcpy(narrow.data(), at, sizeof(narrow));
+    place = {narrow[0], narrow[1], narrow[2]};
+  }
+  return place;
+}
 
 Error
 CloudView::validate() const

@@ -20,6 +20,7 @@ finished(PointStoreBuilder& builder)
   if (Error error = builder.measure()) return error;
   builder.sortPoints();
   builder.mergeDuplicates();
+  if (Error error = builder.fillSensors()) return error;
   builder.fillBlocks();
   return builder.take();
 }
@@ -89,8 +90,8 @@ PointStore::memoryBytes() const
   const std::size_t floats = x_.size() + y_.size() + z_.size() + nx_.size() + ny_.size() +
                              nz_.size() + 3 * block_origin_x_.size();
   return floats * sizeof(float) + order_of_store_.size() * sizeof(std::uint32_t) +
-         keys_.size() * sizeof(std::uint64_t) + merged_.size() * sizeof(merged_[0]) +
-         tree_.memoryBytes();
+         keys_.size() * sizeof(std::uint64_t) + sensors_.size() * sizeof(sensors_[0]) +
+         merged_.size() * sizeof(merged_[0]) + tree_.memoryBytes();
 }
 
 }  // namespace pcl_slim

@@ -2,6 +2,8 @@
 #include "store/point_store_builder.h"
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 
 #include "pcl_slim/cloud/detail/block_kernels.h"
 #include "pcl_slim/cloud/morton_sort.h"
@@ -190,6 +192,28 @@ PointStoreBuilder::mergeRun(std::size_t begin, std::size_t end, std::size_t& kep
       order_[kept++] = run[i].second;
     }
   }
+}
+
+Error
+PointStoreBuilder::fillSensors()
+{
+  if (cloud_.sensors == nullptr) return {};
+  store_.sensors_.resize(store_.size_);
+  parallelFor(store_.size_, threads_, kSlice, [&](std::size_t i, int) {
+    const auto place = cloud_.sensorPosition(cloud_.inputIndex(order_[i]));
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double local = (place[a] - store_.origin_[a]) * inverse_scale_;
+      store_.sensors_[i][a] = static_cast<float>(local);
+    }
+  });
+  for (std::size_t i = 0; i < store_.size_; ++i) {
+    const auto& s = store_.sensors_[i];
+    if (std::isfinite(s[0]) && std::isfinite(s[1]) && std::isfinite(s[2])) continue;
+    return badInput(
+        "the sensor of point " + std::to_string(cloud_.inputIndex(order_[i])) +
+        " is nowhere (NaN, infinite or too far away): give each point's place, or none");
+  }
+  return {};
 }
 
 }  // namespace pcl_slim::detail

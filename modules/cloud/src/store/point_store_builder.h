@@ -19,6 +19,7 @@ class PointStoreBuilder {
   Error measure();         ///< which points count, their box, origin and scale
   void sortPoints();       ///< Morton keys, sorted
   void mergeDuplicates();  ///< equal positions become one entry
+  Error fillSensors();     ///< where each point was seen from, if the cloud knows it
   void fillBlocks();       ///< block origins, offsets, normals, boxes
   PointStore take() { return std::move(store_); }
 

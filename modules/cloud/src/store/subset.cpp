@@ -74,6 +74,7 @@ PointStore::without(const std::vector<std::uint32_t>& dropped) const
   for (const std::uint32_t i : kept) {
     store.keys_.push_back(keys_[i]);
     store.order_of_store_.push_back(order_of_store_[i]);
+    if (hasSensors()) store.sensors_.push_back(sensors_[i]);
   }
   for (const auto& [order, stored] : merged_) {
     const auto place = std::lower_bound(kept.begin(), kept.end(), stored);

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "orient/overlap_graph.h"
+#include "orient/sensor_signs.h"
 #include "orient/signed_forest.h"
 #include "pcl_slim/core/aligned.h"
-#include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim::detail {
@@ -126,6 +126,8 @@ class ClassedEdges {
     }
   }
 
+  std::size_t size() const { return edges_.size(); }
+
   /** Calls visit(edge) in ascending order for the edges that wanted(edge) still holds for when
    * their class comes. */
   template <typename Wanted, typename Visit>
@@ -149,10 +151,11 @@ class ClassedEdges {
  * what faces each other across a gap says nothing about either's outside. */
 SignedForest
 spanningForest(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves,
-               const OrientConstants& constants, int threads)
+               const OrientConstants& constants, FitStatistics& stats)
 {
   // Most edges lie within what lighter ones have joined: they are dropped before they are ordered.
-  ClassedEdges edges(overlapGraph(s, leaves, threads, constants));
+  ClassedEdges edges(overlapGraph(s, leaves, stats.threads, constants));
+  stats.overlap_edges = edges.size();
   SignedForest forest(s.size());
   std::vector<char> closed;
   const auto joinsTwo = [&](const OverlapEdge& e) { return forest.root(e.a) != forest.root(e.b); };
@@ -180,9 +183,9 @@ spanningForest(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves,
  */
 std::vector<signed char>
 graphSigns(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves,
-           const OrientConstants& constants, int threads)
+           const OrientConstants& constants, FitStatistics& stats)
 {
-  SignedForest forest = spanningForest(s, leaves, constants, threads);
+  SignedForest forest = spanningForest(s, leaves, constants, stats);
   const Parts found = partsOf(s, leaves, forest);
   std::vector<signed char> signs(s.size(), 1);
   for (std::size_t k = 0; k < leaves.size(); ++k) {
@@ -228,15 +231,21 @@ signInternals(const SLIMSurface& s, std::vector<signed char>& signs)
 }  // namespace
 
 void
-orientSurface(const FitParams& params, const OrientConstants& constants, SLIMSurface& surface)
+orientSurface(const PointStore* store, const FitParams& params, const OrientConstants& constants,
+              SLIMSurface& surface, FitStatistics& stats)
 {
-  std::vector<std::uint32_t> leaves;
-  for (std::uint32_t i = 0; i < surface.size(); ++i) {
-    if (surface.isLeaf(i)) leaves.push_back(i);
+  const std::vector<std::uint32_t> leaves = surface.leaves();
+  std::vector<signed char> signs;
+  if (params.has_viewpoint) {
+    stats.side_source = SideSource::kViewpoint;
+    signs = viewpointSigns(surface, params, leaves);
+  } else if (store != nullptr && store->hasSensors()) {
+    stats.side_source = SideSource::kSensors;
+    signs = sensorSigns(surface, *store, leaves, constants, stats.threads);
+  } else {
+    stats.side_source = SideSource::kOverlaps;
+    signs = graphSigns(surface, leaves, constants, stats);
   }
-  std::vector<signed char> signs =
-      params.has_viewpoint ? viewpointSigns(surface, params, leaves)
-                           : graphSigns(surface, leaves, constants, resolveThreads(params.threads));
   signInternals(surface, signs);
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (signs[i] < 0) surface.flip(i);

@@ -9,7 +9,8 @@ namespace pcl_slim::detail {
 namespace {
 
 constexpr int kLong = 6, kShort = 4;  ///< cells of the rows of a patch, and its height in cells
-constexpr int kMostHalf = 127;        ///< cells from the middle: finer ones tell no more
+constexpr int kApart = 4;
+constexpr int kMostHalf = 127;  ///< cells from the middle: finer ones tell no more
 
 /** Bits that begin runs of kLong and of kShort zeros in a row; what lies beyond the row counts as ones. */
 void
@@ -34,10 +35,11 @@ findEmptyRuns(const std::uint64_t* held, int side, std::uint64_t* long_runs,
 
 }  // namespace
 
-/** Whether rows of 4, 6, 6, 6, 6 and 4 cells lie empty, each in the middle of the next: what a disc of
- * eight cells' width leaves empty wherever it lies. */
-bool
-GapSearch::hasEmptyPatch()
+/** Lists the middles of places where rows of 4, 6, 6, 6, 6 and 4 cells are empty, each in the middle of the
+ * next: what a disc of eight cells' width leaves empty wherever it is. At most one of
+ * kApart in a row. */
+void
+GapSearch::listEmptyPatches(double cell, std::vector<std::array<double, 2>>& places)
 {
   const int side = held_.side();
   long_runs_.reset(side);
@@ -52,15 +54,20 @@ GapSearch::hasEmptyPatch()
       const std::uint64_t ends = first[w] & last[w], next = more ? first[w + 1] & last[w + 1] : 0;
       std::uint64_t patch = ends >> 1 | next << 63;
       for (int k = 1; k < kLong - 1; ++k) patch &= long_runs_.row(y + k)[w];
-      if (patch != 0) return true;
+      if (patch == 0) continue;
+      for (int bit = 0; bit < 64; ++bit) {
+        if ((patch >> bit & 1) == 0) continue;
+        const int x = static_cast<int>(64 * w) + bit;
+        places.push_back({cell * (x + 0.5 * (kLong - side)), cell * (y + 0.5 * (kLong - side))});
+        bit += kApart - 1;
+      }
     }
   }
-  return false;
 }
 
-bool
-GapSearch::mayHaveGap(const SheetPoints& points, const KnownRegion& known, double hole,
-                      const TrimConstants& constants)
+void
+GapSearch::find(const SheetPoints& points, const KnownRegion& known, double hole,
+                const TrimConstants& constants, std::vector<std::array<double, 2>>& places)
 {
   const int half = std::min(
       kMostHalf, static_cast<int>(std::ceil(constants.known / (constants.gap_cell * hole))));
@@ -73,7 +80,8 @@ GapSearch::mayHaveGap(const SheetPoints& points, const KnownRegion& known, doubl
   }
   // Of cells beyond nothing is known: they are no gap.
   known.markBeyond(constants.known / half, half - 0.5, held_);
-  return hasEmptyPatch();
+  places.clear();
+  listEmptyPatches(constants.known / half, places);
 }
 
 }  // namespace pcl_slim::detail

@@ -15,13 +15,14 @@ namespace pcl_slim::detail {
  */
 class GapSearch {
  public:
-  /** \brief Whether points may leave a gap. \param[in] hole diameter of the smallest gap, in radii
-   * of the surfel. O(points + cells / 64). */
-  bool mayHaveGap(const SheetPoints& points, const KnownRegion& known, double hole,
-                  const TrimConstants& constants);
+  /** \brief Finds places where points may leave a gap. \param[in] hole diameter of the smallest gap, in
+   * radii of the surfel. \param[out] places of the (u, v) plane in such gaps, in units of the surfel's radius;
+   * some, evenly chosen. O(points + cells / 64). */
+  void find(const SheetPoints& points, const KnownRegion& known, double hole,
+            const TrimConstants& constants, std::vector<std::array<double, 2>>& places);
 
  private:
-  bool hasEmptyPatch();
+  void listEmptyPatches(double cell, std::vector<std::array<double, 2>>& places);
 
   BitRows held_;                    ///< cells with points, or of which nothing is known
   BitRows long_runs_, short_runs_;  ///< cells that begin six or four empty ones in their row

@@ -37,6 +37,7 @@ gatherSheetOf(const PointStore& store, const BlockList& blocks, const CoverLeaf&
     const LanePacking packing(d, near);
     packing.store(u, points.u.data() + count);
     packing.store(v, points.v.data() + count);
+    packing.store(w, points.w.data() + count);
     count += packing.count();
   });
   points.count = count;

@@ -77,7 +77,8 @@ sampleSheet(const PointStore& store, const std::vector<std::uint32_t>& blocks,
                                   1.0 / surfel.support_radius);
     if (!serves(store, i, surfel, offset)) continue;
     points.u[points.count] = static_cast<float>(dot(offset, surfel.frame.u));
-    points.v[points.count++] = static_cast<float>(dot(offset, surfel.frame.v));
+    points.v[points.count] = static_cast<float>(dot(offset, surfel.frame.v));
+    points.w[points.count++] = static_cast<float>(dot(offset, surfel.frame.w));
   }
 }
 

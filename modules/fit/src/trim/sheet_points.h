@@ -13,6 +13,7 @@ namespace pcl_slim::detail {
  * columns have room for whole vectors. */
 struct SheetPoints {
   AlignedVector<float> u, v;
+  AlignedVector<float> w;  ///< along the surfel's normal
   std::size_t count = 0;
 
   void reserve(std::size_t capacity)
@@ -21,6 +22,7 @@ struct SheetPoints {
     if (u.size() < needed) {
       u.resize(needed + needed / 2);
       v.resize(needed + needed / 2);
+      w.resize(needed + needed / 2);
     }
   }
 };

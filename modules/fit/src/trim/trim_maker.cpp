@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace pcl_slim::detail {
 
@@ -64,6 +65,52 @@ TrimMaker::gather(std::size_t i)
   }
 }
 
+/** The points next to a place in a gap, on each of four sides. */
+std::array<std::size_t, 4>
+TrimMaker::rimsOf(float u, float v) const
+{
+  constexpr float kNone = std::numeric_limits<float>::max();
+  float least[4] = {kNone, kNone, kNone, kNone};
+  std::array<std::size_t, 4> nearest{};
+  for (std::size_t i = 0; i < points_.count; ++i) {
+    const float du = points_.u[i] - u, dv = points_.v[i] - v;
+    const float square = du * du + dv * dv;
+    const std::size_t side = (du < 0.0f ? 1u : 0u) + (dv < 0.0f ? 2u : 0u);
+    if (square >= least[side]) continue;
+    least[side] = square;
+    nearest[side] = i;
+  }
+  const std::size_t closest = static_cast<std::size_t>(std::min_element(least, least + 4) - least);
+  for (std::size_t side = 0; side < 4; ++side)
+    if (least[side] > 4 * least[closest]) nearest[side] = nearest[closest];
+  return nearest;
+}
+
+/** Whether the data end at one of some gaps, evenly chosen, and do not just turn away from surfel i's
+ * plane. */
+bool
+TrimMaker::dataEndAtGaps(std::size_t i, double spacing)
+{
+  const auto most = static_cast<std::size_t>(settings_.constants.border.places);
+  const std::size_t count = std::min(most, places_.size());
+  const double r = surface_.radius[i];
+  const LocalFrame frame({surface_.nx[i], surface_.ny[i], surface_.nz[i]});
+  const Vector3 center{surface_.cx[i], surface_.cy[i], surface_.cz[i]};
+  tested_.clear();
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto& [u, v] = places_[k * places_.size() / count];
+    for (const std::size_t rim : rimsOf(static_cast<float>(u), static_cast<float>(v))) {
+      if (std::find(tested_.begin(), tested_.end(), rim) != tested_.end()) continue;
+      tested_.push_back(rim);
+      const Vector3 place =
+          along(along(along(center, r * points_.u[rim], frame.u), r * points_.v[rim], frame.v),
+                r * points_.w[rim], frame.w);
+      if (border_.endsAt(place, r * spacing)) return true;
+    }
+  }
+  return false;
+}
+
 int
 TrimMaker::make(std::size_t i, std::vector<std::uint8_t>& bits)
 {
@@ -76,9 +123,10 @@ TrimMaker::make(std::size_t i, std::vector<std::uint8_t>& bits)
   const KnownRegion known(surface_.degree[i], c, constants.known);
   const double spacing = std::clamp(spacingOf(points_), least, 0.5);
   const TrimScale scale{spacing, hole_size_ * spacing, constants.growth * spacing};
-  if (!gaps_.mayHaveGap(points_, known, scale.hole, constants)) return 0;
+  gaps_.find(points_, known, scale.hole, constants, places_);
+  if (places_.empty()) return 0;
   ++candidates_;
-  if (!raster_.measure(points_, known, scale, constants)) return 0;
+  if (!dataEndAtGaps(i, spacing) || !raster_.measure(points_, known, scale, constants)) return 0;
   const double sure = constants.known - 0.5 * constants.sure * scale.hole;
   if (!raster_.hasGapWithin(KnownRegion(surface_.degree[i], c, std::max(sure, 0.0)))) return 0;
   const double clear = kDepthUnit * constants.clear * spacing / raster_.cell();

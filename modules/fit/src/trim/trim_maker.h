@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
 #include "fit_settings.h"
 #include "pcl_slim/cloud/point_store.h"
+#include "trim/border_test.h"
 #include "trim/gap_search.h"
 #include "trim/sheet_points.h"
 #include "trim/trim_raster.h"
@@ -18,7 +21,11 @@ class TrimMaker {
  public:
   TrimMaker(const PointStore& store, const FitSettings& settings, double hole_size,
             const SLIMSurface& surface)
-      : store_(store), settings_(settings), hole_size_(hole_size), surface_(surface)
+      : store_(store),
+        settings_(settings),
+        hole_size_(hole_size),
+        surface_(surface),
+        border_(store, settings.constants.border, std::sqrt(settings.noise), hole_size)
   {
   }
 
@@ -32,6 +39,8 @@ class TrimMaker {
  private:
   kernels::CoverLeaf wideSurfel(std::size_t i, const std::array<float, 3>& normal) const;
   void gather(std::size_t i);
+  std::array<std::size_t, 4> rimsOf(float u, float v) const;
+  bool dataEndAtGaps(std::size_t i, double spacing);
 
   const PointStore& store_;
   const FitSettings& settings_;
@@ -42,6 +51,9 @@ class TrimMaker {
   SheetPoints points_;
   GapSearch gaps_;
   TrimRaster raster_;
+  BorderTest border_;
+  std::vector<std::array<double, 2>> places_;  ///< in gaps, [r]
+  std::vector<std::size_t> tested_;            ///< points on the gaps' rims
   std::uint64_t candidates_ = 0;
 };
 

@@ -105,6 +105,7 @@ BlockProjector::project(std::size_t block, const std::uint32_t* begin, const std
   }
   const BlockPoints points = pointsOf(block);
   for (auto& column : sums.direction) std::fill(column, column + PointStore::kBlock, 0.0f);
+  std::fill(sums.weight, sums.weight + PointStore::kBlock, 0.0f);
   const std::size_t leaves = scratch.near.size();
   scratch.heights.resize(std::max(leaves, scratch.heights.size()));
   for (std::size_t j = 0; j < leaves; ++j) {

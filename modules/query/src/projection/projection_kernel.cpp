@@ -47,8 +47,8 @@ sameSide(const BlockPoints& points, const BlockLeaf& leaf, std::size_t i)
   return hn::Gt(cosine, set(points.min_dot));
 }
 
-/** +1 or -1 per lane: the sign that turns b to the side of a sum gathered so far. The first leaf,
- * which meets a zero of either sign, keeps its own side: leaves mostly agree even unoriented. */
+/** +1 or -1 per lane: the sign that turns b to the side of a sum gathered so far; the first leaf, which
+ * meets a zero of either sign, keeps its own side. */
 HWY_INLINE Vec
 alignment(Vec sum_dot_b)
 {
@@ -105,6 +105,7 @@ addDirectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const BlendRul
     }
     if (!rules.oriented) {
       g = hn::Mul(g, alignment(dot3(sum[0], sum[1], sum[2], normal[0], normal[1], normal[2])));
+      addTo(sums.weight + i, near, g);
     }
     for (int a = 0; a < 3; ++a) addTo(sums.direction[a] + i, near, hn::Mul(g, normal[a]));
   }
@@ -221,7 +222,9 @@ finishDirections(BlockSums& sums)
     for (int a = 0; a < 3; ++a) n[a] = hn::Load(d, sums.direction[a] + i);
     const Vec length_sq = dot3(n[0], n[1], n[2], n[0], n[1], n[2]);
     const Mask usable = hn::Gt(length_sq, set(1e-30f));
-    const Vec inverse = hn::Div(set(1.0f), hn::Sqrt(hn::IfThenElse(usable, length_sq, set(1.0f))));
+    // The side of most leaves, by weight, not of the first one met.
+    const Vec inverse = hn::Div(alignment(hn::Load(d, sums.weight + i)),
+                                hn::Sqrt(hn::IfThenElse(usable, length_sq, set(1.0f))));
     for (int a = 0; a < 3; ++a) {
       hn::Store(hn::IfThenElseZero(usable, hn::Mul(n[a], inverse)), d, sums.direction[a] + i);
       hn::Store(zero, d, sums.gradient[a] + i);

@@ -2,7 +2,9 @@
 #include "pcl_slim/render/auto_view.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include "pcl_slim/core/vector3.h"
@@ -17,8 +19,20 @@ constexpr double kBase = 0.03;          ///< share of the area by which flat bas
 constexpr double kOneSided = 0.15;      ///< length of the mean normal across the upward axis
 constexpr double kQuarterView = 30.0;   ///< azimuth in degrees
 constexpr double kCameraFacing = 0.4;   ///< mean normal along -z of a scan in camera axes
+constexpr double kClosed = 0.2;         ///< mean normal below which an object is closed
+constexpr double kInside = 0.6;  ///< flux inwards, over its bound, of what surrounds its viewer
+constexpr double kLean = 14.0,
+                 kTip = 10.0;  ///< degrees that what stands may lean in its file; at which
+                               ///< it must rise
+constexpr double kStands =
+    0.02;  ///< rise of the middle, over its height, of what stands; half: of what
+           ///< does not
+constexpr double kUpright = 1.05;  ///< height over the least extent of what stands and does not lie
+constexpr double kElongated = 1.3,
+                 kSquare = 1.1;  ///< ratio of a map's deviations: turned in full, not
 
-/** \brief Spheres as weighted points: weight r^2, about the area each stands for. */
+/** \brief Spheres as weighted points: each weighs the scanned points behind it, which a surface and the
+ * splats of one scan have in common. */
 struct SphereCloud {
   std::vector<Vector3> centers, normals;
   std::vector<double> weights;
@@ -39,7 +53,7 @@ SphereCloud::SphereCloud(const std::vector<BoundingSphere>& spheres)
 {
   for (const BoundingSphere& sphere : spheres) {
     const auto &c = sphere.center, &n = sphere.normal;
-    const double weight = static_cast<double>(sphere.radius) * sphere.radius;
+    const double weight = sphere.points;
     centers.push_back({c[0], c[1], c[2]});
     normals.push_back({n[0], n[1], n[2]});
     weights.push_back(weight);
@@ -58,7 +72,6 @@ SphereCloud::measureAxis(std::size_t axis)
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(),
             [&](std::size_t a, std::size_t b) { return centers[a][axis] < centers[b][axis]; });
-  // By area, not by number: where there is detail there are many small spheres.
   double below = 0.0, sum = 0.0, sum_sq = 0.0, weight = 0.0;
   low[axis] = centers[order.front()][axis];
   high[axis] = centers[order.back()][axis];
@@ -90,6 +103,91 @@ SphereCloud::baseShare(std::size_t axis) const
     if (centers[i][axis] < end && std::abs(normals[i][axis]) > kFacing) area += weights[i];
   }
   return area / total;
+}
+
+Vector3
+middleOf(const SphereCloud& cloud)
+{
+  Vector3 middle{};
+  for (std::size_t i = 0; i < cloud.centers.size(); ++i)
+    middle = along(middle, cloud.weights[i] / cloud.total, cloud.centers[i]);
+  return middle;
+}
+
+/** \brief An object's height over the ground that it touches, by the direction that is down. */
+double
+heightAbove(const SphereCloud& cloud, const Vector3& middle, const Vector3& down)
+{
+  double height = 0.0;
+  for (const Vector3& c : cloud.centers) height = std::max(height, dot(down, c));
+  return height - dot(down, middle);
+}
+
+/** \brief The direction at an angle from another in which an object's middle is lowest, of twelve ways
+ * round, and its height. */
+std::pair<double, Vector3>
+lowestAround(const SphereCloud& cloud, const Vector3& middle, const Vector3& down, double degrees)
+{
+  constexpr int kWays = 12;
+  const double lean = degrees * kPi / 180.0;
+  const Vector3 any = std::abs(down[0]) < 0.6 ? Vector3{1.0, 0.0, 0.0} : Vector3{0.0, 1.0, 0.0};
+  const Vector3 u = normalized(cross(down, any)), v = cross(down, u);
+  std::pair<double, Vector3> lowest{HUGE_VAL, down};
+  for (int k = 0; k < kWays; ++k) {
+    const double way = 2.0 * kPi * k / kWays;
+    const Vector3 leaning =
+        along(along(scaled(down, std::cos(lean)), std::sin(lean) * std::cos(way), u),
+              std::sin(lean) * std::sin(way), v);
+    const double height = heightAbove(cloud, middle, leaning);
+    if (height < lowest.first) lowest = {height, leaning};
+  }
+  return lowest;
+}
+
+/** \brief How far the middle of an object must rise, over its height, for the object to tip: more than 0 if
+ * it stands on the lower end of an axis as on the ground, but for some degrees that it leans in its
+ * file. O(spheres). */
+double
+standing(const SphereCloud& cloud, std::size_t axis)
+{
+  const Vector3 middle = middleOf(cloud);
+  Vector3 down{};
+  down[axis] = -1.0;
+  std::pair<double, Vector3> rest{heightAbove(cloud, middle, down), down};
+  for (double lean = 2.0; lean <= kLean; lean += 2.0)
+    rest = std::min(rest, lowestAround(cloud, middle, down, lean));
+  return lowestAround(cloud, middle, rest.second, kTip).first / rest.first - 1.0;
+}
+
+/** \brief Whether a closed object stands along an axis, higher than it is deep, but would fall over along
+ * the other one. */
+bool
+standsAlong(const SphereCloud& cloud, std::size_t axis, std::size_t other)
+{
+  const double least = std::min({cloud.extent(0), cloud.extent(1), cloud.extent(2)});
+  return length(cloud.mean_normal) < kClosed && cloud.extent(axis) > kUpright * least &&
+         standing(cloud, axis) > kStands && standing(cloud, other) < 0.5 * kStands;
+}
+
+/** \brief Flux of the normals about the middle over its bound: -1 for the inside of a sphere. */
+double
+fluxOutwards(const SphereCloud& cloud)
+{
+  const Vector3 middle = middleOf(cloud);
+  double flux = 0.0, bound = 0.0;
+  for (std::size_t i = 0; i < cloud.centers.size(); ++i) {
+    const Vector3 away = subtract(cloud.centers[i], middle);
+    flux += cloud.weights[i] * dot(away, cloud.normals[i]);
+    bound += cloud.weights[i] * length(away);
+  }
+  return bound > 0.0 ? flux / bound : 0.0;
+}
+
+/** \brief A closed object whose normals face its inside. */
+bool
+facesInside(const SphereCloud& cloud)
+{
+  return !cloud.empty() && length(cloud.mean_normal) < kClosed && fluxOutwards(cloud) < -kInside;
 }
 
 /** \brief True when all extents but the one along axis are at least four times as long. */
@@ -165,7 +263,8 @@ indexOf(UpAxis axis)
   return axis == UpAxis::kX ? 0 : axis == UpAxis::kY ? 1 : 2;
 }
 
-/** \brief Azimuth in degrees from which horizontal extents look widest, in (-90, 90]. */
+/** \brief Azimuth in degrees from which horizontal extents look widest, in (-60, 120]; the less, the more
+ * alike they are: a map about as long as wide is seen from the front. */
 double
 widestAzimuth(const SphereCloud& cloud, const Upright& frame)
 {
@@ -186,8 +285,10 @@ widestAzimuth(const SphereCloud& cloud, const Upright& frame)
   const double angle =
       0.5 * std::atan2(2.0 * rf, ff - rr) * 180.0 / kPi;  // of the long axis, from front
   double azimuth = angle + 90.0;
-  if (azimuth > 90.0) azimuth -= 180.0;
-  return azimuth;
+  if (azimuth > 120.0) azimuth -= 180.0;
+  const double middle = 0.5 * (rr + ff), spread = std::hypot(0.5 * (ff - rr), rf);
+  const double ratio = std::sqrt((middle + spread) / std::max(middle - spread, 1e-30));
+  return azimuth * std::clamp((ratio - kSquare) / (kElongated - kSquare), 0.0, 1.0);
 }
 
 ViewDirection
@@ -211,6 +312,10 @@ guessUpAxis(const SphereCloud& cloud, const BoundingSpheres& object)
 {
   if (cloud.empty() || isFlatAlong(cloud, 2) || isGeoreferenced(object)) return UpAxis::kZ;
   if (isFlatAlong(cloud, 1)) return UpAxis::kY;
+  if (facesInside(cloud))  // a room is lower than it is wide
+    return kClearlyLonger * cloud.extent(1) < cloud.extent(2) ? UpAxis::kY : UpAxis::kZ;
+  if (standsAlong(cloud, 1, 2)) return UpAxis::kY;
+  if (standsAlong(cloud, 2, 1)) return UpAxis::kZ;
   if (cloud.extent(1) > kClearlyLonger * cloud.extent(2)) return UpAxis::kY;
   if (cloud.extent(2) > kClearlyLonger * cloud.extent(1)) return UpAxis::kZ;
   // Neither is clearly longer: nothing that stands is measured from below, or it has a flat base.
@@ -233,6 +338,7 @@ chooseStand(const BoundingSpheres& object, UpAxis up)
   const UpAxis axis = is_auto ? guessUpAxis(cloud, object) : up;
   const Upright frame = uprightOf(axis);
   if (liesOnGround(cloud, object, indexOf(axis))) return {frame, widestAzimuth(cloud, frame), 42.0};
+  if (facesInside(cloud)) return {frame, kQuarterView, 35.0};
   const bool camera_axes = is_auto && axis == UpAxis::kY && cloud.mean_normal[2] < -kCameraFacing;
   const Upright seen_from = camera_axes ? kCameraUpright : frame;
   const double facing_front = dot(cloud.mean_normal, seen_from.front);
@@ -262,6 +368,12 @@ chooseView(const BoundingSpheres& object, UpAxis up)
 {
   const Stand stand = chooseStand(object, up);
   return viewFrom(stand.frame, stand.azimuth, stand.elevation);
+}
+
+bool
+isSeenFromInside(const BoundingSpheres& object)
+{
+  return facesInside(SphereCloud(object.spheres));
 }
 
 std::array<double, 3>

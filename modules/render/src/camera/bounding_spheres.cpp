@@ -45,7 +45,8 @@ spheresOf(const SLIMSurface& surface)
     if (!surface.isLeaf(i)) continue;
     object.spheres.push_back({{surface.cx[i], surface.cy[i], surface.cz[i]},
                               surface.radius[i],
-                              {surface.nx[i], surface.ny[i], surface.nz[i]}});
+                              {surface.nx[i], surface.ny[i], surface.nz[i]},
+                              std::max(1.0f, surface.effective_count[i])});
   }
   return object;
 }
@@ -71,7 +72,8 @@ spheresOf(const SplatSet& splats)
     object.spheres.push_back(
         {{local(splats.x[i], 0), local(splats.y[i], 1), local(splats.z[i], 2)},
          std::max(kLeastRadius, static_cast<float>(splats.radius[i] / object.scale)),
-         {splats.nx[i], splats.ny[i], splats.nz[i]}});
+         {splats.nx[i], splats.ny[i], splats.nz[i]},
+         std::max(1.0f, splats.confidence[i])});
   }
   return object;
 }

@@ -5,39 +5,46 @@
 #include <array>
 #include <cstdint>
 #include <iterator>
+#include <utility>
 
 namespace pcl_slim::detail {
 namespace {
 
 constexpr int kCells = 64;            ///< along the longest extent
-constexpr double kLeastPiece = 0.01;  ///< share of the area
+constexpr double kLeastPiece = 0.01;  ///< share of the points
+constexpr double kRim = 0.05;         ///< share of the points beyond either end of the bulk ...
+constexpr double kSlack = 0.5;        ///< ... beside which so much of its extent counts as well
 
 using Interval = std::array<double, 2>;
+
+double
+pointsOf(const std::vector<BoundingSphere>& spheres)
+{
+  double points = 0.0;
+  for (const BoundingSphere& sphere : spheres) points += sphere.points;
+  return points;
+}
 
 /** \brief Per axis, the interval of centres that counts. */
 std::array<Interval, 3>
 framedExtent(const std::vector<BoundingSphere>& spheres)
 {
   std::array<Interval, 3> extent;
-  std::vector<float> values(spheres.size());
+  std::vector<std::pair<float, float>> values(spheres.size());  // coordinate, points
+  const double rim = kRim * pointsOf(spheres);
   for (std::size_t a = 0; a < 3; ++a) {
-    for (std::size_t i = 0; i < spheres.size(); ++i) values[i] = spheres[i].center[a];
-    const auto ranked = [&](std::size_t k) {
-      std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(k),
-                       values.end());
-      return static_cast<double>(values[k]);
+    for (std::size_t i = 0; i < spheres.size(); ++i)
+      values[i] = {spheres[i].center[a], spheres[i].points};
+    std::sort(values.begin(), values.end());
+    const auto inner = [rim](auto at) {
+      for (double beyond = at->second; beyond < rim; beyond += at->second) ++at;
+      return static_cast<double>(at->first);
     };
-    const std::size_t last = values.size() - 1, strays = last / 100;
-    const double low = ranked(strays), high = ranked(last - strays), slack = high - low;
-    extent[a] = {low - slack - 1e-3, high + slack + 1e-3};
+    const double low = inner(values.begin()), high = inner(values.rbegin());
+    const double slack = kSlack * (high - low) + 1e-3;
+    extent[a] = {low - slack, high + slack};
   }
   return extent;
-}
-
-double
-areaOf(const BoundingSphere& sphere)
-{
-  return double{sphere.radius} * sphere.radius;
 }
 
 std::vector<BoundingSphere>
@@ -59,10 +66,10 @@ class PieceGrid {
  public:
   explicit PieceGrid(const std::vector<BoundingSphere>& spheres);
 
-  /** \brief Area (r^2) of the piece that a sphere belongs to. */
-  double areaAround(const BoundingSphere& sphere) const
+  /** \brief Points of the piece that a sphere belongs to. */
+  double pointsAround(const BoundingSphere& sphere) const
   {
-    return area_[piece_[indexOf(cellsOf(sphere, 0.0f)[0])]];
+    return points_[piece_[indexOf(cellsOf(sphere, 0.0f)[0])]];
   }
 
  private:
@@ -82,11 +89,11 @@ class PieceGrid {
   std::array<float, 3> low_{};
   float cell_ = 1.0f;
   std::vector<std::uint32_t> piece_;  ///< of each cell; 0: nothing, 1: not yet numbered
-  std::vector<double> area_;          ///< of each piece
+  std::vector<double> points_;        ///< of each piece
 };
 
 PieceGrid::PieceGrid(const std::vector<BoundingSphere>& spheres)
-    : piece_(std::size_t{kCells} * kCells * kCells, 0), area_(2, 0.0)
+    : piece_(std::size_t{kCells} * kCells * kCells, 0), points_(2, 0.0)
 {
   setPlace(spheres);
   for (const BoundingSphere& sphere : spheres) {
@@ -97,7 +104,7 @@ PieceGrid::PieceGrid(const std::vector<BoundingSphere>& spheres)
     if (piece_[cell] == 1) fill(cell);
   }
   for (const BoundingSphere& sphere : spheres) {
-    area_[piece_[indexOf(cellsOf(sphere, 0.0f)[0])]] += areaOf(sphere);
+    points_[piece_[indexOf(cellsOf(sphere, 0.0f)[0])]] += sphere.points;
   }
 }
 
@@ -147,8 +154,8 @@ PieceGrid::forCells(const Cell& low, const Cell& high, const Visit& visit)
 void
 PieceGrid::fill(std::size_t start)
 {
-  const auto number = static_cast<std::uint32_t>(area_.size());
-  area_.push_back(0.0);
+  const auto number = static_cast<std::uint32_t>(points_.size());
+  points_.push_back(0.0);
   std::vector<std::size_t> open{start};
   piece_[start] = number;
   while (!open.empty()) {
@@ -175,13 +182,13 @@ bulkOf(const std::vector<BoundingSphere>& spheres)
 {
   if (spheres.empty()) return {};
   std::vector<BoundingSphere> inside = withinExtent(spheres);
-  double total = 0.0;
-  for (const BoundingSphere& sphere : inside) total += areaOf(sphere);
   if (inside.empty()) return inside;
+  const double total = pointsOf(inside);
   const PieceGrid grid(inside);
   std::vector<BoundingSphere> bulk;
-  std::copy_if(inside.begin(), inside.end(), std::back_inserter(bulk),
-               [&](const auto& sphere) { return grid.areaAround(sphere) >= kLeastPiece * total; });
+  std::copy_if(inside.begin(), inside.end(), std::back_inserter(bulk), [&](const auto& sphere) {
+    return grid.pointsAround(sphere) >= kLeastPiece * total;
+  });
   return bulk.empty() ? inside : bulk;
 }
 

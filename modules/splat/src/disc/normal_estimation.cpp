@@ -55,7 +55,12 @@ estimateNormals(const PointStore& store, const CloudView& cloud, int neighbors,
     thread_local std::vector<float> distances_sq;
     searches[static_cast<std::size_t>(thread)].nearest(i, k, near, distances_sq);
     Eigen::Vector3d n = normalOf(store, near);
-    if (n.dot(eye - positionOf(store, i)) < 0.0) n = -n;
+    if (store.hasSensors()) {
+      const auto own = store.sensor(i);
+      if (n.dot(Eigen::Vector3d(own[0], own[1], own[2]) - positionOf(store, i)) < 0.0) n = -n;
+    } else if (n.dot(eye - positionOf(store, i)) < 0.0) {
+      n = -n;
+    }
     for (int a = 0; a < 3; ++a)
       of_store[3 * i + static_cast<std::size_t>(a)] = static_cast<float>(n[a]);
   });

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pcl_slim/core/vector3.h"
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/render/surface_renderer.h"
 #include "unit/render/test_surfaces.h"
@@ -249,6 +250,124 @@ TEST(ChooseView, DepthCameraIsPutBackWhereItStood)
   const ViewDirection view = chooseView(spheresOf(surface));
   EXPECT_LT(view.towards_viewer[2], -0.9);
   EXPECT_LT(view.up[1], -0.9);
+}
+
+/** The faces of a box as spheres, a point each, with outward normals; sides of it turn these inward. */
+void
+addBox(const std::array<double, 3>& low, const std::array<double, 3>& high, double spacing,
+       BoundingSpheres& object, float side = 1.0f)
+{
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::size_t b = (a + 1) % 3, c = (a + 2) % 3;
+    for (const double end : {low[a], high[a]}) {
+      for (double u = low[b] + 0.5 * spacing; u < high[b]; u += spacing) {
+        for (double v = low[c] + 0.5 * spacing; v < high[c]; v += spacing) {
+          BoundingSphere sphere{{}, static_cast<float>(spacing), {}};
+          sphere.center[a] = static_cast<float>(end);
+          sphere.center[b] = static_cast<float>(u);
+          sphere.center[c] = static_cast<float>(v);
+          sphere.normal[a] = end == low[a] ? -side : side;
+          object.spheres.push_back(sphere);
+        }
+      }
+    }
+  }
+}
+
+/** Turns an object about an axis. */
+BoundingSpheres
+turned(BoundingSpheres object, std::size_t axis, double degrees)
+{
+  const auto c = static_cast<float>(std::cos(degrees * M_PI / 180)),
+             s = static_cast<float>(std::sin(degrees * M_PI / 180));
+  const std::size_t b = (axis + 1) % 3, d = (axis + 2) % 3;
+  for (BoundingSphere& sphere : object.spheres) {
+    for (auto* v : {&sphere.center, &sphere.normal}) {
+      const float x = (*v)[b], y = (*v)[d];
+      (*v)[b] = c * x - s * y;
+      (*v)[d] = s * x + c * y;
+    }
+  }
+  return object;
+}
+
+TEST(GuessUpAxis, AnAnimalStandsOnItsLegsHoweverLongItIs)
+{
+  // Along z, with a head before its legs and a tail; y is up.
+  BoundingSpheres animal;
+  addBox({-0.1, 0.2, -0.3}, {0.1, 0.4, 0.3}, 0.02, animal);
+  addBox({-0.06, 0.35, 0.3}, {0.06, 0.5, 0.45}, 0.02, animal);
+  addBox({-0.02, 0.3, -0.38}, {0.02, 0.34, -0.3}, 0.01, animal);
+  for (const double x : {-0.1, 0.06}) {
+    for (const double z : {-0.28, 0.24}) addBox({x, 0, z}, {x + 0.04, 0.2, z + 0.04}, 0.01, animal);
+  }
+  EXPECT_EQ(guessUpAxis(animal), UpAxis::kY);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const double angle : {-3.0, 3.0})
+      EXPECT_EQ(guessUpAxis(turned(animal, axis, angle)), UpAxis::kY) << axis << ' ' << angle;
+  }
+  BoundingSpheres thin = animal;
+  thin.spheres.clear();
+  for (std::size_t i = 0; i < animal.spheres.size(); i += 3)
+    thin.spheres.push_back(animal.spheres[i]);
+  EXPECT_EQ(guessUpAxis(thin), UpAxis::kY);
+}
+
+TEST(GuessUpAxis, AColumnDoesNotLieDownThoughItWouldLieBetter)
+{
+  BoundingSpheres column;
+  addBox({-0.1, -0.1, -0.4}, {0.1, 0.1, 0.4}, 0.02, column);
+  for (const double angle : {0.0, -5.0, 5.0})
+    EXPECT_EQ(guessUpAxis(turned(column, 0, angle)), UpAxis::kZ) << angle;
+}
+
+TEST(ChooseView, LooksDownIntoARoom)
+{
+  BoundingSpheres room;
+  addBox({0, 0, 0}, {6, 4, 2.5}, 0.1, room, -1.0f);
+  addBox({1, 1, 0}, {2, 2, 0.8}, 0.1, room);
+  room.oriented = false;  // as one fitted without normals
+  for (const double angle : {0.0, 5.0, 20.0}) {
+    EXPECT_TRUE(isSeenFromInside(turned(room, 2, angle)));
+    const ViewDirection view = chooseView(turned(room, 2, angle));
+    EXPECT_GT(view.towards_viewer[2], 0.5);
+    EXPECT_GT(view.up[2], 0.5);
+  }
+  BoundingSpheres house;
+  addBox({0, 0, 0}, {6, 4, 2.5}, 0.1, house);
+  EXPECT_FALSE(isSeenFromInside(house));
+  EXPECT_FALSE(isSeenFromInside(spheresOf(stretched(0.2, 0.2, 0.4))));
+}
+
+TEST(ChooseView, AMapAsLongAsWideIsSeenFromTheFrontHoweverItIsSampled)
+{
+  // A fortieth longer along a diagonal: no reason to turn the picture.
+  const ViewDirection square = chooseView(turned(spheresOf(stretched(0.41, 0.4, 0.01)), 2, 45));
+  EXPECT_NEAR(square.towards_viewer[0], 0.0, 0.05);
+  const ViewDirection strip = chooseView(turned(spheresOf(stretched(0.5, 0.2, 0.01)), 2, 45));
+  EXPECT_GT(std::abs(strip.towards_viewer[0]), 0.4);
+}
+
+TEST(FitCamera, FramesWhereThePointsAreNotTheFarEnd)
+{
+  // A lidar: most points near by, few of large discs far away; and a spit off a coast.
+  BoundingSpheres coast;
+  addBox({0, 0, 0}, {1, 1, 0.05}, 0.02, coast);
+  const ViewDirection above = viewFromAngles(UpAxis::kZ, 0.0, 42.0);
+  const Camera land = fitCamera(coast, above, {160, 120});
+  for (int k = 0; k < 60; ++k) {
+    const float x = 1.0f + 0.08f * static_cast<float>(k);
+    coast.spheres.push_back({{x, 0.5f, 0.0f}, 0.1f, {0.0f, 0.0f, 1.0f}});
+  }
+  const auto far = [](const Camera& c) { return length(subtract(c.position, {0.5, 0.5, 0.0})); };
+  EXPECT_LT(far(fitCamera(coast, above, {160, 120})), 1.7 * far(land));
+  // The same by the points behind few large spheres.
+  BoundingSpheres scan = coast;
+  for (BoundingSphere& sphere : scan.spheres) sphere.points = sphere.center[0] > 1 ? 1.0f : 40.0f;
+  EXPECT_LT(far(fitCamera(scan, above, {160, 120})), 1.7 * far(land));
+  // Where the far end has the points, it is what the picture shows.
+  for (BoundingSphere& sphere : scan.spheres) sphere.points = sphere.center[0] > 1 ? 400.0f : 1.0f;
+  EXPECT_GT(fitCamera(scan, above, {160, 120}).position[0], 2.0);
 }
 
 }  // namespace

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "pcl_slim/core/export.h"
+
 namespace pcl_slim {
 
 /** \brief What the colours of a surface or of splats show in a window. */
@@ -25,28 +27,28 @@ enum class DisplayMode : unsigned char {
 
 /** \brief "shaded", "normal", "mean", "gauss", "kmax", "kmin", "level", "size",
  * "reflection", "color", "error" or "sketch". */
-std::string
+PCL_SLIM_EXPORT std::string
 nameOf(DisplayMode mode);
 
 /** \brief The mode of a name, or nothing. */
-std::optional<DisplayMode>
+PCL_SLIM_EXPORT std::optional<DisplayMode>
 displayModeOf(const std::string& name);
 
 /** \brief Names of all modes, in their order. */
-std::vector<std::string>
+PCL_SLIM_EXPORT std::vector<std::string>
 displayModeNames();
 
 /** \brief Whether the mode shows a curvature: values of both signs about 0, in 1/length or
  * 1/length^2. */
-bool
+PCL_SLIM_EXPORT bool
 showsCurvature(DisplayMode mode);
 
 /** \brief Whether a mode's colours can be given a range: curvatures and residuals. */
-bool
+PCL_SLIM_EXPORT bool
 takesRange(DisplayMode mode);
 
 /** \brief Whether colours stand for numbers that a scalar bar explains. */
-bool
+PCL_SLIM_EXPORT bool
 showsNumbers(DisplayMode mode);
 
 }  // namespace pcl_slim

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/render/camera.h"
 #include "pcl_slim/render/g_buffer.h"
 #include "pcl_slim/render/render_params.h"
@@ -65,7 +66,7 @@ struct FrameRequest {
  * Methods in VTK's spelling are VTK's own. One object serves one render window. VTK's rule for
  * threads applies: call it from the thread of the window.
  */
-class GBufferMapper : public vtkOpenGLPolyDataMapper {
+class PCL_SLIM_EXPORT GBufferMapper : public vtkOpenGLPolyDataMapper {
  public:
   vtkTypeMacro(GBufferMapper, vtkOpenGLPolyDataMapper)
   void PrintSelf(ostream& os, vtkIndent indent) override;

@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/visualization/display_mode.h"
 
 class vtkProperty;
@@ -16,7 +17,7 @@ namespace pcl_slim {
 class GBufferMapper;
 
 /** \brief "mean curvature", "radius" ...: what a mode's colours stand for. */
-std::string
+PCL_SLIM_EXPORT std::string
 titleOf(DisplayMode mode);
 
 /** \brief A scalar bar of a mapper's colours at the right of the window, with title and unit. It
@@ -25,13 +26,21 @@ titleOf(DisplayMode mode);
 vtkSmartPointer<vtkScalarBarActor>
 makeScalarBar(GBufferMapper& mapper, const std::string& unit = "");
 
+/** \brief Makes a bar's text light on a dark background of a renderer, dark on a light one. */
+PCL_SLIM_EXPORT void
+contrastWith(vtkRenderer* renderer, vtkScalarBarActor* bar);
+
+/** \brief Sets the size of a bar's letters in pixels; 13 unless set. */
+PCL_SLIM_EXPORT void
+setLetters(vtkScalarBarActor* bar, int pixels);
+
 /** \brief The clay of pcl_slim_render's pictures: colour and highlight. */
-void
+PCL_SLIM_EXPORT void
 setClayLook(vtkProperty* property);
 
 /** \brief Lights of pcl_slim_render's pictures, which move with the camera: one at the viewer and a
  * key light from the upper left. Replaces the renderer's lights. */
-void
+PCL_SLIM_EXPORT void
 setStudioLights(vtkRenderer* renderer);
 
 }  // namespace pcl_slim

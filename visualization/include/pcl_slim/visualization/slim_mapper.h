@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/render/picture_lines.h"
 #include "pcl_slim/surface/surface.h"
 #include "pcl_slim/visualization/g_buffer_mapper.h"
@@ -51,7 +52,7 @@ struct SurfacePick {
  * is that of renderSurface(), pixel by pixel. Cutting an oriented surface open with clipping
  * planes shows its inner side as well.
  */
-class SLIMMapper : public GBufferMapper {
+class PCL_SLIM_EXPORT SLIMMapper : public GBufferMapper {
  public:
   static SLIMMapper* New();
   vtkTypeMacro(SLIMMapper, GBufferMapper)

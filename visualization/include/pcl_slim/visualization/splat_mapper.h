@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/splat/splat_set.h"
 #include "pcl_slim/visualization/g_buffer_mapper.h"
 
@@ -13,7 +14,7 @@ namespace pcl_slim {
  * As SLIMMapper in all else. Discs have no curvatures and no levels. What a clipping plane cuts
  * away is left out disc by disc, and the discs on the plane pixel by pixel.
  */
-class SplatMapper : public GBufferMapper {
+class PCL_SLIM_EXPORT SplatMapper : public GBufferMapper {
  public:
   static SplatMapper* New();
   vtkTypeMacro(SplatMapper, GBufferMapper)

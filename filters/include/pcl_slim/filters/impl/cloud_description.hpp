@@ -18,8 +18,10 @@ template <typename PointT>
 class CloudDescription : public SLIMFit<PointT> {
  public:
   CloudDescription(const typename pcl::PointCloud<PointT>::ConstPtr& cloud,
-                   const pcl::IndicesConstPtr& indices, const FitParams& params)
+                   const pcl::IndicesConstPtr& indices, const FitParams& params,
+                   const SensorPositions& sensors = nullptr)
   {
+    this->sensors_ = sensors;
     this->setInputCloud(cloud);
     if (indices) this->setIndices(indices);
     this->setParams(params);

@@ -148,4 +148,4 @@ ColorOctreeSplatSampler<PointT>::applyFilter(pcl::Indices& indices)
 }  // namespace pcl_slim
 
 #define PCL_SLIM_INSTANTIATE_ColorOctreeSplatSampler(PointT) \
-  template class pcl_slim::ColorOctreeSplatSampler<PointT>;
+  template class PCL_SLIM_EXPORT pcl_slim::ColorOctreeSplatSampler<PointT>;

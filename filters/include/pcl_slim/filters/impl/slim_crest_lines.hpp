@@ -58,4 +58,5 @@ SLIMCrestLines<PointT>::compute(pcl::PointCloud<PointCrest>& vertices)
 
 }  // namespace pcl_slim
 
-#define PCL_SLIM_INSTANTIATE_SLIMCrestLines(PointT) template class pcl_slim::SLIMCrestLines<PointT>;
+#define PCL_SLIM_INSTANTIATE_SLIMCrestLines(PointT) \
+  template class PCL_SLIM_EXPORT pcl_slim::SLIMCrestLines<PointT>;

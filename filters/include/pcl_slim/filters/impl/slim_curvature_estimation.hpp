@@ -132,7 +132,8 @@ SLIMCurvatureEstimation<PointInT, PointOutT>::run(CloudProjection& projection,
   const bool apart = surface_ && surface_ != input_;
   const pcl::IndicesConstPtr indices = use_indices_ ? indices_ : nullptr;
   CloudDescription<PointInT> points(input_, indices, params_);
-  CloudDescription<PointInT> fitted(apart ? surface_ : input_, apart ? nullptr : indices, params_);
+  CloudDescription<PointInT> fitted(apart ? surface_ : input_, apart ? nullptr : indices, params_,
+                                    sensors_);
   fitted.setInputNormals(normals_);
   fitted.setSearchMethod(this->tree_);
   fitted.setNormalEstimationNeighbors(normal_neighbours_);
@@ -171,4 +172,4 @@ SLIMCurvatureEstimation<PointInT, PointOutT>::write(const CloudProjection& proje
 }  // namespace pcl_slim
 
 #define PCL_SLIM_INSTANTIATE_SLIMCurvatureEstimation(In, Out) \
-  template class pcl_slim::SLIMCurvatureEstimation<In, Out>;
+  template class PCL_SLIM_EXPORT pcl_slim::SLIMCurvatureEstimation<In, Out>;

@@ -5,6 +5,7 @@
 #include <pcl/common/point_tests.h>
 #include <pcl/search/organized.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <exception>
@@ -115,6 +116,7 @@ SLIMFit<PointT>::describeInput(CloudView& view)
              traits::offset<PointT, fields::x>::value;
   view.xyz_stride = sizeof(PointT);
   view.sensor = sensorOf(*input_);
+  if (!describeSensors(view)) return false;
   if (!use_indices_ || !indices_) return true;
 
   static_assert(sizeof(pcl::index_t) == sizeof(std::int32_t), "PCL is built with 32-bit indices");
@@ -133,6 +135,35 @@ SLIMFit<PointT>::describeInput(CloudView& view)
 
 template <typename PointT>
 bool
+SLIMFit<PointT>::describeSensors(CloudView& view)
+{
+  if (sensors_ && !sensors_->empty()) {
+    if (sensors_->size() != input_->size()) {
+      return fail(ErrorCode::kBadInput,
+                  "there are " + std::to_string(sensors_->size()) + " sensor positions for " +
+                      std::to_string(input_->size()) + " points; give one for each point");
+    }
+    if (params_.has_viewpoint) {
+      return fail(ErrorCode::kBadArgument,
+                  "a viewpoint and sensor positions are both set; clear one of them");
+    }
+    view.sensors = sensors_->data();
+    view.sensors_stride = sizeof(Eigen::Vector3d);
+  } else if constexpr (pcl::traits::has_field<PointT, pcl::fields::vp_x>::value) {
+    const bool known = std::any_of(input_->begin(), input_->end(), [](const PointT& p) {
+      return p.vp_x != 0 || p.vp_y != 0 || p.vp_z != 0;
+    });
+    if (!known || params_.has_viewpoint) return true;
+    view.sensors = reinterpret_cast<const unsigned char*>(input_->points.data()) +
+                   pcl::traits::offset<PointT, pcl::fields::vp_x>::value;
+    view.sensors_stride = sizeof(PointT);
+    view.sensors_scalar = CloudView::Scalar::kFloat;
+  }
+  return true;
+}
+
+template <typename PointT>
+bool
 SLIMFit<PointT>::describeNormals(CloudView& view, std::vector<float>& estimated)
 {
   if (normals_) {
@@ -145,6 +176,7 @@ SLIMFit<PointT>::describeNormals(CloudView& view, std::vector<float>& estimated)
     view.normal_stride = sizeof(pcl::Normal);
   } else if (normal_neighbours_ != 0) {
     if (!estimateNormals(estimated)) return false;
+    if (view.sensors) faceSensors(view, estimated);
     view.normal = estimated.data();
     view.normal_stride = 3 * sizeof(float);
   } else if constexpr (pcl::traits::has_normal<PointT>::value) {
@@ -237,4 +269,5 @@ SLIMFit<PointT>::estimateNormals(std::vector<float>& estimated)
 
 }  // namespace pcl_slim
 
-#define PCL_SLIM_INSTANTIATE_SLIMFit(PointT) template class pcl_slim::SLIMFit<PointT>;
+#define PCL_SLIM_INSTANTIATE_SLIMFit(PointT) \
+  template class PCL_SLIM_EXPORT pcl_slim::SLIMFit<PointT>;

@@ -42,7 +42,8 @@ void
 SLIMProjectionSmoother<PointInT, PointOutT>::performProcessing(PointCloudOut& output)
 {
   corresponding_.reset();
-  CloudDescription<PointInT> description(input_, use_indices_ ? indices_ : nullptr, params_);
+  CloudDescription<PointInT> description(input_, use_indices_ ? indices_ : nullptr, params_,
+                                         sensors_);
   description.setInputNormals(normals_);
   description.setSearchMethod(search_);
   description.setNormalEstimationNeighbors(normal_neighbours_);
@@ -163,4 +164,4 @@ SLIMProjectionSmoother<PointInT, PointOutT>::smoothed(const CloudProjection& pro
 }  // namespace pcl_slim
 
 #define PCL_SLIM_INSTANTIATE_SLIMProjectionSmoother(In, Out) \
-  template class pcl_slim::SLIMProjectionSmoother<In, Out>;
+  template class PCL_SLIM_EXPORT pcl_slim::SLIMProjectionSmoother<In, Out>;

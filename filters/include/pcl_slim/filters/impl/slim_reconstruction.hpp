@@ -17,8 +17,8 @@ bool
 SLIMReconstruction<PointT>::run()
 {
   clearMesh();
-  CloudDescription<PointT> description(input_, use_indices_ ? indices_ : pcl::IndicesPtr(),
-                                       params_);
+  CloudDescription<PointT> description(input_, use_indices_ ? indices_ : pcl::IndicesPtr(), params_,
+                                       sensors_);
   description.setInputNormals(normals_);
   bool done = description.describe();
   if (!done) {
@@ -97,4 +97,4 @@ SLIMReconstruction<PointT>::performReconstruction(PointCloud& points,
 }  // namespace pcl_slim
 
 #define PCL_SLIM_INSTANTIATE_SLIMReconstruction(PointT) \
-  template class pcl_slim::SLIMReconstruction<PointT>;
+  template class PCL_SLIM_EXPORT pcl_slim::SLIMReconstruction<PointT>;

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/features/crest_lines.h"
 #include "pcl_slim/filters/io/point_file.h"
@@ -32,19 +33,19 @@ struct CrestView {
  *
  * Coordinates are floats unless that would move a vertex by a thousandth of its distance from the next.
  */
-Error
+PCL_SLIM_EXPORT Error
 saveCrestLines(const std::string& path, const CrestLines& lines, const CrestView& view = {});
 
 /** \brief Whether the extension is one saveCrestLines knows; names those it does otherwise. */
-Error
+PCL_SLIM_EXPORT Error
 checkCrestExtension(const std::string& path);
 
 /** \brief Lines as points with the fields of PointCrest; x y z of either precision. O(vertices). */
-PointFile
+PCL_SLIM_EXPORT PointFile
 toPointFile(const CrestLines& lines);
 
 /** \brief The text of an SVG of the lines. */
-std::string
+PCL_SLIM_EXPORT std::string
 crestSvg(const CrestLines& lines, const CrestView& view);
 
 }  // namespace pcl_slim

@@ -6,17 +6,18 @@
 
 #include <vector>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/mesh/triangle_mesh.h"
 
 namespace pcl_slim {
 
 /** \brief A mesh as PCL has it: fields x y z and normal_x normal_y normal_z of type float, k1 and k2 if asked
  * for, rgb if the mesh has colours. Coordinates are rounded to float. O(triangles). */
-pcl::PolygonMesh
+PCL_SLIM_EXPORT pcl::PolygonMesh
 toPolygonMesh(const TriangleMesh& mesh, bool curvature = true);
 
 /** \brief Its triangles alone. */
-std::vector<pcl::Vertices>
+PCL_SLIM_EXPORT std::vector<pcl::Vertices>
 polygonsOf(const TriangleMesh& mesh);
 
 }  // namespace pcl_slim

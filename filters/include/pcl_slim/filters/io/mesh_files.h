@@ -4,12 +4,13 @@
 #include <string>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/mesh/triangle_mesh.h"
 
 namespace pcl_slim {
 
 /** \brief Whether the extension is one this build's saveMesh knows; names those it does otherwise. */
-Error
+PCL_SLIM_EXPORT Error
 checkMeshExtension(const std::string& path);
 
 /** \brief Writes a mesh by extension (upper or lower case), seen under its name only when whole.
@@ -24,11 +25,11 @@ checkMeshExtension(const std::string& path);
  * .ply and .vtp hold doubles where floats would move vertices by more than a thousandth of an edge; .stl
  * always holds floats. O(triangles).
  */
-Error
+PCL_SLIM_EXPORT Error
 saveMesh(const std::string& path, const TriangleMesh& mesh);
 
 /** \brief How far .stl's floats may move a vertex that the mesh has, in lengths of a mean edge. */
-double
+PCL_SLIM_EXPORT double
 floatErrorOf(const TriangleMesh& mesh);
 
 }  // namespace pcl_slim

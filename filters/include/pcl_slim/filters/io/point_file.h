@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 
 namespace pcl_slim {
 
@@ -19,7 +20,7 @@ namespace pcl_slim {
  * print instead of reporting; these read all formats alike and return one sentence when a file
  * cannot be used. Names become PCL's (nx: normal_x; red green blue of 8 bits: rgb).
  */
-struct PointFile {
+struct PCL_SLIM_EXPORT PointFile {
   pcl::PCLPointCloud2 cloud;
   Eigen::Vector4f sensor_origin = Eigen::Vector4f::Zero();
   Eigen::Quaternionf sensor_orientation = Eigen::Quaternionf::Identity();
@@ -53,11 +54,11 @@ struct PointFile {
  * faces, texture coordinates, colours of faces, columns of text) is named in left_out. For .laz and .e57
  * the error names the command that converts them.
  */
-Result<PointFile>
+PCL_SLIM_EXPORT Result<PointFile>
 loadPointFile(const std::string& path);
 
 /** \brief No error for an extension that loadPointFile() knows. */
-Error
+PCL_SLIM_EXPORT Error
 checkPointFileExtension(const std::string& path);
 
 /** \brief Writes .pcd (binary), .ply (binary_little_endian) or .las by extension.
@@ -68,19 +69,19 @@ checkPointFileExtension(const std::string& path);
  * finer one. Of other points LAS 1.4 is made, format 6 or, with colours, 7: coordinates are rounded to
  * a billionth of the extent. \return an error for another extension or when the file cannot be
  * written. */
-Error
+PCL_SLIM_EXPORT Error
 savePointFile(const std::string& path, const PointFile& file);
 
 /** \brief Index of a field by name in cloud.fields, or -1. */
-int
+PCL_SLIM_EXPORT int
 findField(const pcl::PCLPointCloud2& cloud, const std::string& name);
 
 /** \brief Value of the first element of a field of one point, whatever its type, as double. */
-double
+PCL_SLIM_EXPORT double
 fieldValue(const pcl::PCLPointCloud2& cloud, std::size_t point, const pcl::PCLPointField& field);
 
 /** \brief Number of points: width times height. */
-std::size_t
+PCL_SLIM_EXPORT std::size_t
 numPoints(const pcl::PCLPointCloud2& cloud);
 
 }  // namespace pcl_slim

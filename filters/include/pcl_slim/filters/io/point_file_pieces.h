@@ -6,6 +6,7 @@
 #include <string>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/filters/io/point_file.h"
 #include "pcl_slim/stream/record_source.h"
@@ -16,7 +17,7 @@ namespace pcl_slim {
  *
  * For binary .pcd, binary .ply whose only element with data is its vertices, .f32 and .f64.
  */
-class PointFileReader {
+class PCL_SLIM_EXPORT PointFileReader {
  public:
   /** \return an error where the file cannot be read or, ErrorCode::kBadArgument, not in pieces. */
   Error open(const std::string& path);
@@ -40,7 +41,7 @@ class PointFileReader {
 };
 
 /** \brief Writes a point file some rows at a time, as savePointFile() writes all of them: .pcd or .ply. */
-class PointFileWriter {
+class PCL_SLIM_EXPORT PointFileWriter {
  public:
   /** \param[in] width,height of the whole file */
   Error open(const std::string& path, std::uint64_t width, std::uint64_t height);

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/stream/record_source.h"
 
 namespace pcl_slim {
@@ -19,11 +20,11 @@ namespace pcl_slim {
  * and what helps where it is a cloud, but can only be read as a whole: compressed data, other
  * formats, and normals that come from a mesh's faces.
  */
-Result<RecordLayout>
+PCL_SLIM_EXPORT Result<RecordLayout>
 recordLayoutOf(const std::string& path, bool use_normals);
 
 /** \brief Whether a file's extension is one of those that have no header and are read in pieces only. */
-bool
+PCL_SLIM_EXPORT bool
 isRawPointFile(const std::string& path);
 
 }  // namespace pcl_slim

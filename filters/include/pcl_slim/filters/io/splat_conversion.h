@@ -7,6 +7,7 @@
 
 #include <array>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/filters/io/point_file.h"
 #include "pcl_slim/splat/splat_set.h"
 
@@ -14,18 +15,18 @@ namespace pcl_slim {
 
 /** \brief What to take off world coordinates that float would hold too coarsely: fileShift() of the discs'
  * box. Give toPointFile() that of the cloud itself, where there is one: files of its surface have it, too. */
-std::array<double, 3>
+PCL_SLIM_EXPORT std::array<double, 3>
 splatShift(const SplatSet& splats);
 
 /** \brief Splats as PCL's surfels, in world coordinates less the shift. O(splats). */
-void
+PCL_SLIM_EXPORT void
 toPCL(const SplatSet& splats, const std::array<double, 3>& shift,
       pcl::PointCloud<pcl::PointSurfel>& cloud);
 
 /** \brief The same as a file: PointSurfel's fields first, then, where there are gradients,
  * red_x red_y red_z green_x ... blue_z (0..255 per unit of length). Comment lines
  * "pcl_slim key value" hold the shift and say that these are splats. */
-PointFile
+PCL_SLIM_EXPORT PointFile
 toPointFile(const SplatSet& splats, const std::array<double, 3>& shift);
 
 }  // namespace pcl_slim

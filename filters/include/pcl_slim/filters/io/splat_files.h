@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/filters/io/point_file.h"
 #include "pcl_slim/splat/splat_set.h"
 
@@ -11,7 +12,7 @@ namespace pcl_slim {
 
 /** \brief Whether a file's fields tell of discs: a radius, and no polynomials (those of a surface
  * have c0). */
-bool
+PCL_SLIM_EXPORT bool
 holdsSplats(const PointFile& file);
 
 /** \brief Discs from a file: what toPointFile() wrote, or another program has rewritten.
@@ -22,7 +23,7 @@ holdsSplats(const PointFile& file);
  * index in the file. \param[out] skipped discs left out (may be null): a value is not finite, the
  * radius below 0 or the normal 0. \return an error that names the missing field. O(points).
  */
-Result<SplatSet>
+PCL_SLIM_EXPORT Result<SplatSet>
 splatsFrom(const PointFile& file, std::uint64_t* skipped = nullptr);
 
 }  // namespace pcl_slim

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/filters/point_slim.h"
 #include "pcl_slim/surface/surface.h"
 
@@ -32,13 +33,13 @@ struct SurfaceMetadata {
  * spacings), and colours, for which PointSLIM has no fields. Files of saveSurface() keep both as they are.
  * O(surfels). An empty surface gives an empty cloud.
  */
-SurfaceMetadata
+PCL_SLIM_EXPORT SurfaceMetadata
 toPCL(const SLIMSurface& surface, pcl::PointCloud<PointSLIM>& cloud);
 
 /** \brief The same as a field-described cloud with only the coefficients info.degree needs, and
  * without trim maps where every surfel is closed. Of a coloured surface it has colours: rgb at the centres,
  * and the polynomial's other terms in red_u green_u blue_u red_v ... red_vv ..., in 1/255 of white. */
-SurfaceMetadata
+PCL_SLIM_EXPORT SurfaceMetadata
 toPCL(const SLIMSurface& surface, pcl::PCLPointCloud2& cloud);
 
 /** \brief Makes a surface of surfels, with its links.
@@ -47,7 +48,7 @@ toPCL(const SLIMSurface& surface, pcl::PCLPointCloud2& cloud);
  * points, everything else takes SurfaceInfo's defaults, and normals count as not oriented.
  * \return an error when a surfel is not usable (NaN, radius not positive, degree not 1..4).
  */
-Result<SLIMSurface>
+PCL_SLIM_EXPORT Result<SLIMSurface>
 fromPCL(const pcl::PointCloud<PointSLIM>& cloud, const SurfaceMetadata* metadata = nullptr);
 
 /** \brief The same from fields of any numeric type, found by name.
@@ -56,11 +57,11 @@ fromPCL(const pcl::PointCloud<PointSLIM>& cloud, const SurfaceMetadata* metadata
  * have defaults (the highest degree whose coefficients are there, 1, 1, 0, 0). Where there is rgb or
  * rgba, the surface is coloured.
  */
-Result<SLIMSurface>
+PCL_SLIM_EXPORT Result<SLIMSurface>
 fromPCL(const pcl::PCLPointCloud2& cloud, const SurfaceMetadata* metadata = nullptr);
 
 /** \brief The metadata as lines "pcl_slim key value", which files carry as comments. */
-std::vector<std::string>
+PCL_SLIM_EXPORT std::vector<std::string>
 toComments(const SurfaceMetadata& metadata);
 
 /** \brief Reads the metadata among a file's comments.
@@ -68,7 +69,7 @@ toComments(const SurfaceMetadata& metadata);
  * \param[out] found whether there were any. \return an error for a value that cannot be read or
  * for lines a newer version wrote.
  */
-Error
+PCL_SLIM_EXPORT Error
 fromComments(const std::vector<std::string>& comments, SurfaceMetadata& metadata, bool& found);
 
 }  // namespace pcl_slim

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/filters/io/point_file.h"
 #include "pcl_slim/surface/surface.h"
 
@@ -21,7 +22,7 @@ namespace pcl_slim {
  * Trim maps of other than 8 x 8 nodes are in further such lines, colours in fields (surface_conversion.h).
  * Loading and saving again gives the same bytes in every format.
  */
-Error
+PCL_SLIM_EXPORT Error
 saveSurface(const std::string& path, const SLIMSurface& surface);
 
 /** \brief Reads what saveSurface wrote, and surfels other programs have rewritten.
@@ -29,17 +30,17 @@ saveSurface(const std::string& path, const SLIMSurface& surface);
  * When a program dropped the metadata, units come from the points (fromPCL). A missing, foreign,
  * truncated, corrupted or newer file gives an error that says which.
  */
-Result<SLIMSurface>
+PCL_SLIM_EXPORT Result<SLIMSurface>
 loadSurface(const std::string& path);
 
 /** \brief The surface in a point file's fields and comments. \return an error that names what is
  * missing or wrong. */
-Result<SLIMSurface>
+PCL_SLIM_EXPORT Result<SLIMSurface>
 surfaceFrom(const PointFile& file);
 
 /** \brief Whether the extension is one this build's saveSurface knows; names those it does
  * otherwise. */
-Error
+PCL_SLIM_EXPORT Error
 checkSurfaceExtension(const std::string& path);
 
 }  // namespace pcl_slim

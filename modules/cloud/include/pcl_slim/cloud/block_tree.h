@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pcl_slim/core/aligned.h"
+#include "pcl_slim/core/export.h"
 
 namespace pcl_slim {
 
@@ -15,7 +16,7 @@ namespace pcl_slim {
  * stand side by side, so that one SIMD comparison tests all of a node's children. Level 0 holds
  * the blocks' own boxes. Unused boxes are empty (min > max) and never hit.
  */
-class BlockTree {
+class PCL_SLIM_EXPORT BlockTree {
  public:
   static constexpr std::size_t kFan = 16;
 
@@ -57,7 +58,7 @@ using BlockList = AlignedVector<std::uint32_t>;
 
 /** \brief The groups of blocks around one region, copied side by side: cheap queries for the many
  * balls that lie in it. */
-class BlockNeighborhood {
+class PCL_SLIM_EXPORT BlockNeighborhood {
  public:
   /** \brief Collects the groups whose box meets an axis-aligned box; the tree must outlive this. */
   void collect(const BlockTree& tree, const float min[3], const float max[3]);

@@ -7,16 +7,17 @@
 #include <optional>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 
 namespace pcl_slim {
 
 /** \brief Points owned by someone else, as strided arrays; nothing is copied.
  *
- * Coordinates are three consecutive floats or three consecutive doubles per point; normals, when
- * present, three consecutive floats. A point whose coordinates are not finite is skipped; a
+ * Coordinates are three consecutive floats or three consecutive doubles per point, and so are the
+ * places of sensors, when present; normals are three consecutive floats. A point whose coordinates are not finite is skipped; a
  * normal that is zero or not finite counts as missing for that point.
  */
-struct CloudView {
+struct PCL_SLIM_EXPORT CloudView {
   enum class Scalar : unsigned char { kFloat, kDouble };
 
   const void* xyz = nullptr;   ///< address of the first point's x
@@ -29,6 +30,10 @@ struct CloudView {
   std::size_t num_indices = 0;
   std::optional<std::array<double, 3>>
       sensor;  ///< where the points were seen from, if that is known
+  const void* sensors =
+      nullptr;  ///< where each was seen from: address of the first one's x, or null
+  std::size_t sensors_stride = 0;  ///< bytes from one such place to the next
+  Scalar sensors_scalar = Scalar::kDouble;
 
   /** \brief Number of points to use. */
   std::size_t count() const { return indices ? num_indices : size; }
@@ -38,11 +43,25 @@ struct CloudView {
     return indices ? static_cast<std::size_t>(indices[i]) : i;
   }
 
+  /** \brief A point's coordinates, by its index in the cloud. */
+  std::array<double, 3> position(std::size_t input) const
+  {
+    return placeAt(xyz, input * xyz_stride, scalar);
+  }
+  /** \brief Where a point was seen from, by its index in the cloud; needs sensors. */
+  std::array<double, 3> sensorPosition(std::size_t input) const
+  {
+    return placeAt(sensors, input * sensors_stride, sensors_scalar);
+  }
+
   /** \brief Why there is nothing to work on: no points, more than 2^32 - 2, or an index outside.
    * O(indices). */
   Error validate() const;
   /** \brief What is said of a cloud whose points all are NaN or infinite. */
   static Error nothingFinite();
+
+ private:
+  static std::array<double, 3> placeAt(const void* first, std::size_t offset, Scalar scalar);
 };
 
 }  // namespace pcl_slim

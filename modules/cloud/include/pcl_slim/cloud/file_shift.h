@@ -4,6 +4,7 @@
 #include <array>
 
 #include "pcl_slim/cloud/cloud_view.h"
+#include "pcl_slim/core/export.h"
 
 namespace pcl_slim {
 
@@ -11,15 +12,15 @@ namespace pcl_slim {
  * same place in a viewer: 0 unless the cloud is 256 of its diagonals or more from the world's origin, else a
  * place near its middle, a multiple of four diagonals.
  * \param[in] origin of a store's or surface's local units \param[in] scale world units per local one */
-std::array<double, 3>
+PCL_SLIM_EXPORT std::array<double, 3>
 fileShift(const std::array<double, 3>& origin, double scale);
 
 /** \brief The same of a box that holds a cloud's points, in world coordinates. */
-std::array<double, 3>
+PCL_SLIM_EXPORT std::array<double, 3>
 fileShift(const std::array<double, 3>& low, const std::array<double, 3>& high);
 
 /** \brief The same of a cloud's finite points. O(points). */
-std::array<double, 3>
+PCL_SLIM_EXPORT std::array<double, 3>
 fileShift(const CloudView& cloud);
 
 }  // namespace pcl_slim

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pcl_slim/core/aligned.h"
+#include "pcl_slim/core/export.h"
 
 namespace pcl_slim {
 
@@ -13,7 +14,7 @@ namespace pcl_slim {
  *
  * sortByLeadingBits(), then a comparison sort inside the short runs that share them.
  * O(N); same result for any number of threads. \param[out] order where each key stood. */
-void
+PCL_SLIM_EXPORT void
 sortByKey(AlignedVector<std::uint64_t>& keys, AlignedVector<std::uint32_t>& order, int threads);
 
 /** \brief Sorts fewer than 2^32 keys of 63 bits by their leading bits, ties by their places.
@@ -23,7 +24,7 @@ sortByKey(AlignedVector<std::uint64_t>& keys, AlignedVector<std::uint32_t>& orde
  * \param[out] keys the other bits are 0. \param[out] order where each key stood. \return how many
  * bits the others are. O(N) for Morton codes of surfaces and volumes, O(N log N) at worst; 8 bytes a
  * key more; same result for any number of threads. */
-int
+PCL_SLIM_EXPORT int
 sortByLeadingBits(AlignedVector<std::uint64_t>& keys, AlignedVector<std::uint32_t>& order,
                   int threads);
 
@@ -34,7 +35,7 @@ sortByLeadingBits(AlignedVector<std::uint64_t>& keys, AlignedVector<std::uint32_
  * O(N) for Morton codes of surfaces and volumes, O(N log N) at worst; 8 bytes a number more; same
  * result for any number of threads.
  */
-void
+PCL_SLIM_EXPORT void
 sortByBits(AlignedVector<std::uint64_t>& values, int low, int high, int threads);
 
 }  // namespace pcl_slim

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/core/export.h"
 
 namespace pcl_slim {
 
@@ -25,7 +26,7 @@ enum class NoiseEstimator : unsigned char {
  * below (1e-6 L)^2 for the paper's, (1e-11 L)^2 for the default. 0 if the store has fewer than 12
  * points. O(samples k).
  */
-double
+PCL_SLIM_EXPORT double
 estimateNoise(const PointStore& store, NoiseEstimator estimator, int threads = 0);
 
 /** \brief How noise varies over a cloud: variances over the whole cloud's, for runs of points along
@@ -36,7 +37,7 @@ estimateNoise(const PointStore& store, NoiseEstimator estimator, int threads = 0
  * Between 1/1000 and 1000. Empty if the store has fewer than 12 points. O(n / 128 patches), at most
  * 8192.
  */
-std::vector<float>
+PCL_SLIM_EXPORT std::vector<float>
 noiseProfile(const PointStore& store, int threads = 0);
 
 }  // namespace pcl_slim

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/core/export.h"
 
 namespace pcl_slim {
 
@@ -22,7 +23,7 @@ namespace pcl_slim {
  * \return stored points, ascending; none in clouds of fewer than 100 points. Same result for any number
  * of threads. A few nanoseconds a point, and a few microseconds for each point far from others.
  */
-std::vector<std::uint32_t>
+PCL_SLIM_EXPORT std::vector<std::uint32_t>
 findOutliers(const PointStore& store, int threads = 0);
 
 }  // namespace pcl_slim

@@ -12,6 +12,7 @@
 #include "pcl_slim/cloud/store_frame.h"
 #include "pcl_slim/core/aligned.h"
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 
 namespace pcl_slim {
 
@@ -41,14 +42,15 @@ struct PointStoreStatistics {
  * Same input, same store, for any number of threads. O(N) time, about 40 bytes a point while
  * building and 28 to 40 bytes a point after.
  */
-class PointStore {
+class PCL_SLIM_EXPORT PointStore {
  public:
   static constexpr std::size_t kBlock = 16;
   static constexpr float kFarAway = 1e15f;                ///< offset of padding in the last block
   static constexpr std::uint32_t kSkipped = 0xffffffffu;  ///< in storeOfInput(): not in the store
 
   /** \brief Brings a cloud into Morton order. \return the store, or why there is none: no input,
-   * more than 2^32 - 2 points, or not one finite point. \param[in] threads 0: all cores.
+   * more than 2^32 - 2 points, not one finite point, or one without a finite place of its sensor where
+   * others have one. \param[in] threads 0: all cores.
    * \param[in] frame store of a larger cloud that these points belong to: what is far away beside that
    * is far away here, too, and the units are at least its own. null: none. */
   static Result<PointStore> build(const CloudView& cloud, int threads = 0,
@@ -83,6 +85,13 @@ class PointStore {
   const std::array<double, 3>& origin() const { return origin_; }  ///< world position of local 0
   /** \brief World position that the points were seen from, where the cloud knows it. */
   const std::optional<std::array<double, 3>>& sensor() const { return sensor_; }
+  /** \brief Whether the cloud knows where each of its points was seen from. */
+  bool hasSensors() const { return !sensors_.empty(); }
+  /** \brief Local position that point i was seen from; of merged points, the first one's. */
+  std::array<double, 3> sensor(std::size_t i) const
+  {
+    return {sensors_[i][0], sensors_[i][1], sensors_[i][2]};
+  }
   double scale() const { return scale_; }  ///< world units per local unit, a power of two
   /** \brief L of the bulk alone, local units: four times the diagonal between the quartiles of each
    * coordinate, and L where that is less, as it is of most clouds. */
@@ -145,7 +154,8 @@ class PointStore {
   BlockTree tree_;
   PointStoreStatistics statistics_;
   std::optional<std::array<double, 3>> sensor_;
-  bool found_sides_ = false;  ///< the normals are those of setSides()
+  std::vector<std::array<float, 3>> sensors_;  ///< local positions, in stored order, or none
+  bool found_sides_ = false;                   ///< the normals are those of setSides()
 };
 
 }  // namespace pcl_slim

@@ -5,17 +5,19 @@
 #include <new>
 #include <vector>
 
+#include "pcl_slim/core/export.h"
+
 namespace pcl_slim {
 
 /** \brief Memory that starts on a cache line; the system is asked for large pages from 4 MiB on.
  *
  * Memory comes at its first use, page by page, and for arrays that are passed over once or twice
  * that costs as much as the passes. Throws std::bad_alloc. */
-void*
+PCL_SLIM_EXPORT void*
 allocateAligned(std::size_t bytes);
 
 /** \brief Gives back what allocateAligned() gave. */
-void
+PCL_SLIM_EXPORT void
 freeAligned(void* block);
 
 /** \brief Allocator with 64-byte alignment that leaves new plain values uninitialised. */

@@ -8,12 +8,13 @@
 #include <vector>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 
 namespace pcl_slim {
 
 /** \brief Reads a whole file. A missing file, a folder, a device without an end or a failing read
  * gives kIo. A pipe is read to its end. */
-Result<std::vector<unsigned char>>
+PCL_SLIM_EXPORT Result<std::vector<unsigned char>>
 readFile(const std::string& path);
 
 /** \brief Writes a whole file so that it is seen under its name only when complete.
@@ -24,12 +25,12 @@ readFile(const std::string& path);
  * is followed, also to a place where nothing is yet; what is not a plain file (a pipe, a device) is
  * written directly. For several files that belong together see FileTransaction.
  */
-Error
+PCL_SLIM_EXPORT Error
 writeFile(const std::string& path, const void* bytes, std::size_t size);
 
 /** \brief A file that is written piece by piece and seen under its name only when complete, as writeFile()
  * makes it. */
-class FileWriter {
+class PCL_SLIM_EXPORT FileWriter {
  public:
   FileWriter();
   /** \brief Removes what was written, unless finish() has been called. */
@@ -56,7 +57,7 @@ class FileWriter {
  * While one lives, what its thread's writeFile() calls have written waits beside the places asked for;
  * commit() moves all of it there. What is not committed is removed, and older files stay as they were.
  * Pipes and devices are written at once. The innermost one counts. */
-class FileTransaction {
+class PCL_SLIM_EXPORT FileTransaction {
  public:
   struct Waiting;
 
@@ -75,21 +76,21 @@ class FileTransaction {
 };
 
 /** \brief Tells before long work whether writeFile could create this file. Leaves nothing behind. */
-Error
+PCL_SLIM_EXPORT Error
 checkWritable(const std::string& path);
 
 /** \brief The one place that a name stands for, links followed, whether or not a file is there yet;
  * empty where there can be none. */
-std::string
+PCL_SLIM_EXPORT std::string
 placeOf(const std::string& path);
 
 /** \brief Removes the temporary files of writeFile() calls and transactions that are not done. For a
  * program that is about to end in the middle of one; safe in a signal handler. */
-void
+PCL_SLIM_EXPORT void
 removeUnfinishedFiles();
 
 /** \brief Extension of a path in lower case, with its dot ("scan.PCD" gives ".pcd"; none gives ""). */
-std::string
+PCL_SLIM_EXPORT std::string
 lowerExtension(const std::string& path);
 
 }  // namespace pcl_slim

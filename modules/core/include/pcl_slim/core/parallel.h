@@ -5,6 +5,7 @@
 #include <exception>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 
 namespace pcl_slim {
 
@@ -12,11 +13,11 @@ namespace pcl_slim {
 constexpr int kMostThreads = 4096;
 
 /** \brief An error for a number of threads that is negative or above kMostThreads. */
-Error
+PCL_SLIM_EXPORT Error
 checkThreads(int requested);
 
 /** \brief Number of threads to use for a request: 0 (or less) means every available core. */
-int
+PCL_SLIM_EXPORT int
 resolveThreads(int requested);
 
 /** \brief Runs body(i, thread) for i in [0, count), in chunks handed out dynamically.

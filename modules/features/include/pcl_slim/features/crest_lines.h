@@ -7,6 +7,7 @@
 
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/progress.h"
 #include "pcl_slim/query/projection.h"
 #include "pcl_slim/surface/surface.h"
@@ -17,7 +18,7 @@ namespace pcl_slim {
 enum class CrestType : std::uint8_t { kRidge = 0, kRavine = 1 };
 
 /** \brief Which lines to trace and keep. */
-struct CrestParams {
+struct PCL_SLIM_EXPORT CrestParams {
   bool ridges = true;
   bool ravines = true;
   /** Lines are kept where they stand this many deviations of the noise out of their surroundings ... */
@@ -93,7 +94,7 @@ struct CrestStatistics {
  * or cancellation. A surface without lines is none. O(N) for seeds, then a few SurfaceProbe requests
  * a vertex. The same for any number of threads, of which two serve the tracing.
  */
-Error
+PCL_SLIM_EXPORT Error
 traceCrestLines(const PointStore& store, const Projection& projection, const SLIMSurface& surface,
                 const CrestParams& params, CrestLines& lines, CrestStatistics* statistics = nullptr,
                 Progress* progress = nullptr);

@@ -7,6 +7,7 @@
 
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/progress.h"
 #include "pcl_slim/surface/surface.h"
 
@@ -14,7 +15,7 @@ namespace pcl_slim {
 
 /** \brief Parameters of a SLIM fit. The defaults need no tuning; lengths marked [L] are shares of
  * the bounding-box diagonal. */
-struct FitParams {
+struct PCL_SLIM_EXPORT FitParams {
   int degree = 0;             ///< polynomial degree, 1..4; 0: 4, or 2 with sharp features
   double penalty = 0.0;       ///< kappa > 0: E = e^2 n/(n-P) + kappa lambda P / n (Mallows' Cp);
                               ///< 0: 3, or 1 with sharp features
@@ -37,7 +38,7 @@ struct FitParams {
   double noise_correlation =
       0;  ///< points that share their errors, 1: none do; 0: told by the data
   bool has_noise_model = false;       ///< the errors follow noise_model; needs a viewpoint or
-                                      ///< the store's sensor
+                                      ///< the store's sensors
   double noise_model[3] = {0, 0, 0};  ///< a, b, c: RMS error a + b z + c z^2 along the ray from the
                                       ///< viewpoint at distance z, world units
   bool normals_as_data = false;  ///< fit positions and normals together, by their errors; needs
@@ -53,7 +54,7 @@ struct FitParams {
                        ///< balls would meet both sides of thin parts
   bool orient = true;  ///< without normals: sign the output by the leaves' graph
   bool has_viewpoint = false;  ///< sign the output towards viewpoint instead; without one, towards
-                               ///< the store's sensor if it has one
+                               ///< the sensors of the store's points, or its only sensor
   double viewpoint[3] = {0, 0, 0};  ///< world coordinates
   std::uint64_t seed = 1;           ///< of the order in which centres are tried
   int threads = 0;                  ///< 0: all cores; never changes the result
@@ -63,6 +64,16 @@ struct FitParams {
   FitParams resolved() const;
   /** \brief Names the first parameter out of range. */
   Error validate() const;
+};
+
+/** \brief What decides which way a surface's normals face. */
+enum class SideSource : unsigned char {
+  kNone,       ///< nothing: FitParams::orient is off
+  kNormals,    ///< the points' normals
+  kSensors,    ///< the place that each point was seen from
+  kViewpoint,  ///< one viewpoint, or the cloud's only sensor
+  kThinParts,  ///< sides that points were given before the cover
+  kOverlaps    ///< a spanning forest of the graph of overlapping leaves
 };
 
 /** \brief What a fit did, what it skipped and how long its stages took. */
@@ -89,13 +100,15 @@ struct FitStatistics {
   std::uint64_t never_gathered = 0;  ///< centres never tried: points covered by another's leaf
   std::uint64_t unresolved = 0;  ///< points whose detail is too fine for the cloud's width, 1e-6 L
   int first_level = 1, levels_skipped = 0, last_level = 0;
-  double lambda = 0;             ///< noise variance [L^2]
-  std::uint64_t sided = 0;       ///< points that were given a side before the cover
-  double sided_confidence = 0;   ///< agreement of neighbouring sides: 1 in full, 0 as chance has it
-  double thin_places = 0;        ///< share of the places looked at where a ball meets two sides
-  double noise_correlation = 1;  ///< points that share their errors; 1: white noise
-  std::uint64_t noise_line = 0;  ///< points along a scan line that count as one; 0: no lines
-  double noise_step = 0;         ///< of a quantised coordinate, the median [L]; 0: none found
+  double lambda = 0;            ///< noise variance [L^2]
+  std::uint64_t sided = 0;      ///< points that were given a side before the cover
+  double sided_confidence = 0;  ///< agreement of neighbouring sides: 1 in full, 0 as chance has it
+  SideSource side_source = SideSource::kNone;
+  std::uint64_t overlap_edges = 0;  ///< of the graph that kOverlaps searches; 0: there was no need
+  double thin_places = 0;           ///< share of the places looked at where a ball meets two sides
+  double noise_correlation = 1;     ///< points that share their errors; 1: white noise
+  std::uint64_t noise_line = 0;     ///< points along a scan line that count as one; 0: no lines
+  double noise_step = 0;            ///< of a quantised coordinate, the median [L]; 0: none found
   std::uint64_t noise_neighbors = 0;  ///< points of a patch that shows all of the noise
   double noise_patch_radius = 0;      ///< median radius of those patches [L]
   bool noise_varies = false;          ///< lambda is the cloud's, the noise a profile about it
@@ -124,13 +137,13 @@ struct FitStatistics {
  * \return an error for bad parameters, no points, points that are nowhere a surface
  * (ErrorCode::kNoSurface; the statistics are then told), or cancellation; surface is then empty.
  */
-Error
+PCL_SLIM_EXPORT Error
 fitSurface(const PointStore& store, const FitParams& params, SLIMSurface& surface,
            FitStatistics* statistics = nullptr, Progress* progress = nullptr);
 
 /** \brief The same; where points were given sides, the store keeps them, and projectPoints() puts each
  * point onto its own side. Sides of an earlier fit are dropped first. */
-Error
+PCL_SLIM_EXPORT Error
 fitSurface(PointStore& store, const FitParams& params, SLIMSurface& surface,
            FitStatistics* statistics = nullptr, Progress* progress = nullptr);
 

@@ -4,6 +4,7 @@
 #include "pcl_slim/cloud/color_view.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
@@ -16,7 +17,7 @@ namespace pcl_slim {
  * \param[in] colors one for each point of the cloud; without any the surface gets none
  * \return an error where surface and store differ in their units. O(points in the balls), at most 4096 of
  * a ball; the same for any number of threads. */
-Error
+PCL_SLIM_EXPORT Error
 fitColors(const PointStore& store, const CloudView& cloud, const ColorView& colors, int threads,
           SLIMSurface& surface);
 

@@ -6,6 +6,7 @@
 
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/progress.h"
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/surface/surface.h"
@@ -41,11 +42,11 @@ struct MeasuredTraits {
  * The estimator is that of fitSurface(); its patches hold at most an eighth of a window's points.
  * \return an error where normals are to be data and there are none. O(sample).
  */
-Result<MeasuredTraits>
+PCL_SLIM_EXPORT Result<MeasuredTraits>
 measureTraits(const PointStore& sample, const FitParams& params, const TraitsSample& how);
 
 /** \brief Radii of the levels of balls in a frame: radius(k) = first * ratio^(k - 1), local lengths. */
-struct LevelRadii {
+struct PCL_SLIM_EXPORT LevelRadii {
   double first = 0, ratio = 1;
   int last =
       1;  ///< finest level that points, units and FitParams::least_radius allow to start with
@@ -55,7 +56,7 @@ struct LevelRadii {
   double reach(int level) const;
 };
 
-LevelRadii
+PCL_SLIM_EXPORT LevelRadii
 levelRadii(const StoreFrame& frame, const FitParams& params);
 
 /** \brief One tile of a cloud. */
@@ -66,7 +67,7 @@ struct TileJob {
 };
 
 /** \brief Names the first parameter that a fit by tiles cannot honour. */
-Error
+PCL_SLIM_EXPORT Error
 checkTileParams(const FitParams& params);
 
 /** \brief Fits the surfels of one tile: the points of its core are centres, the others of its store are
@@ -76,13 +77,13 @@ checkTileParams(const FitParams& params);
  * the core. Surfels get trim maps but no common side (orientSurfels()) and no links. A tile without a leaf
  * gives an empty surface and no error. Same bytes for any number of threads.
  */
-Error
+PCL_SLIM_EXPORT Error
 fitTile(const PointStore& store, const FitParams& params, const TileJob& job, SLIMSurface& surface,
         FitStatistics* statistics = nullptr, Progress* progress = nullptr);
 
 /** \brief Gives the surfels of all tiles together a common side, as a fit without normals does; a frame
  * with a sensor turns them there. O(leaves log leaves). */
-void
+PCL_SLIM_EXPORT void
 orientSurfels(const StoreFrame& frame, const FitParams& params, SLIMSurface& surface);
 
 }  // namespace pcl_slim

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/progress.h"
 #include "pcl_slim/mesh/triangle_mesh.h"
 #include "pcl_slim/surface/surface.h"
@@ -11,7 +12,7 @@
 namespace pcl_slim {
 
 /** \brief How a surface becomes triangles. */
-struct MeshParams {
+struct PCL_SLIM_EXPORT MeshParams {
   /** Largest distance between mesh and surface [world units]; 0: a quarter of the noise's standard
    * deviation, and at least 1e-4 of the diagonal. Vertices are not nearer to each other than about the spacing
    * of the points, or half of it for a smaller tolerance than that: an error that remains then is larger. */
@@ -63,7 +64,7 @@ struct MeshStatistics {
  * more than 2^30 cells, or cancellation; the mesh is then empty. Same bytes for any number of threads.
  * O(triangles + leaves).
  */
-Error
+PCL_SLIM_EXPORT Error
 extractMesh(const SLIMSurface& surface, const MeshParams& params, TriangleMesh& mesh,
             MeshStatistics* statistics = nullptr, Progress* progress = nullptr);
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim {
@@ -25,7 +26,7 @@ struct IndexRow {
  * Corners go round the face counter-clockwise as seen from outside. Faces of fewer than three
  * corners may be there and are passed over.
  */
-struct MeshFaces {
+struct PCL_SLIM_EXPORT MeshFaces {
   std::vector<std::uint32_t> begin;    ///< size() + 1 offsets into corners, or empty
   std::vector<std::uint32_t> corners;  ///< vertices, face after face
 
@@ -43,15 +44,15 @@ struct MeshFaces {
 
 /** \brief Area vector of a face: along its normal, as long as its area. Not finite where a corner
  * is not; zero for fewer than three corners. */
-Vector3
+PCL_SLIM_EXPORT Vector3
 areaVector(const std::vector<Vector3>& vertices, IndexRow corners);
 
 /** \brief Mean of a face's corners. */
-Vector3
+PCL_SLIM_EXPORT Vector3
 centroid(const std::vector<Vector3>& vertices, IndexRow corners);
 
 /** \brief Who borders on whom in a mesh. */
-class MeshTopology {
+class PCL_SLIM_EXPORT MeshTopology {
  public:
   /** \brief faces must be valid for so many vertices. O(corners log faces around a vertex). */
   MeshTopology(const MeshFaces& faces, std::size_t num_vertices);

@@ -6,6 +6,7 @@
 
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/progress.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/fit/fit.h"
@@ -70,7 +71,7 @@ struct SmoothedMesh {
  * that can be used, parameters out of range, or cancellation; the result is then empty. The same for
  * any number of threads. O(vertices + faces).
  */
-Error
+PCL_SLIM_EXPORT Error
 smoothMesh(const CloudView& cloud, const MeshFaces& faces, const MeshSmoothParams& params,
            const SLIMSurface* surface, SmoothedMesh& result,
            MeshSmoothStatistics* statistics = nullptr, SLIMSurface* fitted = nullptr,

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim {
@@ -34,7 +35,7 @@ struct MeshCensus {
 
 /** \brief Counts a mesh's edges, components and defects. Vertices without a triangle do not count;
  * indices must be valid. O(T log T) for T triangles. */
-MeshCensus
+PCL_SLIM_EXPORT MeshCensus
 censusOf(const TriangleMesh& mesh);
 
 }  // namespace pcl_slim

@@ -4,6 +4,7 @@
 #include <array>
 #include <memory>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/symmetric.h"
 #include "pcl_slim/surface/surface.h"
 
@@ -23,7 +24,7 @@ struct ImplicitJet {
  * wiggles that blending derivatives along a ray (projectPoints) does not. Plain double code, a
  * reference and not meant for speed. Leaves must agree in orientation.
  */
-class PartitionOfUnity {
+class PCL_SLIM_EXPORT PartitionOfUnity {
  public:
   /** \brief The surface must outlive this object. O(M log M). */
   explicit PartitionOfUnity(const SLIMSurface& surface);

@@ -7,6 +7,7 @@
 
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/progress.h"
 #include "pcl_slim/surface/surface.h"
 
@@ -62,7 +63,7 @@ struct Projection {
  * world coordinates through their origins and scales, and points away from it are unsupported.
  * Trim maps move no point and drop none: they only say which of them lie inside the borders.
  */
-Error
+PCL_SLIM_EXPORT Error
 projectPoints(const PointStore& store, const SLIMSurface& surface, const ProjectionParams& params,
               Projection& result, Progress* progress = nullptr);
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/surface/surface.h"
 
@@ -16,7 +17,7 @@ namespace pcl_slim {
  * world coordinates; places of one neighbourhood should follow one another \param[in] normals unit, one
  * for each \return one colour for each, white where the place is in no leaf's ball; none if the surface has
  * no colours. O(surfels log surfels + leaves near the places); the same for any number of threads. */
-std::vector<std::array<std::uint8_t, 3>>
+PCL_SLIM_EXPORT std::vector<std::array<std::uint8_t, 3>>
 surfaceColors(const SLIMSurface& surface, const std::vector<Vector3>& positions,
               const std::vector<std::array<float, 3>>& normals, int threads = 0);
 

@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/query/projection.h"
 #include "pcl_slim/surface/surface.h"
@@ -22,7 +23,7 @@ enum class ProbeUse : std::uint8_t {
 /** \brief A surface's leaves, arranged so that those around a place are found fast.
  *
  * Built once in O(M log M), about 150 bytes a leaf; any number of SurfaceProbe objects share it. */
-class ProbeIndex {
+class PCL_SLIM_EXPORT ProbeIndex {
  public:
   /** \brief The surface must outlive this object. */
   explicit ProbeIndex(const SLIMSurface& surface, ProbeUse use = ProbeUse::kSamples);
@@ -84,7 +85,7 @@ struct ProbeRequest {
  * are never narrower than a tenth of a ball's radius, as places between samples of a clean fit would
  * fall through those that projectPoints() needs for points.
  */
-class SurfaceProbe {
+class PCL_SLIM_EXPORT SurfaceProbe {
  public:
   static constexpr std::size_t kMost = 16;
 

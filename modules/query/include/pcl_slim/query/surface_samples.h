@@ -6,13 +6,14 @@
 #include <vector>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/progress.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
 
 /** \brief How densely a surface is sampled; one of the two. */
-struct SurfaceSampleParams {
+struct PCL_SLIM_EXPORT SurfaceSampleParams {
   double spacing = 0.0;     ///< > 0: least distance of two samples, world units
   std::uint64_t count = 0;  ///< > 0: number of samples; the spacing follows
   std::uint64_t seed = 1;   ///< of the order in which places are tried
@@ -43,7 +44,7 @@ struct SurfaceSamples {
  * face apart do not hinder each other. For a count, the spacing is sought at which up to 3 % more
  * fit, of which those nearest to another are left out. O(candidates), some 25 per sample; the same for any
  * number of threads. \return an error for bad parameters, a surface without leaves, or cancellation. */
-Error
+PCL_SLIM_EXPORT Error
 sampleSurface(const SLIMSurface& surface, const SurfaceSampleParams& params,
               SurfaceSamples& samples, Progress* progress = nullptr);
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/splat/splat_set.h"
 #include "pcl_slim/surface/surface.h"
 
@@ -14,6 +15,7 @@ struct BoundingSphere {
   std::array<float, 3> center;
   float radius;
   std::array<float, 3> normal;  ///< unit length
+  float points = 1;             ///< scanned points behind the piece: what it weighs in a view
 };
 
 /** \brief An object as the spheres that enclose its pieces: what cameras look at.
@@ -31,12 +33,12 @@ struct BoundingSpheres {
 };
 
 /** \brief The leaves' balls of a surface. O(surfels). */
-BoundingSpheres
+PCL_SLIM_EXPORT BoundingSpheres
 spheresOf(const SLIMSurface& surface);
 
 /** \brief The discs of a set, which must be valid (validateDiscs); their normals count as oriented,
  * so that discs which face one way are seen from there. O(discs). */
-BoundingSpheres
+PCL_SLIM_EXPORT BoundingSpheres
 spheresOf(const SplatSet& splats);
 
 }  // namespace pcl_slim

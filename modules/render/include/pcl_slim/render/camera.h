@@ -4,6 +4,7 @@
 #include <array>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/render/bounding_spheres.h"
 
 namespace pcl_slim {
@@ -19,7 +20,7 @@ struct ImageSize {
  * Pixel (0, 0) is the upper left one; rays pass through pixel centres. Depth is the distance
  * along the ray, whose direction has unit length.
  */
-struct Camera {
+struct PCL_SLIM_EXPORT Camera {
   enum class Projection : unsigned char { kPerspective, kOrthographic };
 
   Projection projection = Projection::kPerspective;
@@ -43,18 +44,18 @@ struct ViewDirection {
 
 /** \brief A perspective camera that sees every sphere of an object, as large as the picture allows.
  *
- * Spheres far outside the bulk (beyond a whole extent past the 1st and 99th percentile of the
- * centres) are not framed, so that one stray point does not shrink the object to a dot; nor are
- * pieces apart from the rest that hold less than 1 % of the area. An empty object gives a camera at one world unit from its origin. O(spheres).
+ * Spheres outside the bulk (beyond half its extent past the 5th and 95th percentile of the points, along
+ * each axis) are not framed, so that neither a stray point nor the far end of a lidar's scan shrinks the
+ * object to a dot; nor are pieces apart from the rest that hold less than 1 % of the points. An empty object gives a camera at one world unit from its origin. O(spheres).
  * \param[in] margin share of the picture left free on each side, [0, 0.4];
  * \param[in] right_margin share of its width left free on the right besides, [0, 0.4]: for a bar
  */
-Camera
+PCL_SLIM_EXPORT Camera
 fitCamera(const BoundingSpheres& object, const ViewDirection& direction, const ImageSize& size,
           double fov = 30.0, double margin = 0.04, double right_margin = 0.0);
 
 /** \brief The same for parallel projection. */
-Camera
+PCL_SLIM_EXPORT Camera
 fitOrthographicCamera(const BoundingSpheres& object, const ViewDirection& direction,
                       const ImageSize& size, double margin = 0.04, double right_margin = 0.0);
 

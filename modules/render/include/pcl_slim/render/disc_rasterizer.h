@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/render/camera.h"
 #include "pcl_slim/render/g_buffer.h"
 #include "pcl_slim/render/render_params.h"
@@ -13,7 +14,7 @@
 namespace pcl_slim {
 
 /** \brief Parameters of renderDiscs. */
-struct DiscRenderParams {
+struct PCL_SLIM_EXPORT DiscRenderParams {
   /** true: discs that overlap are blended, and none is narrower than a pixel. false: each pixel
    * shows the nearest disc as it is. */
   bool filtered = true;
@@ -28,7 +29,7 @@ struct DiscRenderParams {
 };
 
 /** \brief What a frame of discs evaluated and what it left out. */
-struct DiscRenderStatistics {
+struct PCL_SLIM_EXPORT DiscRenderStatistics {
   std::uint64_t discs = 0;            ///< discs given
   std::uint64_t outside_frustum = 0;  ///< discs that no ray meets
   std::uint64_t back_facing = 0;      ///< discs turned away, where only fronts are drawn
@@ -59,17 +60,17 @@ struct DiscRenderStatistics {
  * \return an error for columns of unequal length, values that are not finite, or a bad camera or
  * parameter; the buffer is then empty.
  */
-Error
+PCL_SLIM_EXPORT Error
 renderDiscs(const SplatSet& splats, const Camera& camera, const DiscRenderParams& params,
             GBuffer& buffer, DiscRenderStatistics* statistics = nullptr);
 
 /** \brief The discs whose centres lie in all of some half spaces, in their order. O(discs). */
-SplatSet
+PCL_SLIM_EXPORT SplatSet
 splatsWithin(const SplatSet& splats, const std::vector<HalfSpace>& cuts);
 
 /** \brief Names the first defect of a set of discs: columns of unequal length, a value that is not
  * finite, a negative radius. O(discs). */
-Error
+PCL_SLIM_EXPORT Error
 validateDiscs(const SplatSet& splats);
 
 }  // namespace pcl_slim

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/symmetric.h"
 
 namespace pcl_slim {
@@ -31,7 +32,7 @@ enum GBufferColumn : std::uint8_t {
  * are always there. Normals and the derivatives face the viewer when the surface has no
  * orientation or both of its sides are shown. Discs leave derivatives, curvatures and levels at 0.
  */
-struct GBuffer {
+struct PCL_SLIM_EXPORT GBuffer {
   static constexpr std::uint32_t kNothing = 0xffffffffu;
 
   int width = 0, height = 0;

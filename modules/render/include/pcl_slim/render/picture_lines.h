@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/render/camera.h"
 #include "pcl_slim/render/color_map.h"
 #include "pcl_slim/render/g_buffer.h"
@@ -31,7 +32,7 @@ struct PictureLine {
 };
 
 /** \brief Which lines are looked for and which are kept. */
-struct PictureLineParams {
+struct PCL_SLIM_EXPORT PictureLineParams {
   bool crest = false, suggestive = false, contour = false;
   double crest_curvature = 2.0;       ///< least curvature of a crest line [1/L], > 0
   double suggestive_derivative = 15;  ///< least derivative of radial curvature [1/L^2], > 0
@@ -43,7 +44,7 @@ struct PictureLineParams {
 };
 
 /** \brief Columns of a G-buffer that findPictureLines() reads. */
-unsigned
+PCL_SLIM_EXPORT unsigned
 pictureLineColumns(const PictureLineParams& params);
 
 /** \brief Finds lines in what a camera sees of a surface.
@@ -58,7 +59,7 @@ pictureLineColumns(const PictureLineParams& params);
  * \param[in] buffer what camera saw, with pictureLineColumns(); \param[in] surface what it shows
  * \return an error for bad parameters, or a buffer that lacks columns or has another size.
  */
-Result<std::vector<PictureLine>>
+PCL_SLIM_EXPORT Result<std::vector<PictureLine>>
 findPictureLines(const GBuffer& buffer, const Camera& camera, const SLIMSurface& surface,
                  const PictureLineParams& params);
 
@@ -70,7 +71,7 @@ struct SpaceLine {
 
 /** \brief The visible parts of lines in space.
  * \param[in] tolerance a line this far behind the picture's depth is still seen [L] */
-Result<std::vector<PictureLine>>
+PCL_SLIM_EXPORT Result<std::vector<PictureLine>>
 projectLines(const std::vector<SpaceLine>& lines, const GBuffer& buffer, const Camera& camera,
              const SLIMSurface& surface, double tolerance = 0.005);
 
@@ -85,13 +86,13 @@ struct LineStyle {
 
 /** \brief Draws lines over a picture, anti-aliased; weaker ones are finer, down to .4 of the width,
  * and crossings are no darker than their lines. O(length * width). */
-Error
+PCL_SLIM_EXPORT Error
 drawLines(const std::vector<PictureLine>& lines, const LineStyle& style, Image& image);
 
 /** \brief The same lines on glass, to lay over a picture that is elsewhere.
  * \param[out] rgba sRGB and how much of the pixel lines cover, four bytes a pixel, rows from the
  * top; laid over a picture in linear light it gives what the other function draws */
-Error
+PCL_SLIM_EXPORT Error
 drawLines(const std::vector<PictureLine>& lines, const LineStyle& style, const ImageSize& size,
           std::vector<std::uint8_t>& rgba);
 

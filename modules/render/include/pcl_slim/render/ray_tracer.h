@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/progress.h"
 #include "pcl_slim/render/camera.h"
 #include "pcl_slim/render/color_map.h"
@@ -26,7 +27,7 @@ struct RayLight {
 };
 
 /** \brief Parameters of RayTracer::trace. */
-struct TraceParams {
+struct PCL_SLIM_EXPORT TraceParams {
   VisibleSides sides = VisibleSides::kAuto;  ///< as the rasterisers': kAuto of discs is both
   double near_plane = 0.0;  ///< smallest depth shown along a ray, world units, >= 0
   /** As RenderParams::cuts, for rays of every kind: what is cut away casts no shadow. Discs that cross
@@ -56,7 +57,7 @@ struct LightBuffer {
 };
 
 /** \brief What rays cost. */
-struct TraceStatistics {
+struct PCL_SLIM_EXPORT TraceStatistics {
   std::uint64_t leaves = 0;  ///< leaves or discs of the object
   std::uint64_t rays_primary = 0;
   std::uint64_t rays_shadow = 0;
@@ -75,7 +76,7 @@ struct TraceStatistics {
 };
 
 /** \brief A ray in world coordinates, and the stretch of it that counts. */
-struct WorldRay {
+struct PCL_SLIM_EXPORT WorldRay {
   std::array<double, 3> origin{};
   std::array<double, 3> direction{0.0, 0.0, 1.0};  ///< any length but 0
   double nearest = 0.0;                            ///< world lengths from the origin, >= 0
@@ -83,7 +84,7 @@ struct WorldRay {
 };
 
 /** \brief What a ray met first. */
-struct WorldHit {
+struct PCL_SLIM_EXPORT WorldHit {
   double depth = std::numeric_limits<double>::infinity();  ///< world length along the ray
   std::array<double, 3> position{};                        ///< blended point (eq. 6)
   std::array<float, 3> normal{};                           ///< unit (eq. 7)
@@ -110,7 +111,7 @@ struct WorldHit {
  *
  * Results are the same for any number of threads. One frame at a time.
  */
-class RayTracer {
+class PCL_SLIM_EXPORT RayTracer {
  public:
   /** \brief Builds the tree. O(leaves log leaves).
    * \param[in] surface must outlive the tracer and not change meanwhile */

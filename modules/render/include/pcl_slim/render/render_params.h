@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/render/g_buffer.h"
 
 namespace pcl_slim {
@@ -30,7 +31,7 @@ struct HalfSpace {
 };
 
 /** \brief Parameters of SurfaceRenderer::render. */
-struct RenderParams {
+struct PCL_SLIM_EXPORT RenderParams {
   VisibleSides sides = VisibleSides::kAuto;
   double shrink = 0.0;  ///< alpha of pass 1, (0, 0.95]; 0: the surface's cover radius
   double min_coverage =
@@ -56,7 +57,7 @@ struct RenderParams {
 };
 
 /** \brief What a frame evaluated and what it left out. */
-struct RenderStatistics {
+struct PCL_SLIM_EXPORT RenderStatistics {
   std::uint64_t leaves = 0;            ///< leaves of the surface
   std::uint64_t outside_frustum = 0;   ///< leaves whose ball no ray meets
   std::uint64_t outside_region = 0;    ///< leaves whose ball RenderParams::cuts leave nothing of

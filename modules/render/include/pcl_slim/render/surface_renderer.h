@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/render/camera.h"
 #include "pcl_slim/render/g_buffer.h"
 #include "pcl_slim/render/render_params.h"
@@ -30,7 +31,7 @@ namespace pcl_slim {
  *
  * A frame is the same for any number of threads, and with skipping on or off. One frame at a time.
  */
-class SurfaceRenderer {
+class PCL_SLIM_EXPORT SurfaceRenderer {
  public:
   /** \brief Builds the index. O(surfels log surfels).
    * \param[in] surface must outlive the renderer and not change meanwhile */
@@ -54,7 +55,7 @@ class SurfaceRenderer {
 };
 
 /** \brief One frame without a renderer to keep. O(surfels log surfels) more than a frame. */
-Error
+PCL_SLIM_EXPORT Error
 renderSurface(const SLIMSurface& surface, const Camera& camera, const RenderParams& params,
               GBuffer& buffer, RenderStatistics* statistics = nullptr);
 

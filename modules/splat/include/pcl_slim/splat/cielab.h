@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "pcl_slim/core/export.h"
+
 namespace pcl_slim {
 
 /** \brief What a colour's three numbers mean. */
@@ -15,18 +17,18 @@ enum class RgbSpace : unsigned char {
 
 /** \brief CIELAB under D65, L* in [0, 100]. White has a* = b* = 0 exactly up to rounding.
  * \param[in] rgb red, green, blue in [0, 1]. */
-std::array<double, 3>
+PCL_SLIM_EXPORT std::array<double, 3>
 labFromRgb(const std::array<double, 3>& rgb, RgbSpace space = RgbSpace::kSrgb);
 
 /** \brief The inverse. Colours outside the gamut come out clamped to [0, 1]. */
-std::array<double, 3>
+PCL_SLIM_EXPORT std::array<double, 3>
 rgbFromLab(const std::array<double, 3>& lab, RgbSpace space = RgbSpace::kSrgb);
 
 /** \brief Conversion of 8-bit colours by tables, a fraction of the exact one's cost.
  *
  * The cube root comes from 4096 straight pieces. 10 KB of tables; safe to share between threads.
  */
-class LabTable {
+class PCL_SLIM_EXPORT LabTable {
  public:
   static constexpr double kMaxDeltaE = 0.004;  ///< distance from labFromRgb, over all colours
 

@@ -5,6 +5,7 @@
 
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/splat/splat_set.h"
 
 namespace pcl_slim {
@@ -49,7 +50,7 @@ struct HoleCheck {
  * \return an error for parameters out of range or splats without points. O(rays log splats). The
  * same result for any number of threads.
  */
-Result<HoleCheck>
+PCL_SLIM_EXPORT Result<HoleCheck>
 checkHoles(const PointStore& store, const SplatSet& splats, const HoleCheckParams& params = {});
 
 }  // namespace pcl_slim

@@ -10,6 +10,7 @@
 #include "pcl_slim/cloud/color_view.h"
 #include "pcl_slim/core/aligned.h"
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/splat/cielab.h"
 
 namespace pcl_slim {
@@ -57,7 +58,7 @@ struct OctreeFrame {
  * time, 12 bytes a point and 16 a root; 8 bytes a point more while it is built. Same input, same
  * order, for any number of threads.
  */
-class OctreeCloud {
+class PCL_SLIM_EXPORT OctreeCloud {
  public:
   static constexpr int kBits = 21;  ///< cells resolved along an axis: 2 to this power
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/splat/octree_cloud.h"
 
 namespace pcl_slim {
@@ -18,7 +19,7 @@ enum class RadiusRule : unsigned char {
 };
 
 /** \brief Distance from a point to the farthest corner of a cube. All in one unit. */
-double
+PCL_SLIM_EXPORT double
 cornerRadius(const std::array<double, 3>& point, const std::array<double, 3>& cube_center,
              double edge);
 
@@ -31,7 +32,7 @@ struct CellSpacing {
 /** \brief Spacings wider than this are cut to it: outliers would get discs of any size. A multiple
  * of the middle spacing over cells, weighted by their points; 0 if no cell knows its spacing. The
  * cells are reordered. */
-double
+PCL_SLIM_EXPORT double
 widestSpacing(std::vector<CellSpacing>& cells);
 
 /** \brief Radius by kDensity [root cells]: the farthest of the cell's n points, and 1 + .3 / sqrt(n)
@@ -39,7 +40,7 @@ widestSpacing(std::vector<CellSpacing>& cells);
  * rays pass a disc aslant. \param[in] reach distance to the farthest of the cell's points.
  * \param[in] bend standard deviation of its normals, noise taken off. \param[in] widest
  * widestSpacing(). */
-double
+PCL_SLIM_EXPORT double
 densityRadius(double reach, double points, double bend, double spacing, double widest);
 
 /** \brief Radii of all discs by kNeighbors [root cells].
@@ -49,7 +50,7 @@ densityRadius(double reach, double points, double bend, double spacing, double w
  * each point, by the i of CloudView::inputIndex. \param[in] store the same points. About a
  * microsecond a point.
  */
-std::vector<float>
+PCL_SLIM_EXPORT std::vector<float>
 neighborRadii(const OctreeCloud& cloud, const std::vector<std::array<float, 3>>& centers,
               const std::vector<std::uint32_t>& disc_of, const PointStore& store, double widest,
               int threads);

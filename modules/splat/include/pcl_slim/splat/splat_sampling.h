@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/progress.h"
 #include "pcl_slim/splat/cielab.h"
 #include "pcl_slim/splat/octree_cloud.h"
@@ -20,7 +21,7 @@ enum class SplatColor : unsigned char {
 };
 
 /** \brief What sampleSplats() does. Every default suits a scan of any size and unit. */
-struct SplatParams {
+struct PCL_SLIM_EXPORT SplatParams {
   int initial_resolution = 0;    ///< root cells along the longest side; 0: about n / 50 occupied
   double geometric_error = 0.2;  ///< standard deviation of unit normals that a cell may have, >= 0
   double color_error = 0.1;      ///< of CIELAB / 100, >= 0; from 1 on colour is ignored
@@ -34,7 +35,7 @@ struct SplatParams {
   RadiusRule radius = RadiusRule::kDensity;  ///< paper mode: kCorner
   bool remove_noise = true;         ///< take the noise of colours and normals off deviations
   int normal_neighbors = 16;        ///< for clouds without normals, >= 3
-  double viewpoint[3] = {0, 0, 0};  ///< estimated normals face it
+  double viewpoint[3] = {0, 0, 0};  ///< estimated normals face it, unless points have sensors
   int threads = 0;                  ///< 0: all cores; never changes the result
 
   /** \brief The first parameter out of range, or no error. */
@@ -70,7 +71,7 @@ struct SplatStatistics {
  * cleared first; empty on error. \param[out] statistics may be null. \param[in] progress may be
  * null. O(N). The same splats for any number of threads.
  */
-Error
+PCL_SLIM_EXPORT Error
 sampleSplats(const CloudView& cloud, const ColorView& colors, const SplatParams& params,
              SplatSet& splats, SplatStatistics* statistics = nullptr, Progress* progress = nullptr);
 

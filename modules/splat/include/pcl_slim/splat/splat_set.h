@@ -8,13 +8,15 @@
 #include <functional>
 #include <vector>
 
+#include "pcl_slim/core/export.h"
+
 namespace pcl_slim {
 
 /** \brief Coloured discs, as columns of equal length.
  *
  * World position = origin + (x, y, z); lengths in world units.
  */
-struct SplatSet {
+struct PCL_SLIM_EXPORT SplatSet {
   /** \brief Change of red, green and blue (0..255) per world unit along x, y and z: red's three
    * numbers first. Lies in the disc's plane. */
   using Gradient = std::array<float, 9>;

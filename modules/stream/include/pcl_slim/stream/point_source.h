@@ -8,6 +8,7 @@
 
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 
 namespace pcl_slim {
 
@@ -26,13 +27,16 @@ class PointSource {
   /** \brief World position that the points were seen from, where that is known. */
   virtual std::optional<std::array<double, 3>> sensor() const { return {}; }
 
+  /** \brief Whether each point has a sensor of its own, which a fit by tiles refuses. */
+  virtual bool hasSensors() const { return false; }
+
   /** \brief Reads the points from the first to the last. \return an error of the visitor, or of a file
    * that cannot be read or has become shorter. */
   virtual Error pass(const Visit& visit) = 0;
 };
 
 /** \brief A cloud in memory as a source. */
-class CloudSource : public PointSource {
+class PCL_SLIM_EXPORT CloudSource : public PointSource {
  public:
   /** \param[in] cloud without more than 2^32 - 2 points; must outlive this. */
   explicit CloudSource(const CloudView& cloud) : cloud_(cloud) {}
@@ -41,6 +45,7 @@ class CloudSource : public PointSource {
   bool hasNormals() const override { return cloud_.normal != nullptr; }
   CloudView::Scalar scalar() const override { return cloud_.scalar; }
   std::optional<std::array<double, 3>> sensor() const override { return cloud_.sensor; }
+  bool hasSensors() const override { return cloud_.sensors != nullptr; }
   Error pass(const Visit& visit) override;
 
  private:

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/stream/point_source.h"
 
 namespace pcl_slim {
@@ -43,10 +44,11 @@ struct RecordLayout {
   std::array<Field, 3> position;
   std::optional<std::array<Field, 3>> normal;
   std::optional<std::array<double, 3>> sensor;
+  bool has_sensors = false;  ///< records also hold places that each point was seen from: not read
 };
 
 /** \brief The points of a file with records of one size, or of text, read in pieces of some megabytes. */
-class RecordSource : public PointSource {
+class PCL_SLIM_EXPORT RecordSource : public PointSource {
  public:
   explicit RecordSource(RecordLayout layout);
 

@@ -10,6 +10,7 @@
 
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/progress.h"
 #include "pcl_slim/fit/tile_fit.h"
 #include "pcl_slim/stream/point_source.h"
@@ -23,7 +24,7 @@ struct StreamState;
 
 /** \brief Parameters of a fit by tiles. Those of the fit and the tile size decide the result; the scratch
  * folder and the number of threads do not. */
-struct StreamParams {
+struct PCL_SLIM_EXPORT StreamParams {
   FitParams fit;
   std::uint64_t tile_points = 4000000;  ///< most points of a tile's core, at least kLeastTile
   std::string scratch;                  ///< folder of the scratch file; empty: the system's
@@ -59,7 +60,7 @@ struct StreamStatistics {
  * then tiles are fitted in any order. All surfels are in one frame(). Same bytes for any order of
  * the points and the tiles, and for any number of threads.
  */
-class StreamFit {
+class PCL_SLIM_EXPORT StreamFit {
  public:
   explicit StreamFit(StreamParams params);
   ~StreamFit();
@@ -92,7 +93,7 @@ class StreamFit {
 
 /** \brief Fits all tiles into one surface with links, and with a common side where points have no
  * normals: for clouds whose surfels fit into memory. */
-Error
+PCL_SLIM_EXPORT Error
 fitTiles(PointSource& source, const StreamParams& params, SLIMSurface& surface,
          StreamStatistics* statistics = nullptr, Progress* progress = nullptr);
 

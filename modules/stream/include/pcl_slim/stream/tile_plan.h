@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <vector>
 
+#include "pcl_slim/core/export.h"
+
 namespace pcl_slim {
 
 /** \brief A cloud cut into tiles along its Morton curve: a function of the points and the tile size
  * alone, never of memory, threads or the order of the points. */
-struct TilePlan {
+struct PCL_SLIM_EXPORT TilePlan {
   /** \brief Points of one cell of an octree over the cloud. Ascending, without gaps between points. */
   struct Cell {
     std::uint64_t first_key = 0;  ///< least Morton code

@@ -3,6 +3,8 @@
 
 #include <array>
 
+#include "pcl_slim/core/export.h"
+
 namespace pcl_slim {
 
 /** \brief Steps of a code's coordinate to each side, 2^22: codes are exact in float, and rounding a decoded
@@ -24,15 +26,15 @@ struct OctNormal {
  * counts as +z.
  * \param[in] grid steps of a coordinate to each side, a whole number
  */
-OctNormal
+PCL_SLIM_EXPORT OctNormal
 encodeNormal(const std::array<double, 3>& normal, double grid = kOctGrid);
 
 /** \brief Unit normal of a code: computed in double, rounded to float. */
-std::array<float, 3>
+PCL_SLIM_EXPORT std::array<float, 3>
 decodeNormal(OctNormal code);
 
 /** \brief The float normal a surfel gets so that two numbers describe it exactly. */
-std::array<float, 3>
+PCL_SLIM_EXPORT std::array<float, 3>
 snapNormal(const std::array<double, 3>& normal);
 
 }  // namespace pcl_slim

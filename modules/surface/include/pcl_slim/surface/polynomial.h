@@ -3,6 +3,8 @@
 
 #include <array>
 
+#include "pcl_slim/core/export.h"
+
 namespace pcl_slim {
 
 constexpr int kMaxDegree = 4;
@@ -20,7 +22,7 @@ numCoefficients(int degree)
  * Branch-free construction after Duff et al. 2017. Turning the normal round keeps u and turns v,
  * so that a surfel's frame needs no storage and its orientation can be changed exactly.
  */
-struct LocalFrame {
+struct PCL_SLIM_EXPORT LocalFrame {
   std::array<double, 3> u, v, w;
 
   LocalFrame() = default;
@@ -42,15 +44,15 @@ struct HeightJet {
  * Coefficients stand in order of degree: 1; u, v; u^2, uv, v^2; u^3, u^2 v, u v^2, v^3; u^4 ...
  * so those of a lower degree are a prefix. \param[in] c numCoefficients(degree) values.
  */
-double
+PCL_SLIM_EXPORT double
 evaluateHeight(int degree, const float* c, double u, double v);
 
 /** \brief h with its derivatives up to order three (those above the degree are 0). */
-HeightJet
+PCL_SLIM_EXPORT HeightJet
 evaluateJet(int degree, const float* c, double u, double v);
 
 /** \brief Rewrites coefficients for the frame of the opposite normal; f changes sign. */
-void
+PCL_SLIM_EXPORT void
 flipCoefficients(int degree, float* c);
 
 }  // namespace pcl_slim

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/surface/surface.h"
 
@@ -33,7 +34,7 @@ struct SlimDirectory {
  * The file appears under its name only when complete. Blocks have checksums of their own; the directory
  * of all blocks is at the end, and the header's checksum is over header and directory.
  */
-class SlimBlockWriter {
+class PCL_SLIM_EXPORT SlimBlockWriter {
  public:
   Error open(const std::string& path);
   /** \brief Appends the surfels of a tile; all tiles have the same units and degree. Tiles without
@@ -50,16 +51,16 @@ class SlimBlockWriter {
 };
 
 /** \brief Reads the directory of a file of format version 3; nothing of its blocks. */
-Result<SlimDirectory>
+PCL_SLIM_EXPORT Result<SlimDirectory>
 loadSlimDirectory(const std::string& path);
 
 /** \brief Reads those blocks that wanted(block) names, as one surface with links. A file of version 1 or 2
  * is one block of all its surfels. */
-Result<SLIMSurface>
+PCL_SLIM_EXPORT Result<SLIMSurface>
 loadSlimBlocks(const std::string& path, const std::function<bool(const SlimBlock&)>& wanted);
 
 /** \brief Reads the blocks whose balls may reach into a box; world coordinates. */
-Result<SLIMSurface>
+PCL_SLIM_EXPORT Result<SLIMSurface>
 loadSlimBox(const std::string& path, const std::array<double, 3>& low,
             const std::array<double, 3>& high);
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/surface/polynomial.h"
 #include "pcl_slim/surface/trim_map.h"
 #include "pcl_slim/surface/weight_kernel.h"
@@ -49,7 +50,7 @@ struct SurfaceInfo {
  * so coefficients carry no unit (Ohtake, Belyaev, Alexa 2005, eqs 1-2). The normal and grad f
  * point to the outer side where SurfaceInfo::oriented holds.
  */
-class SLIMSurface {
+class PCL_SLIM_EXPORT SLIMSurface {
  public:
   SurfaceInfo info;
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
@@ -21,7 +22,7 @@ namespace pcl_slim {
  * version 4. Little-endian. Normals that snapNormal made are
  * kept exactly, others to 6.2e-7 rad. The file appears under its name only when complete.
  */
-Error
+PCL_SLIM_EXPORT Error
 saveSlim(const std::string& path, const SLIMSurface& surface);
 
 /** \brief Reads what saveSlim wrote, or SlimBlockWriter; saving the result of the former again gives the
@@ -29,16 +30,16 @@ saveSlim(const std::string& path, const SLIMSurface& surface);
  *
  * A missing, truncated, foreign, corrupted or newer file gives an error that says which.
  */
-Result<SLIMSurface>
+PCL_SLIM_EXPORT Result<SLIMSurface>
 loadSlim(const std::string& path);
 
 /** \brief The bytes of saveSlim, for tests and for sending elsewhere. The surface must pass
  * validate(); one with a degree out of range gives no bytes. */
-std::vector<unsigned char>
+PCL_SLIM_EXPORT std::vector<unsigned char>
 encodeSlim(const SLIMSurface& surface);
 
 /** \brief Inverse of encodeSlim. */
-Result<SLIMSurface>
+PCL_SLIM_EXPORT Result<SLIMSurface>
 decodeSlim(const unsigned char* bytes, std::size_t size);
 
 }  // namespace pcl_slim

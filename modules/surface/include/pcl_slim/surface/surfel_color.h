@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/surface/polynomial.h"
 
 namespace pcl_slim {
@@ -22,15 +23,15 @@ constexpr float kColorStep = 2.0f;  ///< [1/255 of white]: terms of up to 254 fi
 using ColorPolynomial = std::array<std::array<float, 3>, static_cast<std::size_t>(kColorTerms)>;
 
 /** \brief Rounds a polynomial to kColorBytes bytes; terms out of range are clamped. */
-void
+PCL_SLIM_EXPORT void
 encodeColor(const ColorPolynomial& color, std::uint8_t* bytes);
 
 /** \brief The polynomial in kColorBytes bytes. */
-ColorPolynomial
+PCL_SLIM_EXPORT ColorPolynomial
 decodeColor(const std::uint8_t* bytes);
 
 /** \brief Rewrites a colour for the frame of the opposite normal, in which v is reversed. */
-void
+PCL_SLIM_EXPORT void
 flipColor(std::uint8_t* bytes);
 
 }  // namespace pcl_slim

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "pcl_slim/core/export.h"
+
 namespace pcl_slim {
 
 /** \brief Where inside its ball an open surfel's data lie: side x side bits, 1 inside, at nodes
@@ -38,7 +40,7 @@ struct TrimMap {
  * The bits are blended by quadratic B-splines over 3 x 3 nodes. With blending weights w the
  * surface ends where sum w outside = 1/2 sum w. O(1).
  */
-double
+PCL_SLIM_EXPORT double
 outsideShare(const TrimMap& map, double u, double v);
 
 }  // namespace pcl_slim

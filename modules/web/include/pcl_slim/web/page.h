@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/render/camera.h"
 #include "pcl_slim/render/picture_lines.h"
 #include "pcl_slim/render/render_params.h"
@@ -29,12 +30,12 @@ struct PageParams {
  * positions, normals and curvatures. camera.size sets the shape of the still picture that is
  * shown where WebGL 2 is missing. Cuts and partition-of-unity derivatives are refused.
  * \return the file's text: 40 bytes a surfel of degree 4 and some 70 KB. The same for every run. */
-Result<std::string>
+PCL_SLIM_EXPORT Result<std::string>
 encodePage(const SLIMSurface& surface, const Camera& camera, const RenderParams& rendering,
            const ShadingParams& shading, const PageParams& params);
 
 /** \brief The same for coloured discs, some 15 bytes each; params.precision means nothing. */
-Result<std::string>
+PCL_SLIM_EXPORT Result<std::string>
 encodePage(const SplatSet& splats, const Camera& camera, const DiscRenderParams& rendering,
            const ShadingParams& shading, const PageParams& params);
 

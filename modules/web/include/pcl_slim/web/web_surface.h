@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
@@ -23,12 +24,12 @@ struct WebSurface {
  * \param[in] precision steps of a coefficient per radius, 16 ... 65536, and four times as many of the
  * constant one; 0: nothing is rounded. 640 moves normals by .05 degrees (95th percentile).
  * O(surfels + links). The bytes are the same for every run. */
-Result<std::vector<unsigned char>>
+PCL_SLIM_EXPORT Result<std::vector<unsigned char>>
 encodeWebSurface(const SLIMSurface& surface, double precision = 896.0);
 
 /** \brief Inverse of encodeWebSurface, as the viewer does it. Truncated, damaged or foreign bytes give
  * an error. */
-Result<WebSurface>
+PCL_SLIM_EXPORT Result<WebSurface>
 decodeWebSurface(const std::vector<unsigned char>& bytes);
 
 }  // namespace pcl_slim

@@ -6,50 +6,51 @@
 
 #include "pcl_slim/cloud/block_tree.h"
 #include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/core/export.h"
 
 /** \brief SIMD inner loops of modules/cloud, compiled per instruction set and chosen at run time. */
 namespace pcl_slim::detail::kernels {
 
 /** \brief Which of the 16 boxes from first on meet a ball; bit i stands for box first + i. */
-std::uint32_t
+PCL_SLIM_EXPORT std::uint32_t
 boxesInBall(const BlockTree::Level& boxes, std::size_t first, const float center[3], float radius);
 
 /** \brief The boxes that meet a ball, sought through groups of kFan neighbours.
  * \param[in] groups common boxes of some groups; \param[in] ids their numbers: group g has the boxes
  * from g kFan on. \param[out] found numbers of boxes, in order of the groups, with kFan entries to
  * spare. \return how many. */
-std::size_t
+PCL_SLIM_EXPORT std::size_t
 groupedBoxesInBall(const BlockTree::Level& groups, const std::uint32_t* ids,
                    const BlockTree::Level& boxes, const float center[3], float radius,
                    std::uint32_t* found);
 
 /** \brief Which of the 16 boxes from first on meet an axis-aligned box. */
-std::uint32_t
+PCL_SLIM_EXPORT std::uint32_t
 boxesInBox(const BlockTree::Level& boxes, std::size_t first, const float min[3],
            const float max[3]);
 
 /** \brief The points of some blocks within a squared distance of a centre, in order of the blocks.
  * \param[out] distances_sq,points found, with kBlock values to spare. \return how many. */
-std::size_t
+PCL_SLIM_EXPORT std::size_t
 pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num_blocks,
            const double center[3], float limit_sq, float* distances_sq, std::uint32_t* points);
 
 /** \brief Which points of a block may have fewer others within a squared distance than asked for; bit i
  * stands for the block's point i. The block and the two on either side of it are looked through, so
  * some of them have as many. */
-std::uint32_t
+PCL_SLIM_EXPORT std::uint32_t
 sparsePoints(const PointStore& store, std::size_t block, float limit_sq, std::size_t others);
 
 constexpr std::size_t kMortonBatch = 64;
 
 /** \brief Morton codes (morton.h) of a batch of positions, brought to local units on the way. The
  * batch and codes start on a cache line. */
-void
+PCL_SLIM_EXPORT void
 mortonCodes(const double (&positions)[3][kMortonBatch], const double origin[3],
             double inverse_scale, std::uint64_t* codes);
 
 /** \brief Name of the instruction set in use, for reports. */
-const char*
+PCL_SLIM_EXPORT const char*
 instructionSet();
 
 }  // namespace pcl_slim::detail::kernels

@@ -8,11 +8,12 @@
 
 #include "hwy/cache_control.h"
 #include "pcl_slim/cloud/cloud_view.h"
+#include "pcl_slim/core/export.h"
 
 namespace pcl_slim::detail {
 
 /** \brief Reads a CloudView's points as doubles, whatever their stored type. */
-class CloudReader {
+class PCL_SLIM_EXPORT CloudReader {
  public:
   explicit CloudReader(const CloudView& view) : view_(view) {}
 

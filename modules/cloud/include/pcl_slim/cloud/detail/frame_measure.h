@@ -7,6 +7,7 @@
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/cloud/store_frame.h"
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/export.h"
 
 namespace pcl_slim::detail {
 
@@ -22,7 +23,7 @@ struct FrameCounts {
  * One pass over the pieces is enough unless there are strays or some points lack a normal; then
  * another finds the box of those that count. The order of pieces changes nothing.
  */
-class FrameMeasure {
+class PCL_SLIM_EXPORT FrameMeasure {
  public:
   FrameMeasure();
   ~FrameMeasure();

@@ -5,6 +5,7 @@
 
 #include "pcl_slim/cloud/detail/noise_constants.h"
 #include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim::detail {
@@ -24,19 +25,19 @@ struct NoiseLevel {
 };
 
 /** \brief NoiseEstimator::kCubicResidual. Nothing for stores of fewer than 12 points. */
-NoiseLevel
+PCL_SLIM_EXPORT NoiseLevel
 measureNoise(const PointStore& store, const NoiseConstants& constants, int threads);
 
 /** \brief Recognises noise that neighbours share, which measureNoise() takes along as if it were
  * the surface's. \param[in] white what measureNoise() says. \return white itself where noise is
  * white or cannot be told from detail, else variance, patches and number of sharing neighbours of
  * the noise as a whole. O(places k) to the k that shows it all. */
-NoiseLevel
+PCL_SLIM_EXPORT NoiseLevel
 recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
                      const NoiseConstants& constants, int threads);
 
 /** \brief The noise that so many points share, on patches wide enough to show all of it. */
-NoiseLevel
+PCL_SLIM_EXPORT NoiseLevel
 measureSharedNoise(const PointStore& store, double correlation, const NoiseConstants& constants,
                    int threads);
 
@@ -49,33 +50,34 @@ struct StepNoise {
 /** \brief The one coordinate that is rounded so coarsely that the noise is mostly rounding, as sensors
  * that tell depth in steps make it. O(n log n) for clouds with few levels, of 8192 points for
  * others. */
-StepNoise
+PCL_SLIM_EXPORT StepNoise
 measureSteps(const PointStore& store, const NoiseConstants& constants, int threads);
 
 /** \brief NoiseEstimator::kMinEigenvalue10. Nothing for stores of fewer than 12 points. */
-NoiseLevel
+PCL_SLIM_EXPORT NoiseLevel
 measurePaperNoise(const PointStore& store, const NoiseConstants& constants, int threads);
 
 /** \brief noiseProfile() over patches of a level's size. Empty where that is 0. */
-std::vector<float>
+PCL_SLIM_EXPORT std::vector<float>
 measureNoiseProfile(const PointStore& store, const NoiseLevel& level,
                     const NoiseConstants& constants, int threads);
 
 /** \brief The profile for uneven noise: ratios above 1 where the noise is more than the level's, 1
  * elsewhere and where what stands out grows with the patch as detail does. */
-std::vector<float>
+PCL_SLIM_EXPORT std::vector<float>
 measureRaisedProfile(const PointStore& store, const NoiseLevel& level,
                      const NoiseConstants& constants, int threads);
 
 /** \brief RMS error along the ray from a sensor, a + b z + c z^2 at distance z; local lengths. */
 struct RangeError {
   Vector3 sensor{};
+  bool own_sensors = false;  ///< each point's, as the store has them
   double a = 0, b = 0, c = 0;
 };
 
 /** \brief Noise variances across the surface, squared local lengths, of runs of points along the
  * Morton curve: a range error's share along the normals of small patches. */
-std::vector<float>
+PCL_SLIM_EXPORT std::vector<float>
 modelledNoise(const PointStore& store, const RangeError& error, const NoiseConstants& constants,
               int threads);
 

@@ -3,6 +3,7 @@
 
 #include "pcl_slim/cloud/detail/noise_constants.h"
 #include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/core/export.h"
 
 namespace pcl_slim::detail {
 
@@ -14,7 +15,7 @@ namespace pcl_slim::detail {
  * to be worst; never below -0.6. Errors are the median angle between normals and the mean over
  * their block, so edges and curvature of most of the surface matter little. O(1000 blocks).
  */
-float
+PCL_SLIM_EXPORT float
 normalBound(const PointStore& store, const NormalBoundConstants& constants = {});
 
 }  // namespace pcl_slim::detail

@@ -39,7 +39,8 @@ struct SideConstants {
   int noise_passes = 3;      ///< times that cells are cut by the noise that sides show
   double least_cells = 1.0;  ///< noise below which cells follow the spacing alone [spacings]
   double flat_places = 0.1;  ///< share of places that noise is taken from
-  int passes = 4;            ///< rounds of two-means on heights
+  double clear_beam = 0.2;  ///< cosine from which a point's own beam gives its side, not its cell's
+  int passes = 4;           ///< rounds of two-means on heights
 };
 
 }  // namespace pcl_slim::detail

@@ -8,6 +8,7 @@
 #include "pcl_slim/cloud/detail/noise_constants.h"
 #include "pcl_slim/cloud/detail/side_constants.h"
 #include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/core/export.h"
 
 namespace pcl_slim::detail {
 
@@ -20,10 +21,10 @@ struct Sides {
 };
 
 /** \brief Finds sides of a cloud without normals: normals of cells from the moments of the cells about
- * them, signs by greedy contraction of the graph of cells. O(n log n); same result for any number
- * of threads. \param[in] noise RMS distance of points from the surface, local length
+ * them, signs by greedy contraction of the graph of cells or, where points have sensors, by these.
+ * O(n log n); same result for any number of threads. \param[in] noise RMS distance of points from the surface, local length
  * \param[in] spacing distance of neighbouring points, local length */
-Sides
+PCL_SLIM_EXPORT Sides
 findSides(const PointStore& store, double noise, double spacing, const SideConstants& constants,
           int threads);
 
@@ -38,7 +39,7 @@ struct ThinPlaces {
 /** \brief Looks at places spread over a cloud. A place is thin if its points form two sheets, or if
  * noise fills its patches until the surface bends away: cubics leave more than a share of the
  * radius however wide they are. O(places k). */
-ThinPlaces
+PCL_SLIM_EXPORT ThinPlaces
 findThinPlaces(const PointStore& store, const SideConstants& constants, const NoiseConstants& noise,
                int threads);
 

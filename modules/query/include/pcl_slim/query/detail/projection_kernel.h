@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/symmetric.h"
 #include "pcl_slim/surface/detail/trim_tables.h"
 #include "pcl_slim/surface/polynomial.h"
@@ -35,7 +36,7 @@ struct BlockPoints {
 /** \brief Sums over the leaves of a block's 16 points; columns per point. */
 struct BlockSums {
   alignas(64) float direction[3][16];  ///< sum w n of pass 1, then the unit ray direction
-  alignas(64) float weight[16];        ///< sum w
+  alignas(64) float weight[16];        ///< of pass 1: sum +-w, if leaves need alignment; then sum w
   alignas(64) float offset[16];        ///< sum w t
   alignas(64) float outside[16];       ///< sum w outside: of the trim maps, see outsideShare
   alignas(64) float gradient[3][16];   ///< sum w grad f
@@ -62,17 +63,17 @@ struct BlendRules {
 namespace kernels {
 
 /** \brief Pass 1: adds a leaf's normals, in the points' frame, to the ray directions. */
-void
+PCL_SLIM_EXPORT void
 addDirections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
               BlockSums& sums, LeafHeights& heights);
 
 /** \brief Makes the directions unit and clears the sums of pass 2; zero where nothing was added. */
-void
+PCL_SLIM_EXPORT void
 finishDirections(BlockSums& sums);
 
 /** \brief Pass 2: meets the rays p + t d with a leaf and adds what equations (6)-(8) blend.
  * \param[in] heights as pass 1 left them. */
-void
+PCL_SLIM_EXPORT void
 addIntersections(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
                  const LeafHeights& heights, BlockSums& sums);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/query/detail/polynomial_roots.h"
 #include "pcl_slim/surface/surface.h"
@@ -62,7 +63,7 @@ struct Approach {
  * Its derivative is grad f . d, so a falling polynomial means the ray enters the surface from
  * the side the normal points to.
  */
-struct RayPolynomial {
+struct PCL_SLIM_EXPORT RayPolynomial {
   double a[5];
 
   RayPolynomial(const RaySurfel& surfel, const Approach& approach, const Vector3& direction)

@@ -6,13 +6,14 @@
 #include <cstdint>
 #include <vector>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/surface/detail/grid_kernels.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim::detail {
 
 /** \brief Some surfels, sorted by the cell of a grid as wide as the widest query. */
-class CenterGrid {
+class PCL_SLIM_EXPORT CenterGrid {
  public:
   /** \param[in] members ascending. */
   CenterGrid(const SLIMSurface& surface, const std::vector<std::uint32_t>& members, float width);

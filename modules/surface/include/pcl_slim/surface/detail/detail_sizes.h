@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim::detail {
@@ -17,7 +18,7 @@ namespace pcl_slim::detail {
  * points end inside its ball, at the side of a horn, its polynomial goes on, and its error tells nothing of it.
  * No surfel is smaller than a descendant, so that where it stands for one it stands for all.
  */
-struct DetailSizes {
+struct PCL_SLIM_EXPORT DetailSizes {
   static constexpr float kErrors = 16.0f;  ///< errors of lod / kErrors are let pass
   static constexpr float kOverhangs = 4.0f;
   static constexpr float kNoParent = 1e18f;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim::detail {
@@ -23,7 +24,7 @@ struct TrimTable {
 };
 
 /** \brief Tables of all of a surface's open surfels; 4 to 8 bytes for every 8 nodes. */
-class TrimTables {
+class PCL_SLIM_EXPORT TrimTables {
  public:
   TrimTables() = default;
   /** \brief O(nodes). */

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Closed bodies, which have no border: leaves that are open all the same, rays lost through them, and
+// the time that it takes to find out.
+#include <cmath>
+#include <cstdio>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "common/options.h"
+#include "common/program.h"
+#include "measure/clocks.h"
+#include "measure/closed_bodies.h"
+#include "measure/lists.h"
+#include "pcl_slim/fit/fit.h"
+#include "pcl_slim/render/ray_tracer.h"
+
+using namespace pcl_slim;
+
+namespace {
+
+constexpr std::size_t kRays = 50000;
+
+struct Settings {
+  std::string bodies = "sphere,torus,bumpy,ellipsoid,amphora";
+  std::string spreads = "random,blue,uneven";
+  std::string points = "20000,100000", noise = "0,0.0005,0.001,0.005,0.01";
+  FitParams fit;
+};
+
+std::vector<std::string>
+wordsOf(const std::string& text)
+{
+  std::vector<std::string> words(1);
+  for (const char c : text) {
+    if (c == ',') {
+      words.emplace_back();
+    } else {
+      words.back() += c;
+    }
+  }
+  return words;
+}
+
+/** \brief Rays from all around through places of a surface's box. */
+std::vector<WorldRay>
+raysThrough(const SLIMSurface& surface, std::uint64_t seed)
+{
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform(-0.35, 0.35);
+  const double scale = surface.info.scale;
+  std::vector<WorldRay> rays(kRays);
+  for (WorldRay& ray : rays) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double middle = surface.info.origin[a] + scale * surface.root_ball[a];
+      ray.direction[a] = normal(random);
+      ray.origin[a] = middle + scale * uniform(random);
+    }
+    const auto& d = ray.direction;
+    const double length = std::sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    for (std::size_t a = 0; a < 3; ++a) ray.origin[a] -= 4.0 * scale * d[a] / length;
+  }
+  return rays;
+}
+
+/** \brief Of rays, how many meet the surface without its maps, and of those how many with them do not, or
+ * meet it elsewhere. */
+struct Rays {
+  std::size_t met = 0, lost = 0;
+};
+
+Rays
+countRays(const SLIMSurface& surface, std::uint64_t seed)
+{
+  SLIMSurface whole = surface;
+  whole.dropTrimMaps();
+  const std::vector<WorldRay> rays = raysThrough(surface, seed);
+  std::vector<WorldHit> hits, whole_hits;
+  Rays counts;
+  if (RayTracer(surface, 1).cast(rays, VisibleSides::kBoth, hits)) return counts;
+  if (RayTracer(whole, 1).cast(rays, VisibleSides::kBoth, whole_hits)) return counts;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    counts.met += whole_hits[i].met();
+    counts.lost += whole_hits[i].met() &&
+                   (!hits[i].met() ||
+                    std::abs(hits[i].depth - whole_hits[i].depth) > 1e-3 * surface.info.scale);
+  }
+  return counts;
+}
+
+Error
+measureBody(const Settings& s, const measure::Scene& scene)
+{
+  const Result<PointStore> store =
+      PointStore::build(measure::viewOf(scene, nullptr, false), s.fit.threads);
+  if (!store) return store.error();
+  SLIMSurface surface;
+  FitStatistics stats;
+  const double start = measure::cpuSeconds();
+  if (Error error = fitSurface(*store, s.fit, surface, &stats)) return error;
+  const double seconds = measure::cpuSeconds() - start;
+  const Rays rays = surface.hasTrimMaps() ? countRays(surface, s.fit.seed) : Rays();
+  std::printf("%6llu %5llu %6llu %5zu %7.3f %6.2f %6.1f\n",
+              static_cast<unsigned long long>(stats.leaves),
+              static_cast<unsigned long long>(stats.open_leaves),
+              static_cast<unsigned long long>(stats.trim_candidates), rays.lost, seconds,
+              1e6 * stats.seconds_trim / static_cast<double>(stats.points),
+              100.0 * stats.seconds_trim / (seconds - stats.seconds_trim));
+  std::fflush(stdout);
+  return {};
+}
+
+Error
+runGrid(const Settings& s, const std::vector<double>& counts, const std::vector<double>& noises)
+{
+  std::printf("%-10s %-7s %8s %7s %6s %5s %6s %5s %7s %6s %6s\n", "body", "spread", "points",
+              "noise", "leaves", "open", "cand.", "lost", "fit s", "us/pt", "%fit");
+  for (const std::string& body_name : wordsOf(s.bodies)) {
+    for (const std::string& spread_name : wordsOf(s.spreads)) {
+      measure::Body body;
+      measure::Spread spread;
+      if (!measure::parseBody(body_name, body) || !measure::parseSpread(spread_name, spread)) {
+        return {ErrorCode::kBadArgument,
+                "no body or spread is called '" + body_name + "', '" + spread_name + "'; see -h"};
+      }
+      for (const double count : counts) {
+        for (const double noise : noises) {
+          const auto scene =
+              measure::makeBody(body, spread, static_cast<std::size_t>(count), noise, s.fit.seed);
+          std::printf("%-10s %-7s %8.0f %7.4f ", body_name.c_str(), spread_name.c_str(), count,
+                      noise);
+          if (Error error = measureBody(s, scene)) return error;
+        }
+      }
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+int
+main(int argc, char** argv)
+{
+  Settings s;
+  s.fit.threads = 1;
+  OptionTable table("closed_bench", "", "Leaves of closed bodies that trim maps open.");
+  table.text("bodies", &s.bodies, "LIST", "sphere, torus, bumpy, ellipsoid, amphora");
+  table.text("spreads", &s.spreads, "LIST", "random, blue, uneven, step");
+  table.text("points", &s.points, "LIST", "numbers of points");
+  table.text("noise", &s.noise, "LIST", "noise, shares of the diagonal");
+  table.integer("seed", &s.fit.seed, 0, 1000000, "of the points, the rays and the fit");
+  table.integer("threads", &s.fit.threads, 1, 256, "threads");
+  if (const auto status = table.parse(argc, argv)) return *status;
+  std::vector<double> counts, noises;
+  Error error = measure::parseLists(
+      {{"points", &s.points, 100, 1e8, true, &counts}, {"noise", &s.noise, 0, 1, false, &noises}});
+  if (!error) {
+    measure::keepFreedMemory();
+    error = runGrid(s, counts, noises);
+  }
+  if (!error) return kExitDone;
+  std::fprintf(stderr, "closed_bench: %s\n", error.message.c_str());
+  return error.code == ErrorCode::kBadArgument ? kExitUsage : kExitFailed;
+}
