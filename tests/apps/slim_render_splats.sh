@@ -10,7 +10,7 @@ for extension in pcd ply; do
   expect 0 '' pcl_color_splat_sampling scan.pcd "splats.$extension" -max_splats 600 -rays 0
 done
 expect 0 '' pcl_color_splat_sampling scan.pcd gradient.ply -max_splats 600 -rays 0 -colors gradient
-expect 0 '' pcl_slim_fit scan.pcd surface.pcd
+expect 0 '' pcl_slim_fit scan.pcd surface.pcd -color 0
 
 # Both formats hold the same discs; threads and skipping change nothing, options do.
 small="-size 96x72 -aa 1"
@@ -72,8 +72,7 @@ expect 2 'no curvature' pcl_slim_render splats.pcd x.html -mode mean
 absent x.html
 
 expect 2 'no curvature' pcl_slim_render splats.pcd x.png -mode mean
-expect 0 '' pcl_slim_fit scan.pcd grey.pcd -color 0
-expect 2 'no colours' pcl_slim_render grey.pcd x.png -mode color
+expect 2 'no colours' pcl_slim_render surface.pcd x.png -mode color
 expect 2 'neither a surface nor splats' pcl_slim_render scan.pcd x.png
 sed 's/normal_y/other/' foreign.pcd > lacking.pcd
 expect 2 'normal_y' pcl_slim_render lacking.pcd x.png
