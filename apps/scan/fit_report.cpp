@@ -136,8 +136,8 @@ std::string
 solvedText(const FitStatistics& fit)
 {
   char text[160];
-  std::snprintf(text, sizeof(text), "solved: penalty %.3g, residual %.3g of the diagonal", fit.penalty,
-                fit.rms_error);
+  std::snprintf(text, sizeof(text), "solved: penalty %.3g, residual %.3g of the diagonal",
+                fit.penalty, fit.rms_error);
   return text;
 }
 
