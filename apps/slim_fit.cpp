@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_slim_fit: turns a scan into a SLIM surface.
+#include "pcl_slim/version.h"
 #include "scan/fit_program.h"
 
 int

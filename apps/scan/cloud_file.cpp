@@ -118,7 +118,7 @@ adoptNormals(CloudFile& cloud)
   } else if (cloud.file.numFaces() > 0) {
     const CloudView view = cloud.view();
     cloud.turned_outwards =
-        turnOutwards([&](std::uint32_t i) { return position(view, i); }, cloud.file);
+        turnOutwards([&](std::uint32_t i) { return view.position(i); }, cloud.file);
     cloud.normals = meshNormals(cloud.file, view);
     cloud.normal_source = NormalSource::kMesh;
   }

@@ -9,8 +9,8 @@
 
 #include "common/memory_limit.h"
 #include "pcl_slim/cloud/point_store.h"
-#include "pcl_slim/fit/fit_colors.h"
 #include "pcl_slim/filters/io/trajectory.h"
+#include "pcl_slim/fit/fit_colors.h"
 #include "scan/fit_report.h"
 
 namespace pcl_slim {
