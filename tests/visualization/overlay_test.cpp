@@ -75,7 +75,8 @@ TEST(OverlayTest, TextGrowsWithTheWindow)
     window->SetSize(2400, 1800);
     overlay.fitTo(2400, 1800);
     textWith(renderer, words)->GetBoundingBox(renderer, large);
-    const double growth = (large[3] - large[2]) / (small[3] - small[2]);  // of boxes with their rims
+    const double growth =
+        (large[3] - large[2]) / (small[3] - small[2]);  // of boxes with their rims
     EXPECT_GT(growth, 2.3) << words;
     EXPECT_LT(growth, 3.3) << words;
   }
