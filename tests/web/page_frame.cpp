@@ -48,7 +48,7 @@ std::string
 runScript(const std::string& script, const std::string& arguments)
 {
   const std::string command = std::string(PCL_SLIM_NODE) + " " + PCL_SLIM_WEB_TESTS + "/" + script +
-                              " " + PCL_SLIM_CHROMIUM + " " + arguments + " 2>&1";
+                              " '" + PCL_SLIM_CHROMIUM + "' " + arguments + " 2>&1";
   FILE* pipe = popen(command.c_str(), "r");
   if (!pipe) return "FAILED";
   std::string text;
