@@ -14,10 +14,11 @@ function(pcl_slim_write_pkg_config file description requires libraries others fl
   if(NOT BUILD_SHARED_LIBS)
     set(private " ${others}")
   endif()
+  file(RELATIVE_PATH to_prefix ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_PREFIX})
   file(GENERATE OUTPUT ${PROJECT_BINARY_DIR}/${file}.pc CONTENT
-"prefix=${CMAKE_INSTALL_PREFIX}
-libdir=${CMAKE_INSTALL_FULL_LIBDIR}
-includedir=${CMAKE_INSTALL_FULL_INCLUDEDIR}
+"prefix=\${pcfiledir}/${to_prefix}
+libdir=\${prefix}/${CMAKE_INSTALL_LIBDIR}
+includedir=\${prefix}/${CMAKE_INSTALL_INCLUDEDIR}
 
 Name: ${file}
 Description: ${description}
@@ -53,6 +54,7 @@ function(pcl_slim_install_pkg_config components)
     endforeach()
     list(APPEND others ${pcl})
     set(flags ${PCL_INCLUDE_DIRS})
+    list(REMOVE_ITEM flags /usr/include) # named again, it hides the compiler's own headers
     list(TRANSFORM flags PREPEND -I)
     list(JOIN flags " " flags)
     pcl_slim_write_pkg_config(pcl_slim_filters "SLIM surfaces of PCL clouds" pcl_slim filters

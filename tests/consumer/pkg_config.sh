@@ -13,9 +13,6 @@ if [ "$4" = ON ]; then
 fi
 folder=$(mktemp -d)
 trap 'rm -rf -- "$folder"' EXIT
-# The package was installed below another prefix than the one configured.
-read -ra flags < <(pkg-config --define-variable=prefix="$prefix" \
-  --define-variable=libdir="$prefix/$3" --define-variable=includedir="$prefix/include" \
-  --cflags --libs "$package" | tr '\n' ' ')
+read -ra flags <<<"$(pkg-config --cflags --libs "$package")"
 "$cxx" -std=c++17 -O1 "${define[@]}" "$source" -o "$folder/consumer" "${flags[@]}"
 LD_LIBRARY_PATH=$prefix/$3 "$folder/consumer"
