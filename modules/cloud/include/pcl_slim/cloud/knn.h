@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/core/export.h"
 
 namespace pcl_slim {
 
@@ -15,7 +16,7 @@ namespace pcl_slim {
  * The neighbours in Morton order bound the distance; one ball query does the rest. One object
  * per thread, which share no cache line.
  */
-class alignas(64) NeighborSearch {
+class PCL_SLIM_EXPORT alignas(64) NeighborSearch {
  public:
   explicit NeighborSearch(const PointStore& store) : store_(store) {}
 

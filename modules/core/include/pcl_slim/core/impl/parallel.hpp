@@ -5,6 +5,7 @@
 #include <atomic>
 #include <mutex>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim {
@@ -13,7 +14,7 @@ namespace internal {
 
 /** Runs work(context, thread) once on each thread, the caller being thread 0; called from inside such
  * work, on the caller alone. */
-void
+PCL_SLIM_EXPORT void
 runOnTeam(int threads, void (*work)(void*, int), void* context);
 
 }  // namespace internal
