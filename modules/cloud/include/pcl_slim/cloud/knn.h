@@ -16,7 +16,7 @@ namespace pcl_slim {
  * The neighbours in Morton order bound the distance; one ball query does the rest. One object
  * per thread, which share no cache line.
  */
-class PCL_SLIM_EXPORT alignas(64) NeighborSearch {
+class alignas(64) PCL_SLIM_EXPORT NeighborSearch {
  public:
   explicit NeighborSearch(const PointStore& store) : store_(store) {}
 
