@@ -16,7 +16,7 @@ namespace pcl_slim {
  * The neighbours in Morton order bound the distance; one ball query does the rest. One object
  * per thread, which share no cache line.
  */
-class alignas(64) PCL_SLIM_EXPORT NeighborSearch {
+class alignas(64) NeighborSearch {
  public:
   explicit NeighborSearch(const PointStore& store) : store_(store) {}
 
@@ -26,8 +26,8 @@ class alignas(64) PCL_SLIM_EXPORT NeighborSearch {
   /** \brief The k points nearest to stored point i, itself included where it is looked at, nearest
    * first (ties by index); fewer if there are fewer. \param[out] neighbors stored indices.
    * \param[out] distances_sq squared local distances. */
-  void nearest(std::size_t i, std::size_t k, std::vector<std::uint32_t>& neighbors,
-               std::vector<float>& distances_sq);
+  PCL_SLIM_EXPORT void nearest(std::size_t i, std::size_t k, std::vector<std::uint32_t>& neighbors,
+                               std::vector<float>& distances_sq);
 
  private:
   float boundRadiusSq(std::size_t i, std::size_t k, const std::array<double, 3>& center);
