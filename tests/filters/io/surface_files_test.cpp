@@ -50,19 +50,26 @@ class SurfaceFiles : public testing::TestWithParam<const char*> {
   }
 };
 
+/** Saves, loads and saves again: the same surface, the same bytes. */
+void
+expectRoundTrip(const SLIMSurface& surface, const TemporaryFolder& folder,
+                const std::string& ending)
+{
+  const std::string first = folder / ("first" + ending), second = folder / ("second" + ending);
+  ASSERT_FALSE(saveSurface(first, surface));
+  const auto loaded = loadSurface(first);
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  expectSame(surface, *loaded);
+  ASSERT_FALSE(saveSurface(second, *loaded));
+  EXPECT_EQ(fileBytes(first), fileBytes(second));
+}
+
 TEST_P(SurfaceFiles, SaveAndLoadGiveTheSameBytes)
 {
   const TemporaryFolder folder;
   for (int degree = 1; degree <= 4; ++degree) {
     const SLIMSurface surface = sphereSurface(degree, 300);
-    const std::string first = folder / ("first" + std::string(GetParam()));
-    const std::string second = folder / ("second" + std::string(GetParam()));
-    ASSERT_FALSE(saveSurface(first, surface));
-    const auto loaded = loadSurface(first);
-    ASSERT_TRUE(loaded) << loaded.error().message;
-    expectSame(surface, *loaded);
-    ASSERT_FALSE(saveSurface(second, *loaded));
-    EXPECT_EQ(fileBytes(first), fileBytes(second));
+    expectRoundTrip(surface, folder, GetParam());
   }
   EXPECT_EQ(folder.numFiles(), 2u);
 }
@@ -74,14 +81,7 @@ TEST_P(SurfaceFiles, TrimMapsAndColoursAreKeptInFull)
     SLIMSurface surface = sphereSurface(2, 900);  // maps of every side
     setRandomTrimMaps(surface);
     if (colored) setRandomColors(surface);
-    const std::string first = folder / ("first" + std::string(GetParam()));
-    const std::string second = folder / ("second" + std::string(GetParam()));
-    ASSERT_FALSE(saveSurface(first, surface));
-    const auto loaded = loadSurface(first);
-    ASSERT_TRUE(loaded) << loaded.error().message;
-    expectSame(surface, *loaded);
-    ASSERT_FALSE(saveSurface(second, *loaded));
-    EXPECT_EQ(fileBytes(first), fileBytes(second));
+    expectRoundTrip(surface, folder, GetParam());
   }
 }
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "store/frame_units.h"
@@ -14,15 +13,6 @@ namespace {
 
 constexpr double kGrid =
     4.0;  ///< [scale]: what is left is below 4, so that 2^-22 of it is a float's step
-
-template <typename T>
-std::array<double, 3>
-positionAt(const CloudView& cloud, std::size_t i)
-{
-  T p[3];
-  std::memcpy(p, static_cast<const unsigned char*>(cloud.xyz) + i * cloud.xyz_stride, sizeof(p));
-  return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
-}
 
 }  // namespace
 
@@ -55,8 +45,7 @@ fileShift(const CloudView& cloud)
   high.fill(-kInfinity);
   for (std::size_t k = 0; k < cloud.count(); ++k) {
     const std::size_t i = cloud.inputIndex(k);
-    const bool wide = cloud.scalar == CloudView::Scalar::kDouble;
-    const auto p = wide ? positionAt<double>(cloud, i) : positionAt<float>(cloud, i);
+    const auto p = cloud.position(i);
     if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) continue;
     for (std::size_t a = 0; a < 3; ++a) {
       low[a] = std::min(low[a], p[a]);

@@ -21,9 +21,8 @@ constexpr double kQuarterView = 30.0;   ///< azimuth in degrees
 constexpr double kCameraFacing = 0.4;   ///< mean normal along -z of a scan in camera axes
 constexpr double kClosed = 0.2;         ///< mean normal below which an object is closed
 constexpr double kInside = 0.6;  ///< flux inwards, over its bound, of what surrounds its viewer
-constexpr double kLean = 14.0,
-                 kTip = 10.0;  ///< degrees that what stands may lean in its file; at which
-                               ///< it must rise
+constexpr double kTilt = 14.0;   ///< [degrees] most tilt of a standing object in its file
+constexpr double kTip = 10.0;    ///< [degrees] tilt at which its middle must rise
 constexpr double kStands =
     0.02;  ///< rise of the middle, over its height, of what stands; half: of what
            ///< does not
@@ -129,24 +128,23 @@ std::pair<double, Vector3>
 lowestAround(const SphereCloud& cloud, const Vector3& middle, const Vector3& down, double degrees)
 {
   constexpr int kWays = 12;
-  const double lean = degrees * kPi / 180.0;
+  const double tilt = degrees * kPi / 180.0;
   const Vector3 any = std::abs(down[0]) < 0.6 ? Vector3{1.0, 0.0, 0.0} : Vector3{0.0, 1.0, 0.0};
   const Vector3 u = normalized(cross(down, any)), v = cross(down, u);
   std::pair<double, Vector3> lowest{HUGE_VAL, down};
   for (int k = 0; k < kWays; ++k) {
     const double way = 2.0 * kPi * k / kWays;
-    const Vector3 leaning =
-        along(along(scaled(down, std::cos(lean)), std::sin(lean) * std::cos(way), u),
-              std::sin(lean) * std::sin(way), v);
-    const double height = heightAbove(cloud, middle, leaning);
-    if (height < lowest.first) lowest = {height, leaning};
+    const Vector3 tilted =
+        along(along(scaled(down, std::cos(tilt)), std::sin(tilt) * std::cos(way), u),
+              std::sin(tilt) * std::sin(way), v);
+    const double height = heightAbove(cloud, middle, tilted);
+    if (height < lowest.first) lowest = {height, tilted};
   }
   return lowest;
 }
 
 /** \brief How far the middle of an object must rise, over its height, for the object to tip: more than 0 if
- * it stands on the lower end of an axis as on the ground, but for some degrees that it leans in its
- * file. O(spheres). */
+ * it stands on the lower end of an axis as on the ground, up to kTilt degrees off. O(spheres). */
 double
 standing(const SphereCloud& cloud, std::size_t axis)
 {
@@ -154,8 +152,8 @@ standing(const SphereCloud& cloud, std::size_t axis)
   Vector3 down{};
   down[axis] = -1.0;
   std::pair<double, Vector3> rest{heightAbove(cloud, middle, down), down};
-  for (double lean = 2.0; lean <= kLean; lean += 2.0)
-    rest = std::min(rest, lowestAround(cloud, middle, down, lean));
+  for (double tilt = 2.0; tilt <= kTilt; tilt += 2.0)
+    rest = std::min(rest, lowestAround(cloud, middle, down, tilt));
   return lowestAround(cloud, middle, rest.second, kTip).first / rest.first - 1.0;
 }
 

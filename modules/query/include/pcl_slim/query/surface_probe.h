@@ -110,7 +110,7 @@ class PCL_SLIM_EXPORT SurfaceProbe {
 
   /** \brief Colours of a surface that has any, blended with the leaves' weights at places on it.
    * \param[in] sides normals at the places: where the surface is oriented, leaves that face away from them
-   * do not count. Places that no leaf serves get the colours of whatever balls they are in, or none.
+   * do not count. A place on no leaf's sheet gets the colours of all balls that contain it, or none.
    * O(leaves near the places). \param[out] colors red, green, blue, 0..255, for each of up to kMost
    * places; below 0 where there is none. */
   void colors(const Vector3* places, const Vector3* sides, std::size_t count,

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where data end in a point's own tangent plane, on surfaces whose borders are known. Spacing 1.
+#include "trim/border_test.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "support/clouds.h"
+
+namespace pcl_slim {
+namespace {
+
+using namespace pcl_slim_test;
+
+constexpr double kHole = 4.0;
+
+/** One random point a unit of area of a square of 40, where it is kept, and shifted by noise. */
+Cloud
+square(const std::function<bool(double, double)>& kept, double noise = 0.0, double per_unit = 1.0)
+{
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> uniform(-20.0, 20.0);
+  std::normal_distribution<double> gauss(0.0, noise > 0.0 ? noise : 1.0);
+  const auto shift = [&] { return noise > 0.0 ? gauss(random) : 0.0; };
+  Cloud cloud;
+  for (int k = 0; k < static_cast<int>(1600 * per_unit); ++k) {
+    const double x = uniform(random), y = uniform(random);
+    if (kept(x, y)) cloud.add(x + shift(), y + shift(), shift());
+  }
+  return cloud;
+}
+
+/** Of the points of a cloud at chosen places, how many there are and at how many the data end. */
+struct Count {
+  int points = 0, ends = 0;
+
+  double share() const { return static_cast<double>(ends) / points; }
+};
+
+Count
+countEnds(const Cloud& cloud, double noise, const std::function<bool(const Vector3&)>& chosen,
+          double spacing = 1.0)
+{
+  const PointStore store = storeOf(cloud);
+  const detail::BorderConstants constants;
+  detail::BorderTest test(store, constants, noise / store.scale(), kHole);
+  Count count;
+  for (std::size_t i = 0; i < store.size(); ++i) {
+    const auto local = store.position(i);
+    if (!chosen(along(store.origin(), store.scale(), local))) continue;
+    ++count.points;
+    count.ends += test.endsAt(local, spacing / store.scale());
+  }
+  return count;
+}
+
+bool
+isInner(const Vector3& p)
+{
+  return std::abs(p[0]) < 15.0 && std::abs(p[1]) < 15.0;
+}
+
+TEST(BorderTest, FindsTheEdgeOfASheetAndNothingElse)
+{
+  for (const double noise : {0.0, 0.3}) {
+    const Cloud half = square([](double x, double) { return x < 0.0; }, noise);
+    const Count rim =
+        countEnds(half, noise, [](const Vector3& p) { return isInner(p) && p[0] > (-0.4); });
+    EXPECT_GT(rim.points, 8);
+    EXPECT_GT(rim.share(), 0.6) << noise;  // others hide some
+    const Count inside =
+        countEnds(half, noise, [](const Vector3& p) { return isInner(p) && p[0] < -3.0; });
+    EXPECT_GT(inside.points, 250);
+    EXPECT_EQ(inside.ends, 0) << noise;
+  }
+}
+
+TEST(BorderTest, FindsHolesThatChanceDoesNotLeave)
+{
+  const auto rimOf = [](double hole) {
+    const Cloud cloud = square([&](double x, double y) { return std::hypot(x, y) > 0.5 * hole; });
+    return countEnds(cloud, 0.0,
+                     [&](const Vector3& p) { return std::hypot(p[0], p[1]) < 0.5 * hole + 0.5; });
+  };
+  EXPECT_GT(rimOf(9.0).share(), 0.6);
+  EXPECT_EQ(rimOf(3.0).ends, 0);
+}
+
+TEST(BorderTest, ATubeHasNoBorderAtItsSilhouette)
+{
+  std::mt19937_64 random(8);
+  std::uniform_real_distribution<double> uniform;
+  for (const double noise : {0.0, 0.5}) {
+    std::normal_distribution<double> gauss(0.0, noise > 0.0 ? noise : 1.0);
+    const auto shift = [&] { return noise > 0.0 ? gauss(random) : 0.0; };
+    constexpr double kRadius = 6.0, kTurn = 6.283185307179586;
+    Cloud tube;
+    for (int k = 0; k < 2000; ++k) {
+      const double angle = kTurn * uniform(random), z = 54.0 * uniform(random) - 27.0;
+      tube.add(kRadius * std::cos(angle) + shift(), kRadius * std::sin(angle) + shift(),
+               z + shift());
+    }
+    const Count middle =
+        countEnds(tube, noise, [](const Vector3& p) { return std::abs(p[2]) < 20.0; });
+    EXPECT_GT(middle.points, 1000);
+    EXPECT_EQ(middle.ends, 0) << noise;
+    const Count end =
+        countEnds(tube, noise, [](const Vector3& p) { return std::abs(p[2]) > 26.7; });
+    EXPECT_GT(end.share(), 0.6) << noise;
+  }
+}
+
+TEST(BorderTest, DensityThatFallsIsNoBorder)
+{
+  std::mt19937_64 random(9);
+  std::uniform_real_distribution<double> uniform;
+  const Cloud thinning =
+      square([&](double x, double) { return uniform(random) < std::pow(0.05, (x + 20.0) / 40.0); },
+             0.0, 4.0);
+  const Count inner = countEnds(thinning, 0.0, isInner, 0.5);
+  EXPECT_GT(inner.points, 1000);
+  EXPECT_LT(inner.share(), 0.003);
+}
+
+}  // namespace
+}  // namespace pcl_slim
