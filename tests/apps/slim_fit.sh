@@ -155,9 +155,9 @@ expect 0 '' scan.pcd least.slim -json least.json
 awk -v m="$(value most.json lambda)" -v l="$(value least.json lambda)" 'BEGIN { exit !(m / l > 0.999 && m / l < 1.001) }' ||
   complain "a target changes the noise: $(value most.json lambda), $(value least.json lambda)"
 expect 0 '' measured.pcd idle.slim -estimate_normals 12 -use_normals 0
-grep -q -- '-use_normals 0 has no effect' out.txt || complain "an idle -use_normals is not told"
+grep -q -- '-use_normals 0 has no effect' out.txt || complain "no note on an idle -use_normals"
 expect 0 '' scan.pcd idle.slim -trim 0 -hole 9
-grep -q -- '-hole has no effect' out.txt || complain "an idle -hole is not told"
+grep -q -- '-hole has no effect' out.txt || complain "no note on an idle -hole"
 expect 0 '' scan.pcd most.slim -target_error 1 -quiet
 expect 2 '.slim' scan.pcd d.obj
 expect 2 'share a file' scan.pcd ./scan.pcd

@@ -120,7 +120,7 @@ timeField(const pcl::PCLPointCloud2& cloud, const std::string& asked)
     if (!asked.empty() ? field.name != asked : !isTimeName(field.name)) continue;
     if (found != nullptr) {
       return badInput("fields " + found->name + " and " + field.name +
-                      " may both hold the points' times: name one with -time_field");
+                      " may both be the points' times: name one with -time_field");
     }
     found = &field;
   }

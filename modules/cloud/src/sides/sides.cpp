@@ -122,7 +122,7 @@ agreementOf(const CellGraph& graph, const std::vector<signed char>& signs)
   return all > 0 ? agreed / all : 0;
 }
 
-/** Marks the cells that have another sheet beside them that faces the other way. */
+/** Marks the cells next to another sheet that faces the other way. */
 std::vector<char>
 cellsFacingApart(const SideCells& cut, const CellGraph& graph,
                  const std::vector<signed char>& signs)

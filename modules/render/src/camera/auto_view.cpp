@@ -20,13 +20,11 @@ constexpr double kOneSided = 0.15;      ///< length of the mean normal across th
 constexpr double kQuarterView = 30.0;   ///< azimuth in degrees
 constexpr double kCameraFacing = 0.4;   ///< mean normal along -z of a scan in camera axes
 constexpr double kClosed = 0.2;         ///< mean normal below which an object is closed
-constexpr double kInside = 0.6;  ///< flux inwards, over its bound, of what surrounds its viewer
-constexpr double kTilt = 14.0;   ///< [degrees] most tilt of a standing object in its file
-constexpr double kTip = 10.0;    ///< [degrees] tilt at which its middle must rise
-constexpr double kStands =
-    0.02;  ///< rise of the middle, over its height, of what stands; half: of what
-           ///< does not
-constexpr double kUpright = 1.05;  ///< height over the least extent of what stands and does not lie
+constexpr double kInside = 0.6;    ///< flux inwards, over its bound, of what surrounds its viewer
+constexpr double kTilt = 14.0;     ///< [degrees] most tilt of a standing object in its file
+constexpr double kTip = 10.0;      ///< [degrees] tilt at which its middle must rise
+constexpr double kStands = 0.02;   ///< [height] least rise of the middle of a standing object
+constexpr double kUpright = 1.05;  ///< least height of a standing object over its least extent
 constexpr double kElongated = 1.3,
                  kSquare = 1.1;  ///< ratio of a map's deviations: turned in full, not
 

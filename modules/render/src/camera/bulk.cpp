@@ -13,7 +13,7 @@ namespace {
 constexpr int kCells = 64;            ///< along the longest extent
 constexpr double kLeastPiece = 0.01;  ///< share of the points
 constexpr double kRim = 0.05;         ///< share of the points beyond either end of the bulk ...
-constexpr double kSlack = 0.5;        ///< ... beside which so much of its extent counts as well
+constexpr double kSlack = 0.5;        ///< [extent of the bulk] added at either end
 
 using Interval = std::array<double, 2>;
 

@@ -15,7 +15,7 @@ namespace pcl_slim {
 PCL_SLIM_EXPORT std::array<double, 3>
 fileShift(const std::array<double, 3>& origin, double scale);
 
-/** \brief The same of a box that holds a cloud's points, in world coordinates. */
+/** \brief The same of a box around a cloud's points, in world coordinates. */
 PCL_SLIM_EXPORT std::array<double, 3>
 fileShift(const std::array<double, 3>& low, const std::array<double, 3>& high);
 
