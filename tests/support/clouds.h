@@ -197,4 +197,27 @@ heightField(std::size_t count, std::uint32_t seed, const Height& height)
   return cloud;
 }
 
+/** Points of a box about the origin, with the normals of its faces; noise moves them in all directions. */
+inline Cloud
+boxCloud(const std::array<double, 3>& half, std::size_t count, double noise,
+         std::uint32_t seed = 11)
+{
+  Cloud cloud;
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  std::normal_distribution<double> gauss;
+  const double areas[3] = {half[1] * half[2], half[0] * half[2], half[0] * half[1]};
+  std::discrete_distribution<std::size_t> faces(areas, areas + 3);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t face = faces(random);
+    std::array<double, 3> p, normal{};
+    for (std::size_t a = 0; a < 3; ++a) p[a] = half[a] * uniform(random);
+    normal[face] = p[face] < 0 ? -1 : 1;
+    p[face] = normal[face] * half[face];
+    for (double& value : p) value += noise * gauss(random);
+    cloud.add(p, normal);
+  }
+  return cloud;
+}
+
 }  // namespace pcl_slim_test

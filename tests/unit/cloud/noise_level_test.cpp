@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "pcl_slim/cloud/detail/noise_measurement.h"
 #include "support/clouds.h"
 
 namespace pcl_slim {
@@ -141,6 +142,19 @@ TEST(NoiseLevel, SurvivesALineAndAPlane)
       EXPECT_TRUE(std::isfinite(found));
       EXPECT_LT(found, 2e-6 * store.diagonal());
     }
+  }
+}
+
+/** Patches within a face have no residual at all, and those across an edge have much. */
+TEST(NoiseLevel, OfExactPlanesIsANumber)
+{
+  for (const unsigned int seed : {3u, 11u, 12u}) {
+    const Cloud cloud = boxCloud({1, 0.8, 0.6}, 12000, 0, seed);
+    const PointStore store = storeOf(cloud);
+    const detail::NoiseLevel level = detail::measureNoise(store, {}, 1);
+    const detail::NoiseLevel shared = detail::recognizeSharedNoise(store, level, {}, 1);
+    EXPECT_TRUE(std::isfinite(shared.variance) && shared.variance >= 0) << "seed " << seed;
+    EXPECT_LT(std::sqrt(shared.variance), 1e-6) << "seed " << seed;
   }
 }
 

@@ -38,13 +38,14 @@ plainestPlaces(const PatchScale& narrow, const PatchScale& wider, const PatchSca
   return places;
 }
 
-/** Binary logarithm of the ratio of two trimmed means. */
+/** Binary logarithm of the ratio of two trimmed means; finite also where exact planes leave a mean of 0. */
 double
 growthOf(std::vector<double> narrow, std::vector<double> wider, double trim)
 {
+  constexpr double kMost = 100;
   const double a = trimmedMean(narrow, trim), b = trimmedMean(wider, trim);
-  if (!(a > 0)) return b > 0 ? HUGE_VAL : 0;
-  return std::log2(b / a);
+  if (!(a > 0) || !(b > 0)) return b > a ? kMost : a > b ? -kMost : 0;
+  return std::clamp(std::log2(b / a), -kMost, kMost);
 }
 
 /** What a scale shows, and how it grows to the next. */
