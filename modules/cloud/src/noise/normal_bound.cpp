@@ -43,11 +43,12 @@ normalBound(const PointStore& store, const NormalBoundConstants& constants)
                     stride = std::max<std::size_t>(1, blocks / constants.blocks);
   for (std::size_t block = 0; block < blocks; block += stride)
     addTilts(store, block, constants, tilts);
-  if (tilts.empty()) return 0.0f;
+  if (tilts.empty()) return static_cast<float>(-constants.least_turn);
   const auto median = tilts.begin() + static_cast<std::ptrdiff_t>(tilts.size() / 2);
   std::nth_element(tilts.begin(), median, tilts.end());
   const double sigma = std::sqrt(std::max(0.0, *median) / kMedianOfTilt);
-  return static_cast<float>(-std::sin(std::min(constants.deviations * sigma, constants.widest)));
+  return static_cast<float>(std::min(
+      -constants.least_turn, -std::sin(std::min(constants.deviations * sigma, constants.widest))));
 }
 
 }  // namespace pcl_slim::detail

@@ -103,6 +103,7 @@ struct NoiseConstants {
 
 /** \brief The normal bound (docs/theory.md, "Sheets"). */
 struct NormalBoundConstants {
+  double least_turn = 0.25;  ///< sine of the angle beyond 90 degrees that exact normals may part by
   std::size_t blocks = 1000;     ///< blocks looked at, evenly strided
   std::size_t least_points = 8;  ///< points that a block's mean normal takes
   double one_sheet = 0.5;        ///< a mean normal shorter than this mixes sheets

@@ -10,9 +10,9 @@ namespace pcl_slim::detail {
 /** \brief The normal bound: the cosine up to which two normals of a store count as those of
  * different sheets.
  *
- * Exact normals part sheets, and faces of an edge, at right angles: 0. Three deviations of the
- * normals' own errors go below it, so that a ball that bends keeps the points whose normals happen
- * to be worst; never below -0.6. Errors are the median angle between normals and the mean over
+ * Exact normals part sheets that turn by more than 104 degrees: -0.25, so that faces at right angles are one
+ * rounded surface. Three deviations of the normals' own errors may go below it, so that a ball that bends
+ * keeps the points whose normals happen to be worst; never below -0.6. Errors are the median angle between normals and the mean over
  * their block, so edges and curvature of most of the surface matter little. O(1000 blocks).
  */
 PCL_SLIM_EXPORT float
