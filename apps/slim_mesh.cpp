@@ -170,6 +170,8 @@ reportMesh(const MeshStatistics& m, Report& report)
               {"dropped", m.dropped},
               {"dropped_components", m.dropped_components},
               {"closed_holes", m.closed_holes},
+              {"edge_vertices", m.edge_vertices},
+              {"corner_vertices", m.corner_vertices},
               {"unprojected", m.unprojected},
               {"tolerance", m.tolerance},
               {"cells", m.cells},
@@ -191,13 +193,15 @@ noteMesh(const MeshStatistics& m, Console& console)
   }
 }
 
+/** \param[in] sharp the surface whose sharp edges the mesh shall have, or null. */
 Error
-makeMesh(const Settings& s, const SLIMSurface& surface, Console& console, Report& report,
-         TriangleMesh& mesh)
+makeMesh(const Settings& s, const SLIMSurface& surface, const SLIMSurface* sharp, Console& console,
+         Report& report, TriangleMesh& mesh)
 {
   const Stopwatch watch;
   console.begin("Meshing");
   MeshParams params = s.mesh;
+  params.sharp = sharp;
   if (s.tolerance_noise > 0) {
     const double noise = std::sqrt(std::max(0.0, surface.info.lambda)) * surface.info.diagonal;
     params.tolerance = s.tolerance_noise * noise * surface.info.scale;
@@ -212,22 +216,42 @@ makeMesh(const Settings& s, const SLIMSurface& surface, Console& console, Report
   report.time("mesh_contour", statistics.seconds_contour);
   report.time("mesh_vertices", statistics.seconds_vertices);
   report.time("mesh_trim", statistics.seconds_trim);
+  if (sharp != nullptr) report.time("mesh_sharpen", statistics.seconds_sharpen);
   reportMesh(statistics, report);
   console.done(watch.seconds(), counted(mesh.triangles.size(), "triangle"));
   noteMesh(statistics, console);
   return {};
 }
 
+/** Whether the mesh gets the edges of a second, sharp fit: that needs the scan and its normals. */
+bool
+isSharpened(const Settings& s, const Input& input)
+{
+  return s.job.params.sharp_features && input.has_cloud &&
+         (s.job.use_normals || s.job.normal_neighbours > 0) &&
+         input.cloud.normal_source != NormalSource::kNothing;
+}
+
 Error
 work(const Settings& s, const Input& input, Console& console, Report& report, TriangleMesh& mesh)
 {
-  SLIMSurface fitted;
-  if (!input.has_surface) {
-    if (Error error = fitScan(s.job, input.cloud, console, report, fitted)) return error;
+  SLIMSurface fitted, sharp;
+  const bool sharpened = isSharpened(s, input);
+  if (sharpened) {
+    FitJob job = s.job;
+    job.params.trim = false;
+    Report unread(report);
+    if (Error error = fitScan(job, input.cloud, console, unread, sharp)) return error;
+  }
+  if (!input.has_surface && !console.interrupted()) {
+    FitJob job = s.job;
+    job.params.sharp_features = job.params.sharp_features && !sharpened;
+    if (Error error = fitScan(job, input.cloud, console, report, fitted)) return error;
   }
   if (console.interrupted()) return {};
   const SLIMSurface& surface = input.has_surface ? input.surface : fitted;
-  if (Error error = makeMesh(s, surface, console, report, mesh)) return error;
+  if (Error error = makeMesh(s, surface, sharpened ? &sharp : nullptr, console, report, mesh))
+    return error;
   if (s.color == false) return {};
   const ColorView colors = input.has_cloud ? colorsOf(input.cloud) : ColorView();
   if (colors.bgr) return colorFromPoints(input.cloud.view(false), colors, s.mesh.threads, mesh);

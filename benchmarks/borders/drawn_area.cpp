@@ -18,52 +18,6 @@ constexpr double kOfEighth = 0.627;      ///< spacing over the distance to the 8
 constexpr double kLeastCosine = 0.05;    ///< pixels seen more obliquely show no more than at this
 constexpr std::uint32_t kNeighbors = 9;  ///< with the point itself
 
-/** \brief Whether some foot lies within 1.5 of its spacings of a place, in the store's units. */
-class FootSearch {
- public:
-  explicit FootSearch(const Feet& feet) : feet_(feet)
-  {
-    for (const float s : feet.spacing) widest_ = std::max(widest_, s);
-    std::vector<double> spacings(feet.spacing.begin(), feet.spacing.end());
-    usual_ = static_cast<float>(kFar * measure::median(std::move(spacings)));
-  }
-
-  bool isNear(const Vector3& world, std::vector<std::uint32_t>& blocks) const
-  {
-    const Vector3 place = scaled(subtract(world, feet_.store.origin()), 1.0 / feet_.store.scale());
-    const float at[3] = {static_cast<float>(place[0]), static_cast<float>(place[1]),
-                         static_cast<float>(place[2])};
-    // Most places have a foot close by: look far only where there is none.
-    for (float reach = usual_;; reach *= 4.0f) {
-      blocks.clear();
-      feet_.store.tree().blocksInBall(at, std::min(reach, static_cast<float>(kFar) * widest_),
-                                      blocks);
-      for (const std::uint32_t b : blocks) {
-        if (nearBlock(place, b)) return true;
-      }
-      if (reach >= kFar * widest_) return false;
-    }
-  }
-
- private:
-  bool nearBlock(const std::array<double, 3>& place, std::uint32_t block) const
-  {
-    const std::size_t first = block * PointStore::kBlock;
-    const std::size_t end = std::min(first + PointStore::kBlock, feet_.store.size());
-    for (std::size_t i = first; i < end; ++i) {
-      const auto p = feet_.store.position(i);
-      const double x = p[0] - place[0], y = p[1] - place[1], z = p[2] - place[2];
-      const double limit = kFar * feet_.spacing[i];
-      if (x * x + y * y + z * z <= limit * limit) return true;
-    }
-    return false;
-  }
-
-  const Feet& feet_;
-  float widest_ = 0.0f;
-  float usual_ = 0.0f;  ///< 1.5 spacings where points are as dense as usual
-};
-
 std::vector<Camera>
 axisViews(const SLIMSurface& surface, int size)
 {
@@ -150,6 +104,45 @@ measureSpacings(int threads, Feet& feet)
 }
 
 }  // namespace
+
+FootSearch::FootSearch(const Feet& feet) : feet_(feet)
+{
+  for (const float s : feet.spacing) widest_ = std::max(widest_, s);
+  std::vector<double> spacings(feet.spacing.begin(), feet.spacing.end());
+  usual_ = static_cast<float>(kFar * measure::median(std::move(spacings)));
+}
+
+bool
+FootSearch::isNear(const Vector3& world, std::vector<std::uint32_t>& blocks) const
+{
+  const Vector3 place = scaled(subtract(world, feet_.store.origin()), 1.0 / feet_.store.scale());
+  const float at[3] = {static_cast<float>(place[0]), static_cast<float>(place[1]),
+                       static_cast<float>(place[2])};
+  // Most places have a foot close by: look far only where there is none.
+  for (float reach = usual_;; reach *= 4.0f) {
+    blocks.clear();
+    feet_.store.tree().blocksInBall(at, std::min(reach, static_cast<float>(kFar) * widest_),
+                                    blocks);
+    for (const std::uint32_t b : blocks) {
+      if (nearBlock(place, b)) return true;
+    }
+    if (reach >= kFar * widest_) return false;
+  }
+}
+
+bool
+FootSearch::nearBlock(const std::array<double, 3>& place, std::uint32_t block) const
+{
+  const std::size_t first = block * PointStore::kBlock;
+  const std::size_t end = std::min(first + PointStore::kBlock, feet_.store.size());
+  for (std::size_t i = first; i < end; ++i) {
+    const auto p = feet_.store.position(i);
+    const double x = p[0] - place[0], y = p[1] - place[1], z = p[2] - place[2];
+    const double limit = kFar * feet_.spacing[i];
+    if (x * x + y * y + z * z <= limit * limit) return true;
+  }
+  return false;
+}
 
 Feet
 feetOf(const PointStore& points, const SLIMSurface& surface, int threads)

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <vector>
 
 #include "pcl_slim/cloud/point_store.h"
@@ -20,6 +22,23 @@ struct Feet {
 /** \brief The feet of a store's points, and .627 times their distances to the 8th neighbour. */
 Feet
 feetOf(const PointStore& points, const SLIMSurface& surface, int threads);
+
+/** \brief Whether places are near data: within 1.5 of a foot's spacings. */
+class FootSearch {
+ public:
+  /** \brief Keeps a reference to the feet. */
+  explicit FootSearch(const Feet& feet);
+
+  /** \param[in] world a place in the scan's units. \param[in,out] blocks scratch. */
+  bool isNear(const std::array<double, 3>& world, std::vector<std::uint32_t>& blocks) const;
+
+ private:
+  bool nearBlock(const std::array<double, 3>& place, std::uint32_t block) const;
+
+  const Feet& feet_;
+  float widest_ = 0.0f;
+  float usual_ = 0.0f;  ///< 1.5 spacings where points are as dense as usual
+};
 
 /** \brief Drawn area, and the part of it that is far from data. */
 struct DrawnArea {

@@ -41,10 +41,20 @@ SLIMReconstructionBase::makeMesh(const CloudView& cloud, const ColorView& colors
   params.threads = params_.threads;
   if (const Error error = params.validate()) return fail(error.code, error.message);
   SurfaceConstPtr surface = surface_;
+  SLIMSurface sharp;
   if (!surface) {
     auto fitted = std::make_shared<SLIMSurface>();
+    const bool sharpened = params_.sharp_features && cloud.normal != nullptr;
     const FitParams own = std::exchange(params_, fitParamsFor(params_, params));
-    const bool done = run(cloud, *fitted);
+    bool done = true;
+    if (sharpened) {  // edges from one fit, what is between them and how it is connected from another
+      params_.trim = false;
+      done = run(cloud, sharp);
+      params_.trim = own.trim;
+      params_.sharp_features = false;
+      params.sharp = &sharp;
+    }
+    done = done && run(cloud, *fitted);
     params_ = own;
     if (!done) return false;
     surface = fitted;

@@ -93,6 +93,26 @@ expect 0 '' ball.pcd few.ply -max_triangles 500 -json few.json
 expect 0 '' ball.pcd still.ply -relax 0
 differ a.ply still.ply
 
+# Sharp edges: a cube of side 2 with the normals of its faces gets its eight corners.
+awk 'BEGIN {
+  srand(7); n = 6000
+  print "VERSION 0.7\nFIELDS x y z normal_x normal_y normal_z\nSIZE 4 4 4 4 4 4\nTYPE F F F F F F\nCOUNT 1 1 1 1 1 1"
+  print "WIDTH " n "\nHEIGHT 1\nPOINTS " n "\nDATA ascii"
+  for (i = 0; i < n; ++i) {
+    face = i % 3; side = i % 2 ? 1 : -1
+    for (a = 0; a < 3; ++a) { p[a] = a == face ? side : 2 * rand() - 1; m[a] = a == face ? side : 0 }
+    print p[0], p[1], p[2], m[0], m[1], m[2]
+  }
+}' > cube.pcd
+expect 0 '' cube.pcd round.ply -json r.json
+expect 0 '' cube.pcd sharp.ply -sharp 1 -json s.json
+for report in r.json s.json; do
+  [ "$(value $report euler)" = 2 ] || complain "a cube in $report: Euler characteristic $(value $report euler)"
+done
+[ "$(value r.json corner_vertices)" = 0 ] || complain "corners without -sharp"
+[ "$(value s.json corner_vertices)" -ge 8 ] || complain "$(value s.json corner_vertices) corners of a cube"
+expect 0 'needs normals' cube.pcd plain.ply -sharp 1 -use_normals 0
+
 # Help, documentation, mistakes, failures.
 documented "$program" mesh
 badScans ball.pcd

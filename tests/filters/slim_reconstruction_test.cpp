@@ -41,6 +41,30 @@ struct ReconstructionTraits {
   }
 };
 
+TEST(SLIMReconstruction, SharpFeaturesGiveACubeItsCorners)
+{
+  pcl::PointCloud<pcl::PointNormal>::Ptr cloud(new pcl::PointCloud<pcl::PointNormal>);
+  for (int i = 0; i < 6000; ++i) {
+    float p[3], n[3] = {};
+    const int face = i % 3, side = i % 2 == 0 ? 1 : -1;
+    p[face] = n[face] = static_cast<float>(side);
+    p[(face + 1) % 3] = static_cast<float>(2 * std::fmod(i * 0.7548776662, 1.0) - 1);
+    p[(face + 2) % 3] = static_cast<float>(2 * std::fmod(i * 0.5698402909, 1.0) - 1);
+    cloud->emplace_back(p[0], p[1], p[2], n[0], n[1], n[2]);
+  }
+  SLIMReconstruction<pcl::PointNormal> reconstruction;
+  reconstruction.setInputCloud(cloud);
+  reconstruction.setSharpFeatures(true);
+  pcl::PolygonMesh mesh;
+  reconstruction.reconstruct(mesh);
+  EXPECT_EQ(reconstruction.getMeshStatistics().census.euler, 2);
+  EXPECT_GE(reconstruction.getMeshStatistics().corner_vertices, 8u);
+  double nearest = 1e9;
+  for (const Vector3& p : reconstruction.getMesh().vertices)
+    nearest = std::min(nearest, length(subtract(p, {1, 1, 1})));
+  EXPECT_LT(nearest, 0.01);
+}
+
 TEST(SLIMReconstruction, StandsWherePoissonStands)
 {
   const auto cloud = bumpySphere<pcl::PointNormal>(5000);

@@ -9,6 +9,7 @@
 #include "contour/contour.h"
 #include "contour/polygons.h"
 #include "octree/leaf_shapes.h"
+#include "sharpen/sharpen.h"
 #include "simplify/edge_collapse.h"
 #include "topology/fans.h"
 #include "trim/close_gaps.h"
@@ -111,6 +112,8 @@ class Extraction {
     separate();
     dropCrumbs(field, params_.min_component_points, vertices_, triangles_, statistics_);
     statistics_.seconds_trim = clock.lap();
+    if (params_.sharp != nullptr) addSharpEdges();
+    statistics_.seconds_sharpen = clock.lap();
     if (Error error = simplify(field)) return error;
     statistics_.seconds_simplify = clock.lap();
     return cancelled() ? cancelledError() : Error{};
@@ -131,6 +134,7 @@ class Extraction {
   void makeVertices(const SheetVertices& sheets, const ProbeField& field);
   void turnToTriangles();
   void separate();
+  void addSharpEdges();
   Error simplify(const ProbeField& field);
 
   const SLIMSurface& surface_;
@@ -206,6 +210,26 @@ Extraction::separate()
   }
 }
 
+/** Brings positions and curvatures from one surface's local units to another's. */
+void
+changeUnits(const SurfaceInfo& from, const SurfaceInfo& to, SurfaceVertices& vertices)
+{
+  const double scale = from.scale / to.scale;
+  const Vector3 shift = scaled(subtract(from.origin, to.origin), 1 / to.scale);
+  for (Vector3& p : vertices.position) p = along(shift, scale, p);
+  for (float& k : vertices.k1) k = static_cast<float>(k / scale);
+  for (float& k : vertices.k2) k = static_cast<float>(k / scale);
+}
+
+void
+Extraction::addSharpEdges()
+{
+  report(0.92f, "adding sharp edges");
+  changeUnits(surface_.info, params_.sharp->info, vertices_);
+  sharpen(*params_.sharp, threads_, triangles_, vertices_, statistics_);
+  changeUnits(params_.sharp->info, surface_.info, vertices_);
+}
+
 /** Collapses edges until there are no more triangles than asked for, and puts the vertices back onto the
  * surface. */
 Error
@@ -221,6 +245,7 @@ Extraction::simplify(const ProbeField& field)
                 " triangles without losing holes or pieces; allow as many"};
   }
   statistics_.collapsed = before - triangles_.size();
+  if (params_.sharp != nullptr) return {};  // the surface is round where the mesh is not
   std::vector<std::uint32_t> used;
   for (const Triangle& t : triangles_) used.insert(used.end(), t.begin(), t.end());
   std::sort(used.begin(), used.end());
@@ -285,6 +310,12 @@ extractMesh(const SLIMSurface& surface, const MeshParams& params, TriangleMesh& 
   counts = MeshStatistics();
   if (Error error = params.validate()) return error;
   if (Error error = surface.validate()) return error;
+  if (params.sharp != nullptr) {
+    if (Error error = params.sharp->validate()) return error;
+    if (!params.sharp->info.oriented) {
+      return badInput("the surface with sharp edges has no sides; fit it to points with normals");
+    }
+  }
   if (surface.numLeaves() == 0) return badInput("the surface has no leaves; fit it to more points");
   Extraction extraction(surface, params, counts, progress);
   const double asked = params.tolerance / surface.info.scale;

@@ -108,7 +108,7 @@ addSheetsOf(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& 
         dot3(feet.normal[0], feet.normal[1], feet.normal[2], hn::Load(d, sheets.normal[0] + i),
              hn::Load(d, sheets.normal[1] + i), hn::Load(d, sheets.normal[2] + i));
     const Vec turn = hn::IfThenElse(hn::Lt(cosine, hn::Zero(d)), set(-1.0f), set(1.0f));
-    if (rules.oriented) near = hn::And(near, hn::Gt(cosine, hn::Zero(d)));
+    if (rules.oriented) near = hn::And(near, hn::Gt(cosine, set(rules.min_dot)));
     const Vec distance = hn::Mul(turn, hn::Mul(feet.distance, set(leaf.radius)));
     const Vec off = hn::Abs(hn::Sub(distance, hn::Load(d, sheets.distance + i)));
     near = hn::And(near, hn::Le(off, set(most)));

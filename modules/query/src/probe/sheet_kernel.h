@@ -14,6 +14,7 @@ struct SheetRules {
   float same_sheet = 0;     ///< leaves of one sheet differ by no more than this and the noise
   float softening = 0;      ///< leaves nearer than this and the noise are equally near
   float noise = 0;          ///< local units
+  float min_dot = 0;  ///< oriented leaves of one sheet have normals whose cosine is above this
 };
 
 /** The nearest leaf of a block's 16 places, then sums over the leaves of its sheet. */

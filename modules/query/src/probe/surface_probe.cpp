@@ -27,6 +27,7 @@ constexpr double kGateErrors = 5.0;      ///< residuals and offsets beyond so ma
 constexpr double kLeastGate = 0.1;       ///< but those up to this share of r do
 constexpr double kGateRadius = 0.25;
 constexpr double kGateNoise = 0.6;
+constexpr float kSharpDot = 0.5f;  ///< of leaves that a fit with sharp features keeps together
 
 // Distances to sheets.
 constexpr float kMostDistance = 0.6f;  ///< of r: leaves farther from a place do not count
@@ -65,14 +66,16 @@ struct ProbeIndex::Leaves {
   BlockTree tree;              ///< over their balls' boxes
   BlendRules rules;
   TrimTables trims;
-  double reach = 1;  ///< of leaves, in radii
-  float noise = 0;   ///< local units
+  double reach = 1;   ///< of leaves, in radii
+  float noise = 0;    ///< local units
+  float min_dot = 0;  ///< cosine of a leaf's normal to the side asked for
 };
 
 ProbeIndex::ProbeIndex(const SLIMSurface& surface, ProbeUse use)
     : surface_(surface), leaves_(std::make_unique<Leaves>())
 {
-  const bool extraction = use == ProbeUse::kExtraction;
+  const bool extraction = use != ProbeUse::kSamples;
+  if (use == ProbeUse::kSharp) leaves_->min_dot = kSharpDot;
   if (extraction) {
     leaves_->reach = kReach;
     leaves_->trims = TrimTables(surface);
@@ -205,6 +208,7 @@ SurfaceProbe::evaluate(const ProbeRequest& request, ProbeSample* samples)
     points.nx = s.nx;
     points.ny = s.ny;
     points.nz = s.nz;
+    points.min_dot = index_.leaves_->min_dot;
   }
   for (auto& column : s.sums.direction) std::fill(column, column + 16, 0.0f);
   s.heights.resize(std::max(s.near.size(), s.heights.size()));
@@ -277,6 +281,7 @@ SurfaceProbe::distances(const Vector3* places, std::size_t count, SheetDistance*
   rules.same_sheet = kSameSheet;
   rules.softening = kSoftening;
   rules.noise = kNoiseErrors * leaves.noise;
+  rules.min_dot = leaves.min_dot;
   const BlockPoints points{s.x, s.y, s.z};
   kernels::clearSheets(s.sheets);
   for (const BlockLeaf* leaf : s.near) kernels::findSheets(points, *leaf, rules, s.sheets);

@@ -28,6 +28,10 @@ struct PCL_SLIM_EXPORT MeshParams {
   /** Edges are collapsed, those of least error first, until there are no more triangles; 0: no limit. The
    * tolerance is then not kept. */
   std::uint64_t max_triangles = 0;
+  /** A second fit to the same points, with FitParams::sharp_features: the mesh gets its sharp edges. Vertices
+   * are put onto its nearest face, and vertices are added where its faces part by more than 40 degrees; their
+   * curvatures are 0. Null: edges are as round as the surface. Must outlive the extraction. */
+  const SLIMSurface* sharp = nullptr;
   int threads = 0;  ///< 0: all cores; never changes the result
 
   /** \brief Names the first parameter out of range. */
@@ -48,8 +52,10 @@ struct MeshStatistics {
   std::uint64_t closed_holes = 0;  ///< of the data, smaller than asked for
   std::uint64_t dropped = 0;       ///< triangles of components left out
   std::uint64_t dropped_components = 0;
+  std::uint64_t edge_vertices = 0;    ///< added where two faces of the sharp surface meet
+  std::uint64_t corner_vertices = 0;  ///< added where three meet
   double seconds_tree = 0, seconds_contour = 0, seconds_vertices = 0, seconds_trim = 0,
-         seconds_simplify = 0;
+         seconds_sharpen = 0, seconds_simplify = 0;
 };
 
 /** \brief Triangulates a SLIM surface by dual contouring (Ju, Losasso, Schaefer, Warren 2002) on an octree

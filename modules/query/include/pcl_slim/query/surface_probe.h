@@ -18,6 +18,7 @@ namespace pcl_slim {
 enum class ProbeUse : std::uint8_t {
   kSamples,     ///< positions, normals and curvatures
   kExtraction,  ///< distances() as well, and borders: ProbeSample::outside is set
+  kSharp,  ///< as kExtraction, of a fit with sharp features: normals of one side agree within 60 degrees
 };
 
 /** \brief A surface's leaves, arranged so that those around a place are found fast.
