@@ -2,12 +2,14 @@
 #include "pcl_slim/filters/pcl_normals.h"
 
 #include <pcl/common/point_tests.h>
-#include <pcl/features/normal_3d_omp.h>
+#include <pcl/features/normal_3d.h>
 #include <pcl/search/kdtree.h>
 #include <pcl/search/organized.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -60,6 +62,30 @@ checkCloud(const pcl::PointCloud<pcl::PointXYZ>& cloud, int neighbours)
                   std::string(largest > kLargest ? "large" : "small") + " for: scale the cloud");
 }
 
+/** As pcl::NormalEstimation computes it. \return false: there is none, and all of it is NaN. */
+bool
+normalOf(const pcl::PointCloud<pcl::PointXYZ>& cloud, pcl::index_t point,
+         const pcl::search::Search<pcl::PointXYZ>& search, int neighbours,
+         const Eigen::Vector4f& viewpoint, pcl::Normal& normal)
+{
+  thread_local pcl::Indices near;
+  thread_local std::vector<float> distances_sq;
+  const pcl::PointXYZ& own = cloud[static_cast<std::size_t>(point)];
+  Eigen::Vector4f n;
+  if (!pcl::isFinite(own) ||
+      search.nearestKSearch(cloud, point, neighbours, near, distances_sq) == 0 ||
+      !pcl::computePointNormal(cloud, near, n, normal.curvature)) {
+    normal.normal_x = normal.normal_y = normal.normal_z = normal.curvature =
+        std::numeric_limits<float>::quiet_NaN();
+    return false;
+  }
+  pcl::flipNormalTowardsViewpoint(own, viewpoint[0], viewpoint[1], viewpoint[2], n[0], n[1], n[2]);
+  normal.normal_x = n[0];
+  normal.normal_y = n[1];
+  normal.normal_z = n[2];
+  return true;
+}
+
 }  // namespace
 
 Error
@@ -70,20 +96,22 @@ pclNormals(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud,
 {
   if (Error error = checkThreads(params.threads)) return error;
   if (Error error = checkCloud(*cloud, neighbours)) return error;
-  pcl::NormalEstimationOMP<pcl::PointXYZ, pcl::Normal> estimation(
-      static_cast<unsigned int>(resolveThreads(params.threads)));
-  estimation.setInputCloud(cloud);
-  estimation.setIndices(selected);
-  estimation.setSearchMethod(search);
-  estimation.setKSearch(neighbours);
+  const std::size_t count = selected ? selected->size() : cloud->size();
+  Eigen::Vector4f viewpoint = Eigen::Vector4f::Zero();
   if (params.has_viewpoint) {
-    estimation.setViewPoint(static_cast<float>(params.viewpoint[0]),
-                            static_cast<float>(params.viewpoint[1]),
-                            static_cast<float>(params.viewpoint[2]));
+    for (int a = 0; a < 3; ++a)
+      viewpoint[a] = static_cast<float>(params.viewpoint[static_cast<std::size_t>(a)]);
   } else if (cloud->sensor_origin_.head<3>().allFinite()) {
-    estimation.useSensorOriginAsViewPoint();
+    viewpoint = cloud->sensor_origin_;
   }
-  estimation.compute(normals);
+  normals.clear();
+  normals.resize(count);
+  std::atomic<bool> dense{true};
+  parallelFor(count, resolveThreads(params.threads), 256, [&](std::size_t i, int) {
+    const pcl::index_t point = selected ? (*selected)[i] : static_cast<pcl::index_t>(i);
+    if (!normalOf(*cloud, point, *search, neighbours, viewpoint, normals[i])) dense = false;
+  });
+  normals.is_dense = dense;
   return {};
 }
 

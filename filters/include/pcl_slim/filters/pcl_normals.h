@@ -17,7 +17,7 @@ namespace pcl_slim {
 PCL_SLIM_EXPORT pcl::search::Search<pcl::PointXYZ>::Ptr
 makeSearch(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud);
 
-/** \brief Normals of the selected, finite points by pcl::NormalEstimationOMP.
+/** \brief Normals of the selected, finite points, as pcl::NormalEstimation computes them.
  *
  * Every point of the cloud may be a neighbour. Normals face the viewpoint of params, or the
  * cloud's sensor where none is set; those that cannot be computed are NaN. \param[in] search

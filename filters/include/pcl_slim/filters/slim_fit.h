@@ -57,7 +57,7 @@ class SLIMFit : public pcl::PCLBase<PointT>, public SLIMFitBase {
   void setSearchMethod(const SearchPtr& search) { search_ = search; }
   SearchPtr getSearchMethod() const { return search_; }
 
-  /** \brief Estimates normals from the k nearest neighbours with pcl::NormalEstimationOMP;
+  /** \brief Estimates normals from the k nearest neighbours, as pcl::NormalEstimation does;
    * 0 estimates none (default). */
   void setNormalEstimationNeighbors(int k) { normal_neighbours_ = k; }
   int getNormalEstimationNeighbors() const { return normal_neighbours_; }

@@ -77,7 +77,7 @@ class SLIMProjectionSmoother : public pcl::CloudSurfaceProcessing<PointInT, Poin
   void setSearchMethod(const KdTreePtr& search) { search_ = search; }
   KdTreePtr getSearchMethod() const { return search_; }
 
-  /** \brief Estimates normals from the k nearest neighbours with pcl::NormalEstimationOMP and fits
+  /** \brief Estimates normals from the k nearest neighbours, as pcl::NormalEstimation does, and fits
    * with them; 0 estimates none (default: none are needed). */
   void setNormalEstimationNeighbors(int k) { normal_neighbours_ = k; }
   int getNormalEstimationNeighbors() const { return normal_neighbours_; }

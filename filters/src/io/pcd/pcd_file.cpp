@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/pcd/pcd_file.h"
 
-#include <pcl/io/lzf.h>
 
 #include <algorithm>
 #include <cstring>
 
+#include "io/pcd/lzf.h"
 #include "io/pcd/pcd_header.h"
 #include "io/scalar_type.h"
 
@@ -103,7 +103,7 @@ readCompressed(const std::uint8_t* payload, std::size_t size, const PcdHeader& h
         "again");
   }
   std::vector<std::uint8_t> columns(plain);
-  if (pcl::lzfDecompress(payload + 8, compressed, columns.data(), plain) != plain) {
+  if (!detail::decodeLzf(payload + 8, compressed, columns.data(), plain)) {
     return badInput("the PCD file's compressed data are corrupted; copy it again");
   }
   cloud.data.resize(header.points * cloud.point_step);
