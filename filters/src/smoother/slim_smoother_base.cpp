@@ -5,8 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <exception>
+#include <limits>
+#include <memory>
 #include <utility>
 
+#include "pcl_slim/core/parallel.h"
 #include "smoother/upsampling.h"
 
 namespace pcl_slim {
@@ -129,6 +134,18 @@ SLIMSmootherBase::smooth(const CloudView& points, bool curvature, CloudProjectio
   return done;
 }
 
+/** Points to bring onto the surface beside the input's own. */
+struct SLIMSmootherBase::Candidates {
+  std::vector<double> xyz;
+  std::vector<float> normals;  ///< of the input points they belong to; zero where there is none
+  std::vector<std::uint32_t> source;  ///< the input point of each, a place in the points asked for
+
+  void add(std::size_t from, const std::array<double, 3>& place);
+  void keep(const CloudProjection& projection);
+  void addAround(const CloudProjection& own, std::size_t from,
+                 const std::vector<std::array<double, 2>>& steps);
+};
+
 void
 SLIMSmootherBase::Candidates::add(std::size_t from, const std::array<double, 3>& place)
 {
@@ -216,9 +233,9 @@ SLIMSmootherBase::collect(const CloudView& points, const CloudProjection& own,
 }
 
 bool
-SLIMSmootherBase::upsample(const CloudView& points, bool curvature, const CloudProjection& own,
-                           const CloudView& distinct, Candidates& candidates,
-                           CloudProjection& projection)
+SLIMSmootherBase::projectCandidates(const CloudView& points, bool curvature,
+                                    const CloudProjection& own, const CloudView& distinct,
+                                    Candidates& candidates, CloudProjection& projection)
 {
   if (!collect(points, own, distinct, candidates)) return false;
   if (candidates.source.empty()) return true;
@@ -287,6 +304,97 @@ SLIMSmootherBase::curvatureOf(const ProjectedPoint& point) const
   const double tangential = r_sq / 4;
   const double least = std::min(heights, tangential);
   return static_cast<float>(least / (heights + 2 * tangential));
+}
+
+bool
+SLIMSmootherBase::run(const Source& source, const Target& target, bool& dense)
+{
+  corresponding_.reset();
+  dense = true;
+  try {
+    corresponding_ = std::make_shared<pcl::PointIndices>();
+    error_ = checkSmoother(source.has_distinct);
+    if (error_) return false;
+    CloudView view;
+    error_ = source.describe(view);
+    if (error_) return false;
+    const bool curvature = compute_normals_ && target.curvature != kNoField;
+    CloudProjection projection;
+    if (!smooth(view, curvature, projection)) return false;
+    if (upsampling_ == NONE || !getWarning().empty()) {
+      write(source, projection, target);
+      dense = projection.statistics().non_finite == 0;
+      return true;
+    }
+    upsample(source, view, projection, target);
+  } catch (const std::exception& failure) {
+    fail(ErrorCode::kBadInput, std::string("smoothing stopped: ") + failure.what());
+  }
+  return false;
+}
+
+/** Writes three numbers or one into a field, if the points have it. */
+template <std::size_t N>
+static void
+setField(const std::array<float, N>& values, std::size_t offset, unsigned char* to)
+{
+  if (offset != static_cast<std::size_t>(-1))
+    std::memcpy(to + offset, values.data(), sizeof(values));
+}
+
+/** Writes place, normal and curvature. */
+void
+SLIMSmootherBase::put(const ProjectedPoint& point, const Target& target, unsigned char* to) const
+{
+  const auto& p = point.position;
+  setField<3>({static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])},
+              target.position, to);
+  if (!compute_normals_) return;
+  setField(point.normal, target.normal, to);
+  if (target.curvature != kNoField) setField<1>({curvatureOf(point)}, target.curvature, to);
+}
+
+void
+SLIMSmootherBase::write(const Source& source, const CloudProjection& projection,
+                        const Target& target)
+{
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  const std::size_t count = projection.size();
+  unsigned char* const points = target.resize(count);
+  corresponding_->indices.resize(count);
+  parallelFor(count, resolveThreads(params_.threads), 4096, [&](std::size_t i, int) {
+    const auto from = source.indices ? static_cast<std::size_t>((*source.indices)[i]) : i;
+    unsigned char* const to = points + i * target.step;
+    corresponding_->indices[i] = static_cast<pcl::index_t>(from);
+    target.copy(source.points + from * source.step, to);
+    if (projection.isSupported(i)) return put(projection.point(i), target, to);
+    if (projection.isFinite(i) || !compute_normals_) return;
+    setField<3>({kNan, kNan, kNan}, target.normal, to);
+    setField<1>({kNan}, target.curvature, to);
+  });
+}
+
+void
+SLIMSmootherBase::upsample(const Source& source, const CloudView& points,
+                           const CloudProjection& own, const Target& target)
+{
+  Candidates candidates;
+  CloudProjection projection;
+  const bool curvature = compute_normals_ && target.curvature != kNoField;
+  if (!projectCandidates(points, curvature, own, source.distinct, candidates, projection)) return;
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < projection.size(); ++i)
+    if (projection.isSupported(i)) kept.push_back(i);
+  unsigned char* const points = target.resize(kept.size());
+  corresponding_->indices.resize(kept.size());
+  parallelFor(kept.size(), resolveThreads(params_.threads), 4096, [&](std::size_t k, int) {
+    const std::size_t asked = candidates.source[kept[k]];
+    const auto from = source.indices ? static_cast<std::size_t>((*source.indices)[asked]) : asked;
+    unsigned char* const to = points + k * target.step;
+    corresponding_->indices[k] = static_cast<pcl::index_t>(from);
+    target.copy(source.points + from * source.step, to);
+    put(upsampled(candidates, projection, kept[k]), target, to);
+  });
 }
 
 }  // namespace pcl_slim

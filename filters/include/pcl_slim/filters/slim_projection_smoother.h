@@ -14,6 +14,9 @@
 
 namespace pcl_slim {
 
+template <typename PointT>
+class CloudDescription;
+
 /** \brief Smooths a cloud by moving its points onto the SLIM surface fitted to it (Ohtake, Belyaev,
  * Alexa: Sparse low-degree implicit surfaces, SGP 2005, equations 6 to 8).
  *
@@ -86,17 +89,6 @@ class SLIMProjectionSmoother : public pcl::CloudSurfaceProcessing<PointInT, Poin
   void setDistinctCloud(PointCloudInConstPtr cloud) { distinct_cloud_ = std::move(cloud); }
   PointCloudInConstPtr getDistinctCloud() const { return distinct_cloud_; }
 
-  // Output ---------------------------------------------------------------------------------------
-
-  /** \brief Whether to write the surface's normals, and its curvature (setCurvature(); positive where the
-   * surface bends away from the normal) as the field curvature, where PointOutT has them. On by default: they are exact and nearly free. Off, those fields are copied like others.
-   *
-   * A normal points to the side of the input's normal at that point, if there is one; otherwise
-   * towards the viewpoint, if one is set; otherwise to the surface's outer side. Unsupported
-   * points keep their input's normal, or have a zero one. */
-  void setComputeNormals(bool compute) { compute_normals_ = compute; }
-  bool getComputeNormals() const { return compute_normals_; }
-
   // Running --------------------------------------------------------------------------------------
 
   /** \brief Smooths. Empty output and getError() when it cannot. The output may be the input
@@ -111,25 +103,13 @@ class SLIMProjectionSmoother : public pcl::CloudSurfaceProcessing<PointInT, Poin
   void performProcessing(PointCloudOut& output) override;
 
  private:
-  /** \brief Makes the output of a projection. */
-  void write(const CloudProjection& projection, PointCloudOut& output);
-  /** \brief Makes the output of an upsampling method. */
-  void writeUpsampled(const CloudView& view, const CloudProjection& own, PointCloudOut& output);
-  PointOutT smoothed(const CloudProjection& projection, std::size_t i, const PointInT& in) const;
-  /** \brief Writes place, normal and curvature. */
-  void put(const ProjectedPoint& point, PointOutT& out) const;
-  bool writesCurvature() const
-  {
-    return compute_normals_ && pcl::traits::has_curvature<PointOutT>::value;
-  }
-  /** \brief The input point that the i-th point asked for is. */
-  std::size_t inputOf(std::size_t i) const;
+  Source source(CloudDescription<PointInT>& description) const;
+  static Target target(PointCloudOut& output);
 
   PointCloudInConstPtr distinct_cloud_;
   NormalCloud::ConstPtr normals_;
   KdTreePtr search_;
   int normal_neighbours_ = 0;
-  bool compute_normals_ = true;
 };
 
 }  // namespace pcl_slim

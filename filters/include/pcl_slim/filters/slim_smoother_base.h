@@ -5,7 +5,9 @@
 #include <pcl/surface/mls.h>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "pcl_slim/core/export.h"
@@ -70,6 +72,17 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
   void setSqrGaussParam(double value);
   double getSqrGaussParam() const;
 
+  // Output ---------------------------------------------------------------------------------------
+
+  /** \brief Whether to write the surface's normals, and its curvature (setCurvature(); positive where the
+   * surface bends away from the normal) as the field curvature, where PointOutT has them. On by default: they are exact and nearly free. Off, those fields are copied like others.
+   *
+   * A normal points to the side of the input's normal at that point, if there is one; otherwise
+   * towards the viewpoint, if one is set; otherwise to the surface's outer side. Unsupported
+   * points keep their input's normal, or have a zero one. */
+  void setComputeNormals(bool compute) { compute_normals_ = compute; }
+  bool getComputeNormals() const { return compute_normals_; }
+
   // Curvature ------------------------------------------------------------------------------------
 
   /** \brief What the output's field curvature holds. */
@@ -105,40 +118,31 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
   SLIMSmootherBase() : SLIMProjectionBase(true) {}
   ~SLIMSmootherBase() = default;
 
-  /** \brief Points to bring onto the surface beside the input's own. */
-  struct Candidates {
-    std::vector<double> xyz;
-    std::vector<float> normals;  ///< of the input points they belong to; zero where there is none
-    std::vector<std::uint32_t>
-        source;  ///< the input point of each, a place in the points asked for
+  static constexpr std::size_t kNoField = static_cast<std::size_t>(-1);
 
-    void add(std::size_t from, const std::array<double, 3>& place);
-    void keep(const CloudProjection& projection);
-    void addAround(const CloudProjection& own, std::size_t from,
-                   const std::vector<std::array<double, 2>>& steps);
+  /** \brief The input as bytes: points of any type. */
+  struct Source {
+    const unsigned char* points = nullptr;
+    std::size_t step = 0;                       ///< bytes from one point to the next
+    const pcl::Indices* indices = nullptr;      ///< null: all points
+    CloudView distinct;                         ///< of the distinct cloud; empty: there is none
+    bool has_distinct = false;                  ///< one is set, empty or not
+    std::function<Error(CloudView&)> describe;  ///< what is fitted to
   };
 
-  /** \brief Names the first parameter that a run cannot work with. \param[in] has_distinct whether a
-   * distinct cloud is set. */
-  Error checkSmoother(bool has_distinct) const;
+  /** \brief The output as bytes; offsets of its fields within a point, or kNoField. Three floats each, but
+   * for the curvature. */
+  struct Target {
+    std::size_t step = 0, position = 0, normal = kNoField, curvature = kNoField;
+    void (*copy)(const void* from, void* to) = nullptr;  ///< the fields that both types have
+    std::function<unsigned char*(std::size_t)> resize;   ///< makes room for so many points
+  };
 
-  /** \brief Fits with the least radius of balls that the search radius asks for, and projects; see
-   * SLIMProjectionBase::project(). */
-  bool smooth(const CloudView& points, bool curvature, CloudProjection& projection);
+  /** \brief Smooths or upsamples, and writes the points. \param[out] dense whether all are finite. \return
+   * whether they are the input's own; getError() says why there are none. */
+  bool run(const Source& source, const Target& target, bool& dense);
 
-  /** \brief The points that the upsampling method asks for, and their projection; those that are not
-   * supported stay out. \param[in] own the projection of the input. \param[in] distinct for
-   * DISTINCT_CLOUD. */
-  bool upsample(const CloudView& points, bool curvature, const CloudProjection& own,
-                const CloudView& distinct, Candidates& candidates, CloudProjection& projection);
-
-  /** \brief A candidate's foot on the surface, on the side of its input point's. */
-  ProjectedPoint upsampled(const Candidates& candidates, const CloudProjection& projection,
-                           std::size_t i) const;
-
-  /** \brief The value of the field curvature. */
-  float curvatureOf(const ProjectedPoint& point) const;
-
+  bool compute_normals_ = true;
   pcl::PointIndicesPtr corresponding_;
   double search_radius_ = 0.0;
   UpsamplingMethod upsampling_ = NONE;
@@ -149,6 +153,29 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
   Curvature curvature_ = kMean;
 
  private:
+  struct Candidates;
+
+  /** \brief Names the first parameter that a run cannot work with. \param[in] has_distinct whether a
+   * distinct cloud is set. */
+  Error checkSmoother(bool has_distinct) const;
+  /** \brief Fits with the least radius of balls that the search radius asks for, and projects; see
+   * SLIMProjectionBase::project(). */
+  bool smooth(const CloudView& points, bool curvature, CloudProjection& projection);
+  /** \brief The points that the upsampling method asks for, and their projection; those that are not
+   * supported stay out. \param[in] own the projection of the input. \param[in] distinct for
+   * DISTINCT_CLOUD. */
+  bool projectCandidates(const CloudView& points, bool curvature, const CloudProjection& own,
+                         const CloudView& distinct, Candidates& candidates,
+                         CloudProjection& projection);
+  /** \brief A candidate's foot on the surface, on the side of its input point's. */
+  ProjectedPoint upsampled(const Candidates& candidates, const CloudProjection& projection,
+                           std::size_t i) const;
+  /** \brief The value of the field curvature. */
+  float curvatureOf(const ProjectedPoint& point) const;
+  void write(const Source& source, const CloudProjection& projection, const Target& target);
+  void upsample(const Source& source, const CloudView& points, const CloudProjection& own,
+                const Target& target);
+  void put(const ProjectedPoint& point, const Target& target, unsigned char* to) const;
   void sampleAround(const CloudView& points, const CloudProjection& own,
                     Candidates& candidates) const;
   bool collect(const CloudView& points, const CloudProjection& own, const CloudView& distinct,

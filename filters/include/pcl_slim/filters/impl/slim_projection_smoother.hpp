@@ -5,13 +5,9 @@
 #include <pcl/console/print.h>
 #include <pcl/surface/processing.h>
 
-#include <exception>
-#include <limits>
-#include <memory>
 #include <type_traits>
 #include <utility>
 
-#include "pcl_slim/core/parallel.h"
 #include "pcl_slim/filters/impl/cloud_description.hpp"
 #include "pcl_slim/filters/slim_projection_smoother.h"
 
@@ -41,124 +37,77 @@ template <typename PointInT, typename PointOutT>
 void
 SLIMProjectionSmoother<PointInT, PointOutT>::performProcessing(PointCloudOut& output)
 {
-  corresponding_.reset();
   CloudDescription<PointInT> description(input_, use_indices_ ? indices_ : nullptr, params_,
                                          sensors_);
   description.setInputNormals(normals_);
   description.setSearchMethod(search_);
   description.setNormalEstimationNeighbors(normal_neighbours_);
-  try {
-    corresponding_ = std::make_shared<pcl::PointIndices>();
-    error_ = checkSmoother(distinct_cloud_ != nullptr);
-    if (error_) return;
-    if (!description.describe()) {
-      error_ = description.getError();
-      return;
-    }
-    CloudProjection projection;
-    if (!smooth(description.view(), writesCurvature(), projection)) return;
-    if (upsampling_ == NONE || !getWarning().empty())
-      write(projection, output);
-    else
-      writeUpsampled(description.view(), projection, output);
-  } catch (const std::exception& failure) {
-    fail(ErrorCode::kBadInput, std::string("smoothing stopped: ") + failure.what());
-  }
-}
-
-template <typename PointInT, typename PointOutT>
-std::size_t
-SLIMProjectionSmoother<PointInT, PointOutT>::inputOf(std::size_t i) const
-{
-  return use_indices_ && indices_ ? static_cast<std::size_t>((*indices_)[i]) : i;
-}
-
-template <typename PointInT, typename PointOutT>
-void
-SLIMProjectionSmoother<PointInT, PointOutT>::write(const CloudProjection& projection,
-                                                   PointCloudOut& output)
-{
-  const bool some = use_indices_ && indices_;
-  output.resize(projection.size());
-  if (!some && static_cast<std::size_t>(input_->width) * input_->height == output.size()) {
+  bool dense = true;
+  const bool own = run(source(description), target(output), dense);
+  if (error_) return;
+  if (own && !(use_indices_ && indices_) &&
+      static_cast<std::size_t>(input_->width) * input_->height == output.size()) {
     output.width = input_->width;
     output.height = input_->height;
   }
   output.header = input_->header;
   output.sensor_origin_ = input_->sensor_origin_;
   output.sensor_orientation_ = input_->sensor_orientation_;
-  output.is_dense = projection.statistics().non_finite == 0;
-  corresponding_->indices.resize(projection.size());
-  parallelFor(projection.size(), resolveThreads(params_.threads), 4096, [&](std::size_t i, int) {
-    corresponding_->indices[i] = static_cast<pcl::index_t>(inputOf(i));
-    output[i] = smoothed(projection, i, (*input_)[inputOf(i)]);
-  });
+  output.is_dense = dense;
 }
 
 template <typename PointInT, typename PointOutT>
-void
-SLIMProjectionSmoother<PointInT, PointOutT>::writeUpsampled(const CloudView& view,
-                                                            const CloudProjection& own,
-                                                            PointCloudOut& output)
+typename SLIMProjectionSmoother<PointInT, PointOutT>::Source
+SLIMProjectionSmoother<PointInT, PointOutT>::source(CloudDescription<PointInT>& description) const
 {
-  CloudView distinct;
+  Source source;
+  source.step = sizeof(PointInT);
+  if (input_) source.points = reinterpret_cast<const unsigned char*>(input_->points.data());
+  if (use_indices_ && indices_) source.indices = indices_.get();
+  source.has_distinct = distinct_cloud_ != nullptr;
   if (distinct_cloud_ && !distinct_cloud_->empty()) {
-    distinct.size = distinct_cloud_->size();
-    distinct.xyz = reinterpret_cast<const unsigned char*>(distinct_cloud_->points.data()) +
-                   pcl::traits::offset<PointInT, pcl::fields::x>::value;
-    distinct.xyz_stride = sizeof(PointInT);
+    source.distinct.size = distinct_cloud_->size();
+    source.distinct.xyz = reinterpret_cast<const unsigned char*>(distinct_cloud_->points.data()) +
+                          pcl::traits::offset<PointInT, pcl::fields::x>::value;
+    source.distinct.xyz_stride = sizeof(PointInT);
   }
-  Candidates candidates;
-  CloudProjection projection;
-  if (!upsample(view, writesCurvature(), own, distinct, candidates, projection)) return;
-  for (std::size_t i = 0; i < projection.size(); ++i) {
-    if (!projection.isSupported(i)) continue;
-    const std::size_t from = inputOf(candidates.source[i]);
-    PointOutT out;
-    pcl::copyPoint((*input_)[from], out);
-    put(upsampled(candidates, projection, i), out);
-    output.push_back(out);
-    corresponding_->indices.push_back(static_cast<pcl::index_t>(from));
-  }
-  output.header = input_->header;
-  output.sensor_origin_ = input_->sensor_origin_;
-  output.sensor_orientation_ = input_->sensor_orientation_;
-  output.is_dense = true;
+  source.describe = [&description](CloudView& view) {
+    if (!description.describe()) return description.getError();
+    view = description.view();
+    return Error();
+  };
+  return source;
 }
 
 template <typename PointInT, typename PointOutT>
-void
-SLIMProjectionSmoother<PointInT, PointOutT>::put(const ProjectedPoint& point, PointOutT& out) const
+typename SLIMProjectionSmoother<PointInT, PointOutT>::Target
+SLIMProjectionSmoother<PointInT, PointOutT>::target(PointCloudOut& output)
 {
-  out.x = static_cast<float>(point.position[0]);
-  out.y = static_cast<float>(point.position[1]);
-  out.z = static_cast<float>(point.position[2]);
-  if (!compute_normals_) return;
+  namespace fields = pcl::fields;
+  using pcl::traits::offset;
+  static_assert(std::is_same<decltype(PointOutT::x), float>::value &&
+                    offset<PointOutT, fields::z>::value - offset<PointOutT, fields::x>::value == 8,
+                "x y z are written as three floats in a row");
+  Target target;
+  target.step = sizeof(PointOutT);
+  target.position = offset<PointOutT, fields::x>::value;
   if constexpr (pcl::traits::has_normal<PointOutT>::value) {
-    out.normal_x = point.normal[0];
-    out.normal_y = point.normal[1];
-    out.normal_z = point.normal[2];
+    target.normal = offset<PointOutT, fields::normal_x>::value;
+    static_assert(
+        offset<PointOutT, fields::normal_z>::value - offset<PointOutT, fields::normal_x>::value ==
+            8,
+        "normals are written as three floats in a row");
   }
-  if constexpr (pcl::traits::has_curvature<PointOutT>::value) out.curvature = curvatureOf(point);
-}
-
-template <typename PointInT, typename PointOutT>
-PointOutT
-SLIMProjectionSmoother<PointInT, PointOutT>::smoothed(const CloudProjection& projection,
-                                                      std::size_t i, const PointInT& in) const
-{
-  static_assert(std::is_same<decltype(PointOutT::x), float>::value, "x y z are written as float");
-  PointOutT out;
-  pcl::copyPoint(in, out);
-  if (projection.isSupported(i)) {
-    put(projection.point(i), out);
-  } else if (!projection.isFinite(i) && compute_normals_) {
-    constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-    if constexpr (pcl::traits::has_normal<PointOutT>::value)
-      out.normal_x = out.normal_y = out.normal_z = kNan;
-    if constexpr (pcl::traits::has_curvature<PointOutT>::value) out.curvature = kNan;
-  }
-  return out;
+  if constexpr (pcl::traits::has_curvature<PointOutT>::value)
+    target.curvature = offset<PointOutT, fields::curvature>::value;
+  target.copy = [](const void* from, void* to) {
+    pcl::copyPoint(*static_cast<const PointInT*>(from), *static_cast<PointOutT*>(to));
+  };
+  target.resize = [&output](std::size_t count) {
+    output.resize(count);
+    return reinterpret_cast<unsigned char*>(output.points.data());
+  };
+  return target;
 }
 
 }  // namespace pcl_slim
