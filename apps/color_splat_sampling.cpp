@@ -34,7 +34,8 @@ declareOptions(Settings& s)
                       "Thins a coloured scan to discs that cover its surface without holes.");
   SplatParams& p = s.params;
   options.positional("IN", &s.files.input, kScanHelp);
-  options.positional("OUT.pcd|.ply", &s.files.output, "the splats: x y z, normal, rgba, radius");
+  options.positional("OUT.pcd|.ply|.vtp", &s.files.output,
+                     "the splats: x y z, normal, rgba, radius");
   options.integer("initial", &p.initial_resolution, 0, RootGrid::kMaxResolution,
                   "cells of the initial grid along the longest side; 0: about 50 points a cell");
   options.number("geo", &p.geometric_error, 0, 1e6,

@@ -100,8 +100,7 @@ checkSettings(Settings& s)
 bool
 isSurface(const std::string& path, const CloudFile* cloud)
 {
-  const std::string extension = lowerExtension(path);
-  if (extension == ".slim" || extension == ".vtp") return true;
+  if (lowerExtension(path) == ".slim") return true;
   return cloud != nullptr && findField(cloud->file.cloud, "c0") >= 0;
 }
 

@@ -47,7 +47,7 @@ OptionTable
 declareOptions(Settings& s)
 {
   OptionTable table("pcl_slim_render", PCL_SLIM_VERSION,
-                    "Renders a SLIM surface (.pcd .ply .vtp .slim) or splats (.pcd .ply) into a "
+                    "Renders a SLIM surface (.pcd .ply .vtp .slim) or splats into a "
                     "picture or a page for browsers; no X server needed.");
   table.positional("IN.pcd|.ply|.vtp|.slim", &s.input,
                    "surface of pcl_slim_fit or splats of pcl_color_splat_sampling");
