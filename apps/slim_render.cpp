@@ -278,7 +278,7 @@ writePage(const Settings& s, const Model& model, const Camera& camera, Console& 
   params.up = s.view.upwards(model.spheres());
   params.precision = s.page.precision;
   params.lines = s.lines.inSpace();
-  const ShadingParams shading = s.picture.shadingFor(model.splats.hasColors(), s.threads);
+  const ShadingParams shading = s.picture.shadingFor(model.hasColors(), s.threads);
   const auto page = model.is_splats
                         ? encodePage(model.splats, camera, discsOf(s), shading, params)
                         : encodePage(model.surface, camera, renderingOf(s), shading, params);
