@@ -141,6 +141,8 @@ sample(Settings& s, const CloudFile& cloud, Console& console, Report& report, Sp
         "  the scan has normals: -estimate_normals, -viewpoint and -trajectory have no effect "
         "without -use_normals 0");
   }
+  if (!s.scan.use_normals && cloud.normal_source == NormalSource::kNothing)
+    console.note("  -use_normals has no effect: the scan has none");
   if (statistics.non_finite > 0) {
     console.note("  points skipped: " + std::to_string(statistics.non_finite) + " non-finite");
   }

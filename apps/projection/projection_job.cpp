@@ -134,9 +134,9 @@ declareOptions(const ProjectionProgram& program, ProjectionJob& job, TileRequest
   declareTileOptions(options, tiles);
   declareReport(options, job.files);
   for (const char* name :
-       {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "least_radius", "outliers",
-        "robust", "local_noise", "sides", "correlation", "noise_model", "normals_as_data",
-        "normal_error", "paper", "compact", "lambda", "seed"}) {
+       {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "noise_factor", "least_radius",
+        "outliers", "robust", "local_noise", "sides", "correlation", "noise_model",
+        "normals_as_data", "normal_error", "paper", "compact", "lambda", "seed"}) {
     options.exclusive({"surface", name});
   }
   // A mesh has its normals, and their sides, from its faces.
