@@ -34,7 +34,8 @@ declareOptions(Settings& s)
                       "Thins a coloured scan to discs that cover its surface without holes.");
   SplatParams& p = s.params;
   options.positional("IN", &s.files.input, kScanHelp);
-  options.positional("OUT.pcd|.ply", &s.files.output, "the splats: x y z, normal, rgba, radius");
+  options.positional("OUT.pcd|.ply|.vtp", &s.files.output,
+                     "the splats: x y z, normal, rgba, radius");
   options.integer("initial", &p.initial_resolution, 0, RootGrid::kMaxResolution,
                   "cells of the initial grid along the longest side; 0: about 50 points a cell");
   options.number("geo", &p.geometric_error, 0, 1e6,
@@ -140,6 +141,8 @@ sample(Settings& s, const CloudFile& cloud, Console& console, Report& report, Sp
         "  the scan has normals: -estimate_normals, -viewpoint and -trajectory have no effect "
         "without -use_normals 0");
   }
+  if (!s.scan.use_normals && cloud.normal_source == NormalSource::kNothing)
+    console.note("  -use_normals has no effect: the scan has none");
   if (statistics.non_finite > 0) {
     console.note("  points skipped: " + std::to_string(statistics.non_finite) + " non-finite");
   }

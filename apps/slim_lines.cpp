@@ -51,9 +51,9 @@ declareOptions(Settings& s)
   declareMemoryLimit(options, &s.max_memory);
   options.toggle("quiet", &s.quiet, "say nothing but errors");
   for (const char* name :
-       {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "least_radius", "outliers",
-        "robust", "local_noise", "sides", "correlation", "noise_model", "normals_as_data",
-        "normal_error", "paper", "compact", "lambda", "seed"}) {
+       {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "noise_factor", "least_radius",
+        "outliers", "robust", "local_noise", "sides", "correlation", "noise_model",
+        "normals_as_data", "normal_error", "paper", "compact", "lambda", "seed"}) {
     options.exclusive({"surface", name});
   }
   return options;

@@ -72,9 +72,9 @@ declareOptions(Settings& s)
   declareMemoryLimit(options, &s.max_memory);
   options.toggle("quiet", &s.quiet, "say nothing but errors");
   for (const char* name :
-       {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "outliers", "robust",
-        "local_noise", "sides", "correlation", "noise_model", "normals_as_data", "normal_error",
-        "paper", "compact", "lambda", "seed"}) {
+       {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "noise_factor", "outliers",
+        "robust", "local_noise", "sides", "correlation", "noise_model", "normals_as_data",
+        "normal_error", "paper", "compact", "lambda", "seed"}) {
     options.exclusive({"surface", name});
   }
   return options;
@@ -100,8 +100,7 @@ checkSettings(Settings& s)
 bool
 isSurface(const std::string& path, const CloudFile* cloud)
 {
-  const std::string extension = lowerExtension(path);
-  if (extension == ".slim" || extension == ".vtp") return true;
+  if (lowerExtension(path) == ".slim") return true;
   return cloud != nullptr && findField(cloud->file.cloud, "c0") >= 0;
 }
 

@@ -47,7 +47,7 @@ OptionTable
 declareOptions(Settings& s)
 {
   OptionTable table("pcl_slim_render", PCL_SLIM_VERSION,
-                    "Renders a SLIM surface (.pcd .ply .vtp .slim) or splats (.pcd .ply) into a "
+                    "Renders a SLIM surface (.pcd .ply .vtp .slim) or splats into a "
                     "picture or a page for browsers; no X server needed.");
   table.positional("IN.pcd|.ply|.vtp|.slim", &s.input,
                    "surface of pcl_slim_fit or splats of pcl_color_splat_sampling");
@@ -278,7 +278,7 @@ writePage(const Settings& s, const Model& model, const Camera& camera, Console& 
   params.up = s.view.upwards(model.spheres());
   params.precision = s.page.precision;
   params.lines = s.lines.inSpace();
-  const ShadingParams shading = s.picture.shadingFor(model.splats.hasColors(), s.threads);
+  const ShadingParams shading = s.picture.shadingFor(model.hasColors(), s.threads);
   const auto page = model.is_splats
                         ? encodePage(model.splats, camera, discsOf(s), shading, params)
                         : encodePage(model.surface, camera, renderingOf(s), shading, params);

@@ -32,7 +32,7 @@ declareOptions(Settings& s)
   OptionTable options("pcl_slim_sample", PCL_SLIM_VERSION,
                       "Spreads points evenly over the SLIM surface of a scan: blue noise.");
   options.positional("IN", &s.files.input, "a scan, or a surface made by pcl_slim_fit");
-  options.positional("OUT.pcd|.ply|.las", &s.files.output,
+  options.positional("OUT.pcd|.ply|.las|.vtp", &s.files.output,
                      "the points, with normals, mean and Gaussian curvature");
   options.number("spacing", &s.sampling.spacing, 1e-300, 1e300,
                  "least distance of two points, in the scan's units", "off");
@@ -64,8 +64,7 @@ checkSettings(Settings& s)
 Error
 readSurface(const std::string& path, bool& found, SLIMSurface& surface)
 {
-  const std::string extension = lowerExtension(path);
-  found = extension == ".slim" || extension == ".vtp";
+  found = lowerExtension(path) == ".slim";
   Result<SLIMSurface> made = SLIMSurface();
   if (found) {
     made = loadSurface(path);

@@ -9,7 +9,7 @@ option(PCL_SLIM_BUILD_EXAMPLES "Build the examples" OFF)
 option(PCL_SLIM_BUILD_BENCHMARKS "Build the benchmarks (needs nanoflann)" OFF)
 option(PCL_SLIM_BUILD_MPI "Build pcl_slim_fit_mpi where MPI is found" ON)
 option(PCL_SLIM_WITH_PNG "Read and write .png pictures (needs libpng)" ON)
-option(PCL_SLIM_WITH_VTP "Read and write .vtp surfaces (needs VTK's IOXML)" ON)
+option(PCL_SLIM_WITH_VTP "Read and write .vtp (needs VTK's IOXML)" ON)
 option(PCL_SLIM_INSTALL "Make install rules" ${PROJECT_IS_TOP_LEVEL})
 option(PCL_SLIM_WARNINGS_AS_ERRORS "Stop at compiler warnings (continuous integration)" OFF)
 set(PCL_SLIM_SANITIZE "" CACHE STRING

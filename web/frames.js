@@ -81,7 +81,7 @@ class Targets {
       first: this.frame([this.first], true), firstNamed: this.frame([this.first, this.named], true), sums: this.frame(this.sums, true),
       result: this.frame([this.geometry, this.attributes, this.met]),
       nearest: this.nearest.map(texture => this.frame([texture])),
-      named: this.frame([this.named], true), colors: this.frame([this.colors]),
+      named: this.frame([this.named], true), painted: this.frame([this.sums[0]], true), colors: this.frame([this.colors]),
     };
   }
   texture(format, filter = this.gl.NEAREST) {
@@ -189,7 +189,7 @@ export class Frames {
     gl.disable(gl.BLEND);
     this.clear(t.into.result, [0, 0, 0, 0], [0, 0, 0, 0], [NOTHING, 0, 0, 0]);
     this.round = 0;
-    this.isNamed = false;
+    this.isNamed = this.isPainted = false;
   }
 
   clear(frame, ...colors) {
@@ -207,12 +207,13 @@ export class Frames {
   shade(look, add) {
     const gl = this.gl, t = this.targets;
     if (look.named) this.nameLeaves();
+    const slimPainted = look.painted ? this.paint() : t.attributes;
     gl.viewport(0, 0, t.width, t.height);
     gl.bindFramebuffer(gl.FRAMEBUFFER, t.into.colors);
     if (!add) gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE);
-    this.drawFrame('shade', {slimGeometry: t.geometry, slimAttributes: t.attributes, slimNamed: t.named},
+    this.drawFrame('shade', {slimGeometry: t.geometry, slimAttributes: t.attributes, slimNamed: t.named, slimPainted},
       {...look.values, slimHollows: [look.hollows, this.values.slimPixel]});
     gl.disable(gl.BLEND);
   }

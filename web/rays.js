@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a ray meets of a surface, in double: modules/render/src/reference, leaf by leaf.
-import {frameOf} from './surface.js';
+import {COLOR_TERMS, frameOf} from './surface.js';
 import {along, cross, dot, length, scaled, unit} from './vectors.js';
 
 const value = (a, x) => a.reduceRight((sum, c) => sum * x + c, 0);
@@ -137,6 +137,7 @@ function blendLeaf(s, rules, i, eye, direction, first, sum) {
   sum.coverage += kernel(s.kernel, root2 / s.coverRadius ** 2);
   if (rules.trim) sum.outside += weight * outsideShare(s, i, qu, qv);
   sum.lean = along(sum.lean, weight, q);
+  sum.side += side;
   sum.leaves += 1;
   sum.gradient = along(sum.gradient, side * weight, along(along(w, -hu, u), -hv, v));
   for (let k = 0; k < 3; ++k) {
@@ -161,8 +162,26 @@ function principal(g, h) {
   return [mean + spread, mean - spread];
 }
 
+/** Red, green and blue, 0 ... 255, at a point with the normal of its side: modules/query/src/probe. */
+function colorAt(s, rules, point, normal) {
+  let all = 0, sum = [0, 0, 0];
+  for (let i = 0; i < s.leaves; ++i) {
+    const r = s.radius[i], q = [s.x[i], s.y[i], s.z[i]].map((c, k) => (point[k] - c) / r), square = dot(q, q);
+    if (!(square < 1)) continue;
+    const frame = frameOf(s, i), [u, v] = frame.map(axis => dot(q, axis));
+    const isOwn = Math.abs(alongRay(s, i, frame, q, frame[2])[0]) <= rules.kColorGate &&
+      (!s.oriented || dot(normal, frame[2]) > 0);
+    const weight = (isOwn ? 1 : rules.kOtherSheet) * s.weight[i] * kernel(s.kernel, square);
+    const terms = s.colors.subarray(COLOR_TERMS * i, COLOR_TERMS * (i + 1)), powers = [1, u, v, u * u, u * v, v * v];
+    const color = [0, 1, 2].map(c => powers.reduce((value, power, k) => value + power * terms[3 * k + c], 0));
+    all += weight;
+    sum = along(sum, weight, color.map(c => Math.max(0, Math.min(255, c))));
+  }
+  return all > 0 ? scaled(sum, 1 / all) : [255, 255, 255];
+}
+
 /**
- * What a ray meets, in local units and in double: {depth, point, normal, kMax, kMin, leaf}, or null.
+ * What a ray meets, in local units and in double: {depth, point, normal, kMax, kMin, leaf, color}, or null.
  * rules: the frame's constants, and front, trim, near. O(leaves).
  */
 export function cast(s, rules, eye, direction) {
@@ -170,7 +189,7 @@ export function cast(s, rules, eye, direction) {
   for (let layer = 0; layer < rules.kMaxLayers; ++layer) {
     const first = firstHit(s, rules, eye, direction, nearest);
     if (first === Infinity) return null;
-    const sum = {weight: 0, shift: 0, coverage: 0, outside: 0, leaves: 0, largest: 0, leaf: -1,
+    const sum = {weight: 0, shift: 0, coverage: 0, outside: 0, leaves: 0, side: 0, largest: 0, leaf: -1,
                  lean: [0, 0, 0], gradient: [0, 0, 0], hessian: [[0, 0, 0], [0, 0, 0], [0, 0, 0]]};
     for (let i = 0; i < s.leaves; ++i) blendLeaf(s, rules, i, eye, direction, first, sum);
     if (sum.leaf < 0) return null;
@@ -178,7 +197,9 @@ export function cast(s, rules, eye, direction) {
       const depth = first + sum.shift / sum.weight;
       const [kMax, kMin] = principal(scaled(sum.gradient, 1 / sum.weight),
                                      sum.hessian.map(row => scaled(row, 1 / sum.weight)));
-      return {depth, point: along(eye, depth, direction), normal: unit(sum.gradient), kMax, kMin, leaf: sum.leaf};
+      const point = along(eye, depth, direction), normal = unit(sum.gradient), hit = {depth, point, normal, kMax, kMin, leaf: sum.leaf};
+      if (s.colored) hit.color = colorAt(s, rules, point, s.oriented && sum.side < 0 ? scaled(normal, -1) : normal);
+      return hit;
     }
     nearest = first + rules.kPeelStep * s.radius[sum.leaf];
   }

@@ -14,7 +14,7 @@ export class SurfaceFrames extends Frames {
     Object.assign(this, {surface, rules});
     this.reach = Math.min(rules.kMaxShrink, Math.max(0.05, surface.coverRadius));
     const packed = texels(surface, rules, this.unit);
-    this.perLeaf = packed.perLeaf;
+    [this.perLeaf, this.colorAt] = [packed.perLeaf, packed.colorAt];
     this.leaves = this.dataTexture(packed.data, 4, gl.RGBA32F, gl.RGBA, gl.FLOAT);
     this.trims = this.dataTexture(packed.words, 1, gl.R32I, gl.RED_INTEGER, gl.INT);
     this.hulls = this.vertices(packed.hulls, [[4, 0], [1, 16]], 20);
@@ -31,14 +31,15 @@ export class SurfaceFrames extends Frames {
       slimCoverRadius: Math.min(1, Math.max(0.05, s.coverRadius)), slimScale: 1,
       slimDetail: 0.5 * lod * this.values.slimScreen[0], slimMostSide: MOST_SIDE,
       slimTrimmed: +(rules.trim && s.trimmed), slimMinCoverage: s.coverThreshold, slimOriented: s.oriented,
+      slimMargin: 0.001, slimColorAt: this.colorAt,
     });
     this.clear(this.targets.into.nearest[0], [this.values.slimNear, 0, 0, 0]);
   }
 
-  drawHulls(program, reach, first, textures) {
+  drawHulls(program, reach, first, textures, values = {}) {
     const gl = this.gl, {leaves, trims} = this;
     const count = this.values.slimDetail > 0 ? this.surface.count : this.surface.leaves;
-    this.programs[program].use({...this.values, slimReach: reach, slimFirstPass: first},
+    this.programs[program].use({...this.values, slimReach: reach, slimFirstPass: first, ...values},
       {slimLeaves: leaves, slimTrims: trims, ...textures});
     gl.enable(gl.DEPTH_TEST);
     gl.enable(gl.CULL_FACE);
@@ -54,6 +55,7 @@ export class SurfaceFrames extends Frames {
   /** First hits, blends and what they give; what is uncovered waits for another round. */
   drawRound() {
     const gl = this.gl, t = this.targets, from = this.round++ % 2;
+    this.isNamed = this.isPainted = false;
     const nearest = {slimNearest: t.nearest[from]};
     this.clear(t.into.first, [NOTHING, 0, 0, 0]);
     gl.clearBufferfv(gl.DEPTH, 0, [1]);
@@ -95,5 +97,26 @@ export class SurfaceFrames extends Frames {
     gl.depthFunc(gl.LESS);
     this.drawHulls('name', 1, 0, {slimFirst: t.met});
     this.isNamed = true;
+  }
+
+  /** The colours at the blend, times their weights: of leaves whose balls hold it, however far their polynomials. */
+  paint() {
+    const gl = this.gl, t = this.targets, painted = t.sums[0];
+    if (this.isPainted) return painted;
+    gl.viewport(0, 0, t.width, t.height);
+    this.clear(t.into.painted, [0, 0, 0, 0]);
+    gl.enable(gl.DEPTH_TEST);
+    gl.depthFunc(gl.ALWAYS);
+    gl.colorMask(false, false, false, false);
+    this.drawFrame('depths', {slimGeometry: t.geometry});
+    gl.colorMask(true, true, true, true);
+    gl.depthFunc(gl.LEQUAL);
+    gl.depthMask(false);
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.ONE, gl.ONE);
+    this.drawHulls('paint', 1, 0, {slimShown: t.geometry}, {slimMargin: this.rules.kColorGate, slimFrontOnly: 0});
+    gl.disable(gl.BLEND);
+    this.isPainted = true;
+    return painted;
   }
 }

@@ -23,6 +23,7 @@ const HULL_VERTEX = `
 layout(location = 0) in vec4 slimHeights;  // bounds within the reach of pass 1, and in the whole ball
 layout(location = 1) in float slimSteep;   // bound of the slope
 uniform float slimFar;
+uniform float slimMargin;  // of the bounds
 uniform int slimFrontOnly;
 
 bool slimTurnedAway(vec3 center, vec3 w, float radius)
@@ -52,7 +53,7 @@ void main()
   int corner = 1 << gl_VertexID;  // of a cube as one strip
   vec2 heights = slimFirstPass != 0 ? slimHeights.xy : slimHeights.zw;
   float x = (0x287a & corner) != 0 ? 1.001 : -1.001, y = (0x02af & corner) != 0 ? 1.001 : -1.001;
-  float z = (0x31e3 & corner) != 0 ? heights.y + 0.001 : heights.x - 0.001;
+  float z = (0x31e3 & corner) != 0 ? heights.y + slimMargin : heights.x - slimMargin;
   vec3 place = (center + ball.w * (slimReach * (x * u + y * cross(w, u)) + z * w)) * slimAxes;
   float along = slimScreen.w > 0.0 ? 1.0 : place.z;
   float front = (slimScreen.w > 0.0 ? depth : length(center)) - 1.001 * ball.w;
@@ -78,9 +79,19 @@ void main()
 }
 `;
 
+/** The depths of what was met, for tests against them. */
+const MET_DEPTH = `
+uniform sampler2D slimGeometry;
+uniform float slimFar;
+void main()
+{
+  gl_FragDepth = clamp(abs(texelFetch(slimGeometry, ivec2(gl_FragCoord.xy), 0).w) / slimFar, 0.0, 1.0);
+}
+`;
+
 /** Colours of modules/render/src/shading: modes, lights, shade in hollows; linear light. */
 const SHADE = `
-uniform sampler2D slimGeometry, slimAttributes, slimNamed;
+uniform sampler2D slimGeometry, slimAttributes, slimNamed, slimPainted;
 uniform int slimMode, slimKnots, slimLevels, slimLit;
 uniform vec3 slimTable[10];
 uniform vec3 slimRange;     // lowest value, 1 / span, and whether by the logarithm
@@ -167,7 +178,8 @@ vec3 slimShade(ivec2 at, vec4 hit)
   if (slimMode == 1) return slimLinear(0.5 * hit.xyz + 0.5);
   if (slimMode == 8) return slimStripes(normal, ray);
   vec3 base = hit.w < 0.0 ? vec3(0.52, 0.56, 0.64) : vec3(0.80, 0.74, 0.66);
-  if (slimMode == 9) base = texelFetch(slimAttributes, at, 0).rgb;
+  vec4 painted = texelFetch(slimPainted, at, 0);
+  if (slimMode == 9) base = painted.a > 0.0 ? painted.rgb / painted.a : vec3(1.0);
   else if (slimMode > 0) base = slimColorOf(slimValueOf(at));
   base = slimLinear(base);
   if (slimLit == 0) return base;
@@ -263,6 +275,8 @@ export function surfacePrograms(constants) {
     first: [hull, ofLeaves(1, SHARED.kTrims, renamed(SHARED.kFirstPass), FIRST_DEPTH)],
     blend: [hull, ofLeaves(5, SHARED.kBlended, SHARED.kTrims, SHARED.kBlendPass)],
     name: [hull, ofLeaves(1, SHARED.kBlended, SHARED.kLeafPass)],
+    paint: [hull, ofLeaves(1, SHARED.kBlended, SHARED.kColorPass)],
+    depths: [frame, head + MET_DEPTH],
     result: [frame, ofFrame(3, SHARED.kSums, SHARED.kResult)],
     peel: [frame, ofFrame(1, SHARED.kSums, SHARED.kPeel)],
     shade: [frame, ofFrame(1, camera, SHADE)],

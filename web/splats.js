@@ -139,7 +139,7 @@ void main()
   vec3 normal = texelFetch(slimSums2, at, 0).xyz;
   float first = texelFetch(slimFirst, at, 0).x;
   slimOut[0] = vec4(normal / max(length(normal), 1e-30), first + sum.y / sum.x);
-  slimOut[1] = vec4(texelFetch(slimSums1, at, 0).xyz / sum.x, 0.0);
+  slimOut[1] = vec4(texelFetch(slimSums1, at, 0).xyz / sum.x, 1.0);
   slimOut[2] = vec4(first);
 }
 `;
@@ -201,6 +201,7 @@ export class SplatFrames extends Frames {
 
   raysLeft() { return false; }
   nameLeaves() {}
+  paint() { return this.targets.attributes; }
 }
 
 /** The first disc on a ray: {depth, point, normal, leaf}, or null. */

@@ -2,7 +2,8 @@
 // A surface as modules/web packs it: its columns, and the texels that shaders read.
 import {along, length, minus, scaled} from './vectors.js';
 
-const CENTER_MASK = 0xffff, NORMAL_GRID = 2047, ESCAPE = 255, LOG_STEPS = [0, 254, 4094], LARGE_BALL = 0.02;
+const CENTER_MASK = 0xffff, NORMAL_GRID = 2047, ESCAPE = 255, LOG_STEPS = [0, 254, 4094], LARGE_BALL = 0.02, COLOR_STEP = 2;
+export const COLOR_TERMS = 18;
 
 /** Undoes base64 and gzip; throws for what was cut or changed. */
 export async function inflate(text, length) {
@@ -50,9 +51,9 @@ export function octNormal(a, b) {
 }
 
 function readHeader(planes) {
-  if (planes.number() !== 0x31504c53) throw new Error('foreign');
+  if (planes.number() !== 0x32504c53) throw new Error('foreign');
   const s = {count: planes.number(), leaves: planes.number()};
-  [s.degree, s.kernel, s.oriented, s.paper] = planes.get(4, 1);
+  [s.degree, s.kernel, s.oriented, s.paper, s.colored] = planes.get(5, 1);
   s.origin = planes.doubles(3);
   [s.scale, s.diagonal, s.lambda, s.coverRadius, s.coverThreshold, s.precision] = planes.doubles(6);
   s.corner = planes.doubles(3);
@@ -92,6 +93,16 @@ function readTrimMaps(s, planes) {
   s.trimmed = s.side.some(side => side > 0);
 }
 
+/** Six terms of red, green and blue each, over the surfel's plane; in 255ths of white. */
+function readColors(s, planes) {
+  const codes = Array.from({length: COLOR_TERMS}, () => planes.get(s.count, 1));
+  s.colors = Float64Array.from({length: COLOR_TERMS * s.count}, (_, at) => {
+    const i = at / COLOR_TERMS | 0, k = at % COLOR_TERMS;
+    const code = codes[k][i] + (k % 3 === 1 ? 0 : codes[k - k % 3 + 1][i]);  // from green
+    return k < 3 ? code & 255 : COLOR_STEP * (code << 24 >> 24);
+  });
+}
+
 /** The columns of a surface, in double. */
 export function decode(bytes) {
   const planes = new Planes(bytes), s = readHeader(planes), n = s.count, exact = !s.precision;
@@ -111,6 +122,7 @@ export function decode(bytes) {
   s.parent = logarithms(2).map(size => size || 1e18);
   readCoefficients(s, planes);
   readTrimMaps(s, planes);
+  if (s.colored) readColors(s, planes);
   if (planes.at !== bytes.length) throw new Error('foreign');
   s.weight = s.radius.map((r, i) => {
     const expected = Math.max(0, s.lambda) * s.diagonal ** 2 + 1e-6 * r * r;
@@ -179,7 +191,7 @@ export const MOST_SIDE = 128, TRIM_UNIT = 4096;
 /** A surface as the shaders of visualization/src/opengl read it, lengths in `unit`: texels of four numbers,
  * words of trim tables, and four bounds of heights and a slope for each surfel's hull. */
 export function texels(s, rules, unit) {
-  const perLeaf = 4 + Math.ceil(s.stride / 4), data = new Float32Array(4 * perLeaf * s.count);
+  const colorAt = 4 + Math.ceil(s.stride / 4), perLeaf = colorAt + (s.colored ? Math.ceil(COLOR_TERMS / 4) : 0), data = new Float32Array(4 * perLeaf * s.count);
   const hulls = new Float32Array(5 * s.count), words = [];
   const reach = Math.min(rules.kMaxShrink, Math.max(0.05, s.coverRadius)), inner = rules.kMaxShrink / reach;
   for (let i = 0; i < s.count; ++i) {
@@ -192,9 +204,13 @@ export function texels(s, rules, unit) {
     data.set([s.x[i] / unit, s.y[i] / unit, s.z[i] / unit, r / unit, ...w, s.weight[i], ...u, share,
               Math.floor(begin / TRIM_UNIT), side ? begin % TRIM_UNIT * MOST_SIDE + side - 1 : -1,
               s.own[i] / unit, s.parent[i] / unit, ...c], 4 * perLeaf * i);
+    if (s.colored) {
+      const terms = s.colors.subarray(COLOR_TERMS * i, COLOR_TERMS * (i + 1));
+      data.set(terms.map((v, k) => v * scale ** (k < 3 ? 0 : k < 9 ? 1 : 2)), 4 * (perLeaf * i + colorAt));
+    }
     hulls.set([...bounds(c, reach), ...bounds(c, 1), steepest(c)], 5 * i);
   }
-  return {perLeaf, data, hulls, words: Int32Array.from(words.length ? words : [0])};
+  return {perLeaf, colorAt, data, hulls, words: Int32Array.from(words.length ? words : [0])};
 }
 
 /** A ball around all leaves. */

@@ -53,7 +53,7 @@ class Page {
   }
 
   fillModes() {
-    this.modes = Object.keys(LABELS).filter(mode => this.viewer.isSplats ? SPLAT_MODES.includes(mode) : mode !== 'color');
+    this.modes = Object.keys(LABELS).filter(mode => this.viewer.isSplats ? SPLAT_MODES.includes(mode) : mode !== 'color' || this.viewer.surface.colored);
     for (const mode of this.modes) $('mode').add(new Option(LABELS[mode], mode));
     $('mode').value = this.viewer.mode;
   }
@@ -190,7 +190,7 @@ class Page {
     };
     const acts = {
       Home: () => this.reset(), r: () => this.reset(), m: () => this.setMeasuring(!this.measuring),
-      p: () => this.save(), '?': () => this.setHelp($('keys').hidden), Escape: () => this.forget(),
+      p: () => this.save(), c: () => this.modes.includes('color') && this.setMode('color'), '?': () => this.setHelp($('keys').hidden), Escape: () => this.forget(),
       ' ': () => this.read(this.canvas.clientWidth / 2, this.canvas.clientHeight / 2),
     };
     if (moves[e.key]) {
@@ -249,7 +249,7 @@ class Page {
     this.say(b ? `Distance ${text(this.viewer.distance(a, b))} ${unit}` : 'Choose the second point');
   }
 
-  sayPoint({point, depth, normal, kMax, kMin, leaf}) {
+  sayPoint({point, depth, normal, kMax, kMin, leaf, color}) {
     const {surface: s} = this.viewer, {scale} = s, table = document.createElement('table');
     const list = v => v.map(text).join('  ');
     const place = {
@@ -262,6 +262,7 @@ class Page {
       'Principal curvatures': list([kMax / scale, kMin / scale]),
       'Mean, Gaussian': list([(kMax + kMin) / 2 / scale, kMax * kMin / scale ** 2]),
       'Ball, residual': list([s.radius[leaf] * scale, s.error[leaf] * scale]), Level: s.level[leaf],
+      ...color && {Colour: list(color.map(Math.round))},
     };
     for (const [name, words] of Object.entries(rows)) {
       const row = table.insertRow();

@@ -61,7 +61,7 @@ export class Viewer {
     const lit = mode === page.mode ? page.lighting : mode !== 'color';
     const paper = page.white ? [1, 0, 0] : this.dark ? [0.17, 0.07, 0.012] : [0.985, 0.145, 0.006];
     return {
-      named: NAMED.includes(mode), hollows: lit && !plain ? this.hollows : 0,
+      named: NAMED.includes(mode), painted: mode === 'color', hollows: lit && !plain ? this.hollows : 0,
       values: {slimMode: MODES.indexOf(mode), slimKnots: table.length, slimLevels: +(mode === 'level'),
                slimLit: +lit, slimTable: [...table, ...Array(10 - table.length).fill([0, 0, 0])].flat(),
                slimRange: [low, 1 / Math.max(1e-300, high - low), +logarithmic], slimPaper: paper},

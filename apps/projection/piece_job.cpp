@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/memory_limit.h"
+#include "pcl_slim/core/file_access.h"
 
 namespace pcl_slim {
 
@@ -47,7 +48,11 @@ PieceJob::rows() const
 Result<bool>
 PieceJob::openRows(Console& console)
 {
-  if (Error error = checkPointExtension(job_.files.output)) return error;
+  const std::string& output = job_.files.output;
+  if (const std::string form = lowerExtension(output); form != ".pcd" && form != ".ply") {
+    return Error{ErrorCode::kBadArgument, "'" + output + "' cannot be written in pieces, as this " +
+                                              "scan is; name a .pcd or .ply file"};
+  }
   if (Error error = reader_.open(job_.files.input)) return error;
   const double row = kBytesOfProjection + kCopiesOfRow * static_cast<double>(reader_.layout().step);
   if (Error error = checkMemory(row * static_cast<double>(rows()),
@@ -55,6 +60,7 @@ PieceJob::openRows(Console& console)
     return error;
   if (!tiles_.asked && !job_.surface.empty())
     console.note("  the scan is large: it is projected in pieces");
+  noteWhatIsNotKept(output, reader_.height() > 1, reader_.layout().sensor.has_value(), console);
   return true;
 }
 

@@ -120,7 +120,7 @@ declareOptions(const ProjectionProgram& program, ProjectionJob& job, TileRequest
 {
   OptionTable options(program.name, program.version, program.summary);
   options.positional("IN", &job.files.input, kScanHelp);
-  options.positional("OUT.pcd|.ply|.las", &job.files.output,
+  options.positional("OUT.pcd|.ply|.las|.vtp", &job.files.output,
                      "the same points, with every field kept");
   options.toggle(program.switch_name, &chosen, program.switch_help);
   if (program.meshes) {
@@ -134,9 +134,9 @@ declareOptions(const ProjectionProgram& program, ProjectionJob& job, TileRequest
   declareTileOptions(options, tiles);
   declareReport(options, job.files);
   for (const char* name :
-       {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "least_radius", "outliers",
-        "robust", "local_noise", "sides", "correlation", "noise_model", "normals_as_data",
-        "normal_error", "paper", "compact", "lambda", "seed"}) {
+       {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "noise_factor", "least_radius",
+        "outliers", "robust", "local_noise", "sides", "correlation", "noise_model",
+        "normals_as_data", "normal_error", "paper", "compact", "lambda", "seed"}) {
     options.exclusive({"surface", name});
   }
   // A mesh has its normals, and their sides, from its faces.
@@ -179,6 +179,9 @@ runProjectionProgram(const ProjectionProgram& program, ProjectionJob& job, int a
       if (!projection) return projection.error();
       made = make_output(cloud.file, *projection, chosen, job.fit.params.threads);
     }
+    const bool sensor = !made.sensor_origin.isZero() ||
+                        !made.sensor_orientation.isApprox(Eigen::Quaternionf::Identity());
+    noteWhatIsNotKept(job.files.output, made.cloud.height > 1, sensor, console);
     result.save = [&] { return savePointFile(job.files.output, made); };
     result.detail = std::to_string(numPoints(made.cloud)) + " points";
     return Error();

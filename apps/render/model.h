@@ -30,7 +30,7 @@ struct Model {
 Result<bool>
 holdsModel(const std::string& path);
 
-/** \brief Loads a surface (.pcd .ply .vtp .slim) or splats (.pcd .ply); the fields tell which. */
+/** \brief Loads a surface (.pcd .ply .vtp .slim) or splats (.pcd .ply .vtp); the fields tell which. */
 Result<Model>
 loadModel(const std::string& path);
 

@@ -10,11 +10,12 @@ namespace pcl_slim {
 void
 PictureRequest::declareColors(OptionTable& table)
 {
-  table.choice("mode", &mode,
-               {"auto", "shaded", "normal", "mean", "gauss", "kmax", "kmin", "level", "size",
-                "error", "reflection", "color", "raytraced", "crest", "contours", "sketch"},
-               "what the colours show; auto: surfaces and splats without colours shaded, others in "
-               "their colours");
+  table.choice(
+      "mode", &mode,
+      {"auto", "shaded", "normal", "mean", "gauss", "kmax", "kmin", "level", "size", "error",
+       "reflection", "color", "raytraced", "crest", "contours", "sketch"},
+      "what the colours show; auto: splats, and surfaces in a page, in their colours if they have "
+      "any; others shaded");
   table.text(
       "range", &range_text, "auto|X|LO,HI",
       "values that the colours span, -X to X for curvatures and 0 to X for errors; auto: the "

@@ -46,6 +46,10 @@ declareFitOptions(OptionTable& options, FitJob& job)
                  "RMS residual to reach, as a share of the box diagonal", "off");
   options.integer("max_surfels", &job.params.max_surfels, 0, kMany,
                   "most leaves allowed; 0: as many as it takes");
+  options.number("noise_factor", &job.params.noise_factor, 1e-6, 1e30,
+                 "residuals and penalty as if the noise variance were X times as large: what "
+                 "-target_error and -max_surfels solve for",
+                 "off");
   options.number("least_radius", &job.params.least_radius, 0, 1e300,
                  "radius of the smallest ball, in the scan's units: no finer detail is kept",
                  "off");
@@ -80,7 +84,7 @@ declareFitOptions(OptionTable& options, FitJob& job)
                   "threads, 0: all cores; never changes the result");
   options.integer("seed", &job.params.seed, 0, kMany,
                   "seed of the order in which centres are tried");
-  options.exclusive({"penalty", "t_mdl", "target_error", "max_surfels"});
+  options.exclusive({"penalty", "t_mdl", "target_error", "max_surfels", "noise_factor"});
   for (const char* name : {"penalty", "trim", "hole"}) options.exclusive({"paper", name});
   for (const char* name : {"t_mdl", "paper"}) options.exclusive({"normals_as_data", name});
   for (const char* name : {"lambda", "local_noise", "t_mdl", "paper"})
@@ -231,17 +235,50 @@ loadScan(const std::string& path, const FitJob& job, Console& console, Report& r
 
 namespace {
 
+/** Why what is said of the noise had no effect, one line each. */
+void
+addNoiseNotes(const FitParams& params, const FitStatistics& fit, std::vector<std::string>& notes)
+{
+  const char* given = params.lambda > 0   ? "-lambda"
+                      : params.t_mdl > 0  ? "-t_mdl"
+                      : params.paper_mode ? "-paper"
+                                          : nullptr;
+  if (params.local_noise == true && fit.noise_correlation > 1 && !given)
+    notes.push_back("  -local_noise has no effect: shared noise is measured along the scan anyway");
+  if (params.local_noise == false && given)
+    notes.push_back(std::string("  -local_noise has no effect: with ") + given +
+                    " noise is the same everywhere");
+  if (params.noise_correlation == 1 && given)
+    notes.push_back(std::string("  -correlation has no effect: with ") + given +
+                    " errors count as independent");
+}
+
+/** Why -sides 0 had no effect, or null. */
+const char*
+whyNoSides(const FitParams& params, const FitStatistics& fit)
+{
+  if (params.sides) return nullptr;
+  if (fit.side_source == SideSource::kNormals) return "the scan has normals";
+  if (fit.side_source == SideSource::kViewpoint) return "a viewpoint gives the sides";
+  if (params.paper_mode || params.t_mdl > 0) return "-paper and -t_mdl give points no sides";
+  if (fit.noise_line > 0) return "points on scan lines get no sides";
+  return nullptr;
+}
+
 /** Options that had no effect on this scan, one line each. */
 std::vector<std::string>
 unusedNotes(const FitJob& job, const CloudFile& cloud, const FitStatistics& fit)
 {
-  constexpr double kBinding = 0.8;  // a bound that binds is met more closely
   std::vector<std::string> notes;
-  const auto most = static_cast<double>(job.params.max_surfels);
-  if (most > 0 && static_cast<double>(fit.leaves) < kBinding * most) {
+  addNoiseNotes(job.params, fit, notes);
+  if (job.params.max_surfels > 0 && fit.noise_factor == 1) {
     notes.push_back("  -max_surfels " + std::to_string(job.params.max_surfels) +
                     " has no effect: this scan needs fewer");
   }
+  if (const char* why = whyNoSides(job.params, fit))
+    notes.push_back(std::string("  -sides has no effect: ") + why);
+  if (!job.use_normals && cloud.normal_source == NormalSource::kNothing)
+    notes.push_back("  -use_normals has no effect: the scan has none");
   if (job.params.sharp_features && cloud.normal_source == NormalSource::kNothing)
     notes.push_back("  -sharp has no effect: it needs normals; give -estimate_normals");
   if (!job.use_normals && job.normal_neighbours > 0)

@@ -24,7 +24,7 @@ withoutTrim()
 
 /** \brief What programs say of their input. */
 constexpr const char* kScanHelp =
-    "the scan: .pcd .ply .las .xyz .txt .csv .pts .obj .off .stl; normals and faces are used";
+    "the scan: .pcd .ply .las .xyz .txt .csv .pts .obj .off .stl .vtp; normals and faces are used";
 
 /** \brief From a scan's file to its surface: the options, steps and report entries of every
  * program that fits. */

@@ -59,6 +59,7 @@ reportFit(const FittedPoints& fitted, const SLIMSurface& surface, const FitStati
               {"leaves_per_level", fit.leaves_per_level},
               {"degree", surface.info.degree},
               {"penalty", fit.penalty},
+              {"noise_factor", fit.noise_factor},
               {"t_mdl", fit.t_mdl},
               {"normal_error", fit.normal_error},
               {"lambda", fit.lambda},
@@ -136,8 +137,10 @@ std::string
 solvedText(const FitStatistics& fit)
 {
   char text[160];
-  std::snprintf(text, sizeof(text), "solved: penalty %.3g, residual %.3g of the diagonal",
-                fit.penalty, fit.rms_error);
+  std::snprintf(
+      text, sizeof(text),
+      "solved: penalty %.3g, residual %.3g of the diagonal; -noise_factor %.6g repeats it",
+      fit.penalty, fit.rms_error, fit.noise_factor);
   return text;
 }
 

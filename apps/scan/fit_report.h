@@ -39,7 +39,7 @@ counted(std::uint64_t count, const std::string& what);
 std::string
 noiseText(double diagonal, const FitStatistics& fit);
 
-/** \brief "solved: penalty 618, residual 0.002 of the diagonal": what a fit to a target came to. */
+/** \brief "solved: penalty 618, residual 0.002 of the diagonal; -noise_factor 206 repeats it": what a fit to a target came to. */
 std::string
 solvedText(const FitStatistics& fit);
 

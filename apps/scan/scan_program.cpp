@@ -106,9 +106,19 @@ Error
 checkPointExtension(const std::string& path, bool las)
 {
   const std::string extension = lowerExtension(path);
+  if (extension == ".vtp") return checkPointFileExtension(path);
   if (extension == ".pcd" || extension == ".ply" || (las && extension == ".las")) return {};
-  return {ErrorCode::kBadArgument, "cannot tell the format of '" + path + "'; name a " +
-                                       (las ? ".pcd, .ply or .las" : ".pcd or .ply") + " file"};
+  return {ErrorCode::kBadArgument, "cannot tell the format of '" + path + "'; name a .pcd, .ply" +
+                                       (las ? ", .las" : "") + " or .vtp file"};
+}
+
+void
+noteWhatIsNotKept(const std::string& path, bool rows, bool sensor, Console& console)
+{
+  const std::string extension = lowerExtension(path);
+  if (extension == ".pcd" || !(rows || sensor)) return;
+  const std::string what = !sensor ? "rows" : !rows ? "sensor" : "rows and sensor";
+  console.note("  " + extension + " does not keep the scan's " + what + "; .pcd does");
 }
 
 int

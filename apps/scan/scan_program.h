@@ -26,9 +26,14 @@ declareReport(OptionTable& options, ScanFiles& files);
 Error
 checkFilesDiffer(const ScanFiles& files, const std::string& read);
 
-/** \brief No error for a name that ends in .pcd or .ply, or in .las where that can be written. */
+/** \brief No error for a name that ends in .pcd, .ply or .vtp, or in .las where that can be written. */
 Error
 checkPointExtension(const std::string& path, bool las = false);
+
+/** \brief Says so where a file's format does not keep what a scan has: an organised cloud's rows, or a
+ * sensor. */
+void
+noteWhatIsNotKept(const std::string& path, bool rows, bool sensor, Console& console);
 
 /** \brief What a program makes of a scan. */
 struct ScanResult {

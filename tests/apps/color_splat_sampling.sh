@@ -109,9 +109,9 @@ for pair in '-max_splats 10 -initial 5' '-max_splats 10 -geo .2' '-target_error 
   expect 2 'exclude each other' scan.pcd e.pcd $pair
 done
 expect 2 'mean' scan.pcd e.pcd -colors pretty
-expect 2 'name a .pcd or .ply' scan.pcd e.vtp
+expect 2 'name a .pcd, .ply or .vtp' scan.pcd e.las
 expect 2 'share a file' scan.pcd scan.pcd
-absent e.pcd e.vtp
+absent e.pcd e.las
 
 # Scans of no use and places that cannot be written: status 2 or 1, nothing left.
 refuses scan.pcd

@@ -108,7 +108,54 @@ expect 0 '' colored.pts splats.pcd -json splats.json
 grep -q '"colors": true' splats.json || complain "no colours of a .pts file"
 expect 0 '' survey.las splats.pcd -json splats.json
 grep -q '"colors": true' splats.json || complain "no colours of a .las file"
-expect 2 'name a .pcd or .ply' survey.las splats.las
+expect 2 'name a .pcd, .ply or .vtp' survey.las splats.las
+
+# VTP: from every program, drawn and read by VTK's programs, and back: values pass through bit for bit.
+vtp() { # vtp PROGRAM IN ARGS...: what the program writes as .vtp comes back as the .pcd it writes.
+  program=$1
+  expect 0 '' "$2" out.pcd "${@:3}"
+  expect 0 '' "$2" out.vtp "${@:3}"
+  grep -aq "NumberOfVerts=\"$(sed -n 's/^POINTS //p' out.pcd | head -n 1)\"" out.vtp || complain "$1: vertices"
+  grep -aq 'Normals="Normals"' out.vtp || complain "$1: no normals in $(grep -a '<PointData' out.vtp)"
+  [ ! -c /dev/full ] || { ln -s /dev/full full.vtp && expect 1 'make room' "$2" full.vtp "${@:3}" && rm full.vtp; }
+  expect 1 'does not exist' "$2" nowhere/out.vtp "${@:3}"
+  program=pcl_slim_smooth
+  expect 0 '' out.pcd back.pcd
+  mv back.pcd wanted.pcd
+  expect 0 '' out.vtp back.pcd
+  points=$(sed -n 's/^POINTS //p' back.pcd | head -n 1)
+  for field in x y z normal_x; do
+    column wanted.pcd $field > wanted.txt
+    column back.pcd $field > got.txt
+    [ -s got.txt ] && cmp -s wanted.txt got.txt || complain "$1: $field differs"
+  done
+}
+column() { # column FILE FIELD: a field of four bytes, in hexadecimal
+  awk -v field="$2" '/^SIZE/ { for (i = 2; i <= NF; ++i) size[i] = $i }
+    /^FIELDS/ { for (i = 2; i <= NF; ++i) if ($i == field) k = i }
+    /^DATA/ { for (i = 2; size[i]; ++i) { if (i < k) at += size[i]; step += size[i] } print at + 0, step; exit }' "$1" > place.txt
+  read -r at step < place.txt
+  tail -c $((step * points)) "$1" | od -An -v -t x1 "-w$step" | cut -c $((3 * at + 1))-$((3 * at + 12))
+}
+if "$bin/pcl_slim_fit" scan.pcd probe.vtp -quiet; then
+  vtp pcl_slim_smooth colored.pts -normals
+  vtp pcl_slim_curvature colored.pts -directions
+  vtp pcl_slim_sample scan.pcd -number 500
+  vtp pcl_color_splat_sampling colored.pts -colors gradient
+  "$bin/pcl_slim_render" out.pcd wanted.png -quiet && "$bin/pcl_slim_render" out.vtp got.png -quiet || complain "pcl_slim_render failed"
+  same wanted.png got.png
+  program=pcl_slim_smooth
+  expect 0 '' ball.obj ball.vtp
+  grep -aq 'NumberOfVerts="0".*NumberOfPolys="1152"' ball.vtp || complain "$(grep -a '<Piece' ball.vtp)"
+  expect 0 '' ball.obj wanted.ply -mesh
+  expect 0 '' ball.vtp got.ply -mesh
+  head -c 3000 out.vtp > cut.vtp
+  expect 2 "the VTP file" cut.vtp d.pcd
+  sed 's/PolyData/Polygons/' out.vtp > foreign.vtp
+  expect 2 'PolyData' foreign.vtp d.pcd
+  program=pcl_slim_render
+  expect 2 "neither a surface nor splats" ball.vtp d.png
+fi
 
 # What is not read names the command that converts it; damage is named in one line.
 program=pcl_slim_fit

@@ -89,9 +89,9 @@ same a.pcd reused.pcd
 documented "$program"
 expect 2 'did you mean -directions' plain.pcd d.pcd -direction 1
 expect 2 'exclude each other' plain.pcd d.pcd -surface surface.slim -penalty 2
-expect 2 '.pcd, .ply or .las' plain.pcd d.vtp
+expect 2 '.pcd, .ply, .las or .vtp' plain.pcd d.vtk
 expect 2 'overwritten' plain.pcd ./plain.pcd
-absent d.vtp
+absent d.vtk
 noSurfaces
 expect 1 'along lines' line.pcd line_out.pcd
 absent line_out.pcd

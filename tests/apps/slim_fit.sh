@@ -150,12 +150,39 @@ grep -q -- '-max_surfels 100000 has no effect' out.txt || complain "an idle boun
 expect 0 '' scan.pcd most.slim -max_surfels 300
 ! grep -q 'has no effect' out.txt || complain "a bound that binds is said to have no effect"
 grep -q '  solved: penalty [0-9.e+]*, residual ' out.txt || complain "no penalty: $(cat out.txt)"
+for goal in '-max_surfels 100' '-target_error 0.01' '-sharp -max_surfels 300'; do
+  # The option that the line names, in place of the goal, gives the same bytes.
+  # shellcheck disable=SC2086
+  expect 0 '' measured.pcd solved.slim $goal
+  found=$(sed -n 's/.*; \(-noise_factor [0-9.e+]*\) repeats it$/\1/p' out.txt)
+  # shellcheck disable=SC2086
+  expect 0 '' measured.pcd repeated.slim ${goal%-[mt]*} $found
+  same solved.slim repeated.slim
+done
+expect 2 'exclude each other' scan.pcd d.pcd -noise_factor 9 -max_surfels 100
 expect 0 '' scan.pcd most.slim -max_surfels 100 -json most.json
 expect 0 '' scan.pcd least.slim -json least.json
 awk -v m="$(value most.json lambda)" -v l="$(value least.json lambda)" 'BEGIN { exit !(m / l > 0.999 && m / l < 1.001) }' ||
   complain "a target changes the noise: $(value most.json lambda), $(value least.json lambda)"
 expect 0 '' measured.pcd idle.slim -estimate_normals 12 -use_normals 0
 grep -q -- '-use_normals 0 has no effect' out.txt || complain "no note on an idle -use_normals"
+# idle OPTIONS: an option that has no effect is named in one line, and only then.
+idle() {
+  expect 0 '' "${@:2}"
+  [ "$(grep -c -- "^  $1 has no effect: " out.txt)" = 1 ] || complain "no note on an idle $1: ${*:2}"
+}
+idle -local_noise scan.pcd idle.slim -local_noise 1 -correlation 20
+for given in '-lambda 1e-6' '-t_mdl 0.002' -paper; do
+  # shellcheck disable=SC2086
+  idle -local_noise scan.pcd idle.slim -local_noise 0 $given
+  # shellcheck disable=SC2086
+  idle -correlation scan.pcd idle.slim -correlation off $given
+done
+idle -sides measured.pcd idle.slim -sides 0
+idle -sides scan.pcd idle.slim -sides 0 -viewpoint 1,2,30
+idle -use_normals scan.pcd idle.slim -use_normals 0
+expect 0 '' scan.pcd idle.slim -local_noise 1 -lambda 1e-6
+! grep -q 'has no effect' out.txt || complain "$(cat out.txt)"
 expect 0 '' scan.pcd idle.slim -trim 0 -hole 9
 grep -q -- '-hole has no effect' out.txt || complain "no note on an idle -hole"
 expect 0 '' scan.pcd most.slim -target_error 1 -quiet

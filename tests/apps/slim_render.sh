@@ -52,8 +52,12 @@ expect 0 '' pcl_slim_render surface.slim traced_color.png $small -mode raytraced
 expect 0 '' pcl_slim_render grey.slim traced_grey.png $small -mode raytraced
 differ traced_color.png traced_grey.png
 expect 2 'no colours' pcl_slim_render grey.slim none.png $small -mode color
-expect 2 'without its colours' pcl_slim_render surface.slim none.html -mode color
+expect 2 'no colours' pcl_slim_render grey.slim none.html -mode color
 absent none.png none.html
+expect 0 '' pcl_slim_render surface.slim color.html
+grep -q '"mode":"color"' color.html || complain "a coloured surface's page does not begin with its colours"
+expect 0 '' pcl_slim_render grey.slim grey.html
+grep -q '"mode":"shaded"' grey.html || complain "a page of no colours does not begin shaded"
 # Modes that are lines over a shaded surface; holes closed without another fit.
 expect 0 '' pcl_slim_render surface.slim crest.png $small -mode crest
 expect 0 '' pcl_slim_render surface.slim lines.png $small -lines crest

@@ -63,7 +63,7 @@ documented pcl_slim_sample
 expect 2 'give -spacing or -number' scan.pcd g.pcd
 expect 2 'exclude each other' scan.pcd g.pcd -spacing 1 -number 5
 expect 2 'a number' scan.pcd g.pcd -spacing 0
-expect 2 '.pcd, .ply or .las' scan.pcd g.slim -number 5
+expect 2 '.pcd, .ply, .las or .vtp' scan.pcd g.slim -number 5
 expect 1 'raise the spacing' scan.pcd g.pcd -spacing 1e-6
 expect 2 'truncated' cut.pcd g.pcd -number 5
 expect 1 'no points' none.pcd g.pcd -number 5

@@ -110,6 +110,11 @@ rows grid_out.pcd 32 4800 f4 | awk '{
 }' || complain "holes moved, or normals are not unit"
 awk '/^DATA/ { data = 1; next } data && /^nan/ { ++n } END { print n }' grid.pcd > holes.txt
 [ "$(value grid.json non_finite)" = "$(cat holes.txt)" ] || complain "NaN are not counted"
+for form in ply vtp; do
+  expect 0 '' grid.pcd grid_out.$form -normals 1
+  [ "$(grep -c "^  .$form does not keep the scan's rows; .pcd does\$" out.txt)" = 1 ] ||
+    complain "lost rows are not told of .$form"
+done
 
 # Curvature is that of a sphere of radius 5, whose normals point outward.
 awk -v n=3000 'BEGIN {
@@ -204,7 +209,7 @@ documented "$program"
 # Usage errors: status 2, nothing written.
 expect 2 'did you mean -normals' near.pcd d.pcd -normal 1
 expect 2 '0 or 1' near.pcd d.pcd -normals yes
-expect 2 '.pcd, .ply or .las' near.pcd d.slim
+expect 2 '.pcd, .ply, .las or .vtp' near.pcd d.slim
 expect 2 'overwritten' near.pcd ./near.pcd
 expect 2 'overwritten' near.pcd d.pcd -json near.pcd
 expect 2 'share a file' near.pcd d.pcd -json d.pcd

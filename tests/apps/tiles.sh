@@ -147,8 +147,9 @@ for program in pcl_slim_smooth pcl_slim_curvature; do
   expect 0 '' scan.pcd again.pcd -tile_points 30000 -threads 2 -max_memory 300
   same fitted.pcd again.pcd
   expect 2 'NaN' nans.pcd refused.pcd -surface tiles.slim -tile_points 20000
-  expect 2 'cannot be written in pieces\|cannot tell' scan.pcd refused.las -surface tiles.slim -tile_points 30000
-  absent refused.pcd refused.las
+  expect 2 'cannot be written in pieces' scan.pcd refused.las -surface tiles.slim -tile_points 30000
+  expect 2 'cannot be written in pieces' scan.pcd refused.vtp -surface tiles.slim -tile_points 30000
+  absent refused.pcd refused.las refused.vtp
 done
 program=pcl_slim_smooth
 expect 2 'not possible by tiles' scan.pcd refused.pcd -mesh 1 -tile_points 30000

@@ -49,9 +49,9 @@ TEST(StandIns, WithoutVtpSurfacesAreOtherFiles)
   const TemporaryFolder folder;
   const SLIMSurface surface = sphereSurface(2, 50);
   const std::string vtp = folder / "a.VTP";
-  expectRefused(checkSurfaceExtension(vtp), vtp, ".slim");
-  expectRefused(saveSurface(vtp, surface), vtp, ".slim");
-  expectRefused(loadSurface(vtp).error(), vtp, ".slim");
+  expectRefused(checkSurfaceExtension(vtp), vtp, ".ply");
+  expectRefused(saveSurface(vtp, surface), vtp, ".ply");
+  expectRefused(loadSurface(vtp).error(), vtp, ".ply");
   EXPECT_EQ(folder.numFiles(), 0u);
   for (const char* name : {"a.pcd", "a.ply", "a.slim"}) {
     EXPECT_FALSE(saveSurface(folder / name, surface)) << name;

@@ -1,20 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Pages in a real browser beside the renderer in double. Small pictures: a processor draws them.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <sstream>
 
-#include "pcl_slim/core/file_access.h"
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/surface/surface_io.h"
 #include "pcl_slim/web/page.h"
 #include "support/clouds.h"
 #include "support/frame_difference.h"
 #include "unit/render/sphere_view.h"
+#include "web/page_file.h"
 #include "web/page_frame.h"
 
 namespace pcl_slim {
@@ -22,70 +21,6 @@ namespace {
 
 using namespace test;
 using measure::Shape;
-
-constexpr int kWidth = 120, kHeight = 90;
-
-/** \brief A page in a file, for as long as this lives. */
-class PageFile {
- public:
-  PageFile(const SLIMSurface& surface, const Camera& camera, double precision, double lod = 0.0,
-           const std::vector<SpaceLine>& lines = {})
-  {
-    RenderParams rendering;
-    rendering.lod = lod;
-    ShadingParams shading;
-    shading.mode = ShadingMode::kNormal;
-    PageParams params;
-    params.precision = precision;
-    params.lines = lines;
-    write(encodePage(surface, camera, rendering, shading, params));
-  }
-  PageFile(const SplatSet& splats, const Camera& camera, const ShadingParams& shading)
-  {
-    write(encodePage(splats, camera, {}, shading, {}));
-  }
-  ~PageFile() { std::remove(path_.c_str()); }
-  const std::string& path() const { return path_; }
-  std::size_t bytes() const { return bytes_; }
-
- private:
-  void write(const Result<std::string>& page)
-  {
-    EXPECT_FALSE(page ? writeFile(path_, page->data(), page->size()) : page.error());
-    if (page) bytes_ = page->size();
-  }
-
-  std::string path_ = testing::TempDir() + "pcl_slim_" + std::to_string(getpid()) + ".html";
-  std::size_t bytes_ = 0;
-};
-
-SLIMSurface
-fittedSurface(Shape shape, int degree, bool with_normals)
-{
-  FitParams params;
-  params.degree = degree;
-  const auto cloud = pcl_slim_test::sceneCloud(shape, 8000, 0.0005, 0.02);
-  return pcl_slim_test::fitted(with_normals ? cloud : cloud.withoutNormals(), params).surface;
-}
-
-/** \brief Share of pixels in which a picture differs by more than 2 of 255. */
-double
-shareOff(const std::vector<std::uint8_t>& seen, const Image& truth)
-{
-  std::size_t off = 0;
-  for (int y = 0; y < truth.height; ++y) {
-    for (int x = 0; x < truth.width; ++x) {
-      const auto below = static_cast<std::size_t>((truth.height - 1 - y) * truth.width + x);
-      const auto at = static_cast<std::size_t>(y * truth.width + x);
-      int most = 0;
-      for (std::size_t k = 0; k < 3; ++k) {
-        most = std::max(most, std::abs(int{seen[4 * below + k]} - int{truth.rgb[3 * at + k]}));
-      }
-      off += most > 2;
-    }
-  }
-  return static_cast<double>(off) / (truth.width * truth.height);
-}
 
 class PageInBrowser : public testing::Test {
  protected:

@@ -7,6 +7,7 @@
 #include "io/ply/ply_file.h"
 #include "io/scalar_type.h"
 #include "io/text/text_file.h"
+#include "io/vtp/vtp_file.h"
 #include "pcl_slim/core/file_access.h"
 
 namespace pcl_slim {
@@ -30,29 +31,39 @@ constexpr Format kFormats[] = {{".pcd", parsePcd},
                                {".pts", [](const Bytes& bytes) { return parseText(bytes, true); }},
                                {".obj", parseObj},
                                {".off", parseOff},
-                               {".stl", parseStl}};
+                               {".stl", parseStl},
+                               {".vtp", parseVtp}};
+
+/** What to do with a file that is not read, or not in this build. */
+Error
+refused(const std::string& path, const std::string& extension)
+{
+  const std::string stem = path.substr(0, path.size() - extension.size());
+  if (extension == ".vtp") return checkVtp(path);
+  if (extension == ".laz") {
+    return {ErrorCode::kBadArgument, "'" + path + "' is compressed; convert it: laszip -i '" +
+                                         path + "' -o '" + stem + ".las'"};
+  }
+  if (extension == ".e57") {
+    return {ErrorCode::kBadArgument, "'" + path +
+                                         "' is not read as it is; convert it: pdal translate '" +
+                                         path + "' '" + stem + ".las'"};
+  }
+  return {ErrorCode::kBadArgument,
+          "cannot tell the format of '" + path +
+              "'; name a .pcd, .ply, .las, .xyz, .txt, .asc, .csv, .pts, .obj, .off, .stl or "
+              ".vtp file"};
+}
 
 Result<const Format*>
 formatOf(const std::string& path)
 {
   const std::string extension = lowerExtension(path);
   for (const Format& format : kFormats) {
-    if (extension == format.extension) return &format;
+    const bool missing = extension == ".vtp" && checkVtp(path);
+    if (extension == format.extension && !missing) return &format;
   }
-  const std::string stem = path.substr(0, path.size() - extension.size());
-  if (extension == ".laz") {
-    return Error{ErrorCode::kBadArgument, "'" + path + "' is compressed; convert it: laszip -i '" +
-                                              path + "' -o '" + stem + ".las'"};
-  }
-  if (extension == ".e57") {
-    return Error{ErrorCode::kBadArgument,
-                 "'" + path + "' is not read as it is; convert it: pdal translate '" + path +
-                     "' '" + stem + ".las'"};
-  }
-  return Error{ErrorCode::kBadArgument,
-               "cannot tell the format of '" + path +
-                   "'; name a .pcd, .ply, .las, .xyz, .txt, .asc, .csv, .pts, .obj, .off or .stl "
-                   "file"};
+  return refused(path, extension);
 }
 
 }  // namespace
@@ -90,8 +101,9 @@ savePointFile(const std::string& path, const PointFile& file)
     const Result<Bytes> bytes = extension == ".ply" ? formatPly(file) : formatLas(file);
     return bytes ? writeFile(path, bytes->data(), bytes->size()) : bytes.error();
   }
+  if (extension == ".vtp") return saveVtp(path, file);
   return {ErrorCode::kBadArgument,
-          "cannot tell the format of '" + path + "'; name a .pcd, .ply or .las file"};
+          "cannot tell the format of '" + path + "'; name a .pcd, .ply, .las or .vtp file"};
 }
 
 int

@@ -31,7 +31,7 @@ saveSurface(const std::string& path, const SLIMSurface& surface)
   PointFile file;
   file.comments = toComments(toPCL(surface, file.cloud));
   addTrimComments(surface, file.comments);
-  return extension == ".vtp" ? saveVtp(path, file) : savePointFile(path, file);
+  return savePointFile(path, file);
 }
 
 Result<SLIMSurface>
@@ -51,7 +51,7 @@ loadSurface(const std::string& path)
   if (Error error = checkSurfaceExtension(path)) return error;
   const std::string extension = lowerExtension(path);
   if (extension == ".slim") return loadSlim(path);
-  const Result<PointFile> file = extension == ".vtp" ? loadVtp(path) : loadPointFile(path);
+  const Result<PointFile> file = loadPointFile(path);
   if (!file) return file.error();
 
   Result<SLIMSurface> surface = surfaceFrom(*file);

@@ -83,9 +83,9 @@ fitStages(const FitConstants& constants, const FitParams& params, SidedStore& si
   const PointStore& store = sided.store();
 
   const double measured = settings.energy.lambda;
-  if (params.target_error > 0 || params.max_surfels > 0) {
-    if (Error error = solvePenalty(store, params, settings, stats.threads, progress)) return error;
-  }
+  if (Error error =
+          applyNoiseFactor(store, params, settings, stats.threads, progress, stats.noise_factor))
+    return error;
   stats.first_level = startLevel(store, settings);
   LevelCover cover(store, settings, stats.threads);
   if (Error error = cover.run(stats.first_level, progress)) return error;

@@ -67,6 +67,13 @@ FitParams::validate() const
     return bad("the least radius of balls must not be negative (0: none)");
   if (target_error > 0 && max_surfels > 0)
     return bad("give a target error or a number of surfels, not both");
+  if (!(noise_factor >= 0) || !std::isfinite(noise_factor))
+    return bad("the noise factor must be positive (0: unused)");
+  if (noise_factor > 0 && (target_error > 0 || max_surfels > 0 || t_mdl > 0)) {
+    return bad(
+        "a target error or number of surfels solves for the noise factor, and T_MDL has none: give "
+        "one");
+  }
   if (t_mdl > 0 && (target_error > 0 || max_surfels > 0)) {
     return bad(
         "T_MDL is a penalty: a target error or number of surfels would replace it, give one");

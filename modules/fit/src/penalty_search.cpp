@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "penalty_search.h"
 
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 
@@ -24,19 +25,39 @@ formatted(const char* format, double a, double b)
   return text;
 }
 
-class PenaltySearch {
+/** The number that six significant digits of x name. */
+double
+rounded(double x)
+{
+  char text[32];
+  const auto written = std::to_chars(text, text + sizeof(text), x, std::chars_format::general, 6);
+  std::from_chars(text, written.ptr, x);
+  return x;
+}
+
+class FactorSearch {
  public:
-  PenaltySearch(const PointStore& store, FitSettings& settings, int threads, Progress* progress)
-      : store_(store), settings_(settings), threads_(threads), progress_(progress)
+  FactorSearch(const PointStore& store, FitSettings& settings, double noise, int threads,
+               Progress* progress)
+      : store_(store), settings_(settings), noise_(noise), threads_(threads), progress_(progress)
   {
+  }
+
+  /** Where noise alone decides, and where no surface is left. */
+  double least() const { return 1; }
+  double most() const
+  {
+    return rounded(
+        std::max(1.0, std::pow(constants().largest_error * settings_.diagonal, 2) / noise_));
   }
 
   const PenaltySearchConstants& constants() const { return settings_.constants.penalty_search; }
 
-  /** Runs a cover as if lambda were the noise. */
-  Error run(double lambda, CoverResult& result)
+  void apply(double factor) { settings_.energy.lambda = factor * noise_; }
+
+  Error run(double factor, CoverResult& result)
   {
-    settings_.energy.lambda = lambda;
+    apply(factor);
     LevelCover cover(store_, settings_, threads_);
     if (Error error = cover.run(startLevel(store_, settings_), progress_)) return error;
     double weight = 0, sum = 0;
@@ -53,47 +74,45 @@ class PenaltySearch {
     return {};
   }
 
-  /** Moves log lambda until goal(result) = log(measured / wanted) is 0 within tolerance; the ends
-   * of the bracket have opposite signs. Keeps the last lambda whose goal is on the side asked for.
+  /** Moves the factor's logarithm until goal(result) = log(measured / wanted) is 0 within tolerance; the ends
+   * of the bracket have opposite signs. Keeps the last factor whose goal is on the side asked for.
    */
   template <typename Goal>
-  Error solve(double low, double goal_low, double high, double goal_high, double least, double most,
-              const Goal& goal)
+  Error solve(double goal_low, double goal_high, double least_goal, double most_goal,
+              const Goal& goal, double& kept)
   {
-    double log_low = std::log(low), log_high = std::log(high);
-    double kept = goal_low >= least && goal_low <= most ? low : high;
+    double log_low = std::log(least()), log_high = std::log(most());
+    kept = goal_low >= least_goal && goal_low <= most_goal ? least() : most();
     for (int step = 0; step < constants().most_covers; ++step) {
       double share = goal_low / (goal_low - goal_high);
       share = std::min(std::max(share, constants().least_step), 1 - constants().least_step);
-      const double middle = log_low + share * (log_high - log_low);
+      const double factor = rounded(std::exp(log_low + share * (log_high - log_low)));
       CoverResult result;
-      if (Error error = run(std::exp(middle), result)) return error;
+      if (Error error = run(factor, result)) return error;
       const double value = goal(result);
-      if (value >= least && value <= most) {
-        kept = std::exp(middle);
-        break;
-      }
-      ((value < 0) == (goal_low < 0) ? log_low : log_high) = middle;
+      if (value <= most_goal && (value >= least_goal || value < 0)) kept = factor;
+      if (value >= least_goal && value <= most_goal) break;
+      ((value < 0) == (goal_low < 0) ? log_low : log_high) = std::log(factor);
       ((value < 0) == (goal_low < 0) ? goal_low : goal_high) = value;
-      if (value <= most && value < 0) kept = std::exp(middle);
     }
-    settings_.energy.lambda = kept;
     return {};
   }
 
  private:
   const PointStore& store_;
   FitSettings& settings_;
+  double noise_;
   int threads_;
   Progress* progress_;
 };
 
 Error
-solveError(PenaltySearch& search, double lambda, double largest, double target)
+solveError(FactorSearch& search, double target, double& factor)
 {
   const auto goal = [&](const CoverResult& r) { return std::log(std::max(r.rms, 1e-12) / target); };
   CoverResult finest, coarsest;
-  if (Error error = search.run(lambda, finest)) return error;
+  factor = search.least();
+  if (Error error = search.run(factor, finest)) return error;
   const double tolerance = std::log(1 + search.constants().error_tolerance);
   if (std::abs(goal(finest)) <= tolerance) return {};
   if (goal(finest) > 0) {
@@ -103,42 +122,49 @@ solveError(PenaltySearch& search, double lambda, double largest, double target)
             "the target error %g L lies below what noise and density allow: ask for %g L or more",
             target, finest.rms)};
   }
-  if (Error error = search.run(largest, coarsest)) return error;
+  factor = search.most();
+  if (Error error = search.run(factor, coarsest)) return error;
   if (goal(coarsest) <= tolerance) return {};
-  return search.solve(lambda, goal(finest), largest, goal(coarsest), -tolerance, tolerance, goal);
+  return search.solve(goal(finest), goal(coarsest), -tolerance, tolerance, goal, factor);
 }
 
 Error
-solveCount(PenaltySearch& search, double lambda, double largest, double most)
+solveCount(FactorSearch& search, double most, double& factor)
 {
   const auto goal = [&](const CoverResult& r) { return std::log(std::max(r.leaves, 0.5) / most); };
   CoverResult finest, coarsest;
-  if (Error error = search.run(lambda, finest)) return error;
+  factor = search.least();
+  if (Error error = search.run(factor, finest)) return error;
   if (goal(finest) <= 0) return {};
-  if (Error error = search.run(largest, coarsest)) return error;
+  factor = search.most();
+  if (Error error = search.run(factor, coarsest)) return error;
   if (goal(coarsest) > 0) {
     return {ErrorCode::kBadArgument,
             formatted("%g surfels are too few for this cloud: it needs at least %g", most,
                       coarsest.leaves)};
   }
-  return search.solve(lambda, goal(finest), largest, goal(coarsest),
-                      std::log(1 - search.constants().count_tolerance), 0.0, goal);
+  return search.solve(goal(finest), goal(coarsest),
+                      std::log(1 - search.constants().count_tolerance), 0.0, goal, factor);
 }
 
 }  // namespace
 
 Error
-solvePenalty(const PointStore& store, const FitParams& params, FitSettings& settings, int threads,
-             Progress* progress)
+applyNoiseFactor(const PointStore& store, const FitParams& params, FitSettings& settings,
+                 int threads, Progress* progress, double& factor)
 {
-  const PenaltySearchConstants& constants = settings.constants.penalty_search;
-  const double measured = std::max(settings.energy.lambda, constants.least_variance);
-  const double largest = std::pow(constants.largest_error * settings.diagonal, 2);
-  PenaltySearch search(store, settings, threads, progress);
-  if (params.max_surfels > 0) {
-    return solveCount(search, measured, largest, static_cast<double>(params.max_surfels));
-  }
-  return solveError(search, measured, largest, params.target_error);
+  factor = params.noise_factor;
+  if (factor == 0 && params.target_error == 0 && params.max_surfels == 0) return {};
+  const double noise =
+      std::max(settings.energy.lambda, settings.constants.penalty_search.least_variance);
+  FactorSearch search(store, settings, noise, threads, progress);
+  Error error;
+  if (params.max_surfels > 0)
+    error = solveCount(search, static_cast<double>(params.max_surfels), factor);
+  else if (params.target_error > 0)
+    error = solveError(search, params.target_error, factor);
+  search.apply(factor);
+  return error;
 }
 
 }  // namespace pcl_slim::detail

@@ -102,7 +102,7 @@ makeSettings(const PointStore& store, const FitParams& params, const FitConstant
   if (params.sharp_features) s = sharpPreset(std::move(s));
   s.degree = params.degree;
   // A size that is asked for is met by the paper's alpha, which takes fewer leaves.
-  const bool sized = params.target_error > 0 || params.max_surfels > 0;
+  const bool sized = params.target_error > 0 || params.max_surfels > 0 || params.noise_factor > 0;
   if (sized) s.supported_alpha = s.alpha;
   if (params.cover_radius > 0) s.alpha = s.supported_alpha = params.cover_radius;
   s.gamma = params.cover_threshold;

@@ -167,6 +167,7 @@ checkTileParams(const FitParams& params)
               "width; fit in memory, or leave it");
   if (params.target_error > 0) return no("a target error", "give a penalty, or fit in memory");
   if (params.max_surfels > 0) return no("a number of surfels", "give a penalty, or fit in memory");
+  if (params.noise_factor > 0) return no("a noise factor", "give a penalty, or fit in memory");
   if (params.has_noise_model) return no("a noise model", "give lambda, or fit in memory");
   return {};
 }

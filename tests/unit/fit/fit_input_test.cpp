@@ -207,6 +207,7 @@ TEST(FitInput, RefusesBadParameters)
   for (const double value : {-1.0, nan, inf}) with(&FitParams::penalty, value);
   for (const double value : {-0.01, nan, inf}) with(&FitParams::t_mdl, value);
   for (const double value : {-0.01, 1.5, 3.0, nan, inf}) with(&FitParams::target_error, value);
+  for (const double value : {-0.01, nan, inf}) with(&FitParams::noise_factor, value);
   for (const double value : {-1e-9, nan, inf}) with(&FitParams::lambda, value);
   for (const double value : {-0.5, 1.01, nan}) with(&FitParams::cover_radius, value);
   for (const double value : {0.0, -0.1, nan, inf}) with(&FitParams::cover_threshold, value);

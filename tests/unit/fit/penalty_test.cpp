@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 
+#include "pcl_slim/surface/surface_io.h"
 #include "support/clouds.h"
 
 namespace pcl_slim {
@@ -51,6 +54,33 @@ TEST(Penalty, ALargerTargetNeedsFewerLeaves)
     const auto f = fitted(cloud, params);
     EXPECT_LT(f.statistics.leaves, last) << target;
     last = f.statistics.leaves;
+  }
+}
+
+TEST(Penalty, TheFactorSolvedForRepeatsTheFit)
+{
+  for (const double noise : {0.0, 0.0003}) {
+    const Cloud cloud = sceneCloud(Shape::kBumpy, 6000, noise).withoutNormals();
+    for (const bool error : {true, false}) {
+      FitParams params;
+      if (error)
+        params.target_error = 0.001;
+      else
+        params.max_surfels = fitted(cloud).statistics.leaves / 3;
+      const auto solved = fitted(cloud, params);
+      EXPECT_GT(solved.statistics.noise_factor, 1.0);
+      char printed[32];
+      std::snprintf(printed, sizeof(printed), "%.6g", solved.statistics.noise_factor);
+      FitParams again;
+      again.noise_factor = std::strtod(printed, nullptr);
+      const auto repeated = fitted(cloud, again);
+      EXPECT_EQ(encodeSlim(repeated.surface), encodeSlim(solved.surface)) << printed;
+      EXPECT_EQ(repeated.statistics.penalty, solved.statistics.penalty);
+      // The penalty alone is another fit: it does not allow larger residuals.
+      FitParams penalty;
+      penalty.penalty = solved.statistics.penalty;
+      EXPECT_NE(encodeSlim(fitted(cloud, penalty).surface), encodeSlim(solved.surface));
+    }
   }
 }
 

@@ -10,7 +10,9 @@
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/render/surface_renderer.h"
 #include "pcl_slim/surface/detail/detail_sizes.h"
+#include "pcl_slim/web/page.h"
 #include "support/clouds.h"
+#include "support/colors.h"
 #include "support/frame_difference.h"
 #include "unit/render/sphere_view.h"
 
@@ -86,6 +88,37 @@ TEST(WebSurface, RoundedIsNearIt)
   }
 }
 
+/** \brief A percentile of the differences of two surfaces' colours, of 255, where both are seen. */
+double
+colorDifference(const SLIMSurface& seen, const SLIMSurface& truth, double share)
+{
+  RenderParams params;
+  params.reference = true;
+  const Camera camera = fitCamera(spheresOf(truth), viewFromAngles(UpAxis::kZ, 30, 20), {160, 120});
+  GBuffer a, b;
+  params.columns |= kColorColumn;
+  EXPECT_FALSE(SurfaceRenderer(seen).render(camera, params, a));
+  EXPECT_FALSE(SurfaceRenderer(truth).render(camera, params, b));
+  std::vector<double> differences;
+  for (std::size_t i = 0; i < a.numPixels(); ++i) {
+    for (std::size_t c = 0; c < 3 && a.covered(i) && b.covered(i); ++c)
+      differences.push_back(255.0 * std::abs(a.color[i][c] - b.color[i][c]));
+  }
+  EXPECT_GT(differences.size(), 6000u);
+  return percentile(differences, share);
+}
+
+TEST(WebSurface, HasTheSurfacesColours)
+{
+  SLIMSurface surface = fittedSurface(Shape::kBumpy, 3);
+  pcl_slim_test::setRandomColors(surface);  // at worst: from leaf to leaf anything
+  EXPECT_LT(colorDifference(throughPage(surface, 0.0).surface, surface, 0.999), 0.01);
+  // Terms are rounded to steps of 2 again, in frames turned by up to .03 degrees.
+  const WebSurface rounded = throughPage(surface, PageParams().precision);
+  EXPECT_LT(colorDifference(rounded.surface, surface, 0.5), 0.5);
+  EXPECT_LT(colorDifference(rounded.surface, surface, 0.99), 3.0);
+}
+
 TEST(WebSurface, OfASphereIsTheSphere)
 {
   // Balls of a quarter of the sphere: steps per radius are as long as those of small balls.
@@ -131,11 +164,15 @@ TEST(WebSurface, IsSmall)
 
 TEST(WebSurface, DamageIsFound)
 {
-  const auto bytes = encodeWebSurface(sphereSurface(2, kSphere, 100, 0.08));
-  ASSERT_TRUE(bytes);
-  for (std::size_t size = 0; size < bytes->size(); size += 37) {
-    EXPECT_FALSE(
-        decodeWebSurface({bytes->begin(), bytes->begin() + static_cast<std::ptrdiff_t>(size)}));
+  SLIMSurface sphere = sphereSurface(2, kSphere, 100, 0.08);
+  const auto bytes = encodeWebSurface(sphere);
+  pcl_slim_test::setRandomColors(sphere);
+  const auto colored = encodeWebSurface(sphere);
+  ASSERT_TRUE(bytes && colored);
+  for (const auto* whole : {&*bytes, &*colored}) {
+    for (std::size_t size = 0; size < whole->size(); size += 37)
+      EXPECT_FALSE(
+          decodeWebSurface({whole->begin(), whole->begin() + static_cast<std::ptrdiff_t>(size)}));
   }
   // Behind gzip's own header, whose time and system mean nothing.
   for (std::size_t at = 10; at < bytes->size(); at += 13) {

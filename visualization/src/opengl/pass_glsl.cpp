@@ -221,6 +221,41 @@ void main()
 }
 )";
 
+/** Adds up the leaves' colours at the blend. */
+const char* const kColorPass = R"(
+uniform sampler2D slimShown;  // normal and depth of the blend
+uniform float slimScale;
+uniform int slimOriented;
+uniform int slimColorAt;      // texel of a leaf at which its colour begins
+void main()
+{
+  vec4 shown = texelFetch(slimShown, ivec2(gl_FragCoord.xy), 0);
+  if (shown.w == 0.0) discard;
+  vec2 slopes = slimSlopes();
+  vec3 direction = slimDirection(slopes);
+  Leaf leaf = slimReadLeaf(slopes, direction);
+  float s = (abs(shown.w) / slimScale - leaf.depth) / leaf.radius;
+  float w = leaf.weight * slimWeight(leaf.distance2 + s * s);
+  if (!(w > 0.0)) discard;
+  float a[5];
+  slimAlongRay(leaf, direction, a);
+  bool faces = slimOriented == 0 || dot(leaf.w, shown.xyz) * shown.w > 0.0;
+  if (abs(slimValue(a, s)) > kColorGate || !faces) w *= kOtherSheet;
+  float terms[20];
+  for (int i = 0; i < 5; ++i) {
+    vec4 four = slimTexel(slimLeaf * slimTexelsOfLeaf + slimColorAt + i);
+    for (int k = 0; k < 4; ++k) terms[4 * i + k] = four[k];
+  }
+  vec3 q = leaf.point + s * direction;
+  float u = dot(q, leaf.u), v = dot(q, leaf.v);
+  float powers[6] = float[6](1.0, u, v, u * u, u * v, v * v);
+  vec3 color = vec3(0.0);
+  for (int i = 0; i < 6; ++i) color += powers[i] * vec3(terms[3 * i], terms[3 * i + 1], terms[3 * i + 2]);
+  // Times 256: as half floats, weights of other sheets would be 0.
+  gl_FragData[0] = 256.0 * w * vec4(clamp(color / 255.0, 0.0, 1.0), 1.0);
+}
+)";
+
 /** The sums of a pixel and whether its leaves cover the blend. */
 const char* const kSums = R"(
 uniform sampler2D slimFirst;

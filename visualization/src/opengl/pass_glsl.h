@@ -11,6 +11,7 @@ extern const char* const kFirstPass;  ///< first hits
 extern const char* const kBlended;    ///< what the next two have in common
 extern const char* const kBlendPass;  ///< sums over the leaves at a first hit
 extern const char* const kLeafPass;   ///< the leaf of the largest weight
+extern const char* const kColorPass;  ///< sums of colours over the leaves at the blend
 extern const char* const kSums;       ///< a pixel's sums, and whether its leaves cover the blend
 extern const char* const kResult;     ///< normal, depth and curvatures of the sums
 extern const char* const kPeel;       ///< where uncovered rays begin once more

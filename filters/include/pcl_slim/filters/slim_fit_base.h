@@ -55,6 +55,11 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
   void setMaxSurfels(std::uint64_t count) { params_.max_surfels = count; }
   std::uint64_t getMaxSurfels() const { return params_.max_surfels; }
 
+  /** \brief Fits as if the noise variance were this multiple of what it is, so that residuals may be larger
+   * and the penalty weighs more: what a target error or a number of surfels solves for. 0 is off (default). */
+  void setNoiseFactor(double factor) { params_.noise_factor = factor; }
+  double getNoiseFactor() const { return params_.noise_factor; }
+
   /** \brief Noise variance as a share of the squared diagonal; 0 estimates it (default). */
   void setNoiseLevel(double lambda) { params_.lambda = lambda; }
   double getNoiseLevel() const { return params_.lambda; }

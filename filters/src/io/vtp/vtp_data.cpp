@@ -132,21 +132,22 @@ trimmed(std::string_view text)
   return text.substr(begin, text.find_last_not_of(" \t\r\n") + 1 - begin);
 }
 
-Result<std::vector<double>>
-readAsciiNumbers(const VtpArray& array, std::size_t count)
+Result<std::vector<std::uint8_t>>
+readAsciiValues(const VtpArray& array, std::size_t count)
 {
   TextScanner scanner(reinterpret_cast<const unsigned char*>(array.inline_data.data()),
                       array.inline_data.size());
+  const std::size_t size = scalarSize(array.type);
   if (count > array.inline_data.size()) return damaged(array);
-  std::vector<double> values(count);
-  for (double& value : values) {
+  std::vector<std::uint8_t> bytes(count * size);
+  for (std::size_t i = 0; i < count; ++i) {
     const char *begin = nullptr, *end = nullptr;
     if (!scanner.nextWord(begin, end) ||
-        !parseScalar(begin, end, kFloat64, reinterpret_cast<std::uint8_t*>(&value))) {
+        !parseScalar(begin, end, array.type, bytes.data() + i * size)) {
       return damaged(array);
     }
   }
-  return values;
+  return bytes;
 }
 
 }  // namespace
@@ -180,21 +181,16 @@ readVtpBytes(const VtpMarkup& markup, const VtpArray& array, std::size_t expecte
   return bytes;
 }
 
-Result<std::vector<double>>
-readVtpNumbers(const VtpMarkup& markup, const VtpArray& array, std::size_t count)
+Result<std::vector<std::uint8_t>>
+readVtpValues(const VtpMarkup& markup, const VtpArray& array, std::size_t count)
 {
-  if (count == 0) return std::vector<double>();
-  if (array.format == VtpArray::Format::kAscii) return readAsciiNumbers(array, count);
+  if (count == 0) return std::vector<std::uint8_t>();
+  if (array.format == VtpArray::Format::kAscii) return readAsciiValues(array, count);
   const std::size_t size = scalarSize(array.type);
   auto bytes = readVtpBytes(markup, array, count * size);
-  if (!bytes) return bytes.error();
-  std::vector<double> values(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    std::uint8_t* at = bytes->data() + i * size;
-    if (markup.big_endian) swapBytes(at, size);
-    values[i] = readScalar(at, array.type);
-  }
-  return values;
+  if (!bytes || !markup.big_endian) return bytes;
+  for (std::size_t i = 0; i < count; ++i) swapBytes(bytes->data() + i * size, size);
+  return bytes;
 }
 
 Result<std::vector<std::string>>

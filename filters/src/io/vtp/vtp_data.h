@@ -13,9 +13,9 @@ namespace pcl_slim {
 Result<std::vector<std::uint8_t>>
 readVtpBytes(const VtpMarkup& markup, const VtpArray& array, std::size_t expected);
 
-/** The values of an array of numbers, count of them. */
-Result<std::vector<double>>
-readVtpNumbers(const VtpMarkup& markup, const VtpArray& array, std::size_t count);
+/** The values of an array of numbers, count of them, each in its type and this machine's byte order. */
+Result<std::vector<std::uint8_t>>
+readVtpValues(const VtpMarkup& markup, const VtpArray& array, std::size_t count);
 
 /** The strings of an array: VTK ends each with a zero byte. */
 Result<std::vector<std::string>>

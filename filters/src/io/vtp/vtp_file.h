@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "pcl_slim/filters/io/point_file.h"
 
@@ -12,13 +13,15 @@ namespace pcl_slim {
 Error
 checkVtp(const std::string& path);
 
-/** Writes float fields as ParaView PolyData: points with vertex cells, "Normals", one array for
- * each other field, comments as a string array of the field data. */
+/** Writes points as VTK's XML PolyData, bit for bit: "Normals" for the normals, "RGB" (and "alpha", unless
+ * it is 0 in a field rgb) for a packed colour, for each other field an array of its name, type and
+ * count, comments as strings of the field data. Faces become polygons; without faces each point that
+ * has finite coordinates is a vertex cell. Rows of an organised cloud and the sensor are not kept. */
 Error
 saveVtp(const std::string& path, const PointFile& file);
 
-/** Reads points, normals and scalar arrays of a .vtp file into fields. */
+/** Reads what saveVtp() or VTK has written: points, their arrays as fields, and polygons. */
 Result<PointFile>
-loadVtp(const std::string& path);
+parseVtp(const std::vector<unsigned char>& bytes);
 
 }  // namespace pcl_slim

@@ -203,11 +203,7 @@ class MarkupReader {
       ended_ = true;  // what follows is data, which may look like tags
       return readAppended(tag, text_, at, markup_);
     }
-    if (tag.name == "DataArray" || tag.name == "Array") {
-      const bool wanted =
-          section_ == "FieldData" || section_ == "PointData" || section_ == "Points";
-      return wanted ? readArray(tag, section_, text_, at, markup_) : Error{};
-    }
+    if (tag.name == "DataArray" || tag.name == "Array") return readArrayTag(tag, at);
     beginSection(tag);
     return {};
   }
@@ -217,12 +213,33 @@ class MarkupReader {
   VtpMarkup& markup() { return markup_; }
 
  private:
+  Error readArrayTag(const Tag& tag, std::size_t at)
+  {
+    const std::string_view name = tag["Name"];
+    if (std::any_of(name.begin(), name.end(), [](unsigned char c) { return c < ' '; }))
+      return bad("has an array whose name has control characters");
+    if (section_ == "CellData")
+      markup_.left_out.push_back("array '" + std::string(name) + "' of its cells");
+    const bool wanted = section_ == "FieldData" || section_ == "PointData" ||
+                        section_ == "Points" || section_ == "Polys";
+    return wanted ? readArray(tag, section_, text_, at, markup_) : Error{};
+  }
+
   Error readPiece(const Tag& tag)
   {
     if (++pieces_ > 1) return bad("has several pieces: merge them first");
-    return readCount(tag, "NumberOfPoints", text_.size() * kMostCompression, markup_.points)
-               ? Error{}
-               : bad("has a NumberOfPoints that makes no sense");
+    std::size_t lines = 0, strips = 0;
+    const std::pair<const char*, std::size_t*> counts[] = {{"NumberOfPoints", &markup_.points},
+                                                           {"NumberOfPolys", &markup_.polygons},
+                                                           {"NumberOfLines", &lines},
+                                                           {"NumberOfStrips", &strips}};
+    for (const auto& [name, count] : counts) {
+      if (!readCount(tag, name, text_.size() * kMostCompression, *count))
+        return bad("has a " + std::string(name) + " that makes no sense");
+    }
+    if (lines > 0) markup_.left_out.push_back("element 'Lines'");
+    if (strips > 0) markup_.left_out.push_back("element 'Strips'");
+    return {};
   }
 
   void beginSection(const Tag& tag)

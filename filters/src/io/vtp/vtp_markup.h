@@ -14,7 +14,7 @@ namespace pcl_slim {
 
 /** An array that a VTK XML file announces. */
 struct VtpArray {
-  std::string section;  ///< the element it stands in: FieldData, PointData, Points
+  std::string section;  ///< the element it stands in: FieldData, PointData, Points, Polys
   std::string name;
   std::uint8_t type = 0;  ///< ScalarType; 0: strings
   std::size_t components = 1;
@@ -26,10 +26,11 @@ struct VtpArray {
 
 /** What the markup of a .vtp file says; views are into the file's bytes. */
 struct VtpMarkup {
-  std::size_t points = 0;
-  std::string normals;           ///< name of the array that PointData names as normals
-  std::vector<VtpArray> arrays;  ///< of field data, point data and points
-  std::string_view appended;     ///< what follows the underscore of AppendedData
+  std::size_t points = 0, polygons = 0;
+  std::string normals;                ///< name of the array that PointData names as normals
+  std::vector<VtpArray> arrays;       ///< of field data, point data, points and polygons
+  std::vector<std::string> left_out;  ///< what the file has besides, in words
+  std::string_view appended;          ///< what follows the underscore of AppendedData
   bool appended_base64 = false;
   bool big_endian = false, wide_headers = false, zlib = false;
 };

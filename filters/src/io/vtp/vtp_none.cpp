@@ -10,8 +10,7 @@ Error
 checkVtp(const std::string& path)
 {
   return {ErrorCode::kBadArgument,
-          "cannot use '" + path +
-              "': this build has no VTP (PCL_SLIM_WITH_VTP); name a .pcd, .ply or .slim file"};
+          "cannot use '" + path + "': this build has no VTP (PCL_SLIM_WITH_VTP); name a .ply file"};
 }
 
 Error
@@ -21,9 +20,9 @@ saveVtp(const std::string& path, const PointFile&)
 }
 
 Result<PointFile>
-loadVtp(const std::string& path)
+parseVtp(const std::vector<unsigned char>&)
 {
-  return checkVtp(path);
+  return checkVtp("*.vtp");
 }
 
 Error

@@ -8,9 +8,27 @@
 
 namespace pcl_slim {
 
+namespace {
+
+/** Keeps VTK from printing while a file is tried. */
+class SilentVtk {
+ public:
+  SilentVtk() : display_(vtkObject::GetGlobalWarningDisplay())
+  {
+    vtkObject::GlobalWarningDisplayOff();
+  }
+  ~SilentVtk() { vtkObject::SetGlobalWarningDisplay(display_); }
+
+ private:
+  int display_;
+};
+
+}  // namespace
+
 Error
 writeVtp(const std::string& path, vtkPolyData* data)
 {
+  const SilentVtk silent;
   vtkNew<vtkXMLPolyDataWriter> writer;
   writer->SetInputData(data);
   writer->WriteToOutputStringOn();

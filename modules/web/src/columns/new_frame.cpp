@@ -43,28 +43,59 @@ substitute(int degree, const float* c, const Vector3& form_u, const Vector3& for
   return sum;
 }
 
+/** \brief From a ball and its frame to others, which are near. */
+struct Change {
+  Change(const FramedBall& from, const FramedBall& to)
+      : old(normalized(from.normal)),
+        frame(normalized(to.normal)),
+        shift(scaled(subtract(to.center, from.center), 1.0 / from.radius)),
+        grow(to.radius / from.radius)
+  {
+  }
+
+  /** \brief A polynomial where the new plane's points are in the old frame; the height above it tilts along. */
+  Grid substitutedInto(int degree, const float* c) const
+  {
+    const auto form = [this](const Vector3& axis) {
+      return Vector3{grow * dot(axis, frame.u), grow * dot(axis, frame.v), dot(axis, shift)};
+    };
+    return substitute(degree, c, form(old.u), form(old.v));
+  }
+
+  LocalFrame old, frame;
+  Vector3 shift;
+  double grow;
+};
+
+std::array<double, kMaxCoefficients>
+termsOf(int degree, const Grid& p, double factor)
+{
+  std::array<double, kMaxCoefficients> terms{};
+  std::size_t k = 0;
+  for (std::size_t n = 0; n <= static_cast<std::size_t>(degree); ++n) {
+    for (std::size_t j = 0; j <= n; ++j) terms[k++] = factor * p[n - j][j];
+  }
+  return terms;
+}
+
 }  // namespace
 
 std::array<double, kMaxCoefficients>
 inNewFrame(int degree, const float* c, const FramedBall& from, const FramedBall& to)
 {
-  const LocalFrame old(normalized(from.normal)), frame(normalized(to.normal));
-  const Vector3 shift = scaled(subtract(to.center, from.center), 1.0 / from.radius);
-  const double grow = to.radius / from.radius;
-  // Where the new plane's points are in the old frame; the height above it tilts along.
-  const Vector3 form_u{grow * dot(old.u, frame.u), grow * dot(old.u, frame.v), dot(old.u, shift)};
-  const Vector3 form_v{grow * dot(old.v, frame.u), grow * dot(old.v, frame.v), dot(old.v, shift)};
-  Grid h = substitute(degree, c, form_u, form_v);
-  h[0][0] -= dot(old.w, shift);
-  h[1][0] -= grow * dot(old.w, frame.u);
-  h[0][1] -= grow * dot(old.w, frame.v);
-  const double upright = 1.0 / (grow * dot(old.w, frame.w));
-  std::array<double, kMaxCoefficients> result{};
-  std::size_t k = 0;
-  for (std::size_t n = 0; n <= static_cast<std::size_t>(degree); ++n) {
-    for (std::size_t j = 0; j <= n; ++j) result[k++] = upright * h[n - j][j];
-  }
-  return result;
+  const Change change(from, to);
+  Grid h = change.substitutedInto(degree, c);
+  const LocalFrame &old = change.old, &frame = change.frame;
+  h[0][0] -= dot(old.w, change.shift);
+  h[1][0] -= change.grow * dot(old.w, frame.u);
+  h[0][1] -= change.grow * dot(old.w, frame.v);
+  return termsOf(degree, h, 1.0 / (change.grow * dot(old.w, frame.w)));
+}
+
+std::array<double, kMaxCoefficients>
+valuesInNewFrame(int degree, const float* c, const FramedBall& from, const FramedBall& to)
+{
+  return termsOf(degree, Change(from, to).substitutedInto(degree, c), 1.0);
 }
 
 }  // namespace pcl_slim::detail

@@ -19,4 +19,8 @@ struct FramedBall {
 std::array<double, kMaxCoefficients>
 inNewFrame(int degree, const float* c, const FramedBall& from, const FramedBall& to);
 
+/** \brief The same for values over the plane that are no heights, such as colours. */
+std::array<double, kMaxCoefficients>
+valuesInNewFrame(int degree, const float* c, const FramedBall& from, const FramedBall& to);
+
 }  // namespace pcl_slim::detail

@@ -10,6 +10,7 @@
 #include "columns/web_header.h"
 #include "pcl_slim/surface/detail/detail_sizes.h"
 #include "pcl_slim/surface/oct_normal.h"
+#include "pcl_slim/surface/surfel_color.h"
 
 namespace pcl_slim::detail {
 namespace {
@@ -24,6 +25,7 @@ class Packer {
     header_.leaves = static_cast<std::uint32_t>(s_.numLeaves());
     header_.info = s_.info;
     header_.precision = precision;
+    header_.colored = s_.hasColors();
     std::copy(cells_.corner, cells_.corner + 3, header_.corner);
     header_.step = cells_.step;
     header_.radius.cover(s_.radius);
@@ -43,6 +45,7 @@ class Packer {
     putDetail();
     putCoefficients();
     putTrimMaps();
+    if (header_.colored) putColors();
     return std::move(out_.data);
   }
 
@@ -105,17 +108,20 @@ class Packer {
     return header_.radius.value(header_.radius.code(s_.radius[i]));
   }
 
-  /** \brief The polynomial in the ball and frame that the viewer will have. */
-  std::array<double, kMaxCoefficients> rewritten(std::uint32_t i) const
+  FramedBall ballOf(std::uint32_t i) const
   {
-    const FramedBall from{
-        {s_.cx[i], s_.cy[i], s_.cz[i]}, {s_.nx[i], s_.ny[i], s_.nz[i]}, s_.radius[i]};
-    FramedBall to = from;
+    return {{s_.cx[i], s_.cy[i], s_.cz[i]}, {s_.nx[i], s_.ny[i], s_.nz[i]}, s_.radius[i]};
+  }
+
+  /** \brief The ball and frame that the viewer will have. */
+  FramedBall roundedBall(std::uint32_t i) const
+  {
+    FramedBall to;
     for (std::size_t k = 0; k < 3; ++k) to.center[k] = cells_.rounded(k, i);
     const std::array<float, 3> normal = decodeNormal(codeOf(i));
     to.normal = {normal[0], normal[1], normal[2]};
     to.radius = roundedRadius(i);
-    return inNewFrame(s_.degree[i], s_.coefficientsOf(i), from, to);
+    return to;
   }
 
   void putCoefficients()
@@ -129,7 +135,7 @@ class Packer {
     }
     std::vector<std::vector<std::uint32_t>> columns(stride);
     for (const std::uint32_t i : order_) {
-      const auto c = rewritten(i);
+      const auto c = inNewFrame(s_.degree[i], s_.coefficientsOf(i), ballOf(i), roundedBall(i));
       const double diagonals = roundedRadius(i) / s_.info.diagonal;
       for (std::size_t k = 0; k < stride; ++k) {
         columns[k].push_back(zigzag(c[k] * stepsOf(header_.precision, k, diagonals)));
@@ -171,6 +177,35 @@ class Packer {
       }
       out_.put({byte}, 1);
     }
+  }
+
+  /** \brief Red and blue as their differences from green, which compress better. */
+  void putColors()
+  {
+    std::vector<std::uint8_t> colors = s_.colors;
+    for (const std::uint32_t i : order_) {
+      if (!exact()) rewriteColor(i, colors.data() + i * kColorBytes);
+    }
+    for (std::size_t k = 0; k < kColorBytes; ++k) {
+      const std::size_t green = 3 * (k / 3) + 1;
+      putColumn(1, [&](std::uint32_t i) {
+        const std::uint8_t* of = colors.data() + i * kColorBytes;
+        return static_cast<std::uint8_t>(of[k] - (k == green ? 0 : of[green]));
+      });
+    }
+  }
+
+  void rewriteColor(std::uint32_t i, std::uint8_t* bytes) const
+  {
+    ColorPolynomial color = decodeColor(bytes);
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      std::array<float, kColorTerms> terms;
+      for (std::size_t k = 0; k < kColorTerms; ++k) terms[k] = color[k][channel];
+      const auto moved = valuesInNewFrame(kColorDegree, terms.data(), ballOf(i), roundedBall(i));
+      for (std::size_t k = 0; k < kColorTerms; ++k)
+        color[k][channel] = static_cast<float>(moved[k]);
+    }
+    encodeColor(color, bytes);
   }
 
   const SLIMSurface& s_;

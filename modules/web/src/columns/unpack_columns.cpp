@@ -4,6 +4,7 @@
 #include "columns/web_header.h"
 #include "pcl_slim/surface/detail/detail_sizes.h"
 #include "pcl_slim/surface/oct_normal.h"
+#include "pcl_slim/surface/surfel_color.h"
 
 namespace pcl_slim::detail {
 namespace {
@@ -25,6 +26,7 @@ class Unpacker {
     getDetail();
     getCoefficients();
     getTrimMaps();
+    if (header_.colored) getColors();
     if (in_.failed() || in_.left() > 0 || s.validate()) return damaged;
     return std::move(web_);
   }
@@ -144,6 +146,22 @@ class Unpacker {
       }
     }
     web_.surface.setTrimMaps(sides, bits);
+  }
+
+  void getColors()
+  {
+    std::vector<std::uint8_t>& colors = web_.surface.colors;
+    if (n_ > in_.left() / kColorBytes) return;  // bytes are missing or left over: damaged
+    colors.resize(n_ * kColorBytes);
+    for (std::size_t k = 0; k < kColorBytes; ++k) {
+      const auto column = in_.get(n_, 1);
+      for (std::size_t i = 0; i < n_; ++i)
+        colors[i * kColorBytes + k] = static_cast<std::uint8_t>(column[i]);
+    }
+    for (std::size_t at = 0; at < colors.size(); at += 3) {
+      for (const std::size_t c : {0, 2})
+        colors[at + c] = static_cast<std::uint8_t>(colors[at + c] + colors[at + 1]);
+    }
   }
 
   PlaneReader in_;

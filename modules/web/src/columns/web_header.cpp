@@ -4,7 +4,7 @@
 namespace pcl_slim::detail {
 namespace {
 
-constexpr std::uint32_t kMagic = 0x31504c53;  ///< "SLP1"
+constexpr std::uint32_t kMagic = 0x32504c53;  ///< "SLP2"
 
 /** \brief The numbers of a header in their order, for writing and reading. */
 template <typename Header, typename Visit>
@@ -32,7 +32,8 @@ WebHeader::write(PlaneWriter& out) const
   out.putNumber(surfels);
   out.putNumber(leaves);
   out.put({static_cast<std::uint32_t>(info.degree), static_cast<std::uint32_t>(info.blend_kernel),
-           static_cast<std::uint32_t>(info.oriented), static_cast<std::uint32_t>(info.paper_mode)},
+           static_cast<std::uint32_t>(info.oriented), static_cast<std::uint32_t>(info.paper_mode),
+           static_cast<std::uint32_t>(colored)},
           1);
   visitNumbers(*this, [&](double number) { out.putDouble(number); });
 }
@@ -43,12 +44,13 @@ WebHeader::read(PlaneReader& in)
   if (in.getNumber() != kMagic) return false;
   surfels = in.getNumber();
   leaves = in.getNumber();
-  const auto small = in.get(4, 1);
+  const auto small = in.get(5, 1);
   if (in.failed()) return false;
   info.degree = static_cast<int>(small[0]);
   info.blend_kernel = static_cast<WeightKernel>(small[1]);
   info.oriented = small[2] != 0;
   info.paper_mode = small[3] != 0;
+  colored = small[4] != 0;
   visitNumbers(*this, [&](double& number) { number = in.getDouble(); });
   return !in.failed() && leaves <= surfels && info.degree >= 1 && info.degree <= kMaxDegree;
 }

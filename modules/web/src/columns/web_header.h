@@ -51,6 +51,7 @@ struct LogScale {
 struct WebHeader {
   std::uint32_t surfels = 0, leaves = 0;
   SurfaceInfo info;
+  bool colored = false;
   double precision = 0.0;                          ///< steps of a coefficient per radius; 0: floats
   double corner[3] = {0.0, 0.0, 0.0}, step = 1.0;  ///< of the grid of centres
   LogScale radius, size;

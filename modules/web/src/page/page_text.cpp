@@ -7,6 +7,7 @@
 #include "columns/gzip.h"
 #include "page/viewer_text.h"
 #include "pcl_slim/core/vector3.h"
+#include "pcl_slim/query/detail/color_rules.h"
 #include "pcl_slim/render/color_map.h"
 #include "pcl_slim/render/detail/frame_constants.h"
 
@@ -80,6 +81,8 @@ constants()
   JsonText json;
   for (const FrameConstant& c : kFrameConstants) json.member(c.name, JsonText::number(c.value));
   json.member("kMaxLayers", JsonText::number(kMaxLayers));
+  json.member("kColorGate", JsonText::number(kColorGate));
+  json.member("kOtherSheet", JsonText::number(kOtherSheet));
   return json.object();
 }
 

@@ -39,10 +39,6 @@ encodePage(const SLIMSurface& surface, const Camera& camera, const RenderParams&
     return Error{ErrorCode::kBadArgument,
                  "a page shows a whole surface with blended derivatives; leave out cuts"};
   }
-  if (shading.mode == ShadingMode::kColor) {
-    return Error{ErrorCode::kBadArgument,
-                 "a page shows a surface without its colours; choose another mode than color"};
-  }
   auto data = encodeWebSurface(surface, params.precision);
   if (!data) return data.error();
   auto lines = packLines(params.lines, surface.info.origin, surface.info.scale);

@@ -48,6 +48,8 @@ struct PCL_SLIM_EXPORT PointFile {
  * .xyz .txt .asc .csv  text, a point a line; columns by their names, or guessed (columns)
  * .pts                 the same, with the number of points first and intensity before colours
  * .obj .off .stl       vertices, with normals and colours where there are any, and faces
+ * .vtp                 VTK's XML PolyData of one piece, in builds with PCL_SLIM_WITH_VTP: points, their arrays
+ *                      (3 bytes "RGB": rgb; the normals: normal_x ...) and polygons
  *
  * A missing, foreign, truncated or self-contradicting file gives an error; one without points
  * is read and has none. What of a file is passed over (elements of a PLY file other than vertices and
@@ -61,10 +63,11 @@ loadPointFile(const std::string& path);
 PCL_SLIM_EXPORT Error
 checkPointFileExtension(const std::string& path);
 
-/** \brief Writes .pcd (binary), .ply (binary_little_endian) or .las by extension.
+/** \brief Writes .pcd (binary), .ply (binary_little_endian), .las or .vtp by extension.
  *
  * Fields go out in their order and type, so that loading and saving gives the same bytes again. PCD and
- * LAS keep no faces, LAS no comments. A .las of points read from one keeps its version, point format,
+ * LAS keep no faces, LAS no comments; only PCD keeps the rows of an organised cloud and the sensor. Points
+ * of a .vtp are vertex cells or corners of polygons; those without coordinates (NaN) are in no cell. A .las of points read from one keeps its version, point format,
  * records and extra bytes; new fields become extra bytes. Coordinates that its scale cannot hold get a
  * finer one. Of other points LAS 1.4 is made, format 6 or, with colours, 7: coordinates are rounded to
  * a billionth of the extent. \return an error for another extension or when the file cannot be

@@ -22,6 +22,8 @@ struct PCL_SLIM_EXPORT FitParams {
   double t_mdl = 0.0;         ///< > 0: the paper's penalty lambda (T L / r)^2 instead (eq. 3)
   double target_error = 0.0;  ///< > 0 [L]: solve for the penalty that gives this RMS residual
   std::uint64_t max_surfels = 0;  ///< > 0: solve for the penalty that gives at most so many leaves
+  double noise_factor = 0.0;      ///< > 0: residuals and penalty as if the noise variance were this
+                                  ///< multiple of lambda; what the two above solve for
   double lambda = 0.0;            ///< > 0 [L^2]: noise variance to use instead of estimating it
   double cover_radius = 0.0;     ///< alpha in (0, 1], 1 is the compact setting; 0: 2/3, and .55 for
                                  ///< leaves that many points stand behind
@@ -113,6 +115,7 @@ struct FitStatistics {
   double noise_patch_radius = 0;      ///< median radius of those patches [L]
   bool noise_varies = false;          ///< lambda is the cloud's, the noise a profile about it
   double penalty = 0, t_mdl = 0;      ///< as used (solved for, where asked)
+  double noise_factor = 0;            ///< FitParams::noise_factor, or the one solved for; 0: none
   double normal_error = 0;            ///< of normals used as data [rad]; 0: they were not
   /// normals were to be data, but repeat the points' noise, or too few points tell
   bool normals_follow_points = false;

@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Points as .vtp: VTK reads every value bit for bit, and so does loadPointFile.
+#ifdef PCL_SLIM_WITH_VTP
+#include <gtest/gtest.h>
+#include <vtkCellArray.h>
+#include <vtkDataArray.h>
+#include <vtkFieldData.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkPolyData.h>
+#include <vtkXMLPolyDataReader.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+#include <string>
+
+#include "pcl_slim/filters/io/point_file.h"
+#include "pcl_slim/filters/io/splat_conversion.h"
+#include "support/temporary_folder.h"
+
+namespace pcl_slim {
+namespace {
+
+using pcl_slim_test::fileBytes;
+using pcl_slim_test::TemporaryFolder;
+using pcl_slim_test::writeBytes;
+
+using Field = pcl::PCLPointField;
+constexpr std::uint8_t kInt64 = 9, kUInt64 = 10;
+
+struct Column {
+  const char* name;
+  std::uint8_t type;
+  std::uint32_t count, size;
+};
+
+/** Points of random bytes, with a gap before each field. */
+PointFile
+randomPoints(const std::vector<Column>& columns, std::uint32_t n)
+{
+  PointFile file;
+  pcl::PCLPointCloud2& cloud = file.cloud;
+  for (const Column& column : columns) {
+    Field field;
+    field.name = column.name;
+    field.datatype = column.type;
+    field.count = column.count;
+    field.offset = cloud.point_step += 3;
+    cloud.fields.push_back(field);
+    cloud.point_step += column.size * column.count;
+  }
+  cloud.width = n;
+  cloud.height = 1;
+  cloud.row_step = cloud.point_step * n;
+  cloud.data.resize(std::size_t{cloud.row_step});
+  std::mt19937 random(5);
+  for (auto& byte : cloud.data) byte = static_cast<std::uint8_t>(random());
+  return file;
+}
+
+const std::vector<Column> kAllTypes = {{"label", Field::UINT32, 1, 4},
+                                       {"x", Field::FLOAT64, 1, 8},
+                                       {"y", Field::FLOAT64, 1, 8},
+                                       {"z", Field::FLOAT64, 1, 8},
+                                       {"i8", Field::INT8, 1, 1},
+                                       {"u8", Field::UINT8, 1, 1},
+                                       {"i16", Field::INT16, 1, 2},
+                                       {"u16", Field::UINT16, 1, 2},
+                                       {"i32", Field::INT32, 1, 4},
+                                       {"i64", kInt64, 1, 8},
+                                       {"u64", kUInt64, 1, 8},
+                                       {"normal_x", Field::FLOAT32, 1, 4},
+                                       {"normal_y", Field::FLOAT32, 1, 4},
+                                       {"normal_z", Field::FLOAT32, 1, 4},
+                                       {"rgba", Field::UINT32, 1, 4},
+                                       {"fpfh", Field::FLOAT32, 33, 4}};
+
+std::vector<std::uint8_t>
+bytesOf(const pcl::PCLPointCloud2& cloud, const std::string& name)
+{
+  std::vector<std::uint8_t> bytes;
+  const Field& field = cloud.fields[static_cast<std::size_t>(findField(cloud, name))];
+  static constexpr std::size_t kSize[] = {0, 1, 1, 2, 2, 4, 4, 4, 8, 8, 8};
+  const std::size_t size = kSize[field.datatype] * field.count;
+  for (std::size_t i = 0; i < numPoints(cloud); ++i) {
+    const auto* at = cloud.data.data() + i * cloud.point_step + field.offset;
+    bytes.insert(bytes.end(), at, at + size);
+  }
+  return bytes;
+}
+
+std::vector<std::uint8_t>
+bytesOf(vtkDataArray* array)
+{
+  const auto* at = static_cast<const std::uint8_t*>(array->GetVoidPointer(0));
+  const auto count = array->GetNumberOfValues() * array->GetDataTypeSize();
+  return {at, at + count};
+}
+
+/** The bytes of three fields next to each other. */
+std::vector<std::uint8_t>
+tripleBytes(const pcl::PCLPointCloud2& cloud, const char* const (&names)[3], std::size_t size)
+{
+  std::vector<std::uint8_t> bytes, part[3];
+  for (int k = 0; k < 3; ++k) part[k] = bytesOf(cloud, names[k]);
+  for (std::size_t i = 0; i < numPoints(cloud); ++i) {
+    for (const auto& p : part) bytes.insert(bytes.end(), &p[i * size], &p[i * size] + size);
+  }
+  return bytes;
+}
+
+vtkSmartPointer<vtkPolyData>
+readByVtk(const std::string& path)
+{
+  vtkNew<vtkXMLPolyDataReader> reader;
+  reader->SetFileName(path.c_str());
+  reader->Update();
+  return reader->GetOutput();
+}
+
+TEST(VtpPoints, VtkReadsEveryValue)
+{
+  const TemporaryFolder folder;
+  const PointFile file = randomPoints(kAllTypes, 300);
+  ASSERT_FALSE(savePointFile(folder / "a.vtp", file));
+  const auto data = readByVtk(folder / "a.vtp");
+  ASSERT_EQ(data->GetNumberOfPoints(), 300);
+  const pcl::PCLPointCloud2& cloud = file.cloud;
+  EXPECT_EQ(bytesOf(data->GetPoints()->GetData()), tripleBytes(cloud, {"x", "y", "z"}, 8));
+  vtkPointData* const point = data->GetPointData();
+  ASSERT_NE(point->GetNormals(), nullptr);
+  EXPECT_STREQ(point->GetNormals()->GetName(), "Normals");
+  EXPECT_EQ(bytesOf(point->GetNormals()),
+            tripleBytes(cloud, {"normal_x", "normal_y", "normal_z"}, 4));
+  for (const char* name : {"label", "i8", "u8", "i16", "u16", "i32", "i64", "u64", "fpfh"}) {
+    ASSERT_NE(point->GetArray(name), nullptr) << name;
+    EXPECT_EQ(bytesOf(point->GetArray(name)), bytesOf(cloud, name)) << name;
+  }
+  EXPECT_EQ(point->GetNumberOfArrays(), 12);
+}
+
+TEST(VtpPoints, PackedColoursAreBytes)
+{
+  const TemporaryFolder folder;
+  const PointFile file = randomPoints(kAllTypes, 300);
+  ASSERT_FALSE(savePointFile(folder / "a.vtp", file));
+  const auto data = readByVtk(folder / "a.vtp");
+  vtkPointData* const point = data->GetPointData();
+  const auto packed = bytesOf(file.cloud, "rgba");
+  const auto rgb = bytesOf(point->GetArray("RGB")), alpha = bytesOf(point->GetArray("alpha"));
+  ASSERT_EQ(rgb.size(), 900u);
+  EXPECT_EQ(point->GetScalars(), point->GetArray("RGB"));
+  for (std::size_t i = 0; i < 300; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) EXPECT_EQ(rgb[3 * i + k], packed[4 * i + 2 - k]);
+    EXPECT_EQ(alpha[i], packed[4 * i + 3]);
+  }
+}
+
+TEST(VtpPoints, ComeBackWithEveryFieldOfItsTypeAndCount)
+{
+  const TemporaryFolder folder;
+  PointFile file = randomPoints(kAllTypes, 200);
+  file.comments = {"a scan", "", "pcl_slim kind none"};
+  ASSERT_FALSE(savePointFile(folder / "a.vtp", file));
+  const auto read = loadPointFile(folder / "a.vtp");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->comments, file.comments);
+  EXPECT_TRUE(read->left_out.empty());
+  ASSERT_EQ(read->cloud.fields.size(), file.cloud.fields.size());
+  for (const Field& field : file.cloud.fields) {
+    const int i = findField(read->cloud, field.name);
+    ASSERT_GE(i, 0) << field.name;
+    EXPECT_EQ(read->cloud.fields[static_cast<std::size_t>(i)].datatype, field.datatype);
+    EXPECT_EQ(read->cloud.fields[static_cast<std::size_t>(i)].count, field.count);
+    EXPECT_EQ(bytesOf(read->cloud, field.name), bytesOf(file.cloud, field.name)) << field.name;
+  }
+  // Coordinates come first; the other fields keep their order. Then nothing changes any more.
+  ASSERT_FALSE(savePointFile(folder / "b.vtp", *read));
+  const auto again = loadPointFile(folder / "b.vtp");
+  ASSERT_TRUE(again);
+  EXPECT_EQ(again->cloud.data, read->cloud.data);
+  EXPECT_EQ(fileBytes(folder / "a.vtp"), fileBytes(folder / "b.vtp"));
+}
+
+TEST(VtpPoints, PointsWithoutCoordinatesStayAndAreInNoCell)
+{
+  const TemporaryFolder folder;
+  PointFile file = randomPoints(
+      {{"x", Field::FLOAT32, 1, 4}, {"y", Field::FLOAT32, 1, 4}, {"z", Field::FLOAT32, 1, 4}}, 60);
+  auto& cloud = file.cloud;
+  for (std::size_t i = 0; i < 60; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      float value = static_cast<float>(i) + static_cast<float>(k);
+      if (i % 5 == 2 && k == i % 3) value = std::numeric_limits<float>::quiet_NaN();
+      std::memcpy(&cloud.data[i * cloud.point_step + cloud.fields[k].offset], &value, 4);
+    }
+  }
+  ASSERT_FALSE(savePointFile(folder / "a.vtp", file));
+  const auto data = readByVtk(folder / "a.vtp");
+  EXPECT_EQ(data->GetNumberOfPoints(), 60);
+  EXPECT_EQ(data->GetNumberOfVerts(), 48);
+  EXPECT_EQ(bytesOf(data->GetPoints()->GetData()), tripleBytes(cloud, {"x", "y", "z"}, 4));
+  double bounds[6];
+  data->GetCellsBounds(bounds);
+  EXPECT_EQ(bounds[0], 0.0);
+  EXPECT_EQ(bounds[1], 59.0);
+  const auto read = loadPointFile(folder / "a.vtp");
+  ASSERT_TRUE(read);
+  EXPECT_EQ(bytesOf(read->cloud, "y"), bytesOf(cloud, "y"));
+}
+
+TEST(VtpPoints, FacesArePolygons)
+{
+  const TemporaryFolder folder;
+  PointFile file = randomPoints(
+      {{"x", Field::FLOAT32, 1, 4}, {"y", Field::FLOAT32, 1, 4}, {"z", Field::FLOAT32, 1, 4}}, 9);
+  file.face_begin = {0, 3, 7, 10};
+  file.face_vertices = {0, 1, 2, 8, 7, 6, 5, 2, 3, 4};
+  ASSERT_FALSE(savePointFile(folder / "a.vtp", file));
+  const auto data = readByVtk(folder / "a.vtp");
+  EXPECT_EQ(data->GetNumberOfPolys(), 3);
+  EXPECT_EQ(data->GetNumberOfVerts(), 0);
+  const auto read = loadPointFile(folder / "a.vtp");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->face_begin, file.face_begin);
+  EXPECT_EQ(read->face_vertices, file.face_vertices);
+  file.face_vertices[4] = 9;
+  ASSERT_FALSE(savePointFile(folder / "a.vtp", file));
+  const auto refused = loadPointFile(folder / "a.vtp");
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("vertices"), std::string::npos);
+}
+
+TEST(VtpPoints, ATakenNameGrows)
+{
+  const TemporaryFolder folder;
+  PointFile file = randomPoints({{"x", Field::INT32, 1, 4},
+                                 {"y", Field::INT32, 1, 4},
+                                 {"z", Field::FLOAT32, 1, 4},
+                                 {"rgb", Field::FLOAT32, 1, 4},
+                                 {"rgba", Field::UINT32, 1, 4},
+                                 {"alpha", Field::UINT16, 1, 2},
+                                 {"normal_x", Field::FLOAT32, 1, 4}},
+                                50);
+  ASSERT_FALSE(savePointFile(folder / "a.vtp", file));
+  const auto data = readByVtk(folder / "a.vtp");
+  vtkPointData* const point = data->GetPointData();
+  EXPECT_EQ(point->GetNumberOfArrays(), 5);
+  EXPECT_EQ(bytesOf(point->GetArray("alpha_")), bytesOf(file.cloud, "alpha"));
+  EXPECT_EQ(bytesOf(point->GetArray("rgba")), bytesOf(file.cloud, "rgba"));
+  EXPECT_EQ(bytesOf(point->GetArray("normal_x")), bytesOf(file.cloud, "normal_x"));
+  for (vtkIdType i = 0; i < 50; ++i) {
+    for (int k = 0; k < 2; ++k) {
+      const auto p = static_cast<std::size_t>(i);
+      EXPECT_EQ(data->GetPoint(i)[k],
+                fieldValue(file.cloud, p, file.cloud.fields[static_cast<std::size_t>(k)]));
+    }
+  }
+  file.cloud.fields[1].name = "other";
+  const Error error = savePointFile(folder / "b.vtp", file);
+  EXPECT_NE(error.message.find("x y z"), std::string::npos) << error.message;
+  EXPECT_EQ(folder.numFiles(), 1u);
+}
+
+TEST(VtpPoints, DamageNeverCrashesAndIsToldInOneLine)
+{
+  const TemporaryFolder folder;
+  PointFile file = randomPoints(kAllTypes, 12);
+  file.face_begin = {0, 3, 6};
+  file.face_vertices = {0, 1, 2, 3, 2, 1};
+  ASSERT_FALSE(savePointFile(folder / "a.vtp", file));
+  const auto bytes = fileBytes(folder / "a.vtp");
+  std::mt19937 random(3);
+  int refused = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    auto damaged = bytes;
+    for (int k = 0; k <= trial % 3; ++k)
+      damaged[random() % damaged.size()] = static_cast<unsigned char>(random());
+    if (trial % 5 == 0) damaged.resize(random() % damaged.size());
+    writeBytes(folder / "b.vtp", damaged);
+    const auto read = loadPointFile(folder / "b.vtp");
+    if (read) {
+      for (const std::uint32_t v : read->face_vertices) ASSERT_LT(v, numPoints(read->cloud));
+      continue;
+    }
+    ++refused;
+    EXPECT_EQ(read.error().message.find('\n'), std::string::npos) << read.error().message;
+  }
+  EXPECT_GT(refused, 1000);
+}
+
+}  // namespace
+}  // namespace pcl_slim
+#endif
