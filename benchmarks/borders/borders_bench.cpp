@@ -11,6 +11,7 @@
 #include "common/options.h"
 #include "common/program.h"
 #include "measure/clocks.h"
+#include "measure/vectors.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/fit/fit.h"
 #include "scan/cloud_file.h"
@@ -20,7 +21,7 @@ using namespace pcl_slim;
 namespace {
 
 struct Settings {
-  std::string input;
+  std::string input, vectors = "best";
   FitParams fit;
   bool reference = false, draw = true, use_normals = true;
   int size = 1000, repeat = 1;
@@ -146,7 +147,12 @@ main(int argc, char** argv)
   table.toggle("draw", &s.draw, "measure what is drawn, not only the maps' cost");
   table.toggle("reference", &s.reference, "draw with the reference rasteriser");
   table.toggle("use_normals", &s.use_normals, "use the scan's own normals or faces");
+  table.text("vectors", &s.vectors, "NAME", "instruction set of the kernels, such as AVX2");
   if (const auto status = table.parse(argc, argv)) return *status;
+  if (const Error error = measure::chooseVectors(s.vectors)) {
+    std::fprintf(stderr, "borders_bench: %s\n", error.message.c_str());
+    return kExitUsage;
+  }
   if (s.input.find('.') == std::string::npos) return runScene(s);
   const Result<CloudFile> cloud = loadCloudFile(s.input);
   if (!cloud) {

@@ -12,6 +12,7 @@
 #include "measure/clocks.h"
 #include "measure/closed_bodies.h"
 #include "measure/lists.h"
+#include "measure/vectors.h"
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/render/ray_tracer.h"
 
@@ -25,6 +26,7 @@ struct Settings {
   std::string bodies = "sphere,torus,bumpy,ellipsoid,amphora";
   std::string spreads = "random,blue,uneven";
   std::string points = "20000,100000", noise = "0,0.0005,0.001,0.005,0.01";
+  std::string vectors = "best";
   FitParams fit;
 };
 
@@ -157,10 +159,12 @@ main(int argc, char** argv)
   table.text("noise", &s.noise, "LIST", "noise, shares of the diagonal");
   table.integer("seed", &s.fit.seed, 0, 1000000, "of the points, the rays and the fit");
   table.integer("threads", &s.fit.threads, 1, 256, "threads");
+  table.text("vectors", &s.vectors, "NAME", "instruction set of the kernels, such as AVX2");
   if (const auto status = table.parse(argc, argv)) return *status;
   std::vector<double> counts, noises;
   Error error = measure::parseLists(
       {{"points", &s.points, 100, 1e8, true, &counts}, {"noise", &s.noise, 0, 1, false, &noises}});
+  if (!error) error = measure::chooseVectors(s.vectors);
   if (!error) {
     measure::keepFreedMemory();
     error = runGrid(s, counts, noises);

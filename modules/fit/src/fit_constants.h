@@ -109,30 +109,28 @@ struct OrientConstants {
 /** \brief Borders and holes (docs/theory.md, "Borders"). Lengths are in spacings of a surfel's points
  * unless brackets say otherwise. */
 struct TrimConstants {
-  double known = 1.15;      ///< [r] points are gathered within
-  double gate = 0.25;       ///< [r] points farther from the surfel are no points of it, ...
-  double growth = 0.3;      ///< a sample owns this much beyond itself, beside half a cell
-  double cell = 0.5;        ///< width of a raster's cells
-  double clear = 0.3;       ///< depth inside data from which on a place is clear of any border
-  double looked_at = 0.9;   ///< [r] gaps beyond do not open a surfel: its weight is next to 0
-  double gap_cell = 0.125;  ///< [hole size] cells in which empty patches of 6 cells are looked for
-  double sure = 1.0;      ///< [half of hole size] a gap this far inside what is known is no chance
-  int internal_side = 9;  ///< nodes a side of internal surfels' maps, which are drawn small
+  double known = 1.15;         ///< [r] points are gathered within
+  double gate = 0.25;          ///< [r] points farther from the surfel are no points of it, ...
+  double growth = 0.3;         ///< a sample owns this much beyond itself, beside half a cell
+  double cell = 0.5;           ///< width of a raster's cells
+  double clear = 0.3;          ///< depth inside data from which on a place is clear of any border
+  double looked_at = 0.9;      ///< [r] gaps beyond do not open a surfel: its weight is next to 0
+  int internal_side = 9;       ///< nodes a side of internal surfels' maps, which are drawn small
   std::size_t sampled = 1024;  ///< points of an internal ball from which on samples of them do
 };
 
 /** \brief Where the data end (docs/theory.md, "Borders"). */
 struct BorderConstants {
-  double near = 3.0;              ///< [spacing] neighbours that give plane and sectors
-  double noise = 5.0;             ///< [RMS noise] least reach of these
-  std::size_t least_points = 12;  ///< of these
-  double blind = 0.3;             ///< [their reach] nearer ones point anywhere
-  double sector = 1.75;           ///< [radians] empty next to a border
-  double turn = 0.4;              ///< [radians] discs are also tried this much to either side
-  double far = 10.0;              ///< [spacing] a gap as wide needs no other side
-  double disc = 1.2;              ///< [smallest hole] chance leaves narrower discs empty
-  double rim_share = 0.8;         ///< of the neighbours expected on the other side of a gap
-  int places = 12;                ///< in a surfel's gaps whose rims are looked at
+  std::size_t near_points = 24;  ///< nearest ones, which give plane and sectors
+  double noise = 5.0;            ///< [RMS noise] all nearer ones are among these
+  double blind = 0.3;            ///< [their reach] nearer ones point anywhere
+  double sector = 1.75;          ///< [radians] empty next to a border
+  double turn = 0.4;             ///< [radians] discs are also tried this much to either side
+  double far = 10.0;             ///< [spacing] a gap as wide needs no other side
+  double disc = 1.2;             ///< [smallest hole] chance leaves narrower discs empty
+  double near = 3.0;             ///< [spacing] points are counted on the other side of a gap
+  double rim_share = 0.8;        ///< of the neighbours expected there
+  int places = 12;               ///< in a surfel's gaps whose rims are looked at
 };
 
 /** \brief Target error and number of surfels (docs/theory.md, section of that name). */

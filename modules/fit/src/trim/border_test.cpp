@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "pcl_slim/cloud/detail/block_kernels.h"
 
@@ -13,80 +14,97 @@ namespace pcl_slim::detail {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr int kSectors = 64;  ///< of directions, equal in the circle |u| + |v| = 1
-
-/** Which sector a direction belongs to. */
-int
-sectorOf(double u, double v)
-{
-  const double along = v / (std::abs(u) + std::abs(v));  // -1 to 1
-  const double turn = u >= 0 ? (v >= 0 ? along : 4 + along) : 2 - along;
-  return static_cast<int>(turn * (kSectors / 4)) % kSectors;
-}
+constexpr double kWidest = 2.0;  ///< local length: no cloud is wider
+constexpr float kNoBorder = -1.0f;
+constexpr float kAny = std::numeric_limits<float>::infinity();
 
 /** Angles at which sectors begin. */
-std::array<double, kSectors>
+std::array<double, kBorderSectors>
 sectorAngles()
 {
-  std::array<double, kSectors> angles{};
-  for (int k = 0; k < kSectors; ++k) {
-    const double along = (k % (kSectors / 4)) * (4.0 / kSectors);
+  std::array<double, kBorderSectors> angles{};
+  for (int k = 0; k < kBorderSectors; ++k) {
+    const double along = (k % (kBorderSectors / 4)) * (4.0 / kBorderSectors);
     angles[static_cast<std::size_t>(k)] =
-        std::atan2(along, 1 - along) + 0.5 * kPi * (k / (kSectors / 4));
+        std::atan2(along, 1 - along) + 0.5 * kPi * (k / (kBorderSectors / 4));
   }
   return angles;
 }
 
-const std::array<double, kSectors> kAngles = sectorAngles();
+const std::array<double, kBorderSectors> kAngles = sectorAngles();
+
+/** The widest angle between sectors that are taken, in radians, and its middle. */
+double
+widestSector(std::uint64_t taken, double* middle)
+{
+  if (taken == 0) return 2 * kPi;
+  double widest = 0;
+  const int first = __builtin_ctzll(taken);
+  int begin = first + 1;
+  for (int k = first + 1; k <= first + kBorderSectors; ++k) {
+    if ((taken >> (k % kBorderSectors) & 1) == 0) continue;
+    const double from = kAngles[static_cast<std::size_t>(begin % kBorderSectors)];
+    double to = kAngles[static_cast<std::size_t>(k % kBorderSectors)];
+    if (k > begin && to <= from) to += 2 * kPi;
+    if (k > begin && to - from > widest) {
+      widest = to - from;
+      *middle = 0.5 * (from + to);
+    }
+    begin = k + 1;
+  }
+  return widest;
+}
 
 }  // namespace
 
 BorderTest::BorderTest(const PointStore& store, const BorderConstants& constants, double noise,
-                       double hole_size)
-    : store_(store), constants_(constants), noise_(noise), least_disc_(constants.disc * hole_size)
+                       double hole_size, BorderValues& values)
+    : store_(store),
+      constants_(constants),
+      thick_(constants.noise * noise),
+      least_disc_(constants.disc * hole_size),
+      values_(values)
 {
 }
 
-/** Finds the stored points within reach of a place. \return how many. */
-std::size_t
-BorderTest::count(const Vector3& place, double reach)
+bool
+BorderTest::endsAt(std::size_t point, double spacing)
 {
-  const float center[3] = {static_cast<float>(place[0]), static_cast<float>(place[1]),
-                           static_cast<float>(place[2])};
-  blocks_.clear();
-  store_.tree().blocksInBall(center, static_cast<float>(reach), blocks_);
-  const std::size_t most = (blocks_.size() + 1) * PointStore::kBlock;
-  if (found_.size() < most) {
-    found_.resize(most);
-    distances_sq_.resize(most);
+  float value = values_[point].load(std::memory_order_relaxed);
+  if (value == 0.0f) {
+    value = measure(point, spacing);
+    values_[point].store(value, std::memory_order_relaxed);
   }
-  return kernels::pointsUpTo(store_, blocks_.data(), blocks_.size(), place.data(),
-                             static_cast<float>(reach * reach), distances_sq_.data(),
-                             found_.data());
+  return spacing <= value;
 }
 
-/** The offsets of the stored points within reach of a place. */
 void
 BorderTest::gather(const Vector3& place, double reach)
 {
   reach_ = reach;
-  offsets_.resize(count(place, reach));
-  for (std::size_t k = 0; k < offsets_.size(); ++k)
-    offsets_[k] = subtract(store_.position(found_[k]), place);
+  const float center[3] = {static_cast<float>(place[0]), static_cast<float>(place[1]),
+                           static_cast<float>(place[2])};
+  blocks_.clear();
+  store_.tree().blocksInBall(center, static_cast<float>(reach), blocks_);
+  kernels::gatherOffsets(store_, blocks_, place, reach, near_);
 }
 
-/** Neighbours enough for a plane and for sectors, and wider than the noise is thick. */
-void
-BorderTest::gatherNear(const Vector3& place, double spacing)
+/** The nearest neighbours, enough for a plane and for sectors, and those within the noise's thickness.
+ * \param[in] reach to begin with; the outcome does not depend on it. \return whether there are enough. */
+bool
+BorderTest::gatherNear(const Vector3& place, double reach)
 {
-  const double thick = constants_.noise * noise_;
-  const auto enough = static_cast<double>(constants_.least_points);
-  gather(place, std::max(constants_.near * spacing, thick));
-  const auto count = static_cast<double>(offsets_.size());
-  if (count > 4 * enough && reach_ > thick)
-    gather(place, std::max(thick, reach_ * std::sqrt(2 * enough / count)));
-  for (int pass = 0; pass < 8 && offsets_.size() < constants_.least_points; ++pass)
-    gather(place, 1.5 * reach_);
+  const std::size_t enough = constants_.near_points;
+  gather(place, std::max(reach, thick_));
+  while (near_.count < enough && reach_ < kWidest) gather(place, 1.5 * reach_);
+  if (near_.count < enough) return false;
+  distances_sq_.assign(near_.distance_sq.begin(),
+                       near_.distance_sq.begin() + static_cast<std::ptrdiff_t>(near_.count));
+  const auto last = distances_sq_.begin() + static_cast<std::ptrdiff_t>(enough - 1);
+  std::nth_element(distances_sq_.begin(), last, distances_sq_.end());
+  reach_ = std::max(std::sqrt(static_cast<double>(*last)), thick_);
+  kernels::gatherOffsets(store_, blocks_, place, reach_, near_);
+  return true;
 }
 
 void
@@ -94,89 +112,35 @@ BorderTest::findPlane()
 {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
-  for (const Vector3& offset : offsets_) {
-    const Eigen::Map<const Eigen::Vector3d> p(offset.data());
+  for (std::size_t k = 0; k < near_.count; ++k) {
+    const Eigen::Vector3d p(near_.x[k], near_.y[k], near_.z[k]);
     mean += p;
     moments += p * p.transpose();
   }
-  const double n = static_cast<double>(offsets_.size());
+  const double n = static_cast<double>(near_.count);
   mean /= n;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
-  axes.computeDirect(moments / n - mean * mean.transpose());
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  solver.computeDirect(moments / n - mean * mean.transpose());
   for (std::size_t a = 0; a < 3; ++a) {
     const auto row = static_cast<Eigen::Index>(a);
-    w_[a] = axes.eigenvectors()(row, 0);
-    v_[a] = axes.eigenvectors()(row, 1);
+    axes_[2][a] = solver.eigenvectors()(row, 0);
+    axes_[1][a] = solver.eigenvectors()(row, 1);
   }
-  u_ = cross(v_, w_);
+  axes_[0] = cross(axes_[1], axes_[2]);
 }
 
+/** The discs in the middle of the empty sector and to either side, at most as wide as the reach. */
 void
-BorderTest::project()
+BorderTest::findDiscs(double middle, std::array<EmptyDisc, 3>& discs) const
 {
-  flat_.clear();
-  for (const Vector3& offset : offsets_)
-    flat_.push_back({dot(offset, u_), dot(offset, v_), dot(offset, w_)});
-}
-
-/** The widest angle without neighbours, in radians, and its middle. Those next to the place point
- * anywhere. */
-double
-BorderTest::widestSector(double* direction) const
-{
-  std::uint64_t taken = 0;
-  const double least_sq = constants_.blind * constants_.blind * reach_ * reach_;
-  for (const Neighbor& p : flat_)
-    if (p.u * p.u + p.v * p.v > least_sq) taken |= std::uint64_t{1} << sectorOf(p.u, p.v);
-  if (taken == 0) return 2 * kPi;
-  double widest = 0;
-  int first = 0;
-  while ((taken >> first & 1) == 0) ++first;
-  for (int k = first + 1, begin = first + 1; k <= first + kSectors; ++k) {
-    if ((taken >> (k % kSectors) & 1) == 0) continue;
-    const double from = kAngles[static_cast<std::size_t>(begin % kSectors)];
-    double to = kAngles[static_cast<std::size_t>(k % kSectors)];
-    if (k > begin && to <= from) to += 2 * kPi;
-    if (k > begin && to - from > widest) {
-      widest = to - from;
-      *direction = 0.5 * (from + to);
-    }
-    begin = k + 1;
-  }
-  return widest;
-}
-
-/** Whether a neighbour belongs to the sheet of the place: what is steeply over or under it does not. */
-bool
-BorderTest::isOfSheet(const Neighbor& p) const
-{
-  const double thick = constants_.noise * noise_;
-  return p.w * p.w <= p.u * p.u + p.v * p.v + thick * thick;
-}
-
-/** Measures the widest empty discs that touch the place, at most as wide as the reach. */
-void
-BorderTest::findDiscs(std::array<Disc, 3>& discs) const
-{
-  for (Disc& disc : discs) {
-    disc.u = std::cos(disc.direction);
-    disc.v = std::sin(disc.direction);
-    disc.width = reach_;
-    disc.next = nullptr;
-    disc.next_sq = reach_ * reach_;
-  }
-  for (const Neighbor& p : flat_) {
-    if (!isOfSheet(p)) continue;
-    const double square = p.u * p.u + p.v * p.v;
-    for (Disc& disc : discs) {
-      const double ahead = disc.u * p.u + disc.v * p.v;
-      if (ahead <= 0) continue;
-      if (square < disc.width * ahead) disc.width = square / ahead;
-      if (square < disc.next_sq && 4 * ahead * ahead > square) {
-        disc.next_sq = square;
-        disc.next = &p;
-      }
-    }
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double direction = middle + constants_.turn * (static_cast<double>(k) - 1.0);
+    discs[k].u = static_cast<float>(std::cos(direction));
+    discs[k].v = static_cast<float>(std::sin(direction));
+    discs[k].width = static_cast<float>(reach_);
+    discs[k].next_sq = static_cast<float>(reach_ * reach_);
+    discs[k].next = -1;
+    kernels::findDisc(near_, thick_, discs[k]);
   }
 }
 
@@ -184,43 +148,69 @@ BorderTest::findDiscs(std::array<Disc, 3>& discs) const
 bool
 BorderTest::isAsDense(const Vector3& place, double spacing)
 {
-  const double expected = 0.5 * kPi * constants_.near * constants_.near;
-  return static_cast<double>(count(place, constants_.near * spacing)) >
-         constants_.rim_share * expected;
+  const double reach = constants_.near * spacing;
+  const float center[3] = {static_cast<float>(place[0]), static_cast<float>(place[1]),
+                           static_cast<float>(place[2])};
+  blocks_.clear();
+  store_.tree().blocksInBall(center, static_cast<float>(reach), blocks_);
+  const std::size_t most = (blocks_.size() + 1) * PointStore::kBlock;
+  found_.resize(std::max(found_.size(), most));
+  distances_sq_.resize(std::max(distances_sq_.size(), most));
+  const auto count = static_cast<double>(
+      kernels::pointsUpTo(store_, blocks_.data(), blocks_.size(), place.data(),
+                          static_cast<float>(reach * reach), distances_sq_.data(), found_.data()));
+  return count > constants_.rim_share * 0.5 * kPi * constants_.near * constants_.near;
 }
 
-bool
-BorderTest::endsAt(const Vector3& place, double spacing)
+/** The spacing that the gathered neighbours have, and the direction of the widest sector without any.
+ * \return 0 if none is wide enough for a border */
+double
+BorderTest::findSector(double* middle)
 {
-  gatherNear(place, spacing);
-  if (offsets_.size() < constants_.least_points) return true;
-  findPlane();
-  project();
-  double middle = 0;
-  const double sector = widestSector(&middle);
-  if (sector < constants_.sector) return false;
+  const double sector =
+      widestSector(kernels::projectOffsets(axes_, constants_.blind * reach_, near_), middle);
+  if (sector < constants_.sector) return 0;
   const double filled = 0.5 * reach_ * reach_ * (2 * kPi - sector);
-  const double own = std::max(spacing, std::sqrt(filled / static_cast<double>(offsets_.size())));
-  const double least = least_disc_ * own;
-  std::array<Disc, 3> discs;
-  discs[0].direction = middle;
-  discs[1].direction = middle - constants_.turn;
-  discs[2].direction = middle + constants_.turn;
-  findDiscs(discs);
+  return std::sqrt(filled / static_cast<double>(near_.count));
+}
+
+/** The largest spacing at which the data end at a point, kNoBorder if they do not.
+ * \param[in] spacing about that of the points; the outcome does not depend on it */
+float
+BorderTest::measure(std::size_t point, double spacing)
+{
+  const Vector3 place = store_.position(point);
+  // A half disc of neighbours, and some more.
+  const double guess = std::sqrt(3.0 / kPi * static_cast<double>(constants_.near_points));
+  if (!gatherNear(place, guess * spacing)) return kAny;
+  findPlane();
+  double middle = 0;
+  const double own = findSector(&middle), least = least_disc_ * own;
+  if (own == 0) return kNoBorder;
+  std::array<EmptyDisc, 3> discs;
+  findDiscs(middle, discs);
   const double least_near = std::min(reach_, least);
-  if (std::none_of(discs.begin(), discs.end(),
-                   [&](const Disc& disc) { return disc.width >= least_near; }))
-    return false;
+  const auto isNarrow = [&](const EmptyDisc& disc) { return disc.width < least_near; };
+  if (std::all_of(discs.begin(), discs.end(), isNarrow)) return kNoBorder;
   gather(place, constants_.far * own);
-  project();
-  findDiscs(discs);
-  return std::any_of(discs.begin(), discs.end(), [&](const Disc& disc) {
-    if (disc.width < least) return false;
-    if (disc.next == nullptr) return true;
-    const Vector3 other =
-        along(along(along(place, disc.next->u, u_), disc.next->v, v_), disc.next->w, w_);
-    return isAsDense(other, disc.width / least_disc_);
-  });
+  kernels::projectOffsets(axes_, 0.0, near_);
+  findDiscs(middle, discs);
+  float largest = kNoBorder;
+  for (const EmptyDisc& disc : discs)
+    if (disc.width >= least) largest = std::max(largest, spacingAcross(place, disc));
+  return largest;
+}
+
+/** The largest spacing at which an empty disc, of at most the reach, is a border and no chance: of points on
+ * its other side, if there are any. */
+float
+BorderTest::spacingAcross(const Vector3& place, const EmptyDisc& disc)
+{
+  const auto spacing = static_cast<float>(disc.width / least_disc_);
+  if (disc.next < 0) return disc.width < static_cast<float>(reach_) ? spacing : kAny;
+  const auto next = static_cast<std::size_t>(disc.next);
+  const Vector3 other{place[0] + near_.x[next], place[1] + near_.y[next], place[2] + near_.z[next]};
+  return isAsDense(other, spacing) ? spacing : kNoBorder;
 }
 
 }  // namespace pcl_slim::detail

@@ -2,14 +2,20 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <vector>
 
 #include "fit_constants.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/vector3.h"
+#include "trim/border_kernels.h"
 
 namespace pcl_slim::detail {
+
+/** \brief What border tests have found at each stored point; all threads share it, as a point's value
+ * depends on nothing else. */
+using BorderValues = std::vector<std::atomic<float>>;
 
 /** \brief Whether the data end next to a point, in the point's own tangent plane.
  *
@@ -22,46 +28,34 @@ namespace pcl_slim::detail {
 class BorderTest {
  public:
   /** \param[in] noise RMS distance of points from the surface, local length
-   * \param[in] hole_size diameter of the smallest hole kept, in spacings */
+   * \param[in] hole_size diameter of the smallest hole kept, in spacings
+   * \param[in,out] values one for each stored point, 0 at first */
   BorderTest(const PointStore& store, const BorderConstants& constants, double noise,
-             double hole_size);
+             double hole_size, BorderValues& values);
 
-  /** \brief Whether the data end at a place. \param[in] place of an outermost point, local coordinates
-   * \param[in] spacing of the points around it, about, a local length. O(neighbours). */
-  bool endsAt(const Vector3& place, double spacing);
+  /** \brief Whether the data end at a stored point. \param[in] spacing of a surfel's points around it, local
+   * length: a narrower gap may be chance. O(neighbours) at a point's first test, O(1) then. */
+  bool endsAt(std::size_t point, double spacing);
 
  private:
-  struct Neighbor {
-    double u, v, w;
-  };
-
-  /** \brief An empty disc that touches the place, and the nearest neighbour ahead. */
-  struct Disc {
-    double direction = 0, u = 0, v = 0;
-    double width = 0;
-    const Neighbor* next = nullptr;  ///< null: there is none
-    double next_sq = 0;
-  };
-
-  std::size_t count(const Vector3& place, double reach);
+  float measure(std::size_t point, double spacing);
   void gather(const Vector3& place, double reach);
-  void gatherNear(const Vector3& place, double spacing);
+  bool gatherNear(const Vector3& place, double reach);
   void findPlane();
-  void project();
-  double widestSector(double* direction) const;
-  bool isOfSheet(const Neighbor& p) const;
-  void findDiscs(std::array<Disc, 3>& discs) const;
+  double findSector(double* middle);
+  void findDiscs(double middle, std::array<EmptyDisc, 3>& discs) const;
+  float spacingAcross(const Vector3& place, const EmptyDisc& disc);
   bool isAsDense(const Vector3& place, double spacing);
 
   const PointStore& store_;
   const BorderConstants& constants_;
-  double noise_, least_disc_;
-  double reach_ = 0;         ///< neighbours are gathered within
-  Vector3 u_{}, v_{}, w_{};  ///< axes of the plane
+  double thick_, least_disc_;
+  BorderValues& values_;
+  double reach_ = 0;               ///< neighbours are gathered within
+  std::array<Vector3, 3> axes_{};  ///< of the plane, and its normal
   std::vector<std::uint32_t> blocks_, found_;
   std::vector<float> distances_sq_;
-  std::vector<Vector3> offsets_;  ///< of the neighbours from the place
-  std::vector<Neighbor> flat_;    ///< the same in the plane's axes
+  NearPoints near_;
 };
 
 }  // namespace pcl_slim::detail

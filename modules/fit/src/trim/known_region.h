@@ -13,11 +13,20 @@ class KnownRegion {
   KnownRegion(int degree, const float* c, double radius);
 
   /** \brief Sets the bits of cells beyond. Cell (x, y) stands at cell times (x - middle, y - middle).
-   * O(rows), and somewhat more where the surface bends. */
-  void markBeyond(double cell, double middle, BitRows& rows) const;
+   * O(rows).
+   * Where the surface bends, the cells before are those connected to the middle. */
+  void markBeyond(double cell, int middle, BitRows& rows) const;
+
+  /** \brief Likewise as if the surface were flat: no cell more. O(rows), faster. */
+  void markBeyondCircle(double cell, int middle, BitRows& rows) const;
 
  private:
-  bool holds(double u, double v) const;
+  struct Run {
+    int first, last;  ///< empty if last < first
+  };
+
+  Run circleRun(double v, double cell, double middle, int end) const;
+  Run narrowed(Run circle, Run from, double cell, double middle, double v) const;
 
   int degree_;
   const float* c_;

@@ -10,15 +10,20 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr int kSectors = 16, kLeastSectors = 4;
+constexpr int kLeastSectors = 4;
 constexpr std::size_t kPointsOfSector = 3;  ///< fewer leave too many sectors empty by chance
 constexpr double kPi = 3.14159265358979323846;
-constexpr float kTanSector = 0.41421356f;
 
 /** Points of one direction. */
 struct Sector {
   float farthest_sq = 0.0f;
   int count = 0;
+
+  void add(float distance_sq)
+  {
+    farthest_sq = std::max(farthest_sq, distance_sq);
+    ++count;
+  }
 
   void add(const Sector& other)
   {
@@ -33,16 +38,6 @@ struct Sector {
     return std::min(1.0, static_cast<double>(farthest_sq) * (count + 1) / count);
   }
 };
-
-/** Which of 16 equal sectors holds a direction; halves of them differ in the highest bit. */
-int
-sectorOf(float u, float v)
-{
-  const float a = std::abs(u), b = std::abs(v);
-  const bool steep = b > a;
-  const bool oblique = std::min(a, b) > kTanSector * std::max(a, b);
-  return (u < 0.0f) | (v < 0.0f) << 1 | steep << 2 | oblique << 3;
-}
 
 /** Whether a surfel serves a stored point, told from the centre in radii. */
 bool
@@ -64,8 +59,8 @@ serves(const PointStore& store, std::size_t i, const kernels::CoverLeaf& surfel,
 }  // namespace
 
 void
-sampleSheet(const PointStore& store, const std::vector<std::uint32_t>& blocks,
-            const kernels::CoverLeaf& surfel, SheetPoints& points)
+sampleSheet(const PointStore& store, const BlockList& blocks, const kernels::CoverLeaf& surfel,
+            SheetPoints& points)
 {
   points.reserve(blocks.size());
   points.count = 0;
@@ -78,24 +73,29 @@ sampleSheet(const PointStore& store, const std::vector<std::uint32_t>& blocks,
     if (!serves(store, i, surfel, offset)) continue;
     points.u[points.count] = static_cast<float>(dot(offset, surfel.frame.u));
     points.v[points.count] = static_cast<float>(dot(offset, surfel.frame.v));
+    points.index[points.count] = static_cast<std::uint32_t>(i);
     points.w[points.count++] = static_cast<float>(dot(offset, surfel.frame.w));
   }
+  points.pad();
 }
 
 double
-spacingOf(const SheetPoints& points)
+spacingOf(SheetPoints& points)
 {
-  Sector sectors[kSectors];
-  std::size_t inside = 0;
+  kernels::findSectors(points);
+  constexpr std::size_t kChains = 4;  // sums that do not wait for each other
+  Sector chains[kChains][kernels::kSheetSectors + 1];
   for (std::size_t i = 0; i < points.count; ++i) {
     const float u = points.u[i], v = points.v[i];
-    const float distance_sq = u * u + v * v;
-    if (distance_sq > 1.0f) continue;
-    ++inside;
-    sectors[sectorOf(u, v)].add({distance_sq, 1});
+    chains[i % kChains][points.sector[i]].add(u * u + v * v);
   }
+  auto& sectors = chains[0];
+  for (std::size_t chain = 1; chain < kChains; ++chain)
+    for (std::size_t k = 0; k <= kernels::kSheetSectors; ++k) sectors[k].add(chains[chain][k]);
+  const std::size_t inside =
+      points.count - static_cast<std::size_t>(sectors[kernels::kSheetSectors].count);
   if (inside == 0) return 0.0;
-  int count = kSectors;
+  int count = kernels::kSheetSectors;
   while (count > kLeastSectors && inside < kPointsOfSector * static_cast<std::size_t>(count)) {
     count /= 2;
     for (int k = 0; k < count; ++k) sectors[k].add(sectors[k + count]);

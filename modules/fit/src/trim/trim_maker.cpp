@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace pcl_slim::detail {
 
@@ -54,58 +53,53 @@ TrimMaker::gather(std::size_t i)
 {
   const std::array<float, 3> normal{surface_.nx[i], surface_.ny[i], surface_.nz[i]};
   const kernels::CoverLeaf surfel = wideSurfel(i, normal);
-  found_.clear();
-  store_.tree().blocksInBall(surfel.ball.center.data(), surfel.ball.radius, found_);
-  if (!surface_.isLeaf(i) &&
-      found_.size() * PointStore::kBlock > settings_.constants.trim.sampled) {
-    sampleSheet(store_, found_, surfel, points_);
+  if (has_nearby_) {
+    nearby_.blocksInBall(surfel.ball.center.data(), surfel.ball.radius, blocks_);
   } else {
+    found_.clear();
+    store_.tree().blocksInBall(surfel.ball.center.data(), surfel.ball.radius, found_);
     blocks_.assign(found_.begin(), found_.end());
+  }
+  if (!surface_.isLeaf(i) &&
+      blocks_.size() * PointStore::kBlock > settings_.constants.trim.sampled) {
+    sampleSheet(store_, blocks_, surfel, points_);
+  } else {
     kernels::gatherSheet(store_, blocks_, surfel, points_);
   }
 }
 
-/** The points next to a place in a gap, on each of four sides. */
-std::array<std::size_t, 4>
-TrimMaker::rimsOf(float u, float v) const
+void
+TrimMaker::prepare(std::size_t begin, std::size_t end)
 {
-  constexpr float kNone = std::numeric_limits<float>::max();
-  float least[4] = {kNone, kNone, kNone, kNone};
-  std::array<std::size_t, 4> nearest{};
-  for (std::size_t i = 0; i < points_.count; ++i) {
-    const float du = points_.u[i] - u, dv = points_.v[i] - v;
-    const float square = du * du + dv * dv;
-    const std::size_t side = (du < 0.0f ? 1u : 0u) + (dv < 0.0f ? 2u : 0u);
-    if (square >= least[side]) continue;
-    least[side] = square;
-    nearest[side] = i;
+  constexpr float kMostSpread = 16;  // of the balls' box over the widest ball; saves time alone
+  const float* centers[3] = {surface_.cx.data(), surface_.cy.data(), surface_.cz.data()};
+  float low[3], high[3], widest = 0, spread = 0;
+  for (std::size_t i = begin; i < end; ++i) widest = std::max(widest, surface_.radius[i]);
+  widest *= static_cast<float>(settings_.constants.trim.known);
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto [least, most] = std::minmax_element(centers[a] + begin, centers[a] + end);
+    low[a] = *least - widest;
+    high[a] = *most + widest;
+    spread = std::max(spread, high[a] - low[a]);
   }
-  const std::size_t closest = static_cast<std::size_t>(std::min_element(least, least + 4) - least);
-  for (std::size_t side = 0; side < 4; ++side)
-    if (least[side] > 4 * least[closest]) nearest[side] = nearest[closest];
-  return nearest;
+  has_nearby_ = spread < kMostSpread * widest;
+  if (has_nearby_) nearby_.collect(store_.tree(), low, high);
 }
 
-/** Whether the data end at one of some gaps, evenly chosen, and do not just turn away from surfel i's
- * plane. */
+/** Whether the data end at one of the places in gaps, evenly chosen, and do not just turn away from
+ * the surfel's plane: at the points next to the place, on each of four sides. */
 bool
-TrimMaker::dataEndAtGaps(std::size_t i, double spacing)
+TrimMaker::dataEndAtGaps(double spacing)
 {
   const auto most = static_cast<std::size_t>(settings_.constants.border.places);
   const std::size_t count = std::min(most, places_.size());
-  const double r = surface_.radius[i];
-  const LocalFrame frame({surface_.nx[i], surface_.ny[i], surface_.nz[i]});
-  const Vector3 center{surface_.cx[i], surface_.cy[i], surface_.cz[i]};
-  tested_.clear();
   for (std::size_t k = 0; k < count; ++k) {
     const auto& [u, v] = places_[k * places_.size() / count];
-    for (const std::size_t rim : rimsOf(static_cast<float>(u), static_cast<float>(v))) {
-      if (std::find(tested_.begin(), tested_.end(), rim) != tested_.end()) continue;
-      tested_.push_back(rim);
-      const Vector3 place =
-          along(along(along(center, r * points_.u[rim], frame.u), r * points_.v[rim], frame.v),
-                r * points_.w[rim], frame.w);
-      if (border_.endsAt(place, r * spacing)) return true;
+    const auto rims =
+        kernels::nearestInQuadrants(points_, static_cast<float>(u), static_cast<float>(v));
+    for (const std::uint32_t rim : rims.nearest) {
+      if (rim >= points_.count) continue;
+      if (border_.endsAt(points_.index[rim], spacing)) return true;
     }
   }
   return false;
@@ -120,17 +114,25 @@ TrimMaker::make(std::size_t i, std::vector<std::uint8_t>& bits)
   // The finest map has a node a spacing, the coarsest five a side.
   double least = 2.0 / (TrimMap::kMostSide - 1);
   if (!surface_.isLeaf(i)) least = 2.0 / (constants.internal_side - 1);
-  const KnownRegion known(surface_.degree[i], c, constants.known);
   const double spacing = std::clamp(spacingOf(points_), least, 0.5);
   const TrimScale scale{spacing, hole_size_ * spacing, constants.growth * spacing};
-  gaps_.find(points_, known, scale.hole, constants, places_);
+  // Nearer to the rim half of a hole's disc is unknown, and chance leaves the other half empty often.
+  const double sure = constants.known - 0.5 * scale.hole;
+  if (sure <= 0.0) return 0;
+  raster_.findGaps(points_, KnownRegion(surface_.degree[i], c, sure), scale, constants, places_);
   if (places_.empty()) return 0;
   ++candidates_;
-  if (!dataEndAtGaps(i, spacing) || !raster_.measure(points_, known, scale, constants)) return 0;
-  const double sure = constants.known - 0.5 * constants.sure * scale.hole;
-  if (!raster_.hasGapWithin(KnownRegion(surface_.degree[i], c, std::max(sure, 0.0)))) return 0;
+  if (!dataEndAtGaps(surface_.radius[i] * spacing)) return 0;
+  raster_.measureDepths(points_, KnownRegion(surface_.degree[i], c, constants.known));
   const double clear = kDepthUnit * constants.clear * spacing / raster_.cell();
   if (raster_.leastDepth(constants.looked_at) > clear) return 0;
+  return appendMap(spacing, bits);
+}
+
+/** \return the map's side: a node a spacing. */
+int
+TrimMaker::appendMap(double spacing, std::vector<std::uint8_t>& bits) const
+{
   const int side = std::clamp(static_cast<int>(std::ceil(2.0 / spacing)) + 1, TrimMap::kLeastSide,
                               TrimMap::kMostSide);
   const std::size_t begin = bits.size();

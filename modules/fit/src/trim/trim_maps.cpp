@@ -18,16 +18,18 @@ void
 makeTrimMaps(const PointStore& store, const FitSettings& settings, double hole_size,
              FitStatistics& stats, SLIMSurface& surface)
 {
+  BorderValues borders(store.size());
   std::vector<std::unique_ptr<TrimMaker>> makers;
-  for (int t = 0; t < stats.threads; ++t) {
-    makers.push_back(std::make_unique<TrimMaker>(store, settings, hole_size, surface));
-  }
+  for (int t = 0; t < stats.threads; ++t)
+    makers.push_back(std::make_unique<TrimMaker>(store, settings, hole_size, surface, borders));
   std::vector<std::uint8_t> sides(surface.size());
   std::vector<std::vector<std::uint8_t>> runs((surface.size() + kRun - 1) / kRun);
   parallelFor(runs.size(), stats.threads, 1, [&](std::size_t run, int thread) {
     const std::size_t end = std::min(surface.size(), (run + 1) * kRun);
+    TrimMaker& maker = *makers[static_cast<std::size_t>(thread)];
+    maker.prepare(run * kRun, end);
     for (std::size_t i = run * kRun; i < end; ++i) {
-      const int side = makers[static_cast<std::size_t>(thread)]->make(i, runs[run]);
+      const int side = maker.make(i, runs[run]);
       sides[i] = static_cast<std::uint8_t>(side);
     }
   });

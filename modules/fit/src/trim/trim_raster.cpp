@@ -2,17 +2,29 @@
 #include "trim/trim_raster.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "pcl_slim/surface/trim_map.h"
 
 namespace pcl_slim::detail {
 
 namespace {
 
-constexpr int kFine = 8;        ///< parts of a cell that a point's place is told in
-constexpr int kUnit = 64;       ///< depth of one cell
-constexpr int kMostHalf = 95;   ///< cells from the middle of a raster: three words a row
+constexpr int kFine = 8;       ///< parts of a cell that a point's place is told in
+constexpr int kUnit = 64;      ///< depth of one cell
+constexpr int kMostHalf = 95;  ///< cells from the middle of a raster: three words a row
+constexpr int kMostWords = 3;
+constexpr std::size_t kFewPlaces = 128;  ///< fewer are looked at one by one
+constexpr std::size_t kFewPoints =
+    256;                        ///< all gaps of fewer are measured at once; saves time alone
+constexpr int kLanes = 16;      ///< columns that loops take together
 constexpr int kMostDepth = 4;   ///< cells: beyond, depths decide nothing
 constexpr int kMostHeight = 8;  ///< cells: likewise outside
+
+constexpr std::uint16_t kBits[kLanes] = {1,       1 << 1,  1 << 2,  1 << 3, 1 << 4,  1 << 5,
+                                         1 << 6,  1 << 7,  1 << 8,  1 << 9, 1 << 10, 1 << 11,
+                                         1 << 12, 1 << 13, 1 << 14, 1 << 15};
 
 /** One step of smoothing, by (1 4 6 4 1) / 16: variance one cell squared. */
 std::int16_t
@@ -21,84 +33,226 @@ smoothed(int a, int b, int c, int d, int e)
   return static_cast<std::int16_t>((a + e + 4 * (b + d) + 6 * c + 8) >> 4);
 }
 
+/** Adds a value to the columns whose bits are set. */
+void
+addAtBits(const std::uint64_t* row, int columns, std::int16_t value, std::int16_t* sums)
+{
+  for (int x = 0; x < columns; x += kLanes) {
+    const auto bits = static_cast<std::uint16_t>(row[x >> 6] >> (x & 63));
+    for (int k = 0; k < kLanes; ++k)
+      sums[x + k] = static_cast<std::int16_t>(sums[x + k] + ((bits & kBits[k]) != 0 ? value : 0));
+  }
+}
+
 }  // namespace
 
 /** Half widths, in parts of a cell, of the rows of a disc: for each place of its middle in a cell, the
  * span rows from so many above the middle's on; -1 where the disc has none. */
 void
-TrimRaster::cutDisc(double reach, int rows, int span)
+TrimRaster::cutDisc(int rows, int span)
 {
   run_halves_.resize(static_cast<std::size_t>(kFine * span));
   for (int k = 0; k < kFine * span; ++k) {
     const int part = k / span;
     const double up = k % span - rows - static_cast<double>(part) / kFine;
-    const double half_sq = reach * reach - up * up;
+    const double half_sq = reach_ * reach_ - up * up;
     run_halves_[static_cast<std::size_t>(k)] =
         half_sq < 0.0 ? -1 : static_cast<int>(kFine * std::sqrt(half_sq));
   }
 }
 
-/** Marks every cell nearer than reach (cells) to a point: in each row a run of cells. */
 void
-TrimRaster::cover(const SheetPoints& points, double reach)
+TrimRaster::setScale(const TrimScale& scale, const TrimConstants& constants)
 {
-  const int rows = static_cast<int>(std::ceil(reach)), span = 2 * rows + 2;
-  cutDisc(reach, rows, span);
+  cell_ = std::max(constants.cell * scale.spacing, constants.known / kMostHalf);
+  reach_ = 0.5 * scale.hole / cell_;
+  growth_ = scale.growth / cell_;
+  half_ = static_cast<int>(std::ceil(constants.known / cell_));
+  side_ = 2 * half_ + 1;
+}
+
+/** Sets, in eroded_[0], the cells without points. */
+void
+TrimRaster::markEmpty(const SheetPoints& points)
+{
+  BitRows& empty = eroded_[0];
+  empty.reset(side_);
+  const auto per_unit = static_cast<float>(1.0 / cell_);
+  const float middle = static_cast<float>(half_) + 0.5f;
+  for (std::size_t i = 0; i < points.count; ++i) {
+    empty.set(static_cast<int>(points.u[i] * per_unit + middle),
+              static_cast<int>(points.v[i] * per_unit + middle));
+  }
+  std::uint64_t* words = empty.row(0);
+  for (std::size_t w = 0; w < empty.numWords(); ++w) words[w] = ~words[w];
+}
+
+/** Clears, in filled_, the cells around which all cells are empty that a disc contains whole. */
+void
+TrimRaster::markEmptyDiscs(const SheetPoints& points)
+{
+  whole_halves_.clear();
+  for (double up = 0.5; reach_ * reach_ - up * up >= 0.25; up += 1.0)
+    whole_halves_.push_back(static_cast<std::size_t>(std::sqrt(reach_ * reach_ - up * up) - 0.5));
+  const std::size_t widest = whole_halves_.empty() ? 0 : whole_halves_[0];
+  if (eroded_.size() <= widest) eroded_.resize(widest + 1);
+  markEmpty(points);
+  for (std::size_t k = 1; k <= widest; ++k) erodeRows(eroded_[k - 1], eroded_[k]);
+  filled_.reset(side_);
+  std::uint64_t* to = filled_.row(0);
+  const std::size_t all = filled_.numWords();
+  for (std::size_t row = 0; row < whole_halves_.size(); ++row) {
+    const std::uint64_t* from = eroded_[whole_halves_[row]].row(0);
+    const std::size_t shift = std::min(row * filled_.wordsPerRow(), all);  // nothing is beyond
+    for (std::size_t w = shift; w < all; ++w) to[w] |= ~from[w - shift];
+    for (std::size_t w = shift; w < all; ++w) to[w - shift] |= ~from[w];
+  }
+}
+
+/** Sets, in near_gaps_, the cells at most a reach from uncovered ones, along rows and across. */
+void
+TrimRaster::markNearGaps(int reach)
+{
+  const std::size_t words = covered_.wordsPerRow();
+  scratch_bits_.reset(side_);
+  near_gaps_.reset(side_);
+  for (int y = 0; y < side_; ++y) {
+    std::uint64_t* row = scratch_bits_.row(y);
+    std::uint64_t any = 0;
+    std::copy_n(covered_.row(y), words, row);
+    row[words - 1] |= ~covered_.inLastWord();
+    for (std::size_t w = 0; w < words; ++w) any |= row[w] = ~row[w];
+    if (any == 0) continue;
+    for (int k = 0; k < reach; ++k) widenRow(row, words);
+    for (int to = std::max(0, y - reach); to <= std::min(side_ - 1, y + reach); ++to) {
+      for (std::size_t w = 0; w < words; ++w) near_gaps_.row(to)[w] |= row[w];
+    }
+  }
+}
+
+/** Covers the places that points are nearer to than the reach: each point, if it is near any left, a run of
+ * cells in each row. */
+void
+TrimRaster::coverGaps(const SheetPoints& points)
+{
+  const int rows = static_cast<int>(std::ceil(reach_)), span = 2 * rows + 2;
+  markNearGaps(rows + 1);
+  cutDisc(rows, span);
   const auto per_unit = static_cast<float>(kFine / cell_);
   const float middle = static_cast<float>(kFine * half_) + 0.5f;
   for (std::size_t i = 0; i < points.count; ++i) {
     const int x = static_cast<int>(points.u[i] * per_unit + middle);
     const int y = static_cast<int>(points.v[i] * per_unit + middle);
+    if (!near_gaps_.has(x / kFine, y / kFine)) continue;
     const int* halves = run_halves_.data() + (y % kFine) * span;
     const int first_row = y / kFine - rows;
     for (int k = std::max(0, -first_row); k < std::min(span, side_ - first_row); ++k) {
-      const int first = std::max(0, (x - halves[k] + kFine - 1) / kFine);
+      if (halves[k] < 0) continue;
+      const int first = std::max(0, x - halves[k] + kFine - 1) / kFine;
       const int last = std::min(side_ - 1, (x + halves[k]) / kFine);
-      if (halves[k] >= 0 && first <= last) covered_.setRun(first_row + k, first, last);
+      if (first <= last) covered_.setRun(first_row + k, first, last);
     }
   }
 }
 
-/** Squared distances, in cells and up to cap, of each cell to the next uncovered one of its row. */
+/** The cells that are neither covered nor unsure. */
+void
+TrimRaster::listGaps(std::vector<std::array<double, 2>>& places) const
+{
+  places.clear();
+  for (int y = 0; y < side_; ++y) {
+    for (std::size_t w = 0; w < covered_.wordsPerRow(); ++w) {
+      std::uint64_t gaps = ~(covered_.row(y)[w] | unsure_.row(y)[w]);
+      if (w + 1 == covered_.wordsPerRow()) gaps &= covered_.inLastWord();
+      for (; gaps != 0; gaps &= gaps - 1) {
+        const int x = static_cast<int>(64 * w) + __builtin_ctzll(gaps);
+        places.push_back({cell_ * (x - half_), cell_ * (y - half_)});
+      }
+    }
+  }
+}
+
+/** Removes the places that a point is nearer to than the reach. */
+void
+TrimRaster::dropCovered(const SheetPoints& points, std::vector<std::array<double, 2>>& places) const
+{
+  const double reach_sq = reach_ * reach_ * cell_ * cell_;
+  const auto isCovered = [&](const std::array<double, 2>& place) {
+    const auto u = static_cast<float>(place[0]), v = static_cast<float>(place[1]);
+    return kernels::nearestSq(points, u, v) < reach_sq;
+  };
+  places.erase(std::remove_if(places.begin(), places.end(), isCovered), places.end());
+}
+
+void
+TrimRaster::findGaps(const SheetPoints& points, const KnownRegion& sure, const TrimScale& scale,
+                     const TrimConstants& constants, std::vector<std::array<double, 2>>& places)
+{
+  setScale(scale, constants);
+  markEmptyDiscs(points);
+  covered_ = filled_;
+  all_covered_ = points.count < kFewPoints;
+  unsure_.reset(side_);
+  sure.markBeyondCircle(cell_, half_, unsure_);
+  listGaps(places);
+  if (places.empty()) return;
+  sure.markBeyond(cell_, half_, unsure_);
+  listGaps(places);
+  if (places.size() < kFewPlaces && !all_covered_) {
+    dropCovered(points, places);
+  } else if (!places.empty()) {
+    if (!all_covered_) covered_.add(unsure_);
+    coverGaps(points);
+    listGaps(places);
+  }
+}
+
+/** Squared distances, in cells and up to cap, of a row's cells to the next uncovered one of the row. A cell
+ * is as far from one as there are erosions that it outlasts. \return whether there is one. */
+bool
+TrimRaster::findDistances(int y, int cap, std::int16_t* distance_sq) const
+{
+  const std::size_t words = covered_.wordsPerRow();
+  std::uint64_t rows[2][kMostWords] = {};
+  std::uint64_t *row = rows[0], *next = rows[1];
+  std::copy_n(covered_.row(y), words, row);
+  row[words - 1] |= ~covered_.inLastWord();
+  if (std::all_of(row, row + words, [](std::uint64_t word) { return ~word == 0; })) {
+    std::fill_n(distance_sq, stride_, static_cast<std::int16_t>(cap * cap));
+    return false;
+  }
+  const auto isSet = [](std::uint64_t word) { return word != 0; };
+  for (int k = 0; k < cap && std::any_of(row, row + words, isSet); ++k) {
+    addAtBits(row, stride_, static_cast<std::int16_t>(2 * k + 1), distance_sq);
+    erodeRow(row, words, next);
+    std::swap(row, next);
+  }
+  return true;
+}
+
 void
 TrimRaster::findRowDistances(int cap)
 {
-  row_distance_sq_.resize(static_cast<std::size_t>(side_ * side_));
-  row_has_gap_.assign(static_cast<std::size_t>(side_), 0);
-  for (int y = 0; y < side_; ++y) {
-    std::int16_t* distance = row_distance_sq_.data() + y * side_;
-    const std::uint64_t* words = covered_.row(y);
-    int last = cap;
-    for (int x = 0; x < side_; ++x) {
-      const bool covered = (words[x >> 6] >> (x & 63) & 1) != 0;
-      last = covered ? std::min(last + 1, cap) : 0;
-      row_has_gap_[static_cast<std::size_t>(y)] |= static_cast<std::uint8_t>(!covered);
-      distance[x] = static_cast<std::int16_t>(last);
-    }
-    last = cap;
-    for (int x = side_ - 1; x >= 0; --x) {
-      last = std::min<int>(distance[x], std::min(last + 1, cap));
-      distance[x] = static_cast<std::int16_t>(last);
-    }
-  }
-  for (std::int16_t& distance : row_distance_sq_) {
-    distance = static_cast<std::int16_t>(distance * distance);
-  }
+  stride_ = (side_ + kLanes - 1) / kLanes * kLanes;
+  row_distance_sq_.assign(static_cast<std::size_t>(side_ * stride_), 0);
+  row_has_gap_.resize(static_cast<std::size_t>(side_));
+  for (int y = 0; y < side_; ++y)
+    row_has_gap_[static_cast<std::size_t>(y)] =
+        findDistances(y, cap, row_distance_sq_.data() + y * stride_);
 }
 
 /** The same of all rows, from those of each: the least over the rows about. */
 void
 TrimRaster::spreadDistances(int cap)
 {
-  distance_sq_.assign(static_cast<std::size_t>(side_ * side_),
-                      static_cast<std::int16_t>(cap * cap));
+  distance_sq_.assign(row_distance_sq_.size(), static_cast<std::int16_t>(cap * cap));
   for (int y = 0; y < side_; ++y) {
     if (!row_has_gap_[static_cast<std::size_t>(y)]) continue;
-    const std::int16_t* from = row_distance_sq_.data() + y * side_;
+    const std::int16_t* from = row_distance_sq_.data() + y * stride_;
     for (int row = std::max(0, y - cap + 1); row < std::min(side_, y + cap); ++row) {
       const auto up_sq = static_cast<std::int16_t>((row - y) * (row - y));
-      std::int16_t* to = distance_sq_.data() + row * side_;
-      for (int x = 0; x < side_; ++x) {
+      std::int16_t* to = distance_sq_.data() + row * stride_;
+      for (int x = 0; x < stride_; ++x) {
         to[x] = std::min(to[x], static_cast<std::int16_t>(from[x] + up_sq));
       }
     }
@@ -124,14 +278,15 @@ TrimRaster::findDepths(int cap, double offset)
 void
 TrimRaster::smoothRows()
 {
-  scratch_.resize(static_cast<std::size_t>(side_) + 4);
+  scratch_.resize(static_cast<std::size_t>(stride_) + 4);
   for (int y = 0; y < side_; ++y) {
-    std::int16_t* row = depth_.data() + y * side_;
+    std::int16_t* row = depth_.data() + y * stride_;
     std::fill_n(scratch_.begin(), 2, row[0]);
     std::copy_n(row, side_, scratch_.begin() + 2);
-    std::fill_n(scratch_.begin() + side_ + 2, 2, row[side_ - 1]);
+    std::fill(scratch_.begin() + side_ + 2, scratch_.end(), row[side_ - 1]);
     const std::int16_t* s = scratch_.data();
-    for (int x = 0; x < side_; ++x) row[x] = smoothed(s[x], s[x + 1], s[x + 2], s[x + 3], s[x + 4]);
+    for (int x = 0; x < stride_; ++x)
+      row[x] = smoothed(s[x], s[x + 1], s[x + 2], s[x + 3], s[x + 4]);
   }
 }
 
@@ -139,55 +294,32 @@ void
 TrimRaster::smoothColumns()
 {
   scratch_ = depth_;
-  const auto row = [&](int y) { return scratch_.data() + std::clamp(y, 0, side_ - 1) * side_; };
+  const auto row = [&](int y) { return scratch_.data() + std::clamp(y, 0, side_ - 1) * stride_; };
   for (int y = 0; y < side_; ++y) {
     const std::int16_t *a = row(y - 2), *b = row(y - 1), *c = row(y), *d = row(y + 1),
                        *e = row(y + 2);
-    std::int16_t* to = depth_.data() + y * side_;
-    for (int x = 0; x < side_; ++x) to[x] = smoothed(a[x], b[x], c[x], d[x], e[x]);
+    std::int16_t* to = depth_.data() + y * stride_;
+    for (int x = 0; x < stride_; ++x) to[x] = smoothed(a[x], b[x], c[x], d[x], e[x]);
   }
 }
 
-bool
-TrimRaster::measure(const SheetPoints& points, const KnownRegion& known, const TrimScale& scale,
-                    const TrimConstants& constants)
+void
+TrimRaster::measureDepths(const SheetPoints& points, const KnownRegion& known)
 {
-  cell_ = std::max(constants.cell * scale.spacing, constants.known / kMostHalf);
-  half_ = static_cast<int>(std::ceil(constants.known / cell_));
-  side_ = 2 * half_ + 1;
-  const double reach = 0.5 * scale.hole / cell_;
-  covered_.reset(side_);
-  cover(points, reach);
+  if (!all_covered_) {
+    covered_ = filled_;
+    coverGaps(points);
+  }
   known.markBeyond(cell_, half_, covered_);
-  const double offset = reach - scale.growth / cell_;
+  const double offset = reach_ - growth_;
   const int cap = static_cast<int>(std::ceil(offset)) + kMostDepth;
   findRowDistances(cap);
-  const bool covered = std::all_of(row_has_gap_.begin(), row_has_gap_.end(),
-                                   [](std::uint8_t gap) { return gap == 0; });
-  if (covered) return false;
   spreadDistances(cap);
   findDepths(cap, offset);
   for (int pass = 0; pass < 2; ++pass) {
     smoothRows();
     smoothColumns();
   }
-  return true;
-}
-
-bool
-TrimRaster::hasGapWithin(const KnownRegion& sure)
-{
-  unsure_.reset(side_);
-  sure.markBeyond(cell_, half_, unsure_);
-  const std::size_t words = covered_.wordsPerRow();
-  const std::uint64_t in_last = (std::uint64_t{2} << ((side_ - 1) & 63)) - 1;
-  for (int y = 0; y < side_; ++y) {
-    for (std::size_t w = 0; w < words; ++w) {
-      const std::uint64_t gap = ~(covered_.row(y)[w] | unsure_.row(y)[w]);
-      if ((w + 1 < words ? gap : gap & in_last) != 0) return true;
-    }
-  }
-  return false;
 }
 
 int
@@ -199,7 +331,7 @@ TrimRaster::leastDepth(double share) const
     const double half_sq = reach * reach - (y - half_) * (y - half_);
     if (half_sq < 0.0) continue;
     const int half = static_cast<int>(std::sqrt(half_sq));
-    const auto begin = depth_.begin() + y * side_ + half_;
+    const auto begin = depth_.begin() + y * stride_ + half_;
     least = std::min<int>(least, *std::min_element(begin - half, begin + half + 1));
   }
   return least;
@@ -211,23 +343,25 @@ TrimRaster::depthAt(int x_fixed, int y_fixed) const
 {
   const int x = std::clamp(x_fixed >> 8, 0, side_ - 2), y = std::clamp(y_fixed >> 8, 0, side_ - 2);
   const int dx = x_fixed - (x << 8), dy = y_fixed - (y << 8);
-  const std::int16_t* at = depth_.data() + y * side_ + x;
+  const std::int16_t* at = depth_.data() + y * stride_ + x;
   const int below = at[0] * (256 - dx) + at[1] * dx;
-  const int above = at[side_] * (256 - dx) + at[side_ + 1] * dx;
+  const int above = at[stride_] * (256 - dx) + at[stride_ + 1] * dx;
   return below * (256 - dy) + above * dy;
 }
 
 void
 TrimRaster::fillMap(int side, std::uint8_t* bits) const
 {
-  const auto place = [&](int node) {
+  std::array<int, TrimMap::kMostSide> places;  // in 256ths of a cell
+  for (int node = 0; node < side; ++node) {
     const double coordinate = 2.0 * node / (side - 1) - 1.0;
-    return static_cast<int>(std::lround(256.0 * (coordinate / cell_ + half_)));
-  };
+    places[static_cast<std::size_t>(node)] =
+        static_cast<int>(std::lround(256.0 * (coordinate / cell_ + half_)));
+  }
   for (int row = 0, k = 0; row < side; ++row) {
-    const int y = place(row);
     for (int column = 0; column < side; ++column, ++k) {
-      const bool inside = depthAt(place(column), y) > 0;
+      const bool inside = depthAt(places[static_cast<std::size_t>(column)],
+                                  places[static_cast<std::size_t>(row)]) > 0;
       bits[k >> 3] |= static_cast<std::uint8_t>(inside << (k & 7));
     }
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -27,13 +28,14 @@ struct TrimScale {
  */
 class TrimRaster {
  public:
-  /** \brief Measures the depths. \return false if every place is covered. O(points + cells). */
-  bool measure(const SheetPoints& points, const KnownRegion& known, const TrimScale& scale,
-               const TrimConstants& constants);
+  /** \brief Lists the places of a region that are not covered, in units of the surfel's radius.
+   * O(points + cells / 64) where there are none. */
+  void findGaps(const SheetPoints& points, const KnownRegion& sure, const TrimScale& scale,
+                const TrimConstants& constants, std::vector<std::array<double, 2>>& places);
 
-  /** \brief Whether a place within a radius is uncovered: one whose disc of the smallest hole's
-   * diameter the gathered points tell enough of. Beyond, chance leaves half discs empty. */
-  bool hasGapWithin(const KnownRegion& sure);
+  /** \brief Measures the depths, after findGaps() of the same points. What is not known counts as covered.
+   * O(points + cells). */
+  void measureDepths(const SheetPoints& points, const KnownRegion& known);
 
   /** \brief The least depth within a share of the radius, in cells / 64. */
   int leastDepth(double share) const;
@@ -45,9 +47,16 @@ class TrimRaster {
   void fillMap(int side, std::uint8_t* bits) const;
 
  private:
-  void cutDisc(double reach, int rows, int span);
-  void cover(const SheetPoints& points, double reach);
+  void setScale(const TrimScale& scale, const TrimConstants& constants);
+  void markEmpty(const SheetPoints& points);
+  void markEmptyDiscs(const SheetPoints& points);
+  void markNearGaps(int reach);
+  void coverGaps(const SheetPoints& points);
+  void dropCovered(const SheetPoints& points, std::vector<std::array<double, 2>>& places) const;
+  void cutDisc(int rows, int span);
+  void listGaps(std::vector<std::array<double, 2>>& places) const;
   void findRowDistances(int cap);
+  bool findDistances(int y, int cap, std::int16_t* distance_sq) const;
   void spreadDistances(int cap);
   void findDepths(int cap, double offset);
   void smoothRows();
@@ -55,10 +64,17 @@ class TrimRaster {
   int depthAt(int x_fixed, int y_fixed) const;
 
   double cell_ = 0.0;
-  int half_ = 0, side_ = 0;  ///< cells from the middle, and in all
-  BitRows covered_, unsure_;
-  std::vector<int> run_halves_;  ///< of a disc's rows
+  double reach_ = 0.0, growth_ = 0.0;  ///< radius of the discs and TrimScale's growth, in cells
+  int half_ = 0, side_ = 0;            ///< cells from the middle, and in all
+  bool all_covered_ = false;           ///< not only those of findGaps()'s region
+  BitRows filled_;                     ///< cells whose disc holds a whole cell with points
+  BitRows covered_, unsure_, near_gaps_, scratch_bits_;
+  std::vector<BitRows>
+      eroded_;  ///< [k]: cells that are empty with k neighbours on either side in the row
+  std::vector<int> run_halves_;            ///< of a disc's rows
+  std::vector<std::size_t> whole_halves_;  ///< likewise of the cells that it contains whole
   std::vector<std::uint8_t> row_has_gap_;
+  int stride_ = 0;  ///< of the rows below: whole vectors
   std::vector<std::int16_t> row_distance_sq_, distance_sq_, depth_, scratch_, depth_of_sq_;
 };
 
