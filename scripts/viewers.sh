@@ -17,7 +17,8 @@ failures=0
 "$bin/pcl_slim_demo_scan" scan.pcd -points 60000 -quiet || exit 1
 for format in pcd ply vtp; do "$bin/pcl_slim_fit" scan.pcd surface.$format -quiet || exit 1; done
 for format in ply obj stl vtp; do "$bin/pcl_slim_mesh" scan.pcd mesh.$format -quiet || exit 1; done
-for format in pcd ply; do "$bin/pcl_color_splat_sampling" scan.pcd splats.$format -quiet || exit 1; done
+for format in pcd ply vtp; do "$bin/pcl_color_splat_sampling" scan.pcd splats.$format -quiet || exit 1; done
+"$bin/pcl_slim_curvature" scan.pcd curved.vtp -quiet || exit 1
 
 # shoot PICTURE COMMAND...: what the screen shows after some seconds, as a picture.
 shoot() {
@@ -100,7 +101,7 @@ if has CloudCompare; then
 fi
 if has paraview; then
   shoot paraview_nothing.png paraview
-  for file in surface.vtp mesh.vtp mesh.ply; do pair paraview $file paraview "--data=$PWD/$file"; done
+  for file in surface.vtp splats.vtp curved.vtp mesh.vtp mesh.ply; do pair paraview $file paraview "--data=$PWD/$file"; done
 fi
 rm -f -- *.raw nothing.pcd
 [ "$failures" -eq 0 ] || echo "$failures pairs show nothing"

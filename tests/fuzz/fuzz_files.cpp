@@ -111,6 +111,7 @@ int
 fuzzVtp(const std::uint8_t* bytes, std::size_t size)
 {
   const BytesFile file(bytes, size, ".vtp");
+  readPoints(file.path(), ".vtp");
   const Result<SLIMSurface> surface = loadSurface(file.path());
   if (surface && surface->validate()) std::abort();
   return 0;
