@@ -243,6 +243,7 @@ main(int argc, char** argv)
 {
   Settings s;
   s.params.threads = 1;
+  s.fit.trim = false;
   OptionTable options = declareOptions(s);
   if (const auto status = options.parse(argc, argv)) return *status;
   Error error = measure::chooseVectors(s.vectors);
