@@ -23,7 +23,7 @@ struct Settings {
   std::string color = "mean", radius = "density";
   SplatParams params;
   FitJob scan;  ///< how the scan is loaded
-  std::uint64_t min_points = 4, rays = 100000;
+  std::uint64_t min_points = 4, rays = 10000;
   bool neighbors_given = false;
 };
 
@@ -58,10 +58,11 @@ declareOptions(Settings& s)
   options.toggle("remove_noise", &p.remove_noise, "take measured noise off deviations");
   options.toggle("use_normals", &s.scan.use_normals, "use the scan's own normals or faces");
   options.integer("estimate_normals", &p.normal_neighbors, 3, 10000,
-                  "neighbours behind each normal of a scan without");
+                  "about how many neighbours give each normal of a scan without");
   declareSensorOptions(options, s.scan,
                        "what estimated normals face; not given: the file's sensor");
-  options.integer("rays", &s.rays, 0, 100000000, "rays that look for holes; 0: no check");
+  options.integer("rays", &s.rays, 0, 100000000,
+                  "rays, at random places, that look for holes; 0: no check");
   options.integer("threads", &p.threads, 0, 4096,
                   "threads, 0: all cores; never changes the result");
   declareReport(options, s.files);

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "measure/lists.h"
+#include "measure/vectors.h"
 
 namespace pcl_slim::comparison {
 
@@ -49,6 +50,8 @@ Plan::declareOptions(OptionTable& options)
   lists_.declareThreads(options);
   options.integer("repeats", &repeats_, 1, 1000,
                   "runs of each setting that takes no more than 2 s; times are medians");
+  options.text("vectors", &vectors_, "NAME",
+               "instruction set of SLIM's kernels, such as AVX2; best: all there are");
   options.exclusive({"input", "pairs"});
 }
 
@@ -83,6 +86,7 @@ Plan::finishFiles()
 Error
 Plan::finishOptions(const OptionTable& options)
 {
+  if (Error error = measure::chooseVectors(vectors_)) return error;
   if (Error error = lists_.finish()) return error;
   if (Error error = parseWords("methods", methods_, {"slim", "mls", "normals"}, method_list_)) {
     return error;

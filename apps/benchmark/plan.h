@@ -33,7 +33,7 @@ class Plan {
 
   SweepLists lists_;
   std::string methods_ = "slim,mls,normals", normals_ = "both", normal_neighbours_ = "20,50,100";
-  std::string input_, truth_, pairs_;
+  std::string input_, truth_, pairs_, vectors_ = "best";
   bool sharp_ = true, robust_ = false, compact_ = false, data_ = false;
   int repeats_ = 3;
 

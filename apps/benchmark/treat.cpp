@@ -224,6 +224,7 @@ fitParams(const Setting& setting)
 {
   FitParams fit;
   fit.degree = setting.degree;
+  fit.trim = false;  // as SLIMProjectionSmoother has it
   fit.penalty = setting.penalty;
   fit.t_mdl = setting.t_mdl;
   fit.sharp_features = setting.sharp;

@@ -101,6 +101,7 @@ errorsOfOurs(const Settings& s, const Cloud& cloud, bool normals, bool as_data)
     view.normal_stride = 3 * sizeof(float);
   }
   FitParams params;
+  params.trim = false;
   params.threads = s.threads;
   params.normals_as_data = as_data;
   ProjectionParams projection;

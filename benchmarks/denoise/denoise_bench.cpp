@@ -112,6 +112,7 @@ addOurs(const Settings& s, const MeshScan& scan, const Points& points, double no
     if (name != "default" && !s.bounds) continue;
     CloudView view = measure::viewOf(points);
     FitParams params;
+    params.trim = false;
     params.threads = s.threads;
     if (name == "true noise") params.lambda = std::pow(noise / diagonal, 2);
     if (name == "true normals") {

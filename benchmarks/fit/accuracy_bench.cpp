@@ -88,6 +88,7 @@ Result<measure::Outcome>
 measure(const Settings& s, const Row& row, int degree)
 {
   FitParams params;
+  params.trim = false;
   params.degree = degree;
   params.t_mdl = row.t_mdl;
   params.penalty = s.penalty;

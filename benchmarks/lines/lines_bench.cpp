@@ -9,6 +9,7 @@
 #include "line_run.h"
 #include "measure/line_truth.h"
 #include "measure/lists.h"
+#include "measure/vectors.h"
 #include "pcl_slim/features/crest_lines.h"
 
 namespace {
@@ -18,7 +19,7 @@ using measure::Segment;
 
 struct Settings {
   std::string surface = "ellipsoid,bumpy,box,wtorus", noise = "0,0.0001,0.001,0.005";
-  std::string points = "100000";
+  std::string points = "100000", vectors = "best";
   double normal_noise = 0.05;
   int seed = 7, seeds = 1, cells = 1500;
   FitParams fit;
@@ -49,6 +50,7 @@ declareOptions(Settings& s)
   options.text("surface", &s.surface, "NAME,...",
                "ellipsoid, bumpy, mix, box, wtorus, sphere, torus");
   options.text("points", &s.points, "N,...", "sizes of the cloud");
+  options.text("vectors", &s.vectors, "NAME", "instruction set of the kernels, such as AVX2");
   options.text("noise", &s.noise, "S,...", "noise, as a share of the box diagonal");
   options.number("normal_noise", &s.normal_noise, 0, 3, "error of the normals given, radians");
   options.toggle("normals", &s.normals, "give normals");
@@ -241,9 +243,12 @@ main(int argc, char** argv)
 {
   Settings s;
   s.params.threads = 1;
+  s.fit.trim = false;
   OptionTable options = declareOptions(s);
   if (const auto status = options.parse(argc, argv)) return *status;
-  if (const Error error = printTable(s)) {
+  Error error = measure::chooseVectors(s.vectors);
+  if (!error) error = printTable(s);
+  if (error) {
     std::fprintf(stderr, "lines_bench: %s\n", error.message.c_str());
     return 2;
   }

@@ -17,7 +17,11 @@ struct Settings {
   FitParams fit;
   CrestParams params;
 
-  Settings() { params.threads = 1; }
+  Settings()
+  {
+    params.threads = 1;
+    fit.trim = false;
+  }
 };
 
 OptionTable

@@ -40,6 +40,7 @@ plainProjection(const Points& vertices, const MeshFaces& faces, bool sharp, int 
   const auto store = PointStore::build(view, threads);
   if (!store) return store.error();
   FitParams fit;
+  fit.trim = false;
   fit.threads = threads;
   fit.sharp_features = sharp;
   SLIMSurface surface;

@@ -11,6 +11,7 @@
 #include "common/options.h"
 #include "embree_tree.h"
 #include "measure/clocks.h"
+#include "measure/vectors.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/render/auto_view.h"
 #include "pcl_slim/render/ray_tracer.h"
@@ -26,7 +27,7 @@ using measure::wallSeconds;
 namespace {
 
 struct Settings {
-  std::string surface;
+  std::string surface, vectors = "best";
   int size = 1000, repeat = 3, threads = 2, occlusion = 0;
   bool reference = true, embree = true;
 };
@@ -294,6 +295,11 @@ main(int argc, char** argv)
   table.integer("occlusion", &s.occlusion, 0, 4096, "occlusion rays a point");
   table.toggle("reference", &s.reference, "compare with the reference rasteriser");
   table.toggle("embree", &s.embree, "compare with Embree's tree");
+  table.text("vectors", &s.vectors, "NAME", "instruction set of the kernels, such as AVX2");
   if (const auto status = table.parse(argc, argv)) return *status;
+  if (Error error = measure::chooseVectors(s.vectors)) {
+    std::fprintf(stderr, "rays_bench: %s\n", error.message.c_str());
+    return kExitUsage;
+  }
   return run(s);
 }

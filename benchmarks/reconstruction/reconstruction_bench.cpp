@@ -12,6 +12,7 @@
 #include "measure/clocks.h"
 #include "measure/mesh_error.h"
 #include "measure/scenes.h"
+#include "measure/vectors.h"
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/mesh/mesh_extraction.h"
 #include "reconstruction/rivals.h"
@@ -23,6 +24,7 @@ using namespace pcl_slim::reconstruction_bench;
 
 struct Settings {
   std::string shapes = "sphere,torus,bumpy,relief", noises = "0,0.001,0.005";
+  std::string vectors = "best";
   int points = 100000, depth = 9, threads = 1;
   double tolerance = 1e-4;
   bool rivals = true, normals = true;
@@ -124,7 +126,12 @@ main(int argc, char** argv)
   options.number("tol", &s.tolerance, 0, 1, "of SLIM, share of the diagonal; 0: its own");
   options.toggle("rivals", &s.rivals, "the other methods as well");
   options.toggle("normals", &s.normals, "give SLIM the normals that the others need");
+  options.text("vectors", &s.vectors, "NAME", "instruction set of the kernels, such as AVX2");
   if (const auto status = options.parse(argc, argv)) return *status;
+  if (Error error = measure::chooseVectors(s.vectors)) {
+    std::fprintf(stderr, "reconstruction_bench: %s\n", error.message.c_str());
+    return kExitUsage;
+  }
   measure::keepFreedMemory();
   std::printf(
       "| scene, noise, method | RMS | max | normals deg | triangles K | chi | border | "

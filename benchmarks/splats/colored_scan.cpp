@@ -29,7 +29,8 @@ SplatSet
 splatsOf(const ColoredScan& scan, const SplatParams& params)
 {
   SplatSet splats;
-  if (const Error error = sampleSplats(scan.view(), scan.colors, params, splats)) {
+  const CloudView view = scan.file.view(scan.give_normals);
+  if (const Error error = sampleSplats(view, scan.colors, params, splats)) {
     std::fprintf(stderr, "%s\n", error.message.c_str());
     std::exit(1);
   }

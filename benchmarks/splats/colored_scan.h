@@ -13,6 +13,7 @@ namespace pcl_slim::measure {
 struct ColoredScan {
   CloudFile file;
   ColorView colors;
+  bool give_normals = true;  ///< false: the sampler estimates its own
 
   CloudView view() const { return file.view(); }
   std::size_t size() const { return file.size() - file.num_non_finite; }

@@ -25,6 +25,7 @@
 #include "measure/clocks.h"
 #include "measure/lists.h"
 #include "measure/scenes.h"
+#include "measure/vectors.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/splat/splat_sampling.h"
 
@@ -35,7 +36,7 @@ using Point = pcl::PointXYZRGBNormal;
 using Cloud = pcl::PointCloud<Point>;
 
 struct Settings {
-  std::string input, order = "random";
+  std::string input, order = "random", vectors = "best";
   std::uint64_t points = 1000000;
   int repetitions = 9;
   double share = 0;
@@ -258,11 +259,16 @@ main(int argc, char** argv)
   options.positional("painted|IN.pcd", &s.input, "a made cloud, or coloured points with normals");
   options.integer("points", &s.points, 100, 100000000, "points of the made cloud");
   options.choice("order", &s.order, {"random", "scan"}, "of the made cloud's points");
+  options.text("vectors", &s.vectors, "NAME", "instruction set of the kernels, such as AVX2");
   options.integer("repetitions", &s.repetitions, 1, 1000, "rounds; medians count");
   options.number("share", &s.share, 0, 1,
                  "share of points VoxelGrid keeps; 0: as many as the default tolerances give");
   Cloud::Ptr cloud;
   return runProgram(
-      options, argc, argv, "give smaller -points", [&] { return loadCloud(s, cloud); },
+      options, argc, argv, "give smaller -points",
+      [&] {
+        const Error error = measure::chooseVectors(s.vectors);
+        return error ? error : loadCloud(s, cloud);
+      },
       [&] { return run(s, cloud); });
 }

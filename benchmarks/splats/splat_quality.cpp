@@ -19,7 +19,7 @@ struct Settings {
   std::string input;
   double share = 0.05;
   int size = 600;
-  bool filtered = true;
+  bool filtered = true, give_normals = true;
   std::vector<double> focus;
   std::string save, again;
 };
@@ -95,15 +95,18 @@ main(int argc, char** argv)
   options.number("share", &s.share, 1e-4, 1, "splats wanted, share of the points");
   options.integer("size", &s.size, 16, 8192, "pixels a side");
   options.toggle("filtered", &s.filtered, "blend splats; 0: the nearest as it is");
+  options.toggle("give_normals", &s.give_normals,
+                 "give the sampler the scan's normals, or PCL's; 0: it estimates its own");
   options.numbers("focus", &s.focus, "X,Y,Z,R", "a ball in which to measure besides");
   options.text("again", &s.again, "FILE", "the object scanned again: another row, its points");
   options.text("save", &s.save, "FOLDER", "write all splats, and all points as discs, there");
   if (const auto status = options.parse(argc, argv)) return *status;
-  const Result<ColoredScan> scan = loadColoredScan(s.input);
+  Result<ColoredScan> scan = loadColoredScan(s.input);
   if (!scan) {
     std::fprintf(stderr, "splat_quality: %s\n", scan.error().message.c_str());
     return kExitUsage;
   }
+  scan->give_normals = s.give_normals;
   std::optional<Ball> focus;
   if (!s.focus.empty()) focus = Ball{{s.focus[0], s.focus[1], s.focus[2]}, s.focus[3]};
   const SplatSet every_point = everyPoint(*scan);

@@ -43,6 +43,11 @@ grep -a -q '^FIELDS x y z normal_x normal_y normal_z rgba radius confidence curv
   complain "the fields are not PointSurfel's"
 [ "$(value pcd.json splats)" = "$(value ply.json splats)" ] || complain "pcd and ply differ"
 awk -v h="$(value pcd.json holes)" 'BEGIN { exit !(h <= 0.0001) }' || complain "holes: $(value pcd.json holes)"
+for rays in 10000 300; do # a sample unless more are wanted
+  [ "$rays" = 10000 ] || expect 0 '' scan.pcd a.pcd -rays "$rays" -json pcd.json
+  cast=$(value pcd.json cast) sparse=$(value pcd.json sparse) rough=$(value pcd.json rough)
+  [ $((cast + sparse + rough)) = "$rays" ] || complain "$cast + $sparse + $rough rays, not $rays"
+done
 awk -v o="$(value pcd.json overlap)" 'BEGIN { exit !(o > 1 && o < 3.2) }' || complain "overlap"
 grep -q '^> Sampling \[done, .* splats\]' out.txt || complain "no Sampling line"
 expect 0 '' scan.pcd b.pcd -threads 1 -quiet 1

@@ -100,6 +100,12 @@ expect 0 '' measured.pcd whole.slim -trim 0 -json whole.json
 expect 0 '' measured.pcd wide.slim -hole 20
 awk '/"open_leaves"/ { gsub(/[^0-9]/, ""); found = $0 > 0 } END { exit !found }' open.json ||
   complain "no leaf of a sheet is open: $(grep open_leaves open.json)"
+# Programs that draw nothing and save no surface make no maps.
+for program in pcl_slim_smooth pcl_slim_curvature pcl_slim_lines; do
+  expect 0 '' measured.pcd out.ply -json none.json
+  grep -q '"open_leaves": 0' none.json || complain "$program makes trim maps"
+done
+program=pcl_slim_fit
 grep -q '"open_leaves": 0' whole.json || complain "open without maps: $(grep open_leaves whole.json)"
 [ "$(od -An -tu1 -j8 -N1 open.slim)" -eq 2 ] || complain "maps in a file of version 1"
 [ "$(od -An -tu1 -j8 -N1 whole.slim)" -eq 1 ] || complain "a file without maps is not of version 1"

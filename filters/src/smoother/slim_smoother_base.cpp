@@ -375,13 +375,13 @@ SLIMSmootherBase::write(const Source& source, const CloudProjection& projection,
 }
 
 void
-SLIMSmootherBase::upsample(const Source& source, const CloudView& points,
+SLIMSmootherBase::upsample(const Source& source, const CloudView& view,
                            const CloudProjection& own, const Target& target)
 {
   Candidates candidates;
   CloudProjection projection;
   const bool curvature = compute_normals_ && target.curvature != kNoField;
-  if (!projectCandidates(points, curvature, own, source.distinct, candidates, projection)) return;
+  if (!projectCandidates(view, curvature, own, source.distinct, candidates, projection)) return;
   std::vector<std::size_t> kept;
   for (std::size_t i = 0; i < projection.size(); ++i)
     if (projection.isSupported(i)) kept.push_back(i);

@@ -8,7 +8,7 @@
 
 // Highway's vqsort is no faster: with the leading bits and the places in 64 bits it took 1.29 to 2.15
 // times the radix sort's CPU time, with key and place in 128 bits 1.18 to 1.32 times (1M and 10M
-// codes of a surface, 1 and 2 threads, AVX2, busy machine: `sort_bench`).
+// codes of a surface, 1 and 2 threads, AVX2, busy machine).
 namespace pcl_slim {
 
 namespace {

@@ -18,7 +18,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 void
 gatherOffsets(const PointStore& store, const std::vector<std::uint32_t>& blocks,
-              const Vector3& place, double reach, NearPoints& points)
+              const Vector3& place, double reach, const PlaceSide& side, NearPoints& points)
 {
   const Tag d;
   const auto limit = hn::Set(d, static_cast<float>(reach * reach));
@@ -34,7 +34,14 @@ gatherOffsets(const PointStore& store, const std::vector<std::uint32_t>& blocks,
       const auto dy = hn::Add(hn::Load(d, store.y() + i), sy);
       const auto dz = hn::Add(hn::Load(d, store.z() + i), sz);
       const auto distance_sq = dot3(dx, dy, dz, dx, dy, dz);
-      const auto near = hn::Le(distance_sq, limit);
+      auto near = hn::Le(distance_sq, limit);
+      if (hn::AllFalse(d, near)) continue;
+      if (side.min_dot > -1) {
+        const auto cosine = dot3(hn::Load(d, store.nx() + i), hn::Load(d, store.ny() + i),
+                                 hn::Load(d, store.nz() + i), hn::Set(d, side.normal[0]),
+                                 hn::Set(d, side.normal[1]), hn::Set(d, side.normal[2]));
+        near = hn::And(near, hn::Gt(cosine, hn::Set(d, side.min_dot)));
+      }
       if (hn::AllFalse(d, near)) continue;
       const LanePacking packing(d, near);
       packing.store(dx, points.x.data() + count);
@@ -163,9 +170,9 @@ HWY_EXPORT(findDisc);
 
 void
 gatherOffsets(const PointStore& store, const std::vector<std::uint32_t>& blocks,
-              const Vector3& place, double reach, NearPoints& points)
+              const Vector3& place, double reach, const PlaceSide& side, NearPoints& points)
 {
-  HWY_DYNAMIC_DISPATCH(gatherOffsets)(store, blocks, place, reach, points);
+  HWY_DYNAMIC_DISPATCH(gatherOffsets)(store, blocks, place, reach, side, points);
 }
 
 std::uint64_t

@@ -21,6 +21,12 @@ struct NearPoints {
   void reserve(std::size_t capacity);
 };
 
+/** \brief Which points are of the place's side, where normals part sheets. */
+struct PlaceSide {
+  std::array<float, 3> normal{};
+  float min_dot = -2;  ///< the normal bound: of the cosine to the normal; below -1 for all points
+};
+
 /** \brief An empty disc that touches the place, and the nearest point ahead. */
 struct EmptyDisc {
   float u = 0, v = 0;        ///< direction of its middle from the place
@@ -33,10 +39,10 @@ constexpr int kBorderSectors = 64;  ///< of directions, equal in the circle |u| 
 
 namespace kernels {
 
-/** \brief Collects the points of some blocks within a distance of a place. */
+/** \brief Collects the points of some blocks within a distance of a place, those of its side. */
 void
 gatherOffsets(const PointStore& store, const std::vector<std::uint32_t>& blocks,
-              const Vector3& place, double reach, NearPoints& points);
+              const Vector3& place, double reach, const PlaceSide& side, NearPoints& points);
 
 /** \brief Brings offsets into the axes u, v, w. \return bit k: sector k has a point whose distance from the
  * place, in the plane, exceeds blind. */

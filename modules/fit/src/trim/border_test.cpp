@@ -58,11 +58,12 @@ widestSector(std::uint64_t taken, double* middle)
 }  // namespace
 
 BorderTest::BorderTest(const PointStore& store, const BorderConstants& constants, double noise,
-                       double hole_size, BorderValues& values)
+                       double hole_size, float min_dot, BorderValues& values)
     : store_(store),
       constants_(constants),
       thick_(constants.noise * noise),
       least_disc_(constants.disc * hole_size),
+      side_{{}, min_dot},
       values_(values)
 {
 }
@@ -86,7 +87,7 @@ BorderTest::gather(const Vector3& place, double reach)
                            static_cast<float>(place[2])};
   blocks_.clear();
   store_.tree().blocksInBall(center, static_cast<float>(reach), blocks_);
-  kernels::gatherOffsets(store_, blocks_, place, reach, near_);
+  kernels::gatherOffsets(store_, blocks_, place, reach, side_, near_);
 }
 
 /** The nearest neighbours, enough for a plane and for sectors, and those within the noise's thickness.
@@ -103,7 +104,7 @@ BorderTest::gatherNear(const Vector3& place, double reach)
   const auto last = distances_sq_.begin() + static_cast<std::ptrdiff_t>(enough - 1);
   std::nth_element(distances_sq_.begin(), last, distances_sq_.end());
   reach_ = std::max(std::sqrt(static_cast<double>(*last)), thick_);
-  kernels::gatherOffsets(store_, blocks_, place, reach_, near_);
+  kernels::gatherOffsets(store_, blocks_, place, reach_, side_, near_);
   return true;
 }
 
@@ -180,6 +181,7 @@ float
 BorderTest::measure(std::size_t point, double spacing)
 {
   const Vector3 place = store_.position(point);
+  if (side_.min_dot > -1) side_.normal = store_.normal(point);
   // A half disc of neighbours, and some more.
   const double guess = std::sqrt(3.0 / kPi * static_cast<double>(constants_.near_points));
   if (!gatherNear(place, guess * spacing)) return kAny;

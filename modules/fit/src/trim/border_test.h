@@ -29,9 +29,10 @@ class BorderTest {
  public:
   /** \param[in] noise RMS distance of points from the surface, local length
    * \param[in] hole_size diameter of the smallest hole kept, in spacings
+   * \param[in] min_dot the normal bound where normals part sheets, else -2: a face ends at a sharp edge
    * \param[in,out] values one for each stored point, 0 at first */
   BorderTest(const PointStore& store, const BorderConstants& constants, double noise,
-             double hole_size, BorderValues& values);
+             double hole_size, float min_dot, BorderValues& values);
 
   /** \brief Whether the data end at a stored point. \param[in] spacing of a surfel's points around it, local
    * length: a narrower gap may be chance. O(neighbours) at a point's first test, O(1) then. */
@@ -50,6 +51,7 @@ class BorderTest {
   const PointStore& store_;
   const BorderConstants& constants_;
   double thick_, least_disc_;
+  PlaceSide side_;  ///< of the point at hand
   BorderValues& values_;
   double reach_ = 0;               ///< neighbours are gathered within
   std::array<Vector3, 3> axes_{};  ///< of the plane, and its normal

@@ -24,7 +24,8 @@ class TrimMaker {
         settings_(settings),
         hole_size_(hole_size),
         surface_(surface),
-        border_(store, settings.constants.border, std::sqrt(settings.noise), hole_size, borders)
+        border_(store, settings.constants.border, std::sqrt(settings.noise), hole_size,
+                settings.with_normals ? settings.min_dot : -2.0f, borders)
   {
   }
 

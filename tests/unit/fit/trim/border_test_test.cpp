@@ -42,12 +42,12 @@ struct Count {
 
 Count
 countEnds(const Cloud& cloud, double noise, const std::function<bool(const Vector3&)>& chosen,
-          double spacing = 1.0)
+          double spacing = 1.0, float min_dot = -2.0f)
 {
   const PointStore store = storeOf(cloud);
   const detail::BorderConstants constants;
   detail::BorderValues values(store.size());
-  detail::BorderTest test(store, constants, noise / store.scale(), kHole, values);
+  detail::BorderTest test(store, constants, noise / store.scale(), kHole, min_dot, values);
   Count count;
   for (std::size_t i = 0; i < store.size(); ++i) {
     const auto local = store.position(i);
@@ -62,6 +62,20 @@ bool
 isInner(const Vector3& p)
 {
   return std::abs(p[0]) < 15.0 && std::abs(p[1]) < 15.0;
+}
+
+/** A face that normals part from the next one ends at the edge between them. */
+TEST(BorderTest, NormalsPartTheFacesOfABox)
+{
+  const Cloud box = boxCloud({10, 10, 10}, 2400, 0.0);
+  const auto at_edge = [](const Vector3& p) {
+    return std::max(std::abs(p[0]), std::abs(p[1])) > 9.999 && std::abs(p[2]) < 8 &&
+           std::min(std::abs(p[0]), std::abs(p[1])) > 9.6;
+  };
+  const Count one = countEnds(box, 0.0, at_edge, 1.0, -0.25f);
+  EXPECT_GT(one.points, 20);
+  EXPECT_EQ(one.ends, 0);
+  EXPECT_GT(countEnds(box, 0.0, at_edge, 1.0, 0.5f).share(), 0.35);
 }
 
 TEST(BorderTest, FindsTheEdgeOfASheetAndNothingElse)
@@ -141,8 +155,8 @@ TEST(BorderTest, DoesNotDependOnWhoTestsFirst)
   const PointStore store = storeOf(cloud);
   const detail::BorderConstants constants;
   detail::BorderValues values(store.size()), other_values(store.size());
-  detail::BorderTest test(store, constants, 0.0, kHole, values);
-  detail::BorderTest other(store, constants, 0.0, kHole, other_values);
+  detail::BorderTest test(store, constants, 0.0, kHole, -2.0f, values);
+  detail::BorderTest other(store, constants, 0.0, kHole, -2.0f, other_values);
   int ends = 0;
   for (std::size_t i = 0; i < store.size(); ++i) {
     const double unit = 1.0 / store.scale();

@@ -34,7 +34,7 @@ struct PCL_SLIM_EXPORT SplatParams {
   SplatColor color = SplatColor::kMean;      ///< paper mode: kOwn
   RadiusRule radius = RadiusRule::kDensity;  ///< paper mode: kCorner
   bool remove_noise = true;         ///< take the noise of colours and normals off deviations
-  int normal_neighbors = 16;        ///< for clouds without normals, >= 3
+  int normal_neighbors = 16;        ///< about, of each point of a cloud without normals; >= 3
   double viewpoint[3] = {0, 0, 0};  ///< estimated normals face it, unless points have sensors
   int threads = 0;                  ///< 0: all cores; never changes the result
 
