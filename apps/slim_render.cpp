@@ -16,6 +16,7 @@
 #include "pcl_slim/render/shading.h"
 #include "render/camera_file.h"
 #include "render/frame_clock.h"
+#include "render/idle_options.h"
 #include "render/line_request.h"
 #include "render/model.h"
 #include "render/model_report.h"
@@ -28,6 +29,8 @@
 using namespace pcl_slim;
 
 namespace {
+
+constexpr double kBytesOfPixel = 40;  ///< of a frame and its picture at least, whatever -aa
 
 struct Settings {
   std::string input, output, sides = "auto", derivatives = "blended", save_camera, json;
@@ -250,14 +253,6 @@ fail(Console& console, int status, const Error& error)
   return status;
 }
 
-/** What the rays' columns and the picture take at least. */
-double
-bytesOfPicture(const Settings& s)
-{
-  constexpr double kBytesOfPixel = 40;  // one frame at a time, whatever -aa
-  return kBytesOfPixel * s.view.size.width * s.view.size.height;
-}
-
 int
 statusOf(const Error& error)
 {
@@ -316,7 +311,7 @@ renderModel(const Settings& s, const Model& model, const Turntable& table, Conso
 }
 
 int
-run(Settings& s)
+run(Settings& s, const OptionTable& options)
 {
   if (Error error = limitMemory(s.max_memory))
     return pcl_slim::fail("pcl_slim_render", kExitUsage, error.message);
@@ -330,28 +325,23 @@ run(Settings& s)
   }
   Console console(s.quiet);
   Report report("pcl_slim_render", PCL_SLIM_VERSION, s.input, resolveThreads(s.threads));
-  console.begin("Loading " + s.input);
-  const Stopwatch load_time;
-  Result<Model> model = loadModel(s.input);
+  Result<Model> model = loadDrawn(s.input, s.trim, s.hole, s.threads, console, report);
   if (!model) return fail(console, kExitUsage, model.error());
-  if (!s.trim) model->surface.dropTrimMaps();
-  model->surface.closeHoles(s.hole, s.threads);
-  report.time("load", load_time.seconds());
-  console.done(load_time.seconds(), model->describe());
-  if (model->skipped > 0) {
-    console.note("  splats left out: " + std::to_string(model->skipped) +
-                 " not finite or without a normal");
-  }
   if (model->is_splats && s.lines.any()) {
     return fail(
         console, kExitUsage,
         {ErrorCode::kBadArgument,
          "splats have no curvature; drop -lines, -line_file and -mode crest, contours or sketch"});
   }
-  if (Error error = checkMemory(bytesOfPicture(s), "a picture of " + s.view.size_text,
-                                "ask for a smaller picture"))
+  if (Error error = checkMemory(kBytesOfPixel * s.view.size.width * s.view.size.height,
+                                "a picture of " + s.view.size_text, "ask for a smaller picture"))
     return fail(console, kExitFailed, error);
-  const ShadingParams shading = s.picture.shadingFor(model->splats.hasColors(), 1);
+  const bool page = PageRequest::isPage(s.output);
+  const ShadingParams shading =
+      s.picture.shadingFor(page ? model->hasColors() : model->splats.hasColors(), 1);
+  for (const std::string& note :
+       idleOptions(options, {model->is_splats, page, s.trim, s.picture, s.lines, shading}))
+    console.note(note);
   ViewRequest view = s.view;
   if (shading.color_bar && hasColorBar(shading.mode)) view.right_margin = colorBarShare(view.size);
   const Result<BoundingSpheres> object = s.region.within(model->spheres());
@@ -364,9 +354,8 @@ run(Settings& s)
   const Turntable table(view, *object, s.turntable);
   const Camera camera = table.camera(0);
   FileTransaction files;
-  const Error failed = PageRequest::isPage(s.output)
-                           ? writePage(s, *model, camera, console, report)
-                           : renderModel(s, *model, table, console, report);
+  const Error failed = page ? writePage(s, *model, camera, console, report)
+                            : renderModel(s, *model, table, console, report);
   if (failed) return fail(console, statusOf(failed), failed);
   report.json()["camera"] = {
       {"position", camera.position}, {"look_at", camera.look_at},  {"up", camera.up},
@@ -396,5 +385,6 @@ main(int argc, char** argv)
     std::fprintf(stderr, "pcl_slim_render: %s\n", error.message.c_str());
     return kExitUsage;
   }
-  return guarded("pcl_slim_render", "ask for a smaller picture", [&] { return run(settings); });
+  return guarded("pcl_slim_render", "ask for a smaller picture",
+                 [&] { return run(settings, table); });
 }

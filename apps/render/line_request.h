@@ -41,9 +41,10 @@ struct LineRequest {
   Error draw(SurfaceRenderer& renderer, const Camera& camera, RenderParams rendering, Image& image,
              std::size_t& count) const;
 
- private:
+  /** \brief Which lines are looked for in a view. */
   PictureLineParams finding(int threads) const;
 
+ private:
   std::vector<SpaceLine> in_space_;
 };
 

@@ -62,4 +62,23 @@ reportTraced(const Model& model, const TraceStatistics& counts, nlohmann::ordere
                {"tested_per_ray", counts.testedPerRay()}});
 }
 
+Result<Model>
+loadDrawn(const std::string& path, bool trim, double hole, int threads, Console& console,
+          Report& report)
+{
+  console.begin("Loading " + path);
+  const Stopwatch watch;
+  Result<Model> model = loadModel(path);
+  if (!model) return model;
+  if (!trim) model->surface.dropTrimMaps();
+  model->surface.closeHoles(hole, threads);
+  report.time("load", watch.seconds());
+  console.done(watch.seconds(), model->describe());
+  if (model->skipped > 0) {
+    console.note("  splats left out: " + std::to_string(model->skipped) +
+                 " not finite or without a normal");
+  }
+  return model;
+}
+
 }  // namespace pcl_slim

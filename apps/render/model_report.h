@@ -3,6 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/progress_bar.h"
+#include "common/report.h"
 #include "pcl_slim/render/disc_rasterizer.h"
 #include "pcl_slim/render/ray_tracer.h"
 #include "pcl_slim/render/render_params.h"
@@ -21,5 +23,10 @@ reportSplats(const Model& model, const DiscRenderStatistics& counts, nlohmann::o
 /** \brief The same of traced pictures of either. */
 void
 reportTraced(const Model& model, const TraceStatistics& counts, nlohmann::ordered_json& json);
+
+/** \brief Loads a model and says so; borders as the picture is to have them. */
+Result<Model>
+loadDrawn(const std::string& path, bool trim, double hole, int threads, Console& console,
+          Report& report);
 
 }  // namespace pcl_slim

@@ -36,6 +36,21 @@ for format in pcd ply vtp; do
     same shaded.png points.png
   fi
 done
+# Options that change nothing are named, one line each; those that do are not.
+idle() { # idle NAMES ARGS...
+  expect 0 '' pcl_slim_render surface.slim idle.png $small "${@:2}"
+  found=$(sed -n 's/^  -\([a-z_]*\) has no effect: .*/\1/p' out.txt | tr '\n' ' ')
+  [ "$found" = "$1" ] || complain "${*:2}: idle are '$found', not '$1'"
+}
+idle '' -mode mean -range 5 -bar -unit mm -map perceptual -lighting 0
+idle 'range map ' -range 5 -map perceptual
+idle 'unit ' -mode mean -unit mm
+idle 'lighting ' -mode normal -lighting 0
+idle 'lights filtered line_width ' -lights 30,40 -line_width 2 -filtered 0
+idle 'line_slope ' -lines crest -line_slope 9 -line_curvature 5 -line_length 4
+idle 'lod ' -mode raytraced -lod 2 -lights 30,40
+idle 'hole ' -trim 0 -hole 9
+idle 'aa ' -mode sketch
 # Colours: the scan's, the same from every format and for any threads; traced, too; none without a scan's.
 expect 0 '' pcl_slim_render surface.slim color.png $small -mode color -threads 1
 differ shaded.png color.png
