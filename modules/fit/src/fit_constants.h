@@ -126,11 +126,13 @@ struct BorderConstants {
   double blind = 0.3;            ///< [their reach] nearer ones point anywhere
   double sector = 1.75;          ///< [radians] empty next to a border
   double turn = 0.4;             ///< [radians] discs are also tried this much to either side
-  double far = 10.0;             ///< [spacing] a gap as wide needs no other side
-  double disc = 1.2;             ///< [smallest hole] chance leaves narrower discs empty
-  double near = 3.0;             ///< [spacing] points are counted on the other side of a gap
-  double rim_share = 0.8;        ///< of the neighbours expected there
-  int places = 12;               ///< in a surfel's gaps whose rims are looked at
+  double edge = 0.8;       ///< least cosine between the planes of a point and of its surfel ...
+  double exact = 0.06;     ///< ... where noise [its reach, over that of neighbours] allows to tell
+  double far = 10.0;       ///< [spacing] a gap as wide needs no other side
+  double disc = 1.2;       ///< [smallest hole] chance leaves narrower discs empty
+  double near = 3.0;       ///< [spacing] points are counted on the other side of a gap
+  double rim_share = 0.8;  ///< of the neighbours expected there
+  int places = 12;         ///< in a surfel's gaps whose rims are looked at
 };
 
 /** \brief Target error and number of surfels (docs/theory.md, section of that name). */

@@ -55,28 +55,55 @@ widestSector(std::uint64_t taken, double* middle)
   return widest;
 }
 
+constexpr std::uint32_t kNoPlane = 0;  // no unit normal has this code
+constexpr int kHalfTen = 511;          ///< ten bits hold -1 to 1 in as many steps to each side
+
+std::uint32_t
+packed(const Vector3& normal)
+{
+  std::uint32_t bits = 0;
+  for (const double x : normal)
+    bits = bits << 10 | static_cast<std::uint32_t>(std::lround(kHalfTen * (1.0 + x)));
+  return bits;
+}
+
+Vector3
+unpacked(std::uint32_t bits)
+{
+  const auto coordinate = [&](int shift) {
+    return static_cast<int>(bits >> shift & 1023) / static_cast<double>(kHalfTen) - 1.0;
+  };
+  return {coordinate(20), coordinate(10), coordinate(0)};
+}
+
 }  // namespace
 
 BorderTest::BorderTest(const PointStore& store, const BorderConstants& constants, double noise,
-                       double hole_size, float min_dot, BorderValues& values)
+                       double hole_size, float min_dot, PointBorders& borders)
     : store_(store),
       constants_(constants),
       thick_(constants.noise * noise),
       least_disc_(constants.disc * hole_size),
       side_{{}, min_dot},
-      values_(values)
+      borders_(borders)
 {
 }
 
 bool
-BorderTest::endsAt(std::size_t point, double spacing)
+BorderTest::endsAt(std::size_t point, double spacing, const Vector3& normal)
 {
-  float value = values_[point].load(std::memory_order_relaxed);
-  if (value == 0.0f) {
-    value = measure(point, spacing);
-    values_[point].store(value, std::memory_order_relaxed);
+  PointBorder& border = borders_[point];
+  float largest = border.spacing.load(std::memory_order_acquire);
+  if (largest == 0.0f) {
+    largest = measure(point, spacing);
+    border.plane.store(plane_, std::memory_order_relaxed);
+    border.spacing.store(largest, std::memory_order_release);
   }
-  return spacing <= value;
+  if (spacing <= largest) return true;
+  const std::uint32_t bits = border.plane.load(std::memory_order_relaxed);
+  if (bits == kNoPlane) return false;
+  const Vector3 plane = unpacked(bits);
+  return std::abs(dot(plane, normal)) < constants_.edge;
 }
 
 void
@@ -182,10 +209,12 @@ BorderTest::measure(std::size_t point, double spacing)
 {
   const Vector3 place = store_.position(point);
   if (side_.min_dot > -1) side_.normal = store_.normal(point);
+  plane_ = kNoPlane;
   // A half disc of neighbours, and some more.
   const double guess = std::sqrt(3.0 / kPi * static_cast<double>(constants_.near_points));
   if (!gatherNear(place, guess * spacing)) return kAny;
   findPlane();
+  if (thick_ < constants_.exact * reach_) plane_ = packed(axes_[2]);
   double middle = 0;
   const double own = findSector(&middle), least = least_disc_ * own;
   if (own == 0) return kNoBorder;

@@ -13,9 +13,14 @@
 
 namespace pcl_slim::detail {
 
-/** \brief What border tests have found at each stored point; all threads share it, as a point's value
- * depends on nothing else. */
-using BorderValues = std::vector<std::atomic<float>>;
+/** \brief What a border test has found at a stored point. Threads share it, as it depends on nothing else. */
+struct PointBorder {
+  std::atomic<float> spacing{
+      0};  ///< the largest at which the data end there; < 0: none; 0: not tested
+  std::atomic<std::uint32_t> plane{
+      0};  ///< normal of the tangent plane, ten bits a coordinate; 0: unknown
+};
+using PointBorders = std::vector<PointBorder>;
 
 /** \brief Whether the data end next to a point, in the point's own tangent plane.
  *
@@ -30,13 +35,14 @@ class BorderTest {
   /** \param[in] noise RMS distance of points from the surface, local length
    * \param[in] hole_size diameter of the smallest hole kept, in spacings
    * \param[in] min_dot the normal bound where normals part sheets, else -2: a face ends at a sharp edge
-   * \param[in,out] values one for each stored point, 0 at first */
+   * \param[in,out] borders one for each stored point */
   BorderTest(const PointStore& store, const BorderConstants& constants, double noise,
-             double hole_size, float min_dot, BorderValues& values);
+             double hole_size, float min_dot, PointBorders& borders);
 
-  /** \brief Whether the data end at a stored point. \param[in] spacing of a surfel's points around it, local
-   * length: a narrower gap may be chance. O(neighbours) at a point's first test, O(1) then. */
-  bool endsAt(std::size_t point, double spacing);
+  /** \brief Whether the data end at a stored point, or leave a surfel's surface at an edge.
+   * \param[in] spacing of a surfel's points around it, local length: a narrower gap may be chance
+   * \param[in] normal unit normal of its surface there. O(neighbours) at a point's first test, O(1) then. */
+  bool endsAt(std::size_t point, double spacing, const Vector3& normal);
 
  private:
   float measure(std::size_t point, double spacing);
@@ -52,8 +58,9 @@ class BorderTest {
   const BorderConstants& constants_;
   double thick_, least_disc_;
   PlaceSide side_;  ///< of the point at hand
-  BorderValues& values_;
+  PointBorders& borders_;
   double reach_ = 0;               ///< neighbours are gathered within
+  std::uint32_t plane_ = 0;        ///< of the point measured last
   std::array<Vector3, 3> axes_{};  ///< of the plane, and its normal
   std::vector<std::uint32_t> blocks_, found_;
   std::vector<float> distances_sq_;

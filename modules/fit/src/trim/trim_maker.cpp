@@ -86,11 +86,22 @@ TrimMaker::prepare(std::size_t begin, std::size_t end)
   if (has_nearby_) nearby_.collect(store_.tree(), low, high);
 }
 
+/** Unit normal of surfel i's surface over one of its points. */
+Vector3
+TrimMaker::normalAt(std::size_t i, std::size_t point, const LocalFrame& frame) const
+{
+  const HeightJet jet = evaluateJet(surface_.degree[i], surface_.coefficientsOf(i),
+                                    points_.u[point], points_.v[point]);
+  return normalized(along(along(frame.w, -jet.hu, frame.u), -jet.hv, frame.v));
+}
+
 /** Whether the data end at one of the places in gaps, evenly chosen, and do not just turn away from
  * the surfel's plane: at the points next to the place, on each of four sides. */
 bool
-TrimMaker::dataEndAtGaps(double spacing)
+TrimMaker::dataEndAtGaps(std::size_t i, double spacing)
 {
+  const double r = surface_.radius[i];
+  const LocalFrame frame({surface_.nx[i], surface_.ny[i], surface_.nz[i]});
   const auto most = static_cast<std::size_t>(settings_.constants.border.places);
   const std::size_t count = std::min(most, places_.size());
   for (std::size_t k = 0; k < count; ++k) {
@@ -99,7 +110,7 @@ TrimMaker::dataEndAtGaps(double spacing)
         kernels::nearestInQuadrants(points_, static_cast<float>(u), static_cast<float>(v));
     for (const std::uint32_t rim : rims.nearest) {
       if (rim >= points_.count) continue;
-      if (border_.endsAt(points_.index[rim], spacing)) return true;
+      if (border_.endsAt(points_.index[rim], r * spacing, normalAt(i, rim, frame))) return true;
     }
   }
   return false;
@@ -122,7 +133,7 @@ TrimMaker::make(std::size_t i, std::vector<std::uint8_t>& bits)
   raster_.findGaps(points_, KnownRegion(surface_.degree[i], c, sure), scale, constants, places_);
   if (places_.empty()) return 0;
   ++candidates_;
-  if (!dataEndAtGaps(surface_.radius[i] * spacing)) return 0;
+  if (!dataEndAtGaps(i, spacing)) return 0;
   raster_.measureDepths(points_, KnownRegion(surface_.degree[i], c, constants.known));
   const double clear = kDepthUnit * constants.clear * spacing / raster_.cell();
   if (raster_.leastDepth(constants.looked_at) > clear) return 0;

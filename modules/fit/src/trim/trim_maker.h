@@ -19,7 +19,7 @@ namespace pcl_slim::detail {
 class TrimMaker {
  public:
   TrimMaker(const PointStore& store, const FitSettings& settings, double hole_size,
-            const SLIMSurface& surface, BorderValues& borders)
+            const SLIMSurface& surface, PointBorders& borders)
       : store_(store),
         settings_(settings),
         hole_size_(hole_size),
@@ -43,7 +43,8 @@ class TrimMaker {
  private:
   kernels::CoverLeaf wideSurfel(std::size_t i, const std::array<float, 3>& normal) const;
   void gather(std::size_t i);
-  bool dataEndAtGaps(double spacing);
+  Vector3 normalAt(std::size_t i, std::size_t point, const LocalFrame& frame) const;
+  bool dataEndAtGaps(std::size_t i, double spacing);
   int appendMap(double spacing, std::vector<std::uint8_t>& bits) const;
 
   const PointStore& store_;

@@ -18,7 +18,7 @@ void
 makeTrimMaps(const PointStore& store, const FitSettings& settings, double hole_size,
              FitStatistics& stats, SLIMSurface& surface)
 {
-  BorderValues borders(store.size());
+  PointBorders borders(store.size());
   std::vector<std::unique_ptr<TrimMaker>> makers;
   for (int t = 0; t < stats.threads; ++t)
     makers.push_back(std::make_unique<TrimMaker>(store, settings, hole_size, surface, borders));
