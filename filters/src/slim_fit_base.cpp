@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/filters/slim_fit_base.h"
 
+#include <pcl/console/print.h>
+
 #include <algorithm>
 
 #include "pcl_slim/fit/fit_colors.h"
@@ -58,6 +60,11 @@ Error
 SLIMFitBase::fitStore(PointStore& store, const CloudView& cloud, SLIMSurface& surface)
 {
   outliers_.clear();
+  if (params_.sharp_features && cloud.normal == nullptr) {
+    PCL_WARN(
+        "[pcl_slim] sharp features have no effect without normals; set some, or estimate them: "
+        "setNormalEstimationNeighbors(30)\n");
+  }
   Error error = fitSurface(store, params_, surface, &statistics_, &control_.progress);
   for (const std::uint32_t i : statistics_.outlier_points)
     outliers_.push_back(static_cast<std::int32_t>(cloud.inputIndex(store.orderOfStore()[i])));

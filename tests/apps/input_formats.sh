@@ -165,6 +165,11 @@ head -c 9000 survey.las > cut.las
 expect 2 'truncated' cut.las d.slim
 head -c 100 survey.las > cut.las
 expect 2 'truncated' cut.las d.slim
+expect 2 'mkfifo' - d.slim
+mkfifo pipe.las
+cat survey.las > pipe.las &
+expect 0 '' pipe.las d.slim
+rm d.slim pipe.las
 head -n 3000 scan.pts > cut.pts
 expect 2 '2999 of 4000' cut.pts d.slim
 echo '1 2' >> scan.xyz

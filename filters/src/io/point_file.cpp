@@ -40,6 +40,10 @@ refused(const std::string& path, const std::string& extension)
 {
   const std::string stem = path.substr(0, path.size() - extension.size());
   if (extension == ".vtp") return checkVtp(path);
+  if (path == "-" || path == "/dev/stdin") {
+    return {ErrorCode::kBadArgument,
+            "a pipe has no extension to tell its format by; give it a name: mkfifo scan.pcd"};
+  }
   if (extension == ".laz") {
     return {ErrorCode::kBadArgument, "'" + path + "' is compressed; convert it: laszip -i '" +
                                          path + "' -o '" + stem + ".las'"};

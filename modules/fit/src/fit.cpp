@@ -124,7 +124,9 @@ fitStore(const FitConstants& constants, SidedStore& sided, const FitParams& aske
   if (Error error = asked.validate()) return error;
   if (all.size() == 0)
     return {ErrorCode::kBadInput, "the store holds no points: build it from some"};
-  const FitParams params = facingSensor(all, resolvedParams(asked, constants.preset));
+  FitParams usable = asked;
+  usable.sharp_features = asked.sharp_features && all.hasNormals();
+  const FitParams params = facingSensor(all, resolvedParams(usable, constants.preset));
   if (params.has_noise_model && !params.has_viewpoint && !all.hasSensors()) {
     return {ErrorCode::kBadArgument,
             "a noise model tells errors along rays: give the viewpoint that they come from"};

@@ -129,6 +129,19 @@ edgeError(const Fitted& f, double reach)
   return std::sqrt(sum / static_cast<double>(count));
 }
 
+TEST(FitSheets, SharpFeaturesNeedNormals)
+{
+  const PointStore store = storeOf(sceneCloud(measure::Shape::kTorus, 5000, 0.001).withoutNormals());
+  FitParams params;
+  params.threads = 1;
+  SLIMSurface plain, sharp;
+  ASSERT_FALSE(fitSurface(store, params, plain));
+  params.sharp_features = true;
+  ASSERT_FALSE(fitSurface(store, params, sharp));
+  EXPECT_EQ(plain.radius, sharp.radius);
+  EXPECT_EQ(plain.coefficients, sharp.coefficients);
+}
+
 TEST(FitSheets, SharpFeaturesKeepEdges)
 {
   const Cloud cloud = octahedron(12000);

@@ -78,7 +78,7 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
   void setLeastRadius(double radius) { params_.least_radius = radius; }
   double getLeastRadius() const { return params_.least_radius; }
 
-  /** \brief Keeps sharp edges; needs normals (default off). */
+  /** \brief Keeps sharp edges (default off); without normals it has no effect, and a warning says so. */
   void setSharpFeatures(bool sharp) { params_.sharp_features = sharp; }
   bool getSharpFeatures() const { return params_.sharp_features; }
 

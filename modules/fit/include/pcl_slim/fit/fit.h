@@ -31,7 +31,7 @@ struct PCL_SLIM_EXPORT FitParams {
   double least_radius =
       0.0;  ///< > 0, world units: no ball is narrower, so that no finer detail is kept
   bool sharp_features =
-      false;            ///< keep sharp edges: only points with n . n_c > 1/2 (needs normals)
+      false;  ///< keep sharp edges: only points with n . n_c > 1/2; no effect without normals
   bool robust = false;  ///< reweight residuals against outliers (two more passes a leaf)
   bool keep_outliers =
       false;  ///< fit points that stand apart from all others, too (findOutliers())
