@@ -39,16 +39,17 @@ float
 normalBound(const PointStore& store, const NormalBoundConstants& constants)
 {
   std::vector<double> tilts;
+  const double least_fall = store.hasNormals() ? constants.least_turn : 0;
   const std::size_t blocks = store.numBlocks(),
                     stride = std::max<std::size_t>(1, blocks / constants.blocks);
   for (std::size_t block = 0; block < blocks; block += stride)
     addTilts(store, block, constants, tilts);
-  if (tilts.empty()) return static_cast<float>(-constants.least_turn);
+  if (tilts.empty()) return static_cast<float>(-least_fall);
   const auto median = tilts.begin() + static_cast<std::ptrdiff_t>(tilts.size() / 2);
   std::nth_element(tilts.begin(), median, tilts.end());
   const double sigma = std::sqrt(std::max(0.0, *median) / kMedianOfTilt);
-  return static_cast<float>(std::min(
-      -constants.least_turn, -std::sin(std::min(constants.deviations * sigma, constants.widest))));
+  return static_cast<float>(
+      std::min(-least_fall, -std::sin(std::min(constants.deviations * sigma, constants.widest))));
 }
 
 }  // namespace pcl_slim::detail

@@ -15,7 +15,7 @@ namespace {
 constexpr double kSharpCosine = 0.766;  ///< 40 degrees: faces that part by more meet in an edge
 constexpr double kMostMove =
     0.7;  ///< edges that an edge's middle moves: half of one at right angles
-constexpr int kMedianPasses = 2;
+constexpr int kMedianPasses = 2, kFollowPasses = 2;
 constexpr int kSteps = 3;  ///< of a vertex's way onto two or three curved faces
 constexpr std::uint32_t kNone = 0xffffffffu;
 
@@ -77,6 +77,7 @@ class Sharpening {
   void faceNearest();
   void moveVertices();
   void takeMedianSides(const Rings& ring);
+  void followNeighbours(const Rings& ring);
   std::vector<std::uint32_t> addEdges(const EdgeTable& table);
   void meet(std::vector<Meeting>& meetings);
   void meetFaces(SurfaceProbe& probe, Meeting& own) const;
@@ -154,6 +155,41 @@ Sharpening::moveVertices()
     which.push_back(v);
   }
   putOnSurface(field_, which, vertices_);
+  for (int pass = 0; pass < kFollowPasses; ++pass) followNeighbours(rings);
+}
+
+/** Brings vertices that no leaf reaches, as edges are rounded off most there, onto the nearest plane of those
+ * next to them, and from there onto the surface. */
+void
+Sharpening::followNeighbours(const Rings& ring)
+{
+  std::vector<std::uint32_t> which;
+  std::vector<Vector3> before;
+  const std::vector<std::uint8_t> supported = vertices_.supported;
+  for (std::uint32_t v = 0; v < supported.size(); ++v) {
+    if (supported[v] != 0) continue;
+    const Vector3 place = vertices_.position[v];
+    double least = std::numeric_limits<double>::infinity();
+    for (std::uint32_t i = ring.begin[v]; i < ring.begin[v + 1]; ++i) {
+      const std::uint32_t o = ring.neighbours[i];
+      if (supported[o] == 0) continue;
+      const Vector3& normal = vertices_.normal[o];
+      const double off = dot(normal, subtract(place, vertices_.position[o]));
+      if (!(std::abs(off) < least)) continue;
+      least = std::abs(off);
+      vertices_.position[v] = along(place, -off, normal);
+      vertices_.normal[v] = normal;
+    }
+    if (!(least < vertices_.size[v])) {
+      vertices_.position[v] = place;
+      continue;
+    }
+    which.push_back(v);
+    before.push_back(place);
+  }
+  putOnSurface(field_, which, vertices_);
+  for (std::size_t i = 0; i < which.size(); ++i)
+    if (vertices_.supported[which[i]] == 0) vertices_.position[which[i]] = before[i];
 }
 
 /** Gives each vertex that side among its own and its neighbours' which agrees best with all of them: lone

@@ -45,9 +45,9 @@ PointKeys::slice(const CloudView& piece, std::size_t begin, std::size_t end)
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t input = piece.inputIndex(first + i);
       const auto p = reader.position(input);
-      const bool near = (std::abs(p[0] - center[0]) <= reach) &
-                        (std::abs(p[1] - center[1]) <= reach) &
-                        (std::abs(p[2] - center[2]) <= reach);
+      const double farthest = std::max(
+          {std::abs(p[0] - center[0]), std::abs(p[1] - center[1]), std::abs(p[2] - center[2])});
+      const bool near = farthest <= reach && !std::isnan(p[0] + p[1] + p[2]);
       wanted[i] = near && (!normals || reader.hasNormal(input));
       for (std::size_t a = 0; a < 3; ++a) batch[a][i] = wanted[i] ? p[a] : frame_.origin[a];
     }
