@@ -19,16 +19,19 @@ constexpr double kHole = 4.0;
 
 /** One random point a unit of area of a square of 40, where it is kept, and shifted by noise. */
 Cloud
-square(const std::function<bool(double, double)>& kept, double noise = 0.0, double per_unit = 1.0)
+square(const std::function<bool(double, double)>& kept, double noise = 0.0, double per_unit = 1.0,
+       std::uint64_t seed = 5)
 {
-  std::mt19937_64 random(5);
+  std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> uniform(-20.0, 20.0);
   std::normal_distribution<double> gauss(0.0, noise > 0.0 ? noise : 1.0);
   const auto shift = [&] { return noise > 0.0 ? gauss(random) : 0.0; };
   Cloud cloud;
   for (int k = 0; k < static_cast<int>(1600 * per_unit); ++k) {
     const double x = uniform(random), y = uniform(random);
-    if (kept(x, y)) cloud.add(x + shift(), y + shift(), shift());
+    if (!kept(x, y)) continue;
+    const double dx = shift(), dy = shift(), dz = shift();
+    cloud.add(x + dx, y + dy, dz);
   }
   return cloud;
 }
@@ -38,6 +41,11 @@ struct Count {
   int points = 0, ends = 0;
 
   double share() const { return static_cast<double>(ends) / points; }
+  void add(const Count& other)
+  {
+    points += other.points;
+    ends += other.ends;
+  }
 };
 
 constexpr Vector3 kUp{0, 0, 1};
@@ -95,15 +103,17 @@ TEST(BorderTest, NormalsPartTheFacesOfABox)
 TEST(BorderTest, FindsTheEdgeOfASheetAndNothingElse)
 {
   for (const double noise : {0.0, 0.3}) {
-    const Cloud half = square([](double x, double) { return x < 0.0; }, noise);
-    const Count rim =
-        countEnds(half, noise, [](const Vector3& p) { return isInner(p) && p[0] > (-0.4); });
-    EXPECT_GT(rim.points, 8);
-    EXPECT_GT(rim.share(), 0.35) << noise;  // others hide some
-    const Count inside =
-        countEnds(half, noise, [](const Vector3& p) { return isInner(p) && p[0] < -3.0; });
-    EXPECT_GT(inside.points, 250);
-    EXPECT_EQ(inside.ends, 0) << noise;
+    Count rim, inside;
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      const Cloud half = square([](double x, double) { return x < 0.0; }, noise, 1.0, seed);
+      rim.add(countEnds(half, noise, [](const Vector3& p) { return isInner(p) && p[0] > (-0.4); }));
+      inside.add(
+          countEnds(half, noise, [](const Vector3& p) { return isInner(p) && p[0] < -3.0; }));
+    }
+    EXPECT_GT(rim.points, 80);
+    EXPECT_GT(rim.share(), 0.2) << noise;  // others hide the rest; a hundred points: +- .05
+    EXPECT_GT(inside.points, 2500);
+    EXPECT_LE(inside.ends, 1) << noise;
   }
 }
 
