@@ -375,8 +375,8 @@ SLIMSmootherBase::write(const Source& source, const CloudProjection& projection,
 }
 
 void
-SLIMSmootherBase::upsample(const Source& source, const CloudView& view,
-                           const CloudProjection& own, const Target& target)
+SLIMSmootherBase::upsample(const Source& source, const CloudView& view, const CloudProjection& own,
+                           const Target& target)
 {
   Candidates candidates;
   CloudProjection projection;

@@ -131,7 +131,8 @@ edgeError(const Fitted& f, double reach)
 
 TEST(FitSheets, SharpFeaturesNeedNormals)
 {
-  const PointStore store = storeOf(sceneCloud(measure::Shape::kTorus, 5000, 0.001).withoutNormals());
+  const PointStore store =
+      storeOf(sceneCloud(measure::Shape::kTorus, 5000, 0.001).withoutNormals());
   FitParams params;
   params.threads = 1;
   SLIMSurface plain, sharp;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/pcd/pcd_file.h"
 
-
 #include <algorithm>
 #include <cstring>
 
