@@ -135,7 +135,7 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
   struct Target {
     std::size_t step = 0, position = 0, normal = kNoField, curvature = kNoField;
     void (*copy)(const void* from, void* to) = nullptr;  ///< the fields that both types have
-    std::function<unsigned char*(std::size_t)> resize;   ///< makes room for so many points
+    std::function<unsigned char*(std::size_t)> resize;   ///< makes room for this many points
   };
 
   /** \brief Smooths or upsamples, and writes the points. \param[out] dense whether all are finite. \return

@@ -14,7 +14,7 @@ namespace pcl_slim {
 
 /** An array that a VTK XML file announces. */
 struct VtpArray {
-  std::string section;  ///< the element it stands in: FieldData, PointData, Points, Polys
+  std::string section;  ///< the element around it: FieldData, PointData, Points, Polys
   std::string name;
   std::uint8_t type = 0;  ///< ScalarType; 0: strings
   std::size_t components = 1;

@@ -11,7 +11,7 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr int kFine = 8;       ///< parts of a cell that a point's place is told in
+constexpr int kFine = 8;       ///< parts of a cell that a point's place is rounded to
 constexpr int kUnit = 64;      ///< depth of one cell
 constexpr int kMostHalf = 95;  ///< cells from the middle of a raster: three words a row
 constexpr int kMostWords = 3;

@@ -67,7 +67,7 @@ class TrimRaster {
   double reach_ = 0.0, growth_ = 0.0;  ///< radius of the discs and TrimScale's growth, in cells
   int half_ = 0, side_ = 0;            ///< cells from the middle, and in all
   bool all_covered_ = false;           ///< not only those of findGaps()'s region
-  BitRows filled_;                     ///< cells whose disc holds a whole cell with points
+  BitRows filled_;                     ///< cells whose disc covers a whole cell with points
   BitRows covered_, unsure_, near_gaps_, scratch_bits_;
   std::vector<BitRows>
       eroded_;  ///< [k]: cells that are empty with k neighbours on either side in the row

@@ -172,7 +172,7 @@ TEST(BorderTest, DensityThatFallsIsNoBorder)
   EXPECT_LT(inner.share(), 0.003);
 }
 
-// A surfel of the floor that goes on past the foot of a wall leaves the data there.
+// A surfel of the floor that continues past the foot of a wall leaves the data there.
 TEST(BorderTest, EndsSurfelsThatLeaveTheDataAtAnEdge)
 {
   std::mt19937_64 random(6);
