@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <random>
+#include <vector>
 
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/mesh/mesh_extraction.h"
@@ -95,6 +98,37 @@ TEST(MeshSharpening, ABoxGetsItsEdgesAndCorners)
     }
     EXPECT_LT(std::sqrt(squares / area), limit / 2) << "of centroids, with noise " << noise;
   }
+}
+
+/** Its rim is rounded off so far that no leaf of the sharp fit reaches some of the mesh's vertices. */
+TEST(MeshSharpening, ARimIsWhole)
+{
+  Cloud cloud;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (int i = 0; i < 12000; ++i) {
+    const double a = 2 * M_PI * uniform(random), c = std::cos(a), s = std::sin(a);
+    const double side = i % 4 == 0 ? 1 : -1, r = std::sqrt(uniform(random));
+    if (i % 2 == 0) {
+      cloud.add({r * c, r * s, side}, {0, 0, side});
+    } else {
+      cloud.add({c, s, 2 * uniform(random) - 1}, {c, s, 0});
+    }
+  }
+  const SLIMSurface rounded = fit(cloud, false), sharp = fit(cloud, true);
+  MeshParams params;
+  params.sharp = &sharp;
+  MeshStatistics statistics;
+  const TriangleMesh mesh = meshOf(rounded, params, statistics);
+  EXPECT_EQ(statistics.census.euler, 2);
+  constexpr int kParts = 120;
+  std::vector<int> on_rim(kParts, 0);
+  for (const Vector3& p : mesh.vertices) {
+    if (std::abs(p[2] - 1) > 0.005 || std::abs(std::hypot(p[0], p[1]) - 1) > 0.005) continue;
+    ++on_rim[static_cast<std::size_t>((std::atan2(p[1], p[0]) / M_PI + 1) * 0.5 * (kParts - 1e-9))];
+  }
+  EXPECT_EQ(std::count(on_rim.begin(), on_rim.end(), 0), 0)
+      << "parts of three degrees without a vertex";
 }
 
 TEST(MeshSharpening, FewTrianglesKeepTheCorners)
