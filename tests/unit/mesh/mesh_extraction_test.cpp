@@ -203,7 +203,7 @@ TEST(MeshExtraction, HolesOfTheDataStayOpenUnlessTheyAreSmall)
   EXPECT_EQ(statistics.census.euler, 0) << "a ring";
   EXPECT_EQ(statistics.census.components, 1u);
   expectManifold(statistics.census);
-  const SLIMSurface small = surfaceOf(punched(2.5 * spacing));
+  const SLIMSurface small = surfaceOf(punched(3 * spacing));
   extract(small, {}, statistics);
   EXPECT_EQ(statistics.census.euler, 1) << "a disc";
   EXPECT_GE(statistics.closed_holes, 1u);

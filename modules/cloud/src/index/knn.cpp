@@ -133,14 +133,12 @@ NeighborSearch::boundRadiusSq(std::size_t i, std::size_t k, const std::array<dou
   return *kth;
 }
 
-void
-NeighborSearch::nearest(std::size_t i, std::size_t k, std::vector<std::uint32_t>& neighbors,
-                        std::vector<float>& distances_sq)
+/** Collects points among which the k nearest are, in stored order. \return k, or how many there are. */
+std::size_t
+NeighborSearch::collectNearest(std::size_t i, std::size_t k)
 {
   k = std::min(k, (store_.size() + stride_ - 1) / stride_);
-  neighbors.resize(k);
-  distances_sq.resize(k);
-  if (k == 0) return;
+  if (k == 0) return 0;
   const auto center = store_.position(i);
   const float bound_sq = boundRadiusSq(i, k, center);
   const float c[3] = {static_cast<float>(center[0]), static_cast<float>(center[1]),
@@ -150,6 +148,17 @@ NeighborSearch::nearest(std::size_t i, std::size_t k, std::vector<std::uint32_t>
   blocks_.clear();
   store_.tree().blocksInBall(c, radius, blocks_);
   collect(center, bound_sq);
+  return k;
+}
+
+void
+NeighborSearch::nearest(std::size_t i, std::size_t k, std::vector<std::uint32_t>& neighbors,
+                        std::vector<float>& distances_sq)
+{
+  k = collectNearest(i, k);
+  neighbors.resize(k);
+  distances_sq.resize(k);
+  if (k == 0) return;
   keys_.resize(points_.size());
   for (std::size_t j = 0; j < keys_.size(); ++j) keys_[j] = keyOf(distances_sq_[j], points_[j]);
   keepLeast(k, keys_, spare_);
@@ -157,6 +166,25 @@ NeighborSearch::nearest(std::size_t i, std::size_t k, std::vector<std::uint32_t>
     distances_sq[j] = distanceOf(keys_[j]);
     neighbors[j] = static_cast<std::uint32_t>(keys_[j]);
   }
+}
+
+float
+NeighborSearch::nearestSet(std::size_t i, std::size_t k, std::vector<std::uint32_t>& neighbors)
+{
+  k = collectNearest(i, k);
+  neighbors.clear();
+  if (k == 0) return 0;
+  ordered_ = distances_sq_;
+  const auto last = ordered_.begin() + static_cast<std::ptrdiff_t>(k - 1);
+  std::nth_element(ordered_.begin(), last, ordered_.end());
+  const float limit = *last;
+  // Of the points as far as the last one, those first in order.
+  auto ties = std::count(ordered_.begin(), last + 1, limit);
+  for (std::size_t j = 0; j < points_.size(); ++j) {
+    if (distances_sq_[j] < limit || (distances_sq_[j] == limit && ties-- > 0))
+      neighbors.push_back(points_[j]);
+  }
+  return limit;
 }
 
 }  // namespace pcl_slim

@@ -86,8 +86,9 @@ measurePaperNoise(const PointStore& store, const NoiseConstants& constants, int 
   if (store.size() < kCubicTerms + 2) return {};
   threads = resolveThreads(threads);
   const auto measure = [&](NeighborSearch& search, std::size_t sample, std::size_t) {
-    const Patch patch = patchAbout(store, search, sample, constants.paper_neighbors + 1);
-    if (patch.points.cols() < 4) return -1.0;
+    thread_local Patch patch;
+    patchAbout(store, search, sample, constants.paper_neighbors + 1, patch);
+    if (patch.points.size() < 4) return -1.0;
     return std::max(0.0, principalAxes(patch.points).eigenvalues()(0));
   };
   const auto values = sampleStore(store, constants.paper_samples, 1, threads, measure);

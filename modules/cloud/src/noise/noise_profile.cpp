@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "noise/patch_noise.h"
+#include "noise/patch_scale.h"
 #include "pcl_slim/cloud/detail/noise_measurement.h"
 #include "pcl_slim/cloud/noise_level.h"
 
@@ -11,39 +12,51 @@ namespace pcl_slim {
 namespace detail {
 
 std::vector<float>
-windowedMeans(const std::vector<double>& values, const NoiseConstants& constants)
+windowedMeans(const std::vector<double>& values, std::size_t reach, const NoiseConstants& constants)
 {
   std::vector<float> means(values.size(), 1.0f);
   std::vector<double> window;
-  const auto reach = static_cast<std::ptrdiff_t>(constants.window);
-  const auto count = static_cast<std::ptrdiff_t>(values.size());
-  for (std::ptrdiff_t s = 0; s < count; ++s) {
-    window.assign(values.begin() + std::max<std::ptrdiff_t>(0, s - reach),
-                  values.begin() + std::min(count, s + reach + 1));
-    means[static_cast<std::size_t>(s)] = static_cast<float>(trimmedMean(window, constants.trim));
+  // One outlier at either end must not count, however few values a window has.
+  const double trim = std::max(constants.trim, 1 / static_cast<double>(2 * reach + 1));
+  for (std::size_t s = 0; s < values.size(); ++s) {
+    const auto first = static_cast<std::ptrdiff_t>(s - std::min(s, reach));
+    const auto end = static_cast<std::ptrdiff_t>(std::min(values.size(), s + reach + 1));
+    window.assign(values.begin() + first, values.begin() + end);
+    means[s] = static_cast<float>(trimmedMean(window, trim));
   }
   return means;
 }
 
 namespace {
 
-std::size_t
-numRuns(const PointStore& store, const NoiseConstants& constants)
+/** The entries of a profile, and how many to either side each rests on. */
+struct Runs {
+  std::size_t count, reach;
+};
+
+/** Runs of points along the Morton curve. Patches that are much wider than a run say the same several
+ * times, so runs grow with them. */
+Runs
+runsFor(std::size_t k, const PointStore& store, const NoiseConstants& constants)
 {
-  return std::clamp(store.size() / constants.points_per_run,
-                    std::min(constants.least_samples, store.size()), constants.most_runs);
+  const std::size_t points = std::max(constants.points_per_run, k / constants.runs_per_patch);
+  const std::size_t reach = constants.window * constants.points_per_run / points;
+  return {std::clamp(store.size() / points, std::min(constants.least_samples, store.size()),
+                     constants.most_runs),
+          std::max(constants.least_window, reach)};
 }
 
-/** The variance of a patch of k points in every run. */
-std::vector<double>
-runVariances(const PointStore& store, std::size_t k, const NoiseConstants& constants, int threads)
+/** The mean variance of patches of k points about every run. */
+std::vector<float>
+runVariances(const PointStore& store, std::size_t k, const Runs& runs,
+             const NoiseConstants& constants, int threads, double* whole = nullptr)
 {
-  const auto measure = [&](NeighborSearch& search, std::size_t sample, std::size_t) {
-    double radius;
-    return patchVariance(store, search, sample, k, constants, radius);
-  };
-  return sampleStore(store, numRuns(store, constants), patchStride(k, constants),
-                     resolveThreads(threads), measure);
+  ThinnedPlaces places(store, runs.count);
+  std::vector<double> variances =
+      measureScale(places, k, constants, resolveThreads(threads)).variances;
+  std::vector<float> means = windowedMeans(variances, runs.reach, constants);
+  if (whole != nullptr) *whole = trimmedMean(variances, constants.trim);
+  return means;
 }
 
 }  // namespace
@@ -53,9 +66,10 @@ measureNoiseProfile(const PointStore& store, const NoiseLevel& level,
                     const NoiseConstants& constants, int threads)
 {
   if (level.neighbors == 0) return {};
-  auto values = runVariances(store, level.neighbors, constants, threads);
-  std::vector<float> profile = windowedMeans(values, constants);
-  const double whole = trimmedMean(values, constants.trim);
+  const Runs runs = runsFor(level.neighbors, store, constants);
+  double whole;
+  std::vector<float> profile =
+      runVariances(store, level.neighbors, runs, constants, threads, &whole);
   const float least = constants.least_ratio;
   for (float& ratio : profile) {
     ratio = whole > 0 ? std::clamp(static_cast<float>(ratio / whole), least, 1 / least) : 1.0f;
@@ -69,9 +83,9 @@ measureRaisedProfile(const PointStore& store, const NoiseLevel& level,
 {
   if (level.neighbors == 0 || !(level.variance > 0)) return {};
   const std::size_t k = level.neighbors;
-  std::vector<float> profile = windowedMeans(runVariances(store, k, constants, threads), constants);
-  const std::vector<float> wider =
-      windowedMeans(runVariances(store, 2 * k, constants, threads), constants);
+  const Runs runs = runsFor(k, store, constants);
+  std::vector<float> profile = runVariances(store, k, runs, constants, threads);
+  const std::vector<float> wider = runVariances(store, 2 * k, runs, constants, threads);
   for (std::size_t j = 0; j < profile.size(); ++j) {
     const bool noise = isFlat(profile[j], wider[j], constants);
     const auto ratio = static_cast<float>(wider[j] / level.variance);
@@ -88,7 +102,8 @@ modelledNoise(const PointStore& store, const RangeError& error, const NoiseConst
   const std::size_t k = smallestPatch(store, constants, threads);
   const std::size_t stride = patchStride(k, constants);
   const auto variance = [&](NeighborSearch& search, std::size_t sample, std::size_t) {
-    const Patch patch = patchAbout(store, search, sample, k / stride);
+    thread_local Patch patch;
+    patchAbout(store, search, sample, k / stride, patch);
     const Vector3 sensor = error.own_sensors ? store.sensor(sample) : error.sensor;
     const Vector3 ray = subtract(store.position(sample), sensor);
     const double z = length(ray), sigma = error.a + error.b * z + error.c * z * z;
@@ -96,7 +111,8 @@ modelledNoise(const PointStore& store, const RangeError& error, const NoiseConst
     const double along = dot(ray, {normal[0], normal[1], normal[2]}) / std::max(z, 1e-300);
     return sigma * sigma * along * along;
   };
-  return windowedMeans(sampleStore(store, numRuns(store, constants), stride, threads, variance),
+  const Runs runs = runsFor(k, store, constants);
+  return windowedMeans(sampleStore(store, runs.count, stride, threads, variance), runs.reach,
                        constants);
 }
 

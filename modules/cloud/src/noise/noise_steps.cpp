@@ -81,8 +81,9 @@ StepRatios
 ratiosAt(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
          const std::vector<double>& levels, int axis)
 {
-  const Patch patch = patchAbout(store, search, sample, k);
-  PatchCubic cubic;
+  thread_local Patch patch;
+  thread_local PatchCubic cubic;
+  patchAbout(store, search, sample, k, patch);
   if (!fitCubic(patch, cubic)) return {-1, 0};
   StepRatios ratios;
   ratios.step = stepAt(levels, store.position(sample)[static_cast<std::size_t>(axis)]);

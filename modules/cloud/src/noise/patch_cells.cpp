@@ -81,9 +81,9 @@ double
 sharedInPatch(const PatchCubic& cubic, double num_cells)
 {
   PatchCells cells(num_cells);
-  const Eigen::Index n = cubic.residuals.size();
-  for (Eigen::Index i = 0; i < n; ++i)
-    cells.add(cubic.places(2, i), cubic.places(1, i), cubic.residuals[i]);
+  const std::size_t n = cubic.places.size();
+  for (std::size_t i = 0; i < n; ++i)
+    cells.add(cubic.places[2][i], cubic.places[1][i], cubic.residuals[i]);
   if (cells.empty()) return -1;
   double partners;
   const double shared = cells.shared(partners);

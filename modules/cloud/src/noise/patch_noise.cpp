@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "noise/patch_noise.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 namespace pcl_slim::detail {
@@ -10,52 +11,62 @@ namespace {
 
 constexpr double kRidge = 1e-12;  ///< keeps patches that are a line solvable; moves no digit
 
+/** Place of u^(degree - v) v^v in graded order. */
+constexpr std::size_t
+gradedIndex(int degree, int v)
+{
+  return static_cast<std::size_t>(degree * (degree + 1) / 2 + v);
+}
+
 }  // namespace
 
 bool
 fitCubic(const Patch& patch, PatchCubic& cubic)
 {
-  const Eigen::Index n = patch.points.cols();
+  const std::size_t n = patch.points.size();
   if (n <= kCubicTerms + 1) return false;
   const Eigen::Matrix3d axes = principalAxes(patch.points).eigenvectors();
-  cubic.places = axes.transpose() * patch.points / patch.radius;
-  const Eigen::Matrix3Xd& local = cubic.places;
-  Eigen::Matrix<double, Eigen::Dynamic, kCubicTerms> terms(n, kCubicTerms);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const double u = local(2, i), v = local(1, i);
-    terms.row(i) << 1, u, v, u * u, u * v, v * v, u * u * u, u * u * v, u * v * v, v * v * v;
+  kernels::turnPatch(patch.points, axes / patch.radius, cubic.places);
+  const CubicSums sums = kernels::sumCubic(cubic.places);
+  Eigen::Matrix<double, kCubicTerms, kCubicTerms> normal;
+  Eigen::Matrix<double, kCubicTerms, 1> right;
+  for (int j = 0, degree = 0; degree <= 3; ++degree) {
+    for (int v = 0; v <= degree; ++v, ++j) {
+      right[j] = sums.heights[static_cast<std::size_t>(j)];
+      for (int k = 0, other = 0; other <= 3; ++other) {
+        for (int w = 0; w <= other; ++w, ++k)
+          normal(j, k) = sums.moments[gradedIndex(degree + other, v + w)];
+      }
+    }
   }
-  const Eigen::VectorXd heights = local.row(0).transpose();
-  Eigen::Matrix<double, kCubicTerms, kCubicTerms> normal = terms.transpose() * terms;
   normal.diagonal().array() *= 1.0 + kRidge;
-  const Eigen::Matrix<double, kCubicTerms, 1> c = normal.ldlt().solve(terms.transpose() * heights);
-  cubic.residuals = heights - terms * c;
-  const double rss = cubic.residuals.squaredNorm();
+  const Eigen::Matrix<double, kCubicTerms, 1> solution = normal.ldlt().solve(right);
+  double terms[kCubicTerms];
+  std::copy_n(solution.data(), kCubicTerms, terms);
+  cubic.residuals.resize(n + kPadding);
+  const double rss = kernels::cubicResiduals(cubic.places, terms, cubic.residuals.data());
   cubic.variance = rss / static_cast<double>(n - kCubicTerms) * patch.radius * patch.radius;
   return std::isfinite(cubic.variance);
 }
 
-Patch
-patchAbout(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k)
+void
+patchAbout(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
+           Patch& patch)
 {
   thread_local std::vector<std::uint32_t> neighbors;
-  thread_local std::vector<float> distances_sq;
-  search.nearest(sample, k, neighbors, distances_sq);
-  Patch patch;
-  patch.radius = std::sqrt(distances_sq.back());
-  patch.points.resize(3, static_cast<Eigen::Index>(neighbors.size()));
+  patch.radius = std::sqrt(search.nearestSet(sample, k, neighbors));
+  patch.points.resize(neighbors.size());
   const auto center = store.position(sample);
-  Eigen::Index count = 0;
+  std::size_t count = 0;
   for (const std::uint32_t j : neighbors) {
     if (store.hasSides()) {
       const auto a = store.normal(sample), b = store.normal(j);
       if (a[0] * b[0] + a[1] * b[1] + a[2] * b[2] <= 0.0f) continue;
     }
     const auto p = store.position(j);
-    patch.points.col(count++) << p[0] - center[0], p[1] - center[1], p[2] - center[2];
+    patch.points.set(count++, {p[0] - center[0], p[1] - center[1], p[2] - center[2]});
   }
-  patch.points.conservativeResize(3, count);
-  return patch;
+  patch.points.cut(count);
 }
 
 bool
@@ -63,10 +74,11 @@ fitPatch(const PointStore& store, NeighborSearch& search, std::size_t sample, st
          const NoiseConstants& constants, PatchCubic& cubic, double& radius)
 {
   k /= patchStride(k, constants);
-  Patch patch = patchAbout(store, search, sample, k);
+  thread_local Patch patch;
+  patchAbout(store, search, sample, k, patch);
   if (!store.hasNormals() && keepOwnSheet(constants.sheets, patch)) {
     // Half the neighbours lay on another sheet: twice as many give the patch its size back.
-    patch = patchAbout(store, search, sample, constants.sheets.factor * k);
+    patchAbout(store, search, sample, constants.sheets.factor * k, patch);
     keepOwnSheet(constants.sheets, patch);
   }
   radius = patch.radius;
@@ -77,7 +89,7 @@ double
 patchVariance(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
               const NoiseConstants& constants, double& radius)
 {
-  PatchCubic cubic;
+  thread_local PatchCubic cubic;
   return fitPatch(store, search, sample, k, constants, cubic, radius) ? cubic.variance : -1.0;
 }
 
@@ -88,7 +100,8 @@ smallestPatch(const PointStore& store, const NoiseConstants& constants, int thre
   for (std::size_t k = first; k <= first + store.size() / constants.most_part; k *= 2) {
     const std::size_t stride = patchStride(k, constants);
     const auto width = [&](NeighborSearch& search, std::size_t sample, std::size_t) {
-      const Patch patch = patchAbout(store, search, sample, k / stride);
+      thread_local Patch patch;
+      patchAbout(store, search, sample, k / stride, patch);
       const Eigen::Vector3d spreads = principalAxes(patch.points).eigenvalues();
       return spreads[2] > 0 ? std::sqrt(std::max(0.0, spreads[1] / spreads[2])) : 0.0;
     };

@@ -13,18 +13,17 @@
 
 namespace pcl_slim::detail {
 
-constexpr int kCubicTerms = 10;  ///< coefficients of a cubic in two variables
-
 /** \brief The k points of a search nearest to a sample; where the store has normals, those whose
  * normal is opposed to the sample's are left out. */
-Patch
-patchAbout(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k);
+void
+patchAbout(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
+           Patch& patch);
 
 /** \brief A cubic height field over a patch's two main axes, in units of the patch's radius. */
 struct PatchCubic {
-  Eigen::Matrix3Xd places;    ///< of the points: along the normal and the two axes, lesser first
-  Eigen::VectorXd residuals;  ///< of the heights
-  double variance = 0;        ///< of the residuals per degree of freedom, squared local lengths
+  PatchPoints places;  ///< of the points: along the normal and the two axes, lesser first
+  AlignedVector<double> residuals;  ///< of the heights
+  double variance = 0;  ///< of the residuals per degree of freedom, squared local lengths
 };
 
 /** \brief Fits a cubic to a patch by least squares. \return false where there are too few points. */
@@ -62,9 +61,11 @@ smallestPatch(const PointStore& store, const NoiseConstants& constants, int thre
 double
 trimmedMean(std::vector<double>& values, double trim);
 
-/** \brief Trimmed means over windows about each of the values, which lie along the Morton curve. */
+/** \brief Trimmed means over windows about each of the values, which lie along the Morton curve.
+ * \param[in] reach values to either side */
 std::vector<float>
-windowedMeans(const std::vector<double>& values, const NoiseConstants& constants);
+windowedMeans(const std::vector<double>& values, std::size_t reach,
+              const NoiseConstants& constants);
 
 /** \brief Whether a variance grows no more from k to 2 k neighbours than white noise's may. */
 inline bool

@@ -3,35 +3,23 @@
 #include "noise/patch_scale.h"
 
 #include <algorithm>
-#include <array>
 
 #include "noise/patch_cells.h"
 #include "noise/patch_noise.h"
-#include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim::detail {
 
 namespace {
 
-/** Every second point of a store, in its frame. */
+/** The points of a store with even numbers. */
 PointStore
-everySecond(const PointStore& store, int threads)
+everySecond(const PointStore& store)
 {
-  std::vector<Vector3> points;
-  std::vector<std::array<float, 3>> normals;
-  points.reserve(store.size() / 2 + 1);
-  for (std::size_t i = 0; i < store.size(); i += 2) {
-    points.push_back(along(store.origin(), store.scale(), store.position(i)));
-    if (store.hasSides()) normals.push_back(store.normal(i));
-  }
-  CloudView view;
-  view.xyz = points.data();
-  view.xyz_stride = sizeof(points[0]);
-  view.scalar = CloudView::Scalar::kDouble;
-  view.normal = normals.empty() ? nullptr : normals.data();
-  view.normal_stride = sizeof(std::array<float, 3>);
-  view.size = points.size();
-  return *PointStore::build(view, threads, &store);
+  std::vector<std::uint32_t> dropped;
+  dropped.reserve(store.size() / 2);
+  for (std::size_t i = 1; i < store.size(); i += 2)
+    dropped.push_back(static_cast<std::uint32_t>(i));
+  return store.without(dropped);
 }
 
 }  // namespace
@@ -52,12 +40,11 @@ ThinnedPlaces::ThinnedPlaces(const PointStore& store, std::size_t count) : whole
 }
 
 void
-ThinnedPlaces::thinTo(std::size_t stride, int threads)
+ThinnedPlaces::thinTo(std::size_t stride)
 {
   for (; stride_ < stride; stride_ *= 2) {
-    thinned_ = everySecond(store(), threads);
-    const std::vector<std::uint32_t> stored = thinned_->storeOfInput();
-    for (std::size_t& place : places_) place = stored[place / 2];
+    thinned_ = everySecond(store());
+    for (std::size_t& place : places_) place = std::min(place / 2, thinned_->size() - 1);
   }
 }
 
@@ -67,7 +54,7 @@ measureScale(ThinnedPlaces& points, std::size_t k, const NoiseConstants& constan
   PatchScale scale;
   scale.k = k;
   scale.stride = patchStride(k, constants);
-  points.thinTo(scale.stride, threads);
+  points.thinTo(scale.stride);
   const std::size_t places = points.places().size();
   scale.variances.resize(places);
   scale.shared.resize(places);
@@ -75,7 +62,7 @@ measureScale(ThinnedPlaces& points, std::size_t k, const NoiseConstants& constan
   std::vector<NeighborSearch> searches(static_cast<std::size_t>(threads),
                                        NeighborSearch(points.store()));
   parallelFor(places, threads, 4, [&](std::size_t s, int thread) {
-    PatchCubic cubic;
+    thread_local PatchCubic cubic;
     const bool fits =
         fitPatch(points.store(), searches[static_cast<std::size_t>(thread)], points.places()[s],
                  k / scale.stride, constants, cubic, scale.radii[s]);

@@ -16,8 +16,8 @@ bool
 isUneven(const PatchScale& scale, const PatchScale& wider, double variance,
          const NoiseConstants& constants)
 {
-  const auto narrow = windowedMeans(scale.variances, constants);
-  const auto wide = windowedMeans(wider.variances, constants);
+  const auto narrow = windowedMeans(scale.variances, constants.window, constants);
+  const auto wide = windowedMeans(wider.variances, constants.window, constants);
   std::size_t noisy = 0;
   for (std::size_t s = 0; s < wide.size(); ++s)
     noisy += wide[s] > constants.uneven * variance && isFlat(narrow[s], wide[s], constants);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Dense>
 #include <cstddef>
 #include <vector>
 
+#include "noise/patch.h"
 #include "pcl_slim/cloud/knn.h"
 #include "pcl_slim/cloud/point_store.h"
 
@@ -40,13 +40,13 @@ class Neighborhood {
   bool standsOffPlane(double heights, double share) const;
 
  private:
-  Eigen::Matrix3Xd densePatch(double distance) const;
+  PatchPoints densePatch(double distance) const;
 
   const PointStore& store_;
   NeighborSearch search_;
   std::vector<std::uint32_t> found_;
   std::vector<float> distances_sq_;
-  Eigen::Matrix3Xd others_;  ///< relative to the point; the first num_others_ columns
+  PatchPoints others_;  ///< relative to the point
   std::vector<double> distances_;
 };
 

@@ -91,12 +91,13 @@ class PlaceLook {
     PlaceFigures figures;
     double last = 0;
     for (std::size_t k = constants_.patch; k <= most; k *= constants_.wider) {
-      Patch patch = patchAbout(store_, search_, place, k);
+      patchAbout(store_, search_, place, k, patch_);
+      const Patch& patch = patch_;
       if (!(patch.radius > 0)) return figures;
       if (k == constants_.patch)
         figures.spacing = patch.radius * std::sqrt(M_PI / static_cast<double>(k));
       if (showsTwoSides(patch, figures)) return figures;
-      PatchCubic cubic;
+      thread_local PatchCubic cubic;
       figures.thin =
           !fitCubic(patch, cubic) || std::sqrt(cubic.variance) > constants_.filled * patch.radius;
       if (figures.thin) {
@@ -107,7 +108,9 @@ class PlaceLook {
       }
       figures.variance = cubic.variance;
       k *= constants_.wider;
-      if (k <= most) lookBeyond(patchAbout(store_, search_, place, k), figures);
+      if (k > most) break;
+      patchAbout(store_, search_, place, k, patch_);
+      lookBeyond(patch_, figures);
       break;
     }
     return figures;
@@ -120,8 +123,10 @@ class PlaceLook {
     const auto axes = principalAxes(patch.points);
     figures.thin = formsRod(axes.eigenvalues(), constants_);
     if (figures.thin) return true;
-    const Eigen::Matrix3Xd local =
-        axes.eigenvectors().transpose() * (patch.points.colwise() - patch.points.rowwise().mean());
+    Eigen::Matrix3Xd local(3, static_cast<Eigen::Index>(patch.points.size()));
+    for (std::size_t i = 0; i < patch.points.size(); ++i)
+      local.col(static_cast<Eigen::Index>(i)) = patch.points.at(i);
+    local = axes.eigenvectors().transpose() * (local.colwise() - local.rowwise().mean()).eval();
     const SheetGap sheets = gapOf(local, constants_);
     if (!(sheets.gap > 0)) return false;
     const double clean_sq = constants_.clean * constants_.clean * sheets.within_sq;
@@ -140,6 +145,7 @@ class PlaceLook {
   const PointStore& store_;
   const SideConstants& constants_;
   NeighborSearch& search_;
+  Patch patch_;
 };
 
 ThinPlaces

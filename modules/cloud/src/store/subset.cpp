@@ -105,7 +105,8 @@ PointStore::copyColumns(const PointStore& from, const std::vector<std::uint32_t>
   fill(1, y_, block_origin_y_, boxes.min_y, boxes.max_y);
   fill(2, z_, block_origin_z_, boxes.min_z, boxes.max_z);
   tree_ = BlockTree(std::move(boxes));
-  if (!from.hasNormals()) return;
+  if (!from.hasSides()) return;
+  found_sides_ = from.found_sides_;
   const AlignedVector<float>* const given[3] = {&from.nx_, &from.ny_, &from.nz_};
   AlignedVector<float>* const copied[3] = {&nx_, &ny_, &nz_};
   for (std::size_t a = 0; a < 3; ++a) {

@@ -10,10 +10,13 @@ namespace pcl_slim::detail {
 
 namespace {
 
-std::size_t
-colorOf(const CoverCells::Cell& cell)
+/** A code one step before or after along an axis, whose bits the mask has. */
+std::uint64_t
+stepAlong(std::uint64_t code, std::uint64_t mask, int step)
 {
-  return cell.code & 7;
+  const std::uint64_t own = code & mask, one = mask & (0 - mask);
+  const std::uint64_t moved = step < 0 ? own - one : step > 0 ? (own | ~mask) + one : own;
+  return moved & mask;
 }
 
 /** The end of a run that starts at i: ever longer steps until it is left, then halving the last. */
@@ -48,6 +51,19 @@ CoverCells::divide(const PointStore& store, const AlignedVector<std::uint32_t>& 
     i = end;
   }
   orderByColor();
+}
+
+std::uint32_t
+CoverCells::beside(std::uint32_t i, int x, int y, int z) const
+{
+  constexpr std::uint64_t kZ = 0x1249249249249249ULL, kY = kZ << 1, kX = kZ << 2;
+  const std::uint64_t own = cells_[i].code;
+  const std::uint64_t code = stepAlong(own, kX, x) | stepAlong(own, kY, y) | stepAlong(own, kZ, z);
+  const auto at =
+      std::lower_bound(cells_.begin(), cells_.end(), code,
+                       [](const Cell& cell, std::uint64_t value) { return cell.code < value; });
+  const bool found = at != cells_.end() && at->code == code;
+  return static_cast<std::uint32_t>((found ? at : cells_.end()) - cells_.begin());
 }
 
 void

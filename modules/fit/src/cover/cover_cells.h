@@ -31,9 +31,25 @@ class CoverCells {
   /** \brief Where a colour begins there, 0 to 7, and where the last ends, 8. */
   std::size_t colorBegin(int color) const { return color_begin_[static_cast<std::size_t>(color)]; }
 
+  static std::size_t colorOf(const Cell& cell) { return cell.code & 7; }
+  std::size_t colorOf(std::uint32_t i) const { return colorOf(cells_[i]); }
+
+  /** \brief Calls body(j) for the cells that touch cell i; at the border of the space for some that
+   * do not. */
+  template <typename Body>
+  void forTouching(std::uint32_t i, const Body& body) const
+  {
+    for (int step = 0; step < 27; ++step) {
+      const std::uint32_t other = beside(i, step % 3 - 1, step / 3 % 3 - 1, step / 9 - 1);
+      if (other != size() && other != i) body(other);
+    }
+  }
+
   std::size_t memoryBytes() const { return cells_.capacity() * sizeof(Cell); }
 
  private:
+  /** The cell so many steps along each axis from cell i; size() if there is none. */
+  std::uint32_t beside(std::uint32_t i, int x, int y, int z) const;
   void orderByColor();
 
   std::vector<Cell> cells_;

@@ -16,7 +16,7 @@ constexpr std::uint8_t kFirstLevelMark = 4;  ///< mark: inside an internal ball 
 constexpr std::uint8_t kLastLevelMark = 128;
 // How work is shared out; no result depends on it.
 constexpr std::size_t kSlice = 1 << 14;  ///< points a thread takes at a time
-constexpr std::size_t kFewCells = 128;   ///< so few cells leave threads idle if taken by colour
+constexpr std::size_t kFewCells = 1024;  ///< so few cells leave threads idle if taken by colour
 constexpr double kReachMargin = 1.001;  ///< a box of blocks may be wider than it need, for rounding
 constexpr char kCancelledMessage[] = "the fit was cancelled";
 
@@ -103,7 +103,7 @@ LevelCover::coverLevel(int level)
   const std::size_t first = outputs_.size();
   outputs_.resize(first + cells_.size());
   if (threads_ > 1 && cells_.size() <= kFewCells) {
-    coverSpeculatively(level, first);
+    shareCells(level, first);
   } else {
     for (int color = 0; color < 8; ++color) {
       const std::size_t begin = cells_.colorBegin(color), end = cells_.colorBegin(color + 1);
@@ -139,8 +139,9 @@ LevelCover::coverCell(const CoverCells::Cell& cell, int level, int thread, Outpu
     if (!prepared) collectNearby(cell, level, fitter.nearby());
     prepared = true;
     const BallOutcome outcome = fitter.fit(point, level, surfel);
-    keep(point, outcome, surfel, fitter.nearby(), made);
+    keep(point, outcome, surfel, fitter.nearby(), worker(thread).arena, made);
   }
+  made.end = static_cast<std::uint32_t>(worker(thread).arena.size());
   output = made;
 }
 
@@ -156,10 +157,10 @@ LevelCover::giveUp(std::uint32_t point, NearbyBlocks& nearby)
   return count;
 }
 
-/** Serves what a fitted ball serves; its surfel, if it has one, ends its cell's output. */
+/** Serves what a fitted ball serves, and takes its surfel, if it has one. */
 void
 LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& surfel,
-                 NearbyBlocks& nearby, Output& output)
+                 NearbyBlocks& nearby, std::vector<SurfelRecord>& surfels, Output& output)
 {
   output.lasts |= outcome != BallOutcome::kInternal && outcome != BallOutcome::kLine;
   switch (outcome) {
@@ -189,8 +190,7 @@ LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& s
       return;
     case BallOutcome::kLoneNormal: marks_[point] = kServedForGood | kLoneNormalMark; return;
   }
-  worker(output.thread).arena.push_back(surfel);
-  ++output.end;
+  surfels.push_back(surfel);
 }
 
 /** Collects the blocks that any ball of the cell's centres can reach. */

@@ -33,8 +33,8 @@ struct PointRange {
  *
  * Within a level the centres of one Morton cell are tried one after another, cells of one of
  * eight colours at the same time: cells are at least twice as wide as a ball reaches, so no two
- * threads touch the same point and the result does not depend on their number. Where cells are too
- * few for that, threads fit balls speculatively, before their turn.
+ * threads touch the same point and the result does not depend on their number. Where cells are few,
+ * each waits for the cells alone that it touches, and threads share cells (level_cover_shared.cpp).
  */
 class LevelCover {
  public:
@@ -75,16 +75,16 @@ class LevelCover {
     BallFitter fitter;
     std::vector<SurfelRecord> arena;
   };
-  class Speculation;
+  class Sharing;
 
   void coverLevel(int level);
-  void coverSpeculatively(int level, std::size_t first_output);
+  void shareCells(int level, std::size_t first_output);
   CellVisits visitsOf(const CoverCells::Cell& cell) const;
   void coverCell(const CoverCells::Cell& cell, int level, int thread, Output& output);
   Worker& worker(int thread) const { return *workers_[static_cast<std::size_t>(thread)]; }
   std::uint32_t giveUp(std::uint32_t point, NearbyBlocks& nearby);
   void keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& surfel,
-            NearbyBlocks& nearby, Output& output);
+            NearbyBlocks& nearby, std::vector<SurfelRecord>& surfels, Output& output);
   void collectNearby(const CoverCells::Cell& cell, int level, NearbyBlocks& nearby) const;
   void countBytes();
   template <typename Body>

@@ -29,7 +29,13 @@ class alignas(64) NeighborSearch {
   PCL_SLIM_EXPORT void nearest(std::size_t i, std::size_t k, std::vector<std::uint32_t>& neighbors,
                                std::vector<float>& distances_sq);
 
+  /** \brief The same points in stored order, for whom the nearest first is no use: cheaper.
+   * \return the squared distance of the farthest. */
+  PCL_SLIM_EXPORT float nearestSet(std::size_t i, std::size_t k,
+                                   std::vector<std::uint32_t>& neighbors);
+
  private:
+  std::size_t collectNearest(std::size_t i, std::size_t k);
   float boundRadiusSq(std::size_t i, std::size_t k, const std::array<double, 3>& center);
   std::size_t dropUnsampled(std::size_t count);
   void collect(const std::array<double, 3>& center, float limit_sq);
@@ -40,6 +46,7 @@ class alignas(64) NeighborSearch {
   AlignedVector<float> distances_sq_;  ///< of what was collected from them ...
   AlignedVector<std::uint32_t> points_;
   AlignedVector<std::uint64_t> keys_, spare_;  ///< ... and both in one: distances high, points low
+  AlignedVector<float> ordered_;               ///< the distances, partly in order
 };
 
 }  // namespace pcl_slim

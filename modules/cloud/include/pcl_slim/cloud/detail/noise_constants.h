@@ -87,10 +87,12 @@ struct NoiseConstants {
   std::size_t paper_neighbors = 10;  ///< neighbours of each, the sample left out
   double paper_floor = 1e-6;         ///< least sqrt(lambda) of the paper's estimate [L]
 
-  std::size_t points_per_run = 128;  ///< points that one entry of a noise profile stands for
+  std::size_t points_per_run = 128;  ///< points that one entry of a noise profile stands for ...
+  std::size_t runs_per_patch = 16;    ///< ... at least so many of them to a patch
   std::size_t most_runs = 8192;      ///< entries of a noise profile
-  std::size_t window = 8;            ///< runs to either side that an entry rests on
-  float least_ratio = 0.001f;        ///< least noise ratio of an entry; its inverse is the largest
+  std::size_t window = 8;        ///< runs of that many points to either side that an entry rests on
+  std::size_t least_window = 2;  ///< longer runs to either side, at least
+  float least_ratio = 0.001f;    ///< least noise ratio of an entry; its inverse is the largest
   double white =
       0.25;  ///< growth of the variance from k to 2 k neighbours up to which noise is white
   double uneven = 2;          ///< variance over the cloud's from which noise passes for detail

@@ -8,10 +8,9 @@
 #define PCL_SLIM_KERNEL_MATH_INL
 #endif
 
-#include <utility>
-
 #include "hwy/contrib/math/math-inl.h"
 #include "hwy/highway.h"
+#include "pcl_slim/core/detail/graded_terms-inl.h"
 #include "pcl_slim/core/detail/lane_packing-inl.h"
 #include "pcl_slim/surface/polynomial.h"
 #include "pcl_slim/surface/weight_kernel.h"
@@ -23,21 +22,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::CappedTag<float, 16>;
 using Vec = hn::Vec<Tag>;
 using Mask = hn::Mask<Tag>;
-
-template <typename Body, int... I>
-HWY_INLINE void
-unrolledOver(const Body& body, std::integer_sequence<int, I...>)
-{
-  (body(std::integral_constant<int, I>()), ...);
-}
-
-/** Calls body(constant 0) ... body(constant N - 1), unrolled at compile time. */
-template <int N, typename Body>
-HWY_INLINE void
-unrolled(const Body& body)
-{
-  unrolledOver(body, std::make_integer_sequence<int, N>());
-}
 
 /** Calls body(constant D) for the degree D of a polynomial, 1 to 4. */
 template <typename Body>

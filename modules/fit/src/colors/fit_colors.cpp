@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/fit/fit_colors.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <algorithm>
+#include <limits>
+
+#include "colors/color_kernel.h"
+#include "pcl_slim/core/parallel.h"
+#include "pcl_slim/surface/surfel_color.h"
+
+namespace pcl_slim {
+
+namespace {
+
+using detail::ColorColumns;
+using detail::ColorSums;
+
+constexpr std::size_t kMostPoints = 4096;  ///< of a ball: more would not change six coefficients
+constexpr float kLeastGate =
+    0.1f;  ///< of the radius: points farther from the surfel's polynomial ...
+constexpr float kGateErrors = 5.0f;      ///< ... and than this many residuals are of other sheets
+constexpr std::uint8_t kGrey = 128;      ///< of surfels without any point
+constexpr std::size_t kSlice = 1 << 14;  ///< points that a thread takes at a time
+
+/** Colours in the order of the store. */
+ColorColumns
+inStoreOrder(const PointStore& store, const CloudView& cloud, const ColorView& colors, int threads)
+{
+  ColorColumns columns;
+  for (auto& column : columns) column.resize(store.numBlocks() * PointStore::kBlock);
+  parallelFor((store.size() + kSlice - 1) / kSlice, threads, 1, [&](std::size_t s, int) {
+    const std::size_t end = std::min(store.size(), (s + 1) * kSlice);
+    for (std::size_t i = s * kSlice; i < end; ++i) {
+      const std::size_t input = cloud.inputIndex(store.orderOfStore()[i]);
+      const auto* bgr = static_cast<const std::uint8_t*>(colors.bgr) + input * colors.stride;
+      for (std::size_t c = 0; c < 3; ++c) columns[c][i] = bgr[2 - c];
+    }
+  });
+  for (auto& column : columns) std::fill(column.begin() + store.size(), column.end(), kGrey);
+  return columns;
+}
+
+/** Powers of u and v of the polynomial's terms. */
+constexpr std::array<std::array<int, 2>, kColorTerms> kPowers = {
+    {{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}}};
+
+/** The polynomials; one more point's weight says that the colour is the same everywhere, so that few
+ * points, or points on one side, give no steep slopes. */
+ColorPolynomial
+solve(const ColorSums& sums)
+{
+  Eigen::Matrix<double, kColorTerms, kColorTerms> matrix;
+  Eigen::Matrix<double, kColorTerms, 3> right;
+  for (int k = 0; k < kColorTerms; ++k) {
+    for (int l = 0; l < kColorTerms; ++l) {
+      const auto &a = kPowers[static_cast<std::size_t>(k)],
+                 &b = kPowers[static_cast<std::size_t>(l)];
+      const int i = a[0] + b[0], j = a[1] + b[1];
+      matrix(k, l) = sums.moments[static_cast<std::size_t>((i + j) * (i + j + 1) / 2 + j)];
+    }
+    for (int c = 0; c < 3; ++c)
+      right(k, c) = sums.channels[static_cast<std::size_t>(c)][static_cast<std::size_t>(k)];
+    if (k > 0) matrix(k, k) += sums.weight_sq / sums.moments[0];
+  }
+  const Eigen::Matrix<double, kColorTerms, 3> solution = matrix.ldlt().solve(right);
+  ColorPolynomial color;
+  for (int k = 0; k < kColorTerms; ++k) {
+    for (int c = 0; c < 3; ++c)
+      color[static_cast<std::size_t>(k)][static_cast<std::size_t>(c)] =
+          static_cast<float>(solution(k, c));
+  }
+  return color;
+}
+
+/** Fits the colours of one surface's surfels, one after another. One per thread: it keeps its memory. */
+class ColorFitter {
+ public:
+  ColorFitter(const PointStore& store, const ColorColumns& colors, const SLIMSurface& surface)
+      : store_(store), colors_(colors), surface_(surface)
+  {
+  }
+
+  void fit(std::size_t i, std::uint8_t* bytes)
+  {
+    const float center[3] = {surface_.cx[i], surface_.cy[i], surface_.cz[i]};
+    found_.clear();
+    store_.tree().blocksInBall(center, surface_.radius[i], found_);
+    const std::size_t step = 1 + found_.size() * PointStore::kBlock / kMostPoints;
+    blocks_.clear();
+    for (std::size_t b = 0; b < found_.size(); b += step) blocks_.push_back(found_[b]);
+    ColorSums sums = sumsOf(i, true);
+    if (!(sums.moments[0] > 0)) sums = sumsOf(i, false);
+    if (sums.moments[0] > 0) return encodeColor(solve(sums), bytes);
+    std::fill_n(bytes, kColorBytes, std::uint8_t{0});
+    std::fill_n(bytes, 3, kGrey);
+  }
+
+ private:
+  /** \param[in] own_sheet only points of the surfel's own sheet */
+  ColorSums sumsOf(std::size_t i, bool own_sheet) const
+  {
+    const SLIMSurface& s = surface_;
+    const float normal[3] = {s.nx[i], s.ny[i], s.nz[i]};
+    detail::ColorBall surfel;
+    surfel.ball = {{s.cx[i], s.cy[i], s.cz[i]}, s.radius[i]};
+    if (own_sheet && store_.hasSides()) surfel.ball.bound_normal = normal;
+    surfel.frame = LocalFrame({s.nx[i], s.ny[i], s.nz[i]});
+    surfel.degree = s.degree[i];
+    surfel.c = s.coefficientsOf(i);
+    surfel.max_residual = own_sheet ? std::max(kLeastGate, kGateErrors * s.error[i] / s.radius[i])
+                                    : std::numeric_limits<float>::infinity();
+    return detail::kernels::sumColors(store_, blocks_, surfel, s.info.blend_kernel, colors_);
+  }
+
+  const PointStore& store_;
+  const ColorColumns& colors_;
+  const SLIMSurface& surface_;
+  std::vector<std::uint32_t> found_;  ///< blocks that meet the ball ...
+  BlockList blocks_;                  ///< ... and those of them that are looked at
+};
+
+}  // namespace
+
+Error
+fitColors(const PointStore& store, const CloudView& cloud, const ColorView& colors, int threads,
+          SLIMSurface& surface)
+{
+  surface.colors.clear();
+  if (colors.bgr == nullptr || surface.empty()) return {};
+  if (store.origin() != surface.info.origin || store.scale() != surface.info.scale)
+    return badInput("the surface was not fitted to these points: fit it before its colours");
+  threads = resolveThreads(threads);
+  const ColorColumns columns = inStoreOrder(store, cloud, colors, threads);
+  std::vector<ColorFitter> fitters(static_cast<std::size_t>(threads),
+                                   ColorFitter(store, columns, surface));
+  std::vector<std::uint8_t> bytes(surface.size() * kColorBytes);
+  parallelFor(surface.size(), threads, 16, [&](std::size_t i, int thread) {
+    fitters[static_cast<std::size_t>(thread)].fit(i, bytes.data() + i * kColorBytes);
+  });
+  surface.colors = std::move(bytes);
+  return {};
+}
+
+}  // namespace pcl_slim
