@@ -326,8 +326,11 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
     console.failed();
     return error;
   }
-  if (!error && job.color)
+  if (!error && job.color) {
+    const Stopwatch colors;
     error = fitColors(*store, cloud.view(), colorsOf(cloud), job.params.threads, surface);
+    report.time("colors", colors.seconds());
+  }
   report.time("fit", watch.seconds());
   reportFit(fittedPoints(*store), surface, statistics, report);
   console.done(watch.seconds(), std::to_string(statistics.leaves) + " leaves, " +

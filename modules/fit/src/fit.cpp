@@ -143,7 +143,7 @@ fitStore(const FitConstants& constants, SidedStore& sided, const FitParams& aske
   if (stats.outliers == 0) {
     error = fitStages(constants, params, sided, surface, stats, progress);
   } else {
-    PointStore rest = all.without(stats.outlier_points);
+    PointStore rest = all.without(stats.outlier_points, stats.threads);
     SidedStore sided_rest(rest);
     error = fitStages(constants, params, sided_rest, surface, stats, progress);
     if (stats.sided > 0 && sided.isKept())

@@ -50,6 +50,10 @@ expectBruteForce(const PointStore& store, std::size_t k, std::size_t step, std::
       ASSERT_TRUE(!tie || neighbors[j - 1] < neighbors[j]);
     }
     ASSERT_EQ(std::set<std::uint32_t>(neighbors.begin(), neighbors.end()).size(), expected);
+    std::vector<std::uint32_t> set, sorted = neighbors;
+    ASSERT_EQ(search.nearestSet(i, k, set), distances_sq.back());
+    std::sort(sorted.begin(), sorted.end());
+    ASSERT_EQ(set, sorted);
     if (i % stride == 0) {
       ASSERT_EQ(neighbors.front(), i);
     }

@@ -157,7 +157,7 @@ TEST(PointStoreWithout, KeepsTheOthersAndTheirOrder)
   const PointStore all = storeOf(cloud);
   std::vector<std::uint32_t> dropped;
   for (std::uint32_t i = 3; i < all.size(); i += 7) dropped.push_back(i);
-  const PointStore rest = all.without(dropped);
+  const PointStore rest = all.without(dropped, 3);
   ASSERT_EQ(rest.size(), all.size() - dropped.size());
   EXPECT_EQ(rest.scale(), all.scale());
   EXPECT_EQ(rest.numBlocks(), (rest.size() + PointStore::kBlock - 1) / PointStore::kBlock);

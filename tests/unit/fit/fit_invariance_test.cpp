@@ -66,6 +66,21 @@ TEST(FitInvariance, SeveralCallersGetTheSameBytes)
   for (const bool result : same) EXPECT_TRUE(result);
 }
 
+/** Levels of one cell, of tens and of hundreds are shared in different ways. */
+TEST(FitInvariance, AnyNumberOfThreadsGivesTheSame)
+{
+  for (const double noise : {0.0, 0.002, 0.01}) {
+    const Cloud cloud = sceneCloud(Shape::kTorus, 20000, noise);
+    FitParams params;
+    params.threads = 1;
+    const auto expected = encodeSlim(fitted(cloud, params).surface);
+    for (const int threads : {2, 3, 8}) {
+      params.threads = threads;
+      EXPECT_EQ(encodeSlim(fitted(cloud, params).surface), expected) << noise << " " << threads;
+    }
+  }
+}
+
 TEST(FitInvariance, APowerOfTwoScalesTheUnitsOnly)
 {
   Cloud cloud = sceneCloud(Shape::kTorus, 6000, 0.0005);

@@ -13,13 +13,13 @@ namespace {
 
 /** The points of a store with even numbers. */
 PointStore
-everySecond(const PointStore& store)
+everySecond(const PointStore& store, int threads)
 {
   std::vector<std::uint32_t> dropped;
   dropped.reserve(store.size() / 2);
   for (std::size_t i = 1; i < store.size(); i += 2)
     dropped.push_back(static_cast<std::uint32_t>(i));
-  return store.without(dropped);
+  return store.without(dropped, threads);
 }
 
 }  // namespace
@@ -40,10 +40,10 @@ ThinnedPlaces::ThinnedPlaces(const PointStore& store, std::size_t count) : whole
 }
 
 void
-ThinnedPlaces::thinTo(std::size_t stride)
+ThinnedPlaces::thinTo(std::size_t stride, int threads)
 {
   for (; stride_ < stride; stride_ *= 2) {
-    thinned_ = everySecond(store());
+    thinned_ = everySecond(store(), threads);
     for (std::size_t& place : places_) place = std::min(place / 2, thinned_->size() - 1);
   }
 }
@@ -54,7 +54,7 @@ measureScale(ThinnedPlaces& points, std::size_t k, const NoiseConstants& constan
   PatchScale scale;
   scale.k = k;
   scale.stride = patchStride(k, constants);
-  points.thinTo(scale.stride);
+  points.thinTo(scale.stride, threads);
   const std::size_t places = points.places().size();
   scale.variances.resize(places);
   scale.shared.resize(places);

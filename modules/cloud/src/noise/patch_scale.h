@@ -29,7 +29,7 @@ class ThinnedPlaces {
   ThinnedPlaces(const PointStore& store, std::size_t count);
 
   /** \brief Thins to one of so many of the points, a power of two and no less than before. O(n). */
-  void thinTo(std::size_t stride);
+  void thinTo(std::size_t stride, int threads);
 
   const PointStore& store() const { return thinned_ ? *thinned_ : whole_; }
   const std::vector<std::size_t>& places() const { return places_; }

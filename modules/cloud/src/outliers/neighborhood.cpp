@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "pcl_slim/cloud/detail/block_kernels.h"
+
 namespace pcl_slim::detail {
 
 namespace {
@@ -38,6 +40,24 @@ Neighborhood::find(std::size_t point, std::size_t count, const unsigned char* le
   }
   others_.cut(distances_.size());
   return distances_.size();
+}
+
+bool
+Neighborhood::hasOthersWithin(double distance, std::size_t point, std::size_t count)
+{
+  constexpr double kRounding = 1e-5;
+  const auto center = store_.position(point);
+  const float c[3] = {static_cast<float>(center[0]), static_cast<float>(center[1]),
+                      static_cast<float>(center[2])};
+  const double sure = distance * (1 - kRounding);
+  blocks_.clear();
+  store_.tree().blocksInBall(c, static_cast<float>(distance), blocks_);
+  const std::size_t most = (blocks_.size() + 1) * PointStore::kBlock;
+  within_sq_.resize(most);
+  within_.resize(most);
+  return kernels::pointsUpTo(store_, blocks_.data(), blocks_.size(), center.data(),
+                             static_cast<float>(sure * sure), within_sq_.data(),
+                             within_.data()) > count;
 }
 
 double

@@ -21,6 +21,10 @@ class Neighborhood {
   std::size_t find(std::size_t point, std::size_t count, const unsigned char* left_out,
                    std::size_t among);
 
+  /** \brief Whether a stored point surely has so many others within a distance: much cheaper than to
+   * find them. false where rounding leaves a doubt. */
+  bool hasOthersWithin(double distance, std::size_t point, std::size_t count);
+
   /** \brief Distance of the n-th other, n from 1 on; infinite where there are fewer. */
   double distance(std::size_t n) const;
 
@@ -45,6 +49,9 @@ class Neighborhood {
   const PointStore& store_;
   NeighborSearch search_;
   std::vector<std::uint32_t> found_;
+  std::vector<std::uint32_t> blocks_;  ///< those of hasOthersWithin(), and what it finds in them
+  AlignedVector<float> within_sq_;
+  AlignedVector<std::uint32_t> within_;
   std::vector<float> distances_sq_;
   PatchPoints others_;  ///< relative to the point
   std::vector<double> distances_;

@@ -90,6 +90,7 @@ markScattered(const PointStore& store, double spacing, int threads, Marks& marks
   const double far = kFar * spacing;
   return markSparse(
       store, far, threads, marks, [far](std::size_t i, const Marks&, Neighborhood& around) {
+        if (around.hasOthersWithin(far, i, kNear)) return false;
         around.find(i, kAround, nullptr, kAround);
         return around.distance(kNear) >= far &&
                (around.fillsVolume(kVolume) || around.standsApart(kCloseness, kApart, kOff));
@@ -103,6 +104,7 @@ markCompany(const PointStore& store, double spacing, int threads, Marks& marks)
   const double far = kFar * spacing;
   return markSparse(store, far, threads, marks,
                     [far](std::size_t i, const Marks& known, Neighborhood& around) {
+                      if (around.hasOthersWithin(far, i, kNear)) return false;
                       around.find(i, kAround, nullptr, kAround);
                       if (around.distance(kNear) < far) return false;
                       return around.find(i, kAround, known.data(), kAround) <= kAround / 2;

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Patches of the noise estimate beside Eigen's own algebra.
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <random>
+
+#include "noise/patch_noise.h"
+
+namespace pcl_slim {
+
+using namespace detail;
+
+namespace {
+
+/** A bent and noisy sheet about the origin, turned. */
+Patch
+bentPatch(std::size_t count, double noise)
+{
+  std::mt19937_64 random(count);
+  std::uniform_real_distribution<double> u(-1, 1);
+  std::normal_distribution<double> gauss(0, noise);
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  Patch patch;
+  patch.points.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double x = u(random), y = u(random);
+    const double z = 0.2 * x * x - 0.1 * x * y + 0.15 * y * y * y + gauss(random);
+    const Eigen::Vector3d p = turn * Eigen::Vector3d(x, y, z);
+    patch.points.set(i, p);
+    patch.radius = std::max(patch.radius, p.norm());
+  }
+  return patch;
+}
+
+TEST(Patch, AxesAreThoseOfTheCovariance)
+{
+  for (const std::size_t count : {4u, 7u, 8u, 33u, 320u}) {
+    const Patch patch = bentPatch(count, 0.01);
+    Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(count));
+    for (std::size_t i = 0; i < count; ++i)
+      points.col(static_cast<Eigen::Index>(i)) = patch.points.at(i);
+    points.colwise() -= points.rowwise().mean().eval();
+    const Eigen::Matrix3d covariance = points * points.transpose() / static_cast<double>(count);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> expected(covariance);
+    EXPECT_LT((principalAxes(patch.points).eigenvalues() - expected.eigenvalues()).norm(), 1e-12);
+  }
+}
+
+TEST(Patch, ACubicLeavesWhatAnOrthogonalFactorisationLeaves)
+{
+  for (const std::size_t count : {12u, 20u, 45u, 320u}) {
+    const Patch patch = bentPatch(count, 0.02);
+    PatchCubic cubic;
+    ASSERT_TRUE(fitCubic(patch, cubic));
+    const auto n = static_cast<Eigen::Index>(count);
+    Eigen::MatrixXd terms(n, kCubicTerms);
+    Eigen::VectorXd heights(n);
+    for (std::size_t i = 0; i < count; ++i) {
+      const double u = cubic.places[2][i], v = cubic.places[1][i];
+      terms.row(static_cast<Eigen::Index>(i)) << 1, u, v, u * u, u * v, v * v, u * u * u, u * u * v,
+          u * v * v, v * v * v;
+      heights[static_cast<Eigen::Index>(i)] = cubic.places[0][i];
+    }
+    const Eigen::VectorXd left = heights - terms * terms.colPivHouseholderQr().solve(heights);
+    const double scale = patch.radius * patch.radius / static_cast<double>(n - kCubicTerms);
+    EXPECT_NEAR(cubic.variance, left.squaredNorm() * scale, 1e-8 * cubic.variance + 1e-14);
+    for (std::size_t i = 0; i < count; ++i)
+      ASSERT_NEAR(cubic.residuals[i], left[static_cast<Eigen::Index>(i)], 1e-7) << i;
+  }
+}
+
+TEST(Patch, KeepsTheSheetOfItsSample)
+{
+  Patch patch = bentPatch(100, 0.001);
+  const std::size_t own = patch.points.size();
+  Patch both = patch;
+  both.points.resize(2 * own);
+  for (std::size_t i = 0; i < own; ++i) {
+    both.points.set(i, patch.points.at(i));
+    both.points.set(own + i, patch.points.at(i) + Eigen::Vector3d(0.5, 2, 1.5));
+  }
+  both.radius = 4;
+  ASSERT_TRUE(keepOwnSheet({}, both));
+  ASSERT_EQ(both.points.size(), own);
+  for (std::size_t i = 0; i < own; ++i) EXPECT_EQ(both.points.at(i), patch.points.at(i));
+  EXPECT_NEAR(both.radius, patch.radius, 1e-12);
+  EXPECT_FALSE(keepOwnSheet({}, patch));
+}
+
+}  // namespace
+}  // namespace pcl_slim
