@@ -43,7 +43,8 @@ Neighborhood::find(std::size_t point, std::size_t count, const unsigned char* le
 }
 
 bool
-Neighborhood::hasOthersWithin(double distance, std::size_t point, std::size_t count)
+Neighborhood::hasOthersWithin(double distance, std::size_t point, std::size_t count,
+                              const unsigned char* left_out)
 {
   constexpr double kRounding = 1e-5;
   const auto center = store_.position(point);
@@ -55,9 +56,13 @@ Neighborhood::hasOthersWithin(double distance, std::size_t point, std::size_t co
   const std::size_t most = (blocks_.size() + 1) * PointStore::kBlock;
   within_sq_.resize(most);
   within_.resize(most);
-  return kernels::pointsUpTo(store_, blocks_.data(), blocks_.size(), center.data(),
-                             static_cast<float>(sure * sure), within_sq_.data(),
-                             within_.data()) > count;
+  const std::size_t found =
+      kernels::pointsUpTo(store_, blocks_.data(), blocks_.size(), center.data(),
+                          static_cast<float>(sure * sure), within_sq_.data(), within_.data());
+  if (left_out == nullptr) return found > count;
+  const auto isOther = [&](std::uint32_t other) { return other != point && left_out[other] == 0; };
+  const auto end = within_.begin() + static_cast<std::ptrdiff_t>(found);
+  return static_cast<std::size_t>(std::count_if(within_.begin(), end, isOther)) >= count;
 }
 
 double

@@ -23,7 +23,8 @@ class Neighborhood {
 
   /** \brief Whether a stored point surely has so many others within a distance: much cheaper than to
    * find them. false where rounding leaves a doubt. */
-  bool hasOthersWithin(double distance, std::size_t point, std::size_t count);
+  bool hasOthersWithin(double distance, std::size_t point, std::size_t count,
+                       const unsigned char* left_out = nullptr);
 
   /** \brief Distance of the n-th other, n from 1 on; infinite where there are fewer. */
   double distance(std::size_t n) const;

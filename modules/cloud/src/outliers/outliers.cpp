@@ -137,6 +137,7 @@ markNearSurface(const PointStore& store, double spacing, int threads, Marks& mar
   return markSparse(
       store, close, threads, marks,
       [close](std::size_t i, const Marks& known, Neighborhood& around) {
+        if (around.hasOthersWithin(close, i, kNear, known.data())) return false;
         if (around.find(i, kPlane, known.data(), kPlane) < kPlane &&
             around.find(i, kPlane, known.data(), kAmong) < kNear)
           return true;
