@@ -94,6 +94,8 @@ ballsByLevel(const StudySettings& settings);  ///< Fig. 7
 Error
 sparsity(const StudySettings& settings);  ///< Fig. 21
 Error
+compactness(const StudySettings& settings);  ///< bytes of a surface beside its points
+Error
 fitTimes(const StudySettings& settings);  ///< Table 1
 Error
 rotationDrift(const StudySettings& settings);  ///< "not invariant", section 3
