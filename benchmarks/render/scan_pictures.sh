@@ -15,8 +15,8 @@ cd -- "$work"
 sheet() {
   local picture=$1 columns=$2
   shift 2
-  montage "${@/%/.png}" -tile "${columns}x" -geometry +2+2 sheet.png
-  convert sheet.png -dither FloydSteinberg -colors 255 -define png:compression-level=9 "png8:$out/$picture"
+  montage "${@/%/.png}" -tile "${columns}x" -geometry +2+2 -define png:color-type=2 \
+    -define png:compression-level=9 "$out/$picture"
 }
 
 # scan FILE OPTIONS...: FILE.slim and FILE.png, the defaults' fit from where the program stands.
@@ -88,4 +88,4 @@ kill $example
 END
 cp -- "$data/stanford_bunny_raw_scans.pcd" stanford_bunny.pcd
 bin=$bin xvfb-run -a -s "-screen 0 1280x1024x24" bash example.sh
-convert pcl_visualizer.png -dither FloydSteinberg -colors 255 "png8:$out/pcl_visualizer.png"
+convert pcl_visualizer.png -define png:color-type=2 -define png:compression-level=9 "$out/pcl_visualizer.png"
