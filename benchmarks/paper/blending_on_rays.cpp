@@ -37,10 +37,10 @@ struct PlaneLeaf {
   }
 };
 
-constexpr double kShrink = 2.0 / 3.0, kSide = 400.0;
-const std::array<PlaneLeaf, 3> kLeaves = {{{{-0.62, -0.16}, 0.42, 0.62, 0.06, 0.0, -0.32},
-                                           {{0.04, 0.07}, 0.02, 0.58, -0.09, 0.05, -0.35},
-                                           {{0.66, -0.14}, -0.48, 0.60, 0.07, 0.0, -0.30}}};
+constexpr double kShrink = 2.0 / 3.0, kSide = 460.0;
+const std::array<PlaneLeaf, 3> kLeaves = {{{{-0.62, -0.16}, 0.42, 0.62, 0.14, 0.1, -0.32},
+                                           {{0.04, 0.07}, 0.02, 0.62, -0.16, -0.1, -0.35},
+                                           {{0.66, -0.14}, -0.48, 0.60, 0.22, 0.15, -0.30}}};
 const std::array<const char*, 3> kLeafColors = {"#1f4e9c", "#2a9d8f", "#e9a21b"};
 
 double
@@ -129,7 +129,7 @@ class Panel {
 
   Point2 at(const Point2& p) const
   {
-    return {left_ + kSide / 2 + kScale * p[0], 40 + 0.42 * kSide - kScale * p[1]};
+    return {left_ + kSide / 2 + kScale * p[0], 0.4 * kSide - kScale * p[1]};
   }
 
   template <typename HeightAt>
@@ -149,7 +149,7 @@ class Panel {
   }
 
  private:
-  static constexpr double kScale = 150;
+  static constexpr double kScale = 165;
   Svg& svg_;
   double left_;
 };
@@ -157,10 +157,10 @@ class Panel {
 Error
 drawBlends(const StudySettings& settings)
 {
-  constexpr double kRay = 0.34;
+  constexpr double kRay = 0.4;
   const std::string red = "stroke=\"#d1495b\" stroke-width=\"2.6\"";
   const auto inSpace = [](double x) { return zeroOn(x, blendAt); };
-  Svg svg(2 * kSide + 60, 400);
+  Svg svg(2 * kSide + 60, 380);
   Panel space(svg, 10, "in space: the zero of the blend, searched along the ray");
   space.curve(inSpace, red);
   space.ray(kRay);
@@ -180,10 +180,9 @@ drawBlends(const StudySettings& settings)
   for (const Point2& q : hits.leaves) svg.circle(rays.at(q), 3.5, "fill=\"#222222\"");
   svg.circle(rays.at(hits.first), 6.5, "fill=\"none\" stroke=\"#222222\" stroke-width=\"1.4\"");
   svg.circle(rays.at(hits.average), 4.5, "fill=\"#d1495b\"");
-  svg.text({10, 372}, "start", "open dots: places where the blend is evaluated; red: its zero");
-  svg.text({50 + kSide, 372}, "start",
-           "dots: intersections; ringed: the first inside a shrunk ball (dashed);");
-  svg.text({50 + kSide, 390}, "start", "red: their weighted mean; fine dashes: the zero in space");
+  svg.text({10, 352}, "start", "open dots: where the blend is evaluated; red: its zero");
+  svg.text({50 + kSide, 352}, "start", "dots: intersections; ringed: the first in a shrunk ball");
+  svg.text({50 + kSide, 370}, "start", "red: their weighted mean; fine dashes: the zero in space");
   return svg.save(settings.out + "/fig08.svg");
 }
 

@@ -48,10 +48,12 @@ drawLevel(const SLIMSurface& s, int level, double top, double height, Svg& svg)
 {
   constexpr double kLeft = 90, kDecade = 560;
   const auto x = [](double r) { return kLeft + kDecade * (std::log10(r) + 2.5) / 1.5; };
-  const double high = 0.1 * std::pow(kGolden, level - 1), low = kGolden * high;
+  const double high = 0.1 * std::pow(kGolden, level - 1), low = kGolden * kGolden * high;
   const std::string color = kColors[static_cast<std::size_t>(level - 1) % kColors.size()];
   svg.rectangle({x(low), top}, x(high) - x(low), height,
                 fill(color, 0.15) + " " + stroke(color, 1));
+  svg.line({x(kGolden * high), top}, {x(kGolden * high), top + height},
+           stroke(color, 1) + " stroke-dasharray=\"4 3\"");
   std::mt19937 random(static_cast<unsigned>(level));
   std::uniform_real_distribution<double> place(0.12, 0.88);
   std::size_t leaves = 0, inside = 0;
@@ -84,7 +86,8 @@ radiusIntervals(const StudySettings& settings)
   for (int level = 1; level <= levels; ++level) {
     const double high = 0.1 * std::pow(kGolden, level - 1);
     const std::size_t inside = drawLevel(s, level, kTop + kRow * (level - 1) + 5, kRow - 10, svg);
-    table.row({std::to_string(level), number("%.4f to ", kGolden * high) + number("%.4f", high),
+    table.row({std::to_string(level),
+               number("%.4f to ", kGolden * kGolden * high) + number("%.4f", high),
                std::to_string(inside)});
   }
   const double bottom = kTop + kRow * levels + 4;
@@ -94,7 +97,8 @@ radiusIntervals(const StudySettings& settings)
     svg.text({x, bottom + 16}, "middle", number("%g", r));
   }
   svg.text({370, bottom + 34}, "middle", "radius / L");
-  svg.text({370, 22}, "middle", "intervals of the levels and the radii of their leaves");
+  svg.text({370, 22}, "middle",
+           "r_l, r_m (dashed), r_r of each level, and the radii of its leaves");
   if (Error error = svg.save(settings.out + "/fig05.svg")) return error;
   return table.save(settings, "fig05");
 }
@@ -111,7 +115,7 @@ struct Slice {
   {
     const float z = s.root_ball[2] + 0.02f;
     for (std::uint32_t i = 0; i < s.size(); ++i) {
-      if (std::abs(s.cz[i] - z) < 0.02f) balls.push_back(i);
+      if (std::abs(s.cz[i] - z) < 0.008f) balls.push_back(i);
     }
     for (const std::uint32_t i : balls) {
       middle[0] += s.cx[i] / static_cast<double>(balls.size());
@@ -169,7 +173,8 @@ drawTree(const Slice& slice, const Point2& corner, double width, double row, Svg
   std::size_t links = 0;
   for (const std::uint32_t i : slice.balls) {
     for (std::uint32_t k = s.child_begin[i]; k < s.child_begin[i + 1]; ++k) {
-      if (!shown[s.children[k]]) continue;
+      const bool around = std::abs(place(i)[0] - place(s.children[k])[0]) > 0.5 * width;
+      if (!shown[s.children[k]] || around) continue;
       svg.line(place(i), place(s.children[k]), stroke("#888888", 0.6, 0.7));
       ++links;
     }
@@ -195,10 +200,10 @@ treeOfBalls(const StudySettings& settings)
   const auto fitted = paperFit(settings, "stanford_bunny_zipper.ply", 0.05);
   if (!fitted) return fitted.error();
   const Slice slice(fitted->surface);
-  Svg svg(1180, 470);
-  drawBalls(slice, {230, 245}, 560, svg);
-  const std::size_t links = drawTree(slice, {530, 60}, 620, 72, svg);
-  svg.text({230, 24}, "middle", "balls in a slice; dashed: internal");
+  Svg svg(1180, 440);
+  drawBalls(slice, {240, 235}, 820, svg);
+  const std::size_t links = drawTree(slice, {540, 70}, 620, 100, svg);
+  svg.text({240, 24}, "middle", "balls in a slice; dashed: internal");
   svg.text({840, 24}, "middle", "their tree, unrolled; open: internal, full: leaves");
   std::printf("slice of %zu balls, %zu links\n", slice.balls.size(), links);
   return svg.save(settings.out + "/fig06.svg");

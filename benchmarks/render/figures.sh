@@ -101,10 +101,12 @@ sheet figure_12.png 2 "k_max, $(leaves dragon_2) quadratic leaves" kmax_2 \
 
 # Fig. 13: suggestive contours, shading and crest lines of cubics.
 fit "$data/armadillo_50k.ply" armadillo -degree 3
-for part in 'contours -mode sketch -lines suggestive' 'shaded -mode shaded' 'crest -mode sketch -lines crest'; do
+for part in 'contours -mode sketch -lines suggestive -line_slope 6' 'shaded -mode shaded' \
+  'crest -mode sketch -lines crest -line_curvature 1'; do
   read -r name options <<< "$part"
   # shellcheck disable=SC2086
-  render armadillo armadillo_$name -size 440x520 -view 180,5 $options
+  render armadillo armadillo_$name -size 1320x1560 -line_width 4 -view 180,5 $options
+  mogrify -filter box -resize 33.3333% "$work/armadillo_$name.png"
 done
 sheet figure_13.png 3 'suggestive contours' armadillo_contours "$(leaves armadillo) cubic leaves" armadillo_shaded \
   'ridges (blue) and ravines (red)' armadillo_crest
@@ -131,7 +133,7 @@ sheet figure_16.png 4 'quadratic, blended Hessians' mean_blended_2 \
 frame() { sed -n 's/.*"frame": \([0-9.e-]*\).*/\1/p' "$work/$1.json" | awk '{ printf "%.1f ms", 1000 * $1 }'; }
 for degree in 1 2 3; do
   fit "$dragon" same_t_$degree -degree $degree -paper 1 -t_mdl .02
-  render same_t_$degree same_t_$degree -size 450x380 -camera "$work/dragon.txt" -repeat 9 -threads 1
+  render same_t_$degree same_t_$degree -size 450x380 -camera "$work/dragon.txt" -repeat 25 -threads 1
 done
 sheet figure_17.png 3 "$(leaves same_t_1) linear leaves, $(frame same_t_1)" same_t_1 \
   "$(leaves same_t_2) quadratic, $(frame same_t_2)" same_t_2 "$(leaves same_t_3) cubic, $(frame same_t_3)" same_t_3
