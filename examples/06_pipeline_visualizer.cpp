@@ -93,7 +93,7 @@ main(int argc, char** argv)
             << " leaves, " << splats.size() << " splats\n";
 
   pcl::visualization::PCLVisualizer viewer("Cloud, surface, splats");
-  viewer.setSize(1500, 500);
+  viewer.setSize(1500, 380);
   int left = 0, middle = 0, right = 0;
   viewer.createViewPort(0.0, 0.0, 1.0 / 3, 1.0, left);
   viewer.createViewPort(1.0 / 3, 0.0, 2.0 / 3, 1.0, middle);
@@ -104,6 +104,7 @@ main(int argc, char** argv)
   pcl_slim::addSplats(viewer, splats, "splats", right);
   viewer.setCameraPosition(0, 0, 0, 0, 0, 1, 0, -1, 0);
   viewer.resetCamera();
+  viewer.setCameraFieldOfView(0.35);
   if (argc > 4) {
     viewer.spinOnce(100);
     viewer.saveScreenshot(argv[4]);
