@@ -46,6 +46,25 @@ cleaned(const Cloud::Ptr& scan, float far, float leaf)
   return cloud;
 }
 
+/** Cloud, surface and splats side by side, seen from the sensor. */
+void
+show(const Cloud::Ptr& cloud, const pcl_slim::SLIMSurface& surface,
+     const pcl::PointCloud<pcl::PointSurfel>& splats, pcl::visualization::PCLVisualizer& viewer)
+{
+  viewer.setSize(1500, 380);
+  int left = 0, middle = 0, right = 0;
+  viewer.createViewPort(0.0, 0.0, 1.0 / 3, 1.0, left);
+  viewer.createViewPort(1.0 / 3, 0.0, 2.0 / 3, 1.0, middle);
+  viewer.createViewPort(2.0 / 3, 0.0, 1.0, 1.0, right);
+  viewer.setBackgroundColor(1.0, 1.0, 1.0);
+  viewer.addPointCloud<Point>(cloud, "cloud", left);
+  pcl_slim::addSLIMSurface(viewer, surface, "surface", middle);
+  pcl_slim::addSplats(viewer, splats, "splats", right);
+  viewer.setCameraPosition(0, 0, 0, 0, 0, 1, 0, -1, 0);
+  viewer.resetCamera();
+  viewer.setCameraFieldOfView(0.35);
+}
+
 int
 main(int argc, char** argv)
 {
@@ -93,18 +112,7 @@ main(int argc, char** argv)
             << " leaves, " << splats.size() << " splats\n";
 
   pcl::visualization::PCLVisualizer viewer("Cloud, surface, splats");
-  viewer.setSize(1500, 380);
-  int left = 0, middle = 0, right = 0;
-  viewer.createViewPort(0.0, 0.0, 1.0 / 3, 1.0, left);
-  viewer.createViewPort(1.0 / 3, 0.0, 2.0 / 3, 1.0, middle);
-  viewer.createViewPort(2.0 / 3, 0.0, 1.0, 1.0, right);
-  viewer.setBackgroundColor(1.0, 1.0, 1.0);
-  viewer.addPointCloud<Point>(cloud, "cloud", left);
-  pcl_slim::addSLIMSurface(viewer, surface, "surface", middle);
-  pcl_slim::addSplats(viewer, splats, "splats", right);
-  viewer.setCameraPosition(0, 0, 0, 0, 0, 1, 0, -1, 0);
-  viewer.resetCamera();
-  viewer.setCameraFieldOfView(0.35);
+  show(cloud, surface, splats, viewer);
   if (argc > 4) {
     viewer.spinOnce(100);
     viewer.saveScreenshot(argv[4]);

@@ -36,11 +36,13 @@ render surface.slim "$out/demo" -size 800x600
 discs scan.pcd splats -max_splats 20000
 discs scan.pcd before -max_splats 120000 -remove_noise 0
 discs smooth.pcd after -max_splats 120000 -remove_noise 0
-for mode in shaded normal mean level size; do render surface.slim $mode -mode $mode -size 420x420; done
-render splats.pcd color -mode color -lighting 0 -size 420x420
-render splats.pcd lit -mode color -lighting 1 -size 420x420
-render splats.pcd splat_size -mode size -size 420x420
-for name in before after; do render $name.pcd $name -mode shaded -size 420x420; done
+for mode in shaded normal mean level size; do
+  render surface.slim $mode -mode $mode -size 420x420 -save_camera amphora.txt
+done
+render splats.pcd color -mode color -lighting 0 -size 420x420 -camera amphora.txt
+render splats.pcd lit -mode color -lighting 1 -size 420x420 -camera amphora.txt
+render splats.pcd splat_size -mode size -size 420x420 -camera amphora.txt
+for name in before after; do render $name.pcd $name -mode shaded -size 420x420 -camera amphora.txt; done
 sheet levels_and_sizes.png 2 'level of each ball' level 'its size: red small, blue large' size
 sheet tutorial_curvature.png 2 'the surface' shaded 'mean curvature: red bulges, blue hollows' mean
 sheet tutorial_smoothing.png 2 'before' before 'after' after

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <vector>
 
 #include "pcl_slim/core/parallel.h"
@@ -10,7 +11,7 @@
 namespace pcl_slim::detail {
 namespace {
 
-constexpr int kReach = 8;         ///< pixels between a gap's middle and its rim
+constexpr int kReach = 8;         ///< pixels from a gap's rim inwards that one pass closes
 constexpr int kLeastCovered = 6;  ///< of the eight directions from a pixel in a gap
 
 /** Whether most directions from a pixel soon lead to one that met something. */
@@ -34,15 +35,20 @@ isEnclosed(const GBuffer& buffer, int x, int y)
   return true;
 }
 
-/** Pixels that met nothing within what did, row by row. */
-std::vector<std::vector<int>>
-enclosedPixels(const GBuffer& buffer, int threads)
+using Rows = std::vector<std::vector<int>>;  ///< columns of pixels, row by row
+
+/** Pixels not tried yet that met nothing within what did; they count as tried from now on. */
+Rows
+enclosedPixels(const GBuffer& buffer, int threads, std::vector<std::uint8_t>& tried)
 {
-  std::vector<std::vector<int>> rows(static_cast<std::size_t>(buffer.height));
+  Rows rows(static_cast<std::size_t>(buffer.height));
   parallelFor(rows.size(), threads, 16, [&](std::size_t y, int) {
     for (int x = 0; x < buffer.width; ++x) {
       const int row = static_cast<int>(y);
-      if (!buffer.covered(buffer.index(x, row)) && isEnclosed(buffer, x, row)) rows[y].push_back(x);
+      const std::size_t pixel = buffer.index(x, row);
+      if (tried[pixel] || buffer.covered(pixel) || !isEnclosed(buffer, x, row)) continue;
+      tried[pixel] = 1;
+      rows[y].push_back(x);
     }
   });
   return rows;
@@ -53,32 +59,38 @@ enclosedPixels(const GBuffer& buffer, int threads)
 std::uint64_t
 GapCloser::close(const Camera& camera, const RenderParams& params, int threads, GBuffer& buffer)
 {
-  const auto rows = enclosedPixels(buffer, threads);
-  if (std::all_of(rows.begin(), rows.end(), [](const auto& row) { return row.empty(); })) return 0;
-  if (!leaves_) leaves_ = tracedLeaves(surface_, threads);
   const CameraRays rays(camera, surface_.info.origin, surface_.info.scale);
   TraceParams tracing;
   tracing.sides = params.sides;
   tracing.columns = params.columns;
   const TraceView view{tracing, &rays};
-  std::atomic<std::uint64_t> filled{0};
-  parallelFor(rows.size(), threads, 4, [&](std::size_t y, int) {
-    std::vector<BoundedRay> bounded;
-    std::vector<std::size_t> pixels;
-    for (const int x : rows[y]) {
-      bounded.emplace_back();
-      bounded.back().ray = rays.ray(x, static_cast<int>(y));
-      bounded.back().nearest = params.near_plane / surface_.info.scale;
-      pixels.push_back(buffer.index(x, static_cast<int>(y)));
-    }
-    std::vector<MetPoint> met(bounded.size());
-    RayCounts counts;
-    leaves_->trace(view, bounded.data(), bounded.size(), met.data(), &buffer, pixels.data(),
-                   counts);
-    filled += static_cast<std::uint64_t>(
-        std::count_if(met.begin(), met.end(), [](const MetPoint& p) { return p.met(); }));
-  });
-  return filled;
+  std::vector<std::uint8_t> tried(buffer.numPixels(), 0);
+  std::uint64_t all = 0;
+  for (;;) {  // from the rims of wide gaps inwards
+    const Rows rows = enclosedPixels(buffer, threads, tried);
+    if (std::all_of(rows.begin(), rows.end(), [](const auto& row) { return row.empty(); })) break;
+    if (!leaves_) leaves_ = tracedLeaves(surface_, threads);
+    std::atomic<std::uint64_t> filled{0};
+    parallelFor(rows.size(), threads, 4, [&](std::size_t y, int) {
+      std::vector<BoundedRay> bounded;
+      std::vector<std::size_t> pixels;
+      for (const int x : rows[y]) {
+        bounded.emplace_back();
+        bounded.back().ray = rays.ray(x, static_cast<int>(y));
+        bounded.back().nearest = params.near_plane / surface_.info.scale;
+        pixels.push_back(buffer.index(x, static_cast<int>(y)));
+      }
+      std::vector<MetPoint> met(bounded.size());
+      RayCounts counts;
+      leaves_->trace(view, bounded.data(), bounded.size(), met.data(), &buffer, pixels.data(),
+                     counts);
+      filled += static_cast<std::uint64_t>(
+          std::count_if(met.begin(), met.end(), [](const MetPoint& p) { return p.met(); }));
+    });
+    if (filled == 0) break;
+    all += filled;
+  }
+  return all;
 }
 
 }  // namespace pcl_slim::detail
