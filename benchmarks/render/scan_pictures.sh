@@ -61,7 +61,7 @@ for ((i = 0; i < 100; ++i)); do
 done
 [ -n "$id" ] || exit 1
 xdotool windowmove "$id" 0 0
-sleep 6
+sleep 20
 for action in "$@"; do xdotool ${action//WINDOW/$id} 2> /dev/null; sleep 1; done
 import -window "$id" "$picture"
 kill $viewer
@@ -88,7 +88,7 @@ sheet view_scans.png 3 bunny lion angel
 cat > example.sh <<'END'
 "$bin/pcl_slim_example_03_pcl_visualizer" stanford_bunny.pcd &
 example=$!
-sleep 6
+sleep 20
 id=$(xdotool search --onlyvisible --name 'The surface' | tail -n 1)
 [ -n "$id" ] && import -window "$id" pcl_visualizer.png
 kill $example
