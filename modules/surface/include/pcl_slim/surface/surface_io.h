@@ -22,11 +22,11 @@ namespace pcl_slim {
  * version 4. Little-endian. Normals that snapNormal made are
  * kept exactly, others to 6.2e-7 rad. The file appears under its name only when complete.
  *
- * Rounded files, of version 5, are an eighth as large: coefficients are those of polynomials that are
+ * Rounded files, of version 5, are about a sixth as large: coefficients are those of polynomials that are
  * orthonormal under the blend's weight, in steps that move the surface alike, and all numbers are
  * entropy coded relative to those of the nearest surfel before.
  * \param[in] rounding RMS distance by which rounding may move each leaf [RMS residual of all leaves]; 0: the
- * floats are kept. .2 adds about 2 % to the residual. A surface with numbers out of all proportion is
+ * floats are kept. .1 adds about 1 % to the residual. A surface with numbers out of all proportion is
  * stored as floats.
  */
 PCL_SLIM_EXPORT Error
