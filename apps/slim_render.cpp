@@ -108,6 +108,7 @@ renderingOf(const Settings& s)
   params.derivatives =
       s.derivatives == "unity" ? Derivatives::kPartitionOfUnity : Derivatives::kBlended;
   params.reference = s.reference;
+  params.close_gaps = true;
   params.skip = s.skip;
   params.threads = s.threads;
   return params;
@@ -119,7 +120,9 @@ reportFrames(const Settings& s, SurfaceRenderer& renderer, const Camera& camera,
 {
   if (s.repeat == 0) return {};
   const ShadingParams shading = s.picture.shadingFor(false, s.threads);
-  const auto seconds = timeFrames(renderer, camera, renderingOf(s), shading, s.repeat);
+  RenderParams rendering = renderingOf(s);
+  rendering.close_gaps = false;  // a frame as a viewer draws it
+  const auto seconds = timeFrames(renderer, camera, rendering, shading, s.repeat);
   if (!seconds) return seconds.error();
   report.time("frame", seconds->frame);
   report.time("shade", seconds->shade);

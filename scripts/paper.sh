@@ -21,7 +21,7 @@ bin=$root/build/release/bin
 part() { quietly "$1" "$out/log/$1.log" "${@:2}"; }
 
 part studies "$bin/paper_bench" "$data" "$out"
-for plot in fig04 fig21 fig21_paper; do
+for plot in fig04 fig05 fig06 fig08 fig21 fig21_paper; do
   command -v rsvg-convert > /dev/null && rsvg-convert "$out/$plot.svg" -o "$out/$plot.png"
 done
 mkdir -p -- "$out/meshes"

@@ -27,6 +27,7 @@ reportSurface(const Model& model, const RenderStatistics& counts, nlohmann::orde
                {"degree", model.surface.info.degree},
                {"lambda", model.surface.info.lambda}});
   reportCounts(counts, json);
+  json["closed_pixels"] = counts.closed_pixels;
   json["rays_bracketed"] = counts.rays_bracketed;
   json["skipped"] = {{"outside_frustum", counts.outside_frustum},
                      {"outside_region", counts.outside_region},

@@ -17,6 +17,7 @@ struct Settings {
   ScanFiles files;
   FitJob job;
   TileRequest tiles;
+  double rounding = 0.0;                ///< of a .slim
   std::unique_ptr<PointSource> source;  ///< of a scan that is fitted by tiles
 };
 
@@ -32,6 +33,10 @@ declareOptions(const char* program, const char* version, Settings& s)
   declareColorOption(options, s.job);
   declareTileOptions(options, s.tiles);
   declarePlanOptions(options, s.tiles);
+  options.number("quantize", &s.rounding, 0.001, 1,
+                 "round a .slim to a sixth of its bytes: the surface moves by this share of its "
+                 "residual; .1 suits most",
+                 "off");
   declareReport(options, s.files);
   return options;
 }
@@ -42,6 +47,8 @@ checkSettings(Settings& s)
 {
   if (Error error = finishFitOptions(s.job)) return error;
   if (Error error = checkSurfaceExtension(s.files.output)) return error;
+  if (s.rounding > 0.0 && lowerExtension(s.files.output) != ".slim")
+    return {ErrorCode::kBadArgument, "-quantize rounds .slim files alone; name one as output"};
   return checkFilesDiffer(s.files, s.job.trajectory);
 }
 
@@ -51,7 +58,7 @@ makeSurface(const Settings& s, const CloudFile& cloud, Console& console, Report&
 {
   const auto surface = std::make_shared<SLIMSurface>();
   if (Error error = fitScan(s.job, cloud, console, report, *surface)) return error;
-  result.save = [&s, surface] { return saveSurface(s.files.output, *surface); };
+  result.save = [&s, surface] { return saveSurface(s.files.output, *surface, s.rounding); };
   result.detail = std::to_string(surface->size()) + " surfels";
   return {};
 }
@@ -72,7 +79,7 @@ streamSurface(const Settings& s, Console& console, Report& report, ScanResult& r
   const auto blocks = std::make_shared<SlimBlockWriter>();
   const bool in_blocks = lowerExtension(s.files.output) == ".slim";
   if (in_blocks) {
-    if (Error error = blocks->open(s.files.output)) return error;
+    if (Error error = blocks->open(s.files.output, s.rounding)) return error;
   }
   if (Error error = fitByTiles(*s.source, s.job, s.tiles, console, report,
                                in_blocks ? blocks.get() : nullptr, *made))

@@ -9,6 +9,7 @@
 #include "camera/camera_rays.h"
 #include "common/options.h"
 #include "mesh/bench_mesh.h"
+#include "pcl_slim/core/symmetric.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/render/picture_lines.h"
 #include "pcl_slim/render/shading.h"
@@ -25,7 +26,8 @@ using detail::PixelRect;
 struct Settings {
   std::string mesh, surface, output, mode = "shaded";
   ViewRequest view;
-  bool contour = false;
+  bool contour = false, suggestive = false;
+  double line_width = LineStyle().width;
 };
 
 /** Means of the normals of the faces about each vertex, weighed by area. */
@@ -43,16 +45,55 @@ vertexNormals(const Mesh& mesh)
   return normals;
 }
 
-/** A triangle's corners in local units, and their normals. */
+/** Derivatives of a mesh's interpolated normals: a symmetric tensor a vertex, the mean of those of the faces
+ * about it (Rusinkiewicz 2004). */
+std::vector<Symmetric3<double>>
+vertexBends(const Mesh& mesh, const Points& normals)
+{
+  std::vector<Symmetric3<double>> bends(mesh.vertices.size());
+  std::vector<int> faces(mesh.vertices.size(), 0);
+  for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
+    const IndexRow corners = mesh.faces[f];
+    const Vector3 &a = mesh.vertices[corners[0]], &na = normals[corners[0]];
+    const Vector3 e = subtract(mesh.vertices[corners[1]], a);
+    const Vector3 g = subtract(mesh.vertices[corners[2]], a);
+    if (!(length(cross(e, g)) > 0)) continue;
+    const Vector3 u = normalized(e), v = normalized(cross(cross(e, g), e));
+    const Vector3 ne = subtract(normals[corners[1]], na), ng = subtract(normals[corners[2]], na);
+    // The normal changes by (d/du, d/dv) along e = (e_u, 0) and g = (g_u, g_v).
+    const double eu = length(e), gu = dot(g, u), gv = dot(g, v);
+    const Vector3 du = scaled(ne, 1 / eu), dv = scaled(along(ng, -gu, du), 1 / gv);
+    const double uu = dot(du, u), vv = dot(dv, v), uv = 0.5 * (dot(du, v) + dot(dv, u));
+    constexpr std::array<std::array<std::size_t, 2>, 6> kPlaces = {
+        {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}}};
+    constexpr std::array<std::size_t, 6> kEntries = {kXX, kYY, kZZ, kXY, kXZ, kYZ};
+    for (const std::uint32_t c : corners) {
+      ++faces[c];
+      for (std::size_t k = 0; k < 6; ++k) {
+        const auto [i, j] = kPlaces[k];
+        bends[c][kEntries[k]] +=
+            uu * u[i] * u[j] + vv * v[i] * v[j] + uv * (u[i] * v[j] + v[i] * u[j]);
+      }
+    }
+  }
+  for (std::size_t v = 0; v < bends.size(); ++v) {
+    for (double& x : bends[v]) x /= std::max(1, faces[v]);
+  }
+  return bends;
+}
+
+/** A triangle's corners in local units, their normals and the derivatives of these. */
 struct Triangle {
   std::array<Vector3, 3> corner, normal;
+  std::array<Symmetric3<double>, 3> bend;
 };
 
 class MeshRasterizer {
  public:
-  MeshRasterizer(const Camera& camera, const SurfaceInfo& info, unsigned columns)
-      : rays_(camera, info.origin, info.scale)
+  MeshRasterizer(const SLIMSurface& surface, const Camera& camera, unsigned columns)
+      : rays_(camera, surface.info.origin, surface.info.scale), leaf_(middleLeaf(surface))
   {
+    radius_ = surface.radius[leaf_];
     buffer_.resize(camera.size.width, camera.size.height, columns);
   }
 
@@ -91,28 +132,50 @@ class MeshRasterizer {
     if (!(length(normal) > 0)) normal = cross(e1, e2);
     if (dot(normal, ray.direction) > 0) normal = scaled(normal, -1);
     store(pixel, t, along(ray.origin, t, ray.direction), normalized(normal));
+    for (std::size_t k = 0; k < 6 && !buffer_.hessian.empty(); ++k) {
+      const auto& b = triangle.bend;
+      buffer_.hessian[pixel][k] =
+          static_cast<float>((1 - u - v) * b[0][k] + u * b[1][k] + v * b[2][k]);
+    }
   }
 
   void store(std::size_t pixel, double t, const Vector3& point, const Vector3& normal)
   {
     buffer_.depth[pixel] = static_cast<float>(t);
-    buffer_.surfel[pixel] = 0;
+    buffer_.surfel[pixel] = leaf_;
+    if (!buffer_.radius.empty()) buffer_.radius[pixel] = radius_;
     for (std::size_t a = 0; a < 3; ++a) {
       buffer_.normal[pixel][a] = static_cast<float>(normal[a]);
       if (!buffer_.position.empty()) buffer_.position[pixel][a] = static_cast<float>(point[a]);
+      if (!buffer_.gradient.empty()) buffer_.gradient[pixel][a] = static_cast<float>(normal[a]);
     }
   }
 
+  /** The leaf of median radius: lines are found at its scale. */
+  static std::uint32_t middleLeaf(const SLIMSurface& surface)
+  {
+    std::vector<std::uint32_t> leaves = surface.leaves();
+    const auto middle = leaves.begin() + static_cast<std::ptrdiff_t>(leaves.size() / 2);
+    std::nth_element(leaves.begin(), middle, leaves.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return surface.radius[a] < surface.radius[b];
+    });
+    return *middle;
+  }
+
   CameraRays rays_;
+  std::uint32_t leaf_;
+  float radius_ = 0.0f;
   GBuffer buffer_;
 };
 
 /** \brief What the camera sees of a mesh, in the units of a surface. */
 GBuffer
-rasterize(const Mesh& mesh, const Camera& camera, const SurfaceInfo& info, unsigned columns)
+rasterize(const Mesh& mesh, const Camera& camera, const SLIMSurface& surface, unsigned columns)
 {
-  MeshRasterizer rasterizer(camera, info, columns);
+  const SurfaceInfo& info = surface.info;
+  MeshRasterizer rasterizer(surface, camera, columns);
   const Points normals = vertexNormals(mesh);
+  const std::vector<Symmetric3<double>> bends = vertexBends(mesh, normals);
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     const IndexRow corners = mesh.faces[f];
     for (std::size_t k = 2; k < corners.size(); ++k) {
@@ -121,6 +184,7 @@ rasterize(const Mesh& mesh, const Camera& camera, const SurfaceInfo& info, unsig
         const std::uint32_t v = corners[i == 0 ? 0 : k + i - 2];
         triangle.corner[i] = scaled(subtract(mesh.vertices[v], info.origin), 1 / info.scale);
         triangle.normal[i] = normals[v];
+        for (std::size_t a = 0; a < 6; ++a) triangle.bend[i][a] = bends[v][a] * info.scale;
       }
       rasterizer.draw(triangle);
     }
@@ -140,18 +204,21 @@ draw(Settings& s)
   const Camera camera = s.view.cameraFor(spheresOf(*surface));
 
   PictureLineParams wanted;
-  wanted.contour = s.contour;
+  LineStyle style;
+  style.width = s.line_width;
+  wanted.contour = s.contour || s.suggestive;
+  wanted.suggestive = s.suggestive;
   ShadingParams shading;
   shading.mode = *mode;
   shading.gradient_background = false;
   const GBuffer buffer =
-      rasterize(*mesh, camera, surface->info, columnsFor(shading) | pictureLineColumns(wanted));
+      rasterize(*mesh, camera, *surface, columnsFor(shading) | pictureLineColumns(wanted));
   auto image = shade(buffer, camera, shading, surface->info.scale);
   if (!image) return image.error();
-  if (s.contour) {
+  if (wanted.contour) {
     const auto lines = findPictureLines(buffer, camera, *surface, wanted);
     if (!lines) return lines.error();
-    if (Error error = drawLines(*lines, {}, *image)) return error;
+    if (Error error = drawLines(*lines, style, *image)) return error;
   }
   return saveImage(s.output, *image);
 }
@@ -168,6 +235,8 @@ main(int argc, char** argv)
   options.positional("OUT.png|.ppm", &s.output, "the picture");
   options.choice("mode", &s.mode, {"shaded", "normal", "reflection"}, "what the picture shows");
   options.toggle("contour", &s.contour, "draw contours");
+  options.toggle("suggestive", &s.suggestive, "draw contours and suggestive contours");
+  options.number("line_width", &s.line_width, 0.1, 100, "width of strong lines, pixels");
   s.view.declareSize(options);
   s.view.declareCamera(options);
   if (const auto status = options.parse(argc, argv)) return *status;

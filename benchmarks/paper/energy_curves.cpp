@@ -157,6 +157,18 @@ struct Curves {
     }
     return count;
   }
+  /** How high the energy rises between two of its minima, as a factor; 1: there is but one. */
+  double rise() const
+  {
+    double most = 1;
+    for (std::size_t top = 1; top + 1 < energy.size(); ++top) {
+      const auto at = energy.begin() + static_cast<std::ptrdiff_t>(top);
+      const double left = *std::min_element(energy.begin(), at);
+      const double right = *std::min_element(at, energy.end());
+      most = std::max(most, *at / std::max(left, right));
+    }
+    return most;
+  }
 };
 
 Curves
@@ -174,6 +186,22 @@ curvesAt(const Samples& samples, const Eigen::Vector3d& c, double lambda)
   return made;
 }
 
+/** The vertex of those looked at where the energy's minima are parted best. */
+std::size_t
+placeOfTwoMinima(const Samples& samples, double lambda)
+{
+  constexpr std::size_t kCandidates = 250;
+  std::size_t best = 0;
+  double most = 0;
+  for (std::size_t i = 0; i < kCandidates; ++i) {
+    const std::size_t point = (2 * i + 1) * samples.points.size() / (2 * kCandidates);
+    const double rise = curvesAt(samples, samples.points[point], lambda).rise();
+    if (rise > most) best = point;
+    most = std::max(most, rise);
+  }
+  return best;
+}
+
 }  // namespace
 
 Error
@@ -183,8 +211,9 @@ energyCurves(const StudySettings& settings)
   if (!model) return model.error();
   const Samples samples = samplesOf(*model);
   const double lambda = noiseVariance(samples);
-  const std::vector<std::size_t> places = choosePlaces(samples);
-  const std::vector<std::string> titles = {"flat", "curved", "complex"};
+  std::vector<std::size_t> places = choosePlaces(samples);
+  places.push_back(placeOfTwoMinima(samples, lambda));
+  const std::vector<std::string> titles = {"flat", "curved", "complex", "several minima"};
   Table table("E(r) and eps(r) of quadratics on the dragon, T = .01, lambda = " +
                   number("%.2e", lambda) + " (Fig. 4)",
               {"place", "point", "r of least E / L", "eps there / L", "eps at L/10 / L", "minima"});

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "paper/study.h"
+#include "pcl_slim/core/file_access.h"
 
 namespace pcl_slim::paper {
 
@@ -86,6 +87,22 @@ handModel(std::size_t count)
     for (const double value : n) model.normals.push_back(static_cast<float>(value));
   }
   return model;
+}
+
+Error
+saveHand(const StudySettings& settings)
+{
+  const Model model = handModel(100000);
+  std::string text = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(model.points.size());
+  for (const char* name : {"x", "y", "z", "nx", "ny", "nz"})
+    text += std::string("\nproperty float ") + name;
+  text += "\nend_header\n";
+  for (std::size_t i = 0; i < model.points.size(); ++i) {
+    for (const double x : model.points[i]) text += number("%.8f ", x);
+    for (std::size_t a = 0; a < 3; ++a) text += number("%.6f ", double{model.normals[3 * i + a]});
+    text += "\n";
+  }
+  return writeFile(settings.out + "/hand.ply", text.data(), text.size());
 }
 
 }  // namespace pcl_slim::paper

@@ -30,4 +30,4 @@ for detail in 0 1; do
   done
 done
 montage -font "$(fc-match -f '%{file}' sans)" -pointsize 13 "${parts[@]}" -tile 3x -geometry +3+3 "$work/all.png"
-convert "$work/all.png" +dither -colors 64 -define png:compression-level=9 "png8:$out/paper_fig10.png"
+convert "$work/all.png" -define png:color-type=2 -define png:compression-level=9 "$out/paper_fig10.png"

@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/options.h"
 #include "paper/study.h"
@@ -19,8 +20,10 @@ struct Study {
 };
 
 constexpr Study kStudies[] = {
-    {"4", energyCurves},    {"7", ballsByLevel}, {"21", sparsity},        {"table1", fitTimes},
-    {"s37", rotationDrift}, {"s42", costOfRays}, {"s43", parabolicLines},
+    {"4", energyCurves}, {"5", radiusIntervals},  {"6", treeOfBalls},
+    {"7", ballsByLevel}, {"8", blendingOnRays},   {"21", sparsity},
+    {"hand", saveHand},  {"table1", fitTimes},    {"s37", rotationDrift},
+    {"s42", costOfRays}, {"s43", parabolicLines}, {"compactness", compactness},
 };
 
 }  // namespace
@@ -33,8 +36,11 @@ main(int argc, char** argv)
   OptionTable options("paper_bench", "1", "Remakes figures and tables of the SLIM paper.");
   options.positional("DATA", &settings.data, "folder of scans");
   options.positional("OUT", &settings.out, "folder for tables and pictures, which must exist");
-  options.choice("figure", &figure, {"all", "4", "7", "21", "table1", "s37", "s42", "s43"},
-                 "what to remake: a figure, Table 1, or rotation, cost of rays, parabolic lines");
+  std::vector<std::string> names = {"all"};
+  for (const Study& study : kStudies) names.emplace_back(study.name);
+  options.choice("figure", &figure, names,
+                 "what to remake: a figure, the hand of Fig. 22, Table 1, compactness, rotation, "
+                 "cost of rays, parabolic lines");
   options.integer("threads", &settings.threads, 0, 4096, "threads of fits, 0: all cores");
   if (const auto status = options.parse(argc, argv)) return *status;
   for (const Study& study : kStudies) {

@@ -112,8 +112,10 @@ savePlot(const std::string& path, const std::vector<std::string>& titles,
     double at = kTop + 14;
     for (const Curve& curve : panels[i]) {
       text += curveText(curve, x, y, left);
+      const bool rising = curve.y.back() > curve.y.front();  // the other corner is free
       text += "<g fill=\"" + curve.color + "\">" +
-              textAt(left + kWidth - 6, at, "end", curve.label) + "</g>\n";
+              textAt(left + (rising ? 6 : kWidth - 6), at, rising ? "start" : "end", curve.label) +
+              "</g>\n";
       at += 14;
     }
   }

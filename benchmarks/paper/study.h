@@ -90,9 +90,19 @@ savePlot(const std::string& path, const std::vector<std::string>& titles,
 Error
 energyCurves(const StudySettings& settings);  ///< Fig. 4
 Error
+radiusIntervals(const StudySettings& settings);  ///< Fig. 5
+Error
+treeOfBalls(const StudySettings& settings);  ///< Fig. 6
+Error
+blendingOnRays(const StudySettings& settings);  ///< Figs. 8 and 9
+Error
 ballsByLevel(const StudySettings& settings);  ///< Fig. 7
 Error
 sparsity(const StudySettings& settings);  ///< Fig. 21
+Error
+compactness(const StudySettings& settings);  ///< bytes of a surface beside its points
+Error
+saveHand(const StudySettings& settings);  ///< the points of handModel() as hand.ply, for Fig. 22
 Error
 fitTimes(const StudySettings& settings);  ///< Table 1
 Error

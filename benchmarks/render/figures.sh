@@ -12,7 +12,6 @@ font=$(fc-match -f '%{file}' sans)
 dragon=$data/stanford_dragon_res2.ply
 bunny=$data/stanford_bunny_zipper.ply
 sphere_eye=0,-4.2,0,0,0,0,0,0,1,30
-head=$data/julius_02_original.ply
 
 # fit SCAN NAME OPTIONS...: NAME.slim and the report of the fit.
 fit() {
@@ -23,7 +22,7 @@ leaves() { sed -n 's/.*"leaves": \([0-9]*\).*/\1/p' "$work/$1.fit.json" | head -
 
 # render NAME PICTURE OPTIONS...: a part of a sheet, of NAME.slim.
 render() {
-  "$bin/pcl_slim_render" "$work/$1.slim" "$work/$2.png" -json "$work/$2.json" -white 1 -quiet 1 \
+  "$bin/pcl_slim_render" "$work/$1.slim" "$work/$2.png" -json "$work/$2.json" -white 1 -trim 0 -quiet 1 \
     "${@:3}"
 }
 
@@ -38,8 +37,8 @@ sheet() {
     parts+=(-label "$1" "$work/$2.png")
     shift 2
   done
-  montage -font "$font" -pointsize 15 "${parts[@]}" -tile "${columns}x" -geometry +3+3 "$work/sheet.png"
-  convert "$work/sheet.png" -dither FloydSteinberg -colors 255 -define png:compression-level=9 "png8:$out/$picture"
+  montage -font "$font" -pointsize 15 "${parts[@]}" -tile "${columns}x" -geometry +3+3 \
+    -define png:color-type=2 -define png:compression-level=9 "$out/$picture"
 }
 
 # Fig. 1: balls by size, shading, mean curvature of cubics.
@@ -74,28 +73,43 @@ sheet figure_2.png 3 "$(leaves sphere_1_128) linear leaves" sphere_1_128_shaded 
 
 # Figs. 2 and 11: a mesh with interpolated normals beside quadratics of its vertices, one camera.
 fit "$dragon" phong -degree 2
-for part in "fig2 $(near dragon 9) -mode reflection" "fig11 $work/dragon.txt LINES"; do
+for part in "fig2 $work/dragon.txt -mode reflection" "fig2_near $(near dragon 9) -mode reflection" \
+  "fig11 $work/dragon.txt LINES" "fig11_near $(near dragon 9) LINES"; do
   read -r name camera options <<< "$part"
+  # Twice the size, halved: what the two differ in is no stair of a pixel.
   # shellcheck disable=SC2086
-  render phong ${name}_slim -size 470x380 -aa 1 -camera "$camera" ${options/LINES/-lines contour}
+  render phong ${name}_slim -size 940x760 -aa 1 -line_width 3.2 -camera "$camera" ${options/LINES/-mode contours}
   # shellcheck disable=SC2086
-  "$bin/phong_picture" "$dragon" "$work/phong.slim" "$work/${name}_mesh.png" -size 470x380 \
-    -camera "$camera" ${options/LINES/-contour 1}
+  "$bin/phong_picture" "$dragon" "$work/phong.slim" "$work/${name}_mesh.png" -size 940x760 \
+    -line_width 3.2 -camera "$camera" ${options/LINES/-suggestive 1}
+  mogrify -filter box -resize 50% "$work/${name}_slim.png" "$work/${name}_mesh.png"
 done
 for name in fig2 fig11; do
   sheet "figure_${name#fig}_mesh.png" 2 '202 520 triangles, interpolated normals' ${name}_mesh \
-    "$(leaves phong) quadratic leaves" ${name}_slim
+    "$(leaves phong) quadratic leaves" ${name}_slim '' ${name}_near_mesh '' ${name}_near_slim
 done
 
 # Fig. 12: the larger principal curvature of quadratics and cubics.
 for degree in 2 3; do
   fit "$dragon" dragon_$degree -degree $degree
   render dragon_$degree kmax_$degree -size 470x380 -mode kmax -range 400 -camera "$work/dragon.txt"
-  render dragon_$degree kmax_near_$degree -size 470x380 -mode kmax -range 400 \
-    -camera "$(near dragon 9)"
+  render dragon_$degree ridges_$degree -size 470x380 -lines crest -camera "$work/dragon.txt"
 done
 sheet figure_12.png 2 "k_max, $(leaves dragon_2) quadratic leaves" kmax_2 \
-  "k_max, $(leaves dragon_3) cubic leaves" kmax_3 '' kmax_near_2 '' kmax_near_3
+  "k_max, $(leaves dragon_3) cubic leaves" kmax_3 'ridges (blue) and ravines (red), quadratic' ridges_2 \
+  'ridges and ravines, cubic' ridges_3
+
+# Fig. 13: suggestive contours, shading and crest lines of cubics.
+fit "$data/armadillo_50k.ply" armadillo -degree 3
+for part in 'contours -mode sketch -lines suggestive -line_slope 6' 'shaded -mode shaded' \
+  'crest -mode sketch -lines crest -line_curvature 1'; do
+  read -r name options <<< "$part"
+  # shellcheck disable=SC2086
+  render armadillo armadillo_$name -size 1320x1560 -line_width 4 -view 180,5 $options
+  mogrify -filter box -resize 33.3333% "$work/armadillo_$name.png"
+done
+sheet figure_13.png 3 'suggestive contours' armadillo_contours "$(leaves armadillo) cubic leaves" armadillo_shaded \
+  'ridges (blue) and ravines (red)' armadillo_crest
 
 # Figs. 15 and 16: equation 8, left against right.
 for degree in 2 3; do
@@ -115,20 +129,22 @@ sheet figure_16.png 4 'quadratic, blended Hessians' mean_blended_2 \
   'quadratic, partition of unity' mean_unity_2 'cubic, blended Hessians' mean_blended_3 \
   'cubic, partition of unity' mean_unity_3
 
-# Fig. 17: one error, three degrees.
+# Fig. 17: one T, three degrees, by the paper's rules.
 for degree in 1 2 3; do
-  fit "$dragon" same_error_$degree -degree $degree -target_error 4e-4
-  render same_error_$degree same_error_$degree -size 450x380 -camera "$work/dragon.txt"
+  fit "$dragon" same_t_$degree -degree $degree -paper 1 -t_mdl .02
+  render same_t_$degree same_t_$degree -size 450x380 -camera "$work/dragon.txt"
 done
-sheet figure_17.png 3 "$(leaves same_error_1) linear leaves" same_error_1 \
-  "$(leaves same_error_2) quadratic" same_error_2 "$(leaves same_error_3) cubic" same_error_3
+sheet figure_17.png 3 "$(leaves same_t_1) linear leaves" same_t_1 "$(leaves same_t_2) quadratic" same_t_2 \
+  "$(leaves same_t_3) cubic" same_t_3
 
 # Fig. 22: few quadratics against many planes, near by.
-fit "$head" few -degree 2 -max_surfels 1900
-fit "$head" many -degree 1 -max_surfels 25000
+"$bin/paper_bench" "$data" "$work" -figure hand > /dev/null
+fit "$work/hand.ply" few -degree 2 -paper 1 -max_surfels 1900
+fit "$work/hand.ply" many -degree 1 -paper 1 -max_surfels 25000
 for name in few many; do
-  render $name ${name}_whole -size 330x360 -save_camera "$work/head.txt"
-  render $name ${name}_near -size 330x360 -camera "$(near head 12)" -mode reflection
+  render $name ${name}_whole -size 330x360 -view 180,10 -save_camera "$work/hand.txt"
+  render $name ${name}_near -size 330x360 -camera "$(near hand 9)"
+  render $name ${name}_lines -size 330x360 -camera "$(near hand 9)" -mode reflection
 done
-sheet figure_22.png 4 "$(leaves few) quadratic leaves" few_whole "$(leaves many) linear leaves" \
-  many_whole 'quadratic: reflection lines' few_near 'linear' many_near
+sheet figure_22.png 3 "$(leaves few) quadratic leaves" few_whole 'near by' few_near 'reflection lines' few_lines \
+  "$(leaves many) linear leaves" many_whole 'near by' many_near 'reflection lines' many_lines

@@ -10,13 +10,18 @@ out=$(realpath -- "$3")
 work=$(mktemp -d)
 trap 'rm -rf -- "$work"' EXIT
 cd -- "$work"
+font=$(fc-match -f '%{file}' sans)
 
-# sheet PICTURE COLUMNS NAME...: parts side by side.
+# sheet PICTURE COLUMNS NAME[=LABEL]...: parts side by side.
 sheet() {
-  local picture=$1 columns=$2
-  shift 2
-  montage "${@/%/.png}" -tile "${columns}x" -geometry +2+2 sheet.png
-  convert sheet.png -dither FloydSteinberg -colors 255 -define png:compression-level=9 "png8:$out/$picture"
+  local picture=$1 columns=$2 parts=()
+  for part in "${@:3}"; do
+    label=${part#*=}
+    [ "$label" != "$part" ] || label=''
+    parts+=(-label "$label" "${part%%=*}.png")
+  done
+  montage -font "$font" -pointsize 15 "${parts[@]}" -tile "${columns}x" -geometry +2+2 -define png:color-type=2 \
+    -define png:compression-level=9 "$out/$picture"
 }
 
 # scan FILE OPTIONS...: FILE.slim and FILE.png, the defaults' fit from where the program stands.
@@ -35,10 +40,12 @@ for name in stanford_dragon_res2 angel_real_scan stanford_bunny_zipper julius_02
   scan $name.ply
 done
 scan armadillo_50k.ply -view 200,10
-sheet scans.png 3 stanford_bunny_raw_scans lion_takanawa lone_star_geyser_tls autzen_stadium \
-  terrain_isprs_csite1_utm kinect_mosd_learn13 stanford_dragon_res2 armadillo_50k angel_real_scan
-sheet scans_more.png 4 stanford_bunny_zipper julius_02_original julius_02_noisy fandisk_03_original \
-  fandisk_03_noisy block_04_original block_04_noisy pcpnet_cube100k
+sheet scans.png 3 'stanford_bunny_raw_scans=Bunny, ten raw scans' lion_takanawa=Lion lone_star_geyser_tls=Geyser \
+  autzen_stadium=Stadium terrain_isprs_csite1_utm=City kinect_mosd_learn13=Table stanford_dragon_res2=Dragon \
+  armadillo_50k=Armadillo angel_real_scan=Angel
+sheet scans_more.png 4 'stanford_bunny_zipper=Bunny, zippered' julius_02_original=Julius 'julius_02_noisy=Julius, noisy' \
+  fandisk_03_original=Fandisk 'fandisk_03_noisy=Fandisk, noisy' block_04_original=Block 'block_04_noisy=Block, noisy' \
+  pcpnet_cube100k=Cube
 
 # window NAME FILE WIDTHxHEIGHT OPTIONS... -- ACTION...: the window with FILE after what xdotool did in it.
 cat > window.sh <<'END'
@@ -54,7 +61,7 @@ for ((i = 0; i < 100; ++i)); do
 done
 [ -n "$id" ] || exit 1
 xdotool windowmove "$id" 0 0
-sleep 6
+sleep 20
 for action in "$@"; do xdotool ${action//WINDOW/$id} 2> /dev/null; sleep 1; done
 import -window "$id" "$picture"
 kill $viewer
@@ -69,7 +76,8 @@ window reflection $dragon 560x420 -mode reflection --
 window balls $dragon 560x420 -balls 1 --
 window size $dragon 560x420 -mode size --
 window help $dragon 560x420 -help_overlay 1 --
-sheet view_modes.png 3 mean kmin reflection balls size help
+sheet view_modes.png 3 'mean=-mode mean' 'kmin=-mode kmin' 'reflection=-mode reflection' 'balls=-balls 1' \
+  'size=-mode size' 'help=-help_overlay 1'
 window bunny "$data/stanford_bunny_raw_scans.pcd" 560x420 --
 window lion "$data/lion_takanawa.pcd" 560x420 --
 window angel "$data/angel_real_scan.ply" 560x420 -mode mean -lines crest -- 'mousemove 260 260' \
@@ -80,7 +88,7 @@ sheet view_scans.png 3 bunny lion angel
 cat > example.sh <<'END'
 "$bin/pcl_slim_example_03_pcl_visualizer" stanford_bunny.pcd &
 example=$!
-sleep 6
+sleep 20
 id=$(xdotool search --onlyvisible --name 'The surface' | tail -n 1)
 [ -n "$id" ] && import -window "$id" pcl_visualizer.png
 kill $example
@@ -88,4 +96,9 @@ kill $example
 END
 cp -- "$data/stanford_bunny_raw_scans.pcd" stanford_bunny.pcd
 bin=$bin xvfb-run -a -s "-screen 0 1280x1024x24" bash example.sh
-convert pcl_visualizer.png -dither FloydSteinberg -colors 255 "png8:$out/pcl_visualizer.png"
+convert pcl_visualizer.png -define png:color-type=2 -define png:compression-level=9 "$out/pcl_visualizer.png"
+
+# The pipeline of PCL's classes.
+xvfb-run -a -s "-screen 0 1600x1200x24" "$bin/pcl_slim_example_06_pipeline_visualizer" \
+  "$data/kinect_mosd_learn13.pcd" 2.5 .004 pipeline.png > /dev/null
+convert pipeline.png -define png:color-type=2 -define png:compression-level=9 "$out/pcl_pipeline.png"

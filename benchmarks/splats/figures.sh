@@ -67,3 +67,33 @@ render "$splats" lit -size 360x300 -camera $near_side -lighting 1
 render "$splats" size -size 360x300 -camera $near_side -mode size -filtered 0
 sheet splats_modes.png 4 '-filtered 0' unfiltered '-filtered 1' filtered '-lighting 1' lit \
   '-mode size -filtered 0' size
+
+# Figs. 11 and 12: the two tolerances, one at a time, on the feathers and near the eye. Figs. 7 and 8: the grid, divided
+# by shape, and by colour too.
+# sample NAME CAMERA OPTIONS...: splats of the duck.
+sample() {
+  "$bin/pcl_color_splat_sampling" "$work/duck.pcd" "$work/$1.pcd" -rays 0 -quiet 1 "${@:3}"
+  render "$work/$1.pcd" "$1" -size 330x275 -camera "$2" -lighting 1
+}
+thresholds=()
+for pair in '.3 .2' '.2 .2' '.1 .2' '.08 .2' '.2 1' '.2 .15' '.2 .1' '.2 .05'; do
+  read -r geo color <<< "$pair"
+  camera=$near_eye
+  [ ${#thresholds[@]} -ge 8 ] || camera=$near_side
+  sample "at${geo}_$color" "$camera" -geo "$geo" -color "$color"
+  thresholds+=("-geo $geo -color $color: $(count "$work/at${geo}_$color.json")" "at${geo}_$color")
+done
+sheet splats_thresholds.png 4 "${thresholds[@]}"
+for step in 'grid -max_depth 0' 'shape -color 1' 'both -color .1'; do
+  read -r name options <<< "$step"
+  # shellcheck disable=SC2086
+  sample "step_$name" $near_side $options
+  render "$work/step_$name.pcd" "step_${name}_size" -size 330x275 -camera $near_side -mode size -filtered 0
+done
+render "$work/duck/all_points.ply" step_cloud -size 330x275 -camera $near_side -lighting 1
+convert -size 330x275 xc:white "$work/step_blank.png"
+sheet splats_steps.png 4 "$(count "$work/step_cloud.json") points" step_cloud \
+  "uniform grid: $(count "$work/step_grid.json") splats" step_grid \
+  "divided by shape: $(count "$work/step_shape.json")" step_shape \
+  "by shape and colour: $(count "$work/step_both.json")" step_both \
+  '' step_blank '' step_grid_size '' step_shape_size '' step_both_size

@@ -51,6 +51,14 @@ for quiet in 'scan.pcd quiet.slim -quiet 1' 'scan.pcd quiet.slim -quiet' '-quiet
 done
 expect 0 '' scan.pcd quiet.slim -quiet 0 -threads 1
 [ -s out.txt ] || complain "-quiet 0 is quiet"
+# Rounded .slim files are far smaller, are read again, and come out the same every time.
+expect 0 '' scan.pcd rounded.slim -quantize .1
+expect 0 '' scan.pcd again.slim -quantize .1 -threads 1
+same rounded.slim again.slim
+[ "$(stat -c %s rounded.slim)" -lt $(($(stat -c %s a.slim) / 2)) ] || complain "rounded.slim is large"
+"$bin/pcl_slim_render" rounded.slim rounded.ppm -size 80x60 -quiet || complain "rounded.slim is not read"
+expect 2 'rounds .slim files alone' scan.pcd a.ply -quantize .1
+expect 2 'from 0.001 to 1' scan.pcd a.slim -quantize 2
 expect 0 '' "with space/scan.pcd" "with space/a.PLY"
 expect 0 '' scan.pcd b.slim -threads 1
 cmp -s a.slim b.slim || complain "threads change the surface"

@@ -22,12 +22,14 @@ checkSurfaceExtension(const std::string& path)
 }
 
 Error
-saveSurface(const std::string& path, const SLIMSurface& surface)
+saveSurface(const std::string& path, const SLIMSurface& surface, double rounding)
 {
   if (Error error = checkSurfaceExtension(path)) return error;
   if (Error error = surface.validate()) return error;
   const std::string extension = lowerExtension(path);
-  if (extension == ".slim") return saveSlim(path, surface);
+  if (extension == ".slim") return saveSlim(path, surface, rounding);
+  if (rounding > 0.0)
+    return {ErrorCode::kBadArgument, "'" + path + "' keeps floats; round a .slim file instead"};
   PointFile file;
   file.comments = toComments(toPCL(surface, file.cloud));
   addTrimComments(surface, file.comments);

@@ -7,6 +7,7 @@
 #include "shading/paint_surface.h"
 #include "space/space_derivatives.h"
 #include "tiles/frame_rules.h"
+#include "tracer/gap_closer.h"
 
 namespace pcl_slim {
 
@@ -18,6 +19,7 @@ struct SurfaceRenderer::State {
   std::unique_ptr<FastRasterizer> fast;
   std::unique_ptr<PartitionOfUnity> unity;  ///< made when a frame first asks for it
   SurfacePainter painter;
+  GapCloser gaps;
 };
 
 namespace {
@@ -41,10 +43,19 @@ checkUnity(const SLIMSurface& surface, const RenderParams& params)
           "normals or take blended derivatives"};
 }
 
+/** \brief Whether rays of a frame are met by the tracer's rules. */
+bool
+closesGaps(const RenderParams& params)
+{
+  return params.close_gaps && params.lod == 0.0 && params.cuts.empty() && params.shrink == 0.0 &&
+         params.min_coverage < 0.0 && params.trim;
+}
+
 }  // namespace
 
 SurfaceRenderer::SurfaceRenderer(const SLIMSurface& surface, int threads)
-    : state_(new State{surface, surface.validate(), nullptr, nullptr, SurfacePainter(surface)})
+    : state_(new State{surface, surface.validate(), nullptr, nullptr, SurfacePainter(surface),
+                       GapCloser(surface)})
 {
   if (!state_->defect) {
     state_->fast = std::make_unique<FastRasterizer>(surface, resolveThreads(threads));
@@ -89,6 +100,12 @@ SurfaceRenderer::render(const Camera& camera, const RenderParams& params, GBuffe
     state_->fast->draw(camera, rules, columns, buffer, counts);
   }
   const int threads = resolveThreads(params.threads);
+  if (closesGaps(params)) {
+    RenderParams wanted = params;
+    wanted.columns = columns;
+    counts.closed_pixels = state_->gaps.close(camera, wanted, threads, buffer);
+    counts.covered_pixels += counts.closed_pixels;
+  }
   if (in_space) {
     if (!state_->unity) state_->unity = std::make_unique<PartitionOfUnity>(state_->surface);
     differentiateInSpace(*state_->unity, threads, buffer);

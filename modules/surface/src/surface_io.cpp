@@ -4,6 +4,7 @@
 #include <numeric>
 #include <optional>
 
+#include "compact/compact_block.h"
 #include "file/byte_stream.h"
 #include "file/slim_blocks.h"
 #include "file/slim_header.h"
@@ -16,7 +17,8 @@
 // each coefficient k the values of those surfels that store it: as many as their degree has, but
 // only the first where the flag byte's bit kPlaneOnly says that the normal is the plane's own; then,
 // from version 2 on, the trim maps of those surfels whose flags say so: side (1 byte) and bits; then, in
-// version 4, the bytes of all surfels' colours (surfel_color.h).
+// version 4, the bytes of all surfels' colours (surfel_color.h). Version 5 has a rounded surface instead
+// (compact/compact_block.h).
 
 namespace pcl_slim {
 
@@ -123,10 +125,8 @@ forEachCoefficient(const SLIMSurface& surface, const std::vector<std::uint8_t>& 
   }
 }
 
-}  // namespace
-
 std::vector<unsigned char>
-encodeSlim(const SLIMSurface& surface)
+encodeFloats(const SLIMSurface& surface)
 {
   const std::vector<std::uint8_t> flags = fileFlags(surface);
   const auto counts = storedCoefficients(surface, flags);
@@ -155,9 +155,38 @@ encodeSlim(const SLIMSurface& surface)
 }
 
 Result<SLIMSurface>
+decodeRounded(const unsigned char* bytes, std::size_t size)
+{
+  SLIMSurface surface;
+  const Result<std::uint64_t> count = getSlimHeader(bytes, surface.info);
+  if (!count) return count.error();
+  if (Error error =
+          unpackSurfels(bytes + kSlimHeaderBytes, size - kSlimHeaderBytes, *count, surface))
+    return error;
+  if (Error error = surface.validate()) return error;
+  return surface;
+}
+
+}  // namespace
+
+std::vector<unsigned char>
+encodeSlim(const SLIMSurface& surface, double rounding)
+{
+  if (!(rounding > 0.0) || surface.empty()) return encodeFloats(surface);
+  const std::vector<unsigned char> surfels = packSurfels(surface, rounding);
+  if (surfels.empty()) return encodeFloats(surface);
+  ByteWriter out;
+  putSlimHeader(surface.info, kSlimRoundedVersion, surface.size(), surfels.size(), out);
+  out.putBytes(surfels);
+  sealSlim(out.bytes);
+  return out.bytes;
+}
+
+Result<SLIMSurface>
 detail::decodeSlimBlock(const unsigned char* bytes, std::size_t size)
 {
   if (Error error = checkSlimFrame(bytes, size)) return error;
+  if (slimVersionOf(bytes, size) == kSlimRoundedVersion) return decodeRounded(bytes, size);
   SLIMSurface surface;
   const Result<std::uint64_t> count = getSlimHeader(bytes, surface.info);
   if (!count) return count.error();
@@ -200,10 +229,10 @@ decodeSlim(const unsigned char* bytes, std::size_t size)
 }
 
 Error
-saveSlim(const std::string& path, const SLIMSurface& surface)
+saveSlim(const std::string& path, const SLIMSurface& surface, double rounding)
 {
   if (Error error = surface.validate()) return error;
-  const std::vector<unsigned char> bytes = encodeSlim(surface);
+  const std::vector<unsigned char> bytes = encodeSlim(surface, rounding);
   return writeFile(path, bytes.data(), bytes.size());
 }
 

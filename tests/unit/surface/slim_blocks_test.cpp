@@ -26,10 +26,11 @@ someSurface()
 }
 
 Error
-writeBlocks(const std::string& path, const SLIMSurface& surface, std::size_t blocks)
+writeBlocks(const std::string& path, const SLIMSurface& surface, std::size_t blocks,
+            double rounding = 0.0)
 {
   SlimBlockWriter writer;
-  if (Error error = writer.open(path)) return error;
+  if (Error error = writer.open(path, rounding)) return error;
   for (std::size_t b = 0; b < blocks; ++b) {
     const std::size_t begin = b * surface.size() / blocks, end = (b + 1) * surface.size() / blocks;
     if (Error error = writer.add(surface.slice(begin, end), 10 * b, 10 * b + 10)) return error;
@@ -50,6 +51,21 @@ TEST(SlimBlocks, GiveTheWholeSurfaceBack)
   ASSERT_TRUE(loaded) << loaded.error().message;
   EXPECT_EQ(encodeSlim(*loaded), encodeSlim(surface));
   EXPECT_FALSE(loaded->child_begin.empty());
+}
+
+TEST(SlimBlocks, CanBeRounded)
+{
+  const TemporaryFolder folder;
+  const std::string whole = folder / "a.slim", rounded = folder / "b.slim";
+  const SLIMSurface surface = someSurface();
+  ASSERT_FALSE(writeBlocks(whole, surface, 3));
+  ASSERT_FALSE(writeBlocks(rounded, surface, 3, 0.3));
+  // The maps' bits are random, so that they take as much as before.
+  EXPECT_LT(fileBytes(rounded).size(), fileBytes(whole).size() - 20 * surface.size());
+  const auto loaded = loadSlim(rounded);
+  ASSERT_TRUE(loaded) << loaded.error().message;
+  EXPECT_EQ(loaded->size(), surface.size());
+  EXPECT_EQ(loaded->numLeaves(), surface.numLeaves());
 }
 
 TEST(SlimBlocks, AreFoundByDirectoryAndBox)

@@ -4,6 +4,7 @@
 #include <pcl/filters/filter_indices.h>
 #include <pcl/point_cloud.h>
 #include <pcl/point_types.h>
+#include <pcl/search/search.h>
 
 #include <vector>
 
@@ -44,6 +45,7 @@ class ColorOctreeSplatSampler : public pcl::FilterIndices<PointT>,
   using ConstPtr = pcl::shared_ptr<const ColorOctreeSplatSampler<PointT>>;
   using PointCloud = pcl::PointCloud<PointT>;
   using NormalCloud = pcl::PointCloud<pcl::Normal>;
+  using SearchPtr = typename pcl::search::Search<PointT>::Ptr;
 
   /** \param[in] extract_removed_indices whether getRemovedIndices() shall know them. */
   explicit ColorOctreeSplatSampler(bool extract_removed_indices = false);
@@ -53,6 +55,11 @@ class ColorOctreeSplatSampler : public pcl::FilterIndices<PointT>,
   /** \brief Normals of the input cloud, one for each of its points; null: none. */
   void setInputNormals(const NormalCloud::ConstPtr& normals) { normals_ = normals; }
   NormalCloud::ConstPtr getInputNormals() const { return normals_; }
+
+  /** \brief Search object for estimating normals, of clouds without, as pcl::NormalEstimation does; null
+   * (default): the sampler estimates them from an index of its own. */
+  void setSearchMethod(const SearchPtr& search) { search_ = search; }
+  SearchPtr getSearchMethod() const { return search_; }
 
   /** \brief Points that stand for cells, ascending. \return false with getError() when there are
    * none; indices are then empty. */
@@ -83,6 +90,7 @@ class ColorOctreeSplatSampler : public pcl::FilterIndices<PointT>,
   void complain() const;
 
   NormalCloud::ConstPtr normals_;
+  SearchPtr search_;
 };
 
 }  // namespace pcl_slim

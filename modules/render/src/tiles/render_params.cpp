@@ -49,6 +49,7 @@ RenderStatistics::operator+=(const RenderStatistics& other)
   rays_blend += other.rays_blend;
   rays_bracketed += other.rays_bracketed;
   covered_pixels += other.covered_pixels;
+  closed_pixels += other.closed_pixels;
   return *this;
 }
 

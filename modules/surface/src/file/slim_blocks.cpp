@@ -180,9 +180,10 @@ detail::decodeSlimBlocks(const unsigned char* bytes, std::size_t size)
 }
 
 Error
-SlimBlockWriter::open(const std::string& path)
+SlimBlockWriter::open(const std::string& path, double rounding)
 {
   directory_ = {};
+  rounding_ = rounding;
   if (Error error = file_.open(path)) return error;
   const Bytes room(kSlimHeaderBytes, 0);
   return file_.write(room.data(), room.size());
@@ -194,7 +195,7 @@ SlimBlockWriter::add(const SLIMSurface& tile, std::uint64_t first_key, std::uint
   if (directory_.blocks.empty()) directory_.info = tile.info;
   if (tile.empty()) return {};
   if (Error error = tile.validate()) return error;
-  const Bytes bytes = encodeSlim(tile);
+  const Bytes bytes = encodeSlim(tile, rounding_);
   SlimBlock block;
   block.offset = file_.size();
   block.bytes = bytes.size();

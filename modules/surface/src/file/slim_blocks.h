@@ -12,7 +12,7 @@
 
 namespace pcl_slim::detail {
 
-/** \brief The surface of a file of version 1, 2 or 4, without links. */
+/** \brief The surface of a file of version 1, 2, 4 or 5, without links. */
 Result<SLIMSurface>
 decodeSlimBlock(const unsigned char* bytes, std::size_t size);
 

@@ -11,7 +11,7 @@ namespace {
 
 // Like PNG's: catches files mangled as text, and is not valid text itself.
 constexpr unsigned char kMagic[8] = {0x89, 'S', 'L', 'I', 'M', '\r', '\n', 0x1a};
-constexpr std::uint32_t kNewest = kSlimColorsVersion;
+constexpr std::uint32_t kNewest = kSlimRoundedVersion;
 constexpr std::size_t kVersionAt = sizeof(kMagic);
 constexpr std::size_t kChecksumAt = 24;
 

@@ -12,7 +12,7 @@
 // A .slim file's header: magic (8 bytes), version and header size (4 each), size of the payload,
 // checksum (8 each), then what SurfaceInfo holds. Version 2 has trim maps behind the columns, version 4
 // behind these colours; files without any are written as version 1. Version 3 consists of blocks, each a
-// file of one of the other versions.
+// file of one of the other versions. Version 5 is a rounded surface (compact/compact_block.h).
 
 namespace pcl_slim::detail {
 
@@ -22,6 +22,7 @@ constexpr std::uint32_t kSlimMapsVersion = 2;    ///< one surface with trim maps
 constexpr std::uint32_t kSlimBlocksVersion = 3;  ///< blocks of such surfaces (slim_blocks.h)
 constexpr std::uint32_t kSlimColorsVersion =
     4;  ///< one surface with colours, and maps where it has any
+constexpr std::uint32_t kSlimRoundedVersion = 5;  ///< one rounded surface (compact/compact_block.h)
 
 /** \brief Writes the header of so many surfels that take payload bytes; the checksum is left 0, for
  * sealSlim. */

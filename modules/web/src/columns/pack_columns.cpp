@@ -4,11 +4,11 @@
 #include <cstring>
 
 #include "columns/center_cells.h"
-#include "columns/new_frame.h"
 #include "columns/surface_columns.h"
 #include "columns/web_columns.h"
 #include "columns/web_header.h"
 #include "pcl_slim/surface/detail/detail_sizes.h"
+#include "pcl_slim/surface/detail/new_frame.h"
 #include "pcl_slim/surface/oct_normal.h"
 #include "pcl_slim/surface/surfel_color.h"
 
@@ -184,7 +184,8 @@ class Packer {
   {
     std::vector<std::uint8_t> colors = s_.colors;
     for (const std::uint32_t i : order_) {
-      if (!exact()) rewriteColor(i, colors.data() + i * kColorBytes);
+      if (exact()) break;
+      recolorInNewFrame(ballOf(i), roundedBall(i), colors.data() + i * kColorBytes);
     }
     for (std::size_t k = 0; k < kColorBytes; ++k) {
       const std::size_t green = 3 * (k / 3) + 1;
@@ -193,19 +194,6 @@ class Packer {
         return static_cast<std::uint8_t>(of[k] - (k == green ? 0 : of[green]));
       });
     }
-  }
-
-  void rewriteColor(std::uint32_t i, std::uint8_t* bytes) const
-  {
-    ColorPolynomial color = decodeColor(bytes);
-    for (std::size_t channel = 0; channel < 3; ++channel) {
-      std::array<float, kColorTerms> terms;
-      for (std::size_t k = 0; k < kColorTerms; ++k) terms[k] = color[k][channel];
-      const auto moved = valuesInNewFrame(kColorDegree, terms.data(), ballOf(i), roundedBall(i));
-      for (std::size_t k = 0; k < kColorTerms; ++k)
-        color[k][channel] = static_cast<float>(moved[k]);
-    }
-    encodeColor(color, bytes);
   }
 
   const SLIMSurface& s_;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "pcl_slim/render/ray_tracer.h"
+#include "pcl_slim/render/surface_renderer.h"
 #include "pcl_slim/surface/polynomial.h"
 #include "traced_scenes.h"
 #include "unit/render/sphere_view.h"
@@ -55,6 +56,30 @@ TEST(TracedGaps, GapsBetweenShrunkBallsAreClosed)
   EXPECT_EQ(counts.closed, 0u);
   EXPECT_EQ(openPixels(surface, camera, true, &counts), 0u);
   EXPECT_EQ(counts.closed, open);
+}
+
+TEST(TracedGaps, RasterisersCloseThemWhereAsked)
+{
+  const SLIMSurface surface = sheetWithGap();
+  Camera camera = frontCamera(100, 100);
+  camera.fov = 10.0;
+  const std::size_t open = openPixels(surface, camera, false);
+  SurfaceRenderer renderer(surface);
+  for (const bool reference : {false, true}) {
+    RenderParams params;
+    params.reference = reference;
+    GBuffer buffer;
+    RenderStatistics counts;
+    ASSERT_FALSE(renderer.render(camera, params, buffer, &counts));
+    EXPECT_EQ(buffer.numPixels() - buffer.numCovered(), open);
+    EXPECT_EQ(counts.closed_pixels, 0u);
+    params.close_gaps = true;
+    ASSERT_FALSE(renderer.render(camera, params, buffer, &counts));
+    EXPECT_EQ(buffer.numCovered(), buffer.numPixels());
+    EXPECT_EQ(counts.closed_pixels, open);
+    EXPECT_EQ(counts.covered_pixels, buffer.numPixels());
+    for (std::size_t i = 0; i < buffer.numPixels(); ++i) EXPECT_GT(buffer.normal[i][2], 0.999f);
+  }
 }
 
 /** Cuts a hole about the origin into a flat sheet, by a map for every leaf. */

@@ -30,7 +30,8 @@ template <typename PointT>
 ColorOctreeSplatSampler<PointT>::ColorOctreeSplatSampler(const ColorOctreeSplatSampler& other)
     : pcl::FilterIndices<PointT>(other),
       ColorOctreeSplatSamplerBase(other),
-      normals_(other.normals_)
+      normals_(other.normals_),
+      search_(other.search_)
 {
   removed_indices_.reset(new pcl::Indices(*other.removed_indices_));
 }
@@ -43,6 +44,7 @@ ColorOctreeSplatSampler<PointT>::operator=(const ColorOctreeSplatSampler& other)
   pcl::FilterIndices<PointT>::operator=(other);
   ColorOctreeSplatSamplerBase::operator=(other);
   normals_ = other.normals_;
+  search_ = other.search_;
   removed_indices_.reset(new pcl::Indices(*other.removed_indices_));
   return *this;
 }
@@ -56,6 +58,13 @@ ColorOctreeSplatSampler<PointT>::sample(SplatSet& splats)
   CloudDescription<PointT> cloud(input_, use_indices_ ? pcl::IndicesConstPtr(indices_) : nullptr,
                                  FitParams());
   cloud.setInputNormals(normals_);
+  if (search_ && !pcl::traits::has_normal<PointT>::value) {
+    cloud.setSearchMethod(search_);
+    cloud.setNormalEstimationNeighbors(params_.normal_neighbors);
+    cloud.setNumberOfThreads(getNumberOfThreads());
+    double x, y, z;
+    if (getViewPoint(x, y, z)) cloud.setViewPoint(x, y, z);
+  }
   if (!cloud.describe()) return fail(cloud.getError().code, cloud.getError().message);
   return run(cloud.view(), colorsOfPoints(*input_), input_->sensor_origin_.data(), splats);
 }

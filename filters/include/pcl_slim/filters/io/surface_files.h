@@ -20,10 +20,11 @@ namespace pcl_slim {
  * .slim  the compact form of surface/surface_io.h
  *
  * Trim maps of other than 8 x 8 nodes are in further such lines, colours in fields (surface_conversion.h).
- * Loading and saving again gives the same bytes in every format.
+ * Loading and saving again gives the same bytes in every format, unless they are rounded.
+ * \param[in] rounding of a .slim, as that of saveSlim; with another format one above 0 is an error
  */
 PCL_SLIM_EXPORT Error
-saveSurface(const std::string& path, const SLIMSurface& surface);
+saveSurface(const std::string& path, const SLIMSurface& surface, double rounding = 0.0);
 
 /** \brief Reads what saveSurface wrote, and surfels other programs have rewritten.
  *

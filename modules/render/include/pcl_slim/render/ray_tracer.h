@@ -34,7 +34,8 @@ struct PCL_SLIM_EXPORT TraceParams {
    * a half space's plane are met in it. */
   std::vector<HalfSpace> cuts;
   /** Of surfaces: where a ray would meet nothing but slips between shrunk balls it meets the blend of the leaves around, if these
-   * lie on all sides, point one way and face it. false: such gaps are open, as the rasterisers' are. */
+   * lie on all sides, point one way and face it. false: such gaps are open, as they
+   * are to a rasteriser without RenderParams::close_gaps. */
   bool close_gaps = true;
   bool filtered = true;            ///< of discs, as DiscRenderParams::filtered
   double depth_tolerance = 0.5;    ///< of discs, as DiscRenderParams::depth_tolerance
@@ -99,8 +100,8 @@ struct PCL_SLIM_EXPORT WorldHit {
  *
  * A ray's hit is the rasteriser's, by the same rules: q^ is the first intersection with a leaf inside
  * its ball shrunk by alpha; the blend of the leaves whose ball holds q^ is the hit (eqs. 6, 7), if it is
- * covered or lies in a gap between leaves; else the ray goes on behind it. Gaps between shrunk balls, at
- * which the rasterisers show what lies behind, are closed (TraceParams::close_gaps). Discs are blended as
+ * covered or lies in a gap between leaves; else the ray goes on behind it. Gaps between shrunk balls are
+ * closed (TraceParams::close_gaps). Discs are blended as
  * renderDiscs() blends them. A shadow ray is blocked by any root of a leaf at which the blend belongs to
  * the surface, from either side of it, so that shadows end where silhouettes do. It starts a little
  * above its point, by what leaves that meet there may disagree, and sees the inner side of an oriented

@@ -45,6 +45,9 @@ struct PCL_SLIM_EXPORT RenderParams {
   /** Of normals, gradients, Hessians and curvatures. Where rays meet the surface stays the same.
    * The right side is evaluated in double, leaf by leaf: microseconds a pixel. */
   Derivatives derivatives = Derivatives::kBlended;
+  /** Rays that slip between shrunk balls where most pixels about theirs meet the surface are traced again, as
+   * with TraceParams::close_gaps. A frame with lod, cuts, shrink, min_coverage or without trim has open gaps. */
+  bool close_gaps = false;
   bool skip = true;  ///< leave out work that cannot change the result
   int threads = 0;   ///< 0: all cores; never changes the result
   /** Only what lies in all of these half spaces is met: the surface is cut open, and with kAuto both
@@ -70,6 +73,7 @@ struct PCL_SLIM_EXPORT RenderStatistics {
   std::uint64_t rays_blend = 0;        ///< the same in pass 2
   std::uint64_t rays_bracketed = 0;    ///< of both, those whose roots had to be isolated one by one
   std::uint64_t covered_pixels = 0;
+  std::uint64_t closed_pixels = 0;  ///< of those, filled by close_gaps
 
   RenderStatistics& operator+=(const RenderStatistics& other);
 };

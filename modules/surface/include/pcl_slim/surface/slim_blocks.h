@@ -16,7 +16,7 @@ namespace pcl_slim {
 
 /** \brief One block of a .slim file of format version 3: the surfels of one tile. */
 struct SlimBlock {
-  std::uint64_t offset = 0, bytes = 0;  ///< in the file: a complete .slim of version 1, 2 or 4
+  std::uint64_t offset = 0, bytes = 0;  ///< in the file: a complete .slim of version 1, 2, 4 or 5
   std::uint64_t surfels = 0;
   std::uint64_t first_key = 0, end_key = 0;  ///< Morton codes of the tile, half open
   std::array<float, 3> low{}, high{};        ///< box of the surfels' balls, local units
@@ -36,7 +36,8 @@ struct SlimDirectory {
  */
 class PCL_SLIM_EXPORT SlimBlockWriter {
  public:
-  Error open(const std::string& path);
+  /** \param[in] rounding as that of saveSlim, for each tile */
+  Error open(const std::string& path, double rounding = 0.0);
   /** \brief Appends the surfels of a tile; all tiles have the same units and degree. Tiles without
    * surfels leave no block. \return an error where the surface is not valid or cannot be written. */
   Error add(const SLIMSurface& tile, std::uint64_t first_key, std::uint64_t end_key);
@@ -48,13 +49,14 @@ class PCL_SLIM_EXPORT SlimBlockWriter {
  private:
   FileWriter file_;
   SlimDirectory directory_;
+  double rounding_ = 0.0;
 };
 
 /** \brief Reads the directory of a file of format version 3; nothing of its blocks. */
 PCL_SLIM_EXPORT Result<SlimDirectory>
 loadSlimDirectory(const std::string& path);
 
-/** \brief Reads those blocks that wanted(block) names, as one surface with links. A file of version 1 or 2
+/** \brief Reads those blocks that wanted(block) names, as one surface with links. A file of another version
  * is one block of all its surfels. */
 PCL_SLIM_EXPORT Result<SLIMSurface>
 loadSlimBlocks(const std::string& path, const std::function<bool(const SlimBlock&)>& wanted);

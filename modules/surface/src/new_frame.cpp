@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "columns/new_frame.h"
+#include "pcl_slim/surface/detail/new_frame.h"
+
+#include "pcl_slim/surface/surfel_color.h"
 
 namespace pcl_slim::detail {
 namespace {
@@ -92,10 +94,19 @@ inNewFrame(int degree, const float* c, const FramedBall& from, const FramedBall&
   return termsOf(degree, h, 1.0 / (change.grow * dot(old.w, frame.w)));
 }
 
-std::array<double, kMaxCoefficients>
-valuesInNewFrame(int degree, const float* c, const FramedBall& from, const FramedBall& to)
+void
+recolorInNewFrame(const FramedBall& from, const FramedBall& to, std::uint8_t* bytes)
 {
-  return termsOf(degree, Change(from, to).substitutedInto(degree, c), 1.0);
+  const Change change(from, to);
+  ColorPolynomial color = decodeColor(bytes);
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    std::array<float, kColorTerms> terms;
+    for (std::size_t k = 0; k < kColorTerms; ++k) terms[k] = color[k][channel];
+    const auto moved =
+        termsOf(kColorDegree, change.substitutedInto(kColorDegree, terms.data()), 1.0);
+    for (std::size_t k = 0; k < kColorTerms; ++k) color[k][channel] = static_cast<float>(moved[k]);
+  }
+  encodeColor(color, bytes);
 }
 
 }  // namespace pcl_slim::detail

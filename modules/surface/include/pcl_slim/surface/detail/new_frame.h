@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 
+#include "pcl_slim/core/export.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/surface/polynomial.h"
 
@@ -16,11 +18,11 @@ struct FramedBall {
 
 /** \brief Rewrites a polynomial for a ball and frame that differ a little: the same heights, but for the
  * product of tilt and height. \param[in] c numCoefficients(degree) values */
-std::array<double, kMaxCoefficients>
+PCL_SLIM_EXPORT std::array<double, kMaxCoefficients>
 inNewFrame(int degree, const float* c, const FramedBall& from, const FramedBall& to);
 
-/** \brief The same for values over the plane that are no heights, such as colours. */
-std::array<double, kMaxCoefficients>
-valuesInNewFrame(int degree, const float* c, const FramedBall& from, const FramedBall& to);
+/** \brief Rewrites a surfel's colours (kColorBytes) for another ball and frame. */
+PCL_SLIM_EXPORT void
+recolorInNewFrame(const FramedBall& from, const FramedBall& to, std::uint8_t* bytes);
 
 }  // namespace pcl_slim::detail

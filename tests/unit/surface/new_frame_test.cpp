@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A polynomial in another ball and frame is the same surface.
-#include "columns/new_frame.h"
+#include "pcl_slim/surface/detail/new_frame.h"
 
 #include <gtest/gtest.h>
 
