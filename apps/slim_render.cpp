@@ -310,6 +310,17 @@ renderModel(const Settings& s, const Model& model, const Turntable& table, Conso
   return s.save_camera.empty() ? Error{} : saveCamera(s.save_camera, table.camera(0));
 }
 
+/** Which blocks of a surface a picture may show: those that the region and a camera given meet. Rays of traced
+ * pictures, turned cameras and pages go elsewhere, too. */
+bool
+wantsBlock(const Settings& s, const WorldBox& box)
+{
+  if (PageRequest::isPage(s.output)) return true;
+  if (!s.region.sides.empty() && !boxesMeet(box, s.region.box())) return false;
+  if (!s.view.given || s.turntable > 1 || s.picture.isTraced()) return true;
+  return mayBeSeen(*s.view.given, box);
+}
+
 int
 run(Settings& s, const OptionTable& options)
 {
@@ -325,7 +336,9 @@ run(Settings& s, const OptionTable& options)
   }
   Console console(s.quiet);
   Report report("pcl_slim_render", PCL_SLIM_VERSION, s.input, resolveThreads(s.threads));
-  Result<Model> model = loadDrawn(s.input, s.trim, s.hole, s.threads, console, report);
+  Result<Model> model = loadDrawn(
+      s.input, [&s](const WorldBox& box) { return wantsBlock(s, box); }, s.trim, s.hole, s.threads,
+      console, report);
   if (!model) return fail(console, kExitUsage, model.error());
   if (model->is_splats && s.lines.any()) {
     return fail(
@@ -344,7 +357,7 @@ run(Settings& s, const OptionTable& options)
     console.note(note);
   ViewRequest view = s.view;
   if (shading.color_bar && hasColorBar(shading.mode)) view.right_margin = colorBarShare(view.size);
-  const Result<BoundingSpheres> object = s.region.within(model->spheres());
+  const Result<BoundingSpheres> object = s.region.within(model->spheres(), model->blocks > 0 ? &model->box : nullptr);
   if (!object) return fail(console, kExitUsage, object.error());
   if (model->is_splats) model->splats = splatsWithin(model->splats, s.region.sides);
   if (s.sides == "auto" && s.region.sides.empty() && s.view.opens(*object)) {

@@ -2,7 +2,9 @@
 #include "render/model.h"
 
 #include <utility>
+#include <vector>
 
+#include "pcl_slim/core/file_access.h"
 #include "pcl_slim/filters/io/splat_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
 
@@ -51,8 +53,11 @@ std::string
 Model::describe() const
 {
   if (is_splats) return std::to_string(splats.size()) + " splats";
+  const std::string part = blocks_read == blocks ? ""
+                                                 : ", " + std::to_string(blocks_read) + " of " +
+                                                       std::to_string(blocks) + " blocks";
   return std::to_string(surface.numLeaves()) + " leaves of " + std::to_string(surface.size()) +
-         " surfels";
+         " surfels" + part;
 }
 
 BoundingSpheres
@@ -85,6 +90,25 @@ loadModel(const std::string& path)
   Result<Model> model = modelFrom(*file);
   if (model) return model;
   return Error{model.error().code, "'" + path + "': " + model.error().message};
+}
+
+Result<Model>
+loadModel(const std::string& path, const std::function<bool(const WorldBox&)>& wanted)
+{
+  SlimBlockReader reader;
+  if (lowerExtension(path) != ".slim" || reader.open(path)) return loadModel(path);
+  const SlimDirectory& directory = reader.directory();
+  std::vector<bool> blocks;
+  for (const SlimBlock& block : directory.blocks) blocks.push_back(wanted(directory.boxOf(block)));
+  Result<SLIMSurface> surface = reader.load(blocks);
+  if (!surface) return surface.error();
+  surface->buildLinks();
+  Model model;
+  model.surface = std::move(*surface);
+  model.blocks = blocks.size();
+  model.blocks_read = reader.blocksRead();
+  model.box = directory.box();
+  return model;
 }
 
 }  // namespace pcl_slim

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/render/bounding_spheres.h"
 #include "pcl_slim/splat/splat_set.h"
+#include "pcl_slim/surface/slim_blocks.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
@@ -17,6 +19,8 @@ struct Model {
   SLIMSurface surface;        ///< empty of splats
   SplatSet splats;            ///< empty of a surface
   std::uint64_t skipped = 0;  ///< splats left out: not finite or without a normal
+  std::size_t blocks = 0, blocks_read = 0;  ///< of a surface in blocks
+  WorldBox box{};                           ///< of all its blocks
 
   /** \brief Whether it has colours of its own. */
   bool hasColors() const { return is_splats ? splats.hasColors() : surface.hasColors(); }
@@ -33,5 +37,9 @@ holdsModel(const std::string& path);
 /** \brief Loads a surface (.pcd .ply .vtp .slim) or splats (.pcd .ply .vtp); the fields tell which. */
 Result<Model>
 loadModel(const std::string& path);
+
+/** \brief The same, but of a surface in blocks only those whose boxes wanted() names. */
+Result<Model>
+loadModel(const std::string& path, const std::function<bool(const WorldBox&)>& wanted);
 
 }  // namespace pcl_slim

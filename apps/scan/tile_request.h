@@ -30,7 +30,7 @@ struct TileRequest {
 struct TiledSurface {
   SLIMSurface
       surface;  ///< all surfels; none where they were written, or some tiles were fitted only
-  std::vector<std::size_t> begins;  ///< first surfel of each tile
+  std::vector<std::size_t> begins;  ///< first surfel of the levels above the tiles', and of each tile
   bool partial = false;             ///< only some tiles were to be fitted
 };
 

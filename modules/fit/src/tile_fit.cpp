@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "cover/level_cover.h"
+#include "cover/start_level.h"
 #include "cover/surface_columns.h"
 #include "fit_statistics.h"
 #include "measured_settings.h"
@@ -212,6 +213,27 @@ fitTile(const PointStore& all, const FitParams& asked, const TileJob& job, SLIMS
   stats.points = core.size();
   stats.never_gathered -= std::min<std::uint64_t>(stats.never_gathered, store.size() - core.size());
   if (statistics != nullptr) *statistics = stats;
+  return {};
+}
+
+Error
+fitCoarseLevels(const PointStore& sample, const FitParams& asked, const CoarseJob& job,
+                SLIMSurface& surface, Progress* progress)
+{
+  FitConstants constants;
+  constants.cover.last_level = job.last_level;
+  const FitParams params = resolvedParams(asked, constants.preset);
+  FitStatistics stats;
+  stats.threads = resolveThreads(params.threads);
+  FitSettings settings = makeSettings(sample, params, constants);
+  settings.internal_only = true;
+  CloudTraits traits = job.traits;
+  traits.dependence = 1 + (traits.dependence - 1) / static_cast<double>(job.thinning);
+  takeTraits(traits, params, settings);
+  LevelCover cover(sample, settings, stats.threads);
+  if (Error error = cover.run(startLevel(sample, settings), progress)) return error;
+  fillSurface(sample, settings, cover, stats.threads, surface);
+  if (params.trim) makeTrimMaps(sample, settings, params.hole_size, stats, surface);
   return {};
 }
 

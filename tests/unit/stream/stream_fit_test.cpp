@@ -122,6 +122,23 @@ TEST(StreamFit, GivesTheSameBytesForAnyOrderOfTiles)
   }
 }
 
+TEST(StreamFit, HasTheLevelsAboveTheTilesOnceOnly)
+{
+  const Cloud cloud = torus(100000);
+  CloudSource source(cloud.view());
+  StreamFit fit(smallTiles());
+  ASSERT_FALSE(fit.prepare(source));
+  const SLIMSurface& coarse = fit.coarse();
+  ASSERT_GT(coarse.size(), 10u);
+  EXPECT_EQ(coarse.numLeaves(), 0u);
+  EXPECT_FALSE(coarse.validate());
+  int last = 0;
+  for (std::size_t t = 0; t < fit.plan().tiles.size(); ++t)
+    last = std::max(last, fit.firstLevel(t));
+  for (const std::uint8_t level : coarse.level) EXPECT_LT(level, last);
+  EXPECT_EQ(coarse.info.num_points, cloud.size());
+}
+
 TEST(StreamFit, UsesNormals)
 {
   const Cloud cloud = sceneCloud(kShape, 100000, 0.004);
