@@ -310,15 +310,21 @@ renderModel(const Settings& s, const Model& model, const Turntable& table, Conso
   return s.save_camera.empty() ? Error{} : saveCamera(s.save_camera, table.camera(0));
 }
 
-/** Which blocks of a surface a picture may show: those that the region and a camera given meet. Rays of traced
- * pictures, turned cameras and pages go elsewhere, too. */
+/** Whether a camera that is known before the surface sees all that is drawn: rays of traced pictures, turned
+ * cameras and pages go elsewhere, too. */
+bool
+hasOneView(const Settings& s)
+{
+  return s.view.given && s.turntable == 1 && !s.picture.isTraced() && !PageRequest::isPage(s.output);
+}
+
+/** Which blocks of a surface a picture may show: those that the region and a camera given meet. */
 bool
 wantsBlock(const Settings& s, const WorldBox& box)
 {
   if (PageRequest::isPage(s.output)) return true;
   if (!s.region.sides.empty() && !boxesMeet(box, s.region.box())) return false;
-  if (!s.view.given || s.turntable > 1 || s.picture.isTraced()) return true;
-  return mayBeSeen(*s.view.given, box);
+  return !hasOneView(s) || mayBeSeen(*s.view.given, box);
 }
 
 int
@@ -336,9 +342,9 @@ run(Settings& s, const OptionTable& options)
   }
   Console console(s.quiet);
   Report report("pcl_slim_render", PCL_SLIM_VERSION, s.input, resolveThreads(s.threads));
-  Result<Model> model = loadDrawn(
-      s.input, [&s](const WorldBox& box) { return wantsBlock(s, box); }, s.trim, s.hole, s.threads,
-      console, report);
+  const BlockWish wish{[&s](const WorldBox& box) { return wantsBlock(s, box); },
+                       hasOneView(s) ? &*s.view.given : nullptr, s.lod};
+  Result<Model> model = loadDrawn(s.input, wish, s.trim, s.hole, s.threads, console, report);
   if (!model) return fail(console, kExitUsage, model.error());
   if (model->is_splats && s.lines.any()) {
     return fail(

@@ -7,6 +7,7 @@
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/filters/io/splat_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
+#include "pcl_slim/render/frame_blocks.h"
 
 namespace pcl_slim {
 namespace {
@@ -45,6 +46,25 @@ modelFrom(const PointFile& file)
   if (!surface) return surface.error();
   model.surface = std::move(*surface);
   return model;
+}
+
+}  // namespace
+
+namespace {
+
+/** Drops the blocks that a picture with level of detail does not draw. */
+Error
+dropFine(const BlockWish& wish, SlimBlockReader& reader, std::vector<bool>& blocks)
+{
+  const SlimDirectory& directory = reader.directory();
+  std::vector<bool> above;
+  for (const SlimBlock& block : directory.blocks) above.push_back(block.isCoarse());
+  Result<SLIMSurface> coarse = reader.load(above);
+  if (!coarse) return coarse.error();
+  coarse->buildLinks();
+  const std::vector<bool> needed = blocksOfFrame(directory, *coarse, *wish.camera, wish.lod);
+  for (std::size_t b = 0; b < blocks.size(); ++b) blocks[b] = blocks[b] && needed[b];
+  return {};
 }
 
 }  // namespace
@@ -93,13 +113,17 @@ loadModel(const std::string& path)
 }
 
 Result<Model>
-loadModel(const std::string& path, const std::function<bool(const WorldBox&)>& wanted)
+loadModel(const std::string& path, const BlockWish& wish)
 {
   SlimBlockReader reader;
   if (lowerExtension(path) != ".slim" || reader.open(path)) return loadModel(path);
   const SlimDirectory& directory = reader.directory();
   std::vector<bool> blocks;
-  for (const SlimBlock& block : directory.blocks) blocks.push_back(wanted(directory.boxOf(block)));
+  for (const SlimBlock& block : directory.blocks)
+    blocks.push_back(wish.box(directory.boxOf(block)));
+  if (wish.camera != nullptr && wish.lod > 0.0) {
+    if (Error error = dropFine(wish, reader, blocks)) return error;
+  }
   Result<SLIMSurface> surface = reader.load(blocks);
   if (!surface) return surface.error();
   surface->buildLinks();

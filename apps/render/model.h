@@ -7,6 +7,7 @@
 
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/render/bounding_spheres.h"
+#include "pcl_slim/render/camera.h"
 #include "pcl_slim/splat/splat_set.h"
 #include "pcl_slim/surface/slim_blocks.h"
 #include "pcl_slim/surface/surface.h"
@@ -38,8 +39,15 @@ holdsModel(const std::string& path);
 Result<Model>
 loadModel(const std::string& path);
 
-/** \brief The same, but of a surface in blocks only those whose boxes wanted() names. */
+/** \brief What of a surface in blocks is wanted. */
+struct BlockWish {
+  std::function<bool(const WorldBox&)> box;  ///< whether blocks of a box are
+  const Camera* camera = nullptr;            ///< with lod: the one that sees it
+  double lod = 0.0;                          ///< level of detail of the picture, pixels
+};
+
+/** \brief The same, but of a surface in blocks only those that are wanted. */
 Result<Model>
-loadModel(const std::string& path, const std::function<bool(const WorldBox&)>& wanted);
+loadModel(const std::string& path, const BlockWish& wish);
 
 }  // namespace pcl_slim

@@ -63,12 +63,12 @@ reportTraced(const Model& model, const TraceStatistics& counts, nlohmann::ordere
 }
 
 Result<Model>
-loadDrawn(const std::string& path, const std::function<bool(const WorldBox&)>& wanted, bool trim,
-          double hole, int threads, Console& console, Report& report)
+loadDrawn(const std::string& path, const BlockWish& wish, bool trim, double hole, int threads,
+          Console& console, Report& report)
 {
   console.begin("Loading " + path);
   const Stopwatch watch;
-  Result<Model> model = loadModel(path, wanted);
+  Result<Model> model = loadModel(path, wish);
   if (!model) return model;
   if (!trim) model->surface.dropTrimMaps();
   model->surface.closeHoles(hole, threads);

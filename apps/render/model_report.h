@@ -27,7 +27,7 @@ reportTraced(const Model& model, const TraceStatistics& counts, nlohmann::ordere
 /** \brief Loads a model, or of a surface in blocks those that are wanted, and says so; borders as the picture is
  * to have them. */
 Result<Model>
-loadDrawn(const std::string& path, const std::function<bool(const WorldBox&)>& wanted, bool trim,
-          double hole, int threads, Console& console, Report& report);
+loadDrawn(const std::string& path, const BlockWish& wish, bool trim, double hole, int threads,
+          Console& console, Report& report);
 
 }  // namespace pcl_slim

@@ -245,8 +245,9 @@ seams(const ScaleSurface& surface, const std::string& tiled, const std::string& 
   const double diagonal = surface.diagonal(), local = store.scale() / diagonal;
   for (std::size_t i = 0; i < store.size(); ++i) {
     const Projection &pa = a->projected, &pb = b->projected;
-    if (pa.supported[i] == 0 || pb.supported[i] == 0) continue;
-    Differences& part = parts[borders.isSeam(worldOf(store, store.position(i)), kNear) ? 0 : 1];
+    const auto place = worldOf(store, store.position(i));
+    if (pa.supported[i] == 0 || pb.supported[i] == 0 || surface.isClump(place)) continue;
+    Differences& part = parts[borders.isSeam(place, kNear) ? 0 : 1];
     double square = 0;
     for (std::size_t k = 0; k < 3; ++k)
       square += std::pow(local * (pa.position[i][k] - pb.position[i][k]), 2);

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <optional>
 
 #include "cover/level_cover.h"
 #include "cover/start_level.h"
@@ -174,7 +173,7 @@ checkTileParams(const FitParams& params)
 }
 
 Error
-fitTile(const PointStore& all, const FitParams& asked, const TileJob& job, SLIMSurface& surface,
+fitTile(PointStore store, const FitParams& asked, const TileJob& job, SLIMSurface& surface,
         FitStatistics* statistics, Progress* progress)
 {
   surface.clear();
@@ -184,13 +183,13 @@ fitTile(const PointStore& all, const FitParams& asked, const TileJob& job, SLIMS
   FitStatistics stats;
   stats.threads = resolveThreads(params.threads);
   auto start = std::chrono::steady_clock::now();
-  std::vector<std::uint32_t> outliers;
-  if (!params.keep_outliers) outliers = findOutliers(all, stats.threads);
-  std::optional<PointStore> rest;
-  if (!outliers.empty()) rest = all.without(outliers);
-  const PointStore& store = rest ? *rest : all;
+  stats.outliers = coreOf(store, job).size();
+  if (!params.keep_outliers) {
+    const std::vector<std::uint32_t> outliers = findOutliers(store, stats.threads);
+    if (!outliers.empty()) store.drop(outliers);
+  }
   const PointRange core = coreOf(store, job);
-  stats.outliers = coreOf(all, job).size() - core.size();
+  stats.outliers -= core.size();
   stats.seconds_outliers = secondsSince(start);
 
   start = std::chrono::steady_clock::now();

@@ -220,7 +220,7 @@ detail::StreamState::fitAnew(std::size_t tile, int with_threads, FittedTile& mad
   FitParams fit = params.fit;
   fit.threads = with_threads;
   if (Error error =
-          pcl_slim::fitTile(*points, fit, job, made.surface, &made.statistics, &progress))
+          pcl_slim::fitTile(std::move(*points), fit, job, made.surface, &made.statistics, &progress))
     return error;
   made.surface.info.num_points = plan.points;
   return {};

@@ -29,6 +29,15 @@ othersThan(const std::vector<std::uint32_t>& dropped, std::size_t size)
   return kept;
 }
 
+/** Keeps some values of a column, ascending. */
+template <typename Column>
+void
+keepOnly(const std::vector<std::uint32_t>& kept, Column& column)
+{
+  for (std::size_t i = 0; i < kept.size(); ++i) column[i] = column[kept[i]];
+  column.resize(kept.size());
+}
+
 /** One coordinate of some points, cut into blocks. */
 struct BlockedColumn {
   AlignedVector<float> offset, origin, low, high;
@@ -58,59 +67,55 @@ struct BlockedColumn {
 PointStore
 PointStore::without(const std::vector<std::uint32_t>& dropped) const
 {
-  const std::vector<std::uint32_t> kept = othersThan(dropped, size_);
-  PointStore store;
-  store.size_ = kept.size();
-  store.bulk_center_ = bulk_center_;
-  store.bulk_reach_ = bulk_reach_;
-  store.bulk_between_ = bulk_between_;
-  store.origin_ = origin_;
-  store.scale_ = scale_;
-  store.diagonal_ = diagonal_;
-  store.bulk_diagonal_ = bulk_diagonal_;
-  store.center_grid_ = center_grid_;
-  store.statistics_ = statistics_;
-  store.sensor_ = sensor_;
-  for (const std::uint32_t i : kept) {
-    store.keys_.push_back(keys_[i]);
-    store.order_of_store_.push_back(order_of_store_[i]);
-    if (hasSensors()) store.sensors_.push_back(sensors_[i]);
-  }
-  for (const auto& [order, stored] : merged_) {
-    const auto place = std::lower_bound(kept.begin(), kept.end(), stored);
-    if (place == kept.end() || *place != stored) continue;
-    store.merged_.push_back({order, static_cast<std::uint32_t>(place - kept.begin())});
-  }
-  store.copyColumns(*this, kept);
+  PointStore store = *this;
+  store.drop(dropped);
   return store;
 }
 
-/** Positions and normals of some of another store's points, as blocks of this. */
 void
-PointStore::copyColumns(const PointStore& from, const std::vector<std::uint32_t>& points)
+PointStore::drop(const std::vector<std::uint32_t>& dropped)
+{
+  clearSides();
+  const std::vector<std::uint32_t> kept = othersThan(dropped, size_);
+  size_ = kept.size();
+  keepOnly(kept, keys_);
+  keepOnly(kept, order_of_store_);
+  if (hasSensors()) keepOnly(kept, sensors_);
+  std::vector<std::array<std::uint32_t, 2>> merged;
+  for (const auto& [order, stored] : merged_) {
+    const auto place = std::lower_bound(kept.begin(), kept.end(), stored);
+    if (place == kept.end() || *place != stored) continue;
+    merged.push_back({order, static_cast<std::uint32_t>(place - kept.begin())});
+  }
+  merged_ = std::move(merged);
+  keepColumns(kept);
+}
+
+/** Keeps positions and normals of some points, in new blocks. One column is copied at a time. */
+void
+PointStore::keepColumns(const std::vector<std::uint32_t>& kept)
 {
   BlockTree::Level boxes;
-  boxes.allocate((points.size() + kBlock - 1) / kBlock);
-  const auto fill = [&](std::size_t axis, AlignedVector<float>& offsets,
-                        AlignedVector<float>& origins, AlignedVector<float>& lows,
-                        AlignedVector<float>& highs) {
-    BlockedColumn column(points.size(),
-                         [&](std::size_t i) { return from.position(points[i])[axis]; });
+  boxes.allocate((kept.size() + kBlock - 1) / kBlock);
+  const auto cut = [&](AlignedVector<float>& offsets, AlignedVector<float>& origins,
+                       AlignedVector<float>& lows, AlignedVector<float>& highs) {
+    BlockedColumn column(kept.size(), [&](std::size_t i) {
+      return static_cast<double>(origins[kept[i] / kBlock]) + offsets[kept[i]];
+    });
     offsets = std::move(column.offset);
     origins = std::move(column.origin);
     std::copy(column.low.begin(), column.low.end(), lows.begin());
     std::copy(column.high.begin(), column.high.end(), highs.begin());
   };
-  fill(0, x_, block_origin_x_, boxes.min_x, boxes.max_x);
-  fill(1, y_, block_origin_y_, boxes.min_y, boxes.max_y);
-  fill(2, z_, block_origin_z_, boxes.min_z, boxes.max_z);
+  cut(x_, block_origin_x_, boxes.min_x, boxes.max_x);
+  cut(y_, block_origin_y_, boxes.min_y, boxes.max_y);
+  cut(z_, block_origin_z_, boxes.min_z, boxes.max_z);
   tree_ = BlockTree(std::move(boxes));
-  if (!from.hasNormals()) return;
-  const AlignedVector<float>* const given[3] = {&from.nx_, &from.ny_, &from.nz_};
-  AlignedVector<float>* const copied[3] = {&nx_, &ny_, &nz_};
-  for (std::size_t a = 0; a < 3; ++a) {
-    copied[a]->assign(x_.size(), 0.0f);
-    for (std::size_t i = 0; i < points.size(); ++i) (*copied[a])[i] = (*given[a])[points[i]];
+  if (!hasNormals()) return;
+  for (AlignedVector<float>* normals : {&nx_, &ny_, &nz_}) {
+    keepOnly(kept, *normals);
+    normals->resize(x_.size());
+    std::fill(normals->begin() + static_cast<std::ptrdiff_t>(kept.size()), normals->end(), 0.0f);
   }
 }
 

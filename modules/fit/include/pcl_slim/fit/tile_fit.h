@@ -78,7 +78,7 @@ checkTileParams(const FitParams& params);
  * gives an empty surface and no error. Same bytes for any number of threads.
  */
 PCL_SLIM_EXPORT Error
-fitTile(const PointStore& store, const FitParams& params, const TileJob& job, SLIMSurface& surface,
+fitTile(PointStore store, const FitParams& params, const TileJob& job, SLIMSurface& surface,
         FitStatistics* statistics = nullptr, Progress* progress = nullptr);
 
 /** \brief Levels above those that the tiles of a cloud begin with. */
