@@ -315,7 +315,8 @@ renderModel(const Settings& s, const Model& model, const Turntable& table, Conso
 bool
 hasOneView(const Settings& s)
 {
-  return s.view.given && s.turntable == 1 && !s.picture.isTraced() && !PageRequest::isPage(s.output);
+  return s.view.given && s.turntable == 1 && !s.picture.isTraced() &&
+         !PageRequest::isPage(s.output);
 }
 
 /** Which blocks of a surface a picture may show: those that the region and a camera given meet. */
@@ -363,7 +364,8 @@ run(Settings& s, const OptionTable& options)
     console.note(note);
   ViewRequest view = s.view;
   if (shading.color_bar && hasColorBar(shading.mode)) view.right_margin = colorBarShare(view.size);
-  const Result<BoundingSpheres> object = s.region.within(model->spheres(), model->blocks > 0 ? &model->box : nullptr);
+  const Result<BoundingSpheres> object =
+      s.region.within(model->spheres(), model->blocks > 0 ? &model->box : nullptr);
   if (!object) return fail(console, kExitUsage, object.error());
   if (model->is_splats) model->splats = splatsWithin(model->splats, s.region.sides);
   if (s.sides == "auto" && s.region.sides.empty() && s.view.opens(*object)) {

@@ -11,7 +11,7 @@ namespace pcl_slim {
 
 namespace {
 
-constexpr double kCopies = 2;         ///< of a block: the one that is kept, and its part of the surface
+constexpr double kCopies = 2;  ///< of a block: the one that is kept, and its part of the surface
 constexpr std::size_t kRun = 1024;  ///< points along the curve that are looked at together
 
 }  // namespace

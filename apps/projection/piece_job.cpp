@@ -42,7 +42,8 @@ rowsOf(const PointFile& file, const std::vector<std::int32_t>& rows)
   const std::size_t step = file.cloud.point_step;
   some.cloud.data.clear();
   for (const std::int32_t row : rows) {
-    const auto from = file.cloud.data.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(row) * step);
+    const auto from =
+        file.cloud.data.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(row) * step);
     some.cloud.data.insert(some.cloud.data.end(), from, from + static_cast<std::ptrdiff_t>(step));
   }
   some.cloud.width = static_cast<pcl::uindex_t>(rows.size());
@@ -66,7 +67,8 @@ putRows(const PointFile& some, const std::vector<std::int32_t>& rows, std::size_
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto from = some.cloud.data.begin() + static_cast<std::ptrdiff_t>(i * step);
     std::copy_n(from, step,
-                all.cloud.data.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(rows[i]) * step));
+                all.cloud.data.begin() +
+                    static_cast<std::ptrdiff_t>(static_cast<std::size_t>(rows[i]) * step));
   }
 }
 

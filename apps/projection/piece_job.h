@@ -45,7 +45,7 @@ class PieceJob {
   const bool& chosen_;
   TileRequest tiles_;
   std::unique_ptr<PointSource> source_;  ///< null: a surface was read
-  BlockSurface blocks_;  ///< a surface that was read, if it is in blocks
+  BlockSurface blocks_;                  ///< a surface that was read, if it is in blocks
   PointFileReader reader_;
   PointFileWriter writer_;
   CloudProjectionStatistics sum_;  ///< rms_displacement: a sum of squares

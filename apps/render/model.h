@@ -17,9 +17,9 @@ namespace pcl_slim {
 /** \brief What can be rendered: a surface or splats. */
 struct Model {
   bool is_splats = false;
-  SLIMSurface surface;        ///< empty of splats
-  SplatSet splats;            ///< empty of a surface
-  std::uint64_t skipped = 0;  ///< splats left out: not finite or without a normal
+  SLIMSurface surface;                      ///< empty of splats
+  SplatSet splats;                          ///< empty of a surface
+  std::uint64_t skipped = 0;                ///< splats left out: not finite or without a normal
   std::size_t blocks = 0, blocks_read = 0;  ///< of a surface in blocks
   WorldBox box{};                           ///< of all its blocks
 

@@ -261,10 +261,11 @@ seams(const ScaleSurface& surface, const std::string& tiled, const std::string& 
   const char* names[2] = {"seam", "inside"};
   for (std::size_t k = 0; k < 2; ++k) {
     const Differences& p = parts[k];
-    std::printf("%s points %zu difference/L %.3g normals_deg %.3g mean_curvature*L %.3g "
-                "tiled_to_truth %.3g in_memory_to_truth %.3g\n",
-                names[k], p.position.count, p.position.value(), p.normal.value(),
-                p.curvature.value(), p.tiled.value(), p.whole.value());
+    std::printf(
+        "%s points %zu difference/L %.3g normals_deg %.3g mean_curvature*L %.3g "
+        "tiled_to_truth %.3g in_memory_to_truth %.3g\n",
+        names[k], p.position.count, p.position.value(), p.normal.value(), p.curvature.value(),
+        p.tiled.value(), p.whole.value());
   }
   std::printf("seam over inside: position %.3f normals %.3f curvature %.3f\n",
               parts[0].position.value() / parts[1].position.value(),

@@ -13,7 +13,7 @@ expect 0 '' scan.pcd tiles.slim -tile_points 20000 -threads 1 -json tiles.json
 expect 0 '' scan.pcd two.slim -tile_points 20000 -threads 2 -json two.json
 same tiles.slim two.slim
 [ "$(value two.json at_once)" -eq 2 ] || complain "$(value two.json at_once) tiles at once by two threads"
-expect 0 '' scan.pcd few.slim -tile_points 70000 -threads 2 -json two.json
+expect 0 '' scan.pcd few.slim -tile_points 150000 -threads 2 -json two.json
 [ "$(value two.json at_once)" -eq 1 ] || complain "$(value two.json at_once) of few tiles at once"
 for limit in 300 200; do
   expect 0 '' scan.pcd limited.slim -tile_points 20000 -threads 1 -max_memory $limit

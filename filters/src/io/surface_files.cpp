@@ -44,9 +44,9 @@ loadPieces(const std::string& path)
   for (const std::string& piece : *pieces) {
     const Result<SLIMSurface> read = loadSurface(piece);
     if (!read) return read.error();
-    if (!surface.empty() && (read->info.degree != surface.info.degree ||
-                             read->info.scale != surface.info.scale ||
-                             read->info.origin != surface.info.origin))
+    if (!surface.empty() &&
+        (read->info.degree != surface.info.degree || read->info.scale != surface.info.scale ||
+         read->info.origin != surface.info.origin))
       return badInput("'" + piece + "' is of another surface than the pieces before it");
     surface.append(*read);
   }

@@ -13,7 +13,8 @@ using namespace detail;
 namespace {
 
 constexpr std::uint64_t kLeastSample = 1 << 19;  ///< points
-constexpr std::uint64_t kPointsPerTile = 4000;   ///< gives a tile's first ball 80, up to a tile's points in all
+constexpr std::uint64_t kPointsPerTile =
+    4000;  ///< gives a tile's first ball 80, up to a tile's points in all
 
 }  // namespace
 
@@ -64,15 +65,14 @@ detail::StreamState::fitCoarse(const std::vector<unsigned char>& sample)
   job.traits = traits;
   job.thinning = coarseThinning();
   if (sample.empty()) return {};
-  const Result<PointStore> points =
-      PointStore::build(store.record().view(sample), frame, threads);
+  const Result<PointStore> points = PointStore::build(store.record().view(sample), frame, threads);
   if (!points) return points.error();
   SLIMSurface all;
   if (Error error = fitCoarseLevels(*points, params.fit, job, all)) return error;
   coarse.info = all.info;
   for (std::size_t i = 0, begin = 0; i <= all.size(); ++i) {
-    const bool kept = i < all.size() && all.level[i] < firstLevelAt(mortonCode(
-                                                          all.cx[i], all.cy[i], all.cz[i]));
+    const bool kept =
+        i < all.size() && all.level[i] < firstLevelAt(mortonCode(all.cx[i], all.cy[i], all.cz[i]));
     if (kept) continue;
     if (begin < i) coarse.append(all.slice(begin, i));
     begin = i + 1;

@@ -219,8 +219,8 @@ detail::StreamState::fitAnew(std::size_t tile, int with_threads, FittedTile& mad
   job.traits = traits;
   FitParams fit = params.fit;
   fit.threads = with_threads;
-  if (Error error =
-          pcl_slim::fitTile(std::move(*points), fit, job, made.surface, &made.statistics, &progress))
+  if (Error error = pcl_slim::fitTile(std::move(*points), fit, job, made.surface, &made.statistics,
+                                      &progress))
     return error;
   made.surface.info.num_points = plan.points;
   return {};

@@ -66,9 +66,9 @@ TEST(SurfacePieces, AreReadByVtk)
     const auto k = static_cast<std::size_t>(i);
     double p[3];
     data->GetPoint(i, p);
-    EXPECT_FLOAT_EQ(static_cast<float>(p[0]), static_cast<float>(surface.info.origin[0] +
-                                                                 surface.info.scale *
-                                                                     double{surface.cx[k]}));
+    EXPECT_FLOAT_EQ(
+        static_cast<float>(p[0]),
+        static_cast<float>(surface.info.origin[0] + surface.info.scale * double{surface.cx[k]}));
     EXPECT_FLOAT_EQ(static_cast<float>(normals->GetComponent(i, 2)), surface.nz[k]);
     EXPECT_FLOAT_EQ(static_cast<float>(radius->GetTuple1(i)),
                     static_cast<float>(surface.info.scale) * surface.radius[k]);
@@ -108,7 +108,8 @@ TEST(SurfacePieces, AMissingOrForeignPieceIsAnError)
   writeBytes(folder / "a.pvtp", {'<', 'V', 'T', 'K'});
   EXPECT_EQ(loadSurface(folder / "a.pvtp").error().code, ErrorCode::kBadInput);
   writeBytes(folder / "b", {});
-  EXPECT_EQ(saveSurface(folder / "b.pvtp", other).code, ErrorCode::kIo) << "a file in the folder's place";
+  EXPECT_EQ(saveSurface(folder / "b.pvtp", other).code, ErrorCode::kIo)
+      << "a file in the folder's place";
 }
 
 }  // namespace

@@ -122,6 +122,38 @@ TEST(StreamFit, GivesTheSameBytesForAnyOrderOfTiles)
   }
 }
 
+TEST(StreamFit, TilesFittedAtOnceComeInOrderAndAreTheSame)
+{
+  const Cloud cloud = torus(100000);
+  CloudSource source(cloud.view());
+  StreamFit fit(smallTiles(3));
+  ASSERT_FALSE(fit.prepare(source));
+  std::vector<std::size_t> tiles(fit.plan().tiles.size());
+  std::iota(tiles.begin(), tiles.end(), 0);
+  std::vector<std::size_t> order;
+  SLIMSurface all = fit.coarse();
+  const auto take = [&](std::size_t tile, const SLIMSurface& surface) {
+    order.push_back(tile);
+    all.append(surface);
+    return Error();
+  };
+  ASSERT_FALSE(fit.fit(tiles, 3, take));
+  EXPECT_EQ(order, tiles);
+  StreamStatistics alone;
+  EXPECT_EQ(encodeSlim(all), encodeSlim(byTiles(cloud, smallTiles(), &alone)));
+  EXPECT_EQ(fit.statistics().fit.leaves, alone.fit.leaves);
+  EXPECT_EQ(fit.statistics().halo_points, alone.halo_points);
+  EXPECT_EQ(fit.statistics().fit.rms_error, alone.fit.rms_error);
+
+  const auto full = [&](std::size_t tile, const SLIMSurface&) {
+    return tile == 2 ? Error{ErrorCode::kIo, "the disk is full"} : Error();
+  };
+  EXPECT_EQ(fit.fit(tiles, 2, full).code, ErrorCode::kIo);
+  Progress stopped;
+  stopped.cancel();
+  EXPECT_EQ(fit.fit(tiles, 2, take, &stopped).code, ErrorCode::kCancelled);
+}
+
 TEST(StreamFit, HasTheLevelsAboveTheTilesOnceOnly)
 {
   const Cloud cloud = torus(100000);

@@ -51,9 +51,10 @@ translated(const std::string& text, std::size_t from)
 {
   std::string result;
   for (std::size_t at = 0; at < text.size();) {
-    const auto* const found = std::find_if(
-        std::begin(kEntities), std::end(kEntities),
-        [&](const char* const (&e)[2]) { return text.compare(at, std::strlen(e[from]), e[from]) == 0; });
+    const auto* const found =
+        std::find_if(std::begin(kEntities), std::end(kEntities), [&](const char* const(&e)[2]) {
+          return text.compare(at, std::strlen(e[from]), e[from]) == 0;
+        });
     const bool plain = found == std::end(kEntities);
     result += plain ? std::string(1, text[at]) : (*found)[1 - from];
     at += plain ? 1 : std::strlen((*found)[from]);
@@ -112,8 +113,8 @@ VtpIndex::finish()
   }
   text += ">\n";
   for (const VtpColumn& column : columns_) text += arrayTag(column);
-  text += "    </PPointData>\n    <PPoints>\n" + arrayTag({"Points", kFloat32, 3}) +
-          "    </PPoints>\n";
+  text +=
+      "    </PPointData>\n    <PPoints>\n" + arrayTag({"Points", kFloat32, 3}) + "    </PPoints>\n";
   for (std::size_t k = 0; k < pieces_; ++k) {
     const std::string source = name_ + "/" + name_ + "_" + std::to_string(k) + ".vtp";
     text += "    <Piece Source=\"" + translated(source, 1) + "\"/>\n";
@@ -134,7 +135,8 @@ vtpPieces(const std::string& path)
       at += mark.size();
       const std::size_t end = text.find('"', at);
       if (end == std::string::npos) break;
-      pieces.push_back((fs::path(path).parent_path() / translated(text.substr(at, end - at), 0)).string());
+      pieces.push_back(
+          (fs::path(path).parent_path() / translated(text.substr(at, end - at), 0)).string());
     }
   }
   if (pieces.empty()) return badInput("'" + path + "' names no pieces; write it again");

@@ -139,7 +139,7 @@ mayBeSeen(const Camera& camera, const std::array<std::array<double, 3>, 2>& box)
     const Vector3 seen = subtract(p, camera.position);
     const double x = dot(seen, axes.right), y = dot(seen, axes.up), z = dot(seen, axes.forward);
     const double reach = perspective ? z : 1.0;
-    const bool out[5] = {z < 0.0, x > right * reach, -x > right * reach, y > up * reach,
+    const bool out[5] = {z<0.0, x> right * reach, -x > right * reach, y > up * reach,
                          -y > up * reach};
     for (std::size_t k = 0; k < 5; ++k) beyond[k] += out[k];
   }

@@ -32,8 +32,7 @@ finestLevel(const SLIMSurface& s, const SlimBlock& block)
   int finest = 0;
   for (std::size_t i = 0; i < s.size(); ++i) {
     const std::uint64_t key = mortonCode(s.cx[i], s.cy[i], s.cz[i]);
-    if (key >= block.first_key && key < block.end_key)
-      finest = std::max<int>(finest, s.level[i]);
+    if (key >= block.first_key && key < block.end_key) finest = std::max<int>(finest, s.level[i]);
   }
   return finest;
 }

@@ -358,9 +358,8 @@ loadSlimBox(const std::string& path, const WorldBox& box)
 {
   const Result<SlimDirectory> directory = loadSlimDirectory(path);
   if (!directory) return loadSlim(path);
-  return loadSlimBlocks(path, [&](const SlimBlock& block) {
-    return boxesMeet(directory->boxOf(block), box);
-  });
+  return loadSlimBlocks(
+      path, [&](const SlimBlock& block) { return boxesMeet(directory->boxOf(block), box); });
 }
 
 }  // namespace pcl_slim
