@@ -144,6 +144,7 @@ measureTraits(const PointStore& sample, const FitParams& asked, const TraitsSamp
   traits.lambda = settings.energy.lambda;
   traits.min_dot = settings.min_dot;
   traits.normal_error = settings.normal_error;
+  if (how.thinning == 1) traits.spacing = medianSpacing(sample);
   traits.profile = profileKind(params, settings);
   measured.noise_fills = noiseFills(sample, stats, settings);
   if (traits.profile != CloudTraits::Profile::kNone && stats.noise_neighbors == 0)
@@ -185,7 +186,8 @@ fitTile(PointStore store, const FitParams& asked, const TileJob& job, SLIMSurfac
   auto start = std::chrono::steady_clock::now();
   stats.outliers = coreOf(store, job).size();
   if (!params.keep_outliers) {
-    const std::vector<std::uint32_t> outliers = findOutliers(store, stats.threads);
+    const std::vector<std::uint32_t> outliers =
+        findOutliers(store, stats.threads, job.traits.spacing);
     if (!outliers.empty()) store.drop(outliers);
   }
   const PointRange core = coreOf(store, job);

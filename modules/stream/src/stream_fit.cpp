@@ -241,7 +241,8 @@ void
 detail::StreamState::addTile(std::size_t tile, const FittedTile& made)
 {
   sum.add(made.statistics, made.surface);
-  stats.points.duplicates += plan.tiles[tile].points - made.statistics.points;
+  stats.points.duplicates +=
+      plan.tiles[tile].points - made.statistics.points - made.statistics.outliers;
   stats.halo_points += made.halo_points;
   stats.seconds_load += made.seconds_load;
   stats.kept_tiles += made.kept ? 1 : 0;

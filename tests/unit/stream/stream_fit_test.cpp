@@ -82,6 +82,23 @@ TEST(StreamFit, MeasuresTheNoiseOfTheWholeCloud)
   EXPECT_NEAR(statistics.fit.lambda, fitted(cloud).statistics.lambda, 0.02 * statistics.fit.lambda);
 }
 
+TEST(StreamFit, ADenseClumpMakesNoOutliersOfThePointsAboutIt)
+{
+  // In its tile a clump has most points: their spacing is not the cloud's.
+  Cloud cloud = torus(150000);
+  std::mt19937 random(3);
+  std::normal_distribution<double> off(0.0, 0.004);
+  const std::size_t whole = cloud.size();
+  for (int i = 0; i < 30000; ++i)
+    cloud.add(cloud.points[0] + off(random), cloud.points[1] + off(random),
+              cloud.points[2] + off(random));
+  StreamStatistics statistics;
+  byTiles(cloud, smallTiles(), &statistics);
+  EXPECT_LE(statistics.fit.outliers, whole / 1000);
+  EXPECT_EQ(statistics.points.duplicates, 0u);
+  EXPECT_EQ(statistics.fit.points + statistics.fit.outliers, cloud.size());
+}
+
 TEST(StreamFit, GivesTheSameBytesForAnyThreads)
 {
   const Cloud cloud = torus(100000);

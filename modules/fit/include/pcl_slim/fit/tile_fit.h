@@ -21,6 +21,8 @@ struct CloudTraits {
   double normal_error = 0;  ///< > 0: normals are data too, this many radians off
   /** \brief How the noise varies inside a tile. */
   enum class Profile : unsigned char { kNone, kMeasured, kRaised } profile = Profile::kNone;
+  double spacing =
+      0;  ///< of the median point's neighbours (medianSpacing()), by which outliers are told
   std::uint64_t noise_neighbors = 0;  ///< points of the patches that a profile is measured on
 };
 
