@@ -313,6 +313,24 @@ renderModel(const Settings& s, const Model& model, const Turntable& table, Conso
   return s.save_camera.empty() ? Error{} : saveCamera(s.save_camera, table.camera(0));
 }
 
+/** Whether a camera that is known before the surface sees all that is drawn: rays of traced pictures, turned
+ * cameras and pages go elsewhere, too. */
+bool
+hasOneView(const Settings& s)
+{
+  return s.view.given && s.turntable == 1 && !s.picture.isTraced() &&
+         !PageRequest::isPage(s.output);
+}
+
+/** Which blocks of a surface a picture may show: those that the region and a camera given meet. */
+bool
+wantsBlock(const Settings& s, const WorldBox& box)
+{
+  if (PageRequest::isPage(s.output)) return true;
+  if (!s.region.sides.empty() && !boxesMeet(box, s.region.box())) return false;
+  return !hasOneView(s) || mayBeSeen(*s.view.given, box);
+}
+
 int
 run(Settings& s, const OptionTable& options)
 {
@@ -328,7 +346,9 @@ run(Settings& s, const OptionTable& options)
   }
   Console console(s.quiet);
   Report report("pcl_slim_render", PCL_SLIM_VERSION, s.input, resolveThreads(s.threads));
-  Result<Model> model = loadDrawn(s.input, s.trim, s.hole, s.threads, console, report);
+  const BlockWish wish{[&s](const WorldBox& box) { return wantsBlock(s, box); },
+                       hasOneView(s) ? &*s.view.given : nullptr, s.lod};
+  Result<Model> model = loadDrawn(s.input, wish, s.trim, s.hole, s.threads, console, report);
   if (!model) return fail(console, kExitUsage, model.error());
   if (model->is_splats && s.lines.any()) {
     return fail(
@@ -347,7 +367,8 @@ run(Settings& s, const OptionTable& options)
     console.note(note);
   ViewRequest view = s.view;
   if (shading.color_bar && hasColorBar(shading.mode)) view.right_margin = colorBarShare(view.size);
-  const Result<BoundingSpheres> object = s.region.within(model->spheres());
+  const Result<BoundingSpheres> object =
+      s.region.within(model->spheres(), model->blocks > 0 ? &model->box : nullptr);
   if (!object) return fail(console, kExitUsage, object.error());
   if (model->is_splats) model->splats = splatsWithin(model->splats, s.region.sides);
   if (s.sides == "auto" && s.region.sides.empty() && s.view.opens(*object)) {

@@ -20,11 +20,11 @@ constexpr double kStack = 8 * kMegabyte;  ///< address space that a thread reser
 
 std::uint64_t limit = 0;  ///< megabytes; 0: none
 
-/** A line of /proc/self/status, in bytes; 0 where there is none. */
+/** A line of the system's report on this process or the machine, in bytes; 0 where there is none. */
 double
-statusOf(const std::string& key)
+statusOf(const std::string& key, const char* file = "/proc/self/status")
 {
-  std::ifstream status("/proc/self/status");
+  std::ifstream status(file);
   for (std::string line; std::getline(status, line);) {
     if (line.compare(0, key.size(), key) != 0) continue;
     double kilobytes = 0;
@@ -82,6 +82,17 @@ checkMemory(double bytes, const std::string& what, const std::string& relief)
   if (limit == 0 || needed <= kMegabyte * static_cast<double>(limit)) return {};
   return badInput(what + " takes " + megabytesText(needed) + " or more, above -max_memory " +
                   std::to_string(limit) + ": raise it, or " + relief);
+}
+
+double
+memoryLeft()
+{
+  constexpr double kShare = 0.8;
+  if (limit == 0) {
+    const double free = statusOf("MemAvailable:", "/proc/meminfo");
+    return free > 0 ? kShare * free : HUGE_VAL;
+  }
+  return std::fmax(0.0, kMegabyte * static_cast<double>(limit) - statusOf("VmRSS:"));
 }
 
 std::string

@@ -25,6 +25,10 @@ limitMemory(std::uint64_t megabytes);
 Error
 checkMemory(double bytes, const std::string& what, const std::string& relief = "use fewer points");
 
+/** \brief Bytes that the limit leaves; without one, most of what the machine has free. */
+double
+memoryLeft();
+
 /** \brief " within -max_memory 500", or nothing where there is no limit. */
 std::string
 memoryLimitText();

@@ -34,6 +34,44 @@ projectionParams(const ProjectionJob& job, const SLIMSurface& surface, const Rec
   return params;
 }
 
+/** Some rows of a file. */
+PointFile
+rowsOf(const PointFile& file, const std::vector<std::int32_t>& rows)
+{
+  PointFile some = file;
+  const std::size_t step = file.cloud.point_step;
+  some.cloud.data.clear();
+  for (const std::int32_t row : rows) {
+    const auto from =
+        file.cloud.data.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(row) * step);
+    some.cloud.data.insert(some.cloud.data.end(), from, from + static_cast<std::ptrdiff_t>(step));
+  }
+  some.cloud.width = static_cast<pcl::uindex_t>(rows.size());
+  some.cloud.height = 1;
+  some.cloud.row_step = static_cast<pcl::uindex_t>(some.cloud.data.size());
+  return some;
+}
+
+/** Puts rows into their places among so many. */
+void
+putRows(const PointFile& some, const std::vector<std::int32_t>& rows, std::size_t count,
+        PointFile& all)
+{
+  const std::size_t step = some.cloud.point_step;
+  if (all.cloud.data.empty()) {
+    all = some;
+    all.cloud.data.assign(count * step, 0);
+    all.cloud.width = static_cast<pcl::uindex_t>(count);
+    all.cloud.row_step = static_cast<pcl::uindex_t>(count * step);
+  }
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto from = some.cloud.data.begin() + static_cast<std::ptrdiff_t>(i * step);
+    std::copy_n(from, step,
+                all.cloud.data.begin() +
+                    static_cast<std::ptrdiff_t>(static_cast<std::size_t>(rows[i]) * step));
+  }
+}
+
 }  // namespace
 
 /** Rows of a piece: no more than a tile's points. */
@@ -58,6 +96,7 @@ PieceJob::openRows(Console& console)
   if (Error error = checkMemory(row * static_cast<double>(rows()),
                                 "projecting " + std::to_string(rows()) + " points"))
     return error;
+  blocks_.setMostBytes(memoryLeft() - row * static_cast<double>(rows()));
   if (!tiles_.asked && !job_.surface.empty())
     console.note("  the scan is large: it is projected in pieces");
   noteWhatIsNotKept(output, reader_.height() > 1, reader_.layout().sensor.has_value(), console);
@@ -120,6 +159,37 @@ PieceJob::count(const CloudProjectionStatistics& piece)
   sum_.max_displacement = std::max(sum_.max_displacement, piece.max_displacement);
 }
 
+/** Some points on the surface. */
+Result<PointFile>
+PieceJob::brought(const CloudFile& cloud, const SLIMSurface& surface)
+{
+  const Result<CloudProjection> projection = project(cloud, surface);
+  if (!projection) return projection.error();
+  count(projection->statistics());
+  return make_output_(cloud.file, *projection, chosen_, job_.fit.params.threads);
+}
+
+/** A piece on the surface, of which blocks are read as its points need them. */
+Result<PointFile>
+PieceJob::brought(PointFile piece, const SLIMSurface& surface)
+{
+  const Result<CloudFile> cloud = asCloudFile(std::move(piece), job_.files.input);
+  if (!cloud) return cloud.error();
+  if (!blocks_.isOpen()) return brought(*cloud, surface);
+  PointFile all;
+  for (const BlockSurface::Part& part : blocks_.partsOf(cloud->view())) {
+    const Result<SLIMSurface> near = blocks_.load(part);
+    if (!near) return near.error();
+    if (part.rows.empty()) return brought(*cloud, *near);
+    const Result<CloudFile> some = asCloudFile(rowsOf(cloud->file, part.rows), job_.files.input);
+    if (!some) return some.error();
+    const Result<PointFile> made = brought(*some, *near);
+    if (!made) return made.error();
+    putRows(*made, part.rows, cloud->size(), all);
+  }
+  return all;
+}
+
 Error
 PieceJob::projectRows(const SLIMSurface& surface, Console& console, Report& report)
 {
@@ -137,14 +207,10 @@ PieceJob::projectRows(const SLIMSurface& surface, Console& console, Report& repo
         "projecting");
     PointFile piece;
     if (Error error = reader_.next(rows(), piece)) return failed(error);
-    Result<CloudFile> cloud = asCloudFile(std::move(piece), job_.files.input);
-    if (!cloud) return failed(cloud.error());
-    done += cloud->size();
-    const Result<CloudProjection> projection = project(*cloud, surface);
-    if (!projection) return failed(projection.error());
-    count(projection->statistics());
-    const PointFile made = make_output_(cloud->file, *projection, chosen_, job_.fit.params.threads);
-    if (Error error = writer_.add(made)) return failed(error);
+    done += numPoints(piece.cloud);
+    const Result<PointFile> made = brought(std::move(piece), surface);
+    if (!made) return failed(made.error());
+    if (Error error = writer_.add(*made)) return failed(error);
   }
   const auto moved = static_cast<double>(std::max<std::uint64_t>(sum_.moved, 1));
   sum_.rms_displacement = std::sqrt(sum_.rms_displacement / moved);
@@ -159,6 +225,7 @@ PieceJob::projectRows(const SLIMSurface& surface, Console& console, Report& repo
   report.time("project", watch.seconds());
   reportProjection(sum_, report);
   console.done(watch.seconds(), std::to_string(sum_.moved) + " points");
+  if (blocks_.isOpen()) blocks_.tell(console, report);
   return {};
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "pcl_slim/filters/io/point_file_pieces.h"
+#include "projection/block_surface.h"
 #include "projection/projection_job.h"
 #include "scan/tile_request.h"
 
@@ -19,6 +20,7 @@ class PieceJob {
   }
 
   TileRequest& tiles() { return tiles_; }
+  BlockSurface& blocks() { return blocks_; }
 
   /** \brief Opens the scan. \return whether it is worked on in pieces; an error where the user asks for
    * pieces, or memory is too small for anything else, and the scan or the job does not allow them. */
@@ -32,6 +34,8 @@ class PieceJob {
   std::size_t rows() const;
   Result<bool> openRows(Console& console);
   Error projectRows(const SLIMSurface& surface, Console& console, Report& report);
+  Result<PointFile> brought(PointFile piece, const SLIMSurface& surface);
+  Result<PointFile> brought(const CloudFile& cloud, const SLIMSurface& surface);
   Result<CloudProjection> project(const CloudFile& cloud, const SLIMSurface& surface) const;
   void count(const CloudProjectionStatistics& piece);
 
@@ -41,6 +45,7 @@ class PieceJob {
   const bool& chosen_;
   TileRequest tiles_;
   std::unique_ptr<PointSource> source_;  ///< null: a surface was read
+  BlockSurface blocks_;                  ///< a surface that was read, if it is in blocks
   PointFileReader reader_;
   PointFileWriter writer_;
   CloudProjectionStatistics sum_;  ///< rms_displacement: a sum of squares

@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "common/memory_limit.h"
 #include "common/program.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "projection/piece_job.h"
@@ -33,12 +34,23 @@ checkJob(ProjectionJob& job)
                      {job.files.output, job.files.json});
 }
 
+/** Reads a surface, or of one in blocks what some points need. \param[in] cloud null: nothing of such a one */
 Error
-readSurface(const std::string& path, Console& console, Report& report, SLIMSurface& surface)
+readSurface(const ProjectionJob& job, const CloudFile* cloud, BlockSurface& blocks,
+            Console& console, Report& report, SLIMSurface& surface)
 {
+  const std::string& path = job.surface;
   const Stopwatch watch;
   console.begin("Loading " + path);
-  Result<SLIMSurface> loaded = loadSurface(path);
+  Result<SLIMSurface> loaded = SLIMSurface();
+  if (job.mesh || !blocks.open(path)) {
+    loaded = loadSurface(path);
+  } else if (cloud == nullptr) {
+    loaded = blocks.load(blocks.none());
+  } else {
+    blocks.setMostBytes(memoryLeft());
+    loaded = blocks.load(blocks.partOf(cloud->view()));
+  }
   if (!loaded) {
     console.failed();
     return loaded.error();
@@ -46,7 +58,10 @@ readSurface(const std::string& path, Console& console, Report& report, SLIMSurfa
   surface = std::move(*loaded);
   report.time("surface", watch.seconds());
   reportSurface(path, surface, report);
-  console.done(watch.seconds(), std::to_string(surface.size()) + " surfels");
+  console.done(watch.seconds(), blocks.isOpen() && cloud == nullptr
+                                    ? counted(blocks.count(), "block")
+                                    : std::to_string(surface.size()) + " surfels");
+  if (blocks.isOpen() && cloud != nullptr) blocks.tell(console, report);
   return {};
 }
 
@@ -163,8 +178,9 @@ runProjectionProgram(const ProjectionProgram& program, ProjectionJob& job, int a
     job.projection.curvature = chosen;
     return checkJob(job);
   };
-  steps.load = [&](Console& console, Report& report) {
-    return job.surface.empty() ? Error() : readSurface(job.surface, console, report, surface);
+  steps.load = [&](const CloudFile* cloud, Console& console, Report& report) {
+    if (job.surface.empty()) return Error();
+    return readSurface(job, cloud, pieces.blocks(), console, report, surface);
   };
   steps.work = [&](const CloudFile& cloud, Console& console, Report& report, ScanResult& result) {
     for (const std::string& name : cloud.file.left_out) {

@@ -2,9 +2,12 @@
 #include "render/model.h"
 
 #include <utility>
+#include <vector>
 
+#include "pcl_slim/core/file_access.h"
 #include "pcl_slim/filters/io/splat_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
+#include "pcl_slim/render/frame_blocks.h"
 
 namespace pcl_slim {
 namespace {
@@ -47,12 +50,34 @@ modelFrom(const PointFile& file)
 
 }  // namespace
 
+namespace {
+
+/** Drops the blocks that a picture with level of detail does not draw. */
+Error
+dropFine(const BlockWish& wish, SlimBlockReader& reader, std::vector<bool>& blocks)
+{
+  const SlimDirectory& directory = reader.directory();
+  std::vector<bool> above;
+  for (const SlimBlock& block : directory.blocks) above.push_back(block.isCoarse());
+  Result<SLIMSurface> coarse = reader.load(above);
+  if (!coarse) return coarse.error();
+  coarse->buildLinks();
+  const std::vector<bool> needed = blocksOfFrame(directory, *coarse, *wish.camera, wish.lod);
+  for (std::size_t b = 0; b < blocks.size(); ++b) blocks[b] = blocks[b] && needed[b];
+  return {};
+}
+
+}  // namespace
+
 std::string
 Model::describe() const
 {
   if (is_splats) return std::to_string(splats.size()) + " splats";
+  const std::string part = blocks_read == blocks ? ""
+                                                 : ", " + std::to_string(blocks_read) + " of " +
+                                                       std::to_string(blocks) + " blocks";
   return std::to_string(surface.numLeaves()) + " leaves of " + std::to_string(surface.size()) +
-         " surfels";
+         " surfels" + part;
 }
 
 BoundingSpheres
@@ -85,6 +110,29 @@ loadModel(const std::string& path)
   Result<Model> model = modelFrom(*file);
   if (model) return model;
   return Error{model.error().code, "'" + path + "': " + model.error().message};
+}
+
+Result<Model>
+loadModel(const std::string& path, const BlockWish& wish)
+{
+  SlimBlockReader reader;
+  if (lowerExtension(path) != ".slim" || reader.open(path)) return loadModel(path);
+  const SlimDirectory& directory = reader.directory();
+  std::vector<bool> blocks;
+  for (const SlimBlock& block : directory.blocks)
+    blocks.push_back(wish.box(directory.boxOf(block)));
+  if (wish.camera != nullptr && wish.lod > 0.0) {
+    if (Error error = dropFine(wish, reader, blocks)) return error;
+  }
+  Result<SLIMSurface> surface = reader.load(blocks);
+  if (!surface) return surface.error();
+  surface->buildLinks();
+  Model model;
+  model.surface = std::move(*surface);
+  model.blocks = blocks.size();
+  model.blocks_read = reader.blocksRead();
+  model.box = directory.box();
+  return model;
 }
 
 }  // namespace pcl_slim

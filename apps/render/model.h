@@ -2,11 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/render/bounding_spheres.h"
+#include "pcl_slim/render/camera.h"
 #include "pcl_slim/splat/splat_set.h"
+#include "pcl_slim/surface/slim_blocks.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
@@ -14,9 +17,11 @@ namespace pcl_slim {
 /** \brief What can be rendered: a surface or splats. */
 struct Model {
   bool is_splats = false;
-  SLIMSurface surface;        ///< empty of splats
-  SplatSet splats;            ///< empty of a surface
-  std::uint64_t skipped = 0;  ///< splats left out: not finite or without a normal
+  SLIMSurface surface;                      ///< empty of splats
+  SplatSet splats;                          ///< empty of a surface
+  std::uint64_t skipped = 0;                ///< splats left out: not finite or without a normal
+  std::size_t blocks = 0, blocks_read = 0;  ///< of a surface in blocks
+  WorldBox box{};                           ///< of all its blocks
 
   /** \brief Whether it has colours of its own. */
   bool hasColors() const { return is_splats ? splats.hasColors() : surface.hasColors(); }
@@ -33,5 +38,16 @@ holdsModel(const std::string& path);
 /** \brief Loads a surface (.pcd .ply .vtp .slim) or splats (.pcd .ply .vtp); the fields tell which. */
 Result<Model>
 loadModel(const std::string& path);
+
+/** \brief What of a surface in blocks is wanted. */
+struct BlockWish {
+  std::function<bool(const WorldBox&)> box;  ///< whether blocks of a box are
+  const Camera* camera = nullptr;            ///< with lod: the one that sees it
+  double lod = 0.0;                          ///< level of detail of the picture, pixels
+};
+
+/** \brief The same, but of a surface in blocks only those that are wanted. */
+Result<Model>
+loadModel(const std::string& path, const BlockWish& wish);
 
 }  // namespace pcl_slim

@@ -24,9 +24,10 @@ reportSplats(const Model& model, const DiscRenderStatistics& counts, nlohmann::o
 void
 reportTraced(const Model& model, const TraceStatistics& counts, nlohmann::ordered_json& json);
 
-/** \brief Loads a model and says so; borders as the picture is to have them. */
+/** \brief Loads a model, or of a surface in blocks those that are wanted, and says so; borders as the picture is
+ * to have them. */
 Result<Model>
-loadDrawn(const std::string& path, bool trim, double hole, int threads, Console& console,
-          Report& report);
+loadDrawn(const std::string& path, const BlockWish& wish, bool trim, double hole, int threads,
+          Console& console, Report& report);
 
 }  // namespace pcl_slim

@@ -90,8 +90,19 @@ RegionRequest::bounds(const BoundingSpheres& object) const
   return bounds;
 }
 
+WorldBox
+RegionRequest::box() const
+{
+  WorldBox box;
+  for (std::size_t a = 0; a < 3; ++a) {
+    box[0][a] = sides[2 * a].offset;
+    box[1][a] = -sides[2 * a + 1].offset;
+  }
+  return box;
+}
+
 Result<BoundingSpheres>
-RegionRequest::within(const BoundingSpheres& object) const
+RegionRequest::within(const BoundingSpheres& object, const WorldBox* whole) const
 {
   if (sides.empty()) return object;
   BoundingSpheres part = object;
@@ -100,7 +111,11 @@ RegionRequest::within(const BoundingSpheres& object) const
     if (holds(sides, placeOf(object, sphere))) part.spheres.push_back(sphere);
   }
   if (!part.spheres.empty()) return part;
-  const std::array<double, 6> b = boundsOf(object);
+  std::array<double, 6> b = boundsOf(object);
+  for (std::size_t a = 0; a < 3 && whole != nullptr; ++a) {
+    b[2 * a] = (*whole)[0][a];
+    b[2 * a + 1] = (*whole)[1][a];
+  }
   std::string corners;
   for (const std::size_t k : {0u, 2u, 4u, 1u, 3u, 5u}) {
     corners += (corners.empty() ? "" : ",") + numberText(b[k], 9);

@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scan/fit_program.h"
 
+#include <chrono>
+#include <filesystem>
 #include <memory>
 #include <string>
 
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/filters/io/surface_files.h"
+#include "scan/fit_report.h"
 #include "scan/scan_program.h"
 #include "scan/tile_request.h"
 
 namespace pcl_slim {
 
 namespace {
+
+namespace fs = std::filesystem;
 
 struct Settings {
   ScanFiles files;
@@ -27,7 +32,7 @@ declareOptions(const char* program, const char* version, Settings& s)
   OptionTable options(program, version,
                       "Fits a sparse set of local polynomials (a SLIM surface) to a scan.");
   options.positional("IN", &s.files.input, kScanHelp);
-  options.positional("OUT.pcd|.ply|.vtp|.slim", &s.files.output, "the surface");
+  options.positional("OUT.pcd|.ply|.vtp|.pvtp|.slim", &s.files.output, "the surface");
   declareFitOptions(options, s.job);
   declareTrimOptions(options, s.job);
   declareColorOption(options, s.job);
@@ -72,20 +77,50 @@ openScan(Settings& s, bool asked, Console& console)
   return s.source != nullptr;
 }
 
+/** A name for the blocks of a surface that is written in another form. */
+std::string
+scratchFile(const std::string& folder)
+{
+  std::error_code code;
+  const fs::path place = folder.empty() ? fs::temp_directory_path(code) : fs::path(folder);
+  const auto now = std::chrono::steady_clock::now().time_since_epoch().count();
+  return (place / ("pcl_slim-" + std::to_string(now) + ".slim")).string();
+}
+
+/** Brings blocks from a scratch file, which is removed, into pieces for ParaView. */
+Error
+makePieces(const Settings& s, const std::string& file, SlimBlockWriter& blocks, ScanResult& result)
+{
+  if (Error error = blocks.finish()) return error;
+  const auto reader = std::make_shared<SlimBlockReader>();
+  const Error error = reader->open(file);
+  std::error_code code;
+  fs::remove(file, code);
+  if (error) return error;
+  result.save = [&s, reader] { return saveSurfacePieces(s.files.output, *reader); };
+  result.detail = std::to_string(blocks.surfels()) + " surfels, " +
+                  counted(reader->directory().blocks.size(), "piece");
+  return {};
+}
+
 Error
 streamSurface(const Settings& s, Console& console, Report& report, ScanResult& result)
 {
   const auto made = std::make_shared<TiledSurface>();
   const auto blocks = std::make_shared<SlimBlockWriter>();
-  const bool in_blocks = lowerExtension(s.files.output) == ".slim";
+  const std::string extension = lowerExtension(s.files.output);
+  const bool pieces = extension == ".pvtp", in_blocks = pieces || extension == ".slim";
+  const std::string file = pieces ? scratchFile(s.tiles.scratch) : s.files.output;
   if (in_blocks) {
-    if (Error error = blocks->open(s.files.output, s.rounding)) return error;
+    if (Error error = blocks->open(file, s.rounding)) return error;
   }
   if (Error error = fitByTiles(*s.source, s.job, s.tiles, console, report,
                                in_blocks ? blocks.get() : nullptr, *made))
     return error;
   result.report_only = made->partial;
-  if (in_blocks) {
+  if (pieces && !made->partial) {
+    if (Error error = makePieces(s, file, *blocks, result)) return error;
+  } else if (in_blocks) {
     result.save = [blocks] { return blocks->finish(); };
     result.detail = std::to_string(blocks->surfels()) + " surfels";
   } else {

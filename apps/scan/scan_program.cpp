@@ -61,12 +61,13 @@ runSteps(const OptionTable& options, const ScanFiles& files, const FitJob& scan,
   Report report(options.program(), options.version(), files.input, resolveThreads(threads));
   std::optional<CloudFile> cloud;
   Stop stop = readScan(files, scan, steps, console, report, cloud);
-  if (!stop.error && steps.load) stop = {kExitUsage, steps.load(console, report)};
+  const CloudFile* scan_points = cloud ? &*cloud : nullptr;
+  if (!stop.error && steps.load) stop = {kExitUsage, steps.load(scan_points, console, report)};
   if (!stop.error) stop = {kExitFailed, checkOutputs(files.output, files.json)};
   if (stop.error) return leave(stop.status, stop.error);
 
   ScanResult result;
-  stop = work(steps, cloud ? &*cloud : nullptr, console, report, result);
+  stop = work(steps, scan_points, console, report, result);
   if (console.interrupted()) {
     return fail(options.program(), kExitInterrupted, "stopped; nothing is written");
   }

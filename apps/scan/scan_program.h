@@ -47,8 +47,9 @@ struct ScanResult {
 struct ScanSteps {
   /** \brief What can be said before any file is touched; an error exits with kExitUsage. */
   std::function<Error()> check;
-  /** \brief Reads what else is needed, if anything; an error exits with kExitUsage. */
-  std::function<Error(Console&, Report&)> load;
+  /** \brief Reads what else is needed, if anything; an error exits with kExitUsage. The cloud is null where it
+   * is streamed. */
+  std::function<Error(const CloudFile* cloud, Console&, Report&)> load;
   /** \brief The work; an error exits with kExitFailed. */
   std::function<Error(const CloudFile&, Console&, Report&, ScanResult&)> work;
   /** \brief Opens a scan that is not loaded but read in pieces; null: every scan is loaded. An error exits

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/memory_limit.h"
+#include "pcl_slim/core/parallel.h"
 #include "scan/fit_report.h"
 #include "scan/tile_request.h"
 
@@ -15,8 +16,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kTilesOfThread = 2;  ///< fewer leave threads idle at the end
+
 void
-reportTiles(const StreamStatistics& statistics, const StreamFit& fit, Report& report)
+reportTiles(const StreamStatistics& statistics, const StreamFit& fit, int at_once, Report& report)
 {
   std::uint64_t most = 0;
   for (std::size_t t = 0; t < fit.plan().tiles.size(); ++t)
@@ -25,8 +28,10 @@ reportTiles(const StreamStatistics& statistics, const StreamFit& fit, Report& re
                             {"kept", statistics.kept_tiles},
                             {"halo_points", statistics.halo_points},
                             {"most_points", most},
+                            {"at_once", at_once},
                             {"noise_thinning", statistics.noise_thinning},
                             {"passes", statistics.passes},
+                            {"coarse_surfels", statistics.coarse_surfels},
                             {"scratch_read", statistics.scratch_read},
                             {"scratch_written", statistics.scratch_written}};
   report.time("measure", statistics.seconds_measure);
@@ -108,23 +113,48 @@ class TileRun {
     const bool oriented = fit.frame().with_normals || !job_.params.orient;
     const bool faces = job_.params.has_viewpoint || fit.frame().sensor;
     writes_ = writer_ != nullptr && !made_.partial && (oriented || faces);
-    for (const std::size_t t : *wanted) {
-      if (Error error = fitOne(fit, t)) return error;
-    }
+    if (Error error = keepCoarse(fit)) return error;
+    const auto take = [&](std::size_t t, const SLIMSurface& tile) { return keep(fit, t, tile); };
+    at_once_ = tilesAtOnce(fit, wanted->size());
+    if (Error error = fit.fit(*wanted, at_once_, take, &console_.progress())) return error;
     return made_.partial ? Error() : finish(fit);
   }
 
+  int atOnce() const { return at_once_; }
   std::uint64_t written() const { return writes_ ? writer_->surfels() : made_.surface.size(); }
 
  private:
-  Error fitOne(StreamFit& fit, std::size_t t)
+  /** The levels above the tiles' first go in front of these. */
+  Error keepCoarse(const StreamFit& fit)
   {
-    SLIMSurface tile;
-    if (Error error = fit.fit(t, tile, &console_.progress())) return error;
+    SLIMSurface coarse = fit.coarse();
+    if (made_.partial) return {};
+    made_.surface.info = coarse.info;
+    if (writes_) {
+      turn(fit, coarse);
+      return writer_->add(coarse, 0, 0);
+    }
+    made_.begins.push_back(0);
+    made_.surface.append(coarse);
+    return {};
+  }
+
+  /** One a thread, where memory has room for them and there are enough to keep all threads busy. */
+  int tilesAtOnce(const StreamFit& fit, std::size_t tiles) const
+  {
+    const int threads = resolveThreads(job_.params.threads);
+    const double bytes = threads * static_cast<double>(fit.workingBytes());
+    const bool many = tiles >= kTilesOfThread * static_cast<std::size_t>(threads);
+    return many && bytes <= memoryLeft() ? threads : 1;
+  }
+
+  Error keep(const StreamFit& fit, std::size_t t, const SLIMSurface& tile)
+  {
     if (made_.partial) return {};
     if (writes_) {
-      turn(fit, tile);
-      return add(fit, t, tile);
+      SLIMSurface turned = tile;
+      turn(fit, turned);
+      return add(fit, t, turned);
     }
     made_.begins.push_back(made_.surface.size());
     made_.surface.append(tile);
@@ -154,7 +184,8 @@ class TileRun {
     made_.begins.push_back(made_.surface.size());
     for (std::size_t t = 0; t + 1 < made_.begins.size(); ++t) {
       const SLIMSurface tile = made_.surface.slice(made_.begins[t], made_.begins[t + 1]);
-      if (Error error = add(fit, t, tile)) return error;
+      const Error error = t == 0 ? writer_->add(tile, 0, 0) : add(fit, t - 1, tile);
+      if (error) return error;
     }
     return {};
   }
@@ -164,6 +195,7 @@ class TileRun {
   Console& console_;
   SlimBlockWriter* writer_;
   TiledSurface& made_;
+  int at_once_ = 1;
   bool writes_ = false;  ///< tiles are written as they come
 };
 
@@ -215,7 +247,7 @@ fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Con
   report.json()["surfels"] = run.written();
   report.json()["levels"] =
       std::count_if(levels.begin(), levels.end(), [](auto n) { return n > 0; });
-  reportTiles(statistics, fit, report);
+  reportTiles(statistics, fit, run.atOnce(), report);
   console.done(watch.seconds(), std::to_string(statistics.fit.leaves) + " leaves, " +
                                     counted(statistics.tiles, "tile"));
   if (made.partial) {

@@ -30,8 +30,9 @@ struct TileRequest {
 struct TiledSurface {
   SLIMSurface
       surface;  ///< all surfels; none where they were written, or some tiles were fitted only
-  std::vector<std::size_t> begins;  ///< first surfel of each tile
-  bool partial = false;             ///< only some tiles were to be fitted
+  std::vector<std::size_t>
+      begins;            ///< first surfel of the levels above the tiles', and of each tile
+  bool partial = false;  ///< only some tiles were to be fitted
 };
 
 /** \brief Adds -plan and -tiles, for programs whose fit may be divided. */

@@ -132,6 +132,13 @@ ScaleSurface::distance(const std::array<double, 3>& p) const
   return height(p) / std::hypot(g[0], g[1], g[2]);
 }
 
+bool
+ScaleSurface::isClump(const std::array<double, 3>& p) const
+{
+  constexpr double kReach = 0.1;
+  return kind_ != Kind::kSheet && std::hypot(p[0], p[1]) < kReach;
+}
+
 double
 ScaleSurface::diagonal() const
 {

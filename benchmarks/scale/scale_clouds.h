@@ -22,6 +22,8 @@ class ScaleSurface {
   std::array<double, 3> normal(const std::array<double, 3>& p) const;
   /** \brief Signed distance from the surface, to first order. */
   double distance(const std::array<double, 3>& p) const;
+  /** \brief Whether a place is at one of the body's ends, where views beyond them put a clump of points. */
+  bool isClump(const std::array<double, 3>& p) const;
   /** \brief About the diagonal of the bounding box. */
   double diagonal() const;
 

@@ -10,8 +10,11 @@ expect 0 '' scan.pcd tiles.slim -tile_points 20000 -threads 1 -json tiles.json
 [ "$(value tiles.json count)" -ge 10 ] || complain "$(value tiles.json count) tiles"
 [ "$(value tiles.json uncovered)" -le 20 ] || complain "$(value tiles.json uncovered) points are uncovered"
 
-expect 0 '' scan.pcd two.slim -tile_points 20000 -threads 2
+expect 0 '' scan.pcd two.slim -tile_points 20000 -threads 2 -json two.json
 same tiles.slim two.slim
+[ "$(value two.json at_once)" -eq 2 ] || complain "$(value two.json at_once) tiles at once by two threads"
+expect 0 '' scan.pcd few.slim -tile_points 150000 -threads 2 -json two.json
+[ "$(value two.json at_once)" -eq 1 ] || complain "$(value two.json at_once) of few tiles at once"
 for limit in 300 200; do
   expect 0 '' scan.pcd limited.slim -tile_points 20000 -threads 1 -max_memory $limit
   same tiles.slim limited.slim
@@ -20,6 +23,13 @@ mkdir scratch
 expect 0 '' scan.pcd scratch.slim -tile_points 20000 -scratch scratch
 same tiles.slim scratch.slim
 [ -z "$(ls -A scratch)" ] || complain "scratch folder has $(ls -A scratch)"
+
+# In pieces for ParaView, whose place nothing is in before they are all there.
+expect 0 '' scan.pcd pieces.pvtp -tile_points 20000 -scratch scratch
+[ "$(ls pieces | wc -l)" -eq $(($(value tiles.json count) + 1)) ] || complain "pieces: $(ls pieces)"
+[ -z "$(ls -A scratch)" ] || complain "pieces: scratch folder has $(ls -A scratch)"
+expect 1 'in the place of the folder' scan.pcd scan.pcd.pvtp -tile_points 20000
+absent scan.pcd.pvtp
 
 head -c 900000 scan.pcd > cut.pcd
 
@@ -133,6 +143,56 @@ far = sum(not (x == y or path.endswith("ply") or abs(x - y) <= 1e-4 * max(1, abs
 sys.exit(head != other or len(a) != len(b) or far > 1e-4 * len(a))
 END
 }
+# Of a surface in blocks only those near the points are read: the same bytes as with all of it, which the
+# .pcd has. A -max_memory little above what the points take divides the work: the same but for rounding.
+python3 - scan.pcd part.pcd <<'END'
+import struct, sys
+data = open(sys.argv[1], "rb").read()
+at = data.index(b"DATA binary\n") + 12
+rows = [data[k:k + 16] for k in range(at, len(data), 16)]
+rows = [row for row in rows if struct.unpack("<f", row[8:12])[0] > 0.45]
+head = data[:at].replace(b" 200000", b" %d" % len(rows))
+open(sys.argv[2], "wb").write(head + b"".join(rows))
+END
+count=$(value tiles.json count)
+for program in pcl_slim_smooth pcl_slim_curvature; do
+  expect 0 '' part.pcd near.pcd -surface tiles.slim -json near.json
+  expect 0 '' part.pcd whole.pcd -surface tiles.pcd
+  same near.pcd whole.pcd
+  expect 0 '' part.pcd whole.pcd -surface pieces.pvtp
+  same near.pcd whole.pcd
+  [ "$(value near.json read)" -le $((count / 2)) ] || complain "$(value near.json read) of $count blocks for a part"
+  expect 0 '' scan.pcd near.pcd -surface tiles.slim -tile_points 30000 -threads 1
+  expect 0 '' scan.pcd whole.pcd -surface tiles.pcd -tile_points 30000 -threads 2
+  same near.pcd whole.pcd
+  expect 2 'MB or more' scan.pcd refused.pcd -surface tiles.slim -tile_points 30000 -max_memory 20
+  least=$(grep -o 'takes [0-9]* MB' err.txt | tr -dc 0-9)
+  expect 0 '' scan.pcd divided.pcd -surface tiles.slim -tile_points 30000 -threads 1 -max_memory $((least + 1))
+  nearly near.pcd divided.pcd
+  differ near.pcd divided.pcd
+done
+program=pcl_slim_render
+box='-region -1,-1,0.3,1,1,0.38'
+near='-camera 0.45,-0.4,0.7,0,0,0.45,0,0,1,6'
+for view in "$box" "$near" "$box -mode raytraced" "$box $near"; do
+  # shellcheck disable=SC2086
+  expect 0 '' tiles.slim near.png -size 160x120 $view -json near.json
+  # shellcheck disable=SC2086
+  expect 0 '' tiles.pcd whole.png -size 160x120 $view
+  same near.png whole.png
+  [ "$(value near.json read)" -lt "$count" ] || complain "$(value near.json read) blocks for $view"
+done
+# Far away the levels above the tiles stand for all of them.
+far='-camera 30,-52,32,0,0,0.3,0,0,1,5 -size 320x240 -lod 4'
+# shellcheck disable=SC2086
+expect 0 '' tiles.slim far.png $far -json near.json
+# shellcheck disable=SC2086
+expect 0 '' tiles.pcd whole.png $far -json whole.json
+[ "$(value near.json read)" -le $((count / 4)) ] || complain "$(value near.json read) blocks for a view from afar"
+seen=$(value near.json covered_pixels) all=$(value whole.json covered_pixels)
+[ $((100 * seen)) -gt $((95 * all)) ] && [ $((100 * seen)) -lt $((105 * all)) ] || complain "$seen pixels of $all from afar"
+expect 2 'nothing lies in' tiles.slim refused.png -region 5,5,5,6,6,6
+absent refused.png
 printf 'VERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH 1\nHEIGHT 30000\nDATA binary\n' > nans.pcd
 head -c 480000 /dev/zero | tr '\0' '\377' >> nans.pcd
 for program in pcl_slim_smooth pcl_slim_curvature; do

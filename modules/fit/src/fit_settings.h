@@ -44,6 +44,7 @@ struct FitSettings {
   float min_dot = 0.0f;     ///< the normal bound: normals nearer than this belong together
   bool skip_lone_normals = true;
   bool split_sheets = false;
+  bool internal_only = false;  ///< every ball is kept at r_r, for finer ones to stand below
   bool robust = false;
   bool paper = false;
   std::uint64_t seed = 1;

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <optional>
 
 #include "cover/level_cover.h"
+#include "cover/start_level.h"
 #include "cover/surface_columns.h"
 #include "fit_statistics.h"
 #include "measured_settings.h"
@@ -144,6 +144,7 @@ measureTraits(const PointStore& sample, const FitParams& asked, const TraitsSamp
   traits.lambda = settings.energy.lambda;
   traits.min_dot = settings.min_dot;
   traits.normal_error = settings.normal_error;
+  if (how.thinning == 1) traits.spacing = medianSpacing(sample);
   traits.profile = profileKind(params, settings);
   measured.noise_fills = noiseFills(sample, stats, settings);
   if (traits.profile != CloudTraits::Profile::kNone && stats.noise_neighbors == 0)
@@ -173,7 +174,7 @@ checkTileParams(const FitParams& params)
 }
 
 Error
-fitTile(const PointStore& all, const FitParams& asked, const TileJob& job, SLIMSurface& surface,
+fitTile(PointStore store, const FitParams& asked, const TileJob& job, SLIMSurface& surface,
         FitStatistics* statistics, Progress* progress)
 {
   surface.clear();
@@ -183,13 +184,14 @@ fitTile(const PointStore& all, const FitParams& asked, const TileJob& job, SLIMS
   FitStatistics stats;
   stats.threads = resolveThreads(params.threads);
   auto start = std::chrono::steady_clock::now();
-  std::vector<std::uint32_t> outliers;
-  if (!params.keep_outliers) outliers = findOutliers(all, stats.threads);
-  std::optional<PointStore> rest;
-  if (!outliers.empty()) rest = all.without(outliers);
-  const PointStore& store = rest ? *rest : all;
+  stats.outliers = coreOf(store, job).size();
+  if (!params.keep_outliers) {
+    const std::vector<std::uint32_t> outliers =
+        findOutliers(store, stats.threads, job.traits.spacing);
+    if (!outliers.empty()) store.drop(outliers, stats.threads);
+  }
   const PointRange core = coreOf(store, job);
-  stats.outliers = coreOf(all, job).size() - core.size();
+  stats.outliers -= core.size();
   stats.seconds_outliers = secondsSince(start);
 
   start = std::chrono::steady_clock::now();
@@ -212,6 +214,27 @@ fitTile(const PointStore& all, const FitParams& asked, const TileJob& job, SLIMS
   stats.points = core.size();
   stats.never_gathered -= std::min<std::uint64_t>(stats.never_gathered, store.size() - core.size());
   if (statistics != nullptr) *statistics = stats;
+  return {};
+}
+
+Error
+fitCoarseLevels(const PointStore& sample, const FitParams& asked, const CoarseJob& job,
+                SLIMSurface& surface, Progress* progress)
+{
+  FitConstants constants;
+  constants.cover.last_level = job.last_level;
+  const FitParams params = resolvedParams(asked, constants.preset);
+  FitStatistics stats;
+  stats.threads = resolveThreads(params.threads);
+  FitSettings settings = makeSettings(sample, params, constants);
+  settings.internal_only = true;
+  CloudTraits traits = job.traits;
+  traits.dependence = 1 + (traits.dependence - 1) / static_cast<double>(job.thinning);
+  takeTraits(traits, params, settings);
+  LevelCover cover(sample, settings, stats.threads);
+  if (Error error = cover.run(startLevel(sample, settings), progress)) return error;
+  fillSurface(sample, settings, cover, stats.threads, surface);
+  if (params.trim) makeTrimMaps(sample, settings, params.hole_size, stats, surface);
   return {};
 }
 

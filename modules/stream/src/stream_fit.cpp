@@ -11,6 +11,7 @@
 
 #include "state/kept_plan.h"
 #include "stream_state.h"
+#include "tiles/tile_queue.h"
 
 namespace pcl_slim {
 
@@ -89,6 +90,8 @@ detail::StreamState::takeKept(PointSource& source)
   kept.plan.makeTiles(params.tile_points);
   const std::size_t tiles = kept.plan.tiles.size();
   if (kept.first_levels.size() != tiles || kept.halos.size() != tiles) return false;
+  FitStatistics unused;
+  if (!loadTile(params.state, identity, tiles, coarse, unused)) return false;
   if (const Error error = store.open(kept.plan, kept.record, params.state)) return false;
   frame = kept.frame;
   frame.sensor = source.sensor();
@@ -117,6 +120,7 @@ detail::StreamState::keep() const
   kept.plan = plan;
   kept.first_levels = first_levels;
   kept.halos = halos;
+  if (Error error = saveTile(params.state, identity, plan.tiles.size(), coarse, {})) return error;
   return savePlan(params.state, identity, kept);
 }
 
@@ -175,6 +179,12 @@ StreamFit::firstLevel(std::size_t tile) const
   return state_->first_levels[tile];
 }
 
+const SLIMSurface&
+StreamFit::coarse() const
+{
+  return state_->coarse;
+}
+
 std::uint64_t
 StreamFit::loadedPoints(std::size_t tile) const
 {
@@ -191,54 +201,81 @@ StreamFit::workingBytes() const
 }
 
 Error
-detail::StreamState::fitAnew(std::size_t tile, SLIMSurface& surface, FitStatistics& fitted,
-                             Progress& progress)
+detail::StreamState::fitAnew(std::size_t tile, int with_threads, FittedTile& made,
+                             Progress& progress) const
 {
   const Stopwatch watch;
   std::vector<unsigned char> records;
-  if (Error error = load(tile, records)) return error;
-  Result<PointStore> points = PointStore::build(store.record().view(records), frame, threads);
+  if (Error error = load(tile, with_threads, records)) return error;
+  Result<PointStore> points = PointStore::build(store.record().view(records), frame, with_threads);
   if (!points) return points.error();
-  stats.halo_points += records.size() / store.record().bytes() - plan.tiles[tile].points;
+  made.halo_points = records.size() / store.record().bytes() - plan.tiles[tile].points;
   std::vector<unsigned char>().swap(records);
-  stats.seconds_load += watch.seconds();
+  made.seconds_load = watch.seconds();
   TileJob job;
   job.first_key = plan.tiles[tile].first_key;
   job.end_key = plan.tiles[tile].end_key;
   job.first_level = first_levels[tile];
   job.traits = traits;
-  if (Error error = fitTile(*points, params.fit, job, surface, &fitted, &progress)) return error;
-  surface.info.num_points = plan.points;
+  FitParams fit = params.fit;
+  fit.threads = with_threads;
+  if (Error error = pcl_slim::fitTile(std::move(*points), fit, job, made.surface, &made.statistics,
+                                      &progress))
+    return error;
+  made.surface.info.num_points = plan.points;
   return {};
 }
 
-void
-detail::StreamState::addTile(std::size_t tile, const FitStatistics& fitted,
-                             const SLIMSurface& surface)
+/** Fits a tile, unless an earlier run has kept it. */
+Error
+detail::StreamState::fitTile(std::size_t tile, int with_threads, FittedTile& made,
+                             Progress& progress) const
 {
-  sum.add(fitted, surface);
-  stats.points.duplicates += plan.tiles[tile].points - fitted.points;
+  made.kept = keeps() && loadTile(params.state, identity, tile, made.surface, made.statistics);
+  if (made.kept) return {};
+  if (Error error = fitAnew(tile, with_threads, made, progress)) return error;
+  return keeps() ? saveTile(params.state, identity, tile, made.surface, made.statistics) : Error();
+}
+
+void
+detail::StreamState::addTile(std::size_t tile, const FittedTile& made)
+{
+  sum.add(made.statistics, made.surface);
+  stats.points.duplicates +=
+      plan.tiles[tile].points - made.statistics.points - made.statistics.outliers;
+  stats.halo_points += made.halo_points;
+  stats.seconds_load += made.seconds_load;
+  stats.kept_tiles += made.kept ? 1 : 0;
 }
 
 Error
 StreamFit::fit(std::size_t tile, SLIMSurface& surface, Progress* progress)
 {
   StreamState& s = *state_;
-  FitStatistics fitted;
-  if (s.keeps() && loadTile(s.params.state, s.identity, tile, surface, fitted)) {
-    ++s.stats.kept_tiles;
-    s.addTile(tile, fitted, surface);
-    return {};
-  }
   const auto share = [&](std::size_t t) {
     return 0.12f + 0.88f * static_cast<float>(t) / static_cast<float>(s.plan.tiles.size());
   };
   PartialProgress partial(progress, share(tile), share(tile + 1));
   if (progress != nullptr && progress->cancelled()) return cancelled();
-  if (Error error = s.fitAnew(tile, surface, fitted, partial.part()))
+  FittedTile made;
+  if (Error error = s.fitTile(tile, s.threads, made, partial.part()))
     return progress != nullptr && progress->cancelled() ? cancelled() : error;
-  s.addTile(tile, fitted, surface);
-  return s.keeps() ? saveTile(s.params.state, s.identity, tile, surface, fitted) : Error();
+  s.addTile(tile, made);
+  surface = std::move(made.surface);
+  return {};
+}
+
+Error
+StreamFit::fit(const std::vector<std::size_t>& tiles, int at_once, const Sink& sink,
+               Progress* progress)
+{
+  if (at_once > 1) return TileQueue(*state_, tiles, sink, progress).fit(at_once);
+  for (const std::size_t t : tiles) {
+    SLIMSurface surface;
+    if (Error error = fit(t, surface, progress)) return error;
+    if (Error error = sink(t, surface)) return error;
+  }
+  return {};
 }
 
 const StreamStatistics&
@@ -246,6 +283,8 @@ StreamFit::statistics() const
 {
   StreamState& s = *state_;
   s.stats.fit = s.sum.sum();
+  s.stats.coarse_surfels = s.coarse.size();
+  s.stats.fit.internals += s.coarse.size();
   s.stats.scratch_read = s.store.file().bytesRead();
   s.stats.scratch_written = s.store.file().bytesWritten();
   return s.stats;
@@ -258,6 +297,7 @@ fitTiles(PointSource& source, const StreamParams& params, SLIMSurface& surface,
   surface.clear();
   StreamFit fit(params);
   if (Error error = fit.prepare(source, progress)) return error;
+  surface.append(fit.coarse());
   for (std::size_t t = 0; t < fit.plan().tiles.size(); ++t) {
     SLIMSurface tile;
     if (Error error = fit.fit(t, tile, progress)) return error;

@@ -97,7 +97,7 @@ Error
 detail::StreamState::measureNoise()
 {
   Result<MeasuredTraits> measured =
-      measureSampledTraits(loader(), frame, params.fit, stats.noise_thinning);
+      measureSampledTraits(loader(threads), frame, params.fit, stats.noise_thinning);
   if (!measured) return measured.error();
   traits = measured->traits;
   FitStatistics& fit = sum.sum();
@@ -112,11 +112,12 @@ Error
 detail::StreamState::survey(Progress* progress)
 {
   radii = levelRadii(frame, params.fit);
-  const TileLoader tiles = loader();
-  std::vector<unsigned char> records;
+  const TileLoader tiles = loader(threads);
+  std::vector<unsigned char> records, sample;
   for (std::size_t t = 0; t < plan.tiles.size(); ++t) {
     if (progress != nullptr && progress->cancelled()) return cancelled();
     if (Error error = tiles.loadCore(t, records)) return error;
+    addSample(records, sample);
     const CloudView core = tiles.record().view(records);
     // What is left over at the end of a node has no room for balls of a whole tile's.
     const std::uint64_t most = std::min(params.firstBallPoints(), core.size / kBallsOfSmallTile);
@@ -132,14 +133,16 @@ detail::StreamState::survey(Progress* progress)
     first_levels.push_back(level);
     halos.push_back(halo);
   }
-  return {};
+  std::vector<unsigned char>().swap(records);
+  return fitCoarse(sample);
 }
 
 /** The records of a tile's core and halo. */
 Error
-detail::StreamState::load(std::size_t tile, std::vector<unsigned char>& records) const
+detail::StreamState::load(std::size_t tile, int with_threads,
+                          std::vector<unsigned char>& records) const
 {
-  const TileLoader tiles = loader();
+  const TileLoader tiles = loader(with_threads);
   records.reserve((plan.tiles[tile].points + halos[tile]) * tiles.record().bytes());
   if (Error error = tiles.loadCore(tile, records)) return error;
   const HaloMask mask = tiles.maskOf(tile, records, radii.reach(first_levels[tile]));

@@ -33,6 +33,15 @@ cancelled()
   return {ErrorCode::kCancelled, "the fit was cancelled"};
 }
 
+/** \brief What the fit of one tile has made. */
+struct FittedTile {
+  SLIMSurface surface;
+  FitStatistics statistics;
+  std::uint64_t halo_points = 0;
+  double seconds_load = 0;
+  bool kept = false;  ///< by an earlier run
+};
+
 /** \brief What a fit by tiles knows between its steps. */
 struct StreamState {
   explicit StreamState(StreamParams given) : params(std::move(given))
@@ -50,10 +59,11 @@ struct StreamState {
   LevelRadii radii;
   std::vector<int> first_levels;
   std::vector<std::uint64_t> halos;  ///< most points of each tile's
+  SLIMSurface coarse;                ///< surfels above the tiles' first levels
   StatisticsSum sum;
   StreamStatistics stats;
 
-  TileLoader loader() const { return {plan, store, frame, threads}; }
+  TileLoader loader(int with_threads) const { return {plan, store, frame, with_threads}; }
 
   template <typename Visit>
   Error pass(PointSource& source, Progress* progress, float begin, float end, const char* stage,
@@ -63,13 +73,18 @@ struct StreamState {
   Error sortPoints(PointSource& source, Progress* progress);
   Error measureNoise();
   Error survey(Progress* progress);
-  Error load(std::size_t tile, std::vector<unsigned char>& records) const;
+  std::uint64_t coarseThinning() const;
+  void addSample(const std::vector<unsigned char>& core, std::vector<unsigned char>& sample) const;
+  Error fitCoarse(const std::vector<unsigned char>& sample);
+  int firstLevelAt(std::uint64_t key) const;
+  Error load(std::size_t tile, int with_threads, std::vector<unsigned char>& records) const;
 
   bool keeps() const { return !params.state.empty(); }
   bool takeKept(PointSource& source);
   Error keep() const;
-  void addTile(std::size_t tile, const FitStatistics& fitted, const SLIMSurface& surface);
-  Error fitAnew(std::size_t tile, SLIMSurface& surface, FitStatistics& fitted, Progress& progress);
+  Error fitAnew(std::size_t tile, int with_threads, FittedTile& made, Progress& progress) const;
+  Error fitTile(std::size_t tile, int with_threads, FittedTile& made, Progress& progress) const;
+  void addTile(std::size_t tile, const FittedTile& made);
   std::string identity;  ///< of source and parameters
 };
 

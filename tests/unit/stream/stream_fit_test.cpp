@@ -82,6 +82,23 @@ TEST(StreamFit, MeasuresTheNoiseOfTheWholeCloud)
   EXPECT_NEAR(statistics.fit.lambda, fitted(cloud).statistics.lambda, 0.02 * statistics.fit.lambda);
 }
 
+TEST(StreamFit, ADenseClumpMakesNoOutliersOfThePointsAboutIt)
+{
+  // In its tile a clump has most points: their spacing is not the cloud's.
+  Cloud cloud = torus(150000);
+  std::mt19937 random(3);
+  std::normal_distribution<double> off(0.0, 0.004);
+  const std::size_t whole = cloud.size();
+  for (int i = 0; i < 30000; ++i)
+    cloud.add(cloud.points[0] + off(random), cloud.points[1] + off(random),
+              cloud.points[2] + off(random));
+  StreamStatistics statistics;
+  byTiles(cloud, smallTiles(), &statistics);
+  EXPECT_LE(statistics.fit.outliers, whole / 1000);
+  EXPECT_EQ(statistics.points.duplicates, 0u);
+  EXPECT_EQ(statistics.fit.points + statistics.fit.outliers, cloud.size());
+}
+
 TEST(StreamFit, GivesTheSameBytesForAnyThreads)
 {
   const Cloud cloud = torus(100000);
@@ -120,6 +137,57 @@ TEST(StreamFit, GivesTheSameBytesForAnyOrderOfTiles)
     ASSERT_FALSE(fit.fit(t, surface));
     EXPECT_EQ(encodeSlim(surface), forward[t]);
   }
+}
+
+TEST(StreamFit, TilesFittedAtOnceComeInOrderAndAreTheSame)
+{
+  const Cloud cloud = torus(100000);
+  CloudSource source(cloud.view());
+  StreamParams params = smallTiles(3);
+  params.fit.orient = false;
+  StreamFit fit(params);
+  ASSERT_FALSE(fit.prepare(source));
+  std::vector<std::size_t> tiles(fit.plan().tiles.size());
+  std::iota(tiles.begin(), tiles.end(), 0);
+  std::vector<std::size_t> order;
+  SLIMSurface all = fit.coarse();
+  const auto take = [&](std::size_t tile, const SLIMSurface& surface) {
+    order.push_back(tile);
+    all.append(surface);
+    return Error();
+  };
+  ASSERT_FALSE(fit.fit(tiles, 3, take));
+  EXPECT_EQ(order, tiles);
+  StreamStatistics alone;
+  EXPECT_EQ(encodeSlim(all), encodeSlim(byTiles(cloud, params, &alone)));
+  EXPECT_EQ(fit.statistics().fit.leaves, alone.fit.leaves);
+  EXPECT_EQ(fit.statistics().halo_points, alone.halo_points);
+  EXPECT_EQ(fit.statistics().fit.rms_error, alone.fit.rms_error);
+
+  const auto full = [&](std::size_t tile, const SLIMSurface&) {
+    return tile == 2 ? Error{ErrorCode::kIo, "the disk is full"} : Error();
+  };
+  EXPECT_EQ(fit.fit(tiles, 2, full).code, ErrorCode::kIo);
+  Progress stopped;
+  stopped.cancel();
+  EXPECT_EQ(fit.fit(tiles, 2, take, &stopped).code, ErrorCode::kCancelled);
+}
+
+TEST(StreamFit, HasTheLevelsAboveTheTilesOnceOnly)
+{
+  const Cloud cloud = torus(100000);
+  CloudSource source(cloud.view());
+  StreamFit fit(smallTiles());
+  ASSERT_FALSE(fit.prepare(source));
+  const SLIMSurface& coarse = fit.coarse();
+  ASSERT_GT(coarse.size(), 10u);
+  EXPECT_EQ(coarse.numLeaves(), 0u);
+  EXPECT_FALSE(coarse.validate());
+  int last = 0;
+  for (std::size_t t = 0; t < fit.plan().tiles.size(); ++t)
+    last = std::max(last, fit.firstLevel(t));
+  for (const std::uint8_t level : coarse.level) EXPECT_LT(level, last);
+  EXPECT_EQ(coarse.info.num_points, cloud.size());
 }
 
 TEST(StreamFit, UsesNormals)

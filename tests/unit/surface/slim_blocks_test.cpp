@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -95,7 +96,7 @@ TEST(SlimBlocks, AreFoundByDirectoryAndBox)
     low[a] = info.origin[a] + info.scale * static_cast<double>(directory->blocks[0].low[a]);
     high[a] = low[a] + 1e-6 * info.scale;
   }
-  const auto corner = loadSlimBox(path, low, high);
+  const auto corner = loadSlimBox(path, {low, high});
   ASSERT_TRUE(corner);
   std::size_t expected = 0;
   for (const SlimBlock& block : directory->blocks) {
@@ -108,6 +109,34 @@ TEST(SlimBlocks, AreFoundByDirectoryAndBox)
   }
   EXPECT_EQ(corner->size(), expected);
   EXPECT_LT(corner->size(), surface.size());
+}
+
+TEST(SlimBlocks, AreReadOnceWhileTheyAreKept)
+{
+  const TemporaryFolder folder;
+  const std::string path = folder / "a.slim";
+  const SLIMSurface surface = someSurface();
+  ASSERT_FALSE(writeBlocks(path, surface, 7));
+  SlimBlockReader reader;
+  ASSERT_FALSE(reader.open(path));
+  const std::vector<bool> some{false, true, false, true, false, false, false};
+  const std::vector<bool> more{false, true, true, true, false, false, false};
+  constexpr std::uint64_t kAll = 1 << 30;
+  const auto first = reader.load(some, kAll);
+  ASSERT_TRUE(first);
+  EXPECT_EQ(reader.blocksRead(), 2u);
+  // What is kept needs no file any more; order and bytes are the file's.
+  std::fstream(path, std::ios::in | std::ios::out | std::ios::binary)
+      .seekp(static_cast<std::streamoff>(reader.directory().blocks[1].offset))
+      .write("??", 2);
+  const auto second = reader.load(more, kAll);
+  ASSERT_TRUE(second) << second.error().message;
+  EXPECT_EQ(reader.blocksRead(), 3u);
+  const std::size_t n = surface.size();
+  EXPECT_EQ(encodeSlim(*second), encodeSlim(surface.slice(n / 7, 4 * n / 7)));
+  // Without room block 1 is dropped, and the next call reads it again.
+  ASSERT_TRUE(reader.load({false, false, false, true, false, false, false}, 1));
+  EXPECT_FALSE(reader.load(some, kAll));
 }
 
 TEST(SlimBlocks, AnyChangedByteIsNoticed)

@@ -219,6 +219,16 @@ checkVtp(const std::string&)
   return {};
 }
 
+Result<std::vector<VtpColumn>>
+vtpColumns(const PointFile& file)
+{
+  const auto plans = Planner(file.cloud).plan();
+  if (!plans) return plans.error();
+  std::vector<VtpColumn> columns;
+  for (const Plan& plan : *plans) columns.push_back({plan.name, plan.type, plan.offsets.size()});
+  return columns;
+}
+
 Error
 saveVtp(const std::string& path, const PointFile& file)
 {

@@ -20,6 +20,17 @@ checkVtp(const std::string& path);
 Error
 saveVtp(const std::string& path, const PointFile& file);
 
+/** An array of points as saveVtp() writes it. */
+struct VtpColumn {
+  std::string name;
+  std::uint8_t type;  ///< ScalarType
+  std::size_t components;
+};
+
+/** The arrays that saveVtp() writes for points, without their coordinates. */
+Result<std::vector<VtpColumn>>
+vtpColumns(const PointFile& file);
+
 /** Reads what saveVtp() or VTK has written: points, their arrays as fields, and polygons. */
 Result<PointFile>
 parseVtp(const std::vector<unsigned char>& bytes);

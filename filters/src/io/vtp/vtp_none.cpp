@@ -19,6 +19,12 @@ saveVtp(const std::string& path, const PointFile&)
   return checkVtp(path);
 }
 
+Result<std::vector<VtpColumn>>
+vtpColumns(const PointFile&)
+{
+  return checkVtp("*.vtp");
+}
+
 Result<PointFile>
 parseVtp(const std::vector<unsigned char>&)
 {

@@ -36,22 +36,6 @@ constexpr double kSteep = 0.25;       ///< share of their distance that is heigh
 constexpr double kFew = 0.001;        ///< share of new outliers below which none hides another
 constexpr int kRounds = 2;            ///< at most
 
-/** Distance to the eighth neighbour, of the cloud's median point. */
-double
-medianSpacing(const PointStore& store)
-{
-  const std::size_t samples = std::min(kSample, store.size());
-  Neighborhood around(store);
-  std::vector<double> spacings;
-  for (std::size_t s = 0; s < samples; ++s) {
-    around.find(s * store.size() / samples, kNear, nullptr, kNear);
-    spacings.push_back(around.distance(kNear));
-  }
-  const auto middle = spacings.begin() + static_cast<std::ptrdiff_t>(samples / 2);
-  std::nth_element(spacings.begin(), middle, spacings.end());
-  return *middle;
-}
-
 /** One byte a stored point: 1 of an outlier. */
 using Marks = std::vector<unsigned char>;
 
@@ -148,13 +132,28 @@ markNearSurface(const PointStore& store, double spacing, int threads, Marks& mar
 
 }  // namespace
 
+double
+medianSpacing(const PointStore& store)
+{
+  const std::size_t samples = std::min(kSample, store.size());
+  Neighborhood around(store);
+  std::vector<double> spacings;
+  for (std::size_t s = 0; s < samples; ++s) {
+    around.find(s * store.size() / samples, kNear, nullptr, kNear);
+    spacings.push_back(around.distance(kNear));
+  }
+  const auto middle = spacings.begin() + static_cast<std::ptrdiff_t>(samples / 2);
+  std::nth_element(spacings.begin(), middle, spacings.end());
+  return *middle;
+}
+
 std::vector<std::uint32_t>
-findOutliers(const PointStore& store, int threads)
+findOutliers(const PointStore& store, int threads, double spacing)
 {
   const std::size_t n = store.size();
   if (n < kLeastPoints) return {};
   threads = resolveThreads(threads);
-  const double spacing = medianSpacing(store);
+  if (spacing <= 0) spacing = medianSpacing(store);
   Marks marks(n, 0);
   if (markScattered(store, spacing, threads, marks) == 0) return {};
   markCompany(store, spacing, threads, marks);

@@ -15,12 +15,25 @@ BallFitter::fit(std::size_t i, int level, SurfelRecord& surfel)
   FramedBall ball;
   const BallOutcome outcome = prepare(site, 1, ball);
   if (outcome != BallOutcome::kLeaf) return outcome;
+  if (settings_.internal_only) return widest(ball, level, surfel);
   const RadiusChoice choice = chooseRadius(ball);
   if (choice.kind == RadiusChoice::Kind::kSparse) {
     return withoutFit(ball, site, choice.trial, surfel);
   }
   surfel = recordOf(ball, choice, level, settings_.constants.ball.bias);
   return choice.kind == RadiusChoice::Kind::kLeaf ? BallOutcome::kLeaf : BallOutcome::kInternal;
+}
+
+/** The surfel at r_r, for finer ones to stand below. */
+BallOutcome
+BallFitter::widest(const FramedBall& ball, int level, SurfelRecord& surfel)
+{
+  if (!search_.right().supported) return BallOutcome::kUnsupported;
+  RadiusChoice choice;
+  choice.kind = RadiusChoice::Kind::kInternal;
+  choice.trial = search_.right();
+  surfel = recordOf(ball, choice, level, settings_.constants.ball.bias);
+  return BallOutcome::kInternal;
 }
 
 /** Gathers and frames the points of every so many blocks. \return kLeaf where a radius can be
@@ -96,11 +109,7 @@ BallFitter::tooWideAtAGlance(const BallSite& site, int level, SurfelRecord& surf
   if (stride < constants.glance_stride) return false;
   FramedBall ball;
   if (prepare(site, stride, ball) != BallOutcome::kLeaf || !search_.surelyInternal()) return false;
-  RadiusChoice choice;
-  choice.kind = RadiusChoice::Kind::kInternal;
-  choice.trial = search_.right();
-  surfel = recordOf(ball, choice, level, constants.bias);
-  return true;
+  return widest(ball, level, surfel) == BallOutcome::kInternal;
 }
 
 }  // namespace pcl_slim::detail

@@ -17,6 +17,9 @@ constexpr std::uint8_t kLastLevelMark = 128;
 // How work is shared out; no result depends on it.
 constexpr std::size_t kSlice = 1 << 14;  ///< points a thread takes at a time
 constexpr std::size_t kFewCells = 1024;  ///< so few cells leave threads idle if taken by colour
+/// Of the radius of balls that stand above others: a leaf of the next level about a place in it is held by the
+/// ball as level of detail demands (DetailSizes): .95 r - .5 kGolden r.
+constexpr float kHeld = 0.64f;
 constexpr double kReachMargin = 1.001;  ///< a box of blocks may be wider than it need, for rounding
 constexpr char kCancelledMessage[] = "the fit was cancelled";
 
@@ -177,10 +180,13 @@ LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& s
       }
       marks_[point] |= surfel.flags & kSurfelSupportLimited ? kServedForGood : level_mark_;
       break;
-    case BallOutcome::kInternal:
-      markBall(store_, settings_, surfel, level_mark_, nearby, marks_.data());
+    case BallOutcome::kInternal: {
+      SurfelRecord served = surfel;
+      if (settings_.internal_only) served.radius *= kHeld;
+      markBall(store_, settings_, served, level_mark_, nearby, marks_.data());
       marks_[point] |= level_mark_;
       break;
+    }
     case BallOutcome::kLine:
       markBall(store_, settings_, surfel, level_mark_, nearby, marks_.data());
       marks_[point] |= level_mark_;

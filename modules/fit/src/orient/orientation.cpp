@@ -196,19 +196,19 @@ graphSigns(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves,
 }
 
 std::vector<signed char>
-viewpointSigns(const SLIMSurface& s, const FitParams& params,
-               const std::vector<std::uint32_t>& leaves)
+viewpointSigns(const SLIMSurface& s, const FitParams& params)
 {
   Vector3 eye;
   for (int a = 0; a < 3; ++a) eye[a] = (params.viewpoint[a] - s.info.origin[a]) / s.info.scale;
   std::vector<signed char> signs(s.size(), 1);
-  for (const std::uint32_t i : leaves) {
+  for (std::size_t i = 0; i < s.size(); ++i) {
     if (dot(subtract(eye, centerOf(s, i)), normalOf(s, i)) < 0) signs[i] = -1;
   }
   return signs;
 }
 
-/** Internal surfels take the side of the leaves below them, from the finest level up. */
+/** Internal surfels take the side of the leaves below them, from the finest level up; those without any keep
+ * theirs. */
 void
 signInternals(const SLIMSurface& s, std::vector<signed char>& signs)
 {
@@ -219,6 +219,7 @@ signInternals(const SLIMSurface& s, std::vector<signed char>& signs)
   std::stable_sort(order.begin(), order.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return s.level[a] > s.level[b]; });
   for (const std::uint32_t i : order) {
+    if (s.child_begin[i] == s.child_begin[i + 1]) continue;
     double vote = 0;
     for (std::uint32_t k = s.child_begin[i]; k < s.child_begin[i + 1]; ++k) {
       const std::uint32_t child = s.children[k];
@@ -238,7 +239,7 @@ orientSurface(const PointStore* store, const FitParams& params, const OrientCons
   std::vector<signed char> signs;
   if (params.has_viewpoint) {
     stats.side_source = SideSource::kViewpoint;
-    signs = viewpointSigns(surface, params, leaves);
+    signs = viewpointSigns(surface, params);
   } else if (store != nullptr && store->hasSensors()) {
     stats.side_source = SideSource::kSensors;
     signs = sensorSigns(surface, *store, leaves, constants, stats.threads);

@@ -124,6 +124,28 @@ Camera::validate() const
   return {};
 }
 
+bool
+mayBeSeen(const Camera& camera, const std::array<std::array<double, 3>, 2>& box)
+{
+  constexpr double kSlack = 2.0;  // pixels: frames of -aa are shifted
+  const CameraAxes axes(camera);
+  const bool perspective = camera.projection == Camera::Projection::kPerspective;
+  const double half = perspective ? std::tan(camera.fov * kPi / 360.0) : 0.5 * camera.view_height;
+  const double up = half * (1.0 + 2.0 * kSlack / camera.size.height);
+  const double right = half * (camera.size.width + 2.0 * kSlack) / camera.size.height;
+  int beyond[5] = {};  // corners behind the eye, and beyond each side of the picture
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    const Vector3 p{box[corner & 1][0], box[corner >> 1 & 1][1], box[corner >> 2 & 1][2]};
+    const Vector3 seen = subtract(p, camera.position);
+    const double x = dot(seen, axes.right), y = dot(seen, axes.up), z = dot(seen, axes.forward);
+    const double reach = perspective ? z : 1.0;
+    const bool out[5] = {z<0.0, x> right * reach, -x > right * reach, y > up * reach,
+                         -y > up * reach};
+    for (std::size_t k = 0; k < 5; ++k) beyond[k] += out[k];
+  }
+  return *std::max_element(beyond, beyond + 5) < 8;
+}
+
 Camera
 fitCamera(const BoundingSpheres& object, const ViewDirection& direction, const ImageSize& size,
           double fov, double margin, double right_margin)

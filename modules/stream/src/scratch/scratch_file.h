@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -38,7 +39,7 @@ class ScratchFile {
   std::string folder_;
   int file_ = -1;
   std::uint64_t written_ = 0;
-  mutable std::uint64_t read_ = 0;
+  mutable std::atomic<std::uint64_t> read_ = 0;
 };
 
 }  // namespace pcl_slim::detail

@@ -14,7 +14,7 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr char kMagic[] = "pcl_slim tiles 1\n";
+constexpr char kMagic[] = "pcl_slim tiles 2\n";
 
 using Bytes = std::vector<unsigned char>;
 

@@ -88,6 +88,7 @@ measureSampledTraits(const TileLoader& loader, const StoreFrame& frame, const Fi
 {
   const TilePlan& plan = loader.plan();
   const std::uint64_t sample = kWindows * kWindowPoints;
+  double spacing = 0;  // of the cloud as it is
   for (thinning = 1;; thinning *= kThinningStep) {
     const bool whole = static_cast<double>(plan.points) <=
                        kSlack * static_cast<double>(sample) * static_cast<double>(thinning);
@@ -100,7 +101,10 @@ measureSampledTraits(const TileLoader& loader, const StoreFrame& frame, const Fi
     how.windows = windows.size();
     how.thinning = static_cast<std::size_t>(thinning);
     Result<MeasuredTraits> measured = measureTraits(*store, params, how);
-    if (!measured || !measured->noise_fills || whole) return measured;
+    if (!measured) return measured;
+    if (thinning == 1) spacing = measured->traits.spacing;
+    measured->traits.spacing = spacing;
+    if (!measured->noise_fills || whole) return measured;
   }
 }
 

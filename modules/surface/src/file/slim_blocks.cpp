@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -111,29 +111,21 @@ readDirectory(const ReadAt& read, std::uint64_t size)
   return directory;
 }
 
-/** The surfels of the blocks that are wanted, without links. */
+/** The surfels of one block, without links. */
 Result<SLIMSurface>
-readBlocks(const ReadAt& read, const SlimDirectory& directory,
-           const std::function<bool(const SlimBlock&)>& wanted)
+readBlock(const ReadAt& read, const SlimDirectory& directory, std::size_t b)
 {
-  SLIMSurface surface;
-  surface.info = directory.info;
+  const SlimBlock& block = directory.blocks[b];
+  const std::string name = "block " + std::to_string(b) + ": ";
   Bytes bytes;
-  for (std::size_t b = 0; b < directory.blocks.size(); ++b) {
-    const SlimBlock& block = directory.blocks[b];
-    if (!wanted(block)) continue;
-    const std::string name = "block " + std::to_string(b) + ": ";
-    if (!read(block.offset, static_cast<std::size_t>(block.bytes), bytes)) return corrupted();
-    Result<SLIMSurface> tile = decodeSlimBlock(bytes.data(), bytes.size());
-    if (!tile) return Error{tile.error().code, name + tile.error().message};
-    const SurfaceInfo &own = tile->info, &all = directory.info;
-    if (tile->size() != block.surfels || own.degree != all.degree || own.scale != all.scale ||
-        own.origin != all.origin)
-      return Error{ErrorCode::kBadInput, name + contradictorySlim().message};
-    surface.append(*tile);
-  }
-  surface.info = directory.info;
-  return surface;
+  if (!read(block.offset, static_cast<std::size_t>(block.bytes), bytes)) return corrupted();
+  Result<SLIMSurface> tile = decodeSlimBlock(bytes.data(), bytes.size());
+  if (!tile) return Error{tile.error().code, name + tile.error().message};
+  const SurfaceInfo &own = tile->info, &all = directory.info;
+  if (tile->size() != block.surfels || own.degree != all.degree || own.scale != all.scale ||
+      own.origin != all.origin)
+    return Error{ErrorCode::kBadInput, name + contradictorySlim().message};
+  return tile;
 }
 
 ReadAt
@@ -176,7 +168,14 @@ detail::decodeSlimBlocks(const unsigned char* bytes, std::size_t size)
   };
   const Result<SlimDirectory> directory = readDirectory(read, size);
   if (!directory) return directory.error();
-  return readBlocks(read, *directory, [](const SlimBlock&) { return true; });
+  SLIMSurface surface;
+  for (std::size_t b = 0; b < directory->blocks.size(); ++b) {
+    const Result<SLIMSurface> tile = readBlock(read, *directory, b);
+    if (!tile) return tile.error();
+    surface.append(*tile);
+  }
+  surface.info = directory->info;
+  return surface;
 }
 
 Error
@@ -238,39 +237,130 @@ loadSlimDirectory(const std::string& path)
   return directory;
 }
 
-Result<SLIMSurface>
-loadSlimBlocks(const std::string& path, const std::function<bool(const SlimBlock&)>& wanted)
+WorldBox
+SlimDirectory::boxOf(const SlimBlock& block) const
 {
-  std::ifstream file;
-  const Result<std::uint64_t> size = openFile(path, file);
-  if (!size) return size.error();
-  Bytes head;
-  const bool whole = reading(file)(0, kSlimHeaderBytes, head);
-  if (!whole || slimVersionOf(head.data(), head.size()) != kSlimBlocksVersion)
-    return loadSlim(path);
-  const Result<SlimDirectory> directory = readDirectory(reading(file), *size);
-  if (!directory) return named(path, directory.error());
-  Result<SLIMSurface> surface = readBlocks(reading(file), *directory, wanted);
-  if (!surface) return named(path, surface.error());
-  surface->buildLinks();
-  return surface;
+  constexpr double kSlack = 1e-6;  // local units: floats round
+  WorldBox box;
+  for (std::size_t a = 0; a < 3; ++a) {
+    box[0][a] = info.origin[a] + info.scale * (static_cast<double>(block.low[a]) - kSlack);
+    box[1][a] = info.origin[a] + info.scale * (static_cast<double>(block.high[a]) + kSlack);
+  }
+  return box;
+}
+
+WorldBox
+SlimDirectory::box() const
+{
+  if (blocks.empty()) return {};
+  SlimBlock all = blocks.front();
+  for (const SlimBlock& block : blocks) {
+    for (std::size_t a = 0; a < 3; ++a) {
+      all.low[a] = std::min(all.low[a], block.low[a]);
+      all.high[a] = std::max(all.high[a], block.high[a]);
+    }
+  }
+  return boxOf(all);
+}
+
+std::uint64_t
+SlimDirectory::memoryOf(const SlimBlock& block) const
+{
+  constexpr std::uint64_t kFloats = 9, kBytes = 3;  // of a surfel besides its coefficients
+  const auto terms = static_cast<std::uint64_t>(numCoefficients(info.degree));
+  return block.surfels * ((kFloats + terms) * sizeof(float) + kBytes) + block.bytes;
+}
+
+Error
+SlimBlockReader::open(const std::string& path)
+{
+  Result<SlimDirectory> directory = loadSlimDirectory(path);
+  if (!directory) return directory.error();
+  directory_ = std::move(*directory);
+  path_ = path;
+  kept_.clear();
+  read_.assign(directory_.blocks.size(), false);
+  const Result<std::uint64_t> size = openFile(path, file_);
+  return size ? Error() : size.error();
 }
 
 Result<SLIMSurface>
-loadSlimBox(const std::string& path, const std::array<double, 3>& low,
-            const std::array<double, 3>& high)
+SlimBlockReader::read(std::size_t block)
+{
+  Result<SLIMSurface> tile = readBlock(reading(file_), directory_, block);
+  if (!tile) return named(path_, tile.error());
+  read_[block] = true;
+  return tile;
+}
+
+/** Makes room for what is wanted. */
+void
+SlimBlockReader::drop(const std::vector<bool>& wanted, std::uint64_t most_kept)
+{
+  std::uint64_t bytes = 0;
+  for (std::size_t b = 0; b < wanted.size(); ++b) {
+    if (wanted[b] || kept_.count(b) > 0) bytes += directory_.memoryOf(directory_.blocks[b]);
+  }
+  for (auto block = kept_.begin(); block != kept_.end() && bytes > most_kept;) {
+    const bool stays = wanted[block->first];
+    if (!stays) bytes -= directory_.memoryOf(directory_.blocks[block->first]);
+    block = stays ? std::next(block) : kept_.erase(block);
+  }
+}
+
+Result<SLIMSurface>
+SlimBlockReader::load(const std::vector<bool>& wanted, std::uint64_t most_kept)
+{
+  SLIMSurface surface;
+  drop(wanted, most_kept);
+  for (std::size_t b = 0; b < wanted.size(); ++b) {
+    if (!wanted[b]) continue;
+    if (const auto kept = kept_.find(b); kept != kept_.end()) {
+      surface.append(kept->second);
+      continue;
+    }
+    Result<SLIMSurface> tile = read(b);
+    if (!tile) return tile.error();
+    surface.append(*tile);
+    if (most_kept > 0) kept_.emplace(b, std::move(*tile));
+  }
+  surface.info = directory_.info;
+  return surface;
+}
+
+std::size_t
+SlimBlockReader::blocksRead() const
+{
+  return static_cast<std::size_t>(std::count(read_.begin(), read_.end(), true));
+}
+
+Result<SLIMSurface>
+loadSlimBlocks(const std::string& path, const std::function<bool(const SlimBlock&)>& wanted)
+{
+  SlimBlockReader reader;
+  if (reader.open(path)) return loadSlim(path);  // of another version, or it says what is wrong
+  std::vector<bool> blocks;
+  for (const SlimBlock& block : reader.directory().blocks) blocks.push_back(wanted(block));
+  Result<SLIMSurface> surface = reader.load(blocks);
+  if (surface) surface->buildLinks();
+  return surface;
+}
+
+bool
+boxesMeet(const WorldBox& a, const WorldBox& b)
+{
+  bool meet = true;
+  for (std::size_t k = 0; k < 3; ++k) meet = meet && a[1][k] >= b[0][k] && a[0][k] <= b[1][k];
+  return meet;
+}
+
+Result<SLIMSurface>
+loadSlimBox(const std::string& path, const WorldBox& box)
 {
   const Result<SlimDirectory> directory = loadSlimDirectory(path);
   if (!directory) return loadSlim(path);
-  const SurfaceInfo& info = directory->info;
-  return loadSlimBlocks(path, [&](const SlimBlock& block) {
-    bool meets = true;
-    for (std::size_t a = 0; a < 3; ++a) {
-      meets = meets && info.origin[a] + info.scale * static_cast<double>(block.high[a]) >= low[a] &&
-              info.origin[a] + info.scale * static_cast<double>(block.low[a]) <= high[a];
-    }
-    return meets;
-  });
+  return loadSlimBlocks(
+      path, [&](const SlimBlock& block) { return boxesMeet(directory->boxOf(block), box); });
 }
 
 }  // namespace pcl_slim

@@ -46,6 +46,40 @@ expectDirection(const std::array<double, 3>& actual, const std::array<double, 3>
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(actual[k], expected[k], 1e-12);
 }
 
+TEST(MayBeSeen, HoldsForEveryBoxThatIsInThePicture)
+{
+  const SLIMSurface surface = sphereSurface(4, 0.25, 600, 0.07);
+  std::size_t hidden = 0;
+  for (const bool parallel : {false, true}) {
+    Camera camera = fitCamera(spheresOf(surface), viewFromAngles(UpAxis::kZ, 30, 20), {160, 120});
+    if (parallel) {
+      camera.projection = Camera::Projection::kOrthographic;
+      camera.view_height = 0.2;
+    } else {
+      camera.fov = 5.0;
+    }
+    const GBuffer all = rendered(surface, camera);
+    for (std::uint32_t i = 0; i < surface.size(); ++i) {
+      const std::array<double, 3> c{surface.cx[i], surface.cy[i], surface.cz[i]};
+      std::array<std::array<double, 3>, 2> box{c, c};
+      for (std::size_t a = 0; a < 3; ++a) {
+        box[0][a] -= double{surface.radius[i]};
+        box[1][a] += double{surface.radius[i]};
+      }
+      const bool drawn = std::find(all.surfel.begin(), all.surfel.end(), i) != all.surfel.end();
+      const bool seen = mayBeSeen(camera, box);
+      EXPECT_TRUE(seen || !drawn) << i;
+      hidden += !seen;
+    }
+  }
+  EXPECT_GT(hidden, surface.size() / 2);
+  Camera behind;
+  behind.position = {0, 0, -9};
+  behind.look_at = {0, 0, -10};
+  EXPECT_FALSE(mayBeSeen(behind, {{{-1, -1, -1}, {1, 1, 1}}}));
+  EXPECT_TRUE(mayBeSeen(behind, {{{-1, -1, -20}, {1, 1, 1}}}));
+}
+
 TEST(FitCamera, FramesTheWholeObjectTightlyAndCentred)
 {
   SLIMSurface surface = sphereSurface(4, 0.25, 600, 0.07, {0.1, -0.2, 0.05});

@@ -6,6 +6,7 @@
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/export.h"
 #include "pcl_slim/filters/io/point_file.h"
+#include "pcl_slim/surface/slim_blocks.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
@@ -17,6 +18,7 @@ namespace pcl_slim {
  *        comment lines
  * .vtp   for ParaView: vertex cells, "Normals", one array a field; metadata as field data;
  *        in builds with PCL_SLIM_WITH_VTP
+ * .pvtp  for ParaView: an index of .vtp files, here of one (saveSurfacePieces)
  * .slim  the compact form of surface/surface_io.h
  *
  * Trim maps of other than 8 x 8 nodes are in further such lines, colours in fields (surface_conversion.h).
@@ -25,6 +27,11 @@ namespace pcl_slim {
  */
 PCL_SLIM_EXPORT Error
 saveSurface(const std::string& path, const SLIMSurface& surface, double rounding = 0.0);
+
+/** \brief Writes a surface in blocks for ParaView, a block after another: NAME.pvtp is an index, the folder NAME
+ * beside it has NAME_0.vtp, NAME_1.vtp ..., one a block, each as saveSurface() writes it. */
+PCL_SLIM_EXPORT Error
+saveSurfacePieces(const std::string& path, SlimBlockReader& blocks);
 
 /** \brief Reads what saveSurface wrote, and surfels other programs have rewritten.
  *

@@ -22,8 +22,14 @@ namespace pcl_slim {
  * No decision depends on the axes, the order of the points or the unit of length.
  * \return stored points, ascending; none in clouds of fewer than 100 points. Same result for any number
  * of threads. A few nanoseconds a point, and a few microseconds for each point far from others.
+ * \param[in] spacing how far the eighth neighbour of the median point is, local units, as of a cloud of which this
+ * is a part; 0: measured here
  */
 PCL_SLIM_EXPORT std::vector<std::uint32_t>
-findOutliers(const PointStore& store, int threads = 0);
+findOutliers(const PointStore& store, int threads = 0, double spacing = 0.0);
+
+/** \brief Distance to the eighth neighbour of a cloud's median point, local units, from 256 of its points. */
+PCL_SLIM_EXPORT double
+medianSpacing(const PointStore& store);
 
 }  // namespace pcl_slim

@@ -64,6 +64,8 @@ class PCL_SLIM_EXPORT PointStore {
   /** \brief The same without some points, in the same units; they count as skipped in storeOfInput().
    * \param[in] dropped stored points, ascending. O(N). */
   PointStore without(const std::vector<std::uint32_t>& dropped, int threads = 1) const;
+  /** \brief Drops them from this store, which takes memory for one column more. */
+  void drop(const std::vector<std::uint32_t>& dropped, int threads = 1);
 
   std::size_t size() const { return size_; }
   std::size_t numBlocks() const { return block_origin_x_.size(); }
@@ -136,7 +138,7 @@ class PCL_SLIM_EXPORT PointStore {
  private:
   friend class detail::PointStoreBuilder;
 
-  void copyPoints(const PointStore& from, const std::vector<std::uint32_t>& points, int threads);
+  void keepColumns(const std::vector<std::uint32_t>& kept, int threads);
 
   std::size_t size_ = 0;
   std::array<double, 3> bulk_center_{};  ///< of the cube outside which points are strays ...

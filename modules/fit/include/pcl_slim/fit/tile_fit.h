@@ -21,6 +21,8 @@ struct CloudTraits {
   double normal_error = 0;  ///< > 0: normals are data too, this many radians off
   /** \brief How the noise varies inside a tile. */
   enum class Profile : unsigned char { kNone, kMeasured, kRaised } profile = Profile::kNone;
+  double spacing =
+      0;  ///< of the median point's neighbours (medianSpacing()), by which outliers are told
   std::uint64_t noise_neighbors = 0;  ///< points of the patches that a profile is measured on
 };
 
@@ -78,8 +80,24 @@ checkTileParams(const FitParams& params);
  * gives an empty surface and no error. Same bytes for any number of threads.
  */
 PCL_SLIM_EXPORT Error
-fitTile(const PointStore& store, const FitParams& params, const TileJob& job, SLIMSurface& surface,
+fitTile(PointStore store, const FitParams& params, const TileJob& job, SLIMSurface& surface,
         FitStatistics* statistics = nullptr, Progress* progress = nullptr);
+
+/** \brief Levels above those that the tiles of a cloud begin with. */
+struct CoarseJob {
+  int last_level = 1;
+  CloudTraits traits;
+  std::uint64_t thinning = 1;  ///< one of this many points is in the sample
+};
+
+/** \brief Fits the surfels that a level of detail draws in place of those of tiles: levels from the first that a
+ * fit in memory would begin with to a last one, none of the surfels a leaf.
+ *
+ * \param[in] sample of all of the cloud, in the cloud's frame. Surfels get trim maps but no common side and
+ * no links. Same bytes for any number of threads. O(sample * levels). \return an error for cancellation. */
+PCL_SLIM_EXPORT Error
+fitCoarseLevels(const PointStore& sample, const FitParams& params, const CoarseJob& job,
+                SLIMSurface& surface, Progress* progress = nullptr);
 
 /** \brief Gives the surfels of all tiles together a common side, as a fit without normals does; a frame
  * with a sensor turns them there. O(leaves log leaves). */

@@ -36,6 +36,10 @@ struct PCL_SLIM_EXPORT Camera {
   Error validate() const;
 };
 
+/** \brief Whether a camera may see something of a box in world coordinates; errs on the visible side. */
+PCL_SLIM_EXPORT bool
+mayBeSeen(const Camera& camera, const std::array<std::array<double, 3>, 2>& box);
+
 /** \brief Directions in which a camera looks: from the object to the viewer, and upwards. */
 struct ViewDirection {
   std::array<double, 3> towards_viewer{0.0, -1.0, 0.0};

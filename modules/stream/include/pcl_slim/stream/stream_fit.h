@@ -50,6 +50,7 @@ struct StreamStatistics {
   std::uint64_t halo_points = 0;            ///< points that tiles read beside their own
   std::uint64_t noise_thinning = 1;         ///< noise was measured on one of so many points
   std::uint64_t passes = 0;                 ///< over the source
+  std::uint64_t coarse_surfels = 0;         ///< of levels above the tiles' first
   std::uint64_t scratch_read = 0, scratch_written = 0;  ///< bytes
   double seconds_measure = 0, seconds_sort = 0, seconds_plan = 0, seconds_load = 0;
 };
@@ -81,8 +82,21 @@ class PCL_SLIM_EXPORT StreamFit {
   /** \brief Bytes that fitting the largest tile takes, without its surfels. */
   std::uint64_t workingBytes() const;
 
+  /** \brief Surfels of the levels above the tiles' first, for a level of detail; none is a leaf. They are fitted to
+   * a sample of the cloud, have no links or common side, and belong in front of all tiles'. */
+  const SLIMSurface& coarse() const;
+
   /** \brief Fits one tile. \param[out] surface its surfels, without links or common side; may be empty */
   Error fit(std::size_t tile, SLIMSurface& surface, Progress* progress = nullptr);
+
+  /** \brief Takes the surfels of a tile; an error ends the work. */
+  using Sink = std::function<Error(std::size_t tile, const SLIMSurface& surface)>;
+
+  /** \brief Fits some tiles, several at the same time with a thread each, and gives them to a sink in the order
+   * asked for, one after another, from any thread. \param[in] at_once 1: one after another, with all threads;
+   * each takes workingBytes() */
+  Error fit(const std::vector<std::size_t>& tiles, int at_once, const Sink& sink,
+            Progress* progress = nullptr);
 
   /** \brief Of prepare() and all tiles fitted so far. */
   const StreamStatistics& statistics() const;
