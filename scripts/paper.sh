@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Remakes the figures and tables of docs/paper.md: scripts/paper.sh DATA OUT. DATA is a folder of scans
-# (benchmarks/reports/scans.md names them), OUT gets tables and pictures. Some twenty minutes on two cores.
+# (benchmarks/README.md names them), OUT gets tables and pictures. Some twenty minutes on two cores.
 # Needs ImageMagick, fontconfig and, for some pictures, rsvg-convert and xvfb-run.
 set -euo pipefail
 # shellcheck source=scripts/common.sh

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Remakes the pictures of docs/images: scripts/pictures.sh DATA [OUT]. DATA is a folder of scans
-# (benchmarks/reports/scans.md names them), OUT docs/images if not given. Some twenty minutes on two cores. Needs
+# (benchmarks/README.md names them), OUT docs/images if not given. Some twenty minutes on two cores. Needs
 # ImageMagick, fontconfig, rsvg-convert and, for windows, xvfb-run and xdotool. By hand are those of pages
 # in browsers, of other programs (point_files), of a window's box (view_cut), and those that a report's text makes:
 # lines_dragon, mesh_scans, mesh_sharp, outliers, pareto_exact, sample, slim_surface, surface_colors, thin_plates, demo_scan.

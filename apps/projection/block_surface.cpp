@@ -113,7 +113,7 @@ BlockSurface::load(const Part& part)
 }
 
 void
-BlockSurface::tell(Console& console, Report& report) const
+BlockSurface::reportBlocks(Console& console, Report& report) const
 {
   const std::size_t all = boxes_.size(), read = reader_.blocksRead();
   report.json()["surface_blocks"] = {{"count", all}, {"read", read}};

@@ -42,7 +42,7 @@ class BlockSurface {
   Result<SLIMSurface> load(const Part& part);
 
   /** \brief Says and reports how many blocks were read of how many. */
-  void tell(Console& console, Report& report) const;
+  void reportBlocks(Console& console, Report& report) const;
 
  private:
   template <typename Rows>

@@ -225,7 +225,7 @@ PieceJob::projectRows(const SLIMSurface& surface, Console& console, Report& repo
   report.time("project", watch.seconds());
   reportProjection(sum_, report);
   console.done(watch.seconds(), std::to_string(sum_.moved) + " points");
-  if (blocks_.isOpen()) blocks_.tell(console, report);
+  if (blocks_.isOpen()) blocks_.reportBlocks(console, report);
   return {};
 }
 

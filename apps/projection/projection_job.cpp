@@ -61,7 +61,7 @@ readSurface(const ProjectionJob& job, const CloudFile* cloud, BlockSurface& bloc
   console.done(watch.seconds(), blocks.isOpen() && cloud == nullptr
                                     ? counted(blocks.count(), "block")
                                     : std::to_string(surface.size()) + " surfels");
-  if (blocks.isOpen() && cloud != nullptr) blocks.tell(console, report);
+  if (blocks.isOpen() && cloud != nullptr) blocks.reportBlocks(console, report);
   return {};
 }
 

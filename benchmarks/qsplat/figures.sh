@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# The rows and pictures of reports/rendering_paper.md: figures.sh PROGRAMS FOLDER [PICTURES].
+# The rows and pictures of benchmarks/README.md: figures.sh PROGRAMS FOLDER [PICTURES].
 # Needs ImageMagick's montage.
 set -euo pipefail
 bin=$1

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# The pictures of benchmarks/reports/splats.md: figures.sh BIN DATA OUT, folders of the built programs, of real
+# The pictures of benchmarks/README.md: figures.sh BIN DATA OUT, folders of the built programs, of real
 # scans and for the pictures. Needs ImageMagick's montage and fontconfig.
 set -euo pipefail
 [ $# -eq 3 ] || { echo "usage: figures.sh BIN DATA OUT" >&2; exit 2; }

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# The tables of benchmarks/reports/splats.md as Markdown: tables.sh BIN DATA, folders of the built programs and of
+# The tables of benchmarks/README.md as Markdown: tables.sh BIN DATA, folders of the built programs and of
 # real scans. Scans that are not there are passed over. A few minutes.
 set -euo pipefail
 [ $# -eq 2 ] || { echo "usage: tables.sh BIN DATA" >&2; exit 2; }

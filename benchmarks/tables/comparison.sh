@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# SLIM beside pcl::MovingLeastSquares: every table and the chart of benchmarks/reports/comparison.md.
+# SLIM beside pcl::MovingLeastSquares: every table and the chart of benchmarks/README.md.
 #   benchmarks/tables/comparison.sh DATA_FOLDER OUT_FOLDER [STAGE...]
 # Stages, all by default: timed timed438 exact pairs bunny claims claims438. Writes OUT_FOLDER/STAGE.csv
 # and .md and prints the tables made of all the .csv there. The programs are pcl_slim_benchmark and, for

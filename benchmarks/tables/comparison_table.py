@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Prints the tables of benchmarks/reports/comparison.md from the .csv files comparison.sh leaves in a folder."""
+"""Prints the tables of benchmarks/README.md from the .csv files comparison.sh leaves in a folder."""
 import csv
 import math
 import os

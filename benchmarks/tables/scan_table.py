@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Prints the tables of benchmarks/reports/scans.md from the reports that scan_table.sh leaves in a folder."""
+"""Prints the tables of benchmarks/README.md from the reports that scan_table.sh leaves in a folder."""
 import glob
 import json
 import math

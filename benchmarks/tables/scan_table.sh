@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Fits every .pcd and .ply of a folder with the defaults, at degree 2, and meshes in paper mode as
-# well, and writes reports, pictures and the tables of benchmarks/reports/scans.md.
+# well, and writes reports, pictures and the tables of benchmarks/README.md.
 #   benchmarks/tables/scan_table.sh DATA_FOLDER OUT_FOLDER
 # The programs are those of build/release/bin, or of the folder named by BIN_DIR. Needs python3.
 # THREADS (2) and REPEATS (3: the fastest fit is told) may be set.

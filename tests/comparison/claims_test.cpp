@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Claims of benchmarks/reports/comparison.md, on fewer points.
+// Claims of benchmarks/README.md, on fewer points.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -47,7 +47,7 @@ takeOver([[maybe_unused]] void* loop)
  * thread keeps its own: a fit is some hundred short loops, and helpers that still look out for work
  * there come to the next at once. It only grows, as making one costs more than a short loop does.
  * Against a thread team of our own, one for each calling thread, this took .96 to 1.02 of the wall
- * time (benchmarks/reports/benchmarks.md, "Time and memory of the fit"). */
+ * time. */
 tbb::task_arena&
 arenaOf(int threads)
 {

@@ -15,7 +15,7 @@ namespace {
 
 /** A bent and noisy sheet about the origin, turned. */
 Patch
-bentPatch(std::size_t count, double noise)
+bentPatch(std::size_t count, double noise, double bend = 1)
 {
   std::mt19937_64 random(count);
   std::uniform_real_distribution<double> u(-1, 1);
@@ -26,7 +26,7 @@ bentPatch(std::size_t count, double noise)
   patch.points.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     const double x = u(random), y = u(random);
-    const double z = 0.2 * x * x - 0.1 * x * y + 0.15 * y * y * y + gauss(random);
+    const double z = bend * (0.2 * x * x - 0.1 * x * y + 0.15 * y * y * y) + gauss(random);
     const Eigen::Vector3d p = turn * Eigen::Vector3d(x, y, z);
     patch.points.set(i, p);
     patch.radius = std::max(patch.radius, p.norm());
@@ -73,15 +73,16 @@ TEST(Patch, ACubicLeavesWhatAnOrthogonalFactorisationLeaves)
 
 TEST(Patch, KeepsTheSheetOfItsSample)
 {
-  Patch patch = bentPatch(100, 0.001);
+  Patch patch = bentPatch(100, 0.001, 0.1);
   const std::size_t own = patch.points.size();
+  const Eigen::Vector3d apart = 0.5 * principalAxes(patch.points).eigenvectors().col(0);
   Patch both = patch;
   both.points.resize(2 * own);
   for (std::size_t i = 0; i < own; ++i) {
     both.points.set(i, patch.points.at(i));
-    both.points.set(own + i, patch.points.at(i) + Eigen::Vector3d(0.5, 2, 1.5));
+    both.points.set(own + i, patch.points.at(i) + apart);
   }
-  both.radius = 4;
+  both.radius = 2;
   ASSERT_TRUE(keepOwnSheet({}, both));
   ASSERT_EQ(both.points.size(), own);
   for (std::size_t i = 0; i < own; ++i) EXPECT_EQ(both.points.at(i), patch.points.at(i));

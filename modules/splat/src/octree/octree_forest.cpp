@@ -17,7 +17,7 @@ constexpr double kBendWeight = 0.5;     ///< of its square: cells that bend roun
 
 /** D without its power of the edge. Points and area count alike, as pictures show area however
  * densely it was scanned; the powers of deviation and edge are those whose pictures come closest to
- * all points (benchmarks/reports/splats.md). */
+ * all points (benchmarks/README.md). */
 double
 costOf(double points, double deviation)
 {
