@@ -7,6 +7,7 @@
 #include <random>
 #include <set>
 
+#include "pcl_slim/cloud/detail/block_kernels.h"
 #include "support/clouds.h"
 
 namespace pcl_slim {
@@ -61,6 +62,22 @@ expectBruteForce(const PointStore& store, std::size_t k, std::size_t step, std::
     for (std::size_t j = 0; j < expected; ++j) {
       ASSERT_NEAR(distances_sq[j], all[j], slack(all[j])) << "point " << i << " rank " << j;
     }
+  }
+}
+
+TEST(KthSmallest, IsWhatSortingFinds)
+{
+  std::mt19937 random(9);
+  std::uniform_real_distribution<float> exponent(-30, 5);
+  for (const std::size_t n : {1u, 2u, 7u, 8u, 9u, 31u, 700u}) {
+    std::vector<float> values(n);
+    for (float& value : values) value = std::exp(exponent(random));
+    if (n > 20) std::fill_n(values.begin(), 10, values[15]);  // ties
+    values[n / 2] = 0;
+    std::vector<float> sorted = values;
+    std::sort(sorted.begin(), sorted.end());
+    for (std::size_t k = 1; k <= n; ++k)
+      ASSERT_EQ(detail::kernels::kthSmallest(values.data(), n, k), sorted[k - 1]) << n << " " << k;
   }
 }
 

@@ -2,6 +2,7 @@
 #include "pcl_slim/cloud/detail/block_kernels.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "pcl_slim/cloud/morton.h"
 
@@ -138,6 +139,42 @@ pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num
   return count;
 }
 
+/** How many of n values have bits, as an integer, up to a limit. */
+HWY_INLINE std::size_t
+countUpTo(const std::int32_t* bits, std::size_t n, std::int32_t limit)
+{
+  const hn::CappedTag<std::int32_t, 16> d;
+  auto sum = hn::Zero(d);
+  std::size_t i = 0;
+  for (; i + hn::Lanes(d) <= n; i += hn::Lanes(d)) {
+    const auto above = hn::Gt(hn::LoadU(d, bits + i), hn::Set(d, limit));
+    sum = hn::Add(sum, hn::VecFromMask(d, above));
+  }
+  std::size_t count = i - static_cast<std::size_t>(-hn::GetLane(hn::SumOfLanes(d, sum)));
+  for (; i < n; ++i) count += bits[i] <= limit;
+  return count;
+}
+
+float
+kthSmallest(const float* values, std::size_t n, std::size_t k)
+{
+  // Bits of floats that are not negative ascend like the floats.
+  const auto* bits = reinterpret_cast<const std::int32_t*>(values);
+  const auto [least, most] = std::minmax_element(bits, bits + n);
+  std::int32_t low = *least, high = *most;
+  while (low < high) {
+    const std::int32_t middle = low + (high - low) / 2;
+    if (countUpTo(bits, n, middle) >= k) {
+      high = middle;
+    } else {
+      low = middle + 1;
+    }
+  }
+  float value;
+  std::memcpy(&value, &high, sizeof(value));
+  return value;
+}
+
 /** How many points of a block lie within a squared distance of one that stands at these offsets from
  * the block's origin. */
 HWY_INLINE std::size_t
@@ -267,6 +304,13 @@ pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num
 {
   return HWY_DYNAMIC_DISPATCH(pointsUpTo)(store, blocks, num_blocks, center, limit_sq, distances_sq,
                                           points);
+}
+
+HWY_EXPORT(kthSmallest);
+float
+kthSmallest(const float* values, std::size_t n, std::size_t k)
+{
+  return HWY_DYNAMIC_DISPATCH(kthSmallest)(values, n, k);
 }
 
 HWY_EXPORT(sparsePoints);

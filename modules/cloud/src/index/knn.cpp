@@ -127,10 +127,8 @@ NeighborSearch::boundRadiusSq(std::size_t i, std::size_t k, const std::array<dou
   blocks_.clear();
   for (std::size_t b = first; b <= last; ++b) blocks_.push_back(static_cast<std::uint32_t>(b));
   collect(center, kEverywhere);
-  const auto kth =
-      distances_sq_.begin() + static_cast<std::ptrdiff_t>(std::min(k, distances_sq_.size()) - 1);
-  std::nth_element(distances_sq_.begin(), kth, distances_sq_.end());
-  return *kth;
+  return kernels::kthSmallest(distances_sq_.data(), distances_sq_.size(),
+                              std::min(k, distances_sq_.size()));
 }
 
 /** Collects points among which the k nearest are, in stored order. \return k, or how many there are. */
@@ -174,12 +172,11 @@ NeighborSearch::nearestSet(std::size_t i, std::size_t k, std::vector<std::uint32
   k = collectNearest(i, k);
   neighbors.clear();
   if (k == 0) return 0;
-  ordered_ = distances_sq_;
-  const auto last = ordered_.begin() + static_cast<std::ptrdiff_t>(k - 1);
-  std::nth_element(ordered_.begin(), last, ordered_.end());
-  const float limit = *last;
+  const float limit = kernels::kthSmallest(distances_sq_.data(), distances_sq_.size(), k);
+  const auto isNearer = [limit](float d_sq) { return d_sq < limit; };
   // Of the points as far as the last one, those first in order.
-  auto ties = std::count(ordered_.begin(), last + 1, limit);
+  auto ties = static_cast<std::ptrdiff_t>(k) -
+              std::count_if(distances_sq_.begin(), distances_sq_.end(), isNearer);
   for (std::size_t j = 0; j < points_.size(); ++j) {
     if (distances_sq_[j] < limit || (distances_sq_[j] == limit && ties-- > 0))
       neighbors.push_back(points_[j]);

@@ -16,7 +16,7 @@ constexpr std::uint8_t kFirstLevelMark = 4;  ///< mark: inside an internal ball 
 constexpr std::uint8_t kLastLevelMark = 128;
 // How work is shared out; no result depends on it.
 constexpr std::size_t kSlice = 1 << 14;  ///< points a thread takes at a time
-constexpr std::size_t kFewCells = 1024;  ///< so few cells leave threads idle if taken by colour
+constexpr std::size_t kFewCells = 256;   ///< so few cells leave threads idle if taken by colour
 /// Of the radius of balls that stand above others: a leaf of the next level about a place in it is held by the
 /// ball as level of detail demands (DetailSizes): .95 r - .5 kGolden r.
 constexpr float kHeld = 0.64f;

@@ -101,8 +101,8 @@ class LevelCover::Sharing {
     for (auto cell = ready_.begin(); cell != ready_.end(); ++cell) {
       if (cell->keeping) continue;
       dropServed(*cell);
-      if (cell->centers.empty() && !cell->seen_all) addNext(*cell);
       if (cell->centers.empty()) {
+        if (!cell->seen_all) continue;
         end(cell, thread);
         return true;
       }
@@ -160,6 +160,7 @@ class LevelCover::Sharing {
       for (Cell& cell : ready_) {
         if (cell.keeping || (cell.running == 0) != alone) continue;
         Center* const center = take(cell);
+        if (center == nullptr && cell.centers.empty()) return true;  // to be ended
         if (center == nullptr) continue;
         center->state = State::kRunning;
         ++cell.running;

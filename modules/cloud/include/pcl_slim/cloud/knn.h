@@ -46,7 +46,6 @@ class alignas(64) NeighborSearch {
   AlignedVector<float> distances_sq_;  ///< of what was collected from them ...
   AlignedVector<std::uint32_t> points_;
   AlignedVector<std::uint64_t> keys_, spare_;  ///< ... and both in one: distances high, points low
-  AlignedVector<float> ordered_;               ///< the distances, partly in order
 };
 
 }  // namespace pcl_slim

@@ -35,6 +35,11 @@ PCL_SLIM_EXPORT std::size_t
 pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num_blocks,
            const double center[3], float limit_sq, float* distances_sq, std::uint32_t* points);
 
+/** \brief The k-th smallest of n > 0 values, none of them negative; k from 1 to n. O(n): halves the values' range,
+ * bit by bit, and counts in SIMD. */
+PCL_SLIM_EXPORT float
+kthSmallest(const float* values, std::size_t n, std::size_t k);
+
 /** \brief Which points of a block may have fewer others within a squared distance than asked for; bit i
  * stands for the block's point i. The block and the two on either side of it are looked through, so
  * some of them have as many. */
