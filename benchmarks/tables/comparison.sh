@@ -2,16 +2,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # SLIM beside pcl::MovingLeastSquares: every table and the chart of benchmarks/README.md.
 #   benchmarks/tables/comparison.sh DATA_FOLDER OUT_FOLDER [STAGE...]
-# Stages, all by default: timed timed438 exact pairs bunny claims claims438. Writes OUT_FOLDER/STAGE.csv
+# Stages, all by default: timed timed438 noisy sizes exact pairs bunny claims claims438. Writes OUT_FOLDER/STAGE.csv
 # and .md and prints the tables made of all the .csv there. The programs are pcl_slim_benchmark and, for
-# claims, claims_bench, of build/release/bin or of the folder named by BIN_DIR. THREADS (2) may be set. Needs python3, and xvfb-run for the chart.
+# claims, claims_bench, of build/release/bin or of the folder named by BIN_DIR. THREADS (2)
+# and VECTORS (best; AVX2 and others: the instruction set of SLIM) may be set. Needs python3, and xvfb-run for the chart.
 set -euo pipefail
 
 here=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
 program=pcl_slim_benchmark
 source "$here/data_arguments.sh"
 shift 2
-[ $# -gt 0 ] || set -- timed timed438 exact pairs bunny claims claims438
+[ $# -gt 0 ] || set -- timed timed438 noisy sizes exact pairs bunny claims claims438
 export OMP_WAIT_POLICY=passive  # PCL's threads that wait burn no CPU time
 
 # run STAGE OPTION...: sweeps, or claims where the options name any.
@@ -20,6 +21,7 @@ run() {
   shift
   [ "$1" != -claims ] || with=claims_bench
   echo "$stage" >&2
+  [ "$with" = claims_bench ] || set -- -vectors "${VECTORS:-best}" "$@"
   "$bin/$with" "$out/$stage" -threads "${THREADS:-2}" -quiet "$@"
 }
 
@@ -34,12 +36,22 @@ for stage in "$@"; do
       if command -v xvfb-run >/dev/null; then
         echo timed >&2
         xvfb-run -a "$bin/$program" "$out/timed" -threads "${THREADS:-2}" -quiet 1 "${smooth[@]}" \
-          "${timed[@]}"
+          "${timed[@]}" -vectors "${VECTORS:-best}"
       else
         run timed "${smooth[@]}" "${timed[@]}" -chart 0
       fi
       ;;
     timed438) run timed438 "${smooth[@]}" "${timed[@]}" -points 438000 -repeats 1 -chart 0 ;;
+    noisy)
+      run noisy -shapes 'sphere,torus,bumpy,relief' -noises '0.001,0.005' -methods 'slim,mls' \
+        -normals 0 -degrees '2,4' -kappas '0,8' -t_mdls '0.02,0.05' -compact 1 -mls_orders 2 \
+        -mls_neighbours '200,400,1000' -repeats 1 -chart 0
+      ;;
+    sizes)
+      run sizes -shapes bumpy -noises 0.001 -points '5000,20000,100000,438000,1000000' \
+        -methods 'slim,mls' -normals 0 -degrees 4 -kappas 0 -t_mdls 0.05 -compact 1 \
+        -mls_orders 2 -mls_neighbours '100,400,1000' -repeats 1 -chart 0
+      ;;
     exact)
       run exact -shapes 'sphere,torus,bumpy,relief' -noises '0,0.001,0.005,0.01' -chart 0 \
         -degrees '2,4' -kappas '0,0.5,1,8' -t_mdls 0.01 -mls_orders '2,3' \

@@ -32,10 +32,10 @@ def print_table(title, header, rows):
 
 
 def scenes(rows):
-    """Rows by scene and noise, in the order met."""
+    """Rows by scene, noise and number of points, in the order met."""
     found = {}
     for row in rows:
-        found.setdefault((row["scene"], row["noise"]), []).append(row)
+        found.setdefault((row["scene"], row["noise"], row["points"]), []).append(row)
     return found
 
 
@@ -57,7 +57,7 @@ def of(rows, method, setting=None, normals=None):
 def ratio_table(rows, title):
     """CPU of MLS order 2 at its best radius over that of SLIM where it is no less accurate."""
     table = []
-    for (scene, noise), runs in scenes(rows).items():
+    for (scene, noise, points), runs in scenes(rows).items():
         rival = best([row for row in of(runs, "mls") if row["setting"].startswith("order 2")],
                      "rms_position")
         for normals in ("0", "1"):
@@ -67,7 +67,7 @@ def ratio_table(rows, title):
             bound = number(rival, "rms_position")
             cheapest = best([row for row in ours if number(row, "rms_position") <= bound],
                             "cpu_us_per_point")
-            cells = [scene, noise_text(noise),
+            cells = [scene, f"{int(points):,}", noise_text(noise),
                      f"{rival['setting'][10:]}, {short(bound)}, {rival['cpu_us_per_point']}",
                      "given" if normals == "1" else "none"]
             for run in (cheapest, of(ours, "slim", "default")[0]):
@@ -79,7 +79,7 @@ def ratio_table(rows, title):
                 cells += [f"{name}{short(number(run, 'rms_position'))}, {run['cpu_us_per_point']}",
                           f"{ratio:.3g}" if number(run, "rms_position") <= bound else "above"]
             table.append(cells)
-    print_table(title, ["scene", "noise", "MLS order 2: k, RMS, µs/pt", "normals",
+    print_table(title, ["scene", "points", "noise", "MLS order 2: k, RMS, µs/pt", "normals",
                         "cheapest SLIM no worse: RMS, µs/pt", "ratio", "default: RMS, µs/pt",
                         "ratio"], table)
 
@@ -94,7 +94,7 @@ def errors_of(row):
 def error_table(rows):
     """Position, normal and curvature errors, each at its own best setting."""
     table = []
-    for (scene, noise), runs in scenes(rows).items():
+    for (scene, noise, points), runs in scenes(rows).items():
         def least(method):
             return " ".join(short(min((number(row, key) for row in of(runs, method)
                                        if not math.isnan(number(row, key))), default=math.nan))
@@ -109,7 +109,7 @@ def error_table(rows):
 
 def scan_table(rows, title):
     table = []
-    for (scene, _), runs in scenes(rows).items():
+    for (scene, _, _), runs in scenes(rows).items():
         def add(name, row):
             if row is not None:
                 table.append([scene, name] + [f"{number(row, key):.3g}" if row[key] else ""
@@ -167,6 +167,8 @@ def main():
     ratio_table(load(folder, "timed"),
                 "CPU time at equal or lower RMS position error, 100,000 points")
     ratio_table(load(folder, "timed438"), "The same, 438,000 points")
+    ratio_table(load(folder, "noisy"), "The same under noise, without normals, fewer settings")
+    ratio_table(load(folder, "sizes"), "By number of points")
     error_table(load(folder, "exact"))
     scan_table(load(folder, "pairs"), "Scans with a clean original, lengths in mean edges")
     scan_table(load(folder, "bunny"), "Raw scans against a mesh, lengths in metres")
