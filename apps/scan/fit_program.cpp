@@ -93,7 +93,7 @@ makePieces(const Settings& s, const std::string& file, SlimBlockWriter& blocks, 
 {
   if (Error error = blocks.finish()) return error;
   const auto reader = std::make_shared<SlimBlockReader>();
-  const Error error = reader->open(file);
+  Error error = reader->open(file);
   std::error_code code;
   fs::remove(file, code);
   if (error) return error;

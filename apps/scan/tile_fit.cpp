@@ -184,7 +184,7 @@ class TileRun {
     made_.begins.push_back(made_.surface.size());
     for (std::size_t t = 0; t + 1 < made_.begins.size(); ++t) {
       const SLIMSurface tile = made_.surface.slice(made_.begins[t], made_.begins[t + 1]);
-      const Error error = t == 0 ? writer_->add(tile, 0, 0) : add(fit, t - 1, tile);
+      Error error = t == 0 ? writer_->add(tile, 0, 0) : add(fit, t - 1, tile);
       if (error) return error;
     }
     return {};
@@ -268,7 +268,7 @@ fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Con
            Report& report, SLIMSurface& surface)
 {
   TiledSurface made;
-  const Error error = fitByTiles(source, job, tiles, console, report, nullptr, made);
+  Error error = fitByTiles(source, job, tiles, console, report, nullptr, made);
   surface = std::move(made.surface);
   return error;
 }

@@ -92,8 +92,9 @@ double
 correlationOf(const PatchScale& scale, const NoiseConstants& constants)
 {
   std::vector<double> shared = scale.shared;
+  const std::size_t looked_at = scale.k / scale.stride;
   const double points =
-      static_cast<double>(scale.k / scale.stride) / static_cast<double>(constants.shared.cells);
+      static_cast<double>(looked_at) / static_cast<double>(constants.shared.cells);
   const double among = squareThatShares(trimmedMean(shared, constants.shared.trim), points);
   return 1 + static_cast<double>(scale.stride) * (among - 1);
 }

@@ -27,10 +27,10 @@ class SignedForest {
     int rest = sign;
     while (parent_[i] != r && i != r) {
       const std::uint32_t next = parent_[i];
-      const int own = sign_[i];
+      const bool turns = sign_[i] < 0;
       parent_[i] = r;
       sign_[i] = static_cast<signed char>(rest);
-      rest *= own;
+      rest = turns ? -rest : rest;
       i = next;
     }
     return r;
