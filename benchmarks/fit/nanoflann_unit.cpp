@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <nanoflann.hpp>
 
+#include "fit/float_cloud.h"
 #include "measure/clocks.h"
 #include "measure/lists.h"
 #include "measure/scenes.h"
@@ -13,17 +14,6 @@ namespace pcl_slim::measure {
 namespace {
 
 constexpr std::size_t kNeighbors = 10, kPointsPerLeaf = 10;
-
-struct FloatCloud {
-  const std::vector<float>& xyz;
-  std::size_t kdtree_get_point_count() const { return xyz.size() / 3; }
-  float kdtree_get_pt(std::size_t i, std::size_t a) const { return xyz[3 * i + a]; }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const
-  {
-    return false;
-  }
-};
 
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, FloatCloud>,
                                                  FloatCloud, 3>;

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "float_cloud.h"
 #include "measure/clocks.h"
 #include "measure/scenes.h"
 #include "pcl_slim/cloud/knn.h"
@@ -24,6 +25,7 @@ namespace {
 
 using namespace pcl_slim;
 using measure::cpuSeconds;
+using measure::FloatCloud;
 
 constexpr int kLeaf = 15;  ///< points in a leaf of FLANN's and nanoflann's trees: PCL's choice
 
@@ -109,17 +111,6 @@ ofFlann(const std::vector<float>& xyz, std::size_t k)
         return std::sqrt(double{distances.back()});
       });
 }
-
-struct FloatCloud {
-  const std::vector<float>& xyz;
-  std::size_t kdtree_get_point_count() const { return xyz.size() / 3; }
-  float kdtree_get_pt(std::size_t i, std::size_t a) const { return xyz[3 * i + a]; }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const
-  {
-    return false;
-  }
-};
 
 Timed
 ofNanoflann(const std::vector<float>& xyz, std::size_t k)

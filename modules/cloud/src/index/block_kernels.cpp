@@ -139,40 +139,49 @@ pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num
   return count;
 }
 
-/** How many of n values have bits, as an integer, up to a limit. */
+/** How many of n values are at most a limit. */
 HWY_INLINE std::size_t
-countUpTo(const std::int32_t* bits, std::size_t n, std::int32_t limit)
+countUpTo(const float* values, std::size_t n, float limit)
 {
-  const hn::CappedTag<std::int32_t, 16> d;
-  auto sum = hn::Zero(d);
-  std::size_t i = 0;
-  for (; i + hn::Lanes(d) <= n; i += hn::Lanes(d)) {
-    const auto above = hn::Gt(hn::LoadU(d, bits + i), hn::Set(d, limit));
-    sum = hn::Add(sum, hn::VecFromMask(d, above));
-  }
-  std::size_t count = i - static_cast<std::size_t>(-hn::GetLane(hn::SumOfLanes(d, sum)));
-  for (; i < n; ++i) count += bits[i] <= limit;
+  const Tag d;
+  std::size_t count = 0, i = 0;
+  for (; i + hn::Lanes(d) <= n; i += hn::Lanes(d))
+    count += hn::CountTrue(d, hn::Le(hn::LoadU(d, values + i), hn::Set(d, limit)));
+  for (; i < n; ++i) count += values[i] <= limit;
   return count;
+}
+
+/** A float's bits, which ascend like floats that are not negative. */
+std::uint32_t
+bitsOf(float value)
+{
+  std::uint32_t bits;
+  std::memcpy(&bits, &value, sizeof(bits));
+  return bits;
+}
+
+float
+ofBits(std::uint32_t bits)
+{
+  float value;
+  std::memcpy(&value, &bits, sizeof(value));
+  return value;
 }
 
 float
 kthSmallest(const float* values, std::size_t n, std::size_t k)
 {
-  // Bits of floats that are not negative ascend like the floats.
-  const auto* bits = reinterpret_cast<const std::int32_t*>(values);
-  const auto [least, most] = std::minmax_element(bits, bits + n);
-  std::int32_t low = *least, high = *most;
+  const auto [least, most] = std::minmax_element(values, values + n);
+  std::uint32_t low = bitsOf(*least), high = bitsOf(*most);
   while (low < high) {
-    const std::int32_t middle = low + (high - low) / 2;
-    if (countUpTo(bits, n, middle) >= k) {
+    const std::uint32_t middle = low + (high - low) / 2;
+    if (countUpTo(values, n, ofBits(middle)) >= k) {
       high = middle;
     } else {
       low = middle + 1;
     }
   }
-  float value;
-  std::memcpy(&value, &high, sizeof(value));
-  return value;
+  return ofBits(high);
 }
 
 /** How many points of a block lie within a squared distance of one that stands at these offsets from

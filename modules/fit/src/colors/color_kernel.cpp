@@ -50,7 +50,7 @@ sumColorsOf(const PointStore& store, const BlockList& blocks, const ColorBall& s
     const auto near = hn::And(l.kept, hn::Le(hn::Abs(hn::Sub(w, height(u, v))), limit));
     if (hn::AllFalse(d, near)) return;
     const auto weight = hn::IfThenElseZero(near, kernelWeight<K>(hn::Mul(l.d_sq, scale_sq)));
-    // Products with padding, which lies far away, may be infinite: they count as 0.
+    // Padding is far away; its products may be infinite, and count as 0.
     const auto u_near = hn::IfThenElseZero(near, u), v_near = hn::IfThenElseZero(near, v);
     weight_sq = hn::MulAdd(weight, weight, weight_sq);
     addGradedTerms<2 * kColorDegree>(weight, u_near, v_near, moments);

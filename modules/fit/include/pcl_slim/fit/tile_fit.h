@@ -22,7 +22,7 @@ struct CloudTraits {
   /** \brief How the noise varies inside a tile. */
   enum class Profile : unsigned char { kNone, kMeasured, kRaised } profile = Profile::kNone;
   double spacing =
-      0;  ///< of the median point's neighbours (medianSpacing()), by which outliers are told
+      0;  ///< of the median point's neighbours (medianSpacing()), which decides on outliers
   std::uint64_t noise_neighbors = 0;  ///< points of the patches that a profile is measured on
 };
 

@@ -13,7 +13,7 @@ namespace pcl_slim {
  * small that surfels above them are drawn in their place (RenderParams::lod).
  *
  * \param[in] coarse the surfels of the block above the tiles (SlimBlock::isCoarse), with links
- * \return one a block, true for every block where it cannot be told. O(blocks * surfels of coarse). */
+ * \return one value a block; true for every block where the coarse levels do not decide. O(blocks * surfels of coarse). */
 PCL_SLIM_EXPORT std::vector<bool>
 blocksOfFrame(const SlimDirectory& directory, const SLIMSurface& coarse, const Camera& camera,
               double lod);

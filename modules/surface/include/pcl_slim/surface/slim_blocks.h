@@ -82,7 +82,7 @@ class PCL_SLIM_EXPORT SlimBlockReader {
   /** \brief The surfels of some blocks in the file's order, without links.
    *
    * Blocks stay in memory for later calls; those that this call does not want are dropped while all kept ones
-   * take more than so many bytes. \param[in] wanted one a block
+   * take more than most_kept bytes. \param[in] wanted one value a block
    */
   Result<SLIMSurface> load(const std::vector<bool>& wanted, std::uint64_t most_kept = 0);
 

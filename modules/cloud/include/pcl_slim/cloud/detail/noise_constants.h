@@ -88,7 +88,7 @@ struct NoiseConstants {
   double paper_floor = 1e-6;         ///< least sqrt(lambda) of the paper's estimate [L]
 
   std::size_t points_per_run = 128;  ///< points that one entry of a noise profile stands for ...
-  std::size_t runs_per_patch = 16;   ///< ... at least so many of them to a patch
+  std::size_t runs_per_patch = 16;   ///< ... unless a patch would have more runs than this
   std::size_t most_runs = 8192;      ///< entries of a noise profile
   std::size_t window = 8;        ///< runs of that many points to either side that an entry rests on
   std::size_t least_window = 2;  ///< longer runs to either side, at least
