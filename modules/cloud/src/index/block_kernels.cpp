@@ -212,17 +212,16 @@ rangeOf(const float* values, std::size_t n)
 float
 kthSmallest(const float* values, std::size_t n, std::size_t k)
 {
-  constexpr std::size_t kFew = 128, kMargin = 24;
+  constexpr std::size_t kFew = 32;
   auto [low, high] = rangeOf(values, n);
   std::size_t below = countUpTo(values, n, low), upTo = n;
   if (below >= k) return low;
   // Squared distances from a point of a surface are about evenly spread: their rank says where the
-  // k-th is. Every third limit halves the bracket, whatever the spread.
+  // k-th is. Limits alternate between a little above and below; every third halves the bracket.
   for (int round = 0; upTo - below > kFew; ++round) {
-    const bool over = round % 3 == 0;
-    const double rank =
-        over ? static_cast<double>(k + kMargin) : static_cast<double>(k - std::min(kMargin, k));
-    const double part = (rank - static_cast<double>(below)) / static_cast<double>(upTo - below);
+    const auto span = static_cast<double>(upTo - below);
+    const double margin = (round % 3 == 0 ? 1 : -1) * (4 + span / 64);
+    const double part = (static_cast<double>(k - below) + margin) / span;
     float limit = low + static_cast<float>(part) * (high - low);
     if (round % 3 == 2 || !(limit > low && limit < high)) {
       const std::uint32_t bits = bitsOf(low) + (bitsOf(high) - bitsOf(low)) / 2;

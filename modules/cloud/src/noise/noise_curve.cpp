@@ -261,7 +261,9 @@ CurveNoise
 measureCurve(const PointStore& store, std::size_t k, double white, const NoiseConstants& constants,
              int threads, std::vector<PatchScale>& scales)
 {
-  ThinnedPlaces points(store, constants.shared.places);
+  const std::size_t places = std::clamp(store.size() / constants.shared.points_per_place,
+                                        constants.shared.least_places, constants.shared.places);
+  ThinnedPlaces points(store, places);
   const auto figures = measureFigures(points, k, store.size() / constants.shared.most_part,
                                       constants, threads, scales);
   return weigh(figures, plateauChances(figures, constants.shared), white, constants.shared);

@@ -19,8 +19,10 @@ NoiseLevel
 patchLevel(const PointStore& store, std::size_t k, const NoiseConstants& constants, int threads)
 {
   // Larger patches average more points each, so fewer of them are needed.
+  // So many patches of the smallest size are enough that each point is in one of them.
   const std::size_t smallest =
-      std::max(constants.samples, store.size() / constants.points_per_sample);
+      std::max(std::min(constants.samples, store.size() / constants.first_neighbors),
+               store.size() / constants.points_per_sample);
   const std::size_t samples =
       std::max(constants.least_samples, smallest * constants.first_neighbors / k);
   std::vector<double> radii(std::min(samples, store.size()));

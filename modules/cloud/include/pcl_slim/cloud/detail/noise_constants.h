@@ -16,7 +16,8 @@ struct PatchSheetConstants {
  * neighbours share"). Growth is the binary logarithm of the factor by which a figure grows from
  * patches of k points to patches of 2 k. */
 struct SharedNoiseConstants {
-  std::size_t places = 300;       ///< places where patches are compared
+  std::size_t places = 300;                               ///< places where patches are compared ...
+  std::size_t points_per_place = 50, least_places = 100;  ///< ... fewer in small clouds
   std::size_t most_part = 8;      ///< a patch holds at most 1 / so much of the cloud's points
   std::size_t cells = 32;         ///< of equal size, into which a patch's points fall
   std::size_t least_points = 80;  ///< points of a patch whose squares can share
