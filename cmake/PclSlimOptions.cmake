@@ -11,6 +11,12 @@ option(PCL_SLIM_BUILD_MPI "Build pcl_slim_fit_mpi where MPI is found" ON)
 option(PCL_SLIM_WITH_PNG "Read and write .png pictures (needs libpng)" ON)
 option(PCL_SLIM_WITH_VTP "Read and write .vtp (needs VTK's IOXML)" ON)
 option(PCL_SLIM_INSTALL "Make install rules" ${PROJECT_IS_TOP_LEVEL})
+if(CMAKE_CXX_COMPILER_LAUNCHER)
+  set(precompile OFF)  # most caches keep nothing of sources with precompiled headers
+else()
+  set(precompile ON)
+endif()
+option(PCL_SLIM_PRECOMPILE_HEADERS "Parse large headers of other libraries once for each target" ${precompile})
 option(PCL_SLIM_WARNINGS_AS_ERRORS "Stop at compiler warnings (continuous integration)" OFF)
 set(PCL_SLIM_SANITIZE "" CACHE STRING
   "Value of -fsanitize= for everything built here, as 'address,undefined' or 'thread'")

@@ -17,6 +17,16 @@ function(pcl_slim_set_defaults target)
       $<$<BOOL:${PCL_SLIM_WARNINGS_AS_ERRORS}>:-Werror>>)
 endfunction()
 
+# pcl_slim_precompile(target header...)
+#
+# Parses large headers of other libraries once for all sources of a target. Sources include what they
+# use all the same: builds with a compiler launcher, such as ccache, do without.
+function(pcl_slim_precompile target)
+  if(PCL_SLIM_PRECOMPILE_HEADERS)
+    target_precompile_headers(${target} PRIVATE ${ARGN})
+  endif()
+endfunction()
+
 # pcl_slim_spare_sanitized(file...)
 #
 # Kernels that are not optimised where sanitizers watch them: Clang's optimiser takes longer over one of
