@@ -79,6 +79,13 @@ TEST(KthSmallest, IsWhatSortingFinds)
     for (std::size_t k = 1; k <= n; ++k)
       ASSERT_EQ(detail::kernels::kthSmallest(values.data(), n, k), sorted[k - 1]) << n << " " << k;
   }
+  std::vector<float> even(3000);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  for (float& value : even) value = uniform(random);
+  std::vector<float> sorted = even;
+  std::sort(sorted.begin(), sorted.end());
+  for (std::size_t k = 1; k <= even.size(); k += 13)
+    ASSERT_EQ(detail::kernels::kthSmallest(even.data(), even.size(), k), sorted[k - 1]) << k;
 }
 
 TEST(NeighborSearch, OnASurface)

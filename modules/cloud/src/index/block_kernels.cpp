@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "pcl_slim/cloud/morton.h"
 
@@ -168,20 +169,75 @@ ofBits(std::uint32_t bits)
   return value;
 }
 
+/** The values above a lower limit and up to an upper one, in a buffer that has room for a vector more. */
+HWY_INLINE std::size_t
+valuesBetween(const float* values, std::size_t n, float low, float high, float* found)
+{
+  const Tag d;
+  std::size_t count = 0, i = 0;
+  for (; i + hn::Lanes(d) <= n; i += hn::Lanes(d)) {
+    const auto v = hn::LoadU(d, values + i);
+    const auto between = hn::And(hn::Gt(v, hn::Set(d, low)), hn::Le(v, hn::Set(d, high)));
+    if (hn::AllFalse(d, between)) continue;
+    const LanePacking packing(d, between);
+    packing.store(v, found + count);
+    count += packing.count();
+  }
+  for (; i < n; ++i) {
+    if (values[i] > low && values[i] <= high) found[count++] = values[i];
+  }
+  return count;
+}
+
+/** The least and the greatest of n values. */
+HWY_INLINE std::pair<float, float>
+rangeOf(const float* values, std::size_t n)
+{
+  const Tag d;
+  auto least = hn::Set(d, values[0]), most = least;
+  std::size_t i = 0;
+  for (; i + hn::Lanes(d) <= n; i += hn::Lanes(d)) {
+    const auto v = hn::LoadU(d, values + i);
+    least = hn::Min(least, v);
+    most = hn::Max(most, v);
+  }
+  float low = hn::GetLane(hn::MinOfLanes(d, least)), high = hn::GetLane(hn::MaxOfLanes(d, most));
+  for (; i < n; ++i) {
+    low = std::min(low, values[i]);
+    high = std::max(high, values[i]);
+  }
+  return {low, high};
+}
+
 float
 kthSmallest(const float* values, std::size_t n, std::size_t k)
 {
-  const auto [least, most] = std::minmax_element(values, values + n);
-  std::uint32_t low = bitsOf(*least), high = bitsOf(*most);
-  while (low < high) {
-    const std::uint32_t middle = low + (high - low) / 2;
-    if (countUpTo(values, n, ofBits(middle)) >= k) {
-      high = middle;
-    } else {
-      low = middle + 1;
+  constexpr std::size_t kFew = 128, kMargin = 24;
+  auto [low, high] = rangeOf(values, n);
+  std::size_t below = countUpTo(values, n, low), upTo = n;
+  if (below >= k) return low;
+  // Squared distances from a point of a surface are about evenly spread: their rank says where the
+  // k-th is. Every third limit halves the bracket, whatever the spread.
+  for (int round = 0; upTo - below > kFew; ++round) {
+    const bool over = round % 3 == 0;
+    const double rank =
+        over ? static_cast<double>(k + kMargin) : static_cast<double>(k - std::min(kMargin, k));
+    const double part = (rank - static_cast<double>(below)) / static_cast<double>(upTo - below);
+    float limit = low + static_cast<float>(part) * (high - low);
+    if (round % 3 == 2 || !(limit > low && limit < high)) {
+      const std::uint32_t bits = bitsOf(low) + (bitsOf(high) - bitsOf(low)) / 2;
+      if (bits == bitsOf(low)) return high;
+      limit = ofBits(bits);
     }
+    const std::size_t count = countUpTo(values, n, limit);
+    (count >= k ? high : low) = limit;
+    (count >= k ? upTo : below) = count;
   }
-  return ofBits(high);
+  float few[kFew + 16] = {};
+  const std::size_t count = valuesBetween(values, n, low, high, few);
+  float* const kth = few + (k - below - 1);
+  std::nth_element(few, kth, few + count);
+  return *kth;
 }
 
 /** How many points of a block lie within a squared distance of one that stands at these offsets from

@@ -212,18 +212,46 @@ isShape(const std::vector<PatchScale>& scales, const SharedNoiseConstants& const
   return std::min(before.growth, last.growth) > constants.shape;
 }
 
+/** What a scale shows beside the next one. */
+ScaleFigures
+figuresOf(const std::vector<PatchScale>& scales, std::size_t i, const NoiseConstants& constants)
+{
+  ScaleFigures figures;
+  measureGrowth(scales, i, constants.shared, figures);
+  measureFlatPlaces(scales[i], scales[i + 1], constants, figures);
+  return figures;
+}
+
+/** Whether two scales in a row, of patches wide enough to show it, have the same noise and share none of
+ * it: what wider ones show is no noise. */
+bool
+isWhite(const std::vector<PatchScale>& scales, const NoiseConstants& constants)
+{
+  const SharedNoiseConstants& shared = constants.shared;
+  const std::size_t n = scales.size();
+  if (n < 3 || scales[n - 3].k < shared.least_points) return false;
+  for (const std::size_t i : {n - 3, n - 2}) {
+    const ScaleFigures f = figuresOf(scales, i, constants);
+    if (std::max(std::abs(f.growth), std::abs(f.power_growth)) > shared.settled ||
+        f.correlation >= shared.least)
+      return false;
+  }
+  return true;
+}
+
 /** What scales from patches of k points on show. \param[in,out] scales those measured. */
 std::vector<ScaleFigures>
 measureFigures(ThinnedPlaces& points, std::size_t k, std::size_t most,
                const NoiseConstants& constants, int threads, std::vector<PatchScale>& scales)
 {
-  for (; scales.size() < 2 || (k <= most && !isShape(scales, constants.shared)); k *= 2)
+  const auto isKnown = [&] {
+    return isShape(scales, constants.shared) || isWhite(scales, constants);
+  };
+  for (; scales.size() < 2 || (k <= most && !isKnown()); k *= 2)
     scales.push_back(measureScale(points, k, constants, threads));
-  std::vector<ScaleFigures> figures(scales.size() - 1);
-  for (std::size_t i = 0; i < figures.size(); ++i) {
-    measureGrowth(scales, i, constants.shared, figures[i]);
-    measureFlatPlaces(scales[i], scales[i + 1], constants, figures[i]);
-  }
+  std::vector<ScaleFigures> figures;
+  for (std::size_t i = 0; i + 1 < scales.size(); ++i)
+    figures.push_back(figuresOf(scales, i, constants));
   return figures;
 }
 

@@ -78,83 +78,71 @@ struct PlaceFigures {
   bool facing = false;   ///< one does, and beyond it there is another sheet
 };
 
-/** Looks at patches of one place until one fits. */
+/** Looks at wider and wider patches of one place until one fits. */
 class PlaceLook {
  public:
-  PlaceLook(const PointStore& store, const SideConstants& constants, NeighborSearch& search)
-      : store_(store), constants_(constants), search_(search)
+  explicit PlaceLook(const SideConstants& constants) : constants_(&constants) {}
+
+  /** \return whether a wider patch must be looked at */
+  bool look(const Patch& patch)
   {
+    if (!(patch.radius > 0)) return false;
+    if (!(figures_.spacing > 0))
+      figures_.spacing = patch.radius * std::sqrt(M_PI / static_cast<double>(constants_->patch));
+    if (fits_) return lookBeyond(patch);
+    if (showsTwoSides(patch, figures_)) return false;
+    thread_local PatchCubic cubic;
+    fits_ =
+        fitCubic(patch, cubic) && std::sqrt(cubic.variance) <= constants_->filled * patch.radius;
+    // Relief of the surface itself grows with the patch; noise and the far side of a part do not.
+    figures_.thin = !fits_ && !(last_ > 0 && cubic.variance > constants_->relief * last_);
+    (fits_ ? figures_.variance : last_) = cubic.variance;
+    return true;
   }
 
-  PlaceFigures look(std::size_t place, std::size_t most)
-  {
-    PlaceFigures figures;
-    double last = 0;
-    for (std::size_t k = constants_.patch; k <= most; k *= constants_.wider) {
-      patchAbout(store_, search_, place, k, patch_);
-      const Patch& patch = patch_;
-      if (!(patch.radius > 0)) return figures;
-      if (k == constants_.patch)
-        figures.spacing = patch.radius * std::sqrt(M_PI / static_cast<double>(k));
-      if (showsTwoSides(patch, figures)) return figures;
-      thread_local PatchCubic cubic;
-      figures.thin =
-          !fitCubic(patch, cubic) || std::sqrt(cubic.variance) > constants_.filled * patch.radius;
-      if (figures.thin) {
-        // Relief of the surface itself grows with the patch; noise and the far side of a part do not.
-        figures.thin = !(last > 0 && cubic.variance > constants_.relief * last);
-        last = cubic.variance;
-        continue;
-      }
-      figures.variance = cubic.variance;
-      k *= constants_.wider;
-      if (k > most) break;
-      patchAbout(store_, search_, place, k, patch_);
-      lookBeyond(patch_, figures);
-      break;
-    }
-    return figures;
-  }
+  const PlaceFigures& figures() const { return figures_; }
 
  private:
   /** Whether a patch is a rod or two sheets. The latter are thin unless they part by themselves. */
   bool showsTwoSides(const Patch& patch, PlaceFigures& figures) const
   {
     const auto axes = principalAxes(patch.points);
-    figures.thin = formsRod(axes.eigenvalues(), constants_);
+    figures.thin = formsRod(axes.eigenvalues(), *constants_);
     if (figures.thin) return true;
     Eigen::Matrix3Xd local(3, static_cast<Eigen::Index>(patch.points.size()));
     for (std::size_t i = 0; i < patch.points.size(); ++i)
       local.col(static_cast<Eigen::Index>(i)) = patch.points.at(i);
     local = axes.eigenvectors().transpose() * (local.colwise() - local.rowwise().mean()).eval();
-    const SheetGap sheets = gapOf(local, constants_);
+    const SheetGap sheets = gapOf(local, *constants_);
     if (!(sheets.gap > 0)) return false;
-    const double clean_sq = constants_.clean * constants_.clean * sheets.within_sq;
+    const double clean_sq = constants_->clean * constants_->clean * sheets.within_sq;
     figures.thin = sheets.gap * sheets.gap < clean_sq;
-    figures.facing = !figures.thin && sheets.gap > constants_.clear_gap * figures.spacing;
+    figures.facing = !figures.thin && sheets.gap > constants_->clear_gap * figures.spacing;
     return true;
   }
 
   /** Whether a patch wider than one that fits has another side. */
-  void lookBeyond(const Patch& patch, PlaceFigures& figures) const
+  bool lookBeyond(const Patch& patch)
   {
-    PlaceFigures beyond = figures;
-    if (showsTwoSides(patch, beyond)) figures.facing = beyond.thin || beyond.facing;
+    PlaceFigures beyond = figures_;
+    if (showsTwoSides(patch, beyond)) figures_.facing = beyond.thin || beyond.facing;
+    return false;
   }
 
-  const PointStore& store_;
-  const SideConstants& constants_;
-  NeighborSearch& search_;
-  Patch patch_;
+  const SideConstants* constants_;
+  PlaceFigures figures_;
+  double last_ = 0;  ///< variance of the patch before, which did not fit
+  bool fits_ = false;
 };
 
 ThinPlaces
-summarize(const std::vector<PlaceFigures>& figures, const SideConstants& constants)
+summarize(const std::vector<PlaceLook>& looks, const SideConstants& constants)
 {
   ThinPlaces places;
-  const double share = 1 / static_cast<double>(std::max<std::size_t>(figures.size(), 1));
+  const double share = 1 / static_cast<double>(std::max<std::size_t>(looks.size(), 1));
   std::vector<double> spacings, variances;
-  for (const PlaceFigures& figure : figures) {
+  for (const PlaceLook& look : looks) {
+    const PlaceFigures& figure = look.figures();
     places.share += figure.thin ? share : 0;
     places.facing += figure.facing ? share : 0;
     spacings.push_back(figure.spacing);
@@ -177,13 +165,25 @@ findThinPlaces(const PointStore& store, const SideConstants& constants, const No
                                        constants.least_places, constants.most_places);
   const std::size_t most =
       std::clamp(store.size() / noise.most_part, constants.patch, constants.most_patch);
-  std::vector<PlaceFigures> figures(std::min(asked, store.size()));
-  sampleStore(store, asked, 1, resolveThreads(threads),
-              [&](NeighborSearch& search, std::size_t place, std::size_t s) {
-                figures[s] = PlaceLook(store, constants, search).look(place, most);
-                return 0.0;
-              });
-  return summarize(figures, constants);
+  ThinnedPlaces points(store, asked);
+  std::vector<PlaceLook> looks(points.places().size(), PlaceLook(constants));
+  std::vector<char> open(looks.size(), 1);
+  threads = resolveThreads(threads);
+  for (std::size_t k = constants.patch; k <= most; k *= constants.wider) {
+    if (std::none_of(open.begin(), open.end(), [](char o) { return o != 0; })) break;
+    const std::size_t stride = std::max<std::size_t>(1, k / constants.patch_points);
+    points.thinTo(stride, threads);
+    std::vector<NeighborSearch> searches(static_cast<std::size_t>(threads),
+                                         NeighborSearch(points.store()));
+    parallelFor(looks.size(), threads, 4, [&](std::size_t s, int thread) {
+      if (!open[s]) return;
+      thread_local Patch patch;
+      patchAbout(points.store(), searches[static_cast<std::size_t>(thread)], points.places()[s],
+                 k / stride, patch);
+      open[s] = looks[s].look(patch);
+    });
+  }
+  return summarize(looks, constants);
 }
 
 }  // namespace pcl_slim::detail

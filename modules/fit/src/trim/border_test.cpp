@@ -76,6 +76,32 @@ unpacked(std::uint32_t bits)
   return {coordinate(20), coordinate(10), coordinate(0)};
 }
 
+/** Sums of x, y, z, xx, xy, xz, yy, yz, zz in four columns, as every processor adds them. */
+std::array<double, 9>
+sumOffsets(const NearPoints& points)
+{
+  constexpr std::size_t kColumns = 4;
+  double sums[9][kColumns] = {};
+  for (std::size_t i = 0; i < points.count; i += kColumns) {  // zeros pad the last columns
+    for (std::size_t k = 0; k < kColumns; ++k) {
+      const double x = points.x[i + k], y = points.y[i + k], z = points.z[i + k];
+      sums[0][k] += x;
+      sums[1][k] += y;
+      sums[2][k] += z;
+      sums[3][k] += x * x;
+      sums[4][k] += x * y;
+      sums[5][k] += x * z;
+      sums[6][k] += y * y;
+      sums[7][k] += y * z;
+      sums[8][k] += z * z;
+    }
+  }
+  std::array<double, 9> totals;
+  for (std::size_t j = 0; j < 9; ++j)
+    totals[j] = (sums[j][0] + sums[j][1]) + (sums[j][2] + sums[j][3]);
+  return totals;
+}
+
 }  // namespace
 
 BorderTest::BorderTest(const PointStore& store, const BorderConstants& constants, double noise,
@@ -126,27 +152,22 @@ BorderTest::gatherNear(const Vector3& place, double reach)
   gather(place, std::max(reach, thick_));
   while (near_.count < enough && reach_ < kWidest) gather(place, 1.5 * reach_);
   if (near_.count < enough) return false;
-  distances_sq_.assign(near_.distance_sq.begin(),
-                       near_.distance_sq.begin() + static_cast<std::ptrdiff_t>(near_.count));
-  const auto last = distances_sq_.begin() + static_cast<std::ptrdiff_t>(enough - 1);
-  std::nth_element(distances_sq_.begin(), last, distances_sq_.end());
-  reach_ = std::max(std::sqrt(static_cast<double>(*last)), thick_);
-  kernels::gatherOffsets(store_, blocks_, place, reach_, side_, near_);
+  const double nearest = std::sqrt(
+      static_cast<double>(kernels::kthSmallest(near_.distance_sq.data(), near_.count, enough)));
+  const double least = std::max(nearest, thick_);
+  if (least < reach_) kernels::gatherOffsets(store_, blocks_, place, least, side_, near_);
+  reach_ = least;
   return true;
 }
 
 void
 BorderTest::findPlane()
 {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
-  for (std::size_t k = 0; k < near_.count; ++k) {
-    const Eigen::Vector3d p(near_.x[k], near_.y[k], near_.z[k]);
-    mean += p;
-    moments += p * p.transpose();
-  }
   const double n = static_cast<double>(near_.count);
-  mean /= n;
+  const std::array<double, 9> sums = sumOffsets(near_);
+  const Eigen::Vector3d mean = Eigen::Vector3d(sums[0], sums[1], sums[2]) / n;
+  Eigen::Matrix3d moments;
+  moments << sums[3], sums[4], sums[5], sums[4], sums[6], sums[7], sums[5], sums[7], sums[8];
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.computeDirect(moments / n - mean * mean.transpose());
   for (std::size_t a = 0; a < 3; ++a) {

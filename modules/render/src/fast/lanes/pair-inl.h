@@ -24,15 +24,38 @@ using UintPart = hn::RebindToUnsigned<Part>;
 constexpr int kPartLanes = static_cast<int>(hn::MaxLanes(Part()));
 constexpr int kLanes = 2 * kPartLanes;
 
-/** Members by name: compilers keep an array in memory. */
-struct Vec {
-  hn::Vec<Part> low, high;
+/** Members by name: compilers keep an array in memory. Copied one by one: of a whole compilers make copies
+ * of 16 bytes, which a load of 32 waits for. */
+template <class V>
+struct Pair {
+  V low, high;
+
+  Pair() = default;
+  Pair(V l, V h) : low(l), high(h) {}
+  Pair(const Pair& other) : low(other.low), high(other.high) {}
+  Pair& operator=(const Pair& other)
+  {
+    low = other.low;
+    high = other.high;
+    return *this;
+  }
 };
-struct UintVec {
-  hn::Vec<UintPart> low, high;
-};
+
+using Vec = Pair<hn::Vec<Part>>;
+using UintVec = Pair<hn::Vec<UintPart>>;
+
 struct Mask {
   hn::Mask<Part> low, high;
+
+  Mask() = default;
+  Mask(hn::Mask<Part> l, hn::Mask<Part> h) : low(l), high(h) {}
+  Mask(const Mask& other) : low(other.low), high(other.high) {}
+  Mask& operator=(const Mask& other)
+  {
+    low = other.low;
+    high = other.high;
+    return *this;
+  }
 };
 
 #define PCL_SLIM_PAIR_1(Result, Name, Argument) \

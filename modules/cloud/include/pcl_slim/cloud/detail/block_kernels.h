@@ -35,8 +35,8 @@ PCL_SLIM_EXPORT std::size_t
 pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num_blocks,
            const double center[3], float limit_sq, float* distances_sq, std::uint32_t* points);
 
-/** \brief The k-th smallest of n > 0 values, none of them negative; k from 1 to n. O(n): halves the values' range,
- * bit by bit, and counts in SIMD. */
+/** \brief The k-th smallest of n > 0 values, none of them negative; k from 1 to n. O(n) for values
+ * whose spread is about even: counts in SIMD up to limits that their rank suggests. */
 PCL_SLIM_EXPORT float
 kthSmallest(const float* values, std::size_t n, std::size_t k);
 

@@ -30,6 +30,7 @@ struct SharedNoiseConstants {
   double steep = 1.2;        ///< growth that noise does not show ...
   double steep_width = 0.1;  ///< ... and the width of the passage
   double shape = 2;          ///< growth, twice in a row, after which there is shape alone
+  double settled = 0.15;     ///< growth of variance and power, either way, that white noise shows
   double fall = 0.8;         ///< fall of the power that noise does not show
   double still = 0.42;       ///< growth of the power, either way, at which it does not stand still
   double slowing = 0.5;      ///< the same as a share of the greatest growth before

@@ -26,6 +26,7 @@ struct SideConstants {
   std::size_t least_places = 64, most_places = 256;  ///< ... within these bounds
   std::size_t patch = 48;                            ///< points of its smallest patch ...
   std::size_t wider = 4;                             ///< ... and the factor to the next
+  std::size_t patch_points = 384;  ///< points looked at in a patch; larger patches are sampled
   std::size_t most_patch = 12288;  ///< points of the widest patch: wider ones cost more than a fit
   double filled = 0.1;             ///< a cubic's RMS residual over the radius of a patch that fits
   double relief = 3;  ///< growth of the variance to the next patch that is a rough surface's own
