@@ -127,7 +127,7 @@ assert all(0 < r["halo_bytes_sent"] < r["bytes_sent"] for r in ranks), ranks' ||
   ends "unknown option '-plan'" 2
   ranks 3 "$mpi" scan.pcd ranks.slim -tile_points 0
   ends '10000 or more' 2
-  ranks 3 "$mpi" scan.pcd ranks.slim -tile_points 200000 -max_memory 60
+  ranks 3 "$mpi" scan.pcd ranks.slim -tile_points 200000 -max_memory 30
   ends 'max_memory' 2
   # One rank's disk is full: not that of the others. Files of OpenMPI's shared memory are none of the test.
   printf '#!/bin/bash\n[ "$OMPI_COMM_WORLD_RANK" != 1 ] || ulimit -f 400\nexec "$@"\n' > full.sh

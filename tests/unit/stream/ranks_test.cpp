@@ -230,10 +230,10 @@ TEST(Ranks, ReadSharesOfAFile)
   const Cloud cloud = sceneCloud(measure::Shape::kTorus, 60001, 0.004).withoutNormals();
   const TemporaryFolder folder;
   RecordLayout binary, text;
-  binary.path = folder.path("points.f64");
+  binary.path = folder / "points.f64";
   binary.count = text.count = cloud.size();
   binary.step = 24;
-  text.path = folder.path("points.txt");
+  text.path = folder / "points.txt";
   text.step = 3;
   text.text = true;
   for (std::size_t a = 0; a < 3; ++a) {
