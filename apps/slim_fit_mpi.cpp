@@ -14,7 +14,8 @@
 namespace {
 
 constexpr const char* kProgram = "pcl_slim_fit_mpi";
-constexpr double kPatience = 1.0;  ///< seconds that a rank which failed waits for others to end, too
+constexpr double kPatience =
+    1.0;  ///< seconds that a rank which failed waits for others to end, too
 
 /** Whether the arguments are for one process alone, as -h is. */
 bool

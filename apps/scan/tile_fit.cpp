@@ -144,7 +144,8 @@ class TileRun {
   Error run(PointSource& source, StreamFit& fit)
   {
     if (Error error = fit.prepare(source, &console_.progress())) return error;
-    const double bytes = static_cast<double>(fit.workingBytes());
+    const int threads = resolveThreads(job_.params.threads);
+    const double bytes = static_cast<double>(fit.workingBytes(threads));
     const std::string what = "fitting tiles of " + std::to_string(tiles_.points) + " points";
     if (Error error = checkMemory(bytes, what, kTileRelief)) return error;
     const auto wanted = wantedTiles(tiles_.range, fit);

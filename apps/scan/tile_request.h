@@ -45,7 +45,7 @@ void
 declareTileOptions(OptionTable& options, TileRequest& tiles);
 
 /** \brief What helps where memory is too small for a tile. */
-constexpr const char* kTileRelief = "give fewer -tile_points";
+constexpr const char* kTileRelief = "give fewer -tile_points or -threads";
 
 /** \brief The parameters of a fit by tiles. */
 StreamParams

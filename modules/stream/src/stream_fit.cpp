@@ -20,8 +20,11 @@ using namespace detail;
 
 namespace {
 
-constexpr std::uint64_t kBytesOfSorting =
-    38;  ///< keys, their order and the store's columns, a point
+// A point takes the most while it is sorted; then balls take as much again where they are wide.
+constexpr std::uint64_t kBytesOfSorting = 38;  ///< keys, their order and the store's columns
+constexpr std::uint64_t kBytesOfFit = 30;      ///< the store and marks of what is covered
+constexpr std::uint64_t kBytesInBall = 36;     ///< a ball's columns, and those of its inner part
+constexpr std::uint64_t kBytesOfNormal = 12;
 
 /** What tells a cloud and parameters from others: a plan and tiles are those of one identity. */
 std::string
@@ -94,7 +97,8 @@ detail::StreamState::takeKept(PointSource& source)
   if (!keeps() || !loadPlan(params.state, identity, kept)) return false;
   kept.plan.makeTiles(params.tile_points);
   const std::size_t tiles = kept.plan.tiles.size();
-  if (kept.first_levels.size() != tiles || kept.halos.size() != tiles) return false;
+  if (kept.first_levels.size() != tiles || kept.halos.size() != tiles || kept.balls.size() != tiles)
+    return false;
   FittedTile above;
   if (!loadTile(params.state, identity, tiles, above)) return false;
   if (const Error error = store.open(kept.plan, kept.record, params.state)) return false;
@@ -107,6 +111,7 @@ detail::StreamState::takeKept(PointSource& source)
   radii = levelRadii(frame, params.fit);
   first_levels = std::move(kept.first_levels);
   halos = std::move(kept.halos);
+  balls = std::move(kept.balls);
   sum.sum() = kept.noise;
   stats.points = kept.points;
   stats.noise_thinning = kept.thinning;
@@ -127,6 +132,7 @@ detail::StreamState::keep() const
   kept.plan = plan;
   kept.first_levels = first_levels;
   kept.halos = halos;
+  kept.balls = balls;
   FittedTile above;
   above.surface = coarse;
   if (Error error = saveTile(params.state, identity, plan.tiles.size(), above)) return error;
@@ -207,12 +213,18 @@ StreamFit::loadedPoints(std::size_t tile) const
 }
 
 std::uint64_t
-StreamFit::workingBytes() const
+StreamFit::workingBytes(int threads) const
 {
+  const PointRecord& record = state_->store.record();
+  const std::uint64_t normal = record.normals ? kBytesOfNormal : 0;
+  const std::uint64_t in_balls = (kBytesInBall + 2 * normal) * static_cast<std::uint64_t>(threads);
   std::uint64_t most = 0;
-  for (std::size_t t = 0; t < state_->plan.tiles.size(); ++t)
-    most = std::max(most, loadedPoints(t));
-  return most * (state_->store.record().bytes() + kBytesOfSorting);
+  for (std::size_t t = 0; t < state_->plan.tiles.size(); ++t) {
+    const std::uint64_t points = loadedPoints(t);
+    const std::uint64_t fit = points * (kBytesOfFit + normal) + state_->balls[t] * in_balls;
+    most = std::max({most, points * (record.bytes() + kBytesOfSorting), fit});
+  }
+  return most;
 }
 
 Error

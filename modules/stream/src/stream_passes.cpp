@@ -127,7 +127,8 @@ detail::StreamState::surveyTile(std::size_t tile, std::vector<unsigned char>& sa
   const CloudView core = tiles.record().view(records);
   // What is left over at the end of a node has no room for balls of a whole tile's.
   const std::uint64_t most = std::min(params.firstBallPoints(), core.size / kBallsOfSmallTile);
-  int level = detail::firstLevel(core, frame, radii, most, traits.lambda);
+  std::vector<std::uint64_t> gathered;
+  int level = detail::firstLevel(core, frame, radii, most, traits.lambda, gathered);
   std::vector<std::uint64_t> cells;
   std::uint64_t halo_points = 0;
   const auto look = [&] {
@@ -145,6 +146,7 @@ detail::StreamState::surveyTile(std::size_t tile, std::vector<unsigned char>& sa
   }
   first_levels.push_back(level);
   halos.push_back(halo_points);
+  balls.push_back(gathered[static_cast<std::size_t>(level)]);
   for (const std::uint64_t c : cells) wanted[c] = 1;
   return {};
 }
@@ -163,6 +165,7 @@ detail::StreamState::survey(Progress* progress)
   if (!isAlone()) {
     first_levels = allOf(ranks(), first_levels);
     halos = allOf(ranks(), halos);
+    balls = allOf(ranks(), balls);
     gather(ranks(), sample);
     if (Error error = fetchHalo(wanted)) return error;
   }

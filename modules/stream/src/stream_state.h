@@ -56,6 +56,7 @@ struct StreamState {
   LevelRadii radii;
   std::vector<int> first_levels;
   std::vector<std::uint64_t> halos;  ///< most points of each tile's
+  std::vector<std::uint64_t> balls;  ///< points of each tile's largest, about
   SLIMSurface coarse;                ///< surfels above the tiles' first levels
   StatisticsSum sum;
   StreamStatistics stats;

@@ -155,9 +155,8 @@ Made
 fitOnRanks(const Cloud& cloud, std::size_t ranks, int at_once = 1)
 {
   std::vector<std::vector<std::int32_t>> rows(ranks);
-  return fitOnRanks(ranks, at_once, [&](std::size_t r) {
-    return CloudSource(shareOf(cloud, rows[r], r, ranks));
-  });
+  return fitOnRanks(ranks, at_once,
+                    [&](std::size_t r) { return CloudSource(shareOf(cloud, rows[r], r, ranks)); });
 }
 
 std::vector<unsigned char>

@@ -49,7 +49,8 @@ FrameMeasure::packed()
   PlaceSample sample;
   for (PlaceSample& part : s.parts) sample.merge(part);
   const std::vector<std::array<double, 3>> places = sample.places();
-  const std::size_t head = sizeof(s.input) + sizeof(s.summary), rest = places.size() * sizeof(places[0]);
+  const std::size_t head = sizeof(s.input) + sizeof(s.summary),
+                    rest = places.size() * sizeof(places[0]);
   std::vector<unsigned char> bytes(head + rest);
   std::memcpy(bytes.data(), &s.input, sizeof(s.input));
   std::memcpy(bytes.data() + sizeof(s.input), &s.summary, sizeof(s.summary));
@@ -72,7 +73,8 @@ FrameMeasure::merge(const std::vector<std::vector<unsigned char>>& parts)
     input += points;
     s.summary.add(summary);
     std::array<double, 3> place;
-    for (std::size_t at = sizeof(points) + sizeof(summary); at < bytes.size(); at += sizeof(place)) {
+    for (std::size_t at = sizeof(points) + sizeof(summary); at < bytes.size();
+         at += sizeof(place)) {
       std::memcpy(&place, bytes.data() + at, sizeof(place));
       all.offer(place);
     }

@@ -64,9 +64,9 @@ class TileStore {
   PointRecord record_;
   std::vector<Bucket> buckets_;
   std::vector<std::uint32_t> bucket_of_;  ///< of each cell, while points are added
-  std::size_t buffer_points_ = 0;       ///< room of a bucket's buffer
-  std::vector<unsigned char> buffers_;  ///< one a bucket
-  std::vector<std::uint32_t> filled_;   ///< points in it
+  std::size_t buffer_points_ = 0;         ///< room of a bucket's buffer
+  std::vector<unsigned char> buffers_;    ///< one a bucket
+  std::vector<std::uint32_t> filled_;     ///< points in it
   ScratchFile file_;
 };
 

@@ -103,6 +103,7 @@ visitPlan(Plan& p, Visit& visit)
   visit(p.plan.cells);
   visit(p.first_levels);
   visit(p.halos);
+  visit(p.balls);
 }
 
 /** Puts the magic word and the identity before what is kept, and a checksum behind it. */
@@ -177,8 +178,7 @@ saveTile(const std::string& folder, const std::string& identity, std::size_t til
 }
 
 bool
-loadTile(const std::string& folder, const std::string& identity, std::size_t tile,
-         FittedTile& made)
+loadTile(const std::string& folder, const std::string& identity, std::size_t tile, FittedTile& made)
 {
   Bytes bytes;
   const std::size_t begin = openKept(tilePath(folder, tile), identity, bytes);

@@ -23,7 +23,7 @@ struct KeptPlan {
   std::uint64_t thinning = 1;
   TilePlan plan;  ///< tiles are made again from the cells
   std::vector<int> first_levels;
-  std::vector<std::uint64_t> halos;
+  std::vector<std::uint64_t> halos, balls;
 };
 
 /** \brief Writes a plan into a folder. \param[in] identity of source and parameters */

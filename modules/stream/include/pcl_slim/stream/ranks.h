@@ -23,7 +23,7 @@ class PCL_SLIM_EXPORT Ranks {
    * \param[in,out] messages size() of them: to each rank, then from each; the own one stays */
   void exchange(std::vector<Bytes>& messages);
 
-  std::uint64_t bytesSent() const { return sent_; }  ///< to others
+  std::uint64_t bytesSent() const { return sent_; }     ///< to others
   double secondsExchanged() const { return seconds_; }  ///< spent in exchange(), waits included
 
  protected:

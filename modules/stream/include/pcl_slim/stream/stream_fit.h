@@ -57,7 +57,7 @@ struct StreamStatistics {
   std::uint64_t passes = 0;                 ///< over the source
   std::uint64_t coarse_surfels = 0;         ///< of levels above the tiles' first
   std::uint64_t scratch_read = 0, scratch_written = 0;  ///< bytes
-  std::uint64_t halo_sent = 0;                          ///< bytes, of points around other ranks' tiles
+  std::uint64_t halo_sent = 0;  ///< bytes, of points around other ranks' tiles
   double seconds_measure = 0, seconds_sort = 0, seconds_plan = 0, seconds_load = 0;
 };
 
@@ -89,8 +89,9 @@ class PCL_SLIM_EXPORT StreamFit {
   int firstLevel(std::size_t tile) const;
   /** \brief Points that a tile has in memory, its halo included, at most. */
   std::uint64_t loadedPoints(std::size_t tile) const;
-  /** \brief Bytes that fitting the largest tile takes, without its surfels. */
-  std::uint64_t workingBytes() const;
+  /** \brief Bytes that fitting one tile takes at most, without its surfels. \param[in] threads of this fit,
+   * each of which works on a ball */
+  std::uint64_t workingBytes(int threads = 1) const;
 
   /** \brief Surfels of the levels above the tiles' first, for a level of detail; none is a leaf. They are fitted to
    * a sample of the cloud, have no links or common side, and belong in front of all tiles'. Rank 0 has them. */
