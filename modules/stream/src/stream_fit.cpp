@@ -22,7 +22,7 @@ namespace {
 
 // A point takes the most while it is sorted; then balls take as much again where they are wide.
 constexpr std::uint64_t kBytesOfSorting = 40;  ///< keys, their order and the store's columns
-constexpr std::uint64_t kBytesOfFit = 30;      ///< the store and marks of what is covered
+constexpr std::uint64_t kBytesOfFit = 38;      ///< the store and marks of what is covered
 constexpr std::uint64_t kBytesInBall = 36;     ///< a ball's columns, and those of its inner part
 constexpr std::uint64_t kBytesOfNormal = 12;
 

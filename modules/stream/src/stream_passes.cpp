@@ -146,7 +146,9 @@ detail::StreamState::surveyTile(std::size_t tile, std::vector<unsigned char>& sa
   }
   first_levels.push_back(level);
   halos.push_back(halo_points);
-  balls.push_back(gathered[static_cast<std::size_t>(level)]);
+  // Balls hold points of the halo, which were not counted, as they hold those of the core.
+  balls.push_back(gathered[static_cast<std::size_t>(level)] * (core.size + halo_points) /
+                  core.size);
   for (const std::uint64_t c : cells) wanted[c] = 1;
   return {};
 }
