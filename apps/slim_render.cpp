@@ -313,13 +313,21 @@ renderModel(const Settings& s, const Model& model, const Turntable& table, Conso
   return s.save_camera.empty() ? Error{} : saveCamera(s.save_camera, table.camera(0));
 }
 
-/** Whether a camera that is known before the surface sees all that is drawn: rays of traced pictures, turned
- * cameras and pages go elsewhere, too. */
+/** Whether one camera sees all that is drawn: rays of traced pictures, turned cameras and pages go elsewhere,
+ * too. */
 bool
 hasOneView(const Settings& s)
 {
-  return s.view.given && s.turntable == 1 && !s.picture.isTraced() &&
-         !PageRequest::isPage(s.output);
+  return s.turntable == 1 && !s.picture.isTraced() && !PageRequest::isPage(s.output);
+}
+
+/** The view with room for a bar of colours, where there is one. */
+ViewRequest
+viewBesideBar(const Settings& s, const ShadingParams& shading)
+{
+  ViewRequest view = s.view;
+  if (shading.color_bar && hasColorBar(shading.mode)) view.right_margin = colorBarShare(view.size);
+  return view;
 }
 
 /** Which blocks of a surface a picture may show: those that the region and a camera given meet. */
@@ -328,7 +336,22 @@ wantsBlock(const Settings& s, const WorldBox& box)
 {
   if (PageRequest::isPage(s.output)) return true;
   if (!s.region.sides.empty() && !boxesMeet(box, s.region.box())) return false;
-  return !hasOneView(s) || mayBeSeen(*s.view.given, box);
+  return !hasOneView(s) || !s.view.given || mayBeSeen(*s.view.given, box);
+}
+
+/** What of a surface in blocks is read. With level of detail a camera of the program's own choice looks at
+ * the levels above the tiles, unless a region has to be found first, and is a given one from then on. */
+BlockWish
+blocksFor(Settings& s, bool& opens)
+{
+  BlockWish wish{[&s](const WorldBox& box) { return wantsBlock(s, box); }, s.lod, {}};
+  if (!hasOneView(s) || (!s.view.given && !s.region.sides.empty())) return wish;
+  wish.camera = [&s, &opens](const BoundingSpheres& above) {
+    opens = s.view.opens(above);
+    s.view.given = viewBesideBar(s, s.picture.shadingFor(false, 1)).cameraFor(above);
+    return *s.view.given;
+  };
+  return wish;
 }
 
 int
@@ -346,9 +369,9 @@ run(Settings& s, const OptionTable& options)
   }
   Console console(s.quiet);
   Report report("pcl_slim_render", PCL_SLIM_VERSION, s.input, resolveThreads(s.threads));
-  const BlockWish wish{[&s](const WorldBox& box) { return wantsBlock(s, box); },
-                       hasOneView(s) ? &*s.view.given : nullptr, s.lod};
-  Result<Model> model = loadDrawn(s.input, wish, s.trim, s.hole, s.threads, console, report);
+  bool opens = false;
+  Result<Model> model =
+      loadDrawn(s.input, blocksFor(s, opens), s.trim, s.hole, s.threads, console, report);
   if (!model) return fail(console, kExitUsage, model.error());
   if (model->is_splats && s.lines.any()) {
     return fail(
@@ -365,13 +388,12 @@ run(Settings& s, const OptionTable& options)
   for (const std::string& note :
        idleOptions(options, {model->is_splats, page, s.trim, s.picture, s.lines, shading}))
     console.note(note);
-  ViewRequest view = s.view;
-  if (shading.color_bar && hasColorBar(shading.mode)) view.right_margin = colorBarShare(view.size);
+  const ViewRequest view = viewBesideBar(s, shading);
   const Result<BoundingSpheres> object =
       s.region.within(model->spheres(), model->blocks > 0 ? &model->box : nullptr);
   if (!object) return fail(console, kExitUsage, object.error());
   if (model->is_splats) model->splats = splatsWithin(model->splats, s.region.sides);
-  if (s.sides == "auto" && s.region.sides.empty() && s.view.opens(*object)) {
+  if (s.sides == "auto" && s.region.sides.empty() && (opens || s.view.opens(*object))) {
     s.sides = "front";
     console.note("  seen from inside: drawn without its near side; -sides both draws that, too");
   }

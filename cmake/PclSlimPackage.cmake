@@ -35,7 +35,7 @@ endfunction()
 # use here: they name libraries of cameras and of MPI that Debian does not install with PCL.
 function(pcl_slim_install_pkg_config components)
   set(modules ${components})
-  list(REMOVE_ITEM modules filters visualization)
+  list(REMOVE_ITEM modules mpi filters visualization)
   list(REVERSE modules)
   set(others -ltbb -lhwy -lz -pthread)
   if(PCL_SLIM_WITH_PNG)

@@ -18,7 +18,7 @@ MOST_LINES_IN_FILE = 500
 MOST_LINES_IN_FUNCTION = 60
 
 # What a folder may include, itself apart.
-MODULES = ("core", "cloud", "surface", "fit", "stream", "query", "features", "mesh", "splat",
+MODULES = ("core", "cloud", "surface", "fit", "stream", "mpi", "query", "features", "mesh", "splat",
            "render", "web")
 ARROWS = {
     "core": (),
@@ -26,13 +26,14 @@ ARROWS = {
     "surface": ("core",),
     "fit": ("core", "cloud", "surface"),
     "stream": ("core", "cloud", "surface", "fit"),
+    "mpi": ("core", "stream"),
     "query": ("core", "cloud", "surface"),
     "features": ("core", "cloud", "surface", "query"),
     "mesh": ("core", "cloud", "surface", "fit", "query"),
     "splat": ("core", "cloud"),
     "render": ("core", "cloud", "surface", "query", "splat"),
     "web": ("core", "cloud", "surface", "query", "splat", "render"),
-    "filters": tuple(m for m in MODULES if m not in ("render", "web")),
+    "filters": tuple(m for m in MODULES if m not in ("mpi", "render", "web")),
     "visualization": MODULES + ("filters",),
     "apps": MODULES + ("filters", "visualization"),
     "examples": MODULES + ("filters", "visualization"),

@@ -41,7 +41,8 @@ checkPlaces(const std::vector<std::string>& read, const std::vector<std::string>
 Error
 checkOutputs(const std::string& output, const std::string& report)
 {
-  Error error = checkWritable(output);
+  Error error;
+  if (!output.empty()) error = checkWritable(output);
   if (!error && !report.empty()) error = checkWritable(report);
   return error;
 }

@@ -22,7 +22,7 @@ samePlace(const std::string& a, const std::string& b);
 Error
 checkPlaces(const std::vector<std::string>& read, const std::vector<std::string>& written);
 
-/** \brief Whether output and report (none if empty) can be written; says why not. */
+/** \brief Whether output and report (none where empty) can be written; says why not. */
 Error
 checkOutputs(const std::string& output, const std::string& report);
 

@@ -52,19 +52,18 @@ modelFrom(const PointFile& file)
 
 namespace {
 
-/** Drops the blocks that a picture with level of detail does not draw. */
-Error
-dropFine(const BlockWish& wish, SlimBlockReader& reader, std::vector<bool>& blocks)
+/** The blocks that a picture with level of detail draws. */
+Result<std::vector<bool>>
+drawnBlocks(const BlockWish& wish, SlimBlockReader& reader)
 {
   const SlimDirectory& directory = reader.directory();
   std::vector<bool> above;
   for (const SlimBlock& block : directory.blocks) above.push_back(block.isCoarse());
   Result<SLIMSurface> coarse = reader.load(above);
   if (!coarse) return coarse.error();
+  if (coarse->empty()) return std::vector<bool>(above.size(), true);
   coarse->buildLinks();
-  const std::vector<bool> needed = blocksOfFrame(directory, *coarse, *wish.camera, wish.lod);
-  for (std::size_t b = 0; b < blocks.size(); ++b) blocks[b] = blocks[b] && needed[b];
-  return {};
+  return blocksOfFrame(directory, *coarse, wish.camera(spheresOf(*coarse)), wish.lod);
 }
 
 }  // namespace
@@ -118,12 +117,14 @@ loadModel(const std::string& path, const BlockWish& wish)
   SlimBlockReader reader;
   if (lowerExtension(path) != ".slim" || reader.open(path)) return loadModel(path);
   const SlimDirectory& directory = reader.directory();
-  std::vector<bool> blocks;
-  for (const SlimBlock& block : directory.blocks)
-    blocks.push_back(wish.box(directory.boxOf(block)));
-  if (wish.camera != nullptr && wish.lod > 0.0) {
-    if (Error error = dropFine(wish, reader, blocks)) return error;
+  std::vector<bool> blocks(directory.blocks.size(), true);
+  if (wish.camera && wish.lod > 0.0) {
+    Result<std::vector<bool>> drawn = drawnBlocks(wish, reader);
+    if (!drawn) return drawn.error();
+    blocks = std::move(*drawn);
   }
+  for (std::size_t b = 0; b < blocks.size(); ++b)
+    blocks[b] = blocks[b] && wish.box(directory.boxOf(directory.blocks[b]));
   Result<SLIMSurface> surface = reader.load(blocks);
   if (!surface) return surface.error();
   surface->buildLinks();

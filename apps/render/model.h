@@ -41,9 +41,11 @@ loadModel(const std::string& path);
 
 /** \brief What of a surface in blocks is wanted. */
 struct BlockWish {
-  std::function<bool(const WorldBox&)> box;  ///< whether blocks of a box are
-  const Camera* camera = nullptr;            ///< with lod: the one that sees it
-  double lod = 0.0;                          ///< level of detail of the picture, pixels
+  std::function<bool(const WorldBox&)>
+      box;           ///< whether blocks of a box are, once camera was called
+  double lod = 0.0;  ///< level of detail of the picture, pixels
+  /// With lod: the one camera that sees it, by the levels above the tiles; null: there are several.
+  std::function<Camera(const BoundingSpheres& above)> camera;
 };
 
 /** \brief The same, but of a surface in blocks only those that are wanted. */

@@ -37,7 +37,7 @@ declareOptions(const char* program, const char* version, Settings& s)
   declareTrimOptions(options, s.job);
   declareColorOption(options, s.job);
   declareTileOptions(options, s.tiles);
-  declarePlanOptions(options, s.tiles);
+  if (s.tiles.ranks == nullptr) declarePlanOptions(options, s.tiles);
   options.number("quantize", &s.rounding, 0.001, 1,
                  "round a .slim to a sixth of its bytes: the surface moves by this share of its "
                  "residual; .1 suits most",
@@ -54,7 +54,12 @@ checkSettings(Settings& s)
   if (Error error = checkSurfaceExtension(s.files.output)) return error;
   if (s.rounding > 0.0 && lowerExtension(s.files.output) != ".slim")
     return {ErrorCode::kBadArgument, "-quantize rounds .slim files alone; name one as output"};
-  return checkFilesDiffer(s.files, s.job.trajectory);
+  if (Error error = checkFilesDiffer(s.files, s.job.trajectory)) return error;
+  if (s.tiles.ranks == nullptr || s.tiles.ranks->rank() == 0) return {};
+  s.files.quiet = true;  // the first rank speaks and writes
+  s.files.output.clear();
+  s.files.json.clear();
+  return {};
 }
 
 Error
@@ -134,9 +139,12 @@ streamSurface(const Settings& s, Console& console, Report& report, ScanResult& r
 }  // namespace
 
 int
-runFitProgram(const char* program, const char* version, int argc, const char* const* argv)
+runFitProgram(const char* program, const char* version, int argc, const char* const* argv,
+              Ranks* ranks)
 {
   Settings s;
+  s.tiles.ranks = ranks;
+  if (ranks != nullptr) s.job.params.threads = 1;
   OptionTable options = declareOptions(program, version, s);
   return runScanProgram(
       options, argc, argv, s.files, s.job, s.job.params.threads,

@@ -2,6 +2,8 @@
 // A fit by tiles as a program does it: what is said, reported and kept.
 #include <algorithm>
 #include <charconv>
+#include <cstring>
+#include <ctime>
 #include <filesystem>
 #include <utility>
 
@@ -38,6 +40,44 @@ reportTiles(const StreamStatistics& statistics, const StreamFit& fit, int at_onc
   report.time("sort", statistics.seconds_sort);
   report.time("plan", statistics.seconds_plan);
   report.time("load_tiles", statistics.seconds_load);
+}
+
+/** What one rank of a job did. */
+struct RankFigures {
+  double tiles, points, cpu_seconds, exchange_seconds, bytes_sent, halo_bytes_sent, peak_rss_mb;
+};
+
+/** Brings the figures of all ranks into the report of the first. */
+void
+reportRanks(const StreamFit& fit, Ranks& ranks, Report& report)
+{
+  const auto [first, end] = fit.ownTiles();
+  std::uint64_t points = 0;
+  for (std::size_t t = first; t < end; ++t) points += fit.plan().tiles[t].points;
+  const RankFigures own{static_cast<double>(end - first),
+                        static_cast<double>(points),
+                        static_cast<double>(std::clock()) / CLOCKS_PER_SEC,
+                        ranks.secondsExchanged(),
+                        static_cast<double>(ranks.bytesSent()),
+                        static_cast<double>(fit.statistics().halo_sent),
+                        peakMemoryMb()};
+  std::vector<Ranks::Bytes> messages(static_cast<std::size_t>(ranks.size()));
+  messages[0].resize(sizeof(own));
+  std::memcpy(messages[0].data(), &own, sizeof(own));
+  ranks.exchange(messages);
+  auto list = nlohmann::ordered_json::array();
+  for (const Ranks::Bytes& message : messages) {
+    RankFigures rank{};
+    if (message.size() == sizeof(rank)) std::memcpy(&rank, message.data(), sizeof(rank));
+    list.push_back({{"tiles", static_cast<std::uint64_t>(rank.tiles)},
+                    {"points", static_cast<std::uint64_t>(rank.points)},
+                    {"cpu_seconds", rank.cpu_seconds},
+                    {"exchange_seconds", rank.exchange_seconds},
+                    {"bytes_sent", static_cast<std::uint64_t>(rank.bytes_sent)},
+                    {"halo_bytes_sent", static_cast<std::uint64_t>(rank.halo_bytes_sent)},
+                    {"peak_rss_mb", rank.peak_rss_mb}});
+  }
+  report.json()["ranks"] = list;
 }
 
 /** Two numbers with a character between them. */
@@ -104,18 +144,21 @@ class TileRun {
   Error run(PointSource& source, StreamFit& fit)
   {
     if (Error error = fit.prepare(source, &console_.progress())) return error;
-    const double bytes = static_cast<double>(fit.workingBytes());
+    const int threads = resolveThreads(job_.params.threads);
+    const double bytes = static_cast<double>(fit.workingBytes(threads));
     const std::string what = "fitting tiles of " + std::to_string(tiles_.points) + " points";
     if (Error error = checkMemory(bytes, what, kTileRelief)) return error;
     const auto wanted = wantedTiles(tiles_.range, fit);
     if (!wanted) return wanted.error();
-    made_.partial = !tiles_.range.empty();
+    const bool elsewhere = tiles_.ranks != nullptr && tiles_.ranks->rank() != 0;
+    made_.partial = !tiles_.range.empty() || elsewhere;
     const bool oriented = fit.frame().with_normals || !job_.params.orient;
     const bool faces = job_.params.has_viewpoint || fit.frame().sensor;
     writes_ = writer_ != nullptr && !made_.partial && (oriented || faces);
     if (Error error = keepCoarse(fit)) return error;
     const auto take = [&](std::size_t t, const SLIMSurface& tile) { return keep(fit, t, tile); };
-    at_once_ = tilesAtOnce(fit, wanted->size());
+    const auto [first, end] = fit.ownTiles();
+    at_once_ = tilesAtOnce(fit, std::min(wanted->size(), end - first));
     if (Error error = fit.fit(*wanted, at_once_, take, &console_.progress())) return error;
     return made_.partial ? Error() : finish(fit);
   }
@@ -248,6 +291,7 @@ fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Con
   report.json()["levels"] =
       std::count_if(levels.begin(), levels.end(), [](auto n) { return n > 0; });
   reportTiles(statistics, fit, run.atOnce(), report);
+  if (tiles.ranks != nullptr) reportRanks(fit, *tiles.ranks, report);
   console.done(watch.seconds(), std::to_string(statistics.fit.leaves) + " leaves, " +
                                     counted(statistics.tiles, "tile"));
   if (made.partial) {

@@ -59,6 +59,7 @@ streamParams(const FitJob& job, const TileRequest& tiles)
   params.tile_points = tiles.points;
   params.scratch = tiles.scratch;
   params.state = tiles.plan;
+  params.ranks = tiles.ranks;
   return params;
 }
 
@@ -95,11 +96,11 @@ openForTiles(const std::string& path, const FitJob& job, TileRequest& tiles, Con
 {
   source.reset();
   const bool raw = isRawPointFile(path);
-  if (tiles.points == 0 && !raw) return {};
+  if (tiles.points == 0 && !raw && tiles.ranks == nullptr) return {};
   if (tiles.plan.empty() && !tiles.range.empty())
     return {ErrorCode::kBadArgument, "-tiles needs -plan: name the folder that keeps them"};
   const Error impossible = checkJob(job, tiles);
-  const bool needed = tiles.asked || raw || !tiles.plan.empty();
+  const bool needed = tiles.asked || raw || !tiles.plan.empty() || tiles.ranks != nullptr;
   if (impossible) return needed ? impossible : Error();
   Result<RecordLayout> layout = recordLayoutOf(path, job.use_normals);
   // Loading the scan reports any other defect than a form that cannot be streamed.
@@ -124,7 +125,10 @@ openForTiles(const std::string& path, const FitJob& job, TileRequest& tiles, Con
   }
   if (job.color && layout->colors) console.note("  a fit by tiles leaves the scan's colours out");
   tiles.source_name = nameOf(path);
-  source = std::make_unique<RecordSource>(std::move(*layout));
+  const Ranks* ranks = tiles.ranks;
+  source = std::make_unique<RecordSource>(
+      std::move(*layout), static_cast<std::uint64_t>(ranks != nullptr ? ranks->rank() : 0),
+      static_cast<std::uint64_t>(ranks != nullptr ? ranks->size() : 1));
   return {};
 }
 

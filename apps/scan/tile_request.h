@@ -24,6 +24,7 @@ struct TileRequest {
   std::string range;             ///< "A:B": fit these tiles only
   std::string source_name;       ///< the scan's path, size and date: set by openForTiles()
   std::uint64_t max_memory = 0;  ///< megabytes; 0: no limit
+  Ranks* ranks = nullptr;        ///< of a job, which fits by tiles always; null: one process
 };
 
 /** \brief What a fit by tiles makes. */
@@ -32,7 +33,7 @@ struct TiledSurface {
       surface;  ///< all surfels; none where they were written, or some tiles were fitted only
   std::vector<std::size_t>
       begins;            ///< first surfel of the levels above the tiles', and of each tile
-  bool partial = false;  ///< only some tiles were to be fitted
+  bool partial = false;  ///< only some tiles were to be fitted, or another rank has the surface
 };
 
 /** \brief Adds -plan and -tiles, for programs whose fit may be divided. */
@@ -44,7 +45,7 @@ void
 declareTileOptions(OptionTable& options, TileRequest& tiles);
 
 /** \brief What helps where memory is too small for a tile. */
-constexpr const char* kTileRelief = "give fewer -tile_points";
+constexpr const char* kTileRelief = "give fewer -tile_points or -threads";
 
 /** \brief The parameters of a fit by tiles. */
 StreamParams
@@ -59,7 +60,7 @@ wantsTiles(std::uint64_t points, const TileRequest& tiles);
  *
  * Tiles are used where the user asks for them, where the scan has no header to load it by, where it has
  * more than two tiles' points, and where a fit in memory would exceed the limit.
- * \param[out] source the scan, or null: it is to be fitted in memory.
+ * \param[out] source the scan, of several ranks this one's share of it, or null: it is to be fitted in memory.
  * \return an error where the user asks for what tiles cannot do, or the limit is too low for them. */
 Error
 openForTiles(const std::string& path, const FitJob& job, TileRequest& tiles, Console& console,

@@ -86,42 +86,74 @@ expect 0 '' scan.pcd shared.slim -tile_points 20000 -plan job -json parts.json
 same tiles.slim shared.slim
 expect 2 'no range' scan.pcd parts.slim -tile_points 20000 -plan job -tiles 3/3
 
-# Ranks of an MPI job, where there is one: the same bytes, and a rank that fails ends the job.
+# Ranks of an MPI job, where there is one: the same bytes, no folder shared, and a rank that fails ends the job.
+# ranks N ARGUMENT...: runs the program on N ranks; the status is in got.
+ranks() {
+  local n=$1
+  shift
+  got=0
+  mpirun --oversubscribe -n "$n" "$@" > out.txt 2> err.txt || got=$?
+}
+# ends PATTERN STATUS...: the job said PATTERN once, ended with one of the statuses, and left no ranks.slim.
+ends() {
+  local pattern=$1
+  shift
+  [[ " $* " == *" $got "* ]] && [ "$(grep -c "$pattern" err.txt)" -eq 1 ] ||
+    complain "'$pattern': exit $got: $(head -c 400 err.txt)"
+  absent ranks.slim
+}
 if [ -x "$bin/pcl_slim_fit_mpi" ] && command -v mpirun > /dev/null; then
   export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
-  for ranks in 1 2 3 4; do
-    mpirun --oversubscribe -n $ranks "$bin/pcl_slim_fit_mpi" scan.pcd ranks.slim -tile_points 20000 \
-      -plan job -quiet > out.txt 2> err.txt || complain "$ranks ranks: $(head -c 300 err.txt)"
+  mpi=$bin/pcl_slim_fit_mpi
+  for n in 1 2 3 4; do
+    ranks $n "$mpi" scan.pcd ranks.slim -tile_points 20000 --scratch=scratch -quiet -json ranks.json
+    [ $got -eq 0 ] || complain "$n ranks: $(head -c 300 err.txt)"
     same tiles.slim ranks.slim
     rm -f ranks.slim
+    [ -z "$(ls -A scratch)" ] || complain "ranks left $(ls -A scratch)"
+    for key in uncovered leaves halo_points passes; do
+      [ "$(value ranks.json $key)" = "$(value tiles.json $key)" ] || complain "$n ranks: $key $(value ranks.json $key)"
+    done
   done
-  mpirun --oversubscribe -n 2 "$bin/pcl_slim_fit_mpi" scan.pcd ranks.slim --tile_points=20000 --plan=job \
-    -quiet on > out.txt 2> err.txt || complain "--plan=job: $(head -c 300 err.txt)"
-  same tiles.slim ranks.slim
-  rm -f ranks.slim
-  got=0
-  mpirun --oversubscribe -n 2 "$bin/pcl_slim_fit_mpi" scan.pcd ranks.slim -tile_points 20000 2> err.txt || got=$?
-  [ $got -eq 2 ] && grep -q 'all ranks see' err.txt || complain "no plan: $got $(head -c 300 err.txt)"
-  got=0
-  mpirun --oversubscribe -n 2 "$bin/pcl_slim_fit_mpi" cut.pcd ranks.slim -tile_points 20000 -plan job \
-    2> err.txt || got=$?
-  [ $got -eq 2 ] && grep -q 'truncated' err.txt || complain "a cut scan: $got $(head -c 300 err.txt)"
-  mpirun --oversubscribe -n 2 "$bin/pcl_slim_fit_mpi" scan.pcd ranks.slim -tile_points 10000 -plan job \
-    -quiet > out.txt 2> err.txt &
-  pid=$!
-  for ((i = 0; i < 500; ++i)); do
-    [ -z "$(find job -name 'tile-*')" ] || break
-    sleep 0.01
+  python3 -c 'import json; ranks = json.load(open("ranks.json"))["ranks"]
+assert len(ranks) == 4 and sum(r["points"] for r in ranks) == 200000, ranks
+assert all(0 < r["halo_bytes_sent"] < r["bytes_sent"] for r in ranks), ranks' || complain 'figures of the ranks'
+  mkdir of_ranks
+  ranks 3 "$mpi" scan.pcd of_ranks/pieces.pvtp -tile_points 20000 -quiet
+  diff -r pieces of_ranks/pieces > out.txt || complain "pieces of ranks: $(head -c 300 out.txt)"
+  ranks 3 "$mpi" cut.pcd ranks.slim -tile_points 20000
+  ends 'truncated' 2
+  ranks 3 "$mpi" scan.pcd ranks.slim -tile_points 20000 -plan job
+  ends "unknown option '-plan'" 2
+  ranks 3 "$mpi" scan.pcd ranks.slim -tile_points 0
+  ends '10000 or more' 2
+  ranks 3 "$mpi" scan.pcd ranks.slim -tile_points 200000 -max_memory 30
+  ends 'max_memory' 2
+  # One rank's disk is full: not that of the others. Files of OpenMPI's shared memory are none of the test.
+  printf '#!/bin/bash\n[ "$OMPI_COMM_WORLD_RANK" != 1 ] || ulimit -f 400\nexec "$@"\n' > full.sh
+  chmod +x full.sh
+  OMPI_MCA_btl=tcp,self ranks 3 ./full.sh "$mpi" scan.pcd ranks.slim -tile_points 20000 -quiet
+  ends 'scratch file' 1
+  # A rank is killed, the first and another, while tiles are fitted; then the job is interrupted.
+  "$bin/pcl_slim_demo_scan" many.pcd -points 1500000 -quiet 1
+  for victim in 0 2 INT; do
+    rm -f rank.pid
+    mpirun --oversubscribe -n 3 bash -c "[ \$OMPI_COMM_WORLD_RANK != ${victim/INT/0} ] || echo \$\$ > rank.pid
+      exec '$mpi' many.pcd ranks.slim -tile_points 100000 -quiet" > out.txt 2> err.txt &
+    pid=$!
+    for ((i = 0; i < 500; ++i)); do
+      [ ! -s rank.pid ] || break
+      sleep 0.01
+    done
+    sleep 0.7
+    start=$SECONDS
+    if [ $victim = INT ]; then kill -INT $pid; else kill -KILL "$(cat rank.pid)"; fi
+    got=0
+    wait $pid || got=$?
+    [ $got -ne 0 ] || complain "a job whose rank was ended ($victim) says it is done"
+    [ $((SECONDS - start)) -le 10 ] || complain "$((SECONDS - start)) s after $victim was ended"
+    absent ranks.slim
   done
-  kill -TERM $pid
-  got=0
-  wait $pid || got=$?
-  # It may have been done by then: what appears is whole.
-  if [ -e ranks.slim ]; then
-    "$bin/pcl_slim_smooth" scan.pcd whole.pcd -surface ranks.slim -quiet || complain 'a part of a surface appeared'
-  elif [ $got -eq 0 ]; then
-    complain 'a job that was ended says it is done'
-  fi
 fi
 
 # Points brought onto a surface in pieces: the same points, order and fields within rounding.
@@ -191,6 +223,12 @@ expect 0 '' tiles.pcd whole.png $far -json whole.json
 [ "$(value near.json read)" -le $((count / 4)) ] || complain "$(value near.json read) blocks for a view from afar"
 seen=$(value near.json covered_pixels) all=$(value whole.json covered_pixels)
 [ $((100 * seen)) -gt $((95 * all)) ] && [ $((100 * seen)) -lt $((105 * all)) ] || complain "$seen pixels of $all from afar"
+# A view of the program's own choice is taken from those levels: they are read first, and few blocks besides.
+expect 0 '' tiles.slim far.png -size 160x120 -lod 24 -json near.json
+expect 0 '' tiles.pcd whole.png -size 160x120 -lod 24 -json whole.json
+[ "$(value near.json read)" -le $((count / 2)) ] || complain "$(value near.json read) blocks for a view of all"
+seen=$(value near.json covered_pixels) all=$(value whole.json covered_pixels)
+[ $((100 * seen)) -gt $((90 * all)) ] && [ $((100 * seen)) -lt $((110 * all)) ] || complain "$seen pixels of $all of all"
 expect 2 'nothing lies in' tiles.slim refused.png -region 5,5,5,6,6,6
 absent refused.png
 printf 'VERSION 0.7\nFIELDS x y z rgb\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 1 1 1 1\nWIDTH 1\nHEIGHT 30000\nDATA binary\n' > nans.pcd

@@ -64,7 +64,7 @@ detail::StreamState::fitCoarse(const std::vector<unsigned char>& sample)
   for (const int level : first_levels) job.last_level = std::max(job.last_level, level - 1);
   job.traits = traits;
   job.thinning = coarseThinning();
-  if (sample.empty()) return {};
+  if (sample.empty()) return {};  // of other ranks than the first
   const Result<PointStore> points = PointStore::build(store.record().view(sample), frame, threads);
   if (!points) return points.error();
   SLIMSurface all;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <iterator>
 #include <utility>
 
 #include "state/kept_plan.h"
@@ -19,8 +20,11 @@ using namespace detail;
 
 namespace {
 
-constexpr std::uint64_t kBytesOfSorting =
-    38;  ///< keys, their order and the store's columns, a point
+// A point takes the most while it is sorted; then balls take as much again where they are wide.
+constexpr std::uint64_t kBytesOfSorting = 40;  ///< keys, their order and the store's columns
+constexpr std::uint64_t kBytesOfFit = 38;      ///< the store and marks of what is covered
+constexpr std::uint64_t kBytesInBall = 36;     ///< a ball's columns, and those of its inner part
+constexpr std::uint64_t kBytesOfNormal = 12;
 
 /** What tells a cloud and parameters from others: a plan and tiles are those of one identity. */
 std::string
@@ -73,6 +77,10 @@ StreamParams::validate() const
     return {ErrorCode::kBadArgument, "tiles of " + std::to_string(tile_points) +
                                          " points are too large: give 10^9 or fewer"};
   }
+  if (ranks != nullptr && ranks->size() > 1 && !state.empty()) {
+    return {ErrorCode::kBadArgument,
+            "ranks keep no tiles for a later run: leave the folder that keeps them"};
+  }
   return checkTileParams(fit);
 }
 
@@ -89,17 +97,21 @@ detail::StreamState::takeKept(PointSource& source)
   if (!keeps() || !loadPlan(params.state, identity, kept)) return false;
   kept.plan.makeTiles(params.tile_points);
   const std::size_t tiles = kept.plan.tiles.size();
-  if (kept.first_levels.size() != tiles || kept.halos.size() != tiles) return false;
-  FitStatistics unused;
-  if (!loadTile(params.state, identity, tiles, coarse, unused)) return false;
+  if (kept.first_levels.size() != tiles || kept.halos.size() != tiles || kept.balls.size() != tiles)
+    return false;
+  FittedTile above;
+  if (!loadTile(params.state, identity, tiles, above)) return false;
   if (const Error error = store.open(kept.plan, kept.record, params.state)) return false;
+  coarse = std::move(above.surface);
   frame = kept.frame;
   frame.sensor = source.sensor();
   plan = std::move(kept.plan);
+  shareTiles();
   traits = kept.traits;
   radii = levelRadii(frame, params.fit);
   first_levels = std::move(kept.first_levels);
   halos = std::move(kept.halos);
+  balls = std::move(kept.balls);
   sum.sum() = kept.noise;
   stats.points = kept.points;
   stats.noise_thinning = kept.thinning;
@@ -120,7 +132,10 @@ detail::StreamState::keep() const
   kept.plan = plan;
   kept.first_levels = first_levels;
   kept.halos = halos;
-  if (Error error = saveTile(params.state, identity, plan.tiles.size(), coarse, {})) return error;
+  kept.balls = balls;
+  FittedTile above;
+  above.surface = coarse;
+  if (Error error = saveTile(params.state, identity, plan.tiles.size(), above)) return error;
   return savePlan(params.state, identity, kept);
 }
 
@@ -129,7 +144,7 @@ StreamFit::prepare(PointSource& source, Progress* progress)
 {
   StreamState& s = *state_;
   if (Error error = s.params.validate()) return error;
-  if (source.size() == 0) return badInput("the cloud holds no points: give some");
+  if (source.size() == 0 && s.isAlone()) return badInput("the cloud holds no points: give some");
   if (source.hasSensors()) {
     return {ErrorCode::kBadArgument,
             "a fit by tiles knows one sensor for all points: give a viewpoint in place of sensors"};
@@ -173,6 +188,12 @@ StreamFit::traits() const
   return state_->traits;
 }
 
+std::pair<std::size_t, std::size_t>
+StreamFit::ownTiles() const
+{
+  return {state_->firstTile(), state_->endTile()};
+}
+
 int
 StreamFit::firstLevel(std::size_t tile) const
 {
@@ -192,12 +213,18 @@ StreamFit::loadedPoints(std::size_t tile) const
 }
 
 std::uint64_t
-StreamFit::workingBytes() const
+StreamFit::workingBytes(int threads) const
 {
+  const PointRecord& record = state_->store.record();
+  const std::uint64_t normal = record.normals ? kBytesOfNormal : 0;
+  const std::uint64_t in_balls = (kBytesInBall + 2 * normal) * static_cast<std::uint64_t>(threads);
   std::uint64_t most = 0;
-  for (std::size_t t = 0; t < state_->plan.tiles.size(); ++t)
-    most = std::max(most, loadedPoints(t));
-  return most * (state_->store.record().bytes() + kBytesOfSorting);
+  for (std::size_t t = 0; t < state_->plan.tiles.size(); ++t) {
+    const std::uint64_t points = loadedPoints(t);
+    const std::uint64_t fit = points * (kBytesOfFit + normal) + state_->balls[t] * in_balls;
+    most = std::max({most, points * (record.bytes() + kBytesOfSorting), fit});
+  }
+  return most;
 }
 
 Error
@@ -231,10 +258,9 @@ Error
 detail::StreamState::fitTile(std::size_t tile, int with_threads, FittedTile& made,
                              Progress& progress) const
 {
-  made.kept = keeps() && loadTile(params.state, identity, tile, made.surface, made.statistics);
-  if (made.kept) return {};
+  if (keeps() && loadTile(params.state, identity, tile, made)) return {};
   if (Error error = fitAnew(tile, with_threads, made, progress)) return error;
-  return keeps() ? saveTile(params.state, identity, tile, made.surface, made.statistics) : Error();
+  return keeps() ? saveTile(params.state, identity, tile, made) : Error();
 }
 
 void
@@ -249,18 +275,33 @@ detail::StreamState::addTile(std::size_t tile, const FittedTile& made)
 }
 
 Error
-StreamFit::fit(std::size_t tile, SLIMSurface& surface, Progress* progress)
+detail::StreamState::fitNext(std::size_t tile, FittedTile& made, Progress* progress) const
 {
-  StreamState& s = *state_;
   const auto share = [&](std::size_t t) {
-    return 0.12f + 0.88f * static_cast<float>(t) / static_cast<float>(s.plan.tiles.size());
+    return 0.12f + 0.88f * static_cast<float>(t) / static_cast<float>(plan.tiles.size());
   };
   PartialProgress partial(progress, share(tile), share(tile + 1));
   if (progress != nullptr && progress->cancelled()) return cancelled();
-  FittedTile made;
-  if (Error error = s.fitTile(tile, s.threads, made, partial.part()))
+  if (Error error = fitTile(tile, threads, made, partial.part()))
     return progress != nullptr && progress->cancelled() ? cancelled() : error;
-  s.addTile(tile, made);
+  return {};
+}
+
+/** Gives a tile away, or puts it where rank 0 will take it from. */
+Error
+detail::StreamState::give(std::size_t tile, const FittedTile& made, const StreamFit::Sink& sink)
+{
+  if (ranks().rank() != 0) return fitted.add(tile, made, params.scratch);
+  addTile(tile, made);
+  return sink(tile, made.surface);
+}
+
+Error
+StreamFit::fit(std::size_t tile, SLIMSurface& surface, Progress* progress)
+{
+  FittedTile made;
+  if (Error error = state_->fitNext(tile, made, progress)) return error;
+  state_->addTile(tile, made);
   surface = std::move(made.surface);
   return {};
 }
@@ -269,13 +310,19 @@ Error
 StreamFit::fit(const std::vector<std::size_t>& tiles, int at_once, const Sink& sink,
                Progress* progress)
 {
-  if (at_once > 1) return TileQueue(*state_, tiles, sink, progress).fit(at_once);
-  for (const std::size_t t : tiles) {
-    SLIMSurface surface;
-    if (Error error = fit(t, surface, progress)) return error;
-    if (Error error = sink(t, surface)) return error;
+  StreamState& s = *state_;
+  std::vector<std::size_t> own;
+  std::copy_if(tiles.begin(), tiles.end(), std::back_inserter(own),
+               [&](std::size_t t) { return s.owns(t); });
+  if (at_once > 1) {
+    if (Error error = TileQueue(s, own, sink, progress).fit(at_once)) return error;
   }
-  return {};
+  for (std::size_t i = 0; i < own.size() && at_once <= 1; ++i) {
+    FittedTile made;
+    if (Error error = s.fitNext(own[i], made, progress)) return error;
+    if (Error error = s.give(own[i], made, sink)) return error;
+  }
+  return s.gatherTiles(tiles, sink);
 }
 
 const StreamStatistics&
@@ -285,8 +332,8 @@ StreamFit::statistics() const
   s.stats.fit = s.sum.sum();
   s.stats.coarse_surfels = s.coarse.size();
   s.stats.fit.internals += s.coarse.size();
-  s.stats.scratch_read = s.store.file().bytesRead();
-  s.stats.scratch_written = s.store.file().bytesWritten();
+  s.stats.scratch_read = s.store.file().bytesRead() + s.halo.file().bytesRead();
+  s.stats.scratch_written = s.store.file().bytesWritten() + s.halo.file().bytesWritten();
   return s.stats;
 }
 

@@ -99,6 +99,21 @@ TEST(StreamFit, ADenseClumpMakesNoOutliersOfThePointsAboutIt)
   EXPECT_EQ(statistics.fit.points + statistics.fit.outliers, cloud.size());
 }
 
+TEST(StreamFit, CountsTheMemoryOfBallsAsWideAsNoiseAsks)
+{
+  // Balls of 32 sigma hold a good part of such a tile: each thread has one in memory.
+  const Cloud cloud = torus(200000, 0.01);
+  CloudSource source(cloud.view());
+  StreamFit fit(smallTiles());
+  ASSERT_FALSE(fit.prepare(source));
+  std::uint64_t loaded = 0;
+  for (std::size_t t = 0; t < fit.plan().tiles.size(); ++t)
+    loaded = std::max(loaded, fit.loadedPoints(t));
+  EXPECT_GE(fit.workingBytes(), 52 * loaded);
+  const std::uint64_t of_thread = (fit.workingBytes(101) - fit.workingBytes(1)) / 100;
+  EXPECT_GT(of_thread, 36 * smallTiles().tile_points / 8);
+}
+
 TEST(StreamFit, GivesTheSameBytesForAnyThreads)
 {
   const Cloud cloud = torus(100000);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/cloud/detail/frame_measure.h"
 
+#include <cstring>
 #include <vector>
 
 #include "pcl_slim/cloud/detail/cloud_reader.h"
@@ -39,6 +40,48 @@ FrameMeasure::add(const CloudView& piece, int threads)
       if (isFinite(p)) s.parts[slice].offer(p);
     }
   });
+}
+
+std::vector<unsigned char>
+FrameMeasure::packed()
+{
+  State& s = *state_;
+  PlaceSample sample;
+  for (PlaceSample& part : s.parts) sample.merge(part);
+  const std::vector<std::array<double, 3>> places = sample.places();
+  const std::size_t head = sizeof(s.input) + sizeof(s.summary),
+                    rest = places.size() * sizeof(places[0]);
+  std::vector<unsigned char> bytes(head + rest);
+  std::memcpy(bytes.data(), &s.input, sizeof(s.input));
+  std::memcpy(bytes.data() + sizeof(s.input), &s.summary, sizeof(s.summary));
+  if (rest > 0) std::memcpy(bytes.data() + head, places.data(), rest);
+  return bytes;
+}
+
+void
+FrameMeasure::merge(const std::vector<std::vector<unsigned char>>& parts)
+{
+  State& s = *state_;
+  std::uint64_t input = 0;
+  PlaceSample all;
+  s.summary = {};
+  for (const std::vector<unsigned char>& bytes : parts) {
+    std::uint64_t points;
+    CloudSummary summary;
+    std::memcpy(&points, bytes.data(), sizeof(points));
+    std::memcpy(&summary, bytes.data() + sizeof(points), sizeof(summary));
+    input += points;
+    s.summary.add(summary);
+    std::array<double, 3> place;
+    for (std::size_t at = sizeof(points) + sizeof(summary); at < bytes.size();
+         at += sizeof(place)) {
+      std::memcpy(&place, bytes.data() + at, sizeof(place));
+      all.offer(place);
+    }
+  }
+  if (s.passes > 0) return;  // only the first one counts the input and samples places
+  s.input = input;
+  s.parts.assign(1, all);
 }
 
 bool

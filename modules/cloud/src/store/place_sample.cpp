@@ -72,6 +72,15 @@ PlaceSample::shrink()
   bound_ = entries_.back().hash;
 }
 
+std::vector<std::array<double, 3>>
+PlaceSample::places()
+{
+  shrink();
+  std::vector<std::array<double, 3>> places;
+  for (const Entry& entry : entries_) places.push_back(entry.place);
+  return places;
+}
+
 Bulk
 PlaceSample::bulk()
 {

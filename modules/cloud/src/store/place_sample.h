@@ -18,6 +18,8 @@ class PlaceSample {
   void offer(const std::array<double, 3>& place);
   /** \brief Offers the places of another part of the cloud. */
   void merge(PlaceSample& other);
+  /** \brief The places that are kept of those offered. */
+  std::vector<std::array<double, 3>> places();
   /** \brief The bulk of the cloud by the places offered so far. */
   Bulk bulk();
 

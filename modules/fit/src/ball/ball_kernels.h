@@ -33,7 +33,7 @@ struct BallBuffer {
   void reserve(std::size_t capacity)
   {
     if (u.size() >= capacity + kPadding) return;
-    const std::size_t grown = capacity + capacity / 2 + kPadding;
+    const std::size_t grown = capacity + capacity / 8 + kPadding;  // wide balls: millions
     for (auto* column : {&u, &v, &w, &s_sq}) column->resize(grown);
   }
 

@@ -41,8 +41,10 @@ spheresOf(const SLIMSurface& surface)
   object.seen_radius = 0.5 * surface.info.cover_radius;
   object.oriented = surface.info.oriented;
   object.spheres.reserve(surface.size());
+  const bool above_leaves = surface.numLeaves() == 0 && !surface.child_begin.empty();
   for (std::size_t i = 0; i < surface.size(); ++i) {
-    if (!surface.isLeaf(i)) continue;
+    const bool ends = above_leaves && surface.child_begin[i] == surface.child_begin[i + 1];
+    if (!surface.isLeaf(i) && !ends) continue;
     object.spheres.push_back({{surface.cx[i], surface.cy[i], surface.cz[i]},
                               surface.radius[i],
                               {surface.nx[i], surface.ny[i], surface.nz[i]},

@@ -5,6 +5,16 @@
 
 namespace pcl_slim::detail {
 
+namespace {
+
+Error
+tooMany()
+{
+  return badInput("2^32 points lie within a 256th of the cloud's width: fit its parts apart");
+}
+
+}  // namespace
+
 CellCounts::CellCounts() : table_(std::size_t{1} << (3 * kTableDepth), 0)
 {
   addPage();  // number 0 is none
@@ -19,28 +29,46 @@ CellCounts::addPage()
   return page;
 }
 
+/** The slot of the deepest cell that holds a code; the first pass makes it. Slot 0: none. */
+std::size_t
+CellCounts::slotOf(std::uint64_t key, int& depth)
+{
+  std::uint32_t& top = table_[cellOf(key, kTableDepth)];
+  if (top == 0) {
+    if (depth_ != kTableDepth + kPageDepth) return 0;
+    const std::uint32_t page = addPage();
+    top = page;
+  }
+  depth = kTableDepth + kPageDepth;
+  std::size_t slot = top * kPage + (cellOf(key, depth) & (kPage - 1));
+  while (deeper_[slot] != 0) {
+    depth += kPageDepth;
+    slot = deeper_[slot] * kPage + (cellOf(key, depth) & (kPage - 1));
+  }
+  return slot;
+}
+
 Error
 CellCounts::add(const std::uint64_t* keys, std::size_t count)
 {
-  const bool first_pass = depth_ == kTableDepth + kPageDepth;
+  int depth = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint64_t key = keys[i];
     if (key == PointKeys::kLeftOut) continue;
-    std::uint32_t& top = table_[cellOf(key, kTableDepth)];
-    if (top == 0) {
-      if (!first_pass) continue;
-      const std::uint32_t page = addPage();
-      top = page;
-    }
-    std::size_t slot = top * kPage + (cellOf(key, kTableDepth + kPageDepth) & (kPage - 1));
-    int depth = kTableDepth + kPageDepth;
-    while (deeper_[slot] != 0) {
-      depth += kPageDepth;
-      slot = deeper_[slot] * kPage + (cellOf(key, depth) & (kPage - 1));
-    }
-    if (depth != depth_) continue;
-    if (++values_[slot] == std::numeric_limits<std::uint32_t>::max())
-      return badInput("2^32 points lie within a 256th of the cloud's width: fit its parts apart");
+    const std::size_t slot = slotOf(key, depth);
+    if (slot == 0 || depth != depth_) continue;
+    if (++values_[slot] == std::numeric_limits<std::uint32_t>::max()) return tooMany();
+  }
+  return {};
+}
+
+Error
+CellCounts::replace(const std::vector<TilePlan::Cell>& cells)
+{
+  int depth = 0;
+  for (const TilePlan::Cell& cell : cells) {
+    if (cell.points == std::numeric_limits<std::uint32_t>::max()) return tooMany();
+    values_[slotOf(cell.first_key, depth)] = cell.points;
   }
   return {};
 }
@@ -100,10 +128,10 @@ CellCounts::cells() const
 }
 
 void
-CellCounts::setValues(const std::vector<std::uint32_t>& values)
+CellCounts::numberCells()
 {
-  std::size_t next = 0;
-  forCells([&](std::uint64_t, int, std::size_t slot) { values_[slot] = values[next++]; });
+  std::uint32_t next = 0;
+  forCells([&](std::uint64_t, int, std::size_t slot) { values_[slot] = next++; });
 }
 
 std::size_t

@@ -30,11 +30,16 @@ class CellCounts {
 
   /** \brief The cells with points, ascending. */
   std::vector<TilePlan::Cell> cells() const;
+  /** \brief Depth of the cells that the pass under way counts. */
+  int depth() const { return depth_; }
+  /** \brief Puts counts of cells of depth() in place of this pass's. \return an error where a cell has 2^32
+   * points. */
+  Error replace(const std::vector<TilePlan::Cell>& cells);
 
-  /** \brief Sets a number for each cell of cells(), for valueOf(). Counts are lost. */
-  void setValues(const std::vector<std::uint32_t>& values);
-  /** \brief The number of the cell that holds a code. */
-  std::uint32_t valueOf(std::uint64_t key) const
+  /** \brief Numbers the cells of cells(), for numberOf(). Counts are lost. */
+  void numberCells();
+  /** \brief The place among cells() of the cell that holds a code. */
+  std::uint32_t numberOf(std::uint64_t key) const
   {
     std::uint32_t page = table_[cellOf(key, kTableDepth)];
     int depth = kTableDepth + kPageDepth;
@@ -53,13 +58,14 @@ class CellCounts {
   static constexpr int kMostDepth = kTableDepth + 5 * kPageDepth;  ///< a page ends there
 
   std::uint32_t addPage();
+  std::size_t slotOf(std::uint64_t key, int& depth);
   template <typename Visit>
   void forCells(const Visit& visit) const;
   template <typename Visit>
   void forPage(std::uint32_t page, std::uint64_t code, int depth, const Visit& visit) const;
 
   std::vector<std::uint32_t> table_;      ///< pages of the cells of depth 5; 0: none
-  std::vector<std::uint32_t> values_;     ///< kPage a page: counts, then what setValues() sets
+  std::vector<std::uint32_t> values_;     ///< kPage a page: counts, then the cells' numbers
   std::vector<std::uint32_t> deeper_;     ///< the same: page of a cell that is divided, or 0
   int depth_ = kTableDepth + kPageDepth;  ///< of the cells that the pass under way counts
 };

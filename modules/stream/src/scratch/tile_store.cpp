@@ -54,8 +54,16 @@ PointRecord::view(const std::vector<unsigned char>& records) const
   return view;
 }
 
+std::vector<std::uint32_t>
+pointsOfCells(const TilePlan& plan)
+{
+  std::vector<std::uint32_t> points;
+  for (const TilePlan::Cell& cell : plan.cells) points.push_back(cell.points);
+  return points;
+}
+
 void
-TileStore::cut(const TilePlan& plan)
+TileStore::cut(const TilePlan& plan, const std::vector<std::uint32_t>& points)
 {
   std::uint64_t first_point = 0;
   for (std::size_t t = 0; t < plan.tiles.size(); ++t) {
@@ -66,8 +74,8 @@ TileStore::cut(const TilePlan& plan)
       bucket.first_cell = cell;
       bucket.tile = t;
       bucket.first_point = first_point;
-      while (cell < tile.end_cell && bucket.points < most)
-        bucket.points += plan.cells[cell++].points;
+      while (cell < tile.end_cell && bucket.points < most) bucket.points += points[cell++];
+      if (bucket.points == 0) continue;
       bucket.end_cell = cell;
       first_point += bucket.points;
       buckets_.push_back(bucket);
@@ -76,23 +84,23 @@ TileStore::cut(const TilePlan& plan)
 }
 
 Error
-TileStore::create(const TilePlan& plan, const PointRecord& record, const std::string& folder,
-                  bool kept, CellCounts& counts)
+TileStore::create(const TilePlan& plan, const std::vector<std::uint32_t>& points,
+                  const PointRecord& record, const std::string& folder, bool kept)
 {
   record_ = record;
-  cut(plan);
-  std::vector<std::uint32_t> bucket_of(plan.cells.size());
+  cut(plan, points);
+  std::uint64_t all = 0;
+  bucket_of_.assign(plan.cells.size(), 0);
   for (std::size_t b = 0; b < buckets_.size(); ++b) {
     for (std::size_t c = buckets_[b].first_cell; c < buckets_[b].end_cell; ++c)
-      bucket_of[c] = static_cast<std::uint32_t>(b);
+      bucket_of_[c] = static_cast<std::uint32_t>(b);
+    all += buckets_[b].points * record_.bytes();
   }
-  counts.setValues(bucket_of);
   const std::size_t bytes = std::clamp(kBufferBytes / std::max<std::size_t>(1, buckets_.size()),
                                        kLeastBuffer, kMostBuffer);
   buffer_points_ = bytes / record_.bytes();
   buffers_.resize(buckets_.size() * buffer_points_ * record_.bytes());
   filled_.assign(buckets_.size(), 0);
-  const std::uint64_t all = plan.points * record_.bytes();
   return kept ? file_.createKept(folder, all) : file_.create(folder, all);
 }
 
@@ -100,17 +108,17 @@ Error
 TileStore::open(const TilePlan& plan, const PointRecord& record, const std::string& folder)
 {
   record_ = record;
-  cut(plan);
+  cut(plan, pointsOfCells(plan));
   return file_.openKept(folder, plan.points * record_.bytes());
 }
 
 Error
-TileStore::add(const CloudView& piece, const std::uint64_t* keys, const CellCounts& counts)
+TileStore::add(const CloudView& piece, const std::uint64_t* keys, const CellCounts& cells)
 {
   const std::size_t step = record_.bytes();
   for (std::size_t i = 0; i < piece.count(); ++i) {
     if (keys[i] == PointKeys::kLeftOut) continue;
-    const std::size_t b = counts.valueOf(keys[i]);
+    const std::size_t b = bucket_of_[cells.numberOf(keys[i])];
     record_.write(piece, i, buffers_.data() + (b * buffer_points_ + filled_[b]) * step);
     if (++filled_[b] < buffer_points_) continue;
     if (Error error = flush(b)) return error;
@@ -139,6 +147,7 @@ TileStore::finish()
     if (buckets_[b].written != buckets_[b].points) return changed();
   }
   std::vector<unsigned char>().swap(buffers_);
+  std::vector<std::uint32_t>().swap(bucket_of_);
   return {};
 }
 

@@ -25,6 +25,10 @@ struct PointRecord {
   CloudView view(const std::vector<unsigned char>& records) const;
 };
 
+/** \brief How many points each of a plan's cells has. */
+std::vector<std::uint32_t>
+pointsOfCells(const TilePlan& plan);
+
 /** \brief A run of a tile's cells whose points stand together in the scratch file. */
 struct Bucket {
   std::size_t first_cell = 0, end_cell = 0, tile = 0;
@@ -35,15 +39,15 @@ struct Bucket {
 /** \brief The cloud's points on disk, sorted into buckets. */
 class TileStore {
  public:
-  /** \brief Cuts the tiles into buckets and makes the file. \param[in,out] counts learns the cells'
-   * buckets */
-  Error create(const TilePlan& plan, const PointRecord& record, const std::string& folder,
-               bool kept, CellCounts& counts);
+  /** \brief Cuts the tiles into buckets and makes the file. \param[in] points that it will hold of each of
+   * the plan's cells */
+  Error create(const TilePlan& plan, const std::vector<std::uint32_t>& points,
+               const PointRecord& record, const std::string& folder, bool kept);
   /** \brief Opens the points that an earlier run has sorted by the same plan. */
   Error open(const TilePlan& plan, const PointRecord& record, const std::string& folder);
 
-  /** \brief Adds a piece's points to their buckets. */
-  Error add(const CloudView& piece, const std::uint64_t* keys, const CellCounts& counts);
+  /** \brief Adds a piece's points to their buckets. \param[in] cells numbered */
+  Error add(const CloudView& piece, const std::uint64_t* keys, const CellCounts& cells);
   /** \brief Writes what is still buffered. \return an error where the points are not those counted. */
   Error finish();
 
@@ -54,14 +58,15 @@ class TileStore {
   const ScratchFile& file() const { return file_; }
 
  private:
-  void cut(const TilePlan& plan);
+  void cut(const TilePlan& plan, const std::vector<std::uint32_t>& points);
   Error flush(std::size_t bucket);
 
   PointRecord record_;
   std::vector<Bucket> buckets_;
-  std::size_t buffer_points_ = 0;       ///< room of a bucket's buffer
-  std::vector<unsigned char> buffers_;  ///< one a bucket
-  std::vector<std::uint32_t> filled_;   ///< points in it
+  std::vector<std::uint32_t> bucket_of_;  ///< of each cell, while points are added
+  std::size_t buffer_points_ = 0;         ///< room of a bucket's buffer
+  std::vector<unsigned char> buffers_;    ///< one a bucket
+  std::vector<std::uint32_t> filled_;     ///< points in it
   ScratchFile file_;
 };
 

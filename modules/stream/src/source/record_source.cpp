@@ -122,7 +122,13 @@ class RecordConverter {
 
 }  // namespace
 
-RecordSource::RecordSource(RecordLayout layout) : layout_(std::move(layout)) {}
+RecordSource::RecordSource(RecordLayout layout, std::uint64_t share, std::uint64_t shares)
+    : layout_(std::move(layout))
+{
+  const std::uint64_t whole = layout_.count / shares, rest = layout_.count % shares;
+  first_ = share * whole + std::min(share, rest);
+  end_ = first_ + whole + (share < rest ? 1 : 0);
+}
 
 CloudView::Scalar
 RecordSource::scalar() const
@@ -140,13 +146,12 @@ RecordSource::pass(const Visit& visit)
 {
   FileReader file;
   if (Error error = file.open(layout_.path)) return error;
-  if (layout_.text) return passText(layout_, file, visit);
+  if (layout_.text) return passText(layout_, first_, end_, file, visit);
   const std::size_t piece = std::max<std::size_t>(1, kPieceBytes / layout_.step);
   std::vector<unsigned char> records(piece * layout_.step);
   RecordConverter converter(layout_);
-  for (std::uint64_t first = 0; first < layout_.count; first += piece) {
-    const auto count =
-        static_cast<std::size_t>(std::min<std::uint64_t>(piece, layout_.count - first));
+  for (std::uint64_t first = first_; first < end_; first += piece) {
+    const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(piece, end_ - first));
     const std::uint64_t at = layout_.begin + first * layout_.step;
     if (Error error = file.readAll(at, records.data(), count * layout_.step)) return error;
     if (Error error = visit(converter.view(records.data(), count))) return error;

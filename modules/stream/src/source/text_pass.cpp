@@ -124,16 +124,22 @@ readRow(const RecordLayout& layout, const std::vector<Column>& columns, std::uin
 }  // namespace
 
 Error
-passText(const RecordLayout& layout, const FileReader& file, const PointSource::Visit& visit)
+passText(const RecordLayout& layout, std::uint64_t first, std::uint64_t end, const FileReader& file,
+         const PointSource::Visit& visit)
 {
-  const std::vector<Column> columns = columnsOf(layout);
+  const std::vector<Column> columns = columnsOf(layout), passed_over(layout.step);
   WordReader words(file, layout.begin);
   std::vector<double> xyz;
   std::vector<float> normals;
-  for (std::uint64_t row = 0; row < layout.count;) {
+  double unused[6];
+  std::uint64_t row = 0;
+  for (; row < first; ++row) {
+    if (Error error = readRow(layout, passed_over, row, words, unused)) return error;
+  }
+  while (row < end) {
     xyz.clear();
     normals.clear();
-    for (std::size_t i = 0; i < kRows && row < layout.count; ++i, ++row) {
+    for (std::size_t i = 0; i < kRows && row < end; ++i, ++row) {
       double values[6] = {};
       if (Error error = readRow(layout, columns, row, words, values)) return error;
       xyz.insert(xyz.end(), values, values + 3);

@@ -7,14 +7,12 @@
 #include <type_traits>
 
 #include "pcl_slim/core/file_access.h"
-#include "pcl_slim/surface/surface_io.h"
-#include "tiles/statistics_sum.h"
 
 namespace pcl_slim::detail {
 
 namespace {
 
-constexpr char kMagic[] = "pcl_slim tiles 2\n";
+constexpr char kMagic[] = "pcl_slim tiles 3\n";
 
 using Bytes = std::vector<unsigned char>;
 
@@ -105,6 +103,7 @@ visitPlan(Plan& p, Visit& visit)
   visit(p.plan.cells);
   visit(p.first_levels);
   visit(p.halos);
+  visit(p.balls);
 }
 
 /** Puts the magic word and the identity before what is kept, and a checksum behind it. */
@@ -173,31 +172,20 @@ loadPlan(const std::string& folder, const std::string& identity, KeptPlan& plan)
 
 Error
 saveTile(const std::string& folder, const std::string& identity, std::size_t tile,
-         const SLIMSurface& surface, const FitStatistics& statistics)
+         const FittedTile& made)
 {
-  Writer out;
-  for (const double number : packedStatistics(statistics)) out(number);
-  const Bytes slim = encodeSlim(surface);
-  out.bytes.insert(out.bytes.end(), slim.begin(), slim.end());
-  return saveKept(tilePath(folder, tile), identity, out.bytes);
+  return saveKept(tilePath(folder, tile), identity, packedTile(made));
 }
 
 bool
-loadTile(const std::string& folder, const std::string& identity, std::size_t tile,
-         SLIMSurface& surface, FitStatistics& statistics)
+loadTile(const std::string& folder, const std::string& identity, std::size_t tile, FittedTile& made)
 {
   Bytes bytes;
   const std::size_t begin = openKept(tilePath(folder, tile), identity, bytes);
-  const std::size_t numbers = numPackedStatistics() * sizeof(double);
-  if (begin == 0 || bytes.size() < begin + numbers + sizeof(std::uint64_t)) return false;
-  std::vector<double> packed(numPackedStatistics());
-  std::memcpy(packed.data(), bytes.data() + begin, numbers);
-  Result<SLIMSurface> read = decodeSlim(bytes.data() + begin + numbers,
-                                        bytes.size() - sizeof(std::uint64_t) - begin - numbers);
-  if (!read) return false;
-  surface = std::move(*read);
-  statistics = unpackedStatistics(packed, surface);
-  return true;
+  if (begin == 0) return false;
+  const auto first = bytes.begin() + static_cast<std::ptrdiff_t>(begin);
+  made.kept = !unpackTile({first, bytes.end() - sizeof(std::uint64_t)}, made);
+  return made.kept;
 }
 
 }  // namespace pcl_slim::detail

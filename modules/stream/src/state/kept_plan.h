@@ -8,6 +8,7 @@
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/fit/tile_fit.h"
 #include "pcl_slim/stream/tile_plan.h"
+#include "ranks/fitted_tiles.h"
 #include "scratch/tile_store.h"
 
 namespace pcl_slim::detail {
@@ -22,7 +23,7 @@ struct KeptPlan {
   std::uint64_t thinning = 1;
   TilePlan plan;  ///< tiles are made again from the cells
   std::vector<int> first_levels;
-  std::vector<std::uint64_t> halos;
+  std::vector<std::uint64_t> halos, balls;
 };
 
 /** \brief Writes a plan into a folder. \param[in] identity of source and parameters */
@@ -37,11 +38,11 @@ loadPlan(const std::string& folder, const std::string& identity, KeptPlan& plan)
 /** \brief Keeps the surfels of a tile in a folder. */
 Error
 saveTile(const std::string& folder, const std::string& identity, std::size_t tile,
-         const SLIMSurface& surface, const FitStatistics& statistics);
+         const FittedTile& made);
 
 /** \brief Reads a tile that was kept under the same identity. \return whether there is one that is whole */
 bool
 loadTile(const std::string& folder, const std::string& identity, std::size_t tile,
-         SLIMSurface& surface, FitStatistics& statistics);
+         FittedTile& made);
 
 }  // namespace pcl_slim::detail

@@ -76,14 +76,18 @@ countLevels(const Sample& sample, const Place& center, const LevelRadii& radii)
 
 int
 firstLevel(const CloudView& core, const StoreFrame& frame, const LevelRadii& radii,
-           std::uint64_t most_points, double lambda)
+           std::uint64_t most_points, double lambda, std::vector<std::uint64_t>& gathered)
 {
   const Sample sample = takeSample(core, frame);
+  gathered.assign(static_cast<std::size_t>(radii.last) + 1, 0);
   std::vector<std::uint32_t> crowded(static_cast<std::size_t>(radii.last) + 1, 0);
   for (const Place& center : sample.centers) {
     const std::vector<std::uint32_t> counts = countLevels(sample, center, radii);
     for (std::size_t k = 1; k < crowded.size(); ++k)
       crowded[k] += counts[k] * sample.thinning > most_points;
+    // A ball reaches as far as one of the level above is wide.
+    for (std::size_t k = 1; k < crowded.size(); ++k)
+      gathered[k] = std::max(gathered[k], counts[k - 1] * sample.thinning);
   }
   int level = 1;
   while (level < radii.last && 2 * crowded[static_cast<std::size_t>(level)] > sample.centers.size())

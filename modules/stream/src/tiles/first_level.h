@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/cloud/store_frame.h"
@@ -13,10 +14,10 @@ namespace pcl_slim::detail {
  * no finer one than balls of 32 sqrt(lambda), which average noise well.
  *
  * Counts 31 balls on some 65,000 of the points, chosen by their places: the points' order changes
- * nothing. O(points). */
+ * nothing. \param[out] gathered by level, the most points that one of these balls reaches. O(points). */
 int
 firstLevel(const CloudView& core, const StoreFrame& frame, const LevelRadii& radii,
-           std::uint64_t most_points, double lambda);
+           std::uint64_t most_points, double lambda, std::vector<std::uint64_t>& gathered);
 
 /** \brief Whether balls of a level are wide enough to begin with where memory asks for narrow ones: those
  * of less than 16 sqrt(lambda) do not average noise. */

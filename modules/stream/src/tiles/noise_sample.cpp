@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "pcl_slim/cloud/detail/cloud_reader.h"
+#include "ranks/rank_messages.h"
 
 namespace pcl_slim::detail {
 
@@ -66,25 +67,42 @@ cutWindow(const StoreFrame& frame, const PointRecord& record, int threads,
   records.swap(kept);
 }
 
-Result<PointStore>
-sampleStore(const TileLoader& loader, const StoreFrame& frame, const std::vector<Window>& windows,
-            std::uint64_t thinning, int threads)
+/** The windows' points at rank 0, none at the others. */
+Error
+takeSample(const TileLoader& loader, const StoreFrame& frame, const std::vector<Window>& windows,
+           std::uint64_t thinning, int threads, Ranks& ranks, std::vector<unsigned char>& all)
 {
-  std::vector<unsigned char> all, records;
+  std::vector<unsigned char> records;
   for (const Window& window : windows) {
     records.clear();
     if (Error error = loader.loadCells(window.first, window.end, thinning, records)) return error;
+    gather(ranks, records);
     if (windows.size() > 1) cutWindow(frame, loader.record(), threads, records);
     all.insert(all.end(), records.begin(), records.end());
   }
-  return PointStore::build(loader.record().view(all), frame, threads);
+  return {};
 }
+
+Result<MeasuredTraits>
+measureSample(const TileLoader& loader, const StoreFrame& frame, const FitParams& params,
+              const TraitsSample& how, const std::vector<unsigned char>& sample)
+{
+  Result<PointStore> store = PointStore::build(loader.record().view(sample), frame, params.threads);
+  if (!store) return store.error();
+  return measureTraits(*store, params, how);
+}
+
+/** What all ranks need of what rank 0 has measured. */
+struct Verdict {
+  CloudTraits traits;
+  bool noise_fills;
+};
 
 }  // namespace
 
 Result<MeasuredTraits>
 measureSampledTraits(const TileLoader& loader, const StoreFrame& frame, const FitParams& params,
-                     std::uint64_t& thinning)
+                     Ranks& ranks, std::uint64_t& thinning)
 {
   const TilePlan& plan = loader.plan();
   const std::uint64_t sample = kWindows * kWindowPoints;
@@ -95,13 +113,18 @@ measureSampledTraits(const TileLoader& loader, const StoreFrame& frame, const Fi
     if (whole) thinning = std::max<std::uint64_t>(1, plan.points / sample);
     const std::vector<Window> windows = whole ? std::vector<Window>{{0, plan.cells.size()}}
                                               : windowsOf(plan, kWindowPoints * thinning);
-    Result<PointStore> store = sampleStore(loader, frame, windows, thinning, params.threads);
-    if (!store) return store.error();
+    std::vector<unsigned char> points;
+    if (Error error = takeSample(loader, frame, windows, thinning, params.threads, ranks, points))
+      return error;
     TraitsSample how;
     how.windows = windows.size();
     how.thinning = static_cast<std::size_t>(thinning);
-    Result<MeasuredTraits> measured = measureTraits(*store, params, how);
+    Result<MeasuredTraits> measured = MeasuredTraits();
+    if (ranks.rank() == 0) measured = measureSample(loader, frame, params, how, points);
     if (!measured) return measured;
+    const Verdict verdict = ofFirst(ranks, Verdict{measured->traits, measured->noise_fills});
+    measured->traits = verdict.traits;
+    measured->noise_fills = verdict.noise_fills;
     if (thinning == 1) spacing = measured->traits.spacing;
     measured->traits.spacing = spacing;
     if (!measured->noise_fills || whole) return measured;

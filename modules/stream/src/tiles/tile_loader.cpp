@@ -28,27 +28,27 @@ TileLoader::maskOf(std::size_t tile, const std::vector<unsigned char>& records, 
   return {plan_, plan_.tiles[tile], codes, reach};
 }
 
-std::uint64_t
-TileLoader::mostHalo(std::size_t tile, const HaloMask& mask) const
+std::vector<std::uint64_t>
+TileLoader::haloCells(std::size_t tile, const HaloMask& mask) const
 {
   const TilePlan::Tile& own = plan_.tiles[tile];
-  std::uint64_t points = 0;
+  std::vector<std::uint64_t> cells;
   for (std::size_t c = 0; c < plan_.cells.size(); ++c) {
     const bool outside = c < own.first_cell || c >= own.end_cell;
-    if (outside && mask.meets(plan_.cells[c])) points += plan_.cells[c].points;
+    if (outside && mask.meets(plan_.cells[c])) cells.push_back(c);
   }
-  return points;
+  return cells;
 }
 
 /** Appends the points of a bucket that are wanted(key, position). */
 template <typename Wanted>
 Error
-TileLoader::loadSome(const Bucket& bucket, const Wanted& wanted,
+TileLoader::loadSome(const TileStore& store, const Bucket& bucket, const Wanted& wanted,
                      std::vector<unsigned char>& records) const
 {
   const std::size_t step = record().bytes();
   std::vector<unsigned char> read;
-  if (Error error = store_.read(bucket, read)) return error;
+  if (Error error = store.read(bucket, read)) return error;
   const CloudView view = record().view(read);
   const CloudReader reader(view);
   PointKeys keys(frame_, threads_);
@@ -65,14 +65,16 @@ Error
 TileLoader::loadHalo(std::size_t tile, const HaloMask& mask,
                      std::vector<unsigned char>& records) const
 {
-  for (const Bucket& bucket : store_.buckets()) {
-    if (bucket.tile == tile) continue;
-    bool meets = false;
-    for (std::size_t c = bucket.first_cell; c < bucket.end_cell && !meets; ++c)
-      meets = mask.meets(plan_.cells[c]);
-    if (!meets) continue;
-    const auto inMask = [&](std::uint64_t key, const auto&) { return mask.holds(key); };
-    if (Error error = loadSome(bucket, inMask, records)) return error;
+  const auto inMask = [&](std::uint64_t key, const auto&) { return mask.holds(key); };
+  for (const TileStore* store : {&store_, &halo_}) {
+    for (const Bucket& bucket : store->buckets()) {
+      if (bucket.tile == tile) continue;
+      bool meets = false;
+      for (std::size_t c = bucket.first_cell; c < bucket.end_cell && !meets; ++c)
+        meets = mask.meets(plan_.cells[c]);
+      if (!meets) continue;
+      if (Error error = loadSome(*store, bucket, inMask, records)) return error;
+    }
   }
   return {};
 }
@@ -90,7 +92,7 @@ TileLoader::loadCells(std::size_t first, std::size_t end, std::uint64_t thinning
   };
   for (const Bucket& bucket : store_.buckets()) {
     if (bucket.end_cell <= first || bucket.first_cell >= end) continue;
-    if (Error error = loadSome(bucket, wanted, records)) return error;
+    if (Error error = loadSome(store_, bucket, wanted, records)) return error;
   }
   return {};
 }

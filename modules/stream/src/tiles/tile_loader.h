@@ -13,8 +13,10 @@ namespace pcl_slim::detail {
 /** \brief Brings tiles from disk into memory. */
 class TileLoader {
  public:
-  TileLoader(const TilePlan& plan, const TileStore& store, const StoreFrame& frame, int threads)
-      : plan_(plan), store_(store), frame_(frame), threads_(threads)
+  /** \param[in] halo other ranks' points near this one's tiles; none where one process has all */
+  TileLoader(const TilePlan& plan, const TileStore& store, const TileStore& halo,
+             const StoreFrame& frame, int threads)
+      : plan_(plan), store_(store), halo_(halo), frame_(frame), threads_(threads)
   {
   }
 
@@ -22,8 +24,8 @@ class TileLoader {
   Error loadCore(std::size_t tile, std::vector<unsigned char>& records) const;
   /** \brief The mask of a tile's surroundings. \param[in] records its core */
   HaloMask maskOf(std::size_t tile, const std::vector<unsigned char>& records, double reach) const;
-  /** \brief Points of the cells that a mask meets outside a tile: its halo has at most so many. */
-  std::uint64_t mostHalo(std::size_t tile, const HaloMask& mask) const;
+  /** \brief The cells that a mask meets outside a tile, ascending: they hold its halo. */
+  std::vector<std::uint64_t> haloCells(std::size_t tile, const HaloMask& mask) const;
   /** \brief Appends the points of a tile's halo. */
   Error loadHalo(std::size_t tile, const HaloMask& mask, std::vector<unsigned char>& records) const;
   /** \brief Appends the points of some cells, [first, end), of which every thinning-th is kept, chosen
@@ -36,11 +38,11 @@ class TileLoader {
 
  private:
   template <typename Wanted>
-  Error loadSome(const Bucket& bucket, const Wanted& wanted,
+  Error loadSome(const TileStore& store, const Bucket& bucket, const Wanted& wanted,
                  std::vector<unsigned char>& records) const;
 
   const TilePlan& plan_;
-  const TileStore& store_;
+  const TileStore &store_, &halo_;
   const StoreFrame& frame_;
   int threads_;
 };

@@ -62,9 +62,7 @@ TileQueue::giveAway()
 {
   for (auto first = ready_.begin(); first != ready_.end() && first->first == given_ && !error_;
        first = ready_.erase(first), ++given_) {
-    const std::size_t tile = tiles_[given_];
-    state_.addTile(tile, first->second);
-    if (Error error = sink_(tile, first->second.surface)) return error;
+    if (Error error = state_.give(tiles_[given_], first->second, sink_)) return error;
   }
   const auto done = static_cast<float>(given_) / static_cast<float>(tiles_.size());
   if (progress_ != nullptr && std::this_thread::get_id() == caller_)

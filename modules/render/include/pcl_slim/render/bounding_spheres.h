@@ -32,7 +32,8 @@ struct BoundingSpheres {
   bool no_strays = false;    ///< a picture has to show every sphere, however far from the bulk
 };
 
-/** \brief The leaves' balls of a surface. O(surfels). */
+/** \brief The leaves' balls of a surface; of one that has no leaf but links, as the levels above tiles do, the
+ * balls with none below them. O(surfels). */
 PCL_SLIM_EXPORT BoundingSpheres
 spheresOf(const SLIMSurface& surface);
 

@@ -50,10 +50,11 @@ struct RecordLayout {
 /** \brief The points of a file with records of one size, or of text, read in pieces of some megabytes. */
 class PCL_SLIM_EXPORT RecordSource : public PointSource {
  public:
-  explicit RecordSource(RecordLayout layout);
+  /** \param[in] share,shares the share-th of so many alike parts of the records, from 0 on */
+  explicit RecordSource(RecordLayout layout, std::uint64_t share = 0, std::uint64_t shares = 1);
 
   const RecordLayout& layout() const { return layout_; }
-  std::uint64_t size() const override { return layout_.count; }
+  std::uint64_t size() const override { return end_ - first_; }
   bool hasNormals() const override { return layout_.normal.has_value(); }
   CloudView::Scalar scalar() const override;
   std::optional<std::array<double, 3>> sensor() const override { return layout_.sensor; }
@@ -61,6 +62,7 @@ class PCL_SLIM_EXPORT RecordSource : public PointSource {
 
  private:
   RecordLayout layout_;
+  std::uint64_t first_, end_;  ///< records
 };
 
 }  // namespace pcl_slim

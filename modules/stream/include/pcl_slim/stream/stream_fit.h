@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pcl_slim/cloud/point_store.h"
@@ -14,6 +15,7 @@
 #include "pcl_slim/core/progress.h"
 #include "pcl_slim/fit/tile_fit.h"
 #include "pcl_slim/stream/point_source.h"
+#include "pcl_slim/stream/ranks.h"
 #include "pcl_slim/stream/tile_plan.h"
 
 namespace pcl_slim {
@@ -31,6 +33,9 @@ struct PCL_SLIM_EXPORT StreamParams {
   /// Folder that keeps plan, points and fitted tiles, so that a later run of the same cloud and parameters,
   /// or others beside this one, go on with them; empty: nothing is kept.
   std::string state;
+  /// Processes that fit the cloud together, each with a source of its share of the points; null: this one
+  /// alone. Their number does not change the result.
+  Ranks* ranks = nullptr;
   std::string
       source_name;  ///< with it: tells the source from others, as its path, size and date do
 
@@ -52,6 +57,7 @@ struct StreamStatistics {
   std::uint64_t passes = 0;                 ///< over the source
   std::uint64_t coarse_surfels = 0;         ///< of levels above the tiles' first
   std::uint64_t scratch_read = 0, scratch_written = 0;  ///< bytes
+  std::uint64_t halo_sent = 0;  ///< bytes, of points around other ranks' tiles
   double seconds_measure = 0, seconds_sort = 0, seconds_plan = 0, seconds_load = 0;
 };
 
@@ -59,7 +65,9 @@ struct StreamStatistics {
  *
  * prepare() reads the source, at least three times, and sorts the points into a scratch file;
  * then tiles are fitted in any order. All surfels are in one frame(). Same bytes for any order of
- * the points and the tiles, and for any number of threads.
+ * the points and the tiles, and for any number of threads and ranks. With ranks each keeps the points of
+ * its own tiles, a run of them, in a scratch file of its own; prepare() and fit() of several tiles are
+ * calls that all ranks make.
  */
 class PCL_SLIM_EXPORT StreamFit {
  public:
@@ -75,18 +83,21 @@ class PCL_SLIM_EXPORT StreamFit {
   const StoreFrame& frame() const;
   const TilePlan& plan() const;
   const CloudTraits& traits() const;
+  /** \brief First of this rank's tiles, and the one after its last. */
+  std::pair<std::size_t, std::size_t> ownTiles() const;
   /** \brief Level that a tile's balls begin with. */
   int firstLevel(std::size_t tile) const;
   /** \brief Points that a tile has in memory, its halo included, at most. */
   std::uint64_t loadedPoints(std::size_t tile) const;
-  /** \brief Bytes that fitting the largest tile takes, without its surfels. */
-  std::uint64_t workingBytes() const;
+  /** \brief Bytes that fitting one tile takes at most, without its surfels. \param[in] threads of this fit,
+   * each of which works on a ball */
+  std::uint64_t workingBytes(int threads = 1) const;
 
   /** \brief Surfels of the levels above the tiles' first, for a level of detail; none is a leaf. They are fitted to
-   * a sample of the cloud, have no links or common side, and belong in front of all tiles'. */
+   * a sample of the cloud, have no links or common side, and belong in front of all tiles'. Rank 0 has them. */
   const SLIMSurface& coarse() const;
 
-  /** \brief Fits one tile. \param[out] surface its surfels, without links or common side; may be empty */
+  /** \brief Fits one of the own tiles. \param[out] surface its surfels, without links or common side; may be empty */
   Error fit(std::size_t tile, SLIMSurface& surface, Progress* progress = nullptr);
 
   /** \brief Takes the surfels of a tile; an error ends the work. */
@@ -94,7 +105,8 @@ class PCL_SLIM_EXPORT StreamFit {
 
   /** \brief Fits some tiles, several at the same time with a thread each, and gives them to a sink in the order
    * asked for, one after another, from any thread. \param[in] at_once 1: one after another, with all threads;
-   * each takes workingBytes() */
+   * each takes workingBytes(). Of several ranks each fits those of the tiles that are its own, and rank 0's
+   * sink takes all. */
   Error fit(const std::vector<std::size_t>& tiles, int at_once, const Sink& sink,
             Progress* progress = nullptr);
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/cloud/store_frame.h"
@@ -32,6 +33,10 @@ class PCL_SLIM_EXPORT FrameMeasure {
 
   /** \brief Adds a piece of the pass that is under way. O(points). */
   void add(const CloudView& piece, int threads);
+  /** \brief What the pass under way has found of a part of the cloud, for merge(). */
+  std::vector<unsigned char> packed();
+  /** \brief Puts what a pass has found of all parts of the cloud in place of what it has found here. */
+  void merge(const std::vector<std::vector<unsigned char>>& parts);
   /** \brief Ends a pass. \return whether another one over all pieces is needed. */
   bool needsAnotherPass();
   /** \brief The frame, once no other pass is needed; an error where no point is finite. */

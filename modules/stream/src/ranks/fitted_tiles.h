@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "pcl_slim/fit/fit.h"
+#include "pcl_slim/stream/ranks.h"
+#include "pcl_slim/surface/surface.h"
+#include "scratch/scratch_file.h"
+
+namespace pcl_slim::detail {
+
+/** \brief What the fit of one tile has made. */
+struct FittedTile {
+  SLIMSurface surface;
+  FitStatistics statistics;
+  std::uint64_t halo_points = 0;
+  double seconds_load = 0;
+  bool kept = false;  ///< by an earlier run
+};
+
+/** \brief A tile's surfels and statistics as bytes, without its times. */
+Ranks::Bytes
+packedTile(const FittedTile& made);
+
+/** \brief The inverse. \return an error for bytes of another kind. */
+Error
+unpackTile(const Ranks::Bytes& bytes, FittedTile& made);
+
+/** \brief Fitted tiles of a rank, on disk until rank 0 takes them. */
+class FittedTiles {
+ public:
+  /** \brief Adds one. \param[in] folder of the scratch file; empty: the system's */
+  Error add(std::size_t tile, const FittedTile& made, const std::string& folder);
+  /** \brief Reads one that was added, as packedTile() made it. */
+  Error read(std::size_t tile, Ranks::Bytes& bytes) const;
+
+ private:
+  struct Place {
+    std::uint64_t at = 0, bytes = 0;
+  };
+
+  ScratchFile file_;
+  std::map<std::size_t, Place> places_;
+  std::uint64_t end_ = 0;
+};
+
+}  // namespace pcl_slim::detail
