@@ -60,7 +60,7 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
     sided.clearSides();
     SidedFit next{findSides(sided.store(), noise, thin.spacing, rules, stats.threads), {}, stats};
     if (!worthIt(next.sides, thin, rules)) {
-      if (best) break;
+      if (best || thin.noise > 0) break;
       noise *= 0.5;  // cells so wide that they hold both sides leave doubts
       continue;
     }
@@ -73,7 +73,7 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
     if (narrows && found > rules.same_noise * best->noise()) break;
     best = std::move(next);
     const bool same = found > rules.same_noise * noise || found < least;
-    if (same && thin.noise > 0) break;
+    if (same && (thin.noise > 0 || best->sides.confidence > rules.sure)) break;
     // No place has shown the noise by itself: cells that hold both sides may have shown this one.
     narrows = same;
     noise = same ? 0.5 * noise : found;
