@@ -50,10 +50,13 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
   const SideConstants& rules = constants.sides;
   const ThinPlaces thin = findThinPlaces(sided.store(), rules, constants.noise, stats.threads);
   stats.thin_places = thin.share;
-  if (thin.share < rules.least_thin && thin.facing < rules.least_facing) return {};
+  // A fit parts sheets that are near and clean by itself, or it does not: sides that lower the noise tell.
+  const bool needed = thin.share >= rules.least_thin || thin.facing >= rules.least_facing;
+  if (!needed && thin.share + thin.near < rules.least_thin) return {};
   double noise = std::sqrt(settings.energy.lambda);
   if (params.lambda == 0 && thin.noise > 0) noise = std::min(noise, thin.noise);
   const double least = rules.least_cells * thin.spacing;
+  const double unsided = std::sqrt(settings.energy.lambda);
   std::optional<SidedFit> best;
   bool narrows = false;  // this pass tries narrower cells than the noise that was found asks for
   for (int pass = 0; pass < rules.noise_passes && (pass == 0 || noise > least); ++pass) {
@@ -70,6 +73,7 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
             measureSettings(sided.store(), params, stats.threads, next.settings, next.stats))
       return error;
     const double found = next.noise();
+    if (!needed && found > rules.same_noise * unsided) break;
     if (narrows && found > rules.same_noise * best->noise()) break;
     best = std::move(next);
     const bool same = found > rules.same_noise * noise || found < least;
