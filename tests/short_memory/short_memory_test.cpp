@@ -43,25 +43,26 @@ operator new(std::size_t size, std::align_val_t alignment)
   return allocated(size, static_cast<std::size_t>(alignment));
 }
 
-void
+// GCC takes what is inlined for a free() of what another operator allocated.
+[[gnu::noinline]] void
 operator delete(void* place) noexcept
 {
   std::free(place);
 }
 
-void
+[[gnu::noinline]] void
 operator delete(void* place, std::size_t) noexcept
 {
   std::free(place);
 }
 
-void
+[[gnu::noinline]] void
 operator delete(void* place, std::align_val_t) noexcept
 {
   std::free(place);
 }
 
-void
+[[gnu::noinline]] void
 operator delete(void* place, std::size_t, std::align_val_t) noexcept
 {
   std::free(place);
