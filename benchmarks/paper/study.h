@@ -59,6 +59,14 @@ projectionError(const Fitted& fitted);
 int
 floatsOf(int degree);
 
+/** \brief Errors of a sweep over a setting, descending, and the leaves that each took. */
+struct LeafSweep {
+  std::vector<double> error, leaves;
+
+  /** \brief Leaves at an error between two of the sweep's, by a power law; negative: beyond it. */
+  double leavesAt(double wanted) const;
+};
+
 /** \brief Collects a Markdown table and writes it with a heading; prints it too. */
 class Table {
  public:
@@ -107,6 +115,8 @@ Error
 fitTimes(const StudySettings& settings);  ///< Table 1
 Error
 rotationDrift(const StudySettings& settings);  ///< "not invariant", section 3
+Error
+ellipsoidalSupports(const StudySettings& settings);  ///< future work: ellipsoids in place of balls
 Error
 costOfRays(const StudySettings& settings);  ///< cost of a frame, section 4
 Error
