@@ -16,6 +16,7 @@ field() { sed -n "s/.*\"$1\": \([0-9.e-]*\).*/\1/p" "$2" | head -n 1; }
   -json "$work/fit.json"
 render "$work/whole.png" -save_camera "$work/near.txt"
 parts=()
+places=([1]=near [2]="2 times as far" [4]="4 times as far" [8]="8 times as far")
 names=([0]="every leaf" [1]="-lod 1" [4]="-lod 4")
 echo "| $(field leaves "$work/fit.json") leaves | every leaf, ms | 1 pixel | 2 | 4 | 8 |"
 echo '| --- | --- | --- | --- | --- | --- |'
@@ -39,9 +40,8 @@ for detail in 0 1 4; do
     name=$work/${detail}_$far
     # Far pictures are enlarged: their middle is shown as large as the near one.
     convert "$name.png" -gravity center -background white -extent $((420 / far))x$((740 / far)) \
-      -filter box -resize 240x423! "$name.part.png"
-    frame=$(awk -v s="$(field frame "$name.json")" 'BEGIN { printf "%.0f", 1000 * s }')
-    parts+=(-label "${names[detail]}, $far times as far: $frame ms" "$name.part.png")
+      -filter box -resize 200x352! "$name.part.png"
+    parts+=(-label "${names[detail]}, ${places[far]}" "$name.part.png")
   done
 done
 montage -font "$(fc-match -f '%{file}' sans)" -pointsize 13 "${parts[@]}" -tile 4x -geometry +3+3 "$work/all.png"

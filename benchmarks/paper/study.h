@@ -37,6 +37,10 @@ loadModel(const StudySettings& settings, const std::string& file);
 Model
 handModel(std::size_t count);
 
+/** \brief Writes points with normals as a binary PLY of floats. */
+Error
+savePoints(const Model& model, const std::string& path);
+
 /** \brief A model fitted and projected onto its own surface, by the guarded formula whatever the fit:
  * as printed, (6) flings single points far away, which then are all that an RMS shows. */
 struct Fitted {
