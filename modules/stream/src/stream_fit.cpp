@@ -23,7 +23,9 @@ namespace {
 // A point takes the most while it is sorted; then balls take as much again where they are wide.
 constexpr std::uint64_t kBytesOfSorting = 40;  ///< keys, their order and the store's columns
 constexpr std::uint64_t kBytesOfFit = 38;      ///< the store and marks of what is covered
-constexpr std::uint64_t kBytesInBall = 36;     ///< a ball's columns, and those of its inner part
+/// A ball's columns and those of its inner part, and a tenth: balls are counted at 31 places of a tile, and
+/// others are fuller.
+constexpr std::uint64_t kBytesInBall = 40;
 constexpr std::uint64_t kBytesOfNormal = 12;
 
 /** What tells a cloud and parameters from others: a plan and tiles are those of one identity. */

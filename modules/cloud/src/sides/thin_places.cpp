@@ -76,6 +76,7 @@ struct PlaceFigures {
   double variance = -1;  ///< of a cubic's residuals, where it fits
   bool thin = false;     ///< no patch of one sheet alone fits
   bool facing = false;   ///< one does, and beyond it there is another sheet
+  bool near = false;     ///< two sheets that a fit may part by itself, or not
 };
 
 /** Looks at wider and wider patches of one place until one fits. */
@@ -118,6 +119,7 @@ class PlaceLook {
     const double clean_sq = constants_->clean * constants_->clean * sheets.within_sq;
     figures.thin = sheets.gap * sheets.gap < clean_sq;
     figures.facing = !figures.thin && sheets.gap > constants_->clear_gap * figures.spacing;
+    figures.near = !figures.thin && !figures.facing;
     return true;
   }
 
@@ -145,6 +147,7 @@ summarize(const std::vector<PlaceLook>& looks, const SideConstants& constants)
     const PlaceFigures& figure = look.figures();
     places.share += figure.thin ? share : 0;
     places.facing += figure.facing ? share : 0;
+    places.near += figure.near ? share : 0;
     spacings.push_back(figure.spacing);
     if (!figure.thin && figure.variance >= 0) variances.push_back(figure.variance);
   }

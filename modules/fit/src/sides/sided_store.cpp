@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 #include "measured_settings.h"
 #include "pcl_slim/cloud/detail/sides.h"
@@ -29,6 +31,15 @@ worthIt(const Sides& sides, const ThinPlaces& thin, const SideConstants& rules)
   return sides.thin >= share && 1 - sides.confidence <= share;
 }
 
+/** Sides by cells of some noise, and what is measured with them. */
+struct SidedFit {
+  Sides sides;
+  FitSettings settings;
+  FitStatistics stats;
+
+  double noise() const { return std::sqrt(settings.energy.lambda); }
+};
+
 }  // namespace
 
 Error
@@ -39,28 +50,45 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
   const SideConstants& rules = constants.sides;
   const ThinPlaces thin = findThinPlaces(sided.store(), rules, constants.noise, stats.threads);
   stats.thin_places = thin.share;
-  if (thin.share < rules.least_thin && thin.facing < rules.least_facing) return {};
-  const FitSettings without = settings;
-  const FitStatistics before = stats;
+  // A fit parts sheets that are near and clean by itself, or it does not: sides that lower the noise tell.
+  const bool needed = thin.share >= rules.least_thin || thin.facing >= rules.least_facing;
+  if (!needed && thin.share + thin.near < rules.least_thin) return {};
   double noise = std::sqrt(settings.energy.lambda);
   if (params.lambda == 0 && thin.noise > 0) noise = std::min(noise, thin.noise);
-  for (int pass = 0; pass < rules.noise_passes; ++pass) {
+  const double least = rules.least_cells * thin.spacing;
+  const double unsided = std::sqrt(settings.energy.lambda);
+  std::optional<SidedFit> best;
+  bool narrows = false;  // this pass tries narrower cells than the noise that was found asks for
+  for (int pass = 0; pass < rules.noise_passes && (pass == 0 || noise > least); ++pass) {
     sided.clearSides();
-    const Sides sides = findSides(sided.store(), noise, thin.spacing, rules, stats.threads);
-    if (!worthIt(sides, thin, rules)) break;
-    sided.setSides(sides.normals);
-    settings = makeSettings(sided.store(), params, constants);
-    if (Error error = measureSettings(sided.store(), params, stats.threads, settings, stats))
+    SidedFit next{findSides(sided.store(), noise, thin.spacing, rules, stats.threads), {}, stats};
+    if (!worthIt(next.sides, thin, rules)) {
+      if (best || thin.noise > 0) break;
+      noise *= 0.5;  // cells so wide that they hold both sides leave doubts
+      continue;
+    }
+    sided.setSides(next.sides.normals);
+    next.settings = makeSettings(sided.store(), params, constants);
+    if (Error error =
+            measureSettings(sided.store(), params, stats.threads, next.settings, next.stats))
       return error;
-    stats.sided = sided.store().size();
-    stats.sided_confidence = sides.confidence;
-    const double found = std::sqrt(settings.energy.lambda);
-    if (found > rules.same_noise * noise || found < rules.least_cells * thin.spacing) return {};
-    noise = found;
+    const double found = next.noise();
+    if (!needed && found > rules.same_noise * unsided) break;
+    if (narrows && found > rules.same_noise * best->noise()) break;
+    best = std::move(next);
+    const bool same = found > rules.same_noise * noise || found < least;
+    if (same && (thin.noise > 0 || best->sides.confidence > rules.sure)) break;
+    // No place has shown the noise by itself: cells that hold both sides may have shown this one.
+    narrows = same;
+    noise = same ? 0.5 * noise : found;
   }
-  if (sided.store().hasSides()) return {};
-  settings = without;
-  stats = before;
+  sided.clearSides();
+  if (!best) return {};
+  sided.setSides(best->sides.normals);
+  settings = best->settings;
+  stats = best->stats;
+  stats.sided = sided.store().size();
+  stats.sided_confidence = best->sides.confidence;
   return {};
 }
 

@@ -36,8 +36,9 @@ struct SideConstants {
   double least_facing = 0.5;  ///< the same of places where sheets face one that a patch fits
   double part = 0.25;         ///< of that share that must come to face apart, and may be in doubt
   double same_noise =
-      0.75;  ///< share of the noise that the cells were cut by, from which it is the same
-  int noise_passes = 3;      ///< times that cells are cut by the noise that sides show
+      0.75;           ///< share of the noise that the cells were cut by, from which it is the same
+  double sure = 0.9;  ///< confidence from which narrower cells are not tried
+  int noise_passes = 5;      ///< times that cells are cut by the noise that sides show
   double least_cells = 1.0;  ///< noise below which cells follow the spacing alone [spacings]
   double flat_places = 0.1;  ///< share of places that noise is taken from
   double clear_beam = 0.2;  ///< cosine from which a point's own beam gives its side, not its cell's
