@@ -11,7 +11,6 @@ mkdir -p -- "$out" "$work/duck" "$work/lion"
 font=$(fc-match -f '%{file}' sans)
 eye=0.6672,-0.3336,0.7784
 near_eye=1.13,-1.23,1.17,0.67,-0.30,0.745,0,0,1,22
-lion_side="-view 30,10"
 near_head=7.176,0.960,0.808,-0.600,2.777,0.336,-0.198,0.063,0.978,11
 
 count() { sed -n 's/.*"splats": \([0-9]*\).*/\1/p' "$1"; }
@@ -103,11 +102,11 @@ sheet splats_steps.png 4 "$(count "$work/step_cloud.json") points" step_cloud \
 heads=("all $(count "$work/lion_all_points.json") points" lion_near)
 bodies=('' lion_whole)
 render "$work/lion/all_points.ply" lion_near -size 380x380 -camera $near_head
-render "$work/lion/all_points.ply" lion_whole -size 380x300 $lion_side
+render "$work/lion/all_points.ply" lion_whole -size 380x300 -view 30,10
 for color in .3 .08; do
   "$bin/pcl_color_splat_sampling" "$data/lion_takanawa.pcd" "$work/lion_$color.pcd" -rays 0 -quiet 1 -geo .15 -color $color
   render "$work/lion_$color.pcd" "lion_near$color" -size 380x380 -camera $near_head
-  render "$work/lion_$color.pcd" "lion_whole$color" -size 380x300 $lion_side
+  render "$work/lion_$color.pcd" "lion_whole$color" -size 380x300 -view 30,10
   heads+=("-geo .15 -color $color: $(count "$work/lion_near$color.json") splats" "lion_near$color")
   bodies+=('' "lion_whole$color")
 done
