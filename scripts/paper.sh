@@ -15,7 +15,7 @@ data=$(cd -- "$1" && pwd) out=$(cd -- "$2" && pwd)
 
 bash "$root/scripts/setup.sh"
 configure -DPCL_SLIM_BUILD_BENCHMARKS=ON
-build pcl_slim_fit pcl_slim_render pcl_slim_view pcl_slim_demo_scan paper_bench mesh_bench \
+build scale_bench pcl_slim_fit pcl_slim_render pcl_slim_view pcl_slim_smooth pcl_slim_demo_scan pcl_color_splat_sampling paper_bench mesh_bench \
   mesh_picture phong_picture rays_bench rays_model qsplat_bench splat_object splat_quality splat_relations lines_bench
 bin=$root/build/release/bin
 part() { quietly "$1" "$out/log/$1.log" "${@:2}"; }
@@ -29,7 +29,7 @@ part meshes "$bin/mesh_bench" "$data" -save "$out/meshes"
 cp -- "$out/log/meshes.log" "$out/fig20.md"
 part mesh-pictures "$root/benchmarks/mesh/pictures.sh" "$bin" "$data" "$out" "$out/meshes"
 part pictures "$root/benchmarks/render/figures.sh" "$bin" "$data" "$out"
-part levels "$root/benchmarks/paper/levels.sh" "$bin" "$data" "$out"
+part levels "$root/benchmarks/paper/levels.sh" "$bin" "$out"
 part qsplat "$root/benchmarks/qsplat/figures.sh" "$bin" "$out/qsplat" "$out"
 part splat-pictures "$root/benchmarks/splats/figures.sh" "$bin" "$data" "$out"
 part splat-tables "$root/benchmarks/splats/tables.sh" "$bin" "$data"

@@ -20,7 +20,7 @@ trap 'rm -rf -- "$work"' EXIT
 
 bash "$root/scripts/setup.sh"
 configure -DPCL_SLIM_BUILD_BENCHMARKS=ON -DPCL_SLIM_BUILD_EXAMPLES=ON
-build pcl_slim_fit pcl_slim_render pcl_slim_view pcl_slim_smooth pcl_slim_demo_scan pcl_color_splat_sampling \
+build scale_bench pcl_slim_fit pcl_slim_render pcl_slim_view pcl_slim_smooth pcl_slim_demo_scan pcl_color_splat_sampling \
   paper_bench mesh_bench mesh_picture phong_picture qsplat_bench splat_object splat_quality point_discs \
   pcl_slim_example_03_pcl_visualizer pcl_slim_example_06_pipeline_visualizer
 bin=$root/build/release/bin
@@ -29,7 +29,7 @@ part() { quietly "$1" "$work/$1.log" "${@:2}"; }
 part tutorial "$root/benchmarks/render/tutorial_pictures.sh" "$bin" "$data" "$out"
 part scans "$root/benchmarks/render/scan_pictures.sh" "$bin" "$data" "$out"
 part figures "$root/benchmarks/render/figures.sh" "$bin" "$data" "$out"
-part levels "$root/benchmarks/paper/levels.sh" "$bin" "$data" "$out"
+part levels "$root/benchmarks/paper/levels.sh" "$bin" "$out"
 part meshes "$root/benchmarks/mesh/pictures.sh" "$bin" "$data" "$out"
 part smoothing "$root/benchmarks/splats/smoothing.sh" "$bin" "$data" "$out"
 part splats "$root/benchmarks/splats/figures.sh" "$bin" "$data" "$out"

@@ -145,8 +145,7 @@ projectVertices(const Settings& settings, const Pair& pair)
 }
 
 Error
-smooth(const Settings& settings, const Pair& pair, const std::string& method,
-       const MeshSmoothParams& params)
+smooth(const Pair& pair, const MeshSmoothParams& params, const std::string& setting, Sweep& sweep)
 {
   CloudView view;
   view.xyz = pair.noisy.data();
@@ -156,9 +155,33 @@ smooth(const Settings& settings, const Pair& pair, const std::string& method,
   SmoothedMesh made;
   const double begin = measure::cpuSeconds();
   if (Error error = smoothMesh(view, pair.faces, params, nullptr, made)) return error;
-  const double seconds = measure::cpuSeconds() - begin;
+  sweep.add(setting, made.vertices, measure::cpuSeconds() - begin);
+  return {};
+}
+
+Error
+smooth(const Settings& settings, const Pair& pair, const std::string& method,
+       const MeshSmoothParams& params)
+{
   Sweep sweep(settings, pair, method);
-  sweep.add("", made.vertices, seconds);
+  if (Error error = smooth(pair, params, "", sweep)) return error;
+  sweep.print();
+  return {};
+}
+
+/** The published method, its T as in the paper's fits and at its best. */
+Error
+smoothAsPaper(const Settings& settings, const Pair& pair, MeshSmoothParams params)
+{
+  params.fit.paper_mode = true;
+  if (Error error = smooth(settings, pair, "SLIM, -paper 1", params)) return error;
+  Sweep sweep(settings, pair, "SLIM, -paper 1, any T");
+  for (const double t : {0.005, 0.01, 0.02, 0.03, 0.04, 0.06, 0.08, 0.1, 0.15, 0.2, 0.4}) {
+    params.fit.t_mdl = t;
+    char setting[24];
+    std::snprintf(setting, sizeof(setting), "T %g", t);
+    if (Error error = smooth(pair, params, setting, sweep)) return error;
+  }
   sweep.print();
   return {};
 }
@@ -173,9 +196,8 @@ smoothOurs(const Settings& settings, const Pair& pair)
   if (Error error = smooth(settings, pair, "SLIM, -sharp 0", params)) return error;
   params.edges = MeshEdges::kSharp;
   if (Error error = smooth(settings, pair, "SLIM, -sharp 1", params)) return error;
-  params.fit.paper_mode = true;
   params.edges = MeshEdges::kMeasured;
-  return smooth(settings, pair, "SLIM, -paper 1", params);
+  return smoothAsPaper(settings, pair, params);
 }
 
 Error

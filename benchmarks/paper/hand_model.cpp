@@ -90,19 +90,28 @@ handModel(std::size_t count)
 }
 
 Error
-saveHand(const StudySettings& settings)
+savePoints(const Model& model, const std::string& path)
 {
-  const Model model = handModel(100000);
-  std::string text = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(model.points.size());
+  std::string text =
+      "ply\nformat binary_little_endian 1.0\nelement vertex " + std::to_string(model.points.size());
   for (const char* name : {"x", "y", "z", "nx", "ny", "nz"})
     text += std::string("\nproperty float ") + name;
   text += "\nend_header\n";
   for (std::size_t i = 0; i < model.points.size(); ++i) {
-    for (const double x : model.points[i]) text += number("%.8f ", x);
-    for (std::size_t a = 0; a < 3; ++a) text += number("%.6f ", double{model.normals[3 * i + a]});
-    text += "\n";
+    std::array<float, 6> row{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      row[a] = static_cast<float>(model.points[i][a]);
+      row[3 + a] = model.normals[3 * i + a];
+    }
+    text.append(reinterpret_cast<const char*>(row.data()), sizeof(row));
   }
-  return writeFile(settings.out + "/hand.ply", text.data(), text.size());
+  return writeFile(path, text.data(), text.size());
+}
+
+Error
+saveHand(const StudySettings& settings)
+{
+  return savePoints(handModel(100000), settings.out + "/hand.ply");
 }
 
 }  // namespace pcl_slim::paper

@@ -20,10 +20,11 @@ struct Study {
 };
 
 constexpr Study kStudies[] = {
-    {"4", energyCurves}, {"5", radiusIntervals},  {"6", treeOfBalls},
-    {"7", ballsByLevel}, {"8", blendingOnRays},   {"21", sparsity},
-    {"hand", saveHand},  {"table1", fitTimes},    {"s37", rotationDrift},
-    {"s42", costOfRays}, {"s43", parabolicLines}, {"compactness", compactness},
+    {"4", energyCurves},          {"5", radiusIntervals},  {"6", treeOfBalls},
+    {"7", ballsByLevel},          {"8", blendingOnRays},   {"21", sparsity},
+    {"hand", saveHand},           {"table1", fitTimes},    {"s37", rotationDrift},
+    {"s42", costOfRays},          {"s43", parabolicLines}, {"compactness", compactness},
+    {"s46", ellipsoidalSupports},
 };
 
 }  // namespace
@@ -40,7 +41,7 @@ main(int argc, char** argv)
   for (const Study& study : kStudies) names.emplace_back(study.name);
   options.choice("figure", &figure, names,
                  "what to remake: a figure, the hand of Fig. 22, Table 1, compactness, rotation, "
-                 "cost of rays, parabolic lines");
+                 "cost of rays, parabolic lines, ellipsoidal supports");
   options.integer("threads", &settings.threads, 0, 4096, "threads of fits, 0: all cores");
   if (const auto status = options.parse(argc, argv)) return *status;
   for (const Study& study : kStudies) {

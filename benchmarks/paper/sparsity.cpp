@@ -12,24 +12,8 @@ namespace {
 constexpr double kErrors[] = {1e-4, 3e-4};
 constexpr double kLeastError = 0.7e-4;
 
-/** Errors and floats of a sweep, descending errors. */
-struct Sweep {
-  std::vector<double> error, floats, leaves;
-
-  /** Leaves at an error between two of the sweep's, by a power law; negative: beyond the sweep. */
-  double leavesAt(double wanted) const
-  {
-    for (std::size_t i = 0; i + 1 < error.size(); ++i) {
-      if (error[i] < wanted || error[i + 1] > wanted || error[i] == error[i + 1]) continue;
-      const double share = std::log(error[i] / wanted) / std::log(error[i] / error[i + 1]);
-      return leaves[i] * std::pow(leaves[i + 1] / leaves[i], share);
-    }
-    return -1;
-  }
-};
-
 Error
-sweepModel(const Model& model, int degree, bool paper, int threads, Sweep& sweep)
+sweepModel(const Model& model, int degree, bool paper, int threads, LeafSweep& sweep)
 {
   std::vector<double> settings;
   for (int i = 0; i < 15; ++i) {
@@ -53,7 +37,6 @@ sweepModel(const Model& model, int degree, bool paper, int threads, Sweep& sweep
     if (!sweep.error.empty() && error > 0.97 * sweep.error.back()) continue;
     sweep.error.push_back(error);
     sweep.leaves.push_back(leaves);
-    sweep.floats.push_back(leaves * floatsOf(degree));
     if (error < kLeastError) break;
   }
   return {};
@@ -66,7 +49,7 @@ thousands(double value)
 }
 
 std::string
-cellOf(const Sweep& sweep, int degree, double error)
+cellOf(const LeafSweep& sweep, int degree, double error)
 {
   const double leaves = sweep.leavesAt(error);
   if (leaves < 0) return sweep.error.front() < error ? "below at once" : "out of reach";
@@ -85,12 +68,14 @@ addModel(const StudySettings& settings, const Model& model, bool paper, Table& t
                     number("%g", error)});
   }
   for (int degree = 1; degree <= 4; ++degree) {
-    Sweep sweep;
+    LeafSweep sweep;
     if (Error error = sweepModel(model, degree, paper, settings.threads, sweep)) return error;
     for (std::size_t i = 0; i < rows.size(); ++i) {
       rows[i].push_back(cellOf(sweep, degree, kErrors[i]));
     }
-    panel.push_back({kNames[degree], kColors[degree], sweep.floats, sweep.error});
+    std::vector<double> floats;
+    for (const double leaves : sweep.leaves) floats.push_back(leaves * floatsOf(degree));
+    panel.push_back({kNames[degree], kColors[degree], floats, sweep.error});
   }
   for (const auto& row : rows) table.row(row);
   return {};

@@ -88,6 +88,17 @@ floatsOf(int degree)
   return kFloats[degree];
 }
 
+double
+LeafSweep::leavesAt(double wanted) const
+{
+  for (std::size_t i = 0; i + 1 < error.size(); ++i) {
+    if (error[i] < wanted || error[i + 1] > wanted || error[i] == error[i + 1]) continue;
+    const double share = std::log(error[i] / wanted) / std::log(error[i] / error[i + 1]);
+    return leaves[i] * std::pow(leaves[i + 1] / leaves[i], share);
+  }
+  return -1;
+}
+
 std::string
 number(const char* format, double value)
 {

@@ -37,6 +37,10 @@ loadModel(const StudySettings& settings, const std::string& file);
 Model
 handModel(std::size_t count);
 
+/** \brief Writes points with normals as a binary PLY of floats. */
+Error
+savePoints(const Model& model, const std::string& path);
+
 /** \brief A model fitted and projected onto its own surface, by the guarded formula whatever the fit:
  * as printed, (6) flings single points far away, which then are all that an RMS shows. */
 struct Fitted {
@@ -58,6 +62,14 @@ projectionError(const Fitted& fitted);
  * degree needs one: 7, 12, 16, 21. */
 int
 floatsOf(int degree);
+
+/** \brief Errors of a sweep over a setting, descending, and the leaves that each took. */
+struct LeafSweep {
+  std::vector<double> error, leaves;
+
+  /** \brief Leaves at an error between two of the sweep's, by a power law; negative: beyond it. */
+  double leavesAt(double wanted) const;
+};
 
 /** \brief Collects a Markdown table and writes it with a heading; prints it too. */
 class Table {
@@ -107,6 +119,8 @@ Error
 fitTimes(const StudySettings& settings);  ///< Table 1
 Error
 rotationDrift(const StudySettings& settings);  ///< "not invariant", section 3
+Error
+ellipsoidalSupports(const StudySettings& settings);  ///< future work: ellipsoids in place of balls
 Error
 costOfRays(const StudySettings& settings);  ///< cost of a frame, section 4
 Error

@@ -88,11 +88,15 @@ sheet view_scans.png 3 bunny lion angel
 cat > example.sh <<'END'
 "$bin/pcl_slim_example_03_pcl_visualizer" stanford_bunny.pcd &
 example=$!
-sleep 20
-id=$(xdotool search --onlyvisible --name 'The surface' | tail -n 1)
-[ -n "$id" ] && import -window "$id" pcl_visualizer.png
+for try in $(seq 60); do
+  sleep 2
+  id=$(xdotool search --onlyvisible --name 'The surface' | tail -n 1) || continue
+  [ -n "$id" ] && import -window "$id" pcl_visualizer.png || continue
+  # An empty window has one colour.
+  [ "$(identify -format %k pcl_visualizer.png)" -lt 1000 ] || break
+done
 kill $example
-[ -s pcl_visualizer.png ]
+[ "$(identify -format %k pcl_visualizer.png)" -ge 1000 ]
 END
 cp -- "$data/stanford_bunny_raw_scans.pcd" stanford_bunny.pcd
 bin=$bin xvfb-run -a -s "-screen 0 1280x1024x24" bash example.sh

@@ -65,8 +65,8 @@ for name in dragon lion angel; do render $name.slim sketch_$name -mode sketch -s
 render armadillo.slim sketch_armadillo -mode sketch -size 720x600 -view 180,5
 sheet picture_lines.png 2 'dragon' sketch_dragon 'lion' sketch_lion 'angel' sketch_angel 'Armadillo' sketch_armadillo
 for lines in crest suggestive; do
-  for lod in 0 4 8; do render dragon.slim ${lines}_$lod -lines $lines -lod $lod -size 400x330; done
+  for lod in 0 2 5; do render dragon.slim ${lines}_$lod -lines $lines -lod $lod -size 400x330; done
 done
-sheet picture_lines_lod.png 3 '-lines crest' crest_0 '-lod 4' crest_4 '-lod 8' crest_8 \
-  '-lines suggestive' suggestive_0 '-lod 4' suggestive_4 '-lod 8' suggestive_8
+sheet picture_lines_lod.png 3 '-lines crest' crest_0 '-lod 2' crest_2 '-lod 5' crest_5 \
+  '-lines suggestive' suggestive_0 '-lod 2' suggestive_2 '-lod 5' suggestive_5
 render dragon.slim "$out/raytraced_dragon" -mode raytraced -aa 4 -size 900x640

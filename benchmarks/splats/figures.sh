@@ -97,3 +97,27 @@ sheet splats_steps.png 4 "$(count "$work/step_cloud.json") points" step_cloud \
   "divided by shape: $(count "$work/step_shape.json")" step_shape \
   "by shape and colour: $(count "$work/step_both.json")" step_both \
   '' step_blank '' step_grid_size '' step_shape_size '' step_both_size
+
+# Fig. 14: a second model, one tolerance of shape, two of colour.
+heads=("all $(count "$work/lion_all_points.json") points" lion_near)
+bodies=('' lion_whole)
+render "$work/lion/all_points.ply" lion_near -size 380x380 -camera $near_head
+render "$work/lion/all_points.ply" lion_whole -size 380x300 -view 30,10
+for color in .3 .08; do
+  "$bin/pcl_color_splat_sampling" "$data/lion_takanawa.pcd" "$work/lion_$color.pcd" -rays 0 -quiet 1 -geo .15 -color $color
+  render "$work/lion_$color.pcd" "lion_near$color" -size 380x380 -camera $near_head
+  render "$work/lion_$color.pcd" "lion_whole$color" -size 380x300 -view 30,10
+  heads+=("-geo .15 -color $color: $(count "$work/lion_near$color.json") splats" "lion_near$color")
+  bodies+=('' "lion_whole$color")
+done
+sheet splats_second.png 3 "${heads[@]}" "${bodies[@]}"
+
+# Noisy points: splats of them as they are, and smoothed first.
+"$bin/splat_object" "$work/noisy.pcd" -noise .004
+"$bin/pcl_slim_smooth" "$work/noisy.pcd" "$work/smoothed.pcd" -quiet 1
+for cloud in noisy smoothed duck; do
+  "$bin/pcl_color_splat_sampling" "$work/$cloud.pcd" "$work/${cloud}_splats.pcd" -rays 0 -quiet 1
+  render "$work/${cloud}_splats.pcd" "${cloud}_lit" -size 400x330 -camera $near_side -lighting 1
+done
+sheet splats_smoothed.png 3 "noisy points: $(count "$work/noisy_lit.json") splats" noisy_lit \
+  "smoothed first: $(count "$work/smoothed_lit.json")" smoothed_lit "points without noise: $(count "$work/duck_lit.json")" duck_lit

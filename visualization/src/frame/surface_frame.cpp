@@ -15,6 +15,7 @@ SurfaceFrames::render(const Camera& camera, const FrameRequest& request, GBuffer
   params.lod = request.lod;
   params.trim = request.trim;
   params.cuts = request.clip_planes;
+  params.close_gaps = true;
   return renderer_.render(camera, params, buffer);
 }
 
