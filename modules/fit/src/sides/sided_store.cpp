@@ -23,12 +23,11 @@ mayNeedSides(const PointStore& store, const FitParams& params, const FitStatisti
          !params.paper_mode && !(params.t_mdl > 0) && stats.noise_line == 0;
 }
 
-/** Whether thin parts have come to face apart, and few cells are in doubt beside them. */
+/** Whether thin parts, a share of all, have come to face apart, and few cells are in doubt beside them. */
 bool
-worthIt(const Sides& sides, const ThinPlaces& thin, const SideConstants& rules)
+worthIt(const Sides& sides, double share, const SideConstants& rules)
 {
-  const double share = rules.part * std::max(thin.share, thin.facing);
-  return sides.thin >= share && 1 - sides.confidence <= share;
+  return sides.thin >= rules.part * share && 1 - sides.confidence <= rules.part * share;
 }
 
 /** Sides by cells of some noise, and what is measured with them. */
@@ -50,9 +49,11 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
   const SideConstants& rules = constants.sides;
   const ThinPlaces thin = findThinPlaces(sided.store(), rules, constants.noise, stats.threads);
   stats.thin_places = thin.share;
-  // A fit parts sheets that are near and clean by itself, or it does not: sides that lower the noise tell.
+  // Sheets that are near and clean part in a fit by themselves, or they do not: sides stay if they
+  // lower the noise.
   const bool needed = thin.share >= rules.least_thin || thin.facing >= rules.least_facing;
-  if (!needed && thin.share + thin.near < rules.least_thin) return {};
+  const double share = needed ? std::max(thin.share, thin.facing) : thin.share + thin.near;
+  if (!needed && share < rules.least_thin) return {};
   double noise = std::sqrt(settings.energy.lambda);
   if (params.lambda == 0 && thin.noise > 0) noise = std::min(noise, thin.noise);
   const double least = rules.least_cells * thin.spacing;
@@ -62,7 +63,7 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
   for (int pass = 0; pass < rules.noise_passes && (pass == 0 || noise > least); ++pass) {
     sided.clearSides();
     SidedFit next{findSides(sided.store(), noise, thin.spacing, rules, stats.threads), {}, stats};
-    if (!worthIt(next.sides, thin, rules)) {
+    if (!worthIt(next.sides, share, rules)) {
       if (best || thin.noise > 0) break;
       noise *= 0.5;  // cells so wide that they hold both sides leave doubts
       continue;
