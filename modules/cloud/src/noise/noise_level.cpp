@@ -19,7 +19,7 @@ NoiseLevel
 patchLevel(const PointStore& store, std::size_t k, const NoiseConstants& constants, int threads)
 {
   // Larger patches average more points each, so fewer of them are needed.
-  // So many patches of the smallest size are enough that each point is in one of them.
+  // As many patches of the smallest size as hold each point once are enough.
   const std::size_t smallest =
       std::max(std::min(constants.samples, store.size() / constants.first_neighbors),
                store.size() / constants.points_per_sample);
