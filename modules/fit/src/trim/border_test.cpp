@@ -25,8 +25,8 @@ sectorAngles()
   std::array<double, kBorderSectors> angles{};
   for (int k = 0; k < kBorderSectors; ++k) {
     const double along = (k % (kBorderSectors / 4)) * (4.0 / kBorderSectors);
-    angles[static_cast<std::size_t>(k)] =
-        std::atan2(along, 1 - along) + 0.5 * kPi * (k / (kBorderSectors / 4));
+    const int quarter = k / (kBorderSectors / 4);
+    angles[static_cast<std::size_t>(k)] = std::atan2(along, 1 - along) + 0.5 * kPi * quarter;
   }
   return angles;
 }
