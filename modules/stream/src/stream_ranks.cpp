@@ -134,6 +134,7 @@ detail::StreamState::fetchHalo(const std::vector<char>& wanted)
   }
   ranks().exchange(messages);
   std::vector<std::vector<std::uint64_t>> asked;
+  asked.reserve(messages.size());
   for (const Ranks::Bytes& message : messages) asked.push_back(valuesOf<std::uint64_t>(message));
   if (Error error = halo.create(plan, points, store.record(), params.scratch, false)) return error;
   const std::uint64_t before = ranks().bytesSent();
