@@ -62,6 +62,37 @@ TEST(FitSides, PutsNoisyPointsOntoTheirOwnPlate)
   EXPECT_GT(plates.rms(without), 1.0);
 }
 
+TEST(FitSides, PartsCleanSheetsThatAreNear)
+{
+  // Two spheres two spacings apart, far for their noise: a fit without sides takes their middle.
+  Cloud cloud;
+  std::mt19937_64 rng(5);
+  std::normal_distribution<double> gauss(0, 1);
+  for (const double radius : {19.0, 17.0}) {
+    const int points = static_cast<int>(4 * M_PI * radius * radius);
+    for (int i = 0; i < points; ++i) {
+      const double z = 1 - (2 * i + 1.0) / points, turn = 2 * M_PI * std::fmod(i * kGolden, 1.0);
+      const double level = std::sqrt(1 - z * z);
+      const Vector3 p = scaled({level * std::cos(turn), level * std::sin(turn), z}, radius);
+      cloud.add(p[0] + 0.1 * gauss(rng), p[1] + 0.1 * gauss(rng), p[2] + 0.1 * gauss(rng));
+    }
+  }
+  const auto rms = [](const Fitted& f) {
+    double sum = 0;
+    for (const auto& local : f.projection.position)
+      sum += std::pow(std::abs(length(f.world(local)) - 18) - 1, 2);
+    return std::sqrt(sum / static_cast<double>(f.store.size()));
+  };
+  FitParams params;
+  const Fitted with = fitted(cloud, params);
+  params.sides = false;
+  const Fitted without = fitted(cloud, params);
+  EXPECT_GT(with.statistics.sided, 0u);
+  EXPECT_LT(with.statistics.lambda, 0.25 * without.statistics.lambda);
+  EXPECT_LT(rms(with), 0.05);
+  EXPECT_GT(rms(without), 0.3);
+}
+
 TEST(FitSides, FacesOutward)
 {
   const Plates plates{3, 0.3};
