@@ -30,21 +30,19 @@ patchLevel(const PointStore& store, std::size_t k, const NoiseConstants& constan
     return patchVariance(store, search, sample, k, constants, radii[s]);
   };
   auto values = sampleStore(store, samples, patchStride(k, constants), threads, measure);
+  putBackCutOff(radii, constants, values);
   const auto median = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
   std::nth_element(radii.begin(), median, radii.end());
   return {trimmedMean(values, constants.trim), *median, k, k, radii.size()};
 }
 
-/** Takes the cubic's bias off, which a patch of twice as many points tells, and puts back what the
- * patch's end cuts off. */
+/** Takes the cubic's bias off, which a patch of twice as many points shows. */
 double
 unbiasedVariance(const NoiseLevel& noise, const NoiseLevel& wider, const NoiseConstants& constants)
 {
   const double growth = constants.bias_growth;
   const double bias_free = (growth * noise.variance - wider.variance) / (growth - 1);
-  const double variance = std::clamp(bias_free, 0.0, noise.variance);
-  // A patch that ends at R cuts heights off: it sees s^2 (1 - 2 s^2 / R^2) of a variance s^2.
-  return variance * (1.0 + 2.0 * variance / (noise.patch_radius * noise.patch_radius));
+  return std::clamp(bias_free, 0.0, noise.variance);
 }
 
 }  // namespace
@@ -62,13 +60,8 @@ measureNoise(const PointStore& store, const NoiseConstants& constants, int threa
     const NoiseLevel wider = patchLevel(store, k, constants, threads);
     patches += wider.patches;
     const double share = std::sqrt(noise.variance) / noise.patch_radius;
-    const bool filled = share >= constants.filled_patch;
-    if (!filled && least == 0) least = noise.neighbors;
-    // Noise that no longer fills the patch loses in share as the patch widens; relief keeps its
-    // own.
-    const bool relief =
-        !filled && std::sqrt(wider.variance) > constants.relief * share * wider.patch_radius;
-    if (share < constants.patch_noise || relief) {
+    if (share < constants.patch_noise) {
+      least = share < constants.filled_patch ? noise.neighbors : k;
       noise.variance = unbiasedVariance(noise, wider, constants);
       break;
     }

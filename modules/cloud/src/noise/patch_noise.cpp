@@ -18,6 +18,15 @@ gradedIndex(int degree, int v)
   return static_cast<std::size_t>(degree * (degree + 1) / 2 + v);
 }
 
+/** Part of noise's variance that a ball's residuals show. \param[in] q theirs over its squared radius */
+double
+partLeft(double q)
+{
+  constexpr double kFull = 0.12;  // of a ball full of points
+  q = std::min(q, kFull);
+  return 1 - 2 * q - 22 * q * q;
+}
+
 }  // namespace
 
 bool
@@ -91,6 +100,26 @@ patchVariance(const PointStore& store, NeighborSearch& search, std::size_t sampl
 {
   thread_local PatchCubic cubic;
   return fitPatch(store, search, sample, k, constants, cubic, radius) ? cubic.variance : -1.0;
+}
+
+void
+putBackCutOff(const std::vector<double>& radii, const NoiseConstants& constants,
+              std::vector<double>& variances)
+{
+  std::vector<double> parts(variances.size(), -1);
+  for (std::size_t s = 0; s < parts.size(); ++s) {
+    if (variances[s] >= 0 && radii[s] > 0) parts[s] = variances[s] / (radii[s] * radii[s]);
+  }
+  const std::vector<float> means = windowedMeans(parts, constants.window, constants);
+  for (std::size_t s = 0; s < parts.size(); ++s) {
+    if (variances[s] > 0) variances[s] /= partLeft(means[s]);
+  }
+}
+
+double
+uncutVariance(double variance, double radius)
+{
+  return radius > 0 ? variance / partLeft(variance / (radius * radius)) : variance;
 }
 
 std::size_t

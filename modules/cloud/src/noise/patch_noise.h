@@ -30,6 +30,18 @@ struct PatchCubic {
 bool
 fitCubic(const Patch& patch, PatchCubic& cubic);
 
+/** \brief The variance of isotropic noise whose residuals a patch shows. A patch is a ball about one of
+ * its points and cuts heights off: of a plane's noise s a radius R >= 2 s leaves s^2 (1 - 2 q - 22 q^2),
+ * with q the residuals' variance over R^2, to one per cent of s (docs/theory.md, "Noise"). */
+double
+uncutVariance(double variance, double radius);
+
+/** \brief The same of many places along the Morton curve, with the mean of q about each.
+ * \param[in,out] variances < 0: not known */
+void
+putBackCutOff(const std::vector<double>& radii, const NoiseConstants& constants,
+              std::vector<double>& variances);
+
 /** \brief The stride of the points looked at for patches of k points. */
 inline std::size_t
 patchStride(std::size_t k, const NoiseConstants& constants)

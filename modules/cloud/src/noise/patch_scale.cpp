@@ -82,10 +82,8 @@ measureScale(const PointStore& store, std::size_t k, const NoiseConstants& const
 double
 levelOf(const PatchScale& scale, const NoiseConstants& constants)
 {
-  std::vector<double> variances = scale.variances, radii = scale.radii;
-  const double variance = trimmedMean(variances, constants.shared.trim);
-  const double radius = median(radii);
-  return variance * (1 + 2 * variance / (radius * radius));
+  std::vector<double> variances = scale.variances;
+  return uncutVariance(trimmedMean(variances, constants.shared.trim), median(scale.radii));
 }
 
 double

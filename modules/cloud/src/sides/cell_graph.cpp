@@ -14,7 +14,19 @@ namespace {
 
 constexpr double kLeastCosine = 0.5;  ///< of normals that two sheets facing apart may have
 
-/** Edges to a cell's nearest cells, and to all of another sheet. */
+/** The place of a cell in the list that another has edges to; 0 if it is not there. */
+std::size_t
+placeAmong(const CellSheet& sheet, std::uint32_t cell, const SideConstants& constants)
+{
+  const std::size_t most = std::min(sheet.count, constants.edges + 1);
+  for (std::size_t k = 1; k < sheet.count; ++k) {
+    if (sheet.cells[k] == cell) return k < most || sheet.isOther(k) ? k : 0;
+  }
+  return 0;
+}
+
+/** Edges to a cell's nearest cells, and to all of another sheet. Where both have one, the cell of the
+ * lesser number adds the sum. */
 void
 addNearEdges(std::uint32_t cell, const CellSheet& sheet, const std::vector<CellSheet>& sheets,
              const SideConstants& constants, std::vector<SignedEdge>& edges)
@@ -23,8 +35,12 @@ addNearEdges(std::uint32_t cell, const CellSheet& sheet, const std::vector<CellS
     const bool apart = sheet.isOther(k);
     if (k > constants.edges && !apart) continue;
     const std::uint32_t other = sheet.cells[k];
+    const std::size_t back = placeAmong(sheets[other], cell, constants);
+    if (back > 0 && other < cell) continue;
     const double cosine = dot(sheet.normal, sheets[other].normal);
-    edges.push_back({cell, other, apart ? -cosine : cosine, apart});
+    double agreement = apart ? -cosine : cosine;
+    if (back > 0) agreement += sheets[other].isOther(back) ? -cosine : cosine;
+    edges.push_back({cell, other, agreement, apart});
   }
 }
 

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace pcl_slim::detail {
@@ -140,23 +141,33 @@ findOther(const SideCells& cut, const Neighbors& near, const CellSums& sums,
   if (sheet.other != 0 && !overlap(cut, near, sheet)) sheet.other = 0;
 }
 
-/** The nearest cells by their means, the cell itself first. */
+/** The nearest cells by their means, the cell itself first and the nearest of each neighbourhood before
+ * the others. */
 Neighbors
-nearestCells(const SideCells& cut, std::uint32_t cell, std::size_t most)
+nearestCells(const SideCells& cut, std::uint32_t cell, const SideConstants& constants)
 {
   std::array<std::uint32_t, SideCells::kWindow> found;
-  std::array<std::pair<double, std::uint32_t>, SideCells::kWindow> order;
+  std::array<std::uint64_t, SideCells::kWindow> order;  // squared distance, number
   const std::size_t count = cut.cellsAbout(cell, found);
   for (std::size_t k = 0; k < count; ++k) {
     const Vector3 d = subtract(cut.cells[found[k]].mean, cut.cells[cell].mean);
-    order[k] = {found[k] == cell ? -1.0 : dot(d, d), found[k]};
+    const auto square = static_cast<float>(found[k] == cell ? 0.0 : dot(d, d));
+    std::uint32_t bits;
+    std::memcpy(&bits, &square, sizeof bits);
+    order[k] = static_cast<std::uint64_t>(bits) << 32 | found[k];
   }
+  std::size_t end = count;
+  for (std::size_t s = constants.neighbors.size(); s-- > 0;) {
+    const std::size_t nearest = constants.neighbors[s];
+    if (nearest >= end) continue;
+    std::nth_element(order.begin(), order.begin() + nearest, order.begin() + end);
+    end = nearest;
+  }
+  std::nth_element(order.begin(), order.begin(), order.begin() + end);
   Neighbors near;
-  near.count = std::min({count, most, kMost});
-  const auto end = order.begin() + static_cast<std::ptrdiff_t>(near.count);
-  std::partial_sort(order.begin(), end, order.begin() + static_cast<std::ptrdiff_t>(count));
+  near.count = std::min({count, constants.neighbors.back(), kMost});
   for (std::size_t k = 0; k < near.count; ++k) {
-    near.cells[k] = order[k].second;
+    near.cells[k] = static_cast<std::uint32_t>(order[k]);
     near.offsets[k] = subtract(cut.cells[near.cells[k]].mean, cut.cells[cell].mean);
   }
   return near;
@@ -167,7 +178,7 @@ nearestCells(const SideCells& cut, std::uint32_t cell, std::size_t most)
 CellSheet
 sheetOf(const SideCells& cut, std::uint32_t cell, const SideConstants& constants)
 {
-  const Neighbors near = nearestCells(cut, cell, constants.neighbors.back());
+  const Neighbors near = nearestCells(cut, cell, constants);
   CellSheet best;
   double flattest = std::numeric_limits<double>::infinity();
   CellSums sums;

@@ -2,6 +2,7 @@
 #include "sides/side_cells.h"
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 
 #include "pcl_slim/cloud/morton.h"
@@ -44,6 +45,27 @@ hashOf(std::uint64_t code)
   return static_cast<std::size_t>(code ^ code >> 32);
 }
 
+/** The cubes of a brick whose place along an axis is in [first, last], a bit each. */
+std::uint64_t
+cubesWithin(std::size_t axis, std::int64_t first, std::int64_t last)
+{
+  // Bits of a code within a brick: x1 y1 z1 x0 y0 z0.
+  constexpr std::uint64_t kHigh[3] = {0xffffffff00000000u, 0xffff0000ffff0000u,
+                                      0xff00ff00ff00ff00u};
+  constexpr std::uint64_t kLow[3] = {0xf0f0f0f0f0f0f0f0u, 0xccccccccccccccccu, 0xaaaaaaaaaaaaaaaau};
+  std::uint64_t cubes = 0;
+  for (std::int64_t at = std::max<std::int64_t>(first, 0); at <= std::min<std::int64_t>(last, 3);
+       ++at)
+    cubes |= (at & 2 ? kHigh[axis] : ~kHigh[axis]) & (at & 1 ? kLow[axis] : ~kLow[axis]);
+  return cubes;
+}
+
+std::uint32_t
+countBits(std::uint64_t bits)
+{
+  return static_cast<std::uint32_t>(std::bitset<64>(bits).count());
+}
+
 CellMoments
 momentsOf(const PointStore& store, const std::uint32_t* begin, const std::uint32_t* end)
 {
@@ -76,73 +98,78 @@ SideCells::SideCells(const PointStore& store, double wanted, int threads)
   });
   sortByKey(keys, order, threads);
   std::vector<std::size_t> begins;
+  std::vector<std::uint64_t> codes;
   for (std::size_t i = 0; i < n; ++i) {
     if (i > 0 && keys[i] == keys[i - 1]) continue;
     begins.push_back(i);
-    codes_.push_back(keys[i]);
+    codes.push_back(keys[i]);
   }
   begins.push_back(n);
-  cells.resize(codes_.size());
+  cells.resize(codes.size());
   cell_of.resize(n);
   parallelFor(cells.size(), threads, 256, [&](std::size_t c, int) {
     cells[c] = momentsOf(store, order.data() + begins[c], order.data() + begins[c + 1]);
     for (std::size_t i = begins[c]; i < begins[c + 1]; ++i)
       cell_of[order[i]] = static_cast<std::uint32_t>(c);
   });
-  index();
+  index(codes);
 }
 
 void
-SideCells::index()
+SideCells::index(const std::vector<std::uint64_t>& codes)
 {
+  for (std::uint32_t c = 0; c < codes.size(); ++c) {
+    if (c == 0 || codes[c] >> 6 != bricks_.back().code) bricks_.push_back({codes[c] >> 6, 0, c});
+    bricks_.back().cubes |= std::uint64_t(1) << (codes[c] & 63);
+  }
   std::size_t size = 2;
-  while (size < 2 * codes_.size()) size *= 2;
+  while (size < 2 * bricks_.size()) size *= 2;
   slots_.assign(size, kNone);
-  for (std::uint32_t c = 0; c < codes_.size(); ++c) {
-    std::size_t slot = hashOf(codes_[c]) & (size - 1);
+  for (std::uint32_t b = 0; b < bricks_.size(); ++b) {
+    std::size_t slot = hashOf(bricks_[b].code) & (size - 1);
     while (slots_[slot] != kNone) slot = (slot + 1) & (size - 1);
-    slots_[slot] = c;
+    slots_[slot] = b;
   }
 }
 
-std::uint32_t
-SideCells::cellOf(std::uint64_t code) const
+const SideCells::Brick&
+SideCells::brickOf(std::uint64_t code) const
 {
+  static const Brick empty;
   const std::size_t mask = slots_.size() - 1;
   std::size_t slot = hashOf(code) & mask;
-  while (slots_[slot] != kNone && codes_[slots_[slot]] != code) slot = (slot + 1) & mask;
-  return slots_[slot];
+  while (slots_[slot] != kNone && bricks_[slots_[slot]].code != code) slot = (slot + 1) & mask;
+  return slots_[slot] == kNone ? empty : bricks_[slots_[slot]];
 }
 
 std::uint32_t
 SideCells::cellAt(const Vector3& place) const
 {
-  return cellOf(codeOf(placeOf(place, width)));
+  const std::uint64_t code = codeOf(placeOf(place, width)), cube = std::uint64_t(1) << (code & 63);
+  const Brick& brick = brickOf(code >> 6);
+  return brick.cubes & cube ? brick.first + countBits(brick.cubes & (cube - 1)) : kNone;
 }
 
 std::size_t
 SideCells::cellsAbout(std::uint32_t cell, std::array<std::uint32_t, kWindow>& found) const
 {
+  constexpr std::int64_t kReach = 2;
   const Place middle = placeOf(cells[cell].mean, width);
-  std::array<std::array<std::uint64_t, 5>, 3> spread;
-  std::array<std::array<bool, 5>, 3> inside;
-  for (std::size_t a = 0; a < 3; ++a) {
-    for (std::int64_t d = 0; d < 5; ++d) {
-      const std::int64_t at = middle[a] + d - 2;
-      inside[a][static_cast<std::size_t>(d)] = at >= 0 && at <= kLast;
-      spread[a][static_cast<std::size_t>(d)] = spreadBits(static_cast<std::uint64_t>(at) & kLast)
-                                               << (2 - a);
-    }
-  }
+  Place first;  // brick
+  for (std::size_t a = 0; a < 3; ++a) first[a] = std::max<std::int64_t>(middle[a] - kReach, 0) / 4;
   std::size_t count = 0;
-  for (std::size_t x = 0; x < 5; ++x) {
-    for (std::size_t y = 0; y < 5; ++y) {
-      for (std::size_t z = 0; z < 5; ++z) {
-        if (!(inside[0][x] && inside[1][y] && inside[2][z])) continue;
-        const std::uint32_t at = cellOf(spread[0][x] | spread[1][y] | spread[2][z]);
-        if (at != kNone) found[count++] = at;
-      }
+  for (std::int64_t corner = 0; corner < 8; ++corner) {
+    const Place at = {first[0] + (corner >> 2), first[1] + (corner >> 1 & 1),
+                      first[2] + (corner & 1)};
+    std::uint64_t cubes = ~std::uint64_t(0);
+    for (std::size_t a = 0; a < 3; ++a) {
+      const std::int64_t from = middle[a] - 4 * at[a];
+      cubes &= 4 * at[a] > kLast ? 0 : cubesWithin(a, from - kReach, from + kReach);
     }
+    if (cubes == 0) continue;
+    const Brick& brick = brickOf(codeOf(at));
+    for (cubes &= brick.cubes; cubes != 0; cubes &= cubes - 1)
+      found[count++] = brick.first + countBits(brick.cubes & ((cubes & (0 - cubes)) - 1));
   }
   return count;
 }

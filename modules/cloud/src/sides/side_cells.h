@@ -17,7 +17,8 @@ struct CellMoments {
   std::array<double, 6> covariance{};  ///< xx, xy, xz, yy, yz, zz
 };
 
-/** \brief The points of a store, cut into cubes of one width; found by place through a hash table. */
+/** \brief The points of a store, cut into cubes of one width; found by place through a hash table of
+ * bricks of 4 x 4 x 4 cubes. */
 class SideCells {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;
@@ -37,11 +38,18 @@ class SideCells {
   double width;                        ///< local length
 
  private:
-  void index();
-  std::uint32_t cellOf(std::uint64_t code) const;
+  /** The cells of 64 Morton codes in a row. */
+  struct Brick {
+    std::uint64_t code = 0;   ///< of the brick
+    std::uint64_t cubes = 0;  ///< that have a cell, a bit each
+    std::uint32_t first = 0;  ///< cell of these
+  };
 
-  std::vector<std::uint64_t> codes_;
-  std::vector<std::uint32_t> slots_;  ///< cells by hashed code
+  void index(const std::vector<std::uint64_t>& codes);
+  const Brick& brickOf(std::uint64_t code) const;
+
+  std::vector<Brick> bricks_;
+  std::vector<std::uint32_t> slots_;  ///< bricks by hashed code
 };
 
 }  // namespace pcl_slim::detail

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <utility>
 
 #include "pcl_slim/cloud/morton_sort.h"
@@ -13,7 +15,7 @@ namespace pcl_slim::detail {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
-constexpr double kStep = 0.7;       ///< from one threshold of agreements to the next
+constexpr double kStep = 0.5;       ///< from one threshold of agreements to the next
 constexpr double kLeast = 0x1p-20;  ///< of the strongest agreement: less says nothing
 
 /** Components under contraction: a forest with parities, and the edges between roots. */

@@ -23,21 +23,99 @@ mayNeedSides(const PointStore& store, const FitParams& params, const FitStatisti
          !params.paper_mode && !(params.t_mdl > 0) && stats.noise_line == 0;
 }
 
-/** Whether thin parts, a share of all, have come to face apart, and few cells are in doubt beside them. */
-bool
-worthIt(const Sides& sides, double share, const SideConstants& rules)
+/** What is asked of the sides of a cloud. */
+struct SideSearch {
+  double share = 0;     ///< of the places, that have two sides
+  bool needed = false;  ///< at these a fit parts no sheets by itself
+  double noise = 0;     ///< that the first cells are cut by
+  double least = 0;     ///< noise below which the spacing alone sets the width of cells
+  double unsided = 0;   ///< noise measured without sides
+  bool capped = true;   ///< noise is measured, and no more than cells are cut by
+};
+
+/** Share of thin places that sides are worth. Where there is little noise small balls part sheets by
+ * themselves, and cells are about as many as points. \param[in] noise in spacings */
+double
+leastShare(double noise, const SideConstants& rules)
 {
-  return sides.thin >= rules.part * share && 1 - sides.confidence <= rules.part * share;
+  const double clean = (rules.full_noise - noise) / (rules.full_noise - rules.clean_noise);
+  return rules.least_thin + std::clamp(clean, 0.0, 1.0) * (rules.clean_thin - rules.least_thin);
 }
 
-/** Sides by cells of some noise, and what is measured with them. */
+/** \return nothing where a cloud is thick. */
+std::optional<SideSearch>
+searchFor(const ThinPlaces& thin, double unsided, bool measured, const SideConstants& rules)
+{
+  SideSearch search;
+  search.unsided = search.noise = unsided;
+  if (measured && thin.noise > 0) search.noise = std::min(unsided, thin.noise);
+  search.least = rules.least_cells * thin.spacing;
+  search.capped = measured;
+  const double least = leastShare(search.noise / thin.spacing, rules);
+  search.needed = thin.share >= least || thin.facing >= rules.least_facing;
+  search.share = search.needed ? std::max(thin.share, thin.facing) : thin.share + thin.near;
+  if (!search.needed && search.share < rules.clean_thin) return {};
+  return search;
+}
+
+/** Sides by cells of one width, and what is measured with them. */
 struct SidedFit {
   Sides sides;
   FitSettings settings;
   FitStatistics stats;
+  double noise = 0;  ///< measured
 
-  double noise() const { return std::sqrt(settings.energy.lambda); }
+  /** The noise over the agreement of the sides: one rises or the other falls where sides are wrong. */
+  double cost() const { return noise / sides.confidence; }
 };
+
+/** Measures a cloud with sides. */
+Error
+measureWith(SidedStore& sided, const FitConstants& constants, const FitParams& params,
+            SidedFit& fit)
+{
+  sided.setSides(fit.sides.normals);
+  fit.settings = makeSettings(sided.store(), params, constants);
+  const int threads = fit.stats.threads;
+  Error error = measureSettings(sided.store(), params, threads, fit.settings, fit.stats);
+  fit.noise = std::sqrt(fit.settings.energy.lambda);
+  return error;
+}
+
+/** Seeks sides by narrower and narrower cells: those that hold both sides leave doubts, or too little
+ * faces apart. Keeps the sides of the least cost. */
+Error
+seekSides(const SideSearch& search, double spacing, const FitConstants& constants,
+          const FitParams& params, SidedStore& sided, const FitStatistics& stats,
+          std::optional<SidedFit>& best)
+{
+  const SideConstants& rules = constants.sides;
+  double noise = search.noise;
+  for (int pass = 0; pass < rules.noise_passes; ++pass) {
+    sided.clearSides();
+    SidedFit next{findSides(sided.store(), noise, spacing, rules, stats.threads), {}, stats};
+    const bool few = next.sides.thin < rules.part * search.share;
+    const bool doubtful = 1 - next.sides.confidence > rules.doubt * search.share;
+    const bool narrower = few || doubtful || next.sides.confidence < rules.sure;
+    if (doubtful && best) break;
+    double found = noise;
+    if (!few && !doubtful) {
+      if (Error error = measureWith(sided, constants, params, next)) return error;
+      found = next.noise;
+      if (!search.needed && found > rules.same_noise * search.unsided) break;
+      if (best && next.cost() > best->cost()) break;
+      // Wider balls would hold what these cells keep apart.
+      double& lambda = next.settings.energy.lambda;
+      if (search.capped) lambda = std::min(lambda, std::pow(std::max(noise, search.least), 2));
+      best = std::move(next);
+    }
+    const bool same = found > rules.same_noise * noise;
+    if (noise <= search.least || (same && !narrower)) break;
+    noise = std::max(search.least, same ? 0.5 * noise : found);
+  }
+  sided.clearSides();
+  return {};
+}
 
 }  // namespace
 
@@ -46,44 +124,15 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
           FitSettings& settings, FitStatistics& stats)
 {
   if (!mayNeedSides(sided.store(), params, stats)) return {};
-  const SideConstants& rules = constants.sides;
-  const ThinPlaces thin = findThinPlaces(sided.store(), rules, constants.noise, stats.threads);
+  const ThinPlaces thin =
+      findThinPlaces(sided.store(), constants.sides, constants.noise, stats.threads);
   stats.thin_places = thin.share;
-  // Sheets that are near and clean part in a fit by themselves, or they do not: sides stay if they
-  // lower the noise.
-  const bool needed = thin.share >= rules.least_thin || thin.facing >= rules.least_facing;
-  const double share = needed ? std::max(thin.share, thin.facing) : thin.share + thin.near;
-  if (!needed && share < rules.least_thin) return {};
-  double noise = std::sqrt(settings.energy.lambda);
-  if (params.lambda == 0 && thin.noise > 0) noise = std::min(noise, thin.noise);
-  const double least = rules.least_cells * thin.spacing;
   const double unsided = std::sqrt(settings.energy.lambda);
+  const auto search = searchFor(thin, unsided, params.lambda == 0, constants.sides);
+  if (!search) return {};
   std::optional<SidedFit> best;
-  bool narrows = false;  // this pass tries narrower cells than the noise that was found asks for
-  for (int pass = 0; pass < rules.noise_passes && (pass == 0 || noise > least); ++pass) {
-    sided.clearSides();
-    SidedFit next{findSides(sided.store(), noise, thin.spacing, rules, stats.threads), {}, stats};
-    if (!worthIt(next.sides, share, rules)) {
-      if (best || thin.noise > 0) break;
-      noise *= 0.5;  // cells so wide that they hold both sides leave doubts
-      continue;
-    }
-    sided.setSides(next.sides.normals);
-    next.settings = makeSettings(sided.store(), params, constants);
-    if (Error error =
-            measureSettings(sided.store(), params, stats.threads, next.settings, next.stats))
-      return error;
-    const double found = next.noise();
-    if (!needed && found > rules.same_noise * unsided) break;
-    if (narrows && found > rules.same_noise * best->noise()) break;
-    best = std::move(next);
-    const bool same = found > rules.same_noise * noise || found < least;
-    if (same && (thin.noise > 0 || best->sides.confidence > rules.sure)) break;
-    // No place has shown the noise by itself: cells that hold both sides may have shown this one.
-    narrows = same;
-    noise = same ? 0.5 * noise : found;
-  }
-  sided.clearSides();
+  if (Error error = seekSides(*search, thin.spacing, constants, params, sided, stats, best))
+    return error;
   if (!best) return {};
   sided.setSides(best->sides.normals);
   settings = best->settings;

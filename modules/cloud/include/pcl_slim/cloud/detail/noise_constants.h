@@ -76,11 +76,10 @@ struct NoiseConstants {
   std::size_t samples = 500;            ///< patches of the smallest size ...
   std::size_t points_per_sample = 250;  ///< ... and one for this many points of large clouds
   std::size_t least_samples = 100;      ///< patches of a large size
-  double trim = 0.1;           ///< share of patches left out at either end of a trimmed mean
-  double patch_noise = 0.2;    ///< sqrt(lambda) over the patch's radius above which noise fills it
-  double filled_patch = 0.25;  ///< the same ratio, below which noise plainly does not fill a patch
-  /// Surface relief keeps more than this share of that ratio in twice as many points; noise has .8.
-  double relief = 0.9;
+  double trim = 0.1;         ///< share of patches left out at either end of a trimmed mean
+  double patch_noise = 0.4;  ///< sqrt(lambda) over the patch's radius above which noise fills it
+  double filled_patch =
+      0.28;  ///< the same of the narrowest patches that are compared with wider ones
   /// A cubic's squared bias grows by this when the number of points doubles (radius to the eighth).
   double bias_growth = 16.0;
   double floor = 1e-11;  ///< least sqrt(lambda) [L of the bulk]: float positions resolve no less

@@ -28,16 +28,20 @@ struct SideConstants {
   std::size_t wider = 4;                             ///< ... and the factor to the next
   std::size_t patch_points = 384;  ///< points looked at in a patch; larger patches are sampled
   std::size_t most_patch = 12288;  ///< points of the widest patch: wider ones cost more than a fit
-  double filled = 0.1;             ///< a cubic's RMS residual over the radius of a patch that fits
+  double filled = 0.15;            ///< a cubic's RMS residual over the radius of a patch that fits
   double relief = 3;  ///< growth of the variance to the next patch that is a rough surface's own
   double rod = 0.2;   ///< variance across over that along, below which a patch is a rod ...
   double thick_rod = 0.2;  ///< ... where its lesser variance across is more of the other than this
-  double least_thin = 0.35;   ///< share of thin places that sides are worth
+  double least_thin = 0.07;   ///< share of thin places that sides are worth ...
+  double clean_thin = 0.35;   ///< ... and where there is little noise
+  double clean_noise = 0.4;   ///< noise that is little [spacings] ...
+  double full_noise = 0.45;   ///< ... and that is not
   double least_facing = 0.5;  ///< the same of places where sheets face one that a patch fits
-  double part = 0.25;         ///< of that share that must come to face apart, and may be in doubt
+  double part = 0.25;         ///< of that share that must come to face apart ...
+  double doubt = 0.45;        ///< ... and that may be in doubt
   double same_noise =
-      0.75;           ///< share of the noise that the cells were cut by, from which it is the same
-  double sure = 0.9;  ///< confidence from which narrower cells are not tried
+      0.75;            ///< share of the noise that the cells were cut by, from which it is the same
+  double sure = 0.95;  ///< confidence from which narrower cells are not tried
   int noise_passes = 5;      ///< times that cells are cut by the noise that sides show
   double least_cells = 1.0;  ///< noise below which cells follow the spacing alone [spacings]
   double flat_places = 0.1;  ///< share of places that noise is taken from
