@@ -11,8 +11,8 @@
 #include "pcl_slim/stream/stream_fit.h"
 #include "ranks/fitted_tiles.h"
 #include "ranks/rank_messages.h"
+#include "ranks/statistics_sum.h"
 #include "scratch/tile_store.h"
-#include "tiles/statistics_sum.h"
 #include "tiles/tile_loader.h"
 
 namespace pcl_slim::detail {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fast/frame_view.h"
+#include "camera/frame_view.h"
 
 #include <cmath>
 
