@@ -7,6 +7,7 @@
 Every source starts with its licence, headers guard themselves, modules neither print nor know PCL or
 VTK, includes between folders follow ARROWS and make no cycle, nor do those between the folders of one
 module, private headers keep their names in a namespace of their own, files and functions are short.
+Links of the documents lead to files and headings that are there.
 """
 import collections
 import os
@@ -38,7 +39,7 @@ ARROWS = {
     "apps": MODULES + ("filters", "visualization"),
     "examples": MODULES + ("filters", "visualization"),
     "benchmarks": MODULES + ("filters", "visualization", "apps"),
-    "tests": MODULES + ("filters", "visualization", "apps", "benchmarks"),
+    "tests": MODULES + ("filters", "visualization", "apps"),
 }
 
 
@@ -192,10 +193,42 @@ def breaches(root, paths):
               f"p90 {lengths[len(lengths) * 9 // 10]}, longest {lengths[-1]}")
 
 
+def documents(root):
+    """Path and text, without its code, of each Markdown file that is not made by a build."""
+    for folder, folders, names in os.walk(root):
+        folders[:] = sorted(f for f in folders if not f.startswith(".") and f not in ("build", "shared"))
+        for name in sorted(names):
+            if name.endswith(".md"):
+                path = os.path.join(folder, name)
+                text = open(path, encoding="utf-8").read()
+                yield os.path.relpath(path, root), re.sub(r"^```.*?^```", "", text, flags=re.M | re.S)
+
+
+def anchor(heading):
+    """What a link names a heading by."""
+    heading = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", heading)
+    return re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
+
+
+def dead_links(root):
+    texts = dict(documents(root))
+    anchors = {p: {anchor(h) for h in re.findall(r"^#+ (.*)$", t, re.M)} for p, t in texts.items()}
+    for path, text in texts.items():
+        for link in re.findall(r"\]\(([^)\s]+)\)", text):
+            name, _, heading = link.partition("#")
+            target = os.path.normpath(os.path.join(os.path.dirname(path), name)) if name else path
+            if re.match(r"[a-z]+:", link):
+                continue
+            if not os.path.exists(os.path.join(root, target)):
+                yield f"{path}: links to {link}, which is not there"
+            elif "#" in link and heading not in anchors.get(target, ()):
+                yield f"{path}: links to {link}, a heading that is not there"
+
+
 def main():
     root = sys.argv[1]
     paths = list(sources(root))
-    found = list(breaches(root, paths))
+    found = list(breaches(root, paths)) + list(dead_links(root))
     for line in found:
         print(line)
     if not paths:

@@ -53,19 +53,13 @@ SweepLists::finish()
                               {"mls_neighbours", &neighbours_, 3, 1e6, true, &neighbour_list_}});
 }
 
-std::vector<std::size_t>
-SweepLists::pointCounts() const
-{
-  return {point_list_.begin(), point_list_.end()};
-}
-
 Error
 SweepLists::forEachScene(const std::function<Error(const Scene&)>& treat) const
 {
-  for (const std::size_t count : pointCounts()) {
+  for (const double count : point_list_) {
     for (const std::string& shape : shape_list_) {
       for (const double noise : noise_list_) {
-        const Result<Scene> scene = makeScene(shape, count, noise);
+        const Result<Scene> scene = makeScene(shape, static_cast<std::size_t>(count), noise);
         if (!scene) return scene.error();
         if (Error error = treat(*scene)) return error;
       }

@@ -26,12 +26,7 @@ class SweepLists {
   /** \brief Reads the lists given. \return the first mistake, with its remedy. */
   Error finish();
 
-  const std::vector<std::string>& shapes() const { return shape_list_; }
-  const std::vector<double>& noises() const { return noise_list_; }
-  std::vector<std::size_t> pointCounts() const;
   const std::vector<double>& degrees() const { return degree_list_; }
-  const std::vector<double>& kappas() const { return kappa_list_; }
-  const std::vector<double>& tMdls() const { return t_mdl_list_; }
   int threads() const { return threads_; }
 
   /** \brief Makes every scene of the lists, one after the other, and hands it over, until an
