@@ -143,17 +143,9 @@ declareOptions(const ProjectionProgram& program, ProjectionJob& job, TileRequest
                    "smooth the faces of a mesh, not its points; -sharp 0 or 1: round or keep all "
                    "edges, else as measured");
   }
-  options.text("surface", &job.surface, "FILE",
-               "use a surface made by pcl_slim_fit (.pcd, .ply, .vtp, .slim) in place of a fit");
-  declareFitOptions(options, job.fit);
+  declareSurfaceOrFit(options, job.surface, job.fit);
   declareTileOptions(options, tiles);
   declareReport(options, job.files);
-  for (const char* name :
-       {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "noise_factor", "least_radius",
-        "outliers", "robust", "local_noise", "sides", "correlation", "noise_model",
-        "normals_as_data", "normal_error", "paper", "compact", "lambda", "seed"}) {
-    options.exclusive({"surface", name});
-  }
   // A mesh has its normals, and their sides, from its faces.
   for (const char* name : {"normals_as_data", "normal_error", "viewpoint", "trajectory",
                            "estimate_normals", "use_normals"}) {

@@ -92,6 +92,20 @@ declareFitOptions(OptionTable& options, FitJob& job)
 }
 
 void
+declareSurfaceOrFit(OptionTable& options, std::string& surface, FitJob& job)
+{
+  options.text("surface", &surface, "FILE",
+               "use a surface made by pcl_slim_fit (.pcd, .ply, .vtp, .slim) in place of a fit");
+  declareFitOptions(options, job);
+  for (const char* name :
+       {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "noise_factor", "least_radius",
+        "outliers", "robust", "local_noise", "sides", "correlation", "noise_model",
+        "normals_as_data", "normal_error", "paper", "compact", "lambda", "seed"}) {
+    options.exclusive({"surface", name});
+  }
+}
+
+void
 declareSensorOptions(OptionTable& options, FitJob& job, const std::string& viewpoint_help)
 {
   options.numbers("viewpoint", &job.viewpoint, "X,Y,Z", viewpoint_help);
