@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "common/program.h"
 #include "pcl_slim/filters/cloud_projection.h"
 #include "pcl_slim/filters/io/crest_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
