@@ -24,7 +24,6 @@ struct Station {
 };
 constexpr Station kStations[] = {
     {-65.0, 1.00, 0.52}, {28.0, 1.35, 0.36}, {122.0, 1.15, 0.70}, {205.0, 1.60, 0.20}};
-constexpr std::size_t kNumStations = sizeof(kStations) / sizeof(kStations[0]);
 
 /** \brief Counter-based random bits (SplitMix64's finaliser): a value per ray and purpose, whatever
  * the order in which rays are shot. */

@@ -14,11 +14,11 @@ namespace pcl_slim_test {
 inline double
 value(const pcl_slim::PointFile& file, const char* name, std::size_t point)
 {
-  const int field = findField(file.cloud, name);
+  const int field = pcl_slim::findField(file.cloud, name);
   EXPECT_GE(field, 0) << name;
-  return field < 0
-             ? NAN
-             : fieldValue(file.cloud, point, file.cloud.fields[static_cast<std::size_t>(field)]);
+  return field < 0 ? NAN
+                   : pcl_slim::fieldValue(file.cloud, point,
+                                          file.cloud.fields[static_cast<std::size_t>(field)]);
 }
 
 }  // namespace pcl_slim_test
