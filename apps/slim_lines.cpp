@@ -104,7 +104,6 @@ Error
 project(const Settings& s, const PointStore& store, const SLIMSurface& surface, Console& console,
         Report& report, Projection& projection)
 {
-  const Stopwatch watch;
   console.begin("Projecting");
   ProjectionParams params;
   params.extremality = true;
@@ -120,14 +119,10 @@ project(const Settings& s, const PointStore& store, const SLIMSurface& surface, 
         "the surface supports less than a tenth of the points: it is of another cloud or faces "
         "the other way; give this cloud's"};
   }
-  if (error) {
-    console.failed();
-    return error;
-  }
-  report.time("project", watch.seconds());
+  if (error) return console.failed(error);
+  report.time("project", console.seconds());
   report.json()["unsupported"] = projection.num_unsupported;
-  console.done(watch.seconds(),
-               std::to_string(store.size() - projection.num_unsupported) + " points");
+  console.done(std::to_string(store.size() - projection.num_unsupported) + " points");
   return {};
 }
 
@@ -137,19 +132,15 @@ trace(const Settings& s, const PointStore& store, const SLIMSurface& surface, Co
 {
   Projection projection;
   if (Error error = project(s, store, surface, console, report, projection)) return error;
-  const Stopwatch watch;
   console.begin("Tracing");
   CrestStatistics statistics;
   Error error =
       traceCrestLines(store, projection, surface, s.crest, lines, &statistics, &console.progress());
-  if (error) {
-    console.failed();
-    return error;
-  }
+  if (error) return console.failed(error);
   report.time("seeds", statistics.seconds_seeds);
   report.time("trace", statistics.seconds_trace);
   reportLines(lines, statistics, report);
-  console.done(watch.seconds(), std::to_string(lines.numLines()) + " lines");
+  console.done(std::to_string(lines.numLines()) + " lines");
   if (surface.info.degree < 3) {
     console.note("  polynomials of degree 2 show few lines; -degree 4 shows them");
   }

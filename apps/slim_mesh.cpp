@@ -105,18 +105,14 @@ struct Input {
 Error
 loadGiven(const std::string& path, Console& console, Report& report, Input& input)
 {
-  const Stopwatch watch;
   console.begin("Loading " + path);
   Result<SLIMSurface> surface = loadSurface(path);
-  if (!surface) {
-    console.failed();
-    return surface.error();
-  }
+  if (!surface) return console.failed(surface.error());
   input.surface = std::move(*surface);
   input.has_surface = true;
-  report.time("load_surface", watch.seconds());
+  report.time("load_surface", console.seconds());
   reportSurface(path, input.surface, report);
-  console.done(watch.seconds(), counted(input.surface.numLeaves(), "surfel"));
+  console.done(counted(input.surface.numLeaves(), "surfel"));
   return {};
 }
 
@@ -188,7 +184,6 @@ Error
 makeMesh(const Settings& s, const SLIMSurface& surface, const SLIMSurface* sharp, Console& console,
          Report& report, TriangleMesh& mesh)
 {
-  const Stopwatch watch;
   console.begin("Meshing");
   MeshParams params = s.mesh;
   params.sharp = sharp;
@@ -197,18 +192,16 @@ makeMesh(const Settings& s, const SLIMSurface& surface, const SLIMSurface* sharp
     params.tolerance = s.tolerance_noise * noise * surface.info.scale;
   }
   MeshStatistics statistics;
-  if (Error error = extractMesh(surface, params, mesh, &statistics, &console.progress())) {
-    console.failed();
-    return error;
-  }
-  report.time("mesh", watch.seconds());
+  if (Error error = extractMesh(surface, params, mesh, &statistics, &console.progress()))
+    return console.failed(error);
+  report.time("mesh", console.seconds());
   report.time("mesh_tree", statistics.seconds_tree);
   report.time("mesh_contour", statistics.seconds_contour);
   report.time("mesh_vertices", statistics.seconds_vertices);
   report.time("mesh_trim", statistics.seconds_trim);
   if (sharp != nullptr) report.time("mesh_sharpen", statistics.seconds_sharpen);
   reportMesh(statistics, report);
-  console.done(watch.seconds(), counted(mesh.triangles.size(), "triangle"));
+  console.done(counted(mesh.triangles.size(), "triangle"));
   noteMesh(statistics, console);
   return {};
 }

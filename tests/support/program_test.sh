@@ -181,7 +181,7 @@ documented() {
   done
   "$bin/$1" --help-markdown > out.txt 2> err.txt || complain "$1 --help-markdown fails"
   while IFS= read -r line; do
-    case $line in '| `-'*) cat "$page" "$more" | grep -qF -- "$line" || complain "$page lacks: $line" ;; esac
+    case $line in '| `-'*) grep -qF -- "$line" "$page" "$more" || complain "$page lacks: $line" ;; esac
   done < out.txt
 }
 
