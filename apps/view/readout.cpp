@@ -105,7 +105,7 @@ std::string
 freePictureName()
 {
   for (int number = 1;; ++number) {
-    const std::string name = print("pcl_slim_view_%03d.png", number);
+    std::string name = print("pcl_slim_view_%03d.png", number);
     std::error_code code;
     if (!std::filesystem::exists(name, code)) return name;
   }
