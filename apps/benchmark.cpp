@@ -66,15 +66,11 @@ treatScene(const Settings& s, const Scene& scene, Console& console, std::vector<
   for (std::size_t i = 0; i < scene.size(); ++i) measured.judged += scene.isJudged(i);
   for (const comparison::Setting& setting : s.plan.settingsFor(scene)) {
     if (console.interrupted()) return {ErrorCode::kCancelled, "stopped; nothing is written"};
-    const Stopwatch watch;
     console.begin(measured.title() + ": " + methodName(setting.method) + " " + setting.text() +
                   (setting.normals ? ", normals given" : ""));
     const Result<Run> run = runSetting(scene, setting, s.plan.repeats());
-    if (!run) {
-      console.failed();
-      return run.error();
-    }
-    console.done(watch.seconds(), outcomeText(*run, scene.size()));
+    if (!run) return console.failed(run.error());
+    console.done(outcomeText(*run, scene.size()));
     measured.runs.push_back(*run);
   }
   all.push_back(std::move(measured));

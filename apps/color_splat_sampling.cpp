@@ -120,7 +120,6 @@ sample(Settings& s, const CloudFile& cloud, Console& console, Report& report, Sp
   for (std::size_t a = 0; a < 3; ++a) {
     s.params.viewpoint[a] = s.scan.viewpoint.size() == 3 ? s.scan.viewpoint[a] : cloud.sensor()[a];
   }
-  const Stopwatch watch;
   const double bytes = kBytesOfPoint * static_cast<double>(cloud.size());
   const std::string work = "sampling " + std::to_string(cloud.size()) + " points";
   if (Error error = checkMemory(bytes, work)) return error;
@@ -128,13 +127,11 @@ sample(Settings& s, const CloudFile& cloud, Console& console, Report& report, Sp
   const ColorView colors = colorsOf(cloud);
   SplatStatistics statistics;
   if (Error error = sampleSplats(cloud.view(s.scan.use_normals), colors, s.params, splats,
-                                 &statistics, &console.progress())) {
-    console.failed();
-    return error;
-  }
-  report.time("sample", watch.seconds());
+                                 &statistics, &console.progress()))
+    return console.failed(error);
+  report.time("sample", console.seconds());
   reportSplats(statistics, colors.bgr != nullptr, report);
-  console.done(watch.seconds(), std::to_string(splats.size()) + " splats");
+  console.done(std::to_string(splats.size()) + " splats");
   if (colors.bgr == nullptr) console.note("  the scan has no colours: shape alone decides");
   if (!statistics.normals_estimated &&
       (s.neighbors_given || !s.scan.viewpoint.empty() || !s.scan.trajectory.empty())) {
@@ -155,22 +152,15 @@ lookForHoles(const Settings& s, const CloudFile& cloud, const SplatSet& splats, 
              Report& report)
 {
   if (s.rays == 0) return {};
-  const Stopwatch watch;
   console.begin("Looking for holes");
   const Result<PointStore> store = PointStore::build(cloud.view(false), s.params.threads);
-  if (!store) {
-    console.failed();
-    return store.error();
-  }
+  if (!store) return console.failed(store.error());
   HoleCheckParams params;
   params.rays = s.rays;
   params.threads = s.params.threads;
   const Result<HoleCheck> check = checkHoles(*store, splats, params);
-  if (!check) {
-    console.failed();
-    return check.error();
-  }
-  report.time("rays", watch.seconds());
+  if (!check) return console.failed(check.error());
+  report.time("rays", console.seconds());
   report.json()["holes"] = check->holes();
   report.json()["overlap"] = check->overlap;
   report.json()["rays"] = {{"cast", check->rays},
@@ -180,7 +170,7 @@ lookForHoles(const Settings& s, const CloudFile& cloud, const SplatSet& splats, 
   char text[96];
   std::snprintf(text, sizeof(text), "%.4f %% of rays, overlap %.2f", 100.0 * check->holes(),
                 check->overlap);
-  console.done(watch.seconds(), text);
+  console.done(text);
   return {};
 }
 

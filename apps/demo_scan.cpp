@@ -24,14 +24,12 @@ run(const std::string& output, const demo::ScanParams& params, const std::string
   Console console(quiet);
   Report report(kProgram, PCL_SLIM_VERSION, "", resolveThreads(params.threads));
   console.begin("Scanning an amphora");
-  const Stopwatch watch;
   const demo::Scan scan = demo::scanAmphora(params);
-  report.time("scan", watch.seconds());
+  report.time("scan", console.seconds());
   report.json()["points"] = scan.rgb.size();
   report.json()["noise"] = params.noise;
   report.json()["seed"] = params.seed;
-  console.done(watch.seconds(),
-               std::to_string(scan.width) + " x " + std::to_string(scan.height) + " points");
+  console.done(std::to_string(scan.width) + " x " + std::to_string(scan.height) + " points");
 
   const auto bytes = demo::encodePcd(scan);
   error = saveOutput(

@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_slim_lines: traces the ridges and ravines of a scan's SLIM surface.
 #include <algorithm>
+#include <memory>
+#include <string>
 #include <utility>
 
-#include "common/memory_limit.h"
 #include "common/program.h"
-#include "common/run_program.h"
-#include "pcl_slim/core/parallel.h"
 #include "pcl_slim/filters/cloud_projection.h"
 #include "pcl_slim/filters/io/crest_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "scan/fit_job.h"
 #include "scan/fit_report.h"
+#include "scan/scan_program.h"
 
 namespace {
 
@@ -20,12 +20,11 @@ using namespace pcl_slim;
 constexpr double kPeak = 3.25;  ///< a line's peak must stand out so many times as much as the rest
 
 struct Settings {
-  std::string input, output, json, surface, type = "both";
+  ScanFiles files;
+  std::string surface, type = "both";
   FitJob job;
   CrestParams crest;
   std::vector<double> view, up;
-  std::uint64_t max_memory = 0;
-  bool quiet = false;
 };
 
 OptionTable
@@ -33,8 +32,8 @@ declareOptions(Settings& s)
 {
   OptionTable options("pcl_slim_lines", PCL_SLIM_VERSION,
                       "Traces the ridges and ravines of a scan as polylines.");
-  options.positional("IN", &s.input, kScanHelp);
-  options.positional("OUT.vtp|.ply|.pcd|.svg", &s.output, "the lines");
+  options.positional("IN", &s.files.input, kScanHelp);
+  options.positional("OUT.vtp|.ply|.pcd|.svg", &s.files.output, "the lines");
   options.choice("type", &s.type, {"ridges", "ravines", "both"}, "which lines");
   options.number("significance", &s.crest.significance, 0, 1e6,
                  "deviations of the noise that a line stands out, and 3.25 times that at its peak");
@@ -44,18 +43,8 @@ declareOptions(Settings& s)
                  "least length of a line, in radii of the surface's balls");
   options.numbers("view", &s.view, "X,Y,Z", "where an .svg is seen from, as a direction; 0,0,1");
   options.numbers("up", &s.up, "X,Y,Z", "the direction that points up in an .svg; 0,1,0");
-  options.text("surface", &s.surface, "FILE",
-               "use a surface made by pcl_slim_fit (.pcd, .ply, .vtp, .slim) in place of a fit");
-  declareFitOptions(options, s.job);
-  options.text("json", &s.json, "FILE", "write a report");
-  declareMemoryLimit(options, &s.max_memory);
-  options.toggle("quiet", &s.quiet, "say nothing but errors");
-  for (const char* name :
-       {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "noise_factor", "least_radius",
-        "outliers", "robust", "local_noise", "sides", "correlation", "noise_model",
-        "normals_as_data", "normal_error", "paper", "compact", "lambda", "seed"}) {
-    options.exclusive({"surface", name});
-  }
+  declareSurfaceOrFit(options, s.surface, s.job);
+  declareReport(options, s.files);
   return options;
 }
 
@@ -64,8 +53,9 @@ Error
 checkSettings(Settings& s)
 {
   if (Error error = finishFitOptions(s.job)) return error;
-  if (Error error = checkCrestExtension(s.output)) return error;
-  if (Error error = checkPlaces({s.input, s.surface, s.job.trajectory}, {s.output, s.json}))
+  if (Error error = checkCrestExtension(s.files.output)) return error;
+  if (Error error =
+          checkPlaces({s.files.input, s.surface, s.job.trajectory}, {s.files.output, s.files.json}))
     return error;
   s.crest.ridges = s.type != "ravines";
   s.crest.ravines = s.type != "ridges";
@@ -114,7 +104,6 @@ Error
 project(const Settings& s, const PointStore& store, const SLIMSurface& surface, Console& console,
         Report& report, Projection& projection)
 {
-  const Stopwatch watch;
   console.begin("Projecting");
   ProjectionParams params;
   params.extremality = true;
@@ -130,14 +119,10 @@ project(const Settings& s, const PointStore& store, const SLIMSurface& surface, 
         "the surface supports less than a tenth of the points: it is of another cloud or faces "
         "the other way; give this cloud's"};
   }
-  if (error) {
-    console.failed();
-    return error;
-  }
-  report.time("project", watch.seconds());
+  if (error) return console.failed(error);
+  report.time("project", console.seconds());
   report.json()["unsupported"] = projection.num_unsupported;
-  console.done(watch.seconds(),
-               std::to_string(store.size() - projection.num_unsupported) + " points");
+  console.done(std::to_string(store.size() - projection.num_unsupported) + " points");
   return {};
 }
 
@@ -147,19 +132,15 @@ trace(const Settings& s, const PointStore& store, const SLIMSurface& surface, Co
 {
   Projection projection;
   if (Error error = project(s, store, surface, console, report, projection)) return error;
-  const Stopwatch watch;
   console.begin("Tracing");
   CrestStatistics statistics;
   Error error =
       traceCrestLines(store, projection, surface, s.crest, lines, &statistics, &console.progress());
-  if (error) {
-    console.failed();
-    return error;
-  }
+  if (error) return console.failed(error);
   report.time("seeds", statistics.seconds_seeds);
   report.time("trace", statistics.seconds_trace);
   reportLines(lines, statistics, report);
-  console.done(watch.seconds(), std::to_string(lines.numLines()) + " lines");
+  console.done(std::to_string(lines.numLines()) + " lines");
   if (surface.info.degree < 3) {
     console.note("  polynomials of degree 2 show few lines; -degree 4 shows them");
   }
@@ -187,42 +168,21 @@ prepare(const Settings& s, const CloudFile& cloud, const SLIMSurface* given, Con
   return {};
 }
 
-int
-run(int argc, char** argv)
+Error
+makeLines(const Settings& s, const SLIMSurface* given, const CloudFile& cloud, Console& console,
+          Report& report, ScanResult& result)
 {
-  Settings s;
-  OptionTable options = declareOptions(s);
-  if (const auto status = options.parse(argc, argv)) return *status;
-  Error error = checkSettings(s);
-  if (!error) error = limitMemory(s.max_memory);
-  if (error) return fail(options.program(), kExitUsage, error.message);
-  Console console(s.quiet);
-  Report report(options.program(), options.version(), s.input,
-                resolveThreads(s.job.params.threads));
-  const Result<CloudFile> cloud = loadScan(s.input, s.job, console, report);
-  if (!cloud) return fail(options.program(), kExitUsage, cloud.error().message);
-  Result<SLIMSurface> given = SLIMSurface();
-  if (!s.surface.empty()) {
-    given = loadSurface(s.surface);
-    if (!given) return fail(options.program(), kExitUsage, given.error().message);
-  }
-  error = checkOutputs(s.output, s.json);
-  if (error) return fail(options.program(), kExitFailed, error.message);
-
-  SLIMSurface surface;
+  const auto surface = std::make_shared<SLIMSurface>();
+  const auto lines = std::make_shared<CrestLines>();
   PointStore store;
-  CrestLines lines;
-  error =
-      prepare(s, *cloud, s.surface.empty() ? nullptr : &*given, console, report, surface, store);
-  if (!error && !console.interrupted()) error = trace(s, store, surface, console, report, lines);
-  if (console.interrupted())
-    return fail(options.program(), kExitInterrupted, "stopped; nothing is written");
-  if (!error) {
-    error = saveOutput(
-        s.output, s.json, [&] { return saveCrestLines(s.output, lines, viewOf(s, surface)); },
-        std::to_string(lines.numLines()) + " lines", console, report);
-  }
-  return error ? failWork(options.program(), error) : kExitDone;
+  if (Error error = prepare(s, cloud, given, console, report, *surface, store)) return error;
+  if (console.interrupted()) return {};
+  if (Error error = trace(s, store, *surface, console, report, *lines)) return error;
+  result.save = [&s, surface, lines] {
+    return saveCrestLines(s.files.output, *lines, viewOf(s, *surface));
+  };
+  result.detail = std::to_string(lines->numLines()) + " lines";
+  return {};
 }
 
 }  // namespace
@@ -230,5 +190,17 @@ run(int argc, char** argv)
 int
 main(int argc, char** argv)
 {
-  return pcl_slim::guarded("pcl_slim_lines", "use a smaller scan", [&] { return run(argc, argv); });
+  Settings s;
+  OptionTable options = declareOptions(s);
+  Result<SLIMSurface> given = SLIMSurface();
+  const ScanSteps steps = {
+      [&] { return checkSettings(s); },
+      [&](const CloudFile*, Console&, Report&) {
+        if (!s.surface.empty()) given = loadSurface(s.surface);
+        return given.error();
+      },
+      [&](auto&... stage) { return makeLines(s, s.surface.empty() ? nullptr : &*given, stage...); },
+      {},
+      {}};
+  return runScanProgram(options, argc, argv, s.files, s.job, s.job.params.threads, steps);
 }

@@ -16,6 +16,7 @@
 #include "pcl_slim/query/surface_colors.h"
 #include "scan/fit_job.h"
 #include "scan/fit_report.h"
+#include "scan/scan_program.h"
 
 namespace {
 
@@ -25,13 +26,12 @@ constexpr std::uint64_t kMany = 1000000000000000000u;
 constexpr double kLeastHole = 2, kUsualHole = 4;  ///< spacings that a fit may and does keep
 
 struct Settings {
-  std::string input, output, json, surface;
+  ScanFiles files;
+  std::string surface;
   FitJob job;
   MeshParams mesh;
   double tolerance_noise = 0;
   std::optional<bool> color;  ///< not given: where there are colours
-  std::uint64_t max_memory = 0;
-  bool quiet = false;
 };
 
 void
@@ -61,22 +61,12 @@ declareOptions(Settings& s)
 {
   OptionTable options("pcl_slim_mesh", PCL_SLIM_VERSION,
                       "Makes a triangle mesh of a scan's SLIM surface.");
-  options.positional("IN.pcd|.ply|.slim|.vtp", &s.input,
+  options.positional("IN.pcd|.ply|.slim|.vtp", &s.files.input,
                      "the scan, or a surface made by pcl_slim_fit");
-  options.positional("OUT.ply|.obj|.stl|.glb|.vtp", &s.output, "the mesh");
+  options.positional("OUT.ply|.obj|.stl|.glb|.vtp", &s.files.output, "the mesh");
   declareMeshOptions(options, s);
-  options.text("surface", &s.surface, "FILE",
-               "use a surface made by pcl_slim_fit (.pcd, .ply, .vtp, .slim) in place of a fit");
-  declareFitOptions(options, s.job);
-  options.text("json", &s.json, "FILE", "write a report");
-  declareMemoryLimit(options, &s.max_memory);
-  options.toggle("quiet", &s.quiet, "say nothing but errors");
-  for (const char* name :
-       {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "noise_factor", "outliers",
-        "robust", "local_noise", "sides", "correlation", "noise_model", "normals_as_data",
-        "normal_error", "paper", "compact", "lambda", "seed"}) {
-    options.exclusive({"surface", name});
-  }
+  declareSurfaceOrFit(options, s.surface, s.job);
+  declareReport(options, s.files);
   return options;
 }
 
@@ -89,8 +79,9 @@ checkSettings(Settings& s)
     s.job.params.hole_size = std::clamp(s.mesh.hole_size, kLeastHole, kUsualHole);
   }
   if (Error error = finishFitOptions(s.job)) return error;
-  if (Error error = checkMeshExtension(s.output)) return error;
-  if (Error error = checkPlaces({s.input, s.surface, s.job.trajectory}, {s.output, s.json}))
+  if (Error error = checkMeshExtension(s.files.output)) return error;
+  if (Error error =
+          checkPlaces({s.files.input, s.surface, s.job.trajectory}, {s.files.output, s.files.json}))
     return error;
   s.mesh.threads = s.job.params.threads;
   return s.mesh.validate();
@@ -114,42 +105,38 @@ struct Input {
 Error
 loadGiven(const std::string& path, Console& console, Report& report, Input& input)
 {
-  const Stopwatch watch;
   console.begin("Loading " + path);
   Result<SLIMSurface> surface = loadSurface(path);
-  if (!surface) {
-    console.failed();
-    return surface.error();
-  }
+  if (!surface) return console.failed(surface.error());
   input.surface = std::move(*surface);
   input.has_surface = true;
-  report.time("load_surface", watch.seconds());
+  report.time("load_surface", console.seconds());
   reportSurface(path, input.surface, report);
-  console.done(watch.seconds(), counted(input.surface.numLeaves(), "surfel"));
+  console.done(counted(input.surface.numLeaves(), "surfel"));
   return {};
 }
 
 Error
 loadInput(const Settings& s, Console& console, Report& report, Input& input)
 {
-  if (!isSurface(s.input, nullptr)) {
-    Result<CloudFile> cloud = loadScan(s.input, s.job, console, report);
+  if (!isSurface(s.files.input, nullptr)) {
+    Result<CloudFile> cloud = loadScan(s.files.input, s.job, console, report);
     if (!cloud) return cloud.error();
     input.cloud = std::move(*cloud);
-    input.has_cloud = !isSurface(s.input, &input.cloud);
+    input.has_cloud = !isSurface(s.files.input, &input.cloud);
   }
   if (!input.has_cloud) {
     if (!s.surface.empty()) {
       return {ErrorCode::kBadArgument,
-              "'" + s.input + "' is a surface itself: leave -surface out, or name a scan"};
+              "'" + s.files.input + "' is a surface itself: leave -surface out, or name a scan"};
     }
-    if (Error error = loadGiven(s.input, console, report, input)) return error;
+    if (Error error = loadGiven(s.files.input, console, report, input)) return error;
     if (s.color != true || input.surface.hasColors()) return {};
     return {ErrorCode::kBadArgument,
-            "the surface has no colours: name its scan, with -surface " + s.input};
+            "the surface has no colours: name its scan, with -surface " + s.files.input};
   }
   if (s.color == true && colorsOf(input.cloud).bgr == nullptr) {
-    return badInput("'" + s.input +
+    return badInput("'" + s.files.input +
                     "' has no colours (rgb, rgba or red green blue); leave -color out");
   }
   return s.surface.empty() ? Error{} : loadGiven(s.surface, console, report, input);
@@ -197,7 +184,6 @@ Error
 makeMesh(const Settings& s, const SLIMSurface& surface, const SLIMSurface* sharp, Console& console,
          Report& report, TriangleMesh& mesh)
 {
-  const Stopwatch watch;
   console.begin("Meshing");
   MeshParams params = s.mesh;
   params.sharp = sharp;
@@ -206,18 +192,16 @@ makeMesh(const Settings& s, const SLIMSurface& surface, const SLIMSurface* sharp
     params.tolerance = s.tolerance_noise * noise * surface.info.scale;
   }
   MeshStatistics statistics;
-  if (Error error = extractMesh(surface, params, mesh, &statistics, &console.progress())) {
-    console.failed();
-    return error;
-  }
-  report.time("mesh", watch.seconds());
+  if (Error error = extractMesh(surface, params, mesh, &statistics, &console.progress()))
+    return console.failed(error);
+  report.time("mesh", console.seconds());
   report.time("mesh_tree", statistics.seconds_tree);
   report.time("mesh_contour", statistics.seconds_contour);
   report.time("mesh_vertices", statistics.seconds_vertices);
   report.time("mesh_trim", statistics.seconds_trim);
   if (sharp != nullptr) report.time("mesh_sharpen", statistics.seconds_sharpen);
   reportMesh(statistics, report);
-  console.done(watch.seconds(), counted(mesh.triangles.size(), "triangle"));
+  console.done(counted(mesh.triangles.size(), "triangle"));
   noteMesh(statistics, console);
   return {};
 }
@@ -265,27 +249,28 @@ run(int argc, char** argv)
   OptionTable options = declareOptions(s);
   if (const auto status = options.parse(argc, argv)) return *status;
   Error error = checkSettings(s);
-  if (!error) error = limitMemory(s.max_memory);
+  if (!error) error = limitMemory(s.files.max_memory);
   if (error) return fail(options.program(), kExitUsage, error.message);
-  Console console(s.quiet);
-  Report report(options.program(), options.version(), s.input, resolveThreads(s.mesh.threads));
+  Console console(s.files.quiet);
+  Report report(options.program(), options.version(), s.files.input,
+                resolveThreads(s.mesh.threads));
   Input input;
   error = loadInput(s, console, report, input);
   if (error) return fail(options.program(), kExitUsage, error.message);
-  error = checkOutputs(s.output, s.json);
+  error = checkOutputs(s.files.output, s.files.json);
   if (error) return fail(options.program(), kExitFailed, error.message);
   TriangleMesh mesh;
   error = work(s, input, console, report, mesh);
   if (console.interrupted())
     return fail(options.program(), kExitInterrupted, "stopped; nothing is written");
   if (error) return failWork(options.program(), error);
-  if (lowerExtension(s.output) == ".stl" && floatErrorOf(mesh) > 1e-2) {
+  if (lowerExtension(s.files.output) == ".stl" && floatErrorOf(mesh) > 1e-2) {
     console.warn(
         "pcl_slim_mesh: .stl holds floats, too coarse for these coordinates; .ply and .vtp "
         "keep them");
   }
   error = saveOutput(
-      s.output, s.json, [&] { return saveMesh(s.output, mesh); },
+      s.files.output, s.files.json, [&] { return saveMesh(s.files.output, mesh); },
       counted(mesh.triangles.size(), "triangle"), console, report);
   return error ? failWork(options.program(), error) : kExitDone;
 }

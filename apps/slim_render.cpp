@@ -251,9 +251,7 @@ renderTracedModel(const Settings& s, const Model& model, const Turntable& table,
 int
 fail(Console& console, int status, const Error& error)
 {
-  console.failed();
-  std::fprintf(stderr, "pcl_slim_render: %s\n", error.message.c_str());
-  return status;
+  return pcl_slim::fail("pcl_slim_render", status, console.failed(error).message);
 }
 
 int
@@ -270,7 +268,6 @@ writePage(const Settings& s, const Model& model, const Camera& camera, Console& 
           Report& report)
 {
   console.begin("Writing " + s.output);
-  const Stopwatch watch;
   PageParams params;
   params.title = PageRequest::titleOf(s.input);
   params.up = s.view.upwards(model.spheres());
@@ -285,8 +282,8 @@ writePage(const Settings& s, const Model& model, const Camera& camera, Console& 
   report.json()[model.is_splats ? "splats" : "surfels"] =
       model.is_splats ? model.splats.size() : model.surface.size();
   report.json()["page_bytes"] = page->size();
-  report.time("page", watch.seconds());
-  console.done(watch.seconds(), std::to_string(page->size()) + " bytes");
+  report.time("page", console.seconds());
+  console.done(std::to_string(page->size()) + " bytes");
   return s.save_camera.empty() ? Error{} : saveCamera(s.save_camera, camera);
 }
 
@@ -296,14 +293,13 @@ renderModel(const Settings& s, const Model& model, const Turntable& table, Conso
             Report& report)
 {
   console.begin("Rendering " + s.view.size_text);
-  const Stopwatch watch;
   double save_seconds = 0.0;
   const auto render = model.is_splats ? renderSplatModel : renderSurfaceModel;
   Error error = s.picture.isTraced()
                     ? renderTracedModel(s, model, table, report, save_seconds, console.progress())
                     : render(s, model, table, report, save_seconds);
   if (error) return error;
-  const double seconds = watch.seconds() - save_seconds;
+  const double seconds = console.seconds() - save_seconds;
   const auto covered = report.json()["covered_pixels"].get<std::uint64_t>();
   report.time("render", seconds);
   console.done(seconds, std::to_string(covered) + " rays met the surface");

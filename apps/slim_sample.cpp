@@ -118,17 +118,14 @@ Error
 sample(const Settings& s, const SLIMSurface& surface, Console& console, Report& report,
        SurfaceSamples& samples)
 {
-  const Stopwatch watch;
   console.begin("Sampling");
-  if (Error error = sampleSurface(surface, s.sampling, samples, &console.progress())) {
-    console.failed();
-    return error;
-  }
-  report.time("sample", watch.seconds());
+  if (Error error = sampleSurface(surface, s.sampling, samples, &console.progress()))
+    return console.failed(error);
+  report.time("sample", console.seconds());
   report.add({{"samples", samples.size()},
               {"spacing", samples.spacing},
               {"candidates", samples.candidates}});
-  console.done(watch.seconds(), std::to_string(samples.size()) + " points");
+  console.done(std::to_string(samples.size()) + " points");
   return {};
 }
 

@@ -135,13 +135,9 @@ run(const Settings& s)
     return showScan(s, *cloud, console);
   }
   console.begin("Loading " + s.input);
-  const Stopwatch watch;
   Result<Model> model = loadModel(s.input);
-  if (!model) {
-    console.failed();
-    return fail(kProgram, kExitUsage, model.error().message);
-  }
-  console.done(watch.seconds(), model->describe());
+  if (!model) return fail(kProgram, kExitUsage, console.failed(model.error()).message);
+  console.done(model->describe());
   const Result<BoundingSpheres> seen = s.viewer.region.within(model->spheres());
   if (!seen) return fail(kProgram, kExitUsage, seen.error().message);
   if (Error error = checkDisplay()) return fail(kProgram, kExitFailed, error.message);

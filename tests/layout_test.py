@@ -5,8 +5,9 @@
     python3 tests/layout_test.py ROOT --figures  prints the distribution of lengths as well
 
 Every source starts with its licence, headers guard themselves, modules neither print nor know PCL or
-VTK, includes between folders follow ARROWS and make no cycle, private headers keep their names in a
-namespace of their own, files and functions are short.
+VTK, includes between folders follow ARROWS and make no cycle, nor do those between the folders of one
+module, private headers keep their names in a namespace of their own, files and functions are short.
+Links of the documents lead to files and headings that are there.
 """
 import collections
 import os
@@ -38,7 +39,7 @@ ARROWS = {
     "apps": MODULES + ("filters", "visualization"),
     "examples": MODULES + ("filters", "visualization"),
     "benchmarks": MODULES + ("filters", "visualization", "apps"),
-    "tests": MODULES + ("filters", "visualization", "apps", "benchmarks"),
+    "tests": MODULES + ("filters", "visualization", "apps"),
 }
 
 
@@ -55,6 +56,14 @@ def room_of(path):
     """modules/fit/src/ball/x.h -> fit; apps/common/x.h -> apps."""
     parts = path.split("/")
     return parts[1] if parts[0] == "modules" else parts[0]
+
+
+def folder_of(path):
+    """modules/fit/src/radius/rule/x.h -> modules/fit/src/radius, apps/scan/x.h -> apps/scan; None for what
+    is in src or apps itself, which ties the folders together, and for other places."""
+    parts = path.split("/")
+    depth = parts.index("src") + 1 if "src" in parts else 1 if parts[0] == "apps" else len(parts)
+    return "/".join(parts[:depth + 1]) if len(parts) > depth + 1 else None
 
 
 def included(path, text, by_name):
@@ -153,7 +162,7 @@ def breaches_of_file(path, text):
 def breaches(root, paths):
     texts = {p: open(os.path.join(root, p), encoding="utf-8").read() for p in paths}
     by_name = index(paths)
-    rooms, files = collections.defaultdict(set), {}
+    rooms, folders, files = collections.defaultdict(set), collections.defaultdict(set), {}
     for path in paths:
         for what in breaches_of_file(path, texts[path]):
             yield f"{path}: {what}"
@@ -163,6 +172,9 @@ def breaches(root, paths):
         for other in files[path]:
             room, its = room_of(path), room_of(other)
             if room == its:
+                folder, its = folder_of(path), folder_of(other)
+                if folder and its and folder != its:
+                    folders[folder].add(its)
                 continue
             if its not in ARROWS[room]:
                 yield f"{path}: includes {other}, against the arrows of CONTRIBUTING"
@@ -171,23 +183,52 @@ def breaches(root, paths):
                 if folder.endswith("/src"):
                     yield f"{path}: includes {other}, a private part of another module"
             rooms[room].add(its)
-    # Within a module, files of one folder may know each other; include cycles of files are never right.
-    found = cycle(files)
-    if found:
-        yield "includes make a cycle: " + " -> ".join(found)
-    found = cycle(rooms)
-    if found:
-        yield "folders include each other in a cycle: " + " -> ".join(found)
+    for graph, what in ((files, "files"), (folders, "folders of a module"), (rooms, "modules")):
+        found = cycle(graph)
+        if found:
+            yield f"{what} include each other in a cycle: " + " -> ".join(found)
     lengths = sorted(n for p in paths for _, n in function_lengths(texts[p]))
     if "--figures" in sys.argv:
         print(f"{len(lengths)} functions: median {lengths[len(lengths) // 2]}, "
               f"p90 {lengths[len(lengths) * 9 // 10]}, longest {lengths[-1]}")
 
 
+def documents(root):
+    """Path and text, without its code, of each Markdown file that is not made by a build."""
+    for folder, folders, names in os.walk(root):
+        folders[:] = sorted(f for f in folders if not f.startswith(".") and f not in ("build", "shared"))
+        for name in sorted(names):
+            if name.endswith(".md"):
+                path = os.path.join(folder, name)
+                text = open(path, encoding="utf-8").read()
+                yield os.path.relpath(path, root), re.sub(r"^```.*?^```", "", text, flags=re.M | re.S)
+
+
+def anchor(heading):
+    """What a link names a heading by."""
+    heading = re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", heading)
+    return re.sub(r"[^\w\- ]", "", heading.strip().lower()).replace(" ", "-")
+
+
+def dead_links(root):
+    texts = dict(documents(root))
+    anchors = {p: {anchor(h) for h in re.findall(r"^#+ (.*)$", t, re.M)} for p, t in texts.items()}
+    for path, text in texts.items():
+        for link in re.findall(r"\]\(([^)\s]+)\)", text):
+            name, _, heading = link.partition("#")
+            target = os.path.normpath(os.path.join(os.path.dirname(path), name)) if name else path
+            if re.match(r"[a-z]+:", link):
+                continue
+            if not os.path.exists(os.path.join(root, target)):
+                yield f"{path}: links to {link}, which is not there"
+            elif "#" in link and heading not in anchors.get(target, ()):
+                yield f"{path}: links to {link}, a heading that is not there"
+
+
 def main():
     root = sys.argv[1]
     paths = list(sources(root))
-    found = list(breaches(root, paths))
+    found = list(breaches(root, paths)) + list(dead_links(root))
     for line in found:
         print(line)
     if not paths:

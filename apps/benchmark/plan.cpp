@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <sstream>
 
 #include "measure/lists.h"
 #include "measure/vectors.h"
@@ -25,12 +26,34 @@ repeatWith(bool Setting::*on, std::size_t begin, std::vector<Setting>& settings)
   }
 }
 
+/** Words separated by commas, each one of those known; the error names them. */
+Error
+parseWords(const std::string& option, const std::string& text,
+           const std::vector<std::string>& known, std::vector<std::string>& words)
+{
+  std::string remedy;
+  for (const std::string& word : known) remedy += (remedy.empty() ? "" : ", ") + word;
+  std::stringstream stream(text);
+  for (std::string word; std::getline(stream, word, ',');) {
+    if (std::count(known.begin(), known.end(), word) == 0) {
+      return {ErrorCode::kBadArgument,
+              "option -" + option + " got '" + word + "'; give some of " + remedy};
+    }
+    words.push_back(word);
+  }
+  if (!words.empty()) return {};
+  return {ErrorCode::kBadArgument, "option -" + option + " is empty; give some of " + remedy};
+}
+
 }  // namespace
 
 void
 Plan::declareOptions(OptionTable& options)
 {
-  lists_.declareScenes(options);
+  options.text("shapes", &shapes_, "NAME,...",
+               "exact surfaces: sphere, torus, bumpy, relief, cube");
+  options.text("noises", &noises_, "S,...", "noise, as a share of the box diagonal");
+  options.text("points", &points_, "N,...", "sizes of the clouds");
   options.text("input", &input_, "FILE", "a noisy scan in place of exact surfaces; needs -truth");
   options.text("truth", &truth_, "FILE",
                "the scan's true points, in the same order, or a mesh of its true surface");
@@ -39,15 +62,20 @@ Plan::declareOptions(OptionTable& options)
   options.text("methods", &methods_, "NAME,...",
                "slim, mls (pcl::MovingLeastSquares), normals (pcl::NormalEstimationOMP)");
   options.choice("normals", &normals_, {"0", "1", "both"}, "SLIM: normals given");
-  lists_.declareSlim(options);
+  options.text("degrees", &degrees_, "D,...", "SLIM: degrees of the polynomials");
+  options.text("kappas", &kappas_, "K,...", "SLIM: penalties; 0: the default one");
+  options.text("t_mdls", &t_mdls_, "T,...",
+               "SLIM: the paper's T_MDL in place of a penalty; 0: none");
   options.toggle("sharp", &sharp_, "SLIM: also keeping sharp edges, where normals are given");
   options.toggle("normals_as_data", &data_,
                  "SLIM: also each without T, given normals fitted as data beside the points");
   options.toggle("robust", &robust_, "SLIM: also each, reweighted against outliers");
   options.toggle("compact", &compact_, "SLIM: also every setting but sharp with -compact 1");
-  lists_.declareMls(options);
+  options.text("mls_orders", &orders_, "D,...", "MLS: orders of the polynomial");
+  options.text("mls_neighbours", &neighbours_, "K,...",
+               "MLS: mean numbers of points in the search radius");
   options.text("normal_neighbours", &normal_neighbours_, "K,...", "normals: numbers of neighbours");
-  lists_.declareThreads(options);
+  options.integer("threads", &threads_, 1, 4096, "threads, of each method");
   options.integer("repeats", &repeats_, 1, 1000,
                   "runs of each setting that takes no more than 2 s; times are medians");
   options.text("vectors", &vectors_, "NAME",
@@ -87,12 +115,19 @@ Error
 Plan::finishOptions(const OptionTable& options)
 {
   if (Error error = measure::chooseVectors(vectors_)) return error;
-  if (Error error = lists_.finish()) return error;
+  if (Error error = parseWords("shapes", shapes_, shapeNames(), shape_list_)) return error;
   if (Error error = parseWords("methods", methods_, {"slim", "mls", "normals"}, method_list_)) {
     return error;
   }
   if (Error error = measure::parseLists(
-          {{"normal_neighbours", &normal_neighbours_, 3, 1e6, true, &normal_neighbour_list_}})) {
+          {{"noises", &noises_, 0, 1, false, &noise_list_},
+           {"points", &points_, 100, 4e9, true, &point_list_},
+           {"degrees", &degrees_, 1, 4, true, &degree_list_},
+           {"kappas", &kappas_, 0, 1e6, false, &kappa_list_},
+           {"t_mdls", &t_mdls_, 0, 1e3, false, &t_mdl_list_},
+           {"mls_orders", &orders_, 1, 6, true, &order_list_},
+           {"mls_neighbours", &neighbours_, 3, 1e6, true, &neighbour_list_},
+           {"normal_neighbours", &normal_neighbours_, 3, 1e6, true, &normal_neighbour_list_}})) {
     return error;
   }
   const bool files = options.given("input") || options.given("truth") || options.given("pairs");
@@ -112,7 +147,17 @@ Plan::forEachScene(const std::function<Error(const Scene&)>& treat) const
     if (!scene) return scene.error();
     if (Error error = treat(*scene)) return error;
   }
-  return files_.empty() ? lists_.forEachScene(treat) : Error();
+  if (!files_.empty()) return {};
+  for (const double count : point_list_) {
+    for (const std::string& shape : shape_list_) {
+      for (const double noise : noise_list_) {
+        const Result<Scene> scene = makeScene(shape, static_cast<std::size_t>(count), noise);
+        if (!scene) return scene.error();
+        if (Error error = treat(*scene)) return error;
+      }
+    }
+  }
+  return {};
 }
 
 void
@@ -121,7 +166,7 @@ Plan::addSlim(const Scene& scene, std::vector<Setting>& settings) const
   for (const bool normals : {false, true}) {
     if (normals_ == (normals ? "0" : "1") || (normals && scene.normals.empty())) continue;
     Setting s;
-    s.threads = lists_.threads();
+    s.threads = threads_;
     s.normals = normals;
     const std::size_t begin = settings.size();
     settings.push_back(s);
@@ -130,10 +175,18 @@ Plan::addSlim(const Scene& scene, std::vector<Setting>& settings) const
       settings.push_back(s);
       s.sharp = false;
     }
-    for (const double degree : lists_.degrees()) {
+    for (const double degree : degree_list_) {
       s.degree = static_cast<int>(degree);
-      const std::vector<Setting> sweep = lists_.penaltySweep(s);
-      settings.insert(settings.end(), sweep.begin(), sweep.end());
+      for (const double kappa : kappa_list_) {
+        s.penalty = kappa;
+        settings.push_back(s);
+      }
+      s.penalty = 0;
+      for (const double t : t_mdl_list_) {
+        s.t_mdl = t;
+        if (t > 0) settings.push_back(s);
+      }
+      s.t_mdl = 0;
     }
     if (data_) repeatWith(&Setting::data, begin, settings);
     if (robust_) repeatWith(&Setting::robust, begin, settings);
@@ -149,12 +202,17 @@ Plan::settingsFor(const Scene& scene) const
     return std::count(method_list_.begin(), method_list_.end(), method) > 0;
   };
   if (asked("slim")) addSlim(scene, settings);
-  if (asked("mls")) {
-    const std::vector<Setting> mls = lists_.mlsSettings();
-    settings.insert(settings.end(), mls.begin(), mls.end());
-  }
   Setting s;
-  s.threads = lists_.threads();
+  s.threads = threads_;
+  s.method = Method::kMls;
+  for (const double order : order_list_) {
+    for (const double neighbours : neighbour_list_) {
+      s.degree = static_cast<int>(order);
+      s.neighbours = static_cast<int>(neighbours);
+      if (asked("mls")) settings.push_back(s);
+    }
+  }
+  s.degree = 0;
   s.method = Method::kNormals;
   for (const double neighbours : normal_neighbour_list_) {
     s.neighbours = static_cast<int>(neighbours);

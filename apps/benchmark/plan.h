@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmark/sweep_lists.h"
+#include "benchmark/treat.h"
 #include "common/options.h"
 
 namespace pcl_slim::comparison {
@@ -31,17 +31,20 @@ class Plan {
   void addSlim(const Scene& scene, std::vector<Setting>& settings) const;
   Error finishFiles();
 
-  SweepLists lists_;
+  std::string shapes_ = "sphere,torus,bumpy,relief,cube", noises_ = "0,0.001,0.005,0.01";
+  std::string points_ = "100000", degrees_ = "1,2,3,4", kappas_ = "0,1,8";
+  std::string t_mdls_ = "0.003,0.01", orders_ = "1,2,3", neighbours_ = "30,60,100,200,400";
   std::string methods_ = "slim,mls,normals", normals_ = "both", normal_neighbours_ = "20,50,100";
   std::string input_, truth_, pairs_, vectors_ = "best";
   bool sharp_ = true, robust_ = false, compact_ = false, data_ = false;
-  int repeats_ = 3;
+  int threads_ = 2, repeats_ = 3;
 
   struct FilePair {
     std::string name, input, truth;
   };
-  std::vector<std::string> method_list_;
-  std::vector<double> normal_neighbour_list_;
+  std::vector<std::string> shape_list_, method_list_;
+  std::vector<double> noise_list_, point_list_, degree_list_, kappa_list_, t_mdl_list_;
+  std::vector<double> order_list_, neighbour_list_, normal_neighbour_list_;
   std::vector<FilePair> files_;
 };
 

@@ -58,11 +58,11 @@ struct Sums {
 }  // namespace
 
 Errors
-measure(const Scene& scene, const Treated& treated, const std::vector<std::uint8_t>* among)
+measure(const Scene& scene, const Treated& treated)
 {
   Sums sums;
   for (std::size_t i = 0; i < scene.size(); ++i) {
-    if ((among && !(*among)[i]) || !scene.isJudged(i)) continue;
+    if (!scene.isJudged(i)) continue;
     const pcl::PointNormal& p = treated.points[i];
     const measure::Truth truth = scene.truth(i, {p.x, p.y, p.z});
     sums.addPosition(truth.distance);

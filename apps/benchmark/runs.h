@@ -28,11 +28,9 @@ struct Run {
   Errors errors;
 };
 
-/** \brief How far a method's result is from the truth.
- * \param[in] among for each point whether it counts; null: all that the scene judges. */
+/** \brief How far a method's result is from the truth, over the points that the scene judges. */
 Errors
-measure(const Scene& scene, const Treated& treated,
-        const std::vector<std::uint8_t>* among = nullptr);
+measure(const Scene& scene, const Treated& treated);
 
 /** \brief How far the scene's points are from the truth as they come. */
 Errors

@@ -63,14 +63,6 @@ cubeTruth(const Point& p)
   return truth;
 }
 
-/** Height and slope of the sheets' middle along x. */
-std::array<double, 2>
-waveAt(bool waved, double x)
-{
-  if (!waved) return {0, 0};
-  return {0.05 * std::sin(2 * x), 0.1 * std::cos(2 * x)};
-}
-
 }  // namespace
 
 const std::vector<std::string>&
@@ -107,40 +99,6 @@ makeScene(const std::string& shape, std::size_t count, double noise, std::uint64
   } else {
     scene.truth = [kind](std::size_t, const Point& p) { return measure::truthAt(kind, p); };
   }
-  return scene;
-}
-
-Scene
-makeSheets(bool waved, std::size_t count, double gap, double noise, std::uint64_t seed)
-{
-  std::mt19937_64 rng(seed);
-  std::uniform_real_distribution<double> place(-1.0, 1.0);
-  std::normal_distribution<double> gauss;
-  const double diagonal = std::sqrt(8.0), half = 0.5 * gap * diagonal;
-  std::vector<double> xyz;
-  Scene scene;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double x = place(rng), y = place(rng), side = i % 2 == 0 ? 1 : -1;
-    const auto [height, slope] = waveAt(waved, x);
-    xyz.insert(xyz.end(), {x, y, height + side * half + noise * diagonal * gauss(rng)});
-    const double length = std::hypot(1.0, slope);
-    for (const double value : {-side * slope / length, 0.0, side / length}) {
-      scene.normals.push_back(static_cast<float>(value));
-    }
-  }
-  scene.name = waved ? "waved sheets" : "flat sheets";
-  scene.noise = noise;
-  scene.points = toCloud(xyz);
-  scene.spacing = std::sqrt(4.0 / static_cast<double>(count));
-  scene.has_true_curvature = false;
-  scene.truth = [waved, half](std::size_t i, const Point& p) {
-    const auto [height, slope] = waveAt(waved, p[0]);
-    const double side = i % 2 == 0 ? 1 : -1, length = std::hypot(1.0, slope);
-    measure::Truth truth;
-    truth.distance = side * (p[2] - height - side * half) / length;
-    truth.normal = {-side * slope / length, 0, side / length};
-    return truth;
-  };
   return scene;
 }
 

@@ -52,16 +52,6 @@ Result<Scene>
 makeScene(const std::string& shape, std::size_t count, double noise, std::uint64_t seed = 7,
           double normal_noise = kNormalNoise);
 
-/** \brief Two square sheets, gap apart, with noise, both shares of the diagonal; normals opposed,
- * as those of a plate are. Even points lie on the upper one, and their truth is the upper one.
- * \param[in] waved bent by a gentle wave, otherwise flat. */
-Scene
-makeSheets(bool waved, std::size_t count, double gap, double noise, std::uint64_t seed = 7);
-
-/** \brief A scan without a truth; moved to its first finite point. */
-Result<Scene>
-loadScan(const std::string& name, const std::string& input);
-
 /** \brief A scan and its truth: as many points in one order or, where the counts differ, the
  * surface of a mesh.
  *

@@ -165,23 +165,6 @@ noTruth(const std::string& input, const std::string& truth, std::size_t points, 
 }  // namespace
 
 Result<Scene>
-loadScan(const std::string& name, const std::string& input)
-{
-  const Result<CloudFile> cloud = loadCloudFile(input);
-  if (!cloud) return cloud.error();
-  Scene scene;
-  scene.name = name;
-  PairTruth pair;
-  joinPair(cloud->view(), cloud->view(), scene, pair);
-  if (scene.size() == 0) {
-    return Error{ErrorCode::kBadInput, "'" + input + "' has no finite point; name another file"};
-  }
-  scene.spacing = spacingOf(scene.points);
-  scene.has_true_curvature = scene.has_true_normals = false;
-  return scene;
-}
-
-Result<Scene>
 loadScene(const std::string& name, const std::string& input, const std::string& truth)
 {
   const Result<CloudFile> noisy = loadCloudFile(input);

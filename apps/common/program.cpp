@@ -53,19 +53,16 @@ saveOutput(const std::string& output, const std::string& report_file,
            Report& report)
 {
   FileTransaction files;
-  const Stopwatch watch;
   console.begin("Saving " + output);
   Error error = save();
-  const double seconds = watch.seconds();
+  const double seconds = console.seconds();
   report.time("save", seconds);
   report.json()["output"] = output;
   if (!error) error = report.write(report_file);
   if (!error) error = commitOutputs(files);
-  if (error)
-    console.failed();
-  else
-    console.done(seconds, detail);
-  return error;
+  if (error) return console.failed(error);
+  console.done(seconds, detail);
+  return {};
 }
 
 Error

@@ -27,6 +27,7 @@ Console::~Console()
 void
 Console::begin(const std::string& what)
 {
+  stage_ = Stopwatch();
   line_ = "> " + what + " ";
   if (quiet_) return;
   std::fputs(line_.c_str(), stdout);
@@ -42,13 +43,14 @@ Console::done(double seconds, const std::string& detail)
   std::fflush(stdout);
 }
 
-void
-Console::failed()
+Error
+Console::failed(const Error& error)
 {
-  if (quiet_) return;
+  if (quiet_) return error;
   clearBar();
   std::puts("[failed]");
   std::fflush(stdout);
+  return error;
 }
 
 void

@@ -3,7 +3,9 @@
 
 #include <string>
 
+#include "pcl_slim/core/error.h"
 #include "pcl_slim/core/progress.h"
+#include "pcl_slim/core/stopwatch.h"
 
 namespace pcl_slim {
 
@@ -22,10 +24,13 @@ class Console {
 
   /** \brief Begins a line: "> Loading scan.pcd ". */
   void begin(const std::string& what);
+  /** \brief Wall time since begin(). */
+  double seconds() const { return stage_.seconds(); }
   /** \brief Ends the line: "[done, 12 ms : detail]". */
+  void done(const std::string& detail) { done(seconds(), detail); }
   void done(double seconds, const std::string& detail);
-  /** \brief Ends the line without success. */
-  void failed();
+  /** \brief Ends the line without success. \return the error. */
+  Error failed(const Error& error);
   /** \brief A line of its own. */
   void note(const std::string& text);
   /** \brief One on stderr, also with quiet: the output is not what was hoped for. */
@@ -41,6 +46,7 @@ class Console {
   bool quiet_, terminal_;
   int shown_percent_ = -1;
   std::string line_, shown_stage_;
+  Stopwatch stage_;
   Progress progress_;
 };
 

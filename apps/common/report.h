@@ -1,25 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <chrono>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/core/stopwatch.h"
 
 namespace pcl_slim {
-
-/** \brief Wall time since construction. */
-class Stopwatch {
- public:
-  double seconds() const
-  {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 /** \brief What a program did, as a JSON object with the keys every program has in common.
  *

@@ -199,8 +199,7 @@ Amphora::color(const Point& p) const
   if (z < 0.331) return std::cos(36.0 * angle) > 0.0 ? kGlaze : kClay;
   if (z < 0.346) return kCream;
   if (z > 0.425) return kGlaze;
-  const double zigzag =
-      std::abs(std::fmod(angle * 12.0 / 3.14159265358979323846 + 48.0, 2.0) - 1.0);
+  const double zigzag = std::abs(std::fmod(angle * 12.0 / M_PI + 48.0, 2.0) - 1.0);
   return std::abs(z - 0.375 - 0.028 * zigzag) < 0.006 ? kGlaze : kClay;
 }
 

@@ -15,7 +15,6 @@
 namespace pcl_slim::demo {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kMediumRange = 1.2;  ///< metres
 constexpr double kMaxStepAngle = 0.05;
 
@@ -25,7 +24,6 @@ struct Station {
 };
 constexpr Station kStations[] = {
     {-65.0, 1.00, 0.52}, {28.0, 1.35, 0.36}, {122.0, 1.15, 0.70}, {205.0, 1.60, 0.20}};
-constexpr std::size_t kNumStations = sizeof(kStations) / sizeof(kStations[0]);
 
 /** \brief Counter-based random bits (SplitMix64's finaliser): a value per ray and purpose, whatever
  * the order in which rays are shot. */
@@ -53,7 +51,7 @@ double
 gaussian(std::uint64_t seed, std::uint64_t ray, std::uint64_t purpose)
 {
   const double a = uniform(seed, ray, purpose), b = uniform(seed, ray, purpose + 1);
-  return std::sqrt(-2.0 * std::log(a)) * std::cos(2.0 * kPi * b);
+  return std::sqrt(-2.0 * std::log(a)) * std::cos(2.0 * M_PI * b);
 }
 
 /** \brief One station's grid of rays. */
@@ -66,7 +64,7 @@ struct Grid {
   Grid(const Station& station, double step_angle, std::uint64_t first)
       : step(step_angle), first_ray(first)
   {
-    const double a = station.azimuth_degrees * kPi / 180.0;
+    const double a = station.azimuth_degrees * M_PI / 180.0;
     eye = {station.range * std::cos(a), station.range * std::sin(a), station.height};
     const double dz = Amphora::kCenter[2] - station.height,
                  distance = std::hypot(station.range, dz);

@@ -193,38 +193,34 @@ PieceJob::brought(PointFile piece, const SLIMSurface& surface)
 Error
 PieceJob::projectRows(const SLIMSurface& surface, Console& console, Report& report)
 {
-  const Stopwatch watch;
   console.begin("Projecting");
-  const auto failed = [&console](Error error) {
-    console.failed();
-    return error;
-  };
   for (std::uint64_t done = 0; done < reader_.size();) {
     if (console.interrupted())
-      return failed({ErrorCode::kCancelled, "stopped; nothing is written"});
+      return console.failed({ErrorCode::kCancelled, "stopped; nothing is written"});
     console.progress().report(
         static_cast<float>(static_cast<double>(done) / static_cast<double>(reader_.size())),
         "projecting");
     PointFile piece;
-    if (Error error = reader_.next(rows(), piece)) return failed(error);
+    if (Error error = reader_.next(rows(), piece)) return console.failed(error);
     done += numPoints(piece.cloud);
     const Result<PointFile> made = brought(std::move(piece), surface);
-    if (!made) return failed(made.error());
-    if (Error error = writer_.add(*made)) return failed(error);
+    if (!made) return console.failed(made.error());
+    if (Error error = writer_.add(*made)) return console.failed(error);
   }
   const auto moved = static_cast<double>(std::max<std::uint64_t>(sum_.moved, 1));
   sum_.rms_displacement = std::sqrt(sum_.rms_displacement / moved);
-  if (sum_.points == sum_.non_finite) return failed(CloudView::nothingFinite());
+  if (sum_.points == sum_.non_finite) return console.failed(CloudView::nothingFinite());
   const auto finite = static_cast<double>(sum_.moved + sum_.unsupported);
   if (!job_.surface.empty() && static_cast<double>(sum_.moved) < kLeastSharedSupport * finite) {
-    return failed(badInput("the surface supports " + std::to_string(sum_.moved) + " of " +
-                           std::to_string(sum_.moved + sum_.unsupported) +
-                           " points: it is of another cloud or faces the other way; give this "
-                           "cloud's"));
+    return console.failed(
+        badInput("the surface supports " + std::to_string(sum_.moved) + " of " +
+                 std::to_string(sum_.moved + sum_.unsupported) +
+                 " points: it is of another cloud or faces the other way; give this "
+                 "cloud's"));
   }
-  report.time("project", watch.seconds());
+  report.time("project", console.seconds());
   reportProjection(sum_, report);
-  console.done(watch.seconds(), std::to_string(sum_.moved) + " points");
+  console.done(std::to_string(sum_.moved) + " points");
   if (blocks_.isOpen()) blocks_.reportBlocks(console, report);
   return {};
 }

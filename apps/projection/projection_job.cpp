@@ -40,7 +40,6 @@ readSurface(const ProjectionJob& job, const CloudFile* cloud, BlockSurface& bloc
             Console& console, Report& report, SLIMSurface& surface)
 {
   const std::string& path = job.surface;
-  const Stopwatch watch;
   console.begin("Loading " + path);
   Result<SLIMSurface> loaded = SLIMSurface();
   if (job.mesh || !blocks.open(path)) {
@@ -51,16 +50,12 @@ readSurface(const ProjectionJob& job, const CloudFile* cloud, BlockSurface& bloc
     blocks.setMostBytes(memoryLeft());
     loaded = blocks.load(blocks.partOf(cloud->view()));
   }
-  if (!loaded) {
-    console.failed();
-    return loaded.error();
-  }
+  if (!loaded) return console.failed(loaded.error());
   surface = std::move(*loaded);
-  report.time("surface", watch.seconds());
+  report.time("surface", console.seconds());
   reportSurface(path, surface, report);
-  console.done(watch.seconds(), blocks.isOpen() && cloud == nullptr
-                                    ? counted(blocks.count(), "block")
-                                    : std::to_string(surface.size()) + " surfels");
+  console.done(blocks.isOpen() && cloud == nullptr ? counted(blocks.count(), "block")
+                                                   : std::to_string(surface.size()) + " surfels");
   if (blocks.isOpen() && cloud != nullptr) blocks.reportBlocks(console, report);
   return {};
 }
@@ -70,7 +65,6 @@ Result<CloudProjection>
 projectScan(const ProjectionJob& job, const CloudFile& cloud, const SLIMSurface& surface,
             const PointStore* store, Console& console, Report& report)
 {
-  const Stopwatch watch;
   console.begin("Projecting");
   CloudProjectionParams params;
   params.projection = job.projection;
@@ -83,13 +77,10 @@ projectScan(const ProjectionJob& job, const CloudFile& cloud, const SLIMSurface&
   const bool with_normals = job.fit.use_normals || job.fit.normal_neighbours > 0;
   auto projection =
       CloudProjection::make(cloud.view(with_normals), surface, params, &console.progress(), store);
-  if (!projection) {
-    console.failed();
-    return projection;
-  }
-  report.time("project", watch.seconds());
+  if (!projection) return console.failed(projection.error());
+  report.time("project", console.seconds());
   reportProjection(projection->statistics(), report);
-  console.done(watch.seconds(), std::to_string(projection->statistics().moved) + " points");
+  console.done(std::to_string(projection->statistics().moved) + " points");
   if (const auto count = projection->statistics().unsupported; count > 0) {
     console.note("  " + std::to_string(count) + (count == 1 ? " point" : " points") +
                  " without support");
@@ -143,17 +134,9 @@ declareOptions(const ProjectionProgram& program, ProjectionJob& job, TileRequest
                    "smooth the faces of a mesh, not its points; -sharp 0 or 1: round or keep all "
                    "edges, else as measured");
   }
-  options.text("surface", &job.surface, "FILE",
-               "use a surface made by pcl_slim_fit (.pcd, .ply, .vtp, .slim) in place of a fit");
-  declareFitOptions(options, job.fit);
+  declareSurfaceOrFit(options, job.surface, job.fit);
   declareTileOptions(options, tiles);
   declareReport(options, job.files);
-  for (const char* name :
-       {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "noise_factor", "least_radius",
-        "outliers", "robust", "local_noise", "sides", "correlation", "noise_model",
-        "normals_as_data", "normal_error", "paper", "compact", "lambda", "seed"}) {
-    options.exclusive({"surface", name});
-  }
   // A mesh has its normals, and their sides, from its faces.
   for (const char* name : {"normals_as_data", "normal_error", "viewpoint", "trajectory",
                            "estimate_normals", "use_normals"}) {

@@ -68,15 +68,14 @@ loadDrawn(const std::string& path, const BlockWish& wish, bool trim, double hole
           Console& console, Report& report)
 {
   console.begin("Loading " + path);
-  const Stopwatch watch;
   Result<Model> model = loadModel(path, wish);
   if (!model) return model;
   if (!trim) model->surface.dropTrimMaps();
   model->surface.closeHoles(hole, threads);
-  report.time("load", watch.seconds());
+  report.time("load", console.seconds());
   if (model->blocks > 0)
     report.json()["blocks"] = {{"count", model->blocks}, {"read", model->blocks_read}};
-  console.done(watch.seconds(), model->describe());
+  console.done(model->describe());
   if (model->skipped > 0) {
     console.note("  splats left out: " + std::to_string(model->skipped) +
                  " not finite or without a normal");

@@ -92,6 +92,20 @@ declareFitOptions(OptionTable& options, FitJob& job)
 }
 
 void
+declareSurfaceOrFit(OptionTable& options, std::string& surface, FitJob& job)
+{
+  options.text("surface", &surface, "FILE",
+               "use a surface made by pcl_slim_fit (.pcd, .ply, .vtp, .slim) in place of a fit");
+  declareFitOptions(options, job);
+  for (const char* name :
+       {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "noise_factor", "least_radius",
+        "outliers", "robust", "local_noise", "sides", "correlation", "noise_model",
+        "normals_as_data", "normal_error", "paper", "compact", "lambda", "seed"}) {
+    options.exclusive({"surface", name});
+  }
+}
+
+void
 declareSensorOptions(OptionTable& options, FitJob& job, const std::string& viewpoint_help)
 {
   options.numbers("viewpoint", &job.viewpoint, "X,Y,Z", viewpoint_help);
@@ -190,19 +204,15 @@ placeSensors(const FitJob& job, CloudFile& cloud)
 Result<CloudFile>
 loadScan(const std::string& path, const FitJob& job, Console& console, Report& report)
 {
-  const Stopwatch watch;
   console.begin("Loading " + path);
   Result<CloudFile> cloud = loadCloudFile(path);
   if (cloud) {
     if (Error error = placeSensors(job, *cloud)) cloud = std::move(error);
   }
-  if (!cloud) {
-    console.failed();
-    return cloud;
-  }
+  if (!cloud) return console.failed(cloud.error());
   report.json()["points"] = cloud->size();
-  report.time("load", watch.seconds());
-  console.done(watch.seconds(), counted(cloud->size(), "point"));
+  report.time("load", console.seconds());
+  console.done(counted(cloud->size(), "point"));
   if (cloud->turned_outwards)
     console.note("  the mesh is closed and inside out: its faces are turned outwards");
   if (!cloud->file.columns.empty()) {
@@ -217,16 +227,12 @@ loadScan(const std::string& path, const FitJob& job, Console& console, Report& r
                              : job.trajectory.empty() ? "fields"
                                                       : "trajectory";
   if (job.normal_neighbours > 0) {
-    const Stopwatch estimation;
     console.begin("Estimating normals");
     const Error error =
         estimateNormals(job.normal_neighbours, job.viewpoint, job.params.threads, *cloud);
-    if (error) {
-      console.failed();
-      return error;
-    }
-    report.time("normals", estimation.seconds());
-    console.done(estimation.seconds(), std::to_string(job.normal_neighbours) + " neighbours");
+    if (error) return console.failed(error);
+    report.time("normals", console.seconds());
+    console.done(std::to_string(job.normal_neighbours) + " neighbours");
   }
   report.json()["normals"] = normalSourceName(
       job.use_normals || job.normal_neighbours > 0 ? cloud->normal_source : NormalSource::kNothing);
@@ -303,38 +309,30 @@ Error
 fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& report,
         SLIMSurface& surface, PointStore* kept)
 {
-  Stopwatch watch;
   const double bytes = kBytesOfPoint * static_cast<double>(cloud.size());
   if (Error error = checkMemory(bytes, "fitting " + counted(cloud.size(), "point"))) return error;
   console.begin("Preparing");
   Result<PointStore> store = PointStore::build(
       cloud.view(job.use_normals || job.normal_neighbours > 0), job.params.threads);
-  if (!store) {
-    console.failed();
-    return store.error();
-  }
-  report.time("prepare", watch.seconds());
-  console.done(watch.seconds(), counted(store->size(), "point"));
+  if (!store) return console.failed(store.error());
+  report.time("prepare", console.seconds());
+  console.done(counted(store->size(), "point"));
   const std::string skipped = skippedText(store->statistics());
   if (!skipped.empty()) console.note("  " + skipped);
 
-  watch = Stopwatch();
   console.begin("Fitting");
   FitStatistics statistics;
   Error error = fitSurface(*store, job.params, surface, &statistics, &console.progress());
-  if (error && error.code != ErrorCode::kNoSurface) {
-    console.failed();
-    return error;
-  }
+  if (error && error.code != ErrorCode::kNoSurface) return console.failed(error);
   if (!error && job.color) {
     const Stopwatch colors;
     error = fitColors(*store, cloud.view(), colorsOf(cloud), job.params.threads, surface);
     report.time("colors", colors.seconds());
   }
-  report.time("fit", watch.seconds());
+  report.time("fit", console.seconds());
   reportFit(fittedPoints(*store), surface, statistics, report);
-  console.done(watch.seconds(), std::to_string(statistics.leaves) + " leaves, " +
-                                    counted(surface.numLevels(), "level"));
+  console.done(std::to_string(statistics.leaves) + " leaves, " +
+               counted(surface.numLevels(), "level"));
   console.note("  " + noiseText(store->diagonal() * store->scale(), statistics));
   if (job.params.target_error > 0 || job.params.max_surfels > 0)
     console.note("  " + solvedText(statistics));

@@ -43,6 +43,11 @@ struct FitJob {
 void
 declareFitOptions(OptionTable& options, FitJob& job);
 
+/** \brief Adds -surface, a surface in place of a fit, and the options of a fit; those that shape one have
+ * nothing to do beside it. */
+void
+declareSurfaceOrFit(OptionTable& options, std::string& surface, FitJob& job);
+
 /** \brief Adds -viewpoint, with this help, and those of a trajectory. */
 void
 declareSensorOptions(OptionTable& options, FitJob& job, const std::string& viewpoint_help);

@@ -68,7 +68,6 @@ meshFile(const MeshJob& job, const CloudFile& cloud, const SmoothedMesh& mesh)
 Result<PointFile>
 smoothMeshFile(const MeshJob& job, const CloudFile& cloud, Console& console, Report& report)
 {
-  const Stopwatch watch;
   console.begin("Smoothing the mesh");
   MeshFaces faces;
   faces.begin = cloud.file.face_begin;
@@ -77,15 +76,11 @@ smoothMeshFile(const MeshJob& job, const CloudFile& cloud, Console& console, Rep
   MeshSmoothStatistics s;
   const Error error = smoothMesh(cloud.view(false), faces, job.params, job.surface, mesh, &s,
                                  nullptr, &console.progress());
-  if (error) {
-    console.failed();
-    return error;
-  }
-  report.time("smooth", watch.seconds());
+  if (error) return console.failed(error);
+  report.time("smooth", console.seconds());
   reportMesh(s, report);
   if (job.surface == nullptr) report.json()["lambda"] = s.fit.lambda;
-  console.done(watch.seconds(),
-               std::to_string(s.moved) + " vertices" + (s.sharp ? ", sharp edges kept" : ""));
+  console.done(std::to_string(s.moved) + " vertices" + (s.sharp ? ", sharp edges kept" : ""));
   note(s.faces_left_out, " face left out", " faces left out", console);
   note(s.isolated, " vertex without faces stays", " vertices without faces stay", console);
   note(s.disagreeing_edges, " edge whose faces disagree about their side",

@@ -271,7 +271,6 @@ Error
 fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Console& console,
            Report& report, SlimBlockWriter* writer, TiledSurface& made)
 {
-  const Stopwatch watch;
   report.json()["points"] = source.size();
   report.json()["normals"] = source.hasNormals() ? "fields" : "none";
   console.begin("Fitting by tiles");
@@ -279,12 +278,9 @@ fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Con
   params.source_name = tiles.source_name;
   StreamFit fit(std::move(params));
   TileRun run(job, tiles, console, writer, made);
-  if (Error error = run.run(source, fit)) {
-    console.failed();
-    return error;
-  }
+  if (Error error = run.run(source, fit)) return console.failed(error);
   const StreamStatistics& statistics = fit.statistics();
-  report.time("fit", watch.seconds());
+  report.time("fit", console.seconds());
   reportFit(pointsOf(fit), made.surface, statistics.fit, report);
   const auto& levels = statistics.fit.leaves_per_level;
   report.json()["surfels"] = run.written();
@@ -292,8 +288,8 @@ fitByTiles(PointSource& source, const FitJob& job, const TileRequest& tiles, Con
       std::count_if(levels.begin(), levels.end(), [](auto n) { return n > 0; });
   reportTiles(statistics, fit, run.atOnce(), report);
   if (tiles.ranks != nullptr) reportRanks(fit, *tiles.ranks, report);
-  console.done(watch.seconds(), std::to_string(statistics.fit.leaves) + " leaves, " +
-                                    counted(statistics.tiles, "tile"));
+  console.done(std::to_string(statistics.fit.leaves) + " leaves, " +
+               counted(statistics.tiles, "tile"));
   if (made.partial) {
     console.note("  of the " + counted(statistics.tiles, "tile") + " " + tiles.range +
                  " are fitted and kept in '" + tiles.plan + "'");

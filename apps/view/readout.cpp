@@ -105,7 +105,7 @@ std::string
 freePictureName()
 {
   for (int number = 1;; ++number) {
-    const std::string name = print("pcl_slim_view_%03d.png", number);
+    std::string name = print("pcl_slim_view_%03d.png", number);
     std::error_code code;
     if (!std::filesystem::exists(name, code)) return name;
   }
@@ -114,7 +114,7 @@ freePictureName()
 void
 toggleParallel(vtkCamera* camera)
 {
-  constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+  constexpr double kDegrees = 180.0 / M_PI;
   const bool parallel = camera->GetParallelProjection() != 0;
   const double half = std::tan(0.5 * camera->GetViewAngle() / kDegrees);
   if (parallel) {

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "closed_bodies.h"
 #include "common/options.h"
 #include "common/program.h"
 #include "measure/clocks.h"
-#include "measure/closed_bodies.h"
 #include "measure/lists.h"
 #include "measure/vectors.h"
 #include "pcl_slim/fit/fit.h"

@@ -57,7 +57,7 @@ placeOf(const Feet& feet, std::size_t foot, int k)
   if (k == 0) return p;
   const auto n = feet.normal[foot];
   const LocalFrame frame({n[0], n[1], n[2]});
-  const double angle = 0.25 * 3.14159265358979323846 * k;
+  const double angle = 0.25 * M_PI * k;
   const double step = kAround * feet.spacing[foot];
   return along(along(p, step * std::cos(angle), frame.u), step * std::sin(angle), frame.v);
 }

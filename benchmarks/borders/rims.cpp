@@ -11,7 +11,6 @@
 namespace pcl_slim::borders {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kHalfExtent = 62.0;  ///< of the picture, spacings
 constexpr int kPixels = 1984;         ///< 16 a spacing
 constexpr double kStep = 0.25;        ///< between places of a rim
@@ -48,9 +47,9 @@ std::vector<RimPlace>
 circle(double radius, double outward)
 {
   std::vector<RimPlace> rim;
-  const int places = static_cast<int>(2.0 * kPi * radius / kStep);
+  const int places = static_cast<int>(2.0 * M_PI * radius / kStep);
   for (int i = 0; i < places; ++i) {
-    const double a = 2.0 * kPi * i / places, c = std::cos(a), s = std::sin(a);
+    const double a = 2.0 * M_PI * i / places, c = std::cos(a), s = std::sin(a);
     rim.push_back({{radius * c, radius * s}, {outward * c, outward * s}});
   }
   return rim;

@@ -8,7 +8,7 @@
 namespace pcl_slim {
 namespace {
 
-constexpr double kRadius = 0.28, kPi = 3.14159265358979323846;
+constexpr double kRadius = 0.28;
 constexpr double kDistance = 2.0;
 
 struct Level {
@@ -24,7 +24,7 @@ latticePoint(std::size_t i, std::size_t n)
   const double z = 1.0 - (2.0 * static_cast<double>(i) + 1.0) / static_cast<double>(n);
   const double turn = std::fmod(static_cast<double>(i) * 0.6180339887498949, 1.0);
   const double flat = std::sqrt(1.0 - z * z);
-  return {flat * std::cos(2.0 * kPi * turn), flat * std::sin(2.0 * kPi * turn), z};
+  return {flat * std::cos(2.0 * M_PI * turn), flat * std::sin(2.0 * M_PI * turn), z};
 }
 
 /** \brief Root mean square of what such a series leaves out, over the ball with its weights: about a fifth of
@@ -97,7 +97,7 @@ cameraBeforeSphere(int size, double zoom)
   Camera camera;
   camera.position = {0.0, 0.0, kDistance};
   camera.size = {size, size};
-  camera.fov = 2.0 * std::atan(1.12 * kRadius / (kDistance * zoom)) * 180.0 / kPi;
+  camera.fov = 2.0 * std::atan(1.12 * kRadius / (kDistance * zoom)) * 180.0 / M_PI;
   return camera;
 }
 

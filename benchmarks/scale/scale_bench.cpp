@@ -96,7 +96,7 @@ struct Rms {
   }
 };
 
-constexpr double kDegrees = 180 / 3.14159265358979323846;
+constexpr double kDegrees = 180 / M_PI;
 
 /** Points of the true surface, others than the scan's. */
 std::vector<std::array<double, 3>>

@@ -8,7 +8,6 @@ namespace pcl_slim {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kElongation = 2.2;  ///< of the body, along z
 constexpr std::uint64_t kViews = 64;
 
@@ -59,7 +58,7 @@ double
 gaussianAt(std::uint64_t i, std::uint64_t k)
 {
   const double u = std::max(uniformAt(i, 2 * k + 100), 1e-300), v = uniformAt(i, 2 * k + 101);
-  return std::sqrt(-2 * std::log(u)) * std::cos(2 * kPi * v);
+  return std::sqrt(-2 * std::log(u)) * std::cos(2 * M_PI * v);
 }
 
 std::array<double, 3>
@@ -78,13 +77,13 @@ ScaleSurface::point(std::uint64_t i, std::uint64_t count) const
     y = reflected(y);
     return {x, y, terrain(x, y)};
   }
-  double z = 2 * uniformAt(i, 0) - 1, turn = 2 * kPi * uniformAt(i, 1);
+  double z = 2 * uniformAt(i, 0) - 1, turn = 2 * M_PI * uniformAt(i, 1);
   if (kind_ == Kind::kSkew && uniformAt(i, 5) < 0.6) {
     z = 1 - 0.2 * uniformAt(i, 0);
   } else if (uniformAt(i, 2) < 0.6) {  // towards this view
     z = std::clamp(2 * uniformAt(view, 7) - 1 + 0.5 * (uniformAt(i, 3) + uniformAt(i, 0) - 1), -1.0,
                    1.0);
-    turn = 2 * kPi * uniformAt(view, 8) + 1.2 * (uniformAt(i, 4) + uniformAt(i, 1) - 1);
+    turn = 2 * M_PI * uniformAt(view, 8) + 1.2 * (uniformAt(i, 4) + uniformAt(i, 1) - 1);
   }
   const double r = std::sqrt(std::max(0.0, 1 - z * z));
   const std::array<double, 3> u{r * std::cos(turn), r * std::sin(turn), z};

@@ -17,7 +17,7 @@ namespace pcl_slim::measure {
 namespace {
 
 constexpr double kSpacings = 1.3, kWidest = 4.0, kOneSided = 0.5;
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
+constexpr double kDegree = M_PI / 180.0;
 constexpr std::size_t kNeighbors = 6;
 constexpr int kRim = 3;         ///< pixels between an inner pixel and what ends a surface
 constexpr double kStep = 0.02;  ///< of the extent

@@ -2,34 +2,31 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # SLIM beside pcl::MovingLeastSquares: every table and the chart of benchmarks/README.md.
 #   benchmarks/tables/comparison.sh DATA_FOLDER OUT_FOLDER [STAGE...]
-# Stages, all by default: timed timed438 noisy sizes exact pairs bunny claims claims438. Writes OUT_FOLDER/STAGE.csv
-# and .md and prints the tables made of all the .csv there. The programs are pcl_slim_benchmark and, for
-# claims, claims_bench, of build/release/bin or of the folder named by BIN_DIR. THREADS (2)
-# and VECTORS (best; AVX2 and others: the instruction set of SLIM) may be set. Needs python3, and xvfb-run for the chart.
+# Stages, all by default: timed timed438 noisy sizes exact pairs bunny. Writes OUT_FOLDER/STAGE.csv and .md
+# and prints the tables made of all the .csv there. The program is pcl_slim_benchmark of build/release/bin or
+# of the folder named by BIN_DIR. THREADS (2) and VECTORS (best; AVX2 and others: the instruction set of SLIM)
+# may be set. Needs python3, and xvfb-run for the chart.
 set -euo pipefail
 
 here=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd)
 program=pcl_slim_benchmark
 source "$here/data_arguments.sh"
 shift 2
-[ $# -gt 0 ] || set -- timed timed438 noisy sizes exact pairs bunny claims claims438
+[ $# -gt 0 ] || set -- timed timed438 noisy sizes exact pairs bunny
 export OMP_WAIT_POLICY=passive  # PCL's threads that wait burn no CPU time
 
-# run STAGE OPTION...: sweeps, or claims where the options name any.
+# run STAGE OPTION...
 run() {
-  local stage=$1 with=$program
+  local stage=$1
   shift
-  [ "$1" != -claims ] || with=claims_bench
   echo "$stage" >&2
-  [ "$with" = claims_bench ] || set -- -vectors "${VECTORS:-best}" "$@"
-  "$bin/$with" "$out/$stage" -threads "${THREADS:-2}" -quiet "$@"
+  "$bin/$program" "$out/$stage" -threads "${THREADS:-2}" -quiet -vectors "${VECTORS:-best}" "$@"
 }
 
 smooth=(-shapes 'sphere,torus,bumpy,relief' -noises '0,0.001,0.005')
 few=(-methods 'slim,mls' -degrees '2,4' -kappas '0,8' -t_mdls '0.005,0.01')
 timed=(-methods 'slim,mls' -degrees '2,3,4' -kappas '0,8' -t_mdls '0.002,0.005,0.02,0.05' -compact 1
   -mls_orders 2 -mls_neighbours '15,30,100,200,400,1000')
-sheets=(-claims sheets -points '30000,60000,100000,438000')
 for stage in "$@"; do
   case $stage in
     timed)
@@ -66,21 +63,6 @@ for stage in "$@"; do
         -truth "$data/stanford_bunny_zipper.ply" -methods 'slim,mls' -degrees '2,4' \
         -kappas '0,8' -t_mdls 0 -robust 1 -compact 1 -mls_orders '2,3' \
         -mls_neighbours '60,100,150,200,300,400' -chart 0
-      ;;
-    claims)
-      run rims -claims rims -noises '0,0.001,0.005,0.01' -mls_orders '2,3' \
-        -mls_neighbours '15,30,100,200,400,1000'
-      run normals -claims normals "${smooth[@]}"
-      run sheets "${sheets[@]}"
-      run moves -claims moves -scans "$data"
-      run peers -claims peers -shapes 'sphere,torus,bumpy,relief' -degrees '2,3,4' \
-        -kappas '0,1,2,8' -t_mdls '0.01,0.03'
-      run default -claims default -noises '0,0.001,0.005,0.01' -kappas '0.5,1,2,3,4,6,8' \
-        -t_mdls '0.001,0.003,0.01,0.03,0.1'
-      run zones -claims zones -mls_orders '2,3' -mls_neighbours '60,100,200,400,1000'
-      ;;
-    claims438)
-      run zones438 -claims zones -points 438000 -mls_orders '2,3' -mls_neighbours '200,400,1000,2000'
       ;;
     *) usage "unknown stage '$stage'; see comparison.sh -h" ;;
   esac

@@ -128,38 +128,6 @@ def scan_table(rows, title):
     print_table(title, ["scan", "run", "RMS", "normal °", "CPU µs/pt"], table)
 
 
-FIXED_GOALS = ("", "0", "1.1", "1.15", "1.2", "0.05", "0.2", "15")  # told in the table's title
-
-
-def claim_table(rows, title, normals=True):
-    """One row for each scene, one column for each quantity and choice of normals (without only, where
-    normals is false); what misses its goal is bold."""
-    columns, table = [], {}
-    for row in rows:
-        given = "normals given" in row["run"]
-        if given and not normals:
-            continue
-        column = (row["quantity"], "normals" if given else "no normals")
-        if column not in columns:
-            columns.append(column)
-        goal = "" if row["goal"] in FIXED_GOALS else f" ({row['goal']})"
-        text = f"{row['value']}{goal}"
-        cells = table.setdefault((row["scene"], f"{int(row['points']):,}"), {})
-        cells[column] = f"**{text}**" if row["met"] == "0" else text
-    quantities = [column[0] for column in columns]
-    columns.sort(key=lambda column: quantities.index(column[0]))
-    several = len({column[1] for column in columns}) > 1
-    print_table(title, ["scene", "points"] + [f"{q}; {n}" if several else q for q, n in columns],
-                [list(key) + [cells.get(c, "") for c in columns] for key, cells in table.items()])
-
-
-def peer_table(rows, title):
-    print_table(title, ["scene", "error", "SLIM", "setting", "others' best", "whose"],
-                [[row["scene"], row["quantity"],
-                  row["value"] if row["met"] == "1" else f"**{row['value']}**",
-                  row["run"].removeprefix("slim "), row["goal"], row["beside"]] for row in rows])
-
-
 def main():
     if len(sys.argv) != 2 or not os.path.isdir(sys.argv[1]):
         sys.exit("comparison_table.py wants the folder that comparison.sh filled")
@@ -172,16 +140,6 @@ def main():
     error_table(load(folder, "exact"))
     scan_table(load(folder, "pairs"), "Scans with a clean original, lengths in mean edges")
     scan_table(load(folder, "bunny"), "Raw scans against a mesh, lengths in metres")
-    claim_table(load(folder, "rims"), "Open borders, no normals (goals: 1.2; MLS's best in brackets)",
-                normals=False)
-    claim_table(load(folder, "zones") + load(folder, "zones438"),
-                "Relief, .5 % noise: each zone (MLS's best for it in brackets)")
-    claim_table(load(folder, "sheets"), "Two sheets (goal: 0)")
-    claim_table(load(folder, "normals"), "Normals .3 rad off, over exact ones (goal 1.1)")
-    peer_table(load(folder, "peers"), "Beside other libraries")
-    claim_table(load(folder, "default"), "Default over best of a sweep (goal 1.15)")
-    claim_table(load(folder, "moves"),
-                "How far points move (goals: .05 %, .2 % where points coincide; 15)")
 
 
 if __name__ == "__main__":

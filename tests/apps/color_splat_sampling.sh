@@ -104,7 +104,7 @@ expect 0 '' origin.pcd origin_out.pcd -use_normals 0
 same nowhere_out.pcd origin_out.pcd
 
 # Help, documentation, usage errors: status 2, nothing written.
-documented "$program"
+documented "$program" color_octree_splat_sampler
 expect 2 'did you mean -color' scan.pcd e.pcd -colour 2
 expect 2 'a number' scan.pcd e.pcd -geo nan
 expect 2 'exclude each other' scan.pcd e.pcd -max_splats 10 -target_error 2

@@ -86,7 +86,7 @@ expect 0 '' plain.pcd reused.pcd -surface surface.slim
 same a.pcd reused.pcd
 
 # Help, documentation, mistakes, failures.
-documented "$program"
+documented "$program" slim_curvature_estimation slim_fit
 expect 2 'did you mean -directions' plain.pcd d.pcd -direction 1
 expect 2 'exclude each other' plain.pcd d.pcd -surface surface.slim -penalty 2
 expect 2 '.pcd, .ply, .las or .vtp' plain.pcd d.vtk

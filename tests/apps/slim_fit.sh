@@ -124,7 +124,7 @@ expect 0 '' -h
 grep -q '^Syntax is: pcl_slim_fit ' out.txt || complain "no syntax line"
 expect 0 '' --help
 expect 0 '' -version
-documented "$program"
+documented "$program" slim_fit
 
 awk 'length > 79 && !/^Syntax|^Fits/ { bad = 1 } END { exit bad }' < <("$bin/$program" -h) ||
   complain "the help is wider than 79 columns"

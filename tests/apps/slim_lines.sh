@@ -60,7 +60,7 @@ grep -q '"lambda"' c.json || complain "no lambda in the report"
 grep -q '"surface"' c.json || complain "the report does not name the surface"
 
 # Help, documentation, mistakes, failures.
-documented "$program"
+documented "$program" slim_crest_lines slim_fit
 expect 2 'did you mean -strength' plain.pcd d.vtp -strenght 1
 expect 2 'exclude each other' plain.pcd d.vtp -surface surface.slim -penalty 2
 expect 2 'no OUT' plain.pcd

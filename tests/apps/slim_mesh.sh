@@ -114,7 +114,7 @@ done
 expect 0 'needs normals' cube.pcd plain.ply -sharp 1 -use_normals 0
 
 # Help, documentation, mistakes, failures.
-documented "$program" mesh
+documented "$program" mesh slim_fit
 badScans ball.pcd
 noSurfaces
 expect 2 'no OUT' ball.pcd

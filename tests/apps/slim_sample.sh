@@ -59,7 +59,7 @@ tail -c 14400 h.pcd | od -An -v -t u1 -w36 | awk '{ print $33, $34, $35 }' | pas
 expect 0 '' colored.pcd j.pcd -number 400 -color 0
 header j.pcd 'FIELDS x y z normal_x normal_y normal_z curvature gaussian_curvature'
 
-documented pcl_slim_sample
+documented pcl_slim_sample slim_projection_smoother slim_fit
 expect 2 'give -spacing or -number' scan.pcd g.pcd
 expect 2 'exclude each other' scan.pcd g.pcd -spacing 1 -number 5
 expect 2 'a number' scan.pcd g.pcd -spacing 0

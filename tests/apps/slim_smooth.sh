@@ -204,7 +204,7 @@ expect 0 '' mesh.ply c.ply -sharp 1
 expect 0 '' -h
 grep -q '^Syntax is: pcl_slim_smooth ' out.txt || complain "no syntax line"
 expect 0 '' -version
-documented "$program"
+documented "$program" slim_projection_smoother slim_fit
 
 # Usage errors: status 2, nothing written.
 expect 2 'did you mean -normals' near.pcd d.pcd -normal 1

@@ -30,7 +30,7 @@ expect 2 'exclude' surface.slim -camera 0,-1,0,0,0,0,0,0,1 -view top
 expect 1 'no/such' surface.slim -screenshot no/such/x.png
 expect 1 'X server' surface.slim -screenshot x.png
 absent x.png x.jpg
-documented pcl_slim_view
+documented pcl_slim_view visualization slim_fit
 
 if ! command -v xvfb-run > /dev/null; then
   echo "no xvfb-run: no pictures are tried"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "ball/ball_kernels.h"
+#include "scan/ball_kernels.h"
 
 namespace pcl_slim_test {
 

@@ -170,9 +170,10 @@ noisyPlane() {
 # value REPORT KEY: a number or word of a report.
 value() { sed -n "s/.*\"$2\": \([^,]*\),*/\1/p" "$1" | head -n 1; }
 
-# documented PROGRAM [PAGE]: the help ends well, and docs/PAGE.md has each line of its table.
+# documented PROGRAM [PAGE [MORE]]: the help ends well, and each line of its table is in docs/PAGE.md or,
+# options that programs share, in docs/MORE.md.
 documented() {
-  local page=$docs/${2-$1}.md line
+  local page=$docs/${2-$1}.md more=$docs/${3-${2-$1}}.md line
   for line in -h -version --help-markdown; do
     "$bin/$1" "$line" > out.txt 2> err.txt || complain "$1 $line fails"
     [ -s out.txt ] && [ -z "$(tail -c 1 out.txt)" ] || complain "$1 $line does not end with a newline"
@@ -180,7 +181,7 @@ documented() {
   done
   "$bin/$1" --help-markdown > out.txt 2> err.txt || complain "$1 --help-markdown fails"
   while IFS= read -r line; do
-    case $line in '| `-'*) grep -qF -- "$line" "$page" || complain "$page lacks: $line" ;; esac
+    case $line in '| `-'*) grep -qF -- "$line" "$page" "$more" || complain "$page lacks: $line" ;; esac
   done < out.txt
 }
 

@@ -15,15 +15,6 @@ namespace pcl_slim {
 namespace {
 
 template <typename T>
-double
-readAs(const std::uint8_t* at)
-{
-  T value;
-  std::memcpy(&value, at, sizeof(value));
-  return static_cast<double>(value);
-}
-
-template <typename T>
 bool
 parseAs(const char* begin, const char* end, std::uint8_t* at)
 {
@@ -59,44 +50,6 @@ isSpace(char c)
 }
 
 }  // namespace
-
-std::size_t
-scalarSize(std::uint8_t type)
-{
-  switch (type) {
-    case kInt8:
-    case kUInt8:
-    case kBool: return 1;
-    case kInt16:
-    case kUInt16: return 2;
-    case kInt32:
-    case kUInt32:
-    case kFloat32: return 4;
-    case kFloat64:
-    case kInt64:
-    case kUInt64: return 8;
-    default: return 0;
-  }
-}
-
-double
-readScalar(const std::uint8_t* at, std::uint8_t type)
-{
-  switch (type) {
-    case kInt8: return readAs<std::int8_t>(at);
-    case kUInt8:
-    case kBool: return readAs<std::uint8_t>(at);
-    case kInt16: return readAs<std::int16_t>(at);
-    case kUInt16: return readAs<std::uint16_t>(at);
-    case kInt32: return readAs<std::int32_t>(at);
-    case kUInt32: return readAs<std::uint32_t>(at);
-    case kFloat32: return readAs<float>(at);
-    case kFloat64: return readAs<double>(at);
-    case kInt64: return readAs<std::int64_t>(at);
-    case kUInt64: return readAs<std::uint64_t>(at);
-    default: return std::numeric_limits<double>::quiet_NaN();
-  }
-}
 
 bool
 parseScalar(const char* begin, const char* end, std::uint8_t type, std::uint8_t* at)

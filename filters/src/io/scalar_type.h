@@ -8,30 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "pcl_slim/core/scalar_type.h"
+
 namespace pcl_slim {
-
-/** Field types by PCLPointField's numbers; the 64-bit integers have no name there before 1.13. */
-enum ScalarType : std::uint8_t {
-  kInt8 = 1,
-  kUInt8 = 2,
-  kInt16 = 3,
-  kUInt16 = 4,
-  kInt32 = 5,
-  kUInt32 = 6,
-  kFloat32 = 7,
-  kFloat64 = 8,
-  kInt64 = 9,
-  kUInt64 = 10,
-  kBool = 11
-};
-
-/** Bytes of one value, 0 for an unknown type. */
-std::size_t
-scalarSize(std::uint8_t type);
-
-/** Value at an address of any alignment, in this machine's byte order. */
-double
-readScalar(const std::uint8_t* at, std::uint8_t type);
 
 /** Parses text into one value of a type. false: not a number, or out of the type's range. */
 bool

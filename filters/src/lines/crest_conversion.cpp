@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "io/scalar_type.h"
 #include "pcl_slim/filters/io/crest_files.h"
 #include "pcl_slim/filters/point_crest.h"
 
@@ -89,15 +90,8 @@ toPointFile(const CrestLines& lines)
   pcl::PCLPointCloud2& cloud = file.cloud;
   const bool narrow = floatsSuffice(lines);
   for (std::size_t c = 0; c < kNumColumns; ++c) {
-    pcl::PCLPointField field;
-    field.name = kColumns[c];
-    field.offset = cloud.point_step;
-    field.datatype = c < 3 && !narrow                   ? pcl::PCLPointField::FLOAT64
-                     : c + kWholeNumbers >= kNumColumns ? pcl::PCLPointField::UINT32
-                                                        : pcl::PCLPointField::FLOAT32;
-    field.count = 1;
-    cloud.fields.push_back(field);
-    cloud.point_step += c < 3 && !narrow ? 8 : 4;
+    const bool whole = c + kWholeNumbers >= kNumColumns;
+    addField(cloud, kColumns[c], c < 3 && !narrow ? kFloat64 : whole ? kUInt32 : kFloat32);
   }
   cloud.width = static_cast<pcl::uindex_t>(lines.numVertices());
   cloud.height = 1;

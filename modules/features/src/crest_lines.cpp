@@ -2,7 +2,6 @@
 #include "pcl_slim/features/crest_lines.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <tuple>
@@ -12,6 +11,7 @@
 #include "lines/crest_seeds.h"
 #include "lines/crest_tracer.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/stopwatch.h"
 
 namespace pcl_slim {
 
@@ -23,12 +23,6 @@ constexpr double kStorePrecision = 1e-9;  ///< of L: rounding must not pass for 
 constexpr double kCleanNoise = 1e-6;      ///< of L: below it third derivatives are the more exact
 constexpr std::size_t kSlices = 32;       ///< progress is told and cancelling asked for in between
 constexpr float kSeedsShare = 0.1f;       ///< of the time
-
-double
-secondsSince(std::chrono::steady_clock::time_point begin)
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
 
 std::array<float, 3>
 toFloat(const Vector3& a)
@@ -184,11 +178,10 @@ traceCrestLines(const PointStore& store, const Projection& projection, const SLI
   if (Error error = checkInput(store, projection, surface)) return error;
   const int threads = resolveThreads(params.threads);
   if (progress != nullptr) progress->report(0.0f, "finding seeds");
-  auto begin = std::chrono::steady_clock::now();
+  Stopwatch watch;
   const auto seeds = findCrestSeeds(store, projection, surface, threads, progress);
-  made.seconds_seeds = secondsSince(begin);
+  made.seconds_seeds = watch.lap();
 
-  begin = std::chrono::steady_clock::now();
   const ProbeIndex index(surface);
   const double noise = std::sqrt(std::max(0.0, surface.info.lambda));
   const double sigma = std::max(noise, kStorePrecision) * surface.info.diagonal;
@@ -201,7 +194,7 @@ traceCrestLines(const PointStore& store, const Projection& projection, const SLI
   }
   if (Error error = followAll(seeds, tracers, threads, progress)) return error;
   collect(tracers, params, surface.info, lines, made);
-  made.seconds_trace = secondsSince(begin);
+  made.seconds_trace = watch.lap();
   if (statistics != nullptr) *statistics = made;
   if (progress != nullptr) progress->report(1.0f, "tracing");
   return {};

@@ -4,7 +4,6 @@
 #include "pcl_slim/fit/fit.h"
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 
 #include "cover/level_cover.h"
@@ -16,6 +15,7 @@
 #include "orient/orientation.h"
 #include "pcl_slim/cloud/outliers.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/stopwatch.h"
 #include "penalty_search.h"
 #include "presets.h"
 #include "sides/sided_store.h"
@@ -26,20 +26,6 @@ namespace pcl_slim {
 namespace detail {
 
 namespace {
-
-class Stopwatch {
- public:
-  double lap()
-  {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return seconds;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 /** Where no viewpoint is given and points have no sensors of their own, the only one is it. */
 FitParams

@@ -3,7 +3,6 @@
 #include "pcl_slim/fit/tile_fit.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "cover/level_cover.h"
@@ -15,6 +14,7 @@
 #include "pcl_slim/cloud/detail/noise_measurement.h"
 #include "pcl_slim/cloud/outliers.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/stopwatch.h"
 #include "presets.h"
 #include "trim/trim_maps.h"
 
@@ -25,12 +25,6 @@ using namespace detail;
 namespace {
 
 constexpr double kReachMargin = 1.001;  ///< for the rounding of centres to their grid
-
-double
-secondsSince(std::chrono::steady_clock::time_point start)
-{
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 /** Constants by which patches stay inside a window. */
 FitConstants
@@ -183,7 +177,7 @@ fitTile(PointStore store, const FitParams& asked, const TileJob& job, SLIMSurfac
   const FitParams params = resolvedParams(asked, constants.preset);
   FitStatistics stats;
   stats.threads = resolveThreads(params.threads);
-  auto start = std::chrono::steady_clock::now();
+  Stopwatch watch;
   stats.outliers = coreOf(store, job).size();
   if (!params.keep_outliers) {
     const std::vector<std::uint32_t> outliers =
@@ -192,24 +186,21 @@ fitTile(PointStore store, const FitParams& asked, const TileJob& job, SLIMSurfac
   }
   const PointRange core = coreOf(store, job);
   stats.outliers -= core.size();
-  stats.seconds_outliers = secondsSince(start);
+  stats.seconds_outliers = watch.lap();
 
-  start = std::chrono::steady_clock::now();
   FitSettings settings = makeSettings(store, params, constants);
   takeTraits(job.traits, params, settings);
   takeProfile(store, job.traits, stats.threads, settings);
-  stats.seconds_noise = secondsSince(start);
+  stats.seconds_noise = watch.lap();
 
-  start = std::chrono::steady_clock::now();
   stats.first_level = job.first_level;
   LevelCover cover(store, settings, stats.threads, core);
   if (Error error = cover.run(job.first_level, progress)) return error;
   fillSurface(store, settings, cover, stats.threads, surface);
-  stats.seconds_cover = secondsSince(start);
+  stats.seconds_cover = watch.lap();
 
-  start = std::chrono::steady_clock::now();
   if (params.trim) makeTrimMaps(store, settings, params.hole_size, stats, surface);
-  stats.seconds_trim = secondsSince(start);
+  stats.seconds_trim = watch.lap();
   countFit(store, cover, surface, stats);
   stats.points = core.size();
   stats.never_gathered -= std::min<std::uint64_t>(stats.never_gathered, store.size() - core.size());

@@ -2,13 +2,13 @@
 #include "pcl_slim/mesh/mesh_extraction.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <numeric>
 
 #include "contour/contour.h"
 #include "contour/polygons.h"
 #include "octree/leaf_shapes.h"
+#include "pcl_slim/core/stopwatch.h"
 #include "sharpen/sharpen.h"
 #include "simplify/edge_collapse.h"
 #include "topology/fans.h"
@@ -48,21 +48,6 @@ defaultTolerance(const SLIMSurface& surface)
   return std::max(kNoiseShare * noise, kLeastTolerance * info.diagonal);
 }
 
-/** Wall time since the last lap. */
-class StageClock {
- public:
-  double lap()
-  {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return seconds;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
-
 /** One extraction: what its steps share. */
 class Extraction {
  public:
@@ -82,7 +67,7 @@ class Extraction {
   {
     statistics_ = MeshStatistics();
     statistics_.tolerance = tolerance * surface_.info.scale;
-    StageClock clock;
+    Stopwatch clock;
     report(0.0f, "dividing cells");
     const bool finer = tolerance < defaultTolerance(surface_);
     const double least = finer ? kLeastAsked : kLeastSpacings;

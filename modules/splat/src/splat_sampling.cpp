@@ -3,7 +3,6 @@
 #include "pcl_slim/splat/splat_sampling.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -13,6 +12,7 @@
 #include "octree/octree_cut.h"
 #include "octree/tolerance_division.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/stopwatch.h"
 #include "sampling_plan.h"
 
 namespace pcl_slim {
@@ -76,19 +76,19 @@ class Sampling {
     Result<OctreeCloud> cloud =
         OctreeCloud::build(view_, plan_.rootGrid(), params().threads, colors_);
     if (!cloud) return cloud.error();
-    statistics_.seconds_order = lap();
+    statistics_.seconds_order = watch_.lap();
     if (needsNormals() || plan_.needsNeighbors()) {
       if (!begin(0.2f, "neighbours")) return cancelled();
       if (Error error = findNeighbors()) return error;
     }
-    statistics_.seconds_normals = lap();
+    statistics_.seconds_normals = watch_.lap();
     if (!begin(0.6f, "dividing")) return cancelled();
     const OctreeSource source{view_, colors_, table_};
     SplatBuilder builder = divide(*cloud, source);
-    statistics_.seconds_divide = lap();
+    statistics_.seconds_divide = watch_.lap();
     if (!begin(0.9f, "splats")) return cancelled();
     builder.finish(store_ ? &*store_ : nullptr, splats, statistics_);
-    statistics_.seconds_splats = lap();
+    statistics_.seconds_splats = watch_.lap();
     return begin(1.0f, "done") ? Error() : cancelled();
   }
 
@@ -101,14 +101,6 @@ class Sampling {
   }
 
   static Error cancelled() { return {ErrorCode::kCancelled, "the sampling was cancelled"}; }
-
-  double lap()
-  {
-    const auto now = std::chrono::steady_clock::now();
-    const double seconds = std::chrono::duration<double>(now - last_).count();
-    last_ = now;
-    return seconds;
-  }
 
   bool needsNormals()
   {
@@ -208,7 +200,7 @@ class Sampling {
   std::optional<PointStore> store_;
   std::optional<bool> has_normals_;
   std::vector<float> normals_;
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  Stopwatch watch_;
 };
 
 }  // namespace

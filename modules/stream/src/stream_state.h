@@ -1,32 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "cells/cell_counts.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/stopwatch.h"
 #include "pcl_slim/stream/stream_fit.h"
 #include "ranks/fitted_tiles.h"
 #include "ranks/rank_messages.h"
+#include "ranks/statistics_sum.h"
 #include "scratch/tile_store.h"
-#include "tiles/statistics_sum.h"
 #include "tiles/tile_loader.h"
 
 namespace pcl_slim::detail {
-
-class Stopwatch {
- public:
-  double seconds() const
-  {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 /** \brief What is said of a fit that was cancelled. */
 inline Error

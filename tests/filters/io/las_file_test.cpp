@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "filters/io/point_values.h"
 #include "pcl_slim/filters/io/point_file.h"
 #include "support/las_bytes.h"
 #include "support/temporary_folder.h"
@@ -13,16 +14,6 @@ namespace pcl_slim {
 namespace {
 
 using namespace pcl_slim_test;
-
-double
-value(const PointFile& file, const char* name, std::size_t point)
-{
-  const int field = findField(file.cloud, name);
-  EXPECT_GE(field, 0) << name;
-  return field < 0
-             ? NAN
-             : fieldValue(file.cloud, point, file.cloud.fields[static_cast<std::size_t>(field)]);
-}
 
 Result<PointFile>
 load(const TemporaryFolder& folder, const std::vector<unsigned char>& bytes)

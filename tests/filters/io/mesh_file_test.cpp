@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "filters/io/point_values.h"
 #include "pcl_slim/filters/io/point_file.h"
 #include "support/temporary_folder.h"
 
@@ -20,16 +21,6 @@ load(const std::string& name, const std::string& text)
   const TemporaryFolder folder;
   writeText(folder / name, text);
   return loadPointFile(folder / name);
-}
-
-double
-value(const PointFile& file, const char* name, std::size_t point)
-{
-  const int field = findField(file.cloud, name);
-  EXPECT_GE(field, 0) << name;
-  return field < 0
-             ? NAN
-             : fieldValue(file.cloud, point, file.cloud.fields[static_cast<std::size_t>(field)]);
 }
 
 TEST(ObjFile, VerticesNormalsAndFaces)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/filters/io/point_file.h"
+#include "filters/io/point_values.h"
 
 #include <gtest/gtest.h>
 #include <pcl/io/pcd_io.h>
@@ -14,16 +15,6 @@ namespace pcl_slim {
 namespace {
 
 using namespace pcl_slim_test;
-
-double
-value(const PointFile& file, const char* name, std::size_t point)
-{
-  const int field = findField(file.cloud, name);
-  EXPECT_GE(field, 0) << name;
-  return field < 0
-             ? NAN
-             : fieldValue(file.cloud, point, file.cloud.fields[static_cast<std::size_t>(field)]);
-}
 
 pcl::PointCloud<pcl::PointXYZRGBNormal>
 coloredCloud()

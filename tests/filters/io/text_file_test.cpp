@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "filters/io/point_values.h"
 #include "pcl_slim/filters/io/point_file.h"
 #include "support/temporary_folder.h"
 
@@ -25,16 +26,6 @@ columnsOf(const std::string& name, const std::string& text)
 {
   const auto file = load(name, text);
   return file ? file->columns.substr(0, file->columns.find(',')) : file.error().message;
-}
-
-double
-value(const PointFile& file, const char* name, std::size_t point)
-{
-  const int field = findField(file.cloud, name);
-  EXPECT_GE(field, 0) << name;
-  return field < 0
-             ? NAN
-             : fieldValue(file.cloud, point, file.cloud.fields[static_cast<std::size_t>(field)]);
 }
 
 int

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "ball/ball_kernels.h"
+#include "scan/ball_kernels.h"
 #include "support/clouds.h"
 
 namespace pcl_slim {

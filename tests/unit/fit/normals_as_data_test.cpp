@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "ball/ball_kernels.h"
+#include "scan/ball_kernels.h"
 #include "support/clouds.h"
 #include "support/plane_normals.h"
 

@@ -236,8 +236,8 @@ TEST(Ranks, ReadSharesOfAFile)
   text.step = 3;
   text.text = true;
   for (std::size_t a = 0; a < 3; ++a) {
-    binary.position[a] = {8 * a, RecordType::kFloat64};
-    text.position[a] = {a, RecordType::kFloat64};
+    binary.position[a] = {8 * a, kFloat64};
+    text.position[a] = {a, kFloat64};
   }
   std::ofstream(binary.path, std::ios::binary)
       .write(reinterpret_cast<const char*>(cloud.points.data()),

@@ -9,8 +9,6 @@
 namespace pcl_slim::detail {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
 /** \brief Rotation and scale of a matrix. \return false unless it is a similarity that keeps
  * right hands right. */
 bool
@@ -66,7 +64,7 @@ setPicture(const GLView& view, double view_height, double shift_x, double shift_
   if (result.parallel) {
     camera.view_height = coarse_height / result.view_scale;
   } else {
-    camera.fov = 2.0 * std::atan(0.5 * coarse_height) * 180.0 / kPi;
+    camera.fov = 2.0 * std::atan(0.5 * coarse_height) * 180.0 / M_PI;
   }
   result.texels_x = columns / view.width / coarseness;
   result.texels_y = 1.0 / coarseness;
@@ -118,7 +116,7 @@ cameraOfPixel(const Camera& camera, double column, double row)
   pixel.pixel_offset = {column - 0.5 * (camera.size.width - 1) + camera.pixel_offset[0],
                         row - 0.5 * (camera.size.height - 1) + camera.pixel_offset[1]};
   const double height = camera.size.height;
-  pixel.fov = 2.0 * std::atan(std::tan(camera.fov * kPi / 360.0) / height) * 180.0 / kPi;
+  pixel.fov = 2.0 * std::atan(std::tan(camera.fov * M_PI / 360.0) / height) * 180.0 / M_PI;
   pixel.view_height = camera.view_height / height;
   return pixel;
 }

@@ -11,10 +11,10 @@
 #include <vtk_glew.h>
 
 #include <algorithm>
-#include <chrono>
 
 #include "color/color_scale.h"
 #include "mapper/mapper_state.h"
+#include "pcl_slim/core/stopwatch.h"
 #include "shader/resolve_shader.h"
 
 namespace pcl_slim {
@@ -103,14 +103,13 @@ GBufferMapper::prepareLines(vtkRenderer* renderer)
   const double milliseconds = 1000.0 * (s.frame.seconds() + s.statistics.line_seconds);
   const bool slow = s.budget > 0.0 && (s.statistics.lines == 0 || milliseconds > s.budget);
   if (!wantsLines() || s.frame.coarseness() > 1 || (slow && isInteracting(renderer))) return;
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   std::vector<std::uint8_t> rgba;
   s.request.near_plane = s.frame.view().near_plane;
   const Camera& camera = s.frame.view().camera;
   s.error =
       drawLinesOver(camera, s.request, s.statistics.on_card ? nullptr : &s.frame.buffer(), rgba);
-  const std::chrono::duration<double> passed = std::chrono::steady_clock::now() - start;
-  s.statistics.line_seconds = passed.count();
+  s.statistics.line_seconds = watch.seconds();
   ++s.statistics.lines;
   s.lines_current = true;
   if (s.error || rgba.empty()) return;

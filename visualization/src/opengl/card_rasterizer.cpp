@@ -20,7 +20,6 @@
 namespace pcl_slim::detail {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr float kNothing = 3e38f;  ///< depth where no ray has met anything
 constexpr int kMostPeels = 8;      ///< as the CPU lets rays pass
 
@@ -80,7 +79,7 @@ struct CardRasterizer::FrameValues {
       axes[6 + k] = single(forward[k]);
     }
     const double height =
-        parallel ? camera.view_height / info.scale : 2.0 * std::tan(camera.fov * kPi / 360.0);
+        parallel ? camera.view_height / info.scale : 2.0 * std::tan(camera.fov * M_PI / 360.0);
     screen[0] = single(height / camera.size.height);
     screen[1] = single(camera.size.width);
     screen[2] = single(camera.size.height);

@@ -20,7 +20,8 @@ class CloudDescription;
 /** \brief Smooths a cloud by moving its points onto the SLIM surface fitted to it (Ohtake, Belyaev,
  * Alexa: Sparse low-degree implicit surfaces, SGP 2005, equations 6 to 8).
  *
- * Stands where pcl::MovingLeastSquares stands, with all of its setters (docs/coming_from_mls.md):
+ * Stands where pcl::MovingLeastSquares stands, with all of its setters
+ * (docs/slim_projection_smoother.md):
  * \code
  * pcl_slim::SLIMProjectionSmoother<pcl::PointXYZ, pcl::PointNormal> smoother;
  * smoother.setInputCloud(cloud);

@@ -8,8 +8,6 @@
 
 namespace pcl_slim {
 
-/** Bytes of a record that X, Y and Z take: three whole numbers of 32 bits. */
-constexpr std::size_t kLasCoordinateBytes = 12;
 constexpr int kMostLasFormat = 10;
 
 /** One value of a point record behind X, Y and Z (ASPRS, LAS 1.4 R15, tables 7 to 17). */

@@ -46,7 +46,7 @@ recounted(const std::string& header, bool pcd, std::uint64_t width, std::uint64_
 std::string
 rawHeader(const RecordLayout& layout)
 {
-  const bool floats = layout.position[0].type == RecordType::kFloat32;
+  const bool floats = layout.position[0].type == kFloat32;
   std::string text = "ply\nformat binary_little_endian 1.0\nelement vertex 0\n";
   for (const char* axis : {"x", "y", "z"})
     text += std::string("property ") + (floats ? "float " : "double ") + axis + "\n";

@@ -79,7 +79,7 @@ pcdLayout(const std::vector<unsigned char>& head, bool use_normals, RecordLayout
   layout.count = header.points;
   std::vector<NamedField> columns;
   for (const PcdColumn& column : header.columns) {
-    columns.push_back({column.name, {layout.step, static_cast<RecordType>(scalarType(column))}});
+    columns.push_back({column.name, {layout.step, static_cast<ScalarType>(scalarType(column))}});
     layout.step += layout.text ? column.count : column.bytes();
   }
   const Eigen::Vector4f& at = file.sensor_origin;
@@ -124,7 +124,7 @@ plyLayout(const std::vector<unsigned char>& head, bool use_normals, RecordLayout
   std::vector<NamedField> columns;
   std::size_t offset = 0;
   for (const PlyProperty& property : vertex->properties) {
-    columns.push_back({property.name, {offset, static_cast<RecordType>(property.type)}});
+    columns.push_back({property.name, {offset, static_cast<ScalarType>(property.type)}});
     offset += layout.text ? 1 : scalarSize(property.type);
   }
   if (Error error = setFields(columns, {"nx", "ny", "nz"}, use_normals, layout)) return error;
@@ -137,9 +137,9 @@ plyLayout(const std::vector<unsigned char>& head, bool use_normals, RecordLayout
 }
 
 Error
-rawLayout(RecordType type, std::uint64_t bytes, RecordLayout& layout)
+rawLayout(ScalarType type, std::uint64_t bytes, RecordLayout& layout)
 {
-  const std::size_t size = type == RecordType::kFloat32 ? 4 : 8;
+  const std::size_t size = type == kFloat32 ? 4 : 8;
   layout.step = 3 * size;
   layout.count = bytes / layout.step;
   for (std::size_t a = 0; a < 3; ++a) layout.position[a] = {a * size, type};
@@ -174,10 +174,9 @@ recordLayoutOf(const std::string& path, bool use_normals)
   file.read(reinterpret_cast<char*>(head.data()), static_cast<std::streamsize>(head.size()));
   if (bytes == 0) return badInput("'" + path + "' is empty (0 bytes); copy it again");
   const bool doubles = extension == ".f64";
-  Error error =
-      raw ? rawLayout(doubles ? RecordType::kFloat64 : RecordType::kFloat32, bytes, layout)
-      : extension == ".pcd" ? pcdLayout(head, use_normals, layout)
-                            : plyLayout(head, use_normals, layout);
+  Error error = raw                   ? rawLayout(doubles ? kFloat64 : kFloat32, bytes, layout)
+                : extension == ".pcd" ? pcdLayout(head, use_normals, layout)
+                                      : plyLayout(head, use_normals, layout);
   if (error) return error;
   const std::uint64_t available = bytes - std::min(bytes, layout.begin);
   if (!layout.text && available / layout.step < layout.count) {

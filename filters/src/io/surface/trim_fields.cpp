@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "pcl_slim/core/base64.h"
+
 namespace pcl_slim {
 
 namespace {
@@ -11,20 +13,6 @@ constexpr int kTrimSide = 8;               ///< nodes a side of the trim maps th
 constexpr std::size_t kBytesOfLine = 300;  ///< a multiple of 3: 400 characters of base64
 const std::string kTrimLine = "pcl_slim trim_maps ";
 const std::string kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-
-std::string
-base64(const std::uint8_t* bytes, std::size_t count)
-{
-  std::string text;
-  for (std::size_t i = 0; i < count; i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      group = group << 8 | (i + k < count ? bytes[i + k] : std::uint8_t{0});
-    for (std::size_t k = 0; k < 4; ++k)
-      text += i + k <= count ? kDigits[group >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
-}
 
 /** Appends what base64() made text of. false: it is none. */
 bool

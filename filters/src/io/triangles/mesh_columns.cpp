@@ -1,24 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cstring>
 
+#include "io/scalar_type.h"
 #include "io/triangles/mesh_formats.h"
 #include "pcl_slim/filters/io/mesh_conversion.h"
 
 namespace pcl_slim {
 
 namespace {
-
-void
-addField(const char* name, std::uint8_t type, pcl::PCLPointCloud2& cloud)
-{
-  pcl::PCLPointField field;
-  field.name = name;
-  field.offset = cloud.point_step;
-  field.datatype = type;
-  field.count = 1;
-  cloud.fields.push_back(field);
-  cloud.point_step += type == pcl::PCLPointField::FLOAT64 ? 8 : 4;
-}
 
 template <typename T>
 void
@@ -31,15 +20,15 @@ put(T value, std::uint8_t*& at)
 void
 addFields(const TriangleMesh& mesh, const MeshColumns& columns, pcl::PCLPointCloud2& cloud)
 {
-  const auto place = columns.narrow ? pcl::PCLPointField::FLOAT32 : pcl::PCLPointField::FLOAT64;
-  for (const char* name : {"x", "y", "z"}) addField(name, place, cloud);
+  const auto place = columns.narrow ? kFloat32 : kFloat64;
+  for (const char* name : {"x", "y", "z"}) addField(cloud, name, place);
   for (const char* name : {"normal_x", "normal_y", "normal_z"}) {
-    addField(name, pcl::PCLPointField::FLOAT32, cloud);
+    addField(cloud, name, kFloat32);
   }
   for (const char* name : {"k1", "k2"}) {
-    if (columns.curvature) addField(name, pcl::PCLPointField::FLOAT32, cloud);
+    if (columns.curvature) addField(cloud, name, kFloat32);
   }
-  if (!mesh.colors.empty()) addField("rgb", pcl::PCLPointField::FLOAT32, cloud);
+  if (!mesh.colors.empty()) addField(cloud, "rgb", kFloat32);
 }
 
 }  // namespace

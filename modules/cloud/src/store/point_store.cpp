@@ -2,9 +2,9 @@
 #include "pcl_slim/cloud/point_store.h"
 
 #include <algorithm>
-#include <chrono>
 
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/stopwatch.h"
 #include "store/point_store_builder.h"
 
 namespace pcl_slim {
@@ -30,26 +30,24 @@ finished(PointStoreBuilder& builder)
 Result<PointStore>
 PointStore::build(const CloudView& cloud, int threads, const PointStore* frame)
 {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   PointStoreBuilder builder(cloud, resolveThreads(threads), frame);
   Result<PointStore> store = finished(builder);
   if (!store) return store;
   store->sensor_ = cloud.sensor;
-  store->statistics_.seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  store->statistics_.seconds = watch.seconds();
   return store;
 }
 
 Result<PointStore>
 PointStore::build(const CloudView& cloud, const StoreFrame& frame, int threads)
 {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   PointStoreBuilder builder(cloud, resolveThreads(threads), frame);
   Result<PointStore> store = finished(builder);
   if (!store) return store;
   store->sensor_ = frame.sensor;
-  store->statistics_.seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  store->statistics_.seconds = watch.seconds();
   return store;
 }
 

@@ -45,7 +45,6 @@ struct CrestVertex {
 /** The field whose zeros are lines of one type. */
 class CrestField {
  public:
-  static constexpr std::size_t kMostCenters = 3;
   static constexpr std::size_t kMostVertices = 8;
 
   /** \param[in] analytic take dk/dt from third derivatives rather than from differences of k. */

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "ball/ball_kernels.h"
 #include "ball/nearby_blocks.h"
 #include "fit_settings.h"
+#include "scan/ball_kernels.h"
 
 namespace pcl_slim::detail {
 

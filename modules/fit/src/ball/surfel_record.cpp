@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "ball/noise_bias.h"
+#include "least_squares/noise_bias.h"
 #include "pcl_slim/surface/oct_normal.h"
 
 namespace pcl_slim::detail {

@@ -5,10 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "ball/ball_kernels.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/aligned.h"
 #include "pcl_slim/surface/surfel_color.h"
+#include "scan/ball_kernels.h"
 
 namespace pcl_slim::detail {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ball/ball_kernels.h"
 #include "fit_constants.h"
 #include "least_squares/mean_slope.h"
+#include "scan/ball_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "least_squares/fit_kernel.cpp"

@@ -8,9 +8,9 @@
 #define PCL_SLIM_MOMENTS_INL
 #endif
 
-#include "ball/ball_kernels.h"
 #include "least_squares/mean_slope.h"
 #include "pcl_slim/surface/detail/kernel_math-inl.h"
+#include "scan/ball_kernels.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "least_squares/local_fit.h"
+#include "scan/local_fit.h"
 
 namespace pcl_slim::detail {
 

@@ -3,7 +3,7 @@
 // that were gathered once.
 #pragma once
 
-#include "ball/ball_kernels.h"
+#include "scan/ball_kernels.h"
 
 namespace pcl_slim::detail {
 

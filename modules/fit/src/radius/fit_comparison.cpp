@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "ball/noise_bias.h"
 #include "least_squares/mean_slope.h"
+#include "least_squares/noise_bias.h"
 
 namespace pcl_slim::detail {
 

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "ball/ball_kernels.h"
 #include "radius/radius_constants.h"
+#include "scan/ball_kernels.h"
 
 namespace pcl_slim::detail {
 

@@ -8,9 +8,9 @@
 #define PCL_SLIM_BALL_SCAN_INL
 #endif
 
-#include "ball/ball_kernels.h"
 #include "hwy/cache_control.h"
 #include "pcl_slim/surface/detail/kernel_math-inl.h"
+#include "scan/ball_kernels.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {

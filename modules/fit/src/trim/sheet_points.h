@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "ball/ball_kernels.h"
+#include "scan/ball_kernels.h"
 
 namespace pcl_slim::detail {
 

@@ -12,7 +12,6 @@
 namespace pcl_slim {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kClearlyLonger = 1.1;  ///< y over z, for a cloud to count as standing along y
 constexpr double kOpenBelow = 0.1;      ///< mean normals that tell which of two axes is up
 constexpr double kBase = 0.03;          ///< share of the area by which flat bases tell
@@ -126,12 +125,12 @@ std::pair<double, Vector3>
 lowestAround(const SphereCloud& cloud, const Vector3& middle, const Vector3& down, double degrees)
 {
   constexpr int kWays = 12;
-  const double tilt = degrees * kPi / 180.0;
+  const double tilt = degrees * M_PI / 180.0;
   const Vector3 any = std::abs(down[0]) < 0.6 ? Vector3{1.0, 0.0, 0.0} : Vector3{0.0, 1.0, 0.0};
   const Vector3 u = normalized(cross(down, any)), v = cross(down, u);
   std::pair<double, Vector3> lowest{HUGE_VAL, down};
   for (int k = 0; k < kWays; ++k) {
-    const double way = 2.0 * kPi * k / kWays;
+    const double way = 2.0 * M_PI * k / kWays;
     const Vector3 tilted =
         along(along(scaled(down, std::cos(tilt)), std::sin(tilt) * std::cos(way), u),
               std::sin(tilt) * std::sin(way), v);
@@ -279,7 +278,7 @@ widestAzimuth(const SphereCloud& cloud, const Upright& frame)
   rf -= mean_r * mean_f;
   // The viewer looks along the axis of least variance.
   const double angle =
-      0.5 * std::atan2(2.0 * rf, ff - rr) * 180.0 / kPi;  // of the long axis, from front
+      0.5 * std::atan2(2.0 * rf, ff - rr) * 180.0 / M_PI;  // of the long axis, from front
   double azimuth = angle + 90.0;
   if (azimuth > 120.0) azimuth -= 180.0;
   const double middle = 0.5 * (rr + ff), spread = std::hypot(0.5 * (ff - rr), rf);
@@ -290,7 +289,7 @@ widestAzimuth(const SphereCloud& cloud, const Upright& frame)
 ViewDirection
 viewFrom(const Upright& frame, double azimuth, double elevation)
 {
-  const double a = azimuth * kPi / 180.0, e = elevation * kPi / 180.0;
+  const double a = azimuth * M_PI / 180.0, e = elevation * M_PI / 180.0;
   const Vector3 level = along(scaled(frame.front, std::cos(a)), std::sin(a), frame.right);
   // The picture's upward direction is the derivative by elevation, which is never degenerate.
   return {along(scaled(level, std::cos(e)), std::sin(e), frame.up),
@@ -342,7 +341,7 @@ chooseStand(const BoundingSpheres& object, UpAxis up)
   if (!object.oriented || std::hypot(facing_front, facing_right) < kOneSided) {
     return {frame, kQuarterView, 18.0};
   }
-  return {seen_from, std::atan2(facing_right, facing_front) * 180.0 / kPi + 15.0, 12.0};
+  return {seen_from, std::atan2(facing_right, facing_front) * 180.0 / M_PI + 15.0, 12.0};
 }
 
 }  // namespace

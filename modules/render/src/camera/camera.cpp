@@ -2,6 +2,7 @@
 #include "pcl_slim/render/camera.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "camera/bulk.h"
@@ -12,7 +13,6 @@ namespace pcl_slim {
 using namespace detail;
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr int kMaxSide = 32768;
 constexpr double kFarOrigin = 0x1p40;  ///< beyond it doubles hardly hold a unit more
 
@@ -130,7 +130,7 @@ mayBeSeen(const Camera& camera, const std::array<std::array<double, 3>, 2>& box)
   constexpr double kSlack = 2.0;  // pixels: frames of -aa are shifted
   const CameraAxes axes(camera);
   const bool perspective = camera.projection == Camera::Projection::kPerspective;
-  const double half = perspective ? std::tan(camera.fov * kPi / 360.0) : 0.5 * camera.view_height;
+  const double half = perspective ? std::tan(camera.fov * M_PI / 360.0) : 0.5 * camera.view_height;
   const double up = half * (1.0 + 2.0 * kSlack / camera.size.height);
   const double right = half * (camera.size.width + 2.0 * kSlack) / camera.size.height;
   int beyond[5] = {};  // corners behind the eye, and beyond each side of the picture
@@ -156,7 +156,7 @@ fitCamera(const BoundingSpheres& object, const ViewDirection& direction, const I
   if (framed.empty()) return camera;
 
   const CameraAxes axes(camera);
-  const Opening open(std::tan(fov * kPi / 360.0), size, margin, right_margin);
+  const Opening open(std::tan(fov * M_PI / 360.0), size, margin, right_margin);
   const FrustumFit fit(framed, object.seen_radius, axes, open);
   const double z = std::min(-(fit.max_right + fit.max_left) / (open.left + open.right),
                             -0.5 * (fit.max_up + fit.max_down) / open.vertical);

@@ -2,12 +2,11 @@
 #include "camera/camera_rays.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace pcl_slim::detail {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 /** \brief floor() kept inside the range of pixel coordinates. */
 int
@@ -33,7 +32,7 @@ CameraRays::CameraRays(const Camera& camera, const Vector3& origin, double scale
       height_(camera.size.height)
 {
   const double view_height =
-      perspective_ ? 2.0 * std::tan(camera.fov * kPi / 360.0) : camera.view_height / scale;
+      perspective_ ? 2.0 * std::tan(camera.fov * M_PI / 360.0) : camera.view_height / scale;
   pixel_ = view_height / height_;
   center_x_ = 0.5 * (width_ - 1) - camera.pixel_offset[0];
   center_y_ = 0.5 * (height_ - 1) - camera.pixel_offset[1];
@@ -73,7 +72,7 @@ CameraRays::halfAngle(const Vector3& center, double radius) const
 {
   if (!perspective_) return 0.0;
   const double distance = length(subtract(center, eye_));
-  return distance > radius ? std::asin(radius / distance) : kPi / 2.0;
+  return distance > radius ? std::asin(radius / distance) : M_PI / 2.0;
 }
 
 std::array<double, 2>
@@ -84,9 +83,9 @@ CameraRays::planeRange(double offset, double depth, double radius) const
   const double distance = std::hypot(offset, depth);
   if (distance <= radius) return {-kInfinity, kInfinity};
   const double angle = std::atan2(offset, depth), half = std::asin(radius / distance);
-  if (angle - half >= kPi / 2.0 || angle + half <= -kPi / 2.0) return {kInfinity, -kInfinity};
-  return {angle - half <= -kPi / 2.0 ? -kInfinity : std::tan(angle - half),
-          angle + half >= kPi / 2.0 ? kInfinity : std::tan(angle + half)};
+  if (angle - half >= M_PI / 2.0 || angle + half <= -M_PI / 2.0) return {kInfinity, -kInfinity};
+  return {angle - half <= -M_PI / 2.0 ? -kInfinity : std::tan(angle - half),
+          angle + half >= M_PI / 2.0 ? kInfinity : std::tan(angle + half)};
 }
 
 PixelRect

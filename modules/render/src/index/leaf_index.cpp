@@ -13,7 +13,6 @@
 namespace pcl_slim::detail {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr std::size_t kFanout = 8;
 
 /** \brief Length and inner products of a point seen from the camera. */
@@ -75,7 +74,7 @@ turnedAway(const FrameView& view, const Seen& p, const LeafNode& node)
       direction[a] = (double{node.center[a]} - view.eye[a] - view.eye_rest[a]) / distance;
     }
   }
-  return angleTo(node.axis, direction) + spread < 0.5 * kPi - kMargin;
+  return angleTo(node.axis, direction) + spread < 0.5 * M_PI - kMargin;
 }
 
 }  // namespace
@@ -209,7 +208,7 @@ LeafIndex::enclose(std::uint32_t begin, std::uint32_t end) const
   for (std::uint32_t i = begin; i < end; ++i) sum = along(sum, 1.0, {nx[i], ny[i], nz[i]});
   const Vector3 axis = normalized(sum);
   for (std::size_t a = 0; a < 3; ++a) node.axis[a] = static_cast<float>(axis[a]);
-  double reach = 0.0, cone = length(axis) > 0.5 ? 0.0 : 2.0 * kPi;
+  double reach = 0.0, cone = length(axis) > 0.5 ? 0.0 : 2.0 * M_PI;
   for (std::uint32_t i = begin; i < end; ++i) {
     const Vector3 d{x[i] - node.center[0], y[i] - node.center[1], z[i] - node.center[2]};
     reach = std::max(reach, length(d) + radius[i]);

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "fast/frame_view.h"
+#include "camera/frame_view.h"
 #include "index/detail_rule.h"
 #include "pcl_slim/core/aligned.h"
 #include "pcl_slim/render/render_params.h"

@@ -26,7 +26,7 @@ makeSpirals(double reach)
   std::array<Spiral, kPatterns> spirals;
   for (int p = 0; p < kPatterns; ++p) {
     // Steps of 7 spread neighbouring rotations over the 4 x 4 pattern.
-    const double turn = 2.0 * 3.14159265358979323846 * ((p * 7) % kPatterns) / kPatterns;
+    const double turn = 2.0 * M_PI * ((p * 7) % kPatterns) / kPatterns;
     for (int i = 0; i < kSamples; ++i) {
       const double distance = std::max(1.0, reach * std::sqrt((i + 0.5) / kSamples));
       const double angle = turn + kGoldenAngle * i;

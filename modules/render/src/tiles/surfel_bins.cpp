@@ -10,8 +10,6 @@
 namespace pcl_slim::detail {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
 enum class Visibility : std::uint8_t { kVisible, kOutside, kBackFacing };
 
 /** \brief An upper bound on |grad h| over the unit ball, from the coefficients' absolute values. */
@@ -34,7 +32,7 @@ turnedAway(const SLIMSurface& surface, std::size_t i, const CameraRays& rays, co
   const double cosine = std::clamp(dot(normal, rays.directionTo(center)), -1.0, 1.0);
   const double spread =
       std::atan(slopeBound(surface, i)) + rays.halfAngle(center, surface.radius[i]);
-  return std::acos(cosine) + spread < 0.5 * kPi - 1e-6;
+  return std::acos(cosine) + spread < 0.5 * M_PI - 1e-6;
 }
 
 Visibility

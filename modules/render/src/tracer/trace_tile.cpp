@@ -2,6 +2,7 @@
 #include "tracer/trace_tile.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "tiles/half_spaces.h"
 #include "tracer/ray_samples.h"
@@ -9,7 +10,7 @@
 namespace pcl_slim::detail {
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
+constexpr double kDegree = M_PI / 180.0;
 
 }  // namespace
 

@@ -13,7 +13,7 @@ namespace pcl_slim {
 using namespace detail;
 namespace {
 
-constexpr double kDegree = 3.14159265358979323846 / 180.0;
+constexpr double kDegree = M_PI / 180.0;
 constexpr Color kClay{0.80f, 0.74f, 0.66f};      ///< sRGB
 constexpr Color kClayBack{0.52f, 0.56f, 0.64f};  ///< the inner side, where both are shown
 

@@ -27,7 +27,6 @@ constexpr std::size_t kSheet = 24;      ///< neighbours that tell the surface's 
 constexpr double kUsual = 3.0;          ///< times the middle spacing that still counts as dense
 constexpr std::size_t kSamples = 1000;  ///< points that tell the middle spacing
 constexpr double kDepthSpacings = 2.0;
-constexpr double kPi = 3.14159265358979323846;
 constexpr std::uint32_t kSparse = 0xffffffffu, kRough = 0xfffffffeu;
 
 /** Numbers in [0, 1) that depend on nothing but the ray (Steele, Lea, Flood: splitmix). */
@@ -67,7 +66,7 @@ struct Triangle {
 double
 leastCosine(const HoleCheckParams& params)
 {
-  return std::cos(params.tilt * kPi / 180.0);
+  return std::cos(params.tilt * M_PI / 180.0);
 }
 
 /** One thread's way of casting rays. */
@@ -95,7 +94,7 @@ class Caster {
     const Vector3d place = triangle.randomPlace(random);
     Vector3d normal;
     if (!(thickness(normal) <= params_.thickness)) return kRough;
-    const double turn = 2.0 * kPi * random();
+    const double turn = 2.0 * M_PI * random();
     const double cosine = 1.0 - random() * (1.0 - leastCosine(params_));
     return discs_.count(place, directionAt(normal, cosine, turn), cosine, hits_);
   }

@@ -6,7 +6,7 @@
 
 #include "pcl_slim/surface/surface_io.h"
 #include "ranks/rank_messages.h"
-#include "tiles/statistics_sum.h"
+#include "ranks/statistics_sum.h"
 
 namespace pcl_slim::detail {
 

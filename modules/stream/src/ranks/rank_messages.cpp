@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ranks/rank_messages.h"
 
-#include <chrono>
+#include "pcl_slim/core/stopwatch.h"
 
 namespace pcl_slim {
 
 void
 Ranks::exchange(std::vector<Bytes>& messages)
 {
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   for (std::size_t r = 0; r < messages.size(); ++r)
     sent_ += r == static_cast<std::size_t>(rank()) ? 0 : messages[r].size();
   swap(messages);
-  seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  seconds_ += watch.seconds();
 }
 
 namespace detail {

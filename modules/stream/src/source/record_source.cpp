@@ -17,44 +17,11 @@ namespace {
 
 constexpr std::size_t kPieceBytes = 3 << 20;
 
-template <typename T>
-double
-valueAs(const unsigned char* at)
-{
-  T value;
-  std::memcpy(&value, at, sizeof(value));
-  return static_cast<double>(value);
-}
-
-std::size_t
-bytesOf(RecordType type)
-{
-  constexpr std::size_t kBytes[] = {0, 1, 1, 2, 2, 4, 4, 4, 8, 8, 8};
-  return kBytes[static_cast<std::size_t>(type)];
-}
-
-double
-valueOf(const unsigned char* at, RecordType type)
-{
-  switch (type) {
-    case RecordType::kInt8: return valueAs<std::int8_t>(at);
-    case RecordType::kUInt8: return valueAs<std::uint8_t>(at);
-    case RecordType::kInt16: return valueAs<std::int16_t>(at);
-    case RecordType::kUInt16: return valueAs<std::uint16_t>(at);
-    case RecordType::kInt32: return valueAs<std::int32_t>(at);
-    case RecordType::kUInt32: return valueAs<std::uint32_t>(at);
-    case RecordType::kFloat32: return valueAs<float>(at);
-    case RecordType::kInt64: return valueAs<std::int64_t>(at);
-    case RecordType::kUInt64: return valueAs<std::uint64_t>(at);
-    default: return valueAs<double>(at);
-  }
-}
-
 /** Whether three numbers of a type stand side by side, as a CloudView wants them. */
 bool
-inPlace(const std::array<RecordLayout::Field, 3>& fields, RecordType type)
+inPlace(const std::array<RecordLayout::Field, 3>& fields, ScalarType type)
 {
-  const std::size_t bytes = bytesOf(type);
+  const std::size_t bytes = scalarSize(type);
   return fields[0].type == type && fields[1].type == type && fields[2].type == type &&
          fields[1].offset == fields[0].offset + bytes &&
          fields[2].offset == fields[1].offset + bytes;
@@ -66,9 +33,9 @@ class RecordConverter {
   explicit RecordConverter(const RecordLayout& layout) : layout_(layout)
   {
     const bool native = !layout.big_endian;
-    floats_ = native && inPlace(layout.position, RecordType::kFloat32);
-    doubles_ = native && inPlace(layout.position, RecordType::kFloat64);
-    normals_ = native && layout.normal && inPlace(*layout.normal, RecordType::kFloat32);
+    floats_ = native && inPlace(layout.position, kFloat32);
+    doubles_ = native && inPlace(layout.position, kFloat64);
+    normals_ = native && layout.normal && inPlace(*layout.normal, kFloat32);
   }
 
   CloudView view(const unsigned char* records, std::size_t count)
@@ -105,11 +72,11 @@ class RecordConverter {
     out.resize(3 * count);
     for (std::size_t i = 0; i < count; ++i) {
       for (std::size_t a = 0; a < 3; ++a) {
-        const std::size_t bytes = bytesOf(fields[a].type);
+        const std::size_t bytes = scalarSize(fields[a].type);
         unsigned char value[8];
         std::memcpy(value, records + i * layout_.step + fields[a].offset, bytes);
         if (layout_.big_endian) std::reverse(value, value + bytes);
-        out[3 * i + a] = static_cast<T>(valueOf(value, fields[a].type));
+        out[3 * i + a] = static_cast<T>(readScalar(value, fields[a].type));
       }
     }
   }
@@ -134,7 +101,7 @@ CloudView::Scalar
 RecordSource::scalar() const
 {
   const auto small = [](const RecordLayout::Field& field) {
-    return bytesOf(field.type) <= 2 || field.type == RecordType::kFloat32;
+    return scalarSize(field.type) <= 2 || field.type == kFloat32;
   };
   const auto& p = layout_.position;
   const bool floats = small(p[0]) && small(p[1]) && small(p[2]);

@@ -69,10 +69,10 @@ class WordReader {
 };
 
 bool
-parse(const char* begin, const char* end, RecordType type, double& value)
+parse(const char* begin, const char* end, ScalarType type, double& value)
 {
   if (begin != end && *begin == '+') ++begin;
-  if (type == RecordType::kFloat32) {
+  if (type == kFloat32) {
     float rounded = 0;
     const auto result = std::from_chars(begin, end, rounded);
     value = static_cast<double>(rounded);
@@ -85,7 +85,7 @@ parse(const char* begin, const char* end, RecordType type, double& value)
 /** What the words of a row are for. */
 struct Column {
   int target = -1;  ///< 0 to 2: coordinate, 3 to 5: normal, else none
-  RecordType type = RecordType::kFloat64;
+  ScalarType type = kFloat64;
 };
 
 std::vector<Column>

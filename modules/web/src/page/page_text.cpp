@@ -6,6 +6,7 @@
 
 #include "columns/gzip.h"
 #include "page/viewer_text.h"
+#include "pcl_slim/core/base64.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/query/detail/color_rules.h"
 #include "pcl_slim/render/color_map.h"
@@ -13,24 +14,6 @@
 
 namespace pcl_slim::detail {
 namespace {
-
-std::string
-base64(const std::vector<unsigned char>& bytes)
-{
-  static constexpr char kDigits[] =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (k < count ? bytes[i + k] : 0u);
-    for (std::size_t k = 0; k < 4; ++k) {
-      text += k <= count ? kDigits[group >> (18 - 6 * k) & 63u] : '=';
-    }
-  }
-  return text;
-}
 
 std::string
 htmlText(const std::string& words)
@@ -145,18 +128,19 @@ fillPage(const std::string& title, JsonText options, const PageParts& parts)
   const auto script = gzip({page.begin() + static_cast<std::ptrdiff_t>(code),
                             page.begin() + static_cast<std::ptrdiff_t>(end)});
   if (!script) return script.error();
-  page.replace(begin, end + mark.size() - begin, base64(*script));
+  page.replace(begin, end + mark.size() - begin, base64(script->data(), script->size()));
   replace(page, "<!--title-->", htmlText(title));
   replace(page, "<!--heading-->", htmlText(title));
   if (!parts.still.empty()) {
     replace(page, "<!--still-->",
-            "<img id=still alt=\"\" src=\"data:image/png;base64," + base64(parts.still) + "\">");
+            "<img id=still alt=\"\" src=\"data:image/png;base64," +
+                base64(parts.still.data(), parts.still.size()) + "\">");
   }
   options.member("bytes", std::to_string(parts.data.size()));
   options.member("lineBytes", std::to_string(parts.lines.size()));
   replace(page, "<!--options-->", options.object());
-  replace(page, "<!--lines-->", base64(parts.lines));
-  replace(page, "<!--data-->", base64(parts.data));
+  replace(page, "<!--lines-->", base64(parts.lines.data(), parts.lines.size()));
+  replace(page, "<!--data-->", base64(parts.data.data(), parts.data.size()));
   return page;
 }
 

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <random>
 
-#include "ball/ball_kernels.h"
 #include "least_squares/mean_slope.h"
 #include "least_squares/nested_fit.h"
+#include "scan/ball_kernels.h"
 
 namespace pcl_slim {
 

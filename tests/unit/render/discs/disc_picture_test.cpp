@@ -5,20 +5,13 @@
 #include "pcl_slim/render/bounding_spheres.h"
 #include "pcl_slim/render/shading.h"
 #include "test_discs.h"
+#include "unit/render/image_pixels.h"
 #include "unit/render/test_surfaces.h"
 
 namespace pcl_slim {
 namespace {
 
 using namespace test;
-
-std::array<int, 3>
-pixelOf(const Image& image, int x, int y)
-{
-  const std::size_t at = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-                              static_cast<std::size_t>(x));
-  return {image.rgb[at], image.rgb[at + 1], image.rgb[at + 2]};
-}
 
 TEST(DiscPicture, UnlitColorsAreTheDiscsOwn)
 {

@@ -9,6 +9,8 @@
 #include <random>
 #include <set>
 
+#include "unit/render/image_pixels.h"
+#include "unit/render/sphere_view.h"
 #include "unit/render/test_surfaces.h"
 
 namespace pcl_slim {
@@ -16,23 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace test;
-
-Camera
-frontCamera()
-{
-  Camera camera;
-  camera.position = {0.0, 0.0, 1.2};
-  camera.size = {96, 72};
-  return camera;
-}
-
-std::array<int, 3>
-pixelOf(const Image& image, int x, int y)
-{
-  const std::size_t i = 3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) +
-                             static_cast<std::size_t>(x));
-  return {image.rgb[i], image.rgb[i + 1], image.rgb[i + 2]};
-}
 
 Image
 pictured(ShadingMode mode, int supersampling = 1, int threads = 1)
@@ -44,7 +29,7 @@ pictured(ShadingMode mode, int supersampling = 1, int threads = 1)
   params.supersampling = supersampling;
   params.threads = threads;
   const auto image =
-      renderPicture(sphereSurface(4, 0.25, 600, 0.07), frontCamera(), render_params, params);
+      renderPicture(sphereSurface(4, 0.25, 600, 0.07), frontCamera(96, 72), render_params, params);
   EXPECT_TRUE(image) << image.error().message;
   return *image;
 }
@@ -81,7 +66,7 @@ TEST(Shading, EveryModeShowsTheObjectAndKnowsItsName)
     ShadingParams params;
     params.mode = *mode;
     params.supersampling = 1;
-    const auto image = renderPicture(surface, frontCamera(), RenderParams(), params);
+    const auto image = renderPicture(surface, frontCamera(96, 72), RenderParams(), params);
     ASSERT_TRUE(image) << name;
     EXPECT_NE(pixelOf(*image, 48, 36), pixelOf(*image, 2, 36)) << name;
     pictures.insert(image->rgb);
@@ -92,7 +77,7 @@ TEST(Shading, EveryModeShowsTheObjectAndKnowsItsName)
 
 TEST(Shading, ABarShowsTheRangeInTheMargin)
 {
-  Camera camera = frontCamera();
+  Camera camera = frontCamera(96, 72);
   camera.size = {320, 240};
   ShadingParams params;
   params.mode = ShadingMode::kMean;
@@ -123,17 +108,17 @@ TEST(Shading, ABufferWithoutTheModesColumnsIsRefused)
   RenderParams render_params;
   render_params.columns = 0;
   ASSERT_FALSE(
-      renderSurface(sphereSurface(4, 0.25, 600, 0.07), frontCamera(), render_params, buffer));
+      renderSurface(sphereSurface(4, 0.25, 600, 0.07), frontCamera(96, 72), render_params, buffer));
   ShadingParams params;
   params.mode = ShadingMode::kNormal;
-  EXPECT_TRUE(shade(buffer, frontCamera(), params));
+  EXPECT_TRUE(shade(buffer, frontCamera(96, 72), params));
   params.mode = ShadingMode::kMean;
-  EXPECT_EQ(shade(buffer, frontCamera(), params).error().code, ErrorCode::kBadArgument);
+  EXPECT_EQ(shade(buffer, frontCamera(96, 72), params).error().code, ErrorCode::kBadArgument);
 }
 
 TEST(Shading, AGivenRangeSetsTheCurvatureColours)
 {
-  const Camera camera = frontCamera();
+  const Camera camera = frontCamera(96, 72);
   SLIMSurface surface = sphereSurface(4, 0.25, 600, 0.07);
   surface.info.scale = 0.5;  // world radius .125, mean curvature 8
   Camera near = camera;
@@ -155,7 +140,7 @@ TEST(Shading, BarOfLevelsHasTheColoursOfThoseInThePicture)
 {
   SLIMSurface surface = sphereSurface(4, 0.25, 600, 0.07);
   for (std::size_t i = 0; i < surface.size(); ++i) surface.level[i] = surface.cx[i] < 0.0f ? 4 : 6;
-  Camera camera = frontCamera();
+  Camera camera = frontCamera(96, 72);
   camera.size = {320, 240};
   ShadingParams params;
   params.mode = ShadingMode::kLevel;
@@ -195,7 +180,7 @@ TEST(Shading, OneAndFourThreadsGiveTheSameBytes)
 
 TEST(Shading, EmptySurfaceGivesABackground)
 {
-  const auto image = renderPicture(SLIMSurface(), frontCamera(), RenderParams(), {});
+  const auto image = renderPicture(SLIMSurface(), frontCamera(96, 72), RenderParams(), {});
   ASSERT_TRUE(image);
   EXPECT_GT(pixelOf(*image, 48, 1)[0], 240);
 }
@@ -204,19 +189,19 @@ TEST(Shading, NamesBadParametersAndForeignBuffers)
 {
   ShadingParams params;
   params.supersampling = 0;
-  EXPECT_EQ(renderPicture(SLIMSurface(), frontCamera(), RenderParams(), params).error().code,
+  EXPECT_EQ(renderPicture(SLIMSurface(), frontCamera(96, 72), RenderParams(), params).error().code,
             ErrorCode::kBadArgument);
   params = {};
   params.range = {2.0, 1.0};
-  EXPECT_EQ(renderPicture(SLIMSurface(), frontCamera(), RenderParams(), params).error().code,
+  EXPECT_EQ(renderPicture(SLIMSurface(), frontCamera(96, 72), RenderParams(), params).error().code,
             ErrorCode::kBadArgument);
   params = {};
   params.percentile = 0.0;
-  EXPECT_EQ(renderPicture(SLIMSurface(), frontCamera(), RenderParams(), params).error().code,
+  EXPECT_EQ(renderPicture(SLIMSurface(), frontCamera(96, 72), RenderParams(), params).error().code,
             ErrorCode::kBadArgument);
   GBuffer buffer;
   buffer.resize(10, 10);
-  EXPECT_EQ(shade(buffer, frontCamera(), {}).error().code, ErrorCode::kBadArgument);
+  EXPECT_EQ(shade(buffer, frontCamera(96, 72), {}).error().code, ErrorCode::kBadArgument);
 }
 
 TEST(Png, ReadsBackWhatWasWritten)

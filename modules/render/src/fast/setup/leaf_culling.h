@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "fast/frame_view.h"
+#include "camera/frame_view.h"
 #include "index/leaf_index.h"
 
 namespace pcl_slim::detail::kernels {

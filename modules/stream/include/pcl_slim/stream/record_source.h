@@ -8,30 +8,16 @@
 #include <string>
 
 #include "pcl_slim/core/export.h"
+#include "pcl_slim/core/scalar_type.h"
 #include "pcl_slim/stream/point_source.h"
 
 namespace pcl_slim {
-
-/** \brief Type of a number in a file; the values are those of PCL's PCLPointField and the 64-bit
- * integers beside them. */
-enum class RecordType : std::uint8_t {
-  kInt8 = 1,
-  kUInt8 = 2,
-  kInt16 = 3,
-  kUInt16 = 4,
-  kInt32 = 5,
-  kUInt32 = 6,
-  kFloat32 = 7,
-  kFloat64 = 8,
-  kInt64 = 9,
-  kUInt64 = 10
-};
 
 /** \brief Where a file has its points: records of one size, or words of text. */
 struct RecordLayout {
   struct Field {
     std::size_t offset = 0;  ///< bytes into the record; of text: words into the row
-    RecordType type = RecordType::kFloat32;
+    ScalarType type = kFloat32;
   };
 
   std::string path;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "ball/noise_bias.h"
+#include "least_squares/noise_bias.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fast/frame_view.h"
+#include "camera/frame_view.h"
 
 #include <cmath>
 
@@ -12,7 +12,6 @@ FrameView::FrameView(const Camera& camera, const Vector3& origin, double scale)
       width(camera.size.width),
       height(camera.size.height)
 {
-  constexpr double kPi = 3.14159265358979323846;
   const CameraAxes axes(camera);
   for (std::size_t a = 0; a < 3; ++a) {
     const double position = (camera.position[a] - origin[a]) / scale;
@@ -23,7 +22,7 @@ FrameView::FrameView(const Camera& camera, const Vector3& origin, double scale)
     forward[a] = static_cast<float>(axes.forward[a]);
   }
   const double view_height =
-      perspective ? 2.0 * std::tan(camera.fov * kPi / 360.0) : camera.view_height / scale;
+      perspective ? 2.0 * std::tan(camera.fov * M_PI / 360.0) : camera.view_height / scale;
   pixel = static_cast<float>(view_height / height);
   center_x = static_cast<float>(0.5 * (width - 1) - camera.pixel_offset[0]);
   center_y = static_cast<float>(0.5 * (height - 1) - camera.pixel_offset[1]);

@@ -7,11 +7,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "least_squares/local_fit.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/aligned.h"
 #include "pcl_slim/surface/polynomial.h"
 #include "pcl_slim/surface/weight_kernel.h"
+#include "scan/local_fit.h"
 
 namespace pcl_slim::detail {
 

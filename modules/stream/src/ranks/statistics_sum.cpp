@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tiles/statistics_sum.h"
+#include "ranks/statistics_sum.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "measure/closed_bodies.h"
+#include "closed_bodies.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The points of one ball once they are gathered: framed, thinned out, beside a fit.
-#include "ball/ball_kernels.h"
+#include "scan/ball_kernels.h"
 
 #include "fit_constants.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "ball/ball_kernels.cpp"
+#define HWY_TARGET_INCLUDE "scan/ball_kernels.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 

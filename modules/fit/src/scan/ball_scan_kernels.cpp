@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stored points in a ball: gathered, covered by a leaf, or marked.
-#include "ball/ball_kernels.h"
+#include "scan/ball_kernels.h"
 
 #include <cstring>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "ball/ball_scan_kernels.cpp"
+#define HWY_TARGET_INCLUDE "scan/ball_scan_kernels.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 

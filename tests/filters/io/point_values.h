@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+
+#include "pcl_slim/filters/io/point_file.h"
+
+namespace pcl_slim_test {
+
+/** A point's value of a named field; not a number where there is none. */
+inline double
+value(const pcl_slim::PointFile& file, const char* name, std::size_t point)
+{
+  const int field = pcl_slim::findField(file.cloud, name);
+  EXPECT_GE(field, 0) << name;
+  return field < 0 ? NAN
+                   : pcl_slim::fieldValue(file.cloud, point,
+                                          file.cloud.fields[static_cast<std::size_t>(field)]);
+}
+
+}  // namespace pcl_slim_test
