@@ -45,4 +45,4 @@ for detail in 0 1 4; do
   done
 done
 montage -font "$(fc-match -f '%{file}' sans)" -pointsize 13 "${parts[@]}" -tile 4x -geometry +3+3 "$work/all.png"
-convert "$work/all.png" -define png:color-type=2 -define png:compression-level=9 "$out/paper_fig10.png"
+convert "$work/all.png" -define png:color-type=2 -define png:compression-level=9 -define png:exclude-chunks=date,time "$out/paper_fig10.png"

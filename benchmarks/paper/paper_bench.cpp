@@ -20,10 +20,19 @@ struct Study {
 };
 
 constexpr Study kStudies[] = {
-    {"4", energyCurves},          {"5", radiusIntervals},  {"6", treeOfBalls},
-    {"7", ballsByLevel},          {"8", blendingOnRays},   {"21", sparsity},
-    {"hand", saveHand},           {"table1", fitTimes},    {"s37", rotationDrift},
-    {"s42", costOfRays},          {"s43", parabolicLines}, {"compactness", compactness},
+    {"4", energyCurves},
+    {"5", radiusIntervals},
+    {"6", treeOfBalls},
+    {"7", ballsByLevel},
+    {"8", blendingOnRays},
+    {"18", splatsBeside},
+    {"21", sparsity},
+    {"hand", saveHand},
+    {"table1", fitTimes},
+    {"s37", rotationDrift},
+    {"s42", costOfRays},
+    {"s43", parabolicLines},
+    {"compactness", compactness},
     {"s46", ellipsoidalSupports},
 };
 

@@ -72,6 +72,11 @@ grid(const Axis& axis, bool horizontal, double left)
 std::string
 curveText(const Curve& curve, const Axis& x, const Axis& y, double left)
 {
+  if (curve.x.size() == 1) {
+    return "<circle r=\"4\" fill=\"" + curve.color + "\" cx=\"" +
+           number("%.1f\" cy=\"", left + x.share(curve.x[0]) * kWidth) +
+           number("%.1f\"/>\n", kTop + (1 - y.share(curve.y[0])) * kHeight);
+  }
   std::string points;
   for (std::size_t i = 0; i < curve.x.size(); ++i) {
     if (!(curve.y[i] > 0)) continue;
@@ -116,7 +121,7 @@ savePlot(const std::string& path, const std::vector<std::string>& titles,
       text += "<g fill=\"" + curve.color + "\">" +
               textAt(left + (rising ? 6 : kWidth - 6), at, rising ? "start" : "end", curve.label) +
               "</g>\n";
-      at += 14;
+      at += curve.label.empty() ? 0 : 14;
     }
   }
   text += textAt(4, kTop - 9, "start", y_label) + "</svg>\n";

@@ -81,6 +81,15 @@ addModel(const StudySettings& settings, const Model& model, bool paper, Table& t
   return {};
 }
 
+/** The paper's figures for its own hand, as dots. */
+void
+addPapersHand(std::vector<Curve>& panel)
+{
+  panel.push_back({"dots: the paper's hand", "#999", {37.8e3}, {1e-4}});
+  panel.push_back({"", "#36c", {22.8e3}, {1e-4}});
+  panel.push_back({"", "#c33", {20.8e3}, {1e-4}});
+}
+
 }  // namespace
 
 Error
@@ -105,6 +114,7 @@ sparsity(const StudySettings& settings)
       titles.push_back(model.name);
       if (Error error = addModel(settings, model, paper, table, panels.back())) return error;
     }
+    addPapersHand(panels.front());
     Error error = savePlot(settings.out + (paper ? "/fig21_paper.svg" : "/fig21.svg"), titles,
                            panels, "floats", "L2 error / L");
     if (error) return error;

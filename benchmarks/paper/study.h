@@ -86,7 +86,7 @@ class Table {
 std::string
 number(const char* format, double value);
 
-/** \brief A curve of a plot. */
+/** \brief A curve of a plot; one of a single place is a dot, and none without a label has one. */
 struct Curve {
   std::string label, color;
   std::vector<double> x, y;
@@ -109,6 +109,8 @@ Error
 blendingOnRays(const StudySettings& settings);  ///< Figs. 8 and 9
 Error
 ballsByLevel(const StudySettings& settings);  ///< Fig. 7
+Error
+splatsBeside(const StudySettings& settings);  ///< Fig. 18, below: QSplat on scans with gaps
 Error
 sparsity(const StudySettings& settings);  ///< Fig. 21
 Error

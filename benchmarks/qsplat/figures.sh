@@ -23,5 +23,6 @@ echo "six times nearer:"
 "$bin/qsplat_bench" "$work/1e-8.slim" -zoom 6 -pictures "$work/near"
 "$bin/qsplat_bench" "$work/1e-8.slim" -zoom 6 -per_leaf 1.714 | head -n 1
 montage "$work/near_exact.png" "$work/near_qsplat.png" "$work/near_slim.png" \
-  -crop 420x420+90+90 +repage -tile 3x -geometry 300x300+2+2 -depth 8 "PNG24:$pictures/qsplat_near.png"
+  -crop 420x420+90+90 +repage -tile 3x -geometry 300x300+2+2 -depth 8 \
+  -define png:compression-level=9 -define png:exclude-chunks=date,time "PNG24:$pictures/qsplat_near.png"
 "$bin/rays_bench" "$work/1.44e-9.slim" -repeat 3

@@ -22,7 +22,7 @@ leaves() { sed -n 's/.*"leaves": \([0-9]*\).*/\1/p' "$work/$1.fit.json" | head -
 
 # render NAME PICTURE OPTIONS...: a part of a sheet, of NAME.slim.
 render() {
-  "$bin/pcl_slim_render" "$work/$1.slim" "$work/$2.png" -json "$work/$2.json" -white 1 -trim 0 -quiet 1 \
+  "$bin/pcl_slim_render" "$work/$1.slim" "$work/$2.png" -json "$work/$2.json" -white 1 -quiet 1 \
     "${@:3}"
 }
 
@@ -38,7 +38,7 @@ sheet() {
     shift 2
   done
   montage -font "$font" -pointsize 15 "${parts[@]}" -tile "${columns}x" -geometry +3+3 \
-    -define png:color-type=2 -define png:compression-level=9 "$out/$picture"
+    -define png:color-type=2 -define png:compression-level=9 -define png:exclude-chunks=date,time "$out/$picture"
 }
 
 # Fig. 1: balls by size, shading, mean curvature of cubics.
@@ -70,6 +70,24 @@ sheet figure_2.png 3 "$(leaves sphere_1_128) linear leaves" sphere_1_128_shaded 
   "$(leaves sphere_1_450) linear" sphere_1_450_shaded \
   "$(leaves sphere_2_105) quadratic" sphere_2_105_shaded \
   '' sphere_1_128_lines '' sphere_1_450_lines '' sphere_2_105_lines
+
+# Silhouettes: where the outlines of these spheres run beside the exact circle, a quarter of the width enlarged.
+radius=$(awk 'BEGIN { s = 1 / 4.2; print 560 * s / sqrt(1 - s * s) / (2 - sqrt(3)) }')
+circle="circle 559.5,559.5 559.5,$(awk -v r="$radius" 'BEGIN { print 559.5 - r }')"
+convert -size 1120x1120 xc:black -fill white +antialias -draw "$circle" "$work/exact.png"
+outlines=()
+for name in sphere_1_128 sphere_1_450 sphere_2_105; do
+  render $name ${name}_outline -size 1120x1120 -camera $sphere_eye -aa 1 -ao 0
+  convert "$work/${name}_outline.png" -fill black +opaque white -negate "$work/${name}_mask.png"
+  off=$(compare -metric AE "$work/${name}_mask.png" "$work/exact.png" null: 2>&1 || true)
+  convert "$work/${name}_outline.png" -fill none -stroke '#d03020' -strokewidth 2 \
+    -draw "$circle" -crop 280x280+60+100 +repage "$work/${name}_outline.png"
+  kind=quadrics
+  [ "${name:7:1}" = 2 ] || kind=planes
+  outlines+=("$(leaves $name) $kind: off by $(awk -v a="$off" -v r="$radius" \
+    'BEGIN { printf "%.2f", 100 * a / (6.2832 * r * r) }') %" "${name}_outline")
+done
+sheet figure_2_outlines.png 3 "${outlines[@]}"
 
 # Figs. 2 and 11: a mesh with interpolated normals beside quadratics of its vertices, one camera.
 fit "$dragon" phong -degree 2
@@ -148,3 +166,15 @@ for name in few many; do
 done
 sheet figure_22.png 3 "$(leaves few) quadratic leaves" few_whole 'near by' few_near 'reflection lines' few_lines \
   "$(leaves many) linear leaves" many_whole 'near by' many_near 'reflection lines' many_lines
+
+# The same with a scan.
+fit "$bunny" bunny_few -degree 2 -paper 1 -max_surfels 1900
+fit "$bunny" bunny_many -degree 1 -paper 1 -max_surfels 25000
+for name in bunny_few bunny_many; do
+  render $name ${name}_whole -size 330x300 -camera "$work/bunny.txt"
+  render $name ${name}_near -size 330x300 -camera "$(near bunny 11)"
+  render $name ${name}_lines -size 330x300 -camera "$(near bunny 11)" -mode reflection
+done
+sheet figure_22_scan.png 3 "$(leaves bunny_few) quadratic leaves" bunny_few_whole 'near by' bunny_few_near \
+  'reflection lines' bunny_few_lines "$(leaves bunny_many) linear leaves" bunny_many_whole 'near by' bunny_many_near \
+  'reflection lines' bunny_many_lines

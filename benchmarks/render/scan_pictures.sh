@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# The pictures of real scans in docs/ and benchmarks/reports/: scan_pictures.sh BIN DATA OUT, folders of the built
+# The pictures of real scans in docs/ and benchmarks/README.md: scan_pictures.sh BIN DATA OUT, folders of the built
 # programs, of real scans and for the pictures. Needs ImageMagick's montage; for windows xvfb-run and xdotool.
 set -euo pipefail
 [ $# -eq 3 ] || { echo "usage: scan_pictures.sh BIN DATA OUT" >&2; exit 2; }
@@ -11,6 +11,7 @@ work=$(mktemp -d)
 trap 'rm -rf -- "$work"' EXIT
 cd -- "$work"
 font=$(fc-match -f '%{file}' sans)
+png=(-define png:color-type=2 -define png:compression-level=9 -define 'png:exclude-chunks=date,time')
 
 # sheet PICTURE COLUMNS NAME[=LABEL]...: parts side by side.
 sheet() {
@@ -20,8 +21,7 @@ sheet() {
     [ "$label" != "$part" ] || label=''
     parts+=(-label "$label" "${part%%=*}.png")
   done
-  montage -font "$font" -pointsize 15 "${parts[@]}" -tile "${columns}x" -geometry +2+2 -define png:color-type=2 \
-    -define png:compression-level=9 "$out/$picture"
+  montage -font "$font" -pointsize 15 "${parts[@]}" -tile "${columns}x" -geometry +2+2 "${png[@]}" "$out/$picture"
 }
 
 # scan FILE OPTIONS...: FILE.slim and FILE.png, the defaults' fit from where the program stands.
@@ -67,7 +67,13 @@ import -window "$id" "$picture"
 kill $viewer
 END
 window() {
-  bin=$bin xvfb-run -a -s "-screen 0 1280x1024x24" bash window.sh "$1.png" "${@:2}"
+  local try
+  # Others that look for a free display at the same moment may take it.
+  for try in 1 2 3; do
+    if bin=$bin xvfb-run -a -s "-screen 0 1280x1024x24" bash window.sh "$1.png" "${@:2}"; then return; fi
+    sleep $((5 * try))
+  done
+  return 1
 }
 dragon=stanford_dragon_res2.slim
 window mean $dragon 560x420 -mode mean --
@@ -78,10 +84,13 @@ window size $dragon 560x420 -mode size --
 window help $dragon 560x420 -help_overlay 1 --
 sheet view_modes.png 3 'mean=-mode mean' 'kmin=-mode kmin' 'reflection=-mode reflection' 'balls=-balls 1' \
   'size=-mode size' 'help=-help_overlay 1'
+window cut $dragon 800x600 -view 20,15 -- 'windowfocus WINDOW' 'key --window WINDOW k' 'mousemove 746 313' \
+  'mousedown 1' 'mousemove 680 309' 'mousemove 550 300' 'mouseup 1' 'mousemove 40 560'
+convert cut.png "${png[@]}" "$out/view_cut.png"
 window bunny "$data/stanford_bunny_raw_scans.pcd" 560x420 --
 window lion "$data/lion_takanawa.pcd" 560x420 --
 window angel "$data/angel_real_scan.ply" 560x420 -mode mean -lines crest -- 'mousemove 260 260' \
-  'mousedown 1' 'mousemove 290 255' 'mousemove 320 250' 'mousemove 330 250' 'mouseup 1' 'mousemove 250 190'
+  'mousedown 1' 'mousemove 275 258' 'mousemove 290 255' 'mousemove 300 255' 'mouseup 1' 'mousemove 250 190'
 sheet view_scans.png 3 bunny lion angel
 
 # The example: a PCLVisualizer.
@@ -100,9 +109,9 @@ kill $example
 END
 cp -- "$data/stanford_bunny_raw_scans.pcd" stanford_bunny.pcd
 bin=$bin xvfb-run -a -s "-screen 0 1280x1024x24" bash example.sh
-convert pcl_visualizer.png -define png:color-type=2 -define png:compression-level=9 "$out/pcl_visualizer.png"
+convert pcl_visualizer.png "${png[@]}" "$out/pcl_visualizer.png"
 
 # The pipeline of PCL's classes.
 xvfb-run -a -s "-screen 0 1600x1200x24" "$bin/pcl_slim_example_06_pipeline_visualizer" \
   "$data/kinect_mosd_learn13.pcd" 2.5 .004 pipeline.png > /dev/null
-convert pipeline.png -define png:color-type=2 -define png:compression-level=9 "$out/pcl_pipeline.png"
+convert pipeline.png "${png[@]}" "$out/pcl_pipeline.png"

@@ -25,7 +25,7 @@ sheet() {
     shift 2
   done
   montage -font "$font" -pointsize 15 "${parts[@]}" -tile "${columns}x" -geometry +3+3 \
-    -define png:color-type=2 -define png:compression-level=9 "$out/$picture"
+    -define png:color-type=2 -define png:compression-level=9 -define png:exclude-chunks=date,time "$out/$picture"
 }
 
 # The amphora: surface, levels, sizes, curvature, smoothing, splats.

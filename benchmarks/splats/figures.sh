@@ -29,7 +29,7 @@ sheet() {
     shift 2
   done
   montage -font "$font" -pointsize 15 "${parts[@]}" -tile "${columns}x" -geometry +3+3 \
-    -define png:compression-level=9 "$out/$picture"
+    -define png:compression-level=9 -define png:exclude-chunks=date,time "$out/$picture"
 }
 
 "$bin/splat_object" "$work/duck.pcd"

@@ -21,9 +21,10 @@ constexpr double kOverlap =
     1.1;  // radius over spacing: discs leave no gaps where spacing varies little
 constexpr float kLargest = 3.0f;  // lone points: radius over the median one at most
 
-/** Discs of the points that have k neighbours; normals are the view's. */
+/** Discs of the points that have k neighbours; normals are the view's. \param[in] given the radius of all;
+ * 0: by the neighbours */
 Result<SplatSet>
-discsOf(const CloudView& view, std::size_t k)
+discsOf(const CloudView& view, std::size_t k, double given)
 {
   const Result<PointStore> store = PointStore::build(view);
   if (!store) return store.error();
@@ -52,7 +53,9 @@ discsOf(const CloudView& view, std::size_t k)
   std::vector<float> radii = discs.radius;
   const auto median = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
   std::nth_element(radii.begin(), median, radii.end());
-  for (float& radius : discs.radius) radius = std::min(radius, kLargest * *median);
+  for (float& radius : discs.radius) {
+    radius = given > 0 ? static_cast<float>(given) : std::min(radius, kLargest * *median);
+  }
   return discs;
 }
 
@@ -71,16 +74,20 @@ main(int argc, char** argv)
   std::string input, output;
   std::vector<double> viewpoint;
   int neighbours = 10;
+  double radius = 0;
   OptionTable options("point_discs", "1", "Draws each point of a scan as a grey disc.");
   options.positional("IN.pcd|.ply", &input, "the scan");
   options.positional("OUT.pcd|.ply", &output, "discs for pcl_slim_render");
   options.integer("k", &neighbours, 3, 1000, "neighbours that give a disc its plane and size");
+  options.number("radius", &radius, 0, 1e30, "radius of all discs, units of the scan",
+                 "by the neighbours");
   options.numbers("viewpoint", &viewpoint, "X,Y,Z", "discs face this point; default the sensor's");
   if (const auto status = options.parse(argc, argv)) return *status;
   Result<CloudFile> scan = loadCloudFile(input);
   if (!scan) return fail(scan.error());
   if (const Error error = estimateNormals(neighbours, viewpoint, 0, *scan)) return fail(error);
-  const Result<SplatSet> discs = discsOf(scan->view(), static_cast<std::size_t>(neighbours));
+  const Result<SplatSet> discs =
+      discsOf(scan->view(), static_cast<std::size_t>(neighbours), radius);
   if (!discs) return fail(discs.error());
   if (const Error error = savePointFile(output, toPointFile(*discs, splatShift(*discs)))) {
     return fail(error);

@@ -36,4 +36,4 @@ pair 'fandisk, -sharp 1' fandisk_03_noisy.ply "-sharp 1" 20,30,20 \
 pair 'block, -sharp 1' block_04_noisy.ply "-sharp 1" 60,30,40 60,40,40,1.7,0,0,0,1,0,24
 montage -font "$(fc-match -f '%{file}' sans)" -pointsize 13 "${parts[@]}" -tile 4x -geometry +2+2 \
   "$work/all.png"
-convert "$work/all.png" -define png:color-type=2 -define png:compression-level=9 "$out/smoothing.png"
+convert "$work/all.png" -define png:color-type=2 -define png:compression-level=9 -define png:exclude-chunks=date,time "$out/smoothing.png"

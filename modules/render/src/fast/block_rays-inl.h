@@ -139,14 +139,15 @@ ballAround(const PassContext& context, const Block& block)
 HWY_NOINLINE void
 noteUncovered(const PassContext& context, Mask uncovered, const BlockSums& sums, const Block& block)
 {
-  constexpr float kLayerStep = 0.05f;  // of a leaf's radius, as the reference steps
   const TileBlocks& tile = context.tile;
   HWY_ALIGN std::uint32_t surfel[16] = {};
   HWY_ALIGN float step[16], wanted[16], x[16], y[16], nearest[16];
   store(sums.surfel, surfel);
   store(IfThenElseZero(uncovered, set(1.0f)), wanted);
   for (int i = 0; i < kLanes; ++i) {
-    step[i] = wanted[i] > 0.0f ? kLayerStep * context.scene.surface.radius[surfel[i]] : 0.0f;
+    step[i] = wanted[i] > 0.0f
+                  ? static_cast<float>(kPeelStep) * context.scene.surface.radius[surfel[i]]
+                  : 0.0f;
   }
   const Vec forward = Div(load(step), block.slant);
   Vec behind = Add(block.first, forward);

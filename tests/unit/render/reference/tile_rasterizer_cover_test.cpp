@@ -91,6 +91,27 @@ TEST(TileRasterizer, RaysPassThroughWhatNoCoverSupports)
   EXPECT_NEAR(uncut.position[uncut.index(40 + 15, 40)][2], 0.3, 1e-6);
 }
 
+TEST(TileRasterizer, RaysMeetASheetCloseBehindAWideFlap)
+{
+  // The rim of a leaf ten times as wide passes .29 radii of the wall's leaves before them: too far to blend there,
+  // while at the wall the flap's small weight takes part.
+  SLIMSurface wall = wallSurface(13, 0.05);
+  const std::size_t middle = wall.size() / 2;
+  wall.cx[middle] = 0.68f;
+  wall.cz[middle] = 0.035f;
+  wall.radius[middle] = 1.2f;
+  for (const bool reference : {false, true}) {
+    RenderParams params;
+    params.reference = reference;
+    const GBuffer buffer = rendered(wall, wallCamera(), params);
+    for (int x = 20; x <= 60; ++x) {
+      const std::size_t pixel = buffer.index(x, 50);
+      ASSERT_TRUE(buffer.covered(pixel)) << x;
+      EXPECT_LT(buffer.position[pixel][2], 0.01) << x;
+    }
+  }
+}
+
 TEST(TileRasterizer, GapsBetweenLeavesAreFilledButRimsAreNot)
 {
   // Four leaves .1 apart: their middle is covered by .01 < gamma, yet they lie all around it.
