@@ -220,4 +220,22 @@ boxCloud(const std::array<double, 3>& half, std::size_t count, double noise,
   return cloud;
 }
 
+/** A torus of radius 1 about z, sampled evenly, with white noise. */
+inline Cloud
+thickRing(int count, double tube, double sigma, unsigned seed)
+{
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal(0, sigma);
+  std::uniform_real_distribution<double> unit(0, 1);
+  Cloud cloud;
+  while (cloud.size() < static_cast<std::size_t>(count)) {
+    const double turn = 2 * M_PI * unit(random), about = 2 * M_PI * unit(random);
+    const double out = 1 + tube * std::cos(about);
+    if (unit(random) * (1 + tube) > out) continue;
+    cloud.add(out * std::cos(turn) + normal(random), out * std::sin(turn) + normal(random),
+              tube * std::sin(about) + normal(random));
+  }
+  return cloud;
+}
+
 }  // namespace pcl_slim_test

@@ -69,6 +69,29 @@ TEST(NoiseLevel, SeesNoiseThatIsThickerThanTheSpacing)
   EXPECT_NEAR(noiseOf(storeOf(cloud)) / sigma, 1.0, 0.15);
 }
 
+TEST(NoiseLevel, IsNotTheThicknessOfABody)
+{
+  // A ring whose tube is four deviations thick to either side: patches of five hold its far side.
+  const double sigma = 0.06;
+  EXPECT_NEAR(noiseOf(storeOf(thickRing(40000, 0.26, sigma, 35))) / sigma, 1.0, 0.1);
+}
+
+TEST(NoiseLevel, PutsBackWhatABallCutsOff)
+{
+  // A plane's noise in patches of three deviations, and of many.
+  const double sigma = 0.05;
+  std::mt19937_64 random(36);
+  std::normal_distribution<double> normal(0, sigma);
+  Cloud cloud;
+  std::uniform_real_distribution<double> side(-1, 1);
+  for (int i = 0; i < 40000; ++i)
+    cloud.add(side(random) + normal(random), side(random) + normal(random), normal(random));
+  const PointStore store = storeOf(cloud);
+  EXPECT_NEAR(noiseOf(store) / sigma, 1.0, 0.05);
+  const detail::NoiseLevel level = detail::measureNoise(store, {}, 1);
+  EXPECT_LT(level.patch_radius * store.scale(), 4 * sigma);
+}
+
 TEST(NoiseLevel, ReliefAtEveryScaleIsNotThickNoise)
 {
   // A tetrahedron of tetrahedra of ... (Sierpinski's): the wider a patch, the farther its points

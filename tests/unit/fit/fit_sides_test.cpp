@@ -93,6 +93,37 @@ TEST(FitSides, PartsCleanSheetsThatAreNear)
   EXPECT_GT(rms(without), 0.3);
 }
 
+TEST(FitSides, KeepATubeOfAFewDeviations)
+{
+  // Few places show two sides by themselves, but wide leaves span the tube.
+  const double tube = 0.26, sigma = 0.07;
+  const Cloud cloud = thickRing(30000, tube, sigma, 8);
+  const auto rms = [&](const Fitted& f) {
+    double sum = 0;
+    for (const auto& local : f.projection.position) {
+      const Vector3 p = f.world(local);
+      sum += std::pow(std::hypot(std::hypot(p[0], p[1]) - 1, p[2]) - tube, 2);
+    }
+    return std::sqrt(sum / static_cast<double>(f.store.size()));
+  };
+  FitParams params;
+  const Fitted with = fitted(cloud, params);
+  params.sides = false;
+  const Fitted without = fitted(cloud, params);
+  EXPECT_GT(with.statistics.sided, 0u);
+  EXPECT_LT(rms(with), 0.25 * sigma);
+  EXPECT_GT(rms(without), 0.5 * sigma);
+}
+
+TEST(FitSides, NarrowerCellsKeepPlatesApart)
+{
+  // As one sheet the plates show twice their noise, and cells cut by that hold both.
+  const Plates plates{1.5, 0.3};
+  const Fitted f = fitted(plates.cloud(), {});
+  EXPECT_GT(f.statistics.sided, 0u);
+  EXPECT_LT(plates.rms(f), 0.15);
+}
+
 TEST(FitSides, FacesOutward)
 {
   const Plates plates{3, 0.3};

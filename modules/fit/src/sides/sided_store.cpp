@@ -23,14 +23,14 @@ mayNeedSides(const PointStore& store, const FitParams& params, const FitStatisti
          !params.paper_mode && !(params.t_mdl > 0) && stats.noise_line == 0;
 }
 
-/** What is asked of the sides of a cloud. */
+/** What the sides of a cloud must meet. */
 struct SideSearch {
-  double share = 0;     ///< of the places, that have two sides
-  bool needed = false;  ///< at these a fit parts no sheets by itself
-  double noise = 0;     ///< that the first cells are cut by
+  double share = 0;     ///< of the places that have two sides
+  bool needed = false;  ///< a fit does not part these by itself
+  double noise = 0;     ///< by which the first cells are cut
   double least = 0;     ///< noise below which the spacing alone sets the width of cells
   double unsided = 0;   ///< noise measured without sides
-  bool capped = true;   ///< noise is measured, and no more than cells are cut by
+  bool capped = true;   ///< lambda may not exceed the noise that cells are cut by
 };
 
 /** Share of thin places that sides are worth. Where there is little noise small balls part sheets by

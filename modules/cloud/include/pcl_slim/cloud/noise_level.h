@@ -18,7 +18,7 @@ enum class NoiseEstimator : unsigned char {
  *
  * kCubicResidual: residual variance RSS / (k - 10) of a cubic height field in the frame of its
  * neighbourhood, k = 20 and doubled while half of the patches are lines, as on a lidar's rings, or
- * noise fills the patch (not where what stands out grows with it, as detail at every scale does);
+ * noise fills the patch, with what the patch's end cuts off put back;
  * the mean over 100 to 500 evenly strided samples without the largest and smallest 10 %. Of wide
  * patches 320 to 640 points are looked at, spread evenly. What grows with k like a cubic's bias is
  * taken off, so that clean data show no noise. Where normals are given, neighbours of opposed normal
