@@ -26,6 +26,7 @@ mayNeedSides(const PointStore& store, const FitParams& params, const FitStatisti
 /** What the sides of a cloud must meet. */
 struct SideSearch {
   double share = 0;     ///< of the places that have two sides
+  double doubt = 0;     ///< most of the agreements that may be unmet
   bool needed = false;  ///< a fit does not part these by itself
   double noise = 0;     ///< by which the first cells are cut
   double least = 0;     ///< noise below which the spacing alone sets the width of cells
@@ -55,6 +56,10 @@ searchFor(const ThinPlaces& thin, double unsided, bool measured, const SideConst
   search.needed = thin.share >= least || thin.facing >= rules.least_facing;
   search.share = search.needed ? std::max(thin.share, thin.facing) : thin.share + thin.near;
   if (!search.needed && search.share < rules.clean_thin) return {};
+  // Wrong sides break up the wide leaves of a clean cloud.
+  search.doubt = rules.doubt * search.share;
+  if (search.noise < rules.full_noise * thin.spacing)
+    search.doubt = std::min(search.doubt, rules.clean_doubt);
   return search;
 }
 
@@ -95,7 +100,7 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
     sided.clearSides();
     SidedFit next{findSides(sided.store(), noise, spacing, rules, stats.threads), {}, stats};
     const bool few = next.sides.thin < rules.part * search.share;
-    const bool doubtful = 1 - next.sides.confidence > rules.doubt * search.share;
+    const bool doubtful = 1 - next.sides.confidence > search.doubt;
     const bool narrower = few || doubtful || next.sides.confidence < rules.sure;
     if (doubtful && best) break;
     double found = noise;

@@ -38,7 +38,8 @@ struct SideConstants {
   double full_noise = 0.45;   ///< ... and that is not
   double least_facing = 0.5;  ///< the same of places where sheets face one that a patch fits
   double part = 0.25;         ///< of that share that must come to face apart ...
-  double doubt = 0.45;        ///< ... and that may be in doubt
+  double doubt = 0.45;        ///< ... and that may be in doubt, ...
+  double clean_doubt = 0.03;  ///< ... of all agreements at most this where there is little noise
   double same_noise =
       0.75;            ///< share of the noise that the cells were cut by, from which it is the same
   double sure = 0.95;  ///< confidence from which narrower cells are not tried
