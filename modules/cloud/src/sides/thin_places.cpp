@@ -123,18 +123,22 @@ class PlaceLook {
     return true;
   }
 
-  /** Whether a patch wider than one that fits has another side. */
+  /** Looks for another side in a patch wider than one that fits. \return whether to look on */
   bool lookBeyond(const Patch& patch)
   {
     PlaceFigures beyond = figures_;
-    if (showsTwoSides(patch, beyond)) figures_.facing = beyond.thin || beyond.facing;
-    return false;
+    if (showsTwoSides(patch, beyond)) {
+      figures_.facing = beyond.thin || beyond.facing;
+      return false;
+    }
+    return ++beyond_ < constants_->beyond;
   }
 
   const SideConstants* constants_;
   PlaceFigures figures_;
   double last_ = 0;  ///< variance of the patch before, which did not fit
   bool fits_ = false;
+  int beyond_ = 0;  ///< wider patches looked at after one that fits
 };
 
 ThinPlaces
