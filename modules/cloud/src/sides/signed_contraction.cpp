@@ -49,7 +49,7 @@ class Contraction {
     for (; parent_[r] != r; r = parent_[r]) sign *= sign_[r];
     for (int rest = sign; i != r;) {
       const std::uint32_t next = parent_[i];
-      const int own = sign_[i];
+      const signed char own = sign_[i];
       sign_[i] = static_cast<signed char>(rest);
       parent_[i] = r;
       rest *= own;
