@@ -46,7 +46,7 @@ declareOptions(Settings& s)
   options.integer("max_depth", &p.max_depth, 0, 1000000,
                   "halvings of an initial cell at most; 0: the initial grid itself");
   options.integer("max_splats", &p.max_splats, 0, kMany,
-                  "best use of so many splats, in place of -geo and -color; 0: off");
+                  "the best picture by at most N splats, in place of -geo and -color; 0: off");
   options.number("target_error", &p.target_error, 0, 1e6,
                  "mean colour difference (Delta E) to reach, likewise", "off");
   options.toggle("paper", &p.paper_mode,

@@ -3,15 +3,8 @@
 # The pictures of real scans in docs/ and benchmarks/README.md: scan_pictures.sh BIN DATA OUT, folders of the built
 # programs, of real scans and for the pictures. Needs ImageMagick's montage; for windows xvfb-run and xdotool.
 set -euo pipefail
-[ $# -eq 3 ] || { echo "usage: scan_pictures.sh BIN DATA OUT" >&2; exit 2; }
-bin=$(realpath -- "$1") data=$(realpath -- "$2")
-mkdir -p -- "$3"
-out=$(realpath -- "$3")
-work=$(mktemp -d)
-trap 'rm -rf -- "$work"' EXIT
-cd -- "$work"
-font=$(fc-match -f '%{file}' sans)
-png=(-define png:color-type=2 -define png:compression-level=9 -define 'png:exclude-chunks=date,time')
+# shellcheck source=benchmarks/render/picture_folders.sh
+source "$(dirname -- "${BASH_SOURCE[0]}")/picture_folders.sh"
 
 # sheet PICTURE COLUMNS NAME[=LABEL]...: parts side by side.
 sheet() {

@@ -3,14 +3,8 @@
 # The pictures of the tutorial and of the programs' pages that need no window: tutorial_pictures.sh BIN DATA OUT,
 # folders of the built programs, of real scans and for the pictures. Needs ImageMagick and fontconfig.
 set -euo pipefail
-[ $# -eq 3 ] || { echo "usage: tutorial_pictures.sh BIN DATA OUT" >&2; exit 2; }
-bin=$(realpath -- "$1") data=$(realpath -- "$2")
-mkdir -p -- "$3"
-out=$(realpath -- "$3")
-work=$(mktemp -d)
-trap 'rm -rf -- "$work"' EXIT
-cd -- "$work"
-font=$(fc-match -f '%{file}' sans)
+# shellcheck source=benchmarks/render/picture_folders.sh
+source "$(dirname -- "${BASH_SOURCE[0]}")/picture_folders.sh"
 
 fit() { "$bin/pcl_slim_fit" "$1" "$2.slim" -quiet 1 "${@:3}"; }
 render() { "$bin/pcl_slim_render" "$1" "$2.png" -white 1 -quiet 1 "${@:3}"; }
@@ -25,7 +19,7 @@ sheet() {
     shift 2
   done
   montage -font "$font" -pointsize 15 "${parts[@]}" -tile "${columns}x" -geometry +3+3 \
-    -define png:color-type=2 -define png:compression-level=9 -define png:exclude-chunks=date,time "$out/$picture"
+    "${png[@]}" "$out/$picture"
 }
 
 # The amphora: surface, levels, sizes, curvature, smoothing, splats.

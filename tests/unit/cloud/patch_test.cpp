@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
 #include <random>
+#include <vector>
 
 #include "noise/patch_noise.h"
 
@@ -69,6 +72,40 @@ TEST(Patch, ACubicLeavesWhatAnOrthogonalFactorisationLeaves)
     for (std::size_t i = 0; i < count; ++i)
       ASSERT_NEAR(cubic.residuals[i], left[static_cast<Eigen::Index>(i)], 1e-7) << i;
   }
+}
+
+/** Variance of heights of a plane's noise, 1, in a ball about a point of it: the mean over the point's own
+ * height, and at each height as many points as the ball's disc there is wide. */
+double
+varianceInBall(double radius)
+{
+  constexpr double kStep = 0.01, kFar = 6;
+  double all = 0, weights = 0;
+  for (double own = -4; own <= 4; own += 0.05) {
+    double sum[3] = {0, 0, 0};
+    for (double h = -kFar; h <= kFar; h += kStep) {
+      const double points =
+          std::exp(-0.5 * h * h) * std::max(0.0, radius * radius - (h - own) * (h - own));
+      for (int i = 0; i < 3; ++i) sum[i] += points * std::pow(h, i);
+    }
+    const double mean = sum[1] / sum[0], weight = std::exp(-0.5 * own * own);
+    all += weight * (sum[2] / sum[0] - mean * mean);
+    weights += weight;
+  }
+  return all / weights;
+}
+
+TEST(Patch, WhatABallCutsOffIsPutBack)
+{
+  for (const double radius : {2.2, 2.5, 3.0, 4.0, 6.0, 10.0}) {
+    const double left = varianceInBall(radius);
+    EXPECT_LT(left, 1 - 1 / (radius * radius));
+    EXPECT_NEAR(std::sqrt(uncutVariance(left, radius)), 1, 0.01) << radius;
+  }
+  // Of many places alike each gets the same.
+  std::vector<double> variances(40, varianceInBall(3));
+  putBackCutOff(std::vector<double>(40, 3.0), {}, variances);
+  for (const double variance : variances) EXPECT_NEAR(std::sqrt(variance), 1, 0.01);
 }
 
 TEST(Patch, KeepsTheSheetOfItsSample)

@@ -14,6 +14,16 @@ using namespace pcl_slim_test;
 
 constexpr double kGolden = 0.6180339887498949;
 
+/** RMS over the projected points of their distance to a surface, in the cloud's units. */
+template <typename Distance>
+double
+rmsOf(const Fitted& f, const Distance& distance)
+{
+  double sum = 0;
+  for (const auto& local : f.projection.position) sum += std::pow(distance(f.world(local)), 2);
+  return std::sqrt(sum / static_cast<double>(f.store.size()));
+}
+
 /** Two plates a gap apart, spacing 1, with white noise; turned by a rotation of no axis. */
 struct Plates {
   double gap, noise;
@@ -37,10 +47,7 @@ struct Plates {
 
   double rms(const Fitted& f, double scale = 1) const
   {
-    double sum = 0;
-    for (const auto& local : f.projection.position)
-      sum += std::pow(std::abs(dot(f.world(local), w)) / scale - gap / 2, 2);
-    return std::sqrt(sum / static_cast<double>(f.store.size()));
+    return rmsOf(f, [&](const Vector3& p) { return std::abs(dot(p, w)) / scale - gap / 2; });
   }
 };
 
@@ -78,10 +85,7 @@ TEST(FitSides, PartsCleanSheetsThatAreNear)
     }
   }
   const auto rms = [](const Fitted& f) {
-    double sum = 0;
-    for (const auto& local : f.projection.position)
-      sum += std::pow(std::abs(length(f.world(local)) - 18) - 1, 2);
-    return std::sqrt(sum / static_cast<double>(f.store.size()));
+    return rmsOf(f, [](const Vector3& p) { return std::abs(length(p) - 18) - 1; });
   };
   FitParams params;
   const Fitted with = fitted(cloud, params);
@@ -99,12 +103,8 @@ TEST(FitSides, KeepATubeOfAFewDeviations)
   const double tube = 0.26, sigma = 0.07;
   const Cloud cloud = thickRing(30000, tube, sigma, 8);
   const auto rms = [&](const Fitted& f) {
-    double sum = 0;
-    for (const auto& local : f.projection.position) {
-      const Vector3 p = f.world(local);
-      sum += std::pow(std::hypot(std::hypot(p[0], p[1]) - 1, p[2]) - tube, 2);
-    }
-    return std::sqrt(sum / static_cast<double>(f.store.size()));
+    return rmsOf(
+        f, [&](const Vector3& p) { return std::hypot(std::hypot(p[0], p[1]) - 1, p[2]) - tube; });
   };
   FitParams params;
   const Fitted with = fitted(cloud, params);

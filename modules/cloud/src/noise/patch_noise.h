@@ -31,7 +31,7 @@ bool
 fitCubic(const Patch& patch, PatchCubic& cubic);
 
 /** \brief The variance of isotropic noise whose residuals a patch shows. A patch is a ball about one of
- * its points and cuts heights off: of a plane's noise s a radius R >= 2 s leaves s^2 (1 - 2 q - 22 q^2),
+ * its points and cuts heights off: of a plane's noise s a radius R >= 2.2 s leaves s^2 (1 - 2 q - 22 q^2),
  * with q the residuals' variance over R^2, to one per cent of s (docs/theory.md, "Noise"). */
 double
 uncutVariance(double variance, double radius);

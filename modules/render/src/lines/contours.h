@@ -6,7 +6,7 @@
 
 namespace pcl_slim::detail {
 
-/** \brief Lines between pixels where the surface ends or hides what lies behind it: the nearer
+/** \brief Lines between pixels where the surface ends or hides what is behind it: the nearer
  * pixel's tangent plane passes the farther one by more than six pixels and .3 % of L. The pixels'
  * edges are smoothed; lines shorter than the least length are left out. */
 void

@@ -103,7 +103,7 @@ traceOne(const BlendContext& context, const BoundedRay& ray, BlendedHit& hit)
       context, ray, line, ray.farthest, context.scene.shrink,
       [&](const BlendSum& sum) { return isSupported(sum, coverage); }, hit);
   if (hit.met() || !context.rules.close_gaps) return;
-  // Between shrunk balls a ray may slip through a sheet that goes on all around it.
+  // Between shrunk balls a ray may slip through a sheet that continues all around it.
   traceLayers(
       context, ray, line, ray.farthest, kMaxShrink,
       [&](const BlendSum& sum) { return closesGap(sum, ray.ray.direction); }, hit);
