@@ -43,73 +43,95 @@ finishOptions(const OptionTable&, Settings& s)
   return measure::parseLists({{"noise", &s.noise, 0, 10, false, &s.noise_list}});
 }
 
-double
-rmsOf(const Scene& scene, const std::vector<Vector3>& points)
+/** RMS distances to a scene's surface, of all points and of some. */
+struct Errors {
+  double all = 0, thick = 0, thin = 0;
+};
+
+/** \param[in] least thickness of a part that counts as thick */
+Errors
+errorsOf(const Scene& scene, const std::vector<Vector3>& points, double least)
 {
-  double sum = 0, count = 0;
-  for (const Vector3& p : points) {
+  double sums[2] = {0, 0}, counts[2] = {0, 0};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vector3& p = points[i];
     if (!std::isfinite(p[0] + p[1] + p[2])) continue;
-    sum += std::pow(scene.distance(p), 2);
-    ++count;
+    const int thick = scene.thickness(scene.points[i]) >= least * (1 - 1e-9);
+    sums[thick] += std::pow(scene.distance(p), 2);
+    ++counts[thick];
   }
-  return std::sqrt(sum / std::max(count, 1.0));
+  return {std::sqrt((sums[0] + sums[1]) / std::max(counts[0] + counts[1], 1.0)),
+          std::sqrt(sums[1] / std::max(counts[1], 1.0)),
+          std::sqrt(sums[0] / std::max(counts[0], 1.0))};
 }
 
 /** What a fit left of a scene's noise. */
 struct Outcome {
-  double rms = 0, sigma = 0, seconds = 0;
+  Errors rms;
+  double sigma = 0, seconds = 0;
   FitStatistics fit;
 };
 
 Result<Outcome>
-fitOf(const Scene& scene, const CloudView& view, const FitParams& params)
+fitOf(const Scene& scene, const CloudView& view, const FitParams& params, double least)
 {
   const auto smoothed = measure::smoothPoints(view, params);
   if (!smoothed) return smoothed.error();
-  return Outcome{rmsOf(scene, smoothed->points), smoothed->sigma, smoothed->seconds, smoothed->fit};
+  return Outcome{errorsOf(scene, smoothed->points, least), smoothed->sigma, smoothed->seconds,
+                 smoothed->fit};
 }
 
-double
-bestRival(const Scene& scene, const std::vector<Vector3>& points, bool jets)
+/** The least errors over six sizes, each on its own. */
+Errors
+bestRival(const Scene& scene, const std::vector<Vector3>& points, double least, bool jets)
 {
-  double best = 1e300;
+  Errors best{1e300, 1e300, 1e300};
   for (const double k : {12.0, 16.0, 24.0, 32.0, 64.0, 128.0}) {
     const auto moved = jets ? rivals::smoothByJets(points, static_cast<std::size_t>(k))
                             : rivals::smoothByMls(points, 2, std::sqrt(k / M_PI)).points;
-    best = std::min(best, rmsOf(scene, moved));
+    const Errors errors = errorsOf(scene, moved, least);
+    best = {std::min(best.all, errors.all), std::min(best.thick, errors.thick),
+            std::min(best.thin, errors.thin)};
   }
   return best;
+}
+
+void
+printOutcome(const Outcome& of)
+{
+  std::printf(" %.4f (%llu) %.3f |", of.rms.all, static_cast<unsigned long long>(of.fit.leaves),
+              of.sigma);
 }
 
 Error
 printRow(const Settings& s, const Scene& scene, double sigma)
 {
+  const double least = std::max(1.0, 5 * sigma);
   const auto points = thin::noisyPoints(scene, sigma, static_cast<std::uint64_t>(s.seed) + 17);
   CloudView view = measure::viewOf(points);
   FitParams params;
   params.threads = s.threads;
-  const auto own = fitOf(scene, view, params);
+  const auto own = fitOf(scene, view, params, least);
   if (!own) return own.error();
   params.sides = false;
-  const auto off = fitOf(scene, view, params);
+  const auto off = fitOf(scene, view, params, least);
   if (!off) return off.error();
   std::vector<float> normals;
   for (const Vector3& n : scene.normals) normals.insert(normals.end(), n.begin(), n.end());
   view.normal = normals.data();
   view.normal_stride = 3 * sizeof(float);
-  const auto exact = fitOf(scene, view, params);
+  const auto exact = fitOf(scene, view, params, least);
   if (!exact) return exact.error();
-  std::printf("| %s | %zu | %g | %.4f (%llu) | %.4f (%llu) | %.4f (%llu) |", scene.name.c_str(),
-              points.size(), sigma, own->rms, static_cast<unsigned long long>(own->fit.leaves),
-              off->rms, static_cast<unsigned long long>(off->fit.leaves), exact->rms,
-              static_cast<unsigned long long>(exact->fit.leaves));
-  std::printf(" %.3f %.3f %.3f | %.2f | %.2f |", own->sigma, off->sigma, exact->sigma,
-              own->rms / std::max(exact->rms, 1e-4), own->seconds / off->seconds);
+  std::printf("| %s | %zu | %g |", scene.name.c_str(), points.size(), sigma);
+  for (const auto* outcome : {&*own, &*off, &*exact}) printOutcome(*outcome);
+  std::printf(" %.4f | %.4f | %.2f | %.4f |", own->rms.thick, exact->rms.thick,
+              own->rms.thick / std::max(exact->rms.thick, 1e-3), own->rms.thin);
   if (s.rivals) {
-    const double jets = rivals::hasJets() ? bestRival(scene, points, true) : NAN;
-    std::printf(" %.4f | %.4f |", jets, bestRival(scene, points, false));
+    const Errors mls = bestRival(scene, points, least, false);
+    const Errors jets = rivals::hasJets() ? bestRival(scene, points, least, true) : mls;
+    std::printf(" %.4f | %.4f |", std::min(jets.thin, mls.thin), std::min(jets.all, mls.all));
   }
-  std::printf(" %.2f |\n", own->fit.sided_confidence);
+  std::printf(" %.2f | %.2f |\n", own->fit.sided_confidence, own->seconds / off->seconds);
   std::fflush(stdout);
   return {};
 }
@@ -118,10 +140,13 @@ Error
 printTable(const Settings& s)
 {
   std::printf(
-      "RMS distance (leaves), in spacings\n\n| scene | points | noise | default | sides off | "
-      "exact normals | noise found: each | default / exact | CPU / off |%s sure |\n",
-      s.rivals ? " jets | MLS |" : "");
-  std::printf("|---|---|---|---|---|---|---|---|---|%s---|\n", s.rivals ? "---|---|" : "");
+      "RMS distance (leaves) and noise found, in spacings; thick: where it is at least 1 spacing "
+      "and 5 "
+      "times the noise; best of CGAL's jets and MLS over six sizes\n\n| scene | points | noise | "
+      "default | sides off | "
+      "exact normals | thick: default | exact | ratio | thin: default |%s sure | CPU / off |\n",
+      s.rivals ? " best rival | all: best rival |" : "");
+  std::printf("|---|---|---|---|---|---|---|---|---|---|%s---|---|\n", s.rivals ? "---|---|" : "");
   for (const double sigma : s.noise_list) {
     for (const Scene& scene : thin::allScenes()) {
       if (scene.name.rfind(s.only, 0) != 0) continue;

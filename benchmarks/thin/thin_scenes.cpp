@@ -74,9 +74,11 @@ turned(Scene scene)
   for (auto* vectors : {&scene.points, &scene.normals}) {
     for (Vector3& p : *vectors) p = along(along(scaled(u, p[0]), p[1], v), p[2], w);
   }
-  scene.distance = [u, v, w, distance = scene.distance](const Vector3& p) {
-    return distance({dot(p, u), dot(p, v), dot(p, w)});
-  };
+  for (auto* measure : {&scene.distance, &scene.thickness}) {
+    *measure = [u, v, w, straight = *measure](const Vector3& p) {
+      return straight({dot(p, u), dot(p, v), dot(p, w)});
+    };
+  }
   return scene;
 }
 
@@ -91,31 +93,34 @@ toSphere(const Vector3& p, const Vector3& middle, double radius)
 Scene
 plates(double gap)
 {
-  Scene scene{named("plates", gap), gap, {}, {}, {}};
+  Scene scene{named("plates", gap), {}, {}, {}, {}};
   addRectangle(scene, {0, 0, gap / 2}, {kPlate, 0, 0}, {0, kPlate, 0}, {0, 0, 1}, 0.1);
   addRectangle(scene, {0, 0, -gap / 2}, {0, kPlate, 0}, {kPlate, 0, 0}, {0, 0, -1}, 0.35);
   scene.distance = [gap](const Vector3& p) { return std::abs(std::abs(p[2]) - gap / 2); };
+  scene.thickness = [gap](const Vector3&) { return gap; };
   return scene;
 }
 
 Scene
 tube(double radius)
 {
-  Scene scene{named("tube", radius), 2 * radius, {}, {}, {}};
+  Scene scene{named("tube", radius), {}, {}, {}, {}};
   addWall(scene, radius, kTube);
   scene.distance = [radius](const Vector3& p) { return std::abs(std::hypot(p[0], p[1]) - radius); };
+  scene.thickness = [radius](const Vector3&) { return 2 * radius; };
   return scene;
 }
 
 Scene
 nestedSpheres(double gap)
 {
-  Scene scene{named("nested", gap), gap, {}, {}, {}};
+  Scene scene{named("nested", gap), {}, {}, {}, {}};
   addSphere(scene, {}, kSphere, 1);
   addSphere(scene, {}, kSphere - gap, -1);
   scene.distance = [gap](const Vector3& p) {
     return std::min(toSphere(p, {}, kSphere), toSphere(p, {}, kSphere - gap));
   };
+  scene.thickness = [gap](const Vector3&) { return gap; };
   return scene;
 }
 
@@ -123,11 +128,14 @@ Scene
 touchingSpheres()
 {
   const Vector3 left = {-kSphere, 0, 0}, right = {kSphere, 0, 0};
-  Scene scene{"touching", 0, {}, {}, {}};
+  Scene scene{"touching", {}, {}, {}, {}};
   addSphere(scene, left, kSphere, 1);
   addSphere(scene, right, kSphere, 1);
   scene.distance = [left, right](const Vector3& p) {
     return std::min(toSphere(p, left, kSphere), toSphere(p, right, kSphere));
+  };
+  scene.thickness = [left, right](const Vector3& p) {
+    return std::max(toSphere(p, left, kSphere), toSphere(p, right, kSphere));
   };
   return scene;
 }
@@ -136,7 +144,7 @@ Scene
 wedge(double degrees)
 {
   const double half = degrees * M_PI / 360;
-  Scene scene{named("wedge", degrees), 0, {}, {}, {}};
+  Scene scene{named("wedge", degrees), {}, {}, {}, {}};
   for (const double side : {1.0, -1.0}) {
     const Vector3 up = {kEdge * std::cos(half), 0, side * kEdge * std::sin(half)};
     const Vector3 normal = {-std::sin(half), 0, side * std::cos(half)};
@@ -147,6 +155,9 @@ wedge(double degrees)
     if (along < 0) return std::hypot(p[0], p[2]);
     return std::abs(std::abs(p[2]) * std::cos(half) - p[0] * std::sin(half));
   };
+  scene.thickness = [half](const Vector3& p) {
+    return std::hypot(p[0], p[2]) * std::sin(2 * half);
+  };
   return scene;
 }
 
@@ -154,12 +165,17 @@ Scene
 pole(double radius)
 {
   constexpr double kHeight = 80;
-  Scene scene{named("pole", radius), 2 * radius, {}, {}, {}};
+  Scene scene{named("pole", radius), {}, {}, {}, {}};
   addRectangle(scene, {-kEdge / 2, -kEdge / 2, 0}, {kEdge, 0, 0}, {0, kEdge, 0}, {0, 0, 1}, 0.3);
   addWall(scene, radius, kHeight);
   scene.distance = [radius](const Vector3& p) {
     const double wall = std::hypot(std::hypot(p[0], p[1]) - radius, std::min(0.0, p[2]));
     return std::min(wall, std::abs(p[2]));
+  };
+  scene.thickness = [radius](const Vector3& p) {
+    const double out =
+        std::hypot(p[0], p[1]) - radius;  // 0 on the wall, whose foot meets the plane
+    return out > 1e-6 ? out : std::min(2 * radius, p[2]);
   };
   return scene;
 }

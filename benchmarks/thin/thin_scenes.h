@@ -14,9 +14,10 @@ namespace pcl_slim::thin {
 /** \brief A scene of spacing 1: its clean points, their outward normals, and the distance to it. */
 struct Scene {
   std::string name;
-  double thickness = 0;  ///< between the two sides, in spacings
   std::vector<Vector3> points, normals;
   std::function<double(const Vector3&)> distance;
+  std::function<double(const Vector3&)>
+      thickness;  ///< distance from a point of a side to the other
 };
 
 /** \brief Two parallel plates of 70 x 70 spacings, facing apart. */
