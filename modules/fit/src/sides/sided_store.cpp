@@ -30,7 +30,6 @@ struct SideSearch {
   bool needed = false;  ///< a fit does not part these by itself
   double noise = 0;     ///< by which the first cells are cut
   double least = 0;     ///< noise below which the spacing alone sets the width of cells
-  double unsided = 0;   ///< noise measured without sides
   bool capped = true;   ///< lambda may not exceed the noise that cells are cut by
 };
 
@@ -48,18 +47,20 @@ std::optional<SideSearch>
 searchFor(const ThinPlaces& thin, double unsided, bool measured, const SideConstants& rules)
 {
   SideSearch search;
-  search.unsided = search.noise = unsided;
+  search.noise = unsided;
   if (measured && thin.noise > 0) search.noise = std::min(unsided, thin.noise);
   search.least = rules.least_cells * thin.spacing;
   search.capped = measured;
   const double least = leastShare(search.noise / thin.spacing, rules);
   search.needed = thin.share >= least || thin.facing >= rules.least_facing;
-  search.share = search.needed ? std::max(thin.share, thin.facing) : thin.share + thin.near;
-  if (!search.needed && search.share < rules.clean_thin) return {};
+  search.share =
+      search.needed ? std::max(thin.share, thin.facing) : thin.share + thin.facing + thin.near;
+  if (search.share < rules.few_thin) return {};
   // Wrong sides break up the wide leaves of a clean cloud.
   search.doubt = rules.doubt * search.share;
   if (search.noise < rules.full_noise * thin.spacing)
     search.doubt = std::min(search.doubt, rules.clean_doubt);
+  if (!search.needed) search.doubt = std::min(search.doubt, rules.few_doubt);
   return search;
 }
 
@@ -87,6 +88,38 @@ measureWith(SidedStore& sided, const FitConstants& constants, const FitParams& p
   return error;
 }
 
+/** Runs of points all over a large cloud, whose sides are found first: those that a part leaves in doubt
+ * the whole does, too. Empty for small clouds. */
+PointStore
+probeOf(const PointStore& store, const SideConstants& rules, int threads)
+{
+  const std::size_t part = store.size() / rules.probe_runs;
+  if (part < rules.probe_part * rules.probe_points) return {};
+  std::vector<std::uint32_t> dropped;
+  dropped.reserve(store.size());
+  for (std::size_t i = 0; i < store.size(); ++i) {
+    if (i % part >= rules.probe_points) dropped.push_back(static_cast<std::uint32_t>(i));
+  }
+  return store.without(dropped, threads);
+}
+
+/** What sides by cells of one width show. */
+struct SideVerdict {
+  bool few = false;       ///< too little faces apart
+  bool doubtful = false;  ///< too many cells disagree
+  bool narrower = false;  ///< narrower cells may show more
+};
+
+SideVerdict
+judge(const Sides& sides, const SideSearch& search, const SideConstants& rules)
+{
+  SideVerdict verdict;
+  verdict.few = sides.thin < rules.part * search.share;
+  verdict.doubtful = 1 - sides.confidence > search.doubt;
+  verdict.narrower = verdict.few || verdict.doubtful || sides.confidence < rules.sure;
+  return verdict;
+}
+
 /** Seeks sides by narrower and narrower cells: those that hold both sides leave doubts, or too little
  * faces apart. Keeps the sides of the least cost. */
 Error
@@ -95,19 +128,26 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
           std::optional<SidedFit>& best)
 {
   const SideConstants& rules = constants.sides;
+  const PointStore probe = probeOf(sided.store(), rules, stats.threads);
   double noise = search.noise;
   for (int pass = 0; pass < rules.noise_passes; ++pass) {
     sided.clearSides();
-    SidedFit next{findSides(sided.store(), noise, spacing, rules, stats.threads), {}, stats};
-    const bool few = next.sides.thin < rules.part * search.share;
-    const bool doubtful = 1 - next.sides.confidence > search.doubt;
-    const bool narrower = few || doubtful || next.sides.confidence < rules.sure;
-    if (doubtful && best) break;
+    const auto sidesOf = [&](const PointStore& store) {
+      return findSides(store, noise, spacing, rules, stats.threads);
+    };
+    SidedFit next;
+    next.stats = stats;
+    SideVerdict verdict;
+    if (probe.size() > 0) verdict = judge(sidesOf(probe), search, rules);
+    if (!verdict.few && !verdict.doubtful) {
+      next.sides = sidesOf(sided.store());
+      verdict = judge(next.sides, search, rules);
+    }
+    if (verdict.doubtful && best) break;
     double found = noise;
-    if (!few && !doubtful) {
+    if (!verdict.few && !verdict.doubtful) {
       if (Error error = measureWith(sided, constants, params, next)) return error;
       found = next.noise;
-      if (!search.needed && found > rules.same_noise * search.unsided) break;
       if (best && next.cost() > best->cost()) break;
       // Wider balls would hold what these cells keep apart.
       double& lambda = next.settings.energy.lambda;
@@ -115,7 +155,7 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
       best = std::move(next);
     }
     const bool same = found > rules.same_noise * noise;
-    if (noise <= search.least || (same && !narrower)) break;
+    if (noise <= search.least || (same && !verdict.narrower)) break;
     noise = std::max(search.least, same ? 0.5 * noise : found);
   }
   sided.clearSides();
