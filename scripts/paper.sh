@@ -25,7 +25,7 @@ for plot in fig04 fig05 fig06 fig08 fig21 fig21_paper; do
   command -v rsvg-convert > /dev/null && rsvg-convert "$out/$plot.svg" -o "$out/$plot.png"
 done
 mkdir -p -- "$out/meshes"
-part meshes "$bin/mesh_bench" "$data" -save "$out/meshes"
+part meshes "$bin/mesh_bench" "$data" -filters paper -save "$out/meshes"
 cp -- "$out/log/meshes.log" "$out/fig20.md"
 part mesh-pictures "$root/benchmarks/mesh/pictures.sh" "$bin" "$data" "$out" "$out/meshes"
 part pictures "$root/benchmarks/render/figures.sh" "$bin" "$data" "$out"

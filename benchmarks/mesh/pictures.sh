@@ -10,7 +10,7 @@ work=$(mktemp -d)
 trap 'rm -rf -- "$work"' EXIT
 meshes=${4-$work/meshes}
 mkdir -p -- "$out" "$meshes"
-[ -n "${4-}" ] || "$bin/mesh_bench" "$data" -save "$meshes" > "$work/table.md"
+[ -n "${4-}" ] || "$bin/mesh_bench" "$data" -filters paper -save "$meshes" > "$work/table.md"
 parts=()
 
 # row LABEL PAIR OPTIONS: noisy, by the bilateral filter at its best, and by SLIM surfaces in three ways.
