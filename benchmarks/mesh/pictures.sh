@@ -33,8 +33,8 @@ first() {
 }
 
 row julius julius_02 "-eye 0.25,0.06,-1 -up 0,1,0 -middle 0.02,0.02,0 -width 0.55"
-row fandisk fandisk_03 "-eye 0.5,0.6,0.7 -up 0,1,0 -middle 2.4,14.5,-1.3 -width 5.4"
-row block block_04 "-eye 1,0.7,0.7 -up 0,1,0 -middle 1.7,0,0 -width 28"
+row fandisk fandisk_03 "-eye 0.5,0.6,0.7 -up 0,1,0 -middle 2.4,14.5,-1.3 -width 6"
+row block block_04 "-eye 1,0.7,0.7 -up 0,1,0 -middle 1.7,0,0 -width 42"
 montage -font "$(fc-match -f '%{file}' sans)" -pointsize 13 "${parts[@]}" -tile 5x -geometry +2+2 \
   "$work/all.png"
 convert "$work/all.png" -define png:color-type=2 -define png:compression-level=9 -define png:exclude-chunks=date,time "$out/meshes.png"
