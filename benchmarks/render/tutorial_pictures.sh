@@ -30,8 +30,9 @@ render surface.slim "$out/demo" -size 800x600
 discs scan.pcd splats -max_splats 20000
 discs scan.pcd before -geo .02 -color 1 -remove_noise 0
 discs smooth.pcd after -geo .02 -color 1 -remove_noise 0
-for mode in shaded normal mean level size; do
-  render surface.slim $mode -mode $mode -size 420x420 -bar 1 -unit m -save_camera amphora.txt
+render surface.slim shaded -mode shaded -size 420x420 -save_camera amphora.txt
+for mode in normal mean level size; do
+  render surface.slim $mode -mode $mode -size 420x420 -bar 1 -unit m -camera amphora.txt
 done
 render splats.pcd color -mode color -lighting 0 -size 420x420 -camera amphora.txt
 render splats.pcd lit -mode color -lighting 1 -size 420x420 -camera amphora.txt
