@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Remakes the figures and tables of docs/paper.md: scripts/paper.sh DATA OUT. DATA is a folder of scans
-# (benchmarks/README.md names them), OUT gets tables and pictures. Some twenty minutes on two cores.
+# (benchmarks/README.md names them), OUT gets tables and pictures. Half an hour on two cores: twenty minutes of it the
+# studies of paper_bench, most of them the sweeps of Fig. 21 and of ellipsoidal supports.
 # Needs ImageMagick, fontconfig and, for some pictures, rsvg-convert and xvfb-run.
 set -euo pipefail
 # shellcheck source=scripts/common.sh
