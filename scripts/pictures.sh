@@ -3,8 +3,8 @@
 # Remakes the pictures of docs/images: scripts/pictures.sh DATA [OUT]. DATA is a folder of scans
 # (benchmarks/README.md names them), OUT docs/images if not given. Fifteen minutes on two cores: windows four,
 # QSplat three, meshes and levels of detail one each. Needs ImageMagick, fontconfig, rsvg-convert and, for windows, xvfb-run and xdotool. Not among them: web_page and
-# web_page_color, photographs of a browser (docs/web_page.md), slim_surface, a drawing, and pareto_exact, which
-# benchmarks/tables/comparison.sh makes in an hour.
+# web_page_color, photographs of a browser (docs/web_page.md), slim_surface, a drawing, tiles_seam and tiles_100m of
+# larger clouds (docs/tiles.md), and pareto_exact, which benchmarks/tables/comparison.sh makes in an hour.
 set -euo pipefail
 # shellcheck source=scripts/common.sh
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
