@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Remakes the figures and tables of docs/paper.md: scripts/paper.sh DATA OUT. DATA is a folder of scans
-# (benchmarks/README.md names them), OUT gets tables and pictures. Some twenty minutes on two cores.
+# (benchmarks/README.md names them), OUT gets tables and pictures. Half an hour on two cores: twenty minutes of it the
+# studies of paper_bench, most of them the sweeps of Fig. 21 and of ellipsoidal supports.
 # Needs ImageMagick, fontconfig and, for some pictures, rsvg-convert and xvfb-run.
 set -euo pipefail
 # shellcheck source=scripts/common.sh
@@ -25,7 +26,7 @@ for plot in fig04 fig05 fig06 fig08 fig21 fig21_paper; do
   command -v rsvg-convert > /dev/null && rsvg-convert "$out/$plot.svg" -o "$out/$plot.png"
 done
 mkdir -p -- "$out/meshes"
-part meshes "$bin/mesh_bench" "$data" -save "$out/meshes"
+part meshes "$bin/mesh_bench" "$data" -filters paper -save "$out/meshes"
 cp -- "$out/log/meshes.log" "$out/fig20.md"
 part mesh-pictures "$root/benchmarks/mesh/pictures.sh" "$bin" "$data" "$out" "$out/meshes"
 part pictures "$root/benchmarks/render/figures.sh" "$bin" "$data" "$out"

@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # Remakes the pictures of docs/images: scripts/pictures.sh DATA [OUT]. DATA is a folder of scans
-# (benchmarks/README.md names them), OUT docs/images if not given. Some twenty minutes on two cores. Needs
-# ImageMagick, fontconfig, rsvg-convert and, for windows, xvfb-run and xdotool. Not among them: web_page and
-# web_page_color, photographs of a browser (docs/web_page.md), slim_surface, a drawing, and pareto_exact, which
-# benchmarks/tables/comparison.sh makes in an hour.
+# (benchmarks/README.md names them), OUT docs/images if not given. Fifteen minutes on two cores: windows four,
+# QSplat three, meshes and levels of detail one each. Needs ImageMagick, fontconfig, rsvg-convert and, for windows, xvfb-run and xdotool. Not among them: web_page and
+# web_page_color, photographs of a browser (docs/web_page.md), slim_surface, a drawing, tiles_seam and tiles_100m of
+# larger clouds (docs/tiles.md), and pareto_exact, which benchmarks/tables/comparison.sh makes in an hour.
 set -euo pipefail
 # shellcheck source=scripts/common.sh
 source "$(dirname -- "${BASH_SOURCE[0]}")/common.sh"
@@ -42,5 +42,9 @@ for figure in 4 5 6 7 8 21; do part "figure-$figure" "$bin/paper_bench" "$data" 
 for plot in fig04 fig05 fig06 fig08 fig21_paper; do
   rsvg-convert -z 1.5 "$work/$plot.svg" -o "$out/paper_$plot.png"
 done
-cp -- "$work/fig07.png" "$out/paper_fig07.png"
+convert "$work/fig07.png" -crop 320x320 +repage "$work/level_%d.png"
+levels=()
+for level in 0 1 2 3 4; do levels+=(-label "level $((level + 1))" "$work/level_$level.png"); done
+montage -font "$(fc-match -f '%{file}' sans)" -pointsize 15 "${levels[@]}" -tile 5x -geometry +0+2 \
+  -define png:color-type=2 -define png:compression-level=9 -define png:exclude-chunks=date,time "$out/paper_fig07.png"
 echo "Pictures are in $out"

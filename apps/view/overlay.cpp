@@ -46,6 +46,9 @@ Overlay::Overlay(vtkRenderer* renderer)
   place(readout_, 0.012, 0.015, VTK_TEXT_LEFT, VTK_TEXT_BOTTOM);
   place(progress_, 0.5, 0.08, VTK_TEXT_CENTERED, VTK_TEXT_BOTTOM);
   place(help_, 0.0, 0.5, VTK_TEXT_LEFT, VTK_TEXT_CENTERED);
+  for (vtkTextActor* text : {status_.Get(), readout_.Get()}) {
+    text->GetTextProperty()->SetLineSpacing(1.25);
+  }
   help_->GetTextProperty()->SetFontFamilyToCourier();
   help_->GetTextProperty()->SetBackgroundOpacity(0.88);
   help_->GetTextProperty()->SetFrame(true);

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "benchmark/mesh_surface.h"
+#include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim::mesh_bench {
 
@@ -42,26 +42,51 @@ volumeOf(const Points& vertices, const MeshFaces& faces, const Vector3& middle)
   return sum;
 }
 
-void
-measureFaces(const Pair& pair, const Points& smoothed, Measures& m)
+}  // namespace
+
+Comparison::Comparison(const Pair& pair)
+    : pair_(pair),
+      surface_(surfaceOf(pair.truth, pair.faces)),
+      topology_(pair.faces, pair.truth.size()),
+      normals_(faceNormals(pair.truth, pair.faces)),
+      noisy_normals_(faceNormals(pair.noisy, pair.faces)),
+      sides_(pair.faces.size()),
+      sharp_(sharpVertices())
 {
-  const Points truth = faceNormals(pair.truth, pair.faces);
-  const Points made = faceNormals(smoothed, pair.faces);
-  const Points before = faceNormals(pair.noisy, pair.faces);
-  const MeshTopology topology(pair.faces, pair.truth.size());
-  double sharp = 0;
-  for (std::size_t f = 0; f < truth.size(); ++f) {
-    const double angle = angleBetween(truth[f], made[f]);
-    m.angle += kDegrees * angle / static_cast<double>(truth.size());
-    Vector3 side = areaVector(pair.truth, pair.faces[f]);
-    for (const std::uint32_t g : topology.around(f)) {
-      side = along(side, 1, areaVector(pair.truth, pair.faces[g]));
+  for (std::size_t f = 0; f < sides_.size(); ++f) {
+    sides_[f] = areaVector(pair.truth, pair.faces[f]);
+    for (const std::uint32_t g : topology_.around(f)) {
+      sides_[f] = along(sides_[f], 1, areaVector(pair.truth, pair.faces[g]));
     }
-    const bool folded = dot(side, made[f]) <= 0;
+  }
+}
+
+std::vector<std::uint8_t>
+Comparison::sharpVertices() const
+{
+  std::vector<std::uint8_t> sharp(pair_.truth.size());
+  for (std::size_t v = 0; v < sharp.size(); ++v) {
+    for (const std::uint32_t f : topology_.facesOf(v)) {
+      for (const std::uint32_t g : topology_.facesOf(v)) {
+        if (angleBetween(normals_[f], normals_[g]) > kSharp) sharp[v] = 1;
+      }
+    }
+  }
+  return sharp;
+}
+
+void
+Comparison::measureFaces(const Points& smoothed, Measures& m) const
+{
+  const Points made = faceNormals(smoothed, pair_.faces);
+  double sharp = 0;
+  for (std::size_t f = 0; f < made.size(); ++f) {
+    m.angle += kDegrees * angleBetween(normals_[f], made[f]) / static_cast<double>(made.size());
+    const bool folded = dot(sides_[f], made[f]) <= 0;
     m.folded += folded;
-    m.newly_folded += folded && dot(side, before[f]) > 0;
-    for (const std::uint32_t g : topology.acrossEdges(f)) {
-      const double was = angleBetween(truth[f], truth[g]);
+    m.newly_folded += folded && dot(sides_[f], noisy_normals_[f]) > 0;
+    for (const std::uint32_t g : topology_.acrossEdges(f)) {
+      const double was = angleBetween(normals_[f], normals_[g]);
       if (g < f || was < kSharp) continue;
       m.sharp_angle += kDegrees * std::abs(angleBetween(made[f], made[g]) - was);
       ++sharp;
@@ -70,48 +95,31 @@ measureFaces(const Pair& pair, const Points& smoothed, Measures& m)
   if (sharp > 0) m.sharp_angle /= sharp;
 }
 
-/** Vertices at which two faces of the original part by more than 40 degrees. */
-std::vector<std::uint8_t>
-sharpVertices(const Pair& pair)
-{
-  const Points normals = faceNormals(pair.truth, pair.faces);
-  const MeshTopology topology(pair.faces, pair.truth.size());
-  std::vector<std::uint8_t> sharp(pair.truth.size());
-  for (std::size_t v = 0; v < sharp.size(); ++v) {
-    for (const std::uint32_t f : topology.facesOf(v)) {
-      for (const std::uint32_t g : topology.facesOf(v)) {
-        if (angleBetween(normals[f], normals[g]) > kSharp) sharp[v] = 1;
-      }
-    }
-  }
-  return sharp;
-}
-
-}  // namespace
-
 Measures
-compare(const Pair& pair, const Points& smoothed)
+Comparison::of(const Points& smoothed) const
 {
   Measures m;
-  const comparison::MeshSurface surface = surfaceOf(pair.truth, pair.faces);
-  const std::vector<std::uint8_t> sharp = sharpVertices(pair);
+  std::vector<double> distances(smoothed.size());
+  parallelFor(smoothed.size(), resolveThreads(0), 1024,
+              [&](std::size_t v, int) { distances[v] = surface_.nearest(smoothed[v]).distance; });
   double num_sharp = 0;
   Vector3 middle{};
   const auto count = static_cast<double>(smoothed.size());
   for (std::size_t v = 0; v < smoothed.size(); ++v) {
-    const double d = surface.nearest(smoothed[v]).distance;
-    const Vector3 step = subtract(smoothed[v], pair.truth[v]);
+    const double d = distances[v];
+    const Vector3 step = subtract(smoothed[v], pair_.truth[v]);
     m.surface_rms += d * d / count;
     m.vertex_rms += dot(step, step) / count;
-    m.sharp_rms += sharp[v] ? d * d : 0;
-    num_sharp += sharp[v];
-    middle = along(middle, 1 / count, pair.truth[v]);
+    m.sharp_rms += sharp_[v] ? d * d : 0;
+    num_sharp += sharp_[v];
+    middle = along(middle, 1 / count, pair_.truth[v]);
   }
-  m.surface_rms = std::sqrt(m.surface_rms) / pair.edge;
-  m.vertex_rms = std::sqrt(m.vertex_rms) / pair.edge;
-  m.sharp_rms = num_sharp > 0 ? std::sqrt(m.sharp_rms / num_sharp) / pair.edge : 0;
-  m.volume = volumeOf(smoothed, pair.faces, middle) / volumeOf(pair.truth, pair.faces, middle) - 1;
-  measureFaces(pair, smoothed, m);
+  m.surface_rms = std::sqrt(m.surface_rms) / pair_.edge;
+  m.vertex_rms = std::sqrt(m.vertex_rms) / pair_.edge;
+  m.sharp_rms = num_sharp > 0 ? std::sqrt(m.sharp_rms / num_sharp) / pair_.edge : 0;
+  m.volume =
+      volumeOf(smoothed, pair_.faces, middle) / volumeOf(pair_.truth, pair_.faces, middle) - 1;
+  measureFaces(smoothed, m);
   return m;
 }
 

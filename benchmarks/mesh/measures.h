@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "benchmark/mesh_surface.h"
 #include "mesh/bench_mesh.h"
 
 namespace pcl_slim::mesh_bench {
@@ -17,9 +18,27 @@ struct Measures {
   std::size_t newly_folded = 0;  ///< those among them that did not so in the input
 };
 
-/** \brief Compares vertex by vertex and face by face. Edges are sharp where the original's faces
- * part by more than 40 degrees. O(vertices log faces). */
-Measures
-compare(const Pair& pair, const Points& smoothed);
+/** \brief Compares smoothed meshes with the original of a pair, vertex by vertex and face by face. Edges
+ * are sharp where the original's faces part by more than 40 degrees. What concerns the original alone
+ * is found once, in O(faces log faces). */
+class Comparison {
+ public:
+  /** \brief The pair must outlive it. */
+  explicit Comparison(const Pair& pair);
+
+  /** \brief O(vertices log faces), on all cores. */
+  Measures of(const Points& smoothed) const;
+
+ private:
+  void measureFaces(const Points& smoothed, Measures& m) const;
+  std::vector<std::uint8_t> sharpVertices() const;
+
+  const Pair& pair_;
+  comparison::MeshSurface surface_;
+  MeshTopology topology_;
+  Points normals_, noisy_normals_,
+      sides_;                        ///< sides: sums of the areas of a face and those around it
+  std::vector<std::uint8_t> sharp_;  ///< vertices at which two faces part by a sharp edge
+};
 
 }  // namespace pcl_slim::mesh_bench

@@ -17,7 +17,7 @@ using namespace pcl_slim::mesh_bench;
 
 struct Settings {
   std::string folder, names = "julius_02,fandisk_03,block_04", save;
-  bool rivals = true;
+  std::string filters = "all";
   int threads = 1;
 };
 
@@ -38,17 +38,21 @@ struct Run {
   double seconds = 0;
 };
 
+/** A pair of meshes, and what is done with it. */
+struct Task {
+  const Settings& settings;
+  const Pair& pair;
+  Comparison compare;
+};
+
 /** The best runs of a sweep, by distance and by normals. */
 class Sweep {
  public:
-  Sweep(const Settings& settings, const Pair& pair, std::string method)
-      : settings_(settings), pair_(pair), method_(std::move(method))
-  {
-  }
+  Sweep(const Task& task, std::string method) : task_(task), method_(std::move(method)) {}
 
   void add(const std::string& setting, const Points& vertices, double seconds)
   {
-    const Measures m = compare(pair_, vertices);
+    const Measures m = task_.compare.of(vertices);
     if (!any_ || m.surface_rms < nearest_.measures.surface_rms) {
       nearest_ = {setting, vertices, m, seconds};
     }
@@ -68,17 +72,17 @@ class Sweep {
  private:
   void printOne(const Run& run, const std::string& what) const
   {
-    printRow(pair_.name, method_ + what + (run.setting.empty() ? "" : ": ") + run.setting,
+    printRow(task_.pair.name, method_ + what + (run.setting.empty() ? "" : ": ") + run.setting,
              run.measures, run.seconds);
-    if (settings_.save.empty()) return;
-    const std::string file = settings_.save + "/" + pair_.name + " " + method_ + what + ".ply";
-    if (Error error = saveMesh(file, run.vertices, pair_.faces)) {
+    if (task_.settings.save.empty()) return;
+    const std::string file =
+        task_.settings.save + "/" + task_.pair.name + " " + method_ + what + ".ply";
+    if (Error error = saveMesh(file, run.vertices, task_.pair.faces)) {
       std::fprintf(stderr, "mesh_bench: %s\n", error.message.c_str());
     }
   }
 
-  const Settings& settings_;
-  const Pair& pair_;
+  const Task& task_;
   std::string method_;
   Run nearest_, straightest_;
   bool any_ = false;
@@ -93,9 +97,10 @@ settingText(const char* first, double a, const char* second, double b)
 }
 
 void
-sweepJones(const Settings& settings, const Pair& pair)
+sweepJones(const Task& task)
 {
-  Sweep sweep(settings, pair, "Jones");
+  const Pair& pair = task.pair;
+  Sweep sweep(task, "Jones");
   for (const double spatial : {0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0}) {
     for (const double range : {0.1, 0.2, 0.35, 0.5, 0.75, 1.0, 1.5, 2.0}) {
       const double begin = measure::cpuSeconds();
@@ -129,13 +134,14 @@ sweepNormals(Sweep sweep, const Pair& pair, const Filter& filter, const std::vec
 }
 
 Error
-projectVertices(const Settings& settings, const Pair& pair)
+projectVertices(const Task& task)
 {
-  Sweep sweep(settings, pair, "plain projection");
+  const Pair& pair = task.pair;
+  Sweep sweep(task, "plain projection");
   for (const bool sharp : {false, true}) {
     const double begin = measure::cpuSeconds();
     Points made;
-    if (Error error = plainProjection(pair.noisy, pair.faces, sharp, settings.threads, made)) {
+    if (Error error = plainProjection(pair.noisy, pair.faces, sharp, task.settings.threads, made)) {
       return error;
     }
     sweep.add(sharp ? "sharp" : "default", made, measure::cpuSeconds() - begin);
@@ -160,44 +166,43 @@ smooth(const Pair& pair, const MeshSmoothParams& params, const std::string& sett
 }
 
 Error
-smooth(const Settings& settings, const Pair& pair, const std::string& method,
-       const MeshSmoothParams& params)
+smooth(const Task& task, const std::string& method, const MeshSmoothParams& params)
 {
-  Sweep sweep(settings, pair, method);
-  if (Error error = smooth(pair, params, "", sweep)) return error;
+  Sweep sweep(task, method);
+  if (Error error = smooth(task.pair, params, "", sweep)) return error;
   sweep.print();
   return {};
 }
 
 /** The published method, its T as in the paper's fits and at its best. */
 Error
-smoothAsPaper(const Settings& settings, const Pair& pair, MeshSmoothParams params)
+smoothAsPaper(const Task& task, MeshSmoothParams params)
 {
   params.fit.paper_mode = true;
-  if (Error error = smooth(settings, pair, "SLIM, -paper 1", params)) return error;
-  Sweep sweep(settings, pair, "SLIM, -paper 1, any T");
+  if (Error error = smooth(task, "SLIM, -paper 1", params)) return error;
+  Sweep sweep(task, "SLIM, -paper 1, any T");
   for (const double t : {0.005, 0.01, 0.02, 0.03, 0.04, 0.06, 0.08, 0.1, 0.15, 0.2, 0.4}) {
     params.fit.t_mdl = t;
     char setting[24];
     std::snprintf(setting, sizeof(setting), "T %g", t);
-    if (Error error = smooth(pair, params, setting, sweep)) return error;
+    if (Error error = smooth(task.pair, params, setting, sweep)) return error;
   }
   sweep.print();
   return {};
 }
 
 Error
-smoothOurs(const Settings& settings, const Pair& pair)
+smoothOurs(const Task& task)
 {
   MeshSmoothParams params;
-  params.fit.threads = settings.threads;
-  if (Error error = smooth(settings, pair, "SLIM, default", params)) return error;
+  params.fit.threads = task.settings.threads;
+  if (Error error = smooth(task, "SLIM, default", params)) return error;
   params.edges = MeshEdges::kRounded;
-  if (Error error = smooth(settings, pair, "SLIM, -sharp 0", params)) return error;
+  if (Error error = smooth(task, "SLIM, -sharp 0", params)) return error;
   params.edges = MeshEdges::kSharp;
-  if (Error error = smooth(settings, pair, "SLIM, -sharp 1", params)) return error;
+  if (Error error = smooth(task, "SLIM, -sharp 1", params)) return error;
   params.edges = MeshEdges::kMeasured;
-  return smoothAsPaper(settings, pair, params);
+  return smoothAsPaper(task, params);
 }
 
 Error
@@ -205,15 +210,17 @@ runPair(const Settings& settings, const std::string& name)
 {
   const auto pair = loadPair(settings.folder, name);
   if (!pair) return pair.error();
-  printRow(name, "original", compare(*pair, pair->truth), 0);
-  printRow(name, "noisy", compare(*pair, pair->noisy), 0);
-  if (Error error = smoothOurs(settings, *pair)) return error;
-  if (!settings.rivals) return {};
-  if (Error error = projectVertices(settings, *pair)) return error;
-  sweepJones(settings, *pair);
-  sweepNormals(Sweep(settings, *pair, "Zheng"), *pair, bilateralNormalFilter,
+  const Task task{settings, *pair, Comparison(*pair)};
+  printRow(name, "original", task.compare.of(pair->truth), 0);
+  printRow(name, "noisy", task.compare.of(pair->noisy), 0);
+  if (Error error = smoothOurs(task)) return error;
+  if (settings.filters == "none") return {};
+  if (Error error = projectVertices(task)) return error;
+  sweepJones(task);
+  if (settings.filters == "paper") return {};
+  sweepNormals(Sweep(task, "Zheng"), *pair, bilateralNormalFilter,
                {0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6, 0.8});
-  sweepNormals(Sweep(settings, *pair, "guided"), *pair, guidedNormalFilter,
+  sweepNormals(Sweep(task, "guided"), *pair, guidedNormalFilter,
                {0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6});
   return {};
 }
@@ -228,7 +235,9 @@ main(int argc, char** argv)
   options.positional("FOLDER", &settings.folder, "holds NAME_noisy.ply and NAME_original.ply");
   options.text("pairs", &settings.names, "NAME,...", "pairs to run");
   options.text("save", &settings.save, "FOLDER", "keep the meshes that rows tell of");
-  options.toggle("rivals", &settings.rivals, "run the other filters' sweeps too");
+  options.choice(
+      "filters", &settings.filters, {"none", "paper", "all"},
+      "filters beside ours: the paper's projection and Jones's, all with Zheng's and Zhang's");
   options.integer("threads", &settings.threads, 0, 4096, "threads of SLIM, 0: all cores");
   if (const auto status = options.parse(argc, argv)) return *status;
   std::printf(

@@ -10,7 +10,7 @@ work=$(mktemp -d)
 trap 'rm -rf -- "$work"' EXIT
 meshes=${4-$work/meshes}
 mkdir -p -- "$out" "$meshes"
-[ -n "${4-}" ] || "$bin/mesh_bench" "$data" -save "$meshes" > "$work/table.md"
+[ -n "${4-}" ] || "$bin/mesh_bench" "$data" -filters paper -save "$meshes" > "$work/table.md"
 parts=()
 
 # row LABEL PAIR OPTIONS: noisy, by the bilateral filter at its best, and by SLIM surfaces in three ways.
@@ -33,8 +33,8 @@ first() {
 }
 
 row julius julius_02 "-eye 0.25,0.06,-1 -up 0,1,0 -middle 0.02,0.02,0 -width 0.55"
-row fandisk fandisk_03 "-eye 0.5,0.6,0.7 -up 0,1,0 -middle 2.4,14.5,-1.3 -width 5.4"
-row block block_04 "-eye 1,0.7,0.7 -up 0,1,0 -middle 1.7,0,0 -width 28"
+row fandisk fandisk_03 "-eye 0.5,0.6,0.7 -up 0,1,0 -middle 2.4,14.5,-1.3 -width 6"
+row block block_04 "-eye 1,0.7,0.7 -up 0,1,0 -middle 1.7,0,0 -width 42"
 montage -font "$(fc-match -f '%{file}' sans)" -pointsize 13 "${parts[@]}" -tile 5x -geometry +2+2 \
   "$work/all.png"
 convert "$work/all.png" -define png:color-type=2 -define png:compression-level=9 -define png:exclude-chunks=date,time "$out/meshes.png"

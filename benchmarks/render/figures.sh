@@ -41,14 +41,23 @@ sheet() {
     -define png:color-type=2 -define png:compression-level=9 -define png:exclude-chunks=date,time "$out/$picture"
 }
 
+# add_bar PICTURE HEIGHT NAME OPTIONS...: the colours with their numbers to the right of a sheet, as NAME.slim has them with
+# these options, drawn from where nothing is seen of it.
+add_bar() {
+  render "$3" bar -size "90x$2" -bar 1 -unit m -camera 0,0,1000,0,0,2000,0,1,0 "${@:4}"
+  convert "$out/$1" "$work/bar.png" -background white -gravity north +append \
+    -define png:color-type=2 -define png:compression-level=9 -define png:exclude-chunks=date,time "$out/$1"
+}
+
 # Fig. 1: balls by size, shading, mean curvature of cubics.
 fit "$dragon" balls -degree 3
 render balls fig1_shaded -size 420x340 -save_camera "$work/dragon.txt"
-render balls fig1_mean -size 420x340 -mode mean -camera "$work/dragon.txt"
+render balls fig1_mean -size 420x340 -mode mean -range 300 -camera "$work/dragon.txt"
 xvfb-run -a -s "-screen 0 640x480x24" "$bin/pcl_slim_view" "$work/balls.slim" -balls 1 \
   -camera "$work/dragon.txt" -size 420x340 -screenshot "$work/fig1_balls.png" -quiet 1
 sheet figure_1.png 3 "$(leaves balls) balls, coloured by size" fig1_balls 'shaded' fig1_shaded \
   'mean curvature' fig1_mean
+add_bar figure_1.png 340 balls -mode mean -range 300
 
 # Fig. 2: a sphere of few leaves, and what it mirrors.
 awk 'BEGIN {
@@ -116,6 +125,7 @@ done
 sheet figure_12.png 2 "k_max, $(leaves dragon_2) quadratic leaves" kmax_2 \
   "k_max, $(leaves dragon_3) cubic leaves" kmax_3 'ridges (blue) and ravines (red), quadratic' ridges_2 \
   'ridges and ravines, cubic' ridges_3
+add_bar figure_12.png 380 dragon_3 -mode kmax -range 400
 
 # Fig. 13: suggestive contours, shading and crest lines of cubics.
 fit "$data/armadillo_50k.ply" armadillo -degree 3
@@ -146,6 +156,7 @@ sheet figure_15.png 4 'quadratic, blended gradients' shaded_blended_2 \
 sheet figure_16.png 4 'quadratic, blended Hessians' mean_blended_2 \
   'quadratic, partition of unity' mean_unity_2 'cubic, blended Hessians' mean_blended_3 \
   'cubic, partition of unity' mean_unity_3
+add_bar figure_16.png 340 bunny_3 -mode mean -range 200
 
 # Fig. 17: one T, three degrees, by the paper's rules.
 for degree in 1 2 3; do

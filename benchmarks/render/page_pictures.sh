@@ -23,11 +23,11 @@ sheet() {
 mesh() { "$bin/pcl_slim_mesh" "$data/$1" "$2.ply" -quiet 1 "${@:3}"; }
 draw() { "$bin/mesh_picture" "$1.ply" "$1.png" "${@:2}"; }
 mesh stanford_dragon_res2.ply dragon
-draw dragon -eye 0.3,0.15,1 -up 0,1,0 -middle -0.006,0.125,-0.005 -width 0.215 -size 440
+draw dragon -eye 0.3,0.15,1 -up 0,1,0 -middle -0.006,0.125,-0.005 -width 0.225 -size 440
 mesh lion_takanawa.pcd lion
-draw lion -eye 1,-0.25,0.15 -up 0,0,1 -middle -2.9,3.9,-1.15 -width 5.6 -size 440
+draw lion -eye 1,-0.25,0.15 -up 0,0,1 -middle -2.9,3.85,-1.15 -width 6.6 -size 440
 mesh kinect_mosd_learn13.pcd kinect
-draw kinect -eye 0,-0.25,-1 -up 0,-1,0 -middle -0.05,-0.06,0.95 -width 1.1 -size 440
+draw kinect -eye 0,-0.25,-1 -up 0,-1,0 -middle -0.05,-0.06,0.95 -width 1.2 -size 440
 sheet mesh_scans.png 'Dragon' dragon 'Lion' lion 'Table, one Kinect frame' kinect
 mesh fandisk_03_noisy.ply rounded
 mesh fandisk_03_noisy.ply noisy -sharp 1
@@ -112,8 +112,10 @@ sheet sample.png '35 947 points of a scan' scan_points '6000 points, evenly spre
 
 # A coloured scan: as clay, in its colours, under two lights.
 "$bin/pcl_slim_fit" "$data/lion_takanawa.pcd" lion.slim -quiet 1
+"$bin/pcl_slim_render" lion.slim clay.png -size 400x420 -view 30,10 -save_camera clay.txt -quiet 1
 for mode in shaded color raytraced; do
-  "$bin/pcl_slim_render" lion.slim clay_$mode.png -size 400x420 -white 1 -mode $mode -view 30,10 -quiet 1
+  "$bin/pcl_slim_render" lion.slim clay_$mode.png -size 400x420 -white 1 -mode $mode -quiet 1 \
+    -camera "$(awk -F, '{ OFS = ","; $10 = 34; print }' clay.txt)"
 done
 sheet surface_colors.png '-mode shaded' clay_shaded '-mode color' clay_color '-mode raytraced' clay_raytraced
 

@@ -77,8 +77,8 @@ window size $dragon 560x420 -mode size --
 window help $dragon 560x420 -help_overlay 1 --
 sheet view_modes.png 3 'mean=-mode mean' 'kmin=-mode kmin' 'reflection=-mode reflection' 'balls=-balls 1' \
   'size=-mode size' 'help=-help_overlay 1'
-window cut $dragon 800x600 -view 20,15 -- 'windowfocus WINDOW' 'key --window WINDOW k' 'mousemove 746 313' \
-  'mousedown 1' 'mousemove 680 309' 'mousemove 550 300' 'mouseup 1' 'mousemove 40 560'
+window cut $dragon 800x600 -view 20,15 -- 'windowfocus WINDOW' 'mousemove 400 300' 'click 5' 'key --window WINDOW k' \
+  'mousemove 678 310' 'mousedown 1' 'mousemove 620 306' 'mousemove 520 300' 'mouseup 1' 'mousemove 40 560'
 convert cut.png "${png[@]}" "$out/view_cut.png"
 window bunny "$data/stanford_bunny_raw_scans.pcd" 560x420 --
 window lion "$data/lion_takanawa.pcd" 560x420 --
@@ -107,4 +107,5 @@ convert pcl_visualizer.png "${png[@]}" "$out/pcl_visualizer.png"
 # The pipeline of PCL's classes.
 xvfb-run -a -s "-screen 0 1600x1200x24" "$bin/pcl_slim_example_06_pipeline_visualizer" \
   "$data/kinect_mosd_learn13.pcd" 2.5 .004 pipeline.png > /dev/null
-convert pipeline.png "${png[@]}" "$out/pcl_pipeline.png"
+convert pipeline.png -crop 500x380 +repage pipeline_%d.png
+sheet pcl_pipeline.png 3 'pipeline_0=the points, filtered' 'pipeline_1=the surface' 'pipeline_2=splats of the smoothed points'

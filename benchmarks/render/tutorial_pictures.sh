@@ -28,14 +28,15 @@ fit scan.pcd surface
 render surface.slim "$out/demo" -size 800x600
 "$bin/pcl_slim_smooth" scan.pcd smooth.pcd -normals 1 -quiet 1
 discs scan.pcd splats -max_splats 20000
-discs scan.pcd before -max_splats 120000 -remove_noise 0
-discs smooth.pcd after -max_splats 120000 -remove_noise 0
-for mode in shaded normal mean level size; do
-  render surface.slim $mode -mode $mode -size 420x420 -save_camera amphora.txt
+discs scan.pcd before -geo .02 -color 1 -remove_noise 0
+discs smooth.pcd after -geo .02 -color 1 -remove_noise 0
+render surface.slim shaded -mode shaded -size 420x420 -save_camera amphora.txt
+for mode in normal mean level size; do
+  render surface.slim $mode -mode $mode -size 420x420 -bar 1 -unit m -camera amphora.txt
 done
 render splats.pcd color -mode color -lighting 0 -size 420x420 -camera amphora.txt
 render splats.pcd lit -mode color -lighting 1 -size 420x420 -camera amphora.txt
-render splats.pcd splat_size -mode size -size 420x420 -camera amphora.txt
+render splats.pcd splat_size -mode size -size 420x420 -bar 1 -unit m -camera amphora.txt
 for name in before after; do render $name.pcd $name -mode shaded -size 420x420 -camera amphora.txt; done
 sheet levels_and_sizes.png 2 'level of each ball' level 'its size: red small, blue large' size
 sheet tutorial_curvature.png 2 'the surface' shaded 'mean curvature: red bulges, blue hollows' mean

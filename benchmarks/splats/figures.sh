@@ -66,7 +66,7 @@ render "$splats" filtered -size 360x300 -camera $near_side
 render "$splats" lit -size 360x300 -camera $near_side -lighting 1
 render "$splats" size -size 360x300 -camera $near_side -mode size -filtered 0
 sheet splats_modes.png 4 '-filtered 0' unfiltered '-filtered 1' filtered '-lighting 1' lit \
-  '-mode size -filtered 0' size
+  '-mode size: red small, blue large' size
 
 # Figs. 11 and 12: the two tolerances, one at a time, on the feathers and near the eye. Figs. 7 and 8: the grid, divided
 # by shape, and by colour too.
@@ -96,7 +96,7 @@ sheet splats_steps.png 4 "$(count "$work/step_cloud.json") points" step_cloud \
   "uniform grid: $(count "$work/step_grid.json") splats" step_grid \
   "divided by shape: $(count "$work/step_shape.json")" step_shape \
   "by shape and colour: $(count "$work/step_both.json")" step_both \
-  '' step_blank '' step_grid_size '' step_shape_size '' step_both_size
+  '' step_blank 'by size: red small, blue large' step_grid_size 'by size' step_shape_size 'by size' step_both_size
 
 # Fig. 14: a second model, one tolerance of shape, two of colour.
 heads=("all $(count "$work/lion_all_points.json") points" lion_near)

@@ -26,7 +26,7 @@ pair() {
   done
 }
 
-pair bunny stanford_bunny_raw_scans.pcd "" 0,0.15,1 -0.06,0.14,0.35,-0.055,0.135,0,0,1,0,15
+pair bunny stanford_bunny_raw_scans.pcd "" 0,0.15,1 -0.06,0.14,0.35,-0.055,0.135,0,0,1,0,17
 pair lion lion_takanawa.pcd "" 7,1,1 7.176,0.960,0.808,-0.600,2.777,0.336,-0.198,0.063,0.978,11
 pair 'julius, -sharp 1' julius_02_noisy.ply "-sharp 1" 0,0,-1000 \
   0.5,0.1,-2.4,0.02,0.04,0,0,1,0,25

@@ -83,6 +83,27 @@ TEST_F(CardTest, SmoothSpheresAgreeAtEveryPixelButTheSilhouette)
   EXPECT_LE(difference(), 4.0 / (160 * 120));
 }
 
+TEST_F(CardTest, GapsBetweenShrunkBallsAreClosedAsByTheCpu)
+{
+  // Where a leaf is left out, only the rims of those about it reach.
+  auto surface = std::make_shared<SLIMSurface>(sphereSurface(2, 0.25, 600, 0.05));
+  for (std::size_t i = 0; i < surface->size(); i += 23) surface->flags[i] = 0;
+  pcl_slim_test::setRandomColors(*surface);
+  window->SetSize(240, 180);
+  mapper->setSurface(surface);
+  for (const DisplayMode mode : {DisplayMode::kSize, DisplayMode::kColor}) {
+    mapper->setTrimming(true);
+    ASSERT_TRUE(mapper->setMode(mode));
+    EXPECT_LE(difference(), kFewPixels) << nameOf(mode);
+    const Image closed = picture();
+    const std::uint64_t met = mapper->getStatistics().covered_pixels;
+    mapper->setTrimming(false);  // nothing is closed then
+    const Image open = pictureBy(RayBackend::kOpenGL);
+    EXPECT_GT(met, mapper->getStatistics().covered_pixels + 20) << nameOf(mode);
+    EXPECT_GT(shareDifferent(open, closed, 8), 20.0 / (240 * 180)) << nameOf(mode);
+  }
+}
+
 TEST_F(CardTest, FollowsTheCameraAndTheActor)
 {
   mapper->setSurface(unevenSphere(4));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/render/surface_renderer.h"
 
+#include <vector>
+
 #include "fast/fast_rasterizer.h"
 #include "pcl_slim/core/parallel.h"
 #include "reference/tile_rasterizer.h"
@@ -74,19 +76,48 @@ SurfaceRenderer::surface() const
   return state_ ? state_->surface : none;
 }
 
+/** \brief Names what keeps a frame from being drawn. */
+Error
+SurfaceRenderer::check(const Camera& camera, const RenderParams& params) const
+{
+  if (Error error = camera.validate()) return error;
+  if (Error error = params.validate()) return error;
+  if (!state_) return badInput("the renderer has been moved from; make a new one");
+  if (state_->defect) return state_->defect;
+  return checkUnity(state_->surface, params);
+}
+
+Error
+SurfaceRenderer::closeGaps(const Camera& camera, const RenderParams& params, GBuffer& buffer)
+{
+  Error error = check(camera, params);
+  if (!error && (buffer.width != camera.size.width || buffer.height != camera.size.height)) {
+    error = badInput("the frame's size is not the camera's; draw it by that camera");
+  }
+  if (error) {
+    buffer.resize(0, 0);
+    return error;
+  }
+  std::vector<std::size_t> drawn;
+  for (std::size_t i = 0; i < buffer.numPixels(); ++i) {
+    if (buffer.covered(i)) drawn.push_back(i);
+  }
+  const int threads = resolveThreads(params.threads);
+  if (closesGaps(params)) state_->gaps.close(camera, params, threads, buffer);
+  for (const std::size_t i : drawn) buffer.surfel[i] = GBuffer::kNothing;
+  if (params.columns & kResidualColumn) lookUpResiduals(state_->surface, threads, buffer);
+  if (params.columns & kColorColumn) state_->painter.paint(threads, buffer);
+  return {};
+}
+
 Error
 SurfaceRenderer::render(const Camera& camera, const RenderParams& params, GBuffer& buffer,
                         RenderStatistics* statistics)
 {
-  const auto refused = [&](const Error& error) {
+  if (Error error = check(camera, params)) {
     buffer.resize(0, 0);
     return error;
-  };
-  if (Error error = camera.validate()) return refused(error);
-  if (Error error = params.validate()) return refused(error);
-  if (!state_) return refused(badInput("the renderer has been moved from; make a new one"));
-  if (state_->defect) return refused(state_->defect);
-  if (Error error = checkUnity(state_->surface, params)) return refused(error);
+  }
   const FrameRules rules(state_->surface.info, params);
   const bool in_space = params.derivatives == Derivatives::kPartitionOfUnity;
   const bool with_place = in_space || (params.columns & kColorColumn) != 0;

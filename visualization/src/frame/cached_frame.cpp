@@ -46,6 +46,7 @@ FrameKey::FrameKey(const VtkView& view, const FrameRequest& request, std::uint64
       lod(request.lod),
       trim(request.trim),
       colored((request.columns & kColorColumn) != 0),
+      close_gaps(request.close_gaps),
       object(object_count)
 {
   const Matrix4& p = view.gl.projection;
@@ -68,7 +69,7 @@ FrameKey::operator==(const FrameKey& other) const
 bool
 CachedFrame::holds(const FrameKey& key, int coarseness) const
 {
-  return valid_ && key == key_ && coarseness_ <= coarseness;
+  return valid_ && key == key_ && coarseness_ <= coarseness && (key_.close_gaps || !key.close_gaps);
 }
 
 /** \brief Brings a request to a camera whose rays stand some pixels apart. */

@@ -25,6 +25,7 @@ struct FrameKey {
   double lod = 0.0;  ///< of a frame at rest
   bool trim = true;
   bool colored = false;      ///< the frame has the colours of a surface
+  bool close_gaps = false;   ///< a frame with its gaps closed is one without as well
   std::uint64_t object = 0;  ///< counts changes of the object
 
   FrameKey() = default;

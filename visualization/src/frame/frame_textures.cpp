@@ -5,7 +5,9 @@
 #include <vtkScalarsToColors.h>
 #include <vtkShaderProgram.h>
 #include <vtkTextureObject.h>
+#include <vtk_glew.h>
 
+#include <array>
 #include <cmath>
 
 namespace pcl_slim::detail {
@@ -80,6 +82,35 @@ FrameTextures::allocate(vtkOpenGLRenderWindow* window, int width, int height, bo
   }
   has_attributes_ = true;
   has_colors_ = with_colors;
+}
+
+void
+FrameTextures::fill(const GBuffer& buffer, const PackedFrame& packed)
+{
+  const auto fillOf = [&](vtkTextureObject* texture, const auto& texelOf) {
+    texture->Activate();
+    for (int y = 0; y < buffer.height; ++y) {
+      for (int x = 0; x < buffer.width; ++x) {
+        const std::size_t pixel = buffer.index(x, y);
+        if (!buffer.covered(pixel)) continue;
+        const std::array<float, 4> texel = texelOf(4 * pixel);
+        glTexSubImage2D(GL_TEXTURE_2D, 0, x, y, 1, 1, GL_RGBA, GL_FLOAT, texel.data());
+      }
+    }
+    texture->Deactivate();
+  };
+  const auto floats = [](const std::vector<float>& from) {
+    return [&from](std::size_t i) {
+      return std::array<float, 4>{from[i], from[i + 1], from[i + 2], from[i + 3]};
+    };
+  };
+  fillOf(geometry_, floats(packed.geometry));
+  fillOf(attributes_, floats(packed.attributes));
+  if (!has_colors_) return;
+  fillOf(colors_, [&](std::size_t i) {
+    const std::uint8_t* c = packed.colors.data() + i;
+    return std::array<float, 4>{c[0] / 255.0f, c[1] / 255.0f, c[2] / 255.0f, 1.0f};
+  });
 }
 
 void

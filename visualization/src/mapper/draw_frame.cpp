@@ -57,8 +57,9 @@ GBufferMapper::prepareFrame(vtkRenderer* renderer, vtkActor* actor)
   s.planes = clipPlanesOf(this, actor);
   FrameRequest request{0.0, s.sides, s.threads, s.planes};
   complete(request);
-  const FrameKey key(s.view, request, s.object);
   const bool hurry = s.budget > 0.0 && isInteracting(renderer);
+  request.close_gaps = !hurry;
+  const FrameKey key(s.view, request, s.object);
   const int coarseness = hurry ? s.frame.coarsenessFor(s.budget) : 1;
   if (!s.frame.holds(key, coarseness)) {
     s.lines_current = false;

@@ -9,8 +9,10 @@
 
 #include "color/surface_ranges.h"
 #include "export/leaf_points.h"
+#include "frame/frame_textures.h"
 #include "frame/surface_frame.h"
 #include "opengl/card_rasterizer.h"
+#include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim {
 
@@ -152,7 +154,18 @@ SLIMMapper::drawOnCard(vtkOpenGLRenderWindow* window, const ViewCamera& view,
   card_->setSurface(surface_.get());
   Error error = card_->draw(window, view, request, textures, covered);
   card_fails_ = static_cast<bool>(error);
-  return error;
+  if (error || covered == 0 || !request.close_gaps || request.lod > 0.0 || !request.trim) {
+    return error;
+  }
+  GBuffer gaps;
+  error = frames_->closeGaps(view.camera, request, card_->met(), gaps);
+  const std::size_t filled = error ? 0 : gaps.numCovered();
+  if (filled == 0) return error;
+  PackedFrame packed;
+  packFrame(gaps, lengthScale(), resolveThreads(request.threads), packed);
+  textures.fill(gaps, packed);
+  covered += filled;
+  return {};
 }
 
 void

@@ -324,6 +324,19 @@ CardRasterizer::addColors(Pass& pass, FrameTextures& frame)
   return {};
 }
 
+std::vector<std::uint8_t>
+CardRasterizer::met() const
+{
+  const std::size_t pixels = std::size_t{targets_.met->GetWidth()} * targets_.met->GetHeight();
+  std::vector<float> first(pixels);
+  std::vector<std::uint8_t> met(pixels);
+  targets_.met->Activate();
+  glGetTexImage(GL_TEXTURE_2D, 0, GL_RED, GL_FLOAT, first.data());
+  targets_.met->Deactivate();
+  for (std::size_t i = 0; i < pixels; ++i) met[i] = first[i] < kNothing ? 1 : 0;
+  return met;
+}
+
 /** \brief Ends a count of pixels drawn. */
 std::uint64_t
 CardRasterizer::countDrawn()

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "frame/view_camera.h"
 #include "opengl/card_targets.h"
@@ -26,6 +27,8 @@ class CardRasterizer {
    * \return an error where the card lacks what this takes; nothing is drawn then. */
   Error draw(vtkOpenGLRenderWindow* window, const ViewCamera& view, const FrameRequest& request,
              FrameTextures& frame, std::uint64_t& covered);
+  /** \brief Which pixels of the last frame met the surface, rows from the top. */
+  std::vector<std::uint8_t> met() const;
   void release(vtkWindow* window);
 
   /** \brief Whether a window's OpenGL runs on a processor, where the other back end is faster. */

@@ -82,6 +82,37 @@ TEST(TracedGaps, RasterisersCloseThemWhereAsked)
   }
 }
 
+TEST(TracedGaps, AreClosedInFramesThatSomethingElseDrew)
+{
+  const SLIMSurface surface = sheetWithGap();
+  Camera camera = frontCamera(100, 100);
+  camera.fov = 10.0;
+  SurfaceRenderer renderer(surface);
+  RenderParams params;
+  GBuffer open, closed;
+  ASSERT_FALSE(renderer.render(camera, params, open));
+  params.close_gaps = true;
+  ASSERT_FALSE(renderer.render(camera, params, closed));
+  GBuffer gaps = open;
+  ASSERT_FALSE(renderer.closeGaps(camera, params, gaps));
+  EXPECT_GT(gaps.numCovered(), 10u);
+  for (std::size_t i = 0; i < open.numPixels(); ++i) {
+    ASSERT_NE(gaps.covered(i), open.covered(i));
+    if (!gaps.covered(i)) continue;
+    EXPECT_EQ(gaps.depth[i], closed.depth[i]);
+    EXPECT_EQ(gaps.normal[i], closed.normal[i]);
+    EXPECT_EQ(gaps.residual[i], closed.residual[i]);
+  }
+  params.lod = 2.0;
+  gaps = open;
+  ASSERT_FALSE(renderer.closeGaps(camera, params, gaps));
+  EXPECT_EQ(gaps.numCovered(), 0u);
+  camera.size.width = 90;
+  gaps = open;
+  EXPECT_EQ(renderer.closeGaps(camera, params, gaps).code, ErrorCode::kBadInput);
+  EXPECT_EQ(gaps.numPixels(), 0u);
+}
+
 /** Cuts a hole about the origin into a flat sheet, by a map for every leaf. */
 void
 cutHole(SLIMSurface& surface, double hole_radius)

@@ -44,9 +44,10 @@ struct FrameRequest {
   VisibleSides sides = VisibleSides::kAuto;
   int threads = 0;
   std::vector<HalfSpace> clip_planes;  ///< what is kept, the object's coordinates, unit normals
-  double lod = 0.0;      ///< level of detail, pixels from one ray to the next; 0: none
-  bool trim = true;      ///< heed trim maps
-  unsigned columns = 0;  ///< GBufferColumn bits besides those of the colours
+  double lod = 0.0;        ///< level of detail, pixels from one ray to the next; 0: none
+  bool trim = true;        ///< heed trim maps
+  unsigned columns = 0;    ///< GBufferColumn bits besides those of the colours
+  bool close_gaps = true;  ///< fill what rays slipped through between shrunk balls
 };
 
 /** \brief Base of the mappers that draw what has no triangles: rays are intersected on the CPU or

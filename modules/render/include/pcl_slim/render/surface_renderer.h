@@ -49,7 +49,16 @@ class PCL_SLIM_EXPORT SurfaceRenderer {
   Error render(const Camera& camera, const RenderParams& params, GBuffer& buffer,
                RenderStatistics* statistics = nullptr);
 
+  /** \brief Traces what RenderParams::close_gaps closes in a frame that something else drew.
+   * \param[in,out] buffer of the camera's size with the columns asked for, positions among them: surfel other than kNothing where
+   * the frame met something; then only what is filled is covered. Nothing is filled in a frame with a level
+   * of detail, cuts or without trim maps. O(pixels + traced rays).
+   * \return an error for a bad surface, camera, parameter or size; the buffer is then empty. */
+  Error closeGaps(const Camera& camera, const RenderParams& params, GBuffer& buffer);
+
  private:
+  Error check(const Camera& camera, const RenderParams& params) const;
+
   struct State;
   std::unique_ptr<State> state_;
 };
