@@ -12,9 +12,7 @@
 #include "sharpen/sharpen.h"
 #include "simplify/edge_collapse.h"
 #include "topology/fans.h"
-#include "trim/close_gaps.h"
-#include "trim/crumbs.h"
-#include "trim/holes.h"
+#include "trim/mending.h"
 #include "trim/trim_border.h"
 #include "vertices/surface_vertices.h"
 
