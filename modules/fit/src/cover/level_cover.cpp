@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ball/nearby_blocks.h"
+#include "ball/ball_gather.h"
 #include "ball/surfel_record.h"
 #include "fit_settings.h"
 #include "pcl_slim/core/parallel.h"

@@ -5,6 +5,69 @@
 #include <cmath>
 
 namespace pcl_slim::detail {
+namespace {
+
+constexpr double kDiscPerSquare = 0.785;  ///< pi / 4: the area of a disc over that of its square
+
+}  // namespace
+
+ResidualStructure::Finding
+ResidualStructure::measure(const BallBuffer& points, const LocalFit& fit, double rho,
+                           double least_cell, double correlation)
+{
+  // Cells hold as many independent points as they would of white noise.
+  const int side = cellsAlongSide(static_cast<double>(points.count) / correlation, rho, least_cell);
+  if (side < constants_.least_cells) return {};
+  residuals_.resize(points.count + BallBuffer::kPadding);
+  kernels::ballResiduals(points, fit, residuals_.data());
+  const double squares = fillCells(points, rho, side);
+  // Over ordered pairs of different points: the square of a cell's sum less the sum of its squares.
+  double inside = 0, pairs = 0, products = -squares;
+  for (const Cell& cell : cells_) {
+    inside += cell.count;
+    pairs += static_cast<double>(cell.count) * (cell.count - 1.0f);
+    products += static_cast<double>(cell.sum) * cell.sum;
+  }
+  if (!(pairs > 0.0) || !(squares > 0.0)) return {};
+  // A fit follows its points' noise, which leaves neighbouring residuals opposed.
+  const double absorbed = constants_.absorbed_share * numCoefficients(fit.degree) / fit.n_eff;
+  // Noise that neighbours share is common to that share of a cell's pairs.
+  const double expected = (correlation - 1.0) * inside / pairs;
+  return {products / pairs * inside / squares + absorbed - expected,
+          correlation * std::sqrt(2.0 / pairs)};
+}
+
+/** The points' density decides, within limits. */
+int
+ResidualStructure::cellsAlongSide(double points, double rho, double least_cell) const
+{
+  const double squares_wanted = points / (kDiscPerSquare * constants_.points_per_cell);
+  double cells = std::min(std::sqrt(squares_wanted), static_cast<double>(constants_.most_cells));
+  if (least_cell > 0) cells = std::min(cells, 2.0 * rho / least_cell);
+  return static_cast<int>(cells);
+}
+
+/** Sorts the residuals within rho into side times side cells. \return the sum of their squares. */
+double
+ResidualStructure::fillCells(const BallBuffer& points, double rho, int side)
+{
+  cells_.assign(static_cast<std::size_t>(side) * side, Cell{0.0f, 0.0f});
+  const auto radius = static_cast<float>(rho);
+  // A little less than half a side, so that rounding leaves the rim inside the last cell.
+  const float limit_sq = radius * radius, per_length = 0.4999f * static_cast<float>(side) / radius;
+  double squares = 0;
+  for (std::size_t i = 0; i < points.count; ++i) {
+    if (points.s_sq[i] >= limit_sq) continue;
+    const int x = static_cast<int>((points.u[i] + radius) * per_length);
+    const int y = static_cast<int>((points.v[i] + radius) * per_length);
+    const float f = residuals_[i];
+    Cell& cell = cells_[static_cast<std::size_t>(y * side + x)];
+    cell.count += 1.0f;
+    cell.sum += f;
+    squares += f * f;
+  }
+  return squares;
+}
 
 bool
 ResidualTests::lacksFit(const Trial& left, const Trial& middle, double margin) const

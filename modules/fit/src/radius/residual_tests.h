@@ -1,12 +1,51 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <vector>
+
 // docs/theory.md, "Guards", Lack of fit; "Detail below the noise"; and what "holds noise only"
 // means in "Two fits on the same points".
 #pragma once
 
-#include "radius/residual_structure.h"
+#include "radius/radius_constants.h"
 #include "radius/trial_fits.h"
+#include "scan/ball_kernels.h"
 
 namespace pcl_slim::detail {
+
+/** \brief Tells a surface's unresolved detail from noise by what neighbouring residuals share.
+ *
+ * Noise differs from point to point; detail that a fit misses is common to points that lie close
+ * together in the frame's plane. The mean product of residuals over all pairs within small cells
+ * of (u, v) therefore estimates the detail's variance, whatever the noise is: a lack-of-fit test
+ * with near replicates. One object per thread: it keeps its scratch memory.
+ */
+class ResidualStructure {
+ public:
+  explicit ResidualStructure(const RadiusConstants& constants) : constants_(constants) {}
+
+  struct Finding {
+    double share = 0;      ///< of e^2 that neighbours have in common
+    double deviation = 0;  ///< standard deviation of share where there is noise alone; 0: unknown
+  };
+
+  /** \brief Looks at the residuals of a fit within rho. \param[in] least_cell least width of a
+   * cell; 0: as the points' density has it. \param[in] correlation points that share their noise.
+   * O(points). */
+  Finding measure(const BallBuffer& points, const LocalFit& fit, double rho,
+                  double least_cell = 0.0, double correlation = 1.0);
+
+ private:
+  /** \brief A cell of the frame's plane. */
+  struct Cell {
+    float count, sum;  ///< points and the sum of their residuals
+  };
+
+  int cellsAlongSide(double points, double rho, double least_cell) const;
+  double fillCells(const BallBuffer& points, double rho, int side);
+
+  const RadiusConstants& constants_;
+  std::vector<float> residuals_;
+  std::vector<Cell> cells_;
+};
 
 /** \brief Tells whether what a fit leaves over is noise, lack of fit, or detail below the noise. */
 class ResidualTests {
