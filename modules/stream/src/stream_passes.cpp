@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "cells/point_keys.h"
+#include "cells/cell_counts.h"
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/cloud/detail/cloud_reader.h"
 #include "pcl_slim/cloud/detail/frame_measure.h"

@@ -1,20 +1,84 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/stream/record_source.h"
 
+#include <fcntl.h>
+#include <unistd.h>
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
+#include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 #include <string>
 #include <vector>
 
-#include "source/file_reader.h"
+#include "pcl_slim/core/error.h"
 
 namespace pcl_slim {
 
-using namespace detail;
-
 namespace {
+
+/** \brief A file that is read from any place. */
+class FileReader {
+ public:
+  FileReader() = default;
+  ~FileReader();
+  FileReader(const FileReader&) = delete;
+  FileReader& operator=(const FileReader&) = delete;
+
+  Error open(const std::string& path);
+  /** \brief Reads bytes from a place on, fewer at the file's end. \param[out] got how many. */
+  Error read(std::uint64_t at, void* to, std::size_t bytes, std::size_t& got) const;
+  /** \brief Reads exactly so many bytes; a file that ends before is an error that names the byte. */
+  Error readAll(std::uint64_t at, void* to, std::size_t bytes) const;
+
+ private:
+  std::string path_;
+  int file_ = -1;
+};
+
+FileReader::~FileReader()
+{
+  if (file_ >= 0) close(file_);
+}
+
+Error
+FileReader::open(const std::string& path)
+{
+  path_ = path;
+  file_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file_ >= 0) return {};
+  return {ErrorCode::kIo, "cannot read '" + path + "': " + std::strerror(errno)};
+}
+
+Error
+FileReader::read(std::uint64_t at, void* to, std::size_t bytes, std::size_t& got) const
+{
+  got = 0;
+  while (got < bytes) {
+    const ssize_t now =
+        pread(file_, static_cast<char*>(to) + got, bytes - got, static_cast<off_t>(at + got));
+    if (now < 0 && errno == EINTR) continue;
+    if (now < 0) {
+      return {ErrorCode::kIo, "cannot read '" + path_ + "' at byte " + std::to_string(at + got) +
+                                  ": " + std::strerror(errno)};
+    }
+    if (now == 0) return {};
+    got += static_cast<std::size_t>(now);
+  }
+  return {};
+}
+
+Error
+FileReader::readAll(std::uint64_t at, void* to, std::size_t bytes) const
+{
+  std::size_t got = 0;
+  if (Error error = read(at, to, bytes, got)) return error;
+  if (got == bytes) return {};
+  return badInput("'" + path_ + "' ends at byte " + std::to_string(at + got) + " where " +
+                  std::to_string(at + bytes) + " are announced: it is truncated, copy it again");
+}
 
 constexpr std::size_t kBuffer = 1 << 20;
 constexpr std::size_t kRows = 1 << 16;  ///< rows of a piece

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "cells/point_keys.h"
+#include "cells/cell_counts.h"
 #include "pcl_slim/cloud/store_frame.h"
 #include "pcl_slim/stream/tile_plan.h"
 #include "scratch/tile_store.h"
