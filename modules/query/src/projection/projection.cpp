@@ -15,13 +15,37 @@
 #include "pcl_slim/query/detail/projection_kernel.h"
 #include "pcl_slim/query/detail/shape_operator.h"
 #include "pcl_slim/surface/surface.h"
-#include "projection/placement.h"
 
 namespace pcl_slim {
 
 using namespace detail;
 
 namespace {
+
+/** \brief A surface in a store's units. Where the surface was fitted to the store, origins agree
+ * and scales are powers of two: its numbers then stay as they are. */
+struct Placement {
+  double shift[3];
+  double factor;
+
+  Placement(const PointStore& store, const SLIMSurface& surface)
+      : factor(surface.info.scale / store.scale())
+  {
+    for (std::size_t a = 0; a < 3; ++a) {
+      shift[a] = (surface.info.origin[a] - store.origin()[a]) / store.scale();
+    }
+  }
+
+  std::array<double, 3> center(const SLIMSurface& surface, std::uint32_t i) const
+  {
+    return {shift[0] + factor * surface.cx[i], shift[1] + factor * surface.cy[i],
+            shift[2] + factor * surface.cz[i]};
+  }
+  float radius(const SLIMSurface& surface, std::uint32_t i) const
+  {
+    return static_cast<float>(factor * surface.radius[i]);
+  }
+};
 
 /** \brief For every block of points the leaves whose ball meets it, ascending, as places in a list
  * of leaves: block b has leaves[begin[b]] up to, but not including, leaves[begin[b + 1]]. */
