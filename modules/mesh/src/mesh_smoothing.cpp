@@ -12,7 +12,7 @@
 #include "smoothing/face_projection.h"
 #include "smoothing/normal_filter.h"
 #include "smoothing/vertex_update.h"
-#include "topology/edge_census.h"
+#include "topology/fans.h"
 
 namespace pcl_slim {
 

@@ -5,11 +5,39 @@
 #include <cmath>
 
 #include "topology/fans.h"
-#include "trim/point_density.h"
 
 namespace pcl_slim::detail {
 
 namespace {
+
+constexpr double kKernelShare = 0.36;  ///< effective points of (1 - s^2)^4 over those in the ball
+
+/** Points of the data an area [local units] at some vertices: the effective number of points of the leaves
+ * there over the area of their balls. 0 where there is no leaf. */
+std::vector<double>
+densitiesAt(const ProbeField& field, const std::vector<std::uint32_t>& which,
+            const SurfaceVertices& vertices)
+{
+  std::vector<double> densities(which.size());
+  forProbeBlocks(field, which.size(), [&](SurfaceProbe& probe, std::size_t first, std::size_t n) {
+    for (std::size_t i = first; i < first + n; ++i) {
+      const ProbeScale scale =
+          probe.scaleAt(vertices.position[which[i]], vertices.normal[which[i]]);
+      const double ball = M_PI * scale.radius * scale.radius;
+      densities[i] = ball > 0 ? scale.effective_count / (kKernelShare * ball) : 0;
+    }
+  });
+  return densities;
+}
+
+/** Area of a triangle, local units. */
+double
+areaOf(const Triangle& triangle, const SurfaceVertices& vertices)
+{
+  const Vector3& p = vertices.position[triangle[0]];
+  return 0.5 * length(cross(subtract(vertices.position[triangle[1]], p),
+                            subtract(vertices.position[triangle[2]], p)));
+}
 
 /** Border loops of a mesh: vertices in the order in which a face that closes the gap has them. Loops that meet
  * a vertex twice are left out. O(T log T). */
