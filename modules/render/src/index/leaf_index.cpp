@@ -8,7 +8,7 @@
 #include "pcl_slim/cloud/morton_sort.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/surface/detail/detail_sizes.h"
-#include "tiles/half_spaces.h"
+#include "tiles/frame_rules.h"
 
 namespace pcl_slim::detail {
 namespace {

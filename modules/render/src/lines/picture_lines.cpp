@@ -7,7 +7,6 @@
 #include <memory>
 
 #include "lines/chains.h"
-#include "lines/numbered_set.h"
 #include "lines/pixel_geometry.h"
 #include "lines/zero_lines.h"
 #include "pcl_slim/core/parallel.h"

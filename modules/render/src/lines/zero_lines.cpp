@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lines/numbered_set.h"
+#include "lines/chains.h"
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim::detail {

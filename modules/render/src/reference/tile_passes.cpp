@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "reference/leaf_on_ray.h"
-#include "tiles/half_spaces.h"
+#include "tiles/frame_rules.h"
 
 namespace pcl_slim::detail {
 namespace {

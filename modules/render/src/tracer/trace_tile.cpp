@@ -6,7 +6,7 @@
 
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/surface/polynomial.h"
-#include "tiles/half_spaces.h"
+#include "tiles/frame_rules.h"
 
 namespace pcl_slim::detail {
 namespace {
