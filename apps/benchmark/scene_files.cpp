@@ -7,7 +7,6 @@
 
 #include "benchmark/mesh_surface.h"
 #include "benchmark/scene.h"
-#include "benchmark/scene_points.h"
 #include "scan/cloud_file.h"
 
 namespace pcl_slim::comparison {

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "common/number_list.h"
-#include "common/number_text.h"
 
 namespace pcl_slim {
 namespace {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "io/las/las_bytes.h"
 #include "io/las/las_layout.h"
 #include "io/scalar_type.h"
 

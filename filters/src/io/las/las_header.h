@@ -4,12 +4,30 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <string>
 #include <vector>
 
 #include "pcl_slim/core/error.h"
 
 namespace pcl_slim {
+
+/** A little-endian value at any address; this machine's order is the same. */
+template <typename T>
+T
+getLas(const unsigned char* at)
+{
+  T value;
+  std::memcpy(&value, at, sizeof(value));
+  return value;
+}
+
+template <typename T>
+void
+putLas(std::vector<unsigned char>& bytes, std::size_t at, T value)
+{
+  std::memcpy(bytes.data() + at, &value, sizeof(value));
+}
 
 /** Where the parts of a LAS file's public header block begin (ASPRS, LAS 1.4 R15, table 3). */
 struct LasAt {

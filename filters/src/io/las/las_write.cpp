@@ -3,11 +3,10 @@
 #include <cmath>
 #include <cstring>
 
-#include "io/las/las_bytes.h"
-#include "io/las/las_file.h"
 #include "io/las/las_header.h"
 #include "io/las/las_layout.h"
 #include "io/las/las_units.h"
+#include "io/point_formats.h"
 #include "io/scalar_type.h"
 #include "pcl_slim/filters/io/point_file.h"
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <unordered_map>
 
-#include "io/mesh/mesh_files.h"
 #include "io/mesh/mesh_points.h"
+#include "io/point_formats.h"
 #include "io/scalar_type.h"
 #include "io/text/decimal.h"
 
