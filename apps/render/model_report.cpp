@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <vector>
 
-#include "common/report.h"
-
 namespace pcl_slim {
 namespace {
 

@@ -2,7 +2,6 @@
 #include "render/region_request.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "common/number_list.h"

@@ -2,7 +2,6 @@
 #include "scan/cloud_file.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -10,6 +9,7 @@
 #include <numeric>
 #include <utility>
 
+#include "pcl_slim/core/detail/finite.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/filters/pcl_normals.h"
 
@@ -106,12 +106,6 @@ copyTriple(const pcl::PCLPointCloud2& cloud, const pcl::PCLPointField* const (&f
     values[i] = static_cast<T>(fieldValue(cloud, i / 3, *fields[i % 3]));
   }
   return values;
-}
-
-bool
-isFinite(const std::array<double, 3>& p)
-{
-  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
 /** Sum of the faces' area vectors around each vertex, made unit; zero where there is no face. */

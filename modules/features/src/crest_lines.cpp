@@ -7,7 +7,6 @@
 #include <memory>
 #include <tuple>
 #include <utility>
-#include <vector>
 
 #include "lines/crest_seeds.h"
 #include "lines/crest_tracer.h"

@@ -7,7 +7,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <optional>
 
 #include "cover/level_cover.h"
 #include "cover/start_level.h"
@@ -19,7 +18,6 @@
 #include "orient/orientation.h"
 #include "pcl_slim/cloud/outliers.h"
 #include "pcl_slim/core/parallel.h"
-#include "pcl_slim/core/progress.h"
 #include "pcl_slim/core/stopwatch.h"
 #include "presets.h"
 #include "sides/sided_store.h"

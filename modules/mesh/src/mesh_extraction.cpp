@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <numeric>
 
 #include "contour/corner_values.h"
@@ -14,7 +13,6 @@
 #include "octree/cell_edges.h"
 #include "octree/cell_tree.h"
 #include "octree/leaf_shapes.h"
-#include "pcl_slim/core/progress.h"
 #include "pcl_slim/core/stopwatch.h"
 #include "sharpen/sharpen.h"
 #include "simplify/edge_collapse.h"

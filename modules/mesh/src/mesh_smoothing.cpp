@@ -3,11 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <cstring>
 #include <string>
-#include <vector>
 
+#include "pcl_slim/core/detail/finite.h"
 #include "smoothing/face_geometry.h"
 #include "smoothing/face_projection.h"
 #include "smoothing/normal_filter.h"
@@ -244,12 +243,6 @@ positionsOf(const CloudView& cloud)
     made[i] = {p[0], p[1], p[2]};
   }
   return made;
-}
-
-bool
-isFinite(const Vector3& p)
-{
-  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
 bool

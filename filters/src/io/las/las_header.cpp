@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "io/las/las_layout.h"
 #include "io/scalar_type.h"

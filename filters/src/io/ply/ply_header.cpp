@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstring>
 #include <sstream>
-#include <string>
 #include <unordered_set>
 
 #include "io/scalar_type.h"

@@ -5,12 +5,10 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <vector>
 
 #include "noise/patch.h"
 #include "pcl_slim/cloud/detail/block_kernels.h"
 #include "pcl_slim/cloud/knn.h"
-#include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim {

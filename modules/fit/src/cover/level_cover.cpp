@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cover/level_cover.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "ball/ball_gather.h"
 #include "ball/surfel_record.h"
-#include "fit_settings.h"
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim::detail {

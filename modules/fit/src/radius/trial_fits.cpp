@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "radius/trial_fits.h"
 
-#include <algorithm>
 #include <cmath>
 
-#include "fit_settings.h"
 #include "least_squares/nested_fit.h"
 
 namespace pcl_slim::detail {

@@ -3,18 +3,13 @@
 #include "pcl_slim/query/projection.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
-#include <vector>
 
 #include "pcl_slim/cloud/detail/normal_bound.h"
-#include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/query/detail/block_means.h"
 #include "pcl_slim/query/detail/projection_kernel.h"
 #include "pcl_slim/query/detail/shape_operator.h"
-#include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
 

@@ -2,13 +2,10 @@
 #include "pcl_slim/query/surface_samples.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <utility>
-#include <vector>
 
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/query/projection.h"

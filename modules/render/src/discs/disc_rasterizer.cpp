@@ -3,15 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "discs/disc_blend.h"
 #include "pcl_slim/core/parallel.h"
-#include "pcl_slim/render/g_buffer.h"
 #include "tiles/surfel_bins.h"
 
 namespace pcl_slim {

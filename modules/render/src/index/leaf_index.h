@@ -103,8 +103,4 @@ class LeafIndex {
 Visibility
 visibilityOf(const FrameView& view, const LeafNode& node, const VisibilityRules& rules);
 
-/** \brief An upper bound on |grad h| over the unit ball, from the coefficients' absolute values. */
-double
-slopeBound(const SLIMSurface& surface, std::size_t i);
-
 }  // namespace pcl_slim::detail

@@ -2,13 +2,10 @@
 #include "pcl_slim/render/shading.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <vector>
 
 #include "camera/camera_rays.h"
 #include "pcl_slim/core/parallel.h"
-#include "pcl_slim/render/g_buffer.h"
 #include "shading/linear_light.h"
 #include "shading/value_range.h"
 

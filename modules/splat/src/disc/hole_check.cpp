@@ -7,16 +7,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <limits>
 #include <utility>
 #include <vector>
 
 #include "pcl_slim/cloud/block_tree.h"
 #include "pcl_slim/cloud/knn.h"
-#include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/parallel.h"
-#include "pcl_slim/splat/splat_set.h"
 
 namespace pcl_slim {
 

@@ -2,20 +2,14 @@
 #include "pcl_slim/splat/octree_cloud.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
-#include <cstddef>
-#include <cstdint>
 #include <cstring>
 #include <optional>
-#include <vector>
 
 #include "octree/octree_grid.h"
 #include "octree/point_blocks.h"
-#include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/cloud/morton_sort.h"
-#include "pcl_slim/core/aligned.h"
 #include "pcl_slim/core/parallel.h"
 #include "points/splat_kernels.h"
 

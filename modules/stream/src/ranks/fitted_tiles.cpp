@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 #include "pcl_slim/surface/surface_io.h"
 #include "ranks/rank_messages.h"

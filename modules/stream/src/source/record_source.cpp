@@ -6,11 +6,8 @@
 #include <algorithm>
 #include <cerrno>
 #include <charconv>
-#include <cstddef>
-#include <cstdint>
 #include <cstring>
 #include <limits>
-#include <string>
 #include <vector>
 
 #include "pcl_slim/core/error.h"
