@@ -7,7 +7,7 @@
 
 #include "benchmark/mesh_surface.h"
 #include "benchmark/scene.h"
-#include "pcl_slim/core/detail/finite.h"
+#include "pcl_slim/core/finite.h"
 #include "scan/cloud_file.h"
 
 namespace pcl_slim::comparison {

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <vector>
 
-#include "pcl_slim/core/detail/finite.h"
+#include "pcl_slim/core/finite.h"
 #include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim {

@@ -11,7 +11,6 @@
 #include "io/scalar_type.h"
 #include "io/surface/trim_fields.h"
 #include "io/vtp/vtp_file.h"
-#include "io/vtp/vtp_names.h"
 #include "pcl_slim/core/file_access.h"
 #include "pcl_slim/filters/io/surface_conversion.h"
 #include "pcl_slim/surface/surface_io.h"

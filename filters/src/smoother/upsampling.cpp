@@ -10,7 +10,7 @@
 #include <limits>
 #include <memory>
 
-#include "pcl_slim/core/detail/finite.h"
+#include "pcl_slim/core/finite.h"
 
 namespace pcl_slim::detail {
 

@@ -5,12 +5,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "contour/corner_values.h"
 #include "contour/crossings.h"
 #include "contour/polygons.h"
 #include "contour/probe_blocks.h"
-#include "contour/sheet_vertices.h"
-#include "octree/cell_edges.h"
 #include "octree/cell_tree.h"
 #include "octree/leaf_shapes.h"
 #include "pcl_slim/core/stopwatch.h"

@@ -5,10 +5,16 @@
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <vector>
 
-#include "pcl_slim/core/detail/finite.h"
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/core/finite.h"
+#include "pcl_slim/core/progress.h"
+#include "pcl_slim/core/vector3.h"
+#include "pcl_slim/fit/fit.h"
+#include "pcl_slim/query/projection.h"
+#include "pcl_slim/surface/surface.h"
 #include "smoothing/face_geometry.h"
-#include "smoothing/face_projection.h"
 #include "smoothing/normal_filter.h"
 #include "smoothing/vertex_update.h"
 #include "topology/fans.h"
@@ -18,6 +24,80 @@ namespace pcl_slim {
 using namespace detail;
 
 namespace {
+
+/** \brief Where faces stand on a surface. */
+struct FaceProjection {
+  std::vector<Vector3> places;   ///< projected centroids; as given where unsupported
+  std::vector<Vector3> normals;  ///< eq. 7, to the side given; zero where unsupported
+  std::uint64_t unsupported = 0;
+};
+
+/** Places and directions as the store wants them; the view is valid while this object lives. */
+class Samples {
+ public:
+  Samples(const std::vector<Vector3>& places, const std::vector<Vector3>& normals)
+  {
+    normals_.reserve(3 * normals.size());
+    for (const Vector3& n : normals) {
+      for (const double value : n) normals_.push_back(static_cast<float>(value));
+    }
+    view_.xyz = places.data();
+    view_.xyz_stride = sizeof(Vector3);
+    view_.scalar = CloudView::Scalar::kDouble;
+    view_.normal = normals_.data();
+    view_.normal_stride = 3 * sizeof(float);
+    view_.size = places.size();
+  }
+
+  const CloudView& view() const { return view_; }
+
+ private:
+  std::vector<float> normals_;
+  CloudView view_;
+};
+
+/** \brief Fits a surface to vertices that have normals; those with a zero one are left out. */
+Error
+fitToVertices(const std::vector<Vector3>& vertices, const std::vector<Vector3>& normals,
+              const FitParams& params, SLIMSurface& surface, FitStatistics& statistics,
+              Progress* progress)
+{
+  const Samples samples(vertices, normals);
+  const auto store = PointStore::build(samples.view(), params.threads);
+  if (!store) return store.error();
+  return fitSurface(*store, params, surface, &statistics, progress);
+}
+
+/** \brief Projects the faces' centroids onto a surface. */
+Error
+projectFaces(const std::vector<Vector3>& centroids, const std::vector<Vector3>& normals,
+             const SLIMSurface& surface, const FitParams& params, FaceProjection& made,
+             Progress* progress)
+{
+  made.places = centroids;
+  made.normals.assign(centroids.size(), Vector3{});
+  made.unsupported = centroids.size();
+  const Samples samples(centroids, normals);
+  const auto store = PointStore::build(samples.view(), params.threads);
+  if (!store) return store.error();
+  ProjectionParams how;
+  how.sharp_features = params.sharp_features;
+  how.paper_mode = surface.info.paper_mode;
+  how.threads = params.threads;
+  Projection projection;
+  if (Error error = projectPoints(*store, surface, how, projection, progress)) return error;
+  const std::vector<std::uint32_t> stored = store->storeOfInput();
+  for (std::size_t f = 0; f < stored.size(); ++f) {
+    if (stored[f] == PointStore::kSkipped || projection.supported[stored[f]] == 0) continue;
+    const auto& place = projection.position[stored[f]];
+    const auto& normal = projection.normal[stored[f]];
+    const Vector3 n = {normal[0], normal[1], normal[2]};
+    made.normals[f] = dot(n, normals[f]) < 0 ? scaled(n, -1) : n;
+    made.places[f] = along(store->origin(), store->scale(), place);
+    --made.unsupported;
+  }
+  return {};
+}
 
 /** \brief One smoothing of a mesh whose faces are all usable. */
 class SmoothingRun {

@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "frame/packed_frame.h"
+#include "frame/frame_textures.h"
 #include "pcl_slim/surface/detail/detail_sizes.h"
 #include "pcl_slim/surface/detail/trim_tables.h"
 

@@ -3,7 +3,6 @@
 #include <cstring>
 
 #include "io/las/las_header.h"
-#include "io/las/las_layout.h"
 #include "io/point_formats.h"
 #include "io/scalar_type.h"
 

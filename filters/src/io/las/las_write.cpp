@@ -4,7 +4,6 @@
 #include <cstring>
 
 #include "io/las/las_header.h"
-#include "io/las/las_layout.h"
 #include "io/las/las_units.h"
 #include "io/point_formats.h"
 #include "io/scalar_type.h"

@@ -6,7 +6,7 @@
 #include "io/mesh/mesh_points.h"
 #include "io/point_formats.h"
 #include "io/scalar_type.h"
-#include "io/text/decimal.h"
+#include "io/text/text_table.h"
 
 namespace pcl_slim {
 

@@ -10,7 +10,6 @@
 #include "io/scalar_type.h"
 #include "io/vtp/vtp_file.h"
 #include "io/vtp/vtp_markup.h"
-#include "io/vtp/vtp_names.h"
 
 namespace pcl_slim {
 

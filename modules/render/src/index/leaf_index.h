@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "camera/frame_view.h"
+#include "camera/camera_rays.h"
 #include "pcl_slim/core/aligned.h"
 #include "pcl_slim/render/detail/frame_constants.h"
 #include "pcl_slim/render/render_params.h"

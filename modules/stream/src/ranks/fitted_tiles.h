@@ -10,7 +10,7 @@
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/stream/ranks.h"
 #include "pcl_slim/surface/surface.h"
-#include "scratch/scratch_file.h"
+#include "scratch/tile_store.h"
 
 namespace pcl_slim::detail {
 
