@@ -62,9 +62,8 @@ class BlockSurface {
 /** \brief A scan that is fitted by tiles and brought onto its surface some rows at a time. */
 class PieceJob {
  public:
-  PieceJob(const ProjectionProgram& program, const ProjectionJob& job,
-           const MakeOutput& make_output, const bool& chosen)
-      : program_(program), job_(job), make_output_(make_output), chosen_(chosen)
+  PieceJob(const ProjectionJob& job, const MakeOutput& make_output, const bool& chosen)
+      : job_(job), make_output_(make_output), chosen_(chosen)
   {
   }
 
@@ -88,7 +87,6 @@ class PieceJob {
   Result<CloudProjection> project(const CloudFile& cloud, const SLIMSurface& surface) const;
   void count(const CloudProjectionStatistics& piece);
 
-  const ProjectionProgram& program_;
   const ProjectionJob& job_;
   const MakeOutput& make_output_;
   const bool& chosen_;

@@ -149,7 +149,8 @@ findSheet(const float* residuals, std::size_t count, double center_residual,
   if (!standsApart(h, at, constants.apart)) return range;
   double below = 0;
   for (const std::int32_t* b = h.begin(); b <= valley; ++b) below += *b;
-  const auto counted = static_cast<double>(count / stride);
+  const std::size_t taken = count / stride;
+  const auto counted = static_cast<double>(taken);
   const double least = constants.least_side * counted;
   if (below < least || counted - below < least) return range;
   const double cut = h.from + (static_cast<double>(at) + 0.5) / h.to_bin;

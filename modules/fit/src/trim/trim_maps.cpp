@@ -218,6 +218,7 @@ makeTrimMaps(const PointStore& store, const FitSettings& settings, double hole_s
 {
   PointBorders borders(store.size());
   std::vector<std::unique_ptr<TrimMaker>> makers;
+  makers.reserve(static_cast<std::size_t>(stats.threads));
   for (int t = 0; t < stats.threads; ++t)
     makers.push_back(std::make_unique<TrimMaker>(store, settings, hole_size, surface, borders));
   std::vector<std::uint8_t> sides(surface.size());
