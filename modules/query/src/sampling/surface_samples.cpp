@@ -210,8 +210,9 @@ appendNodes(const SLIMSurface& surface, std::size_t i, double step, std::vector<
   const std::int64_t side = sideOf(surface, i, step);
   const double pitch = 2 * reach / static_cast<double>(side - 1);
   for (std::int64_t k = 0; k < side * side; ++k) {
+    const std::int64_t row = k / side;
     const double u = pitch * static_cast<double>(k % side) - reach;
-    const double v = pitch * static_cast<double>(k / side) - reach;
+    const double v = pitch * static_cast<double>(row) - reach;
     if (u * u + v * v > reach * reach) continue;
     if (surface.isOpen(i) && outsideShare(map, u, v) > 0.5) continue;
     const double h = evaluateHeight(surface.degree[i], surface.coefficientsOf(i), u, v);
