@@ -81,12 +81,12 @@ class Packer {
 
   void addTrim(const TrimTable& table)
   {
-    const std::size_t begin = texels_.trim_words.size();
+    const std::size_t begin = texels_.trim_words.size(), unit = begin / kWordsOfUnit;
     const auto last = static_cast<int>(table.last);
     const float rest =
         table.closed() ? -1.0f
                        : static_cast<float>(begin % kWordsOfUnit * TrimMap::kMostSide) + table.last;
-    texels_.surfels.insert(texels_.surfels.end(), {static_cast<float>(begin / kWordsOfUnit), rest});
+    texels_.surfels.insert(texels_.surfels.end(), {static_cast<float>(unit), rest});
     if (table.closed()) return;
     texels_.trim_words.insert(texels_.trim_words.end(), table.words,
                               table.words + table.words_per_row * (last + 1));
