@@ -15,7 +15,6 @@
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/render/shading.h"
 #include "render/camera_file.h"
-#include "render/frame_clock.h"
 #include "render/idle_options.h"
 #include "render/line_request.h"
 #include "render/model.h"
@@ -23,7 +22,6 @@
 #include "render/picture_request.h"
 #include "render/region_request.h"
 #include "render/traced_request.h"
-#include "render/turntable.h"
 #include "render/view_request.h"
 
 using namespace pcl_slim;

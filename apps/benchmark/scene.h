@@ -18,6 +18,15 @@
  * out, the same clock around both. */
 namespace pcl_slim::comparison {
 
+/** \brief x y z per point as PCL's cloud of floats. */
+pcl::PointCloud<pcl::PointXYZ>::Ptr
+toCloud(const std::vector<double>& xyz);
+
+/** \brief sqrt(area / points) from the median distance to the 10th neighbour of clean points, as
+ * far as they lie evenly on a surface; 0 of ten points or fewer. */
+double
+spacingOf(const pcl::PointCloud<pcl::PointXYZ>::Ptr& clean);
+
 /** \brief A noisy cloud and what is true of it. */
 struct Scene {
   /** \brief What is true at point i of the cloud once a method has moved it to position. */

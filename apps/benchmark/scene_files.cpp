@@ -7,7 +7,7 @@
 
 #include "benchmark/mesh_surface.h"
 #include "benchmark/scene.h"
-#include "benchmark/scene_points.h"
+#include "pcl_slim/core/finite.h"
 #include "scan/cloud_file.h"
 
 namespace pcl_slim::comparison {
@@ -37,12 +37,6 @@ normalOf(const CloudView& view, std::size_t i)
   std::array<float, 3> n;
   std::memcpy(n.data(), static_cast<const char*>(view.normal) + i * view.normal_stride, sizeof(n));
   return n;
-}
-
-bool
-isFinite(const Point& p)
-{
-  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
 /** Mean edge length of a mesh; 0 without faces. */

@@ -2,11 +2,21 @@
 #pragma once
 
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <string>
 #include <vector>
 
 namespace pcl_slim {
+
+/** \brief A number as people write it: so many significant digits at most, no needless zeros. */
+inline std::string
+numberText(double value, int digits = 6)
+{
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.*g", digits, value);
+  return text;
+}
 
 /** \brief Reads finite numbers separated by single commas; nothing else may stand between. */
 inline bool

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <sstream>
 
-#include "common/number_text.h"
+#include "common/number_list.h"
 
 namespace pcl_slim {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "common/number_text.h"
+#include "common/number_list.h"
 #include "common/options.h"
 
 namespace pcl_slim {

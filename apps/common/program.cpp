@@ -4,7 +4,6 @@
 #include <filesystem>
 
 #include "common/interrupt.h"
-#include "pcl_slim/core/file_access.h"
 
 namespace pcl_slim {
 

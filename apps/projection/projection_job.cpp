@@ -152,7 +152,7 @@ runProjectionProgram(const ProjectionProgram& program, ProjectionJob& job, int a
                      const char* const* argv, const MakeOutput& make_output)
 {
   bool chosen = false;
-  PieceJob pieces(program, job, make_output, chosen);
+  PieceJob pieces(job, make_output, chosen);
   OptionTable options = declareOptions(program, job, pieces.tiles(), chosen);
   SLIMSurface surface;
   PointFile made;

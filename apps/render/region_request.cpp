@@ -2,11 +2,9 @@
 #include "render/region_request.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "common/number_list.h"
-#include "common/number_text.h"
 
 namespace pcl_slim {
 namespace {

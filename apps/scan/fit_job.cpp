@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "common/memory_limit.h"
-#include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/filters/io/trajectory.h"
 #include "pcl_slim/fit/fit_colors.h"
 #include "scan/fit_report.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmark/runs.h"
+#include "benchmark/tables.h"
 
 namespace pcl_slim_test {
 

@@ -6,6 +6,7 @@
 #include <cstring>
 #include <vector>
 
+#include "pcl_slim/core/finite.h"
 #include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim {
@@ -19,12 +20,6 @@ floatsAt(const void* array, std::size_t stride, std::size_t i)
   std::array<float, 3> values{};
   std::memcpy(values.data(), static_cast<const unsigned char*>(array) + i * stride, sizeof(values));
   return values;
-}
-
-bool
-isFinite(const Vector3& p)
-{
-  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
 /** \brief Input indices of finite points, evenly over the cloud. */

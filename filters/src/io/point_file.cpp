@@ -1,12 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/filters/io/point_file.h"
 
-#include "io/las/las_file.h"
-#include "io/mesh/mesh_files.h"
-#include "io/pcd/pcd_file.h"
-#include "io/ply/ply_file.h"
+#include "io/point_formats.h"
 #include "io/scalar_type.h"
-#include "io/text/text_file.h"
 #include "io/vtp/vtp_file.h"
 #include "pcl_slim/core/file_access.h"
 

@@ -1,20 +1,106 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/filters/io/surface_conversion.h"
 
+#include <pcl/PCLPointCloud2.h>
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <type_traits>
+#include <vector>
 
 #include "io/scalar_type.h"
-#include "io/surface/color_fields.h"
 #include "io/surface/trim_fields.h"
 #include "pcl_slim/cloud/file_shift.h"
 #include "pcl_slim/filters/io/point_file.h"
+#include "pcl_slim/surface/surface.h"
+#include "pcl_slim/surface/surfel_color.h"
 
 namespace pcl_slim {
 
 namespace {
+
+const char* const kChannels[3] = {"red_", "green_", "blue_"};
+
+/** "red_uv": the field of a term other than the first. */
+std::string
+nameOfTerm(std::size_t k, std::size_t channel)
+{
+  int degree = 1;
+  auto place = static_cast<int>(k) - 1;
+  while (place > degree) place -= ++degree;
+  const auto power_of_v = static_cast<std::size_t>(place);
+  return kChannels[channel] + std::string(static_cast<std::size_t>(degree) - power_of_v, 'u') +
+         std::string(power_of_v, 'v');
+}
+
+/** A field of colours packed into four bytes, or null. */
+const pcl::PCLPointField*
+packedField(const pcl::PCLPointCloud2& cloud)
+{
+  for (const char* name : {"rgb", "rgba"}) {
+    const int i = findField(cloud, name);
+    if (i < 0) continue;
+    const pcl::PCLPointField& field = cloud.fields[static_cast<std::size_t>(i)];
+    if (scalarSize(field.datatype) == 4) return &field;
+  }
+  return nullptr;
+}
+
+/** \brief Adds the fields of a coloured surface's colours to an empty cloud: rgb, packed as PCL packs it,
+ * at the surfels' centres, then the other terms of surfel_color.h, red_u green_u blue_u red_v ... red_uu ...,
+ * in 1/255 of white. */
+void
+addColorFields(pcl::PCLPointCloud2& cloud)
+{
+  addField(cloud, "rgb", kFloat32);
+  for (std::size_t k = 1; k < ColorPolynomial().size(); ++k) {
+    for (std::size_t c = 0; c < 3; ++c) addField(cloud, nameOfTerm(k, c), kFloat32);
+  }
+}
+
+/** \brief Values of the fields of surfel i, 4 bytes each in the order of addColorFields(). */
+std::vector<float>
+colorValues(const SLIMSurface& surface, std::size_t i)
+{
+  const std::uint8_t* bytes = surface.colors.data() + i * kColorBytes;
+  const ColorPolynomial color = decodeColor(bytes);
+  const std::uint8_t bgra[4] = {bytes[2], bytes[1], bytes[0], 0};
+  std::vector<float> values(1);
+  std::memcpy(values.data(), bgra, sizeof(bgra));
+  for (std::size_t k = 1; k < color.size(); ++k)
+    values.insert(values.end(), color[k].begin(), color[k].end());
+  return values;
+}
+
+/** \brief Reads the colours of a cloud of surfels into their surface; terms whose field is missing are 0.
+ * A cloud without a field rgb or rgba has none. O(surfels). */
+void
+takeColors(const pcl::PCLPointCloud2& cloud, SLIMSurface& surface)
+{
+  const pcl::PCLPointField* packed = packedField(cloud);
+  if (!packed) return;
+  std::vector<std::uint8_t> bytes(surface.size() * kColorBytes);
+  ColorPolynomial color{};
+  std::array<std::array<int, 3>, ColorPolynomial().size()> fields{};
+  for (std::size_t k = 1; k < color.size(); ++k) {
+    for (std::size_t c = 0; c < 3; ++c) fields[k][c] = findField(cloud, nameOfTerm(k, c));
+  }
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    const std::uint8_t* bgr = cloud.data.data() + i * cloud.point_step + packed->offset;
+    for (std::size_t c = 0; c < 3; ++c) color[0][c] = bgr[2 - c];
+    for (std::size_t k = 1; k < color.size(); ++k) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const int f = fields[k][c];
+        const double value =
+            f < 0 ? 0.0 : fieldValue(cloud, i, cloud.fields[static_cast<std::size_t>(f)]);
+        color[k][c] = std::isfinite(value) ? static_cast<float>(value) : 0.0f;
+      }
+    }
+    encodeColor(color, bytes.data() + i * kColorBytes);
+  }
+  surface.colors = std::move(bytes);
+}
 
 constexpr int kFieldsBeforeCoefficients = 7;
 constexpr int kFieldsAfterCoefficients = 5;

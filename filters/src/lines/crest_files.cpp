@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "io/ply/ply_file.h"
+#include "io/point_formats.h"
 #include "io/vtp/crest_vtp.h"
 #include "pcl_slim/core/file_access.h"
 

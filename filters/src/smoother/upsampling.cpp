@@ -10,18 +10,14 @@
 #include <limits>
 #include <memory>
 
+#include "pcl_slim/core/finite.h"
+
 namespace pcl_slim::detail {
 
 namespace {
 
 constexpr std::uint64_t kAxisBits = 21;
 constexpr double kMostVoxels = 2097151.0;  ///< along an axis: 21 bits
-
-bool
-isFinite(const Position& p)
-{
-  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
-}
 
 /** A search tree of the finite points; coordinates are taken from the first of them. */
 struct PointTree {

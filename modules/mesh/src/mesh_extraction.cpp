@@ -5,16 +5,16 @@
 #include <cmath>
 #include <numeric>
 
-#include "contour/contour.h"
+#include "contour/crossings.h"
 #include "contour/polygons.h"
+#include "contour/probe_blocks.h"
+#include "octree/cell_tree.h"
 #include "octree/leaf_shapes.h"
 #include "pcl_slim/core/stopwatch.h"
 #include "sharpen/sharpen.h"
 #include "simplify/edge_collapse.h"
 #include "topology/fans.h"
-#include "trim/close_gaps.h"
-#include "trim/crumbs.h"
-#include "trim/holes.h"
+#include "trim/mending.h"
 #include "trim/trim_border.h"
 #include "vertices/surface_vertices.h"
 
@@ -23,6 +23,51 @@ namespace pcl_slim {
 using namespace detail;
 
 namespace {
+
+constexpr int kMostRounds = 6;
+
+/** Takes away the crossings on edges of cells that have been divided, and renumbers the others' cells. */
+void
+keepWhole(const std::vector<std::uint32_t>& numbers, std::vector<Crossing>& crossings)
+{
+  std::size_t kept = 0;
+  for (const Crossing& crossing : crossings) {
+    Crossing own = crossing;
+    bool whole = true;
+    for (std::uint32_t& cell : own.cell) {
+      cell = numbers[cell];
+      whole = whole && cell != CellTree::kDivided;
+    }
+    if (whole) crossings[kept++] = own;
+  }
+  crossings.resize(kept);
+}
+
+/** Contours the surface on a tree: edges, distances at corners, crossings, vertices. Cells with vertices on
+ * an edge of more than two faces are divided and their edges contoured again, a few times at most. */
+SheetVertices
+contour(const ProbeField& field, bool oriented, CellTree& tree, MeshStatistics& statistics,
+        const Progress* progress)
+{
+  CornerValues corners(field);
+  std::vector<Crossing> crossings;
+  SheetVertices vertices;
+  statistics.split_cells = 0;
+  for (int round = 0; round < kMostRounds; ++round) {
+    statistics.rounds = static_cast<std::uint64_t>(round) + 1;
+    const std::vector<CellEdge> edges = cellEdges(tree, round > 0);
+    const auto ends = corners.evaluate(tree, edges);
+    if (progress != nullptr && progress->cancelled()) return vertices;
+    findCrossings(tree, edges, ends, corners.values(), oriented, crossings);
+    vertices = findSheetVertices(crossings, oriented, field.threads);
+    const std::vector<std::uint32_t> cells = crowdedCells(vertices, field.threads);
+    if (cells.empty() || round + 1 == kMostRounds) break;
+    statistics.split_cells += cells.size();
+    keepWhole(tree.split(cells), crossings);
+  }
+  statistics.corners = corners.values().size();
+  return vertices;
+}
 
 constexpr double kNoiseShare = 0.25;      ///< of the noise's deviation: the default tolerance
 constexpr double kLeastTolerance = 1e-4;  ///< of the diagonal, by default

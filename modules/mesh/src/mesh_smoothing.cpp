@@ -5,13 +5,308 @@
 #include <cmath>
 #include <cstring>
 #include <string>
+#include <vector>
 
-#include "smoothing/smoothing_run.h"
-#include "topology/edge_census.h"
+#include "pcl_slim/core/error.h"
+#include "pcl_slim/core/finite.h"
+#include "pcl_slim/core/progress.h"
+#include "pcl_slim/core/vector3.h"
+#include "pcl_slim/fit/fit.h"
+#include "pcl_slim/query/projection.h"
+#include "pcl_slim/surface/surface.h"
+#include "smoothing/face_geometry.h"
+#include "smoothing/normal_filter.h"
+#include "smoothing/vertex_update.h"
+#include "topology/fans.h"
 
 namespace pcl_slim {
 
+using namespace detail;
+
 namespace {
+
+/** \brief Where faces stand on a surface. */
+struct FaceProjection {
+  std::vector<Vector3> places;   ///< projected centroids; as given where unsupported
+  std::vector<Vector3> normals;  ///< eq. 7, to the side given; zero where unsupported
+  std::uint64_t unsupported = 0;
+};
+
+/** Places and directions as the store wants them; the view is valid while this object lives. */
+class Samples {
+ public:
+  Samples(const std::vector<Vector3>& places, const std::vector<Vector3>& normals)
+  {
+    normals_.reserve(3 * normals.size());
+    for (const Vector3& n : normals) {
+      for (const double value : n) normals_.push_back(static_cast<float>(value));
+    }
+    view_.xyz = places.data();
+    view_.xyz_stride = sizeof(Vector3);
+    view_.scalar = CloudView::Scalar::kDouble;
+    view_.normal = normals_.data();
+    view_.normal_stride = 3 * sizeof(float);
+    view_.size = places.size();
+  }
+
+  const CloudView& view() const { return view_; }
+
+ private:
+  std::vector<float> normals_;
+  CloudView view_;
+};
+
+/** \brief Fits a surface to vertices that have normals; those with a zero one are left out. */
+Error
+fitToVertices(const std::vector<Vector3>& vertices, const std::vector<Vector3>& normals,
+              const FitParams& params, SLIMSurface& surface, FitStatistics& statistics,
+              Progress* progress)
+{
+  const Samples samples(vertices, normals);
+  const auto store = PointStore::build(samples.view(), params.threads);
+  if (!store) return store.error();
+  return fitSurface(*store, params, surface, &statistics, progress);
+}
+
+/** \brief Projects the faces' centroids onto a surface. */
+Error
+projectFaces(const std::vector<Vector3>& centroids, const std::vector<Vector3>& normals,
+             const SLIMSurface& surface, const FitParams& params, FaceProjection& made,
+             Progress* progress)
+{
+  made.places = centroids;
+  made.normals.assign(centroids.size(), Vector3{});
+  made.unsupported = centroids.size();
+  const Samples samples(centroids, normals);
+  const auto store = PointStore::build(samples.view(), params.threads);
+  if (!store) return store.error();
+  ProjectionParams how;
+  how.sharp_features = params.sharp_features;
+  how.paper_mode = surface.info.paper_mode;
+  how.threads = params.threads;
+  Projection projection;
+  if (Error error = projectPoints(*store, surface, how, projection, progress)) return error;
+  const std::vector<std::uint32_t> stored = store->storeOfInput();
+  for (std::size_t f = 0; f < stored.size(); ++f) {
+    if (stored[f] == PointStore::kSkipped || projection.supported[stored[f]] == 0) continue;
+    const auto& place = projection.position[stored[f]];
+    const auto& normal = projection.normal[stored[f]];
+    const Vector3 n = {normal[0], normal[1], normal[2]};
+    made.normals[f] = dot(n, normals[f]) < 0 ? scaled(n, -1) : n;
+    made.places[f] = along(store->origin(), store->scale(), place);
+    --made.unsupported;
+  }
+  return {};
+}
+
+/** \brief One smoothing of a mesh whose faces are all usable. */
+class SmoothingRun {
+ public:
+  /** \brief Faces must outlive this object. \param[in] surface in place of a fit, or null. */
+  SmoothingRun(const MeshFaces& faces, const std::vector<Vector3>& vertices,
+               const MeshSmoothParams& params, const SLIMSurface* surface,
+               MeshSmoothStatistics& statistics, Progress* progress);
+
+  Error run();
+
+  const std::vector<Vector3>& vertices() const { return moved_; }
+  const std::vector<Vector3>& normals() const { return normals_; }
+  /** \brief Of the smooth mesh, at its vertices. */
+  std::vector<Vector3> vertexNormals() const;
+  const std::vector<std::uint8_t>& held() const { return held_; }
+  SLIMSurface takeFitted() { return std::move(fitted_); }
+
+ private:
+  /** \brief As the paper has it: one projection, one step of the vertices. */
+  Error runAsPaper();
+  /** \brief Smooth everywhere: the mesh's normals, weighed against the surface's. */
+  Error runRounded();
+  /** \brief Edges kept: the mesh's normals, averaged as far as the surface's agree. Only as far as
+   * needed to see that there are no edges to keep, where that is asked. */
+  Error runSharp();
+
+  /** \brief One round of runSharp(). */
+  Error sharpRound();
+  /** \brief Whether the normals found are those of a mesh with edges. */
+  bool hasSharpEdges();
+  /** \brief Fits to the vertices as given, with normals from those of the faces, and projects the
+   * centroids of the faces as they are now. */
+  Error project(const std::vector<Vector3>& normals, FaceProjection& made);
+  /** \brief Puts all vertices back and moves them towards the normals. */
+  void moveVertices(int steps);
+
+  MovingMesh moving();
+  FaceGeometry facesNow() const;
+
+  const MeshFaces& faces_;
+  const std::vector<Vector3>& given_;
+  MeshSmoothParams params_;
+  const SLIMSurface* surface_;
+  MeshSmoothStatistics& statistics_;
+  Progress* progress_;
+  MeshTopology topology_;
+  FaceGeometry geometry_;  ///< of the mesh as given
+  std::vector<Vector3> moved_, normals_;
+  std::vector<std::uint8_t> held_;
+  SLIMSurface fitted_;
+};
+
+// Deviations over differences of unit normals: where there are no edges, only faces that turn from
+// each other by 40 degrees and more count little; across edges, those that do by 10.
+constexpr double kRoundedRange = 0.7, kFirstRange = 0.5, kSharpRange = 0.15;
+constexpr int kRoundedPasses = 4, kFirstPasses = 8, kSharpPasses = 8, kSharpRounds = 4;
+constexpr int kRoundedSteps = 10, kSharpSteps = 20, kUnfoldSteps = 5;
+/** Weight of the surface's normals beside the mesh's own, at noise of a fifth of an edge. Noise of
+ * normals grows with that of vertices, and weights go by variances. */
+constexpr double kPull = 0.1, kPullNoise = 0.2;
+/** Least share of the bending in sharp edges for a mesh that has edges. Machine parts have .70 to .84
+ * after the first round, scans of bodies .21 to .56. */
+constexpr double kSharpShare = 0.63;
+/** Beside planes of weight 1: keeps vertices from running along what planes leave open. */
+constexpr double kPaperRegularity = 0.01;
+
+SmoothingRun::SmoothingRun(const MeshFaces& faces, const std::vector<Vector3>& vertices,
+                           const MeshSmoothParams& params, const SLIMSurface* surface,
+                           MeshSmoothStatistics& statistics, Progress* progress)
+    : faces_(faces),
+      given_(vertices),
+      params_(params),
+      surface_(surface),
+      statistics_(statistics),
+      progress_(progress),
+      topology_(faces, vertices.size()),
+      geometry_(measureFaces(vertices, faces, params.fit.threads)),
+      moved_(vertices),
+      normals_(geometry_.normals),
+      held_(vertices.size())
+{
+}
+
+Error
+SmoothingRun::run()
+{
+  params_.fit.sharp_features = params_.edges == MeshEdges::kSharp;
+  if (params_.fit.paper_mode) return runAsPaper();
+  if (params_.edges == MeshEdges::kRounded) return runRounded();
+  if (Error error = runSharp()) return error;
+  return statistics_.sharp ? Error() : runRounded();
+}
+
+MovingMesh
+SmoothingRun::moving()
+{
+  return {faces_, topology_, moved_, held_, params_.fit.threads};
+}
+
+std::vector<Vector3>
+SmoothingRun::vertexNormals() const
+{
+  return detail::vertexNormals(facesNow(), normals_, topology_, moved_.size(), params_.fit.threads);
+}
+
+FaceGeometry
+SmoothingRun::facesNow() const
+{
+  return measureFaces(moved_, faces_, params_.fit.threads);
+}
+
+Error
+SmoothingRun::project(const std::vector<Vector3>& normals, FaceProjection& made)
+{
+  if (surface_ == nullptr) {
+    const auto sides =
+        detail::vertexNormals(geometry_, normals, topology_, given_.size(), params_.fit.threads);
+    Error error = fitToVertices(given_, sides, params_.fit, fitted_, statistics_.fit, progress_);
+    if (error) return error;
+  }
+  const SLIMSurface& surface = surface_ != nullptr ? *surface_ : fitted_;
+  Error error = projectFaces(facesNow().centroids, normals, surface, params_.fit, made, progress_);
+  statistics_.faces_unsupported = made.unsupported;
+  const double edge = meanEdgeLength(given_, faces_);
+  const SurfaceInfo& info = surface.info;
+  statistics_.noise = edge > 0 ? std::sqrt(info.lambda) * info.diagonal * info.scale / edge : 0;
+  // Where there is no surface, the face's own normal is all that is known.
+  for (std::size_t f = 0; f < made.normals.size(); ++f) {
+    if (made.normals[f] == Vector3{}) made.normals[f] = normals[f];
+  }
+  return error;
+}
+
+void
+SmoothingRun::moveVertices(int steps)
+{
+  moved_ = given_;
+  std::fill(held_.begin(), held_.end(), 0);
+  unfold(normals_, kUnfoldSteps, moving());
+  followNormals(normals_, steps, moving());
+}
+
+Error
+SmoothingRun::runAsPaper()
+{
+  FaceProjection made;
+  if (Error error = project(geometry_.normals, made)) return error;
+  normals_ = made.normals;
+  minimiseQuadrics(made.places, normals_, geometry_.areas, kPaperRegularity, moving());
+  return {};
+}
+
+Error
+SmoothingRun::runRounded()
+{
+  params_.fit.sharp_features = false;
+  moved_ = given_;
+  normals_ = geometry_.normals;
+  FaceProjection made;
+  if (Error error = project(normals_, made)) return error;
+  constexpr double kLeastNoise = 1e-3;
+  const double pull = kPull * std::pow(kPullNoise / std::max(statistics_.noise, kLeastNoise), 2);
+  const NormalFilter filter{geometry_, topology_, kRoundedRange, params_.fit.threads};
+  for (int i = 0; i < kRoundedPasses; ++i) {
+    normals_ = filterNormals(filter, normals_, normals_);
+    pullNormals(made.normals, pull, normals_);
+  }
+  mendLoneNormals(filter, normals_);
+  moveVertices(kRoundedSteps);
+  unfold(ringNormals(filter, normals_), kUnfoldSteps, moving());
+  return {};
+}
+
+Error
+SmoothingRun::runSharp()
+{
+  params_.fit.sharp_features = true;
+  const NormalFilter first{geometry_, topology_, kFirstRange, params_.fit.threads};
+  for (int i = 0; i < kFirstPasses; ++i) normals_ = filterNormals(first, normals_, normals_);
+  for (int round = 0; round < kSharpRounds; ++round) {
+    if (Error error = sharpRound()) return error;
+    if (round == 0 && !hasSharpEdges()) return {};
+  }
+  unfold(ringNormals(first, normals_), kUnfoldSteps, moving());
+  return {};
+}
+
+bool
+SmoothingRun::hasSharpEdges()
+{
+  statistics_.sharp_share = sharpShare(normals_, topology_);
+  statistics_.sharp = params_.edges == MeshEdges::kSharp || statistics_.sharp_share > kSharpShare;
+  return statistics_.sharp;
+}
+
+Error
+SmoothingRun::sharpRound()
+{
+  FaceProjection made;
+  if (Error error = project(normals_, made)) return error;
+  const FaceGeometry now = facesNow();
+  const NormalFilter filter{now, topology_, kSharpRange, params_.fit.threads};
+  normals_ = filterNormals(filter, made.normals, now.normals);
+  for (int i = 1; i < kSharpPasses; ++i) normals_ = filterNormals(filter, normals_, normals_);
+  mendLoneNormals(filter, normals_);
+  moveVertices(kSharpSteps);
+  return {};
+}
 
 std::vector<Vector3>
 positionsOf(const CloudView& cloud)
@@ -28,12 +323,6 @@ positionsOf(const CloudView& cloud)
     made[i] = {p[0], p[1], p[2]};
   }
   return made;
-}
-
-bool
-isFinite(const Vector3& p)
-{
-  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
 bool
@@ -131,8 +420,8 @@ smoothMesh(const CloudView& cloud, const MeshFaces& faces, const MeshSmoothParam
   s.faces = faces.size();
   s.faces_left_out = faces.size() - used.given.size();
   if (used.given.empty()) return noUsableFace(faces.size());
-  detail::countEdges(used.faces, s.disagreeing_edges, s.nonmanifold_edges);
-  detail::SmoothingRun run(used.faces, vertices, params, surface, s, progress);
+  countEdges(used.faces, s.disagreeing_edges, s.nonmanifold_edges);
+  SmoothingRun run(used.faces, vertices, params, surface, s, progress);
   if (Error error = run.run()) return error;
   // Asked for after the last place where anyone looks: whoever cancels wants no result.
   if (progress != nullptr && progress->cancelled()) {

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/render/surface_renderer.h"
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
+#include "camera/camera_rays.h"
 #include "fast/fast_rasterizer.h"
 #include "pcl_slim/core/parallel.h"
-#include "reference/tile_rasterizer.h"
+#include "pcl_slim/query/detail/shape_operator.h"
+#include "pcl_slim/query/partition_of_unity.h"
+#include "reference/tile_passes.h"
 #include "shading/paint_surface.h"
-#include "space/space_derivatives.h"
 #include "tiles/frame_rules.h"
+#include "tiles/surfel_bins.h"
 #include "tracer/gap_closer.h"
 
 namespace pcl_slim {
@@ -25,6 +30,75 @@ struct SurfaceRenderer::State {
 };
 
 namespace {
+
+/** \brief Renders a frame in double, leaf by leaf and ray by ray, in tiles of 32 x 32 pixels.
+ *
+ * \param[in,out] buffer of the camera's size, marked as met by nothing
+ * Cost: O(leaves + sum of visible balls' pixels).
+ */
+void
+renderReference(const SLIMSurface& surface, const Camera& camera, const FrameRules& rules,
+                GBuffer& buffer, RenderStatistics& statistics)
+{
+  const CameraRays rays(camera, surface.info.origin, surface.info.scale);
+  const SurfelBins bins = binLeaves(surface, rays, camera.size, rules.shrink, rules.near_plane,
+                                    rules.front_only && rules.skip, rules.threads, statistics);
+  const FrameContext frame{surface, rays, bins, rules};
+  statistics += forEachTile<Tile, RenderStatistics>(
+      bins, rules.threads, [&](std::size_t t, Tile& tile, RenderStatistics& counts) {
+        tile.begin(frame, camera.size, t);
+        for (int layer = 0; layer < kMaxLayers; ++layer) {
+          findFirstIntersections(frame, t, tile, counts);
+          gatherBlends(frame, t, tile, counts);
+          if (!peelUncovered(frame, tile)) break;
+        }
+        resolveTile(frame, tile, buffer, counts);
+      });
+}
+
+void
+writeCurvatures(const ImplicitJet& jet, double norm, std::size_t pixel, GBuffer& buffer)
+{
+  const auto [mean, gaussian] = meanAndGaussian(jet.gradient, norm, jet.hessian);
+  const float spread = std::sqrt(std::max(0.0f, mean * mean - gaussian));
+  buffer.mean_curvature[pixel] = mean;
+  buffer.gaussian_curvature[pixel] = gaussian;
+  buffer.principal[pixel] = {mean + spread, mean - spread};
+}
+
+void
+writePixel(ImplicitJet jet, std::size_t pixel, GBuffer& buffer)
+{
+  const double norm = length(jet.gradient);
+  if (!(norm > 0.0)) return;
+  if (buffer.back_face[pixel]) {
+    // Both sides are shown and this is the inner one: derivatives face the viewer.
+    for (double& value : jet.gradient) value = -value;
+    for (double& value : jet.hessian) value = -value;
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    buffer.normal[pixel][k] = static_cast<float>(jet.gradient[k] / norm);
+    if (!buffer.gradient.empty()) buffer.gradient[pixel][k] = static_cast<float>(jet.gradient[k]);
+  }
+  for (std::size_t k = 0; k < 6 && !buffer.hessian.empty(); ++k) {
+    buffer.hessian[pixel][k] = static_cast<float>(jet.hessian[k]);
+  }
+  if (!buffer.mean_curvature.empty()) writeCurvatures(jet, norm, pixel, buffer);
+}
+
+/** \brief Puts the partition of unity's derivatives (eq. 8, right) at a frame's positions in place
+ * of the blended ones: normals, and gradients, Hessians and curvatures where the buffer has them.
+ * The buffer must have positions. O(covered pixels * leaves near each). */
+void
+differentiateInSpace(const PartitionOfUnity& unity, int threads, GBuffer& buffer)
+{
+  parallelFor(buffer.numPixels(), threads, 256, [&](std::size_t pixel, int) {
+    if (!buffer.covered(pixel)) return;
+    const auto& q = buffer.position[pixel];
+    ImplicitJet jet;
+    if (unity.evaluate({q[0], q[1], q[2]}, jet)) writePixel(jet, pixel, buffer);
+  });
+}
 
 /** \brief Looks up the residual of every covered pixel's leaf. */
 void

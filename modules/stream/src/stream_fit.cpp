@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <iterator>
-#include <utility>
 
 #include "state/kept_plan.h"
 #include "stream_state.h"

@@ -1,17 +1,249 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a fit by tiles finds before the first tile is fitted: frame, cells, sorted points, noise, levels.
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
 
+#include "cells/cell_counts.h"
+#include "pcl_slim/cloud/cloud_view.h"
+#include "pcl_slim/cloud/detail/cloud_reader.h"
 #include "pcl_slim/cloud/detail/frame_measure.h"
+#include "pcl_slim/cloud/store_frame.h"
+#include "pcl_slim/fit/tile_fit.h"
+#include "pcl_slim/stream/ranks.h"
+#include "ranks/rank_messages.h"
 #include "stream_state.h"
-#include "tiles/first_level.h"
-#include "tiles/noise_sample.h"
+#include "tiles/tile_loader.h"
 
 namespace pcl_slim {
 
 using namespace detail;
 
 namespace {
+
+constexpr std::size_t kBalls = 31;
+constexpr std::uint64_t kCounted = 65536;  ///< points that balls are counted on, about
+constexpr double kWideBall = 32.0;         ///< the same of balls that average noise well
+constexpr double kNoiseOfBall = 16.0;  ///< sqrt(lambda) in the radius of the narrowest first ball
+
+using Place = std::array<float, 3>;
+
+/** Some of a tile's points in local units, and the places of the balls. */
+struct Sample {
+  std::vector<Place> points, centers;
+  std::uint64_t thinning = 1;
+};
+
+Sample
+takeSample(const CloudView& core, const StoreFrame& frame)
+{
+  Sample sample;
+  sample.thinning = std::max<std::uint64_t>(1, core.count() / kCounted);
+  const CloudReader reader(core);
+  std::vector<std::pair<std::uint64_t, Place>> least;
+  for (std::size_t i = 0; i < core.count(); ++i) {
+    const auto p = reader.position(i);
+    const std::uint64_t hash = placeHash(p);
+    if (hash % sample.thinning != 0) continue;
+    Place local;
+    for (std::size_t a = 0; a < 3; ++a)
+      local[a] = static_cast<float>((p[a] - frame.origin[a]) / frame.scale);
+    sample.points.push_back(local);
+    least.emplace_back(hash / sample.thinning, local);
+  }
+  const std::size_t balls = std::min(kBalls, least.size());
+  std::partial_sort(least.begin(), least.begin() + static_cast<std::ptrdiff_t>(balls), least.end());
+  for (std::size_t b = 0; b < balls; ++b) sample.centers.push_back(least[b].second);
+  return sample;
+}
+
+/** How many points a ball has at each level. */
+std::vector<std::uint32_t>
+countLevels(const Sample& sample, const Place& center, const LevelRadii& radii)
+{
+  std::vector<float> limits;
+  for (int level = 1; level <= radii.last; ++level) {
+    const double r = radii.radius(level);
+    limits.push_back(static_cast<float>(r * r));
+  }
+  std::vector<std::uint32_t> counts(limits.size() + 1,
+                                    0);  // by the finest level that holds a point
+  for (const Place& p : sample.points) {
+    const float x = p[0] - center[0], y = p[1] - center[1], z = p[2] - center[2];
+    const float d = x * x + y * y + z * z;
+    std::size_t level = 0;
+    while (level < limits.size() && d < limits[level]) ++level;
+    ++counts[level];
+  }
+  for (std::size_t k = counts.size() - 1; k > 0; --k) counts[k - 1] += counts[k];
+  return counts;
+}
+
+/** \brief The coarsest level of which a tile's median ball has at most so many of the tile's points, but
+ * no finer one than balls of 32 sqrt(lambda), which average noise well.
+ *
+ * Counts 31 balls on some 65,000 of the points, chosen by their places: the points' order changes
+ * nothing. \param[out] gathered by level, the most points that one of these balls reaches. O(points). */
+int
+firstLevel(const CloudView& core, const StoreFrame& frame, const LevelRadii& radii,
+           std::uint64_t most_points, double lambda, std::vector<std::uint64_t>& gathered)
+{
+  const Sample sample = takeSample(core, frame);
+  gathered.assign(static_cast<std::size_t>(radii.last) + 1, 0);
+  std::vector<std::uint32_t> crowded(static_cast<std::size_t>(radii.last) + 1, 0);
+  for (const Place& center : sample.centers) {
+    const std::vector<std::uint32_t> counts = countLevels(sample, center, radii);
+    for (std::size_t k = 1; k < crowded.size(); ++k)
+      crowded[k] += counts[k] * sample.thinning > most_points;
+    // A ball reaches as far as one of the level above is wide.
+    for (std::size_t k = 1; k < crowded.size(); ++k)
+      gathered[k] = std::max(gathered[k], counts[k - 1] * sample.thinning);
+  }
+  int level = 1;
+  while (level < radii.last && 2 * crowded[static_cast<std::size_t>(level)] > sample.centers.size())
+    ++level;
+  while (level > 1 && radii.radius(level) < kWideBall * std::sqrt(lambda)) --level;
+  return level;
+}
+
+/** \brief Whether balls of a level are wide enough to begin with where memory asks for narrow ones: those
+ * of less than 16 sqrt(lambda) do not average noise. */
+bool
+isFirstLevel(const LevelRadii& radii, int level, double lambda)
+{
+  return level <= radii.last && radii.radius(level) >= kNoiseOfBall * std::sqrt(lambda);
+}
+
+constexpr std::uint64_t kWindows = 32;
+constexpr std::uint64_t kWindowPoints = 32768;
+constexpr double kSlack = 1.25;  ///< windows of so many times their points are cut
+constexpr std::uint64_t kThinningStep = 4;
+
+/** Cells [first, end) of one window. */
+struct Window {
+  std::size_t first, end;
+};
+
+/** Windows of so many points each about evenly spread places; neighbours that meet do not overlap. */
+std::vector<Window>
+windowsOf(const TilePlan& plan, std::uint64_t points_of_window)
+{
+  std::vector<Window> windows;
+  std::size_t cell = 0;
+  std::uint64_t before = 0;  // points of the cells before it
+  for (std::uint64_t w = 0; w < kWindows; ++w) {
+    const std::uint64_t middle = (2 * w + 1) * (plan.points / (2 * kWindows));
+    const std::uint64_t begin = middle - std::min(middle, points_of_window / 2);
+    for (; cell < plan.cells.size() && before + plan.cells[cell].points <= begin; ++cell)
+      before += plan.cells[cell].points;
+    const Window window{cell, cell};
+    windows.push_back(window);
+    const std::uint64_t first = before;
+    for (; cell < plan.cells.size() && before - first < points_of_window; ++cell)
+      before += plan.cells[cell].points;
+    windows.back().end = cell;
+    if (window.first == cell) windows.pop_back();
+  }
+  return windows;
+}
+
+/** Keeps the points of least Morton codes, ties by place, where a window has too many. */
+void
+cutWindow(const StoreFrame& frame, const PointRecord& record, int threads,
+          std::vector<unsigned char>& records)
+{
+  const std::size_t step = record.bytes(), count = records.size() / step;
+  if (static_cast<double>(count) <= kSlack * static_cast<double>(kWindowPoints)) return;
+  const CloudView view = record.view(records);
+  const CloudReader reader(view);
+  PointKeys keys(frame, threads);
+  const AlignedVector<std::uint64_t>& codes = keys.of(view);
+  std::vector<std::uint32_t> order(count);
+  for (std::uint32_t i = 0; i < count; ++i) order[i] = i;
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return codes[a] != codes[b] ? codes[a] < codes[b] : reader.position(a) < reader.position(b);
+  });
+  std::vector<unsigned char> kept;
+  for (std::size_t i = 0; i < kWindowPoints; ++i) {
+    const auto from = records.begin() + static_cast<std::ptrdiff_t>(order[i] * step);
+    kept.insert(kept.end(), from, from + static_cast<std::ptrdiff_t>(step));
+  }
+  records.swap(kept);
+}
+
+/** The windows' points at rank 0, none at the others. */
+Error
+takeSample(const TileLoader& loader, const StoreFrame& frame, const std::vector<Window>& windows,
+           std::uint64_t thinning, int threads, Ranks& ranks, std::vector<unsigned char>& all)
+{
+  std::vector<unsigned char> records;
+  for (const Window& window : windows) {
+    records.clear();
+    if (Error error = loader.loadCells(window.first, window.end, thinning, records)) return error;
+    gather(ranks, records);
+    if (windows.size() > 1) cutWindow(frame, loader.record(), threads, records);
+    all.insert(all.end(), records.begin(), records.end());
+  }
+  return {};
+}
+
+Result<MeasuredTraits>
+measureSample(const TileLoader& loader, const StoreFrame& frame, const FitParams& params,
+              const TraitsSample& how, const std::vector<unsigned char>& sample)
+{
+  Result<PointStore> store = PointStore::build(loader.record().view(sample), frame, params.threads);
+  if (!store) return store.error();
+  return measureTraits(*store, params, how);
+}
+
+/** What all ranks need of what rank 0 has measured. */
+struct Verdict {
+  CloudTraits traits;
+  bool noise_fills;
+};
+
+/** \brief Measures the traits of a cloud on disk.
+ *
+ * The sample is 32 windows of 32,768 points, each of whole cells that follow each other along the Morton
+ * curve: at full density, so that patches of neighbours are the cloud's own. Where noise fills the
+ * widest patch that a window has room for, windows of 4, 16, ... times as many points take their
+ * place, of which every 4th, 16th, ... is kept; in the end they are the whole cloud. Clouds of about
+ * as few points as the windows have are taken whole. A function of the points' set alone. Rank 0 has the
+ * statistics, all have the traits.
+ */
+Result<MeasuredTraits>
+measureSampledTraits(const TileLoader& loader, const StoreFrame& frame, const FitParams& params,
+                     Ranks& ranks, std::uint64_t& thinning)
+{
+  const TilePlan& plan = loader.plan();
+  const std::uint64_t sample = kWindows * kWindowPoints;
+  double spacing = 0;  // of the cloud as it is
+  for (thinning = 1;; thinning *= kThinningStep) {
+    const bool whole = static_cast<double>(plan.points) <=
+                       kSlack * static_cast<double>(sample) * static_cast<double>(thinning);
+    if (whole) thinning = std::max<std::uint64_t>(1, plan.points / sample);
+    const std::vector<Window> windows = whole ? std::vector<Window>{{0, plan.cells.size()}}
+                                              : windowsOf(plan, kWindowPoints * thinning);
+    std::vector<unsigned char> points;
+    if (Error error = takeSample(loader, frame, windows, thinning, params.threads, ranks, points))
+      return error;
+    TraitsSample how;
+    how.windows = windows.size();
+    how.thinning = static_cast<std::size_t>(thinning);
+    Result<MeasuredTraits> measured = MeasuredTraits();
+    if (ranks.rank() == 0) measured = measureSample(loader, frame, params, how, points);
+    if (!measured) return measured;
+    const Verdict verdict = ofFirst(ranks, Verdict{measured->traits, measured->noise_fills});
+    measured->traits = verdict.traits;
+    measured->noise_fills = verdict.noise_fills;
+    if (thinning == 1) spacing = measured->traits.spacing;
+    measured->traits.spacing = spacing;
+    if (!measured->noise_fills || whole) return measured;
+  }
+}
 
 constexpr std::uint64_t kCellsOfTile =
     64;  ///< cells of more than such a part of a tile are divided
@@ -128,7 +360,7 @@ detail::StreamState::surveyTile(std::size_t tile, std::vector<unsigned char>& sa
   // What is left over at the end of a node has no room for balls of a whole tile's.
   const std::uint64_t most = std::min(params.firstBallPoints(), core.size / kBallsOfSmallTile);
   std::vector<std::uint64_t> gathered;
-  int level = detail::firstLevel(core, frame, radii, most, traits.lambda, gathered);
+  int level = firstLevel(core, frame, radii, most, traits.lambda, gathered);
   std::vector<std::uint64_t> cells;
   std::uint64_t halo_points = 0;
   const auto look = [&] {

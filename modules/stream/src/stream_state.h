@@ -11,7 +11,6 @@
 #include "pcl_slim/stream/stream_fit.h"
 #include "ranks/fitted_tiles.h"
 #include "ranks/rank_messages.h"
-#include "ranks/statistics_sum.h"
 #include "scratch/tile_store.h"
 #include "tiles/tile_loader.h"
 

@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "compact/compact_block.h"
-#include "file/byte_stream.h"
 #include "file/slim_blocks.h"
 #include "file/slim_header.h"
 #include "pcl_slim/core/file_access.h"

@@ -2,7 +2,7 @@
 #include "pcl_slim/web/web_surface.h"
 
 #include "columns/gzip.h"
-#include "columns/surface_columns.h"
+#include "columns/web_columns.h"
 
 namespace pcl_slim {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lines/place_grid.h"
+#include "lines/crest_tracer.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tiles/halo_mask.h"
+#include "tiles/tile_loader.h"
 
 #include <gtest/gtest.h>
 

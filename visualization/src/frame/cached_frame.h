@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-#include "frame/packed_frame.h"
+#include "frame/frame_textures.h"
 #include "frame/view_camera.h"
 #include "frame/vtk_view.h"
 #include "pcl_slim/core/error.h"

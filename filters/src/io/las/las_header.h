@@ -4,12 +4,48 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <string>
 #include <vector>
 
 #include "pcl_slim/core/error.h"
 
 namespace pcl_slim {
+
+constexpr int kMostLasFormat = 10;
+
+/** One value of a point record behind X, Y and Z (ASPRS, LAS 1.4 R15, tables 7 to 17). */
+struct LasItem {
+  std::string name;
+  std::uint8_t type = 0;    ///< ScalarType
+  std::size_t offset = 0;   ///< bytes from the record's begin
+  int shift = 0, bits = 0;  ///< of a byte that several values share; bits 0: the value has it alone
+};
+
+/** The values of a point data record format, 0 to 10, in the record's order. */
+std::vector<LasItem>
+lasItems(int format);
+
+/** Bytes of a record of this format without extra bytes. */
+std::size_t
+lasRecordBytes(int format);
+
+/** A little-endian value at any address; this machine's order is the same. */
+template <typename T>
+T
+getLas(const unsigned char* at)
+{
+  T value;
+  std::memcpy(&value, at, sizeof(value));
+  return value;
+}
+
+template <typename T>
+void
+putLas(std::vector<unsigned char>& bytes, std::size_t at, T value)
+{
+  std::memcpy(bytes.data() + at, &value, sizeof(value));
+}
 
 /** Where the parts of a LAS file's public header block begin (ASPRS, LAS 1.4 R15, table 3). */
 struct LasAt {

@@ -2,10 +2,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "io/las/las_bytes.h"
-#include "io/las/las_file.h"
 #include "io/las/las_header.h"
-#include "io/las/las_layout.h"
+#include "io/point_formats.h"
 #include "io/scalar_type.h"
 
 namespace pcl_slim {

@@ -4,10 +4,10 @@
 #include <string>
 #include <unordered_map>
 
-#include "io/mesh/mesh_files.h"
 #include "io/mesh/mesh_points.h"
+#include "io/point_formats.h"
 #include "io/scalar_type.h"
-#include "io/text/decimal.h"
+#include "io/text/text_table.h"
 
 namespace pcl_slim {
 

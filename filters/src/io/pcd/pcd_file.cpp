@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/pcd/pcd_file.h"
+#include "io/point_formats.h"
 
 #include <algorithm>
 #include <cstring>

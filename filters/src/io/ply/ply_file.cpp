@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/ply/ply_file.h"
+#include "io/point_formats.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
-#include "io/ply/ply_fields.h"
 #include "io/ply/ply_header.h"
 #include "io/scalar_type.h"
 

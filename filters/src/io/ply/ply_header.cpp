@@ -2,14 +2,88 @@
 #include "io/ply/ply_header.h"
 
 #include <algorithm>
+#include <cstring>
 #include <sstream>
 #include <unordered_set>
 
 #include "io/scalar_type.h"
+#include "pcl_slim/filters/io/point_file.h"
 
 namespace pcl_slim {
 
 namespace {
+
+struct Rename {
+  const char *ply, *pcl;
+};
+
+constexpr Rename kRenames[] = {{"nx", "normal_x"},         {"ny", "normal_y"},
+                               {"nz", "normal_z"},         {"diffuse_red", "red"},
+                               {"diffuse_green", "green"}, {"diffuse_blue", "blue"}};
+constexpr std::size_t kNumNormalRenames = 3;
+
+/** Index of a byte-valued field, or -1. */
+int
+findByte(const pcl::PCLPointCloud2& cloud, const char* name)
+{
+  const int i = findField(cloud, name);
+  return i >= 0 && cloud.fields[static_cast<std::size_t>(i)].datatype == kUInt8 ? i : -1;
+}
+
+/** Fields of a cloud whose colour bytes, listed in channel, become one field where red stood. */
+pcl::PCLPointCloud2
+packedLayout(const pcl::PCLPointCloud2& cloud, const int (&channel)[4],
+             std::vector<std::size_t>& sources)
+{
+  pcl::PCLPointCloud2 packed;
+  packed.width = cloud.width;
+  packed.height = cloud.height;
+  std::size_t step = 0;
+  for (int i = 0; i < static_cast<int>(cloud.fields.size()); ++i) {
+    if (i != channel[0] && std::find(channel, channel + 4, i) != channel + 4) continue;
+    pcl::PCLPointField field = cloud.fields[static_cast<std::size_t>(i)];
+    sources.push_back(field.offset);
+    field.offset = static_cast<pcl::uindex_t>(step);
+    if (i == channel[0]) {
+      field.name = channel[3] >= 0 ? "rgba" : "rgb";
+      field.datatype = channel[3] >= 0 ? kUInt32 : kFloat32;
+    }
+    packed.fields.push_back(field);
+    step += scalarSize(field.datatype);
+  }
+  packed.point_step = static_cast<pcl::uindex_t>(step);
+  packed.row_step = static_cast<pcl::uindex_t>(step * cloud.width);
+  packed.data.resize(step * numPoints(cloud));
+  return packed;
+}
+
+/** Replaces the colour bytes by one field of PCL's: blue, green, red, alpha in memory. */
+void
+packColour(pcl::PCLPointCloud2& cloud, const int (&channel)[4])
+{
+  std::vector<std::size_t> sources;
+  pcl::PCLPointCloud2 packed = packedLayout(cloud, channel, sources);
+  std::size_t from_channel[4] = {};
+  for (int k = 0; k < 4; ++k) {
+    if (channel[k] >= 0)
+      from_channel[k] = cloud.fields[static_cast<std::size_t>(channel[k])].offset;
+  }
+  const std::string colour = channel[3] >= 0 ? "rgba" : "rgb";
+  for (std::size_t p = 0; p < numPoints(cloud); ++p) {
+    const std::uint8_t* from = cloud.data.data() + p * cloud.point_step;
+    std::uint8_t* to = packed.data.data() + p * packed.point_step;
+    for (std::size_t f = 0; f < packed.fields.size(); ++f) {
+      std::uint8_t* at = to + packed.fields[f].offset;
+      if (packed.fields[f].name == colour) {
+        for (int k = 0; k < 3; ++k) at[2 - k] = from[from_channel[k]];
+        at[3] = channel[3] >= 0 ? from[from_channel[3]] : std::uint8_t{0};
+      } else {
+        std::memcpy(at, from + sources[f], scalarSize(packed.fields[f].datatype));
+      }
+    }
+  }
+  cloud = std::move(packed);
+}
 
 struct TypeName {
   const char *old_name, *new_name;
@@ -118,6 +192,51 @@ checkElements(const std::vector<PlyElement>& elements)
 }
 
 }  // namespace
+
+void
+adoptPclFields(pcl::PCLPointCloud2& cloud)
+{
+  for (pcl::PCLPointField& field : cloud.fields) {
+    for (const Rename& rename : kRenames) {
+      if (field.name == rename.ply && findField(cloud, rename.pcl) < 0) field.name = rename.pcl;
+    }
+  }
+  const int channel[4] = {findByte(cloud, "red"), findByte(cloud, "green"), findByte(cloud, "blue"),
+                          findByte(cloud, "alpha")};
+  const bool has_packed = findField(cloud, "rgb") >= 0 || findField(cloud, "rgba") >= 0;
+  if (channel[0] >= 0 && channel[1] >= 0 && channel[2] >= 0 && !has_packed) {
+    packColour(cloud, channel);
+  }
+}
+
+Error
+plyColumns(const pcl::PCLPointCloud2& cloud, std::vector<PlyColumn>& columns)
+{
+  for (const pcl::PCLPointField& field : cloud.fields) {
+    if ((field.name == "rgb" || field.name == "rgba") && scalarSize(field.datatype) == 4) {
+      // In memory PCL's colour is blue, green, red, alpha.
+      columns.push_back({"red", kUInt8, field.offset + 2u});
+      columns.push_back({"green", kUInt8, field.offset + 1u});
+      columns.push_back({"blue", kUInt8, field.offset + 0u});
+      if (field.name == "rgba") columns.push_back({"alpha", kUInt8, field.offset + 3u});
+      continue;
+    }
+    std::uint8_t type = field.datatype == kBool ? std::uint8_t{kUInt8} : field.datatype;
+    if (scalarSize(type) == 0 || type == kInt64 || type == kUInt64) {
+      return {ErrorCode::kBadArgument,
+              "PLY has no type for the field '" + field.name + "'; write a PCD file instead"};
+    }
+    std::string name = field.name;
+    for (std::size_t i = 0; i < kNumNormalRenames; ++i) {
+      if (name == kRenames[i].pcl) name = kRenames[i].ply;
+    }
+    for (std::size_t k = 0; k < std::max<std::size_t>(field.count, 1); ++k) {
+      const std::string suffix = field.count > 1 ? "_" + std::to_string(k) : "";
+      columns.push_back({name + suffix, type, field.offset + k * scalarSize(type)});
+    }
+  }
+  return {};
+}
 
 bool
 isFaceList(const PlyProperty& property)

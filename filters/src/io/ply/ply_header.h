@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <pcl/PCLPointCloud2.h>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -47,5 +48,13 @@ parsePlyHeader(const std::vector<unsigned char>& bytes, PlyHeader& header);
 std::string
 formatPlyHeader(const std::vector<std::string>& comments, const std::vector<PlyColumn>& columns,
                 std::size_t num_points, std::size_t num_faces, bool long_faces);
+
+/** Gives PLY's properties PCL's names, and packs red green blue (alpha) bytes into rgb (rgba). */
+void
+adoptPclFields(pcl::PCLPointCloud2& cloud);
+
+/** PLY's columns for a cloud's fields: the inverse of adoptPclFields. */
+Error
+plyColumns(const pcl::PCLPointCloud2& cloud, std::vector<PlyColumn>& columns);
 
 }  // namespace pcl_slim

@@ -7,9 +7,8 @@
 #include <sstream>
 #include <vector>
 
-#include "io/pcd/pcd_file.h"
 #include "io/pcd/pcd_header.h"
-#include "io/ply/ply_file.h"
+#include "io/point_formats.h"
 #include "pcl_slim/filters/io/record_layout.h"
 
 namespace pcl_slim {

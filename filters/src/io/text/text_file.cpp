@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "io/text/text_file.h"
+#include "io/point_formats.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 
-#include "io/ply/ply_fields.h"
+#include "io/ply/ply_header.h"
 #include "io/scalar_type.h"
 #include "io/text/column_names.h"
 

@@ -20,7 +20,6 @@
 #include <utility>
 
 #include "io/scalar_type.h"
-#include "io/vtp/vtp_names.h"
 #include "io/vtp/vtp_writing.h"
 
 namespace pcl_slim {

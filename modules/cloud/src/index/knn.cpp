@@ -2,7 +2,6 @@
 #include "pcl_slim/cloud/knn.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
 

@@ -3,9 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 
-#include "outliers/neighborhood.h"
+#include "noise/patch.h"
 #include "pcl_slim/cloud/detail/block_kernels.h"
+#include "pcl_slim/cloud/knn.h"
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim {
@@ -13,6 +16,179 @@ namespace pcl_slim {
 using namespace detail;
 
 namespace {
+
+/** \brief The neighbours of one point after another, for decisions about outliers. */
+class Neighborhood {
+ public:
+  explicit Neighborhood(const PointStore& store) : store_(store), search_(store) {}
+
+  /** \brief Finds the nearest others of a stored point, nearest first.
+   * \param[in] left_out one byte a stored point: those not to be taken; null: none.
+   * \param[in] among how many neighbours are looked through for them. \return how many were found. */
+  std::size_t find(std::size_t point, std::size_t count, const unsigned char* left_out,
+                   std::size_t among);
+
+  /** \brief Whether a stored point surely has so many others within a distance: much cheaper than to
+   * find them. false where rounding leaves a doubt. */
+  bool hasOthersWithin(double distance, std::size_t point, std::size_t count,
+                       const unsigned char* left_out = nullptr);
+
+  /** \brief Distance of the n-th other, n from 1 on; infinite where there are fewer. */
+  double distance(std::size_t n) const;
+
+  /** \brief Whether the point and its neighbours fill a volume, as those of no surface or line do:
+   * least over greatest eigenvalue of their covariance. */
+  bool fillsVolume(double least_ratio) const;
+
+  /** \brief Whether most neighbours are a patch that is far denser than the point's surroundings, and the
+   * point is outside of it, off its plane or line.
+   * \param[in] closeness half of the neighbours have others within the eighth's distance over this.
+   * \param[in] spreads least distance from the patch's mean, over its RMS distance from it.
+   * \param[in] off least share of it that points away from plane or line. */
+  bool standsApart(double closeness, double spreads, double off) const;
+
+  /** \brief Whether the point stands off its neighbours' plane: more than so many times their own RMS
+   * distance from it, and a given share of its distance from their mean and from the eighth. */
+  bool standsOffPlane(double heights, double share) const;
+
+ private:
+  PatchPoints densePatch(double distance) const;
+
+  const PointStore& store_;
+  NeighborSearch search_;
+  std::vector<std::uint32_t> found_;
+  std::vector<std::uint32_t> blocks_;  ///< those of hasOthersWithin(), and what it finds in them
+  AlignedVector<float> within_sq_;
+  AlignedVector<std::uint32_t> within_;
+  std::vector<float> distances_sq_;
+  PatchPoints others_;  ///< relative to the point
+  std::vector<double> distances_;
+};
+
+constexpr std::size_t kEighth = 8;
+constexpr double kLine =
+    0.05;  ///< second eigenvalue over the greatest, below which points are a line
+
+Eigen::Vector3d
+meanOf(const PatchPoints& points)
+{
+  return kernels::sumPatch(points).first / static_cast<double>(points.size());
+}
+
+std::size_t
+Neighborhood::find(std::size_t point, std::size_t count, const unsigned char* left_out,
+                   std::size_t among)
+{
+  search_.nearest(point, among + 1, found_, distances_sq_);
+  others_.resize(count);
+  distances_.clear();
+  const auto center = store_.position(point);
+  for (std::size_t j = 0; j < found_.size() && distances_.size() < count; ++j) {
+    const std::size_t other = found_[j];
+    if (other == point || (left_out != nullptr && left_out[other] != 0)) continue;
+    const auto p = store_.position(other);
+    others_.set(distances_.size(), {p[0] - center[0], p[1] - center[1], p[2] - center[2]});
+    distances_.push_back(std::sqrt(static_cast<double>(distances_sq_[j])));
+  }
+  others_.cut(distances_.size());
+  return distances_.size();
+}
+
+bool
+Neighborhood::hasOthersWithin(double distance, std::size_t point, std::size_t count,
+                              const unsigned char* left_out)
+{
+  constexpr double kRounding = 1e-5;
+  const auto center = store_.position(point);
+  const float c[3] = {static_cast<float>(center[0]), static_cast<float>(center[1]),
+                      static_cast<float>(center[2])};
+  const double sure = distance * (1 - kRounding);
+  blocks_.clear();
+  store_.tree().blocksInBall(c, static_cast<float>(distance), blocks_);
+  const std::size_t most = (blocks_.size() + 1) * PointStore::kBlock;
+  within_sq_.resize(most);
+  within_.resize(most);
+  const std::size_t found =
+      kernels::pointsUpTo(store_, blocks_.data(), blocks_.size(), center.data(),
+                          static_cast<float>(sure * sure), within_sq_.data(), within_.data());
+  if (left_out == nullptr) return found > count;
+  const auto isOther = [&](std::uint32_t other) { return other != point && left_out[other] == 0; };
+  const auto end = within_.begin() + static_cast<std::ptrdiff_t>(found);
+  return static_cast<std::size_t>(std::count_if(within_.begin(), end, isOther)) >= count;
+}
+
+double
+Neighborhood::distance(std::size_t n) const
+{
+  return n <= distances_.size() ? distances_[n - 1] : std::numeric_limits<double>::infinity();
+}
+
+bool
+Neighborhood::fillsVolume(double least_ratio) const
+{
+  PatchPoints all = others_;
+  all.resize(others_.size() + 1);
+  all.set(others_.size(), Eigen::Vector3d::Zero());
+  const Eigen::Vector3d spread = principalAxes(all).eigenvalues();
+  return spread[0] > least_ratio * spread[2];
+}
+
+/** The neighbours that lie as densely as their median does; none if that is no closer to another than a
+ * given distance. */
+PatchPoints
+Neighborhood::densePatch(double distance) const
+{
+  constexpr double kAlike = 3;  // times the median's distance to its nearest
+  const std::size_t n = others_.size();
+  std::vector<double> nearest(n, std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const double between = (others_.at(i) - others_.at(j)).norm();
+      nearest[i] = std::min(nearest[i], between);
+      nearest[j] = std::min(nearest[j], between);
+    }
+  }
+  std::vector<double> sorted = nearest;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  PatchPoints patch;
+  if (!(*middle <= distance)) return patch;
+  patch.resize(n);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (nearest[i] <= kAlike * *middle) patch.set(count++, others_.at(i));
+  }
+  patch.cut(count);
+  return patch;
+}
+
+bool
+Neighborhood::standsApart(double closeness, double spreads, double off) const
+{
+  const PatchPoints patch = densePatch(distance(kEighth) / closeness);
+  if (patch.size() < 3) return false;
+  const Eigen::Vector3d mean = meanOf(patch);
+  const auto axes = principalAxes(patch);
+  const Eigen::Vector3d spread = axes.eigenvalues().cwiseMax(0.0);
+  const double distance_sq = mean.squaredNorm();
+  if (!(distance_sq > spreads * spreads * spread.sum())) return false;
+  const double along = mean.dot(axes.eigenvectors().col(2)),
+               across = mean.dot(axes.eigenvectors().col(0));
+  const bool line = spread[1] < kLine * spread[2];
+  const double off_sq = line ? distance_sq - along * along : across * across;
+  return off_sq > off * off * distance_sq;
+}
+
+bool
+Neighborhood::standsOffPlane(double heights, double share) const
+{
+  const Eigen::Vector3d mean = meanOf(others_);
+  const auto axes = principalAxes(others_);
+  const double height = std::abs(mean.dot(axes.eigenvectors().col(0)));
+  const double own = std::sqrt(std::max(0.0, axes.eigenvalues()[0]));
+  return height > heights * own && height > share * mean.norm() &&
+         height > share * distance(kEighth);
+}
 
 constexpr std::size_t kBlock = PointStore::kBlock;
 constexpr std::size_t kTask = 64;          ///< blocks a thread takes at a time

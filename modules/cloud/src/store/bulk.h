@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "pcl_slim/cloud/detail/cloud_reader.h"
+#include "pcl_slim/core/finite.h"
 
 namespace pcl_slim::detail {
 
@@ -24,12 +25,6 @@ struct Bulk {
            std::abs(p[2] - median[2]) <= reach;
   }
 };
-
-inline bool
-isFinite(const std::array<double, 3>& p)
-{
-  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
-}
 
 /** \brief The bulk of a cloud, found from at most 4096 of its places: those whose hashes are least,
  * so that neither the points' order nor their repetition changes anything. Half the cube's edge is 2^14

@@ -2,7 +2,6 @@
 #include "pcl_slim/cloud/detail/frame_measure.h"
 
 #include <cstring>
-#include <vector>
 
 #include "pcl_slim/cloud/detail/cloud_reader.h"
 #include "pcl_slim/core/parallel.h"

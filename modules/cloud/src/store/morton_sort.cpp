@@ -2,7 +2,6 @@
 #include "pcl_slim/cloud/morton_sort.h"
 
 #include <algorithm>
-#include <vector>
 
 #include "pcl_slim/core/parallel.h"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <tuple>
 
-#include "lines/crest_side.h"
+#include "lines/crest_field.h"
 #include "pcl_slim/cloud/knn.h"
 #include "pcl_slim/core/parallel.h"
 

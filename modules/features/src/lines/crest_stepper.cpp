@@ -4,11 +4,127 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lines/crest_root.h"
-
 namespace pcl_slim::detail {
 
 namespace {
+
+/** A parabola through the values at -1, 0 and 1; a straight line where an outer one is not known. */
+struct Parabola {
+  double at0 = 0, slope = 0, bend = 0;
+
+  Parabola() = default;
+  Parabola(double before, double middle, double after)
+      : at0(middle), slope(0.5 * (after - before)), bend(0.5 * (after + before) - middle)
+  {
+  }
+  double operator()(double x) const { return at0 + x * (slope + x * bend); }
+  double slopeAt(double x) const { return slope + 2 * bend * x; }
+  /** The root between two places of different sign. */
+  double rootBetween(double low, double high) const;
+};
+
+/** Three samples side by side across a line, and where between them k is largest along t. */
+class CrossSection {
+ public:
+  CrossSection(const CrestSample* samples, const Vector3& across);
+
+  /** Whether dk/dt passes zero, falling along t, between two samples. */
+  bool hasRoot() const { return has_root_; }
+  /** In units of the samples' distance, within [-1, 1]. */
+  double root() const { return root_; }
+  /** A Newton step from the middle; false where it goes nowhere. */
+  bool newton(double& step) const;
+  /** Position, frame and curvatures at the root; its fall per sample. */
+  CrestVertex vertex() const;
+
+ private:
+  void search(int from);
+  double between(double before, double middle, double after) const;
+  Vector3 between(Vector3 CrestSample::*what) const;
+
+  const CrestSample* samples_;
+  double sense_ = 1;  ///< +1 where t points along across, else -1
+  bool complete_ = false, has_root_ = false;
+  double root_ = 0;
+  Parabola e_;
+};
+
+double
+Parabola::rootBetween(double low, double high) const
+{
+  // Of the two quotients that solve it, the one without cancellation and its partner.
+  const double rest = std::sqrt(std::max(0.0, slope * slope - 4 * bend * at0));
+  const double sum = -0.5 * (slope + std::copysign(rest, slope));
+  const double first = sum != 0 ? at0 / sum : 0, second = bend != 0 ? sum / bend : first;
+  const double middle = 0.5 * (low + high);
+  const double root = std::abs(first - middle) <= std::abs(second - middle) ? first : second;
+  return std::clamp(root, low, high);
+}
+
+CrossSection::CrossSection(const CrestSample* samples, const Vector3& across) : samples_(samples)
+{
+  const CrestSample& middle = samples[1];
+  complete_ = samples[0].known && middle.known && samples[2].known;
+  if (!middle.known) return;
+  sense_ = dot(middle.t, across) < 0 ? -1.0 : 1.0;
+  if (complete_) e_ = Parabola(samples[0].e, middle.e, samples[2].e);
+  // A maximum: dk/dt falls along t.
+  if (samples[0].known) search(0);
+  if (!has_root_ && samples[2].known) search(1);
+}
+
+void
+CrossSection::search(int from)
+{
+  const double before = sense_ * samples_[from].e, after = sense_ * samples_[from + 1].e;
+  if (!(before > 0 && after <= 0)) return;
+  has_root_ = true;
+  const double low = from - 1.0, high = from;
+  if (!complete_) {
+    root_ = low + before / (before - after);
+    return;
+  }
+  root_ = e_.rootBetween(low, high);
+}
+
+bool
+CrossSection::newton(double& step) const
+{
+  if (!complete_ || !(sense_ * e_.slope < 0)) return false;
+  step = -e_.at0 / e_.slope;
+  return true;
+}
+
+double
+CrossSection::between(double before, double middle, double after) const
+{
+  if (complete_) return Parabola(before, middle, after)(root_);
+  return root_ < 0 ? middle - root_ * (before - middle) : middle + root_ * (after - middle);
+}
+
+Vector3
+CrossSection::between(Vector3 CrestSample::*what) const
+{
+  Vector3 made;
+  for (std::size_t a = 0; a < 3; ++a) {
+    made[a] = between((samples_[0].*what)[a], (samples_[1].*what)[a], (samples_[2].*what)[a]);
+  }
+  return made;
+}
+
+CrestVertex
+CrossSection::vertex() const
+{
+  CrestVertex v;
+  v.position = between(&CrestSample::position);
+  v.normal = normalized(between(&CrestSample::normal));
+  const Vector3 t = between(&CrestSample::t);
+  v.t = normalized(along(t, -dot(t, v.normal), v.normal));
+  v.k = between(samples_[0].k, samples_[1].k, samples_[2].k);
+  if (complete_) v.fall = -sense_ * e_.slopeAt(root_);
+  v.other = between(samples_[0].other, samples_[1].other, samples_[2].other);
+  return v;
+}
 
 constexpr double kAside = 0.8;        ///< roots are looked for so many steps to both sides
 constexpr double kShorter = 0.4;      ///< a step that fails is tried once more, so much shorter

@@ -2,12 +2,312 @@
 #include "radius/radius_search.h"
 
 #include <algorithm>
+#include <cmath>
 
-#include "radius/rule/paper_radius_rule.h"
-#include "radius/rule/penalty_radius_rule.h"
-#include "radius/sparse_fallback.h"
+#include "radius/rule/radius_rule.h"
+#include "radius/trial_fits.h"
 
 namespace pcl_slim::detail {
+namespace {
+
+/** \brief The default rule: the widest ball and the lowest degree that cost their points nothing.
+ *
+ * The choice goes by the penalised E(r); lack of fit and detail below the noise send a ball on to
+ * smaller radii, and the edge of a feature to a lower degree. */
+class PenaltyRadiusRule : public RadiusRule {
+ public:
+  PenaltyRadiusRule(TrialFits& trials, ResidualTests& tests)
+      : trials_(trials), tests_(tests), comparison_(trials, tests)
+  {
+  }
+
+  RadiusChoice choose() override;
+
+  /** \brief E at all radii, or lack of fit, speaks for smaller ones by more than chance can. */
+  bool surelyInternal() override;
+
+ private:
+  RadiusChoice chooseByEnergy();
+  RadiusChoice chooseInside(const Trial& left, const Trial& middle, const Trial& right);
+  Trial largestLenient(const Trial& best, const Trial& right);
+  bool isLenient(const Trial& wide, const Trial& least) const;
+
+  TrialFits& trials_;
+  ResidualTests& tests_;
+  FitComparison comparison_;
+};
+
+/** \brief Whether a fit leaves more than noise and than any smooth surface would: a feature is
+ * near. */
+bool
+liesBesideFeature(const TrialFits& trials, const Trial& trial)
+{
+  const RadiusConstants& constants = trials.constants();
+  if (!trials.settings().find_detail || trial.fit.degree <= constants.feature_degree) return false;
+  const double e_sq = trials.variance(trial), r = trials.radiusOf(trial);
+  return e_sq > constants.feature_height * constants.feature_height * r * r &&
+         e_sq > constants.feature_noise * trials.noise();
+}
+
+/** \brief The fit of a low degree in a smaller ball that beats a trial by its expected error.
+ *
+ * Across an edge no degree fits, and a lower one needs less room. \return an unsupported trial
+ * where none does. Up to feature_steps fits. */
+Trial
+fitBesideFeature(TrialFits& trials, const Trial& trial)
+{
+  const RadiusConstants& constants = trials.constants();
+  const int degree = constants.feature_degree;
+  // Kappa is 1 for the expected error: what is left beside an edge is bias, not luck.
+  Energy risk = trials.energy();
+  risk.kappa = 1.0;
+  Trial best;
+  double least = constants.feature_gain * trials.energyOf(trial, risk), rho = trial.rho;
+  for (int step = 0; step < constants.feature_steps; ++step, rho *= constants.feature_step) {
+    const Trial low = trials.at(rho, degree, trials.settings().fit_kernel);
+    const double enough = constants.feature_support * numCoefficients(degree);
+    if (!low.supported || low.fit.n_eff < enough) break;
+    const double cost = trials.energyOf(low, risk);
+    if (cost >= least) continue;
+    best = low;
+    least = cost;
+  }
+  return best;
+}
+
+RadiusChoice
+PenaltyRadiusRule::choose()
+{
+  const RadiusChoice choice = chooseByEnergy();
+  if (choice.kind != RadiusChoice::Kind::kLeaf) return choice;
+  if (liesBesideFeature(trials_, choice.trial)) {
+    const Trial low = fitBesideFeature(trials_, choice.trial);
+    if (low.supported) return RadiusChoice::leaf(low);
+  }
+  if (choice.support_limited) return choice;
+  if (!choice.without_detail && tests_.hidesDetail(choice.trial)) {
+    return RadiusChoice::internal(trials_.right());
+  }
+  return RadiusChoice::leaf(comparison_.lowestDegreeAccepted(choice.trial));
+}
+
+RadiusChoice
+PenaltyRadiusRule::chooseByEnergy()
+{
+  const Trial& right = trials_.right();
+  if (!right.supported) return RadiusChoice::sparse(right);
+  const Trial middle = trials_.middle();
+  if (!middle.supported) return chooseAtMinimumSupport(trials_, right, right);
+  const bool flat = isLenient(right, middle);
+  if (tests_.isNoise(middle)) {
+    if (trials_.settings().compare_nested) {
+      const Trial wide = comparison_.widestAccepted(middle, right);
+      if (wide.supported) return RadiusChoice::withoutDetail(wide);
+    } else if (flat) {
+      return RadiusChoice::leaf(right);  // E is flat down to the noise: the largest radius serves.
+    }
+  }
+  if (trials_.energy().filledByNoise(trials_.rhoLeft() * trials_.samples().gatherRadius())) {
+    return RadiusChoice::leaf(flat ? right : middle);
+  }
+  const Trial left = trials_.left();
+  if (!left.supported) return chooseAtMinimumSupport(trials_, right, middle);
+  if (tests_.lacksFit(left, middle)) return RadiusChoice::internal(right);
+  return chooseInside(left, middle, right);
+}
+
+RadiusChoice
+PenaltyRadiusRule::chooseInside(const Trial& left, const Trial& middle, const Trial& right)
+{
+  const Trial& least = left.energy < middle.energy ? left : middle;
+  if (isLenient(right, least)) return RadiusChoice::leaf(right);
+  if (left.energy < middle.energy) return RadiusChoice::internal(right);
+  // A minimum lies inside (rule 4, first half).
+  Bracket bracket{left, middle, right};
+  bracket.narrow(trials_);
+  if (trials_.settings().lenience > 1.0) {
+    return RadiusChoice::leaf(largestLenient(bracket.b, right));
+  }
+  bracket.narrow(trials_);
+  return RadiusChoice::leaf(bracket.b);
+}
+
+/** E of a wide ball is as good as the least: under noise E is flat, and its argmin picks balls that
+ * are too small. */
+bool
+PenaltyRadiusRule::isLenient(const Trial& wide, const Trial& least) const
+{
+  return wide.energy <= trials_.settings().lenience * least.energy;
+}
+
+/** The largest radius up to right's with E <= lenience E_min, by bisection of log r. */
+Trial
+PenaltyRadiusRule::largestLenient(const Trial& best, const Trial& right)
+{
+  if (isLenient(right, best)) return right;
+  Trial inside = best;
+  double outside = right.rho;
+  for (int step = 0; step < trials_.constants().lenient_steps; ++step) {
+    const Trial trial = trials_.at(std::sqrt(inside.rho * outside));
+    if (trial.supported && isLenient(trial, best)) {
+      inside = trial;
+    } else {
+      outside = trial.rho;
+    }
+  }
+  return inside;
+}
+
+bool
+PenaltyRadiusRule::surelyInternal()
+{
+  const double margin = trials_.constants().sure_margin;
+  const Trial& right = trials_.right();
+  if (!right.supported) return false;
+  const Trial middle = trials_.middle(), left = trials_.left();
+  if (!middle.supported || !left.supported) return false;
+  if (tests_.lacksFit(left, middle, margin)) return true;
+  return margin * left.energy < middle.energy && margin * middle.energy < right.energy;
+}
+
+/** \brief The paper's rule: the least E(r) of eq. (3) on the interval of eq. (5), by rule (4). */
+class PaperRadiusRule : public RadiusRule {
+ public:
+  explicit PaperRadiusRule(TrialFits& trials) : trials_(trials) {}
+
+  RadiusChoice choose() override;
+
+  /** \brief Never: the paper looks at all points of a ball. */
+  bool surelyInternal() override { return false; }
+
+  /** \brief The radius chosen, as it is. */
+
+ private:
+  RadiusChoice chooseAmong(const Trial& left, const Trial& middle, const Trial& right);
+
+  TrialFits& trials_;
+};
+
+RadiusChoice
+PaperRadiusRule::choose()
+{
+  const Trial& right = trials_.right();
+  if (!right.supported) return RadiusChoice::sparse(right);
+  const Trial middle = trials_.middle();
+  if (!middle.supported) return chooseAtMinimumSupport(trials_, right, right);
+  const Trial left = trials_.left();
+  if (!left.supported) return chooseAtMinimumSupport(trials_, right, middle);
+  return chooseAmong(left, middle, right);
+}
+
+/** Rule (4), with the clamp at r_r where E_l > E_m >= E_r, and Brent's parabolic steps. */
+RadiusChoice
+PaperRadiusRule::chooseAmong(const Trial& left, const Trial& middle, const Trial& right)
+{
+  if (left.energy > middle.energy && middle.energy >= right.energy) {
+    return RadiusChoice::leaf(right);
+  }
+  const bool bracketed = left.energy > middle.energy && middle.energy < right.energy;
+  const bool monotone = left.fit.residual_sq < middle.fit.residual_sq &&
+                        middle.fit.residual_sq < right.fit.residual_sq;
+  if (!bracketed || !monotone) return RadiusChoice::internal(right);
+  const RadiusConstants& constants = trials_.constants();
+  Bracket bracket{left, middle, right};
+  for (int step = 0; step < constants.brent_steps && bracket.width() > constants.brent_width;
+       ++step) {
+    bracket.narrow(trials_);
+  }
+  return RadiusChoice::leaf(bracket.b);
+}
+
+/** A support-limited leaf, unless its few points are scattered about it. */
+RadiusChoice
+surfaceOrNothing(const TrialFits& trials, const ResidualTests& tests, const Trial& trial)
+{
+  const double ratio = trials.constants().scattered_ratio;
+  const bool scattered =
+      tests.lacksFit(trial) && trial.fit.residual_sq > ratio * ratio * trial.rho * trial.rho;
+  return scattered ? RadiusChoice::sparse(trial) : RadiusChoice::supportLimited(trial);
+}
+
+/** The highest degree with support at r_r, else at the gather radius; degree 0 where there is none.
+ */
+Trial
+fitOfLowerDegree(TrialFits& trials, const Trial& wide)
+{
+  const Trial lower = trials.at(trials.samples().rhoRight());
+  return lower.fit.degree > 0 ? lower : wide;
+}
+
+/** \brief The best that degree and radius up to the gather radius allow a sparse ball.
+ *
+ * \return a support-limited leaf; or a sparse ball where no plane can be fitted, or where the few
+ * points are scattered about the fit rather than on it. */
+RadiusChoice
+fallBackWhereSparse(TrialFits& trials, const ResidualTests& tests)
+{
+  const Trial wide = trials.at(1.0);
+  if (wide.supported) {
+    const Trial least = trials.atMinimumSupport(1.0);
+    return surfaceOrNothing(trials, tests, least.supported ? least : wide);
+  }
+  const Trial lower = fitOfLowerDegree(trials, wide);
+  const int degree = lower.fit.degree;
+  if (degree == 0) return RadiusChoice::sparse(lower);
+  // No wider than the lower degree needs: a few lone points are no surface all over the ball.
+  const WeightKernel kernel = trials.settings().fit_kernel;
+  const double rho = trials.minimumSupportRadius(lower.rho, degree, kernel);
+  const Trial least = trials.at(rho, degree, kernel);
+  return surfaceOrNothing(trials, tests, least.supported ? least : lower);
+}
+
+}  // namespace
+
+Trial
+FinalFit::make(const RadiusChoice& choice)
+{
+  const FitSettings& settings = trials_.settings();
+  const Trial& chosen = choice.trial;
+  const bool at_minimum_support = choice.support_limited && chosen.supported;
+  const WeightKernel kernel = at_minimum_support ? settings.wall_kernel : settings.fit_kernel;
+  Trial result = chosen;
+  if (!trials_.refit(trials_.samples().within(result.rho), kernel, result)) {
+    return chosen;  // rounding, or the other kernel, cost a pivot: the accepted fit stands
+  }
+  if (settings.robust) fitRobustly(kernel, result);
+  return result;
+}
+
+/** Fits again with weights against outliers; e stays what all points make it: cover takes in what
+ * lies within 5 e, outlying points too. */
+void
+FinalFit::fitRobustly(WeightKernel kernel, Trial& trial)
+{
+  kernels::compactBall(trials_.samples().all(), static_cast<float>(trial.rho * trial.rho), robust_);
+  const double spread_sq = trial.fit.residual_sq;
+  for (int pass = 0; pass < trials_.constants().robust_passes; ++pass) {
+    setRobustWeights(trial.fit);
+    if (!trials_.refit(robust_, kernel, trial)) break;
+  }
+  trial.fit.residual_sq = std::max(trial.fit.residual_sq, spread_sq);
+}
+
+/** Cauchy-like weights; their scale is the noise. */
+void
+FinalFit::setRobustWeights(const LocalFit& fit)
+{
+  const RadiusConstants& constants = trials_.constants();
+  const double unit = trials_.samples().gatherRadius();
+  residuals_.resize(robust_.count + BallBuffer::kPadding);
+  kernels::ballResiduals(robust_, fit, residuals_.data());
+  const double scale_sq =
+      constants.robust_scale * constants.robust_scale * trials_.noise() / (unit * unit);
+  robust_.prior.assign(robust_.u.size(), 1.0f);
+  for (std::size_t i = 0; i < robust_.count && scale_sq > 0; ++i) {
+    const double q = 1.0 / (1.0 + residuals_[i] * residuals_[i] / scale_sq);
+    robust_.prior[i] = static_cast<float>(q * q);
+  }
+}
 
 RadiusSearch::RadiusSearch(const FitSettings& settings)
     : trials_(settings), tests_(trials_), final_(trials_)

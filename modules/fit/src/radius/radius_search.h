@@ -4,12 +4,29 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
-#include "radius/final_fit.h"
 #include "radius/residual_tests.h"
 #include "radius/rule/radius_rule.h"
 
 namespace pcl_slim::detail {
+
+/** \brief Makes the fit of a leaf that is kept. One per thread: it keeps its scratch memory. */
+class FinalFit {
+ public:
+  explicit FinalFit(TrialFits& trials) : trials_(trials) {}
+
+  /** \brief The chosen fit once more, with iterative refinement and, where asked, robust weights. */
+  Trial make(const RadiusChoice& choice);
+
+ private:
+  void fitRobustly(WeightKernel kernel, Trial& trial);
+  void setRobustWeights(const LocalFit& fit);
+
+  TrialFits& trials_;
+  BallBuffer robust_;
+  std::vector<float> residuals_;
+};
 
 /** \brief Seeks the radius of one gathered ball (the paper's section 2, "Optimal surfel radius").
  *

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trim/sheet_points.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "pcl_slim/core/vector3.h"

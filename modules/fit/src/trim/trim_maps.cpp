@@ -1,14 +1,212 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "trim/trim_maps.h"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "pcl_slim/core/parallel.h"
-#include "trim/trim_maker.h"
+#include "trim/border_test.h"
+#include "trim/sheet_points.h"
+#include "trim/trim_raster.h"
 
 namespace pcl_slim::detail {
 
 namespace {
+
+/** \brief Makes the trim maps of one surface's surfels, one after another. One per thread: it keeps
+ * its memory. */
+class TrimMaker {
+ public:
+  TrimMaker(const PointStore& store, const FitSettings& settings, double hole_size,
+            const SLIMSurface& surface, PointBorders& borders)
+      : store_(store),
+        settings_(settings),
+        hole_size_(hole_size),
+        surface_(surface),
+        border_(store, settings.constants.border, std::sqrt(settings.noise), hole_size,
+                settings.with_normals ? settings.min_dot : -2.0f, borders)
+  {
+  }
+
+  /** \brief Surfels begin to end are made next: lists the points around them, if they are near to each
+   * other. */
+  void prepare(std::size_t begin, std::size_t end);
+
+  /** \brief Appends the bits of surfel i's map; nothing if it is closed. \return the map's side, 0
+   * if it is closed. O(points of the ball). */
+  int make(std::size_t i, std::vector<std::uint8_t>& bits);
+
+  /** \brief Surfels with gaps so far. */
+  std::uint64_t numCandidates() const { return candidates_; }
+
+ private:
+  kernels::CoverLeaf wideSurfel(std::size_t i, const std::array<float, 3>& normal) const;
+  void gather(std::size_t i);
+  Vector3 normalAt(std::size_t i, std::size_t point, const LocalFrame& frame) const;
+  bool dataEndAtGaps(std::size_t i, double spacing);
+  int appendMap(double spacing, std::vector<std::uint8_t>& bits) const;
+
+  const PointStore& store_;
+  const FitSettings& settings_;
+  double hole_size_;
+  const SLIMSurface& surface_;
+  BlockNeighborhood nearby_;  ///< of the surfels being made
+  bool has_nearby_ = false;
+  std::vector<std::uint32_t> found_;
+  BlockList blocks_;  ///< of the ball
+  SheetPoints points_;
+  TrimRaster raster_;
+  BorderTest border_;
+  std::vector<std::array<double, 2>> places_;  ///< in gaps, [r]
+  std::uint64_t candidates_ = 0;
+};
+
+constexpr int kDepthUnit = 64;  ///< of a raster's depths, a cell
+
+/** Sets the bit of the node next to each point: smoothing wipes out points that stand alone or in a
+ * single row. */
+void
+keepPoints(const SheetPoints& points, int side, std::uint8_t* bits)
+{
+  const float per_unit = 0.5f * static_cast<float>(side - 1);
+  for (std::size_t i = 0; i < points.count; ++i) {
+    const float u = points.u[i], v = points.v[i];
+    if (std::max(std::abs(u), std::abs(v)) > 1.0f) continue;
+    const int column = static_cast<int>((u + 1.0f) * per_unit + 0.5f);
+    const int k = static_cast<int>((v + 1.0f) * per_unit + 0.5f) * side + column;
+    bits[k >> 3] |= static_cast<std::uint8_t>(1 << (k & 7));
+  }
+}
+
+/** Surfel i as the cover sees it, with a wider ball and more patience for what lies beside it.
+ * \param[in] normal its own, which must outlive the result */
+kernels::CoverLeaf
+TrimMaker::wideSurfel(std::size_t i, const std::array<float, 3>& normal) const
+{
+  const TrimConstants& constants = settings_.constants.trim;
+  const float r = surface_.radius[i];
+  kernels::CoverLeaf surfel;
+  surfel.ball = {{surface_.cx[i], surface_.cy[i], surface_.cz[i]},
+                 static_cast<float>(constants.known * r),
+                 settings_.with_normals ? normal.data() : nullptr,
+                 settings_.min_dot};
+  surfel.frame = LocalFrame({normal[0], normal[1], normal[2]});
+  surfel.degree = surface_.degree[i];
+  surfel.support_radius = r;
+  surfel.c = surface_.coefficientsOf(i);
+  surfel.max_residual = static_cast<float>(
+      std::max(constants.gate * r, settings_.constants.cover.residual_bound * surface_.error[i]));
+  return surfel;
+}
+
+void
+TrimMaker::gather(std::size_t i)
+{
+  const std::array<float, 3> normal{surface_.nx[i], surface_.ny[i], surface_.nz[i]};
+  const kernels::CoverLeaf surfel = wideSurfel(i, normal);
+  if (has_nearby_) {
+    nearby_.blocksInBall(surfel.ball.center.data(), surfel.ball.radius, blocks_);
+  } else {
+    found_.clear();
+    store_.tree().blocksInBall(surfel.ball.center.data(), surfel.ball.radius, found_);
+    blocks_.assign(found_.begin(), found_.end());
+  }
+  if (!surface_.isLeaf(i) &&
+      blocks_.size() * PointStore::kBlock > settings_.constants.trim.sampled) {
+    sampleSheet(store_, blocks_, surfel, points_);
+  } else {
+    kernels::gatherSheet(store_, blocks_, surfel, points_);
+  }
+}
+
+void
+TrimMaker::prepare(std::size_t begin, std::size_t end)
+{
+  constexpr float kMostSpread = 16;  // of the balls' box over the widest ball; saves time alone
+  const float* centers[3] = {surface_.cx.data(), surface_.cy.data(), surface_.cz.data()};
+  float low[3], high[3], widest = 0, spread = 0;
+  for (std::size_t i = begin; i < end; ++i) widest = std::max(widest, surface_.radius[i]);
+  widest *= static_cast<float>(settings_.constants.trim.known);
+  for (std::size_t a = 0; a < 3; ++a) {
+    const auto [least, most] = std::minmax_element(centers[a] + begin, centers[a] + end);
+    low[a] = *least - widest;
+    high[a] = *most + widest;
+    spread = std::max(spread, high[a] - low[a]);
+  }
+  has_nearby_ = spread < kMostSpread * widest;
+  if (has_nearby_) nearby_.collect(store_.tree(), low, high);
+}
+
+/** Unit normal of surfel i's surface over one of its points. */
+Vector3
+TrimMaker::normalAt(std::size_t i, std::size_t point, const LocalFrame& frame) const
+{
+  const HeightJet jet = evaluateJet(surface_.degree[i], surface_.coefficientsOf(i),
+                                    points_.u[point], points_.v[point]);
+  return normalized(along(along(frame.w, -jet.hu, frame.u), -jet.hv, frame.v));
+}
+
+/** Whether the data end at one of the places in gaps, evenly chosen, and do not just turn away from
+ * the surfel's plane: at the points next to the place, on each of four sides. */
+bool
+TrimMaker::dataEndAtGaps(std::size_t i, double spacing)
+{
+  const double r = surface_.radius[i];
+  const LocalFrame frame({surface_.nx[i], surface_.ny[i], surface_.nz[i]});
+  const auto most = static_cast<std::size_t>(settings_.constants.border.places);
+  const std::size_t count = std::min(most, places_.size());
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto& [u, v] = places_[k * places_.size() / count];
+    const auto rims =
+        kernels::nearestInQuadrants(points_, static_cast<float>(u), static_cast<float>(v));
+    for (const std::uint32_t rim : rims.nearest) {
+      if (rim >= points_.count) continue;
+      if (border_.endsAt(points_.index[rim], r * spacing, normalAt(i, rim, frame))) return true;
+    }
+  }
+  return false;
+}
+
+int
+TrimMaker::make(std::size_t i, std::vector<std::uint8_t>& bits)
+{
+  const TrimConstants& constants = settings_.constants.trim;
+  gather(i);
+  const float* c = surface_.coefficientsOf(i);
+  // The finest map has a node a spacing, the coarsest five a side.
+  double least = 2.0 / (TrimMap::kMostSide - 1);
+  if (!surface_.isLeaf(i)) least = 2.0 / (constants.internal_side - 1);
+  const double spacing = std::clamp(spacingOf(points_), least, 0.5);
+  const TrimScale scale{spacing, hole_size_ * spacing, constants.growth * spacing};
+  // Nearer to the rim half of a hole's disc is unknown, and chance leaves the other half empty often.
+  const double sure = constants.known - 0.5 * scale.hole;
+  if (sure <= 0.0) return 0;
+  raster_.findGaps(points_, KnownRegion(surface_.degree[i], c, sure), scale, constants, places_);
+  if (places_.empty()) return 0;
+  ++candidates_;
+  if (!dataEndAtGaps(i, spacing)) return 0;
+  raster_.measureDepths(points_, KnownRegion(surface_.degree[i], c, constants.known));
+  const double clear = kDepthUnit * constants.clear * spacing / raster_.cell();
+  if (raster_.leastDepth(constants.looked_at) > clear) return 0;
+  return appendMap(spacing, bits);
+}
+
+/** \return the map's side: a node a spacing. */
+int
+TrimMaker::appendMap(double spacing, std::vector<std::uint8_t>& bits) const
+{
+  const int side = std::clamp(static_cast<int>(std::ceil(2.0 / spacing)) + 1, TrimMap::kLeastSide,
+                              TrimMap::kMostSide);
+  const std::size_t begin = bits.size();
+  bits.resize(begin + TrimMap::numBytes(side), 0);
+  raster_.fillMap(side, bits.data() + begin);
+  keepPoints(points_, side, bits.data() + begin);
+  return side;
+}
 
 constexpr std::size_t kRun = 64;  ///< surfels a thread takes at a time; no result depends on it
 
@@ -20,6 +218,7 @@ makeTrimMaps(const PointStore& store, const FitSettings& settings, double hole_s
 {
   PointBorders borders(store.size());
   std::vector<std::unique_ptr<TrimMaker>> makers;
+  makers.reserve(static_cast<std::size_t>(stats.threads));
   for (int t = 0; t < stats.threads; ++t)
     makers.push_back(std::make_unique<TrimMaker>(store, settings, hole_size, surface, borders));
   std::vector<std::uint8_t> sides(surface.size());

@@ -2,7 +2,6 @@
 #include "trim/trim_raster.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "pcl_slim/surface/trim_map.h"

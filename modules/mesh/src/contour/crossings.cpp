@@ -3,11 +3,41 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
+
+#include "pcl_slim/cloud/morton.h"
+#include "pcl_slim/cloud/morton_sort.h"
 
 namespace pcl_slim::detail {
 
 namespace {
+
+std::uint64_t
+keyOf(const std::uint32_t (&place)[3])
+{
+  return spreadBits(place[0]) << 2 | spreadBits(place[1]) << 1 | spreadBits(place[2]);
+}
+
+/** Inverse of spreadBits(). */
+std::uint32_t
+gatherBits(std::uint64_t v)
+{
+  v &= 0x1249249249249249ULL;
+  v = (v | v >> 2) & 0x10c30c30c30c30c3ULL;
+  v = (v | v >> 4) & 0x100f00f00f00f00fULL;
+  v = (v | v >> 8) & 0x1f0000ff0000ffULL;
+  v = (v | v >> 16) & 0x1f00000000ffffULL;
+  v = (v | v >> 32) & 0x1fffff;
+  return static_cast<std::uint32_t>(v);
+}
+
+Vector3
+placeOf(const CellTree& tree, std::uint64_t key)
+{
+  const std::uint32_t place[3] = {gatherBits(key >> 2), gatherBits(key >> 1), gatherBits(key)};
+  return tree.corner(place);
+}
 
 /// Ends whose normals agree are of one sheet unless the distances, in edges, are out of all proportion;
 /// polynomials err at corners that far off.
@@ -44,6 +74,61 @@ crossingOf(const SheetDistance& a, const SheetDistance& b, bool oriented, unsign
 }
 
 }  // namespace
+
+std::vector<std::array<std::uint32_t, 2>>
+CornerValues::evaluate(const CellTree& tree, const std::vector<CellEdge>& edges)
+{
+  AlignedVector<std::uint64_t> ends(2 * edges.size());
+  parallelFor(edges.size(), field_.threads, 4096, [&](std::size_t e, int) {
+    std::uint32_t place[3] = {edges[e].low[0], edges[e].low[1], edges[e].low[2]};
+    ends[2 * e] = keyOf(place);
+    place[edges[e].axis] += CellTree::width(edges[e].depth);
+    ends[2 * e + 1] = keyOf(place);
+  });
+  AlignedVector<std::uint32_t> order;
+  sortByKey(ends, order, field_.threads);
+  std::vector<std::uint64_t> keys(ends.begin(), ends.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  merge(tree, keys);
+  std::vector<std::array<std::uint32_t, 2>> corners(edges.size());
+  std::size_t at = 0;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    while (keys_[at] != ends[i]) ++at;
+    corners[order[i] / 2][order[i] % 2] = static_cast<std::uint32_t>(at);
+  }
+  return corners;
+}
+
+/** Adds corners to those known, and evaluates the new ones. */
+void
+CornerValues::merge(const CellTree& tree, const std::vector<std::uint64_t>& keys)
+{
+  std::vector<std::uint64_t> all;
+  all.reserve(keys_.size() + keys.size());
+  std::set_union(keys_.begin(), keys_.end(), keys.begin(), keys.end(), std::back_inserter(all));
+  std::vector<SheetDistance> values(all.size());
+  std::vector<std::uint32_t> missing;
+  std::size_t old = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (old < keys_.size() && keys_[old] == all[i]) {
+      values[i] = values_[old++];
+    } else {
+      missing.push_back(static_cast<std::uint32_t>(i));
+    }
+  }
+  forProbeBlocks(field_, missing.size(),
+                 [&](SurfaceProbe& probe, std::size_t first, std::size_t n) {
+                   Vector3 places[SurfaceProbe::kMost] = {};
+                   SheetDistance found[SurfaceProbe::kMost];
+                   for (std::size_t i = 0; i < n; ++i) {
+                     places[i] = placeOf(tree, all[missing[first + i]]);
+                   }
+                   probe.distances(places, n, found);
+                   for (std::size_t i = 0; i < n; ++i) values[missing[first + i]] = found[i];
+                 });
+  keys_ = std::move(all);
+  values_ = std::move(values);
+}
 
 void
 findCrossings(const CellTree& tree, const std::vector<CellEdge>& edges,

@@ -5,10 +5,25 @@
 #include <cstdint>
 #include <vector>
 
-#include "contour/sheet_vertices.h"
+#include "contour/crossings.h"
 #include "topology/fans.h"
 
 namespace pcl_slim::detail {
+
+/** One vertex for each sheet of surface in a cell, before it is put onto the surface. */
+struct SheetVertices {
+  std::vector<std::array<std::uint32_t, 4>> of_crossing;  ///< in the cells around each crossing
+  std::vector<std::uint32_t> cell;                        ///< of each vertex, ascending
+  std::vector<Vector3> position;                          ///< mean of its crossings
+  std::vector<Vector3> normal;                            ///< mean, unit
+  std::vector<float> size;                                ///< least edge that it crosses
+};
+
+/** Crossings on the border of the face between two cells are linked in pairs, by curves of the surface in
+ * that face; crossings linked in a cell are of one sheet there. So each edge of the mesh, a curve in a face,
+ * borders two faces of the mesh, its crossings, unless a sheet ends there. O(crossings). */
+SheetVertices
+findSheetVertices(const std::vector<Crossing>& crossings, bool oriented, int threads);
 
 /** The cells of vertices on edges that more than two faces share, ascending. O(faces log faces). */
 std::vector<std::uint32_t>

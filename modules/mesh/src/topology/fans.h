@@ -6,7 +6,14 @@
 #include <cstdint>
 #include <vector>
 
+#include "pcl_slim/mesh/mesh_faces.h"
+
 namespace pcl_slim::detail {
+
+/** \brief Counts edges along which two faces run in the same direction, so that their sides disagree,
+ * and edges of more than two faces. O(corners log corners). */
+void
+countEdges(const MeshFaces& faces, std::uint64_t& disagreeing, std::uint64_t& nonmanifold);
 
 /** The vertices of a triangle, counter-clockwise. */
 using Triangle = std::array<std::uint32_t, 3>;

@@ -10,8 +10,6 @@
 #include "hwy/highway.h"
 
 #include "pcl_slim/surface/detail/kernel_math-inl.h"
-#include "projection/derivative_sums-inl.h"
-#include "projection/height_jets-inl.h"
 #include "projection/leaf_frame-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -3,16 +3,320 @@
 #include "pcl_slim/query/projection.h"
 
 #include <algorithm>
+#include <cmath>
 
+#include "pcl_slim/cloud/detail/normal_bound.h"
 #include "pcl_slim/core/parallel.h"
-#include "projection/block_lists.h"
-#include "projection/block_projector.h"
+#include "pcl_slim/query/detail/block_means.h"
+#include "pcl_slim/query/detail/projection_kernel.h"
+#include "pcl_slim/query/detail/shape_operator.h"
 
 namespace pcl_slim {
 
 using namespace detail;
 
 namespace {
+
+/** \brief A surface in a store's units. Where the surface was fitted to the store, origins agree
+ * and scales are powers of two: its numbers then stay as they are. */
+struct Placement {
+  double shift[3];
+  double factor;
+
+  Placement(const PointStore& store, const SLIMSurface& surface)
+      : factor(surface.info.scale / store.scale())
+  {
+    for (std::size_t a = 0; a < 3; ++a) {
+      shift[a] = (surface.info.origin[a] - store.origin()[a]) / store.scale();
+    }
+  }
+
+  std::array<double, 3> center(const SLIMSurface& surface, std::uint32_t i) const
+  {
+    return {shift[0] + factor * surface.cx[i], shift[1] + factor * surface.cy[i],
+            shift[2] + factor * surface.cz[i]};
+  }
+  float radius(const SLIMSurface& surface, std::uint32_t i) const
+  {
+    return static_cast<float>(factor * surface.radius[i]);
+  }
+};
+
+/** \brief For every block of points the leaves whose ball meets it, ascending, as places in a list
+ * of leaves: block b has leaves[begin[b]] up to, but not including, leaves[begin[b + 1]]. */
+struct BlockLists {
+  std::vector<std::uint32_t> begin, leaves;
+};
+
+/** A run of the leaves, and the blocks that each of them meets. */
+struct Slice {
+  std::size_t first, last;               ///< places in the list of leaves
+  std::vector<std::uint32_t> hits;       ///< blocks, leaf by leaf
+  std::vector<std::uint32_t> hit_begin;  ///< where each leaf's hits begin, and where the last ends
+  std::vector<std::uint32_t> at;  ///< of each block: its number of hits, then a place to write
+};
+
+void
+findBlocks(const PointStore& store, const SLIMSurface& surface,
+           const std::vector<std::uint32_t>& leaves, Slice& slice)
+{
+  const Placement placement(store, surface);
+  for (std::size_t j = slice.first; j < slice.last; ++j) {
+    const auto center = placement.center(surface, leaves[j]);
+    const float at[3] = {static_cast<float>(center[0]), static_cast<float>(center[1]),
+                         static_cast<float>(center[2])};
+    slice.hit_begin.push_back(static_cast<std::uint32_t>(slice.hits.size()));
+    store.tree().blocksInBall(at, placement.radius(surface, leaves[j]), slice.hits);
+  }
+  slice.hit_begin.push_back(static_cast<std::uint32_t>(slice.hits.size()));
+  slice.at.assign(store.numBlocks(), 0);
+  for (const std::uint32_t block : slice.hits) ++slice.at[block];
+}
+
+/** Turns the slices' counts into places: block by block, and within a block slice by slice, so that
+ * its leaves ascend. \return where each block begins, and the end. */
+std::vector<std::uint32_t>
+placeSlices(std::size_t blocks, std::vector<Slice>& slices)
+{
+  std::vector<std::uint32_t> begin(blocks + 1);
+  std::uint32_t total = 0;
+  for (std::size_t b = 0; b < blocks; ++b) {
+    begin[b] = total;
+    for (Slice& slice : slices) {
+      const std::uint32_t count = slice.at[b];
+      slice.at[b] = total;
+      total += count;
+    }
+  }
+  begin[blocks] = total;
+  return begin;
+}
+
+void
+writeLeaves(Slice& slice, std::vector<std::uint32_t>& leaves)
+{
+  for (std::size_t j = 0; j + 1 < slice.hit_begin.size(); ++j) {
+    for (std::uint32_t h = slice.hit_begin[j]; h < slice.hit_begin[j + 1]; ++h) {
+      leaves[slice.at[slice.hits[h]]++] = static_cast<std::uint32_t>(slice.first + j);
+    }
+  }
+}
+
+/** \brief Lists the leaves of all blocks. O(leaves log blocks), plus what is listed; the same for
+ * any number of threads. */
+BlockLists
+listLeaves(const PointStore& store, const SLIMSurface& surface,
+           const std::vector<std::uint32_t>& leaves, int threads)
+{
+  // As many slices as threads: each finds its blocks, all are counted, then each writes its own.
+  std::vector<Slice> slices(static_cast<std::size_t>(threads));
+  for (std::size_t s = 0; s < slices.size(); ++s) {
+    slices[s].first = leaves.size() * s / slices.size();
+    slices[s].last = leaves.size() * (s + 1) / slices.size();
+  }
+  parallelFor(slices.size(), threads, 1,
+              [&](std::size_t s, int) { findBlocks(store, surface, leaves, slices[s]); });
+  BlockLists lists;
+  lists.begin = placeSlices(store.numBlocks(), slices);
+  lists.leaves.resize(lists.begin.back());
+  parallelFor(slices.size(), threads, 1,
+              [&](std::size_t s, int) { writeLeaves(slices[s], lists.leaves); });
+  return lists;
+}
+
+/** \brief Projects the points of a store block by block onto the leaves of a surface, by equations
+ * (6) to (8) with the guards of theory.md, "Projection". */
+class BlockProjector {
+ public:
+  /** \brief What one thread needs beside the result. */
+  struct Scratch {
+    BlockSums sums;
+    std::vector<BlockLeaf> near;       ///< the leaves of one block
+    std::vector<LeafHeights> heights;  ///< under its points
+  };
+
+  /** \brief Everything named must outlive this object. \param[in] leaves those that places name. */
+  BlockProjector(const PointStore& store, const SLIMSurface& surface,
+                 const std::vector<std::uint32_t>& leaves, const ProjectionParams& params,
+                 int threads);
+
+  /** \brief Projects one block's points onto the leaves at some places. */
+  void project(std::size_t block, const std::uint32_t* begin, const std::uint32_t* end,
+               Scratch& scratch, Projection& result) const;
+
+ private:
+  /** A leaf in the store's units, but for its shift to a block. */
+  struct PlacedLeaf {
+    BlockLeaf leaf;
+    std::array<double, 3> center;
+  };
+
+  PlacedLeaf placed(std::uint32_t i) const;
+  BlockLeaf relativeTo(std::size_t block, const PlacedLeaf& placed) const;
+  BlockPoints pointsOf(std::size_t block) const;
+  void write(std::size_t i, std::size_t lane, const BlockSums& sums, const BlockMeans& means,
+             Projection& result) const;
+  void writeCurvature(std::size_t i, std::size_t lane, const BlockSums& sums,
+                      const BlockMeans& means, Projection& result) const;
+
+  const PointStore& store_;
+  const SLIMSurface& surface_;
+  Placement placement_;
+  TrimTables trims_;
+  std::vector<PlacedLeaf> placed_;
+  BlendRules rules_;
+  bool with_directions_;  ///< principal curvatures and directions
+  float reach_;           ///< > 0: of the radius, in place of what residuals allow
+  double noise_;          ///< sqrt(lambda) in the surface's local units
+  bool by_normals_;       ///< whether points' own normals choose among leaves
+  float min_dot_ = 0.0f;  ///< and the cosine from which on they do
+};
+
+// theory.md, "Guards", Projection: which leaves serve a point.
+constexpr double kErrors = 5.0;        ///< residuals and offsets beyond so many e do not count,
+constexpr double kOffsetShare = 0.25;  ///< nor offsets beyond this share of r,
+constexpr double kNoiseShare = 0.6;    ///< unless noise explains them, up to this share
+constexpr double kRounding = 1e-5;     ///< of r: exact fits are not held to less than this
+constexpr float kSharpDot = 0.5f;  ///< with sharp features leaves serve normals within 60 degrees
+
+BlockProjector::BlockProjector(const PointStore& store, const SLIMSurface& surface,
+                               const std::vector<std::uint32_t>& leaves,
+                               const ProjectionParams& params, int threads)
+    : store_(store),
+      surface_(surface),
+      placement_(store, surface),
+      trims_(surface),
+      with_directions_(params.directions || params.extremality),
+      reach_(static_cast<float>(params.reach)),
+      noise_(std::sqrt(std::max(0.0, surface.info.lambda)) * surface.info.diagonal),
+      by_normals_(surface.info.oriented && store.hasSides() && !params.paper_mode)
+{
+  rules_.kernel = surface.info.blend_kernel;
+  rules_.oriented = surface.info.oriented;
+  rules_.guarded = !params.paper_mode;
+  rules_.with_hessian = params.curvature || with_directions_;
+  rules_.with_third = params.extremality;
+  if (by_normals_) min_dot_ = params.sharp_features ? kSharpDot : normalBound(store);
+  placed_.resize(leaves.size());
+  parallelFor(leaves.size(), threads, 1024,
+              [&](std::size_t j, int) { placed_[j] = placed(leaves[j]); });
+}
+
+BlockProjector::PlacedLeaf
+BlockProjector::placed(std::uint32_t i) const
+{
+  PlacedLeaf placed{{}, placement_.center(surface_, i)};
+  BlockLeaf& leaf = placed.leaf;
+  const LocalFrame frame({surface_.nx[i], surface_.ny[i], surface_.nz[i]});
+  for (int a = 0; a < 3; ++a) {
+    leaf.u[a] = static_cast<float>(frame.u[a]);
+    leaf.v[a] = static_cast<float>(frame.v[a]);
+    leaf.w[a] = static_cast<float>(frame.w[a]);
+  }
+  leaf.radius = placement_.radius(surface_, i);
+  const double residual = kErrors * surface_.error[i] / surface_.radius[i] + kRounding;
+  leaf.max_residual = static_cast<float>(residual);
+  const double noise = std::min(kErrors * noise_ / surface_.radius[i], kNoiseShare);
+  leaf.max_offset = static_cast<float>(std::min(residual, std::max(kOffsetShare, noise)));
+  if (reach_ > 0) leaf.max_residual = leaf.max_offset = reach_;
+  leaf.variance_weight = rules_.guarded ? surface_.varianceWeight(i) : 1.0f;
+  leaf.degree = surface_.degree[i];
+  leaf.c = surface_.coefficientsOf(i);
+  leaf.trim = trims_.of(i);
+  return placed;
+}
+
+BlockLeaf
+BlockProjector::relativeTo(std::size_t block, const PlacedLeaf& placed) const
+{
+  BlockLeaf leaf = placed.leaf;
+  const double origin[3] = {store_.blockOriginX()[block], store_.blockOriginY()[block],
+                            store_.blockOriginZ()[block]};
+  for (std::size_t a = 0; a < 3; ++a) {
+    leaf.shift[a] = static_cast<float>(origin[a] - placed.center[a]);
+  }
+  return leaf;
+}
+
+BlockPoints
+BlockProjector::pointsOf(std::size_t block) const
+{
+  const std::size_t first = block * PointStore::kBlock;
+  BlockPoints points{store_.x() + first, store_.y() + first, store_.z() + first};
+  if (by_normals_) {
+    points.nx = store_.nx() + first;
+    points.ny = store_.ny() + first;
+    points.nz = store_.nz() + first;
+    points.min_dot = min_dot_;
+  }
+  return points;
+}
+
+void
+BlockProjector::project(std::size_t block, const std::uint32_t* begin, const std::uint32_t* end,
+                        Scratch& scratch, Projection& result) const
+{
+  BlockSums& sums = scratch.sums;
+  scratch.near.clear();
+  for (const std::uint32_t* at = begin; at != end; ++at) {
+    scratch.near.push_back(relativeTo(block, placed_[*at]));
+  }
+  const BlockPoints points = pointsOf(block);
+  for (auto& column : sums.direction) std::fill(column, column + PointStore::kBlock, 0.0f);
+  std::fill(sums.weight, sums.weight + PointStore::kBlock, 0.0f);
+  const std::size_t leaves = scratch.near.size();
+  scratch.heights.resize(std::max(leaves, scratch.heights.size()));
+  for (std::size_t j = 0; j < leaves; ++j) {
+    kernels::addDirections(points, scratch.near[j], rules_, sums, scratch.heights[j]);
+  }
+  kernels::finishDirections(sums);
+  for (std::size_t j = 0; j < leaves; ++j) {
+    kernels::addIntersections(points, scratch.near[j], rules_, scratch.heights[j], sums);
+  }
+
+  const std::size_t first = block * PointStore::kBlock;
+  const std::size_t count = std::min(PointStore::kBlock, store_.size() - first);
+  const BlockMeans means(sums);
+  for (std::size_t lane = 0; lane < count; ++lane) {
+    write(first + lane, lane, sums, means, result);
+  }
+}
+
+/** Writes what was blended for point i: its place along the ray (eq. 6) and the normal (eq. 7). */
+void
+BlockProjector::write(std::size_t i, std::size_t lane, const BlockSums& sums,
+                      const BlockMeans& means, Projection& result) const
+{
+  auto position = store_.position(i);
+  if (sums.weight[lane] > 0 && means.length[lane] > BlockMeans::kLeastGradient) {
+    for (int a = 0; a < 3; ++a) {
+      position[a] += means.offset[lane] * sums.direction[a][lane];
+      result.normal[i][a] = means.unit[a][lane];
+    }
+    result.supported[i] = 1;
+    result.inside[i] = static_cast<std::uint8_t>(sums.outside[lane] <= 0.5f * sums.weight[lane]);
+    if (rules_.with_hessian) writeCurvature(i, lane, sums, means, result);
+  }
+  result.position[i] = position;
+}
+
+/** The same for curvatures and their derivatives (eq. 8, left). */
+void
+BlockProjector::writeCurvature(std::size_t i, std::size_t lane, const BlockSums& sums,
+                               const BlockMeans& means, Projection& result) const
+{
+  const double weight = sums.weight[lane], length = means.length[lane];
+  const Vector3 g = {means.gradient[0][lane], means.gradient[1][lane], means.gradient[2][lane]};
+  Symmetric3<double> h;
+  for (std::size_t k = 0; k < h.size(); ++k) h[k] = sums.hessian[k][lane] / weight;
+  result.curvature[i] = meanAndGaussian(g, length, h);
+  if (with_directions_) result.principal[i] = principalCurvatures(g, length, h);
+  if (rules_.with_third) {
+    double third[10];
+    for (int k = 0; k < 10; ++k) third[k] = sums.third[k][lane] / weight;
+    setExtremality(g, length, h, third, result.principal[i]);
+  }
+}
 
 void
 allocate(std::size_t points, const ProjectionParams& params, Projection& result)

@@ -12,8 +12,6 @@
 
 #include "pcl_slim/surface/detail/kernel_math-inl.h"
 #include "pcl_slim/surface/detail/trim_outside-inl.h"
-#include "projection/derivative_sums-inl.h"
-#include "projection/height_jets-inl.h"
 #include "projection/leaf_frame-inl.h"
 
 HWY_BEFORE_NAMESPACE();

@@ -2,7 +2,6 @@
 #include "pcl_slim/render/bounding_spheres.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace pcl_slim {

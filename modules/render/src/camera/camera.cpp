@@ -7,6 +7,7 @@
 
 #include "camera/bulk.h"
 #include "camera/camera_rays.h"
+#include "pcl_slim/core/finite.h"
 
 namespace pcl_slim {
 
@@ -15,12 +16,6 @@ namespace {
 
 constexpr int kMaxSide = 32768;
 constexpr double kFarOrigin = 0x1p40;  ///< beyond it doubles hardly hold a unit more
-
-bool
-isFinite(const Vector3& v)
-{
-  return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
-}
 
 /** \brief What is free for the object on the plane at depth 1: how far to either side. */
 struct Opening {

@@ -2,7 +2,6 @@
 #include "discs/disc_blend.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace pcl_slim::detail {

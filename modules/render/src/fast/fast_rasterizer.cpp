@@ -6,7 +6,6 @@
 #include <cstring>
 #include <limits>
 
-#include "fast/setup/batch_filler.h"
 #include "fast/setup/leaf_culling.h"
 #include "fast/setup/leaf_setup.h"
 #include "fast/tile_kernel.h"

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "camera/camera_rays.h"
-#include "camera/frame_view.h"
 #include "fast/setup/frame_cuts.h"
 #include "fast/setup/frame_leaf.h"
 #include "fast/setup/leaf_setup.h"

@@ -8,7 +8,8 @@
 #include "pcl_slim/cloud/morton_sort.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/surface/detail/detail_sizes.h"
-#include "tiles/half_spaces.h"
+#include "tiles/frame_rules.h"
+#include "tiles/surfel_bins.h"
 
 namespace pcl_slim::detail {
 namespace {
@@ -78,17 +79,6 @@ turnedAway(const FrameView& view, const Seen& p, const LeafNode& node)
 }
 
 }  // namespace
-
-double
-slopeBound(const SLIMSurface& surface, std::size_t i)
-{
-  const float* c = surface.coefficientsOf(i);
-  double bound = 0.0;
-  for (int degree = 1, k = 1; degree <= surface.degree[i]; ++degree) {
-    for (int j = 0; j <= degree; ++j, ++k) bound += degree * std::abs(static_cast<double>(c[k]));
-  }
-  return bound;
-}
 
 Visibility
 visibilityOf(const FrameView& view, const LeafNode& node, const VisibilityRules& rules)

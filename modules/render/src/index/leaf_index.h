@@ -4,13 +4,30 @@
 #include <cstdint>
 #include <vector>
 
-#include "camera/frame_view.h"
-#include "index/detail_rule.h"
+#include "camera/camera_rays.h"
 #include "pcl_slim/core/aligned.h"
+#include "pcl_slim/render/detail/frame_constants.h"
 #include "pcl_slim/render/render_params.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim::detail {
+
+/** \brief Which surfels of a hierarchy stand for a surface in a picture, and with what share of
+ * their weight (Ohtake, Belyaev, Alexa 2005, section 3.2).
+ *
+ * A surfel whose size (DetailSizes) is seen smaller than lod pixels stands for its descendants; from there
+ * to one and a half times that size it fades out and they fade in, so that nothing pops when the camera
+ * moves: its share is coarse(own size) (1 - coarse(size of its parent)). As sizes never grow from level
+ * to level, older ancestors are then large enough to be out of it.
+ */
+struct DetailRule {
+  static constexpr auto kFade = static_cast<float>(kDetailFade);
+  static constexpr auto kMeets = static_cast<float>(kDetailMeets);
+
+  float lod = 0.0f;  ///< pixels; 0: leaves alone stand for the surface
+
+  bool active() const { return lod > 0.0f; }
+};
 
 constexpr std::uint32_t kClusterSize = 64;  ///< leaves looked at together
 
@@ -85,9 +102,5 @@ class LeafIndex {
 /** \brief Whether balls whose gradients lie in a cone may be seen. Errs on the visible side. */
 Visibility
 visibilityOf(const FrameView& view, const LeafNode& node, const VisibilityRules& rules);
-
-/** \brief An upper bound on |grad h| over the unit ball, from the coefficients' absolute values. */
-double
-slopeBound(const SLIMSurface& surface, std::size_t i);
 
 }  // namespace pcl_slim::detail

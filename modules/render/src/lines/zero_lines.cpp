@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lines/numbered_set.h"
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim::detail {

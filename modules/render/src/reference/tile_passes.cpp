@@ -4,9 +4,6 @@
 #include <algorithm>
 #include <limits>
 
-#include "reference/leaf_on_ray.h"
-#include "tiles/half_spaces.h"
-
 namespace pcl_slim::detail {
 namespace {
 

@@ -3,11 +3,34 @@
 
 #include <vector>
 
+#include "pcl_slim/core/vector3.h"
+#include "pcl_slim/query/detail/ray_surfel.h"
 #include "pcl_slim/render/detail/frame_constants.h"
 #include "pcl_slim/render/render_params.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim::detail {
+
+/** \brief Names a half space without a direction or a place. */
+Error
+checkHalfSpaces(const std::vector<HalfSpace>& cuts);
+
+/** \brief Half spaces in local coordinates (local = (world - origin) / scale), unit normals. */
+std::vector<HalfSpace>
+localHalfSpaces(std::vector<HalfSpace> cuts, const Vector3& origin, double scale);
+
+/** \brief Depths along a ray between which it lies in all of some half spaces; near > far: nowhere. */
+struct RayStretch {
+  double near, far;
+};
+
+/** \brief What half spaces leave of a stretch of a ray. */
+RayStretch
+within(const std::vector<HalfSpace>& cuts, const Ray& ray, RayStretch stretch);
+
+/** \brief Whether a ball lies outside of any half space as a whole. */
+bool
+isCutAway(const std::vector<HalfSpace>& cuts, const Vector3& center, double radius);
 
 /** \brief What a frame's parameters mean for a surface, lengths in its local units. */
 struct FrameRules {

@@ -5,7 +5,6 @@
 
 #include "pcl_slim/core/parallel.h"
 #include "tiles/frame_rules.h"
-#include "tiles/half_spaces.h"
 
 namespace pcl_slim {
 

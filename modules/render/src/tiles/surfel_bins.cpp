@@ -5,24 +5,10 @@
 #include <cmath>
 #include <utility>
 
-#include "pcl_slim/core/parallel.h"
-
 namespace pcl_slim::detail {
 namespace {
 
 enum class Visibility : std::uint8_t { kVisible, kOutside, kBackFacing };
-
-/** \brief An upper bound on |grad h| over the unit ball, from the coefficients' absolute values. */
-double
-slopeBound(const SLIMSurface& surface, std::size_t i)
-{
-  const float* c = surface.coefficientsOf(i);
-  double bound = 0.0;
-  for (int degree = 1, k = 1; degree <= surface.degree[i]; ++degree) {
-    for (int j = 0; j <= degree; ++j, ++k) bound += degree * std::abs(static_cast<double>(c[k]));
-  }
-  return bound;
-}
 
 /** \brief True when grad f . d > 0 for every point of the ball and every ray through it. */
 bool
@@ -90,6 +76,17 @@ fillTiles(SurfelBins& bins, int threads)
 }
 
 }  // namespace
+
+double
+slopeBound(const SLIMSurface& surface, std::size_t i)
+{
+  const float* c = surface.coefficientsOf(i);
+  double bound = 0.0;
+  for (int degree = 1, k = 1; degree <= surface.degree[i]; ++degree) {
+    for (int j = 0; j <= degree; ++j, ++k) bound += degree * std::abs(static_cast<double>(c[k]));
+  }
+  return bound;
+}
 
 SurfelBins
 binByTile(const ImageSize& size, std::vector<VisibleLeaf> leaves, int threads)

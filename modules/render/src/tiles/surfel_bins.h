@@ -68,4 +68,8 @@ forEachTile(const SurfelBins& bins, int threads, const Body& body)
   return total;
 }
 
+/** \brief An upper bound on |grad h| over the unit ball, from the coefficients' absolute values. */
+double
+slopeBound(const SLIMSurface& surface, std::size_t i);
+
 }  // namespace pcl_slim::detail

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "pcl_slim/core/finite.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/render/disc_rasterizer.h"
@@ -23,12 +24,6 @@ Error
 bad(const char* message)
 {
   return {ErrorCode::kBadArgument, message};
-}
-
-bool
-isFinite(const Vector3& v)
-{
-  return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
 }
 
 /** \brief A world ray in an object's local units. */

@@ -3,7 +3,7 @@
 
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/render/ray_tracer.h"
-#include "tiles/half_spaces.h"
+#include "tiles/frame_rules.h"
 
 namespace pcl_slim {
 namespace {

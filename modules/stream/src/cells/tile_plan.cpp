@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "cells/point_keys.h"
+#include "cells/cell_counts.h"
 
 namespace pcl_slim {
 

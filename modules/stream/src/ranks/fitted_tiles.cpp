@@ -1,14 +1,107 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ranks/fitted_tiles.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
-#include <vector>
 
 #include "pcl_slim/surface/surface_io.h"
 #include "ranks/rank_messages.h"
-#include "ranks/statistics_sum.h"
 
 namespace pcl_slim::detail {
+namespace {
+
+constexpr std::uint64_t FitStatistics::*kCounts[] = {&FitStatistics::points,
+                                                     &FitStatistics::outliers,
+                                                     &FitStatistics::leaves,
+                                                     &FitStatistics::internals,
+                                                     &FitStatistics::support_limited,
+                                                     &FitStatistics::reduced_degree,
+                                                     &FitStatistics::uncovered,
+                                                     &FitStatistics::unsupported,
+                                                     &FitStatistics::skipped_normals,
+                                                     &FitStatistics::split_sheets,
+                                                     &FitStatistics::fits,
+                                                     &FitStatistics::fell_by_support,
+                                                     &FitStatistics::fell_by_pivot,
+                                                     &FitStatistics::line_balls,
+                                                     &FitStatistics::gathered,
+                                                     &FitStatistics::never_gathered,
+                                                     &FitStatistics::unresolved,
+                                                     &FitStatistics::open_leaves,
+                                                     &FitStatistics::trim_candidates};
+
+constexpr double FitStatistics::*kSeconds[] = {
+    &FitStatistics::seconds_outliers, &FitStatistics::seconds_noise, &FitStatistics::seconds_cover,
+    &FitStatistics::seconds_trim};
+
+}  // namespace
+
+void
+StatisticsSum::add(const FitStatistics& tile, const SLIMSurface& surface)
+{
+  for (const auto count : kCounts) sum_.*count += tile.*count;
+  for (const auto seconds : kSeconds) sum_.*seconds += tile.*seconds;
+  sum_.least_pivot = std::min(sum_.least_pivot, tile.least_pivot);
+  sum_.working_bytes = std::max(sum_.working_bytes, tile.working_bytes);
+  sum_.first_level = any_ ? std::min(sum_.first_level, tile.first_level) : tile.first_level;
+  sum_.levels_skipped = sum_.first_level - 1;
+  sum_.last_level = std::max(sum_.last_level, tile.last_level);
+  sum_.threads = tile.threads;
+  sum_.penalty = tile.penalty;
+  sum_.t_mdl = tile.t_mdl;
+  auto& levels = sum_.leaves_per_level;
+  levels.resize(std::max(levels.size(), tile.leaves_per_level.size()));
+  for (std::size_t k = 0; k < tile.leaves_per_level.size(); ++k)
+    levels[k] += tile.leaves_per_level[k];
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    if (!surface.isLeaf(i)) continue;
+    const double weight = surface.effective_count[i], error = surface.error[i];
+    weight_ += weight;
+    square_ += weight * error * error;
+  }
+  sum_.rms_error = weight_ > 0 ? std::sqrt(square_ / weight_) / surface.info.diagonal : 0.0;
+  any_ = true;
+}
+
+std::vector<double>
+packedStatistics(const FitStatistics& tile)
+{
+  std::vector<double> numbers{tile.least_pivot,
+                              static_cast<double>(tile.first_level),
+                              static_cast<double>(tile.last_level),
+                              tile.penalty,
+                              tile.t_mdl,
+                              static_cast<double>(tile.working_bytes)};
+  for (const auto count : kCounts) numbers.push_back(static_cast<double>(tile.*count));
+  return numbers;
+}
+
+FitStatistics
+unpackedStatistics(const std::vector<double>& numbers, const SLIMSurface& surface)
+{
+  FitStatistics tile;
+  tile.least_pivot = numbers[0];
+  tile.first_level = static_cast<int>(numbers[1]);
+  tile.last_level = static_cast<int>(numbers[2]);
+  tile.penalty = numbers[3];
+  tile.t_mdl = numbers[4];
+  tile.working_bytes = static_cast<std::uint64_t>(numbers[5]);
+  std::size_t next = 6;
+  for (const auto count : kCounts) tile.*count = static_cast<std::uint64_t>(numbers[next++]);
+  tile.leaves_per_level.assign(static_cast<std::size_t>(tile.last_level) + 1, 0);
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    const std::size_t level = surface.level[i];
+    if (surface.isLeaf(i) && level < tile.leaves_per_level.size()) ++tile.leaves_per_level[level];
+  }
+  return tile;
+}
+
+std::size_t
+numPackedStatistics()
+{
+  return packedStatistics({}).size();
+}
 
 Ranks::Bytes
 packedTile(const FittedTile& made)

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "compact/surfel_codec.h"
-#include "file/byte_stream.h"
 #include "file/slim_header.h"
 
 namespace pcl_slim::detail {

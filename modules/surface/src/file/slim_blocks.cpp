@@ -8,7 +8,6 @@
 #include <limits>
 #include <utility>
 
-#include "file/byte_stream.h"
 #include "file/slim_header.h"
 #include "pcl_slim/surface/surface_io.h"
 

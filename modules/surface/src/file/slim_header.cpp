@@ -2,7 +2,6 @@
 #include "file/slim_header.h"
 
 #include <cmath>
-#include <cstring>
 #include <string>
 
 namespace pcl_slim::detail {

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "columns/byte_planes.h"
 #include "columns/web_columns.h"
+#include "columns/web_header.h"
 #include "pcl_slim/cloud/morton.h"
 
 namespace pcl_slim::detail {

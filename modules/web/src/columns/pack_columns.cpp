@@ -4,7 +4,6 @@
 #include <cstring>
 
 #include "columns/center_cells.h"
-#include "columns/surface_columns.h"
 #include "columns/web_columns.h"
 #include "columns/web_header.h"
 #include "pcl_slim/surface/detail/detail_sizes.h"

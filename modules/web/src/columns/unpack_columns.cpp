@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "columns/surface_columns.h"
 #include "columns/web_columns.h"
 #include "columns/web_header.h"
 #include "pcl_slim/surface/detail/detail_sizes.h"

@@ -5,8 +5,19 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <vector>
+
+#include "pcl_slim/web/web_surface.h"
 
 namespace pcl_slim::detail {
+
+/** \brief encodeWebSurface() before it is deflated. The surface must pass validate(). */
+std::vector<unsigned char>
+packColumns(const SLIMSurface& surface, double precision);
+
+/** \brief Inverse of packColumns(). */
+Result<WebSurface>
+unpackColumns(const std::vector<unsigned char>& bytes);
 
 constexpr double kCenterSteps = 65535.0;  ///< along the longest side of the centres' box
 constexpr double kNormalGrid = 2047.0;    ///< steps of a coordinate to each side: 12 bits

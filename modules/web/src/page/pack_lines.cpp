@@ -3,9 +3,9 @@
 #include <cmath>
 #include <limits>
 
-#include "columns/byte_planes.h"
 #include "columns/gzip.h"
 #include "columns/web_columns.h"
+#include "columns/web_header.h"
 #include "page/page_text.h"
 
 namespace pcl_slim::detail {

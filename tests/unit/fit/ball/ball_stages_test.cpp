@@ -7,7 +7,6 @@
 #include <random>
 
 #include "ball/ball_fitter.h"
-#include "ball/recentring.h"
 #include "presets.h"
 #include "support/clouds.h"
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "radius/fit_comparison.h"
+#include "radius/residual_tests.h"
 #include "support/balls.h"
 
 namespace pcl_slim {

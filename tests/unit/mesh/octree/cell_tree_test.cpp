@@ -6,7 +6,6 @@
 #include <set>
 #include <tuple>
 
-#include "octree/cell_edges.h"
 #include "support/clouds.h"
 
 namespace {

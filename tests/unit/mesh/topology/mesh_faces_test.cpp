@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support/meshes.h"
-#include "topology/edge_census.h"
+#include "topology/fans.h"
 
 namespace {
 

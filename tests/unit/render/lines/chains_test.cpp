@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "lines/numbered_set.h"
-
 namespace pcl_slim::detail {
 namespace {
 

@@ -7,6 +7,17 @@
 
 namespace pcl_slim::detail {
 
+/** \brief Three trials a < b < c of which the middle one costs least. */
+struct Bracket {
+  Trial a, b, c;
+
+  /** \brief One parabolic step in log r and log E towards the minimum near b. One fit. */
+  void narrow(TrialFits& trials);
+
+  /** \brief log(c / a). */
+  double width() const;
+};
+
 /** \brief Where the search over one sliding interval ended. */
 struct RadiusChoice {
   enum class Kind {

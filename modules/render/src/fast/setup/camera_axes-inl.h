@@ -8,7 +8,7 @@
 #define PCL_SLIM_CAMERA_AXES_INL
 #endif
 
-#include "camera/frame_view.h"
+#include "camera/camera_rays.h"
 #include "pcl_slim/surface/detail/kernel_math-inl.h"
 
 HWY_BEFORE_NAMESPACE();

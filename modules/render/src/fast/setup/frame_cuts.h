@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "camera/frame_view.h"
+#include "camera/camera_rays.h"
 #include "pcl_slim/render/render_params.h"
 
 namespace pcl_slim::detail {

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "camera/frame_view.h"
+#include "camera/camera_rays.h"
 #include "index/leaf_index.h"
 
 namespace pcl_slim::detail::kernels {

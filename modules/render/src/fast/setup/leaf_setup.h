@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "camera/frame_view.h"
+#include "camera/camera_rays.h"
 #include "fast/setup/frame_leaf.h"
 
 namespace pcl_slim::detail {

@@ -4,9 +4,22 @@
 #include <cstdint>
 #include <vector>
 
+#include "pcl_slim/mesh/mesh_extraction.h"
 #include "vertices/surface_vertices.h"
 
 namespace pcl_slim::detail {
+
+/** Closes gaps that contouring has left where the surface goes on: border loops of few edges, on whose area fewer
+ * points would lie than on a disc `width` spacings wide, with data on all sides. A gap of three edges gets a
+ * triangle, others a fan about a vertex on the surface. \return how many. O(T log T). */
+std::uint64_t
+closeGaps(const ProbeField& field, double width, std::vector<Triangle>& triangles,
+          SurfaceVertices& vertices);
+
+/** Leaves out components on which fewer points lie than asked for; the largest always stays. O(T). */
+void
+dropCrumbs(const ProbeField& field, double min_points, const SurfaceVertices& vertices,
+           std::vector<Triangle>& triangles, MeshStatistics& statistics);
 
 /** Marks as outside the vertices that no leaf supports or that leaves cover less than a fit covers its
  * points: polynomials err there, and trim maps say nothing of where they lead. */
