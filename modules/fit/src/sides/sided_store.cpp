@@ -27,7 +27,7 @@ mayNeedSides(const PointStore& store, const FitParams& params, const FitStatisti
 struct SideSearch {
   double share = 0;     ///< of the places that have two sides
   double doubt = 0;     ///< most of the agreements that may be unmet
-  bool needed = false;  ///< a fit does not part these by itself
+  bool likely = false;  ///< many places are thin
   double noise = 0;     ///< by which the first cells are cut
   double least = 0;     ///< noise below which the spacing alone sets the width of cells
   bool capped = true;   ///< lambda may not exceed the noise that cells are cut by
@@ -52,15 +52,15 @@ searchFor(const ThinPlaces& thin, double unsided, bool measured, const SideConst
   search.least = rules.least_cells * thin.spacing;
   search.capped = measured;
   const double least = leastShare(search.noise / thin.spacing, rules);
-  search.needed = thin.share >= least || thin.facing >= rules.least_facing;
-  search.share =
-      search.needed ? std::max(thin.share, thin.facing) : thin.share + thin.facing + thin.near;
+  search.likely = thin.share >= least;
+  const bool many = search.likely || thin.facing >= rules.least_facing;
+  search.share = many ? std::max(thin.share, thin.facing) : thin.share + thin.facing + thin.near;
   if (search.share < rules.few_thin) return {};
   // Wrong sides break up the wide leaves of a clean cloud.
   search.doubt = rules.doubt * search.share;
   if (search.noise < rules.full_noise * thin.spacing)
     search.doubt = std::min(search.doubt, rules.clean_doubt);
-  if (!search.needed) search.doubt = std::min(search.doubt, rules.few_doubt);
+  if (!many) search.doubt = std::min(search.doubt, rules.few_doubt);
   return search;
 }
 
@@ -88,36 +88,21 @@ measureWith(SidedStore& sided, const FitConstants& constants, const FitParams& p
   return error;
 }
 
-/** Runs of points all over a large cloud, whose sides are found first: those that a part leaves in doubt
- * the whole does, too. Empty for small clouds. */
-PointStore
-probeOf(const PointStore& store, const SideConstants& rules, int threads)
+/** Whether runs of points all over a large cloud leave too many sides in doubt, as the whole would. */
+bool
+partIsDoubtful(const PointStore& store, const SideSearch& search, double spacing,
+               const SideConstants& rules, int threads)
 {
   const std::size_t part = store.size() / rules.probe_runs;
-  if (part < rules.probe_part * rules.probe_points) return {};
+  if (part < rules.probe_part * rules.probe_points) return false;
   std::vector<std::uint32_t> dropped;
   dropped.reserve(store.size());
   for (std::size_t i = 0; i < store.size(); ++i) {
     if (i % part >= rules.probe_points) dropped.push_back(static_cast<std::uint32_t>(i));
   }
-  return store.without(dropped, threads);
-}
-
-/** What sides by cells of one width show. */
-struct SideVerdict {
-  bool few = false;       ///< too little faces apart
-  bool doubtful = false;  ///< too many cells disagree
-  bool narrower = false;  ///< narrower cells may show more
-};
-
-SideVerdict
-judge(const Sides& sides, const SideSearch& search, const SideConstants& rules)
-{
-  SideVerdict verdict;
-  verdict.few = sides.thin < rules.part * search.share;
-  verdict.doubtful = 1 - sides.confidence > search.doubt;
-  verdict.narrower = verdict.few || verdict.doubtful || sides.confidence < rules.sure;
-  return verdict;
+  const PointStore runs = store.without(dropped, threads);
+  const Sides sides = findSides(runs, search.noise, spacing, rules, threads);
+  return 1 - sides.confidence > search.doubt;
 }
 
 /** Seeks sides by narrower and narrower cells: those that hold both sides leave doubts, or too little
@@ -128,24 +113,16 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
           std::optional<SidedFit>& best)
 {
   const SideConstants& rules = constants.sides;
-  const PointStore probe = probeOf(sided.store(), rules, stats.threads);
   double noise = search.noise;
   for (int pass = 0; pass < rules.noise_passes; ++pass) {
     sided.clearSides();
-    const auto sidesOf = [&](const PointStore& store) {
-      return findSides(store, noise, spacing, rules, stats.threads);
-    };
-    SidedFit next;
-    next.stats = stats;
-    SideVerdict verdict;
-    if (probe.size() > 0) verdict = judge(sidesOf(probe), search, rules);
-    if (!verdict.few && !verdict.doubtful) {
-      next.sides = sidesOf(sided.store());
-      verdict = judge(next.sides, search, rules);
-    }
-    if (verdict.doubtful && best) break;
+    SidedFit next{findSides(sided.store(), noise, spacing, rules, stats.threads), {}, stats};
+    const bool few = next.sides.thin < rules.part * search.share;
+    const bool doubtful = 1 - next.sides.confidence > search.doubt;
+    const bool narrower = few || doubtful || next.sides.confidence < rules.sure;
+    if (doubtful && best) break;
     double found = noise;
-    if (!verdict.few && !verdict.doubtful) {
+    if (!few && !doubtful) {
       if (Error error = measureWith(sided, constants, params, next)) return error;
       found = next.noise;
       if (best && next.cost() > best->cost()) break;
@@ -155,7 +132,7 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
       best = std::move(next);
     }
     const bool same = found > rules.same_noise * noise;
-    if (noise <= search.least || (same && !verdict.narrower)) break;
+    if (noise <= search.least || (same && !narrower)) break;
     noise = std::max(search.least, same ? 0.5 * noise : found);
   }
   sided.clearSides();
@@ -175,6 +152,9 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
   const double unsided = std::sqrt(settings.energy.lambda);
   const auto search = searchFor(thin, unsided, params.lambda == 0, constants.sides);
   if (!search) return {};
+  if (!search->likely &&
+      partIsDoubtful(sided.store(), *search, thin.spacing, constants.sides, stats.threads))
+    return {};
   std::optional<SidedFit> best;
   if (Error error = seekSides(*search, thin.spacing, constants, params, sided, stats, best))
     return error;

@@ -48,8 +48,8 @@ struct SideConstants {
   double same_noise =
       0.75;            ///< share of the noise that the cells were cut by, from which it is the same
   double sure = 0.95;  ///< confidence from which narrower cells are not tried
-  std::size_t probe_runs = 8,
-              probe_points = 1024;  ///< points in a row that are looked at first ...
+  std::size_t probe_runs = 8;       ///< runs of points in a row that are looked at first ...
+  std::size_t probe_points = 1024;  ///< ... points of each ...
   std::size_t probe_part = 8;       ///< ... in clouds of so many times as many
   int noise_passes = 5;             ///< times that cells are cut by the noise that sides show
   double least_cells = 1.0;         ///< noise below which cells follow the spacing alone [spacings]
