@@ -137,35 +137,6 @@ TEST(FitSides, WideLeavesDoNotReachAPlateFarBehind)
   EXPECT_LT(plates.rms(with), 0.85 * plates.rms(without));
 }
 
-TEST(FitSides, PartSpheresWhereTheyTouch)
-{
-  // Few places are thin, and nearly all cells agree.
-  constexpr double kRadius = 20;
-  const int points = static_cast<int>(4 * M_PI * kRadius * kRadius);
-  Cloud cloud;
-  std::mt19937_64 rng(5);
-  std::normal_distribution<double> gauss(0, 1);
-  for (const double middle : {-kRadius, kRadius}) {
-    for (int i = 0; i < points; ++i) {
-      const double z = 1 - (2 * i + 1.0) / points, turn = 2 * M_PI * std::fmod(i * kGolden, 1.0);
-      const double level = std::sqrt(1 - z * z);
-      const Vector3 p = scaled({level * std::cos(turn), z, level * std::sin(turn)}, kRadius);
-      cloud.add(p[0] + middle + 0.1 * gauss(rng), p[1] + 0.1 * gauss(rng), p[2] + 0.1 * gauss(rng));
-    }
-  }
-  const auto rms = [](const Fitted& f) {
-    return rmsOf(f, [](const Vector3& p) {
-      return std::hypot(std::abs(p[0]) - kRadius, p[1], p[2]) - kRadius;
-    });
-  };
-  FitParams params;
-  const Fitted with = fitted(cloud, params);
-  params.sides = false;
-  const Fitted without = fitted(cloud, params);
-  EXPECT_GT(with.statistics.sided, 0u);
-  EXPECT_LT(rms(with), 0.7 * rms(without));
-}
-
 TEST(FitSides, FacesOutward)
 {
   const Plates plates{3, 0.3};

@@ -27,9 +27,10 @@ mayNeedSides(const PointStore& store, const FitParams& params, const FitStatisti
 struct SideSearch {
   double share = 0;     ///< of the places that have two sides
   double doubt = 0;     ///< most of the agreements that may be unmet
-  bool likely = false;  ///< many places are thin
+  bool needed = false;  ///< a fit does not part these by itself
   double noise = 0;     ///< by which the first cells are cut
   double least = 0;     ///< noise below which the spacing alone sets the width of cells
+  double unsided = 0;   ///< noise measured without sides
   bool capped = true;   ///< lambda may not exceed the noise that cells are cut by
 };
 
@@ -47,20 +48,18 @@ std::optional<SideSearch>
 searchFor(const ThinPlaces& thin, double unsided, bool measured, const SideConstants& rules)
 {
   SideSearch search;
-  search.noise = unsided;
+  search.unsided = search.noise = unsided;
   if (measured && thin.noise > 0) search.noise = std::min(unsided, thin.noise);
   search.least = rules.least_cells * thin.spacing;
   search.capped = measured;
   const double least = leastShare(search.noise / thin.spacing, rules);
-  search.likely = thin.share >= least;
-  const bool many = search.likely || thin.facing >= rules.least_facing;
-  search.share = many ? std::max(thin.share, thin.facing) : thin.share + thin.facing + thin.near;
-  if (search.share < rules.few_thin) return {};
+  search.needed = thin.share >= least || thin.facing >= rules.least_facing;
+  search.share = search.needed ? std::max(thin.share, thin.facing) : thin.share + thin.near;
+  if (!search.needed && search.share < rules.clean_thin) return {};
   // Wrong sides break up the wide leaves of a clean cloud.
   search.doubt = rules.doubt * search.share;
   if (search.noise < rules.full_noise * thin.spacing)
     search.doubt = std::min(search.doubt, rules.clean_doubt);
-  if (!many) search.doubt = std::min(search.doubt, rules.few_doubt);
   return search;
 }
 
@@ -88,23 +87,6 @@ measureWith(SidedStore& sided, const FitConstants& constants, const FitParams& p
   return error;
 }
 
-/** Whether runs of points all over a large cloud leave too many sides in doubt, as the whole would. */
-bool
-partIsDoubtful(const PointStore& store, const SideSearch& search, double spacing,
-               const SideConstants& rules, int threads)
-{
-  const std::size_t part = store.size() / rules.probe_runs;
-  if (part < rules.probe_part * rules.probe_points) return false;
-  std::vector<std::uint32_t> dropped;
-  dropped.reserve(store.size());
-  for (std::size_t i = 0; i < store.size(); ++i) {
-    if (i % part >= rules.probe_points) dropped.push_back(static_cast<std::uint32_t>(i));
-  }
-  const PointStore runs = store.without(dropped, threads);
-  const Sides sides = findSides(runs, search.noise, spacing, rules, threads);
-  return 1 - sides.confidence > search.doubt;
-}
-
 /** Seeks sides by narrower and narrower cells: those that hold both sides leave doubts, or too little
  * faces apart. Keeps the sides of the least cost. */
 Error
@@ -125,6 +107,7 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
     if (!few && !doubtful) {
       if (Error error = measureWith(sided, constants, params, next)) return error;
       found = next.noise;
+      if (!search.needed && found > rules.same_noise * search.unsided) break;
       if (best && next.cost() > best->cost()) break;
       // Wider balls would hold what these cells keep apart.
       double& lambda = next.settings.energy.lambda;
@@ -152,9 +135,6 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
   const double unsided = std::sqrt(settings.energy.lambda);
   const auto search = searchFor(thin, unsided, params.lambda == 0, constants.sides);
   if (!search) return {};
-  if (!search->likely &&
-      partIsDoubtful(sided.store(), *search, thin.spacing, constants.sides, stats.threads))
-    return {};
   std::optional<SidedFit> best;
   if (Error error = seekSides(*search, thin.spacing, constants, params, sided, stats, best))
     return error;

@@ -37,23 +37,16 @@ struct SideConstants {
   double clean_thin = 0.35;   ///< ... and where there is little noise
   double clean_noise = 0.4;   ///< noise that is little [spacings] ...
   double full_noise = 0.45;   ///< ... and that is not
-  double least_facing = 0.1;  ///< the same of places where sheets face one that a patch fits
-  double few_thin =
-      0.04;             ///< share of all of these from which sides that are sure are worth it ...
-  double part = 0.25;   ///< of that share that must come to face apart ...
-  double doubt = 0.45;  ///< ... and that may be in doubt, ...
-  double clean_doubt =
-      0.03;                 ///< ... of all agreements at most this where there is little noise ...
-  double few_doubt = 0.01;  ///< ... or few places are thin
+  double least_facing = 0.4;  ///< the same of places where sheets face one that a patch fits
+  double part = 0.25;         ///< of that share that must come to face apart ...
+  double doubt = 0.45;        ///< ... and that may be in doubt, ...
+  double clean_doubt = 0.03;  ///< ... of all agreements at most this where there is little noise
   double same_noise =
       0.75;            ///< share of the noise that the cells were cut by, from which it is the same
   double sure = 0.95;  ///< confidence from which narrower cells are not tried
-  std::size_t probe_runs = 8;       ///< runs of points in a row that are looked at first ...
-  std::size_t probe_points = 1024;  ///< ... points of each ...
-  std::size_t probe_part = 8;       ///< ... in clouds of so many times as many
-  int noise_passes = 5;             ///< times that cells are cut by the noise that sides show
-  double least_cells = 1.0;         ///< noise below which cells follow the spacing alone [spacings]
-  double flat_places = 0.1;         ///< share of places that noise is taken from
+  int noise_passes = 5;      ///< times that cells are cut by the noise that sides show
+  double least_cells = 1.0;  ///< noise below which cells follow the spacing alone [spacings]
+  double flat_places = 0.1;  ///< share of places that noise is taken from
   double clear_beam = 0.2;  ///< cosine from which a point's own beam gives its side, not its cell's
   int passes = 4;           ///< rounds of two-means on heights
 };
