@@ -236,9 +236,9 @@ closed(float flags)
 
 /** The columns of a cloud by name; -1 where absent. */
 struct Columns {
-  int before[kFieldsBeforeCoefficients];
+  int before[kFieldsBeforeCoefficients] = {};
   int coefficients[kMaxCoefficients];
-  int after[kFieldsAfterCoefficients];
+  int after[kFieldsAfterCoefficients] = {};
   int trim[2];
   int degree = 0;  ///< highest degree whose coefficients are all there
 };
