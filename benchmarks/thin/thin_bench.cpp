@@ -43,7 +43,7 @@ finishOptions(const OptionTable&, Settings& s)
   return measure::parseLists({{"noise", &s.noise, 0, 10, false, &s.noise_list}});
 }
 
-/** RMS distances to a scene's surface, of all points and of some. */
+/** RMS distances to a scene's surface, of all points and of some; NAN of none. */
 struct Errors {
   double all = 0, thick = 0, thin = 0;
 };
@@ -61,8 +61,7 @@ errorsOf(const Scene& scene, const std::vector<Vector3>& points, double least)
     ++counts[thick];
   }
   return {std::sqrt((sums[0] + sums[1]) / std::max(counts[0] + counts[1], 1.0)),
-          std::sqrt(sums[1] / std::max(counts[1], 1.0)),
-          std::sqrt(sums[0] / std::max(counts[0], 1.0))};
+          std::sqrt(sums[1] / counts[1]), std::sqrt(sums[0] / counts[0])};
 }
 
 /** What a fit left of a scene's noise. */
@@ -85,13 +84,13 @@ fitOf(const Scene& scene, const CloudView& view, const FitParams& params, double
 Errors
 bestRival(const Scene& scene, const std::vector<Vector3>& points, double least, bool jets)
 {
-  Errors best{1e300, 1e300, 1e300};
+  Errors best{1e300, NAN, NAN};
   for (const double k : {12.0, 16.0, 24.0, 32.0, 64.0, 128.0}) {
     const auto moved = jets ? rivals::smoothByJets(points, static_cast<std::size_t>(k))
                             : rivals::smoothByMls(points, 2, std::sqrt(k / M_PI)).points;
     const Errors errors = errorsOf(scene, moved, least);
-    best = {std::min(best.all, errors.all), std::min(best.thick, errors.thick),
-            std::min(best.thin, errors.thin)};
+    best = {std::min(best.all, errors.all), std::fmin(best.thick, errors.thick),
+            std::fmin(best.thin, errors.thin)};
   }
   return best;
 }
@@ -101,6 +100,17 @@ printOutcome(const Outcome& of)
 {
   std::printf(" %.4f (%llu) %.3f |", of.rms.all, static_cast<unsigned long long>(of.fit.leaves),
               of.sigma);
+}
+
+/** Prints a cell of the table: nothing for an error of no points. */
+void
+printValue(double value)
+{
+  if (std::isfinite(value)) {
+    std::printf(" %.4f |", value);
+  } else {
+    std::printf(" - |");
+  }
 }
 
 Error
@@ -124,12 +134,14 @@ printRow(const Settings& s, const Scene& scene, double sigma)
   if (!exact) return exact.error();
   std::printf("| %s | %zu | %g |", scene.name.c_str(), points.size(), sigma);
   for (const auto* outcome : {&*own, &*off, &*exact}) printOutcome(*outcome);
-  std::printf(" %.4f | %.4f | %.2f | %.4f |", own->rms.thick, exact->rms.thick,
-              own->rms.thick / std::max(exact->rms.thick, 1e-3), own->rms.thin);
+  for (const double value : {own->rms.thick, exact->rms.thick,
+                             own->rms.thick / std::max(1e-3, exact->rms.thick), own->rms.thin})
+    printValue(value);
   if (s.rivals) {
     const Errors mls = bestRival(scene, points, least, false);
     const Errors jets = rivals::hasJets() ? bestRival(scene, points, least, true) : mls;
-    std::printf(" %.4f | %.4f |", std::min(jets.thin, mls.thin), std::min(jets.all, mls.all));
+    printValue(std::min(jets.thin, mls.thin));
+    printValue(std::min(jets.all, mls.all));
   }
   std::printf(" %.2f | %.2f |\n", own->fit.sided_confidence, own->seconds / off->seconds);
   std::fflush(stdout);

@@ -122,7 +122,7 @@ class SmoothingRun {
   /** \brief Smooth everywhere: the mesh's normals, weighed against the surface's. */
   Error runRounded();
   /** \brief Edges kept: the mesh's normals, averaged as far as the surface's agree. Only as far as
-   * needed to see that there are no edges to keep, where that is asked. */
+   * needed to see that there are no edges to keep, where the caller wants to know. */
   Error runSharp();
 
   /** \brief One round of runSharp(). */

@@ -118,7 +118,7 @@ readPacked(std::string_view text, const VtpMarkup& markup, bool base64, std::siz
   for (std::size_t b = 0; b < blocks; ++b) {
     const std::size_t size = b < whole ? block : last, begin = bytes.size();
     if (size > kMostCompression * (words[3 + b] + 1))
-      return false;  // before memory is asked for it
+      return false;  // before memory is allocated for it
     bytes.resize(begin + size);
     auto filled = static_cast<uLongf>(size);
     if (uncompress(bytes.data() + begin, &filled, at, static_cast<uLong>(words[3 + b])) != Z_OK ||

@@ -104,7 +104,7 @@ PenaltyRadiusRule::chooseByEnergy()
       const Trial wide = comparison_.widestAccepted(middle, right);
       if (wide.supported) return RadiusChoice::withoutDetail(wide);
     } else if (flat) {
-      return RadiusChoice::leaf(right);  // E is flat down to the noise: the largest radius serves.
+      return RadiusChoice::leaf(right);  // E is flat down to the noise: take the largest radius.
     }
   }
   if (trials_.energy().filledByNoise(trials_.rhoLeft() * trials_.samples().gatherRadius())) {
@@ -122,7 +122,7 @@ PenaltyRadiusRule::chooseInside(const Trial& left, const Trial& middle, const Tr
   const Trial& least = left.energy < middle.energy ? left : middle;
   if (isLenient(right, least)) return RadiusChoice::leaf(right);
   if (left.energy < middle.energy) return RadiusChoice::internal(right);
-  // A minimum lies inside (rule 4, first half).
+  // A minimum is inside (rule 4, first half).
   Bracket bracket{left, middle, right};
   bracket.narrow(trials_);
   if (trials_.settings().lenience > 1.0) {
@@ -279,7 +279,7 @@ FinalFit::make(const RadiusChoice& choice)
 }
 
 /** Fits again with weights against outliers; e stays what all points make it: cover takes in what
- * lies within 5 e, outlying points too. */
+ * is within 5 e, outlying points too. */
 void
 FinalFit::fitRobustly(WeightKernel kernel, Trial& trial)
 {

@@ -23,7 +23,7 @@ using namespace detail;
 namespace {
 
 constexpr float kLeastGradient = 1e-6f;  ///< shorter blended gradients tell no direction
-constexpr double kGateErrors = 5.0;      ///< residuals and offsets beyond so many e do not count
+constexpr double kGateErrors = 5.0;      ///< residuals and offsets beyond this many e do not count
 constexpr double kLeastGate = 0.1;       ///< but those up to this share of r do
 constexpr double kGateRadius = 0.25;
 constexpr double kGateNoise = 0.6;

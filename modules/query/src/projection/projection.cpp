@@ -173,7 +173,7 @@ class BlockProjector {
 };
 
 // theory.md, "Guards", Projection: which leaves serve a point.
-constexpr double kErrors = 5.0;        ///< residuals and offsets beyond so many e do not count,
+constexpr double kErrors = 5.0;        ///< residuals and offsets beyond this many e do not count,
 constexpr double kOffsetShare = 0.25;  ///< nor offsets beyond this share of r,
 constexpr double kNoiseShare = 0.6;    ///< unless noise explains them, up to this share
 constexpr double kRounding = 1e-5;     ///< of r: exact fits are not held to less than this

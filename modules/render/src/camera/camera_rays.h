@@ -12,7 +12,7 @@ namespace pcl_slim::detail {
 /** \brief A camera in a surface's local units, for kernels in single precision.
  *
  * A ray is p(z) = (x z, y z, z) in the camera's axes (perspective) or (x, y, z) (parallel); x and y
- * are linear in the pixel. Its points are told apart by their depth value D, which grows with z:
+ * are linear in the pixel. Its points differ in their depth value D, which grows with z:
  * D = -1/z (perspective) or z (parallel).
  */
 struct FrameView {

@@ -25,7 +25,7 @@ namespace {
 class DiscTree {
  public:
   /** depth: how far above or below a place, beyond its radius, a disc may be met; least_cosine: of
-   * the most that rays lean. */
+   * the largest angle of a ray to the normal. */
   DiscTree(const PointStore& store, const SplatSet& splats, double depth, double least_cosine);
 
   /** Discs that a ray meets near a place. cosine: of its lean; near: room to work in. */
@@ -139,7 +139,7 @@ struct Triangle {
   }
 };
 
-/** Cosine of the most that rays lean. */
+/** Cosine of the largest angle of a ray to the normal. */
 double
 leastCosine(const HoleCheckParams& params)
 {

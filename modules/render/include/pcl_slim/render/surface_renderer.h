@@ -50,9 +50,10 @@ class PCL_SLIM_EXPORT SurfaceRenderer {
                RenderStatistics* statistics = nullptr);
 
   /** \brief Traces what RenderParams::close_gaps closes in a frame that something else drew.
-   * \param[in,out] buffer of the camera's size with the columns asked for, positions among them: surfel other than kNothing where
-   * the frame met something; then only what is filled is covered. Nothing is filled in a frame with a level
-   * of detail, cuts or without trim maps. O(pixels + traced rays).
+   * Nothing is filled in a frame with a level of detail, with cuts or without trim maps.
+   * O(pixels + traced rays).
+   * \param[in,out] buffer of the camera's size with the columns of params and positions. Before: surfel
+   * is not kNothing where the frame met something. After: only filled pixels are covered.
    * \return an error for a bad surface, camera, parameter or size; the buffer is then empty. */
   Error closeGaps(const Camera& camera, const RenderParams& params, GBuffer& buffer);
 

@@ -13,8 +13,8 @@ namespace pcl_slim {
 /** \brief How checkHoles() looks at splats. */
 struct HoleCheckParams {
   std::uint64_t rays = 100000;
-  double tilt = 60.0;      ///< rays lean up to this far from the surface's normal [deg], in [0, 80]
-  double density = 3.0;    ///< see HoleCheck::sparse, > 0
+  double tilt = 60.0;    ///< rays are at most this far from the surface's normal [deg], in [0, 80]
+  double density = 3.0;  ///< see HoleCheck::sparse, > 0
   double thickness = 0.4;  ///< see HoleCheck::rough, >= 0; infinite: cast everywhere
   std::uint64_t seed = 1;
   int threads = 0;
