@@ -15,8 +15,7 @@ namespace {
 BallQuery
 queryOf(const SurfelRecord& surfel, float reach, const FitSettings& settings)
 {
-  return {surfel.center, reach, settings.with_normals ? surfel.normal.data() : nullptr,
-          settings.min_dot};
+  return {surfel.center, reach, surfel.sided ? surfel.normal.data() : nullptr, settings.min_dot};
 }
 
 /** \brief Adds a leaf to the coverage of the points it serves (docs/theory.md, "Cover").
