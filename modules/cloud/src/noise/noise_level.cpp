@@ -30,7 +30,7 @@ patchLevel(const PointStore& store, std::size_t k, const NoiseConstants& constan
     return patchVariance(store, search, sample, k, constants, radii[s]);
   };
   auto values = sampleStore(store, samples, patchStride(k, constants), threads, measure);
-  putBackCutOff(radii, constants, values);
+  putBackCutOff(radii, constants, threads, values);
   const auto median = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
   std::nth_element(radii.begin(), median, radii.end());
   return {trimmedMean(values, constants.trim), *median, k, k, radii.size()};

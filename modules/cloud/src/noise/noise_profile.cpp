@@ -12,18 +12,20 @@ namespace pcl_slim {
 namespace detail {
 
 std::vector<float>
-windowedMeans(const std::vector<double>& values, std::size_t reach, const NoiseConstants& constants)
+windowedMeans(const std::vector<double>& values, std::size_t reach, const NoiseConstants& constants,
+              int threads)
 {
+  constexpr std::size_t kTask = 128;
   std::vector<float> means(values.size(), 1.0f);
-  std::vector<double> window;
   // One outlier at either end must not count, however few values a window has.
   const double trim = std::max(constants.trim, 1 / static_cast<double>(2 * reach + 1));
-  for (std::size_t s = 0; s < values.size(); ++s) {
+  parallelFor(values.size(), threads, kTask, [&](std::size_t s, int) {
+    thread_local std::vector<double> window;
     const auto first = static_cast<std::ptrdiff_t>(s - std::min(s, reach));
     const auto end = static_cast<std::ptrdiff_t>(std::min(values.size(), s + reach + 1));
     window.assign(values.begin() + first, values.begin() + end);
     means[s] = static_cast<float>(trimmedMean(window, trim));
-  }
+  });
   return means;
 }
 
@@ -54,7 +56,7 @@ runVariances(const PointStore& store, std::size_t k, const Runs& runs,
   ThinnedPlaces places(store, runs.count);
   std::vector<double> variances =
       measureScale(places, k, constants, resolveThreads(threads)).variances;
-  std::vector<float> means = windowedMeans(variances, runs.reach, constants);
+  std::vector<float> means = windowedMeans(variances, runs.reach, constants, threads);
   if (whole != nullptr) *whole = trimmedMean(variances, constants.trim);
   return means;
 }
@@ -113,7 +115,7 @@ modelledNoise(const PointStore& store, const RangeError& error, const NoiseConst
   };
   const Runs runs = runsFor(k, store, constants);
   return windowedMeans(sampleStore(store, runs.count, stride, threads, variance), runs.reach,
-                       constants);
+                       constants, threads);
 }
 
 }  // namespace detail

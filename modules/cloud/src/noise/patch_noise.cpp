@@ -103,14 +103,14 @@ patchVariance(const PointStore& store, NeighborSearch& search, std::size_t sampl
 }
 
 void
-putBackCutOff(const std::vector<double>& radii, const NoiseConstants& constants,
+putBackCutOff(const std::vector<double>& radii, const NoiseConstants& constants, int threads,
               std::vector<double>& variances)
 {
   std::vector<double> parts(variances.size(), -1);
   for (std::size_t s = 0; s < parts.size(); ++s) {
     if (variances[s] >= 0 && radii[s] > 0) parts[s] = variances[s] / (radii[s] * radii[s]);
   }
-  const std::vector<float> means = windowedMeans(parts, constants.window, constants);
+  const std::vector<float> means = windowedMeans(parts, constants.window, constants, threads);
   for (std::size_t s = 0; s < parts.size(); ++s) {
     if (variances[s] > 0) variances[s] /= partLeft(means[s]);
   }

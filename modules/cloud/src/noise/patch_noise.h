@@ -39,7 +39,7 @@ uncutVariance(double variance, double radius);
 /** \brief The same of many places along the Morton curve, with the mean of q about each.
  * \param[in,out] variances < 0: not known */
 void
-putBackCutOff(const std::vector<double>& radii, const NoiseConstants& constants,
+putBackCutOff(const std::vector<double>& radii, const NoiseConstants& constants, int threads,
               std::vector<double>& variances);
 
 /** \brief The stride of the points looked at for patches of k points. */
@@ -76,8 +76,8 @@ trimmedMean(std::vector<double>& values, double trim);
 /** \brief Trimmed means over windows about each of the values, which lie along the Morton curve.
  * \param[in] reach values to either side */
 std::vector<float>
-windowedMeans(const std::vector<double>& values, std::size_t reach,
-              const NoiseConstants& constants);
+windowedMeans(const std::vector<double>& values, std::size_t reach, const NoiseConstants& constants,
+              int threads);
 
 /** \brief Whether a variance grows no more from k to 2 k neighbours than white noise's may. */
 inline bool

@@ -14,10 +14,10 @@ namespace {
 /** Whether a share of places has more noise than the cloud by a factor that a fit takes for detail. */
 bool
 isUneven(const PatchScale& scale, const PatchScale& wider, double variance,
-         const NoiseConstants& constants)
+         const NoiseConstants& constants, int threads)
 {
-  const auto narrow = windowedMeans(scale.variances, constants.window, constants);
-  const auto wide = windowedMeans(wider.variances, constants.window, constants);
+  const auto narrow = windowedMeans(scale.variances, constants.window, constants, threads);
+  const auto wide = windowedMeans(wider.variances, constants.window, constants, threads);
   std::size_t noisy = 0;
   for (std::size_t s = 0; s < wide.size(); ++s)
     noisy += wide[s] > constants.uneven * variance && isFlat(narrow[s], wide[s], constants);
@@ -37,8 +37,8 @@ staysUneven(const PointStore& store, const NoiseLevel& noise, const std::vector<
   };
   const bool known = scales.front().k == k;
   const PatchScale narrow = known ? scales[0] : scale(1), wider = known ? scales[1] : scale(2);
-  return isUneven(narrow, wider, noise.variance, constants) &&
-         isUneven(wider, scale(4), noise.variance, constants);
+  return isUneven(narrow, wider, noise.variance, constants, threads) &&
+         isUneven(wider, scale(4), noise.variance, constants, threads);
 }
 
 /** Sets how many points share their errors, and as how many of these a fit counts one. */

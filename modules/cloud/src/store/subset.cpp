@@ -40,6 +40,24 @@ keepOnly(const std::vector<std::uint32_t>& kept, Column& column)
   column.resize(kept.size());
 }
 
+/** Copies some values of a column, ascending. */
+template <typename Column>
+void
+copyOnly(const std::vector<std::uint32_t>& kept, int threads, const Column& column, Column& copied)
+{
+  copied.resize(kept.size());
+  parallelFor(kept.size(), threads, kTask * kBlock,
+              [&](std::size_t i, int) { copied[i] = column[kept[i]]; });
+}
+
+/** Normals of the points that pad the last block. */
+void
+padNormals(std::size_t size, std::size_t padded, AlignedVector<float>& normals)
+{
+  normals.resize(padded);
+  std::fill(normals.begin() + static_cast<std::ptrdiff_t>(size), normals.end(), 0.0f);
+}
+
 /** One coordinate of some points, cut into blocks. */
 struct BlockedColumn {
   AlignedVector<float> offset, origin, low, high;
@@ -64,13 +82,52 @@ struct BlockedColumn {
   }
 };
 
+/** Those of merged points whose stored one is kept. */
+std::vector<std::array<std::uint32_t, 2>>
+keptMerges(const std::vector<std::uint32_t>& kept,
+           const std::vector<std::array<std::uint32_t, 2>>& merged)
+{
+  std::vector<std::array<std::uint32_t, 2>> left;
+  for (const auto& [order, stored] : merged) {
+    const auto place = std::lower_bound(kept.begin(), kept.end(), stored);
+    if (place == kept.end() || *place != stored) continue;
+    left.push_back({order, static_cast<std::uint32_t>(place - kept.begin())});
+  }
+  return left;
+}
+
 }  // namespace
 
 PointStore
 PointStore::without(const std::vector<std::uint32_t>& dropped, int threads) const
 {
-  PointStore store = *this;
-  store.drop(dropped, threads);
+  // What is dropped is not copied first: that takes longer than all that is done with a part.
+  const std::vector<std::uint32_t> kept = othersThan(dropped, size_);
+  threads = resolveThreads(threads);
+  PointStore store;
+  store.size_ = kept.size();
+  store.bulk_center_ = bulk_center_;
+  store.bulk_reach_ = bulk_reach_;
+  store.bulk_between_ = bulk_between_;
+  store.origin_ = origin_;
+  store.scale_ = scale_;
+  store.diagonal_ = diagonal_;
+  store.bulk_diagonal_ = bulk_diagonal_;
+  store.center_grid_ = center_grid_;
+  store.statistics_ = statistics_;
+  store.sensor_ = sensor_;
+  store.found_sides_ = found_sides_;
+  store.merged_ = keptMerges(kept, merged_);
+  copyOnly(kept, threads, keys_, store.keys_);
+  copyOnly(kept, threads, order_of_store_, store.order_of_store_);
+  if (hasSensors()) copyOnly(kept, threads, sensors_, store.sensors_);
+  store.cutColumns(*this, kept, threads);
+  if (!hasSides()) return store;
+  copyOnly(kept, threads, nx_, store.nx_);
+  copyOnly(kept, threads, ny_, store.ny_);
+  copyOnly(kept, threads, nz_, store.nz_);
+  for (AlignedVector<float>* normals : {&store.nx_, &store.ny_, &store.nz_})
+    padNormals(kept.size(), store.x_.size(), *normals);
   return store;
 }
 
@@ -82,42 +139,38 @@ PointStore::drop(const std::vector<std::uint32_t>& dropped, int threads)
   keepOnly(kept, keys_);
   keepOnly(kept, order_of_store_);
   if (hasSensors()) keepOnly(kept, sensors_);
-  std::vector<std::array<std::uint32_t, 2>> merged;
-  for (const auto& [order, stored] : merged_) {
-    const auto place = std::lower_bound(kept.begin(), kept.end(), stored);
-    if (place == kept.end() || *place != stored) continue;
-    merged.push_back({order, static_cast<std::uint32_t>(place - kept.begin())});
+  merged_ = keptMerges(kept, merged_);
+  cutColumns(*this, kept, resolveThreads(threads));
+  if (!hasSides()) return;
+  for (AlignedVector<float>* normals : {&nx_, &ny_, &nz_}) {
+    keepOnly(kept, *normals);
+    padNormals(kept.size(), x_.size(), *normals);
   }
-  merged_ = std::move(merged);
-  keepColumns(kept, resolveThreads(threads));
 }
 
-/** Keeps positions and sides of some points, in new blocks. One column is copied at a time. */
+/** Takes the positions of some points of a store, this one or another, in new blocks. One column is
+ * copied at a time. */
 void
-PointStore::keepColumns(const std::vector<std::uint32_t>& kept, int threads)
+PointStore::cutColumns(const PointStore& from, const std::vector<std::uint32_t>& kept, int threads)
 {
   BlockTree::Level boxes;
   boxes.allocate((kept.size() + kBlock - 1) / kBlock);
-  const auto cut = [&](AlignedVector<float>& offsets, AlignedVector<float>& origins,
-                       AlignedVector<float>& lows, AlignedVector<float>& highs) {
+  const auto cut = [&](const AlignedVector<float>& from_offsets,
+                       const AlignedVector<float>& from_origins, AlignedVector<float>& offsets,
+                       AlignedVector<float>& origins, AlignedVector<float>& lows,
+                       AlignedVector<float>& highs) {
     BlockedColumn column(kept.size(), threads, [&](std::size_t i) {
-      return static_cast<double>(origins[kept[i] / kBlock]) + offsets[kept[i]];
+      return static_cast<double>(from_origins[kept[i] / kBlock]) + from_offsets[kept[i]];
     });
     offsets = std::move(column.offset);
     origins = std::move(column.origin);
     std::copy(column.low.begin(), column.low.end(), lows.begin());
     std::copy(column.high.begin(), column.high.end(), highs.begin());
   };
-  cut(x_, block_origin_x_, boxes.min_x, boxes.max_x);
-  cut(y_, block_origin_y_, boxes.min_y, boxes.max_y);
-  cut(z_, block_origin_z_, boxes.min_z, boxes.max_z);
+  cut(from.x_, from.block_origin_x_, x_, block_origin_x_, boxes.min_x, boxes.max_x);
+  cut(from.y_, from.block_origin_y_, y_, block_origin_y_, boxes.min_y, boxes.max_y);
+  cut(from.z_, from.block_origin_z_, z_, block_origin_z_, boxes.min_z, boxes.max_z);
   tree_ = BlockTree(std::move(boxes));
-  if (!hasSides()) return;
-  for (AlignedVector<float>* normals : {&nx_, &ny_, &nz_}) {
-    keepOnly(kept, *normals);
-    normals->resize(x_.size());
-    std::fill(normals->begin() + static_cast<std::ptrdiff_t>(kept.size()), normals->end(), 0.0f);
-  }
 }
 
 }  // namespace pcl_slim

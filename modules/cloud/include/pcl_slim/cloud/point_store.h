@@ -138,7 +138,7 @@ class PCL_SLIM_EXPORT PointStore {
  private:
   friend class detail::PointStoreBuilder;
 
-  void keepColumns(const std::vector<std::uint32_t>& kept, int threads);
+  void cutColumns(const PointStore& from, const std::vector<std::uint32_t>& kept, int threads);
 
   std::size_t size_ = 0;
   std::array<double, 3> bulk_center_{};  ///< of the cube outside which points are strays ...
