@@ -22,17 +22,6 @@ constexpr float kConverged = 3e-4f;  ///< of r: the step after one so short is b
 constexpr float kLeastSlope = 0.1f;  ///< of f along a unit ray: a grazing ray has no usable root
 constexpr float kNoStep = 1e9f;      ///< stands for the slope of a grazing ray
 
-HWY_INLINE Vec
-blendWeight(WeightKernel kernel, Vec s_sq)
-{
-  switch (kernel) {
-    case WeightKernel::kPower2: return kernelWeight<WeightKernel::kPower2>(s_sq);
-    case WeightKernel::kPower4: return kernelWeight<WeightKernel::kPower4>(s_sq);
-    case WeightKernel::kPower7: return kernelWeight<WeightKernel::kPower7>(s_sq);
-    default: return kernelWeight<WeightKernel::kGaussian>(s_sq);
-  }
-}
-
 /** Lanes whose point's own normal lets the leaf serve it. */
 HWY_INLINE Mask
 sameSide(const BlockPoints& points, const BlockLeaf& leaf, std::size_t i)
@@ -58,7 +47,7 @@ HWY_INLINE Vec
 weightOf(const BlockLeaf& leaf, const BlendRules& rules, Mask mask, Vec s_sq)
 {
   return hn::IfThenElseZero(mask,
-                            hn::Mul(set(leaf.variance_weight), blendWeight(rules.kernel, s_sq)));
+                            hn::Mul(set(leaf.variance_weight), kernelWeight(rules.kernel, s_sq)));
 }
 
 /** Lanes whose points, at squared distances from the centre, lie in the leaf's ball on its side. */

@@ -23,23 +23,13 @@ dot3(const Vec& ax, const Vec& ay, const Vec& az, const Vec& bx, const Vec& by, 
   return MulAdd(ax, bx, MulAdd(ay, by, Mul(az, bz)));
 }
 
-template <WeightKernel K>
-HWY_INLINE Vec
-weightOf(const Vec& s_sq)
-{
-  return byParts([](auto part) HWY_ATTR { return kernelWeight<K>(part); }, s_sq);
-}
-
 /** G at squared relative distances below 1. */
 HWY_INLINE Vec
 blendWeight(WeightKernel kernel, const Vec& s_sq)
 {
-  switch (kernel) {
-    case WeightKernel::kPower2: return weightOf<WeightKernel::kPower2>(s_sq);
-    case WeightKernel::kPower4: return weightOf<WeightKernel::kPower4>(s_sq);
-    case WeightKernel::kPower7: return weightOf<WeightKernel::kPower7>(s_sq);
-    default: return weightOf<WeightKernel::kGaussian>(s_sq);
-  }
+  return forKernel(kernel, [&](auto k) HWY_ATTR {
+    return byParts([](auto part) HWY_ATTR { return kernelWeight<decltype(k)::value>(part); }, s_sq);
+  });
 }
 
 }  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes
