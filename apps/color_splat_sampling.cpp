@@ -196,13 +196,14 @@ main(int argc, char** argv)
 {
   Settings s;
   OptionTable options = declareOptions(s);
-  const ScanSteps steps = {[&] {
-                             s.neighbors_given = options.given("estimate_normals");
-                             return finishSettings(s);
-                           },
-                           {},
-                           [&](auto&... stage) { return makeSplats(s, stage...); },
-                           {},
-                           {}};
+  const ScanSteps steps = {
+      [&] {
+        s.neighbors_given = options.given("estimate_normals");
+        return finishSettings(s);
+      },
+      {},
+      [&](const CloudFile* cloud, auto&... stage) { return makeSplats(s, *cloud, stage...); },
+      {},
+      {}};
   return runScanProgram(options, argc, argv, s.files, s.scan, s.params.threads, steps);
 }

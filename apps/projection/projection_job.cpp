@@ -165,7 +165,8 @@ runProjectionProgram(const ProjectionProgram& program, ProjectionJob& job, int a
     if (job.surface.empty()) return Error();
     return readSurface(job, cloud, pieces.blocks(), console, report, surface);
   };
-  steps.work = [&](const CloudFile& cloud, Console& console, Report& report, ScanResult& result) {
+  steps.work = [&](const CloudFile* scan, Console& console, Report& report, ScanResult& result) {
+    const CloudFile& cloud = *scan;
     for (const std::string& name : cloud.file.left_out) {
       console.warn(name + " of the scan is not written: the output holds its points and faces");
     }
