@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common/memory_limit.h"
-#include "pcl_slim/cloud/file_shift.h"
+#include "pcl_slim/cloud/store_frame.h"
 #include "pcl_slim/filters/io/splat_conversion.h"
 #include "pcl_slim/splat/hole_check.h"
 #include "pcl_slim/splat/splat_sampling.h"

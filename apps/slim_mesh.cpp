@@ -10,7 +10,7 @@
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/filters/mesh_colors.h"
 #include "pcl_slim/mesh/mesh_extraction.h"
-#include "pcl_slim/query/surface_colors.h"
+#include "pcl_slim/query/surface_probe.h"
 #include "scan/fit_job.h"
 #include "scan/fit_report.h"
 #include "scan/scan_program.h"

@@ -9,19 +9,15 @@
 #include <cstdio>
 
 #include "cover/level_cover.h"
-#include "cover/start_level.h"
-#include "cover/surface_columns.h"
 #include "fit_settings.h"
-#include "fit_statistics.h"
+#include "fit_steps.h"
 #include "fit_with_constants.h"
 #include "measured_settings.h"
-#include "orient/orientation.h"
 #include "pcl_slim/cloud/outliers.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/stopwatch.h"
 #include "presets.h"
 #include "sides/sided_store.h"
-#include "trim/trim_maps.h"
 
 namespace pcl_slim {
 

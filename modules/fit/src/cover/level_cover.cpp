@@ -6,6 +6,7 @@
 #include "ball/ball_gather.h"
 #include "ball/surfel_record.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/random.h"
 
 namespace pcl_slim::detail {
 
@@ -91,14 +92,6 @@ constexpr std::size_t kFewCells = 256;   ///< so few cells leave threads idle if
 constexpr float kHeld = 0.64f;
 constexpr double kReachMargin = 1.001;  ///< a box of blocks may be wider than it need, for rounding
 constexpr char kCancelledMessage[] = "the fit was cancelled";
-
-std::uint64_t
-mixBits(std::uint64_t x)
-{
-  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9ULL;
-  x = (x ^ x >> 27) * 0x94d049bb133111ebULL;
-  return x ^ x >> 31;
-}
 
 }  // namespace
 
@@ -352,6 +345,45 @@ LevelCover::countPoints() const
     sum.uncovered += part.uncovered;
     sum.unsupported += part.unsupported;
     sum.lone_normals += part.lone_normals;
+  }
+  return sum;
+}
+
+void
+LevelCover::countBytes()
+{
+  std::uint64_t bytes = outputs_.capacity() * sizeof(Output);
+  for (const auto& worker : workers_) bytes += worker->arena.capacity() * sizeof(SurfelRecord);
+  bytes += coverage_.size() * sizeof(float) + marks_.size() +
+           active_.capacity() * sizeof(std::uint32_t) + cells_.memoryBytes();
+  peak_bytes_ = std::max(peak_bytes_, bytes);
+}
+
+std::vector<LevelCover::Piece>
+LevelCover::pieces() const
+{
+  std::vector<Piece> pieces;
+  std::size_t first = 0;
+  for (const Output& output : outputs_) {
+    const SurfelRecord* records = worker(output.thread).arena.data();
+    if (output.begin == output.end) continue;
+    pieces.push_back({records + output.begin, records + output.end, first});
+    first += output.end - output.begin;
+  }
+  return pieces;
+}
+
+BallCounters
+LevelCover::counters() const
+{
+  BallCounters sum;
+  for (const auto& worker : workers_) {
+    const BallCounters counters = worker->fitter.counters();
+    sum.gathered += counters.gathered;
+    sum.split_sheets += counters.split_sheets;
+    sum.tried += counters.tried;
+    sum.lines += counters.lines;
+    sum.fits += counters.fits;
   }
   return sum;
 }

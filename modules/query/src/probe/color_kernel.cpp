@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Colours of leaves at sixteen places of the surface.
-#include "probe/color_kernel.h"
+#include "probe/probe_kernels.h"
 
 #include "pcl_slim/query/detail/color_rules.h"
 #include "pcl_slim/surface/surfel_color.h"

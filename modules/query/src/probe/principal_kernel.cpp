@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Principal curvatures and directions of sixteen blended gradients and Hessians: equation (8), left.
-#include "probe/principal_kernel.h"
+#include "probe/probe_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "probe/principal_kernel.cpp"

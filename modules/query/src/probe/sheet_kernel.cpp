@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Distances from sixteen places to one leaf, to first order: f / |grad f| and the foot it leads to.
-#include "probe/sheet_kernel.h"
+#include "probe/probe_kernels.h"
 
 #include <algorithm>
 

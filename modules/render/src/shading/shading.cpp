@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "camera/camera_rays.h"
+#include "pcl_slim/core/order_statistics.h"
 #include "pcl_slim/core/parallel.h"
 #include "shading/linear_light.h"
 #include "shading/value_range.h"
@@ -69,9 +70,7 @@ pixelLength(const GBuffer& buffer)
     }
   }
   if (steps.empty()) return 0.0f;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 4);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return kthSmallest(steps, steps.size() / 4);
 }
 
 /** \brief How open each covered pixel's surroundings are: 1 open, towards 0 in a hollow.

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What is seen of surfels, several side by side.
-#include "fast/setup/leaf_culling.h"
+#include "fast/setup/leaf_setup.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fast/setup/leaf_culling.cpp"
