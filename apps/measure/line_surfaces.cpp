@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "measure/line_truth.h"
@@ -9,7 +10,7 @@ namespace pcl_slim::measure {
 
 namespace {
 
-constexpr double kTau = 6.283185307179586;
+constexpr double kTau = 2 * M_PI;
 constexpr double kMajor = 1.0, kMinor = 0.4, kWaves = 0.04;
 constexpr std::size_t kAreaCells = 1000;
 

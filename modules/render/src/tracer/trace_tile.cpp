@@ -38,7 +38,7 @@ class SquareSamples {
   double x_, y_;
 };
 
-constexpr double kFullTurn = 6.28318530717958648;
+constexpr double kFullTurn = 2 * M_PI;
 
 /** \brief A direction of the half space above a unit normal, as often as its cosine is large. */
 inline Vector3

@@ -102,6 +102,30 @@ sumLanes(Vec v)
   return hn::GetLane(hn::SumOfLanes(Tag(), v));
 }
 
+/** Coordinates in a frame, in units of a radius. */
+struct ScaledAxes {
+  Triple<Vec> u, v, w;
+
+  ScaledAxes(const LocalFrame& frame, double radius)
+      : u(over(frame.u, radius)), v(over(frame.v, radius)), w(over(frame.w, radius))
+  {
+  }
+  HWY_INLINE Triple<Vec> turn(const Triple<Vec>& p) const
+  {
+    return {dot3(p, u), dot3(p, v), dot3(p, w)};
+  }
+
+ private:
+  static Triple<Vec> over(const std::array<double, 3>& axis, double radius)
+  {
+    const double scale = 1.0 / radius;
+    const float values[3] = {static_cast<float>(axis[0] * scale),
+                             static_cast<float>(axis[1] * scale),
+                             static_cast<float>(axis[2] * scale)};
+    return tripleOf<Vec>(values);
+  }
+};
+
 /** G at squared relative distances; 0 from 1 on. */
 template <WeightKernel K, class V>
 HWY_INLINE V
