@@ -149,9 +149,10 @@ sidesText(const FitStatistics& fit)
 {
   if (fit.sided == 0) return "";
   char text[160];
-  std::snprintf(text, sizeof(text),
-                "thin parts: %llu points got a side first, %.0f %% of neighbours agree",
-                static_cast<unsigned long long>(fit.sided), 50 * (1 + fit.sided_confidence));
+  std::snprintf(
+      text, sizeof(text), "thin parts: %llu points got a side %s, %.0f %% of neighbours agree",
+      static_cast<unsigned long long>(fit.sided),
+      fit.sided_for_cover ? "while leaves were fitted" : "first", 50 * (1 + fit.sided_confidence));
   return text;
 }
 

@@ -239,6 +239,10 @@ fitStages(const FitConstants& constants, const FitParams& params, SidedStore& si
   LevelCover cover(store, settings, stats.threads);
   if (Error error = cover.run(stats.first_level, progress)) return error;
   stats.seconds_cover = watch.lap();
+  if (stats.sided_for_cover) {
+    sided.clearSides();
+    settings.with_normals = false;
+  }
 
   fillSurface(store, settings, cover, stats.threads, surface);
   surface.buildLinks(stats.threads);
@@ -295,7 +299,7 @@ fitStore(const FitConstants& constants, SidedStore& sided, const FitParams& aske
     PointStore rest = all.without(stats.outlier_points, stats.threads);
     SidedStore sided_rest(rest);
     error = fitStages(constants, params, sided_rest, surface, stats, progress);
-    if (stats.sided > 0 && sided.isKept())
+    if (rest.hasSides() && sided.isKept())
       sided.setSides(sidesAmongAll(rest, stats.outlier_points, all.size()));
   }
   if (statistics != nullptr) *statistics = stats;

@@ -115,6 +115,77 @@ TEST(FitSides, KeepATubeOfAFewDeviations)
   EXPECT_GT(rms(without), 0.3 * sigma);
 }
 
+/** Two spheres that touch, one below the other, spacing 1; turned by a rotation of no axis. */
+struct TouchingSpheres {
+  double radius = 20, noise = 0.1;
+  Vector3 u, v, w;
+
+  explicit TouchingSpheres(const Vector3& axis)
+      : u(normalized(axis)), v(normalized(cross(u, {1, 5, -2}))), w(cross(u, v))
+  {
+  }
+
+  Cloud cloud() const
+  {
+    Cloud made;
+    std::mt19937_64 rng(13);
+    std::normal_distribution<double> gauss(0, noise);
+    const int points = static_cast<int>(4 * M_PI * radius * radius);
+    for (const double middle : {radius, -radius}) {
+      for (int i = 0; i < points; ++i) {
+        const double z = 1 - (2 * i + 1.0) / points, turn = 2 * M_PI * std::fmod(i * kGolden, 1.0);
+        const double level = std::sqrt(1 - z * z);
+        Vector3 p = scaled(u, middle + radius * z + gauss(rng));
+        p = along(p, radius * level * std::cos(turn) + gauss(rng), v);
+        p = along(p, radius * level * std::sin(turn) + gauss(rng), w);
+        made.add(p[0], p[1], p[2]);
+      }
+    }
+    return made;
+  }
+
+  double rms(const Fitted& f) const
+  {
+    return rmsOf(f, [&](const Vector3& p) {
+      return std::min(std::abs(length(along(p, -radius, u)) - radius),
+                      std::abs(length(along(p, radius, u)) - radius));
+    });
+  }
+};
+
+TEST(FitSides, FewThinPlacesGetSidesWhileLeavesAreFitted)
+{
+  for (const Vector3& axis : {Vector3{0, 0, 1}, Vector3{2, -1, 3}, Vector3{-1, 0.4, 0.2}}) {
+    const TouchingSpheres spheres(axis);
+    FitParams params;
+    const Fitted with = fitted(spheres.cloud(), params);
+    params.sides = false;
+    const Fitted without = fitted(spheres.cloud(), params);
+    EXPECT_TRUE(with.statistics.sided_for_cover);
+    EXPECT_GT(with.statistics.sided, with.store.size() / 20);
+    EXPECT_LT(with.statistics.sided, with.store.size() / 3);
+    EXPECT_FALSE(with.store.hasSides());
+    EXPECT_FALSE(with.surface.info.oriented);
+    EXPECT_LT(spheres.rms(with), 0.5 * spheres.rms(without));
+  }
+}
+
+TEST(FitSides, ScatteredPointsGetNone)
+{
+  // Foliage above ground shows sheets wherever one looks, and they agree as chance has it.
+  std::mt19937_64 rng(3);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  Cloud cloud;
+  for (int i = 0; i < 40000; ++i) {
+    const double x = 200 * uniform(rng), y = 200 * uniform(rng);
+    const bool tree = std::hypot(std::fmod(x, 40) - 20, std::fmod(y, 40) - 20) < 8;
+    cloud.add(x, y, tree ? 3 + 10 * uniform(rng) : 0.05 * uniform(rng));
+  }
+  const Fitted f = fitted(cloud, {});
+  EXPECT_GE(f.statistics.thin_places, 0.02);
+  EXPECT_LT(f.statistics.sided, f.store.size() / 100);
+}
+
 TEST(FitSides, NarrowerCellsKeepPlatesApart)
 {
   // As one sheet the plates show twice their noise, and cells cut by that hold both.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -135,20 +136,78 @@ cellsFacingApart(const SideCells& cut, const CellGraph& graph,
   return faces;
 }
 
+/** The edges between cells that are near another sheet, or near such cells. */
+std::vector<SignedEdge>
+edgesNearOtherSheets(const CellGraph& graph, const SideConstants& constants)
+{
+  std::vector<char> near(graph.sheets.size(), 0);
+  for (const SignedEdge& e : graph.edges) {
+    if (e.apart) near[e.a] = near[e.b] = 1;
+  }
+  for (int ring = 0; ring < constants.rings; ++ring) {
+    const std::vector<char> before = near;
+    for (const SignedEdge& e : graph.edges) {
+      if (!e.apart && (before[e.a] || before[e.b])) near[e.a] = near[e.b] = 1;
+    }
+  }
+  std::vector<SignedEdge> edges;
+  std::copy_if(graph.edges.begin(), graph.edges.end(), std::back_inserter(edges),
+               [&](const SignedEdge& e) { return near[e.a] && near[e.b]; });
+  return edges;
+}
+
+/** Marks the cells of parts whose sheets face apart, nearly all of them. Scattered points and layers of
+ * scans that do not fit each other show sheets as well, but these agree as chance has it.
+ * \param[out] share of the edges between sheets that are in such parts */
+std::vector<char>
+cellsOfSureParts(const SignedParts& found, const std::vector<SignedEdge>& edges,
+                 const SideConstants& constants, double& share)
+{
+  struct Apart {
+    double met = 0, all = 0;
+  };
+  std::vector<Apart> parts(found.part.size());
+  for (const SignedEdge& e : edges) {
+    if (!e.apart || found.part[e.a] != found.part[e.b]) continue;
+    Apart& part = parts[found.part[e.a]];
+    part.met += found.signs[e.a] * found.signs[e.b] * e.agreement;
+    part.all += std::abs(e.agreement);
+  }
+  std::vector<char> sure(parts.size());
+  const auto isSure = [&](const Apart& part) {
+    return part.all >= constants.least_apart && part.met >= constants.sure_apart * part.all;
+  };
+  double kept = 0, all = 0;
+  for (const Apart& part : parts) {
+    kept += isSure(part) ? part.all : 0;
+    all += part.all;
+  }
+  share = all > 0 ? kept / all : 0;
+  for (std::size_t c = 0; c < sure.size(); ++c) sure[c] = isSure(parts[found.part[c]]);
+  return sure;
+}
+
 }  // namespace
 
 Sides
-findSides(const PointStore& store, double noise, double spacing, const SideConstants& constants,
-          int threads)
+findSides(const PointStore& store, double noise, double spacing, SideScope scope,
+          const SideConstants& constants, int threads)
 {
   constexpr std::size_t kTask = 4096;
   threads = resolveThreads(threads);
   const double width = std::max(constants.cell_noise * noise, constants.cell_spacing * spacing);
   const SideCells cut(store, width, threads);
-  const CellGraph graph = graphOf(cut, constants, threads);
+  CellGraph graph = graphOf(cut, constants, threads);
   Sides sides;
+  std::vector<char> sided(cut.cells.size(), 1);
   std::vector<signed char> signs;
-  if (store.hasSensors()) {
+  if (scope == SideScope::kFacing) {
+    graph.edges = edgesNearOtherSheets(graph, constants);
+    SignedParts found = contractSigned(cut.cells.size(), graph.edges, threads);
+    sided = cellsOfSureParts(found, graph.edges, constants, sides.sure);
+    signs = std::move(found.signs);
+    sides.confidence = agreementOf(graph, signs);
+  } else if (store.hasSensors()) {
     signs = signsBySensors(store, cut, graph);
     sides.confidence = 1;
   } else {
@@ -165,9 +224,13 @@ findSides(const PointStore& store, double noise, double spacing, const SideConst
   parallelFor(thin.size(), threads, 1, [&](std::size_t task, int) {
     for (std::size_t i = task * kTask; i < std::min(store.size(), (task + 1) * kTask); ++i) {
       const std::uint32_t c = cut.cell_of[i];
+      if (!sided[c]) {
+        sides.normals[i] = {0, 0, 0};
+        continue;
+      }
       bool turned = graph.sheets[c].isBeyond(subtract(store.position(i), cut.cells[c].mean));
       bool own = false;  // its beam says what the cell does not
-      if (store.hasSensors()) {
+      if (scope == SideScope::kAll && store.hasSensors()) {
         const double cosine = beamCosine(store, i, normals[c]);
         own = std::abs(cosine) > constants.clear_beam && (cosine < 0) != turned;
         turned ^= own;

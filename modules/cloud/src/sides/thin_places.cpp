@@ -142,13 +142,15 @@ class PlaceLook {
 };
 
 ThinPlaces
-summarize(const std::vector<PlaceLook>& looks, const SideConstants& constants)
+summarize(const std::vector<PlaceLook>& looks, const std::vector<std::size_t>& looked_at,
+          const SideConstants& constants)
 {
   ThinPlaces places;
   const double share = 1 / static_cast<double>(std::max<std::size_t>(looks.size(), 1));
   std::vector<double> spacings, variances;
-  for (const PlaceLook& look : looks) {
-    const PlaceFigures& figure = look.figures();
+  for (std::size_t s = 0; s < looks.size(); ++s) {
+    const PlaceFigures& figure = looks[s].figures();
+    if (figure.thin || figure.facing || figure.near) places.thin.push_back(looked_at[s]);
     places.share += figure.thin ? share : 0;
     places.facing += figure.facing ? share : 0;
     places.near += figure.near ? share : 0;
@@ -173,6 +175,7 @@ findThinPlaces(const PointStore& store, const SideConstants& constants, const No
   const std::size_t most =
       std::clamp(store.size() / noise.most_part, constants.patch, constants.most_patch);
   ThinnedPlaces points(store, asked);
+  const std::vector<std::size_t> looked_at = points.places();
   std::vector<PlaceLook> looks(points.places().size(), PlaceLook(constants));
   std::vector<char> open(looks.size(), 1);
   threads = resolveThreads(threads);
@@ -190,7 +193,7 @@ findThinPlaces(const PointStore& store, const SideConstants& constants, const No
       open[s] = looks[s].look(patch);
     });
   }
-  return summarize(looks, constants);
+  return summarize(looks, looked_at, constants);
 }
 
 }  // namespace pcl_slim::detail

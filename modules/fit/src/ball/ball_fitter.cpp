@@ -279,6 +279,7 @@ BallFitter::withoutFit(const FramedBall& ball, const BallSite& site, const Trial
   ++lines_;
   surfel.center = site.center;
   surfel.normal = site.normal;
+  surfel.sided = site.sided;
   surfel.radius = static_cast<float>(kGolden * site.radius);
   return BallOutcome::kLine;
 }

@@ -80,8 +80,7 @@ framed(const GatheredBall& ball, const FitSettings& settings)
 {
   const BallSite& site = ball.site;
   FramedBall result{site, {}, ball.points};
-  result.normal =
-      snapNormal(settings.with_normals ? meanNormal(ball.sums, site) : leastSpread(ball.sums));
+  result.normal = snapNormal(site.sided ? meanNormal(ball.sums, site) : leastSpread(ball.sums));
   if (settings.normal_error > 0) {
     // An error of the normal's direction has half its variance in each of two slopes.
     const double slope_error = settings.normal_error * site.radius;

@@ -32,6 +32,7 @@ siteOf(const PointStore& store, const FitSettings& settings, std::size_t i, doub
   BallSite site;
   site.center = onCenterGrid(store.position(i), settings.center_grid);
   if (settings.with_normals) site.normal = store.normal(i);
+  site.sided = site.normal != std::array<float, 3>{};
   site.radius = radius;
   site.lambda = noise_ratio * settings.energy.lambda;
   site.noise = noise_ratio * settings.noise;
@@ -50,9 +51,9 @@ BallGatherer::gather(const BallSite& site, std::size_t stride)
   ball.site = site;
   ball.points = &points_;
   const BallQuery query{site.center, static_cast<float>(site.radius),
-                        settings_.with_normals ? site.normal.data() : nullptr, settings_.min_dot,
+                        site.sided ? site.normal.data() : nullptr, settings_.min_dot,
                         settings_.normal_error > 0};
-  kernels::gatherBall(store_, *blocks, query, !settings_.with_normals, points_, ball.sums);
+  kernels::gatherBall(store_, *blocks, query, !site.sided, points_, ball.sums);
   gathered_ += points_.count;
   return ball;
 }

@@ -42,7 +42,8 @@ class NearbyBlocks {
 /** \brief Where a ball stands, before any point is read. Local units. */
 struct BallSite {
   std::array<float, 3> center{};  ///< on the grid of centres
-  std::array<float, 3> normal{};  ///< of the point there: what the normal bound compares with
+  std::array<float, 3> normal{};  ///< of the point there: what the normal bound compares with ...
+  bool sided = false;             ///< ... if it has one
   double radius = 0;              ///< of the gather
   double lambda = 0;              ///< noise variance that E(r) reckons with
   double noise = 0;  ///< variance of the points about the surface, in space; 0: not known

@@ -46,6 +46,7 @@ recordOf(const FramedBall& ball, const RadiusChoice& choice, int level,
   SurfelRecord surfel;
   surfel.center = ball.site.center;
   surfel.normal = ball.normal;
+  surfel.sided = ball.site.sided;
   surfel.radius = static_cast<float>(trial.rho * unit);
   surfel.error = static_cast<float>(std::sqrt(trial.fit.residual_sq) * unit);
   surfel.effective_count = static_cast<float>(trial.fit.n_eff);

@@ -14,6 +14,7 @@ struct SurfelRecord {
   std::array<float, 3> center, normal;
   float radius, error, effective_count;
   std::uint8_t degree, level, flags;
+  bool sided;  ///< made of the points on its normal's side alone
   std::array<float, kMaxCoefficients> c;
 };
 

@@ -16,8 +16,7 @@ namespace {
 BallQuery
 queryOf(const SurfelRecord& surfel, float reach, const FitSettings& settings)
 {
-  return {surfel.center, reach, settings.with_normals ? surfel.normal.data() : nullptr,
-          settings.min_dot};
+  return {surfel.center, reach, surfel.sided ? surfel.normal.data() : nullptr, settings.min_dot};
 }
 
 /** \brief Adds a leaf's weight to the coverage of the points it covers (docs/theory.md, "Cover").

@@ -7,12 +7,15 @@
 #include <utility>
 
 #include "measured_settings.h"
+#include "pcl_slim/cloud/detail/normal_bound.h"
 #include "pcl_slim/cloud/detail/sides.h"
 #include "presets.h"
 
 namespace pcl_slim::detail {
 
 namespace {
+
+constexpr float kUnsidedPass = -0.01f;  ///< a normal bound that points without a side are within
 
 /** Given sides win, and a viewpoint gives the side of every point. Points on scan lines have no
  * normals of cells, and those of cells are too coarse to keep sharp edges apart. */
@@ -98,7 +101,8 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
   double noise = search.noise;
   for (int pass = 0; pass < rules.noise_passes; ++pass) {
     sided.clearSides();
-    SidedFit next{findSides(sided.store(), noise, spacing, rules, stats.threads), {}, stats};
+    SidedFit next{
+        findSides(sided.store(), noise, spacing, SideScope::kAll, rules, stats.threads), {}, stats};
     const bool few = next.sides.thin < rules.part * search.share;
     const bool doubtful = 1 - next.sides.confidence > search.doubt;
     const bool narrower = few || doubtful || next.sides.confidence < rules.sure;
@@ -122,6 +126,58 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
   return {};
 }
 
+/** The points around some of the thin places, by which a large cloud is judged. */
+PointStore
+pointsAround(const PointStore& store, const ThinPlaces& thin, const SideConstants& rules,
+             int threads)
+{
+  const double radius = thin.spacing * std::sqrt(static_cast<double>(rules.probe_points) / M_PI);
+  const std::size_t step = 1 + (thin.thin.size() - 1) / rules.probe_places;
+  std::vector<char> kept(store.numBlocks(), 0);
+  std::vector<std::uint32_t> blocks, dropped;
+  for (std::size_t k = 0; k < thin.thin.size(); k += step) {
+    const std::array<double, 3> at = store.position(thin.thin[k]);
+    const float center[3] = {static_cast<float>(at[0]), static_cast<float>(at[1]),
+                             static_cast<float>(at[2])};
+    blocks.clear();
+    store.tree().blocksInBall(center, static_cast<float>(radius), blocks);
+    for (const std::uint32_t b : blocks) kept[b] = 1;
+  }
+  for (std::size_t i = 0; i < store.size(); ++i) {
+    if (!kept[i / PointStore::kBlock]) dropped.push_back(static_cast<std::uint32_t>(i));
+  }
+  return store.without(dropped, threads);
+}
+
+/** Gives sides to the points near another sheet alone, and for the cover alone: the projection needs
+ * sides only where noise is wider than the gap, and those next to an edge are the least sure. */
+void
+sideFacingPlaces(const ThinPlaces& thin, const FitConstants& constants, SidedStore& sided,
+                 FitSettings& settings, FitStatistics& stats)
+{
+  double noise = std::sqrt(settings.energy.lambda);
+  if (thin.noise > 0) noise = std::min(noise, thin.noise);
+  const SideConstants& rules = constants.sides;
+  const auto sidesIn = [&](const PointStore& store) {
+    return findSides(store, noise, thin.spacing, SideScope::kFacing, rules, stats.threads);
+  };
+  const bool large =
+      sided.store().size() > rules.probe_part * rules.probe_places * rules.probe_points;
+  if (large &&
+      !(sidesIn(pointsAround(sided.store(), thin, rules, stats.threads)).sure >= rules.probe_sure))
+    return;
+  const Sides sides = sidesIn(sided.store());
+  if (!(sides.thin > 0)) return;
+  sided.setSides(sides.normals);
+  settings.with_normals = true;
+  settings.min_dot = std::min(normalBound(sided.store(), constants.normal_bound), kUnsidedPass);
+  stats.sided = static_cast<std::size_t>(
+      std::count_if(sides.normals.begin(), sides.normals.end(),
+                    [](const std::array<float, 3>& n) { return n != std::array<float, 3>{}; }));
+  stats.sided_confidence = sides.confidence;
+  stats.sided_for_cover = true;
+}
+
 }  // namespace
 
 Error
@@ -134,10 +190,13 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
   stats.thin_places = thin.share;
   const double unsided = std::sqrt(settings.energy.lambda);
   const auto search = searchFor(thin, unsided, params.lambda == 0, constants.sides);
-  if (!search) return {};
   std::optional<SidedFit> best;
-  if (Error error = seekSides(*search, thin.spacing, constants, params, sided, stats, best))
-    return error;
+  if (search) {
+    if (Error error = seekSides(*search, thin.spacing, constants, params, sided, stats, best))
+      return error;
+  }
+  if (!search && thin.share + thin.facing + thin.near >= constants.sides.few_thin)
+    sideFacingPlaces(thin, constants, sided, settings, stats);
   if (!best) return {};
   sided.setSides(best->sides.normals);
   settings = best->settings;

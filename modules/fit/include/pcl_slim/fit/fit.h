@@ -102,9 +102,10 @@ struct FitStatistics {
   std::uint64_t never_gathered = 0;  ///< centres never tried: points covered by another's leaf
   std::uint64_t unresolved = 0;  ///< points whose detail is too fine for the cloud's width, 1e-6 L
   int first_level = 1, levels_skipped = 0, last_level = 0;
-  double lambda = 0;            ///< noise variance [L^2]
-  std::uint64_t sided = 0;      ///< points that were given a side before the cover
-  double sided_confidence = 0;  ///< agreement of neighbouring sides: 1 in full, 0 as chance has it
+  double lambda = 0;             ///< noise variance [L^2]
+  std::uint64_t sided = 0;       ///< points that were given a side before the cover
+  bool sided_for_cover = false;  ///< they are a few, and had it only while leaves were fitted
+  double sided_confidence = 0;   ///< agreement of neighbouring sides: 1 in full, 0 as chance has it
   SideSource side_source = SideSource::kNone;
   std::uint64_t overlap_edges = 0;  ///< of the graph that kOverlaps searches; 0: there was no need
   double thin_places = 0;           ///< share of the places looked at where a ball meets two sides

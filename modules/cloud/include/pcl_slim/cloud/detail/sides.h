@@ -12,12 +12,19 @@
 
 namespace pcl_slim::detail {
 
-/** \brief A unit normal of common side for every stored point. */
+/** \brief Which points get sides. */
+enum class SideScope {
+  kAll,
+  kFacing,  ///< those near another sheet that faces the other way, where near cells agree
+};
+
+/** \brief A unit normal of common side for every stored point; 0: it gets none. */
 struct Sides {
   std::vector<std::array<float, 3>> normals;
   std::size_t cells = 0;  ///< that share a normal
   double thin = 0;        ///< share of the points that face apart from others behind them
   double confidence = 0;  ///< agreement of neighbouring cells: 1 if all agree, 0 as chance
+  double sure = 1;        ///< share of the places between sheets that are in sure parts
 };
 
 /** \brief Finds sides of a cloud without normals: normals of cells from the moments of the cells about
@@ -25,8 +32,8 @@ struct Sides {
  * O(n log n); same result for any number of threads. \param[in] noise RMS distance of points from the surface, local length
  * \param[in] spacing distance of neighbouring points, local length */
 PCL_SLIM_EXPORT Sides
-findSides(const PointStore& store, double noise, double spacing, const SideConstants& constants,
-          int threads);
+findSides(const PointStore& store, double noise, double spacing, SideScope scope,
+          const SideConstants& constants, int threads);
 
 /** \brief Where balls would meet two sides. */
 struct ThinPlaces {
@@ -35,6 +42,7 @@ struct ThinPlaces {
   double near = 0;     ///< share of those where sheets are near, and far for their noise
   double noise = 0;    ///< RMS residual of cubics at places that are not thin; 0: too few are
   double spacing = 0;  ///< of the points, the median, local length
+  std::vector<std::size_t> thin;  ///< stored points at places of any of the three kinds
 };
 
 /** \brief Looks at places spread over a cloud. A place is thin if its points form two sheets, or if
