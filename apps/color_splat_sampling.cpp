@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common/memory_limit.h"
-#include "pcl_slim/cloud/file_shift.h"
+#include "pcl_slim/cloud/store_frame.h"
 #include "pcl_slim/filters/io/splat_conversion.h"
 #include "pcl_slim/splat/hole_check.h"
 #include "pcl_slim/splat/splat_sampling.h"
@@ -196,13 +196,14 @@ main(int argc, char** argv)
 {
   Settings s;
   OptionTable options = declareOptions(s);
-  const ScanSteps steps = {[&] {
-                             s.neighbors_given = options.given("estimate_normals");
-                             return finishSettings(s);
-                           },
-                           {},
-                           [&](auto&... stage) { return makeSplats(s, stage...); },
-                           {},
-                           {}};
+  const ScanSteps steps = {
+      [&] {
+        s.neighbors_given = options.given("estimate_normals");
+        return finishSettings(s);
+      },
+      {},
+      [&](const CloudFile* cloud, auto&... stage) { return makeSplats(s, *cloud, stage...); },
+      {},
+      {}};
   return runScanProgram(options, argc, argv, s.files, s.scan, s.params.threads, steps);
 }

@@ -193,14 +193,16 @@ main(int argc, char** argv)
   Settings s;
   OptionTable options = declareOptions(s);
   Result<SLIMSurface> given = SLIMSurface();
-  const ScanSteps steps = {
-      [&] { return checkSettings(s); },
-      [&](const CloudFile*, Console&, Report&) {
-        if (!s.surface.empty()) given = loadSurface(s.surface);
-        return given.error();
-      },
-      [&](auto&... stage) { return makeLines(s, s.surface.empty() ? nullptr : &*given, stage...); },
-      {},
-      {}};
+  const ScanSteps steps = {[&] { return checkSettings(s); },
+                           [&](const CloudFile*, Console&, Report&) {
+                             if (!s.surface.empty()) given = loadSurface(s.surface);
+                             return given.error();
+                           },
+                           [&](const CloudFile* cloud, auto&... stage) {
+                             return makeLines(s, s.surface.empty() ? nullptr : &*given, *cloud,
+                                              stage...);
+                           },
+                           {},
+                           {}};
   return runScanProgram(options, argc, argv, s.files, s.job, s.job.params.threads, steps);
 }

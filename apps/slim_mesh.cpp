@@ -2,18 +2,15 @@
 // pcl_slim_mesh: triangulates the SLIM surface of a scan.
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
-#include <utility>
 
-#include "common/memory_limit.h"
 #include "common/program.h"
-#include "common/run_program.h"
-#include "pcl_slim/core/parallel.h"
 #include "pcl_slim/filters/io/mesh_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/filters/mesh_colors.h"
 #include "pcl_slim/mesh/mesh_extraction.h"
-#include "pcl_slim/query/surface_colors.h"
+#include "pcl_slim/query/surface_probe.h"
 #include "scan/fit_job.h"
 #include "scan/fit_report.h"
 #include "scan/scan_program.h"
@@ -87,59 +84,33 @@ checkSettings(Settings& s)
   return s.mesh.validate();
 }
 
-/** Whether a file can only hold a surface, or its fields say so. */
-bool
-isSurface(const std::string& path, const CloudFile* cloud)
-{
-  if (lowerExtension(path) == ".slim") return true;
-  return cloud != nullptr && findField(cloud->file.cloud, "c0") >= 0;
-}
-
-/** The input: a scan or a surface, and the surface that stands in for a fit. */
-struct Input {
-  CloudFile cloud;
+/** The surface that stands in for a fit: the input itself, or the one given with it. */
+struct Given {
   SLIMSurface surface;
-  bool has_cloud = false, has_surface = false;
+  bool is_input = false, any = false;
 };
 
+/** \param[in] cloud the input's points; null for a .slim. */
 Error
-loadGiven(const std::string& path, Console& console, Report& report, Input& input)
+loadGiven(const Settings& s, const CloudFile* cloud, Console& console, Report& report, Given& given)
 {
-  console.begin("Loading " + path);
-  Result<SLIMSurface> surface = loadSurface(path);
-  if (!surface) return console.failed(surface.error());
-  input.surface = std::move(*surface);
-  input.has_surface = true;
-  report.time("load_surface", console.seconds());
-  reportSurface(path, input.surface, report);
-  console.done(counted(input.surface.numLeaves(), "surfel"));
-  return {};
-}
-
-Error
-loadInput(const Settings& s, Console& console, Report& report, Input& input)
-{
-  if (!isSurface(s.files.input, nullptr)) {
-    Result<CloudFile> cloud = loadScan(s.files.input, s.job, console, report);
-    if (!cloud) return cloud.error();
-    input.cloud = std::move(*cloud);
-    input.has_cloud = !isSurface(s.files.input, &input.cloud);
-  }
-  if (!input.has_cloud) {
-    if (!s.surface.empty()) {
-      return {ErrorCode::kBadArgument,
-              "'" + s.files.input + "' is a surface itself: leave -surface out, or name a scan"};
+  given.is_input = holdsSurface(s.files.input, cloud);
+  given.any = given.is_input || !s.surface.empty();
+  if (!given.is_input) {
+    if (s.color == true && colorsOf(*cloud).bgr == nullptr) {
+      return badInput("'" + s.files.input +
+                      "' has no colours (rgb, rgba or red green blue); leave -color out");
     }
-    if (Error error = loadGiven(s.files.input, console, report, input)) return error;
-    if (s.color != true || input.surface.hasColors()) return {};
+    return given.any ? loadGiven(s.surface, console, report, given.surface) : Error{};
+  }
+  if (!s.surface.empty()) {
     return {ErrorCode::kBadArgument,
-            "the surface has no colours: name its scan, with -surface " + s.files.input};
+            "'" + s.files.input + "' is a surface itself: leave -surface out, or name a scan"};
   }
-  if (s.color == true && colorsOf(input.cloud).bgr == nullptr) {
-    return badInput("'" + s.files.input +
-                    "' has no colours (rgb, rgba or red green blue); leave -color out");
-  }
-  return s.surface.empty() ? Error{} : loadGiven(s.surface, console, report, input);
+  if (Error error = loadGiven(s.files.input, console, report, given.surface)) return error;
+  if (s.color != true || given.surface.hasColors()) return {};
+  return {ErrorCode::kBadArgument,
+          "the surface has no colours: name its scan, with -surface " + s.files.input};
 }
 
 void
@@ -181,8 +152,8 @@ noteMesh(const MeshStatistics& m, Console& console)
 
 /** \param[in] sharp the surface whose sharp edges the mesh shall have, or null. */
 Error
-makeMesh(const Settings& s, const SLIMSurface& surface, const SLIMSurface* sharp, Console& console,
-         Report& report, TriangleMesh& mesh)
+triangulate(const Settings& s, const SLIMSurface& surface, const SLIMSurface* sharp,
+            Console& console, Report& report, TriangleMesh& mesh)
 {
   console.begin("Meshing");
   MeshParams params = s.mesh;
@@ -208,71 +179,57 @@ makeMesh(const Settings& s, const SLIMSurface& surface, const SLIMSurface* sharp
 
 /** Whether the mesh gets the edges of a second, sharp fit: that needs the scan and its normals. */
 bool
-isSharpened(const Settings& s, const Input& input)
+isSharpened(const Settings& s, const CloudFile* scan)
 {
-  return s.job.params.sharp_features && input.has_cloud &&
+  return s.job.params.sharp_features && scan != nullptr &&
          (s.job.use_normals || s.job.normal_neighbours > 0) &&
-         input.cloud.normal_source != NormalSource::kNothing;
+         scan->normal_source != NormalSource::kNothing;
 }
 
+/** \param[in] scan null: the input is a surface. */
 Error
-work(const Settings& s, const Input& input, Console& console, Report& report, TriangleMesh& mesh)
+makeMesh(const Settings& s, const Given& given, const CloudFile* scan, Console& console,
+         Report& report, TriangleMesh& mesh)
 {
   SLIMSurface fitted, sharp;
-  const bool sharpened = isSharpened(s, input);
+  const bool sharpened = isSharpened(s, scan);
   if (sharpened) {
     FitJob job = s.job;
     job.params.trim = false;
     Report unread(report);
-    if (Error error = fitScan(job, input.cloud, console, unread, sharp)) return error;
+    if (Error error = fitScan(job, *scan, console, unread, sharp)) return error;
   }
-  if (!input.has_surface && !console.interrupted()) {
+  if (!given.any && !console.interrupted()) {
     FitJob job = s.job;
     job.params.sharp_features = job.params.sharp_features && !sharpened;
-    if (Error error = fitScan(job, input.cloud, console, report, fitted)) return error;
+    if (Error error = fitScan(job, *scan, console, report, fitted)) return error;
   }
   if (console.interrupted()) return {};
-  const SLIMSurface& surface = input.has_surface ? input.surface : fitted;
-  if (Error error = makeMesh(s, surface, sharpened ? &sharp : nullptr, console, report, mesh))
+  const SLIMSurface& surface = given.any ? given.surface : fitted;
+  if (Error error = triangulate(s, surface, sharpened ? &sharp : nullptr, console, report, mesh))
     return error;
   if (s.color == false) return {};
-  const ColorView colors = input.has_cloud ? colorsOf(input.cloud) : ColorView();
-  if (colors.bgr) return colorFromPoints(input.cloud.view(false), colors, s.mesh.threads, mesh);
+  const ColorView colors = scan != nullptr ? colorsOf(*scan) : ColorView();
+  if (colors.bgr) return colorFromPoints(scan->view(false), colors, s.mesh.threads, mesh);
   mesh.colors = surfaceColors(surface, mesh.vertices, mesh.normals, s.mesh.threads);
   return {};
 }
 
-int
-run(int argc, char** argv)
+Error
+work(const Settings& s, const Given& given, const CloudFile* cloud, Console& console,
+     Report& report, ScanResult& result)
 {
-  Settings s;
-  OptionTable options = declareOptions(s);
-  if (const auto status = options.parse(argc, argv)) return *status;
-  Error error = checkSettings(s);
-  if (!error) error = limitMemory(s.files.max_memory);
-  if (error) return fail(options.program(), kExitUsage, error.message);
-  Console console(s.files.quiet);
-  Report report(options.program(), options.version(), s.files.input,
-                resolveThreads(s.mesh.threads));
-  Input input;
-  error = loadInput(s, console, report, input);
-  if (error) return fail(options.program(), kExitUsage, error.message);
-  error = checkOutputs(s.files.output, s.files.json);
-  if (error) return fail(options.program(), kExitFailed, error.message);
-  TriangleMesh mesh;
-  error = work(s, input, console, report, mesh);
-  if (console.interrupted())
-    return fail(options.program(), kExitInterrupted, "stopped; nothing is written");
-  if (error) return failWork(options.program(), error);
-  if (lowerExtension(s.files.output) == ".stl" && floatErrorOf(mesh) > 1e-2) {
+  const auto mesh = std::make_shared<TriangleMesh>();
+  const CloudFile* scan = given.is_input ? nullptr : cloud;
+  if (Error error = makeMesh(s, given, scan, console, report, *mesh)) return error;
+  if (lowerExtension(s.files.output) == ".stl" && floatErrorOf(*mesh) > 1e-2) {
     console.warn(
         "pcl_slim_mesh: .stl holds floats, too coarse for these coordinates; .ply and .vtp "
         "keep them");
   }
-  error = saveOutput(
-      s.files.output, s.files.json, [&] { return saveMesh(s.files.output, mesh); },
-      counted(mesh.triangles.size(), "triangle"), console, report);
-  return error ? failWork(options.program(), error) : kExitDone;
+  result.save = [&s, mesh] { return saveMesh(s.files.output, *mesh); };
+  result.detail = counted(mesh->triangles.size(), "triangle");
+  return {};
 }
 
 }  // namespace
@@ -280,5 +237,14 @@ run(int argc, char** argv)
 int
 main(int argc, char** argv)
 {
-  return pcl_slim::guarded("pcl_slim_mesh", "use a smaller scan", [&] { return run(argc, argv); });
+  Settings s;
+  OptionTable options = declareOptions(s);
+  Given given;
+  const ScanSteps steps = {
+      [&] { return checkSettings(s); },
+      [&](auto&&... stage) { return loadGiven(s, stage..., given); },
+      [&](auto&&... stage) { return work(s, given, stage...); },
+      [&](Console&) -> Result<bool> { return holdsSurface(s.files.input, nullptr); },
+      {}};
+  return runScanProgram(options, argc, argv, s.files, s.job, s.mesh.threads, steps);
 }

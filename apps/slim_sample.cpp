@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // pcl_slim_sample: spreads points evenly over a scan's SLIM surface.
 #include <cmath>
-#include <utility>
+#include <memory>
 
-#include "common/memory_limit.h"
 #include "common/program.h"
-#include "common/run_program.h"
 #include "pcl_slim/core/file_access.h"
-#include "pcl_slim/core/parallel.h"
 #include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/query/surface_samples.h"
 #include "scan/cloud_fields.h"
@@ -60,25 +57,6 @@ checkSettings(Settings& s)
   return checkFilesDiffer(s.files, s.job.trajectory);
 }
 
-/** The surface in a file, if it holds one; found says so. */
-Error
-readSurface(const std::string& path, bool& found, SLIMSurface& surface)
-{
-  found = lowerExtension(path) == ".slim";
-  Result<SLIMSurface> made = SLIMSurface();
-  if (found) {
-    made = loadSurface(path);
-  } else {
-    const Result<PointFile> file = loadPointFile(path);
-    if (!file) return file.error();
-    found = findField(file->cloud, "c0") >= 0;
-    if (found) made = surfaceFrom(*file);
-  }
-  if (!made) return made.error();
-  surface = std::move(*made);
-  return {};
-}
-
 /** Points are doubles where floats would move them by a share of their spacing. */
 PointFile
 toFile(const SurfaceSamples& samples)
@@ -114,61 +92,32 @@ toFile(const SurfaceSamples& samples)
   return file;
 }
 
+/** \param[in] cloud the input's points, a scan's or a surface's; null for a .slim. */
 Error
-sample(const Settings& s, const SLIMSurface& surface, Console& console, Report& report,
-       SurfaceSamples& samples)
+sample(const Settings& s, bool hole_given, const CloudFile* cloud, Console& console, Report& report,
+       ScanResult& result)
 {
+  SLIMSurface surface;
+  if (holdsSurface(s.files.input, cloud)) {
+    if (Error error = loadGiven(s.files.input, console, report, surface)) return error;
+    if (hole_given) surface.closeHoles(s.job.params.hole_size);
+    if (!s.job.params.trim) surface.dropTrimMaps();
+  } else if (Error error = fitScan(s.job, *cloud, console, report, surface)) {
+    return error;
+  }
+  if (console.interrupted()) return {};
   console.begin("Sampling");
-  if (Error error = sampleSurface(surface, s.sampling, samples, &console.progress()))
+  const auto samples = std::make_shared<SurfaceSamples>();
+  if (Error error = sampleSurface(surface, s.sampling, *samples, &console.progress()))
     return console.failed(error);
   report.time("sample", console.seconds());
-  report.add({{"samples", samples.size()},
-              {"spacing", samples.spacing},
-              {"candidates", samples.candidates}});
-  console.done(std::to_string(samples.size()) + " points");
+  report.add({{"samples", samples->size()},
+              {"spacing", samples->spacing},
+              {"candidates", samples->candidates}});
+  result.detail = std::to_string(samples->size()) + " points";
+  console.done(result.detail);
+  result.save = [&s, samples] { return savePointFile(s.files.output, toFile(*samples)); };
   return {};
-}
-
-int
-run(int argc, char** argv)
-{
-  Settings s;
-  OptionTable options = declareOptions(s);
-  if (const auto status = options.parse(argc, argv)) return *status;
-  const auto leave = [&](int status, const Error& error) {
-    return fail(options.program(), status, error.message);
-  };
-  Error error = checkSettings(s);
-  if (!error) error = limitMemory(s.files.max_memory);
-  if (error) return leave(kExitUsage, error);
-  Console console(s.files.quiet);
-  Report report(options.program(), options.version(), s.files.input,
-                resolveThreads(s.job.params.threads));
-  SLIMSurface surface;
-  bool found = false;
-  error = readSurface(s.files.input, found, surface);
-  if (error) return leave(kExitUsage, error);
-  Result<CloudFile> cloud = CloudFile();
-  if (!found) cloud = loadScan(s.files.input, s.job, console, report);
-  if (!cloud) return leave(kExitUsage, cloud.error());
-  error = checkOutputs(s.files.output, s.files.json);
-  if (error) return leave(kExitFailed, error);
-
-  if (!found) error = fitScan(s.job, *cloud, console, report, surface);
-  if (found) reportSurface(s.files.input, surface, report);
-  if (found && options.given("hole")) surface.closeHoles(s.job.params.hole_size);
-  if (found && !s.job.params.trim) surface.dropTrimMaps();
-  SurfaceSamples samples;
-  if (!error && !console.interrupted()) error = sample(s, surface, console, report, samples);
-  if (console.interrupted())
-    return fail(options.program(), kExitInterrupted, "stopped; nothing is written");
-  if (!error) {
-    error = saveOutput(
-        s.files.output, s.files.json,
-        [&] { return savePointFile(s.files.output, toFile(samples)); },
-        std::to_string(samples.size()) + " points", console, report);
-  }
-  return error ? failWork(options.program(), error) : kExitDone;
 }
 
 }  // namespace
@@ -176,6 +125,13 @@ run(int argc, char** argv)
 int
 main(int argc, char** argv)
 {
-  return pcl_slim::guarded("pcl_slim_sample", "use a larger -spacing",
-                           [&] { return run(argc, argv); });
+  Settings s;
+  OptionTable options = declareOptions(s);
+  const ScanSteps steps = {
+      [&] { return checkSettings(s); },
+      {},
+      [&](auto&&... stage) { return sample(s, options.given("hole"), stage...); },
+      [&](Console&) -> Result<bool> { return holdsSurface(s.files.input, nullptr); },
+      {}};
+  return runScanProgram(options, argc, argv, s.files, s.job, s.job.params.threads, steps);
 }

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "pcl_slim/core/vector3.h"
+
 namespace pcl_slim::comparison {
 
 namespace {
@@ -81,15 +83,11 @@ MeshSurface::MeshSurface(std::vector<Point> vertices, std::vector<Triangle> tria
 void
 MeshSurface::build(std::uint32_t node, std::uint32_t begin, std::uint32_t end)
 {
-  Point low = vertices_[triangles_[begin][0]], high = low;
+  Bounds box;
   for (std::uint32_t t = begin; t < end; ++t) {
-    for (const std::uint32_t corner : triangles_[t]) {
-      for (std::size_t a = 0; a < 3; ++a) {
-        low[a] = std::min(low[a], vertices_[corner][a]);
-        high[a] = std::max(high[a], vertices_[corner][a]);
-      }
-    }
+    for (const std::uint32_t corner : triangles_[t]) box.add(vertices_[corner]);
   }
+  const auto& [low, high] = box;
   nodes_[node].low = low;
   nodes_[node].high = high;
   nodes_[node].begin = begin;

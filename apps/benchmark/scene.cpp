@@ -8,6 +8,8 @@
 #include <random>
 #include <utility>
 
+#include "pcl_slim/core/order_statistics.h"
+
 namespace pcl_slim::comparison {
 
 namespace {
@@ -91,8 +93,7 @@ spacingOf(const pcl::PointCloud<pcl::PointXYZ>::Ptr& clean)
     tenth.push_back(squared.back());
   }
   if (tenth.empty()) return 0;
-  std::nth_element(tenth.begin(), tenth.begin() + tenth.size() / 2, tenth.end());
-  return std::sqrt(tenth[tenth.size() / 2] * M_PI / kNeighbours);
+  return std::sqrt(median(std::move(tenth)) * M_PI / kNeighbours);
 }
 
 const std::vector<std::string>&

@@ -7,7 +7,7 @@
 
 #include "benchmark/mesh_surface.h"
 #include "benchmark/scene.h"
-#include "pcl_slim/core/finite.h"
+#include "pcl_slim/core/vector3.h"
 #include "scan/cloud_file.h"
 
 namespace pcl_slim::comparison {
@@ -15,29 +15,6 @@ namespace pcl_slim::comparison {
 namespace {
 
 using Point = std::array<double, 3>;
-
-/** Coordinates as doubles, whatever the file holds. */
-Point
-positionOf(const CloudView& view, std::size_t i)
-{
-  const auto* address = static_cast<const char*>(view.xyz) + i * view.xyz_stride;
-  Point p;
-  if (view.scalar == CloudView::Scalar::kDouble) {
-    std::memcpy(p.data(), address, sizeof(p));
-    return p;
-  }
-  std::array<float, 3> f;
-  std::memcpy(f.data(), address, sizeof(f));
-  return {f[0], f[1], f[2]};
-}
-
-std::array<float, 3>
-normalOf(const CloudView& view, std::size_t i)
-{
-  std::array<float, 3> n;
-  std::memcpy(n.data(), static_cast<const char*>(view.normal) + i * view.normal_stride, sizeof(n));
-  return n;
-}
 
 /** Mean edge length of a mesh; 0 without faces. */
 double
@@ -50,8 +27,8 @@ meanEdge(const CloudFile& mesh)
   for (std::size_t f = 0; f < file.numFaces(); ++f) {
     const std::uint32_t begin = file.face_begin[f], end = file.face_begin[f + 1];
     for (std::uint32_t k = begin; k < end; ++k) {
-      const Point a = positionOf(view, file.face_vertices[k]);
-      const Point b = positionOf(view, file.face_vertices[k + 1 < end ? k + 1 : begin]);
+      const Point a = view.position(file.face_vertices[k]);
+      const Point b = view.position(file.face_vertices[k + 1 < end ? k + 1 : begin]);
       const double length = std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
       if (!std::isfinite(length)) continue;
       sum += length;
@@ -87,16 +64,16 @@ joinPair(const CloudView& input, const CloudView& clean, Scene& scene, PairTruth
   std::vector<double> noisy;
   Point origin{};
   for (std::size_t i = 0; i < input.size; ++i) {
-    const Point p = positionOf(input, i), q = positionOf(clean, i);
+    const Point p = input.position(i), q = clean.position(i);
     if (!isFinite(p) || !isFinite(q)) continue;
     if (pair.points.empty()) origin = q;
     for (std::size_t a = 0; a < 3; ++a) {
       noisy.push_back(p[a] - origin[a]);
       pair.points.push_back(q[a] - origin[a]);
     }
-    if (clean.normal) pair.normals.push_back(normalOf(clean, i));
+    if (clean.normal) pair.normals.push_back(clean.givenNormal(i));
     if (!input.normal) continue;
-    const std::array<float, 3> n = normalOf(input, i);
+    const std::array<float, 3> n = input.givenNormal(i);
     scene.normals.insert(scene.normals.end(), n.begin(), n.end());
   }
   scene.points = toCloud(noisy);
@@ -112,7 +89,7 @@ surfaceOf(const CloudFile& mesh, const Point& origin)
   const CloudView view = mesh.view(false);
   std::vector<Point> vertices(view.size);
   for (std::size_t i = 0; i < view.size; ++i) {
-    const Point p = positionOf(view, i);
+    const Point p = view.position(i);
     vertices[i] = {p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]};
   }
   std::vector<MeshSurface::Triangle> triangles;

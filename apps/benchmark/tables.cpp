@@ -20,7 +20,7 @@ namespace pcl_slim::comparison {
 namespace {
 
 constexpr double kLongRun = 2.0;  // seconds; chance is small beside it
-constexpr double kDegreesPerRadian = 57.29577951308232;
+constexpr double kDegreesPerRadian = 180 / M_PI;
 
 /** Angle in radians between two directions regardless of sign; sound for the smallest angles.
  * \param[out] same_side whether they point to one side. */

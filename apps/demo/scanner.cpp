@@ -11,6 +11,7 @@
 
 #include "amphora.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/random.h"
 
 namespace pcl_slim::demo {
 namespace {
@@ -25,19 +26,13 @@ struct Station {
 constexpr Station kStations[] = {
     {-65.0, 1.00, 0.52}, {28.0, 1.35, 0.36}, {122.0, 1.15, 0.70}, {205.0, 1.60, 0.20}};
 
-/** \brief Counter-based random bits (SplitMix64's finaliser): a value per ray and purpose, whatever
+/** \brief Counter-based random bits (of SplitMix64): a value per ray and purpose, whatever
  * the order in which rays are shot. */
 std::uint64_t
 randomBits(std::uint64_t seed, std::uint64_t ray, std::uint64_t purpose)
 {
-  std::uint64_t z =
-      seed * 0x9e3779b97f4a7c15u + ray * 0xd1342543de82ef95u + purpose * 0xaf251af3b0f025b5u;
-  for (int round = 0; round < 2; ++round) {
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
-    z ^= z >> 31;
-  }
-  return z;
+  return mixBits(
+      mixBits(seed * SplitMix::kStep + ray * 0xd1342543de82ef95u + purpose * 0xaf251af3b0f025b5u));
 }
 
 /** \brief Uniform in (0, 1). */

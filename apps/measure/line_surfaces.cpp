@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "measure/line_truth.h"
+#include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim::measure {
 
 namespace {
 
-constexpr double kTau = 6.283185307179586;
+constexpr double kTau = 2 * M_PI;
 constexpr double kMajor = 1.0, kMinor = 0.4, kWaves = 0.04;
 constexpr std::size_t kAreaCells = 1000;
 
@@ -154,22 +156,21 @@ sampleSurface(const LineSurface& surface, std::size_t count, double noise, doubl
   for (int i = 0; i < 20000; ++i) most = std::max(most, areaElement(surface, unit(rng), unit(rng)));
   most *= 1.05;
   Scene scene;
-  Vector3 low = {1e9, 1e9, 1e9}, high = {-1e9, -1e9, -1e9};
+  Bounds box;
   while (scene.points.size() < 3 * count) {
     const double u = unit(rng), v = unit(rng);
     if (unit(rng) * most > areaElement(surface, u, v)) continue;
     const ExactCrest at = exactCrest(surface, u, v, false);
     Vector3 n = at.normal;
+    box.add(at.position);
     for (std::size_t a = 0; a < 3; ++a) {
       scene.points.push_back(at.position[a]);
-      low[a] = std::min(low[a], at.position[a]);
-      high[a] = std::max(high[a], at.position[a]);
       n[a] += normal_noise * gauss(rng);
     }
     n = normalized(n);
     for (const double value : n) scene.normals.push_back(static_cast<float>(value));
   }
-  scene.diagonal = length(subtract(high, low));
+  scene.diagonal = box.diagonal();
   for (double& value : scene.points) value += noise * scene.diagonal * gauss(rng);
   return scene;
 }

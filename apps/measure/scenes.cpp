@@ -7,6 +7,7 @@
 #include <random>
 
 #include "pcl_slim/core/symmetric.h"
+#include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim::measure {
 
@@ -207,22 +208,17 @@ makeScene(Shape shape, std::size_t count, double noise, double normal_noise, std
   Scene scene;
   scene.points.resize(3 * count);
   scene.normals.resize(3 * count);
-  Point low = {1e9, 1e9, 1e9}, high = {-1e9, -1e9, -1e9};
+  Bounds box;
   for (std::size_t i = 0; i < count; ++i) {
     const Point p = samplePoint(shape, rng);
     Point n = normalized(evaluate(shape, p).g);
-    for (int a = 0; a < 3; ++a) {
-      scene.points[3 * i + a] = p[a];
-      low[a] = std::min(low[a], p[a]);
-      high[a] = std::max(high[a], p[a]);
-    }
+    box.add(p);
+    for (int a = 0; a < 3; ++a) scene.points[3 * i + a] = p[a];
     n = normalized({n[0] + normal_noise * gauss(rng), n[1] + normal_noise * gauss(rng),
                     n[2] + normal_noise * gauss(rng)});
     for (int a = 0; a < 3; ++a) scene.normals[3 * i + a] = static_cast<float>(n[a]);
   }
-  scene.diagonal =
-      std::sqrt((high[0] - low[0]) * (high[0] - low[0]) + (high[1] - low[1]) * (high[1] - low[1]) +
-                (high[2] - low[2]) * (high[2] - low[2]));
+  scene.diagonal = box.diagonal();
   for (double& value : scene.points) value += noise * scene.diagonal * gauss(rng);
   return scene;
 }

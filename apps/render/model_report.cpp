@@ -4,16 +4,10 @@
 #include <algorithm>
 #include <vector>
 
+#include "pcl_slim/core/order_statistics.h"
+
 namespace pcl_slim {
 namespace {
-
-double
-medianOf(std::vector<double> values)
-{
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /** What a picture of either kind cost. */
 template <typename Counts>
@@ -49,7 +43,7 @@ timeFrames(SurfaceRenderer& renderer, const Camera& camera, const RenderParams& 
     frames.push_back(frame_seconds);
     shades.push_back(shade_time.seconds());
   }
-  return FrameSeconds{medianOf(frames), medianOf(shades)};
+  return FrameSeconds{median(frames), median(shades)};
 }
 
 void

@@ -9,7 +9,6 @@
 #include <numeric>
 #include <utility>
 
-#include "pcl_slim/core/finite.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/filters/pcl_normals.h"
 

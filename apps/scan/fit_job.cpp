@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/memory_limit.h"
+#include "pcl_slim/filters/io/surface_files.h"
 #include "pcl_slim/filters/io/trajectory.h"
 #include "pcl_slim/fit/fit_colors.h"
 #include "scan/fit_report.h"
@@ -236,6 +237,26 @@ loadScan(const std::string& path, const FitJob& job, Console& console, Report& r
   report.json()["normals"] = normalSourceName(
       job.use_normals || job.normal_neighbours > 0 ? cloud->normal_source : NormalSource::kNothing);
   return cloud;
+}
+
+bool
+holdsSurface(const std::string& path, const CloudFile* cloud)
+{
+  return lowerExtension(path) == ".slim" ||
+         (cloud != nullptr && findField(cloud->file.cloud, "c0") >= 0);
+}
+
+Error
+loadGiven(const std::string& path, Console& console, Report& report, SLIMSurface& surface)
+{
+  console.begin("Loading " + path);
+  Result<SLIMSurface> loaded = loadSurface(path);
+  if (!loaded) return console.failed(loaded.error());
+  surface = std::move(*loaded);
+  report.time("load_surface", console.seconds());
+  reportSurface(path, surface, report);
+  console.done(counted(surface.numLeaves(), "surfel"));
+  return {};
 }
 
 namespace {

@@ -68,6 +68,14 @@ finishFitOptions(FitJob& job);
 Result<CloudFile>
 loadScan(const std::string& path, const FitJob& job, Console& console, Report& report);
 
+/** \brief Whether an input can only hold a surface (.slim), or its fields, once loaded, say that it does. */
+bool
+holdsSurface(const std::string& path, const CloudFile* cloud);
+
+/** \brief Loads a surface; says and reports so. */
+Error
+loadGiven(const std::string& path, Console& console, Report& report, SLIMSurface& surface);
+
 /** \brief Fits a surface to a scan; says and reports what was done and what was skipped.
  * \param[out] kept the store of the scan, for who goes on working with it (may be null); also where
  * the error is that the points are no surface. */

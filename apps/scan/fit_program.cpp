@@ -150,7 +150,7 @@ runFitProgram(const char* program, const char* version, int argc, const char* co
       options, argc, argv, s.files, s.job, s.job.params.threads,
       {[&] { return checkSettings(s); },
        {},
-       [&](auto&... stage) { return makeSurface(s, stage...); },
+       [&](const CloudFile* cloud, auto&... stage) { return makeSurface(s, *cloud, stage...); },
        [&](Console& console) { return openScan(s, options.given("tile_points"), console); },
        [&](auto&... stage) { return streamSurface(s, stage...); }});
 }

@@ -19,15 +19,15 @@ struct Stop {
   Error error;
 };
 
-/** Loads the scan, or opens it. \param[out] cloud the scan, unless it is streamed. */
+/** Loads the scan. \param[out] cloud the scan; none where open() took the input. */
 Stop
 readScan(const ScanFiles& files, const FitJob& scan, const ScanSteps& steps, Console& console,
          Report& report, std::optional<CloudFile>& cloud)
 {
   if (steps.open) {
-    const Result<bool> streams = steps.open(console);
-    if (!streams) return {kExitUsage, streams.error()};
-    if (*streams) return {};
+    const Result<bool> taken = steps.open(console);
+    if (!taken) return {kExitUsage, taken.error()};
+    if (*taken) return {};
   }
   Result<CloudFile> loaded = loadScan(files.input, scan, console, report);
   if (!loaded) return {kExitUsage, loaded.error()};
@@ -35,12 +35,13 @@ readScan(const ScanFiles& files, const FitJob& scan, const ScanSteps& steps, Con
   return {};
 }
 
-/** Does the work. \param[in] cloud null: the scan is streamed. */
+/** Does the work. */
 Stop
 work(const ScanSteps& steps, const CloudFile* cloud, Console& console, Report& report,
      ScanResult& result)
 {
-  if (cloud != nullptr) return {kExitFailed, steps.work(*cloud, console, report, result)};
+  if (cloud != nullptr || !steps.stream)
+    return {kExitFailed, steps.work(cloud, console, report, result)};
   const Error error = steps.stream(console, report, result);
   const bool usage = error.code == ErrorCode::kBadInput || error.code == ErrorCode::kBadArgument;
   return {usage ? kExitUsage : kExitFailed, error};

@@ -47,16 +47,16 @@ struct ScanResult {
 struct ScanSteps {
   /** \brief What can be said before any file is touched; an error exits with kExitUsage. */
   std::function<Error()> check;
-  /** \brief Reads what else is needed, if anything; an error exits with kExitUsage. The cloud is null where it
-   * is streamed. */
+  /** \brief Reads what else is needed, if anything; an error exits with kExitUsage. The cloud is null where
+   * open() took the input. */
   std::function<Error(const CloudFile* cloud, Console&, Report&)> load;
-  /** \brief The work; an error exits with kExitFailed. */
-  std::function<Error(const CloudFile&, Console&, Report&, ScanResult&)> work;
-  /** \brief Opens a scan that is not loaded but read in pieces; null: every scan is loaded. An error exits
-   * with kExitUsage. \return whether this scan is to be streamed. */
+  /** \brief The work; an error exits with kExitFailed. The cloud is null where open() took the input. */
+  std::function<Error(const CloudFile* cloud, Console&, Report&, ScanResult&)> work;
+  /** \brief Opens an input that is not to be loaded as a scan; null: every input is loaded. An error exits
+   * with kExitUsage. \return whether it took this input. */
   std::function<Result<bool>(Console&)> open;
-  /** \brief The work on a scan that is streamed; an error exits with kExitFailed, one of the input with
-   * kExitUsage. */
+  /** \brief The work on what open() took, if work() is not for it; an error exits with kExitFailed, one of
+   * the input with kExitUsage. */
   std::function<Error(Console&, Report&, ScanResult&)> stream;
 };
 

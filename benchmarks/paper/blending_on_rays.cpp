@@ -261,7 +261,8 @@ averagedDepth(const Query& query)
     const double reach_sq = kShrink * kShrink - leaves[k].distance_sq;
     if (reach_sq <= 0) continue;
     const double reach = std::sqrt(reach_sq);
-    const auto roots = leaves[k].f.roots(query.leaves[k].degree, -reach, reach);
+    const auto roots =
+        detail::rootsInInterval(query.leaves[k].degree, leaves[k].f.a, -reach, reach);
     if (roots.count > 0) first = std::min(first, leaves[k].depth + leaves[k].radius * roots.at[0]);
   }
   double sum = 0, weight = 0;
@@ -269,7 +270,8 @@ averagedDepth(const Query& query)
     const double w = leaves[k].weightAtDepth(first);
     if (w <= 0) continue;
     const double s = leaves[k].stationOf(first);
-    const auto roots = leaves[k].f.roots(query.leaves[k].degree, s - 0.25, s + 0.25);
+    const auto roots =
+        detail::rootsInInterval(query.leaves[k].degree, leaves[k].f.a, s - 0.25, s + 0.25);
     if (roots.count == 0) continue;
     sum += w * (leaves[k].depth + leaves[k].radius * roots.at[0]);
     weight += w;

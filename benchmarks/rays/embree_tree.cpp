@@ -44,7 +44,7 @@ struct Leaves {
     const double high = std::min(half, (context.best - approach.depth) * scale);
     if (!(low <= high)) return HUGE_VAL;
     const RayPolynomial polynomial(surfel, approach, ray.direction);
-    const Roots roots = polynomial.roots(surfel.degree, low, high);
+    const Roots roots = rootsInInterval(surfel.degree, polynomial.a, low, high);
     for (int k = 0; k < roots.count; ++k) {
       const double depth = approach.depth + roots.at[k] * surfel.radius;
       const bool falls = polynomial.slope(roots.at[k]) < 0.0;

@@ -36,4 +36,9 @@
   WITH(pcl::PointXYZRGBNormal) \
   WITH(pcl::PointSurfel) \
   WITH(pcl::InterestPoint)
+// All of them.
+#define PCL_SLIM_FOR_XYZ_TYPES(WITH) \
+  PCL_SLIM_FOR_PLAIN_TYPES(WITH) \
+  PCL_SLIM_FOR_COLOR_TYPES(WITH) \
+  PCL_SLIM_FOR_NORMAL_TYPES(WITH)
 // clang-format on

@@ -10,29 +10,13 @@
 #include <cstring>
 
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim {
 
 namespace {
 
 constexpr int kNearest = 4;
-
-Vector3
-positionOf(const CloudView& cloud, std::size_t i)
-{
-  const auto* at = static_cast<const unsigned char*>(cloud.xyz) + i * cloud.xyz_stride;
-  Vector3 p{};
-  for (std::size_t a = 0; a < 3; ++a) {
-    if (cloud.scalar == CloudView::Scalar::kDouble) {
-      std::memcpy(&p[a], at + a * sizeof(double), sizeof(double));
-      continue;
-    }
-    float x = 0;
-    std::memcpy(&x, at + a * sizeof(float), sizeof(float));
-    p[a] = x;
-  }
-  return p;
-}
 
 /** The finite points of a cloud, about one of them, and where they are in it. */
 struct NearbyPoints {
@@ -44,8 +28,8 @@ struct NearbyPoints {
   {
     for (std::size_t i = 0; i < cloud.count(); ++i) {
       const std::size_t place = cloud.inputIndex(i);
-      const Vector3 p = positionOf(cloud, place);
-      if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) continue;
+      const Vector3 p = cloud.position(place);
+      if (!isFinite(p)) continue;
       if (places.empty()) origin = p;
       places.push_back(place);
       points->push_back(relative(p));

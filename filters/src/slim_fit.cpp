@@ -1,9 +1,100 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #define PCL_SLIM_PCL_POINTS_ONLY
-#include "pcl_slim/filters/impl/slim_fit.hpp"
+#include "pcl_slim/filters/slim_fit_base.h"
+
+#include <pcl/console/print.h>
+
+#include <algorithm>
 
 #include "input_types.h"
+#include "pcl_slim/filters/impl/slim_fit.hpp"
+#include "pcl_slim/fit/fit_colors.h"
 
+namespace pcl_slim {
+
+void
+SLIMFitBase::setViewPoint(double x, double y, double z)
+{
+  params_.has_viewpoint = true;
+  params_.viewpoint[0] = x;
+  params_.viewpoint[1] = y;
+  params_.viewpoint[2] = z;
+}
+
+bool
+SLIMFitBase::getViewPoint(double& x, double& y, double& z) const
+{
+  if (!params_.has_viewpoint) return false;
+  x = params_.viewpoint[0];
+  y = params_.viewpoint[1];
+  z = params_.viewpoint[2];
+  return true;
+}
+
+void
+SLIMFitBase::setNoiseModel(double a, double b, double c)
+{
+  params_.has_noise_model = true;
+  params_.noise_model[0] = a;
+  params_.noise_model[1] = b;
+  params_.noise_model[2] = c;
+}
+
+bool
+SLIMFitBase::getNoiseModel(double& a, double& b, double& c) const
+{
+  if (!params_.has_noise_model) return false;
+  a = params_.noise_model[0];
+  b = params_.noise_model[1];
+  c = params_.noise_model[2];
+  return true;
+}
+
+void
+SLIMFitBase::clearResults()
+{
+  ControlledRun::clearResults();
+  statistics_ = {};
+  outliers_.clear();
+  input_statistics_ = {};
+}
+
+Error
+SLIMFitBase::fitStore(PointStore& store, const CloudView& cloud, SLIMSurface& surface)
+{
+  outliers_.clear();
+  if (params_.sharp_features && cloud.normal == nullptr) {
+    PCL_WARN(
+        "[pcl_slim] sharp features have no effect without normals; set some, or estimate them: "
+        "setNormalEstimationNeighbors(30)\n");
+  }
+  Error error = fitSurface(store, params_, surface, &statistics_, &control_.progress);
+  for (const std::uint32_t i : statistics_.outlier_points)
+    outliers_.push_back(static_cast<std::int32_t>(cloud.inputIndex(store.orderOfStore()[i])));
+  std::sort(outliers_.begin(), outliers_.end());
+  return error;
+}
+
+bool
+SLIMFitBase::run(const CloudView& cloud, SLIMSurface& surface, const ColorView& colors)
+{
+  const CancellableRun cancellable(control_.progress);
+  error_ = params_.validate();
+  if (error_) return false;
+  const bool done = guarded("the fit", "fit fewer points", [&]() -> Error {
+    Result<PointStore> store = PointStore::build(cloud, params_.threads);
+    if (!store) return store.error();
+    input_statistics_ = store->statistics();
+    if (Error error = fitStore(*store, cloud, surface)) return error;
+    return fitColors(*store, cloud, colors, params_.threads, surface);
+  });
+  if (!done) surface = SLIMSurface();
+  return done;
+}
+
+}  // namespace pcl_slim
+
+// The class of all point types it is compiled for.
 PCL_SLIM_FOR_PLAIN_TYPES(PCL_SLIM_INSTANTIATE_SLIMFit)
 PCL_SLIM_FOR_COLOR_TYPES(PCL_SLIM_INSTANTIATE_SLIMFit)
 PCL_SLIM_FOR_NORMAL_TYPES(PCL_SLIM_INSTANTIATE_SLIMFit)

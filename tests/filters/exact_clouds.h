@@ -45,6 +45,26 @@ sphereCloud(std::size_t count, double radius, double sigma)
   return cloud;
 }
 
+/** A sphere about 0 with Gaussian noise along x, y and z, without what is above z = top * radius. */
+template <typename PointT>
+typename pcl::PointCloud<PointT>::Ptr
+noisySphere(std::size_t count, double radius, double sigma, double top = 2.0)
+{
+  auto cloud = std::make_shared<pcl::PointCloud<PointT>>();
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  while (cloud->size() < count) {
+    const double n[3] = {normal(random), normal(random), normal(random)};
+    const double length = std::hypot(n[0], n[1], n[2]);
+    if (n[2] / length > top) continue;
+    PointT p;
+    for (int a = 0; a < 3; ++a)
+      p.data[a] = static_cast<float>(radius * n[a] / length + sigma * normal(random));
+    cloud->push_back(p);
+  }
+  return cloud;
+}
+
 /** A torus about the z axis; even in both angles, which is near enough. */
 template <typename PointT>
 typename pcl::PointCloud<PointT>::Ptr

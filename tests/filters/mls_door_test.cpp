@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "exact_clouds.h"
 #include "pcl_slim/filters/slim_projection_smoother.h"
 
 namespace pcl_slim {
@@ -16,25 +17,6 @@ using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 using Normals = pcl::PointCloud<pcl::PointNormal>;
 using Mls = pcl::MovingLeastSquares<pcl::PointXYZ, pcl::PointNormal>;
 using Slim = SLIMProjectionSmoother<pcl::PointXYZ, pcl::PointNormal>;
-
-/** A sphere about 0 with noise along x, y and z. */
-Cloud::Ptr
-noisySphere(std::size_t count, double radius, double noise, double hole = 2.0)
-{
-  auto cloud = std::make_shared<Cloud>();
-  std::mt19937 random(5);
-  std::normal_distribution<double> normal;
-  while (cloud->size() < count) {
-    double n[3] = {normal(random), normal(random), normal(random)};
-    const double length = std::hypot(n[0], n[1], n[2]);
-    if (n[2] / length > hole) continue;
-    pcl::PointXYZ p;
-    for (int a = 0; a < 3; ++a)
-      p.data[a] = static_cast<float>(radius * n[a] / length + noise * normal(random));
-    cloud->push_back(p);
-  }
-  return cloud;
-}
 
 /** z = 0 over the unit square, with noise and a wave. */
 Cloud::Ptr
@@ -137,7 +119,7 @@ tutorial(const Cloud::Ptr& cloud, double radius)
 
 TEST(MlsDoor, EveryMemberCompilesAndUnusedOnesWarnOnce)
 {
-  const auto cloud = noisySphere(10, 1.0, 0.0);
+  const auto cloud = pcl_slim_test::noisySphere<pcl::PointXYZ>(10, 1.0, 0.0);
   Mls mls;
   callEverything(mls, cloud);
   testing::internal::CaptureStderr();
@@ -155,7 +137,7 @@ TEST(MlsDoor, EveryMemberCompilesAndUnusedOnesWarnOnce)
 
 TEST(MlsDoor, TheTutorialRunsWithTheNameChanged)
 {
-  const auto cloud = noisySphere(8000, 1.0, 0.01);
+  const auto cloud = pcl_slim_test::noisySphere<pcl::PointXYZ>(8000, 1.0, 0.01);
   const Normals theirs = tutorial<Mls>(cloud, 0.2), ours = tutorial<Slim>(cloud, 0.2);
   ASSERT_EQ(ours.size(), theirs.size());
   EXPECT_LE(rmsFromSphere(ours, 1.0), 1.05 * rmsFromSphere(theirs, 1.0));
@@ -197,7 +179,7 @@ TEST(MlsDoor, DetailFinerThanTheSearchRadiusGoes)
 
 TEST(MlsDoor, CurvatureIsWhatIsAskedFor)
 {
-  const auto cloud = noisySphere(6000, 5.0, 0.0);
+  const auto cloud = pcl_slim_test::noisySphere<pcl::PointXYZ>(6000, 5.0, 0.0);
   Slim slim;
   slim.setInputCloud(cloud);
   slim.setSearchRadius(1.0);
@@ -226,7 +208,7 @@ meanCurvature(const Normals& cloud)
 TEST(MlsDoor, SurfaceVariationIsThatOfMls)
 {
   for (const double noise : {0.0, 0.02}) {
-    const auto cloud = noisySphere(20000, 1.0, noise);
+    const auto cloud = pcl_slim_test::noisySphere<pcl::PointXYZ>(20000, 1.0, noise);
     const Normals theirs = tutorial<Mls>(cloud, 0.3);
     Slim slim;
     slim.setInputCloud(cloud);
@@ -237,7 +219,7 @@ TEST(MlsDoor, SurfaceVariationIsThatOfMls)
     EXPECT_NEAR(meanCurvature(ours), meanCurvature(theirs), 0.1 * meanCurvature(theirs)) << noise;
   }
   Slim slim;
-  slim.setInputCloud(noisySphere(100, 1.0, 0.0));
+  slim.setInputCloud(pcl_slim_test::noisySphere<pcl::PointXYZ>(100, 1.0, 0.0));
   slim.setCurvature(Slim::kSurfaceVariation);
   Normals out;
   slim.process(out);
@@ -247,7 +229,7 @@ TEST(MlsDoor, SurfaceVariationIsThatOfMls)
 TEST(MlsDoor, PclsOwnPointTypesKeepTheirFields)
 {
   pcl::PointCloud<pcl::PointXYZL>::Ptr cloud(new pcl::PointCloud<pcl::PointXYZL>);
-  const auto plain = noisySphere(2000, 1.0, 0.001);
+  const auto plain = pcl_slim_test::noisySphere<pcl::PointXYZ>(2000, 1.0, 0.001);
   for (const auto& p : *plain) {
     pcl::PointXYZL q;
     q.x = p.x, q.y = p.y, q.z = p.z;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "exact_clouds.h"
 #include "pcl_slim/filters/slim_projection_smoother.h"
 
 namespace pcl_slim {
@@ -21,19 +22,8 @@ using Slim = SLIMProjectionSmoother<pcl::PointXYZI, pcl::PointXYZINormal>;
 Cloud::Ptr
 sphere(std::size_t count, double top = 2.0)
 {
-  auto cloud = std::make_shared<Cloud>();
-  std::mt19937 random(5);
-  std::normal_distribution<double> normal;
-  while (cloud->size() < count) {
-    double n[3] = {normal(random), normal(random), normal(random)};
-    const double length = std::hypot(n[0], n[1], n[2]);
-    if (n[2] / length > top) continue;
-    pcl::PointXYZI p;
-    for (int a = 0; a < 3; ++a)
-      p.data[a] = static_cast<float>(n[a] / length + 0.002 * normal(random));
-    p.intensity = static_cast<float>(cloud->size());
-    cloud->push_back(p);
-  }
+  const auto cloud = pcl_slim_test::noisySphere<pcl::PointXYZI>(count, 1.0, 0.002, top);
+  for (std::size_t i = 0; i < cloud->size(); ++i) (*cloud)[i].intensity = static_cast<float>(i);
   return cloud;
 }
 

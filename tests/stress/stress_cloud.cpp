@@ -5,20 +5,14 @@
 #include <cmath>
 #include <limits>
 
+#include "support/array_view.h"
+
 namespace pcl_slim_test {
 
 pcl_slim::CloudView
 StressCloud::cloud() const
 {
-  pcl_slim::CloudView view;
-  view.xyz = points.data();
-  view.xyz_stride = 3 * sizeof(double);
-  view.scalar = pcl_slim::CloudView::Scalar::kDouble;
-  view.size = size();
-  if (normals.empty()) return view;
-  view.normal = normals.data();
-  view.normal_stride = 3 * sizeof(float);
-  return view;
+  return viewOf(points, normals);
 }
 
 void

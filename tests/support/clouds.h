@@ -13,6 +13,7 @@
 #include "measure/scenes.h"
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/query/projection.h"
+#include "support/array_view.h"
 
 namespace pcl_slim_test {
 
@@ -31,19 +32,7 @@ struct Cloud {
     for (const double value : n) normals.push_back(static_cast<float>(value));
   }
 
-  pcl_slim::CloudView view() const
-  {
-    pcl_slim::CloudView view;
-    view.xyz = points.data();
-    view.xyz_stride = 3 * sizeof(double);
-    view.scalar = pcl_slim::CloudView::Scalar::kDouble;
-    view.size = size();
-    if (!normals.empty()) {
-      view.normal = normals.data();
-      view.normal_stride = 3 * sizeof(float);
-    }
-    return view;
-  }
+  pcl_slim::CloudView view() const { return viewOf(points, normals); }
 
   Cloud withoutNormals() const { return {points, {}}; }
 };

@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "pcl_slim/cloud/color_view.h"
+#include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/surface/surface.h"
 #include "pcl_slim/surface/surfel_color.h"
 

@@ -9,7 +9,7 @@ namespace pcl_slim::measure {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
-constexpr double kTwoPi = 6.283185307179586;
+constexpr double kTwoPi = 2 * M_PI;
 constexpr double kNear = 1e-6;  ///< rays start so far off
 constexpr int kMarch = 400;     ///< steps in which waves are looked for around their plane
 constexpr int kHalvings = 60;

@@ -1,16 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
-
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/render/bounding_spheres.h"
 
 namespace pcl_slim {
-
-/** \brief The i-th point of the cloud's arrays. */
-std::array<double, 3>
-positionOf(const CloudView& points, std::size_t i);
 
 /** \brief A sample of a scan's points, with their normals where it has any, for a camera to look at: it then
  * stands where it will for the fitted surface, or nearly so. Finite points alone. O(sample). */

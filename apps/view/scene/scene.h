@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "pcl_slim/cloud/cloud_view.h"
-#include "pcl_slim/cloud/color_view.h"
 #include "pcl_slim/render/bounding_spheres.h"
 #include "pcl_slim/render/render_params.h"
 #include "pcl_slim/splat/splat_set.h"

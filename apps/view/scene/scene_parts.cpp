@@ -20,6 +20,7 @@
 #include <cmath>
 #include <vector>
 
+#include "pcl_slim/core/vector3.h"
 #include "pcl_slim/render/color_map.h"
 #include "pcl_slim/visualization/polydata.h"
 #include "view/scene/point_spheres.h"
@@ -91,8 +92,8 @@ makePoints(const CloudView& points, const ColorView& colors)
   rgb->SetNumberOfComponents(3);
   for (std::size_t i = 0; i < points.count(); ++i) {
     const std::size_t input = points.inputIndex(i);
-    const std::array<double, 3> p = positionOf(points, input);
-    if (!std::isfinite(p[0]) || !std::isfinite(p[1]) || !std::isfinite(p[2])) continue;
+    const std::array<double, 3> p = points.position(input);
+    if (!isFinite(p)) continue;
     const vtkIdType id = positions->InsertNextPoint(p.data());
     vertices->InsertNextCell(1, &id);
     if (!colors.bgr) continue;

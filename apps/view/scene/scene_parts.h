@@ -4,7 +4,6 @@
 #include <vtkSmartPointer.h>
 
 #include "pcl_slim/cloud/cloud_view.h"
-#include "pcl_slim/cloud/color_view.h"
 #include "pcl_slim/splat/splat_set.h"
 #include "pcl_slim/surface/surface.h"
 

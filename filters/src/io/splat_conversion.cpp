@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "io/scalar_type.h"
-#include "pcl_slim/cloud/file_shift.h"
+#include "pcl_slim/cloud/store_frame.h"
 
 namespace pcl_slim {
 

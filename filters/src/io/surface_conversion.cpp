@@ -11,7 +11,7 @@
 
 #include "io/scalar_type.h"
 #include "io/surface/trim_fields.h"
-#include "pcl_slim/cloud/file_shift.h"
+#include "pcl_slim/cloud/store_frame.h"
 #include "pcl_slim/filters/io/point_file.h"
 #include "pcl_slim/surface/surface.h"
 #include "pcl_slim/surface/surfel_color.h"

@@ -10,6 +10,7 @@
 #include "io/text/column_names.h"
 #include "io/text/text_table.h"
 #include "pcl_slim/core/file_access.h"
+#include "pcl_slim/core/order_statistics.h"
 
 namespace pcl_slim {
 
@@ -138,9 +139,7 @@ checkResolution(const pcl::PCLPointField& field, double largest, const Trajector
   std::vector<double> steps;
   for (std::size_t k = 1; k < trajectory.time.size(); ++k)
     steps.push_back(trajectory.time[k] - trajectory.time[k - 1]);
-  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2),
-                   steps.end());
-  const double step = steps[steps.size() / 2];
+  const double step = median(std::move(steps));
   const auto top = static_cast<float>(largest);
   const double resolved = std::nextafter(top, std::numeric_limits<float>::infinity()) - top;
   if (!(resolved > step)) return {};

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "pcl_slim/core/order_statistics.h"
 #include "pcl_slim/filters/io/crest_files.h"
 
 namespace pcl_slim {
@@ -58,9 +59,7 @@ class DepthMap {
       if (surface.isLeaf(i)) radii.push_back(surface.radius[i]);
     }
     if (radii.empty()) return;
-    const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
-    std::nth_element(radii.begin(), middle, radii.end());
-    cell_ = std::max(kCell * *middle * surface.info.scale, frame.side() / kMostCells);
+    cell_ = std::max(kCell * median(radii) * surface.info.scale, frame.side() / kMostCells);
     columns_ = static_cast<std::size_t>((frame.high[0] - frame.low[0]) / cell_) + 1;
     rows_ = static_cast<std::size_t>((frame.high[1] - frame.low[1]) / cell_) + 1;
     depth_.assign(columns_ * rows_, -std::numeric_limits<double>::infinity());

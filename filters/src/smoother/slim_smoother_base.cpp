@@ -12,6 +12,8 @@
 #include <utility>
 
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/vector3.h"
+#include "pcl_slim/surface/polynomial.h"
 #include "smoother/upsampling.h"
 
 namespace pcl_slim {
@@ -178,7 +180,8 @@ SLIMSmootherBase::Candidates::addAround(const CloudProjection& own, std::size_t 
                                         const std::vector<std::array<double, 2>>& steps)
 {
   const ProjectedPoint foot = own.point(from);
-  const Tangents t(foot.normal);
+  const auto& n = foot.normal;
+  const LocalFrame t({n[0], n[1], n[2]});
   for (const auto& [u, v] : steps) {
     Position p = foot.position;
     for (std::size_t a = 0; a < 3; ++a) p[a] += u * t.u[a] + v * t.v[a];
@@ -224,8 +227,8 @@ SLIMSmootherBase::collect(const CloudView& points, const CloudProjection& own,
     places = std::move(*corners);
   }
   for (std::size_t i = 0; upsampling_ == DISTINCT_CLOUD && i < distinct.count(); ++i) {
-    const Position p = positionOf(distinct, i);
-    if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2])) places.push_back(p);
+    const Position p = distinct.position(distinct.inputIndex(i));
+    if (isFinite(p)) places.push_back(p);
   }
   const std::vector<std::uint32_t> nearest = nearestPoints(points, places);
   for (std::size_t i = 0; i < places.size(); ++i) candidates.add(nearest[i], places[i]);

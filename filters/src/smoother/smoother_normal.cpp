@@ -4,30 +4,25 @@
 
 #include "input_types.h"
 
-// SLIMProjectionSmoother from types with normals, and InterestPoint to all of PCL's XYZ types.
-// clang-format off
 #define PCL_SLIM_TO(Out) PCL_SLIM_INSTANTIATE_SLIMProjectionSmoother(PCL_SLIM_FROM, Out)
-#define PCL_SLIM_TO_ALL             \
-  PCL_SLIM_FOR_PLAIN_TYPES(PCL_SLIM_TO) \
-  PCL_SLIM_FOR_COLOR_TYPES(PCL_SLIM_TO) \
-  PCL_SLIM_FOR_NORMAL_TYPES(PCL_SLIM_TO)
-// clang-format on
+
+// SLIMProjectionSmoother from types with normals, and InterestPoint to all of PCL's XYZ types.
 
 #define PCL_SLIM_FROM pcl::PointNormal
-PCL_SLIM_TO_ALL
+PCL_SLIM_FOR_XYZ_TYPES(PCL_SLIM_TO)
 #undef PCL_SLIM_FROM
 #define PCL_SLIM_FROM pcl::PointXYZINormal
-PCL_SLIM_TO_ALL
+PCL_SLIM_FOR_XYZ_TYPES(PCL_SLIM_TO)
 #undef PCL_SLIM_FROM
 #define PCL_SLIM_FROM pcl::PointXYZLNormal
-PCL_SLIM_TO_ALL
+PCL_SLIM_FOR_XYZ_TYPES(PCL_SLIM_TO)
 #undef PCL_SLIM_FROM
 #define PCL_SLIM_FROM pcl::PointXYZRGBNormal
-PCL_SLIM_TO_ALL
+PCL_SLIM_FOR_XYZ_TYPES(PCL_SLIM_TO)
 #undef PCL_SLIM_FROM
 #define PCL_SLIM_FROM pcl::PointSurfel
-PCL_SLIM_TO_ALL
+PCL_SLIM_FOR_XYZ_TYPES(PCL_SLIM_TO)
 #undef PCL_SLIM_FROM
 #define PCL_SLIM_FROM pcl::InterestPoint
-PCL_SLIM_TO_ALL
+PCL_SLIM_FOR_XYZ_TYPES(PCL_SLIM_TO)
 #undef PCL_SLIM_FROM

@@ -10,7 +10,8 @@
 #include <limits>
 #include <memory>
 
-#include "pcl_slim/core/finite.h"
+#include "pcl_slim/core/random.h"
+#include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim::detail {
 
@@ -29,7 +30,7 @@ struct PointTree {
   explicit PointTree(const CloudView& view)
   {
     for (std::size_t i = 0; i < view.count(); ++i) {
-      const Position p = positionOf(view, i);
+      const Position p = view.position(view.inputIndex(i));
       if (!isFinite(p)) continue;
       if (source.empty()) origin = p;
       source.push_back(static_cast<std::uint32_t>(i));
@@ -44,17 +45,6 @@ struct PointTree {
             static_cast<float>(p[2] - origin[2])};
   }
 };
-
-/** The next number of a sequence, in [0, 1). */
-double
-nextShare(std::uint64_t& state)
-{
-  state += 0x9e3779b97f4a7c15u;
-  std::uint64_t bits = state;
-  bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
-  bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
-  return std::ldexp(static_cast<double>((bits ^ (bits >> 31)) >> 11), -53);
-}
 
 void
 makeUnique(std::vector<std::uint64_t>& keys)
@@ -81,30 +71,6 @@ dilateAlong(int axis, int steps, std::vector<std::uint64_t>& keys)
 
 }  // namespace
 
-Position
-positionOf(const CloudView& view, std::size_t i)
-{
-  const auto* at =
-      static_cast<const unsigned char*>(view.xyz) + view.inputIndex(i) * view.xyz_stride;
-  Position p{};
-  if (view.scalar == CloudView::Scalar::kDouble) {
-    std::memcpy(p.data(), at, sizeof(p));
-    return p;
-  }
-  std::array<float, 3> q{};
-  std::memcpy(q.data(), at, sizeof(q));
-  return {q[0], q[1], q[2]};
-}
-
-Tangents::Tangents(const std::array<float, 3>& normal)
-{
-  const double x = normal[0], y = normal[1], z = normal[2];
-  // Duff et al., Building an orthonormal basis, revisited, JCGT 2017.
-  const double sign = z < 0.0 ? -1.0 : 1.0, a = -1.0 / (sign + z), b = x * y * a;
-  u = {1.0 + sign * x * x * a, sign * b, -sign * x};
-  v = {b, sign + y * y * a, -y};
-}
-
 std::vector<std::array<double, 2>>
 discGrid(double radius, double step)
 {
@@ -123,9 +89,10 @@ discGrid(double radius, double step)
 std::vector<std::array<double, 2>>
 discSamples(std::size_t count, double radius, std::uint64_t seed)
 {
+  SplitMix random{seed};
   std::vector<std::array<double, 2>> samples;
   while (samples.size() < count) {
-    const double u = 2 * nextShare(seed) - 1, v = 2 * nextShare(seed) - 1;
+    const double u = 2 * random.nextShare() - 1, v = 2 * random.nextShare() - 1;
     if (u * u + v * v <= 1) samples.push_back({radius * u, radius * v});
   }
   return samples;
@@ -134,26 +101,22 @@ discSamples(std::size_t count, double radius, std::uint64_t seed)
 Result<std::vector<Position>>
 dilatedVoxels(const CloudView& view, double edge, int dilations)
 {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Position low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
+  Bounds box;
   for (std::size_t i = 0; i < view.count(); ++i) {
-    const Position p = positionOf(view, i);
-    if (!isFinite(p)) continue;
-    for (std::size_t a = 0; a < 3; ++a) {
-      low[a] = std::min(low[a], p[a]);
-      high[a] = std::max(high[a], p[a]);
-    }
+    const Position p = view.position(view.inputIndex(i));
+    if (isFinite(p)) box.add(p);
   }
+  Position low = box.low;
   for (std::size_t a = 0; a < 3; ++a) {
     low[a] -= edge * (dilations + 1);
-    if ((high[a] - low[a]) / edge + dilations + 2 > kMostVoxels) {
+    if ((box.high[a] - low[a]) / edge + dilations + 2 > kMostVoxels) {
       return Error{ErrorCode::kBadArgument,
                    "there would be more than two million voxels along an axis: make them larger"};
     }
   }
   std::vector<std::uint64_t> keys;
   for (std::size_t i = 0; i < view.count(); ++i) {
-    const Position p = positionOf(view, i);
+    const Position p = view.position(view.inputIndex(i));
     if (!isFinite(p)) continue;
     std::uint64_t key = 0;
     for (std::size_t a = 0; a < 3; ++a)

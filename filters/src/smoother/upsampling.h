@@ -12,17 +12,6 @@ namespace pcl_slim::detail {
 
 using Position = std::array<double, 3>;
 
-/** The coordinates of the i-th point that a view asks for. */
-Position
-positionOf(const CloudView& view, std::size_t i);
-
-/** Two unit tangents that with the normal make a right-handed frame. */
-struct Tangents {
-  std::array<double, 3> u, v;
-
-  explicit Tangents(const std::array<float, 3>& normal);
-};
-
 /** Displacements (u, v) on a grid of this step over the open disc of this radius, as
  * pcl::MovingLeastSquares lays it: from -radius on. */
 std::vector<std::array<double, 2>>

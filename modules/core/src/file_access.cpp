@@ -1,24 +1,96 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "pcl_slim/core/file_access.h"
 
+#include <limits.h>
 #include <unistd.h>
 
+#include <array>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <random>
+#include <string>
 #include <system_error>
 #include <utility>
-
-#include "files/temporary_file.h"
 
 namespace pcl_slim {
 
 namespace fs = std::filesystem;
 
-using detail::TemporaryFile;
-
 namespace {
+
+/** Name of a temporary file, kept where a signal handler may read it. */
+struct UnfinishedFile {
+  std::atomic<bool> taken{false}, exists{false};
+  char path[PATH_MAX];
+};
+
+std::array<UnfinishedFile, 16> g_unfinished;
+
+/** A temporary file beside a target, removed unless it is renamed. Its name is short and no
+ * longer than the longest allowed, however long the target's is. */
+class TemporaryFile {
+ public:
+  explicit TemporaryFile(const std::filesystem::path& target);
+  ~TemporaryFile();
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+  std::error_code renameTo(const std::filesystem::path& target);
+
+ private:
+  void remember();
+
+  std::filesystem::path path_;
+  bool renamed_ = false;
+  UnfinishedFile* slot_ = nullptr;
+};
+
+TemporaryFile::TemporaryFile(const fs::path& target)
+{
+  std::random_device random;
+  std::error_code code;
+  do {
+    path_ = target.parent_path() / (".pcl_slim_" + std::to_string(random()) + ".part");
+  } while (fs::exists(path_, code));
+  remember();
+}
+
+TemporaryFile::~TemporaryFile()
+{
+  std::error_code code;
+  if (!renamed_) fs::remove(path_, code);
+  if (slot_ == nullptr) return;
+  slot_->exists = false;
+  slot_->taken = false;
+}
+
+std::error_code
+TemporaryFile::renameTo(const fs::path& target)
+{
+  std::error_code code;
+  fs::rename(path_, target, code);
+  renamed_ = !code;
+  return code;
+}
+
+void
+TemporaryFile::remember()
+{
+  const std::string name = fs::absolute(path_).string();
+  if (name.size() >= PATH_MAX) return;
+  for (UnfinishedFile& file : g_unfinished) {
+    if (file.taken.exchange(true)) continue;
+    std::memcpy(file.path, name.c_str(), name.size() + 1);
+    file.exists = true;
+    slot_ = &file;
+    return;
+  }
+}
 
 Error
 ioError(const std::string& verb, const std::string& path, const std::string& why)
@@ -307,6 +379,14 @@ lowerExtension(const std::string& path)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   }
   return extension;
+}
+
+void
+removeUnfinishedFiles()
+{
+  for (const UnfinishedFile& file : g_unfinished) {
+    if (file.exists) unlink(file.path);
+  }
 }
 
 }  // namespace pcl_slim

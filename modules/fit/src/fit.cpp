@@ -9,19 +9,15 @@
 #include <cstdio>
 
 #include "cover/level_cover.h"
-#include "cover/start_level.h"
-#include "cover/surface_columns.h"
 #include "fit_settings.h"
-#include "fit_statistics.h"
+#include "fit_steps.h"
 #include "fit_with_constants.h"
 #include "measured_settings.h"
-#include "orient/orientation.h"
 #include "pcl_slim/cloud/outliers.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/stopwatch.h"
 #include "presets.h"
 #include "sides/sided_store.h"
-#include "trim/trim_maps.h"
 
 namespace pcl_slim {
 
@@ -29,9 +25,10 @@ namespace detail {
 
 namespace {
 
-/** What a cover with a given variance comes to. */
+/** The outcome of a cover with a given noise variance. */
 struct CoverResult {
-  double leaves = 0, rms = 0;  ///< rms as a share of L
+  double leaves = 0;  ///< number of them
+  double rms = 0;     ///< residual of the leaves [share of L]
 };
 
 std::string
@@ -42,7 +39,7 @@ formatted(const char* format, double a, double b)
   return text;
 }
 
-/** The number that six significant digits of x name. */
+/** x to six significant digits. */
 double
 rounded(double x)
 {
@@ -52,6 +49,7 @@ rounded(double x)
   return x;
 }
 
+/** Searches for the factor of the noise variance at which a cover meets a goal. */
 class FactorSearch {
  public:
   FactorSearch(const PointStore& store, FitSettings& settings, double noise, int threads,
@@ -60,7 +58,7 @@ class FactorSearch {
   {
   }
 
-  /** Where noise alone decides, and where no surface is left. */
+  /** The bracket: the noise as measured, and the factor beyond which no surface is left. */
   double least() const { return 1; }
   double most() const
   {
@@ -91,9 +89,9 @@ class FactorSearch {
     return {};
   }
 
-  /** Moves the factor's logarithm until goal(result) = log(measured / wanted) is 0 within tolerance; the ends
-   * of the bracket have opposite signs. Keeps the last factor whose goal is on the side asked for.
-   */
+  /** Secant steps in log-log for a factor with goal(result) = log(measured / wanted) in [least_goal, most_goal].
+   * \param[in] goal_low,goal_high at the ends of the bracket, of opposite signs \param[out] kept the factor
+   * found, else the last one tried whose measure is below the wanted one. */
   template <typename Goal>
   Error solve(double goal_low, double goal_high, double least_goal, double most_goal,
               const Goal& goal, double& kept)
@@ -191,7 +189,8 @@ applyNoiseFactor(const PointStore& store, const FitParams& params, FitSettings& 
   return error;
 }
 
-/** Where no viewpoint is given and points have no sensors of their own, the only one is it. */
+/** The parameters, with the cloud's sensor as viewpoint where neither a viewpoint is given nor points have
+ * sensors of their own. */
 FitParams
 facingSensor(const PointStore& store, FitParams params)
 {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fit_statistics.h"
+#include "fit_steps.h"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
+
+#include "cover/level_cover.h"
 
 namespace pcl_slim::detail {
 

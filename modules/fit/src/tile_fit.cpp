@@ -6,17 +6,13 @@
 #include <cmath>
 
 #include "cover/level_cover.h"
-#include "cover/start_level.h"
-#include "cover/surface_columns.h"
-#include "fit_statistics.h"
+#include "fit_steps.h"
 #include "measured_settings.h"
-#include "orient/orientation.h"
 #include "pcl_slim/cloud/detail/noise_measurement.h"
 #include "pcl_slim/cloud/outliers.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/stopwatch.h"
 #include "presets.h"
-#include "trim/trim_maps.h"
 
 namespace pcl_slim {
 

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "pcl_slim/core/error.h"
-#include "pcl_slim/core/finite.h"
 #include "pcl_slim/core/progress.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/fit/fit.h"
@@ -312,16 +311,7 @@ std::vector<Vector3>
 positionsOf(const CloudView& cloud)
 {
   std::vector<Vector3> made(cloud.size);
-  for (std::size_t i = 0; i < made.size(); ++i) {
-    const auto* at = static_cast<const unsigned char*>(cloud.xyz) + i * cloud.xyz_stride;
-    if (cloud.scalar == CloudView::Scalar::kDouble) {
-      std::memcpy(made[i].data(), at, sizeof(Vector3));
-      continue;
-    }
-    float p[3];
-    std::memcpy(p, at, sizeof(p));
-    made[i] = {p[0], p[1], p[2]};
-  }
+  for (std::size_t i = 0; i < made.size(); ++i) made[i] = cloud.position(i);
   return made;
 }
 

@@ -15,8 +15,10 @@
 #include "octree/color_octree.h"
 #include "octree/octree_cut.h"
 #include "octree/octree_runs.h"
+#include "pcl_slim/cloud/detail/cloud_reader.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/stopwatch.h"
+#include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim {
 
@@ -183,35 +185,15 @@ divideByTolerance(const OctreeCloud& cloud, const OctreeSource& source, const Sp
 
 constexpr std::size_t kCellSlice = 256;  ///< cells whose points are brought together at a time
 
-bool
-isFinitePoint(const CloudView& cloud, std::size_t input)
-{
-  const auto* at = static_cast<const unsigned char*>(cloud.xyz) + input * cloud.xyz_stride;
-  double p[3];
-  for (std::size_t a = 0; a < 3; ++a) {
-    float value;
-    if (cloud.scalar == CloudView::Scalar::kDouble) {
-      std::memcpy(&p[a], at + a * sizeof(double), sizeof(double));
-    } else {
-      std::memcpy(&value, at + a * sizeof(float), sizeof(float));
-      p[a] = value;
-    }
-  }
-  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
-}
-
 /** Whether any point asked for that is finite has a usable normal. */
 bool
 hasNormals(const CloudView& cloud)
 {
   if (!cloud.normal) return false;
-  const auto* base = static_cast<const unsigned char*>(cloud.normal);
+  const CloudReader reader(cloud);
   for (std::size_t i = 0; i < cloud.count(); ++i) {
-    const auto* n =
-        reinterpret_cast<const float*>(base + cloud.inputIndex(i) * cloud.normal_stride);
-    const float sq = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-    const bool usable = sq > 1e-24f && std::isfinite(sq);
-    if (usable && isFinitePoint(cloud, cloud.inputIndex(i))) return true;
+    const std::size_t input = cloud.inputIndex(i);
+    if (reader.hasNormal(input) && isFinite(reader.position(input))) return true;
   }
   return false;
 }

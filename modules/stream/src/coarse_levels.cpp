@@ -4,6 +4,7 @@
 
 #include "pcl_slim/cloud/detail/cloud_reader.h"
 #include "pcl_slim/cloud/morton.h"
+#include "pcl_slim/core/random.h"
 #include "stream_state.h"
 
 namespace pcl_slim {

@@ -12,6 +12,7 @@
 #include "pcl_slim/cloud/detail/cloud_reader.h"
 #include "pcl_slim/cloud/detail/frame_measure.h"
 #include "pcl_slim/cloud/store_frame.h"
+#include "pcl_slim/core/random.h"
 #include "pcl_slim/fit/tile_fit.h"
 #include "pcl_slim/stream/ranks.h"
 #include "ranks/rank_messages.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pcl_slim/cloud/file_shift.h"
+#include "pcl_slim/cloud/store_frame.h"
 
 #include <gtest/gtest.h>
 

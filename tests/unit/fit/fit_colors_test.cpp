@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "pcl_slim/query/surface_colors.h"
+#include "pcl_slim/query/surface_probe.h"
 #include "support/clouds.h"
 #include "support/colors.h"
 

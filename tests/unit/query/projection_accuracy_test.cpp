@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Projected points against exact surfaces; thresholds are about twice what was measured.
+// Projected points against exact surfaces.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -52,27 +52,74 @@ TEST(Projection, LeavesAPlaneAPlane)
   }
 }
 
+/** The share of the noise that one leaf takes up [RMS]: P coefficients follow P / n_eff of its variance. */
+double
+shareOfNoise(const Fitted& f)
+{
+  double coefficients = 0, points = 0;
+  for (const std::uint32_t i : f.surface.leaves()) {
+    coefficients += numCoefficients(f.surface.degree[i]);
+    points += f.surface.effective_count[i];
+  }
+  return std::sqrt(coefficients / points);
+}
+
+/** Mean of 1 / r over the leaves, world units, each counted by its points. */
+double
+meanInverseRadius(const Fitted& f)
+{
+  double sum = 0, weight = 0;
+  for (const std::uint32_t i : f.surface.leaves()) {
+    sum += f.surface.effective_count[i] / f.surface.radius[i];
+    weight += f.surface.effective_count[i];
+  }
+  return sum / weight / f.store.scale();
+}
+
+TEST(Projection, LeavesTheNoiseThatCoefficientsTakeUp)
+{
+  // Leaves that overlap average their errors, which leaves room for bias. A Legendre polynomial of degree d has
+  // slopes sqrt(d (d + 1)) times its values (RMS, weighted by 1 - s^2). The relief's fine wave is less than the
+  // noise: its slopes are lost.
+  const double noise = 0.001, slope = std::sqrt(kMaxDegree * (kMaxDegree + 1.0));
+  for (const Shape shape : {Shape::kSphere, Shape::kTorus, Shape::kBumpy, Shape::kRelief}) {
+    for (const bool normals : {true, false}) {
+      SCOPED_TRACE(std::to_string(static_cast<int>(shape)) + (normals ? " with" : " without"));
+      const auto scene = measure::makeScene(shape, 20000, noise, 0.05, 7);
+      const auto f = fitted({scene.points, normals ? scene.normals : std::vector<float>()});
+      expectSound(f);
+      EXPECT_LE(f.statistics.uncovered, 3u);
+      EXPECT_EQ(f.projection.num_unsupported, 0u);
+      const auto e = errorsOf(shape, f);
+      const double bound = shareOfNoise(f) * noise * scene.diagonal;
+      EXPECT_LT(e.position, bound);
+      if (shape == Shape::kRelief) continue;
+      EXPECT_LT(e.normal, slope * bound * meanInverseRadius(f));
+    }
+  }
+}
+
 struct Expected {
   Shape shape;
-  double noise;      ///< share of the diagonal
   double position;   ///< share of the diagonal
   double normal;     ///< rad
   double curvature;  ///< relative
 };
 
-TEST(Projection, IsNearExactSurfaces)
+// Bias alone: ConvergesWithItsDegree shows how it falls with the spacing, these values at 20,000 points.
+TEST(Projection, IsOnExactSurfacesWithoutNoise)
 {
   const Expected table[] = {
-      {Shape::kSphere, 0.0, 2e-8, 1.5e-6, 2e-5},   {Shape::kSphere, 0.001, 1.8e-4, 5.6e-3, 2.3e-2},
-      {Shape::kTorus, 0.0, 1.3e-8, 8e-6, 1.6e-4},  {Shape::kTorus, 0.001, 2.6e-4, 1.2e-2, 5.4e-2},
-      {Shape::kBumpy, 0.0, 9e-8, 5.2e-5, 1.2e-3},  {Shape::kBumpy, 0.001, 2.9e-4, 1.6e-2, 0.125},
-      {Shape::kRelief, 0.0, 2e-6, 1.6e-3, 3.2e-2}, {Shape::kRelief, 0.001, 4.2e-4, 6e-2, 0.75},
+      {Shape::kSphere, 2e-8, 1.5e-6, 2e-5},
+      {Shape::kTorus, 1.3e-8, 8e-6, 1.6e-4},
+      {Shape::kBumpy, 9e-8, 5.2e-5, 1.2e-3},
+      {Shape::kRelief, 2e-6, 1.6e-3, 3.2e-2},
   };
   for (const Expected& expected : table) {
     for (const bool normals : {true, false}) {
-      SCOPED_TRACE(std::to_string(static_cast<int>(expected.shape)) + " noise " +
-                   std::to_string(expected.noise) + (normals ? " with" : " without"));
-      const auto scene = measure::makeScene(expected.shape, 20000, expected.noise, 0.05, 7);
+      SCOPED_TRACE(std::to_string(static_cast<int>(expected.shape)) +
+                   (normals ? " with" : " without"));
+      const auto scene = measure::makeScene(expected.shape, 20000, 0.0, 0.05, 7);
       const auto f =
           fitted({scene.points, normals ? scene.normals : std::vector<float>()}, {}, true);
       expectSound(f);

@@ -12,28 +12,18 @@
 
 #include "pcl_slim/splat/hole_check.h"
 #include "pcl_slim/splat/splat_sampling.h"
+#include "support/clouds.h"
 
 namespace pcl_slim_test {
 
 /** Coloured points that a test owns. */
-struct PaintedCloud {
-  std::vector<double> points;
-  std::vector<float> normals;
+struct PaintedCloud : Cloud {
   std::vector<std::uint8_t> bgr;
-
-  std::size_t size() const { return points.size() / 3; }
 
   pcl_slim::CloudView view(bool with_normals = true) const
   {
-    pcl_slim::CloudView view;
-    view.xyz = points.data();
-    view.xyz_stride = 3 * sizeof(double);
-    view.scalar = pcl_slim::CloudView::Scalar::kDouble;
-    view.size = size();
-    if (with_normals) {
-      view.normal = normals.data();
-      view.normal_stride = 3 * sizeof(float);
-    }
+    pcl_slim::CloudView view = viewOf(points, normals);
+    if (!with_normals) view.normal = nullptr;
     return view;
   }
 
@@ -42,8 +32,7 @@ struct PaintedCloud {
   void add(const std::array<double, 3>& p, const std::array<double, 3>& n,
            const std::array<int, 3>& rgb)
   {
-    points.insert(points.end(), p.begin(), p.end());
-    for (const double value : n) normals.push_back(static_cast<float>(value));
+    Cloud::add(p, n);
     for (int c = 2; c >= 0; --c) {
       bgr.push_back(
           static_cast<std::uint8_t>(std::clamp(rgb[static_cast<std::size_t>(c)], 0, 255)));

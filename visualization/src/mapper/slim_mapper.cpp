@@ -12,14 +12,72 @@
 
 #include "export/leaf_points.h"
 #include "frame/frame_textures.h"
-#include "frame/surface_frame.h"
 #include "opengl/card_rasterizer.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/render/surface_renderer.h"
 #include "pcl_slim/surface/polynomial.h"
 #include "pcl_slim/surface/surface.h"
 #include "pcl_slim/visualization/display_mode.h"
 
 namespace pcl_slim {
+
+namespace detail {
+
+/** \brief The rasteriser behind a SLIMMapper: the one place that names it. The surface must outlive
+ * this object. */
+class SurfaceFrames {
+ public:
+  explicit SurfaceFrames(const SLIMSurface& surface) : renderer_(surface) {}
+
+  Error render(const Camera& camera, const FrameRequest& request, GBuffer& buffer);
+  /** \brief What closes the gaps of a frame that the graphics card drew.
+   * \param[in] met pixels that it covers, rows from the top \param[out] buffer covered in the gaps alone */
+  Error closeGaps(const Camera& camera, const FrameRequest& request,
+                  const std::vector<std::uint8_t>& met, GBuffer& buffer);
+
+ private:
+  SurfaceRenderer renderer_;
+};
+
+namespace {
+
+RenderParams
+paramsOf(const FrameRequest& request)
+{
+  RenderParams params;
+  params.sides = request.sides;
+  params.near_plane = request.near_plane;
+  params.threads = request.threads;
+  params.columns =
+      kPositionColumn | kCurvatureColumn | kLeafColumns | kResidualColumn | request.columns;
+  params.lod = request.lod;
+  params.trim = request.trim;
+  params.cuts = request.clip_planes;
+  params.close_gaps = request.close_gaps;
+  return params;
+}
+
+}  // namespace
+
+Error
+SurfaceFrames::render(const Camera& camera, const FrameRequest& request, GBuffer& buffer)
+{
+  return renderer_.render(camera, paramsOf(request), buffer);
+}
+
+Error
+SurfaceFrames::closeGaps(const Camera& camera, const FrameRequest& request,
+                         const std::vector<std::uint8_t>& met, GBuffer& buffer)
+{
+  const RenderParams params = paramsOf(request);
+  buffer.resize(camera.size.width, camera.size.height, params.columns);
+  for (std::size_t i = 0; i < met.size(); ++i) {
+    if (met[i]) buffer.surfel[i] = 0;
+  }
+  return renderer_.closeGaps(camera, params, buffer);
+}
+
+}  // namespace detail
 
 using namespace detail;
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "opengl/leaf_glsl.h"
+#include "opengl/pass_glsl.h"
 
 namespace pcl_slim::detail {
 

@@ -3,6 +3,11 @@
 
 namespace pcl_slim::detail {
 
+/** \brief GLSL of the camera: uniforms and the ray through a fragment. */
+extern const char* const kCameraGlsl;
+/** \brief GLSL of a leaf: its texels, its polynomial along a ray, and that one's roots. */
+extern const char* const kLeafGlsl;
+
 // The passes of a frame, for VTK and for pages (web/bundle.mjs reads them). They take the numbers of
 // FrameConstant by name, and slimTexel() and slimTrimWord() from whoever stores the surface.
 extern const char* const kSurfel;     ///< vertex: what a surfel counts for, where its trim map is

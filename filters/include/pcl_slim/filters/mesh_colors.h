@@ -2,7 +2,6 @@
 #pragma once
 
 #include "pcl_slim/cloud/cloud_view.h"
-#include "pcl_slim/cloud/color_view.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/export.h"
 #include "pcl_slim/mesh/triangle_mesh.h"

@@ -1,11 +1,92 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
+
+#include "pcl_slim/cloud/cloud_view.h"
+#include "pcl_slim/core/export.h"
+#include "pcl_slim/features/crest_lines.h"
 #include "pcl_slim/filters/point_crest.h"
-#include "pcl_slim/filters/slim_crest_lines_base.h"
 #include "pcl_slim/filters/slim_fit.h"
+#include "pcl_slim/fit/fit.h"
+#include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
+
+/** \brief What a run needs and gives beside its lines. */
+struct CrestRun {
+  FitParams fit;
+  CrestParams crest;
+  std::shared_ptr<const SLIMSurface> surface;  ///< given, or null: the run puts the fitted one here
+  FitStatistics fit_statistics;
+  PointStoreStatistics input_statistics;
+  CrestStatistics crest_statistics;
+};
+
+/** \brief Fits, unless a surface is given, projects, and traces.
+ * \return an error for input that cannot be fitted, a surface of another cloud (less than a tenth of the
+ * points supported), parameters out of range, or cancellation. */
+PCL_SLIM_EXPORT Error
+traceCloud(const CloudView& cloud, CrestRun& run, CrestLines& lines, Progress* progress = nullptr);
+
+/** \brief Parameters and results of SLIMCrestLines that do not depend on the point type; CrestParams says
+ * what each means. Values are checked when compute() runs. */
+class SLIMCrestLinesBase {
+ public:
+  using SurfaceConstPtr = std::shared_ptr<const SLIMSurface>;
+
+  /** \brief All parameters of the tracing at once; threads are those of setNumberOfThreads(). */
+  void setCrestParams(const CrestParams& params) { crest_ = params; }
+  const CrestParams& getCrestParams() const { return crest_; }
+
+  /** \brief Which lines to trace (default both). */
+  void setLineTypes(bool ridges, bool ravines)
+  {
+    crest_.ridges = ridges;
+    crest_.ravines = ravines;
+  }
+  bool getRidges() const { return crest_.ridges; }
+  bool getRavines() const { return crest_.ravines; }
+
+  /** \brief How many deviations of the noise a line must stand out everywhere, and somewhere (default
+   * 2 and 5). */
+  void setSignificance(double everywhere, double somewhere)
+  {
+    crest_.significance = everywhere;
+    crest_.peak_significance = somewhere;
+  }
+  double getSignificance() const { return crest_.significance; }
+  double getPeakSignificance() const { return crest_.peak_significance; }
+
+  /** \brief Least integral of |k| ds of a line, without unit (default 0): how important it must be. */
+  void setMinStrength(double strength) { crest_.min_strength = strength; }
+  double getMinStrength() const { return crest_.min_strength; }
+
+  /** \brief Least length in radii of the surface's balls (default .3). */
+  void setMinLength(double radii) { crest_.min_length = radii; }
+  double getMinLength() const { return crest_.min_length; }
+
+  /** \brief Distance of vertices in radii of the surface's balls, .02 to .5 (default .15). */
+  void setStep(double radii) { crest_.step = radii; }
+  double getStep() const { return crest_.step; }
+
+  /** \brief A surface of this cloud to use in place of a fit; null: fit (default). */
+  void setSurface(const SurfaceConstPtr& surface) { surface_ = surface; }
+  const SurfaceConstPtr& getSurface() const { return surface_; }
+
+  /** \brief The surface that the last run fitted; null when it used a given one or failed. */
+  const SurfaceConstPtr& getFittedSurface() const { return fitted_surface_; }
+  /** \brief What the last run traced and left out. */
+  const CrestStatistics& getCrestStatistics() const { return crest_statistics_; }
+
+ protected:
+  SLIMCrestLinesBase() = default;
+  ~SLIMCrestLinesBase() = default;
+
+  CrestParams crest_;
+  SurfaceConstPtr surface_, fitted_surface_;
+  CrestStatistics crest_statistics_;
+};
 
 /** \brief Ridges and ravines of a raw cloud as polylines, traced on the SLIM surface fitted to it.
  *

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "pcl_slim/cloud/cloud_view.h"
-#include "pcl_slim/cloud/color_view.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/export.h"
 #include "pcl_slim/filters/controlled_run.h"

@@ -8,6 +8,7 @@
 #include "io/point_formats.h"
 #include "io/scalar_type.h"
 #include "io/text/text_table.h"
+#include "pcl_slim/core/random.h"
 
 namespace pcl_slim {
 
@@ -18,15 +19,7 @@ constexpr std::size_t kHeadBytes = 84, kFacetBytes = 50;
 struct PlaceHash {
   std::size_t operator()(const std::array<double, 3>& p) const
   {
-    std::uint64_t hash = 0x9e3779b97f4a7c15u;
-    for (const double coordinate : p) {
-      const double value = coordinate + 0.0;  // -0 is 0
-      std::uint64_t bits;
-      std::memcpy(&bits, &value, sizeof(bits));
-      hash = (hash ^ bits) * 0xff51afd7ed558ccdu;
-      hash ^= hash >> 32;
-    }
-    return static_cast<std::size_t>(hash);
+    return static_cast<std::size_t>(placeHash(p));
   }
 };
 

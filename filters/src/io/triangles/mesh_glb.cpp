@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "io/triangles/mesh_formats.h"
+#include "pcl_slim/core/srgb.h"
 
 namespace pcl_slim {
 
@@ -91,9 +92,7 @@ addPositions(const TriangleMesh& mesh, const std::array<float, 3>& middle, GlbBu
 std::uint16_t
 linearOf(std::uint8_t c)
 {
-  const double s = c / 255.0;
-  const double linear = s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4);
-  return static_cast<std::uint16_t>(std::lround(linear * 65535));
+  return static_cast<std::uint16_t>(std::lround(linearFromSrgb(c / 255.0) * 65535));
 }
 
 void

@@ -21,6 +21,7 @@
 
 #include "io/scalar_type.h"
 #include "io/vtp/vtp_writing.h"
+#include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim {
 
@@ -193,8 +194,7 @@ addCells(const PointFile& file, vtkPolyData* data)
   for (vtkIdType i = 0; i < n; ++i) {
     double p[3];
     data->GetPoint(i, p);
-    if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]))
-      cells->InsertNextCell(1, &i);
+    if (isFinite(p)) cells->InsertNextCell(1, &i);
   }
   data->SetVerts(cells);
 }

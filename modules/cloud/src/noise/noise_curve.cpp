@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "noise/patch_noise.h"
+#include "pcl_slim/core/order_statistics.h"
 
 namespace pcl_slim::detail {
 

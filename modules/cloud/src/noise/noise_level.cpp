@@ -7,6 +7,7 @@
 
 #include "noise/patch_noise.h"
 #include "pcl_slim/cloud/detail/noise_measurement.h"
+#include "pcl_slim/core/order_statistics.h"
 
 namespace pcl_slim {
 
@@ -31,9 +32,7 @@ patchLevel(const PointStore& store, std::size_t k, const NoiseConstants& constan
   };
   auto values = sampleStore(store, samples, patchStride(k, constants), threads, measure);
   putBackCutOff(radii, constants, threads, values);
-  const auto median = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
-  std::nth_element(radii.begin(), median, radii.end());
-  return {trimmedMean(values, constants.trim), *median, k, k, radii.size()};
+  return {trimmedMean(values, constants.trim), median(radii), k, k, radii.size()};
 }
 
 /** Takes the cubic's bias off, which a patch of twice as many points shows. */

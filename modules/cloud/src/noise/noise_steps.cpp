@@ -5,6 +5,7 @@
 
 #include "noise/patch_noise.h"
 #include "pcl_slim/cloud/detail/noise_measurement.h"
+#include "pcl_slim/core/order_statistics.h"
 
 namespace pcl_slim::detail {
 
@@ -61,14 +62,6 @@ fewLevels(const PointStore& store, const StepConstants& constants, int& axis)
     axis = a;
   }
   return found;
-}
-
-double
-median(std::vector<double>& values)
-{
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /** Medians over places of the noise over that of rounding, and of the step. */

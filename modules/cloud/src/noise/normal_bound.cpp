@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "pcl_slim/core/order_statistics.h"
+
 namespace pcl_slim::detail {
 
 namespace {
@@ -45,9 +47,7 @@ normalBound(const PointStore& store, const NormalBoundConstants& constants)
   for (std::size_t block = 0; block < blocks; block += stride)
     addTilts(store, block, constants, tilts);
   if (tilts.empty()) return static_cast<float>(-least_fall);
-  const auto median = tilts.begin() + static_cast<std::ptrdiff_t>(tilts.size() / 2);
-  std::nth_element(tilts.begin(), median, tilts.end());
-  const double sigma = std::sqrt(std::max(0.0, *median) / kMedianOfTilt);
+  const double sigma = std::sqrt(std::max(0.0, median(tilts)) / kMedianOfTilt);
   return static_cast<float>(
       std::min(-least_fall, -std::sin(std::min(constants.deviations * sigma, constants.widest))));
 }

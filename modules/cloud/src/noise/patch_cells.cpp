@@ -48,7 +48,7 @@ class PatchCells {
   bool empty() const { return !(squares_ > 0); }
 
  private:
-  static constexpr double kDisc = 3.141592653589793;
+  static constexpr double kDisc = M_PI;
 
   struct Cell {
     double count = 0, sum = 0;

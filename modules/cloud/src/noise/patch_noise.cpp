@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pcl_slim/core/order_statistics.h"
+
 namespace pcl_slim::detail {
 
 namespace {
@@ -135,9 +137,7 @@ smallestPatch(const PointStore& store, const NoiseConstants& constants, int thre
       return spreads[2] > 0 ? std::sqrt(std::max(0.0, spreads[1] / spreads[2])) : 0.0;
     };
     auto widths = sampleStore(store, constants.least_samples, stride, threads, width);
-    const auto median = widths.begin() + static_cast<std::ptrdiff_t>(widths.size() / 2);
-    std::nth_element(widths.begin(), median, widths.end());
-    if (*median >= constants.least_width) return k;
+    if (median(widths) >= constants.least_width) return k;
   }
   return first;
 }

@@ -6,6 +6,7 @@
 
 #include "noise/patch_cells.h"
 #include "noise/patch_noise.h"
+#include "pcl_slim/core/order_statistics.h"
 
 namespace pcl_slim::detail {
 
@@ -95,14 +96,6 @@ correlationOf(const PatchScale& scale, const NoiseConstants& constants)
       static_cast<double>(looked_at) / static_cast<double>(constants.shared.cells);
   const double among = squareThatShares(trimmedMean(shared, constants.shared.trim), points);
   return 1 + static_cast<double>(scale.stride) * (among - 1);
-}
-
-double
-median(std::vector<double> values)
-{
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace pcl_slim::detail

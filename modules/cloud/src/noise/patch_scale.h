@@ -7,6 +7,7 @@
 
 #include "pcl_slim/cloud/detail/noise_constants.h"
 #include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/core/order_statistics.h"
 
 namespace pcl_slim::detail {
 
@@ -56,9 +57,5 @@ levelOf(const PatchScale& scale, const NoiseConstants& constants);
 /** \brief Number of points that share their errors, by a scale. 1: none do. */
 double
 correlationOf(const PatchScale& scale, const NoiseConstants& constants);
-
-/** \brief The middle value. */
-double
-median(std::vector<double> values);
 
 }  // namespace pcl_slim::detail

@@ -6,6 +6,7 @@
 #include "noise/noise_curve.h"
 #include "noise/patch_noise.h"
 #include "pcl_slim/cloud/detail/noise_measurement.h"
+#include "pcl_slim/core/order_statistics.h"
 
 namespace pcl_slim::detail {
 

@@ -9,6 +9,7 @@
 #include "noise/patch.h"
 #include "pcl_slim/cloud/detail/block_kernels.h"
 #include "pcl_slim/cloud/knn.h"
+#include "pcl_slim/core/order_statistics.h"
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim {
@@ -148,15 +149,13 @@ Neighborhood::densePatch(double distance) const
       nearest[j] = std::min(nearest[j], between);
     }
   }
-  std::vector<double> sorted = nearest;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double middle = median(nearest);
   PatchPoints patch;
-  if (!(*middle <= distance)) return patch;
+  if (!(middle <= distance)) return patch;
   patch.resize(n);
   std::size_t count = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    if (nearest[i] <= kAlike * *middle) patch.set(count++, others_.at(i));
+    if (nearest[i] <= kAlike * middle) patch.set(count++, others_.at(i));
   }
   patch.cut(count);
   return patch;
@@ -318,9 +317,7 @@ medianSpacing(const PointStore& store)
     around.find(s * store.size() / samples, kNear, nullptr, kNear);
     spacings.push_back(around.distance(kNear));
   }
-  const auto middle = spacings.begin() + static_cast<std::ptrdiff_t>(samples / 2);
-  std::nth_element(spacings.begin(), middle, spacings.end());
-  return *middle;
+  return median(spacings);
 }
 
 std::vector<std::uint32_t>

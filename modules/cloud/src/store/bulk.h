@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "pcl_slim/cloud/detail/cloud_reader.h"
-#include "pcl_slim/core/finite.h"
+#include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim::detail {
 

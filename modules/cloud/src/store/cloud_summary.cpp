@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim::detail {
 
@@ -17,7 +18,7 @@ summarize(const CloudView& cloud, const CloudReader& reader, std::size_t begin, 
           const Bulk& bulk, bool need_normal)
 {
   CloudSummary sum;
-  auto low = sum.min, high = sum.max;
+  Bounds box;
   std::size_t finite = 0, near = 0, with_normal = 0;
   for (std::size_t i = begin; i < end; ++i) {
     const std::size_t input = cloud.inputIndex(i);
@@ -29,13 +30,10 @@ summarize(const CloudView& cloud, const CloudReader& reader, std::size_t begin, 
     const bool has_normal = cloud.normal != nullptr && reader.hasNormal(input);
     with_normal += has_normal;
     if (!has_normal && need_normal) continue;
-    for (std::size_t a = 0; a < 3; ++a) {
-      low[a] = std::min(low[a], p[a]);
-      high[a] = std::max(high[a], p[a]);
-    }
+    box.add(p);
   }
-  sum.min = low;
-  sum.max = high;
+  sum.min = box.low;
+  sum.max = box.high;
   sum.finite = finite;
   sum.near = near;
   sum.with_normal = with_normal;

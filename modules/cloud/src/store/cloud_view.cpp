@@ -28,6 +28,15 @@ CloudView::placeAt(const void* first, std::size_t offset, Scalar scalar)
   return place;
 }
 
+std::array<float, 3>
+CloudView::givenNormal(std::size_t input) const
+{
+  std::array<float, 3> given{};
+  std::memcpy(given.data(), static_cast<const char*>(normal) + input * normal_stride,
+              sizeof(given));
+  return given;
+}
+
 Error
 CloudView::validate() const
 {

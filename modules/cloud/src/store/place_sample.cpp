@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "pcl_slim/core/order_statistics.h"
+
 namespace pcl_slim::detail {
 
 namespace {
@@ -29,12 +31,10 @@ hashOf(const std::array<double, 3>& p)
 }
 
 double
-quantile(std::vector<double>& values, double share)
+quantile(const std::vector<double>& values, double share)
 {
-  const auto at = values.begin() +
-                  static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
+  return kthSmallest(
+      values, static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5));
 }
 
 }  // namespace

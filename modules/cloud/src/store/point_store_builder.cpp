@@ -8,6 +8,7 @@
 #include "pcl_slim/cloud/detail/block_kernels.h"
 #include "pcl_slim/cloud/morton_sort.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/vector3.h"
 #include "store/cloud_summary.h"
 #include "store/frame_units.h"
 
@@ -208,7 +209,7 @@ PointStoreBuilder::fillSensors()
   });
   for (std::size_t i = 0; i < store_.size_; ++i) {
     const auto& s = store_.sensors_[i];
-    if (std::isfinite(s[0]) && std::isfinite(s[1]) && std::isfinite(s[2])) continue;
+    if (isFinite(s)) continue;
     return badInput(
         "the sensor of point " + std::to_string(cloud_.inputIndex(order_[i])) +
         " is nowhere (NaN, infinite or too far away): give each point's place, or none");

@@ -6,6 +6,7 @@
 #include "ball/ball_gather.h"
 #include "ball/surfel_record.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/random.h"
 
 namespace pcl_slim::detail {
 
@@ -18,7 +19,7 @@ queryOf(const SurfelRecord& surfel, float reach, const FitSettings& settings)
   return {surfel.center, reach, surfel.sided ? surfel.normal.data() : nullptr, settings.min_dot};
 }
 
-/** \brief Adds a leaf to the coverage of the points it serves (docs/theory.md, "Cover").
+/** \brief Adds a leaf's weight to the coverage of the points it covers (docs/theory.md, "Cover").
  * \param[in,out] nearby blocks, of a region that holds the leaf's ball \param[in,out] coverage of
  * each stored point */
 void
@@ -45,7 +46,7 @@ addCoverage(const PointStore& store, const FitSettings& settings, const SurfelRe
                        coverage);
 }
 
-/** \brief Sets the bits of value in the marks of the points of an internal ball. */
+/** \brief Marks the points of an internal ball with the bits of value. */
 void
 markBall(const PointStore& store, const FitSettings& settings, const SurfelRecord& surfel,
          std::uint8_t value, NearbyBlocks& nearby, std::uint8_t* marks)
@@ -54,8 +55,8 @@ markBall(const PointStore& store, const FitSettings& settings, const SurfelRecor
                       queryOf(surfel, surfel.radius, settings), value, marks);
 }
 
-/** \brief Sets the bits of value in the marks of those points about a stored point that have none of
- * them and are not covered. \return how many those are. */
+/** \brief Marks the uncovered points within reach of a stored point with the bits of value.
+ * \return the number of points that had none of these bits before. */
 std::uint32_t
 markUncovered(const PointStore& store, const FitSettings& settings, std::uint32_t point,
               double reach, std::uint8_t value, NearbyBlocks& nearby, const float* coverage,
@@ -78,26 +79,19 @@ markUncovered(const PointStore& store, const FitSettings& settings, std::uint32_
   return count;
 }
 
-constexpr std::uint8_t kServedForGood = 1;   ///< mark: nothing finer can be done for this point
+constexpr std::uint8_t kServedForGood = 1;   ///< mark: no finer ball can cover this point
 constexpr std::uint8_t kLoneNormalMark = 2;  ///< mark: passed over for its normal
 constexpr std::uint8_t kFirstLevelMark = 4;  ///< mark: inside an internal ball of a level
 constexpr std::uint8_t kLastLevelMark = 128;
 // How work is shared out; no result depends on it.
 constexpr std::size_t kSlice = 1 << 14;  ///< points a thread takes at a time
-constexpr std::size_t kFewCells = 256;   ///< so few cells leave threads idle if taken by colour
-/// Of the radius of balls that stand above others: a leaf of the next level about a place in it is held by the
-/// ball as level of detail demands (DetailSizes): .95 r - .5 kGolden r.
+constexpr std::size_t kFewCells = 256;   ///< up to so many, taken by colour, leave threads idle
+/// Share of an internal ball's radius within which it serves points, where no leaves are made: a leaf of the
+/// next level about such a point lies inside the ball as level of detail needs it (DetailSizes), since
+/// .64 r = .95 r - .5 kGolden r.
 constexpr float kHeld = 0.64f;
-constexpr double kReachMargin = 1.001;  ///< a box of blocks may be wider than it need, for rounding
+constexpr double kReachMargin = 1.001;  ///< widens a box of blocks, for rounding
 constexpr char kCancelledMessage[] = "the fit was cancelled";
-
-std::uint64_t
-mixBits(std::uint64_t x)
-{
-  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9ULL;
-  x = (x ^ x >> 27) * 0x94d049bb133111ebULL;
-  return x ^ x >> 31;
-}
 
 }  // namespace
 
@@ -166,8 +160,8 @@ LevelCover::run(int first_level, Progress* progress)
 void
 LevelCover::coverLevel(int level)
 {
-  // A ball writes within r_r of where it moved to, a leaf grown to the next radius up within
-  // alpha r_r / gamma.
+  // A ball marks points within r_r of its centre, which may have moved by largest_shift r_r; a leaf of the
+  // next larger radius covers points within alpha r_r / gamma.
   const double moved = 1.0 + settings_.constants.ball.largest_shift;
   cells_.divide(store_, active_,
                 settings_.levelRadius(level) * std::max(moved, settings_.alpha / kGolden));
@@ -216,8 +210,8 @@ LevelCover::coverCell(const CoverCells::Cell& cell, int level, int thread, Outpu
   output = made;
 }
 
-/** Nothing can be done for a point, nor for those so near to it that no centre tells them apart.
- * \return how many those are. */
+/** Marks a point as served for good, and the uncovered points that are nearer to it than the spacing of the
+ * grid of centres: no ball can cover them. \return the number of the latter. */
 std::uint32_t
 LevelCover::giveUp(std::uint32_t point, NearbyBlocks& nearby)
 {
@@ -228,7 +222,7 @@ LevelCover::giveUp(std::uint32_t point, NearbyBlocks& nearby)
   return count;
 }
 
-/** Serves what a fitted ball serves, and takes its surfel, if it has one. */
+/** Covers or marks the points of a fitted ball, as its outcome demands, and stores its surfel, if any. */
 void
 LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& surfel,
                  NearbyBlocks& nearby, std::vector<SurfelRecord>& surfels, Output& output)
@@ -241,7 +235,8 @@ LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& s
         return;
       }
       addCoverage(store_, settings_, surfel, nearby, coverage_.data());
-      if (coverage_[point] <= 0.0f) {  // nor will a leaf about those beside it that no centre parts
+      if (coverage_[point] <=
+          0.0f) {  // leaves about points with the same centre would miss it, too
         const std::uint8_t own = marks_[point];
         giveUp(point, nearby);
         marks_[point] = own;
@@ -291,7 +286,8 @@ LevelCover::collectNearby(const CoverCells::Cell& cell, int level, NearbyBlocks&
   nearby.collect(store_.tree(), low, high);
 }
 
-/** Where a level has only divided what it found, the next takes another mark and goes on. */
+/** Drops the points that are served. A level that only divided its balls has none to drop: the next one uses
+ * another mark and the same points. */
 void
 LevelCover::endLevel(std::size_t first_output)
 {
@@ -351,6 +347,45 @@ LevelCover::countPoints() const
     sum.uncovered += part.uncovered;
     sum.unsupported += part.unsupported;
     sum.lone_normals += part.lone_normals;
+  }
+  return sum;
+}
+
+void
+LevelCover::countBytes()
+{
+  std::uint64_t bytes = outputs_.capacity() * sizeof(Output);
+  for (const auto& worker : workers_) bytes += worker->arena.capacity() * sizeof(SurfelRecord);
+  bytes += coverage_.size() * sizeof(float) + marks_.size() +
+           active_.capacity() * sizeof(std::uint32_t) + cells_.memoryBytes();
+  peak_bytes_ = std::max(peak_bytes_, bytes);
+}
+
+std::vector<LevelCover::Piece>
+LevelCover::pieces() const
+{
+  std::vector<Piece> pieces;
+  std::size_t first = 0;
+  for (const Output& output : outputs_) {
+    const SurfelRecord* records = worker(output.thread).arena.data();
+    if (output.begin == output.end) continue;
+    pieces.push_back({records + output.begin, records + output.end, first});
+    first += output.end - output.begin;
+  }
+  return pieces;
+}
+
+BallCounters
+LevelCover::counters() const
+{
+  BallCounters sum;
+  for (const auto& worker : workers_) {
+    const BallCounters counters = worker->fitter.counters();
+    sum.gathered += counters.gathered;
+    sum.split_sheets += counters.split_sheets;
+    sum.tried += counters.tried;
+    sum.lines += counters.lines;
+    sum.fits += counters.fits;
   }
   return sum;
 }

@@ -16,7 +16,7 @@
 
 namespace pcl_slim::detail {
 
-/** \brief The order in which n places are visited: golden strides from a start spread over them. */
+/** \brief The order in which n places are visited: strides by the golden section, which spread evenly. */
 class VisitOrder {
  public:
   /** \param[in] n > 0; \param[in] start < n. */
@@ -85,7 +85,7 @@ class CellVisits {
       in_vain_ = 0;
       return true;
     }
-    // Once many visits have been in vain, the few points that still want one are sought out.
+    // After many visits in vain the few points that are not served are listed.
     if (visit_ < n_) seekUnserved(served);
     while (next_left_ < left_.size()) {
       point = left_[next_left_++].second;
@@ -111,19 +111,19 @@ class CellVisits {
   const std::uint32_t* points_;
   std::uint32_t n_;
   std::uint32_t
-      patience_;  ///< visits in vain after which the rest is sought; the order is the same
+      patience_;  ///< visits in vain after which the rest is listed; the order stays the same
   std::uint32_t visit_ = 0, in_vain_ = 0;
   VisitOrder order_;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> left_;  ///< when, and which point
   std::size_t next_left_ = 0;
 };
 
-/** \brief How many points ended without what. */
+/** \brief Numbers of points without a leaf, by reason. */
 struct PointCounts {
   std::uint64_t uncovered = 0, unsupported = 0;  ///< unsupported: by any leaf at all
   std::uint64_t lone_normals = 0;                ///< passed over for their normals
   std::uint64_t unresolved =
-      0;  ///< whose balls would be too small for the grid that centres stand on
+      0;  ///< their balls are smaller than the spacing of the grid of centres
 };
 
 /** \brief Stored points from begin on, to before end. */
@@ -152,7 +152,7 @@ class LevelCover {
   /** \brief Runs levels from first_level until no point is left. */
   Error run(int first_level, Progress* progress);
 
-  /** \brief Surfels that stand side by side in memory. */
+  /** \brief Surfels that are contiguous in memory. */
   struct Piece {
     const SurfelRecord *begin, *end;
     std::size_t first;  ///< place of the first in the whole sequence
@@ -171,10 +171,10 @@ class LevelCover {
   struct Output {
     int thread = 0;
     std::uint32_t begin = 0, end = 0;
-    bool lasts = false;  ///< whether some points need no finer level
+    bool lasts = false;  ///< whether some points are served beyond this level
     std::uint32_t unresolved = 0;
   };
-  /** What a thread writes all the time, in cache lines of its own. */
+  /** A thread's own data, in cache lines of their own. */
   struct alignas(64) Worker {
     Worker(const PointStore& store, const FitSettings& settings) : fitter(store, settings) {}
     BallFitter fitter;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cover/start_level.h"
+#include "fit_steps.h"
 
 #include <algorithm>
 #include <vector>

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "cover/surface_columns.h"
+#include "fit_steps.h"
 
 #include <algorithm>
 
+#include "cover/level_cover.h"
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim::detail {

@@ -23,7 +23,7 @@ class PenaltyRadiusRule : public RadiusRule {
 
   RadiusChoice choose() override;
 
-  /** \brief E at all radii, or lack of fit, speaks for smaller ones by more than chance can. */
+  /** \brief Whether E at all three radii, or lack of fit, favours smaller ones by more than chance. */
   bool surelyInternal() override;
 
  private:
@@ -37,8 +37,8 @@ class PenaltyRadiusRule : public RadiusRule {
   FitComparison comparison_;
 };
 
-/** \brief Whether a fit leaves more than noise and than any smooth surface would: a feature is
- * near. */
+/** \brief Whether the residual exceeds both the noise and what any smooth surface leaves: the ball is at a
+ * feature. */
 bool
 liesBesideFeature(const TrialFits& trials, const Trial& trial)
 {
@@ -132,8 +132,8 @@ PenaltyRadiusRule::chooseInside(const Trial& left, const Trial& middle, const Tr
   return RadiusChoice::leaf(bracket.b);
 }
 
-/** E of a wide ball is as good as the least: under noise E is flat, and its argmin picks balls that
- * are too small. */
+/** Whether E of a wide ball is within the tolerance of the least E. Under noise E is flat, and its minimum
+ * lies at balls that are too small. */
 bool
 PenaltyRadiusRule::isLenient(const Trial& wide, const Trial& least) const
 {
@@ -179,8 +179,6 @@ class PaperRadiusRule : public RadiusRule {
 
   /** \brief Never: the paper looks at all points of a ball. */
   bool surelyInternal() override { return false; }
-
-  /** \brief The radius chosen, as it is. */
 
  private:
   RadiusChoice chooseAmong(const Trial& left, const Trial& middle, const Trial& right);
@@ -278,8 +276,8 @@ FinalFit::make(const RadiusChoice& choice)
   return result;
 }
 
-/** Fits again with weights against outliers; e stays what all points make it: cover takes in what
- * is within 5 e, outlying points too. */
+/** Fits again with robust weights. e stays that of all points, so that the cover includes outlying points
+ * within 5 e. */
 void
 FinalFit::fitRobustly(WeightKernel kernel, Trial& trial)
 {

@@ -35,22 +35,14 @@ void
 toSlopes(const LocalFrame& frame, BallBuffer& ball)
 {
   const Tag d;
-  Vec axes[3][3];
-  for (int a = 0; a < 3; ++a) {
-    axes[0][a] = hn::Set(d, static_cast<float>(-frame.u[a]));
-    axes[1][a] = hn::Set(d, static_cast<float>(-frame.v[a]));
-    axes[2][a] = hn::Set(d, static_cast<float>(frame.w[a]));
-  }
+  const ScaledAxes axes(frame, 1.0);
   for (std::size_t i = 0; i < ball.count; i += hn::Lanes(d)) {
-    const auto x = hn::Load(d, ball.n_u.data() + i);
-    const auto y = hn::Load(d, ball.n_v.data() + i);
-    const auto z = hn::Load(d, ball.n_w.data() + i);
-    const auto cosine = hn::Max(dot3(x, y, z, axes[2][0], axes[2][1], axes[2][2]),
-                                hn::Set(d, FloatLimits::kSlopeCosine));
-    hn::Store(hn::Div(dot3(x, y, z, axes[0][0], axes[0][1], axes[0][2]), cosine), d,
-              ball.n_u.data() + i);
-    hn::Store(hn::Div(dot3(x, y, z, axes[1][0], axes[1][1], axes[1][2]), cosine), d,
-              ball.n_v.data() + i);
+    const auto [u, v, w] =
+        axes.turn({hn::Load(d, ball.n_u.data() + i), hn::Load(d, ball.n_v.data() + i),
+                   hn::Load(d, ball.n_w.data() + i)});
+    const auto cosine = hn::Max(w, hn::Set(d, FloatLimits::kSlopeCosine));
+    hn::Store(hn::Div(hn::Neg(u), cosine), d, ball.n_u.data() + i);
+    hn::Store(hn::Div(hn::Neg(v), cosine), d, ball.n_v.data() + i);
     hn::Store(hn::Mul(cosine, hn::Mul(cosine, cosine)), d, ball.n_w.data() + i);
   }
 }
@@ -60,20 +52,15 @@ toFrame(const LocalFrame& frame, float radius, BallBuffer& ball)
 {
   const Tag d;
   const double scale = 1.0 / radius;
-  Vec axes[3][3];
-  for (int a = 0; a < 3; ++a) {
-    axes[0][a] = hn::Set(d, static_cast<float>(frame.u[a] * scale));
-    axes[1][a] = hn::Set(d, static_cast<float>(frame.v[a] * scale));
-    axes[2][a] = hn::Set(d, static_cast<float>(frame.w[a] * scale));
-  }
+  const ScaledAxes axes(frame, radius);
   const auto scale_sq = hn::Set(d, static_cast<float>(scale * scale));
   for (std::size_t i = 0; i < ball.count; i += hn::Lanes(d)) {
-    const auto dx = hn::Load(d, ball.u.data() + i);
-    const auto dy = hn::Load(d, ball.v.data() + i);
-    const auto dz = hn::Load(d, ball.w.data() + i);
-    hn::Store(dot3(dx, dy, dz, axes[0][0], axes[0][1], axes[0][2]), d, ball.u.data() + i);
-    hn::Store(dot3(dx, dy, dz, axes[1][0], axes[1][1], axes[1][2]), d, ball.v.data() + i);
-    hn::Store(dot3(dx, dy, dz, axes[2][0], axes[2][1], axes[2][2]), d, ball.w.data() + i);
+    const auto [u, v, w] =
+        axes.turn({hn::Load(d, ball.u.data() + i), hn::Load(d, ball.v.data() + i),
+                   hn::Load(d, ball.w.data() + i)});
+    hn::Store(u, d, ball.u.data() + i);
+    hn::Store(v, d, ball.v.data() + i);
+    hn::Store(w, d, ball.w.data() + i);
     hn::Store(hn::Mul(hn::Load(d, ball.s_sq.data() + i), scale_sq), d, ball.s_sq.data() + i);
   }
   if (ball.slope_weight > 0) toSlopes(frame, ball);

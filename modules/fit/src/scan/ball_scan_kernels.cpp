@@ -80,21 +80,14 @@ coverOfDegree(const PointStore& store, const BlockList& blocks, const CoverLeaf&
 {
   const Tag d;
   const double scale = 1.0 / leaf.support_radius;
-  Vec axes[3][3];
-  for (int a = 0; a < 3; ++a) {
-    axes[0][a] = hn::Set(d, static_cast<float>(leaf.frame.u[a] * scale));
-    axes[1][a] = hn::Set(d, static_cast<float>(leaf.frame.v[a] * scale));
-    axes[2][a] = hn::Set(d, static_cast<float>(leaf.frame.w[a] * scale));
-  }
+  const ScaledAxes axes(leaf.frame, leaf.support_radius);
   const Height<D> height(leaf.c);
   const auto limit = hn::Set(d, static_cast<float>(leaf.max_residual * scale));
   const auto radius_sq =
       hn::Set(d, leaf.to_foot ? leaf.support_radius * leaf.support_radius : 0.0f);
   const auto inverse_sq = hn::Set(d, 1.0f / (leaf.ball.radius * leaf.ball.radius));
   BallScan(store, leaf.ball).forEach(blocks, [&](std::size_t i, const Lanes& l) HWY_ATTR {
-    const auto u = dot3(l.dx, l.dy, l.dz, axes[0][0], axes[0][1], axes[0][2]);
-    const auto v = dot3(l.dx, l.dy, l.dz, axes[1][0], axes[1][1], axes[1][2]);
-    const auto w = dot3(l.dx, l.dy, l.dz, axes[2][0], axes[2][1], axes[2][2]);
+    const auto [u, v, w] = axes.turn({l.dx, l.dy, l.dz});
     const auto residual = hn::Sub(w, height(u, v));
     const auto near = hn::And(l.kept, hn::Le(hn::Abs(residual), limit));
     // The distance counts to the point's foot: noise thick against the ball is no lack of coverage.

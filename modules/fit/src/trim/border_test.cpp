@@ -12,7 +12,6 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kWidest = 2.0;  ///< local length: no cloud is wider
 constexpr float kNoBorder = -1.0f;
 constexpr float kAny = std::numeric_limits<float>::infinity();
@@ -25,7 +24,7 @@ sectorAngles()
   for (int k = 0; k < kBorderSectors; ++k) {
     const double along = (k % (kBorderSectors / 4)) * (4.0 / kBorderSectors);
     const int quarter = k / (kBorderSectors / 4);
-    angles[static_cast<std::size_t>(k)] = std::atan2(along, 1 - along) + 0.5 * kPi * quarter;
+    angles[static_cast<std::size_t>(k)] = std::atan2(along, 1 - along) + 0.5 * M_PI * quarter;
   }
   return angles;
 }
@@ -36,7 +35,7 @@ const std::array<double, kBorderSectors> kAngles = sectorAngles();
 double
 widestSector(std::uint64_t taken, double* middle)
 {
-  if (taken == 0) return 2 * kPi;
+  if (taken == 0) return 2 * M_PI;
   double widest = 0;
   const int first = __builtin_ctzll(taken);
   int begin = first + 1;
@@ -44,7 +43,7 @@ widestSector(std::uint64_t taken, double* middle)
     if ((taken >> (k % kBorderSectors) & 1) == 0) continue;
     const double from = kAngles[static_cast<std::size_t>(begin % kBorderSectors)];
     double to = kAngles[static_cast<std::size_t>(k % kBorderSectors)];
-    if (k > begin && to <= from) to += 2 * kPi;
+    if (k > begin && to <= from) to += 2 * M_PI;
     if (k > begin && to - from > widest) {
       widest = to - from;
       *middle = 0.5 * (from + to);
@@ -207,7 +206,7 @@ BorderTest::isAsDense(const Vector3& place, double spacing)
   const auto count = static_cast<double>(
       kernels::pointsUpTo(store_, blocks_.data(), blocks_.size(), place.data(),
                           static_cast<float>(reach * reach), distances_sq_.data(), found_.data()));
-  return count > constants_.rim_share * 0.5 * kPi * constants_.near * constants_.near;
+  return count > constants_.rim_share * 0.5 * M_PI * constants_.near * constants_.near;
 }
 
 /** The spacing that the gathered neighbours have, and the direction of the widest sector without any.
@@ -218,7 +217,7 @@ BorderTest::findSector(double* middle)
   const double sector =
       widestSector(kernels::projectOffsets(axes_, constants_.blind * reach_, near_), middle);
   if (sector < constants_.sector) return 0;
-  const double filled = 0.5 * reach_ * reach_ * (2 * kPi - sector);
+  const double filled = 0.5 * reach_ * reach_ * (2 * M_PI - sector);
   return std::sqrt(filled / static_cast<double>(near_.count));
 }
 
@@ -231,7 +230,7 @@ BorderTest::measure(std::size_t point, double spacing)
   if (side_.min_dot > -1) side_.normal = store_.normal(point);
   plane_ = kNoPlane;
   // A half disc of neighbours, and some more.
-  const double guess = std::sqrt(3.0 / kPi * static_cast<double>(constants_.near_points));
+  const double guess = std::sqrt(3.0 / M_PI * static_cast<double>(constants_.near_points));
   if (!gatherNear(place, guess * spacing)) return kAny;
   findPlane();
   if (thick_ < constants_.exact * reach_) plane_ = packed(axes_[2]);

@@ -20,20 +20,13 @@ gatherSheetOf(const PointStore& store, const BlockList& blocks, const CoverLeaf&
   const Tag d;
   const hn::RebindToUnsigned<Tag> du;
   const double scale = 1.0 / surfel.support_radius;
-  Vec axes[3][3];
-  for (int a = 0; a < 3; ++a) {
-    axes[0][a] = hn::Set(d, static_cast<float>(surfel.frame.u[a] * scale));
-    axes[1][a] = hn::Set(d, static_cast<float>(surfel.frame.v[a] * scale));
-    axes[2][a] = hn::Set(d, static_cast<float>(surfel.frame.w[a] * scale));
-  }
+  const ScaledAxes axes(surfel.frame, surfel.support_radius);
   const Height<D> height(surfel.c);
   const auto limit = hn::Set(d, static_cast<float>(surfel.max_residual * scale));
   std::size_t count = 0;
   points.reserve(blocks.size() * PointStore::kBlock);
   BallScan(store, surfel.ball).forEach(blocks, [&](std::size_t i, const Lanes& l) HWY_ATTR {
-    const auto u = dot3(l.dx, l.dy, l.dz, axes[0][0], axes[0][1], axes[0][2]);
-    const auto v = dot3(l.dx, l.dy, l.dz, axes[1][0], axes[1][1], axes[1][2]);
-    const auto w = dot3(l.dx, l.dy, l.dz, axes[2][0], axes[2][1], axes[2][2]);
+    const auto [u, v, w] = axes.turn({l.dx, l.dy, l.dz});
     const auto near = hn::And(l.kept, hn::Le(hn::Abs(hn::Sub(w, height(u, v))), limit));
     const LanePacking packing(d, near);
     packing.store(u, points.u.data() + count);

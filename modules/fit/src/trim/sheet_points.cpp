@@ -11,7 +11,6 @@ namespace {
 
 constexpr int kLeastSectors = 4;
 constexpr std::size_t kPointsOfSector = 3;  ///< fewer leave too many sectors empty by chance
-constexpr double kPi = 3.14159265358979323846;
 
 /** Points of one direction. */
 struct Sector {
@@ -100,7 +99,7 @@ spacingOf(SheetPoints& points)
     for (int k = 0; k < count; ++k) sectors[k].add(sectors[k + count]);
   }
   double area = 0.0;
-  for (int k = 0; k < count; ++k) area += sectors[k].reachSq() * kPi / count;
+  for (int k = 0; k < count; ++k) area += sectors[k].reachSq() * M_PI / count;
   return std::sqrt(area / static_cast<double>(inside));
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "trim/trim_maps.h"
+#include "fit_steps.h"
 
 #include <algorithm>
 #include <array>

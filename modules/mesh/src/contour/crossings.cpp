@@ -19,19 +19,6 @@ keyOf(const std::uint32_t (&place)[3])
   return spreadBits(place[0]) << 2 | spreadBits(place[1]) << 1 | spreadBits(place[2]);
 }
 
-/** Inverse of spreadBits(). */
-std::uint32_t
-gatherBits(std::uint64_t v)
-{
-  v &= 0x1249249249249249ULL;
-  v = (v | v >> 2) & 0x10c30c30c30c30c3ULL;
-  v = (v | v >> 4) & 0x100f00f00f00f00fULL;
-  v = (v | v >> 8) & 0x1f0000ff0000ffULL;
-  v = (v | v >> 16) & 0x1f00000000ffffULL;
-  v = (v | v >> 32) & 0x1fffff;
-  return static_cast<std::uint32_t>(v);
-}
-
 Vector3
 placeOf(const CellTree& tree, std::uint64_t key)
 {

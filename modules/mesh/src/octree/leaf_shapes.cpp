@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pcl_slim/core/order_statistics.h"
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim::detail {
@@ -103,12 +104,10 @@ thriftyCellSize(const std::vector<LeafShape>& shapes)
 {
   std::vector<float> sizes;
   for (const LeafShape& shape : shapes) sizes.push_back(std::max(shape.cell_size, shape.least));
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  const double median = *middle;
-  double best = median, fewest = 1e300;
+  const double middle = median(std::move(sizes));
+  double best = middle, fewest = 1e300;
   for (int step = 0; step < kSteps; ++step) {
-    const double size = median * std::exp2(static_cast<double>(step) / kSteps);
+    const double size = middle * std::exp2(static_cast<double>(step) / kSteps);
     double cells = 0;
     for (const LeafShape& shape : shapes) {
       // Leaves overlap about alike everywhere: each has an area like r^2.

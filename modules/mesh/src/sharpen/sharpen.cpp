@@ -8,6 +8,8 @@
 #include <limits>
 #include <numeric>
 
+#include "pcl_slim/core/order_statistics.h"
+
 namespace pcl_slim::detail {
 
 namespace {
@@ -114,10 +116,7 @@ Sharpening::measureEdges()
       vertices_.size[b] = std::max(vertices_.size[b], edge);
     }
   }
-  std::vector<float> sizes = vertices_.size;
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  field_.margin = 2.0 * *middle;
+  field_.margin = 2.0 * median(vertices_.size);
 }
 
 /** Turns vertices to the side of the nearest face. */

@@ -62,7 +62,7 @@ meanEdgeLength(const std::vector<Vector3>& vertices, const MeshFaces& faces)
 double
 sharpShare(const std::vector<Vector3>& normals, const MeshTopology& topology)
 {
-  constexpr double kSharp = 30 / 57.29577951308232;
+  constexpr double kSharp = M_PI / 6;
   double all = 0, sharp = 0;
   for (std::size_t f = 0; f < normals.size(); ++f) {
     for (const std::uint32_t g : topology.acrossEdges(f)) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Colours of leaves at sixteen places of the surface.
-#include "probe/color_kernel.h"
+#include "probe/probe_kernels.h"
 
 #include "pcl_slim/query/detail/color_rules.h"
 #include "pcl_slim/surface/surfel_color.h"
@@ -54,25 +54,13 @@ addColorsOf(const BlockPoints& points, const BlockLeaf& leaf, BlockColors& color
   }
 }
 
-template <int D>
-void
-addColorsBy(const BlockPoints& points, const BlockLeaf& leaf, WeightKernel kernel,
-            BlockColors& colors)
-{
-  switch (kernel) {
-    case WeightKernel::kPower2: return addColorsOf<D, WeightKernel::kPower2>(points, leaf, colors);
-    case WeightKernel::kPower4: return addColorsOf<D, WeightKernel::kPower4>(points, leaf, colors);
-    case WeightKernel::kPower7: return addColorsOf<D, WeightKernel::kPower7>(points, leaf, colors);
-    default: return addColorsOf<D, WeightKernel::kGaussian>(points, leaf, colors);
-  }
-}
-
 void
 addColors(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
           BlockColors& colors)
 {
   forDegree(leaf.degree, [&](auto degree) HWY_ATTR {
-    addColorsBy<degree()>(points, leaf, rules.kernel, colors);
+    forKernel(rules.kernel,
+              [&](auto kernel) HWY_ATTR { addColorsOf<degree(), kernel()>(points, leaf, colors); });
   });
 }
 

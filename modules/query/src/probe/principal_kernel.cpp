@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Principal curvatures and directions of sixteen blended gradients and Hessians: equation (8), left.
-#include "probe/principal_kernel.h"
+#include "probe/probe_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "probe/principal_kernel.cpp"
@@ -12,25 +12,14 @@
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
-/** Three coordinates. */
-struct Vec3 {
-  Vec x, y, z;
-};
-
-HWY_INLINE Vec
-dot(const Vec3& a, const Vec3& b)
-{
-  return dot3(a.x, a.y, a.z, b.x, b.y, b.z);
-}
-
-HWY_INLINE Vec3
-sum(Vec s, const Vec3& a, Vec t, const Vec3& b)
+HWY_INLINE Triple<Vec>
+sum(Vec s, const Triple<Vec>& a, Vec t, const Triple<Vec>& b)
 {
   return {hn::MulAdd(s, a.x, hn::Mul(t, b.x)), hn::MulAdd(s, a.y, hn::Mul(t, b.y)),
           hn::MulAdd(s, a.z, hn::Mul(t, b.z))};
 }
 
-HWY_INLINE Vec3
+HWY_INLINE Triple<Vec>
 load(const float (&columns)[3][16], std::size_t i)
 {
   const Tag d;
@@ -38,25 +27,12 @@ load(const float (&columns)[3][16], std::size_t i)
 }
 
 HWY_INLINE void
-store(const Vec3& a, float (&columns)[3][16], std::size_t i)
+store(const Triple<Vec>& a, float (&columns)[3][16], std::size_t i)
 {
   const Tag d;
   hn::Store(a.x, d, columns[0] + i);
   hn::Store(a.y, d, columns[1] + i);
   hn::Store(a.z, d, columns[2] + i);
-}
-
-/** Two axes across a unit normal, as LocalFrame has them. */
-HWY_INLINE void
-axesOf(const Vec3& n, Vec3& u, Vec3& v)
-{
-  const Tag d;
-  const Vec one = hn::Set(d, 1.0f), sign = hn::CopySign(one, n.z);
-  const Vec a = hn::Neg(hn::Div(one, hn::Add(sign, n.z)));
-  const Vec b = hn::Mul(hn::Mul(n.x, n.y), a);
-  u = {hn::MulAdd(hn::Mul(sign, hn::Mul(n.x, n.x)), a, one), hn::Mul(sign, b),
-       hn::Neg(hn::Mul(sign, n.x))};
-  v = {b, hn::MulAdd(hn::Mul(n.y, n.y), a, sign), hn::Neg(n.y)};
 }
 
 /** Cosine and sine of half the angle of (x, y), a vector of the given length; cosine >= 0. */
@@ -83,23 +59,24 @@ findPrincipals(const BlockSums& sums, BlockPrincipals& principals)
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
     const Vec weight = hn::Load(d, sums.weight + i);
     const Vec per_weight = hn::Div(one, hn::IfThenElse(hn::Gt(weight, zero), weight, one));
-    const Vec3 g = load(sums.gradient, i);
-    const Vec g_length = hn::Sqrt(dot(g, g));
+    const Triple<Vec> g = load(sums.gradient, i);
+    const Vec g_length = hn::Sqrt(dot3(g, g));
     const Vec per_length = hn::Div(one, hn::IfThenElse(hn::Gt(g_length, zero), g_length, one));
-    const Vec3 n = {hn::Mul(g.x, per_length), hn::Mul(g.y, per_length), hn::Mul(g.z, per_length)};
-    Vec3 u, v;
-    axesOf(n, u, v);
+    const Triple<Vec> n = {hn::Mul(g.x, per_length), hn::Mul(g.y, per_length),
+                           hn::Mul(g.z, per_length)};
+    const FrameLanes<Vec> frame(n);
+    const Triple<Vec>&u = frame.u, &v = frame.v;
     // The shape operator is the Hessian over |g|, restricted to the tangent plane: weights cancel.
-    const auto times = [&](const Vec3& a) HWY_ATTR {
+    const auto times = [&](const Triple<Vec>& a) HWY_ATTR {
       const auto h = [&](int row, int column) HWY_ATTR {
         return hn::Load(d, sums.hessian[kSymmetricEntry[row][column]] + i);
       };
-      return Vec3{dot3(h(0, 0), h(0, 1), h(0, 2), a.x, a.y, a.z),
-                  dot3(h(0, 1), h(1, 1), h(1, 2), a.x, a.y, a.z),
-                  dot3(h(0, 2), h(1, 2), h(2, 2), a.x, a.y, a.z)};
+      const auto row = [&](int r)
+                           HWY_ATTR { return dot3(h(r, 0), h(r, 1), h(r, 2), a.x, a.y, a.z); };
+      return Triple<Vec>{row(0), row(1), row(2)};
     };
-    const Vec3 hu = times(u), hv = times(v);
-    const Vec uu = dot(u, hu), uv = dot(u, hv), vv = dot(v, hv);
+    const Triple<Vec> hu = times(u), hv = times(v);
+    const Vec uu = dot3(u, hu), uv = dot3(u, hv), vv = dot3(v, hv);
     const Vec mean = hn::Mul(half_of, hn::Add(uu, vv)), half = hn::Mul(half_of, hn::Sub(uu, vv));
     const Vec spread = hn::Sqrt(hn::MulAdd(half, half, hn::Mul(uv, uv)));
     Vec cosine, sine;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Distances from sixteen places to one leaf, to first order: f / |grad f| and the foot it leads to.
-#include "probe/sheet_kernel.h"
+#include "probe/probe_kernels.h"
 
 #include <algorithm>
 
@@ -22,17 +22,6 @@ struct SheetFeet {
   Vec weight;     ///< at the foot; 0 elsewhere
   Vec normal[3];  ///< unit, the block's axes
 };
-
-HWY_INLINE Vec
-sheetWeight(WeightKernel kernel, Vec s_sq)
-{
-  switch (kernel) {
-    case WeightKernel::kPower2: return kernelWeight<WeightKernel::kPower2>(s_sq);
-    case WeightKernel::kPower4: return kernelWeight<WeightKernel::kPower4>(s_sq);
-    case WeightKernel::kPower7: return kernelWeight<WeightKernel::kPower7>(s_sq);
-    default: return kernelWeight<WeightKernel::kGaussian>(s_sq);
-  }
-}
 
 template <int D>
 HWY_INLINE SheetFeet
@@ -56,7 +45,7 @@ feetOf(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules
   feet.near = hn::And(feet.near, hn::Lt(s_sq, set(1.0f)));
   feet.near = hn::And(feet.near, hn::Le(hn::Abs(feet.distance), set(rules.most_distance)));
   feet.weight = hn::IfThenElseZero(
-      feet.near, hn::Mul(set(leaf.variance_weight), sheetWeight(rules.kernel, s_sq)));
+      feet.near, hn::Mul(set(leaf.variance_weight), kernelWeight(rules.kernel, s_sq)));
   const Local n = {hn::Neg(hn::Mul(hu, inverse)), hn::Neg(hn::Mul(hv, inverse)), inverse};
   for (int a = 0; a < 3; ++a) feet.normal[a] = frame.back(a, n);
   return feet;

@@ -3,18 +3,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <utility>
 
 #include "pcl_slim/cloud/block_tree.h"
 #include "pcl_slim/cloud/morton.h"
+#include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/vector3.h"
 #include "pcl_slim/query/detail/projection_kernel.h"
 #include "pcl_slim/query/detail/shape_operator.h"
 #include "pcl_slim/surface/surfel_color.h"
-#include "probe/color_kernel.h"
 #include "probe/leaf_region.h"
-#include "probe/principal_kernel.h"
-#include "probe/sheet_kernel.h"
+#include "probe/probe_kernels.h"
 
 namespace pcl_slim {
 
@@ -158,16 +159,11 @@ SurfaceProbe::cover(const Vector3& low, const Vector3& high)
 void
 SurfaceProbe::load(const Vector3* positions, std::size_t count)
 {
-  Vector3 low = positions[0], high = low;
-  for (std::size_t i = 1; i < count; ++i) {
-    for (std::size_t a = 0; a < 3; ++a) {
-      low[a] = std::min(low[a], positions[i][a]);
-      high[a] = std::max(high[a], positions[i][a]);
-    }
-  }
-  cover(low, high);
+  Bounds box;
+  for (std::size_t i = 0; i < count; ++i) box.add(positions[i]);
+  cover(box.low, box.high);
   Scratch& s = *scratch_;
-  s.region.choose(low, high, s.near);
+  s.region.choose(box.low, box.high, s.near);
   float* const columns[3] = {s.x, s.y, s.z};
   for (float* column : columns) std::fill(column, column + 16, PointStore::kFarAway);
   for (std::size_t i = 0; i < count; ++i) {
@@ -344,6 +340,38 @@ SurfaceProbe::scaleAt(const Vector3& position, const Vector3& side)
   });
   if (!(weight > 0)) return {};
   return {radius / weight, effective_count / weight, coverage};
+}
+
+std::vector<std::array<std::uint8_t, 3>>
+surfaceColors(const SLIMSurface& surface, const std::vector<Vector3>& positions,
+              const std::vector<std::array<float, 3>>& normals, int threads)
+{
+  constexpr std::size_t kRun = SurfaceProbe::kMost;
+  if (!surface.hasColors()) return {};
+  std::vector<std::array<std::uint8_t, 3>> made(positions.size(), {255, 255, 255});
+  const ProbeIndex index(surface);
+  threads = resolveThreads(threads);
+  std::deque<SurfaceProbe> probes;
+  for (int t = 0; t < threads; ++t) probes.emplace_back(index);
+  parallelFor((positions.size() + kRun - 1) / kRun, threads, 64, [&](std::size_t run, int thread) {
+    const std::size_t begin = run * kRun, count = std::min(kRun, positions.size() - begin);
+    std::array<Vector3, kRun> places, sides;
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto& n = normals[begin + i];
+      sides[i] = {n[0], n[1], n[2]};
+      places[i] =
+          scaled(subtract(positions[begin + i], surface.info.origin), 1 / surface.info.scale);
+    }
+    SurfaceProbe& probe = probes[static_cast<std::size_t>(thread)];
+    std::array<std::array<float, 3>, kRun> colors;
+    probe.restart(0);
+    probe.colors(places.data(), sides.data(), count, colors.data());
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t c = 0; c < 3 && colors[i][c] >= 0; ++c)
+        made[begin + i][c] = static_cast<std::uint8_t>(std::lround(colors[i][c]));
+    }
+  });
+  return made;
 }
 
 }  // namespace pcl_slim

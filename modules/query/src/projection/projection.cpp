@@ -7,7 +7,6 @@
 
 #include "pcl_slim/cloud/detail/normal_bound.h"
 #include "pcl_slim/core/parallel.h"
-#include "pcl_slim/query/detail/block_means.h"
 #include "pcl_slim/query/detail/projection_kernel.h"
 #include "pcl_slim/query/detail/shape_operator.h"
 
@@ -16,6 +15,38 @@ namespace pcl_slim {
 using namespace detail;
 
 namespace {
+
+/** \brief Weighted means of a block's points, in plain loops; undefined where nothing was added. */
+struct BlockMeans {
+  static constexpr double kLeastGradient = 1e-6;  ///< a shorter blended gradient has no direction
+
+  double offset[16], gradient[3][16], length[16];
+  float unit[3][16];
+
+  explicit BlockMeans(const BlockSums& sums)
+  {
+    constexpr int N = 16;
+    double weight[N];
+    for (int i = 0; i < N; ++i) {
+      const double own = sums.weight[i];
+      weight[i] = own > 0 ? own : 1.0;
+    }
+    for (int i = 0; i < N; ++i) offset[i] = sums.offset[i] / weight[i];
+    for (int a = 0; a < 3; ++a) {
+      for (int i = 0; i < N; ++i) gradient[a][i] = sums.gradient[a][i] / weight[i];
+    }
+    for (int i = 0; i < N; ++i) {
+      length[i] = std::sqrt(gradient[0][i] * gradient[0][i] + gradient[1][i] * gradient[1][i] +
+                            gradient[2][i] * gradient[2][i]);
+    }
+    for (int a = 0; a < 3; ++a) {
+      for (int i = 0; i < N; ++i) {
+        const double divisor = length[i] > kLeastGradient ? length[i] : 1.0;
+        unit[a][i] = static_cast<float>(gradient[a][i] / divisor);
+      }
+    }
+  }
+};
 
 /** \brief A surface in a store's units. Where the surface was fitted to the store, origins agree
  * and scales are powers of two: its numbers then stay as they are. */
@@ -135,7 +166,7 @@ class BlockProjector {
     std::vector<LeafHeights> heights;  ///< under its points
   };
 
-  /** \brief Everything named must outlive this object. \param[in] leaves those that places name. */
+  /** \brief The arguments must outlive this object. \param[in] leaves those that BlockLists refer to. */
   BlockProjector(const PointStore& store, const SLIMSurface& surface,
                  const std::vector<std::uint32_t>& leaves, const ProjectionParams& params,
                  int threads);
@@ -166,18 +197,19 @@ class BlockProjector {
   std::vector<PlacedLeaf> placed_;
   BlendRules rules_;
   bool with_directions_;  ///< principal curvatures and directions
-  float reach_;           ///< > 0: of the radius, in place of what residuals allow
+  float reach_;           ///< > 0: [r] largest residual and offset, in place of the above
   double noise_;          ///< sqrt(lambda) in the surface's local units
-  bool by_normals_;       ///< whether points' own normals choose among leaves
-  float min_dot_ = 0.0f;  ///< and the cosine from which on they do
+  bool by_normals_;       ///< whether a leaf counts only for normals near its own
+  float min_dot_ = 0.0f;  ///< and the least cosine with it
 };
 
-// theory.md, "Guards", Projection: which leaves serve a point.
-constexpr double kErrors = 5.0;        ///< residuals and offsets beyond this many e do not count,
-constexpr double kOffsetShare = 0.25;  ///< nor offsets beyond this share of r,
-constexpr double kNoiseShare = 0.6;    ///< unless noise explains them, up to this share
-constexpr double kRounding = 1e-5;     ///< of r: exact fits are not held to less than this
-constexpr float kSharpDot = 0.5f;  ///< with sharp features leaves serve normals within 60 degrees
+// theory.md, "Guards", Projection: which leaves count at a point.
+constexpr double kErrors = 5.0;  ///< [e] the largest residual and the largest offset that count
+constexpr double kOffsetShare = 0.25;  ///< [r] the largest offset that counts, ...
+constexpr double kNoiseShare = 0.6;    ///< ... or, where noise explains more, at most this
+constexpr double kRounding = 1e-5;     ///< [r] added to the largest residual, for exact fits
+constexpr float kSharpDot =
+    0.5f;  ///< least cosine of a point's and a leaf's normal, sharp features
 
 BlockProjector::BlockProjector(const PointStore& store, const SLIMSurface& surface,
                                const std::vector<std::uint32_t>& leaves,

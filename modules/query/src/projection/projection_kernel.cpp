@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Sixteen points of one block against one leaf: the blends of the paper's equations (6) to (8).
 // Pass 1 gives each point its ray, along the blended normals; pass 2 meets the ray with the leaf
-// and blends offset (6), gradient (7), Hessian (8, left) and third derivatives. Which roots count,
-// and how much, is what theory.md tells under "Guards", Projection.
+// and blends offset (6), gradient (7), Hessian (8, left) and third derivatives. theory.md, "Guards",
+// Projection, explains which roots count and how much.
 #include "pcl_slim/query/detail/projection_kernel.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -22,18 +22,7 @@ constexpr float kConverged = 3e-4f;  ///< of r: the step after one so short is b
 constexpr float kLeastSlope = 0.1f;  ///< of f along a unit ray: a grazing ray has no usable root
 constexpr float kNoStep = 1e9f;      ///< stands for the slope of a grazing ray
 
-HWY_INLINE Vec
-blendWeight(WeightKernel kernel, Vec s_sq)
-{
-  switch (kernel) {
-    case WeightKernel::kPower2: return kernelWeight<WeightKernel::kPower2>(s_sq);
-    case WeightKernel::kPower4: return kernelWeight<WeightKernel::kPower4>(s_sq);
-    case WeightKernel::kPower7: return kernelWeight<WeightKernel::kPower7>(s_sq);
-    default: return kernelWeight<WeightKernel::kGaussian>(s_sq);
-  }
-}
-
-/** Lanes whose point's own normal lets the leaf serve it. */
+/** Lanes whose point has no normal, or one near the leaf's. */
 HWY_INLINE Mask
 sameSide(const BlockPoints& points, const BlockLeaf& leaf, std::size_t i)
 {
@@ -45,8 +34,7 @@ sameSide(const BlockPoints& points, const BlockLeaf& leaf, std::size_t i)
   return hn::Gt(cosine, set(points.min_dot));
 }
 
-/** +1 or -1 per lane: the sign that turns b to the side of a sum gathered so far; the first leaf, which
- * meets a zero of either sign, keeps its own side. */
+/** The sign, +1 or -1, that turns b to the side of a sum so far, from sum . b; +1 where the sum is 0. */
 HWY_INLINE Vec
 alignment(Vec sum_dot_b)
 {
@@ -58,7 +46,7 @@ HWY_INLINE Vec
 weightOf(const BlockLeaf& leaf, const BlendRules& rules, Mask mask, Vec s_sq)
 {
   return hn::IfThenElseZero(mask,
-                            hn::Mul(set(leaf.variance_weight), blendWeight(rules.kernel, s_sq)));
+                            hn::Mul(set(leaf.variance_weight), kernelWeight(rules.kernel, s_sq)));
 }
 
 /** Lanes whose points, at squared distances from the centre, lie in the leaf's ball on its side. */
@@ -114,7 +102,7 @@ struct Crossing {
   Vec t;
   Local q;        ///< p + t d
   Vec hu, hv;     ///< slopes of the polynomial there
-  Vec along_ray;  ///< grad f . d, as the last step had it
+  Vec along_ray;  ///< grad f . d at the last step
 };
 
 /** Newton's steps from t = 0 on F(t) = f(p + t d): points lie within noise of the leaf. */
@@ -142,7 +130,7 @@ crossingOf(const HeightJets<D>& jets, const Local& p, const LeafHeights& heights
   return {t, {u, v, w}, hu, hv, slope};
 }
 
-/** Adds what equations (6) to (8) blend of one leaf, each with the weight g at its root. */
+/** Adds a leaf's offset, gradient, Hessian and third derivatives (eqs. 6 to 8) with the weight g. */
 template <int D>
 HWY_INLINE void
 addBlend(const BlockLeaf& leaf, const LeafFrame& frame, const HeightJets<D>& jets,
@@ -220,7 +208,7 @@ finishDirections(BlockSums& sums)
     for (int a = 0; a < 3; ++a) n[a] = hn::Load(d, sums.direction[a] + i);
     const Vec length_sq = dot3(n[0], n[1], n[2], n[0], n[1], n[2]);
     const Mask usable = hn::Gt(length_sq, set(1e-30f));
-    // The side of most leaves, by weight, not of the first one met.
+    // The side of most leaves, by weight.
     const Vec inverse = hn::Div(alignment(hn::Load(d, sums.weight + i)),
                                 hn::Sqrt(hn::IfThenElse(usable, length_sq, set(1.0f))));
     for (int a = 0; a < 3; ++a) {

@@ -8,8 +8,9 @@
 #include <utility>
 
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/random.h"
 #include "pcl_slim/query/projection.h"
-#include "pcl_slim/query/surface_colors.h"
+#include "pcl_slim/query/surface_probe.h"
 
 namespace pcl_slim {
 
@@ -30,10 +31,7 @@ constexpr std::size_t kBatch = 8192;  ///< points that are tried side by side
 std::uint64_t
 mixed(std::uint64_t bits)
 {
-  bits += 0x9e3779b97f4a7c15u;
-  bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
-  bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
-  return bits ^ (bits >> 31);
+  return SplitMix{bits}.next();
 }
 
 /** Chosen points in cells as wide as the spacing, found by a hash of the cell. */

@@ -7,7 +7,7 @@
 
 #include "camera/bulk.h"
 #include "camera/camera_rays.h"
-#include "pcl_slim/core/finite.h"
+#include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim {
 

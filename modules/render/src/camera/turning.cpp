@@ -14,7 +14,7 @@ namespace pcl_slim {
 using namespace detail;
 namespace {
 
-constexpr double kFullCircle = 6.283185307179586;
+constexpr double kFullCircle = 2 * M_PI;
 constexpr int kLayers = 128;  ///< of the object, along the axis
 constexpr int kSides = 32;  ///< spheres on a ring; between two a half percent of its radius is lost
 

@@ -13,7 +13,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes {
 
-/** A leaf's roots next to q^ and what the guards say of them. */
+/** A leaf's roots next to q^, and the lanes that have one. */
 struct NearRoots {
   Vec sigma;  ///< of the root
   Vec slope;  ///< dF / d sigma there; its sign alone of cubics and quartics
@@ -47,8 +47,8 @@ isNearest(const RayPolynomials<D>& taylor, Vec t)
   return Lt(Mul(bend, reach), Mul(set(0.95f), Abs(a[1])));
 }
 
-/** The root nearest to q^ in lanes where near knows none or where one may lie nearer than near.sigma;
- * taylor is F about q^. */
+/** Finds the root nearest to q^ in the lanes of rest, where near has none or a root may be nearer than
+ * near.sigma. \param[in] taylor F about q^ */
 template <int D>
 HWY_NOINLINE void
 isolateNear(const PassContext& context, const LeafRays& rays, RayPolynomials<D> taylor, Vec hat,
@@ -75,8 +75,8 @@ isolateNear(const PassContext& context, const LeafRays& rays, RayPolynomials<D> 
   near.found = Or(near.found, nearer);
 }
 
-/** The root nearest to q^, taylor being F about q^: a step of Halley's and one of Newton's where
- * they lead to it and settle. */
+/** The root nearest to q^, by one step of Halley's and one of Newton's where these surely converge to it,
+ * else by isolation. \param[in] taylor F about q^ */
 template <int D>
 HWY_INLINE NearRoots
 nextRoot(const PassContext& context, const LeafRays& rays, const RayPolynomials<D>& taylor, Vec hat,
@@ -171,7 +171,7 @@ addDerivatives(const PassContext& context, const LeafRays& rays, const Block& bl
   }
 }
 
-/** Which way a blend's leaves lie from it: kept only where its coverage leaves a doubt. */
+/** Adds where a leaf's crossing is from its centre: needed only where coverage is below its threshold. */
 HWY_INLINE void
 addLean(const LeafRays& rays, const Crossing& at, BlockSums& sums)
 {
@@ -232,8 +232,8 @@ blendLeaf(const PassContext& context, const TileLeaf& place, const Block& block,
   const Vec near_sigma =
       context.with_near_plane ? sigmaOf(place, block.near_plane) : set(-kInfinite);
   const NearRoots near = crossingOf<D>(context, rays, hats, near_sigma, live);
-  // A root outside the ball may be no number (along a flat leaf) or lie in the camera's plane (m = 0), and
-  // no weight of 0 would keep it from the sums: q^ stands for it.
+  // A root outside the ball may be NaN (along a flat leaf) or infinite (m = 0), which a weight of 0 would not
+  // keep out of the sums: q^ takes its place.
   const Vec m = rays.scaleAt(near.sigma), from_center_sq = rays.distanceSq(near.sigma);
   Mask counts = And(near.found, Lt(from_center_sq, Mul(set(context.blend_sq), Mul(m, m))));
   if (context.with_near_plane) counts = And(counts, Ge(near.sigma, near_sigma));

@@ -48,8 +48,8 @@ struct Block {
   Vec direction_x, direction_y;  ///< rays (x, y, 1); 0 if parallel
   Vec slant;                     ///< length of a ray's step to the next unit of z
   Vec near_plane;                ///< depth
-  Vec nearest;                   ///< pass 1 looks no nearer than this ...
-  Vec farthest;                  ///< ... and no farther
+  Vec nearest;                   ///< least depth at which pass 1 accepts a root ...
+  Vec farthest;                  ///< ... and the greatest
   Vec first;                     ///< of q^; farthest where nothing was met
   Vec z;                         ///< of q^; 1 if parallel
   Mask pending;
@@ -100,7 +100,7 @@ inPlane(const LeafRays& rays, Vec sigma, Vec inverse_m, const float* axis, float
   return Mul(p, inverse_m);
 }
 
-/** What an open leaf's trim map says of the points at sigma. */
+/** The share outside, by an open leaf's trim map, of the points at sigma. */
 HWY_NOINLINE Vec
 outsideOf(const LeafRays& rays, Vec sigma, Vec inverse_m)
 {
@@ -121,8 +121,7 @@ haveData(const LeafRays& rays, Vec sigma, Mask some)
   return And(some, Le(outsideOf(rays, sigma, inverse_m), set(0.5f)));
 }
 
-/** Moves q^ of lanes whose root lies before it. \return lanes that stay only as the leaf has no data
- * at that root */
+/** Moves q^ to a nearer root where the leaf has data. \return lanes of nearer roots without data */
 HWY_INLINE Mask
 moveForward(const TileLeaf& at, const LeafRays& rays, Mask found, Vec sigma, Block& block)
 {
@@ -154,7 +153,8 @@ HWY_NOINLINE void
 firstOfMany(const PassContext& context, const TileLeaf& at, const LeafRays& rays,
             RayPolynomials<D> f, Vec low, Vec high, Mask open, Block& block)
 {
-  constexpr float kBeyond = 1e-3f;  // where the search goes on behind a root without data
+  constexpr float kBeyond =
+      1e-3f;  // step past a root without data, from which the search continues
   Vec step = low;
   while (!AllFalse(open)) {
     f.shift(step);

@@ -6,7 +6,6 @@
 #include <cstring>
 #include <limits>
 
-#include "fast/setup/leaf_culling.h"
 #include "fast/setup/leaf_setup.h"
 #include "fast/tile_kernel.h"
 #include "pcl_slim/cloud/morton_sort.h"
@@ -16,6 +15,27 @@
 
 namespace pcl_slim::detail {
 namespace {
+
+double
+along(const HalfSpace& cut, const float axis[3])
+{
+  return cut.normal[0] * axis[0] + cut.normal[1] * axis[1] + cut.normal[2] * axis[2];
+}
+
+/** Half spaces of local coordinates as a view's rays meet them. */
+std::vector<FrameCut>
+frameCuts(const FrameView& view, const std::vector<HalfSpace>& cuts)
+{
+  std::vector<FrameCut> frame;
+  for (const HalfSpace& cut : cuts) {
+    const double offset = cut.offset - along(cut, view.eye) - along(cut, view.eye_rest);
+    const double forward = along(cut, view.forward);
+    // n . (x z, y z, z) >= offset, divided by z > 0: 1 / z = -D.
+    frame.push_back({along(cut, view.right), along(cut, view.up),
+                     view.perspective ? forward : -offset, view.perspective ? offset : forward});
+  }
+  return frame;
+}
 
 /** \brief Share of a ball's radius at which the blending weight has fallen to 1e-3. What lies
  * beyond moves a blend by less than that share of what its leaves differ by. */

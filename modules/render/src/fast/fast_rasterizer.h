@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "fast/frame_scene.h"
-#include "fast/setup/batch_filler.h"
+#include "fast/setup/leaf_setup.h"
 #include "index/leaf_index.h"
 #include "pcl_slim/render/camera.h"
 #include "pcl_slim/render/g_buffer.h"

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "camera/camera_rays.h"
-#include "fast/setup/frame_cuts.h"
 #include "fast/setup/frame_leaf.h"
 #include "fast/setup/leaf_setup.h"
 #include "pcl_slim/core/aligned.h"
@@ -14,6 +13,12 @@
 #include "tiles/frame_rules.h"
 
 namespace pcl_slim::detail {
+
+/** \brief A half space as a view's rays meet it: points of depth value D on the ray through (x, y) of
+ * the plane z = 1 (anywhere, if parallel) lie in it where by_x x + by_y y + rest + gain D >= 0. */
+struct FrameCut {
+  double by_x, by_y, rest, gain;
+};
 
 /** \brief Surfels of one frame sorted into tiles, each tile's from near to far. */
 struct FrameTiles {

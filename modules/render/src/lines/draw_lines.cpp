@@ -81,7 +81,7 @@ blend(const LineMask& mask, const Color& color, Image& image)
     if (!(cover > 0)) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       std::uint8_t& channel = image.rgb[3 * i + k];
-      const float paper = toLinear(static_cast<float>(channel) / 255.0f);
+      const float paper = linearFromSrgb(static_cast<float>(channel) / 255.0f);
       channel = toByte(paper + cover * (ink[k] - paper));
     }
   }

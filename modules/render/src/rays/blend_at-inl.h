@@ -8,7 +8,7 @@
 #define PCL_SLIM_BLEND_AT_INL
 #endif
 
-#include "fast/lanes/isolated_root.h"
+#include "pcl_slim/query/detail/polynomial_roots.h"
 #include "pcl_slim/render/detail/frame_constants.h"
 #include "rays/leaf_lines-inl.h"
 #include "rays/ray_scene.h"
@@ -95,22 +95,17 @@ struct NearRoots {
 HWY_INLINE NearRoots
 nearestOfQuadratics(const LeafLines<2>& line, Lanes low, Lanes high, bool front_only, Some wanted)
 {
-  const Lanes zero = hn::Zero(Lane());
-  const Lanes discriminant =
-      hn::NegMulAdd(hn::Mul(all(4.0f), line.a[2]), line.a[0], hn::Mul(line.a[1], line.a[1]));
-  const Some real = hn::And(wanted, hn::Ge(discriminant, zero));
-  const Lanes root = hn::Sqrt(hn::Max(discriminant, zero));
-  const Lanes q = hn::Mul(all(-0.5f), hn::Add(line.a[1], hn::CopySign(root, line.a[1])));
-  const Some falls = hn::Lt(line.a[1], zero);  // at a0 / q; at the other root it is the other way
+  const QuadraticRootLanes roots(line);
+  const Some real = hn::And(wanted, roots.real);
   const auto counts = [&](Lanes s, Some falling) HWY_ATTR {
     const Some on_chord = hn::And(real, hn::And(hn::Ge(s, low), hn::Le(s, high)));
     return front_only ? hn::And(on_chord, falling) : on_chord;
   };
-  const Lanes one = hn::Div(line.a[0], q), other = hn::Div(q, line.a[2]);
-  const Some is_one = counts(one, falls), is_other = counts(other, hn::Not(falls));
+  const Some is_one = counts(roots.one, roots.one_falls);
+  const Some is_other = counts(roots.other, hn::Not(roots.one_falls));
   const Some nearer =
-      hn::And(is_other, hn::Or(hn::Not(is_one), hn::Lt(hn::Abs(other), hn::Abs(one))));
-  return {hn::IfThenElse(nearer, other, one), hn::Or(is_one, is_other)};
+      hn::And(is_other, hn::Or(hn::Not(is_one), hn::Lt(hn::Abs(roots.other), hn::Abs(roots.one))));
+  return {hn::IfThenElse(nearer, roots.other, roots.one), hn::Or(is_one, is_other)};
 }
 
 /** Lanes where Newton's steps from q^ are sure to lead to the nearest root, as obviousRoot(). */
@@ -152,7 +147,9 @@ nearestOfHigher(const LeafLines<D>& line, Lanes low, Lanes high, bool front_only
     double own[5] = {};
     for (int i = 0; i <= D; ++i) own[i] = a[i][k];
     ++bracketed;
-    is[k] = isolatedRoot(D, own, from[k], to[k], 0.0, front_only, s[k]);
+    double root = s[k];
+    is[k] = nearestRootInInterval(D, own, from[k], to[k], 0.0, front_only, root) ? 1.0f : 0.0f;
+    s[k] = static_cast<float>(root);
   }
   return {hn::Load(d, s), hn::Gt(hn::Load(d, is), hn::Zero(d))};
 }
@@ -167,8 +164,8 @@ struct BlendContext {
 /** Adds w grad f and w H of some lanes, turned by the sign of w, in world axes. */
 template <int D>
 HWY_INLINE void
-addDerivatives(const BlockLanes& block, const LaneFrames& frame, Lanes u, Lanes v, Lanes weight,
-               bool with_hessian, LaneSums& sums)
+addDerivatives(const BlockLanes& block, const FrameLanes<Lanes>& frame, Lanes u, Lanes v,
+               Lanes weight, bool with_hessian, LaneSums& sums)
 {
   const LaneJets<D> jet(block, u, v);
   const Lanes fu[3] = {frame.u.x, frame.u.y, frame.u.z}, fv[3] = {frame.v.x, frame.v.y, frame.v.z},
@@ -240,18 +237,18 @@ addLeaves(const BlendContext& context, const LeafBlocks::Head& head, const Block
 {
   const Lane d;
   const Lanes zero = hn::Zero(d), one = all(1.0f);
-  const Triad p = block.place(place.point), direction = everywhere(place.direction);
-  const Lanes hat_sq = p.dot(p);
+  const Triad p = block.place(place.point), direction = tripleOf<Lanes>(place.direction);
+  const Lanes hat_sq = dot3(p, p);
   Some counts = hn::Lt(hat_sq, one);
   const unsigned bits = bitsOf(counts);
   if (bits == 0) return;
   context.counts.leaves_blend += static_cast<std::uint64_t>(__builtin_popcount(bits));
-  const LaneFrames frame(block);
+  const FrameLanes<Lanes> frame = block.frames();
   const LeafLines<D> line(block, frame, p, direction);
   counts = hn::And(counts, hn::Lt(hn::Abs(line.a[0]), all(kMaxShift)));
   if (hn::AllFalse(d, counts)) return;
 
-  const Lanes b = p.dot(direction);
+  const Lanes b = dot3(p, direction);
   const Lanes half = hn::Sqrt(hn::Max(zero, hn::MulAdd(b, b, hn::Sub(one, hat_sq))));
   const Lanes high = hn::Sub(half, b);
   const Lanes low = hn::Max(hn::Neg(hn::Add(half, b)), hn::Mul(all(static_cast<float>(begin)),
@@ -264,9 +261,10 @@ addLeaves(const BlendContext& context, const LeafBlocks::Head& head, const Block
                                context.counts.bracketed);
 
   const WeightKernel kernel = context.scene.surface.info.blend_kernel;
-  const Triad q = p.along(roots.s, direction);
-  const Lanes root_sq = q.dot(q);
-  Lanes weight = hn::Mul(block.column(kBlockVariance), weightOf(kernel, hn::Max(hat_sq, root_sq)));
+  const Triad q = pointAt(p, roots.s, direction);
+  const Lanes root_sq = dot3(q, q);
+  Lanes weight =
+      hn::Mul(block.column(kBlockVariance), kernelWeight(kernel, hn::Max(hat_sq, root_sq)));
   const Some added = hn::And(roots.found, hn::Gt(weight, zero));
   if (hn::AllFalse(d, added)) return;
   // Lanes without a root may hold anything, infinity too, and no product with 0 mends that.
@@ -277,12 +275,12 @@ addLeaves(const BlendContext& context, const LeafBlocks::Head& head, const Block
       all(static_cast<float>(1.0 / (context.scene.cover_radius * context.scene.cover_radius)));
   sums.weight = hn::Add(sums.weight, weight);
   sums.shift = hn::MulAdd(weight, hn::Mul(s, block.column(kBlockRadius)), sums.shift);
-  sums.coverage = hn::Add(sums.coverage, only(weightOf(kernel, hn::Mul(root_sq, cover))));
+  sums.coverage = hn::Add(sums.coverage, only(kernelWeight(kernel, hn::Mul(root_sq, cover))));
   sums.leaves = hn::Add(sums.leaves, only(one));
   const Some rises = hn::Gt(line.slope(s), zero);
   const Lanes side = hn::IfThenElse(rises, hn::Neg(one), one);
   sums.facing = hn::Add(sums.facing, only(side));
-  addPlaces(p.along(s, direction), weight, added, sums);
+  addPlaces(pointAt(p, s, direction), weight, added, sums);
   const Lanes at_u = hn::MulAdd(s, line.du, u), at_v = hn::MulAdd(s, line.dv, v);
   addDerivatives<D>(block, frame, at_u, at_v, hn::Mul(side, weight), context.rules.with_hessian,
                     sums);

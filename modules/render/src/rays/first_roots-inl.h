@@ -8,9 +8,9 @@
 #define PCL_SLIM_FIRST_ROOTS_INL
 #endif
 
+#include "pcl_slim/query/detail/polynomial_roots.h"
 #include "rays/leaf_lines-inl.h"
 #include "rays/ray_scene.h"
-#include "rays/root_search.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
@@ -51,9 +51,9 @@ struct LaneChords {
   LaneChords(const LocalRay& ray, Lanes inverse_radius, const Triad& p, const Triad& d, float share)
   {
     const Lanes zero = hn::Zero(Lane());
-    middle = hn::Neg(p.dot(d));
-    const Triad closest = p.along(middle, d);
-    distance_sq = closest.dot(closest);
+    middle = hn::Neg(dot3(p, d));
+    const Triad closest = pointAt(p, middle, d);
+    distance_sq = dot3(closest, closest);
     const Lanes half_sq = hn::Sub(all(share * share), distance_sq);
     const Lanes half = hn::Sqrt(hn::Max(half_sq, zero));
     const Lanes low = hn::Sub(middle, half);
@@ -96,21 +96,15 @@ haveData(const LaneTrims& trims, const LeafLines<D>& line, Lanes s, Some some)
 HWY_INLINE Lanes
 firstOfQuadratics(const LeafLines<2>& line, const LaneChords& chord, const LaneTrims& trims)
 {
-  const Lanes zero = hn::Zero(Lane());
-  const Lanes discriminant =
-      hn::NegMulAdd(hn::Mul(all(4.0f), line.a[2]), line.a[0], hn::Mul(line.a[1], line.a[1]));
-  const Lanes root = hn::Sqrt(hn::Max(discriminant, zero));
-  const Lanes q = hn::Mul(all(-0.5f), hn::Add(line.a[1], hn::CopySign(root, line.a[1])));
-  const Some real = hn::And(chord.inside, hn::Ge(discriminant, zero));
-  // The slopes at the two roots are -+ root: at a0 / q it has the sign of a1.
-  const Some falls = hn::Lt(line.a[1], zero);
-  const Lanes one = hn::Div(line.a[0], q), other = hn::Div(q, line.a[2]);
+  const QuadraticRootLanes roots(line);
+  const Some real = hn::And(chord.inside, roots.real);
   const auto counted = [&](Lanes s, Some falling) HWY_ATTR {
     const Lanes low = hn::IfThenElse(falling, chord.front, chord.behind);
     const Some on_chord = hn::And(real, hn::And(hn::Ge(s, low), hn::Le(s, chord.high)));
     return hn::IfThenElse(haveData(trims, line, s, on_chord), s, all(kNever));
   };
-  return hn::Min(counted(one, falls), counted(other, hn::Not(falls)));
+  return hn::Min(counted(roots.one, roots.one_falls),
+                 counted(roots.other, hn::Not(roots.one_falls)));
 }
 
 /** Lanes on whose chords a polynomial of degree 3 or 4 may have a root, by the signs of its
@@ -181,7 +175,7 @@ firstOfHigher(const LeafLines<D>& line, const LaneChords& chord, const LaneTrims
     const auto counts = [&](double s) {
       return trims.hasData(k, u[k] + s * du[k], v[k] + s * dv[k]);
     };
-    root[k] = static_cast<float>(firstOfRoots(D, own, front[k], behind[k], high[k], counts));
+    root[k] = static_cast<float>(firstRootInInterval(D, own, front[k], behind[k], high[k], counts));
   }
   return hn::Load(d, root);
 }
@@ -200,12 +194,12 @@ HWY_INLINE bool
 firstRoots(const BlockLanes& block, const LaneTrims& trims, const LocalRay& ray, float shrink,
            RayCounts& counts, LaneRoots& roots)
 {
-  const Triad p = block.place(ray.point), direction = everywhere(ray.direction);
+  const Triad p = block.place(ray.point), direction = tripleOf<Lanes>(ray.direction);
   const LaneChords chord(ray, block.column(kBlockInverseRadius), p, direction, shrink);
   const unsigned bits = bitsOf(chord.inside);
   if (bits == 0) return false;
   counts.leaves_first += static_cast<std::uint64_t>(__builtin_popcount(bits));
-  const LeafLines<D> line(block, LaneFrames(block), p, direction);
+  const LeafLines<D> line(block, block.frames(), p, direction);
   if constexpr (D == 2)
     roots.s = firstOfQuadratics(line, chord, trims);
   else

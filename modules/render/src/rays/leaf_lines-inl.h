@@ -35,42 +35,13 @@ bitsOf(Some mask)
   return bits[0];
 }
 
-/** Three coordinates. */
-struct Triad {
-  Lanes x, y, z;
+using Triad = Triple<Lanes>;
 
-  HWY_INLINE Lanes dot(const Triad& o) const
-  {
-    return hn::MulAdd(x, o.x, hn::MulAdd(y, o.y, hn::Mul(z, o.z)));
-  }
-  /** This + s o. */
-  HWY_INLINE Triad along(Lanes s, const Triad& o) const
-  {
-    return {hn::MulAdd(s, o.x, x), hn::MulAdd(s, o.y, y), hn::MulAdd(s, o.z, z)};
-  }
-};
-
+/** p + s d. */
 HWY_INLINE Triad
-everywhere(const float v[3])
+pointAt(const Triad& p, Lanes s, const Triad& d)
 {
-  return {all(v[0]), all(v[1]), all(v[2])};
-}
-
-/** G at squared relative distances; 0 from 1 on. */
-HWY_INLINE Lanes
-weightOf(WeightKernel kernel, Lanes s_sq)
-{
-  const Lane d;
-  const Lanes t = hn::Max(hn::Zero(d), hn::Sub(all(1.0f), s_sq)), t2 = hn::Mul(t, t);
-  if (kernel == WeightKernel::kPower2) return t2;
-  const Lanes t4 = hn::Mul(t2, t2);
-  if (kernel == WeightKernel::kPower4) return t4;
-  if (kernel == WeightKernel::kPower7) return hn::Mul(hn::Mul(t4, t2), t);
-  const Lanes inner = hn::Exp(d, hn::Mul(all(-8.0f), hn::Min(s_sq, all(1.0f))));
-  const Lanes rest = hn::Sub(all(1.0f), hn::Sqrt(hn::Min(s_sq, all(1.0f))));
-  const Lanes rest_sq = hn::Mul(rest, rest);
-  const Lanes outer = hn::Mul(all(2.16536453f), hn::Mul(rest_sq, rest_sq));  // 16 e^-2
-  return hn::IfThenElse(hn::Lt(s_sq, all(0.25f)), inner, outer);
+  return {hn::MulAdd(s, d.x, p.x), hn::MulAdd(s, d.y, p.y), hn::MulAdd(s, d.z, p.z)};
 }
 
 /** Lanes k, k + 1, ... of a block. */
@@ -80,6 +51,12 @@ struct BlockLanes {
 
   HWY_INLINE Lanes column(std::size_t c) const { return hn::Load(Lane(), columns + c * kWide + k); }
   HWY_INLINE Lanes coefficient(std::size_t c) const { return column(kBlockCoefficients + c); }
+
+  /** The leaves' frames. */
+  HWY_INLINE FrameLanes<Lanes> frames() const
+  {
+    return FrameLanes<Lanes>({column(kBlockNX), column(kBlockNY), column(kBlockNZ)});
+  }
 
   /** A point relative to the block, relative to the centres and in radii. */
   HWY_INLINE Triad place(const float point[3]) const
@@ -91,31 +68,14 @@ struct BlockLanes {
   }
 };
 
-/** The leaves' frames (Duff et al. 2017, as LocalFrame). */
-struct LaneFrames {
-  Triad u, v, w;
-
-  explicit LaneFrames(const BlockLanes& block)
-  {
-    const Lanes nx = block.column(kBlockNX), ny = block.column(kBlockNY),
-                nz = block.column(kBlockNZ);
-    const Lanes one = all(1.0f), sign = hn::CopySign(one, nz);
-    const Lanes a = hn::Div(hn::Neg(one), hn::Add(sign, nz));
-    const Lanes b = hn::Mul(hn::Mul(nx, ny), a), sx = hn::Mul(sign, nx);
-    u = {hn::MulAdd(hn::Mul(sx, nx), a, one), hn::Mul(sign, b), hn::Neg(sx)};
-    v = {b, hn::MulAdd(hn::Mul(ny, ny), a, sign), hn::Neg(ny)};
-    w = {nx, ny, nz};
-  }
-};
-
 /** f / r along p + s d as a polynomial in s, p and s in radii, as RayPolynomial. D: 2, 3 or 4. */
 template <int D>
 struct LeafLines {
   Lanes a[5];
   Lanes u, v, du, dv;  ///< p and d in the leaves' frames
 
-  LeafLines(const BlockLanes& block, const LaneFrames& frame, const Triad& p, const Triad& d)
-      : u(p.dot(frame.u)), v(p.dot(frame.v)), du(d.dot(frame.u)), dv(d.dot(frame.v))
+  LeafLines(const BlockLanes& block, const FrameLanes<Lanes>& frame, const Triad& p, const Triad& d)
+      : u(dot3(p, frame.u)), v(dot3(p, frame.v)), du(dot3(d, frame.u)), dv(dot3(d, frame.v))
   {
     const Lanes c1 = block.coefficient(1), c2 = block.coefficient(2);
     a[0] = hn::MulAdd(c1, u, hn::MulAdd(c2, v, block.coefficient(0)));
@@ -124,8 +84,8 @@ struct LeafLines {
     a[3] = a[4] = hn::Zero(Lane());
     if constexpr (D >= 3) addCubic(block);
     if constexpr (D >= 4) addQuartic(block);
-    a[0] = hn::Sub(p.dot(frame.w), a[0]);
-    a[1] = hn::Sub(d.dot(frame.w), a[1]);
+    a[0] = hn::Sub(dot3(p, frame.w), a[0]);
+    a[1] = hn::Sub(dot3(d, frame.w), a[1]);
     for (int i = 2; i <= D; ++i) a[i] = hn::Neg(a[i]);
   }
 
@@ -213,6 +173,25 @@ struct LeafLines {
     a[2] = hn::MulAdd(all(0.5f), bend, a[2]);
     a[3] = hn::Add(a[3], both(qu, u, qv, v));
     a[4] = times(0.25f, both(qu, du, qv, dv));
+  }
+};
+
+/** Both roots of quadratics, without cancellation. */
+struct QuadraticRootLanes {
+  Lanes one, other;
+  Some real;
+  Some one_falls;  ///< the quadratic falls at one and rises at other; elsewhere the reverse
+
+  explicit QuadraticRootLanes(const LeafLines<2>& line)
+  {
+    const Lanes *a = line.a, zero = hn::Zero(Lane());
+    const Lanes under = hn::NegMulAdd(hn::Mul(all(4.0f), a[2]), a[0], hn::Mul(a[1], a[1]));
+    real = hn::Ge(under, zero);
+    const Lanes root = hn::Sqrt(hn::Max(under, zero));
+    const Lanes q = hn::Mul(all(-0.5f), hn::Add(a[1], hn::CopySign(root, a[1])));
+    one = hn::Div(a[0], q);
+    other = hn::Div(q, a[2]);
+    one_falls = hn::Lt(a[1], zero);
   }
 };
 

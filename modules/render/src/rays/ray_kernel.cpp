@@ -122,8 +122,8 @@ anyAccepted(const BlendContext& context, const BoundedRay& ray, double depth,
   const unsigned met = bitsOf(hn::Lt(roots.s, all(kNever)));
   if (met == 0) return false;
   const float cover = static_cast<float>(1.0 / (scene.cover_radius * scene.cover_radius));
-  const Lanes own = weightOf(scene.surface.info.blend_kernel,
-                             hn::Min(hn::Mul(roots.from_center_sq, all(cover)), all(1.0f)));
+  const Lanes own = kernelWeight(scene.surface.info.blend_kernel,
+                                 hn::Min(hn::Mul(roots.from_center_sq, all(cover)), all(1.0f)));
   const Lanes needed = all(static_cast<float>(alone));
   const bool trimmed = scene.surface.hasTrimMaps();
   if (!trimmed && (bitsOf(hn::Ge(own, needed)) & met) != 0) return true;

@@ -56,20 +56,12 @@ bool
 nearestRoot(const RayPolynomial& polynomial, int degree, const Chord& chord, double s_hat,
             bool front_only, double& root)
 {
-  const auto counts = [&](double s) { return !front_only || polynomial.slope(s) < 0.0; };
   if (obviousRoot(polynomial.a, s_hat, root) && root >= chord.low && root <= chord.high &&
-      counts(root)) {
+      (!front_only || polynomial.slope(root) < 0.0)) {
     return true;
   }
-  const Roots roots = polynomial.roots(degree, chord.low, chord.high);
-  bool found = false;
-  for (int i = 0; i < roots.count; ++i) {
-    const double s = roots.at[i];
-    if (!counts(s) || (found && std::abs(s - s_hat) >= std::abs(root - s_hat))) continue;
-    root = s;
-    found = true;
-  }
-  return found;
+  return nearestRootInInterval(degree, polynomial.a, chord.low, chord.high, s_hat, front_only,
+                               root);
 }
 
 }  // namespace
@@ -84,14 +76,13 @@ firstRoot(const FrameRules& rules, const RaySurfel& surfel, const Ray& ray, doub
   if (!(chord.low <= chord.high)) return kInfinity;
   ++evaluated;
   const RayPolynomial polynomial(surfel, approach, ray.direction);
-  const Roots roots = polynomial.roots(surfel.degree, chord.low, chord.high);
-  for (int i = 0; i < roots.count; ++i) {
-    if (rules.front_only && !(polynomial.slope(roots.at[i]) < 0.0)) continue;
-    const Vector3 q = along(approach.point, roots.at[i], ray.direction);
-    if (rules.trim && !hasData(surfel, q)) continue;
-    return approach.depth + roots.at[i] * surfel.radius;
-  }
-  return kInfinity;
+  const auto counts = [&](double s) {
+    return !rules.trim || hasData(surfel, along(approach.point, s, ray.direction));
+  };
+  const double root =
+      firstRootInInterval(surfel.degree, polynomial.a, chord.low,
+                          rules.front_only ? kInfinity : chord.low, chord.high, counts);
+  return approach.depth + root * surfel.radius;
 }
 
 void

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "camera/camera_rays.h"
+#include "pcl_slim/core/order_statistics.h"
 #include "pcl_slim/core/parallel.h"
 #include "shading/linear_light.h"
 #include "shading/value_range.h"
@@ -69,9 +70,7 @@ pixelLength(const GBuffer& buffer)
     }
   }
   if (steps.empty()) return 0.0f;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 4);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return kthSmallest(steps, steps.size() / 4);
 }
 
 /** \brief How open each covered pixel's surroundings are: 1 open, towards 0 in a hollow.
@@ -175,15 +174,6 @@ normalColor(const std::array<float, 3>& n)
   return toLinear({0.5f * n[0] + 0.5f, 0.5f * n[1] + 0.5f, 0.5f * n[2] + 0.5f});
 }
 
-Color
-background(const ShadingParams& params, int y, int height)
-{
-  if (!params.gradient_background) return {1.0f, 1.0f, 1.0f};
-  const float t = (static_cast<float>(y) + 0.5f) / static_cast<float>(height);
-  const float level = 0.985f - 0.145f * t * t;
-  return toLinear({level, level, level + 0.006f});
-}
-
 /** \brief Light of one covered pixel. */
 Color
 litColor(const GBuffer& buffer, std::size_t pixel, int x, int y, const LightRig& rig,
@@ -262,7 +252,7 @@ shadeLinear(const GBuffer& buffer, const Camera& camera, const ShadingParams& pa
   std::vector<Color> colors(buffer.numPixels());
   parallelFor(static_cast<std::size_t>(buffer.height), threads, 8, [&](std::size_t row, int) {
     const int y = static_cast<int>(row);
-    const Color empty = background(params, y, buffer.height);
+    const Color empty = backgroundAt(params, y, buffer.height);
     for (int x = 0; x < buffer.width; ++x) {
       const std::size_t i = buffer.index(x, y);
       colors[i] =

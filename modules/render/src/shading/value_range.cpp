@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "pcl_slim/core/order_statistics.h"
+
 namespace pcl_slim {
 namespace detail {
 
@@ -64,12 +66,11 @@ namespace {
 
 /** \brief The value below which a share of the values lies; 0 when there are none. */
 double
-quantile(std::vector<double>& values, double share)
+quantile(const std::vector<double>& values, double share)
 {
   if (values.empty()) return 0.0;
-  const auto k = static_cast<std::size_t>(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(k), values.end());
-  return values[k];
+  return kthSmallest(values,
+                     static_cast<std::size_t>(share * static_cast<double>(values.size() - 1)));
 }
 
 /** \brief Whether a mode's values come with both signs, so that 0 is the middle of their colours. */

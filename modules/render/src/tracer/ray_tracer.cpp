@@ -5,7 +5,6 @@
 #include <atomic>
 #include <cmath>
 
-#include "pcl_slim/core/finite.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/render/disc_rasterizer.h"

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pcl_slim/core/random.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/surface/polynomial.h"
 #include "tiles/frame_rules.h"
@@ -17,10 +18,7 @@ class SquareSamples {
  public:
   SquareSamples(std::uint64_t pixel, std::uint64_t stream)
   {
-    std::uint64_t z = (pixel * 64 + stream + 1) * 0x9e3779b97f4a7c15u;  // SplitMix64
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    z ^= z >> 31;
+    const std::uint64_t z = mixBits((pixel * 64 + stream + 1) * SplitMix::kStep);
     x_ = static_cast<double>(z >> 40) * 0x1p-24;
     y_ = static_cast<double>(z & 0xffffffu) * 0x1p-24;
   }
@@ -40,7 +38,7 @@ class SquareSamples {
   double x_, y_;
 };
 
-constexpr double kFullTurn = 6.28318530717958648;
+constexpr double kFullTurn = 2 * M_PI;
 
 /** \brief A direction of the half space above a unit normal, as often as its cosine is large. */
 inline Vector3

@@ -72,15 +72,6 @@ struct Received {
 };
 
 Color
-backgroundAt(const ShadingParams& params, int y, int height)
-{
-  if (!params.gradient_background) return {1.0f, 1.0f, 1.0f};
-  const float t = (static_cast<float>(y) + 0.5f) / static_cast<float>(height);
-  const float level = 0.985f - 0.145f * t * t;
-  return toLinear({level, level, level + 0.006f});
-}
-
-Color
 colorAt(const TracedRig& rig, int x, int y, const Color& empty)
 {
   const std::size_t pixel = rig.buffer.index(x, y);

@@ -13,7 +13,9 @@
 
 #include "pcl_slim/cloud/block_tree.h"
 #include "pcl_slim/cloud/knn.h"
+#include "pcl_slim/core/order_statistics.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/random.h"
 
 namespace pcl_slim {
 
@@ -106,25 +108,12 @@ constexpr std::size_t kSamples = 1000;  ///< points that tell the middle spacing
 constexpr double kDepthSpacings = 2.0;
 constexpr std::uint32_t kSparse = 0xffffffffu, kRough = 0xfffffffeu;
 
-/** Numbers in [0, 1) that depend on nothing but the ray (Steele, Lea, Flood: splitmix). */
-class RayRandom {
- public:
-  RayRandom(std::uint64_t seed, std::uint64_t ray) : state_(seed * 0x9e3779b97f4a7c15u ^ ray << 20)
-  {
-  }
-
-  double operator()()
-  {
-    state_ += 0x9e3779b97f4a7c15u;
-    std::uint64_t z = state_;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return static_cast<double>((z ^ z >> 31) >> 11) * 0x1p-53;
-  }
-
- private:
-  std::uint64_t state_;
-};
+/** Random numbers that depend on nothing but the ray. */
+SplitMix
+randomOf(std::uint64_t seed, std::uint64_t ray)
+{
+  return {seed * SplitMix::kStep ^ ray << 20};
+}
 
 struct Triangle {
   Vector3d a, b, c;
@@ -132,9 +121,9 @@ struct Triangle {
   double longestSide() const { return std::max({(a - b).norm(), (b - c).norm(), (c - a).norm()}); }
 
   /** A place inside, every one as likely. */
-  Vector3d randomPlace(RayRandom& random) const
+  Vector3d randomPlace(SplitMix& random) const
   {
-    const double u = std::sqrt(random()), v = random();
+    const double u = std::sqrt(random.nextShare()), v = random.nextShare();
     return (1.0 - u) * a + u * (1.0 - v) * b + u * v * c;
   }
 };
@@ -158,8 +147,9 @@ class Caster {
   /** Discs that one ray meets, or kSparse, or kRough. */
   std::uint32_t cast(std::uint64_t ray)
   {
-    RayRandom random(params_.seed, ray);
-    const auto i = static_cast<std::size_t>(random() * static_cast<double>(store_.size()));
+    SplitMix random = randomOf(params_.seed, ray);
+    const auto i =
+        static_cast<std::size_t>(random.nextShare() * static_cast<double>(store_.size()));
     search_.nearest(i, kSheet + 1, near_, distances_sq_);
     if (near_.size() < 3) return kSparse;
     const std::size_t others = std::min(kNeighbors, near_.size() - 1);
@@ -171,8 +161,8 @@ class Caster {
     const Vector3d place = triangle.randomPlace(random);
     Vector3d normal;
     if (!(thickness(normal) <= params_.thickness)) return kRough;
-    const double turn = 2.0 * M_PI * random();
-    const double cosine = 1.0 - random() * (1.0 - leastCosine(params_));
+    const double turn = 2.0 * M_PI * random.nextShare();
+    const double cosine = 1.0 - random.nextShare() * (1.0 - leastCosine(params_));
     return discs_.count(place, directionAt(normal, cosine, turn), cosine, hits_);
   }
 
@@ -193,11 +183,12 @@ class Caster {
   }
 
   /** A point and two of its nearest others, which were found last. */
-  Triangle triangleAt(std::size_t i, std::size_t others, RayRandom& random) const
+  Triangle triangleAt(std::size_t i, std::size_t others, SplitMix& random) const
   {
     const auto choices = static_cast<double>(others);
-    const auto j = 1 + static_cast<std::size_t>(random() * choices);
-    const auto k = 1 + (j + static_cast<std::size_t>(random() * (choices - 1.0))) % others;
+    const auto j = 1 + static_cast<std::size_t>(random.nextShare() * choices);
+    const auto k =
+        1 + (j + static_cast<std::size_t>(random.nextShare() * (choices - 1.0))) % others;
     return {at(i), at(near_[j]), at(near_[k])};
   }
 
@@ -255,9 +246,7 @@ middleSpacing(const PointStore& store, const DiscTree& discs, const HoleCheckPar
   for (std::size_t s = 0; s < samples; ++s) {
     spacings[s] = caster.spacing((2 * s + 1) * store.size() / (2 * samples));
   }
-  const auto middle = spacings.begin() + static_cast<std::ptrdiff_t>(samples / 2);
-  std::nth_element(spacings.begin(), middle, spacings.end());
-  return *middle;
+  return median(spacings);
 }
 
 HoleCheck

@@ -145,7 +145,8 @@ class NormalFinder {
     std::sort(sides.begin(), sides.end());
     const float root = std::sqrt(static_cast<float>(points)), whole = root / (root - 1.0f);
     const float area = kFilled * whole * whole * sides[2] * std::max(sides[1], 0.1f * sides[2]);
-    return std::sqrt(area * static_cast<float>(neighbors_) / (3.14159265f * root * root));
+    return std::sqrt(area * static_cast<float>(neighbors_) /
+                     (static_cast<float>(M_PI) * root * root));
   }
 
   const PointStore& store_;

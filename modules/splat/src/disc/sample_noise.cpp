@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "octree/cell_sums.h"
+#include "pcl_slim/core/order_statistics.h"
 #include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim::detail {
@@ -26,12 +27,9 @@ constexpr double kMedian3 = 3.0 / 2.36597;  ///< mean over median of chi squared
 constexpr double kNormalFactor = 2.0 / (1.38629 + 2.0);
 
 double
-median(std::vector<double>& values)
+medianOrZero(std::vector<double> values)
 {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return values.empty() ? 0.0 : median(std::move(values));
 }
 
 double
@@ -104,8 +102,8 @@ estimateSampleNoise(const OctreeCloud& cloud, const OctreeSource& source, int th
     if (has_normal && near.normals() > 0) normal[s] = normalResidual(own, near);
   });
   normal.erase(std::remove(normal.begin(), normal.end(), -1.0), normal.end());
-  noise.color = source.colors.bgr ? kMedian3 * kMeanFactor * median(color) : 0.0;
-  noise.normal = kNormalFactor * median(normal);
+  noise.color = source.colors.bgr ? kMedian3 * kMeanFactor * medianOrZero(color) : 0.0;
+  noise.normal = kNormalFactor * medianOrZero(normal);
   return noise;
 }
 

@@ -118,7 +118,7 @@ struct CellSums {
     const double mean_sq =
         (position[0] * position[0] + position[1] * position[1] + position[2] * position[2]) / count;
     const double trace = std::max(0.0, (position_sq - mean_sq) / count);
-    return std::sqrt(2.0 * 3.14159265358979323846 * trace / count);
+    return std::sqrt(2.0 * M_PI * trace / count);
   }
 };
 

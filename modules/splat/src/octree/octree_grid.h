@@ -11,6 +11,7 @@
 
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/vector3.h"
 #include "points/splat_kernels.h"
 
 /** \brief Coordinates as their owner has them, and a cloud's box. */
@@ -38,13 +39,6 @@ Reader<T>
 readerOf(const CloudView& view)
 {
   return {static_cast<const unsigned char*>(view.xyz), view.xyz_stride, view.indices};
-}
-
-template <typename T>
-bool
-isFinite(const T p[3])
-{
-  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
 /** Runs body(slice, begin, end) over [0, n). */

@@ -100,7 +100,7 @@ class PointBlocks {
     for (std::size_t i = begin; i < end; ++i) {
       T p[3];
       read_(i, p);
-      if (!kAllFinite && !octree_grid::isFinite(p)) continue;
+      if (!kAllFinite && !isFinite(p)) continue;
       put(p, static_cast<std::uint32_t>(i), k++, block);
     }
     finish(k, block);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pcl_slim/core/srgb.h"
 #include "points/splat_kernels.h"
 
 namespace pcl_slim {
@@ -80,14 +81,14 @@ double
 linearOf(double coded, RgbSpace space)
 {
   if (space == RgbSpace::kEbu) return coded;
-  return coded <= 0.04045 ? coded / 12.92 : std::pow((coded + 0.055) / 1.055, 2.4);
+  return linearFromSrgb(coded);
 }
 
 double
 codedOf(double linear, RgbSpace space)
 {
   if (space == RgbSpace::kEbu) return linear;
-  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1.0 / 2.4) - 0.055;
+  return srgbFromLinear(linear);
 }
 
 }  // namespace

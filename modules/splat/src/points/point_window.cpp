@@ -5,8 +5,14 @@
 #include <cstring>
 #include <functional>
 
-#include "points/prefetch.h"
 #include "points/splat_kernels.h"
+
+// Asks for the cache line of an address. Not a function, which GCC takes for one without effect.
+#if defined(__GNUC__)
+#define PCL_SLIM_PREFETCH(address) __builtin_prefetch(address)
+#else
+#define PCL_SLIM_PREFETCH(address) static_cast<void>(address)
+#endif
 
 namespace pcl_slim::detail {
 namespace {

@@ -62,21 +62,6 @@ PointKeys::slice(const CloudView& piece, std::size_t begin, std::size_t end)
   }
 }
 
-std::uint64_t
-placeHash(const std::array<double, 3>& p)
-{
-  std::uint64_t hash = 0x2545f4914f6cdd1du;
-  for (const double coordinate : p) {
-    const double value = coordinate + 0.0;  // -0 is 0
-    std::uint64_t bits;
-    std::memcpy(&bits, &value, sizeof(bits));
-    hash = (hash ^ bits) * 0x9e3779b97f4a7c15u;
-    hash ^= hash >> 29;
-  }
-  hash *= 0xbf58476d1ce4e5b9u;
-  return hash ^ hash >> 32;
-}
-
 CellCounts::CellCounts() : table_(std::size_t{1} << (3 * kTableDepth), 0)
 {
   addPage();  // number 0 is none

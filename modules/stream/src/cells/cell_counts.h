@@ -42,10 +42,6 @@ cellOf(std::uint64_t key, int depth)
   return key >> (3 * (kDeepestCell - depth));
 }
 
-/** \brief Hash of a position, the same for equal ones: thins a cloud whatever its order. */
-std::uint64_t
-placeHash(const std::array<double, 3>& p);
-
 /** \brief Counts points in the cells of an octree that is deep where many points are.
  *
  * A table of depth 5 leads to pages of three levels, made when a point falls into them. One pass over

@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "pcl_slim/cloud/detail/cloud_reader.h"
+#include "pcl_slim/cloud/morton.h"
+#include "pcl_slim/core/random.h"
 
 namespace pcl_slim::detail {
 namespace {
@@ -12,22 +14,11 @@ namespace {
 constexpr double kCellsOfReach = 6.0;
 constexpr double kMostCells = 1 << 26;  ///< of a mask: coarser cells where a tile is scattered
 
-/** Takes every third bit: the inverse of spreadBits(). */
-int
-compact(std::uint64_t v)
-{
-  v &= 0x1249249249249249ULL;
-  v = (v | v >> 2) & 0x10c30c30c30c30c3ULL;
-  v = (v | v >> 4) & 0x100f00f00f00f00fULL;
-  v = (v | v >> 8) & 0x1f0000ff0000ffULL;
-  v = (v | v >> 16) & 0x1f00000000ffffULL;
-  return static_cast<int>((v | v >> 32) & 0x1fffff);
-}
-
 std::array<int, 3>
 placeOf(std::uint64_t code)
 {
-  return {compact(code >> 2), compact(code >> 1), compact(code)};
+  const auto at = [code](int axis) { return static_cast<int>(gatherBits(code >> axis)); };
+  return {at(2), at(1), at(0)};
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "pcl_slim/core/vector3.h"
+
 namespace pcl_slim::detail {
 
 namespace {
@@ -23,8 +25,7 @@ plausible(const SurfaceInfo& info)
   };
   return info.degree >= 1 && info.degree <= kMaxDegree && known(info.fit_kernel) &&
          known(info.blend_kernel) && std::isfinite(info.scale) && info.scale > 0.0 &&
-         std::isfinite(info.origin[0]) && std::isfinite(info.origin[1]) &&
-         std::isfinite(info.origin[2]);
+         isFinite(info.origin);
 }
 
 }  // namespace

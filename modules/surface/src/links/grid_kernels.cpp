@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pcl_slim/surface/detail/grid_kernels.h"
+#include "pcl_slim/surface/detail/center_grid.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "links/grid_kernels.cpp"

@@ -18,18 +18,19 @@ using namespace pcl_slim_test;
 constexpr double kNoise = 0.01;
 constexpr double kNear = 5 * kNoise;  ///< points are no farther from their surface
 
-/** A view of a scan. */
+/** A view with the places that points were seen from. */
+CloudView
+seenFrom(const std::vector<double>& sensors, CloudView view)
+{
+  view.sensors = sensors.data();
+  view.sensors_stride = 3 * sizeof(double);
+  return view;
+}
+
 CloudView
 viewOf(const DrivenScan& scan)
 {
-  CloudView view;
-  view.xyz = scan.points.data();
-  view.xyz_stride = 3 * sizeof(double);
-  view.scalar = CloudView::Scalar::kDouble;
-  view.size = scan.size();
-  view.sensors = scan.sensors.data();
-  view.sensors_stride = 3 * sizeof(double);
-  return view;
+  return seenFrom(scan.sensors, pcl_slim_test::viewOf(scan.points, {}));
 }
 
 /** A fit, and the share of the points brought onto it whose normal faces out. */
@@ -200,10 +201,7 @@ TEST(SensorSigns, GivenNormalsWin)
 {
   Cloud cloud = sceneCloud(measure::Shape::kSphere, 3000, 0.0);
   std::vector<double> sensors(cloud.points.size(), 0.0);  // inside
-  CloudView view = cloud.view();
-  view.sensors = sensors.data();
-  view.sensors_stride = 3 * sizeof(double);
-  auto store = PointStore::build(view);
+  auto store = PointStore::build(seenFrom(sensors, cloud.view()));
   ASSERT_TRUE(store);
   SLIMSurface surface;
   FitStatistics fit;
@@ -237,10 +235,7 @@ TEST(SensorSigns, ANoiseModelTakesEachPointsBeam)
     cloud.add(x, 0, z);
     sensors.insert(sensors.end(), {x, x < 10 ? 2.0 : 20.0, z});
   }
-  CloudView view = cloud.view();
-  view.sensors = sensors.data();
-  view.sensors_stride = 3 * sizeof(double);
-  const auto store = PointStore::build(view);
+  const auto store = PointStore::build(seenFrom(sensors, cloud.view()));
   ASSERT_TRUE(store);
   FitParams params;
   params.has_noise_model = true;
@@ -268,10 +263,7 @@ TEST(SensorSigns, TellTheTwoSidesOfAThinPlate)
       sensors.insert(sensors.end(), {25, 25, 30 * height});
     }
   }
-  CloudView view = cloud.view();
-  view.sensors = sensors.data();
-  view.sensors_stride = 3 * sizeof(double);
-  auto store = PointStore::build(view);
+  auto store = PointStore::build(seenFrom(sensors, cloud.view()));
   ASSERT_TRUE(store);
   SLIMSurface surface;
   FitStatistics fit;

@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <random>
 #include <set>
 
+#include "support/temporary_folder.h"
 #include "unit/render/image_pixels.h"
 #include "unit/render/sphere_view.h"
 #include "unit/render/test_surfaces.h"
@@ -18,6 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using namespace test;
+using pcl_slim_test::TemporaryFolder;
 
 Image
 pictured(ShadingMode mode, int supersampling = 1, int threads = 1)
@@ -33,14 +34,6 @@ pictured(ShadingMode mode, int supersampling = 1, int threads = 1)
   EXPECT_TRUE(image) << image.error().message;
   return *image;
 }
-
-/** \brief A folder that goes away with the test. */
-struct TemporaryFolder {
-  fs::path path = fs::temp_directory_path() /
-                  ("pcl_slim_shading_test." + std::to_string(std::random_device()()));
-  TemporaryFolder() { fs::create_directories(path); }
-  ~TemporaryFolder() { fs::remove_all(path); }
-};
 
 TEST(Shading, NormalModeEncodesTheNormal)
 {
@@ -208,7 +201,7 @@ TEST(Png, ReadsBackWhatWasWritten)
 {
   if (checkImageExtension("a.png")) GTEST_SKIP() << "a build without PNG";
   const TemporaryFolder folder;
-  const std::string path = (folder.path / "a picture.png").string();
+  const std::string path = folder / "a picture.png";
   const Image image = pictured(ShadingMode::kShaded);
   const Error error = savePng(path, image);
   ASSERT_FALSE(error) << error.message;
@@ -224,15 +217,15 @@ TEST(Png, UnwritablePathsAndBadFilesAreNamed)
   if (checkImageExtension("a.png")) GTEST_SKIP() << "a build without PNG";
   const TemporaryFolder folder;
   const Image image = pictured(ShadingMode::kShaded);
-  const std::string missing = (folder.path / "no" / "such.png").string();
+  const std::string missing = folder / "no/such.png";
   const Error error = savePng(missing, image);
   EXPECT_EQ(error.code, ErrorCode::kIo);
   EXPECT_NE(error.message.find(missing), std::string::npos);
   EXPECT_FALSE(fs::exists(missing));
-  EXPECT_EQ(savePng((folder.path / "x.png").string(), Image()).code, ErrorCode::kBadInput);
-  EXPECT_TRUE(fs::is_empty(folder.path));
+  EXPECT_EQ(savePng(folder / "x.png", Image()).code, ErrorCode::kBadInput);
+  EXPECT_EQ(folder.numFiles(), 0u);
 
-  const std::string truncated = (folder.path / "truncated.png").string();
+  const std::string truncated = folder / "truncated.png";
   ASSERT_FALSE(savePng(truncated, image));
   fs::resize_file(truncated, fs::file_size(truncated) / 2);
   EXPECT_EQ(loadPng(truncated).error().code, ErrorCode::kIo);

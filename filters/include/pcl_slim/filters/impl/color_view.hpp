@@ -5,7 +5,7 @@
 #include <pcl/point_traits.h>
 #include <pcl/point_types.h>
 
-#include "pcl_slim/cloud/color_view.h"
+#include "pcl_slim/cloud/cloud_view.h"
 
 namespace pcl_slim {
 

@@ -48,6 +48,8 @@ struct PCL_SLIM_EXPORT CloudView {
   {
     return placeAt(xyz, input * xyz_stride, scalar);
   }
+  /** \brief A point's normal as it is given, of any length, by its index in the cloud; needs normals. */
+  std::array<float, 3> givenNormal(std::size_t input) const;
   /** \brief Where a point was seen from, by its index in the cloud; needs sensors. */
   std::array<double, 3> sensorPosition(std::size_t input) const
   {
@@ -62,6 +64,13 @@ struct PCL_SLIM_EXPORT CloudView {
 
  private:
   static std::array<double, 3> placeAt(const void* first, std::size_t offset, Scalar scalar);
+};
+
+/** \brief Colours owned by someone else: three consecutive bytes blue, green, red per point, as PCL
+ * keeps them; as many points as the CloudView has. */
+struct ColorView {
+  const void* bgr = nullptr;  ///< address of the first point's blue, or null: no colours
+  std::size_t stride = 0;     ///< bytes from one point to the next
 };
 
 }  // namespace pcl_slim

@@ -20,6 +20,18 @@ spreadBits(std::uint64_t v)
   return v;
 }
 
+/** \brief Every third bit of v: the inverse of spreadBits(). */
+inline std::uint32_t
+gatherBits(std::uint64_t v)
+{
+  v &= 0x1249249249249249ULL;
+  v = (v | v >> 2) & 0x10c30c30c30c30c3ULL;
+  v = (v | v >> 4) & 0x100f00f00f00f00fULL;
+  v = (v | v >> 8) & 0x1f0000ff0000ffULL;
+  v = (v | v >> 16) & 0x1f00000000ffffULL;
+  return static_cast<std::uint32_t>((v | v >> 32) & 0x1fffff);
+}
+
 /** \brief Cell number along one axis of a local coordinate in [-1/2, 1/2]. */
 inline std::uint64_t
 mortonCell(double local)

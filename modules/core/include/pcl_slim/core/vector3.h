@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 
 namespace pcl_slim {
 
@@ -55,6 +58,30 @@ normalized(const Vector3& a)
 {
   const double l = length(a);
   return l > 0.0 ? scaled(a, 1.0 / l) : a;
+}
+
+/** \brief The box around some places; before the first of them low is above high. */
+struct Bounds {
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+  Vector3 low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
+
+  void add(const Vector3& p)
+  {
+    for (std::size_t a = 0; a < 3; ++a) {
+      low[a] = std::min(low[a], p[a]);
+      high[a] = std::max(high[a], p[a]);
+    }
+  }
+  double diagonal() const { return length(subtract(high, low)); }
+};
+
+/** \brief Whether all three coordinates are finite. P: an array or a pointer. */
+template <typename P>
+auto
+isFinite(const P& p) -> decltype(std::isfinite(p[0]))
+{
+  return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 
 }  // namespace pcl_slim

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "pcl_slim/cloud/color_view.h"
+#include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/export.h"

@@ -8,8 +8,8 @@
 #define PCL_SLIM_ROOT_LANES_INL
 #endif
 
-#include "fast/lanes/isolated_root.h"
 #include "fast/lanes/leaf_rays-inl.h"
+#include "pcl_slim/query/detail/polynomial_roots.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes {
@@ -109,7 +109,9 @@ solveOneByOne(const RayPolynomials<D>& f, Vec length, bool front_only, std::uint
     if (!(wanted[i] > 0.0f)) continue;
     double c[5] = {};
     for (int k = 0; k <= D; ++k) c[k] = a[k][i];
-    found[i] = isolatedRoot(D, c, 0.0, lengths[i], 0.0, front_only, at[i]);
+    double root = at[i];
+    found[i] = nearestRootInInterval(D, c, 0.0, lengths[i], 0.0, front_only, root) ? 1.0f : 0.0f;
+    at[i] = static_cast<float>(root);
     ++solved;
   }
   roots.at = load(at);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What is seen of surfels, several side by side.
-#include "fast/setup/leaf_culling.h"
+#include "fast/setup/leaf_setup.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fast/setup/leaf_culling.cpp"
@@ -25,7 +25,7 @@ beyondSide(bool perspective, Vec x, Vec z, float side, Vec radius)
 }
 
 HWY_INLINE Mask
-outsideFrustum(const FrameView& view, const Triple& p, Vec radius)
+outsideFrustum(const FrameView& view, const Triple<Vec>& p, Vec radius)
 {
   const Tag d;
   const float right = (static_cast<float>(view.width) - 0.4f - view.center_x) * view.pixel;
@@ -42,7 +42,7 @@ outsideFrustum(const FrameView& view, const Triple& p, Vec radius)
 
 /** Lanes whose ball lies outside of a half space as a whole, local coordinates. */
 HWY_INLINE Mask
-outsideHalfSpace(const HalfSpace& cut, const Triple& p, Vec radius)
+outsideHalfSpace(const HalfSpace& cut, const Triple<Vec>& p, Vec radius)
 {
   constexpr float kSlack = 1e-6f;  // of the box: floats round
   const Tag d;
@@ -55,7 +55,8 @@ outsideHalfSpace(const HalfSpace& cut, const Triple& p, Vec radius)
 /** Lanes all of whose gradients point away from every ray through the ball: the angle between
  * normal and ray is less than what the cones of gradients and of rays leave of a right angle. */
 HWY_INLINE Mask
-turnedAway(const FrameView& view, const Triple& p, const Triple& normal, Vec radius, Vec sine)
+turnedAway(const FrameView& view, const Triple<Vec>& p, const Triple<Vec>& normal, Vec radius,
+           Vec sine)
 {
   const Tag d;
   const Vec one = hn::Set(d, 1.0f), margin = hn::Set(d, 1e-3f);
@@ -112,9 +113,9 @@ cullLeaves(const LeafIndex& index, std::uint32_t begin, std::uint32_t end, const
   for (std::size_t i = begin; i < end; i += hn::Lanes(d)) {
     const auto load = [&](const AlignedVector<float>& column)
                           HWY_ATTR { return hn::LoadU(d, column.data() + i); };
-    const Triple place{load(index.x), load(index.y), load(index.z)};
-    const Triple p = axes.turn(fromEye(view, place.x, place.y, place.z));
-    const Triple normal = axes.turn({load(index.nx), load(index.ny), load(index.nz)});
+    const Triple<Vec> place{load(index.x), load(index.y), load(index.z)};
+    const Triple<Vec> p = axes.turn(fromEye(view, place.x, place.y, place.z));
+    const Triple<Vec> normal = axes.turn({load(index.nx), load(index.ny), load(index.nz)});
     const Vec radius = load(index.radius);
     Reasons reasons;
     reasons.add(outsideFrustum(view, p, radius), Visibility::kOutside);

@@ -211,7 +211,7 @@ struct Circle {
 /** Encloses the picture of balls of a share of the radius. The picture of a ball is an ellipse; its
  * centre lies at tan of the mean of the angles at which the ball begins and ends. */
 HWY_INLINE Circle
-circleAround(const FrameView& view, const Triple& p, Vec radius, float share)
+circleAround(const FrameView& view, const Triple<Vec>& p, Vec radius, float share)
 {
   const Tag d;
   const Vec rho = hn::Mul(radius, hn::Set(d, share));
@@ -242,21 +242,13 @@ class Outlet {
                        [16];
 };
 
-/** The frame of leaves in the camera's axes (Duff et al. 2017, as LocalFrame). */
+/** The frame of leaves in the camera's axes. */
 struct LeafAxes {
-  Triple u, v, w;
+  Triple<Vec> u, v, w;
 
-  LeafAxes(const Axes& axes, Vec nx, Vec ny, Vec nz)
+  LeafAxes(const Axes& axes, const FrameLanes<Vec>& frame)
+      : u(axes.turn(frame.u)), v(axes.turn(frame.v)), w(axes.turn(frame.w))
   {
-    const Tag d;
-    const Vec one = hn::Set(d, 1.0f);
-    const Vec sign = hn::CopySign(one, nz);
-    const Vec a = hn::Div(hn::Neg(one), hn::Add(sign, nz));
-    const Vec b = hn::Mul(hn::Mul(nx, ny), a);
-    const Vec sx = hn::Mul(sign, nx);
-    u = axes.turn({hn::MulAdd(hn::Mul(sx, nx), a, one), hn::Mul(sign, b), hn::Neg(sx)});
-    v = axes.turn({b, hn::MulAdd(hn::Mul(ny, ny), a, sign), hn::Neg(ny)});
-    w = axes.turn({nx, ny, nz});
   }
 };
 
@@ -265,7 +257,7 @@ struct Heads {
   Vec pixel_x, pixel_y, per_pixel, eps, xc, yc, depth, inverse_depth;
   Vec radius, inverse_radius, beta, inverse_beta, nearest;
 
-  Heads(const FrameView& view, const Triple& p, Vec r, float share)
+  Heads(const FrameView& view, const Triple<Vec>& p, Vec r, float share)
   {
     const Tag d;
     const Vec one = hn::Set(d, 1.0f), zero = hn::Zero(d), pixel = hn::Set(d, view.pixel);
@@ -303,7 +295,7 @@ HWY_INLINE Strip
 stripOf(const Heads& h, const LeafAxes& frame, const CentreRay& ray, const FormNorms& norms,
         const BallShares& shares)
 {
-  const auto moves = [&](const Triple& axis, Vec moved[2]) HWY_ATTR {
+  const auto moves = [&](const Triple<Vec>& axis, Vec moved[2]) HWY_ATTR {
     moved[0] = hn::NegMulAdd(h.xc, axis.z, axis.x);
     moved[1] = hn::NegMulAdd(h.yc, axis.z, axis.y);
   };
@@ -316,7 +308,7 @@ stripOf(const Heads& h, const LeafAxes& frame, const CentreRay& ray, const FormN
 
 /** Writes the members from x to strip_high of up to 16 records. */
 HWY_INLINE void
-writeHeads(const LeafBatch& batch, std::size_t lane, const FrameView& view, const Triple& p,
+writeHeads(const LeafBatch& batch, std::size_t lane, const FrameView& view, const Triple<Vec>& p,
            const Heads& h, const LeafAxes& frame, const CentreRay& ray, const Strip& strip,
            const BallShares& shares)
 {
@@ -400,10 +392,11 @@ setUpOfDegree(const LeafBatch& batch, const FrameView& view, const BallShares& s
   for (std::size_t lane = 0; lane < batch.count; lane += hn::Lanes(d)) {
     const auto load = [&](const float* column) HWY_ATTR { return hn::Load(d, column + lane); };
     const auto c = [&](int k) HWY_ATTR { return load(batch.c[k]); };
-    const Triple p = axes.turn(fromEye(view, load(batch.x), load(batch.y), load(batch.z)));
+    const Triple<Vec> p = axes.turn(fromEye(view, load(batch.x), load(batch.y), load(batch.z)));
     const Heads heads(view, p, load(batch.radius), 1.0f);
-    const LeafAxes frame(axes, load(batch.nx), load(batch.ny), load(batch.nz));
-    const Triple center{heads.xc, heads.yc, hn::Set(d, 1.0f)};
+    const Triple<Vec> normal{load(batch.nx), load(batch.ny), load(batch.nz)};
+    const LeafAxes frame(axes, FrameLanes<Vec>(normal));
+    const Triple<Vec> center{heads.xc, heads.yc, hn::Set(d, 1.0f)};
     const CentreRay ray{
         c(0),     c(1), c(2), dot3(frame.u, center), dot3(frame.v, center), dot3(frame.w, center),
         heads.eps};

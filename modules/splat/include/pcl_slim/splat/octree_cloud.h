@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "pcl_slim/cloud/cloud_view.h"
-#include "pcl_slim/cloud/color_view.h"
 #include "pcl_slim/core/aligned.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/export.h"

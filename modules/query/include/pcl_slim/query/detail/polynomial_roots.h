@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -147,6 +148,56 @@ rootsInInterval(const double* a, double low, double high, Roots& roots)
       value_left = value_right;
     }
   }
+}
+
+/** \brief The same for a degree known at run time. \param[in] a five coefficients, those above the
+ * degree 0 */
+inline Roots
+rootsInInterval(int degree, const double* a, double low, double high)
+{
+  Roots roots;
+  switch (degree) {
+    case 1: rootsInInterval<1>(a, low, high, roots); break;
+    case 2: rootsInInterval<2>(a, low, high, roots); break;
+    case 3: rootsInInterval<3>(a, low, high, roots); break;
+    default: rootsInInterval<4>(a, low, high, roots); break;
+  }
+  return roots;
+}
+
+/** \brief The smallest root that counts: from low_front on if the polynomial falls there, from
+ * low_behind on if it rises, and not beyond high. \return infinity if there is none.
+ * \param[in] a as above \param[in] counts bool(root) */
+template <typename Counts>
+double
+firstRootInInterval(int degree, const double* a, double low_front, double low_behind, double high,
+                    const Counts& counts)
+{
+  const Roots roots = rootsInInterval(degree, a, std::min(low_front, low_behind), high);
+  for (int i = 0; i < roots.count; ++i) {
+    const bool falls = evaluateDerivative<4>(a, roots.at[i]) < 0.0;
+    if (roots.at[i] >= (falls ? low_front : low_behind) && counts(roots.at[i])) return roots.at[i];
+  }
+  return HUGE_VAL;
+}
+
+/** \brief The root in [low, high] nearest to aim, of equals the first; with front_only of those at
+ * which the polynomial falls. \return false if there is none. \param[in] a as above */
+inline bool
+nearestRootInInterval(int degree, const double* a, double low, double high, double aim,
+                      bool front_only, double& root)
+{
+  if (!(low <= high)) return false;
+  const Roots roots = rootsInInterval(degree, a, low, high);
+  double best = HUGE_VAL;
+  for (int i = 0; i < roots.count; ++i) {
+    if (front_only && !(evaluateDerivative<4>(a, roots.at[i]) < 0.0)) continue;
+    const double distance = std::abs(roots.at[i] - aim);
+    if (!(distance < best)) continue;
+    best = distance;
+    root = roots.at[i];
+  }
+  return best < HUGE_VAL;
 }
 
 /** \brief The root next to start where Newton's steps are sure to lead there and no other is

@@ -84,18 +84,6 @@ struct PCL_SLIM_EXPORT RayPolynomial {
     for (int i = 2; i < 5; ++i) a[i] = -a[i];
   }
 
-  Roots roots(int degree, double low, double high) const
-  {
-    Roots found;
-    switch (degree) {
-      case 1: rootsInInterval<1>(a, low, high, found); break;
-      case 2: rootsInInterval<2>(a, low, high, found); break;
-      case 3: rootsInInterval<3>(a, low, high, found); break;
-      default: rootsInInterval<4>(a, low, high, found); break;
-    }
-    return found;
-  }
-
   double slope(double s) const { return evaluateDerivative<4>(a, s); }
 
  private:

@@ -23,9 +23,9 @@ using Tag = hn::CappedTag<float, 16>;
 using Vec = hn::Vec<Tag>;
 using Mask = hn::Mask<Tag>;
 
-/** Calls body(constant D) for the degree D of a polynomial, 1 to 4. */
+/** body(constant D) for the degree D of a polynomial, 1 to 4. */
 template <typename Body>
-HWY_INLINE void
+HWY_INLINE decltype(auto)
 forDegree(int degree, const Body& body)
 {
   switch (degree) {
@@ -36,11 +36,65 @@ forDegree(int degree, const Body& body)
   }
 }
 
-HWY_INLINE Vec
-dot3(Vec ax, Vec ay, Vec az, Vec bx, Vec by, Vec bz)
+/** body(constant K) for a kernel K. */
+template <typename Body>
+HWY_INLINE decltype(auto)
+forKernel(WeightKernel kernel, const Body& body)
+{
+  switch (kernel) {
+    case WeightKernel::kPower2:
+      return body(std::integral_constant<WeightKernel, WeightKernel::kPower2>());
+    case WeightKernel::kPower4:
+      return body(std::integral_constant<WeightKernel, WeightKernel::kPower4>());
+    case WeightKernel::kPower7:
+      return body(std::integral_constant<WeightKernel, WeightKernel::kPower7>());
+    default: return body(std::integral_constant<WeightKernel, WeightKernel::kGaussian>());
+  }
+}
+
+template <class V>
+HWY_INLINE V
+dot3(V ax, V ay, V az, V bx, V by, V bz)
 {
   return hn::MulAdd(ax, bx, hn::MulAdd(ay, by, hn::Mul(az, bz)));
 }
+
+/** Three coordinates: a point or a direction in each lane. V: vector of floats. */
+template <class V>
+struct Triple {
+  V x, y, z;
+};
+
+template <class V>
+HWY_INLINE V
+dot3(const Triple<V>& a, const Triple<V>& b)
+{
+  return dot3(a.x, a.y, a.z, b.x, b.y, b.z);
+}
+
+/** The same point or direction in every lane. */
+template <class V>
+HWY_INLINE Triple<V>
+tripleOf(const float v[3])
+{
+  const hn::DFromV<V> d;
+  return {hn::Set(d, v[0]), hn::Set(d, v[1]), hn::Set(d, v[2])};
+}
+
+/** Two axes across a unit normal w (Duff et al. 2017), as LocalFrame. */
+template <class V>
+struct FrameLanes {
+  Triple<V> u, v, w;
+
+  explicit FrameLanes(const Triple<V>& n) : w(n)
+  {
+    const V one = hn::Set(hn::DFromV<V>(), 1.0f), sign = hn::CopySign(one, n.z);
+    const V a = hn::Div(hn::Neg(one), hn::Add(sign, n.z));
+    const V b = hn::Mul(hn::Mul(n.x, n.y), a), sx = hn::Mul(sign, n.x);
+    u = {hn::MulAdd(hn::Mul(sx, n.x), a, one), hn::Mul(sign, b), hn::Neg(sx)};
+    v = {b, hn::MulAdd(hn::Mul(n.y, n.y), a, sign), hn::Neg(n.y)};
+  }
+};
 
 HWY_INLINE double
 sumLanes(Vec v)
@@ -48,26 +102,58 @@ sumLanes(Vec v)
   return hn::GetLane(hn::SumOfLanes(Tag(), v));
 }
 
+/** Coordinates in a frame, in units of a radius. */
+struct ScaledAxes {
+  Triple<Vec> u, v, w;
+
+  ScaledAxes(const LocalFrame& frame, double radius)
+      : u(over(frame.u, radius)), v(over(frame.v, radius)), w(over(frame.w, radius))
+  {
+  }
+  HWY_INLINE Triple<Vec> turn(const Triple<Vec>& p) const
+  {
+    return {dot3(p, u), dot3(p, v), dot3(p, w)};
+  }
+
+ private:
+  static Triple<Vec> over(const std::array<double, 3>& axis, double radius)
+  {
+    const double scale = 1.0 / radius;
+    const float values[3] = {static_cast<float>(axis[0] * scale),
+                             static_cast<float>(axis[1] * scale),
+                             static_cast<float>(axis[2] * scale)};
+    return tripleOf<Vec>(values);
+  }
+};
+
 /** G at squared relative distances; 0 from 1 on. */
-template <WeightKernel K>
-HWY_INLINE Vec
-kernelWeight(Vec s_sq)
+template <WeightKernel K, class V>
+HWY_INLINE V
+kernelWeight(V s_sq)
 {
-  const Tag d;
-  const auto t = hn::Max(hn::Zero(d), hn::Sub(hn::Set(d, 1.0f), s_sq));
+  const hn::DFromV<V> d;
+  const V one = hn::Set(d, 1.0f);
   if constexpr (K == WeightKernel::kGaussian) {
-    const auto inner = hn::Exp(d, hn::Mul(hn::Set(d, -8.0f), hn::Min(s_sq, hn::Set(d, 1.0f))));
-    const auto rest = hn::Sub(hn::Set(d, 1.0f), hn::Sqrt(hn::Min(s_sq, hn::Set(d, 1.0f))));
-    const auto rest_sq = hn::Mul(rest, rest);
-    const auto outer = hn::Mul(hn::Set(d, 2.16536453f), hn::Mul(rest_sq, rest_sq));  // 16 e^-2
+    const V within = hn::Min(s_sq, one);
+    const V inner = hn::Exp(d, hn::Mul(hn::Set(d, -8.0f), within));
+    const V rest = hn::Sub(one, hn::Sqrt(within)), rest_sq = hn::Mul(rest, rest);
+    const V outer = hn::Mul(hn::Set(d, 2.16536453f), hn::Mul(rest_sq, rest_sq));  // 16 e^-2
     return hn::IfThenElse(hn::Lt(s_sq, hn::Set(d, 0.25f)), inner, outer);
   } else {
-    const auto t2 = hn::Mul(t, t);
+    const V t = hn::Max(hn::Zero(d), hn::Sub(one, s_sq)), t2 = hn::Mul(t, t);
     if constexpr (K == WeightKernel::kPower2) return t2;
-    const auto t4 = hn::Mul(t2, t2);
+    const V t4 = hn::Mul(t2, t2);
     if constexpr (K == WeightKernel::kPower4) return t4;
     return hn::Mul(hn::Mul(t4, t2), t);
   }
+}
+
+/** The same for a kernel known at run time. */
+template <class V>
+HWY_INLINE V
+kernelWeight(WeightKernel kernel, V s_sq)
+{
+  return forKernel(kernel, [&](auto k) HWY_ATTR { return kernelWeight<k()>(s_sq); });
 }
 
 /** target += g in the lanes of mask; the other lanes' memory, which may belong to another thread,

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "store/frame_units.h"
+#include "pcl_slim/cloud/store_frame.h"
 
 #include <algorithm>
 #include <cmath>
+
+#include "pcl_slim/core/vector3.h"
+#include "store/frame_units.h"
 
 namespace pcl_slim::detail {
 
@@ -54,3 +57,45 @@ setUnits(const std::array<double, 3>& low, const std::array<double, 3>& high, co
 }
 
 }  // namespace pcl_slim::detail
+
+namespace pcl_slim {
+
+namespace {
+
+constexpr double kGrid =
+    4.0;  ///< [scale]: what is left is below 4, so that 2^-22 of it is a float's step
+
+}  // namespace
+
+std::array<double, 3>
+fileShift(const std::array<double, 3>& origin, double scale)
+{
+  double farthest = 0;
+  for (const double o : origin) farthest = std::max(farthest, std::abs(o) / scale);
+  if (farthest < detail::kFarOrigin - 1) return {};
+  std::array<double, 3> shift;
+  for (std::size_t a = 0; a < 3; ++a)
+    shift[a] = std::round(origin[a] / (kGrid * scale)) * (kGrid * scale);
+  return shift;
+}
+
+std::array<double, 3>
+fileShift(const std::array<double, 3>& low, const std::array<double, 3>& high)
+{
+  StoreFrame frame;
+  if (detail::setUnits(low, high, {}, 0, frame)) return {};
+  return fileShift(frame.origin, frame.scale);
+}
+
+std::array<double, 3>
+fileShift(const CloudView& cloud)
+{
+  Bounds box;
+  for (std::size_t k = 0; k < cloud.count(); ++k) {
+    const auto p = cloud.position(cloud.inputIndex(k));
+    if (isFinite(p)) box.add(p);
+  }
+  return box.low[0] <= box.high[0] ? fileShift(box.low, box.high) : std::array<double, 3>{};
+}
+
+}  // namespace pcl_slim

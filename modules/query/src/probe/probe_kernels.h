@@ -3,6 +3,7 @@
 
 #include "pcl_slim/query/detail/projection_kernel.h"
 
+// What a probe finds at sixteen places side by side.
 namespace pcl_slim::detail {
 
 /** Which leaves a place's distance is blended from; lengths in radii of a leaf but for the noise. */
@@ -25,6 +26,20 @@ struct BlockSheets {
   alignas(64) float weight[16], distance_sum[16], normal_sum[3][16];
 };
 
+/** Sums over the leaves of a block's 16 places. */
+struct BlockColors {
+  alignas(64) float weight[16];
+  alignas(64) float sum[3][16];  ///< weighted red, green, blue, 0..255
+};
+
+/** What a block's sums tell of the blended surface, columns per point; of no use where nothing was added. */
+struct BlockPrincipals {
+  alignas(64) float length[16];     ///< of the blended gradient
+  alignas(64) float normal[3][16];  ///< unit
+  alignas(64) float k1[16], k2[16];
+  alignas(64) float direction1[3][16], direction2[3][16];
+};
+
 namespace kernels {
 
 void
@@ -39,6 +54,16 @@ findSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& r
 void
 addSheets(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules,
           BlockSheets& sheets);
+
+/** Adds a leaf's colour at the places in its ball. It counts in full where its polynomial passes within
+ * kColorGate and, if the places have normals, faces as they do; elsewhere by kOtherSheet. */
+void
+addColors(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
+          BlockColors& colors);
+
+/** As principalCurvatures() finds them, in single precision and for sixteen points at once. */
+void
+findPrincipals(const BlockSums& sums, BlockPrincipals& principals);
 
 }  // namespace kernels
 }  // namespace pcl_slim::detail
