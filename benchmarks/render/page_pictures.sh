@@ -54,6 +54,16 @@ points() {
           printf "%.4f %.4f %.4f\n", r * cos(a) + .005 * g(), r * sin(a) + .005 * g(), z + .005 * g()
         }
         for (i = 0; i < 5555; ++i) printf "%.4f %.4f %.4f\n", 2.4 * u() - 1.2, 2.4 * u() - 1.2, 2.4 * u() - 1.2
+      } else if (kind == "blade") {  # 30 degrees, and a ball on its upper face
+        for (i = 0; i < 8280; ++i) {
+          j = i % 4140; y = 50 * ((.6180339887498949 * j) % 1)
+          printf "%.4f %.4f %.4f\n", 80 * (j + .5) / 4140 + .1 * g(), y + .1 * g(), (i < 4140 ? .268 : -.268) * y + .1 * g()
+        }
+        for (i = 0; i < 2827; ++i) {
+          z = 1 - (2 * i + 1) / 2827; a = 2.399963229728653 * i; r = 15 * sqrt(1 - z * z)
+          printf "%.4f %.4f %.4f\n", 40 + r * cos(a) + .1 * g(), 26.12 + r * sin(a) + .1 * g(),
+            22.53 + 15 * z + .1 * g()
+        }
       } else {
         for (i = 0; i < 9800; ++i) {
           j = i % 4900
@@ -97,6 +107,14 @@ for sides in 0 1; do
   numbers plates_$sides.pcd | slice plates_$sides
 done
 sheet thin_plates.png 'the points' scanned 'smoothed, -sides 0' plates_0 'smoothed by default' plates_1
+
+# A blade and a ball on it.
+points blade.xyz blade
+for sides in 0 1; do
+  "$bin/pcl_slim_fit" blade.xyz blade_$sides.slim -sides $sides -quiet 1
+  "$bin/pcl_slim_render" blade_$sides.slim blade_$sides.png -size 560x400 -white 1 -quiet 1 -view 60,20
+done
+sheet thin_blade.png '-sides 0' blade_0 'by default' blade_1
 
 # Points spread evenly: those of a scan, and 6000 on its surface, as small discs.
 bunny=$data/stanford_bunny_zipper.ply

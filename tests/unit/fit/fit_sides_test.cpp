@@ -170,6 +170,31 @@ TEST(FitSides, FewThinPlacesGetSidesWhileLeavesAreFitted)
   }
 }
 
+TEST(FitSides, LeavesThatReachToAnEdgeStaySmall)
+{
+  // Pictures blend leaves within a quarter of their radius: wide ones would hide the other face of a blade.
+  Cloud blade;
+  std::mt19937_64 rng(17);
+  std::normal_distribution<double> gauss(0, 0.1);
+  const double slope = std::tan(M_PI / 12);
+  for (const double side : {1.0, -1.0}) {
+    for (int i = 0; i < 4140; ++i) {
+      const double x = 80 * (i + 0.5) / 4140, y = 50 * std::fmod(i * kGolden, 1.0);
+      blade.add(x + gauss(rng), y + gauss(rng), side * slope * y + gauss(rng));
+    }
+  }
+  const Fitted f = fitted(blade, {});
+  EXPECT_TRUE(f.statistics.sided_for_cover);
+  const SurfaceInfo& info = f.surface.info;
+  double widest = 0;
+  for (const std::uint32_t i : f.surface.leaves()) {
+    const double y = info.origin[1] + info.scale * f.surface.cy[i];
+    const double radius = info.scale * f.surface.radius[i];
+    if (radius > y) widest = std::max(widest, radius);
+  }
+  EXPECT_LT(widest, 18);
+}
+
 TEST(FitSides, ScatteredPointsGetNone)
 {
   // Foliage above ground shows sheets wherever one looks, and they agree as chance has it.

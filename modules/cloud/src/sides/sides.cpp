@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -187,6 +188,29 @@ cellsOfSureParts(const SignedParts& found, const std::vector<SignedEdge>& edges,
   return sure;
 }
 
+/** Distance of each cell to the sheets that it faces, along its normal, on average; infinity: none. */
+std::vector<float>
+gapsOf(const SideCells& cut, const CellGraph& graph, const std::vector<signed char>& signs)
+{
+  struct Mean {
+    double sum = 0, count = 0;
+  };
+  std::vector<Mean> means(cut.cells.size());
+  for (const SignedEdge& e : graph.edges) {
+    if (!e.apart || signs[e.a] * signs[e.b] * e.agreement <= 0) continue;
+    const Vector3 between = subtract(cut.cells[e.b].mean, cut.cells[e.a].mean);
+    for (const std::uint32_t c : {e.a, e.b}) {
+      means[c].sum += std::abs(dot(between, graph.sheets[c].normal));
+      ++means[c].count;
+    }
+  }
+  std::vector<float> gaps(means.size(), std::numeric_limits<float>::infinity());
+  for (std::size_t c = 0; c < gaps.size(); ++c) {
+    if (means[c].count > 0) gaps[c] = static_cast<float>(means[c].sum / means[c].count);
+  }
+  return gaps;
+}
+
 }  // namespace
 
 Sides
@@ -207,6 +231,9 @@ findSides(const PointStore& store, double noise, double spacing, SideScope scope
     sided = cellsOfSureParts(found, graph.edges, constants, sides.sure);
     signs = std::move(found.signs);
     sides.confidence = agreementOf(graph, signs);
+    const std::vector<float> gaps = gapsOf(cut, graph, signs);
+    for (const std::uint32_t c : cut.cell_of)
+      sides.gaps.push_back(sided[c] ? gaps[c] : std::numeric_limits<float>::infinity());
   } else if (store.hasSensors()) {
     signs = signsBySensors(store, cut, graph);
     sides.confidence = 1;

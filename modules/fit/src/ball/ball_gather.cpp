@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ball/ball_gather.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace pcl_slim::detail {
 
@@ -37,6 +39,16 @@ siteOf(const PointStore& store, const FitSettings& settings, std::size_t i, doub
   site.lambda = noise_ratio * settings.energy.lambda;
   site.noise = noise_ratio * settings.noise;
   return site;
+}
+
+float
+BallGatherer::leastGap(const BallSite& site)
+{
+  float least = std::numeric_limits<float>::infinity();
+  if (settings_.block_gaps.empty()) return least;
+  for (const std::uint32_t b : nearby_.within(site.center, site.radius))
+    least = std::min(least, settings_.block_gaps[b]);
+  return least;
 }
 
 GatheredBall

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -149,6 +150,18 @@ pointsAround(const PointStore& store, const ThinPlaces& thin, const SideConstant
   return store.without(dropped, threads);
 }
 
+/** The least gap of each block's points. */
+std::vector<float>
+blockGaps(const std::vector<float>& gaps)
+{
+  constexpr std::size_t kBlock = PointStore::kBlock;
+  std::vector<float> least((gaps.size() + kBlock - 1) / kBlock,
+                           std::numeric_limits<float>::infinity());
+  for (std::size_t i = 0; i < gaps.size(); ++i)
+    least[i / kBlock] = std::min(least[i / kBlock], gaps[i]);
+  return least;
+}
+
 /** Gives sides to the points near another sheet alone, and for the cover alone: the projection needs
  * sides only where noise is wider than the gap, and those next to an edge are the least sure. */
 void
@@ -169,6 +182,7 @@ sideFacingPlaces(const ThinPlaces& thin, const FitConstants& constants, SidedSto
   const Sides sides = sidesIn(sided.store());
   if (!(sides.thin > 0)) return;
   sided.setSides(sides.normals);
+  settings.block_gaps = blockGaps(sides.gaps);
   settings.with_normals = true;
   settings.min_dot = std::min(normalBound(sided.store(), constants.normal_bound), kUnsidedPass);
   stats.sided = static_cast<std::size_t>(

@@ -21,6 +21,8 @@ enum class SideScope {
 /** \brief A unit normal of common side for every stored point; 0: it gets none. */
 struct Sides {
   std::vector<std::array<float, 3>> normals;
+  std::vector<float>
+      gaps;  ///< of kFacing, from each point's cell to the sheet it faces; infinity: none
   std::size_t cells = 0;  ///< that share a normal
   double thin = 0;        ///< share of the points that face apart from others behind them
   double confidence = 0;  ///< agreement of neighbouring cells: 1 if all agree, 0 as chance
