@@ -36,7 +36,7 @@ skippedCounts(const FittedPoints& fitted, const FitStatistics& fit)
           {"far_away", points.far_away},
           {"without_normal", points.without_normal},
           {"duplicates", points.duplicates},
-          {"sides", fit.sided > 0 ? 0 : fitted.stored},
+          {"sides", fit.sided > 0 && !fit.sided_for_cover ? 0 : fitted.stored - fit.sided},
           {"lone_normals", fit.skipped_normals},
           {"never_gathered", fit.never_gathered},
           {"levels", fit.levels_skipped}};
