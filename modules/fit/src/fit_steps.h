@@ -23,7 +23,7 @@ startLevel(const PointStore& store, const FitSettings& settings);
  * with parity, edges weighted by 1 - |n . n'| and by how far each leaf passes the other's centre;
  * each connected part then turns outward as seen from its centroid. Internal surfels follow the
  * leaves below them. SurfaceInfo::oriented stays false: near sheets and creases a sign can be
- * wrong, so blending goes on aligning signs point by point.
+ * wrong, so blending aligns signs point by point.
  * \param[in] store the points fitted, or null \param[out] stats side_source and overlap_edges
  */
 void

@@ -170,20 +170,42 @@ TEST(FitSides, FewThinPlacesGetSidesWhileLeavesAreFitted)
   }
 }
 
-TEST(FitSides, LeavesThatReachToAnEdgeStaySmall)
+/** A blade of 30 degrees whose edge is the x axis, spacing 1, noise .1. */
+Cloud
+bladeOf(double length, double width)
 {
-  // Pictures blend leaves within a quarter of their radius: wide ones would hide the other face of a blade.
   Cloud blade;
   std::mt19937_64 rng(17);
   std::normal_distribution<double> gauss(0, 0.1);
   const double slope = std::tan(M_PI / 12);
-  for (const double side : {1.0, -1.0}) {
-    for (int i = 0; i < 4140; ++i) {
-      const double x = 80 * (i + 0.5) / 4140, y = 50 * std::fmod(i * kGolden, 1.0);
-      blade.add(x + gauss(rng), y + gauss(rng), side * slope * y + gauss(rng));
+  const int points = static_cast<int>(length * width * std::hypot(1, slope));
+  for (const double side : {slope, -slope}) {
+    for (int i = 0; i < points; ++i) {
+      const double x = length * (i + 0.5) / points, y = width * std::fmod(i * kGolden, 1.0);
+      blade.add(x + gauss(rng), y + gauss(rng), side * y + gauss(rng));
     }
   }
-  const Fitted f = fitted(blade, {});
+  return blade;
+}
+
+TEST(FitSides, LargeCloudsWithFewThinPlacesGetThemByAnyNumberOfThreads)
+{
+  const Cloud blade = bladeOf(230, 145);
+  FitParams params;
+  params.threads = 1;
+  const Fitted one = fitted(blade, params);
+  params.threads = 3;
+  const Fitted three = fitted(blade, params);
+  EXPECT_TRUE(one.statistics.sided_for_cover);
+  EXPECT_EQ(one.statistics.sided, three.statistics.sided);
+  EXPECT_EQ(one.surface.nz, three.surface.nz);
+  EXPECT_EQ(one.surface.coefficients, three.surface.coefficients);
+}
+
+TEST(FitSides, LeavesThatReachToAnEdgeStaySmall)
+{
+  // Pictures blend leaves within a quarter of their radius: wide ones would hide the other face of a blade.
+  const Fitted f = fitted(bladeOf(80, 50), {});
   EXPECT_TRUE(f.statistics.sided_for_cover);
   const SurfaceInfo& info = f.surface.info;
   double widest = 0;

@@ -79,17 +79,17 @@ markUncovered(const PointStore& store, const FitSettings& settings, std::uint32_
   return count;
 }
 
-constexpr std::uint8_t kServedForGood = 1;   ///< mark: no finer ball can cover this point
+constexpr std::uint8_t kNoFinerMark = 1;     ///< mark: no finer ball can cover this point
 constexpr std::uint8_t kLoneNormalMark = 2;  ///< mark: passed over for its normal
 constexpr std::uint8_t kFirstLevelMark = 4;  ///< mark: inside an internal ball of a level
 constexpr std::uint8_t kLastLevelMark = 128;
 // How work is shared out; no result depends on it.
 constexpr std::size_t kSlice = 1 << 14;  ///< points a thread takes at a time
-constexpr std::size_t kFewCells = 256;   ///< up to so many, taken by colour, leave threads idle
-/// Share of an internal ball's radius within which it serves points, where no leaves are made: a leaf of the
+constexpr std::size_t kFewCells = 256;   ///< up to this number, colours leave threads idle
+/// Share of an internal ball's radius within which it represents points where no leaves are made: a leaf of the
 /// next level about such a point lies inside the ball as level of detail needs it (DetailSizes), since
 /// .64 r = .95 r - .5 kGolden r.
-constexpr float kHeld = 0.64f;
+constexpr float kInnerShare = 0.64f;
 constexpr double kReachMargin = 1.001;  ///< widens a box of blocks, for rounding
 constexpr char kCancelledMessage[] = "the fit was cancelled";
 
@@ -107,7 +107,7 @@ LevelCover::LevelCover(const PointStore& store, const FitSettings& settings, int
       threads_(threads),
       core_(core),
       level_mark_(kFirstLevelMark),
-      serving_(kServedForGood | kFirstLevelMark)
+      serving_(kNoFinerMark | kFirstLevelMark)
 {
   for (int t = 0; t < threads; ++t) {
     workers_.push_back(std::make_unique<Worker>(store, settings));
@@ -215,10 +215,9 @@ LevelCover::coverCell(const CoverCells::Cell& cell, int level, int thread, Outpu
 std::uint32_t
 LevelCover::giveUp(std::uint32_t point, NearbyBlocks& nearby)
 {
-  const std::uint32_t count =
-      markUncovered(store_, settings_, point, settings_.leastRadius(), kServedForGood, nearby,
-                    coverage_.data(), marks_.data());
-  marks_[point] |= kServedForGood;
+  const std::uint32_t count = markUncovered(store_, settings_, point, settings_.leastRadius(),
+                                            kNoFinerMark, nearby, coverage_.data(), marks_.data());
+  marks_[point] |= kNoFinerMark;
   return count;
 }
 
@@ -241,11 +240,11 @@ LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& s
         giveUp(point, nearby);
         marks_[point] = own;
       }
-      marks_[point] |= surfel.flags & kSurfelSupportLimited ? kServedForGood : level_mark_;
+      marks_[point] |= surfel.flags & kSurfelSupportLimited ? kNoFinerMark : level_mark_;
       break;
     case BallOutcome::kInternal: {
       SurfelRecord served = surfel;
-      if (settings_.internal_only) served.radius *= kHeld;
+      if (settings_.internal_only) served.radius *= kInnerShare;
       markBall(store_, settings_, served, level_mark_, nearby, marks_.data());
       marks_[point] |= level_mark_;
       break;
@@ -257,7 +256,7 @@ LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& s
     case BallOutcome::kUnsupported:
       if (const std::uint32_t group = giveUp(point, nearby); group > 1) output.unresolved += group;
       return;
-    case BallOutcome::kLoneNormal: marks_[point] = kServedForGood | kLoneNormalMark; return;
+    case BallOutcome::kLoneNormal: marks_[point] = kNoFinerMark | kLoneNormalMark; return;
   }
   surfels.push_back(surfel);
 }
@@ -299,7 +298,7 @@ LevelCover::endLevel(std::size_t first_output)
   } else {
     level_mark_ = static_cast<std::uint8_t>(level_mark_ << 1);
   }
-  serving_ = kServedForGood | level_mark_;
+  serving_ = kNoFinerMark | level_mark_;
 }
 
 /** Keeps the points that are neither covered nor done with; level marks are wiped. */
@@ -311,7 +310,7 @@ LevelCover::dropServed()
     std::size_t next = begin;
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t point = active_[i];
-      marks_[point] &= kServedForGood | kLoneNormalMark;
+      marks_[point] &= kNoFinerMark | kLoneNormalMark;
       active_[next] = point;
       next += !isServed(point);
     }

@@ -133,7 +133,7 @@ PenaltyRadiusRule::chooseInside(const Trial& left, const Trial& middle, const Tr
 }
 
 /** Whether E of a wide ball is within the tolerance of the least E. Under noise E is flat, and its minimum
- * lies at balls that are too small. */
+ * is at balls that are too small. */
 bool
 PenaltyRadiusRule::isLenient(const Trial& wide, const Trial& least) const
 {
