@@ -21,7 +21,7 @@ loadChannel(const std::uint8_t* channel)
   const Tag d;
   const hn::Rebind<std::uint8_t, Tag> bytes;
   const hn::Rebind<std::int32_t, Tag> integers;
-  return hn::ConvertTo(d, hn::PromoteTo(integers, hn::LoadU(bytes, channel)));
+  return ConvertTo(d, PromoteTo(integers, LoadU(bytes, channel)));
 }
 
 template <int D, WeightKernel K>
@@ -33,30 +33,30 @@ sumColorsOf(const PointStore& store, const BlockList& blocks, const ColorBall& s
   const float scale = 1.0f / surfel.ball.radius;
   Vec axes[3][3];
   for (int a = 0; a < 3; ++a) {
-    axes[0][a] = hn::Set(d, static_cast<float>(surfel.frame.u[a]) * scale);
-    axes[1][a] = hn::Set(d, static_cast<float>(surfel.frame.v[a]) * scale);
-    axes[2][a] = hn::Set(d, static_cast<float>(surfel.frame.w[a]) * scale);
+    axes[0][a] = set(static_cast<float>(surfel.frame.u[a]) * scale);
+    axes[1][a] = set(static_cast<float>(surfel.frame.v[a]) * scale);
+    axes[2][a] = set(static_cast<float>(surfel.frame.w[a]) * scale);
   }
   const Height<D> height(surfel.c);
-  const auto limit = hn::Set(d, surfel.max_residual), scale_sq = hn::Set(d, scale * scale);
-  Vec moments[ColorSums::kMoments], channels[3][kColorTerms], weight_sq = hn::Zero(d);
-  for (auto& sum : moments) sum = hn::Zero(d);
+  const auto limit = set(surfel.max_residual), scale_sq = set(scale * scale);
+  Vec moments[ColorSums::kMoments], channels[3][kColorTerms], weight_sq = Zero(d);
+  for (auto& sum : moments) sum = Zero(d);
   for (auto& channel : channels)
-    for (auto& sum : channel) sum = hn::Zero(d);
+    for (auto& sum : channel) sum = Zero(d);
   BallScan(store, surfel.ball).forEach(blocks, [&](std::size_t i, const Lanes& l) HWY_ATTR {
     const auto u = dot3(l.dx, l.dy, l.dz, axes[0][0], axes[0][1], axes[0][2]);
     const auto v = dot3(l.dx, l.dy, l.dz, axes[1][0], axes[1][1], axes[1][2]);
     const auto w = dot3(l.dx, l.dy, l.dz, axes[2][0], axes[2][1], axes[2][2]);
-    const auto near = hn::And(l.kept, hn::Le(hn::Abs(hn::Sub(w, height(u, v))), limit));
-    if (hn::AllFalse(d, near)) return;
-    const auto weight = hn::IfThenElseZero(near, kernelWeight<K>(hn::Mul(l.d_sq, scale_sq)));
+    const auto near = And(l.kept, Abs(w - height(u, v)) <= limit);
+    if (AllFalse(d, near)) return;
+    const auto weight = IfThenElseZero(near, kernelWeight<K>(l.d_sq * scale_sq));
     // Padding is far away; its products may be infinite, and count as 0.
-    const auto u_near = hn::IfThenElseZero(near, u), v_near = hn::IfThenElseZero(near, v);
-    weight_sq = hn::MulAdd(weight, weight, weight_sq);
+    const auto u_near = IfThenElseZero(near, u), v_near = IfThenElseZero(near, v);
+    weight_sq = MulAdd(weight, weight, weight_sq);
     addGradedTerms<2 * kColorDegree>(weight, u_near, v_near, moments);
     for (int c = 0; c < 3; ++c) {
       const auto color = loadChannel(colors[static_cast<std::size_t>(c)].data() + i);
-      addGradedTerms<kColorDegree>(hn::Mul(weight, color), u_near, v_near, channels[c]);
+      addGradedTerms<kColorDegree>(weight * color, u_near, v_near, channels[c]);
     }
   });
   ColorSums sums;

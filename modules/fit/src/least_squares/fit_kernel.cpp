@@ -32,7 +32,7 @@ template <WeightKernel K>
 class WeightedBall {
  public:
   WeightedBall(const BallBuffer& ball, float rho)
-      : ball_(ball), values_(ball.w.data()), inverse_sq_(hn::Set(Tag(), 1.0f / (rho * rho)))
+      : ball_(ball), values_(ball.w.data()), inverse_sq_(set(1.0f / (rho * rho)))
   {
   }
 
@@ -53,11 +53,10 @@ class WeightedBall {
   {
     const Tag d;
     for (std::size_t i = 0; i < ball_.count; i += hn::Lanes(d)) {
-      auto weight = kernelWeight<K>(hn::Mul(hn::Load(d, ball_.s_sq.data() + i), inverse_sq_));
-      if (!ball_.prior.empty()) weight = hn::Mul(weight, hn::Load(d, ball_.prior.data() + i));
-      if (factors_ != nullptr) weight = hn::Mul(weight, hn::Load(d, factors_ + i));
-      body(weight, hn::Load(d, ball_.u.data() + i), hn::Load(d, ball_.v.data() + i),
-           hn::Load(d, values_ + i));
+      auto weight = kernelWeight<K>(Load(d, ball_.s_sq.data() + i) * inverse_sq_);
+      if (!ball_.prior.empty()) weight *= Load(d, ball_.prior.data() + i);
+      if (factors_ != nullptr) weight *= Load(d, factors_ + i);
+      body(weight, Load(d, ball_.u.data() + i), Load(d, ball_.v.data() + i), Load(d, values_ + i));
     }
   }
 
@@ -76,21 +75,21 @@ momentRows(const WeightedBall<K>& ball, Moments& m)
   constexpr int kBegin = momentIndex(D, First, 0);
   constexpr int kCount = momentIndex(D, Last, 2 * D - Last) + 1 - kBegin;
   Vec sums[kCount];
-  Vec weight_sq = hn::Zero(Tag());
-  for (auto& sum : sums) sum = hn::Zero(Tag());
+  Vec weight_sq = Zero(Tag());
+  for (auto& sum : sums) sum = Zero(Tag());
   ball.forEach([&](Vec weight, Vec u, Vec v, Vec) HWY_ATTR {
-    if constexpr (First == 0) weight_sq = hn::MulAdd(weight, weight, weight_sq);
+    if constexpr (First == 0) weight_sq = MulAdd(weight, weight, weight_sq);
     Vec base = weight;
-    unrolled<First>([&](auto) HWY_ATTR { base = hn::Mul(base, u); });
+    unrolled<First>([&](auto) HWY_ATTR { base *= u; });
     unrolled<Last - First + 1>([&](auto step) HWY_ATTR {
       constexpr int kRow = First + step();
       Vec term = base;
       unrolled<2 * D - kRow + 1>([&](auto j) HWY_ATTR {
         constexpr int kAt = momentIndex(D, kRow, j()) - kBegin;
-        sums[kAt] = hn::Add(sums[kAt], term);
-        if constexpr (j() < 2 * D - kRow) term = hn::Mul(term, v);
+        sums[kAt] += term;
+        if constexpr (j() < 2 * D - kRow) term *= v;
       });
-      if constexpr (kRow < Last) base = hn::Mul(base, u);
+      if constexpr (kRow < Last) base *= u;
     });
   });
   for (int k = 0; k < kCount; ++k) m.uv[kBegin + k] = sumLanes(sums[k]);
@@ -104,20 +103,20 @@ heightSums(const WeightedBall<K>& ball, const Value& value, double z_sums[], dou
 {
   constexpr int kTerms = numCoefficients(D);
   Vec sums[kTerms];
-  Vec zz = hn::Zero(Tag());
-  for (auto& sum : sums) sum = hn::Zero(Tag());
+  Vec zz = Zero(Tag());
+  for (auto& sum : sums) sum = Zero(Tag());
   ball.forEach([&](Vec weight, Vec u, Vec v, Vec w) HWY_ATTR {
     const Vec z = value(u, v, w);
-    Vec base = hn::Mul(weight, z);
-    zz = hn::MulAdd(base, z, zz);
+    Vec base = weight * z;
+    zz = MulAdd(base, z, zz);
     unrolled<D + 1>([&](auto i) HWY_ATTR {
       Vec term = base;
       unrolled<D - i() + 1>([&](auto j) HWY_ATTR {
         constexpr int kAt = termIndex(i(), j());
-        sums[kAt] = hn::Add(sums[kAt], term);
-        if constexpr (j() < D - i()) term = hn::Mul(term, v);
+        sums[kAt] += term;
+        if constexpr (j() < D - i()) term *= v;
       });
-      if constexpr (i() < D) base = hn::Mul(base, u);
+      if constexpr (i() < D) base *= u;
     });
   });
   for (int k = 0; k < kTerms; ++k) z_sums[k] = sumLanes(sums[k]);
@@ -165,7 +164,7 @@ residualSums(const WeightedBall<K>& ball, const double* c, double* b, double& ff
 {
   const Height<D> height(c);
   heightSums<D>(
-      ball, [&](Vec u, Vec v, Vec w) HWY_ATTR { return hn::Sub(w, height(u, v)); }, b, ff);
+      ball, [&](Vec u, Vec v, Vec w) HWY_ATTR { return w - height(u, v); }, b, ff);
 }
 
 template <int D, WeightKernel K>
@@ -173,10 +172,10 @@ HWY_NOINLINE double
 residualSum(const WeightedBall<K>& ball, const double* c)
 {
   const Height<D> height(c);
-  Vec sum = hn::Zero(Tag());
+  Vec sum = Zero(Tag());
   ball.forEach([&](Vec weight, Vec u, Vec v, Vec w) HWY_ATTR {
-    const Vec f = hn::Sub(w, height(u, v));
-    sum = hn::MulAdd(hn::Mul(weight, f), f, sum);
+    const Vec f = w - height(u, v);
+    sum = MulAdd(weight * f, f, sum);
   });
   return sumLanes(sum);
 }
@@ -202,8 +201,8 @@ addSlopeSums(const WeightedBall<K>& ball, const double* c, double* b)
     eachTerm([&](int k, int derived, int power) { slope[derived] = power * c[k]; });
     const Height<D - 1> known(slope);
     heightSums<D - 1>(
-        ball.slopes(along_u), [&](Vec u, Vec v, Vec s) HWY_ATTR { return hn::Sub(s, known(u, v)); },
-        sums, squares);
+        ball.slopes(along_u), [&](Vec u, Vec v, Vec s) HWY_ATTR { return s - known(u, v); }, sums,
+        squares);
     eachTerm([&](int k, int derived, int power) { b[k] += weight * power * sums[derived]; });
     missed += weight * squares;
   }
@@ -273,10 +272,10 @@ template <WeightKernel K>
 double
 effectiveCountOf(const BallBuffer& points, float rho)
 {
-  Vec sum = hn::Zero(Tag()), squares = sum;
+  Vec sum = Zero(Tag()), squares = sum;
   WeightedBall<K>(points, rho).forEach([&](Vec weight, Vec, Vec, Vec) HWY_ATTR {
-    sum = hn::Add(sum, weight);
-    squares = hn::MulAdd(weight, weight, squares);
+    sum += weight;
+    squares = MulAdd(weight, weight, squares);
   });
   const double weight = sumLanes(sum), weight_sq = sumLanes(squares);
   return weight_sq > 0.0 ? weight * weight / weight_sq : 0.0;
