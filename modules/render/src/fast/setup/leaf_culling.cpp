@@ -102,18 +102,19 @@ class Reasons {
 };
 
 void
-cullLeaves(const LeafIndex& index, std::uint32_t begin, std::uint32_t end, const FrameView& view,
-           const VisibilityRules& rules, Visibility* visibility, float* shares)
+cullLeaves(const LeafClusters& leaves, std::uint32_t begin, std::uint32_t end,
+           const FrameView& view, const VisibilityRules& rules, Visibility* visibility,
+           float* shares)
 {
   const Tag d;
   const Axes axes(view);
   for (std::size_t i = begin; i < end; i += hn::Lanes(d)) {
     const auto load = [&](const AlignedVector<float>& column)
                           HWY_ATTR { return LoadU(d, column.data() + i); };
-    const Triple<Vec> place{load(index.x), load(index.y), load(index.z)};
+    const Triple<Vec> place{load(leaves.x), load(leaves.y), load(leaves.z)};
     const Triple<Vec> p = axes.turn(fromEye(view, place.x, place.y, place.z));
-    const Triple<Vec> normal = axes.turn({load(index.nx), load(index.ny), load(index.nz)});
-    const Vec radius = load(index.radius);
+    const Triple<Vec> normal = axes.turn({load(leaves.nx), load(leaves.ny), load(leaves.nz)});
+    const Vec radius = load(leaves.radius);
     Reasons reasons;
     reasons.add(outsideFrustum(view, p, radius), Visibility::kOutside);
     for (const HalfSpace& cut : rules.cuts) {
@@ -121,14 +122,14 @@ cullLeaves(const LeafIndex& index, std::uint32_t begin, std::uint32_t end, const
     }
     Vec share = set(1.0f);
     if (rules.detail.active()) {
-      const Vec small = coarseShare(view, rules.detail, load(index.parent_size), p.z);
-      const Vec own = coarseShare(view, rules.detail, load(index.own_size), p.z);
+      const Vec small = coarseShare(view, rules.detail, load(leaves.parent_size), p.z);
+      const Vec own = coarseShare(view, rules.detail, load(leaves.own_size), p.z);
       share = NegMulAdd(own, small, own);
       reasons.add(small >= set(1.0f), Visibility::kTooSmall);
       reasons.add(share <= Zero(d), Visibility::kTooLarge);
     }
     if (rules.front_only) {
-      reasons.add(turnedAway(view, p, normal, radius, load(index.sine)), Visibility::kBackFacing);
+      reasons.add(turnedAway(view, p, normal, radius, load(leaves.sine)), Visibility::kBackFacing);
     }
     StoreU(share, d, shares + (i - begin));
     for (std::size_t k = 0; k < hn::Lanes(d) && i + k < end; ++k) {
@@ -146,10 +147,11 @@ namespace pcl_slim::detail::kernels {
 HWY_EXPORT(cullLeaves);
 
 void
-cullLeaves(const LeafIndex& index, std::uint32_t begin, std::uint32_t end, const FrameView& view,
-           const VisibilityRules& rules, Visibility* visibility, float* shares)
+cullLeaves(const LeafClusters& leaves, std::uint32_t begin, std::uint32_t end,
+           const FrameView& view, const VisibilityRules& rules, Visibility* visibility,
+           float* shares)
 {
-  HWY_DYNAMIC_DISPATCH(cullLeaves)(index, begin, end, view, rules, visibility, shares);
+  HWY_DYNAMIC_DISPATCH(cullLeaves)(leaves, begin, end, view, rules, visibility, shares);
 }
 
 }  // namespace pcl_slim::detail::kernels
