@@ -127,14 +127,9 @@ residualsOfDegree(const BallBuffer& ball, const double* c, float* residuals)
 }
 
 void
-ballResiduals(const BallBuffer& ball, const LocalFit& fit, float* residuals)
+ballResiduals(const BallBuffer& ball, int degree, const double* c, float* residuals)
 {
-  switch (fit.degree) {
-    case 1: return residualsOfDegree<1>(ball, fit.c.data(), residuals);
-    case 2: return residualsOfDegree<2>(ball, fit.c.data(), residuals);
-    case 3: return residualsOfDegree<3>(ball, fit.c.data(), residuals);
-    default: return residualsOfDegree<4>(ball, fit.c.data(), residuals);
-  }
+  forDegree(degree, [&](auto d) HWY_ATTR { residualsOfDegree<d()>(ball, c, residuals); });
 }
 
 }  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE
@@ -168,9 +163,9 @@ selectResiduals(const BallBuffer& ball, const float* residuals, float low, float
 }
 
 void
-ballResiduals(const BallBuffer& ball, const LocalFit& fit, float* residuals)
+ballResiduals(const BallBuffer& ball, int degree, const double* c, float* residuals)
 {
-  HWY_DYNAMIC_DISPATCH(ballResiduals)(ball, fit, residuals);
+  HWY_DYNAMIC_DISPATCH(ballResiduals)(ball, degree, c, residuals);
 }
 
 }  // namespace pcl_slim::detail::kernels

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Weighted least squares of a ball: moments in float SIMD, Cholesky in double.
+#include "least_squares/local_fit.h"
+
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -8,7 +11,7 @@
 #include "scan/ball_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "least_squares/fit_kernel.cpp"
+#define HWY_TARGET_INCLUDE "least_squares/local_fit.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
@@ -295,12 +298,8 @@ template <WeightKernel K>
 LocalFit
 fitWithKernel(const BallBuffer& ball, int degree, float rho, double support, bool refine)
 {
-  switch (degree) {
-    case 1: return fitWith<1, K>(ball, rho, support, refine);
-    case 2: return fitWith<2, K>(ball, rho, support, refine);
-    case 3: return fitWith<3, K>(ball, rho, support, refine);
-    default: return fitWith<4, K>(ball, rho, support, refine);
-  }
+  return forDegree(degree,
+                   [&](auto d) HWY_ATTR { return fitWith<d(), K>(ball, rho, support, refine); });
 }
 
 LocalFit
@@ -339,4 +338,44 @@ fitBall(const BallBuffer& ball, int degree, float rho, WeightKernel kernel, doub
 }
 
 }  // namespace pcl_slim::detail::kernels
+
+namespace pcl_slim::detail {
+
+namespace {
+
+template <int Columns>
+using Small = Eigen::Matrix<double, Eigen::Dynamic, Columns, 0, kMaxCoefficients,
+                            Columns == 1 ? 1 : kMaxCoefficients>;
+
+}  // namespace
+
+LocalFit
+nestedFit(const LocalFit& fit, int degree)
+{
+  const int size = numCoefficients(degree), all = numCoefficients(fit.degree);
+  Small<Eigen::Dynamic> products(size, all);
+  for (int p = 0; p < size; ++p) {
+    for (int q = 0; q < all; ++q) {
+      const auto a = kernels::kTerms[p], b = kernels::kTerms[q];
+      products(p, q) = fit.moments[static_cast<std::size_t>(
+          kernels::momentIndex(fit.moment_degree, a.i + b.i, a.j + b.j))];
+    }
+  }
+  const Small<1> heights = products * Eigen::Map<const Small<1>>(fit.c.data(), all);
+  const Eigen::LLT<Small<Eigen::Dynamic>> factor(products.leftCols(size));
+  LocalFit low;
+  if (factor.info() != Eigen::Success) return low;
+  low = fit;
+  low.degree = degree;
+  low.terms = size;
+  low.c.fill(0.0);
+  Eigen::Map<Small<1>>(low.c.data(), size) = factor.solve(heights);
+  auto difference = fit.c;
+  for (std::size_t k = 0; k < difference.size(); ++k) difference[k] -= low.c[k];
+  low.residual_sq += kernels::meanSquare(fit.moment_degree, fit.moments.data(), difference.data());
+  low.slope_sq = kernels::meanSlopeSq(fit.moment_degree, fit.moments.data(), low.c.data());
+  return low;
+}
+
+}  // namespace pcl_slim::detail
 #endif
