@@ -14,8 +14,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
 void
 gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& query,
            bool with_covariance, BallBuffer& ball, BallSums& sums)

@@ -14,8 +14,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
 struct ThirdDerivatives {
   Vec uuu, uuv, uvv, vvv;
 };

@@ -15,8 +15,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE::rays {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
 constexpr float kNever = std::numeric_limits<float>::infinity();
 
 /** A ray at a block: coordinates relative to the block, depths to the point beside its centre. */

@@ -14,8 +14,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
 /** The camera's axes in registers. */
 struct Axes {
   Triple<Vec> right, up, forward;

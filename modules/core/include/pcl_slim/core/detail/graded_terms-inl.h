@@ -15,8 +15,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
 template <typename Body, int... I>
 HWY_INLINE void
 unrolledOver(const Body& body, std::integer_sequence<int, I...>)
