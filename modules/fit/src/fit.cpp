@@ -240,7 +240,7 @@ fitStages(const FitConstants& constants, const FitParams& params, SidedStore& si
   if (Error error = cover.run(stats.first_level, progress)) return error;
   stats.seconds_cover = watch.lap();
   if (stats.sided_for_cover) {
-    sided.clearSides();
+    sided.endCover();
     settings.with_normals = false;
   }
 
@@ -254,6 +254,10 @@ fitStages(const FitConstants& constants, const FitParams& params, SidedStore& si
     stats.side_source = store.hasSensors() ? SideSource::kSensors : SideSource::kThinParts;
   else if (params.orient)
     orientSurface(&store, params, constants.orient, surface, stats);
+  if (stats.sided_for_cover && store.hasSides()) {
+    turnToSides(store, constants.orient, stats.threads, surface);
+    sided.clearSides();
+  }
   stats.seconds_orient = watch.lap();
 
   if (params.trim && !params.paper_mode)

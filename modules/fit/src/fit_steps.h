@@ -30,6 +30,12 @@ void
 orientSurface(const PointStore* store, const FitParams& params, const OrientConstants& constants,
               SLIMSurface& surface, FitStatistics& stats);
 
+/** \brief Turns surfels to the sides of the points about them. \param[in] store the points fitted, with
+ * sides */
+void
+turnToSides(const PointStore& store, const OrientConstants& constants, int threads,
+            SLIMSurface& surface);
+
 /** \brief Writes a finished cover's surfels into a surface's columns, and how it was made into its
  * info; links are still to be built. O(surfels). */
 void

@@ -7,6 +7,7 @@
 
 #include "noise/patch_noise.h"
 #include "pcl_slim/core/order_statistics.h"
+#include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim::detail {
 
@@ -240,20 +241,68 @@ isWhite(const std::vector<PatchScale>& scales, const NoiseConstants& constants)
   return true;
 }
 
-/** What scales from patches of k points on show. \param[in,out] scales those measured. */
-std::vector<ScaleFigures>
-measureFigures(ThinnedPlaces& points, std::size_t k, std::size_t most,
-               const NoiseConstants& constants, int threads, std::vector<PatchScale>& scales)
+/** Measures scales from patches of k points on. */
+void
+measureScales(ThinnedPlaces& points, std::size_t k, std::size_t most,
+              const NoiseConstants& constants, int threads, std::vector<PatchScale>& scales)
 {
   const auto isKnown = [&] {
     return isShape(scales, constants.shared) || isWhite(scales, constants);
   };
   for (; scales.size() < 2 || (k <= most && !isKnown()); k *= 2)
     scales.push_back(measureScale(points, k, constants, threads));
+}
+
+/** The noise that scales show. */
+CurveNoise
+noiseOf(const std::vector<PatchScale>& scales, double white, const NoiseConstants& constants)
+{
   std::vector<ScaleFigures> figures;
   for (std::size_t i = 0; i + 1 < scales.size(); ++i)
     figures.push_back(figuresOf(scales, i, constants));
-  return figures;
+  return weigh(figures, plateauChances(figures, constants.shared), white, constants.shared);
+}
+
+/** One of every two neighbouring places, by the signs of a Walsh function. */
+PatchScale
+halfOf(const PatchScale& scale, std::size_t function)
+{
+  PatchScale half;
+  half.k = scale.k;
+  half.stride = scale.stride;
+  for (std::size_t pair = 0; 2 * pair + 1 < scale.variances.size(); ++pair) {
+    std::size_t parity = function & pair;
+    for (std::size_t shift = 8; shift > 0; shift /= 2) parity ^= parity >> shift;
+    const std::size_t place = 2 * pair + (parity & 1);
+    half.variances.push_back(scale.variances[place]);
+    half.shared.push_back(scale.shared[place]);
+    half.radii.push_back(scale.radii[place]);
+  }
+  return half;
+}
+
+/** The places that it takes for the noise to be known to the accuracy wanted, by balanced half samples
+ * (McCarthy 1969): their outcomes scatter about that of all places as the latter does about the truth. */
+double
+neededPlaces(const std::vector<PatchScale>& scales, const CurveNoise& noise, double white,
+             const NoiseConstants& constants, int threads)
+{
+  const SharedNoiseConstants& shared = constants.shared;
+  std::vector<CurveNoise> halves(shared.half_samples);
+  parallelFor(halves.size(), threads, 1, [&](std::size_t r, int) {
+    std::vector<PatchScale> half;
+    for (const PatchScale& scale : scales) half.push_back(halfOf(scale, r + 1));
+    halves[r] = noiseOf(half, white, constants);
+  });
+  double variance = 0, correlation = 0;  // squared errors of their logarithms
+  for (const CurveNoise& half : halves) {
+    variance += std::pow(std::log(half.variance / noise.variance), 2);
+    correlation += std::pow(std::log(half.correlation / noise.correlation), 2);
+  }
+  const double excess = std::max(variance / std::pow(shared.variance_error, 2),
+                                 correlation / std::pow(shared.correlation_error, 2));
+  return static_cast<double>(scales.front().variances.size()) * excess /
+         static_cast<double>(halves.size());
 }
 
 }  // namespace
@@ -262,12 +311,21 @@ CurveNoise
 measureCurve(const PointStore& store, std::size_t k, double white, const NoiseConstants& constants,
              int threads, std::vector<PatchScale>& scales)
 {
-  const std::size_t places = std::clamp(store.size() / constants.shared.points_per_place,
-                                        constants.shared.least_places, constants.shared.places);
-  ThinnedPlaces points(store, places);
-  const auto figures = measureFigures(points, k, store.size() / constants.shared.most_part,
-                                      constants, threads, scales);
-  return weigh(figures, plateauChances(figures, constants.shared), white, constants.shared);
+  const SharedNoiseConstants& shared = constants.shared;
+  const auto measure = [&](std::size_t places) {
+    ThinnedPlaces points(store, places);
+    scales.clear();
+    measureScales(points, k, store.size() / shared.most_part, constants, threads, scales);
+    return noiseOf(scales, white, constants);
+  };
+  const std::size_t places =
+      std::clamp(store.size() / shared.points_per_place, shared.least_places, shared.places);
+  const CurveNoise noise = measure(places);
+  const std::size_t most = std::min(shared.most_places, store.size() / shared.points_per_place);
+  const double wanted = neededPlaces(scales, noise, white, constants, threads);
+  return wanted > static_cast<double>(places) && most > places
+             ? measure(static_cast<std::size_t>(std::min(wanted, static_cast<double>(most))))
+             : noise;
 }
 
 CurveNoise

@@ -211,64 +211,104 @@ gapsOf(const SideCells& cut, const CellGraph& graph, const std::vector<signed ch
   return gaps;
 }
 
+/** Unit normals of the points, by those of their cells. \param[in] sided cells that give them; the points
+ * of others get 0 \param[in] by_sensors whether a point's own beam overrules its cell
+ * \param[out] thin share of the points that face apart from others behind them */
+std::vector<std::array<float, 3>>
+normalsOfPoints(const PointStore& store, const SideCells& cut, const CellGraph& graph,
+                const std::vector<signed char>& signs, const std::vector<char>& sided,
+                bool by_sensors, const SideConstants& constants, int threads, double& thin)
+{
+  constexpr std::size_t kTask = 4096;
+  const std::vector<Vector3> normals = smoothedNormals(cut, graph, signs, constants, threads);
+  const std::vector<char> apart = cellsFacingApart(cut, graph, signs);
+  std::vector<std::array<float, 3>> points(store.size());
+  std::vector<std::size_t> facing((store.size() + kTask - 1) / kTask, 0);
+  parallelFor(facing.size(), threads, 1, [&](std::size_t task, int) {
+    for (std::size_t i = task * kTask; i < std::min(store.size(), (task + 1) * kTask); ++i) {
+      const std::uint32_t c = cut.cell_of[i];
+      if (!sided[c]) {
+        points[i] = {0, 0, 0};
+        continue;
+      }
+      bool turned = graph.sheets[c].isBeyond(subtract(store.position(i), cut.cells[c].mean));
+      bool own = false;  // its beam says what the cell does not
+      if (by_sensors) {
+        const double cosine = beamCosine(store, i, normals[c]);
+        own = std::abs(cosine) > constants.clear_beam && (cosine < 0) != turned;
+        turned ^= own;
+      }
+      facing[task] += own || apart[c] != 0;
+      for (std::size_t a = 0; a < 3; ++a)
+        points[i][a] = static_cast<float>(turned ? -normals[c][a] : normals[c][a]);
+    }
+  });
+  thin = 0;
+  for (const std::size_t count : facing)
+    thin += static_cast<double>(count) / static_cast<double>(store.size());
+  return points;
+}
+
+/** Signs of all cells, by the sensors of their points or, without these, such that every connected part
+ * faces outward. \param[out] confidence the share of the agreement of near cells that they meet */
+std::vector<signed char>
+signsOfAll(const PointStore& store, const SideCells& cut, const CellGraph& graph, int threads,
+           double& confidence)
+{
+  SignedParts found;
+  if (store.hasSensors()) {
+    found.signs = signsBySensors(store, cut, graph);
+  } else {
+    found = contractSigned(cut.cells.size(), graph.edges, threads);
+    turnOutward(cut, graph, found);
+  }
+  confidence = agreementOf(graph, found.signs);
+  return std::move(found.signs);
+}
+
+/** Sides of the points near another sheet; and of all points, if those are given. */
+void
+findFacingSides(const PointStore& store, const SideCells& cut, CellGraph& graph,
+                const SideConstants& constants, int threads, Sides& sides)
+{
+  std::vector<SignedEdge> near = edgesNearOtherSheets(graph, constants);
+  const SignedParts found = contractSigned(cut.cells.size(), near, threads);
+  const std::vector<char> sided = cellsOfSureParts(found, near, constants, sides.sure);
+  const std::vector<char> all(sided.size(), 1);
+  const std::vector<signed char> outward =
+      signsOfAll(store, cut, graph, threads, sides.outward_confidence);
+  double thin = 0;
+  sides.outward = normalsOfPoints(store, cut, graph, outward, all, store.hasSensors(), constants,
+                                  threads, thin);
+  graph.edges = std::move(near);
+  sides.confidence = agreementOf(graph, found.signs);
+  const std::vector<float> gaps = gapsOf(cut, graph, found.signs);
+  for (const std::uint32_t c : cut.cell_of)
+    sides.gaps.push_back(sided[c] ? gaps[c] : std::numeric_limits<float>::infinity());
+  sides.normals =
+      normalsOfPoints(store, cut, graph, found.signs, sided, false, constants, threads, sides.thin);
+}
+
 }  // namespace
 
 Sides
 findSides(const PointStore& store, double noise, double spacing, SideScope scope,
           const SideConstants& constants, int threads)
 {
-  constexpr std::size_t kTask = 4096;
   threads = resolveThreads(threads);
   const double width = std::max(constants.cell_noise * noise, constants.cell_spacing * spacing);
   const SideCells cut(store, width, threads);
   CellGraph graph = graphOf(cut, constants, threads);
   Sides sides;
-  std::vector<char> sided(cut.cells.size(), 1);
-  std::vector<signed char> signs;
-  if (scope == SideScope::kFacing) {
-    graph.edges = edgesNearOtherSheets(graph, constants);
-    SignedParts found = contractSigned(cut.cells.size(), graph.edges, threads);
-    sided = cellsOfSureParts(found, graph.edges, constants, sides.sure);
-    signs = std::move(found.signs);
-    sides.confidence = agreementOf(graph, signs);
-    const std::vector<float> gaps = gapsOf(cut, graph, signs);
-    for (const std::uint32_t c : cut.cell_of)
-      sides.gaps.push_back(sided[c] ? gaps[c] : std::numeric_limits<float>::infinity());
-  } else if (store.hasSensors()) {
-    signs = signsBySensors(store, cut, graph);
-    sides.confidence = 1;
-  } else {
-    SignedParts found = contractSigned(cut.cells.size(), graph.edges, threads);
-    turnOutward(cut, graph, found);
-    signs = std::move(found.signs);
-    sides.confidence = agreementOf(graph, signs);
-  }
   sides.cells = cut.cells.size();
-  const std::vector<Vector3> normals = smoothedNormals(cut, graph, signs, constants, threads);
-  std::vector<char> apart = cellsFacingApart(cut, graph, signs);
-  sides.normals.resize(store.size());
-  std::vector<std::size_t> thin((store.size() + kTask - 1) / kTask, 0);
-  parallelFor(thin.size(), threads, 1, [&](std::size_t task, int) {
-    for (std::size_t i = task * kTask; i < std::min(store.size(), (task + 1) * kTask); ++i) {
-      const std::uint32_t c = cut.cell_of[i];
-      if (!sided[c]) {
-        sides.normals[i] = {0, 0, 0};
-        continue;
-      }
-      bool turned = graph.sheets[c].isBeyond(subtract(store.position(i), cut.cells[c].mean));
-      bool own = false;  // its beam says what the cell does not
-      if (scope == SideScope::kAll && store.hasSensors()) {
-        const double cosine = beamCosine(store, i, normals[c]);
-        own = std::abs(cosine) > constants.clear_beam && (cosine < 0) != turned;
-        turned ^= own;
-      }
-      thin[task] += own || apart[c] != 0;
-      for (std::size_t a = 0; a < 3; ++a)
-        sides.normals[i][a] = static_cast<float>(turned ? -normals[c][a] : normals[c][a]);
-    }
-  });
-  for (const std::size_t count : thin)
-    sides.thin += static_cast<double>(count) / static_cast<double>(store.size());
+  if (scope == SideScope::kFacing) {
+    findFacingSides(store, cut, graph, constants, threads, sides);
+    return sides;
+  }
+  const std::vector<signed char> signs = signsOfAll(store, cut, graph, threads, sides.confidence);
+  if (store.hasSensors()) sides.confidence = 1;
+  sides.normals = normalsOfPoints(store, cut, graph, signs, std::vector<char>(signs.size(), 1),
+                                  store.hasSensors(), constants, threads, sides.thin);
   return sides;
 }
 

@@ -39,11 +39,11 @@ class LeafVote {
   {
   }
 
-  void add(const PointStore& store, std::size_t point, Votes& votes) const
+  /** \param[in] ray to where the point is seen from, of any length */
+  void add(const Vector3& p, const Vector3& ray, Votes& votes) const
   {
-    const Vector3 p = store.position(point), d = subtract(p, center_);
+    const Vector3 d = subtract(p, center_);
     const double near = 1 - dot(d, d) / (radius_ * radius_);
-    const Vector3 ray = subtract(store.sensor(point), p);
     const double range = length(ray);
     if (!(near > 0) || !(range > 0)) return;
     const HeightJet jet =
@@ -62,16 +62,18 @@ class LeafVote {
   const float* coefficients_;
 };
 
-/** \brief Signs, one for each surfel, such that leaves face the sensors of their points: 1, or -1 for those
- * to be turned.
+/** \brief Signs, one for each surfel, such that leaves face where their points are seen from: 1, or -1 for
+ * those to be turned.
  *
- * Each point within a leaf's ball votes with the cosine between the leaf's normal at it and its beam,
+ * Each point within a leaf's ball votes with the cosine between the leaf's normal at it and its ray,
  * weighted by nearness; points farther from the leaf than OrientConstants::sheet residuals are of
  * another sheet and vote only where there are no others. O(points gathered). \param[in] store the
- * points fitted, with sensors */
+ * points fitted \param[in] ray of a stored point */
+template <typename Ray>
 std::vector<signed char>
-sensorSigns(const SLIMSurface& surface, const PointStore& store,
-            const std::vector<std::uint32_t>& leaves, const OrientConstants& constants, int threads)
+signsByRays(const SLIMSurface& surface, const PointStore& store,
+            const std::vector<std::uint32_t>& leaves, const OrientConstants& constants, int threads,
+            const Ray& ray)
 {
   std::vector<signed char> signs(surface.size(), 1);
   parallelFor(leaves.size(), threads, 64, [&](std::size_t k, int) {
@@ -85,7 +87,8 @@ sensorSigns(const SLIMSurface& surface, const PointStore& store,
     for (const std::uint32_t b : blocks) {
       const std::size_t begin = b * PointStore::kBlock;
       const std::size_t end = std::min(store.size(), begin + PointStore::kBlock);
-      for (std::size_t point = begin; point < end; ++point) leaf.add(store, point, votes);
+      for (std::size_t point = begin; point < end; ++point)
+        leaf.add(store.position(point), ray(point), votes);
     }
     if (votes.result() < 0) signs[i] = -1;
   });
@@ -353,6 +356,16 @@ signInternals(const SLIMSurface& s, std::vector<signed char>& signs)
   }
 }
 
+/** Turns the surfels of sign -1, and internal surfels with the leaves below them. */
+void
+turn(std::vector<signed char> signs, SLIMSurface& surface)
+{
+  signInternals(surface, signs);
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    if (signs[i] < 0) surface.flip(i);
+  }
+}
+
 }  // namespace
 
 void
@@ -366,15 +379,25 @@ orientSurface(const PointStore* store, const FitParams& params, const OrientCons
     signs = viewpointSigns(surface, params);
   } else if (store != nullptr && store->hasSensors()) {
     stats.side_source = SideSource::kSensors;
-    signs = sensorSigns(surface, *store, leaves, constants, stats.threads);
+    signs = signsByRays(surface, *store, leaves, constants, stats.threads, [&](std::size_t i) {
+      return subtract(store->sensor(i), store->position(i));
+    });
   } else {
     stats.side_source = SideSource::kOverlaps;
     signs = graphSigns(surface, leaves, constants, stats);
   }
-  signInternals(surface, signs);
-  for (std::size_t i = 0; i < surface.size(); ++i) {
-    if (signs[i] < 0) surface.flip(i);
-  }
+  turn(signs, surface);
+}
+
+void
+turnToSides(const PointStore& store, const OrientConstants& constants, int threads,
+            SLIMSurface& surface)
+{
+  const auto side = [&](std::size_t i) {
+    const std::array<float, 3> n = store.normal(i);
+    return Vector3{n[0], n[1], n[2]};
+  };
+  turn(signsByRays(surface, store, surface.leaves(), constants, threads, side), surface);
 }
 
 }  // namespace pcl_slim::detail

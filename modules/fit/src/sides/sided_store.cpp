@@ -179,10 +179,15 @@ sideFacingPlaces(const ThinPlaces& thin, const FitConstants& constants, SidedSto
   if (large &&
       !(sidesIn(pointsAround(sided.store(), thin, rules, stats.threads)).sure >= rules.probe_sure))
     return;
-  const Sides sides = sidesIn(sided.store());
+  Sides sides = sidesIn(sided.store());
   if (!(sides.thin > 0)) return;
-  sided.setSides(sides.normals);
-  settings.block_gaps = blockGaps(sides.gaps);
+  // A surface that is not oriented is drawn with leaves of both sheets where they reach over a gap.
+  const bool known = sides.outward_confidence >= rules.outward;
+  if (!known) {
+    settings.block_gaps = blockGaps(sides.gaps);
+    sides.outward.clear();
+  }
+  sided.setSidesForCover(sides.normals, std::move(sides.outward));
   settings.with_normals = true;
   settings.min_dot = std::min(normalBound(sided.store(), constants.normal_bound), kUnsidedPass);
   stats.sided = static_cast<std::size_t>(
@@ -212,9 +217,14 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
   if (!search && thin.share + thin.facing + thin.near >= constants.sides.few_thin)
     sideFacingPlaces(thin, constants, sided, settings, stats);
   if (!best) return {};
-  sided.setSides(best->sides.normals);
   settings = best->settings;
   stats = best->stats;
+  // Where there is little noise a leaf's residual says more of a point's sheet than its cell does.
+  stats.sided_for_cover = search->noise < constants.sides.full_noise * thin.spacing;
+  if (stats.sided_for_cover)
+    sided.setSidesForCover(best->sides.normals, best->sides.normals);
+  else
+    sided.setSides(best->sides.normals);
   stats.sided = sided.store().size();
   stats.sided_confidence = best->sides.confidence;
   return {};

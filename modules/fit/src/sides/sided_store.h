@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "fit_settings.h"
 #include "pcl_slim/cloud/point_store.h"
@@ -22,6 +25,19 @@ class SidedStore {
   /** \brief Whether the caller's store is what is given sides. */
   bool isKept() const { return own_ != nullptr && !copy_; }
   void setSides(const std::vector<std::array<float, 3>>& normals) { own().setSides(normals); }
+  /** \brief Sets sides for the cover, in whose place endCover() sets others, or none. */
+  void setSidesForCover(const std::vector<std::array<float, 3>>& normals,
+                        std::vector<std::array<float, 3>> after)
+  {
+    own().setSides(normals);
+    after_cover_ = std::move(after);
+  }
+  void endCover()
+  {
+    clearSides();
+    if (!after_cover_.empty()) own().setSides(after_cover_);
+    after_cover_.clear();
+  }
   void clearSides()
   {
     if (store_->hasSides() && !store_->hasNormals()) own().clearSides();
@@ -40,6 +56,7 @@ class SidedStore {
   const PointStore* store_;
   PointStore* own_ = nullptr;
   std::optional<PointStore> copy_;
+  std::vector<std::array<float, 3>> after_cover_;
 };
 
 /** \brief Gives the points of a cloud without normals sides where balls would meet both sides of thin

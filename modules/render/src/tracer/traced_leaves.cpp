@@ -9,9 +9,9 @@ namespace pcl_slim::detail {
 namespace {
 
 bool
-frontOnly(VisibleSides sides, bool oriented)
+frontOnly(VisibleSides sides, bool closed)
 {
-  return sides == VisibleSides::kFront || (sides == VisibleSides::kAuto && oriented);
+  return sides == VisibleSides::kFront || (sides == VisibleSides::kAuto && closed);
 }
 
 class TracedLeaves : public TracedObject {
@@ -29,7 +29,7 @@ class TracedLeaves : public TracedObject {
              GBuffer* buffer, const std::size_t* pixels, RayCounts& counts) const override
   {
     RayRules rules = rules_;
-    const bool closed = scene_.surface.info.oriented && view.params.cuts.empty();
+    const bool closed = scene_.surface.isClosed() && view.params.cuts.empty();
     rules.front_only = frontOnly(view.params.sides, closed);
     rules.close_gaps = view.params.close_gaps;
     rules.with_hessian = buffer && (view.params.columns & (kHessianColumn | kCurvatureColumn)) != 0;

@@ -87,6 +87,8 @@ class PCL_SLIM_EXPORT SLIMSurface {
   bool isOpen(std::size_t i) const { return (flags[i] & kSurfelOpen) != 0; }
   /** \brief Whether any surfel has a trim map. */
   bool hasTrimMaps() const { return !trim_begin.empty(); }
+  /** \brief Whether it is oriented and ends nowhere: from outside, no back of it can be seen. */
+  bool isClosed() const { return info.oriented && !hasTrimMaps(); }
   /** \brief Where the data lie in surfel i's ball; a closed map where they lie all over it. */
   TrimMap trimMap(std::size_t i) const
   {

@@ -21,6 +21,8 @@ enum class SideScope {
 /** \brief A unit normal of common side for every stored point; 0: it gets none. */
 struct Sides {
   std::vector<std::array<float, 3>> normals;
+  std::vector<std::array<float, 3>> outward;  ///< of kFacing, the same for every point ...
+  double outward_confidence = 0;              ///< ... and the agreement of all neighbouring cells
   std::vector<float>
       gaps;  ///< of kFacing, from each point's cell to the sheet it faces; infinity: none
   std::size_t cells = 0;  ///< that share a normal
