@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace pcl_slim::detail {
 
@@ -39,16 +38,6 @@ siteOf(const PointStore& store, const FitSettings& settings, std::size_t i, doub
   site.lambda = noise_ratio * settings.energy.lambda;
   site.noise = noise_ratio * settings.noise;
   return site;
-}
-
-float
-BallGatherer::leastGap(const BallSite& site)
-{
-  float least = std::numeric_limits<float>::infinity();
-  if (settings_.block_gaps.empty()) return least;
-  for (const std::uint32_t b : nearby_.within(site.center, site.radius))
-    least = std::min(least, settings_.block_gaps[b]);
-  return least;
 }
 
 GatheredBall
