@@ -135,9 +135,6 @@ struct BallConstants {
   double off_center = 0.03;       ///< a fit that passes its centre farther off [r_r] moves the ball
   double largest_shift =
       0.3;  ///< a ball moves at most so far [r_r]; the cover's cells allow for it
-  /// A leaf's ball is no wider than this many times the least gap between its points and a sheet that they
-  /// face: pictures blend leaves within a quarter of their radius, those at the rim with little weight.
-  double most_gaps = 16;
   SheetConstants sheets;
   BiasConstants bias;
 };

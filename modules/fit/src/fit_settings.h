@@ -39,7 +39,6 @@ struct FitSettings {
   double least_ball = 0;  ///< > 0: no leaf's ball is narrower, a local length
   double center_grid = 0x1p-22;
   std::vector<float> noise_profile;  ///< noise ratios of runs of points; empty: all 1
-  std::vector<float> block_gaps;     ///< from each block to a sheet it faces; empty: none is near
   bool with_normals = false;
   double normal_error = 0;  ///< > 0: normals are data too, this many radians off
   float min_dot = 0.0f;     ///< the normal bound: normals nearer than this belong together

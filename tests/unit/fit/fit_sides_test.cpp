@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -155,19 +156,23 @@ struct TouchingSpheres {
 
 TEST(FitSides, FewThinPlacesGetSidesWhileLeavesAreFitted)
 {
+  std::vector<double> leaves;
   for (const Vector3& axis : {Vector3{0, 0, 1}, Vector3{2, -1, 3}, Vector3{-1, 0.4, 0.2}}) {
     const TouchingSpheres spheres(axis);
     FitParams params;
     const Fitted with = fitted(spheres.cloud(), params);
+    leaves.push_back(static_cast<double>(with.statistics.leaves));
     params.sides = false;
     const Fitted without = fitted(spheres.cloud(), params);
     EXPECT_TRUE(with.statistics.sided_for_cover);
     EXPECT_GT(with.statistics.sided, with.store.size() / 20);
     EXPECT_LT(with.statistics.sided, with.store.size() / 3);
     EXPECT_FALSE(with.store.hasSides());
-    EXPECT_FALSE(with.surface.info.oriented);
-    EXPECT_LT(spheres.rms(with), 0.5 * spheres.rms(without));
+    EXPECT_TRUE(with.surface.info.oriented && with.surface.info.sides_found);
+    EXPECT_LT(spheres.rms(with), 0.4 * spheres.rms(without));
   }
+  EXPECT_LT(*std::max_element(leaves.begin(), leaves.end()),
+            1.15 * *std::min_element(leaves.begin(), leaves.end()));
 }
 
 /** A blade of 30 degrees whose edge is the x axis, spacing 1, noise .1. */
@@ -202,19 +207,21 @@ TEST(FitSides, LargeCloudsWithFewThinPlacesGetThemByAnyNumberOfThreads)
   EXPECT_EQ(one.surface.coefficients, three.surface.coefficients);
 }
 
-TEST(FitSides, LeavesThatReachToAnEdgeStaySmall)
+TEST(FitSides, LeavesOfABladeFaceApart)
 {
-  // Pictures blend leaves within a quarter of their radius: wide ones would hide the other face of a blade.
   const Fitted f = fitted(bladeOf(80, 50), {});
   EXPECT_TRUE(f.statistics.sided_for_cover);
-  const SurfaceInfo& info = f.surface.info;
-  double widest = 0;
-  for (const std::uint32_t i : f.surface.leaves()) {
-    const double y = info.origin[1] + info.scale * f.surface.cy[i];
-    const double radius = info.scale * f.surface.radius[i];
-    if (radius > y) widest = std::max(widest, radius);
+  EXPECT_TRUE(f.surface.info.oriented);
+  EXPECT_FALSE(f.surface.hidesBacks());  // its two faces end, so one sees their backs
+  const SLIMSurface& s = f.surface;
+  std::size_t leaves = 0, apart = 0;
+  for (const std::uint32_t i : s.leaves()) {
+    if (s.info.origin[1] + s.info.scale * s.cy[i] < 2) continue;
+    ++leaves;
+    apart += s.nz[i] * (s.info.origin[2] + s.info.scale * s.cz[i]) > 0;
   }
-  EXPECT_LT(widest, 18);
+  EXPECT_GT(leaves, 100u);
+  EXPECT_GE(apart, 0.99 * static_cast<double>(leaves));
 }
 
 TEST(FitSides, ScatteredPointsGetNone)

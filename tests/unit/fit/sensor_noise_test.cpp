@@ -108,6 +108,15 @@ TEST(SensorNoise, CorrelationCanBeGiven)
   EXPECT_LT(on.position, 0.8 * off.position);
 }
 
+TEST(SensorNoise, TerracesOfACameraAreNoSheets)
+{
+  for (const char* solids : {"room", "frontal hall"}) {
+    const Errors e = errorsOf(scanByCamera(measure::namedSolids(solids), camera(3, 0.125), 1));
+    EXPECT_EQ(e.fit.sided, 0u) << solids;
+    EXPECT_LT(e.fit.leaves, 500u) << solids;
+  }
+}
+
 TEST(SensorNoise, ALidarsWallsAreNoDetail)
 {
   const SensorScan scan = scanByLidar(measure::namedSolids("street"), {}, 3);

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -188,29 +187,6 @@ cellsOfSureParts(const SignedParts& found, const std::vector<SignedEdge>& edges,
   return sure;
 }
 
-/** Distance of each cell to the sheets that it faces, along its normal, on average; infinity: none. */
-std::vector<float>
-gapsOf(const SideCells& cut, const CellGraph& graph, const std::vector<signed char>& signs)
-{
-  struct Mean {
-    double sum = 0, count = 0;
-  };
-  std::vector<Mean> means(cut.cells.size());
-  for (const SignedEdge& e : graph.edges) {
-    if (!e.apart || signs[e.a] * signs[e.b] * e.agreement <= 0) continue;
-    const Vector3 between = subtract(cut.cells[e.b].mean, cut.cells[e.a].mean);
-    for (const std::uint32_t c : {e.a, e.b}) {
-      means[c].sum += std::abs(dot(between, graph.sheets[c].normal));
-      ++means[c].count;
-    }
-  }
-  std::vector<float> gaps(means.size(), std::numeric_limits<float>::infinity());
-  for (std::size_t c = 0; c < gaps.size(); ++c) {
-    if (means[c].count > 0) gaps[c] = static_cast<float>(means[c].sum / means[c].count);
-  }
-  return gaps;
-}
-
 /** Unit normals of the points, by those of their cells. \param[in] sided cells that give them; the points
  * of others get 0 \param[in] by_sensors whether a point's own beam overrules its cell
  * \param[out] thin share of the points that face apart from others behind them */
@@ -282,9 +258,6 @@ findFacingSides(const PointStore& store, const SideCells& cut, CellGraph& graph,
                                   threads, thin);
   graph.edges = std::move(near);
   sides.confidence = agreementOf(graph, found.signs);
-  const std::vector<float> gaps = gapsOf(cut, graph, found.signs);
-  for (const std::uint32_t c : cut.cell_of)
-    sides.gaps.push_back(sided[c] ? gaps[c] : std::numeric_limits<float>::infinity());
   sides.normals =
       normalsOfPoints(store, cut, graph, found.signs, sided, false, constants, threads, sides.thin);
 }

@@ -255,20 +255,12 @@ BallFitter::fit(std::size_t i, int level, SurfelRecord& surfel)
   const BallOutcome outcome = prepare(site, 1, ball);
   if (outcome != BallOutcome::kLeaf) return outcome;
   if (settings_.internal_only) return widest(ball, level, surfel);
-  if (search_.right().supported && reachesOver(site)) return widest(ball, level, surfel);
   const RadiusChoice choice = chooseRadius(ball);
   if (choice.kind == RadiusChoice::Kind::kSparse) {
     return withoutFit(ball, site, choice.trial, surfel);
   }
   surfel = recordOf(ball, choice, level, settings_.constants.ball.bias);
   return choice.kind == RadiusChoice::Kind::kLeaf ? BallOutcome::kLeaf : BallOutcome::kInternal;
-}
-
-/** Whether a leaf of a site's ball would be blended with those of a sheet that its points face. */
-bool
-BallFitter::reachesOver(const BallSite& site)
-{
-  return site.radius > settings_.constants.ball.most_gaps * gatherer_.leastGap(site);
 }
 
 /** The surfel at r_r, for finer ones to stand below. */

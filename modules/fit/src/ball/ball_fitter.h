@@ -106,7 +106,6 @@ class BallFitter {
   }
 
  private:
-  bool reachesOver(const BallSite& site);
   bool tooWideAtAGlance(const BallSite& site, int level, SurfelRecord& surfel);
   BallOutcome prepare(const BallSite& site, std::size_t stride, FramedBall& ball);
   FramedBall searchable(const FramedBall& ball, double rho_right);

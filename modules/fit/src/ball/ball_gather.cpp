@@ -4,7 +4,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/surface/oct_normal.h"
@@ -104,16 +103,6 @@ siteOf(const PointStore& store, const FitSettings& settings, std::size_t i, doub
   site.lambda = noise_ratio * settings.energy.lambda;
   site.noise = noise_ratio * settings.noise;
   return site;
-}
-
-float
-BallGatherer::leastGap(const BallSite& site)
-{
-  float least = std::numeric_limits<float>::infinity();
-  if (settings_.block_gaps.empty()) return least;
-  for (const std::uint32_t b : nearby_.within(site.center, site.radius))
-    least = std::min(least, settings_.block_gaps[b]);
-  return least;
 }
 
 GatheredBall

@@ -83,9 +83,6 @@ class BallGatherer {
     return nearby_.within(site.center, site.radius).size();
   }
 
-  /** \brief The least gap to a sheet that blocks of a site's ball face. */
-  float leastGap(const BallSite& site);
-
   /** \brief Gathers the points of every so many blocks. */
   GatheredBall gather(const BallSite& site, std::size_t stride = 1);
 

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -150,18 +149,6 @@ pointsAround(const PointStore& store, const ThinPlaces& thin, const SideConstant
   return store.without(dropped, threads);
 }
 
-/** The least gap of each block's points. */
-std::vector<float>
-blockGaps(const std::vector<float>& gaps)
-{
-  constexpr std::size_t kBlock = PointStore::kBlock;
-  std::vector<float> least((gaps.size() + kBlock - 1) / kBlock,
-                           std::numeric_limits<float>::infinity());
-  for (std::size_t i = 0; i < gaps.size(); ++i)
-    least[i / kBlock] = std::min(least[i / kBlock], gaps[i]);
-  return least;
-}
-
 /** Gives sides to the points near another sheet alone, and for the cover alone: the projection needs
  * sides only where noise is wider than the gap, and those next to an edge are the least sure. */
 void
@@ -180,13 +167,7 @@ sideFacingPlaces(const ThinPlaces& thin, const FitConstants& constants, SidedSto
       !(sidesIn(pointsAround(sided.store(), thin, rules, stats.threads)).sure >= rules.probe_sure))
     return;
   Sides sides = sidesIn(sided.store());
-  if (!(sides.thin > 0)) return;
-  // A surface that is not oriented is drawn with leaves of both sheets where they reach over a gap.
-  const bool known = sides.outward_confidence >= rules.outward;
-  if (!known) {
-    settings.block_gaps = blockGaps(sides.gaps);
-    sides.outward.clear();
-  }
+  if (!(sides.thin > 0) || sides.outward_confidence < rules.outward) return;
   sided.setSidesForCover(sides.normals, std::move(sides.outward));
   settings.with_normals = true;
   settings.min_dot = std::min(normalBound(sided.store(), constants.normal_bound), kUnsidedPass);
@@ -214,7 +195,9 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
     if (Error error = seekSides(*search, thin.spacing, constants, params, sided, stats, best))
       return error;
   }
-  if (!search && thin.share + thin.facing + thin.near >= constants.sides.few_thin)
+  // Errors that neighbours share make terraces, which look like sheets.
+  const bool white = !(stats.noise_correlation > 1);
+  if (!search && white && thin.share + thin.facing + thin.near >= constants.sides.few_thin)
     sideFacingPlaces(thin, constants, sided, settings, stats);
   if (!best) return {};
   settings = best->settings;

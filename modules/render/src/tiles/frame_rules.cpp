@@ -66,7 +66,7 @@ FrameRules::FrameRules(const SLIMSurface& surface, const RenderParams& params)
       lod(params.lod),
       trim(params.trim),
       front_only(params.sides == VisibleSides::kFront ||
-                 (params.sides == VisibleSides::kAuto && surface.isClosed() && params.cuts.empty())),
+                 (params.sides == VisibleSides::kAuto && surface.hidesBacks() && params.cuts.empty())),
       skip(params.skip),
       threads(resolveThreads(params.threads)),
       cuts(localHalfSpaces(params.cuts, surface.info.origin, surface.info.scale))

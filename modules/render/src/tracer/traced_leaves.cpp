@@ -9,9 +9,9 @@ namespace pcl_slim::detail {
 namespace {
 
 bool
-frontOnly(VisibleSides sides, bool closed)
+frontOnly(VisibleSides sides, bool hides_backs)
 {
-  return sides == VisibleSides::kFront || (sides == VisibleSides::kAuto && closed);
+  return sides == VisibleSides::kFront || (sides == VisibleSides::kAuto && hides_backs);
 }
 
 class TracedLeaves : public TracedObject {
@@ -29,8 +29,8 @@ class TracedLeaves : public TracedObject {
              GBuffer* buffer, const std::size_t* pixels, RayCounts& counts) const override
   {
     RayRules rules = rules_;
-    const bool closed = scene_.surface.isClosed() && view.params.cuts.empty();
-    rules.front_only = frontOnly(view.params.sides, closed);
+    const bool hides_backs = scene_.surface.hidesBacks() && view.params.cuts.empty();
+    rules.front_only = frontOnly(view.params.sides, hides_backs);
     rules.close_gaps = view.params.close_gaps;
     rules.with_hessian = buffer && (view.params.columns & (kHessianColumn | kCurvatureColumn)) != 0;
     std::vector<BlendedHit> hits(count);

@@ -23,9 +23,7 @@ struct Sides {
   std::vector<std::array<float, 3>> normals;
   std::vector<std::array<float, 3>> outward;  ///< of kFacing, the same for every point ...
   double outward_confidence = 0;              ///< ... and the agreement of all neighbouring cells
-  std::vector<float>
-      gaps;  ///< of kFacing, from each point's cell to the sheet it faces; infinity: none
-  std::size_t cells = 0;  ///< that share a normal
+  std::size_t cells = 0;                      ///< that share a normal
   double thin = 0;        ///< share of the points that face apart from others behind them
   double confidence = 0;  ///< agreement of neighbouring cells: 1 if all agree, 0 as chance
   double sure = 1;        ///< share of the places between sheets that are in sure parts
