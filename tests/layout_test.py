@@ -59,7 +59,7 @@ def room_of(path):
 
 
 def folder_of(path):
-    """modules/fit/src/radius/rule/x.h -> modules/fit/src/radius, apps/scan/x.h -> apps/scan; None for what
+    """modules/render/src/fast/lanes/x.h -> modules/render/src/fast, apps/scan/x.h -> apps/scan; None for what
     is in src or apps itself, which ties the folders together, and for other places."""
     parts = path.split("/")
     depth = parts.index("src") + 1 if "src" in parts else 1 if parts[0] == "apps" else len(parts)

@@ -26,29 +26,28 @@ std::uint32_t
 maskBits(Tag d, Mask mask)
 {
   std::uint8_t bits[8] = {};
-  hn::StoreMaskBits(d, mask, bits);
+  StoreMaskBits(d, mask, bits);
   return static_cast<std::uint32_t>(bits[0]) | static_cast<std::uint32_t>(bits[1]) << 8;
 }
 
 /** Which lanes' boxes meet one ball. */
 class BallTest {
  public:
-  BallTest(const float center[3], float radius) : radius_sq_(hn::Set(Tag(), radius * radius))
+  BallTest(const float center[3], float radius) : radius_sq_(Set(Tag(), radius * radius))
   {
-    for (int a = 0; a < 3; ++a) center_[a] = hn::Set(Tag(), center[a]);
+    for (int a = 0; a < 3; ++a) center_[a] = Set(Tag(), center[a]);
   }
 
   HWY_INLINE hn::Mask<Tag> operator()(const BlockTree::Level& boxes, std::size_t j) const
   {
     const Tag d;
     const auto outside = [&](const float* low, const float* high, Vec c) HWY_ATTR {
-      return hn::Max(hn::Zero(d),
-                     hn::Max(hn::Sub(hn::Load(d, low + j), c), hn::Sub(c, hn::Load(d, high + j))));
+      return Max(Zero(d), Max(Load(d, low + j) - c, c - Load(d, high + j)));
     };
     const Vec ex = outside(boxes.min_x.data(), boxes.max_x.data(), center_[0]);
     const Vec ey = outside(boxes.min_y.data(), boxes.max_y.data(), center_[1]);
     const Vec ez = outside(boxes.min_z.data(), boxes.max_z.data(), center_[2]);
-    return hn::Le(hn::MulAdd(ex, ex, hn::MulAdd(ey, ey, hn::Mul(ez, ez))), radius_sq_);
+    return MulAdd(ex, ex, MulAdd(ey, ey, ez * ez)) <= radius_sq_;
   }
 
  private:
@@ -82,7 +81,7 @@ groupedBoxesInBall(const BlockTree::Level& groups, const std::uint32_t* ids,
       const std::size_t first = id * BlockTree::kFan;
       for (std::size_t i = first; i < first + BlockTree::kFan; i += hn::Lanes(d)) {
         const LanePacking packing(d, meets(boxes, i));
-        packing.store(hn::Iota(du, static_cast<std::uint32_t>(i)), found + count);
+        packing.store(Iota(du, static_cast<std::uint32_t>(i)), found + count);
         count += packing.count();
       }
     }
@@ -99,12 +98,11 @@ boxesInBox(const BlockTree::Level& boxes, std::size_t first, const float min[3],
   for (std::size_t i = 0; i < BlockTree::kFan; i += lanes) {
     const std::size_t j = first + i;
     const auto meets = [&](const float* low, const float* high, int axis) {
-      return hn::And(hn::Le(hn::Load(d, low + j), hn::Set(d, max[axis])),
-                     hn::Ge(hn::Load(d, high + j), hn::Set(d, min[axis])));
+      return And(Load(d, low + j) <= Set(d, max[axis]), Load(d, high + j) >= Set(d, min[axis]));
     };
-    const auto all = hn::And(meets(boxes.min_x.data(), boxes.max_x.data(), 0),
-                             hn::And(meets(boxes.min_y.data(), boxes.max_y.data(), 1),
-                                     meets(boxes.min_z.data(), boxes.max_z.data(), 2)));
+    const auto all = And(meets(boxes.min_x.data(), boxes.max_x.data(), 0),
+                         And(meets(boxes.min_y.data(), boxes.max_y.data(), 1),
+                             meets(boxes.min_z.data(), boxes.max_z.data(), 2)));
     hits |= maskBits(d, all) << i;
   }
   return hits;
@@ -116,24 +114,24 @@ pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num
 {
   const Tag d;
   const hn::RebindToUnsigned<Tag> du;
-  const auto limit = hn::Set(d, limit_sq);
+  const auto limit = Set(d, limit_sq);
   std::size_t count = 0;
   for (std::size_t k = 0; k < num_blocks; ++k) {
     const std::size_t b = blocks[k];
-    const auto sx = hn::Set(d, static_cast<float>(store.blockOriginX()[b] - center[0]));
-    const auto sy = hn::Set(d, static_cast<float>(store.blockOriginY()[b] - center[1]));
-    const auto sz = hn::Set(d, static_cast<float>(store.blockOriginZ()[b] - center[2]));
+    const auto sx = Set(d, static_cast<float>(store.blockOriginX()[b] - center[0]));
+    const auto sy = Set(d, static_cast<float>(store.blockOriginY()[b] - center[1]));
+    const auto sz = Set(d, static_cast<float>(store.blockOriginZ()[b] - center[2]));
     const std::size_t end = (b + 1) * PointStore::kBlock;
     for (std::size_t i = b * PointStore::kBlock; i < end; i += hn::Lanes(d)) {
-      const auto dx = hn::Add(hn::Load(d, store.x() + i), sx);
-      const auto dy = hn::Add(hn::Load(d, store.y() + i), sy);
-      const auto dz = hn::Add(hn::Load(d, store.z() + i), sz);
-      const auto distance_sq = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
-      const auto near = hn::Le(distance_sq, limit);
-      if (hn::AllFalse(d, near)) continue;
+      const auto dx = Load(d, store.x() + i) + sx;
+      const auto dy = Load(d, store.y() + i) + sy;
+      const auto dz = Load(d, store.z() + i) + sz;
+      const auto distance_sq = MulAdd(dx, dx, MulAdd(dy, dy, dz * dz));
+      const auto near = distance_sq <= limit;
+      if (AllFalse(d, near)) continue;
       const LanePacking packing(d, near);
       packing.store(distance_sq, distances_sq + count);
-      packing.store(hn::Iota(du, static_cast<std::uint32_t>(i)), points + count);
+      packing.store(Iota(du, static_cast<std::uint32_t>(i)), points + count);
       count += packing.count();
     }
   }
@@ -147,7 +145,7 @@ countUpTo(const float* values, std::size_t n, float limit)
   const Tag d;
   std::size_t count = 0, i = 0;
   for (; i + hn::Lanes(d) <= n; i += hn::Lanes(d))
-    count += hn::CountTrue(d, hn::Le(hn::LoadU(d, values + i), hn::Set(d, limit)));
+    count += CountTrue(d, LoadU(d, values + i) <= Set(d, limit));
   for (; i < n; ++i) count += values[i] <= limit;
   return count;
 }
@@ -176,9 +174,9 @@ valuesBetween(const float* values, std::size_t n, float low, float high, float* 
   const Tag d;
   std::size_t count = 0, i = 0;
   for (; i + hn::Lanes(d) <= n; i += hn::Lanes(d)) {
-    const auto v = hn::LoadU(d, values + i);
-    const auto between = hn::And(hn::Gt(v, hn::Set(d, low)), hn::Le(v, hn::Set(d, high)));
-    if (hn::AllFalse(d, between)) continue;
+    const auto v = LoadU(d, values + i);
+    const auto between = And(v > Set(d, low), v <= Set(d, high));
+    if (AllFalse(d, between)) continue;
     const LanePacking packing(d, between);
     packing.store(v, found + count);
     count += packing.count();
@@ -194,14 +192,14 @@ HWY_INLINE std::pair<float, float>
 rangeOf(const float* values, std::size_t n)
 {
   const Tag d;
-  auto least = hn::Set(d, values[0]), most = least;
+  auto least = Set(d, values[0]), most = least;
   std::size_t i = 0;
   for (; i + hn::Lanes(d) <= n; i += hn::Lanes(d)) {
-    const auto v = hn::LoadU(d, values + i);
-    least = hn::Min(least, v);
-    most = hn::Max(most, v);
+    const auto v = LoadU(d, values + i);
+    least = Min(least, v);
+    most = Max(most, v);
   }
-  float low = hn::GetLane(hn::MinOfLanes(d, least)), high = hn::GetLane(hn::MaxOfLanes(d, most));
+  float low = GetLane(MinOfLanes(d, least)), high = GetLane(MaxOfLanes(d, most));
   for (; i < n; ++i) {
     low = std::min(low, values[i]);
     high = std::max(high, values[i]);
@@ -249,11 +247,11 @@ pointsOfBlockUpTo(const PointStore& store, std::size_t block, float x, float y, 
   std::size_t count = 0;
   for (std::size_t i = block * PointStore::kBlock; i < (block + 1) * PointStore::kBlock;
        i += hn::Lanes(d)) {
-    const auto dx = hn::Sub(hn::Load(d, store.x() + i), hn::Set(d, x));
-    const auto dy = hn::Sub(hn::Load(d, store.y() + i), hn::Set(d, y));
-    const auto dz = hn::Sub(hn::Load(d, store.z() + i), hn::Set(d, z));
-    const auto distance_sq = hn::MulAdd(dx, dx, hn::MulAdd(dy, dy, hn::Mul(dz, dz)));
-    count += hn::CountTrue(d, hn::Le(distance_sq, hn::Set(d, limit_sq)));
+    const auto dx = Load(d, store.x() + i) - Set(d, x);
+    const auto dy = Load(d, store.y() + i) - Set(d, y);
+    const auto dz = Load(d, store.z() + i) - Set(d, z);
+    const auto distance_sq = MulAdd(dx, dx, MulAdd(dy, dy, dz * dz));
+    count += CountTrue(d, distance_sq <= Set(d, limit_sq));
   }
   return count;
 }
@@ -287,13 +285,12 @@ HWY_INLINE hn::Vec<hn::RebindToUnsigned<D>>
 mortonCells(D d, V local)
 {
   const hn::RebindToUnsigned<D> du;
-  const V cells = hn::Set(d, static_cast<double>(1 << kMortonBits));
-  const V cell = hn::Mul(hn::Add(local, hn::Set(d, 0.5)), cells);
-  const V last = hn::Sub(cells, hn::Set(d, 1.0));
-  const V whole = hn::Floor(hn::Min(hn::Max(cell, hn::Zero(d)), last));
+  const V cells = Set(d, static_cast<double>(1 << kMortonBits));
+  const V cell = (local + Set(d, 0.5)) * cells;
+  const V last = cells - Set(d, 1.0);
+  const V whole = Floor(Min(Max(cell, Zero(d)), last));
   // Beyond 2^52 a double's low bits count ones.
-  return hn::And(hn::BitCast(du, hn::Add(whole, hn::Set(d, 0x1p52))),
-                 hn::Set(du, (std::uint64_t{1} << kMortonBits) - 1));
+  return BitCast(du, whole + Set(d, 0x1p52)) & Set(du, (std::uint64_t{1} << kMortonBits) - 1);
 }
 
 /** As the scalar spreadBits() has it. */
@@ -301,11 +298,11 @@ template <class DU, class V>
 HWY_INLINE V
 spreadLanes(DU du, V v)
 {
-  v = hn::And(hn::Or(v, hn::ShiftLeft<32>(v)), hn::Set(du, 0x1f00000000ffffULL));
-  v = hn::And(hn::Or(v, hn::ShiftLeft<16>(v)), hn::Set(du, 0x1f0000ff0000ffULL));
-  v = hn::And(hn::Or(v, hn::ShiftLeft<8>(v)), hn::Set(du, 0x100f00f00f00f00fULL));
-  v = hn::And(hn::Or(v, hn::ShiftLeft<4>(v)), hn::Set(du, 0x10c30c30c30c30c3ULL));
-  return hn::And(hn::Or(v, hn::ShiftLeft<2>(v)), hn::Set(du, 0x1249249249249249ULL));
+  v = (v | hn::ShiftLeft<32>(v)) & Set(du, 0x1f00000000ffffULL);
+  v = (v | hn::ShiftLeft<16>(v)) & Set(du, 0x1f0000ff0000ffULL);
+  v = (v | hn::ShiftLeft<8>(v)) & Set(du, 0x100f00f00f00f00fULL);
+  v = (v | hn::ShiftLeft<4>(v)) & Set(du, 0x10c30c30c30c30c3ULL);
+  return (v | hn::ShiftLeft<2>(v)) & Set(du, 0x1249249249249249ULL);
 }
 
 void
@@ -314,15 +311,14 @@ mortonCodes(const double (&positions)[3][kMortonBatch], const double origin[3],
 {
   const hn::CappedTag<double, 8> d;
   const hn::RebindToUnsigned<decltype(d)> du;
-  const auto scale = hn::Set(d, inverse_scale);
+  const auto scale = Set(d, inverse_scale);
   for (std::size_t i = 0; i < kMortonBatch; i += hn::Lanes(d)) {
     const auto spread = [&](int axis) HWY_ATTR {
-      const auto offset = hn::Sub(hn::Load(d, positions[axis] + i), hn::Set(d, origin[axis]));
-      return spreadLanes(du, mortonCells(d, hn::Mul(offset, scale)));
+      const auto offset = Load(d, positions[axis] + i) - Set(d, origin[axis]);
+      return spreadLanes(du, mortonCells(d, offset * scale));
     };
-    const auto code =
-        hn::Or(hn::Or(hn::ShiftLeft<2>(spread(0)), hn::ShiftLeft<1>(spread(1))), spread(2));
-    hn::Store(code, du, codes + i);
+    const auto code = hn::ShiftLeft<2>(spread(0)) | hn::ShiftLeft<1>(spread(1)) | spread(2);
+    Store(code, du, codes + i);
   }
 }
 

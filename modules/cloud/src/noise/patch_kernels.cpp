@@ -21,7 +21,7 @@ using Wide = hn::Vec<Doubles>;
 HWY_INLINE double
 sumOf(Wide v)
 {
-  return hn::GetLane(hn::SumOfLanes(Doubles(), v));
+  return GetLane(SumOfLanes(Doubles(), v));
 }
 
 /** Calls body(first index, mask of those before the end) for every group of lanes. */
@@ -31,7 +31,7 @@ forGroups(std::size_t count, const Body& body)
 {
   const Doubles d;
   for (std::size_t i = 0; i < count; i += hn::Lanes(d))
-    body(i, hn::FirstN(d, std::min(hn::Lanes(d), count - i)));
+    body(i, FirstN(d, std::min(hn::Lanes(d), count - i)));
 }
 
 PatchSums
@@ -39,16 +39,16 @@ sumPatch(const PatchPoints& points)
 {
   const Doubles d;
   Wide first[3], second[6];
-  for (auto& sum : first) sum = hn::Zero(d);
-  for (auto& sum : second) sum = hn::Zero(d);
+  for (auto& sum : first) sum = Zero(d);
+  for (auto& sum : second) sum = Zero(d);
   forGroups(points.size(), [&](std::size_t i, hn::Mask<Doubles> inside) HWY_ATTR {
     Wide p[3];
     for (std::size_t a = 0; a < 3; ++a) {
-      p[a] = hn::IfThenElseZero(inside, hn::Load(d, points[a] + i));
-      first[a] = hn::Add(first[a], p[a]);
+      p[a] = IfThenElseZero(inside, Load(d, points[a] + i));
+      first[a] += p[a];
     }
     for (int a = 0, k = 0; a < 3; ++a) {
-      for (int b = a; b < 3; ++b, ++k) second[k] = hn::MulAdd(p[a], p[b], second[k]);
+      for (int b = a; b < 3; ++b, ++k) second[k] = MulAdd(p[a], p[b], second[k]);
     }
   });
   PatchSums sums;
@@ -63,12 +63,10 @@ void
 heightsAlong(const PatchPoints& points, const Eigen::Vector3d& direction, double* heights)
 {
   const Doubles d;
-  const auto x = hn::Set(d, direction[0]), y = hn::Set(d, direction[1]),
-             z = hn::Set(d, direction[2]);
+  const auto x = Set(d, direction[0]), y = Set(d, direction[1]), z = Set(d, direction[2]);
   for (std::size_t i = 0; i < points.size(); i += hn::Lanes(d)) {
-    const auto yz =
-        hn::MulAdd(y, hn::Load(d, points[1] + i), hn::Mul(z, hn::Load(d, points[2] + i)));
-    hn::StoreU(hn::MulAdd(x, hn::Load(d, points[0] + i), yz), d, heights + i);
+    const auto yz = MulAdd(y, Load(d, points[1] + i), z * Load(d, points[2] + i));
+    StoreU(MulAdd(x, Load(d, points[0] + i), yz), d, heights + i);
   }
 }
 
@@ -85,13 +83,13 @@ sumCubic(const PatchPoints& places)
 {
   const Doubles d;
   Wide moments[kCubicMoments], heights[kCubicTerms];
-  for (auto& sum : moments) sum = hn::Zero(d);
-  for (auto& sum : heights) sum = hn::Zero(d);
+  for (auto& sum : moments) sum = Zero(d);
+  for (auto& sum : heights) sum = Zero(d);
   forGroups(places.size(), [&](std::size_t i, hn::Mask<Doubles> inside) HWY_ATTR {
-    const auto u = hn::IfThenElseZero(inside, hn::Load(d, places[2] + i));
-    const auto v = hn::IfThenElseZero(inside, hn::Load(d, places[1] + i));
-    const auto h = hn::IfThenElseZero(inside, hn::Load(d, places[0] + i));
-    addGradedTerms<6>(hn::IfThenElseZero(inside, hn::Set(d, 1.0)), u, v, moments);
+    const auto u = IfThenElseZero(inside, Load(d, places[2] + i));
+    const auto v = IfThenElseZero(inside, Load(d, places[1] + i));
+    const auto h = IfThenElseZero(inside, Load(d, places[0] + i));
+    addGradedTerms<6>(IfThenElseZero(inside, Set(d, 1.0)), u, v, moments);
     addGradedTerms<3>(h, u, v, heights);
   });
   CubicSums sums;
@@ -104,17 +102,17 @@ double
 cubicResiduals(const PatchPoints& places, const double (&terms)[kCubicTerms], double* residuals)
 {
   const Doubles d;
-  Wide c[kCubicTerms], squares = hn::Zero(d);
-  for (int k = 0; k < kCubicTerms; ++k) c[k] = hn::Set(d, terms[k]);
+  Wide c[kCubicTerms], squares = Zero(d);
+  for (int k = 0; k < kCubicTerms; ++k) c[k] = Set(d, terms[k]);
   forGroups(places.size(), [&](std::size_t i, hn::Mask<Doubles> inside) HWY_ATTR {
-    const auto u = hn::Load(d, places[2] + i), v = hn::Load(d, places[1] + i);
-    const auto cubic = hn::MulAdd(hn::MulAdd(hn::MulAdd(c[9], v, c[5]), v, c[2]), v, c[0]);
-    const auto square = hn::MulAdd(hn::MulAdd(c[8], v, c[4]), v, c[1]);
-    const auto line = hn::MulAdd(hn::MulAdd(c[6], u, hn::MulAdd(c[7], v, c[3])), u, square);
-    const auto height = hn::MulAdd(line, u, cubic);
-    const auto residual = hn::IfThenElseZero(inside, hn::Sub(hn::Load(d, places[0] + i), height));
-    squares = hn::MulAdd(residual, residual, squares);
-    hn::StoreU(residual, d, residuals + i);
+    const auto u = Load(d, places[2] + i), v = Load(d, places[1] + i);
+    const auto cubic = MulAdd(MulAdd(MulAdd(c[9], v, c[5]), v, c[2]), v, c[0]);
+    const auto square = MulAdd(MulAdd(c[8], v, c[4]), v, c[1]);
+    const auto line = MulAdd(MulAdd(c[6], u, MulAdd(c[7], v, c[3])), u, square);
+    const auto height = MulAdd(line, u, cubic);
+    const auto residual = IfThenElseZero(inside, Load(d, places[0] + i) - height);
+    squares = MulAdd(residual, residual, squares);
+    StoreU(residual, d, residuals + i);
   });
   return sumOf(squares);
 }
@@ -123,13 +121,12 @@ std::size_t
 sumAbove(const PatchPoints& points, const double* heights, double middle, Eigen::Vector3d& sum)
 {
   const Doubles d;
-  Wide sums[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  Wide sums[3] = {Zero(d), Zero(d), Zero(d)};
   std::size_t count = 0;
   forGroups(points.size(), [&](std::size_t i, hn::Mask<Doubles> inside) HWY_ATTR {
-    const auto above = hn::And(inside, hn::Gt(hn::LoadU(d, heights + i), hn::Set(d, middle)));
-    count += hn::CountTrue(d, above);
-    for (std::size_t a = 0; a < 3; ++a)
-      sums[a] = hn::Add(sums[a], hn::IfThenElseZero(above, hn::Load(d, points[a] + i)));
+    const auto above = And(inside, LoadU(d, heights + i) > Set(d, middle));
+    count += CountTrue(d, above);
+    for (std::size_t a = 0; a < 3; ++a) sums[a] += IfThenElseZero(above, Load(d, points[a] + i));
   });
   sum = {sumOf(sums[0]), sumOf(sums[1]), sumOf(sums[2])};
   return count;
@@ -139,22 +136,21 @@ HeightGap
 gapAbout(const double* heights, std::size_t count, double middle)
 {
   const Doubles d;
-  const auto none = hn::Set(d, std::numeric_limits<double>::max());
-  Wide lowest = none, begin_above = none, highest = hn::Neg(none), end_below = hn::Neg(none);
+  const auto none = Set(d, std::numeric_limits<double>::max());
+  Wide lowest = none, begin_above = none, highest = Neg(none), end_below = Neg(none);
   std::size_t above = 0;
   forGroups(count, [&](std::size_t i, hn::Mask<Doubles> inside) HWY_ATTR {
-    const auto h = hn::LoadU(d, heights + i);
-    const auto over = hn::And(inside, hn::Gt(h, hn::Set(d, middle)));
-    const auto under = hn::AndNot(over, inside);
-    above += hn::CountTrue(d, over);
-    lowest = hn::Min(lowest, hn::IfThenElse(inside, h, none));
-    highest = hn::Max(highest, hn::IfThenElse(inside, h, hn::Neg(none)));
-    begin_above = hn::Min(begin_above, hn::IfThenElse(over, h, none));
-    end_below = hn::Max(end_below, hn::IfThenElse(under, h, hn::Neg(none)));
+    const auto h = LoadU(d, heights + i);
+    const auto over = And(inside, h > Set(d, middle));
+    const auto under = AndNot(over, inside);
+    above += CountTrue(d, over);
+    lowest = Min(lowest, IfThenElse(inside, h, none));
+    highest = Max(highest, IfThenElse(inside, h, Neg(none)));
+    begin_above = Min(begin_above, IfThenElse(over, h, none));
+    end_below = Max(end_below, IfThenElse(under, h, Neg(none)));
   });
-  return {hn::GetLane(hn::MinOfLanes(d, lowest)), hn::GetLane(hn::MaxOfLanes(d, highest)),
-          hn::GetLane(hn::MaxOfLanes(d, end_below)), hn::GetLane(hn::MinOfLanes(d, begin_above)),
-          above};
+  return {GetLane(MinOfLanes(d, lowest)), GetLane(MaxOfLanes(d, highest)),
+          GetLane(MaxOfLanes(d, end_below)), GetLane(MinOfLanes(d, begin_above)), above};
 }
 
 }  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE

@@ -1,16 +1,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cstddef>
-
 #pragma once
 
-#include "ball/ball_frame.h"
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
 #include "ball/ball_gather.h"
-#include "ball/surfel_record.h"
 #include "fit_settings.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "radius/radius_search.h"
 
 namespace pcl_slim::detail {
+
+/** \brief A surfel as the cover makes it; the columns of SLIMSurface are filled at the end. */
+struct SurfelRecord {
+  std::array<float, 3> center, normal;
+  float radius, error, effective_count;
+  std::uint8_t degree, level, flags;
+  bool sided;  ///< made of the points on its normal's side alone
+  std::array<float, kMaxCoefficients> c;
+};
+
+/** \brief The surfel of a ball whose radius is chosen: its polynomial in units of that radius,
+ * without what noise adds to it on average (docs/theory.md, "Bias"). */
+SurfelRecord
+recordOf(const FramedBall& ball, const RadiusChoice& choice, int level,
+         const BiasConstants& constants);
 
 /** \brief Moves a ball onto its own fit where noise has thrown its centre off: it would see a
  * lopsided part of the points (docs/theory.md, "Where the default departs from the paper"). It is

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "ball/ball_gather.h"
-#include "ball/surfel_record.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/random.h"
 

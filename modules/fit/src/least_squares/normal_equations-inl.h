@@ -108,7 +108,7 @@ class NormalEquations {
     unrolled<kSize * kVectors>([&](auto at) HWY_ATTR {
       constexpr int kRow = at() / kVectors, kVector = at() % kVectors;
       if constexpr (holds(kRow, kVector)) {
-        hn::Store(hn::Zero(d), d, rows_[kRow] + kVector * kLanes);
+        Store(Zero(d), d, rows_[kRow] + kVector * kLanes);
       }
     });
     unrolled<kSize>([&](auto p) HWY_ATTR {
@@ -124,7 +124,7 @@ class NormalEquations {
     unrolled<kSize * kVectors>([&](auto at) HWY_ATTR {
       constexpr int kRow = at() / kVectors, kVector = at() % kVectors;
       if constexpr (holds(kRow, kVector)) {
-        rows[at()] = hn::Load(d, rows_[kRow] + kVector * kLanes);
+        rows[at()] = Load(d, rows_[kRow] + kVector * kLanes);
       }
     });
     pivot_ = uv[0];
@@ -162,26 +162,26 @@ class NormalEquations {
     if constexpr (P + 1 < kSize) {
       // The next pivot, by the operations that its row sees below.
       const One one;
-      const auto scaled = hn::Mul(hn::Set(one, rows_[P][P + 1]), hn::Set(one, inverse_[P]));
-      pivot_ = hn::GetLane(hn::NegMulAdd(scaled, scaled, hn::Set(one, rows_[P + 1][P + 1])));
+      const auto scaled = Set(one, rows_[P][P + 1]) * Set(one, inverse_[P]);
+      pivot_ = GetLane(NegMulAdd(scaled, scaled, Set(one, rows_[P + 1][P + 1])));
     }
-    const WideVec scale = hn::Set(d, inverse_[P]);
+    const WideVec scale = Set(d, inverse_[P]);
     unrolled<kVectors>([&](auto k) HWY_ATTR {
       if constexpr (holds(P, k())) {
         WideVec& v = rows[P * kVectors + k()];
-        v = hn::Mul(v, scale);
-        hn::Store(v, d, rows_[P] + k() * kLanes);
+        v *= scale;
+        Store(v, d, rows_[P] + k() * kLanes);
       }
     });
     unrolled<kSize - P - 1>([&](auto step) HWY_ATTR {
       constexpr int kRow = P + 1 + step();
-      const WideVec factor = hn::Set(d, rows_[P][kRow]);
+      const WideVec factor = Set(d, rows_[P][kRow]);
       unrolled<kVectors>([&](auto k) HWY_ATTR {
         if constexpr (holds(kRow, k())) {
           WideVec& v = rows[kRow * kVectors + k()];
-          v = hn::NegMulAdd(factor, rows[P * kVectors + k()], v);
+          v = NegMulAdd(factor, rows[P * kVectors + k()], v);
           // What the next two pivots are made of is read one by one when their turn comes.
-          if constexpr (kRow <= P + 2) hn::Store(v, d, rows_[kRow] + k() * kLanes);
+          if constexpr (kRow <= P + 2) Store(v, d, rows_[kRow] + k() * kLanes);
         }
       });
     });

@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <limits>
 
+#include "fit_constants.h"
+#include "least_squares/local_fit.h"
 #include "least_squares/noise_bias.h"
-#include "radius/radius_constants.h"
-#include "scan/ball_kernels.h"
 
 namespace pcl_slim::detail {
 

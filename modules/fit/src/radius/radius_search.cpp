@@ -4,11 +4,40 @@
 #include <algorithm>
 #include <cmath>
 
-#include "radius/rule/radius_rule.h"
 #include "radius/trial_fits.h"
 
 namespace pcl_slim::detail {
 namespace {
+
+/** Abscissa of the minimum of the parabola through three points of (log rho, log E). */
+double
+parabolaMinimum(const Trial& a, const Trial& b, const Trial& c)
+{
+  const double xa = std::log(a.rho), xb = std::log(b.rho), xc = std::log(c.rho);
+  const double fa = std::log(a.energy), fb = std::log(b.energy), fc = std::log(c.energy);
+  const double p = (xb - xa) * (fb - fc), q = (xb - xc) * (fb - fa);
+  const double denominator = p - q;
+  const double x = std::abs(denominator) > 1e-300
+                       ? xb - 0.5 * ((xb - xa) * p - (xb - xc) * q) / denominator
+                       : xb;
+  return std::exp(std::min(std::max(x, xa), xc));
+}
+
+/** \brief The choice where support ends between the supported radii and the next one down: the last
+ * radius that has it joins the comparison ("Guards", Minimum support). */
+RadiusChoice
+chooseAtMinimumSupport(TrialFits& trials, const Trial& right, const Trial& middle)
+{
+  const double lenience = trials.constants().support_lenience;
+  const Trial last = trials.atMinimumSupport(middle.rho);
+  const auto serves = [&](const Trial& wider) {
+    return !last.supported || wider.energy <= lenience * last.energy;
+  };
+  if (right.energy <= trials.settings().lenience * middle.energy && serves(right)) {
+    return RadiusChoice::leaf(right);
+  }
+  return serves(middle) ? RadiusChoice::leaf(middle) : RadiusChoice::supportLimited(last);
+}
 
 /** \brief The default rule: the widest ball and the lowest degree that cost their points nothing.
  *
@@ -261,6 +290,25 @@ fallBackWhereSparse(TrialFits& trials, const ResidualTests& tests)
 
 }  // namespace
 
+void
+Bracket::narrow(TrialFits& trials)
+{
+  const Trial trial = trials.at(parabolaMinimum(a, b, c));
+  if (!trial.supported || trial.rho == b.rho) return;
+  if (trial.energy < b.energy) {
+    (trial.rho < b.rho ? c : a) = b;
+    b = trial;
+  } else {
+    (trial.rho < b.rho ? a : c) = trial;
+  }
+}
+
+double
+Bracket::width() const
+{
+  return std::log(c.rho / a.rho);
+}
+
 Trial
 FinalFit::make(const RadiusChoice& choice)
 {
@@ -297,7 +345,7 @@ FinalFit::setRobustWeights(const LocalFit& fit)
   const RadiusConstants& constants = trials_.constants();
   const double unit = trials_.samples().gatherRadius();
   residuals_.resize(robust_.count + BallBuffer::kPadding);
-  kernels::ballResiduals(robust_, fit, residuals_.data());
+  kernels::ballResiduals(robust_, fit.degree, fit.c.data(), residuals_.data());
   const double scale_sq =
       constants.robust_scale * constants.robust_scale * trials_.noise() / (unit * unit);
   robust_.prior.assign(robust_.u.size(), 1.0f);

@@ -90,7 +90,7 @@ ResidualStructure::measure(const BallBuffer& points, const LocalFit& fit, double
   const int side = cellsAlongSide(static_cast<double>(points.count) / correlation, rho, least_cell);
   if (side < constants_.least_cells) return {};
   residuals_.resize(points.count + BallBuffer::kPadding);
-  kernels::ballResiduals(points, fit, residuals_.data());
+  kernels::ballResiduals(points, fit.degree, fit.c.data(), residuals_.data());
   const double squares = fillCells(points, rho, side);
   // Over ordered pairs of different points: the square of a cell's sum less the sum of its squares.
   double inside = 0, pairs = 0, products = -squares;

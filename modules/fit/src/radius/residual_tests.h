@@ -6,7 +6,7 @@
 // means in "Two fits on the same points".
 #pragma once
 
-#include "radius/radius_constants.h"
+#include "fit_constants.h"
 #include "radius/trial_fits.h"
 #include "scan/ball_kernels.h"
 

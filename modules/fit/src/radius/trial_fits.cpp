@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "least_squares/nested_fit.h"
+#include "least_squares/local_fit.h"
 
 namespace pcl_slim::detail {
 

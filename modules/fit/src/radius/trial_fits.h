@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "fit_settings.h"
+#include "least_squares/local_fit.h"
 #include "scan/ball_kernels.h"
 
 namespace pcl_slim::detail {

@@ -37,13 +37,12 @@ toSlopes(const LocalFrame& frame, BallBuffer& ball)
   const Tag d;
   const ScaledAxes axes(frame, 1.0);
   for (std::size_t i = 0; i < ball.count; i += hn::Lanes(d)) {
-    const auto [u, v, w] =
-        axes.turn({hn::Load(d, ball.n_u.data() + i), hn::Load(d, ball.n_v.data() + i),
-                   hn::Load(d, ball.n_w.data() + i)});
-    const auto cosine = hn::Max(w, hn::Set(d, FloatLimits::kSlopeCosine));
-    hn::Store(hn::Div(hn::Neg(u), cosine), d, ball.n_u.data() + i);
-    hn::Store(hn::Div(hn::Neg(v), cosine), d, ball.n_v.data() + i);
-    hn::Store(hn::Mul(cosine, hn::Mul(cosine, cosine)), d, ball.n_w.data() + i);
+    const auto [u, v, w] = axes.turn(
+        {Load(d, ball.n_u.data() + i), Load(d, ball.n_v.data() + i), Load(d, ball.n_w.data() + i)});
+    const auto cosine = Max(w, set(FloatLimits::kSlopeCosine));
+    Store(Neg(u) / cosine, d, ball.n_u.data() + i);
+    Store(Neg(v) / cosine, d, ball.n_v.data() + i);
+    Store(cosine * (cosine * cosine), d, ball.n_w.data() + i);
   }
 }
 
@@ -53,15 +52,14 @@ toFrame(const LocalFrame& frame, float radius, BallBuffer& ball)
   const Tag d;
   const double scale = 1.0 / radius;
   const ScaledAxes axes(frame, radius);
-  const auto scale_sq = hn::Set(d, static_cast<float>(scale * scale));
+  const auto scale_sq = set(static_cast<float>(scale * scale));
   for (std::size_t i = 0; i < ball.count; i += hn::Lanes(d)) {
-    const auto [u, v, w] =
-        axes.turn({hn::Load(d, ball.u.data() + i), hn::Load(d, ball.v.data() + i),
-                   hn::Load(d, ball.w.data() + i)});
-    hn::Store(u, d, ball.u.data() + i);
-    hn::Store(v, d, ball.v.data() + i);
-    hn::Store(w, d, ball.w.data() + i);
-    hn::Store(hn::Mul(hn::Load(d, ball.s_sq.data() + i), scale_sq), d, ball.s_sq.data() + i);
+    const auto [u, v, w] = axes.turn(
+        {Load(d, ball.u.data() + i), Load(d, ball.v.data() + i), Load(d, ball.w.data() + i)});
+    Store(u, d, ball.u.data() + i);
+    Store(v, d, ball.v.data() + i);
+    Store(w, d, ball.w.data() + i);
+    Store(Load(d, ball.s_sq.data() + i) * scale_sq, d, ball.s_sq.data() + i);
   }
   if (ball.slope_weight > 0) toSlopes(frame, ball);
   padBall(ball);
@@ -77,17 +75,17 @@ copyWhere(const BallBuffer& ball, const Keep& keep, BallBuffer& out)
   if (out.slope_weight > 0) out.reserveNormals();
   std::size_t count = 0;
   for (std::size_t i = 0; i < ball.count; i += hn::Lanes(d)) {
-    const auto s_sq = hn::Load(d, ball.s_sq.data() + i);
+    const auto s_sq = Load(d, ball.s_sq.data() + i);
     const auto mask = keep(i, s_sq);
     const LanePacking packing(d, mask);
-    packing.store(hn::Load(d, ball.u.data() + i), out.u.data() + count);
-    packing.store(hn::Load(d, ball.v.data() + i), out.v.data() + count);
-    packing.store(hn::Load(d, ball.w.data() + i), out.w.data() + count);
+    packing.store(Load(d, ball.u.data() + i), out.u.data() + count);
+    packing.store(Load(d, ball.v.data() + i), out.v.data() + count);
+    packing.store(Load(d, ball.w.data() + i), out.w.data() + count);
     packing.store(s_sq, out.s_sq.data() + count);
     if (out.slope_weight > 0) {
-      packing.store(hn::Load(d, ball.n_u.data() + i), out.n_u.data() + count);
-      packing.store(hn::Load(d, ball.n_v.data() + i), out.n_v.data() + count);
-      packing.store(hn::Load(d, ball.n_w.data() + i), out.n_w.data() + count);
+      packing.store(Load(d, ball.n_u.data() + i), out.n_u.data() + count);
+      packing.store(Load(d, ball.n_v.data() + i), out.n_v.data() + count);
+      packing.store(Load(d, ball.n_w.data() + i), out.n_w.data() + count);
     }
     count += packing.count();
   }
@@ -99,9 +97,9 @@ copyWhere(const BallBuffer& ball, const Keep& keep, BallBuffer& out)
 void
 compactBall(const BallBuffer& ball, float limit_sq, BallBuffer& inner)
 {
-  const auto limit = hn::Set(Tag(), limit_sq);
+  const auto limit = set(limit_sq);
   copyWhere(
-      ball, [&](std::size_t, Vec s_sq) HWY_ATTR { return hn::Lt(s_sq, limit); }, inner);
+      ball, [&](std::size_t, Vec s_sq) HWY_ATTR { return s_sq < limit; }, inner);
 }
 
 void
@@ -110,9 +108,8 @@ selectResiduals(const BallBuffer& ball, const float* residuals, float low, float
 {
   const Tag d;
   const auto keep = [&](std::size_t i, Vec s_sq) HWY_ATTR {
-    const auto r = hn::LoadU(d, residuals + i);
-    return hn::And(hn::Lt(s_sq, hn::Set(d, 1.5f)),
-                   hn::And(hn::Ge(r, hn::Set(d, low)), hn::Le(r, hn::Set(d, high))));
+    const auto r = LoadU(d, residuals + i);
+    return And(s_sq < set(1.5f), And(r >= set(low), r <= set(high)));
   };
   copyWhere(ball, keep, kept);
 }
@@ -124,20 +121,15 @@ residualsOfDegree(const BallBuffer& ball, const double* c, float* residuals)
   const Tag d;
   const Height<D> height(c);
   for (std::size_t i = 0; i < ball.count; i += hn::Lanes(d)) {
-    const auto u = hn::Load(d, ball.u.data() + i), v = hn::Load(d, ball.v.data() + i);
-    hn::StoreU(hn::Sub(hn::Load(d, ball.w.data() + i), height(u, v)), d, residuals + i);
+    const auto u = Load(d, ball.u.data() + i), v = Load(d, ball.v.data() + i);
+    StoreU(Load(d, ball.w.data() + i) - height(u, v), d, residuals + i);
   }
 }
 
 void
-ballResiduals(const BallBuffer& ball, const LocalFit& fit, float* residuals)
+ballResiduals(const BallBuffer& ball, int degree, const double* c, float* residuals)
 {
-  switch (fit.degree) {
-    case 1: return residualsOfDegree<1>(ball, fit.c.data(), residuals);
-    case 2: return residualsOfDegree<2>(ball, fit.c.data(), residuals);
-    case 3: return residualsOfDegree<3>(ball, fit.c.data(), residuals);
-    default: return residualsOfDegree<4>(ball, fit.c.data(), residuals);
-  }
+  forDegree(degree, [&](auto d) HWY_ATTR { residualsOfDegree<d()>(ball, c, residuals); });
 }
 
 }  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE
@@ -171,9 +163,9 @@ selectResiduals(const BallBuffer& ball, const float* residuals, float low, float
 }
 
 void
-ballResiduals(const BallBuffer& ball, const LocalFit& fit, float* residuals)
+ballResiduals(const BallBuffer& ball, int degree, const double* c, float* residuals)
 {
-  HWY_DYNAMIC_DISPATCH(ballResiduals)(ball, fit, residuals);
+  HWY_DYNAMIC_DISPATCH(ballResiduals)(ball, degree, c, residuals);
 }
 
 }  // namespace pcl_slim::detail::kernels

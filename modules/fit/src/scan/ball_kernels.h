@@ -11,7 +11,6 @@
 #include "pcl_slim/core/aligned.h"
 #include "pcl_slim/surface/polynomial.h"
 #include "pcl_slim/surface/weight_kernel.h"
-#include "scan/local_fit.h"
 
 namespace pcl_slim::detail {
 
@@ -84,9 +83,10 @@ void
 selectResiduals(const BallBuffer& ball, const float* residuals, float low, float high,
                 BallBuffer& kept);
 
-/** \brief Residuals w - h(u, v), padding included. \param[out] residuals count rounded up. */
+/** \brief Residuals w - h(u, v), padding included. \param[in] c coefficients of h in the ball's units
+ * \param[out] residuals count rounded up. */
 void
-ballResiduals(const BallBuffer& ball, const LocalFit& fit, float* residuals);
+ballResiduals(const BallBuffer& ball, int degree, const double* c, float* residuals);
 
 /** \brief A leaf as the cover sees it. */
 struct CoverLeaf {

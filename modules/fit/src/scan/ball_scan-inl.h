@@ -28,7 +28,7 @@ struct Lanes {
 class BallScan {
  public:
   BallScan(const PointStore& store, const BallQuery& query)
-      : store_(store), query_(query), radius_sq_(hn::Set(Tag(), query.radius * query.radius))
+      : store_(store), query_(query), radius_sq_(set(query.radius * query.radius))
   {
     bounded_ = query.bound_normal != nullptr;
     for (int a = 0; a < 3; ++a) bound_[a] = bounded_ ? query.bound_normal[a] : 0.0f;
@@ -53,24 +53,24 @@ class BallScan {
         prefetch(blocks[k + kAhead]);
       }
       if (!wanted(b)) continue;
-      const auto sx = hn::Set(d, store_.blockOriginX()[b] - query_.center[0]);
-      const auto sy = hn::Set(d, store_.blockOriginY()[b] - query_.center[1]);
-      const auto sz = hn::Set(d, store_.blockOriginZ()[b] - query_.center[2]);
+      const auto sx = set(store_.blockOriginX()[b] - query_.center[0]);
+      const auto sy = set(store_.blockOriginY()[b] - query_.center[1]);
+      const auto sz = set(store_.blockOriginZ()[b] - query_.center[2]);
       const std::size_t end = (b + std::size_t{1}) * PointStore::kBlock;
       for (std::size_t i = b * PointStore::kBlock; i < end; i += hn::Lanes(d)) {
         Lanes lanes;
-        lanes.dx = hn::Add(hn::Load(d, store_.x() + i), sx);
-        lanes.dy = hn::Add(hn::Load(d, store_.y() + i), sy);
-        lanes.dz = hn::Add(hn::Load(d, store_.z() + i), sz);
+        lanes.dx = Load(d, store_.x() + i) + sx;
+        lanes.dy = Load(d, store_.y() + i) + sy;
+        lanes.dz = Load(d, store_.z() + i) + sz;
         lanes.d_sq = dot3(lanes.dx, lanes.dy, lanes.dz, lanes.dx, lanes.dy, lanes.dz);
-        lanes.in_ball = hn::Lt(lanes.d_sq, radius_sq_);
-        if (hn::AllFalse(d, lanes.in_ball)) continue;
+        lanes.in_ball = lanes.d_sq < radius_sq_;
+        if (AllFalse(d, lanes.in_ball)) continue;
         lanes.kept = lanes.in_ball;
         if (bounded_) {
-          const auto cosine = dot3(hn::Load(d, store_.nx() + i), hn::Load(d, store_.ny() + i),
-                                   hn::Load(d, store_.nz() + i), hn::Set(d, bound_[0]),
-                                   hn::Set(d, bound_[1]), hn::Set(d, bound_[2]));
-          lanes.kept = hn::And(lanes.in_ball, hn::Gt(cosine, hn::Set(d, query_.min_dot)));
+          const auto cosine =
+              dot3(Load(d, store_.nx() + i), Load(d, store_.ny() + i), Load(d, store_.nz() + i),
+                   set(bound_[0]), set(bound_[1]), set(bound_[2]));
+          lanes.kept = And(lanes.in_ball, cosine > set(query_.min_dot));
         }
         body(i, lanes);
       }

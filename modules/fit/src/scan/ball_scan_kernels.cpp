@@ -14,43 +14,40 @@
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
 void
 gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& query,
            bool with_covariance, BallBuffer& ball, BallSums& sums)
 {
   const Tag d;
-  const auto zero = hn::Zero(d);
+  const auto zero = Zero(d);
   ball.reserve(blocks.size() * PointStore::kBlock);
   if (query.take_normals) ball.reserveNormals();
-  const auto inverse_sq = hn::Set(d, 1.0f / (query.radius * query.radius));
+  const auto inverse_sq = set(1.0f / (query.radius * query.radius));
   const bool with_normals = query.bound_normal != nullptr;
   std::size_t count = 0, inside = 0;
   Vec weight = zero, n[3] = {zero, zero, zero}, first[3] = {zero, zero, zero};
   Vec second[6] = {zero, zero, zero, zero, zero, zero};
   BallScan(store, query).forEach(blocks, [&](std::size_t i, const Lanes& l) HWY_ATTR {
-    const auto g = hn::IfThenElseZero(
-        l.kept, kernelWeight<WeightKernel::kPower4>(hn::Mul(l.d_sq, inverse_sq)));
-    weight = hn::Add(weight, g);
+    const auto g = IfThenElseZero(l.kept, kernelWeight<WeightKernel::kPower4>(l.d_sq * inverse_sq));
+    weight += g;
     if (with_normals) {
-      inside += hn::CountTrue(d, l.in_ball);
-      n[0] = hn::MulAdd(g, hn::Load(d, store.nx() + i), n[0]);
-      n[1] = hn::MulAdd(g, hn::Load(d, store.ny() + i), n[1]);
-      n[2] = hn::MulAdd(g, hn::Load(d, store.nz() + i), n[2]);
+      inside += CountTrue(d, l.in_ball);
+      n[0] = MulAdd(g, Load(d, store.nx() + i), n[0]);
+      n[1] = MulAdd(g, Load(d, store.ny() + i), n[1]);
+      n[2] = MulAdd(g, Load(d, store.nz() + i), n[2]);
     }
     if (with_covariance) {
       // Padding lies far away: its weight is 0, its products stay finite.
-      const auto gx = hn::Mul(g, l.dx), gy = hn::Mul(g, l.dy), gz = hn::Mul(g, l.dz);
-      first[0] = hn::Add(first[0], gx);
-      first[1] = hn::Add(first[1], gy);
-      first[2] = hn::Add(first[2], gz);
-      second[0] = hn::MulAdd(gx, l.dx, second[0]);
-      second[1] = hn::MulAdd(gx, l.dy, second[1]);
-      second[2] = hn::MulAdd(gx, l.dz, second[2]);
-      second[3] = hn::MulAdd(gy, l.dy, second[3]);
-      second[4] = hn::MulAdd(gy, l.dz, second[4]);
-      second[5] = hn::MulAdd(gz, l.dz, second[5]);
+      const auto gx = g * l.dx, gy = g * l.dy, gz = g * l.dz;
+      first[0] += gx;
+      first[1] += gy;
+      first[2] += gz;
+      second[0] = MulAdd(gx, l.dx, second[0]);
+      second[1] = MulAdd(gx, l.dy, second[1]);
+      second[2] = MulAdd(gx, l.dz, second[2]);
+      second[3] = MulAdd(gy, l.dy, second[3]);
+      second[4] = MulAdd(gy, l.dz, second[4]);
+      second[5] = MulAdd(gz, l.dz, second[5]);
     }
     const LanePacking packing(d, l.kept);
     packing.store(l.dx, ball.u.data() + count);
@@ -58,9 +55,9 @@ gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& qu
     packing.store(l.dz, ball.w.data() + count);
     packing.store(l.d_sq, ball.s_sq.data() + count);
     if (query.take_normals) {
-      packing.store(hn::Load(d, store.nx() + i), ball.n_u.data() + count);
-      packing.store(hn::Load(d, store.ny() + i), ball.n_v.data() + count);
-      packing.store(hn::Load(d, store.nz() + i), ball.n_w.data() + count);
+      packing.store(Load(d, store.nx() + i), ball.n_u.data() + count);
+      packing.store(Load(d, store.ny() + i), ball.n_v.data() + count);
+      packing.store(Load(d, store.nz() + i), ball.n_w.data() + count);
     }
     count += packing.count();
   });
@@ -82,17 +79,16 @@ coverOfDegree(const PointStore& store, const BlockList& blocks, const CoverLeaf&
   const double scale = 1.0 / leaf.support_radius;
   const ScaledAxes axes(leaf.frame, leaf.support_radius);
   const Height<D> height(leaf.c);
-  const auto limit = hn::Set(d, static_cast<float>(leaf.max_residual * scale));
-  const auto radius_sq =
-      hn::Set(d, leaf.to_foot ? leaf.support_radius * leaf.support_radius : 0.0f);
-  const auto inverse_sq = hn::Set(d, 1.0f / (leaf.ball.radius * leaf.ball.radius));
+  const auto limit = set(static_cast<float>(leaf.max_residual * scale));
+  const auto radius_sq = set(leaf.to_foot ? leaf.support_radius * leaf.support_radius : 0.0f);
+  const auto inverse_sq = set(1.0f / (leaf.ball.radius * leaf.ball.radius));
   BallScan(store, leaf.ball).forEach(blocks, [&](std::size_t i, const Lanes& l) HWY_ATTR {
     const auto [u, v, w] = axes.turn({l.dx, l.dy, l.dz});
-    const auto residual = hn::Sub(w, height(u, v));
-    const auto near = hn::And(l.kept, hn::Le(hn::Abs(residual), limit));
+    const auto residual = w - height(u, v);
+    const auto near = And(l.kept, Abs(residual) <= limit);
     // The distance counts to the point's foot: noise thick against the ball is no lack of coverage.
-    const auto foot_sq = hn::NegMulAdd(hn::Mul(residual, residual), radius_sq, l.d_sq);
-    const auto g = kernelWeight<K>(hn::Mul(hn::Max(foot_sq, hn::Zero(d)), inverse_sq));
+    const auto foot_sq = NegMulAdd(residual * residual, radius_sq, l.d_sq);
+    const auto g = kernelWeight<K>(Max(foot_sq, Zero(d)) * inverse_sq);
     addMasked(g, near, coverage + i);
   });
 }
@@ -134,7 +130,7 @@ markPoints(const PointStore& store, const BlockList& blocks, const BallQuery& ba
   };
   BallScan(store, ball).forEachOf(blocks, unmarked, [&](std::size_t i, const Lanes& l) HWY_ATTR {
     HWY_ALIGN std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(d, l.kept, bits);
+    StoreMaskBits(d, l.kept, bits);
     for (std::uint32_t mask = bits[0] | static_cast<std::uint32_t>(bits[1]) << 8; mask != 0;
          mask &= mask - 1) {
       marks[i + static_cast<std::size_t>(__builtin_ctz(mask))] |= value;

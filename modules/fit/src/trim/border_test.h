@@ -3,15 +3,41 @@
 
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "fit_constants.h"
 #include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/core/aligned.h"
 #include "pcl_slim/core/vector3.h"
-#include "trim/border_kernels.h"
 
 namespace pcl_slim::detail {
+
+/** \brief Points around a place as columns, in local units, padded with zeros to whole vectors. */
+struct NearPoints {
+  AlignedVector<float> x, y, z, distance_sq;  ///< offsets from the place, and their squared length
+  AlignedVector<float> u, v, w;               ///< the offsets in the axes of a plane
+  std::size_t count = 0;
+
+  void reserve(std::size_t capacity);
+};
+
+/** \brief Which points are of the place's side, where normals part sheets. */
+struct PlaceSide {
+  std::array<float, 3> normal{};
+  float min_dot = -2;  ///< the normal bound: of the cosine to the normal; below -1 for all points
+};
+
+/** \brief An empty disc that touches the place, and the nearest point ahead. */
+struct EmptyDisc {
+  float u = 0, v = 0;        ///< direction of its middle from the place
+  float width = 0;           ///< diameter
+  float next_sq = 0;         ///< squared distance of the nearest point within 60 degrees of (u, v)
+  std::ptrdiff_t next = -1;  ///< that point; -1: there is none
+};
+
+constexpr int kBorderSectors = 64;  ///< of directions, equal in the circle |u| + |v| = 1
 
 /** \brief What a border test has found at a stored point. Threads share it, as it depends on nothing else. */
 struct PointBorder {

@@ -28,27 +28,26 @@ addColorsOf(const BlockPoints& points, const BlockLeaf& leaf, BlockColors& color
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
     const Local p = frame.place(points, i);
     const Vec s_sq = p.lengthSq();
-    const Mask near = hn::Lt(s_sq, set(1.0f));
-    if (hn::AllFalse(d, near)) continue;
+    const Mask near = s_sq < set(1.0f);
+    if (AllFalse(d, near)) continue;
     Vec h, hu, hv;
     jets.gradient(p.u, p.v, h, hu, hv);
-    Mask own = hn::And(near, hn::Le(hn::Abs(hn::Sub(p.w, h)), set(kColorGate)));
+    Mask own = And(near, Abs(p.w - h) <= set(kColorGate));
     if (points.nx) {
       const Vec cosine =
-          dot3(hn::Load(d, points.nx + i), hn::Load(d, points.ny + i), hn::Load(d, points.nz + i),
+          dot3(Load(d, points.nx + i), Load(d, points.ny + i), Load(d, points.nz + i),
                set(leaf.w[0]), set(leaf.w[1]), set(leaf.w[2]));
-      own = hn::And(own, hn::Gt(cosine, hn::Zero(d)));
+      own = And(own, cosine > Zero(d));
     }
-    const Vec share = hn::IfThenElse(own, set(1.0f), set(kOtherSheet));
-    const Vec weight = hn::Mul(hn::Mul(share, set(leaf.variance_weight)), kernelWeight<K>(s_sq));
-    const Vec uu = hn::Mul(p.u, p.u), uv = hn::Mul(p.u, p.v), vv = hn::Mul(p.v, p.v);
+    const Vec share = IfThenElse(own, set(1.0f), set(kOtherSheet));
+    const Vec weight = share * set(leaf.variance_weight) * kernelWeight<K>(s_sq);
+    const Vec uu = p.u * p.u, uv = p.u * p.v, vv = p.v * p.v;
     addTo(colors.weight + i, near, weight);
     for (std::size_t c = 0; c < 3; ++c) {
       const auto term = [&](std::size_t k) HWY_ATTR { return set(color[k][c]); };
-      const Vec slope = hn::MulAdd(term(1), p.u, hn::MulAdd(term(2), p.v, term(0)));
-      const Vec value =
-          hn::MulAdd(term(3), uu, hn::MulAdd(term(4), uv, hn::MulAdd(term(5), vv, slope)));
-      const Vec weighted = hn::Mul(weight, hn::Min(hn::Max(value, hn::Zero(d)), set(255.0f)));
+      const Vec slope = MulAdd(term(1), p.u, MulAdd(term(2), p.v, term(0)));
+      const Vec value = MulAdd(term(3), uu, MulAdd(term(4), uv, MulAdd(term(5), vv, slope)));
+      const Vec weighted = weight * Min(Max(value, Zero(d)), set(255.0f));
       addTo(colors.sum[c] + i, near, weighted);
     }
   }

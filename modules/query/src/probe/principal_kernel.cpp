@@ -15,24 +15,23 @@ namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 HWY_INLINE Triple<Vec>
 sum(Vec s, const Triple<Vec>& a, Vec t, const Triple<Vec>& b)
 {
-  return {hn::MulAdd(s, a.x, hn::Mul(t, b.x)), hn::MulAdd(s, a.y, hn::Mul(t, b.y)),
-          hn::MulAdd(s, a.z, hn::Mul(t, b.z))};
+  return {MulAdd(s, a.x, t * b.x), MulAdd(s, a.y, t * b.y), MulAdd(s, a.z, t * b.z)};
 }
 
 HWY_INLINE Triple<Vec>
 load(const float (&columns)[3][16], std::size_t i)
 {
   const Tag d;
-  return {hn::Load(d, columns[0] + i), hn::Load(d, columns[1] + i), hn::Load(d, columns[2] + i)};
+  return {Load(d, columns[0] + i), Load(d, columns[1] + i), Load(d, columns[2] + i)};
 }
 
 HWY_INLINE void
 store(const Triple<Vec>& a, float (&columns)[3][16], std::size_t i)
 {
   const Tag d;
-  hn::Store(a.x, d, columns[0] + i);
-  hn::Store(a.y, d, columns[1] + i);
-  hn::Store(a.z, d, columns[2] + i);
+  Store(a.x, d, columns[0] + i);
+  Store(a.y, d, columns[1] + i);
+  Store(a.z, d, columns[2] + i);
 }
 
 /** Cosine and sine of half the angle of (x, y), a vector of the given length; cosine >= 0. */
@@ -40,36 +39,35 @@ HWY_INLINE void
 halfAngle(Vec x, Vec y, Vec length, Vec& cosine, Vec& sine)
 {
   const Tag d;
-  const Vec zero = hn::Zero(d);
-  const Mask behind = hn::Lt(x, zero);
-  const Vec c = hn::IfThenElse(behind, hn::Abs(y), hn::Add(length, x));
-  const Vec s = hn::IfThenElse(behind, hn::CopySign(hn::Sub(length, x), y), y);
-  const Vec norm = hn::Sqrt(hn::MulAdd(c, c, hn::Mul(s, s)));
-  const Mask any = hn::Gt(norm, zero);
-  const Vec divisor = hn::IfThenElse(any, norm, hn::Set(d, 1.0f));
-  cosine = hn::IfThenElse(any, hn::Div(c, divisor), hn::Set(d, 1.0f));
-  sine = hn::IfThenElseZero(any, hn::Div(s, divisor));
+  const Vec zero = Zero(d);
+  const Mask behind = x < zero;
+  const Vec c = IfThenElse(behind, Abs(y), length + x);
+  const Vec s = IfThenElse(behind, CopySign(length - x, y), y);
+  const Vec norm = Sqrt(MulAdd(c, c, s * s));
+  const Mask any = norm > zero;
+  const Vec divisor = IfThenElse(any, norm, set(1.0f));
+  cosine = IfThenElse(any, c / divisor, set(1.0f));
+  sine = IfThenElseZero(any, s / divisor);
 }
 
 void
 findPrincipals(const BlockSums& sums, BlockPrincipals& principals)
 {
   const Tag d;
-  const Vec one = hn::Set(d, 1.0f), half_of = hn::Set(d, 0.5f), zero = hn::Zero(d);
+  const Vec one = set(1.0f), half_of = set(0.5f), zero = Zero(d);
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
-    const Vec weight = hn::Load(d, sums.weight + i);
-    const Vec per_weight = hn::Div(one, hn::IfThenElse(hn::Gt(weight, zero), weight, one));
+    const Vec weight = Load(d, sums.weight + i);
+    const Vec per_weight = one / IfThenElse(weight > zero, weight, one);
     const Triple<Vec> g = load(sums.gradient, i);
-    const Vec g_length = hn::Sqrt(dot3(g, g));
-    const Vec per_length = hn::Div(one, hn::IfThenElse(hn::Gt(g_length, zero), g_length, one));
-    const Triple<Vec> n = {hn::Mul(g.x, per_length), hn::Mul(g.y, per_length),
-                           hn::Mul(g.z, per_length)};
+    const Vec g_length = Sqrt(dot3(g, g));
+    const Vec per_length = one / IfThenElse(g_length > zero, g_length, one);
+    const Triple<Vec> n = {g.x * per_length, g.y * per_length, g.z * per_length};
     const FrameLanes<Vec> frame(n);
     const Triple<Vec>&u = frame.u, &v = frame.v;
     // The shape operator is the Hessian over |g|, restricted to the tangent plane: weights cancel.
     const auto times = [&](const Triple<Vec>& a) HWY_ATTR {
       const auto h = [&](int row, int column) HWY_ATTR {
-        return hn::Load(d, sums.hessian[kSymmetricEntry[row][column]] + i);
+        return Load(d, sums.hessian[kSymmetricEntry[row][column]] + i);
       };
       const auto row = [&](int r)
                            HWY_ATTR { return dot3(h(r, 0), h(r, 1), h(r, 2), a.x, a.y, a.z); };
@@ -77,16 +75,16 @@ findPrincipals(const BlockSums& sums, BlockPrincipals& principals)
     };
     const Triple<Vec> hu = times(u), hv = times(v);
     const Vec uu = dot3(u, hu), uv = dot3(u, hv), vv = dot3(v, hv);
-    const Vec mean = hn::Mul(half_of, hn::Add(uu, vv)), half = hn::Mul(half_of, hn::Sub(uu, vv));
-    const Vec spread = hn::Sqrt(hn::MulAdd(half, half, hn::Mul(uv, uv)));
+    const Vec mean = half_of * (uu + vv), half = half_of * (uu - vv);
+    const Vec spread = Sqrt(MulAdd(half, half, uv * uv));
     Vec cosine, sine;
     halfAngle(half, uv, spread, cosine, sine);
-    hn::Store(hn::Mul(g_length, per_weight), d, principals.length + i);
+    Store(g_length * per_weight, d, principals.length + i);
     store(n, principals.normal, i);
-    hn::Store(hn::Mul(hn::Add(mean, spread), per_length), d, principals.k1 + i);
-    hn::Store(hn::Mul(hn::Sub(mean, spread), per_length), d, principals.k2 + i);
+    Store((mean + spread) * per_length, d, principals.k1 + i);
+    Store((mean - spread) * per_length, d, principals.k2 + i);
     store(sum(cosine, u, sine, v), principals.direction1, i);
-    store(sum(hn::Neg(sine), u, cosine, v), principals.direction2, i);
+    store(sum(Neg(sine), u, cosine, v), principals.direction2, i);
   }
 }
 

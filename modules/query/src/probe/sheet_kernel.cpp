@@ -31,22 +31,22 @@ feetOf(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& rules
   const Tag d;
   SheetFeet feet;
   const Local p = frame.place(points, i);
-  feet.near = hn::Lt(p.lengthSq(), set(rules.reach_sq));
-  if (hn::AllFalse(d, feet.near)) return feet;
+  feet.near = p.lengthSq() < set(rules.reach_sq);
+  if (AllFalse(d, feet.near)) return feet;
   Vec h, hu, hv;
   jets.gradient(p.u, p.v, h, hu, hv);
-  const Vec slope_sq = hn::MulAdd(hu, hu, hn::MulAdd(hv, hv, set(1.0f)));
-  const Vec inverse = hn::Div(set(1.0f), hn::Sqrt(slope_sq));
-  const Vec f = hn::Sub(p.w, h);
-  feet.distance = hn::Mul(f, inverse);
-  const Vec t = hn::Mul(feet.distance, inverse);
-  const Local foot = {hn::MulAdd(t, hu, p.u), hn::MulAdd(t, hv, p.v), hn::Sub(p.w, t)};
+  const Vec slope_sq = MulAdd(hu, hu, MulAdd(hv, hv, set(1.0f)));
+  const Vec inverse = set(1.0f) / Sqrt(slope_sq);
+  const Vec f = p.w - h;
+  feet.distance = f * inverse;
+  const Vec t = feet.distance * inverse;
+  const Local foot = {MulAdd(t, hu, p.u), MulAdd(t, hv, p.v), p.w - t};
   const Vec s_sq = foot.lengthSq();
-  feet.near = hn::And(feet.near, hn::Lt(s_sq, set(1.0f)));
-  feet.near = hn::And(feet.near, hn::Le(hn::Abs(feet.distance), set(rules.most_distance)));
-  feet.weight = hn::IfThenElseZero(
-      feet.near, hn::Mul(set(leaf.variance_weight), kernelWeight(rules.kernel, s_sq)));
-  const Local n = {hn::Neg(hn::Mul(hu, inverse)), hn::Neg(hn::Mul(hv, inverse)), inverse};
+  feet.near = And(feet.near, s_sq < set(1.0f));
+  feet.near = And(feet.near, Abs(feet.distance) <= set(rules.most_distance));
+  feet.weight =
+      IfThenElseZero(feet.near, set(leaf.variance_weight) * kernelWeight(rules.kernel, s_sq));
+  const Local n = {Neg(hu * inverse), Neg(hv * inverse), inverse};
   for (int a = 0; a < 3; ++a) feet.normal[a] = frame.back(a, n);
   return feet;
 }
@@ -62,18 +62,16 @@ findSheetsOf(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules&
   const float soft = rules.softening * leaf.radius + rules.noise;
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
     const SheetFeet feet = feetOf(points, leaf, rules, frame, jets, i);
-    if (hn::AllFalse(d, feet.near)) continue;
-    const Vec distance = hn::Mul(feet.distance, set(leaf.radius));
-    const Vec score =
-        hn::Div(feet.weight, hn::MulAdd(distance, distance, set(soft * soft + 1e-30f)));
-    const Vec best = hn::Load(d, sheets.score + i);
-    const Mask better = hn::And(feet.near, hn::Gt(score, best));
-    hn::Store(hn::IfThenElse(better, score, best), d, sheets.score + i);
-    hn::Store(hn::IfThenElse(better, distance, hn::Load(d, sheets.distance + i)), d,
-              sheets.distance + i);
+    if (AllFalse(d, feet.near)) continue;
+    const Vec distance = feet.distance * set(leaf.radius);
+    const Vec score = feet.weight / MulAdd(distance, distance, set(soft * soft + 1e-30f));
+    const Vec best = Load(d, sheets.score + i);
+    const Mask better = And(feet.near, score > best);
+    Store(IfThenElse(better, score, best), d, sheets.score + i);
+    Store(IfThenElse(better, distance, Load(d, sheets.distance + i)), d, sheets.distance + i);
     for (int a = 0; a < 3; ++a) {
-      const Vec old = hn::Load(d, sheets.normal[a] + i);
-      hn::Store(hn::IfThenElse(better, feet.normal[a], old), d, sheets.normal[a] + i);
+      const Vec old = Load(d, sheets.normal[a] + i);
+      Store(IfThenElse(better, feet.normal[a], old), d, sheets.normal[a] + i);
     }
   }
 }
@@ -89,20 +87,20 @@ addSheetsOf(const BlockPoints& points, const BlockLeaf& leaf, const SheetRules& 
   const float most = rules.same_sheet * leaf.radius + rules.noise;
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
     const SheetFeet feet = feetOf(points, leaf, rules, frame, jets, i);
-    Mask near = hn::And(feet.near, hn::Gt(hn::Load(d, sheets.score + i), hn::Zero(d)));
-    if (hn::AllFalse(d, near)) continue;
+    Mask near = And(feet.near, Load(d, sheets.score + i) > Zero(d));
+    if (AllFalse(d, near)) continue;
     const Vec cosine =
-        dot3(feet.normal[0], feet.normal[1], feet.normal[2], hn::Load(d, sheets.normal[0] + i),
-             hn::Load(d, sheets.normal[1] + i), hn::Load(d, sheets.normal[2] + i));
-    const Vec turn = hn::IfThenElse(hn::Lt(cosine, hn::Zero(d)), set(-1.0f), set(1.0f));
-    if (rules.oriented) near = hn::And(near, hn::Gt(cosine, set(rules.min_dot)));
-    const Vec distance = hn::Mul(turn, hn::Mul(feet.distance, set(leaf.radius)));
-    const Vec off = hn::Abs(hn::Sub(distance, hn::Load(d, sheets.distance + i)));
-    near = hn::And(near, hn::Le(off, set(most)));
+        dot3(feet.normal[0], feet.normal[1], feet.normal[2], Load(d, sheets.normal[0] + i),
+             Load(d, sheets.normal[1] + i), Load(d, sheets.normal[2] + i));
+    const Vec turn = IfThenElse(cosine < Zero(d), set(-1.0f), set(1.0f));
+    if (rules.oriented) near = And(near, cosine > set(rules.min_dot));
+    const Vec distance = turn * (feet.distance * set(leaf.radius));
+    const Vec off = Abs(distance - Load(d, sheets.distance + i));
+    near = And(near, off <= set(most));
     addTo(sheets.weight + i, near, feet.weight);
-    addTo(sheets.distance_sum + i, near, hn::Mul(feet.weight, distance));
+    addTo(sheets.distance_sum + i, near, feet.weight * distance);
     for (int a = 0; a < 3; ++a) {
-      addTo(sheets.normal_sum[a] + i, near, hn::Mul(feet.weight, hn::Mul(turn, feet.normal[a])));
+      addTo(sheets.normal_sum[a] + i, near, feet.weight * (turn * feet.normal[a]));
     }
   }
 }

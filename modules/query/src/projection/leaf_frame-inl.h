@@ -14,14 +14,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-HWY_INLINE Vec
-set(float value)
-{
-  return hn::Set(Tag(), value);
-}
-
 struct ThirdDerivatives {
   Vec uuu, uuv, uvv, vvv;
 };
@@ -37,81 +29,65 @@ class HeightJets {
 
   HWY_INLINE void gradient(Vec u, Vec v, Vec& h, Vec& hu, Vec& hv) const
   {
-    h = hn::MulAdd(c_[1], u, hn::MulAdd(c_[2], v, c_[0]));
+    h = MulAdd(c_[1], u, MulAdd(c_[2], v, c_[0]));
     hu = c_[1];
     hv = c_[2];
     if constexpr (D >= 2) {
-      h = hn::MulAdd(u, hn::MulAdd(c_[3], u, hn::Mul(c_[4], v)),
-                     hn::MulAdd(hn::Mul(c_[5], v), v, h));
-      hu = hn::MulAdd(hn::Add(c_[3], c_[3]), u, hn::MulAdd(c_[4], v, hu));
-      hv = hn::MulAdd(hn::Add(c_[5], c_[5]), v, hn::MulAdd(c_[4], u, hv));
+      h = MulAdd(u, MulAdd(c_[3], u, c_[4] * v), MulAdd(c_[5] * v, v, h));
+      hu = MulAdd(c_[3] + c_[3], u, MulAdd(c_[4], v, hu));
+      hv = MulAdd(c_[5] + c_[5], v, MulAdd(c_[4], u, hv));
     }
     if constexpr (D >= 3) {
-      const Vec uu = hn::Mul(u, u), uv = hn::Mul(u, v), vv = hn::Mul(v, v);
-      h = hn::MulAdd(uu, hn::MulAdd(c_[6], u, hn::Mul(c_[7], v)),
-                     hn::MulAdd(vv, hn::MulAdd(c_[8], u, hn::Mul(c_[9], v)), h));
-      hu = hn::MulAdd(hn::Mul(set(3), c_[6]), uu,
-                      hn::MulAdd(hn::Add(c_[7], c_[7]), uv, hn::MulAdd(c_[8], vv, hu)));
-      hv = hn::MulAdd(
-          c_[7], uu,
-          hn::MulAdd(hn::Add(c_[8], c_[8]), uv, hn::MulAdd(hn::Mul(set(3), c_[9]), vv, hv)));
+      const Vec uu = u * u, uv = u * v, vv = v * v;
+      h = MulAdd(uu, MulAdd(c_[6], u, c_[7] * v), MulAdd(vv, MulAdd(c_[8], u, c_[9] * v), h));
+      hu = MulAdd(set(3) * c_[6], uu, MulAdd(c_[7] + c_[7], uv, MulAdd(c_[8], vv, hu)));
+      hv = MulAdd(c_[7], uu, MulAdd(c_[8] + c_[8], uv, MulAdd(set(3) * c_[9], vv, hv)));
     }
     if constexpr (D >= 4) {
-      const Vec uu = hn::Mul(u, u), uv = hn::Mul(u, v), vv = hn::Mul(v, v);
-      const Vec high = hn::MulAdd(c_[10], uu, hn::MulAdd(c_[11], uv, hn::Mul(c_[12], vv)));
-      h = hn::MulAdd(uu, high, hn::MulAdd(vv, hn::MulAdd(c_[13], uv, hn::Mul(c_[14], vv)), h));
-      const Vec hu4 = hn::MulAdd(
-          uu, hn::MulAdd(hn::Mul(set(4), c_[10]), u, hn::Mul(hn::Mul(set(3), c_[11]), v)),
-          hn::Mul(vv, hn::MulAdd(hn::Add(c_[12], c_[12]), u, hn::Mul(c_[13], v))));
-      const Vec hv4 = hn::MulAdd(
-          uu, hn::MulAdd(c_[11], u, hn::Mul(hn::Add(c_[12], c_[12]), v)),
-          hn::Mul(vv, hn::MulAdd(hn::Mul(set(3), c_[13]), u, hn::Mul(hn::Mul(set(4), c_[14]), v))));
-      hu = hn::Add(hu, hu4);
-      hv = hn::Add(hv, hv4);
+      const Vec uu = u * u, uv = u * v, vv = v * v;
+      const Vec high = MulAdd(c_[10], uu, MulAdd(c_[11], uv, c_[12] * vv));
+      h = MulAdd(uu, high, MulAdd(vv, MulAdd(c_[13], uv, c_[14] * vv), h));
+      const Vec hu4 = MulAdd(uu, MulAdd(set(4) * c_[10], u, set(3) * c_[11] * v),
+                             vv * MulAdd(c_[12] + c_[12], u, c_[13] * v));
+      const Vec hv4 = MulAdd(uu, MulAdd(c_[11], u, (c_[12] + c_[12]) * v),
+                             vv * MulAdd(set(3) * c_[13], u, set(4) * c_[14] * v));
+      hu += hu4;
+      hv += hv4;
     }
   }
 
   HWY_INLINE void second(Vec u, Vec v, Vec& huu, Vec& huv, Vec& hvv) const
   {
     const Vec two = set(2);
-    huu = huv = hvv = hn::Zero(Tag());
+    huu = huv = hvv = Zero(Tag());
     if constexpr (D >= 2) {
-      huu = hn::Mul(two, c_[3]);
+      huu = two * c_[3];
       huv = c_[4];
-      hvv = hn::Mul(two, c_[5]);
+      hvv = two * c_[5];
     }
     if constexpr (D >= 3) {
-      huu = hn::MulAdd(hn::Mul(set(6), c_[6]), u, hn::MulAdd(hn::Mul(two, c_[7]), v, huu));
-      huv = hn::MulAdd(hn::Mul(two, c_[7]), u, hn::MulAdd(hn::Mul(two, c_[8]), v, huv));
-      hvv = hn::MulAdd(hn::Mul(two, c_[8]), u, hn::MulAdd(hn::Mul(set(6), c_[9]), v, hvv));
+      huu = MulAdd(set(6) * c_[6], u, MulAdd(two * c_[7], v, huu));
+      huv = MulAdd(two * c_[7], u, MulAdd(two * c_[8], v, huv));
+      hvv = MulAdd(two * c_[8], u, MulAdd(set(6) * c_[9], v, hvv));
     }
     if constexpr (D >= 4) {
-      const Vec uu = hn::Mul(u, u), uv = hn::Mul(u, v), vv = hn::Mul(v, v);
-      huu = hn::Add(huu, hn::MulAdd(hn::Mul(set(12), c_[10]), uu,
-                                    hn::MulAdd(hn::Mul(set(6), c_[11]), uv,
-                                               hn::Mul(hn::Mul(two, c_[12]), vv))));
-      huv = hn::Add(huv, hn::MulAdd(hn::Mul(set(3), c_[11]), uu,
-                                    hn::MulAdd(hn::Mul(set(4), c_[12]), uv,
-                                               hn::Mul(hn::Mul(set(3), c_[13]), vv))));
-      hvv = hn::Add(hvv, hn::MulAdd(hn::Mul(two, c_[12]), uu,
-                                    hn::MulAdd(hn::Mul(set(6), c_[13]), uv,
-                                               hn::Mul(hn::Mul(set(12), c_[14]), vv))));
+      const Vec uu = u * u, uv = u * v, vv = v * v;
+      huu += MulAdd(set(12) * c_[10], uu, MulAdd(set(6) * c_[11], uv, two * c_[12] * vv));
+      huv += MulAdd(set(3) * c_[11], uu, MulAdd(set(4) * c_[12], uv, set(3) * c_[13] * vv));
+      hvv += MulAdd(two * c_[12], uu, MulAdd(set(6) * c_[13], uv, set(12) * c_[14] * vv));
     }
   }
 
   HWY_INLINE ThirdDerivatives third(Vec u, Vec v) const
   {
-    const Vec zero = hn::Zero(Tag());
+    const Vec zero = Zero(Tag());
     ThirdDerivatives h{zero, zero, zero, zero};
     if constexpr (D >= 3) {
-      h = {hn::Mul(set(6), c_[6]), hn::Mul(set(2), c_[7]), hn::Mul(set(2), c_[8]),
-           hn::Mul(set(6), c_[9])};
+      h = {set(6) * c_[6], set(2) * c_[7], set(2) * c_[8], set(6) * c_[9]};
     }
     if constexpr (D >= 4) {
-      const auto add = [&](Vec& target, float ku, Vec cu, float kv, Vec cv) HWY_ATTR {
-        target =
-            hn::Add(target, hn::MulAdd(hn::Mul(set(ku), cu), u, hn::Mul(hn::Mul(set(kv), cv), v)));
-      };
+      const auto add = [&](Vec& target, float ku, Vec cu, float kv, Vec cv)
+                           HWY_ATTR { target += MulAdd(set(ku) * cu, u, set(kv) * cv * v); };
       add(h.uuu, 24, c_[10], 6, c_[11]);
       add(h.uuv, 6, c_[11], 4, c_[12]);
       add(h.uvv, 4, c_[12], 6, c_[13]);
@@ -158,7 +134,7 @@ class LeafFrame {
     const float* const column[3] = {points.x, points.y, points.z};
     Vec p[3];
     for (int a = 0; a < 3; ++a) {
-      p[a] = hn::Mul(hn::Add(hn::Load(d, column[a] + i), shift_[a]), inverse_);
+      p[a] = (Load(d, column[a] + i) + shift_[a]) * inverse_;
     }
     return turn(p[0], p[1], p[2]);
   }
@@ -180,7 +156,7 @@ class LeafFrame {
 HWY_INLINE Local
 gradientOf(Vec hu, Vec hv)
 {
-  return {hn::Neg(hu), hn::Neg(hv), set(1.0f)};
+  return {Neg(hu), Neg(hv), set(1.0f)};
 }
 
 /** Adds the lanes of mask; 0 to the others, whatever value is there. */
@@ -188,7 +164,7 @@ HWY_INLINE void
 addTo(float* target, Mask mask, Vec value)
 {
   const Tag d;
-  hn::Store(hn::Add(hn::Load(d, target), hn::IfThenElseZero(mask, value)), d, target);
+  Store(Load(d, target) + IfThenElseZero(mask, value), d, target);
 }
 
 /** Adds scale times the Hessian H = huu u u^T + huv (u v^T + v u^T) + hvv v v^T. */
@@ -200,11 +176,11 @@ addHessian(const LeafFrame& frame, const HeightJets<D>& jets, const Local& q, Ma
   Vec huu, huv, hvv;
   jets.second(q.u, q.v, huu, huv, hvv);
   for (int a = 0; a < 3; ++a) {
-    const Vec along_u = hn::MulAdd(huu, frame.axisU(a), hn::Mul(huv, frame.axisV(a)));
-    const Vec along_v = hn::MulAdd(huv, frame.axisU(a), hn::Mul(hvv, frame.axisV(a)));
+    const Vec along_u = MulAdd(huu, frame.axisU(a), huv * frame.axisV(a));
+    const Vec along_v = MulAdd(huv, frame.axisU(a), hvv * frame.axisV(a));
     for (int b = a; b < 3; ++b) {
-      const Vec entry = hn::MulAdd(along_u, frame.axisU(b), hn::Mul(along_v, frame.axisV(b)));
-      addTo(sums.hessian[kSymmetricEntry[a][b]] + i, near, hn::Mul(scale, entry));
+      const Vec entry = MulAdd(along_u, frame.axisU(b), along_v * frame.axisV(b));
+      addTo(sums.hessian[kSymmetricEntry[a][b]] + i, near, scale * entry);
     }
   }
 }
@@ -216,15 +192,14 @@ addThird(const LeafFrame& frame, const ThirdDerivatives& h, Mask near, Vec scale
 {
   for (int a = 0, k = 0; a < 3; ++a) {
     for (int b = a; b < 3; ++b) {
-      const Vec uu = hn::Mul(frame.axisU(a), frame.axisU(b));
-      const Vec vv = hn::Mul(frame.axisV(a), frame.axisV(b));
-      const Vec uv =
-          hn::MulAdd(frame.axisU(a), frame.axisV(b), hn::Mul(frame.axisV(a), frame.axisU(b)));
-      const Vec along_u = hn::MulAdd(h.uuu, uu, hn::MulAdd(h.uuv, uv, hn::Mul(h.uvv, vv)));
-      const Vec along_v = hn::MulAdd(h.uuv, uu, hn::MulAdd(h.uvv, uv, hn::Mul(h.vvv, vv)));
+      const Vec uu = frame.axisU(a) * frame.axisU(b);
+      const Vec vv = frame.axisV(a) * frame.axisV(b);
+      const Vec uv = MulAdd(frame.axisU(a), frame.axisV(b), frame.axisV(a) * frame.axisU(b));
+      const Vec along_u = MulAdd(h.uuu, uu, MulAdd(h.uuv, uv, h.uvv * vv));
+      const Vec along_v = MulAdd(h.uuv, uu, MulAdd(h.uvv, uv, h.vvv * vv));
       for (int c = b; c < 3; ++c, ++k) {
-        const Vec entry = hn::MulAdd(along_u, frame.axisU(c), hn::Mul(along_v, frame.axisV(c)));
-        addTo(sums.third[k] + i, near, hn::Mul(scale, entry));
+        const Vec entry = MulAdd(along_u, frame.axisU(c), along_v * frame.axisV(c));
+        addTo(sums.third[k] + i, near, scale * entry);
       }
     }
   }

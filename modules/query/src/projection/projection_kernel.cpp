@@ -27,39 +27,37 @@ HWY_INLINE Mask
 sameSide(const BlockPoints& points, const BlockLeaf& leaf, std::size_t i)
 {
   const Tag d;
-  if (points.nx == nullptr) return hn::Eq(hn::Zero(d), hn::Zero(d));
-  const Vec cosine =
-      dot3(hn::Load(d, points.nx + i), hn::Load(d, points.ny + i), hn::Load(d, points.nz + i),
-           set(leaf.w[0]), set(leaf.w[1]), set(leaf.w[2]));
-  return hn::Gt(cosine, set(points.min_dot));
+  if (points.nx == nullptr) return Zero(d) == Zero(d);
+  const Vec cosine = dot3(Load(d, points.nx + i), Load(d, points.ny + i), Load(d, points.nz + i),
+                          set(leaf.w[0]), set(leaf.w[1]), set(leaf.w[2]));
+  return cosine > set(points.min_dot);
 }
 
 /** The sign, +1 or -1, that turns b to the side of a sum so far, from sum . b; +1 where the sum is 0. */
 HWY_INLINE Vec
 alignment(Vec sum_dot_b)
 {
-  return hn::IfThenElse(hn::Lt(sum_dot_b, hn::Zero(Tag())), set(-1.0f), set(1.0f));
+  return IfThenElse(sum_dot_b < Zero(Tag()), set(-1.0f), set(1.0f));
 }
 
 /** The leaf's weight at squared distances from its centre, in the lanes of mask. */
 HWY_INLINE Vec
 weightOf(const BlockLeaf& leaf, const BlendRules& rules, Mask mask, Vec s_sq)
 {
-  return hn::IfThenElseZero(mask,
-                            hn::Mul(set(leaf.variance_weight), kernelWeight(rules.kernel, s_sq)));
+  return IfThenElseZero(mask, set(leaf.variance_weight) * kernelWeight(rules.kernel, s_sq));
 }
 
 /** Lanes whose points, at squared distances from the centre, lie in the leaf's ball on its side. */
 HWY_INLINE Mask
 reached(const BlockPoints& points, const BlockLeaf& leaf, std::size_t i, Vec p_sq)
 {
-  return hn::And(hn::Lt(p_sq, set(1.0f)), sameSide(points, leaf, i));
+  return And(p_sq < set(1.0f), sameSide(points, leaf, i));
 }
 
 HWY_INLINE void
 keep(const Vec (&values)[3], float (&columns)[3][16], std::size_t i)
 {
-  for (int a = 0; a < 3; ++a) hn::Store(values[a], Tag(), columns[a] + i);
+  for (int a = 0; a < 3; ++a) Store(values[a], Tag(), columns[a] + i);
 }
 
 template <int D>
@@ -75,25 +73,25 @@ addDirectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const BlendRul
     keep({p.u, p.v, p.w}, heights.place, i);
     const Vec s_sq = p.lengthSq();
     Mask near = reached(points, leaf, i, s_sq);
-    if (hn::AllFalse(d, near)) continue;
+    if (AllFalse(d, near)) continue;
     Vec h, hu, hv;
     jets.gradient(p.u, p.v, h, hu, hv);
     keep({h, hu, hv}, heights.height, i);
     if (rules.guarded) {
-      near = hn::And(near, hn::Le(hn::Abs(hn::Sub(p.w, h)), set(leaf.max_residual)));
+      near = And(near, Abs(p.w - h) <= set(leaf.max_residual));
     }
     Vec g = weightOf(leaf, rules, near, s_sq);
     const Local n = gradientOf(hu, hv);
     Vec sum[3], normal[3];
     for (int a = 0; a < 3; ++a) {
-      sum[a] = hn::Load(d, sums.direction[a] + i);
+      sum[a] = Load(d, sums.direction[a] + i);
       normal[a] = frame.back(a, n);
     }
     if (!rules.oriented) {
-      g = hn::Mul(g, alignment(dot3(sum[0], sum[1], sum[2], normal[0], normal[1], normal[2])));
+      g *= alignment(dot3(sum[0], sum[1], sum[2], normal[0], normal[1], normal[2]));
       addTo(sums.weight + i, near, g);
     }
-    for (int a = 0; a < 3; ++a) addTo(sums.direction[a] + i, near, hn::Mul(g, normal[a]));
+    for (int a = 0; a < 3; ++a) addTo(sums.direction[a] + i, near, g * normal[a]);
   }
 }
 
@@ -112,19 +110,19 @@ crossingOf(const HeightJets<D>& jets, const Local& p, const LeafHeights& heights
            const Local& ray, Mask near)
 {
   const Tag d;
-  Vec t = hn::Zero(d), u = p.u, v = p.v, w = p.w, slope;
-  Vec h = hn::Load(d, heights.height[0] + i), hu = hn::Load(d, heights.height[1] + i),
-      hv = hn::Load(d, heights.height[2] + i);
+  Vec t = Zero(d), u = p.u, v = p.v, w = p.w, slope;
+  Vec h = Load(d, heights.height[0] + i), hu = Load(d, heights.height[1] + i),
+      hv = Load(d, heights.height[2] + i);
   for (int step = 0; step < kNewtonSteps; ++step) {
     if (step > 0) jets.gradient(u, v, h, hu, hv);
-    slope = hn::NegMulAdd(hu, ray.u, hn::NegMulAdd(hv, ray.v, ray.w));
-    const Mask usable = hn::Gt(hn::Abs(slope), set(kLeastSlope));
-    const Vec change = hn::Div(hn::Sub(w, h), hn::IfThenElse(usable, slope, set(kNoStep)));
-    t = hn::Sub(t, change);
-    u = hn::MulAdd(t, ray.u, p.u);
-    v = hn::MulAdd(t, ray.v, p.v);
-    w = hn::MulAdd(t, ray.w, p.w);
-    if (hn::AllTrue(d, hn::Or(hn::Not(near), hn::Lt(hn::Abs(change), set(kConverged))))) break;
+    slope = NegMulAdd(hu, ray.u, NegMulAdd(hv, ray.v, ray.w));
+    const Mask usable = Abs(slope) > set(kLeastSlope);
+    const Vec change = (w - h) / IfThenElse(usable, slope, set(kNoStep));
+    t -= change;
+    u = MulAdd(t, ray.u, p.u);
+    v = MulAdd(t, ray.v, p.v);
+    w = MulAdd(t, ray.w, p.w);
+    if (AllTrue(d, Or(Not(near), Abs(change) < set(kConverged)))) break;
   }
   jets.gradient(u, v, h, hu, hv);
   return {t, {u, v, w}, hu, hv, slope};
@@ -138,22 +136,22 @@ addBlend(const BlockLeaf& leaf, const LeafFrame& frame, const HeightJets<D>& jet
          BlockSums& sums)
 {
   addTo(sums.weight + i, near, g);
-  addTo(sums.offset + i, near, hn::Mul(g, hn::Mul(root.t, set(leaf.radius))));
+  addTo(sums.offset + i, near, g * (root.t * set(leaf.radius)));
   if (!leaf.trim.closed()) {
-    addTo(sums.outside + i, near, hn::Mul(g, outsideShares(Tag(), leaf.trim, root.q.u, root.q.v)));
+    addTo(sums.outside + i, near, g * outsideShares(Tag(), leaf.trim, root.q.u, root.q.v));
   }
   // Signed so that every gradient points along the ray.
-  const Vec signed_g = rules.oriented ? g : hn::Mul(g, alignment(root.along_ray));
+  const Vec signed_g = rules.oriented ? g : g * alignment(root.along_ray);
   const Local n = gradientOf(root.hu, root.hv);
   for (int a = 0; a < 3; ++a) {
-    addTo(sums.gradient[a] + i, near, hn::Mul(signed_g, frame.back(a, n)));
+    addTo(sums.gradient[a] + i, near, signed_g * frame.back(a, n));
   }
   if (!rules.with_hessian) return;
   const Vec inverse = set(1.0f / leaf.radius);
-  const Vec scale = hn::IfThenElseZero(near, hn::Neg(hn::Mul(signed_g, inverse)));
+  const Vec scale = IfThenElseZero(near, Neg(signed_g * inverse));
   addHessian(frame, jets, root.q, near, scale, i, sums);
   if (!rules.with_third) return;
-  addThird(frame, jets.third(root.q.u, root.q.v), near, hn::Mul(scale, inverse), i, sums);
+  addThird(frame, jets.third(root.q.u, root.q.v), near, scale * inverse, i, sums);
 }
 
 template <int D>
@@ -165,25 +163,24 @@ addIntersectionsOf(const BlockPoints& points, const BlockLeaf& leaf, const Blend
   const LeafFrame frame(leaf);
   const HeightJets<D> jets(leaf.c);
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
-    const Local p = {hn::Load(d, heights.place[0] + i), hn::Load(d, heights.place[1] + i),
-                     hn::Load(d, heights.place[2] + i)};
+    const Local p = {Load(d, heights.place[0] + i), Load(d, heights.place[1] + i),
+                     Load(d, heights.place[2] + i)};
     const Vec p_sq = p.lengthSq();
     Mask near = reached(points, leaf, i, p_sq);
-    if (hn::AllFalse(d, near)) continue;
-    const Local ray =
-        frame.turn(hn::Load(d, sums.direction[0] + i), hn::Load(d, sums.direction[1] + i),
-                   hn::Load(d, sums.direction[2] + i));
+    if (AllFalse(d, near)) continue;
+    const Local ray = frame.turn(Load(d, sums.direction[0] + i), Load(d, sums.direction[1] + i),
+                                 Load(d, sums.direction[2] + i));
     const Crossing root = crossingOf(jets, p, heights, i, ray, near);
     const Vec q_sq = root.q.lengthSq();
-    const Mask usable = hn::Gt(hn::Abs(root.along_ray), set(kLeastSlope));
-    near = hn::And(near, hn::And(hn::Lt(q_sq, set(1.0f)), usable));
+    const Mask usable = Abs(root.along_ray) > set(kLeastSlope);
+    near = And(near, And(q_sq < set(1.0f), usable));
     Vec s_sq = q_sq;
     if (rules.guarded) {
-      near = hn::And(near, hn::Le(hn::Abs(root.t), set(leaf.max_offset)));
-      if (rules.oriented) near = hn::And(near, hn::Gt(root.along_ray, hn::Zero(d)));
-      s_sq = hn::Max(p_sq, q_sq);
+      near = And(near, Abs(root.t) <= set(leaf.max_offset));
+      if (rules.oriented) near = And(near, root.along_ray > Zero(d));
+      s_sq = Max(p_sq, q_sq);
     }
-    if (hn::AllFalse(d, near)) continue;
+    if (AllFalse(d, near)) continue;
     const Vec g = weightOf(leaf, rules, near, s_sq);
     addBlend(leaf, frame, jets, rules, root, near, g, i, sums);
   }
@@ -202,24 +199,24 @@ void
 finishDirections(BlockSums& sums)
 {
   const Tag d;
-  const Vec zero = hn::Zero(d);
+  const Vec zero = Zero(d);
   for (std::size_t i = 0; i < 16; i += hn::Lanes(d)) {
     Vec n[3];
-    for (int a = 0; a < 3; ++a) n[a] = hn::Load(d, sums.direction[a] + i);
+    for (int a = 0; a < 3; ++a) n[a] = Load(d, sums.direction[a] + i);
     const Vec length_sq = dot3(n[0], n[1], n[2], n[0], n[1], n[2]);
-    const Mask usable = hn::Gt(length_sq, set(1e-30f));
+    const Mask usable = length_sq > set(1e-30f);
     // The side of most leaves, by weight.
-    const Vec inverse = hn::Div(alignment(hn::Load(d, sums.weight + i)),
-                                hn::Sqrt(hn::IfThenElse(usable, length_sq, set(1.0f))));
+    const Vec inverse =
+        alignment(Load(d, sums.weight + i)) / Sqrt(IfThenElse(usable, length_sq, set(1.0f)));
     for (int a = 0; a < 3; ++a) {
-      hn::Store(hn::IfThenElseZero(usable, hn::Mul(n[a], inverse)), d, sums.direction[a] + i);
-      hn::Store(zero, d, sums.gradient[a] + i);
+      Store(IfThenElseZero(usable, n[a] * inverse), d, sums.direction[a] + i);
+      Store(zero, d, sums.gradient[a] + i);
     }
-    hn::Store(zero, d, sums.weight + i);
-    hn::Store(zero, d, sums.offset + i);
-    hn::Store(zero, d, sums.outside + i);
-    for (auto& column : sums.hessian) hn::Store(zero, d, column + i);
-    for (auto& column : sums.third) hn::Store(zero, d, column + i);
+    Store(zero, d, sums.weight + i);
+    Store(zero, d, sums.offset + i);
+    Store(zero, d, sums.outside + i);
+    for (auto& column : sums.hessian) Store(zero, d, column + i);
+    for (auto& column : sums.third) Store(zero, d, column + i);
   }
 }
 

@@ -26,9 +26,9 @@ nextRoot(const PassContext& context, const RayPolynomials<2>& f, Vec hat, Vec, M
   const QuadraticRoots roots(f, context.front_only);
   live = And(live, roots.real);
   if (context.front_only) return {roots.falling, roots.slope, live};
-  const Vec falls = Abs(Sub(roots.falling, hat));
-  const Vec rises = Abs(Sub(roots.rising, hat));
-  const Mask first = Or(Le(falls, rises), Not(Eq(rises, rises)));
+  const Vec falls = Abs(roots.falling - hat);
+  const Vec rises = Abs(roots.rising - hat);
+  const Mask first = Or(falls <= rises, Not(rises == rises));
   return {IfThenElse(first, roots.falling, roots.rising),
           IfThenElse(first, roots.slope, Neg(roots.slope)), live};
 }
@@ -41,10 +41,10 @@ isNearest(const RayPolynomials<D>& taylor, Vec t)
 {
   const Vec* a = taylor.a;
   const Vec reach = Abs(t);
-  Vec bend = Mul(set(3.0f), Abs(a[3]));
-  if constexpr (D == 4) bend = MulAdd(Mul(set(4.0f), Abs(a[4])), reach, bend);
-  bend = MulAdd(bend, reach, Mul(set(2.0f), Abs(a[2])));
-  return Lt(Mul(bend, reach), Mul(set(0.95f), Abs(a[1])));
+  Vec bend = set(3.0f) * Abs(a[3]);
+  if constexpr (D == 4) bend = MulAdd(set(4.0f) * Abs(a[4]), reach, bend);
+  bend = MulAdd(bend, reach, set(2.0f) * Abs(a[2]));
+  return bend * reach < set(0.95f) * Abs(a[1]);
 }
 
 /** Finds the root nearest to q^ in the lanes of rest, where near has none or a root may be nearer than
@@ -58,19 +58,19 @@ isolateNear(const PassContext& context, const LeafRays& rays, RayPolynomials<D> 
   Vec low, high;
   rest = And(rest, rays.chord(1.0f, low, high));
   low = Max(low, near_sigma);
-  const Vec known = Mul(set(kNearer), Abs(Sub(near.sigma, hat)));
+  const Vec known = set(kNearer) * Abs(near.sigma - hat);
   const Vec most = IfThenElse(near.found, known, set(kInfinite));
   std::uint64_t& solved = context.statistics.rays_bracketed;
   const FoundRoots behind =
-      firstRootAlong<D>(taylor, Min(most, Sub(high, hat)), context.front_only, rest, solved);
+      firstRootAlong<D>(taylor, Min(most, high - hat), context.front_only, rest, solved);
   // -F(-t) falls where F does.
   RayPolynomials<D> back = taylor;
   for (int i = 0; i <= D; i += 2) back.a[i] = Neg(back.a[i]);
-  const Vec down = Min(Sub(hat, low), IfThenElse(behind.found, behind.at, most));
+  const Vec down = Min(hat - low, IfThenElse(behind.found, behind.at, most));
   const FoundRoots before = firstRootAlong<D>(back, down, context.front_only, rest, solved);
   const Vec t = IfThenElse(before.found, Neg(before.at), behind.at);
   const Mask nearer = Or(before.found, behind.found);
-  near.sigma = IfThenElse(nearer, Add(hat, t), near.sigma);
+  near.sigma = IfThenElse(nearer, hat + t, near.sigma);
   near.slope = IfThenElse(nearer, taylor.slope(t), near.slope);
   near.found = Or(near.found, nearer);
 }
@@ -84,13 +84,13 @@ nextRoot(const PassContext& context, const LeafRays& rays, const RayPolynomials<
 {
   constexpr float kShort = 4e-3f;  // the step after one so short is below 1e-5
   const Vec* a = taylor.a;
-  const Vec under = NegMulAdd(a[0], a[2], Mul(a[1], a[1]));
-  const Vec start = Neg(Div(Mul(a[0], a[1]), under));
-  const Vec slope = taylor.slope(start), change = Div(taylor.value(start), slope);
-  const Vec t = Sub(start, change);
-  NearRoots near{Add(hat, t), slope, live};
-  near.found = And(live, Lt(Abs(change), set(kShort)));
-  if (context.front_only) near.found = And(near.found, Lt(slope, set(0.0f)));
+  const Vec under = NegMulAdd(a[0], a[2], a[1] * a[1]);
+  const Vec start = Neg(a[0] * a[1] / under);
+  const Vec slope = taylor.slope(start), change = taylor.value(start) / slope;
+  const Vec t = start - change;
+  NearRoots near{hat + t, slope, live};
+  near.found = And(live, Abs(change) < set(kShort));
+  if (context.front_only) near.found = And(near.found, slope < set(0.0f));
   const Mask rest = AndNot(And(near.found, isNearest<D>(taylor, t)), live);
   if (!AllFalse(rest)) isolateNear<D>(context, rays, taylor, hat, near_sigma, rest, near);
   return near;
@@ -110,14 +110,14 @@ HWY_INLINE void
 addHessian(const FrameLeaf& leaf, const float* bends, Vec weight, Vec u, Vec v, BlockSums& sums)
 {
   constexpr int kSize = numCoefficients(D - 2);
-  const Vec scale = Mul(weight, set(-leaf.inverse_radius));
-  const Vec huu = Mul(scale, planeForm<D - 2>(bends, u, v));
-  const Vec huv = Mul(scale, planeForm<D - 2>(bends + kSize, u, v));
-  const Vec hvv = Mul(scale, planeForm<D - 2>(bends + 2 * kSize, u, v));
+  const Vec scale = weight * set(-leaf.inverse_radius);
+  const Vec huu = scale * planeForm<D - 2>(bends, u, v);
+  const Vec huv = scale * planeForm<D - 2>(bends + kSize, u, v);
+  const Vec hvv = scale * planeForm<D - 2>(bends + 2 * kSize, u, v);
   for (int i = 0; i < 3; ++i) {
     // Row i of huu u u^T + huv (u v^T + v u^T) + hvv v v^T.
-    const Vec by_u = MulAdd(huu, set(leaf.u[i]), Mul(huv, set(leaf.v[i])));
-    const Vec by_v = MulAdd(huv, set(leaf.u[i]), Mul(hvv, set(leaf.v[i])));
+    const Vec by_u = MulAdd(huu, set(leaf.u[i]), huv * set(leaf.v[i]));
+    const Vec by_v = MulAdd(huv, set(leaf.u[i]), hvv * set(leaf.v[i]));
     for (int j = i; j < 3; ++j) {
       Vec& sum = sums.hessian[kSymmetricEntry[i][j]];
       sum = MulAdd(by_u, set(leaf.u[j]), MulAdd(by_v, set(leaf.v[j]), sum));
@@ -133,10 +133,10 @@ addQuadraticDerivatives(const PassContext& context, const LeafRays& rays, const 
 {
   const float* f = rays.leaf.form();
   const auto k = [&](int i) HWY_ATTR { return set(f[i]); };
-  const Vec twice_x = Add(rays.x, rays.x), twice_y = Add(rays.y, rays.y);
+  const Vec twice_x = rays.x + rays.x, twice_y = rays.y + rays.y;
   const Vec fx = MulAdd(k(3), twice_x, MulAdd(k(4), rays.y, MulAdd(k(7), at.sigma, k(1))));
   const Vec fy = MulAdd(k(5), twice_y, MulAdd(k(4), rays.x, MulAdd(k(8), at.sigma, k(2))));
-  const Vec gx = Mul(fx, at.inverse_m), gy = Mul(fy, at.inverse_m);
+  const Vec gx = fx * at.inverse_m, gy = fy * at.inverse_m;
   const Vec gz = NegMulAdd(block.direction_x, gx, NegMulAdd(block.direction_y, gy, at.slope));
   sums.gradient[0] = MulAdd(weight, gx, sums.gradient[0]);
   sums.gradient[1] = MulAdd(weight, gy, sums.gradient[1]);
@@ -154,7 +154,7 @@ addDerivatives(const PassContext& context, const LeafRays& rays, const Block& bl
                const Crossing& at, BlockSums& sums)
 {
   const FrameLeaf& leaf = rays.leaf;
-  const Vec weight = context.front_only ? at.weight : Mul(at.weight, at.side);
+  const Vec weight = context.front_only ? at.weight : at.weight * at.side;
   if constexpr (D == 2) {
     addQuadraticDerivatives(context, rays, block, at, weight, sums);
   } else {
@@ -176,14 +176,14 @@ HWY_INLINE void
 addLean(const LeafRays& rays, const Crossing& at, BlockSums& sums)
 {
   const FrameLeaf& leaf = rays.leaf;
-  const Vec share = Mul(at.weight, at.inverse_m);
+  const Vec share = at.weight * at.inverse_m;
   const Vec px = MulAdd(set(leaf.xc), at.sigma, rays.x);
   const Vec py = MulAdd(set(leaf.yc), at.sigma, rays.y);
   sums.lean[0] = MulAdd(share, px, sums.lean[0]);
   sums.lean[1] = MulAdd(share, py, sums.lean[1]);
   sums.lean[2] = MulAdd(share, at.sigma, sums.lean[2]);
-  const Mask counts = Gt(at.weight, set(0.0f));
-  sums.leaves = Add(sums.leaves, IfThenElseZero(counts, set(1.0f)));
+  const Mask counts = at.weight > set(0.0f);
+  sums.leaves += IfThenElseZero(counts, set(1.0f));
 }
 
 /** q^ in a leaf's coordinates. */
@@ -194,9 +194,9 @@ struct Hats {
   HWY_INLINE Hats(const TileLeaf& place, const LeafRays& rays, const Block& block)
   {
     sigma = sigmaOf(place, block.first);
-    inverse_m = Mul(block.z, set(place.leaf->inverse_depth));
-    inverse_m_sq = Mul(inverse_m, inverse_m);
-    distance_sq = Mul(rays.distanceSq(sigma), inverse_m_sq);
+    inverse_m = block.z * set(place.leaf->inverse_depth);
+    inverse_m_sq = inverse_m * inverse_m;
+    distance_sq = rays.distanceSq(sigma) * inverse_m_sq;
   }
 };
 
@@ -208,13 +208,13 @@ crossingOf(const PassContext& context, const LeafRays& rays, const Hats& hats, V
 {
   RayPolynomials<D> f(rays.leaf.form(), rays.x, rays.y);
   if constexpr (D == 2) {
-    const Vec away = Mul(Abs(f.value(hats.sigma)), hats.inverse_m_sq);
-    return nextRoot(context, f, hats.sigma, near_sigma, And(live, Lt(away, set(kMaxShift))));
+    const Vec away = Abs(f.value(hats.sigma)) * hats.inverse_m_sq;
+    return nextRoot(context, f, hats.sigma, near_sigma, And(live, away < set(kMaxShift)));
   } else {
     f.shift(hats.sigma);
-    Vec power = Mul(hats.inverse_m_sq, hats.inverse_m);
-    if constexpr (D == 4) power = Mul(hats.inverse_m_sq, hats.inverse_m_sq);
-    live = And(live, Lt(Mul(Abs(f.a[0]), power), set(kMaxShift)));
+    Vec power = hats.inverse_m_sq * hats.inverse_m;
+    if constexpr (D == 4) power = hats.inverse_m_sq * hats.inverse_m_sq;
+    live = And(live, Abs(f.a[0]) * power < set(kMaxShift));
     return nextRoot<D>(context, rays, f, hats.sigma, near_sigma, live);
   }
 }
@@ -227,7 +227,7 @@ blendLeaf(const PassContext& context, const TileLeaf& place, const Block& block,
   const FrameLeaf& leaf = *place.leaf;
   const LeafRays rays = raysOf(place, block);
   const Hats hats(place, rays, block);
-  const Mask live = And(block.pending, Lt(hats.distance_sq, set(context.blend_sq)));
+  const Mask live = And(block.pending, hats.distance_sq < set(context.blend_sq));
   if (AllFalse(live)) return;
   const Vec near_sigma =
       context.with_near_plane ? sigmaOf(place, block.near_plane) : set(-kInfinite);
@@ -235,28 +235,27 @@ blendLeaf(const PassContext& context, const TileLeaf& place, const Block& block,
   // A root outside the ball may be NaN (along a flat leaf) or infinite (m = 0), which a weight of 0 would not
   // keep out of the sums: q^ takes its place.
   const Vec m = rays.scaleAt(near.sigma), from_center_sq = rays.distanceSq(near.sigma);
-  Mask counts = And(near.found, Lt(from_center_sq, Mul(set(context.blend_sq), Mul(m, m))));
-  if (context.with_near_plane) counts = And(counts, Ge(near.sigma, near_sigma));
+  Mask counts = And(near.found, from_center_sq < set(context.blend_sq) * (m * m));
+  if (context.with_near_plane) counts = And(counts, near.sigma >= near_sigma);
   Crossing at;
   at.sigma = IfThenElse(counts, near.sigma, hats.sigma);
   at.slope = IfThenElseZero(counts, near.slope);
-  at.inverse_m = Div(set(1.0f), IfThenElse(counts, m, set(1.0f)));
-  const Vec root_sq = Mul(from_center_sq, Mul(at.inverse_m, at.inverse_m));
+  at.inverse_m = set(1.0f) / IfThenElse(counts, m, set(1.0f));
+  const Vec root_sq = from_center_sq * (at.inverse_m * at.inverse_m);
   const Vec s_sq = Max(hats.distance_sq, root_sq);
-  at.weight =
-      IfThenElseZero(counts, Mul(set(leaf.variance_weight), blendWeight(context.kernel, s_sq)));
-  sums.weight = Add(sums.weight, at.weight);
+  at.weight = IfThenElseZero(counts, set(leaf.variance_weight) * blendWeight(context.kernel, s_sq));
+  sums.weight += at.weight;
   // s - s^ = (sigma - sigma^) / (m m^).
-  const Vec moved = Mul(Sub(at.sigma, hats.sigma), Mul(at.inverse_m, hats.inverse_m));
-  sums.shift = MulAdd(Mul(at.weight, set(leaf.radius)), moved, sums.shift);
-  const Vec cover = blendWeight(context.kernel, Mul(root_sq, set(leaf.inverse_cover_sq)));
-  sums.coverage = Add(sums.coverage, IfThenElseZero(counts, cover));
+  const Vec moved = (at.sigma - hats.sigma) * (at.inverse_m * hats.inverse_m);
+  sums.shift = MulAdd(at.weight * set(leaf.radius), moved, sums.shift);
+  const Vec cover = blendWeight(context.kernel, root_sq * set(leaf.inverse_cover_sq));
+  sums.coverage += IfThenElseZero(counts, cover);
   at.side = set(1.0f);
   if (!context.front_only) {
-    at.side = IfThenElse(Gt(near.slope, set(0.0f)), set(-1.0f), set(1.0f));
-    sums.facing = Add(sums.facing, IfThenElseZero(counts, at.side));
+    at.side = IfThenElse(near.slope > set(0.0f), set(-1.0f), set(1.0f));
+    sums.facing += IfThenElseZero(counts, at.side);
   }
-  const Mask better = Gt(at.weight, sums.best);
+  const Mask better = at.weight > sums.best;
   sums.best = Max(sums.best, at.weight);
   sums.surfel = IfThenElse(better, setUint(leaf.surfel), sums.surfel);
   if (!leaf.trim.closed()) {

@@ -33,24 +33,24 @@ struct LevelSetCurvatures {
   HWY_INLINE LevelSetCurvatures(const Vec g[3], const Vec h[6])
   {
     const Vec half = set(0.5f), two = set(2.0f);
-    const Vec xx = Mul(g[0], g[0]), yy = Mul(g[1], g[1]), zz = Mul(g[2], g[2]);
-    const Vec xy = Mul(g[0], g[1]), xz = Mul(g[0], g[2]), yz = Mul(g[1], g[2]);
-    const Vec norm_sq = Max(Add(xx, Add(yy, zz)), set(1e-30f));
+    const Vec xx = g[0] * g[0], yy = g[1] * g[1], zz = g[2] * g[2];
+    const Vec xy = g[0] * g[1], xz = g[0] * g[2], yz = g[1] * g[2];
+    const Vec norm_sq = Max(xx + (yy + zz), set(1e-30f));
     const Vec ghg = MulAdd(two, dot3(xy, xz, yz, h[kXY], h[kXZ], h[kYZ]),
                            dot3(xx, yy, zz, h[kXX], h[kYY], h[kZZ]));
-    const Vec inverse_sq = Div(set(1.0f), norm_sq);
-    const Vec trace = Add(h[kXX], Add(h[kYY], h[kZZ]));
-    mean = Mul(Mul(half, NegMulAdd(ghg, inverse_sq, trace)), Sqrt(inverse_sq));
+    const Vec inverse_sq = set(1.0f) / norm_sq;
+    const Vec trace = h[kXX] + (h[kYY] + h[kZZ]);
+    mean = half * NegMulAdd(ghg, inverse_sq, trace) * Sqrt(inverse_sq);
     const auto minor = [&](int a, int b, int c, int e)
-                           HWY_ATTR { return MulSub(h[a], h[b], Mul(h[c], h[e])); };
+                           HWY_ATTR { return MulSub(h[a], h[b], h[c] * h[e]); };
     const Vec diagonal = dot3(xx, yy, zz, minor(kYY, kZZ, kYZ, kYZ), minor(kXX, kZZ, kXZ, kXZ),
                               minor(kXX, kYY, kXY, kXY));
     const Vec mixed = dot3(xy, xz, yz, minor(kXZ, kYZ, kXY, kZZ), minor(kXY, kYZ, kXZ, kYY),
                            minor(kXY, kXZ, kYZ, kXX));
-    gaussian = Mul(MulAdd(two, mixed, diagonal), Mul(inverse_sq, inverse_sq));
+    gaussian = MulAdd(two, mixed, diagonal) * (inverse_sq * inverse_sq);
     const Vec spread = Sqrt(Max(set(0.0f), MulSub(mean, mean, gaussian)));
-    k_max = Add(mean, spread);
-    k_min = Sub(mean, spread);
+    k_max = mean + spread;
+    k_min = mean - spread;
   }
 };
 
@@ -148,25 +148,25 @@ struct BlockOutput {
   void write(const Block& block, const BlockSums& sums) const
   {
     const FrameView& view = scene.view;
-    const Mask met = Gt(sums.weight, set(0.0f));
+    const Mask met = sums.weight > set(0.0f);
     const std::size_t covered = CountTrue(met);
     if (covered == 0) return writeNothing();
     statistics.covered_pixels += covered;
-    const Vec share = Div(set(1.0f), IfThenElse(met, sums.weight, set(1.0f)));
-    Vec z = Add(block.first, set(pixels.tile.depth));
-    if (view.perspective) z = Div(set(-1.0f), z);
+    const Vec share = set(1.0f) / IfThenElse(met, sums.weight, set(1.0f));
+    Vec z = block.first + set(pixels.tile.depth);
+    if (view.perspective) z = set(-1.0f) / z;
     z = MulAdd(sums.shift, share, z);
-    const Vec depth = Mul(z, block.slant);
+    const Vec depth = z * block.slant;
     put(IfThenElse(met, depth, set(kInfinite)), buffer.depth);
 
     Vec g[3], gradient[3], normal[3];
-    for (int a = 0; a < 3; ++a) g[a] = Mul(sums.gradient[a], share);
+    for (int a = 0; a < 3; ++a) g[a] = sums.gradient[a] * share;
     toWorld(view, g, gradient);
     const Vec norm_sq = dot3(g[0], g[1], g[2], g[0], g[1], g[2]);
-    const Mask usable = Gt(norm_sq, set(0.0f));
-    const Vec inverse = Div(set(1.0f), Sqrt(IfThenElse(usable, norm_sq, set(1.0f))));
+    const Mask usable = norm_sq > set(0.0f);
+    const Vec inverse = set(1.0f) / Sqrt(IfThenElse(usable, norm_sq, set(1.0f)));
     for (int a = 0; a < 3; ++a) {
-      normal[a] = IfThenElseZero(met, Mul(gradient[a], inverse));
+      normal[a] = IfThenElseZero(met, gradient[a] * inverse);
       gradient[a] = IfThenElseZero(met, gradient[a]);
     }
     put(normal, buffer.normal);
@@ -180,13 +180,13 @@ struct BlockOutput {
   void writePositions(const Block& block, Vec z, Mask met) const
   {
     const bool perspective = scene.view.perspective;
-    const Vec in_view[3] = {perspective ? Mul(block.slope_x, z) : block.slope_x,
-                            perspective ? Mul(block.slope_y, z) : block.slope_y, z};
+    const Vec in_view[3] = {perspective ? block.slope_x * z : block.slope_x,
+                            perspective ? block.slope_y * z : block.slope_y, z};
     Vec position[3];
     toWorld(scene.view, in_view, position);
     for (int a = 0; a < 3; ++a) {
-      const Vec from_eye = Add(position[a], set(scene.view.eye_rest[a]));
-      position[a] = IfThenElseZero(met, Add(from_eye, set(scene.view.eye[a])));
+      const Vec from_eye = position[a] + set(scene.view.eye_rest[a]);
+      position[a] = IfThenElseZero(met, from_eye + set(scene.view.eye[a]));
     }
     put(position, buffer.position);
   }
@@ -194,7 +194,7 @@ struct BlockOutput {
   void writeCurvature(const Vec g[3], const BlockSums& sums, Vec share, Mask met) const
   {
     Vec h[6];
-    for (int k = 0; k < 6; ++k) h[k] = Mul(sums.hessian[k], share);
+    for (int k = 0; k < 6; ++k) h[k] = sums.hessian[k] * share;
     if (!buffer.mean_curvature.empty()) {
       const LevelSetCurvatures curvature(g, h);
       put(IfThenElseZero(met, curvature.mean), buffer.mean_curvature);
@@ -237,7 +237,7 @@ struct BlockOutput {
     HWY_ALIGN std::uint32_t behind[16] = {};
     const UintVec nothing = setUint(GBuffer::kNothing);
     store(IfThenElse(met, sums.surfel, nothing), surfel);
-    const Mask turned = And(met, Lt(sums.facing, set(0.0f)));
+    const Mask turned = And(met, sums.facing < set(0.0f));
     if (scene.surface.info.oriented) {
       store(IfThenElse(turned, setUint(1), setUint(0)), behind);
     }

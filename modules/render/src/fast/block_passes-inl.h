@@ -96,8 +96,8 @@ sigmaOf(const TileLeaf& at, Vec depth)
 HWY_INLINE Vec
 inPlane(const LeafRays& rays, Vec sigma, Vec inverse_m, const float* axis, float along)
 {
-  const Vec p = MulAdd(set(axis[0]), rays.x, MulAdd(set(axis[1]), rays.y, Mul(set(along), sigma)));
-  return Mul(p, inverse_m);
+  const Vec p = MulAdd(set(axis[0]), rays.x, MulAdd(set(axis[1]), rays.y, set(along) * sigma));
+  return p * inverse_m;
 }
 
 /** The share outside, by an open leaf's trim map, of the points at sigma. */
@@ -105,7 +105,7 @@ HWY_NOINLINE Vec
 outsideOf(const LeafRays& rays, Vec sigma, Vec inverse_m)
 {
   const FrameLeaf& leaf = rays.leaf;
-  const Vec scale = Mul(set(leaf.trim_scale), inverse_m);
+  const Vec scale = set(leaf.trim_scale) * inverse_m;
   const Vec u = inPlane(rays, sigma, scale, leaf.u, leaf.uc);
   const Vec v = inPlane(rays, sigma, scale, leaf.v, leaf.vc);
   return byParts(
@@ -117,16 +117,16 @@ HWY_INLINE Mask
 haveData(const LeafRays& rays, Vec sigma, Mask some)
 {
   if (rays.leaf.trim.closed() || AllFalse(some)) return some;
-  const Vec inverse_m = Div(set(1.0f), rays.scaleAt(sigma));
-  return And(some, Le(outsideOf(rays, sigma, inverse_m), set(0.5f)));
+  const Vec inverse_m = set(1.0f) / rays.scaleAt(sigma);
+  return And(some, outsideOf(rays, sigma, inverse_m) <= set(0.5f));
 }
 
 /** Moves q^ to a nearer root where the leaf has data. \return lanes of nearer roots without data */
 HWY_INLINE Mask
 moveForward(const TileLeaf& at, const LeafRays& rays, Mask found, Vec sigma, Block& block)
 {
-  const Vec depth = Mul(Sub(sigma, set(at.sigma)), set(at.leaf->inverse_beta));
-  const Mask before = And(found, And(Lt(depth, block.first), Ge(depth, block.nearest)));
+  const Vec depth = (sigma - set(at.sigma)) * set(at.leaf->inverse_beta);
+  const Mask before = And(found, And(depth < block.first, depth >= block.nearest));
   const Mask moved = haveData(rays, sigma, before);
   block.first = IfThenElse(moved, depth, block.first);
   return AndNot(moved, before);
@@ -158,11 +158,11 @@ firstOfMany(const PassContext& context, const TileLeaf& at, const LeafRays& rays
   Vec step = low;
   while (!AllFalse(open)) {
     f.shift(step);
-    const FoundRoots roots = firstRootAlong<D>(f, Sub(high, low), context.front_only, open,
+    const FoundRoots roots = firstRootAlong<D>(f, high - low, context.front_only, open,
                                                context.statistics.rays_bracketed);
-    open = moveForward(at, rays, roots.found, Add(low, roots.at), block);
-    step = Add(roots.at, set(kBeyond));
-    low = Add(low, step);
+    open = moveForward(at, rays, roots.found, low + roots.at, block);
+    step = roots.at + set(kBeyond);
+    low += step;
   }
 }
 
@@ -177,12 +177,12 @@ firstOfHigher(const PassContext& context, const TileLeaf& at, Block& block)
   Mask open = And(block.pending, rays.chord(context.first_sq, low, high));
   low = Max(low, sigmaOf(at, block.nearest));
   high = Min(high, sigmaOf(at, block.first));
-  open = And(open, Lt(low, high));
+  open = And(open, low < high);
   if (AllFalse(open)) return;
-  const Stretch<D> stretch(f, low, Sub(high, low));
+  const Stretch<D> stretch(f, low, high - low);
   const Mask one = And(open, stretch.one(context.front_only));
   if (!AllFalse(one)) {
-    moveForward(at, rays, one, MulAdd(Sub(high, low), stretch.root(one), low), block);
+    moveForward(at, rays, one, MulAdd(high - low, stretch.root(one), low), block);
   }
   open = And(open, stretch.many());
   if (!AllFalse(open)) firstOfMany<D>(context, at, rays, f, low, high, open, block);

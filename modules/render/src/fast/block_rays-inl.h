@@ -18,8 +18,8 @@ HWY_NOINLINE void
 cut(const PassContext& context, Block& block)
 {
   const double x = firstLane(block.slope_x), y = firstLane(block.slope_y);
-  const Vec from_x = Sub(block.slope_x, set(firstLane(block.slope_x)));
-  const Vec from_y = Sub(block.slope_y, set(firstLane(block.slope_y)));
+  const Vec from_x = block.slope_x - set(firstLane(block.slope_x));
+  const Vec from_y = block.slope_y - set(firstLane(block.slope_y));
   for (const FrameCut& half : context.scene.cuts) {
     const double first =
         half.by_x * x + half.by_y * y + half.rest + half.gain * double{context.tile.depth};
@@ -27,16 +27,16 @@ cut(const PassContext& context, Block& block)
         MulAdd(set(static_cast<float>(half.by_x)), from_x,
                MulAdd(set(static_cast<float>(half.by_y)), from_y, set(static_cast<float>(first))));
     if (half.gain == 0.0) {
-      block.pending = And(block.pending, Ge(inside, set(0.0f)));
+      block.pending = And(block.pending, inside >= set(0.0f));
       continue;
     }
-    const Vec bound = Mul(inside, set(static_cast<float>(-1.0 / half.gain)));
+    const Vec bound = inside * set(static_cast<float>(-1.0 / half.gain));
     if (half.gain > 0.0)
       block.nearest = Max(block.nearest, bound);
     else
       block.farthest = Min(block.farthest, bound);
   }
-  block.pending = And(block.pending, Lt(block.nearest, block.farthest));
+  block.pending = And(block.pending, block.nearest < block.farthest);
 }
 
 /** The rays of some pixels, counted from the tile's corner. */
@@ -52,8 +52,8 @@ raysAt(const PassContext& context, const float* dx, const float* dy, const Pixel
   const Vec pixel = set(view.pixel);
   const Vec from_x = set(static_cast<float>(tile.x0) - view.center_x);
   const Vec from_y = set(view.center_y - static_cast<float>(tile.y0));
-  block.slope_x = Mul(pixel, Add(block.dx, from_x));
-  block.slope_y = Mul(pixel, Sub(from_y, block.dy));
+  block.slope_x = pixel * (block.dx + from_x);
+  block.slope_y = pixel * (from_y - block.dy);
   block.slant = set(1.0f);
   block.direction_x = block.direction_y = set(0.0f);
   const auto near = static_cast<float>(context.scene.rules.near_plane);
@@ -65,14 +65,14 @@ raysAt(const PassContext& context, const float* dx, const float* dy, const Pixel
     block.direction_y = block.slope_y;
     block.near_plane = set(-kInfinite);
     if (near > 0.0f) {
-      block.near_plane = Sub(Mul(block.slant, set(-1.0f / near)), set(tile.depth));
+      block.near_plane = block.slant * set(-1.0f / near) - set(tile.depth);
     }
   }
   block.nearest = block.near_plane;
   block.farthest = set(kInfinite);
   block.z = set(1.0f);
-  block.pending = And(Lt(block.dx, set(static_cast<float>(tile.width))),
-                      Lt(block.dy, set(static_cast<float>(tile.height))));
+  block.pending = And(block.dx < set(static_cast<float>(tile.width)),
+                      block.dy < set(static_cast<float>(tile.height)));
   if (!context.scene.cuts.empty()) cut(context, block);
   block.first = block.farthest;
   return block;
@@ -109,7 +109,7 @@ packOf(const PassContext& context, const UncoveredRay* rays, std::size_t count)
   }
   Block block = raysAt(context, dx, dy, {x0, y0, x1 - x0, y1 - y0});
   block.nearest = Max(block.nearest, load(nearest));
-  block.pending = And(block.pending, Lt(block.nearest, block.farthest));
+  block.pending = And(block.pending, block.nearest < block.farthest);
   return block;
 }
 
@@ -119,7 +119,7 @@ ballAround(const PassContext& context, const Block& block)
 {
   const FrameView& view = context.scene.view;
   const TileBlocks& tile = context.tile;
-  const Vec z = view.perspective ? block.z : Add(block.first, set(tile.depth));
+  const Vec z = view.perspective ? block.z : block.first + set(tile.depth);
   const Vec nowhere = set(kInfinite);
   const float near = smallest(IfThenElse(block.pending, z, nowhere));
   const float far = -smallest(IfThenElse(block.pending, Neg(z), nowhere));
@@ -149,10 +149,10 @@ noteUncovered(const PassContext& context, Mask uncovered, const BlockSums& sums,
                   ? static_cast<float>(kPeelStep) * context.scene.surface.radius[surfel[i]]
                   : 0.0f;
   }
-  const Vec forward = Div(load(step), block.slant);
-  Vec behind = Add(block.first, forward);
+  const Vec forward = load(step) / block.slant;
+  Vec behind = block.first + forward;
   if (context.scene.view.perspective) {
-    behind = Sub(Div(set(-1.0f), Add(block.z, forward)), set(tile.depth));
+    behind = set(-1.0f) / (block.z + forward) - set(tile.depth);
   }
   store(behind, nearest);
   store(block.dx, x);

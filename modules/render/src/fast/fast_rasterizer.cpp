@@ -95,7 +95,7 @@ countHidden(bool are_leaves, const std::uint64_t* hidden, RenderStatistics& stat
 
 FastRasterizer::FastRasterizer(const SLIMSurface& surface, int threads)
     : surface_(surface),
-      index_(surface, threads),
+      leaves_(surface, threads),
       trims_(surface),
       stride_(leafStride(std::max(2, surface.info.degree)))
 {
@@ -128,11 +128,11 @@ FastRasterizer::setUpCluster(std::size_t n, const FrameView& view, const Visibil
                              const BallShares& shares, RenderStatistics& statistics)
 {
   const bool are_leaves = n < leaf_clusters_;
-  const LeafIndex& index = are_leaves ? index_ : *internal_;
-  const LeafNode& cluster = index.cluster(clusters_[n]);
+  const LeafClusters& leaves = are_leaves ? leaves_ : *internal_;
+  const LeafCluster& cluster = leaves.cluster(clusters_[n]);
   Visibility visibility[kClusterSize];
   float weights[kClusterSize], drawn[kClusterSize];
-  kernels::cullLeaves(index, cluster.begin, cluster.end, view, rules, visibility, weights);
+  kernels::cullLeaves(leaves, cluster.begin, cluster.end, view, rules, visibility, weights);
   const BallShape shape = are_leaves ? leaf_shape_ : internal_shape_;
   BatchFiller filler(surface_, view, shares);
   std::size_t count = 0;
@@ -141,7 +141,7 @@ FastRasterizer::setUpCluster(std::size_t n, const FrameView& view, const Visibil
     ++hidden[static_cast<std::size_t>(visibility[i - cluster.begin])];
     if (visibility[i - cluster.begin] != Visibility::kVisible) continue;
     drawn[count] = weights[i - cluster.begin];
-    filler.add(index.surfel[i], index.variance_weight[i] * drawn[count], shape,
+    filler.add(leaves.surfel[i], leaves.variance_weight[i] * drawn[count], shape,
                &record(n * kClusterSize + count));
     ++count;
   }
@@ -160,12 +160,12 @@ FastRasterizer::findClusters(const FrameView& view, const VisibilityRules& rules
 {
   clusters_.clear();
   std::uint64_t hidden[kVisibilities] = {};
-  index_.findVisible(view, rules, clusters_, hidden);
+  leaves_.findVisible(view, rules, clusters_, hidden);
   countHidden(true, hidden, statistics);
   leaf_clusters_ = clusters_.size();
   if (!rules.detail.active()) return;
   if (!internal_) {
-    internal_ = std::make_unique<LeafIndex>(surface_, threads, IndexedSurfels::kInternal);
+    internal_ = std::make_unique<LeafClusters>(surface_, threads, ClusteredSurfels::kInternal);
   }
   internal_->findVisible(view, rules, clusters_, hidden);
 }
@@ -237,7 +237,7 @@ FastRasterizer::draw(const Camera& camera, const FrameRules& rules, unsigned col
   const BallShares shares{
       static_cast<float>(rules.shrink),
       std::max(weightReach(surface_.info.blend_kernel), static_cast<float>(rules.shrink))};
-  statistics.leaves += index_.size();
+  statistics.leaves += leaves_.size();
   setUp(view, rules, shares, statistics);
   sortByDepth(rules);
   bin(view);

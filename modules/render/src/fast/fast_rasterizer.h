@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "fast/frame_scene.h"
+#include "fast/setup/leaf_clusters.h"
 #include "fast/setup/leaf_setup.h"
-#include "index/leaf_index.h"
 #include "pcl_slim/render/camera.h"
 #include "pcl_slim/render/g_buffer.h"
 #include "pcl_slim/render/render_params.h"
@@ -20,7 +20,7 @@ struct PlacedLeaf {
   std::int16_t x0, y0, x1, y1;  ///< tiles that it touches; x0 > x1: none
 };
 
-/** \brief Draws frames of one surface in single precision; keeps its index and its memory. */
+/** \brief Draws frames of one surface in single precision; keeps its clusters and its memory. */
 class FastRasterizer {
  public:
   FastRasterizer(const SLIMSurface& surface, int threads);
@@ -45,10 +45,10 @@ class FastRasterizer {
   }
 
   const SLIMSurface& surface_;
-  LeafIndex index_;
+  LeafClusters leaves_;
   TrimTables trims_;
-  bool trim_ = true;                     ///< whether this frame ends where trim maps do
-  std::unique_ptr<LeafIndex> internal_;  ///< made when a level of detail is first asked for
+  bool trim_ = true;                        ///< whether this frame ends where trim maps do
+  std::unique_ptr<LeafClusters> internal_;  ///< made when a level of detail is first asked for
   std::size_t stride_;
   std::vector<std::uint32_t> clusters_;  ///< those that may be seen, leaves' first
   std::size_t leaf_clusters_ = 0;

@@ -26,12 +26,6 @@ constexpr int kBlockWidth = lanes::kLanes < 4 ? lanes::kLanes : 4;  ///< pixels
 constexpr int kBlockHeight = lanes::kLanes / kBlockWidth;
 constexpr int kPatchSize = 8;  ///< pixels a side of the squares in which blocks share their lists
 
-HWY_INLINE Vec
-same(float value)
-{
-  return hn::Set(Tag(), value);
-}
-
 /** Rows of the tables of leaves; pixels count from the tile's corner. */
 enum LeafRow : std::size_t {
   kPlaceRow,  ///< of TileLeaf, as bits
@@ -90,10 +84,10 @@ class TileBlocks {
     first.reset(kFirstRows, all.count);
     blend.reset(kBlendRows, all.count);
     for (std::size_t i = 0; i < all.count; i += hn::Lanes(d)) {
-      const Mask seen = hn::And(touches(all, i, kBlendX, box), within(all, i));
-      if (hn::AllFalse(d, seen)) continue;
+      const Mask seen = And(touches(all, i, kBlendX, box), within(all, i));
+      if (AllFalse(d, seen)) continue;
       take(all, i, kBlendOfTile, seen, kBlendRows, blend);
-      take(all, i, 0, hn::And(seen, mayMeet(all, i, box)), kFirstRows, first);
+      take(all, i, 0, And(seen, mayMeet(all, i, box)), kFirstRows, first);
     }
     return first.count > 0;
   }
@@ -111,12 +105,11 @@ class TileBlocks {
   {
     const LeafTable& blend = scratch_.blend;
     return list(blend, [&](std::size_t i) HWY_ATTR {
-      const auto row = [&](std::size_t k) HWY_ATTR { return hn::Load(Tag(), blend.row(k) + i); };
-      const Vec dx = hn::Sub(row(kCenterX), same(ball.x)),
-                dy = hn::Sub(row(kCenterY), same(ball.y));
-      const Vec dz = hn::Sub(row(kCenterZ), same(ball.z));
-      const Vec reach = hn::Add(row(kBallRadius), same(ball.radius));
-      return hn::Le(dot3(dx, dy, dz, dx, dy, dz), hn::Mul(reach, reach));
+      const auto row = [&](std::size_t k) HWY_ATTR { return Load(Tag(), blend.row(k) + i); };
+      const Vec dx = row(kCenterX) - set(ball.x), dy = row(kCenterY) - set(ball.y);
+      const Vec dz = row(kCenterZ) - set(ball.z);
+      const Vec reach = row(kBallRadius) + set(ball.radius);
+      return dot3(dx, dy, dz, dx, dy, dz) <= reach * reach;
     });
   }
 
@@ -145,7 +138,7 @@ class TileBlocks {
   /** Lanes that are leaves. */
   static HWY_INLINE Mask within(const LeafTable& table, std::size_t i)
   {
-    return hn::FirstN(Tag(), std::min(table.count - i, hn::Lanes(Tag())));
+    return FirstN(Tag(), std::min(table.count - i, hn::Lanes(Tag())));
   }
 
   /** Lanes whose circle, its rows from k on, touches a box. */
@@ -154,25 +147,24 @@ class TileBlocks {
   {
     const Tag d;
     const auto gap = [&](std::size_t axis, float from, float extent) HWY_ATTR {
-      const Vec behind = hn::Sub(hn::Load(d, table.row(k + axis) + i), same(from));
-      return hn::Max(hn::Max(hn::Neg(behind), hn::Sub(behind, same(extent))), hn::Zero(d));
+      const Vec behind = Load(d, table.row(k + axis) + i) - set(from);
+      return Max(Max(Neg(behind), behind - set(extent)), Zero(d));
     };
     const Vec x = gap(0, box.x, box.width), y = gap(1, box.y, box.height);
-    return hn::Le(hn::MulAdd(x, x, hn::Mul(y, y)), hn::Load(d, table.row(k + 2) + i));
+    return MulAdd(x, x, y * y) <= Load(d, table.row(k + 2) + i);
   }
 
   /** Lanes whose surface pass 1 may meet in a box. */
   static HWY_INLINE Mask mayMeet(const LeafTable& table, std::size_t i, const PixelBox& box)
   {
     const Tag d;
-    const auto row = [&](std::size_t k) HWY_ATTR { return hn::Load(d, table.row(k) + i); };
+    const auto row = [&](std::size_t k) HWY_ATTR { return Load(d, table.row(k) + i); };
     const float half_x = 0.5f * box.width, half_y = 0.5f * box.height;
     const Vec sx = row(kStripX), sy = row(kStripY);
-    const Vec from = hn::MulAdd(sx, same(box.x + half_x),
-                                hn::MulSub(sy, same(box.y + half_y), row(kStripMiddle)));
-    const Vec reach = hn::MulAdd(hn::Abs(sx), same(half_x),
-                                 hn::MulAdd(hn::Abs(sy), same(half_y), row(kStripHalf)));
-    return hn::And(touches(table, i, kFirstX, box), hn::Le(hn::Abs(from), reach));
+    const Vec from =
+        MulAdd(sx, set(box.x + half_x), MulSub(sy, set(box.y + half_y), row(kStripMiddle)));
+    const Vec reach = MulAdd(Abs(sx), set(half_x), MulAdd(Abs(sy), set(half_y), row(kStripHalf)));
+    return And(touches(table, i, kFirstX, box), Abs(from) <= reach);
   }
 
   /** Appends some lanes' rows from k on to a list. */
@@ -183,7 +175,7 @@ class TileBlocks {
     const LanePacking packing(d, taken);
     for (std::size_t r = 0; r < rows; ++r) {
       const float* row = from.row(r == kPlaceRow ? kPlaceRow : k + r) + i;
-      packing.store(hn::Load(d, row), list.row(r) + list.count);
+      packing.store(Load(d, row), list.row(r) + list.count);
     }
     list.count += packing.count();
   }
@@ -195,8 +187,8 @@ class TileBlocks {
     LeafTable& list = scratch_.list;
     list.reset(1, from.count);
     for (std::size_t i = 0; i < from.count; i += hn::Lanes(Tag())) {
-      const Mask taken = hn::And(some(i), within(from, i));
-      if (!hn::AllFalse(Tag(), taken)) take(from, i, 0, taken, 1, list);
+      const Mask taken = And(some(i), within(from, i));
+      if (!AllFalse(Tag(), taken)) take(from, i, 0, taken, 1, list);
     }
     return list.count;
   }

@@ -3,7 +3,8 @@
 #include "fast/tile_kernel.h"
 
 // Processors without AVX2 are old enough to take the plain code; every set costs half a minute to compile.
-#define HWY_DISABLED_TARGETS (HWY_SSSE3 | HWY_AVX3_DL | HWY_SSE4)
+#undef PCL_SLIM_TARGETS_LEFT_OUT
+#define PCL_SLIM_TARGETS_LEFT_OUT (HWY_SSSE3 | HWY_AVX3_DL | HWY_SSE4)
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fast/tile_kernel.cpp"
@@ -26,8 +27,8 @@ NearLanes
 nearLanes(const PassContext& context, const Block& block)
 {
   NearLanes lanes;
-  store(Add(block.dx, set(static_cast<float>(context.tile.x0))), lanes.x);
-  store(Add(block.dy, set(static_cast<float>(context.tile.y0))), lanes.y);
+  store(block.dx + set(static_cast<float>(context.tile.x0)), lanes.x);
+  store(block.dy + set(static_cast<float>(context.tile.y0)), lanes.y);
   store(block.nearest, lanes.nearest);
   store(block.first, lanes.first);
   store(IfThenElseZero(block.pending, set(1.0f)), lanes.live);
@@ -50,9 +51,9 @@ blendNear(const PassContext& context, const FrameLeaf& leaf, const Block& block,
   NearLanes lanes = nearLanes(context, block);
   blendNearLeaf(context.scene, leaf.surfel, lanes);
   const Vec weight = load(lanes.weight);
-  const Mask counts = Gt(weight, set(0.0f));
+  const Mask counts = weight > set(0.0f);
   const auto add = [&](Vec& sum, const float* column)
-                       HWY_ATTR { sum = Add(sum, IfThenElseZero(counts, load(column))); };
+                       HWY_ATTR { sum += IfThenElseZero(counts, load(column)); };
   add(sums.weight, lanes.weight);
   add(sums.shift, lanes.shift);
   add(sums.coverage, lanes.coverage);
@@ -63,8 +64,8 @@ blendNear(const PassContext& context, const FrameLeaf& leaf, const Block& block,
     add(sums.lean[a], lanes.lean[a]);
   }
   for (int k = 0; k < 6; ++k) add(sums.hessian[k], lanes.hessian[k]);
-  sums.leaves = Add(sums.leaves, IfThenElseZero(counts, set(1.0f)));
-  const Mask better = Gt(weight, sums.best);
+  sums.leaves += IfThenElseZero(counts, set(1.0f));
+  const Mask better = weight > sums.best;
   sums.best = Max(sums.best, IfThenElseZero(counts, weight));
   sums.surfel = IfThenElse(better, setUint(leaf.surfel), sums.surfel);
 }
@@ -73,7 +74,7 @@ blendNear(const PassContext& context, const FrameLeaf& leaf, const Block& block,
 HWY_INLINE bool
 reaches(const Block& block, float nearest)
 {
-  return !AllFalse(And(block.pending, Ge(block.first, set(nearest))));
+  return !AllFalse(And(block.pending, block.first >= set(nearest)));
 }
 
 /** Pass 1: the first intersection of each ray with a leaf inside its shrunk ball. */
@@ -125,21 +126,21 @@ unsupported(const PassContext& context, Block block, Mask doubtful)
   BlockSums sums;
   gather<true>(context, ballAround(context, block), block, sums);
   const Vec* l = sums.lean;
-  const Vec allowed = Mul(set(kMaxLean), sums.weight);
-  const Mask surrounded = And(Ge(sums.leaves, set(kMinLeaves)),
-                              Lt(dot3(l[0], l[1], l[2], l[0], l[1], l[2]), Mul(allowed, allowed)));
-  return AndNot(surrounded, And(doubtful, Gt(sums.weight, set(0.0f))));
+  const Vec allowed = set(kMaxLean) * sums.weight;
+  const Mask surrounded = And(sums.leaves >= set(kMinLeaves),
+                              dot3(l[0], l[1], l[2], l[0], l[1], l[2]) < allowed * allowed);
+  return AndNot(surrounded, And(doubtful, sums.weight > set(0.0f)));
 }
 
 /** z of q^, and lanes that have one alone. */
 HWY_INLINE void
 prepareBlend(const PassContext& context, Block& block)
 {
-  const Mask met = And(block.pending, Lt(block.first, block.farthest));
+  const Mask met = And(block.pending, block.first < block.farthest);
   block.pending = met;
   block.first = IfThenElseZero(met, block.first);
   if (context.scene.view.perspective) {
-    block.z = Div(set(-1.0f), Add(block.first, set(context.tile.depth)));
+    block.z = set(-1.0f) / (block.first + set(context.tile.depth));
   }
 }
 
@@ -148,9 +149,9 @@ HWY_INLINE Mask
 uncoveredLanes(const PassContext& context, const Block& block, const BlockSums& sums)
 {
   const auto min_coverage = static_cast<float>(context.scene.rules.min_coverage);
-  const Mask met = Gt(sums.weight, set(0.0f));
-  const Mask outside = Gt(sums.outside, Mul(set(0.5f), sums.weight));
-  Mask uncovered = AndNot(outside, And(met, Lt(sums.coverage, set(min_coverage))));
+  const Mask met = sums.weight > set(0.0f);
+  const Mask outside = sums.outside > set(0.5f) * sums.weight;
+  Mask uncovered = AndNot(outside, And(met, sums.coverage < set(min_coverage)));
   if (!AllFalse(uncovered)) uncovered = unsupported(context, block, uncovered);
   return Or(uncovered, outside);
 }

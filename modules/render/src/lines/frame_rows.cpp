@@ -25,12 +25,6 @@ struct Lanes3 {
   Vec x, y, z;
 };
 
-HWY_INLINE Vec
-set(float value)
-{
-  return hn::Set(Tag(), value);
-}
-
 HWY_INLINE Lanes3
 set(const std::array<float, 3>& v)
 {
@@ -47,13 +41,13 @@ dot(const Lanes3& a, const Lanes3& b)
 HWY_INLINE Lanes3
 along(const Lanes3& a, Vec s, const Lanes3& b)
 {
-  return {hn::MulAdd(s, b.x, a.x), hn::MulAdd(s, b.y, a.y), hn::MulAdd(s, b.z, a.z)};
+  return {MulAdd(s, b.x, a.x), MulAdd(s, b.y, a.y), MulAdd(s, b.z, a.z)};
 }
 
 HWY_INLINE Lanes3
 scaled(const Lanes3& a, Vec s)
 {
-  return {hn::Mul(a.x, s), hn::Mul(a.y, s), hn::Mul(a.z, s)};
+  return {a.x * s, a.y * s, a.z * s};
 }
 
 /** Neighbouring pixels' columns and where their rays go. */
@@ -63,26 +57,26 @@ class Pixels {
   {
     const hn::RebindToSigned<Tag> integers;
     // Past the row's end its last pixel is read again.
-    place_ = hn::Min(hn::Iota(integers, first), hn::Set(integers, row.width - 1));
-    depth_ = hn::GatherIndex(Tag(), row.depth, place_);
-    covered = hn::Lt(depth_, set(kFar));
+    place_ = Min(Iota(integers, first), Set(integers, row.width - 1));
+    depth_ = GatherIndex(Tag(), row.depth, place_);
+    covered = depth_ < set(kFar);
   }
 
   HWY_INLINE void load()
   {
     normal = load3(row_.normal);
     gradient = load3(row_.gradient);
-    length = hn::Sqrt(dot(gradient, gradient));
-    const Vec steps = hn::ConvertTo(Tag(), place_);
-    x_ = hn::MulAdd(steps, set(row_.pixel), set(row_.left));
+    length = Sqrt(dot(gradient, gradient));
+    const Vec steps = ConvertTo(Tag(), place_);
+    x_ = MulAdd(steps, set(row_.pixel), set(row_.left));
     y_ = set(row_.height);
     if (!row_.perspective) x_ = y_ = set(0.0f);
     const Lanes3 towards = along(along(set(row_.forward), x_, set(row_.right)), y_, set(row_.up));
-    const Vec inverse = hn::Div(set(1.0f), hn::Sqrt(dot(towards, towards)));
+    const Vec inverse = set(1.0f) / Sqrt(dot(towards, towards));
     ray = scaled(towards, inverse);
-    const Vec ahead = row_.perspective ? hn::Mul(depth_, inverse) : set(1.0f);
-    per_pixel_ = hn::Div(set(1.0f), hn::Mul(set(row_.pixel), ahead));
-    facing = hn::Neg(dot(normal, ray));
+    const Vec ahead = row_.perspective ? depth_ * inverse : set(1.0f);
+    per_pixel_ = set(1.0f) / (set(row_.pixel) * ahead);
+    facing = Neg(dot(normal, ray));
     for (int k = 0; k < 6; ++k) hessian_[k] = load(row_.hessian, 6, k);
   }
 
@@ -99,16 +93,16 @@ class Pixels {
   {
     const Tag d;
     const Vec ahead = dot(tangent, set(row_.forward));
-    const Vec across = hn::NegMulAdd(ahead, x_, dot(tangent, set(row_.right)));
-    const Vec down = hn::MulSub(ahead, y_, dot(tangent, set(row_.up)));
-    hn::Store(k, d, frames.k.data() + first);
+    const Vec across = NegMulAdd(ahead, x_, dot(tangent, set(row_.right)));
+    const Vec down = MulSub(ahead, y_, dot(tangent, set(row_.up)));
+    Store(k, d, frames.k.data() + first);
     const Vec columns[] = {tangent.x, tangent.y, tangent.z};
     for (int a = 0; a < 3; ++a) {
-      hn::Store(hn::IfThenElseZero(shown, columns[a]), d, frames.direction[a].data() + first);
+      Store(IfThenElseZero(shown, columns[a]), d, frames.direction[a].data() + first);
     }
-    const Vec screen[] = {hn::Mul(across, per_pixel_), hn::Mul(down, per_pixel_)};
+    const Vec screen[] = {across * per_pixel_, down * per_pixel_};
     for (int a = 0; a < 2; ++a) {
-      hn::Store(hn::IfThenElseZero(shown, screen[a]), d, frames.screen[a].data() + first);
+      Store(IfThenElseZero(shown, screen[a]), d, frames.screen[a].data() + first);
     }
   }
 
@@ -120,7 +114,7 @@ class Pixels {
   HWY_INLINE Vec load(const float* column, int stride, int entry) const
   {
     const hn::RebindToSigned<Tag> integers;
-    return hn::GatherIndex(Tag(), column + entry, hn::Mul(place_, hn::Set(integers, stride)));
+    return GatherIndex(Tag(), column + entry, place_ * Set(integers, stride));
   }
   HWY_INLINE Lanes3 load3(const float* column) const
   {
@@ -136,11 +130,11 @@ class Pixels {
 HWY_INLINE void
 tangents(const Lanes3& n, Lanes3& a, Lanes3& b)
 {
-  const Vec one = set(1.0f), sign = hn::IfThenElse(hn::Ge(n.z, set(0.0f)), one, set(-1.0f));
-  const Vec q = hn::Div(set(-1.0f), hn::Add(sign, n.z)), p = hn::Mul(hn::Mul(n.x, n.y), q);
-  const Vec xx = hn::Mul(hn::Mul(n.x, n.x), q), yy = hn::Mul(hn::Mul(n.y, n.y), q);
-  a = {hn::MulAdd(sign, xx, one), hn::Mul(sign, p), hn::Neg(hn::Mul(sign, n.x))};
-  b = {p, hn::Add(sign, yy), hn::Neg(n.y)};
+  const Vec one = set(1.0f), sign = IfThenElse(n.z >= set(0.0f), one, set(-1.0f));
+  const Vec q = set(-1.0f) / (sign + n.z), p = n.x * n.y * q;
+  const Vec xx = n.x * n.x * q, yy = n.y * n.y * q;
+  a = {MulAdd(sign, xx, one), sign * p, Neg(sign * n.x)};
+  b = {p, sign + yy, Neg(n.y)};
 }
 
 /** Principal curvatures k1 >= k2 of symmetric 2x2 matrices and the angle of the first. */
@@ -149,20 +143,20 @@ struct Principal {
 
   HWY_INLINE Principal(Vec aa, Vec ab, Vec bb)
   {
-    const Vec half = hn::Mul(set(0.5f), hn::Sub(aa, bb));
-    const Vec mean = hn::Mul(set(0.5f), hn::Add(aa, bb));
-    const Vec root = hn::Sqrt(hn::MulAdd(half, half, hn::Mul(ab, ab)));
-    k1 = hn::Add(mean, root);
-    k2 = hn::Sub(mean, root);
+    const Vec half = set(0.5f) * (aa - bb);
+    const Vec mean = set(0.5f) * (aa + bb);
+    const Vec root = Sqrt(MulAdd(half, half, ab * ab));
+    k1 = mean + root;
+    k2 = mean - root;
     // The half angle of (half, ab), without trigonometry.
-    const Mask left = hn::Lt(half, set(0.0f));
-    const Vec x = hn::IfThenElse(left, ab, hn::Add(half, root));
-    const Vec y = hn::IfThenElse(left, hn::Sub(root, half), ab);
-    const Vec length = hn::Sqrt(hn::MulAdd(x, x, hn::Mul(y, y)));
-    const Mask bent = hn::Gt(length, set(0.0f));
-    const Vec inverse = hn::Div(set(1.0f), hn::IfThenElse(bent, length, set(1.0f)));
-    cosine = hn::IfThenElse(bent, hn::Mul(x, inverse), set(1.0f));
-    sine = hn::IfThenElse(bent, hn::Mul(y, inverse), set(0.0f));
+    const Mask left = half < set(0.0f);
+    const Vec x = IfThenElse(left, ab, half + root);
+    const Vec y = IfThenElse(left, root - half, ab);
+    const Vec length = Sqrt(MulAdd(x, x, y * y));
+    const Mask bent = length > set(0.0f);
+    const Vec inverse = set(1.0f) / IfThenElse(bent, length, set(1.0f));
+    cosine = IfThenElse(bent, x * inverse, set(1.0f));
+    sine = IfThenElse(bent, y * inverse, set(0.0f));
   }
 };
 
@@ -170,9 +164,9 @@ HWY_INLINE void
 putNothing(int first, FrameRow& frames)
 {
   const Tag d;
-  hn::Store(hn::Zero(d), d, frames.k.data() + first);
-  for (auto& column : frames.direction) hn::Store(hn::Zero(d), d, column.data() + first);
-  for (auto& column : frames.screen) hn::Store(hn::Zero(d), d, column.data() + first);
+  Store(Zero(d), d, frames.k.data() + first);
+  for (auto& column : frames.direction) Store(Zero(d), d, column.data() + first);
+  for (auto& column : frames.screen) Store(Zero(d), d, column.data() + first);
 }
 
 /** Runs body(pixels, first) for the vectors of a row that show anything. */
@@ -183,7 +177,7 @@ forShown(const PictureRow& row, FrameRow& frames, const Body& body)
   const Tag d;
   for (int first = 0; first < row.width; first += static_cast<int>(hn::Lanes(d))) {
     Pixels pixels(row, first);
-    if (hn::AllFalse(d, pixels.covered)) {
+    if (AllFalse(d, pixels.covered)) {
       putNothing(first, frames);
       continue;
     }
@@ -196,19 +190,18 @@ void
 crestFrames(const PictureRow& row, FrameRow& frames)
 {
   forShown(row, frames, [&](const Pixels& pixels, int first) HWY_ATTR {
-    const Mask usable = hn::And(pixels.covered, hn::And(hn::Gt(pixels.length, set(0.0f)),
-                                                        hn::Ge(pixels.facing, set(kLeastFacing))));
+    const Mask usable =
+        And(pixels.covered, And(pixels.length > set(0.0f), pixels.facing >= set(kLeastFacing)));
     Lanes3 a, b;
     tangents(pixels.normal, a, b);
     const Lanes3 ha = pixels.bent(a), hb = pixels.bent(b);
-    const Vec inverse = hn::Div(set(1.0f), hn::IfThenElse(usable, pixels.length, set(1.0f)));
-    const Principal found(hn::Mul(dot(a, ha), inverse), hn::Mul(dot(a, hb), inverse),
-                          hn::Mul(dot(b, hb), inverse));
-    const Mask bulges = hn::Gt(found.k1, hn::Neg(found.k2));
-    const Vec k = hn::IfThenElse(bulges, found.k1, found.k2);
-    const Vec c = hn::IfThenElse(bulges, found.cosine, hn::Neg(found.sine));
-    const Vec s = hn::IfThenElse(bulges, found.sine, found.cosine);
-    pixels.put(hn::IfThenElseZero(usable, k), along(scaled(a, c), s, b), usable, first, frames);
+    const Vec inverse = set(1.0f) / IfThenElse(usable, pixels.length, set(1.0f));
+    const Principal found(dot(a, ha) * inverse, dot(a, hb) * inverse, dot(b, hb) * inverse);
+    const Mask bulges = found.k1 > Neg(found.k2);
+    const Vec k = IfThenElse(bulges, found.k1, found.k2);
+    const Vec c = IfThenElse(bulges, found.cosine, Neg(found.sine));
+    const Vec s = IfThenElse(bulges, found.sine, found.cosine);
+    pixels.put(IfThenElseZero(usable, k), along(scaled(a, c), s, b), usable, first, frames);
   });
 }
 
@@ -217,16 +210,15 @@ radialFrames(const PictureRow& row, FrameRow& frames)
 {
   forShown(row, frames, [&](const Pixels& pixels, int first) HWY_ATTR {
     const Lanes3 back = scaled(pixels.ray, set(-1.0f));
-    const Lanes3 w = along(back, hn::Neg(pixels.facing), pixels.normal);
-    const Vec w_length = hn::Sqrt(dot(w, w));
-    const Mask usable = hn::And(pixels.covered, hn::And(hn::Gt(pixels.length, set(0.0f)),
-                                                        hn::Ge(w_length, set(kLeastLength))));
-    const Lanes3 unit = scaled(w, hn::Div(set(1.0f), hn::IfThenElse(usable, w_length, set(1.0f))));
-    const Vec k =
-        hn::Div(dot(unit, pixels.bent(unit)), hn::IfThenElse(usable, pixels.length, set(1.0f)));
-    const Mask shown = hn::And(usable, hn::And(hn::Ge(pixels.facing, set(kContourFacing)),
-                                               hn::Ge(w_length, set(kLeastRadial))));
-    pixels.put(hn::IfThenElseZero(usable, k), unit, shown, first, frames);
+    const Lanes3 w = along(back, Neg(pixels.facing), pixels.normal);
+    const Vec w_length = Sqrt(dot(w, w));
+    const Mask usable =
+        And(pixels.covered, And(pixels.length > set(0.0f), w_length >= set(kLeastLength)));
+    const Lanes3 unit = scaled(w, set(1.0f) / IfThenElse(usable, w_length, set(1.0f)));
+    const Vec k = dot(unit, pixels.bent(unit)) / IfThenElse(usable, pixels.length, set(1.0f));
+    const Mask shown =
+        And(usable, And(pixels.facing >= set(kContourFacing), w_length >= set(kLeastRadial)));
+    pixels.put(IfThenElseZero(usable, k), unit, shown, first, frames);
   });
 }
 

@@ -15,21 +15,21 @@
 #include "rays/tree_walk-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
+namespace pcl_slim::detail::kernels::HWY_NAMESPACE::rays {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
 /** The sums of a blend, each over the leaves of its lane. */
 struct LaneSums {
-  Lanes weight, shift, coverage, leaves, facing;
-  Lanes gradient[3], hessian[6], lean[3], spread[3];
+  Vec weight, shift, coverage, leaves, facing;
+  Vec gradient[3], hessian[6], lean[3], spread[3];
   double outside = 0.0;  ///< of w outsideShare(), over all lanes
   HWY_ALIGN float largest[kWide];
   std::uint32_t surfel[kWide];
 
   LaneSums()
   {
-    weight = shift = coverage = leaves = facing = hn::Zero(Lane());
+    weight = shift = coverage = leaves = facing = Zero(Tag());
     for (auto& g : gradient) g = weight;
     for (auto& h : hessian) h = weight;
     for (auto& l : lean) l = weight;
@@ -63,7 +63,7 @@ struct LaneSums {
   }
 
  private:
-  static double over(Lanes v) { return hn::GetLane(hn::SumOfLanes(Lane(), v)); }
+  static double over(Vec v) { return GetLane(SumOfLanes(Tag(), v)); }
 };
 
 /** What a blend is made at: q^ and the ray through it. */
@@ -88,60 +88,57 @@ struct LocalPlace {
 
 /** Roots within chords, from q^ on in radii. */
 struct NearRoots {
-  Lanes s;
-  Some found;
+  Vec s;
+  Mask found;
 };
 
 HWY_INLINE NearRoots
-nearestOfQuadratics(const LeafLines<2>& line, Lanes low, Lanes high, bool front_only, Some wanted)
+nearestOfQuadratics(const LeafLines<2>& line, Vec low, Vec high, bool front_only, Mask wanted)
 {
   const QuadraticRootLanes roots(line);
-  const Some real = hn::And(wanted, roots.real);
-  const auto counts = [&](Lanes s, Some falling) HWY_ATTR {
-    const Some on_chord = hn::And(real, hn::And(hn::Ge(s, low), hn::Le(s, high)));
-    return front_only ? hn::And(on_chord, falling) : on_chord;
+  const Mask real = And(wanted, roots.real);
+  const auto counts = [&](Vec s, Mask falling) HWY_ATTR {
+    const Mask on_chord = And(real, And(s >= low, s <= high));
+    return front_only ? And(on_chord, falling) : on_chord;
   };
-  const Some is_one = counts(roots.one, roots.one_falls);
-  const Some is_other = counts(roots.other, hn::Not(roots.one_falls));
-  const Some nearer =
-      hn::And(is_other, hn::Or(hn::Not(is_one), hn::Lt(hn::Abs(roots.other), hn::Abs(roots.one))));
-  return {hn::IfThenElse(nearer, roots.other, roots.one), hn::Or(is_one, is_other)};
+  const Mask is_one = counts(roots.one, roots.one_falls);
+  const Mask is_other = counts(roots.other, Not(roots.one_falls));
+  const Mask nearer = And(is_other, Or(Not(is_one), Abs(roots.other) < Abs(roots.one)));
+  return {IfThenElse(nearer, roots.other, roots.one), Or(is_one, is_other)};
 }
 
-/** Lanes where Newton's steps from q^ are sure to lead to the nearest root, as obviousRoot(). */
+/** Vec where Newton's steps from q^ are sure to lead to the nearest root, as obviousRoot(). */
 template <int D>
-HWY_INLINE Some
+HWY_INLINE Mask
 obvious(const LeafLines<D>& line)
 {
-  const Lanes reach = hn::Mul(all(2.0f), hn::Abs(line.a[0])), steep = hn::Abs(line.a[1]);
-  const Lanes m = hn::Div(reach, steep);
-  const Lanes outer = hn::MulAdd(hn::Mul(all(12.0f), m), hn::Abs(line.a[4]),
-                                 hn::Mul(all(6.0f), hn::Abs(line.a[3])));
-  const Lanes bend = hn::MulAdd(m, outer, hn::Mul(all(2.0f), hn::Abs(line.a[2])));
-  return hn::And(hn::Lt(reach, steep),
-                 hn::Lt(hn::Mul(hn::Mul(all(2.0f), bend), reach), hn::Mul(steep, steep)));
+  const Vec reach = set(2.0f) * Abs(line.a[0]), steep = Abs(line.a[1]);
+  const Vec m = reach / steep;
+  const Vec outer = MulAdd(set(12.0f) * m, Abs(line.a[4]), set(6.0f) * Abs(line.a[3]));
+  const Vec bend = MulAdd(m, outer, set(2.0f) * Abs(line.a[2]));
+  return And(reach < steep, set(2.0f) * bend * reach < steep * steep);
 }
 
 template <int D>
 HWY_INLINE NearRoots
-nearestOfHigher(const LeafLines<D>& line, Lanes low, Lanes high, bool front_only, Some wanted,
+nearestOfHigher(const LeafLines<D>& line, Vec low, Vec high, bool front_only, Mask wanted,
                 std::uint64_t& bracketed)
 {
-  const Lane d;
-  NearRoots roots{hn::Neg(hn::Div(line.a[0], line.a[1])), hn::And(wanted, obvious<D>(line))};
+  const Tag d;
+  NearRoots roots{Neg(line.a[0] / line.a[1]), And(wanted, obvious<D>(line))};
   for (int step = 0; step < 4; ++step) {
-    roots.s = hn::Sub(roots.s, hn::Div(line.value(roots.s), line.slope(roots.s)));
+    roots.s -= line.value(roots.s) / line.slope(roots.s);
   }
-  roots.found = hn::And(roots.found, hn::And(hn::Ge(roots.s, low), hn::Le(roots.s, high)));
-  if (front_only) roots.found = hn::And(roots.found, hn::Lt(line.slope(roots.s), hn::Zero(d)));
-  unsigned bits = bitsOf(hn::AndNot(roots.found, wanted));
+  roots.found = And(roots.found, And(roots.s >= low, roots.s <= high));
+  if (front_only) roots.found = And(roots.found, line.slope(roots.s) < Zero(d));
+  unsigned bits = bitsOf(AndNot(roots.found, wanted));
   if (bits == 0) return roots;
   HWY_ALIGN float a[D + 1][kWide], from[kWide], to[kWide], s[kWide], is[kWide];
-  for (int i = 0; i <= D; ++i) hn::Store(line.a[i], d, a[i]);
-  hn::Store(low, d, from);
-  hn::Store(high, d, to);
-  hn::Store(roots.s, d, s);
-  hn::Store(hn::IfThenElseZero(roots.found, all(1.0f)), d, is);
+  for (int i = 0; i <= D; ++i) Store(line.a[i], d, a[i]);
+  Store(low, d, from);
+  Store(high, d, to);
+  Store(roots.s, d, s);
+  Store(IfThenElseZero(roots.found, set(1.0f)), d, is);
   for (; bits != 0; bits &= bits - 1) {
     const int k = __builtin_ctz(bits);
     double own[5] = {};
@@ -151,7 +148,7 @@ nearestOfHigher(const LeafLines<D>& line, Lanes low, Lanes high, bool front_only
     is[k] = nearestRootInInterval(D, own, from[k], to[k], 0.0, front_only, root) ? 1.0f : 0.0f;
     s[k] = static_cast<float>(root);
   }
-  return {hn::Load(d, s), hn::Gt(hn::Load(d, is), hn::Zero(d))};
+  return {Load(d, s), Load(d, is) > Zero(d)};
 }
 
 /** What blends need besides the block and the place. */
@@ -164,38 +161,37 @@ struct BlendContext {
 /** Adds w grad f and w H of some lanes, turned by the sign of w, in world axes. */
 template <int D>
 HWY_INLINE void
-addDerivatives(const BlockLanes& block, const FrameLanes<Lanes>& frame, Lanes u, Lanes v,
-               Lanes weight, bool with_hessian, LaneSums& sums)
+addDerivatives(const BlockLanes& block, const FrameLanes<Vec>& frame, Vec u, Vec v, Vec weight,
+               bool with_hessian, LaneSums& sums)
 {
   const LaneJets<D> jet(block, u, v);
-  const Lanes fu[3] = {frame.u.x, frame.u.y, frame.u.z}, fv[3] = {frame.v.x, frame.v.y, frame.v.z},
-              fw[3] = {frame.w.x, frame.w.y, frame.w.z};
+  const Vec fu[3] = {frame.u.x, frame.u.y, frame.u.z}, fv[3] = {frame.v.x, frame.v.y, frame.v.z},
+            fw[3] = {frame.w.x, frame.w.y, frame.w.z};
   for (int a = 0; a < 3; ++a) {
-    const Lanes g = hn::NegMulAdd(jet.hu, fu[a], hn::NegMulAdd(jet.hv, fv[a], fw[a]));
-    sums.gradient[a] = hn::MulAdd(weight, g, sums.gradient[a]);
+    const Vec g = NegMulAdd(jet.hu, fu[a], NegMulAdd(jet.hv, fv[a], fw[a]));
+    sums.gradient[a] = MulAdd(weight, g, sums.gradient[a]);
   }
   if (!with_hessian) return;
-  const Lanes scale = hn::Neg(hn::Mul(weight, block.column(kBlockInverseRadius)));
+  const Vec scale = Neg(weight * block.column(kBlockInverseRadius));
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = i; j < 3; ++j) {
-      const Lanes mixed = hn::MulAdd(fu[i], fv[j], hn::Mul(fv[i], fu[j]));
-      const Lanes entry =
-          hn::MulAdd(hn::Mul(jet.huu, fu[i]), fu[j],
-                     hn::MulAdd(jet.huv, mixed, hn::Mul(hn::Mul(jet.hvv, fv[i]), fv[j])));
-      Lanes& sum = sums.hessian[kSymmetricEntry[i][j]];
-      sum = hn::MulAdd(scale, entry, sum);
+      const Vec mixed = MulAdd(fu[i], fv[j], fv[i] * fu[j]);
+      const Vec entry =
+          MulAdd(jet.huu * fu[i], fu[j], MulAdd(jet.huv, mixed, jet.hvv * fv[i] * fv[j]));
+      Vec& sum = sums.hessian[kSymmetricEntry[i][j]];
+      sum = MulAdd(scale, entry, sum);
     }
   }
 }
 
 /** Remembers the surfel of the largest weight of each lane. */
 HWY_INLINE void
-keepLargest(const LeafBlocks::Head& head, std::size_t k, Lanes weight, LaneSums& sums)
+keepLargest(const LeafBlocks::Head& head, std::size_t k, Vec weight, LaneSums& sums)
 {
-  const Lane d;
-  const Lanes largest = hn::Load(d, sums.largest + k);
-  const Some more = hn::Gt(weight, largest);
-  hn::Store(hn::IfThenElse(more, weight, largest), d, sums.largest + k);
+  const Tag d;
+  const Vec largest = Load(d, sums.largest + k);
+  const Mask more = weight > largest;
+  Store(IfThenElse(more, weight, largest), d, sums.largest + k);
   for (unsigned bits = bitsOf(more); bits != 0; bits &= bits - 1) {
     const std::size_t lane = k + static_cast<std::size_t>(__builtin_ctz(bits));
     sums.surfel[lane] = head.surfel[lane];
@@ -204,14 +200,14 @@ keepLargest(const LeafBlocks::Head& head, std::size_t k, Lanes weight, LaneSums&
 
 /** Adds what the trim maps of open leaves say of their crossings at (u, v). */
 HWY_NOINLINE void
-addOutside(const SLIMSurface& surface, const std::uint32_t* surfels, Lanes weight, Lanes u, Lanes v,
+addOutside(const SLIMSurface& surface, const std::uint32_t* surfels, Vec weight, Vec u, Vec v,
            LaneSums& sums)
 {
-  const Lane d;
+  const Tag d;
   HWY_ALIGN float w[kWide], at_u[kWide], at_v[kWide];
-  hn::Store(weight, d, w);
-  hn::Store(u, d, at_u);
-  hn::Store(v, d, at_v);
+  Store(weight, d, w);
+  Store(u, d, at_u);
+  Store(v, d, at_v);
   for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
     if (!(w[k] > 0.0f)) continue;
     sums.outside += w[k] * outsideShare(surface.trimMap(surfels[k]), at_u[k], at_v[k]);
@@ -220,12 +216,12 @@ addOutside(const SLIMSurface& surface, const std::uint32_t* surfels, Lanes weigh
 
 /** Adds where leaves meet the ray, from their centres: weighted, and as they are. */
 HWY_INLINE void
-addPlaces(const Triad& at, Lanes weight, Some added, LaneSums& sums)
+addPlaces(const Triad& at, Vec weight, Mask added, LaneSums& sums)
 {
-  const Lanes places[] = {at.x, at.y, at.z};
+  const Vec places[] = {at.x, at.y, at.z};
   for (std::size_t a = 0; a < 3; ++a) {
-    sums.lean[a] = hn::MulAdd(weight, places[a], sums.lean[a]);
-    sums.spread[a] = hn::Add(sums.spread[a], hn::IfThenElseZero(added, places[a]));
+    sums.lean[a] = MulAdd(weight, places[a], sums.lean[a]);
+    sums.spread[a] += IfThenElseZero(added, places[a]);
   }
 }
 
@@ -235,24 +231,24 @@ HWY_INLINE void
 addLeaves(const BlendContext& context, const LeafBlocks::Head& head, const BlockLanes& block,
           const LocalPlace& place, double begin, LaneSums& sums)
 {
-  const Lane d;
-  const Lanes zero = hn::Zero(d), one = all(1.0f);
-  const Triad p = block.place(place.point), direction = tripleOf<Lanes>(place.direction);
-  const Lanes hat_sq = dot3(p, p);
-  Some counts = hn::Lt(hat_sq, one);
+  const Tag d;
+  const Vec zero = Zero(d), one = set(1.0f);
+  const Triad p = block.place(place.point), direction = tripleOf<Vec>(place.direction);
+  const Vec hat_sq = dot3(p, p);
+  Mask counts = hat_sq < one;
   const unsigned bits = bitsOf(counts);
   if (bits == 0) return;
   context.counts.leaves_blend += static_cast<std::uint64_t>(__builtin_popcount(bits));
-  const FrameLanes<Lanes> frame = block.frames();
+  const FrameLanes<Vec> frame = block.frames();
   const LeafLines<D> line(block, frame, p, direction);
-  counts = hn::And(counts, hn::Lt(hn::Abs(line.a[0]), all(kMaxShift)));
-  if (hn::AllFalse(d, counts)) return;
+  counts = And(counts, Abs(line.a[0]) < set(kMaxShift));
+  if (AllFalse(d, counts)) return;
 
-  const Lanes b = dot3(p, direction);
-  const Lanes half = hn::Sqrt(hn::Max(zero, hn::MulAdd(b, b, hn::Sub(one, hat_sq))));
-  const Lanes high = hn::Sub(half, b);
-  const Lanes low = hn::Max(hn::Neg(hn::Add(half, b)), hn::Mul(all(static_cast<float>(begin)),
-                                                               block.column(kBlockInverseRadius)));
+  const Vec b = dot3(p, direction);
+  const Vec half = Sqrt(Max(zero, MulAdd(b, b, one - hat_sq)));
+  const Vec high = half - b;
+  const Vec low =
+      Max(Neg(half + b), set(static_cast<float>(begin)) * block.column(kBlockInverseRadius));
   NearRoots roots;
   if constexpr (D == 2)
     roots = nearestOfQuadratics(line, low, high, context.rules.front_only, counts);
@@ -262,28 +258,26 @@ addLeaves(const BlendContext& context, const LeafBlocks::Head& head, const Block
 
   const WeightKernel kernel = context.scene.surface.info.blend_kernel;
   const Triad q = pointAt(p, roots.s, direction);
-  const Lanes root_sq = dot3(q, q);
-  Lanes weight =
-      hn::Mul(block.column(kBlockVariance), kernelWeight(kernel, hn::Max(hat_sq, root_sq)));
-  const Some added = hn::And(roots.found, hn::Gt(weight, zero));
-  if (hn::AllFalse(d, added)) return;
-  // Lanes without a root may hold anything, infinity too, and no product with 0 mends that.
-  const auto only = [added](Lanes x) HWY_ATTR { return hn::IfThenElseZero(added, x); };
+  const Vec root_sq = dot3(q, q);
+  Vec weight = block.column(kBlockVariance) * kernelWeight(kernel, Max(hat_sq, root_sq));
+  const Mask added = And(roots.found, weight > zero);
+  if (AllFalse(d, added)) return;
+  // Vec without a root may hold anything, infinity too, and no product with 0 mends that.
+  const auto only = [added](Vec x) HWY_ATTR { return IfThenElseZero(added, x); };
   weight = only(weight);
-  const Lanes s = only(roots.s), u = only(line.u), v = only(line.v);
-  const Lanes cover =
-      all(static_cast<float>(1.0 / (context.scene.cover_radius * context.scene.cover_radius)));
-  sums.weight = hn::Add(sums.weight, weight);
-  sums.shift = hn::MulAdd(weight, hn::Mul(s, block.column(kBlockRadius)), sums.shift);
-  sums.coverage = hn::Add(sums.coverage, only(kernelWeight(kernel, hn::Mul(root_sq, cover))));
-  sums.leaves = hn::Add(sums.leaves, only(one));
-  const Some rises = hn::Gt(line.slope(s), zero);
-  const Lanes side = hn::IfThenElse(rises, hn::Neg(one), one);
-  sums.facing = hn::Add(sums.facing, only(side));
+  const Vec s = only(roots.s), u = only(line.u), v = only(line.v);
+  const Vec cover =
+      set(static_cast<float>(1.0 / (context.scene.cover_radius * context.scene.cover_radius)));
+  sums.weight += weight;
+  sums.shift = MulAdd(weight, s * block.column(kBlockRadius), sums.shift);
+  sums.coverage += only(kernelWeight(kernel, root_sq * cover));
+  sums.leaves += only(one);
+  const Mask rises = line.slope(s) > zero;
+  const Vec side = IfThenElse(rises, Neg(one), one);
+  sums.facing += only(side);
   addPlaces(pointAt(p, s, direction), weight, added, sums);
-  const Lanes at_u = hn::MulAdd(s, line.du, u), at_v = hn::MulAdd(s, line.dv, v);
-  addDerivatives<D>(block, frame, at_u, at_v, hn::Mul(side, weight), context.rules.with_hessian,
-                    sums);
+  const Vec at_u = MulAdd(s, line.du, u), at_v = MulAdd(s, line.dv, v);
+  addDerivatives<D>(block, frame, at_u, at_v, side * weight, context.rules.with_hessian, sums);
   if (context.scene.surface.hasTrimMaps()) {
     addOutside(context.scene.surface, head.surfel + block.k, weight, at_u, at_v, sums);
   }
@@ -301,7 +295,7 @@ blendAt(const BlendContext& context, const BlendPlace& place)
   walkAround(scene.tree, point, context.counts.nodes, [&](std::uint32_t b) HWY_ATTR {
     const LeafBlocks::Head& head = scene.blocks.head(b);
     const LocalPlace local(place, head);
-    for (std::size_t k = 0; k < kWide; k += hn::Lanes(Lane())) {
+    for (std::size_t k = 0; k < kWide; k += hn::Lanes(Tag())) {
       const BlockLanes block{scene.blocks.columns(b), k};
       switch (head.degree) {
         case 1:
@@ -314,6 +308,6 @@ blendAt(const BlendContext& context, const BlendPlace& place)
   return sums.total();
 }
 
-}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE
+}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::rays
 HWY_AFTER_NAMESPACE();
 #endif

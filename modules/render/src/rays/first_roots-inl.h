@@ -13,9 +13,7 @@
 #include "rays/ray_scene.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
+namespace pcl_slim::detail::kernels::HWY_NAMESPACE::rays {
 
 constexpr float kNever = std::numeric_limits<float>::infinity();
 
@@ -44,23 +42,23 @@ struct LocalRay {
 
 /** The chords of a ray in the leaves' balls of a share of their radii, in radii from p on. */
 struct LaneChords {
-  Lanes middle;  ///< where the ray comes closest to the centre
-  Lanes distance_sq, front, behind, high;
-  Some inside;
+  Vec middle;  ///< where the ray comes closest to the centre
+  Vec distance_sq, front, behind, high;
+  Mask inside;
 
-  LaneChords(const LocalRay& ray, Lanes inverse_radius, const Triad& p, const Triad& d, float share)
+  LaneChords(const LocalRay& ray, Vec inverse_radius, const Triad& p, const Triad& d, float share)
   {
-    const Lanes zero = hn::Zero(Lane());
-    middle = hn::Neg(dot3(p, d));
+    const Vec zero = Zero(Tag());
+    middle = Neg(dot3(p, d));
     const Triad closest = pointAt(p, middle, d);
     distance_sq = dot3(closest, closest);
-    const Lanes half_sq = hn::Sub(all(share * share), distance_sq);
-    const Lanes half = hn::Sqrt(hn::Max(half_sq, zero));
-    const Lanes low = hn::Sub(middle, half);
-    front = hn::Max(low, hn::Mul(all(ray.front), inverse_radius));
-    behind = hn::Max(low, hn::Mul(all(ray.behind), inverse_radius));
-    high = hn::Min(hn::Add(middle, half), hn::Mul(all(ray.end), inverse_radius));
-    inside = hn::And(hn::Gt(half_sq, zero), hn::Le(hn::Min(front, behind), high));
+    const Vec half_sq = set(share * share) - distance_sq;
+    const Vec half = Sqrt(Max(half_sq, zero));
+    const Vec low = middle - half;
+    front = Max(low, set(ray.front) * inverse_radius);
+    behind = Max(low, set(ray.behind) * inverse_radius);
+    high = Min(middle + half, set(ray.end) * inverse_radius);
+    inside = And(half_sq > zero, Min(front, behind) <= high);
   }
 };
 
@@ -77,96 +75,94 @@ struct LaneTrims {
 
 /** Those of some lanes whose leaf's own trim map has data at s. */
 template <int D>
-HWY_INLINE Some
-haveData(const LaneTrims& trims, const LeafLines<D>& line, Lanes s, Some some)
+HWY_INLINE Mask
+haveData(const LaneTrims& trims, const LeafLines<D>& line, Vec s, Mask some)
 {
   if (!trims.surface.hasTrimMaps()) return some;
-  const Lane d;
+  const Tag d;
   HWY_ALIGN float u[kWide], v[kWide], have[kWide] = {};
-  hn::Store(hn::MulAdd(s, line.du, line.u), d, u);
-  hn::Store(hn::MulAdd(s, line.dv, line.v), d, v);
+  Store(MulAdd(s, line.du, line.u), d, u);
+  Store(MulAdd(s, line.dv, line.v), d, v);
   for (unsigned bits = bitsOf(some); bits != 0; bits &= bits - 1) {
     const auto k = static_cast<std::size_t>(__builtin_ctz(bits));
     have[k] = trims.hasData(k, u[k], v[k]) ? 1.0f : 0.0f;
   }
-  return hn::Gt(hn::Load(d, have), hn::Zero(d));
+  return Load(d, have) > Zero(d);
 }
 
 /** Roots of quadratic and linear leaves, in closed form without cancellation. */
-HWY_INLINE Lanes
+HWY_INLINE Vec
 firstOfQuadratics(const LeafLines<2>& line, const LaneChords& chord, const LaneTrims& trims)
 {
   const QuadraticRootLanes roots(line);
-  const Some real = hn::And(chord.inside, roots.real);
-  const auto counted = [&](Lanes s, Some falling) HWY_ATTR {
-    const Lanes low = hn::IfThenElse(falling, chord.front, chord.behind);
-    const Some on_chord = hn::And(real, hn::And(hn::Ge(s, low), hn::Le(s, chord.high)));
-    return hn::IfThenElse(haveData(trims, line, s, on_chord), s, all(kNever));
+  const Mask real = And(chord.inside, roots.real);
+  const auto counted = [&](Vec s, Mask falling) HWY_ATTR {
+    const Vec low = IfThenElse(falling, chord.front, chord.behind);
+    const Mask on_chord = And(real, And(s >= low, s <= chord.high));
+    return IfThenElse(haveData(trims, line, s, on_chord), s, set(kNever));
   };
-  return hn::Min(counted(roots.one, roots.one_falls),
-                 counted(roots.other, hn::Not(roots.one_falls)));
+  return Min(counted(roots.one, roots.one_falls), counted(roots.other, Not(roots.one_falls)));
 }
 
-/** Lanes on whose chords a polynomial of degree 3 or 4 may have a root, by the signs of its
+/** Vec on whose chords a polynomial of degree 3 or 4 may have a root, by the signs of its
  * Bernstein coefficients. */
 template <int D>
-HWY_INLINE Some
-mayHaveRoots(const LeafLines<D>& line, Lanes low, Lanes high)
+HWY_INLINE Mask
+mayHaveRoots(const LeafLines<D>& line, Vec low, Vec high)
 {
-  Lanes c[D + 1];
+  Vec c[D + 1];
   for (int i = 0; i <= D; ++i) c[i] = line.a[i];
   for (int i = 0; i < D; ++i) {
-    for (int j = D - 1; j >= i; --j) c[j] = hn::MulAdd(low, c[j + 1], c[j]);
+    for (int j = D - 1; j >= i; --j) c[j] = MulAdd(low, c[j + 1], c[j]);
   }
-  const Lanes span = hn::Sub(high, low);
-  Lanes power = span;
+  const Vec span = high - low;
+  Vec power = span;
   for (int i = 1; i <= D; ++i) {
-    c[i] = hn::Mul(c[i], power);
-    power = hn::Mul(power, span);
+    c[i] *= power;
+    power *= span;
   }
-  Lanes least = c[0], most = c[0];
-  const auto take = [&](Lanes b) HWY_ATTR {
-    least = hn::Min(least, b);
-    most = hn::Max(most, b);
+  Vec least = c[0], most = c[0];
+  const auto take = [&](Vec b) HWY_ATTR {
+    least = Min(least, b);
+    most = Max(most, b);
   };
-  const auto times = [](float f, Lanes x) HWY_ATTR { return hn::Mul(all(f), x); };
+  const auto times = [](float f, Vec x) HWY_ATTR { return set(f) * x; };
   if constexpr (D == 3) {
-    take(hn::MulAdd(all(1.0f / 3.0f), c[1], c[0]));
-    take(hn::MulAdd(all(1.0f / 3.0f), hn::Add(hn::Add(c[1], c[1]), c[2]), c[0]));
-    take(hn::Add(hn::Add(c[0], c[1]), hn::Add(c[2], c[3])));
+    take(MulAdd(set(1.0f / 3.0f), c[1], c[0]));
+    take(MulAdd(set(1.0f / 3.0f), c[1] + c[1] + c[2], c[0]));
+    take(c[0] + c[1] + (c[2] + c[3]));
   } else {
-    take(hn::MulAdd(all(0.25f), c[1], c[0]));
-    take(hn::MulAdd(all(0.5f), c[1], hn::MulAdd(all(1.0f / 6.0f), c[2], c[0])));
-    take(hn::Add(hn::MulAdd(all(0.75f), c[1], c[0]),
-                 hn::MulAdd(all(0.5f), c[2], times(0.25f, c[3]))));
-    take(hn::Add(hn::Add(c[0], c[1]), hn::Add(c[2], hn::Add(c[3], c[4]))));
+    take(MulAdd(set(0.25f), c[1], c[0]));
+    take(MulAdd(set(0.5f), c[1], MulAdd(set(1.0f / 6.0f), c[2], c[0])));
+    take(MulAdd(set(0.75f), c[1], c[0]) + MulAdd(set(0.5f), c[2], times(0.25f, c[3])));
+    take(c[0] + c[1] + (c[2] + (c[3] + c[4])));
   }
   // A few roundings of room: a root at the very end of the chord is to be found as well.
-  const Lanes room = all(1e-6f);
-  return hn::And(hn::Le(least, room), hn::Ge(most, hn::Neg(room)));
+  const Vec room = set(1e-6f);
+  return And(least <= room, most >= Neg(room));
 }
 
 /** Roots of cubics and quartics, isolated one by one where there may be any. */
 template <int D>
-HWY_INLINE Lanes
+HWY_INLINE Vec
 firstOfHigher(const LeafLines<D>& line, const LaneChords& chord, const LaneTrims& trims,
               std::uint64_t& bracketed)
 {
-  const Lane d;
-  const Lanes low = hn::Min(chord.front, chord.behind);
-  unsigned bits = bitsOf(hn::And(chord.inside, mayHaveRoots<D>(line, low, chord.high)));
-  if (bits == 0) return all(kNever);
+  const Tag d;
+  const Vec low = Min(chord.front, chord.behind);
+  unsigned bits = bitsOf(And(chord.inside, mayHaveRoots<D>(line, low, chord.high)));
+  if (bits == 0) return set(kNever);
   HWY_ALIGN float a[D + 1][kWide], front[kWide], behind[kWide], high[kWide], root[kWide];
   HWY_ALIGN float u[kWide], v[kWide], du[kWide], dv[kWide];
-  hn::Store(line.u, d, u);
-  hn::Store(line.v, d, v);
-  hn::Store(line.du, d, du);
-  hn::Store(line.dv, d, dv);
-  for (int i = 0; i <= D; ++i) hn::Store(line.a[i], d, a[i]);
-  hn::Store(chord.front, d, front);
-  hn::Store(chord.behind, d, behind);
-  hn::Store(chord.high, d, high);
-  hn::Store(all(kNever), d, root);
+  Store(line.u, d, u);
+  Store(line.v, d, v);
+  Store(line.du, d, du);
+  Store(line.dv, d, dv);
+  for (int i = 0; i <= D; ++i) Store(line.a[i], d, a[i]);
+  Store(chord.front, d, front);
+  Store(chord.behind, d, behind);
+  Store(chord.high, d, high);
+  Store(set(kNever), d, root);
   for (; bits != 0; bits &= bits - 1) {
     const auto k = static_cast<std::size_t>(__builtin_ctz(bits));
     double own[5] = {};
@@ -177,14 +173,14 @@ firstOfHigher(const LeafLines<D>& line, const LaneChords& chord, const LaneTrims
     };
     root[k] = static_cast<float>(firstRootInInterval(D, own, front[k], behind[k], high[k], counts));
   }
-  return hn::Load(d, root);
+  return Load(d, root);
 }
 
 /** What the leaves of some lanes are met at. */
 struct LaneRoots {
-  Lanes s;               ///< in radii from p on; infinity where there is none
-  Lanes radius;          ///< of the leaves
-  Lanes from_center_sq;  ///< squared distance of the root from the centre, in radii
+  Vec s;               ///< in radii from p on; infinity where there is none
+  Vec radius;          ///< of the leaves
+  Vec from_center_sq;  ///< squared distance of the root from the centre, in radii
 };
 
 /** First roots of leaves k, k + 1, ... of a block at which their trim maps have data. \return false
@@ -194,7 +190,7 @@ HWY_INLINE bool
 firstRoots(const BlockLanes& block, const LaneTrims& trims, const LocalRay& ray, float shrink,
            RayCounts& counts, LaneRoots& roots)
 {
-  const Triad p = block.place(ray.point), direction = tripleOf<Lanes>(ray.direction);
+  const Triad p = block.place(ray.point), direction = tripleOf<Vec>(ray.direction);
   const LaneChords chord(ray, block.column(kBlockInverseRadius), p, direction, shrink);
   const unsigned bits = bitsOf(chord.inside);
   if (bits == 0) return false;
@@ -204,8 +200,8 @@ firstRoots(const BlockLanes& block, const LaneTrims& trims, const LocalRay& ray,
     roots.s = firstOfQuadratics(line, chord, trims);
   else
     roots.s = firstOfHigher<D>(line, chord, trims, counts.bracketed);
-  const Lanes beyond = hn::Sub(roots.s, chord.middle);
-  roots.from_center_sq = hn::MulAdd(beyond, beyond, chord.distance_sq);
+  const Vec beyond = roots.s - chord.middle;
+  roots.from_center_sq = MulAdd(beyond, beyond, chord.distance_sq);
   roots.radius = block.column(kBlockRadius);
   return true;
 }
@@ -226,6 +222,6 @@ firstRootsOf(const RayScene& scene, std::uint32_t b, std::size_t k, const LocalR
   }
 }
 
-}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE
+}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::rays
 HWY_AFTER_NAMESPACE();
 #endif

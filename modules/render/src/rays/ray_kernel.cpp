@@ -17,6 +17,7 @@
 
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
+namespace rays {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -45,12 +46,12 @@ firstDepth(const BlendContext& context, const BoundedRay& ray, const Line& line,
   };
   walkAlong(scene.tree, from, until, context.counts.nodes, meet, [&](std::uint32_t b) HWY_ATTR {
     const LocalRay local(ray, scene.blocks.head(b), nearest, best);
-    for (std::size_t k = 0; k < kWide; k += hn::Lanes(Lane())) {
+    for (std::size_t k = 0; k < kWide; k += hn::Lanes(Tag())) {
       LaneRoots roots;
       const auto shrink = static_cast<float>(share);
       if (!firstRootsOf(scene, b, k, local, shrink, context.counts, roots)) continue;
-      const Lanes depths = hn::Mul(roots.s, roots.radius);
-      const double depth = local.depth + hn::GetLane(hn::MinOfLanes(Lane(), depths));
+      const Vec depths = roots.s * roots.radius;
+      const double depth = local.depth + GetLane(MinOfLanes(Tag(), depths));
       if (!(depth < best)) continue;
       best = depth;
       met = true;
@@ -117,18 +118,18 @@ HWY_INLINE bool
 anyAccepted(const BlendContext& context, const BoundedRay& ray, double depth,
             const LaneRoots& roots, double alone, const Accept& accept)
 {
-  const Lane d;
+  const Tag d;
   const RayScene& scene = context.scene;
-  const unsigned met = bitsOf(hn::Lt(roots.s, all(kNever)));
+  const unsigned met = bitsOf(roots.s < set(kNever));
   if (met == 0) return false;
   const float cover = static_cast<float>(1.0 / (scene.cover_radius * scene.cover_radius));
-  const Lanes own = kernelWeight(scene.surface.info.blend_kernel,
-                                 hn::Min(hn::Mul(roots.from_center_sq, all(cover)), all(1.0f)));
-  const Lanes needed = all(static_cast<float>(alone));
+  const Vec own = kernelWeight(scene.surface.info.blend_kernel,
+                               Min(roots.from_center_sq * set(cover), set(1.0f)));
+  const Vec needed = set(static_cast<float>(alone));
   const bool trimmed = scene.surface.hasTrimMaps();
-  if (!trimmed && (bitsOf(hn::Ge(own, needed)) & met) != 0) return true;
+  if (!trimmed && (bitsOf(own >= needed) & met) != 0) return true;
   HWY_ALIGN float depths[kWide];
-  hn::Store(hn::Mul(roots.s, roots.radius), d, depths);
+  Store(roots.s * roots.radius, d, depths);
   for (unsigned bits = met; bits != 0; bits &= bits - 1) {
     const double at = depth + depths[__builtin_ctz(bits)];
     if (accept(blendOn(context, ray, at))) return true;
@@ -154,7 +155,7 @@ anyRoot(const BlendContext& context, const BoundedRay& ray, const Line& line, do
   };
   walkAlong(scene.tree, from, until, context.counts.nodes, meet, [&](std::uint32_t b) HWY_ATTR {
     const LocalRay local(ray, scene.blocks.head(b), ray.nearest, ray.farthest);
-    for (std::size_t k = 0; k < kWide && !found; k += hn::Lanes(Lane())) {
+    for (std::size_t k = 0; k < kWide && !found; k += hn::Lanes(Tag())) {
       LaneRoots roots;
       const auto shrink = static_cast<float>(share);
       if (!firstRootsOf(scene, b, k, local, shrink, context.counts, roots)) continue;
@@ -235,6 +236,13 @@ visitBlocks(const WideTree& tree, const BoundedRay& ray, const RayWidth& width,
     return more;
   });
 }
+
+}  // namespace rays
+
+using rays::traceBlocked;
+using rays::traceDepths;
+using rays::traceHits;
+using rays::visitBlocks;
 
 }  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

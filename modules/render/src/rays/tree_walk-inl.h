@@ -16,7 +16,7 @@
 #include "rays/wide_tree.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
+namespace pcl_slim::detail::kernels::HWY_NAMESPACE::rays {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -55,19 +55,19 @@ struct Line {
 HWY_INLINE unsigned
 meetChildren(const WideBoxes& boxes, const Line& line, float from, float to, float* entry)
 {
-  const Lane d;
+  const Tag d;
   unsigned bits = 0;
   for (std::size_t k = 0; k < kWide; k += hn::Lanes(d)) {
-    Lanes near = all(from), far = all(to);
+    Vec near = set(from), far = set(to);
     for (std::size_t a = 0; a < 3; ++a) {
-      const Lanes origin = all(line.origin[a]), inverse = all(line.inverse[a]);
-      const Lanes first = hn::Load(d, boxes.bound[line.near_row[a]] + k);
-      const Lanes last = hn::Load(d, boxes.bound[line.near_row[a] ^ 1u] + k);
-      near = hn::Max(near, hn::Mul(hn::Sub(first, origin), inverse));
-      far = hn::Min(far, hn::Mul(hn::Sub(last, origin), inverse));
+      const Vec origin = set(line.origin[a]), inverse = set(line.inverse[a]);
+      const Vec first = Load(d, boxes.bound[line.near_row[a]] + k);
+      const Vec last = Load(d, boxes.bound[line.near_row[a] ^ 1u] + k);
+      near = Max(near, (first - origin) * inverse);
+      far = Min(far, (last - origin) * inverse);
     }
-    hn::Store(near, d, entry + k);
-    bits |= bitsOf(hn::Le(near, far)) << k;
+    Store(near, d, entry + k);
+    bits |= bitsOf(near <= far) << k;
   }
   return bits;
 }
@@ -78,25 +78,25 @@ HWY_INLINE unsigned
 meetWidened(const WideBoxes& boxes, const Line& line, const RayWidth& width, float from, float to,
             float* entry)
 {
-  const Lane d;
+  const Tag d;
   unsigned bits = 0;
   for (std::size_t k = 0; k < kWide; k += hn::Lanes(d)) {
-    Lanes low[3], high[3], away = all(static_cast<float>(line.shift));
+    Vec low[3], high[3], away = set(static_cast<float>(line.shift));
     for (std::size_t a = 0; a < 3; ++a) {
-      low[a] = hn::Sub(hn::Load(d, boxes.bound[2 * a] + k), all(line.origin[a]));
-      high[a] = hn::Sub(hn::Load(d, boxes.bound[2 * a + 1] + k), all(line.origin[a]));
-      away = hn::Add(away, hn::Max(hn::Abs(low[a]), hn::Abs(high[a])));
+      low[a] = Load(d, boxes.bound[2 * a] + k) - set(line.origin[a]);
+      high[a] = Load(d, boxes.bound[2 * a + 1] + k) - set(line.origin[a]);
+      away += Max(Abs(low[a]), Abs(high[a]));
     }
-    const Lanes wider = hn::MulAdd(all(width.slope), away, all(width.base));
-    Lanes near = all(from), far = all(to);
+    const Vec wider = MulAdd(set(width.slope), away, set(width.base));
+    Vec near = set(from), far = set(to);
     for (std::size_t a = 0; a < 3; ++a) {
-      const Lanes one = hn::Mul(hn::Sub(low[a], wider), all(line.inverse[a]));
-      const Lanes two = hn::Mul(hn::Add(high[a], wider), all(line.inverse[a]));
-      near = hn::Max(near, hn::Min(one, two));
-      far = hn::Min(far, hn::Max(one, two));
+      const Vec one = (low[a] - wider) * set(line.inverse[a]);
+      const Vec two = (high[a] + wider) * set(line.inverse[a]);
+      near = Max(near, Min(one, two));
+      far = Min(far, Max(one, two));
     }
-    hn::Store(near, d, entry + k);
-    bits |= bitsOf(hn::Le(near, far)) << k;
+    Store(near, d, entry + k);
+    bits |= bitsOf(near <= far) << k;
   }
   return bits;
 }
@@ -105,15 +105,14 @@ meetWidened(const WideBoxes& boxes, const Line& line, const RayWidth& width, flo
 HWY_INLINE unsigned
 childrenAround(const WideBoxes& boxes, const float point[3])
 {
-  const Lane d;
+  const Tag d;
   unsigned bits = 0;
   for (std::size_t k = 0; k < kWide; k += hn::Lanes(d)) {
     const auto within = [&](std::size_t a) HWY_ATTR {
-      const Lanes p = all(point[a]);
-      return hn::And(hn::Le(hn::Load(d, boxes.bound[2 * a] + k), p),
-                     hn::Ge(hn::Load(d, boxes.bound[2 * a + 1] + k), p));
+      const Vec p = set(point[a]);
+      return And(Load(d, boxes.bound[2 * a] + k) <= p, Load(d, boxes.bound[2 * a + 1] + k) >= p);
     };
-    bits |= bitsOf(hn::And(within(0), hn::And(within(1), within(2)))) << k;
+    bits |= bitsOf(And(within(0), And(within(1), within(2)))) << k;
   }
   return bits;
 }
@@ -179,6 +178,6 @@ walkAround(const WideTree& tree, const float point[3], std::uint64_t& nodes, con
   }
 }
 
-}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE
+}  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE::rays
 HWY_AFTER_NAMESPACE();
 #endif

@@ -39,6 +39,9 @@ struct WideNode {
 
 /** \brief A tree with eight children a node over boxes in blocks of eight, for one ray at a time.
  *
+ * It is a tree apart from BlockTree, which groups neighbours along a Morton curve and so finds blocks in
+ * ascending order: with such groups rays look at twice the nodes and take 1.4 times as long.
+ *
  * Each thing has two boxes: one in which rays meet it, and a wider one in which it takes part in a
  * blend. Node 0 is the root. Boxes are wider than asked for by more than the rounding of a ray in
  * single precision that starts no farther off than the tree is long.

@@ -24,26 +24,25 @@ farthestAndNearest(const float* x, const float* y, const float* z, std::size_t n
   const hn::CappedTag<float, 4> d;
   const hn::RebindToSigned<decltype(d)> di;
   const auto lanes = static_cast<std::int32_t>(hn::Lanes(d));
-  const auto cx = hn::Set(d, center[0]), cy = hn::Set(d, center[1]), cz = hn::Set(d, center[2]);
-  auto largest = hn::Zero(d), least = hn::Set(d, std::numeric_limits<float>::max());
-  auto at = hn::Zero(di), index = hn::Iota(di, 0);
-  const auto count = hn::Set(di, static_cast<std::int32_t>(n));
+  const auto cx = Set(d, center[0]), cy = Set(d, center[1]), cz = Set(d, center[2]);
+  auto largest = Zero(d), least = Set(d, std::numeric_limits<float>::max());
+  auto at = Zero(di), index = Iota(di, 0);
+  const auto count = Set(di, static_cast<std::int32_t>(n));
   for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {
-    const auto u = hn::Sub(hn::LoadU(d, x + i), cx), v = hn::Sub(hn::LoadU(d, y + i), cy),
-               w = hn::Sub(hn::LoadU(d, z + i), cz);
-    const auto sq = hn::Add(hn::Add(hn::Mul(u, u), hn::Mul(v, v)), hn::Mul(w, w));
-    const auto inside = hn::RebindMask(d, hn::Lt(index, count));
-    const auto nearer = hn::And(inside, hn::Lt(sq, least));
-    largest = hn::Max(largest, hn::IfThenElseZero(inside, sq));
-    least = hn::IfThenElse(nearer, sq, least);
-    at = hn::IfThenElse(hn::RebindMask(di, nearer), index, at);
-    index = hn::Add(index, hn::Set(di, lanes));
+    const auto u = LoadU(d, x + i) - cx, v = LoadU(d, y + i) - cy, w = LoadU(d, z + i) - cz;
+    const auto sq = u * u + v * v + w * w;
+    const auto inside = RebindMask(d, index < count);
+    const auto nearer = And(inside, sq < least);
+    largest = Max(largest, IfThenElseZero(inside, sq));
+    least = IfThenElse(nearer, sq, least);
+    at = IfThenElse(RebindMask(di, nearer), index, at);
+    index += Set(di, lanes);
   }
   float far[4], near[4];
   std::int32_t places[4];
-  hn::StoreU(largest, d, far);
-  hn::StoreU(least, d, near);
-  hn::StoreU(at, di, places);
+  StoreU(largest, d, far);
+  StoreU(least, d, near);
+  StoreU(at, di, places);
   std::int32_t best = 0;
   for (std::int32_t k = 1; k < lanes; ++k) {
     far[0] = std::max(far[0], far[k]);
@@ -59,9 +58,9 @@ template <typename V>
 V
 sumsOfFour(Quad d, V a, V b, V c, V e)
 {
-  const auto ab = hn::Add(hn::InterleaveLower(d, a, b), hn::InterleaveUpper(d, a, b));
-  const auto ce = hn::Add(hn::InterleaveLower(d, c, e), hn::InterleaveUpper(d, c, e));
-  return hn::Add(hn::ConcatLowerLower(d, ce, ab), hn::ConcatUpperUpper(d, ce, ab));
+  const auto ab = InterleaveLower(d, a, b) + InterleaveUpper(d, a, b);
+  const auto ce = InterleaveLower(d, c, e) + InterleaveUpper(d, c, e);
+  return ConcatLowerLower(d, ce, ab) + ConcatUpperUpper(d, ce, ab);
 }
 #endif
 
@@ -73,52 +72,50 @@ sumLanes(const float* const columns[9], std::size_t n, std::size_t part, double 
 {
   const Quad d;
   const hn::Rebind<float, Quad> df;
-  auto x1 = hn::Zero(d), y1 = x1, z1 = x1, p2 = x1, u1 = x1, v1 = x1, w1 = x1, uu = x1, uv = x1,
+  auto x1 = Zero(d), y1 = x1, z1 = x1, p2 = x1, u1 = x1, v1 = x1, w1 = x1, uu = x1, uv = x1,
        uw = x1, vv = x1, vw = x1, ww = x1, l1 = x1, a1 = x1, b1 = x1, c2 = x1;
   const auto step = [&](const auto& at) {
     const auto x = at(0), y = at(1), z = at(2);
-    x1 = hn::Add(x1, x);
-    y1 = hn::Add(y1, y);
-    z1 = hn::Add(z1, z);
-    p2 = hn::Add(p2, hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z)));
+    x1 += x;
+    y1 += y;
+    z1 += z;
+    p2 += x * x + y * y + z * z;
     const auto u = at(3), v = at(4), w = at(5);
-    u1 = hn::Add(u1, u);
-    v1 = hn::Add(v1, v);
-    w1 = hn::Add(w1, w);
-    uu = hn::Add(uu, hn::Mul(u, u));
-    uv = hn::Add(uv, hn::Mul(u, v));
-    uw = hn::Add(uw, hn::Mul(u, w));
-    vv = hn::Add(vv, hn::Mul(v, v));
-    vw = hn::Add(vw, hn::Mul(v, w));
-    ww = hn::Add(ww, hn::Mul(w, w));
+    u1 += u;
+    v1 += v;
+    w1 += w;
+    uu += u * u;
+    uv += u * v;
+    uw += u * w;
+    vv += v * v;
+    vw += v * w;
+    ww += w * w;
     const auto l = at(6), a = at(7), b = at(8);
-    l1 = hn::Add(l1, l);
-    a1 = hn::Add(a1, a);
-    b1 = hn::Add(b1, b);
-    c2 = hn::Add(c2, hn::Add(hn::Add(hn::Mul(l, l), hn::Mul(a, a)), hn::Mul(b, b)));
+    l1 += l;
+    a1 += a;
+    b1 += b;
+    c2 += l * l + a * a + b * b;
   };
   std::size_t i = part;
   const std::size_t whole = n / 4 * 4;
   for (; i < whole; i += 4) {
-    step([&](int c) { return hn::PromoteTo(d, hn::LoadU(df, columns[c] + i)); });
+    step([&](int c) { return PromoteTo(d, LoadU(df, columns[c] + i)); });
   }
   if (i < n) {
-    const auto inside = hn::FirstN(df, n - i);
-    step([&](int c) {
-      return hn::PromoteTo(d, hn::IfThenElseZero(inside, hn::LoadU(df, columns[c] + i)));
-    });
+    const auto inside = FirstN(df, n - i);
+    step([&](int c) { return PromoteTo(d, IfThenElseZero(inside, LoadU(df, columns[c] + i))); });
   }
 #if HWY_TARGET != HWY_SCALAR
   if (hn::Lanes(d) == 4) {
-    hn::StoreU(sumsOfFour(d, x1, y1, z1, p2), d, sums);
-    hn::StoreU(sumsOfFour(d, u1, v1, w1, uu), d, sums + 4);
-    hn::StoreU(sumsOfFour(d, uv, uw, vv, vw), d, sums + 8);
-    hn::StoreU(sumsOfFour(d, ww, l1, a1, b1), d, sums + 12);
-    hn::StoreU(c2, d, quads[0]);
+    StoreU(sumsOfFour(d, x1, y1, z1, p2), d, sums);
+    StoreU(sumsOfFour(d, u1, v1, w1, uu), d, sums + 4);
+    StoreU(sumsOfFour(d, uv, uw, vv, vw), d, sums + 8);
+    StoreU(sumsOfFour(d, ww, l1, a1, b1), d, sums + 12);
+    StoreU(c2, d, quads[0]);
     return;
   }
 #endif
-  const auto put = [&](std::size_t k, decltype(x1) sum) { hn::StoreU(sum, d, quads[k] + part); };
+  const auto put = [&](std::size_t k, decltype(x1) sum) { StoreU(sum, d, quads[k] + part); };
   put(0, x1), put(1, y1), put(2, z1), put(3, p2);
   put(4, u1), put(5, v1), put(6, w1);
   put(7, uu), put(8, uv), put(9, uw), put(10, vv), put(11, vw), put(12, ww);
@@ -164,7 +161,7 @@ struct Symmetric {
   static CellVector dot(CellVector a, CellVector b, CellVector c, CellVector d, CellVector e,
                         CellVector f)
   {
-    return hn::Add(hn::Add(hn::Mul(a, b), hn::Mul(c, d)), hn::Mul(e, f));
+    return a * b + c * d + e * f;
   }
 };
 
@@ -172,12 +169,12 @@ struct Symmetric {
 CellVector
 characteristic(const Symmetric& s, CellVector t)
 {
-  const auto a = hn::Sub(t, s.m[kXX]), b = hn::Sub(t, s.m[kYY]), c = hn::Sub(t, s.m[kZZ]);
+  const auto a = t - s.m[kXX], b = t - s.m[kYY], c = t - s.m[kZZ];
   const auto d = s.m[kXY], e = s.m[kXZ], f = s.m[kYZ];
-  const auto first = hn::Mul(a, hn::Sub(hn::Mul(b, c), hn::Mul(f, f)));
-  const auto second = hn::Mul(d, hn::Add(hn::Mul(d, c), hn::Mul(f, e)));
-  const auto third = hn::Mul(e, hn::Add(hn::Mul(d, f), hn::Mul(b, e)));
-  return hn::Sub(hn::Sub(first, second), third);
+  const auto first = a * (b * c - f * f);
+  const auto second = d * (d * c + f * e);
+  const auto third = e * (d * f + b * e);
+  return first - second - third;
 }
 
 /** What CellSums::unorientedAbove asks of normals that are not one line, and how long their sum is
@@ -187,12 +184,12 @@ haveOneAxis(const Symmetric& whole, CellVector total, CellVector sum_sq, CellVec
             double widest)
 {
   const Doubles d;
-  const auto value = characteristic(whole, hn::Mul(total, hn::Set(d, 1.0 - widest)));
-  const auto cube = hn::Mul(hn::Mul(total, total), total);
-  const auto one_line = hn::Le(value, hn::Mul(hn::Set(d, 1e-13), cube));
-  const auto half = hn::Mul(hn::Set(d, 0.5), count);
-  const auto one_side = hn::Ge(sum_sq, hn::Mul(half, half));
-  return hn::And(hn::And(one_line, one_side), hn::Gt(total, hn::Set(d, 0.5)));
+  const auto value = characteristic(whole, total * Set(d, 1.0 - widest));
+  const auto cube = total * total * total;
+  const auto one_line = value <= Set(d, 1e-13) * cube;
+  const auto half = Set(d, 0.5) * count;
+  const auto one_side = sum_sq >= half * half;
+  return And(And(one_line, one_side), total > Set(d, 0.5));
 }
 
 void
@@ -201,39 +198,36 @@ commonNormals(const double* cells, std::size_t n, double widest, double* normals
   const Doubles d;
   const hn::RebindToSigned<Doubles> di;
   constexpr int kNormal = 5, kProduct = 8;
-  const auto row = hn::Iota(di, 0);
+  const auto row = Iota(di, 0);
   const std::size_t lanes = hn::Lanes(d);
   for (std::size_t i = 0; i < n; i += lanes) {
-    const auto last = hn::Set(di, static_cast<std::int64_t>(n - 1 - i));
-    const auto place = hn::Mul(hn::Min(row, last), hn::Set(di, std::int64_t{kCellNumbers}));
-    const auto number = [&](int k) {
-      return hn::GatherIndex(d, cells + i * kCellNumbers + k, place);
-    };
+    const auto last = Set(di, static_cast<std::int64_t>(n - 1 - i));
+    const auto place = Min(row, last) * Set(di, std::int64_t{kCellNumbers});
+    const auto number = [&](int k) { return GatherIndex(d, cells + i * kCellNumbers + k, place); };
     Symmetric whole, power;
     for (int k = 0; k < 6; ++k) whole.m[k] = number(kProduct + k);
     const auto count = number(0), x = number(kNormal), y = number(kNormal + 1),
                z = number(kNormal + 2);
-    const auto total = hn::Add(hn::Add(whole.m[kXX], whole.m[kYY]), whole.m[kZZ]);
+    const auto total = whole.m[kXX] + whole.m[kYY] + whole.m[kZZ];
     const auto one_axis =
         haveOneAxis(whole, total, Symmetric::dot(x, x, y, y, z, z), count, widest);
     // Where normals agree, the eighth power leaves one axis of their mean.
-    const auto scale = hn::Div(hn::Set(d, 1.0), total);
-    for (int k = 0; k < 6; ++k) power.m[k] = hn::Mul(whole.m[k], scale);
+    const auto scale = Set(d, 1.0) / total;
+    for (int k = 0; k < 6; ++k) power.m[k] = whole.m[k] * scale;
     power = power.squared().squared().squared();
     auto u = power.times(0, x, y, z), v = power.times(1, x, y, z), w = power.times(2, x, y, z);
-    const auto length = hn::Div(hn::Set(d, 1.0), hn::Sqrt(Symmetric::dot(u, u, v, v, w, w)));
-    u = hn::Mul(u, length), v = hn::Mul(v, length), w = hn::Mul(w, length);
+    const auto length = Set(d, 1.0) / Sqrt(Symmetric::dot(u, u, v, v, w, w));
+    u *= length, v *= length, w *= length;
     const auto along = Symmetric::dot(u, whole.times(0, u, v, w), v, whole.times(1, u, v, w), w,
                                       whole.times(2, u, v, w));
-    const auto rest = hn::Sub(hn::Set(d, 1.0), hn::Mul(along, scale));
-    const auto some = hn::Gt(count, hn::Set(d, 1.0));
-    const auto variance =
-        hn::IfThenElseZero(some, hn::Min(hn::Max(rest, hn::Zero(d)), hn::Set(d, 2.0 / 3.0)));
+    const auto rest = Set(d, 1.0) - along * scale;
+    const auto some = count > Set(d, 1.0);
+    const auto variance = IfThenElseZero(some, Min(Max(rest, Zero(d)), Set(d, 2.0 / 3.0)));
     double out[4][8];
-    hn::StoreU(u, d, out[0]);
-    hn::StoreU(v, d, out[1]);
-    hn::StoreU(w, d, out[2]);
-    hn::StoreU(hn::IfThenElse(one_axis, variance, hn::Set(d, -1.0)), d, out[3]);
+    StoreU(u, d, out[0]);
+    StoreU(v, d, out[1]);
+    StoreU(w, d, out[2]);
+    StoreU(IfThenElse(one_axis, variance, Set(d, -1.0)), d, out[3]);
     for (std::size_t k = 0; k < std::min(lanes, n - i); ++k) {
       for (std::size_t c = 0; c < 4; ++c) normals[4 * (i + k) + c] = out[c][k];
     }

@@ -22,18 +22,18 @@ boxOfPoints(const unsigned char* first, std::size_t stride, std::size_t n, float
   const hn::CappedTag<float, 4> d;
   // As many axes at a time as a vector holds; what lies behind the third is looked at in vain.
   for (std::size_t axis = 0; axis < 3; axis += hn::Lanes(d)) {
-    auto least = hn::Set(d, std::numeric_limits<float>::max()), largest = hn::Neg(least);
-    auto bad = hn::Zero(d);
+    auto least = Set(d, std::numeric_limits<float>::max()), largest = Neg(least);
+    auto bad = Zero(d);
     for (std::size_t i = 0; i < n; ++i) {
-      const auto p = hn::LoadU(d, reinterpret_cast<const float*>(first + i * stride) + axis);
-      bad = hn::Add(bad, hn::Sub(p, p));
-      least = hn::Min(least, p);
-      largest = hn::Max(largest, p);
+      const auto p = LoadU(d, reinterpret_cast<const float*>(first + i * stride) + axis);
+      bad += p - p;
+      least = Min(least, p);
+      largest = Max(largest, p);
     }
     float lanes[3][4];
-    hn::StoreU(bad, d, lanes[0]);
-    hn::StoreU(least, d, lanes[1]);
-    hn::StoreU(largest, d, lanes[2]);
+    StoreU(bad, d, lanes[0]);
+    StoreU(least, d, lanes[1]);
+    StoreU(largest, d, lanes[2]);
     for (std::size_t a = axis; a < std::min<std::size_t>(3, axis + hn::Lanes(d)); ++a) {
       if (lanes[0][a - axis] != 0) return false;
       low[a] = lanes[1][a - axis];
@@ -58,13 +58,11 @@ gatherVectors(const unsigned char* first, std::size_t stride, const std::uint32_
     }
 #else
     const hn::FixedTag<float, 4> d;
-    const auto a = hn::LoadU(d, p[0]), b = hn::LoadU(d, p[1]), c = hn::LoadU(d, p[2]),
-               e = hn::LoadU(d, p[3]);
-    const auto ac = hn::InterleaveLower(d, a, c), be = hn::InterleaveLower(d, b, e);
-    hn::StoreU(hn::InterleaveLower(d, ac, be), d, x + k);
-    hn::StoreU(hn::InterleaveUpper(d, ac, be), d, y + k);
-    hn::StoreU(hn::InterleaveLower(d, hn::InterleaveUpper(d, a, c), hn::InterleaveUpper(d, b, e)),
-               d, z + k);
+    const auto a = LoadU(d, p[0]), b = LoadU(d, p[1]), c = LoadU(d, p[2]), e = LoadU(d, p[3]);
+    const auto ac = InterleaveLower(d, a, c), be = InterleaveLower(d, b, e);
+    StoreU(InterleaveLower(d, ac, be), d, x + k);
+    StoreU(InterleaveUpper(d, ac, be), d, y + k);
+    StoreU(InterleaveLower(d, InterleaveUpper(d, a, c), InterleaveUpper(d, b, e)), d, z + k);
 #endif
   }
 }
@@ -74,15 +72,15 @@ toCells(const OctreeFrame& frame, float* x, float* y, float* z, std::size_t n)
 {
   const Doubles d;
   const HalfFloats df;
-  const auto scale = hn::Set(d, frame.scale);
-  const auto last = hn::Set(df, frame.last);
+  const auto scale = Set(d, frame.scale);
+  const auto last = Set(df, frame.last);
   float* const columns[3] = {x, y, z};
   for (std::size_t a = 0; a < 3; ++a) {
-    const auto low = hn::Set(d, frame.origin[a]);
+    const auto low = Set(d, frame.origin[a]);
     for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {
-      const auto world = hn::PromoteTo(d, hn::Load(df, columns[a] + i));
-      const auto cells = hn::DemoteTo(df, hn::Mul(hn::Sub(world, low), scale));
-      hn::Store(hn::Min(cells, last), df, columns[a] + i);
+      const auto world = PromoteTo(d, Load(df, columns[a] + i));
+      const auto cells = DemoteTo(df, (world - low) * scale);
+      Store(Min(cells, last), df, columns[a] + i);
     }
   }
 }
@@ -93,7 +91,7 @@ V
 spread(Words d, V v)
 {
   const auto step = [d](V bits, int shift, std::uint64_t mask) {
-    return hn::And(hn::Or(bits, hn::ShiftLeftSame(bits, shift)), hn::Set(d, mask));
+    return (bits | ShiftLeftSame(bits, shift)) & Set(d, mask);
   };
   v = step(v, 32, 0x1f00000000ffffULL);
   v = step(v, 16, 0x1f0000ff0000ffULL);
@@ -111,10 +109,10 @@ mortonCodes(const float* x, const float* y, const float* z, float scale)
   const hn::Rebind<std::int32_t, Words> di;
   const hn::Rebind<std::uint32_t, Words> du;
   const auto cell = [&](const float* column) {
-    const auto c = hn::ConvertTo(di, hn::Mul(hn::LoadU(df, column), hn::Set(df, scale)));
-    return spread(d, hn::PromoteTo(d, hn::BitCast(du, c)));
+    const auto c = ConvertTo(di, LoadU(df, column) * Set(df, scale));
+    return spread(d, PromoteTo(d, BitCast(du, c)));
   };
-  return hn::Or(hn::ShiftLeft<2>(cell(x)), hn::Or(hn::ShiftLeft<1>(cell(y)), cell(z)));
+  return hn::ShiftLeft<2>(cell(x)) | (hn::ShiftLeft<1>(cell(y)) | cell(z));
 }
 
 void
@@ -124,7 +122,7 @@ mortonKeys(const float* x, const float* y, const float* z, std::size_t n, int de
   const Words d;
   const auto scale = static_cast<float>(1 << depth);
   for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {
-    hn::StoreU(mortonCodes(x + i, y + i, z + i, scale), d, keys + i);
+    StoreU(mortonCodes(x + i, y + i, z + i, scale), d, keys + i);
   }
 }
 
@@ -133,21 +131,21 @@ template <typename V>
 V
 labRoot(Floats d, V q)
 {
-  const auto threshold = hn::Set(d, 216.0f / 24389.0f);
+  const auto threshold = Set(d, 216.0f / 24389.0f);
   const hn::RebindToSigned<Floats> di;
-  const auto high = hn::Max(q, threshold);
+  const auto high = Max(q, threshold);
   // 1/cbrt by its exponent, within 4 %; three steps of Newton reach a float's last bits.
-  const auto bits = hn::ConvertTo(d, hn::BitCast(di, high));
-  const auto third = hn::ConvertTo(di, hn::Mul(bits, hn::Set(d, 1.0f / 3.0f)));
-  auto r = hn::BitCast(d, hn::Sub(hn::Set(di, 0x54a2fa8c), third));
-  const auto q_third = hn::Mul(high, hn::Set(d, 1.0f / 3.0f));
+  const auto bits = ConvertTo(d, BitCast(di, high));
+  const auto third = ConvertTo(di, bits * Set(d, 1.0f / 3.0f));
+  auto r = BitCast(d, Set(di, 0x54a2fa8c) - third);
+  const auto q_third = high * Set(d, 1.0f / 3.0f);
   for (int step = 0; step < 3; ++step) {
-    const auto r2 = hn::Mul(r, r);
-    r = hn::Sub(hn::Mul(r, hn::Set(d, 4.0f / 3.0f)), hn::Mul(q_third, hn::Mul(r2, r2)));
+    const auto r2 = r * r;
+    r = r * Set(d, 4.0f / 3.0f) - q_third * (r2 * r2);
   }
-  const auto root = hn::Mul(hn::Mul(high, r), r);
-  const auto line = hn::Add(hn::Mul(q, hn::Set(d, 841.0f / 108.0f)), hn::Set(d, 16.0f / 116.0f));
-  return hn::IfThenElse(hn::Gt(q, threshold), root, line);
+  const auto root = high * r * r;
+  const auto line = q * Set(d, 841.0f / 108.0f) + Set(d, 16.0f / 116.0f);
+  return IfThenElse(q > threshold, root, line);
 }
 
 void
@@ -155,17 +153,15 @@ labOfLinear(const float to_xyz[9], float* r, float* g, float* b, std::size_t n)
 {
   const Floats d;
   for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {
-    const auto red = hn::Load(d, r + i), green = hn::Load(d, g + i), blue = hn::Load(d, b + i);
+    const auto red = Load(d, r + i), green = Load(d, g + i), blue = Load(d, b + i);
     const auto rootOf = [&](const float* row) {
-      const auto q =
-          hn::Add(hn::Add(hn::Mul(hn::Set(d, row[0]), red), hn::Mul(hn::Set(d, row[1]), green)),
-                  hn::Mul(hn::Set(d, row[2]), blue));
+      const auto q = Set(d, row[0]) * red + Set(d, row[1]) * green + Set(d, row[2]) * blue;
       return labRoot(d, q);
     };
     const auto fx = rootOf(to_xyz), fy = rootOf(to_xyz + 3), fz = rootOf(to_xyz + 6);
-    hn::Store(hn::Sub(hn::Mul(fy, hn::Set(d, 116.0f)), hn::Set(d, 16.0f)), d, r + i);
-    hn::Store(hn::Mul(hn::Sub(fx, fy), hn::Set(d, 500.0f)), d, g + i);
-    hn::Store(hn::Mul(hn::Sub(fy, fz), hn::Set(d, 200.0f)), d, b + i);
+    Store(fy * Set(d, 116.0f) - Set(d, 16.0f), d, r + i);
+    Store((fx - fy) * Set(d, 500.0f), d, g + i);
+    Store((fy - fz) * Set(d, 200.0f), d, b + i);
   }
 }
 
@@ -187,10 +183,10 @@ normalize(float* x, float* y, float* z, std::size_t n)
   const Floats d;
   const std::size_t lanes = hn::Lanes(d);
   for (std::size_t i = 0; i < n; i += lanes) {
-    const auto u = hn::Load(d, x + i), v = hn::Load(d, y + i), w = hn::Load(d, z + i);
-    const auto sq = hn::Add(hn::Add(hn::Mul(u, u), hn::Mul(v, v)), hn::Mul(w, w));
-    const auto off = hn::Abs(hn::Sub(sq, hn::Set(d, 1.0f)));
-    if (hn::AllTrue(d, hn::Lt(off, hn::Set(d, 1e-3f)))) continue;
+    const auto u = Load(d, x + i), v = Load(d, y + i), w = Load(d, z + i);
+    const auto sq = u * u + v * v + w * w;
+    const auto off = Abs(sq - Set(d, 1.0f));
+    if (AllTrue(d, off < Set(d, 1e-3f))) continue;
     for (std::size_t k = i; k < i + lanes; ++k) normalizeOne(x[k], y[k], z[k]);
   }
 }

@@ -18,20 +18,20 @@ entriesWithin(const float* x, const float* y, const float* z, const ColumnRange*
 {
   const Tag d;
   const hn::RebindToUnsigned<Tag> du;
-  const auto px = hn::Set(d, place[0]), py = hn::Set(d, place[1]), pz = hn::Set(d, place[2]);
-  const auto limit = hn::Set(d, limit_sq);
+  const auto px = Set(d, place[0]), py = Set(d, place[1]), pz = Set(d, place[2]);
+  const auto limit = Set(d, limit_sq);
   std::size_t count = 0;
   for (std::size_t r = 0; r < num_ranges; ++r) {
     for (std::size_t i = ranges[r].begin; i < ranges[r].end; i += hn::Lanes(d)) {
-      const auto ex = hn::Sub(hn::LoadU(d, x + i), px);
-      const auto ey = hn::Sub(hn::LoadU(d, y + i), py);
-      const auto ez = hn::Sub(hn::LoadU(d, z + i), pz);
+      const auto ex = LoadU(d, x + i) - px;
+      const auto ey = LoadU(d, y + i) - py;
+      const auto ez = LoadU(d, z + i) - pz;
       // Not fused: the same bits for every instruction set.
-      const auto distance_sq = hn::Add(hn::Add(hn::Mul(ex, ex), hn::Mul(ey, ey)), hn::Mul(ez, ez));
-      const auto near = hn::And(hn::Lt(distance_sq, limit), hn::FirstN(d, ranges[r].end - i));
+      const auto distance_sq = ex * ex + ey * ey + ez * ez;
+      const auto near = And(distance_sq < limit, FirstN(d, ranges[r].end - i));
       const LanePacking packing(d, near);
       packing.store(distance_sq, distances_sq + count);
-      packing.store(hn::Iota(du, static_cast<std::uint32_t>(i)), entries + count);
+      packing.store(Iota(du, static_cast<std::uint32_t>(i)), entries + count);
       count += packing.count();
     }
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The pixels of a block as one vector or two, so that what is loaded for a leaf serves many pixels, and
-// of two vectors a processor runs both chains of operations side by side. Functions are named as
+// of two vectors a processor runs both chains of operations side by side. Functions and operators are
 // Highway's. The guard toggles: Highway compiles a kernel file once per instruction set.
 #if defined(PCL_SLIM_LANES_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PCL_SLIM_LANES_INL
@@ -32,113 +32,87 @@ using Vec = hn::Vec<Part>;
 using UintVec = hn::Vec<UintPart>;
 using Mask = hn::Mask<Part>;
 
-using hn::Abs;
-using hn::Add;
-using hn::And;
-using hn::AndNot;
-using hn::Clamp;
-using hn::Div;
-using hn::Eq;
-using hn::Ge;
-using hn::Gt;
-using hn::IfThenElse;
-using hn::IfThenElseZero;
-using hn::Le;
-using hn::Lt;
-using hn::Max;
-using hn::Min;
-using hn::Mul;
-using hn::MulAdd;
-using hn::MulSub;
-using hn::Neg;
-using hn::NegMulAdd;
-using hn::Not;
-using hn::Or;
-using hn::Sqrt;
-using hn::Sub;
-using hn::Xor;
-
 HWY_INLINE Vec
 set(float value)
 {
-  return hn::Set(Part(), value);
+  return Set(Part(), value);
 }
 
 HWY_INLINE UintVec
 setUint(std::uint32_t value)
 {
-  return hn::Set(UintPart(), value);
+  return Set(UintPart(), value);
 }
 
 /** \param[in] values aligned. */
 HWY_INLINE Vec
 load(const float* values)
 {
-  return hn::Load(Part(), values);
+  return Load(Part(), values);
 }
 
 HWY_INLINE void
 store(Vec v, float* values)
 {
-  hn::Store(v, Part(), values);
+  Store(v, Part(), values);
 }
 
 HWY_INLINE void
 store(UintVec v, std::uint32_t* values)
 {
-  hn::Store(v, UintPart(), values);
+  Store(v, UintPart(), values);
 }
 
 HWY_INLINE UintVec
 IfThenElse(Mask m, UintVec yes, UintVec no)
 {
-  return hn::IfThenElse(hn::RebindMask(UintPart(), m), yes, no);
+  return IfThenElse(RebindMask(UintPart(), m), yes, no);
 }
 
 HWY_INLINE bool
 AllFalse(Mask m)
 {
-  return hn::AllFalse(Part(), m);
+  return AllFalse(Part(), m);
 }
 
 HWY_INLINE bool
 AllTrue(Mask m)
 {
-  return hn::AllTrue(Part(), m);
+  return AllTrue(Part(), m);
 }
 
 HWY_INLINE std::size_t
 CountTrue(Mask m)
 {
-  return hn::CountTrue(Part(), m);
+  return CountTrue(Part(), m);
 }
 
 /** The smallest lane. */
 HWY_INLINE float
 smallest(Vec v)
 {
-  return hn::GetLane(hn::MinOfLanes(Part(), v));
+  return GetLane(MinOfLanes(Part(), v));
 }
 
 /** The first lane. */
 HWY_INLINE float
 firstLane(Vec v)
 {
-  return hn::GetLane(v);
+  return GetLane(v);
 }
 
 /** Stores a[0], b[0], a[1], b[1], ... \param[out] values aligned. */
 HWY_INLINE void
 storeInterleaved(Vec a, Vec b, float* values)
 {
-  hn::StoreInterleaved2(a, b, Part(), values);
+  StoreInterleaved2(a, b, Part(), values);
 }
 
 /** Stores a[0], b[0], c[0], a[1], ... \param[out] values aligned. */
 HWY_INLINE void
 storeInterleaved(Vec a, Vec b, Vec c, float* values)
 {
-  hn::StoreInterleaved3(a, b, c, Part(), values);
+  StoreInterleaved3(a, b, c, Part(), values);
 }
 
 /** What a function of vectors of Highway's makes of each part of some. */
@@ -172,6 +146,8 @@ struct Pair {
     high = other.high;
     return *this;
   }
+  HWY_INLINE Pair& operator+=(const Pair& b) { return *this = {low + b.low, high + b.high}; }
+  HWY_INLINE Pair& operator*=(const Pair& b) { return *this = {low * b.low, high * b.high}; }
 };
 
 using Vec = Pair<hn::Vec<Part>>;
@@ -191,6 +167,11 @@ struct Mask {
   }
 };
 
+#define PCL_SLIM_PAIR_OPERATOR(Result, op)                  \
+  HWY_INLINE Result operator op(const Vec& a, const Vec& b) \
+  {                                                         \
+    return {a.low op b.low, a.high op b.high};              \
+  }
 #define PCL_SLIM_PAIR_1(Result, Name, Argument) \
   HWY_INLINE Result Name(const Argument& a)     \
   {                                             \
@@ -207,21 +188,21 @@ struct Mask {
     return {hn::Name(a.low, b.low, c.low), hn::Name(a.high, b.high, c.high)}; \
   }
 
+PCL_SLIM_PAIR_OPERATOR(Vec, +)
+PCL_SLIM_PAIR_OPERATOR(Vec, -)
+PCL_SLIM_PAIR_OPERATOR(Vec, *)
+PCL_SLIM_PAIR_OPERATOR(Vec, /)
+PCL_SLIM_PAIR_OPERATOR(Mask, <)
+PCL_SLIM_PAIR_OPERATOR(Mask, <=)
+PCL_SLIM_PAIR_OPERATOR(Mask, >)
+PCL_SLIM_PAIR_OPERATOR(Mask, >=)
+PCL_SLIM_PAIR_OPERATOR(Mask, ==)
 PCL_SLIM_PAIR_1(Vec, Neg, Vec)
 PCL_SLIM_PAIR_1(Vec, Abs, Vec)
 PCL_SLIM_PAIR_1(Vec, Sqrt, Vec)
 PCL_SLIM_PAIR_1(Mask, Not, Mask)
-PCL_SLIM_PAIR_2(Vec, Add, Vec)
-PCL_SLIM_PAIR_2(Vec, Sub, Vec)
-PCL_SLIM_PAIR_2(Vec, Mul, Vec)
-PCL_SLIM_PAIR_2(Vec, Div, Vec)
 PCL_SLIM_PAIR_2(Vec, Min, Vec)
 PCL_SLIM_PAIR_2(Vec, Max, Vec)
-PCL_SLIM_PAIR_2(Mask, Lt, Vec)
-PCL_SLIM_PAIR_2(Mask, Le, Vec)
-PCL_SLIM_PAIR_2(Mask, Gt, Vec)
-PCL_SLIM_PAIR_2(Mask, Ge, Vec)
-PCL_SLIM_PAIR_2(Mask, Eq, Vec)
 PCL_SLIM_PAIR_2(Mask, And, Mask)
 PCL_SLIM_PAIR_2(Mask, Or, Mask)
 PCL_SLIM_PAIR_2(Mask, Xor, Mask)
@@ -229,8 +210,8 @@ PCL_SLIM_PAIR_2(Mask, AndNot, Mask)
 PCL_SLIM_PAIR_3(MulAdd)
 PCL_SLIM_PAIR_3(NegMulAdd)
 PCL_SLIM_PAIR_3(MulSub)
-PCL_SLIM_PAIR_3(Clamp)
 
+#undef PCL_SLIM_PAIR_OPERATOR
 #undef PCL_SLIM_PAIR_1
 #undef PCL_SLIM_PAIR_2
 #undef PCL_SLIM_PAIR_3
@@ -238,14 +219,14 @@ PCL_SLIM_PAIR_3(Clamp)
 HWY_INLINE Vec
 set(float value)
 {
-  const auto same = hn::Set(Part(), value);
+  const auto same = Set(Part(), value);
   return {same, same};
 }
 
 HWY_INLINE UintVec
 setUint(std::uint32_t value)
 {
-  const auto same = hn::Set(UintPart(), value);
+  const auto same = Set(UintPart(), value);
   return {same, same};
 }
 
@@ -253,89 +234,89 @@ setUint(std::uint32_t value)
 HWY_INLINE Vec
 load(const float* values)
 {
-  return {hn::Load(Part(), values), hn::Load(Part(), values + kPartLanes)};
+  return {Load(Part(), values), Load(Part(), values + kPartLanes)};
 }
 
 HWY_INLINE void
 store(const Vec& v, float* values)
 {
-  hn::Store(v.low, Part(), values);
-  hn::Store(v.high, Part(), values + kPartLanes);
+  Store(v.low, Part(), values);
+  Store(v.high, Part(), values + kPartLanes);
 }
 
 HWY_INLINE void
 store(const UintVec& v, std::uint32_t* values)
 {
-  hn::Store(v.low, UintPart(), values);
-  hn::Store(v.high, UintPart(), values + kPartLanes);
+  Store(v.low, UintPart(), values);
+  Store(v.high, UintPart(), values + kPartLanes);
 }
 
 HWY_INLINE Vec
 IfThenElse(const Mask& m, const Vec& yes, const Vec& no)
 {
-  return {hn::IfThenElse(m.low, yes.low, no.low), hn::IfThenElse(m.high, yes.high, no.high)};
+  return {IfThenElse(m.low, yes.low, no.low), IfThenElse(m.high, yes.high, no.high)};
 }
 
 HWY_INLINE Vec
 IfThenElseZero(const Mask& m, const Vec& yes)
 {
-  return {hn::IfThenElseZero(m.low, yes.low), hn::IfThenElseZero(m.high, yes.high)};
+  return {IfThenElseZero(m.low, yes.low), IfThenElseZero(m.high, yes.high)};
 }
 
 HWY_INLINE UintVec
 IfThenElse(const Mask& m, const UintVec& yes, const UintVec& no)
 {
   const UintPart d;
-  return {hn::IfThenElse(hn::RebindMask(d, m.low), yes.low, no.low),
-          hn::IfThenElse(hn::RebindMask(d, m.high), yes.high, no.high)};
+  return {IfThenElse(RebindMask(d, m.low), yes.low, no.low),
+          IfThenElse(RebindMask(d, m.high), yes.high, no.high)};
 }
 
 HWY_INLINE bool
 AllFalse(const Mask& m)
 {
-  return hn::AllFalse(Part(), hn::Or(m.low, m.high));
+  return AllFalse(Part(), Or(m.low, m.high));
 }
 
 HWY_INLINE bool
 AllTrue(const Mask& m)
 {
-  return hn::AllTrue(Part(), hn::And(m.low, m.high));
+  return AllTrue(Part(), And(m.low, m.high));
 }
 
 HWY_INLINE std::size_t
 CountTrue(const Mask& m)
 {
-  return hn::CountTrue(Part(), m.low) + hn::CountTrue(Part(), m.high);
+  return CountTrue(Part(), m.low) + CountTrue(Part(), m.high);
 }
 
 /** The smallest lane. */
 HWY_INLINE float
 smallest(const Vec& v)
 {
-  return hn::GetLane(hn::MinOfLanes(Part(), hn::Min(v.low, v.high)));
+  return GetLane(MinOfLanes(Part(), Min(v.low, v.high)));
 }
 
 /** The first lane. */
 HWY_INLINE float
 firstLane(const Vec& v)
 {
-  return hn::GetLane(v.low);
+  return GetLane(v.low);
 }
 
 /** Stores a[0], b[0], a[1], b[1], ... \param[out] values aligned. */
 HWY_INLINE void
 storeInterleaved(const Vec& a, const Vec& b, float* values)
 {
-  hn::StoreInterleaved2(a.low, b.low, Part(), values);
-  hn::StoreInterleaved2(a.high, b.high, Part(), values + 2 * kPartLanes);
+  StoreInterleaved2(a.low, b.low, Part(), values);
+  StoreInterleaved2(a.high, b.high, Part(), values + 2 * kPartLanes);
 }
 
 /** Stores a[0], b[0], c[0], a[1], ... \param[out] values aligned. */
 HWY_INLINE void
 storeInterleaved(const Vec& a, const Vec& b, const Vec& c, float* values)
 {
-  hn::StoreInterleaved3(a.low, b.low, c.low, Part(), values);
-  hn::StoreInterleaved3(a.high, b.high, c.high, Part(), values + 3 * kPartLanes);
+  StoreInterleaved3(a.low, b.low, c.low, Part(), values);
+  StoreInterleaved3(a.high, b.high, c.high, Part(), values + 3 * kPartLanes);
 }
 
 /** What a function of vectors of Highway's makes of each part of some. */

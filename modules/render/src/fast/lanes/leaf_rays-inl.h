@@ -63,10 +63,10 @@ struct RayPolynomials {
 
   HWY_INLINE Vec slope(Vec t) const
   {
-    Vec f = Mul(set(static_cast<float>(D)), a[D]);
+    Vec f = set(static_cast<float>(D)) * a[D];
     unrolled<D - 1>([&](auto i) HWY_ATTR {
       constexpr int kPower = D - 1 - i();
-      f = MulAdd(f, t, Mul(set(static_cast<float>(kPower)), a[kPower]));
+      f = MulAdd(f, t, set(static_cast<float>(kPower)) * a[kPower]);
     });
     return f;
   }
@@ -100,7 +100,7 @@ struct LeafRays {
   HWY_INLINE Mask inBall(Vec sigma, float share_sq) const
   {
     const Vec m = scaleAt(sigma);
-    return Lt(distanceSq(sigma), Mul(set(share_sq), Mul(m, m)));
+    return distanceSq(sigma) < set(share_sq) * (m * m);
   }
   /** Where rays enter and leave that ball. \return lanes that do. */
   HWY_INLINE Mask chord(float share_sq, Vec& low, Vec& high) const
@@ -109,12 +109,12 @@ struct LeafRays {
     const float square = 1.0f + leaf.xc * leaf.xc + leaf.yc * leaf.yc - bend * leaf.eps;
     const Vec half = MulAdd(set(leaf.xc), x, MulAdd(set(leaf.yc), y, set(bend)));
     const Vec rest = MulAdd(x, x, MulSub(y, y, set(share_sq)));
-    const Vec under = NegMulAdd(set(square), rest, Mul(half, half));
+    const Vec under = NegMulAdd(set(square), rest, half * half);
     const Vec root = Sqrt(Max(under, set(0.0f)));
     const Vec inverse = set(1.0f / square);
-    low = Mul(Neg(Add(half, root)), inverse);
-    high = Mul(Sub(root, half), inverse);
-    return Gt(under, set(0.0f));
+    low = Neg(half + root) * inverse;
+    high = (root - half) * inverse;
+    return under > set(0.0f);
   }
 };
 
@@ -128,17 +128,17 @@ struct QuadraticRoots {
   HWY_INLINE explicit QuadraticRoots(const RayPolynomials<2>& f, bool front_only)
   {
     const Vec *a = f.a, four = set(-4.0f), two = set(2.0f);
-    const Vec under = MulAdd(Mul(four, a[2]), a[0], Mul(a[1], a[1]));
-    real = Ge(under, set(0.0f));
+    const Vec under = MulAdd(four * a[2], a[0], a[1] * a[1]);
+    real = under >= set(0.0f);
     const Vec root = Sqrt(Max(under, set(0.0f)));
     slope = Neg(root);
-    const Mask descends = Lt(a[1], set(0.0f));
-    const Vec apart = Add(Abs(a[1]), root);  // |a1| + root: no difference of like numbers
-    const Vec twice0 = Mul(two, a[0]), twice2 = Mul(two, a[2]);
-    falling = Div(IfThenElse(descends, twice0, Neg(apart)), IfThenElse(descends, apart, twice2));
+    const Mask descends = a[1] < set(0.0f);
+    const Vec apart = Abs(a[1]) + root;  // |a1| + root: no difference of like numbers
+    const Vec twice0 = two * a[0], twice2 = two * a[2];
+    falling = IfThenElse(descends, twice0, Neg(apart)) / IfThenElse(descends, apart, twice2);
     rising = falling;
     if (front_only) return;
-    rising = Div(IfThenElse(descends, apart, Neg(twice0)), IfThenElse(descends, twice2, apart));
+    rising = IfThenElse(descends, apart, Neg(twice0)) / IfThenElse(descends, twice2, apart);
   }
 };
 

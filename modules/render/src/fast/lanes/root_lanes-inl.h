@@ -27,8 +27,8 @@ struct Stretch {
     f.shift(begin);
     Vec power = width;
     unrolled<D>([&](auto i) HWY_ATTR {
-      f.a[i() + 1] = Mul(f.a[i() + 1], power);
-      power = Mul(power, width);
+      f.a[i() + 1] *= power;
+      power *= width;
     });
     const Vec* a = f.a;
     Vec b[D + 1];
@@ -36,18 +36,18 @@ struct Stretch {
     if constexpr (D == 3) {
       b[1] = MulAdd(a[1], set(1.0f / 3.0f), a[0]);
       b[2] = MulAdd(MulAdd(set(2.0f), a[1], a[2]), set(1.0f / 3.0f), a[0]);
-      b[3] = Add(Add(a[0], a[1]), Add(a[2], a[3]));
+      b[3] = a[0] + a[1] + (a[2] + a[3]);
     } else {
       b[1] = MulAdd(a[1], set(0.25f), a[0]);
       b[2] = MulAdd(a[1], set(0.5f), MulAdd(a[2], set(1.0f / 6.0f), a[0]));
       b[3] = MulAdd(a[1], set(0.75f), MulAdd(a[2], set(0.5f), MulAdd(a[3], set(0.25f), a[0])));
-      b[4] = Add(Add(a[0], a[1]), Add(Add(a[2], a[3]), a[4]));
+      b[4] = a[0] + a[1] + (a[2] + a[3] + a[4]);
     }
     const Vec zero = set(0.0f);
-    Mask above = Gt(b[0], zero);
-    falls = rises = Lt(zero, zero);
+    Mask above = b[0] > zero;
+    falls = rises = zero < zero;
     unrolled<D>([&](auto i) HWY_ATTR {
-      const Mask next = Gt(b[i() + 1], zero);
+      const Mask next = b[i() + 1] > zero;
       falls = Or(falls, AndNot(next, above));
       rises = Or(rises, AndNot(above, next));
       above = next;
@@ -69,17 +69,17 @@ struct Stretch {
   {
     const Vec sign = IfThenElse(rises, set(-1.0f), set(1.0f)), zero = set(0.0f);
     Vec left = zero, right = set(1.0f);
-    const Vec span = Sub(first, last);
-    Vec t = Div(first, IfThenElse(Eq(span, zero), set(1.0f), span));
+    const Vec span = first - last;
+    Vec t = first / IfThenElse(span == zero, set(1.0f), span);
     for (int step = 0; step < 12; ++step) {
       const Vec value = f.value(t), slope = f.slope(t);
-      const Mask before = Gt(Mul(sign, value), zero);  // the root lies right of t
+      const Mask before = sign * value > zero;  // the root lies right of t
       left = IfThenElse(before, t, left);
       right = IfThenElse(before, right, t);
-      Vec next = Sub(t, Div(value, slope));
-      const Mask inside = And(Ge(next, left), Le(next, right));
-      next = IfThenElse(inside, next, Mul(set(0.5f), Add(left, right)));
-      const Mask settled = And(inside, Lt(Abs(Sub(next, t)), set(1e-4f)));
+      Vec next = t - value / slope;
+      const Mask inside = And(next >= left, next <= right);
+      next = IfThenElse(inside, next, set(0.5f) * (left + right));
+      const Mask settled = And(inside, Abs(next - t) < set(1e-4f));
       t = next;
       if (AllTrue(Or(settled, Not(wanted)))) break;
     }
@@ -115,7 +115,7 @@ solveOneByOne(const RayPolynomials<D>& f, Vec length, bool front_only, std::uint
     ++solved;
   }
   roots.at = load(at);
-  roots.found = Gt(load(found), set(0.0f));
+  roots.found = load(found) > set(0.0f);
 }
 
 /** The first root of f from 0 to length that counts, lane by lane. A lane walks on where Descartes' rule
@@ -129,10 +129,10 @@ firstRootAlong(const RayPolynomials<D>& f, Vec length, bool front_only, Mask act
 {
   constexpr int kMost = 12;
   const Vec zero = set(0.0f);
-  FoundRoots roots{zero, Lt(zero, zero), And(active, Gt(length, zero))};
+  FoundRoots roots{zero, zero < zero, And(active, length > zero)};
   Vec begin = zero, width = length, root_begin = zero, root_width = zero;
   for (int n = 0; n < kMost && !AllFalse(roots.unclear); ++n) {
-    const Vec rest = Sub(length, begin);
+    const Vec rest = length - begin;
     width = Min(width, rest);
     const Stretch<D> stretch(f, begin, width);
     const Mask many = stretch.many();
@@ -140,10 +140,10 @@ firstRootAlong(const RayPolynomials<D>& f, Vec length, bool front_only, Mask act
     root_begin = IfThenElse(one, begin, root_begin);
     root_width = IfThenElse(one, width, root_width);
     roots.found = Or(roots.found, one);
-    const Mask at_end = AndNot(many, Ge(width, rest));
+    const Mask at_end = AndNot(many, width >= rest);
     roots.unclear = AndNot(Or(one, at_end), roots.unclear);
-    begin = IfThenElse(many, begin, Add(begin, width));
-    width = Mul(width, IfThenElse(many, set(0.5f), set(2.0f)));
+    begin = IfThenElse(many, begin, begin + width);
+    width *= IfThenElse(many, set(0.5f), set(2.0f));
   }
   if (!AllFalse(roots.found)) {
     const Stretch<D> stretch(f, root_begin, root_width);

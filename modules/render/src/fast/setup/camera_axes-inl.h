@@ -14,8 +14,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
 /** The camera's axes in registers. */
 struct Axes {
   Triple<Vec> right, up, forward;
@@ -37,8 +35,7 @@ HWY_INLINE Triple<Vec>
 fromEye(const FrameView& view, Vec x, Vec y, Vec z)
 {
   const Triple<Vec> eye = tripleOf<Vec>(view.eye), rest = tripleOf<Vec>(view.eye_rest);
-  return {hn::Sub(hn::Sub(x, eye.x), rest.x), hn::Sub(hn::Sub(y, eye.y), rest.y),
-          hn::Sub(hn::Sub(z, eye.z), rest.z)};
+  return {x - eye.x - rest.x, y - eye.y - rest.y, z - eye.z - rest.z};
 }
 
 }  // namespace pcl_slim::detail::kernels::HWY_NAMESPACE

@@ -18,10 +18,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 HWY_INLINE Mask
 beyondSide(bool perspective, Vec x, Vec z, float side, Vec radius)
 {
-  const Tag d;
-  if (!perspective) return hn::Gt(hn::Sub(x, hn::Set(d, side)), radius);
-  const Vec stretch = hn::Set(d, __builtin_sqrtf(1.0f + side * side));
-  return hn::Gt(hn::NegMulAdd(hn::Set(d, side), z, x), hn::Mul(radius, stretch));
+  if (!perspective) return x - set(side) > radius;
+  const Vec stretch = set(__builtin_sqrtf(1.0f + side * side));
+  return NegMulAdd(set(side), z, x) > radius * stretch;
 }
 
 HWY_INLINE Mask
@@ -33,11 +32,11 @@ outsideFrustum(const FrameView& view, const Triple<Vec>& p, Vec radius)
   const float top = (view.center_y + 0.6f) * view.pixel;
   const float bottom = (static_cast<float>(view.height) - 0.4f - view.center_y) * view.pixel;
   const bool perspective = view.perspective;
-  Mask outside = hn::Le(hn::Add(p.z, radius), hn::Zero(d));
-  outside = hn::Or(outside, beyondSide(perspective, p.x, p.z, right, radius));
-  outside = hn::Or(outside, beyondSide(perspective, hn::Neg(p.x), p.z, left, radius));
-  outside = hn::Or(outside, beyondSide(perspective, p.y, p.z, top, radius));
-  return hn::Or(outside, beyondSide(perspective, hn::Neg(p.y), p.z, bottom, radius));
+  Mask outside = p.z + radius <= Zero(d);
+  outside = Or(outside, beyondSide(perspective, p.x, p.z, right, radius));
+  outside = Or(outside, beyondSide(perspective, Neg(p.x), p.z, left, radius));
+  outside = Or(outside, beyondSide(perspective, p.y, p.z, top, radius));
+  return Or(outside, beyondSide(perspective, Neg(p.y), p.z, bottom, radius));
 }
 
 /** Lanes whose ball lies outside of a half space as a whole, local coordinates. */
@@ -45,11 +44,9 @@ HWY_INLINE Mask
 outsideHalfSpace(const HalfSpace& cut, const Triple<Vec>& p, Vec radius)
 {
   constexpr float kSlack = 1e-6f;  // of the box: floats round
-  const Tag d;
-  const auto n = [&](std::size_t a)
-                     HWY_ATTR { return hn::Set(d, static_cast<float>(cut.normal[a])); };
-  const Vec along = hn::MulAdd(n(0), p.x, hn::MulAdd(n(1), p.y, hn::Mul(n(2), p.z)));
-  return hn::Lt(hn::Add(along, radius), hn::Set(d, static_cast<float>(cut.offset) - kSlack));
+  const auto n = [&](std::size_t a) HWY_ATTR { return set(static_cast<float>(cut.normal[a])); };
+  const Vec along = MulAdd(n(0), p.x, MulAdd(n(1), p.y, n(2) * p.z));
+  return along + radius < set(static_cast<float>(cut.offset) - kSlack);
 }
 
 /** Lanes all of whose gradients point away from every ray through the ball: the angle between
@@ -59,15 +56,15 @@ turnedAway(const FrameView& view, const Triple<Vec>& p, const Triple<Vec>& norma
            Vec sine)
 {
   const Tag d;
-  const Vec one = hn::Set(d, 1.0f), margin = hn::Set(d, 1e-3f);
-  if (!view.perspective) return hn::Gt(normal.z, hn::Add(sine, margin));
+  const Vec one = set(1.0f), margin = set(1e-3f);
+  if (!view.perspective) return normal.z > sine + margin;
   const Vec distance_sq = dot3(p, p);
-  const Vec tangent = hn::Sqrt(hn::Max(hn::Zero(d), hn::NegMulAdd(radius, radius, distance_sq)));
-  const Vec cosine = hn::Sqrt(hn::Max(hn::Zero(d), hn::NegMulAdd(sine, sine, one)));
-  const Vec needed = hn::MulAdd(sine, tangent, hn::Mul(cosine, radius));
-  const Mask acute = hn::Gt(hn::Mul(cosine, tangent), hn::Mul(sine, radius));
-  const Vec slack = hn::Mul(margin, hn::Sqrt(distance_sq));
-  return hn::And(acute, hn::Gt(dot3(normal, p), hn::Add(needed, slack)));
+  const Vec tangent = Sqrt(Max(Zero(d), NegMulAdd(radius, radius, distance_sq)));
+  const Vec cosine = Sqrt(Max(Zero(d), NegMulAdd(sine, sine, one)));
+  const Vec needed = MulAdd(sine, tangent, cosine * radius);
+  const Mask acute = cosine * tangent > sine * radius;
+  const Vec slack = margin * Sqrt(distance_sq);
+  return And(acute, dot3(normal, p) > needed + slack);
 }
 
 /** How far surfels of a size (DetailSizes) at a depth stand for their descendants: 1 where they are seen
@@ -76,14 +73,14 @@ HWY_INLINE Vec
 coarseShare(const FrameView& view, const DetailRule& rule, Vec half_size, Vec z)
 {
   const Tag d;
-  const Vec zero = hn::Zero(d), one = hn::Set(d, 1.0f);
-  const Vec lod = hn::Mul(hn::Set(d, 0.5f * rule.lod * view.pixel), view.perspective ? z : one);
-  const Vec size = hn::Div(half_size, hn::Max(lod, hn::Set(d, 1e-30f)));
+  const Vec zero = Zero(d), one = set(1.0f);
+  const Vec lod = set(0.5f * rule.lod * view.pixel) * (view.perspective ? z : one);
+  const Vec size = half_size / Max(lod, set(1e-30f));
   constexpr float kScale = 1.0f / (DetailRule::kFade - 1.0f);
-  const Vec rest = hn::Sub(hn::Set(d, DetailRule::kFade), size);
-  const Vec t = hn::Clamp(hn::Mul(hn::Set(d, kScale), rest), zero, one);
-  const Vec smooth = hn::NegMulAdd(hn::Set(d, 2.0f), t, hn::Set(d, 3.0f));
-  return hn::Mul(hn::Mul(t, t), smooth);
+  const Vec rest = set(DetailRule::kFade) - size;
+  const Vec t = Clamp(set(kScale) * rest, zero, one);
+  const Vec smooth = NegMulAdd(set(2.0f), t, set(3.0f));
+  return t * t * smooth;
 }
 
 /** Lanes' reasons not to be drawn, kVisible if there is none; the first given counts. */
@@ -92,7 +89,7 @@ class Reasons {
   HWY_INLINE void add(Mask lanes, Visibility reason)
   {
     HWY_ALIGN std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(Tag(), lanes, bits);
+    StoreMaskBits(Tag(), lanes, bits);
     for (std::size_t k = 0; k < hn::Lanes(Tag()); ++k) {
       const bool given = (bits[k / 8] >> (k % 8) & 1) != 0;
       if (given && of_[k] == Visibility::kVisible) of_[k] = reason;
@@ -105,35 +102,36 @@ class Reasons {
 };
 
 void
-cullLeaves(const LeafIndex& index, std::uint32_t begin, std::uint32_t end, const FrameView& view,
-           const VisibilityRules& rules, Visibility* visibility, float* shares)
+cullLeaves(const LeafClusters& leaves, std::uint32_t begin, std::uint32_t end,
+           const FrameView& view, const VisibilityRules& rules, Visibility* visibility,
+           float* shares)
 {
   const Tag d;
   const Axes axes(view);
   for (std::size_t i = begin; i < end; i += hn::Lanes(d)) {
     const auto load = [&](const AlignedVector<float>& column)
-                          HWY_ATTR { return hn::LoadU(d, column.data() + i); };
-    const Triple<Vec> place{load(index.x), load(index.y), load(index.z)};
+                          HWY_ATTR { return LoadU(d, column.data() + i); };
+    const Triple<Vec> place{load(leaves.x), load(leaves.y), load(leaves.z)};
     const Triple<Vec> p = axes.turn(fromEye(view, place.x, place.y, place.z));
-    const Triple<Vec> normal = axes.turn({load(index.nx), load(index.ny), load(index.nz)});
-    const Vec radius = load(index.radius);
+    const Triple<Vec> normal = axes.turn({load(leaves.nx), load(leaves.ny), load(leaves.nz)});
+    const Vec radius = load(leaves.radius);
     Reasons reasons;
     reasons.add(outsideFrustum(view, p, radius), Visibility::kOutside);
     for (const HalfSpace& cut : rules.cuts) {
       reasons.add(outsideHalfSpace(cut, place, radius), Visibility::kCutAway);
     }
-    Vec share = hn::Set(d, 1.0f);
+    Vec share = set(1.0f);
     if (rules.detail.active()) {
-      const Vec small = coarseShare(view, rules.detail, load(index.parent_size), p.z);
-      const Vec own = coarseShare(view, rules.detail, load(index.own_size), p.z);
-      share = hn::NegMulAdd(own, small, own);
-      reasons.add(hn::Ge(small, hn::Set(d, 1.0f)), Visibility::kTooSmall);
-      reasons.add(hn::Le(share, hn::Zero(d)), Visibility::kTooLarge);
+      const Vec small = coarseShare(view, rules.detail, load(leaves.parent_size), p.z);
+      const Vec own = coarseShare(view, rules.detail, load(leaves.own_size), p.z);
+      share = NegMulAdd(own, small, own);
+      reasons.add(small >= set(1.0f), Visibility::kTooSmall);
+      reasons.add(share <= Zero(d), Visibility::kTooLarge);
     }
     if (rules.front_only) {
-      reasons.add(turnedAway(view, p, normal, radius, load(index.sine)), Visibility::kBackFacing);
+      reasons.add(turnedAway(view, p, normal, radius, load(leaves.sine)), Visibility::kBackFacing);
     }
-    hn::StoreU(share, d, shares + (i - begin));
+    StoreU(share, d, shares + (i - begin));
     for (std::size_t k = 0; k < hn::Lanes(d) && i + k < end; ++k) {
       visibility[i + k - begin] = reasons[k];
     }
@@ -149,10 +147,11 @@ namespace pcl_slim::detail::kernels {
 HWY_EXPORT(cullLeaves);
 
 void
-cullLeaves(const LeafIndex& index, std::uint32_t begin, std::uint32_t end, const FrameView& view,
-           const VisibilityRules& rules, Visibility* visibility, float* shares)
+cullLeaves(const LeafClusters& leaves, std::uint32_t begin, std::uint32_t end,
+           const FrameView& view, const VisibilityRules& rules, Visibility* visibility,
+           float* shares)
 {
-  HWY_DYNAMIC_DISPATCH(cullLeaves)(index, begin, end, view, rules, visibility, shares);
+  HWY_DYNAMIC_DISPATCH(cullLeaves)(leaves, begin, end, view, rules, visibility, shares);
 }
 
 }  // namespace pcl_slim::detail::kernels

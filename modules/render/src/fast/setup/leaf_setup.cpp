@@ -31,22 +31,21 @@ struct FormNorms {
                                      {1.0f, 1.0f / 3.0f, 1.0f / 3.0f, 1.0f},
                                      {1.0f, 1.0f / 4.0f, 1.0f / 6.0f, 1.0f / 4.0f, 1.0f}};
     const Tag d;
-    const auto square = [&](int k) HWY_ATTR { return hn::Mul(c(k), c(k)); };
+    const auto square = [&](int k) HWY_ATTR { return c(k) * c(k); };
     for (int form = 2, k = 3; form <= 4; ++form) {
-      Vec sum = hn::Zero(d);
+      Vec sum = Zero(d);
       for (int j = 0; j <= form && form <= degree; ++j, ++k) {
-        sum = hn::MulAdd(hn::Set(d, kShares[form - 2][j]), square(k), sum);
+        sum = MulAdd(set(kShares[form - 2][j]), square(k), sum);
       }
-      n[form - 2] = hn::Sqrt(sum);
+      n[form - 2] = Sqrt(sum);
     }
   }
 
   /** Bound on |h - its tangent plane at the centre| over a disc. */
   HWY_INLINE Vec bend(float rho) const
   {
-    const Tag d;
-    const Vec high = hn::MulAdd(hn::Set(d, rho), n[2], n[1]);
-    return hn::Mul(hn::Set(d, rho * rho), hn::MulAdd(hn::Set(d, rho), high, n[0]));
+    const Vec high = MulAdd(set(rho), n[2], n[1]);
+    return set(rho * rho) * MulAdd(set(rho), high, n[0]);
   }
 };
 
@@ -70,24 +69,22 @@ HWY_INLINE Strip
 stripOf(const Vec u[2], const Vec v[2], const Vec w[2], const CentreRay& ray,
         const FormNorms& norms, Vec per_pixel, float rho)
 {
-  const Tag d;
-  const Vec one = hn::Set(d, 1.0f), share = hn::Set(d, rho);
-  const Vec length = hn::Sqrt(hn::MulAdd(w[0], w[0], hn::Mul(w[1], w[1])));
-  const Vec inverse = hn::Div(one, hn::Max(length, hn::Set(d, 1e-6f)));
-  const Vec nx = hn::Mul(w[0], inverse), ny = hn::Mul(w[1], inverse);
-  const Vec by_u = hn::MulAdd(ray.c1, length, hn::MulAdd(u[0], nx, hn::Mul(u[1], ny)));
-  const Vec by_v = hn::MulAdd(ray.c2, length, hn::MulAdd(v[0], nx, hn::Mul(v[1], ny)));
-  const Vec tilt = hn::Sqrt(hn::MulAdd(by_u, by_u, hn::Mul(by_v, by_v)));
-  const Vec half = hn::MulAdd(share, tilt, hn::Mul(norms.bend(rho), length));
-  const Vec middle = hn::Mul(ray.c0, length);
+  const Vec one = set(1.0f), share = set(rho);
+  const Vec length = Sqrt(MulAdd(w[0], w[0], w[1] * w[1]));
+  const Vec inverse = one / Max(length, set(1e-6f));
+  const Vec nx = w[0] * inverse, ny = w[1] * inverse;
+  const Vec by_u = MulAdd(ray.c1, length, MulAdd(u[0], nx, u[1] * ny));
+  const Vec by_v = MulAdd(ray.c2, length, MulAdd(v[0], nx, v[1] * ny));
+  const Vec tilt = Sqrt(MulAdd(by_u, by_u, by_v * by_v));
+  const Vec half = MulAdd(share, tilt, norms.bend(rho) * length);
+  const Vec middle = ray.c0 * length;
   // The near side of the ball looks larger, the far side smaller.
-  const Vec reach = hn::Mul(hn::Min(ray.eps, hn::Set(d, 0.7f)), share);
-  const Vec pixel = hn::Div(hn::Set(d, 1.001f), per_pixel);
-  const Vec near = hn::Div(pixel, hn::Sub(one, reach)), far = hn::Div(pixel, hn::Add(one, reach));
-  const Vec low = hn::Sub(middle, half), high = hn::Add(middle, half);
-  const Vec margin = hn::Set(d, 0.02f);
-  return {nx, hn::Neg(ny), hn::Sub(hn::Min(hn::Mul(low, near), hn::Mul(low, far)), margin),
-          hn::Add(hn::Max(hn::Mul(high, near), hn::Mul(high, far)), margin)};
+  const Vec reach = Min(ray.eps, set(0.7f)) * share;
+  const Vec pixel = set(1.001f) / per_pixel;
+  const Vec near = pixel / (one - reach), far = pixel / (one + reach);
+  const Vec low = middle - half, high = middle + half;
+  const Vec margin = set(0.02f);
+  return {nx, Neg(ny), Min(low * near, low * far) - margin, Max(high * near, high * far) + margin};
 }
 
 /** F = m^D f / r as sum_i sigma^i A_i(X, Y). */
@@ -110,10 +107,10 @@ class RayForm {
   {
     // f = w - c0 - c1 u - c2 v - ..., times m: every point of the ball divides by m once.
     const Vec c0 = c(0), c1 = c(1), c2 = c(2);
-    a_[0][0] = hn::Neg(c0);
-    a_[0][1] = hn::NegMulAdd(c1, u_[0], hn::NegMulAdd(c2, v_[0], w_[0]));
-    a_[0][2] = hn::NegMulAdd(c1, u_[1], hn::NegMulAdd(c2, v_[1], w_[1]));
-    a_[1][0] = hn::MulAdd(c0, eps_, hn::NegMulAdd(c1, uc_, hn::NegMulAdd(c2, vc_, wc_)));
+    a_[0][0] = Neg(c0);
+    a_[0][1] = NegMulAdd(c1, u_[0], NegMulAdd(c2, v_[0], w_[0]));
+    a_[0][2] = NegMulAdd(c1, u_[1], NegMulAdd(c2, v_[1], w_[1]));
+    a_[1][0] = MulAdd(c0, eps_, NegMulAdd(c1, uc_, NegMulAdd(c2, vc_, wc_)));
     unrolled<D - 1>([&](auto step) HWY_ATTR {
       multiplyByM<2 + step()>();
       subtractForm<2 + step()>(c);
@@ -134,7 +131,7 @@ class RayForm {
  private:
   HWY_INLINE Vec slope(const Axis& a, Vec xc, Vec yc) const
   {
-    return hn::MulAdd(a[0], xc, hn::MulAdd(a[1], yc, a[2]));
+    return MulAdd(a[0], xc, MulAdd(a[1], yc, a[2]));
   }
 
   /** Raises the degree to N: F <- (1 - eps sigma) F. */
@@ -146,8 +143,8 @@ class RayForm {
       const int old = i <= N - 1 ? numCoefficients(N - 1 - i) : 0;
       const int size = numCoefficients(N - i);
       for (int k = 0; k < size; ++k) {
-        const Vec kept = k < old ? a_[i][k] : hn::Zero(Tag());
-        a_[i][k] = i > 0 ? hn::NegMulAdd(eps_, a_[i - 1][k], kept) : kept;
+        const Vec kept = k < old ? a_[i][k] : Zero(Tag());
+        a_[i][k] = i > 0 ? NegMulAdd(eps_, a_[i - 1][k], kept) : kept;
       }
     }
   }
@@ -162,11 +159,11 @@ class RayForm {
       constexpr int kDegree = N - step();
       subtractTurned<kDegree>(g, a_[step()]);
       if constexpr (kDegree > 0) {
-        const Vec share = hn::Set(Tag(), 1.0f / static_cast<float>(step() + 1));
+        const Vec share = set(1.0f / static_cast<float>(step() + 1));
         for (int j = 0; j < kDegree; ++j) {
-          const Vec by_u = hn::Mul(hn::Set(Tag(), static_cast<float>(kDegree - j)), g[j]);
-          const Vec by_v = hn::Mul(hn::Set(Tag(), static_cast<float>(j + 1)), g[j + 1]);
-          g[j] = hn::Mul(share, hn::MulAdd(uc_, by_u, hn::Mul(vc_, by_v)));
+          const Vec by_u = set(static_cast<float>(kDegree - j)) * g[j];
+          const Vec by_v = set(static_cast<float>(j + 1)) * g[j + 1];
+          g[j] = share * MulAdd(uc_, by_u, vc_ * by_v);
         }
       }
     });
@@ -179,21 +176,21 @@ class RayForm {
     constexpr int kFirst = E * (E + 1) / 2;
     Vec sum[E + 1], power[E + 1];
     sum[0] = g[0];
-    power[0] = hn::Set(Tag(), 1.0f);
+    power[0] = set(1.0f);
     for (int s = 1; s <= E; ++s) {
       timesLine(u_, s, sum);
       timesLine(v_, s, power);
-      for (int j = 0; j <= s; ++j) sum[j] = hn::MulAdd(g[s], power[j], sum[j]);
+      for (int j = 0; j <= s; ++j) sum[j] = MulAdd(g[s], power[j], sum[j]);
     }
-    for (int j = 0; j <= E; ++j) target[kFirst + j] = hn::Sub(target[kFirst + j], sum[j]);
+    for (int j = 0; j <= E; ++j) target[kFirst + j] -= sum[j];
   }
 
   /** p <- (a_x X + a_y Y) p for a form p of degree s - 1. */
   HWY_INLINE void timesLine(const Axis& a, int s, Vec* p) const
   {
-    p[s] = hn::Mul(a[1], p[s - 1]);
-    for (int j = s - 1; j > 0; --j) p[j] = hn::MulAdd(a[0], p[j], hn::Mul(a[1], p[j - 1]));
-    p[0] = hn::Mul(a[0], p[0]);
+    p[s] = a[1] * p[s - 1];
+    for (int j = s - 1; j > 0; --j) p[j] = MulAdd(a[0], p[j], a[1] * p[j - 1]);
+    p[0] = a[0] * p[0];
   }
 
   Axis u_, v_, w_;
@@ -213,28 +210,26 @@ struct Circle {
 HWY_INLINE Circle
 circleAround(const FrameView& view, const Triple<Vec>& p, Vec radius, float share)
 {
-  const Tag d;
-  const Vec rho = hn::Mul(radius, hn::Set(d, share));
-  const Vec to_pixel = hn::Set(d, 1.0f / view.pixel);
+  const Vec rho = radius * set(share);
+  const Vec to_pixel = set(1.0f / view.pixel);
   Vec x = p.x, y = p.y, reach = rho;
   if (view.perspective) {
-    const Vec rho_sq = hn::Mul(rho, rho);
-    const Vec inverse = hn::Div(hn::Set(d, 1.0f), hn::NegMulAdd(rho, rho, hn::Mul(p.z, p.z)));
-    const Vec along = hn::Mul(p.z, inverse);
-    x = hn::Mul(p.x, along);
-    y = hn::Mul(p.y, along);
-    reach = hn::Mul(hn::Mul(rho, inverse), hn::Sqrt(hn::Sub(dot3(p, p), rho_sq)));
+    const Vec rho_sq = rho * rho;
+    const Vec inverse = set(1.0f) / NegMulAdd(rho, rho, p.z * p.z);
+    const Vec along = p.z * inverse;
+    x = p.x * along;
+    y = p.y * along;
+    reach = rho * inverse * Sqrt(dot3(p, p) - rho_sq);
   }
-  const Vec wider = hn::Set(d, 1.0f + 1e-4f);
-  return {hn::MulAdd(x, to_pixel, hn::Set(d, view.center_x)),
-          hn::NegMulAdd(y, to_pixel, hn::Set(d, view.center_y)),
-          hn::MulAdd(hn::Mul(reach, to_pixel), wider, hn::Set(d, 0.01f))};
+  const Vec wider = set(1.0f + 1e-4f);
+  return {MulAdd(x, to_pixel, set(view.center_x)), NegMulAdd(y, to_pixel, set(view.center_y)),
+          MulAdd(reach * to_pixel, wider, set(0.01f))};
 }
 
 /** Columns of a batch's records on their way out. */
 class Outlet {
  public:
-  HWY_INLINE void put(std::size_t column, Vec value) { hn::Store(value, Tag(), rows_[column]); }
+  HWY_INLINE void put(std::size_t column, Vec value) { Store(value, Tag(), rows_[column]); }
   float at(std::size_t column, std::size_t lane) const { return rows_[column][lane]; }
 
  private:
@@ -260,33 +255,33 @@ struct Heads {
   Heads(const FrameView& view, const Triple<Vec>& p, Vec r, float share)
   {
     const Tag d;
-    const Vec one = hn::Set(d, 1.0f), zero = hn::Zero(d), pixel = hn::Set(d, view.pixel);
+    const Vec one = set(1.0f), zero = Zero(d), pixel = set(view.pixel);
     radius = r;
-    inverse_radius = hn::Div(one, r);
+    inverse_radius = one / r;
     depth = p.z;
-    const Vec reach = hn::Mul(r, hn::Set(d, share * 1.0001f));
-    const Vec begin = hn::Sub(p.z, reach);
+    const Vec reach = r * set(share * 1.0001f);
+    const Vec begin = p.z - reach;
     Vec x = p.x, y = p.y;
     if (view.perspective) {
-      inverse_depth = hn::Div(one, p.z);
-      eps = hn::Mul(r, inverse_depth);
-      xc = x = hn::Mul(p.x, inverse_depth);
-      yc = y = hn::Mul(p.y, inverse_depth);
-      per_pixel = hn::Mul(hn::Mul(pixel, p.z), inverse_radius);
-      beta = hn::Mul(hn::Mul(p.z, p.z), inverse_radius);
+      inverse_depth = one / p.z;
+      eps = r * inverse_depth;
+      xc = x = p.x * inverse_depth;
+      yc = y = p.y * inverse_depth;
+      per_pixel = pixel * p.z * inverse_radius;
+      beta = p.z * p.z * inverse_radius;
       // The rounding of depth values near the camera's own scale stays below this share.
-      nearest = hn::Mul(hn::Div(hn::Neg(one), begin), hn::Set(d, 1.0f + 1e-6f));
+      nearest = Neg(one) / begin * set(1.0f + 1e-6f);
     } else {
       inverse_depth = one;
       eps = xc = yc = zero;
-      per_pixel = hn::Mul(pixel, inverse_radius);
+      per_pixel = pixel * inverse_radius;
       beta = inverse_radius;
-      nearest = hn::Sub(begin, hn::Mul(hn::Abs(begin), hn::Set(d, 1e-6f)));
+      nearest = begin - Abs(begin) * set(1e-6f);
     }
-    inverse_beta = hn::Div(one, beta);
-    const Vec to_pixel = hn::Set(d, 1.0f / view.pixel);
-    pixel_x = hn::MulAdd(x, to_pixel, hn::Set(d, view.center_x));
-    pixel_y = hn::NegMulAdd(y, to_pixel, hn::Set(d, view.center_y));
+    inverse_beta = one / beta;
+    const Vec to_pixel = set(1.0f / view.pixel);
+    pixel_x = MulAdd(x, to_pixel, set(view.center_x));
+    pixel_y = NegMulAdd(y, to_pixel, set(view.center_y));
   }
 };
 
@@ -296,8 +291,8 @@ stripOf(const Heads& h, const LeafAxes& frame, const CentreRay& ray, const FormN
         const BallShares& shares)
 {
   const auto moves = [&](const Triple<Vec>& axis, Vec moved[2]) HWY_ATTR {
-    moved[0] = hn::NegMulAdd(h.xc, axis.z, axis.x);
-    moved[1] = hn::NegMulAdd(h.yc, axis.z, axis.y);
+    moved[0] = NegMulAdd(h.xc, axis.z, axis.x);
+    moved[1] = NegMulAdd(h.yc, axis.z, axis.y);
   };
   Vec u[2], v[2], w[2];
   moves(frame.u, u);
@@ -323,7 +318,7 @@ writeHeads(const LeafBatch& batch, std::size_t lane, const FrameView& view, cons
                                h.depth,     h.inverse_depth,
                                h.radius,    h.inverse_radius,
                                h.beta,      h.inverse_beta,
-                               h.nearest,   hn::Load(d, batch.variance_weight + lane),
+                               h.nearest,   Load(d, batch.variance_weight + lane),
                                frame.u.x,   frame.u.y,
                                frame.u.z,   frame.v.x,
                                frame.v.y,   frame.v.z,
@@ -349,20 +344,19 @@ HWY_INLINE void
 putDerivatives(const Heads& h, const LeafAxes& frame, const Coefficient& c, std::size_t k,
                Outlet& out)
 {
-  const Tag d;
   const auto times = [&](int factor, Vec v)
-                         HWY_ATTR { return hn::Mul(hn::Set(d, static_cast<float>(factor)), v); };
+                         HWY_ATTR { return set(static_cast<float>(factor)) * v; };
   if constexpr (D == 2) {
-    const Vec scale = hn::Neg(h.inverse_radius);
-    const Vec huu = times(2, hn::Mul(scale, c(3))), huv = hn::Mul(scale, c(4));
-    const Vec hvv = times(2, hn::Mul(scale, c(5)));
+    const Vec scale = Neg(h.inverse_radius);
+    const Vec huu = times(2, scale * c(3)), huv = scale * c(4);
+    const Vec hvv = times(2, scale * c(5));
     const Vec u[3] = {frame.u.x, frame.u.y, frame.u.z}, v[3] = {frame.v.x, frame.v.y, frame.v.z};
     for (int i = 0; i < 3; ++i) {
-      const Vec by_u = hn::MulAdd(huu, u[i], hn::Mul(huv, v[i]));
-      const Vec by_v = hn::MulAdd(huv, u[i], hn::Mul(hvv, v[i]));
+      const Vec by_u = MulAdd(huu, u[i], huv * v[i]);
+      const Vec by_v = MulAdd(huv, u[i], hvv * v[i]);
       for (int j = i; j < 3; ++j) {
         out.put(k + static_cast<std::size_t>(kSymmetricEntry[i][j]),
-                hn::MulAdd(by_u, u[j], hn::Mul(by_v, v[j])));
+                MulAdd(by_u, u[j], by_v * v[j]));
       }
     }
   } else {
@@ -390,13 +384,13 @@ setUpOfDegree(const LeafBatch& batch, const FrameView& view, const BallShares& s
   const Tag d;
   const Axes axes(view);
   for (std::size_t lane = 0; lane < batch.count; lane += hn::Lanes(d)) {
-    const auto load = [&](const float* column) HWY_ATTR { return hn::Load(d, column + lane); };
+    const auto load = [&](const float* column) HWY_ATTR { return Load(d, column + lane); };
     const auto c = [&](int k) HWY_ATTR { return load(batch.c[k]); };
     const Triple<Vec> p = axes.turn(fromEye(view, load(batch.x), load(batch.y), load(batch.z)));
     const Heads heads(view, p, load(batch.radius), 1.0f);
     const Triple<Vec> normal{load(batch.nx), load(batch.ny), load(batch.nz)};
     const LeafAxes frame(axes, FrameLanes<Vec>(normal));
-    const Triple<Vec> center{heads.xc, heads.yc, hn::Set(d, 1.0f)};
+    const Triple<Vec> center{heads.xc, heads.yc, set(1.0f)};
     const CentreRay ray{
         c(0),     c(1), c(2), dot3(frame.u, center), dot3(frame.v, center), dot3(frame.w, center),
         heads.eps};

@@ -7,7 +7,7 @@
 
 #include "camera/camera_rays.h"
 #include "fast/setup/frame_leaf.h"
-#include "index/leaf_index.h"
+#include "fast/setup/leaf_clusters.h"
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim::detail {
@@ -37,8 +37,9 @@ namespace kernels {
  * \param[out] visibility by surfel
  * \param[out] shares of the weight, above 0 of every visible one; room for whole vectors */
 void
-cullLeaves(const LeafIndex& index, std::uint32_t begin, std::uint32_t end, const FrameView& view,
-           const VisibilityRules& rules, Visibility* visibility, float* shares);
+cullLeaves(const LeafClusters& leaves, std::uint32_t begin, std::uint32_t end,
+           const FrameView& view, const VisibilityRules& rules, Visibility* visibility,
+           float* shares);
 
 /** \brief Writes the frame's records of a batch. Surfels too near to the camera for a polynomial
  * along its rays get kNearLeaf. \param[in] degree 2 to 4; missing coefficients are 0 */

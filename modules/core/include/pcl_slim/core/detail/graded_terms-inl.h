@@ -15,8 +15,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
 template <typename Body, int... I>
 HWY_INLINE void
 unrolledOver(const Body& body, std::integer_sequence<int, I...>)
@@ -38,13 +36,12 @@ HWY_INLINE void
 addGradedTerms(V factor, V u, V v, V* sums)
 {
   V terms[D + 1] = {factor};  // of one degree, the highest power of u first
-  sums[0] = hn::Add(sums[0], factor);
+  sums[0] += factor;
   unrolled<D>([&](auto step) HWY_ATTR {
     constexpr int kDegree = step() + 1, kFirst = kDegree * (kDegree + 1) / 2;
-    terms[kDegree] = hn::Mul(terms[kDegree - 1], v);
-    unrolled<kDegree>([&](auto j) HWY_ATTR { terms[j()] = hn::Mul(terms[j()], u); });
-    unrolled<kDegree + 1>(
-        [&](auto j) HWY_ATTR { sums[kFirst + j()] = hn::Add(sums[kFirst + j()], terms[j()]); });
+    terms[kDegree] = terms[kDegree - 1] * v;
+    unrolled<kDegree>([&](auto j) HWY_ATTR { terms[j()] *= u; });
+    unrolled<kDegree + 1>([&](auto j) HWY_ATTR { sums[kFirst + j()] += terms[j()]; });
   });
 }
 

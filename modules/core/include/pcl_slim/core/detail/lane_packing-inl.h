@@ -51,14 +51,14 @@ class LaneOrder {
   HWY_INLINE LaneOrder(D d, hn::Mask<D> mask)
   {
     std::uint8_t bits[8];
-    hn::StoreMaskBits(d, mask, bits);
-    const auto lanes = hn::LoadU(hn::Rebind<std::uint8_t, D>(), kPackedLanes.lanes[bits[0]]);
-    from_ = hn::PromoteTo(hn::RebindToUnsigned<D>(), lanes);
+    StoreMaskBits(d, mask, bits);
+    const auto lanes = LoadU(hn::Rebind<std::uint8_t, D>(), kPackedLanes.lanes[bits[0]]);
+    from_ = PromoteTo(hn::RebindToUnsigned<D>(), lanes);
   }
   template <class V>
   HWY_INLINE V pack(V v) const
   {
-    return hn::TableLookupLanes(v, hn::IndicesFromVec(hn::DFromV<V>(), from_));
+    return TableLookupLanes(v, IndicesFromVec(hn::DFromV<V>(), from_));
   }
 
  private:
@@ -74,7 +74,7 @@ class LaneOrder {
   template <class V>
   HWY_INLINE V pack(V v) const
   {
-    return hn::Compress(v, hn::RebindMask(hn::DFromV<V>(), mask_));
+    return Compress(v, RebindMask(hn::DFromV<V>(), mask_));
   }
 
  private:
@@ -94,10 +94,10 @@ class LanePacking {
   template <class V>
   HWY_INLINE void store(V v, hn::TFromV<V>* target) const
   {
-    hn::StoreU(order_.pack(v), hn::DFromV<V>(), target);
+    StoreU(order_.pack(v), hn::DFromV<V>(), target);
   }
 
-  HWY_INLINE std::size_t count() const { return hn::CountTrue(D(), mask_); }
+  HWY_INLINE std::size_t count() const { return CountTrue(D(), mask_); }
 
  private:
   hn::Mask<D> mask_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Vector helpers of the kernels. Highway compiles a kernel file once per instruction set, so
-// the guard toggles instead of shutting later inclusions out.
+// the guard toggles instead of shutting later inclusions out. Kernels write Highway's operators, and call
+// its functions by their bare names, found through their arguments; hn:: names types, numbers of lanes,
+// and functions with template arguments. Masks have no operators.
 #if defined(PCL_SLIM_KERNEL_MATH_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PCL_SLIM_KERNEL_MATH_INL
 #undef PCL_SLIM_KERNEL_MATH_INL
@@ -22,6 +24,13 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::CappedTag<float, 16>;
 using Vec = hn::Vec<Tag>;
 using Mask = hn::Mask<Tag>;
+
+/** The same number in every lane. */
+HWY_INLINE Vec
+set(float value)
+{
+  return Set(Tag(), value);
+}
 
 /** body(constant D) for the degree D of a polynomial, 1 to 4. */
 template <typename Body>
@@ -56,7 +65,7 @@ template <class V>
 HWY_INLINE V
 dot3(V ax, V ay, V az, V bx, V by, V bz)
 {
-  return hn::MulAdd(ax, bx, hn::MulAdd(ay, by, hn::Mul(az, bz)));
+  return MulAdd(ax, bx, MulAdd(ay, by, az * bz));
 }
 
 /** Three coordinates: a point or a direction in each lane. V: vector of floats. */
@@ -78,7 +87,7 @@ HWY_INLINE Triple<V>
 tripleOf(const float v[3])
 {
   const hn::DFromV<V> d;
-  return {hn::Set(d, v[0]), hn::Set(d, v[1]), hn::Set(d, v[2])};
+  return {Set(d, v[0]), Set(d, v[1]), Set(d, v[2])};
 }
 
 /** Two axes across a unit normal w (Duff et al. 2017), as LocalFrame. */
@@ -88,18 +97,18 @@ struct FrameLanes {
 
   explicit FrameLanes(const Triple<V>& n) : w(n)
   {
-    const V one = hn::Set(hn::DFromV<V>(), 1.0f), sign = hn::CopySign(one, n.z);
-    const V a = hn::Div(hn::Neg(one), hn::Add(sign, n.z));
-    const V b = hn::Mul(hn::Mul(n.x, n.y), a), sx = hn::Mul(sign, n.x);
-    u = {hn::MulAdd(hn::Mul(sx, n.x), a, one), hn::Mul(sign, b), hn::Neg(sx)};
-    v = {b, hn::MulAdd(hn::Mul(n.y, n.y), a, sign), hn::Neg(n.y)};
+    const V one = Set(hn::DFromV<V>(), 1.0f), sign = CopySign(one, n.z);
+    const V a = Neg(one) / (sign + n.z);
+    const V b = n.x * n.y * a, sx = sign * n.x;
+    u = {MulAdd(sx * n.x, a, one), sign * b, Neg(sx)};
+    v = {b, MulAdd(n.y * n.y, a, sign), Neg(n.y)};
   }
 };
 
 HWY_INLINE double
 sumLanes(Vec v)
 {
-  return hn::GetLane(hn::SumOfLanes(Tag(), v));
+  return GetLane(SumOfLanes(Tag(), v));
 }
 
 /** Coordinates in a frame, in units of a radius. */
@@ -132,19 +141,19 @@ HWY_INLINE V
 kernelWeight(V s_sq)
 {
   const hn::DFromV<V> d;
-  const V one = hn::Set(d, 1.0f);
+  const V one = Set(d, 1.0f);
   if constexpr (K == WeightKernel::kGaussian) {
-    const V within = hn::Min(s_sq, one);
-    const V inner = hn::Exp(d, hn::Mul(hn::Set(d, -8.0f), within));
-    const V rest = hn::Sub(one, hn::Sqrt(within)), rest_sq = hn::Mul(rest, rest);
-    const V outer = hn::Mul(hn::Set(d, 2.16536453f), hn::Mul(rest_sq, rest_sq));  // 16 e^-2
-    return hn::IfThenElse(hn::Lt(s_sq, hn::Set(d, 0.25f)), inner, outer);
+    const V within = Min(s_sq, one);
+    const V inner = Exp(d, Set(d, -8.0f) * within);
+    const V rest = one - Sqrt(within), rest_sq = rest * rest;
+    const V outer = Set(d, 2.16536453f) * (rest_sq * rest_sq);  // 16 e^-2
+    return IfThenElse(s_sq < Set(d, 0.25f), inner, outer);
   } else {
-    const V t = hn::Max(hn::Zero(d), hn::Sub(one, s_sq)), t2 = hn::Mul(t, t);
+    const V t = Max(Zero(d), one - s_sq), t2 = t * t;
     if constexpr (K == WeightKernel::kPower2) return t2;
-    const V t4 = hn::Mul(t2, t2);
+    const V t4 = t2 * t2;
     if constexpr (K == WeightKernel::kPower4) return t4;
-    return hn::Mul(hn::Mul(t4, t2), t);
+    return t4 * t2 * t;
   }
 }
 
@@ -163,12 +172,12 @@ addMasked(Vec g, Mask mask, float* target)
 {
   const Tag d;
 #if HWY_TARGET <= HWY_AVX2
-  hn::BlendedStore(hn::Add(hn::LoadU(d, target), g), mask, d, target);
+  BlendedStore(LoadU(d, target) + g, mask, d, target);
 #else
   HWY_ALIGN float values[16];
   HWY_ALIGN std::uint8_t bits[8] = {};
-  hn::Store(g, d, values);
-  hn::StoreMaskBits(d, mask, bits);
+  Store(g, d, values);
+  StoreMaskBits(d, mask, bits);
   for (std::uint32_t m = bits[0] | static_cast<std::uint32_t>(bits[1]) << 8; m != 0; m &= m - 1) {
     target[__builtin_ctz(m)] += values[__builtin_ctz(m)];
   }
@@ -182,7 +191,7 @@ class Height {
   template <typename T>
   explicit Height(const T* c)
   {
-    for (int k = 0; k < numCoefficients(D); ++k) c_[k] = hn::Set(Tag(), static_cast<float>(c[k]));
+    for (int k = 0; k < numCoefficients(D); ++k) c_[k] = set(static_cast<float>(c[k]));
   }
 
   HWY_INLINE Vec operator()(Vec u, Vec v) const
@@ -190,7 +199,7 @@ class Height {
     // Horner in u over polynomials in v, from the highest power of u down.
     Vec h = row(v, std::integral_constant<int, D>());
     unrolled<D>([&](auto step) HWY_ATTR {
-      h = hn::MulAdd(h, u, row(v, std::integral_constant<int, D - 1 - step()>()));
+      h = MulAdd(h, u, row(v, std::integral_constant<int, D - 1 - step()>()));
     });
     return h;
   }
@@ -205,7 +214,7 @@ class Height {
   {
     Vec r = c_[index(I, D - I)];
     unrolled<D - I>([&](auto step)
-                        HWY_ATTR { r = hn::MulAdd(r, v, c_[index(I, D - I - 1 - step())]); });
+                        HWY_ATTR { r = MulAdd(r, v, c_[index(I, D - I - 1 - step())]); });
     return r;
   }
 

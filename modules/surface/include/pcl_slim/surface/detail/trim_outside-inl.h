@@ -25,16 +25,16 @@ struct TrimSpline {
 
   HWY_INLINE TrimSpline(D d, hn::Vec<D> coordinate, float last)
   {
-    const auto half = hn::Set(d, 0.5f), scale = hn::Set(d, 0.5f * last);
+    const auto half = Set(d, 0.5f), scale = Set(d, 0.5f * last);
     // A lane without a number may come along: it must not leave the map.
-    auto x = hn::Max(hn::MulAdd(coordinate, scale, scale), hn::Zero(d));
-    x = hn::Min(x, hn::Set(d, last));
-    node = hn::ConvertTo(hn::RebindToSigned<D>(), hn::Add(x, half));
-    const auto at = hn::Sub(x, hn::ConvertTo(d, node));
-    const auto low = hn::Sub(half, at), high = hn::Add(half, at);
-    weight[0] = hn::Mul(half, hn::Mul(low, low));
-    weight[1] = hn::NegMulAdd(at, at, hn::Set(d, 0.75f));
-    weight[2] = hn::Mul(half, hn::Mul(high, high));
+    auto x = Max(MulAdd(coordinate, scale, scale), Zero(d));
+    x = Min(x, Set(d, last));
+    node = ConvertTo(hn::RebindToSigned<D>(), x + half);
+    const auto at = x - ConvertTo(d, node);
+    const auto low = half - at, high = half + at;
+    weight[0] = half * (low * low);
+    weight[1] = NegMulAdd(at, at, Set(d, 0.75f));
+    weight[2] = half * (high * high);
   }
 };
 
@@ -44,11 +44,10 @@ HWY_INLINE TrimIntsOf<D>
 trimCodes(D, const TrimTable& table, TrimIntsOf<D> column, TrimIntsOf<D> row)
 {
   const hn::RebindToSigned<D> di;
-  const auto place =
-      hn::Add(hn::Mul(row, hn::Set(di, table.words_per_row)), hn::ShiftRight<3>(column));
-  const auto in_word = hn::And(column, hn::Set(di, 7));
-  const auto shift = hn::Add(in_word, hn::Add(in_word, in_word));
-  return hn::And(hn::Shr(hn::GatherIndex(di, table.words, place), shift), hn::Set(di, 0x1ff));
+  const auto place = row * Set(di, table.words_per_row) + hn::ShiftRight<3>(column);
+  const auto in_word = column & Set(di, 7);
+  const auto shift = in_word + (in_word + in_word);
+  return (GatherIndex(di, table.words, place) >> shift) & Set(di, 0x1ff);
 }
 
 /** outsideShare() at (u, v); the table must not be a closed surfel's. */
@@ -60,17 +59,15 @@ outsideShares(D d, const TrimTable& table, hn::Vec<D> u, hn::Vec<D> v)
   const TrimSpline<D> column(d, u, table.last), row(d, v, table.last);
   const auto code = trimCodes(d, table, column.node, row.node);
   // Most places have all nine nodes inside.
-  if (hn::AllTrue(di, hn::Eq(code, hn::Zero(di)))) return hn::Zero(d);
+  if (AllTrue(di, code == Zero(di))) return Zero(d);
   const auto outside = [&](int bit, hn::Vec<D> weight) HWY_ATTR {
-    const auto set = hn::TestBit(code, hn::Set(di, 1 << bit));
-    return hn::IfThenElseZero(hn::RebindMask(d, set), weight);
+    return IfThenElseZero(RebindMask(d, TestBit(code, Set(di, 1 << bit))), weight);
   };
-  auto sum = hn::Zero(d);
+  auto sum = Zero(d);
   for (int i = 0; i < 3; ++i) {
-    const auto in_column =
-        hn::Add(hn::Add(outside(3 * i, row.weight[0]), outside(3 * i + 1, row.weight[1])),
-                outside(3 * i + 2, row.weight[2]));
-    sum = hn::MulAdd(column.weight[i], in_column, sum);
+    const auto in_column = outside(3 * i, row.weight[0]) + outside(3 * i + 1, row.weight[1]) +
+                           outside(3 * i + 2, row.weight[2]);
+    sum = MulAdd(column.weight[i], in_column, sum);
   }
   return sum;
 }

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Weighted least squares of a ball: moments in float SIMD, Cholesky in double.
+#include "least_squares/local_fit.h"
+
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -8,7 +11,7 @@
 #include "scan/ball_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "least_squares/fit_kernel.cpp"
+#define HWY_TARGET_INCLUDE "least_squares/local_fit.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
@@ -32,7 +35,7 @@ template <WeightKernel K>
 class WeightedBall {
  public:
   WeightedBall(const BallBuffer& ball, float rho)
-      : ball_(ball), values_(ball.w.data()), inverse_sq_(hn::Set(Tag(), 1.0f / (rho * rho)))
+      : ball_(ball), values_(ball.w.data()), inverse_sq_(set(1.0f / (rho * rho)))
   {
   }
 
@@ -53,11 +56,10 @@ class WeightedBall {
   {
     const Tag d;
     for (std::size_t i = 0; i < ball_.count; i += hn::Lanes(d)) {
-      auto weight = kernelWeight<K>(hn::Mul(hn::Load(d, ball_.s_sq.data() + i), inverse_sq_));
-      if (!ball_.prior.empty()) weight = hn::Mul(weight, hn::Load(d, ball_.prior.data() + i));
-      if (factors_ != nullptr) weight = hn::Mul(weight, hn::Load(d, factors_ + i));
-      body(weight, hn::Load(d, ball_.u.data() + i), hn::Load(d, ball_.v.data() + i),
-           hn::Load(d, values_ + i));
+      auto weight = kernelWeight<K>(Load(d, ball_.s_sq.data() + i) * inverse_sq_);
+      if (!ball_.prior.empty()) weight *= Load(d, ball_.prior.data() + i);
+      if (factors_ != nullptr) weight *= Load(d, factors_ + i);
+      body(weight, Load(d, ball_.u.data() + i), Load(d, ball_.v.data() + i), Load(d, values_ + i));
     }
   }
 
@@ -76,21 +78,21 @@ momentRows(const WeightedBall<K>& ball, Moments& m)
   constexpr int kBegin = momentIndex(D, First, 0);
   constexpr int kCount = momentIndex(D, Last, 2 * D - Last) + 1 - kBegin;
   Vec sums[kCount];
-  Vec weight_sq = hn::Zero(Tag());
-  for (auto& sum : sums) sum = hn::Zero(Tag());
+  Vec weight_sq = Zero(Tag());
+  for (auto& sum : sums) sum = Zero(Tag());
   ball.forEach([&](Vec weight, Vec u, Vec v, Vec) HWY_ATTR {
-    if constexpr (First == 0) weight_sq = hn::MulAdd(weight, weight, weight_sq);
+    if constexpr (First == 0) weight_sq = MulAdd(weight, weight, weight_sq);
     Vec base = weight;
-    unrolled<First>([&](auto) HWY_ATTR { base = hn::Mul(base, u); });
+    unrolled<First>([&](auto) HWY_ATTR { base *= u; });
     unrolled<Last - First + 1>([&](auto step) HWY_ATTR {
       constexpr int kRow = First + step();
       Vec term = base;
       unrolled<2 * D - kRow + 1>([&](auto j) HWY_ATTR {
         constexpr int kAt = momentIndex(D, kRow, j()) - kBegin;
-        sums[kAt] = hn::Add(sums[kAt], term);
-        if constexpr (j() < 2 * D - kRow) term = hn::Mul(term, v);
+        sums[kAt] += term;
+        if constexpr (j() < 2 * D - kRow) term *= v;
       });
-      if constexpr (kRow < Last) base = hn::Mul(base, u);
+      if constexpr (kRow < Last) base *= u;
     });
   });
   for (int k = 0; k < kCount; ++k) m.uv[kBegin + k] = sumLanes(sums[k]);
@@ -104,20 +106,20 @@ heightSums(const WeightedBall<K>& ball, const Value& value, double z_sums[], dou
 {
   constexpr int kTerms = numCoefficients(D);
   Vec sums[kTerms];
-  Vec zz = hn::Zero(Tag());
-  for (auto& sum : sums) sum = hn::Zero(Tag());
+  Vec zz = Zero(Tag());
+  for (auto& sum : sums) sum = Zero(Tag());
   ball.forEach([&](Vec weight, Vec u, Vec v, Vec w) HWY_ATTR {
     const Vec z = value(u, v, w);
-    Vec base = hn::Mul(weight, z);
-    zz = hn::MulAdd(base, z, zz);
+    Vec base = weight * z;
+    zz = MulAdd(base, z, zz);
     unrolled<D + 1>([&](auto i) HWY_ATTR {
       Vec term = base;
       unrolled<D - i() + 1>([&](auto j) HWY_ATTR {
         constexpr int kAt = termIndex(i(), j());
-        sums[kAt] = hn::Add(sums[kAt], term);
-        if constexpr (j() < D - i()) term = hn::Mul(term, v);
+        sums[kAt] += term;
+        if constexpr (j() < D - i()) term *= v;
       });
-      if constexpr (i() < D) base = hn::Mul(base, u);
+      if constexpr (i() < D) base *= u;
     });
   });
   for (int k = 0; k < kTerms; ++k) z_sums[k] = sumLanes(sums[k]);
@@ -165,7 +167,7 @@ residualSums(const WeightedBall<K>& ball, const double* c, double* b, double& ff
 {
   const Height<D> height(c);
   heightSums<D>(
-      ball, [&](Vec u, Vec v, Vec w) HWY_ATTR { return hn::Sub(w, height(u, v)); }, b, ff);
+      ball, [&](Vec u, Vec v, Vec w) HWY_ATTR { return w - height(u, v); }, b, ff);
 }
 
 template <int D, WeightKernel K>
@@ -173,10 +175,10 @@ HWY_NOINLINE double
 residualSum(const WeightedBall<K>& ball, const double* c)
 {
   const Height<D> height(c);
-  Vec sum = hn::Zero(Tag());
+  Vec sum = Zero(Tag());
   ball.forEach([&](Vec weight, Vec u, Vec v, Vec w) HWY_ATTR {
-    const Vec f = hn::Sub(w, height(u, v));
-    sum = hn::MulAdd(hn::Mul(weight, f), f, sum);
+    const Vec f = w - height(u, v);
+    sum = MulAdd(weight * f, f, sum);
   });
   return sumLanes(sum);
 }
@@ -202,8 +204,8 @@ addSlopeSums(const WeightedBall<K>& ball, const double* c, double* b)
     eachTerm([&](int k, int derived, int power) { slope[derived] = power * c[k]; });
     const Height<D - 1> known(slope);
     heightSums<D - 1>(
-        ball.slopes(along_u), [&](Vec u, Vec v, Vec s) HWY_ATTR { return hn::Sub(s, known(u, v)); },
-        sums, squares);
+        ball.slopes(along_u), [&](Vec u, Vec v, Vec s) HWY_ATTR { return s - known(u, v); }, sums,
+        squares);
     eachTerm([&](int k, int derived, int power) { b[k] += weight * power * sums[derived]; });
     missed += weight * squares;
   }
@@ -273,10 +275,10 @@ template <WeightKernel K>
 double
 effectiveCountOf(const BallBuffer& points, float rho)
 {
-  Vec sum = hn::Zero(Tag()), squares = sum;
+  Vec sum = Zero(Tag()), squares = sum;
   WeightedBall<K>(points, rho).forEach([&](Vec weight, Vec, Vec, Vec) HWY_ATTR {
-    sum = hn::Add(sum, weight);
-    squares = hn::MulAdd(weight, weight, squares);
+    sum += weight;
+    squares = MulAdd(weight, weight, squares);
   });
   const double weight = sumLanes(sum), weight_sq = sumLanes(squares);
   return weight_sq > 0.0 ? weight * weight / weight_sq : 0.0;
@@ -296,12 +298,8 @@ template <WeightKernel K>
 LocalFit
 fitWithKernel(const BallBuffer& ball, int degree, float rho, double support, bool refine)
 {
-  switch (degree) {
-    case 1: return fitWith<1, K>(ball, rho, support, refine);
-    case 2: return fitWith<2, K>(ball, rho, support, refine);
-    case 3: return fitWith<3, K>(ball, rho, support, refine);
-    default: return fitWith<4, K>(ball, rho, support, refine);
-  }
+  return forDegree(degree,
+                   [&](auto d) HWY_ATTR { return fitWith<d(), K>(ball, rho, support, refine); });
 }
 
 LocalFit
@@ -340,4 +338,44 @@ fitBall(const BallBuffer& ball, int degree, float rho, WeightKernel kernel, doub
 }
 
 }  // namespace pcl_slim::detail::kernels
+
+namespace pcl_slim::detail {
+
+namespace {
+
+template <int Columns>
+using Small = Eigen::Matrix<double, Eigen::Dynamic, Columns, 0, kMaxCoefficients,
+                            Columns == 1 ? 1 : kMaxCoefficients>;
+
+}  // namespace
+
+LocalFit
+nestedFit(const LocalFit& fit, int degree)
+{
+  const int size = numCoefficients(degree), all = numCoefficients(fit.degree);
+  Small<Eigen::Dynamic> products(size, all);
+  for (int p = 0; p < size; ++p) {
+    for (int q = 0; q < all; ++q) {
+      const auto a = kernels::kTerms[p], b = kernels::kTerms[q];
+      products(p, q) = fit.moments[static_cast<std::size_t>(
+          kernels::momentIndex(fit.moment_degree, a.i + b.i, a.j + b.j))];
+    }
+  }
+  const Small<1> heights = products * Eigen::Map<const Small<1>>(fit.c.data(), all);
+  const Eigen::LLT<Small<Eigen::Dynamic>> factor(products.leftCols(size));
+  LocalFit low;
+  if (factor.info() != Eigen::Success) return low;
+  low = fit;
+  low.degree = degree;
+  low.terms = size;
+  low.c.fill(0.0);
+  Eigen::Map<Small<1>>(low.c.data(), size) = factor.solve(heights);
+  auto difference = fit.c;
+  for (std::size_t k = 0; k < difference.size(); ++k) difference[k] -= low.c[k];
+  low.residual_sq += kernels::meanSquare(fit.moment_degree, fit.moments.data(), difference.data());
+  low.slope_sq = kernels::meanSlopeSq(fit.moment_degree, fit.moments.data(), low.c.data());
+  return low;
+}
+
+}  // namespace pcl_slim::detail
 #endif

@@ -28,6 +28,16 @@ struct LocalFit {
   std::array<double, kMaxMoments> moments{};  ///< sum w u^i v^j, in rows of fixed i (momentIndex)
 };
 
+/** \brief The fit of a lower degree to the same points with the same weights.
+ *
+ * No point is looked at: its normal equations are part of the higher degree's, whose moments and
+ * solution are at hand, and the least residual grows by the mean square of the two fits'
+ * difference. For heights alone: slopes as data have moments of their own, which are not kept.
+ * \param[in] degree below fit.degree. \return a fit of degree 0 where it cannot be solved. O(P^3).
+ */
+LocalFit
+nestedFit(const LocalFit& fit, int degree);
+
 namespace kernels {
 
 /** \brief Fits heights w over (u, v) with weights G(s / rho) to the points within rho.

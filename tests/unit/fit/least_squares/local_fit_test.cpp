@@ -6,8 +6,8 @@
 #include <cmath>
 #include <random>
 
+#include "least_squares/local_fit.h"
 #include "least_squares/mean_slope.h"
-#include "least_squares/nested_fit.h"
 #include "scan/ball_kernels.h"
 
 namespace pcl_slim {
@@ -303,7 +303,7 @@ TEST(BallResiduals, AreHeightsAboveTheFit)
     std::array<float, kMaxCoefficients> c;
     for (std::size_t k = 0; k < kMaxCoefficients; ++k) c[k] = static_cast<float>(truth[k]);
     std::vector<float> residuals(ball.count + BallBuffer::kPadding);
-    kernels::ballResiduals(ball, fit, residuals.data());
+    kernels::ballResiduals(ball, fit.degree, fit.c.data(), residuals.data());
     for (std::size_t i = 0; i < ball.count; ++i) {
       ASSERT_NEAR(residuals[i], ball.w[i] - evaluateHeight(degree, c.data(), ball.u[i], ball.v[i]),
                   1e-6);

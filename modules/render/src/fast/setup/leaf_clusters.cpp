@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "index/leaf_index.h"
+#include "fast/setup/leaf_clusters.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +13,6 @@
 
 namespace pcl_slim::detail {
 namespace {
-
-constexpr std::size_t kFanout = 8;
 
 /** \brief Length and inner products of a point seen from the camera. */
 struct Seen {
@@ -62,44 +60,46 @@ angleTo(const float axis[3], const Vector3& direction)
 }
 
 bool
-turnedAway(const FrameView& view, const Seen& p, const LeafNode& node)
+turnedAway(const FrameView& view, const Seen& p, const LeafCluster& cluster)
 {
   constexpr double kMargin = 1e-3;  // radians, above any rounding here
   const double distance = std::sqrt(p.distance_sq);
   Vector3 direction{view.forward[0], view.forward[1], view.forward[2]};
-  double spread = node.cone;
+  double spread = cluster.cone;
   if (view.perspective) {
-    if (!(distance > node.radius)) return false;
-    spread += std::asin(node.radius / distance);
+    if (!(distance > cluster.radius)) return false;
+    spread += std::asin(cluster.radius / distance);
     for (std::size_t a = 0; a < 3; ++a) {
-      direction[a] = (double{node.center[a]} - view.eye[a] - view.eye_rest[a]) / distance;
+      direction[a] = (double{cluster.center[a]} - view.eye[a] - view.eye_rest[a]) / distance;
     }
   }
-  return angleTo(node.axis, direction) + spread < 0.5 * M_PI - kMargin;
+  return angleTo(cluster.axis, direction) + spread < 0.5 * M_PI - kMargin;
 }
 
-}  // namespace
-
+/** \brief Whether balls whose gradients lie in a cone may be seen. Errs on the visible side. */
 Visibility
-visibilityOf(const FrameView& view, const LeafNode& node, const VisibilityRules& rules)
+visibilityOf(const FrameView& view, const LeafCluster& cluster, const VisibilityRules& rules)
 {
-  const Seen p(view, node.center);
-  if (outsideFrustum(view, p, node.radius)) return Visibility::kOutside;
-  if (isCutAway(rules.cuts, {node.center[0], node.center[1], node.center[2]}, node.radius)) {
+  const Seen p(view, cluster.center);
+  if (outsideFrustum(view, p, cluster.radius)) return Visibility::kOutside;
+  if (isCutAway(rules.cuts, {cluster.center[0], cluster.center[1], cluster.center[2]},
+                cluster.radius)) {
     return Visibility::kCutAway;
   }
   if (rules.detail.active()) {
     const double lod = 0.5 * rules.detail.lod * view.pixel;  // radii on the plane z = 1
-    const double near = view.perspective ? p.z - node.radius : 1.0;
-    const double far = view.perspective ? p.z + node.radius : 1.0;
-    if (near > 0.0 && node.largest < lod * near) return Visibility::kTooSmall;
-    if (node.smallest > DetailRule::kFade * lod * far) return Visibility::kTooLarge;
+    const double near = view.perspective ? p.z - cluster.radius : 1.0;
+    const double far = view.perspective ? p.z + cluster.radius : 1.0;
+    if (near > 0.0 && cluster.largest < lod * near) return Visibility::kTooSmall;
+    if (cluster.smallest > DetailRule::kFade * lod * far) return Visibility::kTooLarge;
   }
-  if (rules.front_only && turnedAway(view, p, node)) return Visibility::kBackFacing;
+  if (rules.front_only && turnedAway(view, p, cluster)) return Visibility::kBackFacing;
   return Visibility::kVisible;
 }
 
-LeafIndex::LeafIndex(const SLIMSurface& surface, int threads, IndexedSurfels which)
+}  // namespace
+
+LeafClusters::LeafClusters(const SLIMSurface& surface, int threads, ClusteredSurfels which)
 {
   std::vector<std::uint32_t> leaves;
   std::vector<std::vector<std::uint32_t>> levels(256);
@@ -109,33 +109,22 @@ LeafIndex::LeafIndex(const SLIMSurface& surface, int threads, IndexedSurfels whi
     else
       levels[surface.level[i]].push_back(i);
   }
-  if (which == IndexedSurfels::kLeaves) {
+  if (which == ClusteredSurfels::kLeaves) {
     sortSurfels(surface, std::move(leaves), threads);
   } else {
     for (auto& level : levels) sortSurfels(surface, std::move(level), threads);
   }
   fillColumns(surface);
   fillSizes(surface);
-  if (size() == 0) return;
-  std::vector<LeafNode> clusters;
   for (std::uint32_t begin = 0; begin < size(); begin += kClusterSize) {
-    clusters.push_back(
+    clusters_.push_back(
         enclose(begin, std::min(begin + kClusterSize, static_cast<std::uint32_t>(size()))));
-  }
-  levels_.push_back(std::move(clusters));
-  while (levels_.back().size() > kFanout) {
-    const std::vector<LeafNode>& below = levels_.back();
-    std::vector<LeafNode> level;
-    for (std::size_t i = 0; i < below.size(); i += kFanout) {
-      const std::size_t last = std::min(i + kFanout, below.size()) - 1;
-      level.push_back(enclose(below[i].begin, below[last].end));
-    }
-    levels_.push_back(std::move(level));
   }
 }
 
 void
-LeafIndex::sortSurfels(const SLIMSurface& surface, std::vector<std::uint32_t> surfels, int threads)
+LeafClusters::sortSurfels(const SLIMSurface& surface, std::vector<std::uint32_t> surfels,
+                          int threads)
 {
   AlignedVector<std::uint64_t> keys;
   keys.reserve(surfels.size());
@@ -148,7 +137,7 @@ LeafIndex::sortSurfels(const SLIMSurface& surface, std::vector<std::uint32_t> su
 }
 
 void
-LeafIndex::fillSizes(const SLIMSurface& surface)
+LeafClusters::fillSizes(const SLIMSurface& surface)
 {
   const DetailSizes sizes(surface);
   own_size.assign(x.size(), 0.0f);
@@ -160,7 +149,7 @@ LeafIndex::fillSizes(const SLIMSurface& surface)
 }
 
 void
-LeafIndex::fillColumns(const SLIMSurface& surface)
+LeafClusters::fillColumns(const SLIMSurface& surface)
 {
   const std::size_t padded = (size() + kClusterSize - 1) / kClusterSize * kClusterSize;
   for (auto* column : {&x, &y, &z, &radius, &nx, &ny, &nz, &sine, &variance_weight}) {
@@ -180,12 +169,12 @@ LeafIndex::fillColumns(const SLIMSurface& surface)
   }
 }
 
-LeafNode
-LeafIndex::enclose(std::uint32_t begin, std::uint32_t end) const
+LeafCluster
+LeafClusters::enclose(std::uint32_t begin, std::uint32_t end) const
 {
-  LeafNode node{};
-  node.begin = begin;
-  node.end = end;
+  LeafCluster cluster{};
+  cluster.begin = begin;
+  cluster.end = end;
   float low[3], high[3];
   const AlignedVector<float>* columns[3] = {&x, &y, &z};
   Vector3 sum{0.0, 0.0, 0.0};
@@ -193,51 +182,34 @@ LeafIndex::enclose(std::uint32_t begin, std::uint32_t end) const
     const auto first = columns[a]->begin() + begin, last = columns[a]->begin() + end;
     low[a] = *std::min_element(first, last);
     high[a] = *std::max_element(first, last);
-    node.center[a] = 0.5f * (low[a] + high[a]);
+    cluster.center[a] = 0.5f * (low[a] + high[a]);
   }
   for (std::uint32_t i = begin; i < end; ++i) sum = along(sum, 1.0, {nx[i], ny[i], nz[i]});
   const Vector3 axis = normalized(sum);
-  for (std::size_t a = 0; a < 3; ++a) node.axis[a] = static_cast<float>(axis[a]);
+  for (std::size_t a = 0; a < 3; ++a) cluster.axis[a] = static_cast<float>(axis[a]);
   double reach = 0.0, cone = length(axis) > 0.5 ? 0.0 : 2.0 * M_PI;
   for (std::uint32_t i = begin; i < end; ++i) {
-    const Vector3 d{x[i] - node.center[0], y[i] - node.center[1], z[i] - node.center[2]};
+    const Vector3 d{x[i] - cluster.center[0], y[i] - cluster.center[1], z[i] - cluster.center[2]};
     reach = std::max(reach, length(d) + radius[i]);
-    cone = std::max(cone, angleTo(node.axis, {nx[i], ny[i], nz[i]}) + std::asin(sine[i]));
+    cone = std::max(cone, angleTo(cluster.axis, {nx[i], ny[i], nz[i]}) + std::asin(sine[i]));
   }
-  node.smallest = *std::min_element(own_size.begin() + begin, own_size.begin() + end);
-  node.largest = *std::max_element(parent_size.begin() + begin, parent_size.begin() + end);
-  node.radius = static_cast<float>(reach * (1.0 + 1e-6));
-  node.cone = static_cast<float>(cone + 1e-5);
-  return node;
+  cluster.smallest = *std::min_element(own_size.begin() + begin, own_size.begin() + end);
+  cluster.largest = *std::max_element(parent_size.begin() + begin, parent_size.begin() + end);
+  cluster.radius = static_cast<float>(reach * (1.0 + 1e-6));
+  cluster.cone = static_cast<float>(cone + 1e-5);
+  return cluster;
 }
 
 void
-LeafIndex::findVisible(const FrameView& view, const VisibilityRules& rules,
-                       std::vector<std::uint32_t>& clusters, std::uint64_t* hidden) const
+LeafClusters::findVisible(const FrameView& view, const VisibilityRules& rules,
+                          std::vector<std::uint32_t>& visible, std::uint64_t* hidden) const
 {
-  struct Place {
-    std::size_t level, node;
-  };
-  std::vector<Place> stack;
-  if (levels_.empty()) return;
-  for (std::size_t n = levels_.back().size(); n-- > 0;) stack.push_back({levels_.size() - 1, n});
-  while (!stack.empty()) {
-    const Place at = stack.back();
-    stack.pop_back();
-    const LeafNode& node = levels_[at.level][at.node];
-    const Visibility visibility = visibilityOf(view, node, rules);
-    if (visibility != Visibility::kVisible) {
-      hidden[static_cast<std::size_t>(visibility)] += node.end - node.begin;
-      continue;
-    }
-    if (at.level == 0) {
-      clusters.push_back(static_cast<std::uint32_t>(at.node));
-      continue;
-    }
-    const std::size_t begin = kFanout * at.node;
-    for (std::size_t n = std::min(begin + kFanout, levels_[at.level - 1].size()); n-- > begin;) {
-      stack.push_back({at.level - 1, n});
-    }
+  for (std::uint32_t c = 0; c < clusters_.size(); ++c) {
+    const Visibility visibility = visibilityOf(view, clusters_[c], rules);
+    if (visibility == Visibility::kVisible)
+      visible.push_back(c);
+    else
+      hidden[static_cast<std::size_t>(visibility)] += clusters_[c].end - clusters_[c].begin;
   }
 }
 
