@@ -113,8 +113,8 @@ struct CardRasterizer::Pass {
   }
 
   /** \brief Draws a rectangle around every leaf, and every internal surfel that a level of detail
-   * may show. \param[in] reach share of its radius */
-  void drawLeaves(float reach, bool is_first = false)
+   * may show. \param[in] reach share of its radius; turned_away: those too whose inner sides alone are seen */
+  void drawLeaves(float reach, bool is_first = false, bool turned_away = false)
   {
     texture("slimLeaves", leaves.texture());
     const FrameValues& v = values;
@@ -126,7 +126,7 @@ struct CardRasterizer::Pass {
     program->SetUniformf("slimReach", reach);
     program->SetUniformi("slimTexelsOfLeaf", v.texels);
     program->SetUniformi("slimDegree", v.degree);
-    program->SetUniformi("slimFrontOnly", v.front_only);
+    program->SetUniformi("slimFrontOnly", v.front_only && !turned_away);
     program->SetUniformi("slimKernel", v.kernel);
     program->SetUniformf("slimNear", v.near_depth);
     program->SetUniformf("slimCoverRadius", v.cover_radius);
@@ -155,6 +155,14 @@ struct CardRasterizer::Pass {
   {
     for (vtkTextureObject* source : read) source->Deactivate();
     read.clear();
+  }
+
+  /** \brief Draws where the depth buffer does not stop it. */
+  void drawOpenPixels()
+  {
+    state->vtkglEnable(GL_DEPTH_TEST);
+    state->vtkglDepthFunc(GL_LESS);
+    state->vtkglDepthMask(GL_FALSE);
   }
 
   void addInto(unsigned equation)
@@ -215,8 +223,9 @@ CardRasterizer::drawPasses(Pass& pass, FrameTextures& frame, std::uint64_t& cove
   }
   for (int target = 0; target < 2; ++target) clear(target, 0.0f);
   clear(2, kNothing);
-  if (Error error = targets_.drawInto({targets_.nearest[0]})) return error;
+  if (Error error = targets_.drawInto({targets_.nearest[0]}, true)) return error;
   clear(0, pass.values.near_depth);
+  targets_.clearDepth(1.0f);
   std::uint64_t left = 1;
   for (int i = 0; i < kMostPeels && left > 0; ++i) {
     const int from = i % 2;
@@ -231,10 +240,11 @@ CardRasterizer::drawPasses(Pass& pass, FrameTextures& frame, std::uint64_t& cove
 Error
 CardRasterizer::findFirst(Pass& pass, int from)
 {
-  if (Error error = targets_.drawInto({targets_.first})) return error;
+  if (Error error = targets_.drawInto({targets_.first}, true)) return error;
   clear(0, kNothing);
   if (Error error = pass.begin(leafVertexShader(), firstPassShader())) return error;
   pass.addInto(GL_MIN);
+  pass.drawOpenPixels();
   pass.texture("slimNearest", targets_.nearest[static_cast<std::size_t>(from)]);
   pass.texture("slimTrims", leaves_.trims());
   pass.drawLeaves(pass.values.shrink, true);
@@ -245,10 +255,12 @@ Error
 CardRasterizer::blend(Pass& pass)
 {
   auto& sums = targets_.sums;
-  if (Error error = targets_.drawInto({sums[0], sums[1], sums[2], sums[3], sums[4]})) return error;
+  if (Error error = targets_.drawInto({sums[0], sums[1], sums[2], sums[3], sums[4]}, true))
+    return error;
   for (int target = 0; target < 5; ++target) clear(target, 0.0f);
   if (Error error = pass.begin(leafVertexShader(), blendPassShader())) return error;
   pass.addInto(GL_FUNC_ADD);
+  pass.drawOpenPixels();
   pass.texture("slimFirst", targets_.first);
   pass.texture("slimTrims", leaves_.trims());
   pass.drawLeaves(1.0f);
@@ -263,6 +275,7 @@ CardRasterizer::writeResult(Pass& pass, int from, FrameTextures& frame, std::uin
   }
   if (Error error = pass.begin(frameVertexShader(), resultShader())) return error;
   pass.state->vtkglDisable(GL_BLEND);
+  pass.state->vtkglDisable(GL_DEPTH_TEST);
   pass.texture("slimFirst", targets_.first);
   pass.texture("slimNearest", targets_.nearest[static_cast<std::size_t>(from)]);
   for (std::size_t i = 0; i < 5; ++i) {
@@ -278,8 +291,13 @@ Error
 CardRasterizer::peel(Pass& pass, int from, std::uint64_t& left)
 {
   const auto source = static_cast<std::size_t>(from);
-  if (Error error = targets_.drawInto({targets_.nearest[1 - source]})) return error;
+  if (Error error = targets_.drawInto({targets_.nearest[1 - source]}, true)) return error;
   clear(0, -1.0f);
+  // Of the next round's leaves the card drops at once what lies on pixels that are done.
+  pass.state->vtkglDepthMask(GL_TRUE);
+  targets_.clearDepth(0.0f);
+  pass.state->vtkglEnable(GL_DEPTH_TEST);
+  pass.state->vtkglDepthFunc(GL_ALWAYS);
   if (Error error = pass.begin(frameVertexShader(), peelShader())) return error;
   pass.texture("slimFirst", targets_.first);
   pass.texture("slimNearest", targets_.nearest[source]);
@@ -296,8 +314,8 @@ Error
 CardRasterizer::nameLeaves(Pass& pass, FrameTextures& frame)
 {
   if (Error error = targets_.drawInto({frame.attributes()}, true)) return error;
-  const float farthest = 1.0f;
-  glClearBufferfv(GL_DEPTH, 0, &farthest);
+  pass.state->vtkglDepthMask(GL_TRUE);
+  targets_.clearDepth(1.0f);
   if (Error error = pass.begin(leafVertexShader(), leafPassShader())) return error;
   pass.state->vtkglDisable(GL_BLEND);
   pass.state->vtkglEnable(GL_DEPTH_TEST);
@@ -320,7 +338,7 @@ CardRasterizer::addColors(Pass& pass, FrameTextures& frame)
   pass.state->vtkglDisable(GL_DEPTH_TEST);
   pass.addInto(GL_FUNC_ADD);
   pass.texture("slimShown", frame.geometry());
-  pass.drawLeaves(1.0f);
+  pass.drawLeaves(1.0f, false, true);
   return {};
 }
 
