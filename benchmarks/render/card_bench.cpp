@@ -34,7 +34,7 @@ using measure::wallSeconds;
 namespace {
 
 struct Settings {
-  std::string surface, pictures;
+  std::string surface, pictures, only = "all";
   int width = 1280, height = 720, frames = 24, threads = 0, leaves = 48000, degree = 4;
 };
 
@@ -238,6 +238,7 @@ run(const Settings& s)
       "| scene | CPU, ms | card, ms | pixels over 2 of 255 | over 16 | drawn by one alone | "
       "largest |\n|---|---|---|---|---|---|---|\n");
   for (const Scene& scene : kScenes) {
+    if (s.only != "all" && s.only != scene.name) continue;
     if (Error error = compare(s, scene, window)) return error;
   }
   return {};
@@ -257,6 +258,7 @@ main(int argc, char** argv)
   table.integer("width", &s.width, 16, 8192, "pixels");
   table.integer("height", &s.height, 16, 8192, "pixels");
   table.integer("frames", &s.frames, 1, 1000, "frames of a turn, of which the median is taken");
+  table.text("only", &s.only, "SCENE", "one scene, by its name in the table");
   table.integer("threads", &s.threads, 0, 256, "of the CPU's frames", "all cores");
   table.text("pictures", &s.pictures, "FOLDER", "pictures of both, as .png");
   if (const auto status = table.parse(argc, argv)) return *status;

@@ -16,12 +16,12 @@
 #include "frame/frame_textures.h"
 #include "opengl/pass_shaders.h"
 #include "pcl_slim/core/vector3.h"
+#include "pcl_slim/render/detail/weight_reach.h"
 
 namespace pcl_slim::detail {
 namespace {
 
-constexpr float kNothing = 3e38f;  ///< depth where no ray has met anything
-constexpr int kMostPeels = 8;      ///< as the CPU lets rays pass
+constexpr int kMostPeels = 8;  ///< as the CPU lets rays pass
 
 float
 single(double x)
@@ -41,7 +41,7 @@ clear(int target, float value)
 /** \brief What the shaders are told of a frame: the rules of FrameRules in float. */
 struct CardRasterizer::FrameValues {
   float eye[3], eye_rest[3], axes[9], screen[4], shift[2];
-  float near_depth, shrink, cover_radius, min_coverage, scale, detail;
+  float near_depth, shrink, reach, cover_radius, min_coverage, scale, detail;
   int front_only, oriented, kernel, degree, trimmed, texels, color_at;
 
   FrameValues(const SLIMSurface& surface, const ViewCamera& view, const FrameRequest& request)
@@ -50,6 +50,7 @@ struct CardRasterizer::FrameValues {
     setCamera(info, view.camera);
     near_depth = single(std::max(0.0, request.near_plane) / info.scale);
     shrink = single(std::clamp(info.cover_radius, 0.05, 0.95));
+    reach = std::max(shrink, weightReach(info.blend_kernel));
     cover_radius = single(std::clamp(info.cover_radius, 0.05, 1.0));
     min_coverage = single(info.cover_threshold);
     scale = single(info.scale);
@@ -263,7 +264,7 @@ CardRasterizer::blend(Pass& pass)
   pass.drawOpenPixels();
   pass.texture("slimFirst", targets_.first);
   pass.texture("slimTrims", leaves_.trims());
-  pass.drawLeaves(1.0f);
+  pass.drawLeaves(pass.values.reach);
   return {};
 }
 
@@ -323,7 +324,7 @@ CardRasterizer::nameLeaves(Pass& pass, FrameTextures& frame)
   // Curvatures stand in the first two channels already.
   pass.state->vtkglColorMask(GL_FALSE, GL_FALSE, GL_TRUE, GL_TRUE);
   pass.texture("slimFirst", targets_.met);
-  pass.drawLeaves(1.0f);
+  pass.drawLeaves(pass.values.reach);
   return {};
 }
 
@@ -342,17 +343,13 @@ CardRasterizer::addColors(Pass& pass, FrameTextures& frame)
   return {};
 }
 
-std::vector<std::uint8_t>
-CardRasterizer::met() const
+void
+CardRasterizer::readMet(std::vector<float>& depths) const
 {
-  const std::size_t pixels = std::size_t{targets_.met->GetWidth()} * targets_.met->GetHeight();
-  std::vector<float> first(pixels);
-  std::vector<std::uint8_t> met(pixels);
+  depths.resize(std::size_t{targets_.met->GetWidth()} * targets_.met->GetHeight());
   targets_.met->Activate();
-  glGetTexImage(GL_TEXTURE_2D, 0, GL_RED, GL_FLOAT, first.data());
+  glGetTexImage(GL_TEXTURE_2D, 0, GL_RED, GL_FLOAT, depths.data());
   targets_.met->Deactivate();
-  for (std::size_t i = 0; i < pixels; ++i) met[i] = first[i] < kNothing ? 1 : 0;
-  return met;
 }
 
 /** \brief Ends a count of pixels drawn. */

@@ -137,6 +137,7 @@ void main()
 /** What pass 2 and the choice of the largest weight have in common. */
 const char* const kBlended = R"(
 uniform sampler2D slimFirst;
+uniform float slimReach;
 uniform float slimNear;
 uniform int slimKernel;
 
@@ -152,7 +153,13 @@ float slimWeight(float s2)
   return 16.0 * exp(-2.0) * d * d * d * d;
 }
 
-// A leaf's root nearest to the first intersection, which its ball contains, and its weight there; 0 where it does
+// Whether a leaf may count at the first intersection.
+bool slimReaches(Leaf leaf, float s_hat)
+{
+  return leaf.distance2 < slimReach * slimReach && leaf.distance2 + s_hat * s_hat < 1.0;
+}
+
+// A leaf's root nearest to the first intersection, which it reaches, and its weight there; 0 where it does
 // not count.
 float slimBlendedRoot(Leaf leaf, float a[5], float s_hat, out float s)
 {
@@ -204,7 +211,7 @@ void main()
   vec3 direction = slimDirection(slopes);
   Leaf leaf = slimReadLeaf(slopes, direction);
   float a[5], s, s_hat = (first - leaf.depth) / leaf.radius;
-  if (!(leaf.distance2 + s_hat * s_hat < 1.0)) discard;
+  if (!slimReaches(leaf, s_hat)) discard;
   slimAlongRay(leaf, direction, a);
   float w = slimBlendedRoot(leaf, a, s_hat, s);
   if (!(w > 0.0)) discard;
@@ -239,7 +246,7 @@ void main()
   vec3 direction = slimDirection(slopes);
   Leaf leaf = slimReadLeaf(slopes, direction);
   float a[5], s, s_hat = (first - leaf.depth) / leaf.radius;
-  if (!(leaf.distance2 + s_hat * s_hat < 1.0)) discard;
+  if (!slimReaches(leaf, s_hat)) discard;
   slimAlongRay(leaf, direction, a);
   float w = slimBlendedRoot(leaf, a, s_hat, s);
   if (!(w > 0.0)) discard;
