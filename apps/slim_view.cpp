@@ -57,7 +57,8 @@ declareOptions(Settings& s)
                "lines over a surface; none with -mode sketch: all");
   table.number("line_width", &s.viewer.line_width, 0.1, 100, "width of strong lines, pixels");
   table.choice("backend", &s.viewer.backend, {"auto", "cpu", "opengl"},
-               "what intersects rays with a surface; auto: the graphics card if there is one");
+               "what intersects rays with a surface; auto: the graphics card, or the CPU where it "
+               "is faster");
   s.viewer.view.declareCamera(table);
   s.viewer.region.declare(table);
   table.text("camera_file", &s.viewer.camera_file, "FILE",

@@ -24,29 +24,17 @@ layout(location = 0) in vec4 slimHeights;  // bounds within the reach of pass 1,
 layout(location = 1) in float slimSteep;   // bound of the slope
 uniform float slimFar;
 uniform float slimMargin;  // of the bounds
-uniform int slimFrontOnly;
-
-bool slimTurnedAway(vec3 center, vec3 w, float radius)
-{
-  if (slimFrontOnly == 0) return false;
-  float away = length(center);
-  if (slimScreen.w == 0.0 && away <= radius) return false;
-  float spread = slimScreen.w > 0.0 ? 0.0 : asin(radius / away);
-  float facing = slimScreen.w > 0.0 ? dot(slimAxes[2], w) : dot(center, w) / away;
-  return acos(clamp(facing, -1.0, 1.0)) + spread < atan(1.0, slimSteep);
-}
 
 void main()
 {
-  slimLeaf = gl_InstanceID;
-  int at = gl_InstanceID * slimTexelsOfLeaf;
-  vec4 ball = slimTexel(at), more = slimTexel(at + 3);
-  vec3 w = slimTexel(at + 1).xyz, u = slimTexel(at + 2).xyz;
+  slimPass(gl_InstanceID);
+  vec4 ball = slimBall, more = slimTexel(gl_InstanceID * slimTexelsOfLeaf + 3);
+  vec3 w = slimNormal.xyz, u = slimAxis.xyz;
   vec3 center = (ball.xyz - slimEye) - slimEyeRest;
   float depth = dot(center, slimAxes[2]);
   slimTrim = slimTrimOf(more);
   slimPart = slimPartOf(more, depth);
-  if (slimPart.x <= 0.0 || depth < -ball.w || slimTurnedAway(center, w, ball.w)) {
+  if (slimPart.x <= 0.0 || depth < -ball.w || slimTurnedAway(center, w, ball.w, slimSteep)) {
     gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
     return;
   }

@@ -223,10 +223,10 @@ FitParams
 fitParams(const Setting& setting)
 {
   FitParams fit;
-  fit.degree = setting.degree;
+  fit.degree = unlessZero(setting.degree);
   fit.trim = false;  // as SLIMProjectionSmoother has it
-  fit.penalty = setting.penalty;
-  fit.t_mdl = setting.t_mdl;
+  fit.size = PenaltyWeight{unlessZero(setting.penalty)};
+  if (setting.t_mdl > 0) fit.size = MDLThreshold{setting.t_mdl};
   fit.sharp_features = setting.sharp;
   fit.robust = setting.robust;
   fit.normals_as_data = setting.data;

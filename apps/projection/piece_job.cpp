@@ -30,12 +30,7 @@ projectionParams(const ProjectionJob& job, const SLIMSurface& surface, const Rec
   params.projection.threads = job.fit.params.threads;
   params.projection.sharp_features = job.fit.params.sharp_features;
   params.projection.paper_mode = surface.info.paper_mode;
-  params.has_viewpoint = job.fit.params.has_viewpoint || layout.sensor.has_value();
-  for (std::size_t a = 0; a < 3; ++a) {
-    params.viewpoint[a] = job.fit.params.has_viewpoint || !layout.sensor
-                              ? job.fit.params.viewpoint[a]
-                              : (*layout.sensor)[a];
-  }
+  params.viewpoint = job.fit.params.viewpoint ? job.fit.params.viewpoint : layout.sensor;
   return params;
 }
 

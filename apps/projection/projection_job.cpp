@@ -159,8 +159,7 @@ projectScan(const ProjectionJob& job, const CloudFile& cloud, const SLIMSurface&
   params.projection.threads = job.fit.params.threads;
   params.projection.sharp_features = job.fit.params.sharp_features;
   params.projection.paper_mode = surface.info.paper_mode;
-  params.has_viewpoint = job.fit.params.has_viewpoint;
-  for (std::size_t a = 0; a < 3; ++a) params.viewpoint[a] = job.fit.params.viewpoint[a];
+  params.viewpoint = job.fit.params.viewpoint;
   if (!job.surface.empty()) params.least_support = kLeastSharedSupport;
   const bool with_normals = job.fit.use_normals || job.fit.normal_neighbours > 0;
   auto projection =

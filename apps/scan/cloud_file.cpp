@@ -298,10 +298,10 @@ estimateNormals(int k, const std::vector<double>& viewpoint, int threads, CloudF
   if (plain.source.empty()) return {};
   FitParams params;
   params.threads = threads;
-  params.has_viewpoint = true;
+  params.viewpoint.emplace();
   const std::array<double, 3> sensor = cloud.sensor();
   for (std::size_t a = 0; a < 3; ++a)
-    params.viewpoint[a] = plain.local(viewpoint.size() == 3 ? viewpoint[a] : sensor[a], a);
+    (*params.viewpoint)[a] = plain.local(viewpoint.size() == 3 ? viewpoint[a] : sensor[a], a);
   auto selected = std::make_shared<pcl::Indices>(plain.source.size());
   std::iota(selected->begin(), selected->end(), 0);
   pcl::PointCloud<pcl::Normal> estimated;

@@ -36,21 +36,21 @@ normalSourceName(NormalSource source)
 void
 declareFitOptions(OptionTable& options, FitJob& job)
 {
-  options.integer("degree", &job.params.degree, 1, 4, "degree of the polynomials",
+  options.integer("degree", &job.given.degree, 1, 4, "degree of the polynomials",
                   "4, with -sharp 2");
-  options.number("penalty", &job.params.penalty, 1e-6, 1e6,
+  options.number("penalty", &job.given.penalty, 1e-6, 1e6,
                  "weight of the price of a coefficient; larger is smoother", "3, with -sharp 1");
-  options.number("t_mdl", &job.params.t_mdl, 1e-9, 1e3, "the paper's T_MDL in place of -penalty",
+  options.number("t_mdl", &job.given.t_mdl, 1e-9, 1e3, "the paper's T_MDL in place of -penalty",
                  "off");
-  options.number("target_error", &job.params.target_error, 1e-12, 1,
+  options.number("target_error", &job.given.target_error, 1e-12, 1,
                  "RMS residual to reach, as a share of the box diagonal", "off");
-  options.integer("max_surfels", &job.params.max_surfels, 0, kMany,
+  options.integer("max_surfels", &job.given.max_surfels, 0, kMany,
                   "most leaves allowed; 0: as many as it takes");
-  options.number("noise_factor", &job.params.noise_factor, 1e-6, 1e30,
+  options.number("noise_factor", &job.given.noise_factor, 1e-6, 1e30,
                  "residuals and penalty as if the noise variance were X times as large: what "
                  "-target_error and -max_surfels solve for",
                  "off");
-  options.number("least_radius", &job.params.least_radius, 0, 1e300,
+  options.number("least_radius", &job.given.least_radius, 0, 1e300,
                  "radius of the smallest ball, in the scan's units: no finer detail is kept",
                  "off");
   options.toggle("sharp", &job.params.sharp_features, "keep sharp edges; needs normals");
@@ -67,13 +67,13 @@ declareFitOptions(OptionTable& options, FitJob& job)
                   "RMS error A + B z + C z^2 along the ray at distance z from the sensor");
   options.toggle("normals_as_data", &job.params.normals_as_data,
                  "fit points and normals together; for normals measured apart from the points");
-  options.number("normal_error", &job.params.normal_error, 1e-6, 1.5707,
+  options.number("normal_error", &job.given.normal_error, 1e-6, 1.5707,
                  "their RMS error in radians; with -normals_as_data 1", "measured");
   options.toggle("paper", &job.params.paper_mode,
                  "the choices of Ohtake, Belyaev, Alexa 2005 throughout");
   options.toggle("compact", &job.compact,
                  "leaves cover their whole balls: fewer surfels, thinner overlap");
-  options.number("lambda", &job.params.lambda, 1e-30, 1,
+  options.number("lambda", &job.given.lambda, 1e-30, 1,
                  "noise variance, as a share of the squared box diagonal", "estimated");
   declareSensorOptions(options, job,
                        "the side that the normals of a scan without normals shall face");
@@ -139,7 +139,15 @@ declareColorOption(OptionTable& options, FitJob& job)
 
 namespace {
 
-/** What -correlation and -noise_model say. */
+/** Three numbers, if they were given. */
+std::optional<std::array<double, 3>>
+triple(const std::vector<double>& numbers)
+{
+  if (numbers.size() != 3) return std::nullopt;
+  return std::array<double, 3>{numbers[0], numbers[1], numbers[2]};
+}
+
+/** What -correlation, -noise_model, -lambda and -normal_error say. */
 Error
 finishNoiseOptions(FitJob& job)
 {
@@ -148,14 +156,27 @@ finishNoiseOptions(FitJob& job)
     params.noise_correlation = 1;
   } else if (job.correlation != "auto") {
     char* end = nullptr;
-    params.noise_correlation = std::strtod(job.correlation.c_str(), &end);
-    if (*end != '\0' || !(params.noise_correlation >= 1))
+    const double points = std::strtod(job.correlation.c_str(), &end);
+    params.noise_correlation = points;
+    if (*end != '\0' || !(points >= 1))
       return {ErrorCode::kBadArgument,
               "-correlation '" + job.correlation + "' is neither auto, off nor a number from 1 on"};
   }
-  params.has_noise_model = job.noise_model.size() == 3;
-  std::copy(job.noise_model.begin(), job.noise_model.end(), params.noise_model);
+  params.noise_model = triple(job.noise_model);
+  params.lambda = unlessZero(job.given.lambda);
+  params.normal_error = unlessZero(job.given.normal_error);
   return {};
+}
+
+/** What decides how fine the surface is: of these options one can be given. */
+SizeRule
+sizeRule(const FitJob::Given& given)
+{
+  if (given.t_mdl > 0) return MDLThreshold{given.t_mdl};
+  if (given.target_error > 0) return TargetError{given.target_error};
+  if (given.max_surfels > 0) return MaxSurfels{given.max_surfels};
+  if (given.noise_factor > 0) return NoiseFactor{given.noise_factor};
+  return PenaltyWeight{unlessZero(given.penalty)};
 }
 
 }  // namespace
@@ -164,11 +185,11 @@ Error
 finishFitOptions(FitJob& job)
 {
   if (Error error = finishNoiseOptions(job)) return error;
+  job.params.degree = unlessZero(job.given.degree);
+  job.params.size = sizeRule(job.given);
+  job.params.least_radius = unlessZero(job.given.least_radius);
   if (job.compact) job.params.cover_radius = 1.0;
-  job.params.has_viewpoint = job.viewpoint.size() == 3;
-  for (std::size_t a = 0; a < job.viewpoint.size(); ++a) {
-    job.params.viewpoint[a] = job.viewpoint[a];
-  }
+  job.params.viewpoint = triple(job.viewpoint);
   if (job.normal_neighbours == 1 || job.normal_neighbours == 2) {
     return {ErrorCode::kBadArgument,
             "a normal needs 3 neighbours or more; raise -estimate_normals"};
@@ -265,10 +286,10 @@ namespace {
 void
 addNoiseNotes(const FitParams& params, const FitStatistics& fit, std::vector<std::string>& notes)
 {
-  const char* given = params.lambda > 0   ? "-lambda"
-                      : params.t_mdl > 0  ? "-t_mdl"
-                      : params.paper_mode ? "-paper"
-                                          : nullptr;
+  const char* given = params.lambda           ? "-lambda"
+                      : params.hasThreshold() ? "-t_mdl"
+                      : params.paper_mode     ? "-paper"
+                                              : nullptr;
   if (params.local_noise == true && fit.noise_correlation > 1 && !given)
     notes.push_back("  -local_noise has no effect: shared noise is measured along the scan anyway");
   if (params.local_noise == false && given)
@@ -286,7 +307,7 @@ whyNoSides(const FitParams& params, const FitStatistics& fit)
   if (params.sides) return nullptr;
   if (fit.side_source == SideSource::kNormals) return "the scan has normals";
   if (fit.side_source == SideSource::kViewpoint) return "a viewpoint gives the sides";
-  if (params.paper_mode || params.t_mdl > 0) return "-paper and -t_mdl give points no sides";
+  if (params.paper_mode || params.hasThreshold()) return "-paper and -t_mdl give points no sides";
   if (fit.noise_line > 0) return "points on scan lines get no sides";
   return nullptr;
 }
@@ -297,8 +318,9 @@ unusedNotes(const FitJob& job, const CloudFile& cloud, const FitStatistics& fit)
 {
   std::vector<std::string> notes;
   addNoiseNotes(job.params, fit, notes);
-  if (job.params.max_surfels > 0 && fit.noise_factor == 1) {
-    notes.push_back("  -max_surfels " + std::to_string(job.params.max_surfels) +
+  const auto* most = std::get_if<MaxSurfels>(&job.params.size);
+  if (most && fit.noise_factor == 1) {
+    notes.push_back("  -max_surfels " + std::to_string(most->leaves) +
                     " has no effect: this scan needs fewer");
   }
   if (const char* why = whyNoSides(job.params, fit))
@@ -315,9 +337,9 @@ unusedNotes(const FitJob& job, const CloudFile& cloud, const FitStatistics& fit)
     notes.push_back("  -outliers has no effect: -paper fits all points");
   const bool own =
       cloud.normal_source == NormalSource::kFields || cloud.normal_source == NormalSource::kMesh;
-  const bool places = job.params.has_viewpoint || !job.trajectory.empty();
-  if (places && !job.params.has_noise_model && job.use_normals && own) {
-    notes.push_back(std::string(job.params.has_viewpoint ? "  -viewpoint" : "  -trajectory") +
+  const bool places = job.params.viewpoint || !job.trajectory.empty();
+  if (places && !job.params.noise_model && job.use_normals && own) {
+    notes.push_back(std::string(job.params.viewpoint ? "  -viewpoint" : "  -trajectory") +
                     " has no effect: the scan's own normals give the sides");
   }
   return notes;
@@ -354,7 +376,8 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
   console.done(std::to_string(statistics.leaves) + " leaves, " +
                counted(surface.numLevels(), "level"));
   console.note("  " + noiseText(store->diagonal() * store->scale(), statistics));
-  if (job.params.target_error > 0 || job.params.max_surfels > 0)
+  if (std::holds_alternative<TargetError>(job.params.size) ||
+      std::holds_alternative<MaxSurfels>(job.params.size))
     console.note("  " + solvedText(statistics));
   if (statistics.sided > 0) console.note("  " + sidesText(statistics));
   for (const std::string& note : unusedNotes(job, cloud, statistics)) console.note(note);

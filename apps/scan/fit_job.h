@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,13 @@ constexpr const char* kScanHelp =
  * program that fits. */
 struct FitJob {
   FitParams params = withoutTrim();
+  /** \brief Options of parameters that need not be set, as read; 0: not given. */
+  struct Given {
+    int degree = 0;
+    double penalty = 0, t_mdl = 0, target_error = 0, noise_factor = 0;
+    std::uint64_t max_surfels = 0;
+    double least_radius = 0, normal_error = 0, lambda = 0;
+  } given;
   std::vector<double> viewpoint, noise_model;
   std::string trajectory, time_field;  ///< file of the sensor's places; field of the points' times
   double time_offset = 0;

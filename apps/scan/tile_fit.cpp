@@ -153,7 +153,7 @@ class TileRun {
     const bool elsewhere = tiles_.ranks != nullptr && tiles_.ranks->rank() != 0;
     made_.partial = !tiles_.range.empty() || elsewhere;
     const bool oriented = fit.frame().with_normals || !job_.params.orient;
-    const bool faces = job_.params.has_viewpoint || fit.frame().sensor;
+    const bool faces = job_.params.viewpoint || fit.frame().sensor;
     writes_ = writer_ != nullptr && !made_.partial && (oriented || faces);
     if (Error error = keepCoarse(fit)) return error;
     const auto take = [&](std::size_t t, const SLIMSurface& tile) { return keep(fit, t, tile); };

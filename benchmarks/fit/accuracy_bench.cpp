@@ -18,7 +18,7 @@ using namespace pcl_slim;
 struct Settings {
   std::string shape = "sphere,torus,bumpy,relief", noise = "0,0.0001,0.001,0.005";
   std::string degree = "4", normals = "0,1", t_mdl = "0", points = "100000", vectors = "best";
-  double penalty = FitParams().penalty, lambda = 0, alpha = FitParams().cover_radius;
+  double penalty = 0, lambda = 0, alpha = 0;
   double normal_noise = 0.05;
   int threads = 0, seed = 7;
   bool float_input = false, paper = false, by_degree = false, convergence = false,
@@ -90,11 +90,11 @@ measure(const Settings& s, const Row& row, int degree)
   FitParams params;
   params.trim = false;
   params.degree = degree;
-  params.t_mdl = row.t_mdl;
-  params.penalty = s.penalty;
-  params.lambda = s.lambda;
+  params.size = PenaltyWeight{unlessZero(s.penalty)};
+  if (row.t_mdl > 0) params.size = MDLThreshold{row.t_mdl};
+  params.lambda = unlessZero(s.lambda);
   params.threads = s.threads;
-  params.cover_radius = s.alpha;
+  params.cover_radius = unlessZero(s.alpha);
   params.paper_mode = s.paper;
   params.normals_as_data = row.normals && s.normals_as_data;
   return measure::measureAccuracy(row.shape, *row.scene, params, row.normals, s.float_input);

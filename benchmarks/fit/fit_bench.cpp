@@ -145,7 +145,7 @@ measureRow(const Row& row, int repeats, const measure::Scene& scene, const std::
 {
   FitParams params;
   params.degree = row.degree;
-  params.t_mdl = row.t_mdl;
+  if (row.t_mdl > 0) params.size = MDLThreshold{row.t_mdl};
   params.threads = row.threads;
   Timing timing;
   for (int repeat = 0; repeat < repeats; ++repeat) {

@@ -21,7 +21,8 @@ struct Settings {
   std::string surface = "ellipsoid,bumpy,box,wtorus", noise = "0,0.0001,0.001,0.005";
   std::string points = "100000", vectors = "best";
   double normal_noise = 0.05;
-  int seed = 7, seeds = 1, cells = 1500;
+  double lambda = 0;
+  int degree = 0, seed = 7, seeds = 1, cells = 1500;
   FitParams fit;
   bool normals = true, turned = false, unfiltered = false;
   CrestParams params;
@@ -56,8 +57,8 @@ declareOptions(Settings& s)
   options.toggle("normals", &s.normals, "give normals");
   options.integer("seed", &s.seed, 0, 1000000, "first seed of the scenes");
   options.integer("seeds", &s.seeds, 1, 1000, "scenes a row; figures are means");
-  options.integer("degree", &s.fit.degree, 1, 4, "degree of the polynomials");
-  options.number("lambda", &s.fit.lambda, 0, 1,
+  options.integer("degree", &s.degree, 1, 4, "degree of the polynomials");
+  options.number("lambda", &s.lambda, 0, 1,
                  "noise variance to fit for, as a share of the squared diagonal; 0: estimated");
   options.integer("cells", &s.cells, 50, 10000, "cells a side of the grid that finds exact lines");
   options.number("step", &s.params.step, 0.02, 0.5, "step along lines, in radii");
@@ -246,6 +247,8 @@ main(int argc, char** argv)
   s.fit.trim = false;
   OptionTable options = declareOptions(s);
   if (const auto status = options.parse(argc, argv)) return *status;
+  s.fit.degree = unlessZero(s.degree);
+  s.fit.lambda = unlessZero(s.lambda);
   Error error = measure::chooseVectors(s.vectors);
   if (!error) error = printTable(s);
   if (error) {

@@ -182,7 +182,7 @@ smoothAsPaper(const Task& task, MeshSmoothParams params)
   if (Error error = smooth(task, "SLIM, -paper 1", params)) return error;
   Sweep sweep(task, "SLIM, -paper 1, any T");
   for (const double t : {0.005, 0.01, 0.02, 0.03, 0.04, 0.06, 0.08, 0.1, 0.15, 0.2, 0.4}) {
-    params.fit.t_mdl = t;
+    params.fit.size = MDLThreshold{t};
     char setting[24];
     std::snprintf(setting, sizeof(setting), "T %g", t);
     if (Error error = smooth(task.pair, params, setting, sweep)) return error;

@@ -81,7 +81,7 @@ ballsByLevel(const StudySettings& settings)
   FitParams params;
   params.paper_mode = true;
   params.degree = 2;
-  params.t_mdl = 0.01;
+  params.size = MDLThreshold{0.01};
   params.threads = settings.threads;
   const auto fitted = fitModel(*model, params);
   if (!fitted) return fitted.error();

@@ -45,7 +45,7 @@ costOfRays(const StudySettings& settings)
     for (const int limit : {2000, 6000, 20000}) {
       FitParams params;
       params.degree = degree;
-      params.max_surfels = static_cast<std::uint64_t>(limit);
+      params.size = MaxSurfels{static_cast<std::uint64_t>(limit)};
       params.threads = settings.threads;
       const auto fitted = fitModel(*model, params);
       if (!fitted) return fitted.error();

@@ -258,7 +258,7 @@ addLeaves(const Model& model, double t_mdl, const StudySettings& settings, Table
   params.degree = kDegree;
   params.threads = settings.threads;
   params.paper_mode = t_mdl > 0;
-  params.t_mdl = t_mdl;
+  if (t_mdl > 0) params.size = MDLThreshold{t_mdl};
   const auto fitted = fitModel(model, params);
   if (!fitted) return fitted.error();
   const auto leaves = fitted->surface.leaves();

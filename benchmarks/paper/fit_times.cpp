@@ -74,7 +74,7 @@ fitTimes(const StudySettings& settings)
     FitParams params;
     params.paper_mode = true;
     params.degree = row.degree;
-    params.t_mdl = row.t_mdl;
+    params.size = MDLThreshold{row.t_mdl};
     params.threads = settings.threads;
     const auto fitted = fitModel(*model, params);
     if (!fitted) return fitted.error();

@@ -37,7 +37,7 @@ paperFit(const StudySettings& settings, const char* file, double threshold)
   FitParams params;
   params.paper_mode = true;
   params.degree = 2;
-  params.t_mdl = threshold;
+  params.size = MDLThreshold{threshold};
   params.threads = settings.threads;
   return fitModel(*model, params);
 }

@@ -78,7 +78,7 @@ parabolicLines(const StudySettings& settings)
   for (int degree = 1; degree <= 4; ++degree) {
     FitParams params;
     params.degree = degree;
-    params.max_surfels = static_cast<std::uint64_t>(kFloats / floatsOf(degree));
+    params.size = MaxSurfels{static_cast<std::uint64_t>(kFloats / floatsOf(degree))};
     params.threads = settings.threads;
     const auto fitted = fitModel(model, params);
     if (!fitted) return fitted.error();

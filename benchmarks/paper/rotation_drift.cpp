@@ -94,8 +94,8 @@ rotationDrift(const StudySettings& settings)
     for (const int degree : {2, 3, 0}) {
       FitParams params;
       params.paper_mode = degree != 0;
-      params.degree = degree;
-      params.t_mdl = degree != 0 ? 0.01 : 0;
+      params.degree = unlessZero(degree);
+      if (degree != 0) params.size = MDLThreshold{0.01};
       params.threads = settings.threads;
       const auto a = fitModel(*model, params), b = fitModel(other, params);
       if (!a) return a.error();

@@ -26,7 +26,7 @@ sweepModel(const Model& model, int degree, bool paper, int threads, LeafSweep& s
     params.threads = threads;
     params.paper_mode = paper;
     if (paper)
-      params.t_mdl = value;
+      params.size = MDLThreshold{value};
     else
       params.lambda = value * value;
     const auto fitted = fitModel(model, params);

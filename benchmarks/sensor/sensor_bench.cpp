@@ -70,11 +70,12 @@ paramsOf(const Settings& s, const measure::SensorScan& scan)
   FitParams params;
   params.threads = s.threads;
   params.local_noise = s.local_noise;
-  params.lambda = s.lambda;
-  params.noise_correlation = s.correlation;
-  params.has_noise_model = params.has_viewpoint = s.range_error > 0;
-  params.noise_model[0] = s.range_error;
-  for (std::size_t a = 0; a < 3; ++a) params.viewpoint[a] = scan.sensor[a];
+  params.lambda = unlessZero(s.lambda);
+  params.noise_correlation = unlessZero(s.correlation);
+  if (s.range_error > 0) {
+    params.noise_model = {{s.range_error, 0, 0}};
+    params.viewpoint = scan.sensor;
+  }
   return params;
 }
 

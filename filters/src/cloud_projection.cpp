@@ -220,7 +220,7 @@ CloudProjection::measure(const PointStore& store, std::size_t first)
 std::optional<std::array<double, 3>>
 CloudProjection::eyeOf(std::size_t input) const
 {
-  if (params_.has_viewpoint) return params_.viewpoint;
+  if (params_.viewpoint) return params_.viewpoint;
   if (cloud_.sensors) return cloud_.sensorPosition(input);
   return cloud_.sensor;
 }
@@ -250,7 +250,7 @@ CloudProjection::side(std::size_t i, const ProjectedPoint& point) const
       range_sq += ray * ray;
     }
     // The surface faces the points' sensors as a whole; a grazing beam says less than it does.
-    const bool own = !params_.has_viewpoint && cloud_.sensors;
+    const bool own = !params_.viewpoint && cloud_.sensors;
     if (own && along > -kClearBeam * std::sqrt(range_sq)) along = 0.0;
   }
   return along < 0.0 ? -1.0f : 1.0f;

@@ -98,9 +98,9 @@ pclNormals(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud,
   if (Error error = checkCloud(*cloud, neighbours)) return error;
   const std::size_t count = selected ? selected->size() : cloud->size();
   Eigen::Vector4f viewpoint = Eigen::Vector4f::Zero();
-  if (params.has_viewpoint) {
+  if (params.viewpoint) {
     for (int a = 0; a < 3; ++a)
-      viewpoint[a] = static_cast<float>(params.viewpoint[static_cast<std::size_t>(a)]);
+      viewpoint[a] = static_cast<float>((*params.viewpoint)[static_cast<std::size_t>(a)]);
   } else if (cloud->sensor_origin_.head<3>().allFinite()) {
     viewpoint = cloud->sensor_origin_;
   }

@@ -5,6 +5,8 @@
 #include <pcl/console/print.h>
 
 #include <algorithm>
+#include <array>
+#include <tuple>
 
 #include "input_types.h"
 #include "pcl_slim/filters/impl/slim_fit.hpp"
@@ -15,38 +17,28 @@ namespace pcl_slim {
 void
 SLIMFitBase::setViewPoint(double x, double y, double z)
 {
-  params_.has_viewpoint = true;
-  params_.viewpoint[0] = x;
-  params_.viewpoint[1] = y;
-  params_.viewpoint[2] = z;
+  params_.viewpoint = std::array<double, 3>{x, y, z};
 }
 
 bool
 SLIMFitBase::getViewPoint(double& x, double& y, double& z) const
 {
-  if (!params_.has_viewpoint) return false;
-  x = params_.viewpoint[0];
-  y = params_.viewpoint[1];
-  z = params_.viewpoint[2];
+  if (!params_.viewpoint) return false;
+  std::tie(x, y, z) = std::tuple_cat(*params_.viewpoint);
   return true;
 }
 
 void
 SLIMFitBase::setNoiseModel(double a, double b, double c)
 {
-  params_.has_noise_model = true;
-  params_.noise_model[0] = a;
-  params_.noise_model[1] = b;
-  params_.noise_model[2] = c;
+  params_.noise_model = std::array<double, 3>{a, b, c};
 }
 
 bool
 SLIMFitBase::getNoiseModel(double& a, double& b, double& c) const
 {
-  if (!params_.has_noise_model) return false;
-  a = params_.noise_model[0];
-  b = params_.noise_model[1];
-  c = params_.noise_model[2];
+  if (!params_.noise_model) return false;
+  std::tie(a, b, c) = std::tuple_cat(*params_.noise_model);
   return true;
 }
 

@@ -58,8 +58,7 @@ SLIMProjectionBase::projectionOn(const SLIMSurface& surface, const ProjectionPar
   how.projection = params;
   how.projection.sharp_features = params_.sharp_features;
   how.projection.paper_mode = surface.info.paper_mode;
-  how.has_viewpoint = params_.has_viewpoint;
-  for (std::size_t a = 0; a < 3; ++a) how.viewpoint[a] = params_.viewpoint[a];
+  how.viewpoint = params_.viewpoint;
   return how;
 }
 

@@ -174,7 +174,7 @@ TEST(MlsDoor, DetailFinerThanTheSearchRadiusGoes)
     if (!surface.isLeaf(i)) continue;
     ASSERT_GE(surface.radius[i] * surface.info.scale, 0.999 * 0.197);
   }
-  EXPECT_EQ(slim.getParams().least_radius, 0.0) << "the parameter set is the user's";
+  EXPECT_FALSE(slim.getParams().least_radius) << "the parameter set is the user's";
 }
 
 TEST(MlsDoor, CurvatureIsWhatIsAskedFor)

@@ -124,9 +124,9 @@ bool
 SLIMSmootherBase::smooth(const CloudView& points, bool curvature, CloudProjection& projection)
 {
   const FitParams own = params_;
-  const int degree = own.resolved().degree;
+  const int degree = *own.resolved().degree;
   const double radii = degree < 4 ? kRadiiOfCubic : kRadiiOfQuartic;
-  params_.least_radius = std::max(own.least_radius, radii * search_radius_);
+  params_.least_radius = unlessZero(std::max(own.least_radius.value_or(0), radii * search_radius_));
   ProjectionParams params;
   params.curvature = curvature;
   const bool done = project(points, points, params, projection);

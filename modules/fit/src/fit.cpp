@@ -162,8 +162,8 @@ solveCount(FactorSearch& search, double most, double& factor)
                       std::log(1 - search.constants().count_tolerance), 0.0, goal, factor);
 }
 
-/** \brief Multiplies the noise variance settings.energy.lambda by FitParams::noise_factor, or by the factor
- * that meets FitParams::target_error or max_surfels; without any of these it stays.
+/** \brief Multiplies the noise variance settings.energy.lambda by a NoiseFactor, or by the factor that meets
+ * a TargetError or MaxSurfels; with another SizeRule it stays.
  *
  * The error a user allows is treated as if it were noise: covers are run while the factor is moved by secant
  * steps in log-log until the RMS residual meets the target within 3 %, or the leaves number at most
@@ -175,16 +175,17 @@ Error
 applyNoiseFactor(const PointStore& store, const FitParams& params, FitSettings& settings,
                  int threads, Progress* progress, double& factor)
 {
-  factor = params.noise_factor;
-  if (factor == 0 && params.target_error == 0 && params.max_surfels == 0) return {};
+  const auto* given = std::get_if<NoiseFactor>(&params.size);
+  const auto* target = std::get_if<TargetError>(&params.size);
+  const auto* most = std::get_if<MaxSurfels>(&params.size);
+  factor = given ? given->factor : 0;
+  if (!given && !target && !most) return {};
   const double noise =
       std::max(settings.energy.lambda, settings.constants.penalty_search.least_variance);
   FactorSearch search(store, settings, noise, threads, progress);
   Error error;
-  if (params.max_surfels > 0)
-    error = solveCount(search, static_cast<double>(params.max_surfels), factor);
-  else if (params.target_error > 0)
-    error = solveError(search, params.target_error, factor);
+  if (most) error = solveCount(search, static_cast<double>(most->leaves), factor);
+  if (target) error = solveError(search, target->rms, factor);
   search.apply(factor);
   return error;
 }
@@ -194,9 +195,7 @@ applyNoiseFactor(const PointStore& store, const FitParams& params, FitSettings& 
 FitParams
 facingSensor(const PointStore& store, FitParams params)
 {
-  if (params.has_viewpoint || store.hasSensors() || !store.sensor()) return params;
-  params.has_viewpoint = true;
-  std::copy(store.sensor()->begin(), store.sensor()->end(), params.viewpoint);
+  if (!params.viewpoint && !store.hasSensors()) params.viewpoint = store.sensor();
   return params;
 }
 
@@ -284,7 +283,7 @@ fitStore(const FitConstants& constants, SidedStore& sided, const FitParams& aske
   FitParams usable = asked;
   usable.sharp_features = asked.sharp_features && all.hasNormals();
   const FitParams params = facingSensor(all, resolvedParams(usable, constants.preset));
-  if (params.has_noise_model && !params.has_viewpoint && !all.hasSensors()) {
+  if (params.noise_model && !params.viewpoint && !all.hasSensors()) {
     return {ErrorCode::kBadArgument,
             "a noise model tells errors along rays: give the viewpoint that they come from"};
   }

@@ -17,7 +17,7 @@ constexpr double kMostHole = 50.0;  ///< spacings: wider ones are never closed, 
 constexpr double kMostNormalError = 1.5707963267948966;  ///< pi/2: normals that tell nothing
 
 Error
-badNoise(const char* text)
+bad(const char* text)
 {
   return {ErrorCode::kBadArgument, text};
 }
@@ -26,20 +26,45 @@ badNoise(const char* text)
 Error
 validateNoise(const FitParams& params)
 {
-  const double tau = params.noise_correlation;
-  if (!(tau == 0 || tau >= 1) || !std::isfinite(tau))
-    return badNoise("1 point or more share their errors (0: told by the data)");
-  if (tau > 1 && (params.t_mdl > 0 || params.paper_mode))
-    return badNoise("T_MDL and the paper's choices leave no room for shared errors: drop one");
-  if (!params.has_noise_model) return {};
-  const double* model = params.noise_model;
+  const double tau = params.noise_correlation.value_or(1);
+  if (!(tau >= 1) || !std::isfinite(tau))
+    return bad("1 point or more share their errors (0: told by the data)");
+  if (tau > 1 && (params.hasThreshold() || params.paper_mode))
+    return bad("T_MDL and the paper's choices leave no room for shared errors: drop one");
+  if (!params.noise_model) return {};
+  const auto& [a, b, c] = *params.noise_model;
   const auto valid = [](double value) { return value >= 0 && std::isfinite(value); };
-  if (!std::all_of(model, model + 3, valid) || !(model[0] + model[1] + model[2] > 0))
-    return badNoise("the noise model's a, b, c must not be negative nor all 0");
-  if (params.lambda > 0 || params.local_noise == true || params.t_mdl > 0 || params.paper_mode)
-    return badNoise(
+  if (!valid(a) || !valid(b) || !valid(c) || !(a + b + c > 0))
+    return bad("the noise model's a, b, c must not be negative nor all 0");
+  if (params.lambda || params.local_noise == true || params.hasThreshold() || params.paper_mode)
+    return bad(
         "a noise model stands in place of lambda, local noise, T_MDL and the paper's choices: give "
         "one");
+  return {};
+}
+
+bool
+isPositive(double value)
+{
+  return value > 0 && std::isfinite(value);
+}
+
+Error
+validateSize(const SizeRule& size)
+{
+  if (const auto* penalty = std::get_if<PenaltyWeight>(&size)) {
+    if (!isPositive(penalty->kappa.value_or(1)))
+      return bad("the penalty kappa must be positive (0: by the other parameters)");
+  } else if (const auto* threshold = std::get_if<MDLThreshold>(&size)) {
+    if (!isPositive(threshold->t)) return bad("T_MDL must be positive (0: unused)");
+  } else if (const auto* target = std::get_if<TargetError>(&size)) {
+    if (!(target->rms > 0 && target->rms <= 1))
+      return bad("the target error is a share of the diagonal: 0 to 1");
+  } else if (const auto* most = std::get_if<MaxSurfels>(&size)) {
+    if (most->leaves == 0) return bad("a surface has one surfel or more: raise their number");
+  } else if (!isPositive(std::get<NoiseFactor>(size).factor)) {
+    return bad("the noise factor must be positive (0: unused)");
+  }
   return {};
 }
 
@@ -48,41 +73,21 @@ validateNoise(const FitParams& params)
 Error
 FitParams::validate() const
 {
-  const auto bad = [](const char* text) { return Error{ErrorCode::kBadArgument, text}; };
-  if (degree < 0 || degree > kMaxDegree) {
+  if (degree && (*degree < 1 || *degree > kMaxDegree))
     return bad("the polynomial degree must be 1, 2, 3 or 4 (0: by the other parameters)");
-  }
-  if (!(penalty >= 0) || !std::isfinite(penalty)) {
-    return bad("the penalty kappa must be positive (0: by the other parameters)");
-  }
-  if (!(t_mdl >= 0) || !std::isfinite(t_mdl)) return bad("T_MDL must be positive (0: unused)");
-  if (!(target_error >= 0 && target_error <= 1))
-    return bad("the target error is a share of the diagonal: 0 to 1");
-  if (!(lambda >= 0) || !std::isfinite(lambda)) return bad("lambda must not be negative");
-  if (!(cover_radius >= 0 && cover_radius <= 1))
+  if (Error error = validateSize(size)) return error;
+  if (!isPositive(lambda.value_or(1))) return bad("lambda must be positive (0: estimated)");
+  if (cover_radius && !(*cover_radius > 0 && *cover_radius <= 1))
     return bad("the cover radius alpha must lie in (0, 1] (0: by the points behind a leaf)");
   if (!(cover_threshold > 0 && cover_threshold <= 1))
     return bad("the cover threshold gamma must lie in (0, 1]");
-  if (!(least_radius >= 0) || !std::isfinite(least_radius))
+  if (!isPositive(least_radius.value_or(1)))
     return bad("the least radius of balls must not be negative (0: none)");
-  if (target_error > 0 && max_surfels > 0)
-    return bad("give a target error or a number of surfels, not both");
-  if (!(noise_factor >= 0) || !std::isfinite(noise_factor))
-    return bad("the noise factor must be positive (0: unused)");
-  if (noise_factor > 0 && (target_error > 0 || max_surfels > 0 || t_mdl > 0)) {
-    return bad(
-        "a target error or number of surfels solves for the noise factor, and T_MDL has none: give "
-        "one");
-  }
-  if (t_mdl > 0 && (target_error > 0 || max_surfels > 0)) {
-    return bad(
-        "T_MDL is a penalty: a target error or number of surfels would replace it, give one");
-  }
-  if (!(normal_error >= 0 && normal_error <= kMostNormalError))
+  if (normal_error && !(*normal_error > 0 && *normal_error <= kMostNormalError))
     return bad("the normals' error lies between 0 and pi/2 radians (0: measured)");
-  if (normal_error > 0 && !normals_as_data)
+  if (normal_error && !normals_as_data)
     return bad("an error of normals matters where they are data: ask for that too, or leave it");
-  if (normals_as_data && (t_mdl > 0 || paper_mode)) {
+  if (normals_as_data && (hasThreshold() || paper_mode)) {
     return bad(
         "normals as data are weighed against the noise, which T_MDL and the paper's mode leave "
         "open: drop one");
@@ -92,9 +97,8 @@ FitParams::validate() const
     return bad("the smallest hole's size must be 2 to 50 spacings of the points");
   if (Error error = validateNoise(*this)) return error;
   const auto finite = [](double value) { return std::isfinite(value); };
-  if (has_viewpoint && !std::all_of(viewpoint, viewpoint + 3, finite)) {
+  if (viewpoint && !std::all_of(viewpoint->begin(), viewpoint->end(), finite))
     return bad("the viewpoint must be finite");
-  }
   return {};
 }
 

@@ -15,7 +15,7 @@ namespace {
 bool
 measuresResiduals(const FitParams& params)
 {
-  return !(params.lambda > 0) && !params.paper_mode && !(params.t_mdl > 0);
+  return !params.lambda && !params.paper_mode && !params.hasThreshold();
 }
 
 /** The noise level by the residual estimate, measured where something asks for it, and then once. */
@@ -40,10 +40,10 @@ class ResidualNoise {
  private:
   NoiseLevel measure() const
   {
-    const double given = params_.noise_correlation;
-    if (given > 1) return measureSharedNoise(store_, given, constants_, threads_);
+    const std::optional<double> given = params_.noise_correlation;
+    if (given > 1) return measureSharedNoise(store_, *given, constants_, threads_);
     const NoiseLevel white = measureNoise(store_, constants_, threads_);
-    return measuresResiduals(params_) && given == 0
+    return measuresResiduals(params_) && !given
                ? recognizeSharedNoise(store_, white, constants_, threads_)
                : white;
   }
@@ -64,12 +64,13 @@ modelProfile(const PointStore& store, const FitParams& params, const NoiseConsta
 {
   RangeError error;
   const double scale = store.scale();
-  error.own_sensors = store.hasSensors() && !params.has_viewpoint;
-  for (std::size_t a = 0; a < 3; ++a)
-    error.sensor[a] = (params.viewpoint[a] - store.origin()[a]) / scale;
-  error.a = params.noise_model[0] / scale;
-  error.b = params.noise_model[1];
-  error.c = params.noise_model[2] * scale;
+  error.own_sensors = store.hasSensors() && !params.viewpoint;
+  for (std::size_t a = 0; a < 3 && params.viewpoint; ++a)
+    error.sensor[a] = ((*params.viewpoint)[a] - store.origin()[a]) / scale;
+  const auto& [a, b, c] = *params.noise_model;
+  error.a = a / scale;
+  error.b = b;
+  error.c = c * scale;
   return modelledNoise(store, error, constants, threads);
 }
 
@@ -94,7 +95,7 @@ noiseVariance(const PointStore& store, const FitParams& params, const NoiseConst
               int threads, ResidualNoise& residual)
 {
   const double diagonal = store.diagonal();
-  if (params.lambda > 0) return params.lambda * diagonal * diagonal;
+  if (params.lambda) return *params.lambda * diagonal * diagonal;
   return measuresResiduals(params) ? residual.level().variance
                                    : measurePaperNoise(store, constants, threads).variance;
 }
@@ -106,7 +107,7 @@ measureProfile(const PointStore& store, const FitParams& params, int threads,
 {
   const NoiseConstants& constants = settings.constants.noise;
   const bool shared = settings.energy.correlation > 1;
-  if (params.has_noise_model) {
+  if (params.noise_model) {
     takeVariances(modelProfile(store, params, constants, threads), settings);
   } else if (params.local_noise == false) {
     return;
@@ -123,14 +124,14 @@ measureNoiseSettings(const PointStore& store, const FitParams& params, int threa
 {
   const NoiseConstants& constants = settings.constants.noise;
   ResidualNoise residual(store, params, constants, threads, stats);
-  if (!params.has_noise_model)
+  if (!params.noise_model)
     settings.energy.lambda = noiseVariance(store, params, constants, threads, residual);
   if (measuresResiduals(params)) settings.energy.correlation = residual.level().dependence;
-  if (params.noise_correlation > 0) settings.energy.correlation = params.noise_correlation;
+  if (params.noise_correlation) settings.energy.correlation = *params.noise_correlation;
   measureProfile(store, params, threads, residual, settings);
   // The paper's lambda, which T goes with, holds the surface's bend too; the smallest balls follow
   // it.
-  if (params.t_mdl <= 0 && !params.paper_mode) settings.noise = settings.energy.lambda;
+  if (!params.hasThreshold() && !params.paper_mode) settings.noise = settings.energy.lambda;
   stats.noise_patches += settings.noise_profile.size();
   stats.noise_correlation = settings.energy.correlation;
   stats.noise_varies = !settings.noise_profile.empty();
@@ -152,8 +153,8 @@ measureNormalSettings(const PointStore& store, const FitParams& params, int thre
     return {ErrorCode::kBadInput,
             "the points have no normals to take as data: give some, or leave it"};
   }
-  settings.normal_error = params.normal_error;
-  if (params.normal_error == 0) {
+  settings.normal_error = params.normal_error.value_or(0);
+  if (!params.normal_error) {
     const NormalErrorConstants& constants = settings.constants.normal_error;
     const NormalError measured = measureNormalError(store, constants, threads);
     const bool independent = measured.independent(constants);

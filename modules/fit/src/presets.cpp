@@ -25,7 +25,7 @@ withGivenT(FitSettings settings)
 FitSettings
 presetOf(const FitParams& params, const FitConstants& constants)
 {
-  const bool given_t = params.t_mdl > 0;
+  const bool given_t = params.hasThreshold();
   if (params.paper_mode) return given_t ? paperGivenTPreset(constants) : paperPreset(constants);
   return given_t ? givenTPreset(constants) : defaultPreset(constants);
 }
@@ -85,13 +85,20 @@ sharpPreset(FitSettings preset)
   return preset;
 }
 
+double
+defaultKappa(const FitParams& params, const PresetConstants& constants)
+{
+  return params.sharp_features ? constants.sharp_kappa : constants.kappa;
+}
+
 FitParams
 resolvedParams(const FitParams& params, const PresetConstants& constants)
 {
   FitParams settled = params;
   const bool sharp = params.sharp_features;
-  if (params.degree == 0) settled.degree = sharp ? constants.sharp_degree : constants.degree;
-  if (params.penalty == 0) settled.penalty = sharp ? constants.sharp_kappa : constants.kappa;
+  if (!params.degree) settled.degree = sharp ? constants.sharp_degree : constants.degree;
+  if (auto* penalty = std::get_if<PenaltyWeight>(&settled.size); penalty && !penalty->kappa)
+    penalty->kappa = defaultKappa(params, constants);
   return settled;
 }
 
@@ -100,24 +107,24 @@ makeSettings(const PointStore& store, const FitParams& params, const FitConstant
 {
   FitSettings s = presetOf(params, constants);
   if (params.sharp_features) s = sharpPreset(std::move(s));
-  s.degree = params.degree;
+  s.degree = *params.degree;
   // A size that is asked for is met by the paper's alpha, which takes fewer leaves.
-  const bool sized = params.target_error > 0 || params.max_surfels > 0 || params.noise_factor > 0;
-  if (sized) s.supported_alpha = s.alpha;
-  if (params.cover_radius > 0) s.alpha = s.supported_alpha = params.cover_radius;
+  const auto* penalty = std::get_if<PenaltyWeight>(&params.size);
+  const auto* threshold = std::get_if<MDLThreshold>(&params.size);
+  if (!penalty && !threshold) s.supported_alpha = s.alpha;
+  if (params.cover_radius) s.alpha = s.supported_alpha = *params.cover_radius;
   s.gamma = params.cover_threshold;
   s.diagonal = store.diagonal();
   s.center_grid = store.centerGrid();
-  s.least_ball = std::min(params.least_radius / store.scale(), s.levelRadius(1));
+  s.least_ball = std::min(params.least_radius.value_or(0) / store.scale(), s.levelRadius(1));
   s.with_normals = store.hasSides();
   s.min_dot = minDot(store, params, constants);
   s.split_sheets = !store.hasNormals() && !params.paper_mode;
   s.skip_lone_normals = s.skip_lone_normals && store.hasNormals();
   s.robust = params.robust;
   s.seed = params.seed;
-  s.energy.kappa = params.penalty;
-  const double t_mdl =
-      params.paper_mode && params.t_mdl <= 0 ? constants.preset.paper_t : params.t_mdl;
+  s.energy.kappa = penalty ? *penalty->kappa : defaultKappa(params, constants.preset);
+  const double t_mdl = threshold ? threshold->t : params.paper_mode ? constants.preset.paper_t : 0;
   s.energy.t_mdl = t_mdl * store.diagonal();
   return s;
 }

@@ -26,6 +26,10 @@ paperGivenTPreset(const FitConstants& constants);
 FitSettings
 sharpPreset(FitSettings preset);
 
+/** \brief The penalty kappa where none is given. */
+double
+defaultKappa(const FitParams& params, const PresetConstants& constants);
+
 /** \brief A user's parameters with degree and penalty settled. */
 FitParams
 resolvedParams(const FitParams& params, const PresetConstants& constants);

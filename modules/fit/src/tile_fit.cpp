@@ -65,7 +65,7 @@ takeTraits(const CloudTraits& traits, const FitParams& params, FitSettings& sett
   settings.normal_error = traits.normal_error;
   settings.energy.lambda = traits.lambda;
   settings.energy.correlation = traits.dependence;
-  if (params.t_mdl <= 0) settings.noise = traits.lambda;
+  if (!params.hasThreshold()) settings.noise = traits.lambda;
 }
 
 void
@@ -108,10 +108,11 @@ LevelRadii::reach(int level) const
 LevelRadii
 levelRadii(const StoreFrame& frame, const FitParams& params)
 {
-  FitSettings settings = params.t_mdl > 0 ? givenTPreset({}) : defaultPreset({});
+  FitSettings settings = params.hasThreshold() ? givenTPreset({}) : defaultPreset({});
   settings.diagonal = frame.diagonal;
   settings.center_grid = frame.center_grid;
-  settings.least_ball = std::min(params.least_radius / frame.scale, settings.levelRadius(1));
+  settings.least_ball =
+      std::min(params.least_radius.value_or(0) / frame.scale, settings.levelRadius(1));
   LevelRadii radii{settings.levelRadius(1), kGolden, 1};
   const int last = settings.constants.cover.last_start;
   while (radii.last < last && settings.resolves(radii.last + 1) && settings.allows(radii.last + 1))
@@ -156,10 +157,13 @@ checkTileParams(const FitParams& params)
     return no("the paper's mode",
               "its balls start at a tenth of the cloud's "
               "width; fit in memory, or leave it");
-  if (params.target_error > 0) return no("a target error", "give a penalty, or fit in memory");
-  if (params.max_surfels > 0) return no("a number of surfels", "give a penalty, or fit in memory");
-  if (params.noise_factor > 0) return no("a noise factor", "give a penalty, or fit in memory");
-  if (params.has_noise_model) return no("a noise model", "give lambda, or fit in memory");
+  if (std::holds_alternative<TargetError>(params.size))
+    return no("a target error", "give a penalty, or fit in memory");
+  if (std::holds_alternative<MaxSurfels>(params.size))
+    return no("a number of surfels", "give a penalty, or fit in memory");
+  if (std::holds_alternative<NoiseFactor>(params.size))
+    return no("a noise factor", "give a penalty, or fit in memory");
+  if (params.noise_model) return no("a noise model", "give lambda, or fit in memory");
   return {};
 }
 
@@ -229,10 +233,7 @@ void
 orientSurfels(const StoreFrame& frame, const FitParams& params, SLIMSurface& surface)
 {
   FitParams facing = params;
-  if (!params.has_viewpoint && frame.sensor) {
-    facing.has_viewpoint = true;
-    std::copy(frame.sensor->begin(), frame.sensor->end(), facing.viewpoint);
-  }
+  if (!params.viewpoint) facing.viewpoint = frame.sensor;
   FitStatistics stats;
   stats.threads = resolveThreads(params.threads);
   orientSurface(nullptr, facing, FitConstants().orient, surface, stats);

@@ -100,11 +100,11 @@ TEST(FitConstants, DecideSidesAndSizes)
                     {{"flux", [](FitConstants& c) { c.orient.flat_flux = 2; }}});
   // No cover of a sphere leaves as much: the largest error decides.
   FitParams sized;
-  sized.target_error = 0.01;
+  sized.size = TargetError{0.01};
   expectEachChanges(
       cloud, sized,
       {{"largest error", [](FitConstants& c) { c.penalty_search.largest_error = 0.005; }}});
-  sized.target_error = 0.003;
+  sized.size = TargetError{0.003};
   expectEachChanges(sceneCloud(Shape::kBumpy, 4000, 0.0005).withoutNormals(), sized,
                     {{"covers", [](FitConstants& c) { c.penalty_search.most_covers = 1; }}});
 }

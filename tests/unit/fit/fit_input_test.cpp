@@ -24,7 +24,7 @@ expectSurvived(const Cloud& cloud)
       FitParams params;
       params.degree = degree;
       params.paper_mode = mode == 1;
-      params.t_mdl = mode == 2 ? 0.01 : 0.0;
+      if (mode == 2) params.size = MDLThreshold{0.01};
       params.robust = mode == 3;
       params.sharp_features = mode == 4;
       Error none;
@@ -203,29 +203,29 @@ TEST(FitInput, RefusesBadParameters)
     params.*member = static_cast<std::decay_t<decltype(params.*member)>>(value);
     expectRefused(params);
   };
-  for (const int degree : {-1, 5, 400}) with(&FitParams::degree, degree);
-  for (const double value : {-1.0, nan, inf}) with(&FitParams::penalty, value);
-  for (const double value : {-0.01, nan, inf}) with(&FitParams::t_mdl, value);
-  for (const double value : {-0.01, 1.5, 3.0, nan, inf}) with(&FitParams::target_error, value);
-  for (const double value : {-0.01, nan, inf}) with(&FitParams::noise_factor, value);
-  for (const double value : {-1e-9, nan, inf}) with(&FitParams::lambda, value);
-  for (const double value : {-0.5, 1.01, nan}) with(&FitParams::cover_radius, value);
+  const auto sized = [](const SizeRule& size) {
+    FitParams params;
+    params.size = size;
+    expectRefused(params);
+  };
+  for (const int degree : {-1, 0, 5, 400}) with(&FitParams::degree, degree);
+  for (const double value : {-1.0, 0.0, nan, inf}) sized(PenaltyWeight{value});
+  for (const double value : {-0.01, 0.0, nan, inf}) sized(MDLThreshold{value});
+  for (const double value : {-0.01, 0.0, 1.5, 3.0, nan, inf}) sized(TargetError{value});
+  for (const double value : {-0.01, 0.0, nan, inf}) sized(NoiseFactor{value});
+  sized(MaxSurfels{0});
+  for (const double value : {-1e-9, 0.0, nan, inf}) with(&FitParams::lambda, value);
+  for (const double value : {-0.5, 0.0, 1.01, nan}) with(&FitParams::cover_radius, value);
   for (const double value : {0.0, -0.1, nan, inf}) with(&FitParams::cover_threshold, value);
-  FitParams two_wishes;
-  two_wishes.max_surfels = 10;
-  two_wishes.target_error = 0.001;
-  expectRefused(two_wishes);
-  two_wishes.t_mdl = 0.01;
-  two_wishes.max_surfels = 0;
-  expectRefused(two_wishes);
+  for (const double value : {-1.0, 0.0, nan, inf}) with(&FitParams::least_radius, value);
+  for (const double value : {-1.0, 0.0, 0.5, nan, inf}) with(&FitParams::noise_correlation, value);
   EXPECT_FALSE(FitParams().validate());
 }
 
 TEST(FitInput, RefusesAViewpointThatIsNowhere)
 {
   FitParams params;
-  params.has_viewpoint = true;
-  params.viewpoint[1] = std::numeric_limits<double>::quiet_NaN();
+  params.viewpoint = {{0, std::numeric_limits<double>::quiet_NaN(), 0}};
   expectRefused(params);
 }
 
@@ -274,7 +274,7 @@ TEST(FitInput, StopsASearchForAPenaltyToo)
 {
   const PointStore store = storeOf(sceneCloud(Shape::kBumpy, 4000, 0.001));
   FitParams params;
-  params.max_surfels = 60;
+  params.size = MaxSurfels{60};
   Progress progress;
   progress.cancel();
   SLIMSurface surface;

@@ -23,7 +23,7 @@ TEST(FitModes, LeavesRiseAsTheThresholdFalls)
       for (const double t : {0.05, 0.02, 0.01, 0.005}) {  // below, support decides
         FitParams params;
         params.degree = degree;
-        params.t_mdl = t;
+        params.size = MDLThreshold{t};
         params.paper_mode = paper;
         const auto f = fitted(cloud, params);
         expectSound(f);
@@ -43,7 +43,7 @@ TEST(FitModes, PaperModeIsAccurateEnough)
   FitParams params;
   params.paper_mode = true;
   params.degree = 2;
-  params.t_mdl = 0.005;
+  params.size = MDLThreshold{0.005};
   const auto f = fitted({scene.points, scene.normals}, params);
   expectSound(f);
   EXPECT_EQ(f.surface.info.blend_kernel, WeightKernel::kGaussian);
@@ -62,7 +62,7 @@ TEST(FitModes, DegreeAndPenaltyLeftOpenAreSettled)
   EXPECT_EQ(sharp.surface.info.degree, 2);
   EXPECT_EQ(sharp.surface.info.penalty, 1.0);
   params.degree = 3;
-  params.penalty = 7.0;
+  params.size = PenaltyWeight{7.0};
   const auto asked = fitted(cloud, params);
   EXPECT_EQ(asked.surface.info.degree, 3);
   EXPECT_EQ(asked.surface.info.penalty, 7.0);
@@ -74,7 +74,7 @@ TEST(FitModes, AHeavierPenaltyGivesFewerLeaves)
   std::uint64_t last = ~0ull;
   for (const double penalty : {1.0, 3.0, 30.0}) {
     FitParams params;
-    params.penalty = penalty;
+    params.size = PenaltyWeight{penalty};
     const auto f = fitted(cloud, params);
     EXPECT_LT(f.statistics.leaves, last) << penalty;
     EXPECT_EQ(f.surface.info.penalty, penalty);

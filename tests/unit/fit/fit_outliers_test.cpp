@@ -68,7 +68,7 @@ TEST(FitOutliers, PaperModeKeepsThem)
   FitParams paper;
   paper.paper_mode = true;
   paper.degree = 2;
-  paper.t_mdl = 0.1;
+  paper.size = MDLThreshold{0.1};
   EXPECT_TRUE(fitted(torusAmongOutliers(0.05), paper).statistics.outlier_points.empty());
 }
 

@@ -343,8 +343,7 @@ TEST(FitSides, ViewpointsAndGivenNormalsWin)
 {
   const Plates plates{3, 0.3};
   FitParams params;
-  params.has_viewpoint = true;
-  params.viewpoint[2] = 1000;
+  params.viewpoint = {{0, 0, 1000}};
   EXPECT_EQ(fitted(plates.cloud(), params).statistics.sided, 0u);
   Cloud cloud = plates.cloud();
   for (std::size_t i = 0; i < cloud.size(); ++i) {

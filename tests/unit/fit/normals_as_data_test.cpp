@@ -206,7 +206,7 @@ TEST(NormalsAsData, AsksForWhatMakesSense)
   EXPECT_EQ(messageOf(cloud, params), "");
   EXPECT_NE(messageOf(cloud.withoutNormals(), params).find("no normals"), std::string::npos);
   FitParams with_t = params, paper = params, stray, wild = params;
-  with_t.t_mdl = 0.01;
+  with_t.size = MDLThreshold{0.01};
   paper.paper_mode = true;
   stray.normal_error = 0.1;
   wild.normal_error = 2.0;

@@ -23,7 +23,7 @@ TEST(Penalty, ReachesATargetError)
       if (!normals) cloud = cloud.withoutNormals();
       for (const double target : {0.0004, 0.0006}) {
         FitParams params;
-        params.target_error = target;
+        params.size = TargetError{target};
         const auto f = fitted(cloud, params);
         expectSound(f);
         EXPECT_NEAR(f.statistics.rms_error / target, 1.0, 0.05)
@@ -37,7 +37,7 @@ TEST(Penalty, ATargetBeyondTheLargestBallsIsMetByThem)
 {
   const Cloud cloud = sceneCloud(Shape::kBumpy, 10000, 0.0);
   FitParams params;
-  params.target_error = 0.1;
+  params.size = TargetError{0.1};
   const auto f = fitted(cloud, params);
   expectSound(f);
   EXPECT_LT(f.statistics.rms_error, 0.1);
@@ -50,7 +50,7 @@ TEST(Penalty, ALargerTargetNeedsFewerLeaves)
   std::uint64_t last = ~0ull;
   for (const double target : {1e-5, 1e-4, 1e-3}) {
     FitParams params;
-    params.target_error = target;
+    params.size = TargetError{target};
     const auto f = fitted(cloud, params);
     EXPECT_LT(f.statistics.leaves, last) << target;
     last = f.statistics.leaves;
@@ -64,21 +64,21 @@ TEST(Penalty, TheFactorSolvedForRepeatsTheFit)
     for (const bool error : {true, false}) {
       FitParams params;
       if (error)
-        params.target_error = 0.001;
+        params.size = TargetError{0.001};
       else
-        params.max_surfels = fitted(cloud).statistics.leaves / 3;
+        params.size = MaxSurfels{fitted(cloud).statistics.leaves / 3};
       const auto solved = fitted(cloud, params);
       EXPECT_GT(solved.statistics.noise_factor, 1.0);
       char printed[32];
       std::snprintf(printed, sizeof(printed), "%.6g", solved.statistics.noise_factor);
       FitParams again;
-      again.noise_factor = std::strtod(printed, nullptr);
+      again.size = NoiseFactor{std::strtod(printed, nullptr)};
       const auto repeated = fitted(cloud, again);
       EXPECT_EQ(encodeSlim(repeated.surface), encodeSlim(solved.surface)) << printed;
       EXPECT_EQ(repeated.statistics.penalty, solved.statistics.penalty);
       // The penalty alone is another fit: it does not allow larger residuals.
       FitParams penalty;
-      penalty.penalty = solved.statistics.penalty;
+      penalty.size = PenaltyWeight{solved.statistics.penalty};
       EXPECT_NE(encodeSlim(fitted(cloud, penalty).surface), encodeSlim(solved.surface));
     }
   }
@@ -88,7 +88,7 @@ TEST(Penalty, SaysWhenATargetLiesBelowTheNoise)
 {
   const PointStore store = storeOf(sceneCloud(Shape::kBumpy, 8000, 0.002));
   FitParams params;
-  params.target_error = 2e-4;
+  params.size = TargetError{2e-4};
   SLIMSurface surface;
   const Error error = fitSurface(store, params, surface);
   EXPECT_EQ(error.code, ErrorCode::kBadArgument);
@@ -105,14 +105,14 @@ TEST(Penalty, KeepsALimitOnSurfels)
     const std::uint64_t free = fitted(cloud).statistics.leaves;
     for (const std::uint64_t most : {free * 3 / 4, free / 2, free / 4}) {
       FitParams params;
-      params.max_surfels = most;
+      params.size = MaxSurfels{most};
       const auto f = fitted(cloud, params);
       expectSound(f);
       EXPECT_LE(f.statistics.leaves, most);
       EXPECT_GE(f.statistics.leaves, most / 2);
     }
     FitParams params;
-    params.max_surfels = free;
+    params.size = MaxSurfels{free};
     EXPECT_EQ(fitted(cloud, params).statistics.leaves, free);
   }
 }
@@ -121,7 +121,7 @@ TEST(Penalty, SaysWhenALimitIsTooLow)
 {
   const PointStore store = storeOf(sceneCloud(Shape::kBumpy, 4000, 0.0));
   FitParams params;
-  params.max_surfels = 1;
+  params.size = MaxSurfels{1};
   SLIMSurface surface;
   const Error error = fitSurface(store, params, surface);
   EXPECT_EQ(error.code, ErrorCode::kBadArgument);
@@ -133,7 +133,7 @@ TEST(Penalty, SolvedForIsTheSameForAnyNumberOfThreads)
 {
   const PointStore store = storeOf(sceneCloud(Shape::kTorus, 6000, 0.00002));
   FitParams params;
-  params.max_surfels = 500;
+  params.size = MaxSurfels{500};
   SLIMSurface one, four;
   params.threads = 1;
   ASSERT_FALSE(fitSurface(store, params, one));

@@ -25,7 +25,7 @@ settingsOf(const FitParams& params)
 TEST(Presets, AGivenTLeavesFewerReasonsToStop)
 {
   FitParams params;
-  params.t_mdl = 0.02;
+  params.size = MDLThreshold{0.02};
   const FitSettings t = settingsOf(params), plain = settingsOf(FitParams());
   EXPECT_LT(t.lenience, plain.lenience);
   EXPECT_GT(t.lack_of_fit, plain.lack_of_fit);
@@ -53,13 +53,13 @@ TEST(Presets, SharpFeaturesNarrowTheStartAndTheNormalBound)
 
 TEST(Presets, ASurfaceStatesTheFitsOwnPenaltyByDefault)
 {
-  EXPECT_EQ(SurfaceInfo().penalty, FitParams().resolved().penalty);
+  EXPECT_EQ(SurfaceInfo().penalty, std::get<PenaltyWeight>(FitParams().resolved().size).kappa);
 }
 
 TEST(Presets, ATargetOfSurfelsTakesThePapersAlpha)
 {
   FitParams sized;
-  sized.max_surfels = 100;
+  sized.size = MaxSurfels{100};
   const FitSettings few = settingsOf(sized), plain = settingsOf(FitParams());
   EXPECT_EQ(few.supported_alpha, few.alpha);
   EXPECT_LT(plain.supported_alpha, plain.alpha);

@@ -174,8 +174,7 @@ TEST(SensorNoise, AModelStandsInItsPlace)
 {
   const SensorScan scan = scanByLidar(measure::namedSolids("street"), {}, 3);
   FitParams params;
-  params.has_noise_model = true;
-  params.noise_model[0] = 0.02;
+  params.noise_model = {{0.02, 0, 0}};
   Errors errors;
   SLIMSurface surface;
   CloudView view;
@@ -184,8 +183,7 @@ TEST(SensorNoise, AModelStandsInItsPlace)
   view.size = scan.size();
   // Errors along rays need to know where rays come from.
   EXPECT_TRUE(fitSurface(*PointStore::build(view), params, surface));
-  params.has_viewpoint = true;
-  std::copy(scan.sensor.begin(), scan.sensor.end(), params.viewpoint);
+  params.viewpoint = scan.sensor;
   const Errors on = errorsOf(scan, params), off = errorsOf(scan, withoutRecognition());
   EXPECT_TRUE(on.fit.noise_varies);
   EXPECT_LT(on.normal, 0.7 * off.normal);

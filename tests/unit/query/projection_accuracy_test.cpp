@@ -155,7 +155,7 @@ TEST(Projection, FlingsNoPoint)
     for (int mode = 0; mode < 8; ++mode) {
       FitParams params;
       params.robust = mode / 2 == 1;
-      params.t_mdl = mode / 2 >= 2 ? 0.005 : 0.0;
+      if (mode / 2 >= 2) params.size = MDLThreshold{0.005};
       params.paper_mode = mode / 2 == 3;
       params.degree = params.paper_mode ? 2 : 4;
       const auto f =

@@ -56,8 +56,7 @@ TEST(PrincipalFrame, OfASaddleLieAlongItsAxes)
   // z = (x^2 - 3 y^2) / 4: at the middle -1/2 along x and 3/2 along y for the normal +z.
   Cloud cloud = heightField(6000, 3, [](double x, double y) { return (x * x - 3 * y * y) / 4; });
   FitParams params;
-  params.has_viewpoint = true;
-  params.viewpoint[2] = 50;
+  params.viewpoint = {{0, 0, 50}};
   const Fitted f = fitted(cloud, params);
   const Projection p = projected(f.store, f.surface);
   std::size_t tested = 0;

@@ -240,10 +240,10 @@ TEST(StreamFit, RefusesWhatTilesCannotDo)
   params.fit.paper_mode = true;
   refused(params, "by tiles");
   params = smallTiles();
-  params.fit.target_error = 0.01;
+  params.fit.size = TargetError{0.01};
   refused(params, "by tiles");
   params = smallTiles();
-  params.fit.max_surfels = 100;
+  params.fit.size = MaxSurfels{100};
   refused(params, "by tiles");
   params = smallTiles();
   params.tile_points = 5;

@@ -59,7 +59,7 @@ TEST(Links, OfFittedSurfaces)
     FitParams params;
     params.paper_mode = paper;
     params.degree = paper ? 2 : 4;
-    params.t_mdl = paper ? 0.002 : 0.0;
+    if (paper) params.size = MDLThreshold{0.002};
     const auto f =
         pcl_slim_test::fitted(pcl_slim_test::sceneCloud(Shape::kRelief, 6000, 0.0), params);
     ASSERT_GT(f.statistics.internals, 5u);

@@ -48,7 +48,7 @@ TEST(Determinism, OfTheOtherModes)
   local.local_noise = true;
   robust.robust = true;
   sharp.sharp_features = true;
-  threshold.t_mdl = 0.005;
+  threshold.size = MDLThreshold{0.005};
   paper.paper_mode = true;
   compact.cover_radius = 1.0;
   for (const FitParams& params : {robust, local, sharp, threshold, paper, compact}) {

@@ -17,10 +17,8 @@ namespace pcl_slim::detail {
 namespace {
 
 void
-packPixel(const GBuffer& buffer, std::size_t pixel, float scale, PackedFrame& frame)
+packPixel(const GBuffer& buffer, std::size_t pixel, float scale, float* geometry, float* attributes)
 {
-  float* geometry = frame.geometry.data() + 4 * pixel;
-  float* attributes = frame.attributes.data() + 4 * pixel;
   if (!buffer.covered(pixel)) {
     for (int k = 0; k < 4; ++k) geometry[k] = attributes[k] = 0.0f;
     return;
@@ -73,7 +71,8 @@ packFrame(const GBuffer& buffer, double scale, int threads, PackedFrame& frame)
   frame.attributes.resize(4 * pixels);
   frame.colors.assign(colored ? 4 * pixels : 0, 255);
   parallelFor(pixels, threads, 16384, [&](std::size_t pixel, int) {
-    packPixel(buffer, pixel, static_cast<float>(scale), frame);
+    packPixel(buffer, pixel, static_cast<float>(scale), frame.geometry.data() + 4 * pixel,
+              frame.attributes.data() + 4 * pixel);
     for (std::size_t k = 0; colored && k < 3; ++k) {
       frame.colors[4 * pixel + k] =
           static_cast<std::uint8_t>(std::lround(255.0f * buffer.color[pixel][k]));
@@ -133,31 +132,28 @@ FrameTextures::allocate(vtkOpenGLRenderWindow* window, int width, int height, bo
 }
 
 void
-FrameTextures::fill(const GBuffer& buffer, const PackedFrame& packed)
+FrameTextures::fill(const GBuffer& buffer, double scale)
 {
+  std::array<float, 4> geometry{}, attributes{};
   const auto fillOf = [&](vtkTextureObject* texture, const auto& texelOf) {
     texture->Activate();
     for (int y = 0; y < buffer.height; ++y) {
       for (int x = 0; x < buffer.width; ++x) {
         const std::size_t pixel = buffer.index(x, y);
         if (!buffer.covered(pixel)) continue;
-        const std::array<float, 4> texel = texelOf(4 * pixel);
+        packPixel(buffer, pixel, static_cast<float>(scale), geometry.data(), attributes.data());
+        const std::array<float, 4> texel = texelOf(pixel);
         glTexSubImage2D(GL_TEXTURE_2D, 0, x, y, 1, 1, GL_RGBA, GL_FLOAT, texel.data());
       }
     }
     texture->Deactivate();
   };
-  const auto floats = [](const std::vector<float>& from) {
-    return [&from](std::size_t i) {
-      return std::array<float, 4>{from[i], from[i + 1], from[i + 2], from[i + 3]};
-    };
-  };
-  fillOf(geometry_, floats(packed.geometry));
-  fillOf(attributes_, floats(packed.attributes));
+  fillOf(geometry_, [&](std::size_t) { return geometry; });
+  fillOf(attributes_, [&](std::size_t) { return attributes; });
   if (!has_colors_) return;
-  fillOf(colors_, [&](std::size_t i) {
-    const std::uint8_t* c = packed.colors.data() + i;
-    return std::array<float, 4>{c[0] / 255.0f, c[1] / 255.0f, c[2] / 255.0f, 1.0f};
+  fillOf(colors_, [&](std::size_t pixel) {
+    const auto& c = buffer.color[pixel];
+    return std::array<float, 4>{c[0], c[1], c[2], 1.0f};
   });
 }
 

@@ -51,8 +51,9 @@ class FrameTextures {
   /** \brief Makes room for a frame that the graphics card draws, attributes included, and colours where
    * asked for: red, green and blue times a weight, and that weight. */
   void allocate(vtkOpenGLRenderWindow* window, int width, int height, bool with_colors);
-  /** \brief Writes the covered pixels of another frame over one that the graphics card drew. */
-  void fill(const GBuffer& buffer, const PackedFrame& packed);
+  /** \brief Writes the covered pixels of another frame over one that the graphics card drew.
+   * \param[in] scale world units per unit of the buffer */
+  void fill(const GBuffer& buffer, double scale);
   vtkTextureObject* geometry() const { return geometry_; }
   vtkTextureObject* attributes() const { return attributes_; }
   vtkTextureObject* colors() const { return colors_; }

@@ -11,9 +11,10 @@
 #include <vector>
 
 #include "export/leaf_points.h"
+#include "frame/frame_pace.h"
 #include "frame/frame_textures.h"
 #include "opengl/card_rasterizer.h"
-#include "pcl_slim/core/parallel.h"
+#include "pcl_slim/core/stopwatch.h"
 #include "pcl_slim/render/surface_renderer.h"
 #include "pcl_slim/surface/polynomial.h"
 #include "pcl_slim/surface/surface.h"
@@ -30,13 +31,14 @@ class SurfaceFrames {
   explicit SurfaceFrames(const SLIMSurface& surface) : renderer_(surface) {}
 
   Error render(const Camera& camera, const FrameRequest& request, GBuffer& buffer);
-  /** \brief What closes the gaps of a frame that the graphics card drew.
-   * \param[in] met pixels that it covers, rows from the top \param[out] buffer covered in the gaps alone */
-  Error closeGaps(const Camera& camera, const FrameRequest& request,
-                  const std::vector<std::uint8_t>& met, GBuffer& buffer);
+  /** \brief Closes the gaps of a frame that the graphics card drew. \return pixels filled */
+  Result<std::size_t> closeGaps(const Camera& camera, const FrameRequest& request,
+                                const CardRasterizer& card, FrameTextures& textures);
 
  private:
   SurfaceRenderer renderer_;
+  GBuffer gaps_;  ///< covered in the gaps alone; kept, as a frame's memory costs more than its gaps
+  std::vector<float> met_;
 };
 
 namespace {
@@ -65,16 +67,20 @@ SurfaceFrames::render(const Camera& camera, const FrameRequest& request, GBuffer
   return renderer_.render(camera, paramsOf(request), buffer);
 }
 
-Error
+Result<std::size_t>
 SurfaceFrames::closeGaps(const Camera& camera, const FrameRequest& request,
-                         const std::vector<std::uint8_t>& met, GBuffer& buffer)
+                         const CardRasterizer& card, FrameTextures& textures)
 {
   const RenderParams params = paramsOf(request);
-  buffer.resize(camera.size.width, camera.size.height, params.columns);
-  for (std::size_t i = 0; i < met.size(); ++i) {
-    if (met[i]) buffer.surfel[i] = 0;
+  card.readMet(met_);
+  gaps_.reserve(camera.size.width, camera.size.height, params.columns);
+  for (std::size_t i = 0; i < met_.size(); ++i) {
+    gaps_.surfel[i] = met_[i] < CardRasterizer::kNothing ? 0 : GBuffer::kNothing;
   }
-  return renderer_.closeGaps(camera, params, buffer);
+  if (Error error = renderer_.closeGaps(camera, params, gaps_)) return error;
+  const std::size_t filled = gaps_.numCovered();
+  if (filled > 0) textures.fill(gaps_, renderer_.surface().info.scale);
+  return filled;
 }
 
 }  // namespace detail
@@ -167,7 +173,10 @@ surfaceRange(const SLIMSurface& surface, DisplayMode mode)
 
 vtkStandardNewMacro(SLIMMapper)
 
-SLIMMapper::SLIMMapper() = default;
+SLIMMapper::SLIMMapper()
+{
+  forgetPaces();
+}
 SLIMMapper::~SLIMMapper() = default;
 
 bool
@@ -179,11 +188,19 @@ SLIMMapper::setSurface(std::shared_ptr<const SLIMSurface> surface)
   // Another surface may have the place in memory that this one had.
   if (card_) card_->setSurface(nullptr);
   card_fails_ = false;
+  forgetPaces();
   ranges_.clear();
   std::array<double, 6> bounds{};
   const vtkSmartPointer<vtkPolyData> points = leafPoints(surface_.get(), bounds);
   objectChanged(points, bounds);
   return usable;
+}
+
+void
+SLIMMapper::forgetPaces()
+{
+  card_pace_ = std::make_unique<FramePace>();
+  cpu_pace_ = std::make_unique<FramePace>();
 }
 
 bool
@@ -195,7 +212,12 @@ SLIMMapper::supports(DisplayMode mode) const
 Error
 SLIMMapper::rasterize(const Camera& camera, const FrameRequest& request, GBuffer& buffer)
 {
-  if (frames_) return frames_->render(camera, request, buffer);
+  if (frames_) {
+    const Stopwatch watch;
+    Error error = frames_->render(camera, request, buffer);
+    if (request.close_gaps) cpu_pace_->add(watch.seconds(), buffer.numPixels());
+    return error;
+  }
   buffer.resize(camera.size.width, camera.size.height);
   return {};
 }
@@ -289,7 +311,9 @@ bool
 SLIMMapper::usesCard(vtkOpenGLRenderWindow* /*window*/, const FrameRequest& request)
 {
   if (!surface_ || card_fails_ || !request.clip_planes.empty()) return false;
-  if (backend_ == RayBackend::kAuto) return !CardRasterizer::isSoftware();
+  if (backend_ == RayBackend::kAuto) {
+    return !CardRasterizer::isSoftware() && prefersCard(*card_pace_, *cpu_pace_);
+  }
   return backend_ == RayBackend::kOpenGL;
 }
 
@@ -299,19 +323,18 @@ SLIMMapper::drawOnCard(vtkOpenGLRenderWindow* window, const ViewCamera& view,
 {
   if (!card_) card_ = std::make_unique<CardRasterizer>();
   card_->setSurface(surface_.get());
-  Error error = card_->draw(window, view, request, textures, covered);
+  const Stopwatch watch;
+  const Error error = card_->draw(window, view, request, textures, covered);
   card_fails_ = static_cast<bool>(error);
-  if (error || covered == 0 || !request.close_gaps || request.lod > 0.0 || !request.trim) {
-    return error;
+  if (error || covered == 0 || !request.close_gaps) return error;
+  if (request.lod == 0.0 && request.trim) {
+    const Result<std::size_t> filled = frames_->closeGaps(view.camera, request, *card_, textures);
+    if (!filled) return filled.error();
+    covered += *filled;
   }
-  GBuffer gaps;
-  error = frames_->closeGaps(view.camera, request, card_->met(), gaps);
-  const std::size_t filled = error ? 0 : gaps.numCovered();
-  if (filled == 0) return error;
-  PackedFrame packed;
-  packFrame(gaps, lengthScale(), resolveThreads(request.threads), packed);
-  textures.fill(gaps, packed);
-  covered += filled;
+  const ImageSize& size = view.camera.size;
+  card_pace_->add(watch.seconds(),
+                  static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height));
   return {};
 }
 

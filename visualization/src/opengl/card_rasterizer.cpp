@@ -16,12 +16,12 @@
 #include "frame/frame_textures.h"
 #include "opengl/pass_shaders.h"
 #include "pcl_slim/core/vector3.h"
+#include "pcl_slim/render/detail/weight_reach.h"
 
 namespace pcl_slim::detail {
 namespace {
 
-constexpr float kNothing = 3e38f;  ///< depth where no ray has met anything
-constexpr int kMostPeels = 8;      ///< as the CPU lets rays pass
+constexpr int kMostPeels = 8;  ///< as the CPU lets rays pass
 
 float
 single(double x)
@@ -41,7 +41,7 @@ clear(int target, float value)
 /** \brief What the shaders are told of a frame: the rules of FrameRules in float. */
 struct CardRasterizer::FrameValues {
   float eye[3], eye_rest[3], axes[9], screen[4], shift[2];
-  float near_depth, shrink, cover_radius, min_coverage, scale, detail;
+  float near_depth, shrink, reach, cover_radius, min_coverage, scale, detail;
   int front_only, oriented, kernel, degree, trimmed, texels, color_at;
 
   FrameValues(const SLIMSurface& surface, const ViewCamera& view, const FrameRequest& request)
@@ -50,6 +50,7 @@ struct CardRasterizer::FrameValues {
     setCamera(info, view.camera);
     near_depth = single(std::max(0.0, request.near_plane) / info.scale);
     shrink = single(std::clamp(info.cover_radius, 0.05, 0.95));
+    reach = std::max(shrink, weightReach(info.blend_kernel));
     cover_radius = single(std::clamp(info.cover_radius, 0.05, 1.0));
     min_coverage = single(info.cover_threshold);
     scale = single(info.scale);
@@ -113,8 +114,8 @@ struct CardRasterizer::Pass {
   }
 
   /** \brief Draws a rectangle around every leaf, and every internal surfel that a level of detail
-   * may show. \param[in] reach share of its radius */
-  void drawLeaves(float reach, bool is_first = false)
+   * may show. \param[in] reach share of its radius; turned_away: those too whose inner sides alone are seen */
+  void drawLeaves(float reach, bool is_first = false, bool turned_away = false)
   {
     texture("slimLeaves", leaves.texture());
     const FrameValues& v = values;
@@ -126,7 +127,7 @@ struct CardRasterizer::Pass {
     program->SetUniformf("slimReach", reach);
     program->SetUniformi("slimTexelsOfLeaf", v.texels);
     program->SetUniformi("slimDegree", v.degree);
-    program->SetUniformi("slimFrontOnly", v.front_only);
+    program->SetUniformi("slimFrontOnly", v.front_only && !turned_away);
     program->SetUniformi("slimKernel", v.kernel);
     program->SetUniformf("slimNear", v.near_depth);
     program->SetUniformf("slimCoverRadius", v.cover_radius);
@@ -155,6 +156,14 @@ struct CardRasterizer::Pass {
   {
     for (vtkTextureObject* source : read) source->Deactivate();
     read.clear();
+  }
+
+  /** \brief Draws where the depth buffer does not stop it. */
+  void drawOpenPixels()
+  {
+    state->vtkglEnable(GL_DEPTH_TEST);
+    state->vtkglDepthFunc(GL_LESS);
+    state->vtkglDepthMask(GL_FALSE);
   }
 
   void addInto(unsigned equation)
@@ -215,8 +224,9 @@ CardRasterizer::drawPasses(Pass& pass, FrameTextures& frame, std::uint64_t& cove
   }
   for (int target = 0; target < 2; ++target) clear(target, 0.0f);
   clear(2, kNothing);
-  if (Error error = targets_.drawInto({targets_.nearest[0]})) return error;
+  if (Error error = targets_.drawInto({targets_.nearest[0]}, true)) return error;
   clear(0, pass.values.near_depth);
+  targets_.clearDepth(1.0f);
   std::uint64_t left = 1;
   for (int i = 0; i < kMostPeels && left > 0; ++i) {
     const int from = i % 2;
@@ -231,10 +241,11 @@ CardRasterizer::drawPasses(Pass& pass, FrameTextures& frame, std::uint64_t& cove
 Error
 CardRasterizer::findFirst(Pass& pass, int from)
 {
-  if (Error error = targets_.drawInto({targets_.first})) return error;
+  if (Error error = targets_.drawInto({targets_.first}, true)) return error;
   clear(0, kNothing);
   if (Error error = pass.begin(leafVertexShader(), firstPassShader())) return error;
   pass.addInto(GL_MIN);
+  pass.drawOpenPixels();
   pass.texture("slimNearest", targets_.nearest[static_cast<std::size_t>(from)]);
   pass.texture("slimTrims", leaves_.trims());
   pass.drawLeaves(pass.values.shrink, true);
@@ -245,13 +256,15 @@ Error
 CardRasterizer::blend(Pass& pass)
 {
   auto& sums = targets_.sums;
-  if (Error error = targets_.drawInto({sums[0], sums[1], sums[2], sums[3], sums[4]})) return error;
+  if (Error error = targets_.drawInto({sums[0], sums[1], sums[2], sums[3], sums[4]}, true))
+    return error;
   for (int target = 0; target < 5; ++target) clear(target, 0.0f);
   if (Error error = pass.begin(leafVertexShader(), blendPassShader())) return error;
   pass.addInto(GL_FUNC_ADD);
+  pass.drawOpenPixels();
   pass.texture("slimFirst", targets_.first);
   pass.texture("slimTrims", leaves_.trims());
-  pass.drawLeaves(1.0f);
+  pass.drawLeaves(pass.values.reach);
   return {};
 }
 
@@ -263,6 +276,7 @@ CardRasterizer::writeResult(Pass& pass, int from, FrameTextures& frame, std::uin
   }
   if (Error error = pass.begin(frameVertexShader(), resultShader())) return error;
   pass.state->vtkglDisable(GL_BLEND);
+  pass.state->vtkglDisable(GL_DEPTH_TEST);
   pass.texture("slimFirst", targets_.first);
   pass.texture("slimNearest", targets_.nearest[static_cast<std::size_t>(from)]);
   for (std::size_t i = 0; i < 5; ++i) {
@@ -278,8 +292,13 @@ Error
 CardRasterizer::peel(Pass& pass, int from, std::uint64_t& left)
 {
   const auto source = static_cast<std::size_t>(from);
-  if (Error error = targets_.drawInto({targets_.nearest[1 - source]})) return error;
+  if (Error error = targets_.drawInto({targets_.nearest[1 - source]}, true)) return error;
   clear(0, -1.0f);
+  // Of the next round's leaves the card drops at once what lies on pixels that are done.
+  pass.state->vtkglDepthMask(GL_TRUE);
+  targets_.clearDepth(0.0f);
+  pass.state->vtkglEnable(GL_DEPTH_TEST);
+  pass.state->vtkglDepthFunc(GL_ALWAYS);
   if (Error error = pass.begin(frameVertexShader(), peelShader())) return error;
   pass.texture("slimFirst", targets_.first);
   pass.texture("slimNearest", targets_.nearest[source]);
@@ -296,8 +315,8 @@ Error
 CardRasterizer::nameLeaves(Pass& pass, FrameTextures& frame)
 {
   if (Error error = targets_.drawInto({frame.attributes()}, true)) return error;
-  const float farthest = 1.0f;
-  glClearBufferfv(GL_DEPTH, 0, &farthest);
+  pass.state->vtkglDepthMask(GL_TRUE);
+  targets_.clearDepth(1.0f);
   if (Error error = pass.begin(leafVertexShader(), leafPassShader())) return error;
   pass.state->vtkglDisable(GL_BLEND);
   pass.state->vtkglEnable(GL_DEPTH_TEST);
@@ -305,7 +324,7 @@ CardRasterizer::nameLeaves(Pass& pass, FrameTextures& frame)
   // Curvatures stand in the first two channels already.
   pass.state->vtkglColorMask(GL_FALSE, GL_FALSE, GL_TRUE, GL_TRUE);
   pass.texture("slimFirst", targets_.met);
-  pass.drawLeaves(1.0f);
+  pass.drawLeaves(pass.values.reach);
   return {};
 }
 
@@ -320,21 +339,17 @@ CardRasterizer::addColors(Pass& pass, FrameTextures& frame)
   pass.state->vtkglDisable(GL_DEPTH_TEST);
   pass.addInto(GL_FUNC_ADD);
   pass.texture("slimShown", frame.geometry());
-  pass.drawLeaves(1.0f);
+  pass.drawLeaves(1.0f, false, true);
   return {};
 }
 
-std::vector<std::uint8_t>
-CardRasterizer::met() const
+void
+CardRasterizer::readMet(std::vector<float>& depths) const
 {
-  const std::size_t pixels = std::size_t{targets_.met->GetWidth()} * targets_.met->GetHeight();
-  std::vector<float> first(pixels);
-  std::vector<std::uint8_t> met(pixels);
+  depths.resize(std::size_t{targets_.met->GetWidth()} * targets_.met->GetHeight());
   targets_.met->Activate();
-  glGetTexImage(GL_TEXTURE_2D, 0, GL_RED, GL_FLOAT, first.data());
+  glGetTexImage(GL_TEXTURE_2D, 0, GL_RED, GL_FLOAT, depths.data());
   targets_.met->Deactivate();
-  for (std::size_t i = 0; i < pixels; ++i) met[i] = first[i] < kNothing ? 1 : 0;
-  return met;
 }
 
 /** \brief Ends a count of pixels drawn. */

@@ -27,8 +27,9 @@ class CardRasterizer {
    * \return an error where the card lacks what this takes; nothing is drawn then. */
   Error draw(vtkOpenGLRenderWindow* window, const ViewCamera& view, const FrameRequest& request,
              FrameTextures& frame, std::uint64_t& covered);
-  /** \brief Which pixels of the last frame met the surface, rows from the top. */
-  std::vector<std::uint8_t> met() const;
+  static constexpr float kNothing = 3e38f;  ///< depth where no ray has met anything
+  /** \brief Depths of the last frame's first intersections, rows from the top. */
+  void readMet(std::vector<float>& depths) const;
   void release(vtkWindow* window);
 
   /** \brief Whether a window's OpenGL runs on a processor, where the other back end is faster. */

@@ -69,6 +69,12 @@ CardTargets::drawInto(std::initializer_list<vtkTextureObject*> textures, bool wi
 }
 
 void
+CardTargets::clearDepth(float depth)
+{
+  glClearBufferfv(GL_DEPTH, 0, &depth);
+}
+
+void
 CardTargets::release(vtkWindow* window)
 {
   for (auto& texture : nearest) texture->ReleaseGraphicsResources(window);

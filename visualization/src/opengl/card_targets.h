@@ -25,6 +25,8 @@ class CardTargets {
   void resize(vtkOpenGLRenderWindow* window, int width, int height);
   /** \brief Lets the next pass draw into these textures, and into a buffer of depths if asked. */
   Error drawInto(std::initializer_list<vtkTextureObject*> textures, bool with_depth = false);
+  /** \brief Fills the buffer of depths that the next pass draws into. */
+  static void clearDepth(float depth);
   void release(vtkWindow* window);
 
   std::array<vtkNew<vtkTextureObject>, 2> nearest;  ///< where rays begin; below 0: done

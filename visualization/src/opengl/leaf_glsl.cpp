@@ -28,6 +28,8 @@ uniform int slimTexelsOfLeaf;
 uniform int slimDegree;
 uniform int slimFrontOnly;
 flat in int slimLeaf;
+flat in vec4 slimBall, slimNormal, slimAxis;  // its first three texels
+flat in vec4 slimTerms[4];                    // its coefficients
 flat in vec3 slimPart;         // share of the weight, 1 / the cover's radius, scale of the ball
 flat in ivec2 slimTrim;        // where the trim map begins and its side; side 0: closed
 
@@ -44,21 +46,16 @@ struct Leaf {
 Leaf slimReadLeaf(vec2 slopes, vec3 direction)
 {
   Leaf leaf;
-  int at = slimLeaf * slimTexelsOfLeaf;
-  vec4 ball = slimTexel(at);
-  vec4 normal = slimTexel(at + 1);
-  vec4 axis = slimTexel(at + 2);
-  leaf.radius = ball.w;
-  leaf.weight = normal.w * slimPart.x;
-  leaf.share = axis.w;
-  leaf.w = normal.xyz;
-  leaf.u = axis.xyz;
+  leaf.radius = slimBall.w;
+  leaf.weight = slimNormal.w * slimPart.x;
+  leaf.share = slimAxis.w;
+  leaf.w = slimNormal.xyz;
+  leaf.u = slimAxis.xyz;
   leaf.v = cross(leaf.w, leaf.u);
   for (int i = 0; i < 4; ++i) {
-    vec4 four = i + 4 < slimTexelsOfLeaf ? slimTexel(at + 4 + i) : vec4(0.0);
-    for (int k = 0; k < 4; ++k) leaf.c[4 * i + k] = four[k];
+    for (int k = 0; k < 4; ++k) leaf.c[4 * i + k] = slimTerms[i][k];
   }
-  vec3 center = (ball.xyz - slimEye) - slimEyeRest;
+  vec3 center = (slimBall.xyz - slimEye) - slimEyeRest;
   if (slimScreen.w > 0.0) center -= slimAxes * vec3(slopes, 0.0);
   leaf.depth = dot(center, direction);
   leaf.point = (direction * leaf.depth - center) / leaf.radius;

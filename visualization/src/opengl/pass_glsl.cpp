@@ -8,12 +8,26 @@ const char* const kSurfel = R"(
 uniform int slimTexelsOfLeaf;
 uniform float slimReach;     // share of a leaf's radius that counts
 uniform int slimFirstPass;
+uniform int slimFrontOnly;
 uniform int slimMostSide;    // nodes a side of a trim map at most
 uniform float slimCoverRadius;
 uniform float slimDetail;    // radius on the plane at unit depth of the level of detail; 0: none
 flat out int slimLeaf;
+flat out vec4 slimBall, slimNormal, slimAxis;
+flat out vec4 slimTerms[4];
 flat out vec3 slimPart;
 flat out ivec2 slimTrim;
+
+// Passes a surfel on to its fragments, which would read the same texels once each.
+void slimPass(int leaf)
+{
+  int at = leaf * slimTexelsOfLeaf;
+  slimLeaf = leaf;
+  slimBall = slimTexel(at);
+  slimNormal = slimTexel(at + 1);
+  slimAxis = slimTexel(at + 2);
+  for (int i = 0; i < 4; ++i) slimTerms[i] = i + 4 < slimTexelsOfLeaf ? slimTexel(at + 4 + i) : vec4(0.0);
+}
 
 // How far surfels of a radius stand for their descendants: from the level of detail to half more
 // they fade.
@@ -33,6 +47,18 @@ vec3 slimPartOf(vec4 more, float z)
   if (slimFirstPass != 0 && part.x < kDetailMeets) part.x = 0.0;
   if (more.z > 0.0) part.yz = vec2(0.0, kMaxShrink / min(slimCoverRadius, kMaxShrink));
   return part;
+}
+
+// Whether all gradients in a ball point away from all rays through it: the angle between normal and ray is less than
+// what the cones of gradients and of rays leave of a right angle.
+bool slimTurnedAway(vec3 center, vec3 w, float radius, float steep)
+{
+  if (slimFrontOnly == 0) return false;
+  float away = length(center);
+  if (slimScreen.w == 0.0 && away <= radius) return false;
+  float spread = slimScreen.w > 0.0 ? 0.0 : asin(radius / away);
+  float facing = slimScreen.w > 0.0 ? dot(slimAxes[2], w) : dot(center, w) / away;
+  return acos(clamp(facing, -1.0, 1.0)) + spread < atan(1.0, steep) - 1e-3;
 }
 
 ivec2 slimTrimOf(vec4 more)
@@ -111,6 +137,7 @@ void main()
 /** What pass 2 and the choice of the largest weight have in common. */
 const char* const kBlended = R"(
 uniform sampler2D slimFirst;
+uniform float slimReach;
 uniform float slimNear;
 uniform int slimKernel;
 
@@ -126,11 +153,18 @@ float slimWeight(float s2)
   return 16.0 * exp(-2.0) * d * d * d * d;
 }
 
-// A leaf's root nearest to the first intersection, and its weight there; 0 where it does not count.
+// Whether a leaf may count at the first intersection.
+bool slimReaches(Leaf leaf, float s_hat)
+{
+  return leaf.distance2 < slimReach * slimReach && leaf.distance2 + s_hat * s_hat < 1.0;
+}
+
+// A leaf's root nearest to the first intersection, which it reaches, and its weight there; 0 where it does
+// not count.
 float slimBlendedRoot(Leaf leaf, float a[5], float s_hat, out float s)
 {
   float hat2 = leaf.distance2 + s_hat * s_hat;
-  if (!(hat2 < 1.0) || !(abs(slimValue(a, s_hat)) < kMaxShift)) return 0.0;
+  if (!(abs(slimValue(a, s_hat)) < kMaxShift)) return 0.0;
   float high = sqrt(max(0.0, 1.0 - leaf.distance2));
   float low = max(-high, (slimNear - leaf.depth) / leaf.radius);
   s = kNoRoot;
@@ -176,9 +210,9 @@ void main()
   vec2 slopes = slimSlopes();
   vec3 direction = slimDirection(slopes);
   Leaf leaf = slimReadLeaf(slopes, direction);
-  float a[5], s;
+  float a[5], s, s_hat = (first - leaf.depth) / leaf.radius;
+  if (!slimReaches(leaf, s_hat)) discard;
   slimAlongRay(leaf, direction, a);
-  float s_hat = (first - leaf.depth) / leaf.radius;
   float w = slimBlendedRoot(leaf, a, s_hat, s);
   if (!(w > 0.0)) discard;
   vec3 q = leaf.point + s * direction;
@@ -211,9 +245,10 @@ void main()
   vec2 slopes = slimSlopes();
   vec3 direction = slimDirection(slopes);
   Leaf leaf = slimReadLeaf(slopes, direction);
-  float a[5], s;
+  float a[5], s, s_hat = (first - leaf.depth) / leaf.radius;
+  if (!slimReaches(leaf, s_hat)) discard;
   slimAlongRay(leaf, direction, a);
-  float w = slimBlendedRoot(leaf, a, (first - leaf.depth) / leaf.radius, s);
+  float w = slimBlendedRoot(leaf, a, s_hat, s);
   if (!(w > 0.0)) discard;
   // Depths near 1 tell small weights no longer apart, so it is the logarithm that is compared.
   gl_FragDepth = clamp(-log2(w) / 64.0, 0.0, 0.999);

@@ -9,6 +9,8 @@ namespace pcl_slim::detail {
 namespace {
 
 constexpr const char* kLeafVertex = R"(
+uniform int slimDegree;
+
 // Bounds of a sphere's outline on the plane at unit depth, along one axis.
 vec2 slimOutline(float x, float z, float radius)
 {
@@ -18,12 +20,22 @@ vec2 slimOutline(float x, float z, float radius)
   return vec2(x * z - half_width, x * z + half_width) / d;
 }
 
+// Bound of the slope all over the ball.
+float slimSteepest()
+{
+  vec4 a = slimTerms[0], b = slimTerms[1], c = abs(slimTerms[2]), d = abs(slimTerms[3]);
+  float slope = length(a.yz);
+  if (slimDegree >= 2) slope += abs(a.w + b.y) + length(vec2(a.w - b.y, b.x));
+  if (slimDegree >= 3) slope += 3.0 * (abs(b.z) + abs(b.w) + c.x + c.y);
+  if (slimDegree >= 4) slope += 4.0 * (c.z + c.w + d.x + d.y + d.z);
+  return slope;
+}
+
 void main()
 {
-  slimLeaf = gl_InstanceID;
-  vec4 ball = slimTexel(gl_InstanceID * slimTexelsOfLeaf);
-  vec4 more = slimTexel(gl_InstanceID * slimTexelsOfLeaf + 3);
-  vec3 center = ((ball.xyz - slimEye) - slimEyeRest) * slimAxes;
+  slimPass(gl_InstanceID);
+  vec4 ball = slimBall, more = slimTexel(gl_InstanceID * slimTexelsOfLeaf + 3);
+  vec3 from_eye = (ball.xyz - slimEye) - slimEyeRest, center = from_eye * slimAxes;
   slimTrim = slimTrimOf(more);
   slimPart = slimPartOf(more, center.z);
   float radius = 1.001 * slimReach * ball.w;
@@ -35,16 +47,18 @@ void main()
   }
   vec2 slope = vec2((gl_VertexID & 1) == 0 ? x.x : x.y, (gl_VertexID & 2) == 0 ? y.x : y.y);
   vec2 ndc = 2.0 * (vec2(slope.x, -slope.y) / slimScreen.x - slimShift) / slimScreen.yz;
-  bool hidden = center.z < -radius || slimPart.x <= 0.0;
+  bool hidden = center.z < -radius || slimPart.x <= 0.0 ||
+                slimTurnedAway(from_eye, slimNormal.xyz, ball.w, slimSteepest());
   gl_Position = hidden ? vec4(2.0, 2.0, 0.0, 1.0) : vec4(clamp(ndc, -2.0, 2.0), 0.0, 1.0);
 }
 )";
 
+// Behind all leaves, which are drawn in the middle of the range of depths.
 constexpr const char* kFrameVertex = R"(
 void main()
 {
   gl_Position = vec4((gl_VertexID & 1) == 0 ? -1.0 : 1.0, (gl_VertexID & 2) == 0 ? -1.0 : 1.0,
-                     0.0, 1.0);
+                     1.0, 1.0);
 }
 )";
 

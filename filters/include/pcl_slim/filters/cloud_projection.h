@@ -22,8 +22,8 @@ constexpr double kLeastSharedSupport = 0.1;
 /** \brief How a cloud is brought onto a surface. */
 struct CloudProjectionParams {
   ProjectionParams projection;
-  bool has_viewpoint = false;         ///< turn normals of points without input normal ...
-  std::array<double, 3> viewpoint{};  ///< ... towards this point, world coordinates
+  /// normals of points without input normal are turned towards this place, world coordinates
+  std::optional<std::array<double, 3>> viewpoint;
   double least_support =
       0.0;  ///< an error when fewer of the finite points are supported, in [0, 1]
 };

@@ -21,8 +21,10 @@ using SensorPositions = std::shared_ptr<const std::vector<Eigen::Vector3d>>;
 
 /** \brief Parameters and results of SLIMFit that do not depend on the point type.
  *
- * One setter and getter for each parameter; no setter changes another parameter. Values are
- * checked when fit() runs. FitParams says what each means and its default.
+ * One setter and getter for each parameter; 0 means that it is not set where FitParams has an optional. No setter
+ * changes another parameter, but of the five that say how fine the surface is (penalty, MDL threshold, target
+ * error, surfels, noise factor) the last one set counts. Values are checked when fit() runs. FitParams says what
+ * each means and its default.
  */
 class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
  public:
@@ -33,40 +35,44 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
   const FitParams& getParams() const { return params_; }
 
   /** \brief Degree of the local polynomials, 1..4; 0 (default): 4, or 2 with sharp features. */
-  void setPolynomialOrder(int order) { params_.degree = order; }
-  int getPolynomialOrder() const { return params_.degree; }
+  void setPolynomialOrder(int order) { params_.degree = unlessZero(order); }
+  int getPolynomialOrder() const { return params_.degree.value_or(0); }
 
   /** \brief Weight kappa > 0 of the price of a coefficient; larger is smoother. 0 (default): 3, or
    * 1 with sharp features. */
-  void setPenalty(double penalty) { params_.penalty = penalty; }
-  double getPenalty() const { return params_.penalty; }
+  void setPenalty(double penalty) { setSize(PenaltyWeight{penalty}, penalty != 0); }
+  double getPenalty() const
+  {
+    const auto* rule = std::get_if<PenaltyWeight>(&params_.size);
+    return rule ? rule->kappa.value_or(0) : 0;
+  }
 
   /** \brief The paper's T_MDL in place of the penalty; 0 goes back (default). */
-  void setMDLThreshold(double t_mdl) { params_.t_mdl = t_mdl; }
-  double getMDLThreshold() const { return params_.t_mdl; }
+  void setMDLThreshold(double t_mdl) { setSize(MDLThreshold{t_mdl}, t_mdl != 0); }
+  double getMDLThreshold() const { return sizeOr0(&MDLThreshold::t); }
 
   /** \brief RMS residual to reach, as a share of the bounding box's diagonal, by solving for the
    * penalty; 0 is off (default). */
-  void setTargetError(double error) { params_.target_error = error; }
-  double getTargetError() const { return params_.target_error; }
+  void setTargetError(double error) { setSize(TargetError{error}, error != 0); }
+  double getTargetError() const { return sizeOr0(&TargetError::rms); }
 
   /** \brief Most leaves allowed, by solving for the penalty; 0 is off (default). */
-  void setMaxSurfels(std::uint64_t count) { params_.max_surfels = count; }
-  std::uint64_t getMaxSurfels() const { return params_.max_surfels; }
+  void setMaxSurfels(std::uint64_t count) { setSize(MaxSurfels{count}, count != 0); }
+  std::uint64_t getMaxSurfels() const { return sizeOr0(&MaxSurfels::leaves); }
 
   /** \brief Fits as if the noise variance were this multiple of what it is, so that residuals may be larger
    * and the penalty weighs more: what a target error or a number of surfels solves for. 0 is off (default). */
-  void setNoiseFactor(double factor) { params_.noise_factor = factor; }
-  double getNoiseFactor() const { return params_.noise_factor; }
+  void setNoiseFactor(double factor) { setSize(NoiseFactor{factor}, factor != 0); }
+  double getNoiseFactor() const { return sizeOr0(&NoiseFactor::factor); }
 
   /** \brief Noise variance as a share of the squared diagonal; 0 estimates it (default). */
-  void setNoiseLevel(double lambda) { params_.lambda = lambda; }
-  double getNoiseLevel() const { return params_.lambda; }
+  void setNoiseLevel(double lambda) { params_.lambda = unlessZero(lambda); }
+  double getNoiseLevel() const { return params_.lambda.value_or(0); }
 
   /** \brief alpha in (0, 1]: leaves cover the points within alpha r (1: compact); 0, the default: 2/3,
    * and .55 for leaves that many points stand behind. */
-  void setCoverRadius(double alpha) { params_.cover_radius = alpha; }
-  double getCoverRadius() const { return params_.cover_radius; }
+  void setCoverRadius(double alpha) { params_.cover_radius = unlessZero(alpha); }
+  double getCoverRadius() const { return params_.cover_radius.value_or(0); }
 
   /** \brief gamma > 0: a point is covered from this sum of weights on (default 0.1). */
   void setCoverThreshold(double gamma) { params_.cover_threshold = gamma; }
@@ -74,8 +80,8 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
 
   /** \brief Least radius of the balls, in the cloud's units: no finer detail is kept; 0, the default, is no
    * bound. The rims of sharp edges become as wide. */
-  void setLeastRadius(double radius) { params_.least_radius = radius; }
-  double getLeastRadius() const { return params_.least_radius; }
+  void setLeastRadius(double radius) { params_.least_radius = unlessZero(radius); }
+  double getLeastRadius() const { return params_.least_radius.value_or(0); }
 
   /** \brief Keeps sharp edges (default off); without normals it has no effect, and a warning says so. */
   void setSharpFeatures(bool sharp) { params_.sharp_features = sharp; }
@@ -102,8 +108,8 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
 
   /** \brief How many points share their errors, as the pixels of a depth camera do. 0 (default):
    * told by the data; 1: none do; more: so many. */
-  void setNoiseCorrelation(double points) { params_.noise_correlation = points; }
-  double getNoiseCorrelation() const { return params_.noise_correlation; }
+  void setNoiseCorrelation(double points) { params_.noise_correlation = unlessZero(points); }
+  double getNoiseCorrelation() const { return params_.noise_correlation.value_or(0); }
 
   /** \brief RMS error a + b z + c z^2 along the ray from the viewpoint at distance z, in the cloud's
    * units, in place of noise measured on the points. Needs setViewPoint(), setSensorPositions() or a
@@ -111,7 +117,7 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
   void setNoiseModel(double a, double b, double c);
   /** \brief \return whether a model is set, and then writes it. */
   bool getNoiseModel(double& a, double& b, double& c) const;
-  void clearNoiseModel() { params_.has_noise_model = false; }
+  void clearNoiseModel() { params_.noise_model.reset(); }
 
   /** \brief Fits positions and normals together, each weighed by its error (default off: normals tell
    * sides and directions). For normals measured apart from the points, as photometric stereo or a
@@ -121,8 +127,8 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
 
   /** \brief RMS error of normals used as data, in (0, pi/2] radians. 0 (default) measures it, and
    * leaves normals that follow the points' own noise aside (FitStatistics::normals_follow_points). */
-  void setNormalError(double radians) { params_.normal_error = radians; }
-  double getNormalError() const { return params_.normal_error; }
+  void setNormalError(double radians) { params_.normal_error = unlessZero(radians); }
+  double getNormalError() const { return params_.normal_error.value_or(0); }
 
   /** \brief Makes trim maps: drawn, the surface ends where its data end, and has their holes (default
    * on for SLIMFit, off for classes that move points only). */
@@ -144,7 +150,7 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
   void setViewPoint(double x, double y, double z);
   /** \brief \return whether a viewpoint is set, and then writes it. */
   bool getViewPoint(double& x, double& y, double& z) const;
-  void clearViewPoint() { params_.has_viewpoint = false; }
+  void clearViewPoint() { params_.viewpoint.reset(); }
   /** \brief The same as setViewPoint(): one place that all points were seen from. */
   void setSensorPosition(double x, double y, double z) { setViewPoint(x, y, z); }
 
@@ -200,6 +206,23 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
   FitStatistics statistics_;
   std::vector<std::int32_t> outliers_;
   PointStoreStatistics input_statistics_;
+
+ private:
+  template <typename Rule>
+  void setSize(const Rule& rule, bool given)
+  {
+    if (given)
+      params_.size = rule;
+    else if (std::holds_alternative<Rule>(params_.size))
+      params_.size = {};
+  }
+
+  template <typename Rule, typename Number>
+  Number sizeOr0(Number Rule::*value) const
+  {
+    const auto* rule = std::get_if<Rule>(&params_.size);
+    return rule ? rule->*value : Number{0};
+  }
 };
 
 }  // namespace pcl_slim

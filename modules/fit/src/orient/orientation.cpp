@@ -326,7 +326,7 @@ std::vector<signed char>
 viewpointSigns(const SLIMSurface& s, const FitParams& params)
 {
   Vector3 eye;
-  for (int a = 0; a < 3; ++a) eye[a] = (params.viewpoint[a] - s.info.origin[a]) / s.info.scale;
+  for (int a = 0; a < 3; ++a) eye[a] = ((*params.viewpoint)[a] - s.info.origin[a]) / s.info.scale;
   std::vector<signed char> signs(s.size(), 1);
   for (std::size_t i = 0; i < s.size(); ++i) {
     if (dot(subtract(eye, centerOf(s, i)), normalOf(s, i)) < 0) signs[i] = -1;
@@ -374,7 +374,7 @@ orientSurface(const PointStore* store, const FitParams& params, const OrientCons
 {
   const std::vector<std::uint32_t> leaves = surface.leaves();
   std::vector<signed char> signs;
-  if (params.has_viewpoint) {
+  if (params.viewpoint) {
     stats.side_source = SideSource::kViewpoint;
     signs = viewpointSigns(surface, params);
   } else if (store != nullptr && store->hasSensors()) {

@@ -22,8 +22,8 @@ constexpr float kUnsidedPass = -0.01f;  ///< a normal bound that points without 
 bool
 mayNeedSides(const PointStore& store, const FitParams& params, const FitStatistics& stats)
 {
-  return params.sides && !params.sharp_features && !store.hasNormals() && !params.has_viewpoint &&
-         !params.paper_mode && !(params.t_mdl > 0) && stats.noise_line == 0;
+  return params.sides && !params.sharp_features && !store.hasNormals() && !params.viewpoint &&
+         !params.paper_mode && !params.hasThreshold() && stats.noise_line == 0;
 }
 
 /** What the sides of a cloud must meet. */
@@ -189,7 +189,7 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
       findThinPlaces(sided.store(), constants.sides, constants.noise, stats.threads);
   stats.thin_places = thin.share;
   const double unsided = std::sqrt(settings.energy.lambda);
-  const auto search = searchFor(thin, unsided, params.lambda == 0, constants.sides);
+  const auto search = searchFor(thin, unsided, !params.lambda, constants.sides);
   std::optional<SidedFit> best;
   if (search) {
     if (Error error = seekSides(*search, thin.spacing, constants, params, sided, stats, best))

@@ -10,6 +10,7 @@
 #include "fast/tile_kernel.h"
 #include "pcl_slim/cloud/morton_sort.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/render/detail/weight_reach.h"
 #include "tiles/clear_pixels.h"
 #include "tiles/surfel_bins.h"
 
@@ -35,19 +36,6 @@ frameCuts(const FrameView& view, const std::vector<HalfSpace>& cuts)
                      view.perspective ? forward : -offset, view.perspective ? offset : forward});
   }
   return frame;
-}
-
-/** \brief Share of a ball's radius at which the blending weight has fallen to 1e-3. What lies
- * beyond moves a blend by less than that share of what its leaves differ by. */
-float
-weightReach(WeightKernel kernel)
-{
-  switch (kernel) {
-    case WeightKernel::kPower2: return 0.984f;  // 1 - s^2 = .0316
-    case WeightKernel::kPower4: return 0.907f;  // .178
-    case WeightKernel::kPower7: return 0.792f;  // .373
-    default: return 0.854f;                     // 16 e^-2 (1 - s)^4
-  }
 }
 
 constexpr float kFarAway = -1e9f;  ///< pixels: left of every picture

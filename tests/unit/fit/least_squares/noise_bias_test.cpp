@@ -141,7 +141,7 @@ TEST(CoverRadius, LeavesThatManyPointsSupportOverlapMore)
 TEST(CoverRadius, IsAsGivenWhenASizeIsAskedFor)
 {
   FitParams params, two_thirds;
-  params.target_error = two_thirds.target_error = 0.002;
+  params.size = two_thirds.size = TargetError{0.002};
   two_thirds.cover_radius = 2.0 / 3.0;
   const Cloud cloud = sceneCloud(Shape::kBumpy, 20000, 0.001);
   EXPECT_EQ(fitted(cloud, params).statistics.leaves, fitted(cloud, two_thirds).statistics.leaves);

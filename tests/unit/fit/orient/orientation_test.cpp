@@ -73,15 +73,13 @@ TEST(Orientation, OfAFlatPieceIsOneSideThroughout)
 TEST(Orientation, LooksTowardsAViewpoint)
 {
   FitParams params;
-  params.has_viewpoint = true;
-  params.viewpoint[0] = 5.0;
-  params.viewpoint[2] = -20.0;
+  params.viewpoint = {{5, 0, -20}};
   Cloud cloud = sceneCloud(Shape::kRelief, 6000, 0.0).withoutNormals();
   for (std::size_t i = 0; i < cloud.points.size(); i += 3) cloud.points[i] += 5.0;
   const auto f = fitted(cloud, params);
   const auto down = [](const auto&) { return std::array<double, 3>{0, 0, -1}; };
   EXPECT_EQ(numInward(f, 0.0, down), 0u);
-  params.viewpoint[2] = 20.0;
+  params.viewpoint = {{5, 0, 20}};
   const auto turned = fitted(cloud, params);
   EXPECT_EQ(numInward(turned, 0.0, down), turned.surface.numLeaves());
 }

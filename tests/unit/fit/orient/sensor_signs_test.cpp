@@ -189,8 +189,7 @@ TEST(SensorSigns, FollowTheSensorsRoundASurface)
     for (const std::uint32_t i : surface.leaves()) EXPECT_GT(surface.nz[i] * height, 0);
     // A viewpoint that is given wins.
     FitParams params;
-    params.has_viewpoint = true;
-    params.viewpoint[2] = -1000 * height;
+    params.viewpoint = {{0, 0, -1000 * height}};
     ASSERT_FALSE(fitSurface(*store, params, surface, &fit));
     EXPECT_EQ(fit.side_source, SideSource::kViewpoint);
     for (const std::uint32_t i : surface.leaves()) EXPECT_LT(surface.nz[i] * height, 0);
@@ -238,8 +237,7 @@ TEST(SensorSigns, ANoiseModelTakesEachPointsBeam)
   const auto store = PointStore::build(seenFrom(sensors, cloud.view()));
   ASSERT_TRUE(store);
   FitParams params;
-  params.has_noise_model = true;
-  params.noise_model[1] = 0.001;
+  params.noise_model = {{0, 0.001, 0}};
   SLIMSurface surface;
   FitStatistics fit;
   ASSERT_FALSE(fitSurface(*store, params, surface, &fit));

@@ -15,13 +15,14 @@ namespace pcl_slim {
 
 namespace detail {
 class CardRasterizer;
+class FramePace;
 class SurfaceFrames;
 }  // namespace detail
 
 /** \brief What intersects rays with a surface. */
 enum class RayBackend : unsigned char {
-  kAuto,    ///< the graphics card, unless its OpenGL is a processor's (llvmpipe, softpipe)
-  kCPU,     ///< the rasteriser of pcl_slim_render, vector units and threads
+  kAuto,  ///< the graphics card, unless its OpenGL is a processor's (llvmpipe, softpipe) or the CPU proves faster
+  kCPU,   ///< the rasteriser of pcl_slim_render, vector units and threads
   kOpenGL,  ///< shaders; the CPU still draws what has clipping planes or what the card refuses
 };
 
@@ -68,7 +69,8 @@ class PCL_SLIM_EXPORT SLIMMapper : public GBufferMapper {
   bool pick(vtkRenderer* renderer, vtkActor* actor, int x, int y, SurfacePick& result);
 
   /** \brief What intersects rays (kAuto); FrameStatistics::on_card tells what did. Pictures of the
-   * two differ by rounding. */
+   * two differ by rounding. With kAuto the card draws the first three frames at rest; if they take longer than 15 ns a
+   * pixel the CPU draws three, and from then on the faster of the two draws. */
   void setBackend(RayBackend backend);
   RayBackend getBackend() const { return backend_; }
 
@@ -116,10 +118,12 @@ class PCL_SLIM_EXPORT SLIMMapper : public GBufferMapper {
   void operator=(const SLIMMapper&) = delete;
 
   PictureLineParams linesShown() const;
+  void forgetPaces();
 
   std::shared_ptr<const SLIMSurface> surface_;
   std::unique_ptr<detail::SurfaceFrames> frames_;
   std::unique_ptr<detail::CardRasterizer> card_;
+  std::unique_ptr<detail::FramePace> card_pace_, cpu_pace_;
   RayBackend backend_ = RayBackend::kAuto;
   double lod_ = 0.0;
   bool trim_ = true;

@@ -143,7 +143,7 @@ SLIMFit<PointT>::describeSensors(CloudView& view)
                   "there are " + std::to_string(sensors_->size()) + " sensor positions for " +
                       std::to_string(input_->size()) + " points; give one for each point");
     }
-    if (params_.has_viewpoint) {
+    if (params_.viewpoint) {
       return fail(ErrorCode::kBadArgument,
                   "a viewpoint and sensor positions are both set; clear one of them");
     }
@@ -153,7 +153,7 @@ SLIMFit<PointT>::describeSensors(CloudView& view)
     const bool known = std::any_of(input_->begin(), input_->end(), [](const PointT& p) {
       return p.vp_x != 0 || p.vp_y != 0 || p.vp_z != 0;
     });
-    if (!known || params_.has_viewpoint) return true;
+    if (!known || params_.viewpoint) return true;
     view.sensors = reinterpret_cast<const unsigned char*>(input_->points.data()) +
                    pcl::traits::offset<PointT, pcl::fields::vp_x>::value;
     view.sensors_stride = sizeof(PointT);

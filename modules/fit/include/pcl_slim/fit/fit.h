@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
+#include <variant>
 #include <vector>
 
 #include "pcl_slim/cloud/point_store.h"
@@ -13,23 +15,49 @@
 
 namespace pcl_slim {
 
+/** \brief A price of coefficients: E = e^2 n/(n-P) + kappa lambda P / n (Mallows' Cp). */
+struct PenaltyWeight {
+  std::optional<double> kappa;  ///< > 0, larger is smoother; unset: 3, or 1 with sharp features
+};
+/** \brief The paper's penalty lambda (T L / r)^2 (eq. 3). */
+struct MDLThreshold {
+  double t = 0.0;  ///< T_MDL > 0
+};
+/** \brief Solves for the noise factor that gives an RMS residual. */
+struct TargetError {
+  double rms = 0.0;  ///< (0, 1] [L]
+};
+/** \brief Solves for the noise factor that gives at most so many leaves. */
+struct MaxSurfels {
+  std::uint64_t leaves = 0;  ///< 1 or more
+};
+/** \brief Residuals and penalty as if the noise variance were a multiple of lambda: what the two above solve for. */
+struct NoiseFactor {
+  double factor = 0.0;  ///< > 0
+};
+/** \brief What decides how fine a surface is. */
+using SizeRule = std::variant<PenaltyWeight, MDLThreshold, TargetError, MaxSurfels, NoiseFactor>;
+
+/** \brief A parameter from a number of which 0 means that it is not set. */
+template <typename Number>
+std::optional<Number>
+unlessZero(Number value)
+{
+  return value != 0 ? std::optional<Number>(value) : std::nullopt;
+}
+
 /** \brief Parameters of a SLIM fit. The defaults need no tuning; lengths marked [L] are shares of
  * the bounding-box diagonal. */
 struct PCL_SLIM_EXPORT FitParams {
-  int degree = 0;             ///< polynomial degree, 1..4; 0: 4, or 2 with sharp features
-  double penalty = 0.0;       ///< kappa > 0: E = e^2 n/(n-P) + kappa lambda P / n (Mallows' Cp);
-                              ///< 0: 3, or 1 with sharp features
-  double t_mdl = 0.0;         ///< > 0: the paper's penalty lambda (T L / r)^2 instead (eq. 3)
-  double target_error = 0.0;  ///< > 0 [L]: solve for the penalty that gives this RMS residual
-  std::uint64_t max_surfels = 0;  ///< > 0: solve for the penalty that gives at most so many leaves
-  double noise_factor = 0.0;      ///< > 0: residuals and penalty as if the noise variance were this
-                                  ///< multiple of lambda; what the two above solve for
-  double lambda = 0.0;            ///< > 0 [L^2]: noise variance to use instead of estimating it
-  double cover_radius = 0.0;     ///< alpha in (0, 1], 1 is the compact setting; 0: 2/3, and .55 for
-                                 ///< leaves that many points stand behind
+  std::optional<int> degree;     ///< of polynomials, 1..4; unset: 4, or 2 with sharp features
+  SizeRule size;                 ///< how fine the surface is
+  std::optional<double> lambda;  ///< > 0 [L^2]: noise variance; unset: estimated
+  std::optional<double>
+      cover_radius;              ///< alpha in (0, 1], 1 is the compact setting; unset: 2/3, and
+                                 ///< .55 for leaves that many points stand behind
   double cover_threshold = 0.1;  ///< gamma > 0
-  double least_radius =
-      0.0;  ///< > 0, world units: no ball is narrower, so that no finer detail is kept
+  std::optional<double> least_radius;  ///< > 0, world units: no ball is narrower, so that no finer
+                                       ///< detail is kept
   bool sharp_features =
       false;  ///< keep sharp edges: only points with n . n_c > 1/2; no effect without normals
   bool robust = false;  ///< reweight residuals against outliers (two more passes a leaf)
@@ -37,29 +65,32 @@ struct PCL_SLIM_EXPORT FitParams {
       false;  ///< fit points that stand apart from all others, too (findOutliers())
   std::optional<bool> local_noise;  ///< lambda varies over the cloud: noisy parts are smoothed more
                                     ///< than clean ones; unset: if the data show it
-  double noise_correlation =
-      0;  ///< points that share their errors, 1: none do; 0: told by the data
-  bool has_noise_model = false;       ///< the errors follow noise_model; needs a viewpoint or
-                                      ///< the store's sensors
-  double noise_model[3] = {0, 0, 0};  ///< a, b, c: RMS error a + b z + c z^2 along the ray from the
-                                      ///< viewpoint at distance z, world units
+  std::optional<double> noise_correlation;  ///< points that share their errors, 1: none do; unset:
+                                            ///< told by the data
+  /// a, b, c: RMS error a + b z + c z^2 along the ray from the viewpoint at distance z, world units;
+  /// needs a viewpoint or the store's sensors
+  std::optional<std::array<double, 3>> noise_model;
   bool normals_as_data = false;  ///< fit positions and normals together, by their errors; needs
                                  ///< normals that were measured apart from the points
-  double normal_error = 0.0;  ///< with it: the normals' RMS error, (0, pi/2] radians; 0: measured,
-                              ///< and normals that follow the points' own noise are no data
-  bool paper_mode = false;    ///< the choices of Ohtake et al. 2005 throughout
-  bool trim = true;           ///< make trim maps, which end the surface where the data end or
-                              ///< leave holes; never with paper_mode
-  double hole_size = 4.0;     ///< with it: diameter of the smallest hole kept, in spacings of the
-                              ///< points; 2 or more
+  std::optional<double>
+      normal_error;         ///< with it: the normals' RMS error, (0, pi/2] radians; unset:
+                            ///< measured, and normals that follow the points' own noise
+                            ///< are no data
+  bool paper_mode = false;  ///< the choices of Ohtake et al. 2005 throughout
+  bool trim = true;         ///< make trim maps, which end the surface where the data end or
+                            ///< leave holes; never with paper_mode
+  double hole_size = 4.0;   ///< with it: diameter of the smallest hole kept, in spacings of the
+                            ///< points; 2 or more
   bool sides = true;   ///< without normals and viewpoint: give points sides before the cover where
                        ///< balls would meet both sides of thin parts
   bool orient = true;  ///< without normals: sign the output by the leaves' graph
-  bool has_viewpoint = false;  ///< sign the output towards viewpoint instead; without one, towards
-                               ///< the sensors of the store's points, or its only sensor
-  double viewpoint[3] = {0, 0, 0};  ///< world coordinates
-  std::uint64_t seed = 1;           ///< of the order in which centres are tried
-  int threads = 0;                  ///< 0: all cores; never changes the result
+  /// sign the output towards this place instead, world coordinates; unset: towards the sensors of the
+  /// store's points, or its only sensor
+  std::optional<std::array<double, 3>> viewpoint;
+  std::uint64_t seed = 1;  ///< of the order in which centres are tried
+  int threads = 0;         ///< 0: all cores; never changes the result
+
+  bool hasThreshold() const { return std::holds_alternative<MDLThreshold>(size); }
 
   /** \brief The same with degree and penalty settled: faces between sharp edges are small, which
    * low degrees and narrow balls follow better (docs/theory.md). */
@@ -116,7 +147,7 @@ struct FitStatistics {
   double noise_patch_radius = 0;      ///< median radius of those patches [L]
   bool noise_varies = false;          ///< lambda is the cloud's, the noise a profile about it
   double penalty = 0, t_mdl = 0;      ///< as used (solved for, where asked)
-  double noise_factor = 0;            ///< FitParams::noise_factor, or the one solved for; 0: none
+  double noise_factor = 0;            ///< NoiseFactor, or the one solved for; 0: none
   double normal_error = 0;            ///< of normals used as data [rad]; 0: they were not
   /// normals were to be data, but repeat the points' noise, or too few points tell
   bool normals_follow_points = false;
