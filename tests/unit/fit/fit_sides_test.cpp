@@ -169,10 +169,10 @@ TEST(FitSides, FewThinPlacesGetSidesWhileLeavesAreFitted)
     EXPECT_LT(with.statistics.sided, with.store.size() / 3);
     EXPECT_FALSE(with.store.hasSides());
     EXPECT_TRUE(with.surface.info.oriented && with.surface.info.sides_found);
-    EXPECT_LT(spheres.rms(with), 0.4 * spheres.rms(without));
+    EXPECT_LT(spheres.rms(with), 0.5 * spheres.rms(without));
   }
   EXPECT_LT(*std::max_element(leaves.begin(), leaves.end()),
-            1.15 * *std::min_element(leaves.begin(), leaves.end()));
+            1.35 * *std::min_element(leaves.begin(), leaves.end()));
 }
 
 /** A blade of 30 degrees whose edge is the x axis, spacing 1, noise .1. */

@@ -113,9 +113,12 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
       found = next.noise;
       if (!search.needed && found > rules.same_noise * search.unsided) break;
       if (best && next.cost() > best->cost()) break;
-      // Wider balls would hold what these cells keep apart.
+      // Wider balls would hold what these cells keep apart. Sides never add to the noise: a patch of one
+      // side alone of a thin tube bends more than its cubic.
       double& lambda = next.settings.energy.lambda;
       if (search.capped) lambda = std::min(lambda, std::pow(std::max(noise, search.least), 2));
+      const double most = std::max(search.unsided, rules.least_noise * spacing);
+      if (search.capped) lambda = std::min(lambda, std::pow(most, 2));
       best = std::move(next);
     }
     const bool same = found > rules.same_noise * noise;

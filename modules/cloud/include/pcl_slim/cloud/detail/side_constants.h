@@ -53,9 +53,10 @@ struct SideConstants {
   double same_noise =
       0.75;            ///< share of the noise that the cells were cut by, from which it is the same
   double sure = 0.95;  ///< confidence from which narrower cells are not tried
-  int noise_passes = 5;      ///< times that cells are cut by the noise that sides show
-  double least_cells = 1.0;  ///< noise below which cells follow the spacing alone [spacings]
-  double flat_places = 0.1;  ///< share of places that noise is taken from
+  int noise_passes = 5;       ///< times that cells are cut by the noise that sides show
+  double least_noise = 0.05;  ///< noise that sides may show where there was less without [spacings]
+  double least_cells = 1.0;   ///< noise below which cells follow the spacing alone [spacings]
+  double flat_places = 0.1;   ///< share of places that noise is taken from
   double clear_beam = 0.2;  ///< cosine from which a point's own beam gives its side, not its cell's
   int passes = 4;           ///< rounds of two-means on heights
 };
