@@ -238,10 +238,7 @@ fitStages(const FitConstants& constants, const FitParams& params, SidedStore& si
   LevelCover cover(store, settings, stats.threads);
   if (Error error = cover.run(stats.first_level, progress)) return error;
   stats.seconds_cover = watch.lap();
-  if (stats.sided_for_cover) {
-    sided.endCover();
-    settings.with_normals = false;
-  }
+  if (stats.sided_for_cover) sided.endCover();
 
   fillSurface(store, settings, cover, stats.threads, surface);
   surface.buildLinks(stats.threads);
@@ -253,14 +250,12 @@ fitStages(const FitConstants& constants, const FitParams& params, SidedStore& si
     stats.side_source = store.hasSensors() ? SideSource::kSensors : SideSource::kThinParts;
   else if (params.orient)
     orientSurface(&store, params, constants.orient, surface, stats);
-  if (stats.sided_for_cover && store.hasSides()) {
-    turnToSides(store, constants.orient, stats.threads, surface);
-    sided.clearSides();
-  }
+  if (stats.sided_for_cover) turnToSides(store, constants.orient, stats.threads, surface);
   stats.seconds_orient = watch.lap();
 
   if (params.trim && !params.paper_mode)
     makeTrimMaps(store, settings, params.hole_size, stats, surface);
+  if (stats.sided_for_cover) sided.clearSides();
   stats.seconds_trim = watch.lap();
 
   countFit(store, cover, surface, stats);

@@ -43,7 +43,6 @@ makeInfo(const PointStore& store, const FitSettings& settings)
   info.fit_kernel = settings.fit_kernel;
   info.blend_kernel = settings.paper ? WeightKernel::kGaussian : WeightKernel::kPower4;
   info.oriented = store.hasSides();
-  info.sides_found = store.hasSides() && !store.hasNormals() && !store.hasSensors();
   info.paper_mode = settings.paper;
   info.origin = store.origin();
   info.scale = store.scale();

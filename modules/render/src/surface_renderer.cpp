@@ -192,7 +192,7 @@ SurfaceRenderer::render(const Camera& camera, const RenderParams& params, GBuffe
     buffer.resize(0, 0);
     return error;
   }
-  const FrameRules rules(state_->surface, params);
+  const FrameRules rules(state_->surface.info, params);
   const bool in_space = params.derivatives == Derivatives::kPartitionOfUnity;
   const bool with_place = in_space || (params.columns & kColorColumn) != 0;
   const unsigned columns = params.columns | (with_place ? unsigned{kPositionColumn} : 0u);

@@ -55,7 +55,7 @@ struct CardRasterizer::FrameValues {
     min_coverage = single(info.cover_threshold);
     scale = single(info.scale);
     front_only = request.sides == VisibleSides::kFront ||
-                 (request.sides == VisibleSides::kAuto && surface.hidesBacks());
+                 (request.sides == VisibleSides::kAuto && info.oriented);
     oriented = info.oriented;
     kernel = static_cast<int>(info.blend_kernel);
     degree = info.degree;

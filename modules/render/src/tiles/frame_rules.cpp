@@ -58,20 +58,18 @@ isCutAway(const std::vector<HalfSpace>& cuts, const Vector3& center, double radi
   });
 }
 
-FrameRules::FrameRules(const SLIMSurface& surface, const RenderParams& params)
-    : shrink(std::clamp(params.shrink > 0.0 ? params.shrink : surface.info.cover_radius, 0.05,
-                        kMaxShrink)),
-      cover_radius(std::clamp(surface.info.cover_radius, 0.05, 1.0)),
-      min_coverage(params.min_coverage >= 0.0 ? params.min_coverage : surface.info.cover_threshold),
-      near_plane(params.near_plane / surface.info.scale),
+FrameRules::FrameRules(const SurfaceInfo& info, const RenderParams& params)
+    : shrink(std::clamp(params.shrink > 0.0 ? params.shrink : info.cover_radius, 0.05, kMaxShrink)),
+      cover_radius(std::clamp(info.cover_radius, 0.05, 1.0)),
+      min_coverage(params.min_coverage >= 0.0 ? params.min_coverage : info.cover_threshold),
+      near_plane(params.near_plane / info.scale),
       lod(params.lod),
       trim(params.trim),
-      front_only(
-          params.sides == VisibleSides::kFront ||
-          (params.sides == VisibleSides::kAuto && surface.hidesBacks() && params.cuts.empty())),
+      front_only(params.sides == VisibleSides::kFront ||
+                 (params.sides == VisibleSides::kAuto && info.oriented && params.cuts.empty())),
       skip(params.skip),
       threads(resolveThreads(params.threads)),
-      cuts(localHalfSpaces(params.cuts, surface.info.origin, surface.info.scale))
+      cuts(localHalfSpaces(params.cuts, info.origin, info.scale))
 {
 }
 

@@ -45,7 +45,7 @@ struct FrameRules {
   int threads;                  ///< at least 1
   std::vector<HalfSpace> cuts;  ///< local coordinates, unit normals
 
-  FrameRules(const SLIMSurface& surface, const RenderParams& params);
+  FrameRules(const SurfaceInfo& info, const RenderParams& params);
 };
 
 }  // namespace pcl_slim::detail

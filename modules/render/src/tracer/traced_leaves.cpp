@@ -9,9 +9,9 @@ namespace pcl_slim::detail {
 namespace {
 
 bool
-frontOnly(VisibleSides sides, bool hides_backs)
+frontOnly(VisibleSides sides, bool oriented)
 {
-  return sides == VisibleSides::kFront || (sides == VisibleSides::kAuto && hides_backs);
+  return sides == VisibleSides::kFront || (sides == VisibleSides::kAuto && oriented);
 }
 
 class TracedLeaves : public TracedObject {
@@ -29,8 +29,8 @@ class TracedLeaves : public TracedObject {
              GBuffer* buffer, const std::size_t* pixels, RayCounts& counts) const override
   {
     RayRules rules = rules_;
-    const bool hides_backs = scene_.surface.hidesBacks() && view.params.cuts.empty();
-    rules.front_only = frontOnly(view.params.sides, hides_backs);
+    const bool closed = scene_.surface.info.oriented && view.params.cuts.empty();
+    rules.front_only = frontOnly(view.params.sides, closed);
     rules.close_gaps = view.params.close_gaps;
     rules.with_hessian = buffer && (view.params.columns & (kHessianColumn | kCurvatureColumn)) != 0;
     std::vector<BlendedHit> hits(count);

@@ -28,7 +28,6 @@ struct SurfaceInfo {
   WeightKernel fit_kernel = WeightKernel::kPower4;
   WeightKernel blend_kernel = WeightKernel::kPower4;
   bool oriented = false;            ///< normals point to one side consistently
-  bool sides_found = false;         ///< the fit chose that side: outward, where the surface is closed
   bool paper_mode = false;          ///< fitted with the choices of Ohtake et al. 2005
   std::array<double, 3> origin{};   ///< world = origin + scale * local
   double scale = 1.0;               ///< world units per local unit, a power of two: exact both ways
@@ -88,9 +87,6 @@ class PCL_SLIM_EXPORT SLIMSurface {
   bool isOpen(std::size_t i) const { return (flags[i] & kSurfelOpen) != 0; }
   /** \brief Whether any surfel has a trim map. */
   bool hasTrimMaps() const { return !trim_begin.empty(); }
-  /** \brief Whether its backs are not to be seen: it is oriented by its points' normals or sensors, or the
-   * fit chose its sides and it ends nowhere. */
-  bool hidesBacks() const { return info.oriented && !(info.sides_found && hasTrimMaps()); }
   /** \brief Where the data lie in surfel i's ball; a closed map where they lie all over it. */
   TrimMap trimMap(std::size_t i) const
   {
