@@ -290,8 +290,9 @@ neededPlaces(const std::vector<PatchScale>& scales, const CurveNoise& noise, dou
   const SharedNoiseConstants& shared = constants.shared;
   std::vector<CurveNoise> halves(shared.half_samples);
   parallelFor(halves.size(), threads, 1, [&](std::size_t r, int) {
-    std::vector<PatchScale> half;
-    for (const PatchScale& scale : scales) half.push_back(halfOf(scale, r + 1));
+    std::vector<PatchScale> half(scales.size());
+    std::transform(scales.begin(), scales.end(), half.begin(),
+                   [r](const PatchScale& scale) { return halfOf(scale, r + 1); });
     halves[r] = noiseOf(half, white, constants);
   });
   double variance = 0, correlation = 0;  // squared errors of their logarithms
