@@ -50,9 +50,9 @@ struct RadiusConstants {
 
   // "Guards", Minimum support.
   int support_steps = 8;          ///< number of steps towards the minimum-support radius at most
-  double support_margin = 1.02;   ///< ratio; n_eff up to so many times the least support will do
+  double support_margin = 1.02;   ///< ratio; n_eff up to this many times the least support will do
   double support_aim = 1.01;      ///< ratio of n_eff to the least support that a step aims at
-  double support_lenience = 1.3;  ///< ratio of E; a wider ball is taken up to so many times E there
+  double support_lenience = 1.3;  ///< ratio of E; a wider ball is taken up to this many times E there
 
   // "Guards", Thin data.
   double scattered_ratio = 0.02;  ///< e / r beyond which few points make no surface
@@ -64,7 +64,7 @@ struct RadiusConstants {
   double comparison_trust = 2.0;   ///< ratio; so much more where E speaks for the wide ball as well
   int comparison_radii = 4;        ///< number of radii from r_r down to r_m, r_r among them
   int least_degree = 2;            ///< lowest degree that is compared
-  double degree_support = 9.0;     ///< n_eff / P from which a degree can be told to be too high
+  double degree_support = 9.0;     ///< n_eff / P from which a degree can be found to be too high
 
   // "Detail below the noise".
   double detail_support = 8.0;     ///< ratio of n_eff to the least support, for finer balls

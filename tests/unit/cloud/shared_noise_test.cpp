@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -18,9 +19,8 @@ using namespace pcl_slim_test;
 using detail::NoiseLevel;
 
 NoiseLevel
-recognized(const PointStore& store)
+recognized(const PointStore& store, const detail::NoiseConstants& constants = {})
 {
-  const detail::NoiseConstants constants;
   return recognizeSharedNoise(store, measureNoise(store, constants, 1), constants, 1);
 }
 
@@ -189,6 +189,29 @@ TEST(SharedNoise, ATurnedCameraIsFound)
   camera.correlated_x = camera.correlated_y = 3;
   camera.step = 0.125;
   EXPECT_GT(recognized(cloudOf(cameraScan("room", camera), 0.7)).correlation, 2.0);
+}
+
+TEST(SharedNoise, MorePlacesMakeTurnedScansAgree)
+{
+  // A turned scan is looked at in other places. Few patches of these balls are plain and wide enough for it.
+  measure::DepthCamera camera;
+  camera.correlated_x = camera.correlated_y = 9;
+  const measure::SensorScan scan = cameraScan("balls", camera);
+  detail::NoiseConstants few;
+  few.shared.most_places = few.shared.places;
+  double least[2] = {HUGE_VAL, HUGE_VAL}, most[2] = {0, 0};  // RMS noise in metres
+  for (const double angle : {0.0, 0.001, 0.3, 0.7, 1.3, 2.1, 2.9}) {
+    const PointStore store = storeOf(cloudOf(scan, angle));
+    const NoiseLevel noise[2] = {recognized(store, few), recognized(store)};
+    EXPECT_GT(noise[1].patches, noise[0].patches);
+    for (int k = 0; k < 2; ++k) {
+      const double rms = store.scale() * std::sqrt(noise[k].variance);
+      least[k] = std::min(least[k], rms);
+      most[k] = std::max(most[k], rms);
+    }
+  }
+  EXPECT_LT(most[1] / least[1], 1.25);
+  EXPECT_GT(most[0] / least[0], 1.25);
 }
 
 }  // namespace

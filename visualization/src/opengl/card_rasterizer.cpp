@@ -294,7 +294,7 @@ CardRasterizer::peel(Pass& pass, int from, std::uint64_t& left)
   const auto source = static_cast<std::size_t>(from);
   if (Error error = targets_.drawInto({targets_.nearest[1 - source]}, true)) return error;
   clear(0, -1.0f);
-  // Of the next round's leaves the card drops at once what lies on pixels that are done.
+  // In the next round the card discards the fragments on pixels that are done before they are shaded.
   pass.state->vtkglDepthMask(GL_TRUE);
   targets_.clearDepth(0.0f);
   pass.state->vtkglEnable(GL_DEPTH_TEST);

@@ -107,7 +107,7 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
   bool getSides() const { return params_.sides; }
 
   /** \brief How many points share their errors, as the pixels of a depth camera do. 0 (default):
-   * told by the data; 1: none do; more: so many. */
+   * from the data; 1: none do; more: as many. */
   void setNoiseCorrelation(double points) { params_.noise_correlation = unlessZero(points); }
   double getNoiseCorrelation() const { return params_.noise_correlation.value_or(0); }
 

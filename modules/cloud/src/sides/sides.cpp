@@ -226,36 +226,23 @@ normalsOfPoints(const PointStore& store, const SideCells& cut, const CellGraph& 
 }
 
 /** Signs of all cells, by the sensors of their points or, without these, such that every connected part
- * faces outward. \param[in] edges those of the graph, or these with other weights \param[out] confidence
- * the share of the agreement of near cells that they meet */
+ * faces outward. \param[out] confidence the share of the agreement of near cells that they meet */
 std::vector<signed char>
-signsOfAll(const PointStore& store, const SideCells& cut, const CellGraph& graph,
-           const std::vector<SignedEdge>& edges, int threads, double& confidence)
+signsOfAll(const PointStore& store, const SideCells& cut, const CellGraph& graph, int threads,
+           double& confidence)
 {
   SignedParts found;
   if (store.hasSensors()) {
     found.signs = signsBySensors(store, cut, graph);
   } else {
-    found = contractSigned(cut.cells.size(), edges, threads);
+    found = contractSigned(cut.cells.size(), graph.edges, threads);
     turnOutward(cut, graph, found);
   }
   confidence = agreementOf(graph, found.signs);
   return std::move(found.signs);
 }
 
-/** The edges of a graph; those within sure parts come first in a contraction, in the order they had there. */
-std::vector<SignedEdge>
-surePartsFirst(const CellGraph& graph, const std::vector<char>& sure)
-{
-  constexpr float kFirst = 1000;
-  std::vector<SignedEdge> edges = graph.edges;
-  for (SignedEdge& e : edges) {
-    if (sure[e.a] && sure[e.b]) e.agreement *= kFirst;
-  }
-  return edges;
-}
-
-/** Sides of the points near another sheet; and of all points, if those are given. */
+/** Sides of the points near another sheet, and sides of all points. */
 void
 findFacingSides(const PointStore& store, const SideCells& cut, CellGraph& graph,
                 const SideConstants& constants, int threads, Sides& sides)
@@ -264,8 +251,8 @@ findFacingSides(const PointStore& store, const SideCells& cut, CellGraph& graph,
   const SignedParts found = contractSigned(cut.cells.size(), near, threads);
   const std::vector<char> sided = cellsOfSureParts(found, near, constants, sides.sure);
   const std::vector<char> all(sided.size(), 1);
-  const std::vector<signed char> outward = signsOfAll(
-      store, cut, graph, surePartsFirst(graph, sided), threads, sides.outward_confidence);
+  const std::vector<signed char> outward =
+      signsOfAll(store, cut, graph, threads, sides.outward_confidence);
   double thin = 0;
   sides.outward = normalsOfPoints(store, cut, graph, outward, all, store.hasSensors(), constants,
                                   threads, thin);
@@ -291,8 +278,7 @@ findSides(const PointStore& store, double noise, double spacing, SideScope scope
     findFacingSides(store, cut, graph, constants, threads, sides);
     return sides;
   }
-  const std::vector<signed char> signs =
-      signsOfAll(store, cut, graph, graph.edges, threads, sides.confidence);
+  const std::vector<signed char> signs = signsOfAll(store, cut, graph, threads, sides.confidence);
   if (store.hasSensors()) sides.confidence = 1;
   sides.normals = normalsOfPoints(store, cut, graph, signs, std::vector<char>(signs.size(), 1),
                                   store.hasSensors(), constants, threads, sides.thin);

@@ -26,7 +26,7 @@ struct Bracket {
 struct RadiusChoice {
   enum class Kind {
     kLeaf,      ///< a radius was found
-    kInternal,  ///< the minimum lies at smaller radii: a later level will find it
+    kInternal,  ///< the minimum is at smaller radii: a later level will find it
     kSparse     ///< too few points at r_r: see fallBackWhereSparse()
   };
   Kind kind = Kind::kInternal;

@@ -115,10 +115,10 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
       if (best && next.cost() > best->cost()) break;
       // Wider balls would hold what these cells keep apart. Sides never add to the noise: a patch of one
       // side alone of a thin tube bends more than its cubic.
+      const double most = std::min(std::max(noise, search.least),
+                                   std::max(search.unsided, rules.least_noise * spacing));
       double& lambda = next.settings.energy.lambda;
-      if (search.capped) lambda = std::min(lambda, std::pow(std::max(noise, search.least), 2));
-      const double most = std::max(search.unsided, rules.least_noise * spacing);
-      if (search.capped) lambda = std::min(lambda, std::pow(most, 2));
+      if (search.capped) lambda = std::min(lambda, most * most);
       best = std::move(next);
     }
     const bool same = found > rules.same_noise * noise;
@@ -152,8 +152,9 @@ pointsAround(const PointStore& store, const ThinPlaces& thin, const SideConstant
   return store.without(dropped, threads);
 }
 
-/** Gives sides to the points near another sheet alone, and for the cover alone: the projection needs
- * sides only where noise is wider than the gap, and those next to an edge are the least sure. */
+/** Gives sides to the points near another sheet for the cover, and to all points for the steps after it. The
+ * projection has none: it needs them only where noise is wider than the gap, and those next to an edge
+ * are the least sure. */
 void
 sideFacingPlaces(const ThinPlaces& thin, const FitConstants& constants, SidedStore& sided,
                  FitSettings& settings, FitStatistics& stats)

@@ -25,7 +25,7 @@ class SidedStore {
   /** \brief Whether the caller's store is what is given sides. */
   bool isKept() const { return own_ != nullptr && !copy_; }
   void setSides(const std::vector<std::array<float, 3>>& normals) { own().setSides(normals); }
-  /** \brief Sets sides for the cover, in whose place endCover() sets others, or none. */
+  /** \brief Sets sides for the cover, in whose place endCover() sets those for orientation and trim maps. */
   void setSidesForCover(const std::vector<std::array<float, 3>>& normals,
                         std::vector<std::array<float, 3>> after)
   {
@@ -34,8 +34,7 @@ class SidedStore {
   }
   void endCover()
   {
-    clearSides();
-    if (!after_cover_.empty()) own().setSides(after_cover_);
+    own().setSides(after_cover_);
     after_cover_.clear();
   }
   void clearSides()

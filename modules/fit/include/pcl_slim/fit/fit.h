@@ -66,7 +66,7 @@ struct PCL_SLIM_EXPORT FitParams {
   std::optional<bool> local_noise;  ///< lambda varies over the cloud: noisy parts are smoothed more
                                     ///< than clean ones; unset: if the data show it
   std::optional<double> noise_correlation;  ///< points that share their errors, 1: none do; unset:
-                                            ///< told by the data
+                                            ///< from the data
   /// a, b, c: RMS error a + b z + c z^2 along the ray from the viewpoint at distance z, world units;
   /// needs a viewpoint or the store's sensors
   std::optional<std::array<double, 3>> noise_model;
@@ -135,7 +135,7 @@ struct FitStatistics {
   int first_level = 1, levels_skipped = 0, last_level = 0;
   double lambda = 0;             ///< noise variance [L^2]
   std::uint64_t sided = 0;       ///< points that were given a side before the cover
-  bool sided_for_cover = false;  ///< they are a few, and had it only while leaves were fitted
+  bool sided_for_cover = false;  ///< ... and the projection does without them
   double sided_confidence = 0;   ///< agreement of neighbouring sides: 1 in full, 0 as chance has it
   SideSource side_source = SideSource::kNone;
   std::uint64_t overlap_edges = 0;  ///< of the graph that kOverlaps searches; 0: there was no need

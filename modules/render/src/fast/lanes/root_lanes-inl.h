@@ -73,7 +73,7 @@ struct Stretch {
     Vec t = first / IfThenElse(span == zero, set(1.0f), span);
     for (int step = 0; step < 12; ++step) {
       const Vec value = f.value(t), slope = f.slope(t);
-      const Mask before = sign * value > zero;  // the root lies right of t
+      const Mask before = sign * value > zero;  // the root is right of t
       left = IfThenElse(before, t, left);
       right = IfThenElse(before, right, t);
       Vec next = t - value / slope;
