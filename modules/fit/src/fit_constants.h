@@ -49,10 +49,11 @@ struct RadiusConstants {
   double brent_width = 0.05;  ///< ratio; width of the bracket in log r, far within which E is flat
 
   // "Guards", Minimum support.
-  int support_steps = 8;          ///< number of steps towards the minimum-support radius at most
-  double support_margin = 1.02;   ///< ratio; n_eff up to this many times the least support will do
-  double support_aim = 1.01;      ///< ratio of n_eff to the least support that a step aims at
-  double support_lenience = 1.3;  ///< ratio of E; a wider ball is taken up to this many times E there
+  int support_steps = 8;         ///< number of steps towards the minimum-support radius at most
+  double support_margin = 1.02;  ///< ratio; n_eff up to this many times the least support will do
+  double support_aim = 1.01;     ///< ratio of n_eff to the least support that a step aims at
+  double support_lenience =
+      1.3;  ///< ratio of E; a wider ball is taken up to this many times E there
 
   // "Guards", Thin data.
   double scattered_ratio = 0.02;  ///< e / r beyond which few points make no surface
