@@ -74,7 +74,7 @@ struct SidedFit {
   double noise = 0;  ///< measured
 
   /** The noise over the agreement of the sides: one rises or the other falls where sides are wrong. */
-  double cost() const { return noise / sides.confidence; }
+  double cost() const { return noise / (sides.confidence * sides.thin); }
 };
 
 /** Measures a cloud with sides. */
