@@ -290,7 +290,7 @@ addNoiseNotes(const FitParams& params, const FitStatistics& fit, std::vector<std
                       : params.hasThreshold() ? "-t_mdl"
                       : params.paper_mode     ? "-paper"
                                               : nullptr;
-  if (params.local_noise == true && fit.noise_correlation > 1 && !given)
+  if (params.local_noise == true && fit.noise.correlation > 1 && !given)
     notes.push_back("  -local_noise has no effect: shared noise is measured along the scan anyway");
   if (params.local_noise == false && given)
     notes.push_back(std::string("  -local_noise has no effect: with ") + given +
@@ -305,10 +305,10 @@ const char*
 whyNoSides(const FitParams& params, const FitStatistics& fit)
 {
   if (params.sides) return nullptr;
-  if (fit.side_source == SideSource::kNormals) return "the scan has normals";
-  if (fit.side_source == SideSource::kViewpoint) return "a viewpoint gives the sides";
+  if (fit.sides.source == SideSource::kNormals) return "the scan has normals";
+  if (fit.sides.source == SideSource::kViewpoint) return "a viewpoint gives the sides";
   if (params.paper_mode || params.hasThreshold()) return "-paper and -t_mdl give points no sides";
-  if (fit.noise_line > 0) return "points on scan lines get no sides";
+  if (fit.noise.line > 0) return "points on scan lines get no sides";
   return nullptr;
 }
 
@@ -379,10 +379,10 @@ fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& rep
   if (std::holds_alternative<TargetError>(job.params.size) ||
       std::holds_alternative<MaxSurfels>(job.params.size))
     console.note("  " + solvedText(statistics));
-  if (statistics.sided > 0) console.note("  " + sidesText(statistics));
+  if (statistics.sides.points > 0) console.note("  " + sidesText(statistics));
   for (const std::string& note : unusedNotes(job, cloud, statistics)) console.note(note);
   for (const std::string& note : coverNotes(statistics)) console.note(note);
-  if (statistics.normals_follow_points) {
+  if (statistics.noise.normals_follow_points) {
     console.note(
         "  the normals follow the points' own noise, or too few points tell: "
         "used as directions, not as data");

@@ -36,7 +36,8 @@ skippedCounts(const FittedPoints& fitted, const FitStatistics& fit)
           {"far_away", points.far_away},
           {"without_normal", points.without_normal},
           {"duplicates", points.duplicates},
-          {"sides", fit.sided > 0 && !fit.sided_for_cover ? 0 : fitted.stored - fit.sided},
+          {"sides",
+           fit.sides.points > 0 && !fit.sides.for_cover ? 0 : fitted.stored - fit.sides.points},
           {"lone_normals", fit.skipped_normals},
           {"never_gathered", fit.never_gathered},
           {"levels", fit.levels_skipped}};
@@ -61,18 +62,18 @@ reportFit(const FittedPoints& fitted, const SLIMSurface& surface, const FitStati
               {"penalty", fit.penalty},
               {"noise_factor", fit.noise_factor},
               {"t_mdl", fit.t_mdl},
-              {"normal_error", fit.normal_error},
+              {"normal_error", fit.noise.normal_error},
               {"lambda", fit.lambda},
-              {"noise_correlation", fit.noise_correlation},
-              {"noise_line", fit.noise_line},
-              {"noise_step", fit.noise_step},
-              {"noise_neighbors", fit.noise_neighbors},
-              {"noise_varies", fit.noise_varies},
-              {"thin_places", fit.thin_places},
-              {"sides_from", sideSourceName(fit.side_source)},
-              {"overlap_edges", fit.overlap_edges},
-              {"sided", fit.sided},
-              {"sided_confidence", fit.sided_confidence},
+              {"noise_correlation", fit.noise.correlation},
+              {"noise_line", fit.noise.line},
+              {"noise_step", fit.noise.step},
+              {"noise_neighbors", fit.noise.neighbors},
+              {"noise_varies", fit.noise.varies},
+              {"thin_places", fit.sides.thin_places},
+              {"sides_from", sideSourceName(fit.sides.source)},
+              {"overlap_edges", fit.sides.overlap_edges},
+              {"sided", fit.sides.points},
+              {"sided_confidence", fit.sides.confidence},
               {"diagonal", fitted.diagonal},
               {"rms_error_over_diagonal", fit.rms_error},
               {"uncovered", fit.uncovered},
@@ -93,13 +94,13 @@ reportFit(const FittedPoints& fitted, const SLIMSurface& surface, const FitStati
               {"store_bytes", fitted.store_bytes},
               {"working_bytes", fit.working_bytes}});
   report.json()["skipped"] = skippedCounts(fitted, fit);
-  report.time("outliers", fit.seconds_outliers);
-  report.time("noise", fit.seconds_noise);
-  report.time("sides", fit.seconds_sides);
-  report.time("cover", fit.seconds_cover);
-  report.time("links", fit.seconds_links);
-  report.time("orient", fit.seconds_orient);
-  report.time("trim", fit.seconds_trim);
+  report.time("outliers", fit.seconds.outliers);
+  report.time("noise", fit.seconds.noise);
+  report.time("sides", fit.seconds.sides);
+  report.time("cover", fit.seconds.cover);
+  report.time("links", fit.seconds.links);
+  report.time("orient", fit.seconds.orient);
+  report.time("trim", fit.seconds.trim);
 }
 
 void
@@ -123,14 +124,14 @@ noiseText(double diagonal, const FitStatistics& fit)
   char text[160];
   std::snprintf(text, sizeof(text), "noise %.3g RMS", std::sqrt(fit.lambda) * diagonal);
   std::string line = text;
-  if (fit.noise_step > 0) {
-    std::snprintf(text, sizeof(text), ", in steps of %.3g", fit.noise_step * diagonal);
+  if (fit.noise.step > 0) {
+    std::snprintf(text, sizeof(text), ", in steps of %.3g", fit.noise.step * diagonal);
     line += text;
   }
-  std::snprintf(text, sizeof(text), ", correlated over %.0f points", fit.noise_correlation);
-  line += fit.noise_correlation > 1 ? text : ", white";
-  if (fit.noise_line > 0) line += ", on scan lines";
-  return line + (fit.noise_varies ? ", varying over the scan" : "");
+  std::snprintf(text, sizeof(text), ", correlated over %.0f points", fit.noise.correlation);
+  line += fit.noise.correlation > 1 ? text : ", white";
+  if (fit.noise.line > 0) line += ", on scan lines";
+  return line + (fit.noise.varies ? ", varying over the scan" : "");
 }
 
 std::string
@@ -147,12 +148,12 @@ solvedText(const FitStatistics& fit)
 std::string
 sidesText(const FitStatistics& fit)
 {
-  if (fit.sided == 0) return "";
+  if (fit.sides.points == 0) return "";
   char text[160];
   std::snprintf(
       text, sizeof(text), "thin parts: %llu points got a side %s, %.0f %% of neighbours agree",
-      static_cast<unsigned long long>(fit.sided),
-      fit.sided_for_cover ? "while leaves were fitted" : "first", 50 * (1 + fit.sided_confidence));
+      static_cast<unsigned long long>(fit.sides.points),
+      fit.sides.for_cover ? "while leaves were fitted" : "first", 50 * (1 + fit.sides.confidence));
   return text;
 }
 

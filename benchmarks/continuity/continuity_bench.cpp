@@ -101,8 +101,8 @@ printRow(const Settings& s, const Scan& scan, const SmoothedPoints& original,
       std::max(smoothed->sigma / varied.scale, unit * 1e-3) / std::max(original.sigma, unit * 1e-3);
   const std::string found = marked(sigma, kSigmaTolerance, outside);
   // At another density N and leaves may follow the density or stay.
-  const double n = ratioTo(b.noise_correlation, a.noise_correlation,
-                           std::max(1.0, a.noise_correlation * varied.density));
+  const double n = ratioTo(b.noise.correlation, a.noise.correlation,
+                           std::max(1.0, a.noise.correlation * varied.density));
   const std::string correlation = marked(n, kTolerance, outside);
   const std::string leaves =
       marked(ratioTo(static_cast<double>(b.leaves), varied.leaves, varied.leaves * varied.density),
@@ -113,7 +113,7 @@ printRow(const Settings& s, const Scan& scan, const SmoothedPoints& original,
   tally.outside += outside;
   if (s.outside && !outside) return {};
   std::printf("| %s | %zu | %s | %.1f | %s | %llu | %s | %.2f%s |\n", variant.name.c_str(),
-              varied.points.size(), found.c_str(), b.noise_correlation, correlation.c_str(),
+              varied.points.size(), found.c_str(), b.noise.correlation, correlation.c_str(),
               static_cast<unsigned long long>(b.leaves), leaves.c_str(), move,
               move < kMoveTolerance ? "" : " *");
   std::fflush(stdout);
@@ -132,7 +132,7 @@ printScan(const Settings& s, Scan scan, Tally& tally)
       "| variant | points | sigma ratio | N | ratio | leaves | ratio | RMS move, sigma |\n"
       "|---|---|---|---|---|---|---|---|\n",
       scan.name.c_str(), scan.points.size(), original->sigma,
-      original->sigma / scan.box().diagonal().norm(), original->fit.noise_correlation,
+      original->sigma / scan.box().diagonal().norm(), original->fit.noise.correlation,
       static_cast<unsigned long long>(original->fit.leaves), original->seconds);
   for (const Variant& variant : continuity::allVariants(seed)) {
     if (variant.name.find(s.only) == std::string::npos) continue;

@@ -76,7 +76,7 @@ Varied
 rounded(const Scan& scan, const SmoothedPoints& smoothed)
 {
   const Eigen::Vector3d size = scan.box().sizes();
-  const double step = smoothed.fit.noise_step * size.norm();
+  const double step = smoothed.fit.noise.step * size.norm();
   // A surface's area is about that of its box's largest side.
   const double area = size.prod() / size.minCoeff();
   const double spacing = std::sqrt(area / static_cast<double>(scan.points.size()));

@@ -101,11 +101,11 @@ fitOnce(const CloudView& view, const FitParams& params, Timing& t)
   t.units_wall.push_back(wall_used / t.unit.back());
   t.cpu.push_back(cpu_used);
   t.store.push_back(store->statistics().seconds);
-  t.noise.push_back(t.fit.seconds_noise);
-  t.cover.push_back(t.fit.seconds_cover);
-  t.links.push_back(t.fit.seconds_links);
-  t.orient.push_back(t.fit.seconds_orient);
-  t.trim.push_back(t.fit.seconds_trim);
+  t.noise.push_back(t.fit.seconds.noise);
+  t.cover.push_back(t.fit.seconds.cover);
+  t.links.push_back(t.fit.seconds.links);
+  t.orient.push_back(t.fit.seconds.orient);
+  t.trim.push_back(t.fit.seconds.trim);
   return {};
 }
 

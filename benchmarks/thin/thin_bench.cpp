@@ -143,7 +143,7 @@ printRow(const Settings& s, const Scene& scene, double sigma)
     printValue(std::min(jets.thin, mls.thin));
     printValue(std::min(jets.all, mls.all));
   }
-  std::printf(" %.2f | %.2f |\n", own->fit.sided_confidence, own->seconds / off->seconds);
+  std::printf(" %.2f | %.2f |\n", own->fit.sides.confidence, own->seconds / off->seconds);
   std::fflush(stdout);
   return {};
 }

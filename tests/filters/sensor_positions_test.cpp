@@ -52,12 +52,12 @@ TEST(SensorPositions, DecideTheSidesInEveryClassThatFits)
   fit.setInputCloud(cloud);
   SLIMSurface surface;
   ASSERT_TRUE(fit.fit(surface));
-  EXPECT_EQ(fit.getStatistics().side_source, SideSource::kOverlaps);
+  EXPECT_EQ(fit.getStatistics().sides.source, SideSource::kOverlaps);
   fit.setSensorPositions(sensors);
   pcl::PointCloud<PointSLIM> surfels;
   ASSERT_TRUE(fit.fit(surfels)) << fit.getError().message;
-  EXPECT_EQ(fit.getStatistics().side_source, SideSource::kSensors);
-  EXPECT_EQ(fit.getStatistics().overlap_edges, 0u);
+  EXPECT_EQ(fit.getStatistics().sides.source, SideSource::kSensors);
+  EXPECT_EQ(fit.getStatistics().sides.overlap_edges, 0u);
   EXPECT_EQ(numOutward(surfels), 0u);
 
   SLIMProjectionSmoother<pcl::PointXYZ, pcl::PointNormal> smoother;
@@ -88,7 +88,7 @@ TEST(SensorPositions, DecideTheSidesInEveryClassThatFits)
   pcl::PolygonMesh made;
   mesh.reconstruct(made);
   EXPECT_FALSE(made.polygons.empty()) << mesh.getError().message;
-  EXPECT_EQ(mesh.getStatistics().side_source, SideSource::kSensors);
+  EXPECT_EQ(mesh.getStatistics().sides.source, SideSource::kSensors);
 }
 
 TEST(SensorPositions, TurnEstimatedNormals)
@@ -101,7 +101,7 @@ TEST(SensorPositions, TurnEstimatedNormals)
   fit.setSensorPositions(sensors);
   pcl::PointCloud<PointSLIM> surfels;
   ASSERT_TRUE(fit.fit(surfels)) << fit.getError().message;
-  EXPECT_EQ(fit.getStatistics().side_source, SideSource::kNormals);
+  EXPECT_EQ(fit.getStatistics().sides.source, SideSource::kNormals);
   EXPECT_EQ(numOutward(surfels), 0u);
 }
 
@@ -178,7 +178,7 @@ TEST(SensorPositions, ComeFromFieldsOfThePointType)
   fit.setInputCloud(cloud);
   SLIMSurface surface;
   ASSERT_TRUE(fit.fit(surface));
-  EXPECT_EQ(fit.getStatistics().side_source, SideSource::kOverlaps) << "all zero: unknown";
+  EXPECT_EQ(fit.getStatistics().sides.source, SideSource::kOverlaps) << "all zero: unknown";
   for (std::size_t i = 0; i < cloud->size(); ++i) {
     (*cloud)[i].vp_x = static_cast<float>(sensors[i][0]);
     (*cloud)[i].vp_y = static_cast<float>(sensors[i][1]);
@@ -186,11 +186,11 @@ TEST(SensorPositions, ComeFromFieldsOfThePointType)
   }
   pcl::PointCloud<PointSLIM> surfels;
   ASSERT_TRUE(fit.fit(surfels));
-  EXPECT_EQ(fit.getStatistics().side_source, SideSource::kSensors);
+  EXPECT_EQ(fit.getStatistics().sides.source, SideSource::kSensors);
   EXPECT_EQ(numOutward(surfels), 0u);
   fit.setSensorPosition(0, 0, 0.1);
   ASSERT_TRUE(fit.fit(surface));
-  EXPECT_EQ(fit.getStatistics().side_source, SideSource::kViewpoint);
+  EXPECT_EQ(fit.getStatistics().sides.source, SideSource::kViewpoint);
 
   ColorOctreeSplatSampler<pcl::PointWithViewpoint> sampler;
   sampler.setInputCloud(cloud);

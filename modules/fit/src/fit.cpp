@@ -8,15 +8,14 @@
 #include <cmath>
 #include <cstdio>
 
+#include "cloud_measures.h"
 #include "cover/level_cover.h"
-#include "fit_settings.h"
+#include "fit_plan.h"
 #include "fit_steps.h"
 #include "fit_with_constants.h"
-#include "measured_settings.h"
 #include "pcl_slim/cloud/outliers.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/stopwatch.h"
-#include "presets.h"
 #include "sides/sided_store.h"
 
 namespace pcl_slim {
@@ -52,9 +51,12 @@ rounded(double x)
 /** Searches for the factor of the noise variance at which a cover meets a goal. */
 class FactorSearch {
  public:
-  FactorSearch(const PointStore& store, FitSettings& settings, double noise, int threads,
-               Progress* progress)
-      : store_(store), settings_(settings), noise_(noise), threads_(threads), progress_(progress)
+  FactorSearch(const PointStore& store, const FitPlan& plan, int threads, Progress* progress)
+      : store_(store),
+        plan_(plan),
+        noise_(std::max(plan.energy.lambda, plan.constants.penalty_search.least_variance)),
+        threads_(threads),
+        progress_(progress)
   {
   }
 
@@ -62,19 +64,18 @@ class FactorSearch {
   double least() const { return 1; }
   double most() const
   {
-    return rounded(
-        std::max(1.0, std::pow(constants().largest_error * settings_.diagonal, 2) / noise_));
+    return rounded(std::max(1.0, std::pow(constants().largest_error * plan_.diagonal, 2) / noise_));
   }
 
-  const PenaltySearchConstants& constants() const { return settings_.constants.penalty_search; }
+  const PenaltySearchConstants& constants() const { return plan_.constants.penalty_search; }
 
-  void apply(double factor) { settings_.energy.lambda = factor * noise_; }
+  FitPlan planAt(double factor) const { return plan_.withLambda(factor * noise_); }
 
   Error run(double factor, CoverResult& result)
   {
-    apply(factor);
-    LevelCover cover(store_, settings_, threads_);
-    if (Error error = cover.run(startLevel(store_, settings_), progress_)) return error;
+    const FitPlan plan = planAt(factor);
+    LevelCover cover(store_, plan, threads_);
+    if (Error error = cover.run(startLevel(store_, plan), progress_)) return error;
     double weight = 0, sum = 0;
     result = CoverResult();
     for (const LevelCover::Piece& piece : cover.pieces()) {
@@ -85,7 +86,7 @@ class FactorSearch {
         sum += static_cast<double>(s->effective_count) * s->error * s->error;
       }
     }
-    result.rms = weight > 0 ? std::sqrt(sum / weight) / settings_.diagonal : 0.0;
+    result.rms = weight > 0 ? std::sqrt(sum / weight) / plan_.diagonal : 0.0;
     return {};
   }
 
@@ -115,7 +116,7 @@ class FactorSearch {
 
  private:
   const PointStore& store_;
-  FitSettings& settings_;
+  const FitPlan& plan_;
   double noise_;
   int threads_;
   Progress* progress_;
@@ -162,8 +163,8 @@ solveCount(FactorSearch& search, double most, double& factor)
                       std::log(1 - search.constants().count_tolerance), 0.0, goal, factor);
 }
 
-/** \brief Multiplies the noise variance settings.energy.lambda by a NoiseFactor, or by the factor that meets
- * a TargetError or MaxSurfels; with another SizeRule it stays.
+/** \brief A plan whose noise variance is multiplied by a NoiseFactor, or by the factor that meets a TargetError
+ * or MaxSurfels; with another SizeRule the plan as it is.
  *
  * The error a user allows is treated as if it were noise: covers are run while the factor is moved by secant
  * steps in log-log until the RMS residual meets the target within 3 %, or the leaves number at most
@@ -171,23 +172,21 @@ solveCount(FactorSearch& search, double most, double& factor)
  * printed gives the same fit. \param[out] factor the one used; 0: none
  * \return an error where no factor reaches the goal, naming what is reachable.
  */
-Error
-applyNoiseFactor(const PointStore& store, const FitParams& params, FitSettings& settings,
-                 int threads, Progress* progress, double& factor)
+Result<FitPlan>
+sizedPlan(const PointStore& store, const FitParams& params, FitPlan plan, int threads,
+          Progress* progress, double& factor)
 {
   const auto* given = std::get_if<NoiseFactor>(&params.size);
   const auto* target = std::get_if<TargetError>(&params.size);
   const auto* most = std::get_if<MaxSurfels>(&params.size);
   factor = given ? given->factor : 0;
-  if (!given && !target && !most) return {};
-  const double noise =
-      std::max(settings.energy.lambda, settings.constants.penalty_search.least_variance);
-  FactorSearch search(store, settings, noise, threads, progress);
+  if (!given && !target && !most) return plan;
+  FactorSearch search(store, plan, threads, progress);
   Error error;
   if (most) error = solveCount(search, static_cast<double>(most->leaves), factor);
   if (target) error = solveError(search, target->rms, factor);
-  search.apply(factor);
-  return error;
+  if (error) return error;
+  return search.planAt(factor);
 }
 
 /** The parameters, with the cloud's sensor as viewpoint where neither a viewpoint is given nor points have
@@ -222,46 +221,49 @@ fitStages(const FitConstants& constants, const FitParams& params, SidedStore& si
           SLIMSurface& surface, FitStatistics& stats, Progress* progress)
 {
   Stopwatch watch;
-  FitSettings settings = makeSettings(sided.store(), params, constants);
-  if (Error error = measureSettings(sided.store(), params, stats.threads, settings, stats))
-    return error;
-  stats.seconds_noise = watch.lap();
-  if (Error error = giveSides(constants, params, sided, settings, stats)) return error;
-  stats.seconds_sides = watch.lap();
+  Result<CloudMeasures> measured =
+      measureCloud(sided.store(), params, constants, stats.threads, stats);
+  if (!measured) return measured.error();
+  CloudMeasures& measures = *measured;
+  stats.seconds.noise = watch.lap();
+  if (Error error = giveSides(constants, params, sided, measures, stats)) return error;
+  stats.seconds.sides = watch.lap();
   const PointStore& store = sided.store();
 
-  const double measured = settings.energy.lambda;
-  if (Error error =
-          applyNoiseFactor(store, params, settings, stats.threads, progress, stats.noise_factor))
-    return error;
-  stats.first_level = startLevel(store, settings);
-  LevelCover cover(store, settings, stats.threads);
+  const Result<FitPlan> sized =
+      sizedPlan(store, params, planFor(store, params, constants, measures), stats.threads, progress,
+                stats.noise_factor);
+  if (!sized) return sized.error();
+  const FitPlan& plan = *sized;
+  stats.first_level = startLevel(store, plan);
+  LevelCover cover(store, plan, stats.threads);
   if (Error error = cover.run(stats.first_level, progress)) return error;
-  stats.seconds_cover = watch.lap();
-  if (stats.sided_for_cover) sided.endCover();
+  stats.seconds.cover = watch.lap();
+  if (stats.sides.for_cover) sided.endCover();
 
-  fillSurface(store, settings, cover, stats.threads, surface);
+  fillSurface(store, plan, cover, stats.threads, surface);
   surface.buildLinks(stats.threads);
-  stats.seconds_links = watch.lap();
+  stats.seconds.links = watch.lap();
 
   if (store.hasNormals())
-    stats.side_source = SideSource::kNormals;
+    stats.sides.source = SideSource::kNormals;
   else if (store.hasSides())
-    stats.side_source = store.hasSensors() ? SideSource::kSensors : SideSource::kThinParts;
+    stats.sides.source = store.hasSensors() ? SideSource::kSensors : SideSource::kThinParts;
   else if (params.orient)
     orientSurface(&store, params, constants.orient, surface, stats);
-  if (stats.sided_for_cover) turnToSides(store, constants.orient, stats.threads, surface);
-  stats.seconds_orient = watch.lap();
+  if (stats.sides.for_cover) turnToSides(store, constants.orient, stats.threads, surface);
+  stats.seconds.orient = watch.lap();
 
   if (params.trim && !params.paper_mode)
-    makeTrimMaps(store, settings, params.hole_size, stats, surface);
-  if (stats.sided_for_cover) sided.clearSides();
-  stats.seconds_trim = watch.lap();
+    makeTrimMaps(store, plan, params.hole_size, stats, surface);
+  if (stats.sides.for_cover) sided.clearSides();
+  stats.seconds.trim = watch.lap();
 
   countFit(store, cover, surface, stats);
-  if (measured > 0 && settings.energy.lambda != measured) {  // penalties act through lambda
-    stats.penalty *= settings.energy.lambda / measured;
-    stats.lambda *= measured / settings.energy.lambda;
+  const double used = plan.energy.lambda, noise = measures.lambda;
+  if (noise > 0 && used != noise) {  // penalties act through lambda
+    stats.penalty *= used / noise;
+    stats.lambda *= noise / used;
   }
   return checkLeaves(store, stats);
 }
@@ -288,7 +290,7 @@ fitStore(const FitConstants& constants, SidedStore& sided, const FitParams& aske
   if (!params.keep_outliers && !params.paper_mode)
     stats.outlier_points = findOutliers(all, stats.threads);
   stats.outliers = stats.outlier_points.size();
-  stats.seconds_outliers = watch.lap();
+  stats.seconds.outliers = watch.lap();
 
   Error error;
   if (stats.outliers == 0) {

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fit_plan.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/fit/fit.h"
-#include "presets.h"
 
 namespace pcl_slim {
 

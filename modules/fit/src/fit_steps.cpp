@@ -36,24 +36,24 @@ setSurfel(std::size_t i, const SurfelRecord& r, SLIMSurface& surface)
 }
 
 SurfaceInfo
-makeInfo(const PointStore& store, const FitSettings& settings)
+makeInfo(const PointStore& store, const FitPlan& plan)
 {
   SurfaceInfo info;
-  info.degree = settings.degree;
-  info.fit_kernel = settings.fit_kernel;
-  info.blend_kernel = settings.paper ? WeightKernel::kGaussian : WeightKernel::kPower4;
+  info.degree = plan.degree;
+  info.fit_kernel = plan.fit_kernel;
+  info.blend_kernel = plan.paper ? WeightKernel::kGaussian : WeightKernel::kPower4;
   info.oriented = store.hasSides();
-  info.paper_mode = settings.paper;
+  info.paper_mode = plan.paper;
   info.origin = store.origin();
   info.scale = store.scale();
   info.diagonal = store.diagonal();
   const double diagonal = store.diagonal();
   const bool has_extent = diagonal > 0;  // of one place there is no share
-  info.lambda = has_extent ? settings.energy.lambda / (diagonal * diagonal) : 0.0;
-  info.penalty = settings.energy.t_mdl > 0 ? 0.0 : settings.energy.kappa;
-  info.t_mdl = has_extent ? settings.energy.t_mdl / diagonal : 0.0;
-  info.cover_radius = settings.alpha;
-  info.cover_threshold = settings.gamma;
+  info.lambda = has_extent ? plan.energy.lambda / (diagonal * diagonal) : 0.0;
+  info.penalty = plan.energy.t_mdl > 0 ? 0.0 : plan.energy.kappa;
+  info.t_mdl = has_extent ? plan.energy.t_mdl / diagonal : 0.0;
+  info.cover_radius = plan.alpha;
+  info.cover_threshold = plan.gamma;
   info.num_points = store.size();
   return info;
 }
@@ -106,16 +106,15 @@ constexpr std::uint64_t kFewPoints = 12;  ///< about what the smallest leaf take
 }  // namespace
 
 int
-startLevel(const PointStore& store, const FitSettings& settings)
+startLevel(const PointStore& store, const FitPlan& plan)
 {
-  if (settings.paper) return 1;
-  const CoverConstants& constants = settings.constants.cover;
+  if (plan.paper) return 1;
+  const CoverConstants& constants = plan.constants.cover;
   const std::size_t samples = std::min(constants.start_samples, store.size());
-  const auto most =
-      static_cast<std::size_t>(settings.start_share * static_cast<double>(store.size()));
+  const auto most = static_cast<std::size_t>(plan.start_share * static_cast<double>(store.size()));
   std::vector<std::uint32_t> blocks;
   int level = 1;
-  const auto isLast = [&](int k) { return !settings.resolves(k + 1) || !settings.allows(k + 1); };
+  const auto isLast = [&](int k) { return !plan.resolves(k + 1) || !plan.allows(k + 1); };
   for (; level < constants.last_start && !isLast(level); ++level) {
     std::size_t crowded = 0;
     for (std::size_t s = 0; s < samples; ++s) {
@@ -124,7 +123,7 @@ startLevel(const PointStore& store, const FitSettings& settings)
                                static_cast<float>(p[2])};
       blocks.clear();
       // Blocks stand for their points: enough for a choice between factors of 1.6.
-      store.tree().blocksInBall(center, static_cast<float>(settings.levelRadius(level)), blocks);
+      store.tree().blocksInBall(center, static_cast<float>(plan.levelRadius(level)), blocks);
       crowded +=
           blocks.size() * PointStore::kBlock > most + constants.start_slack * PointStore::kBlock;
     }
@@ -134,10 +133,10 @@ startLevel(const PointStore& store, const FitSettings& settings)
 }
 
 void
-fillSurface(const PointStore& store, const FitSettings& settings, const LevelCover& cover,
-            int threads, SLIMSurface& surface)
+fillSurface(const PointStore& store, const FitPlan& plan, const LevelCover& cover, int threads,
+            SLIMSurface& surface)
 {
-  surface.info = makeInfo(store, settings);
+  surface.info = makeInfo(store, plan);
   const std::vector<LevelCover::Piece> pieces = cover.pieces();
   if (pieces.empty()) return;
   const LevelCover::Piece& last = pieces.back();

@@ -2,7 +2,7 @@
 // The steps before and after the cover, which the fit of a store and that of a tile share.
 #pragma once
 
-#include "fit_settings.h"
+#include "fit_plan.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/surface/surface.h"
@@ -14,7 +14,7 @@ class LevelCover;
 /** \brief First level whose median ball holds a small share of the points: the box's size says
  * nothing about the object's where one far point can stretch it. 1 in paper mode. */
 int
-startLevel(const PointStore& store, const FitSettings& settings);
+startLevel(const PointStore& store, const FitPlan& plan);
 
 /** \brief Gives surfels fitted without normals a common side; flips them in place.
  *
@@ -39,8 +39,8 @@ turnToSides(const PointStore& store, const OrientConstants& constants, int threa
 /** \brief Writes a finished cover's surfels into a surface's columns, and how it was made into its
  * info; links are still to be built. O(surfels). */
 void
-fillSurface(const PointStore& store, const FitSettings& settings, const LevelCover& cover,
-            int threads, SLIMSurface& surface);
+fillSurface(const PointStore& store, const FitPlan& plan, const LevelCover& cover, int threads,
+            SLIMSurface& surface);
 
 /** \brief Gives the surfels that data do not fill their trim maps (docs/theory.md, "Borders").
  *
@@ -51,8 +51,8 @@ fillSurface(const PointStore& store, const FitSettings& settings, const LevelCov
  * \param[in,out] stats its threads are used, trim_candidates counted
  */
 void
-makeTrimMaps(const PointStore& store, const FitSettings& settings, double hole_size,
-             FitStatistics& stats, SLIMSurface& surface);
+makeTrimMaps(const PointStore& store, const FitPlan& plan, double hole_size, FitStatistics& stats,
+             SLIMSurface& surface);
 
 /** \brief Counts what a finished fit holds: points, surfels, and what its cover did. The times and
  * what was measured of the cloud are the fit's own to write. O(points + surfels). */

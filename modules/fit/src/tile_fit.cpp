@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cloud_measures.h"
 #include "cover/level_cover.h"
+#include "fit_plan.h"
 #include "fit_steps.h"
-#include "measured_settings.h"
 #include "pcl_slim/cloud/detail/noise_measurement.h"
 #include "pcl_slim/cloud/outliers.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/core/stopwatch.h"
-#include "presets.h"
 
 namespace pcl_slim {
 
@@ -33,10 +33,10 @@ windowedConstants(const TraitsSample& how)
 }
 
 CloudTraits::Profile
-profileKind(const FitParams& params, const FitSettings& settings)
+profileKind(const FitParams& params, const CloudMeasures& measures)
 {
-  if (settings.noise_profile.empty()) return CloudTraits::Profile::kNone;
-  const bool measured = params.local_noise == true || settings.energy.correlation > 1;
+  if (measures.noise_profile.empty()) return CloudTraits::Profile::kNone;
+  const bool measured = params.local_noise == true || measures.correlation > 1;
   return measured ? CloudTraits::Profile::kMeasured : CloudTraits::Profile::kRaised;
 }
 
@@ -49,36 +49,38 @@ unthinned(double count, const TraitsSample& how)
 
 /** Whether noise fills the widest patches: they are as wide as the sample allows, and too narrow. */
 bool
-noiseFills(const PointStore& sample, const FitStatistics& stats, const FitSettings& settings)
+noiseFills(const PointStore& sample, const FitStatistics& stats, double lambda,
+           const NoiseConstants& noise)
 {
-  const NoiseConstants& noise = settings.constants.noise;
   const std::size_t most = sample.size() / noise.most_part;
-  const double sigma = std::sqrt(settings.energy.lambda) / sample.diagonal();
-  return 2 * stats.noise_neighbors > most && sigma >= noise.patch_noise * stats.noise_patch_radius;
+  const double sigma = std::sqrt(lambda) / sample.diagonal();
+  return 2 * stats.noise.neighbors > most && sigma >= noise.patch_noise * stats.noise.patch_radius;
 }
 
-/** Puts the cloud's traits in the place of what a store shows. */
-void
-takeTraits(const CloudTraits& traits, const FitParams& params, FitSettings& settings)
+/** The cloud's traits in the place of what a store shows. */
+CloudMeasures
+measuresOf(const CloudTraits& traits)
 {
-  settings.min_dot = traits.min_dot;
-  settings.normal_error = traits.normal_error;
-  settings.energy.lambda = traits.lambda;
-  settings.energy.correlation = traits.dependence;
-  if (!params.hasThreshold()) settings.noise = traits.lambda;
+  CloudMeasures measures;
+  measures.lambda = measures.noise = traits.lambda;
+  measures.correlation = traits.dependence;
+  measures.normal_error = traits.normal_error;
+  measures.min_dot = traits.min_dot;
+  return measures;
 }
 
-void
-takeProfile(const PointStore& store, const CloudTraits& traits, int threads, FitSettings& settings)
+std::vector<float>
+profileOf(const PointStore& store, const CloudTraits& traits, int threads,
+          const NoiseConstants& constants)
 {
   NoiseLevel level;
   level.variance = traits.lambda;
   level.neighbors = static_cast<std::size_t>(traits.noise_neighbors);
-  const NoiseConstants& constants = settings.constants.noise;
   if (traits.profile == CloudTraits::Profile::kMeasured)
-    settings.noise_profile = measureNoiseProfile(store, level, constants, threads);
+    return measureNoiseProfile(store, level, constants, threads);
   if (traits.profile == CloudTraits::Profile::kRaised)
-    settings.noise_profile = measureRaisedProfile(store, level, constants, threads);
+    return measureRaisedProfile(store, level, constants, threads);
+  return {};
 }
 
 PointRange
@@ -108,14 +110,10 @@ LevelRadii::reach(int level) const
 LevelRadii
 levelRadii(const StoreFrame& frame, const FitParams& params)
 {
-  FitSettings settings = params.hasThreshold() ? givenTPreset({}) : defaultPreset({});
-  settings.diagonal = frame.diagonal;
-  settings.center_grid = frame.center_grid;
-  settings.least_ball =
-      std::min(params.least_radius.value_or(0) / frame.scale, settings.levelRadius(1));
-  LevelRadii radii{settings.levelRadius(1), kGolden, 1};
-  const int last = settings.constants.cover.last_start;
-  while (radii.last < last && settings.resolves(radii.last + 1) && settings.allows(radii.last + 1))
+  const FitPlan plan = framePlan(frame, params, {});
+  LevelRadii radii{plan.levelRadius(1), kGolden, 1};
+  const int last = plan.constants.cover.last_start;
+  while (radii.last < last && plan.resolves(radii.last + 1) && plan.allows(radii.last + 1))
     ++radii.last;
   return radii;
 }
@@ -127,22 +125,22 @@ measureTraits(const PointStore& sample, const FitParams& asked, const TraitsSamp
   const FitParams params = resolvedParams(asked, constants.preset);
   const int threads = resolveThreads(params.threads);
   MeasuredTraits measured;
-  FitSettings settings = makeSettings(sample, params, constants);
   FitStatistics& stats = measured.statistics;
-  if (Error error = measureSettings(sample, params, threads, settings, stats)) return error;
-  stats.lambda = settings.energy.lambda / (sample.diagonal() * sample.diagonal());
+  const Result<CloudMeasures> found = measureCloud(sample, params, constants, threads, stats);
+  if (!found) return found.error();
+  stats.lambda = found->lambda / (sample.diagonal() * sample.diagonal());
   CloudTraits& traits = measured.traits;
-  traits.lambda = settings.energy.lambda;
-  traits.min_dot = settings.min_dot;
-  traits.normal_error = settings.normal_error;
+  traits.lambda = found->lambda;
+  traits.min_dot = planFor(sample, params, constants, *found).min_dot;
+  traits.normal_error = found->normal_error;
   if (how.thinning == 1) traits.spacing = medianSpacing(sample);
-  traits.profile = profileKind(params, settings);
-  measured.noise_fills = noiseFills(sample, stats, settings);
-  if (traits.profile != CloudTraits::Profile::kNone && stats.noise_neighbors == 0)
-    stats.noise_neighbors = measureNoise(sample, constants.noise, threads).neighbors;
-  traits.dependence = unthinned(settings.energy.correlation, how);
-  traits.noise_neighbors = how.thinning * stats.noise_neighbors;
-  stats.noise_correlation = unthinned(stats.noise_correlation, how);
+  traits.profile = profileKind(params, *found);
+  measured.noise_fills = noiseFills(sample, stats, found->lambda, constants.noise);
+  if (traits.profile != CloudTraits::Profile::kNone && stats.noise.neighbors == 0)
+    stats.noise.neighbors = measureNoise(sample, constants.noise, threads).neighbors;
+  traits.dependence = unthinned(found->correlation, how);
+  traits.noise_neighbors = how.thinning * stats.noise.neighbors;
+  stats.noise.correlation = unthinned(stats.noise.correlation, how);
   return measured;
 }
 
@@ -186,21 +184,21 @@ fitTile(PointStore store, const FitParams& asked, const TileJob& job, SLIMSurfac
   }
   const PointRange core = coreOf(store, job);
   stats.outliers -= core.size();
-  stats.seconds_outliers = watch.lap();
+  stats.seconds.outliers = watch.lap();
 
-  FitSettings settings = makeSettings(store, params, constants);
-  takeTraits(job.traits, params, settings);
-  takeProfile(store, job.traits, stats.threads, settings);
-  stats.seconds_noise = watch.lap();
+  CloudMeasures measures = measuresOf(job.traits);
+  measures.noise_profile = profileOf(store, job.traits, stats.threads, constants.noise);
+  const FitPlan plan = planFor(store, params, constants, measures);
+  stats.seconds.noise = watch.lap();
 
   stats.first_level = job.first_level;
-  LevelCover cover(store, settings, stats.threads, core);
+  LevelCover cover(store, plan, stats.threads, core);
   if (Error error = cover.run(job.first_level, progress)) return error;
-  fillSurface(store, settings, cover, stats.threads, surface);
-  stats.seconds_cover = watch.lap();
+  fillSurface(store, plan, cover, stats.threads, surface);
+  stats.seconds.cover = watch.lap();
 
-  if (params.trim) makeTrimMaps(store, settings, params.hole_size, stats, surface);
-  stats.seconds_trim = watch.lap();
+  if (params.trim) makeTrimMaps(store, plan, params.hole_size, stats, surface);
+  stats.seconds.trim = watch.lap();
   countFit(store, cover, surface, stats);
   stats.points = core.size();
   stats.never_gathered -= std::min<std::uint64_t>(stats.never_gathered, store.size() - core.size());
@@ -217,15 +215,14 @@ fitCoarseLevels(const PointStore& sample, const FitParams& asked, const CoarseJo
   const FitParams params = resolvedParams(asked, constants.preset);
   FitStatistics stats;
   stats.threads = resolveThreads(params.threads);
-  FitSettings settings = makeSettings(sample, params, constants);
-  settings.internal_only = true;
   CloudTraits traits = job.traits;
   traits.dependence = 1 + (traits.dependence - 1) / static_cast<double>(job.thinning);
-  takeTraits(traits, params, settings);
-  LevelCover cover(sample, settings, stats.threads);
-  if (Error error = cover.run(startLevel(sample, settings), progress)) return error;
-  fillSurface(sample, settings, cover, stats.threads, surface);
-  if (params.trim) makeTrimMaps(sample, settings, params.hole_size, stats, surface);
+  FitPlan plan = planFor(sample, params, constants, measuresOf(traits));
+  plan.internal_only = true;
+  LevelCover cover(sample, plan, stats.threads);
+  if (Error error = cover.run(startLevel(sample, plan), progress)) return error;
+  fillSurface(sample, plan, cover, stats.threads, surface);
+  if (params.trim) makeTrimMaps(sample, plan, params.hole_size, stats, surface);
   return {};
 }
 

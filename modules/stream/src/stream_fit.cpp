@@ -167,7 +167,7 @@ StreamFit::prepare(PointSource& source, Progress* progress)
   s.stats.seconds_sort = watch.seconds();
   watch = {};
   if (Error error = s.measureNoise()) return error;
-  s.sum.sum().seconds_noise += watch.seconds();
+  s.sum.sum().seconds.noise += watch.seconds();
   watch = {};
   if (Error error = s.survey(progress)) return error;
   s.stats.seconds_plan = watch.seconds();

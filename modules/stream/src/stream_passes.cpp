@@ -342,9 +342,9 @@ detail::StreamState::measureNoise()
   if (!measured) return measured.error();
   traits = measured->traits;
   FitStatistics& fit = sum.sum();
-  const double seconds = fit.seconds_noise;
+  const double seconds = fit.seconds.noise;
   fit = measured->statistics;
-  fit.seconds_noise = seconds;
+  fit.seconds.noise = seconds;
   return {};
 }
 

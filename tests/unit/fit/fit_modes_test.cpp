@@ -217,15 +217,15 @@ TEST(FitModes, LocalNoiseMeasuresTheLevelOnce)
   const Cloud cloud = sceneCloud(Shape::kSphere, 20000, 0.002);
   FitParams params;
   params.noise_correlation = 1;  // recognising shared noise would take patches of its own
-  const std::uint64_t level = fitted(cloud, params).statistics.noise_patches;
+  const std::uint64_t level = fitted(cloud, params).statistics.noise.patches;
   ASSERT_GT(level, 0u);
   params.local_noise = true;
   // The profile takes a patch for each of its runs and nothing else.
   const std::size_t runs = noiseProfile(pcl_slim_test::storeOf(cloud), 1).size();
-  EXPECT_EQ(fitted(cloud, params).statistics.noise_patches, level + runs);
+  EXPECT_EQ(fitted(cloud, params).statistics.noise.patches, level + runs);
   // The paper's estimate and a stated lambda know no patches: there the level is measured for it.
   params.lambda = 1e-6;
-  EXPECT_EQ(fitted(cloud, params).statistics.noise_patches, level + runs);
+  EXPECT_EQ(fitted(cloud, params).statistics.noise.patches, level + runs);
 }
 
 TEST(FitModes, LowerDegreesServeEdges)

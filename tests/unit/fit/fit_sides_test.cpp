@@ -57,7 +57,7 @@ TEST(FitSides, PutsNoisyPointsOntoTheirOwnPlate)
   const Plates plates{3, 0.3};
   FitParams params;
   const Fitted with = fitted(plates.cloud(), params);
-  EXPECT_EQ(with.statistics.sided + with.statistics.outliers, with.store.size());
+  EXPECT_EQ(with.statistics.sides.points + with.statistics.outliers, with.store.size());
   EXPECT_TRUE(with.store.hasSides());
   EXPECT_FALSE(with.store.hasNormals());
   EXPECT_TRUE(with.surface.info.oriented);
@@ -65,7 +65,7 @@ TEST(FitSides, PutsNoisyPointsOntoTheirOwnPlate)
   EXPECT_LT(plates.rms(with), 0.09);
   params.sides = false;
   const Fitted without = fitted(plates.cloud(), params);
-  EXPECT_EQ(without.statistics.sided, 0u);
+  EXPECT_EQ(without.statistics.sides.points, 0u);
   EXPECT_FALSE(without.store.hasSides());
   EXPECT_GT(plates.rms(without), 1.0);
 }
@@ -92,7 +92,7 @@ TEST(FitSides, PartsCleanSheetsThatAreNear)
   const Fitted with = fitted(cloud, params);
   params.sides = false;
   const Fitted without = fitted(cloud, params);
-  EXPECT_GT(with.statistics.sided, 0u);
+  EXPECT_GT(with.statistics.sides.points, 0u);
   EXPECT_LT(with.statistics.lambda, 0.25 * without.statistics.lambda);
   EXPECT_LT(rms(with), 0.05);
   EXPECT_GT(rms(without), 0.3);
@@ -111,7 +111,7 @@ TEST(FitSides, KeepATubeOfAFewDeviations)
   const Fitted with = fitted(cloud, params);
   params.sides = false;
   const Fitted without = fitted(cloud, params);
-  EXPECT_GT(with.statistics.sided, 0u);
+  EXPECT_GT(with.statistics.sides.points, 0u);
   EXPECT_LT(rms(with), 0.25 * sigma);
   EXPECT_GT(rms(without), 0.3 * sigma);
 }
@@ -164,9 +164,9 @@ TEST(FitSides, FewThinPlacesGetSidesWhileLeavesAreFitted)
     leaves.push_back(static_cast<double>(with.statistics.leaves));
     params.sides = false;
     const Fitted without = fitted(spheres.cloud(), params);
-    EXPECT_TRUE(with.statistics.sided_for_cover);
-    EXPECT_GT(with.statistics.sided, with.store.size() / 20);
-    EXPECT_LT(with.statistics.sided, with.store.size() / 3);
+    EXPECT_TRUE(with.statistics.sides.for_cover);
+    EXPECT_GT(with.statistics.sides.points, with.store.size() / 20);
+    EXPECT_LT(with.statistics.sides.points, with.store.size() / 3);
     EXPECT_FALSE(with.store.hasSides());
     EXPECT_TRUE(with.surface.info.oriented);
     EXPECT_LT(spheres.rms(with), 0.5 * spheres.rms(without));
@@ -201,8 +201,8 @@ TEST(FitSides, LargeCloudsWithFewThinPlacesGetThemByAnyNumberOfThreads)
   const Fitted one = fitted(blade, params);
   params.threads = 3;
   const Fitted three = fitted(blade, params);
-  EXPECT_TRUE(one.statistics.sided_for_cover);
-  EXPECT_EQ(one.statistics.sided, three.statistics.sided);
+  EXPECT_TRUE(one.statistics.sides.for_cover);
+  EXPECT_EQ(one.statistics.sides.points, three.statistics.sides.points);
   EXPECT_EQ(one.surface.nz, three.surface.nz);
   EXPECT_EQ(one.surface.coefficients, three.surface.coefficients);
 }
@@ -210,7 +210,7 @@ TEST(FitSides, LargeCloudsWithFewThinPlacesGetThemByAnyNumberOfThreads)
 TEST(FitSides, LeavesOfABladeFaceApart)
 {
   const Fitted f = fitted(bladeOf(80, 50), {});
-  EXPECT_TRUE(f.statistics.sided_for_cover);
+  EXPECT_TRUE(f.statistics.sides.for_cover);
   EXPECT_TRUE(f.surface.info.oriented);
   const SLIMSurface& s = f.surface;
   std::size_t leaves = 0, apart = 0;
@@ -235,8 +235,8 @@ TEST(FitSides, ScatteredPointsGetNone)
     cloud.add(x, y, tree ? 3 + 10 * uniform(rng) : 0.05 * uniform(rng));
   }
   const Fitted f = fitted(cloud, {});
-  EXPECT_GE(f.statistics.thin_places, 0.02);
-  EXPECT_LT(f.statistics.sided, f.store.size() / 100);
+  EXPECT_GE(f.statistics.sides.thin_places, 0.02);
+  EXPECT_LT(f.statistics.sides.points, f.store.size() / 100);
 }
 
 TEST(FitSides, NarrowerCellsKeepPlatesApart)
@@ -244,7 +244,7 @@ TEST(FitSides, NarrowerCellsKeepPlatesApart)
   // As one sheet the plates show twice their noise, and cells cut by that hold both.
   const Plates plates{1.5, 0.3};
   const Fitted f = fitted(plates.cloud(), {});
-  EXPECT_GT(f.statistics.sided, 0u);
+  EXPECT_GT(f.statistics.sides.points, 0u);
   EXPECT_LT(plates.rms(f), 0.15);
 }
 
@@ -256,7 +256,7 @@ TEST(FitSides, WideLeavesDoNotReachAPlateFarBehind)
   const Fitted with = fitted(cloud, params);
   params.sides = false;
   const Fitted without = fitted(cloud, params);
-  EXPECT_GT(with.statistics.sided, 0u);
+  EXPECT_GT(with.statistics.sides.points, 0u);
   EXPECT_LT(with.statistics.leaves, 0.8 * static_cast<double>(without.statistics.leaves));
   EXPECT_LT(plates.rms(with), 0.85 * plates.rms(without));
 }
@@ -287,7 +287,7 @@ TEST(FitSides, DoNotDependOnScale)
   const Plates plates{3, 0.3};
   for (const double scale : {1e-3, 37.0}) {
     const Fitted f = fitted(plates.cloud(50, scale), {});
-    EXPECT_GT(f.statistics.sided, 0u) << scale;
+    EXPECT_GT(f.statistics.sides.points, 0u) << scale;
     EXPECT_LT(plates.rms(f, scale), 0.09) << scale;
   }
 }
@@ -304,7 +304,7 @@ TEST(FitSides, TurnAndThinningDoNotDecide)
   for (std::size_t i = 0; i < cloud.size(); i += 2)
     half.add(cloud.points[3 * i], cloud.points[3 * i + 1], cloud.points[3 * i + 2]);
   const Fitted f = fitted(half, {});
-  EXPECT_GT(f.statistics.sided, 0u);
+  EXPECT_GT(f.statistics.sides.points, 0u);
   EXPECT_LT(turned.rms(f), 0.08);
 }
 
@@ -315,8 +315,8 @@ TEST(FitSides, AThickCloudIsFittedAsWithoutThem)
   const Fitted with = fitted(cloud, params);
   params.sides = false;
   const Fitted without = fitted(cloud, params);
-  EXPECT_EQ(with.statistics.sided, 0u);
-  EXPECT_LT(with.statistics.thin_places, 0.1);
+  EXPECT_EQ(with.statistics.sides.points, 0u);
+  EXPECT_LT(with.statistics.sides.thin_places, 0.1);
   EXPECT_EQ(with.surface.coefficients, without.surface.coefficients);
   EXPECT_EQ(with.surface.nx, without.surface.nx);
   EXPECT_EQ(with.projection.position, without.projection.position);
@@ -332,7 +332,7 @@ TEST(FitSides, AnyNumberOfThreadsGivesTheSame)
     params.threads = i == 0 ? 1 : 4;
     FitStatistics statistics;
     ASSERT_FALSE(fitSurface(store, params, surfaces[i], &statistics));
-    EXPECT_GT(statistics.sided, 0u);
+    EXPECT_GT(statistics.sides.points, 0u);
   }
   EXPECT_EQ(surfaces[0].coefficients, surfaces[1].coefficients);
   EXPECT_EQ(surfaces[0].nx, surfaces[1].nx);
@@ -343,14 +343,14 @@ TEST(FitSides, ViewpointsAndGivenNormalsWin)
   const Plates plates{3, 0.3};
   FitParams params;
   params.viewpoint = {{0, 0, 1000}};
-  EXPECT_EQ(fitted(plates.cloud(), params).statistics.sided, 0u);
+  EXPECT_EQ(fitted(plates.cloud(), params).statistics.sides.points, 0u);
   Cloud cloud = plates.cloud();
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const double side = 2 * i < cloud.size() ? 1 : -1;
     for (const double n : plates.w) cloud.normals.push_back(static_cast<float>(side * n));
   }
   const Fitted given = fitted(cloud, {});
-  EXPECT_EQ(given.statistics.sided, 0u);
+  EXPECT_EQ(given.statistics.sides.points, 0u);
   EXPECT_TRUE(given.store.hasNormals());
 }
 
@@ -362,7 +362,7 @@ TEST(FitSides, AConstStoreStaysAsItIs)
   SLIMSurface surface, again;
   FitStatistics statistics;
   ASSERT_FALSE(fitSurface(fixed, {}, surface, &statistics));
-  EXPECT_GT(statistics.sided, 0u);
+  EXPECT_GT(statistics.sides.points, 0u);
   EXPECT_FALSE(store.hasSides());
   ASSERT_FALSE(fitSurface(store, {}, again));
   EXPECT_TRUE(store.hasSides());

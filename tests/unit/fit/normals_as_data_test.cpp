@@ -158,7 +158,7 @@ errorsWith(Shape shape, double noise, double per_axis, bool data)
   params.normals_as_data = data;
   const auto f = fitted(sceneCloud(shape, 30000, noise, per_axis), params, true);
   expectSound(f);
-  EXPECT_EQ(f.statistics.normal_error > 0, data);
+  EXPECT_EQ(f.statistics.noise.normal_error > 0, data);
   return errorsOf(shape, f);
 }
 
@@ -184,13 +184,13 @@ TEST(NormalsAsData, ThoseThatRepeatThePointsAreLeftAside)
   const auto plain = fitted(cloud, params);
   params.normals_as_data = true;
   const auto asked = fitted(cloud, params);
-  EXPECT_TRUE(asked.statistics.normals_follow_points);
-  EXPECT_EQ(asked.statistics.normal_error, 0.0);
+  EXPECT_TRUE(asked.statistics.noise.normals_follow_points);
+  EXPECT_EQ(asked.statistics.noise.normal_error, 0.0);
   EXPECT_EQ(asked.surface.coefficients, plain.surface.coefficients);
   params.normal_error = 0.1;
   const auto insisted = fitted(cloud, params);
-  EXPECT_FALSE(insisted.statistics.normals_follow_points);
-  EXPECT_EQ(insisted.statistics.normal_error, 0.1);
+  EXPECT_FALSE(insisted.statistics.noise.normals_follow_points);
+  EXPECT_EQ(insisted.statistics.noise.normal_error, 0.1);
   EXPECT_NE(insisted.surface.coefficients, plain.surface.coefficients);
 }
 

@@ -83,7 +83,7 @@ TEST(SensorNoise, StepsThatDitherCostNothing)
   // Steps crossed within a few pixels of fine waves: taken for wide terraces they would flatten these.
   const SensorScan scan = scanByCamera(measure::namedSolids("wave6"), camera(1, 0.125, 0), 3);
   const Errors on = errorsOf(scan), off = errorsOf(scan, withoutRecognition());
-  EXPECT_GT(on.fit.noise_step, 0.0);
+  EXPECT_GT(on.fit.noise.step, 0.0);
   EXPECT_LT(on.position, off.position);
   EXPECT_LT(on.normal, off.normal);
 }
@@ -112,7 +112,7 @@ TEST(SensorNoise, TerracesOfACameraAreNoSheets)
 {
   for (const char* solids : {"room", "frontal hall"}) {
     const Errors e = errorsOf(scanByCamera(measure::namedSolids(solids), camera(3, 0.125), 1));
-    EXPECT_EQ(e.fit.sided, 0u) << solids;
+    EXPECT_EQ(e.fit.sides.points, 0u) << solids;
     EXPECT_LT(e.fit.leaves, 500u) << solids;
   }
 }
@@ -133,7 +133,7 @@ TEST(SensorNoise, AlongALidarsRingsIsNoDetail)
   lidar.highest = 10;
   const SensorScan scan = scanByLidar(measure::namedSolids("street"), lidar, 3);
   const Errors on = errorsOf(scan), off = errorsOf(scan, withoutRecognition());
-  EXPECT_EQ(on.fit.noise_line, 20u);
+  EXPECT_EQ(on.fit.noise.line, 20u);
   EXPECT_EQ(on.fit.noise_correlation, 1.0);
   EXPECT_LT(on.normal, 0.4 * off.normal);
   EXPECT_LT(on.position, 0.6 * off.position);
@@ -163,9 +163,9 @@ TEST(SensorNoise, VariesWhereTheDataAskUnlessSwitchedOff)
   const FitStatistics off = errorsOf(scan, params).fit;
   params.local_noise = true;
   const FitStatistics on = errorsOf(scan, params).fit;
-  EXPECT_TRUE(automatic.noise_varies);
-  EXPECT_TRUE(on.noise_varies);
-  EXPECT_FALSE(off.noise_varies);
+  EXPECT_TRUE(automatic.noise.varies);
+  EXPECT_TRUE(on.noise.varies);
+  EXPECT_FALSE(off.noise.varies);
   EXPECT_EQ(off.lambda, automatic.lambda);
   EXPECT_NE(off.leaves, automatic.leaves);
 }
@@ -185,7 +185,7 @@ TEST(SensorNoise, AModelStandsInItsPlace)
   EXPECT_TRUE(fitSurface(*PointStore::build(view), params, surface));
   params.viewpoint = scan.sensor;
   const Errors on = errorsOf(scan, params), off = errorsOf(scan, withoutRecognition());
-  EXPECT_TRUE(on.fit.noise_varies);
+  EXPECT_TRUE(on.fit.noise.varies);
   EXPECT_LT(on.normal, 0.7 * off.normal);
   params.lambda = 1e-6;
   EXPECT_TRUE(params.validate());

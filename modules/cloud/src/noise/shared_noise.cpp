@@ -26,15 +26,17 @@ isUneven(const PatchScale& scale, const PatchScale& wider, double variance,
 }
 
 /** The same on two pairs of scales: an edge's residual is noise to one of them at most.
- * \param[in] scales the first two of a curve, from the noise's own patches on or not */
+ * \param[in] scales the first two of a curve, from the noise's own patches on or not; all are measured at their
+ * places */
 bool
 staysUneven(const PointStore& store, const NoiseLevel& noise, const std::vector<PatchScale>& scales,
             const NoiseConstants& constants, int threads)
 {
   const std::size_t k = noise.neighbors;
   if (8 * k * constants.shared.most_part > store.size()) return false;
+  ThinnedPlaces points(store, scales.front().variances.size());
   const auto scale = [&](std::size_t factor) {
-    return measureScale(store, factor * k, constants, threads);
+    return measureScale(points, factor * k, constants, threads);
   };
   const bool known = scales.front().k == k;
   const PatchScale narrow = known ? scales[0] : scale(1), wider = known ? scales[1] : scale(2);

@@ -99,7 +99,7 @@ PointStoreBuilder::fillBlock(std::size_t block, BlockTree::Level& boxes)
   float* const lows[3] = {boxes.min_x.data(), boxes.min_y.data(), boxes.min_z.data()};
   float* const highs[3] = {boxes.max_x.data(), boxes.max_y.data(), boxes.max_z.data()};
   for (int a = 0; a < 3; ++a) {
-    for (double& p : local[a]) p = (p - store_.origin_[a]) * inverse_scale_;
+    for (double& p : local[a]) p = (p - store_.frame_.origin[a]) * inverse_scale_;
     const float origin = static_cast<float>(std::round(local[a][0] * kBlockGrid)) / kBlockGrid;
     float* const column = columns[a] + begin;
     for (std::size_t i = 0; i < kBlock; ++i) column[i] = static_cast<float>(local[a][i] - origin);

@@ -34,7 +34,7 @@ PointStore::build(const CloudView& cloud, int threads, const PointStore* frame)
   PointStoreBuilder builder(cloud, resolveThreads(threads), frame);
   Result<PointStore> store = finished(builder);
   if (!store) return store;
-  store->sensor_ = cloud.sensor;
+  store->frame_.sensor = cloud.sensor;
   store->statistics_.seconds = watch.seconds();
   return store;
 }
@@ -46,7 +46,6 @@ PointStore::build(const CloudView& cloud, const StoreFrame& frame, int threads)
   PointStoreBuilder builder(cloud, resolveThreads(threads), frame);
   Result<PointStore> store = finished(builder);
   if (!store) return store;
-  store->sensor_ = frame.sensor;
   store->statistics_.seconds = watch.seconds();
   return store;
 }

@@ -22,7 +22,7 @@ constexpr std::size_t kKeyBatch = kernels::kMortonBatch;
 }  // namespace
 
 PointStoreBuilder::PointStoreBuilder(const CloudView& cloud, int threads, const PointStore* frame)
-    : cloud_(cloud), reader_(cloud_), threads_(threads), frame_(frame)
+    : cloud_(cloud), reader_(cloud_), threads_(threads), larger_(frame)
 {
 }
 
@@ -37,7 +37,9 @@ Bulk
 PointStoreBuilder::bulkOfPoints() const
 {
   if (given_) return {given_->bulk_center, given_->bulk_between, given_->bulk_reach};
-  if (frame_) return {frame_->bulk_center_, frame_->bulk_between_, frame_->bulk_reach_};
+  if (larger_)
+    return {larger_->frame().bulk_center, larger_->frame().bulk_between,
+            larger_->frame().bulk_reach};
   return findBulk(cloud_, reader_, threads_);
 }
 
@@ -58,7 +60,7 @@ PointStoreBuilder::measure()
   store_.statistics_.far_away = all.finite - all.near;
   store_.statistics_.without_normal = all.near - store_.size_;
   StoreFrame own;
-  const double least = frame_ ? frame_->diagonal_ * frame_->scale_ : 0.0;
+  const double least = larger_ ? larger_->diagonal() * larger_->scale() : 0.0;
   if (!given_) {
     if (Error error = setUnits(all.min, all.max, bulk_, least, own)) return error;
   }
@@ -69,15 +71,8 @@ PointStoreBuilder::measure()
 void
 PointStoreBuilder::adopt(const StoreFrame& frame)
 {
-  store_.bulk_center_ = frame.bulk_center;
-  store_.bulk_between_ = frame.bulk_between;
-  store_.bulk_reach_ = frame.bulk_reach;
-  store_.origin_ = frame.origin;
-  store_.scale_ = frame.scale;
-  store_.diagonal_ = frame.diagonal;
-  store_.bulk_diagonal_ = frame.bulk_diagonal;
-  store_.center_grid_ = frame.center_grid;
-  inverse_scale_ = 1.0 / store_.scale_;
+  store_.frame_ = frame;
+  inverse_scale_ = 1.0 / store_.frame_.scale;
 }
 
 bool
@@ -91,7 +86,7 @@ std::array<double, 3>
 PointStoreBuilder::localPosition(std::uint32_t order) const
 {
   auto p = reader_.position(cloud_.inputIndex(order));
-  for (int a = 0; a < 3; ++a) p[a] = (p[a] - store_.origin_[a]) * inverse_scale_;
+  for (int a = 0; a < 3; ++a) p[a] = (p[a] - store_.frame_.origin[a]) * inverse_scale_;
   return p;
 }
 
@@ -135,7 +130,7 @@ PointStoreBuilder::makeKeys(std::size_t begin, std::size_t end, std::size_t out)
   std::size_t count = 0;
   const auto flush = [&] {
     alignas(64) std::uint64_t codes[kKeyBatch];
-    kernels::mortonCodes(batch, store_.origin_.data(), inverse_scale_, codes);
+    kernels::mortonCodes(batch, store_.frame_.origin.data(), inverse_scale_, codes);
     std::copy_n(codes, count, keys_.begin() + static_cast<std::ptrdiff_t>(out));
     out += count;
     count = 0;
@@ -203,7 +198,7 @@ PointStoreBuilder::fillSensors()
   parallelFor(store_.size_, threads_, kSlice, [&](std::size_t i, int) {
     const auto place = cloud_.sensorPosition(cloud_.inputIndex(order_[i]));
     for (std::size_t a = 0; a < 3; ++a) {
-      const double local = (place[a] - store_.origin_[a]) * inverse_scale_;
+      const double local = (place[a] - store_.frame_.origin[a]) * inverse_scale_;
       store_.sensors_[i][a] = static_cast<float>(local);
     }
   });

@@ -40,8 +40,8 @@ class PointStoreBuilder {
   const CloudView& cloud_;
   CloudReader reader_;
   int threads_;
-  const PointStore* frame_ = nullptr;  ///< store of a larger cloud, or null
-  const StoreFrame* given_ = nullptr;  ///< units that are not to be measured, or null
+  const PointStore* larger_ = nullptr;  ///< store of a larger cloud, or null
+  const StoreFrame* given_ = nullptr;   ///< units that are not to be measured, or null
   bool with_normals_ = false;
   double inverse_scale_ = 1;
   Bulk bulk_;  ///< of the usable points

@@ -106,16 +106,8 @@ PointStore::without(const std::vector<std::uint32_t>& dropped, int threads) cons
   threads = resolveThreads(threads);
   PointStore store;
   store.size_ = kept.size();
-  store.bulk_center_ = bulk_center_;
-  store.bulk_reach_ = bulk_reach_;
-  store.bulk_between_ = bulk_between_;
-  store.origin_ = origin_;
-  store.scale_ = scale_;
-  store.diagonal_ = diagonal_;
-  store.bulk_diagonal_ = bulk_diagonal_;
-  store.center_grid_ = center_grid_;
+  store.frame_ = frame_;
   store.statistics_ = statistics_;
-  store.sensor_ = sensor_;
   store.found_sides_ = found_sides_;
   store.merged_ = keptMerges(kept, merged_);
   copyOnly(kept, threads, keys_, store.keys_);

@@ -167,10 +167,10 @@ standsApart(const Histogram& h, int valley, double apart)
 }  // namespace
 
 FramedBall
-recentred(const FramedBall& ball, const FitSettings& settings, std::size_t stride,
-          BallGatherer& gatherer, RadiusSearch& search)
+recentred(const FramedBall& ball, const FitPlan& plan, std::size_t stride, BallGatherer& gatherer,
+          RadiusSearch& search)
 {
-  const BallConstants& constants = settings.constants.ball;
+  const BallConstants& constants = plan.constants.ball;
   const Trial& right = search.right();
   const double offset = right.fit.c[0];  // of the radius
   if (!right.supported || std::abs(offset) < constants.off_center ||
@@ -181,8 +181,8 @@ recentred(const FramedBall& ball, const FitSettings& settings, std::size_t strid
   std::array<double, 3> moved;
   for (std::size_t a = 0; a < 3; ++a)
     moved[a] = site.center[a] + offset * site.radius * ball.normal[a];
-  site.center = onCenterGrid(moved, settings.center_grid);
-  const FramedBall result = framed(gatherer.gather(site, stride), settings);
+  site.center = onCenterGrid(moved, plan.center_grid);
+  const FramedBall result = framed(gatherer.gather(site, stride), plan);
   search.begin(*result.points, site.radius, 1.0);
   return result;
 }
@@ -248,18 +248,18 @@ BallOutcome
 BallFitter::fit(std::size_t i, int level, SurfelRecord& surfel)
 {
   ++tried_;
-  const BallSite site = siteOf(store_, settings_, i, settings_.levelRadius(level));
+  const BallSite site = siteOf(store_, plan_, i, plan_.levelRadius(level));
   search_.setNoise(site.lambda);
   if (tooWideAtAGlance(site, level, surfel)) return BallOutcome::kInternal;
   FramedBall ball;
   const BallOutcome outcome = prepare(site, 1, ball);
   if (outcome != BallOutcome::kLeaf) return outcome;
-  if (settings_.internal_only) return widest(ball, level, surfel);
+  if (plan_.internal_only) return widest(ball, level, surfel);
   const RadiusChoice choice = chooseRadius(ball);
   if (choice.kind == RadiusChoice::Kind::kSparse) {
     return withoutFit(ball, site, choice.trial, surfel);
   }
-  surfel = recordOf(ball, choice, level, settings_.constants.ball.bias);
+  surfel = recordOf(ball, choice, level, plan_.constants.ball.bias);
   return choice.kind == RadiusChoice::Kind::kLeaf ? BallOutcome::kLeaf : BallOutcome::kInternal;
 }
 
@@ -271,7 +271,7 @@ BallFitter::widest(const FramedBall& ball, int level, SurfelRecord& surfel)
   RadiusChoice choice;
   choice.kind = RadiusChoice::Kind::kInternal;
   choice.trial = search_.right();
-  surfel = recordOf(ball, choice, level, settings_.constants.ball.bias);
+  surfel = recordOf(ball, choice, level, plan_.constants.ball.bias);
   return BallOutcome::kInternal;
 }
 
@@ -282,8 +282,8 @@ BallFitter::prepare(const BallSite& site, std::size_t stride, FramedBall& ball)
 {
   const GatheredBall gathered = gatherer_.gather(site, stride);
   if (gathered.empty()) return BallOutcome::kUnsupported;
-  if (normalIsAlone(gathered, settings_)) return BallOutcome::kLoneNormal;
-  ball = onItsFit(ownSheet(searchable(framed(gathered, settings_), 1.0)), stride);
+  if (normalIsAlone(gathered, plan_)) return BallOutcome::kLoneNormal;
+  ball = onItsFit(ownSheet(searchable(framed(gathered, plan_), 1.0)), stride);
   return BallOutcome::kLeaf;
 }
 
@@ -298,14 +298,14 @@ BallFitter::searchable(const FramedBall& ball, double rho_right)
 FramedBall
 BallFitter::ownSheet(const FramedBall& ball)
 {
-  if (!settings_.split_sheets) return ball;
-  return splitter_.ownSheet(ball, settings_.constants.ball.sheets, search_);
+  if (!plan_.split_sheets) return ball;
+  return splitter_.ownSheet(ball, plan_.constants.ball.sheets, search_);
 }
 
 FramedBall
 BallFitter::onItsFit(const FramedBall& ball, std::size_t stride)
 {
-  return settings_.paper ? ball : recentred(ball, settings_, stride, gatherer_, search_);
+  return plan_.paper ? ball : recentred(ball, plan_, stride, gatherer_, search_);
 }
 
 /** Seeks the radius of a ball; one with too few points is gathered again one radius wider. */
@@ -316,7 +316,7 @@ BallFitter::chooseRadius(FramedBall& ball)
   if (choice.kind == RadiusChoice::Kind::kSparse) {
     BallSite wider = ball.site;
     wider.radius /= kGolden;
-    ball = searchable(framed(gatherer_.gather(wider), settings_), kGolden);
+    ball = searchable(framed(gatherer_.gather(wider), plan_), kGolden);
     choice = search_.fallBack();
   }
   if (choice.kind == RadiusChoice::Kind::kLeaf) choice.trial = search_.refine(choice);
@@ -329,7 +329,7 @@ BallOutcome
 BallFitter::withoutFit(const FramedBall& ball, const BallSite& site, const Trial& trial,
                        SurfelRecord& surfel)
 {
-  const bool many = ball.points->count >= settings_.constants.ball.line_points;
+  const bool many = ball.points->count >= plan_.constants.ball.line_points;
   if (!many || trial.fit.degree > 0) return BallOutcome::kUnsupported;
   ++lines_;
   surfel.center = site.center;
@@ -343,8 +343,8 @@ BallFitter::withoutFit(const FramedBall& ball, const BallSite& site, const Trial
 bool
 BallFitter::tooWideAtAGlance(const BallSite& site, int level, SurfelRecord& surfel)
 {
-  if (settings_.paper) return false;
-  const BallConstants& constants = settings_.constants.ball;
+  if (plan_.paper) return false;
+  const BallConstants& constants = plan_.constants.ball;
   const std::size_t stride = gatherer_.countBlocks(site) / constants.glance_blocks;
   if (stride < constants.glance_stride) return false;
   FramedBall ball;

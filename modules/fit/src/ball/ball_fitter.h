@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "ball/ball_gather.h"
-#include "fit_settings.h"
+#include "fit_plan.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "radius/radius_search.h"
 
@@ -32,8 +32,8 @@ recordOf(const FramedBall& ball, const RadiusChoice& choice, int level,
  * gathered and framed anew there. \param[in] stride of the blocks gathered \param[in,out] search
  * begun on the ball, and begun anew where it moves */
 FramedBall
-recentred(const FramedBall& ball, const FitSettings& settings, std::size_t stride,
-          BallGatherer& gatherer, RadiusSearch& search);
+recentred(const FramedBall& ball, const FitPlan& plan, std::size_t stride, BallGatherer& gatherer,
+          RadiusSearch& search);
 
 /** \brief The interval of residuals that belongs to the centre's sheet. */
 struct SheetRange {
@@ -88,8 +88,8 @@ struct BallCounters {
  * scratch memory of its stages, each of which takes a value and returns the next one's. */
 class BallFitter {
  public:
-  BallFitter(const PointStore& store, const FitSettings& settings)
-      : store_(store), settings_(settings), gatherer_(store, settings), search_(settings)
+  BallFitter(const PointStore& store, const FitPlan& plan)
+      : store_(store), plan_(plan), gatherer_(store, plan), search_(plan)
   {
   }
 
@@ -117,7 +117,7 @@ class BallFitter {
                          SurfelRecord& surfel);
 
   const PointStore& store_;
-  const FitSettings& settings_;
+  const FitPlan& plan_;
   BallGatherer gatherer_;
   RadiusSearch search_;
   SheetSplitter splitter_;

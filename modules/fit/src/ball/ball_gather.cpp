@@ -92,16 +92,16 @@ onCenterGrid(const std::array<double, 3>& place, double grid)
 }
 
 BallSite
-siteOf(const PointStore& store, const FitSettings& settings, std::size_t i, double radius)
+siteOf(const PointStore& store, const FitPlan& plan, std::size_t i, double radius)
 {
-  const double noise_ratio = settings.noiseRatioAt(i, store.size());
+  const double noise_ratio = plan.noiseRatioAt(i, store.size());
   BallSite site;
-  site.center = onCenterGrid(store.position(i), settings.center_grid);
-  if (settings.with_normals) site.normal = store.normal(i);
+  site.center = onCenterGrid(store.position(i), plan.center_grid);
+  if (plan.with_normals) site.normal = store.normal(i);
   site.sided = site.normal != std::array<float, 3>{};
   site.radius = radius;
-  site.lambda = noise_ratio * settings.energy.lambda;
-  site.noise = noise_ratio * settings.noise;
+  site.lambda = noise_ratio * plan.energy.lambda;
+  site.noise = noise_ratio * plan.noise;
   return site;
 }
 
@@ -117,18 +117,18 @@ BallGatherer::gather(const BallSite& site, std::size_t stride)
   ball.site = site;
   ball.points = &points_;
   const BallQuery query{site.center, static_cast<float>(site.radius),
-                        site.sided ? site.normal.data() : nullptr, settings_.min_dot,
-                        settings_.normal_error > 0};
+                        site.sided ? site.normal.data() : nullptr, plan_.min_dot,
+                        plan_.normal_error > 0};
   kernels::gatherBall(store_, *blocks, query, !site.sided, points_, ball.sums);
   gathered_ += points_.count;
   return ball;
 }
 
 bool
-normalIsAlone(const GatheredBall& ball, const FitSettings& settings)
+normalIsAlone(const GatheredBall& ball, const FitPlan& plan)
 {
-  if (!settings.with_normals || !settings.skip_lone_normals) return false;
-  const BallConstants& constants = settings.constants.ball;
+  if (!plan.with_normals || !plan.skip_lone_normals) return false;
+  const BallConstants& constants = plan.constants.ball;
   const BallSums& sums = ball.sums;
   const auto on_its_side = static_cast<double>(ball.points->count);
   if (on_its_side < constants.lone_share * static_cast<double>(sums.inside)) return true;
@@ -138,14 +138,14 @@ normalIsAlone(const GatheredBall& ball, const FitSettings& settings)
 }
 
 FramedBall
-framed(const GatheredBall& ball, const FitSettings& settings)
+framed(const GatheredBall& ball, const FitPlan& plan)
 {
   const BallSite& site = ball.site;
   FramedBall result{site, {}, ball.points};
   result.normal = snapNormal(site.sided ? meanNormal(ball.sums, site) : leastSpread(ball.sums));
-  if (settings.normal_error > 0) {
+  if (plan.normal_error > 0) {
     // An error of the normal's direction has half its variance in each of two slopes.
-    const double slope_error = settings.normal_error * site.radius;
+    const double slope_error = plan.normal_error * site.radius;
     ball.points->slope_weight = 2.0 * site.noise / (slope_error * slope_error);
   }
   kernels::toFrame(result.frame(), static_cast<float>(site.radius), *ball.points);

@@ -3,7 +3,7 @@
 
 #pragma once
 
-#include "fit_settings.h"
+#include "fit_plan.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "scan/ball_kernels.h"
 
@@ -60,7 +60,7 @@ struct GatheredBall {
 
 /** \brief The site of stored point i for balls of a radius. */
 BallSite
-siteOf(const PointStore& store, const FitSettings& settings, std::size_t i, double radius);
+siteOf(const PointStore& store, const FitPlan& plan, std::size_t i, double radius);
 
 /** \brief The nearest place on the grid of centres. */
 std::array<float, 3>
@@ -70,10 +70,7 @@ onCenterGrid(const std::array<double, 3>& place, double grid);
  * ball lasts until the next. */
 class BallGatherer {
  public:
-  BallGatherer(const PointStore& store, const FitSettings& settings)
-      : store_(store), settings_(settings)
-  {
-  }
+  BallGatherer(const PointStore& store, const FitPlan& plan) : store_(store), plan_(plan) {}
 
   NearbyBlocks& nearby() { return nearby_; }
 
@@ -91,7 +88,7 @@ class BallGatherer {
 
  private:
   const PointStore& store_;
-  const FitSettings& settings_;
+  const FitPlan& plan_;
   NearbyBlocks nearby_;
   BlockList sampled_;
   BallBuffer points_;
@@ -101,7 +98,7 @@ class BallGatherer {
 /** \brief Whether the ball's points turn elsewhere than its centre: too few share its side, or
  * those that do are the ball's rim, bent away from it (docs/theory.md, "Lone normals"). */
 bool
-normalIsAlone(const GatheredBall& ball, const FitSettings& settings);
+normalIsAlone(const GatheredBall& ball, const FitPlan& plan);
 
 /** \brief A gathered ball in the frame of its normal n_c: its points are frame coordinates in units
  * of the site's radius. */
@@ -116,7 +113,7 @@ struct FramedBall {
 /** \brief Frames a ball by the mean normal of its points, or where none are given by the direction
  * of their least weighted spread. */
 FramedBall
-framed(const GatheredBall& ball, const FitSettings& settings);
+framed(const GatheredBall& ball, const FitPlan& plan);
 
 /** \brief Turns a ball that has lost points to the direction of least spread of those that it kept.
  */

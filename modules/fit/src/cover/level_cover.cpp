@@ -13,53 +13,52 @@ namespace {
 
 /** The points of a surfel's ball within a reach that are on its side of the normal bound. */
 BallQuery
-queryOf(const SurfelRecord& surfel, float reach, const FitSettings& settings)
+queryOf(const SurfelRecord& surfel, float reach, const FitPlan& plan)
 {
-  return {surfel.center, reach, surfel.sided ? surfel.normal.data() : nullptr, settings.min_dot};
+  return {surfel.center, reach, surfel.sided ? surfel.normal.data() : nullptr, plan.min_dot};
 }
 
 /** \brief Adds a leaf's weight to the coverage of the points it covers (docs/theory.md, "Cover").
  * \param[in,out] nearby blocks, of a region that holds the leaf's ball \param[in,out] coverage of
  * each stored point */
 void
-addCoverage(const PointStore& store, const FitSettings& settings, const SurfelRecord& surfel,
+addCoverage(const PointStore& store, const FitPlan& plan, const SurfelRecord& surfel,
             NearbyBlocks& nearby, float* coverage)
 {
-  const CoverConstants& constants = settings.constants.cover;
+  const CoverConstants& constants = plan.constants.cover;
   const bool supported =
       surfel.effective_count > constants.well_supported * numCoefficients(surfel.degree);
-  const double alpha = supported ? settings.supported_alpha : settings.alpha;
+  const double alpha = supported ? plan.supported_alpha : plan.alpha;
   const auto reach = static_cast<float>(alpha * surfel.radius);
   kernels::CoverLeaf leaf;
-  leaf.ball = queryOf(surfel, reach, settings);
+  leaf.ball = queryOf(surfel, reach, plan);
   leaf.frame = LocalFrame({surfel.normal[0], surfel.normal[1], surfel.normal[2]});
   leaf.degree = surfel.degree;
   leaf.support_radius = surfel.radius;
-  leaf.to_foot = !settings.paper;
+  leaf.to_foot = !plan.paper;
   leaf.c = surfel.c.data();
-  leaf.max_residual = settings.residual_bound > 0
-                          ? static_cast<float>(settings.residual_bound * surfel.error +
+  leaf.max_residual = plan.residual_bound > 0
+                          ? static_cast<float>(plan.residual_bound * surfel.error +
                                                constants.residual_floor * surfel.radius)
                           : surfel.radius;
-  kernels::coverPoints(store, nearby.within(surfel.center, reach), leaf, settings.cover_kernel,
+  kernels::coverPoints(store, nearby.within(surfel.center, reach), leaf, plan.cover_kernel,
                        coverage);
 }
 
 /** \brief Marks the points of an internal ball with the bits of value. */
 void
-markBall(const PointStore& store, const FitSettings& settings, const SurfelRecord& surfel,
+markBall(const PointStore& store, const FitPlan& plan, const SurfelRecord& surfel,
          std::uint8_t value, NearbyBlocks& nearby, std::uint8_t* marks)
 {
   kernels::markPoints(store, nearby.within(surfel.center, surfel.radius),
-                      queryOf(surfel, surfel.radius, settings), value, marks);
+                      queryOf(surfel, surfel.radius, plan), value, marks);
 }
 
 /** \brief Marks the uncovered points within reach of a stored point with the bits of value.
  * \return the number of points that had none of these bits before. */
 std::uint32_t
-markUncovered(const PointStore& store, const FitSettings& settings, std::uint32_t point,
-              double reach, std::uint8_t value, NearbyBlocks& nearby, const float* coverage,
-              std::uint8_t* marks)
+markUncovered(const PointStore& store, const FitPlan& plan, std::uint32_t point, double reach,
+              std::uint8_t value, NearbyBlocks& nearby, const float* coverage, std::uint8_t* marks)
 {
   const auto at = store.position(point);
   const std::array<float, 3> center = {static_cast<float>(at[0]), static_cast<float>(at[1]),
@@ -70,7 +69,7 @@ markUncovered(const PointStore& store, const FitSettings& settings, std::uint32_
     for (std::size_t i = begin; i < std::min(begin + PointStore::kBlock, store.size()); ++i) {
       const auto p = store.position(i);
       if (std::hypot(p[0] - at[0], p[1] - at[1], p[2] - at[2]) > reach) continue;
-      if (coverage[i] >= settings.gamma || (marks[i] & value) != 0) continue;
+      if (coverage[i] >= plan.gamma || (marks[i] & value) != 0) continue;
       marks[i] |= value;
       ++count;
     }
@@ -94,22 +93,21 @@ constexpr char kCancelledMessage[] = "the fit was cancelled";
 
 }  // namespace
 
-LevelCover::LevelCover(const PointStore& store, const FitSettings& settings, int threads)
-    : LevelCover(store, settings, threads, {0, store.size()})
+LevelCover::LevelCover(const PointStore& store, const FitPlan& plan, int threads)
+    : LevelCover(store, plan, threads, {0, store.size()})
 {
 }
 
-LevelCover::LevelCover(const PointStore& store, const FitSettings& settings, int threads,
-                       PointRange core)
+LevelCover::LevelCover(const PointStore& store, const FitPlan& plan, int threads, PointRange core)
     : store_(store),
-      settings_(settings),
+      plan_(plan),
       threads_(threads),
       core_(core),
       level_mark_(kFirstLevelMark),
       serving_(kNoFinerMark | kFirstLevelMark)
 {
   for (int t = 0; t < threads; ++t) {
-    workers_.push_back(std::make_unique<Worker>(store, settings));
+    workers_.push_back(std::make_unique<Worker>(store, plan));
   }
   const std::size_t padded = store.numBlocks() * PointStore::kBlock;
   coverage_.resize(padded);
@@ -137,9 +135,9 @@ LevelCover::run(int first_level, Progress* progress)
 {
   const double points = static_cast<double>(core_.size());
   for (int level = first_level;
-       !active_.empty() && level <= settings_.constants.cover.last_level && settings_.allows(level);
+       !active_.empty() && level <= plan_.constants.cover.last_level && plan_.allows(level);
        ++level) {
-    if (!settings_.resolves(level)) {
+    if (!plan_.resolves(level)) {
       unresolved_ = active_.size();
       break;
     }
@@ -161,9 +159,8 @@ LevelCover::coverLevel(int level)
 {
   // A ball marks points within r_r of its centre, which may have moved by largest_shift r_r; a leaf of the
   // next larger radius covers points within alpha r_r / gamma.
-  const double moved = 1.0 + settings_.constants.ball.largest_shift;
-  cells_.divide(store_, active_,
-                settings_.levelRadius(level) * std::max(moved, settings_.alpha / kGolden));
+  const double moved = 1.0 + plan_.constants.ball.largest_shift;
+  cells_.divide(store_, active_, plan_.levelRadius(level) * std::max(moved, plan_.alpha / kGolden));
   const std::size_t first = outputs_.size();
   outputs_.resize(first + cells_.size());
   if (threads_ > 1 && cells_.size() <= kFewCells) {
@@ -185,7 +182,7 @@ CellVisits
 LevelCover::visitsOf(const CoverCells::Cell& cell) const
 {
   const std::uint32_t n = cell.end - cell.begin;
-  const std::uint64_t start = mixBits(settings_.seed ^ mixBits(cell.code + 1)) % n;
+  const std::uint64_t start = mixBits(plan_.seed ^ mixBits(cell.code + 1)) % n;
   return {active_.data() + cell.begin, n, static_cast<std::uint32_t>(start)};
 }
 
@@ -214,8 +211,8 @@ LevelCover::coverCell(const CoverCells::Cell& cell, int level, int thread, Outpu
 std::uint32_t
 LevelCover::giveUp(std::uint32_t point, NearbyBlocks& nearby)
 {
-  const std::uint32_t count = markUncovered(store_, settings_, point, settings_.leastRadius(),
-                                            kNoFinerMark, nearby, coverage_.data(), marks_.data());
+  const std::uint32_t count = markUncovered(store_, plan_, point, plan_.leastRadius(), kNoFinerMark,
+                                            nearby, coverage_.data(), marks_.data());
   marks_[point] |= kNoFinerMark;
   return count;
 }
@@ -228,11 +225,11 @@ LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& s
   output.lasts |= outcome != BallOutcome::kInternal && outcome != BallOutcome::kLine;
   switch (outcome) {
     case BallOutcome::kLeaf:
-      if (surfel.radius < settings_.leastRadius()) {
+      if (surfel.radius < plan_.leastRadius()) {
         output.unresolved += giveUp(point, nearby);
         return;
       }
-      addCoverage(store_, settings_, surfel, nearby, coverage_.data());
+      addCoverage(store_, plan_, surfel, nearby, coverage_.data());
       if (coverage_[point] <=
           0.0f) {  // leaves about points with the same centre would miss it, too
         const std::uint8_t own = marks_[point];
@@ -243,13 +240,13 @@ LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& s
       break;
     case BallOutcome::kInternal: {
       SurfelRecord served = surfel;
-      if (settings_.internal_only) served.radius *= kInnerShare;
-      markBall(store_, settings_, served, level_mark_, nearby, marks_.data());
+      if (plan_.internal_only) served.radius *= kInnerShare;
+      markBall(store_, plan_, served, level_mark_, nearby, marks_.data());
       marks_[point] |= level_mark_;
       break;
     }
     case BallOutcome::kLine:
-      markBall(store_, settings_, surfel, level_mark_, nearby, marks_.data());
+      markBall(store_, plan_, surfel, level_mark_, nearby, marks_.data());
       marks_[point] |= level_mark_;
       return;
     case BallOutcome::kUnsupported:
@@ -275,8 +272,8 @@ LevelCover::collectNearby(const CoverCells::Cell& cell, int level, NearbyBlocks&
       high[a] = std::max(high[a], maxs[a]);
     }
   }
-  const double widest = 1.0 / kGolden + settings_.constants.ball.largest_shift;
-  const auto reach = static_cast<float>(kReachMargin * settings_.levelRadius(level) * widest);
+  const double widest = 1.0 / kGolden + plan_.constants.ball.largest_shift;
+  const auto reach = static_cast<float>(kReachMargin * plan_.levelRadius(level) * widest);
   for (int a = 0; a < 3; ++a) {
     low[a] -= reach;
     high[a] += reach;
@@ -333,7 +330,7 @@ LevelCover::countPoints() const
   forSlices(n, [&](std::size_t begin, std::size_t end) {
     PointCounts& part = parts[begin / kSlice];
     for (std::size_t i = core_.begin + begin; i < core_.begin + end; ++i) {
-      part.uncovered += coverage_[i] < settings_.gamma;
+      part.uncovered += coverage_[i] < plan_.gamma;
       part.unsupported += coverage_[i] <= 0.0f;
       part.lone_normals += (marks_[i] & kLoneNormalMark) != 0;
     }

@@ -10,7 +10,7 @@
 
 #include "ball/ball_fitter.h"
 #include "cover/cover_cells.h"
-#include "fit_settings.h"
+#include "fit_plan.h"
 #include "pcl_slim/core/aligned.h"
 #include "pcl_slim/core/progress.h"
 
@@ -143,11 +143,11 @@ struct PointRange {
  */
 class LevelCover {
  public:
-  LevelCover(const PointStore& store, const FitSettings& settings, int threads);
+  LevelCover(const PointStore& store, const FitPlan& plan, int threads);
 
   /** \brief Covers a range of the points only: other points are part of its balls, but are no centres
    * and are not counted. */
-  LevelCover(const PointStore& store, const FitSettings& settings, int threads, PointRange core);
+  LevelCover(const PointStore& store, const FitPlan& plan, int threads, PointRange core);
 
   /** \brief Runs levels from first_level until no point is left. */
   Error run(int first_level, Progress* progress);
@@ -176,7 +176,7 @@ class LevelCover {
   };
   /** A thread's own data, in cache lines of their own. */
   struct alignas(64) Worker {
-    Worker(const PointStore& store, const FitSettings& settings) : fitter(store, settings) {}
+    Worker(const PointStore& store, const FitPlan& plan) : fitter(store, plan) {}
     BallFitter fitter;
     std::vector<SurfelRecord> arena;
   };
@@ -198,11 +198,11 @@ class LevelCover {
   void dropServed();
   bool isServed(std::uint32_t point) const
   {
-    return coverage_[point] >= settings_.gamma || (marks_[point] & serving_) != 0;
+    return coverage_[point] >= plan_.gamma || (marks_[point] & serving_) != 0;
   }
 
   const PointStore& store_;
-  const FitSettings& settings_;
+  const FitPlan& plan_;
   int threads_;
   PointRange core_;
   std::vector<std::unique_ptr<Worker>> workers_;  ///< one per thread

@@ -30,7 +30,7 @@ class LevelCover::Sharing {
         waits_for_(cover.cells_.size(), 0),
         left_(cover.cells_.size())
   {
-    const double reach = cover.settings_.levelRadius(level);
+    const double reach = cover.plan_.levelRadius(level);
     reach_sq_ = reach * reach;
     for (const std::uint32_t cell : cover.cells_.byColor()) {
       cover.cells_.forTouching(cell, [&](std::uint32_t other) {

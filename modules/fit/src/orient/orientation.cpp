@@ -282,7 +282,7 @@ spanningForest(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves,
 {
   // Most edges lie within what lighter ones have joined: they are dropped before they are ordered.
   ClassedEdges edges(overlapGraph(s, leaves, stats.threads, constants));
-  stats.overlap_edges = edges.size();
+  stats.sides.overlap_edges = edges.size();
   SignedForest forest(s.size());
   std::vector<char> closed;
   const auto joinsTwo = [&](const OverlapEdge& e) { return forest.root(e.a) != forest.root(e.b); };
@@ -375,15 +375,15 @@ orientSurface(const PointStore* store, const FitParams& params, const OrientCons
   const std::vector<std::uint32_t> leaves = surface.leaves();
   std::vector<signed char> signs;
   if (params.viewpoint) {
-    stats.side_source = SideSource::kViewpoint;
+    stats.sides.source = SideSource::kViewpoint;
     signs = viewpointSigns(surface, params);
   } else if (store != nullptr && store->hasSensors()) {
-    stats.side_source = SideSource::kSensors;
+    stats.sides.source = SideSource::kSensors;
     signs = signsByRays(surface, *store, leaves, constants, stats.threads, [&](std::size_t i) {
       return subtract(store->sensor(i), store->position(i));
     });
   } else {
-    stats.side_source = SideSource::kOverlaps;
+    stats.sides.source = SideSource::kOverlaps;
     signs = graphSigns(surface, leaves, constants, stats);
   }
   turn(signs, surface);

@@ -33,7 +33,7 @@ chooseAtMinimumSupport(TrialFits& trials, const Trial& right, const Trial& middl
   const auto serves = [&](const Trial& wider) {
     return !last.supported || wider.energy <= lenience * last.energy;
   };
-  if (right.energy <= trials.settings().lenience * middle.energy && serves(right)) {
+  if (right.energy <= trials.plan().lenience * middle.energy && serves(right)) {
     return RadiusChoice::leaf(right);
   }
   return serves(middle) ? RadiusChoice::leaf(middle) : RadiusChoice::supportLimited(last);
@@ -72,7 +72,7 @@ bool
 liesBesideFeature(const TrialFits& trials, const Trial& trial)
 {
   const RadiusConstants& constants = trials.constants();
-  if (!trials.settings().find_detail || trial.fit.degree <= constants.feature_degree) return false;
+  if (!trials.plan().find_detail || trial.fit.degree <= constants.feature_degree) return false;
   const double e_sq = trials.variance(trial), r = trials.radiusOf(trial);
   return e_sq > constants.feature_height * constants.feature_height * r * r &&
          e_sq > constants.feature_noise * trials.noise();
@@ -93,7 +93,7 @@ fitBesideFeature(TrialFits& trials, const Trial& trial)
   Trial best;
   double least = constants.feature_gain * trials.energyOf(trial, risk), rho = trial.rho;
   for (int step = 0; step < constants.feature_steps; ++step, rho *= constants.feature_step) {
-    const Trial low = trials.at(rho, degree, trials.settings().fit_kernel);
+    const Trial low = trials.at(rho, degree, trials.plan().fit_kernel);
     const double enough = constants.feature_support * numCoefficients(degree);
     if (!low.supported || low.fit.n_eff < enough) break;
     const double cost = trials.energyOf(low, risk);
@@ -129,7 +129,7 @@ PenaltyRadiusRule::chooseByEnergy()
   if (!middle.supported) return chooseAtMinimumSupport(trials_, right, right);
   const bool flat = isLenient(right, middle);
   if (tests_.isNoise(middle)) {
-    if (trials_.settings().compare_nested) {
+    if (trials_.plan().compare_nested) {
       const Trial wide = comparison_.widestAccepted(middle, right);
       if (wide.supported) return RadiusChoice::withoutDetail(wide);
     } else if (flat) {
@@ -154,7 +154,7 @@ PenaltyRadiusRule::chooseInside(const Trial& left, const Trial& middle, const Tr
   // A minimum is inside (rule 4, first half).
   Bracket bracket{left, middle, right};
   bracket.narrow(trials_);
-  if (trials_.settings().lenience > 1.0) {
+  if (trials_.plan().lenience > 1.0) {
     return RadiusChoice::leaf(largestLenient(bracket.b, right));
   }
   bracket.narrow(trials_);
@@ -166,7 +166,7 @@ PenaltyRadiusRule::chooseInside(const Trial& left, const Trial& middle, const Tr
 bool
 PenaltyRadiusRule::isLenient(const Trial& wide, const Trial& least) const
 {
-  return wide.energy <= trials_.settings().lenience * least.energy;
+  return wide.energy <= trials_.plan().lenience * least.energy;
 }
 
 /** The largest radius up to right's with E <= lenience E_min, by bisection of log r. */
@@ -282,7 +282,7 @@ fallBackWhereSparse(TrialFits& trials, const ResidualTests& tests)
   const int degree = lower.fit.degree;
   if (degree == 0) return RadiusChoice::sparse(lower);
   // No wider than the lower degree needs: a few lone points are no surface all over the ball.
-  const WeightKernel kernel = trials.settings().fit_kernel;
+  const WeightKernel kernel = trials.plan().fit_kernel;
   const double rho = trials.minimumSupportRadius(lower.rho, degree, kernel);
   const Trial least = trials.at(rho, degree, kernel);
   return surfaceOrNothing(trials, tests, least.supported ? least : lower);
@@ -312,15 +312,15 @@ Bracket::width() const
 Trial
 FinalFit::make(const RadiusChoice& choice)
 {
-  const FitSettings& settings = trials_.settings();
+  const FitPlan& plan = trials_.plan();
   const Trial& chosen = choice.trial;
   const bool at_minimum_support = choice.support_limited && chosen.supported;
-  const WeightKernel kernel = at_minimum_support ? settings.wall_kernel : settings.fit_kernel;
+  const WeightKernel kernel = at_minimum_support ? plan.wall_kernel : plan.fit_kernel;
   Trial result = chosen;
   if (!trials_.refit(trials_.samples().within(result.rho), kernel, result)) {
     return chosen;  // rounding, or the other kernel, cost a pivot: the accepted fit stands
   }
-  if (settings.robust) fitRobustly(kernel, result);
+  if (plan.robust) fitRobustly(kernel, result);
   return result;
 }
 
@@ -355,10 +355,9 @@ FinalFit::setRobustWeights(const LocalFit& fit)
   }
 }
 
-RadiusSearch::RadiusSearch(const FitSettings& settings)
-    : trials_(settings), tests_(trials_), final_(trials_)
+RadiusSearch::RadiusSearch(const FitPlan& plan) : trials_(plan), tests_(trials_), final_(trials_)
 {
-  if (settings.paper) {
+  if (plan.paper) {
     rule_ = std::make_unique<PaperRadiusRule>(trials_);
   } else {
     rule_ = std::make_unique<PenaltyRadiusRule>(trials_, tests_);
@@ -369,18 +368,18 @@ bool
 RadiusSearch::isNarrowest() const
 {
   const BallSamples& samples = trials_.samples();
-  return kGolden * samples.rhoRight() * samples.gatherRadius() < trials_.settings().least_ball;
+  return kGolden * samples.rhoRight() * samples.gatherRadius() < trials_.plan().least_ball;
 }
 
 RadiusChoice
 RadiusSearch::notNarrower(const RadiusChoice& choice)
 {
-  if (!(trials_.settings().least_ball > 0)) return choice;
+  if (!(trials_.plan().least_ball > 0)) return choice;
   const bool internal = choice.kind == RadiusChoice::Kind::kInternal;
   if (internal ? !isNarrowest() : choice.kind != RadiusChoice::Kind::kLeaf) return choice;
   const BallSamples& samples = trials_.samples();
   const double least =
-      std::min(trials_.settings().least_ball / samples.gatherRadius(), samples.rhoRight());
+      std::min(trials_.plan().least_ball / samples.gatherRadius(), samples.rhoRight());
   if (!internal && choice.trial.rho >= least) return choice;
   const Trial trial = trials_.at(least);
   if (trial.supported) return RadiusChoice::leaf(trial);

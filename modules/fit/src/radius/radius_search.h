@@ -80,11 +80,11 @@ class FinalFit {
  *
  * E is evaluated at r_r, r_m and r_l of eq. (5) and at few radii between, each from the same
  * gathered points; the paper's rule or ours, settled once, chooses among them. There is one object
- * per thread, which keeps its scratch memory; the settings must outlive it.
+ * per thread, which keeps its scratch memory; the plan must outlive it.
  */
 class RadiusSearch {
  public:
-  explicit RadiusSearch(const FitSettings& settings);
+  explicit RadiusSearch(const FitPlan& plan);
   RadiusSearch(const RadiusSearch&) = delete;  // its parts refer to each other
   RadiusSearch& operator=(const RadiusSearch&) = delete;
 

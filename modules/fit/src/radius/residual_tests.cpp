@@ -20,7 +20,7 @@ FitComparison::unbiased(const Trial& trial) const
 {
   auto c = trial.fit.c;
   const double r = trials_.radiusOf(trial);
-  undoNoiseBias(trials_.settings().constants.ball.bias, trial.fit.kernel, trial.fit.degree,
+  undoNoiseBias(trials_.plan().constants.ball.bias, trial.fit.kernel, trial.fit.degree,
                 trials_.noise() / (r * r), trial.rho, c.data());
   return c;
 }
@@ -54,7 +54,7 @@ Trial
 FitComparison::widestAccepted(const Trial& middle, const Trial& right)
 {
   const RadiusConstants& constants = trials_.constants();
-  const bool flat = right.energy <= trials_.settings().lenience * middle.energy;
+  const bool flat = right.energy <= trials_.plan().lenience * middle.energy;
   const double trust = flat ? constants.comparison_trust : 1.0;
   if (acceptsSimpler(right, middle, trust) && !tests_.hidesDetail(right)) return right;
   const double step = std::pow(right.rho / middle.rho, 1.0 / constants.comparison_radii);
@@ -74,7 +74,7 @@ FitComparison::lowestDegreeAccepted(const Trial& trial)
 {
   const RadiusConstants& constants = trials_.constants();
   const bool enough = trial.fit.n_eff > constants.degree_support * trial.fit.terms;
-  if (!trials_.settings().compare_nested || !enough || !tests_.isNoise(trial)) return trial;
+  if (!trials_.plan().compare_nested || !enough || !tests_.isNoise(trial)) return trial;
   for (int degree = constants.least_degree; degree < trial.fit.degree; ++degree) {
     const Trial low = trials_.ofLowerDegree(trial, degree);
     if (low.supported && acceptsSimpler(low, trial)) return low;
@@ -143,7 +143,7 @@ ResidualStructure::fillCells(const BallBuffer& points, double rho, int side)
 bool
 ResidualTests::lacksFit(const Trial& left, const Trial& middle, double margin) const
 {
-  const double limit = trials_.settings().lack_of_fit;
+  const double limit = trials_.plan().lack_of_fit;
   if (limit <= 0) return false;
   const double e_sq = std::min(trials_.variance(left), trials_.variance(middle));
   return e_sq > margin * limit * limit * trials_.noise();
@@ -155,12 +155,12 @@ ResidualTests::lacksFit(const Trial& left, const Trial& middle, double margin) c
 bool
 ResidualTests::hidesDetail(const Trial& trial)
 {
-  const FitSettings& settings = trials_.settings();
+  const FitPlan& plan = trials_.plan();
   const RadiusConstants& constants = trials_.constants();
-  if (!settings.find_detail || lacksFit(trial)) return false;
+  if (!plan.find_detail || lacksFit(trial)) return false;
   const double correlation = trials_.energy().correlation;
   const double terms = correlation * numCoefficients(trial.fit.degree);
-  if (trial.fit.n_eff < constants.detail_support * settings.support * terms) return false;
+  if (trial.fit.n_eff < constants.detail_support * plan.support * terms) return false;
 
   BallSamples& samples = trials_.samples();
   const double unit = samples.gatherRadius(), inner = kGolden * trial.rho;

@@ -55,7 +55,7 @@ TrialFits::at(double rho, int degree, WeightKernel kernel)
   Trial trial;
   trial.rho = rho;
   trial.fit = kernels::fitBall(samples_.within(rho), degree, static_cast<float>(rho), kernel,
-                               settings_.support, false);
+                               plan_.support, false);
   trial.supported = trial.fit.degree == degree;
   if (trial.supported) {
     trial.energy = energyOf(trial, energy_);
@@ -68,7 +68,7 @@ TrialFits::at(double rho, int degree, WeightKernel kernel)
 double
 TrialFits::minimumSupportRadius(double from, int degree, WeightKernel kernel)
 {
-  const double target = settings_.support * numCoefficients(degree);
+  const double target = plan_.support * numCoefficients(degree);
   double high = from, low = 0.0, rho = from;
   for (int step = 0; step < constants().support_steps; ++step) {
     const double n_eff =
@@ -90,15 +90,15 @@ TrialFits::minimumSupportRadius(double from, int degree, WeightKernel kernel)
 Trial
 TrialFits::atMinimumSupport(double from)
 {
-  const double rho = minimumSupportRadius(from, settings_.degree, settings_.wall_kernel);
-  return at(rho, settings_.degree, settings_.wall_kernel);
+  const double rho = minimumSupportRadius(from, plan_.degree, plan_.wall_kernel);
+  return at(rho, plan_.degree, plan_.wall_kernel);
 }
 
 Trial
 TrialFits::ofLowerDegree(const Trial& trial, int degree)
 {
   // Slopes that are data have moments of their own, which are not kept.
-  if (samples_.all().slope_weight > 0) return at(trial.rho, degree, settings_.fit_kernel);
+  if (samples_.all().slope_weight > 0) return at(trial.rho, degree, plan_.fit_kernel);
   Trial low;
   low.rho = trial.rho;
   low.fit = nestedFit(trial.fit, degree);
@@ -112,7 +112,7 @@ TrialFits::refit(const BallBuffer& points, WeightKernel kernel, Trial& trial)
 {
   ++counts_.fits;
   const LocalFit fit = kernels::fitBall(points, trial.fit.degree, static_cast<float>(trial.rho),
-                                        kernel, settings_.support, true);
+                                        kernel, plan_.support, true);
   if (fit.degree != trial.fit.degree) {
     ++counts_.fell_by_pivot;
     return false;

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "fit_settings.h"
+#include "fit_plan.h"
 #include "least_squares/local_fit.h"
 #include "scan/ball_kernels.h"
 
@@ -67,7 +67,7 @@ struct FitCounts {
  * Every fit costs O(points within the radius) and counts in counts(). */
 class TrialFits {
  public:
-  explicit TrialFits(const FitSettings& settings) : settings_(settings), energy_(settings.energy) {}
+  explicit TrialFits(const FitPlan& plan) : plan_(plan), energy_(plan.energy) {}
 
   /** \brief The noise variance of the balls to come. */
   void setNoise(double lambda) { energy_.lambda = lambda; }
@@ -85,7 +85,7 @@ class TrialFits {
   double rhoLeft() const { return kGolden * kGolden * samples_.rhoRight(); }
 
   /** \brief The fit at a radius; unsupported where too few points stand behind the degree. */
-  Trial at(double rho) { return at(rho, settings_.degree, settings_.fit_kernel); }
+  Trial at(double rho) { return at(rho, plan_.degree, plan_.fit_kernel); }
   Trial at(double rho, int degree, WeightKernel kernel);
 
   /** \brief The smallest radius up to from at which n_eff still is the least support, to about 1 %;
@@ -121,12 +121,12 @@ class TrialFits {
   BallSamples& samples() { return samples_; }
   const BallSamples& samples() const { return samples_; }
   const Energy& energy() const { return energy_; }
-  const FitSettings& settings() const { return settings_; }
-  const RadiusConstants& constants() const { return settings_.constants.radius; }
+  const FitPlan& plan() const { return plan_; }
+  const RadiusConstants& constants() const { return plan_.constants.radius; }
   const FitCounts& counts() const { return counts_; }
 
  private:
-  const FitSettings& settings_;
+  const FitPlan& plan_;
   Energy energy_;
   BallSamples samples_;
   Trial right_;

@@ -6,10 +6,8 @@
 #include <optional>
 #include <utility>
 
-#include "measured_settings.h"
 #include "pcl_slim/cloud/detail/normal_bound.h"
 #include "pcl_slim/cloud/detail/sides.h"
-#include "presets.h"
 
 namespace pcl_slim::detail {
 
@@ -23,7 +21,7 @@ bool
 mayNeedSides(const PointStore& store, const FitParams& params, const FitStatistics& stats)
 {
   return params.sides && !params.sharp_features && !store.hasNormals() && !params.viewpoint &&
-         !params.paper_mode && !params.hasThreshold() && stats.noise_line == 0;
+         !params.paper_mode && !params.hasThreshold() && stats.noise.line == 0;
 }
 
 /** What the sides of a cloud must meet. */
@@ -69,26 +67,14 @@ searchFor(const ThinPlaces& thin, double unsided, bool measured, const SideConst
 /** Sides by cells of one width, and what is measured with them. */
 struct SidedFit {
   Sides sides;
-  FitSettings settings;
   FitStatistics stats;
-  double noise = 0;  ///< measured
+  CloudMeasures measures;
+  double noise = 0;  ///< as measured, before it is capped
 
-  /** The noise over the agreement of the sides: one rises or the other falls where sides are wrong. */
+  /** The noise over the agreement of the sides and the share of points that face apart: the noise rises or one
+   * of the others falls where sides are wrong, or cells contain both. */
   double cost() const { return noise / (sides.confidence * sides.thin); }
 };
-
-/** Measures a cloud with sides. */
-Error
-measureWith(SidedStore& sided, const FitConstants& constants, const FitParams& params,
-            SidedFit& fit)
-{
-  sided.setSides(fit.sides.normals);
-  fit.settings = makeSettings(sided.store(), params, constants);
-  const int threads = fit.stats.threads;
-  Error error = measureSettings(sided.store(), params, threads, fit.settings, fit.stats);
-  fit.noise = std::sqrt(fit.settings.energy.lambda);
-  return error;
-}
 
 /** Seeks sides by narrower and narrower cells: those that hold both sides leave doubts, or too little
  * faces apart. Keeps the sides of the least cost. */
@@ -102,23 +88,26 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
   for (int pass = 0; pass < rules.noise_passes; ++pass) {
     sided.clearSides();
     SidedFit next{
-        findSides(sided.store(), noise, spacing, SideScope::kAll, rules, stats.threads), {}, stats};
+        findSides(sided.store(), noise, spacing, SideScope::kAll, rules, stats.threads), stats, {}};
     const bool few = next.sides.thin < rules.part * search.share;
     const bool doubtful = 1 - next.sides.confidence > search.doubt;
     const bool narrower = few || doubtful || next.sides.confidence < rules.sure;
     if (doubtful && best) break;
     double found = noise;
     if (!few && !doubtful) {
-      if (Error error = measureWith(sided, constants, params, next)) return error;
-      found = next.noise;
+      sided.setSides(next.sides.normals);
+      Result<CloudMeasures> measured =
+          measureCloud(sided.store(), params, constants, stats.threads, next.stats);
+      if (!measured) return measured.error();
+      next.measures = std::move(*measured);
+      found = next.noise = std::sqrt(next.measures.lambda);
       if (!search.needed && found > rules.same_noise * search.unsided) break;
       if (best && next.cost() > best->cost()) break;
       // Wider balls would hold what these cells keep apart. Sides never add to the noise: a patch of one
       // side alone of a thin tube bends more than its cubic.
       const double most = std::min(std::max(noise, search.least),
                                    std::max(search.unsided, rules.least_noise * spacing));
-      double& lambda = next.settings.energy.lambda;
-      if (search.capped) lambda = std::min(lambda, most * most);
+      if (search.capped) next.measures.lambda = std::min(next.measures.lambda, most * most);
       best = std::move(next);
     }
     const bool same = found > rules.same_noise * noise;
@@ -157,9 +146,9 @@ pointsAround(const PointStore& store, const ThinPlaces& thin, const SideConstant
  * are the least sure. */
 void
 sideFacingPlaces(const ThinPlaces& thin, const FitConstants& constants, SidedStore& sided,
-                 FitSettings& settings, FitStatistics& stats)
+                 CloudMeasures& measures, FitStatistics& stats)
 {
-  double noise = std::sqrt(settings.energy.lambda);
+  double noise = std::sqrt(measures.lambda);
   if (thin.noise > 0) noise = std::min(noise, thin.noise);
   const SideConstants& rules = constants.sides;
   const auto sidesIn = [&](const PointStore& store) {
@@ -173,26 +162,25 @@ sideFacingPlaces(const ThinPlaces& thin, const FitConstants& constants, SidedSto
   Sides sides = sidesIn(sided.store());
   if (!(sides.thin > 0) || sides.outward_confidence < rules.outward) return;
   sided.setSidesForCover(sides.normals, std::move(sides.outward));
-  settings.with_normals = true;
-  settings.min_dot = std::min(normalBound(sided.store(), constants.normal_bound), kUnsidedPass);
-  stats.sided = static_cast<std::size_t>(
+  measures.min_dot = std::min(normalBound(sided.store(), constants.normal_bound), kUnsidedPass);
+  stats.sides.points = static_cast<std::size_t>(
       std::count_if(sides.normals.begin(), sides.normals.end(),
                     [](const std::array<float, 3>& n) { return n != std::array<float, 3>{}; }));
-  stats.sided_confidence = sides.confidence;
-  stats.sided_for_cover = true;
+  stats.sides.confidence = sides.confidence;
+  stats.sides.for_cover = true;
 }
 
 }  // namespace
 
 Error
 giveSides(const FitConstants& constants, const FitParams& params, SidedStore& sided,
-          FitSettings& settings, FitStatistics& stats)
+          CloudMeasures& measures, FitStatistics& stats)
 {
   if (!mayNeedSides(sided.store(), params, stats)) return {};
   const ThinPlaces thin =
       findThinPlaces(sided.store(), constants.sides, constants.noise, stats.threads);
-  stats.thin_places = thin.share;
-  const double unsided = std::sqrt(settings.energy.lambda);
+  stats.sides.thin_places = thin.share;
+  const double unsided = std::sqrt(measures.lambda);
   const auto search = searchFor(thin, unsided, !params.lambda, constants.sides);
   std::optional<SidedFit> best;
   if (search) {
@@ -200,20 +188,20 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
       return error;
   }
   // Errors that neighbours share make terraces, which look like sheets.
-  const bool white = !(stats.noise_correlation > 1);
+  const bool white = !(stats.noise.correlation > 1);
   if (!search && white && thin.share + thin.facing + thin.near >= constants.sides.few_thin)
-    sideFacingPlaces(thin, constants, sided, settings, stats);
+    sideFacingPlaces(thin, constants, sided, measures, stats);
   if (!best) return {};
-  settings = best->settings;
+  measures = std::move(best->measures);
   stats = best->stats;
   // Where there is little noise a leaf's residual says more of a point's sheet than its cell does.
-  stats.sided_for_cover = search->noise < constants.sides.full_noise * thin.spacing;
-  if (stats.sided_for_cover)
+  stats.sides.for_cover = search->noise < constants.sides.full_noise * thin.spacing;
+  if (stats.sides.for_cover)
     sided.setSidesForCover(best->sides.normals, best->sides.normals);
   else
     sided.setSides(best->sides.normals);
-  stats.sided = sided.store().size();
-  stats.sided_confidence = best->sides.confidence;
+  stats.sides.points = sided.store().size();
+  stats.sides.confidence = best->sides.confidence;
   return {};
 }
 

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "fit_settings.h"
+#include "cloud_measures.h"
 #include "pcl_slim/cloud/point_store.h"
 
 namespace pcl_slim::detail {
@@ -59,11 +59,11 @@ class SidedStore {
 };
 
 /** \brief Gives the points of a cloud without normals sides where balls would meet both sides of thin
- * parts, and settles the settings anew with them (docs/theory.md, "Sides before the cover"). The
- * store and the settings stay as they are elsewhere.
- * \param[in,out] settings measured without sides */
+ * parts, and measures the cloud anew with them (docs/theory.md, "Sides before the cover"). The
+ * store and the measures stay as they are elsewhere.
+ * \param[in,out] measures those made without sides */
 Error
 giveSides(const FitConstants& constants, const FitParams& params, SidedStore& sided,
-          FitSettings& settings, FitStatistics& stats);
+          CloudMeasures& measures, FitStatistics& stats);
 
 }  // namespace pcl_slim::detail

@@ -21,14 +21,14 @@ namespace {
  * its memory. */
 class TrimMaker {
  public:
-  TrimMaker(const PointStore& store, const FitSettings& settings, double hole_size,
+  TrimMaker(const PointStore& store, const FitPlan& plan, double hole_size,
             const SLIMSurface& surface, PointBorders& borders)
       : store_(store),
-        settings_(settings),
+        plan_(plan),
         hole_size_(hole_size),
         surface_(surface),
-        border_(store, settings.constants.border, std::sqrt(settings.noise), hole_size,
-                settings.with_normals ? settings.min_dot : -2.0f, borders)
+        border_(store, plan.constants.border, std::sqrt(plan.noise), hole_size,
+                plan.with_normals ? plan.min_dot : -2.0f, borders)
   {
   }
 
@@ -51,7 +51,7 @@ class TrimMaker {
   int appendMap(double spacing, std::vector<std::uint8_t>& bits) const;
 
   const PointStore& store_;
-  const FitSettings& settings_;
+  const FitPlan& plan_;
   double hole_size_;
   const SLIMSurface& surface_;
   BlockNeighborhood nearby_;  ///< of the surfels being made
@@ -87,19 +87,19 @@ keepPoints(const SheetPoints& points, int side, std::uint8_t* bits)
 kernels::CoverLeaf
 TrimMaker::wideSurfel(std::size_t i, const std::array<float, 3>& normal) const
 {
-  const TrimConstants& constants = settings_.constants.trim;
+  const TrimConstants& constants = plan_.constants.trim;
   const float r = surface_.radius[i];
   kernels::CoverLeaf surfel;
   surfel.ball = {{surface_.cx[i], surface_.cy[i], surface_.cz[i]},
                  static_cast<float>(constants.known * r),
-                 settings_.with_normals ? normal.data() : nullptr,
-                 settings_.min_dot};
+                 plan_.with_normals ? normal.data() : nullptr,
+                 plan_.min_dot};
   surfel.frame = LocalFrame({normal[0], normal[1], normal[2]});
   surfel.degree = surface_.degree[i];
   surfel.support_radius = r;
   surfel.c = surface_.coefficientsOf(i);
   surfel.max_residual = static_cast<float>(
-      std::max(constants.gate * r, settings_.constants.cover.residual_bound * surface_.error[i]));
+      std::max(constants.gate * r, plan_.constants.cover.residual_bound * surface_.error[i]));
   return surfel;
 }
 
@@ -115,8 +115,7 @@ TrimMaker::gather(std::size_t i)
     store_.tree().blocksInBall(surfel.ball.center.data(), surfel.ball.radius, found_);
     blocks_.assign(found_.begin(), found_.end());
   }
-  if (!surface_.isLeaf(i) &&
-      blocks_.size() * PointStore::kBlock > settings_.constants.trim.sampled) {
+  if (!surface_.isLeaf(i) && blocks_.size() * PointStore::kBlock > plan_.constants.trim.sampled) {
     sampleSheet(store_, blocks_, surfel, points_);
   } else {
     kernels::gatherSheet(store_, blocks_, surfel, points_);
@@ -130,7 +129,7 @@ TrimMaker::prepare(std::size_t begin, std::size_t end)
   const float* centers[3] = {surface_.cx.data(), surface_.cy.data(), surface_.cz.data()};
   float low[3], high[3], widest = 0, spread = 0;
   for (std::size_t i = begin; i < end; ++i) widest = std::max(widest, surface_.radius[i]);
-  widest *= static_cast<float>(settings_.constants.trim.known);
+  widest *= static_cast<float>(plan_.constants.trim.known);
   for (std::size_t a = 0; a < 3; ++a) {
     const auto [least, most] = std::minmax_element(centers[a] + begin, centers[a] + end);
     low[a] = *least - widest;
@@ -157,7 +156,7 @@ TrimMaker::dataEndAtGaps(std::size_t i, double spacing)
 {
   const double r = surface_.radius[i];
   const LocalFrame frame({surface_.nx[i], surface_.ny[i], surface_.nz[i]});
-  const auto most = static_cast<std::size_t>(settings_.constants.border.places);
+  const auto most = static_cast<std::size_t>(plan_.constants.border.places);
   const std::size_t count = std::min(most, places_.size());
   for (std::size_t k = 0; k < count; ++k) {
     const auto& [u, v] = places_[k * places_.size() / count];
@@ -174,7 +173,7 @@ TrimMaker::dataEndAtGaps(std::size_t i, double spacing)
 int
 TrimMaker::make(std::size_t i, std::vector<std::uint8_t>& bits)
 {
-  const TrimConstants& constants = settings_.constants.trim;
+  const TrimConstants& constants = plan_.constants.trim;
   gather(i);
   const float* c = surface_.coefficientsOf(i);
   // The finest map has a node a spacing, the coarsest five a side.
@@ -213,14 +212,14 @@ constexpr std::size_t kRun = 64;  ///< surfels a thread takes at a time; no resu
 }  // namespace
 
 void
-makeTrimMaps(const PointStore& store, const FitSettings& settings, double hole_size,
-             FitStatistics& stats, SLIMSurface& surface)
+makeTrimMaps(const PointStore& store, const FitPlan& plan, double hole_size, FitStatistics& stats,
+             SLIMSurface& surface)
 {
   PointBorders borders(store.size());
   std::vector<std::unique_ptr<TrimMaker>> makers;
   makers.reserve(static_cast<std::size_t>(stats.threads));
   for (int t = 0; t < stats.threads; ++t)
-    makers.push_back(std::make_unique<TrimMaker>(store, settings, hole_size, surface, borders));
+    makers.push_back(std::make_unique<TrimMaker>(store, plan, hole_size, surface, borders));
   std::vector<std::uint8_t> sides(surface.size());
   std::vector<std::vector<std::uint8_t>> runs((surface.size() + kRun - 1) / kRun);
   parallelFor(runs.size(), stats.threads, 1, [&](std::size_t run, int thread) {

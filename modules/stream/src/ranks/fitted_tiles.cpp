@@ -31,9 +31,8 @@ constexpr std::uint64_t FitStatistics::*kCounts[] = {&FitStatistics::points,
                                                      &FitStatistics::open_leaves,
                                                      &FitStatistics::trim_candidates};
 
-constexpr double FitStatistics::*kSeconds[] = {
-    &FitStatistics::seconds_outliers, &FitStatistics::seconds_noise, &FitStatistics::seconds_cover,
-    &FitStatistics::seconds_trim};
+constexpr double FitSeconds::*kSeconds[] = {&FitSeconds::outliers, &FitSeconds::noise,
+                                            &FitSeconds::cover, &FitSeconds::trim};
 
 }  // namespace
 
@@ -41,7 +40,7 @@ void
 StatisticsSum::add(const FitStatistics& tile, const SLIMSurface& surface)
 {
   for (const auto count : kCounts) sum_.*count += tile.*count;
-  for (const auto seconds : kSeconds) sum_.*seconds += tile.*seconds;
+  for (const auto seconds : kSeconds) sum_.seconds.*seconds += tile.seconds.*seconds;
   sum_.least_pivot = std::min(sum_.least_pivot, tile.least_pivot);
   sum_.working_bytes = std::max(sum_.working_bytes, tile.working_bytes);
   sum_.first_level = any_ ? std::min(sum_.first_level, tile.first_level) : tile.first_level;

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "ball/ball_fitter.h"
-#include "presets.h"
+#include "fit_plan.h"
 #include "support/clouds.h"
 
 namespace pcl_slim {
@@ -20,15 +20,15 @@ using pcl_slim_test::Cloud;
 using pcl_slim_test::heightField;
 using pcl_slim_test::storeOf;
 
-/** A store with the settings that its fit would have, and a gatherer that reaches all of it. */
+/** A store with the plan that its fit would have, and a gatherer that reaches all of it. */
 struct Bench {
   explicit Bench(const Cloud& cloud, double lambda = 1e-8)
       : store(storeOf(cloud)),
-        settings(makeSettings(store, FitParams().resolved(), FitConstants())),
-        gatherer(store, settings),
-        search(settings)
+        plan(planFor(store, FitParams().resolved(), FitConstants(), {})),
+        gatherer(store, plan),
+        search(plan)
   {
-    settings.energy.lambda = settings.noise = lambda;
+    plan.energy.lambda = plan.noise = lambda;
     const float low[3] = {-2, -2, -2}, high[3] = {2, 2, 2};
     gatherer.nearby().collect(store.tree(), low, high);
   }
@@ -46,15 +46,14 @@ struct Bench {
         nearest = i;
       }
     }
-    const FramedBall ball =
-        framed(gatherer.gather(siteOf(store, settings, nearest, radius)), settings);
+    const FramedBall ball = framed(gatherer.gather(siteOf(store, plan, nearest, radius)), plan);
     search.setNoise(ball.site.lambda);
     search.begin(*ball.points, radius, 1.0);
     return ball;
   }
 
   PointStore store;
-  FitSettings settings;
+  FitPlan plan;
   BallGatherer gatherer;
   RadiusSearch search;
 };
@@ -62,7 +61,7 @@ struct Bench {
 TEST(BallStages, AGatheredBallHoldsThePointsWithinItsRadius)
 {
   Bench bench(heightField(4000, 3, [](double x, double y) { return 0.1 * x * y; }));
-  const BallSite site = siteOf(bench.store, bench.settings, 77, 0.1);
+  const BallSite site = siteOf(bench.store, bench.plan, 77, 0.1);
   const GatheredBall ball = bench.gatherer.gather(site);
   std::size_t expected = 0;
   for (std::size_t i = 0; i < bench.store.size(); ++i) {
@@ -109,8 +108,8 @@ TEST(BallStages, ANormalThatNeighboursDoNotShareIsAlone)
   std::size_t alone = 0;
   for (std::size_t i = 0; i < bench.store.size(); ++i) {
     const bool turned = bench.store.normal(i)[2] < 0;
-    const auto ball = bench.gatherer.gather(siteOf(bench.store, bench.settings, i, 0.1));
-    ASSERT_EQ(normalIsAlone(ball, bench.settings), turned) << i;
+    const auto ball = bench.gatherer.gather(siteOf(bench.store, bench.plan, i, 0.1));
+    ASSERT_EQ(normalIsAlone(ball, bench.plan), turned) << i;
     alone += turned;
   }
   EXPECT_EQ(alone, 1u);
@@ -150,13 +149,13 @@ TEST(BallStages, AStrayCentreMovesOntoItsFit)
   BallSite site = bench.framedBall(0.1).site;
   const float plane = site.center[2];
   site.center[2] += 0.01f;  // a tenth of the radius off
-  const FramedBall ball = framed(bench.gatherer.gather(site), bench.settings);
+  const FramedBall ball = framed(bench.gatherer.gather(site), bench.plan);
   bench.search.setNoise(site.lambda);
   bench.search.begin(*ball.points, site.radius, 1.0);
-  const FramedBall moved = recentred(ball, bench.settings, 1, bench.gatherer, bench.search);
+  const FramedBall moved = recentred(ball, bench.plan, 1, bench.gatherer, bench.search);
   EXPECT_NEAR(moved.site.center[2], plane, 1e-3) << "moved by " << moved.site.center[2] - plane;
   // There it stays.
-  const FramedBall again = recentred(moved, bench.settings, 1, bench.gatherer, bench.search);
+  const FramedBall again = recentred(moved, bench.plan, 1, bench.gatherer, bench.search);
   EXPECT_EQ(again.site.center, moved.site.center);
 }
 

@@ -80,8 +80,8 @@ TEST(SensorSigns, OrientADriveThroughAStreet)
 {
   const DrivenScan& scan = drive();
   const Outcome own = outcomeOf(viewOf(scan), scan);
-  EXPECT_EQ(own.fit.side_source, SideSource::kSensors);
-  EXPECT_EQ(own.fit.overlap_edges, 0u);
+  EXPECT_EQ(own.fit.sides.source, SideSource::kSensors);
+  EXPECT_EQ(own.fit.sides.overlap_edges, 0u);
   EXPECT_GT(own.fit.points, 90000u);
   EXPECT_GT(own.right, 0.999);
   // No single place orients all of it, and neither does the graph of leaves.
@@ -89,12 +89,12 @@ TEST(SensorSigns, OrientADriveThroughAStreet)
   view.sensors = nullptr;
   view.sensor = std::array<double, 3>{0, 0, 2};
   const Outcome one = outcomeOf(view, scan);
-  EXPECT_EQ(one.fit.side_source, SideSource::kViewpoint);
+  EXPECT_EQ(one.fit.sides.source, SideSource::kViewpoint);
   EXPECT_LT(one.right, 0.95);
   view.sensor.reset();
   const Outcome graph = outcomeOf(view, scan);
-  EXPECT_EQ(graph.fit.side_source, SideSource::kOverlaps);
-  EXPECT_GT(graph.fit.overlap_edges, 0u);
+  EXPECT_EQ(graph.fit.sides.source, SideSource::kOverlaps);
+  EXPECT_GT(graph.fit.sides.overlap_edges, 0u);
   EXPECT_LT(graph.right, 0.995);
 }
 
@@ -144,7 +144,7 @@ TEST(SensorSigns, FollowPointsThroughIndicesNaNAndOutliers)
   const Outcome some = outcomeOf(view, scan);
   EXPECT_GE(some.fit.outliers, 20u);
   EXPECT_LT(some.fit.points, 4 * seen / 5);
-  EXPECT_EQ(some.fit.side_source, SideSource::kSensors);
+  EXPECT_EQ(some.fit.sides.source, SideSource::kSensors);
   EXPECT_GT(some.right, 0.99);
   EXPECT_GT(some.right, outcomeOf(viewOf(shortDrive()), shortDrive()).right - 0.003);
 }
@@ -191,7 +191,7 @@ TEST(SensorSigns, FollowTheSensorsRoundASurface)
     FitParams params;
     params.viewpoint = {{0, 0, -1000 * height}};
     ASSERT_FALSE(fitSurface(*store, params, surface, &fit));
-    EXPECT_EQ(fit.side_source, SideSource::kViewpoint);
+    EXPECT_EQ(fit.sides.source, SideSource::kViewpoint);
     for (const std::uint32_t i : surface.leaves()) EXPECT_LT(surface.nz[i] * height, 0);
   }
 }
@@ -205,7 +205,7 @@ TEST(SensorSigns, GivenNormalsWin)
   SLIMSurface surface;
   FitStatistics fit;
   ASSERT_FALSE(fitSurface(*store, {}, surface, &fit));
-  EXPECT_EQ(fit.side_source, SideSource::kNormals);
+  EXPECT_EQ(fit.sides.source, SideSource::kNormals);
   for (const std::uint32_t i : surface.leaves()) {
     const Vector3 c = along(surface.info.origin, surface.info.scale,
                             {surface.cx[i], surface.cy[i], surface.cz[i]});
@@ -241,7 +241,7 @@ TEST(SensorSigns, ANoiseModelTakesEachPointsBeam)
   SLIMSurface surface;
   FitStatistics fit;
   ASSERT_FALSE(fitSurface(*store, params, surface, &fit));
-  EXPECT_TRUE(fit.noise_varies);
+  EXPECT_TRUE(fit.noise.varies);
   // The mean variance of .002 and .02, as a share of the squared diagonal.
   const double expected = (0.002 * 0.002 + 0.02 * 0.02) / 2 / (20 * 20 + 10 * 10);
   EXPECT_NEAR(fit.lambda, expected, 0.1 * expected);
@@ -266,8 +266,8 @@ TEST(SensorSigns, TellTheTwoSidesOfAThinPlate)
   SLIMSurface surface;
   FitStatistics fit;
   ASSERT_FALSE(fitSurface(*store, {}, surface, &fit));
-  EXPECT_EQ(fit.side_source, SideSource::kSensors);
-  EXPECT_EQ(fit.sided + fit.outliers, store->size());
+  EXPECT_EQ(fit.sides.source, SideSource::kSensors);
+  EXPECT_EQ(fit.sides.points + fit.outliers, store->size());
   Projection projection;
   ASSERT_FALSE(projectPoints(*store, surface, {}, projection));
   std::size_t right = 0;

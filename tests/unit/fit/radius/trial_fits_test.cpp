@@ -17,13 +17,13 @@ namespace {
 
 constexpr double kNoise = 0.01;
 
-FitSettings
-settingsOfNoise()
+FitPlan
+planOfNoise()
 {
-  FitSettings settings;
-  settings.energy.lambda = kNoise * kNoise;
-  settings.energy.kappa = 3.0;
-  return settings;
+  FitPlan plan;
+  plan.energy.lambda = kNoise * kNoise;
+  plan.energy.kappa = 3.0;
+  return plan;
 }
 
 TEST(BallSamples, InnerPartsHoldAllPointsWithinARadius)
@@ -47,12 +47,12 @@ TEST(BallSamples, InnerPartsHoldAllPointsWithinARadius)
 /** A single point more or less moves n_eff by some percent, so the mean over balls tells. */
 TEST(TrialFits, TheMinimumSupportRadiusJustHasTheSupport)
 {
-  const FitSettings settings = settingsOfNoise();
-  TrialFits trials(settings);
+  const FitPlan plan = planOfNoise();
+  TrialFits trials(plan);
   constexpr unsigned kBalls = 20;
   for (const int degree : {3, 4}) {
     for (const WeightKernel kernel : {WeightKernel::kPower2, WeightKernel::kPower4}) {
-      const double least = settings.support * numCoefficients(degree);
+      const double least = plan.support * numCoefficients(degree);
       double mean = 0;
       for (unsigned b = 0; b < kBalls; ++b) {
         const TestBall ball = wavyBall(2, 200, 0.0, 1.0, kNoise, 40 + b);
@@ -71,8 +71,8 @@ TEST(TrialFits, TheMinimumSupportRadiusJustHasTheSupport)
 TEST(TrialFits, TheFitAtTheRightRadiusIsMadeOnce)
 {
   const TestBall ball = wavyBall(2, 500, 0.0, 1.0, kNoise, 9);
-  const FitSettings settings = settingsOfNoise();
-  TrialFits trials(settings);
+  const FitPlan plan = planOfNoise();
+  TrialFits trials(plan);
   trials.begin(ball.points, 1.0, 1.0);
   EXPECT_TRUE(trials.right().supported);
   EXPECT_EQ(trials.right().rho, 1.0);
@@ -83,14 +83,14 @@ TEST(TrialFits, TheFitAtTheRightRadiusIsMadeOnce)
  */
 TEST(FitComparison, AcceptsTheWideFitOfAPlaneButNotOfAWave)
 {
-  const FitSettings settings = settingsOfNoise();
+  const FitPlan plan = planOfNoise();
   for (const double amplitude : {0.0, 0.6 * kNoise}) {
     int accepted = 0;
     constexpr int kBalls = 20;
     for (int b = 0; b < kBalls; ++b) {
       const TestBall ball =
           wavyBall(4, 4000, amplitude, 0.9, kNoise, 500u + static_cast<unsigned>(b));
-      TrialFits trials(settings);
+      TrialFits trials(plan);
       ResidualTests tests(trials);
       trials.begin(ball.points, 1.0, 1.0);
       accepted += FitComparison(trials, tests).acceptsSimpler(trials.right(), trials.middle());
@@ -106,15 +106,15 @@ TEST(FitComparison, AcceptsTheWideFitOfAPlaneButNotOfAWave)
 TEST(FitComparison, GoesByTheConstantsOfItsSettings)
 {
   const TestBall ball = wavyBall(4, 4000, 0.0, 1.0, kNoise, 10);
-  FitSettings settings = settingsOfNoise();
-  settings.constants.radius.comparison_worth = 1e3;
-  TrialFits trials(settings);
+  FitPlan plan = planOfNoise();
+  plan.constants.radius.comparison_worth = 1e3;
+  TrialFits trials(plan);
   ResidualTests tests(trials);
   trials.begin(ball.points, 1.0, 1.0);
   const FitComparison comparison(trials, tests);
   const Trial middle = trials.middle();
   EXPECT_TRUE(comparison.acceptsSimpler(trials.right(), middle));
-  settings.constants.radius.comparison_worth = 0.0;
+  plan.constants.radius.comparison_worth = 0.0;
   EXPECT_FALSE(comparison.acceptsSimpler(trials.right(), middle));
 }
 

@@ -84,9 +84,12 @@ class PCL_SLIM_EXPORT PointStore {
   }
   std::array<float, 3> normal(std::size_t i) const { return {nx_[i], ny_[i], nz_[i]}; }
 
-  const std::array<double, 3>& origin() const { return origin_; }  ///< world position of local 0
+  const std::array<double, 3>& origin() const
+  {
+    return frame_.origin;
+  }  ///< world position of local 0
   /** \brief World position that the points were seen from, where the cloud knows it. */
-  const std::optional<std::array<double, 3>>& sensor() const { return sensor_; }
+  const std::optional<std::array<double, 3>>& sensor() const { return frame_.sensor; }
   /** \brief Whether the cloud knows where each of its points was seen from. */
   bool hasSensors() const { return !sensors_.empty(); }
   /** \brief Local position that point i was seen from; of merged points, the first one's. */
@@ -94,17 +97,22 @@ class PCL_SLIM_EXPORT PointStore {
   {
     return {sensors_[i][0], sensors_[i][1], sensors_[i][2]};
   }
-  double scale() const { return scale_; }  ///< world units per local unit, a power of two
+  /** \brief What local coordinates are relative to. */
+  const StoreFrame& frame() const { return frame_; }
+  double scale() const { return frame_.scale; }  ///< world units per local unit, a power of two
   /** \brief L of the bulk alone, local units: four times the diagonal between the quartiles of each
    * coordinate, and L where that is less, as it is of most clouds. */
-  double bulkDiagonal() const { return bulk_diagonal_; }
-  double diagonal() const { return diagonal_; }  ///< L in local units, in (.49, 1); 0: one position
+  double bulkDiagonal() const { return frame_.bulk_diagonal; }
+  double diagonal() const
+  {
+    return frame_.diagonal;
+  }  ///< L in local units, in (.49, 1); 0: one position
 
   /** \brief 63-bit Morton codes, ascending; three bits a level, x highest. */
   const std::uint64_t* keys() const { return keys_.data(); }
   /** \brief Surfel centres are multiples of this, so that world = origin + scale * centre is exact
    * in float (unless the origin lies beyond 256 L). */
-  double centerGrid() const { return center_grid_; }
+  double centerGrid() const { return frame_.center_grid; }
 
   /** \brief For each stored point, its place in the sequence of points asked for (the i of
    * CloudView::inputIndex(i)). */
@@ -141,21 +149,14 @@ class PCL_SLIM_EXPORT PointStore {
   void cutColumns(const PointStore& from, const std::vector<std::uint32_t>& kept, int threads);
 
   std::size_t size_ = 0;
-  std::array<double, 3> bulk_center_{};  ///< of the cube outside which points are strays ...
-  double bulk_reach_ = 0;                ///< ... and half its edge, from that of
-  double bulk_between_ = 0;              ///< the box between the quartiles: its diagonal
-  std::array<double, 3> origin_{};
-  double scale_ = 1.0;
-  double diagonal_ = 0.0, bulk_diagonal_ = 0.0;
+  StoreFrame frame_;
   AlignedVector<float> x_, y_, z_, nx_, ny_, nz_;
   AlignedVector<float> block_origin_x_, block_origin_y_, block_origin_z_;
   AlignedVector<std::uint32_t> order_of_store_;
   AlignedVector<std::uint64_t> keys_;
-  double center_grid_ = 0x1p-22;
   std::vector<std::array<std::uint32_t, 2>> merged_;  ///< (order asked for, stored point)
   BlockTree tree_;
   PointStoreStatistics statistics_;
-  std::optional<std::array<double, 3>> sensor_;
   std::vector<std::array<float, 3>> sensors_;  ///< local positions, in stored order, or none
   bool found_sides_ = false;                   ///< the normals are those of setSides()
 };

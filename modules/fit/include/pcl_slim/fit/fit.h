@@ -109,57 +109,74 @@ enum class SideSource : unsigned char {
   kOverlaps    ///< a spanning forest of the graph of overlapping leaves
 };
 
+/** \brief What was measured of a cloud's errors. */
+struct NoiseStatistics {
+  std::uint64_t patches = 0;    ///< of points, on which noise was measured
+  double correlation = 1;       ///< points that share their errors; 1: white noise
+  std::uint64_t line = 0;       ///< points along a scan line that count as one; 0: no lines
+  double step = 0;              ///< of a quantised coordinate, the median [L]; 0: none found
+  std::uint64_t neighbors = 0;  ///< points of a patch that shows all of the noise
+  double patch_radius = 0;      ///< median radius of those patches [L]
+  bool varies = false;          ///< lambda is the cloud's, the noise a profile about it
+  double normal_error = 0;      ///< of normals used as data [rad]; 0: they were not
+  /// normals were to be data, but repeat the points' noise, or the points are too few to show it
+  bool normals_follow_points = false;
+};
+
+/** \brief How points and surface got their sides. */
+struct SideStatistics {
+  double thin_places = 0;    ///< share of the places looked at where a ball meets two sides
+  std::uint64_t points = 0;  ///< that were given a side before the cover
+  bool for_cover = false;    ///< ... and the projection does without them
+  double confidence = 0;     ///< agreement of neighbouring sides: 1 in full, 0 as chance has it
+  SideSource source = SideSource::kNone;
+  std::uint64_t overlap_edges = 0;  ///< of the graph that kOverlaps searches; 0: there was no need
+};
+
+/** \brief Wall time of the stages of a fit [s]. */
+struct FitSeconds {
+  double outliers = 0, noise = 0, sides = 0, cover = 0, links = 0, orient = 0, trim = 0;
+};
+
 /** \brief What a fit did, what it skipped and how long its stages took. */
 struct FitStatistics {
   std::uint64_t points = 0;    ///< fitted: finite, distinct, no outliers
   std::uint64_t outliers = 0;  ///< stored points that stand apart from all others: not fitted ...
   std::vector<std::uint32_t> outlier_points;  ///< ... and which these are; empty of tiles
+
+  NoiseStatistics noise;
+  double lambda = 0;              ///< noise variance [L^2]
+  double penalty = 0, t_mdl = 0;  ///< as used (solved for, where asked)
+  double noise_factor = 0;        ///< NoiseFactor, or the one solved for; 0: none
+  SideStatistics sides;
+
+  int first_level = 1, levels_skipped = 0, last_level = 0;
   std::uint64_t leaves = 0, internals = 0;
+  std::vector<std::uint64_t> leaves_per_level;  ///< index k
+  double rms_error = 0;               ///< RMS residual of covered points against their leaves [L]
   std::uint64_t support_limited = 0;  ///< leaves that ended by minimum support
   std::uint64_t reduced_degree = 0;   ///< surfels whose degree fell below the one asked for
-  std::uint64_t uncovered = 0;        ///< points whose coverage stays below gamma
-  std::uint64_t unsupported = 0;      ///< of those, points inside no leaf's support at all
+  std::uint64_t open_leaves = 0;      ///< leaves with a trim map: data end or leave a hole in them
+
+  std::uint64_t uncovered = 0;    ///< points whose coverage stays below gamma
+  std::uint64_t unsupported = 0;  ///< of those, points inside no leaf's support at all
+  std::uint64_t unresolved = 0;   ///< points whose detail is too fine for the cloud's width, 1e-6 L
   std::uint64_t skipped_normals = 0;  ///< centres passed over because their normal stands alone
+  std::uint64_t never_gathered = 0;   ///< centres never tried: points covered by another's leaf
+
+  std::uint64_t gathered = 0;         ///< points gathered into balls, all balls together
   std::uint64_t split_sheets = 0;     ///< balls in which two sheets were parted
+  std::uint64_t line_balls = 0;       ///< balls divided because their many points lie along a line
   std::uint64_t fits = 0;             ///< least-squares systems solved
-  std::uint64_t fell_by_support =
-      0;                            ///< of those, of a lower degree: too few points stand behind it
-  std::uint64_t fell_by_pivot = 0;  ///< likewise: the points do not tell its coefficients apart
-  std::uint64_t line_balls = 0;     ///< balls divided because their many points lie along a line
+  std::uint64_t fell_by_support = 0;  ///< of those, of a lower degree: too few points for it
+  std::uint64_t fell_by_pivot = 0;    ///< likewise: the points do not tell its coefficients apart
   double least_pivot =
       1;  ///< of the leaves' normal equations, over its diagonal entry; 1: orthogonal
-  std::uint64_t noise_patches = 0;   ///< patches of points on which noise was measured
-  std::uint64_t gathered = 0;        ///< points gathered into balls, all balls together
-  std::uint64_t never_gathered = 0;  ///< centres never tried: points covered by another's leaf
-  std::uint64_t unresolved = 0;  ///< points whose detail is too fine for the cloud's width, 1e-6 L
-  int first_level = 1, levels_skipped = 0, last_level = 0;
-  double lambda = 0;             ///< noise variance [L^2]
-  std::uint64_t sided = 0;       ///< points that were given a side before the cover
-  bool sided_for_cover = false;  ///< ... and the projection does without them
-  double sided_confidence = 0;   ///< agreement of neighbouring sides: 1 in full, 0 as chance has it
-  SideSource side_source = SideSource::kNone;
-  std::uint64_t overlap_edges = 0;  ///< of the graph that kOverlaps searches; 0: there was no need
-  double thin_places = 0;           ///< share of the places looked at where a ball meets two sides
-  double noise_correlation = 1;     ///< points that share their errors; 1: white noise
-  std::uint64_t noise_line = 0;     ///< points along a scan line that count as one; 0: no lines
-  double noise_step = 0;            ///< of a quantised coordinate, the median [L]; 0: none found
-  std::uint64_t noise_neighbors = 0;  ///< points of a patch that shows all of the noise
-  double noise_patch_radius = 0;      ///< median radius of those patches [L]
-  bool noise_varies = false;          ///< lambda is the cloud's, the noise a profile about it
-  double penalty = 0, t_mdl = 0;      ///< as used (solved for, where asked)
-  double noise_factor = 0;            ///< NoiseFactor, or the one solved for; 0: none
-  double normal_error = 0;            ///< of normals used as data [rad]; 0: they were not
-  /// normals were to be data, but repeat the points' noise, or too few points tell
-  bool normals_follow_points = false;
-  double rms_error = 0;               ///< RMS residual of covered points against their leaves [L]
-  std::uint64_t open_leaves = 0;      ///< leaves with a trim map: data end or leave a hole in them
   std::uint64_t trim_candidates = 0;  ///< surfels whose gaps were measured; the others have none
-  double seconds_outliers = 0, seconds_noise = 0, seconds_sides = 0;
-  double seconds_cover = 0, seconds_links = 0, seconds_orient = 0;
-  double seconds_trim = 0;
+
+  FitSeconds seconds;
   int threads = 1;
-  std::uint64_t working_bytes = 0;  ///< memory of the fit beside the store and the surface
-  std::vector<std::uint64_t> leaves_per_level;  ///< index k
+  std::uint64_t working_bytes = 0;  ///< memory of the fit, store and surface not counted
 };
 
 /** \brief Fits a SLIM surface to a cloud in Morton order (Ohtake, Belyaev, Alexa 2005, section 2).
@@ -170,7 +187,7 @@ struct FitStatistics {
  * whose ball the data end or leave a hole get a trim map. Same bytes for any number of threads.
  *
  * \return an error for bad parameters, no points, points that are nowhere a surface
- * (ErrorCode::kNoSurface; the statistics are then told), or cancellation; surface is then empty.
+ * (ErrorCode::kNoSurface; statistics are then filled), or cancellation; surface is then empty.
  */
 PCL_SLIM_EXPORT Error
 fitSurface(const PointStore& store, const FitParams& params, SLIMSurface& surface,

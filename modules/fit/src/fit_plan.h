@@ -6,14 +6,25 @@
 #include <vector>
 
 #include "fit_constants.h"
+#include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/fit/fit.h"
 #include "radius/energy.h"
 
 namespace pcl_slim::detail {
 
-/** \brief Everything the inner steps need to know, in local units; fixed during a fit. The presets
- * fill it (presets.h). */
-struct FitSettings {
+/** \brief What the fit knows of a cloud's errors, stated by the user or measured. Local units. */
+struct CloudMeasures {
+  double lambda = 0;                 ///< noise variance as the energy takes it
+  double noise = 0;                  ///< variance of the points about the surface; 0: not known
+  double correlation = 1;            ///< points that share their errors
+  std::vector<float> noise_profile;  ///< noise ratios of runs of points; empty: all 1
+  double normal_error = 0;           ///< > 0: normals are data too, this many radians off
+  float min_dot = 0;                 ///< the normal bound: normals nearer than this belong together
+};
+
+/** \brief Everything the inner steps need to know, in local units: the user's parameters, settled, and what was
+ * measured. Made by planFor(), const from there on. */
+struct FitPlan {
   FitConstants constants;
 
   int degree = constants.preset.degree;
@@ -35,13 +46,13 @@ struct FitSettings {
   double diagonal = 1.0;      ///< L
   double first_radius = constants.cover.paper_first_radius;  ///< r_r of level 1 over L
   double start_share = constants.cover.start_share;  ///< of the points in level 1's median ball
-  double noise = 0;       ///< variance of points about the surface, in space; 0: not known
+  double noise = 0;                                  ///< CloudMeasures::noise
   double least_ball = 0;  ///< > 0: no leaf's ball is narrower, a local length
   double center_grid = 0x1p-22;
-  std::vector<float> noise_profile;  ///< noise ratios of runs of points; empty: all 1
+  std::vector<float> noise_profile;  ///< CloudMeasures::noise_profile
   bool with_normals = false;
-  double normal_error = 0;  ///< > 0: normals are data too, this many radians off
-  float min_dot = 0.0f;     ///< the normal bound: normals nearer than this belong together
+  double normal_error = 0;  ///< CloudMeasures::normal_error
+  float min_dot = 0.0f;     ///< CloudMeasures::min_dot
   bool skip_lone_normals = true;
   bool split_sheets = false;
   bool internal_only = false;  ///< every ball is kept at r_r, for finer ones to stand below
@@ -49,8 +60,8 @@ struct FitSettings {
   bool paper = false;
   std::uint64_t seed = 1;
 
-  FitSettings() = default;
-  explicit FitSettings(const FitConstants& values) : constants(values)
+  FitPlan() = default;
+  explicit FitPlan(const FitConstants& values) : constants(values)
   {
     energy.thick = values.preset.thick;
   }
@@ -61,17 +72,39 @@ struct FitSettings {
     return noise_profile.empty() ? 1.0 : noise_profile[i * noise_profile.size() / n];
   }
 
-  /** \brief Smaller balls may miss the point that they are about, for their centres stand on a grid. */
+  /** \brief Smaller balls may miss the point that they are about, for their centres are on a grid. */
   double leastRadius() const { return constants.cover.least_radius * center_grid; }
 
   /** \brief Whether balls of level k are as wide as the least ball asked for. */
   bool allows(int k) const { return levelRadius(k) >= least_ball; }
 
-  /** \brief Whether balls of level k, and the narrower ones that they mark, hold their own points. */
+  /** \brief Whether balls of level k, and the narrower ones that they mark, contain their own points. */
   bool resolves(int k) const { return levelRadius(k) >= 2 * leastRadius(); }
 
   /** \brief r_r of level k (eq. 5). */
   double levelRadius(int k) const { return first_radius * diagonal * std::pow(kGolden, k - 1); }
+
+  /** \brief The same plan with another noise variance in its energy. */
+  FitPlan withLambda(double lambda) const
+  {
+    FitPlan other = *this;
+    other.energy.lambda = lambda;
+    return other;
+  }
 };
+
+/** \brief A user's parameters with degree and penalty settled. */
+FitParams
+resolvedParams(const FitParams& params, const PresetConstants& constants);
+
+/** \brief The preset that a user's parameters name, with the widths that a store's frame sets: what the radii of
+ * levels depend on. */
+FitPlan
+framePlan(const StoreFrame& frame, const FitParams& params, const FitConstants& constants);
+
+/** \brief The plan of a fit. \param[in] params resolved */
+FitPlan
+planFor(const PointStore& store, const FitParams& params, const FitConstants& constants,
+        const CloudMeasures& measures);
 
 }  // namespace pcl_slim::detail

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How the presets that a user's parameters name differ from the default.
-#include "presets.h"
+// How the plans that a user's parameters name differ from the default.
+#include "fit_plan.h"
 
 #include <gtest/gtest.h>
 
@@ -14,53 +14,53 @@ namespace {
 
 using measure::Shape;
 
-FitSettings
-settingsOf(const FitParams& params)
+FitPlan
+planOf(const FitParams& params)
 {
   const PointStore store =
       pcl_slim_test::storeOf(pcl_slim_test::sceneCloud(Shape::kSphere, 200, 0.0));
-  return makeSettings(store, params.resolved(), FitConstants());
+  return planFor(store, params.resolved(), FitConstants(), {});
 }
 
-TEST(Presets, AGivenTLeavesFewerReasonsToStop)
+TEST(FitPlan, AGivenTLeavesFewerReasonsToStop)
 {
   FitParams params;
   params.size = MDLThreshold{0.02};
-  const FitSettings t = settingsOf(params), plain = settingsOf(FitParams());
+  const FitPlan t = planOf(params), plain = planOf(FitParams());
   EXPECT_LT(t.lenience, plain.lenience);
   EXPECT_GT(t.lack_of_fit, plain.lack_of_fit);
   EXPECT_LT(t.energy.thick, plain.energy.thick);
   EXPECT_FALSE(t.find_detail || t.compare_nested || t.paper);
   EXPECT_DOUBLE_EQ(t.first_radius, 0.1);
   params.paper_mode = true;
-  const FitSettings paper = settingsOf(params);
+  const FitPlan paper = planOf(params);
   EXPECT_TRUE(paper.paper);
   EXPECT_EQ(paper.lack_of_fit, 0.0);
   EXPECT_EQ(paper.lenience, 1.0);
   EXPECT_DOUBLE_EQ(paper.energy.t_mdl, 0.02 * paper.diagonal);
 }
 
-TEST(Presets, SharpFeaturesNarrowTheStartAndTheNormalBound)
+TEST(FitPlan, SharpFeaturesNarrowTheStartAndTheNormalBound)
 {
   FitParams params;
   params.sharp_features = true;
-  const FitSettings s = settingsOf(params), plain = settingsOf(FitParams());
+  const FitPlan s = planOf(params), plain = planOf(FitParams());
   EXPECT_LT(s.degree, plain.degree);
   EXPECT_LT(s.energy.kappa, plain.energy.kappa);
   EXPECT_LT(s.start_share, plain.start_share);
   EXPECT_LE(plain.min_dot, 0.0f);
 }
 
-TEST(Presets, ASurfaceStatesTheFitsOwnPenaltyByDefault)
+TEST(FitPlan, ASurfaceStatesTheFitsOwnPenaltyByDefault)
 {
   EXPECT_EQ(SurfaceInfo().penalty, std::get<PenaltyWeight>(FitParams().resolved().size).kappa);
 }
 
-TEST(Presets, ATargetOfSurfelsTakesThePapersAlpha)
+TEST(FitPlan, ATargetOfSurfelsTakesThePapersAlpha)
 {
   FitParams sized;
   sized.size = MaxSurfels{100};
-  const FitSettings few = settingsOf(sized), plain = settingsOf(FitParams());
+  const FitPlan few = planOf(sized), plain = planOf(FitParams());
   EXPECT_EQ(few.supported_alpha, few.alpha);
   EXPECT_LT(plain.supported_alpha, plain.alpha);
 }

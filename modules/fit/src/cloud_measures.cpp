@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "measured_settings.h"
+#include "cloud_measures.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "ball/normal_error.h"
 #include "pcl_slim/cloud/detail/noise_measurement.h"
+#include "pcl_slim/cloud/detail/normal_bound.h"
 
 namespace pcl_slim::detail {
 
@@ -31,7 +32,7 @@ class ResidualNoise {
   {
     if (!measured_) {
       level_ = measure();
-      stats_.noise_patches += level_.patches;
+      stats_.noise.patches += level_.patches;
     }
     measured_ = true;
     return level_;
@@ -76,17 +77,16 @@ modelProfile(const PointStore& store, const FitParams& params, const NoiseConsta
 
 /** Sets lambda to a profile's mean and the profile to ratios of it. */
 void
-takeVariances(std::vector<float> variances, FitSettings& settings)
+takeVariances(std::vector<float> variances, float least, CloudMeasures& measures)
 {
   double sum = 0;
   for (const float variance : variances) sum += variance;
   const double mean = sum / static_cast<double>(variances.size());
   if (!(mean > 0)) return;
-  const float least = settings.constants.noise.least_ratio;
   for (float& variance : variances)
     variance = std::clamp(static_cast<float>(variance / mean), least, 1 / least);
-  settings.energy.lambda = mean;
-  settings.noise_profile = std::move(variances);
+  measures.lambda = mean;
+  measures.noise_profile = std::move(variances);
 }
 
 /** The paper's T_MDL belongs to its lambda; the default penalty to the residual estimate. */
@@ -102,77 +102,80 @@ noiseVariance(const PointStore& store, const FitParams& params, const NoiseConst
 
 /** How noise varies over the cloud, where the user or the data say that it does. */
 void
-measureProfile(const PointStore& store, const FitParams& params, int threads,
-               ResidualNoise& residual, FitSettings& settings)
+measureProfile(const PointStore& store, const FitParams& params, const NoiseConstants& constants,
+               int threads, ResidualNoise& residual, CloudMeasures& measures)
 {
-  const NoiseConstants& constants = settings.constants.noise;
-  const bool shared = settings.energy.correlation > 1;
+  const bool shared = measures.correlation > 1;
   if (params.noise_model) {
-    takeVariances(modelProfile(store, params, constants, threads), settings);
+    takeVariances(modelProfile(store, params, constants, threads), constants.least_ratio, measures);
   } else if (params.local_noise == false) {
     return;
   } else if (params.local_noise == true || (shared && measuresResiduals(params))) {
-    settings.noise_profile = measureNoiseProfile(store, residual.level(), constants, threads);
+    measures.noise_profile = measureNoiseProfile(store, residual.level(), constants, threads);
   } else if (measuresResiduals(params) && residual.level().uneven) {
-    settings.noise_profile = measureRaisedProfile(store, residual.level(), constants, threads);
+    measures.noise_profile = measureRaisedProfile(store, residual.level(), constants, threads);
   }
 }
 
 void
-measureNoiseSettings(const PointStore& store, const FitParams& params, int threads,
-                     FitSettings& settings, FitStatistics& stats)
+measureErrors(const PointStore& store, const FitParams& params, const NoiseConstants& constants,
+              int threads, CloudMeasures& measures, FitStatistics& stats)
 {
-  const NoiseConstants& constants = settings.constants.noise;
   ResidualNoise residual(store, params, constants, threads, stats);
   if (!params.noise_model)
-    settings.energy.lambda = noiseVariance(store, params, constants, threads, residual);
-  if (measuresResiduals(params)) settings.energy.correlation = residual.level().dependence;
-  if (params.noise_correlation) settings.energy.correlation = *params.noise_correlation;
-  measureProfile(store, params, threads, residual, settings);
-  // The paper's lambda, which T goes with, holds the surface's bend too; the smallest balls follow
-  // it.
-  if (!params.hasThreshold() && !params.paper_mode) settings.noise = settings.energy.lambda;
-  stats.noise_patches += settings.noise_profile.size();
-  stats.noise_correlation = settings.energy.correlation;
-  stats.noise_varies = !settings.noise_profile.empty();
+    measures.lambda = noiseVariance(store, params, constants, threads, residual);
+  if (measuresResiduals(params)) measures.correlation = residual.level().dependence;
+  if (params.noise_correlation) measures.correlation = *params.noise_correlation;
+  measureProfile(store, params, constants, threads, residual, measures);
+  measures.noise = measures.lambda;
+  stats.noise.patches += measures.noise_profile.size();
+  stats.noise.correlation = measures.correlation;
+  stats.noise.varies = !measures.noise_profile.empty();
   if (!measuresResiduals(params)) return;
-  stats.noise_correlation = residual.level().correlation;
-  stats.noise_line = residual.level().dependence > 1 ? residual.level().line : 0;
-  stats.noise_step = residual.level().step / store.diagonal();
-  stats.noise_neighbors = residual.level().neighbors;
-  stats.noise_patch_radius = residual.level().patch_radius / store.diagonal();
+  stats.noise.correlation = residual.level().correlation;
+  stats.noise.line = residual.level().dependence > 1 ? residual.level().line : 0;
+  stats.noise.step = residual.level().step / store.diagonal();
+  stats.noise.neighbors = residual.level().neighbors;
+  stats.noise.patch_radius = residual.level().patch_radius / store.diagonal();
 }
 
 /** What normals weigh as data: the error stated, or the one measured if it is their own. */
-Error
-measureNormalSettings(const PointStore& store, const FitParams& params, int threads,
-                      FitSettings& settings, FitStatistics& stats)
+double
+normalError(const PointStore& store, const FitParams& params, const NormalErrorConstants& constants,
+            int threads, FitStatistics& stats)
 {
-  if (!params.normals_as_data) return {};
-  if (!store.hasNormals()) {
-    return {ErrorCode::kBadInput,
-            "the points have no normals to take as data: give some, or leave it"};
-  }
-  settings.normal_error = params.normal_error.value_or(0);
-  if (!params.normal_error) {
-    const NormalErrorConstants& constants = settings.constants.normal_error;
-    const NormalError measured = measureNormalError(store, constants, threads);
-    const bool independent = measured.independent(constants);
-    stats.normals_follow_points = !independent;
-    if (independent) settings.normal_error = measured.radians;
-  }
-  stats.normal_error = settings.normal_error;
-  return {};
+  if (params.normal_error) return *params.normal_error;
+  const NormalError measured = measureNormalError(store, constants, threads);
+  stats.noise.normals_follow_points = !measured.independent(constants);
+  return stats.noise.normals_follow_points ? 0 : measured.radians;
+}
+
+/** The cosine above which two normals belong together. */
+float
+minDot(const PointStore& store, const FitParams& params, const FitConstants& constants)
+{
+  if (params.sharp_features) return constants.preset.sharp_bound;
+  if (!store.hasSides() || params.paper_mode) return 0.0f;
+  return normalBound(store, constants.normal_bound);
 }
 
 }  // namespace
 
-Error
-measureSettings(const PointStore& store, const FitParams& params, int threads,
-                FitSettings& settings, FitStatistics& stats)
+Result<CloudMeasures>
+measureCloud(const PointStore& store, const FitParams& params, const FitConstants& constants,
+             int threads, FitStatistics& stats)
 {
-  measureNoiseSettings(store, params, threads, settings, stats);
-  return measureNormalSettings(store, params, threads, settings, stats);
+  CloudMeasures measures;
+  measures.min_dot = minDot(store, params, constants);
+  measureErrors(store, params, constants.noise, threads, measures, stats);
+  if (!params.normals_as_data) return measures;
+  if (!store.hasNormals()) {
+    return Error{ErrorCode::kBadInput,
+                 "the points have no normals to take as data: give some, or leave it"};
+  }
+  measures.normal_error = stats.noise.normal_error =
+      normalError(store, params, constants.normal_error, threads, stats);
+  return measures;
 }
 
 }  // namespace pcl_slim::detail
