@@ -18,7 +18,7 @@ struct CrestView {
   Vector3 up = {0, 1, 0};             ///< points up in the picture
   double width = 1000;                ///< of the longer side, pixels
   double line_width = 1.2;            ///< pixels
-  /** Hides lines behind it: leaves stand as flat patches of two thirds of their radius, so that lines
+  /** Hides lines behind it: leaves are drawn as flat patches of two thirds of their radius, so that lines
    * within half a radius of what hides them may show. Null: every line shows. */
   const SLIMSurface* surface = nullptr;
 };
@@ -27,7 +27,7 @@ struct CrestView {
  *
  * .vtp  ParaView: one polyline cell a line with type, length, strength, significance; point data
  * .ply  binary_little_endian, `element edge` with vertex1 and vertex2
- * .pcd  binary; a `line` field tells which vertices belong together
+ * .pcd  binary; a `line` field has the number of each vertex' line
  * .svg  ridges blue and ravines red, as that side shows towards the viewer (a ridge seen from behind is
  *       a ravine)
  *

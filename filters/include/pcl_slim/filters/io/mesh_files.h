@@ -22,8 +22,8 @@ checkMeshExtension(const std::string& path);
  *        normals, colours
  * .vtp   for ParaView, in builds with PCL_SLIM_WITH_VTP: points, "Normals", k1, k2, "RGB"
  *
- * .ply and .vtp hold doubles where floats would move vertices by more than a thousandth of an edge; .stl
- * always holds floats. O(triangles).
+ * .ply and .vtp contain doubles where floats would move vertices by more than a thousandth of an edge; .stl
+ * always contains floats. O(triangles).
  */
 PCL_SLIM_EXPORT Error
 saveMesh(const std::string& path, const TriangleMesh& mesh);

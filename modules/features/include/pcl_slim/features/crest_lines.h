@@ -21,7 +21,7 @@ enum class CrestType : std::uint8_t { kRidge = 0, kRavine = 1 };
 struct PCL_SLIM_EXPORT CrestParams {
   bool ridges = true;
   bool ravines = true;
-  /** Lines are kept where they stand this many deviations of the noise out of their surroundings ... */
+  /** Lines are kept where their prominence is this many deviations of the noise ... */
   double significance = 2.0;
   /** ... and somewhere along that stretch, as a mean of seven vertices, this many; at least significance.
    * Noise alone makes an RMS of 1 to 2. */
@@ -65,7 +65,7 @@ struct CrestLines {
 struct CrestStatistics {
   std::uint64_t seeds = 0;                ///< changes of sign between neighbouring points
   std::uint64_t seeds_on_lines = 0;       ///< left out: a line, or a seed refused, is there already
-  std::uint64_t seeds_insignificant = 0;  ///< left out: below the significance asked for
+  std::uint64_t seeds_insignificant = 0;  ///< left out: below the required significance
   std::uint64_t seeds_failed = 0;         ///< left out: no line found there
   std::uint64_t traced = 0;               ///< lines followed, before any is dropped
   std::uint64_t joined = 0;               ///< ends at another line
@@ -92,7 +92,7 @@ struct CrestStatistics {
  * \param[out] lines cleared first; empty on an error. \param[out] statistics may be null.
  * \return an error for parameters out of range, a projection of other points or without extremality,
  * or cancellation. A surface without lines is none. O(N) for seeds, then a few SurfaceProbe requests
- * a vertex. The same for any number of threads, of which two serve the tracing.
+ * a vertex. The same for any number of threads, of which tracing uses two.
  */
 PCL_SLIM_EXPORT Error
 traceCrestLines(const PointStore& store, const Projection& projection, const SLIMSurface& surface,

@@ -27,7 +27,7 @@ struct MDLThreshold {
 struct TargetError {
   double rms = 0.0;  ///< (0, 1] [L]
 };
-/** \brief Solves for the noise factor that gives at most so many leaves. */
+/** \brief Solves for the noise factor that gives at most this number of leaves. */
 struct MaxSurfels {
   std::uint64_t leaves = 0;  ///< 1 or more
 };
@@ -54,24 +54,23 @@ struct PCL_SLIM_EXPORT FitParams {
   std::optional<double> lambda;  ///< > 0 [L^2]: noise variance; unset: estimated
   std::optional<double>
       cover_radius;              ///< alpha in (0, 1], 1 is the compact setting; unset: 2/3, and
-                                 ///< .55 for leaves that many points stand behind
+                                 ///< .55 for leaves of a large effective count
   double cover_threshold = 0.1;  ///< gamma > 0
   std::optional<double> least_radius;  ///< > 0, world units: no ball is narrower, so that no finer
                                        ///< detail is kept
   bool sharp_features =
       false;  ///< keep sharp edges: only points with n . n_c > 1/2; no effect without normals
-  bool robust = false;  ///< reweight residuals against outliers (two more passes a leaf)
-  bool keep_outliers =
-      false;  ///< fit points that stand apart from all others, too (findOutliers())
+  bool robust = false;         ///< reweight residuals against outliers (two more passes a leaf)
+  bool keep_outliers = false;  ///< fit points that are far from all others, too (findOutliers())
   std::optional<bool> local_noise;  ///< lambda varies over the cloud: noisy parts are smoothed more
                                     ///< than clean ones; unset: if the data show it
-  std::optional<double> noise_correlation;  ///< points that share their errors, 1: none do; unset:
+  std::optional<double> noise_correlation;  ///< number of points that share an error; unset:
                                             ///< from the data
   /// a, b, c: RMS error a + b z + c z^2 along the ray from the viewpoint at distance z, world units;
   /// needs a viewpoint or the store's sensors
   std::optional<std::array<double, 3>> noise_model;
   bool normals_as_data = false;  ///< fit positions and normals together, by their errors; needs
-                                 ///< normals that were measured apart from the points
+                                 ///< normals measured independently of the points
   std::optional<double>
       normal_error;         ///< with it: the normals' RMS error, (0, pi/2] radians; unset:
                             ///< measured, and normals that follow the points' own noise
@@ -112,20 +111,19 @@ enum class SideSource : unsigned char {
 /** \brief What a fit did, what it skipped and how long its stages took. */
 struct FitStatistics {
   std::uint64_t points = 0;    ///< fitted: finite, distinct, no outliers
-  std::uint64_t outliers = 0;  ///< stored points that stand apart from all others: not fitted ...
+  std::uint64_t outliers = 0;  ///< stored points that are far from all others: not fitted ...
   std::vector<std::uint32_t> outlier_points;  ///< ... and which these are; empty of tiles
   std::uint64_t leaves = 0, internals = 0;
   std::uint64_t support_limited = 0;  ///< leaves that ended by minimum support
-  std::uint64_t reduced_degree = 0;   ///< surfels whose degree fell below the one asked for
+  std::uint64_t reduced_degree = 0;   ///< surfels of a lower degree than required
   std::uint64_t uncovered = 0;        ///< points whose coverage stays below gamma
   std::uint64_t unsupported = 0;      ///< of those, points inside no leaf's support at all
-  std::uint64_t skipped_normals = 0;  ///< centres passed over because their normal stands alone
-  std::uint64_t split_sheets = 0;     ///< balls in which two sheets were parted
+  std::uint64_t skipped_normals = 0;  ///< centres skipped because no neighbour shares their normal
+  std::uint64_t split_sheets = 0;     ///< balls in which two sheets were separated
   std::uint64_t fits = 0;             ///< least-squares systems solved
-  std::uint64_t fell_by_support =
-      0;                            ///< of those, of a lower degree: too few points stand behind it
-  std::uint64_t fell_by_pivot = 0;  ///< likewise: the points do not tell its coefficients apart
-  std::uint64_t line_balls = 0;     ///< balls divided because their many points lie along a line
+  std::uint64_t fell_by_support = 0;  ///< of those, of a lower degree for lack of points
+  std::uint64_t fell_by_pivot = 0;    ///< likewise: the points do not determine its coefficients
+  std::uint64_t line_balls = 0;       ///< balls divided because their many points are along a line
   double least_pivot =
       1;  ///< of the leaves' normal equations, over its diagonal entry; 1: orthogonal
   std::uint64_t noise_patches = 0;   ///< patches of points on which noise was measured
@@ -136,20 +134,20 @@ struct FitStatistics {
   double lambda = 0;             ///< noise variance [L^2]
   std::uint64_t sided = 0;       ///< points that were given a side before the cover
   bool sided_for_cover = false;  ///< ... and the projection does without them
-  double sided_confidence = 0;   ///< agreement of neighbouring sides: 1 in full, 0 as chance has it
+  double sided_confidence = 0;   ///< agreement of neighbouring sides: 1: all agree, 0: as by chance
   SideSource side_source = SideSource::kNone;
   std::uint64_t overlap_edges = 0;  ///< of the graph that kOverlaps searches; 0: there was no need
-  double thin_places = 0;           ///< share of the places looked at where a ball meets two sides
-  double noise_correlation = 1;     ///< points that share their errors; 1: white noise
+  double thin_places = 0;           ///< share of the examined places with two sides in a ball
+  double noise_correlation = 1;     ///< number of points that share an error; 1: white noise
   std::uint64_t noise_line = 0;     ///< points along a scan line that count as one; 0: no lines
   double noise_step = 0;            ///< of a quantised coordinate, the median [L]; 0: none found
   std::uint64_t noise_neighbors = 0;  ///< points of a patch that shows all of the noise
   double noise_patch_radius = 0;      ///< median radius of those patches [L]
   bool noise_varies = false;          ///< lambda is the cloud's, the noise a profile about it
-  double penalty = 0, t_mdl = 0;      ///< as used (solved for, where asked)
+  double penalty = 0, t_mdl = 0;      ///< as used, also where solved for
   double noise_factor = 0;            ///< NoiseFactor, or the one solved for; 0: none
   double normal_error = 0;            ///< of normals used as data [rad]; 0: they were not
-  /// normals were to be data, but repeat the points' noise, or too few points tell
+  /// normals should be data, but repeat the points' noise, or there are too few points
   bool normals_follow_points = false;
   double rms_error = 0;               ///< RMS residual of covered points against their leaves [L]
   std::uint64_t open_leaves = 0;      ///< leaves with a trim map: data end or leave a hole in them
@@ -158,7 +156,7 @@ struct FitStatistics {
   double seconds_cover = 0, seconds_links = 0, seconds_orient = 0;
   double seconds_trim = 0;
   int threads = 1;
-  std::uint64_t working_bytes = 0;  ///< memory of the fit beside the store and the surface
+  std::uint64_t working_bytes = 0;  ///< memory of the fit without the store and the surface
   std::vector<std::uint64_t> leaves_per_level;  ///< index k
 };
 
@@ -170,7 +168,7 @@ struct FitStatistics {
  * whose ball the data end or leave a hole get a trim map. Same bytes for any number of threads.
  *
  * \return an error for bad parameters, no points, points that are nowhere a surface
- * (ErrorCode::kNoSurface; the statistics are then told), or cancellation; surface is then empty.
+ * (ErrorCode::kNoSurface; the statistics are then set), or cancellation; surface is then empty.
  */
 PCL_SLIM_EXPORT Error
 fitSurface(const PointStore& store, const FitParams& params, SLIMSurface& surface,

@@ -54,7 +54,7 @@ centroid(const std::vector<Vector3>& vertices, IndexRow corners);
 /** \brief Who borders on whom in a mesh. */
 class PCL_SLIM_EXPORT MeshTopology {
  public:
-  /** \brief faces must be valid for so many vertices. O(corners log faces around a vertex). */
+  /** \brief faces must be valid for this number of vertices. O(corners log faces around a vertex). */
   MeshTopology(const MeshFaces& faces, std::size_t num_vertices);
 
   /** \brief Faces that have vertex v as a corner, ascending. */
