@@ -19,7 +19,7 @@ namespace pcl_slim {
 /** \brief Least share of points that a surface made elsewhere must support to count as the cloud's. */
 constexpr double kLeastSharedSupport = 0.1;
 
-/** \brief How a cloud is brought onto a surface. */
+/** \brief How a cloud is projected onto a surface. */
 struct CloudProjectionParams {
   ProjectionParams projection;
   /// normals of points without input normal are turned towards this place, world coordinates
@@ -30,8 +30,8 @@ struct CloudProjectionParams {
 
 /** \brief What happened to the selected points. */
 struct CloudProjectionStatistics {
-  std::uint64_t points = 0;       ///< points selected (by indices, if any, duplicates counted)
-  std::uint64_t moved = 0;        ///< brought onto the surface
+  std::uint64_t points = 0;       ///< points selected (by indices, if any; duplicates counted)
+  std::uint64_t moved = 0;        ///< projected onto the surface
   std::uint64_t unsupported = 0;  ///< inside no surfel that covers them: they keep their place
   std::uint64_t non_finite = 0;   ///< a coordinate is NaN or infinite
   double rms_displacement = 0;    ///< of the moved points, cloud units
@@ -47,7 +47,7 @@ struct ProjectedPoint {
   PrincipalFrame principal;       ///< 1/length, same sign; k1 >= k2
 };
 
-/** \brief A cloud brought onto a surface, read point by point in the cloud's own order and units.
+/** \brief A cloud projected onto a surface, read point by point in the cloud's own order and units.
  *
  * Contains no points: about 50 bytes a point, 82 with principal directions. The cloud behind
  * the view must live as long as this object is read.
@@ -59,7 +59,7 @@ class PCL_SLIM_EXPORT CloudProjection {
   /** \brief Projects every point that a view selects.
    *
    * All finite points count, also those that lack a normal among others that have one.
-   * \param[in] store the store of this very view if there is one already (spares building it);
+   * \param[in] store the store of this view if there is one already (saves building it);
    * null: one is built. \return an error for a view without a finite point, too little support, or
    * cancellation. O(points) time and memory.
    */
@@ -110,7 +110,7 @@ class PCL_SLIM_EXPORT CloudProjection {
   /** \brief Counts and measures the points whose stored ones begin at first. */
   void measure(const PointStore& store, std::size_t first);
   std::optional<std::array<double, 3>> eyeOf(std::size_t input) const;
-  /** \brief -1 where a surface normal at a point must be turned round, else 1. */
+  /** \brief -1 where a surface normal at a point must be reversed, else 1. */
   float side(std::size_t i, const ProjectedPoint& point) const;
 
   CloudView cloud_;

@@ -102,7 +102,7 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
   void setLocalNoise(std::optional<bool> local) { params_.local_noise = local; }
   std::optional<bool> getLocalNoise() const { return params_.local_noise; }
   /** \brief Without normals and viewpoint: gives points a side each before the fit where balls would
-   * meet both sides of thin parts; on unless set. */
+   * contain both sides of thin parts; on unless set. */
   void setSides(bool sides) { params_.sides = sides; }
   bool getSides() const { return params_.sides; }
 
@@ -151,12 +151,12 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
   /** \brief \return whether a viewpoint is set, and then writes it. */
   bool getViewPoint(double& x, double& y, double& z) const;
   void clearViewPoint() { params_.viewpoint.reset(); }
-  /** \brief The same as setViewPoint(): one place that all points were seen from. */
+  /** \brief The same as setViewPoint(): one sensor position for all points. */
   void setSensorPosition(double x, double y, double z) { setViewPoint(x, y, z); }
 
   /** \brief Where each point of the input cloud was seen from, in the cloud's coordinates, as a lidar
-   * on a car or in a hand knows it. Without normals, each leaf faces the sensors of its points, and the
-   * noise model takes each point's own beam; the graph of leaves is not searched. One for each
+   * on a car or in a hand records it. Without normals, each leaf faces the sensors of its points, and the
+   * noise model uses each point's own beam; the graph of leaves is not searched. One for each
    * point, not for each index; points that are NaN may have any. Not set (default, or an empty vector):
    * fields vp_x vp_y vp_z of the point type if they are not all zero. Together with a viewpoint the
    * run fails. 24 bytes a point here, and 12 while a fit runs. */

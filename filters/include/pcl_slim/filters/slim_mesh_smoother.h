@@ -24,7 +24,7 @@ namespace pcl_slim {
  * if (!smoother.process(smooth)) std::cerr << smoother.getError().message << "\n";
  * \endcode
  *
- * Vertices and faces come out in their order, with every field of the vertices kept; x y z are written
+ * Vertices and faces keep their order, with every field of the vertices kept; x y z are written
  * in their type, float or double. Vertices with a NaN or infinite coordinate, and those that no face
  * names, stay as they are; faces with such a vertex, with a vertex twice or with fewer than three are
  * ignored. The result is the same for any number of threads.
@@ -57,7 +57,7 @@ class PCL_SLIM_EXPORT SLIMMeshSmoother : public SLIMFitBase {
   void setEdges(MeshEdges edges) { edges_ = edges; }
   MeshEdges getEdges() const { return edges_; }
 
-  /** \brief setEdges() in the words of SLIMFit: keep all, or round all. */
+  /** \brief setEdges() by the setter of SLIMFit: keep all, or round all. */
   void setSharpFeatures(bool sharp) { edges_ = sharp ? MeshEdges::kSharp : MeshEdges::kRounded; }
   bool getSharpFeatures() const { return edges_ == MeshEdges::kSharp; }
 

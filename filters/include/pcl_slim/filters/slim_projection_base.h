@@ -13,7 +13,7 @@
 namespace pcl_slim {
 
 /** \brief What SLIMProjectionSmoother and SLIMCurvatureEstimation have in common: every parameter
- * of a fit, a surface to use in its place, and what became of the points. */
+ * of a fit, a surface to use in its place, and the results for the points. */
 class PCL_SLIM_EXPORT SLIMProjectionBase : public SLIMFitBase {
  public:
   using SurfaceConstPtr = std::shared_ptr<const SLIMSurface>;

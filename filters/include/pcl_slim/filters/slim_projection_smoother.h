@@ -29,7 +29,7 @@ class CloudDescription;
  * smoother.process(smooth);
  * \endcode
  *
- * One point comes out for each point of the cloud, or for each index, in the same order. Without
+ * The output has one point for each point of the cloud, or for each index, in the same order. Without
  * indices width and height stay. Header and sensor pose are copied, and so is every field that
  * both point types have. Points equal in place move alike. Points with a NaN or infinite
  * coordinate stay as they are; points that no surfel supports (outliers) keep their place and are
@@ -73,7 +73,7 @@ class SLIMProjectionSmoother : public pcl::CloudSurfaceProcessing<PointInT, Poin
 
   /** \brief Normals of the input cloud, one for each of its points; null: those of PointInT if it
    * has any. A zero or non-finite normal counts as missing: the point is left out of the fit, and
-   * smoothed all the same. */
+   * smoothed nevertheless. */
   void setInputNormals(const NormalCloud::ConstPtr& normals) { normals_ = normals; }
   NormalCloud::ConstPtr getInputNormals() const { return normals_; }
 

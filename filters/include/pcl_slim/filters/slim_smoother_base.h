@@ -23,7 +23,7 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
  public:
   // Where points come out ------------------------------------------------------------------------
 
-  /** \brief Which points are brought onto the surface; values as in pcl::MovingLeastSquares. */
+  /** \brief Which points are projected onto the surface; values as in pcl::MovingLeastSquares. */
   enum UpsamplingMethod {
     NONE,                    ///< the input's own (default)
     DISTINCT_CLOUD,          ///< those of setDistinctCloud()

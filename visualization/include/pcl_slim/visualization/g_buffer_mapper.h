@@ -31,7 +31,7 @@ struct FrameStatistics {
   std::uint64_t rasterized = 0;    ///< times its rays were intersected; else shaded again only
   std::uint64_t tables = 0;        ///< times the table of colours was made
   int coarseness = 1;              ///< of the last frame: rays are this many pixels apart
-  std::uint64_t lines = 0;         ///< times lines were looked for
+  std::uint64_t lines = 0;         ///< times lines were computed
   double line_seconds = 0.0;       ///< wall time of the last time
   double rasterize_seconds = 0.0;  ///< wall time of the last intersection of rays, upload included
   std::uint64_t covered_pixels = 0;  ///< rays of it that met the object
@@ -45,7 +45,7 @@ struct FrameRequest {
   int threads = 0;
   std::vector<HalfSpace> clip_planes;  ///< what is kept, the object's coordinates, unit normals
   double lod = 0.0;        ///< level of detail, pixels from one ray to the next; 0: none
-  bool trim = true;        ///< heed trim maps
+  bool trim = true;        ///< use trim maps
   unsigned columns = 0;    ///< GBufferColumn bits in addition to those of the colours
   bool close_gaps = true;  ///< fill gaps between shrunk balls that rays passed through
 };
@@ -123,7 +123,7 @@ class PCL_SLIM_EXPORT GBufferMapper : public vtkOpenGLPolyDataMapper {
   /** \brief Whether the graphics card intersects the rays of such a frame. The window's context is
    * current. */
   virtual bool usesCard(vtkOpenGLRenderWindow* window, const FrameRequest& request);
-  /** \brief Does it, into the textures that a frame of the CPU is brought over to otherwise. After
+  /** \brief Does it, into the textures that otherwise receive a frame of the CPU. After
    * an error the CPU draws. */
   virtual Error drawOnCard(vtkOpenGLRenderWindow* window, const detail::ViewCamera& view,
                            const FrameRequest& request, detail::FrameTextures& textures,

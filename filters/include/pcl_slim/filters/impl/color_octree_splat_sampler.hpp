@@ -105,7 +105,7 @@ ColorOctreeSplatSampler<PointT>::filter(PointCloud& output)
     complain();
     return false;
   }
-  // Keeping the organization goes by the removed indices; PCL would warn that it needs them.
+  // Keeping the organization uses the removed indices; PCL would warn that it needs them.
   const bool extract = extract_removed_indices_;
   if (this->keep_organized_) extract_removed_indices_ = true;
   PointCloud filtered;

@@ -51,8 +51,8 @@ struct PCL_SLIM_EXPORT PointFile {
  *                      (3 bytes "RGB": rgb; the normals: normal_x ...) and polygons
  *
  * A missing, foreign, truncated or self-contradicting file gives an error; one without points
- * is read and has none. What of a file is passed over (elements of a PLY file other than vertices and
- * faces, texture coordinates, colours of faces, columns of text) is named in left_out. For .laz and .e57
+ * is read and has none. Ignored parts of a file (elements of a PLY file other than vertices and
+ * faces, texture coordinates, colours of faces, columns of text) are named in left_out. For .laz and .e57
  * the error names the command that converts them.
  */
 PCL_SLIM_EXPORT Result<PointFile>

@@ -30,7 +30,7 @@ struct PointStoreStatistics {
   double seconds = 0;                ///< wall time of build()
 };
 
-/** \brief A cloud brought once into Morton order: the stream every later stage runs over.
+/** \brief A cloud in Morton order, which every later stage reads in this order.
  *
  * Finite points are centred in double, divided by a power of two (so that converting back is
  * exact) until the bounding box's diagonal is in (.49, 1), sorted by 63-bit Morton code,

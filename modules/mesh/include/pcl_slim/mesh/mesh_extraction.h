@@ -44,8 +44,8 @@ struct MeshStatistics {
   double tolerance = 0;            ///< as used [world units]
   std::uint64_t cells = 0;         ///< of the octree that contain surface
   std::uint64_t corners = 0;       ///< places at which distances were evaluated
-  std::uint64_t split_cells = 0;   ///< for the sake of topology
-  std::uint64_t collapsed = 0;     ///< triangles taken away for max_triangles
+  std::uint64_t split_cells = 0;   ///< to keep the topology
+  std::uint64_t collapsed = 0;     ///< triangles removed for max_triangles
   std::uint64_t rounds = 0;        ///< of contouring
   std::uint64_t unprojected = 0;   ///< vertices that no leaf supports: they stay where edges cross
   std::uint64_t closed_gaps = 0;   ///< of the contouring: places where leaves disagree too much

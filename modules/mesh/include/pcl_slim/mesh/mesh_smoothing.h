@@ -17,7 +17,7 @@ namespace pcl_slim {
 
 /** \brief What to do at sharp edges between faces. */
 enum class MeshEdges : std::uint8_t {
-  kMeasured,  ///< sharp where the mesh is one of few and strong edges, as machine parts are
+  kMeasured,  ///< sharp if the mesh has few and strong edges, as machine parts have
   kRounded,   ///< smooth across them, as over a body
   kSharp,     ///< keep them
 };
@@ -40,7 +40,7 @@ struct MeshSmoothStatistics {
   std::uint64_t faces_unsupported = 0;  ///< on no surfel: their normals come from their neighbours
   std::uint64_t disagreeing_edges = 0;  ///< two faces run along an edge in the same direction
   std::uint64_t nonmanifold_edges = 0;  ///< edges of more than two faces
-  std::uint64_t moved = 0;              ///< vertices brought to a new place
+  std::uint64_t moved = 0;              ///< vertices with a new position
   std::uint64_t isolated = 0;           ///< finite vertices without a face: they keep their place
   std::uint64_t non_finite = 0;         ///< vertices with a NaN or infinite coordinate
   std::uint64_t held = 0;       ///< vertices not moved at some step, so that no face turns over

@@ -21,8 +21,8 @@ struct ProjectionParams {
   bool sharp_features =
       false;  ///< as the fit's: leaves count at points of normals within 60 degrees
   double reach =
-      0;  ///< > 0: the points are places, not measurements of the surface: what is up to this
-          ///< share of a ball's radius away counts, whatever the residuals
+      0;  ///< > 0: the points are places, not measurements of the surface: leaves up to this
+          ///< share of a ball's radius away count, whatever the residuals
   bool paper_mode = false;  ///< formula (6) as printed, without the guards
   int threads = 0;          ///< 0: all cores; never changes the result
 };

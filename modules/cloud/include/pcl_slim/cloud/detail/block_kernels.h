@@ -48,7 +48,7 @@ sparsePoints(const PointStore& store, std::size_t block, float limit_sq, std::si
 
 constexpr std::size_t kMortonBatch = 64;
 
-/** \brief Morton codes (morton.h) of a batch of positions, brought to local units on the way. The
+/** \brief Morton codes (morton.h) of a batch of positions, converted to local units. The
  * batch and codes start on a cache line. */
 PCL_SLIM_EXPORT void
 mortonCodes(const double (&positions)[3][kMortonBatch], const double origin[3],
