@@ -35,7 +35,7 @@ struct PresetConstants {
  * number of points, e the RMS residual and r the radius.
  */
 struct RadiusConstants {
-  // "Noise that is not noise, and noise that fills the ball": e^2 seen through falling weights.
+  // "Balls of a few sigma": e^2 seen through falling weights.
   double least_seen_share = 0.2;  ///< ratio; e^2 shows at least this share of the variance
 
   // "One fit, step by step", 3 (Levels): a ball that is divided after a look at part of its points.
@@ -119,7 +119,7 @@ struct SheetConstants {
   double least_side = 0.05;   ///< share of the points on the smaller side
 };
 
-/** \brief What noise does to heights on average (docs/theory.md, section of that name). */
+/** \brief What noise does to heights on average (docs/theory.md, paragraph of that name). */
 struct BiasConstants {
   double most_share = 1.0 / 25;  ///< largest lambda / r^2 taken back: r = 5 sqrt(lambda)
 };
@@ -197,7 +197,8 @@ struct BorderConstants {
   int places = 12;         ///< in a surfel's gaps whose rims are looked at
 };
 
-/** \brief Target error and number of surfels (docs/theory.md, section of that name). */
+/** \brief The search for a target error or a number of surfels (docs/theory.md, "The penalty, target
+ * error and number of surfels"). */
 struct PenaltySearchConstants {
   int most_covers = 12;           ///< covers that are tried
   double error_tolerance = 0.03;  ///< of the target error

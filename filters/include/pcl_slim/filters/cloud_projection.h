@@ -19,7 +19,7 @@ namespace pcl_slim {
 /** \brief Least share of points that a surface made elsewhere must support to count as the cloud's. */
 constexpr double kLeastSharedSupport = 0.1;
 
-/** \brief How a cloud is brought onto a surface. */
+/** \brief How a cloud is projected onto a surface. */
 struct CloudProjectionParams {
   ProjectionParams projection;
   /// normals of points without input normal are turned towards this place, world coordinates
@@ -28,11 +28,11 @@ struct CloudProjectionParams {
       0.0;  ///< an error when fewer of the finite points are supported, in [0, 1]
 };
 
-/** \brief What happened to the points asked for. */
+/** \brief What happened to the selected points. */
 struct CloudProjectionStatistics {
-  std::uint64_t points = 0;       ///< points asked for (indices honoured, duplicates counted)
-  std::uint64_t moved = 0;        ///< brought onto the surface
-  std::uint64_t unsupported = 0;  ///< inside no surfel that serves them: they keep their place
+  std::uint64_t points = 0;       ///< points selected (by indices, if any; duplicates counted)
+  std::uint64_t moved = 0;        ///< projected onto the surface
+  std::uint64_t unsupported = 0;  ///< inside no surfel that covers them: they keep their place
   std::uint64_t non_finite = 0;   ///< a coordinate is NaN or infinite
   double rms_displacement = 0;    ///< of the moved points, cloud units
   double max_displacement = 0;    ///< likewise
@@ -47,19 +47,19 @@ struct ProjectedPoint {
   PrincipalFrame principal;       ///< 1/length, same sign; k1 >= k2
 };
 
-/** \brief A cloud brought onto a surface, read point by point in the cloud's own order and units.
+/** \brief A cloud projected onto a surface, read point by point in the cloud's own order and units.
  *
- * Holds no points itself: about 50 bytes a point, 82 with principal directions. The cloud behind
+ * Contains no points: about 50 bytes a point, 82 with principal directions. The cloud behind
  * the view must live as long as this object is read.
  */
 class PCL_SLIM_EXPORT CloudProjection {
  public:
   CloudProjection() = default;
 
-  /** \brief Projects every point that a view asks for.
+  /** \brief Projects every point that a view selects.
    *
    * All finite points count, also those that lack a normal among others that have one.
-   * \param[in] store the store of this very view if there is one already (spares building it);
+   * \param[in] store the store of this view if there is one already (saves building it);
    * null: one is built. \return an error for a view without a finite point, too little support, or
    * cancellation. O(points) time and memory.
    */
@@ -68,21 +68,21 @@ class PCL_SLIM_EXPORT CloudProjection {
                                       Progress* progress = nullptr,
                                       const PointStore* store = nullptr);
 
-  /** \brief The projection of so many points none of which is finite. */
+  /** \brief The projection of a number of points none of which is finite. */
   static CloudProjection ofNothing(std::size_t points);
 
-  /** \brief Number of points asked for. */
+  /** \brief Number of selected points. */
   std::size_t size() const { return stored_.size(); }
   bool isFinite(std::size_t i) const { return stored_[i] != PointStore::kSkipped; }
-  /** \brief Whether the i-th point asked for has been moved; otherwise it keeps its place. */
+  /** \brief Whether the i-th selected point has been moved; otherwise it keeps its place. */
   bool isSupported(std::size_t i) const
   {
     return isFinite(i) && projection_.supported[stored_[i]] != 0;
   }
-  /** \brief Whether the i-th point asked for has been moved to a place inside the surface's borders,
+  /** \brief Whether the i-th selected point has been moved to a place inside the surface's borders,
    * as its trim maps have them. */
   bool isInside(std::size_t i) const { return isFinite(i) && projection_.inside[stored_[i]] != 0; }
-  /** \brief The i-th point asked for, which must be supported. */
+  /** \brief The i-th selected point, which must be supported. */
   ProjectedPoint point(std::size_t i) const;
 
   /** \brief Indices, in the cloud, of the finite points that no surfel supports. */
@@ -93,14 +93,14 @@ class PCL_SLIM_EXPORT CloudProjection {
   const PointStoreStatistics& inputStatistics() const { return input_statistics_; }
 
  private:
-  /** \brief Indices, in the cloud, of those points asked for that which(i) names. */
+  /** \brief Indices, in the cloud, of the selected points for which which(i) is true. */
   template <typename Which>
   std::vector<std::int32_t> indicesOf(const Which& which) const;
   /** \brief Projects a store's points and appends them, in the first store's units. */
   Error add(const PointStore& store, const SLIMSurface& surface, Progress* progress);
   /** \brief Appends a store's points as such that no surfel supports. */
   void keep(const PointStore& store);
-  /** \brief Adds finite points that the stores before left out: for want of a normal, or as strays
+  /** \brief Adds finite points that the stores before left out: for lack of a normal, or as strays
    * far away. \param[in] frame the first store: those near its points; null: strays.
    * \param[out] left how many strays are still left out. */
   Error addRest(const SLIMSurface& surface, Progress* progress, const PointStore* frame,
@@ -110,13 +110,13 @@ class PCL_SLIM_EXPORT CloudProjection {
   /** \brief Counts and measures the points whose stored ones begin at first. */
   void measure(const PointStore& store, std::size_t first);
   std::optional<std::array<double, 3>> eyeOf(std::size_t input) const;
-  /** \brief -1 where a surface normal at a point must be turned round, else 1. */
+  /** \brief -1 where a surface normal at a point must be reversed, else 1. */
   float side(std::size_t i, const ProjectedPoint& point) const;
 
   CloudView cloud_;
   CloudProjectionParams params_;
   Projection projection_;
-  std::vector<std::uint32_t> stored_;  ///< place in projection_ of each point asked for
+  std::vector<std::uint32_t> stored_;  ///< place in projection_ of each selected point
   std::array<double, 3> origin_{};
   double scale_ = 1.0;
   CloudProjectionStatistics statistics_;

@@ -30,7 +30,7 @@ namespace pcl_slim {
  * Colours and normals are optional: without colours shape alone decides, without normals (neither
  * setInputNormals() nor fields of PointT) they are estimated from neighbours. Non-finite points are
  * skipped and counted, indices honoured. A missing or empty cloud, one without a finite point, and
- * indices out of range are errors: told by getError(), and by filter() printed as PCL prints them.
+ * indices out of range are errors: returned by getError(), and by filter() printed as PCL prints them.
  * Outputs are cleared first. The result is the same for any number of threads.
  *
  * Compiled for PointXYZ, PointXYZI, PointXYZRGB, PointXYZRGBA, PointNormal, PointXYZINormal and
@@ -47,7 +47,7 @@ class ColorOctreeSplatSampler : public pcl::FilterIndices<PointT>,
   using NormalCloud = pcl::PointCloud<pcl::Normal>;
   using SearchPtr = typename pcl::search::Search<PointT>::Ptr;
 
-  /** \param[in] extract_removed_indices whether getRemovedIndices() shall know them. */
+  /** \param[in] extract_removed_indices whether getRemovedIndices() returns them. */
   explicit ColorOctreeSplatSampler(bool extract_removed_indices = false);
   ColorOctreeSplatSampler(const ColorOctreeSplatSampler& other);
   ColorOctreeSplatSampler& operator=(const ColorOctreeSplatSampler& other);
@@ -57,11 +57,11 @@ class ColorOctreeSplatSampler : public pcl::FilterIndices<PointT>,
   NormalCloud::ConstPtr getInputNormals() const { return normals_; }
 
   /** \brief Search object for estimating normals, of clouds without, as pcl::NormalEstimation does; null
-   * (default): the sampler estimates them from an index of its own. */
+   * (default): the sampler estimates them with its own index. */
   void setSearchMethod(const SearchPtr& search) { search_ = search; }
   SearchPtr getSearchMethod() const { return search_; }
 
-  /** \brief Points that stand for cells, ascending. \return false with getError() when there are
+  /** \brief Points that represent cells, ascending. \return false with getError() when there are
    * none; indices are then empty. */
   bool filter(pcl::Indices& indices);
   /** \brief The same points as a cloud; it may be the input itself. \return false with getError()

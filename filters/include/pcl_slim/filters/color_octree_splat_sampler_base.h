@@ -15,7 +15,7 @@ class PCL_SLIM_EXPORT ColorOctreeSplatSamplerBase : public ControlledRun {
  public:
   // Parameters -----------------------------------------------------------------------------------
 
-  /** \brief All parameters at once. */
+  /** \brief All parameters together. */
   void setParams(const SplatParams& params) { params_ = params; }
   const SplatParams& getParams() const { return params_; }
 

@@ -12,7 +12,7 @@
 
 namespace pcl_slim {
 
-/** \brief A search object that suits a cloud and holds it: OrganizedNeighbor for an organized
+/** \brief A search object that suits a cloud and contains it: OrganizedNeighbor for an organized
  * cloud seen by one camera, otherwise KdTree. is_dense must be honest. */
 PCL_SLIM_EXPORT pcl::search::Search<pcl::PointXYZ>::Ptr
 makeSearch(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud);
@@ -21,9 +21,9 @@ makeSearch(const pcl::PointCloud<pcl::PointXYZ>::ConstPtr& cloud);
  *
  * Every point of the cloud may be a neighbour. Normals face the viewpoint of params, or the
  * cloud's sensor where none is set; those that cannot be computed are NaN. \param[in] search
- * holds the cloud. \param[out] normals one for each selected point.
+ * contains the cloud. \param[out] normals one for each selected point.
  * \return an error for more neighbours than there are finite points, or fewer than 3; for a bad number
- * of threads; and for coordinates whose squares a float cannot hold, which PCL's searches take. May
+ * of threads; and for coordinates whose squares a float cannot represent, which PCL's searches use. May
  * throw what PCL throws.
  */
 PCL_SLIM_EXPORT Error

@@ -21,7 +21,7 @@ struct EIGEN_ALIGN16 PointCrest {
   PCL_ADD_NORMAL4D
   float tangent_x = 0.0f, tangent_y = 0.0f, tangent_z = 0.0f;  ///< unit, along the line
   float k1 = 0.0f, k2 = 0.0f;                                  ///< principal curvatures, k1 >= k2
-  float significance = 0.0f;  ///< how far it stands out, in deviations of the noise
+  float significance = 0.0f;  ///< prominence in deviations of the noise
   float strength = 0.0f;      ///< of the whole line: integral of |k| ds
   std::uint32_t type = 0;     ///< 0: ridge, 1: ravine
   std::uint32_t line = 0;     ///< number of the line, strongest first

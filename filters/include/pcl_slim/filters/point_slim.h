@@ -53,7 +53,7 @@ struct EIGEN_ALIGN16 PointSLIM {
 }  // namespace pcl_slim
 
 // PCL's one-line registration ends at 20 fields (boost::mpl::vector's default limit, which a header
-// must not change for its users), so its steps stand here one by one. The arithmetic operators it
+// must not change for its users), so its steps are repeated here. The arithmetic operators it
 // would add make no sense for surfels.
 // clang-format off
 #define PCL_SLIM_COEFFICIENT_TAGS                                                              \

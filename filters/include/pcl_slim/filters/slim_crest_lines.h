@@ -13,7 +13,7 @@
 
 namespace pcl_slim {
 
-/** \brief What a run needs and gives beside its lines. */
+/** \brief Input and output of a run, without its lines. */
 struct CrestRun {
   FitParams fit;
   CrestParams crest;
@@ -29,13 +29,13 @@ struct CrestRun {
 PCL_SLIM_EXPORT Error
 traceCloud(const CloudView& cloud, CrestRun& run, CrestLines& lines, Progress* progress = nullptr);
 
-/** \brief Parameters and results of SLIMCrestLines that do not depend on the point type; CrestParams says
- * what each means. Values are checked when compute() runs. */
+/** \brief Parameters and results of SLIMCrestLines that do not depend on the point type; CrestParams
+ * documents each. Values are checked when compute() runs. */
 class SLIMCrestLinesBase {
  public:
   using SurfaceConstPtr = std::shared_ptr<const SLIMSurface>;
 
-  /** \brief All parameters of the tracing at once; threads are those of setNumberOfThreads(). */
+  /** \brief All parameters of the tracing together; threads are those of setNumberOfThreads(). */
   void setCrestParams(const CrestParams& params) { crest_ = params; }
   const CrestParams& getCrestParams() const { return crest_; }
 
@@ -48,7 +48,7 @@ class SLIMCrestLinesBase {
   bool getRidges() const { return crest_.ridges; }
   bool getRavines() const { return crest_.ravines; }
 
-  /** \brief How many deviations of the noise a line must stand out everywhere, and somewhere (default
+  /** \brief Least prominence of a line in deviations of the noise, everywhere and somewhere (default
    * 2 and 5). */
   void setSignificance(double everywhere, double somewhere)
   {
@@ -99,7 +99,7 @@ class SLIMCrestLinesBase {
  *
  * Every setter of SLIMFit is there: input, indices, normals, the fit's parameters, threads, progress,
  * cancel. Lines are in the cloud's coordinates and units, strongest first. Which lines are ridges and
- * which ravines depends on the side the normals face. Lines want polynomials of degree 4, the default;
+ * which ravines depends on the side the normals face. Lines need polynomials of degree 4, the default;
  * of degree 2 there are few.
  *
  * A missing or empty cloud, one without a finite point, indices out of range and parameters out of range
@@ -114,7 +114,7 @@ class SLIMCrestLines : public SLIMFit<PointT>, public SLIMCrestLinesBase {
   using Ptr = pcl::shared_ptr<SLIMCrestLines<PointT>>;
   using ConstPtr = pcl::shared_ptr<const SLIMCrestLines<PointT>>;
 
-  /** \brief Lines need no trim maps: none are made unless asked for. */
+  /** \brief Lines need no trim maps: none are made unless requested. */
   SLIMCrestLines() { this->setTrimming(false); }
 
   /** \brief Traces the lines. \return false with getError() and no lines when it cannot. O(points) for

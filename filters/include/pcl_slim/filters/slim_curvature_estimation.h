@@ -35,13 +35,13 @@ namespace pcl_slim {
  * surface finds its own radius. The result is the same for any number of threads.
  *
  * A missing or empty cloud, one without a finite point, and indices out of range are errors: the
- * output is then empty, the error printed as PCL prints errors, and told by getError().
+ * output is then empty, the error printed as PCL prints errors, and returned by getError().
  *
  * Compiled for the inputs SLIMCrestLines is compiled for, and for PointCurvature,
  * pcl::PrincipalCurvatures and pcl::Normal as output. For other types include
  * pcl_slim/filters/impl/slim_curvature_estimation.hpp where you use them. An input type of your own
  * needs, as with any pcl::Feature, pcl/kdtree/impl/kdtree_flann.hpp and pcl/search/impl/kdtree.hpp
- * besides, and lz4 linked, which FLANN's headers call.
+ * too, and lz4 linked, which FLANN's headers call.
  */
 template <typename PointInT, typename PointOutT = PointCurvature>
 class SLIMCurvatureEstimation : public pcl::Feature<PointInT, PointOutT>,
@@ -79,7 +79,7 @@ class SLIMCurvatureEstimation : public pcl::Feature<PointInT, PointOutT>,
   using pcl::PCLBase<PointInT>::use_indices_;
   using Base::surface_;
 
-  /** \brief Asks for a cloud only: there is nothing to search. */
+  /** \brief Requires a cloud only: there is nothing to search. */
   bool initCompute() override;
 
  private:

@@ -24,7 +24,7 @@ namespace pcl_slim {
  * \endcode
  *
  * Normals are optional: those of setInputNormals() come first, then estimated ones when
- * setNormalEstimationNeighbors() asks for them, then the fields of PointT. Without any, each ball
+ * setNormalEstimationNeighbors() is set, then the fields of PointT. Without any, each ball
  * finds its own frame, and the surface gets one consistent side (setOrientation, setViewPoint,
  * setSensorPositions).
  *
@@ -96,7 +96,7 @@ class SLIMFit : public pcl::PCLBase<PointT>, public SLIMFitBase {
   pcl::IndicesPtr finiteSelection() const;
   /** \brief PCL's normals of the selected points; it may throw. */
   bool findNormals(const pcl::IndicesPtr& selected, NormalCloud& normals);
-  /** \brief Gives the search object its cloud; an error where it cannot serve it. */
+  /** \brief Gives the search object its cloud; an error if it does not accept it. */
   bool prepareSearch(const typename PointCloud::ConstPtr& cloud);
 
   NormalCloud::ConstPtr normals_;

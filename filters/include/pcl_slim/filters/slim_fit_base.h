@@ -22,15 +22,15 @@ using SensorPositions = std::shared_ptr<const std::vector<Eigen::Vector3d>>;
 /** \brief Parameters and results of SLIMFit that do not depend on the point type.
  *
  * One setter and getter for each parameter; 0 means that it is not set where FitParams has an optional. No setter
- * changes another parameter, but of the five that say how fine the surface is (penalty, MDL threshold, target
- * error, surfels, noise factor) the last one set counts. Values are checked when fit() runs. FitParams says what
- * each means and its default.
+ * changes another parameter, but of the five that set how fine the surface is (penalty, MDL threshold, target
+ * error, surfels, noise factor) the last one set counts. Values are checked when fit() runs. FitParams
+ * documents each and its default.
  */
 class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
  public:
   // Parameters -----------------------------------------------------------------------------------
 
-  /** \brief All parameters at once. */
+  /** \brief All parameters together. */
   void setParams(const FitParams& params) { params_ = params; }
   const FitParams& getParams() const { return params_; }
 
@@ -70,7 +70,7 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
   double getNoiseLevel() const { return params_.lambda.value_or(0); }
 
   /** \brief alpha in (0, 1]: leaves cover the points within alpha r (1: compact); 0, the default: 2/3,
-   * and .55 for leaves that many points stand behind. */
+   * and .55 for leaves of a large effective count. */
   void setCoverRadius(double alpha) { params_.cover_radius = unlessZero(alpha); }
   double getCoverRadius() const { return params_.cover_radius.value_or(0); }
 
@@ -83,12 +83,12 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
   void setLeastRadius(double radius) { params_.least_radius = unlessZero(radius); }
   double getLeastRadius() const { return params_.least_radius.value_or(0); }
 
-  /** \brief Keeps sharp edges (default off); without normals it has no effect, and a warning says so. */
+  /** \brief Keeps sharp edges (default off); without normals it has no effect, with a warning. */
   void setSharpFeatures(bool sharp) { params_.sharp_features = sharp; }
   bool getSharpFeatures() const { return params_.sharp_features; }
 
-  /** \brief Fits points that stand apart from all others, too (default off: findOutliers() names them,
-   * and they carry no surface). */
+  /** \brief Fits points that are far from all others, too (default off: findOutliers() finds them,
+   * and they are not fitted). */
   void setKeepOutliers(bool keep) { params_.keep_outliers = keep; }
   bool getKeepOutliers() const { return params_.keep_outliers; }
 
@@ -98,30 +98,30 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
 
   /** \brief Measures noise along the cloud (true) or once for all of it (false). Unset (default),
    * it is measured along the cloud where neighbouring points share their errors, and where some
-   * parts are so much noisier that a fit would take their noise for detail. */
+   * parts are noisier, so that a fit would take their noise for detail. */
   void setLocalNoise(std::optional<bool> local) { params_.local_noise = local; }
   std::optional<bool> getLocalNoise() const { return params_.local_noise; }
   /** \brief Without normals and viewpoint: gives points a side each before the fit where balls would
-   * meet both sides of thin parts; on unless set. */
+   * contain both sides of thin parts; on unless set. */
   void setSides(bool sides) { params_.sides = sides; }
   bool getSides() const { return params_.sides; }
 
-  /** \brief How many points share their errors, as the pixels of a depth camera do. 0 (default):
-   * from the data; 1: none do; more: as many. */
+  /** \brief Number of neighbouring points that share one error, as the pixels of a depth camera do.
+   * 0 (default): estimated from the data; 1: independent errors. */
   void setNoiseCorrelation(double points) { params_.noise_correlation = unlessZero(points); }
   double getNoiseCorrelation() const { return params_.noise_correlation.value_or(0); }
 
   /** \brief RMS error a + b z + c z^2 along the ray from the viewpoint at distance z, in the cloud's
    * units, in place of noise measured on the points. Needs setViewPoint(), setSensorPositions() or a
-   * cloud that knows its sensor. */
+   * cloud with a sensor position. */
   void setNoiseModel(double a, double b, double c);
   /** \brief \return whether a model is set, and then writes it. */
   bool getNoiseModel(double& a, double& b, double& c) const;
   void clearNoiseModel() { params_.noise_model.reset(); }
 
-  /** \brief Fits positions and normals together, each weighed by its error (default off: normals tell
-   * sides and directions). For normals measured apart from the points, as photometric stereo or a
-   * simulation gives them; those computed from the points say nothing new. */
+  /** \brief Fits positions and normals together, each weighted by its error (default off: normals give
+   * sides and directions). For normals measured independently of the points, as by photometric stereo
+   * or a simulation; those computed from the points contain no new information. */
   void setNormalsAsData(bool data) { params_.normals_as_data = data; }
   bool getNormalsAsData() const { return params_.normals_as_data; }
 
@@ -144,19 +144,19 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
   void setOrientation(bool orient) { params_.orient = orient; }
   bool getOrientation() const { return params_.orient; }
 
-  /** \brief The point, in the cloud's coordinates, that normals shall face: those of the output
+  /** \brief The point, in the cloud's coordinates, that normals face: those of the output
    * when the cloud has none, and estimated ones. Not set: they face the sensors of the points or of the
    * cloud, where these are known; else the leaves' graph decides. */
   void setViewPoint(double x, double y, double z);
   /** \brief \return whether a viewpoint is set, and then writes it. */
   bool getViewPoint(double& x, double& y, double& z) const;
   void clearViewPoint() { params_.viewpoint.reset(); }
-  /** \brief The same as setViewPoint(): one place that all points were seen from. */
+  /** \brief The same as setViewPoint(): one sensor position for all points. */
   void setSensorPosition(double x, double y, double z) { setViewPoint(x, y, z); }
 
   /** \brief Where each point of the input cloud was seen from, in the cloud's coordinates, as a lidar
-   * on a car or in a hand knows it. Without normals, each leaf faces the sensors of its points, and the
-   * noise model takes each point's own beam; the graph of leaves is not searched. One for each
+   * on a car or in a hand records it. Without normals, each leaf faces the sensors of its points, and the
+   * noise model uses each point's own beam; the graph of leaves is not searched. One for each
    * point, not for each index; points that are NaN may have any. Not set (default, or an empty vector):
    * fields vp_x vp_y vp_z of the point type if they are not all zero. Together with a viewpoint the
    * run fails. 24 bytes a point here, and 12 while a fit runs. */

@@ -16,7 +16,7 @@ namespace pcl_slim {
  * low-degree implicit surfaces, SGP 2005, Fig. 20): faces get the surface's normals at their projected
  * centroids, and vertices follow. Edges of machine parts stay sharp, and no face turns over.
  *
- * Stands where pcl::MeshSmoothingLaplacianVTK stands:
+ * A replacement for pcl::MeshSmoothingLaplacianVTK:
  * \code
  * pcl_slim::SLIMMeshSmoother smoother;
  * smoother.setInputMesh(mesh);
@@ -24,16 +24,16 @@ namespace pcl_slim {
  * if (!smoother.process(smooth)) std::cerr << smoother.getError().message << "\n";
  * \endcode
  *
- * Vertices and faces come out in their order, with every field of the vertices kept; x y z are written
+ * Vertices and faces keep their order, with every field of the vertices kept; x y z are written
  * in their type, float or double. Vertices with a NaN or infinite coordinate, and those that no face
- * names, stay as they are; faces with such a vertex, with a vertex twice or with fewer than three take
- * no part. The result is the same for any number of threads.
+ * names, stay as they are; faces with such a vertex, with a vertex twice or with fewer than three are
+ * ignored. The result is the same for any number of threads.
  *
  * No mesh, one without vertices, without x y z of type float or double, without a usable face, or with
- * a face that names no vertex is an error: the output is then empty and getError() says why.
+ * a face that names no vertex is an error: the output is then empty and getError() gives the reason.
  *
  * Setters of the fit are those of SLIMFit. setSharpFeatures() keeps or rounds all edges; without a call
- * of it the mesh itself tells whether it has any.
+ * of it this is decided by the mesh's angles.
  */
 class PCL_SLIM_EXPORT SLIMMeshSmoother : public SLIMFitBase {
  public:
@@ -53,11 +53,11 @@ class PCL_SLIM_EXPORT SLIMMeshSmoother : public SLIMFitBase {
 
   // Parameters -----------------------------------------------------------------------------------
 
-  /** \brief What to do at edges (default: as the mesh tells). */
+  /** \brief What to do at edges (default: decided by the mesh's angles). */
   void setEdges(MeshEdges edges) { edges_ = edges; }
   MeshEdges getEdges() const { return edges_; }
 
-  /** \brief setEdges() in the words of SLIMFit: keep all, or round all. */
+  /** \brief setEdges() by the setter of SLIMFit: keep all, or round all. */
   void setSharpFeatures(bool sharp) { edges_ = sharp ? MeshEdges::kSharp : MeshEdges::kRounded; }
   bool getSharpFeatures() const { return edges_ == MeshEdges::kSharp; }
 

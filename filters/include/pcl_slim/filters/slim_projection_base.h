@@ -13,7 +13,7 @@
 namespace pcl_slim {
 
 /** \brief What SLIMProjectionSmoother and SLIMCurvatureEstimation have in common: every parameter
- * of a fit, a surface to use in its place, and what became of the points. */
+ * of a fit, a surface to use in its place, and the results for the points. */
 class PCL_SLIM_EXPORT SLIMProjectionBase : public SLIMFitBase {
  public:
   using SurfaceConstPtr = std::shared_ptr<const SLIMSurface>;
@@ -39,7 +39,7 @@ class PCL_SLIM_EXPORT SLIMProjectionBase : public SLIMFitBase {
 
   // Results --------------------------------------------------------------------------------------
 
-  /** \brief How many points the last run moved, and how far. getStatistics() tells of its fit. */
+  /** \brief How many points the last run moved, and how far. getStatistics() describes its fit. */
   const CloudProjectionStatistics& getProjectionStatistics() const { return projection_; }
   /** \brief Root mean square of the moved points' displacements, cloud units. */
   double getRMSDisplacement() const { return projection_.rms_displacement; }
@@ -53,7 +53,7 @@ class PCL_SLIM_EXPORT SLIMProjectionBase : public SLIMFitBase {
   const pcl::Indices& getOutside() const { return outside_; }
 
  protected:
-  /** \brief Points move alike with trim maps and without: none are made unless asked for.
+  /** \brief Points move alike with trim maps and without: none are made unless requested.
    * \param[in] keeps_points points that are no surface stay as they are: a warning, no error. */
   explicit SLIMProjectionBase(bool keeps_points = false) : keeps_points_(keeps_points)
   {

@@ -20,7 +20,7 @@ class CloudDescription;
 /** \brief Smooths a cloud by moving its points onto the SLIM surface fitted to it (Ohtake, Belyaev,
  * Alexa: Sparse low-degree implicit surfaces, SGP 2005, equations 6 to 8).
  *
- * Stands where pcl::MovingLeastSquares stands, with all of its setters
+ * A replacement for pcl::MovingLeastSquares with all of its setters
  * (docs/slim_projection_smoother.md):
  * \code
  * pcl_slim::SLIMProjectionSmoother<pcl::PointXYZ, pcl::PointNormal> smoother;
@@ -29,7 +29,7 @@ class CloudDescription;
  * smoother.process(smooth);
  * \endcode
  *
- * One point comes out for each point of the cloud, or for each index, in the same order. Without
+ * The output has one point for each point of the cloud, or for each index, in the same order. Without
  * indices width and height stay. Header and sensor pose are copied, and so is every field that
  * both point types have. Points equal in place move alike. Points with a NaN or infinite
  * coordinate stay as they are; points that no surfel supports (outliers) keep their place and are
@@ -37,15 +37,16 @@ class CloudDescription;
  * rounded to float last. The result is the same for any number of threads.
  *
  * Each ball of the surface finds its own radius from the noise and the shape; setSearchRadius(),
- * setPenalty() or setTargetError() say how smooth the result shall be. The output's field curvature is
- * the mean curvature unless setCurvature() says otherwise: MovingLeastSquares writes kSurfaceVariation.
+ * setPenalty() or setTargetError() set how smooth the result is. The output's field curvature is
+ * the mean curvature unless setCurvature() is called: MovingLeastSquares writes kSurfaceVariation.
  *
- * With setUpsamplingMethod() other points than the input's come out: those that the surface supports, in
+ * With setUpsamplingMethod() the output has other points than the input: those that the surface supports, in
  * a cloud of height 1, with the fields of the input point each belongs to (getCorrespondingIndices()).
  *
  * Points that are nowhere a surface (a dozen or fewer, those of lines) stay as they are: a warning,
- * printed as PCL prints warnings and told by getWarning(). A missing or empty cloud, one without a finite point, and indices out of range are errors: the
- * output is then empty, the error printed as PCL prints errors, and told by getError().
+ * printed as PCL prints warnings and returned by getWarning(). A missing or empty cloud, one without a
+ * finite point, and indices out of range are errors: the output is then empty, the error printed as PCL
+ * prints errors, and returned by getError().
  *
  * Compiled for all of PCL_XYZ_POINT_TYPES, in and out. For a point type of your own, include
  * pcl_slim/filters/impl/slim_projection_smoother.hpp where you use it.
@@ -72,7 +73,7 @@ class SLIMProjectionSmoother : public pcl::CloudSurfaceProcessing<PointInT, Poin
 
   /** \brief Normals of the input cloud, one for each of its points; null: those of PointInT if it
    * has any. A zero or non-finite normal counts as missing: the point is left out of the fit, and
-   * smoothed all the same. */
+   * smoothed nevertheless. */
   void setInputNormals(const NormalCloud::ConstPtr& normals) { normals_ = normals; }
   NormalCloud::ConstPtr getInputNormals() const { return normals_; }
 

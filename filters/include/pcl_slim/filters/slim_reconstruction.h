@@ -14,7 +14,7 @@ namespace pcl_slim {
 
 /** \brief Reconstructs a triangle mesh from a cloud: the SLIM surface fitted to it, triangulated.
  *
- * Stands where pcl::Poisson stands, and needs no normals:
+ * A replacement for pcl::Poisson that needs no normals:
  * \code
  * pcl_slim::SLIMReconstruction<pcl::PointXYZ> reconstruction;
  * reconstruction.setInputCloud(cloud);
@@ -28,7 +28,7 @@ namespace pcl_slim {
  * A search method is not needed and not used.
  *
  * A missing or empty cloud, one without a finite point, indices and parameters out of range are errors: the
- * output is then empty, and getError() says why. The result is the same for any number of threads.
+ * output is then empty, and getError() gives the reason. The result is the same for any number of threads.
  *
  * Compiled for the point types SLIMFit is compiled for. For one of your own, include
  * pcl_slim/filters/impl/slim_reconstruction.hpp where you use it.
@@ -48,7 +48,7 @@ class SLIMReconstruction : public pcl::SurfaceReconstruction<PointT>,
   void setInputNormals(const NormalCloud::ConstPtr& normals) { normals_ = normals; }
   NormalCloud::ConstPtr getInputNormals() const { return normals_; }
 
-  /** \brief The mesh with fields x y z, normals, rgb where PointT has colours, and k1 k2 if asked for; the
+  /** \brief The mesh with fields x y z, normals, rgb where PointT has colours, and k1 k2 if requested; the
    * header is the cloud's. O(points + triangles). */
   void reconstruct(pcl::PolygonMesh& output) override;
 

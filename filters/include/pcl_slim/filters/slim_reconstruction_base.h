@@ -11,15 +11,15 @@
 
 namespace pcl_slim {
 
-/** \brief Parameters and results of SLIMReconstruction that do not depend on the point type; MeshParams says
- * what each means. Values are checked when reconstruct() runs. */
+/** \brief Parameters and results of SLIMReconstruction that do not depend on the point type; MeshParams
+ * documents each. Values are checked when reconstruct() runs. */
 class PCL_SLIM_EXPORT SLIMReconstructionBase : public SLIMFitBase {
  public:
   using SurfaceConstPtr = std::shared_ptr<const SLIMSurface>;
 
   // Parameters -----------------------------------------------------------------------------------
 
-  /** \brief All parameters of the mesh at once; threads and trimming are those of the fit's setters. */
+  /** \brief All parameters of the mesh together; threads and trimming are those of the fit's setters. */
   void setMeshParams(const MeshParams& params) { mesh_params_ = params; }
   const MeshParams& getMeshParams() const { return mesh_params_; }
 
@@ -37,7 +37,7 @@ class PCL_SLIM_EXPORT SLIMReconstructionBase : public SLIMFitBase {
   void setHoleSize(double spacings) { mesh_params_.hole_size = spacings; }
   double getHoleSize() const { return mesh_params_.hole_size; }
 
-  /** \brief Leaves out components on which fewer points lie (default 50); 0 keeps all. */
+  /** \brief Leaves out components with fewer points (default 50); 0 keeps all. */
   void setMinComponentPoints(double points) { mesh_params_.min_component_points = points; }
   double getMinComponentPoints() const { return mesh_params_.min_component_points; }
 
@@ -74,7 +74,7 @@ class PCL_SLIM_EXPORT SLIMReconstructionBase : public SLIMFitBase {
   /** \brief Forgets the last run. */
   void clearMesh();
   /** \brief Fits unless there is a surface, and extracts the mesh. \param[in] colors of the points, or
-   * none. \return whether there is one; getError() says why not. */
+   * none. \return whether there is one; getError() gives the reason if not. */
   bool makeMesh(const CloudView& cloud, const ColorView& colors);
 
   MeshParams mesh_params_;

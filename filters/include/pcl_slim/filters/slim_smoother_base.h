@@ -23,12 +23,12 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
  public:
   // Where points come out ------------------------------------------------------------------------
 
-  /** \brief Which points are brought onto the surface; values as in pcl::MovingLeastSquares. */
+  /** \brief Which points are projected onto the surface; values as in pcl::MovingLeastSquares. */
   enum UpsamplingMethod {
     NONE,                    ///< the input's own (default)
     DISTINCT_CLOUD,          ///< those of setDistinctCloud()
     SAMPLE_LOCAL_PLANE,      ///< a grid within setUpsamplingRadius() about each input point
-    RANDOM_UNIFORM_DENSITY,  ///< as many about each input point as setPointDensity() asks for
+    RANDOM_UNIFORM_DENSITY,  ///< as many around each input point as setPointDensity() sets
     VOXEL_GRID_DILATION      ///< the corners of voxels about the input points
   };
 
@@ -85,7 +85,7 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
 
   // Curvature ------------------------------------------------------------------------------------
 
-  /** \brief What the output's field curvature holds. */
+  /** \brief What the output's field curvature contains. */
   enum Curvature {
     kMean,             ///< (k1 + k2) / 2, 1/length (default)
     kGaussian,         ///< k1 k2, 1/length^2
@@ -139,7 +139,7 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
   };
 
   /** \brief Smooths or upsamples, and writes the points. \param[out] dense whether all are finite. \return
-   * whether they are the input's own; getError() says why there are none. */
+   * whether they are the input's own; getError() gives the reason if there are none. */
   bool run(const Source& source, const Target& target, bool& dense);
 
   bool compute_normals_ = true;
@@ -158,10 +158,10 @@ class PCL_SLIM_EXPORT SLIMSmootherBase : public SLIMProjectionBase {
   /** \brief Names the first parameter that a run cannot work with. \param[in] has_distinct whether a
    * distinct cloud is set. */
   Error checkSmoother(bool has_distinct) const;
-  /** \brief Fits with the least radius of balls that the search radius asks for, and projects; see
+  /** \brief Fits with the least radius of balls for the search radius, and projects; see
    * SLIMProjectionBase::project(). */
   bool smooth(const CloudView& points, bool curvature, CloudProjection& projection);
-  /** \brief The points that the upsampling method asks for, and their projection; those that are not
+  /** \brief The points of the upsampling method, and their projection; those that are not
    * supported stay out. \param[in] own the projection of the input. \param[in] distinct for
    * DISTINCT_CLOUD. */
   bool projectCandidates(const CloudView& points, bool curvature, const CloudProjection& own,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// docs/theory.md, "Noise" and "Noise that is not noise, and noise that fills the ball".
+// docs/theory.md, "Noise" and "Bias on clean data".
 #include "pcl_slim/cloud/noise_level.h"
 
 #include <algorithm>

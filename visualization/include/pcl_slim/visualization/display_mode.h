@@ -47,7 +47,7 @@ showsCurvature(DisplayMode mode);
 PCL_SLIM_EXPORT bool
 takesRange(DisplayMode mode);
 
-/** \brief Whether colours stand for numbers that a scalar bar explains. */
+/** \brief Whether colours represent numbers that a scalar bar explains. */
 PCL_SLIM_EXPORT bool
 showsNumbers(DisplayMode mode);
 

@@ -27,27 +27,27 @@ struct ViewCamera;
 
 /** \brief What a mapper drew, and what it did not have to draw again. */
 struct FrameStatistics {
-  std::uint64_t frames = 0;        ///< times the renderer asked for the object
+  std::uint64_t frames = 0;        ///< times the renderer drew the object
   std::uint64_t rasterized = 0;    ///< times its rays were intersected; else shaded again only
   std::uint64_t tables = 0;        ///< times the table of colours was made
-  int coarseness = 1;              ///< of the last frame: rays stand this many pixels apart
-  std::uint64_t lines = 0;         ///< times lines were looked for
+  int coarseness = 1;              ///< of the last frame: rays are this many pixels apart
+  std::uint64_t lines = 0;         ///< times lines were computed
   double line_seconds = 0.0;       ///< wall time of the last time
   double rasterize_seconds = 0.0;  ///< wall time of the last intersection of rays, upload included
   std::uint64_t covered_pixels = 0;  ///< rays of it that met the object
   bool on_card = false;              ///< the graphics card intersected the rays, not the CPU
 };
 
-/** \brief What a frame is drawn with besides the camera. */
+/** \brief Input of a frame without the camera. */
 struct FrameRequest {
   double near_plane = 0.0;  ///< smallest depth, world units
   VisibleSides sides = VisibleSides::kAuto;
   int threads = 0;
   std::vector<HalfSpace> clip_planes;  ///< what is kept, the object's coordinates, unit normals
   double lod = 0.0;        ///< level of detail, pixels from one ray to the next; 0: none
-  bool trim = true;        ///< heed trim maps
-  unsigned columns = 0;    ///< GBufferColumn bits besides those of the colours
-  bool close_gaps = true;  ///< fill what rays slipped through between shrunk balls
+  bool trim = true;        ///< use trim maps
+  unsigned columns = 0;    ///< GBufferColumn bits in addition to those of the colours
+  bool close_gaps = true;  ///< fill gaps between shrunk balls that rays passed through
 };
 
 /** \brief Base of the mappers that draw what has no triangles: rays are intersected on the CPU or
@@ -56,15 +56,15 @@ struct FrameRequest {
  * VTK's lights, vtkProperty (colour, opacity, highlights), the actor's place, depth composition
  * with other actors, depth peeling and hardware picking therefore work as with triangles. The
  * actor's matrix may turn, move and scale alike in all directions; with any other matrix nothing is
- * drawn and getError() says so. Of a translucent object the front sheet is drawn.
+ * drawn and getError() reports it. Of a translucent object the front sheet is drawn.
  *
  * The rays' result is kept while camera, size, object and clipping planes stay as they are; a
  * change of mode, range, light or property only shades it again. While the mouse moves, rays
- * stand 2 or 4 pixels apart if a full frame takes longer than the frame budget, and what is seen
- * smaller than their distance is left to coarser surfels; the frame that an interactor style draws
+ * are 2 or 4 pixels apart if a full frame takes longer than the frame budget, and coarser surfels
+ * replace those smaller than that; the frame that an interactor style draws
  * when the button is released is full again.
  *
- * Methods in VTK's spelling are VTK's own. One object serves one render window. VTK's rule for
+ * Methods in VTK's spelling are VTK's own. One object belongs to one render window. VTK's rule for
  * threads applies: call it from the thread of the window.
  */
 class PCL_SLIM_EXPORT GBufferMapper : public vtkOpenGLPolyDataMapper {
@@ -72,7 +72,7 @@ class PCL_SLIM_EXPORT GBufferMapper : public vtkOpenGLPolyDataMapper {
   vtkTypeMacro(GBufferMapper, vtkOpenGLPolyDataMapper)
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  /** \brief What colours show (kShaded); GetLookupTable() then holds the table of colours, for a
+  /** \brief What colours show (kShaded); GetLookupTable() then is the table of colours, for a
    * vtkScalarBarActor. \return false, and nothing changes, for what the object does not have. */
   bool setMode(DisplayMode mode);
   DisplayMode getMode() const;
@@ -80,7 +80,7 @@ class PCL_SLIM_EXPORT GBufferMapper : public vtkOpenGLPolyDataMapper {
   virtual bool supports(DisplayMode mode) const = 0;
 
   /** \brief Curvature of full colour, 1/length or 1/length^2, or residual of full colour; 0
-   * (default): such that 95 % of the object's area lies inside, whatever part of it is seen. */
+   * (default): such that 95 % of the object's area is inside, whatever part of it is seen. */
   void setRange(double range);
   /** \brief The range given, or the automatic one of the mode that is set. */
   double getRange() const;
@@ -123,14 +123,14 @@ class PCL_SLIM_EXPORT GBufferMapper : public vtkOpenGLPolyDataMapper {
   /** \brief Whether the graphics card intersects the rays of such a frame. The window's context is
    * current. */
   virtual bool usesCard(vtkOpenGLRenderWindow* window, const FrameRequest& request);
-  /** \brief Does it, into the textures that a frame of the CPU is brought over to otherwise. After
+  /** \brief Does it, into the textures that otherwise receive a frame of the CPU. After
    * an error the CPU draws. */
   virtual Error drawOnCard(vtkOpenGLRenderWindow* window, const detail::ViewCamera& view,
                            const FrameRequest& request, detail::FrameTextures& textures,
                            std::uint64_t& covered);
   /** \brief To be called when frames are to be made in another way. */
   void dropFrame();
-  /** \brief Whether lines are to be laid over a frame. */
+  /** \brief Whether lines are drawn over a frame. */
   virtual bool wantsLines() const;
   /** \brief Draws them. \param[in] buffer what the CPU drew, or null; \param[out] rgba four bytes a
    * pixel of the camera's, see drawLines() */

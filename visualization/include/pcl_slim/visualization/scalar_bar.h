@@ -16,7 +16,7 @@ namespace pcl_slim {
 
 class GBufferMapper;
 
-/** \brief "mean curvature", "radius" ...: what a mode's colours stand for. */
+/** \brief "mean curvature", "radius" ...: the quantity of a mode's colours. */
 PCL_SLIM_EXPORT std::string
 titleOf(DisplayMode mode);
 

@@ -26,7 +26,7 @@ enum class RayBackend : unsigned char {
   kOpenGL,  ///< shaders; the CPU still draws what has clipping planes or what the card refuses
 };
 
-/** \brief What lies under a pixel of a drawn surface; lengths in world units. */
+/** \brief What is under a pixel of a drawn surface; lengths in world units. */
 struct SurfacePick {
   std::uint32_t surfel = 0;          ///< index of the leaf of the largest weight
   std::array<double, 3> position{};  ///< blended point, world coordinates of the surface
@@ -64,29 +64,29 @@ class PCL_SLIM_EXPORT SLIMMapper : public GBufferMapper {
   bool setSurface(std::shared_ptr<const SLIMSurface> surface);
   const std::shared_ptr<const SLIMSurface>& getSurface() const { return surface_; }
 
-  /** \brief Tells what is drawn at a pixel. \param[in] x, y display coordinates, from the lower left
-   * corner of the window. \return false beside the surface. O(leaves). */
+  /** \brief Returns what is drawn at a pixel. \param[in] x, y display coordinates, from the lower left
+   * corner of the window. \return false off the surface. O(leaves). */
   bool pick(vtkRenderer* renderer, vtkActor* actor, int x, int y, SurfacePick& result);
 
-  /** \brief What intersects rays (kAuto); FrameStatistics::on_card tells what did. Pictures of the
+  /** \brief What intersects rays (kAuto); FrameStatistics::on_card has the choice. Pictures of the
    * two differ by rounding. With kAuto the card draws the first three frames at rest; if they take longer than 15 ns a
    * pixel the CPU draws three, and from then on the faster of the two draws. */
   void setBackend(RayBackend backend);
   RayBackend getBackend() const { return backend_; }
 
-  /** \brief Surfels seen smaller than this many pixels stand for their descendants, so that far
-   * surfaces cost less; 0 (default): every leaf is drawn. Both back ends; the graphics card then holds
+  /** \brief Surfels seen smaller than this many pixels replace their descendants, so that far
+   * surfaces cost less; 0 (default): every leaf is drawn. Both back ends; the graphics card then stores
    * internal surfels as well. */
   void setLevelOfDetail(double pixels);
   double getLevelOfDetail() const { return lod_; }
 
-  /** \brief Whether an open surface ends where its trim maps say that its data do (true). */
+  /** \brief Whether an open surface ends where its data end, by its trim maps (true). */
   void setTrimming(bool trim);
   bool getTrimming() const { return trim_; }
 
   /** \brief Lines over the surface (none): crest lines, suggestive contours and contours of what the
    * camera sees, as findPictureLines() finds them. They are looked for when the camera rests, and
-   * while it moves if that fits into the frame budget; FrameStatistics tells how long it takes. With
+   * while it moves if that fits into the frame budget; FrameStatistics has the time. With
    * the graphics card the CPU draws the frame that they are looked for in. DisplayMode::kSketch draws
    * lines of every kind on white if no other are set.
    * \return an error, and nothing changes, for parameters out of range. */
@@ -129,8 +129,8 @@ class PCL_SLIM_EXPORT SLIMMapper : public GBufferMapper {
   bool trim_ = true;
   PictureLineParams lines_;
   LineStyle line_style_;
-  bool card_fails_ = false;                                      ///< and has said so once
-  mutable std::map<DisplayMode, std::array<double, 2>> ranges_;  ///< those asked for so far
+  bool card_fails_ = false;                                      ///< and has reported it once
+  mutable std::map<DisplayMode, std::array<double, 2>> ranges_;  ///< those requested so far
 };
 
 }  // namespace pcl_slim

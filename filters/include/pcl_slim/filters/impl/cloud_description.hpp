@@ -13,7 +13,7 @@
 namespace pcl_slim {
 
 /** Describes a cloud's points and normals the way SLIMFit does, for classes that do more with
- * them. The view holds while this object and the cloud live. */
+ * them. The view is valid while this object and the cloud live. */
 template <typename PointT>
 class CloudDescription : public SLIMFit<PointT> {
  public:
@@ -27,7 +27,7 @@ class CloudDescription : public SLIMFit<PointT> {
     this->setParams(params);
   }
 
-  /** \return whether the cloud can be worked on; getError() says why not. */
+  /** \return whether the cloud can be used; getError() gives the reason if not. */
   bool describe() { return this->describeInput(view_) && this->describeNormals(view_, estimated_); }
 
   const CloudView& view() const { return view_; }

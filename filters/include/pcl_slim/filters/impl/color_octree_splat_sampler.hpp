@@ -25,7 +25,7 @@ ColorOctreeSplatSampler<PointT>::ColorOctreeSplatSampler(bool extract_removed_in
   this->filter_name_ = "ColorOctreeSplatSampler";
 }
 
-// PCL's filters share the removed indices with their copies; ours stand alone.
+// PCL's filters share the removed indices with their copies; ours do not.
 template <typename PointT>
 ColorOctreeSplatSampler<PointT>::ColorOctreeSplatSampler(const ColorOctreeSplatSampler& other)
     : pcl::FilterIndices<PointT>(other),
@@ -105,7 +105,7 @@ ColorOctreeSplatSampler<PointT>::filter(PointCloud& output)
     complain();
     return false;
   }
-  // Keeping the organization goes by the removed indices; PCL would warn that it asks for them.
+  // Keeping the organization uses the removed indices; PCL would warn that it needs them.
   const bool extract = extract_removed_indices_;
   if (this->keep_organized_) extract_removed_indices_ = true;
   PointCloud filtered;

@@ -17,7 +17,7 @@
 #include "pcl_slim/filters/pcl_normals.h"
 #include "pcl_slim/filters/slim_fit.h"
 
-// PCL's own sources hold its classes for its own point types only; ours are among those.
+// PCL's sources instantiate its classes for its own point types only; ours are among those.
 #ifndef PCL_SLIM_PCL_POINTS_ONLY
 #include <pcl/impl/pcl_base.hpp>
 #include <pcl/search/impl/organized.hpp>
@@ -27,7 +27,7 @@
 namespace pcl_slim {
 
 /** Lets a search object for one point type answer for the same cloud as plain points, so that
- * PCL's normal estimation, which is compiled for those, serves every point type. */
+ * PCL's normal estimation, which is compiled for those, is used for every point type. */
 template <typename PointT>
 class PlainPointSearch : public pcl::search::Search<pcl::PointXYZ> {
  public:
@@ -250,7 +250,7 @@ SLIMFit<PointT>::estimateNormals(std::vector<float>& estimated)
   if (error_) return false;
   const pcl::IndicesPtr selected = finiteSelection();
   estimated.assign(3 * input_->size(), 0.0f);
-  if (selected->empty()) return true;  // the fit says what is wrong
+  if (selected->empty()) return true;  // the fit reports the error
   NormalCloud normals;
   try {
     if (!findNormals(selected, normals)) return false;

@@ -18,17 +18,17 @@ struct CrestView {
   Vector3 up = {0, 1, 0};             ///< points up in the picture
   double width = 1000;                ///< of the longer side, pixels
   double line_width = 1.2;            ///< pixels
-  /** Hides lines behind it: leaves stand as flat patches of two thirds of their radius, so that lines
+  /** Hides lines behind it: leaves are drawn as flat patches of two thirds of their radius, so that lines
    * within half a radius of what hides them may show. Null: every line shows. */
   const SLIMSurface* surface = nullptr;
 };
 
-/** \brief Writes lines by extension (upper or lower case), seen under its name only when whole.
+/** \brief Writes lines by extension (upper or lower case); the file appears only when complete.
  *
  * .vtp  ParaView: one polyline cell a line with type, length, strength, significance; point data
  * .ply  binary_little_endian, `element edge` with vertex1 and vertex2
- * .pcd  binary; a `line` field tells which vertices belong together
- * .svg  ridges blue and ravines red, as that side shows towards the viewer (a ridge seen from behind is
+ * .pcd  binary; a `line` field has the number of each vertex' line
+ * .svg  ridges blue and ravines red, as seen from that side (a ridge seen from behind is
  *       a ravine)
  *
  * Coordinates are floats unless that would move a vertex by a thousandth of its distance from the next.
@@ -36,7 +36,7 @@ struct CrestView {
 PCL_SLIM_EXPORT Error
 saveCrestLines(const std::string& path, const CrestLines& lines, const CrestView& view = {});
 
-/** \brief Whether the extension is one saveCrestLines knows; names those it does otherwise. */
+/** \brief Whether saveCrestLines supports the extension; otherwise an error that names those it supports. */
 PCL_SLIM_EXPORT Error
 checkCrestExtension(const std::string& path);
 

@@ -9,11 +9,11 @@
 
 namespace pcl_slim {
 
-/** \brief Whether the extension is one this build's saveMesh knows; names those it does otherwise. */
+/** \brief Whether this build's saveMesh supports the extension; otherwise an error that names those it supports. */
 PCL_SLIM_EXPORT Error
 checkMeshExtension(const std::string& path);
 
-/** \brief Writes a mesh by extension (upper or lower case), seen under its name only when whole.
+/** \brief Writes a mesh by extension (upper or lower case); the file appears only when complete.
  *
  * .ply   binary_little_endian: x y z, normals, k1 k2, colours if there are any
  * .obj   text: positions, colours behind them if there are any, normals
@@ -22,8 +22,8 @@ checkMeshExtension(const std::string& path);
  *        normals, colours
  * .vtp   for ParaView, in builds with PCL_SLIM_WITH_VTP: points, "Normals", k1, k2, "RGB"
  *
- * .ply and .vtp hold doubles where floats would move vertices by more than a thousandth of an edge; .stl
- * always holds floats. O(triangles).
+ * .ply and .vtp contain doubles where floats would move vertices by more than a thousandth of an edge; .stl
+ * always contains floats. O(triangles).
  */
 PCL_SLIM_EXPORT Error
 saveMesh(const std::string& path, const TriangleMesh& mesh);

@@ -14,7 +14,7 @@
 
 namespace pcl_slim {
 
-/** \brief A point file as it stands on disk: every field in its own type, nothing narrowed.
+/** \brief A point file as it is on disk: every field in its own type, nothing narrowed.
  *
  * PCL's own readers narrow nothing either for PCD, but refuse double properties of PLY files and
  * print instead of reporting; these read all formats alike and return one sentence when a file
@@ -24,9 +24,8 @@ struct PCL_SLIM_EXPORT PointFile {
   pcl::PCLPointCloud2 cloud;
   Eigen::Vector4f sensor_origin = Eigen::Vector4f::Zero();
   Eigen::Quaternionf sensor_orientation = Eigen::Quaternionf::Identity();
-  std::vector<std::string> comments;  ///< text of the header's comment lines, in order
-  std::vector<std::string>
-      left_out;  ///< what the file held beside this, in words: "element 'edge'"
+  std::vector<std::string> comments;      ///< text of the header's comment lines, in order
+  std::vector<std::string> left_out;      ///< other content of the file, in words: "element 'edge'"
   std::vector<std::uint32_t> face_begin;  ///< faces: number of faces + 1 offsets, or empty
   std::vector<std::uint32_t>
       face_vertices;    ///< vertices of face i: [face_begin[i], face_begin[i+1])
@@ -52,8 +51,8 @@ struct PCL_SLIM_EXPORT PointFile {
  *                      (3 bytes "RGB": rgb; the normals: normal_x ...) and polygons
  *
  * A missing, foreign, truncated or self-contradicting file gives an error; one without points
- * is read and has none. What of a file is passed over (elements of a PLY file other than vertices and
- * faces, texture coordinates, colours of faces, columns of text) is named in left_out. For .laz and .e57
+ * is read and has none. Ignored parts of a file (elements of a PLY file other than vertices and
+ * faces, texture coordinates, colours of faces, columns of text) are named in left_out. For .laz and .e57
  * the error names the command that converts them.
  */
 PCL_SLIM_EXPORT Result<PointFile>
@@ -68,7 +67,7 @@ checkPointFileExtension(const std::string& path);
  * Fields go out in their order and type, so that loading and saving gives the same bytes again. PCD and
  * LAS keep no faces, LAS no comments; only PCD keeps the rows of an organised cloud and the sensor. Points
  * of a .vtp are vertex cells or corners of polygons; those without coordinates (NaN) are in no cell. A .las of points read from one keeps its version, point format,
- * records and extra bytes; new fields become extra bytes. Coordinates that its scale cannot hold get a
+ * records and extra bytes; new fields become extra bytes. Coordinates that its scale cannot represent get a
  * finer one. Of other points LAS 1.4 is made, format 6 or, with colours, 7: coordinates are rounded to
  * a billionth of the extent. \return an error for another extension or when the file cannot be
  * written. */

@@ -28,7 +28,7 @@ class PCL_SLIM_EXPORT PointFileReader {
   std::uint64_t height() const { return height_; }
   const RecordLayout& layout() const { return layout_; }
 
-  /** \brief Reads at most so many more points, none at the end. */
+  /** \brief Reads at most a number of further points, none at the end. */
   Error next(std::size_t most, PointFile& piece);
 
  private:

@@ -13,7 +13,7 @@
 
 namespace pcl_slim {
 
-/** \brief What to take off world coordinates that float would hold too coarsely: fileShift() of the discs'
+/** \brief What to subtract from world coordinates for which float is too coarse: fileShift() of the discs'
  * box. Give toPointFile() that of the cloud itself, where there is one: files of its surface have it, too. */
 PCL_SLIM_EXPORT std::array<double, 3>
 splatShift(const SplatSet& splats);
@@ -25,7 +25,7 @@ toPCL(const SplatSet& splats, const std::array<double, 3>& shift,
 
 /** \brief The same as a file: PointSurfel's fields first, then, where there are gradients,
  * red_x red_y red_z green_x ... blue_z (0..255 per unit of length). Comment lines
- * "pcl_slim key value" hold the shift and say that these are splats. */
+ * "pcl_slim key value" contain the shift and mark the file as splats. */
 PCL_SLIM_EXPORT PointFile
 toPointFile(const SplatSet& splats, const std::array<double, 3>& shift);
 

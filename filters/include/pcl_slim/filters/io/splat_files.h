@@ -10,7 +10,7 @@
 
 namespace pcl_slim {
 
-/** \brief Whether a file's fields tell of discs: a radius, and no polynomials (those of a surface
+/** \brief Whether a file's fields are those of discs: a radius, and no polynomials (those of a surface
  * have c0). */
 PCL_SLIM_EXPORT bool
 holdsSplats(const PointFile& file);

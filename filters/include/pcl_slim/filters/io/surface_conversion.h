@@ -15,9 +15,9 @@
 
 namespace pcl_slim {
 
-/** \brief What a cloud of surfels alone cannot say: the surface's info, and where the cloud stands.
+/** \brief What a cloud of surfels does not contain: the surface's info, and the cloud's position.
  *
- * world = shift + cloud coordinates. The shift is 0 unless float cannot hold the centres in world
+ * world = shift + cloud coordinates. The shift is 0 unless float cannot represent the centres in world
  * coordinates (an origin far from the object); it is then fileShift(), which splats of the same cloud have
  * as well.
  */

@@ -29,14 +29,14 @@ PCL_SLIM_EXPORT Error
 saveSurface(const std::string& path, const SLIMSurface& surface, double rounding = 0.0);
 
 /** \brief Writes a surface in blocks for ParaView, a block after another: NAME.pvtp is an index, the folder NAME
- * beside it has NAME_0.vtp, NAME_1.vtp ..., one a block, each as saveSurface() writes it. */
+ * next to it has NAME_0.vtp, NAME_1.vtp ..., one a block, each as saveSurface() writes it. */
 PCL_SLIM_EXPORT Error
 saveSurfacePieces(const std::string& path, SlimBlockReader& blocks);
 
 /** \brief Reads what saveSurface wrote, and surfels other programs have rewritten.
  *
  * When a program dropped the metadata, units come from the points (fromPCL). A missing, foreign,
- * truncated, corrupted or newer file gives an error that says which.
+ * truncated, corrupted or newer file gives an error that names the defect.
  */
 PCL_SLIM_EXPORT Result<SLIMSurface>
 loadSurface(const std::string& path);

@@ -22,7 +22,7 @@ struct Trajectory {
  * Without names: t x y z, or TUM's t x y z qx qy qz qw. With a line of names, as CSV has it: the time is
  * t, time, timestamp, stamp, gps_time or gpstime; the place x y z, tx ty tz, px py pz, pos_x pos_y pos_z,
  * position_x ..., or easting northing height (elevation, altitude); names in any case, with units in
- * brackets. Other columns are passed over. Lines may come in any order. \return an error for a file that
+ * brackets. Other columns are ignored. Lines may come in any order. \return an error for a file that
  * cannot be read, fewer than two times, a value that is no number, or two places at one time. */
 PCL_SLIM_EXPORT Result<Trajectory>
 loadTrajectory(const std::string& path);

@@ -12,8 +12,8 @@ namespace pcl_slim {
 
 /** \brief Bounding-volume hierarchy over blocks of points in Morton order, 16 children a node.
  *
- * Implicit: node j of a level holds children 16 j ... 16 j + 15 of the level below, whose boxes
- * stand side by side, so that one SIMD comparison tests all of a node's children. Level 0 holds
+ * Implicit: node j of a level has children 16 j ... 16 j + 15 of the level below, whose boxes
+ * are contiguous, so that one SIMD comparison tests all of a node's children. Level 0 has
  * the blocks' own boxes. Unused boxes are empty (min > max) and never hit.
  */
 class PCL_SLIM_EXPORT BlockTree {
@@ -57,7 +57,7 @@ class PCL_SLIM_EXPORT BlockTree {
 using BlockList = AlignedVector<std::uint32_t>;
 
 /** \brief The groups of blocks around one region, copied side by side: cheap queries for the many
- * balls that lie in it. */
+ * balls inside it. */
 class PCL_SLIM_EXPORT BlockNeighborhood {
  public:
   /** \brief Collects the groups whose box meets an axis-aligned box; the tree must outlive this. */

@@ -59,7 +59,7 @@ struct PCL_SLIM_EXPORT CloudView {
   /** \brief Why there is nothing to work on: no points, more than 2^32 - 2, or an index outside.
    * O(indices). */
   Error validate() const;
-  /** \brief What is said of a cloud whose points all are NaN or infinite. */
+  /** \brief The error message for a cloud whose points all are NaN or infinite. */
   static Error nothingFinite();
 
  private:

@@ -32,8 +32,8 @@ estimateNoise(const PointStore& store, NoiseEstimator estimator, int threads = 0
 /** \brief How noise varies over a cloud: variances over the whole cloud's, for runs of points along
  * the Morton curve.
  *
- * Entry j of m stands for the points from j n / m on; it is the trimmed mean of 17 patches, at places
- * that follow each other along the curve and so lie close together, and good to about a tenth.
+ * Entry j of m is that of the points from j n / m on; it is the trimmed mean of 17 patches, at places
+ * that follow each other along the curve and so are close together; accurate to about a tenth.
  * Between 1/1000 and 1000. Empty if the store has fewer than 12 points. O(n / 128 patches), at most
  * 8192.
  */

@@ -9,14 +9,14 @@
 
 namespace pcl_slim {
 
-/** \brief The outliers of a cloud: points that stand apart from every surface and line.
+/** \brief The outliers of a cloud: points that are far from every surface and line.
  *
- * A point is one if its eight nearest neighbours lie 3 times as far away as those of the cloud's
+ * A point is one if its eight nearest neighbours are 3 times as far away as those of the cloud's
  * median point, and it is no part of a sparse surface or line: its 16 neighbours fill a volume (the
  * least eigenvalue of their covariance exceeds .1 of the greatest), or most of them are a far
- * denser patch, off whose plane it stands, or half of them are outliers. Where more than .5 % of the 4,096 points about are outliers, points closer to
- * the surface are looked at, too: those whose neighbours lie 1.5 times as far away as the median, and
- * which stand 4 times as far off the plane of 24 neighbours as these do themselves (RMS), neighbours
+ * denser patch, off whose plane it is, or half of them are outliers. Where more than .5 % of the 4,096 points about are outliers, points closer to
+ * the surface are examined, too: those whose neighbours are 1.5 times as far away as the median, and
+ * which are 4 times as far off the plane of 24 neighbours as these do themselves (RMS), neighbours
  * that are outliers left out; this is done again where it found more than .1 %, as one hides another.
  *
  * No decision depends on the axes, the order of the points or the unit of length.

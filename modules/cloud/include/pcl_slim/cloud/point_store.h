@@ -22,7 +22,7 @@ class PointStoreBuilder;
 
 /** \brief What happened to the input on its way into a PointStore. */
 struct PointStoreStatistics {
-  std::uint64_t input_points = 0;    ///< points asked for (indices honoured)
+  std::uint64_t input_points = 0;    ///< points selected (by indices, if any)
   std::uint64_t non_finite = 0;      ///< skipped: a coordinate is NaN or infinite
   std::uint64_t far_away = 0;        ///< skipped: a stray thousands of times as far as the bulk
   std::uint64_t without_normal = 0;  ///< skipped: others have normals, this one has none
@@ -30,12 +30,12 @@ struct PointStoreStatistics {
   double seconds = 0;                ///< wall time of build()
 };
 
-/** \brief A cloud brought once into Morton order: the stream every later stage runs over.
+/** \brief A cloud in Morton order, which every later stage reads in this order.
  *
  * Finite points are centred in double, divided by a power of two (so that converting back is
- * exact) until the bounding box's diagonal lies in (.49, 1), sorted by 63-bit Morton code,
- * merged where coordinates coincide, and cut into blocks of 16. Strays that lie more than 2^14 times as
- * far from the median as the quartiles do are left out, as units follow the box of what is stored. A block holds one origin on a
+ * exact) until the bounding box's diagonal is in (.49, 1), sorted by 63-bit Morton code,
+ * merged where coordinates coincide, and cut into blocks of 16. Strays that are more than 2^14 times as
+ * far from the median as the quartiles do are left out, as units follow the box of what is stored. A block has one origin on a
  * 2^-22 grid and float offsets from it, which keeps about 1e-9 of the diagonal in 12 bytes a
  * point. The last block is padded with points too far away for any ball.
  *
@@ -51,7 +51,7 @@ class PCL_SLIM_EXPORT PointStore {
   /** \brief Brings a cloud into Morton order. \return the store, or why there is none: no input,
    * more than 2^32 - 2 points, not one finite point, or one without a finite place of its sensor where
    * others have one. \param[in] threads 0: all cores.
-   * \param[in] frame store of a larger cloud that these points belong to: what is far away beside that
+   * \param[in] frame store of a larger cloud that these points belong to: what is far away relative to that
    * is far away here, too, and the units are at least its own. null: none. */
   static Result<PointStore> build(const CloudView& cloud, int threads = 0,
                                   const PointStore* frame = nullptr);
@@ -111,13 +111,13 @@ class PCL_SLIM_EXPORT PointStore {
   /** \brief 63-bit Morton codes, ascending; three bits a level, x highest. */
   const std::uint64_t* keys() const { return keys_.data(); }
   /** \brief Surfel centres are multiples of this, so that world = origin + scale * centre is exact
-   * in float (unless the origin lies beyond 256 L). */
+   * in float (unless the origin is beyond 256 L). */
   double centerGrid() const { return frame_.center_grid; }
 
-  /** \brief For each stored point, its place in the sequence of points asked for (the i of
+  /** \brief For each stored point, its place in the sequence of selected points (the i of
    * CloudView::inputIndex(i)). */
   const AlignedVector<std::uint32_t>& orderOfStore() const { return order_of_store_; }
-  /** \brief The inverse: for each point asked for, its stored point (merged ones share it) or
+  /** \brief The inverse: for each selected point, its stored point (merged ones share it) or
    * kSkipped. Computed on demand. */
   std::vector<std::uint32_t> storeOfInput() const;
 
@@ -140,7 +140,7 @@ class PCL_SLIM_EXPORT PointStore {
   /** \brief Takes them away again; given normals stay. */
   void clearSides();
 
-  /** \brief Bytes held by the store. */
+  /** \brief Bytes of the store. */
   std::size_t memoryBytes() const;
 
  private:
@@ -154,7 +154,7 @@ class PCL_SLIM_EXPORT PointStore {
   AlignedVector<float> block_origin_x_, block_origin_y_, block_origin_z_;
   AlignedVector<std::uint32_t> order_of_store_;
   AlignedVector<std::uint64_t> keys_;
-  std::vector<std::array<std::uint32_t, 2>> merged_;  ///< (order asked for, stored point)
+  std::vector<std::array<std::uint32_t, 2>> merged_;  ///< (place among the selected, stored point)
   BlockTree tree_;
   PointStoreStatistics statistics_;
   std::vector<std::array<float, 3>> sensors_;  ///< local positions, in stored order, or none

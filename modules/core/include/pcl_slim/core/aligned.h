@@ -9,7 +9,7 @@
 
 namespace pcl_slim {
 
-/** \brief Memory that starts on a cache line; the system is asked for large pages from 4 MiB on.
+/** \brief Memory that starts on a cache line; large pages are requested from 4 MiB on.
  *
  * Memory comes at its first use, page by page, and for arrays that are passed over once or twice
  * that costs as much as the passes. Throws std::bad_alloc. */

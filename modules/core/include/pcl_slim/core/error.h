@@ -13,7 +13,7 @@ enum class ErrorCode {
   kBadArgument,  ///< a parameter is outside its range
   kBadInput,     ///< the data cannot be worked on (empty, all non-finite, truncated, foreign)
   kIo,           ///< a file cannot be opened, read or written
-  kCancelled,    ///< the caller asked to stop
+  kCancelled,    ///< the caller stopped the run
   kNoSurface,    ///< the points are fine, but nowhere a surface: too few, along lines, scattered
 };
 

@@ -19,9 +19,9 @@ readFile(const std::string& path);
 
 /** \brief Writes a whole file so that it is seen under its name only when complete.
  *
- * The bytes go to a temporary file beside the target, which is then renamed; on any failure the
+ * The bytes go to a temporary file in the target's folder, which is then renamed; on any failure the
  * temporary file is removed and an older file under that name is left as it was. A new file takes
- * over an older one's permissions, and one that nobody may write is not replaced. A symbolic link
+ * over an older one's permissions, and a read-only one is not replaced. A symbolic link
  * is followed, also to a place where nothing is yet; what is not a plain file (a pipe, a device) is
  * written directly. For several files that belong together see FileTransaction.
  */
@@ -54,9 +54,9 @@ class PCL_SLIM_EXPORT FileWriter {
 
 /** \brief Several files that appear together or not at all.
  *
- * While one lives, what its thread's writeFile() calls have written waits beside the places asked for;
+ * While one lives, what its thread's writeFile() calls have written waits in temporary files next to the targets;
  * commit() moves all of it there. What is not committed is removed, and older files stay as they were.
- * Pipes and devices are written at once. The innermost one counts. */
+ * Pipes and devices are written immediately. The innermost one counts. */
 class PCL_SLIM_EXPORT FileTransaction {
  public:
   struct Waiting;
@@ -75,11 +75,11 @@ class PCL_SLIM_EXPORT FileTransaction {
   Waiting* outer_;
 };
 
-/** \brief Tells before long work whether writeFile could create this file. Leaves nothing behind. */
+/** \brief Checks before long work whether writeFile could create this file. Leaves nothing behind. */
 PCL_SLIM_EXPORT Error
 checkWritable(const std::string& path);
 
-/** \brief The one place that a name stands for, links followed, whether or not a file is there yet;
+/** \brief The canonical path of a name, links followed, whether or not a file is there yet;
  * empty where there can be none. */
 PCL_SLIM_EXPORT std::string
 placeOf(const std::string& path);

@@ -9,7 +9,7 @@
 
 namespace pcl_slim {
 
-/** \brief Most threads that may be asked for; more are a slip, and each costs memory of its own. */
+/** \brief Largest number of threads accepted; more are a mistake, and each costs memory. */
 constexpr int kMostThreads = 4096;
 
 /** \brief An error for a number of threads that is negative or above kMostThreads. */
@@ -24,7 +24,7 @@ resolveThreads(int requested);
  *
  * The order in which indices run is unspecified, so body must write by index only; sums belong
  * into fixed-size partial results that are added in index order afterwards. All callers share one
- * pool, oneTBB's: fewer threads than asked for may run, so no body may wait for another to begin.
+ * pool, oneTBB's: fewer threads than requested may run, so no body may wait for another to begin.
  * Loops inside a body run on its thread alone. An exception of a body ends the loop and is rethrown.
  */
 template <typename Body>

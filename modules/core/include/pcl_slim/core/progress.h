@@ -25,7 +25,7 @@ class Progress {
     if (callback_) callback_(fraction, stage);
   }
 
-  /** \brief Asks the run in progress to stop, or the next one if one is expected: before the first
+  /** \brief Requests that the run in progress stop, or the next one if one is expected: before the first
    * run, and from expectRun() on. Once a run has ended, nothing is there to stop until the next begins. */
   void cancel()
   {
@@ -51,7 +51,7 @@ class Progress {
   std::atomic<State> state_{State::kOpen};
 };
 
-/** \brief One run of what a progress stands for. A cancel() during the run is used up at its end, and one
+/** \brief One run of an operation with a progress. A cancel() during the run is used up at its end, and one
  * that comes after it is not kept for the next run. */
 class CancellableRun {
  public:

@@ -21,15 +21,16 @@ enum class CrestType : std::uint8_t { kRidge = 0, kRavine = 1 };
 struct PCL_SLIM_EXPORT CrestParams {
   bool ridges = true;
   bool ravines = true;
-  /** Lines are kept where they stand this many deviations of the noise out of their surroundings ... */
+  /** Lines are kept where their prominence is this many deviations of the noise ... */
   double significance = 2.0;
   /** ... and somewhere along that stretch, as a mean of seven vertices, this many; at least significance.
    * Noise alone makes an RMS of 1 to 2. */
   double peak_significance = 6.5;
-  double min_strength = 0.0;  ///< integral of |k| ds of a line, no unit; the user's knob
-  double min_length = 0.3;    ///< of a line, in mean radii of the leaves along it
-  double step = 0.15;         ///< distance of vertices in radii of the leaves, in [.02, .5]
-  int threads = 0;            ///< 0: all cores; never changes the result
+  double min_strength =
+      0.0;                  ///< integral of |k| ds of a line, no unit; selects the important lines
+  double min_length = 0.3;  ///< of a line, in mean radii of the leaves along it
+  double step = 0.15;       ///< distance of vertices in radii of the leaves, in [.02, .5]
+  int threads = 0;          ///< 0: all cores; never changes the result
 
   /** \brief Names the first value out of range. */
   Error validate() const;
@@ -65,12 +66,12 @@ struct CrestLines {
 struct CrestStatistics {
   std::uint64_t seeds = 0;                ///< changes of sign between neighbouring points
   std::uint64_t seeds_on_lines = 0;       ///< left out: a line, or a seed refused, is there already
-  std::uint64_t seeds_insignificant = 0;  ///< left out: below the significance asked for
+  std::uint64_t seeds_insignificant = 0;  ///< left out: below the required significance
   std::uint64_t seeds_failed = 0;         ///< left out: no line found there
   std::uint64_t traced = 0;               ///< lines followed, before any is dropped
   std::uint64_t joined = 0;               ///< ends at another line
   std::uint64_t ended = 0;          ///< ends where the line stops being one, or the surface ends
-  std::uint64_t faded = 0;          ///< ends where it sinks into the noise
+  std::uint64_t faded = 0;          ///< ends where it is no longer significant
   std::uint64_t insignificant = 0;  ///< lines left out: nowhere significant enough
   std::uint64_t short_lines = 0;    ///< stretches left out: shorter than min_length
   std::uint64_t weak_lines = 0;     ///< stretches left out: below min_strength
@@ -84,15 +85,15 @@ struct CrestStatistics {
  * A ridge is where k1 has a maximum along its direction t1 and k1 > |k2|; a ravine the same of -k2 along
  * t2. Lines are followed on the blended surface itself, without a mesh, by predictor and corrector: a
  * step along the line, then the root of dk/dt across it. Under noise dk/dt is taken from differences of
- * k over a tenth of the leaves' radius or somewhat more; on clean data from third derivatives. What noise of the
- * surface's lambda could have made is left out. Which of the two kinds a line is depends on the side the
+ * k over a tenth of the leaves' radius or somewhat more; on clean data from third derivatives. Lines that noise of the
+ * surface's lambda explains are left out. Which of the two kinds a line is depends on the side the
  * normals face.
  *
  * \param[in] projection of the store's points onto the surface, with extremality.
  * \param[out] lines cleared first; empty on an error. \param[out] statistics may be null.
  * \return an error for parameters out of range, a projection of other points or without extremality,
  * or cancellation. A surface without lines is none. O(N) for seeds, then a few SurfaceProbe requests
- * a vertex. The same for any number of threads, of which two serve the tracing.
+ * a vertex. The same for any number of threads, of which tracing uses two.
  */
 PCL_SLIM_EXPORT Error
 traceCrestLines(const PointStore& store, const Projection& projection, const SLIMSurface& surface,

@@ -27,7 +27,7 @@ struct MDLThreshold {
 struct TargetError {
   double rms = 0.0;  ///< (0, 1] [L]
 };
-/** \brief Solves for the noise factor that gives at most so many leaves. */
+/** \brief Solves for the noise factor that gives at most this number of leaves. */
 struct MaxSurfels {
   std::uint64_t leaves = 0;  ///< 1 or more
 };
@@ -54,24 +54,23 @@ struct PCL_SLIM_EXPORT FitParams {
   std::optional<double> lambda;  ///< > 0 [L^2]: noise variance; unset: estimated
   std::optional<double>
       cover_radius;              ///< alpha in (0, 1], 1 is the compact setting; unset: 2/3, and
-                                 ///< .55 for leaves that many points stand behind
+                                 ///< .55 for leaves of a large effective count
   double cover_threshold = 0.1;  ///< gamma > 0
   std::optional<double> least_radius;  ///< > 0, world units: no ball is narrower, so that no finer
                                        ///< detail is kept
   bool sharp_features =
       false;  ///< keep sharp edges: only points with n . n_c > 1/2; no effect without normals
-  bool robust = false;  ///< reweight residuals against outliers (two more passes a leaf)
-  bool keep_outliers =
-      false;  ///< fit points that stand apart from all others, too (findOutliers())
+  bool robust = false;         ///< reweight residuals against outliers (two more passes a leaf)
+  bool keep_outliers = false;  ///< fit points that are far from all others, too (findOutliers())
   std::optional<bool> local_noise;  ///< lambda varies over the cloud: noisy parts are smoothed more
                                     ///< than clean ones; unset: if the data show it
-  std::optional<double> noise_correlation;  ///< points that share their errors, 1: none do; unset:
+  std::optional<double> noise_correlation;  ///< number of points that share an error; unset:
                                             ///< from the data
   /// a, b, c: RMS error a + b z + c z^2 along the ray from the viewpoint at distance z, world units;
   /// needs a viewpoint or the store's sensors
   std::optional<std::array<double, 3>> noise_model;
   bool normals_as_data = false;  ///< fit positions and normals together, by their errors; needs
-                                 ///< normals that were measured apart from the points
+                                 ///< normals measured independently of the points
   std::optional<double>
       normal_error;         ///< with it: the normals' RMS error, (0, pi/2] radians; unset:
                             ///< measured, and normals that follow the points' own noise
@@ -141,7 +140,7 @@ struct FitSeconds {
 /** \brief What a fit did, what it skipped and how long its stages took. */
 struct FitStatistics {
   std::uint64_t points = 0;    ///< fitted: finite, distinct, no outliers
-  std::uint64_t outliers = 0;  ///< stored points that stand apart from all others: not fitted ...
+  std::uint64_t outliers = 0;  ///< stored points that are far from all others: not fitted ...
   std::vector<std::uint32_t> outlier_points;  ///< ... and which these are; empty of tiles
 
   NoiseStatistics noise;
@@ -155,21 +154,21 @@ struct FitStatistics {
   std::vector<std::uint64_t> leaves_per_level;  ///< index k
   double rms_error = 0;               ///< RMS residual of covered points against their leaves [L]
   std::uint64_t support_limited = 0;  ///< leaves that ended by minimum support
-  std::uint64_t reduced_degree = 0;   ///< surfels whose degree fell below the one asked for
+  std::uint64_t reduced_degree = 0;   ///< surfels of a lower degree than required
   std::uint64_t open_leaves = 0;      ///< leaves with a trim map: data end or leave a hole in them
 
   std::uint64_t uncovered = 0;    ///< points whose coverage stays below gamma
   std::uint64_t unsupported = 0;  ///< of those, points inside no leaf's support at all
   std::uint64_t unresolved = 0;   ///< points whose detail is too fine for the cloud's width, 1e-6 L
-  std::uint64_t skipped_normals = 0;  ///< centres passed over because their normal stands alone
+  std::uint64_t skipped_normals = 0;  ///< centres skipped because no neighbour shares their normal
   std::uint64_t never_gathered = 0;   ///< centres never tried: points covered by another's leaf
 
   std::uint64_t gathered = 0;         ///< points gathered into balls, all balls together
-  std::uint64_t split_sheets = 0;     ///< balls in which two sheets were parted
-  std::uint64_t line_balls = 0;       ///< balls divided because their many points lie along a line
+  std::uint64_t split_sheets = 0;     ///< balls in which two sheets were separated
+  std::uint64_t line_balls = 0;       ///< balls divided because their many points are along a line
   std::uint64_t fits = 0;             ///< least-squares systems solved
-  std::uint64_t fell_by_support = 0;  ///< of those, of a lower degree: too few points for it
-  std::uint64_t fell_by_pivot = 0;    ///< likewise: the points do not tell its coefficients apart
+  std::uint64_t fell_by_support = 0;  ///< of those, of a lower degree for lack of points
+  std::uint64_t fell_by_pivot = 0;    ///< likewise: the points do not determine its coefficients
   double least_pivot =
       1;  ///< of the leaves' normal equations, over its diagonal entry; 1: orthogonal
   std::uint64_t trim_candidates = 0;  ///< surfels whose gaps were measured; the others have none

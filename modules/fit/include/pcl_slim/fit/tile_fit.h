@@ -41,7 +41,7 @@ struct MeasuredTraits {
 
 /** \brief Measures what tiles share on a sample of the cloud, in the cloud's frame.
  *
- * The estimator is that of fitSurface(); its patches hold at most an eighth of a window's points.
+ * The estimator is that of fitSurface(); its patches contain at most an eighth of a window's points.
  * \return an error where normals are to be data and there are none. O(sample).
  */
 PCL_SLIM_EXPORT Result<MeasuredTraits>
@@ -75,7 +75,7 @@ checkTileParams(const FitParams& params);
 /** \brief Fits the surfels of one tile: the points of its core are centres, the others of its store are
  * only seen.
  *
- * The store is in the cloud's frame and holds all points within LevelRadii::reach(first_level) of
+ * The store is in the cloud's frame and contains all points within LevelRadii::reach(first_level) of
  * the core. Surfels get trim maps but no common side (orientSurfels()) and no links. A tile without a leaf
  * gives an empty surface and no error. Same bytes for any number of threads.
  */

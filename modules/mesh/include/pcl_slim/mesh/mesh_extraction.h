@@ -21,7 +21,7 @@ struct PCL_SLIM_EXPORT MeshParams {
   /** Holes in the data are closed unless they are as large as a disc of this diameter [spacings of the
    * points]; 0: all stay open. Those that reach the end of the surface's leaves stay open too. */
   double hole_size = 6;
-  /** Components on which fewer points lie are left out; 0: all stay. The points of a component are its
+  /** Components with fewer points are left out; 0: all stay. The points of a component are its
    * area times the density that the surface's leaves report. */
   double min_component_points = 50;
   int relax = 2;  ///< rounds of tangential smoothing of the triangles; 0 to 100
@@ -29,7 +29,7 @@ struct PCL_SLIM_EXPORT MeshParams {
    * tolerance is then not kept. */
   std::uint64_t max_triangles = 0;
   /** A second fit to the same points, with FitParams::sharp_features: the mesh gets its sharp edges. Vertices
-   * are put onto its nearest face, and vertices are added where its faces part by more than 40 degrees; their
+   * are put onto its nearest face, and vertices are added where its faces differ by more than 40 degrees; their
    * curvatures are 0. Null: edges are as round as the surface. Must outlive the extraction. */
   const SLIMSurface* sharp = nullptr;
   int threads = 0;  ///< 0: all cores; never changes the result
@@ -42,14 +42,14 @@ struct PCL_SLIM_EXPORT MeshParams {
 struct MeshStatistics {
   MeshCensus census;
   double tolerance = 0;            ///< as used [world units]
-  std::uint64_t cells = 0;         ///< of the octree that hold surface
+  std::uint64_t cells = 0;         ///< of the octree that contain surface
   std::uint64_t corners = 0;       ///< places at which distances were evaluated
-  std::uint64_t split_cells = 0;   ///< for the sake of topology
-  std::uint64_t collapsed = 0;     ///< triangles taken away for max_triangles
+  std::uint64_t split_cells = 0;   ///< to keep the topology
+  std::uint64_t collapsed = 0;     ///< triangles removed for max_triangles
   std::uint64_t rounds = 0;        ///< of contouring
   std::uint64_t unprojected = 0;   ///< vertices that no leaf supports: they stay where edges cross
   std::uint64_t closed_gaps = 0;   ///< of the contouring: places where leaves disagree too much
-  std::uint64_t closed_holes = 0;  ///< of the data, smaller than asked for
+  std::uint64_t closed_holes = 0;  ///< of the data, smaller than the holes kept
   std::uint64_t dropped = 0;       ///< triangles of components left out
   std::uint64_t dropped_components = 0;
   std::uint64_t edge_vertices = 0;    ///< added where two faces of the sharp surface meet

@@ -11,7 +11,7 @@
 
 namespace pcl_slim {
 
-/** \brief A row of numbers owned by someone else. */
+/** \brief A view of a row of numbers. */
 struct IndexRow {
   const std::uint32_t *first = nullptr, *last = nullptr;
 
@@ -24,7 +24,7 @@ struct IndexRow {
 /** \brief Faces of a mesh as lists of vertices: triangles, quadrilaterals or larger, in any mixture.
  *
  * Corners go round the face counter-clockwise as seen from outside. Faces of fewer than three
- * corners may be there and are passed over.
+ * corners are allowed and ignored.
  */
 struct PCL_SLIM_EXPORT MeshFaces {
   std::vector<std::uint32_t> begin;    ///< size() + 1 offsets into corners, or empty
@@ -51,10 +51,10 @@ areaVector(const std::vector<Vector3>& vertices, IndexRow corners);
 PCL_SLIM_EXPORT Vector3
 centroid(const std::vector<Vector3>& vertices, IndexRow corners);
 
-/** \brief Who borders on whom in a mesh. */
+/** \brief Adjacency of the faces of a mesh. */
 class PCL_SLIM_EXPORT MeshTopology {
  public:
-  /** \brief faces must be valid for so many vertices. O(corners log faces around a vertex). */
+  /** \brief faces must be valid for this number of vertices. O(corners log faces around a vertex). */
   MeshTopology(const MeshFaces& faces, std::size_t num_vertices);
 
   /** \brief Faces that have vertex v as a corner, ascending. */

@@ -15,9 +15,9 @@
 
 namespace pcl_slim {
 
-/** \brief What to do at edges between faces that part by much. */
+/** \brief What to do at sharp edges between faces. */
 enum class MeshEdges : std::uint8_t {
-  kMeasured,  ///< sharp where the mesh is one of few and strong edges, as machine parts are
+  kMeasured,  ///< sharp if the mesh has few and strong edges, as machine parts have
   kRounded,   ///< smooth across them, as over a body
   kSharp,     ///< keep them
 };
@@ -40,12 +40,12 @@ struct MeshSmoothStatistics {
   std::uint64_t faces_unsupported = 0;  ///< on no surfel: their normals come from their neighbours
   std::uint64_t disagreeing_edges = 0;  ///< two faces run along an edge in the same direction
   std::uint64_t nonmanifold_edges = 0;  ///< edges of more than two faces
-  std::uint64_t moved = 0;              ///< vertices brought to a new place
+  std::uint64_t moved = 0;              ///< vertices with a new position
   std::uint64_t isolated = 0;           ///< finite vertices without a face: they keep their place
   std::uint64_t non_finite = 0;         ///< vertices with a NaN or infinite coordinate
-  std::uint64_t held = 0;               ///< vertices held back at least once lest a face turn over
-  bool sharp = false;                   ///< edges were kept
-  double sharp_share = 0;       ///< share of the mesh's bending that lies in its sharp edges
+  std::uint64_t held = 0;       ///< vertices not moved at some step, so that no face turns over
+  bool sharp = false;           ///< edges were kept
+  double sharp_share = 0;       ///< share of the mesh's bending in its sharp edges
   double noise = 0;             ///< deviation of the vertices' noise, mean edge lengths
   double rms_displacement = 0;  ///< of moved vertices, world units
   double max_displacement = 0;
@@ -63,7 +63,7 @@ struct SmoothedMesh {
  * and vertices minimise quadratic errors to the faces' planes.
  *
  * By default the normals found are weighed against those of the mesh itself, each averaged over the
- * faces around it, and vertices follow in small steps; where edges are kept, the surface's normals say
+ * faces around it, and vertices follow in small steps; where edges are kept, the surface's normals decide
  * which neighbours belong to one side. No face turns over. Faces, and vertices without faces, stay.
  *
  * \param[in] cloud the vertices; its normals and indices are not read. \param[in] surface a surface of

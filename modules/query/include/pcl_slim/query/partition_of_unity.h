@@ -33,7 +33,7 @@ class PCL_SLIM_EXPORT PartitionOfUnity {
   PartitionOfUnity& operator=(const PartitionOfUnity&) = delete;
 
   /** \brief F and its derivatives at a point in the surface's local units.
-   * \return false where no leaf's ball holds the point. O(leaves near it). */
+   * \return false where no leaf's ball contains the point. O(leaves near it). */
   bool evaluate(const std::array<double, 3>& x, ImplicitJet& jet) const;
 
  private:

@@ -44,10 +44,10 @@ class PCL_SLIM_EXPORT ProbeIndex {
 
 /** \brief The blended surface next to a place, in the surface's local units. */
 struct ProbeSample {
-  bool supported = false;  ///< false: no leaf serves the place, and nothing else here counts
+  bool supported = false;  ///< false: no leaf covers the place, and nothing else here is valid
   Vector3 position{};      ///< on the surface
   Vector3 normal{};        ///< unit
-  PrincipalFrame frame;    ///< k1 and k2; directions and extremalities where asked for
+  PrincipalFrame frame;    ///< k1 and k2; directions and extremalities if requested
   double outside = 0;      ///< blended outsideShare() of the trim maps: the surface ends at 1/2
 };
 
@@ -70,7 +70,7 @@ struct ProbeScale {
 struct ProbeRequest {
   const Vector3* positions = nullptr;  ///< local units, near the surface
   std::size_t count = 0;               ///< at most SurfaceProbe::kMost
-  std::size_t with_directions = 0;     ///< so many of the first positions get directions
+  std::size_t with_directions = 0;     ///< number of the first positions that get directions
   bool extremality = false;            ///< and their extremalities too
   bool curvature = true;               ///< false: positions and normals only
   Vector3 side{};                  ///< leaves that face away from it do not count; zero: all count
@@ -80,8 +80,8 @@ struct ProbeRequest {
 /** \brief Evaluates a surface at any places, as projectPoints() does at stored points: equations (6) to
  * (8) of Ohtake, Belyaev, Alexa 2005 with the same guards, up to sixteen places at a time.
  *
- * Places in one request should lie close together, as the leaves of all are gone through: about 2 us for
- * sixteen places within a ball's radius. Leaves found for one request serve the next ones nearby. One
+ * Places in one request should be close together, because the leaves of all are evaluated: about 2 us for
+ * sixteen places within a ball's radius. Leaves found for one request are used for the next ones nearby. One
  * object per thread. The last digits of a result depend on the requests since restart(). Residual gates
  * are never narrower than a tenth of a ball's radius, as places between samples of a clean fit would
  * fall through those that projectPoints() needs for points.

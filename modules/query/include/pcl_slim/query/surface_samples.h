@@ -39,7 +39,7 @@ struct SurfaceSamples {
  * nearer than the spacing, and none could be added (Cook, Stochastic sampling in computer graphics, TOG
  * 1986).
  *
- * Candidates are the nodes of a grid of half the spacing on every leaf, brought onto the blended surface;
+ * Candidates are the nodes of a grid of half the spacing on every leaf, projected onto the blended surface;
  * they are taken in a random order unless one nearer than the spacing has been. Points of two sheets that
  * face apart do not hinder each other. For a count, the spacing is sought at which up to 3 % more
  * fit, of which those nearest to another are left out. O(candidates), some 25 per sample; the same for any

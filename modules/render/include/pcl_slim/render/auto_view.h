@@ -14,7 +14,7 @@ enum class UpAxis : unsigned char { kAuto, kX, kY, kZ };
 
 /** \brief View from an azimuth and an elevation around an upright object.
  *
- * Azimuth 0 is the front: the viewer stands at -y when z is up, at +z when y is up, at -y when x
+ * Azimuth 0 is the front: the viewer is at -y when z is up, at +z when y is up, at -y when x
  * is up; positive azimuths turn the viewer to the right. Elevation 90 looks straight down.
  * \param[in] up kAuto counts as kZ; \param[in] azimuth, elevation degrees
  */
@@ -23,10 +23,10 @@ viewFromAngles(UpAxis up, double azimuth, double elevation);
 
 /** \brief The upward axis an object suggests: z in map coordinates (both horizontal ones beyond 100
  * diagonals), the normal of a flat object if that is y or z, else that of y and z of a room's
- * lesser extent, that along which a closed object stands where it would fall over along the other, else the one along which it is
+ * lesser extent, that along which a closed object stays upright and would fall over along the other, else the one along which it is
  * clearly longer. If neither is, the one along which the normals of an oriented object point upwards
- * on average, as nothing that stands is measured from below; else the one at whose lower end the
- * object is flat; else z. Statues stand, terrain lies. O(spheres log spheres). */
+ * on average, because a standing object is not measured from below; else the one at whose lower end the
+ * object is flat; else z. Statues are upright, terrain is flat. O(spheres log spheres). */
 PCL_SLIM_EXPORT UpAxis
 guessUpAxis(const BoundingSpheres& object);
 

@@ -50,9 +50,9 @@ struct ViewDirection {
  *
  * Spheres outside the bulk (beyond half its extent past the 5th and 95th percentile of the points, along
  * each axis) are not framed, so that neither a stray point nor the far end of a lidar's scan shrinks the
- * object to a dot; nor are pieces apart from the rest that hold less than 1 % of the points. An empty object gives a camera at one world unit from its origin. O(spheres).
+ * object to a dot; nor are separate pieces of less than 1 % of the points. An empty object gives a camera at one world unit from its origin. O(spheres).
  * \param[in] margin share of the picture left free on each side, [0, 0.4];
- * \param[in] right_margin share of its width left free on the right besides, [0, 0.4]: for a bar
+ * \param[in] right_margin additional share of its width left free on the right, [0, 0.4]: for a bar
  */
 PCL_SLIM_EXPORT Camera
 fitCamera(const BoundingSpheres& object, const ViewDirection& direction, const ImageSize& size,

@@ -53,7 +53,7 @@ struct PCL_SLIM_EXPORT DiscRenderStatistics {
  * diagonal: a screen filter (Botsch et al. 2005) by which no disc falls between the pixels.
  * Colours are blended as they are coded, and with a gradient follow it to the disc's rim.
  *
- * Local units are the world's, origin splats.origin. surfel holds the first disc, radius its
+ * Local units are the world's, origin splats.origin. surfel is the first disc, radius its
  * radius, weight the sum of weights. Normals face the viewer unless only fronts are drawn. The
  * buffer is the same for any number of threads, and with skipping on or off.
  * Cost: O(discs + sum of visible discs' pixels).
@@ -64,7 +64,7 @@ PCL_SLIM_EXPORT Error
 renderDiscs(const SplatSet& splats, const Camera& camera, const DiscRenderParams& params,
             GBuffer& buffer, DiscRenderStatistics* statistics = nullptr);
 
-/** \brief The discs whose centres lie in all of some half spaces, in their order. O(discs). */
+/** \brief The discs whose centres are in all of some half spaces, in their order. O(discs). */
 PCL_SLIM_EXPORT SplatSet
 splatsWithin(const SplatSet& splats, const std::vector<HalfSpace>& cuts);
 

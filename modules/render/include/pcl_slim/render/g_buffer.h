@@ -28,7 +28,7 @@ enum GBufferColumn : std::uint8_t {
  *
  * Lengths are in the surface's local units (world = origin + scale * local), directions in world
  * axes. Where a ray meets nothing surfel is kNothing, depth is infinity and the rest is 0; no
- * value is ever NaN. Columns that were not asked for are empty; depth, normal, surfel and back_face
+ * value is ever NaN. Columns that were not requested are empty; depth, normal, surfel and back_face
  * are always there. Normals and the derivatives face the viewer when the surface has no
  * orientation or both of its sides are shown. Discs leave derivatives, curvatures and levels at 0.
  */
@@ -52,12 +52,12 @@ struct PCL_SLIM_EXPORT GBuffer {
   std::vector<float> coverage;                  ///< sum of cover weights, G(|q - c| / (alpha r))
   std::vector<std::uint8_t> back_face;          ///< 1: an oriented surface seen from behind
   std::vector<std::array<float, 3>>
-      color;  ///< sRGB in [0, 1]; of discs and, where asked for, of coloured surfaces; else empty
+      color;  ///< sRGB in [0, 1]; of discs and, if requested, of coloured surfaces; else empty
 
   /** \brief Sets the size and marks every pixel as met by nothing.
-   * \param[in] columns GBufferColumn bits: what to hold besides depth, normal, surfel, back_face */
+   * \param[in] columns GBufferColumn bits: columns in addition to depth, normal, surfel, back_face */
   void resize(int new_width, int new_height, unsigned columns = kAllColumns);
-  /** \brief Sets the size only: whoever calls it writes every pixel of every column. */
+  /** \brief Sets the size only: the caller writes every pixel of every column. */
   void reserve(int new_width, int new_height, unsigned columns);
 
   std::size_t numPixels() const { return depth.size(); }

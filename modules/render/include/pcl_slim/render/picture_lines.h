@@ -89,9 +89,9 @@ struct LineStyle {
 PCL_SLIM_EXPORT Error
 drawLines(const std::vector<PictureLine>& lines, const LineStyle& style, Image& image);
 
-/** \brief The same lines on glass, to lay over a picture that is elsewhere.
+/** \brief The same lines on a transparent picture, to draw over another one.
  * \param[out] rgba sRGB and how much of the pixel lines cover, four bytes a pixel, rows from the
- * top; laid over a picture in linear light it gives what the other function draws */
+ * top; drawn over a picture in linear light it gives what the other function draws */
 PCL_SLIM_EXPORT Error
 drawLines(const std::vector<PictureLine>& lines, const LineStyle& style, const ImageSize& size,
           std::vector<std::uint8_t>& rgba);

@@ -34,7 +34,7 @@ struct PCL_SLIM_EXPORT TraceParams {
    * a half space's plane are met in it. */
   std::vector<HalfSpace> cuts;
   /** Of surfaces: where a ray would meet nothing but slips between shrunk balls it meets the blend of the leaves around, if these
-   * lie on all sides, point one way and face it. false: such gaps are open, as they
+   * are on all sides, have similar normals and face it. false: such gaps are open, as they
    * are to a rasteriser without RenderParams::close_gaps. */
   bool close_gaps = true;
   bool filtered = true;            ///< of discs, as DiscRenderParams::filtered
@@ -95,20 +95,20 @@ struct PCL_SLIM_EXPORT WorldHit {
   bool met() const { return surfel != GBuffer::kNothing; }
 };
 
-/** \brief Follows rays through a surface or coloured discs: what they meet, and what stands between
+/** \brief Follows rays through a surface or coloured discs: what they meet, and what is between
  * a point and the light.
  *
  * A ray's hit is the rasteriser's, by the same rules: q^ is the first intersection with a leaf inside
  * its ball shrunk by alpha; the blend of the leaves whose ball holds q^ is the hit (eqs. 6, 7), if it is
- * covered or lies in a gap between leaves; else the ray goes on behind it. Gaps between shrunk balls are
+ * covered or in a gap between leaves; else the ray continues behind it. Gaps between shrunk balls are
  * closed (TraceParams::close_gaps). Discs are blended as
  * renderDiscs() blends them. A shadow ray is blocked by any root of a leaf at which the blend belongs to
  * the surface, from either side of it, so that shadows end where silhouettes do. It starts a little
  * above its point, by what leaves that meet there may disagree, and sees the inner side of an oriented
  * surface only from a leaf's radius on: neighbouring leaves cast no shadow on each other.
  *
- * The leaves stand under a tree of eight boxes a node, and in blocks of eight that are met side by side
- * in single precision, each block in coordinates of its own.
+ * The leaves are in a tree of eight boxes a node, and in blocks of eight that are intersected in parallel
+ * in single precision, each block in local coordinates.
  *
  * Results are the same for any number of threads. One frame at a time.
  */
@@ -143,7 +143,7 @@ class PCL_SLIM_EXPORT RayTracer {
   Error cast(const std::vector<WorldRay>& rays, VisibleSides sides, std::vector<WorldHit>& hits,
              int threads = 0) const;
 
-  /** \brief Whether anything stands in each ray's way, 1 or 0: seen from either side.
+  /** \brief Whether anything blocks each ray, 1 or 0: seen from either side.
    * \return an error for a bad object or ray; blocked is then empty. */
   Error castShadows(const std::vector<WorldRay>& rays, std::vector<std::uint8_t>& blocked,
                     int threads = 0) const;

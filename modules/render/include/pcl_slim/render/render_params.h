@@ -36,10 +36,10 @@ struct PCL_SLIM_EXPORT RenderParams {
   double shrink = 0.0;  ///< alpha of pass 1, (0, 0.95]; 0: the surface's cover radius
   double min_coverage =
       -1.0;                 ///< rays pass through where coverage is less; < 0: the surface's gamma
-  bool trim = true;         ///< end open surfaces, and open holes, where their trim maps say so
+  bool trim = true;         ///< end open surfaces, and open holes, by their trim maps
   double near_plane = 0.0;  ///< smallest depth shown along a ray, world units, >= 0
   double lod = 0.0;         ///< surfels of this projected diameter in pixels, or an error of a
-                            ///< sixteenth, stand for their descendants; 0: every leaf is drawn
+                            ///< sixteenth, replace their descendants; 0: every leaf is drawn
   unsigned columns = kAllColumns;  ///< GBufferColumn bits: what the picture needs
   bool reference = false;          ///< the rasteriser in double, leaf by leaf and ray by ray: slow
   /** Of normals, gradients, Hessians and curvatures. Where rays meet the surface stays the same.
@@ -50,8 +50,8 @@ struct PCL_SLIM_EXPORT RenderParams {
   bool close_gaps = false;
   bool skip = true;  ///< leave out work that cannot change the result
   int threads = 0;   ///< 0: all cores; never changes the result
-  /** Only what lies in all of these half spaces is met: the surface is cut open, and with kAuto both
-   * of its sides are drawn. Balls that lie outside as a whole are left out with their nodes, so that
+  /** Only what is in all of these half spaces is met: the surface is cut open, and with kAuto both
+   * of its sides are drawn. Balls that are completely outside are left out with their nodes, so that
    * a part of a large surface costs what it shows. */
   std::vector<HalfSpace> cuts;
 
@@ -65,7 +65,7 @@ struct PCL_SLIM_EXPORT RenderStatistics {
   std::uint64_t outside_frustum = 0;   ///< leaves whose ball no ray meets
   std::uint64_t outside_region = 0;    ///< leaves whose ball RenderParams::cuts leave nothing of
   std::uint64_t back_facing = 0;       ///< leaves turned away as a whole
-  std::uint64_t below_detail = 0;      ///< leaves for which coarser surfels stand, with lod
+  std::uint64_t below_detail = 0;      ///< leaves replaced by coarser surfels, with lod
   std::uint64_t coarse_surfels = 0;    ///< surfels drawn that are no leaves, with lod
   std::uint64_t tile_entries = 0;      ///< (surfel, tile) pairs
   std::uint64_t occluded_entries = 0;  ///< of those, behind everything pass 1 had found

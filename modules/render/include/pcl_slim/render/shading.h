@@ -80,7 +80,7 @@ showsNumbers(ShadingMode mode);
 PCL_SLIM_EXPORT bool
 hasColorBar(ShadingMode mode);
 
-/** \brief The range asked for, or a robust one of a G-buffer; of levels half a level past those it
+/** \brief The given range, or a robust one of a G-buffer; of levels half a level past those it
  * shows. O(covered pixels).
  * \param[in] scale world units per local unit, as SurfaceInfo::scale */
 PCL_SLIM_EXPORT ShadingRange
@@ -105,7 +105,7 @@ PCL_SLIM_EXPORT std::vector<Color>
 shadeLinear(const GBuffer& buffer, const Camera& camera, const ShadingParams& params,
             const ShadingRange& range, double scale = 1.0);
 
-/** \brief Shades a G-buffer to a picture. Its size must be the camera's; kColor wants a buffer with
+/** \brief Shades a G-buffer to a picture. Its size must be the camera's; kColor needs a buffer with
  * colours. */
 PCL_SLIM_EXPORT Result<Image>
 shade(const GBuffer& buffer, const Camera& camera, const ShadingParams& params, double scale = 1.0);

@@ -15,19 +15,19 @@ namespace pcl_slim {
 /** \brief Renders a SLIM surface into G-buffers by blending its leaves along view rays.
  *
  * Ohtake, Belyaev, Alexa 2005, section 3: pass 1 finds q^, the first intersection of a ray inside
- * any leaf's ball shrunk by alpha; pass 2 gathers the leaves whose ball holds q^ and blends, at each
+ * any leaf's ball shrunk by alpha; pass 2 gathers the leaves whose ball contains q^ and blends, at each
  * one's root nearest to q^, position (eq. 6), gradient (eq. 7) and Hessian (eq. 8, left). Two guards
  * keep leaves of other sheets out: the weight is taken at the larger of |q^ - c| and |q - c|, and a
  * leaf whose own surface passes q^ by more than r/4 does not count.
  *
  * Where the blend's coverage (sum of G(|q - c| / (alpha r))) is below the surface's threshold and
- * the leaves do not lie all around q, the surface is not defined: leaves reach beyond the rim of
+ * the leaves are not all around q, the surface is not defined: leaves reach beyond the rim of
  * what was measured. Rays pass through and both passes run again behind it.
  *
  * An index over the leaves is built once, so that a frame costs what its camera sees. Frames are
  * drawn in single precision with coordinates of each leaf's own, in blocks of 4 x 4 pixels as
  * vector lanes; RenderParams::reference draws in double instead. With RenderParams::lod a surfel
- * whose ball is seen below that size stands for its descendants and fades in over half an octave.
+ * whose ball is seen below that size replaces its descendants and fades in over half an octave.
  *
  * A frame is the same for any number of threads, and with skipping on or off. One frame at a time.
  */

@@ -11,7 +11,7 @@ namespace pcl_slim {
 
 /** \brief What an object passes through as it turns about an axis through the middle of its bulk.
  *
- * A camera that frames it shows all of the bulk from every side. Its origin lies on the axis; an
+ * A camera that frames it shows all of the bulk from every side. Its origin is on the axis; an
  * empty object is returned as it is. O(spheres).
  * \param[in] axis any length but 0
  */

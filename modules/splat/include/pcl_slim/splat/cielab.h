@@ -49,13 +49,13 @@ class PCL_SLIM_EXPORT LabTable {
   /** \brief Linear share of one channel's byte, in [0, 1]. */
   float linear(std::uint8_t byte) const { return linear_[byte]; }
 
-  /** \brief CIELAB of n colours in place: columns hold linear() of red, green and blue before, L*,
+  /** \brief CIELAB of n colours in place: columns contain linear() of red, green and blue before, L*,
    * a* and b* after. Within kMaxDeltaE of labFromRgb; a fifth of convert()'s cost.
    * The columns have room for a multiple of 16 numbers and start at 64 bytes. */
   void labOfLinear(float* r, float* g, float* b, std::size_t n) const;
 
   /** \brief Nearest 8-bit colour of the gamut's part around lab; channels are clamped. At most one
-   * step beside rgbFromLab. */
+   * step compared with rgbFromLab. */
   std::array<std::uint8_t, 3> rgb(const float lab[3]) const;
 
   /** \brief The same in [0, 255] without rounding. */

@@ -26,11 +26,11 @@ struct HoleCheck {
   std::uint64_t missed = 0;  ///< of these, rays that met no disc
   /** Not cast: a side of the sample's triangle was longer than density times the mean distance
    * between the point and its neighbours, or that distance 3 times what is usual in the cloud, so
-   * that the points themselves do not say whether there is a surface. */
+   * that the points do not show whether there is a surface. */
   std::uint64_t sparse = 0;
   /** Not cast: the 24 points nearest to the sample are no sheet, as their standard deviation across
    * their plane is more than thickness times the lesser one along it. Edges, thin parts and noise
-   * as wide as the points lie apart have no normal that rays could lean from. */
+   * as large as the spacing have no normal that rays could be inclined to. */
   std::uint64_t rough = 0;
   double overlap = 0;  ///< mean number of discs a ray met
 
@@ -45,7 +45,7 @@ struct HoleCheck {
  * A ray goes through a random place of a triangle of a point and two of its 8 nearest, in a random
  * direction about the normal of the plane through the 24 nearest. It meets a disc when it pierces it
  * near that place: no farther above or below than the disc's radius and two spacings. Testing the
- * points themselves would prove nothing: discs can hold every point and still leave gaps between.
+ * points themselves would prove nothing: discs can contain every point and still leave gaps between.
  *
  * \return an error for parameters out of range or splats without points. O(rays log splats). The
  * same result for any number of threads.

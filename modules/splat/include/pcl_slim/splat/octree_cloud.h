@@ -22,10 +22,10 @@ class OctreeCloudBuilder;
 struct RootGrid {
   static constexpr int kMaxResolution = 1 << 20;
 
-  int resolution = 0;   ///< cells along the box's longest side; 0: as the others ask
+  int resolution = 0;   ///< cells along the box's longest side; 0: from the others
   double occupied = 0;  ///< occupied cells wanted, roughly, where resolution is 0
   double points_per_root =
-      0;  ///< > 0: so many distinct places in an occupied cell, roughly, instead
+      0;  ///< > 0: approximate number of distinct places in an occupied cell, instead
 };
 
 /** \brief From world coordinates to root cells. */
@@ -52,7 +52,7 @@ struct OctreeFrame {
  * PointStore, whose cells are powers of two of the box, the grid has any size, every finite
  * point stays (also without a normal), and nothing is built for neighbour searches.
  *
- * Points equal in place, normal and colour count once. Points that no key tells apart are ordered by
+ * Points equal in place, normal and colour count once. Points with equal keys are ordered by
  * place, normal and colour, so that nothing depends on the order in which the owner has them. O(N)
  * time, 12 bytes a point and 16 a root; 8 bytes a point more while it is built. Same input, same
  * order, for any number of threads.
@@ -76,14 +76,14 @@ class PCL_SLIM_EXPORT OctreeCloud {
   /** \brief The i-th point along the curve, as the i of CloudView::inputIndex. */
   std::uint32_t order(std::size_t i) const { return order_[i]; }
 
-  /** \brief Ascending Morton codes; their bits from 3 shift on tell cells 2^shift times the smallest
-   * apart. Below the bits that tell a point from all others they are 0. */
+  /** \brief Ascending Morton codes; their bits from 3 shift on identify cells of 2^shift times the
+   * smallest. Below the bits that distinguish a point from all others they are 0. */
   const std::uint64_t* keys() const { return keys_.data(); }
 
   std::size_t numRoots() const { return roots_.size() - 1; }
   /** \brief Occupied roots along the curve; the one behind the last begins at size(). */
   const Root& root(std::size_t r) const { return roots_[r]; }
-  /** \brief The root a point lies in. O(log roots). */
+  /** \brief The root that contains a point. O(log roots). */
   std::size_t rootOf(std::size_t point) const;
   /** \brief Number of occupied cells 2^growth roots wide. O(roots). */
   std::size_t countCells(int growth) const;

@@ -36,7 +36,7 @@ PCL_SLIM_EXPORT double
 widestSpacing(std::vector<CellSpacing>& cells);
 
 /** \brief Radius by kDensity [root cells]: the farthest of the cell's n points, and 1 + .3 / sqrt(n)
- * + .5 bend spacings. Few points tell their surroundings' spacing badly, and where normals differ
+ * + .5 bend spacings. Few points give a poor estimate of the spacing around them, and where normals differ
  * rays pass a disc aslant. \param[in] reach distance to the farthest of the cell's points.
  * \param[in] bend standard deviation of its normals, noise taken off. \param[in] widest
  * widestSpacing(). */

@@ -66,7 +66,7 @@ struct SplatStatistics {
  * divided where normals or colours vary.
  *
  * Colours and normals are optional: without colours shape alone divides, without normals they come
- * from neighbours. Points without a normal among others take part without one. The order of the points,
+ * from neighbours. Points without a normal among others are used without one. The order of the points,
  * those that are not finite and those that repeat another change nothing. \param[out] splats
  * cleared first; empty on error. \param[out] statistics may be null. \param[in] progress may be
  * null. O(N). The same splats for any number of threads.

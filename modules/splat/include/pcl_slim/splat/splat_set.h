@@ -18,7 +18,7 @@ namespace pcl_slim {
  */
 struct PCL_SLIM_EXPORT SplatSet {
   /** \brief Change of red, green and blue (0..255) per world unit along x, y and z: red's three
-   * numbers first. Lies in the disc's plane. */
+   * numbers first. In the disc's plane. */
   using Gradient = std::array<float, 9>;
 
   std::array<double, 3> origin{};
@@ -28,7 +28,7 @@ struct PCL_SLIM_EXPORT SplatSet {
   std::vector<std::uint32_t> rgb;      ///< 0xRRGGBB
   std::vector<float> confidence;       ///< number of points behind the disc
   std::vector<float> normal_variance;  ///< 1 - share of the normals' common line, in [0, 2/3]
-  std::vector<std::uint32_t> kept;     ///< input index of the point that stands for the cell
+  std::vector<std::uint32_t> kept;     ///< input index of the point that represents the cell
   std::vector<Gradient> gradient;      ///< one per splat, or none at all
 
   std::size_t size() const { return x.size(); }

@@ -22,12 +22,12 @@ class PointSource {
 
   virtual std::uint64_t size() const = 0;
   virtual bool hasNormals() const = 0;
-  /** \brief What holds the coordinates without loss. */
+  /** \brief The type that stores the coordinates without loss. */
   virtual CloudView::Scalar scalar() const = 0;
   /** \brief World position that the points were seen from, where that is known. */
   virtual std::optional<std::array<double, 3>> sensor() const { return {}; }
 
-  /** \brief Whether each point has a sensor of its own, which a fit by tiles refuses. */
+  /** \brief Whether each point has its own sensor position, which a fit by tiles refuses. */
   virtual bool hasSensors() const { return false; }
 
   /** \brief Reads the points from the first to the last. \return an error of the visitor, or of a file

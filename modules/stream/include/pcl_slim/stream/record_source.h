@@ -30,13 +30,13 @@ struct RecordLayout {
   std::array<Field, 3> position;
   std::optional<std::array<Field, 3>> normal;
   std::optional<std::array<double, 3>> sensor;
-  bool has_sensors = false;  ///< records also hold places that each point was seen from: not read
+  bool has_sensors = false;  ///< records also contain sensor positions: not read
 };
 
 /** \brief The points of a file with records of one size, or of text, read in pieces of some megabytes. */
 class PCL_SLIM_EXPORT RecordSource : public PointSource {
  public:
-  /** \param[in] share,shares the share-th of so many alike parts of the records, from 0 on */
+  /** \param[in] share,shares the share-th of this number of equal parts of the records, from 0 on */
   explicit RecordSource(RecordLayout layout, std::uint64_t share = 0, std::uint64_t shares = 1);
 
   const RecordLayout& layout() const { return layout_; }

@@ -31,13 +31,12 @@ struct PCL_SLIM_EXPORT StreamParams {
   std::uint64_t tile_points = 4000000;  ///< most points of a tile's core, at least kLeastTile
   std::string scratch;                  ///< folder of the scratch file; empty: the system's
   /// Folder that keeps plan, points and fitted tiles, so that a later run of the same cloud and parameters,
-  /// or others beside this one, go on with them; empty: nothing is kept.
+  /// or other processes, continue with them; empty: nothing is kept.
   std::string state;
   /// Processes that fit the cloud together, each with a source of its share of the points; null: this one
   /// alone. Their number does not change the result.
   Ranks* ranks = nullptr;
-  std::string
-      source_name;  ///< with it: tells the source from others, as its path, size and date do
+  std::string source_name;  ///< with it: identifies the source, by its path, size and date
 
   static constexpr std::uint64_t kLeastTile = 10000;
   /** \brief Points of the median ball that a tile's first level begins with. */
@@ -52,8 +51,8 @@ struct StreamStatistics {
   FitStatistics fit;            ///< sums over the tiles; measured noise and normals
   PointStoreStatistics points;  ///< what happened to the input; duplicates of the tiles' cores
   std::uint64_t tiles = 0, kept_tiles = 0;  ///< kept_tiles: of an earlier run
-  std::uint64_t halo_points = 0;            ///< points that tiles read beside their own
-  std::uint64_t noise_thinning = 1;         ///< noise was measured on one of so many points
+  std::uint64_t halo_points = 0;            ///< points that tiles read around their own
+  std::uint64_t noise_thinning = 1;         ///< noise was measured on one of this number of points
   std::uint64_t passes = 0;                 ///< over the source
   std::uint64_t coarse_surfels = 0;         ///< of levels above the tiles' first
   std::uint64_t scratch_read = 0, scratch_written = 0;  ///< bytes
@@ -66,7 +65,7 @@ struct StreamStatistics {
  * prepare() reads the source, at least three times, and sorts the points into a scratch file;
  * then tiles are fitted in any order. All surfels are in one frame(). Same bytes for any order of
  * the points and the tiles, and for any number of threads and ranks. With ranks each keeps the points of
- * its own tiles, a run of them, in a scratch file of its own; prepare() and fit() of several tiles are
+ * its own tiles, a run of them, in its own scratch file; prepare() and fit() of several tiles are
  * calls that all ranks make.
  */
 class PCL_SLIM_EXPORT StreamFit {
@@ -104,7 +103,7 @@ class PCL_SLIM_EXPORT StreamFit {
   using Sink = std::function<Error(std::size_t tile, const SLIMSurface& surface)>;
 
   /** \brief Fits some tiles, several at the same time with a thread each, and gives them to a sink in the order
-   * asked for, one after another, from any thread. \param[in] at_once 1: one after another, with all threads;
+   * requested, one after another, from any thread. \param[in] at_once 1: one after another, with all threads;
    * each takes workingBytes(). Of several ranks each fits those of the tiles that are its own, and rank 0's
    * sink takes all. */
   Error fit(const std::vector<std::size_t>& tiles, int at_once, const Sink& sink,

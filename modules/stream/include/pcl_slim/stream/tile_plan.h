@@ -29,7 +29,7 @@ struct PCL_SLIM_EXPORT TilePlan {
   std::vector<Tile> tiles;
   std::uint64_t points = 0;  ///< of all tiles
 
-  /** \brief Cuts cells into tiles of at most so many points each, unless one cell holds more: nodes of
+  /** \brief Cuts cells into tiles of at most this number of points each, unless one cell has more: nodes of
    * the octree, of which small neighbours under one parent are joined, and remainders of less than a ninth
    * with a neighbour on the curve. O(cells). */
   void makeTiles(std::uint64_t most_points);

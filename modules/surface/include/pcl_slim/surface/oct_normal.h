@@ -13,7 +13,7 @@ namespace pcl_slim {
 constexpr double kOctGrid = 4194304.0;
 
 /** \brief A unit normal as two numbers: its place on the octahedron |x| + |y| + |z| = 1, folded
- * open to the square [-1, 1]^2, on a grid of step 2^-22 (any direction lies within 6.2e-7 rad).*/
+ * open to the square [-1, 1]^2, on a grid of step 2^-22 (any direction is within 6.2e-7 rad).*/
 struct OctNormal {
   float a = 0.0f, b = 0.0f;
 };

@@ -41,7 +41,7 @@ struct HeightJet {
 
 /** \brief Height h(u, v) of a local polynomial in units where the ball has radius 1.
  *
- * Coefficients stand in order of degree: 1; u, v; u^2, uv, v^2; u^3, u^2 v, u v^2, v^3; u^4 ...
+ * Coefficients are in order of degree: 1; u, v; u^2, uv, v^2; u^3, u^2 v, u v^2, v^3; u^4 ...
  * so those of a lower degree are a prefix. \param[in] c numCoefficients(degree) values.
  */
 PCL_SLIM_EXPORT double

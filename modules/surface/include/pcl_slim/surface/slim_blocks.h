@@ -47,7 +47,7 @@ struct PCL_SLIM_EXPORT SlimDirectory {
 
 /** \brief Writes a surface that need not fit into memory, block by block.
  *
- * The file appears under its name only when complete. Blocks have checksums of their own; the directory
+ * The file appears under its name only when complete. Each block has a checksum; the directory
  * of all blocks is at the end, and the header's checksum is over header and directory.
  */
 class PCL_SLIM_EXPORT SlimBlockWriter {
@@ -81,7 +81,7 @@ class PCL_SLIM_EXPORT SlimBlockReader {
 
   /** \brief The surfels of some blocks in the file's order, without links.
    *
-   * Blocks stay in memory for later calls; those that this call does not want are dropped while all kept ones
+   * Blocks stay in memory for later calls; those that this call does not need are dropped while all kept ones
    * take more than most_kept bytes. \param[in] wanted one value a block
    */
   Result<SLIMSurface> load(const std::vector<bool>& wanted, std::uint64_t most_kept = 0);

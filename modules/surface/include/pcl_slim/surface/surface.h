@@ -42,13 +42,13 @@ struct SurfaceInfo {
 
 /** \brief A SLIM surface: surfels (ball, normal, polynomial) of several levels and their links.
  *
- * Structure of arrays in local units, where the input's bounding-box diagonal L lies in (.49, 1);
- * centres lie on a grid coarse enough that world = origin + scale * local is exact in float
+ * Structure of arrays in local units, where the input's bounding-box diagonal L is in (.49, 1);
+ * centres are on a grid coarse enough that world = origin + scale * local is exact in float
  * unless the origin is beyond 256 L. Surfel i
  * is the set f_i(x) = 0 inside the ball |x - c| < r with, in the frame of its normal,
  *     f(x) = r (w' - h(u', v')),   (u', v', w') = ((x - c).u, (x - c).v, (x - c).w) / r,
  * so coefficients carry no unit (Ohtake, Belyaev, Alexa 2005, eqs 1-2). The normal and grad f
- * point to the outer side where SurfaceInfo::oriented holds.
+ * point to the outer side if SurfaceInfo::oriented is true.
  */
 class PCL_SLIM_EXPORT SLIMSurface {
  public:
@@ -70,9 +70,9 @@ class PCL_SLIM_EXPORT SLIMSurface {
   std::vector<std::uint8_t> colors;  ///< kColorBytes per surfel (surfel_color.h); empty: none
 
   std::vector<std::uint32_t> child_begin;  ///< size() + 1 offsets into children (may be empty)
-  std::vector<std::uint32_t> children;     ///< surfels one level finer whose centre lies inside
+  std::vector<std::uint32_t> children;     ///< surfels one level finer whose centre is inside
   std::vector<std::uint32_t> roots;        ///< children of the enclosing root ball
-  std::array<float, 4> root_ball{};        ///< centre and radius of a ball that holds all balls
+  std::array<float, 4> root_ball{};        ///< centre and radius of a ball that contains all balls
 
   std::size_t size() const { return cx.size(); }
   bool empty() const { return cx.empty(); }
@@ -87,7 +87,7 @@ class PCL_SLIM_EXPORT SLIMSurface {
   bool isOpen(std::size_t i) const { return (flags[i] & kSurfelOpen) != 0; }
   /** \brief Whether any surfel has a trim map. */
   bool hasTrimMaps() const { return !trim_begin.empty(); }
-  /** \brief Where the data lie in surfel i's ball; a closed map where they lie all over it. */
+  /** \brief Where surfel i's ball contains data; a closed map if it does everywhere. */
   TrimMap trimMap(std::size_t i) const
   {
     if (!isOpen(i)) return {};
@@ -96,8 +96,8 @@ class PCL_SLIM_EXPORT SLIMSurface {
   }
 
   /** \brief Inverse-variance weight of surfel i in a blend: v / (v + e^2) with
-   * v = lambda L^2 + (r / 1000)^2, in (0, 1]. A leaf that holds an edge or two sheets counts little
-   * beside one that fits; leaves that fit down to the noise count alike. */
+   * v = lambda L^2 + (r / 1000)^2, in (0, 1]. A leaf that contains an edge or two sheets counts little
+   * compared with one that fits; leaves that fit down to the noise count alike. */
   float varianceWeight(std::size_t i) const;
 
   /** \brief Whether the surfels have colours, as those of a coloured cloud do. */
@@ -122,8 +122,8 @@ class PCL_SLIM_EXPORT SLIMSurface {
    * \param[in] sides size() values, 0 for closed surfels \param[in] bits the maps of the others, one
    * after another, TrimMap::numBytes(side) each */
   void setTrimMaps(const std::vector<std::uint8_t>& sides, const std::vector<std::uint8_t>& bits);
-  /** \brief Closes what holes the trim maps have that are narrower than so many spacings of the points, as a
-   * fit that was asked for no smaller ones does; bounded by what one ball spans. Holes that a fit has
+  /** \brief Closes the holes of the trim maps that are narrower than a number of spacings of the points, as a
+   * fit with this hole size does; bounded by what one ball spans. Holes that a fit has
    * closed stay closed. O(nodes of the maps times hole); the same for any number of threads. */
   void closeHoles(double hole, int threads = 1);
   /** \brief Makes every surfel closed. */

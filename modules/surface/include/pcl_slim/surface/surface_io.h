@@ -16,7 +16,7 @@ namespace pcl_slim {
  * The floats are those the paper counts: centre 3, radius 1, normal 2 and the 1, 6, 10 or 15
  * coefficients of the surfel's own degree. A plane needs only its offset where the surfel's normal
  * is its own, as every fit makes it; a linear surfel with another normal keeps three and so has 9.
- * Beside them stand degree, level and flags (a byte each), error and confidence (a float each);
+ * They are followed by degree, level and flags (a byte each), error and confidence (a float each);
  * links are rebuilt on load. Open surfels have their trim map: a byte, and a bit a node; files with
  * such maps are of version 2, others of version 1. Coloured surfaces have kColorBytes more a surfel, in
  * version 4. Little-endian. Normals that snapNormal made are
@@ -35,7 +35,7 @@ saveSlim(const std::string& path, const SLIMSurface& surface, double rounding = 
 /** \brief Reads what saveSlim wrote, or SlimBlockWriter; saving the result of the former again gives the
  * same bytes if nothing is rounded.
  *
- * A missing, truncated, foreign, corrupted or newer file gives an error that says which.
+ * A missing, truncated, foreign, corrupted or newer file gives an error that names the defect.
  */
 PCL_SLIM_EXPORT Result<SLIMSurface>
 loadSlim(const std::string& path);

@@ -8,10 +8,10 @@
 
 namespace pcl_slim {
 
-/** \brief Where inside its ball an open surfel's data lie: side x side bits, 1 inside, at nodes
+/** \brief Where an open surfel's ball contains data: side x side bits, 1 inside, at nodes
  * over the square [-1, 1]^2 of the surfel's (u, v) plane in units of its radius.
  *
- * Nodes stand row by row from v = -1 up, each row from u = -1 up, eight to a byte, lowest bit
+ * Nodes are stored row by row from v = -1 up, each row from u = -1 up, eight to a byte, lowest bit
  * first. A map refers to memory of its surface. Surfels without a map are closed: their data reach
  * everywhere.
  */

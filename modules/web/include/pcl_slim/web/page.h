@@ -16,7 +16,7 @@
 
 namespace pcl_slim {
 
-/** \brief What a page has besides the picture that it opens with. */
+/** \brief What a page has in addition to the picture that it opens with. */
 struct PageParams {
   std::string title = "surface";
   std::array<double, 3> up{0.0, 0.0, 1.0};  ///< dragging turns the object about this direction

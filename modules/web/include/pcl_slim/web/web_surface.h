@@ -10,7 +10,7 @@
 
 namespace pcl_slim {
 
-/** \brief A surface as a page has it: no links, but the sizes that a level of detail goes by. */
+/** \brief A surface as a page has it: no links, but the sizes that a level of detail uses. */
 struct WebSurface {
   SLIMSurface surface;  ///< leaves first, then internal surfels, each along a Morton curve
   std::vector<float> own, parent;  ///< detail::DetailSizes

@@ -11,7 +11,7 @@
 /** \brief SIMD inner loops of modules/cloud, compiled per instruction set and chosen at run time. */
 namespace pcl_slim::detail::kernels {
 
-/** \brief Which of the 16 boxes from first on meet a ball; bit i stands for box first + i. */
+/** \brief Which of the 16 boxes from first on meet a ball; bit i is that of box first + i. */
 PCL_SLIM_EXPORT std::uint32_t
 boxesInBall(const BlockTree::Level& boxes, std::size_t first, const float center[3], float radius);
 
@@ -40,15 +40,15 @@ pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num
 PCL_SLIM_EXPORT float
 kthSmallest(const float* values, std::size_t n, std::size_t k);
 
-/** \brief Which points of a block may have fewer others within a squared distance than asked for; bit i
- * stands for the block's point i. The block and the two on either side of it are looked through, so
+/** \brief Which points of a block may have fewer others within a squared distance than required; bit i
+ * is that of the block's point i. The block and the two on either side of it are searched, so
  * some of them have as many. */
 PCL_SLIM_EXPORT std::uint32_t
 sparsePoints(const PointStore& store, std::size_t block, float limit_sq, std::size_t others);
 
 constexpr std::size_t kMortonBatch = 64;
 
-/** \brief Morton codes (morton.h) of a batch of positions, brought to local units on the way. The
+/** \brief Morton codes (morton.h) of a batch of positions, converted to local units. The
  * batch and codes start on a cache line. */
 PCL_SLIM_EXPORT void
 mortonCodes(const double (&positions)[3][kMortonBatch], const double origin[3],

@@ -5,14 +5,14 @@
 
 namespace pcl_slim::detail {
 
-/** \brief How a patch is parted where two sheets run through it (docs/theory.md, "Sheets"). */
+/** \brief How a patch is separated where it contains two sheets (docs/theory.md, "Sheets"). */
 struct PatchSheetConstants {
   int passes = 4;    ///< rounds of two-means on the heights
   double gap = 1.0;  ///< a gap this many times the larger spread of the two sides parts sheets
-  std::size_t factor = 2;  ///< so many times the neighbours are asked for where a sheet was dropped
+  std::size_t factor = 2;  ///< factor of the number of neighbours where a sheet was dropped
 };
 
-/** \brief How noise that neighbours share is told from detail (docs/theory.md, "Noise that
+/** \brief How noise that neighbours share is distinguished from detail (docs/theory.md, "Noise that
  * neighbours share"). Growth is the binary logarithm of the factor by which a figure grows from
  * patches of k points to patches of 2 k. */
 struct SharedNoiseConstants {
@@ -23,7 +23,7 @@ struct SharedNoiseConstants {
   double variance_error = 0.07;    ///< RMS error wanted of the variance's logarithm ...
   double correlation_error =
       0.1;                    ///< ... and of that of the number of points that share their errors
-  std::size_t most_part = 8;  ///< a patch holds at most 1 / so much of the cloud's points
+  std::size_t most_part = 8;  ///< a patch contains at most the cloud's points over this
   std::size_t cells = 32;     ///< of equal size, into which a patch's points fall
   std::size_t least_points = 80;  ///< points of a patch whose squares can share
   double plainest =
@@ -32,17 +32,17 @@ struct SharedNoiseConstants {
   double flat_place = 0.5;   ///< growth up to which a place is flat
   double flat = 0.33;        ///< growth of the variance at which a size of patch is no plateau
   double slow = 0.62;        ///< the same as a share of the greatest growth before, ...
-  double most_peak = 0.8;    ///< ... of which so much counts
+  double most_peak = 0.8;    ///< ... of which at most this counts
   double steep = 1.2;        ///< growth that noise does not show ...
   double steep_width = 0.1;  ///< ... and the width of the passage
   double shape = 2;          ///< growth, twice in a row, after which there is shape alone
-  double settled = 0.15;     ///< growth of variance and power, either way, that white noise shows
+  double settled = 0.15;     ///< growth of variance and power, either way, of white noise
   double fall = 0.8;         ///< fall of the power that noise does not show
-  double still = 0.42;       ///< growth of the power, either way, at which it does not stand still
+  double still = 0.42;       ///< growth of the power, either way, at which it is not constant
   double slowing = 0.5;      ///< the same as a share of the greatest growth before
   double very_still = 0.3;   ///< the same where growth has been steep before
   double spread = 1.5;       ///< growth of a plateau's mean over that of plain places, at most, ...
-  double creases = 0.1;      ///< ... and beside it
+  double creases = 0.1;      ///< ... and added to it
   double beyond = 1.5;       ///< growth beyond a plateau, in all, that noise does not show
   double most = 0.83;        ///< share of the noise that a profile's patches show
   double trim = 0.15;        ///< share of patches left out at either end of a size's mean
@@ -62,7 +62,7 @@ struct SharedNoiseConstants {
 
 /** \brief How a coordinate that a sensor rounds is recognised (docs/theory.md, "Steps"). */
 struct StepConstants {
-  std::size_t scouts = 8192;  ///< points whose coordinates are looked at first
+  std::size_t scouts = 8192;  ///< points whose coordinates are examined first
   double least_points = 50;   ///< points per level, on average
   std::size_t wide = 160;     ///< points of the patches whose variance is compared
   double least_ratio = 0.25;  ///< variance over that of rounding, (step n)^2 / 12 ...
@@ -76,8 +76,8 @@ struct StepConstants {
 struct NoiseConstants {
   std::size_t first_neighbors = 20;     ///< points of the smallest patch
   double least_width = 0.5;             ///< of a patch, over its length, that is no line
-  std::size_t most_part = 8;            ///< a patch holds at most 1 / so much of the cloud's points
-  std::size_t patch_points = 320;       ///< points looked at in a patch; larger patches are sampled
+  std::size_t most_part = 8;            ///< a patch contains at most the cloud's points over this
+  std::size_t patch_points = 320;       ///< points used of a patch; larger patches are sampled
   std::size_t samples = 500;            ///< patches of the smallest size ...
   std::size_t points_per_sample = 250;  ///< ... and one for this many points of large clouds
   std::size_t least_samples = 100;      ///< patches of a large size
@@ -93,7 +93,7 @@ struct NoiseConstants {
   std::size_t paper_neighbors = 10;  ///< neighbours of each, the sample left out
   double paper_floor = 1e-6;         ///< least sqrt(lambda) of the paper's estimate [L]
 
-  std::size_t points_per_run = 128;  ///< points that one entry of a noise profile stands for ...
+  std::size_t points_per_run = 128;  ///< points of one entry of a noise profile ...
   std::size_t runs_per_patch = 16;   ///< ... unless a patch would have more runs than this
   std::size_t most_runs = 8192;      ///< entries of a noise profile
   std::size_t window = 8;        ///< runs of that many points to either side that an entry rests on
@@ -102,7 +102,7 @@ struct NoiseConstants {
   double white =
       0.25;  ///< growth of the variance from k to 2 k neighbours up to which noise is white
   double uneven = 2;          ///< variance over the cloud's from which noise passes for detail
-  double uneven_share = 0.1;  ///< share of places of so much noise that makes a profile worth it
+  double uneven_share = 0.1;  ///< share of places of this noise from which a profile is made
 
   PatchSheetConstants sheets;
   SharedNoiseConstants shared;
@@ -111,7 +111,8 @@ struct NoiseConstants {
 
 /** \brief The normal bound (docs/theory.md, "Sheets"). */
 struct NormalBoundConstants {
-  double least_turn = 0.25;  ///< sine of the angle beyond 90 degrees that exact normals may part by
+  double least_turn =
+      0.25;  ///< sine of the angle beyond 90 degrees that exact normals may differ by
   std::size_t blocks = 1000;     ///< blocks looked at, evenly strided
   std::size_t least_points = 8;  ///< points that a block's mean normal takes
   double one_sheet = 0.5;        ///< a mean normal shorter than this mixes sheets

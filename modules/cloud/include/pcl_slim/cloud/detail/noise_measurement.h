@@ -21,7 +21,7 @@ struct NoiseLevel {
   double correlation = 1;           ///< tau: points that share their errors; 1: white noise
   double dependence = 1;            ///< of these, as many as a fit takes for one
   double step = 0;                  ///< of quantised coordinates, local length; 0: none was found
-  bool uneven = false;  ///< places have so much more noise that a fit would seek detail there
+  bool uneven = false;              ///< places have more noise, which a fit would take for detail
 };
 
 /** \brief NoiseEstimator::kCubicResidual. Nothing for stores of fewer than 12 points. */
@@ -29,14 +29,14 @@ PCL_SLIM_EXPORT NoiseLevel
 measureNoise(const PointStore& store, const NoiseConstants& constants, int threads);
 
 /** \brief Recognises noise that neighbours share, which measureNoise() takes along as if it were
- * the surface's. \param[in] white what measureNoise() says. \return white itself where noise is
- * white or cannot be told from detail, else variance, patches and number of sharing neighbours of
+ * the surface's. \param[in] white result of measureNoise(). \return white itself where noise is
+ * white or cannot be distinguished from detail, else variance, patches and number of sharing neighbours of
  * the noise as a whole. O(places k) to the k that shows it all. */
 PCL_SLIM_EXPORT NoiseLevel
 recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
                      const NoiseConstants& constants, int threads);
 
-/** \brief The noise that so many points share, on patches wide enough to show all of it. */
+/** \brief The noise that a given number of points share, on patches wide enough to show all of it. */
 PCL_SLIM_EXPORT NoiseLevel
 measureSharedNoise(const PointStore& store, double correlation, const NoiseConstants& constants,
                    int threads);
@@ -48,7 +48,7 @@ struct StepNoise {
 };
 
 /** \brief The one coordinate that is rounded so coarsely that the noise is mostly rounding, as sensors
- * that tell depth in steps make it. O(n log n) for clouds with few levels, of 8192 points for
+ * that quantise depth make it. O(n log n) for clouds with few levels, of 8192 points for
  * others. */
 PCL_SLIM_EXPORT StepNoise
 measureSteps(const PointStore& store, const NoiseConstants& constants, int threads);
@@ -63,7 +63,7 @@ measureNoiseProfile(const PointStore& store, const NoiseLevel& level,
                     const NoiseConstants& constants, int threads);
 
 /** \brief The profile for uneven noise: ratios above 1 where the noise is more than the level's, 1
- * elsewhere and where what stands out grows with the patch as detail does. */
+ * elsewhere and where the excess grows with the patch as detail does. */
 PCL_SLIM_EXPORT std::vector<float>
 measureRaisedProfile(const PointStore& store, const NoiseLevel& level,
                      const NoiseConstants& constants, int threads);

@@ -110,7 +110,7 @@ toBernstein(const double* a, double low, double high, double* b)
 
 /** \brief Every root of the polynomial in [low, high], ascending.
  *
- * No or one sign change of the Bernstein coefficients settles most cases at once. Otherwise:
+ * No or one sign change of the Bernstein coefficients settles most cases immediately. Otherwise:
  * between neighbouring roots of the derivative the polynomial is monotone and a sign change
  * brackets its one root; the derivative's roots are found the same way, down to a quadratic.
  */
@@ -201,10 +201,10 @@ nearestRootInInterval(int degree, const double* a, double low, double high, doub
 }
 
 /** \brief The root next to start where Newton's steps are sure to lead there and no other is
- * nearer. \return false when that cannot be told cheaply.
+ * nearer. \return false when that cannot be decided cheaply.
  *
  * With d = 2 |p / p'| at start: if |p''| d < |p'| / 2 on [start - d, start + d], p is monotone
- * there and changes sign, so the interval holds exactly one root, and no other is as near.
+ * there and changes sign, so the interval contains exactly one root, and no other is as near.
  */
 inline bool
 obviousRoot(const double* a, double start, double& root)

@@ -17,12 +17,12 @@ struct BlockLeaf {
   float shift[3];          ///< block origin minus the leaf's centre
   float u[3], v[3], w[3];  ///< frame axes
   float radius;
-  float max_residual;     ///< in units of the radius: points farther from f = 0 are not served
+  float max_residual;     ///< in units of the radius: points farther from f = 0 do not count
   float max_offset;       ///< in units of the radius: roots farther along the ray do not count
   float variance_weight;  ///< inverse-variance weight, in (0, 1]
   int degree;
   const float* c;
-  TrimTable trim;                       ///< where the leaf's data lie
+  TrimTable trim;                       ///< where the leaf has data
   const std::uint8_t* color = nullptr;  ///< kColorBytes, or none
 };
 
@@ -30,7 +30,7 @@ struct BlockLeaf {
 struct BlockPoints {
   const float *x, *y, *z;
   const float *nx = nullptr, *ny = nullptr, *nz = nullptr;
-  float min_dot = 0.0f;  ///< a leaf serves a point if their normals' cosine is above this
+  float min_dot = 0.0f;  ///< a leaf counts at a point if their normals' cosine is above this
 };
 
 /** \brief Sums over the leaves of a block's 16 points; columns per point. */

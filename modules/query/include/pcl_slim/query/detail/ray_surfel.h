@@ -24,7 +24,7 @@ struct RaySurfel {
   int degree;
   const float* coefficients;
   double variance_weight;  ///< factor of its weight in a blend
-  TrimMap trim;            ///< where its data lie
+  TrimMap trim;            ///< where it has data
 
   RaySurfel(const SLIMSurface& surface, std::size_t i)
       : center{surface.cx[i], surface.cy[i], surface.cz[i]},

@@ -5,7 +5,7 @@
 
 namespace pcl_slim::detail {
 
-/** \brief Share of a ball's radius at which the blending weight has fallen to 1e-3. What lies
+/** \brief Share of a ball's radius at which the blending weight has fallen to 1e-3. What is
  * beyond moves a blend by less than that share of what its leaves differ by. */
 constexpr float
 weightReach(WeightKernel kernel)

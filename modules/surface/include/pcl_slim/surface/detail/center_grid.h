@@ -57,7 +57,7 @@ class PCL_SLIM_EXPORT CenterGrid {
     const std::int64_t x = cell(px), y = cell(py), z = cell(pz);
     for (std::int64_t dx = -1; dx <= 1; ++dx) {
       for (std::int64_t dy = -1; dy <= 1; ++dy) {
-        // Cells along z are neighbours in the order of codes: one search serves three.
+        // Cells along z are neighbours in the order of codes: one search finds three.
         const auto it = std::lower_bound(codes_.begin(), codes_.end(), code(x + dx, y + dy, z - 1));
         const std::int64_t last = code(x + dx, y + dy, z + 1);
         for (auto at = static_cast<std::size_t>(it - codes_.begin());
@@ -71,7 +71,7 @@ class PCL_SLIM_EXPORT CenterGrid {
 
   using Ranges = std::array<ColumnRange, 9>;
 
-  /** \brief Finds what lies within one cell of cells in ascending order, each in about the time it
+  /** \brief Finds what is within one cell of cells in ascending order, each in about the time it
    * takes to step there from the last. */
   class Walk {
    public:
@@ -89,10 +89,10 @@ class PCL_SLIM_EXPORT CenterGrid {
   struct Near {
     std::vector<std::uint32_t> places;  ///< in the sorted order
     std::vector<float> distances_sq;
-    std::size_t count = 0;  ///< so many entries count
+    std::size_t count = 0;  ///< number of valid entries
   };
 
-  /** Finds the members of some ranges that lie within a squared distance of a place. */
+  /** Finds the members of some ranges that are within a squared distance of a place. */
   void findWithin(const Ranges& ranges, const float place[3], float limit_sq, Near& near) const;
 
  private:

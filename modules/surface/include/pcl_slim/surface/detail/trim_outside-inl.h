@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// outsideShare() of many places in one open surfel's disc at once. Highway compiles a kernel file
+// outsideShare() of many places in one open surfel's disc in parallel. Highway compiles a kernel file
 // once per instruction set, so the guard toggles.
 #if defined(PCL_SLIM_TRIM_OUTSIDE_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PCL_SLIM_TRIM_OUTSIDE_INL

@@ -10,9 +10,9 @@
 
 namespace pcl_slim::detail {
 
-/** \brief A trim map laid out for kernels: one aligned word tells the 3 x 3 nodes about a node.
+/** \brief A trim map laid out for kernels: one aligned word has the 3 x 3 nodes around a node.
  *
- * Word q of a row holds columns 8 q - 1 ... 8 q + 8, three bits each, lowest first: whether the
+ * Word q of a row has columns 8 q - 1 ... 8 q + 8, three bits each, lowest first: whether the
  * nodes below, on and above the row are outside. Beyond the map its border repeats.
  */
 struct TrimTable {
