@@ -12,6 +12,7 @@
 #include "fit/smoothed_points.h"
 #include "measure/lists.h"
 #include "pcl_slim/core/parallel.h"
+#include "rivals/jets.h"
 #include "rivals/point_tree.h"
 
 namespace {
@@ -267,6 +268,7 @@ measureAll(const Settings& s)
 {
   const auto surfaces = chosenSurfaces(s);
   if (!surfaces) return surfaces.error();
+  if (!rivals::hasJets()) std::printf("Without jets: CGAL is not installed.\n\n");
   std::vector<SurfaceSample> samples;
   for (const auto& surface : *surfaces) {
     samples.push_back(curvature::sampleSurface(surface, static_cast<std::size_t>(s.points),

@@ -55,7 +55,9 @@ declareOptions(Settings& s)
 Error
 finishOptions(const OptionTable&, Settings& s)
 {
-  s.jets = s.jets && rivals::hasJets();
+  if (s.jets) {
+    if (Error error = rivals::requireJets("-jets 0")) return error;
+  }
   return measure::parseLists({{"points", &s.points, 100, 1e7, true, &s.point_list},
                               {"noise", &s.noise, 0, 1, false, &s.noise_list},
                               {"neighbors", &s.neighbors, 8, 10000, true, &s.neighbor_list}});

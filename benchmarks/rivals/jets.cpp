@@ -29,6 +29,12 @@ hasJets()
   return true;
 }
 
+Error
+requireJets(const char*)
+{
+  return {};
+}
+
 std::vector<Vector3>
 smoothByJets(const std::vector<Vector3>& points, std::size_t k)
 {

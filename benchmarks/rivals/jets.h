@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "pcl_slim/core/error.h"
 #include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim::rivals {
@@ -11,6 +12,11 @@ namespace pcl_slim::rivals {
 /** \brief Whether CGAL was found when this was built; without it, no function here may be called. */
 bool
 hasJets();
+
+/** \brief An error where they are missing: a table without a rival would look like one in which it is worse.
+ * \param[in] option what leaves them out */
+Error
+requireJets(const char* option);
 
 /** \brief CGAL::jet_smooth_point_set of degree 2 over k neighbours. */
 std::vector<Vector3>

@@ -290,7 +290,7 @@ plan(const std::string& path, std::uint64_t tile_points)
   if (const Error error = fit.prepare(source)) return fail(error);
   const FitStatistics& noise = fit.statistics().fit;
   std::printf("lambda %g correlation %g neighbors %zu thinning %zu cells %zu\n", noise.lambda,
-              noise.noise_correlation, static_cast<std::size_t>(noise.noise_neighbors),
+              noise.noise.correlation, static_cast<std::size_t>(noise.noise.neighbors),
               static_cast<std::size_t>(fit.statistics().noise_thinning), fit.plan().cells.size());
   for (std::size_t t = 0; t < fit.plan().tiles.size(); ++t) {
     const TilePlan::Tile& tile = fit.plan().tiles[t];

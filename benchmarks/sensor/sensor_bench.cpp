@@ -96,7 +96,7 @@ printRow(const Settings& s, const measure::SensorRow& row, std::uint64_t seed)
     std::printf(" %.2f | %.2f |", mls.position, mls.normal);
   }
   std::printf(" %.2f | %.1f | %zu | %llu | %.2f |\n", errors->unit * std::sqrt(fit.lambda),
-              fit.noise_correlation, scan.size(), static_cast<unsigned long long>(fit.leaves),
+              fit.noise.correlation, scan.size(), static_cast<unsigned long long>(fit.leaves),
               seconds);
   if (s.solids) printSolids(*errors);
   std::fflush(stdout);

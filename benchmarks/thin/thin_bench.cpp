@@ -40,6 +40,9 @@ declareOptions(Settings& s)
 Error
 finishOptions(const OptionTable&, Settings& s)
 {
+  if (s.rivals) {
+    if (Error error = rivals::requireJets("-rivals 0")) return error;
+  }
   return measure::parseLists({{"noise", &s.noise, 0, 10, false, &s.noise_list}});
 }
 
@@ -139,7 +142,7 @@ printRow(const Settings& s, const Scene& scene, double sigma)
     printValue(value);
   if (s.rivals) {
     const Errors mls = bestRival(scene, points, least, false);
-    const Errors jets = rivals::hasJets() ? bestRival(scene, points, least, true) : mls;
+    const Errors jets = bestRival(scene, points, least, true);
     printValue(std::min(jets.thin, mls.thin));
     printValue(std::min(jets.all, mls.all));
   }

@@ -71,8 +71,8 @@ TEST(SensorNoise, OfDepthCamerasIsTakenOff)
   for (const auto& made : {camera(3, 0.125), camera(1, 0.125, 0), camera(5, 0)}) {
     const SensorScan scan = scanByCamera(measure::namedSolids("wave40"), made, 3);
     const Errors on = errorsOf(scan), off = errorsOf(scan, withoutRecognition());
-    EXPECT_GT(on.fit.noise_correlation, 1.0);
-    EXPECT_EQ(off.fit.noise_correlation, 1.0);
+    EXPECT_GT(on.fit.noise.correlation, 1.0);
+    EXPECT_EQ(off.fit.noise.correlation, 1.0);
     EXPECT_LT(on.position, 0.7 * off.position);
     EXPECT_LT(on.normal, 0.4 * off.normal);
   }
@@ -104,7 +104,7 @@ TEST(SensorNoise, CorrelationCanBeGiven)
   FitParams told;
   told.noise_correlation = 81;
   const Errors on = errorsOf(scan, told), off = errorsOf(scan, withoutRecognition());
-  EXPECT_EQ(on.fit.noise_correlation, 81.0);
+  EXPECT_EQ(on.fit.noise.correlation, 81.0);
   EXPECT_LT(on.position, 0.8 * off.position);
 }
 
@@ -134,7 +134,7 @@ TEST(SensorNoise, AlongALidarsRingsIsNoDetail)
   const SensorScan scan = scanByLidar(measure::namedSolids("street"), lidar, 3);
   const Errors on = errorsOf(scan), off = errorsOf(scan, withoutRecognition());
   EXPECT_EQ(on.fit.noise.line, 20u);
-  EXPECT_EQ(on.fit.noise_correlation, 1.0);
+  EXPECT_EQ(on.fit.noise.correlation, 1.0);
   EXPECT_LT(on.normal, 0.4 * off.normal);
   EXPECT_LT(on.position, 0.6 * off.position);
 }
