@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "common/program.h"
-#include "pcl_slim/filters/cloud_projection.h"
 #include "pcl_slim/filters/io/crest_files.h"
 #include "pcl_slim/filters/io/surface_files.h"
+#include "pcl_slim/query/cloud_projection.h"
 #include "scan/fit_job.h"
 #include "scan/fit_report.h"
 #include "scan/scan_program.h"

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "pcl_slim/filters/cloud_projection.h"
+#include "pcl_slim/query/cloud_projection.h"
 #include "scan/scan_program.h"
 
 namespace pcl_slim {

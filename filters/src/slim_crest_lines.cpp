@@ -4,7 +4,7 @@
 
 #include <utility>
 
-#include "pcl_slim/filters/cloud_projection.h"
+#include "pcl_slim/query/cloud_projection.h"
 #include "pcl_slim/query/projection.h"
 
 namespace pcl_slim {

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "pcl_slim/core/export.h"
-#include "pcl_slim/filters/cloud_projection.h"
 #include "pcl_slim/filters/slim_fit_base.h"
+#include "pcl_slim/query/cloud_projection.h"
 
 namespace pcl_slim {
 

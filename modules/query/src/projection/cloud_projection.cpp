@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pcl_slim/filters/cloud_projection.h"
+#include "pcl_slim/query/cloud_projection.h"
 
 #include <algorithm>
 #include <cmath>
