@@ -23,7 +23,7 @@ class MemoryGauge {
   /** \brief Returns freed memory to the system and restarts the kernel's high-water mark. */
   MemoryGauge();
 
-  /** \brief Highest rise so far in bytes; negative where the system does not tell. */
+  /** \brief Highest rise so far in bytes; negative where the system does not report it. */
   double peakBytes() const;
 
  private:
