@@ -68,7 +68,7 @@ class DepthMap {
     }
   }
 
-  /** Whether something lies well in front of a vertex. */
+  /** Whether the surface well in front of a vertex hides it. */
   bool hides(const Vector3& p, double radius, double facing) const
   {
     const std::size_t at = index(p);
