@@ -29,7 +29,7 @@ struct UnfinishedFile {
 
 std::array<UnfinishedFile, 16> g_unfinished;
 
-/** A temporary file beside a target, removed unless it is renamed. Its name is short and no
+/** A temporary file in the target's folder, removed unless it is renamed. Its name is short and no
  * longer than the longest allowed, however long the target's is. */
 class TemporaryFile {
  public:
@@ -193,7 +193,7 @@ writeAll(const fs::path& path, const void* bytes, std::size_t size)
 
 /** A file that is complete but for its name. */
 struct WaitingFile {
-  std::string name;  ///< as it was asked for
+  std::string name;  ///< as the caller gave it
   fs::path target;
   std::unique_ptr<TemporaryFile> temporary;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the ranks of a fit by tiles say to each other: cells, points, halos, fitted tiles.
+// The messages between ranks of a fit by tiles: cells, points, halos, fitted tiles.
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -76,7 +76,7 @@ detail::StreamState::shareTiles()
   }
 }
 
-/** The rank whose tiles hold a point. */
+/** The rank whose tiles contain a point. */
 std::size_t
 detail::StreamState::ownerOf(std::uint64_t key) const
 {

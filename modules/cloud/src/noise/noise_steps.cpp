@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// docs/theory.md, "Steps": a coordinate that a sensor tells in steps.
+// docs/theory.md, "Steps": a coordinate that a sensor reports in steps.
 #include <algorithm>
 #include <cmath>
 

@@ -15,7 +15,7 @@ namespace {
 /** Sums over square cells of a patch's plane. */
 class PatchCells {
  public:
-  /** Cells of which a disc of radius 1 holds so many. */
+  /** Cells of such a width that a disc of radius 1 contains this number. */
   explicit PatchCells(double cells)
       : side_(static_cast<int>(std::ceil(2 / std::sqrt(kDisc / cells)))),
         width_(std::sqrt(kDisc / cells)),

@@ -54,7 +54,7 @@ struct CubicSums {
   std::array<double, kCubicTerms> heights;  ///< of the heights times each term
 };
 
-/** \brief How heights lie about a middle. */
+/** \brief The gap of heights about a middle value. */
 struct HeightGap {
   double lowest, highest;
   double end_below, begin_above;  ///< the heights next to the middle on either side

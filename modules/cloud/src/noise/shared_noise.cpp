@@ -104,7 +104,7 @@ roundingNoise(const PointStore& store, const StepNoise& steps, const NoiseConsta
   return noise;
 }
 
-/** White noise of points on lines: those of a line say of the surface across it what one says. */
+/** White noise of points on lines: across a line its points count as one independent point. */
 NoiseLevel
 alongLines(const NoiseLevel& white)
 {

@@ -208,7 +208,7 @@ normalsOfPoints(const PointStore& store, const SideCells& cut, const CellGraph& 
         continue;
       }
       bool turned = graph.sheets[c].isBeyond(subtract(store.position(i), cut.cells[c].mean));
-      bool own = false;  // its beam says what the cell does not
+      bool own = false;  // its own beam decides, not the cell
       if (by_sensors) {
         const double cosine = beamCosine(store, i, normals[c]);
         own = std::abs(cosine) > constants.clear_beam && (cosine < 0) != turned;

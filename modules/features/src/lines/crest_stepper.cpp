@@ -126,7 +126,7 @@ CrossSection::vertex() const
   return v;
 }
 
-constexpr double kAside = 0.8;        ///< roots are looked for so many steps to both sides
+constexpr double kAside = 0.8;        ///< roots are searched this many steps to both sides
 constexpr double kShorter = 0.4;      ///< a step that fails is tried once more, so much shorter
 constexpr double kLeastCosine = 0.5;  ///< a line turns by less than 60 degrees a step
 constexpr double kTurnAgain = 0.5;   ///< share of the last turn that the next one is expected to be

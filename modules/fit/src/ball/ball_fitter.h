@@ -44,14 +44,14 @@ struct SheetRange {
 /** \brief Looks for two sheets in the residuals of one ball (docs/theory.md, "Sheets").
  *
  * Otsu's threshold on a histogram; two sheets only if the valley between the peaks is low, and the
- * sides stand apart against their own thickness. \param[in] center_residual residual of the ball's
+ * means of the sides are apart compared with their thickness. \param[in] center_residual residual of the ball's
  * centre. O(count).
  */
 SheetRange
 findSheet(const float* residuals, std::size_t count, double center_residual,
           const SheetConstants& constants = {});
 
-/** \brief Keeps the centre's sheet of balls that hold two. One per thread: it keeps its memory. */
+/** \brief Keeps the centre's sheet of balls with two sheets. One per thread: it keeps its memory. */
 class SheetSplitter {
  public:
   /** \brief Where the residuals at r_r show two sheets, drops the other one's points and frames the
@@ -97,7 +97,7 @@ class BallFitter {
   NearbyBlocks& nearby() { return gatherer_.nearby(); }
 
   /** \brief Fits the ball of stored point i at level k. \param[out] surfel of a leaf or internal
-   * node; of a line, the ball that holds it. */
+   * node; of a line, the ball around it. */
   BallOutcome fit(std::size_t i, int level, SurfelRecord& surfel);
 
   BallCounters counters() const

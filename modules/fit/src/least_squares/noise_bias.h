@@ -23,7 +23,7 @@ heightTruncation(WeightKernel kernel);
  *
  * \param[in] kernel the weights of the fit
  * \param[in] share lambda / r^2, the noise variance in units of the ball; balls that the noise
- * fills would amplify it, so no more is taken back than constants.most_share says
+ * fills would amplify it, so no more than constants.most_share is taken back
  * \param[in,out] c numCoefficients(degree) values in units of r
  */
 void

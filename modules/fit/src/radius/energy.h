@@ -15,10 +15,10 @@ namespace pcl_slim::detail {
 /** \brief What a radius costs: residual plus a penalty on small balls. All in local units. */
 struct Energy {
   double lambda = 0;       ///< noise variance
-  double correlation = 1;  ///< tau: so many points share their errors and tell no more than one
+  double correlation = 1;  ///< tau: this many points share one error and count as one
   double kappa = 0;        ///< Mallows' Cp: kappa lambda P / n_eff, where t_mdl is 0
   double t_mdl = 0;        ///< T_MDL L: the paper's penalty lambda (T L / r)^2
-  double thick = 5.0;      ///< balls below so many sqrt(lambda) are filled by noise
+  double thick = 5.0;      ///< balls below this many sqrt(lambda) are noise-filled
   bool corrected = true;   ///< residual variance over n - P degrees of freedom (not in the paper)
 
   /** \brief E(r) of a fit with radius r; gather_radius is the unit the fit was made in. */

@@ -37,7 +37,7 @@ gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& qu
       n[2] = MulAdd(g, Load(d, store.nz() + i), n[2]);
     }
     if (with_covariance) {
-      // Padding lies far away: its weight is 0, its products stay finite.
+      // Padding is far away: its weight is 0, its products stay finite.
       const auto gx = g * l.dx, gy = g * l.dy, gz = g * l.dz;
       first[0] += gx;
       first[1] += gy;

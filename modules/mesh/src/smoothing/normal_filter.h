@@ -8,7 +8,7 @@
 
 namespace pcl_slim::detail {
 
-/** \brief What a pass over face normals reads beside the normals themselves. */
+/** \brief The input of a pass over face normals in addition to the normals. */
 struct NormalFilter {
   const FaceGeometry& geometry;
   const MeshTopology& topology;

@@ -15,7 +15,7 @@ using namespace detail;
 namespace {
 
 constexpr int kMaxSide = 32768;
-constexpr double kFarOrigin = 0x1p40;  ///< beyond it doubles hardly hold a unit more
+constexpr double kFarOrigin = 0x1p40;  ///< beyond it doubles hardly resolve a unit
 
 /** \brief What is free for the object on the plane at depth 1: how far to either side. */
 struct Opening {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rays of a block of pixels, or of pixels that stand apart, as lanes. The guard toggles: Highway compiles
+// Rays of a block of pixels, or of isolated pixels, as lanes. The guard toggles: Highway compiles
 // a kernel file once per instruction set.
 #if defined(PCL_SLIM_BLOCK_RAYS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PCL_SLIM_BLOCK_RAYS_INL
@@ -78,7 +78,7 @@ raysAt(const PassContext& context, const float* dx, const float* dy, const Pixel
   return block;
 }
 
-/** The rays of a block whose upper left pixel stands at (x, y) of a tile. */
+/** The rays of a block whose upper left pixel is at (x, y) of a tile. */
 HWY_INLINE Block
 blockAt(const PassContext& context, int x, int y)
 {

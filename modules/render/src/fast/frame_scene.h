@@ -15,7 +15,7 @@
 namespace pcl_slim::detail {
 
 /** \brief A half space as a view's rays meet it: points of depth value D on the ray through (x, y) of
- * the plane z = 1 (anywhere, if parallel) lie in it where by_x x + by_y y + rest + gain D >= 0. */
+ * the plane z = 1 (anywhere, if parallel) are in it where by_x x + by_y y + rest + gain D >= 0. */
 struct FrameCut {
   double by_x, by_y, rest, gain;
 };

@@ -98,7 +98,7 @@ findFirst(const PassContext& context, Block& block)
   context.statistics.occluded_entries += count - n;
 }
 
-/** Pass 2: sums over the leaves whose ball holds q^. */
+/** Pass 2: sums over the leaves whose ball contains q^. */
 template <bool WithLean>
 void
 gather(const PassContext& context, const Ball& around, const Block& block, BlockSums& sums)
@@ -184,8 +184,8 @@ drawBlock(const PassContext& context, int x, int y, GBuffer& buffer)
   output.write(block, sums);
 }
 
-/** Draws what the rays of a patch meet that looked on behind what is none of the surface. They are few
- * and stand apart, so that they are packed into blocks of their own. */
+/** Draws the pixels of a patch whose rays continue behind an uncovered hit. They are few
+ * and isolated, so that they are packed into blocks of their own. */
 void
 drawBehind(const PassContext& context, GBuffer& buffer)
 {

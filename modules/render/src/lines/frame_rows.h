@@ -17,7 +17,7 @@ struct PictureRow {
   std::array<float, 3> right, up, forward;
 };
 
-/** \brief What a row's blends tell of the surface's bending; columns per pixel, padded to sixteen. */
+/** \brief The surface's curvature from a row's blends; columns per pixel, padded to sixteen. */
 struct FrameRow {
   AlignedVector<float> k;                         ///< a curvature, 1/local length
   std::array<AlignedVector<float>, 3> direction;  ///< its unit tangent; the sign is arbitrary
@@ -36,7 +36,7 @@ void
 crestFrames(const PictureRow& row, FrameRow& frames);
 
 /** \brief Radial curvature of each pixel, along the projected way to the viewer. Facing contours and
- * straight ahead, where it says nothing, screen is 0. */
+ * straight ahead, where it is undefined, screen is 0. */
 void
 radialFrames(const PictureRow& row, FrameRow& frames);
 

@@ -17,7 +17,7 @@ namespace pcl_slim::detail::kernels::HWY_NAMESPACE::rays {
 
 constexpr float kNever = std::numeric_limits<float>::infinity();
 
-/** A ray at a block: coordinates relative to the block, depths to the point beside its centre. */
+/** A ray at a block: coordinates relative to the block, depths from the point next to its centre. */
 struct LocalRay {
   double depth;  ///< of that point
   float point[3], direction[3];

@@ -64,7 +64,7 @@ wantsAmbientOcclusion(const ShadingParams& params)
 
 namespace {
 
-/** \brief The value below which a share of the values lies; 0 when there are none. */
+/** \brief The value below which a share of the values is; 0 when there are none. */
 double
 quantile(const std::vector<double>& values, double share)
 {
