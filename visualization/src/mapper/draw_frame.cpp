@@ -46,7 +46,7 @@ GBufferMapper::makeFrame(vtkOpenGLRenderWindow* window, FrameRequest request, in
                       });
 }
 
-/** \brief Intersects rays unless the last frame still holds. \return false for an empty frame. */
+/** \brief Intersects rays unless the last frame is still valid. \return false for an empty frame. */
 bool
 GBufferMapper::prepareFrame(vtkRenderer* renderer, vtkActor* actor)
 {

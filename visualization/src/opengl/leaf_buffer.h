@@ -30,7 +30,7 @@ texelsOfLeaf(int degree, bool colored = false)
 /** \brief A surface as the shaders read it. */
 struct LeafTexels {
   /** texelsOfLeaf() texels for each leaf and, behind all leaves, for each internal
-   * surfel if they were asked for. The fourth texel of one: the begin of its trim map in 4096 words,
+   * surfel if they were requested. The fourth texel of one: the begin of its trim map in 4096 words,
    * what that leaves over times TrimMap::kMostSide plus the map's side less 1, or -1 of a closed one; its own
    * and its parents' DetailSizes. Balls of internal surfels are
    * drawn larger than their radius. */

@@ -158,7 +158,7 @@ constexpr const char* kDepth = R"(
   gl_FragDepth = clamp(0.5 + 0.5 * slimClip.z / slimClip.w, 0.0, 1.0);
 )";
 
-// Colours that stand for numbers keep most of their brightness, so that they stay legible.
+// Colours that encode numbers keep most of their brightness, so that they stay legible.
 constexpr const char* kColor = R"(//VTK::Color::Impl
   vec3 slimBase = diffuseColor;
   if (slimMode == 0 && slimHit.w < 0.0) diffuseColor = slimBackColor;
