@@ -72,7 +72,7 @@ declareColorOption(OptionTable& options, FitJob& job);
 Error
 finishFitOptions(FitJob& job);
 
-/** \brief Loads a scan, with normals as the job wants them; prints and reports it. */
+/** \brief Loads a scan, with normals as the job needs them; prints and reports it. */
 Result<CloudFile>
 loadScan(const std::string& path, const FitJob& job, Console& console, Report& report);
 

@@ -98,7 +98,7 @@ ioError(const std::string& verb, const std::string& path, const std::string& why
   return {ErrorCode::kIo, "cannot " + verb + " '" + path + "': " + why};
 }
 
-/** What helps against a defect that the operating system names; empty: who knows. */
+/** The remedy for an error code of the operating system; empty: none known. */
 std::string
 remedyOf(int code)
 {

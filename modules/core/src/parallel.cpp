@@ -56,8 +56,8 @@ arenaOf(int threads)
   return *arena;
 }
 
-/** Whether oneTBB has set itself up. It does so once: where memory was short then, whoever calls it
- * next waits for ever, so from then on loops run on their callers alone, with the same results. */
+/** Whether oneTBB is initialised. It initialises once: if memory was short then, the next caller
+ * waits for ever; so loops run on their calling threads from then on, with the same results. */
 bool
 poolStands()
 {

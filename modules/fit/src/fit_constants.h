@@ -104,12 +104,12 @@ struct NormalErrorConstants {
   double least_cosine = 0.1;      ///< least cosine that a slope is read from
   double trim = 0.1;              ///< share of patches left out at either end of the mean
   double with_heights = 0.15;     ///< correlation with the points' tilt from which it repeats them
-  double with_neighbors = 0.03;   ///< correlation with neighbours from which they are no news
+  double with_neighbors = 0.03;   ///< correlation with neighbours from which they repeat them
 };
 
 /** \brief Two sheets in one ball (docs/theory.md, "Sheets"). */
 struct SheetConstants {
-  int passes = 2;             ///< times a ball is parted
+  int passes = 2;             ///< times a ball's sheets are separated
   double noise = 4.0;         ///< least e^2 of two separable sheets [lambda]
   int bins = 48;              ///< of the histogram of residuals, 128 at most
   double valley = 0.12;       ///< height of the valley over the lower peak's
@@ -131,11 +131,11 @@ struct BallConstants {
   double lone_cosine = 0.3;  ///< mean cosine with them, below which it is ("Lone normals")
   std::size_t glance_blocks =
       512;                        ///< blocks of 16 points that give e^2 to some percent ("Levels")
-  std::size_t glance_stride = 2;  ///< least stride of blocks at which a glance saves time
+  std::size_t glance_stride = 2;  ///< least stride of blocks at which the coarse check pays
   std::size_t line_points = 64;   ///< this many points without a plane are divided ("Levels")
   double off_center = 0.03;       ///< a fit that passes its centre farther off [r_r] moves the ball
   double largest_shift =
-      0.3;  ///< a ball moves at most so far [r_r]; the cover's cells allow for it
+      0.3;  ///< the largest shift of a ball [r_r]; the cover's cells allow for it
   SheetConstants sheets;
   BiasConstants bias;
 };

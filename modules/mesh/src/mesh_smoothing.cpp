@@ -31,7 +31,7 @@ struct FaceProjection {
   std::uint64_t unsupported = 0;
 };
 
-/** Places and directions as the store wants them; the view is valid while this object lives. */
+/** Places and directions in the layout of the store; the view is valid while this object lives. */
 class Samples {
  public:
   Samples(const std::vector<Vector3>& places, const std::vector<Vector3>& normals)
@@ -116,7 +116,7 @@ class SmoothingRun {
   SLIMSurface takeFitted() { return std::move(fitted_); }
 
  private:
-  /** \brief As the paper has it: one projection, one step of the vertices. */
+  /** \brief As in the paper: one projection, one step of the vertices. */
   Error runAsPaper();
   /** \brief Smooth everywhere: the mesh's normals, weighed against the surface's. */
   Error runRounded();

@@ -172,7 +172,7 @@ StreamFit::prepare(PointSource& source, Progress* progress)
   if (Error error = s.survey(progress)) return error;
   s.stats.seconds_plan = watch.seconds();
 #ifdef __GLIBC__
-  malloc_trim(0);  // what passes have used is tiles' to take
+  malloc_trim(0);  // gives the passes' memory back for the tiles
 #endif
   return s.keeps() ? s.keep() : Error();
 }

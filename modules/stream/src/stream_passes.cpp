@@ -200,7 +200,7 @@ measureSample(const TileLoader& loader, const StoreFrame& frame, const FitParams
   return measureTraits(*store, params, how);
 }
 
-/** What all ranks need of what rank 0 has measured. */
+/** The measurements of rank 0 that all ranks need. */
 struct Verdict {
   CloudTraits traits;
   bool noise_fills;
@@ -358,7 +358,7 @@ detail::StreamState::surveyTile(std::size_t tile, std::vector<unsigned char>& sa
   if (Error error = tiles.loadCore(tile, records)) return error;
   addSample(records, sample);
   const CloudView core = tiles.record().view(records);
-  // What is left over at the end of a node has no room for balls of a whole tile's.
+  // A small last tile of a node begins with balls of fewer points than a whole tile does.
   const std::uint64_t most = std::min(params.firstBallPoints(), core.size / kBallsOfSmallTile);
   std::vector<std::uint64_t> gathered;
   int level = firstLevel(core, frame, radii, most, traits.lambda, gathered);

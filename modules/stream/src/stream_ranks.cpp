@@ -143,7 +143,7 @@ detail::StreamState::fetchHalo(const std::vector<char>& wanted)
   return halo.finish();
 }
 
-/** Sends ranks the points of the cells that they want, ascending, and takes those that come: a bucket a
+/** Sends ranks the points of their requested cells, ascending, and receives those of its own: a bucket a
  * round. */
 Error
 detail::StreamState::sendHalo(const std::vector<std::vector<std::uint64_t>>& asked)

@@ -89,7 +89,7 @@ putNormals(const SLIMSurface& surface, ByteWriter& out)
   out.putFloats(b);
 }
 
-/** Reads the trim maps of the surfels whose flags announce them, which must fill what is left. */
+/** Reads the trim maps of the surfels whose flags announce them, which must be all remaining bytes. */
 Error
 getTrimMaps(const unsigned char* at, std::uint64_t left, SLIMSurface& surface)
 {

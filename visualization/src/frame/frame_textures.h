@@ -60,7 +60,7 @@ class FrameTextures {
   /** \brief Samples a table of colours over its scale. */
   void setTable(vtkOpenGLRenderWindow* window, vtkScalarsToColors* table, const ColorScale& scale);
 
-  /** \brief Lays lines over the frame, four bytes a pixel of it. */
+  /** \brief Sets lines over the frame, four bytes a pixel of it. */
   void setLines(vtkOpenGLRenderWindow* window, const std::vector<std::uint8_t>& rgba);
   void dropLines() { has_lines_ = false; }
 

@@ -93,7 +93,7 @@ GBufferMapper::uploadFrame(vtkOpenGLRenderWindow* window)
   s.table_time = table->GetMTime();
 }
 
-/** \brief Lays lines over the frame where it has a ray for every pixel, while the mouse moves only if
+/** \brief Draws lines over the frame where it has a ray for every pixel, while the mouse moves only if
  * frame and lines together take no longer than the budget. */
 void
 GBufferMapper::prepareLines(vtkRenderer* renderer)

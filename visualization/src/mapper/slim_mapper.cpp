@@ -132,7 +132,7 @@ valueOf(const SLIMSurface& surface, std::size_t i, DisplayMode mode)
   return std::abs(curvatureAtCenter(surface, i, mode)) / unit;
 }
 
-/** \brief What is taken for rounding: a millionth of one over the surface's extent, or its square. */
+/** \brief The tolerance for rounding: a millionth of one over the surface's extent, or its square. */
 double
 leastShown(double scale, DisplayMode mode)
 {

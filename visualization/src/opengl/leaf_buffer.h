@@ -54,8 +54,8 @@ class LeafBuffer {
   LeafBuffer(const LeafBuffer&) = delete;
   LeafBuffer& operator=(const LeafBuffer&) = delete;
 
-  /** \brief Brings the surfels over, unless they are there. \param[in] with_internal internal ones
-   * too. \return an error where the card takes no texture so long. */
+  /** \brief Uploads the surfels, unless that is done. \param[in] with_internal internal ones
+   * too. \return an error where the card takes no texture of that size. */
   Error upload(vtkOpenGLRenderWindow* window, const SLIMSurface& surface, bool with_internal);
   /** \brief Lets the next upload() bring surfels over again. */
   void forget() { there_ = false; }

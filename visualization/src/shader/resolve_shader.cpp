@@ -233,7 +233,7 @@ insertResolve(std::string& source)
   vtkShaderProgram::Substitute(source, "//VTK::PositionVC::Dec", kDeclarations);
   vtkShaderProgram::Substitute(source, "//VTK::PositionVC::Impl", kPosition);
   vtkShaderProgram::Substitute(source, "//VTK::Depth::Impl", kDepth);
-  // VTK's own clipping would want a distance from the vertex shader.
+  // VTK's own clipping would need a distance from the vertex shader.
   vtkShaderProgram::Substitute(source, "//VTK::Clip::Dec", "");
   vtkShaderProgram::Substitute(source, "//VTK::Clip::Impl", "");
   vtkShaderProgram::Substitute(source, "//VTK::Normal::Dec", "");

@@ -173,7 +173,7 @@ parseLine(const std::string& line, PlyHeader& header)
   return words[0] == "property" && parseProperty(words, header);
 }
 
-/** What is there twice would be read over itself. */
+/** A property that occurs twice would overwrite itself. */
 Error
 checkElements(const std::vector<PlyElement>& elements)
 {

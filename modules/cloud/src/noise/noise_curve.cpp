@@ -224,8 +224,8 @@ figuresOf(const std::vector<PatchScale>& scales, std::size_t i, const NoiseConst
   return figures;
 }
 
-/** Whether two scales in a row, of patches wide enough to show it, have the same noise and share none of
- * it: what wider ones show is no noise. */
+/** Whether two scales in a row, of patches wide enough to show it, have the same noise and no shared
+ * noise: then what wider patches show is shape. */
 bool
 isWhite(const std::vector<PatchScale>& scales, const NoiseConstants& constants)
 {

@@ -87,7 +87,7 @@ sharedInPatch(const PatchCubic& cubic, double num_cells)
   if (cells.empty()) return -1;
   double partners;
   const double shared = cells.shared(partners);
-  // The cubic follows its points: neighbours' residuals lose so much of what they have in common.
+  // The cubic follows its points, which reduces the covariance of neighbours' residuals by this share.
   const double lost = kCubicTerms * partners / static_cast<double>(n);
   return lost < 1 ? shared / (1 - lost) : -1.0;
 }

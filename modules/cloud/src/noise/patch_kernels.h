@@ -75,7 +75,7 @@ turnPatch(const PatchPoints& points, const Eigen::Matrix3d& axes, PatchPoints& t
 CubicSums
 sumCubic(const PatchPoints& places);
 
-/** \brief What a cubic leaves of the heights. \param[out] residuals with room for kPadding more
+/** \brief The residuals of heights after a cubic. \param[out] residuals with room for kPadding more
  * \return their sum of squares. */
 double
 cubicResiduals(const PatchPoints& places, const double (&terms)[kCubicTerms], double* residuals);

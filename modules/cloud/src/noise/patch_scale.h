@@ -11,7 +11,7 @@
 
 namespace pcl_slim::detail {
 
-/** \brief What cubics leave of patches of k points, place by place. */
+/** \brief The residuals of cubics on patches of k points, place by place. */
 struct PatchScale {
   std::size_t k = 0;
   std::size_t stride = 1;         ///< every stride-th of a patch's points is looked at

@@ -30,7 +30,7 @@ PointStoreBuilder::mergedNormal(std::size_t i) const
       std::lower_bound(store_.merged_.begin(), store_.merged_.end(), stored,
                        [](const auto& entry, std::uint32_t value) { return entry[1] < value; });
   if (it == store_.merged_.end() || (*it)[1] != stored) return n;
-  // Each once and in an order of their own: how often and in which order points are given is no news.
+  // Each normal once, sorted: the result must not depend on how often and in which order points are given.
   std::vector<std::array<float, 3>> normals = {n};
   for (; it != store_.merged_.end() && (*it)[1] == stored; ++it) {
     normals.push_back(reader_.normal(cloud_.inputIndex((*it)[0])));

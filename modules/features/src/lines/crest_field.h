@@ -42,7 +42,7 @@ struct CrestSample {
   double e = 0;  ///< dk/dt
 };
 
-/** Three samples side by side, so far apart. */
+/** Three samples side by side, span apart. */
 struct CrestRow {
   Vector3 place{}, across{};
   double span = 0;

@@ -144,7 +144,7 @@ valleyOf(const Histogram& h, double depth_ratio)
   return deep ? valley : h.end();
 }
 
-/** Two sheets are far apart against their own thickness; the ripple of one badly fitted sheet,
+/** Two sheets are far apart compared with their thickness; the ripple of one badly fitted sheet,
  * which has two peaks as well, is not. */
 bool
 standsApart(const Histogram& h, int valley, double apart)

@@ -58,7 +58,7 @@ class SheetSplitter {
    * ball anew. \param[in,out] search begun on the ball, and begun anew on what is left of it. */
   FramedBall ownSheet(FramedBall ball, const SheetConstants& constants, RadiusSearch& search);
 
-  /** \brief Balls that were parted so far. */
+  /** \brief Balls whose sheets were separated so far. */
   std::uint64_t numSplit() const { return split_; }
 
  private:

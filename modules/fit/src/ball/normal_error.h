@@ -23,7 +23,7 @@ struct NormalError {
 };
 
 /** \brief Compares normals with cubics on patches of 64 neighbours about 1000 points, evenly
- * strided; all 0 where fewer than 100 patches can be had (docs/theory.md, "Normals as data").
+ * strided; all 0 where fewer than 100 patches are usable (docs/theory.md, "Normals as data").
  * O(patches log points); the same for any number of threads. */
 NormalError
 measureNormalError(const PointStore& store, const NormalErrorConstants& constants, int threads);

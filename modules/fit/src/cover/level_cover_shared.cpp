@@ -133,7 +133,7 @@ class LevelCover::Sharing {
   /** Drops the first centre; its memory is used again. */
   void drop(Cell& cell) { spare_.splice(spare_.end(), cell.centers, cell.centers.begin()); }
 
-  /** Gives out what a cell has, and lets the cells begin that have waited for it. */
+  /** Outputs the surfels of a finished cell and starts the cells that waited for it. */
   void end(std::list<Cell>::iterator cell, int thread)
   {
     auto& arena = cover_.worker(thread).arena;

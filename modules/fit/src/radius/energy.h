@@ -56,8 +56,8 @@ struct Energy {
     return kappa * lambda * correlation * numCoefficients(fit.degree) / fit.n_eff;
   }
 
-  /** \brief What a fit leaves of its points: a coefficient follows as much of the noise as that many
-   * points have in common. */
+  /** \brief Degrees of freedom of a fit's residuals: each coefficient takes as many points as share one
+   * error. */
   double degreesOfFreedom(const LocalFit& fit) const
   {
     const double freedom = fit.n_eff - correlation * numCoefficients(fit.degree);

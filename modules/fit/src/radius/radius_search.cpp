@@ -23,8 +23,8 @@ parabolaMinimum(const Trial& a, const Trial& b, const Trial& c)
   return std::exp(std::min(std::max(x, xa), xc));
 }
 
-/** \brief The choice where support ends between the supported radii and the next one down: the last
- * radius that has it joins the comparison ("Guards", Minimum support). */
+/** \brief The choice where support ends between the supported radii and the next one down: the least
+ * supported radius joins the comparison ("Guards", Minimum support). */
 RadiusChoice
 chooseAtMinimumSupport(TrialFits& trials, const Trial& right, const Trial& middle)
 {

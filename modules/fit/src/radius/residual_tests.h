@@ -2,7 +2,7 @@
 #include <array>
 #include <vector>
 
-// docs/theory.md, "Guards", Lack of fit; "Detail below the noise"; and "holds noise only"
+// docs/theory.md, "Guards", Lack of fit; "Detail below the noise"; and "contains noise only"
 // in "Two fits on the same points".
 #pragma once
 
@@ -29,7 +29,7 @@ class ResidualStructure {
   };
 
   /** \brief Looks at the residuals of a fit within rho. \param[in] least_cell least width of a
-   * cell; 0: as the points' density has it. \param[in] correlation points that share their noise.
+   * cell; 0: from the points' density. \param[in] correlation points that share their noise.
    * O(points). */
   Finding measure(const BallBuffer& points, const LocalFit& fit, double rho,
                   double least_cell = 0.0, double correlation = 1.0);

@@ -44,7 +44,7 @@ leastShare(double noise, const SideConstants& rules)
   return rules.least_thin + std::clamp(clean, 0.0, 1.0) * (rules.clean_thin - rules.least_thin);
 }
 
-/** \return nothing where a cloud is thick. */
+/** \return nothing where a cloud has too few thin places. */
 std::optional<SideSearch>
 searchFor(const ThinPlaces& thin, double unsided, bool measured, const SideConstants& rules)
 {

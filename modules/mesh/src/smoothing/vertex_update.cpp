@@ -32,7 +32,7 @@ turnsOver(const MovingMesh& mesh, const std::vector<Vector3>& before, const Vect
   return after < kLeastAgreement && after < agreement(mesh, before, normal, f);
 }
 
-/** Takes vertices back where a face turns over, until none does. */
+/** Moves vertices back where a face turns over, until none does. */
 void
 takeBack(const std::vector<Vector3>& normals, const std::vector<Vector3>& before,
          const MovingMesh& mesh)

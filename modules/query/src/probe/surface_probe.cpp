@@ -145,7 +145,7 @@ SurfaceProbe::restart(double margin)
   scratch_->region.clear();
 }
 
-/** Leaves near a box are at hand afterwards. */
+/** Collects the leaves near a box. */
 void
 SurfaceProbe::cover(const Vector3& low, const Vector3& high)
 {
@@ -219,7 +219,7 @@ SurfaceProbe::evaluate(const ProbeRequest& request, ProbeSample* samples)
   for (std::size_t i = 0; i < request.count; ++i) finish(request, i, samples[i]);
 }
 
-/** Writes down what was blended for one place. */
+/** Stores the blended result for one place. */
 void
 SurfaceProbe::finish(const ProbeRequest& request, std::size_t i, ProbeSample& sample) const
 {

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kClearBeam = 0.2;  ///< cosine from which a point's own beam gives its side
 
-/** Turns a point's normal round, and with it what hangs on its side. */
+/** Reverses a point's normal and all that depends on its sign. */
 void
 turn(ProjectedPoint& point)
 {

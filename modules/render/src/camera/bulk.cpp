@@ -108,7 +108,7 @@ PieceGrid::PieceGrid(const std::vector<BoundingSphere>& spheres)
   }
 }
 
-/** \brief Lays the grid over all centres. */
+/** \brief Places the grid over all centres. */
 void
 PieceGrid::setPlace(const std::vector<BoundingSphere>& spheres)
 {

@@ -13,7 +13,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes {
 
-/** Bounds a block's rays to what the frame's half spaces leave of them. */
+/** Bounds a block's rays to their parts inside the frame's half spaces. */
 HWY_NOINLINE void
 cut(const PassContext& context, Block& block)
 {

@@ -144,7 +144,7 @@ prepareBlend(const PassContext& context, Block& block)
   }
 }
 
-/** Lanes whose blend is none of the surface. */
+/** Lanes whose blend is not on the surface. */
 HWY_INLINE Mask
 uncoveredLanes(const PassContext& context, const Block& block, const BlockSums& sums)
 {
@@ -156,7 +156,7 @@ uncoveredLanes(const PassContext& context, const Block& block, const BlockSums& 
   return Or(uncovered, outside);
 }
 
-/** Both passes over some rays; those that meet what is none of the surface are noted, and have no
+/** Both passes over some rays; those whose hit is not on the surface are noted, and have no
  * weight. \return false: no ray meets anything */
 HWY_NOINLINE bool
 drawLayer(const PassContext& context, Block& block, BlockSums& sums)
@@ -172,7 +172,7 @@ drawLayer(const PassContext& context, Block& block, BlockSums& sums)
   return true;
 }
 
-/** Draws what rays meet first, and notes those that are to look on behind it. */
+/** Draws what rays meet first, and notes those that continue behind it. */
 void
 drawBlock(const PassContext& context, int x, int y, GBuffer& buffer)
 {

@@ -29,8 +29,8 @@ struct FrameRow {
 
 namespace kernels {
 
-/** \brief The larger principal curvature of each pixel: k1 where the surface bulges, as ridges want
- * it, and k2 < 0 where it is hollow the more. 0 where nothing is seen or the surface is seen at a
+/** \brief The larger principal curvature of each pixel: k1 where the surface is convex, as for
+ * ridges, and k2 < 0 where it is more concave. 0 where nothing is seen or the surface is seen at a
  * grazing angle. */
 void
 crestFrames(const PictureRow& row, FrameRow& frames);

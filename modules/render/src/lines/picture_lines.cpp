@@ -216,7 +216,7 @@ class RadialField : public ZeroField {
 constexpr float kProminence = 0.5f;    ///< of the leaf's radius: where a crest has to be lower
 constexpr float kSignificance = 2.0f;  ///< deviations of the noise that count as strength 1
 
-/** Curvature as lines of one kind want it: of the surface, or of the surface turned round; 0 where
+/** Curvature with the sign of one kind of line: of the surface, or of the reversed surface; 0 where
  * the other is the larger. */
 struct Side {
   const CurvatureMap& map;

@@ -176,7 +176,7 @@ firstOfHigher(const LeafLines<D>& line, const LaneChords& chord, const LaneTrims
   return Load(d, root);
 }
 
-/** What the leaves of some lanes are met at. */
+/** The hits of the leaves of some lanes. */
 struct LaneRoots {
   Vec s;               ///< in radii from p on; infinity where there is none
   Vec radius;          ///< of the leaves

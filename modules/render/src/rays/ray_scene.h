@@ -54,7 +54,7 @@ struct RayWidth {
   float base = 0.0f, slope = 0.0f;
 };
 
-/** \brief What is done with each block; farthest may be made smaller. \return false to stop. */
+/** \brief Called for each block; farthest may be made smaller. \return false to stop. */
 struct BlockVisitor {
   bool (*visit)(void* context, std::uint32_t block, double& farthest);
   void* context;

@@ -80,7 +80,7 @@ isSigned(ShadingMode mode)
   return mode != ShadingMode::kSize && mode != ShadingMode::kError;
 }
 
-/** \brief What a picture shows, but for outliers. */
+/** \brief The range of a picture's values, but for outliers. */
 void
 setRobustRange(const GBuffer& buffer, const ShadingParams& params, double scale,
                ShadingRange& range)

@@ -24,7 +24,7 @@ struct RayStretch {
   double near, far;
 };
 
-/** \brief What half spaces leave of a stretch of a ray. */
+/** \brief The part of a stretch of a ray inside half spaces. */
 RayStretch
 within(const std::vector<HalfSpace>& cuts, const Ray& ray, RayStretch stretch);
 

@@ -30,7 +30,7 @@ struct MetPoint {
 
 /** \brief How rays that leave a met point are to begin, local lengths. */
 struct Departure {
-  double lift;    ///< they start so far along the normal
+  double lift;    ///< they start this far along the normal
   double front;   ///< what they meet from the front nearer than this does not count
   double behind;  ///< nor does what they meet from behind
   double gap;  ///< nor do gaps that they meet, as the rims of leaves differ most around the point

@@ -32,7 +32,7 @@ normalOf(const PointStore& store, const std::vector<std::uint32_t>& near)
     const Eigen::Vector3d d = positionOf(store, j) - mean;
     covariance += d * d.transpose();
   }
-  // The closed form wants entries near one.
+  // The closed form needs entries near one.
   const double largest = covariance.cwiseAbs().maxCoeff();
   if (!(largest > 0.0)) return Eigen::Vector3d::UnitZ();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;

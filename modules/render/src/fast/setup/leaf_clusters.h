@@ -58,7 +58,7 @@ enum class ClusteredSurfels : std::uint8_t { kLeaves, kInternal };
 
 /** \brief What a frame looks for. */
 struct VisibilityRules {
-  bool front_only;  ///< leave out what is turned away
+  bool front_only;  ///< leave out back-facing surfels
   DetailRule detail;
   const std::vector<HalfSpace>& cuts;  ///< local coordinates, unit normals
 };

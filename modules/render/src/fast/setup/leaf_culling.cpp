@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is seen of surfels, several side by side.
+// Visibility of surfels, several side by side.
 #include "fast/setup/leaf_setup.h"
 
 #undef HWY_TARGET_INCLUDE
