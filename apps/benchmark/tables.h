@@ -58,7 +58,7 @@ struct SceneRuns {
   std::string title() const;
 };
 
-/** \brief Whose runs are looked at. */
+/** \brief The method whose runs are compared. */
 enum class Family { kSlimDefault, kSlim, kMls, kMlsOrder2, kNormals };
 
 /** \brief Run of least error in a family, or null where none has that error.

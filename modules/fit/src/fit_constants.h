@@ -35,7 +35,7 @@ struct PresetConstants {
  * number of points, e the RMS residual and r the radius.
  */
 struct RadiusConstants {
-  // "Balls of a few sigma": e^2 seen through falling weights.
+  // "Balls of a few sigma": e^2 under falling weights.
   double least_seen_share = 0.2;  ///< ratio; e^2 shows at least this share of the variance
 
   // "One fit, step by step", 3 (Levels): a ball that is divided after a look at part of its points.

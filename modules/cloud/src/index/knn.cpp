@@ -97,7 +97,7 @@ NeighborSearch::collect(const std::array<double, 3>& center, float limit_sq)
   points_.resize(count);
 }
 
-/** Drops what is not looked at from the first of the collected points. \return how many are left. */
+/** Keeps the sampled ones of the first collected points. \return how many are left. */
 std::size_t
 NeighborSearch::dropUnsampled(std::size_t count)
 {

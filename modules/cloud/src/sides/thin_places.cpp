@@ -123,7 +123,7 @@ class PlaceLook {
     return true;
   }
 
-  /** Looks for another side in a patch wider than one that fits. \return whether to look on */
+  /** Looks for another side in a patch wider than one that fits. \return whether to try a wider one */
   bool lookBeyond(const Patch& patch)
   {
     PlaceFigures beyond = figures_;

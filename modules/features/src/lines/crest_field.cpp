@@ -244,8 +244,8 @@ CrestField::lookAside(const CrestVertex* vertices, ProbeRequest request, ProbeSa
                      [](const ProbeSample& sample) { return sample.supported; });
 }
 
-/** Two half steps, each put back on the surface: where the surface does not go on as expected, or ends. A
- * sample is of half way where it goes no farther, and not supported where it does not go as far. */
+/** Two half steps, each projected onto the surface, which may bend unexpectedly, or end there. A
+ * sample is from half way if the second step fails, and not supported if the first does. */
 void
 CrestField::walkAside(const CrestVertex* vertices, ProbeRequest request, ProbeSample* found)
 {

@@ -27,7 +27,7 @@ SurfelRecord
 recordOf(const FramedBall& ball, const RadiusChoice& choice, int level,
          const BiasConstants& constants);
 
-/** \brief Moves a ball onto its own fit where noise has thrown its centre off: it would see a
+/** \brief Moves a ball onto its own fit where noise has displaced its centre: it would contain a
  * lopsided part of the points (docs/theory.md, "Where the default departs from the paper"). It is
  * gathered and framed anew there. \param[in] stride of the blocks gathered \param[in,out] search
  * begun on the ball, and begun anew where it moves */

@@ -14,7 +14,7 @@ namespace pcl_slim::detail {
 
 namespace {
 
-// How far centres are looked at before their turn; no result depends on it.
+// How many centres are fitted before their turn; no result depends on it.
 constexpr std::size_t kPlaces = 8;     ///< of a cell that are apart from each other
 constexpr std::size_t kCenters = 256;  ///< of a cell in all
 

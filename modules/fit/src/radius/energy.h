@@ -27,8 +27,8 @@ struct Energy {
   {
     double e_sq = variance(fit, gather_radius);
     if (corrected) {
-      // Weights fall with height too, so a thin ball sees e^2 = s^2 / (1 + a s^2 / r^2) of a noise
-      // variance s^2, and one the noise fills sees little but its own size.
+      // Weights fall with height, too: a thin ball measures e^2 = s^2 / (1 + a s^2 / r^2) of a noise
+      // variance s^2, and a noise-filled ball little but its own size.
       const double truncation = heightTruncation(fit.kernel);
       e_sq /= std::max(constants.least_seen_share, 1.0 - truncation * e_sq / (r * r));
       if (filledByNoise(r)) e_sq = std::max(e_sq, lambda);
@@ -39,7 +39,7 @@ struct Energy {
     return e_sq + fit.slope_misfit * gather_radius * gather_radius + penalty(fit, r);
   }
 
-  /** \brief e^2 as seen across the surface: over a slope s noise scatters heights by 1 + s^2 times
+  /** \brief e^2 across the surface: over a slope s noise scatters heights by 1 + s^2 times
    * its variance. What a fit misses of the shape keeps its height. */
   double variance(const LocalFit& fit, double gather_radius) const
   {
@@ -64,7 +64,7 @@ struct Energy {
     return correlation > 1 ? std::max(freedom, 0.25 * fit.n_eff) : freedom;
   }
 
-  /** \brief Whether a ball of radius r is so thin that it sees little but its own size of the
+  /** \brief Whether a ball of radius r is noise-filled: its e^2 depends more on its size than on the
    * noise. */
   bool filledByNoise(double r) const { return r * r < thick * thick * lambda; }
 };

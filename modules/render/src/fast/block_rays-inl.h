@@ -91,7 +91,7 @@ blockAt(const PassContext& context, int x, int y)
   return raysAt(context, dx, dy, TileBlocks::boxAt(x, y, kBlockWidth, kBlockHeight));
 }
 
-/** Up to a block's number of rays that look on behind what they have met. */
+/** Up to a block's number of rays that continue behind their hits. */
 HWY_NOINLINE Block
 packOf(const PassContext& context, const UncoveredRay* rays, std::size_t count)
 {
@@ -135,7 +135,7 @@ ballAround(const PassContext& context, const Block& block)
   return {sx * middle, sy * middle, middle, 1.01f * (aside + 0.5f * (far - near) * slant)};
 }
 
-/** Notes the rays of some lanes, to look on behind their q^. */
+/** Notes the rays of some lanes, which continue behind their q^. */
 HWY_NOINLINE void
 noteUncovered(const PassContext& context, Mask uncovered, const BlockSums& sums, const Block& block)
 {

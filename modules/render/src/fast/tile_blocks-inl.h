@@ -121,7 +121,7 @@ class TileBlocks {
     return scratch_.leaves[place];
   }
 
-  /** Rays that are to look on, and room for those that do. */
+  /** Rays that continue behind their hits, and memory for packing them. */
   std::vector<UncoveredRay>& uncovered() { return scratch_.uncovered; }
   std::vector<UncoveredRay>& packed() { return scratch_.packed; }
 

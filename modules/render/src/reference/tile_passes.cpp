@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/** \brief Largest first depth of the pixels to look at: as far as they see until each has one. */
+/** \brief Largest first depth of the pending pixels: the rays' far ends until each has one. */
 double
 farthestFirst(const Tile& tile)
 {
