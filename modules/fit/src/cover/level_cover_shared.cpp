@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Levels of few cells by several threads. A cell waits for those of lower colours that it touches, and
-// for no others. Where fewer cells are ready than there are threads, several fit balls of one cell: what
-// a ball's fit is does not depend on other leaves' points; only whether it is needed does. So fits
+// for no others. Where fewer cells are ready than there are threads, several fit balls of one cell: a
+// ball's fit does not depend on what others have covered; only whether it is needed does. So fits
 // are made before their turn, and kept in turn.
 #include <condition_variable>
 #include <list>
