@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// pcl_slim_benchmark: time against error, SLIM beside PCL's own classes.
+// pcl_slim_benchmark: time against error, SLIM compared with PCL's own classes.
 #include <cmath>
 #include <cstdio>
 

@@ -77,7 +77,7 @@ declareOptions(Settings& s)
   return options;
 }
 
-/** Brings the options into the parameters, and what can be said before the input is touched. */
+/** Transfers the options to the parameters and checks what needs no input. */
 Error
 finishSettings(Settings& s)
 {

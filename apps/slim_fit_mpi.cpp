@@ -56,7 +56,7 @@ class KeptOutput {
   int out_ = -1, error_ = -1;
 };
 
-/** Brings the ranks to one end. The first of those that failed says why; where others still work, or wait
+/** Ends all ranks together. The first rank that failed prints the error; if others still work, or wait
  * for it, it ends them. \return what all exit with */
 int
 settle(int rank, int ranks, int status, KeptOutput& output)

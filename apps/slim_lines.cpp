@@ -17,7 +17,7 @@ namespace {
 
 using namespace pcl_slim;
 
-constexpr double kPeak = 3.25;  ///< a line's peak must stand out so many times as much as the rest
+constexpr double kPeak = 3.25;  ///< peak_significance of a line over its significance
 
 struct Settings {
   ScanFiles files;
@@ -48,7 +48,7 @@ declareOptions(Settings& s)
   return options;
 }
 
-/** What can be said before the input is touched. */
+/** Checks the options that can be checked before the input is read. */
 Error
 checkSettings(Settings& s)
 {

@@ -67,7 +67,7 @@ declareOptions(Settings& s)
   return options;
 }
 
-/** What can be said before the input is touched. */
+/** Checks the options that can be checked before the input is read. */
 Error
 checkSettings(Settings& s)
 {
@@ -84,7 +84,7 @@ checkSettings(Settings& s)
   return s.mesh.validate();
 }
 
-/** The surface that stands in for a fit: the input itself, or the one given with it. */
+/** The surface used in place of a fit: the input itself, or the one given with it. */
 struct Given {
   SLIMSurface surface;
   bool is_input = false, any = false;

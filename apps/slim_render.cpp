@@ -148,7 +148,7 @@ renderTurns(const Settings& s, const Turntable& table, double& save_seconds, con
   return {};
 }
 
-/** A picture with the lines that were asked for drawn over it. */
+/** A picture with the requested lines drawn over it. */
 Result<Image>
 withLines(const Settings& s, SurfaceRenderer& renderer, const Camera& camera, Result<Image> image,
           std::size_t& count)

@@ -43,7 +43,7 @@ declareOptions(Settings& s)
   return options;
 }
 
-/** What can be said before the input is touched. */
+/** Checks the options that can be checked before the input is read. */
 Error
 checkSettings(Settings& s)
 {

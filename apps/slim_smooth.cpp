@@ -45,7 +45,7 @@ PointFile
 smoothed(const PointFile& file, const CloudProjection& projection, bool normals, int threads)
 {
   const bool had_normals = findField(file.cloud, "normal_x") >= 0;
-  // Whole-number coordinates cannot hold where the points go.
+  // Integer coordinates cannot represent the points' new positions.
   PointFile made = withRealFields(file, {"x", "y", "z"}, pcl::PCLPointField::FLOAT64);
   if (normals) {
     made = withRealFields(made, {"normal_x", "normal_y", "normal_z", "curvature"},

@@ -10,12 +10,12 @@ namespace pcl_slim::comparison {
 /** \brief The nearest place on a mesh. */
 struct MeshFoot {
   double distance = 0;
-  bool border = false;  ///< it lies on an edge that only one triangle has
+  bool border = false;  ///< the foot is on an edge of only one triangle
 };
 
 /** \brief The surface of a triangle mesh, for exact distances from points to it.
  *
- * Triangles stand in a tree of boxes; a query takes O(log triangles) near the surface.
+ * The triangles are stored in a tree of boxes; a query takes O(log triangles) near the surface.
  */
 class MeshSurface {
  public:

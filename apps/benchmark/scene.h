@@ -14,16 +14,16 @@
 #include "measure/scenes.h"
 #include "pcl_slim/core/error.h"
 
-/** \brief SLIM beside PCL's own classes: the same points in, the same truth against what comes
- * out, the same clock around both. */
+/** \brief SLIM compared with PCL's own classes: the same input points, the same truth for the
+ * results, the same clock for both. */
 namespace pcl_slim::comparison {
 
 /** \brief x y z per point as PCL's cloud of floats. */
 pcl::PointCloud<pcl::PointXYZ>::Ptr
 toCloud(const std::vector<double>& xyz);
 
-/** \brief sqrt(area / points) from the median distance to the 10th neighbour of clean points, as
- * far as they lie evenly on a surface; 0 of ten points or fewer. */
+/** \brief sqrt(area / points) from the median distance to the 10th neighbour of clean points, if
+ * they are spread evenly over a surface; 0 of ten points or fewer. */
 double
 spacingOf(const pcl::PointCloud<pcl::PointXYZ>::Ptr& clean);
 
@@ -39,7 +39,7 @@ struct Scene {
   std::vector<float> normals;  ///< x y z per point, as given to a fit; empty: none
   TruthOf truth;               ///< distance may be one from point to point
   double spacing = 0;          ///< sqrt(area / points), of the clean points
-  double unit = 1;             ///< length that errors are told in, world units
+  double unit = 1;             ///< unit length of the errors, world units
   bool unit_is_edge = false;   ///< unit is the truth's mean edge length
   bool has_true_normals = true, has_true_curvature = true;
   std::vector<std::uint8_t> judged;  ///< 0: the truth has nothing near this point; empty: all count
@@ -64,9 +64,9 @@ makeScene(const std::string& shape, std::size_t count, double noise, std::uint64
 /** \brief A scan and its truth: as many points in one order or, where the counts differ, the
  * surface of a mesh.
  *
- * Point by point, errors are told in mean edge lengths where the truth is a mesh. From a surface,
- * errors are distances to it in the files' unit, and points count that lie within a mean edge of it
- * and not beside its borders or holes. Points that are not finite in either file are left out. Both
+ * Point by point, errors are in mean edge lengths if the truth is a mesh. From a surface,
+ * errors are distances to it in the files' unit, and only points within a mean edge of it
+ * and away from its borders and holes count. Points not finite in either file are left out. Both
  * are moved to a first point, which keeps large coordinates exact enough for PCL's floats.
  */
 Result<Scene>

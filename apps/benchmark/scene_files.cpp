@@ -106,8 +106,8 @@ surfaceOf(const CloudFile& mesh, const Point& origin)
   return std::make_shared<const MeshSurface>(std::move(vertices), std::move(triangles));
 }
 
-/** Judges a scan's points by a mesh's surface: those that lie by it, not over its holes or beyond
- * its border, and not farther off than the mesh is fine. */
+/** Compares a scan's points with a mesh: those near its surface, not over its holes or beyond
+ * its border, and not farther from it than reach. */
 void
 judgeByMesh(const std::shared_ptr<const MeshSurface>& surface, double reach, Scene& scene)
 {

@@ -19,7 +19,7 @@ namespace pcl_slim::comparison {
 
 namespace {
 
-constexpr double kLongRun = 2.0;  // seconds; chance is small beside it
+constexpr double kLongRun = 2.0;  // seconds; random variation is small in comparison
 constexpr double kDegreesPerRadian = 180 / M_PI;
 
 /** Angle in radians between two directions regardless of sign; sound for the smallest angles.

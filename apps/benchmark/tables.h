@@ -49,7 +49,7 @@ struct SceneRuns {
   std::string name;
   double noise = 0;
   std::size_t points = 0;
-  std::size_t judged = 0;   ///< points that the truth says something of
+  std::size_t judged = 0;   ///< points that are compared with the truth
   Errors input;             ///< of the points as they came
   bool mean_edges = false;  ///< lengths are in mean edges of the truth, not in scene units
   std::vector<Run> runs;
@@ -58,7 +58,7 @@ struct SceneRuns {
   std::string title() const;
 };
 
-/** \brief Whose runs are looked at. */
+/** \brief The method whose runs are compared. */
 enum class Family { kSlimDefault, kSlim, kMls, kMlsOrder2, kNormals };
 
 /** \brief Run of least error in a family, or null where none has that error.
@@ -83,11 +83,11 @@ machineText(const std::string& command);
 std::string
 markdownText(const std::vector<SceneRuns>& scenes, const std::string& command);
 
-/** \brief Whether PREFIX.csv and PREFIX.md can be written; says why not. */
+/** \brief Whether PREFIX.csv and PREFIX.md can be written; returns the reason if not. */
 Error
 checkTables(const std::string& prefix);
 
-/** \brief Writes PREFIX.csv and PREFIX.md, and says so. */
+/** \brief Writes PREFIX.csv and PREFIX.md and prints their names. */
 Error
 writeTables(const std::string& prefix, const std::string& csv, const std::string& markdown,
             Console& console);

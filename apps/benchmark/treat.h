@@ -23,7 +23,7 @@ struct Setting {
   bool robust = false;   ///< SLIM: reweighted against outliers
   bool compact = false;  ///< SLIM: leaves cover all of their radius (alpha = 1)
   bool normals = false;  ///< SLIM: the scene's normals are given
-  bool data = false;     ///< SLIM: and fitted as data beside the points
+  bool data = false;     ///< SLIM: normals are fitted as data, too
   int neighbours = 0;    ///< MLS: mean number in its radius; normals: k
   int threads = 2;
 

@@ -68,7 +68,7 @@ endOnSignals()
   for (const int signal : kEndingSignals) {
     struct sigaction before = {};
     sigaction(signal, nullptr, &before);
-    // nohup asks to live on.
+    // nohup has the program ignore SIGHUP.
     if (signal != SIGHUP || before.sa_handler != SIG_IGN) handle(signal, onSignal);
   }
 }

@@ -13,8 +13,8 @@ namespace pcl_slim {
 void
 declareMemoryLimit(OptionTable& options, std::uint64_t* megabytes);
 
-/** \brief From here on this process's memory does not grow beyond so much: what would, fails, and
- * guarded() says so. 0: no limit. Linux only; elsewhere checkMemory() alone holds it.
+/** \brief Limits the memory of this process from here on: an allocation beyond the limit fails, and
+ * guarded() reports it. 0: no limit. Linux only; elsewhere only checkMemory() enforces the limit.
  * \return an error where the program itself takes more. */
 Error
 limitMemory(std::uint64_t megabytes);

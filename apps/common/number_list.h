@@ -9,7 +9,7 @@
 
 namespace pcl_slim {
 
-/** \brief A number as people write it: so many significant digits at most, no needless zeros. */
+/** \brief A number in plain notation: at most a given number of significant digits, no needless zeros. */
 inline std::string
 numberText(double value, int digits = 6)
 {
@@ -18,7 +18,7 @@ numberText(double value, int digits = 6)
   return text;
 }
 
-/** \brief Reads finite numbers separated by single commas; nothing else may stand between. */
+/** \brief Reads finite numbers separated by single commas; nothing else may separate them. */
 inline bool
 parseNumberList(const std::string& text, std::vector<double>& values)
 {

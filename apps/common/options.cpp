@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What options there are, and what is said of them: help, documentation, and the option that an
+// The list of options and its uses: help, documentation, and the option that an
 // unknown one resembles.
 #include "common/options.h"
 

@@ -22,7 +22,7 @@ enum ExitStatus : int {
 /** \brief A program's arguments: each declared once, for parsing, help and documentation.
  *
  * Options have one dash and a separate value, as PCL's tools do; two dashes and -name=value mean the
- * same. A switch may stand alone: -quiet is -quiet 1. A 0, 1, true, false, on or off right after a
+ * same. A switch may come without a value: -quiet is -quiet 1. A 0, 1, true, false, on or off right after a
  * switch is always its value, so a file of that name is written ./0 there. A target's value at the
  * time of declaration is the default that the help shows; targets must outlive parse().
  */
@@ -46,7 +46,7 @@ class OptionTable {
   /** \brief A switch that stays unset unless given. \param[in] unset text shown as its default. */
   void toggle(const std::string& name, std::optional<bool>* target, const std::string& help,
               const std::string& unset);
-  /** \brief Text; value_name stands for it in the help. */
+  /** \brief Text; the help shows value_name in its place. */
   void text(const std::string& name, std::string* target, const std::string& value_name,
             const std::string& help);
   /** \brief One of a few words. */
@@ -74,7 +74,7 @@ class OptionTable {
 
   /** \brief The text of -h. */
   std::string help() const;
-  /** \brief The options as a Markdown table: what docs/ holds. */
+  /** \brief The options as a Markdown table: the text in docs/. */
   std::string markdown() const;
 
  private:

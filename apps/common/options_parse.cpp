@@ -56,7 +56,7 @@ rangeText(double low, double high)
   return " from " + numberText(low) + " to " + numberText(high);
 }
 
-/** Stores a whole number; the text returned, if any, says what is wanted instead. */
+/** Stores a whole number; returns what is wanted instead, or an empty text. */
 template <typename T>
 std::string
 assignWhole(const std::string& text, double low, double high, void* target)
@@ -109,7 +109,7 @@ plainArguments(int argc, const char* const* argv)
   return plain;
 }
 
-/** Stores a value; the text returned, if any, says what the option wants instead. */
+/** Stores a value; returns what the option wants instead, or an empty text. */
 std::string
 OptionTable::assign(Option& option, const std::string& value)
 {
@@ -146,7 +146,7 @@ OptionTable::assign(Option& option, const std::string& value)
 }
 
 /** Takes an argument without a dash; the text returned, if any, is a mistake.
- * \param[in] bare the switch that stood before it without a value, or null. */
+ * \param[in] bare the switch before it that has no value, or null. */
 std::string
 OptionTable::takePositional(const std::string& word, const Option* bare, std::size_t& next)
 {

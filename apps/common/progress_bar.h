@@ -9,7 +9,7 @@
 
 namespace pcl_slim {
 
-/** \brief What a program says while it works, in the manner of PCL's tools:
+/** \brief What a program prints while it works, in the manner of PCL's tools:
  * "> Loading scan.pcd [done, 12 ms : 34817 points]".
  *
  * On a terminal a bar shows how far a stage is. With quiet nothing is written but warnings. While it lives,

@@ -22,7 +22,7 @@ failWork(const std::string& program, const Error& error);
 int
 guarded(const std::string& program, const std::string& relief, const std::function<int()>& work);
 
-/** \brief A whole program: reads the arguments, then checks what they ask for (an error there exits
+/** \brief A whole program: reads the arguments, then checks them (an error there exits
  * with kExitUsage), then works. Errors are printed. \return the status to exit with. */
 int
 runProgram(OptionTable& options, int argc, const char* const* argv, const std::string& relief,

@@ -69,7 +69,7 @@ strandOffset(double angle)
   return 0.017 * std::sin(9.0 * angle);
 }
 
-/** Relief ornament: how far the surface stands out of the profile, 0 ... 0.0045. */
+/** Relief ornament: height of the surface above the profile [m], 0 ... 0.0045. */
 double
 relief(double angle, double z)
 {

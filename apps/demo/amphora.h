@@ -9,7 +9,7 @@ namespace pcl_slim::demo {
 using Point = std::array<double, 3>;
 
 /** \brief A painted Greek amphora as an implicit solid: hollow body of revolution with relief
- * ornament and two handles. Metres, z up, standing on z = 0, 0.46 high. */
+ * ornament and two handles. Metres, z up, base at z = 0, 0.46 high. */
 class Amphora {
  public:
   Amphora();
@@ -22,7 +22,7 @@ class Amphora {
   std::array<double, 3> color(const Point& p) const;
 
   static constexpr double kHeight = 0.46;
-  static constexpr Point kCenter{0.0, 0.0, 0.23};  ///< of a ball that holds everything
+  static constexpr Point kCenter{0.0, 0.0, 0.23};  ///< centre of a bounding ball
   static constexpr double kReach = 0.29;           ///< its radius
   static constexpr double kDiagonal = 0.61;        ///< of the bounding box
 

@@ -29,9 +29,9 @@ struct Scan {
 /** \brief Scans the amphora as a laser scanner on four tripods would.
  *
  * Each station shoots rays on a grid of equal angles; the first surface along a ray is measured,
- * so parts hidden from every station stay empty, and nearer stations see finer. Noise lies along
+ * so parts hidden from every station stay empty, and nearer stations see finer. Noise is along
  * the ray and grows with range and obliquity; grazing and dark hits are often lost. Exactly the
- * number of points asked for, the same for any number of threads.
+ * number of points requested, the same for any number of threads.
  */
 Scan
 scanAmphora(const ScanParams& params);

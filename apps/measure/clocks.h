@@ -23,7 +23,7 @@ class MemoryGauge {
   /** \brief Returns freed memory to the system and restarts the kernel's high-water mark. */
   MemoryGauge();
 
-  /** \brief Highest rise so far in bytes; negative where the system does not tell. */
+  /** \brief Highest rise so far in bytes; negative where the system does not report it. */
   double peakBytes() const;
 
  private:
@@ -31,8 +31,8 @@ class MemoryGauge {
   double start_ = 0;
 };
 
-/** \brief Keeps freed memory for what the process does next, as happens to whoever treats scan after
- * scan: else the allocator hands it back, now and then, and times scatter with the pages' first use.
+/** \brief Has the allocator keep freed memory for the process, as in a program that treats many scans: else
+ * it returns memory to the system at times, and first use of new pages scatters the measured times.
  * Call before anything is timed. */
 void
 keepFreedMemory();

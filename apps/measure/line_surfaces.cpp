@@ -14,7 +14,7 @@ constexpr double kTau = 2 * M_PI;
 constexpr double kMajor = 1.0, kMinor = 0.4, kWaves = 0.04;
 constexpr std::size_t kAreaCells = 1000;
 
-/** A unit direction; the poles and the seam lie on no plane of symmetry. */
+/** A unit direction; the poles and the seam are on no plane of symmetry. */
 Vector3
 direction(double u, double v)
 {

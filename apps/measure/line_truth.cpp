@@ -158,7 +158,7 @@ exactLines(const LineSurface& surface, bool ravine, std::size_t cells)
   for (std::size_t j = 0; j <= cells; ++j) {
     row[0].swap(row[1]);
     row[1].clear();
-    // Poles are no place of a map's; rows begin and end a little beside them.
+    // The map is singular at the poles: rows begin and end a little away from them.
     const double v = 1e-4 + (1 - 2e-4) * static_cast<double>(j) / static_cast<double>(cells);
     for (std::size_t i = 0; i <= cells; ++i) {
       const double u = static_cast<double>(i) / static_cast<double>(cells);
@@ -236,7 +236,7 @@ SegmentIndex::segments() const
 
 namespace {
 
-/** Calls body(place, length it stands for) all along some segments, in pieces no longer than a size. */
+/** Calls body(place, length that it represents) along segments, in pieces no longer than a size. */
 template <typename Body>
 void
 forPieces(const std::vector<Segment>& segments, double size, const Body& body)

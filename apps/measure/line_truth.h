@@ -129,7 +129,7 @@ Scene
 sampleSurface(const LineSurface& surface, std::size_t count, double noise, double normal_noise,
               std::uint64_t seed);
 
-/** \brief One kind's curvature where a parameter pair lies: k and its direction and derivative along it. */
+/** \brief One kind's curvature at a pair of parameters: k, its direction and its derivative along it. */
 struct ExactCrest {
   Vector3 position{}, normal{}, t{};
   double k = 0, other = 0, e = 0;
@@ -142,14 +142,14 @@ exactCrest(const LineSurface& surface, double u, double v, bool ravine);
 /** \brief A piece of a line. */
 using Segment = std::array<Vector3, 2>;
 
-/** \brief Pieces of all ridges (or ravines), however weak, from a grid of so many cells a side. */
+/** \brief Pieces of all ridges (or ravines), however weak, from a grid with a given number of cells a side. */
 std::vector<Segment>
 exactLines(const LineSurface& surface, bool ravine, std::size_t cells);
 
 /** \brief Segments, found by place. */
 class SegmentIndex {
  public:
-  /** \param[in] reach the greatest distance that will be asked for. */
+  /** \param[in] reach the greatest distance of any query. */
   SegmentIndex(std::vector<Segment> segments, double reach);
   ~SegmentIndex();
   SegmentIndex(SegmentIndex&&) noexcept;

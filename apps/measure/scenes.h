@@ -38,7 +38,7 @@ parseShape(const std::string& name, Shape& shape);
 Scene
 makeScene(Shape shape, std::size_t count, double noise, double normal_noise, std::uint64_t seed);
 
-/** \brief The truth next to a point that lies near the surface. */
+/** \brief The true surface at the foot of a point near it. */
 Truth
 truthAt(Shape shape, const std::array<double, 3>& point);
 

@@ -9,7 +9,7 @@
 
 namespace pcl_slim {
 
-/** \brief A page in place of a picture, as the command line asks for it. */
+/** \brief A page in place of a picture, as given on the command line. */
 struct PageRequest {
   double precision = PageParams().precision;
 

@@ -19,7 +19,7 @@ constexpr std::size_t kRun = 1024;  ///< points along the curve that are looked 
 
 constexpr std::uint64_t kMostRows = 1
                                     << 19;  ///< of a piece; results depend on it by rounding alone
-constexpr double kBytesOfProjection = 220;  ///< a row of a piece, beside copies of the row itself
+constexpr double kBytesOfProjection = 220;  ///< per row of a piece, without the copies of the row
 constexpr double kCopiesOfRow = 5;
 
 CloudProjectionParams
@@ -52,7 +52,7 @@ rowsOf(const PointFile& file, const std::vector<std::int32_t>& rows)
   return some;
 }
 
-/** Puts rows into their places among so many. */
+/** Moves rows to their places among all rows of the cloud. */
 void
 putRows(const PointFile& some, const std::vector<std::int32_t>& rows, std::size_t count,
         PointFile& all)
@@ -84,7 +84,7 @@ BlockSurface::open(const std::string& path)
   return true;
 }
 
-/** Adds the blocks whose boxes hold some of the points. */
+/** Adds the blocks whose boxes contain some of the points. */
 template <typename Rows>
 void
 BlockSurface::addBlocks(const CloudView& cloud, const Rows& rows, Blocks& blocks) const

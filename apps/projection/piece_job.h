@@ -20,7 +20,7 @@ namespace pcl_slim {
 class BlockSurface {
  public:
   using Blocks = std::vector<bool>;
-  /** \brief Some of a cloud's points, and the blocks whose balls may hold them. */
+  /** \brief Some of a cloud's points, and the blocks whose balls may contain them. */
   struct Part {
     std::vector<std::int32_t> rows;  ///< ascending; empty: all points
     Blocks blocks;
@@ -35,7 +35,7 @@ class BlockSurface {
   /** \brief Most bytes that blocks in memory may take. */
   void setMostBytes(double bytes) { most_bytes_ = bytes; }
 
-  /** \brief All points, and the blocks whose balls may hold some. O(points * blocks). */
+  /** \brief All points, and the blocks whose balls may contain some. O(points * blocks). */
   Part partOf(const CloudView& cloud) const;
 
   /** \brief Divides points along the Morton curve, so that the blocks of each part fit into memory: into one
@@ -45,7 +45,7 @@ class BlockSurface {
   /** \brief The surfels of a part's blocks. \return an error where memory is too small for them. */
   Result<SLIMSurface> load(const Part& part);
 
-  /** \brief Says and reports how many blocks were read of how many. */
+  /** \brief Prints and reports how many of the blocks were read. */
   void reportBlocks(Console& console, Report& report) const;
 
  private:
@@ -70,7 +70,7 @@ class PieceJob {
   TileRequest& tiles() { return tiles_; }
   BlockSurface& blocks() { return blocks_; }
 
-  /** \brief Opens the scan. \return whether it is worked on in pieces; an error where the user asks for
+  /** \brief Opens the scan. \return whether it is worked on in pieces; an error where the user requests
    * pieces, or memory is too small for anything else, and the scan or the job does not allow them. */
   Result<bool> open(Console& console);
 

@@ -75,7 +75,7 @@ meshFile(const MeshJob& job, const CloudFile& cloud, const SmoothedMesh& mesh)
 {
   constexpr const char* kPosition[3] = {"x", "y", "z"};
   constexpr const char* kNormal[3] = {"normal_x", "normal_y", "normal_z"};
-  // Whole-number coordinates cannot hold where the vertices go.
+  // Integer coordinates cannot represent the vertices' new positions.
   PointFile made = withRealFields(cloud.file, {"x", "y", "z"}, pcl::PCLPointField::FLOAT64);
   for (std::size_t a = 0; a < 3; ++a) {
     const FieldWriter field(made.cloud, kPosition[a]);
@@ -87,8 +87,8 @@ meshFile(const MeshJob& job, const CloudFile& cloud, const SmoothedMesh& mesh)
   return made;
 }
 
-/** Smooths the mesh in a file; says and reports so. \return the file to write: the same with x y z brought to new
- * places, and faces and every other field kept. */
+/** Smooths the mesh in a file; prints and reports it. \return the file to write: the same with new
+ * x y z, and faces and every other field kept. */
 Result<PointFile>
 smoothMeshFile(const MeshJob& job, const CloudFile& cloud, Console& console, Report& report)
 {
@@ -112,7 +112,7 @@ smoothMeshFile(const MeshJob& job, const CloudFile& cloud, Console& console, Rep
   return meshFile(job, cloud, mesh);
 }
 
-/** What can be said before the input is touched. */
+/** Checks the options that can be checked before the input is read. */
 Error
 checkJob(ProjectionJob& job)
 {
@@ -192,7 +192,7 @@ fitAndProject(const ProjectionProgram& program, const ProjectionJob& job, const 
   return projectScan(job, cloud, surface, &store, console, report);
 }
 
-/** Smooths the mesh. \param[in] sharp_given whether the user says what to do at edges. */
+/** Smooths the mesh. \param[in] sharp_given whether the user chose how edges are treated. */
 Result<PointFile>
 smoothMesh(const ProjectionJob& job, bool normals, bool sharp_given, const SLIMSurface& surface,
            const CloudFile& cloud, Console& console, Report& report)

@@ -21,7 +21,7 @@ struct ProjectionJob {
 /** \brief What a program of this kind is called, and the one switch of its own. */
 struct ProjectionProgram {
   std::string name, version, summary;
-  std::string switch_name, switch_help;  ///< the switch asks for curvatures too
+  std::string switch_name, switch_help;  ///< the switch adds curvatures to the output
   bool meshes = false;                   ///< whether it has the option -mesh
   bool keeps_scan = false;  ///< a scan that is no surface is written unchanged, with a warning
 };

@@ -14,7 +14,7 @@ struct Rule {
   const char* why;
 };
 
-/** Of the colours: the first rule that names an option says why. */
+/** Of the colours: the first rule that names an option gives the reason. */
 std::vector<Rule>
 colorRules(const DrawnThing& d)
 {

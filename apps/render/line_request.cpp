@@ -10,7 +10,7 @@ namespace pcl_slim {
 
 namespace {
 
-/** A line whose ends lie as near to each other as its vertices do is closed. */
+/** A line whose ends are as near to each other as its vertices do is closed. */
 void
 close(SpaceLine& line)
 {
@@ -75,7 +75,7 @@ LineRequest::applyMode(PictureRequest& colors)
   sketch = colors.mode == "sketch";
   if (crest || contours) colors.mode = "shaded";
   if (!sketch) return;
-  // What lies under white paper need not be smooth.
+  // The surface under white paper need not be smooth.
   colors.mode = "shaded";
   colors.supersampling = 1;
   colors.occlusion = 0;

@@ -11,7 +11,7 @@
 
 namespace pcl_slim {
 
-/** \brief Lines over a picture, as the command line asks for them. */
+/** \brief Lines over a picture, as given on the command line. */
 struct LineRequest {
   std::string lines = "none", file;
   double width = LineStyle().width, curvature = PictureLineParams().crest_curvature;

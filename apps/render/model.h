@@ -31,11 +31,11 @@ struct Model {
   BoundingSpheres spheres() const;
 };
 
-/** \brief Whether a file's extension and fields tell of a surface or splats, not of a plain scan. */
+/** \brief Whether a file's extension and fields show a surface or splats, not a plain scan. */
 Result<bool>
 holdsModel(const std::string& path);
 
-/** \brief Loads a surface (.pcd .ply .vtp .slim) or splats (.pcd .ply .vtp); the fields tell which. */
+/** \brief Loads a surface (.pcd .ply .vtp .slim) or splats (.pcd .ply .vtp); the fields show which. */
 Result<Model>
 loadModel(const std::string& path);
 

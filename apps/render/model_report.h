@@ -37,7 +37,7 @@ reportSplats(const Model& model, const DiscRenderStatistics& counts, nlohmann::o
 void
 reportTraced(const Model& model, const TraceStatistics& counts, nlohmann::ordered_json& json);
 
-/** \brief Loads a model, or of a surface in blocks those that are wanted, and says so; borders as the picture is
+/** \brief Loads a model, or only the wanted blocks of a surface in blocks, and prints it; borders as the picture is
  * to have them. */
 Result<Model>
 loadDrawn(const std::string& path, const BlockWish& wish, bool trim, double hole, int threads,

@@ -9,7 +9,7 @@
 
 namespace pcl_slim {
 
-/** \brief What a picture shows, as the command line asks for it. */
+/** \brief What a picture shows, as given on the command line. */
 struct PictureRequest {
   std::string mode = "auto", range_text = "auto", map = "auto", unit, lighting = "auto";
   bool bar = false, white = false;

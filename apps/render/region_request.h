@@ -12,7 +12,7 @@
 
 namespace pcl_slim {
 
-/** \brief A box of interest: what lies outside is neither drawn nor looked at by the camera. */
+/** \brief A box of interest: everything outside is neither drawn nor looked at by the camera. */
 struct RegionRequest {
   std::string text = "all";
   std::vector<HalfSpace> sides;  ///< of text, world coordinates; empty: no box
@@ -30,7 +30,7 @@ struct RegionRequest {
   Error parse();
 
   /** \brief What a camera has to look at. \param[in] whole where the object is, if only a part of it is given
-   * \return an error that tells where the object lies when the box holds nothing of it */
+   * \return an error that gives the object's position when the box contains nothing of it */
   Result<BoundingSpheres> within(const BoundingSpheres& object,
                                  const WorldBox* whole = nullptr) const;
 };

@@ -10,7 +10,7 @@
 
 namespace pcl_slim {
 
-/** \brief A ray-traced picture, as the command line asks for it. */
+/** \brief A ray-traced picture, as given on the command line. */
 struct TracedRequest {
   std::string lights_text = "auto";
 

@@ -12,7 +12,7 @@
 
 namespace pcl_slim {
 
-/** \brief A camera as the command line asks for it. */
+/** \brief A camera as given on the command line. */
 struct ViewRequest {
   std::string camera = "auto", view = "auto", up = "auto", size_text = "800x600";
   double fov = 30.0;
@@ -27,22 +27,22 @@ struct ViewRequest {
   /** \brief Adds the options of the camera. The request must outlive the table's parse(). */
   void declareCamera(OptionTable& table);
 
-  /** \brief Reads size_text, view and camera; what can be said before the object is there. */
+  /** \brief Reads size_text, view and camera; checks what needs no object. */
   Error parse();
 
   /** \brief The camera for an object, once parse() has gone well. */
   Camera cameraFor(const BoundingSpheres& object) const { return cameraFor(object, object); }
-  /** \brief The same, standing where framed fits into the picture. */
+  /** \brief The same, at a position from which framed fits into the picture. */
   Camera cameraFor(const BoundingSpheres& object, const BoundingSpheres& framed) const;
   /** \brief Whether an object is to be drawn without its near side, which hides the inside that was
    * scanned: seen from outside, by a camera of this request's choice. */
   bool opens(const BoundingSpheres& object) const;
-  /** \brief The direction in which the object stands up, whichever way the camera looks. */
+  /** \brief The upward direction of the object, whichever way the camera looks. */
   std::array<double, 3> upwards(const BoundingSpheres& object) const;
 };
 
 /** \brief The cameras of pictures all the way round an upright object, to the right. One that the
- * request does not give stands so far off that every picture shows the whole object. */
+ * request does not give is so far away that every picture shows the whole object. */
 class Turntable {
  public:
   Turntable(const ViewRequest& request, const BoundingSpheres& object, int count);

@@ -18,8 +18,8 @@ enum class NormalSource { kNothing, kFields, kMesh, kEstimated };
 
 /** \brief A scan as a program works on it: the file with all its fields, and a view of its points.
  *
- * Coordinates are read in the file's own precision, in place where they lie as CloudView wants
- * them. Normals come from the fields normal_x normal_y normal_z or, for a mesh, from its faces,
+ * Coordinates are read in the file's own precision, without a copy where their layout is one of CloudView's
+ * own. Normals come from the fields normal_x normal_y normal_z or, for a mesh, from its faces,
  * weighted by area; vertices no face names then have none. A closed mesh whose faces face inwards is turned
  * outwards. The places that points were seen from come from the fields vp_x vp_y vp_z, unless all of them are
  * zero.

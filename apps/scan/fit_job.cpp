@@ -147,7 +147,7 @@ triple(const std::vector<double>& numbers)
   return std::array<double, 3>{numbers[0], numbers[1], numbers[2]};
 }
 
-/** What -correlation, -noise_model, -lambda and -normal_error say. */
+/** Transfers -correlation, -noise_model, -lambda and -normal_error to the parameters. */
 Error
 finishNoiseOptions(FitJob& job)
 {
@@ -199,7 +199,7 @@ finishFitOptions(FitJob& job)
 
 namespace {
 
-/** Where the points were seen from: what the user says, or else what the fields do. */
+/** Where the points were seen from: given by the user, or else by the fields. */
 Error
 placeSensors(const FitJob& job, CloudFile& cloud)
 {
@@ -282,7 +282,7 @@ loadGiven(const std::string& path, Console& console, Report& report, SLIMSurface
 
 namespace {
 
-/** Why what is said of the noise had no effect, one line each. */
+/** Why options about the noise had no effect, one line each. */
 void
 addNoiseNotes(const FitParams& params, const FitStatistics& fit, std::vector<std::string>& notes)
 {

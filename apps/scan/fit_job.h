@@ -23,7 +23,7 @@ withoutTrim()
   return params;
 }
 
-/** \brief What programs say of their input. */
+/** \brief The help text of programs about their input. */
 constexpr const char* kScanHelp =
     "the scan: .pcd .ply .las .xyz .txt .csv .pts .obj .off .stl .vtp; normals and faces are used";
 
@@ -51,8 +51,8 @@ struct FitJob {
 void
 declareFitOptions(OptionTable& options, FitJob& job);
 
-/** \brief Adds -surface, a surface in place of a fit, and the options of a fit; those that shape one have
- * nothing to do beside it. */
+/** \brief Adds -surface, a surface in place of a fit, and the options of a fit; the latter have
+ * no effect with -surface. */
 void
 declareSurfaceOrFit(OptionTable& options, std::string& surface, FitJob& job);
 
@@ -72,20 +72,20 @@ declareColorOption(OptionTable& options, FitJob& job);
 Error
 finishFitOptions(FitJob& job);
 
-/** \brief Loads a scan, with normals as the job wants them; says and reports so. */
+/** \brief Loads a scan, with normals as the job needs them; prints and reports it. */
 Result<CloudFile>
 loadScan(const std::string& path, const FitJob& job, Console& console, Report& report);
 
-/** \brief Whether an input can only hold a surface (.slim), or its fields, once loaded, say that it does. */
+/** \brief Whether an input can only be a surface (.slim), or its fields, once loaded, show that it is one. */
 bool
 holdsSurface(const std::string& path, const CloudFile* cloud);
 
-/** \brief Loads a surface; says and reports so. */
+/** \brief Loads a surface; prints and reports it. */
 Error
 loadGiven(const std::string& path, Console& console, Report& report, SLIMSurface& surface);
 
-/** \brief Fits a surface to a scan; says and reports what was done and what was skipped.
- * \param[out] kept the store of the scan, for who goes on working with it (may be null); also where
+/** \brief Fits a surface to a scan; prints and reports what was done and what was skipped.
+ * \param[out] kept the store of the scan, for further work with it (may be null); also set where
  * the error is that the points are no surface. */
 Error
 fitScan(const FitJob& job, const CloudFile& cloud, Console& console, Report& report,

@@ -46,7 +46,7 @@ declareOptions(const char* program, const char* version, Settings& s)
   return options;
 }
 
-/** What can be said before the input is touched. */
+/** Checks the options that can be checked before the input is read. */
 Error
 checkSettings(Settings& s)
 {
@@ -56,7 +56,7 @@ checkSettings(Settings& s)
     return {ErrorCode::kBadArgument, "-quantize rounds .slim files alone; name one as output"};
   if (Error error = checkFilesDiffer(s.files, s.job.trajectory)) return error;
   if (s.tiles.ranks == nullptr || s.tiles.ranks->rank() == 0) return {};
-  s.files.quiet = true;  // the first rank speaks and writes
+  s.files.quiet = true;  // only the first rank prints and writes
   s.files.output.clear();
   s.files.json.clear();
   return {};

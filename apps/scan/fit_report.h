@@ -10,7 +10,7 @@
 
 namespace pcl_slim {
 
-/** \brief What a report says of the points that a surface was fitted to. */
+/** \brief The part of a report about the points that a surface was fitted to. */
 struct FittedPoints {
   std::uint64_t stored = 0;
   double diagonal = 0;  ///< world length
@@ -51,7 +51,7 @@ sidesText(const FitStatistics& fit);
 std::string
 skippedText(const PointStoreStatistics& points);
 
-/** \brief Lines about points that no leaf serves; none if all are covered. */
+/** \brief Lines about points that no leaf covers; none if all are covered. */
 std::vector<std::string>
 coverNotes(const FitStatistics& fit);
 

@@ -30,8 +30,8 @@ checkFilesDiffer(const ScanFiles& files, const std::string& read);
 Error
 checkPointExtension(const std::string& path, bool las = false);
 
-/** \brief Says so where a file's format does not keep what a scan has: an organised cloud's rows, or a
- * sensor. */
+/** \brief Prints a warning where a file's format does not keep an organised cloud's rows or a
+ * sensor of the scan. */
 void
 noteWhatIsNotKept(const std::string& path, bool rows, bool sensor, Console& console);
 
@@ -45,7 +45,7 @@ struct ScanResult {
 
 /** \brief The steps of a program that makes one file of a scan, in the order they are run. */
 struct ScanSteps {
-  /** \brief What can be said before any file is touched; an error exits with kExitUsage. */
+  /** \brief Checks options before any file is read; an error exits with kExitUsage. */
   std::function<Error()> check;
   /** \brief Reads what else is needed, if anything; an error exits with kExitUsage. The cloud is null where
    * open() took the input. */
@@ -60,8 +60,8 @@ struct ScanSteps {
   std::function<Error(Console&, Report&, ScanResult&)> stream;
 };
 
-/** \brief Reads the arguments, loads the scan, works, writes result and report, and says so.
- * \param[in] scan how the scan is loaded; \param[in] threads told in the report, 0: all cores. Both
+/** \brief Reads the arguments, loads the scan, works, writes result and report, and prints it.
+ * \param[in] scan how the scan is loaded; \param[in] threads as given in the report, 0: all cores. Both
  * are read after the arguments. \return the exit status; after Ctrl-C nothing is written. */
 int
 runScanProgram(OptionTable& options, int argc, const char* const* argv, const ScanFiles& files,

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A fit by tiles as a program does it: what is said, reported and kept.
+// A fit by tiles as a program does it: what is printed, reported and kept.
 #include <algorithm>
 #include <charconv>
 #include <cstring>
@@ -254,7 +254,7 @@ pointsOf(const StreamFit& fit)
   return fitted;
 }
 
-/** Says what became of all tiles. */
+/** Prints and reports the totals over all tiles. */
 void
 tell(const StreamFit& fit, Console& console)
 {

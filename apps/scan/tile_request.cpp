@@ -32,7 +32,7 @@ checkJob(const FitJob& job, const TileRequest& tiles)
   return streamParams(job, tiles).validate();
 }
 
-/** What tells a file from others, and from what it was before. */
+/** What identifies a file and its state: a changed file differs in it. */
 std::string
 nameOf(const std::string& path)
 {

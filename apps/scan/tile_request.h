@@ -51,22 +51,22 @@ constexpr const char* kTileRelief = "give fewer -tile_points or -threads";
 StreamParams
 streamParams(const FitJob& job, const TileRequest& tiles);
 
-/** \brief Whether a scan of so many points is worked on in parts without being asked: it has more than
+/** \brief Whether a scan of this many points is fitted by tiles by default: it has more than
  * two tiles' points, or does not fit into memory. */
 bool
 wantsTiles(std::uint64_t points, const TileRequest& tiles);
 
 /** \brief Opens a scan for a fit by tiles.
  *
- * Tiles are used where the user asks for them, where the scan has no header to load it by, where it has
+ * Tiles are used where the user requests them, where the scan has no header to load it by, where it has
  * more than two tiles' points, and where a fit in memory would exceed the limit.
  * \param[out] source the scan, of several ranks this one's share of it, or null: it is to be fitted in memory.
- * \return an error where the user asks for what tiles cannot do, or the limit is too low for them. */
+ * \return an error where the user requests what tiles cannot do, or the limit is too low for them. */
 Error
 openForTiles(const std::string& path, const FitJob& job, TileRequest& tiles, Console& console,
              std::unique_ptr<PointSource>& source);
 
-/** \brief Fits by tiles; says and reports what was done and what was skipped.
+/** \brief Fits by tiles; prints and reports what was done and what was skipped.
  * \param[in,out] writer takes the surfels, tile by tile, as far as they can be written before all are known;
  * null: all are kept in made. */
 Error

@@ -11,8 +11,8 @@ Error
 checkDisplay()
 {
 #ifdef PCL_SLIM_HAS_X11
-  // The connection stays open as long as the program runs: Xvfb starts anew when its last client
-  // leaves, and refuses whoever comes meanwhile.
+  // The connection stays open as long as the program runs: Xvfb restarts when its last client
+  // disconnects, and refuses connections meanwhile.
   static Display* const display = XOpenDisplay(nullptr);
   if (!display) {
     return {ErrorCode::kIo,

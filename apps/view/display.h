@@ -5,7 +5,7 @@
 
 namespace pcl_slim {
 
-/** \brief Whether a window can be opened here. VTK ends the program where it cannot, so this asks
+/** \brief Whether a window can be opened here. VTK ends the program where it cannot, so this tries
  * the X server first. */
 Error
 checkDisplay();

@@ -12,7 +12,7 @@
 
 namespace pcl_slim {
 
-/** \brief A fit that runs beside the window's own thread. The scan must outlive it. */
+/** \brief A fit in a thread of its own, apart from the window's. The scan must outlive it. */
 class FitTask {
  public:
   FitTask(const FitJob& job, const CloudFile& cloud);

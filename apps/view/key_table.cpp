@@ -11,7 +11,7 @@ makeTable()
 {
   std::vector<Key> keys;
   const std::vector<std::string> modes = displayModeNames();
-  // Ten modes stand on the digits from 1 to 9 and 0; the help tells five of them a line.
+  // The digits 1 to 9 and 0 choose ten modes; the help lists five of them a line.
   for (std::size_t i = 0; i < 10; ++i) {
     Key key{std::to_string((i + 1) % 10), Command::kMode, "", "", static_cast<int>(i)};
     if (i % 5 == 0) {

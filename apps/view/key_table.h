@@ -6,7 +6,7 @@
 
 namespace pcl_slim {
 
-/** \brief What a key asks the window for. */
+/** \brief What a key makes the window do. */
 enum class Command : unsigned char {
   kMode,  ///< of the digit pressed
   kNextMode,
@@ -39,7 +39,7 @@ enum class Command : unsigned char {
 struct Key {
   std::string symbol;  ///< vtkRenderWindowInteractor::GetKeySym()
   Command command;
-  std::string shown, meaning;  ///< as the help names them; no meaning: told with a key above
+  std::string shown, meaning;  ///< as the help shows them; no meaning: see a key above
   int mode = 0;                ///< of kMode: the DisplayMode
 };
 

@@ -10,7 +10,7 @@ class vtkTextActor;
 
 namespace pcl_slim {
 
-/** \brief Text over a window's picture: a status line, what lies under the mouse, help, a bar. */
+/** \brief Text over a window's picture: a status line, a readout at the mouse, help, a colour bar. */
 class Overlay {
  public:
   explicit Overlay(vtkRenderer* renderer);
@@ -25,7 +25,7 @@ class Overlay {
   void raise();
   /** \brief The upper left corner: what is shown. */
   void setStatus(const std::string& text);
-  /** \brief The lower left corner: what lies under the mouse; empty: nothing. */
+  /** \brief The lower left corner: the readout at the mouse; empty: none. */
   void setReadout(const std::string& text);
   /** \brief A stage and its share done in the lower middle; below 0: nothing. */
   void setProgress(float fraction, const std::string& stage);

@@ -15,7 +15,7 @@ namespace pcl_slim {
 std::string
 describeScene(const Scene& scene);
 
-/** \brief What lies under the mouse: surfel, curvatures, error; empty beside the model. */
+/** \brief The readout at the mouse: surfel, curvatures, error; empty outside of the model. */
 std::string
 describeUnder(const Scene& scene, vtkRenderer* renderer, int x, int y);
 
@@ -27,7 +27,7 @@ savePicture(vtkRenderWindow* window, const std::string& path);
 std::string
 freePictureName();
 
-/** \brief Changes between parallel and perspective projection; what stands at the camera's target
+/** \brief Changes between parallel and perspective projection; what is at the camera's target
  * keeps its size. */
 void
 toggleParallel(vtkCamera* camera);

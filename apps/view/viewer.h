@@ -45,7 +45,7 @@ class Viewer {
 
   Scene& scene() { return scene_; }
 
-  /** \brief Brings the first mode, the extras asked for and the camera to what is in the scene. */
+  /** \brief Sets the first mode, the requested extras and the camera for the model in the scene. */
   void begin();
   /** \brief Opens the window and returns when it is closed. */
   void run();
@@ -93,9 +93,9 @@ class Viewer {
   CutBox cut_box_;
   FitTask* task_ = nullptr;
   Error fit_error_;
-  std::string message_;         ///< told once in the status line
+  std::string message_;         ///< shown once in the status line
   std::vector<double> framed_;  ///< the camera of resetCamera(); another one is the user's
-  bool mouse_rests_ = true;     ///< and what lies under it is told
+  bool mouse_rests_ = true;     ///< the mouse has not moved since the last readout
 };
 
 }  // namespace pcl_slim

@@ -8,7 +8,7 @@
 
 namespace pcl_slim {
 
-/** \brief The trackball of VTK, which tells of keys, moves, sizes and time instead of what VTK does
+/** \brief VTK's trackball, which reports keys, moves, sizes and time instead of what VTK does
  * with them. */
 class ViewerStyle : public vtkInteractorStyleTrackballCamera {
  public:
@@ -23,7 +23,7 @@ class ViewerStyle : public vtkInteractorStyleTrackballCamera {
   void OnMouseMove() override;
   void OnConfigure() override;
   /** \brief Nothing but on_timer(): VTK's own would turn the camera on, by the last move of the mouse,
-   * at every tick while a button is held. */
+   * at every tick while a button is down. */
   void OnTimer() override;
 };
 

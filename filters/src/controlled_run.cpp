@@ -25,7 +25,7 @@ ControlledRun::guardedCall(const char* work, const char* remedy, Error (*call)(c
 {
   try {
     error_ = call(body);
-    // Asked for after the last place where anyone looks: whoever cancels wants no result.
+    // Checked after the last progress report: a caller who cancels wants no result.
     if (!error_ && control_.progress.cancelled()) {
       fail(ErrorCode::kCancelled, std::string(work) + " was cancelled");
     }

@@ -36,7 +36,7 @@ namespace {
 constexpr float kLargest = 1e18f;
 constexpr float kLeastSpan = 1e-12f;
 
-/** What of PCL's normals cannot be had for a cloud. */
+/** Checks that PCL can estimate normals of a cloud. */
 Error
 checkCloud(const pcl::PointCloud<pcl::PointXYZ>& cloud, int neighbours)
 {

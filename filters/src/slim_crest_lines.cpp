@@ -57,7 +57,7 @@ traceCloud(const CloudView& cloud, CrestRun& run, CrestLines& lines, Progress* p
   crest.threads = run.fit.threads;
   Error error = traceCrestLines(*store, projection, *run.surface, crest, lines,
                                 &run.crest_statistics, progress);
-  // Asked for after the last place where anyone looks: whoever cancels wants no result.
+  // Checked after the last progress report: a caller who cancels wants no result.
   if (!error && progress != nullptr && progress->cancelled()) {
     error = {ErrorCode::kCancelled, "the tracing of lines was cancelled"};
   }

@@ -61,7 +61,7 @@ pixelRay(const DepthCamera& camera, int x, int y)
           (y + 0.5 - 0.5 * camera.height) / camera.focal, 1};
 }
 
-/** What the camera says of a depth, given the error of its disparity in px. */
+/** The depth that the camera measures, given the error of its disparity in px. */
 double
 measuredDepth(const DepthCamera& camera, double depth, double error)
 {

@@ -20,7 +20,7 @@ struct SensorScan {
   std::size_t size() const { return solid.size(); }
 };
 
-/** \brief A camera that tells depth by disparity, at the origin, along z. */
+/** \brief A camera that measures depth by disparity, at the origin, along z. */
 struct DepthCamera {
   int width = 320, height = 240;
   double focal = 292.5;                    ///< [px of its image]
@@ -62,7 +62,7 @@ SensorScan
 scanInLayers(const std::vector<Solid>& solids, const LayeredScan& layers, std::uint64_t seed);
 
 /** \brief Geometry by name: room and hall (wall, floor, two spheres), frontal hall (its wall faces the
- * camera within 6 degrees), balls (two planes, five spheres), wave40, wave15, wave6 (a tilted plane with waves of so many centimetres) for cameras; street (ground,
+ * camera within 6 degrees), balls (two planes, five spheres), wave40, wave15, wave6 (a tilted plane with waves of 40, 15 or 6 cm) for cameras; street (ground,
  * walls, poles) for a lidar; figure (two spheres on a foot) for layers. Empty for another name. */
 std::vector<Solid>
 namedSolids(const std::string& name);

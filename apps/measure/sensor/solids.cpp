@@ -30,7 +30,7 @@ heightOver(const Solid& s, const Vector3& p)
   return dot(d, s.axis) - s.amplitude * std::sin(phase);
 }
 
-/** The nearer root of a quadratic a t^2 + 2 b t + c that lies ahead. */
+/** The nearer root of a quadratic a t^2 + 2 b t + c that is positive. */
 double
 nearerRoot(double a, double b, double c)
 {

@@ -27,7 +27,7 @@ struct Solid {
 double
 meet(const Solid& solid, const Vector3& origin, const Vector3& direction);
 
-/** \brief How far a point lies off a solid (signed) and the solid's unit normal at its foot. */
+/** \brief Signed distance of a point from a solid, and the solid's unit normal at its foot. */
 struct Foot {
   double distance = 0;
   Vector3 normal{};

@@ -15,7 +15,7 @@ class vtkRenderWindowInteractor;
 
 namespace pcl_slim {
 
-/** \brief A box in a window whose sides and place the mouse drags by their handles: what lies outside is
+/** \brief A box in a window whose sides and place the mouse drags by their handles: everything outside is
  * to be cut away. */
 class CutBox {
  public:

@@ -6,8 +6,8 @@
 
 namespace pcl_slim {
 
-/** \brief A sample of a scan's points, with their normals where it has any, for a camera to look at: it then
- * stands where it will for the fitted surface, or nearly so. Finite points alone. O(sample). */
+/** \brief A sample of a scan's points, with their normals where it has any, for the first camera: it then
+ * is placed as for the fitted surface, or nearly so. Finite points only. O(sample). */
 BoundingSpheres
 spheresOfPoints(const CloudView& points);
 

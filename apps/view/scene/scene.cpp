@@ -61,7 +61,7 @@ Scene::setMapper(GBufferMapper* mapper)
   model_->SetMapper(mapper_);
   setClayLook(model_->GetProperty());
   add(model_);
-  // Points of two pixels would cover the surface they lie on.
+  // Points of two pixels would cover the surface below them.
   if (points_) points_->GetProperty()->SetPointSize(1.0f);
 }
 

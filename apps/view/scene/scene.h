@@ -26,7 +26,7 @@ class GBufferMapper;
 class SLIMMapper;
 class SplatMapper;
 
-/** \brief What a window shows of a model: the model itself, and, where asked for, the points it was
+/** \brief What a window shows of a model: the model itself, and, where requested, the points it was
  * made of, the balls of its leaves coloured by size, and the normals. */
 class Scene {
  public:
@@ -57,7 +57,7 @@ class Scene {
   /** \brief Widens or narrows the range of a curvature map; 0: back to the automatic one. */
   void scaleRange(double factor);
 
-  /** \brief Cuts all that is shown, and will be, to what lies in some half spaces. */
+  /** \brief Cuts all that is shown, now and later, to the intersection of some half spaces. */
   void cut(const std::vector<HalfSpace>& sides);
 
   void showModel(bool shown);

@@ -32,10 +32,10 @@ parseLas(const std::vector<unsigned char>& bytes);
 Result<std::vector<unsigned char>>
 formatLas(const PointFile& file);
 
-/** The points of a text file, one a line; text_table.h and column_names.h say how it is read.
+/** The points of a text file, one a line; text_table.h and column_names.h describe the format.
  *
- * Coordinates and other numbers are floats where those hold every digit written, else doubles.
- * \param[in] pts whether it is a .pts file, whose intensity stands before the colours. */
+ * Coordinates and other numbers are floats where those represent every digit written, else doubles.
+ * \param[in] pts whether it is a .pts file, whose intensity precedes the colours. */
 Result<PointFile>
 parseText(const std::vector<unsigned char>& bytes, bool pts);
 

@@ -32,7 +32,7 @@ parseAs(const char* begin, const char* end, std::uint8_t* at)
     double wide = 0.0;
     const auto again = std::from_chars(begin, end, wide);
     stop = again.ptr;
-    // The largest integer of 64 bits is no double: what lies below the power of two behind it fits.
+    // The largest integer of 64 bits is no double: values below the next power of two fit.
     const double behind = std::ldexp(1.0, std::numeric_limits<T>::digits);
     if (!(wide >= static_cast<double>(std::numeric_limits<T>::min()) && wide < behind)) {
       return false;

@@ -29,7 +29,7 @@ addField(pcl::PCLPointCloud2& cloud, const std::string& name, std::uint8_t type,
 void
 swapBytes(std::uint8_t* at, std::size_t size);
 
-/** Walks over text held in memory. */
+/** Reads text in memory word by word. */
 class TextScanner {
  public:
   TextScanner(const unsigned char* bytes, std::size_t size)

@@ -175,7 +175,7 @@ vtpPieces(const std::string& path)
   return pieces;
 }
 
-/** A surface's surfels as points, and what they alone do not say as comments. */
+/** A surface's surfels as points, and all further data as comments. */
 PointFile
 pointsOf(const SLIMSurface& surface)
 {

@@ -64,7 +64,7 @@ parse(const std::vector<std::string>& words, std::array<double, 3>& v)
          parse(words[4], v[2]);
 }
 
-/** Sets what one line says. Unknown keys are left to other versions. */
+/** Sets the value of one line. Unknown keys are ignored: they are of other versions. */
 bool
 parseLine(const std::vector<std::string>& words, SurfaceMetadata& metadata, int& version)
 {

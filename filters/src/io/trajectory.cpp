@@ -110,7 +110,7 @@ trajectoryOf(const TextTable& table)
   return badInput("it has places at fewer than two times; give more");
 }
 
-/** The field that holds the points' times. */
+/** The field with the points' times. */
 Result<const pcl::PCLPointField*>
 timeField(const pcl::PCLPointCloud2& cloud, const std::string& asked)
 {
@@ -131,7 +131,7 @@ timeField(const pcl::PCLPointCloud2& cloud, const std::string& asked)
                   (" (there are " + names + "): name theirs with -time_field"));
 }
 
-/** Floats of some magnitude must tell the trajectory's places apart. */
+/** Checks that floats of this magnitude separate the trajectory's positions. */
 Error
 checkResolution(const pcl::PCLPointField& field, double largest, const Trajectory& trajectory)
 {

@@ -16,7 +16,7 @@ constexpr int kSamples = 4;               ///< of a leaf's patch to each side of
 constexpr double kPatch = 0.67;           ///< of a leaf's radius: the patches cover all the surface
 constexpr double kCell = 0.25;            ///< of the median radius
 constexpr std::size_t kMostCells = 4000;  ///< a side of the depth map
-constexpr double kBehind = 0.5;           ///< radii: so far behind the front a line still shows
+constexpr double kBehind = 0.5;           ///< radii: depth behind the front to which lines show
 constexpr double kSteepest = 4.0;         ///< of the slopes that a cell of the map allows for
 constexpr const char* kColors[] = {"#1f4fb4", "#c0281e"};  // ridges, ravines
 
@@ -68,7 +68,7 @@ class DepthMap {
     }
   }
 
-  /** Whether something lies well in front of a vertex. */
+  /** Whether the surface well in front of a vertex hides it. */
   bool hides(const Vector3& p, double radius, double facing) const
   {
     const std::size_t at = index(p);

@@ -28,7 +28,7 @@ namespace {
 constexpr double kRadiiOfCubic = 1.42;
 constexpr double kRadiiOfQuartic = 1.97;
 constexpr double kPlaceReach =
-    0.5;  ///< of a ball's radius: half of it is surely covered beside the foot
+    0.5;  ///< of a ball's radius: half of it around the foot is surely covered
 
 Error
 needsPositive(const char* what)
@@ -136,11 +136,11 @@ SLIMSmootherBase::smooth(const CloudView& points, bool curvature, CloudProjectio
   return done;
 }
 
-/** Points to bring onto the surface beside the input's own. */
+/** Points to project onto the surface in addition to the input's own. */
 struct SLIMSmootherBase::Candidates {
   std::vector<double> xyz;
   std::vector<float> normals;  ///< of the input points they belong to; zero where there is none
-  std::vector<std::uint32_t> source;  ///< the input point of each, a place in the points asked for
+  std::vector<std::uint32_t> source;  ///< the input point of each, an index into the view's points
 
   void add(std::size_t from, const std::array<double, 3>& place);
   void keep(const CloudProjection& projection);

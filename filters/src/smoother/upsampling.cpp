@@ -53,7 +53,7 @@ makeUnique(std::vector<std::uint64_t>& keys)
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
 }
 
-/** Joins every voxel by those up to so many steps along an axis. */
+/** Dilates the set of voxels by a number of steps along an axis. */
 void
 dilateAlong(int axis, int steps, std::vector<std::uint64_t>& keys)
 {

@@ -21,16 +21,16 @@ discGrid(double radius, double step);
 std::vector<std::array<double, 2>>
 discSamples(std::size_t count, double radius, std::uint64_t seed);
 
-/** Corners of voxels of this edge that hold points, joined so often by all their neighbours; ascending in
+/** Corners of the voxels that contain points, dilated a number of times by all neighbours; ascending in
  * x, then y, then z. \return an error for voxels too small to be counted. */
 Result<std::vector<Position>>
 dilatedVoxels(const CloudView& view, double edge, int dilations);
 
-/** For each place the nearest finite point that the view asks for. O(places log points). */
+/** For each place the nearest finite point of the view. O(places log points). */
 std::vector<std::uint32_t>
 nearestPoints(const CloudView& view, const std::vector<Position>& places);
 
-/** How many points lie within a radius of each point that the view asks for, itself included; 0 for those
+/** How many points are within a radius of each point of the view, itself included; 0 for those
  * that are not finite. */
 std::vector<std::uint32_t>
 countNeighbors(const CloudView& view, double radius);

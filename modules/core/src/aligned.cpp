@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::align_val_t kLine{64};
 
-/** Asks for large pages where the block has room for some. Memory that was used before keeps the
+/** Requests large pages where the block has room for some. Memory that was used before keeps the
  * pages it has; refusal does no harm. */
 void
 useLargePages([[maybe_unused]] void* block, [[maybe_unused]] std::size_t bytes)

@@ -29,7 +29,7 @@ struct UnfinishedFile {
 
 std::array<UnfinishedFile, 16> g_unfinished;
 
-/** A temporary file beside a target, removed unless it is renamed. Its name is short and no
+/** A temporary file in the target's folder, removed unless it is renamed. Its name is short and no
  * longer than the longest allowed, however long the target's is. */
 class TemporaryFile {
  public:
@@ -98,7 +98,7 @@ ioError(const std::string& verb, const std::string& path, const std::string& why
   return {ErrorCode::kIo, "cannot " + verb + " '" + path + "': " + why};
 }
 
-/** What helps against a defect that the operating system names; empty: who knows. */
+/** The remedy for an error code of the operating system; empty: none known. */
 std::string
 remedyOf(int code)
 {
@@ -193,7 +193,7 @@ writeAll(const fs::path& path, const void* bytes, std::size_t size)
 
 /** A file that is complete but for its name. */
 struct WaitingFile {
-  std::string name;  ///< as it was asked for
+  std::string name;  ///< as the caller gave it
   fs::path target;
   std::unique_ptr<TemporaryFile> temporary;
 };

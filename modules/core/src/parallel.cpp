@@ -25,7 +25,7 @@ namespace {
 
 thread_local bool in_loop = false;  ///< a body of a loop runs on this thread
 
-/** Tell the thread sanitizer how oneTBB, which is built without it, orders a loop's threads: the caller
+/** Report to the thread sanitizer how oneTBB, built without it, orders a loop's threads: the caller
  * before all shares, and those before what follows the loop. */
 void
 handOver([[maybe_unused]] void* loop)
@@ -43,9 +43,9 @@ takeOver([[maybe_unused]] void* loop)
 #endif
 }
 
-/** A place of at least so many threads in oneTBB's pool, which all callers share. Each calling
+/** An arena of at least this many threads in oneTBB's pool, which all callers share. Each calling
  * thread keeps its own: a fit is some hundred short loops, and helpers that still look out for work
- * there come to the next at once. It only grows, as making one costs more than a short loop does.
+ * there start with the next immediately. It only grows, as making one costs more than a short loop does.
  * Against a thread team of our own, one for each calling thread, this took .96 to 1.02 of the wall
  * time. */
 tbb::task_arena&
@@ -56,8 +56,8 @@ arenaOf(int threads)
   return *arena;
 }
 
-/** Whether oneTBB has set itself up. It does so once: where memory was short then, whoever calls it
- * next waits for ever, so from then on loops run on their callers alone, with the same results. */
+/** Whether oneTBB is initialised. It initialises once: if memory was short then, the next caller
+ * waits for ever; so loops run on their calling threads from then on, with the same results. */
 bool
 poolStands()
 {
@@ -72,7 +72,7 @@ poolStands()
   return stands;
 }
 
-/** Threads that the pool grants; it would print a warning if asked for more. */
+/** Threads that the pool grants; it would print a warning if more were requested. */
 int
 granted(int threads)
 {
@@ -105,7 +105,7 @@ runOnTeam(int threads, void (*work)(void*, int), void* context)
 {
   const int shares = in_loop ? 1 : granted(threads);
   if (shares <= 1) return work(context, 0);
-  char begin = 0, end = 0;  // addresses that stand for the loop's two ends
+  char begin = 0, end = 0;  // their addresses represent the loop's two ends
   const auto run = [work, context, from = &begin, to = &end](int share) {
     takeOver(from);
     in_loop = true;

@@ -48,7 +48,7 @@ smoothed(const TracedLine& line)
   return mean;
 }
 
-/** Opens a closed line at a vertex that does not stand out, if there is one. */
+/** Opens a closed line at a vertex that is not significant, if there is one. */
 void
 openAtLowest(TracedLine& line, std::vector<double>& mean, double least)
 {
@@ -74,7 +74,7 @@ LineSums::LineSums(const TracedLine& line)
   }
 }
 
-/** Keeps the stretches of traced lines that stand out of the noise and are long and strong enough, and
+/** Keeps the stretches of traced lines that are significant against the noise and long and strong enough, and
  * counts the others. */
 std::vector<TracedLine>
 keptStretches(const std::vector<TracedLine>& traced, const CrestParams& params,
@@ -113,7 +113,7 @@ keptStretches(const std::vector<TracedLine>& traced, const CrestParams& params,
 
 constexpr double kStorePrecision = 1e-9;  ///< of L: rounding must not pass for structure
 constexpr double kCleanNoise = 1e-6;      ///< of L: below it third derivatives are the more exact
-constexpr std::size_t kSlices = 32;       ///< progress is told and cancelling asked for in between
+constexpr std::size_t kSlices = 32;       ///< progress report and cancel check in between
 constexpr float kSeedsShare = 0.1f;       ///< of the time
 
 std::array<float, 3>

@@ -19,7 +19,7 @@ measuresResiduals(const FitParams& params)
   return !params.lambda && !params.paper_mode && !params.hasThreshold();
 }
 
-/** The noise level by the residual estimate, measured where something asks for it, and then once. */
+/** The noise level by the residual estimate, measured once, at the first request. */
 class ResidualNoise {
  public:
   ResidualNoise(const PointStore& store, const FitParams& params, const NoiseConstants& constants,
@@ -100,7 +100,7 @@ noiseVariance(const PointStore& store, const FitParams& params, const NoiseConst
                                    : measurePaperNoise(store, constants, threads).variance;
 }
 
-/** How noise varies over the cloud, where the user or the data say that it does. */
+/** How noise varies over the cloud, if the user or the data show that it does. */
 void
 measureProfile(const PointStore& store, const FitParams& params, const NoiseConstants& constants,
                int threads, ResidualNoise& residual, CloudMeasures& measures)

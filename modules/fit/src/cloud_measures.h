@@ -7,7 +7,7 @@
 
 namespace pcl_slim::detail {
 
-/** \brief What the user states of a cloud's errors, or what the cloud shows: lambda, the noise profile, the normal
+/** \brief A cloud's errors as given by the user or measured: lambda, the noise profile, the normal
  * bound and what normals weigh as data. \return an error where normals are to be data and there are none. */
 Result<CloudMeasures>
 measureCloud(const PointStore& store, const FitParams& params, const FitConstants& constants,

@@ -23,7 +23,7 @@ struct PresetConstants {
   double lenience_with_t = 1.0;      ///< the same where T is given
   double lack_of_fit = 2.5;          ///< no leaf while e exceeds this many sqrt(lambda)
   double lack_of_fit_with_t = 10.0;  ///< the same where T is given
-  double thick = 5.0;                ///< noise fills balls below so many sqrt(lambda)
+  double thick = 5.0;                ///< balls below this many sqrt(lambda) are noise-filled
   double thick_with_t = 4.0;         ///< the same where T is given
   float sharp_bound = 0.5f;          ///< the normal bound with sharp features [cosine]
 };
@@ -35,7 +35,7 @@ struct PresetConstants {
  * number of points, e the RMS residual and r the radius.
  */
 struct RadiusConstants {
-  // "Balls of a few sigma": e^2 seen through falling weights.
+  // "Balls of a few sigma": e^2 under falling weights.
   double least_seen_share = 0.2;  ///< ratio; e^2 shows at least this share of the variance
 
   // "One fit, step by step", 3 (Levels): a ball that is divided after a look at part of its points.
@@ -59,10 +59,10 @@ struct RadiusConstants {
   double scattered_ratio = 0.02;  ///< e / r beyond which few points make no surface
 
   // "Two fits on the same points".
-  double noise_like = 1.5;         ///< e^2 in units of lambda up to which a ball holds noise only
+  double noise_like = 1.5;         ///< e^2 [lambda] up to which a ball contains only noise
   double comparison_rise = 1.3;    ///< ratio of E beyond which the wide ball's rim is off too far
   double comparison_worth = 0.46;  ///< ratio of D^2 to the variance saved, times kappa
-  double comparison_trust = 2.0;   ///< ratio; so much more where E speaks for the wide ball as well
+  double comparison_trust = 2.0;   ///< factor on that if E favours the wide ball as well
   int comparison_radii = 4;        ///< number of radii from r_r down to r_m, r_r among them
   int least_degree = 2;            ///< lowest degree that is compared
   double degree_support = 9.0;     ///< n_eff / P from which a degree can be found to be too high
@@ -81,7 +81,7 @@ struct RadiusConstants {
   int feature_degree = 2;        ///< the degree that is tried there
   int feature_steps = 4;         ///< number of radii tried for it
   double feature_step = 0.75;    ///< ratio of each of these radii to the last
-  double feature_support = 1.5;  ///< n_eff / P asked of it
+  double feature_support = 1.5;  ///< n_eff / P that it needs
   double feature_noise = 1.15;   ///< e^2 in units of lambda that is more than noise
   double feature_height = 0.01;  ///< e / r that no smooth surface leaves
   double feature_gain = 0.9;     ///< ratio of expected errors that the lower degree must reach
@@ -98,19 +98,19 @@ struct NormalErrorConstants {
   std::size_t least_patches = 100;  ///< patches that a result takes
   std::size_t neighbors = 64;     ///< points of a patch: wider than most estimates of normals reach
   std::size_t least_points = 48;  ///< points of a patch on the sample's own side
-  std::size_t tilt_points = 9;    ///< the sample and its nearest, whose heights tell a tilt
+  std::size_t tilt_points = 9;    ///< the sample and its nearest, for the tilt of heights
   std::size_t pairs = 4;          ///< nearest neighbours that the sample is paired with
   float own_side = 0.3f;          ///< least cosine with the sample's normal
   double least_cosine = 0.1;      ///< least cosine that a slope is read from
   double trim = 0.1;              ///< share of patches left out at either end of the mean
   double with_heights = 0.15;     ///< correlation with the points' tilt from which it repeats them
-  double with_neighbors = 0.03;   ///< correlation with neighbours from which they are no news
+  double with_neighbors = 0.03;   ///< correlation with neighbours from which they repeat them
 };
 
 /** \brief Two sheets in one ball (docs/theory.md, "Sheets"). */
 struct SheetConstants {
-  int passes = 2;             ///< times a ball is parted
-  double noise = 4.0;         ///< sheets that can be told apart leave e^2 above so many lambda
+  int passes = 2;             ///< times a ball's sheets are separated
+  double noise = 4.0;         ///< least e^2 of two separable sheets [lambda]
   int bins = 48;              ///< of the histogram of residuals, 128 at most
   double valley = 0.12;       ///< height of the valley over the lower peak's
   std::size_t points = 24;    ///< points that a histogram takes
@@ -130,12 +130,12 @@ struct BallConstants {
       0.3;  ///< share of points within the normal bound, below which a normal is alone
   double lone_cosine = 0.3;  ///< mean cosine with them, below which it is ("Lone normals")
   std::size_t glance_blocks =
-      512;                        ///< blocks of 16 points that tell e^2 to some percent ("Levels")
-  std::size_t glance_stride = 2;  ///< least stride of blocks at which a glance saves time
-  std::size_t line_points = 64;   ///< so many points without a plane are divided ("Levels")
+      512;                        ///< blocks of 16 points that give e^2 to some percent ("Levels")
+  std::size_t glance_stride = 2;  ///< least stride of blocks at which the coarse check pays
+  std::size_t line_points = 64;   ///< this many points without a plane are divided ("Levels")
   double off_center = 0.03;       ///< a fit that passes its centre farther off [r_r] moves the ball
   double largest_shift =
-      0.3;  ///< a ball moves at most so far [r_r]; the cover's cells allow for it
+      0.3;  ///< the largest shift of a ball [r_r]; the cover's cells allow for it
   SheetConstants sheets;
   BiasConstants bias;
 };
@@ -144,7 +144,7 @@ struct BallConstants {
 struct CoverConstants {
   double paper_first_radius = 0.1;                  ///< r_r of level 1 [L]: the paper's L / 10
   double first_radius = 0.1 / (kGolden * kGolden);  ///< the default's: two levels wider
-  double start_share = 0.5;         ///< the first level's median ball holds at most this share
+  double start_share = 0.5;         ///< most points in the first level's median ball
   double sharp_start_share = 0.15;  ///< the same with sharp features
   std::size_t start_samples = 31;   ///< balls whose median that is
   std::size_t start_slack = 4;      ///< blocks a ball may touch beyond that share
@@ -152,9 +152,9 @@ struct CoverConstants {
   int last_level = 40;              ///< the finest level: r_r is 1e-9 L, support ends long before
   double least_radius = 1.0;        ///< [steps of the centres' grid]: no ball misses its own point
   double alpha = 2.0 / 3.0;         ///< a leaf covers within alpha r: the paper's
-  double supported_alpha = 0.55;    ///< alpha of leaves that many points stand behind ...
+  double supported_alpha = 0.55;    ///< alpha of well supported leaves ...
   double well_supported = 16.0;     ///< ... which are those of more n_eff per coefficient
-  double residual_bound = 5.0;      ///< a leaf covers points within so many e of it
+  double residual_bound = 5.0;      ///< a leaf covers points within this many e of it
   double residual_floor = 1e-6;     ///< [r] added to that, for the rounding of exact fits
 };
 
@@ -169,11 +169,11 @@ struct OrientConstants {
 };
 
 /** \brief Borders and holes (docs/theory.md, "Borders"). Lengths are in spacings of a surfel's points
- * unless brackets say otherwise. */
+ * unless brackets give another unit. */
 struct TrimConstants {
   double known = 1.15;         ///< [r] points are gathered within
   double gate = 0.25;          ///< [r] points farther from the surfel are no points of it, ...
-  double growth = 0.3;         ///< a sample owns this much beyond itself, beside half a cell
+  double growth = 0.3;         ///< a sample owns this much beyond itself, plus half a cell
   double cell = 0.5;           ///< width of a raster's cells
   double clear = 0.3;          ///< depth inside data from which on a place is clear of any border
   double looked_at = 0.9;      ///< [r] gaps beyond do not open a surfel: its weight is next to 0
@@ -189,7 +189,7 @@ struct BorderConstants {
   double sector = 1.75;          ///< [radians] empty next to a border
   double turn = 0.4;             ///< [radians] discs are also tried this much to either side
   double edge = 0.8;       ///< least cosine between the planes of a point and of its surfel ...
-  double exact = 0.06;     ///< ... where noise [its reach, over that of neighbours] allows to tell
+  double exact = 0.06;     ///< ... where noise [its reach, over that of neighbours] is small enough
   double far = 10.0;       ///< [spacing] a gap as wide needs no other side
   double disc = 1.2;       ///< [smallest hole] chance leaves narrower discs empty
   double near = 3.0;       ///< [spacing] points are counted on the other side of a gap

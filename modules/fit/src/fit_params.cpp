@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kLeastHole = 2.0;  ///< spacings: smaller gaps are between neighbours
 constexpr double kMostHole = 50.0;  ///< spacings: wider ones are never closed, no ball spans them
-constexpr double kMostNormalError = 1.5707963267948966;  ///< pi/2: normals that tell nothing
+constexpr double kMostNormalError = 1.5707963267948966;  ///< pi/2: normals without information
 
 Error
 bad(const char* text)
@@ -22,7 +22,7 @@ bad(const char* text)
   return {ErrorCode::kBadArgument, text};
 }
 
-/** What is said of the noise, and whether it can be said together. */
+/** Checks the parameters of the noise, one by one and together. */
 Error
 validateNoise(const FitParams& params)
 {

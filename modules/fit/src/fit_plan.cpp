@@ -54,7 +54,7 @@ presetOf(const FitParams& params, const FitConstants& constants)
                  : params.hasThreshold() ? FitPlan(constants)
                                          : defaultPreset(constants);
   if (params.hasThreshold()) plan = withGivenT(std::move(plan));
-  // Faces between edges are small: wider balls only hold more of other faces.
+  // Faces between edges are small: wider balls only contain more of other faces.
   if (params.sharp_features) plan.start_share = constants.cover.sharp_start_share;
   return plan;
 }
@@ -94,7 +94,7 @@ planFor(const PointStore& store, const FitParams& params, const FitConstants& co
 {
   FitPlan plan = framePlan(store.frame(), params, constants);
   plan.degree = *params.degree;
-  // A size that is asked for is met by the paper's alpha, which takes fewer leaves.
+  // With a target number of surfels the paper's alpha is used: it needs fewer leaves.
   const auto* penalty = std::get_if<PenaltyWeight>(&params.size);
   const auto* threshold = std::get_if<MDLThreshold>(&params.size);
   if (!penalty && !threshold) plan.supported_alpha = plan.alpha;
@@ -111,7 +111,7 @@ planFor(const PointStore& store, const FitParams& params, const FitConstants& co
   plan.energy.t_mdl = t_mdl * store.diagonal();
   plan.energy.lambda = measures.lambda;
   plan.energy.correlation = measures.correlation;
-  // The paper's lambda, which T goes with, holds the surface's bend too; the smallest balls follow it.
+  // The paper's lambda, which T goes with, contains the surface's bend, too; the smallest balls follow it.
   if (!params.hasThreshold() && !params.paper_mode) plan.noise = measures.noise;
   plan.noise_profile = measures.noise_profile;
   plan.normal_error = measures.normal_error;

@@ -35,13 +35,13 @@ struct FitPlan {
   double support = constants.preset.support;          ///< n_eff per coefficient that a fit takes
   double lenience = constants.preset.lenience;  ///< the largest r with E <= lenience min E is taken
   double lack_of_fit =
-      constants.preset.lack_of_fit;  ///< e goes on over so many sqrt(lambda); 0: no
+      constants.preset.lack_of_fit;  ///< no leaf while e > this * sqrt(lambda); 0: off
   bool find_detail = true;           ///< look for detail below the noise, and for features
-  bool compare_nested = true;        ///< let a wide ball stand that costs the inner points nothing
-  double residual_bound = constants.cover.residual_bound;  ///< a leaf covers within so many e; 0: r
+  bool compare_nested = true;        ///< accept the wider ball if it fits the inner points as well
+  double residual_bound = constants.cover.residual_bound;  ///< a leaf covers within this * e; 0: r
   double alpha = constants.cover.alpha;                    ///< a leaf covers within alpha r ...
   double supported_alpha =
-      constants.cover.alpha;  ///< ... or this, where many points stand behind it
+      constants.cover.alpha;  ///< ... or this, for leaves that many points support
   double gamma = 0.1;         ///< a point is covered at this coverage
   double diagonal = 1.0;      ///< L
   double first_radius = constants.cover.paper_first_radius;  ///< r_r of level 1 over L
@@ -55,7 +55,7 @@ struct FitPlan {
   float min_dot = 0.0f;     ///< CloudMeasures::min_dot
   bool skip_lone_normals = true;
   bool split_sheets = false;
-  bool internal_only = false;  ///< every ball is kept at r_r, for finer ones to stand below
+  bool internal_only = false;  ///< every ball is kept at r_r, as a parent of finer ones
   bool robust = false;
   bool paper = false;
   std::uint64_t seed = 1;
@@ -75,7 +75,7 @@ struct FitPlan {
   /** \brief Smaller balls may miss the point that they are about, for their centres are on a grid. */
   double leastRadius() const { return constants.cover.least_radius * center_grid; }
 
-  /** \brief Whether balls of level k are as wide as the least ball asked for. */
+  /** \brief Whether balls of level k are no narrower than least_ball. */
   bool allows(int k) const { return levelRadius(k) >= least_ball; }
 
   /** \brief Whether balls of level k, and the narrower ones that they mark, contain their own points. */

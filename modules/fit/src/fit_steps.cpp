@@ -100,7 +100,7 @@ countPoints(const PointStore& store, const LevelCover& cover, FitStatistics& sta
 }
 
 constexpr std::uint64_t kFewCovered =
-    100;                                  ///< leaves that cover less than 1 in so many mean nothing
+    100;                                  ///< a fit that covers less than 1 point in 100 has failed
 constexpr std::uint64_t kFewPoints = 12;  ///< about what the smallest leaf takes
 
 }  // namespace
@@ -122,7 +122,7 @@ startLevel(const PointStore& store, const FitPlan& plan)
       const float center[3] = {static_cast<float>(p[0]), static_cast<float>(p[1]),
                                static_cast<float>(p[2])};
       blocks.clear();
-      // Blocks stand for their points: enough for a choice between factors of 1.6.
+      // Blocks are counted in place of points: enough for a choice between factors of 1.6.
       store.tree().blocksInBall(center, static_cast<float>(plan.levelRadius(level)), blocks);
       crowded +=
           blocks.size() * PointStore::kBlock > most + constants.start_slack * PointStore::kBlock;

@@ -11,8 +11,8 @@ namespace pcl_slim::detail {
 
 class LevelCover;
 
-/** \brief First level whose median ball holds a small share of the points: the box's size says
- * nothing about the object's where one far point can stretch it. 1 in paper mode. */
+/** \brief First level whose median ball contains a small share of the points: the box's size gives
+ * no size of the object, as one far point can stretch it. 1 in paper mode. */
 int
 startLevel(const PointStore& store, const FitPlan& plan);
 
@@ -54,7 +54,7 @@ void
 makeTrimMaps(const PointStore& store, const FitPlan& plan, double hole_size, FitStatistics& stats,
              SLIMSurface& surface);
 
-/** \brief Counts what a finished fit holds: points, surfels, and what its cover did. The times and
+/** \brief Counts a finished fit's points and surfels, and what its cover did. The times and
  * what was measured of the cloud are the fit's own to write. O(points + surfels). */
 void
 countFit(const PointStore& store, const LevelCover& cover, const SLIMSurface& surface,

@@ -57,7 +57,7 @@ noiseFills(const PointStore& sample, const FitStatistics& stats, double lambda,
   return 2 * stats.noise.neighbors > most && sigma >= noise.patch_noise * stats.noise.patch_radius;
 }
 
-/** The cloud's traits in the place of what a store shows. */
+/** The cloud's traits in place of those measured on a store. */
 CloudMeasures
 measuresOf(const CloudTraits& traits)
 {

@@ -71,7 +71,7 @@ contour(const ProbeField& field, bool oriented, CellTree& tree, MeshStatistics& 
 
 constexpr double kNoiseShare = 0.25;      ///< of the noise's deviation: the default tolerance
 constexpr double kLeastTolerance = 1e-4;  ///< of the diagonal, by default
-/// Spacings of the points: narrower cells follow what the points do not tell. The second is for a tolerance
+/// Spacings of the points: narrower cells follow detail that the points do not resolve. The second is for a tolerance
 /// below the default one.
 constexpr double kLeastSpacings = 1, kLeastAsked = 0.5;
 constexpr double kWidestGap = 6;  ///< spacings: gaps of the contouring that are closed
@@ -260,7 +260,7 @@ Extraction::addSharpEdges()
   changeUnits(params_.sharp->info, surface_.info, vertices_);
 }
 
-/** Collapses edges until there are no more triangles than asked for, and puts the vertices back onto the
+/** Collapses edges until there are no more triangles than requested, and puts the vertices back onto the
  * surface. */
 Error
 Extraction::simplify(const ProbeField& field)

@@ -24,14 +24,14 @@ using namespace detail;
 
 namespace {
 
-/** \brief Where faces stand on a surface. */
+/** \brief The projections of faces onto a surface. */
 struct FaceProjection {
   std::vector<Vector3> places;   ///< projected centroids; as given where unsupported
   std::vector<Vector3> normals;  ///< eq. 7, to the side given; zero where unsupported
   std::uint64_t unsupported = 0;
 };
 
-/** Places and directions as the store wants them; the view is valid while this object lives. */
+/** Places and directions in the layout of the store; the view is valid while this object lives. */
 class Samples {
  public:
   Samples(const std::vector<Vector3>& places, const std::vector<Vector3>& normals)
@@ -116,7 +116,7 @@ class SmoothingRun {
   SLIMSurface takeFitted() { return std::move(fitted_); }
 
  private:
-  /** \brief As the paper has it: one projection, one step of the vertices. */
+  /** \brief As in the paper: one projection, one step of the vertices. */
   Error runAsPaper();
   /** \brief Smooth everywhere: the mesh's normals, weighed against the surface's. */
   Error runRounded();
@@ -155,13 +155,13 @@ class SmoothingRun {
 constexpr double kRoundedRange = 0.7, kFirstRange = 0.5, kSharpRange = 0.15;
 constexpr int kRoundedPasses = 4, kFirstPasses = 8, kSharpPasses = 8, kSharpRounds = 4;
 constexpr int kRoundedSteps = 10, kSharpSteps = 20, kUnfoldSteps = 5;
-/** Weight of the surface's normals beside the mesh's own, at noise of a fifth of an edge. Noise of
+/** Weight of the surface's normals relative to the mesh's own, at noise of a fifth of an edge. Noise of
  * normals grows with that of vertices, and weights go by variances. */
 constexpr double kPull = 0.1, kPullNoise = 0.2;
 /** Least share of the bending in sharp edges for a mesh that has edges. Machine parts have .70 to .84
  * after the first round, scans of bodies .21 to .56. */
 constexpr double kSharpShare = 0.63;
-/** Beside planes of weight 1: keeps vertices from running along what planes leave open. */
+/** Relative to planes of weight 1: keeps vertices from drifting where planes do not fix them. */
 constexpr double kPaperRegularity = 0.01;
 
 SmoothingRun::SmoothingRun(const MeshFaces& faces, const std::vector<Vector3>& vertices,
@@ -413,7 +413,7 @@ smoothMesh(const CloudView& cloud, const MeshFaces& faces, const MeshSmoothParam
   countEdges(used.faces, s.disagreeing_edges, s.nonmanifold_edges);
   SmoothingRun run(used.faces, vertices, params, surface, s, progress);
   if (Error error = run.run()) return error;
-  // Asked for after the last place where anyone looks: whoever cancels wants no result.
+  // Checked after the last progress report: a caller who cancels wants no result.
   if (progress != nullptr && progress->cancelled()) {
     return {ErrorCode::kCancelled, "the smoothing was cancelled"};
   }

@@ -24,7 +24,7 @@ struct SurfaceRenderer::State {
   const SLIMSurface& surface;
   Error defect;  ///< of the surface
   std::unique_ptr<FastRasterizer> fast;
-  std::unique_ptr<PartitionOfUnity> unity;  ///< made when a frame first asks for it
+  std::unique_ptr<PartitionOfUnity> unity;  ///< made when a frame first needs it
   SurfacePainter painter;
   GapCloser gaps;
 };

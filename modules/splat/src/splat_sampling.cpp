@@ -26,7 +26,7 @@ using namespace detail;
 
 namespace {
 
-/** What the parameters of docs/color_octree_splat_sampler.md ask of each step of the sampling. */
+/** The settings of each step of the sampling (docs/color_octree_splat_sampler.md). */
 struct SamplingPlan {
   SplatParams params;  ///< paper mode and the number of threads put in
 
@@ -100,8 +100,8 @@ SamplingPlan::splitRule(const SampleNoise& noise, bool normals_estimated) const
   return rule;
 }
 
-/** Divides roots until no rule asks for more; leaves receives what stays whole, in Morton order.
- * Chains of cells that hold the same points are skipped. */
+/** Divides roots until no rule requires more; leaves receives the undivided cells, in Morton order.
+ * Chains of cells with the same points are skipped. */
 class Divider {
  public:
   Divider(const OctreeCloud& cloud, const SplitRule& rule, const PointWindow& window,
@@ -185,7 +185,7 @@ divideByTolerance(const OctreeCloud& cloud, const OctreeSource& source, const Sp
 
 constexpr std::size_t kCellSlice = 256;  ///< cells whose points are brought together at a time
 
-/** Whether any point asked for that is finite has a usable normal. */
+/** Whether any finite point of the view has a usable normal. */
 bool
 hasNormals(const CloudView& cloud)
 {
@@ -235,7 +235,7 @@ class Sampling {
   }
 
  private:
-  /** Says what comes next. false: the caller asked to stop. */
+  /** Reports the next stage. false: the caller cancelled. */
   bool begin(float fraction, const char* stage)
   {
     progress_.report(fraction, stage);

@@ -19,7 +19,7 @@ constexpr std::uint64_t kPointsPerTile =
 
 }  // namespace
 
-/** Points that one in the sample stands for. */
+/** Points that one of the sample represents. */
 std::uint64_t
 detail::StreamState::coarseThinning() const
 {

@@ -27,7 +27,7 @@ constexpr std::uint64_t kBytesOfFit = 38;      ///< the store and marks of what 
 constexpr std::uint64_t kBytesInBall = 40;
 constexpr std::uint64_t kBytesOfNormal = 12;
 
-/** What tells a cloud and parameters from others: a plan and tiles are those of one identity. */
+/** The identity of a cloud and parameters: kept plans and tiles must agree in it. */
 std::string
 identityOf(const PointSource& source, const StreamParams& params)
 {
@@ -172,7 +172,7 @@ StreamFit::prepare(PointSource& source, Progress* progress)
   if (Error error = s.survey(progress)) return error;
   s.stats.seconds_plan = watch.seconds();
 #ifdef __GLIBC__
-  malloc_trim(0);  // what passes have used is tiles' to take
+  malloc_trim(0);  // gives the passes' memory back for the tiles
 #endif
   return s.keeps() ? s.keep() : Error();
 }

@@ -71,7 +71,7 @@ countLevels(const Sample& sample, const Place& center, const LevelRadii& radii)
     limits.push_back(static_cast<float>(r * r));
   }
   std::vector<std::uint32_t> counts(limits.size() + 1,
-                                    0);  // by the finest level that holds a point
+                                    0);  // by the finest level that contains a point
   for (const Place& p : sample.points) {
     const float x = p[0] - center[0], y = p[1] - center[1], z = p[2] - center[2];
     const float d = x * x + y * y + z * z;
@@ -83,7 +83,7 @@ countLevels(const Sample& sample, const Place& center, const LevelRadii& radii)
   return counts;
 }
 
-/** \brief The coarsest level of which a tile's median ball has at most so many of the tile's points, but
+/** \brief The coarsest level of which a tile's median ball has at most a given number of the tile's points, but
  * no finer one than balls of 32 sqrt(lambda), which average noise well.
  *
  * Counts 31 balls on some 65,000 of the points, chosen by their places: the points' order changes
@@ -110,7 +110,7 @@ firstLevel(const CloudView& core, const StoreFrame& frame, const LevelRadii& rad
   return level;
 }
 
-/** \brief Whether balls of a level are wide enough to begin with where memory asks for narrow ones: those
+/** \brief Whether balls of a level are wide enough to begin with where memory requires narrow ones: those
  * of less than 16 sqrt(lambda) do not average noise. */
 bool
 isFirstLevel(const LevelRadii& radii, int level, double lambda)
@@ -120,7 +120,7 @@ isFirstLevel(const LevelRadii& radii, int level, double lambda)
 
 constexpr std::uint64_t kWindows = 32;
 constexpr std::uint64_t kWindowPoints = 32768;
-constexpr double kSlack = 1.25;  ///< windows of so many times their points are cut
+constexpr double kSlack = 1.25;  ///< larger windows are cut [points of a window]
 constexpr std::uint64_t kThinningStep = 4;
 
 /** Cells [first, end) of one window. */
@@ -128,7 +128,7 @@ struct Window {
   std::size_t first, end;
 };
 
-/** Windows of so many points each about evenly spread places; neighbours that meet do not overlap. */
+/** Windows of points_of_window points each about evenly spread places; neighbours that meet do not overlap. */
 std::vector<Window>
 windowsOf(const TilePlan& plan, std::uint64_t points_of_window)
 {
@@ -200,7 +200,7 @@ measureSample(const TileLoader& loader, const StoreFrame& frame, const FitParams
   return measureTraits(*store, params, how);
 }
 
-/** What all ranks need of what rank 0 has measured. */
+/** The measurements of rank 0 that all ranks need. */
 struct Verdict {
   CloudTraits traits;
   bool noise_fills;
@@ -358,7 +358,7 @@ detail::StreamState::surveyTile(std::size_t tile, std::vector<unsigned char>& sa
   if (Error error = tiles.loadCore(tile, records)) return error;
   addSample(records, sample);
   const CloudView core = tiles.record().view(records);
-  // What is left over at the end of a node has no room for balls of a whole tile's.
+  // A small last tile of a node begins with balls of fewer points than a whole tile does.
   const std::uint64_t most = std::min(params.firstBallPoints(), core.size / kBallsOfSmallTile);
   std::vector<std::uint64_t> gathered;
   int level = firstLevel(core, frame, radii, most, traits.lambda, gathered);
@@ -370,7 +370,7 @@ detail::StreamState::surveyTile(std::size_t tile, std::vector<unsigned char>& sa
     for (const std::uint64_t c : cells) halo_points += plan.cells[c].points;
   };
   look();
-  // A sparse tile beside a dense part of the cloud begins with narrower balls.
+  // A sparse tile next to a dense part of the cloud begins with narrower balls.
   while (static_cast<double>(core.size + halo_points) >
              kMostLoaded * static_cast<double>(params.tile_points) &&
          isFirstLevel(radii, level + 1, traits.lambda)) {
@@ -379,7 +379,7 @@ detail::StreamState::surveyTile(std::size_t tile, std::vector<unsigned char>& sa
   }
   first_levels.push_back(level);
   halos.push_back(halo_points);
-  // Balls hold points of the halo, which were not counted, as they hold those of the core.
+  // Balls contain points of the halo, which were not counted, as they contain those of the core.
   balls.push_back(gathered[static_cast<std::size_t>(level)] * (core.size + halo_points) /
                   core.size);
   for (const std::uint64_t c : cells) wanted[c] = 1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the ranks of a fit by tiles say to each other: cells, points, halos, fitted tiles.
+// The messages between ranks of a fit by tiles: cells, points, halos, fitted tiles.
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -76,7 +76,7 @@ detail::StreamState::shareTiles()
   }
 }
 
-/** The rank whose tiles hold a point. */
+/** The rank whose tiles contain a point. */
 std::size_t
 detail::StreamState::ownerOf(std::uint64_t key) const
 {
@@ -143,7 +143,7 @@ detail::StreamState::fetchHalo(const std::vector<char>& wanted)
   return halo.finish();
 }
 
-/** Sends ranks the points of the cells that they want, ascending, and takes those that come: a bucket a
+/** Sends ranks the points of their requested cells, ascending, and receives those of its own: a bucket a
  * round. */
 Error
 detail::StreamState::sendHalo(const std::vector<std::vector<std::uint64_t>>& asked)

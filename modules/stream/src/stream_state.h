@@ -16,7 +16,7 @@
 
 namespace pcl_slim::detail {
 
-/** \brief What is said of a fit that was cancelled. */
+/** \brief The error of a fit that was cancelled. */
 inline Error
 cancelled()
 {

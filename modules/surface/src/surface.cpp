@@ -22,7 +22,7 @@ constexpr double kMostWorldLength =
     0x1p1000;                              ///< of origin and scale: world coordinates are finite
 constexpr double kLeastScale = 0x1p-1000;  ///< its inverse is finite
 
-/** Whether a value lies in [low, high], which no NaN does. */
+/** Whether a value is in [low, high], which no NaN does. */
 template <typename T>
 bool
 within(T value, T low, T high)
@@ -109,7 +109,7 @@ SLIMSurface::numLevels() const
 float
 SLIMSurface::varianceWeight(std::size_t i) const
 {
-  constexpr double kNegligible = 1e-3;  // of r: residuals below it say nothing against a leaf
+  constexpr double kNegligible = 1e-3;  // of r: smaller residuals are no defect of a leaf
   const double r = radius[i], e = error[i];
   const double expected = std::max(0.0, info.lambda) * info.diagonal * info.diagonal +
                           kNegligible * kNegligible * r * r;

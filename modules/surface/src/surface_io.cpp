@@ -14,8 +14,8 @@
 // Layout, little-endian: the header (file/slim_header.h), then columns of n values each: degree,
 // level, flags (1 byte); centre x, y, z, radius, normal a, b, error, confidence (float); then for
 // each coefficient k the values of those surfels that store it: as many as their degree has, but
-// only the first where the flag byte's bit kPlaneOnly says that the normal is the plane's own; then,
-// from version 2 on, the trim maps of those surfels whose flags say so: side (1 byte) and bits; then, in
+// only the first where the flag byte's bit kPlaneOnly is set: the normal is the plane's own; then,
+// from version 2 on, the trim maps of those surfels whose flags announce one: side (1 byte) and bits; then, in
 // version 4, the bytes of all surfels' colours (surfel_color.h). Version 5 has a rounded surface instead
 // (compact/compact_block.h).
 
@@ -43,7 +43,7 @@ storedCoefficients(const SLIMSurface& surface, const std::vector<std::uint8_t>& 
   return counts;
 }
 
-/** Bytes of all columns of surfels that store so many coefficients each. */
+/** Bytes of all columns of surfels that store a number of coefficients each. */
 std::uint64_t
 payloadBytes(const std::vector<std::uint8_t>& counts)
 {
@@ -89,7 +89,7 @@ putNormals(const SLIMSurface& surface, ByteWriter& out)
   out.putFloats(b);
 }
 
-/** Reads the trim maps of the surfels whose flags announce them, which must fill what is left. */
+/** Reads the trim maps of the surfels whose flags announce them, which must be all remaining bytes. */
 Error
 getTrimMaps(const unsigned char* at, std::uint64_t left, SLIMSurface& surface)
 {

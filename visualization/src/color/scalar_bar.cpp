@@ -89,7 +89,7 @@ makeScalarBar(GBufferMapper& mapper, const std::string& unit)
   vtkScalarsToColors* table = mapper.GetLookupTable();
   const std::string shown_unit = unitOf(mode, unit);
   std::string title = titleOf(mode) + (shown_unit.empty() ? "" : "\n" + shown_unit);
-  // A word a line, so that the title fits beside the picture in small windows as well.
+  // A word a line, so that the title fits next to the picture in small windows, too.
   std::replace(title.begin(), title.end(), ' ', '\n');
   bar->SetLookupTable(table);
   bar->SetTitle(title.c_str());

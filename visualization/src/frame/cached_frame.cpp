@@ -8,7 +8,7 @@
 namespace pcl_slim::detail {
 namespace {
 
-/** \brief Normalised device coordinates of a rectangle that holds every covered pixel. */
+/** \brief Normalised device coordinates of a rectangle that contains every covered pixel. */
 std::array<float, 4>
 coveredRectangle(const GBuffer& buffer)
 {
@@ -72,7 +72,7 @@ CachedFrame::holds(const FrameKey& key, int coarseness) const
   return valid_ && key == key_ && coarseness_ <= coarseness && (key_.close_gaps || !key.close_gaps);
 }
 
-/** \brief Brings a request to a camera whose rays stand some pixels apart. */
+/** \brief Converts a request to a camera whose rays are several pixels apart. */
 Error
 CachedFrame::begin(const VtkView& view, int coarseness, FrameRequest& request)
 {

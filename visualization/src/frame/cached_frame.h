@@ -14,7 +14,7 @@
 
 namespace pcl_slim::detail {
 
-/** \brief All that decides what a frame's rays meet, besides how far apart they stand. */
+/** \brief All that decides what a frame's rays meet, except their distance. */
 struct FrameKey {
   Matrix4 model_to_view{};
   std::array<double, 7> projection{};  ///< without the depth range, which moves no ray
@@ -57,7 +57,7 @@ class CachedFrame {
   /** \brief Forgets the frame and how long it took. */
   void clear();
 
-  /** \brief How far apart rays have to stand so that a frame takes no longer than this. */
+  /** \brief The distance of rays [pixels] at which a frame takes no longer than this. */
   int coarsenessFor(double milliseconds) const;
 
   const ViewCamera& view() const { return view_; }

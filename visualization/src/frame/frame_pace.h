@@ -12,7 +12,7 @@ class FramePace {
   /** \brief Counts a frame. \param[in] seconds of wall time */
   void add(double seconds, std::size_t pixels)
   {
-    constexpr std::size_t kFewest = 10000;  // smaller frames tell nothing of large ones
+    constexpr std::size_t kFewest = 10000;  // small frames do not predict large ones
     if (pixels < kFewest) return;
     const double pace = seconds / static_cast<double>(pixels);
     seconds_ = frames_ > 0 ? std::min(seconds_, pace) : pace;

@@ -23,7 +23,7 @@ struct PackedFrame {
   std::vector<float> geometry;
   /** k_max and k_min (1/length), radius (length), levelAndResidual(). Four numbers a pixel. */
   std::vector<float> attributes;
-  /** Red, green, blue, 255; empty where no colours were asked for. Four bytes a pixel. */
+  /** Red, green, blue, 255; empty where no colours were requested. Four bytes a pixel. */
   std::vector<std::uint8_t> colors;
 };
 
@@ -44,12 +44,12 @@ class FrameTextures {
   FrameTextures(const FrameTextures&) = delete;
   FrameTextures& operator=(const FrameTextures&) = delete;
 
-  /** \brief A new frame of the CPU's; its attributes follow when a mode asks for them. */
+  /** \brief A new frame of the CPU's; its attributes follow when a mode needs them. */
   void setFrame(vtkOpenGLRenderWindow* window, const PackedFrame& frame, int width, int height);
   /** \brief Brings the attributes over, unless they are there. */
   void needAttributes(vtkOpenGLRenderWindow* window, const PackedFrame& frame);
   /** \brief Makes room for a frame that the graphics card draws, attributes included, and colours where
-   * asked for: red, green and blue times a weight, and that weight. */
+   * requested: red, green and blue times a weight, and that weight. */
   void allocate(vtkOpenGLRenderWindow* window, int width, int height, bool with_colors);
   /** \brief Writes the covered pixels of another frame over one that the graphics card drew.
    * \param[in] scale world units per unit of the buffer */
@@ -60,11 +60,11 @@ class FrameTextures {
   /** \brief Samples a table of colours over its scale. */
   void setTable(vtkOpenGLRenderWindow* window, vtkScalarsToColors* table, const ColorScale& scale);
 
-  /** \brief Lays lines over the frame, four bytes a pixel of it. */
+  /** \brief Sets lines over the frame, four bytes a pixel of it. */
   void setLines(vtkOpenGLRenderWindow* window, const std::vector<std::uint8_t>& rgba);
   void dropLines() { has_lines_ = false; }
 
-  /** \brief Makes the textures current; after that the program can be told of them. */
+  /** \brief Makes the textures current; after that they can be set in the program. */
   void activate();
   void tell(vtkShaderProgram* program);
   void deactivate();

@@ -30,7 +30,7 @@ splitSimilarity(const Matrix4& m, std::array<double, 9>& rotation, double& scale
   return true;
 }
 
-/** \brief Where the viewer stands, in the model's coordinates: the origin of view space. */
+/** \brief The viewer's position in the model's coordinates: the origin of view space. */
 Vector3
 eyeOf(const Matrix4& m, const std::array<double, 9>& r, double scale)
 {
@@ -53,7 +53,7 @@ setPicture(const GLView& view, double view_height, double shift_x, double shift_
   const double pixel = view_height / view.height;
   camera.size.width = static_cast<int>(std::ceil(columns / coarseness));
   camera.size.height = (view.height + coarseness - 1) / coarseness;
-  // A coarse pixel's ray passes through the middle of the pixels it stands for.
+  // A coarse pixel's ray passes through the middle of the pixels it replaces.
   const auto offset = [coarseness](double fine_count, int coarse_count, double fine_shift) {
     const double center = 0.5 * (fine_count - 1.0) - fine_shift;
     return 0.5 * (coarse_count - 1.0) - (center - 0.5 * (coarseness - 1.0)) / coarseness;
@@ -100,7 +100,7 @@ translateView(const GLView& view, double near_distance, int coarseness, ViewCame
   result.near_plane = result.parallel ? 0.0 : std::max(0.0, near_distance) / result.view_scale;
   const Vector3 eye = eyeOf(view.model_to_view, r, result.view_scale);
   camera.position = along(eye, result.start / result.view_scale, forward);
-  // Far enough that the difference of two large coordinates still tells the direction.
+  // Far enough that the difference of two large coordinates still gives the direction.
   const double reach = std::max(length(camera.position), 1.0 / result.view_scale);
   camera.look_at = along(camera.position, reach, forward);
   camera.up = {r[3], r[4], r[5]};

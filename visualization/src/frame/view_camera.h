@@ -22,7 +22,7 @@ struct GLView {
  *
  * A ray at normalised device coordinates (x, y) meets the plane at unit depth (a pinhole), or any
  * plane (parallel), at view coordinates (x_scale x + x_shift, y_scale y + y_shift). A point at
- * depth t of its ray stands at view-space distance view_scale t + start.
+ * depth t of its ray is at view-space distance view_scale t + start.
  */
 struct ViewCamera {
   Camera camera;  ///< in the model's coordinates

@@ -20,7 +20,7 @@ struct VtkView {
 };
 
 /** \brief What the renderer's camera sees of an actor through a viewport of some size.
- * \param[in] bounds of the object in its own coordinates: what lies behind the near plane as a
+ * \param[in] bounds of the object in its own coordinates: an object behind the near plane as a
  * whole is not cut by it, however the plane moves. */
 VtkView
 viewOf(vtkRenderer* renderer, vtkActor* actor, const std::array<double, 6>& bounds, int width,

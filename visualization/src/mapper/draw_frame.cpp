@@ -46,7 +46,7 @@ GBufferMapper::makeFrame(vtkOpenGLRenderWindow* window, FrameRequest request, in
                       });
 }
 
-/** \brief Intersects rays unless the last frame still holds. \return false for an empty frame. */
+/** \brief Intersects rays unless the last frame is still valid. \return false for an empty frame. */
 bool
 GBufferMapper::prepareFrame(vtkRenderer* renderer, vtkActor* actor)
 {
@@ -93,7 +93,7 @@ GBufferMapper::uploadFrame(vtkOpenGLRenderWindow* window)
   s.table_time = table->GetMTime();
 }
 
-/** \brief Lays lines over the frame where it has a ray for every pixel, while the mouse moves only if
+/** \brief Draws lines over the frame where it has a ray for every pixel, while the mouse moves only if
  * frame and lines together take no longer than the budget. */
 void
 GBufferMapper::prepareLines(vtkRenderer* renderer)

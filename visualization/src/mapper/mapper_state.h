@@ -11,7 +11,7 @@
 
 namespace pcl_slim {
 
-/** \brief What a mapper is told and what it keeps of the last frame. */
+/** \brief A mapper's settings and what it keeps of the last frame. */
 struct GBufferMapper::State {
   DisplayMode mode = DisplayMode::kShaded;
   double range = 0.0, budget = 50.0;
@@ -28,7 +28,7 @@ struct GBufferMapper::State {
   std::array<int, 4> viewport{};
   detail::CachedFrame frame;
   FrameRequest request;        ///< what it was made with
-  bool uploaded = false;       ///< textures hold the frame
+  bool uploaded = false;       ///< textures contain the frame
   bool lines_current = false;  ///< and its lines
   detail::FrameTextures textures;
 

@@ -90,7 +90,7 @@ namespace {
 
 using Weighted = std::pair<double, double>;  ///< value, area
 
-/** \brief The value below which a share of the area lies. */
+/** \brief The value below which a share of the area is. */
 double
 quantile(const std::vector<Weighted>& sorted, double share)
 {
@@ -132,7 +132,7 @@ valueOf(const SLIMSurface& surface, std::size_t i, DisplayMode mode)
   return std::abs(curvatureAtCenter(surface, i, mode)) / unit;
 }
 
-/** \brief What is taken for rounding: a millionth of one over the surface's extent, or its square. */
+/** \brief The tolerance for rounding: a millionth of one over the surface's extent, or its square. */
 double
 leastShown(double scale, DisplayMode mode)
 {
@@ -144,7 +144,7 @@ leastShown(double scale, DisplayMode mode)
 /** \brief Values of the first and last colour of a mode that shows numbers, world units.
  *
  * Taken from the leaves, not from a picture, so that colours stay as the object turns. Curvatures,
- * at the leaves' centres: -r ... r where r holds 95 % of the area; radii: their 2nd to 98th
+ * at the leaves' centres: -r ... r, which contains 95 % of the area; radii: their 2nd to 98th
  * percentile by area; levels: lowest and highest. O(leaves log leaves).
  */
 std::array<double, 2>
@@ -153,7 +153,7 @@ surfaceRange(const SLIMSurface& surface, DisplayMode mode)
   std::vector<Weighted> values;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (!surface.isLeaf(i)) continue;
-    // Leaves overlap alike, so a leaf stands for an area like its ball's cross-section.
+    // Leaves overlap alike, so a leaf represents an area like its ball's cross-section.
     const double area = double{surface.radius[i]} * surface.radius[i];
     values.emplace_back(valueOf(surface, i, mode), area);
   }

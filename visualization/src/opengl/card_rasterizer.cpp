@@ -38,7 +38,7 @@ clear(int target, float value)
 
 }  // namespace
 
-/** \brief What the shaders are told of a frame: the rules of FrameRules in float. */
+/** \brief The shaders' values of a frame: the rules of FrameRules in float. */
 struct CardRasterizer::FrameValues {
   float eye[3], eye_rest[3], axes[9], screen[4], shift[2];
   float near_depth, shrink, reach, cover_radius, min_coverage, scale, detail;
@@ -321,7 +321,7 @@ CardRasterizer::nameLeaves(Pass& pass, FrameTextures& frame)
   pass.state->vtkglDisable(GL_BLEND);
   pass.state->vtkglEnable(GL_DEPTH_TEST);
   pass.state->vtkglDepthFunc(GL_LESS);
-  // Curvatures stand in the first two channels already.
+  // Curvatures are in the first two channels already.
   pass.state->vtkglColorMask(GL_FALSE, GL_FALSE, GL_TRUE, GL_TRUE);
   pass.texture("slimFirst", targets_.met);
   pass.drawLeaves(pass.values.reach);

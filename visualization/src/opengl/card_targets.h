@@ -14,7 +14,7 @@ class vtkWindow;
 
 namespace pcl_slim::detail {
 
-/** \brief What the passes draw into, and the frame buffer that holds it. */
+/** \brief What the passes draw into, and its frame buffer. */
 class CardTargets {
  public:
   CardTargets();
@@ -23,7 +23,7 @@ class CardTargets {
   CardTargets& operator=(const CardTargets&) = delete;
 
   void resize(vtkOpenGLRenderWindow* window, int width, int height);
-  /** \brief Lets the next pass draw into these textures, and into a buffer of depths if asked. */
+  /** \brief Lets the next pass draw into these textures, and into a depth buffer if requested. */
   Error drawInto(std::initializer_list<vtkTextureObject*> textures, bool with_depth = false);
   /** \brief Fills the buffer of depths that the next pass draws into. */
   static void clearDepth(float depth);

@@ -30,7 +30,7 @@ texelsOfLeaf(int degree, bool colored = false)
 /** \brief A surface as the shaders read it. */
 struct LeafTexels {
   /** texelsOfLeaf() texels for each leaf and, behind all leaves, for each internal
-   * surfel if they were asked for. The fourth texel of one: the begin of its trim map in 4096 words,
+   * surfel if they were requested. The fourth texel of one: the begin of its trim map in 4096 words,
    * what that leaves over times TrimMap::kMostSide plus the map's side less 1, or -1 of a closed one; its own
    * and its parents' DetailSizes. Balls of internal surfels are
    * drawn larger than their radius. */
@@ -54,8 +54,8 @@ class LeafBuffer {
   LeafBuffer(const LeafBuffer&) = delete;
   LeafBuffer& operator=(const LeafBuffer&) = delete;
 
-  /** \brief Brings the surfels over, unless they are there. \param[in] with_internal internal ones
-   * too. \return an error where the card takes no texture so long. */
+  /** \brief Uploads the surfels, unless that is done. \param[in] with_internal internal ones
+   * too. \return an error where the card takes no texture of that size. */
   Error upload(vtkOpenGLRenderWindow* window, const SLIMSurface& surface, bool with_internal);
   /** \brief Lets the next upload() bring surfels over again. */
   void forget() { there_ = false; }

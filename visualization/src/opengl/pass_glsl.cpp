@@ -68,7 +68,7 @@ ivec2 slimTrimOf(vec4 more)
 }
 )";
 
-/** What trim maps say. */
+/** The lookup in trim maps. */
 const char* const kTrims = R"(
 uniform int slimTrimmed;
 

@@ -11,7 +11,7 @@ extern const char* const kLeafGlsl;
 // The passes of a frame, for VTK and for pages (web/bundle.mjs reads them). They take the numbers of
 // FrameConstant by name, and slimTexel() and slimTrimWord() from whoever stores the surface.
 extern const char* const kSurfel;     ///< vertex: what a surfel counts for, where its trim map is
-extern const char* const kTrims;      ///< what trim maps say
+extern const char* const kTrims;      ///< lookup in trim maps
 extern const char* const kFirstPass;  ///< first hits
 extern const char* const kBlended;    ///< what the next two have in common
 extern const char* const kBlendPass;  ///< sums over the leaves at a first hit

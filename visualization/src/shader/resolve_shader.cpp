@@ -158,7 +158,7 @@ constexpr const char* kDepth = R"(
   gl_FragDepth = clamp(0.5 + 0.5 * slimClip.z / slimClip.w, 0.0, 1.0);
 )";
 
-// Colours that stand for numbers keep most of their brightness, so that they stay legible.
+// Colours that encode numbers keep most of their brightness, so that they stay legible.
 constexpr const char* kColor = R"(//VTK::Color::Impl
   vec3 slimBase = diffuseColor;
   if (slimMode == 0 && slimHit.w < 0.0) diffuseColor = slimBackColor;
@@ -233,7 +233,7 @@ insertResolve(std::string& source)
   vtkShaderProgram::Substitute(source, "//VTK::PositionVC::Dec", kDeclarations);
   vtkShaderProgram::Substitute(source, "//VTK::PositionVC::Impl", kPosition);
   vtkShaderProgram::Substitute(source, "//VTK::Depth::Impl", kDepth);
-  // VTK's own clipping would want a distance from the vertex shader.
+  // VTK's own clipping would need a distance from the vertex shader.
   vtkShaderProgram::Substitute(source, "//VTK::Clip::Dec", "");
   vtkShaderProgram::Substitute(source, "//VTK::Clip::Impl", "");
   vtkShaderProgram::Substitute(source, "//VTK::Normal::Dec", "");

@@ -20,7 +20,7 @@ resolveVertexShader();
 void
 insertResolve(std::string& fragment_shader);
 
-/** \brief Tells the program where rays run, how the view projects and what is cut away. */
+/** \brief Sets the program's values of rays, projection and cuts. */
 void
 tellView(const ViewCamera& view, const GLView& seen, const std::vector<HalfSpace>& planes,
          vtkShaderProgram* program);

@@ -104,7 +104,7 @@ struct Vlr {
   bool holds_extras = false;
 };
 
-/** The VLRs of a head, as far as they lie in it. */
+/** The VLRs of a head, as far as the header's bytes contain them. */
 std::vector<Vlr>
 findVlrs(const std::vector<unsigned char>& head, const LasHeader& header)
 {
@@ -349,7 +349,7 @@ withExtras(const std::vector<unsigned char>& head, const std::vector<LasExtra>& 
     }
     ++count;
   }
-  // What stood between the VLRs and the points stays there.
+  // Bytes between the VLRs and the points are kept.
   made.insert(made.end(), head.begin() + static_cast<std::ptrdiff_t>(end),
               head.begin() + static_cast<std::ptrdiff_t>(header->points_at));
   putLas(made, LasAt::kNumVlrs, count);

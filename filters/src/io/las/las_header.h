@@ -57,7 +57,7 @@ struct LasAt {
 };
 constexpr std::size_t kOldLasHeaderBytes = 227, kLasHeaderBytes = 375;
 
-/** A value that a point record holds behind those of its format, as its VLR describes it. */
+/** An extra value of a point record, behind those of its format, as its VLR describes it. */
 struct LasExtra {
   std::string name;
   std::uint8_t type = 0;  ///< ScalarType

@@ -32,7 +32,7 @@ struct LasUnits {
   std::int32_t code(double value, std::size_t axis) const;
 };
 
-/** The units of a file, or finer ones where its own cannot hold the coordinates, as after smoothing:
+/** The units of a file, or finer ones where its own cannot represent the coordinates, as after smoothing:
  * its scale over a power of ten, up to 10^6, as far as 32 bits reach. \param[in] given the file's
  * header, or null for units of the cloud's own. \return an error for coordinates that are not finite. */
 Result<LasUnits>

@@ -33,7 +33,7 @@ struct LasPlan {
   std::vector<LasCopy> copies;
   std::vector<LasConversion> conversions;
   const pcl::PCLPointField* packed_color = nullptr;  ///< bytes that red, green and blue come from
-  bool single_returns = false;                       ///< of points that say nothing of returns
+  bool single_returns = false;                       ///< for points without fields of returns
 };
 
 /** A field of the cloud, or an element of one, that becomes an extra value. */
@@ -337,7 +337,7 @@ putCounts(const PointFile& file, const LasPlan& plan, std::vector<unsigned char>
   for (std::size_t k = 0; k < 15; ++k) putLas(bytes, LasAt::kReturns + 8 * k, returns[k]);
 }
 
-/** Moves the addresses of what stands behind the points. */
+/** Moves the addresses of what follows the points. */
 void
 moveTail(std::uint64_t was, std::uint64_t is, const LasHeader& header,
          std::vector<unsigned char>& bytes)

@@ -15,7 +15,7 @@ struct MeshPoints {
   std::vector<std::array<float, 3>> normals;             ///< one a vertex, or none
   std::vector<std::array<std::uint8_t, 3>> colors;       ///< red green blue, one a vertex, or none
   std::vector<std::uint32_t> face_begin, face_vertices;  ///< as PointFile has them
-  bool in_float = true;                                  ///< floats hold every coordinate
+  bool in_float = true;                                  ///< floats represent every coordinate
 
   void endFace();
 };

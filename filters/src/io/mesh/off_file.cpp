@@ -49,7 +49,7 @@ class OffReader {
   }
 
  private:
-  /** A line that holds more than blanks. */
+  /** A line that is not blank. */
   bool nextLine(std::vector<std::string>& words)
   {
     std::string line;

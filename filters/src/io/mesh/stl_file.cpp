@@ -107,7 +107,7 @@ parseStl(const std::vector<unsigned char>& bytes)
   if (bytes.size() >= kHeadBytes) std::memcpy(&facets, bytes.data() + 80, sizeof(facets));
   const std::size_t there =
       bytes.size() >= kHeadBytes ? (bytes.size() - kHeadBytes) / kFacetBytes : 0;
-  // Binary files may start with "solid", too; only those have the size that their count asks for.
+  // Binary files may start with "solid", too; only those have the size that follows from their count.
   if (bytes.size() >= kHeadBytes &&
       bytes.size() == kHeadBytes + facets * std::uint64_t{kFacetBytes})
     return parseBinary(bytes, facets);

@@ -20,7 +20,7 @@ struct PcdColumn {
   bool isPadding() const { return name == "_"; }
 };
 
-/** What a PCD file says before its data. */
+/** The header of a PCD file. */
 struct PcdHeader {
   std::vector<PcdColumn> columns;
   std::size_t width = 0, height = 1, points = 0;

@@ -61,7 +61,7 @@ class BodyReader {
     return form_ == PlyForm::kAscii ? left / 2 + 1 : left / size;
   }
 
-  /** Why the last next() said no. */
+  /** Why the last next() failed. */
   Error failure(const std::string& element, std::size_t i, std::size_t count) const
   {
     if (malformed_) {
@@ -80,7 +80,7 @@ class BodyReader {
   bool malformed_ = false;
 };
 
-/** Passes over one property; false as BodyReader says. */
+/** Skips one property; false as for BodyReader. */
 bool
 skipProperty(BodyReader& in, const PlyProperty& property)
 {
@@ -189,7 +189,7 @@ appendFaces(const PointFile& file, bool long_faces, std::vector<unsigned char>& 
   }
 }
 
-/** What a file holds beside the points and their faces, in words; none of it is kept. */
+/** What a file contains in addition to the points and their faces, in words; none of it is kept. */
 std::vector<std::string>
 leftOut(const std::vector<PlyElement>& elements)
 {

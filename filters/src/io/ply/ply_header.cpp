@@ -30,7 +30,7 @@ findByte(const pcl::PCLPointCloud2& cloud, const char* name)
   return i >= 0 && cloud.fields[static_cast<std::size_t>(i)].datatype == kUInt8 ? i : -1;
 }
 
-/** Fields of a cloud whose colour bytes, listed in channel, become one field where red stood. */
+/** Fields of a cloud whose colour bytes, listed in channel, become one field in the place of red. */
 pcl::PCLPointCloud2
 packedLayout(const pcl::PCLPointCloud2& cloud, const int (&channel)[4],
              std::vector<std::size_t>& sources)
@@ -173,7 +173,7 @@ parseLine(const std::string& line, PlyHeader& header)
   return words[0] == "property" && parseProperty(words, header);
 }
 
-/** What is there twice would be read over itself. */
+/** A property that occurs twice would overwrite itself. */
 Error
 checkElements(const std::vector<PlyElement>& elements)
 {

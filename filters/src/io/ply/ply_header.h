@@ -31,7 +31,7 @@ struct PlyHeader {
   std::size_t size = 0;  ///< bytes up to the body
 };
 
-/** One scalar property to write, and where it stands in a point's bytes. */
+/** One scalar property to write, and its offset in a point's bytes. */
 struct PlyColumn {
   std::string name;
   std::uint8_t type = 0;

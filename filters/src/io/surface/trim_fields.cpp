@@ -34,7 +34,7 @@ addBytes(const std::string& text, std::vector<std::uint8_t>& bytes)
   return true;
 }
 
-/** Sets the maps that bytes hold one after another, as SLIMSurface::trim_maps does. false: they are not
+/** Sets the maps from bytes that contain them one after another, as SLIMSurface::trim_maps does. false: they are not
  * those of the surface's open surfels. */
 bool
 setMaps(const std::vector<std::uint8_t>& bytes, SLIMSurface& surface)

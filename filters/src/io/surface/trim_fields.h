@@ -18,8 +18,8 @@ coarseTrimMap(const SLIMSurface& surface, std::size_t i);
 void
 setCoarseTrimMaps(const std::vector<std::array<std::uint32_t, 2>>& maps, SLIMSurface& surface);
 
-/** \brief Appends the trim maps as they are, as lines "pcl_slim trim_maps BASE64", where 8 x 8 nodes do not
- * hold them. Lines are shorter than the 511 characters that MeshLab takes. */
+/** \brief Appends the trim maps as they are, as lines "pcl_slim trim_maps BASE64", where 8 x 8 nodes cannot
+ * represent them. Lines are shorter than the 511 characters that MeshLab takes. */
 void
 addTrimComments(const SLIMSurface& surface, std::vector<std::string>& comments);
 

@@ -192,7 +192,7 @@ class TableReader {
       words_.emplace_back(line.second, line.second);
   }
 
-  /** A line that says how many rows follow. */
+  /** A line with the number of rows that follow. */
   bool takeCount(const Word& word)
   {
     double count = 0;

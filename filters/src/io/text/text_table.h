@@ -11,7 +11,7 @@
 namespace pcl_slim {
 
 /** Reads a number written in decimals, "nan" or "inf". \param[in,out] in_float cleared where a float
- * does not hold every digit written. false: it is no number. */
+ * cannot represent every digit written. false: it is no number. */
 bool
 parseDecimal(const char* begin, const char* end, double& value, bool& in_float);
 
@@ -19,7 +19,7 @@ parseDecimal(const char* begin, const char* end, double& value, bool& in_float);
 struct TextColumn {
   std::string name;      ///< as the header writes it; empty without one
   bool numeric = true;   ///< else its values are text and not kept
-  bool in_float = true;  ///< floats hold every digit
+  bool in_float = true;  ///< floats represent every digit
   bool whole = true;     ///< every finite value is a whole number
   double least = std::numeric_limits<double>::infinity();  ///< of the finite values
   double most = -std::numeric_limits<double>::infinity();

@@ -10,7 +10,7 @@
 
 namespace pcl_slim {
 
-/** What points of vertices have beside x y z and normals. */
+/** The columns of vertices in addition to x y z and normals. */
 struct MeshColumns {
   bool narrow = true;     ///< x y z as float, not double
   bool curvature = true;  ///< k1 and k2

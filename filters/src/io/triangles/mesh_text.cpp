@@ -14,7 +14,7 @@ formatObj(const TriangleMesh& mesh)
 {
   std::ostringstream text;
   text.imbue(std::locale::classic());
-  // Nine digits hold a float, seventeen a double.
+  // Nine digits represent a float exactly, seventeen a double.
   text.precision(floatsSuffice(mesh) ? 9 : 17);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     const Vector3& p = mesh.vertices[v];

@@ -31,7 +31,7 @@ isPackedColor(const pcl::PCLPointField& field)
          field.count <= 1;
 }
 
-/** No error where this build has VTK's reader and writer; otherwise says what to name instead of
+/** No error where this build has VTK's reader and writer; otherwise names what to give instead of
  * path. The functions below give the same error then. */
 Error
 checkVtp(const std::string& path);

@@ -135,7 +135,7 @@ readFileTag(const Tag& tag, VtpMarkup& markup)
   return {};
 }
 
-/** An array's tag, and its data where they stand behind it. */
+/** An array's tag, and its data where they follow it. */
 Error
 readArray(const Tag& tag, std::string_view section, std::string_view text, std::size_t at,
           VtpMarkup& markup)
@@ -182,7 +182,7 @@ readAppended(const Tag& tag, std::string_view text, std::size_t at, VtpMarkup& m
   return {};
 }
 
-/** What the tags met so far say; see parseVtpMarkup(). */
+/** What the tags read so far describe; see parseVtpMarkup(). */
 class MarkupReader {
  public:
   explicit MarkupReader(std::string_view text) : text_(text) {}

@@ -24,7 +24,7 @@ struct VtpArray {
   std::size_t offset = 0;  ///< of appended data
 };
 
-/** What the markup of a .vtp file says; views are into the file's bytes. */
+/** The contents of a .vtp file's markup; views are into the file's bytes. */
 struct VtpMarkup {
   std::size_t points = 0, polygons = 0;
   std::string normals;                ///< name of the array that PointData names as normals

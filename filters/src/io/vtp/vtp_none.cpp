@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stands in for vtp_file.cpp in a build without VTK.
+// Replaces vtp_file.cpp in a build without VTK.
 #include "io/triangles/mesh_formats.h"
 #include "io/vtp/crest_vtp.h"
 #include "io/vtp/vtp_file.h"

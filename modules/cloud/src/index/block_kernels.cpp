@@ -214,7 +214,7 @@ kthSmallest(const float* values, std::size_t n, std::size_t k)
   auto [low, high] = rangeOf(values, n);
   std::size_t below = countUpTo(values, n, low), upTo = n;
   if (below >= k) return low;
-  // Squared distances from a point of a surface are about evenly spread: their rank says where the
+  // Squared distances from a point of a surface are about evenly spread: their rank predicts where the
   // k-th is. Limits alternate between a little above and below; every third halves the bracket.
   for (int round = 0; upTo - below > kFew; ++round) {
     const auto span = static_cast<double>(upTo - below);
@@ -237,7 +237,7 @@ kthSmallest(const float* values, std::size_t n, std::size_t k)
   return *kth;
 }
 
-/** How many points of a block lie within a squared distance of one that stands at these offsets from
+/** How many points of a block are within a squared distance of a point at these offsets from
  * the block's origin. */
 HWY_INLINE std::size_t
 pointsOfBlockUpTo(const PointStore& store, std::size_t block, float x, float y, float z,

@@ -15,7 +15,7 @@ namespace {
 
 using Keys = AlignedVector<std::uint64_t>;
 
-constexpr float kEverywhere = 1e29f;    ///< squared; points lie within 1, padding far beyond
+constexpr float kEverywhere = 1e29f;    ///< squared; points are within 1, padding far beyond
 constexpr std::size_t kManyKeys = 128;  ///< are sorted by digits
 constexpr int kDigits = 4;              ///< of 8 bits, those of the distance
 
@@ -97,7 +97,7 @@ NeighborSearch::collect(const std::array<double, 3>& center, float limit_sq)
   points_.resize(count);
 }
 
-/** Drops what is not looked at from the first of the collected points. \return how many are left. */
+/** Keeps the sampled ones of the first collected points. \return how many are left. */
 std::size_t
 NeighborSearch::dropUnsampled(std::size_t count)
 {
@@ -111,7 +111,7 @@ NeighborSearch::dropUnsampled(std::size_t count)
   return kept;
 }
 
-/** Squared distance within which k points certainly lie: that of the k-th among the points of
+/** Squared distance that certainly contains k points: that of the k-th among the points of
  * the blocks before and after i in Morton order. */
 float
 NeighborSearch::boundRadiusSq(std::size_t i, std::size_t k, const std::array<double, 3>& center)

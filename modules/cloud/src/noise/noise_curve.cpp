@@ -95,7 +95,7 @@ measureFlatPlaces(const PatchScale& scale, const PatchScale& wider, const NoiseC
   if (scale.k >= shared.least_points) figures.correlation = correlationOf(flat, constants);
 }
 
-/** Binary logarithm of the factor by which a scale's power lies below a narrower scale's, or by which
+/** Binary logarithm of the factor by which a scale's power is below a narrower scale's, or by which
  * that of the next few scales falls below its greatest. */
 double
 fallAbout(const std::vector<ScaleFigures>& figures, std::size_t i,
@@ -170,8 +170,8 @@ scaleOf(double variance, const std::vector<ScaleFigures>& figures,
 }
 
 /** Moves from what the smallest patches show towards each scale by its chance to be a plateau. A
- * run of plateaus has its first one's figures unless their power stands still: where the
- * variance grows by little and the power by more, wide patches hold a little of the shape. */
+ * run of plateaus has its first one's figures unless their power is constant: where the
+ * variance grows by little and the power by more, wide patches contain a little of the shape. */
 CurveNoise
 weigh(const std::vector<ScaleFigures>& figures, const std::vector<PlateauChance>& chances,
       double white, const SharedNoiseConstants& constants)
@@ -180,7 +180,7 @@ weigh(const std::vector<ScaleFigures>& figures, const std::vector<PlateauChance>
   Eigen::Array2d run(std::log(white), shown.front()[1]);
   Eigen::Array2d noise(std::log(white), 0);
   double peak = 0;        // greatest growth of the power so far
-  double last = 0;        // chance that the scale before is a plateau whose power stands still ...
+  double last = 0;        // chance that the scale before is a plateau of constant power ...
   double first = 0;       // ... and that two such scales in a row have shown the noise
   double level = run[0];  // of these, its variance
   for (std::size_t i = 0; i < figures.size(); ++i) {
@@ -202,7 +202,7 @@ weigh(const std::vector<ScaleFigures>& figures, const std::vector<PlateauChance>
   return {variance, std::exp(noise[1]), scaleOf(variance, figures, constants)};
 }
 
-/** Whether a surface's shape has shown in full, as it does on clean clouds at once. */
+/** Whether a surface's shape has shown in full, as it does at the first scales on clean clouds. */
 bool
 isShape(const std::vector<PatchScale>& scales, const SharedNoiseConstants& constants)
 {
@@ -214,7 +214,7 @@ isShape(const std::vector<PatchScale>& scales, const SharedNoiseConstants& const
   return std::min(before.growth, last.growth) > constants.shape;
 }
 
-/** What a scale shows beside the next one. */
+/** The figures of a scale, from it and the next one. */
 ScaleFigures
 figuresOf(const std::vector<PatchScale>& scales, std::size_t i, const NoiseConstants& constants)
 {
@@ -224,8 +224,8 @@ figuresOf(const std::vector<PatchScale>& scales, std::size_t i, const NoiseConst
   return figures;
 }
 
-/** Whether two scales in a row, of patches wide enough to show it, have the same noise and share none of
- * it: what wider ones show is no noise. */
+/** Whether two scales in a row, of patches wide enough to show it, have the same noise and no shared
+ * noise: then what wider patches show is shape. */
 bool
 isWhite(const std::vector<PatchScale>& scales, const NoiseConstants& constants)
 {

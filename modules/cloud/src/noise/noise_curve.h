@@ -8,7 +8,7 @@
 
 namespace pcl_slim::detail {
 
-/** \brief What the scales of a cloud say of its noise. */
+/** \brief The noise of a cloud as its scales show it. */
 struct CurveNoise {
   double variance = 0, correlation = 1;
   std::size_t scale = 0;  ///< that shows most of it
@@ -22,7 +22,7 @@ measureCurve(const PointStore& store, std::size_t k, double white, const NoiseCo
              int threads, std::vector<PatchScale>& scales);
 
 /** \brief The noise of a rounded coordinate, whose errors change sign from one terrace to the next, so
- * that wide cells share nothing. Where detail follows at once, half as wide patches show it.
+ * that wide cells share nothing. Where detail follows directly, patches of half the width show it.
  * \param[in] k points of patches that show all of it \param[out] scales those measured */
 CurveNoise
 measureRounding(const PointStore& store, std::size_t k, const NoiseConstants& constants,

@@ -20,7 +20,7 @@ NoiseLevel
 patchLevel(const PointStore& store, std::size_t k, const NoiseConstants& constants, int threads)
 {
   // Larger patches average more points each, so fewer of them are needed.
-  // As many patches of the smallest size as hold each point once are enough.
+  // No more patches of the smallest size are needed than contain each point once.
   const std::size_t smallest =
       std::max(std::min(constants.samples, store.size() / constants.first_neighbors),
                store.size() / constants.points_per_sample);

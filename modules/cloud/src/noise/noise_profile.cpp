@@ -36,7 +36,7 @@ struct Runs {
   std::size_t count, reach;
 };
 
-/** Runs of points along the Morton curve. Patches that are much wider than a run say the same several
+/** Runs of points along the Morton curve. Patches that are much wider than a run repeat the same result several
  * times, so runs grow with them. */
 Runs
 runsFor(std::size_t k, const PointStore& store, const NoiseConstants& constants)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// docs/theory.md, "Steps": a coordinate that a sensor tells in steps.
+// docs/theory.md, "Steps": a coordinate that a sensor reports in steps.
 #include <algorithm>
 #include <cmath>
 
@@ -52,7 +52,7 @@ fewLevels(const PointStore& store, const StepConstants& constants, int& axis)
   const std::size_t stride = std::max<std::size_t>(1, store.size() / constants.scouts);
   std::vector<double> found;
   for (int a = 0; a < 3; ++a) {
-    // Scouts see no more levels than there are, so few points a level of theirs prove nothing.
+    // A sample has no more levels than the cloud: if it has many, the cloud is not counted.
     const std::vector<double> scouted = levelsOf(store, a, stride);
     if (!few(scouted, 4 * constants.scouts)) continue;
     std::vector<double> levels = stride > 1 ? levelsOf(store, a, 1) : scouted;

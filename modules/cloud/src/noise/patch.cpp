@@ -83,7 +83,7 @@ keepOwnSheet(const PatchSheetConstants& constants, Patch& patch)
   std::size_t kept = 0;
   double radius_sq = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    // The sample itself stands at height 0.
+    // The sample itself is at height 0.
     if ((heights[i] > pair.middle) != (0.0 > pair.middle)) continue;
     const Eigen::Vector3d p = patch.points.at(i);
     patch.points.set(kept++, p);

@@ -18,7 +18,7 @@ struct Patch {
 Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>
 principalAxes(const PatchPoints& points);
 
-/** \brief Drops what lies on another sheet than the sample: where a gap parts the patch's heights
+/** \brief Drops points of another sheet than the sample's: where a gap parts the patch's heights
  * more than either side spreads, keeps the sample's side. \return true if it dropped points. */
 bool
 keepOwnSheet(const PatchSheetConstants& constants, Patch& patch);

@@ -15,7 +15,7 @@ namespace {
 /** Sums over square cells of a patch's plane. */
 class PatchCells {
  public:
-  /** Cells of which a disc of radius 1 holds so many. */
+  /** Cells of such a width that a disc of radius 1 contains this number. */
   explicit PatchCells(double cells)
       : side_(static_cast<int>(std::ceil(2 / std::sqrt(kDisc / cells)))),
         width_(std::sqrt(kDisc / cells)),
@@ -87,7 +87,7 @@ sharedInPatch(const PatchCubic& cubic, double num_cells)
   if (cells.empty()) return -1;
   double partners;
   const double shared = cells.shared(partners);
-  // The cubic follows its points: neighbours' residuals lose so much of what they have in common.
+  // The cubic follows its points, which reduces the covariance of neighbours' residuals by this share.
   const double lost = kCubicTerms * partners / static_cast<double>(n);
   return lost < 1 ? shared / (1 - lost) : -1.0;
 }

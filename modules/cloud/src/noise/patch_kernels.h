@@ -54,7 +54,7 @@ struct CubicSums {
   std::array<double, kCubicTerms> heights;  ///< of the heights times each term
 };
 
-/** \brief How heights lie about a middle. */
+/** \brief The gap of heights about a middle value. */
 struct HeightGap {
   double lowest, highest;
   double end_below, begin_above;  ///< the heights next to the middle on either side
@@ -75,7 +75,7 @@ turnPatch(const PatchPoints& points, const Eigen::Matrix3d& axes, PatchPoints& t
 CubicSums
 sumCubic(const PatchPoints& places);
 
-/** \brief What a cubic leaves of the heights. \param[out] residuals with room for kPadding more
+/** \brief The residuals of heights after a cubic. \param[out] residuals with room for kPadding more
  * \return their sum of squares. */
 double
 cubicResiduals(const PatchPoints& places, const double (&terms)[kCubicTerms], double* residuals);

@@ -88,7 +88,7 @@ fitPatch(const PointStore& store, NeighborSearch& search, std::size_t sample, st
   thread_local Patch patch;
   patchAbout(store, search, sample, k, patch);
   if (!store.hasNormals() && keepOwnSheet(constants.sheets, patch)) {
-    // Half the neighbours lay on another sheet: twice as many give the patch its size back.
+    // Half the neighbours are of another sheet: twice as many restore the patch's size.
     patchAbout(store, search, sample, constants.sheets.factor * k, patch);
     keepOwnSheet(constants.sheets, patch);
   }

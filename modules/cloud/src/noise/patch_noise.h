@@ -64,7 +64,7 @@ patchVariance(const PointStore& store, NeighborSearch& search, std::size_t sampl
               const NoiseConstants& constants, double& radius);
 
 /** \brief The points of the smallest patches: first_neighbors, doubled until half of them are no
- * lines. Where rings of a turning lidar lie many spacings apart, no noise shows along one of them. */
+ * lines. Where rings of a turning lidar are many spacings apart, no noise shows along one of them. */
 std::size_t
 smallestPatch(const PointStore& store, const NoiseConstants& constants, int threads);
 
@@ -73,7 +73,7 @@ smallestPatch(const PointStore& store, const NoiseConstants& constants, int thre
 double
 trimmedMean(std::vector<double>& values, double trim);
 
-/** \brief Trimmed means over windows about each of the values, which lie along the Morton curve.
+/** \brief Trimmed means over windows about each of the values, which are in Morton order.
  * \param[in] reach values to either side */
 std::vector<float>
 windowedMeans(const std::vector<double>& values, std::size_t reach, const NoiseConstants& constants,

@@ -11,7 +11,7 @@
 
 namespace pcl_slim::detail {
 
-/** \brief What cubics leave of patches of k points, place by place. */
+/** \brief The residuals of cubics on patches of k points, place by place. */
 struct PatchScale {
   std::size_t k = 0;
   std::size_t stride = 1;         ///< every stride-th of a patch's points is looked at
@@ -29,7 +29,7 @@ class ThinnedPlaces {
  public:
   ThinnedPlaces(const PointStore& store, std::size_t count);
 
-  /** \brief Thins to one of so many of the points, a power of two and no less than before. O(n). */
+  /** \brief Thins to every stride-th point; a power of two, no less than before. O(n). */
   void thinTo(std::size_t stride, int threads);
 
   const PointStore& store() const { return thinned_ ? *thinned_ : whole_; }
@@ -42,7 +42,7 @@ class ThinnedPlaces {
   std::size_t stride_ = 1;
 };
 
-/** \brief Measures patches of k points. O(places) beside thinning. */
+/** \brief Measures patches of k points. O(places) in addition to thinning. */
 PatchScale
 measureScale(ThinnedPlaces& points, std::size_t k, const NoiseConstants& constants, int threads);
 

@@ -80,7 +80,7 @@ curveNoise(const CurveNoise& curve, const std::vector<PatchScale>& scales, const
   const double share = ramp(curve.correlation, shared.least, shared.all);
   const double growth = std::log2(curve.variance / white.variance);
   const double part = std::max(share, ramp(growth, shared.chance, shared.plain));
-  // What the smallest patches' cubics take along, as on a lidar's rings, their points share.
+  // The smallest patches' cubics absorb noise that their points share, as on a lidar's rings.
   const double taken = std::min(std::exp2(part * growth), shared.all);
   const double correlation = std::max(taken, 1 + share * (curve.correlation - 1));
   NoiseLevel noise =
@@ -104,7 +104,7 @@ roundingNoise(const PointStore& store, const StepNoise& steps, const NoiseConsta
   return noise;
 }
 
-/** White noise of points on lines: those of a line say of the surface across it what one says. */
+/** White noise of points on lines: across a line its points count as one independent point. */
 NoiseLevel
 alongLines(const NoiseLevel& white)
 {

@@ -29,7 +29,7 @@ class Neighborhood {
   std::size_t find(std::size_t point, std::size_t count, const unsigned char* left_out,
                    std::size_t among);
 
-  /** \brief Whether a stored point surely has so many others within a distance: much cheaper than to
+  /** \brief Whether a stored point surely has this many others within a distance: much cheaper than to
    * find them. false where rounding leaves a doubt. */
   bool hasOthersWithin(double distance, std::size_t point, std::size_t count,
                        const unsigned char* left_out = nullptr);
@@ -48,7 +48,7 @@ class Neighborhood {
    * \param[in] off least share of it that points away from plane or line. */
   bool standsApart(double closeness, double spreads, double off) const;
 
-  /** \brief Whether the point stands off its neighbours' plane: more than so many times their own RMS
+  /** \brief Whether the point is off its neighbours' plane: by more than this multiple of their own RMS
    * distance from it, and a given share of its distance from their mean and from the eighth. */
   bool standsOffPlane(double heights, double share) const;
 
@@ -134,7 +134,7 @@ Neighborhood::fillsVolume(double least_ratio) const
   return spread[0] > least_ratio * spread[2];
 }
 
-/** The neighbours that lie as densely as their median does; none if that is no closer to another than a
+/** The neighbours that are as dense as their median; none if that is no closer to another than a
  * given distance. */
 PatchPoints
 Neighborhood::densePatch(double distance) const
@@ -287,7 +287,7 @@ blocksAmongOutliers(const PointStore& store, const Marks& marks)
   return among;
 }
 
-/** Points that stand off the surface, but near it. */
+/** Points off the surface, but near it. */
 std::size_t
 markNearSurface(const PointStore& store, double spacing, int threads, Marks& marks)
 {

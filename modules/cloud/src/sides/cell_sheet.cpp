@@ -91,7 +91,7 @@ twoMeans(const std::array<double, kMost>& heights, const std::array<double, kMos
   return two;
 }
 
-/** Whether two sheets lie over each other, and not side by side as the faces of an edge do: their
+/** Whether one sheet is above the other, and not side by side as the faces of an edge are: their
  * middles are no farther apart across the normal than each is wide. */
 bool
 overlap(const SideCells& cut, const Neighbors& near, const CellSheet& sheet)
@@ -113,7 +113,7 @@ overlap(const SideCells& cut, const Neighbors& near, const CellSheet& sheet)
   return dot(across, across) < variance;
 }
 
-/** Marks the cells of another sheet, if two stand apart along the normal. */
+/** Marks the cells of another sheet, if two are apart along the normal. */
 void
 findOther(const SideCells& cut, const Neighbors& near, const CellSums& sums,
           const SideConstants& constants, CellSheet& sheet)

@@ -157,7 +157,7 @@ edgesNearOtherSheets(const CellGraph& graph, const SideConstants& constants)
 }
 
 /** Marks the cells of parts whose sheets face apart, nearly all of them. Scattered points and layers of
- * scans that do not fit each other show sheets as well, but these agree as chance has it.
+ * scans that do not fit each other show sheets as well, but these agree only by chance.
  * \param[out] share of the edges between sheets that are in such parts */
 std::vector<char>
 cellsOfSureParts(const SignedParts& found, const std::vector<SignedEdge>& edges,
@@ -208,7 +208,7 @@ normalsOfPoints(const PointStore& store, const SideCells& cut, const CellGraph& 
         continue;
       }
       bool turned = graph.sheets[c].isBeyond(subtract(store.position(i), cut.cells[c].mean));
-      bool own = false;  // its beam says what the cell does not
+      bool own = false;  // its own beam decides, not the cell
       if (by_sensors) {
         const double cosine = beamCosine(store, i, normals[c]);
         own = std::abs(cosine) > constants.clear_beam && (cosine < 0) != turned;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
 constexpr double kStep = 0.5;       ///< from one threshold of agreements to the next
-constexpr double kLeast = 0x1p-20;  ///< of the strongest agreement: less says nothing
+constexpr double kLeast = 0x1p-20;  ///< of the strongest agreement: less counts as none
 
 /** Components under contraction: a forest with parities, and the edges between roots. */
 class Contraction {

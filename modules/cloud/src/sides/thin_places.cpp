@@ -11,7 +11,7 @@ namespace pcl_slim::detail {
 
 namespace {
 
-/** Two sheets that lie over each other, and not side by side as the faces of an edge do. */
+/** Whether one sheet is above the other, and not side by side as the faces of an edge are. */
 bool
 overlap(const Eigen::Matrix3Xd& local, double middle)
 {
@@ -123,7 +123,7 @@ class PlaceLook {
     return true;
   }
 
-  /** Looks for another side in a patch wider than one that fits. \return whether to look on */
+  /** Looks for another side in a patch wider than one that fits. \return whether to try a wider one */
   bool lookBeyond(const Patch& patch)
   {
     PlaceFigures beyond = figures_;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kFirstBits = 14;        ///< of the pass over all
 constexpr int kFirstBitsOfFew = 11;   ///< of fewer than 2^18
-constexpr int kFirstBitsOfMany = 12;  ///< of so many that more streams would miss the TLB
+constexpr int kFirstBitsOfMany = 12;  ///< more bits: too many output streams for the TLB
 constexpr std::size_t kMany = std::size_t{1} << 22;
 constexpr int kDigitBits = 9;       ///< of passes inside buckets
 constexpr int kDigitBitsOfFew = 7;  ///< inside those too small for more digits to pay
@@ -97,7 +97,7 @@ digitPass(const std::uint64_t* values, std::uint64_t* out, std::size_t n, int sh
   counts.scatter(values, n, out, [values](std::size_t i) { return values[i]; });
 }
 
-/** Leading bits after which few of n numbers agree, if they lie on a surface: every three leave a
+/** Leading bits after which few of n numbers agree, for points of a surface: every three bits leave a
  * quarter of them. */
 int
 tellingBits(std::size_t n)
@@ -107,7 +107,7 @@ tellingBits(std::size_t n)
   return bits;
 }
 
-/** Sorts one bucket, which lies in spare, into values; bits from high on are equal. */
+/** Sorts one bucket, stored in spare, into values; bits from high on are equal. */
 void
 sortBucket(std::uint64_t* values, std::uint64_t* spare, std::size_t n, int low, int high)
 {
@@ -198,7 +198,7 @@ sortByLeadingBits(AlignedVector<std::uint64_t>& keys, AlignedVector<std::uint32_
   while (n >> place_bits != 0) ++place_bits;
   const int bits = firstBits(n), shift = kKeyBits - bits;
   const int cut = std::max(0, shift + place_bits - 64);
-  // A bucket tells its leading bits: numbers hold those below, as many as fit beside the place.
+  // The bucket implies the leading bits: numbers store those below, as many as fit next to the place.
   const std::uint64_t below = (std::uint64_t{1} << shift) - 1;
   AlignedVector<std::uint64_t> numbers(n);
   const auto begins = scatter(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The last step of a store: sorted points, which lie anywhere in the caller's cloud, become blocks.
+// The last step of a store: sorted points, scattered over the caller's cloud, become blocks.
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kBlock = PointStore::kBlock;
 constexpr std::size_t kTask = 2048;      ///< blocks a thread takes at a time
-constexpr std::size_t kBlocksAhead = 3;  ///< whose input is asked for before it is read
+constexpr std::size_t kBlocksAhead = 3;  ///< whose input is prefetched
 constexpr float kBlockGrid = 0x1p22f;    ///< block origins are multiples of its inverse
 
 }  // namespace
@@ -30,7 +30,7 @@ PointStoreBuilder::mergedNormal(std::size_t i) const
       std::lower_bound(store_.merged_.begin(), store_.merged_.end(), stored,
                        [](const auto& entry, std::uint32_t value) { return entry[1] < value; });
   if (it == store_.merged_.end() || (*it)[1] != stored) return n;
-  // Each once and in an order of their own: how often and in which order points are given is no news.
+  // Each normal once, sorted: the result must not depend on how often and in which order points are given.
   std::vector<std::array<float, 3>> normals = {n};
   for (; it != store_.merged_.end() && (*it)[1] == stored; ++it) {
     normals.push_back(reader_.normal(cloud_.inputIndex((*it)[0])));
@@ -48,7 +48,7 @@ PointStoreBuilder::mergedNormal(std::size_t i) const
   return n;
 }
 
-/** Asks for the input of a block's points. */
+/** Prefetches the input of a block's points. */
 void
 PointStoreBuilder::prefetchBlock(std::size_t block) const
 {

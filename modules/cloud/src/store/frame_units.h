@@ -13,7 +13,7 @@ constexpr double kFarOrigin = 256.0;  ///< beyond this many L, world floats cann
 
 /** \brief Sets origin, scale, diagonals and the grid of centres from the box of the points that count.
  * \param[in] least_span world length that the units span at least, 0: none. \return an error where
- * doubles cannot hold the units. */
+ * doubles cannot represent the units. */
 Error
 setUnits(const std::array<double, 3>& low, const std::array<double, 3>& high, const Bulk& bulk,
          double least_span, StoreFrame& frame);

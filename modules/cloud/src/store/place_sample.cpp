@@ -12,7 +12,7 @@ namespace pcl_slim::detail {
 namespace {
 
 constexpr std::size_t kSample = 4096;
-constexpr std::size_t kLeast = 8;  ///< places, below which nothing tells a stray from the others
+constexpr std::size_t kLeast = 8;  ///< fewest places in which a stray can be found
 constexpr double kReach = 0x1p14;
 
 /** Of a finite position; equal ones have equal hashes. */

@@ -122,7 +122,7 @@ PointStoreBuilder::countUsable(std::size_t begin, std::size_t end) const
   return count;
 }
 
-/** Writes keys of the points asked for from begin to end, in batches, from out on. */
+/** Writes keys of the view's points from begin to end, in batches, from out on. */
 void
 PointStoreBuilder::makeKeys(std::size_t begin, std::size_t end, std::size_t out)
 {

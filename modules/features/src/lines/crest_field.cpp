@@ -8,11 +8,11 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr double kDifference = 0.1;     ///< differences of k reach so many radii to both sides,
-constexpr double kWide = 0.15;          ///< or up to so many on crests so broad
-constexpr double kShareOfCrest = 0.21;  ///< that this share of them is no less
+constexpr double kDifference = 0.1;     ///< half width of the stencil for dk/ds [radii]
+constexpr double kWide = 0.15;          ///< the widest, on broad crests [radii]
+constexpr double kShareOfCrest = 0.21;  ///< half width over the breadth of a crest
 constexpr double kInRow = 0.7;   ///< least cosine between t and the section for sampling in a row
-constexpr double kMargin = 0.6;  ///< leaves are found so many radii ahead
+constexpr double kMargin = 0.6;  ///< leaves are searched this far ahead [radii]
 constexpr double kHalfStep = 0.25;  ///< half the way to where prominence is measured, in radii
 
 }  // namespace
@@ -131,8 +131,8 @@ CrestField::sampleSeed(CrestVertex& seed, CrestSample (&samples)[3])
   }
 }
 
-/** Wide differences tell less noise, and more of what differs from one side of a crest to the other. Broad
- * is one on which k would fall to nothing far off, were it a parabola. */
+/** A wider stencil averages noise, but blurs asymmetric crests. The breadth of a crest is the distance
+ * at which k would be 0 if its section were a parabola. */
 double
 CrestField::reachAt(const CrestVertex& vertex)
 {
@@ -157,8 +157,8 @@ CrestField::sampleAcross(const CrestRow* rows, std::size_t count, const CrestAxe
   sample(centers, 3, axes, samples);
 }
 
-/** Where lines run across t, as most do, neighbours in the row tell each other's differences, and seven
- * places do in place of fifteen. What k does along the line is taken from the middle. */
+/** Where lines run across t, as most do, neighbours in the row share their stencils: seven places
+ * replace fifteen. dk/ds along the line is taken from the middle. */
 void
 CrestField::sampleInRows(const CrestRow* rows, std::size_t count, const CrestAxes& axes,
                          CrestSample* samples)
@@ -188,7 +188,7 @@ CrestField::sampleInRows(const CrestRow* rows, std::size_t count, const CrestAxe
   if (count == 2) twist(rows, axes, samples);
 }
 
-/** What k does along the line differs from end to end of a row as the next row tells. */
+/** Corrects dk/ds at both ends of a row by the mixed derivative, estimated from the next row. */
 void
 CrestField::twist(const CrestRow* rows, const CrestAxes& axes, CrestSample* samples)
 {
@@ -244,8 +244,8 @@ CrestField::lookAside(const CrestVertex* vertices, ProbeRequest request, ProbeSa
                      [](const ProbeSample& sample) { return sample.supported; });
 }
 
-/** Two half steps, each put back on the surface: where the surface does not go on as expected, or ends. A
- * sample is of half way where it goes no farther, and not supported where it does not go as far. */
+/** Two half steps, each projected onto the surface, which may bend unexpectedly, or end there. A
+ * sample is from half way if the second step fails, and not supported if the first does. */
 void
 CrestField::walkAside(const CrestVertex* vertices, ProbeRequest request, ProbeSample* found)
 {

@@ -42,7 +42,7 @@ struct CrestSample {
   double e = 0;  ///< dk/dt
 };
 
-/** Three samples side by side, so far apart. */
+/** Three samples side by side, span apart. */
 struct CrestRow {
   Vector3 place{}, across{};
   double span = 0;
@@ -88,7 +88,7 @@ class CrestField {
   void sampleAcross(const CrestRow* rows, std::size_t count, const CrestAxes& axes,
                     CrestSample* samples);
 
-  /** Differences of k between sections nearer than this would tell noise. */
+  /** Differences of k over a shorter span would be dominated by noise. */
   double leastSpan(const CrestAxes& axes) const { return analytic_ ? 0.0 : axes.reach; }
 
   /** How far differences of k should reach about a vertex. */

@@ -12,8 +12,8 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr std::size_t kStride = 4;     ///< every so many stored points ...
-constexpr std::size_t kNeighbors = 8;  ///< ... against so many neighbours
+constexpr std::size_t kStride = 4;     ///< stored points are tried in steps of this ...
+constexpr std::size_t kNeighbors = 8;  ///< ... against this number of neighbours
 constexpr std::size_t kSlice = 256;    ///< points looked at in one piece of work
 constexpr double kSameSheet = 0.2;     ///< least cosine between two neighbours' normals
 

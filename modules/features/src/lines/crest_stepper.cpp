@@ -126,14 +126,14 @@ CrossSection::vertex() const
   return v;
 }
 
-constexpr double kAside = 0.8;        ///< roots are looked for so many steps to both sides
-constexpr double kShorter = 0.4;      ///< a step that fails is tried once more, so much shorter
+constexpr double kAside = 0.8;        ///< roots are searched this many steps to both sides
+constexpr double kShorter = 0.4;      ///< a step that fails is tried again, shortened to this
 constexpr double kLeastCosine = 0.5;  ///< a line turns by less than 60 degrees a step
 constexpr double kTurnAgain = 0.5;   ///< share of the last turn that the next one is expected to be
 constexpr double kFine = 0.02;       ///< distance of the last samples across, in radii
 constexpr double kNearMiddle = 0.4;  ///< of a section's half width
 constexpr int kRefinements = 3;
-constexpr double kPastReach = 1.2;  ///< roots count so far beyond where they are looked for
+constexpr double kPastReach = 1.2;  ///< roots count up to this multiple of the searched reach
 
 Vector3
 acrossOf(const Vector3& normal, const Vector3& ahead)

@@ -19,15 +19,15 @@ class CrestStepper {
   /** The vertex a step ahead of a line's last, or a shorter step; false where there is none. */
   bool advance(const std::vector<CrestVertex>& line, CrestVertex& next);
 
-  /** What was seen ahead is of another line. */
+  /** The row sampled ahead is of another line. */
   void forget() { ahead_.known = false; }
 
  private:
-  /** Where a root is looked for: first so far off the middle of the row, then where that shows it. */
+  /** Where a root is searched: first at this offset from the middle of the row, then where that shows it. */
   struct Search {
     CrestRow row;
     double at = 0;     ///< off the row's middle
-    double reach = 0;  ///< roots count up to about so far from there
+    double reach = 0;  ///< roots count up to about this distance from there
     Vector3 stride{};  ///< to the row of the step after this one; zero: none
     Vector3 stride_across{};
   };

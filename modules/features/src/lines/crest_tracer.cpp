@@ -8,14 +8,14 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr double kSeedGap = 0.9;    ///< seeds nearer than so many steps to a line are left out
+constexpr double kSeedGap = 0.9;    ///< seeds nearer to a line are left out [steps]
 constexpr double kCell = 8.0;       ///< of the reach: cells in which vertices are looked up
-constexpr double kJoinGap = 0.5;    ///< lines nearer than so many steps become one
-constexpr double kSeedShare = 0.5;  ///< of the significance: seeds stand a little beside their line
+constexpr double kJoinGap = 0.5;    ///< lines nearer to each other become one [steps]
+constexpr double kSeedShare = 0.5;  ///< of the significance: seeds are a little off their line
 constexpr double kNoiseOfPeaks =
     60.0;  ///< brings significance on noisy spheres to an RMS of 1 to 2
 constexpr std::int64_t kMiddle = std::int64_t{1} << 32;
-constexpr std::int64_t kOwnGap = 8;  ///< own vertices so many steps back are another line's
+constexpr std::int64_t kOwnGap = 8;  ///< own vertices this many steps back count as another line's
 constexpr std::size_t kChunk = CrestField::kMostVertices;
 constexpr std::size_t kMostSteps = 1000000;
 
@@ -168,7 +168,7 @@ CrestTracer::follow(const CrestSeed& seed)
   count(end);
   if (end != End::kClosed) count(walk(backward, false));
   keep(std::move(forward), backward, end == End::kClosed);
-  // A seed beside a line that begins a little off would otherwise be followed again and again.
+  // A seed next to a line that begins a little away would otherwise be followed again and again.
   refused_.add(seed.position, reachOf(seed_radius_), 0);
 }
 
@@ -249,8 +249,8 @@ CrestTracer::measure(std::vector<CrestVertex>& line, std::size_t begin, std::siz
   }
 }
 
-/** Measures the last vertices. \return whether they are noise on average: what lies beyond has seeds
- * of its own if it stands out again. */
+/** Measures the last vertices. \return whether they are noise on average: a continuation has seeds
+ * of its own if it is significant again. */
 bool
 CrestTracer::faded(std::vector<CrestVertex>& line, std::size_t begin)
 {

@@ -126,7 +126,7 @@ class CrestTracer {
   double sigma_, mean_radius_;
   double seed_radius_ = 0;  ///< of the leaves at the seed being followed
   PlaceGrid traced_;        ///< vertices of all lines so far, numbered in order
-  PlaceGrid refused_;       ///< seeds that were looked at in vain
+  PlaceGrid refused_;       ///< seeds that were tried already
   PlaceGrid own_;           ///< vertices of the line being traced, numbered from kMiddle both ways
   std::vector<CrestVertex> vertices_;
   std::vector<TracedLine> lines_;

@@ -144,7 +144,7 @@ valleyOf(const Histogram& h, double depth_ratio)
   return deep ? valley : h.end();
 }
 
-/** Two sheets are far apart against their own thickness; the ripple of one badly fitted sheet,
+/** Two sheets are far apart compared with their thickness; the ripple of one badly fitted sheet,
  * which has two peaks as well, is not. */
 bool
 standsApart(const Histogram& h, int valley, double apart)
@@ -263,7 +263,7 @@ BallFitter::fit(std::size_t i, int level, SurfelRecord& surfel)
   return choice.kind == RadiusChoice::Kind::kLeaf ? BallOutcome::kLeaf : BallOutcome::kInternal;
 }
 
-/** The surfel at r_r, for finer ones to stand below. */
+/** The surfel at r_r, the parent of finer ones. */
 BallOutcome
 BallFitter::widest(const FramedBall& ball, int level, SurfelRecord& surfel)
 {
@@ -275,7 +275,7 @@ BallFitter::widest(const FramedBall& ball, int level, SurfelRecord& surfel)
   return BallOutcome::kInternal;
 }
 
-/** Gathers and frames the points of every so many blocks. \return kLeaf where a radius can be
+/** Gathers and frames the points of every stride-th block. \return kLeaf where a radius can be
  * sought. */
 BallOutcome
 BallFitter::prepare(const BallSite& site, std::size_t stride, FramedBall& ball)
@@ -323,8 +323,8 @@ BallFitter::chooseRadius(FramedBall& ball)
   return choice;
 }
 
-/** Many points without even a plane lie along a line: a finer level may find the band they are. The
- * ball looked at is one radius wider than the site's, so those of the points marked lie in it. */
+/** Many points without even a plane are along a line: a finer level may find the band they are. The
+ * ball looked at is one radius wider than the site's, so that it contains the points marked. */
 BallOutcome
 BallFitter::withoutFit(const FramedBall& ball, const BallSite& site, const Trial& trial,
                        SurfelRecord& surfel)
@@ -339,7 +339,7 @@ BallFitter::withoutFit(const FramedBall& ball, const BallSite& site, const Trial
   return BallOutcome::kLine;
 }
 
-/** Some thousand points tell that a wide ball must be divided: the rest need not be read. */
+/** A sample of some thousand points shows that a wide ball must be divided: the rest is not read. */
 bool
 BallFitter::tooWideAtAGlance(const BallSite& site, int level, SurfelRecord& surfel)
 {

@@ -27,7 +27,7 @@ SurfelRecord
 recordOf(const FramedBall& ball, const RadiusChoice& choice, int level,
          const BiasConstants& constants);
 
-/** \brief Moves a ball onto its own fit where noise has thrown its centre off: it would see a
+/** \brief Moves a ball onto its own fit where noise has displaced its centre: it would contain a
  * lopsided part of the points (docs/theory.md, "Where the default departs from the paper"). It is
  * gathered and framed anew there. \param[in] stride of the blocks gathered \param[in,out] search
  * begun on the ball, and begun anew where it moves */
@@ -44,21 +44,21 @@ struct SheetRange {
 /** \brief Looks for two sheets in the residuals of one ball (docs/theory.md, "Sheets").
  *
  * Otsu's threshold on a histogram; two sheets only if the valley between the peaks is low, and the
- * sides stand apart against their own thickness. \param[in] center_residual residual of the ball's
+ * means of the sides are apart compared with their thickness. \param[in] center_residual residual of the ball's
  * centre. O(count).
  */
 SheetRange
 findSheet(const float* residuals, std::size_t count, double center_residual,
           const SheetConstants& constants = {});
 
-/** \brief Keeps the centre's sheet of balls that hold two. One per thread: it keeps its memory. */
+/** \brief Keeps the centre's sheet of balls with two sheets. One per thread: it keeps its memory. */
 class SheetSplitter {
  public:
   /** \brief Where the residuals at r_r show two sheets, drops the other one's points and frames the
    * ball anew. \param[in,out] search begun on the ball, and begun anew on what is left of it. */
   FramedBall ownSheet(FramedBall ball, const SheetConstants& constants, RadiusSearch& search);
 
-  /** \brief Balls that were parted so far. */
+  /** \brief Balls whose sheets were separated so far. */
   std::uint64_t numSplit() const { return split_; }
 
  private:
@@ -97,7 +97,7 @@ class BallFitter {
   NearbyBlocks& nearby() { return gatherer_.nearby(); }
 
   /** \brief Fits the ball of stored point i at level k. \param[out] surfel of a leaf or internal
-   * node; of a line, the ball that holds it. */
+   * node; of a line, the ball around it. */
   BallOutcome fit(std::size_t i, int level, SurfelRecord& surfel);
 
   BallCounters counters() const

@@ -9,11 +9,11 @@
 
 namespace pcl_slim::detail {
 
-/** \brief The blocks near a cell, and those of them that the last ball asked for meets. One per
+/** \brief The blocks near a cell, and those of them that meet the last requested ball. One per
  * thread: it keeps its memory. */
 class NearbyBlocks {
  public:
-  /** \brief Collects the blocks that meet a box; the balls asked for next lie in it. */
+  /** \brief Collects the blocks that meet a box; it contains the balls requested next. */
   void collect(const BlockTree& tree, const float low[3], const float high[3])
   {
     neighborhood_.collect(tree, low, high);
@@ -39,7 +39,7 @@ class NearbyBlocks {
   float listed_radius_ = -1.0f;  ///< blocks_ are those of a ball of this radius; < 0: of none
 };
 
-/** \brief Where a ball stands, before any point is read. Local units. */
+/** \brief The place of a ball, before any point is read. Local units. */
 struct BallSite {
   std::array<float, 3> center{};  ///< on the grid of centres
   std::array<float, 3> normal{};  ///< of the point there: what the normal bound compares with ...
@@ -80,7 +80,7 @@ class BallGatherer {
     return nearby_.within(site.center, site.radius).size();
   }
 
-  /** \brief Gathers the points of every so many blocks. */
+  /** \brief Gathers the points of every stride-th block. */
   GatheredBall gather(const BallSite& site, std::size_t stride = 1);
 
   /** \brief Points gathered so far. */

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kTerms = 10;  ///< of a cubic
 
-/** What one patch says; squares < 0: nothing. */
+/** The sums of one patch; squares < 0: none. */
 struct PatchSums {
   double squares = -1;  ///< variance of the slopes' residuals, both directions
   double own_sq = 0, tilt_sq = 0, tilt_product = 0;

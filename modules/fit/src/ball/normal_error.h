@@ -6,7 +6,7 @@
 
 namespace pcl_slim::detail {
 
-/** \brief How far normals are off, and whether that is news beside the points' places. */
+/** \brief The error of normals, and whether they add information to the points' places. */
 struct NormalError {
   double radians = 0;         ///< RMS angle to a smooth surface through the neighbours' normals
   double with_heights = 0;    ///< correlation with the tilt that the points' own noise suggests
@@ -22,8 +22,8 @@ struct NormalError {
   }
 };
 
-/** \brief Measures normals beside cubics on patches of 64 neighbours about 1000 points, evenly
- * strided; all 0 where fewer than 100 patches can be had (docs/theory.md, "Normals as data").
+/** \brief Compares normals with cubics on patches of 64 neighbours about 1000 points, evenly
+ * strided; all 0 where fewer than 100 patches are usable (docs/theory.md, "Normals as data").
  * O(patches log points); the same for any number of threads. */
 NormalError
 measureNormalError(const PointStore& store, const NormalErrorConstants& constants, int threads);

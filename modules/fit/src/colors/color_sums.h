@@ -35,7 +35,7 @@ struct ColorSums {
 
 namespace kernels {
 
-/** \brief Sums over the points of some blocks that lie in a surfel's ball, weighted by a kernel. */
+/** \brief Sums over the points of some blocks inside a surfel's ball, weighted by a kernel. */
 ColorSums
 sumColors(const PointStore& store, const BlockList& blocks, const ColorBall& surfel,
           WeightKernel kernel, const ColorColumns& colors);

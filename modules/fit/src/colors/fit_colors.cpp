@@ -144,7 +144,7 @@ inStoreOrder(const PointStore& store, const CloudView& cloud, const ColorView& c
 constexpr std::array<std::array<int, 2>, kColorTerms> kPowers = {
     {{0, 0}, {1, 0}, {0, 1}, {2, 0}, {1, 1}, {0, 2}}};
 
-/** The polynomials; one more point's weight says that the colour is the same everywhere, so that few
+/** The polynomials; the weight of one more point pulls them towards a constant colour, so that few
  * points, or points on one side, give no steep slopes. */
 ColorPolynomial
 solve(const ColorSums& sums)

@@ -37,7 +37,7 @@ void
 CoverCells::divide(const PointStore& store, const AlignedVector<std::uint32_t>& points,
                    double reach)
 {
-  // A level may be finer than any number tells: its reach is 0 then.
+  // A level may be finer than floats resolve: its reach is 0 then.
   const double levels = std::floor(-std::log2(2.0 * reach));
   const int depth = static_cast<int>(std::clamp(levels, 0.0, double{kMortonBits}));
   const int shift = 3 * (kMortonBits - depth);

@@ -48,7 +48,7 @@ class CoverCells {
   std::size_t memoryBytes() const { return cells_.capacity() * sizeof(Cell); }
 
  private:
-  /** The cell so many steps along each axis from cell i; size() if there is none. */
+  /** The cell x, y, z steps along the axes from cell i; size() if there is none. */
   std::uint32_t beside(std::uint32_t i, int x, int y, int z) const;
   void orderByColor();
 

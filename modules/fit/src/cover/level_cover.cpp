@@ -19,7 +19,7 @@ queryOf(const SurfelRecord& surfel, float reach, const FitPlan& plan)
 }
 
 /** \brief Adds a leaf's weight to the coverage of the points it covers (docs/theory.md, "Cover").
- * \param[in,out] nearby blocks, of a region that holds the leaf's ball \param[in,out] coverage of
+ * \param[in,out] nearby blocks, of a region that contains the leaf's ball \param[in,out] coverage of
  * each stored point */
 void
 addCoverage(const PointStore& store, const FitPlan& plan, const SurfelRecord& surfel,
@@ -85,7 +85,7 @@ constexpr std::uint8_t kLastLevelMark = 128;
 constexpr std::size_t kSlice = 1 << 14;  ///< points a thread takes at a time
 constexpr std::size_t kFewCells = 256;   ///< up to this number, colours leave threads idle
 /// Share of an internal ball's radius within which it represents points where no leaves are made: a leaf of the
-/// next level about such a point lies inside the ball as level of detail needs it (DetailSizes), since
+/// next level about such a point is inside the ball as level of detail needs it (DetailSizes), since
 /// .64 r = .95 r - .5 kGolden r.
 constexpr float kInnerShare = 0.64f;
 constexpr double kReachMargin = 1.001;  ///< widens a box of blocks, for rounding
@@ -206,7 +206,7 @@ LevelCover::coverCell(const CoverCells::Cell& cell, int level, int thread, Outpu
   output = made;
 }
 
-/** Marks a point as served for good, and the uncovered points that are nearer to it than the spacing of the
+/** Marks a point as done for good, and the uncovered points that are nearer to it than the spacing of the
  * grid of centres: no ball can cover them. \return the number of the latter. */
 std::uint32_t
 LevelCover::giveUp(std::uint32_t point, NearbyBlocks& nearby)
@@ -281,7 +281,7 @@ LevelCover::collectNearby(const CoverCells::Cell& cell, int level, NearbyBlocks&
   nearby.collect(store_.tree(), low, high);
 }
 
-/** Drops the points that are served. A level that only divided its balls has none to drop: the next one uses
+/** Drops the points that are done. A level that only divided its balls has none to drop: the next one uses
  * another mark and the same points. */
 void
 LevelCover::endLevel(std::size_t first_output)

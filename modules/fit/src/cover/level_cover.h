@@ -63,7 +63,7 @@ class VisitOrder {
   std::uint64_t inverse_ = 0;
 };
 
-/** \brief A cell's points that are not served when their turn comes, one after another. */
+/** \brief A cell's points that are not done (covered or marked) at their turn, one after another. */
 class CellVisits {
  public:
   /** \param[in] points n > 0 of them, which stay where they are; \param[in] start < n. */
@@ -72,8 +72,8 @@ class CellVisits {
   {
   }
 
-  /** \brief Finds the next point that served(point) does not hold for; a point served once must
-   * stay so. \return whether there is one. */
+  /** \brief Finds the next point for which served(point) is false; once true, it must
+   * stay true. \return whether there is one. */
   template <typename Served>
   bool next(const Served& served, std::uint32_t& point)
   {
@@ -85,7 +85,7 @@ class CellVisits {
       in_vain_ = 0;
       return true;
     }
-    // After many visits in vain the few points that are not served are listed.
+    // After many visits in vain the few points that are not done are listed.
     if (visit_ < n_) seekUnserved(served);
     while (next_left_ < left_.size()) {
       point = left_[next_left_++].second;
@@ -171,7 +171,7 @@ class LevelCover {
   struct Output {
     int thread = 0;
     std::uint32_t begin = 0, end = 0;
-    bool lasts = false;  ///< whether some points are served beyond this level
+    bool lasts = false;  ///< whether some points are done beyond this level
     std::uint32_t unresolved = 0;
   };
   /** A thread's own data, in cache lines of their own. */
@@ -207,7 +207,7 @@ class LevelCover {
   PointRange core_;
   std::vector<std::unique_ptr<Worker>> workers_;  ///< one per thread
   AlignedVector<float> coverage_;
-  AlignedVector<std::uint8_t> marks_;    ///< served for good, or at a level
+  AlignedVector<std::uint8_t> marks_;    ///< done for good, or at a level
   AlignedVector<std::uint32_t> active_;  ///< points not yet covered, ascending
   CoverCells cells_;                     ///< of active_, at this level
   std::vector<Output> outputs_;          ///< of all levels so far

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Levels of few cells by several threads. A cell waits for those of lower colours that it touches, and
-// for no others. Where fewer cells are ready than there are threads, several fit balls of one cell: what
-// a ball's fit is does not depend on what others have served; only whether it is wanted does. So fits
+// for no others. Where fewer cells are ready than there are threads, several fit balls of one cell: a
+// ball's fit does not depend on what others have covered; only whether it is needed does. So fits
 // are made before their turn, and kept in turn.
 #include <condition_variable>
 #include <list>
@@ -14,8 +14,8 @@ namespace pcl_slim::detail {
 
 namespace {
 
-// How far centres are looked at before their turn; no result depends on it.
-constexpr std::size_t kPlaces = 8;     ///< of a cell that lie apart from each other
+// How many centres are fitted before their turn; no result depends on it.
+constexpr std::size_t kPlaces = 8;     ///< of a cell that are apart from each other
 constexpr std::size_t kCenters = 256;  ///< of a cell in all
 
 }  // namespace
@@ -75,7 +75,7 @@ class LevelCover::Sharing {
     CellVisits visits;
     std::list<Center> centers{};  ///< in turn
     bool seen_all = false;        ///< no centre is left to visit
-    bool keeping = false;         ///< a thread writes what its points are served with
+    bool keeping = false;         ///< a thread covers or marks its points
     std::size_t running = 0;
     Output output{};
     std::vector<SurfelRecord> surfels{};
@@ -122,7 +122,7 @@ class LevelCover::Sharing {
     return false;
   }
 
-  /** Drops the first centres that others serve. */
+  /** Drops the first centres whose points others cover. */
   void dropServed(Cell& cell)
   {
     while (!cell.centers.empty() && cell.centers.front().state != State::kRunning &&
@@ -130,10 +130,10 @@ class LevelCover::Sharing {
       drop(cell);
   }
 
-  /** Drops the first centre; its memory serves another. */
+  /** Drops the first centre; its memory is used again. */
   void drop(Cell& cell) { spare_.splice(spare_.end(), cell.centers, cell.centers.begin()); }
 
-  /** Gives out what a cell has, and lets the cells begin that have waited for it. */
+  /** Outputs the surfels of a finished cell and starts the cells that waited for it. */
   void end(std::list<Cell>::iterator cell, int thread)
   {
     auto& arena = cover_.worker(thread).arena;
@@ -152,8 +152,8 @@ class LevelCover::Sharing {
     changed_.notify_all();
   }
 
-  /** Fits one centre: of a cell that no thread is at, or of one where centres lie apart.
-   * \return false: all that wait are likely to be served by earlier ones. */
+  /** Fits one centre: of a cell that no thread is at, or of one where centres are apart.
+   * \return false: all that wait are likely to be covered by earlier ones. */
   bool fitNext(int thread, Nearby& nearby, std::unique_lock<std::mutex>& lock)
   {
     for (const bool alone : {true, false}) {
@@ -177,7 +177,7 @@ class LevelCover::Sharing {
     return false;
   }
 
-  /** A centre that waits and that no earlier one is likely to serve, or none. */
+  /** A centre that waits and that no earlier one is likely to cover, or none. */
   Center* take(Cell& cell)
   {
     const Center* apart[kPlaces];

@@ -183,7 +183,7 @@ residualSum(const WeightedBall<K>& ball, const double* c)
   return sumLanes(sum);
 }
 
-/** Adds what the slopes ask for beyond those of c to the right-hand side: slope_weight times
+/** Adds the slopes' residuals against those of c to the right-hand side: slope_weight times
  * sum W (s_u - h_u) d_u m_k + W (s_v - h_v) d_v m_k. \return their weighted sum of squares. */
 template <int D, WeightKernel K>
 HWY_NOINLINE double

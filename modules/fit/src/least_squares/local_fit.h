@@ -20,11 +20,11 @@ struct LocalFit {
   double residual_sq = 0;                       ///< e^2 = sum w f^2 / sum w, gather radius squared
   double n_eff = 0;                             ///< (sum w)^2 / sum w^2
   double slope_sq = 0;                          ///< mean of |grad h|^2, weights w
-  double terms = 0;  ///< coefficients that the heights decide: their number, fewer beside slopes
+  double terms = 0;  ///< coefficients that the heights decide: their number, fewer with slopes
   double slope_misfit = 0;  ///< slope_weight times the mean square slope missed, like residual_sq
-  bool fell_by_pivot = false;  ///< the degree asked for had the points, not the pivots
-  double least_pivot = 1;      ///< over its diagonal entry; told for refined fits
-  int moment_degree = 0;       ///< the degree asked for: moments go up to twice that
+  bool fell_by_pivot = false;  ///< the points, not the pivots, allowed the requested degree
+  double least_pivot = 1;      ///< over its diagonal entry; set for refined fits
+  int moment_degree = 0;       ///< the requested degree; moments go up to twice that
   std::array<double, kMaxMoments> moments{};  ///< sum w u^i v^j, in rows of fixed i (momentIndex)
 };
 

@@ -48,7 +48,7 @@ slopeMoments()
 }
 
 /** \brief Weighted mean of |grad h|^2 over a ball: the slope's square is a polynomial of degree
- * 2D - 2, so the moments of the normal equations hold its mean. moments[0] is the sum of weights.
+ * 2D - 2, so the moments of the normal equations give its mean. moments[0] is the sum of weights.
  */
 template <int D>
 double

@@ -19,11 +19,11 @@ heightTruncation(WeightKernel kernel);
  * Points are off sideways as well: the mean height of those that end up at (u, v) is
  * h + lambda/2 (h_uu + h_vv) for isotropic noise (errors in variables; waves are worn down, spheres
  * shrink). And weights fall with a point's distance in space, which favours heights near the centre's:
- * they are drawn to it by 1 / (1 + a lambda / r^2), a as heightTruncation() has it. O(P).
+ * they are drawn to it by 1 / (1 + a lambda / r^2), a from heightTruncation(). O(P).
  *
  * \param[in] kernel the weights of the fit
  * \param[in] share lambda / r^2, the noise variance in units of the ball; balls that the noise
- * fills would amplify it, so no more is taken back than constants.most_share says
+ * fills would amplify it, so no more than constants.most_share is taken back
  * \param[in,out] c numCoefficients(degree) values in units of r
  */
 void

@@ -32,7 +32,7 @@ class NormalEquations {
   /** Factors column by column in order of degree.
    * \param[in] uv moments u^i v^j in rows of fixed i; \param[in] z right-hand side;
    * \param[in] slopes where slopes are data, the moments up to degree 2D - 2 of their weights.
-   * \return coefficients whose pivots hold. */
+   * \return coefficients whose pivots are large enough. */
   int factor(const double* uv, const double* z, const double* slopes)
   {
     WideVec rows[kSize * kVectors];
@@ -99,7 +99,7 @@ class NormalEquations {
   static constexpr int kLast = kStride - 1;
   static constexpr int kVectors = kStride / kLanes;
 
-  /** Whether vector k of a row holds anything on or right of its diagonal. */
+  /** Whether vector k of a row has lanes on or right of its diagonal. */
   static constexpr bool holds(int row, int k) { return (k + 1) * kLanes > row; }
 
   HWY_INLINE void load(const double* uv, const double* z, const double* slopes, WideVec* rows)

@@ -255,8 +255,8 @@ class ClassedEdges {
 
   std::size_t size() const { return edges_.size(); }
 
-  /** Calls visit(edge) in ascending order for the edges that wanted(edge) still holds for when
-   * their class comes. */
+  /** Calls visit(edge) in ascending order for the edges for which wanted(edge) is still true when
+   * their class is reached. */
   template <typename Wanted, typename Visit>
   void forEach(const Wanted& wanted, const Visit& visit)
   {
@@ -275,12 +275,12 @@ class ClassedEdges {
 };
 
 /** A spanning forest of the overlap graph. Weak edges come last and never join two closed bodies:
- * what faces each other across a gap says nothing about either's outside. */
+ * surfaces that face each other across a gap do not determine either's outside. */
 SignedForest
 spanningForest(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves,
                const OrientConstants& constants, FitStatistics& stats)
 {
-  // Most edges lie within what lighter ones have joined: they are dropped before they are ordered.
+  // Most edges connect what lighter ones have joined: they are dropped before they are ordered.
   ClassedEdges edges(overlapGraph(s, leaves, stats.threads, constants));
   stats.sides.overlap_edges = edges.size();
   SignedForest forest(s.size());

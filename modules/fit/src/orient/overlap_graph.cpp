@@ -49,7 +49,7 @@ probe(const Leaf& leaf, const Vector3& x)
 {
   const Vector3 d = subtract(x, leaf.center);
   const double r = leaf.radius;
-  // Beyond its ball a polynomial says nothing: ask it at the rim.
+  // A polynomial is undefined beyond its ball: evaluate it at the rim.
   double u = dot(d, leaf.frame.u) / r, v = dot(d, leaf.frame.v) / r;
   const double length_sq = u * u + v * v;
   const double shrink = length_sq > 1.0 ? 1.0 / std::sqrt(length_sq) : 1.0;
@@ -204,7 +204,7 @@ overlapGraph(const SLIMSurface& s, const std::vector<std::uint32_t>& leaves, int
   for (int k = 0; k < 256; ++k) {
     if (seen[static_cast<std::size_t>(k)]) numbers.push_back(k);
   }
-  // Leaves of one level are alike in size, so one grid serves each.
+  // Leaves of one level are alike in size, so each level has one grid.
   std::vector<LevelLeaves> levels(numbers.size());
   parallelFor(levels.size(), threads, 1,
               [&](std::size_t k, int) { levels[k] = makeLevel(s, leaves, numbers[k], constants); });

@@ -9,7 +9,7 @@
 
 namespace pcl_slim::detail {
 
-/** \brief An edge of the graph of overlapping leaves: light where two clearly lie on one sheet. */
+/** \brief An edge of the graph of overlapping leaves: light where two are clearly on one sheet. */
 struct OverlapEdge {
   float weight;
   std::uint32_t a, b;  ///< surfels

@@ -15,10 +15,10 @@ namespace pcl_slim::detail {
 /** \brief What a radius costs: residual plus a penalty on small balls. All in local units. */
 struct Energy {
   double lambda = 0;       ///< noise variance
-  double correlation = 1;  ///< tau: so many points share their errors and tell no more than one
+  double correlation = 1;  ///< tau: this many points share one error and count as one
   double kappa = 0;        ///< Mallows' Cp: kappa lambda P / n_eff, where t_mdl is 0
   double t_mdl = 0;        ///< T_MDL L: the paper's penalty lambda (T L / r)^2
-  double thick = 5.0;      ///< balls below so many sqrt(lambda) are filled by noise
+  double thick = 5.0;      ///< balls below this many sqrt(lambda) are noise-filled
   bool corrected = true;   ///< residual variance over n - P degrees of freedom (not in the paper)
 
   /** \brief E(r) of a fit with radius r; gather_radius is the unit the fit was made in. */
@@ -27,8 +27,8 @@ struct Energy {
   {
     double e_sq = variance(fit, gather_radius);
     if (corrected) {
-      // Weights fall with height too, so a thin ball sees e^2 = s^2 / (1 + a s^2 / r^2) of a noise
-      // variance s^2, and one the noise fills sees little but its own size.
+      // Weights fall with height, too: a thin ball measures e^2 = s^2 / (1 + a s^2 / r^2) of a noise
+      // variance s^2, and a noise-filled ball little but its own size.
       const double truncation = heightTruncation(fit.kernel);
       e_sq /= std::max(constants.least_seen_share, 1.0 - truncation * e_sq / (r * r));
       if (filledByNoise(r)) e_sq = std::max(e_sq, lambda);
@@ -39,7 +39,7 @@ struct Energy {
     return e_sq + fit.slope_misfit * gather_radius * gather_radius + penalty(fit, r);
   }
 
-  /** \brief e^2 as seen across the surface: over a slope s noise scatters heights by 1 + s^2 times
+  /** \brief e^2 across the surface: over a slope s noise scatters heights by 1 + s^2 times
    * its variance. What a fit misses of the shape keeps its height. */
   double variance(const LocalFit& fit, double gather_radius) const
   {
@@ -56,15 +56,15 @@ struct Energy {
     return kappa * lambda * correlation * numCoefficients(fit.degree) / fit.n_eff;
   }
 
-  /** \brief What a fit leaves of its points: a coefficient follows as much of the noise as that many
-   * points have in common. */
+  /** \brief Degrees of freedom of a fit's residuals: each coefficient takes as many points as share one
+   * error. */
   double degreesOfFreedom(const LocalFit& fit) const
   {
     const double freedom = fit.n_eff - correlation * numCoefficients(fit.degree);
     return correlation > 1 ? std::max(freedom, 0.25 * fit.n_eff) : freedom;
   }
 
-  /** \brief Whether a ball of radius r is so thin that it sees little but its own size of the
+  /** \brief Whether a ball of radius r is noise-filled: its e^2 depends more on its size than on the
    * noise. */
   bool filledByNoise(double r) const { return r * r < thick * thick * lambda; }
 };

@@ -23,8 +23,8 @@ parabolaMinimum(const Trial& a, const Trial& b, const Trial& c)
   return std::exp(std::min(std::max(x, xa), xc));
 }
 
-/** \brief The choice where support ends between the supported radii and the next one down: the last
- * radius that has it joins the comparison ("Guards", Minimum support). */
+/** \brief The choice where support ends between the supported radii and the next one down: the least
+ * supported radius joins the comparison ("Guards", Minimum support). */
 RadiusChoice
 chooseAtMinimumSupport(TrialFits& trials, const Trial& right, const Trial& middle)
 {
@@ -87,7 +87,7 @@ fitBesideFeature(TrialFits& trials, const Trial& trial)
 {
   const RadiusConstants& constants = trials.constants();
   const int degree = constants.feature_degree;
-  // Kappa is 1 for the expected error: what is left beside an edge is bias, not luck.
+  // Kappa is 1 for the expected error: the excess next to an edge is bias, not chance.
   Energy risk = trials.energy();
   risk.kappa = 1.0;
   Trial best;
@@ -318,7 +318,7 @@ FinalFit::make(const RadiusChoice& choice)
   const WeightKernel kernel = at_minimum_support ? plan.wall_kernel : plan.fit_kernel;
   Trial result = chosen;
   if (!trials_.refit(trials_.samples().within(result.rho), kernel, result)) {
-    return chosen;  // rounding, or the other kernel, cost a pivot: the accepted fit stands
+    return chosen;  // rounding, or the other kernel, cost a pivot: the accepted fit is kept
   }
   if (plan.robust) fitRobustly(kernel, result);
   return result;

@@ -64,7 +64,7 @@ class FinalFit {
  public:
   explicit FinalFit(TrialFits& trials) : trials_(trials) {}
 
-  /** \brief The chosen fit once more, with iterative refinement and, where asked, robust weights. */
+  /** \brief The chosen fit once more, with iterative refinement and, if requested, robust weights. */
   Trial make(const RadiusChoice& choice);
 
  private:
@@ -111,15 +111,15 @@ class RadiusSearch {
   /** \brief For a sparse ball: the best that degree and radius up to the gather radius allow. */
   RadiusChoice fallBack();
 
-  /** \brief The final fit of a leaf, with refinement and, where asked, robust weights. */
+  /** \brief The final fit of a leaf, with refinement and, if requested, robust weights. */
   Trial refine(const RadiusChoice& choice) { return final_.make(choice); }
 
   const FitCounts& counts() const { return trials_.counts(); }
 
  private:
-  /** \brief Whether balls of the next level would be narrower than the least one asked for. */
+  /** \brief Whether balls of the next level would be narrower than the least one allowed. */
   bool isNarrowest() const;
-  /** \brief A choice of a narrower ball than the least one asked for, at that one's radius. */
+  /** \brief A choice at the least radius allowed, in place of one of a narrower ball. */
   RadiusChoice notNarrower(const RadiusChoice& choice);
 
   TrialFits trials_;

@@ -25,7 +25,7 @@ FitComparison::unbiased(const Trial& trial) const
   return c;
 }
 
-/** D^2 over the points of the closer fit, with its weights: its moments hold it. */
+/** D^2 over the points of the closer fit, with its weights, from its moments. */
 double
 FitComparison::meanSquaredDifference(const Trial& simpler, const Trial& close) const
 {
@@ -86,7 +86,7 @@ ResidualStructure::Finding
 ResidualStructure::measure(const BallBuffer& points, const LocalFit& fit, double rho,
                            double least_cell, double correlation)
 {
-  // Cells hold as many independent points as they would of white noise.
+  // Cells contain as many independent points as they would of white noise.
   const int side = cellsAlongSide(static_cast<double>(points.count) / correlation, rho, least_cell);
   if (side < constants_.least_cells) return {};
   residuals_.resize(points.count + BallBuffer::kPadding);
@@ -150,7 +150,7 @@ ResidualTests::lacksFit(const Trial& left, const Trial& middle, double margin) c
 }
 
 /** Where detail is finer than every radius tried, E does not fall towards smaller ones and looks
- * like that of noise; neighbouring residuals tell. Detail that weighs less than the penalty would
+ * like that of noise; neighbouring residuals show it. Detail that weighs less than the penalty would
  * cost more noise to resolve than it is worth. */
 bool
 ResidualTests::hidesDetail(const Trial& trial)

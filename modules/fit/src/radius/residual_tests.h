@@ -2,8 +2,8 @@
 #include <array>
 #include <vector>
 
-// docs/theory.md, "Guards", Lack of fit; "Detail below the noise"; and what "holds noise only"
-// means in "Two fits on the same points".
+// docs/theory.md, "Guards", Lack of fit; "Detail below the noise"; and "contains noise only"
+// in "Two fits on the same points".
 #pragma once
 
 #include "fit_constants.h"
@@ -12,9 +12,9 @@
 
 namespace pcl_slim::detail {
 
-/** \brief Tells a surface's unresolved detail from noise by what neighbouring residuals share.
+/** \brief Separates a surface's unresolved detail from noise by the covariance of neighbouring residuals.
  *
- * Noise differs from point to point; detail that a fit misses is common to points that lie close
+ * Noise differs from point to point; detail that a fit misses is common to points that are close
  * together in the frame's plane. The mean product of residuals over all pairs within small cells
  * of (u, v) therefore estimates the detail's variance, whatever the noise is: a lack-of-fit test
  * with near replicates. One object per thread: it keeps its scratch memory.
@@ -29,7 +29,7 @@ class ResidualStructure {
   };
 
   /** \brief Looks at the residuals of a fit within rho. \param[in] least_cell least width of a
-   * cell; 0: as the points' density has it. \param[in] correlation points that share their noise.
+   * cell; 0: from the points' density. \param[in] correlation points that share their noise.
    * O(points). */
   Finding measure(const BallBuffer& points, const LocalFit& fit, double rho,
                   double least_cell = 0.0, double correlation = 1.0);
@@ -48,7 +48,7 @@ class ResidualStructure {
   std::vector<Cell> cells_;
 };
 
-/** \brief Tells whether what a fit leaves over is noise, lack of fit, or detail below the noise. */
+/** \brief Decides whether the residuals of a fit are noise, lack of fit, or detail below the noise. */
 class ResidualTests {
  public:
   explicit ResidualTests(TrialFits& trials) : trials_(trials), structure_(trials.constants()) {}
@@ -95,7 +95,7 @@ class FitComparison {
   Trial widestAccepted(const Trial& middle, const Trial& right);
 
   /** \brief The fit of the lowest degree that is accepted in place of a leaf's: under noise the
-   * high terms of a ball that cannot be wide hold little else. */
+   * high terms of a ball that cannot be wide are little else. */
   Trial lowestDegreeAccepted(const Trial& trial);
 
  private:

@@ -14,7 +14,7 @@ namespace pcl_slim::detail {
 
 /** \brief The samples of one gathered ball, and copies of its inner parts.
  *
- * The radii of a level lie in [gamma^2, 1] r_r (eq. 5). The points within gamma r_r and those
+ * The radii of a level are in [gamma^2, 1] r_r (eq. 5). The points within gamma r_r and those
  * within gamma^2 r_r are copied when a radius first needs no more than them, so that small radii
  * do not read the whole ball. Radii are in units of the gather radius. There is one object per
  * thread, which keeps its scratch memory.
@@ -25,7 +25,7 @@ class BallSamples {
    * \param[in] gather_radius local length; \param[in] rho_right r_r in units of it. */
   void begin(const BallBuffer& ball, double gather_radius, double rho_right);
 
-  /** \brief All points, or a smaller copy that still holds all within rho. O(points) when new. */
+  /** \brief All points, or a smaller copy that still contains all within rho. O(points) when new. */
   const BallBuffer& within(double rho);
 
   const BallBuffer& all() const { return *ball_; }
@@ -84,7 +84,7 @@ class TrialFits {
   Trial left() { return at(rhoLeft()); }
   double rhoLeft() const { return kGolden * kGolden * samples_.rhoRight(); }
 
-  /** \brief The fit at a radius; unsupported where too few points stand behind the degree. */
+  /** \brief The fit at a radius; unsupported where the points are too few for the degree. */
   Trial at(double rho) { return at(rho, plan_.degree, plan_.fit_kernel); }
   Trial at(double rho, int degree, WeightKernel kernel);
 
@@ -96,7 +96,7 @@ class TrialFits {
    * flatter kernel is taken: it reaches the same n_eff with a smaller ball. */
   Trial atMinimumSupport(double from);
 
-  /** \brief The fit of a lower degree to a trial's points, from its moments where they tell. */
+  /** \brief The fit of a lower degree to a trial's points, from its moments where they suffice. */
   Trial ofLowerDegree(const Trial& trial, int degree);
 
   /** \brief Fits the trial's degree and radius to the points with iterative refinement.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The points of one ball once they are gathered: framed, thinned out, beside a fit.
+// The points of one ball once they are gathered: framed, thinned out, compared with a fit.
 #include "scan/ball_kernels.h"
 
 #include "fit_constants.h"

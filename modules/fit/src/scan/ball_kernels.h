@@ -18,13 +18,13 @@ namespace pcl_slim::detail {
  *
  * After gathering: offsets from the centre in local units and their squared length; normals where
  * they are data. After toFrame(): frame coordinates and squared distance in units of the gather
- * radius; the slopes that the normals tell.
+ * radius; the slopes from the normals.
  */
 struct BallBuffer {
   AlignedVector<float> u, v, w, s_sq;
   AlignedVector<float> n_u, n_v, n_w;  ///< normals; in the frame slopes n_u, n_v and weights n_w
   AlignedVector<float> prior;          ///< robust weights; empty: all 1
-  double slope_weight = 0;  ///< of slopes beside heights, in the frame's units; 0: no slopes
+  double slope_weight = 0;  ///< of slopes relative to heights, in the frame's units; 0: no slopes
   std::size_t count = 0;
 
   static constexpr std::size_t kPadding = 64;
@@ -36,7 +36,7 @@ struct BallBuffer {
     for (auto* column : {&u, &v, &w, &s_sq}) column->resize(grown);
   }
 
-  /** \brief Room for normals beside the points; call after reserve(). */
+  /** \brief Room for normals as well; call after reserve(). */
   void reserveNormals()
   {
     for (auto* column : {&n_u, &n_v, &n_w}) column->resize(std::max(column->size(), u.size()));
@@ -78,7 +78,7 @@ toFrame(const LocalFrame& frame, float radius, BallBuffer& ball);
 void
 compactBall(const BallBuffer& ball, float limit_sq, BallBuffer& inner);
 
-/** \brief Copies the points whose residual lies in [low, high]. */
+/** \brief Copies the points whose residual is in [low, high]. */
 void
 selectResiduals(const BallBuffer& ball, const float* residuals, float low, float high,
                 BallBuffer& kept);

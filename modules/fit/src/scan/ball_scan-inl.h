@@ -17,7 +17,7 @@ namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/** Offsets of one group of lanes from a centre, and which of them lie in the ball and within its
+/** Offsets of one group of lanes from a centre, and which of them are in the ball and within its
  * normal bound. */
 struct Lanes {
   Vec dx, dy, dz, d_sq;

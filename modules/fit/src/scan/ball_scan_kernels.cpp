@@ -37,7 +37,7 @@ gatherBall(const PointStore& store, const BlockList& blocks, const BallQuery& qu
       n[2] = MulAdd(g, Load(d, store.nz() + i), n[2]);
     }
     if (with_covariance) {
-      // Padding lies far away: its weight is 0, its products stay finite.
+      // Padding is far away: its weight is 0, its products stay finite.
       const auto gx = g * l.dx, gy = g * l.dy, gz = g * l.dz;
       first[0] += gx;
       first[1] += gy;
@@ -86,7 +86,7 @@ coverOfDegree(const PointStore& store, const BlockList& blocks, const CoverLeaf&
     const auto [u, v, w] = axes.turn({l.dx, l.dy, l.dz});
     const auto residual = w - height(u, v);
     const auto near = And(l.kept, Abs(residual) <= limit);
-    // The distance counts to the point's foot: noise thick against the ball is no lack of coverage.
+    // Distances are measured to the foot point, so that noise does not reduce coverage.
     const auto foot_sq = NegMulAdd(residual * residual, radius_sq, l.d_sq);
     const auto g = kernelWeight<K>(Max(foot_sq, Zero(d)) * inverse_sq);
     addMasked(g, near, coverage + i);

@@ -44,7 +44,7 @@ leastShare(double noise, const SideConstants& rules)
   return rules.least_thin + std::clamp(clean, 0.0, 1.0) * (rules.clean_thin - rules.least_thin);
 }
 
-/** \return nothing where a cloud is thick. */
+/** \return nothing where a cloud has too few thin places. */
 std::optional<SideSearch>
 searchFor(const ThinPlaces& thin, double unsided, bool measured, const SideConstants& rules)
 {
@@ -76,8 +76,8 @@ struct SidedFit {
   double cost() const { return noise / (sides.confidence * sides.thin); }
 };
 
-/** Seeks sides by narrower and narrower cells: those that hold both sides leave doubts, or too little
- * faces apart. Keeps the sides of the least cost. */
+/** Seeks sides by narrower and narrower cells: cells with both sides leave doubts, or too few
+ * faces separated. Keeps the sides of the least cost. */
 Error
 seekSides(const SideSearch& search, double spacing, const FitConstants& constants,
           const FitParams& params, SidedStore& sided, const FitStatistics& stats,
@@ -103,7 +103,7 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
       found = next.noise = std::sqrt(next.measures.lambda);
       if (!search.needed && found > rules.same_noise * search.unsided) break;
       if (best && next.cost() > best->cost()) break;
-      // Wider balls would hold what these cells keep apart. Sides never add to the noise: a patch of one
+      // Wider balls would contain what these cells separate. Sides never add to the noise: a patch of one
       // side alone of a thin tube bends more than its cubic.
       const double most = std::min(std::max(noise, search.least),
                                    std::max(search.unsided, rules.least_noise * spacing));
@@ -194,7 +194,7 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
   if (!best) return {};
   measures = std::move(best->measures);
   stats = best->stats;
-  // Where there is little noise a leaf's residual says more of a point's sheet than its cell does.
+  // Where there is little noise, a leaf's residual separates sheets better than a point's cell does.
   stats.sides.for_cover = search->noise < constants.sides.full_noise * thin.spacing;
   if (stats.sides.for_cover)
     sided.setSidesForCover(best->sides.normals, best->sides.normals);

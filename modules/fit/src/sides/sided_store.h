@@ -22,7 +22,7 @@ class SidedStore {
   }
 
   const PointStore& store() const { return *store_; }
-  /** \brief Whether the caller's store is what is given sides. */
+  /** \brief Whether the sides are set in the caller's store itself, not in a copy. */
   bool isKept() const { return own_ != nullptr && !copy_; }
   void setSides(const std::vector<std::array<float, 3>>& normals) { own().setSides(normals); }
   /** \brief Sets sides for the cover, in whose place endCover() sets those for orientation and trim maps. */

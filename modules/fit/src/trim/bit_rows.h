@@ -7,7 +7,7 @@
 
 namespace pcl_slim::detail {
 
-/** \brief A square of bits, row by row, each row in whole words: many columns at once. */
+/** \brief A square of bits, row by row, each row in whole words: one operation handles many columns. */
 class BitRows {
  public:
   /** \brief Sets the size; every bit is 0 then. */
@@ -92,7 +92,7 @@ erodeRows(const BitRows& from, BitRows& to)
     for (int y = 0; y < from.side(); ++y) erodeRow(from.row(y), from.wordsPerRow(), to.row(y));
     return;
   }
-  const std::uint64_t* rows = from.row(0);  // one word each: several at once
+  const std::uint64_t* rows = from.row(0);  // one word each: vectorised
   for (std::size_t y = 0; y < from.numWords(); ++y)
     to.row(0)[y] = rows[y] & (rows[y] << 1 | 1) & (rows[y] >> 1 | std::uint64_t{1} << 63);
 }

@@ -241,7 +241,7 @@ widestSector(std::uint64_t taken, double* middle)
 }
 
 constexpr std::uint32_t kNoPlane = 0;  // no unit normal has this code
-constexpr int kHalfTen = 511;          ///< ten bits hold -1 to 1 in as many steps to each side
+constexpr int kHalfTen = 511;          ///< ten bits encode -1 to 1 in this many steps to each side
 
 std::uint32_t
 packed(const Vector3& normal)

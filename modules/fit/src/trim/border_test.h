@@ -51,7 +51,7 @@ using PointBorders = std::vector<PointBorder>;
 /** \brief Whether the data end next to a point, in the point's own tangent plane.
  *
  * A surfel's plane does not show it: where the surface turns away from it, at the silhouette of a tube, its
- * points end although the data go on. The neighbours of the point, in the plane of their least variance, leave a
+ * points end although the data continue. The neighbours of the point, in the plane of their least variance, leave a
  * sector empty at a border and at a hole, and nowhere else. The disc that fits into that sector and touches the
  * point has to be wider than chance leaves discs empty at the spacing on either side of it. One per
  * thread: it keeps its memory.

@@ -19,7 +19,7 @@ KnownRegion::KnownRegion(int degree, const float* c, double radius)
   }
 }
 
-/** The cells of a row that lie in the ball's middle section. */
+/** The cells of a row in the ball's middle section. */
 KnownRegion::Run
 KnownRegion::circleRun(double v, double cell, double middle, int end) const
 {

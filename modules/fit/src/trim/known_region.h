@@ -5,14 +5,14 @@
 
 namespace pcl_slim::detail {
 
-/** \brief The part of a surfel's (u, v) plane that gathered points tell of: where its own surface lies
- * in the ball they were gathered from. A surface that bends leaves that ball before its rim. */
+/** \brief The part of a surfel's (u, v) plane that the gathering ball covers: where the surfel's surface is
+ * inside that ball. A surface that bends leaves the ball before its rim. */
 class KnownRegion {
  public:
   /** \param[in] c coefficients of the surfel \param[in] radius of the ball, in the surfel's radii */
   KnownRegion(int degree, const float* c, double radius);
 
-  /** \brief Sets the bits of cells beyond. Cell (x, y) stands at cell times (x - middle, y - middle).
+  /** \brief Sets the bits of cells beyond. Cell (x, y) is at cell times (x - middle, y - middle).
    * O(rows).
    * Where the surface bends, the cells before are those connected to the middle. */
   void markBeyond(double cell, int middle, BitRows& rows) const;

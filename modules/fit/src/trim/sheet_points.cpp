@@ -184,7 +184,7 @@ struct Sector {
   }
 };
 
-/** Whether a surfel serves a stored point, told from the centre in radii. */
+/** Whether a surfel covers a stored point; offset from the centre in radii. */
 bool
 serves(const PointStore& store, std::size_t i, const kernels::CoverLeaf& surfel,
        const Vector3& offset)

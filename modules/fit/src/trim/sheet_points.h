@@ -43,12 +43,12 @@ struct SheetPoints {
 
 /** \brief Mean spacing of points in the unit disc, in units of its radius: the root of the area that
  * one point has. The area reaches, in each of 16 sectors (or 8 or 4, where points are few), as far as
- * the farthest point of the sector tells.
+ * the farthest point of the sector.
  * \return 0 where points have no area. O(points). */
 double
 spacingOf(SheetPoints& points);
 
-/** \brief Collects, of the stored points that a surfel serves, the middle one of every block: a sample
+/** \brief Collects, of the stored points that a surfel covers, the middle one of every block: a sample
  * for surfels of many points. O(blocks). */
 void
 sampleSheet(const PointStore& store, const BlockList& blocks, const kernels::CoverLeaf& surfel,
@@ -56,7 +56,7 @@ sampleSheet(const PointStore& store, const BlockList& blocks, const kernels::Cov
 
 namespace kernels {
 
-/** \brief Collects the stored points that a surfel serves: in its ball, within the normal bound and
+/** \brief Collects the stored points that a surfel covers: in its ball, within the normal bound and
  * at most max_residual from f = 0. */
 void
 gatherSheet(const PointStore& store, const BlockList& blocks, const CoverLeaf& surfel,
@@ -64,7 +64,7 @@ gatherSheet(const PointStore& store, const BlockList& blocks, const CoverLeaf& s
 
 constexpr std::uint32_t kSheetSectors = 16;
 
-/** \brief Finds which of 16 equal sectors holds each point; halves of them differ in the highest bit.
+/** \brief Finds which of 16 equal sectors contains each point; halves of them differ in the highest bit.
  * Points outside of the unit disc get kSheetSectors. */
 void
 findSectors(SheetPoints& points);

@@ -67,7 +67,7 @@ class TrimMaker {
 
 constexpr int kDepthUnit = 64;  ///< of a raster's depths, a cell
 
-/** Sets the bit of the node next to each point: smoothing wipes out points that stand alone or in a
+/** Sets the bit of the node next to each point: smoothing removes points that are isolated or in a
  * single row. */
 void
 keepPoints(const SheetPoints& points, int side, std::uint8_t* bits)
@@ -82,7 +82,7 @@ keepPoints(const SheetPoints& points, int side, std::uint8_t* bits)
   }
 }
 
-/** Surfel i as the cover sees it, with a wider ball and more patience for what lies beside it.
+/** Surfel i as the cover sees it, with a wider ball and a larger residual bound around it.
  * \param[in] normal its own, which must outlive the result */
 kernels::CoverLeaf
 TrimMaker::wideSurfel(std::size_t i, const std::array<float, 3>& normal) const

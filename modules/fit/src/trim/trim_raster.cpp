@@ -16,7 +16,7 @@ constexpr int kMostHalf = 95;  ///< cells from the middle of a raster: three wor
 constexpr int kMostWords = 3;
 constexpr std::size_t kFewPlaces = 128;  ///< fewer are looked at one by one
 constexpr std::size_t kFewPoints =
-    256;                        ///< all gaps of fewer are measured at once; saves time alone
+    256;                        ///< all gaps of fewer points are measured together; only for speed
 constexpr int kLanes = 16;      ///< columns that loops take together
 constexpr int kMostDepth = 4;   ///< cells: beyond, depths decide nothing
 constexpr int kMostHeight = 8;  ///< cells: likewise outside
@@ -46,7 +46,7 @@ addAtBits(const std::uint64_t* row, int columns, std::int16_t value, std::int16_
 }  // namespace
 
 /** Half widths, in parts of a cell, of the rows of a disc: for each place of its middle in a cell, the
- * span rows from so many above the middle's on; -1 where the disc has none. */
+ * span rows, the first rows below the middle's; -1 where the disc has none. */
 void
 TrimRaster::cutDisc(int rows, int span)
 {

@@ -16,10 +16,10 @@ namespace pcl_slim::detail {
 struct TrimScale {
   double spacing;  ///< of the surfel's points
   double hole;     ///< diameter of the smallest hole kept
-  double growth;   ///< how far the surface goes on beyond its outermost points
+  double growth;   ///< how far the surface extends beyond its outermost points
 };
 
-/** \brief How deep the places of a surfel's disc lie inside its data, on a raster.
+/** \brief The depth of places of a surfel's disc inside its data, on a raster.
  *
  * The points' region is closed by discs of the smallest hole's diameter, then grown: with R the
  * discs' radius, a place nearer than R to a point is covered, D is a covered place's distance to

@@ -17,7 +17,7 @@ struct Placed {
   CellPlace place;
 };
 
-/** The bit of an octant's number that says on which side along an axis it is. */
+/** The bit of an octant's number for its side along an axis. */
 constexpr unsigned int
 axisBit(unsigned int axis)
 {
@@ -134,7 +134,7 @@ class EdgeWalk {
 constexpr float kBall = 0.8f;  ///< of r: leaves cover their points within two thirds
 constexpr float kSheetReach =
     0.95f;                        ///< of a cell's width: its middle is that near to a sheet in it
-constexpr float kCoarse = 1.0f;   ///< radii: polynomials say nothing of wider cells
+constexpr float kCoarse = 1.0f;   ///< radii: polynomials do not describe wider cells
 constexpr float kSlack = 1.001f;  ///< a cell as wide as it may be is not divided for rounding
 constexpr std::uint32_t kSerialDepth = 5;  ///< levels divided before threads take over
 constexpr std::size_t kMostNodes = std::size_t{1} << 30;
@@ -179,7 +179,7 @@ class Grower {
 
  private:
   /** \param[out] members leaves whose sheet passes the cell; one is enough where none can divide it.
-   * \return whether the cell is wider than one of them asks for. */
+   * \return whether the cell is wider than one of them allows. */
   bool examine(const CellPlace& place, const Members& candidates, Members& members) const
   {
     const auto size = static_cast<float>(tree_.size(place.depth));

@@ -29,7 +29,7 @@ class CellTree {
  public:
   static constexpr std::uint32_t kMostDepth = 20;  ///< corners have twenty bits and a half
 
-  /** Divides cells until none is wider than the leaves on it ask for. \return an error where there
+  /** Divides cells until none is wider than the leaves on it allow. \return an error where there
    * would be too many. O(cells times leaves near each); the same for any number of threads. */
   Error build(const std::vector<LeafShape>& shapes, int threads);
 
@@ -64,7 +64,7 @@ class CellTree {
 /** An edge of an octree's cells that no finer cell divides. */
 struct CellEdge {
   /** The cells around it, counter-clockwise as seen from the edge's upper end; a coarse cell whose face
-   * holds the edge is there twice. */
+   * contains the edge is listed twice. */
   std::uint32_t cell[4];
   std::uint32_t low[3];  ///< its lower end
   std::uint8_t axis;

@@ -12,7 +12,7 @@ namespace pcl_slim::detail {
 namespace {
 
 constexpr double kWidest = 0.6;  ///< of r: no wider cells
-constexpr double kPatch = 0.45;  ///< of r: curvature is looked at so far around the centre
+constexpr double kPatch = 0.45;  ///< of r: radius about the centre where curvature is evaluated
 constexpr int kSteps = 16;       ///< widths looked at from one to twice as much
 
 /** Largest curvature on a leaf, 1/length. */

@@ -37,7 +37,7 @@ std::vector<LeafShape>
 shapesOf(const SLIMSurface& surface, double tolerance, double least_spacings, int threads);
 
 /** The width of a cell such that cells of that width times powers of two, none wider than the leaves on it
- * ask for, are as few as can be. O(shapes). */
+ * allow, are as few as possible. O(shapes). */
 double
 thriftyCellSize(const std::vector<LeafShape>& shapes);
 

@@ -102,7 +102,7 @@ class Sharpening {
   MeshStatistics& statistics_;
 };
 
-/** The longest edge about each vertex as its size, and what probes look at ahead. */
+/** The longest edge about each vertex as its size, and the margin of probes. */
 void
 Sharpening::measureEdges()
 {

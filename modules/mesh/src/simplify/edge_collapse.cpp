@@ -45,7 +45,7 @@ struct Quadric {
     return std::max(0.0, dot(p, multiplied(a, p)) + 2 * dot(b, p) + c);
   }
 
-  /** The place of least value. \return false where the planes do not tell one. */
+  /** The place of least value. \return false where the planes do not determine one. */
   bool least(Vector3& p) const
   {
     const Vector3 x = {a[kXX], a[kXY], a[kXZ]}, y = {a[kXY], a[kYY], a[kYZ]},

@@ -8,7 +8,7 @@
 
 namespace pcl_slim::detail {
 
-/** \brief What a pass over face normals reads beside the normals themselves. */
+/** \brief The input of a pass over face normals in addition to the normals. */
 struct NormalFilter {
   const FaceGeometry& geometry;
   const MeshTopology& topology;
@@ -26,8 +26,8 @@ filterNormals(const NormalFilter& filter, const std::vector<Vector3>& guide,
 std::vector<Vector3>
 ringNormals(const NormalFilter& filter, const std::vector<Vector3>& normals);
 
-/** \brief Gives normals that look elsewhere than all around them the mean of those. No edge parts one
- * face from all its neighbours by so much (66 degrees from their mean); folds and slivers do. */
+/** \brief Replaces normals that differ from all around them by the mean of those. No edge separates one
+ * face from all its neighbours by that much (66 degrees from their mean); folds and slivers do. */
 void
 mendLoneNormals(const NormalFilter& filter, std::vector<Vector3>& normals);
 

@@ -32,7 +32,7 @@ turnsOver(const MovingMesh& mesh, const std::vector<Vector3>& before, const Vect
   return after < kLeastAgreement && after < agreement(mesh, before, normal, f);
 }
 
-/** Takes vertices back where a face turns over, until none does. */
+/** Moves vertices back where a face turns over, until none does. */
 void
 takeBack(const std::vector<Vector3>& normals, const std::vector<Vector3>& before,
          const MovingMesh& mesh)
@@ -47,7 +47,7 @@ takeBack(const std::vector<Vector3>& normals, const std::vector<Vector3>& before
         if (mesh.vertices[v] == before[v]) continue;
         mesh.vertices[v] = before[v];
         mesh.held[v] = 1;
-        // What else stands on this vertex has changed again.
+        // The other faces at this vertex have changed again.
         const IndexRow around = mesh.topology.facesOf(v);
         next.insert(next.end(), around.begin(), around.end());
       }

@@ -14,14 +14,14 @@ struct MovingMesh {
   const MeshFaces& faces;
   const MeshTopology& topology;
   std::vector<Vector3>& vertices;
-  std::vector<std::uint8_t>& held;  ///< set for vertices held back lest a face turn over
+  std::vector<std::uint8_t>& held;  ///< set for vertices not moved, lest a face turn over
   int threads = 0;
 };
 
 /** \brief Moves vertices until faces have the normals given: steps down the sum over faces and their
  * corners v of (n . (v - c))^2, c being the face's centroid (Sun, Rosin, Martin, Langbein 2007).
  *
- * Positions carry no anchor: mean positions stay as they are, and noise goes as normals say.
+ * Positions carry no anchor: mean positions stay as they are, and the normals determine how noise is removed.
  */
 void
 followNormals(const std::vector<Vector3>& normals, int steps, const MovingMesh& mesh);

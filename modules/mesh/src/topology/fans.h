@@ -39,7 +39,7 @@ struct EdgeTable {
 std::vector<std::uint32_t>
 separateFans(std::size_t num_vertices, std::vector<Triangle>& triangles, int threads);
 
-/** Turns triangles until neighbours agree, in each component as most of its triangles say. \return of each
+/** Turns triangles until neighbours agree, in each component like the majority of its triangles. \return of each
  * triangle whether it was turned. O(T log T). */
 std::vector<std::uint8_t>
 agreeOnSides(std::vector<Triangle>& triangles, int threads);

@@ -78,7 +78,7 @@ constexpr float kBorder = 0.5f;
 
 using Loop = std::vector<std::uint32_t>;
 
-/** Whether data lie all around a loop. */
+/** Whether there are data all around a loop. */
 bool
 isInside(const Loop& loop, const SurfaceVertices& vertices)
 {

@@ -11,7 +11,7 @@ namespace {
 constexpr double kMostMove =
     1.0;  ///< widths of a cell that a vertex may move from where its edges cross
 
-/** Writes down what was found for one vertex. */
+/** Stores the probe's result for one vertex. */
 void
 accept(const ProbeSample& sample, std::uint32_t v, SurfaceVertices& vertices)
 {
@@ -51,7 +51,7 @@ putBlock(SurfaceProbe& probe, const std::uint32_t* which, std::size_t count, con
   }
 }
 
-/** Who is connected to whom. */
+/** Which vertices are connected. */
 struct Neighbours {
   std::vector<std::uint32_t> begin, triangles;
   std::vector<std::uint8_t> border;

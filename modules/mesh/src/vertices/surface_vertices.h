@@ -26,7 +26,7 @@ struct SurfaceVertices {
 void
 putOnSurface(const ProbeField& field, std::vector<std::uint32_t> which, SurfaceVertices& vertices);
 
-/** Moves vertices towards the middle of those they are connected to, along the surface, so many times.
+/** Moves vertices towards the middle of those they are connected to, along the surface, in several passes.
  * A vertex stays where a triangle would turn over; so do those on borders. */
 void
 relax(const ProbeField& field, const std::vector<Triangle>& triangles, int rounds,

@@ -82,7 +82,7 @@ setExtremality(const Vector3& g, double length, const Symmetric3<double>& h, con
   const Vector3 n = {g[0] / length, g[1] / length, g[2] / length};
   const auto derivative = [&](const std::array<float, 3>& direction, double k) {
     const Vector3 t = {direction[0], direction[1], direction[2]};
-    // How often each entry of the symmetric tensor stands in T(t, t, t).
+    // The multiplicity of each entry of the symmetric tensor in T(t, t, t).
     static constexpr double kCount[10] = {1, 3, 3, 3, 6, 3, 1, 3, 3, 1};
     double ttt = 0;
     for (int a = 0, i = 0; a < 3; ++a) {

@@ -10,7 +10,7 @@
 
 namespace pcl_slim::detail {
 
-/** A leaf wherever it is asked for. */
+/** A leaf, ready for evaluation anywhere. */
 struct ProbeLeaf {
   BlockLeaf leaf;  ///< but for its shift
   Vector3 center;
@@ -39,7 +39,7 @@ class LeafRegion {
   /** Leaves that reach into a box inside the region. */
   void choose(const Vector3& low, const Vector3& high, std::vector<const BlockLeaf*>& chosen);
 
-  /** Calls body(leaf, number of points, squared distance over squared radius) for each leaf that holds
+  /** Calls body(leaf, number of points, squared distance over squared radius) for each leaf whose ball contains
    * a place. */
   template <typename Body>
   void forHolding(const Vector3& place, const Body& body)

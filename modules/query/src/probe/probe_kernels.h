@@ -32,7 +32,7 @@ struct BlockColors {
   alignas(64) float sum[3][16];  ///< weighted red, green, blue, 0..255
 };
 
-/** What a block's sums tell of the blended surface, columns per point; of no use where nothing was added. */
+/** The blended surface from a block's sums, columns per point; undefined where nothing was added. */
 struct BlockPrincipals {
   alignas(64) float length[16];     ///< of the blended gradient
   alignas(64) float normal[3][16];  ///< unit
@@ -61,7 +61,7 @@ void
 addColors(const BlockPoints& points, const BlockLeaf& leaf, const BlendRules& rules,
           BlockColors& colors);
 
-/** As principalCurvatures() finds them, in single precision and for sixteen points at once. */
+/** Like principalCurvatures(), in single precision and for sixteen points together. */
 void
 findPrincipals(const BlockSums& sums, BlockPrincipals& principals);
 

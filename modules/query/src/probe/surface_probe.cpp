@@ -23,7 +23,7 @@ using namespace detail;
 
 namespace {
 
-constexpr float kLeastGradient = 1e-6f;  ///< shorter blended gradients tell no direction
+constexpr float kLeastGradient = 1e-6f;  ///< shorter blended gradients have no direction
 constexpr double kGateErrors = 5.0;      ///< residuals and offsets beyond this many e do not count
 constexpr double kLeastGate = 0.1;       ///< but those up to this share of r do
 constexpr double kGateRadius = 0.25;
@@ -69,7 +69,7 @@ struct ProbeIndex::Leaves {
   TrimTables trims;
   double reach = 1;   ///< of leaves, in radii
   float noise = 0;    ///< local units
-  float min_dot = 0;  ///< cosine of a leaf's normal to the side asked for
+  float min_dot = 0;  ///< least cosine between a leaf's normal and the requested side
 };
 
 ProbeIndex::ProbeIndex(const SLIMSurface& surface, ProbeUse use)
@@ -84,7 +84,7 @@ ProbeIndex::ProbeIndex(const SLIMSurface& surface, ProbeUse use)
   std::vector<std::pair<std::uint64_t, std::uint32_t>> order;
   for (std::uint32_t i = 0; i < surface.size(); ++i) {
     if (!surface.isLeaf(i)) continue;
-    // Centres lie within a unit box about the origin but for those that moved onto their fit.
+    // Centres are within a unit box about the origin but for those that moved onto their fit.
     order.emplace_back(mortonCode(surface.cx[i], surface.cy[i], surface.cz[i]), i);
   }
   std::sort(order.begin(), order.end());
@@ -145,7 +145,7 @@ SurfaceProbe::restart(double margin)
   scratch_->region.clear();
 }
 
-/** Leaves near a box are at hand afterwards. */
+/** Collects the leaves near a box. */
 void
 SurfaceProbe::cover(const Vector3& low, const Vector3& high)
 {
@@ -219,7 +219,7 @@ SurfaceProbe::evaluate(const ProbeRequest& request, ProbeSample* samples)
   for (std::size_t i = 0; i < request.count; ++i) finish(request, i, samples[i]);
 }
 
-/** Writes down what was blended for one place. */
+/** Stores the blended result for one place. */
 void
 SurfaceProbe::finish(const ProbeRequest& request, std::size_t i, ProbeSample& sample) const
 {
@@ -245,7 +245,7 @@ SurfaceProbe::finish(const ProbeRequest& request, std::size_t i, ProbeSample& sa
   }
 }
 
-/** The same for curvatures and their extremalities, in double precision: on clean data they tell the line's
+/** The same for curvatures and their extremalities, in double precision: on clean data they give the line's
  * place to a hundredth of a spacing. */
 void
 SurfaceProbe::finishThird(std::size_t i, ProbeSample& sample) const

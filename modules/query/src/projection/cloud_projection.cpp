@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kClearBeam = 0.2;  ///< cosine from which a point's own beam gives its side
 
-/** Turns a point's normal round, and with it what hangs on its side. */
+/** Reverses a point's normal and all that depends on its sign. */
 void
 turn(ProjectedPoint& point)
 {
@@ -185,7 +185,7 @@ CloudProjection::addRest(const SLIMSurface& surface, Progress* progress, const P
   for (std::size_t j = 0; j < map.size(); ++j) {
     if (map[j] != PointStore::kSkipped) stored_[asked[j]] = first + map[j];
   }
-  // Beside points so far away that they have units of their own, a surface is a place.
+  // Relative to these distant points the surface has no extent; they keep their position.
   constexpr double kPlace = 1e-20;
   if (surface.info.scale < kPlace * store->scale()) {
     keep(*store);
@@ -239,7 +239,7 @@ CloudProjection::side(std::size_t i, const ProjectedPoint& point) const
       along += static_cast<double>(normal[a]) * point.normal[a];
     }
   }
-  // A missing normal is zero or not finite, and says nothing.
+  // A missing normal is zero or not finite, and does not orient the surface.
   if (along == 0.0 || !std::isfinite(along)) {
     along = 0.0;
     double range_sq = 0.0;
@@ -249,7 +249,7 @@ CloudProjection::side(std::size_t i, const ProjectedPoint& point) const
       along += ray * point.normal[a];
       range_sq += ray * ray;
     }
-    // The surface faces the points' sensors as a whole; a grazing beam says less than it does.
+    // The surface faces the points' sensors as a whole; a grazing beam decides less than the surface.
     const bool own = !params_.viewpoint && cloud_.sensors;
     if (own && along > -kClearBeam * std::sqrt(range_sq)) along = 0.0;
   }

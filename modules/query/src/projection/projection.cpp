@@ -159,7 +159,7 @@ listLeaves(const PointStore& store, const SLIMSurface& surface,
  * (6) to (8) with the guards of theory.md, "Projection". */
 class BlockProjector {
  public:
-  /** \brief What one thread needs beside the result. */
+  /** \brief The scratch memory of one thread. */
   struct Scratch {
     BlockSums sums;
     std::vector<BlockLeaf> near;       ///< the leaves of one block

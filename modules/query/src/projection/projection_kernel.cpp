@@ -20,7 +20,7 @@ namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 constexpr int kNewtonSteps = 3;
 constexpr float kConverged = 3e-4f;  ///< of r: the step after one so short is below rounding
 constexpr float kLeastSlope = 0.1f;  ///< of f along a unit ray: a grazing ray has no usable root
-constexpr float kNoStep = 1e9f;      ///< stands for the slope of a grazing ray
+constexpr float kNoStep = 1e9f;      ///< used as the slope of a grazing ray
 
 /** Lanes whose point has no normal, or one near the leaf's. */
 HWY_INLINE Mask
@@ -47,7 +47,7 @@ weightOf(const BlockLeaf& leaf, const BlendRules& rules, Mask mask, Vec s_sq)
   return IfThenElseZero(mask, set(leaf.variance_weight) * kernelWeight(rules.kernel, s_sq));
 }
 
-/** Lanes whose points, at squared distances from the centre, lie in the leaf's ball on its side. */
+/** Lanes whose points, at squared distances from the centre, are in the leaf's ball on its side. */
 HWY_INLINE Mask
 reached(const BlockPoints& points, const BlockLeaf& leaf, std::size_t i, Vec p_sq)
 {
@@ -103,7 +103,7 @@ struct Crossing {
   Vec along_ray;  ///< grad f . d at the last step
 };
 
-/** Newton's steps from t = 0 on F(t) = f(p + t d): points lie within noise of the leaf. */
+/** Newton's steps from t = 0 on F(t) = f(p + t d): points are within noise of the leaf. */
 template <int D>
 HWY_INLINE Crossing
 crossingOf(const HeightJets<D>& jets, const Local& p, const LeafHeights& heights, std::size_t i,

@@ -139,7 +139,7 @@ poissonSet(const SidedPoints& points, double spacing, std::uint64_t seed, int th
   return set;
 }
 
-/** \brief Leaves out of a set so many as make it this large: those nearest to another, one of each pair
+/** \brief Thins a set to a given size by leaving out samples: those nearest to another, one of each pair
  * first. O(set). */
 void
 thinSet(const SidedPoints& points, double spacing, std::size_t count,
@@ -173,7 +173,7 @@ thinSet(const SidedPoints& points, double spacing, std::size_t count,
             set.end());
 }
 
-constexpr double kStep = 0.5;         ///< of the spacing: nodes that candidates stand on
+constexpr double kStep = 0.5;         ///< of the spacing: spacing of the candidates' nodes
 constexpr double kReach = 0.5;        ///< of a ball's radius; see ProjectionParams
 constexpr double kMostNodes = 4e8;    ///< candidates that memory is spent on
 constexpr double kFirstCount = 4000;  ///< samples of the first trial for a count
@@ -285,7 +285,7 @@ makeCandidates(const SLIMSurface& surface, double spacing, int threads, Progress
   return {};
 }
 
-/** A spacing that gives about so many samples, from the area of the leaves. */
+/** A spacing that gives about the wanted number of samples, from the area of the leaves. */
 double
 guessSpacing(const SLIMSurface& surface, double count)
 {
@@ -321,7 +321,7 @@ sampleSpacing(const SLIMSurface& surface, const SurfaceSampleParams& params, int
   return {};
 }
 
-/** Tries spacings until a few more samples than asked for come out, and thins those. */
+/** Tries spacings until a few more samples than requested come out, and thins those. */
 Error
 sampleCount(const SLIMSurface& surface, const SurfaceSampleParams& params, int threads,
             Progress* progress, SurfaceSamples& samples)

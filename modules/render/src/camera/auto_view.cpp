@@ -12,18 +12,18 @@
 namespace pcl_slim {
 namespace {
 
-constexpr double kClearlyLonger = 1.1;  ///< y over z, for a cloud to count as standing along y
-constexpr double kOpenBelow = 0.1;      ///< mean normals that tell which of two axes is up
-constexpr double kBase = 0.03;          ///< share of the area by which flat bases tell
+constexpr double kClearlyLonger = 1.1;  ///< y over z, for a cloud to count as upright along y
+constexpr double kOpenBelow = 0.1;      ///< mean normals that decide which of two axes is up
+constexpr double kBase = 0.03;          ///< least difference of two axes' baseShare()
 constexpr double kOneSided = 0.15;      ///< length of the mean normal across the upward axis
 constexpr double kQuarterView = 30.0;   ///< azimuth in degrees
 constexpr double kCameraFacing = 0.4;   ///< mean normal along -z of a scan in camera axes
 constexpr double kClosed = 0.2;         ///< mean normal below which an object is closed
 constexpr double kInside = 0.6;    ///< flux inwards, over its bound, of what surrounds its viewer
-constexpr double kTilt = 14.0;     ///< [degrees] most tilt of a standing object in its file
+constexpr double kTilt = 14.0;     ///< [degrees] most tilt of an upright object in its file
 constexpr double kTip = 10.0;      ///< [degrees] tilt at which its middle must rise
-constexpr double kStands = 0.02;   ///< [height] least rise of the middle of a standing object
-constexpr double kUpright = 1.05;  ///< least height of a standing object over its least extent
+constexpr double kStands = 0.02;   ///< [height] least rise of the middle of an upright object
+constexpr double kUpright = 1.05;  ///< least height of an upright object over its least extent
 constexpr double kElongated = 1.3,
                  kSquare = 1.1;  ///< ratio of a map's deviations: turned in full, not
 
@@ -39,7 +39,7 @@ struct SphereCloud {
 
   explicit SphereCloud(const std::vector<BoundingSphere>& spheres);
   void measureAxis(std::size_t axis);
-  /** \brief Share of the area that lies flat at the lower end of an axis: what an object stands on. */
+  /** \brief Share of the area that is flat at the lower end of an axis: the object's base. */
   double baseShare(std::size_t axis) const;
   bool empty() const { return centers.empty(); }
   double extent(std::size_t axis) const { return high[axis] - low[axis]; }
@@ -141,7 +141,7 @@ lowestAround(const SphereCloud& cloud, const Vector3& middle, const Vector3& dow
 }
 
 /** \brief How far the middle of an object must rise, over its height, for the object to tip: more than 0 if
- * it stands on the lower end of an axis as on the ground, up to kTilt degrees off. O(spheres). */
+ * it is in balance on the lower end of an axis, up to kTilt degrees off. O(spheres). */
 double
 standing(const SphereCloud& cloud, std::size_t axis)
 {
@@ -154,7 +154,7 @@ standing(const SphereCloud& cloud, std::size_t axis)
   return lowestAround(cloud, middle, rest.second, kTip).first / rest.first - 1.0;
 }
 
-/** \brief Whether a closed object stands along an axis, higher than it is deep, but would fall over along
+/** \brief Whether a closed object is in balance along an axis, higher than it is deep, but would fall over along
  * the other one. */
 bool
 standsAlong(const SphereCloud& cloud, std::size_t axis, std::size_t other)
@@ -227,7 +227,7 @@ isGeoreferenced(const BoundingSpheres& object)
   return std::abs(object.origin[0]) > far && std::abs(object.origin[1]) > far;
 }
 
-/** \brief Terrain and what stands on it: map coordinates, or a cloud that is flat along its upward
+/** \brief Terrain with its objects: map coordinates, or a cloud that is flat along its upward
  * axis. */
 bool
 liesOnGround(const SphereCloud& cloud, const BoundingSpheres& object, std::size_t up)
@@ -296,7 +296,7 @@ viewFrom(const Upright& frame, double azimuth, double elevation)
           along(scaled(level, -std::sin(e)), std::cos(e), frame.up)};
 }
 
-/** \brief Where a viewer stands; angles in degrees. */
+/** \brief A viewer's position; angles in degrees. */
 struct Stand {
   Upright frame;
   double azimuth = 0.0, elevation = 0.0;
@@ -313,7 +313,7 @@ guessUpAxis(const SphereCloud& cloud, const BoundingSpheres& object)
   if (standsAlong(cloud, 2, 1)) return UpAxis::kZ;
   if (cloud.extent(1) > kClearlyLonger * cloud.extent(2)) return UpAxis::kY;
   if (cloud.extent(2) > kClearlyLonger * cloud.extent(1)) return UpAxis::kZ;
-  // Neither is clearly longer: nothing that stands is measured from below, or it has a flat base.
+  // Neither is clearly longer: an upright object is not measured from below, or it has a flat base.
   const double open_y = cloud.mean_normal[1], open_z = cloud.mean_normal[2];
   if (object.oriented && std::abs(open_y - open_z) > kOpenBelow) {
     return open_y > open_z ? UpAxis::kY : UpAxis::kZ;

@@ -61,7 +61,7 @@ withinExtent(const std::vector<BoundingSphere>& spheres)
   return inside;
 }
 
-/** \brief A grid over the centres that tells which spheres hang together. */
+/** \brief A grid over the centres, for the connected components of spheres. */
 class PieceGrid {
  public:
   explicit PieceGrid(const std::vector<BoundingSphere>& spheres);
@@ -108,7 +108,7 @@ PieceGrid::PieceGrid(const std::vector<BoundingSphere>& spheres)
   }
 }
 
-/** \brief Lays the grid over all centres. */
+/** \brief Places the grid over all centres. */
 void
 PieceGrid::setPlace(const std::vector<BoundingSphere>& spheres)
 {

@@ -9,8 +9,8 @@ namespace pcl_slim::detail {
 
 /** \brief The spheres a view of the whole object has to show, without strays.
  *
- * Left out are centres beyond a whole extent past the 1st and 99th percentile, then pieces that hold
- * less than 1 % of the area (by r^2) and lie apart: by at least a 64th of the longest extent. O(n).
+ * Left out are centres beyond a whole extent past the 1st and 99th percentile, then pieces that have
+ * less than 1 % of the area (by r^2) and are apart: by at least a 64th of the longest extent. O(n).
  */
 std::vector<BoundingSphere>
 bulkOf(const std::vector<BoundingSphere>& spheres);

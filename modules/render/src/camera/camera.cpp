@@ -15,9 +15,9 @@ using namespace detail;
 namespace {
 
 constexpr int kMaxSide = 32768;
-constexpr double kFarOrigin = 0x1p40;  ///< beyond it doubles hardly hold a unit more
+constexpr double kFarOrigin = 0x1p40;  ///< beyond it doubles hardly resolve a unit
 
-/** \brief What is free for the object on the plane at depth 1: how far to either side. */
+/** \brief The free area of the picture on the plane at depth 1: its extent to either side. */
 struct Opening {
   double left, right, vertical;
 
@@ -31,7 +31,7 @@ struct Opening {
   }
 };
 
-/** \brief Balls as a frustum sees them that is open so far at depth 1: bounds of x - right z,
+/** \brief Balls in a frustum with the given openings at depth 1: bounds of x - right z,
  * -x - left z, y - vertical z, -y - vertical z and of z in camera axes. */
 struct FrustumFit {
   double max_right = -HUGE_VAL, max_left = -HUGE_VAL, max_up = -HUGE_VAL, max_down = -HUGE_VAL;

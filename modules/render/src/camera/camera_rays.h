@@ -73,7 +73,7 @@ class CameraRays {
   Vector3 directionTo(const Vector3& point) const;
   double halfAngle(const Vector3& center, double radius) const;
 
-  /** \brief A rectangle that holds every pixel whose ray meets the ball. Exact but for half a
+  /** \brief A rectangle that contains every pixel whose ray meets the ball. Exact but for half a
    * pixel of rounding; empty when the ball is outside the picture or behind the camera. */
   PixelRect pixelsOfBall(const Vector3& center, double radius) const;
 

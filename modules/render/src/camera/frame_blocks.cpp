@@ -46,7 +46,7 @@ blocksOfFrame(const SlimDirectory& directory, const SLIMSurface& coarse, const C
   const DetailSizes sizes(coarse);
   const SurfaceInfo& info = directory.info;
   const CameraRays rays(camera, info.origin, info.scale);
-  std::vector<bool> drawn_whole(coarse.size());  // it stands for all below it
+  std::vector<bool> drawn_whole(coarse.size());  // drawn in place of all below it
   for (std::size_t i = 0; i < coarse.size(); ++i) {
     const Vector3 center{coarse.cx[i], coarse.cy[i], coarse.cz[i]};
     drawn_whole[i] = rays.nearestDepth(center, double{coarse.radius[i]}) > 0.0 &&

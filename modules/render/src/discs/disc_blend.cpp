@@ -7,7 +7,7 @@
 namespace pcl_slim::detail {
 namespace {
 
-constexpr double kHalfDiagonal = 0.70710678118654752;  ///< of a pixel: such a circle holds a centre
+constexpr double kHalfDiagonal = 0.70710678118654752;  ///< of a pixel: such a disc covers a centre
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 std::array<double, 3>

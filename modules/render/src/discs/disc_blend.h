@@ -24,7 +24,7 @@ struct Disc {
   double radius;
   double pixel;  ///< length of a pixel where the disc is
   double width;  ///< radius of what rays meet: at least half a pixel's diagonal if filtered
-  double span;   ///< along a ray no hit lies farther from the point beside the centre
+  double span;   ///< along a ray no hit is farther from the point next to the centre
   double reach;  ///< nor farther from the centre itself
 
   Disc(const DiscView& view, std::size_t i);
@@ -57,7 +57,7 @@ struct DiscSum {
 /** \brief Whether something of a disc at this depth belongs to the surface the first disc shows.
  *
  * Depths of one surface differ by its thickness over the cosine of the view; the larger cosine of
- * the two keeps what lies behind a wall seen along its side from counting as the wall. */
+ * the two keeps what is behind a wall seen along its side from counting as the wall. */
 bool
 countsBehind(const DiscView& view, const FirstDisc& first, const Disc& disc, double depth,
              double cosine);

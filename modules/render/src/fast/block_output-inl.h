@@ -54,7 +54,7 @@ struct LevelSetCurvatures {
   }
 };
 
-/** The pixels of a block whose upper left one stands at (x, y) of its tile. */
+/** The pixels of a block whose upper left one is at (x, y) of its tile. */
 struct BlockRows {
   const TileBlocks& tile;
   int x, y;
@@ -71,7 +71,7 @@ struct BlockRows {
   }
 };
 
-/** Pixels that stand apart, a lane each, of those whose sums have a weight. */
+/** Isolated pixels, a lane each, of those whose sums have a weight. */
 struct PackedPixels {
   const TileBlocks& tile;
   const UncoveredRay* rays;

@@ -42,7 +42,7 @@ struct BlockSums {
 
 /** Rays of a block and what they have met. Depths are D less the tile's. */
 struct Block {
-  PixelBox box;                  ///< holds its pixels
+  PixelBox box;                  ///< contains its pixels
   Vec dx, dy;                    ///< pixel from the tile's corner
   Vec slope_x, slope_y;          ///< rays (x, y, 1) or, parallel, where they start
   Vec direction_x, direction_y;  ///< rays (x, y, 1); 0 if parallel
@@ -132,7 +132,7 @@ moveForward(const TileLeaf& at, const LeafRays& rays, Mask found, Vec sigma, Blo
   return AndNot(moved, before);
 }
 
-/** Pass 1 of a quadratic leaf: roots in closed form, then whether they lie in the ball. */
+/** Pass 1 of a quadratic leaf: roots in closed form, then whether they are in the ball. */
 HWY_INLINE void
 firstOfQuadratic(const PassContext& context, const TileLeaf& at, Block& block)
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Rays of a block of pixels, or of pixels that stand apart, as lanes. The guard toggles: Highway compiles
+// Rays of a block of pixels, or of isolated pixels, as lanes. The guard toggles: Highway compiles
 // a kernel file once per instruction set.
 #if defined(PCL_SLIM_BLOCK_RAYS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PCL_SLIM_BLOCK_RAYS_INL
@@ -13,7 +13,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes {
 
-/** Bounds a block's rays to what the frame's half spaces leave of them. */
+/** Bounds a block's rays to their parts inside the frame's half spaces. */
 HWY_NOINLINE void
 cut(const PassContext& context, Block& block)
 {
@@ -78,7 +78,7 @@ raysAt(const PassContext& context, const float* dx, const float* dy, const Pixel
   return block;
 }
 
-/** The rays of a block whose upper left pixel stands at (x, y) of a tile. */
+/** The rays of a block whose upper left pixel is at (x, y) of a tile. */
 HWY_INLINE Block
 blockAt(const PassContext& context, int x, int y)
 {
@@ -91,7 +91,7 @@ blockAt(const PassContext& context, int x, int y)
   return raysAt(context, dx, dy, TileBlocks::boxAt(x, y, kBlockWidth, kBlockHeight));
 }
 
-/** Up to a block's number of rays that look on behind what they have met. */
+/** Up to a block's number of rays that continue behind their hits. */
 HWY_NOINLINE Block
 packOf(const PassContext& context, const UncoveredRay* rays, std::size_t count)
 {
@@ -135,7 +135,7 @@ ballAround(const PassContext& context, const Block& block)
   return {sx * middle, sy * middle, middle, 1.01f * (aside + 0.5f * (far - near) * slant)};
 }
 
-/** Notes the rays of some lanes, to look on behind their q^. */
+/** Notes the rays of some lanes, which continue behind their q^. */
 HWY_NOINLINE void
 noteUncovered(const PassContext& context, Mask uncovered, const BlockSums& sums, const Block& block)
 {

@@ -49,7 +49,7 @@ orderedBits(float value)
   return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
 }
 
-/** \brief The tiles that hold pixels of a leaf's circle. */
+/** \brief The tiles that contain pixels of a leaf's circle. */
 PlacedLeaf
 placeOf(const FrameLeaf& leaf, const FrameView& view)
 {
@@ -67,7 +67,7 @@ placeOf(const FrameLeaf& leaf, const FrameView& view)
   return placed;
 }
 
-/** \brief Adds leaves left out to a frame's counts; of internal surfels nothing is told. */
+/** \brief Adds leaves left out to a frame's counts; internal surfels are not counted. */
 void
 countHidden(bool are_leaves, const std::uint64_t* hidden, RenderStatistics& statistics)
 {
@@ -104,7 +104,7 @@ FastRasterizer::place(std::size_t group, std::size_t count, const FrameView& vie
       leaf.blend_reach = leaf.first_reach = 1e9f;
       leaf.nearest = -std::numeric_limits<float>::max();
     } else if (!std::isfinite(leaf.blend_x + leaf.blend_y + leaf.blend_reach)) {
-      leaf.blend_x = leaf.first_x = kFarAway;  // so many radii off that no float tells where
+      leaf.blend_x = leaf.first_x = kFarAway;  // too many radii away for a float
       leaf.blend_y = leaf.blend_reach = 0.0f;
     }
     placed_[group * kClusterSize + k] = placeOf(leaf, view);

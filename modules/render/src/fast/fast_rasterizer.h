@@ -14,7 +14,7 @@
 
 namespace pcl_slim::detail {
 
-/** \brief Where a record lies in the picture. */
+/** \brief The place of a record in the picture. */
 struct PlacedLeaf {
   std::uint32_t depth;          ///< bits in the order of depth values
   std::int16_t x0, y0, x1, y1;  ///< tiles that it touches; x0 > x1: none
@@ -48,7 +48,7 @@ class FastRasterizer {
   LeafClusters leaves_;
   TrimTables trims_;
   bool trim_ = true;                        ///< whether this frame ends where trim maps do
-  std::unique_ptr<LeafClusters> internal_;  ///< made when a level of detail is first asked for
+  std::unique_ptr<LeafClusters> internal_;  ///< made when a level of detail is first requested
   std::size_t stride_;
   std::vector<std::uint32_t> clusters_;  ///< those that may be seen, leaves' first
   std::size_t leaf_clusters_ = 0;

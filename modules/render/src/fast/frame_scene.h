@@ -15,7 +15,7 @@
 namespace pcl_slim::detail {
 
 /** \brief A half space as a view's rays meet it: points of depth value D on the ray through (x, y) of
- * the plane z = 1 (anywhere, if parallel) lie in it where by_x x + by_y y + rest + gain D >= 0. */
+ * the plane z = 1 (anywhere, if parallel) are in it where by_x x + by_y y + rest + gain D >= 0. */
 struct FrameCut {
   double by_x, by_y, rest, gain;
 };
@@ -80,10 +80,10 @@ class LeafTable {
   std::size_t stride_ = 0;
 };
 
-/** \brief A ray of a tile that has met what is none of the surface. */
+/** \brief A ray of a tile whose hit is not on the surface. */
 struct UncoveredRay {
   float x, y;     ///< pixel, from the tile's corner
-  float nearest;  ///< where it is to look on, in the tile's depth
+  float nearest;  ///< where it continues, in the tile's depth
 };
 
 /** \brief One thread's memory for tiles, reused from tile to tile. */

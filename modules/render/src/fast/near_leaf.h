@@ -21,7 +21,7 @@ struct NearLanes {
   std::size_t count;
 };
 
-/** \brief Pass 1 of a surfel so near to the camera, or around it, that its record holds no
+/** \brief Pass 1 of a surfel so near to the camera, or around it, that its record contains no
  * polynomial: in double, ray by ray. */
 void
 firstOfNearLeaf(const FrameScene& scene, std::uint32_t surfel, NearLanes& lanes);

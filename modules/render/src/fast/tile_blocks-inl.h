@@ -32,7 +32,7 @@ enum LeafRow : std::size_t {
   kFirstX,    ///< circle around the picture of the ball of pass 1
   kFirstY,
   kFirstReachSq,
-  kStripX,  ///< strip that holds the surface in it
+  kStripX,  ///< strip that contains the surface in it
   kStripY,
   kStripMiddle,
   kStripHalf,
@@ -121,7 +121,7 @@ class TileBlocks {
     return scratch_.leaves[place];
   }
 
-  /** Rays that are to look on, and room for those that do. */
+  /** Rays that continue behind their hits, and memory for packing them. */
   std::vector<UncoveredRay>& uncovered() { return scratch_.uncovered; }
   std::vector<UncoveredRay>& packed() { return scratch_.packed; }
 
@@ -180,7 +180,7 @@ class TileBlocks {
     list.count += packing.count();
   }
 
-  /** Lists the leaves of a table for which some(i) holds, i being the first lane. */
+  /** Lists the leaves of a table for which some(i) is true, i being the first lane. */
   template <typename Some>
   HWY_INLINE std::size_t list(const LeafTable& from, const Some& some)
   {
@@ -193,7 +193,7 @@ class TileBlocks {
     return list.count;
   }
 
-  /** Records lie in no order: memory is asked for them early. */
+  /** Records are in no order: they are prefetched. */
   HWY_INLINE void prefetch(std::uint32_t entry) const
   {
     const auto* record = reinterpret_cast<const char*>(&scene_.leaf(scene_.tiles.entries[entry]));

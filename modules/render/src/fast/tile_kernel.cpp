@@ -98,7 +98,7 @@ findFirst(const PassContext& context, Block& block)
   context.statistics.occluded_entries += count - n;
 }
 
-/** Pass 2: sums over the leaves whose ball holds q^. */
+/** Pass 2: sums over the leaves whose ball contains q^. */
 template <bool WithLean>
 void
 gather(const PassContext& context, const Ball& around, const Block& block, BlockSums& sums)
@@ -144,7 +144,7 @@ prepareBlend(const PassContext& context, Block& block)
   }
 }
 
-/** Lanes whose blend is none of the surface. */
+/** Lanes whose blend is not on the surface. */
 HWY_INLINE Mask
 uncoveredLanes(const PassContext& context, const Block& block, const BlockSums& sums)
 {
@@ -156,7 +156,7 @@ uncoveredLanes(const PassContext& context, const Block& block, const BlockSums& 
   return Or(uncovered, outside);
 }
 
-/** Both passes over some rays; those that meet what is none of the surface are noted, and have no
+/** Both passes over some rays; those whose hit is not on the surface are noted, and have no
  * weight. \return false: no ray meets anything */
 HWY_NOINLINE bool
 drawLayer(const PassContext& context, Block& block, BlockSums& sums)
@@ -172,7 +172,7 @@ drawLayer(const PassContext& context, Block& block, BlockSums& sums)
   return true;
 }
 
-/** Draws what rays meet first, and notes those that are to look on behind it. */
+/** Draws what rays meet first, and notes those that continue behind it. */
 void
 drawBlock(const PassContext& context, int x, int y, GBuffer& buffer)
 {
@@ -184,8 +184,8 @@ drawBlock(const PassContext& context, int x, int y, GBuffer& buffer)
   output.write(block, sums);
 }
 
-/** Draws what the rays of a patch meet that looked on behind what is none of the surface. They are few
- * and stand apart, so that they are packed into blocks of their own. */
+/** Draws the pixels of a patch whose rays continue behind an uncovered hit. They are few
+ * and isolated, so that they are packed into blocks of their own. */
 void
 drawBehind(const PassContext& context, GBuffer& buffer)
 {

@@ -5,7 +5,7 @@
 
 namespace pcl_slim::detail {
 
-/** \brief Whether this build reads and writes PNG: png.cpp says yes, png_none.cpp no. */
+/** \brief Whether this build reads and writes PNG: true in png.cpp, false in png_none.cpp. */
 bool
 hasPng();
 

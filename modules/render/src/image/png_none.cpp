@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stands in for png.cpp in a build without libpng.
+// Replaces png.cpp in a build without libpng.
 #include "image/png.h"
 
 namespace pcl_slim {

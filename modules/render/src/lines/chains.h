@@ -63,8 +63,8 @@ std::vector<Chain>
 joinLinks(const std::vector<Link>& links, std::size_t num_joints);
 
 /** \brief Which chains are long enough, a flag each: those of least_length joints, and shorter ones
- * between two joints of others if all that hangs together is as long. What is short and ends in
- * nothing is a burr. O(chains + joints). */
+ * between two joints of others if their connected component is as long. A short chain with a free
+ * end is a burr. O(chains + joints). */
 std::vector<std::uint8_t>
 longEnough(const std::vector<Chain>& chains, std::size_t num_joints, double least_length);
 

@@ -87,7 +87,7 @@ blend(const LineMask& mask, const Color& color, Image& image)
   }
 }
 
-/** Lays one colour over what glass holds, both in linear light. */
+/** Blends one colour over the pixels of glass, both in linear light. */
 void
 lay(const LineMask& mask, const Color& color, std::vector<std::array<float, 4>>& glass)
 {
@@ -102,7 +102,7 @@ lay(const LineMask& mask, const Color& color, std::vector<std::array<float, 4>>&
   }
 }
 
-/** Draws each colour's lines and gives them on, the last to lie on top. */
+/** Draws each colour's lines and passes their masks to take, the topmost last. */
 template <typename Take>
 Error
 drawMasks(const std::vector<PictureLine>& lines, const LineStyle& style, int width, int height,

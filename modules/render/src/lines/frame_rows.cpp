@@ -14,7 +14,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
-constexpr float kLeastFacing = 0.15f;    ///< crest lines seen flatter are not told from noise
+constexpr float kLeastFacing = 0.15f;    ///< crest lines seen flatter are lost in noise
 constexpr float kLeastRadial = 0.342f;   ///< sin 20 degrees: DeCarlo et al. 2003
 constexpr float kContourFacing = 0.05f;  ///< flatter than that belongs to the contour itself
 constexpr float kLeastLength = 1e-6f;

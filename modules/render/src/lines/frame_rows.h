@@ -17,7 +17,7 @@ struct PictureRow {
   std::array<float, 3> right, up, forward;
 };
 
-/** \brief What a row's blends tell of the surface's bending; columns per pixel, padded to sixteen. */
+/** \brief The surface's curvature from a row's blends; columns per pixel, padded to sixteen. */
 struct FrameRow {
   AlignedVector<float> k;                         ///< a curvature, 1/local length
   std::array<AlignedVector<float>, 3> direction;  ///< its unit tangent; the sign is arbitrary
@@ -29,14 +29,14 @@ struct FrameRow {
 
 namespace kernels {
 
-/** \brief The larger principal curvature of each pixel: k1 where the surface bulges, as ridges want
- * it, and k2 < 0 where it is hollow the more. 0 where nothing is seen or the surface is seen at a
+/** \brief The larger principal curvature of each pixel: k1 where the surface is convex, as for
+ * ridges, and k2 < 0 where it is more concave. 0 where nothing is seen or the surface is seen at a
  * grazing angle. */
 void
 crestFrames(const PictureRow& row, FrameRow& frames);
 
 /** \brief Radial curvature of each pixel, along the projected way to the viewer. Facing contours and
- * straight ahead, where it says nothing, screen is 0. */
+ * straight ahead, where it is undefined, screen is 0. */
 void
 radialFrames(const PictureRow& row, FrameRow& frames);
 

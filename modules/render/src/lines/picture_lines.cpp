@@ -166,7 +166,7 @@ traceContours(const PixelGeometry& geometry, double least_length, int threads,
   }
 }
 
-/** \brief A curvature of every pixel that shows the surface; what others hold is not defined. */
+/** \brief A curvature of every pixel that shows the surface; undefined at other pixels. */
 class CurvatureMap {
  public:
   using Kernel = void (*)(const PictureRow&, FrameRow&);
@@ -216,7 +216,7 @@ class RadialField : public ZeroField {
 constexpr float kProminence = 0.5f;    ///< of the leaf's radius: where a crest has to be lower
 constexpr float kSignificance = 2.0f;  ///< deviations of the noise that count as strength 1
 
-/** Curvature as lines of one kind want it: of the surface, or of the surface turned round; 0 where
+/** Curvature with the sign of one kind of line: of the surface, or of the reversed surface; 0 where
  * the other is the larger. */
 struct Side {
   const CurvatureMap& map;
@@ -281,7 +281,7 @@ CrestField::mostBetween(const FieldRow& a, std::size_t xa, const FieldRow& b, st
   return std::abs(k) / least_curvature_;
 }
 
-/** Not more than k stands out of its surroundings, in deviations of the noise. */
+/** Prominence of k [kSignificance deviations of its noise], at most that of the crossing. */
 float
 CrestField::strength(const Crossing& at, std::size_t nearer, int kind) const
 {
@@ -289,7 +289,7 @@ CrestField::strength(const Crossing& at, std::size_t nearer, int kind) const
   const float distance = kProminence * geometry_.buffer().radius[nearer];
   float before, behind;
   if (!geometry_.sampleBothWays(nearer, at.screen, distance, side, before, behind)) {
-    before = behind = 0;  // The surface ends: nothing stands beside it.
+    before = behind = 0;  // The surface ends: there is no neighbour.
   }
   const float prominence = side(nearer) - std::max(before, behind);
   const float significant = prominence / (geometry_.noiseOfCurvature(nearer) * kSignificance);

@@ -34,7 +34,7 @@ class PixelGeometry {
   float depthOfPlane(std::size_t pixel, int x, int y, int other_x, int other_y) const;
 
   /** \brief A value of the four pixels about a place, by bilinear interpolation; false where one
-   * shows no surface or lies beyond a step of depth from the given one.
+   * shows no surface or is beyond a step of depth from the given one.
    * \param[in] read gives a pixel's value; it is called for pixels that show the surface only */
   template <typename Read>
   bool sample(float x, float y, float depth, const Read& read, float& value) const

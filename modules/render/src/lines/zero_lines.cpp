@@ -33,7 +33,7 @@ FieldRow::FieldRow(int width)
 {
 }
 
-/** Goes through some rows, of which it holds two at a time. */
+/** Iterates over some rows and stores two of them at a time. */
 class ZeroTracer::BandScan {
  public:
   BandScan(const ZeroField& field, Band& found)

@@ -39,8 +39,8 @@ class ZeroField {
   const PixelGeometry& geometry() const { return geometry_; }
   /** \brief A row's values; frames of pixels without one are not read. */
   virtual void fill(int y, FieldRow& row) const = 0;
-  /** \brief The most that strength() can be between two neighbours, told from their rows alone.
-   * \param[in] axis of the picture that they lie along, from a to b */
+  /** \brief The most that strength() can be between two neighbours, from their rows alone.
+   * \param[in] axis of the picture in which they are neighbours, from a to b */
   virtual float mostBetween(const FieldRow& a, std::size_t xa, const FieldRow& b, std::size_t xb,
                             float share, std::size_t axis) const = 0;
   /** \brief Strength of the line at a crossing, in units of the least that is drawn; 0: none. */

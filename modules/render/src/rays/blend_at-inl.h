@@ -198,7 +198,7 @@ keepLargest(const LeafBlocks::Head& head, std::size_t k, Vec weight, LaneSums& s
   }
 }
 
-/** Adds what the trim maps of open leaves say of their crossings at (u, v). */
+/** Adds the trim maps' values of open leaves at their crossings at (u, v). */
 HWY_NOINLINE void
 addOutside(const SLIMSurface& surface, const std::uint32_t* surfels, Vec weight, Vec u, Vec v,
            LaneSums& sums)
@@ -262,7 +262,7 @@ addLeaves(const BlendContext& context, const LeafBlocks::Head& head, const Block
   Vec weight = block.column(kBlockVariance) * kernelWeight(kernel, Max(hat_sq, root_sq));
   const Mask added = And(roots.found, weight > zero);
   if (AllFalse(d, added)) return;
-  // Vec without a root may hold anything, infinity too, and no product with 0 mends that.
+  // A lane without a root may contain anything, infinity too, and no product with 0 mends that.
   const auto only = [added](Vec x) HWY_ATTR { return IfThenElseZero(added, x); };
   weight = only(weight);
   const Vec s = only(roots.s), u = only(line.u), v = only(line.v);
@@ -284,7 +284,7 @@ addLeaves(const BlendContext& context, const LeafBlocks::Head& head, const Block
   keepLargest(head, block.k, weight, sums);
 }
 
-/** The blend of all leaves whose ball holds a place. */
+/** The blend of all leaves whose ball contains a place. */
 HWY_INLINE BlendSum
 blendAt(const BlendContext& context, const BlendPlace& place)
 {

@@ -17,7 +17,7 @@ namespace pcl_slim::detail::kernels::HWY_NAMESPACE::rays {
 
 constexpr float kNever = std::numeric_limits<float>::infinity();
 
-/** A ray at a block: coordinates relative to the block, depths to the point beside its centre. */
+/** A ray at a block: coordinates relative to the block, depths from the point next to its centre. */
 struct LocalRay {
   double depth;  ///< of that point
   float point[3], direction[3];
@@ -176,7 +176,7 @@ firstOfHigher(const LeafLines<D>& line, const LaneChords& chord, const LaneTrims
   return Load(d, root);
 }
 
-/** What the leaves of some lanes are met at. */
+/** The hits of the leaves of some lanes. */
 struct LaneRoots {
   Vec s;               ///< in radii from p on; infinity where there is none
   Vec radius;          ///< of the leaves

@@ -28,7 +28,7 @@ enum LeafColumn : std::size_t {
 /** \brief Leaves of a surface in blocks of eight, columns side by side, for vector lanes.
  *
  * Centres count from a point of each block's own, so that single precision is as fine as the leaves.
- * Lanes without a leaf hold a ball that no ray meets.
+ * Lanes without a leaf contain a ball that no ray meets.
  */
 class LeafBlocks {
  public:
@@ -56,7 +56,7 @@ class LeafBlocks {
   AlignedVector<float> columns_;
 };
 
-/** \brief The box of a leaf's surface where it lies inside the ball of a share of its radius, at
+/** \brief The box of a leaf's surface where it is inside the ball of a share of its radius, at
  * most slack radii off the surface. */
 Box
 boxOfLeaf(const SLIMSurface& surface, std::size_t i, double share, double slack);

@@ -112,7 +112,7 @@ traceOne(const BlendContext& context, const BoundedRay& ray, BlendedHit& hit)
 }
 
 /** Whether one of some lanes' roots is accepted.
- * \param[in] alone a leaf that covers its root by so much needs no look at the blend there */
+ * \param[in] alone coverage by one leaf from which the blend need not be evaluated */
 template <typename Accept>
 HWY_INLINE bool
 anyAccepted(const BlendContext& context, const BoundedRay& ray, double depth,

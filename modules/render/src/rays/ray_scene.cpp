@@ -28,7 +28,7 @@ bool
 closesGap(const BlendSum& sum, const Vector3& direction)
 {
   // In the rim of balls weights fall steeply, so that the nearest leaf outweighs all others: leaves count
-  // alike here. Beside the rim of a sheet they lie to one side, .5 radii off and more in the mean.
+  // alike here. At the rim of a sheet they are on one side, .5 radii away and more in the mean.
   constexpr double kMaxSpread = 0.3, kAgreement = 0.8, kLeastCosine = 0.4;
   constexpr int kLeastLeaves = 3;
   if (isOutside(sum)) return false;

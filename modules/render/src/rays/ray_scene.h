@@ -54,7 +54,7 @@ struct RayWidth {
   float base = 0.0f, slope = 0.0f;
 };
 
-/** \brief What is done with each block; farthest may be made smaller. \return false to stop. */
+/** \brief Called for each block; farthest may be made smaller. \return false to stop. */
 struct BlockVisitor {
   bool (*visit)(void* context, std::uint32_t block, double& farthest);
   void* context;
@@ -72,8 +72,8 @@ struct RayCounts {
   RayCounts& operator+=(const RayCounts& other);
 };
 
-/** \brief Whether a blend that no shrunk ball holds closes a gap in a sheet: leaves lie all around it,
- * point one way and face the ray. Across a slit they face each other, and at a silhouette they lie to
+/** \brief Whether a blend outside of all shrunk balls closes a gap in a sheet: leaves are all around it,
+ * point one way and face the ray. Across a slit they face each other, and at a silhouette they are on
  * one side and aslant. */
 bool
 closesGap(const BlendSum& sum, const Vector3& direction);
@@ -91,8 +91,8 @@ void
 traceDepths(const RayScene& scene, const RayRules& rules, const BoundedRay* rays, std::size_t count,
             double* depths, RayCounts& counts);
 
-/** \brief Whether anything of the surface lies on the stretch of each ray: a root of a leaf at which
- * the blend belongs to the surface. front_only does not hold here. */
+/** \brief Whether the surface intersects the stretch of each ray: a root of a leaf at which
+ * the blend belongs to the surface. front_only has no effect here. */
 void
 traceBlocked(const RayScene& scene, const RayRules& rules, const BoundedRay* rays,
              std::size_t count, std::uint8_t* blocked, RayCounts& counts);

@@ -101,7 +101,7 @@ meetWidened(const WideBoxes& boxes, const Line& line, const RayWidth& width, flo
   return bits;
 }
 
-/** Children whose wider box holds a point. */
+/** Children whose wider box contains a point. */
 HWY_INLINE unsigned
 childrenAround(const WideBoxes& boxes, const float point[3])
 {
@@ -157,7 +157,7 @@ walkAlong(const WideTree& tree, float from, const float& until, std::uint64_t& n
   }
 }
 
-/** Visits the blocks whose wider box holds a point. */
+/** Visits the blocks whose wider box contains a point. */
 template <typename Body>
 HWY_INLINE void
 walkAround(const WideTree& tree, const float point[3], std::uint64_t& nodes, const Body& body)

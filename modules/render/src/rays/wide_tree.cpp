@@ -28,7 +28,7 @@ struct Split {
   float below = 0.0f;  ///< middles less than this go to the first half
 };
 
-/** \brief Blocks that so many things fill: half empty ones cost as much as full ones. */
+/** \brief Blocks that a number of things fill: half empty ones cost as much as full ones. */
 double
 blocksOf(std::uint32_t count)
 {

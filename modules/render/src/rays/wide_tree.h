@@ -43,7 +43,7 @@ struct WideNode {
  * ascending order: with such groups rays look at twice the nodes and take 1.4 times as long.
  *
  * Each thing has two boxes: one in which rays meet it, and a wider one in which it takes part in a
- * blend. Node 0 is the root. Boxes are wider than asked for by more than the rounding of a ray in
+ * blend. Node 0 is the root. Boxes are wider than given by more than the rounding of a ray in
  * single precision that starts no farther off than the tree is long.
  */
 struct WideTree {

@@ -13,7 +13,7 @@ namespace pcl_slim::detail {
 /** \brief Sums of one pixel's blend (eqs. 6, 7, 8 left), before division by the weight. */
 struct BlendSum {
   double weight = 0.0;
-  double shift = 0.0;  ///< of w (t - t^): q lies on the ray
+  double shift = 0.0;  ///< of w (t - t^): q is on the ray
   double coverage = 0.0;
   double outside = 0.0;              ///< of w outsideShare(): of the trim maps
   double lean[3] = {0.0, 0.0, 0.0};  ///< of w (q - c) / r: points away from the leaves' middle
@@ -38,13 +38,13 @@ void
 blendLeaf(const FrameRules& rules, WeightKernel kernel, const RaySurfel& surfel, std::uint32_t id,
           const Ray& ray, double depth_hat, BlendSum& sum, std::uint64_t& evaluated);
 
-/** \brief Whether a blend lies beyond the border that trim maps draw. */
+/** \brief Whether a blend is beyond the border that trim maps draw. */
 bool
 isOutside(const BlendSum& sum);
 
-/** \brief Whether a blend belongs to the surface: its leaves cover it, or it lies in a gap between
- * leaves all around it; and it lies inside the border that trim maps draw. Beyond the rim of what
- * was measured all leaves lie to one side. */
+/** \brief Whether a blend belongs to the surface: its leaves cover it, or it is in a gap between
+ * leaves all around it; and it is inside the border that trim maps draw. Beyond the rim of what
+ * was measured all leaves are on one side. */
 bool
 isSupported(const BlendSum& sum, double min_coverage);
 

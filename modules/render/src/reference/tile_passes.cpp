@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/** \brief Largest first depth of the pixels to look at: as far as they see until each has one. */
+/** \brief Largest first depth of the pending pixels: the rays' far ends until each has one. */
 double
 farthestFirst(const Tile& tile)
 {
@@ -114,7 +114,7 @@ gatherBlends(const FrameContext& frame, std::size_t t, Tile& tile, RenderStatist
 bool
 peelUncovered(const FrameContext& frame, Tile& tile)
 {
-  // Nothing well covered lies within a leaf's reach of an uncovered q^, or it would have been
+  // Nothing well covered is within a leaf's reach of an uncovered q^, or it would have been
   // blended: a step of a share of its radius passes over the other leaves of the same flap.
   PixelRect left;
   left.x0 = left.y0 = std::numeric_limits<int>::max();

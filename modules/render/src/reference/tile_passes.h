@@ -29,7 +29,7 @@ struct Tile {
   std::vector<double> nearest;      ///< pass 1 looks no nearer than this ...
   std::vector<double> farthest;     ///< ... and no farther
   std::vector<BlendSum> sums;
-  PixelRect pending;  ///< holds every pixel the next passes have to look at
+  PixelRect pending;  ///< contains every pixel of the next passes
   std::vector<std::uint8_t> is_pending;
 
   /** \brief Takes up tile number t of a frame and prepares its rays. */
@@ -47,7 +47,7 @@ void
 findFirstIntersections(const FrameContext& frame, std::size_t t, Tile& tile,
                        RenderStatistics& statistics);
 
-/** \brief Pass 2: sums over the leaves whose ball holds q^, each at its root nearest to q^. */
+/** \brief Pass 2: sums over the leaves whose ball contains q^, each at its root nearest to q^. */
 void
 gatherBlends(const FrameContext& frame, std::size_t t, Tile& tile, RenderStatistics& statistics);
 

@@ -32,7 +32,7 @@ struct LevelSetCurvature {
   }
 };
 
-/** \brief Writes what the picture asks of the blended derivatives. */
+/** \brief Writes the requested attributes from the blended derivatives. */
 void
 writeDerivatives(const BlendSum& sum, std::size_t pixel, GBuffer& out)
 {

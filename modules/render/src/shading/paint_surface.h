@@ -9,7 +9,7 @@
 namespace pcl_slim::detail {
 
 /** \brief Fills the colours of a frame from those of a surface's leaves, at the positions and with the
- * normals of its pixels. Its index is built for the first frame that asks for colours. */
+ * normals of its pixels. Its index is built for the first frame with colours. */
 class SurfacePainter {
  public:
   /** \brief The surface must outlive this object. */

@@ -64,7 +64,7 @@ wantsAmbientOcclusion(const ShadingParams& params)
 
 namespace {
 
-/** \brief The value below which a share of the values lies; 0 when there are none. */
+/** \brief The value below which a share of the values is; 0 when there are none. */
 double
 quantile(const std::vector<double>& values, double share)
 {
@@ -80,7 +80,7 @@ isSigned(ShadingMode mode)
   return mode != ShadingMode::kSize && mode != ShadingMode::kError;
 }
 
-/** \brief What a picture shows, but for outliers. */
+/** \brief The range of a picture's values, but for outliers. */
 void
 setRobustRange(const GBuffer& buffer, const ShadingParams& params, double scale,
                ShadingRange& range)

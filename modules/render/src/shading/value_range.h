@@ -8,7 +8,7 @@
 
 namespace pcl_slim::detail {
 
-/** \brief What a mode that shows numbers shows at a covered pixel, in world units. */
+/** \brief The number that a mode shows at a covered pixel, in world units. */
 double
 valueAt(const GBuffer& buffer, std::size_t pixel, ShadingMode mode, double scale);
 

@@ -19,16 +19,16 @@ checkHalfSpaces(const std::vector<HalfSpace>& cuts);
 std::vector<HalfSpace>
 localHalfSpaces(std::vector<HalfSpace> cuts, const Vector3& origin, double scale);
 
-/** \brief Depths along a ray between which it lies in all of some half spaces; near > far: nowhere. */
+/** \brief Depths along a ray between which it is inside all of some half spaces; near > far: nowhere. */
 struct RayStretch {
   double near, far;
 };
 
-/** \brief What half spaces leave of a stretch of a ray. */
+/** \brief The part of a stretch of a ray inside half spaces. */
 RayStretch
 within(const std::vector<HalfSpace>& cuts, const Ray& ray, RayStretch stretch);
 
-/** \brief Whether a ball lies outside of any half space as a whole. */
+/** \brief Whether a ball is completely outside of any half space. */
 bool
 isCutAway(const std::vector<HalfSpace>& cuts, const Vector3& center, double radius);
 

@@ -124,7 +124,7 @@ TraceTile::traceCamera(const TraceFrame& frame, int x0, int y0, GBuffer& buffer)
                      counts_);
 }
 
-/** \brief Bounds a ray to what the frame's half spaces leave of it. */
+/** \brief Bounds a ray to its part inside the frame's half spaces. */
 void
 TraceTile::cut(const TraceFrame& frame, BoundedRay& ray)
 {
@@ -192,7 +192,7 @@ TraceTile::traceOcclusion(const TraceFrame& frame, LightBuffer& light)
       outgoing_.push_back(leaving(frame, i, cosineDirection(met_[i].normal, at)));
       outgoing_.back().farthest = std::min(outgoing_.back().farthest, frame.reach);
     }
-    block(frame, false);  // a ray of many: what slips through a gap does not show
+    block(frame, false);  // one ray of many: an error at a gap does not show
     occlusion_ += rays;
     const auto hidden = std::count(blocked_.begin(), blocked_.end(), std::uint8_t{1});
     light.open[pixels_[i]] = 1.0f - static_cast<float>(hidden) / static_cast<float>(rays);

@@ -161,7 +161,7 @@ class TracedDiscs : public TracedObject {
     return first;
   }
 
-  /** \brief Depth behind which no disc counts beside the first. */
+  /** \brief Depth behind which no disc counts in addition to the first. */
   double lastDepth(const Look& look, const FirstDisc& first) const
   {
     const double tolerance = look.view.params.depth_tolerance;

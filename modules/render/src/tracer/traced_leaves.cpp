@@ -56,7 +56,7 @@ class TracedLeaves : public TracedObject {
   Departure departure(const MetPoint& point) const override
   {
     const double r = scene_.surface.radius[point.id], error = scene_.surface.error[point.id];
-    // Leaves that blend at a point lie apart by about their residuals, and by a small share of
+    // Leaves that blend at a point are apart by about their residuals, and by a small share of
     // their radii where the data are clean.
     const double lift = std::min(0.1 * r, 2.0 * error + 0.005 * r);
     if (!scene_.surface.info.oriented) return {lift, 0.0, 0.0, r};

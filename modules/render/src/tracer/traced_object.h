@@ -30,10 +30,10 @@ struct MetPoint {
 
 /** \brief How rays that leave a met point are to begin, local lengths. */
 struct Departure {
-  double lift;    ///< they start so far along the normal
+  double lift;    ///< they start this far along the normal
   double front;   ///< what they meet from the front nearer than this does not count
   double behind;  ///< nor does what they meet from behind
-  double gap;  ///< nor gaps that they meet, as the rims of leaves around the point lie apart most
+  double gap;  ///< nor do gaps that they meet, as the rims of leaves differ most around the point
 };
 
 /** \brief Something that rays meet. Local = (world - origin) / scale. */
@@ -52,7 +52,7 @@ class TracedObject {
                      MetPoint* met, GBuffer* buffer, const std::size_t* pixels,
                      RayCounts& counts) const = 0;
 
-  /** \brief Whether anything stands in the way of each ray. */
+  /** \brief Whether anything blocks each ray. */
   virtual void block(const BoundedRay* rays, std::size_t count, bool close_gaps,
                      std::uint8_t* blocked, RayCounts& counts) const = 0;
 

@@ -30,7 +30,7 @@ class DiscTree {
    * the largest angle of a ray to the normal. */
   DiscTree(const PointStore& store, const SplatSet& splats, double depth, double least_cosine);
 
-  /** Discs that a ray meets near a place. cosine: of its lean; near: room to work in. */
+  /** Discs that a ray meets near a place. cosine: of its angle to the normals; near: scratch memory. */
   std::uint32_t count(const Eigen::Vector3d& place, const Eigen::Vector3d& direction, double cosine,
                       std::vector<std::uint32_t>& near) const;
 
@@ -68,8 +68,8 @@ DiscTree::DiscTree(const PointStore& store, const SplatSet& splats, double depth
 void
 DiscTree::setBox(std::size_t i, double least_cosine, BlockTree::Level& boxes) const
 {
-  // A place whose ray, leaning with least_cosine, pierces the disc at most radius + depth above or
-  // below lies in this box.
+  // A place whose ray, at an angle of least_cosine to the normal, pierces the disc at most radius + depth above or
+  // below is in this box.
   const double reach = radius_[i] + (radius_[i] + depth_) / least_cosine;
   float* const low[3] = {&boxes.min_x[i], &boxes.min_y[i], &boxes.min_z[i]};
   float* const high[3] = {&boxes.max_x[i], &boxes.max_y[i], &boxes.max_z[i]};
@@ -102,9 +102,9 @@ DiscTree::count(const Vector3d& place, const Vector3d& direction, double cosine,
 using Eigen::Vector3d;
 
 constexpr std::size_t kNeighbors = 8;
-constexpr std::size_t kSheet = 24;      ///< neighbours that tell the surface's normal
+constexpr std::size_t kSheet = 24;      ///< neighbours for the surface's normal
 constexpr double kUsual = 3.0;          ///< times the middle spacing that still counts as dense
-constexpr std::size_t kSamples = 1000;  ///< points that tell the middle spacing
+constexpr std::size_t kSamples = 1000;  ///< points for the middle spacing
 constexpr double kDepthSpacings = 2.0;
 constexpr std::uint32_t kSparse = 0xffffffffu, kRough = 0xfffffffeu;
 

@@ -32,7 +32,7 @@ normalOf(const PointStore& store, const std::vector<std::uint32_t>& near)
     const Eigen::Vector3d d = positionOf(store, j) - mean;
     covariance += d * d.transpose();
   }
-  // The closed form wants entries near one.
+  // The closed form needs entries near one.
   const double largest = covariance.cwiseAbs().maxCoeff();
   if (!(largest > 0.0)) return Eigen::Vector3d::UnitZ();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
@@ -76,7 +76,7 @@ class NormalFinder {
   static constexpr float kMargin = 1.45f;          ///< of the reach: balls are no wider
   static constexpr std::size_t kMostAround = 160;  ///< [neighbours] points around a block
 
-  /** Finds the normals of a block's points at once, or of each of its parts where gaps split it. */
+  /** Finds the normals of a block's points together, or of each of its parts where gaps split it. */
   void findTogether(std::size_t block, std::size_t count)
   {
     found_.found = 0;

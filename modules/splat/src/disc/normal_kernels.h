@@ -25,7 +25,7 @@ struct BlockNormals {
 
 namespace splat_kernels {
 
-/** The points of some blocks that lie in a box. */
+/** The points of some blocks inside a box. */
 void
 gatherSurroundings(const PointStore& store, std::size_t block,
                    const std::vector<std::uint32_t>& blocks, const float low[3],
@@ -34,7 +34,7 @@ gatherSurroundings(const PointStore& store, std::size_t block,
 /** The directions of least variance of about k neighbours: those in a ball that has as many at the
  * density of a narrower or wider one around the same point. \param[in] chosen bit i: point i is
  * \param[in] reach of the first ball
- * \param[in] most no ball is wider. O(surroundings), for all chosen points at once. */
+ * \param[in] most no ball is wider. O(surroundings), for all chosen points together. */
 void
 findNormals(const PointStore& store, std::size_t block, const BlockSurroundings& points,
             std::uint32_t chosen, float reach, float most, float k, BlockNormals& normals);

@@ -9,7 +9,7 @@ namespace pcl_slim::detail {
 /** Noise of colours and normals from points against their nearest neighbours.
  *
  * Some hundred samples; neighbours are taken from the samples' surroundings in Morton order, so a
- * few lie farther than the nearest. The median over samples ignores edges of colour and shape as
+ * few are farther than the nearest. The median over samples ignores edges of colour and shape as
  * long as most samples have none. 0 for fewer than 32 points. Constant time.
  */
 SampleNoise

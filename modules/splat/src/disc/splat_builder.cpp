@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 
 constexpr double kAgree = 0.1;              ///< variance of normals up to which they have one axis
 constexpr std::size_t kPlanePoints = 16;    ///< on either side, for a cell without normals
-constexpr std::size_t kGradientPoints = 6;  ///< fewer do not tell a slope from noise
+constexpr std::size_t kGradientPoints = 6;  ///< with fewer a slope cannot be separated from noise
 
 Matrix3d
 matrixOf(const Symmetric3<double>& m)
@@ -46,7 +46,7 @@ widestAxis(const CellSums& sums)
   return n.dot(sum) < 0.0 ? Vector3d(-n) : n;
 }
 
-/** Normal of the plane through the points around a cell, as far as the window holds them. */
+/** Normal of the plane through the points around a cell, as far as the window contains them. */
 Vector3d
 planeNormal(const PointWindow& window, const OctreeCell& cell)
 {
@@ -86,7 +86,7 @@ struct ColorSlope {
 };
 
 /** Least squares, less the share that noise alone explains. \return false where points on a line,
- * or in one place, tell no slope. */
+ * or in one place, determine no slope. */
 bool
 fitColorSlope(const PointWindow& window, const OctreeCell& cell, const CellSums& sums,
               const Vector3d& normal, double noise, ColorSlope& color)
@@ -114,10 +114,10 @@ fitColorSlope(const PointWindow& window, const OctreeCell& cell, const CellSums&
   return true;
 }
 
-constexpr std::size_t kSpacingCells = 1024;  ///< cells that tell the middle spacing
+constexpr std::size_t kSpacingCells = 1024;  ///< cells for the middle spacing
 constexpr double kSpacings = 6.0;            ///< middle spacings in the widest
 constexpr double kNoiseSlack = 2.0;  ///< times the variance of noisy normals that is not bend
-constexpr double kFollowed = 2.0;    ///< gradients hold so much farther than there were points
+constexpr double kFollowed = 2.0;    ///< reach of gradients over that of their points
 
 }  // namespace
 
@@ -188,7 +188,7 @@ SplatBuilder::SplatBuilder(const OctreeCloud& cloud, const OctreeSource& source,
 void
 SplatBuilder::add(std::size_t slice, const PointWindow& window, const CellBatch& batch)
 {
-  Slice out;  // not in its place yet, beside those that other threads write to
+  Slice out;  // not in its place yet: other threads write to its neighbours
   out.rows.reserve(batch.size());
   const std::vector<DiscNormal> normals = discNormals(window, batch);
   for (std::size_t c = 0; c < batch.size(); ++c) {
@@ -257,7 +257,7 @@ SplatBuilder::cubeCenter(const PointWindow& window, const OctreeCell& cell) cons
           static_cast<float>(center[2])};
 }
 
-/** Paper mode: the disc stands where the kept point does, with its normal if it has one. */
+/** Paper mode: the disc is at the kept point, with its normal if it has one. */
 void
 SplatBuilder::takePoint(const PointWindow& window, std::size_t point, Row& row, DiscNormal& normal)
 {
@@ -301,7 +301,7 @@ SplatBuilder::count(SplatStatistics& statistics) const
   }
 }
 
-/** Widest spacing by some thousand cells, which tell the middle as well as all. */
+/** Widest spacing by some thousand cells, whose median is close to that of all. */
 double
 SplatBuilder::widest() const
 {

@@ -12,7 +12,7 @@
 
 namespace pcl_slim::detail {
 
-/** What a cell's points say about its disc. */
+/** The disc's normal from a cell's points. */
 struct DiscNormal {
   std::array<double, 3> normal;
   double variance;  ///< 1 - share of the normals' common line, in [0, 2/3]; 0 without normals
@@ -48,7 +48,7 @@ class SplatBuilder {
   SplatBuilder(const OctreeCloud& cloud, const OctreeSource& source, const SplatParams& params,
                const SampleNoise& noise, std::size_t slices);
 
-  /** All cells of a slice; their points stand in the window. */
+  /** All cells of a slice; their points are in the window. */
   void add(std::size_t slice, const PointWindow& window, const CellBatch& batch);
 
   /** Writes splats in the order of slices and cells. store: for RadiusRule::kNeighbors, else null;
@@ -98,7 +98,7 @@ class SplatBuilder {
  * store: the same points.
  *
  * Neighbours are those in a ball whose radius follows the local density, for 16 points of Morton order
- * at once; where it has fewer than .6 k or more than 1.7 k, the k nearest. */
+ * together; where it has fewer than .6 k or more than 1.7 k, the k nearest. */
 std::vector<float>
 estimateNormals(const PointStore& store, const CloudView& cloud, int neighbors,
                 const double viewpoint[3], int threads);

@@ -22,7 +22,7 @@ constexpr std::size_t kSpacingNeighbors = 6, kNeighbors = 8;
 using Vector = std::array<double, 3>;
 
 /** Distance from the disc's centre. In a flat cell it is the distance in the disc's plane; where
- * normals differ, what lies above or below widens the disc, as rays pass there aslant. */
+ * normals differ, points above or below widen the disc, as rays pass there aslant. */
 double
 distanceSq(const std::array<float, 3>& center, const Vector& point)
 {

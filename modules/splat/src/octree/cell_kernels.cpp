@@ -177,8 +177,8 @@ characteristic(const Symmetric& s, CellVector t)
   return first - second - third;
 }
 
-/** What CellSums::unorientedAbove asks of normals that are not one line, and how long their sum is
- * at least: half of what it would be if they shared one side. */
+/** Whether normals have one axis: they are along a line (CellSums::unorientedAbove) and their sum is
+ * at least half of what it would be if they shared one side. */
 hn::Mask<Doubles>
 haveOneAxis(const Symmetric& whole, CellVector total, CellVector sum_sq, CellVector count,
             double widest)

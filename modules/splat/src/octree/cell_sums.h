@@ -21,7 +21,7 @@ squared(const Symmetric3<double>& m)
           b * b + d * d + e * e, b * c + d * e + e * f, c * c + e * e + f * f};
 }
 
-/** What the octree asks of a cell's points: sums that add up over children. */
+/** The octree's sums over a cell's points: they add up over children. */
 struct CellSums {
   double count = 0;
   double position[3] = {}, position_sq = 0;  ///< sum of p, of |p|^2
@@ -104,7 +104,7 @@ struct CellSums {
   }
 
   /** Whether unorientedVariance() > limit, without the eigenvalue where limit < 1/2: no other
-   * eigenvalue lies that high, so one value of the characteristic polynomial tells. */
+   * eigenvalue is that large, so one value of the characteristic polynomial decides. */
   bool unorientedAbove(double limit) const
   {
     const double total = normals();

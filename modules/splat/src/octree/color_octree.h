@@ -34,7 +34,7 @@ struct OctreeCell {
   std::int32_t shift = 0;  ///< its size, for OctreeCloud::edge
 };
 
-/** What an optimal cut is asked for; one of the two. */
+/** The target of an optimal cut; one of the two. */
 struct CutBudget {
   std::uint64_t max_cells = 0;  ///< most cells; 0: no limit
   double target_error = 0;      ///< mean Delta E between points and their cells; 0: none

@@ -18,8 +18,8 @@ namespace pcl_slim {
 using namespace detail;
 namespace {
 
-/** Orders points that the leading bits of keys do not tell apart by their whole keys and then by what
- * they are, and keeps one of those that are equal in place, normal and colour, so that nothing depends
+/** Orders points with equal leading bits of keys by their whole keys and then by their
+ * attributes, and keeps one of those that are equal in place, normal and colour, so that nothing depends
  * on the order in which their owner has them. One per thread: it keeps its scratch memory. */
 template <typename T>
 class CanonicalOrder {
@@ -47,7 +47,7 @@ class CanonicalOrder {
   }
 
  private:
-  /** What tells points apart, in the order in which it is compared; the point comes last. */
+  /** What distinguishes points, in the order of comparison; the point comes last. */
   struct Entry {
     std::uint64_t key;
     std::array<T, 3> place;
@@ -98,7 +98,7 @@ class CanonicalOrder {
 };
 
 /** Resolutions that give about as many occupied cells as wanted: a surface's count grows with the
- * square of the resolution, and a coarse grid tells the factor. Neither the order of the points nor
+ * square of the resolution, and a coarse grid gives the factor. Neither the order of the points nor
  * how often one is given changes it. */
 class AreaProbe {
  public:
@@ -144,7 +144,7 @@ class AreaProbe {
 
 /** Orders a cloud's points by the Morton codes of their cells, equal points once.
  *
- * Leading bits tell nearly all points of a scan apart: whole keys are made again for the others. */
+ * Leading bits separate nearly all points of a scan: whole keys are made again for the others. */
 template <typename T>
 class KeyOrder {
  public:
@@ -154,7 +154,7 @@ class KeyOrder {
   {
   }
 
-  /** \param[out] keys ascending; below the leading bits they are 0 where those tell a point from all
+  /** \param[out] keys ascending; below the leading bits they are 0 where those separate a point from all
    * others. \param[out] order the points they are of. */
   void run(CanonicalOrder<T> ties, AlignedVector<std::uint64_t>& keys,
            AlignedVector<std::uint32_t>& order) const
@@ -323,7 +323,7 @@ class OctreeCloudBuilder {
     return bits;
   }
 
-  /** For so many different points; without an area for a grid that is given or has one cell. */
+  /** For a number of different points; without an area for a grid that is given or has one cell. */
   static int resolutionOf(const RootGrid& grid, const std::optional<AreaProbe>& area,
                           std::size_t points)
   {

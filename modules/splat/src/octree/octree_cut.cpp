@@ -12,7 +12,7 @@ namespace pcl_slim::detail {
 
 namespace {
 
-/** A cell of the whole tree. Children stand before their parent. */
+/** A cell of the whole tree. Children precede their parent. */
 struct OctreeNode {
   std::uint32_t begin, end;
   std::uint32_t size;  ///< nodes of its subtree, itself included
@@ -41,7 +41,7 @@ struct OctreeForest {
 };
 
 constexpr double kColorUnit = 1e-4;     ///< CIELAB / 100, as the tolerances are scaled
-constexpr double kNormalWeight = 0.05;  ///< of normal variance beside colour variance
+constexpr double kNormalWeight = 0.05;  ///< of normal variance relative to colour variance
 constexpr double kBendWeight = 0.5;     ///< of its square: cells that bend round leave no outline
 
 /** D without its power of the edge. Points and area count alike, as pictures show area however
@@ -308,7 +308,7 @@ class CutSolver {
     }
   }
 
-  /** Whether the finest cut is what is asked for already. */
+  /** Whether the finest cut already meets the budget. */
   bool fits() const
   {
     if (budget_.max_cells > 0) return cells_ <= budget_.max_cells;

@@ -21,7 +21,7 @@ struct OctreeCut {
  * Minimises sum D + lambda * cells over all cuts of the octree, D = points^(1/2) * d^(3/2) *
  * edge^(5/4) with d^2 = c / 100^2 + v / 20 + v^2 / 2, c the variance of colours and v that of
  * normals, and solves for lambda: as many cells as max_cells allows (within 1 %, where the cloud
- * has that many), or as few as meet target_error (else the finest cut). Roots are grown where max_cells asks for fewer than exist. The tolerances of rule
+ * has that many), or as few as meet target_error (else the finest cut). Roots are grown where max_cells is below their number. The tolerances of rule
  * are not used; its noise, least points and depth are. O(N) time, 40 bytes a cell of the tree.
  */
 OctreeCut

@@ -95,7 +95,7 @@ boxOf(const Reader<T>& read, std::size_t begin, std::size_t end)
 {
   Box box = noBox();
   std::size_t i = begin;
-  // The last point may end its memory, so that no fourth float stands behind it.
+  // The last point may end its memory, so that no fourth float follows it.
   if (std::is_same_v<T, float> && !read.indices && read.stride >= 4 * sizeof(float)) {
     float low[3], high[3];
     const std::size_t n = end - begin - 1;

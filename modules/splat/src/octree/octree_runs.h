@@ -13,7 +13,7 @@
 
 namespace pcl_slim::detail {
 
-constexpr std::size_t kSpacingPoints = 8;  ///< fewer points do not tell how dense they lie
+constexpr std::size_t kSpacingPoints = 8;  ///< fewer points do not determine their density
 constexpr std::size_t kSpacingReach = 32;  ///< points to look at on either side of a cell for more
 constexpr std::size_t kRootSlice = 1 << 12;  ///< points per slice: their window fits into a cache
 
@@ -36,7 +36,7 @@ firstRoot(const OctreeCloud& cloud, std::size_t slice, int growth)
 }
 
 /** Runs body(slice, thread, first, last) for the roots [first, last) of every slice; cells 2^growth
- * roots wide lie in one slice each, and slices do not depend on threads. body may write to things
+ * roots wide are in one slice each, and slices do not depend on threads. body may write to things
  * of its slice only. */
 template <typename Body>
 void
@@ -49,7 +49,7 @@ forEachRootSlice(const OctreeCloud& cloud, int growth, int threads, const Body& 
   });
 }
 
-/** A cloud's keys, which tell the runs of points that share a cell. */
+/** A cloud's keys, which give the runs of points that share a cell. */
 struct RunKeys {
   const std::uint64_t* keys;
 
@@ -59,7 +59,7 @@ struct RunKeys {
   std::size_t runEnd(std::size_t begin, std::size_t end, int shift) const
   {
     const std::uint64_t cell = above(begin, shift);
-    // Galloping: runs are short beside what is left of the cloud.
+    // Galloping: runs are short compared with the rest of the cloud.
     std::size_t step = 1, low = begin;
     while (low + step < end && above(low + step, shift) == cell) {
       low += step;
@@ -73,7 +73,7 @@ struct RunKeys {
     return high;
   }
 
-  /** The level at which a run falls apart; -1: not at any that keys tell. */
+  /** The level at which a run falls apart; -1: at none that keys resolve. */
   int dividingShift(std::size_t begin, std::size_t end) const
   {
     std::uint64_t difference = keys[begin] ^ keys[end - 1];
@@ -83,8 +83,8 @@ struct RunKeys {
   }
 };
 
-/** Spacing around a cell too small to tell: that of the smallest cell of roots around it with
- * enough points, of those the window holds and kSpacingReach allows. */
+/** Spacing around a cell with too few points for its own: that of the smallest cell of roots around it with
+ * enough points, of those in the window that kSpacingReach allows. */
 inline double
 spacingAround(const OctreeCloud& cloud, const PointWindow& window, const OctreeCell& cell)
 {

@@ -54,7 +54,7 @@ class PointBlocks {
                               });
   }
 
-  /** Some points of a list, at most as many as a block holds. */
+  /** Some points of a list, at most as many as fit a block. */
   void fillListed(const std::uint32_t* points, std::size_t count, PointBlock& block) const
   {
     for (std::size_t k = 0; k < count; ++k) {

@@ -20,7 +20,7 @@ boxOfPoints(const unsigned char* first, std::size_t stride, std::size_t n, float
             float high[3])
 {
   const hn::CappedTag<float, 4> d;
-  // As many axes at a time as a vector holds; what lies behind the third is looked at in vain.
+  // As many axes at a time as a vector has lanes; lanes behind the third axis are ignored.
   for (std::size_t axis = 0; axis < 3; axis += hn::Lanes(d)) {
     auto least = Set(d, std::numeric_limits<float>::max()), largest = Neg(least);
     auto bad = Zero(d);
@@ -100,7 +100,7 @@ spread(Words d, V v)
   return step(v, 2, 0x1249249249249249ULL);
 }
 
-/** Codes of as many positions as a vector holds, times a power of two. */
+/** Codes of as many positions as a vector has lanes, times a power of two. */
 hn::Vec<Words>
 mortonCodes(const float* x, const float* y, const float* z, float scale)
 {

@@ -7,7 +7,7 @@
 
 #include "points/splat_kernels.h"
 
-// Asks for the cache line of an address. Not a function, which GCC takes for one without effect.
+// Prefetches the cache line of an address. A macro, as GCC takes a function for one without effect.
 #if defined(__GNUC__)
 #define PCL_SLIM_PREFETCH(address) __builtin_prefetch(address)
 #else
@@ -21,7 +21,7 @@ namespace {
 class PointFetcher {
  public:
   static constexpr std::size_t kBlock = 64;  ///< points converted at a time
-  static constexpr std::size_t kAhead = 24;  ///< points between asking for one and using it
+  static constexpr std::size_t kAhead = 24;  ///< points between prefetch and use of one
 
   PointFetcher(const OctreeFrame& frame, const OctreeSource& source);
 
@@ -48,9 +48,9 @@ class PointFetcher {
   const OctreeFrame& frame_;
   const LabTable& table_;
   bool doubles_;
-  std::uint32_t last_;  ///< place behind which no fourth float may stand
+  std::uint32_t last_;  ///< place behind which there may be no fourth float
   Attribute xyz_, normal_, bgr_;
-  /** What lies together in memory, and bytes from its begin to its last one. */
+  /** Attributes together in memory, and bytes from its begin to its last one. */
   struct Stretch {
     Attribute begin;
     std::size_t span = 0;
@@ -62,9 +62,9 @@ class PointFetcher {
 
 constexpr std::size_t kLine = 64;  ///< bytes that come into the cache together
 constexpr std::size_t kVector = 4 * sizeof(float);
-constexpr std::size_t kStep = 16;  ///< points asked for and read in turn
+constexpr std::size_t kStep = 16;  ///< points prefetched and read in turn
 
-/** Stretches of memory that hold a point's attributes; those of one record, as in PCL's clouds, are
+/** Stretches of memory with a point's attributes; those of one record, as in PCL's clouds, are
  * one stretch. */
 class Stretches {
  public:
@@ -171,7 +171,7 @@ PointFetcher::run(const std::uint32_t* points, std::size_t n,
   for (std::size_t begin = 0; begin < n; begin += kBlock) {
     for (std::size_t k = begin; k < std::min(n, begin + kBlock); k += kStep) {
       const std::size_t count = std::min(kStep, n - k);
-      // Points lie in any order: each is asked for from memory before its turn, at both ends.
+      // Points are in any order: each is prefetched before its turn, at both ends.
       for (std::size_t i = k + kAhead; i < k + kAhead + count; ++i) {
         PCL_SLIM_PREFETCH(stretch.begin.of(points[i]));
         PCL_SLIM_PREFETCH(stretch.begin.of(points[i]) + stretch.span);

@@ -59,7 +59,7 @@ sumPoints(const float* const columns[9], std::size_t n, double sums[kNumSums]);
 constexpr std::size_t kCellNumbers = kNumSums + 1;
 
 /** Common normals of n cells: the line n with most of the sum of n n^T, where it is near one line and
- * the normals' sum lies along it; else the variance is -1.
+ * the normals' sum is along it; else the variance is -1.
  * \param[in] cells rows of how many points there are and then the sums of sumPoints.
  * \param[in] widest variance up to which normals have one axis.
  * \param[out] normals rows of x y z on the side of the sum, and 1 - the line's share. */

@@ -76,7 +76,7 @@ CellCounts::addPage()
   return page;
 }
 
-/** The slot of the deepest cell that holds a code; the first pass makes it. Slot 0: none. */
+/** The slot of the deepest cell that contains a code; the first pass makes it. Slot 0: none. */
 std::size_t
 CellCounts::slotOf(std::uint64_t key, int& depth)
 {

@@ -35,7 +35,7 @@ class PointKeys {
 /** \brief Depth of the cells of the finest grid: Morton codes have three bits a level. */
 constexpr int kDeepestCell = 21;
 
-/** \brief Code of the cell of a depth that holds a point. */
+/** \brief Code of the cell of a depth that contains a point. */
 inline std::uint64_t
 cellOf(std::uint64_t key, int depth)
 {
@@ -55,7 +55,7 @@ class CellCounts {
   /** \brief Counts a piece's points by their codes. \return an error where a cell has 2^32 points. */
   Error add(const std::uint64_t* keys, std::size_t count);
 
-  /** \brief Ends a pass. \return whether some cells of more than so many points were divided, which
+  /** \brief Ends a pass. \return whether some cells of more than `most` points were divided, which
    * another pass has to count. */
   bool divideCells(std::uint64_t most);
 
@@ -69,7 +69,7 @@ class CellCounts {
 
   /** \brief Numbers the cells of cells(), for numberOf(). Counts are lost. */
   void numberCells();
-  /** \brief The place among cells() of the cell that holds a code. */
+  /** \brief The place among cells() of the cell that contains a code. */
   std::uint32_t numberOf(std::uint64_t key) const
   {
     std::uint32_t page = table_[cellOf(key, kTableDepth)];

@@ -28,7 +28,7 @@ class StatisticsSum {
   bool any_ = false;
 };
 
-/** \brief A tile's counts as numbers, to be kept beside its surfels. */
+/** \brief A tile's counts as numbers, to be kept with its surfels. */
 std::vector<double>
 packedStatistics(const FitStatistics& tile);
 

@@ -28,7 +28,7 @@ appendBytes(const T& value, Ranks::Bytes& bytes)
   std::memcpy(bytes.data() + bytes.size() - sizeof(T), &value, sizeof(T));
 }
 
-/** \brief The values that bytes hold, one behind the other. */
+/** \brief The values stored in bytes, one behind the other. */
 template <typename T>
 std::vector<T>
 valuesOf(const Ranks::Bytes& bytes)
@@ -78,7 +78,7 @@ ofFirst(Ranks& ranks, const T& own)
   return allOf(ranks, first).front();
 }
 
-/** \brief Messages that ranks exchange in rounds, until none has more to say. */
+/** \brief Messages that ranks exchange in rounds, until none has more to send. */
 class Rounds {
  public:
   explicit Rounds(Ranks& ranks) : ranks_(ranks), messages_(emptyMessages(ranks)) {}

@@ -48,7 +48,7 @@ ScratchFile::failed(const char* verb, std::uint64_t at, int code) const
                               (full ? "; make room, or name another folder" : "")};
 }
 
-/** Whether there is a folder, with so much room. */
+/** Checks that the folder exists and has room. */
 Error
 ScratchFile::checkRoom(std::uint64_t bytes)
 {

@@ -28,7 +28,7 @@ class ScratchFile {
   Error create(const std::string& folder, std::uint64_t bytes);
   /** \brief Makes one that is kept under a name in the folder, in place of an older one. */
   Error createKept(const std::string& folder, std::uint64_t bytes);
-  /** \brief Opens one that was kept, for reading. \return an error where it has not so many bytes. */
+  /** \brief Opens one that was kept, for reading. \return an error where its size differs from bytes. */
   Error openKept(const std::string& folder, std::uint64_t bytes);
   Error write(std::uint64_t at, const void* from, std::size_t bytes);
   Error read(std::uint64_t at, void* to, std::size_t bytes) const;
@@ -55,7 +55,7 @@ struct PointRecord {
   std::size_t bytes() const { return positionBytes() + (normals ? 12 : 0); }
   /** \brief Copies a piece's point. */
   void write(const CloudView& piece, std::size_t i, unsigned char* to) const;
-  /** \brief A view of records that stand one behind the other. */
+  /** \brief A view of records stored one behind the other. */
   CloudView view(const std::vector<unsigned char>& records) const;
 };
 
@@ -63,7 +63,7 @@ struct PointRecord {
 std::vector<std::uint32_t>
 pointsOfCells(const TilePlan& plan);
 
-/** \brief A run of a tile's cells whose points stand together in the scratch file. */
+/** \brief A run of a tile's cells whose points are contiguous in the scratch file. */
 struct Bucket {
   std::size_t first_cell = 0, end_cell = 0, tile = 0;
   std::uint64_t points = 0, first_point = 0;  ///< first_point: of the file
@@ -73,7 +73,7 @@ struct Bucket {
 /** \brief The cloud's points on disk, sorted into buckets. */
 class TileStore {
  public:
-  /** \brief Cuts the tiles into buckets and makes the file. \param[in] points that it will hold of each of
+  /** \brief Cuts the tiles into buckets and makes the file. \param[in] points that it will contain of each of
    * the plan's cells */
   Error create(const TilePlan& plan, const std::vector<std::uint32_t>& points,
                const PointRecord& record, const std::string& folder, bool kept);

@@ -27,7 +27,7 @@ class FileReader {
   Error open(const std::string& path);
   /** \brief Reads bytes from a place on, fewer at the file's end. \param[out] got how many. */
   Error read(std::uint64_t at, void* to, std::size_t bytes, std::size_t& got) const;
-  /** \brief Reads exactly so many bytes; a file that ends before is an error that names the byte. */
+  /** \brief Reads exactly `bytes` bytes; a file that ends before is an error that names the byte. */
   Error readAll(std::uint64_t at, void* to, std::size_t bytes) const;
 
  private:
@@ -228,7 +228,7 @@ passText(const RecordLayout& layout, std::uint64_t first, std::uint64_t end, con
 
 constexpr std::size_t kPieceBytes = 3 << 20;
 
-/** Whether three numbers of a type stand side by side, as a CloudView wants them. */
+/** Whether three numbers of a type are contiguous, as a CloudView needs them. */
 bool
 inPlace(const std::array<RecordLayout::Field, 3>& fields, ScalarType type)
 {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Files of one machine, or of alike ones: numbers stand as in memory, behind a magic word, an identity and
+// Files of one machine, or of alike ones: numbers are stored as in memory, behind a magic word, an identity and
 // a checksum.
 #include "state/kept_plan.h"
 
@@ -24,7 +24,7 @@ checksum(const Bytes& bytes, std::size_t size)
   return hash;
 }
 
-/** Numbers to bytes, and back: one list of what is kept serves both ways. */
+/** Numbers to bytes, and back: one list of what is kept, for both ways. */
 class Writer {
  public:
   template <typename T>

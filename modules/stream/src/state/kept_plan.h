@@ -13,7 +13,7 @@
 
 namespace pcl_slim::detail {
 
-/** \brief What prepare() finds, and fits of tiles need beside the points. */
+/** \brief The results of prepare() that fits of tiles need in addition to the points. */
 struct KeptPlan {
   StoreFrame frame;
   PointRecord record;
@@ -31,7 +31,7 @@ Error
 savePlan(const std::string& folder, const std::string& identity, const KeptPlan& plan);
 
 /** \brief Reads a plan. \return whether the folder has one of this identity that is whole; an error is not
- * told: the plan is made again then. */
+ * returned: the plan is made again then. */
 bool
 loadPlan(const std::string& folder, const std::string& identity, KeptPlan& plan);
 

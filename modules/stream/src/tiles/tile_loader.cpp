@@ -85,7 +85,7 @@ HaloMask::inside(const Place& p) const
          p[0] < low_[0] + size_[0] && p[1] < low_[1] + size_[1] && p[2] < low_[2] + size_[2];
 }
 
-/** Marks all cells whose boxes come within so many cells' widths of a marked one's. */
+/** Marks all cells whose boxes are within a number of cells' widths of a marked one's. */
 void
 HaloMask::grow(double cells)
 {

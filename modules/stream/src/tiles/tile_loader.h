@@ -14,7 +14,7 @@ namespace pcl_slim::detail {
 
 /** \brief Cells of a grid whose distance from a tile's points may be within a reach.
  *
- * Cells are a sixth to a twelfth of the reach wide, so what they hold beyond it is little. A function of
+ * Cells are a sixth to a twelfth of the reach wide, so they contain little beyond it. A function of
  * the points' set alone.
  */
 class HaloMask {
@@ -58,7 +58,7 @@ class TileLoader {
   Error loadCore(std::size_t tile, std::vector<unsigned char>& records) const;
   /** \brief The mask of a tile's surroundings. \param[in] records its core */
   HaloMask maskOf(std::size_t tile, const std::vector<unsigned char>& records, double reach) const;
-  /** \brief The cells that a mask meets outside a tile, ascending: they hold its halo. */
+  /** \brief The cells that a mask meets outside a tile, ascending: they contain its halo. */
   std::vector<std::uint64_t> haloCells(std::size_t tile, const HaloMask& mask) const;
   /** \brief Appends the points of a tile's halo. */
   Error loadHalo(std::size_t tile, const HaloMask& mask, std::vector<unsigned char>& records) const;

@@ -267,7 +267,7 @@ class SurfelCodec {
                        static_cast<std::size_t>(numCoefficients(degree)));
   }
 
-  /** How many binary digits the coefficients so far have, by which the next ones are expected. */
+  /** Number of binary digits of the coefficients so far, by which the next ones are predicted. */
   static std::size_t activity(std::uint64_t size)
   {
     std::size_t digits = 0;

@@ -337,7 +337,7 @@ Result<SLIMSurface>
 loadSlimBlocks(const std::string& path, const std::function<bool(const SlimBlock&)>& wanted)
 {
   SlimBlockReader reader;
-  if (reader.open(path)) return loadSlim(path);  // of another version, or it says what is wrong
+  if (reader.open(path)) return loadSlim(path);  // of another version, or it returns the error
   std::vector<bool> blocks;
   for (const SlimBlock& block : reader.directory().blocks) blocks.push_back(wanted(block));
   Result<SLIMSurface> surface = reader.load(blocks);

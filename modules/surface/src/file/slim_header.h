@@ -10,7 +10,7 @@
 #include "pcl_slim/surface/surface.h"
 
 // A .slim file's header: magic (8 bytes), version and header size (4 each), size of the payload,
-// checksum (8 each), then what SurfaceInfo holds. Version 2 has trim maps behind the columns, version 4
+// checksum (8 each), then the members of SurfaceInfo. Version 2 has trim maps behind the columns, version 4
 // behind these colours; files without any are written as version 1. Version 3 consists of blocks, each a
 // file of one of the other versions. Version 5 is a rounded surface (compact/compact_block.h).
 
@@ -103,7 +103,7 @@ constexpr std::uint32_t kSlimColorsVersion =
     4;  ///< one surface with colours, and maps where it has any
 constexpr std::uint32_t kSlimRoundedVersion = 5;  ///< one rounded surface (compact/compact_block.h)
 
-/** \brief Writes the header of so many surfels that take payload bytes; the checksum is left 0, for
+/** \brief Writes the header of a number of surfels that take payload bytes; the checksum is left 0, for
  * sealSlim. */
 void
 putSlimHeader(const SurfaceInfo& info, std::uint32_t version, std::uint64_t surfels,
@@ -148,7 +148,7 @@ holdsColors(const unsigned char* bytes);
 Result<std::uint64_t>
 getSlimHeader(const unsigned char* bytes, SurfaceInfo& info);
 
-/** \brief What is said of a file whose numbers contradict each other. */
+/** \brief The error of a file whose numbers contradict each other. */
 Error
 contradictorySlim();
 

@@ -8,7 +8,7 @@ namespace pcl_slim::detail {
 
 namespace {
 
-// Cells and their neighbours are counted in 21 bits an axis. What lies outside [-1, 1] shares a
+// Cells and their neighbours are counted in 21 bits an axis. Centres outside [-1, 1] share a
 // cell at the rim.
 constexpr int kAxisBits = 21;
 constexpr double kNarrowest = 0x1p-19;

@@ -22,7 +22,7 @@ fromFinest(const SLIMSurface& surface)
   return order;
 }
 
-/** \brief Whether a parent's ball holds all that a child alone may cover: as neighbours overlap, the inner part
+/** \brief Whether a parent's ball contains all that a child alone may cover: as neighbours overlap, the inner part
  * of its ball. */
 bool
 holds(const SLIMSurface& surface, std::uint32_t parent, std::uint32_t child)

@@ -53,7 +53,7 @@ struct LevelPair {
   }
 };
 
-/** Each level's internal surfels with the members of the next; the root ball stands above all. */
+/** Each level's internal surfels with the members of the next; the root ball is the parent of all. */
 std::vector<LevelPair>
 levelPairs(const SLIMSurface& s, int threads)
 {
@@ -103,7 +103,7 @@ joinLists(const std::vector<std::vector<std::uint32_t>>& lists, SLIMSurface& s)
   }
 }
 
-/** A ball about the middle of the balls' box that holds them all. */
+/** A ball about the middle of the balls' box that contains them all. */
 std::array<float, 4>
 enclosingBall(const SLIMSurface& s)
 {

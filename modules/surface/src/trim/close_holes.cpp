@@ -29,7 +29,7 @@ class NodeSquare {
     }
   }
 
-  /** \brief Turns every node that lies within a distance of one of a kind to that kind. O(nodes reach). */
+  /** \brief Turns every node within a distance of one of a kind to that kind. O(nodes reach). */
   void spread(bool kind, double distance)
   {
     const std::vector<int> above = alongColumns(kind);
@@ -88,7 +88,7 @@ class NodeSquare {
   std::vector<std::uint8_t> inside_;
 };
 
-/** \brief A map whose holes narrower than so many nodes are closed; none if all of its disc then is.
+/** \brief A map whose holes narrower than `hole` nodes are closed; none if all of its disc then is.
  * \param[out] bits of the map */
 int
 closedMap(const TrimMap& map, double hole, std::vector<std::uint8_t>& bits)

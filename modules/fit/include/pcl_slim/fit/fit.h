@@ -145,7 +145,7 @@ struct FitStatistics {
 
   NoiseStatistics noise;
   double lambda = 0;              ///< noise variance [L^2]
-  double penalty = 0, t_mdl = 0;  ///< as used (solved for, where asked)
+  double penalty = 0, t_mdl = 0;  ///< as used (solved for with a target)
   double noise_factor = 0;        ///< NoiseFactor, or the one solved for; 0: none
   SideStatistics sides;
 

@@ -25,7 +25,7 @@ viewFromAngles(UpAxis up, double azimuth, double elevation);
  * diagonals), the normal of a flat object if that is y or z, else that of y and z of a room's
  * lesser extent, that along which a closed object stays upright and would fall over along the other, else the one along which it is
  * clearly longer. If neither is, the one along which the normals of an oriented object point upwards
- * on average, because a standing object is not measured from below; else the one at whose lower end the
+ * on average, because an upright object is not measured from below; else the one at whose lower end the
  * object is flat; else z. Statues are upright, terrain is flat. O(spheres log spheres). */
 PCL_SLIM_EXPORT UpAxis
 guessUpAxis(const BoundingSpheres& object);

@@ -99,7 +99,7 @@ struct PCL_SLIM_EXPORT WorldHit {
  * a point and the light.
  *
  * A ray's hit is the rasteriser's, by the same rules: q^ is the first intersection with a leaf inside
- * its ball shrunk by alpha; the blend of the leaves whose ball holds q^ is the hit (eqs. 6, 7), if it is
+ * its ball shrunk by alpha; the blend of the leaves whose ball contains q^ is the hit (eqs. 6, 7), if it is
  * covered or in a gap between leaves; else the ray continues behind it. Gaps between shrunk balls are
  * closed (TraceParams::close_gaps). Discs are blended as
  * renderDiscs() blends them. A shadow ray is blocked by any root of a leaf at which the blend belongs to

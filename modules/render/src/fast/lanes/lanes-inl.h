@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The pixels of a block as one vector or two, so that what is loaded for a leaf serves many pixels, and
+// The pixels of a block as one vector or two, so that one load of a leaf's data is used for many pixels, and
 // of two vectors a processor runs both chains of operations side by side. Functions and operators are
 // Highway's. The guard toggles: Highway compiles a kernel file once per instruction set.
 #if defined(PCL_SLIM_LANES_INL) == defined(HWY_TARGET_TOGGLE)
@@ -21,7 +21,7 @@ namespace pcl_slim::detail::kernels::HWY_NAMESPACE::lanes {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-#if HWY_TARGET == HWY_AVX3  // vectors of sixteen lanes: one holds a block's pixels
+#if HWY_TARGET == HWY_AVX3  // vectors of sixteen lanes: one contains a block's pixels
 
 using Part = hn::CappedTag<float, 16>;
 using UintPart = hn::RebindToUnsigned<Part>;

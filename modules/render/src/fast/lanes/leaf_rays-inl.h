@@ -96,7 +96,7 @@ struct LeafRays {
     const Vec px = MulAdd(set(leaf.xc), sigma, x), py = MulAdd(set(leaf.yc), sigma, y);
     return dot3(px, py, sigma, px, py, sigma);
   }
-  /** Lanes whose point at sigma lies in the ball of a share of the radius. */
+  /** Lanes whose point at sigma is in the ball of a share of the radius. */
   HWY_INLINE Mask inBall(Vec sigma, float share_sq) const
   {
     const Vec m = scaleAt(sigma);
@@ -118,7 +118,7 @@ struct LeafRays {
   }
 };
 
-/** Both roots of a quadratic, the falling one (F' < 0) first where front_only asks for no other. */
+/** Both roots of a quadratic, the falling one (F' < 0) alone where front_only is set. */
 struct QuadraticRoots {
   Vec falling, rising;
   Vec slope;  ///< of F at the falling root

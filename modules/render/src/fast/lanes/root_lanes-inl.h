@@ -56,7 +56,7 @@ struct Stretch {
     last = b[D];
   }
 
-  /** Lanes in which several roots may lie. */
+  /** Lanes that may contain several roots. */
   HWY_INLINE Mask many() const { return And(falls, rises); }
   /** Lanes with exactly one root that counts; with front_only those at which f falls do. */
   HWY_INLINE Mask one(bool front_only) const

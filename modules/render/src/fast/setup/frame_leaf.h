@@ -17,7 +17,7 @@ namespace pcl_slim::detail {
  *     (X + x_c sigma, Y + y_c sigma, sigma) / m,    m = 1 - eps sigma,
  * so that F = m^n f / r, n the degree, is a polynomial of degree n in X, Y and sigma together. Its
  * coefficients follow the record: sum_i sigma^i A_i(X, Y) with A_i of degree n - i, A_0 first, each
- * in the order of height polynomials. Then stand, of a quadratic, the second derivatives of f
+ * in the order of height polynomials. Then follow, of a quadratic, the second derivatives of f
  * (camera's axes, Symmetric3's order), else the polynomials h_u, h_v, h_uu, h_uv, h_vv in that order.
  */
 struct FrameLeaf {
@@ -34,12 +34,12 @@ struct FrameLeaf {
   float blend_x, blend_y, blend_reach;  ///< pixels: a circle around the ball's picture
   float first_x, first_y, first_reach;  ///< the same of the ball of pass 1
   float strip_x, strip_y;               ///< a direction in the picture, and between which
-  float strip_low, strip_high;  ///< pixels from the centre the surface in that ball lies along it
+  float strip_low, strip_high;  ///< pixels from the centre: the surface in that ball is within
   float inverse_cover_sq;       ///< of the radius in which it covers; 0: wherever it counts
   std::uint32_t surfel;
   std::uint16_t degree;  ///< of the polynomials here, 2 to 4; kNearLeaf: none, too near
 
-  TrimTable trim;    ///< where the surfel's data lie
+  TrimTable trim;    ///< where the surfel has data
   float trim_scale;  ///< of the ball here, in the surfel's radii, which its trim map counts in
 
   const float* form() const { return reinterpret_cast<const float*>(this + 1); }

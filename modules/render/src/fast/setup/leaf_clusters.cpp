@@ -76,7 +76,7 @@ turnedAway(const FrameView& view, const Seen& p, const LeafCluster& cluster)
   return angleTo(cluster.axis, direction) + spread < 0.5 * M_PI - kMargin;
 }
 
-/** \brief Whether balls whose gradients lie in a cone may be seen. Errs on the visible side. */
+/** \brief Whether balls whose gradients are in a cone may be seen. Errs on the visible side. */
 Visibility
 visibilityOf(const FrameView& view, const LeafCluster& cluster, const VisibilityRules& rules)
 {

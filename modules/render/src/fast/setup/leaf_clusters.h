@@ -12,10 +12,10 @@
 
 namespace pcl_slim::detail {
 
-/** \brief Which surfels of a hierarchy stand for a surface in a picture, and with what share of
+/** \brief Which surfels of a hierarchy represent a surface in a picture, and with what share of
  * their weight (Ohtake, Belyaev, Alexa 2005, section 3.2).
  *
- * A surfel whose size (DetailSizes) is seen smaller than lod pixels stands for its descendants; from there
+ * A surfel whose size (DetailSizes) is seen smaller than lod pixels replaces its descendants; from there
  * to one and a half times that size it fades out and they fade in, so that nothing pops when the camera
  * moves: its share is coarse(own size) (1 - coarse(size of its parent)). As sizes never grow from level
  * to level, older ancestors are then large enough to be out of it.
@@ -24,7 +24,7 @@ struct DetailRule {
   static constexpr auto kFade = static_cast<float>(kDetailFade);
   static constexpr auto kMeets = static_cast<float>(kDetailMeets);
 
-  float lod = 0.0f;  ///< pixels; 0: leaves alone stand for the surface
+  float lod = 0.0f;  ///< pixels; 0: leaves alone represent the surface
 
   bool active() const { return lod > 0.0f; }
 };
@@ -48,8 +48,8 @@ enum class Visibility : std::uint8_t {
   kOutside,
   kCutAway,  ///< outside of a half space
   kBackFacing,
-  kTooSmall,  ///< a coarser surfel stands for it
-  kTooLarge,  ///< its descendants stand for it
+  kTooSmall,  ///< a coarser surfel replaces it
+  kTooLarge,  ///< its descendants replace it
 };
 constexpr int kVisibilities = 6;
 
@@ -58,7 +58,7 @@ enum class ClusteredSurfels : std::uint8_t { kLeaves, kInternal };
 
 /** \brief What a frame looks for. */
 struct VisibilityRules {
-  bool front_only;  ///< leave out what is turned away
+  bool front_only;  ///< leave out back-facing surfels
   DetailRule detail;
   const std::vector<HalfSpace>& cuts;  ///< local coordinates, unit normals
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is seen of surfels, several side by side.
+// Visibility of surfels, several side by side.
 #include "fast/setup/leaf_setup.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -14,7 +14,7 @@ namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/** Lanes whose ball lies beyond one side of the picture. */
+/** Lanes whose ball is beyond one side of the picture. */
 HWY_INLINE Mask
 beyondSide(bool perspective, Vec x, Vec z, float side, Vec radius)
 {
@@ -39,7 +39,7 @@ outsideFrustum(const FrameView& view, const Triple<Vec>& p, Vec radius)
   return Or(outside, beyondSide(perspective, Neg(p.y), p.z, bottom, radius));
 }
 
-/** Lanes whose ball lies outside of a half space as a whole, local coordinates. */
+/** Lanes whose ball is completely outside of a half space, local coordinates. */
 HWY_INLINE Mask
 outsideHalfSpace(const HalfSpace& cut, const Triple<Vec>& p, Vec radius)
 {
@@ -67,7 +67,7 @@ turnedAway(const FrameView& view, const Triple<Vec>& p, const Triple<Vec>& norma
   return And(acute, dot3(normal, p) > needed + slack);
 }
 
-/** How far surfels of a size (DetailSizes) at a depth stand for their descendants: 1 where they are seen
+/** The share with which surfels of a size (DetailSizes) at a depth replace their descendants: 1 where they are seen
  * smaller than the level of detail, 0 where they are larger by kFade. */
 HWY_INLINE Vec
 coarseShare(const FrameView& view, const DetailRule& rule, Vec half_size, Vec z)

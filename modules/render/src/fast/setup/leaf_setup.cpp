@@ -62,7 +62,7 @@ struct Strip {
   Vec low, high;
 };
 
-/** The strip that holds the picture of a leaf's own surface inside the ball of a share of the
+/** The strip that contains the picture of a leaf's own surface inside the ball of a share of the
  * radius: across the surface's normal in the picture a slanting leaf is narrow.
  * \param[in] u,v,w the frame's axes as they move in the picture: (a_x - x_c a_z, a_y - y_c a_z) */
 HWY_INLINE Strip
@@ -206,7 +206,7 @@ struct Circle {
 };
 
 /** Encloses the picture of balls of a share of the radius. The picture of a ball is an ellipse; its
- * centre lies at tan of the mean of the angles at which the ball begins and ends. */
+ * centre is at tan of the mean of the angles at which the ball begins and ends. */
 HWY_INLINE Circle
 circleAround(const FrameView& view, const Triple<Vec>& p, Vec radius, float share)
 {

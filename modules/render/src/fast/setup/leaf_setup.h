@@ -33,7 +33,7 @@ struct LeafBatch {
 
 namespace kernels {
 
-/** \brief What is seen of one cluster's surfels. Errs on the visible side.
+/** \brief Visibility of one cluster's surfels. Errs on the visible side.
  * \param[out] visibility by surfel
  * \param[out] shares of the weight, above 0 of every visible one; room for whole vectors */
 void
