@@ -104,7 +104,7 @@ LevelCover::LevelCover(const PointStore& store, const FitPlan& plan, int threads
       threads_(threads),
       core_(core),
       level_mark_(kFirstLevelMark),
-      serving_(kNoFinerMark | kFirstLevelMark)
+      done_marks_(kNoFinerMark | kFirstLevelMark)
 {
   for (int t = 0; t < threads; ++t) {
     workers_.push_back(std::make_unique<Worker>(store, plan));
@@ -193,10 +193,10 @@ LevelCover::coverCell(const CoverCells::Cell& cell, int level, int thread, Outpu
   const auto begin = static_cast<std::uint32_t>(worker(thread).arena.size());
   Output made{thread, begin, begin, false};
   CellVisits visits = visitsOf(cell);
-  const auto served = [this](std::uint32_t point) { return isServed(point); };
+  const auto is_done = [this](std::uint32_t point) { return isDone(point); };
   SurfelRecord surfel;
   bool prepared = false;
-  for (std::uint32_t point; visits.next(served, point);) {
+  for (std::uint32_t point; visits.next(is_done, point);) {
     if (!prepared) collectNearby(cell, level, fitter.nearby());
     prepared = true;
     const BallOutcome outcome = fitter.fit(point, level, surfel);
@@ -239,9 +239,9 @@ LevelCover::keep(std::uint32_t point, BallOutcome outcome, const SurfelRecord& s
       marks_[point] |= surfel.flags & kSurfelSupportLimited ? kNoFinerMark : level_mark_;
       break;
     case BallOutcome::kInternal: {
-      SurfelRecord served = surfel;
-      if (plan_.internal_only) served.radius *= kInnerShare;
-      markBall(store_, plan_, served, level_mark_, nearby, marks_.data());
+      SurfelRecord inner = surfel;
+      if (plan_.internal_only) inner.radius *= kInnerShare;
+      markBall(store_, plan_, inner, level_mark_, nearby, marks_.data());
       marks_[point] |= level_mark_;
       break;
     }
@@ -289,17 +289,17 @@ LevelCover::endLevel(std::size_t first_output)
   const auto begin = outputs_.begin() + static_cast<std::ptrdiff_t>(first_output);
   const bool lasts = std::any_of(begin, outputs_.end(), [](const Output& o) { return o.lasts; });
   if (lasts || level_mark_ == kLastLevelMark) {
-    dropServed();
+    dropDone();
     level_mark_ = kFirstLevelMark;
   } else {
     level_mark_ = static_cast<std::uint8_t>(level_mark_ << 1);
   }
-  serving_ = kNoFinerMark | level_mark_;
+  done_marks_ = kNoFinerMark | level_mark_;
 }
 
 /** Keeps the points that are neither covered nor done with; level marks are wiped. */
 void
-LevelCover::dropServed()
+LevelCover::dropDone()
 {
   std::vector<std::size_t> kept((active_.size() + kSlice - 1) / kSlice);
   forSlices(active_.size(), [&](std::size_t begin, std::size_t end) {
@@ -308,7 +308,7 @@ LevelCover::dropServed()
       const std::uint32_t point = active_[i];
       marks_[point] &= kNoFinerMark | kLoneNormalMark;
       active_[next] = point;
-      next += !isServed(point);
+      next += !isDone(point);
     }
     kept[begin / kSlice] = next - begin;
   });

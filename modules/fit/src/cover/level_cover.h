@@ -72,35 +72,35 @@ class CellVisits {
   {
   }
 
-  /** \brief Finds the next point for which served(point) is false; once true, it must
+  /** \brief Finds the next point for which is_done(point) is false; once true, it must
    * stay true. \return whether there is one. */
-  template <typename Served>
-  bool next(const Served& served, std::uint32_t& point)
+  template <typename IsDone>
+  bool next(const IsDone& is_done, std::uint32_t& point)
   {
     for (; visit_ < n_ && in_vain_ < patience_; ++in_vain_) {
       point = points_[order_.at()];
       ++visit_;
       order_.advance();
-      if (served(point)) continue;
+      if (is_done(point)) continue;
       in_vain_ = 0;
       return true;
     }
     // After many visits in vain the few points that are not done are listed.
-    if (visit_ < n_) seekUnserved(served);
+    if (visit_ < n_) seekOpen(is_done);
     while (next_left_ < left_.size()) {
       point = left_[next_left_++].second;
-      if (!served(point)) return true;
+      if (!is_done(point)) return true;
     }
     return false;
   }
 
  private:
-  template <typename Served>
-  void seekUnserved(const Served& served)
+  template <typename IsDone>
+  void seekOpen(const IsDone& is_done)
   {
     order_.prepareWhen();
     for (std::uint32_t i = 0; i < n_; ++i) {
-      if (served(points_[i])) continue;
+      if (is_done(points_[i])) continue;
       const std::uint32_t when = order_.when(i);
       if (when >= visit_) left_.emplace_back(when, points_[i]);
     }
@@ -195,10 +195,10 @@ class LevelCover {
   template <typename Body>
   void forSlices(std::size_t count, const Body& body) const;
   void endLevel(std::size_t first_output);
-  void dropServed();
-  bool isServed(std::uint32_t point) const
+  void dropDone();
+  bool isDone(std::uint32_t point) const
   {
-    return coverage_[point] >= plan_.gamma || (marks_[point] & serving_) != 0;
+    return coverage_[point] >= plan_.gamma || (marks_[point] & done_marks_) != 0;
   }
 
   const PointStore& store_;
@@ -207,11 +207,11 @@ class LevelCover {
   PointRange core_;
   std::vector<std::unique_ptr<Worker>> workers_;  ///< one per thread
   AlignedVector<float> coverage_;
-  AlignedVector<std::uint8_t> marks_;    ///< done for good, or at a level
-  AlignedVector<std::uint32_t> active_;  ///< points not yet covered, ascending
-  CoverCells cells_;                     ///< of active_, at this level
-  std::vector<Output> outputs_;          ///< of all levels so far
-  std::uint8_t level_mark_, serving_;    ///< mark of this level, and all that count at it
+  AlignedVector<std::uint8_t> marks_;     ///< done for good, or at a level
+  AlignedVector<std::uint32_t> active_;   ///< points not yet covered, ascending
+  CoverCells cells_;                      ///< of active_, at this level
+  std::vector<Output> outputs_;           ///< of all levels so far
+  std::uint8_t level_mark_, done_marks_;  ///< mark of this level, and all that count at it
   int last_level_ = 0;
   std::uint64_t unresolved_ = 0;  ///< points left when levels became too fine
   std::uint64_t peak_bytes_ = 0;

@@ -100,7 +100,7 @@ class LevelCover::Sharing {
   {
     for (auto cell = ready_.begin(); cell != ready_.end(); ++cell) {
       if (cell->keeping) continue;
-      dropServed(*cell);
+      dropDone(*cell);
       if (cell->centers.empty()) {
         if (!cell->seen_all) continue;
         end(cell, thread);
@@ -123,10 +123,10 @@ class LevelCover::Sharing {
   }
 
   /** Drops the first centres whose points others cover. */
-  void dropServed(Cell& cell)
+  void dropDone(Cell& cell)
   {
     while (!cell.centers.empty() && cell.centers.front().state != State::kRunning &&
-           cover_.isServed(cell.centers.front().point))
+           cover_.isDone(cell.centers.front().point))
       drop(cell);
   }
 
@@ -188,7 +188,7 @@ class LevelCover::Sharing {
         at = std::prev(cell.centers.end());
       }
       const bool waits = at->state == State::kWaiting;
-      if (waits && cover_.isServed(at->point)) continue;
+      if (waits && cover_.isDone(at->point)) continue;
       const auto near = [&](const Center* other) { return areNear(*other, *at); };
       if (std::any_of(apart, apart + places, near)) continue;
       if (waits) return &*at;
@@ -209,8 +209,8 @@ class LevelCover::Sharing {
   bool addNext(Cell& cell)
   {
     std::uint32_t point;
-    const auto served = [this](std::uint32_t p) { return cover_.isServed(p); };
-    if (cell.seen_all || !cell.visits.next(served, point)) {
+    const auto is_done = [this](std::uint32_t p) { return cover_.isDone(p); };
+    if (cell.seen_all || !cell.visits.next(is_done, point)) {
       cell.seen_all = true;
       return false;
     }

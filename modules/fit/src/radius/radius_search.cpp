@@ -30,13 +30,13 @@ chooseAtMinimumSupport(TrialFits& trials, const Trial& right, const Trial& middl
 {
   const double lenience = trials.constants().support_lenience;
   const Trial last = trials.atMinimumSupport(middle.rho);
-  const auto serves = [&](const Trial& wider) {
+  const auto fitsAsWell = [&](const Trial& wider) {
     return !last.supported || wider.energy <= lenience * last.energy;
   };
-  if (right.energy <= trials.plan().lenience * middle.energy && serves(right)) {
+  if (right.energy <= trials.plan().lenience * middle.energy && fitsAsWell(right)) {
     return RadiusChoice::leaf(right);
   }
-  return serves(middle) ? RadiusChoice::leaf(middle) : RadiusChoice::supportLimited(last);
+  return fitsAsWell(middle) ? RadiusChoice::leaf(middle) : RadiusChoice::supportLimited(last);
 }
 
 /** \brief The default rule: the widest ball and the lowest degree that cost their points nothing.

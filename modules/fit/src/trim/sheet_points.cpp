@@ -186,7 +186,7 @@ struct Sector {
 
 /** Whether a surfel covers a stored point; offset from the centre in radii. */
 bool
-serves(const PointStore& store, std::size_t i, const kernels::CoverLeaf& surfel,
+covers(const PointStore& store, std::size_t i, const kernels::CoverLeaf& surfel,
        const Vector3& offset)
 {
   const double reach = surfel.ball.radius / surfel.support_radius;
@@ -215,7 +215,7 @@ sampleSheet(const PointStore& store, const BlockList& blocks, const kernels::Cov
     if (i >= store.size()) continue;
     const Vector3 offset = scaled(subtract(store.position(i), {center[0], center[1], center[2]}),
                                   1.0 / surfel.support_radius);
-    if (!serves(store, i, surfel, offset)) continue;
+    if (!covers(store, i, surfel, offset)) continue;
     points.u[points.count] = static_cast<float>(dot(offset, surfel.frame.u));
     points.v[points.count] = static_cast<float>(dot(offset, surfel.frame.v));
     points.index[points.count] = static_cast<std::uint32_t>(i);

@@ -45,36 +45,36 @@ TEST(VisitOrder, CountsBeyondHalfOf32Bits)
 }
 
 /** Every point of a cell that still wants one is visited once, in the order of golden strides, however
- * many the others serve: few, so that all are met on the way, or so many that the rest is sought. */
+ * many points each visit marks: few, then all are met on the way; or many, then the rest is searched for. */
 TEST(CellVisits, FindsWhatIsLeftInOrder)
 {
   const std::uint32_t n = 3000, start = 17;
   std::vector<std::uint32_t> points(n);
   for (std::uint32_t i = 0; i < n; ++i) points[i] = 5 * i;
-  for (const std::uint32_t served_per_visit : {1u, 2u, 40u, 1000u}) {
-    const auto serve = [&](std::vector<char>& served, std::uint32_t i) {
-      for (std::uint32_t k = 0; k < served_per_visit; ++k) served[(i + 7 * k) % n] = 1;
+  for (const std::uint32_t done_per_visit : {1u, 2u, 40u, 1000u}) {
+    const auto mark = [&](std::vector<char>& done, std::uint32_t i) {
+      for (std::uint32_t k = 0; k < done_per_visit; ++k) done[(i + 7 * k) % n] = 1;
     };
     std::vector<std::uint32_t> expected, visited;
-    std::vector<char> served(n, 0);
+    std::vector<char> done(n, 0);
     VisitOrder order(n, start);
     for (std::uint32_t visit = 0; visit < n; ++visit, order.advance()) {
-      if (served[order.at()]) continue;
+      if (done[order.at()]) continue;
       expected.push_back(points[order.at()]);
-      serve(served, order.at());
+      mark(done, order.at());
     }
-    served.assign(n, 0);
+    done.assign(n, 0);
     CellVisits visits(points.data(), n, start);
-    const auto is_served = [&](std::uint32_t point) { return served[point / 5] != 0; };
-    for (std::uint32_t point; visits.next(is_served, point);) {
+    const auto is_done = [&](std::uint32_t point) { return done[point / 5] != 0; };
+    for (std::uint32_t point; visits.next(is_done, point);) {
       visited.push_back(point);
-      serve(served, point / 5);
+      mark(done, point / 5);
     }
-    EXPECT_EQ(visited, expected) << served_per_visit;
+    EXPECT_EQ(visited, expected) << done_per_visit;
   }
 }
 
-/** A point handed out is not handed out again while nobody has served it yet. */
+/** A point handed out is not handed out again while nobody has done it yet. */
 TEST(CellVisits, HandsOutEachPointOnce)
 {
   const std::uint32_t n = 2000;
