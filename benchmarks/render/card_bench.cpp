@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Frames of one surface in a VTK window: the graphics card's beside the CPU's, how long they take and
-// how their pictures differ. Needs an X server.
+// Frames of one surface in a VTK window: the graphics card's beside the CPU's, how long they take, which of
+// the two kAuto chooses and how their pictures differ. Needs an X server.
 #include <vtkActor.h>
 #include <vtkCamera.h>
 #include <vtkNew.h>
@@ -36,6 +36,7 @@ namespace {
 struct Settings {
   std::string surface, pictures, only = "all";
   int width = 1280, height = 720, frames = 24, threads = 0, leaves = 48000, degree = 4;
+  double first_zoom = 1.0;
 };
 
 /** \brief What is drawn, and how. */
@@ -61,6 +62,13 @@ const Scene kScenes[] = {
     {"translucent", DisplayMode::kShaded, 0.0, 1.0, 0.5},
     {"parallel", DisplayMode::kNormal, 0.0, 1.0, 1.0, true},
     {"sketch", DisplayMode::kSketch},
+};
+
+/** \brief Frames of kAuto over a turn. */
+struct AutoTurn {
+  double milliseconds = 0.0;  ///< a frame, median of the turn
+  int by_card = 0;            ///< frames of the turn that the card drew
+  int changes = 0;            ///< frames of it drawn by another back end than the frame before
 };
 
 /** \brief A window on one surface, and the camera that frames it. */
@@ -121,14 +129,32 @@ class Window {
     mapper_->setBackend(backend);
     std::vector<double> times;
     for (int i = -2; i < frames; ++i) {
-      renderer_->GetActiveCamera()->Azimuth(360.0 / frames);
-      renderer_->ResetCameraClippingRange();
-      const double start = wallSeconds();
-      window_->Render();
-      window_->WaitForCompletion();
-      if (i >= 0) times.push_back(1e3 * (wallSeconds() - start));
+      const double time = turn(360.0 / frames);
+      if (i >= 0) times.push_back(time);
     }
     return median(times);
+  }
+
+  /** \brief A turn by kAuto, after the six frames that it measures; those are seen first_zoom times nearer. */
+  AutoTurn turnByAuto(int frames)
+  {
+    mapper_->setSurface(mapper_->getSurface());
+    mapper_->setBackend(RayBackend::kAuto);
+    vtkCamera* camera = renderer_->GetActiveCamera();
+    camera->Dolly(settings_.first_zoom);
+    constexpr int kMeasured = 6;
+    for (int i = 0; i < kMeasured; ++i) turn(360.0 / frames);
+    camera->Dolly(1.0 / settings_.first_zoom);
+    AutoTurn result;
+    std::vector<double> times;
+    for (int i = 0; i < frames; ++i) {
+      const bool before = onCard();
+      times.push_back(turn(360.0 / frames));
+      result.by_card += onCard();
+      result.changes += onCard() != before;
+    }
+    result.milliseconds = median(times);
+    return result;
   }
 
   bool onCard() const { return mapper_->getStatistics().on_card; }
@@ -147,6 +173,17 @@ class Window {
   }
 
  private:
+  /** \brief Turns the camera. \return milliseconds of the frame */
+  double turn(double degrees)
+  {
+    renderer_->GetActiveCamera()->Azimuth(degrees);
+    renderer_->ResetCameraClippingRange();
+    const double start = wallSeconds();
+    window_->Render();
+    window_->WaitForCompletion();
+    return 1e3 * (wallSeconds() - start);
+  }
+
   Camera homeOf(const SLIMSurface& surface) const
   {
     const BoundingSpheres object = spheresOf(surface);
@@ -219,8 +256,10 @@ compare(const Settings& s, const Scene& scene, Window& window)
   const Difference d = differenceOf(cpu, card);
   const double card_time = window.milliseconds(RayBackend::kOpenGL, s.frames);
   const double cpu_time = window.milliseconds(RayBackend::kCPU, s.frames);
-  std::printf("| %s | %.1f | %.1f | %zu | %zu | %zu | %d |\n", scene.name, cpu_time, card_time,
-              d.over_2, d.over_16, d.drawn_once, d.largest);
+  const AutoTurn automatic = window.turnByAuto(s.frames);
+  std::printf("| %s | %.1f | %.1f | %.1f | %d of %d | %d | %zu | %zu | %zu | %d |\n", scene.name,
+              cpu_time, card_time, automatic.milliseconds, automatic.by_card, s.frames,
+              automatic.changes, d.over_2, d.over_16, d.drawn_once, d.largest);
   std::fflush(stdout);
   return savePictures(s.pictures, scene.name, cpu, card);
 }
@@ -235,8 +274,8 @@ run(const Settings& s)
               (*surface)->numLeaves(), (*surface)->info.degree, s.width, s.height,
               window.cardName().c_str());
   std::printf(
-      "| scene | CPU, ms | card, ms | pixels over 2 of 255 | over 16 | drawn by one alone | "
-      "largest |\n|---|---|---|---|---|---|---|\n");
+      "| scene | CPU, ms | card, ms | kAuto, ms | by the card | changes | pixels over 2 of 255 | "
+      "over 16 | drawn by one alone | largest |\n|---|---|---|---|---|---|---|---|---|---|\n");
   for (const Scene& scene : kScenes) {
     if (s.only != "all" && s.only != scene.name) continue;
     if (Error error = compare(s, scene, window)) return error;
@@ -258,6 +297,8 @@ main(int argc, char** argv)
   table.integer("width", &s.width, 16, 8192, "pixels");
   table.integer("height", &s.height, 16, 8192, "pixels");
   table.integer("frames", &s.frames, 1, 1000, "frames of a turn, of which the median is taken");
+  table.number("first_zoom", &s.first_zoom, 0.01, 100.0,
+               "how many times nearer the six frames are seen that kAuto measures first");
   table.text("only", &s.only, "SCENE", "one scene, by its name in the table");
   table.integer("threads", &s.threads, 0, 256, "of the CPU's frames", "all cores");
   table.text("pictures", &s.pictures, "FOLDER", "pictures of both, as .png");

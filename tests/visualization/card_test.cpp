@@ -2,7 +2,9 @@
 // The back end of the graphics card against that of the CPU, in one window.
 #include <vtkPlane.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "support/colors.h"
 #include "visualization/card_window.h"
@@ -204,6 +206,26 @@ TEST_F(CardTest, TheCpuDrawsWhatIsCutOpen)
   mapper->RemoveAllClippingPlanes();
   picture();
   EXPECT_TRUE(mapper->getStatistics().on_card);
+}
+
+TEST_F(CardTest, LeftToItselfItTriesTheCardAndThenTheCpu)
+{
+  picture();
+  const std::string driver = window->ReportCapabilities();
+  const bool software = driver.find("llvmpipe") != std::string::npos;
+  mapper->setSurface(smallSphere());
+  const auto turnByCard = [&] {
+    renderer->GetActiveCamera()->Azimuth(7.0);
+    picture();
+    return mapper->getStatistics().on_card;
+  };
+  double fastest = 1.0;
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_EQ(turnByCard(), !software);
+    fastest = std::min(fastest, mapper->getStatistics().rasterize_seconds);
+  }
+  if (!software && fastest < 1.5e-8 * 160 * 120) return;  // so fast that the CPU is not tried
+  for (int i = 0; i < 3; ++i) EXPECT_FALSE(turnByCard());
 }
 
 TEST_F(CardTest, EmptySurfacesAndNoneAreDrawnAsNothing)

@@ -122,8 +122,13 @@ GBufferMapper::RenderPieceDraw(vtkRenderer* renderer, vtkActor* actor)
 {
   State& s = *state_;
   ++s.statistics.frames;
+  const std::uint64_t made = s.statistics.rasterized;
   if (!prepareFrame(renderer, actor)) return;
+  const Stopwatch watch;
   uploadFrame(static_cast<vtkOpenGLRenderWindow*>(renderer->GetRenderWindow()));
+  if (s.statistics.rasterized > made) {
+    frameMade(s.request, s.frame.view().camera.size, s.frame.seconds() + watch.seconds());
+  }
   prepareLines(renderer);
   s.textures.activate();
   UpdateShaders(Primitives[PrimitiveTris], renderer, actor);

@@ -190,6 +190,12 @@ GBufferMapper::drawOnCard(vtkOpenGLRenderWindow* /*window*/, const ViewCamera& /
 }
 
 void
+GBufferMapper::frameMade(const FrameRequest& /*request*/, const ImageSize& /*size*/,
+                         double /*seconds*/)
+{
+}
+
+void
 GBufferMapper::dropFrame()
 {
   state_->frame.clear();

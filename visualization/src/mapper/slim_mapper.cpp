@@ -14,7 +14,6 @@
 #include "frame/frame_pace.h"
 #include "frame/frame_textures.h"
 #include "opengl/card_rasterizer.h"
-#include "pcl_slim/core/stopwatch.h"
 #include "pcl_slim/render/surface_renderer.h"
 #include "pcl_slim/surface/polynomial.h"
 #include "pcl_slim/surface/surface.h"
@@ -173,10 +172,7 @@ surfaceRange(const SLIMSurface& surface, DisplayMode mode)
 
 vtkStandardNewMacro(SLIMMapper)
 
-SLIMMapper::SLIMMapper()
-{
-  forgetPaces();
-}
+SLIMMapper::SLIMMapper() : choice_(std::make_unique<BackendChoice>()) {}
 SLIMMapper::~SLIMMapper() = default;
 
 bool
@@ -188,19 +184,12 @@ SLIMMapper::setSurface(std::shared_ptr<const SLIMSurface> surface)
   // Another surface may have the place in memory that this one had.
   if (card_) card_->setSurface(nullptr);
   card_fails_ = false;
-  forgetPaces();
+  *choice_ = {};
   ranges_.clear();
   std::array<double, 6> bounds{};
   const vtkSmartPointer<vtkPolyData> points = leafPoints(surface_.get(), bounds);
   objectChanged(points, bounds);
   return usable;
-}
-
-void
-SLIMMapper::forgetPaces()
-{
-  card_pace_ = std::make_unique<FramePace>();
-  cpu_pace_ = std::make_unique<FramePace>();
 }
 
 bool
@@ -212,12 +201,7 @@ SLIMMapper::supports(DisplayMode mode) const
 Error
 SLIMMapper::rasterize(const Camera& camera, const FrameRequest& request, GBuffer& buffer)
 {
-  if (frames_) {
-    const Stopwatch watch;
-    Error error = frames_->render(camera, request, buffer);
-    if (request.close_gaps) cpu_pace_->add(watch.seconds(), buffer.numPixels());
-    return error;
-  }
+  if (frames_) return frames_->render(camera, request, buffer);
   buffer.resize(camera.size.width, camera.size.height);
   return {};
 }
@@ -312,7 +296,7 @@ SLIMMapper::usesCard(vtkOpenGLRenderWindow* /*window*/, const FrameRequest& requ
 {
   if (!surface_ || card_fails_ || !request.clip_planes.empty()) return false;
   if (backend_ == RayBackend::kAuto) {
-    return !CardRasterizer::isSoftware() && prefersCard(*card_pace_, *cpu_pace_);
+    return !CardRasterizer::isSoftware() && choice_->prefersCard();
   }
   return backend_ == RayBackend::kOpenGL;
 }
@@ -323,7 +307,6 @@ SLIMMapper::drawOnCard(vtkOpenGLRenderWindow* window, const ViewCamera& view,
 {
   if (!card_) card_ = std::make_unique<CardRasterizer>();
   card_->setSurface(surface_.get());
-  const Stopwatch watch;
   const Error error = card_->draw(window, view, request, textures, covered);
   card_fails_ = static_cast<bool>(error);
   if (error || covered == 0 || !request.close_gaps) return error;
@@ -332,10 +315,14 @@ SLIMMapper::drawOnCard(vtkOpenGLRenderWindow* window, const ViewCamera& view,
     if (!filled) return filled.error();
     covered += *filled;
   }
-  const ImageSize& size = view.camera.size;
-  card_pace_->add(watch.seconds(),
-                  static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height));
   return {};
+}
+
+void
+SLIMMapper::frameMade(const FrameRequest& request, const ImageSize& size, double seconds)
+{
+  choice_->add(getStatistics().on_card, request, seconds,
+               static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height));
 }
 
 void

@@ -15,7 +15,7 @@ namespace pcl_slim {
 
 namespace detail {
 class CardRasterizer;
-class FramePace;
+class BackendChoice;
 class SurfaceFrames;
 }  // namespace detail
 
@@ -69,8 +69,9 @@ class PCL_SLIM_EXPORT SLIMMapper : public GBufferMapper {
   bool pick(vtkRenderer* renderer, vtkActor* actor, int x, int y, SurfacePick& result);
 
   /** \brief What intersects rays (kAuto); FrameStatistics::on_card has the choice. Pictures of the
-   * two differ by rounding. With kAuto the card draws the first three frames at rest; if they take longer than 15 ns a
-   * pixel the CPU draws three, and from then on the faster of the two draws. */
+   * two differ by rounding. With kAuto the card draws while the fastest of its last three frames at rest takes less
+   * than 15 ns a pixel. If it takes longer the CPU draws three, and from then on the faster of the two, which changes
+   * only if its last frames at rest take a third longer than the other's took. */
   void setBackend(RayBackend backend);
   RayBackend getBackend() const { return backend_; }
 
@@ -107,6 +108,7 @@ class PCL_SLIM_EXPORT SLIMMapper : public GBufferMapper {
   Error drawOnCard(vtkOpenGLRenderWindow* window, const detail::ViewCamera& view,
                    const FrameRequest& request, detail::FrameTextures& textures,
                    std::uint64_t& covered) override;
+  void frameMade(const FrameRequest& request, const ImageSize& size, double seconds) override;
   bool wantsLines() const override;
   Error drawLinesOver(const Camera& camera, const FrameRequest& request, const GBuffer* buffer,
                       std::vector<std::uint8_t>& rgba) override;
@@ -118,12 +120,11 @@ class PCL_SLIM_EXPORT SLIMMapper : public GBufferMapper {
   void operator=(const SLIMMapper&) = delete;
 
   PictureLineParams linesShown() const;
-  void forgetPaces();
 
   std::shared_ptr<const SLIMSurface> surface_;
   std::unique_ptr<detail::SurfaceFrames> frames_;
   std::unique_ptr<detail::CardRasterizer> card_;
-  std::unique_ptr<detail::FramePace> card_pace_, cpu_pace_;
+  std::unique_ptr<detail::BackendChoice> choice_;
   RayBackend backend_ = RayBackend::kAuto;
   double lod_ = 0.0;
   bool trim_ = true;
