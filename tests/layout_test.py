@@ -6,7 +6,8 @@
 
 Every source starts with its licence, headers guard themselves, modules neither print nor know PCL or
 VTK, includes between folders follow ARROWS and make no cycle, nor do those between the folders of one
-module, private headers keep their names in a namespace of their own, files and functions are short.
+module, private headers keep their names in a namespace of their own, no two types have one name,
+files and functions are short.
 Links of the documents lead to files and headings that are there.
 """
 import collections
@@ -107,6 +108,28 @@ def function_lengths(text):
         yield begin + 1, end - begin + 1
 
 
+BLANKS = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\'|^\s*#(?:[^\n]*\\\n)*[^\n]*',
+                    re.S | re.M)
+BRACES = re.compile(r"namespace\s*([\w:]*)\s*\{|"
+                    r"(?<![<,] )(?<!<)\b(?:struct|class|enum)\s+(?:class\s+)?(?:[A-Z0-9_]+\s+)*([\w:]+)[^;{}()]*\{|[{}]")
+
+
+def types_of(text):
+    """Names of the types that a text defines in named namespaces. Two types of one name in a program are
+    one to the linker: their members' code is taken for each other's."""
+    stack = []
+    for match in BRACES.finditer(BLANKS.sub(" ", text)):
+        if match[0] == "}":
+            del stack[-1:]
+        elif match[0].startswith("namespace"):
+            stack.append(match[1])
+        else:
+            name = match[2]
+            if name and "::" not in name and all(stack):
+                yield "::".join(stack + [name])
+            stack.append("")
+
+
 def cycle(graph):
     """Some cycle of a directed graph, as a list of nodes, or None."""
     state, stack = {}, []
@@ -187,6 +210,14 @@ def breaches(root, paths):
         found = cycle(graph)
         if found:
             yield f"{what} include each other in a cycle: " + " -> ".join(found)
+    defined = collections.defaultdict(list)
+    for path in paths:
+        if path.startswith(("modules/", "filters/", "visualization/")):
+            for name in types_of(texts[path]):
+                defined[name].append(path)
+    for name, where in sorted(defined.items()):
+        if len(set(where)) > 1:
+            yield f"{name} is defined in " + " and ".join(sorted(set(where)))
     lengths = sorted(n for p in paths for _, n in function_lengths(texts[p]))
     if "--figures" in sys.argv:
         print(f"{len(lengths)} functions: median {lengths[len(lengths) // 2]}, "

@@ -28,11 +28,11 @@ constexpr int kMostRounds = 6;
 
 /** Takes away the crossings on edges of cells that have been divided, and renumbers the others' cells. */
 void
-keepWhole(const std::vector<std::uint32_t>& numbers, std::vector<Crossing>& crossings)
+keepWhole(const std::vector<std::uint32_t>& numbers, std::vector<EdgeCrossing>& crossings)
 {
   std::size_t kept = 0;
-  for (const Crossing& crossing : crossings) {
-    Crossing own = crossing;
+  for (const EdgeCrossing& crossing : crossings) {
+    EdgeCrossing own = crossing;
     bool whole = true;
     for (std::uint32_t& cell : own.cell) {
       cell = numbers[cell];
@@ -50,7 +50,7 @@ contour(const ProbeField& field, bool oriented, CellTree& tree, MeshStatistics& 
         const Progress* progress)
 {
   CornerValues corners(field);
-  std::vector<Crossing> crossings;
+  std::vector<EdgeCrossing> crossings;
   SheetVertices vertices;
   statistics.split_cells = 0;
   for (int round = 0; round < kMostRounds; ++round) {

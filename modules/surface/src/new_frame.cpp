@@ -47,7 +47,7 @@ substitute(int degree, const float* c, const Vector3& form_u, const Vector3& for
 
 /** \brief From a ball and its frame to others, which are near. */
 struct Change {
-  Change(const FramedBall& from, const FramedBall& to)
+  Change(const SurfelFrame& from, const SurfelFrame& to)
       : old(normalized(from.normal)),
         frame(normalized(to.normal)),
         shift(scaled(subtract(to.center, from.center), 1.0 / from.radius)),
@@ -83,7 +83,7 @@ termsOf(int degree, const Grid& p, double factor)
 }  // namespace
 
 std::array<double, kMaxCoefficients>
-inNewFrame(int degree, const float* c, const FramedBall& from, const FramedBall& to)
+inNewFrame(int degree, const float* c, const SurfelFrame& from, const SurfelFrame& to)
 {
   const Change change(from, to);
   Grid h = change.substitutedInto(degree, c);
@@ -95,7 +95,7 @@ inNewFrame(int degree, const float* c, const FramedBall& from, const FramedBall&
 }
 
 void
-recolorInNewFrame(const FramedBall& from, const FramedBall& to, std::uint8_t* bytes)
+recolorInNewFrame(const SurfelFrame& from, const SurfelFrame& to, std::uint8_t* bytes)
 {
   const Change change(from, to);
   ColorPolynomial color = decodeColor(bytes);

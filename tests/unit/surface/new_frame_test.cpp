@@ -13,7 +13,7 @@ namespace {
 
 /** \brief Largest distance, in radii, between the two balls' surfaces along the new frame's normal. */
 double
-largestOffset(const FramedBall& from, const std::array<float, 15>& c, const FramedBall& to)
+largestOffset(const SurfelFrame& from, const std::array<float, 15>& c, const SurfelFrame& to)
 {
   const auto rewritten = inNewFrame(4, c.data(), from, to);
   std::array<float, 15> single;
@@ -45,8 +45,8 @@ someCoefficients()
 
 TEST(NewFrame, IsExactForAnotherBall)
 {
-  const FramedBall from{{0.1, 0.2, 0.3}, normalized({0.3, -0.5, 0.8}), 0.05};
-  FramedBall to = from;
+  const SurfelFrame from{{0.1, 0.2, 0.3}, normalized({0.3, -0.5, 0.8}), 0.05};
+  SurfelFrame to = from;
   to.center = {0.1007, 0.1995, 0.3003};
   to.radius = 0.0511;
   // The height above the plane changes with the centre, but not the directions: floats alone are left.
@@ -55,9 +55,9 @@ TEST(NewFrame, IsExactForAnotherBall)
 
 TEST(NewFrame, LeavesTiltTimesHeight)
 {
-  const FramedBall from{{0.1, 0.2, 0.3}, normalized({0.3, -0.5, 0.8}), 0.05};
+  const SurfelFrame from{{0.1, 0.2, 0.3}, normalized({0.3, -0.5, 0.8}), 0.05};
   for (const double tilt : {1e-3, 2e-3}) {
-    FramedBall to = from;
+    SurfelFrame to = from;
     to.normal = normalized(along(from.normal, tilt, {1.0, 0.4, -0.2}));
     const double offset = largestOffset(from, someCoefficients(), to);
     // Heights and slopes reach .25 here.
@@ -69,8 +69,8 @@ TEST(NewFrame, LeavesTiltTimesHeight)
 TEST(NewFrame, KeepsAPlaneWhereTheFrameTurnsOver)
 {
   const std::array<float, 15> flat{};
-  const FramedBall from{{0.0, 0.0, 0.0}, normalized({0.6, 0.8, 1e-3}), 1.0};
-  FramedBall to = from;
+  const SurfelFrame from{{0.0, 0.0, 0.0}, normalized({0.6, 0.8, 1e-3}), 1.0};
+  SurfelFrame to = from;
   to.normal = normalized({0.6, 0.8, 2e-3});
   EXPECT_LT(largestOffset(from, flat, to), 1e-6);
 }

@@ -121,13 +121,13 @@ void
 findCrossings(const CellTree& tree, const std::vector<CellEdge>& edges,
               const std::vector<std::array<std::uint32_t, 2>>& ends,
               const std::vector<SheetDistance>& values, bool oriented,
-              std::vector<Crossing>& crossings)
+              std::vector<EdgeCrossing>& crossings)
 {
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const SheetDistance &a = values[ends[e][0]], &b = values[ends[e][1]];
     const CellEdge& edge = edges[e];
     double share = 0;
-    Crossing made{};
+    EdgeCrossing made{};
     const double size = tree.size(edge.depth);
     if (!crossingOf(a, b, oriented, edge.axis, size, share, made.normal)) continue;
     made.position = tree.corner(edge.low);

@@ -31,7 +31,7 @@ class CornerValues {
 };
 
 /** Where the surface crosses an edge of the cells. */
-struct Crossing {
+struct EdgeCrossing {
   std::uint32_t cell[4];  ///< as of the edge, counter-clockwise as seen from the normal's side
   Vector3 position, normal;
   float size;  ///< of the edge
@@ -44,6 +44,6 @@ void
 findCrossings(const CellTree& tree, const std::vector<CellEdge>& edges,
               const std::vector<std::array<std::uint32_t, 2>>& ends,
               const std::vector<SheetDistance>& values, bool oriented,
-              std::vector<Crossing>& crossings);
+              std::vector<EdgeCrossing>& crossings);
 
 }  // namespace pcl_slim::detail

@@ -44,7 +44,7 @@ struct FaceEnd {
 
 class FaceLinker {
  public:
-  FaceLinker(const std::vector<Crossing>& crossings, bool oriented, SlotSets& sets)
+  FaceLinker(const std::vector<EdgeCrossing>& crossings, bool oriented, SlotSets& sets)
       : crossings_(crossings), oriented_(oriented), sets_(sets)
   {
   }
@@ -100,7 +100,7 @@ class FaceLinker {
    * their normals differ. */
   double cost(const FaceEnd& a, const FaceEnd& b) const
   {
-    const Crossing &p = crossings_[a.crossing], &q = crossings_[b.crossing];
+    const EdgeCrossing &p = crossings_[a.crossing], &q = crossings_[b.crossing];
     const Vector3 d = subtract(q.position, p.position);
     const double cosine = dot(p.normal, q.normal);
     const double off =
@@ -108,14 +108,14 @@ class FaceLinker {
     return off + 2 * (1 - (oriented_ ? cosine : std::abs(cosine)));
   }
 
-  const std::vector<Crossing>& crossings_;
+  const std::vector<EdgeCrossing>& crossings_;
   bool oriented_;
   SlotSets& sets_;
 };
 
 /** Joins the slots of each crossing's cells that are linked across faces. */
 void
-linkFaces(const std::vector<Crossing>& crossings, bool oriented, int threads, SlotSets& sets)
+linkFaces(const std::vector<EdgeCrossing>& crossings, bool oriented, int threads, SlotSets& sets)
 {
   AlignedVector<std::uint64_t> keys;
   std::vector<std::uint32_t> slots;
@@ -152,7 +152,7 @@ linkFaces(const std::vector<Crossing>& crossings, bool oriented, int threads, Sl
 
 /** Numbers the sets by cell, then by their least slot. */
 std::vector<std::uint32_t>
-numberSets(const std::vector<Crossing>& crossings, int threads, SlotSets& sets,
+numberSets(const std::vector<EdgeCrossing>& crossings, int threads, SlotSets& sets,
            std::vector<std::uint32_t>& cells)
 {
   AlignedVector<std::uint64_t> keys;
@@ -206,7 +206,7 @@ facing(const Triangle& t, const std::vector<Vector3>& positions,
 }  // namespace
 
 SheetVertices
-findSheetVertices(const std::vector<Crossing>& crossings, bool oriented, int threads)
+findSheetVertices(const std::vector<EdgeCrossing>& crossings, bool oriented, int threads)
 {
   SlotSets sets(4 * crossings.size());
   linkFaces(crossings, oriented, threads, sets);
@@ -219,7 +219,7 @@ findSheetVertices(const std::vector<Crossing>& crossings, bool oriented, int thr
   made.of_crossing.resize(crossings.size());
   std::vector<std::uint32_t> members(count, 0);
   for (std::size_t i = 0; i < crossings.size(); ++i) {
-    const Crossing& own = crossings[i];
+    const EdgeCrossing& own = crossings[i];
     for (std::size_t k = 0; k < 4; ++k) {
       const std::uint32_t v = number[4 * i + k];
       made.of_crossing[i][k] = v;

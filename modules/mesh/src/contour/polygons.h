@@ -23,7 +23,7 @@ struct SheetVertices {
  * that face; crossings linked in a cell are of one sheet there. So each edge of the mesh, a curve in a face,
  * borders two faces of the mesh, its crossings, unless a sheet ends there. O(crossings). */
 SheetVertices
-findSheetVertices(const std::vector<Crossing>& crossings, bool oriented, int threads);
+findSheetVertices(const std::vector<EdgeCrossing>& crossings, bool oriented, int threads);
 
 /** The cells of vertices on edges that more than two faces share, ascending. O(faces log faces). */
 std::vector<std::uint32_t>

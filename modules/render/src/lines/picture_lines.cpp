@@ -190,7 +190,7 @@ class CrestField : public ZeroField {
   void fill(int y, FieldRow& row) const override;
   float mostBetween(const FieldRow& a, std::size_t xa, const FieldRow& b, std::size_t xb,
                     float share, std::size_t axis) const override;
-  float strength(const Crossing& at, std::size_t nearer, int kind) const override;
+  float strength(const ZeroCrossing& at, std::size_t nearer, int kind) const override;
 
  private:
   CurvatureMap map_;
@@ -206,7 +206,7 @@ class RadialField : public ZeroField {
   void fill(int y, FieldRow& row) const override;
   float mostBetween(const FieldRow& a, std::size_t xa, const FieldRow& b, std::size_t xb,
                     float share, std::size_t axis) const override;
-  float strength(const Crossing& at, std::size_t nearer, int kind) const override;
+  float strength(const ZeroCrossing& at, std::size_t nearer, int kind) const override;
 
  private:
   CurvatureMap map_;
@@ -283,7 +283,7 @@ CrestField::mostBetween(const FieldRow& a, std::size_t xa, const FieldRow& b, st
 
 /** Prominence of k [kSignificance deviations of its noise], at most that of the crossing. */
 float
-CrestField::strength(const Crossing& at, std::size_t nearer, int kind) const
+CrestField::strength(const ZeroCrossing& at, std::size_t nearer, int kind) const
 {
   const Side side{map_, kind == kRidge ? 1.0f : -1.0f};
   const float distance = kProminence * geometry_.buffer().radius[nearer];
@@ -326,7 +326,7 @@ RadialField::mostBetween(const FieldRow&, std::size_t, const FieldRow&, std::siz
 /** The derivative of the curvature towards the viewer along the surface, against the least and
  * against what noise makes of it. */
 float
-RadialField::strength(const Crossing& at, std::size_t nearer, int) const
+RadialField::strength(const ZeroCrossing& at, std::size_t nearer, int) const
 {
   const float step = geometry_.differenceStep(nearer, at.screen);
   const auto read = [&](std::size_t pixel) { return map_[pixel]; };

@@ -137,7 +137,7 @@ ZeroTracer::ZeroTracer(const ZeroField& field, int threads) : field_(field)
 }
 
 void
-ZeroTracer::addVertex(const Crossing& at, int kind, ZeroLine& line) const
+ZeroTracer::addVertex(const ZeroCrossing& at, int kind, ZeroLine& line) const
 {
   const auto width = static_cast<std::uint32_t>(field_.geometry().buffer().width);
   const std::uint32_t a = at.edge / 2;
@@ -152,7 +152,7 @@ ZeroTracer::addVertex(const Crossing& at, int kind, ZeroLine& line) const
 std::vector<ZeroLine>
 ZeroTracer::lines(int kind, double least_length, int threads) const
 {
-  std::vector<Crossing> crossings;
+  std::vector<ZeroCrossing> crossings;
   std::vector<Link> links;
   for (const Band& band : bands_) {
     const Found& found = band[static_cast<std::size_t>(kind) - 1];
@@ -160,7 +160,7 @@ ZeroTracer::lines(int kind, double least_length, int threads) const
     links.insert(links.end(), found.links.begin(), found.links.end());
   }
   NumberedSet edges(2 * field_.geometry().buffer().numPixels());
-  for (const Crossing& crossing : crossings) edges.add(crossing.edge);
+  for (const ZeroCrossing& crossing : crossings) edges.add(crossing.edge);
   edges.count();
   for (Link& link : links) {
     for (std::uint32_t& joint : link.joint) joint = edges.numberOf(joint);

@@ -22,7 +22,7 @@ struct FieldRow {
 };
 
 /** \brief Where a field crosses zero between two neighbouring pixels. */
-struct Crossing {
+struct ZeroCrossing {
   std::uint32_t edge = 0;  ///< 2 i from pixel i to the right, 2 i + 1 down
   float share = 0;         ///< of the way
   float most = 0;          ///< the line's strength there is not above it
@@ -44,7 +44,7 @@ class ZeroField {
   virtual float mostBetween(const FieldRow& a, std::size_t xa, const FieldRow& b, std::size_t xb,
                             float share, std::size_t axis) const = 0;
   /** \brief Strength of the line at a crossing, in units of the least that is drawn; 0: none. */
-  virtual float strength(const Crossing& at, std::size_t nearer, int kind) const = 0;
+  virtual float strength(const ZeroCrossing& at, std::size_t nearer, int kind) const = 0;
 
  protected:
   const PixelGeometry& geometry_;
@@ -74,13 +74,13 @@ class ZeroTracer {
 
  private:
   struct Found {
-    std::vector<Crossing> crossings;  ///< by their edges, ascending
-    std::vector<Link> links;          ///< between edges
+    std::vector<ZeroCrossing> crossings;  ///< by their edges, ascending
+    std::vector<Link> links;              ///< between edges
   };
   using Band = std::array<Found, kMostKinds>;  ///< of some rows, by kind
   class BandScan;
 
-  void addVertex(const Crossing& at, int kind, ZeroLine& line) const;
+  void addVertex(const ZeroCrossing& at, int kind, ZeroLine& line) const;
 
   const ZeroField& field_;
   std::vector<Band> bands_;

@@ -98,7 +98,7 @@ struct LogCode {
 
 /** \brief One surfel apart from its columns. */
 struct Surfel {
-  FramedBall ball{};
+  SurfelFrame ball{};
   double error = 0.0, effective_count = 0.0;
   std::int64_t degree = 1, level = 1, flags = 0;
   std::array<double, kMaxCoefficients> coefficients{};
@@ -257,7 +257,7 @@ class SurfelCodec {
   }
 
   /** Those before they are rounded; unknown to a decoder. */
-  OrthonormalBasis::Coefficients idealCoefficients(const Surfel& given, const FramedBall& ball,
+  OrthonormalBasis::Coefficients idealCoefficients(const Surfel& given, const SurfelFrame& ball,
                                                    int degree) const
   {
     if (kDecoding) return {};

@@ -107,15 +107,15 @@ class Packer {
     return header_.radius.value(header_.radius.code(s_.radius[i]));
   }
 
-  FramedBall ballOf(std::uint32_t i) const
+  SurfelFrame ballOf(std::uint32_t i) const
   {
     return {{s_.cx[i], s_.cy[i], s_.cz[i]}, {s_.nx[i], s_.ny[i], s_.nz[i]}, s_.radius[i]};
   }
 
   /** \brief The ball and frame that the viewer will have. */
-  FramedBall roundedBall(std::uint32_t i) const
+  SurfelFrame roundedBall(std::uint32_t i) const
   {
-    FramedBall to;
+    SurfelFrame to;
     for (std::size_t k = 0; k < 3; ++k) to.center[k] = cells_.rounded(k, i);
     const std::array<float, 3> normal = decodeNormal(codeOf(i));
     to.normal = {normal[0], normal[1], normal[2]};

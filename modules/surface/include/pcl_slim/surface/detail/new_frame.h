@@ -11,7 +11,7 @@
 namespace pcl_slim::detail {
 
 /** \brief A ball with the normal of its frame. */
-struct FramedBall {
+struct SurfelFrame {
   Vector3 center, normal;
   double radius;
 };
@@ -19,10 +19,10 @@ struct FramedBall {
 /** \brief Rewrites a polynomial for a ball and frame that differ a little: the same heights, but for the
  * product of tilt and height. \param[in] c numCoefficients(degree) values */
 PCL_SLIM_EXPORT std::array<double, kMaxCoefficients>
-inNewFrame(int degree, const float* c, const FramedBall& from, const FramedBall& to);
+inNewFrame(int degree, const float* c, const SurfelFrame& from, const SurfelFrame& to);
 
 /** \brief Rewrites a surfel's colours (kColorBytes) for another ball and frame. */
 PCL_SLIM_EXPORT void
-recolorInNewFrame(const FramedBall& from, const FramedBall& to, std::uint8_t* bytes);
+recolorInNewFrame(const SurfelFrame& from, const SurfelFrame& to, std::uint8_t* bytes);
 
 }  // namespace pcl_slim::detail
