@@ -91,6 +91,14 @@ struct FitPlan {
     other.energy.lambda = lambda;
     return other;
   }
+
+  /** \brief The same plan for levels without leaves, above those of tiles. */
+  FitPlan withoutLeaves() const
+  {
+    FitPlan other = *this;
+    other.internal_only = true;
+    return other;
+  }
 };
 
 /** \brief A user's parameters with degree and penalty settled. */

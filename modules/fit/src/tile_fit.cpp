@@ -217,8 +217,7 @@ fitCoarseLevels(const PointStore& sample, const FitParams& asked, const CoarseJo
   stats.threads = resolveThreads(params.threads);
   CloudTraits traits = job.traits;
   traits.dependence = 1 + (traits.dependence - 1) / static_cast<double>(job.thinning);
-  FitPlan plan = planFor(sample, params, constants, measuresOf(traits));
-  plan.internal_only = true;
+  const FitPlan plan = planFor(sample, params, constants, measuresOf(traits)).withoutLeaves();
   LevelCover cover(sample, plan, stats.threads);
   if (Error error = cover.run(startLevel(sample, plan), progress)) return error;
   fillSurface(sample, plan, cover, stats.threads, surface);

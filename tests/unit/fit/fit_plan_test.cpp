@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "cloud_measures.h"
 #include "support/clouds.h"
 
 namespace pcl_slim {
@@ -19,7 +20,10 @@ planOf(const FitParams& params)
 {
   const PointStore store =
       pcl_slim_test::storeOf(pcl_slim_test::sceneCloud(Shape::kSphere, 200, 0.0));
-  return planFor(store, params.resolved(), FitConstants(), {});
+  FitStatistics stats;
+  const auto measures = measureCloud(store, params.resolved(), FitConstants(), 1, stats);
+  EXPECT_TRUE(measures);
+  return planFor(store, params.resolved(), FitConstants(), *measures);
 }
 
 TEST(FitPlan, AGivenTLeavesFewerReasonsToStop)
@@ -49,6 +53,7 @@ TEST(FitPlan, SharpFeaturesNarrowTheStartAndTheNormalBound)
   EXPECT_LT(s.energy.kappa, plain.energy.kappa);
   EXPECT_LT(s.start_share, plain.start_share);
   EXPECT_LE(plain.min_dot, 0.0f);
+  EXPECT_FLOAT_EQ(s.min_dot, 0.5f);  // 60 degrees
 }
 
 TEST(FitPlan, ASurfaceStatesTheFitsOwnPenaltyByDefault)

@@ -84,10 +84,8 @@ class PCL_SLIM_EXPORT PointStore {
   }
   std::array<float, 3> normal(std::size_t i) const { return {nx_[i], ny_[i], nz_[i]}; }
 
-  const std::array<double, 3>& origin() const
-  {
-    return frame_.origin;
-  }  ///< world position of local 0
+  /** \brief World position of local 0. */
+  const std::array<double, 3>& origin() const { return frame_.origin; }
   /** \brief World position that the points were seen from, where the cloud knows it. */
   const std::optional<std::array<double, 3>>& sensor() const { return frame_.sensor; }
   /** \brief Whether the cloud knows where each of its points was seen from. */
@@ -103,10 +101,8 @@ class PCL_SLIM_EXPORT PointStore {
   /** \brief L of the bulk alone, local units: four times the diagonal between the quartiles of each
    * coordinate, and L where that is less, as it is of most clouds. */
   double bulkDiagonal() const { return frame_.bulk_diagonal; }
-  double diagonal() const
-  {
-    return frame_.diagonal;
-  }  ///< L in local units, in (.49, 1); 0: one position
+  /** \brief L in local units, in (.49, 1); 0: one position. */
+  double diagonal() const { return frame_.diagonal; }
 
   /** \brief 63-bit Morton codes, ascending; three bits a level, x highest. */
   const std::uint64_t* keys() const { return keys_.data(); }
