@@ -132,6 +132,7 @@ class TableReader {
     }
     if (!begun_) chooseSeparator(line);
     split(line);
+    if (words_.empty()) return {};  // nothing but blanks between quotes
     if (words_.size() == 1 && takeCount(words_[0])) return {};
     if (!begun_) {
       begun_ = true;

@@ -57,8 +57,9 @@ SLIMProjectionSmoother<PointInT, PointOutT>::performProcessing(PointCloudOut& ou
 }
 
 template <typename PointInT, typename PointOutT>
-typename SLIMProjectionSmoother<PointInT, PointOutT>::Source
+auto
 SLIMProjectionSmoother<PointInT, PointOutT>::source(CloudDescription<PointInT>& description) const
+    -> Source
 {
   Source source;
   source.step = sizeof(PointInT);
@@ -80,8 +81,8 @@ SLIMProjectionSmoother<PointInT, PointOutT>::source(CloudDescription<PointInT>& 
 }
 
 template <typename PointInT, typename PointOutT>
-typename SLIMProjectionSmoother<PointInT, PointOutT>::Target
-SLIMProjectionSmoother<PointInT, PointOutT>::target(PointCloudOut& output)
+auto
+SLIMProjectionSmoother<PointInT, PointOutT>::target(PointCloudOut& output) -> Target
 {
   namespace fields = pcl::fields;
   using pcl::traits::offset;
