@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Closed bodies, which have no border: leaves that are open all the same, rays lost through them, and
-// the time that it takes to find out.
+// Closed bodies, which have no border: leaves that are open all the same, rays lost through them, rays
+// that meet a surface without points, and the time of the maps.
 #include <cmath>
 #include <cstdio>
 #include <random>
@@ -13,8 +13,10 @@
 #include "measure/clocks.h"
 #include "measure/lists.h"
 #include "measure/vectors.h"
+#include "pcl_slim/core/vector3.h"
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/render/ray_tracer.h"
+#include "rivals/point_tree.h"
 
 using namespace pcl_slim;
 
@@ -66,14 +68,53 @@ raysThrough(const SLIMSurface& surface, std::uint64_t seed)
   return rays;
 }
 
-/** \brief Of rays, how many meet the surface without its maps, and of those how many with them do not, or
- * meet it elsewhere. */
+/** \brief Rays that meet a surface without its maps near points, and with them not, or farther behind than
+ * the noise; and rays that meet a surface where there are no points, without and with the maps. */
 struct Rays {
-  std::size_t met = 0, lost = 0;
+  std::size_t lost = 0, sails = 0, sails_left = 0;
+};
+
+/** \brief Whether a place is near points of a scene: within three local spacings, or as much noise. */
+class NearScene {
+ public:
+  NearScene(const measure::Scene& scene, double sigma)
+      : points_(pointsOf(scene)), tree_(points_), sigma_(sigma)
+  {
+  }
+
+  double tolerance() const { return kNear * sigma_; }
+
+  bool operator()(const WorldHit& hit) const
+  {
+    const Vector3 place = {hit.position[0], hit.position[1], hit.position[2]};
+    const Vector3& next = points_[tree_.nearest(place, 1).front()];
+    const double distance = length(subtract(place, next));
+    if (distance <= tolerance()) return true;
+    const Vector3& seventh = points_[tree_.nearest(next, kNeighbors).back()];
+    // On a plane, k points have the area of a disc up to the k-th.
+    const double spacing = length(subtract(seventh, next)) * std::sqrt(M_PI / kNeighbors);
+    return distance <= kNear * spacing;
+  }
+
+ private:
+  static constexpr std::size_t kNeighbors = 12;
+  static constexpr double kNear = 3;
+
+  static std::vector<Vector3> pointsOf(const measure::Scene& scene)
+  {
+    std::vector<Vector3> points;
+    for (std::size_t i = 0; i + 2 < scene.points.size(); i += 3)
+      points.push_back({scene.points[i], scene.points[i + 1], scene.points[i + 2]});
+    return points;
+  }
+
+  std::vector<Vector3> points_;
+  rivals::PointTree tree_;
+  double sigma_;
 };
 
 Rays
-countRays(const SLIMSurface& surface, std::uint64_t seed)
+countRays(const SLIMSurface& surface, const NearScene& isNear, std::uint64_t seed)
 {
   SLIMSurface whole = surface;
   whole.dropTrimMaps();
@@ -83,16 +124,19 @@ countRays(const SLIMSurface& surface, std::uint64_t seed)
   if (RayTracer(surface, 1).cast(rays, VisibleSides::kBoth, hits)) return counts;
   if (RayTracer(whole, 1).cast(rays, VisibleSides::kBoth, whole_hits)) return counts;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    counts.met += whole_hits[i].met();
-    counts.lost += whole_hits[i].met() &&
-                   (!hits[i].met() ||
-                    std::abs(hits[i].depth - whole_hits[i].depth) > 1e-3 * surface.info.scale);
+    if (hits[i].met()) counts.sails_left += !isNear(hits[i]);
+    if (!whole_hits[i].met()) continue;
+    const bool differs = !hits[i].met() || hits[i].depth - whole_hits[i].depth >
+                                               isNear.tolerance() + 1e-3 * surface.info.scale;
+    const bool near = isNear(whole_hits[i]);
+    counts.sails += !near;
+    counts.lost += near && differs;
   }
   return counts;
 }
 
 Error
-measureBody(const Settings& s, const measure::Scene& scene)
+measureBody(const Settings& s, const measure::Scene& scene, double noise)
 {
   const Result<PointStore> store =
       PointStore::build(measure::viewOf(scene, nullptr, false), s.fit.threads);
@@ -107,11 +151,12 @@ measureBody(const Settings& s, const measure::Scene& scene)
     if (Error error = fitSurface(*store, params, surface, &stats)) return error;
     seconds[trim] = measure::cpuSeconds() - start;
   }
-  const Rays rays = surface.hasTrimMaps() ? countRays(surface, s.fit.seed) : Rays();
-  std::printf("%6llu %5llu %6llu %5zu %7.3f %6.2f %6.1f\n",
+  const Rays rays = countRays(surface, NearScene(scene, noise * scene.diagonal), s.fit.seed);
+  std::printf("%6llu %5llu %6llu %5zu %5zu %5zu %7.3f %6.2f %6.1f\n",
               static_cast<unsigned long long>(stats.leaves),
               static_cast<unsigned long long>(stats.open_leaves),
-              static_cast<unsigned long long>(stats.trim_candidates), rays.lost, seconds[1],
+              static_cast<unsigned long long>(stats.trim_candidates), rays.lost, rays.sails,
+              rays.sails_left, seconds[1],
               1e6 * (seconds[1] - seconds[0]) / static_cast<double>(stats.points),
               100.0 * (seconds[1] / seconds[0] - 1.0));
   std::fflush(stdout);
@@ -121,8 +166,9 @@ measureBody(const Settings& s, const measure::Scene& scene)
 Error
 runGrid(const Settings& s, const std::vector<double>& counts, const std::vector<double>& noises)
 {
-  std::printf("%-10s %-7s %8s %7s %6s %5s %6s %5s %7s %6s %6s\n", "body", "spread", "points",
-              "noise", "leaves", "open", "cand.", "lost", "fit s", "us/pt", "%fit");
+  std::printf("%-10s %-7s %8s %7s %6s %5s %6s %5s %5s %5s %7s %6s %6s\n", "body", "spread",
+              "points", "noise", "leaves", "open", "cand.", "lost", "sails", "left", "fit s",
+              "us/pt", "%fit");
   for (const std::string& body_name : wordsOf(s.bodies)) {
     for (const std::string& spread_name : wordsOf(s.spreads)) {
       measure::Body body;
@@ -137,7 +183,7 @@ runGrid(const Settings& s, const std::vector<double>& counts, const std::vector<
               measure::makeBody(body, spread, static_cast<std::size_t>(count), noise, s.fit.seed);
           std::printf("%-10s %-7s %8.0f %7.4f ", body_name.c_str(), spread_name.c_str(), count,
                       noise);
-          if (Error error = measureBody(s, scene)) return error;
+          if (Error error = measureBody(s, scene, noise)) return error;
         }
       }
     }

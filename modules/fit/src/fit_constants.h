@@ -190,7 +190,7 @@ struct BorderConstants {
   double turn = 0.4;             ///< [radians] discs are also tried this much to either side
   double edge = 0.8;       ///< least cosine between the planes of a point and of its surfel ...
   double exact = 0.06;     ///< ... where noise [its reach, over that of neighbours] is small enough
-  double far = 10.0;       ///< [spacing] a gap as wide needs no other side
+  double far = 10.0;       ///< [spacing] a gap as wide needs no other side, and no rim
   double disc = 1.2;       ///< [smallest hole] chance leaves narrower discs empty
   double near = 3.0;       ///< [spacing] points are counted on the other side of a gap
   double rim_share = 0.8;  ///< of the neighbours expected there

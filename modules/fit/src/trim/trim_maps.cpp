@@ -48,6 +48,7 @@ class TrimMaker {
   void gather(std::size_t i);
   Vector3 normalAt(std::size_t i, std::size_t point, const LocalFrame& frame) const;
   bool dataEndAtGaps(std::size_t i, double spacing);
+  bool hasSail(std::size_t i, TrimScale scale);
   int appendMap(double spacing, std::vector<std::uint8_t>& bits) const;
 
   const PointStore& store_;
@@ -170,6 +171,20 @@ TrimMaker::dataEndAtGaps(std::size_t i, double spacing)
   return false;
 }
 
+/** Whether the surfel's surface continues where its points turn away from it, over a disc too wide to be a
+ * gap between them. If so, gaps are as wide as this disc: narrower ones remain closed. */
+bool
+TrimMaker::hasSail(std::size_t i, TrimScale scale)
+{
+  const TrimConstants& constants = plan_.constants.trim;
+  scale.hole = std::max(scale.hole, plan_.constants.border.far * scale.spacing);
+  const double sure = constants.known - 0.5 * scale.hole;
+  if (sure <= 0.0) return false;
+  const KnownRegion region(surface_.degree[i], surface_.coefficientsOf(i), sure);
+  raster_.findGaps(points_, region, scale, constants, places_);
+  return !places_.empty();
+}
+
 int
 TrimMaker::make(std::size_t i, std::vector<std::uint8_t>& bits)
 {
@@ -187,7 +202,7 @@ TrimMaker::make(std::size_t i, std::vector<std::uint8_t>& bits)
   raster_.findGaps(points_, KnownRegion(surface_.degree[i], c, sure), scale, constants, places_);
   if (places_.empty()) return 0;
   ++candidates_;
-  if (!dataEndAtGaps(i, spacing)) return 0;
+  if (!dataEndAtGaps(i, spacing) && !hasSail(i, scale)) return 0;
   raster_.measureDepths(points_, KnownRegion(surface_.degree[i], c, constants.known));
   const double clear = kDepthUnit * constants.clear * spacing / raster_.cell();
   if (raster_.leastDepth(constants.looked_at) > clear) return 0;
