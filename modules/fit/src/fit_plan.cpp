@@ -103,7 +103,8 @@ planFor(const PointStore& store, const FitParams& params, const FitConstants& co
   plan.with_normals = store.hasSides();
   plan.min_dot = measures.min_dot;
   plan.split_sheets = !store.hasNormals() && !params.paper_mode;
-  plan.skip_lone_normals = plan.skip_lone_normals && store.hasNormals();
+  plan.skip_lone_normals =
+      plan.skip_lone_normals && (store.hasNormals() || measures.skip_lone_sides);
   plan.robust = params.robust;
   plan.seed = params.seed;
   plan.energy.kappa = penalty ? *penalty->kappa : defaultKappa(params, constants.preset);

@@ -20,6 +20,7 @@ struct CloudMeasures {
   std::vector<float> noise_profile;  ///< noise ratios of runs of points; empty: all 1
   double normal_error = 0;           ///< > 0: normals are data too, this many radians off
   float min_dot = 0;                 ///< the normal bound: normals nearer than this belong together
+  bool skip_lone_sides = false;      ///< no leaf starts at a point whose neighbours face elsewhere
 };
 
 /** \brief Everything the inner steps need to know, in local units: the user's parameters, settled, and what was

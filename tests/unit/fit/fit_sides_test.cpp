@@ -7,6 +7,7 @@
 
 #include "pcl_slim/core/vector3.h"
 #include "support/clouds.h"
+#include "support/finger.h"
 
 namespace {
 
@@ -68,6 +69,20 @@ TEST(FitSides, PutsNoisyPointsOntoTheirOwnPlate)
   EXPECT_EQ(without.statistics.sides.points, 0u);
   EXPECT_FALSE(without.store.hasSides());
   EXPECT_GT(plates.rms(without), 1.0);
+}
+
+// A wide ball about a point with a wrong side finds few others of that side, anywhere in it, and its
+// surface would cut through the body.
+TEST(FitSides, NoLeafStartsAtAWrongSide)
+{
+  const Fitted f = fitted(Finger{0.1}.cloud(40000, 0.04));
+  ASSERT_GT(f.statistics.sides.points, 0u);
+  std::vector<double> density;
+  for (const std::uint32_t i : f.surface.leaves()) {
+    density.push_back(f.surface.effective_count[i] / std::pow(f.surface.radius[i], 2));
+  }
+  std::sort(density.begin(), density.end());
+  EXPECT_GT(density.front(), 0.1 * density[density.size() / 2]);
 }
 
 TEST(FitSides, PartsCleanSheetsThatAreNear)

@@ -200,6 +200,7 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
     sided.setSidesForCover(best->sides.normals, best->sides.normals);
   else
     sided.setSides(best->sides.normals);
+  measures.skip_lone_sides = !stats.sides.for_cover;
   stats.sides.points = sided.store().size();
   stats.sides.confidence = best->sides.confidence;
   return {};

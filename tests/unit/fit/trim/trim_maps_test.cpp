@@ -8,6 +8,7 @@
 #include "pcl_slim/query/surface_samples.h"
 #include "pcl_slim/surface/surface_io.h"
 #include "support/clouds.h"
+#include "support/finger.h"
 
 namespace pcl_slim {
 namespace {
@@ -69,48 +70,9 @@ sheet(double x, double y)
   return 1e-3 * (x * x - y * y);
 }
 
-/** A sphere of radius .5 about the origin with a finger of radius .12 along z, round at its end. */
-struct Finger {
-  static constexpr double kRadius = 0.5, kThin = 0.12, kEnd = 1.05;
-
-  /** About the distance, negative inside. */
-  static double distance(const std::array<double, 3>& p)
-  {
-    const double along = std::clamp(p[2], 0.0, kEnd);
-    return std::min(std::hypot(p[0], p[1], p[2]) - kRadius,
-                    std::hypot(p[0], p[1], p[2] - along) - kThin);
-  }
-
-  /** Random points of its surface, by the areas of its parts, with isotropic noise. */
-  static Cloud cloud(std::size_t count, double noise)
-  {
-    std::mt19937_64 random(1);
-    std::uniform_real_distribution<double> unit(0, 1);
-    std::normal_distribution<double> gauss;
-    const double sphere = 4 * kRadius * kRadius, side = 2 * kThin * kEnd;
-    Cloud cloud;
-    while (cloud.size() < count) {
-      const double turn = 2 * M_PI * unit(random), z = 2 * unit(random) - 1,
-                   r = std::sqrt(1 - z * z);
-      const double part = unit(random) * (sphere + side + 4 * kThin * kThin);
-      std::array<double, 3> p{kRadius * r * std::cos(turn), kRadius * r * std::sin(turn),
-                              kRadius * z};
-      if (part > sphere + side) {
-        p = {kThin * r * std::cos(turn), kThin * r * std::sin(turn), kEnd + kThin * z};
-      } else if (part > sphere) {
-        p = {kThin * std::cos(turn), kThin * std::sin(turn), kEnd * unit(random)};
-      }
-      if (distance(p) < -1e-9) continue;  // inside of the other part
-      for (double& x : p) x += noise * gauss(random);
-      cloud.add(p[0], p[1], p[2]);
-    }
-    return cloud;
-  }
-};
-
 /** The share of a surface's area that is farther than a bound from the finger. */
 double
-shareBeyond(const SLIMSurface& surface, double bound)
+shareBeyond(const SLIMSurface& surface, const Finger& finger, double bound)
 {
   SurfaceSampleParams params;
   params.count = 5000;
@@ -118,7 +80,7 @@ shareBeyond(const SLIMSurface& surface, double bound)
   EXPECT_FALSE(sampleSurface(surface, params, samples));
   const auto far = std::count_if(
       samples.position.begin(), samples.position.end(),
-      [&](const std::array<double, 3>& p) { return std::abs(Finger::distance(p)) > bound; });
+      [&](const std::array<double, 3>& p) { return std::abs(finger.distance(p)) > bound; });
   return static_cast<double>(far) / static_cast<double>(samples.size());
 }
 
@@ -127,13 +89,14 @@ shareBeyond(const SLIMSurface& surface, double bound)
 TEST(TrimMaps, NoSailsStandOffANoisyBody)
 {
   constexpr double kNoise = 0.03;
-  Fitted f = fitted(Finger::cloud(30000, kNoise));
-  EXPECT_LT(shareBeyond(f.surface, 4 * kNoise), 0.01);
+  const Finger finger{0.12};
+  Fitted f = fitted(finger.cloud(30000, kNoise));
+  EXPECT_LT(shareBeyond(f.surface, finger, 4 * kNoise), 0.01);
   std::size_t inside = 0;
   for (const std::uint8_t is : f.projection.inside) inside += is;
   EXPECT_GT(inside, f.store.size() * 99 / 100);
   f.surface.dropTrimMaps();
-  EXPECT_GT(shareBeyond(f.surface, 4 * kNoise), 0.05);
+  EXPECT_GT(shareBeyond(f.surface, finger, 4 * kNoise), 0.05);
 }
 
 // By chance random samples leave gaps four spacings wide, and a tube's leaf may reach past its silhouette.
