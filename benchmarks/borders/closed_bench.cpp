@@ -74,7 +74,7 @@ struct Rays {
   std::size_t lost = 0, sails = 0, sails_left = 0;
 };
 
-/** \brief Whether a place is near points of a scene: within three local spacings, or as much noise. */
+/** \brief Whether a place is near points of a scene: within three local spacings, or three times the noise. */
 class NearScene {
  public:
   NearScene(const measure::Scene& scene, double sigma)
@@ -90,9 +90,9 @@ class NearScene {
     const Vector3& next = points_[tree_.nearest(place, 1).front()];
     const double distance = length(subtract(place, next));
     if (distance <= tolerance()) return true;
-    const Vector3& seventh = points_[tree_.nearest(next, kNeighbors).back()];
+    const Vector3& last = points_[tree_.nearest(next, kNeighbors).back()];
     // On a plane, k points have the area of a disc up to the k-th.
-    const double spacing = length(subtract(seventh, next)) * std::sqrt(M_PI / kNeighbors);
+    const double spacing = length(subtract(last, next)) * std::sqrt(M_PI / kNeighbors);
     return distance <= kNear * spacing;
   }
 

@@ -83,6 +83,8 @@ TEST(FitSides, NoLeafStartsAtAWrongSide)
   }
   std::sort(density.begin(), density.end());
   EXPECT_GT(density.front(), 0.1 * density[density.size() / 2]);
+  // Points of wrong sides are projected all the same.
+  EXPECT_EQ(f.projection.num_unsupported, 0u);
 }
 
 TEST(FitSides, PartsCleanSheetsThatAreNear)

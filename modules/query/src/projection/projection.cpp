@@ -182,6 +182,10 @@ class BlockProjector {
     std::array<double, 3> center;
   };
 
+  /** \brief Blends the leaves near a block for those of its points that have no support yet.
+   * \return whether all have it now. */
+  bool blend(std::size_t block, const BlockPoints& points, Scratch& scratch,
+             Projection& result) const;
   PlacedLeaf placed(std::uint32_t i) const;
   BlockLeaf relativeTo(std::size_t block, const PlacedLeaf& placed) const;
   BlockPoints pointsOf(std::size_t block) const;
@@ -196,11 +200,12 @@ class BlockProjector {
   TrimTables trims_;
   std::vector<PlacedLeaf> placed_;
   BlendRules rules_;
-  bool with_directions_;  ///< principal curvatures and directions
-  float reach_;           ///< > 0: [r] largest residual and offset, in place of the above
-  double noise_;          ///< sqrt(lambda) in the surface's local units
-  bool by_normals_;       ///< whether a leaf counts only for normals near its own
-  float min_dot_ = 0.0f;  ///< and the least cosine with it
+  bool with_directions_;     ///< principal curvatures and directions
+  float reach_;              ///< > 0: [r] largest residual and offset, in place of the above
+  double noise_;             ///< sqrt(lambda) in the surface's local units
+  bool by_normals_;          ///< whether a leaf counts only for normals near its own
+  float min_dot_ = 0.0f;     ///< and the least cosine with it
+  bool sides_may_be_wrong_;  ///< sides were found: where no leaf is of a point's side, all count
 };
 
 // theory.md, "Guards", Projection: which leaves count at a point.
@@ -221,7 +226,8 @@ BlockProjector::BlockProjector(const PointStore& store, const SLIMSurface& surfa
       with_directions_(params.directions || params.extremality),
       reach_(static_cast<float>(params.reach)),
       noise_(std::sqrt(std::max(0.0, surface.info.lambda)) * surface.info.diagonal),
-      by_normals_(surface.info.oriented && store.hasSides() && !params.paper_mode)
+      by_normals_(surface.info.oriented && store.hasSides() && !params.paper_mode),
+      sides_may_be_wrong_(by_normals_ && !store.hasNormals())
 {
   rules_.kernel = surface.info.blend_kernel;
   rules_.oriented = surface.info.oriented;
@@ -288,16 +294,25 @@ void
 BlockProjector::project(std::size_t block, const std::uint32_t* begin, const std::uint32_t* end,
                         Scratch& scratch, Projection& result) const
 {
-  BlockSums& sums = scratch.sums;
   scratch.near.clear();
   for (const std::uint32_t* at = begin; at != end; ++at) {
     scratch.near.push_back(relativeTo(block, placed_[*at]));
   }
-  const BlockPoints points = pointsOf(block);
+  scratch.heights.resize(std::max(scratch.near.size(), scratch.heights.size()));
+  BlockPoints points = pointsOf(block);
+  if (blend(block, points, scratch, result) || !sides_may_be_wrong_) return;
+  points.nx = nullptr;
+  blend(block, points, scratch, result);
+}
+
+bool
+BlockProjector::blend(std::size_t block, const BlockPoints& points, Scratch& scratch,
+                      Projection& result) const
+{
+  BlockSums& sums = scratch.sums;
   for (auto& column : sums.direction) std::fill(column, column + PointStore::kBlock, 0.0f);
   std::fill(sums.weight, sums.weight + PointStore::kBlock, 0.0f);
   const std::size_t leaves = scratch.near.size();
-  scratch.heights.resize(std::max(leaves, scratch.heights.size()));
   for (std::size_t j = 0; j < leaves; ++j) {
     kernels::addDirections(points, scratch.near[j], rules_, sums, scratch.heights[j]);
   }
@@ -309,9 +324,12 @@ BlockProjector::project(std::size_t block, const std::uint32_t* begin, const std
   const std::size_t first = block * PointStore::kBlock;
   const std::size_t count = std::min(PointStore::kBlock, store_.size() - first);
   const BlockMeans means(sums);
+  bool all = true;
   for (std::size_t lane = 0; lane < count; ++lane) {
-    write(first + lane, lane, sums, means, result);
+    if (result.supported[first + lane] == 0) write(first + lane, lane, sums, means, result);
+    all = all && result.supported[first + lane] != 0;
   }
+  return all;
 }
 
 /** Writes what was blended for point i: its place along the ray (eq. 6) and the normal (eq. 7). */

@@ -56,7 +56,8 @@ struct Projection {
  *
  * Equations (6) and (7) of Ohtake, Belyaev, Alexa 2005 with q^ = p, guarded: the weight is taken
  * at the larger of |p - c| and |q - c|, a root counts only within 5 e and r / 4 of p, and where
- * both sides have normals a leaf counts only at points with a similar normal. Weights carry the inverse
+ * both sides have normals a leaf counts only at points with a similar normal; where the fit found the
+ * sides, points without such a leaf take all. Weights carry the inverse
  * variance v / (v + e^2) of each leaf, v = lambda + (r / 1000)^2 being what is expected. Surfels
  * without orientation are aligned in sign to each other, point by point. Never emits NaN.
  * Curvature is positive where the surface bends away from its normal (a sphere with outward
