@@ -74,6 +74,7 @@ reportFit(const FittedPoints& fitted, const SLIMSurface& surface, const FitStati
               {"overlap_edges", fit.sides.overlap_edges},
               {"sided", fit.sides.points},
               {"sided_confidence", fit.sides.confidence},
+              {"plane_neighbors", fit.sides.plane_neighbors},
               {"diagonal", fitted.diagonal},
               {"rms_error_over_diagonal", fit.rms_error},
               {"uncovered", fit.uncovered},
@@ -154,7 +155,9 @@ sidesText(const FitStatistics& fit)
       text, sizeof(text), "thin parts: %llu points got a side %s, %.0f %% of neighbours agree",
       static_cast<unsigned long long>(fit.sides.points),
       fit.sides.for_cover ? "while leaves were fitted" : "first", 50 * (1 + fit.sides.confidence));
-  return text;
+  if (fit.sides.plane_neighbors == 0) return text;
+  return std::string(text) + "; much noise: fitted to planes of " +
+         std::to_string(fit.sides.plane_neighbors) + " neighbours each";
 }
 
 std::string

@@ -198,21 +198,28 @@ facingSensor(const PointStore& store, FitParams params)
   return params;
 }
 
-/** Sides of the points that are left without outliers, for the store of all; outliers get none. */
-std::vector<std::array<float, 3>>
-sidesAmongAll(const PointStore& rest, const std::vector<std::uint32_t>& outliers, std::size_t size)
+/** Gives the store of all points the sides and places that a fit gave those that are left without outliers;
+ * outliers stay as they are. */
+void
+takeFromRest(const PointStore& rest, const std::vector<std::uint32_t>& outliers, int threads,
+             SidedStore& sided)
 {
+  const std::size_t size = sided.store().size();
   std::vector<std::array<float, 3>> sides(size, {0, 0, 0});
+  std::vector<std::array<double, 3>> places(size);
   auto outlier = outliers.begin();
   std::size_t next = 0;
   for (std::size_t i = 0; i < size; ++i) {
+    places[i] = sided.store().position(i);
     if (outlier != outliers.end() && *outlier == i) {
       ++outlier;
-    } else {
-      sides[i] = rest.normal(next++);
+      continue;
     }
+    if (rest.hasSides()) sides[i] = rest.normal(next);
+    places[i] = rest.position(next++);
   }
-  return sides;
+  if (rest.hasSides()) sided.setSides(sides);
+  if (rest.drift() > 0) sided.moveTo(places, threads);
 }
 
 /** The stages of a fit, once outliers are left out. */
@@ -265,6 +272,7 @@ fitStages(const FitConstants& constants, const FitParams& params, SidedStore& si
     stats.penalty *= used / noise;
     stats.lambda *= noise / used;
   }
+  if (measures.scanned > 0) stats.lambda = measures.scanned / (store.diagonal() * store.diagonal());
   return checkLeaves(store, stats);
 }
 
@@ -299,8 +307,7 @@ fitStore(const FitConstants& constants, SidedStore& sided, const FitParams& aske
     PointStore rest = all.without(stats.outlier_points, stats.threads);
     SidedStore sided_rest(rest);
     error = fitStages(constants, params, sided_rest, surface, stats, progress);
-    if (rest.hasSides() && sided.isKept())
-      sided.setSides(sidesAmongAll(rest, stats.outlier_points, all.size()));
+    if (sided.isKept()) takeFromRest(rest, stats.outlier_points, stats.threads, sided);
   }
   if (statistics != nullptr) *statistics = stats;
   if (error) surface.clear();

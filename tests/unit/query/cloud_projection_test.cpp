@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "pcl_slim/core/vector3.h"
 #include "support/clouds.h"
@@ -72,6 +73,27 @@ TEST(CloudProjection, KeepsTheOrderAndTheUnitsOfTheCloud)
     EXPECT_LT(length(subtract(point.position, given)), 1e-3 * kRadius) << i;
     EXPECT_NEAR(point.mean_curvature, 1 / kRadius, 1e-2 / kRadius) << i;
   }
+}
+
+TEST(CloudProjection, MeasuresFromTheCloudsPlacesWhereAFitMovedTheStores)
+{
+  const pcl_slim_test::Cloud cloud = sphereBetweenStrangers();
+  const SLIMSurface surface = surfaceOf(cloud.view());
+  auto store = PointStore::build(cloud.view(), 1);
+  ASSERT_TRUE(store);
+  std::vector<Vector3> moved;
+  for (std::size_t i = 0; i < store->size(); ++i) {
+    const Vector3 p = along(store->origin(), store->scale(), store->position(i));
+    const Vector3 out = along(kMiddle, 1.005, subtract(p, kMiddle));
+    moved.push_back(scaled(subtract(out, store->origin()), 1 / store->scale()));
+  }
+  store->moveTo(moved, 1);
+  CloudProjectionParams params;
+  params.projection.reach = 0.5;
+  const auto projected = CloudProjection::make(cloud.view(), surface, params, nullptr, &*store);
+  ASSERT_TRUE(projected) << projected.error().message;
+  EXPECT_EQ(projected->statistics().moved, kPoints);
+  EXPECT_LT(projected->statistics().max_displacement, 1e-3 * kRadius);
 }
 
 TEST(CloudProjection, RefusesASurfaceOfAnotherCloud)

@@ -109,11 +109,14 @@ PointStore::without(const std::vector<std::uint32_t>& dropped, int threads) cons
   store.frame_ = frame_;
   store.statistics_ = statistics_;
   store.found_sides_ = found_sides_;
+  store.drift_ = drift_;
   store.merged_ = keptMerges(kept, merged_);
   copyOnly(kept, threads, keys_, store.keys_);
   copyOnly(kept, threads, order_of_store_, store.order_of_store_);
   if (hasSensors()) copyOnly(kept, threads, sensors_, store.sensors_);
-  store.cutColumns(*this, kept, threads);
+  store.cutColumns(
+      kept.size(), [&](std::size_t i, std::size_t axis) { return coordinate(kept[i], axis); },
+      threads);
   if (!hasSides()) return store;
   copyOnly(kept, threads, nx_, store.nx_);
   copyOnly(kept, threads, ny_, store.ny_);
@@ -132,7 +135,9 @@ PointStore::drop(const std::vector<std::uint32_t>& dropped, int threads)
   keepOnly(kept, order_of_store_);
   if (hasSensors()) keepOnly(kept, sensors_);
   merged_ = keptMerges(kept, merged_);
-  cutColumns(*this, kept, resolveThreads(threads));
+  cutColumns(
+      size_, [&](std::size_t i, std::size_t axis) { return coordinate(kept[i], axis); },
+      resolveThreads(threads));
   if (!hasSides()) return;
   for (AlignedVector<float>* normals : {&nx_, &ny_, &nz_}) {
     keepOnly(kept, *normals);
@@ -140,28 +145,38 @@ PointStore::drop(const std::vector<std::uint32_t>& dropped, int threads)
   }
 }
 
-/** Takes the positions of some points of a store, this one or another, in new blocks. One column is
- * copied at a time. */
 void
-PointStore::cutColumns(const PointStore& from, const std::vector<std::uint32_t>& kept, int threads)
+PointStore::moveTo(const std::vector<std::array<double, 3>>& positions, int threads)
+{
+  for (std::size_t i = 0; i < size_; ++i) {
+    const auto from = position(i);
+    const auto& to = positions[i];
+    drift_ = std::max(drift_, std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]));
+  }
+  cutColumns(
+      size_, [&](std::size_t i, std::size_t axis) { return positions[i][axis]; },
+      resolveThreads(threads));
+}
+
+/** Cuts positions into new blocks. One column is copied at a time. \param[in] position of a point along an axis */
+template <typename Position>
+void
+PointStore::cutColumns(std::size_t size, const Position& position, int threads)
 {
   BlockTree::Level boxes;
-  boxes.allocate((kept.size() + kBlock - 1) / kBlock);
-  const auto cut = [&](const AlignedVector<float>& from_offsets,
-                       const AlignedVector<float>& from_origins, AlignedVector<float>& offsets,
+  boxes.allocate((size + kBlock - 1) / kBlock);
+  const auto cut = [&](std::size_t axis, AlignedVector<float>& offsets,
                        AlignedVector<float>& origins, AlignedVector<float>& lows,
                        AlignedVector<float>& highs) {
-    BlockedColumn column(kept.size(), threads, [&](std::size_t i) {
-      return static_cast<double>(from_origins[kept[i] / kBlock]) + from_offsets[kept[i]];
-    });
+    BlockedColumn column(size, threads, [&](std::size_t i) { return position(i, axis); });
     offsets = std::move(column.offset);
     origins = std::move(column.origin);
     std::copy(column.low.begin(), column.low.end(), lows.begin());
     std::copy(column.high.begin(), column.high.end(), highs.begin());
   };
-  cut(from.x_, from.block_origin_x_, x_, block_origin_x_, boxes.min_x, boxes.max_x);
-  cut(from.y_, from.block_origin_y_, y_, block_origin_y_, boxes.min_y, boxes.max_y);
-  cut(from.z_, from.block_origin_z_, z_, block_origin_z_, boxes.min_z, boxes.max_z);
+  cut(0, x_, block_origin_x_, boxes.min_x, boxes.max_x);
+  cut(1, y_, block_origin_y_, boxes.min_y, boxes.max_y);
+  cut(2, z_, block_origin_z_, boxes.min_z, boxes.max_z);
   tree_ = BlockTree(std::move(boxes));
 }
 

@@ -160,7 +160,8 @@ LevelCover::coverLevel(int level)
   // A ball marks points within r_r of its centre, which may have moved by largest_shift r_r; a leaf of the
   // next larger radius covers points within alpha r_r / gamma.
   const double moved = 1.0 + plan_.constants.ball.largest_shift;
-  cells_.divide(store_, active_, plan_.levelRadius(level) * std::max(moved, plan_.alpha / kGolden));
+  cells_.divide(store_, active_,
+                plan_.levelRadius(level) * std::max(moved, plan_.alpha / kGolden) + store_.drift());
   const std::size_t first = outputs_.size();
   outputs_.resize(first + cells_.size());
   if (threads_ > 1 && cells_.size() <= kFewCells) {

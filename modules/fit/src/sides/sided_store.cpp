@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "pcl_slim/cloud/detail/local_planes.h"
 #include "pcl_slim/cloud/detail/normal_bound.h"
 #include "pcl_slim/cloud/detail/sides.h"
 
@@ -70,6 +71,8 @@ struct SidedFit {
   FitStatistics stats;
   CloudMeasures measures;
   double noise = 0;  ///< as measured, before it is capped
+  std::size_t plane_neighbors = 0;
+  std::vector<std::array<double, 3>> feet{};  ///< where the points are moved to; none: they stay
 
   /** The noise over the agreement of the sides and the share of points that face apart: the noise rises or one
    * of the others falls where sides are wrong, or cells contain both. */
@@ -115,6 +118,46 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
     noise = std::max(search.least, same ? 0.5 * noise : found);
   }
   sided.clearSides();
+  return {};
+}
+
+/** Seeks sides of the points' feet on local planes, where those of the points are in doubt and noise is wider than
+ * the spacing: feet have less noise, and parts are as thick as before. Sides that it finds replace the
+ * others, with the feet. */
+Error
+seekSidesOfFeet(const ThinPlaces& thin, double unsided, const FitConstants& constants,
+                const FitParams& params, const PointStore& store, const FitStatistics& stats,
+                std::optional<SidedFit>& best)
+{
+  const SideConstants& rules = constants.sides;
+  const double noise = std::min(best->noise, unsided), ratio = best->noise / thin.spacing;
+  const auto k = static_cast<std::size_t>(std::min(rules.plane * ratio * ratio, rules.most_plane));
+  if (best->sides.confidence >= rules.sure || k < rules.least_plane) return {};
+  PointStore moved = store;
+  if (best->sides.confidence > rules.plane_sides) moved.setSides(best->sides.normals);
+  std::vector<std::array<double, 3>> feet = feetOnLocalPlanes(moved, k, stats.threads);
+  moved.clearSides();
+  moved.moveTo(feet, stats.threads);
+
+  FitStatistics moved_stats = stats;
+  const Result<CloudMeasures> measured =
+      measureCloud(moved, params, constants, stats.threads, moved_stats);
+  if (!measured) return measured.error();
+  const ThinPlaces left = findThinPlaces(moved, rules, constants.noise, stats.threads);
+  auto search = searchFor(left, std::sqrt(measured->lambda), true, rules);
+  if (!search) return {};  // no sides are left to be found
+  // Neighbours share what is left of the noise: small patches do not show all of it.
+  search->noise = std::max(search->noise, rules.feet_noise * noise);
+  search->unsided = std::max(search->unsided, rules.feet_noise * noise);
+  SidedStore sided(moved);
+  std::optional<SidedFit> found;
+  if (Error error = seekSides(*search, left.spacing, constants, params, sided, moved_stats, found))
+    return error;
+  if (!found) return {};
+  found->measures.scanned = noise * noise;
+  found->plane_neighbors = k;
+  found->feet = std::move(feet);
+  best = std::move(found);
   return {};
 }
 
@@ -192,6 +235,11 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
   if (!search && white && thin.share + thin.facing + thin.near >= constants.sides.few_thin)
     sideFacingPlaces(thin, constants, sided, measures, stats);
   if (!best) return {};
+  if (!params.lambda && !params.noise_model) {  // a given noise is not that of feet
+    if (Error error = seekSidesOfFeet(thin, unsided, constants, params, sided.store(), stats, best))
+      return error;
+  }
+  if (!best->feet.empty()) sided.moveTo(best->feet, stats.threads);
   measures = std::move(best->measures);
   stats = best->stats;
   // Where there is little noise, a leaf's residual separates sheets better than a point's cell does.
@@ -203,6 +251,7 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
   measures.skip_lone_sides = !stats.sides.for_cover;
   stats.sides.points = sided.store().size();
   stats.sides.confidence = best->sides.confidence;
+  stats.sides.plane_neighbors = best->plane_neighbors;
   return {};
 }
 

@@ -37,6 +37,10 @@ class SidedStore {
     own().setSides(after_cover_);
     after_cover_.clear();
   }
+  void moveTo(const std::vector<std::array<double, 3>>& positions, int threads)
+  {
+    own().moveTo(positions, threads);
+  }
   void clearSides()
   {
     if (store_->hasSides() && !store_->hasNormals()) own().clearSides();

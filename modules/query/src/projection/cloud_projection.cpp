@@ -126,7 +126,7 @@ CloudProjection::add(const PointStore& store, const SLIMSurface& surface, Progre
   const std::size_t first = projection_.position.size();
   if (first == 0) {
     projection_ = std::move(more);
-    measure(store, first);
+    measure(first);
     return {};
   }
   const double factor = store.scale() / scale_;
@@ -144,7 +144,7 @@ CloudProjection::add(const PointStore& store, const SLIMSurface& surface, Progre
       rescale(factor, projection_.principal.emplace_back(more.principal[i]));
     }
   }
-  measure(store, first);
+  measure(first);
   return {};
 }
 
@@ -158,7 +158,7 @@ CloudProjection::keep(const PointStore& store)
   projection_.inside.resize(count);
   if (!projection_.curvature.empty()) projection_.curvature.resize(count);
   if (!projection_.principal.empty()) projection_.principal.resize(count);
-  measure(store, count - store.size());
+  measure(count - store.size());
 }
 
 Error
@@ -195,7 +195,7 @@ CloudProjection::addRest(const SLIMSurface& surface, Progress* progress, const P
 }
 
 void
-CloudProjection::measure(const PointStore& store, std::size_t first)
+CloudProjection::measure(std::size_t first)
 {
   for (std::size_t i = 0; i < size(); ++i) {
     if (!isFinite(i) || stored_[i] < first) continue;
@@ -204,11 +204,12 @@ CloudProjection::measure(const PointStore& store, std::size_t first)
       continue;
     }
     ++statistics_.moved;
-    const auto from = toFirst(store, store.position(stored_[i] - first));
+    const auto from =
+        cloud_.position(cloud_.inputIndex(i));  // the fit may have moved stored points
     const auto& to = projection_.position[stored_[i]];
     double length_sq = 0.0;
     for (std::size_t a = 0; a < 3; ++a) {
-      const double step = scale_ * (to[a] - from[a]);
+      const double step = origin_[a] + scale_ * to[a] - from[a];
       length_sq += step * step;
     }
     statistics_.rms_displacement += length_sq;  // a sum until all points are in

@@ -66,6 +66,8 @@ class PCL_SLIM_EXPORT PointStore {
   PointStore without(const std::vector<std::uint32_t>& dropped, int threads = 1) const;
   /** \brief Drops them from this store, which takes memory for one column more. */
   void drop(const std::vector<std::uint32_t>& dropped, int threads = 1);
+  /** \brief Moves every point to another local position. Keys and order stay those of the places before. */
+  void moveTo(const std::vector<std::array<double, 3>>& positions, int threads = 1);
 
   std::size_t size() const { return size_; }
   std::size_t numBlocks() const { return block_origin_x_.size(); }
@@ -104,7 +106,10 @@ class PCL_SLIM_EXPORT PointStore {
   /** \brief L in local units, in (.49, 1); 0: one position. */
   double diagonal() const { return frame_.diagonal; }
 
-  /** \brief 63-bit Morton codes, ascending; three bits a level, x highest. */
+  /** \brief How far moveTo() moved points at most, local length. */
+  double drift() const { return drift_; }
+
+  /** \brief 63-bit Morton codes, ascending; three bits a level, x highest; of the places before moveTo(). */
   const std::uint64_t* keys() const { return keys_.data(); }
   /** \brief Surfel centres are multiples of this, so that world = origin + scale * centre is exact
    * in float (unless the origin is beyond 256 L). */
@@ -142,7 +147,16 @@ class PCL_SLIM_EXPORT PointStore {
  private:
   friend class detail::PointStoreBuilder;
 
-  void cutColumns(const PointStore& from, const std::vector<std::uint32_t>& kept, int threads);
+  double coordinate(std::size_t i, std::size_t axis) const
+  {
+    const AlignedVector<float>& offsets = axis == 0 ? x_ : axis == 1 ? y_ : z_;
+    const AlignedVector<float>& origins = axis == 0   ? block_origin_x_
+                                          : axis == 1 ? block_origin_y_
+                                                      : block_origin_z_;
+    return static_cast<double>(origins[i / kBlock]) + offsets[i];
+  }
+  template <typename Position>
+  void cutColumns(std::size_t size, const Position& position, int threads);
 
   std::size_t size_ = 0;
   StoreFrame frame_;
@@ -155,6 +169,7 @@ class PCL_SLIM_EXPORT PointStore {
   PointStoreStatistics statistics_;
   std::vector<std::array<float, 3>> sensors_;  ///< local positions, in stored order, or none
   bool found_sides_ = false;                   ///< the normals are those of setSides()
+  double drift_ = 0;
 };
 
 }  // namespace pcl_slim

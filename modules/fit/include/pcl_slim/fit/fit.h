@@ -128,6 +128,8 @@ struct SideStatistics {
   std::uint64_t points = 0;  ///< that were given a side before the cover
   bool for_cover = false;    ///< ... and the projection does without them
   double confidence = 0;     ///< agreement of neighbouring sides: 1 in full, 0 as chance has it
+  /// points were moved to the planes of this many neighbours first; 0: they were not
+  std::uint64_t plane_neighbors = 0;
   SideSource source = SideSource::kNone;
   std::uint64_t overlap_edges = 0;  ///< of the graph that kOverlaps searches; 0: there was no need
 };

@@ -108,7 +108,7 @@ class PCL_SLIM_EXPORT CloudProjection {
   /** \brief A store's local position in the first store's units. */
   std::array<double, 3> toFirst(const PointStore& store, const std::array<double, 3>& local) const;
   /** \brief Counts and measures the points whose stored ones begin at first. */
-  void measure(const PointStore& store, std::size_t first);
+  void measure(std::size_t first);
   std::optional<std::array<double, 3>> eyeOf(std::size_t input) const;
   /** \brief -1 where a surface normal at a point must be reversed, else 1. */
   float side(std::size_t i, const ProjectedPoint& point) const;
