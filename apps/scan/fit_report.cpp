@@ -156,8 +156,8 @@ sidesText(const FitStatistics& fit)
       static_cast<unsigned long long>(fit.sides.points),
       fit.sides.for_cover ? "while leaves were fitted" : "first", 50 * (1 + fit.sides.confidence));
   if (fit.sides.plane_neighbors == 0) return text;
-  return std::string(text) + "; much noise: fitted to planes of " +
-         std::to_string(fit.sides.plane_neighbors) + " neighbours each";
+  return std::string(text) + "; noisy: points were moved to planes of " +
+         std::to_string(fit.sides.plane_neighbors) + " neighbours first";
 }
 
 std::string

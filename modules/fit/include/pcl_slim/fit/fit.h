@@ -195,7 +195,9 @@ fitSurface(const PointStore& store, const FitParams& params, SLIMSurface& surfac
            FitStatistics* statistics = nullptr, Progress* progress = nullptr);
 
 /** \brief The same; where points were given sides, the store keeps them, and projectPoints() puts each
- * point onto its own side. Sides of an earlier fit are dropped first. */
+ * point onto its own side. Where noise is wider than the spacing and sides are in doubt, the store's points are moved
+ * to local planes (SideStatistics::plane_neighbors): a further fit starts from there. Sides of an earlier
+ * fit are dropped first. */
 PCL_SLIM_EXPORT Error
 fitSurface(PointStore& store, const FitParams& params, SLIMSurface& surface,
            FitStatistics* statistics = nullptr, Progress* progress = nullptr);
