@@ -307,7 +307,8 @@ fitStore(const FitConstants& constants, SidedStore& sided, const FitParams& aske
     PointStore rest = all.without(stats.outlier_points, stats.threads);
     SidedStore sided_rest(rest);
     error = fitStages(constants, params, sided_rest, surface, stats, progress);
-    if (sided.isKept()) takeFromRest(rest, stats.outlier_points, stats.threads, sided);
+    if (sided.isKept() && (rest.hasSides() || rest.drift() > 0))
+      takeFromRest(rest, stats.outlier_points, stats.threads, sided);
   }
   if (statistics != nullptr) *statistics = stats;
   if (error) surface.clear();

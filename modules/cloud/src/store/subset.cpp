@@ -148,11 +148,13 @@ PointStore::drop(const std::vector<std::uint32_t>& dropped, int threads)
 void
 PointStore::moveTo(const std::vector<std::array<double, 3>>& positions, int threads)
 {
+  double farthest = 0;
   for (std::size_t i = 0; i < size_; ++i) {
     const auto from = position(i);
     const auto& to = positions[i];
-    drift_ = std::max(drift_, std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]));
+    farthest = std::max(farthest, std::hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]));
   }
+  drift_ += farthest;  // keys are of the places before the first move
   cutColumns(
       size_, [&](std::size_t i, std::size_t axis) { return positions[i][axis]; },
       resolveThreads(threads));

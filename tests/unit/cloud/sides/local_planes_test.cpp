@@ -5,6 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <random>
 #include <utility>
@@ -73,6 +74,11 @@ TEST(LocalPlanes, AStoreOfMovedPointsAnswersForTheirNewPlaces)
   }
   EXPECT_NEAR(store.drift(), drift, 1e-6);
   EXPECT_EQ(store.orderOfStore(), before.orderOfStore());
+  PointStore again = store;
+  std::vector<std::array<double, 3>> back;
+  for (std::size_t i = 0; i < before.size(); ++i) back.push_back(before.position(i));
+  again.moveTo(back, 1);
+  EXPECT_NEAR(again.drift(), 2 * drift, 1e-6);  // of both ways
   NeighborSearch search(store);
   std::vector<std::uint32_t> neighbors;
   std::vector<float> squares;
