@@ -33,6 +33,7 @@ struct SideSearch {
   double noise = 0;     ///< by which the first cells are cut
   double least = 0;     ///< noise below which the spacing alone sets the width of cells
   double unsided = 0;   ///< noise measured without sides
+  double moved = HUGE_VAL;  ///< noise from which points are moved where sides are in doubt
   bool capped = true;   ///< lambda may not exceed the noise that cells are cut by
 };
 
@@ -43,6 +44,15 @@ leastShare(double noise, const SideConstants& rules)
 {
   const double clean = (rules.full_noise - noise) / (rules.full_noise - rules.clean_noise);
   return rules.least_thin + std::clamp(clean, 0.0, 1.0) * (rules.clean_thin - rules.least_thin);
+}
+
+/** The least noise for which points are moved to planes of enough neighbours. A given noise is not that of
+ * moved points. */
+double
+leastMoved(double spacing, const FitParams& params, const SideConstants& rules)
+{
+  if (params.lambda || params.noise_model) return HUGE_VAL;
+  return spacing * std::sqrt(static_cast<double>(rules.least_plane) / rules.plane);
 }
 
 /** \return nothing where a cloud has too few thin places. */
@@ -77,10 +87,16 @@ struct SidedFit {
   /** The noise over the agreement of the sides and the share of points that face apart: the noise rises or one
    * of the others falls where sides are wrong, or cells contain both. */
   double cost() const { return noise / (sides.confidence * sides.thin); }
+
+  /** Whether sides are in doubt and noise is so much wider than the spacing that moving points removes it. */
+  bool isMoved(const SideSearch& search, const SideConstants& rules) const
+  {
+    return sides.confidence < rules.sure && noise >= search.moved;
+  }
 };
 
 /** Seeks sides by narrower and narrower cells: cells with both sides leave doubts, or too few
- * faces separated. Keeps the sides of the least cost. */
+ * faces separated. Keeps the sides of the least cost. Leaves doubts that moving the points answers better. */
 Error
 seekSides(const SideSearch& search, double spacing, const FitConstants& constants,
           const FitParams& params, SidedStore& sided, const FitStatistics& stats,
@@ -115,15 +131,15 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
     }
     const bool same = found > rules.same_noise * noise;
     if (noise <= search.least || (same && !narrower)) break;
+    if (same && best && best->isMoved(search, rules)) break;
     noise = std::max(search.least, same ? 0.5 * noise : found);
   }
   sided.clearSides();
   return {};
 }
 
-/** Seeks sides of the points' feet on local planes, where those of the points are in doubt and noise is wider than
- * the spacing: feet have less noise, and parts are as thick as before. Sides that it finds replace the
- * others, with the feet. */
+/** Seeks sides of the points' feet on local planes: feet have less noise, and parts are as thick as before. Sides
+ * that it finds replace the others, with the feet. */
 Error
 seekSidesOfFeet(const ThinPlaces& thin, double unsided, const FitConstants& constants,
                 const FitParams& params, const PointStore& store, const FitStatistics& stats,
@@ -132,7 +148,6 @@ seekSidesOfFeet(const ThinPlaces& thin, double unsided, const FitConstants& cons
   const SideConstants& rules = constants.sides;
   const double noise = std::min(best->noise, unsided), ratio = best->noise / thin.spacing;
   const auto k = static_cast<std::size_t>(std::min(rules.plane * ratio * ratio, rules.most_plane));
-  if (best->sides.confidence >= rules.sure || k < rules.least_plane) return {};
   PointStore moved = store;
   if (best->sides.confidence > rules.plane_sides) moved.setSides(best->sides.normals);
   std::vector<std::array<double, 3>> feet = feetOnLocalPlanes(moved, k, stats.threads);
@@ -224,9 +239,10 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
       findThinPlaces(sided.store(), constants.sides, constants.noise, stats.threads);
   stats.sides.thin_places = thin.share;
   const double unsided = std::sqrt(measures.lambda);
-  const auto search = searchFor(thin, unsided, !params.lambda, constants.sides);
+  auto search = searchFor(thin, unsided, !params.lambda, constants.sides);
   std::optional<SidedFit> best;
   if (search) {
+    search->moved = leastMoved(thin.spacing, params, constants.sides);
     if (Error error = seekSides(*search, thin.spacing, constants, params, sided, stats, best))
       return error;
   }
@@ -234,11 +250,16 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
   const bool white = !(stats.noise.correlation > 1);
   if (!search && white && thin.share + thin.facing + thin.near >= constants.sides.few_thin)
     sideFacingPlaces(thin, constants, sided, measures, stats);
-  if (!best) return {};
-  if (!params.lambda && !params.noise_model) {  // a given noise is not that of feet
+  if (best && best->isMoved(*search, constants.sides)) {
     if (Error error = seekSidesOfFeet(thin, unsided, constants, params, sided.store(), stats, best))
       return error;
+    search->moved = HUGE_VAL;
+    if (best->feet.empty()) {
+      if (Error error = seekSides(*search, thin.spacing, constants, params, sided, stats, best))
+        return error;
+    }
   }
+  if (!best) return {};
   if (!best->feet.empty()) sided.moveTo(best->feet, stats.threads);
   measures = std::move(best->measures);
   stats = best->stats;
