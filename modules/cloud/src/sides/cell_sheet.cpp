@@ -4,8 +4,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
+
+#include "sides/cell_kernels.h"
 
 namespace pcl_slim::detail {
 
@@ -13,40 +14,28 @@ namespace {
 
 constexpr std::size_t kMost = SideConstants::kMostNeighbors;
 
-/** A cell's neighbours: offsets of their means, numbers and covariances of their points. */
-struct Neighbors {
-  std::size_t count = 0;
-  std::array<std::uint32_t, kMost> cells;
-  std::array<Vector3, kMost> offsets;
-};
+/** The bits of the first cells. */
+std::uint64_t
+firstCells(std::size_t count)
+{
+  return (std::uint64_t{1} << count) - 1;
+}
 
-/** Sums over points of cells: moments about the middle cell's mean. */
-struct CellSums {
-  double count = 0;
-  Vector3 first{};
-  std::array<double, 6> second{};
-
-  void add(const CellMoments& cell, const Vector3& offset)
-  {
-    count += cell.count;
-    for (std::size_t a = 0, k = 0; a < 3; ++a) {
-      first[a] += cell.count * offset[a];
-      for (std::size_t b = a; b < 3; ++b, ++k)
-        second[k] += cell.count * (cell.covariance[k] + offset[a] * offset[b]);
-    }
-  }
-};
+Vector3
+meanOf(const CellSums& sums)
+{
+  return {sums[1] / sums[0], sums[2] / sums[0], sums[3] / sums[0]};
+}
 
 /** Sets a sheet's normal and spread. \return the spread over the lesser one across the normal. */
 double
 setNormal(const CellSums& sums, CellSheet& sheet)
 {
-  const auto& s = sums.second;
-  const Eigen::Vector3d mean =
-      Eigen::Vector3d(sums.first[0], sums.first[1], sums.first[2]) / sums.count;
+  const Vector3 m = meanOf(sums);
+  const Eigen::Vector3d mean(m[0], m[1], m[2]);
   Eigen::Matrix3d covariance;
-  covariance << s[0], s[1], s[2], s[1], s[3], s[4], s[2], s[4], s[5];
-  covariance = covariance / sums.count - mean * mean.transpose();
+  covariance << sums[4], sums[5], sums[6], sums[5], sums[7], sums[8], sums[6], sums[8], sums[9];
+  covariance = covariance / sums[0] - mean * mean.transpose();
   const double scale = std::max(covariance.trace(), std::numeric_limits<double>::min());
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
   axes.computeDirect(covariance / scale);
@@ -57,120 +46,114 @@ setNormal(const CellSums& sums, CellSheet& sheet)
   return spreads[1] > 0 ? spreads[0] / spreads[1] : 1;
 }
 
+/** Variance of the points along a unit direction. */
 double
-varianceAlong(const CellMoments& cell, const Vector3& n)
+varianceAlong(const CellSums& sums, const Vector3& n)
 {
-  const auto& s = cell.covariance;
-  return n[0] * (s[0] * n[0] + 2 * (s[1] * n[1] + s[2] * n[2])) +
-         n[1] * (s[3] * n[1] + 2 * s[4] * n[2]) + n[2] * s[5] * n[2];
+  const double square = n[0] * (sums[4] * n[0] + 2 * (sums[5] * n[1] + sums[6] * n[2])) +
+                        n[1] * (sums[7] * n[1] + 2 * sums[8] * n[2]) + n[2] * sums[9] * n[2];
+  const double mean = dot(meanOf(sums), n);
+  return square / sums[0] - mean * mean;
 }
 
-/** Two-means on heights about their mean. */
-struct TwoSheets {
-  double above = 0, gap = 0;  ///< points above the middle, distance of the two means
-  double middle = 0;
-};
-
-TwoSheets
-twoMeans(const std::array<double, kMost>& heights, const std::array<double, kMost>& counts,
-         std::size_t n, double total, int passes)
-{
-  TwoSheets two;
-  for (int pass = 0; pass < passes; ++pass) {
-    double above = 0, sum = 0;
-    for (std::size_t k = 0; k < n; ++k) {
-      const double share = heights[k] > two.middle ? counts[k] : 0.0;
-      above += share;
-      sum += share * heights[k];
-    }
-    two.above = above;
-    if (!(above > 0 && above < total)) return {};
-    two.gap = sum / above + sum / (total - above);
-    if (pass + 1 < passes) two.middle = 0.5 * (sum / above - sum / (total - above));
-  }
-  return two;
-}
-
-/** Whether one sheet is above the other, and not side by side as the faces of an edge are: their
+/** Whether one sheet is above the other, and not next to each other as the faces of an edge are: their
  * middles are no farther apart across the normal than each is wide. */
 bool
-overlap(const SideCells& cut, const Neighbors& near, const CellSheet& sheet)
+overlap(const std::array<CellSums, 2>& sides, const Vector3& normal)
 {
-  CellSums sums[2];
-  for (std::size_t k = 0; k < sheet.count; ++k)
-    sums[sheet.isOther(k)].add(cut.cells[near.cells[k]], near.offsets[k]);
-  const Vector3 between =
-      subtract(scaled(sums[1].first, 1 / sums[1].count), scaled(sums[0].first, 1 / sums[0].count));
-  const Vector3 across = along(between, -dot(between, sheet.normal), sheet.normal);
-  double variance = 0;
-  for (const CellSums& side : sums) {
-    const Vector3 n = normalized(across);
-    const double mean = dot(side.first, n) / side.count;
-    CellMoments all;
-    all.covariance = side.second;
-    variance += 0.5 * (varianceAlong(all, n) / side.count - mean * mean);
-  }
-  return dot(across, across) < variance;
+  const Vector3 between = subtract(meanOf(sides[1]), meanOf(sides[0]));
+  const Vector3 across = along(between, -dot(between, normal), normal);
+  const Vector3 n = normalized(across);
+  return dot(across, across) < 0.5 * (varianceAlong(sides[0], n) + varianceAlong(sides[1], n));
 }
 
-/** Marks the cells of another sheet, if two are apart along the normal. */
+/** Marks the cells of another sheet, if two are apart along the normal. \param[out] sides sums over the
+ * cell's own sheet and over the other */
 void
-findOther(const SideCells& cut, const Neighbors& near, const CellSums& sums,
-          const SideConstants& constants, CellSheet& sheet)
+findOther(const NearCells& near, const CellSums& all, const SideConstants& constants,
+          CellSheet& sheet, std::array<CellSums, 2>& sides)
 {
-  std::array<double, kMost> heights, counts;
-  const double mean = dot(sums.first, sheet.normal) / sums.count;
-  double square = 0;
-  for (std::size_t k = 0; k < sheet.count; ++k) {
-    const CellMoments& cell = cut.cells[near.cells[k]];
-    heights[k] = dot(near.offsets[k], sheet.normal) - mean;
-    counts[k] = cell.count;
-    square += cell.count * (heights[k] * heights[k] + varianceAlong(cell, sheet.normal));
-  }
-  const double total = sums.count;
-  const TwoSheets two = twoMeans(heights, counts, sheet.count, total, constants.passes);
+  const double total = all[0], mean = dot(meanOf(all), sheet.normal);
+  const TwoSheets two =
+      kernels::partCells(near, sheet.count, sheet.normal, mean, constants.passes);
   const double between = two.above * (total - two.above) / total * two.gap * two.gap;
-  const double within = std::max(0.0, square - between) / total;
+  const double within = std::max(0.0, two.square - between) / total;
   const double least = constants.least_side * total;
   if (!(two.above > least && total - two.above > least)) return;
   if (!(two.gap * two.gap > constants.apart * constants.apart * within)) return;
-  for (std::size_t k = 1; k < sheet.count; ++k) {
-    const bool other = (heights[k] > two.middle) != (heights[0] > two.middle);
-    sheet.other |= static_cast<std::uint64_t>(other) << k;
-  }
-  if (sheet.other != 0 && !overlap(cut, near, sheet)) sheet.other = 0;
+  const std::uint64_t cells = firstCells(sheet.count);
+  sheet.other = two.higher & 1 ? cells & ~two.higher : two.higher;
+  sides = {kernels::sumCells(near, cells & ~sheet.other), kernels::sumCells(near, sheet.other)};
+  if (!overlap(sides, sheet.normal)) sheet.other = 0;
 }
 
-/** The nearest cells by their means, the cell itself first and the nearest of each neighbourhood before
- * the others. */
-Neighbors
-nearestCells(const SideCells& cut, std::uint32_t cell, const SideConstants& constants)
+/** A cell in a window, with its squared distance in front to sort by. */
+struct Distant {
+  float square;
+  std::uint32_t cell;
+
+  bool operator<(const Distant& other) const
+  {
+    return square != other.square ? square < other.square : cell < other.cell;
+  }
+};
+
+/** Puts the nearest first and in order: first by steps of their squared distance, of which few have more
+ * than one cell. \return how many there are in order, no fewer than wanted if there are as many */
+std::size_t
+sortNearest(const std::array<Distant, SideCells::kWindow>& found, std::size_t count, double width,
+            std::size_t wanted, std::array<Distant, SideCells::kWindow>& sorted)
 {
-  std::array<std::uint32_t, SideCells::kWindow> found;
-  std::array<std::uint64_t, SideCells::kWindow> order;  // squared distance, number
-  const std::size_t count = cut.cellsAbout(cell, found);
+  constexpr std::size_t kSteps = 128;
+  constexpr float kStepsPerWidth = 4;
+  const float scale = kStepsPerWidth / static_cast<float>(width * width);
+  const auto stepOf = [scale](const Distant& at) {
+    return static_cast<std::size_t>(std::min(at.square * scale, static_cast<float>(kSteps - 1)));
+  };
+  std::array<std::uint8_t, kSteps + 1> begins{};
+  for (std::size_t k = 0; k < count; ++k) ++begins[stepOf(found[k]) + 1];
+  std::size_t steps = 0, kept = 0;
+  for (; steps < kSteps && kept < std::min(wanted, count); ++steps) {
+    kept += begins[steps + 1];
+    begins[steps + 1] = static_cast<std::uint8_t>(kept);
+  }
   for (std::size_t k = 0; k < count; ++k) {
-    const Vector3 d = subtract(cut.cells[found[k]].mean, cut.cells[cell].mean);
-    const auto square = static_cast<float>(found[k] == cell ? 0.0 : dot(d, d));
-    std::uint32_t bits;
-    std::memcpy(&bits, &square, sizeof bits);
-    order[k] = static_cast<std::uint64_t>(bits) << 32 | found[k];
+    const std::size_t step = stepOf(found[k]);
+    if (step < steps) sorted[begins[step]++] = found[k];
   }
-  std::size_t end = count;
-  for (std::size_t s = constants.neighbors.size(); s-- > 0;) {
-    const std::size_t nearest = constants.neighbors[s];
-    if (nearest >= end) continue;
-    std::nth_element(order.begin(), order.begin() + nearest, order.begin() + end);
-    end = nearest;
+  for (std::size_t k = 1; k < kept; ++k) {
+    const Distant at = sorted[k];
+    std::size_t place = k;
+    for (; place > 0 && at < sorted[place - 1]; --place) sorted[place] = sorted[place - 1];
+    sorted[place] = at;
   }
-  std::nth_element(order.begin(), order.begin(), order.begin() + end);
-  Neighbors near;
-  near.count = std::min({count, constants.neighbors.back(), kMost});
-  for (std::size_t k = 0; k < near.count; ++k) {
-    near.cells[k] = static_cast<std::uint32_t>(order[k]);
-    near.offsets[k] = subtract(cut.cells[near.cells[k]].mean, cut.cells[cell].mean);
+  return kept;
+}
+
+/** Finds the nearest cells by their means, the cell itself first. \return how many */
+std::size_t
+nearestCells(const SideCells& cut, std::uint32_t cell, std::size_t wanted,
+             std::array<std::uint32_t, kMost>& cells, NearCells& near)
+{
+  std::array<std::uint32_t, SideCells::kWindow> window;
+  std::array<Distant, SideCells::kWindow> found, sorted;
+  const std::size_t count = cut.cellsAbout(cell, window);
+  const Vector3& middle = cut.cells[cell].mean;
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vector3 d = subtract(cut.cells[window[k]].mean, middle);
+    found[k] = {window[k] == cell ? 0.0f : static_cast<float>(dot(d, d)), window[k]};
   }
-  return near;
+  const std::size_t kept =
+      std::min(sortNearest(found, count, cut.width, wanted, sorted), wanted);
+  for (std::size_t k = 0; k < kept; ++k) {
+    cells[k] = sorted[k].cell;
+    const CellMoments& at = cut.cells[cells[k]];
+    near.columns[0][k] = at.count;
+    for (std::size_t a = 0; a < 3; ++a) near.columns[1 + a][k] = at.mean[a] - middle[a];
+    for (std::size_t c = 0; c < 6; ++c) near.columns[4 + c][k] = at.covariance[c];
+  }
+  for (auto& column : near.columns) std::fill(column.begin() + kept, column.end(), 0.0);
+  return kept;
 }
 
 }  // namespace
@@ -178,31 +161,33 @@ nearestCells(const SideCells& cut, std::uint32_t cell, const SideConstants& cons
 CellSheet
 sheetOf(const SideCells& cut, std::uint32_t cell, const SideConstants& constants)
 {
-  const Neighbors near = nearestCells(cut, cell, constants);
+  NearCells near;
   CellSheet best;
+  const std::size_t count =
+      nearestCells(cut, cell, std::min(constants.neighbors.back(), kMost), best.cells, near);
   double flattest = std::numeric_limits<double>::infinity();
-  CellSums sums;
+  CellSums sums{};
   std::size_t summed = 0;
   for (const std::size_t size : constants.neighbors) {
     CellSheet sheet;
-    sheet.count = std::min(size, near.count);
-    for (; summed < sheet.count; ++summed)
-      sums.add(cut.cells[near.cells[summed]], near.offsets[summed]);
+    sheet.count = std::min(size, count);
+    const CellSums added =
+        kernels::sumCells(near, firstCells(sheet.count) & ~firstCells(summed));
+    for (std::size_t c = 0; c < sums.size(); ++c) sums[c] += added[c];
+    summed = sheet.count;
     double flatness = setNormal(sums, sheet);
-    findOther(cut, near, sums, constants, sheet);
+    std::array<CellSums, 2> sides;
+    findOther(near, sums, constants, sheet, sides);
     if (sheet.other != 0) {
-      CellSums sides[2];
-      for (std::size_t k = 0; k < sheet.count; ++k)
-        sides[sheet.isOther(k)].add(cut.cells[near.cells[k]], near.offsets[k]);
       flatness = setNormal(sides[0], sheet);
-      sheet.middle = 0.5 * (dot(sides[0].first, sheet.normal) / sides[0].count +
-                            dot(sides[1].first, sheet.normal) / sides[1].count);
+      sheet.middle =
+          0.5 * (dot(meanOf(sides[0]), sheet.normal) + dot(meanOf(sides[1]), sheet.normal));
     }
     if (flatness >= flattest) continue;
     flattest = flatness;
+    sheet.cells = best.cells;
     best = sheet;
   }
-  best.cells = near.cells;
   return best;
 }
 

@@ -2,7 +2,6 @@
 #include "sides/side_cells.h"
 
 #include <algorithm>
-#include <bitset>
 #include <cmath>
 
 #include "pcl_slim/cloud/morton.h"
@@ -23,7 +22,7 @@ placeOf(const Vector3& p, double width)
 {
   Place place;
   for (std::size_t a = 0; a < 3; ++a) {
-    const double cell = std::floor((p[a] + 0.5) / width);
+    const double cell = (p[a] + 0.5) / width;
     place[a] = static_cast<std::int64_t>(std::clamp(cell, 0.0, static_cast<double>(kLast)));
   }
   return place;
@@ -60,10 +59,14 @@ cubesWithin(std::size_t axis, std::int64_t first, std::int64_t last)
   return cubes;
 }
 
+/** How many bits are set: sums of pairs, of fours, and of all bytes at once. */
 std::uint32_t
 countBits(std::uint64_t bits)
 {
-  return static_cast<std::uint32_t>(std::bitset<64>(bits).count());
+  bits -= bits >> 1 & 0x5555555555555555u;
+  bits = (bits & 0x3333333333333333u) + (bits >> 2 & 0x3333333333333333u);
+  bits = (bits + (bits >> 4)) & 0x0f0f0f0f0f0f0f0fu;
+  return static_cast<std::uint32_t>(bits * 0x0101010101010101u >> 56);
 }
 
 CellMoments
@@ -155,19 +158,21 @@ SideCells::cellsAbout(std::uint32_t cell, std::array<std::uint32_t, kWindow>& fo
 {
   constexpr std::int64_t kReach = 2;
   const Place middle = placeOf(cells[cell].mean, width);
-  Place first;  // brick
-  for (std::size_t a = 0; a < 3; ++a) first[a] = std::max<std::int64_t>(middle[a] - kReach, 0) / 4;
+  Place first;                  // brick
+  std::uint64_t within[3][2];  // cubes of the first and the next brick along each axis
+  for (std::size_t a = 0; a < 3; ++a) {
+    first[a] = std::max<std::int64_t>(middle[a] - kReach, 0) / 4;
+    for (std::int64_t next = 0; next < 2; ++next) {
+      const std::int64_t begin = 4 * (first[a] + next), from = middle[a] - begin;
+      within[a][next] = begin > kLast ? 0 : cubesWithin(a, from - kReach, from + kReach);
+    }
+  }
   std::size_t count = 0;
   for (std::int64_t corner = 0; corner < 8; ++corner) {
-    const Place at = {first[0] + (corner >> 2), first[1] + (corner >> 1 & 1),
-                      first[2] + (corner & 1)};
-    std::uint64_t cubes = ~std::uint64_t(0);
-    for (std::size_t a = 0; a < 3; ++a) {
-      const std::int64_t from = middle[a] - 4 * at[a];
-      cubes &= 4 * at[a] > kLast ? 0 : cubesWithin(a, from - kReach, from + kReach);
-    }
+    const std::int64_t x = corner >> 2, y = corner >> 1 & 1, z = corner & 1;
+    std::uint64_t cubes = within[0][x] & within[1][y] & within[2][z];
     if (cubes == 0) continue;
-    const Brick& brick = brickOf(codeOf(at));
+    const Brick& brick = brickOf(codeOf({first[0] + x, first[1] + y, first[2] + z}));
     for (cubes &= brick.cubes; cubes != 0; cubes &= cubes - 1)
       found[count++] = brick.first + countBits(brick.cubes & ((cubes & (0 - cubes)) - 1));
   }
