@@ -64,7 +64,9 @@ reportFit(const FittedPoints& fitted, const SLIMSurface& surface, const FitStati
               {"t_mdl", fit.t_mdl},
               {"normal_error", fit.noise.normal_error},
               {"lambda", fit.lambda},
+              {"noise_error", fit.noise.error},
               {"noise_correlation", fit.noise.correlation},
+              {"noise_correlation_error", fit.noise.correlation_error},
               {"noise_line", fit.noise.line},
               {"noise_step", fit.noise.step},
               {"noise_neighbors", fit.noise.neighbors},
@@ -119,18 +121,28 @@ counted(std::uint64_t count, const std::string& what)
   return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
 }
 
+/** " +- 3 %" for a relative error; nothing where it is not known. */
+std::string
+errorText(double error)
+{
+  if (!(error > 0)) return {};
+  return " +- " + std::to_string(static_cast<int>(std::ceil(100 * error))) + " %";
+}
+
 std::string
 noiseText(double diagonal, const FitStatistics& fit)
 {
   char text[160];
   std::snprintf(text, sizeof(text), "noise %.3g RMS", std::sqrt(fit.lambda) * diagonal);
-  std::string line = text;
+  std::string line = text + errorText(fit.noise.error);
   if (fit.noise.step > 0) {
     std::snprintf(text, sizeof(text), ", in steps of %.3g", fit.noise.step * diagonal);
     line += text;
   }
-  std::snprintf(text, sizeof(text), ", correlated over %.0f points", fit.noise.correlation);
-  line += fit.noise.correlation > 1 ? text : ", white";
+  const int decimals = fit.noise.correlation < 10 ? 1 : 0;
+  std::snprintf(text, sizeof(text), ", correlated over %.*f points", decimals,
+                fit.noise.correlation);
+  line += fit.noise.correlation > 1 ? text + errorText(fit.noise.correlation_error) : ", white";
   if (fit.noise.line > 0) line += ", on scan lines";
   return line + (fit.noise.varies ? ", varying over the scan" : "");
 }

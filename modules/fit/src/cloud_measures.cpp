@@ -132,7 +132,9 @@ measureErrors(const PointStore& store, const FitParams& params, const NoiseConst
   stats.noise.correlation = measures.correlation;
   stats.noise.varies = !measures.noise_profile.empty();
   if (!measuresResiduals(params)) return;
+  stats.noise.error = residual.level().error;
   stats.noise.correlation = residual.level().correlation;
+  stats.noise.correlation_error = residual.level().correlation_error;
   stats.noise.line = residual.level().dependence > 1 ? residual.level().line : 0;
   stats.noise.step = residual.level().step / store.diagonal();
   stats.noise.neighbors = residual.level().neighbors;

@@ -53,9 +53,9 @@ cameraScan(const std::string& solids, const measure::DepthCamera& camera)
 
 /** A grid of heights: noise averaged over boxes of so many points a side. */
 Cloud
-boxNoise(int box, double sigma)
+boxNoise(int box, double sigma, std::uint64_t seed = 5)
 {
-  std::mt19937_64 random(5);
+  std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   const int side = 250, wide = side + box;
   std::vector<double> white(static_cast<std::size_t>(wide * wide));
@@ -212,6 +212,45 @@ TEST(SharedNoise, MorePlacesMakeTurnedScansAgree)
   }
   EXPECT_LT(most[1] / least[1], 1.25);
   EXPECT_GT(most[0] / least[0], 1.25);
+}
+
+/** RMS of relative errors of sigma and of the correlation, as stated and as seeds show them. */
+struct ErrorRatio {
+  double sigma = 0, correlation = 0;  ///< stated over shown
+};
+
+ErrorRatio
+errorRatio(int box)
+{
+  constexpr int kSeeds = 12;
+  std::vector<double> sigmas, correlations;
+  double sigma_sq = 0, correlation_sq = 0;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    const NoiseLevel noise = recognized(boxNoise(box, 0.002, 20 + seed));
+    sigmas.push_back(0.5 * std::log(noise.variance));
+    correlations.push_back(std::log(noise.correlation));
+    sigma_sq += noise.error * noise.error / kSeeds;
+    correlation_sq += noise.correlation_error * noise.correlation_error / kSeeds;
+  }
+  const auto scatter = [](const std::vector<double>& values) {
+    double mean = 0, square = 0;
+    for (const double v : values) mean += v / kSeeds;
+    for (const double v : values) square += (v - mean) * (v - mean) / (kSeeds - 1);
+    return std::sqrt(square);
+  };
+  return {std::sqrt(sigma_sq) / scatter(sigmas), std::sqrt(correlation_sq) / scatter(correlations)};
+}
+
+TEST(SharedNoise, StatesItsError)
+{
+  for (const int box : {1, 3, 5}) {
+    const ErrorRatio ratio = errorRatio(box);
+    EXPECT_GT(ratio.sigma, 0.5) << box;
+    EXPECT_LT(ratio.sigma, 2.0) << box;
+    if (box == 1) continue;
+    EXPECT_GT(ratio.correlation, 0.5) << box;
+    EXPECT_LT(ratio.correlation, 2.0) << box;
+  }
 }
 
 }  // namespace

@@ -281,52 +281,60 @@ halfOf(const PatchScale& scale, std::size_t function)
   return half;
 }
 
-/** The places that it takes for the noise to be known to the accuracy wanted, by balanced half samples
- * (McCarthy 1969): their outcomes scatter about that of all places as the latter does about the truth. */
-double
-neededPlaces(const std::vector<PatchScale>& scales, const CurveNoise& noise, double white,
-             const NoiseConstants& constants, int threads)
+/** The noise by balanced half samples of the places (McCarthy 1969): they scatter about that of all places as
+ * the latter does about the truth. */
+std::vector<CurveNoise>
+halvesOf(const std::vector<PatchScale>& scales, double white, const NoiseConstants& constants,
+         int threads)
 {
-  const SharedNoiseConstants& shared = constants.shared;
-  std::vector<CurveNoise> halves(shared.half_samples);
+  std::vector<CurveNoise> halves(constants.shared.half_samples);
   parallelFor(halves.size(), threads, 1, [&](std::size_t r, int) {
     std::vector<PatchScale> half(scales.size());
     std::transform(scales.begin(), scales.end(), half.begin(),
                    [r](const PatchScale& scale) { return halfOf(scale, r + 1); });
     halves[r] = noiseOf(half, white, constants);
   });
+  return halves;
+}
+
+/** The places that it takes for the noise to be known to the accuracy wanted. */
+double
+neededPlaces(const NoiseCurve& curve, const SharedNoiseConstants& constants)
+{
   double variance = 0, correlation = 0;  // squared errors of their logarithms
-  for (const CurveNoise& half : halves) {
-    variance += std::pow(std::log(half.variance / noise.variance), 2);
-    correlation += std::pow(std::log(half.correlation / noise.correlation), 2);
+  for (const CurveNoise& half : curve.halves) {
+    variance += std::pow(std::log(half.variance / curve.noise.variance), 2);
+    correlation += std::pow(std::log(half.correlation / curve.noise.correlation), 2);
   }
-  const double excess = std::max(variance / std::pow(shared.variance_error, 2),
-                                 correlation / std::pow(shared.correlation_error, 2));
-  return static_cast<double>(scales.front().variances.size()) * excess /
-         static_cast<double>(halves.size());
+  const double excess = std::max(variance / std::pow(constants.variance_error, 2),
+                                 correlation / std::pow(constants.correlation_error, 2));
+  return static_cast<double>(curve.scales.front().variances.size()) * excess /
+         static_cast<double>(curve.halves.size());
 }
 
 }  // namespace
 
-CurveNoise
+NoiseCurve
 measureCurve(const PointStore& store, std::size_t k, double white, const NoiseConstants& constants,
-             int threads, std::vector<PatchScale>& scales)
+             int threads)
 {
   const SharedNoiseConstants& shared = constants.shared;
   const auto measure = [&](std::size_t places) {
+    NoiseCurve curve;
     ThinnedPlaces points(store, places);
-    scales.clear();
-    measureScales(points, k, store.size() / shared.most_part, constants, threads, scales);
-    return noiseOf(scales, white, constants);
+    measureScales(points, k, store.size() / shared.most_part, constants, threads, curve.scales);
+    curve.noise = noiseOf(curve.scales, white, constants);
+    curve.halves = halvesOf(curve.scales, white, constants, threads);
+    return curve;
   };
   const std::size_t places =
       std::clamp(store.size() / shared.points_per_place, shared.least_places, shared.places);
-  const CurveNoise noise = measure(places);
+  NoiseCurve curve = measure(places);
   const std::size_t most = std::min(shared.most_places, store.size() / shared.points_per_place);
-  const double wanted = neededPlaces(scales, noise, white, constants, threads);
-  return wanted > static_cast<double>(places) && most > places
-             ? measure(static_cast<std::size_t>(std::min(wanted, static_cast<double>(most))))
-             : noise;
+  const double wanted = neededPlaces(curve, shared);
+  if (wanted > static_cast<double>(places) && most > places)
+    curve = measure(static_cast<std::size_t>(std::min(wanted, static_cast<double>(most))));
+  return curve;
 }
 
 CurveNoise

@@ -14,12 +14,19 @@ struct CurveNoise {
   std::size_t scale = 0;  ///< that shows most of it
 };
 
+/** \brief The scales of a cloud, and the noise that they show. */
+struct NoiseCurve {
+  std::vector<PatchScale> scales;  ///< two at least
+  CurveNoise noise;
+  std::vector<CurveNoise> halves;  ///< by half of the places each: their scatter is the noise's error
+};
+
 /** \brief Measures scales, from the smallest patches on, until no wider one can show noise, and weighs
  * what each shows by the chance that it is a plateau (docs/theory.md, "Noise that neighbours share").
- * \param[in] white variance by the smallest patches \param[out] scales those measured, two at least */
-CurveNoise
+ * \param[in] white variance by the smallest patches */
+NoiseCurve
 measureCurve(const PointStore& store, std::size_t k, double white, const NoiseConstants& constants,
-             int threads, std::vector<PatchScale>& scales);
+             int threads);
 
 /** \brief The noise of a rounded coordinate, whose errors change sign from one terrace to the next, so
  * that wide cells share nothing. Where detail follows directly, patches of half the width show it.

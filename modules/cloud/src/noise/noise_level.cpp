@@ -32,16 +32,25 @@ patchLevel(const PointStore& store, std::size_t k, const NoiseConstants& constan
   };
   auto values = sampleStore(store, samples, patchStride(k, constants), threads, measure);
   putBackCutOff(radii, constants, threads, values);
-  return {trimmedMean(values, constants.trim), median(radii), k, k, radii.size()};
+  NoiseLevel level;
+  level.error = 0.5 * trimmedMeanError(values, constants.trim);
+  level.variance = trimmedMean(values, constants.trim);
+  level.patch_radius = median(radii);
+  level.neighbors = level.least_neighbors = k;
+  level.patches = radii.size();
+  return level;
 }
 
 /** Takes the cubic's bias off, which a patch of twice as many points shows. */
-double
-unbiasedVariance(const NoiseLevel& noise, const NoiseLevel& wider, const NoiseConstants& constants)
+void
+removeBias(const NoiseLevel& wider, const NoiseConstants& constants, NoiseLevel& noise)
 {
   const double growth = constants.bias_growth;
   const double bias_free = (growth * noise.variance - wider.variance) / (growth - 1);
-  return std::clamp(bias_free, 0.0, noise.variance);
+  const double error =
+      std::hypot(growth * noise.variance * noise.error, wider.variance * wider.error) / (growth - 1);
+  noise.error = bias_free > error ? error / bias_free : 1;
+  noise.variance = std::clamp(bias_free, 0.0, noise.variance);
 }
 
 }  // namespace
@@ -61,12 +70,13 @@ measureNoise(const PointStore& store, const NoiseConstants& constants, int threa
     const double share = std::sqrt(noise.variance) / noise.patch_radius;
     if (share < constants.patch_noise) {
       least = share < constants.filled_patch ? noise.neighbors : k;
-      noise.variance = unbiasedVariance(noise, wider, constants);
+      removeBias(wider, constants, noise);
       break;
     }
     noise = wider;
   }
   const double floor = constants.floor * store.bulkDiagonal();
+  if (noise.variance < floor * floor) noise.error = 0;
   noise.variance = std::max(noise.variance, floor * floor);
   noise.least_neighbors = least > 0 ? least : noise.neighbors;
   noise.line = first > constants.first_neighbors ? first / 2 : 0;

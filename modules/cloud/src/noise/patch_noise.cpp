@@ -155,4 +155,22 @@ trimmedMean(std::vector<double>& values, double trim)
   return sum / static_cast<double>(values.size() - 2 * cut);
 }
 
+double
+trimmedMeanError(std::vector<double> values, double trim)
+{
+  const double mean = trimmedMean(values, trim);
+  if (values.size() < 2 || !(mean > 0)) return 0;
+  const auto n = static_cast<double>(values.size());
+  const auto cut = static_cast<std::size_t>(trim * n);
+  const double low = values[cut], high = values[values.size() - cut - 1];
+  double sum = 0, squares = 0;
+  for (const double value : values) {
+    const double kept = std::clamp(value, low, high);
+    sum += kept;
+    squares += kept * kept;
+  }
+  const double variance = std::max(0.0, squares - sum * sum / n) / (n - 1);
+  return std::sqrt(variance / n) / ((1 - 2 * trim) * mean);
+}
+
 }  // namespace pcl_slim::detail

@@ -73,6 +73,11 @@ smallestPatch(const PointStore& store, const NoiseConstants& constants, int thre
 double
 trimmedMean(std::vector<double>& values, double trim);
 
+/** \brief Relative standard error of that mean, by the values' winsorized variance (Tukey and McLaughlin
+ * 1963); 0 of fewer than two. */
+double
+trimmedMeanError(std::vector<double> values, double trim);
+
 /** \brief Trimmed means over windows about each of the values, which are in Morton order.
  * \param[in] reach values to either side */
 std::vector<float>

@@ -59,6 +59,7 @@ scaleNoise(const PatchScale& scale, const NoiseConstants& constants)
 {
   NoiseLevel noise;
   noise.variance = levelOf(scale, constants);
+  noise.error = 0.5 * trimmedMeanError(scale.variances, constants.trim);
   noise.patch_radius = median(scale.radii);
   noise.neighbors = scale.k;
   return noise;
@@ -71,22 +72,55 @@ ramp(double x, double low, double high)
   return std::clamp((x - low) / (high - low), 0.0, 1.0);
 }
 
-/** The noise of a curve: white's where chance explains what wider patches show. */
+/** What counts of the noise that a curve shows: none where chance explains what wider patches show. */
+struct CurveShare {
+  double part = 0;                       ///< of the logarithm of its variance over white noise's ...
+  double variance = 0, correlation = 1;  ///< ... and the figures with that part
+};
+
+CurveShare
+shareOf(const CurveNoise& curve, double white, const SharedNoiseConstants& constants)
+{
+  const double share = ramp(curve.correlation, constants.least, constants.all);
+  const double growth = std::log2(curve.variance / white);
+  const double part = std::max(share, ramp(growth, constants.chance, constants.plain));
+  // The smallest patches' cubics absorb noise that their points share, as on a lidar's rings.
+  const double taken = std::min(std::exp2(part * growth), constants.all);
+  return {part, white * std::exp2(part * growth),
+          std::max(taken, 1 + share * (curve.correlation - 1))};
+}
+
+/** Sets the errors of a curve's noise: the scatter of its halves, that of a variance of as many values as the
+ * cloud has independent errors, and white noise's own. */
+void
+setErrors(const NoiseCurve& curve, const CurveShare& all, const NoiseLevel& white, double points,
+          const SharedNoiseConstants& constants, NoiseLevel& noise)
+{
+  double variance = 0, correlation = 0;
+  for (const CurveNoise& half : curve.halves) {
+    const CurveShare share = shareOf(half, white.variance, constants);
+    variance += std::pow(std::log(share.variance / all.variance), 2);
+    correlation += std::pow(std::log(share.correlation / all.correlation), 2);
+  }
+  const auto count = static_cast<double>(curve.halves.size());
+  const double chance = all.part * 2 * all.correlation / points;
+  noise.error = std::hypot(0.5 * std::sqrt(variance / count + chance), (1 - all.part) * white.error);
+  noise.correlation_error = std::sqrt(correlation / count + chance);
+}
+
+/** The noise of a curve. */
 NoiseLevel
-curveNoise(const CurveNoise& curve, const std::vector<PatchScale>& scales, const NoiseLevel& white,
+curveNoise(const NoiseCurve& curve, const NoiseLevel& white, double points,
            const NoiseConstants& constants)
 {
   const SharedNoiseConstants& shared = constants.shared;
-  const double share = ramp(curve.correlation, shared.least, shared.all);
-  const double growth = std::log2(curve.variance / white.variance);
-  const double part = std::max(share, ramp(growth, shared.chance, shared.plain));
-  // The smallest patches' cubics absorb noise that their points share, as on a lidar's rings.
-  const double taken = std::min(std::exp2(part * growth), shared.all);
-  const double correlation = std::max(taken, 1 + share * (curve.correlation - 1));
-  NoiseLevel noise =
-      correlation > shared.white ? scaleNoise(scales[curve.scale], constants) : white;
-  noise.variance = white.variance * std::exp2(part * growth);
-  if (correlation > shared.white) setCorrelation(correlation, shared, noise);
+  const CurveShare share = shareOf(curve.noise, white.variance, shared);
+  NoiseLevel noise = share.correlation > shared.white
+                         ? scaleNoise(curve.scales[curve.noise.scale], constants)
+                         : white;
+  noise.variance = share.variance;
+  if (share.correlation > shared.white) setCorrelation(share.correlation, shared, noise);
+  setErrors(curve, share, white, points, shared, noise);
   return noise;
 }
 
@@ -122,12 +156,12 @@ recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
   if (white.neighbors == 0) return white;
   if (white.line > 0) return alongLines(white);
   threads = resolveThreads(threads);
-  std::vector<PatchScale> scales;
-  const CurveNoise curve =
-      measureCurve(store, white.least_neighbors, white.variance, constants, threads, scales);
+  const NoiseCurve curve =
+      measureCurve(store, white.least_neighbors, white.variance, constants, threads);
+  const std::vector<PatchScale>& scales = curve.scales;
   const double resolved = constants.shared.resolved * store.bulkDiagonal();
-  if (curve.variance < resolved * resolved) return white;
-  NoiseLevel noise = curveNoise(curve, scales, white, constants);
+  if (curve.noise.variance < resolved * resolved) return white;
+  NoiseLevel noise = curveNoise(curve, white, static_cast<double>(store.size()), constants);
   const StepNoise steps = measureSteps(store, constants, threads);
   if (steps.step > 0 && store.size() >= 2 * constants.shared.most_part * steps.neighbors) {
     const NoiseLevel rounding = roundingNoise(store, steps, constants, threads);

@@ -12,7 +12,7 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr char kMagic[] = "pcl_slim tiles 3\n";
+constexpr char kMagic[] = "pcl_slim tiles 4\n";
 
 using Bytes = std::vector<unsigned char>;
 
@@ -91,7 +91,9 @@ visitPlan(Plan& p, Visit& visit)
   visit(p.traits);
   visit(p.noise.lambda);
   visit(p.noise.noise.patches);
+  visit(p.noise.noise.error);
   visit(p.noise.noise.correlation);
+  visit(p.noise.noise.correlation_error);
   visit(p.noise.noise.line);
   visit(p.noise.noise.step);
   visit(p.noise.noise.neighbors);

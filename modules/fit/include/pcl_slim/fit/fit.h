@@ -111,7 +111,9 @@ enum class SideSource : unsigned char {
 /** \brief What was measured of a cloud's errors. */
 struct NoiseStatistics {
   std::uint64_t patches = 0;    ///< of points, on which noise was measured
+  double error = 0;             ///< relative standard error of sqrt(lambda); 0: lambda was given
   double correlation = 1;       ///< points that share their errors; 1: white noise
+  double correlation_error = 0;  ///< relative standard error of that number
   std::uint64_t line = 0;       ///< points along a scan line that count as one; 0: no lines
   double step = 0;              ///< of a quantised coordinate, the median [L]; 0: none found
   std::uint64_t neighbors = 0;  ///< points of a patch that shows all of the noise
