@@ -104,6 +104,7 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
 {
   const SideConstants& rules = constants.sides;
   double noise = search.noise;
+  bool settled = false;  // narrower cells show the same noise
   for (int pass = 0; pass < rules.noise_passes; ++pass) {
     sided.clearSides();
     SidedFit next{
@@ -122,6 +123,7 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
       found = next.noise = std::sqrt(next.measures.lambda);
       if (!search.needed && found > rules.same_noise * search.unsided) break;
       if (best && next.cost() > best->cost()) break;
+      settled = best && next.noise > rules.same_noise * best->noise;
       // Wider balls would contain what these cells separate. Sides never add to the noise: a patch of one
       // side alone of a thin tube bends more than its cubic.
       const double most = std::min(std::max(noise, search.least),
@@ -131,7 +133,7 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
     }
     const bool same = found > rules.same_noise * noise;
     if (noise <= search.least || (same && !narrower)) break;
-    if (same && best && best->isMoved(search, rules)) break;
+    if (settled && best->isMoved(search, rules)) break;
     noise = std::max(search.least, same ? 0.5 * noise : found);
   }
   sided.clearSides();
