@@ -228,14 +228,14 @@ normalsOfPoints(const PointStore& store, const SideCells& cut, const CellGraph& 
 /** Signs of all cells, by the sensors of their points or, without these, such that every connected part
  * faces outward. \param[out] confidence the share of the agreement of near cells that they meet */
 std::vector<signed char>
-signsOfAll(const PointStore& store, const SideCells& cut, const CellGraph& graph, int threads,
+signsOfAll(const PointStore& store, const SideCells& cut, const CellGraph& graph,
            double& confidence)
 {
   SignedParts found;
   if (store.hasSensors()) {
     found.signs = signsBySensors(store, cut, graph);
   } else {
-    found = contractSigned(cut.cells.size(), graph.edges, threads);
+    found = contractSigned(cut.cells.size(), graph.edges);
     turnOutward(cut, graph, found);
   }
   confidence = agreementOf(graph, found.signs);
@@ -248,11 +248,11 @@ findFacingSides(const PointStore& store, const SideCells& cut, CellGraph& graph,
                 const SideConstants& constants, int threads, Sides& sides)
 {
   std::vector<SignedEdge> near = edgesNearOtherSheets(graph, constants);
-  const SignedParts found = contractSigned(cut.cells.size(), near, threads);
+  const SignedParts found = contractSigned(cut.cells.size(), near);
   const std::vector<char> sided = cellsOfSureParts(found, near, constants, sides.sure);
   const std::vector<char> all(sided.size(), 1);
   const std::vector<signed char> outward =
-      signsOfAll(store, cut, graph, threads, sides.outward_confidence);
+      signsOfAll(store, cut, graph, sides.outward_confidence);
   double thin = 0;
   sides.outward = normalsOfPoints(store, cut, graph, outward, all, store.hasSensors(), constants,
                                   threads, thin);
@@ -278,7 +278,7 @@ findSides(const PointStore& store, double noise, double spacing, SideScope scope
     findFacingSides(store, cut, graph, constants, threads, sides);
     return sides;
   }
-  const std::vector<signed char> signs = signsOfAll(store, cut, graph, threads, sides.confidence);
+  const std::vector<signed char> signs = signsOfAll(store, cut, graph, sides.confidence);
   if (store.hasSensors()) sides.confidence = 1;
   sides.normals = normalsOfPoints(store, cut, graph, signs, std::vector<char>(signs.size(), 1),
                                   store.hasSensors(), constants, threads, sides.thin);

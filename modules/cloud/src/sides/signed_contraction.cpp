@@ -3,27 +3,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <utility>
-
-#include "pcl_slim/cloud/morton_sort.h"
-#include "pcl_slim/core/aligned.h"
 
 namespace pcl_slim::detail {
 
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr std::size_t kFew = 32;    ///< edges of a node
 constexpr double kStep = 0.5;       ///< from one threshold of agreements to the next
 constexpr double kLeast = 0x1p-20;  ///< of the strongest agreement: less counts as none
 
 /** Components under contraction: a forest with parities, and the edges between roots. */
 class Contraction {
  public:
-  Contraction(std::size_t nodes, std::vector<SignedEdge> edges, int threads)
-      : threads_(threads),
-        parent_(nodes),
+  Contraction(std::size_t nodes, std::vector<SignedEdge> edges)
+      : parent_(nodes),
         sign_(nodes, 1),
         best_(nodes, kNone),
         edges_(std::move(edges))
@@ -124,38 +119,70 @@ class Contraction {
     for (SignedEdge& e : edges_) {
       if (e.a > e.b) std::swap(e.a, e.b);
     }
-    keys_.resize(edges_.size());
-    for (std::size_t i = 0; i < edges_.size(); ++i)
-      keys_[i] = static_cast<std::uint64_t>(edges_[i].a) << 32 | edges_[i].b;
-    sortByKey(keys_, order_, threads_);
-    summed_.clear();
-    for (std::size_t i = 0; i < keys_.size(); ++i) {
-      const SignedEdge& e = edges_[order_[i]];
-      if (i > 0 && keys_[i] == keys_[i - 1]) {
-        summed_.back().agreement += e.agreement;
+    sortByEnds();
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < edges_.size(); ++i) {
+      const SignedEdge e = edges_[i];
+      if (kept > 0 && edges_[kept - 1].a == e.a && edges_[kept - 1].b == e.b) {
+        edges_[kept - 1].agreement += e.agreement;
       } else {
-        summed_.push_back(e);
+        edges_[kept++] = e;
       }
     }
-    edges_.swap(summed_);
+    edges_.resize(kept);
   }
 
-  int threads_;
+  /** Sorts edges by both ends, stably: by counts of the first end, of which each has few edges. */
+  void sortByEnds()
+  {
+    const auto before = [](const SignedEdge& x, const SignedEdge& y) {
+      return x.a != y.a ? x.a < y.a : x.b < y.b;
+    };
+    if (kFew * edges_.size() < parent_.size()) {
+      std::stable_sort(edges_.begin(), edges_.end(), before);
+      return;
+    }
+    next_.assign(parent_.size() + 1, 0);
+    for (const SignedEdge& e : edges_) ++next_[e.a + 1];
+    for (std::size_t i = 1; i < next_.size(); ++i) next_[i] += next_[i - 1];
+    sorted_.resize(edges_.size());
+    for (const SignedEdge& e : edges_) sorted_[next_[e.a]++] = e;
+    edges_.swap(sorted_);
+    // Now each place in next_ is the end of its node's edges.
+    for (std::size_t i = 0, begin = 0; i + 1 < next_.size(); begin = next_[i++])
+      sortFew(begin, next_[i], before);
+  }
+
+  /** Sorts stably; most nodes have so few edges that moving them is quickest. */
+  template <typename Before>
+  void sortFew(std::size_t begin, std::size_t end, const Before& before)
+  {
+    if (end - begin > kFew) {
+      std::stable_sort(edges_.begin() + begin, edges_.begin() + end, before);
+      return;
+    }
+    for (std::size_t i = begin + 1; i < end; ++i) {
+      const SignedEdge edge = edges_[i];
+      std::size_t at = i;
+      for (; at > begin && before(edge, edges_[at - 1]); --at) edges_[at] = edges_[at - 1];
+      edges_[at] = edge;
+    }
+  }
+
   std::vector<std::uint32_t> parent_;
   std::vector<signed char> sign_;
   std::vector<std::uint32_t> best_;  ///< edge, for each root
-  std::vector<SignedEdge> edges_, summed_;
-  AlignedVector<std::uint64_t> keys_;  ///< both nodes of every edge
-  AlignedVector<std::uint32_t> order_;
+  std::vector<SignedEdge> edges_, sorted_;
+  std::vector<std::size_t> next_;  ///< where the next edge of each first end goes
   std::vector<std::uint32_t> chosen_;
 };
 
 }  // namespace
 
 SignedParts
-contractSigned(std::size_t nodes, const std::vector<SignedEdge>& edges, int threads)
+contractSigned(std::size_t nodes, const std::vector<SignedEdge>& edges)
 {
-  Contraction contraction(nodes, edges, threads);
+  Contraction contraction(nodes, edges);
   contraction.run();
   SignedParts result;
   result.signs.resize(nodes);

@@ -25,6 +25,6 @@ struct SignedParts {
  * agreement are joined, one of them turned if the sum is negative, until no edge is left between
  * components. Ties by nodes. \param[in] edges each pair once. O(edges log^2 edges). */
 SignedParts
-contractSigned(std::size_t nodes, const std::vector<SignedEdge>& edges, int threads);
+contractSigned(std::size_t nodes, const std::vector<SignedEdge>& edges);
 
 }  // namespace pcl_slim::detail

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
+#include <utility>
 
 namespace {
 
@@ -36,7 +38,7 @@ TEST(SignedContraction, FindsHiddenSignsAmongWrongEdges)
   std::mt19937_64 rng(3);
   std::vector<int> hidden(side * side);
   for (int& sign : hidden) sign = (rng() & 1) != 0 ? 1 : -1;
-  const SignedParts parts = contractSigned(hidden.size(), gridEdges(side, hidden, 0.1, 5), 1);
+  const SignedParts parts = contractSigned(hidden.size(), gridEdges(side, hidden, 0.1, 5));
   std::size_t right = 0;
   for (std::size_t i = 0; i < hidden.size(); ++i) {
     EXPECT_EQ(parts.part[i], 0u);
@@ -48,7 +50,7 @@ TEST(SignedContraction, FindsHiddenSignsAmongWrongEdges)
 
 TEST(SignedContraction, KeepsUnconnectedPartsApart)
 {
-  const SignedParts parts = contractSigned(5, {{0, 1, 1.0}, {2, 3, -0.5}}, 1);
+  const SignedParts parts = contractSigned(5, {{0, 1, 1.0}, {2, 3, -0.5}});
   EXPECT_EQ(parts.part, (std::vector<std::uint32_t>{0, 0, 2, 2, 4}));
   EXPECT_EQ(parts.signs[0] * parts.signs[1], 1);
   EXPECT_EQ(parts.signs[2] * parts.signs[3], -1);
@@ -58,19 +60,37 @@ TEST(SignedContraction, SumsDecideWhereSingleEdgesDisagree)
 {
   // 0-1 are joined first; three weak edges of 2 then outweigh its strongest one.
   const SignedParts parts =
-      contractSigned(3, {{0, 1, 1.0}, {0, 2, 0.5}, {1, 2, -0.3}, {2, 1, -0.3}}, 1);
+      contractSigned(3, {{0, 1, 1.0}, {0, 2, 0.5}, {1, 2, -0.3}, {2, 1, -0.3}});
   EXPECT_EQ(parts.signs[0] * parts.signs[1], 1);
   EXPECT_EQ(parts.signs[0] * parts.signs[2], -1);
 }
 
-TEST(SignedContraction, AnyNumberOfThreadsGivesTheSame)
+TEST(SignedContraction, OrderAndDirectionOfEdgesDoNotMatter)
 {
   const std::uint32_t side = 60;
   std::vector<int> hidden(side * side, 1);
   const auto edges = gridEdges(side, hidden, 0.2, 9);
-  EXPECT_EQ(contractSigned(hidden.size(), edges, 1).signs,
-            contractSigned(hidden.size(), edges, 4).signs);
-  EXPECT_TRUE(contractSigned(0, {}, 1).signs.empty());
+  auto turned = edges;
+  std::reverse(turned.begin(), turned.end());
+  for (SignedEdge& e : turned) std::swap(e.a, e.b);
+  EXPECT_EQ(contractSigned(hidden.size(), edges).signs,
+            contractSigned(hidden.size(), turned).signs);
+  EXPECT_TRUE(contractSigned(0, {}).signs.empty());
+}
+
+TEST(SignedContraction, ANodeMayHaveManyEdges)
+{
+  // A hub in the middle of the numbers, and few edges for the many nodes.
+  std::vector<SignedEdge> edges;
+  for (std::uint32_t i = 0; i < 400; ++i) {
+    if (i != 150) edges.push_back({150, i, i % 3 == 0 ? -1.0 : 1.0});
+  }
+  const SignedParts parts = contractSigned(100000, edges);
+  for (std::uint32_t i = 0; i < 400; ++i) {
+    const int expected = i % 3 == 0 && i != 150 ? -1 : 1;
+    EXPECT_EQ(parts.signs[i] * parts.signs[150], expected) << i;
+  }
+  EXPECT_EQ(parts.part[99999], 99999u);
 }
 
 }  // namespace
