@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
+#include <utility>
 
 #include "noise/patch_noise.h"
 #include "pcl_slim/core/order_statistics.h"
@@ -263,53 +265,80 @@ noiseOf(const std::vector<PatchScale>& scales, double white, const NoiseConstant
   return weigh(figures, plateauChances(figures, constants.shared), white, constants.shared);
 }
 
-/** One of every two neighbouring places, by the signs of a Walsh function. */
-PatchScale
-halfOf(const PatchScale& scale, std::size_t function)
+/** One of every two neighbouring places, by the signs of a Walsh function: such halves differ by what more places
+ * would show. */
+std::vector<std::size_t>
+pairedHalf(std::size_t count, std::size_t function)
 {
-  PatchScale half;
-  half.k = scale.k;
-  half.stride = scale.stride;
-  for (std::size_t pair = 0; 2 * pair + 1 < scale.variances.size(); ++pair) {
+  std::vector<std::size_t> places(count / 2);
+  for (std::size_t pair = 0; pair < places.size(); ++pair) {
     std::size_t parity = function & pair;
     for (std::size_t shift = 8; shift > 0; shift /= 2) parity ^= parity >> shift;
-    const std::size_t place = 2 * pair + (parity & 1);
-    half.variances.push_back(scale.variances[place]);
-    half.shared.push_back(scale.shared[place]);
-    half.radii.push_back(scale.radii[place]);
+    places[pair] = 2 * pair + (parity & 1);
   }
-  return half;
+  return places;
 }
 
-/** The noise by balanced half samples of the places (McCarthy 1969): they scatter about that of all places as
- * the latter does about the truth. */
+/** Places at random: such halves differ by what other parts of the surface show, too. */
+std::vector<std::size_t>
+randomHalf(std::size_t count, std::size_t seed)
+{
+  std::mt19937_64 random(seed);
+  std::vector<std::size_t> places(count);
+  for (std::size_t s = 0; s < count; ++s) {
+    places[s] = s;
+    std::swap(places[s], places[random() % (s + 1)]);
+  }
+  places.resize(count / 2);
+  return places;
+}
+
+PatchScale
+scaleAt(const PatchScale& scale, const std::vector<std::size_t>& places)
+{
+  PatchScale part;
+  part.k = scale.k;
+  part.stride = scale.stride;
+  for (const std::size_t place : places) {
+    part.variances.push_back(scale.variances[place]);
+    part.shared.push_back(scale.shared[place]);
+    part.radii.push_back(scale.radii[place]);
+  }
+  return part;
+}
+
+/** The noise by halves of the places: they scatter about that of all as the latter does about the truth
+ * (McCarthy 1969). \param[in] half half(count, number): the places of one */
+template <typename Half>
 std::vector<CurveNoise>
 halvesOf(const std::vector<PatchScale>& scales, double white, const NoiseConstants& constants,
-         int threads)
+         int threads, const Half& half)
 {
   std::vector<CurveNoise> halves(constants.shared.half_samples);
   parallelFor(halves.size(), threads, 1, [&](std::size_t r, int) {
-    std::vector<PatchScale> half(scales.size());
-    std::transform(scales.begin(), scales.end(), half.begin(),
-                   [r](const PatchScale& scale) { return halfOf(scale, r + 1); });
-    halves[r] = noiseOf(half, white, constants);
+    const std::vector<std::size_t> places = half(scales.front().variances.size(), r + 1);
+    std::vector<PatchScale> part(scales.size());
+    std::transform(scales.begin(), scales.end(), part.begin(),
+                   [&](const PatchScale& scale) { return scaleAt(scale, places); });
+    halves[r] = noiseOf(part, white, constants);
   });
   return halves;
 }
 
 /** The places that it takes for the noise to be known to the accuracy wanted. */
 double
-neededPlaces(const NoiseCurve& curve, const SharedNoiseConstants& constants)
+neededPlaces(const NoiseCurve& curve, double white, const NoiseConstants& constants, int threads)
 {
+  const SharedNoiseConstants& shared = constants.shared;
   double variance = 0, correlation = 0;  // squared errors of their logarithms
-  for (const CurveNoise& half : curve.halves) {
+  for (const CurveNoise& half : halvesOf(curve.scales, white, constants, threads, pairedHalf)) {
     variance += std::pow(std::log(half.variance / curve.noise.variance), 2);
     correlation += std::pow(std::log(half.correlation / curve.noise.correlation), 2);
   }
-  const double excess = std::max(variance / std::pow(constants.variance_error, 2),
-                                 correlation / std::pow(constants.correlation_error, 2));
+  const double excess = std::max(variance / std::pow(shared.variance_error, 2),
+                                 correlation / std::pow(shared.correlation_error, 2));
   return static_cast<double>(curve.scales.front().variances.size()) * excess /
-         static_cast<double>(curve.halves.size());
+         static_cast<double>(shared.half_samples);
 }
 
 }  // namespace
@@ -324,16 +353,16 @@ measureCurve(const PointStore& store, std::size_t k, double white, const NoiseCo
     ThinnedPlaces points(store, places);
     measureScales(points, k, store.size() / shared.most_part, constants, threads, curve.scales);
     curve.noise = noiseOf(curve.scales, white, constants);
-    curve.halves = halvesOf(curve.scales, white, constants, threads);
     return curve;
   };
   const std::size_t places =
       std::clamp(store.size() / shared.points_per_place, shared.least_places, shared.places);
   NoiseCurve curve = measure(places);
   const std::size_t most = std::min(shared.most_places, store.size() / shared.points_per_place);
-  const double wanted = neededPlaces(curve, shared);
+  const double wanted = neededPlaces(curve, white, constants, threads);
   if (wanted > static_cast<double>(places) && most > places)
     curve = measure(static_cast<std::size_t>(std::min(wanted, static_cast<double>(most))));
+  curve.halves = halvesOf(curve.scales, white, constants, threads, randomHalf);
   return curve;
 }
 
