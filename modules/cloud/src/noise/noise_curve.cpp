@@ -265,23 +265,9 @@ noiseOf(const std::vector<PatchScale>& scales, double white, const NoiseConstant
   return weigh(figures, plateauChances(figures, constants.shared), white, constants.shared);
 }
 
-/** One of every two neighbouring places, by the signs of a Walsh function: such halves differ by what more places
- * would show. */
+/** Half of the places, at random. */
 std::vector<std::size_t>
-pairedHalf(std::size_t count, std::size_t function)
-{
-  std::vector<std::size_t> places(count / 2);
-  for (std::size_t pair = 0; pair < places.size(); ++pair) {
-    std::size_t parity = function & pair;
-    for (std::size_t shift = 8; shift > 0; shift /= 2) parity ^= parity >> shift;
-    places[pair] = 2 * pair + (parity & 1);
-  }
-  return places;
-}
-
-/** Places at random: such halves differ by what other parts of the surface show, too. */
-std::vector<std::size_t>
-randomHalf(std::size_t count, std::size_t seed)
+halfOf(std::size_t count, std::size_t seed)
 {
   std::mt19937_64 random(seed);
   std::vector<std::size_t> places(count);
@@ -308,15 +294,14 @@ scaleAt(const PatchScale& scale, const std::vector<std::size_t>& places)
 }
 
 /** The noise by halves of the places: they scatter about that of all as the latter does about the truth
- * (McCarthy 1969). \param[in] half half(count, number): the places of one */
-template <typename Half>
+ * (McCarthy 1969). */
 std::vector<CurveNoise>
 halvesOf(const std::vector<PatchScale>& scales, double white, const NoiseConstants& constants,
-         int threads, const Half& half)
+         int threads)
 {
   std::vector<CurveNoise> halves(constants.shared.half_samples);
   parallelFor(halves.size(), threads, 1, [&](std::size_t r, int) {
-    const std::vector<std::size_t> places = half(scales.front().variances.size(), r + 1);
+    const std::vector<std::size_t> places = halfOf(scales.front().variances.size(), r);
     std::vector<PatchScale> part(scales.size());
     std::transform(scales.begin(), scales.end(), part.begin(),
                    [&](const PatchScale& scale) { return scaleAt(scale, places); });
@@ -327,18 +312,17 @@ halvesOf(const std::vector<PatchScale>& scales, double white, const NoiseConstan
 
 /** The places that it takes for the noise to be known to the accuracy wanted. */
 double
-neededPlaces(const NoiseCurve& curve, double white, const NoiseConstants& constants, int threads)
+neededPlaces(const NoiseCurve& curve, const SharedNoiseConstants& constants)
 {
-  const SharedNoiseConstants& shared = constants.shared;
   double variance = 0, correlation = 0;  // squared errors of their logarithms
-  for (const CurveNoise& half : halvesOf(curve.scales, white, constants, threads, pairedHalf)) {
+  for (const CurveNoise& half : curve.halves) {
     variance += std::pow(std::log(half.variance / curve.noise.variance), 2);
     correlation += std::pow(std::log(half.correlation / curve.noise.correlation), 2);
   }
-  const double excess = std::max(variance / std::pow(shared.variance_error, 2),
-                                 correlation / std::pow(shared.correlation_error, 2));
+  const double excess = std::max(variance / std::pow(constants.variance_error, 2),
+                                 correlation / std::pow(constants.correlation_error, 2));
   return static_cast<double>(curve.scales.front().variances.size()) * excess /
-         static_cast<double>(shared.half_samples);
+         static_cast<double>(curve.halves.size());
 }
 
 }  // namespace
@@ -353,16 +337,16 @@ measureCurve(const PointStore& store, std::size_t k, double white, const NoiseCo
     ThinnedPlaces points(store, places);
     measureScales(points, k, store.size() / shared.most_part, constants, threads, curve.scales);
     curve.noise = noiseOf(curve.scales, white, constants);
+    curve.halves = halvesOf(curve.scales, white, constants, threads);
     return curve;
   };
   const std::size_t places =
       std::clamp(store.size() / shared.points_per_place, shared.least_places, shared.places);
   NoiseCurve curve = measure(places);
   const std::size_t most = std::min(shared.most_places, store.size() / shared.points_per_place);
-  const double wanted = neededPlaces(curve, white, constants, threads);
+  const double wanted = neededPlaces(curve, shared);
   if (wanted > static_cast<double>(places) && most > places)
     curve = measure(static_cast<std::size_t>(std::min(wanted, static_cast<double>(most))));
-  curve.halves = halvesOf(curve.scales, white, constants, threads, randomHalf);
   return curve;
 }
 
