@@ -3,6 +3,7 @@
 // every class, each cloud in a process of its own. Prints a table of what came out, and what failed
 // with the number that makes it again. PCL_SLIM_STRESS=CLOUDS asks for the long form where the suite
 // runs it.
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -18,7 +19,8 @@ namespace {
 
 using namespace pcl_slim_test;
 
-constexpr unsigned kSeconds = 60;  ///< after which a cloud counts as hanging
+constexpr unsigned kSeconds = 60;       ///< of processor time, after which a cloud counts as hanging, ...
+constexpr unsigned kWallSeconds = 900;  ///< ... and of the clock, where it only waits
 
 /** Counts of one class in one family. */
 struct Cell {
@@ -37,7 +39,10 @@ randomOf(std::uint64_t seed, std::size_t family, std::size_t number)
 [[noreturn]] void
 work(const StressFamily& family, std::mt19937_64 random, int pipe_end)
 {
-  alarm(kSeconds);
+  itimerval limit{};
+  limit.it_value.tv_sec = kSeconds;
+  setitimer(ITIMER_PROF, &limit, nullptr);
+  alarm(kWallSeconds);
   const StressCloud cloud = family.make(random);
   std::string lines;
   for (const StressOutcome& outcome : runClasses(cloud, random)) {
