@@ -22,7 +22,7 @@ bash "$root/scripts/setup.sh"
 configure -DPCL_SLIM_BUILD_BENCHMARKS=ON -DPCL_SLIM_BUILD_EXAMPLES=ON
 build scale_bench pcl_slim_fit pcl_slim_render pcl_slim_view pcl_slim_smooth pcl_slim_demo_scan pcl_color_splat_sampling \
   pcl_slim_mesh pcl_slim_lines pcl_slim_sample pcl_slim_curvature paper_bench mesh_bench mesh_picture phong_picture \
-  qsplat_bench splat_object splat_quality point_discs \
+  qsplat_bench denoise_bench splat_object splat_quality point_discs \
   pcl_slim_example_03_pcl_visualizer pcl_slim_example_06_pipeline_visualizer
 bin=$root/build/release/bin
 part() { quietly "$1" "$work/$1.log" "${@:2}"; }

@@ -13,6 +13,7 @@
 #include "fit/smoothed_points.h"
 #include "measure/clocks.h"
 #include "measure/lists.h"
+#include "pcl_slim/core/file_access.h"
 #include "rivals/jets.h"
 #include "rivals/mls.h"
 
@@ -25,7 +26,7 @@ using denoise::Points;
 
 struct Settings {
   std::string data, meshes, points = "10000,50000", noise = "0.01,0.02,0.03";
-  std::string neighbors = "16,32,64,128,256";
+  std::string neighbors = "16,32,64,128,256", save;
   int threads = 1, seed = 1;
   bool jets = true, mls = true, bounds = true;
 
@@ -47,6 +48,7 @@ declareOptions(Settings& s)
   options.toggle("jets", &s.jets, "run CGAL's jets");
   options.toggle("mls", &s.mls, "run pcl::MovingLeastSquares");
   options.toggle("bounds", &s.bounds, "fit with the true noise, and with the true normals, too");
+  options.text("save", &s.save, "FOLDER", "write the noisy points there, as text: MESH_POINTS_NOISE.xyz");
   options.integer("seed", &s.seed, 0, 1000000, "seed of points and noise");
   options.integer("threads", &s.threads, 0, 4096, "threads of the fit, 0: all cores");
   return options;
@@ -129,11 +131,28 @@ addOurs(const Settings& s, const MeshScan& scan, const Points& points, double no
   return {};
 }
 
+Error
+savePoints(const Settings& s, const MeshScan& scan, double noise, const Points& points)
+{
+  char line[128];
+  std::snprintf(line, sizeof(line), "_%zu_%g.xyz", points.size(), noise);
+  const std::string path = s.save + "/" + scan.name + line;
+  std::string text;
+  for (const Vector3& p : points) {
+    std::snprintf(line, sizeof(line), "%.9g %.9g %.9g\n", p[0], p[1], p[2]);
+    text += line;
+  }
+  return writeFile(path, text.data(), text.size());
+}
+
 Result<Row>
 measureRow(const Settings& s, const MeshScan& scan, double noise)
 {
   const Points points =
       denoise::noisy(scan.points, noise, static_cast<std::uint64_t>(s.seed) + 1000);
+  if (!s.save.empty()) {
+    if (Error error = savePoints(s, scan, noise, points)) return error;
+  }
   Row row;
   if (Error error = addOurs(s, scan, points, noise, row)) return error;
   row.columns["raw"] = {denoise::errorsOf(scan, points), 0, 0};

@@ -116,6 +116,18 @@ for sides in 0 1; do
 done
 sheet thin_blade.png '-sides 0' blade_0 'by default' blade_1
 
+# A noisy cow of the denoising protocol.
+"$bin/denoise_bench" "$data/denoise" -meshes cow -points 50000 -noise 0.03 -jets 0 -mls 0 -bounds 0 -save . > /dev/null
+"$bin/point_discs" cow_50000_0.03.xyz cow_discs.pcd -radius 0.004
+"$bin/pcl_slim_render" cow_discs.pcd cow_points.png -size 420x330 -white 1 -mode color -lighting 0 -filtered 0 \
+  -view 60,10 -up y -quiet 1
+mogrify -level 50%,100% cow_points.png
+for sides in 0 1; do
+  "$bin/pcl_slim_fit" cow_50000_0.03.xyz cow_$sides.slim -sides $sides -quiet 1
+  "$bin/pcl_slim_render" cow_$sides.slim cow_$sides.png -size 420x330 -white 1 -quiet 1 -view 60,10 -up y
+done
+sheet thin_cow.png 'the points' cow_points '-sides 0' cow_0 'by default' cow_1
+
 # Points spread evenly: those of a scan, and 6000 on its surface, as small discs.
 bunny=$data/stanford_bunny_zipper.ply
 "$bin/pcl_slim_sample" "$bunny" even.pcd -number 6000 -quiet 1
