@@ -48,7 +48,8 @@ declareOptions(Settings& s)
   options.toggle("jets", &s.jets, "run CGAL's jets");
   options.toggle("mls", &s.mls, "run pcl::MovingLeastSquares");
   options.toggle("bounds", &s.bounds, "fit with the true noise, and with the true normals, too");
-  options.text("save", &s.save, "FOLDER", "write the noisy points there, as text: MESH_POINTS_NOISE.xyz");
+  options.text("save", &s.save, "FOLDER",
+               "write the noisy points there, as text: MESH_POINTS_NOISE.xyz");
   options.integer("seed", &s.seed, 0, 1000000, "seed of points and noise");
   options.integer("threads", &s.threads, 0, 4096, "threads of the fit, 0: all cores");
   return options;

@@ -19,7 +19,8 @@ namespace {
 
 using namespace pcl_slim_test;
 
-constexpr unsigned kSeconds = 60;       ///< of processor time, after which a cloud counts as hanging, ...
+constexpr unsigned kSeconds =
+    60;  ///< of processor time, after which a cloud counts as hanging, ...
 constexpr unsigned kWallSeconds = 900;  ///< ... and of the clock, where it only waits
 
 /** Counts of one class in one family. */

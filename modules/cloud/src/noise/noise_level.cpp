@@ -48,7 +48,8 @@ removeBias(const NoiseLevel& wider, const NoiseConstants& constants, NoiseLevel&
   const double growth = constants.bias_growth;
   const double bias_free = (growth * noise.variance - wider.variance) / (growth - 1);
   const double error =
-      std::hypot(growth * noise.variance * noise.error, wider.variance * wider.error) / (growth - 1);
+      std::hypot(growth * noise.variance * noise.error, wider.variance * wider.error) /
+      (growth - 1);
   noise.error = bias_free > error ? error / bias_free : 1;
   noise.variance = std::clamp(bias_free, 0.0, noise.variance);
 }

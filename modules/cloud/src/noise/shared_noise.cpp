@@ -74,7 +74,7 @@ ramp(double x, double low, double high)
 
 /** What counts of the noise that a curve shows: none where chance explains what wider patches show. */
 struct CurveShare {
-  double part = 0;                       ///< of the logarithm of its variance over white noise's ...
+  double part = 0;  ///< of the logarithm of its variance over white noise's ...
   double variance = 0, correlation = 1;  ///< ... and the figures with that part
 };
 
@@ -104,7 +104,8 @@ setErrors(const NoiseCurve& curve, const CurveShare& all, const NoiseLevel& whit
   }
   const auto count = static_cast<double>(curve.halves.size());
   const double chance = all.part * 2 * all.correlation / points;
-  noise.error = std::hypot(0.5 * std::sqrt(variance / count + chance), (1 - all.part) * white.error);
+  noise.error =
+      std::hypot(0.5 * std::sqrt(variance / count + chance), (1 - all.part) * white.error);
   noise.correlation_error = std::sqrt(correlation / count + chance);
 }
 

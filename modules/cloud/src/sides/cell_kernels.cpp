@@ -71,8 +71,7 @@ partCells(const NearCells& near, std::size_t count, const std::array<double, 3>&
     const auto along_y = MulAdd(y, at(7, k), (z + z) * at(8, k));
     const auto variance = MulAdd(x, along_x, MulAdd(y, along_y, z * z * at(9, k)));
     // The columns' numbers of points are 0 beyond the last cell, but not beyond the first ones.
-    const auto number =
-        IfThenElseZero(FirstN(d, HWY_MIN(hn::Lanes(d), count - k)), at(0, k));
+    const auto number = IfThenElseZero(FirstN(d, HWY_MIN(hn::Lanes(d), count - k)), at(0, k));
     points += number;
     squares = MulAdd(number, MulAdd(height, height, variance), squares);
     Store(height, d, heights.data() + k);
@@ -87,8 +86,7 @@ partCells(const NearCells& near, std::size_t count, const std::array<double, 3>&
     two.higher = 0;
     for (std::size_t k = 0; k < count; k += hn::Lanes(d)) {
       const auto height = Load(d, heights.data() + k);
-      const auto over =
-          And(height > Set(d, middle), FirstN(d, HWY_MIN(hn::Lanes(d), count - k)));
+      const auto over = And(height > Set(d, middle), FirstN(d, HWY_MIN(hn::Lanes(d), count - k)));
       const auto number = IfThenElseZero(over, at(0, k));
       numbers += number;
       sums = MulAdd(number, height, sums);

@@ -74,8 +74,7 @@ findOther(const NearCells& near, const CellSums& all, const SideConstants& const
           CellSheet& sheet, std::array<CellSums, 2>& sides)
 {
   const double total = all[0], mean = dot(meanOf(all), sheet.normal);
-  const TwoSheets two =
-      kernels::partCells(near, sheet.count, sheet.normal, mean, constants.passes);
+  const TwoSheets two = kernels::partCells(near, sheet.count, sheet.normal, mean, constants.passes);
   const double between = two.above * (total - two.above) / total * two.gap * two.gap;
   const double within = std::max(0.0, two.square - between) / total;
   const double least = constants.least_side * total;
@@ -143,8 +142,7 @@ nearestCells(const SideCells& cut, std::uint32_t cell, std::size_t wanted,
     const Vector3 d = subtract(cut.cells[window[k]].mean, middle);
     found[k] = {window[k] == cell ? 0.0f : static_cast<float>(dot(d, d)), window[k]};
   }
-  const std::size_t kept =
-      std::min(sortNearest(found, count, cut.width, wanted, sorted), wanted);
+  const std::size_t kept = std::min(sortNearest(found, count, cut.width, wanted, sorted), wanted);
   for (std::size_t k = 0; k < kept; ++k) {
     cells[k] = sorted[k].cell;
     const CellMoments& at = cut.cells[cells[k]];
@@ -171,8 +169,7 @@ sheetOf(const SideCells& cut, std::uint32_t cell, const SideConstants& constants
   for (const std::size_t size : constants.neighbors) {
     CellSheet sheet;
     sheet.count = std::min(size, count);
-    const CellSums added =
-        kernels::sumCells(near, firstCells(sheet.count) & ~firstCells(summed));
+    const CellSums added = kernels::sumCells(near, firstCells(sheet.count) & ~firstCells(summed));
     for (std::size_t c = 0; c < sums.size(); ++c) sums[c] += added[c];
     summed = sheet.count;
     double flatness = setNormal(sums, sheet);

@@ -158,7 +158,7 @@ SideCells::cellsAbout(std::uint32_t cell, std::array<std::uint32_t, kWindow>& fo
 {
   constexpr std::int64_t kReach = 2;
   const Place middle = placeOf(cells[cell].mean, width);
-  Place first;                  // brick
+  Place first;                 // brick
   std::uint64_t within[3][2];  // cubes of the first and the next brick along each axis
   for (std::size_t a = 0; a < 3; ++a) {
     first[a] = std::max<std::int64_t>(middle[a] - kReach, 0) / 4;

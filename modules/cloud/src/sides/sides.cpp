@@ -251,8 +251,7 @@ findFacingSides(const PointStore& store, const SideCells& cut, CellGraph& graph,
   const SignedParts found = contractSigned(cut.cells.size(), near);
   const std::vector<char> sided = cellsOfSureParts(found, near, constants, sides.sure);
   const std::vector<char> all(sided.size(), 1);
-  const std::vector<signed char> outward =
-      signsOfAll(store, cut, graph, sides.outward_confidence);
+  const std::vector<signed char> outward = signsOfAll(store, cut, graph, sides.outward_confidence);
   double thin = 0;
   sides.outward = normalsOfPoints(store, cut, graph, outward, all, store.hasSensors(), constants,
                                   threads, thin);

@@ -18,10 +18,7 @@ constexpr double kLeast = 0x1p-20;  ///< of the strongest agreement: less counts
 class Contraction {
  public:
   Contraction(std::size_t nodes, std::vector<SignedEdge> edges)
-      : parent_(nodes),
-        sign_(nodes, 1),
-        best_(nodes, kNone),
-        edges_(std::move(edges))
+      : parent_(nodes), sign_(nodes, 1), best_(nodes, kNone), edges_(std::move(edges))
   {
     for (std::size_t i = 0; i < nodes; ++i) parent_[i] = static_cast<std::uint32_t>(i);
     sumParallel();

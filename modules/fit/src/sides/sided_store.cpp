@@ -27,14 +27,14 @@ mayNeedSides(const PointStore& store, const FitParams& params, const FitStatisti
 
 /** What the sides of a cloud must meet. */
 struct SideSearch {
-  double share = 0;     ///< of the places that have two sides
-  double doubt = 0;     ///< most of the agreements that may be unmet
-  bool needed = false;  ///< a fit does not part these by itself
-  double noise = 0;     ///< by which the first cells are cut
-  double least = 0;     ///< noise below which the spacing alone sets the width of cells
-  double unsided = 0;   ///< noise measured without sides
+  double share = 0;         ///< of the places that have two sides
+  double doubt = 0;         ///< most of the agreements that may be unmet
+  bool needed = false;      ///< a fit does not part these by itself
+  double noise = 0;         ///< by which the first cells are cut
+  double least = 0;         ///< noise below which the spacing alone sets the width of cells
+  double unsided = 0;       ///< noise measured without sides
   double moved = HUGE_VAL;  ///< noise from which points are moved where sides are in doubt
-  bool capped = true;   ///< lambda may not exceed the noise that cells are cut by
+  bool capped = true;       ///< lambda may not exceed the noise that cells are cut by
 };
 
 /** Share of thin places that sides are worth. Where there is little noise small balls part sheets by

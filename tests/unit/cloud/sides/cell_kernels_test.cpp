@@ -43,7 +43,8 @@ TEST(CellKernels, SumsAreThoseOfALoop)
 {
   const NearCells near = twoSheets(1);
   forEachInstructionSet([&](const char* target) {
-    for (const std::uint64_t chosen : {0x0ull, 0xfffull, 0x3f000ull, 0xfffffffffull, 0x924924924ull}) {
+    for (const std::uint64_t chosen :
+         {0x0ull, 0xfffull, 0x3f000ull, 0xfffffffffull, 0x924924924ull}) {
       CellSums expected{};
       for (std::size_t k = 0; k < kCells; ++k) {
         if ((chosen >> k & 1) == 0) continue;
@@ -52,8 +53,8 @@ TEST(CellKernels, SumsAreThoseOfALoop)
         for (std::size_t a = 0, c = 4; a < 3; ++a) {
           expected[1 + a] += count * near.columns[1 + a][k];
           for (std::size_t b = a; b < 3; ++b, ++c) {
-            expected[c] += count * (near.columns[c][k] +
-                                    near.columns[1 + a][k] * near.columns[1 + b][k]);
+            expected[c] +=
+                count * (near.columns[c][k] + near.columns[1 + a][k] * near.columns[1 + b][k]);
           }
         }
       }

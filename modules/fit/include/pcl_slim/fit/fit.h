@@ -110,16 +110,16 @@ enum class SideSource : unsigned char {
 
 /** \brief What was measured of a cloud's errors. */
 struct NoiseStatistics {
-  std::uint64_t patches = 0;    ///< of points, on which noise was measured
-  double error = 0;             ///< relative standard error of sqrt(lambda); 0: lambda was given
-  double correlation = 1;       ///< points that share their errors; 1: white noise
+  std::uint64_t patches = 0;     ///< of points, on which noise was measured
+  double error = 0;              ///< relative standard error of sqrt(lambda); 0: lambda was given
+  double correlation = 1;        ///< points that share their errors; 1: white noise
   double correlation_error = 0;  ///< relative standard error of that number
-  std::uint64_t line = 0;       ///< points along a scan line that count as one; 0: no lines
-  double step = 0;              ///< of a quantised coordinate, the median [L]; 0: none found
-  std::uint64_t neighbors = 0;  ///< points of a patch that shows all of the noise
-  double patch_radius = 0;      ///< median radius of those patches [L]
-  bool varies = false;          ///< lambda is the cloud's, the noise a profile about it
-  double normal_error = 0;      ///< of normals used as data [rad]; 0: they were not
+  std::uint64_t line = 0;        ///< points along a scan line that count as one; 0: no lines
+  double step = 0;               ///< of a quantised coordinate, the median [L]; 0: none found
+  std::uint64_t neighbors = 0;   ///< points of a patch that shows all of the noise
+  double patch_radius = 0;       ///< median radius of those patches [L]
+  bool varies = false;           ///< lambda is the cloud's, the noise a profile about it
+  double normal_error = 0;       ///< of normals used as data [rad]; 0: they were not
   /// normals were to be data, but repeat the points' noise, or the points are too few to show it
   bool normals_follow_points = false;
 };
