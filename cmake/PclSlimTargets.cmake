@@ -62,9 +62,10 @@ function(pcl_slim_add_library name)
     target_link_libraries(${target} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE})
     if(hwy::hwy IN_LIST arg_PRIVATE)
       # Kernels use Highway's operators, which its vectors of a length unknown to the compiler (SVE, RISC-V) do
-      # not have: those processors take NEON or plain code. A kernel file names what else it leaves out.
-      target_compile_definitions(${target} PRIVATE PCL_SLIM_TARGETS_LEFT_OUT=0
-        "HWY_DISABLED_TARGETS=(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128|HWY_RVV|PCL_SLIM_TARGETS_LEFT_OUT)")
+      # not have: those processors take NEON or plain code. So do those with SSSE3, but without SSE 4.1 (2006 to
+      # 2008). All files leave out the same sets: unoptimised builds share Highway's index of sets among them.
+      target_compile_definitions(${target} PRIVATE
+        "HWY_DISABLED_TARGETS=(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128|HWY_RVV|HWY_SSSE3)")
     endif()
     foreach(library IN LISTS arg_BUILD_ONLY)
       target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:${library}>)

@@ -19,7 +19,6 @@ forEachInstructionSet(const Function& function)
   // The newest has the lowest bit: what is left are it and the older ones.
   for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
     const std::int64_t target = left & -left;
-    if ((target & HWY_TARGETS) == 0) continue;  // clang builds 128-bit lanes in place of plain code
     hwy::SetSupportedTargetsForTest(left);
     hwy::GetChosenTarget().DeInit();
     function(hwy::TargetName(target));

@@ -2,10 +2,6 @@
 // Draws one tile, block by block of pixels, a ray a lane.
 #include "fast/tile_kernel.h"
 
-// Processors without AVX2 are old enough to take the plain code; every set costs half a minute to compile.
-#undef PCL_SLIM_TARGETS_LEFT_OUT
-#define PCL_SLIM_TARGETS_LEFT_OUT (HWY_SSSE3 | HWY_AVX3_DL | HWY_SSE4)
-
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "fast/tile_kernel.cpp"
 #include "hwy/foreach_target.h"
