@@ -18,7 +18,7 @@ struct CurveNoise {
 struct NoiseCurve {
   std::vector<PatchScale> scales;  ///< two at least
   CurveNoise noise;
-  std::vector<CurveNoise> halves;  ///< by random halves of the places: they scatter as it errs
+  std::vector<CurveNoise> halves;  ///< by random halves of the places: their scatter is its error
 };
 
 /** \brief Measures scales, from the smallest patches on, until no wider one can show noise, and weighs
