@@ -122,6 +122,37 @@ TEST(FitSides, SidesOfFeetAreFoundWherePointsLeaveDoubts)
   EXPECT_LT(with, 0.85 * without) << with << " " << without;
 }
 
+TEST(FitSides, WhereFeetGetNoSidesNarrowerCellsAreTried)
+{
+  // A sphere in another, 3 to 12 spacings from it. Cells far wider than both: the feet get no sides.
+  detail::FitConstants no_sides, no_feet;
+  no_sides.sides.feet_noise = 1000;
+  no_feet.sides.least_plane = 1000;
+  const double radius = 30, inner = 22.5, gap = 3, noise = 1.5;
+  std::mt19937_64 rng(1);
+  std::normal_distribution<double> gauss(0, 1);
+  Cloud cloud;
+  for (const double r : {radius, inner}) {
+    const double shift = r < radius ? radius - inner - gap : 0;
+    const int points = static_cast<int>(4 * M_PI * r * r);
+    for (int i = 0; i < points; ++i) {
+      const Vector3 p = scaled(normalized({gauss(rng), gauss(rng), gauss(rng)}), r);
+      cloud.add(p[0] + shift + noise * gauss(rng), p[1] + noise * gauss(rng),
+                p[2] + noise * gauss(rng));
+    }
+  }
+  PointStore store = storeOf(cloud), other = store;
+  SLIMSurface surface, expected;
+  FitStatistics statistics, expected_statistics;
+  ASSERT_FALSE(detail::fitWithConstants(no_sides, store, {}, surface, &statistics, nullptr));
+  ASSERT_FALSE(
+      detail::fitWithConstants(no_feet, other, {}, expected, &expected_statistics, nullptr));
+  EXPECT_GT(statistics.sides.points, 0u);
+  EXPECT_EQ(statistics.sides.plane_neighbors, 0u);
+  EXPECT_EQ(statistics.sides.confidence, expected_statistics.sides.confidence);
+  EXPECT_EQ(surface.cx, expected.cx);
+}
+
 TEST(FitSides, SurfacesOfFeetAreTheSameForAnyNumberOfThreads)
 {
   const Cloud cloud = nestedSpheres(30, 6, 1.5, 4);

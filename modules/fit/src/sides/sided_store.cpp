@@ -255,8 +255,9 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
   if (best && best->isMoved(*search, constants.sides)) {
     if (Error error = seekSidesOfFeet(thin, unsided, constants, params, sided.store(), stats, best))
       return error;
-    search->moved = HUGE_VAL;
     if (best->feet.empty()) {
+      search->moved = HUGE_VAL;
+      best.reset();
       if (Error error = seekSides(*search, thin.spacing, constants, params, sided, stats, best))
         return error;
     }
