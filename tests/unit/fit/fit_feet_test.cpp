@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Sides of points that are moved to local planes first: docs/theory.md, "Sides before the cover".
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <random>
+
+#include "fit_with_constants.h"
+#include "pcl_slim/core/vector3.h"
+#include "support/clouds.h"
+
+namespace {
+
+using namespace pcl_slim;
+using namespace pcl_slim_test;
+
+/** Two spheres about one middle, a gap apart, spacing 1, with white noise. */
+Cloud
+nestedSpheres(double radius, double gap, double noise, unsigned seed)
+{
+  std::mt19937_64 rng(seed);
+  std::normal_distribution<double> gauss(0, 1);
+  Cloud cloud;
+  for (const double r : {radius, radius + gap}) {
+    const int points = static_cast<int>(4 * M_PI * r * r);
+    for (int i = 0; i < points; ++i) {
+      const Vector3 p = scaled(normalized({gauss(rng), gauss(rng), gauss(rng)}), r);
+      cloud.add(p[0] + noise * gauss(rng), p[1] + noise * gauss(rng), p[2] + noise * gauss(rng));
+    }
+  }
+  return cloud;
+}
+
+// Four deviations of the noise apart, which is 1.5 spacings: many cells contain both sides.
+TEST(FitSides, SidesOfFeetAreFoundWherePointsLeaveDoubts)
+{
+  const double radius = 30, gap = 6, noise = 1.5;
+  const auto rms = [&](const Fitted& f) {
+    double sum = 0;
+    for (const auto& local : f.projection.position) {
+      const double from_middle = std::abs(length(f.world(local)) - radius - gap / 2);
+      sum += std::pow(from_middle - gap / 2, 2);
+    }
+    return std::sqrt(sum / static_cast<double>(f.store.size()));
+  };
+  detail::FitConstants constants;
+  constants.sides.least_plane = 1000;
+  double with = 0, without = 0;
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    const Cloud cloud = nestedSpheres(radius, gap, noise, seed);
+    const Fitted feet = fitted(cloud);
+    EXPECT_GE(feet.statistics.sides.plane_neighbors, 16u);
+    EXPECT_GT(feet.store.drift(), 0);
+    // The report's noise is that of the points, not that of their feet.
+    const double diagonal = feet.store.diagonal() * feet.store.scale();
+    EXPECT_NEAR(std::sqrt(feet.statistics.lambda) * diagonal, noise, 0.1 * noise);
+    with += rms(feet);
+
+    Fitted points;
+    points.store = storeOf(cloud);
+    ASSERT_FALSE(detail::fitWithConstants(constants, points.store, {}, points.surface,
+                                          &points.statistics, nullptr));
+    ASSERT_FALSE(projectPoints(points.store, points.surface, {}, points.projection));
+    EXPECT_EQ(points.statistics.sides.plane_neighbors, 0u);
+    EXPECT_EQ(points.store.drift(), 0);
+    without += rms(points);
+  }
+  EXPECT_LT(with, 0.85 * without) << with << " " << without;
+}
+
+TEST(FitSides, WhereFeetGetNoSidesNarrowerCellsAreTried)
+{
+  // A sphere in another, 3 to 12 spacings from it. Cells far wider than both: the feet get no sides.
+  detail::FitConstants no_sides, no_feet;
+  no_sides.sides.feet_noise = 1000;
+  no_feet.sides.least_plane = 1000;
+  const double radius = 30, inner = 22.5, gap = 3, noise = 1.5;
+  std::mt19937_64 rng(1);
+  std::normal_distribution<double> gauss(0, 1);
+  Cloud cloud;
+  for (const double r : {radius, inner}) {
+    const double shift = r < radius ? radius - inner - gap : 0;
+    const int points = static_cast<int>(4 * M_PI * r * r);
+    for (int i = 0; i < points; ++i) {
+      const Vector3 p = scaled(normalized({gauss(rng), gauss(rng), gauss(rng)}), r);
+      cloud.add(p[0] + shift + noise * gauss(rng), p[1] + noise * gauss(rng),
+                p[2] + noise * gauss(rng));
+    }
+  }
+  PointStore store = storeOf(cloud), other = store;
+  SLIMSurface surface, expected;
+  FitStatistics statistics, expected_statistics;
+  ASSERT_FALSE(detail::fitWithConstants(no_sides, store, {}, surface, &statistics, nullptr));
+  ASSERT_FALSE(
+      detail::fitWithConstants(no_feet, other, {}, expected, &expected_statistics, nullptr));
+  EXPECT_GT(statistics.sides.points, 0u);
+  EXPECT_EQ(statistics.sides.plane_neighbors, 0u);
+  EXPECT_EQ(statistics.sides.confidence, expected_statistics.sides.confidence);
+  EXPECT_EQ(surface.cx, expected.cx);
+}
+
+TEST(FitSides, SurfacesOfFeetAreTheSameForAnyNumberOfThreads)
+{
+  const Cloud cloud = nestedSpheres(30, 6, 1.5, 4);
+  FitParams params;
+  params.threads = 1;
+  SLIMSurface one, three;
+  FitStatistics statistics;
+  PointStore store = storeOf(cloud), other = storeOf(cloud);
+  ASSERT_FALSE(fitSurface(store, params, one, &statistics));
+  ASSERT_GT(statistics.sides.plane_neighbors, 0u);
+  params.threads = 3;
+  ASSERT_FALSE(fitSurface(other, params, three));
+  EXPECT_EQ(one.cx, three.cx);
+  EXPECT_EQ(one.radius, three.radius);
+  EXPECT_EQ(one.coefficients, three.coefficients);
+  for (std::size_t i = 0; i < store.size(); ++i) ASSERT_EQ(store.position(i), other.position(i));
+}
+
+// Outliers stay where they are; the others are moved in the store of all.
+TEST(FitSides, FeetAreThoseOfThePointsThatAreNoOutliers)
+{
+  Cloud cloud = nestedSpheres(30, 6, 1.5, 4);
+  const std::array<double, 3> stray = {60, 300, -100};
+  cloud.add(stray[0], stray[1], stray[2]);
+  const PointStore before = storeOf(cloud);
+  const Fitted f = fitted(cloud);
+  ASSERT_GT(f.statistics.sides.plane_neighbors, 0u);
+  ASSERT_GT(f.statistics.outliers, 0u);
+  std::size_t moved = 0;
+  for (std::size_t i = 0; i < before.size(); ++i)
+    moved += before.position(i) != f.store.position(i);
+  EXPECT_GT(moved, before.size() * 99 / 100);
+  for (const std::uint32_t i : f.statistics.outlier_points) {
+    for (std::size_t a = 0; a < 3; ++a)
+      EXPECT_NEAR(before.position(i)[a], f.store.position(i)[a], 1e-6);
+  }
+}
+
+}  // namespace
