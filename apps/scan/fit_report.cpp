@@ -77,6 +77,8 @@ reportFit(const FittedPoints& fitted, const SLIMSurface& surface, const FitStati
               {"sided", fit.sides.points},
               {"sided_confidence", fit.sides.confidence},
               {"plane_neighbors", fit.sides.plane_neighbors},
+              {"sheet_gap", fit.sides.gap},
+              {"noise_share", fit.sides.noise_share},
               {"diagonal", fitted.diagonal},
               {"rms_error_over_diagonal", fit.rms_error},
               {"uncovered", fit.uncovered},
@@ -167,9 +169,17 @@ sidesText(const FitStatistics& fit)
       text, sizeof(text), "thin parts: %llu points got a side %s, %.0f %% of neighbours agree",
       static_cast<unsigned long long>(fit.sides.points),
       fit.sides.for_cover ? "while leaves were fitted" : "first", 50 * (1 + fit.sides.confidence));
-  if (fit.sides.plane_neighbors == 0) return text;
-  return std::string(text) + "; noisy: points were moved to planes of " +
-         std::to_string(fit.sides.plane_neighbors) + " neighbours first";
+  std::string line = text;
+  if (fit.sides.plane_neighbors > 0) {
+    line += "; noisy: points were moved to planes of " + std::to_string(fit.sides.plane_neighbors) +
+            " neighbours first";
+  }
+  if (fit.sides.noise_share < 1) {
+    std::snprintf(text, sizeof(text), "; sheets %.1f spacings apart in doubt: smoothed less",
+                  fit.sides.gap);
+    line += text;
+  }
+  return line;
 }
 
 std::string

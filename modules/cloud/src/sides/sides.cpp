@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "pcl_slim/core/order_statistics.h"
 #include "pcl_slim/core/parallel.h"
 #include "sides/cell_graph.h"
 
@@ -123,6 +124,14 @@ agreementOf(const CellGraph& graph, const std::vector<signed char>& signs)
   return all > 0 ? agreed / all : 0;
 }
 
+/** Whether an edge joins two sheets that face apart. */
+bool
+facesApart(const SignedEdge& e, const CellGraph& graph, const std::vector<signed char>& signs)
+{
+  const double cosine = dot(graph.sheets[e.a].normal, graph.sheets[e.b].normal);
+  return e.apart && signs[e.a] * signs[e.b] * cosine < 0;
+}
+
 /** Marks the cells next to another sheet that faces the other way. */
 std::vector<char>
 cellsFacingApart(const SideCells& cut, const CellGraph& graph,
@@ -130,10 +139,22 @@ cellsFacingApart(const SideCells& cut, const CellGraph& graph,
 {
   std::vector<char> faces(cut.cells.size(), 0);
   for (const SignedEdge& e : graph.edges) {
-    const double cosine = dot(graph.sheets[e.a].normal, graph.sheets[e.b].normal);
-    if (e.apart && signs[e.a] * signs[e.b] * cosine < 0) faces[e.a] = faces[e.b] = 1;
+    if (facesApart(e, graph, signs)) faces[e.a] = faces[e.b] = 1;
   }
   return faces;
+}
+
+/** Median distance of sheets that face apart. */
+double
+medianGap(const SideCells& cut, const CellGraph& graph, const std::vector<signed char>& signs)
+{
+  std::vector<double> gaps;
+  for (const SignedEdge& e : graph.edges) {
+    if (!facesApart(e, graph, signs)) continue;
+    const Vector3 between = subtract(cut.cells[e.a].mean, cut.cells[e.b].mean);
+    gaps.push_back(std::abs(dot(between, graph.sheets[e.a].normal)));
+  }
+  return gaps.empty() ? HUGE_VAL : median(gaps);
 }
 
 /** The edges between cells that are near another sheet, or near such cells. */
@@ -279,6 +300,7 @@ findSides(const PointStore& store, double noise, double spacing, SideScope scope
   }
   const std::vector<signed char> signs = signsOfAll(store, cut, graph, sides.confidence);
   if (store.hasSensors()) sides.confidence = 1;
+  sides.gap = medianGap(cut, graph, signs);
   sides.normals = normalsOfPoints(store, cut, graph, signs, std::vector<char>(signs.size(), 1),
                                   store.hasSensors(), constants, threads, sides.thin);
   return sides;

@@ -34,6 +34,7 @@ struct SideSearch {
   double least = 0;         ///< noise below which the spacing alone sets the width of cells
   double unsided = 0;       ///< noise measured without sides
   double moved = HUGE_VAL;  ///< noise from which points are moved where sides are in doubt
+  bool unknown = false;     ///< no place of one side shows the noise
   bool capped = true;       ///< lambda may not exceed the noise that cells are cut by
 };
 
@@ -64,6 +65,7 @@ searchFor(const ThinPlaces& thin, double unsided, bool measured, const SideConst
   if (measured && thin.noise > 0) search.noise = std::min(unsided, thin.noise);
   search.least = rules.least_cells * thin.spacing;
   search.capped = measured;
+  search.unknown = measured && !(thin.noise > 0);
   const double least = leastShare(search.noise / thin.spacing, rules);
   search.needed = thin.share >= least || thin.facing >= rules.least_facing;
   search.share = search.needed ? std::max(thin.share, thin.facing) : thin.share + thin.near;
@@ -80,7 +82,8 @@ struct SidedFit {
   Sides sides;
   FitStatistics stats;
   CloudMeasures measures;
-  double noise = 0;  ///< as measured, before it is capped
+  double spacing = 0;  ///< of the points
+  double noise = 0;    ///< as measured, before it is capped
   std::size_t plane_neighbors = 0;
   std::vector<std::array<double, 3>> feet{};  ///< where the points are moved to; none: they stay
 
@@ -107,11 +110,13 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
   bool settled = false;  // narrower cells show the same noise
   for (int pass = 0; pass < rules.noise_passes; ++pass) {
     sided.clearSides();
-    SidedFit next{
-        findSides(sided.store(), noise, spacing, SideScope::kAll, rules, stats.threads), stats, {}};
+    SidedFit next{findSides(sided.store(), noise, spacing, SideScope::kAll, rules, stats.threads),
+                  stats,
+                  {},
+                  spacing};
     const bool few = next.sides.thin < rules.part * search.share;
     const bool doubtful = 1 - next.sides.confidence > search.doubt;
-    const bool narrower = few || doubtful || next.sides.confidence < rules.sure;
+    const bool narrower = few || doubtful || search.unknown || next.sides.confidence < rules.sure;
     if (doubtful && best) break;
     double found = noise;
     if (!few && !doubtful) {
@@ -176,6 +181,20 @@ seekSidesOfFeet(const ThinPlaces& thin, double unsided, const FitConstants& cons
   found->feet = std::move(feet);
   best = std::move(found);
   return {};
+}
+
+/** The share of the noise variance that leaves may leave: balls that noise makes wide contain both sheets where
+ * these are few spacings apart, and wrong sides do not keep them apart. */
+double
+noiseShare(const SidedFit& fit, const SideConstants& rules)
+{
+  const auto ramp = [](double x, double all, double none) {
+    return std::clamp((none - x) / (none - all), 0.0, 1.0);
+  };
+  const double gap = fit.sides.gap, followed = rules.followed * gap;
+  const double least = std::min(1.0, followed * followed / fit.measures.lambda);
+  return std::pow(least, ramp(fit.sides.confidence, rules.more_doubt, rules.less_doubt) *
+                             ramp(gap / fit.spacing, rules.near_gap, rules.far_gap));
 }
 
 /** The points around some of the thin places, by which a large cloud is judged. */
@@ -247,6 +266,12 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
     search->moved = leastMoved(thin.spacing, params, constants.sides);
     if (Error error = seekSides(*search, thin.spacing, constants, params, sided, stats, best))
       return error;
+    // Doubtful sides are better than none: a leaf about both sheets is farther from the points than the noise.
+    if (!best && search->needed && search->noise >= constants.sides.full_noise * thin.spacing) {
+      search->doubt = constants.sides.last_doubt;
+      if (Error error = seekSides(*search, thin.spacing, constants, params, sided, stats, best))
+        return error;
+    }
   }
   // Errors that neighbours share make terraces, which look like sheets.
   const bool white = !(stats.noise.correlation > 1);
@@ -264,8 +289,12 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
   }
   if (!best) return {};
   if (!best->feet.empty()) sided.moveTo(best->feet, stats.threads);
-  measures = std::move(best->measures);
   stats = best->stats;
+  if (search->capped) stats.sides.noise_share = noiseShare(*best, constants.sides);
+  measures = std::move(best->measures);
+  if (stats.sides.noise_share < 1 && !(measures.scanned > 0)) measures.scanned = measures.lambda;
+  measures.lambda *= stats.sides.noise_share;
+  if (best->sides.gap < HUGE_VAL) stats.sides.gap = best->sides.gap / best->spacing;
   // Where there is little noise, a leaf's residual separates sheets better than a point's cell does.
   stats.sides.for_cover = search->noise < constants.sides.full_noise * thin.spacing;
   if (stats.sides.for_cover)

@@ -132,6 +132,10 @@ struct SideStatistics {
   double confidence = 0;     ///< agreement of neighbouring sides: 1 in full, 0 as chance has it
   /// points were moved to the planes of this many neighbours first; 0: they were not
   std::uint64_t plane_neighbors = 0;
+  double gap = 0;  ///< median distance of sheets that face apart [spacings]; 0: none do
+  /// below 1: leaves follow the points to within this share of lambda, where few spacings are between sheets
+  /// and sides are in doubt
+  double noise_share = 1;
   SideSource source = SideSource::kNone;
   std::uint64_t overlap_edges = 0;  ///< of the graph that kOverlaps searches; 0: there was no need
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -25,6 +26,7 @@ struct Sides {
   double outward_confidence = 0;              ///< ... and the agreement of all neighbouring cells
   std::size_t cells = 0;                      ///< that share a normal
   double thin = 0;        ///< share of the points that face apart from others behind them
+  double gap = HUGE_VAL;  ///< median distance of two such sheets, local length
   double confidence = 0;  ///< agreement of neighbouring cells: 1 if all agree, 0 as chance
   double sure = 1;        ///< share of the places between sheets that are in sure parts
 };

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Thin parts whose sides the points hardly determine: docs/theory.md, "Sides before the cover".
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "fit_with_constants.h"
+#include "pcl_slim/core/vector3.h"
+#include "support/clouds.h"
+
+namespace {
+
+using namespace pcl_slim;
+using namespace pcl_slim_test;
+
+/** A face of a box: at a height along an axis, a rectangle in the two others. */
+struct Face {
+  std::size_t axis;
+  double height;
+  std::array<double, 3> low, high;
+};
+
+/** The faces of a box. */
+void
+addBox(const std::array<double, 3>& low, const std::array<double, 3>& high,
+       std::vector<Face>& faces)
+{
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const double height : {low[axis], high[axis]}) faces.push_back({axis, height, low, high});
+  }
+}
+
+/** Points of faces, one for each squared unit. */
+std::vector<Vector3>
+pointsOf(const std::vector<Face>& faces, std::mt19937_64& rng)
+{
+  std::vector<Vector3> points;
+  for (const Face& face : faces) {
+    double area = 1;
+    for (std::size_t a = 0; a < 3; ++a) area *= a == face.axis ? 1 : face.high[a] - face.low[a];
+    for (int i = 0; i < static_cast<int>(area); ++i) {
+      Vector3 p;
+      for (std::size_t a = 0; a < 3; ++a)
+        p[a] = std::uniform_real_distribution<double>(face.low[a], face.high[a])(rng);
+      p[face.axis] = face.height;
+      points.push_back(p);
+    }
+  }
+  return points;
+}
+
+double
+squaredDistance(const Vector3& p, const std::vector<Face>& faces)
+{
+  double least = HUGE_VAL;
+  for (const Face& face : faces) {
+    Vector3 q = p;
+    for (std::size_t a = 0; a < 3; ++a) q[a] = std::clamp(q[a], face.low[a], face.high[a]);
+    q[face.axis] = face.height;
+    least = std::min(least, dot(subtract(p, q), subtract(p, q)));
+  }
+  return least;
+}
+
+/** Points with white noise. */
+Cloud
+noisy(const std::vector<Vector3>& points, double noise, std::mt19937_64& rng)
+{
+  std::normal_distribution<double> gauss(0, noise);
+  Cloud cloud;
+  for (const Vector3& p : points)
+    cloud.add(p[0] + gauss(rng), p[1] + gauss(rng), p[2] + gauss(rng));
+  return cloud;
+}
+
+std::vector<Vector3>
+placesOf(const Fitted& f)
+{
+  std::vector<Vector3> places;
+  for (const auto& local : f.projection.position) places.push_back(f.world(local));
+  return places;
+}
+
+Fitted
+fittedWith(const detail::FitConstants& constants, const Cloud& cloud)
+{
+  Fitted f;
+  f.store = storeOf(cloud);
+  EXPECT_FALSE(detail::fitWithConstants(constants, f.store, {}, f.surface, &f.statistics, nullptr));
+  EXPECT_FALSE(projectPoints(f.store, f.surface, {}, f.projection));
+  return f;
+}
+
+/** Mean squared distance from places to faces, and back from points of the faces. */
+double
+errorOf(const std::vector<Vector3>& places, const std::vector<Vector3>& points,
+        const std::vector<Face>& faces)
+{
+  double error = 0;
+  for (const Vector3& p : places)
+    error += squaredDistance(p, faces) / static_cast<double>(places.size());
+  for (const Vector3& q : points) {
+    double least = HUGE_VAL;
+    for (const Vector3& p : places) least = std::min(least, dot(subtract(p, q), subtract(p, q)));
+    error += least / static_cast<double>(points.size());
+  }
+  return error;
+}
+
+// Walls 2.5 spacings thick: balls that the noise makes wide contain both sides, and points of one end on the other.
+TEST(FitSides, LeavesFollowThePointsWhereThinPartsAreInDoubt)
+{
+  const double width = 30, thick = 2.5, noise = 1.1;
+  std::vector<Face> faces;
+  for (const double at : {0.0, width - thick}) {
+    addBox({at, 0, 0}, {at + thick, width, width}, faces);
+    addBox({0, at, 0}, {width, at + thick, width}, faces);
+  }
+  detail::FitConstants constants;
+  constants.sides.followed = HUGE_VAL;
+  double with = 0, without = 0;
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    std::mt19937_64 rng(seed);
+    const std::vector<Vector3> points = pointsOf(faces, rng);
+    const Cloud cloud = noisy(points, noise, rng);
+    const Fitted follows = fitted(cloud), leaves = fittedWith(constants, cloud);
+    EXPECT_LT(follows.statistics.sides.noise_share, 0.9);
+    EXPECT_EQ(leaves.statistics.sides.noise_share, 1);
+    EXPECT_EQ(leaves.statistics.sides.gap, follows.statistics.sides.gap);
+    // The report's noise is that of the points in either case.
+    EXPECT_EQ(leaves.statistics.lambda, follows.statistics.lambda);
+    with += errorOf(placesOf(follows), points, faces);
+    without += errorOf(placesOf(leaves), points, faces);
+  }
+  EXPECT_LT(with, 0.85 * without) << with << " " << without;
+}
+
+// Fins that are one rough sheet each to wide cells, which face the next fin.
+TEST(FitSides, WhereNoPlaceShowsTheNoiseNarrowerCellsAreTried)
+{
+  std::vector<Face> faces;
+  for (int k = 0; k < 4; ++k) addBox({0, 0, 10.0 * k}, {25, 25, 10.0 * k + 4}, faces);
+  std::mt19937_64 rng(1);
+  const std::vector<Vector3> points = pointsOf(faces, rng);
+  const Cloud cloud = noisy(points, 1.1, rng);
+  const Fitted f = fitted(cloud);
+  std::vector<Vector3> scanned;
+  for (std::size_t i = 0; i < f.store.size(); ++i)
+    scanned.push_back(f.world(storeOf(cloud).position(i)));
+  EXPECT_LT(errorOf(placesOf(f), points, faces), 0.8 * errorOf(scanned, points, faces));
+}
+
+/** A ring with a flat elliptic section: points, one for each squared unit, and distances from it. */
+struct FlatRing {
+  double radius = 30, half_width = 12, half_height = 1.8;
+
+  Vector3 at(double along, double around) const
+  {
+    const double r = radius + half_width * std::cos(around);
+    return {r * std::cos(along), r * std::sin(along), half_height * std::sin(around)};
+  }
+
+  std::vector<Vector3> points(std::mt19937_64& rng) const
+  {
+    std::uniform_real_distribution<double> angle(0, 2 * M_PI), share(0, 1);
+    const double most = (radius + half_width) * half_width;
+    std::vector<Vector3> points;
+    for (int i = 0; i < static_cast<int>(4 * M_PI * M_PI * most); ++i) {
+      const double along = angle(rng), around = angle(rng);
+      const double step = std::hypot(half_width * std::sin(around), half_height * std::cos(around));
+      const double area = (radius + half_width * std::cos(around)) * step;
+      if (share(rng) * most < area) points.push_back(at(along, around));
+    }
+    return points;
+  }
+
+  double squaredDistance(const Vector3& p) const
+  {
+    const double across = std::hypot(p[0], p[1]) - radius;
+    double least = HUGE_VAL;
+    for (int i = 0; i < 720; ++i) {
+      const double around = i * M_PI / 360;
+      least = std::min(least, std::pow(across - half_width * std::cos(around), 2) +
+                                  std::pow(p[2] - half_height * std::sin(around), 2));
+    }
+    return least;
+  }
+};
+
+TEST(FitSides, DoubtfulSidesAreBetterThanNoneWhereNoiseIsWide)
+{
+  const FlatRing ring;
+  detail::FitConstants strict;
+  strict.sides.last_doubt = 0;
+  std::mt19937_64 rng(1);
+  const Cloud cloud = noisy(ring.points(rng), 0.9, rng);
+  const auto rms = [&](const Fitted& f) {
+    double sum = 0;
+    for (const Vector3& p : placesOf(f)) sum += ring.squaredDistance(p);
+    return std::sqrt(sum / static_cast<double>(f.store.size()));
+  };
+  const Fitted sided = fitted(cloud), unsided = fittedWith(strict, cloud);
+  EXPECT_GT(sided.statistics.sides.points, 0u);
+  EXPECT_EQ(unsided.statistics.sides.points, 0u);
+  EXPECT_LT(rms(sided), 0.75);
+  EXPECT_GT(rms(unsided), 1.0);
+}
+
+}  // namespace
