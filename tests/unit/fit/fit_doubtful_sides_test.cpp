@@ -149,8 +149,8 @@ TEST(FitSides, WhereNoPlaceShowsTheNoiseNarrowerCellsAreTried)
   const Cloud cloud = noisy(points, 1.1, rng);
   const Fitted f = fitted(cloud);
   std::vector<Vector3> scanned;
-  for (std::size_t i = 0; i < f.store.size(); ++i)
-    scanned.push_back(f.world(storeOf(cloud).position(i)));
+  const PointStore store = storeOf(cloud);
+  for (std::size_t i = 0; i < store.size(); ++i) scanned.push_back(f.world(store.position(i)));
   EXPECT_LT(errorOf(placesOf(f), points, faces), 0.8 * errorOf(scanned, points, faces));
 }
 

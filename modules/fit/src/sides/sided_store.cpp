@@ -35,6 +35,7 @@ struct SideSearch {
   double unsided = 0;       ///< noise measured without sides
   double moved = HUGE_VAL;  ///< noise from which points are moved where sides are in doubt
   bool unknown = false;     ///< no place of one side shows the noise
+  bool for_cover = false;   ///< there is little noise: sides are for the cover alone
   bool capped = true;       ///< lambda may not exceed the noise that cells are cut by
 };
 
@@ -66,14 +67,14 @@ searchFor(const ThinPlaces& thin, double unsided, bool measured, const SideConst
   search.least = rules.least_cells * thin.spacing;
   search.capped = measured;
   search.unknown = measured && !(thin.noise > 0);
+  search.for_cover = search.noise < rules.full_noise * thin.spacing;
   const double least = leastShare(search.noise / thin.spacing, rules);
   search.needed = thin.share >= least || thin.facing >= rules.least_facing;
   search.share = search.needed ? std::max(thin.share, thin.facing) : thin.share + thin.near;
   if (!search.needed && search.share < rules.clean_thin) return {};
   // Wrong sides break up the wide leaves of a clean cloud.
   search.doubt = rules.doubt * search.share;
-  if (search.noise < rules.full_noise * thin.spacing)
-    search.doubt = std::min(search.doubt, rules.clean_doubt);
+  if (search.for_cover) search.doubt = std::min(search.doubt, rules.clean_doubt);
   return search;
 }
 
@@ -249,6 +250,57 @@ sideFacingPlaces(const ThinPlaces& thin, const FitConstants& constants, SidedSto
   stats.sides.for_cover = true;
 }
 
+/** Seeks sides of all points: as they are and, where this leaves doubts under wide noise, moved to local planes. */
+Error
+seekSidesOfAll(const ThinPlaces& thin, double unsided, const FitConstants& constants,
+               const FitParams& params, SideSearch& search, SidedStore& sided,
+               const FitStatistics& stats, std::optional<SidedFit>& best)
+{
+  const SideConstants& rules = constants.sides;
+  const auto seek = [&] {
+    return seekSides(search, thin.spacing, constants, params, sided, stats, best);
+  };
+  search.moved = leastMoved(thin.spacing, params, rules);
+  if (Error error = seek()) return error;
+  // Doubtful sides are better than none: a leaf about both sheets is farther from the points than the noise.
+  if (!best && search.needed && !search.for_cover && stats.noise.correlation < rules.terraces) {
+    search.doubt = rules.last_doubt;
+    if (Error error = seek()) return error;
+  }
+  if (!best || !best->isMoved(search, rules)) return {};
+  if (Error error = seekSidesOfFeet(thin, unsided, constants, params, sided.store(), stats, best))
+    return error;
+  if (!best->feet.empty()) return {};
+  search.moved = HUGE_VAL;
+  best.reset();
+  return seek();
+}
+
+/** Gives a fit the sides that were found. */
+void
+takeSides(SidedFit& found, const SideSearch& search, const SideConstants& rules, SidedStore& sided,
+          CloudMeasures& measures, FitStatistics& stats)
+{
+  if (!found.feet.empty()) sided.moveTo(found.feet, stats.threads);
+  stats = found.stats;
+  SideStatistics& sides = stats.sides;
+  if (search.capped) sides.noise_share = noiseShare(found, rules);
+  measures = std::move(found.measures);
+  if (sides.noise_share < 1 && !(measures.scanned > 0)) measures.scanned = measures.lambda;
+  measures.lambda *= sides.noise_share;
+  // Where there is little noise, a leaf's residual separates sheets better than a point's cell does.
+  sides.for_cover = search.for_cover;
+  if (sides.for_cover)
+    sided.setSidesForCover(found.sides.normals, found.sides.normals);
+  else
+    sided.setSides(found.sides.normals);
+  measures.skip_lone_sides = !sides.for_cover;
+  sides.points = sided.store().size();
+  sides.confidence = found.sides.confidence;
+  sides.plane_neighbors = found.plane_neighbors;
+  if (found.sides.gap < HUGE_VAL) sides.gap = found.sides.gap / found.spacing;
+}
+
 }  // namespace
 
 Error
@@ -256,55 +308,22 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
           CloudMeasures& measures, FitStatistics& stats)
 {
   if (!mayNeedSides(sided.store(), params, stats)) return {};
-  const ThinPlaces thin =
-      findThinPlaces(sided.store(), constants.sides, constants.noise, stats.threads);
+  const SideConstants& rules = constants.sides;
+  const ThinPlaces thin = findThinPlaces(sided.store(), rules, constants.noise, stats.threads);
   stats.sides.thin_places = thin.share;
   const double unsided = std::sqrt(measures.lambda);
-  auto search = searchFor(thin, unsided, !params.lambda, constants.sides);
+  auto search = searchFor(thin, unsided, !params.lambda, rules);
+  if (!search) {
+    // Errors that neighbours share make terraces, which look like sheets.
+    const bool white = !(stats.noise.correlation > 1);
+    if (white && thin.share + thin.facing + thin.near >= rules.few_thin)
+      sideFacingPlaces(thin, constants, sided, measures, stats);
+    return {};
+  }
   std::optional<SidedFit> best;
-  if (search) {
-    search->moved = leastMoved(thin.spacing, params, constants.sides);
-    if (Error error = seekSides(*search, thin.spacing, constants, params, sided, stats, best))
-      return error;
-    // Doubtful sides are better than none: a leaf about both sheets is farther from the points than the noise.
-    if (!best && search->needed && search->noise >= constants.sides.full_noise * thin.spacing) {
-      search->doubt = constants.sides.last_doubt;
-      if (Error error = seekSides(*search, thin.spacing, constants, params, sided, stats, best))
-        return error;
-    }
-  }
-  // Errors that neighbours share make terraces, which look like sheets.
-  const bool white = !(stats.noise.correlation > 1);
-  if (!search && white && thin.share + thin.facing + thin.near >= constants.sides.few_thin)
-    sideFacingPlaces(thin, constants, sided, measures, stats);
-  if (best && best->isMoved(*search, constants.sides)) {
-    if (Error error = seekSidesOfFeet(thin, unsided, constants, params, sided.store(), stats, best))
-      return error;
-    if (best->feet.empty()) {
-      search->moved = HUGE_VAL;
-      best.reset();
-      if (Error error = seekSides(*search, thin.spacing, constants, params, sided, stats, best))
-        return error;
-    }
-  }
-  if (!best) return {};
-  if (!best->feet.empty()) sided.moveTo(best->feet, stats.threads);
-  stats = best->stats;
-  if (search->capped) stats.sides.noise_share = noiseShare(*best, constants.sides);
-  measures = std::move(best->measures);
-  if (stats.sides.noise_share < 1 && !(measures.scanned > 0)) measures.scanned = measures.lambda;
-  measures.lambda *= stats.sides.noise_share;
-  if (best->sides.gap < HUGE_VAL) stats.sides.gap = best->sides.gap / best->spacing;
-  // Where there is little noise, a leaf's residual separates sheets better than a point's cell does.
-  stats.sides.for_cover = search->noise < constants.sides.full_noise * thin.spacing;
-  if (stats.sides.for_cover)
-    sided.setSidesForCover(best->sides.normals, best->sides.normals);
-  else
-    sided.setSides(best->sides.normals);
-  measures.skip_lone_sides = !stats.sides.for_cover;
-  stats.sides.points = sided.store().size();
-  stats.sides.confidence = best->sides.confidence;
-  stats.sides.plane_neighbors = best->plane_neighbors;
+  if (Error error = seekSidesOfAll(thin, unsided, constants, params, *search, sided, stats, best))
+    return error;
+  if (best) takeSides(*best, *search, rules, sided, measures, stats);
   return {};
 }
 

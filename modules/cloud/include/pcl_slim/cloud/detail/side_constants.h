@@ -61,8 +61,9 @@ struct SideConstants {
   double outward = 0.95;  ///< agreement of all cells from which their sides orient the surface
   double part = 0.25;     ///< of that share that must come to face apart ...
   double doubt = 0.45;    ///< ... and that may be in doubt, ...
-  double last_doubt =
-      0.3;  ///< ... (where noise is wide and none are sure enough, this in all), ...
+  /// (where none are sure enough, noise is wide and fewer points than this share their errors, which else make
+  /// terraces: this much in all)
+  double terraces = 3, last_doubt = 0.3;
   double clean_doubt = 0.03;  ///< ... of all agreements at most this where there is little noise
   double same_noise =
       0.75;            ///< share of the noise that the cells were cut by, from which it is the same
