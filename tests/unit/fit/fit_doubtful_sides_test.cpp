@@ -191,6 +191,14 @@ struct FlatRing {
   }
 };
 
+double
+rmsFrom(const FlatRing& ring, const std::vector<Vector3>& places)
+{
+  double sum = 0;
+  for (const Vector3& p : places) sum += ring.squaredDistance(p);
+  return std::sqrt(sum / static_cast<double>(places.size()));
+}
+
 TEST(FitSides, DoubtfulSidesAreBetterThanNoneWhereNoiseIsWide)
 {
   const FlatRing ring;
@@ -198,16 +206,36 @@ TEST(FitSides, DoubtfulSidesAreBetterThanNoneWhereNoiseIsWide)
   strict.sides.last_doubt = 0;
   std::mt19937_64 rng(1);
   const Cloud cloud = noisy(ring.points(rng), 0.9, rng);
-  const auto rms = [&](const Fitted& f) {
-    double sum = 0;
-    for (const Vector3& p : placesOf(f)) sum += ring.squaredDistance(p);
-    return std::sqrt(sum / static_cast<double>(f.store.size()));
-  };
   const Fitted sided = fitted(cloud), unsided = fittedWith(strict, cloud);
   EXPECT_GT(sided.statistics.sides.points, 0u);
   EXPECT_EQ(unsided.statistics.sides.points, 0u);
-  EXPECT_LT(rms(sided), 0.75);
-  EXPECT_GT(rms(unsided), 1.0);
+  EXPECT_LT(rmsFrom(ring, placesOf(sided)), 0.75);
+  EXPECT_GT(rmsFrom(ring, placesOf(unsided)), 1.0);
+}
+
+// Four deviations thick at most: one leaf about both sides would leave 1.4, and the scanned points leave .85 to .95.
+TEST(FitSides, TurnAndThinningDoNotDecideOverAFlatRing)
+{
+  const FlatRing ring;
+  for (const double noise : {0.9, 1.0}) {
+    std::mt19937_64 rng(7);
+    const Cloud cloud = noisy(ring.points(rng), noise, rng);
+    for (const double angle : {0.0, 0.001, 0.3, 1.1}) {
+      for (const double kept : {1.0, 0.8}) {
+        std::mt19937_64 choice(1);
+        std::uniform_real_distribution<double> share(0, 1);
+        Cloud turned;
+        const double c = std::cos(angle), s = std::sin(angle);
+        for (std::size_t i = 0; i < cloud.size(); ++i) {
+          const double* p = cloud.points.data() + 3 * i;
+          if (share(choice) < kept) turned.add(p[0], c * p[1] - s * p[2], s * p[1] + c * p[2]);
+        }
+        std::vector<Vector3> places = placesOf(fitted(turned));
+        for (Vector3& p : places) p = {p[0], c * p[1] + s * p[2], c * p[2] - s * p[1]};
+        EXPECT_LT(rmsFrom(ring, places), 0.8) << noise << " " << angle << " " << kept;
+      }
+    }
+  }
 }
 
 }  // namespace

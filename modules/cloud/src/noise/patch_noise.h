@@ -22,7 +22,7 @@ patchAbout(const PointStore& store, NeighborSearch& search, std::size_t sample, 
 /** \brief A cubic height field over a patch's two main axes, in units of the patch's radius. */
 struct PatchCubic {
   PatchPoints places;  ///< of the points: along the normal and the two axes, lesser first
-  AlignedVector<double> residuals;  ///< of the heights
+  AlignedVector<double> residuals;  ///< of the heights; kPadding more than places
   double variance = 0;  ///< of the residuals per degree of freedom, squared local lengths
 };
 

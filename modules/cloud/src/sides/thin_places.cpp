@@ -70,11 +70,26 @@ formsRod(const Eigen::Vector3d& spreads, const SideConstants& constants)
   return spreads[1] < constants.rod * spreads[2] && spreads[0] > constants.thick_rod * spreads[1];
 }
 
+/** Excess kurtosis of residuals: 0 of Gaussian noise; of two sheets, as many points on each at +- a with
+ * noise s, -2 a^4 / (a^2 + s^2)^2. */
+double
+excessOf(const PatchCubic& cubic)
+{
+  const std::size_t count = cubic.places.size();
+  double squares = 0, fourths = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double square = cubic.residuals[i] * cubic.residuals[i];
+    squares += square;
+    fourths += square * square;
+  }
+  return squares > 0 ? static_cast<double>(count) * fourths / (squares * squares) - 3 : 0;
+}
+
 /** What one place shows. */
 struct PlaceFigures {
   double spacing = 0;    ///< by its smallest patch
-  double variance = -1;  ///< of a cubic's residuals, where it fits
-  bool thin = false;     ///< no patch of one sheet alone fits
+  double variance = -1;  ///< of a cubic's residuals, where it fits; of two sheets, within each
+  bool thin = false;     ///< no patch of one sheet alone fits, or two within one noise
   bool facing = false;   ///< one does, and beyond it there is another sheet
   bool near = false;     ///< two sheets that a fit may part by itself, or not
 };
@@ -98,12 +113,23 @@ class PlaceLook {
     // Relief of the surface itself grows with the patch; noise and the far side of a part do not.
     figures_.thin = !fits_ && !(last_ > 0 && cubic.variance > constants_->relief * last_);
     (fits_ ? figures_.variance : last_) = cubic.variance;
-    return true;
+    return !(fits_ && partResiduals(cubic));
   }
 
   const PlaceFigures& figures() const { return figures_; }
 
  private:
+  /** Whether residuals are two sheets that seem one rough sheet: flatter than chance makes Gaussian ones. */
+  bool partResiduals(const PatchCubic& cubic)
+  {
+    const double deviation = std::sqrt(24 / static_cast<double>(cubic.places.size()));
+    const double excess = excessOf(cubic);
+    if (excess > -constants_->flatter - constants_->deviations * deviation) return false;
+    figures_.thin = true;
+    figures_.variance *= 1 - std::sqrt(std::min(1.0, -0.5 * excess));
+    return true;
+  }
+
   /** Whether a patch is a rod or two sheets. The latter are thin unless they part by themselves. */
   bool showsTwoSides(const Patch& patch, PlaceFigures& figures) const
   {
@@ -155,7 +181,7 @@ summarize(const std::vector<PlaceLook>& looks, const std::vector<std::size_t>& l
     places.facing += figure.facing ? share : 0;
     places.near += figure.near ? share : 0;
     spacings.push_back(figure.spacing);
-    if (!figure.thin && figure.variance >= 0) variances.push_back(figure.variance);
+    if (figure.variance >= 0) variances.push_back(figure.variance);
   }
   if (!spacings.empty()) places.spacing = median(spacings);
   const double flat = share * static_cast<double>(variances.size());

@@ -308,7 +308,8 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
           CloudMeasures& measures, FitStatistics& stats)
 {
   if (!mayNeedSides(sided.store(), params, stats)) return {};
-  const SideConstants& rules = constants.sides;
+  SideConstants rules = constants.sides;
+  if (stats.noise.step > 0) rules.flatter = HUGE_VAL;  // rounding errors are flatter, too
   const ThinPlaces thin = findThinPlaces(sided.store(), rules, constants.noise, stats.threads);
   stats.sides.thin_places = thin.share;
   const double unsided = std::sqrt(measures.lambda);
