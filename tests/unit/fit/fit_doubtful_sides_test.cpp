@@ -202,11 +202,13 @@ rmsFrom(const FlatRing& ring, const std::vector<Vector3>& places)
 TEST(FitSides, DoubtfulSidesAreBetterThanNoneWhereNoiseIsWide)
 {
   const FlatRing ring;
-  detail::FitConstants strict;
+  detail::FitConstants doubtful;
+  doubtful.sides.flatter = HUGE_VAL;
+  detail::FitConstants strict = doubtful;
   strict.sides.last_doubt = 0;
   std::mt19937_64 rng(1);
   const Cloud cloud = noisy(ring.points(rng), 0.9, rng);
-  const Fitted sided = fitted(cloud), unsided = fittedWith(strict, cloud);
+  const Fitted sided = fittedWith(doubtful, cloud), unsided = fittedWith(strict, cloud);
   EXPECT_GT(sided.statistics.sides.points, 0u);
   EXPECT_EQ(unsided.statistics.sides.points, 0u);
   EXPECT_LT(rmsFrom(ring, placesOf(sided)), 0.75);

@@ -90,6 +90,7 @@ struct PlaceFigures {
   double spacing = 0;    ///< by its smallest patch
   double variance = -1;  ///< of a cubic's residuals, where it fits; of two sheets, within each
   bool thin = false;     ///< no patch of one sheet alone fits, or two within one noise
+  bool flat = false;     ///< the latter
   bool facing = false;   ///< one does, and beyond it there is another sheet
   bool near = false;     ///< two sheets that a fit may part by itself, or not
 };
@@ -125,7 +126,7 @@ class PlaceLook {
     const double deviation = std::sqrt(24 / static_cast<double>(cubic.places.size()));
     const double excess = excessOf(cubic);
     if (excess > -constants_->flatter - constants_->deviations * deviation) return false;
-    figures_.thin = true;
+    figures_.thin = figures_.flat = true;
     figures_.variance *= 1 - std::sqrt(std::min(1.0, -0.5 * excess));
     return true;
   }
@@ -178,6 +179,7 @@ summarize(const std::vector<PlaceLook>& looks, const std::vector<std::size_t>& l
     const PlaceFigures& figure = looks[s].figures();
     if (figure.thin || figure.facing || figure.near) places.thin.push_back(looked_at[s]);
     places.share += figure.thin ? share : 0;
+    places.flat += figure.flat ? share : 0;
     places.facing += figure.facing ? share : 0;
     places.near += figure.near ? share : 0;
     spacings.push_back(figure.spacing);

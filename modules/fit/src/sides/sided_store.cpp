@@ -28,6 +28,7 @@ mayNeedSides(const PointStore& store, const FitParams& params, const FitStatisti
 /** What the sides of a cloud must meet. */
 struct SideSearch {
   double share = 0;         ///< of the places that have two sides
+  double least_apart = 0;   ///< share of the points that must come to face apart
   double doubt = 0;         ///< most of the agreements that may be unmet
   bool needed = false;      ///< a fit does not part these by itself
   double noise = 0;         ///< by which the first cells are cut
@@ -72,6 +73,7 @@ searchFor(const ThinPlaces& thin, double unsided, bool measured, const SideConst
   search.needed = thin.share >= least || thin.facing >= rules.least_facing;
   search.share = search.needed ? std::max(thin.share, thin.facing) : thin.share + thin.near;
   if (!search.needed && search.share < rules.clean_thin) return {};
+  search.least_apart = rules.part * std::max(0.0, search.share - thin.flat);
   // Wrong sides break up the wide leaves of a clean cloud.
   search.doubt = rules.doubt * search.share;
   if (search.for_cover) search.doubt = std::min(search.doubt, rules.clean_doubt);
@@ -115,7 +117,7 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
                   stats,
                   {},
                   spacing};
-    const bool few = next.sides.thin < rules.part * search.share;
+    const bool few = next.sides.thin < search.least_apart;
     const bool doubtful = 1 - next.sides.confidence > search.doubt;
     const bool narrower = few || doubtful || search.unknown || next.sides.confidence < rules.sure;
     if (doubtful && best) break;

@@ -42,6 +42,7 @@ findSides(const PointStore& store, double noise, double spacing, SideScope scope
 /** \brief Where balls would meet two sides. */
 struct ThinPlaces {
   double share = 0;    ///< of the places looked at
+  double flat = 0;     ///< of these, where only the residuals' kurtosis shows two sheets
   double facing = 0;   ///< share of the others where a sheet faces one that a patch fits
   double near = 0;     ///< share of those where sheets are near, and far for their noise
   double noise = 0;    ///< RMS residual of cubics at places that are not thin; 0: too few are
