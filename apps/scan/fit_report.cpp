@@ -43,6 +43,28 @@ skippedCounts(const FittedPoints& fitted, const FitStatistics& fit)
           {"levels", fit.levels_skipped}};
 }
 
+/** What was measured of the errors, and how points got their sides. */
+void
+addMeasured(const FitStatistics& fit, Report& report)
+{
+  report.add({{"lambda", fit.lambda},
+              {"noise_error", fit.noise.error},
+              {"noise_correlation", fit.noise.correlation},
+              {"noise_correlation_error", fit.noise.correlation_error},
+              {"noise_line", fit.noise.line},
+              {"noise_step", fit.noise.step},
+              {"noise_neighbors", fit.noise.neighbors},
+              {"noise_varies", fit.noise.varies},
+              {"thin_places", fit.sides.thin_places},
+              {"sides_from", sideSourceName(fit.sides.source)},
+              {"overlap_edges", fit.sides.overlap_edges},
+              {"sided", fit.sides.points},
+              {"sided_confidence", fit.sides.confidence},
+              {"plane_neighbors", fit.sides.plane_neighbors},
+              {"sheet_gap", fit.sides.gap},
+              {"noise_share", fit.sides.noise_share}});
+}
+
 }  // namespace
 
 void
@@ -62,24 +84,9 @@ reportFit(const FittedPoints& fitted, const SLIMSurface& surface, const FitStati
               {"penalty", fit.penalty},
               {"noise_factor", fit.noise_factor},
               {"t_mdl", fit.t_mdl},
-              {"normal_error", fit.noise.normal_error},
-              {"lambda", fit.lambda},
-              {"noise_error", fit.noise.error},
-              {"noise_correlation", fit.noise.correlation},
-              {"noise_correlation_error", fit.noise.correlation_error},
-              {"noise_line", fit.noise.line},
-              {"noise_step", fit.noise.step},
-              {"noise_neighbors", fit.noise.neighbors},
-              {"noise_varies", fit.noise.varies},
-              {"thin_places", fit.sides.thin_places},
-              {"sides_from", sideSourceName(fit.sides.source)},
-              {"overlap_edges", fit.sides.overlap_edges},
-              {"sided", fit.sides.points},
-              {"sided_confidence", fit.sides.confidence},
-              {"plane_neighbors", fit.sides.plane_neighbors},
-              {"sheet_gap", fit.sides.gap},
-              {"noise_share", fit.sides.noise_share},
-              {"diagonal", fitted.diagonal},
+              {"normal_error", fit.noise.normal_error}});
+  addMeasured(fit, report);
+  report.add({{"diagonal", fitted.diagonal},
               {"rms_error_over_diagonal", fit.rms_error},
               {"uncovered", fit.uncovered},
               {"unsupported", fit.unsupported},

@@ -16,7 +16,7 @@ namespace pcl_slim::detail {
 struct CloudMeasures {
   double lambda = 0;                 ///< noise variance as the energy takes it
   double noise = 0;                  ///< variance of the points about the surface; 0: not known
-  double scanned = 0;                ///< lambda of the points as scanned, where the fit's is another
+  double scanned = 0;                ///< lambda of the points as scanned, if the fit has another
   double correlation = 1;            ///< points that share their errors
   std::vector<float> noise_profile;  ///< noise ratios of runs of points; empty: all 1
   double normal_error = 0;           ///< > 0: normals are data too, this many radians off
