@@ -30,8 +30,7 @@ struct SideConstants {
   std::size_t most_patch = 12288;  ///< points of the widest patch: wider ones cost more than a fit
   double filled = 0.15;            ///< a cubic's RMS residual over the radius of a patch that fits
   int beyond = 2;  ///< wider patches, after one that fits, in which a place's other side is sought
-  /// Residuals are two sheets where their excess kurtosis is less than minus this and so many of its standard
-  /// deviations.
+  /// Residuals are two sheets where their excess kurtosis is below minus this and this many of its standard deviations.
   double flatter = 0.4, deviations = 1.5;
   double relief = 4;  ///< growth of the variance to the next patch that is a rough surface's own
   double rod = 0.2;   ///< variance across over that along, below which a patch is a rod ...
