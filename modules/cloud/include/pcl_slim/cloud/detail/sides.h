@@ -52,7 +52,8 @@ struct ThinPlaces {
 
 /** \brief Looks at places spread over a cloud. A place is thin if its points form two sheets, or if
  * noise fills its patches until the surface bends away: cubics leave more than a share of the
- * radius however wide they are. O(places k). */
+ * radius however wide they are. It is thin, too, if a cubic fits, but its residuals are flatter than Gaussian ones
+ * (excess kurtosis): two sheets within one noise. O(places k). */
 PCL_SLIM_EXPORT ThinPlaces
 findThinPlaces(const PointStore& store, const SideConstants& constants, const NoiseConstants& noise,
                int threads);
