@@ -310,22 +310,50 @@ halvesOf(const std::vector<PatchScale>& scales, double white, const NoiseConstan
   return halves;
 }
 
-/** The places that it takes for the noise to be known to the accuracy wanted. */
+/** 0 up to low, 1 from high on. */
 double
-neededPlaces(const NoiseCurve& curve, const SharedNoiseConstants& constants)
+ramp(double x, double low, double high)
 {
-  double variance = 0, correlation = 0;  // squared errors of their logarithms
-  for (const CurveNoise& half : curve.halves) {
-    variance += std::pow(std::log(half.variance / curve.noise.variance), 2);
-    correlation += std::pow(std::log(half.correlation / curve.noise.correlation), 2);
-  }
-  const double excess = std::max(variance / std::pow(constants.variance_error, 2),
-                                 correlation / std::pow(constants.correlation_error, 2));
-  return static_cast<double>(curve.scales.front().variances.size()) * excess /
-         static_cast<double>(curve.halves.size());
+  return std::clamp((x - low) / (high - low), 0.0, 1.0);
+}
+
+/** The places that it takes for what counts of the noise to be known to the accuracy wanted. */
+double
+neededPlaces(const NoiseCurve& curve, double white, const SharedNoiseConstants& constants)
+{
+  const LogErrors errors = errorsOf(curve, white, constants);
+  const double excess = std::max(errors.variance / std::pow(constants.variance_error, 2),
+                                 errors.correlation / std::pow(constants.correlation_error, 2));
+  return static_cast<double>(curve.scales.front().variances.size()) * excess;
 }
 
 }  // namespace
+
+CurveShare
+shareOf(const CurveNoise& curve, double white, const SharedNoiseConstants& constants)
+{
+  const double share = ramp(curve.correlation, constants.least, constants.all);
+  const double growth = std::log2(curve.variance / white);
+  const double part = std::max(share, ramp(growth, constants.chance, constants.plain));
+  // The smallest patches' cubics absorb noise that their points share, as on a lidar's rings.
+  const double taken = std::min(std::exp2(part * growth), constants.all);
+  return {part, white * std::exp2(part * growth),
+          std::max(taken, 1 + share * (curve.correlation - 1))};
+}
+
+LogErrors
+errorsOf(const NoiseCurve& curve, double white, const SharedNoiseConstants& constants)
+{
+  const CurveShare all = shareOf(curve.noise, white, constants);
+  LogErrors errors;
+  for (const CurveNoise& noise : curve.halves) {
+    const CurveShare half = shareOf(noise, white, constants);
+    errors.variance += std::pow(std::log(half.variance / all.variance), 2);
+    errors.correlation += std::pow(std::log(half.correlation / all.correlation), 2);
+  }
+  const auto count = static_cast<double>(curve.halves.size());
+  return {errors.variance / count, errors.correlation / count};
+}
 
 NoiseCurve
 measureCurve(const PointStore& store, std::size_t k, double white, const NoiseConstants& constants,
@@ -344,7 +372,7 @@ measureCurve(const PointStore& store, std::size_t k, double white, const NoiseCo
       std::clamp(store.size() / shared.points_per_place, shared.least_places, shared.places);
   NoiseCurve curve = measure(places);
   const std::size_t most = std::min(shared.most_places, store.size() / shared.points_per_place);
-  const double wanted = neededPlaces(curve, shared);
+  const double wanted = neededPlaces(curve, white, shared);
   if (wanted > static_cast<double>(places) && most > places)
     curve = measure(static_cast<std::size_t>(std::min(wanted, static_cast<double>(most))));
   return curve;

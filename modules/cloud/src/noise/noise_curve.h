@@ -21,6 +21,24 @@ struct NoiseCurve {
   std::vector<CurveNoise> halves;  ///< by random halves of the places: their scatter is its error
 };
 
+/** \brief What counts of the noise that a curve shows: none where chance explains what wider patches show. */
+struct CurveShare {
+  double part = 0;  ///< of the logarithm of its variance over white noise's ...
+  double variance = 0, correlation = 1;  ///< ... and the figures with that part
+};
+
+CurveShare
+shareOf(const CurveNoise& curve, double white, const SharedNoiseConstants& constants);
+
+/** \brief Squared errors of the logarithms of the figures that count. */
+struct LogErrors {
+  double variance = 0, correlation = 0;
+};
+
+/** \brief The scatter of a curve's halves. */
+LogErrors
+errorsOf(const NoiseCurve& curve, double white, const SharedNoiseConstants& constants);
+
 /** \brief Measures scales, from the smallest patches on, until no wider one can show noise, and weighs
  * what each shows by the chance that it is a plateau (docs/theory.md, "Noise that neighbours share").
  * \param[in] white variance by the smallest patches */

@@ -12,13 +12,13 @@ namespace pcl_slim::detail {
 
 namespace {
 
-/** The points of a store with even numbers. */
+/** Every second point of a store. \param[in] first 0 or 1 */
 PointStore
-everySecond(const PointStore& store, int threads)
+everySecond(const PointStore& store, std::size_t first, int threads)
 {
   std::vector<std::uint32_t> dropped;
-  dropped.reserve(store.size() / 2);
-  for (std::size_t i = 1; i < store.size(); i += 2)
+  dropped.reserve(store.size() / 2 + 1);
+  for (std::size_t i = 1 - first; i < store.size(); i += 2)
     dropped.push_back(static_cast<std::uint32_t>(i));
   return store.without(dropped, threads);
 }
@@ -44,8 +44,13 @@ void
 ThinnedPlaces::thinTo(std::size_t stride, int threads)
 {
   for (; stride_ < stride; stride_ *= 2) {
-    thinned_ = everySecond(store(), threads);
-    for (std::size_t& place : places_) place = std::min(place / 2, thinned_->size() - 1);
+    const std::size_t before = stride_ == 1 ? 1 : parts_.size();
+    std::vector<PointStore> thinner;
+    for (std::size_t p = 0; p < std::min(2 * before, kParts); ++p)
+      thinner.push_back(everySecond(storeOf(p % before), p / before, threads));
+    parts_ = std::move(thinner);
+    for (std::size_t s = 0; s < places_.size(); ++s)
+      places_[s] = std::min(places_[s] / 2, parts_[s % parts_.size()].size() - 1);
   }
 }
 
@@ -56,17 +61,14 @@ measureScale(ThinnedPlaces& points, std::size_t k, const NoiseConstants& constan
   scale.k = k;
   scale.stride = patchStride(k, constants);
   points.thinTo(scale.stride, threads);
-  const std::size_t places = points.places().size();
-  scale.variances.resize(places);
-  scale.shared.resize(places);
-  scale.radii.resize(places);
-  std::vector<NeighborSearch> searches(static_cast<std::size_t>(threads),
-                                       NeighborSearch(points.store()));
-  parallelFor(places, threads, 4, [&](std::size_t s, int thread) {
+  scale.variances.resize(points.size());
+  scale.shared.resize(points.size());
+  scale.radii.resize(points.size());
+  points.forEach(threads, [&](const PointStore& store, NeighborSearch& search, std::size_t place,
+                              std::size_t s) {
     thread_local PatchCubic cubic;
     const bool fits =
-        fitPatch(points.store(), searches[static_cast<std::size_t>(thread)], points.places()[s],
-                 k / scale.stride, constants, cubic, scale.radii[s]);
+        fitPatch(store, search, place, k / scale.stride, constants, cubic, scale.radii[s]);
     scale.variances[s] = fits ? cubic.variance : -1;
     scale.shared[s] = fits ? sharedInPatch(cubic, constants.shared.cells) : -1;
   });

@@ -2,12 +2,13 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <vector>
 
 #include "pcl_slim/cloud/detail/noise_constants.h"
+#include "pcl_slim/cloud/knn.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/order_statistics.h"
+#include "pcl_slim/core/parallel.h"
 
 namespace pcl_slim::detail {
 
@@ -24,7 +25,8 @@ struct PatchScale {
 };
 
 /** \brief Places of a store, among points thinned step by step: wide patches are measured on a part of
- * their points. */
+ * their points, those of neighbouring places on different parts. What one part shows by chance, as
+ * many patches contain the same points, others do not. */
 class ThinnedPlaces {
  public:
   ThinnedPlaces(const PointStore& store, std::size_t count);
@@ -32,12 +34,34 @@ class ThinnedPlaces {
   /** \brief Thins to every stride-th point; a power of two, no less than before. O(n). */
   void thinTo(std::size_t stride, int threads);
 
-  const PointStore& store() const { return thinned_ ? *thinned_ : whole_; }
-  const std::vector<std::size_t>& places() const { return places_; }
+  std::size_t size() const { return places_.size(); }
+
+  /** \brief Calls measure(store, search, place, s) at every place s: its stored point, and the points that
+   * are left around it. */
+  template <typename Measure>
+  void forEach(int threads, const Measure& measure) const
+  {
+    const std::size_t parts = parts_.empty() ? 1 : parts_.size();
+    std::vector<NeighborSearch> searches;
+    for (std::size_t i = 0; i < parts * static_cast<std::size_t>(threads); ++i)
+      searches.emplace_back(storeOf(i % parts));
+    parallelFor(places_.size(), threads, 4, [&](std::size_t s, int thread) {
+      const std::size_t part = s % parts;
+      measure(storeOf(part), searches[static_cast<std::size_t>(thread) * parts + part], places_[s],
+              s);
+    });
+  }
 
  private:
+  static constexpr std::size_t kParts = 32;
+
+  const PointStore& storeOf(std::size_t part) const
+  {
+    return parts_.empty() ? whole_ : parts_[part];
+  }
+
   const PointStore& whole_;
-  std::optional<PointStore> thinned_;
+  std::vector<PointStore> parts_;  ///< of place s the part s modulo their number; none: the whole
   std::vector<std::size_t> places_;
   std::size_t stride_ = 1;
 };

@@ -65,48 +65,17 @@ scaleNoise(const PatchScale& scale, const NoiseConstants& constants)
   return noise;
 }
 
-/** 0 up to low, 1 from high on. */
-double
-ramp(double x, double low, double high)
-{
-  return std::clamp((x - low) / (high - low), 0.0, 1.0);
-}
-
-/** What counts of the noise that a curve shows: none where chance explains what wider patches show. */
-struct CurveShare {
-  double part = 0;  ///< of the logarithm of its variance over white noise's ...
-  double variance = 0, correlation = 1;  ///< ... and the figures with that part
-};
-
-CurveShare
-shareOf(const CurveNoise& curve, double white, const SharedNoiseConstants& constants)
-{
-  const double share = ramp(curve.correlation, constants.least, constants.all);
-  const double growth = std::log2(curve.variance / white);
-  const double part = std::max(share, ramp(growth, constants.chance, constants.plain));
-  // The smallest patches' cubics absorb noise that their points share, as on a lidar's rings.
-  const double taken = std::min(std::exp2(part * growth), constants.all);
-  return {part, white * std::exp2(part * growth),
-          std::max(taken, 1 + share * (curve.correlation - 1))};
-}
-
 /** Sets the errors of a curve's noise: the scatter of its halves, that of a variance of as many values as the
  * cloud has independent errors, and white noise's own. */
 void
 setErrors(const NoiseCurve& curve, const CurveShare& all, const NoiseLevel& white, double points,
           const SharedNoiseConstants& constants, NoiseLevel& noise)
 {
-  double variance = 0, correlation = 0;
-  for (const CurveNoise& half : curve.halves) {
-    const CurveShare share = shareOf(half, white.variance, constants);
-    variance += std::pow(std::log(share.variance / all.variance), 2);
-    correlation += std::pow(std::log(share.correlation / all.correlation), 2);
-  }
-  const auto count = static_cast<double>(curve.halves.size());
+  const LogErrors errors = errorsOf(curve, white.variance, constants);
   const double chance = all.part * 2 * all.correlation / points;
   noise.error =
-      std::hypot(0.5 * std::sqrt(variance / count + chance), (1 - all.part) * white.error);
-  noise.correlation_error = std::sqrt(correlation / count + chance);
+      std::hypot(0.5 * std::sqrt(errors.variance + chance), (1 - all.part) * white.error);
+  noise.correlation_error = std::sqrt(errors.correlation + chance);
 }
 
 /** The noise of a curve. */

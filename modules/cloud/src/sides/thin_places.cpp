@@ -203,21 +203,20 @@ findThinPlaces(const PointStore& store, const SideConstants& constants, const No
   const std::size_t most =
       std::clamp(store.size() / noise.most_part, constants.patch, constants.most_patch);
   ThinnedPlaces points(store, asked);
-  const std::vector<std::size_t> looked_at = points.places();
-  std::vector<PlaceLook> looks(points.places().size(), PlaceLook(constants));
+  std::vector<std::size_t> looked_at(points.size());
+  std::vector<PlaceLook> looks(points.size(), PlaceLook(constants));
   std::vector<char> open(looks.size(), 1);
   threads = resolveThreads(threads);
   for (std::size_t k = constants.patch; k <= most; k *= constants.wider) {
     if (std::none_of(open.begin(), open.end(), [](char o) { return o != 0; })) break;
     const std::size_t stride = std::max<std::size_t>(1, k / constants.patch_points);
     points.thinTo(stride, threads);
-    std::vector<NeighborSearch> searches(static_cast<std::size_t>(threads),
-                                         NeighborSearch(points.store()));
-    parallelFor(looks.size(), threads, 4, [&](std::size_t s, int thread) {
+    points.forEach(threads, [&](const PointStore& part, NeighborSearch& search, std::size_t place,
+                                std::size_t s) {
+      if (k == constants.patch) looked_at[s] = place;
       if (!open[s]) return;
       thread_local Patch patch;
-      patchAbout(points.store(), searches[static_cast<std::size_t>(thread)], points.places()[s],
-                 k / stride, patch);
+      patchAbout(part, search, place, k / stride, patch);
       open[s] = looks[s].look(patch);
     });
   }

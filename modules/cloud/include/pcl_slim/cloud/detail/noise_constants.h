@@ -18,11 +18,11 @@ struct PatchSheetConstants {
 struct SharedNoiseConstants {
   std::size_t places = 300;                               ///< places where patches are compared ...
   std::size_t points_per_place = 50, least_places = 100;  ///< ... fewer in small clouds
-  std::size_t most_places = 1600;  ///< as many as these where fewer leave the noise in doubt:
+  std::size_t most_places = 6400;  ///< as many as these where fewer leave the noise in doubt:
   std::size_t half_samples = 8;    ///< halves of the places whose outcomes are compared
-  double variance_error = 0.07;    ///< RMS error wanted of the variance's logarithm ...
+  double variance_error = 0.05;    ///< RMS error wanted of the variance's logarithm ...
   double correlation_error =
-      0.1;                    ///< ... and of that of the number of points that share their errors
+      0.07;                   ///< ... and of that of the number of points that share their errors
   std::size_t most_part = 8;  ///< a patch contains at most the cloud's points over this
   std::size_t cells = 32;     ///< of equal size, into which a patch's points fall
   std::size_t least_points = 80;  ///< points of a patch whose squares can share
