@@ -368,14 +368,17 @@ measureCurve(const PointStore& store, std::size_t k, double white, const NoiseCo
     curve.halves = halvesOf(curve.scales, white, constants, threads);
     return curve;
   };
-  const std::size_t places =
+  const std::size_t most = std::min(shared.most_places, store.size() / shared.points_per_place);
+  std::size_t places =
       std::clamp(store.size() / shared.points_per_place, shared.least_places, shared.places);
   NoiseCurve curve = measure(places);
-  const std::size_t most = std::min(shared.most_places, store.size() / shared.points_per_place);
-  const double wanted = neededPlaces(curve, white, shared);
-  if (wanted > static_cast<double>(places) && most > places)
-    curve = measure(static_cast<std::size_t>(std::min(wanted, static_cast<double>(most))));
-  return curve;
+  for (;;) {
+    const double wanted = std::min(neededPlaces(curve, white, shared), static_cast<double>(most));
+    if (wanted < shared.few_places * static_cast<double>(places)) return curve;
+    // Few places do not know well how many it takes.
+    places = std::min(most, std::max(static_cast<std::size_t>(wanted), shared.more_places * places));
+    curve = measure(places);
+  }
 }
 
 CurveNoise

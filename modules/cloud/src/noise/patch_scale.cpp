@@ -45,8 +45,9 @@ ThinnedPlaces::thinTo(std::size_t stride, int threads)
 {
   for (; stride_ < stride; stride_ *= 2) {
     const std::size_t before = stride_ == 1 ? 1 : parts_.size();
+    const std::size_t parts = stride_ < kFirst ? 1 : std::min(2 * before, kParts);
     std::vector<PointStore> thinner;
-    for (std::size_t p = 0; p < std::min(2 * before, kParts); ++p)
+    for (std::size_t p = 0; p < parts; ++p)
       thinner.push_back(everySecond(storeOf(p % before), p / before, threads));
     parts_ = std::move(thinner);
     for (std::size_t s = 0; s < places_.size(); ++s)

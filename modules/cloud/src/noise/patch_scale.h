@@ -53,6 +53,7 @@ class ThinnedPlaces {
   }
 
  private:
+  static constexpr std::size_t kFirst = 4;  ///< up to this stride there is one part, for speed
   static constexpr std::size_t kParts = 32;
 
   const PointStore& storeOf(std::size_t part) const

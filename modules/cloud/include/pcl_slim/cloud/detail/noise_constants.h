@@ -18,7 +18,9 @@ struct PatchSheetConstants {
 struct SharedNoiseConstants {
   std::size_t places = 300;                               ///< places where patches are compared ...
   std::size_t points_per_place = 50, least_places = 100;  ///< ... fewer in small clouds
-  std::size_t most_places = 6400;  ///< as many as these where fewer leave the noise in doubt:
+  std::size_t most_places = 6400;  ///< up to this many where the noise is in doubt: ...
+  double few_places = 1.5;         ///< ... where it takes this factor more, ...
+  std::size_t more_places = 4;     ///< ... at least this factor more are looked at
   std::size_t half_samples = 8;    ///< halves of the places whose outcomes are compared
   double variance_error = 0.05;    ///< RMS error wanted of the variance's logarithm ...
   double correlation_error =
@@ -39,7 +41,7 @@ struct SharedNoiseConstants {
   double settled = 0.15;     ///< growth of variance and power, either way, of white noise
   double fall = 0.8;         ///< fall of the power that noise does not show
   double still = 0.42;       ///< growth of the power, either way, at which it is not constant
-  double slowing = 0.5;      ///< the same as a share of the greatest growth before
+  double slowing = 0.8;      ///< the same as a share of the greatest growth before
   double very_still = 0.3;   ///< the same where growth has been steep before
   double spread = 1.5;       ///< growth of a plateau's mean over that of plain places, at most, ...
   double creases = 0.1;      ///< ... and added to it
