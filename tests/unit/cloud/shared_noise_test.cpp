@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <set>
 
 #include "measure/sensor/sensor_scan.h"
+#include "noise/patch_scale.h"
 #include "pcl_slim/cloud/detail/noise_measurement.h"
 #include "pcl_slim/cloud/noise_level.h"
 #include "support/clouds.h"
@@ -187,20 +189,22 @@ TEST(SharedNoise, TwoMergedFramesHaveThatOfOne)
 {
   // Within the length that errors share, points are at random on one of two sheets: white noise to small patches.
   measure::DepthCamera camera;
-  for (const int px : {5, 9}) {
-    camera.correlated_x = camera.correlated_y = px;
-    for (const char* solids : {"room", "hall", "balls"}) {
-      const Cloud one = cloudOf(scanByCamera(measure::namedSolids(solids), camera, 3));
-      Cloud both = one;
-      const Cloud other = cloudOf(scanByCamera(measure::namedSolids(solids), camera, 4), 0.001);
-      both.points.insert(both.points.end(), other.points.begin(), other.points.end());
-      for (double slowing : {.5, .65, .8}) {
-        detail::NoiseConstants c; c.shared.slowing = slowing;
-        const PointStore a = storeOf(one), b = storeOf(both);
-        const NoiseLevel x = recognized(a, c), y = recognized(b, c);
-        printf("%s %d slowing %.2f: sigma %.4f N %.1f  merged %.4f %.1f\n", solids, px, slowing, a.scale() * std::sqrt(x.variance), x.correlation, b.scale() * std::sqrt(y.variance), y.correlation);
-      }
-    }
+  camera.correlated_x = camera.correlated_y = 5;
+  detail::NoiseConstants strict;
+  strict.shared.slowing = strict.shared.sided_slowing;
+  for (const char* name : {"room", "hall", "balls"}) {
+    const auto solids = measure::namedSolids(name);
+    const Cloud one = cloudOf(scanByCamera(solids, camera, 3));
+    const Cloud other = cloudOf(scanByCamera(solids, camera, 4), 0.001);
+    Cloud both = one;
+    both.points.insert(both.points.end(), other.points.begin(), other.points.end());
+    const PointStore store = storeOf(one), merged = storeOf(both);
+    const NoiseLevel noise = recognized(store), merged_noise = recognized(merged);
+    const double sigma = store.scale() * std::sqrt(noise.variance);
+    EXPECT_NEAR(merged.scale() * std::sqrt(merged_noise.variance) / sigma, 1, 0.1) << name;
+    EXPECT_GT(merged_noise.correlation, 0.5 * noise.correlation) << name;
+    EXPECT_LT(merged_noise.correlation, 1.2 * noise.correlation) << name;
+    EXPECT_LT(recognized(merged, strict).correlation, 0.75 * merged_noise.correlation) << name;
   }
 }
 
@@ -231,8 +235,36 @@ TEST(SharedNoise, MorePlacesMakeTurnedScansAgree)
       most[k] = std::max(most[k], rms);
     }
   }
-  EXPECT_LT(most[1] / least[1], 1.25);
+  EXPECT_LT(most[1] / least[1], 1.2);
   EXPECT_GT(most[0] / least[0], 1.25);
+}
+
+TEST(SharedNoise, NeighbouringPlacesAreMeasuredOnDifferentPoints)
+{
+  const PointStore store = storeOf(boxNoise(1, 0.002));
+  const std::size_t places = 64;
+  detail::ThinnedPlaces points(store, places);
+  for (const std::size_t stride : {1, 4, 16, 128}) {
+    points.thinTo(stride, 1);
+    std::set<std::uint32_t> seen, at;
+    std::size_t most = 0;
+    std::vector<std::uint32_t> order;
+    points.forEach(1, [&](const PointStore& part, NeighborSearch&, std::size_t place,
+                          std::size_t s) {
+      ASSERT_LT(place, part.size());
+      EXPECT_LE(std::abs(static_cast<double>(part.size() * stride) - store.size()), stride) << s;
+      at.insert(part.orderOfStore()[place]);
+      if (s < 32) seen.insert(part.orderOfStore().begin(), part.orderOfStore().end());
+      most = std::max(most, s);
+    });
+    EXPECT_EQ(most, places - 1);
+    EXPECT_EQ(at.size(), places) << stride;
+    // Up to a stride of 4 all places have the same points; from there on parts do not overlap.
+    const std::size_t parts = std::min<std::size_t>(std::max<std::size_t>(stride / 4, 1), 32);
+    EXPECT_NEAR(static_cast<double>(seen.size()),
+                static_cast<double>(parts * store.size() / stride), static_cast<double>(parts))
+        << stride;
+  }
 }
 
 /** RMS of relative errors of sigma and of the correlation, as stated and as seeds show them. */

@@ -356,10 +356,13 @@ errorsOf(const NoiseCurve& curve, double white, const SharedNoiseConstants& cons
 }
 
 NoiseCurve
-measureCurve(const PointStore& store, std::size_t k, double white, const NoiseConstants& constants,
+measureCurve(const PointStore& store, std::size_t k, double white, const NoiseConstants& all,
              int threads)
 {
-  const SharedNoiseConstants& shared = constants.shared;
+  NoiseConstants constants = all;
+  SharedNoiseConstants& shared = constants.shared;
+  // Patches of a thin part end at its borders, where the power slows down, too.
+  if (store.hasSides() && !store.hasNormals()) shared.slowing = shared.sided_slowing;
   const auto measure = [&](std::size_t places) {
     NoiseCurve curve;
     ThinnedPlaces points(store, places);
@@ -376,7 +379,8 @@ measureCurve(const PointStore& store, std::size_t k, double white, const NoiseCo
     const double wanted = std::min(neededPlaces(curve, white, shared), static_cast<double>(most));
     if (wanted < shared.few_places * static_cast<double>(places)) return curve;
     // Few places do not know well how many it takes.
-    places = std::min(most, std::max(static_cast<std::size_t>(wanted), shared.more_places * places));
+    places =
+        std::min(most, std::max(static_cast<std::size_t>(wanted), shared.more_places * places));
     curve = measure(places);
   }
 }

@@ -73,8 +73,7 @@ setErrors(const NoiseCurve& curve, const CurveShare& all, const NoiseLevel& whit
 {
   const LogErrors errors = errorsOf(curve, white.variance, constants);
   const double chance = all.part * 2 * all.correlation / points;
-  noise.error =
-      std::hypot(0.5 * std::sqrt(errors.variance + chance), (1 - all.part) * white.error);
+  noise.error = std::hypot(0.5 * std::sqrt(errors.variance + chance), (1 - all.part) * white.error);
   noise.correlation_error = std::sqrt(errors.correlation + chance);
 }
 

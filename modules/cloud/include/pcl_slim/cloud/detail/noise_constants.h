@@ -31,26 +31,27 @@ struct SharedNoiseConstants {
   double plainest =
       0.35;               ///< share of the places, those of least variance, whose growth counts ...
   std::size_t ahead = 3;  ///< ... on patches this many doublings wider
-  double flat_place = 0.5;   ///< growth up to which a place is flat
-  double flat = 0.33;        ///< growth of the variance at which a size of patch is no plateau
-  double slow = 0.62;        ///< the same as a share of the greatest growth before, ...
-  double most_peak = 0.8;    ///< ... of which at most this counts
-  double steep = 1.2;        ///< growth that noise does not show ...
-  double steep_width = 0.1;  ///< ... and the width of the passage
-  double shape = 2;          ///< growth, twice in a row, after which there is shape alone
-  double settled = 0.15;     ///< growth of variance and power, either way, of white noise
-  double fall = 0.8;         ///< fall of the power that noise does not show
-  double still = 0.42;       ///< growth of the power, either way, at which it is not constant
-  double slowing = 0.8;      ///< the same as a share of the greatest growth before
-  double very_still = 0.3;   ///< the same where growth has been steep before
-  double spread = 1.5;       ///< growth of a plateau's mean over that of plain places, at most, ...
-  double creases = 0.1;      ///< ... and added to it
-  double beyond = 1.5;       ///< growth beyond a plateau, in all, that noise does not show
-  double most = 0.83;        ///< share of the noise that a profile's patches show
-  double trim = 0.15;        ///< share of patches left out at either end of a size's mean
-  double least = 1.5;        ///< fewer neighbours than that share nothing ...
-  double all = 2;            ///< ... and this many count in full
-  double white = 1.05;       ///< number of points up to which noise counts as white
+  double flat_place = 0.5;     ///< growth up to which a place is flat
+  double flat = 0.33;          ///< growth of the variance at which a size of patch is no plateau
+  double slow = 0.62;          ///< the same as a share of the greatest growth before, ...
+  double most_peak = 0.8;      ///< ... of which at most this counts
+  double steep = 1.2;          ///< growth that noise does not show ...
+  double steep_width = 0.1;    ///< ... and the width of the passage
+  double shape = 2;            ///< growth, twice in a row, after which there is shape alone
+  double settled = 0.15;       ///< growth of variance and power, either way, of white noise
+  double fall = 0.8;           ///< fall of the power that noise does not show
+  double still = 0.42;         ///< growth of the power, either way, at which it is not constant
+  double slowing = 0.8;        ///< the same as a share of the greatest growth before
+  double sided_slowing = 0.5;  ///< the same of thin parts with sides that were found
+  double very_still = 0.3;     ///< the same where growth has been steep before
+  double spread = 1.5;   ///< growth of a plateau's mean over that of plain places, at most, ...
+  double creases = 0.1;  ///< ... and added to it
+  double beyond = 1.5;   ///< growth beyond a plateau, in all, that noise does not show
+  double most = 0.83;    ///< share of the noise that a profile's patches show
+  double trim = 0.15;    ///< share of patches left out at either end of a size's mean
+  double least = 1.5;    ///< fewer neighbours than that share nothing ...
+  double all = 2;        ///< ... and this many count in full
+  double white = 1.05;   ///< number of points up to which noise counts as white
   /// Of more points fits count the geometric mean with this: a wide tau rounds edges, and a part of it
   /// costs smooth parts little.
   double counted = 12;
