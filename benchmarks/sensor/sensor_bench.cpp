@@ -28,9 +28,9 @@ OptionTable
 declareOptions(Settings& s)
 {
   OptionTable options("sensor_bench", "1", "Measures fits of scans as sensors make them.");
-  options.text("rows", &s.rows, "TEXT", "only rows whose name holds this");
+  options.text("rows", &s.rows, "TEXT", "only rows whose name contains this");
   options.integer("seed", &s.seed, 0, 1000000, "seed of the scans");
-  options.integer("seeds", &s.seeds, 1, 100, "so many seeds, a row each");
+  options.integer("seeds", &s.seeds, 1, 100, "number of seeds, a row each");
   options.toggle("mls", &s.mls, "measure MLS too");
   options.toggle("solids", &s.solids, "errors solid by solid too");
   options.number("creases", &s.creases, 0, 1, "leave out points so near another solid [m]", "none");

@@ -377,7 +377,7 @@ measureCurve(const PointStore& store, std::size_t k, double white, const NoiseCo
   NoiseCurve curve = measure(places);
   for (;;) {
     const double wanted = std::min(neededPlaces(curve, white, shared), static_cast<double>(most));
-    if (wanted < shared.few_places * static_cast<double>(places)) return curve;
+    if (!(wanted >= shared.few_places * static_cast<double>(places))) return curve;
     // Few places do not know well how many it takes.
     places =
         std::min(most, std::max(static_cast<std::size_t>(wanted), shared.more_places * places));

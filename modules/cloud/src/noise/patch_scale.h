@@ -35,6 +35,8 @@ class ThinnedPlaces {
   void thinTo(std::size_t stride, int threads);
 
   std::size_t size() const { return places_.size(); }
+  /** \brief The places' points, each a number within the part of its place. */
+  const std::vector<std::size_t>& places() const { return places_; }
 
   /** \brief Calls measure(store, search, place, s) at every place s: its stored point, and the points that
    * are left around it. */

@@ -203,7 +203,7 @@ findThinPlaces(const PointStore& store, const SideConstants& constants, const No
   const std::size_t most =
       std::clamp(store.size() / noise.most_part, constants.patch, constants.most_patch);
   ThinnedPlaces points(store, asked);
-  std::vector<std::size_t> looked_at(points.size());
+  const std::vector<std::size_t> looked_at = points.places();
   std::vector<PlaceLook> looks(points.size(), PlaceLook(constants));
   std::vector<char> open(looks.size(), 1);
   threads = resolveThreads(threads);
@@ -213,7 +213,6 @@ findThinPlaces(const PointStore& store, const SideConstants& constants, const No
     points.thinTo(stride, threads);
     points.forEach(threads, [&](const PointStore& part, NeighborSearch& search, std::size_t place,
                                 std::size_t s) {
-      if (k == constants.patch) looked_at[s] = place;
       if (!open[s]) return;
       thread_local Patch patch;
       patchAbout(part, search, place, k / stride, patch);
