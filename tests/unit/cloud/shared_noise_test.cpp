@@ -248,7 +248,6 @@ TEST(SharedNoise, NeighbouringPlacesAreMeasuredOnDifferentPoints)
     points.thinTo(stride, 1);
     std::set<std::uint32_t> seen, at;
     std::size_t most = 0;
-    std::vector<std::uint32_t> order;
     points.forEach(1, [&](const PointStore& part, NeighborSearch&, std::size_t place,
                           std::size_t s) {
       ASSERT_LT(place, part.size());

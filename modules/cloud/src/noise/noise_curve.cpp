@@ -356,10 +356,10 @@ errorsOf(const NoiseCurve& curve, double white, const SharedNoiseConstants& cons
 }
 
 NoiseCurve
-measureCurve(const PointStore& store, std::size_t k, double white, const NoiseConstants& all,
+measureCurve(const PointStore& store, std::size_t k, double white, const NoiseConstants& given,
              int threads)
 {
-  NoiseConstants constants = all;
+  NoiseConstants constants = given;
   SharedNoiseConstants& shared = constants.shared;
   // Patches of a thin part end at its borders, where the power slows down, too.
   if (store.hasSides() && !store.hasNormals()) shared.slowing = shared.sided_slowing;
