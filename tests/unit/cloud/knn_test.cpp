@@ -55,6 +55,17 @@ expectBruteForce(const PointStore& store, std::size_t k, std::size_t step, std::
     ASSERT_EQ(search.nearestSet(i, k, set), distances_sq.back());
     std::sort(sorted.begin(), sorted.end());
     ASSERT_EQ(set, sorted);
+    // Whatever distance is expected, too little or too much, the points are the same.
+    for (const float factor : {0.5f, 1.0f, 1.4f, 30.0f}) {
+      const float about = factor * distances_sq.back();
+      ASSERT_EQ(search.nearestSet(i, k, set, about), distances_sq.back());
+      ASSERT_EQ(set, sorted);
+      std::vector<std::uint32_t> same;
+      std::vector<float> same_sq;
+      search.nearest(i, k, same, same_sq, about);
+      ASSERT_EQ(same, neighbors);
+      ASSERT_EQ(same_sq, distances_sq);
+    }
     if (i % stride == 0) {
       ASSERT_EQ(neighbors.front(), i);
     }

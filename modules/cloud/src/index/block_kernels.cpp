@@ -237,6 +237,27 @@ kthSmallest(const float* values, std::size_t n, std::size_t k)
   return *kth;
 }
 
+std::size_t
+valuesUpTo(const float* values, const std::uint32_t* points, std::size_t n, float limit,
+           std::uint32_t* found)
+{
+  const Tag d;
+  const hn::RebindToUnsigned<Tag> du;
+  std::size_t count = 0, i = 0;
+  for (; i + hn::Lanes(d) <= n; i += hn::Lanes(d)) {
+    const auto within = LoadU(d, values + i) <= Set(d, limit);
+    if (AllFalse(d, within)) continue;
+    const LanePacking packing(d, within);
+    packing.store(LoadU(du, points + i), found + count);
+    count += packing.count();
+  }
+  for (; i < n; ++i) {
+    found[count] = points[i];
+    count += values[i] <= limit;
+  }
+  return count;
+}
+
 /** How many points of a block are within a squared distance of a point at these offsets from
  * the block's origin. */
 HWY_INLINE std::size_t
@@ -371,6 +392,14 @@ float
 kthSmallest(const float* values, std::size_t n, std::size_t k)
 {
   return HWY_DYNAMIC_DISPATCH(kthSmallest)(values, n, k);
+}
+
+HWY_EXPORT(valuesUpTo);
+std::size_t
+valuesUpTo(const float* values, const std::uint32_t* points, std::size_t n, float limit,
+           std::uint32_t* found)
+{
+  return HWY_DYNAMIC_DISPATCH(valuesUpTo)(values, points, n, limit, found);
 }
 
 HWY_EXPORT(sparsePoints);

@@ -130,29 +130,39 @@ NeighborSearch::boundRadiusSq(std::size_t i, std::size_t k, const std::array<dou
                               std::min(k, distances_sq_.size()));
 }
 
+/** Collects all points within a distance of a centre, in stored order. */
+void
+NeighborSearch::collectWithin(const std::array<double, 3>& center, float limit_sq)
+{
+  const float c[3] = {static_cast<float>(center[0]), static_cast<float>(center[1]),
+                      static_cast<float>(center[2])};
+  // The margin covers the rounding of centre and boxes to float.
+  const float radius = std::sqrt(limit_sq) * 1.000001f + 1e-7f;
+  blocks_.clear();
+  store_.tree().blocksInBall(c, radius, blocks_);
+  collect(center, limit_sq);
+}
+
 /** Collects points among which the k nearest are, in stored order. \return k, or how many there are. */
 std::size_t
-NeighborSearch::collectNearest(std::size_t i, std::size_t k)
+NeighborSearch::collectNearest(std::size_t i, std::size_t k, float about)
 {
   k = std::min(k, (store_.size() + stride_ - 1) / stride_);
   if (k == 0) return 0;
   const auto center = store_.position(i);
-  const float bound_sq = boundRadiusSq(i, k, center);
-  const float c[3] = {static_cast<float>(center[0]), static_cast<float>(center[1]),
-                      static_cast<float>(center[2])};
-  // The margin covers the rounding of centre and boxes to float.
-  const float radius = std::sqrt(bound_sq) * 1.000001f + 1e-7f;
-  blocks_.clear();
-  store_.tree().blocksInBall(c, radius, blocks_);
-  collect(center, bound_sq);
+  if (about > 0) {
+    collectWithin(center, about);
+    if (points_.size() >= k) return k;
+  }
+  collectWithin(center, boundRadiusSq(i, k, center));
   return k;
 }
 
 void
 NeighborSearch::nearest(std::size_t i, std::size_t k, std::vector<std::uint32_t>& neighbors,
-                        std::vector<float>& distances_sq)
+                        std::vector<float>& distances_sq, float about)
 {
-  k = collectNearest(i, k);
+  k = collectNearest(i, k, about);
   neighbors.resize(k);
   distances_sq.resize(k);
   if (k == 0) return;
@@ -166,14 +176,20 @@ NeighborSearch::nearest(std::size_t i, std::size_t k, std::vector<std::uint32_t>
 }
 
 float
-NeighborSearch::nearestSet(std::size_t i, std::size_t k, std::vector<std::uint32_t>& neighbors)
+NeighborSearch::nearestSet(std::size_t i, std::size_t k, std::vector<std::uint32_t>& neighbors,
+                           float about)
 {
-  k = collectNearest(i, k);
-  neighbors.clear();
+  k = collectNearest(i, k, about);
+  neighbors.resize(k == 0 ? 0 : points_.size() + PointStore::kBlock);
   if (k == 0) return 0;
   const float limit = kernels::kthSmallest(distances_sq_.data(), distances_sq_.size(), k);
-  const auto isNearer = [limit](float d_sq) { return d_sq < limit; };
+  const std::size_t count = kernels::valuesUpTo(distances_sq_.data(), points_.data(),
+                                                points_.size(), limit, neighbors.data());
+  neighbors.resize(count);
+  if (count == k) return limit;
   // Of the points as far as the last one, those first in order.
+  neighbors.clear();
+  const auto isNearer = [limit](float d_sq) { return d_sq < limit; };
   auto ties = static_cast<std::ptrdiff_t>(k) -
               std::count_if(distances_sq_.begin(), distances_sq_.end(), isNearer);
   for (std::size_t j = 0; j < points_.size(); ++j) {

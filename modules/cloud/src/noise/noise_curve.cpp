@@ -251,8 +251,10 @@ measureScales(ThinnedPlaces& points, std::size_t k, std::size_t most,
   const auto isKnown = [&] {
     return isShape(scales, constants.shared) || isWhite(scales, constants);
   };
-  for (; scales.size() < 2 || (k <= most && !isKnown()); k *= 2)
-    scales.push_back(measureScale(points, k, constants, threads));
+  for (; scales.size() < 2 || (k <= most && !isKnown()); k *= 2) {
+    const PatchScale* narrower = scales.empty() ? nullptr : &scales.back();
+    scales.push_back(measureScale(points, k, constants, threads, narrower));
+  }
 }
 
 /** The noise that scales show. */

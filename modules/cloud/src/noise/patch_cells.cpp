@@ -18,7 +18,7 @@ class PatchCells {
   /** Cells of such a width that a disc of radius 1 contains this number. */
   explicit PatchCells(double cells)
       : side_(static_cast<int>(std::ceil(2 / std::sqrt(kDisc / cells)))),
-        width_(std::sqrt(kDisc / cells)),
+        per_width_(1 / std::sqrt(kDisc / cells)),
         cells_(static_cast<std::size_t>(side_ * side_))
   {
   }
@@ -56,11 +56,11 @@ class PatchCells {
 
   int place(double coordinate) const
   {
-    return std::clamp(static_cast<int>((coordinate + 1) / width_), 0, side_ - 1);
+    return std::clamp(static_cast<int>((coordinate + 1) * per_width_), 0, side_ - 1);
   }
 
   int side_;
-  double width_;
+  double per_width_;
   std::vector<Cell> cells_;
   double squares_ = 0;
 };

@@ -62,10 +62,10 @@ fitCubic(const Patch& patch, PatchCubic& cubic)
 
 void
 patchAbout(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
-           Patch& patch)
+           Patch& patch, double about)
 {
   thread_local std::vector<std::uint32_t> neighbors;
-  patch.radius = std::sqrt(search.nearestSet(sample, k, neighbors));
+  patch.radius = std::sqrt(search.nearestSet(sample, k, neighbors, static_cast<float>(about)));
   patch.points.resize(neighbors.size());
   const auto center = store.position(sample);
   std::size_t count = 0;
@@ -82,14 +82,15 @@ patchAbout(const PointStore& store, NeighborSearch& search, std::size_t sample, 
 
 bool
 fitPatch(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
-         const NoiseConstants& constants, PatchCubic& cubic, double& radius)
+         const NoiseConstants& constants, PatchCubic& cubic, double& radius, double about)
 {
   k /= patchStride(k, constants);
   thread_local Patch patch;
-  patchAbout(store, search, sample, k, patch);
+  patchAbout(store, search, sample, k, patch, about);
+  const double wider = probableSquare(patch.radius, static_cast<double>(constants.sheets.factor));
   if (!store.hasNormals() && keepOwnSheet(constants.sheets, patch)) {
     // Half the neighbours are of another sheet: twice as many restore the patch's size.
-    patchAbout(store, search, sample, constants.sheets.factor * k, patch);
+    patchAbout(store, search, sample, constants.sheets.factor * k, patch, wider);
     keepOwnSheet(constants.sheets, patch);
   }
   radius = patch.radius;

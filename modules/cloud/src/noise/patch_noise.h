@@ -14,10 +14,18 @@
 namespace pcl_slim::detail {
 
 /** \brief The k points of a search nearest to a sample; where the store has normals, those whose
- * normal is opposed to the sample's are left out. */
+ * normal is opposed to the sample's are left out. \param[in] about as in NeighborSearch::nearestSet() */
 void
 patchAbout(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
-           Patch& patch);
+           Patch& patch, double about = 0);
+
+/** \brief A squared radius that probably contains factor times the points of a patch, on a surface. */
+inline double
+probableSquare(double radius, double factor)
+{
+  constexpr double kMargin = 1.4;
+  return kMargin * factor * radius * radius;
+}
 
 /** \brief A cubic height field over a patch's two main axes, in units of the patch's radius. */
 struct PatchCubic {
@@ -51,10 +59,10 @@ patchStride(std::size_t k, const NoiseConstants& constants)
 
 /** \brief Fits a cubic to the patch of k points about a sample, to the sample's own sheet where two run
  * through it. \return false: too few points. \param[in] search over every patchStride(k)-th point
- * \param[out] radius of the patch */
+ * \param[in] about as in NeighborSearch::nearestSet() \param[out] radius of the patch */
 bool
 fitPatch(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
-         const NoiseConstants& constants, PatchCubic& cubic, double& radius);
+         const NoiseConstants& constants, PatchCubic& cubic, double& radius, double about = 0);
 
 /** \brief Residual variance of a cubic on the patch of k points about a sample, in squared local
  * lengths; < 0: too few points. \param[in] search over every patchStride(k)-th point \param[out]

@@ -56,7 +56,8 @@ ThinnedPlaces::thinTo(std::size_t stride, int threads)
 }
 
 PatchScale
-measureScale(ThinnedPlaces& points, std::size_t k, const NoiseConstants& constants, int threads)
+measureScale(ThinnedPlaces& points, std::size_t k, const NoiseConstants& constants, int threads,
+             const PatchScale* narrower)
 {
   PatchScale scale;
   scale.k = k;
@@ -68,8 +69,10 @@ measureScale(ThinnedPlaces& points, std::size_t k, const NoiseConstants& constan
   points.forEach(threads, [&](const PointStore& store, NeighborSearch& search, std::size_t place,
                               std::size_t s) {
     thread_local PatchCubic cubic;
+    const double factor = narrower ? static_cast<double>(k) / static_cast<double>(narrower->k) : 0;
+    const double about = narrower ? probableSquare(narrower->radii[s], factor) : 0;
     const bool fits =
-        fitPatch(store, search, place, k / scale.stride, constants, cubic, scale.radii[s]);
+        fitPatch(store, search, place, k / scale.stride, constants, cubic, scale.radii[s], about);
     scale.variances[s] = fits ? cubic.variance : -1;
     scale.shared[s] = fits ? sharedInPatch(cubic, constants.shared.cells) : -1;
   });

@@ -67,6 +67,7 @@ class Neighborhood {
 };
 
 constexpr std::size_t kEighth = 8;
+constexpr float kMargin = 1.4f;  ///< of a squared distance, for as many points
 constexpr double kLine =
     0.05;  ///< second eigenvalue over the greatest, below which points are a line
 
@@ -80,7 +81,9 @@ std::size_t
 Neighborhood::find(std::size_t point, std::size_t count, const unsigned char* left_out,
                    std::size_t among)
 {
-  search_.nearest(point, among + 1, found_, distances_sq_);
+  // The next point's neighbours are about as far as the last one's.
+  const float last = found_.size() == among + 1 ? kMargin * distances_sq_.back() : 0;
+  search_.nearest(point, among + 1, found_, distances_sq_, last);
   others_.resize(count);
   distances_.clear();
   const auto center = store_.position(point);

@@ -15,7 +15,9 @@ feetOnLocalPlanes(const PointStore& store, std::size_t k, int threads)
   std::vector<NeighborSearch> searches(static_cast<std::size_t>(threads), NeighborSearch(store));
   parallelFor(store.size(), threads, 256, [&](std::size_t i, int thread) {
     thread_local Patch patch;
-    patchAbout(store, searches[static_cast<std::size_t>(thread)], i, k, patch);
+    // The next point's patch is about as wide as the last one's.
+    patchAbout(store, searches[static_cast<std::size_t>(thread)], i, k, patch,
+               probableSquare(patch.radius, 1));
     const Eigen::Vector3d normal = principalAxes(patch.points).eigenvectors().col(0);
     const Eigen::Vector3d sum = kernels::sumPatch(patch.points).first;
     const double height = normal.dot(sum) / static_cast<double>(patch.points.size());

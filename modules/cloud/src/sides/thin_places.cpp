@@ -206,6 +206,7 @@ findThinPlaces(const PointStore& store, const SideConstants& constants, const No
   const std::vector<std::size_t> looked_at = points.places();
   std::vector<PlaceLook> looks(points.size(), PlaceLook(constants));
   std::vector<char> open(looks.size(), 1);
+  std::vector<double> radii(looks.size(), 0.0);
   threads = resolveThreads(threads);
   for (std::size_t k = constants.patch; k <= most; k *= constants.wider) {
     if (std::none_of(open.begin(), open.end(), [](char o) { return o != 0; })) break;
@@ -215,7 +216,9 @@ findThinPlaces(const PointStore& store, const SideConstants& constants, const No
                                 std::size_t s) {
       if (!open[s]) return;
       thread_local Patch patch;
-      patchAbout(part, search, place, k / stride, patch);
+      patchAbout(part, search, place, k / stride, patch,
+                 probableSquare(radii[s], static_cast<double>(constants.wider)));
+      radii[s] = patch.radius;
       open[s] = looks[s].look(patch);
     });
   }

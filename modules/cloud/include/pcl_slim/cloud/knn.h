@@ -25,17 +25,19 @@ class alignas(64) NeighborSearch {
 
   /** \brief The k points nearest to stored point i, itself included where it is looked at, nearest
    * first (ties by index); fewer if there are fewer. \param[out] neighbors stored indices.
-   * \param[out] distances_sq squared local distances. */
+   * \param[out] distances_sq squared local distances. \param[in] about a squared distance that probably
+   * contains k points and few more, which saves time, not points; 0: none is known. */
   PCL_SLIM_EXPORT void nearest(std::size_t i, std::size_t k, std::vector<std::uint32_t>& neighbors,
-                               std::vector<float>& distances_sq);
+                               std::vector<float>& distances_sq, float about = 0);
 
   /** \brief The same points in stored order, for whom the nearest first is no use: cheaper.
    * \return the squared distance of the farthest. */
   PCL_SLIM_EXPORT float nearestSet(std::size_t i, std::size_t k,
-                                   std::vector<std::uint32_t>& neighbors);
+                                   std::vector<std::uint32_t>& neighbors, float about = 0);
 
  private:
-  std::size_t collectNearest(std::size_t i, std::size_t k);
+  std::size_t collectNearest(std::size_t i, std::size_t k, float about);
+  void collectWithin(const std::array<double, 3>& center, float limit_sq);
   float boundRadiusSq(std::size_t i, std::size_t k, const std::array<double, 3>& center);
   std::size_t dropUnsampled(std::size_t count);
   void collect(const std::array<double, 3>& center, float limit_sq);

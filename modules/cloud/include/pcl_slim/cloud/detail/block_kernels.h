@@ -40,6 +40,12 @@ pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num
 PCL_SLIM_EXPORT float
 kthSmallest(const float* values, std::size_t n, std::size_t k);
 
+/** \brief The points whose values are at most a limit, in order. \param[out] found with kBlock entries to
+ * spare. \return how many. */
+PCL_SLIM_EXPORT std::size_t
+valuesUpTo(const float* values, const std::uint32_t* points, std::size_t n, float limit,
+           std::uint32_t* found);
+
 /** \brief Which points of a block may have fewer others within a squared distance than required; bit i
  * is that of the block's point i. The block and the two on either side of it are searched, so
  * some of them have as many. */
