@@ -101,6 +101,17 @@ struct SidedFit {
   }
 };
 
+/** The least noise by which the next cells are cut: less where the last ones left doubts and contain more
+ * than noise. \param[in] noise by which the last ones were */
+double
+leastCells(const SideSearch& search, double noise, double spacing,
+           const std::optional<SidedFit>& best, const SideConstants& rules)
+{
+  const bool narrower = noise <= search.least && best && best->sides.confidence < rules.sure &&
+                        best->noise < rules.cell_noise * search.least;
+  return narrower ? rules.doubtful_cells * spacing : search.least;
+}
+
 /** Seeks sides by narrower and narrower cells: cells with both sides leave doubts, or too few
  * faces separated. Keeps the sides of the least cost. Leaves doubts that moving the points answers better. */
 Error
@@ -109,7 +120,7 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
           std::optional<SidedFit>& best)
 {
   const SideConstants& rules = constants.sides;
-  double noise = search.noise;
+  double noise = std::max(search.noise, search.least);
   bool settled = false;  // narrower cells show the same noise
   for (int pass = 0; pass < rules.noise_passes; ++pass) {
     sided.clearSides();
@@ -140,9 +151,10 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
       best = std::move(next);
     }
     const bool same = found > rules.same_noise * noise;
-    if (noise <= search.least || (same && !narrower)) break;
+    const double least = leastCells(search, noise, spacing, best, rules);
+    if (noise <= least || (same && !narrower)) break;
     if (settled && best->isMoved(search, rules)) break;
-    noise = std::max(search.least, same ? 0.5 * noise : found);
+    noise = std::max(least, same ? 0.5 * noise : found);
   }
   sided.clearSides();
   return {};
@@ -230,9 +242,10 @@ void
 sideFacingPlaces(const ThinPlaces& thin, const FitConstants& constants, SidedStore& sided,
                  CloudMeasures& measures, FitStatistics& stats)
 {
+  const SideConstants& rules = constants.sides;
   double noise = std::sqrt(measures.lambda);
   if (thin.noise > 0) noise = std::min(noise, thin.noise);
-  const SideConstants& rules = constants.sides;
+  noise = std::max(noise, rules.least_cells * thin.spacing);
   const auto sidesIn = [&](const PointStore& store) {
     return findSides(store, noise, thin.spacing, SideScope::kFacing, rules, stats.threads);
   };

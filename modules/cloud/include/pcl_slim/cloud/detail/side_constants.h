@@ -12,7 +12,7 @@ struct SideConstants {
   static constexpr std::size_t kMostNeighbors = 36;
 
   double cell_noise = 1.5;    ///< width of a cell [sqrt(lambda)] ...
-  double cell_spacing = 1.5;  ///< ... and at least this [spacings]
+  double cell_spacing = 1.2;  ///< ... and at least this [spacings]
   /// Cells whose moments give a cell's normal: the flattest of these neighbourhoods does.
   std::array<std::size_t, 3> neighbors = {12, 18, 36};
   std::size_t edges = 12;    ///< nearest cells that a cell has edges to, and all on another sheet
@@ -72,8 +72,9 @@ struct SideConstants {
   double sure = 0.95;  ///< confidence from which narrower cells are not tried
   int noise_passes = 5;       ///< times that cells are cut by the noise that sides show
   double least_noise = 0.05;  ///< noise that sides may show where there was less without [spacings]
-  double least_cells = 1.0;   ///< noise below which cells follow the spacing alone [spacings]
-  double flat_places = 0.1;   ///< share of places that noise is taken from
+  double least_cells = 1.0;   ///< noise below which cells follow the spacing alone [spacings], ...
+  double doubtful_cells = 0.8;  ///< ... and below it once more where sides are in doubt
+  double flat_places = 0.1;     ///< share of places that noise is taken from
   double clear_beam = 0.2;  ///< cosine from which a point's own beam gives its side, not its cell's
   int passes = 4;           ///< rounds of two-means on heights
 };
