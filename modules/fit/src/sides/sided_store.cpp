@@ -8,6 +8,7 @@
 
 #include "pcl_slim/cloud/detail/local_planes.h"
 #include "pcl_slim/cloud/detail/normal_bound.h"
+#include "pcl_slim/cloud/detail/point_sides.h"
 #include "pcl_slim/cloud/detail/sides.h"
 
 namespace pcl_slim::detail {
@@ -256,6 +257,7 @@ sideFacingPlaces(const ThinPlaces& thin, const FitConstants& constants, SidedSto
     return;
   Sides sides = sidesIn(sided.store());
   if (!(sides.thin > 0) || sides.outward_confidence < rules.outward) return;
+  settleSides(sided.store(), rules, stats.threads, sides.normals);
   sided.setSidesForCover(sides.normals, std::move(sides.outward));
   measures.min_dot = std::min(normalBound(sided.store(), constants.normal_bound), kUnsidedPass);
   stats.sides.points = static_cast<std::size_t>(
@@ -297,6 +299,7 @@ takeSides(SidedFit& found, const SideSearch& search, const SideConstants& rules,
           CloudMeasures& measures, FitStatistics& stats)
 {
   if (!found.feet.empty()) sided.moveTo(found.feet, stats.threads);
+  settleSides(sided.store(), rules, stats.threads, found.sides.normals);
   stats = found.stats;
   SideStatistics& sides = stats.sides;
   if (search.capped) sides.noise_share = noiseShare(found, rules);

@@ -77,6 +77,8 @@ struct SideConstants {
   double flat_places = 0.1;     ///< share of places that noise is taken from
   double clear_beam = 0.2;  ///< cosine from which a point's own beam gives its side, not its cell's
   int passes = 4;           ///< rounds of two-means on heights
+  std::size_t settled_points = 32;  ///< nearest points by which a point's sheet is chosen, ...
+  int settle_rounds = 30;           ///< ... round by round, at most
 };
 
 }  // namespace pcl_slim::detail

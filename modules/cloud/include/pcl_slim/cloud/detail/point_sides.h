@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "pcl_slim/cloud/detail/side_constants.h"
+#include "pcl_slim/cloud/point_store.h"
+#include "pcl_slim/core/export.h"
+
+namespace pcl_slim::detail {
+
+/** \brief Turns the normals of points that are on the sheet of those of their nearest points that face the
+ * other way, round by round until none is left. A cell gives all of its points one side, or two at a plane
+ * between two sheets; where sheets meet, as at the edge of a blade, many cells have the wrong one. Sides
+ * spread from the cells that have the right one. O(n k); same result for any number of threads.
+ * \param[in,out] normals of the stored points; 0: no side, left out */
+PCL_SLIM_EXPORT void
+settleSides(const PointStore& store, const SideConstants& constants, int threads,
+            std::vector<std::array<float, 3>>& normals);
+
+}  // namespace pcl_slim::detail
