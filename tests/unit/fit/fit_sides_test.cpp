@@ -241,6 +241,14 @@ TEST(FitSides, LeavesOfABladeFaceApart)
   EXPECT_GE(apart, 0.99 * static_cast<double>(leaves));
 }
 
+// Cells at the edge contain both faces; the points of each end on their own.
+TEST(FitSides, PointsAtTheEdgeOfABladeStayOnTheirFace)
+{
+  const Vector3 up = {0, -std::sin(M_PI / 12), std::cos(M_PI / 12)}, down = {0, up[1], -up[2]};
+  const Fitted f = fitted(bladeOf(80, 50), {});
+  EXPECT_LT(rmsOf(f, [&](const Vector3& p) { return std::max(dot(p, up), dot(p, down)); }), 0.022);
+}
+
 TEST(FitSides, ScatteredPointsGetNone)
 {
   // Foliage above ground shows sheets wherever one looks, and they agree as chance has it.
@@ -264,6 +272,12 @@ TEST(FitSides, NarrowerCellsKeepPlatesApart)
   const Fitted f = fitted(plates.cloud(), {});
   EXPECT_GT(f.statistics.sides.points, 0u);
   EXPECT_LT(plates.rms(f), 0.15);
+}
+
+TEST(FitSides, PlatesOneSpacingApartGetSidesByTheNarrowestCells)
+{
+  const Plates plates{1, 0.1};
+  EXPECT_LT(plates.rms(fitted(plates.cloud(), {})), 0.03);
 }
 
 TEST(FitSides, WideLeavesDoNotReachAPlateFarBehind)

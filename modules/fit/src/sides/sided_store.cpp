@@ -299,7 +299,8 @@ takeSides(SidedFit& found, const SideSearch& search, const SideConstants& rules,
           CloudMeasures& measures, FitStatistics& stats)
 {
   if (!found.feet.empty()) sided.moveTo(found.feet, stats.threads);
-  settleSides(sided.store(), rules, stats.threads, found.sides.normals);
+  if (!sided.store().hasSensors())  // else a point's own beam gives its side
+    settleSides(sided.store(), rules, stats.threads, found.sides.normals);
   stats = found.stats;
   SideStatistics& sides = stats.sides;
   if (search.capped) sides.noise_share = noiseShare(found, rules);

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "pcl_slim/cloud/detail/point_sides.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "support/clouds.h"
+
+namespace pcl_slim {
+namespace {
+
+using namespace pcl_slim_test;
+using Normals = std::vector<std::array<float, 3>>;
+
+/** Two planes that meet in an edge at 30 degrees, spacing 1, and which of them a point is on. */
+struct Blade {
+  double slope = std::tan(M_PI / 12);
+  PointStore store;
+
+  explicit Blade(double noise)
+  {
+    std::mt19937_64 rng(5);
+    std::normal_distribution<double> gauss(0, noise);
+    Cloud cloud;
+    for (int i = 0; i < 2500; ++i) {
+      const double x = (i + 0.5) / 50, y = 50 * std::fmod(i * 0.6180339887498949, 1.0);
+      for (const double way : {1.0, -1.0}) {
+        cloud.add(x + gauss(rng), y + gauss(rng), way * slope * x + gauss(rng));
+        upper.push_back(way > 0);
+        from_edge.push_back(x);
+      }
+    }
+    store = storeOf(cloud);
+  }
+
+  bool isUpper(std::size_t stored) const { return upper[store.orderOfStore()[stored]]; }
+  double fromEdge(std::size_t stored) const { return from_edge[store.orderOfStore()[stored]]; }
+
+  /** Outward normals, but for those of points near the edge, which all face up, as those of one cell. */
+  Normals normalsOfCells(double near) const
+  {
+    const auto z = static_cast<float>(1 / std::hypot(1, slope));
+    Normals normals(store.size());
+    for (std::size_t i = 0; i < normals.size(); ++i) {
+      const float way = isUpper(i) || fromEdge(i) < near ? 1.0f : -1.0f;
+      normals[i] = {-z * static_cast<float>(slope), 0, way * z};
+    }
+    return normals;
+  }
+
+  std::size_t wrongBeyond(double least, const Normals& normals) const
+  {
+    std::size_t wrong = 0;
+    for (std::size_t i = 0; i < normals.size(); ++i)
+      wrong += fromEdge(i) > least && (normals[i][2] > 0) != isUpper(i);
+    return wrong;
+  }
+
+  std::vector<bool> upper;
+  std::vector<double> from_edge;
+};
+
+TEST(SettleSides, SpreadToTheEdgeOfABlade)
+{
+  const detail::SideConstants constants;
+  const Blade clean(0), noisy(0.1);
+  for (const Blade* blade : {&clean, &noisy}) {
+    Normals normals = blade->normalsOfCells(6);
+    ASSERT_GT(blade->wrongBeyond(2, normals), 150u);
+    detail::settleSides(blade->store, constants, 1, normals);
+    EXPECT_LE(blade->wrongBeyond(2, normals), 2u);
+  }
+}
+
+TEST(SettleSides, AnyNumberOfThreadsGivesTheSame)
+{
+  const detail::SideConstants constants;
+  const Blade blade(0.1);
+  Normals one = blade.normalsOfCells(6), three = one;
+  detail::settleSides(blade.store, constants, 1, one);
+  detail::settleSides(blade.store, constants, 3, three);
+  EXPECT_EQ(one, three);
+}
+
+TEST(SettleSides, RightSidesStayAndPointsWithoutASideGetNone)
+{
+  const detail::SideConstants constants;
+  const Blade blade(0);
+  Normals normals = blade.normalsOfCells(0);
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    if (blade.fromEdge(i) > 40) normals[i] = {0, 0, 0};
+  }
+  const Normals before = normals;
+  detail::settleSides(blade.store, constants, 1, normals);
+  EXPECT_EQ(normals, before);
+}
+
+}  // namespace
+}  // namespace pcl_slim
