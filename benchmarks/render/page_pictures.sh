@@ -112,7 +112,7 @@ sheet thin_plates.png 'the points' scanned 'smoothed, -sides 0' plates_0 'smooth
 points blade.xyz blade
 for sides in 0 1; do
   "$bin/pcl_slim_fit" blade.xyz blade_$sides.slim -sides $sides -quiet 1
-  "$bin/pcl_slim_render" blade_$sides.slim blade_$sides.png -size 560x400 -white 1 -quiet 1 -view 60,20 -up z
+  "$bin/pcl_slim_render" blade_$sides.slim blade_$sides.png -size 560x400 -white 1 -quiet 1 -view 60,5 -up z
 done
 sheet thin_blade.png '-sides 0' blade_0 'by default' blade_1
 

@@ -263,7 +263,6 @@ fitStages(const FitConstants& constants, const FitParams& params, SidedStore& si
 
   if (params.trim && !params.paper_mode)
     makeTrimMaps(store, plan, params.hole_size, stats, surface);
-  if (stats.sides.for_cover) sided.clearSides();
   stats.seconds.trim = watch.lap();
 
   countFit(store, cover, surface, stats);

@@ -98,7 +98,7 @@ class SheetChoice {
     if (others_.size() < 2 * kPlane) return false;
     const PlaneSums same = sumsOf(normals, point, near_, own, 1),
                     other = sumsOf(normals, point, others_, own, -1);
-    if (same.count() < 2 * kPlane) return true;
+    if (same.count() < 2 * kPlane) return 2 * others_.size() > near_.size();
     double same_rest, other_rest;
     const double height = same.height(same_rest), beyond = other.height(other_rest);
     const auto freedom = static_cast<double>(same.count() + other.count() - 2 * kPlane);

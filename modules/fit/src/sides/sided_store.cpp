@@ -236,9 +236,7 @@ pointsAround(const PointStore& store, const ThinPlaces& thin, const SideConstant
   return store.without(dropped, threads);
 }
 
-/** Gives sides to the points near another sheet for the cover, and to all points for the steps after it. The
- * projection has none: it needs them only where noise is wider than the gap, and those next to an edge
- * are the least sure. */
+/** Gives sides to the points near another sheet for the cover, and to all points for the steps after it. */
 void
 sideFacingPlaces(const ThinPlaces& thin, const FitConstants& constants, SidedStore& sided,
                  CloudMeasures& measures, FitStatistics& stats)
@@ -258,6 +256,7 @@ sideFacingPlaces(const ThinPlaces& thin, const FitConstants& constants, SidedSto
   Sides sides = sidesIn(sided.store());
   if (!(sides.thin > 0) || sides.outward_confidence < rules.outward) return;
   settleSides(sided.store(), rules, stats.threads, sides.normals);
+  settleSides(sided.store(), rules, stats.threads, sides.outward);
   sided.setSidesForCover(sides.normals, std::move(sides.outward));
   measures.min_dot = std::min(normalBound(sided.store(), constants.normal_bound), kUnsidedPass);
   stats.sides.points = static_cast<std::size_t>(

@@ -128,7 +128,7 @@ struct NoiseStatistics {
 struct SideStatistics {
   double thin_places = 0;    ///< share of the places looked at where a ball meets two sides
   std::uint64_t points = 0;  ///< that were given a side before the cover
-  bool for_cover = false;    ///< ... and the projection does without them
+  bool for_cover = false;    ///< ... for the cover alone; after it all points have one
   double confidence = 0;     ///< agreement of neighbouring sides: 1 in full, 0 as chance has it
   /// points were moved to the planes of this many neighbours first; 0: they were not
   std::uint64_t plane_neighbors = 0;
