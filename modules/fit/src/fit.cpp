@@ -263,6 +263,8 @@ fitStages(const FitConstants& constants, const FitParams& params, SidedStore& si
 
   if (params.trim && !params.paper_mode)
     makeTrimMaps(store, plan, params.hole_size, stats, surface);
+  // Beams that graze a surface give unsure sides, which the projection does without.
+  if (stats.sides.for_cover && store.hasSensors()) sided.clearSides();
   stats.seconds.trim = watch.lap();
 
   countFit(store, cover, surface, stats);

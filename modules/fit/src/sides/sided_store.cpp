@@ -256,7 +256,8 @@ sideFacingPlaces(const ThinPlaces& thin, const FitConstants& constants, SidedSto
   Sides sides = sidesIn(sided.store());
   if (!(sides.thin > 0) || sides.outward_confidence < rules.outward) return;
   settleSides(sided.store(), rules, stats.threads, sides.normals);
-  settleSides(sided.store(), rules, stats.threads, sides.outward);
+  if (!sided.store().hasSensors())  // else a point's own beam gives its side
+    settleSides(sided.store(), rules, stats.threads, sides.outward);
   sided.setSidesForCover(sides.normals, std::move(sides.outward));
   measures.min_dot = std::min(normalBound(sided.store(), constants.normal_bound), kUnsidedPass);
   stats.sides.points = static_cast<std::size_t>(
@@ -298,7 +299,7 @@ takeSides(SidedFit& found, const SideSearch& search, const SideConstants& rules,
           CloudMeasures& measures, FitStatistics& stats)
 {
   if (!found.feet.empty()) sided.moveTo(found.feet, stats.threads);
-  if (!sided.store().hasSensors())  // else a point's own beam gives its side
+  if (!sided.store().hasSensors())
     settleSides(sided.store(), rules, stats.threads, found.sides.normals);
   stats = found.stats;
   SideStatistics& sides = stats.sides;
