@@ -18,6 +18,9 @@ using Keys = AlignedVector<std::uint64_t>;
 constexpr float kEverywhere = 1e29f;    ///< squared; points are within 1, padding far beyond
 constexpr std::size_t kManyKeys = 128;  ///< are sorted by digits
 constexpr int kDigits = 4;              ///< of 8 bits, those of the distance
+constexpr std::size_t kAround = 8;      ///< blocks that a small ball meets at its rim
+constexpr std::size_t kManyBlocks =
+    4;  ///< times the expected ones, for which a distance is too far
 
 /** Distance and point in one number; distances are not negative, so their bits order them. */
 std::uint64_t
@@ -130,9 +133,9 @@ NeighborSearch::boundRadiusSq(std::size_t i, std::size_t k, const std::array<dou
                               std::min(k, distances_sq_.size()));
 }
 
-/** Collects all points within a distance of a centre, in stored order. */
+/** Finds the blocks that may have points within a distance of a centre, in stored order. */
 void
-NeighborSearch::collectWithin(const std::array<double, 3>& center, float limit_sq)
+NeighborSearch::findBlocks(const std::array<double, 3>& center, float limit_sq)
 {
   const float c[3] = {static_cast<float>(center[0]), static_cast<float>(center[1]),
                       static_cast<float>(center[2])};
@@ -140,7 +143,6 @@ NeighborSearch::collectWithin(const std::array<double, 3>& center, float limit_s
   const float radius = std::sqrt(limit_sq) * 1.000001f + 1e-7f;
   blocks_.clear();
   store_.tree().blocksInBall(c, radius, blocks_);
-  collect(center, limit_sq);
 }
 
 /** Collects points among which the k nearest are, in stored order. \return k, or how many there are. */
@@ -151,10 +153,16 @@ NeighborSearch::collectNearest(std::size_t i, std::size_t k, float about)
   if (k == 0) return 0;
   const auto center = store_.position(i);
   if (about > 0) {
-    collectWithin(center, about);
-    if (points_.size() >= k) return k;
+    findBlocks(center, about);
+    // Next to a stray point, a distance like its own contains much of a cloud.
+    if (blocks_.size() <= kManyBlocks * (k * stride_ / PointStore::kBlock + kAround)) {
+      collect(center, about);
+      if (points_.size() >= k) return k;
+    }
   }
-  collectWithin(center, boundRadiusSq(i, k, center));
+  const float bound_sq = boundRadiusSq(i, k, center);
+  findBlocks(center, bound_sq);
+  collect(center, bound_sq);
   return k;
 }
 

@@ -37,7 +37,7 @@ class alignas(64) NeighborSearch {
 
  private:
   std::size_t collectNearest(std::size_t i, std::size_t k, float about);
-  void collectWithin(const std::array<double, 3>& center, float limit_sq);
+  void findBlocks(const std::array<double, 3>& center, float limit_sq);
   float boundRadiusSq(std::size_t i, std::size_t k, const std::array<double, 3>& center);
   std::size_t dropUnsampled(std::size_t count);
   void collect(const std::array<double, 3>& center, float limit_sq);
