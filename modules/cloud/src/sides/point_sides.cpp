@@ -91,13 +91,15 @@ class SheetChoice {
     constexpr std::size_t kPlane = 3;  // coefficients
     const Eigen::Vector3f own = normalAt(normals, point);
     nearest(point);
+    same_.clear();
     others_.clear();
     for (const std::uint32_t j : near_) {
-      if (own.dot(normalAt(normals, j)) < 0) others_.push_back(j);
+      const float cosine = own.dot(normalAt(normals, j));
+      if (cosine < 0) others_.push_back(j);
+      if (cosine > 0 && j != point) same_.push_back(j);
     }
     if (others_.size() < 2 * kPlane) return false;
-    const PlaneSums same = sumsOf(normals, point, near_, own, 1),
-                    other = sumsOf(normals, point, others_, own, -1);
+    const PlaneSums same = sumsOf(point, same_, own), other = sumsOf(point, others_, own);
     if (same.count() < 2 * kPlane) return 2 * others_.size() > near_.size();
     double same_rest, other_rest;
     const double height = same.height(same_rest), beyond = other.height(other_rest);
@@ -106,10 +108,9 @@ class SheetChoice {
   }
 
  private:
-  /** Sums over those of some points that face one way. */
-  PlaneSums sumsOf(const Normals& normals, std::size_t point,
-                   const std::vector<std::uint32_t>& points, const Eigen::Vector3f& own,
-                   float way) const
+  /** Sums over some points, of heights along a point's own normal. */
+  PlaneSums sumsOf(std::size_t point, const std::vector<std::uint32_t>& points,
+                   const Eigen::Vector3f& own) const
   {
     const Eigen::Vector3d normal = own.cast<double>(), u = normal.unitOrthogonal();
     Eigen::Matrix3d axes;
@@ -117,7 +118,6 @@ class SheetChoice {
     const auto center = store_.position(point);
     PlaneSums sums;
     for (const std::uint32_t j : points) {
-      if (j == point || !(way * own.dot(normalAt(normals, j)) > 0)) continue;
       const auto p = store_.position(j);
       const Eigen::Vector3d offset(p[0] - center[0], p[1] - center[1], p[2] - center[2]);
       sums.add(axes.transpose() * offset);
@@ -128,7 +128,7 @@ class SheetChoice {
   const PointStore& store_;
   const SideConstants& constants_;
   NeighborSearch search_;
-  std::vector<std::uint32_t> near_, others_;
+  std::vector<std::uint32_t> near_, same_, others_;
   float reach_sq_ = 0;  ///< squared, over the number of points
 };
 

@@ -307,7 +307,7 @@ takeSides(SidedFit& found, const SideSearch& search, const SideConstants& rules,
   measures = std::move(found.measures);
   if (sides.noise_share < 1 && !(measures.scanned > 0)) measures.scanned = measures.lambda;
   measures.lambda *= sides.noise_share;
-  // Where there is little noise, a leaf's residual separates sheets better than a point's cell does.
+  // Where there is little noise, leaves may start at points whose neighbours face elsewhere.
   sides.for_cover = search.for_cover;
   if (sides.for_cover)
     sided.setSidesForCover(found.sides.normals, found.sides.normals);
