@@ -280,6 +280,19 @@ TEST(FitSides, PlatesOneSpacingApartGetSidesByTheNarrowestCells)
   EXPECT_LT(plates.rms(fitted(plates.cloud(), {})), 0.03);
 }
 
+// Cells that contain a bit of the other plate have normals of any direction.
+TEST(FitSides, PlatesNextToEachOtherAreAsExactAsFarOnes)
+{
+  for (const double noise : {0.1, 0.3}) {
+    const double far = Plates{5, noise}.rms(fitted(Plates{5, noise}.cloud()));
+    const Plates near{2, noise};
+    const Fitted f = fitted(near.cloud());
+    EXPECT_GT(static_cast<double>(f.statistics.sides.points),
+              0.99 * static_cast<double>(f.store.size()));
+    EXPECT_LT(near.rms(f), 1.25 * far) << noise;
+  }
+}
+
 TEST(FitSides, WideLeavesDoNotReachAPlateFarBehind)
 {
   const Plates plates{12, 0.3};

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// docs/theory.md, "Sides before the cover": each point to the sheet that it is on.
+// docs/theory.md, "Sides before the cover": each point to the sheet that it is on, with the normal of its
+// neighbours there.
 #include "pcl_slim/cloud/detail/point_sides.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cstddef>
@@ -17,7 +19,8 @@ namespace {
 
 constexpr float kMargin = 1.4f;  ///< of a squared distance, for as many points
 
-using Normals = std::vector<std::array<float, 3>>;
+using Normal = std::array<float, 3>;
+using Normals = std::vector<Normal>;
 
 Eigen::Vector3f
 normalAt(const Normals& normals, std::size_t i)
@@ -28,6 +31,8 @@ normalAt(const Normals& normals, std::size_t i)
 /** Sums of a plane of least squares: heights over two coordinates about a point. */
 class PlaneSums {
  public:
+  static constexpr std::size_t kCoefficients = 3;
+
   void add(const Eigen::Vector3d& at)
   {
     const Eigen::Vector3d terms(1, at[1], at[2]);
@@ -38,13 +43,16 @@ class PlaneSums {
   }
 
   std::size_t count() const { return count_; }
+  /** Whether there are enough points for a plane. */
+  bool determined() const { return count_ >= 2 * kCoefficients; }
 
-  /** \param[out] rest sum of the squared residuals. \return the plane's height at the point */
-  double height(double& rest) const
+  /** \return height at the point, and slopes */
+  Eigen::Vector3d plane() const { return products_.ldlt().solve(right_); }
+
+  /** Sum of the squared residuals from the plane. */
+  double rest(const Eigen::Vector3d& plane) const
   {
-    const Eigen::Vector3d plane = products_.ldlt().solve(right_);
-    rest = std::max(0.0, squares_ - plane.dot(right_));
-    return plane[0];
+    return std::max(0.0, squares_ - plane.dot(right_));
   }
 
  private:
@@ -53,6 +61,16 @@ class PlaneSums {
   double squares_ = 0;
   std::size_t count_ = 0;
 };
+
+/** Axes to count a point's heights and places by: its normal, and two across. */
+Eigen::Matrix3d
+axesOf(const Eigen::Vector3f& own)
+{
+  const Eigen::Vector3d normal = own.cast<double>(), u = normal.unitOrthogonal();
+  Eigen::Matrix3d axes;
+  axes << normal, u, normal.cross(u);
+  return axes;
+}
 
 /** Decides about one point after another. One per thread. */
 class SheetChoice {
@@ -85,12 +103,49 @@ class SheetChoice {
     return false;
   }
 
-  /** Whether a point is on the sheet of those neighbours that face the other way. */
-  bool isOnOther(const Normals& normals, std::size_t point)
+  /** A point's normal, on the sheet that the point is on. */
+  Eigen::Vector3f settled(const Normals& normals, std::size_t point)
   {
-    constexpr std::size_t kPlane = 3;  // coefficients
-    const Eigen::Vector3f own = normalAt(normals, point);
     nearest(point);
+    const Eigen::Vector3f own = straightened(normals, point);
+    return isOnOther(normals, point, own) ? Eigen::Vector3f(-own) : own;
+  }
+
+  /** The normal of the plane of those of a point's neighbours that face as it does. */
+  Eigen::Vector3f planeNormal(const Normals& normals, std::size_t point)
+  {
+    nearest(point);
+    const Eigen::Vector3f own = normalAt(normals, point);
+    part(normals, point, own);
+    const PlaneSums same = sumsOf(point, same_, own);
+    if (!same.determined()) return own;
+    const Eigen::Vector3d plane = same.plane(), normal(1, -plane[1], -plane[2]);
+    return (axesOf(own) * normal).normalized().cast<float>();
+  }
+
+ private:
+  /** A point's normal or, where it is across those of its neighbours, and these have a direction in common,
+   * that one: cells that contain a bit of another sheet, or few points, have normals of their own. */
+  Eigen::Vector3f straightened(const Normals& normals, std::size_t point) const
+  {
+    const Eigen::Vector3f own = normalAt(normals, point);
+    Eigen::Matrix3f products = Eigen::Matrix3f::Zero();
+    for (const std::uint32_t j : near_) {
+      const Eigen::Vector3f n = normalAt(normals, j);
+      products += n * n.transpose();
+    }
+    const float all = products.trace();
+    if (own.dot(products * own) > static_cast<float>(constants_.across) * all) return own;
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> axes;
+    axes.computeDirect(products);
+    if (!(axes.eigenvalues()[2] > static_cast<float>(constants_.common) * all)) return own;
+    const Eigen::Vector3f common = axes.eigenvectors().col(2);
+    return own.dot(common) < 0 ? Eigen::Vector3f(-common) : common;
+  }
+
+  /** Sorts a point's neighbours by whether they face as a normal does. */
+  void part(const Normals& normals, std::size_t point, const Eigen::Vector3f& own)
+  {
     same_.clear();
     others_.clear();
     for (const std::uint32_t j : near_) {
@@ -98,23 +153,28 @@ class SheetChoice {
       if (cosine < 0) others_.push_back(j);
       if (cosine > 0 && j != point) same_.push_back(j);
     }
-    if (others_.size() < 2 * kPlane) return false;
-    const PlaneSums same = sumsOf(point, same_, own), other = sumsOf(point, others_, own);
-    if (same.count() < 2 * kPlane) return 2 * others_.size() > near_.size();
-    double same_rest, other_rest;
-    const double height = same.height(same_rest), beyond = other.height(other_rest);
-    const auto freedom = static_cast<double>(same.count() + other.count() - 2 * kPlane);
-    return height * height - beyond * beyond > (same_rest + other_rest) / freedom;
   }
 
- private:
-  /** Sums over some points, of heights along a point's own normal. */
+  /** Whether a point is on the sheet of those neighbours that face the other way. */
+  bool isOnOther(const Normals& normals, std::size_t point, const Eigen::Vector3f& own)
+  {
+    part(normals, point, own);
+    const PlaneSums other = sumsOf(point, others_, own);
+    if (!other.determined()) return false;
+    const PlaneSums same = sumsOf(point, same_, own);
+    if (!same.determined()) return 2 * others_.size() > near_.size();
+    const Eigen::Vector3d here = same.plane(), there = other.plane();
+    const auto freedom =
+        static_cast<double>(same.count() + other.count() - 2 * PlaneSums::kCoefficients);
+    return here[0] * here[0] - there[0] * there[0] >
+           (same.rest(here) + other.rest(there)) / freedom;
+  }
+
+  /** Sums over some points, of heights along a normal. */
   PlaneSums sumsOf(std::size_t point, const std::vector<std::uint32_t>& points,
                    const Eigen::Vector3f& own) const
   {
-    const Eigen::Vector3d normal = own.cast<double>(), u = normal.unitOrthogonal();
-    Eigen::Matrix3d axes;
-    axes << normal, u, normal.cross(u);
+    const Eigen::Matrix3d axes = axesOf(own);
     const auto center = store_.position(point);
     PlaneSums sums;
     for (const std::uint32_t j : points) {
@@ -163,34 +223,54 @@ withNeighbors(const std::vector<std::uint32_t>& points, std::size_t count, Sheet
   return all;
 }
 
+/** What some points' normals become, each by one thread; points without a side get none. */
+template <class NormalOf>
+Normals
+normalsOf(const std::vector<std::uint32_t>& points, const Normals& normals,
+          std::vector<SheetChoice>& choices, const NormalOf& normalOf)
+{
+  constexpr std::size_t kTask = 256;
+  Normals found(points.size());
+  parallelFor((points.size() + kTask - 1) / kTask, static_cast<int>(choices.size()), 1,
+              [&](std::size_t task, int thread) {
+                SheetChoice& choice = choices[static_cast<std::size_t>(thread)];
+                for (std::size_t k = task * kTask; k < std::min(found.size(), (task + 1) * kTask);
+                     ++k) {
+                  found[k] = normals[points[k]];
+                  if (found[k] == Normal{}) continue;
+                  const Eigen::Vector3f normal = normalOf(choice, points[k]);
+                  found[k] = {normal[0], normal[1], normal[2]};
+                }
+              });
+  return found;
+}
+
 }  // namespace
 
 void
 settleSides(const PointStore& store, const SideConstants& constants, int threads, Normals& normals)
 {
-  constexpr std::size_t kTask = 256;
   threads = resolveThreads(threads);
   std::vector<SheetChoice> choices(static_cast<std::size_t>(threads),
                                    SheetChoice(store, constants));
-  std::vector<std::uint32_t> open = pointsFacingOthers(store, normals, choices);
-  std::vector<char> turned;
+  const std::vector<std::uint32_t> facing = pointsFacingOthers(store, normals, choices);
+  std::vector<std::uint32_t> open = facing, changed;
   for (int round = 0; round < constants.settle_rounds && !open.empty(); ++round) {
-    turned.assign(open.size(), 0);
-    parallelFor((open.size() + kTask - 1) / kTask, threads, 1, [&](std::size_t task, int thread) {
-      for (std::size_t k = task * kTask; k < std::min(open.size(), (task + 1) * kTask); ++k) {
-        const bool has_side = normals[open[k]] != std::array<float, 3>{};
-        turned[k] =
-            has_side && choices[static_cast<std::size_t>(thread)].isOnOther(normals, open[k]);
-      }
-    });
-    std::vector<std::uint32_t> changed;
+    const Normals settled = normalsOf(
+        open, normals, choices,
+        [&](SheetChoice& choice, std::size_t point) { return choice.settled(normals, point); });
+    changed.clear();
     for (std::size_t k = 0; k < open.size(); ++k) {
-      if (!turned[k]) continue;
-      for (float& c : normals[open[k]]) c = -c;
+      if (settled[k] == normals[open[k]]) continue;
+      normals[open[k]] = settled[k];
       changed.push_back(open[k]);
     }
     open = withNeighbors(changed, store.size(), choices.front());
   }
+  const Normals planes = normalsOf(
+      facing, normals, choices,
+      [&](SheetChoice& choice, std::size_t point) { return choice.planeNormal(normals, point); });
+  for (std::size_t k = 0; k < facing.size(); ++k) normals[facing[k]] = planes[k];
 }
 
 }  // namespace pcl_slim::detail

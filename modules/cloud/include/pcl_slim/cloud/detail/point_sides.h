@@ -10,10 +10,12 @@
 
 namespace pcl_slim::detail {
 
-/** \brief Turns the normals of points that are on the sheet of those of their nearest points that face the
- * other way, round by round until none is left. A cell gives all of its points one side, or two at a plane
- * between two sheets; where sheets meet, as at the edge of a blade, many cells have the wrong one. Sides
- * spread from the cells that have the right one. O(n k); same result for any number of threads.
+/** \brief Gives points near others that face the other way a side and a normal of their own. A cell gives all of
+ * its points one normal, and one side or two at a plane between two sheets; where sheets meet, as at the edge of
+ * a blade, many cells have the wrong side, and cells with a bit of another sheet any normal. Points on the
+ * sheet of those of their nearest points that face the other way turn, round by round until none is left: sides
+ * spread from the cells that have the right one. Then points have the normals of planes of least squares of
+ * their neighbours on the sheet. O(n k); same result for any number of threads.
  * \param[in,out] normals of the stored points; 0: no side, left out */
 PCL_SLIM_EXPORT void
 settleSides(const PointStore& store, const SideConstants& constants, int threads,

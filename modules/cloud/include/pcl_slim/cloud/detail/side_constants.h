@@ -79,6 +79,9 @@ struct SideConstants {
   int passes = 4;           ///< rounds of two-means on heights
   std::size_t settled_points = 32;  ///< nearest points by which a point's sheet is chosen, ...
   int settle_rounds = 30;           ///< ... round by round, at most
+  /// Mean squared cosine to the normals of its neighbours below which a point's normal gives way to ...
+  double across = 0.5;
+  double common = 0.6;  ///< ... the direction along which more than this share of their squares is
 };
 
 }  // namespace pcl_slim::detail
