@@ -60,6 +60,7 @@ addMeasured(const FitStatistics& fit, Report& report)
               {"overlap_edges", fit.sides.overlap_edges},
               {"sided", fit.sides.points},
               {"sided_confidence", fit.sides.confidence},
+              {"sides_in_doubt", fit.sides.in_doubt},
               {"plane_neighbors", fit.sides.plane_neighbors},
               {"sheet_gap", fit.sides.gap},
               {"noise_share", fit.sides.noise_share}});
@@ -186,6 +187,7 @@ sidesText(const FitStatistics& fit)
                   fit.sides.gap);
     line += text;
   }
+  if (fit.sides.in_doubt) line += "; pictures show both sides";
   return line;
 }
 

@@ -80,6 +80,7 @@ parseLine(const std::vector<std::string>& words, SurfaceMetadata& metadata, int&
   if (key == "fit_kernel") return parse(value, info.fit_kernel);
   if (key == "blend_kernel") return parse(value, info.blend_kernel);
   if (key == "oriented") return parse(value, info.oriented);
+  if (key == "sides_in_doubt") return parse(value, info.sides_in_doubt);
   if (key == "paper_mode") return parse(value, info.paper_mode);
   if (key == "scale") return parse(value, info.scale) && info.scale > 0.0;
   if (key == "diagonal") return parse(value, info.diagonal);
@@ -107,6 +108,7 @@ toComments(const SurfaceMetadata& metadata)
   add("fit_kernel", std::to_string(static_cast<int>(info.fit_kernel)));
   add("blend_kernel", std::to_string(static_cast<int>(info.blend_kernel)));
   add("oriented", info.oriented ? "1" : "0");
+  add("sides_in_doubt", info.sides_in_doubt ? "1" : "0");
   add("paper_mode", info.paper_mode ? "1" : "0");
   add("origin", formatted(info.origin));
   add("scale", formatScalar(info.scale));

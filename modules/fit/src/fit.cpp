@@ -259,6 +259,7 @@ fitStages(const FitConstants& constants, const FitParams& params, SidedStore& si
   else if (params.orient)
     orientSurface(&store, params, constants.orient, surface, stats);
   if (stats.sides.for_cover) turnToSides(store, constants.orient, stats.threads, surface);
+  surface.info.sides_in_doubt = stats.sides.in_doubt;
   stats.seconds.orient = watch.lap();
 
   if (params.trim && !params.paper_mode)

@@ -303,6 +303,19 @@ TEST(SurfaceFiles, PclReadsThePly)
   expectSame(surface, fromPCL(cloud, &metadata));
 }
 
+TEST(SurfaceFiles, GiveBackThatSidesAreInDoubt)
+{
+  const TemporaryFolder folder;
+  SLIMSurface surface = sphereSurface(3, 50);
+  surface.info.sides_in_doubt = true;
+  for (const char* name : {"doubt.slim", "doubt.ply", "doubt.pcd", "doubt.vtp"}) {
+    ASSERT_FALSE(saveSurface(folder / name, surface)) << name;
+    const auto loaded = loadSurface(folder / name);
+    ASSERT_TRUE(loaded) << loaded.error().message;
+    EXPECT_TRUE(loaded->info.sides_in_doubt) << name;
+  }
+}
+
 TEST(SurfaceFiles, SurfelsWithoutMetadataAreStillASurface)
 {
   const TemporaryFolder folder;

@@ -213,6 +213,8 @@ TEST(FitSides, DoubtfulSidesAreBetterThanNoneWhereNoiseIsWide)
   const Fitted sided = fittedWith(doubtful, cloud), unsided = fittedWith(strict, cloud);
   EXPECT_GT(sided.statistics.sides.points, 0u);
   EXPECT_EQ(unsided.statistics.sides.points, 0u);
+  EXPECT_TRUE(sided.statistics.sides.in_doubt);
+  EXPECT_TRUE(sided.surface.info.oriented && sided.surface.info.sides_in_doubt);
   EXPECT_LT(rmsFrom(ring, placesOf(sided)), 0.9);
   EXPECT_GT(rmsFrom(ring, placesOf(unsided)), 1.0);
 }

@@ -289,6 +289,7 @@ TEST(FitSides, PlatesNextToEachOtherAreAsExactAsFarOnes)
     const Fitted f = fitted(near.cloud());
     EXPECT_GT(static_cast<double>(f.statistics.sides.points),
               0.99 * static_cast<double>(f.store.size()));
+    EXPECT_FALSE(f.surface.info.sides_in_doubt);
     EXPECT_LT(near.rms(f), 1.25 * far) << noise;
   }
 }

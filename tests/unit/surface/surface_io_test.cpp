@@ -48,6 +48,7 @@ expectSame(const SLIMSurface& a, const SLIMSurface& b)
   EXPECT_EQ(a.info.lambda, b.info.lambda);
   EXPECT_EQ(a.info.num_points, b.info.num_points);
   EXPECT_EQ(a.info.oriented, b.info.oriented);
+  EXPECT_EQ(a.info.sides_in_doubt, b.info.sides_in_doubt);
   EXPECT_EQ(a.info.fit_kernel, b.info.fit_kernel);
 }
 
@@ -61,6 +62,16 @@ TEST_P(SurfaceIo, GivesTheSurfaceBackExactly)
   ASSERT_TRUE(again) << again.error().message;
   expectSame(surface, *again);
   EXPECT_EQ(bytes, encodeSlim(*again));
+}
+
+TEST_P(SurfaceIo, GivesDoubtsBack)
+{
+  SLIMSurface surface = sphereSurface(GetParam(), 50);
+  surface.info.sides_in_doubt = true;
+  const auto bytes = encodeSlim(surface);
+  const auto again = decodeSlim(bytes.data(), bytes.size());
+  ASSERT_TRUE(again) << again.error().message;
+  expectSame(surface, *again);
 }
 
 TEST_P(SurfaceIo, GivesTrimMapsBackExactly)

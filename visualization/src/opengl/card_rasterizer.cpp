@@ -55,8 +55,8 @@ struct CardRasterizer::FrameValues {
     min_coverage = single(info.cover_threshold);
     scale = single(info.scale);
     front_only = request.sides == VisibleSides::kFront ||
-                 (request.sides == VisibleSides::kAuto && info.oriented);
-    oriented = info.oriented;
+                 (request.sides == VisibleSides::kAuto && info.hasFront());
+    oriented = info.hasFront();
     kernel = static_cast<int>(info.blend_kernel);
     degree = info.degree;
     trimmed = request.trim;

@@ -316,6 +316,7 @@ takeSides(SidedFit& found, const SideSearch& search, const SideConstants& rules,
   measures.skip_lone_sides = !sides.for_cover;
   sides.points = sided.store().size();
   sides.confidence = found.sides.confidence;
+  sides.in_doubt = sides.confidence < rules.sure;
   sides.plane_neighbors = found.plane_neighbors;
   if (found.sides.gap < HUGE_VAL) sides.gap = found.sides.gap / found.spacing;
 }

@@ -238,7 +238,7 @@ struct BlockOutput {
     const UintVec nothing = setUint(GBuffer::kNothing);
     store(IfThenElse(met, sums.surfel, nothing), surfel);
     const Mask turned = And(met, sums.facing < set(0.0f));
-    if (scene.surface.info.oriented) {
+    if (scene.surface.info.hasFront()) {
       store(IfThenElse(turned, setUint(1), setUint(0)), behind);
     }
     forEachRow([&](std::size_t lane, std::size_t pixel, std::size_t count) {

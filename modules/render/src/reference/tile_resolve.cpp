@@ -77,7 +77,7 @@ writeBlend(const SLIMSurface& surface, const Ray& ray, double depth_hat, const B
     out.weight[pixel] = static_cast<float>(sum.weight);
     out.coverage[pixel] = static_cast<float>(sum.coverage);
   }
-  out.back_face[pixel] = static_cast<std::uint8_t>(surface.info.oriented && sum.facing < 0);
+  out.back_face[pixel] = static_cast<std::uint8_t>(surface.info.hasFront() && sum.facing < 0);
 }
 
 void

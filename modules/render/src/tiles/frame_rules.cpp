@@ -66,7 +66,7 @@ FrameRules::FrameRules(const SurfaceInfo& info, const RenderParams& params)
       lod(params.lod),
       trim(params.trim),
       front_only(params.sides == VisibleSides::kFront ||
-                 (params.sides == VisibleSides::kAuto && info.oriented && params.cuts.empty())),
+                 (params.sides == VisibleSides::kAuto && info.hasFront() && params.cuts.empty())),
       skip(params.skip),
       threads(resolveThreads(params.threads)),
       cuts(localHalfSpaces(params.cuts, info.origin, info.scale))

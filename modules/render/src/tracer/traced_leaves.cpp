@@ -29,7 +29,7 @@ class TracedLeaves : public TracedObject {
              GBuffer* buffer, const std::size_t* pixels, RayCounts& counts) const override
   {
     RayRules rules = rules_;
-    const bool closed = scene_.surface.info.oriented && view.params.cuts.empty();
+    const bool closed = scene_.surface.info.hasFront() && view.params.cuts.empty();
     rules.front_only = frontOnly(view.params.sides, closed);
     rules.close_gaps = view.params.close_gaps;
     rules.with_hessian = buffer && (view.params.columns & (kHessianColumn | kCurvatureColumn)) != 0;
@@ -59,7 +59,7 @@ class TracedLeaves : public TracedObject {
     // Leaves that blend at a point are apart by about their residuals, and by a small share of
     // their radii where the data are clean.
     const double lift = std::min(0.1 * r, 2.0 * error + 0.005 * r);
-    if (!scene_.surface.info.oriented) return {lift, 0.0, 0.0, r};
+    if (!scene_.surface.info.hasFront()) return {lift, 0.0, 0.0, r};
     return point.back ? Departure{lift, r, 0.0, r} : Departure{lift, 0.0, r, r};
   }
 

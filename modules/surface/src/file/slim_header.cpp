@@ -78,7 +78,8 @@ putSlimHeader(const SurfaceInfo& info, std::uint32_t version, std::uint64_t surf
   out.putUnsigned(static_cast<std::uint8_t>(info.degree));
   out.putUnsigned(static_cast<std::uint8_t>(info.fit_kernel));
   out.putUnsigned(static_cast<std::uint8_t>(info.blend_kernel));
-  out.putUnsigned(static_cast<std::uint8_t>((info.oriented ? 1 : 0) | (info.paper_mode ? 2 : 0)));
+  out.putUnsigned(static_cast<std::uint8_t>((info.oriented ? 1 : 0) | (info.paper_mode ? 2 : 0) |
+                                            (info.sides_in_doubt ? 4 : 0)));
   out.putUnsigned(std::uint32_t{0});
   for (const double value :
        {info.origin[0], info.origin[1], info.origin[2], info.scale, info.diagonal, info.lambda,
@@ -150,6 +151,7 @@ getSlimHeader(const unsigned char* bytes, SurfaceInfo& info)
   const auto switches = in.getUnsigned<std::uint8_t>();
   info.oriented = (switches & 1) != 0;
   info.paper_mode = (switches & 2) != 0;
+  info.sides_in_doubt = (switches & 4) != 0;
   in.getUnsigned<std::uint32_t>();
   for (double* value :
        {&info.origin[0], &info.origin[1], &info.origin[2], &info.scale, &info.diagonal,

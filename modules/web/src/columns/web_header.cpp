@@ -32,7 +32,7 @@ WebHeader::write(PlaneWriter& out) const
   out.putNumber(surfels);
   out.putNumber(leaves);
   out.put({static_cast<std::uint32_t>(info.degree), static_cast<std::uint32_t>(info.blend_kernel),
-           static_cast<std::uint32_t>(info.oriented), static_cast<std::uint32_t>(info.paper_mode),
+           static_cast<std::uint32_t>(info.hasFront()), static_cast<std::uint32_t>(info.paper_mode),
            static_cast<std::uint32_t>(colored)},
           1);
   visitNumbers(*this, [&](double number) { out.putDouble(number); });

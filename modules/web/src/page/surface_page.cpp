@@ -56,7 +56,7 @@ encodePage(const SLIMSurface& surface, const Camera& camera, const RenderParams&
 
   JsonText options = pageOptions(camera, shading, params);
   const bool front = rendering.sides == VisibleSides::kFront ||
-                     (rendering.sides == VisibleSides::kAuto && surface.info.oriented);
+                     (rendering.sides == VisibleSides::kAuto && surface.info.hasFront());
   options.member("kind", "\"surface\"");
   options.member("front", JsonText::boolean(front));
   options.member("trim", JsonText::boolean(rendering.trim));

@@ -175,6 +175,24 @@ TEST(FastRasterizer, RaysAlongFlatLeavesGiveNumbers)
   }
 }
 
+// Leaves that face away may be what is in front.
+TEST(FastRasterizer, DrawsBothSidesAlikeWhereSidesAreInDoubt)
+{
+  SLIMSurface surface = sphereSurface(3, kSphere, 600, 0.07);
+  Camera inside = frontCamera(64, 48);
+  inside.position = {0.01, 0.02, 0.0};
+  inside.look_at = {1.0, 0.2, 0.1};
+  EXPECT_EQ(rendered(surface, inside, {}).numCovered(), 0u);
+  surface.info.sides_in_doubt = true;
+  const GBuffer buffer = rendered(surface, inside, {});
+  EXPECT_EQ(buffer.numCovered(), buffer.numPixels());
+  EXPECT_EQ(std::count(buffer.back_face.begin(), buffer.back_face.end(), 1), 0);
+  RenderParams front;
+  front.sides = VisibleSides::kFront;
+  EXPECT_EQ(rendered(surface, inside, front).numCovered(), 0u);
+  EXPECT_LE(difference(surface, inside, {}).coverage, 5u);
+}
+
 TEST(FastRasterizer, AgreesNextToAndInsideTheModel)
 {
   const SLIMSurface surface = sphereSurface(4, kSphere, 600, 0.07);

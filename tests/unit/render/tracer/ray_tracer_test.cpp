@@ -196,6 +196,18 @@ TEST(RayTracer, ACameraInsideSeesTheInnerSideEverywhere)
   }
 }
 
+TEST(RayTracer, BothSidesAreSeenWhereSidesAreInDoubt)
+{
+  SLIMSurface surface = sphereSurface(4, kSphere, 600, 0.07);
+  surface.info.sides_in_doubt = true;
+  Camera camera = frontCamera(48, 36);
+  camera.position = {0.02, 0.01, -0.03};
+  camera.look_at = {1.0, 0.2, 0.1};
+  const GBuffer buffer = traced(surface, camera, {});
+  EXPECT_EQ(buffer.numCovered(), buffer.numPixels());
+  EXPECT_EQ(std::count(buffer.back_face.begin(), buffer.back_face.end(), 1), 0);
+}
+
 TEST(RayTracer, RaysBeginAndEndWhereTheyAreTold)
 {
   const SLIMSurface surface = sphereSurface(4, kSphere, 600, 0.07);

@@ -130,6 +130,7 @@ struct SideStatistics {
   std::uint64_t points = 0;  ///< that were given a side before the cover
   bool for_cover = false;    ///< ... for the cover alone; after it all points have one
   double confidence = 0;     ///< agreement of neighbouring sides: 1 in full, 0 as chance has it
+  bool in_doubt = false;     ///< all points got sides, of which many may be wrong
   /// points were moved to the planes of this many neighbours first; 0: they were not
   std::uint64_t plane_neighbors = 0;
   double gap = 0;  ///< median distance of sheets that face apart [spacings]; 0: none do

@@ -13,7 +13,7 @@ namespace pcl_slim {
 
 /** \brief Which sides of a surface are drawn. */
 enum class VisibleSides : unsigned char {
-  kAuto,   ///< the front of an oriented surface, both sides of any other
+  kAuto,  ///< the front of a surface that has one (SurfaceInfo::hasFront()), both sides of any other
   kFront,  ///< only where the gradient faces the viewer
   kBoth,   ///< either side; derivatives are turned to the viewer leaf by leaf
 };

@@ -28,6 +28,7 @@ struct SurfaceInfo {
   WeightKernel fit_kernel = WeightKernel::kPower4;
   WeightKernel blend_kernel = WeightKernel::kPower4;
   bool oriented = false;            ///< normals point to one side consistently
+  bool sides_in_doubt = false;      ///< oriented by sides of thin parts of which many may be wrong
   bool paper_mode = false;          ///< fitted with the choices of Ohtake et al. 2005
   std::array<double, 3> origin{};   ///< world = origin + scale * local
   double scale = 1.0;               ///< world units per local unit, a power of two: exact both ways
@@ -38,6 +39,9 @@ struct SurfaceInfo {
   double cover_radius = 2.0 / 3.0;  ///< alpha: leaves cover within alpha * r
   double cover_threshold = 0.1;     ///< gamma: a point is covered at this sum of weights
   std::uint64_t num_points = 0;     ///< points the surface was fitted to
+
+  /** \brief Whether all leaves that face away are behind others, so that pictures do without them. */
+  bool hasFront() const { return oriented && !sides_in_doubt; }
 };
 
 /** \brief A SLIM surface: surfels (ball, normal, polynomial) of several levels and their links.
