@@ -134,6 +134,32 @@ TEST(FitSides, KeepATubeOfAFewDeviations)
   EXPECT_GT(rms(without), 0.3 * sigma);
 }
 
+// Six points around: no plane of neighbours parts the sides.
+TEST(FitSides, KeepARodOfTwoSpacings)
+{
+  const Vector3 u = normalized({2, -1, 3}), v = normalized(cross(u, {1, 5, -2})), w = cross(u, v);
+  for (const double noise : {0.0, 0.1}) {
+    std::mt19937_64 rng(15);
+    std::normal_distribution<double> gauss(0, 1);
+    Cloud cloud;
+    for (int i = 0; i < 1570; ++i) {
+      const double x = (i + 0.5) / (2 * M_PI), angle = 2 * M_PI * std::fmod(i * kGolden, 1.0);
+      const Vector3 across = along(scaled(v, std::cos(angle) + noise * gauss(rng)),
+                                   std::sin(angle) + noise * gauss(rng), w);
+      const Vector3 p = along(across, x + noise * gauss(rng), u);
+      cloud.add(p[0], p[1], p[2]);
+    }
+    const auto rms = [&](const Fitted& f) {
+      return rmsOf(f, [&](const Vector3& p) { return length(along(p, -dot(p, u), u)) - 1; });
+    };
+    FitParams without;
+    without.sides = false;
+    const Fitted f = fitted(cloud);
+    EXPECT_GT(f.statistics.sides.confidence, 0.95);
+    EXPECT_LT(rms(f), 0.5 * rms(fitted(cloud, without)));
+  }
+}
+
 /** Two spheres that touch, one below the other, spacing 1; turned by a rotation of no axis. */
 struct TouchingSpheres {
   double radius = 20, noise = 0.1;

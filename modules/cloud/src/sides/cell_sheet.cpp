@@ -27,9 +27,9 @@ meanOf(const CellSums& sums)
   return {sums[1] / sums[0], sums[2] / sums[0], sums[3] / sums[0]};
 }
 
-/** Sets a sheet's normal and spread. \return the spread over the lesser one across the normal. */
+/** Finds the axes of sums over points. \return what their spreads are to be multiplied by */
 double
-setNormal(const CellSums& sums, CellSheet& sheet)
+findAxes(const CellSums& sums, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>& axes)
 {
   const Vector3 m = meanOf(sums);
   const Eigen::Vector3d mean(m[0], m[1], m[2]);
@@ -37,8 +37,16 @@ setNormal(const CellSums& sums, CellSheet& sheet)
   covariance << sums[4], sums[5], sums[6], sums[5], sums[7], sums[8], sums[6], sums[8], sums[9];
   covariance = covariance / sums[0] - mean * mean.transpose();
   const double scale = std::max(covariance.trace(), std::numeric_limits<double>::min());
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
   axes.computeDirect(covariance / scale);
+  return scale;
+}
+
+/** Sets a sheet's normal and spread. \return the spread over the lesser one across the normal. */
+double
+setNormal(const CellSums& sums, CellSheet& sheet)
+{
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
+  const double scale = findAxes(sums, axes);
   const Eigen::Vector3d n = axes.eigenvectors().col(0), spreads = axes.eigenvalues().cwiseMax(0.0);
   const bool usable = n.allFinite() && n.squaredNorm() > 0.5;
   sheet.normal = usable ? Vector3{n[0], n[1], n[2]} : Vector3{0, 0, 1};
@@ -154,6 +162,46 @@ nearestCells(const SideCells& cut, std::uint32_t cell, std::size_t wanted,
   return kept;
 }
 
+/** The sheet about a rod's axis, on which normals are radial, if the cells are a rod whose surface is far flatter,
+ * in proportion, than other sheets: planes do not part the sides of a rod that is not much wider than a cell. */
+CellSheet
+rodOf(const NearCells& near, std::size_t count, const CellSums& sums, double flattest,
+      const SideConstants& constants, const CellSheet& flat)
+{
+  constexpr double kFlatter = 0.5;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
+  const double scale = findAxes(sums, axes);
+  const Eigen::Vector3d spreads = axes.eigenvalues().cwiseMax(0.0),
+                        main = axes.eigenvectors().col(2);
+  const bool round =
+      spreads[1] < constants.rod * spreads[2] && spreads[0] > constants.thick_rod * spreads[1];
+  if (!round) return flat;
+  CellSheet rod = flat;
+  rod.count = count;
+  rod.axis = {main[0], main[1], main[2]};
+  const Vector3 middle = meanOf(sums);
+  std::array<Vector3, kMost> radii{};
+  double first = 0, second = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vector3 at = {near.columns[1][k], near.columns[2][k], near.columns[3][k]};
+    const Vector3 from = subtract(at, middle);
+    radii[k] = along(from, -dot(from, rod.axis), rod.axis);
+    const double points = near.columns[0][k], radius = length(radii[k]);
+    first += points * radius / sums[0];
+    second += points * radius * radius / sums[0];
+  }
+  rod.radius = radii[0];
+  rod.spread = std::max(0.0, second - first * first);
+  if (!(length(rod.radius) > 0 && rod.spread < kFlatter * flattest * scale * spreads[0]))
+    return flat;
+  rod.normal = normalized(rod.radius);
+  rod.middle = -length(rod.radius);
+  rod.other = 0;
+  for (std::size_t k = 1; k < count; ++k)
+    if (dot(radii[k], rod.normal) < 0) rod.other |= std::uint64_t{1} << k;
+  return rod;
+}
+
 }  // namespace
 
 CellSheet
@@ -185,7 +233,7 @@ sheetOf(const SideCells& cut, std::uint32_t cell, const SideConstants& constants
     sheet.cells = best.cells;
     best = sheet;
   }
-  return best;
+  return rodOf(near, count, sums, flattest, constants, best);
 }
 
 }  // namespace pcl_slim::detail

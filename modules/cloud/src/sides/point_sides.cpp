@@ -194,8 +194,8 @@ class SheetChoice {
 
 /** The points of blocks that are near points which face the other way. */
 std::vector<std::uint32_t>
-pointsFacingOthers(const PointStore& store, const Normals& normals,
-                   std::vector<SheetChoice>& choices)
+pointsFacingOthers(const PointStore& store, const std::vector<char>& on_rods,
+                   const Normals& normals, std::vector<SheetChoice>& choices)
 {
   std::vector<char> faces(store.numBlocks());
   parallelFor(faces.size(), static_cast<int>(choices.size()), 16, [&](std::size_t b, int thread) {
@@ -203,16 +203,19 @@ pointsFacingOthers(const PointStore& store, const Normals& normals,
   });
   std::vector<std::uint32_t> points;
   for (std::size_t i = 0; i < store.size(); ++i) {
-    if (faces[i / PointStore::kBlock]) points.push_back(static_cast<std::uint32_t>(i));
+    if (faces[i / PointStore::kBlock] && (on_rods.empty() || !on_rods[i]))
+      points.push_back(static_cast<std::uint32_t>(i));
   }
   return points;
 }
 
 /** The points and their neighbours, once each. */
 std::vector<std::uint32_t>
-withNeighbors(const std::vector<std::uint32_t>& points, std::size_t count, SheetChoice& choice)
+withNeighbors(const std::vector<std::uint32_t>& points, const std::vector<char>& on_rods,
+              std::size_t count, SheetChoice& choice)
 {
-  std::vector<char> marked(count, 0);
+  std::vector<char> marked = on_rods;
+  marked.resize(count, 0);
   std::vector<std::uint32_t> all;
   for (const std::uint32_t i : points) {
     for (const std::uint32_t j : choice.nearest(i)) {
@@ -248,12 +251,13 @@ normalsOf(const std::vector<std::uint32_t>& points, const Normals& normals,
 }  // namespace
 
 void
-settleSides(const PointStore& store, const SideConstants& constants, int threads, Normals& normals)
+settleSides(const PointStore& store, const std::vector<char>& on_rods,
+            const SideConstants& constants, int threads, Normals& normals)
 {
   threads = resolveThreads(threads);
   std::vector<SheetChoice> choices(static_cast<std::size_t>(threads),
                                    SheetChoice(store, constants));
-  const std::vector<std::uint32_t> facing = pointsFacingOthers(store, normals, choices);
+  const std::vector<std::uint32_t> facing = pointsFacingOthers(store, on_rods, normals, choices);
   std::vector<std::uint32_t> open = facing, changed;
   for (int round = 0; round < constants.settle_rounds && !open.empty(); ++round) {
     const Normals settled = normalsOf(
@@ -265,7 +269,7 @@ settleSides(const PointStore& store, const SideConstants& constants, int threads
       normals[open[k]] = settled[k];
       changed.push_back(open[k]);
     }
-    open = withNeighbors(changed, store.size(), choices.front());
+    open = withNeighbors(changed, on_rods, store.size(), choices.front());
   }
   const Normals planes = normalsOf(
       facing, normals, choices,

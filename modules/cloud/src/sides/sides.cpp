@@ -228,22 +228,35 @@ normalsOfPoints(const PointStore& store, const SideCells& cut, const CellGraph& 
         points[i] = {0, 0, 0};
         continue;
       }
-      bool turned = graph.sheets[c].isBeyond(subtract(store.position(i), cut.cells[c].mean));
+      const CellSheet& sheet = graph.sheets[c];
+      const Vector3 offset = subtract(store.position(i), cut.cells[c].mean);
+      const Vector3 normal = sheet.isRod() ? scaled(sheet.rodNormal(offset), signs[c]) : normals[c];
+      bool turned = !sheet.isRod() && sheet.isBeyond(offset);
       bool own = false;  // its own beam decides, not the cell
       if (by_sensors) {
-        const double cosine = beamCosine(store, i, normals[c]);
+        const double cosine = beamCosine(store, i, normal);
         own = std::abs(cosine) > constants.clear_beam && (cosine < 0) != turned;
         turned ^= own;
       }
       facing[task] += own || apart[c] != 0;
       for (std::size_t a = 0; a < 3; ++a)
-        points[i][a] = static_cast<float>(turned ? -normals[c][a] : normals[c][a]);
+        points[i][a] = static_cast<float>(turned ? -normal[a] : normal[a]);
     }
   });
   thin = 0;
   for (const std::size_t count : facing)
     thin += static_cast<double>(count) / static_cast<double>(store.size());
   return points;
+}
+
+/** Marks the points of cells that are on rods. */
+std::vector<char>
+pointsOnRods(const SideCells& cut, const CellGraph& graph)
+{
+  std::vector<char> marks(cut.cell_of.size());
+  std::transform(cut.cell_of.begin(), cut.cell_of.end(), marks.begin(),
+                 [&](std::uint32_t c) { return graph.sheets[c].isRod(); });
+  return marks;
 }
 
 /** Signs of all cells, by the sensors of their points or, without these, such that every connected part
@@ -294,6 +307,7 @@ findSides(const PointStore& store, double noise, double spacing, SideScope scope
   CellGraph graph = graphOf(cut, constants, threads);
   Sides sides;
   sides.cells = cut.cells.size();
+  sides.on_rods = pointsOnRods(cut, graph);
   if (scope == SideScope::kFacing) {
     findFacingSides(store, cut, graph, constants, threads, sides);
     return sides;

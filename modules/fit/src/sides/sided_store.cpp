@@ -255,9 +255,9 @@ sideFacingPlaces(const ThinPlaces& thin, const FitConstants& constants, SidedSto
     return;
   Sides sides = sidesIn(sided.store());
   if (!(sides.thin > 0) || sides.outward_confidence < rules.outward) return;
-  settleSides(sided.store(), rules, stats.threads, sides.normals);
+  settleSides(sided.store(), sides.on_rods, rules, stats.threads, sides.normals);
   if (!sided.store().hasSensors())  // else a point's own beam gives its side
-    settleSides(sided.store(), rules, stats.threads, sides.outward);
+    settleSides(sided.store(), sides.on_rods, rules, stats.threads, sides.outward);
   sided.setSidesForCover(sides.normals, std::move(sides.outward));
   measures.min_dot = std::min(normalBound(sided.store(), constants.normal_bound), kUnsidedPass);
   stats.sides.points = static_cast<std::size_t>(
@@ -300,7 +300,7 @@ takeSides(SidedFit& found, const SideSearch& search, const SideConstants& rules,
 {
   if (!found.feet.empty()) sided.moveTo(found.feet, stats.threads);
   if (!sided.store().hasSensors())
-    settleSides(sided.store(), rules, stats.threads, found.sides.normals);
+    settleSides(sided.store(), found.sides.on_rods, rules, stats.threads, found.sides.normals);
   stats = found.stats;
   SideStatistics& sides = stats.sides;
   if (search.capped) sides.noise_share = noiseShare(found, rules);

@@ -44,6 +44,43 @@ TEST(CellSheet, NearestCellsAreThoseOfASort)
   }
 }
 
+// Every neighbourhood of a plane's size contains all sides of a rod six points around.
+TEST(CellSheet, NormalsOfAThinRodAreRadial)
+{
+  Cloud cloud;
+  for (int ring = 0; ring < 100; ++ring) {
+    for (int i = 0; i < 6; ++i) {
+      const double angle = (i + 0.5 * (ring % 2)) * M_PI / 3;
+      cloud.add(std::cos(angle), std::sin(angle), ring);
+    }
+  }
+  const PointStore store = storeOf(cloud);
+  const SideCells cut(store, 1.2 / store.scale(), 1);
+  const SideConstants constants;
+  std::size_t rods = 0;
+  for (std::uint32_t c = 0; c < cut.cells.size(); ++c) {
+    const CellSheet sheet = sheetOf(cut, c, constants);
+    if (!sheet.isRod()) continue;
+    ++rods;
+    EXPECT_GT(std::abs(sheet.axis[2]), 0.99);
+    for (std::size_t i = 0; i < store.size(); ++i) {
+      if (cut.cell_of[i] != c) continue;
+      const Vector3 normal = sheet.rodNormal(subtract(store.position(i), cut.cells[c].mean));
+      const std::uint32_t at = store.orderOfStore()[i];
+      const double angle = (at % 6 + 0.5 * (at / 6 % 2)) * M_PI / 3;
+      EXPECT_GT(normal[0] * std::cos(angle) + normal[1] * std::sin(angle), 0.9);
+    }
+    for (std::size_t k = 1; k < sheet.count; ++k) {
+      const Vector3 between = subtract(cut.cells[sheet.cells[k]].mean, cut.cells[c].mean);
+      const double beyond = sheet.middle - dot(between, sheet.normal);
+      if (std::abs(beyond) > 1e-6) {
+        EXPECT_EQ(sheet.isOther(k), beyond > 0) << k;
+      }
+    }
+  }
+  EXPECT_GT(rods, cut.cells.size() * 9 / 10);
+}
+
 TEST(CellSheet, WindowHasTheCellsWithinTwoSteps)
 {
   std::mt19937_64 rng(6);

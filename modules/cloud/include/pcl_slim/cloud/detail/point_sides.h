@@ -16,9 +16,11 @@ namespace pcl_slim::detail {
  * sheet of those of their nearest points that face the other way turn, round by round until none is left: sides
  * spread from the cells that have the right one. Then points have the normals of planes of least squares of
  * their neighbours on the sheet. O(n k); same result for any number of threads.
+ * \param[in] on_rods stored points whose normals stay, as Sides::on_rods; empty: none
  * \param[in,out] normals of the stored points; 0: no side, left out */
 PCL_SLIM_EXPORT void
-settleSides(const PointStore& store, const SideConstants& constants, int threads,
+settleSides(const PointStore& store, const std::vector<char>& on_rods,
+            const SideConstants& constants, int threads,
             std::vector<std::array<float, 3>>& normals);
 
 }  // namespace pcl_slim::detail
