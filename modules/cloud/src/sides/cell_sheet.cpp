@@ -27,30 +27,35 @@ meanOf(const CellSums& sums)
   return {sums[1] / sums[0], sums[2] / sums[0], sums[3] / sums[0]};
 }
 
-/** Finds the axes of sums over points. \return what their spreads are to be multiplied by */
-double
-findAxes(const CellSums& sums, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>& axes)
-{
-  const Vector3 m = meanOf(sums);
-  const Eigen::Vector3d mean(m[0], m[1], m[2]);
-  Eigen::Matrix3d covariance;
-  covariance << sums[4], sums[5], sums[6], sums[5], sums[7], sums[8], sums[6], sums[8], sums[9];
-  covariance = covariance / sums[0] - mean * mean.transpose();
-  const double scale = std::max(covariance.trace(), std::numeric_limits<double>::min());
-  axes.computeDirect(covariance / scale);
-  return scale;
-}
+/** Principal axes of sums over points. */
+struct Axes {
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  double scale = 0;  ///< of its spreads
+
+  Axes() = default;
+  explicit Axes(const CellSums& sums)
+  {
+    const Vector3 m = meanOf(sums);
+    const Eigen::Vector3d mean(m[0], m[1], m[2]);
+    Eigen::Matrix3d covariance;
+    covariance << sums[4], sums[5], sums[6], sums[5], sums[7], sums[8], sums[6], sums[8], sums[9];
+    covariance = covariance / sums[0] - mean * mean.transpose();
+    scale = std::max(covariance.trace(), std::numeric_limits<double>::min());
+    solver.computeDirect(covariance / scale);
+  }
+
+  /** Along the direction of the least spread first. */
+  Eigen::Vector3d spreads() const { return solver.eigenvalues().cwiseMax(0.0); }
+};
 
 /** Sets a sheet's normal and spread. \return the spread over the lesser one across the normal. */
 double
-setNormal(const CellSums& sums, CellSheet& sheet)
+setNormal(const Axes& axes, CellSheet& sheet)
 {
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
-  const double scale = findAxes(sums, axes);
-  const Eigen::Vector3d n = axes.eigenvectors().col(0), spreads = axes.eigenvalues().cwiseMax(0.0);
+  const Eigen::Vector3d n = axes.solver.eigenvectors().col(0), spreads = axes.spreads();
   const bool usable = n.allFinite() && n.squaredNorm() > 0.5;
   sheet.normal = usable ? Vector3{n[0], n[1], n[2]} : Vector3{0, 0, 1};
-  sheet.spread = scale * spreads[0];
+  sheet.spread = axes.scale * spreads[0];
   return spreads[1] > 0 ? spreads[0] / spreads[1] : 1;
 }
 
@@ -165,14 +170,11 @@ nearestCells(const SideCells& cut, std::uint32_t cell, std::size_t wanted,
 /** The sheet about a rod's axis, on which normals are radial, if the cells are a rod whose surface is far flatter,
  * in proportion, than other sheets: planes do not part the sides of a rod that is not much wider than a cell. */
 CellSheet
-rodOf(const NearCells& near, std::size_t count, const CellSums& sums, double flattest,
-      const SideConstants& constants, const CellSheet& flat)
+rodOf(const NearCells& near, std::size_t count, const CellSums& sums, const Axes& axes,
+      double flattest, const SideConstants& constants, const CellSheet& flat)
 {
   constexpr double kFlatter = 0.5;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
-  const double scale = findAxes(sums, axes);
-  const Eigen::Vector3d spreads = axes.eigenvalues().cwiseMax(0.0),
-                        main = axes.eigenvectors().col(2);
+  const Eigen::Vector3d spreads = axes.spreads(), main = axes.solver.eigenvectors().col(2);
   const bool round =
       spreads[1] < constants.rod * spreads[2] && spreads[0] > constants.thick_rod * spreads[1];
   if (!round) return flat;
@@ -192,7 +194,7 @@ rodOf(const NearCells& near, std::size_t count, const CellSums& sums, double fla
   }
   rod.radius = radii[0];
   rod.spread = std::max(0.0, second - first * first);
-  if (!(length(rod.radius) > 0 && rod.spread < kFlatter * flattest * scale * spreads[0]))
+  if (!(length(rod.radius) > 0 && rod.spread < kFlatter * flattest * axes.scale * spreads[0]))
     return flat;
   rod.normal = normalized(rod.radius);
   rod.middle = -length(rod.radius);
@@ -213,6 +215,7 @@ sheetOf(const SideCells& cut, std::uint32_t cell, const SideConstants& constants
       nearestCells(cut, cell, std::min(constants.neighbors.back(), kMost), best.cells, near);
   double flattest = std::numeric_limits<double>::infinity();
   CellSums sums{};
+  Axes axes;  // of all that are summed
   std::size_t summed = 0;
   for (const std::size_t size : constants.neighbors) {
     CellSheet sheet;
@@ -220,11 +223,12 @@ sheetOf(const SideCells& cut, std::uint32_t cell, const SideConstants& constants
     const CellSums added = kernels::sumCells(near, firstCells(sheet.count) & ~firstCells(summed));
     for (std::size_t c = 0; c < sums.size(); ++c) sums[c] += added[c];
     summed = sheet.count;
-    double flatness = setNormal(sums, sheet);
+    axes = Axes(sums);
+    double flatness = setNormal(axes, sheet);
     std::array<CellSums, 2> sides;
     findOther(near, sums, constants, sheet, sides);
     if (sheet.other != 0) {
-      flatness = setNormal(sides[0], sheet);
+      flatness = setNormal(Axes(sides[0]), sheet);
       sheet.middle =
           0.5 * (dot(meanOf(sides[0]), sheet.normal) + dot(meanOf(sides[1]), sheet.normal));
     }
@@ -233,7 +237,7 @@ sheetOf(const SideCells& cut, std::uint32_t cell, const SideConstants& constants
     sheet.cells = best.cells;
     best = sheet;
   }
-  return rodOf(near, count, sums, flattest, constants, best);
+  return rodOf(near, count, sums, axes, flattest, constants, best);
 }
 
 }  // namespace pcl_slim::detail
