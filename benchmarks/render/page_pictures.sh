@@ -128,6 +128,14 @@ for sides in 0 1; do
 done
 sheet thin_cow.png 'the points' cow_points '-sides 0' cow_0 'by default' cow_1
 
+# A chair of it, whose thinnest parts are two deviations of the noise thick.
+"$bin/denoise_bench" "$data/denoise" -meshes chair -points 50000 -noise 0.01 -jets 0 -mls 0 -bounds 0 -save . > /dev/null
+"$bin/pcl_slim_fit" chair_50000_0.01.xyz chair.slim -quiet 1
+for sides in front auto; do
+  "$bin/pcl_slim_render" chair.slim chair_$sides.png -size 420x420 -white 1 -quiet 1 -view 25,15 -up y -sides $sides
+done
+sheet thin_chair.png '-sides front' chair_front 'by default' chair_auto
+
 # Points spread evenly: those of a scan, and 6000 on its surface, as small discs.
 bunny=$data/stanford_bunny_zipper.ply
 "$bin/pcl_slim_sample" "$bunny" even.pcd -number 6000 -quiet 1
