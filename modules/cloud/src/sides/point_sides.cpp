@@ -115,7 +115,7 @@ class SheetChoice {
   Eigen::Vector3f planeNormal(const Normals& normals, std::size_t point)
   {
     nearest(point);
-    const Eigen::Vector3f own = normalAt(normals, point);
+    Eigen::Vector3f own = normalAt(normals, point);
     part(normals, point, own);
     const PlaneSums same = sumsOf(point, same_, own);
     if (!same.determined()) return own;
@@ -128,7 +128,7 @@ class SheetChoice {
    * that one: cells that contain a bit of another sheet, or few points, have normals of their own. */
   Eigen::Vector3f straightened(const Normals& normals, std::size_t point) const
   {
-    const Eigen::Vector3f own = normalAt(normals, point);
+    Eigen::Vector3f own = normalAt(normals, point);
     Eigen::Matrix3f products = Eigen::Matrix3f::Zero();
     for (const std::uint32_t j : near_) {
       const Eigen::Vector3f n = normalAt(normals, j);
