@@ -199,8 +199,9 @@ rodOf(const NearCells& near, std::size_t count, const CellSums& sums, const Axes
   rod.normal = normalized(rod.radius);
   rod.middle = -length(rod.radius);
   rod.other = 0;
-  for (std::size_t k = 1; k < count; ++k)
+  for (std::size_t k = 1; k < count; ++k) {
     if (dot(radii[k], rod.normal) < 0) rod.other |= std::uint64_t{1} << k;
+  }
   return rod;
 }
 

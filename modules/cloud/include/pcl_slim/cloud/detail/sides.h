@@ -23,8 +23,7 @@ enum class SideScope {
 struct Sides {
   std::vector<std::array<float, 3>> normals;
   std::vector<std::array<float, 3>> outward;  ///< of kFacing, the same for every point ...
-  std::vector<char>
-      on_rods;  ///< 1: a stored point is on a rod, and its normal away from the rod's axis
+  std::vector<char> on_rods;      ///< 1: a stored point's normal is away from a rod's axis
   double outward_confidence = 0;  ///< ... and the agreement of all neighbouring cells
   std::size_t cells = 0;          ///< that share a normal
   double thin = 0;                ///< share of the points that face apart from others behind them
