@@ -22,14 +22,14 @@ enum class SideScope {
 /** \brief A unit normal of common side for every stored point; 0: it gets none. */
 struct Sides {
   std::vector<std::array<float, 3>> normals;
+  std::vector<char> on_rods;  ///< 1: a stored point's normal is away from a rod's axis
   std::vector<std::array<float, 3>> outward;  ///< of kFacing, the same for every point ...
-  std::vector<char> on_rods;      ///< 1: a stored point's normal is away from a rod's axis
-  double outward_confidence = 0;  ///< ... and the agreement of all neighbouring cells
-  std::size_t cells = 0;          ///< that share a normal
-  double thin = 0;                ///< share of the points that face apart from others behind them
-  double gap = HUGE_VAL;          ///< median distance of two such sheets, local length
-  double confidence = 0;          ///< agreement of neighbouring cells: 1 if all agree, 0 as chance
-  double sure = 1;                ///< share of the places between sheets that are in sure parts
+  double outward_confidence = 0;              ///< ... and the agreement of all neighbouring cells
+  std::size_t cells = 0;                      ///< that share a normal
+  double thin = 0;        ///< share of the points that face apart from others behind them
+  double gap = HUGE_VAL;  ///< median distance of two such sheets, local length
+  double confidence = 0;  ///< agreement of neighbouring cells: 1 if all agree, 0 as chance
+  double sure = 1;        ///< share of the places between sheets that are in sure parts
 };
 
 /** \brief Finds sides of a cloud without normals: normals of cells from the moments of the cells about
