@@ -130,6 +130,22 @@ TEST_F(CardTest, FollowsTheCameraAndTheActor)
   EXPECT_LE(difference(), 3.0 * kFewPixels);
 }
 
+TEST_F(CardTest, DoubtfulSidesAreBothDrawnAlike)
+{
+  const std::shared_ptr<SLIMSurface> surface = unevenSphere(3);
+  mapper->setSurface(surface);
+  mapper->setMode(DisplayMode::kShaded);
+  renderer->GetActiveCamera()->SetPosition(0.0, 0.0, 0.05);
+  renderer->GetActiveCamera()->SetFocalPoint(0.0, 0.0, -1.0);
+  renderer->ResetCameraClippingRange();
+  EXPECT_EQ(shareDrawn(pictureBy(RayBackend::kOpenGL)), 0.0) << "a front alone, from behind";
+  const auto doubtful = std::make_shared<SLIMSurface>(*surface);
+  doubtful->info.sides_in_doubt = true;
+  mapper->setSurface(doubtful);
+  EXPECT_LE(difference(), 3.0 * kFewPixels);
+  EXPECT_GT(shareDrawn(picture()), 0.99);
+}
+
 TEST_F(CardTest, AnOpenSurfaceEndsWhereTheCpuEndsIt)
 {
   const std::shared_ptr<SLIMSurface> surface = unevenSphere(2);
