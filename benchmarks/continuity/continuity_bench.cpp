@@ -69,14 +69,18 @@ ratioTo(double value, double low, double high)
   return value / std::clamp(value, std::min(low, high), std::max(low, high));
 }
 
-/** "1.23", or "1.23 *" outside the tolerance about 1. */
+bool
+isOff(double ratio, double tolerance)
+{
+  return !(ratio < 1 + tolerance && ratio > 1 / (1 + tolerance));
+}
+
+/** "1.23", or "1.23 *" if it is off. */
 std::string
-marked(double ratio, double tolerance, bool& outside)
+marked(double value, bool off)
 {
   char text[32];
-  const bool off = !(ratio < 1 + tolerance && ratio > 1 / (1 + tolerance));
-  std::snprintf(text, sizeof(text), off ? "%.3g *" : "%.3g", ratio);
-  outside |= off;
+  std::snprintf(text, sizeof(text), off ? "%.3g *" : "%.3g", value);
   return text;
 }
 
@@ -96,26 +100,27 @@ printRow(const Settings& s, const Scan& scan, const SmoothedPoints& original,
   if (!smoothed) return smoothed.error();
   const FitStatistics &a = original.fit, &b = smoothed->fit;
   const double unit = std::max(original.sigma, kLeastUnit * scan.box().diagonal().norm());
-  bool outside = false;
   const double sigma =
       std::max(smoothed->sigma / varied.scale, unit * 1e-3) / std::max(original.sigma, unit * 1e-3);
-  const std::string found = marked(sigma, kSigmaTolerance, outside);
+  // Where it differs in this part of the scan, sigma may follow or stay.
+  const bool sigma_off = isOff(ratioTo(sigma, 1, varied.sigma), kSigmaTolerance);
   // At another density N and leaves may follow the density or stay.
   const double n = ratioTo(b.noise.correlation, a.noise.correlation,
                            std::max(1.0, a.noise.correlation * varied.density));
-  const std::string correlation = marked(n, kTolerance, outside);
-  const std::string leaves =
-      marked(ratioTo(static_cast<double>(b.leaves), varied.leaves, varied.leaves * varied.density),
-             kTolerance, outside);
+  const double leaves =
+      ratioTo(static_cast<double>(b.leaves), varied.leaves, varied.leaves * varied.density);
+  const bool n_off = isOff(n, kTolerance), leaves_off = isOff(leaves, kTolerance);
   const double move = moved(original, varied, *smoothed) / unit;
-  outside |= !(move < kMoveTolerance);
+  const bool move_off = !(move < kMoveTolerance);
+  const bool outside = sigma_off || n_off || leaves_off || move_off;
   ++tally.rows;
   tally.outside += outside;
   if (s.outside && !outside) return {};
-  std::printf("| %s | %zu | %s | %.1f | %s | %llu | %s | %.2f%s |\n", variant.name.c_str(),
-              varied.points.size(), found.c_str(), b.noise.correlation, correlation.c_str(),
-              static_cast<unsigned long long>(b.leaves), leaves.c_str(), move,
-              move < kMoveTolerance ? "" : " *");
+  std::printf("| %s | %zu | %s | %.3g | %.1f | %s | %llu | %s | %s |\n", variant.name.c_str(),
+              varied.points.size(), marked(sigma, sigma_off).c_str(), varied.sigma,
+              b.noise.correlation, marked(n, n_off).c_str(),
+              static_cast<unsigned long long>(b.leaves), marked(leaves, leaves_off).c_str(),
+              marked(move, move_off).c_str());
   std::fflush(stdout);
   return {};
 }
@@ -129,8 +134,8 @@ printScan(const Settings& s, Scan scan, Tally& tally)
   if (!original) return original.error();
   std::printf(
       "\n%s: %zu points, sigma %.4g (%.2e L), N %.1f, %llu leaves, %.2f s\n\n"
-      "| variant | points | sigma ratio | N | ratio | leaves | ratio | RMS move, sigma |\n"
-      "|---|---|---|---|---|---|---|---|\n",
+      "| variant | points | sigma ratio | expected | N | ratio | leaves | ratio | RMS move, sigma |\n"
+      "|---|---|---|---|---|---|---|---|---|\n",
       scan.name.c_str(), scan.points.size(), original->sigma,
       original->sigma / scan.box().diagonal().norm(), original->fit.noise.correlation,
       static_cast<unsigned long long>(original->fit.leaves), original->seconds);

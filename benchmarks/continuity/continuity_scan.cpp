@@ -46,6 +46,15 @@ window(const Scan& scan, double share)
   return kept;
 }
 
+Points
+pointsOf(const measure::SensorScan& scan)
+{
+  Points points;
+  for (std::size_t i = 0; i < scan.size(); ++i)
+    points.push_back(Eigen::Map<const Eigen::Vector3f>(&scan.points[3 * i]).cast<double>());
+  return points;
+}
+
 }  // namespace
 
 Eigen::AlignedBox3d
@@ -88,12 +97,10 @@ generatedScans(const std::string& part, std::uint64_t seed)
 {
   std::vector<Scan> scans;
   for (const measure::SensorRow& row : measure::sensorRows(part)) {
-    const measure::SensorScan made = row.scan(seed);
     Scan scan;
     scan.name = row.name;
-    for (std::size_t i = 0; i < made.size(); ++i) {
-      scan.points.push_back(Eigen::Map<const Eigen::Vector3f>(&made.points[3 * i]).cast<double>());
-    }
+    scan.points = pointsOf(row.scan(seed));
+    scan.second = pointsOf(row.scan(seed + 1));
     scans.push_back(std::move(scan));
   }
   return scans;

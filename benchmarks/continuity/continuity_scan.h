@@ -19,6 +19,7 @@ struct Scan {
   std::vector<std::uint32_t> row, column;  ///< of each point in an organized cloud; else empty
   bool floats = true;                      ///< coordinates have float precision
   std::optional<Eigen::Vector3d> sensor;
+  Points second;  ///< another frame of the same scene with errors of its own; empty: there is none
 
   Eigen::AlignedBox3d box() const;
 };

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <random>
 
+#include "continuity/unpredictable.h"
+
 namespace pcl_slim::continuity {
 
 namespace {
@@ -86,6 +88,30 @@ rounded(const Scan& scan, const SmoothedPoints& smoothed)
   return varied;
 }
 
+/** Signed distances of the points from the smoothed surface; NaN where there is none. */
+std::vector<double>
+residuals(const Scan& scan, const SmoothedPoints& smoothed)
+{
+  std::vector<double> result;
+  for (std::size_t i = 0; i < scan.points.size(); ++i) {
+    const Eigen::Map<const Eigen::Vector3d> q(smoothed.points[i].data());
+    const Eigen::Map<const Eigen::Vector3d> normal(smoothed.normals[i].data());
+    result.push_back((scan.points[i] - q).dot(normal));
+  }
+  return result;
+}
+
+double
+medianSize(std::vector<double> values)
+{
+  for (double& v : values) v = std::abs(v);
+  values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return std::isnan(v); }),
+               values.end());
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return values.empty() ? 0 : *middle;
+}
+
 /** Some of the points. */
 template <typename Keep>
 Varied
@@ -104,13 +130,23 @@ part(const Scan& scan, const SmoothedPoints& smoothed, const Keep& keep)
   return varied;
 }
 
+/** Fewer points, from which detail that was predictable may be no more. */
+template <typename Keep>
+Varied
+sparser(const Scan& scan, const SmoothedPoints& smoothed, std::uint64_t seed, const Keep& keep)
+{
+  Varied varied = part(scan, smoothed, keep);
+  varied.sigma = unpredictable(varied.points, seed) / unpredictable(scan.points, seed);
+  return varied;
+}
+
 Variant
 thinned(const std::string& name, double share, std::uint64_t seed)
 {
   return {name, [share, seed](const Scan& scan, const SmoothedPoints& smoothed) {
             std::mt19937_64 rng(seed);
             std::uniform_real_distribution<double> unit(0, 1);
-            return part(scan, smoothed, [&](std::size_t) { return unit(rng) < share; });
+            return sparser(scan, smoothed, seed, [&](std::size_t) { return unit(rng) < share; });
           }};
 }
 
@@ -128,14 +164,18 @@ shuffled(std::uint64_t seed)
           }};
 }
 
-Varied
-everySecondRow(const Scan& scan, const SmoothedPoints& smoothed)
+Variant
+everySecondRow(std::uint64_t seed)
 {
-  if (scan.row.empty()) return {};
-  return part(scan, smoothed, [&](std::size_t i) { return scan.row[i] % 2 == 0; });
+  return {"every second row", [seed](const Scan& scan, const SmoothedPoints& smoothed) {
+            if (scan.row.empty()) return Varied{};
+            return sparser(scan, smoothed, seed,
+                           [&](std::size_t i) { return scan.row[i] % 2 == 0; });
+          }};
 }
 
-/** The half below the median along the box's longest edge, at the scan's own density. */
+/** The half below the median along the box's longest edge, at the scan's own density; its sigma is that
+ * of the scan by the residuals there. */
 Varied
 cropped(const Scan& scan, const SmoothedPoints& smoothed)
 {
@@ -148,6 +188,10 @@ cropped(const Scan& scan, const SmoothedPoints& smoothed)
   const double cut = *middle;
   Varied varied = part(scan, smoothed, [&](std::size_t i) { return scan.points[i][axis] < cut; });
   varied.density = 1;
+  const std::vector<double> all = residuals(scan, smoothed);
+  std::vector<double> kept;
+  for (const std::size_t i : varied.source) kept.push_back(all[i]);
+  varied.sigma = medianSize(kept) / medianSize(all);
   varied.leaves = static_cast<double>(std::count_if(
       smoothed.leaves.begin(), smoothed.leaves.end(),
       [&](const Vector3& leaf) { return leaf[static_cast<std::size_t>(axis)] < cut; }));
@@ -160,25 +204,40 @@ tilt(double angle)
   return Eigen::AngleAxisd(angle, Eigen::Vector3d(1, 0.7, 0.3).normalized()).toRotationMatrix();
 }
 
-/** The scan and a second frame of the same surface: every smoothed point with the residual of the
- * point half a patch further in the scan's order along its own normal, so that correlated errors stay
- * correlated, registered with an error of .001 rad. */
+/** A second frame made of a scan's only one: every smoothed point with the residual of the point half a
+ * patch further in the scan's order along its own normal, so that correlated errors stay correlated.
+ * What the leaves follow of the noise is missing in residuals: they are made as large as sigma. */
+Points
+secondFrame(const Scan& scan, const SmoothedPoints& smoothed)
+{
+  constexpr std::size_t kFurther = 997;
+  const std::vector<double> all = residuals(scan, smoothed);
+  double sum_sq = 0, finite = 0;
+  for (const double r : all) {
+    if (std::isnan(r)) continue;
+    sum_sq += r * r;
+    ++finite;
+  }
+  const double missing = std::max(1.0, smoothed.sigma / std::sqrt(sum_sq / finite));
+  Points frame;
+  for (std::size_t i = 0; i < scan.points.size(); ++i) {
+    const Eigen::Map<const Eigen::Vector3d> q(smoothed.points[i].data());
+    const Eigen::Map<const Eigen::Vector3d> normal(smoothed.normals[i].data());
+    const Eigen::Vector3d p = q + missing * all[(i + kFurther) % scan.points.size()] * normal;
+    if (p.allFinite()) frame.push_back(p);
+  }
+  return frame;
+}
+
+/** The scan and a second frame of the same surface, registered with an error of .001 rad. */
 Varied
 merged(const Scan& scan, const SmoothedPoints& smoothed)
 {
-  constexpr std::size_t kFurther = 997;
   Varied varied = mapped(scan, smoothed, Eigen::Affine3d::Identity(), scan.floats);
-  const std::size_t count = scan.points.size();
   const Eigen::Vector3d middle = scan.box().center();
-  const auto at = [](const Vector3& v) { return Eigen::Map<const Eigen::Vector3d>(v.data()); };
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t other = (i + kFurther) % count;
-    if (!at(smoothed.points[i]).allFinite() || !at(smoothed.points[other]).allFinite()) continue;
-    const double residual =
-        (scan.points[other] - at(smoothed.points[other])).dot(at(smoothed.normals[other]));
-    const Eigen::Vector3d own = at(smoothed.points[i]) + residual * at(smoothed.normals[i]);
-    varied.points.emplace_back(middle + tilt(0.001) * (own - middle));
-  }
+  for (const Eigen::Vector3d& p :
+       scan.second.empty() ? secondFrame(scan, smoothed) : scan.second)
+    varied.points.emplace_back(middle + tilt(0.001) * (p - middle));
   varied.density = 2;
   return varied;
 }
@@ -215,7 +274,7 @@ allVariants(std::uint64_t seed)
           shuffled(seed),
           thinned("80 %", 0.8, seed),
           thinned("50 %", 0.5, seed),
-          {"every second row", everySecondRow},
+          everySecondRow(seed),
           {"cropped half", cropped},
           {"two frames merged", merged}};
 }

@@ -16,6 +16,7 @@ struct Varied {
   Eigen::Affine3d map = Eigen::Affine3d::Identity();  ///< from the scan to here: a similarity
   double scale = 1;                                   ///< of the map
   double density = 1;                                 ///< points an area, of the scan's
+  double sigma = 1;   ///< sigma to be found, relative to the scan's, if it differs
   double leaves = 0;                                  ///< of the scan that this part has
 };
 
