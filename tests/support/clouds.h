@@ -26,6 +26,14 @@ struct Cloud {
 
   void add(double x, double y, double z) { points.insert(points.end(), {x, y, z}); }
 
+  /** \brief Adds a point with noise. Compilers differ in the order of a call's arguments: three draws as
+   * arguments would make another cloud. */
+  void addNoisy(const std::array<double, 3>& p, std::normal_distribution<double>& noise,
+                std::mt19937_64& rng)
+  {
+    for (const double value : p) points.push_back(value + noise(rng));
+  }
+
   void add(const std::array<double, 3>& p, const std::array<double, 3>& n)
   {
     points.insert(points.end(), p.begin(), p.end());

@@ -72,8 +72,7 @@ noisy(const std::vector<Vector3>& points, double noise, std::mt19937_64& rng)
 {
   std::normal_distribution<double> gauss(0, noise);
   Cloud cloud;
-  for (const Vector3& p : points)
-    cloud.add(p[0] + gauss(rng), p[1] + gauss(rng), p[2] + gauss(rng));
+  for (const Vector3& p : points) cloud.addNoisy(p, gauss, rng);
   return cloud;
 }
 
@@ -142,17 +141,20 @@ TEST(FitSides, LeavesFollowThePointsWhereThinPartsAreInDoubt)
 // Fins that are one rough sheet each to wide cells, which face the next fin.
 TEST(FitSides, WhereNoPlaceShowsTheNoiseNarrowerCellsAreTried)
 {
+  const double noise = 1.1;
   std::vector<Face> faces;
   for (int k = 0; k < 4; ++k) addBox({0, 0, 10.0 * k}, {25, 25, 10.0 * k + 4}, faces);
-  for (const unsigned seed : {1u, 4u}) {
+  // Where the widest cells agree best, too: their noise is three times that of the points.
+  for (unsigned seed = 1; seed <= 6; ++seed) {
     std::mt19937_64 rng(seed);
     const std::vector<Vector3> points = pointsOf(faces, rng);
-    const Cloud cloud = noisy(points, 1.1, rng);
+    const Cloud cloud = noisy(points, noise, rng);
     const Fitted f = fitted(cloud);
     std::vector<Vector3> scanned;
     const PointStore store = storeOf(cloud);
     for (std::size_t i = 0; i < store.size(); ++i) scanned.push_back(f.world(store.position(i)));
-    EXPECT_LT(errorOf(placesOf(f), points, faces), errorOf(scanned, points, faces));
+    EXPECT_LT(errorOf(placesOf(f), points, faces), 0.85 * errorOf(scanned, points, faces)) << seed;
+    EXPECT_LT(std::sqrt(f.statistics.lambda) * store.diagonal(), 1.5 * noise) << seed;
   }
 }
 
@@ -208,15 +210,20 @@ TEST(FitSides, DoubtfulSidesAreBetterThanNoneWhereNoiseIsWide)
   doubtful.sides.flatter = HUGE_VAL;
   detail::FitConstants strict = doubtful;
   strict.sides.last_doubt = 0;
-  std::mt19937_64 rng(4);
-  const Cloud cloud = noisy(ring.points(rng), 1, rng);
-  const Fitted sided = fittedWith(doubtful, cloud), unsided = fittedWith(strict, cloud);
-  EXPECT_GT(sided.statistics.sides.points, 0u);
-  EXPECT_EQ(unsided.statistics.sides.points, 0u);
-  EXPECT_TRUE(sided.statistics.sides.in_doubt);
-  EXPECT_TRUE(sided.surface.info.oriented && sided.surface.info.sides_in_doubt);
-  EXPECT_LT(rmsFrom(ring, placesOf(sided)), 0.9);
-  EXPECT_GT(rmsFrom(ring, placesOf(unsided)), 1.0);
+  int left_whole = 0;
+  for (const unsigned seed : {5u, 7u, 9u}) {
+    std::mt19937_64 rng(seed);
+    const Cloud cloud = noisy(ring.points(rng), 1, rng);
+    const Fitted sided = fittedWith(doubtful, cloud), unsided = fittedWith(strict, cloud);
+    EXPECT_GT(sided.statistics.sides.points, 0u) << seed;
+    EXPECT_TRUE(sided.statistics.sides.in_doubt) << seed;
+    EXPECT_TRUE(sided.surface.info.oriented && sided.surface.info.sides_in_doubt) << seed;
+    EXPECT_LT(rmsFrom(ring, placesOf(sided)), 0.8) << seed;
+    if (unsided.statistics.sides.points > 0) continue;
+    ++left_whole;
+    EXPECT_GT(rmsFrom(ring, placesOf(unsided)), 1.2) << seed;
+  }
+  EXPECT_GT(left_whole, 0);
 }
 
 // Four deviations thick at most: one leaf about both sides would leave 1.4, and the scanned points leave .85 to .95.

@@ -21,13 +21,13 @@ Cloud
 nestedSpheres(double radius, double gap, double noise, unsigned seed)
 {
   std::mt19937_64 rng(seed);
-  std::normal_distribution<double> gauss(0, 1);
+  std::normal_distribution<double> gauss(0, 1), error(0, noise);
   Cloud cloud;
   for (const double r : {radius, radius + gap}) {
     const int points = static_cast<int>(4 * M_PI * r * r);
     for (int i = 0; i < points; ++i) {
       const Vector3 p = scaled(normalized({gauss(rng), gauss(rng), gauss(rng)}), r);
-      cloud.add(p[0] + noise * gauss(rng), p[1] + noise * gauss(rng), p[2] + noise * gauss(rng));
+      cloud.addNoisy(p, error, rng);
     }
   }
   return cloud;
@@ -46,7 +46,7 @@ struct Rods {
     for (int i = 0; i < 3 * static_cast<int>(2 * M_PI * radius * length); ++i) {
       const double x = along(rng), angle = around(rng);
       const double y = radius * std::cos(angle) + apart * (i % 3), z = radius * std::sin(angle);
-      cloud.add(x + gauss(rng), y + gauss(rng), z + gauss(rng));
+      cloud.addNoisy({x, y, z}, gauss, rng);
     }
     return cloud;
   }
@@ -107,15 +107,15 @@ TEST(FitSides, WhereFeetGetNoSidesNarrowerCellsAreTried)
   no_feet.sides.least_plane = 1000;
   const double radius = 30, inner = 22.5, gap = 3, noise = 1.5;
   std::mt19937_64 rng(1);
-  std::normal_distribution<double> gauss(0, 1);
+  std::normal_distribution<double> gauss(0, 1), error(0, noise);
   Cloud cloud;
   for (const double r : {radius, inner}) {
     const double shift = r < radius ? radius - inner - gap : 0;
     const int points = static_cast<int>(4 * M_PI * r * r);
     for (int i = 0; i < points; ++i) {
-      const Vector3 p = scaled(normalized({gauss(rng), gauss(rng), gauss(rng)}), r);
-      cloud.add(p[0] + shift + noise * gauss(rng), p[1] + noise * gauss(rng),
-                p[2] + noise * gauss(rng));
+      Vector3 p = scaled(normalized({gauss(rng), gauss(rng), gauss(rng)}), r);
+      p[0] += shift;
+      cloud.addNoisy(p, error, rng);
     }
   }
   PointStore store = storeOf(cloud), other = store;

@@ -40,8 +40,9 @@ struct Plates {
     for (const double height : {gap / 2, -gap / 2}) {
       for (int i = 0; i < side * side; ++i) {
         const double x = (i + 0.5) / side, y = side * std::fmod(i * kGolden + height, 1.0);
-        const Vector3 p = along(along(scaled(u, x + noise * gauss(rng)), y + noise * gauss(rng), v),
-                                height + noise * gauss(rng), w);
+        Vector3 at{x, y, height};
+        for (double& value : at) value += noise * gauss(rng);
+        const Vector3 p = along(along(scaled(u, at[0]), at[1], v), at[2], w);
         made.add(scale * p[0], scale * p[1], scale * p[2]);
       }
     }
@@ -93,14 +94,14 @@ TEST(FitSides, PartsCleanSheetsThatAreNear)
   // Two spheres two spacings apart, far for their noise: a fit without sides takes their middle.
   Cloud cloud;
   std::mt19937_64 rng(5);
-  std::normal_distribution<double> gauss(0, 1);
+  std::normal_distribution<double> gauss(0, 0.1);
   for (const double radius : {19.0, 17.0}) {
     const int points = static_cast<int>(4 * M_PI * radius * radius);
     for (int i = 0; i < points; ++i) {
       const double z = 1 - (2 * i + 1.0) / points, turn = 2 * M_PI * std::fmod(i * kGolden, 1.0);
       const double level = std::sqrt(1 - z * z);
       const Vector3 p = scaled({level * std::cos(turn), level * std::sin(turn), z}, radius);
-      cloud.add(p[0] + 0.1 * gauss(rng), p[1] + 0.1 * gauss(rng), p[2] + 0.1 * gauss(rng));
+      cloud.addNoisy(p, gauss, rng);
     }
   }
   const auto rms = [](const Fitted& f) {
@@ -144,9 +145,9 @@ TEST(FitSides, KeepARodOfTwoSpacings)
     Cloud cloud;
     for (int i = 0; i < 1570; ++i) {
       const double x = (i + 0.5) / (2 * M_PI), angle = 2 * M_PI * std::fmod(i * kGolden, 1.0);
-      const Vector3 across = along(scaled(v, std::cos(angle) + noise * gauss(rng)),
-                                   std::sin(angle) + noise * gauss(rng), w);
-      const Vector3 p = along(across, x + noise * gauss(rng), u);
+      Vector3 at{x, std::cos(angle), std::sin(angle)};
+      for (double& value : at) value += noise * gauss(rng);
+      const Vector3 p = along(along(scaled(u, at[0]), at[1], v), at[2], w);
       cloud.add(p[0], p[1], p[2]);
     }
     const auto rms = [&](const Fitted& f) {
@@ -231,7 +232,7 @@ bladeOf(double length, double width)
   for (const double side : {slope, -slope}) {
     for (int i = 0; i < points; ++i) {
       const double x = length * (i + 0.5) / points, y = width * std::fmod(i * kGolden, 1.0);
-      blade.add(x + gauss(rng), y + gauss(rng), side * y + gauss(rng));
+      blade.addNoisy({x, y, side * y}, gauss, rng);
     }
   }
   return blade;

@@ -114,7 +114,9 @@ leastCells(const SideSearch& search, double noise, double spacing,
 }
 
 /** Seeks sides by narrower and narrower cells: cells with both sides leave doubts, or too few
- * faces separated. Keeps the sides of the least cost. Leaves doubts that moving the points answers better. */
+ * faces separated. Keeps the sides of the least cost. Leaves doubts that moving the points answers better. Where no
+ * place shows the noise, cells wider than parts show parts as rough sheets, and all widths are tried:
+ * the cost rises before it falls. */
 Error
 seekSides(const SideSearch& search, double spacing, const FitConstants& constants,
           const FitParams& params, SidedStore& sided, const FitStatistics& stats,
@@ -142,19 +144,20 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
       next.measures = std::move(*measured);
       found = next.noise = std::sqrt(next.measures.lambda);
       if (!search.needed && found > rules.same_noise * search.unsided) break;
-      if (best && next.cost() > best->cost()) break;
+      const bool worse = best && next.cost() > best->cost();
+      if (worse && !search.unknown) break;
       settled = best && next.noise > rules.same_noise * best->noise;
       // Wider balls would contain what these cells separate. Sides never add to the noise: a patch of one
       // side alone of a thin tube bends more than its cubic.
       const double most = std::min(std::max(noise, search.least),
                                    std::max(search.unsided, rules.least_noise * spacing));
       if (search.capped) next.measures.lambda = std::min(next.measures.lambda, most * most);
-      best = std::move(next);
+      if (!worse) best = std::move(next);
     }
     const bool same = found > rules.same_noise * noise;
     const double least = leastCells(search, noise, spacing, best, rules);
     if (noise <= least || (same && !narrower)) break;
-    if (settled && best->isMoved(search, rules)) break;
+    if (settled && !search.unknown && best->isMoved(search, rules)) break;
     noise = std::max(least, same ? 0.5 * noise : found);
   }
   sided.clearSides();

@@ -86,7 +86,7 @@ TEST(CellSheet, WindowHasTheCellsWithinTwoSteps)
   std::mt19937_64 rng(6);
   std::uniform_real_distribution<double> unit(0, 1);
   Cloud cloud;
-  for (int i = 0; i < 3000; ++i) cloud.add(unit(rng), unit(rng), unit(rng));
+  for (int i = 0; i < 9000; ++i) cloud.points.push_back(unit(rng));
   const SideCells cut(storeOf(cloud), 0.07, 1);
   const auto placeOf = [&](std::uint32_t c, std::size_t a) {
     return static_cast<int>(std::floor((cut.cells[c].mean[a] + 0.5) / cut.width));

@@ -25,7 +25,10 @@ noisyStore(std::size_t points)
   std::mt19937_64 rng(3);
   std::normal_distribution<double> gauss(0, 1);
   Cloud cloud;
-  for (std::size_t i = 0; i < points; ++i) cloud.add(gauss(rng), gauss(rng), 0.2 * gauss(rng));
+  for (std::size_t i = 0; i < points; ++i) {
+    const double x = gauss(rng), y = gauss(rng), z = 0.2 * gauss(rng);
+    cloud.add(x, y, z);
+  }
   return storeOf(cloud);
 }
 

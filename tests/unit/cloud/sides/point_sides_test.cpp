@@ -30,7 +30,7 @@ struct Blade {
     for (int i = 0; i < 2500; ++i) {
       const double x = (i + 0.5) / 50, y = 50 * std::fmod(i * 0.6180339887498949, 1.0);
       for (const double way : {1.0, -1.0}) {
-        cloud.add(x + gauss(rng), y + gauss(rng), way * slope * x + gauss(rng));
+        cloud.addNoisy({x, y, way * slope * x}, gauss, rng);
         upper.push_back(way > 0);
         from_edge.push_back(x);
       }
@@ -126,8 +126,7 @@ struct Plates {
     Cloud cloud;
     for (int i = 0; i < 1600; ++i) {
       const double x = i % 40, y = i / 40;
-      for (const double way : {1.0, -1.0})
-        cloud.add(x + gauss(rng), y + gauss(rng), way + gauss(rng));
+      for (const double way : {1.0, -1.0}) cloud.addNoisy({x, y, way}, gauss, rng);
     }
     store = storeOf(cloud);
     for (std::size_t i = 0; i < store.size(); ++i)

@@ -23,7 +23,7 @@ plates(double gap, double noise, unsigned seed)
   Cloud cloud;
   for (int i = 0; i < 9800; ++i) {
     const double x = uniform(rng), y = uniform(rng);
-    cloud.add(x + gauss(rng), y + gauss(rng), (i % 2 ? gap : -gap) / 2 + gauss(rng));
+    cloud.addNoisy({x, y, (i % 2 ? gap : -gap) / 2}, gauss, rng);
   }
   return storeOf(cloud);
 }

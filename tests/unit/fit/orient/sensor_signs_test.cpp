@@ -257,7 +257,7 @@ TEST(SensorSigns, TellTheTwoSidesOfAThinPlate)
   for (const double height : {1.5, -1.5}) {
     for (int i = 0; i < 2500; ++i) {
       const double x = (i + 0.5) / 50, y = 50 * std::fmod(i * 0.6180339887498949 + height, 1.0);
-      cloud.add(x + gauss(rng), y + gauss(rng), height + gauss(rng));
+      cloud.addNoisy({x, y, height}, gauss, rng);
       sensors.insert(sensors.end(), {25, 25, 30 * height});
     }
   }
