@@ -30,7 +30,8 @@ mayNeedSides(const PointStore& store, const FitParams& params, const FitStatisti
 struct SideSearch {
   double share = 0;         ///< of the places that have two sides
   double least_apart = 0;   ///< share of the points that must come to face apart
-  double doubt = 0;         ///< most of the agreements that may be unmet
+  double doubt = 0;         ///< most of the agreements that may be unmet, ...
+  double first_doubt = 0;   ///< ... or this by the first sides, if it is more
   bool needed = false;      ///< a fit does not part these by itself
   double noise = 0;         ///< by which the first cells are cut
   double least = 0;         ///< noise below which the spacing alone sets the width of cells
@@ -132,7 +133,8 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
                   {},
                   spacing};
     const bool few = next.sides.thin < search.least_apart;
-    const bool doubtful = 1 - next.sides.confidence > search.doubt;
+    const double most_doubt = best ? search.doubt : std::max(search.doubt, search.first_doubt);
+    const bool doubtful = 1 - next.sides.confidence > most_doubt;
     const bool narrower = few || doubtful || search.unknown || next.sides.confidence < rules.sure;
     if (doubtful && best) break;
     double found = noise;
@@ -187,6 +189,8 @@ seekSidesOfFeet(const ThinPlaces& thin, double unsided, const FitConstants& cons
   const ThinPlaces left = findThinPlaces(moved, rules, constants.noise, stats.threads);
   auto search = searchFor(left, std::sqrt(measured->lambda), true, rules);
   if (!search) return {};  // no sides are left to be found
+  // Moved points show fewer thin places, but no fewer doubts.
+  search->first_doubt = rules.doubt * thin.share;
   // Neighbours share what is left of the noise: small patches do not show all of it.
   search->noise = std::max(search->noise, rules.feet_noise * noise);
   search->unsided = std::max(search->unsided, rules.feet_noise * noise);
