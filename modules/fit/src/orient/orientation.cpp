@@ -67,7 +67,8 @@ class LeafVote {
  *
  * Each point within a leaf's ball votes with the cosine between the leaf's normal at it and its ray,
  * weighted by nearness; points farther from the leaf than OrientConstants::sheet residuals are of
- * another sheet and vote only where there are no others. O(points gathered). \param[in] store the
+ * another sheet and vote only where there are no others. Of many points some blocks vote, evenly
+ * chosen. O(leaves). \param[in] store the
  * points fitted \param[in] ray of a stored point */
 template <typename Ray>
 std::vector<signed char>
@@ -84,8 +85,9 @@ signsByRays(const SLIMSurface& surface, const PointStore& store,
     store.tree().blocksInBall(center, surface.radius[i], blocks);
     const LeafVote leaf(surface, i, constants.sheet);
     Votes votes;
-    for (const std::uint32_t b : blocks) {
-      const std::size_t begin = b * PointStore::kBlock;
+    const std::size_t step = (blocks.size() + constants.blocks - 1) / constants.blocks;
+    for (std::size_t at = 0; at < blocks.size(); at += step) {
+      const std::size_t begin = blocks[at] * PointStore::kBlock;
       const std::size_t end = std::min(store.size(), begin + PointStore::kBlock);
       for (std::size_t point = begin; point < end; ++point)
         leaf.add(store.position(point), ray(point), votes);
