@@ -134,7 +134,8 @@ printScan(const Settings& s, Scan scan, Tally& tally)
   if (!original) return original.error();
   std::printf(
       "\n%s: %zu points, sigma %.4g (%.2e L), N %.1f, %llu leaves, %.2f s\n\n"
-      "| variant | points | sigma ratio | expected | N | ratio | leaves | ratio | RMS move, sigma |\n"
+      "| variant | points | sigma ratio | expected | N | ratio | leaves | ratio | RMS move, sigma "
+      "|\n"
       "|---|---|---|---|---|---|---|---|---|\n",
       scan.name.c_str(), scan.points.size(), original->sigma,
       original->sigma / scan.box().diagonal().norm(), original->fit.noise.correlation,

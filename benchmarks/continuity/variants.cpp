@@ -130,13 +130,16 @@ part(const Scan& scan, const SmoothedPoints& smoothed, const Keep& keep)
   return varied;
 }
 
-/** Fewer points, from which detail that was predictable may be no more. */
+/** Fewer points, from which detail that was predictable may be no more. Errors that points share are predictable, too: then
+ * sigma is to stay. */
 template <typename Keep>
 Varied
 sparser(const Scan& scan, const SmoothedPoints& smoothed, std::uint64_t seed, const Keep& keep)
 {
   Varied varied = part(scan, smoothed, keep);
-  varied.sigma = unpredictable(varied.points, seed) / unpredictable(scan.points, seed);
+  constexpr double kWhite = 1.5;
+  if (smoothed.fit.noise.correlation < kWhite)
+    varied.sigma = unpredictable(varied.points, seed) / unpredictable(scan.points, seed);
   return varied;
 }
 
@@ -235,8 +238,7 @@ merged(const Scan& scan, const SmoothedPoints& smoothed)
 {
   Varied varied = mapped(scan, smoothed, Eigen::Affine3d::Identity(), scan.floats);
   const Eigen::Vector3d middle = scan.box().center();
-  for (const Eigen::Vector3d& p :
-       scan.second.empty() ? secondFrame(scan, smoothed) : scan.second)
+  for (const Eigen::Vector3d& p : scan.second.empty() ? secondFrame(scan, smoothed) : scan.second)
     varied.points.emplace_back(middle + tilt(0.001) * (p - middle));
   varied.density = 2;
   return varied;

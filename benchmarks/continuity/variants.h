@@ -17,7 +17,7 @@ struct Varied {
   double scale = 1;                                   ///< of the map
   double density = 1;                                 ///< points an area, of the scan's
   double sigma = 1;   ///< sigma to be found, relative to the scan's, if it differs
-  double leaves = 0;                                  ///< of the scan that this part has
+  double leaves = 0;  ///< of the scan that this part has
 };
 
 /** \brief A named change; it yields no points where the scan has nothing to change. */
