@@ -103,7 +103,9 @@ printRow(const Settings& s, const Scan& scan, const SmoothedPoints& original,
   const double sigma =
       std::max(smoothed->sigma / varied.scale, unit * 1e-3) / std::max(original.sigma, unit * 1e-3);
   // Where it differs in this part of the scan, sigma may follow or stay.
-  const bool sigma_off = isOff(ratioTo(sigma, 1, varied.sigma), kSigmaTolerance);
+  const double least = std::min({1.0, varied.sigma[0], varied.sigma[1]});
+  const double most = std::max({1.0, varied.sigma[0], varied.sigma[1]});
+  const bool sigma_off = isOff(ratioTo(sigma, least, most), kSigmaTolerance);
   // At another density N and leaves may follow the density or stay.
   const double n = ratioTo(b.noise.correlation, a.noise.correlation,
                            std::max(1.0, a.noise.correlation * varied.density));
@@ -116,9 +118,9 @@ printRow(const Settings& s, const Scan& scan, const SmoothedPoints& original,
   ++tally.rows;
   tally.outside += outside;
   if (s.outside && !outside) return {};
-  std::printf("| %s | %zu | %s | %.3g | %.1f | %s | %llu | %s | %s |\n", variant.name.c_str(),
-              varied.points.size(), marked(sigma, sigma_off).c_str(), varied.sigma,
-              b.noise.correlation, marked(n, n_off).c_str(),
+  std::printf("| %s | %zu | %s | %.3g to %.3g | %.1f | %s | %llu | %s | %s |\n",
+              variant.name.c_str(), varied.points.size(), marked(sigma, sigma_off).c_str(),
+              varied.sigma[0], varied.sigma[1], b.noise.correlation, marked(n, n_off).c_str(),
               static_cast<unsigned long long>(b.leaves), marked(leaves, leaves_off).c_str(),
               marked(move, move_off).c_str());
   std::fflush(stdout);

@@ -9,6 +9,7 @@
 #include <numeric>
 #include <random>
 
+#include "pcl_slim/core/vector3.h"
 #include "rivals/point_tree.h"
 
 namespace pcl_slim::continuity {
@@ -46,43 +47,60 @@ offSurface(const Eigen::MatrixX3d& near, int degree)
   return radius * std::abs(c[0]) / std::sqrt(1 + c[1] * c[1] + c[2] * c[2]);
 }
 
-}  // namespace
-
-double
-unpredictable(const Points& points, std::uint64_t seed)
+std::vector<Vector3>
+distinctOf(const Points& points)
 {
   std::vector<Vector3> distinct;
   for (const Eigen::Vector3d& p : points) distinct.push_back({p.x(), p.y(), p.z()});
   std::sort(distinct.begin(), distinct.end());
   distinct.erase(std::unique(distinct.begin(), distinct.end()), distinct.end());
+  return distinct;
+}
+
+/** The nearest points to a point but itself, relative to it, nearest first. */
+Eigen::MatrixX3d
+pointsAbout(const std::vector<Vector3>& points, const rivals::PointTree& tree, std::size_t i)
+{
+  const auto nearest = tree.nearest(points[i], *std::rbegin(kNeighbors) + 1);
+  Eigen::MatrixX3d about(static_cast<Eigen::Index>(nearest.size() - 1), 3);
+  for (Eigen::Index k = 0; k < about.rows(); ++k) {
+    const Vector3 from = subtract(points[nearest[static_cast<std::size_t>(k) + 1]], points[i]);
+    about.row(k) << from[0], from[1], from[2];
+  }
+  return about;
+}
+
+double
+medianOf(std::vector<double>& values)
+{
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return values.empty() ? std::numeric_limits<double>::infinity() : *middle;
+}
+
+}  // namespace
+
+double
+unpredictable(const Points& points, std::uint64_t seed)
+{
+  const std::vector<Vector3> distinct = distinctOf(points);
   const rivals::PointTree tree(distinct);
   std::vector<std::size_t> all(distinct.size()), tried;
   std::iota(all.begin(), all.end(), 0);
   std::mt19937_64 rng(seed);
   std::sample(all.begin(), all.end(), std::back_inserter(tried), kTried, rng);
-  std::vector<std::vector<double>> off(std::size(kNeighbors) * kDegrees);
-  for (const std::size_t i : tried) {
-    const auto nearest = tree.nearest(distinct[i], *std::rbegin(kNeighbors) + 1);
-    Eigen::MatrixX3d near(static_cast<Eigen::Index>(nearest.size() - 1), 3);
-    for (Eigen::Index k = 0; k < near.rows(); ++k) {
-      for (int a = 0; a < 3; ++a)
-        near(k, a) = distinct[nearest[static_cast<std::size_t>(k) + 1]][a] - distinct[i][a];
-    }
-    for (std::size_t n = 0; n < std::size(kNeighbors); ++n) {
-      for (int degree = 1; degree <= kDegrees; ++degree) {
-        const int least = 3 * (degree + 1) * (degree + 2) / 4;  // 1.5 points a coefficient
-        if (kNeighbors[n] < least || near.rows() < kNeighbors[n]) continue;
-        off[n * kDegrees + static_cast<std::size_t>(degree - 1)].push_back(
-            offSurface(near.topRows(kNeighbors[n]), degree));
-      }
-    }
-  }
+  std::vector<Eigen::MatrixX3d> about;
+  for (const std::size_t i : tried) about.push_back(pointsAbout(distinct, tree, i));
   double best = std::numeric_limits<double>::infinity();
-  for (std::vector<double>& one : off) {
-    if (one.empty()) continue;
-    const auto middle = one.begin() + static_cast<std::ptrdiff_t>(one.size() / 2);
-    std::nth_element(one.begin(), middle, one.end());
-    best = std::min(best, *middle);
+  for (const int k : kNeighbors) {
+    for (int degree = 1; degree <= kDegrees; ++degree) {
+      if (k < 3 * (degree + 1) * (degree + 2) / 4) continue;  // 1.5 points a coefficient
+      std::vector<double> off;
+      for (const Eigen::MatrixX3d& near : about) {
+        if (near.rows() >= k) off.push_back(offSurface(near.topRows(k), degree));
+      }
+      best = std::min(best, medianOf(off));
+    }
   }
   return best;
 }

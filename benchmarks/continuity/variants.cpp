@@ -112,6 +112,18 @@ medianSize(std::vector<double> values)
   return values.empty() ? 0 : *middle;
 }
 
+double
+rms(const std::vector<double>& values)
+{
+  double sum_sq = 0, finite = 0;
+  for (const double v : values) {
+    if (std::isnan(v)) continue;
+    sum_sq += v * v;
+    ++finite;
+  }
+  return std::sqrt(sum_sq / finite);
+}
+
 /** Some of the points. */
 template <typename Keep>
 Varied
@@ -139,7 +151,7 @@ sparser(const Scan& scan, const SmoothedPoints& smoothed, std::uint64_t seed, co
   Varied varied = part(scan, smoothed, keep);
   constexpr double kWhite = 1.5;
   if (smoothed.fit.noise.correlation < kWhite)
-    varied.sigma = unpredictable(varied.points, seed) / unpredictable(scan.points, seed);
+    varied.sigma[1] = unpredictable(varied.points, seed) / unpredictable(scan.points, seed);
   return varied;
 }
 
@@ -177,8 +189,8 @@ everySecondRow(std::uint64_t seed)
           }};
 }
 
-/** The half below the median along the box's longest edge, at the scan's own density; its sigma is that
- * of the scan by the residuals there. */
+/** The half below the median along the box's longest edge, at the scan's own density. Its sigma is that of the
+ * scan by the residuals there: their median and their RMS differ where the noise varies. */
 Varied
 cropped(const Scan& scan, const SmoothedPoints& smoothed)
 {
@@ -194,7 +206,7 @@ cropped(const Scan& scan, const SmoothedPoints& smoothed)
   const std::vector<double> all = residuals(scan, smoothed);
   std::vector<double> kept;
   for (const std::size_t i : varied.source) kept.push_back(all[i]);
-  varied.sigma = medianSize(kept) / medianSize(all);
+  varied.sigma = {medianSize(kept) / medianSize(all), rms(kept) / rms(all)};
   varied.leaves = static_cast<double>(std::count_if(
       smoothed.leaves.begin(), smoothed.leaves.end(),
       [&](const Vector3& leaf) { return leaf[static_cast<std::size_t>(axis)] < cut; }));
@@ -215,13 +227,7 @@ secondFrame(const Scan& scan, const SmoothedPoints& smoothed)
 {
   constexpr std::size_t kFurther = 997;
   const std::vector<double> all = residuals(scan, smoothed);
-  double sum_sq = 0, finite = 0;
-  for (const double r : all) {
-    if (std::isnan(r)) continue;
-    sum_sq += r * r;
-    ++finite;
-  }
-  const double missing = std::max(1.0, smoothed.sigma / std::sqrt(sum_sq / finite));
+  const double missing = std::max(1.0, smoothed.sigma / rms(all));
   Points frame;
   for (std::size_t i = 0; i < scan.points.size(); ++i) {
     const Eigen::Map<const Eigen::Vector3d> q(smoothed.points[i].data());

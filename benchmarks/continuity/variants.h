@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <functional>
 
 #include "continuity/continuity_scan.h"
@@ -16,8 +17,8 @@ struct Varied {
   Eigen::Affine3d map = Eigen::Affine3d::Identity();  ///< from the scan to here: a similarity
   double scale = 1;                                   ///< of the map
   double density = 1;                                 ///< points an area, of the scan's
-  double sigma = 1;   ///< sigma to be found, relative to the scan's, if it differs
-  double leaves = 0;  ///< of the scan that this part has
+  std::array<double, 2> sigma{1, 1};  ///< to be found, relative to the scan's: from, to
+  double leaves = 0;                  ///< of the scan that this part has
 };
 
 /** \brief A named change; it yields no points where the scan has nothing to change. */
