@@ -90,6 +90,7 @@ unpredictable(const Points& points, std::uint64_t seed)
   std::mt19937_64 rng(seed);
   std::sample(all.begin(), all.end(), std::back_inserter(tried), kTried, rng);
   std::vector<Eigen::MatrixX3d> about;
+  about.reserve(tried.size());
   for (const std::size_t i : tried) about.push_back(pointsAbout(distinct, tree, i));
   double best = std::numeric_limits<double>::infinity();
   for (const int k : kNeighbors) {
