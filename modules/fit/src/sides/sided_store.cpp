@@ -95,6 +95,7 @@ struct SidedFit {
   /** The noise over the agreement of the sides and the share of points that face apart: the noise rises or one
    * of the others falls where sides are wrong, or cells contain both. */
   double cost() const { return noise / (sides.confidence * sides.thin); }
+  double doubt() const { return 1 - sides.confidence; }
 
   /** Whether sides are in doubt and noise is so much wider than the spacing that moving points removes it. */
   bool isMoved(const SideSearch& search, const SideConstants& rules) const
@@ -134,7 +135,7 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
                   spacing};
     const bool few = next.sides.thin < search.least_apart;
     const double most_doubt = best ? search.doubt : std::max(search.doubt, search.first_doubt);
-    const bool doubtful = 1 - next.sides.confidence > most_doubt;
+    const bool doubtful = next.doubt() > most_doubt;
     const bool narrower = few || doubtful || search.unknown || next.sides.confidence < rules.sure;
     if (doubtful && best) break;
     double found = noise;
@@ -146,9 +147,10 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
       next.measures = std::move(*measured);
       found = next.noise = std::sqrt(next.measures.lambda);
       if (!search.needed && found > rules.same_noise * search.unsided) break;
-      const bool worse = best && next.cost() > best->cost();
-      if (worse && !search.unknown) break;
       settled = best && next.noise > rules.same_noise * best->noise;
+      const bool worse = best && (next.cost() > best->cost() ||
+                                  (settled && next.doubt() > rules.much_doubt * best->doubt()));
+      if (worse && !search.unknown) break;
       // Wider balls would contain what these cells separate. Sides never add to the noise: a patch of one
       // side alone of a thin tube bends more than its cubic.
       const double most = std::min(std::max(noise, search.least),

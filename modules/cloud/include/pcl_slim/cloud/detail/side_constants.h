@@ -67,6 +67,8 @@ struct SideConstants {
   /// terraces: this much in all)
   double terraces = 3, last_doubt = 0.3;
   double clean_doubt = 0.03;  ///< ... of all agreements at most this where there is little noise
+  double much_doubt =
+      4;  ///< growth of that part that narrower cells with the same noise do not excuse
   double same_noise =
       0.75;            ///< share of the noise that the cells were cut by, from which it is the same
   double sure = 0.95;  ///< confidence from which narrower cells are not tried
