@@ -165,8 +165,8 @@ struct OrientConstants {
   float weak_edge = 0.5f;     ///< edges of more weight may lead across a gap
   double closed_flux = 0.4;   ///< flux above this share of its bound makes a closed body
   double flat_flux = 0.1;     ///< flux below this share of its bound leaves no inside
-  double sheet = 3.0;       ///< [a leaf's RMS residual] points farther from it are of another sheet
-  std::size_t blocks = 64;  ///< of points that vote on a leaf's side, at most
+  double sheet = 3.0;  ///< [a leaf's RMS residual] points farther from it are of another sheet
+  std::size_t blocks = 128;  ///< of points that vote on a leaf's side, at most
 };
 
 /** \brief Borders and holes (docs/theory.md, "Borders"). Lengths are in spacings of a surfel's points
