@@ -25,6 +25,15 @@ struct Settings {
   std::string scans, data, sensors, only;
   int points = 0, threads = 0, seed = 1;
   bool outside = false;
+  double correlation = 0;
+
+  FitParams params() const
+  {
+    FitParams params;
+    params.threads = threads;
+    if (correlation > 0) params.noise_correlation = correlation;
+    return params;
+  }
 };
 
 OptionTable
@@ -40,6 +49,8 @@ declareOptions(Settings& s)
       "points", &s.points, 0, 1000000000,
       "reduce scans to this many points first: images to their middle, others at random", "all");
   options.toggle("outside", &s.outside, "print only rows outside the tolerances");
+  options.number("correlation", &s.correlation, 0, 1e6,
+                 "points that share an error, of every fit; 0: from the data");
   options.integer("seed", &s.seed, 0, 1000000, "seed of turns, subsets and generated scans");
   options.integer("threads", &s.threads, 0, 4096, "threads, 0: all cores; changes no result");
   return options;
@@ -96,7 +107,7 @@ printRow(const Settings& s, const Scan& scan, const SmoothedPoints& original,
   if (varied.points.empty()) return {};
   std::optional<Eigen::Vector3d> sensor;
   if (scan.sensor) sensor = varied.map * *scan.sensor;
-  const auto smoothed = continuity::smooth(varied.points, varied.floats, sensor, s.threads);
+  const auto smoothed = continuity::smooth(varied.points, varied.floats, sensor, s.params());
   if (!smoothed) return smoothed.error();
   const FitStatistics &a = original.fit, &b = smoothed->fit;
   const double unit = std::max(original.sigma, kLeastUnit * scan.box().diagonal().norm());
@@ -132,7 +143,7 @@ printScan(const Settings& s, Scan scan, Tally& tally)
 {
   const auto seed = static_cast<std::uint64_t>(s.seed);
   if (s.points > 0) continuity::reduce(static_cast<std::size_t>(s.points), seed, scan);
-  const auto original = continuity::smooth(scan.points, scan.floats, scan.sensor, s.threads);
+  const auto original = continuity::smooth(scan.points, scan.floats, scan.sensor, s.params());
   if (!original) return original.error();
   std::printf(
       "\n%s: %zu points, sigma %.4g (%.2e L), N %.1f, %llu leaves, %.2f s\n\n"

@@ -128,7 +128,8 @@ reduce(std::size_t most, std::uint64_t seed, Scan& scan)
 }
 
 Result<measure::SmoothedPoints>
-smooth(const Points& points, bool floats, const std::optional<Eigen::Vector3d>& sensor, int threads)
+smooth(const Points& points, bool floats, const std::optional<Eigen::Vector3d>& sensor,
+       const FitParams& params)
 {
   std::vector<Eigen::Vector3f> rounded;
   CloudView view;
@@ -143,8 +144,6 @@ smooth(const Points& points, bool floats, const std::optional<Eigen::Vector3d>& 
     view.xyz_stride = sizeof(Eigen::Vector3f);
   }
   if (sensor) view.sensor = {sensor->x(), sensor->y(), sensor->z()};
-  FitParams params;
-  params.threads = threads;
   return measure::smoothPoints(view, params);
 }
 

@@ -40,6 +40,6 @@ reduce(std::size_t most, std::uint64_t seed, Scan& scan);
 /** \brief Fits points and projects them; rounds them to float first where asked for. */
 Result<measure::SmoothedPoints>
 smooth(const Points& points, bool floats, const std::optional<Eigen::Vector3d>& sensor,
-       int threads);
+       const FitParams& params);
 
 }  // namespace pcl_slim::continuity

@@ -8,7 +8,9 @@
 #include <limits>
 #include <numeric>
 #include <random>
+#include <utility>
 
+#include "pcl_slim/core/order_statistics.h"
 #include "pcl_slim/core/vector3.h"
 #include "rivals/point_tree.h"
 
@@ -70,14 +72,6 @@ pointsAbout(const std::vector<Vector3>& points, const rivals::PointTree& tree, s
   return about;
 }
 
-double
-medianOf(std::vector<double>& values)
-{
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return values.empty() ? std::numeric_limits<double>::infinity() : *middle;
-}
-
 }  // namespace
 
 double
@@ -100,7 +94,7 @@ unpredictable(const Points& points, std::uint64_t seed)
       for (const Eigen::MatrixX3d& near : about) {
         if (near.rows() >= k) off.push_back(offSurface(near.topRows(k), degree));
       }
-      best = std::min(best, medianOf(off));
+      if (!off.empty()) best = std::min(best, median(std::move(off)));
     }
   }
   return best;

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <numeric>
 #include <random>
+#include <utility>
 
 #include "continuity/unpredictable.h"
+#include "pcl_slim/core/order_statistics.h"
 
 namespace pcl_slim::continuity {
 
@@ -102,14 +104,13 @@ residuals(const Scan& scan, const SmoothedPoints& smoothed)
 }
 
 double
-medianSize(std::vector<double> values)
+medianSize(const std::vector<double>& values)
 {
-  for (double& v : values) v = std::abs(v);
-  values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return std::isnan(v); }),
-               values.end());
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return values.empty() ? 0 : *middle;
+  std::vector<double> sizes;
+  for (const double v : values) {
+    if (!std::isnan(v)) sizes.push_back(std::abs(v));
+  }
+  return sizes.empty() ? 0 : median(std::move(sizes));
 }
 
 double
@@ -180,12 +181,12 @@ shuffled(std::uint64_t seed)
 }
 
 Variant
-everySecondRow(std::uint64_t seed)
+everySecondRow(const std::string& name, std::uint32_t first, std::uint64_t seed)
 {
-  return {"every second row", [seed](const Scan& scan, const SmoothedPoints& smoothed) {
+  return {name, [first, seed](const Scan& scan, const SmoothedPoints& smoothed) {
             if (scan.row.empty()) return Varied{};
             return sparser(scan, smoothed, seed,
-                           [&](std::size_t i) { return scan.row[i] % 2 == 0; });
+                           [&](std::size_t i) { return scan.row[i] % 2 == first; });
           }};
 }
 
@@ -282,7 +283,8 @@ allVariants(std::uint64_t seed)
           shuffled(seed),
           thinned("80 %", 0.8, seed),
           thinned("50 %", 0.5, seed),
-          everySecondRow(seed),
+          everySecondRow("every second row", 0, seed),
+          everySecondRow("the other rows", 1, seed),
           {"cropped half", cropped},
           {"two frames merged", merged}};
 }
