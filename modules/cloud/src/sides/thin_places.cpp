@@ -6,6 +6,7 @@
 #include "noise/patch_noise.h"
 #include "noise/patch_scale.h"
 #include "pcl_slim/cloud/detail/sides.h"
+#include "pcl_slim/core/vector3.h"
 
 namespace pcl_slim::detail {
 
@@ -118,6 +119,9 @@ class PlaceLook {
   }
 
   const PlaceFigures& figures() const { return figures_; }
+  bool showsAnotherSide() const { return figures_.thin || figures_.facing || figures_.near; }
+  /** The place has one side, whatever its patches show. */
+  void setOneSided() { figures_.thin = figures_.flat = figures_.facing = figures_.near = false; }
 
  private:
   /** Whether residuals are two sheets that seem one rough sheet: flatter than chance makes Gaussian ones. */
@@ -168,6 +172,20 @@ class PlaceLook {
   int beyond_ = 0;  ///< wider patches looked at after one that fits
 };
 
+/** Whether sensors saw all neighbours of a sample from about the direction it was seen from: no two of them are on
+ * opposite sides of a part. */
+bool
+isSeenFromOneSide(const PointStore& store, const std::vector<std::uint32_t>& neighbors,
+                  std::size_t sample, const SideConstants& constants)
+{
+  const auto beam = [&](std::size_t i) {
+    return normalized(subtract(store.position(i), store.sensor(i)));
+  };
+  const Vector3 own = beam(sample);
+  return std::all_of(neighbors.begin(), neighbors.end(),
+                     [&](std::uint32_t i) { return dot(own, beam(i)) > constants.one_sided; });
+}
+
 ThinPlaces
 summarize(const std::vector<PlaceLook>& looks, const std::vector<std::size_t>& looked_at,
           const SideConstants& constants)
@@ -177,7 +195,7 @@ summarize(const std::vector<PlaceLook>& looks, const std::vector<std::size_t>& l
   std::vector<double> spacings, variances;
   for (std::size_t s = 0; s < looks.size(); ++s) {
     const PlaceFigures& figure = looks[s].figures();
-    if (figure.thin || figure.facing || figure.near) places.thin.push_back(looked_at[s]);
+    if (looks[s].showsAnotherSide()) places.thin.push_back(looked_at[s]);
     places.share += figure.thin ? share : 0;
     places.flat += figure.flat ? share : 0;
     places.facing += figure.facing ? share : 0;
@@ -216,10 +234,14 @@ findThinPlaces(const PointStore& store, const SideConstants& constants, const No
                                 std::size_t s) {
       if (!open[s]) return;
       thread_local Patch patch;
-      patchAbout(part, search, place, k / stride, patch,
-                 probableSquare(radii[s], static_cast<double>(constants.wider)));
+      const double about = probableSquare(radii[s], static_cast<double>(constants.wider));
+      patchAbout(part, search, place, k / stride, patch, about);
       radii[s] = patch.radius;
       open[s] = looks[s].look(patch);
+      if (!part.hasSensors() || !looks[s].showsAnotherSide()) return;
+      thread_local std::vector<std::uint32_t> neighbors;
+      search.nearestSet(place, k / stride, neighbors, static_cast<float>(about));
+      if (isSeenFromOneSide(part, neighbors, place, constants)) looks[s].setOneSided();
     });
   }
   return summarize(looks, looked_at, constants);

@@ -33,7 +33,8 @@ struct SideConstants {
   /// Residuals are two sheets where their excess kurtosis is below minus this and this many of its standard deviations.
   double flatter = 0.4, deviations = 1.5;
   double relief = 4;  ///< growth of the variance to the next patch that is a rough surface's own
-  double rod = 0.2;   ///< variance across over that along, below which a patch is a rod ...
+  double one_sided = 0.5;  ///< cosine of beams' angles that leaves a place one side
+  double rod = 0.2;        ///< variance across over that along, below which a patch is a rod ...
   double thick_rod = 0.2;  ///< ... where its lesser variance across is more of the other than this
   double least_thin = 0.07;   ///< share of thin places from which sides are sought ...
   double clean_thin = 0.35;   ///< ... and where there is little noise
