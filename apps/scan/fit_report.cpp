@@ -51,6 +51,7 @@ addMeasured(const FitStatistics& fit, Report& report)
               {"noise_error", fit.noise.error},
               {"noise_correlation", fit.noise.correlation},
               {"noise_correlation_error", fit.noise.correlation_error},
+              {"noise_frames", fit.noise.frames},
               {"noise_line", fit.noise.line},
               {"noise_step", fit.noise.step},
               {"noise_neighbors", fit.noise.neighbors},
@@ -153,6 +154,7 @@ noiseText(double diagonal, const FitStatistics& fit)
   std::snprintf(text, sizeof(text), ", correlated over %.*f points", decimals,
                 fit.noise.correlation);
   line += fit.noise.correlation > 1 ? text + errorText(fit.noise.correlation_error) : ", white";
+  if (fit.noise.frames > 0) line += " in each frame";
   if (fit.noise.line > 0) line += ", on scan lines";
   return line + (fit.noise.varies ? ", varying over the scan" : "");
 }

@@ -45,7 +45,7 @@ class ResidualNoise {
     if (given > 1) return measureSharedNoise(store_, *given, constants_, threads_);
     const NoiseLevel white = measureNoise(store_, constants_, threads_);
     return measuresResiduals(params_) && !given
-               ? recognizeSharedNoise(store_, white, constants_, threads_)
+               ? recognizeFrameNoise(store_, white, constants_, threads_)
                : white;
   }
 
@@ -135,6 +135,7 @@ measureErrors(const PointStore& store, const FitParams& params, const NoiseConst
   stats.noise.error = residual.level().error;
   stats.noise.correlation = residual.level().correlation;
   stats.noise.correlation_error = residual.level().correlation_error;
+  stats.noise.frames = residual.level().frames;
   stats.noise.line = residual.level().dependence > 1 ? residual.level().line : 0;
   stats.noise.step = residual.level().step / store.diagonal();
   stats.noise.neighbors = residual.level().neighbors;

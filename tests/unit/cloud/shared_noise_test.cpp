@@ -174,6 +174,29 @@ TEST(SharedNoise, TerracesAreMeasuredInFull)
   }
 }
 
+TEST(SharedNoise, StepsAreFoundInATurnedCloud)
+{
+  measure::DepthCamera pixels, millimetres;
+  pixels.sigma = 0;
+  pixels.step = 0.125;
+  millimetres.sigma = 0.005;
+  millimetres.depth_step = 0.005;
+  for (const auto& [solids, camera] : {std::pair{"room", pixels}, {"wave40", millimetres}}) {
+    const measure::SensorScan scan = cameraScan(solids, camera);
+    const PointStore store = storeOf(cloudOf(scan));
+    const NoiseLevel noise = recognized(store);
+    ASSERT_GT(noise.step, 0) << solids;
+    for (const double angle : {0.001, 0.01, 0.7, 2.1}) {
+      const PointStore turned = storeOf(cloudOf(scan, angle));
+      const NoiseLevel found = recognized(turned);
+      const double size = turned.scale() / store.scale();
+      EXPECT_NEAR(size * found.step / noise.step, 1, 0.05) << solids << " " << angle;
+      EXPECT_NEAR(size * std::sqrt(found.variance / noise.variance), 1, 0.1) << solids;
+      EXPECT_NEAR(found.correlation / noise.correlation, 1, 0.15) << solids << " " << angle;
+    }
+  }
+}
+
 TEST(SharedNoise, AGridIsNoSteps)
 {
   // x and y take few values, z is what noise makes it.

@@ -156,7 +156,8 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
 
   /** \brief Where each point of the input cloud was seen from, in the cloud's coordinates, as a lidar
    * on a car or in a hand records it. Without normals, each leaf faces the sensors of its points, and the
-   * noise model uses each point's own beam; the graph of leaves is not searched. One for each
+   * noise model uses each point's own beam; the graph of leaves is not searched. Points of one position are a
+   * frame, whose noise is measured alone. One for each
    * point, not for each index; points that are NaN may have any. Not set (default, or an empty vector):
    * fields vp_x vp_y vp_z of the point type if they are not all zero. Together with a viewpoint the
    * run fails. 24 bytes a point here, and 12 while a fit runs. */

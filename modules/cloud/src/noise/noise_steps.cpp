@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// docs/theory.md, "Steps": a coordinate that a sensor reports in steps.
+// docs/theory.md, "Steps": distances that a sensor reports in steps.
 #include <algorithm>
 #include <cmath>
 
 #include "noise/patch_noise.h"
+#include "noise/step_axis.h"
 #include "pcl_slim/cloud/detail/noise_measurement.h"
 #include "pcl_slim/core/order_statistics.h"
 
@@ -11,18 +12,24 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr double kSameLevel = 1e-7;  ///< [L]; the store keeps coordinates to about 1e-9
+Eigen::Vector3d
+placeOf(const PointStore& store, std::size_t i)
+{
+  const Vector3 p = store.position(i);
+  return {p[0], p[1], p[2]};
+}
 
-/** The distinct values, ascending, of one coordinate of every stride-th point. */
+/** The distinct places along an axis, ascending, of every stride-th point. */
 std::vector<double>
-levelsOf(const PointStore& store, int axis, std::size_t stride)
+levelsOf(const PointStore& store, const Eigen::Vector3d& axis, std::size_t stride,
+         const StepConstants& constants)
 {
   std::vector<double> values;
   values.reserve(store.size() / stride + 1);
   for (std::size_t i = 0; i < store.size(); i += stride)
-    values.push_back(store.position(i)[static_cast<std::size_t>(axis)]);
+    values.push_back(axis.dot(placeOf(store, i)));
   std::sort(values.begin(), values.end());
-  const double same = kSameLevel * store.diagonal();
+  const double same = constants.resolution * store.diagonal();
   const auto end = std::unique(values.begin(), values.end(),
                                [same](double a, double b) { return b - a < same; });
   values.erase(end, values.end());
@@ -41,27 +48,21 @@ stepAt(const std::vector<double>& levels, double value)
          static_cast<double>(high - low);
 }
 
-/** Levels of the only coordinate that has few; none where no or several coordinates have. */
+/** The levels along an axis where they are few, else none. */
 std::vector<double>
-fewLevels(const PointStore& store, const StepConstants& constants, int& axis)
+fewLevels(const PointStore& store, const Eigen::Vector3d& axis, const StepConstants& constants)
 {
   const auto few = [&](const std::vector<double>& levels, std::size_t points) {
     return levels.size() > 2 && constants.least_points * static_cast<double>(levels.size()) <
                                     static_cast<double>(points);
   };
+  // A sample has no more levels than the cloud: if it has many, the cloud is not counted.
   const std::size_t stride = std::max<std::size_t>(1, store.size() / constants.scouts);
-  std::vector<double> found;
-  for (int a = 0; a < 3; ++a) {
-    // A sample has no more levels than the cloud: if it has many, the cloud is not counted.
-    const std::vector<double> scouted = levelsOf(store, a, stride);
-    if (!few(scouted, 4 * constants.scouts)) continue;
-    std::vector<double> levels = stride > 1 ? levelsOf(store, a, 1) : scouted;
-    if (!few(levels, store.size())) continue;
-    if (!found.empty()) return {};
-    found = std::move(levels);
-    axis = a;
-  }
-  return found;
+  std::vector<double> levels = levelsOf(store, axis, stride, constants);
+  if (!few(levels, 4 * constants.scouts)) return {};
+  if (stride > 1) levels = levelsOf(store, axis, 1, constants);
+  if (!few(levels, store.size())) return {};
+  return levels;
 }
 
 /** Medians over places of the noise over that of rounding, and of the step. */
@@ -72,22 +73,22 @@ struct StepRatios {
 /** One place's. */
 StepRatios
 ratiosAt(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
-         const std::vector<double>& levels, int axis)
+         const std::vector<double>& levels, const Eigen::Vector3d& axis)
 {
   thread_local Patch patch;
   thread_local PatchCubic cubic;
   patchAbout(store, search, sample, k, patch);
   if (!fitCubic(patch, cubic)) return {-1, 0};
   StepRatios ratios;
-  ratios.step = stepAt(levels, store.position(sample)[static_cast<std::size_t>(axis)]);
-  const double along = principalAxes(patch.points).eigenvectors()(axis, 0) * ratios.step;
+  ratios.step = stepAt(levels, axis.dot(placeOf(store, sample)));
+  const double along = axis.dot(principalAxes(patch.points).eigenvectors().col(0)) * ratios.step;
   ratios.to_rounding = cubic.variance * 12 / std::max(along * along, 1e-300);
   return ratios;
 }
 
 StepRatios
 measureRatios(const PointStore& store, const NoiseConstants& constants, std::size_t k, int threads,
-              const std::vector<double>& levels, int axis)
+              const std::vector<double>& levels, const Eigen::Vector3d& axis)
 {
   std::vector<StepRatios> ratios(std::min(constants.shared.places, store.size()));
   sampleStore(store, ratios.size(), 1, threads,
@@ -110,12 +111,13 @@ measureRatios(const PointStore& store, const NoiseConstants& constants, std::siz
 StepNoise
 measureSteps(const PointStore& store, const NoiseConstants& constants, int threads)
 {
-  int axis = 0;
   const StepConstants& steps = constants.steps;
-  const std::vector<double> levels = fewLevels(store, steps, axis);
+  const auto axis = findStepAxis(store, steps, resolveThreads(threads));
+  if (!axis) return {};
+  const std::vector<double> levels = fewLevels(store, *axis, steps);
   if (levels.empty()) return {};
   const auto ratios = [&](std::size_t k) {
-    return measureRatios(store, constants, k, resolveThreads(threads), levels, axis);
+    return measureRatios(store, constants, k, resolveThreads(threads), levels, *axis);
   };
   std::size_t k = steps.wide;
   StepRatios found = ratios(k);

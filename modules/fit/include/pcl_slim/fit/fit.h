@@ -114,6 +114,7 @@ struct NoiseStatistics {
   double error = 0;              ///< relative standard error of sqrt(lambda); 0: lambda was given
   double correlation = 1;        ///< points that share their errors; 1: white noise
   double correlation_error = 0;  ///< relative standard error of that number
+  std::uint64_t frames = 0;      ///< of a merged cloud whose noise was measured; 0: that of all points
   std::uint64_t line = 0;        ///< points along a scan line that count as one; 0: no lines
   double step = 0;               ///< of a quantised coordinate, the median [L]; 0: none found
   std::uint64_t neighbors = 0;   ///< points of a patch that shows all of the noise

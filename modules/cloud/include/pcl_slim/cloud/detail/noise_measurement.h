@@ -23,6 +23,7 @@ struct NoiseLevel {
   double correlation_error = 0;     ///< relative standard error of tau
   double dependence = 1;            ///< of these, as many as a fit takes for one
   double step = 0;                  ///< of quantised coordinates, local length; 0: none was found
+  std::size_t frames = 0;           ///< whose noise it is; 0: that of the cloud as a whole
   bool uneven = false;              ///< places have more noise, which a fit would take for detail
 };
 
@@ -38,19 +39,26 @@ PCL_SLIM_EXPORT NoiseLevel
 recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
                      const NoiseConstants& constants, int threads);
 
+/** \brief The same of a cloud that is merged from frames of sensors at different places, by the largest of the frames:
+ * points of two frames share no error. recognizeSharedNoise() of a cloud whose points have no sensors of their own,
+ * and of one whose frames have white noise. */
+PCL_SLIM_EXPORT NoiseLevel
+recognizeFrameNoise(const PointStore& store, const NoiseLevel& white,
+                    const NoiseConstants& constants, int threads);
+
 /** \brief The noise that a given number of points share, on patches wide enough to show all of it. */
 PCL_SLIM_EXPORT NoiseLevel
 measureSharedNoise(const PointStore& store, double correlation, const NoiseConstants& constants,
                    int threads);
 
-/** \brief Rounding of one coordinate. */
+/** \brief Rounding in one direction. */
 struct StepNoise {
   double step = 0;            ///< median, local length; 0: none was found
   std::size_t neighbors = 0;  ///< points of the patches that show all of it
 };
 
-/** \brief The one coordinate that is rounded so coarsely that the noise is mostly rounding, as sensors
- * that quantise depth make it. O(n log n) for clouds with few levels, of 8192 points for
+/** \brief The direction in which points are rounded so coarsely that the noise is mostly rounding, as sensors that quantise
+ * depth make it; the cloud may be turned. O(n log n) for clouds with few levels, of 8192 points for
  * others. */
 PCL_SLIM_EXPORT StepNoise
 measureSteps(const PointStore& store, const NoiseConstants& constants, int threads);
