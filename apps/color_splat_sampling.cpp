@@ -87,7 +87,7 @@ finishSettings(Settings& s)
   if (s.radius == "neighbours") s.params.radius = RadiusRule::kNeighbors;
   if (s.radius == "corner") s.params.radius = RadiusRule::kCorner;
   if (Error error = checkPointExtension(s.files.output)) return error;
-  if (Error error = checkFilesDiffer(s.files, s.scan.trajectory)) return error;
+  if (Error error = checkFilesDiffer(s.files, filesRead(s.scan))) return error;
   return s.params.validate();
 }
 

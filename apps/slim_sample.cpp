@@ -54,7 +54,7 @@ checkSettings(Settings& s)
     return {ErrorCode::kBadArgument, "say how many points: give -spacing or -number"};
   if (Error error = s.sampling.validate()) return error;
   if (Error error = checkPointExtension(s.files.output, true)) return error;
-  return checkFilesDiffer(s.files, s.job.trajectory);
+  return checkFilesDiffer(s.files, filesRead(s.job));
 }
 
 /** Points are doubles where floats would move them by a share of their spacing. */

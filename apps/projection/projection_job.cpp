@@ -118,8 +118,7 @@ checkJob(ProjectionJob& job)
 {
   if (Error error = finishFitOptions(job.fit)) return error;
   if (Error error = checkPointExtension(job.files.output, true)) return error;
-  return checkPlaces({job.files.input, job.surface, job.fit.trajectory},
-                     {job.files.output, job.files.json});
+  return checkFilesDiffer(job.files, filesRead(job.fit, job.surface));
 }
 
 /** Reads a surface, or of one in blocks what some points need. \param[in] cloud null: nothing of such a one */
@@ -225,7 +224,7 @@ declareOptions(const ProjectionProgram& program, ProjectionJob& job, TileRequest
   declareTileOptions(options, tiles);
   declareReport(options, job.files);
   // A mesh has its normals, and their sides, from its faces.
-  for (const char* name : {"normals_as_data", "normal_error", "viewpoint", "trajectory",
+  for (const char* name : {"normals_as_data", "normal_error", "viewpoint", "trajectory", "frames",
                            "estimate_normals", "use_normals"}) {
     if (program.meshes) options.exclusive({"mesh", name});
   }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <sstream>
 #include <utility>
 
 #include "common/memory_limit.h"
@@ -12,6 +13,7 @@
 #include "pcl_slim/filters/io/trajectory.h"
 #include "pcl_slim/fit/fit_colors.h"
 #include "scan/fit_report.h"
+#include "scan/merge_frames.h"
 
 namespace pcl_slim {
 
@@ -97,10 +99,11 @@ declareSurfaceOrFit(OptionTable& options, std::string& surface, FitJob& job)
   options.text("surface", &surface, "FILE",
                "use a surface made by pcl_slim_fit (.pcd, .ply, .vtp, .slim) in place of a fit");
   declareFitOptions(options, job);
-  for (const char* name :
-       {"degree", "penalty", "t_mdl", "target_error", "max_surfels", "noise_factor", "least_radius",
-        "outliers", "robust", "local_noise", "sides", "correlation", "noise_model",
-        "normals_as_data", "normal_error", "paper", "compact", "lambda", "seed"}) {
+  for (const char* name : {"degree",      "penalty",         "t_mdl",        "target_error",
+                           "max_surfels", "noise_factor",    "least_radius", "outliers",
+                           "robust",      "local_noise",     "sides",        "correlation",
+                           "noise_model", "normals_as_data", "normal_error", "paper",
+                           "compact",     "lambda",          "seed",         "frames"}) {
     options.exclusive({"surface", name});
   }
 }
@@ -117,7 +120,11 @@ declareSensorOptions(OptionTable& options, FitJob& job, const std::string& viewp
                "with -trajectory: the scan's field of times; not given: found by its name");
   options.number("time_offset", &job.time_offset, -1e18, 1e18,
                  "with -trajectory: seconds added to the points' times", "0");
-  options.exclusive({"viewpoint", "trajectory"});
+  options.text(
+      "frames", &job.frames, "FILE,...",
+      "more registered frames, whose points follow those of IN: each one's sensor is at its "
+      "VIEWPOINT (or vp_x vp_y vp_z), and its noise is its own");
+  options.exclusive({"viewpoint", "trajectory", "frames"});
 }
 
 void
@@ -220,16 +227,69 @@ placeSensors(const FitJob& job, CloudFile& cloud)
   return {};
 }
 
+std::vector<std::string>
+frameFiles(const FitJob& job)
+{
+  std::vector<std::string> files;
+  std::istringstream list(job.frames);
+  for (std::string file; std::getline(list, file, ',');) files.push_back(file);
+  return files;
+}
+
+/** Loads a scan with its further frames. \param[out] places that frames were seen from */
+Result<CloudFile>
+loadFrames(const std::string& path, const FitJob& job, std::size_t& places)
+{
+  Result<PointFile> file = loadPointFile(path);
+  if (!file) return file.error();
+  if (!job.frames.empty()) {
+    if (Error error = mergeFrames(path, frameFiles(job), *file, places)) return error;
+  }
+  Result<CloudFile> cloud = asCloudFile(std::move(*file), path);
+  if (!cloud) return cloud;
+  if (Error error = placeSensors(job, *cloud)) return error;
+  return cloud;
+}
+
+/** Prints and reports where the places of sensors are from. */
+void
+reportSensors(const FitJob& job, const CloudFile& cloud, std::size_t places, Console& console,
+              Report& report)
+{
+  const std::size_t frames = job.frames.empty() ? 0 : 1 + frameFiles(job).size();
+  if (cloud.sensors.empty()) {
+    report.json()["sensors"] = "none";
+  } else if (frames > 0) {
+    report.json()["sensors"] = "frames";
+    console.note("  " + counted(frames, "frame") + ", each with its own sensor");
+  } else {
+    const bool fields = job.trajectory.empty();
+    report.json()["sensors"] = fields ? "fields" : "trajectory";
+    console.note("  each point's own sensor, from " +
+                 (fields ? "fields vp_x vp_y vp_z" : job.trajectory));
+  }
+  if (frames <= places) return;
+  console.warn(std::to_string(frames) + " frames have " + counted(places, "VIEWPOINT") +
+               ": those of one place count as one frame; write each one's own into its file");
+}
+
 }  // namespace
+
+std::vector<std::string>
+filesRead(const FitJob& job, const std::string& surface)
+{
+  std::vector<std::string> files = frameFiles(job);
+  files.push_back(surface);
+  files.push_back(job.trajectory);
+  return files;
+}
 
 Result<CloudFile>
 loadScan(const std::string& path, const FitJob& job, Console& console, Report& report)
 {
   console.begin("Loading " + path);
-  Result<CloudFile> cloud = loadCloudFile(path);
-  if (cloud) {
-    if (Error error = placeSensors(job, *cloud)) cloud = std::move(error);
-  }
+  std::size_t places = 0;
+  Result<CloudFile> cloud = loadFrames(path, job, places);
   if (!cloud) return console.failed(cloud.error());
   report.json()["points"] = cloud->size();
   report.time("load", console.seconds());
@@ -240,13 +300,7 @@ loadScan(const std::string& path, const FitJob& job, Console& console, Report& r
     console.note("  columns: " + cloud->file.columns);
     report.json()["columns"] = cloud->file.columns;
   }
-  if (!cloud->sensors.empty()) {
-    console.note("  each point's own sensor, from " +
-                 (job.trajectory.empty() ? "fields vp_x vp_y vp_z" : job.trajectory));
-  }
-  report.json()["sensors"] = cloud->sensors.empty()   ? "none"
-                             : job.trajectory.empty() ? "fields"
-                                                      : "trajectory";
+  reportSensors(job, *cloud, places, console, report);
   if (job.normal_neighbours > 0) {
     console.begin("Estimating normals");
     const Error error =

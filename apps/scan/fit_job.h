@@ -41,6 +41,7 @@ struct FitJob {
   std::vector<double> viewpoint, noise_model;
   std::string trajectory, time_field;  ///< file of the sensor's places; field of the points' times
   double time_offset = 0;
+  std::string frames;  ///< further files of the scan, separated by commas
   std::string correlation = "auto";
   bool compact = false, use_normals = true;
   bool color = false;  ///< the surface gets the colours of the scan's points, where these have any
@@ -71,6 +72,10 @@ declareColorOption(OptionTable& options, FitJob& job);
 /** \brief Brings the options read into the parameters and checks them. */
 Error
 finishFitOptions(FitJob& job);
+
+/** \brief The files that a job reads besides the scan itself; empty names: none. \param[in] surface -surface's file */
+std::vector<std::string>
+filesRead(const FitJob& job, const std::string& surface = "");
 
 /** \brief Loads a scan, with normals as the job needs them; prints and reports it. */
 Result<CloudFile>

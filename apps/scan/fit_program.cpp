@@ -54,7 +54,7 @@ checkSettings(Settings& s)
   if (Error error = checkSurfaceExtension(s.files.output)) return error;
   if (s.rounding > 0.0 && lowerExtension(s.files.output) != ".slim")
     return {ErrorCode::kBadArgument, "-quantize rounds .slim files alone; name one as output"};
-  if (Error error = checkFilesDiffer(s.files, s.job.trajectory)) return error;
+  if (Error error = checkFilesDiffer(s.files, filesRead(s.job))) return error;
   if (s.tiles.ranks == nullptr || s.tiles.ranks->rank() == 0) return {};
   s.files.quiet = true;  // only the first rank prints and writes
   s.files.output.clear();

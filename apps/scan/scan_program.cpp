@@ -94,9 +94,9 @@ declareReport(OptionTable& options, ScanFiles& files)
 }
 
 Error
-checkFilesDiffer(const ScanFiles& files, const std::string& read)
+checkFilesDiffer(const ScanFiles& files, const std::vector<std::string>& read)
 {
-  if (Error error = checkPlaces({read}, {files.output, files.json})) return error;
+  if (Error error = checkPlaces(read, {files.output, files.json})) return error;
   if (!samePlace(files.input, files.output) && !samePlace(files.json, files.input) &&
       !samePlace(files.json, files.output)) {
     return {};

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "common/options.h"
 #include "scan/fit_job.h"
@@ -21,10 +22,10 @@ struct ScanFiles {
 void
 declareReport(OptionTable& options, ScanFiles& files);
 
-/** \brief No error unless input, output and report share a file, or one that is written with another that
- * is read (none if empty). */
+/** \brief No error unless input, output and report share a file, or one that is written with others that
+ * are read. */
 Error
-checkFilesDiffer(const ScanFiles& files, const std::string& read);
+checkFilesDiffer(const ScanFiles& files, const std::vector<std::string>& read);
 
 /** \brief No error for a name that ends in .pcd, .ply or .vtp, or in .las where that can be written. */
 Error

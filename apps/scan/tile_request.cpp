@@ -29,6 +29,10 @@ checkJob(const FitJob& job, const TileRequest& tiles)
     return {ErrorCode::kBadArgument,
             "-trajectory is not possible by tiles: give one -viewpoint, or -tile_points 0"};
   }
+  if (!job.frames.empty()) {
+    return {ErrorCode::kBadArgument,
+            "-frames is not possible by tiles: merge the files first, or give -tile_points 0"};
+  }
   return streamParams(job, tiles).validate();
 }
 

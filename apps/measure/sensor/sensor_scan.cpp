@@ -143,6 +143,7 @@ scanInLayers(const std::vector<Solid>& solids, const LayeredScan& layers, std::u
   std::normal_distribution<double> gauss;
   SensorScan scan;
   scan.solids = solids;
+  scan.one_sensor = false;
   const int side = static_cast<int>(2 * layers.reach / layers.spacing);
   for (int layer = 0; layer < layers.layers; ++layer) {
     const Vector3 ray = normalized({gauss(rng), gauss(rng), gauss(rng)});

@@ -16,6 +16,7 @@ struct SensorScan {
   std::vector<int> solid;     ///< index of its surface in solids; -1: a mixed pixel, of none
   std::vector<Solid> solids;
   Vector3 sensor{};
+  bool one_sensor = true;  ///< all points were seen from it; else from each layer's own side
 
   std::size_t size() const { return solid.size(); }
 };

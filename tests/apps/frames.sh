@@ -1,0 +1,79 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Registered frames of one scene: -frames merges them, and each has its own noise. Arguments: programs'
+# folder, an empty folder to work in.
+source "$(dirname -- "${BASH_SOURCE[0]}")/../support/program_test.sh"
+
+# frame SEED VIEWPOINT [FIELD]: 120 x 120 points of a wave, with errors shared by 5 x 5 of them; two sums of
+# white noise along rows and columns. FIELD: a field more.
+frame() {
+  awk -v seed="$1" -v viewpoint="$2" -v field="${3-}" 'BEGIN {
+    srand(seed); n = 120; w = 5
+    print "VERSION 0.7\nFIELDS x y z" (field ? " " field : "") "\nSIZE 4 4 4" (field ? " 4" : "")
+    print "TYPE F F F" (field ? " F" : "") "\nCOUNT 1 1 1" (field ? " 1" : "")
+    print "WIDTH " n "\nHEIGHT " n "\nVIEWPOINT " viewpoint " 1 0 0 0\nPOINTS " n * n "\nDATA ascii"
+    for (y = 0; y < n + w; ++y) for (x = 0; x < n + w; ++x)
+      e[y, x] = sqrt(-2 * log(1 - rand())) * cos(6.2831853 * rand())
+    for (y = 0; y < n; ++y) for (x = 0; x < n; ++x) {
+      sum = 0
+      for (k = 0; k < w * w; ++k) sum += e[y + int(k / w), x + k % w]
+      h = 0.05 * sin(6 * 0.01 * x) * cos(5 * 0.01 * y) + 0.004 * sum / w
+      printf "%.6f %.6f %.6f%s\n", 0.01 * x, 0.01 * y, h, field ? " 7" : ""
+    }
+  }'
+}
+
+# rms FILE FLOATS: RMS height of a binary PCD's points over the wave, in millionths.
+rms() {
+  tail -c $((14400 * $3 * 4 * $2)) "$1" | od -An -v -tf4 -w$((4 * $2)) | awk '{
+    d = $3 - 0.05 * sin(6 * $1) * cos(5 * $2); s += d * d } END { print int(1e6 * sqrt(s / NR)) }'
+}
+
+number() { grep -o "\"$2\": [-0-9.e+]*" "$1" | cut -d' ' -f2; }
+
+frame 1 '0.5 0.5 2' > a.pcd
+frame 2 '0.6 0.4 2' > b.pcd
+frame 3 '0.4 0.4 2' > c.pcd
+
+# Three frames: the noise of one, a third of its leftover error, all points in order, and a sensor for each.
+expect 0 '' pcl_slim_smooth a.pcd one.pcd -json one.json
+expect 0 '' pcl_slim_smooth a.pcd three.pcd -frames b.pcd,c.pcd -json three.json
+grep -q '3 frames, each with its own sensor' out.txt || complain 'frames are not named'
+grep -q 'points +- [0-9]* % in each frame' out.txt || complain "$(grep noise out.txt)"
+header three.pcd 'FIELDS x y z vp_x vp_y vp_z'
+header three.pcd 'POINTS 43200'
+[ "$(number three.json noise_frames)" -eq 3 ] || complain "$(grep noise_frames three.json)"
+grep -q '"sensors": "frames"' three.json || complain "$(grep '"sensors"' three.json)"
+awk -v a="$(number one.json noise_correlation)" -v b="$(number three.json noise_correlation)" \
+  'BEGIN { exit !(b > 0.75 * a && b < 1.33 * a) }' || complain 'the frames do not have the noise of one'
+[ "$(rms three.pcd 6 3)" -lt $((8 * $(rms one.pcd 3 1) / 10)) ] ||
+  complain "merged: $(rms three.pcd 6 3), alone: $(rms one.pcd 3 1)"
+
+# The merged file alone is the same scan, and threads change nothing.
+expect 0 '' pcl_slim_fit a.pcd frames.slim -frames b.pcd,c.pcd -threads 1
+expect 0 '' pcl_slim_fit a.pcd threads.slim -frames b.pcd,c.pcd -threads 3
+same frames.slim threads.slim
+for tool in pcl_slim_mesh pcl_slim_lines pcl_slim_curvature; do
+  expect 0 "" $tool a.pcd out.ply -frames b.pcd
+done
+expect 0 '' pcl_color_splat_sampling a.pcd splats.ply -frames b.pcd
+expect 0 '' pcl_slim_sample a.pcd samples.ply -frames b.pcd -spacing 0.05
+
+# What cannot be merged.
+frame 4 '0.5 0.5 2' intensity > other.pcd
+printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n' > mesh.ply
+expect 2 "'other.pcd' has other fields than 'a.pcd'" pcl_slim_fit a.pcd x.slim -frames b.pcd,other.pcd
+expect 2 "'mesh.ply' has faces" pcl_slim_fit a.pcd x.slim -frames mesh.ply
+expect 2 'nothere.pcd' pcl_slim_fit a.pcd x.slim -frames nothere.pcd
+expect 2 'would be overwritten' pcl_slim_smooth a.pcd b.pcd -frames b.pcd
+expect 2 'not possible by tiles' pcl_slim_fit a.pcd x.slim -frames b.pcd -tile_points 5000
+expect 2 'exclude each other' pcl_slim_fit a.pcd x.slim -frames b.pcd -viewpoint 0,0,2
+expect 2 'exclude each other' pcl_slim_smooth a.pcd x.pcd -frames b.pcd -surface frames.slim
+absent x.slim x.pcd
+
+# Frames of one place are one frame to the noise: a warning says so.
+frame 5 '0.5 0.5 2' > again.pcd
+"$bin/pcl_slim_fit" a.pcd again.slim -frames again.pcd > out.txt 2> err.txt || complain 'frames of one place fail'
+grep -q '2 frames have 1 VIEWPOINT' err.txt || complain "$(cat err.txt)"
+
+finish
