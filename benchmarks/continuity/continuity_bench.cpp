@@ -107,7 +107,8 @@ printRow(const Settings& s, const Scan& scan, const SmoothedPoints& original,
   if (varied.points.empty()) return {};
   std::optional<Eigen::Vector3d> sensor;
   if (scan.sensor) sensor = varied.map * *scan.sensor;
-  const auto smoothed = continuity::smooth(varied.points, varied.floats, sensor, s.params());
+  const auto smoothed =
+      continuity::smooth(varied.points, varied.floats, sensor, varied.sensors, s.params());
   if (!smoothed) return smoothed.error();
   const FitStatistics &a = original.fit, &b = smoothed->fit;
   const double unit = std::max(original.sigma, kLeastUnit * scan.box().diagonal().norm());
@@ -143,7 +144,7 @@ printScan(const Settings& s, Scan scan, Tally& tally)
 {
   const auto seed = static_cast<std::uint64_t>(s.seed);
   if (s.points > 0) continuity::reduce(static_cast<std::size_t>(s.points), seed, scan);
-  const auto original = continuity::smooth(scan.points, scan.floats, scan.sensor, s.params());
+  const auto original = continuity::smooth(scan.points, scan.floats, scan.sensor, {}, s.params());
   if (!original) return original.error();
   std::printf(
       "\n%s: %zu points, sigma %.4g (%.2e L), N %.1f, %llu leaves, %.2f s\n\n"

@@ -99,7 +99,9 @@ generatedScans(const std::string& part, std::uint64_t seed)
   for (const measure::SensorRow& row : measure::sensorRows(part)) {
     Scan scan;
     scan.name = row.name;
-    scan.points = pointsOf(row.scan(seed));
+    const measure::SensorScan first = row.scan(seed);
+    scan.points = pointsOf(first);
+    if (first.one_sensor) scan.camera = Eigen::Map<const Eigen::Vector3d>(first.sensor.data());
     scan.second = pointsOf(row.scan(seed + 1));
     scans.push_back(std::move(scan));
   }
@@ -129,7 +131,7 @@ reduce(std::size_t most, std::uint64_t seed, Scan& scan)
 
 Result<measure::SmoothedPoints>
 smooth(const Points& points, bool floats, const std::optional<Eigen::Vector3d>& sensor,
-       const FitParams& params)
+       const Points& sensors, const FitParams& params)
 {
   std::vector<Eigen::Vector3f> rounded;
   CloudView view;
@@ -144,6 +146,10 @@ smooth(const Points& points, bool floats, const std::optional<Eigen::Vector3d>& 
     view.xyz_stride = sizeof(Eigen::Vector3f);
   }
   if (sensor) view.sensor = {sensor->x(), sensor->y(), sensor->z()};
+  if (!sensors.empty()) {
+    view.sensors = sensors.data();
+    view.sensors_stride = sizeof(Eigen::Vector3d);
+  }
   return measure::smoothPoints(view, params);
 }
 

@@ -19,6 +19,7 @@ struct Scan {
   std::vector<std::uint32_t> row, column;  ///< of each point in an organized cloud; else empty
   bool floats = true;                      ///< coordinates have float precision
   std::optional<Eigen::Vector3d> sensor;
+  std::optional<Eigen::Vector3d> camera;  ///< of a generated scan, which fits are not given
   Points second;  ///< another frame of the same scene with errors of its own; empty: there is none
 
   Eigen::AlignedBox3d box() const;
@@ -37,9 +38,10 @@ generatedScans(const std::string& part, std::uint64_t seed);
 void
 reduce(std::size_t most, std::uint64_t seed, Scan& scan);
 
-/** \brief Fits points and projects them; rounds them to float first where asked for. */
+/** \brief Fits points and projects them; rounds them to float first where asked for.
+ * \param[in] sensors of each point, or none */
 Result<measure::SmoothedPoints>
 smooth(const Points& points, bool floats, const std::optional<Eigen::Vector3d>& sensor,
-       const FitParams& params);
+       const Points& sensors, const FitParams& params);
 
 }  // namespace pcl_slim::continuity

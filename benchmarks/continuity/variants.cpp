@@ -239,15 +239,35 @@ secondFrame(const Scan& scan, const SmoothedPoints& smoothed)
   return frame;
 }
 
+/** Of a registered frame. */
+Eigen::Affine3d
+registration(const Scan& scan)
+{
+  const Eigen::Vector3d middle = scan.box().center();
+  return Eigen::Translation3d(middle) * tilt(0.001) * Eigen::Translation3d(-middle);
+}
+
 /** The scan and a second frame of the same surface, registered with an error of .001 rad. */
 Varied
 merged(const Scan& scan, const SmoothedPoints& smoothed)
 {
   Varied varied = mapped(scan, smoothed, Eigen::Affine3d::Identity(), scan.floats);
-  const Eigen::Vector3d middle = scan.box().center();
+  const Eigen::Affine3d map = registration(scan);
   for (const Eigen::Vector3d& p : scan.second.empty() ? secondFrame(scan, smoothed) : scan.second)
-    varied.points.emplace_back(middle + tilt(0.001) * (p - middle));
+    varied.points.emplace_back(map * p);
   varied.density = 2;
+  return varied;
+}
+
+/** The same, with the place that each frame was seen from. */
+Varied
+mergedWithSensors(const Scan& scan, const SmoothedPoints& smoothed)
+{
+  const std::optional<Eigen::Vector3d> sensor = scan.sensor ? scan.sensor : scan.camera;
+  if (!sensor) return {};
+  Varied varied = merged(scan, smoothed);
+  varied.sensors.assign(scan.points.size(), *sensor);
+  varied.sensors.resize(varied.points.size(), registration(scan) * *sensor);
   return varied;
 }
 
@@ -286,7 +306,8 @@ allVariants(std::uint64_t seed)
           everySecondRow("every second row", 0, seed),
           everySecondRow("the other rows", 1, seed),
           {"cropped half", cropped},
-          {"two frames merged", merged}};
+          {"two frames merged", merged},
+          {"two frames merged, sensors known", mergedWithSensors}};
 }
 
 }  // namespace pcl_slim::continuity
