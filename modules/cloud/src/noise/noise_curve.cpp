@@ -391,7 +391,7 @@ CurveNoise
 measureRounding(const PointStore& store, std::size_t k, const NoiseConstants& constants,
                 int threads, std::vector<PatchScale>& scales)
 {
-  ThinnedPlaces points(store, constants.shared.places);
+  ThinnedPlaces points(store, constants.steps.rounding_places);
   for (const std::size_t size : {k / 2, k, 2 * k})
     scales.push_back(measureScale(points, size, constants, threads));
   const double narrow = levelOf(scales[0], constants), wide = levelOf(scales[1], constants);

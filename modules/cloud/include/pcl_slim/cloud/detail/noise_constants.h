@@ -65,19 +65,20 @@ struct SharedNoiseConstants {
 
 /** \brief How a coordinate that a sensor rounds is recognised (docs/theory.md, "Steps"). */
 struct StepConstants {
-  std::size_t places = 100;      ///< where terraces are looked for
-  std::size_t terrace = 7;       ///< points on a plane, of the nearest 20, that are one ...
-  double resolution = 1e-6;      ///< ... to this distance, which is also one level's [L]
-  double least_terraces = 0.05;  ///< share of the places that are on parallel terraces ...
-  double parallel = 1e-3;        ///< ... to this sine
-  std::size_t scouts = 8192;     ///< points whose coordinates are examined first
-  double least_points = 50;      ///< points per level, on average
-  std::size_t wide = 160;        ///< points of the patches whose variance is compared
-  double least_ratio = 0.25;     ///< variance over that of rounding, (step n)^2 / 12 ...
-  double full_ratio = 0.9;       ///< ... all of which patches must show ...
-  double most_ratio = 2.0;       ///< ... and beyond which there is other noise
-  double flat = 0.5;             ///< growth beyond those patches that is a surface's
-  double correlation = 2;        ///< points that share a step's error, at least
+  std::size_t places = 100;            ///< where terraces are looked for
+  std::size_t terrace = 7;             ///< points on a plane, of the nearest 20, that are one ...
+  double resolution = 1e-6;            ///< ... to this distance, which is also one level's [L]
+  double least_terraces = 0.05;        ///< share of the places that are on parallel terraces ...
+  double parallel = 1e-3;              ///< ... to this sine
+  std::size_t scouts = 8192;           ///< points whose coordinates are examined first
+  double least_points = 50;            ///< points per level, on average
+  std::size_t wide = 160;              ///< points of the patches whose variance is compared
+  double least_ratio = 0.25;           ///< variance over that of rounding, (step n)^2 / 12 ...
+  double full_ratio = 0.9;             ///< ... all of which patches must show ...
+  double most_ratio = 2.0;             ///< ... and beyond which there is other noise
+  std::size_t rounding_places = 1200;  ///< where patches that show all of it are compared
+  double flat = 0.7;                   ///< growth beyond those patches that is a surface's
+  double correlation = 2;              ///< points that share a step's error, at least
 };
 
 /** \brief How frames of a merged cloud are found (docs/theory.md, "Merged frames"). */
