@@ -74,6 +74,16 @@ beamCosine(const PointStore& store, std::size_t point, const Vector3& direction)
   return range > 0 ? dot(ray, direction) / range : 0.0;
 }
 
+/** A normal, tilted towards the point's beam where it is far from that: cells between two near sheets have normals along these,
+ * but no side that is seen is turned away from its beam. */
+Vector3
+withBeam(const PointStore& store, std::size_t point, const Vector3& normal,
+         const SideConstants& constants)
+{
+  const Vector3 beam = normalized(subtract(store.sensor(point), store.position(point)));
+  return dot(beam, normal) < constants.oblique_beam ? normalized(along(normal, 1, beam)) : normal;
+}
+
 /** Signs of the cells' normals by the sensors of their points. */
 std::vector<signed char>
 signsBySensors(const PointStore& store, const SideCells& cut, const CellGraph& graph)
@@ -239,8 +249,9 @@ normalsOfPoints(const PointStore& store, const SideCells& cut, const CellGraph& 
         turned ^= own;
       }
       facing[task] += own || apart[c] != 0;
-      for (std::size_t a = 0; a < 3; ++a)
-        points[i][a] = static_cast<float>(turned ? -normal[a] : normal[a]);
+      Vector3 side = scaled(normal, turned ? -1 : 1);
+      if (by_sensors) side = withBeam(store, i, side, constants);
+      for (std::size_t a = 0; a < 3; ++a) points[i][a] = static_cast<float>(side[a]);
     }
   });
   thin = 0;

@@ -122,6 +122,13 @@ class PlaceLook {
   bool showsAnotherSide() const { return figures_.thin || figures_.facing || figures_.near; }
   /** The place has one side, whatever its patches show. */
   void setOneSided() { figures_.thin = figures_.flat = figures_.facing = figures_.near = false; }
+  /** The place has two, though its patches may show one. */
+  void setTwoSided()
+  {
+    if (showsAnotherSide()) return;
+    figures_.thin = true;
+    figures_.variance = -1;
+  }
 
  private:
   /** Whether residuals are two sheets that seem one rough sheet: flatter than chance makes Gaussian ones. */
@@ -172,18 +179,33 @@ class PlaceLook {
   int beyond_ = 0;  ///< wider patches looked at after one that fits
 };
 
-/** Whether sensors saw all neighbours of a sample from about the direction it was seen from: no two of them are on
- * opposite sides of a part. */
-bool
-isSeenFromOneSide(const PointStore& store, const std::vector<std::uint32_t>& neighbors,
-                  std::size_t sample, const SideConstants& constants)
+/** What the beams of a patch's points show of its sides. */
+enum class BeamSides { kUnknown, kOne, kTwo };
+
+/** One side where all neighbours were seen from about the direction that the sample was seen from; two where a share of
+ * them was clearly seen from either side of the patch. */
+BeamSides
+sidesByBeams(const PointStore& store, const std::vector<std::uint32_t>& neighbors,
+             std::size_t sample, const Patch& patch, const SideConstants& constants)
 {
   const auto beam = [&](std::size_t i) {
     return normalized(subtract(store.position(i), store.sensor(i)));
   };
   const Vector3 own = beam(sample);
-  return std::all_of(neighbors.begin(), neighbors.end(),
-                     [&](std::uint32_t i) { return dot(own, beam(i)) > constants.one_sided; });
+  const Eigen::Vector3d axis = principalAxes(patch.points).eigenvectors().col(0);
+  const Vector3 normal{axis[0], axis[1], axis[2]};
+  double above = 0, below = 0;
+  bool alike = true;
+  for (const std::uint32_t i : neighbors) {
+    const Vector3 other = beam(i);
+    const double cosine = dot(other, normal);
+    above += cosine > constants.clear_beam;
+    below += cosine < -constants.clear_beam;
+    alike = alike && dot(own, other) > constants.one_sided;
+  }
+  if (alike) return BeamSides::kOne;
+  const double least = constants.least_side * static_cast<double>(neighbors.size());
+  return std::min(above, below) > least ? BeamSides::kTwo : BeamSides::kUnknown;
 }
 
 ThinPlaces
@@ -238,10 +260,14 @@ findThinPlaces(const PointStore& store, const SideConstants& constants, const No
       patchAbout(part, search, place, k / stride, patch, about);
       radii[s] = patch.radius;
       open[s] = looks[s].look(patch);
-      if (!part.hasSensors() || !looks[s].showsAnotherSide()) return;
+      if (!part.hasSensors() || !(patch.radius > 0)) return;
       thread_local std::vector<std::uint32_t> neighbors;
       search.nearestSet(place, k / stride, neighbors, static_cast<float>(about));
-      if (isSeenFromOneSide(part, neighbors, place, constants)) looks[s].setOneSided();
+      const BeamSides sides = sidesByBeams(part, neighbors, place, patch, constants);
+      if (sides == BeamSides::kOne) looks[s].setOneSided();
+      if (sides != BeamSides::kTwo) return;
+      looks[s].setTwoSided();
+      open[s] = 0;
     });
   }
   return summarize(looks, looked_at, constants);

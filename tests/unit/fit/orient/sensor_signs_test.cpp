@@ -278,4 +278,39 @@ TEST(SensorSigns, TellTheTwoSidesOfAThinPlate)
   EXPECT_GT(right, store->size() * 99 / 100);
 }
 
+TEST(SensorSigns, FacesNearerThanTheNoiseAreKeptApart)
+{
+  // Faces of a plate 5, 1.5 and .75 deviations of the noise thick, seen from two places on either side.
+  constexpr double kSpread = 0.8;
+  for (const double thickness : {5.0, 1.5, 0.75}) {
+    std::mt19937_64 rng(11);
+    std::normal_distribution<double> gauss(0, kSpread);
+    std::uniform_real_distribution<double> unit(0, 1);
+    Cloud cloud;
+    std::vector<double> sensors, faces;
+    for (int i = 0; i < 20000; ++i) {
+      const double face = (i % 2 ? 0.5 : -0.5) * thickness * kSpread;
+      const double x = 100 * unit(rng), y = 100 * unit(rng);
+      cloud.add(x, y, face + gauss(rng));
+      sensors.insert(sensors.end(), {i % 4 < 2 ? 40.0 : 60.0, 50, face > 0 ? 100.0 : -100.0});
+      faces.push_back(face);
+    }
+    auto store = PointStore::build(seenFrom(sensors, cloud.view()));
+    ASSERT_TRUE(store);
+    SLIMSurface surface;
+    ASSERT_FALSE(fitSurface(*store, {}, surface));
+    Projection projection;
+    ASSERT_FALSE(projectPoints(*store, surface, {}, projection));
+    double sum_sq = 0, count = 0;
+    for (std::size_t i = 0; i < store->size(); ++i) {
+      if (!projection.supported[i]) continue;
+      const Vector3 at = along(store->origin(), store->scale(), projection.position[i]);
+      sum_sq += std::pow(at[2] - faces[store->orderOfStore()[i]], 2);
+      ++count;
+    }
+    EXPECT_GT(count, 0.99 * static_cast<double>(store->size()));
+    EXPECT_LT(std::sqrt(sum_sq / count), 0.25 * kSpread) << thickness;
+  }
+}
+
 }  // namespace

@@ -78,6 +78,8 @@ struct SideConstants {
   double least_cells = 1.0;   ///< noise below which cells follow the spacing alone [spacings], ...
   double doubtful_cells = 0.8;  ///< ... and below it once more where sides are in doubt
   double flat_places = 0.1;     ///< share of places that noise is taken from
+  double oblique_beam =
+      0.7;  ///< cosine below which a point's side is between its cell's normal and its beam
   double clear_beam = 0.2;  ///< cosine from which a point's own beam gives its side, not its cell's
   int passes = 4;           ///< rounds of two-means on heights
   std::size_t settled_points = 32;  ///< nearest points by which a point's sheet is chosen, ...

@@ -54,7 +54,8 @@ struct ThinPlaces {
 /** \brief Looks at places spread over a cloud. A place is thin if its points form two sheets, or if
  * noise fills its patches until the surface bends away: cubics leave more than a share of the
  * radius however wide they are. It is thin, too, if a cubic fits, but its residuals are flatter than Gaussian ones
- * (excess kurtosis): two sheets within one noise. O(places k). */
+ * (excess kurtosis): two sheets within one noise. Where points have sensors, a place seen from either side of its patch is
+ * thin, and one seen from about one direction is not. O(places k). */
 PCL_SLIM_EXPORT ThinPlaces
 findThinPlaces(const PointStore& store, const SideConstants& constants, const NoiseConstants& noise,
                int threads);
