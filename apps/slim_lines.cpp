@@ -54,7 +54,9 @@ checkSettings(Settings& s)
 {
   if (Error error = finishFitOptions(s.job)) return error;
   if (Error error = checkCrestExtension(s.files.output)) return error;
-  if (Error error = checkFilesDiffer(s.files, filesRead(s.job, s.surface))) return error;
+  if (Error error =
+          checkPlaces(filesRead(s.job, {s.files.input, s.surface}), {s.files.output, s.files.json}))
+    return error;
   s.crest.ridges = s.type != "ravines";
   s.crest.ravines = s.type != "ridges";
   s.crest.peak_significance = kPeak * s.crest.significance;

@@ -77,7 +77,9 @@ checkSettings(Settings& s)
   }
   if (Error error = finishFitOptions(s.job)) return error;
   if (Error error = checkMeshExtension(s.files.output)) return error;
-  if (Error error = checkFilesDiffer(s.files, filesRead(s.job, s.surface))) return error;
+  if (Error error =
+          checkPlaces(filesRead(s.job, {s.files.input, s.surface}), {s.files.output, s.files.json}))
+    return error;
   s.mesh.threads = s.job.params.threads;
   return s.mesh.validate();
 }

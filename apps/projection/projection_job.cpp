@@ -118,7 +118,8 @@ checkJob(ProjectionJob& job)
 {
   if (Error error = finishFitOptions(job.fit)) return error;
   if (Error error = checkPointExtension(job.files.output, true)) return error;
-  return checkFilesDiffer(job.files, filesRead(job.fit, job.surface));
+  return checkPlaces(filesRead(job.fit, {job.files.input, job.surface}),
+                     {job.files.output, job.files.json});
 }
 
 /** Reads a surface, or of one in blocks what some points need. \param[in] cloud null: nothing of such a one */

@@ -276,12 +276,11 @@ reportSensors(const FitJob& job, const CloudFile& cloud, std::size_t places, Con
 }  // namespace
 
 std::vector<std::string>
-filesRead(const FitJob& job, const std::string& surface)
+filesRead(const FitJob& job, std::vector<std::string> others)
 {
-  std::vector<std::string> files = frameFiles(job);
-  files.push_back(surface);
-  files.push_back(job.trajectory);
-  return files;
+  for (const std::string& file : frameFiles(job)) others.push_back(file);
+  others.push_back(job.trajectory);
+  return others;
 }
 
 Result<CloudFile>

@@ -73,9 +73,9 @@ declareColorOption(OptionTable& options, FitJob& job);
 Error
 finishFitOptions(FitJob& job);
 
-/** \brief The files that a job reads besides the scan itself; empty names: none. \param[in] surface -surface's file */
+/** \brief The files that a job reads besides the scan itself, after others; empty names: none. */
 std::vector<std::string>
-filesRead(const FitJob& job, const std::string& surface = "");
+filesRead(const FitJob& job, std::vector<std::string> others = {});
 
 /** \brief Loads a scan, with normals as the job needs them; prints and reports it. */
 Result<CloudFile>
