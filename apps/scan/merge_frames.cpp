@@ -13,19 +13,27 @@ namespace {
 
 const std::vector<std::string> kSensor = {"vp_x", "vp_y", "vp_z"};
 
+/** Whether a frame's points have sensors of their own: fields that are not all 0. */
 bool
-hasSensorFields(const PointFile& frame)
+hasOwnSensors(const PointFile& frame)
 {
-  return std::all_of(kSensor.begin(), kSensor.end(),
-                     [&](const std::string& name) { return findField(frame.cloud, name) >= 0; });
+  return std::any_of(kSensor.begin(), kSensor.end(), [&](const std::string& name) {
+    const int field = findField(frame.cloud, name);
+    if (field < 0) return false;
+    for (std::size_t i = 0; i < numPoints(frame.cloud); ++i) {
+      if (fieldValue(frame.cloud, i, frame.cloud.fields[static_cast<std::size_t>(field)]) != 0)
+        return true;
+    }
+    return false;
+  });
 }
 
-/** The frame in one row with its sensor in fields. */
+/** The frame with its sensor in fields. */
 PointFile
 withSensor(const PointFile& frame)
 {
-  if (hasSensorFields(frame)) return frame;
   PointFile made = withRealFields(frame, kSensor, pcl::PCLPointField::FLOAT32);
+  if (hasOwnSensors(frame)) return made;
   for (int a = 0; a < 3; ++a) {
     const FieldWriter field(made.cloud, kSensor[static_cast<std::size_t>(a)]);
     for (std::size_t i = 0; i < numPoints(made.cloud); ++i) field.set(i, frame.sensor_origin[a]);
@@ -82,10 +90,13 @@ mergeFrames(const std::string& name, const std::vector<std::string>& others, Poi
             std::size_t& places)
 {
   std::set<std::array<float, 3>> sensors;
-  std::size_t with_fields = 0;
+  std::size_t with_own = 0;
   const auto count = [&](const PointFile& frame) {
     const auto& at = frame.sensor_origin;
-    hasSensorFields(frame) ? void(++with_fields) : void(sensors.insert({at[0], at[1], at[2]}));
+    if (hasOwnSensors(frame))
+      ++with_own;
+    else
+      sensors.insert({at[0], at[1], at[2]});
   };
   if (Error error = checkFrame(name, first, name, first)) return error;
   count(first);
@@ -99,7 +110,7 @@ mergeFrames(const std::string& name, const std::vector<std::string>& others, Poi
     if (Error error = checkFrame(name, merged, other, placed)) return error;
     append(placed.cloud, merged.cloud);
   }
-  places = sensors.size() + with_fields;
+  places = sensors.size() + with_own;
   first = std::move(merged);
   return {};
 }

@@ -59,6 +59,15 @@ done
 expect 0 '' pcl_color_splat_sampling a.pcd splats.ply -frames b.pcd
 expect 0 '' pcl_slim_sample a.pcd samples.ply -frames b.pcd -spacing 0.05
 
+# Fields of sensors that are all 0 are none: the VIEWPOINT is taken.
+for name in a b; do
+  sed -e 's/^FIELDS .*/& vp_x vp_y vp_z/; s/^SIZE .*/& 4 4 4/; s/^TYPE .*/& F F F/; s/^COUNT .*/& 1 1 1/' \
+    -e '/^DATA/,$ { /^DATA/! s/$/ 0 0 0/ }' $name.pcd > zero_$name.pcd
+done
+expect 0 '' pcl_slim_fit a.pcd two.slim -frames b.pcd
+expect 0 '' pcl_slim_fit zero_a.pcd zero.slim -frames zero_b.pcd
+same two.slim zero.slim
+
 # What cannot be merged.
 frame 4 '0.5 0.5 2' intensity > other.pcd
 printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n' > mesh.ply

@@ -171,7 +171,7 @@ recognizeFrameNoise(const PointStore& store, const NoiseLevel& white,
   const double more = std::max(1.0, all.shared / frames.shared());
   noise.correlation *= more;
   noise.dependence *= more;
-  // Frames that are registered by less than their noise add to it.
+  // Errors of registration are white noise to the smallest patches of all points.
   noise.variance = std::max(noise.variance, white.variance);
   noise.neighbors = all.k;
   noise.patch_radius = all.radius;
