@@ -114,13 +114,13 @@ struct NoiseStatistics {
   double error = 0;              ///< relative standard error of sqrt(lambda); 0: lambda was given
   double correlation = 1;        ///< points that share their errors; 1: white noise
   double correlation_error = 0;  ///< relative standard error of that number
-  std::uint64_t frames = 0;      ///< of a merged cloud whose noise was measured; 0: that of all points
-  std::uint64_t line = 0;        ///< points along a scan line that count as one; 0: no lines
-  double step = 0;               ///< of a quantised coordinate, the median [L]; 0: none found
-  std::uint64_t neighbors = 0;   ///< points of a patch that shows all of the noise
-  double patch_radius = 0;       ///< median radius of those patches [L]
-  bool varies = false;           ///< lambda is the cloud's, the noise a profile about it
-  double normal_error = 0;       ///< of normals used as data [rad]; 0: they were not
+  std::uint64_t frames = 0;  ///< of a merged cloud whose noise was measured; 0: that of all points
+  std::uint64_t line = 0;    ///< points along a scan line that count as one; 0: no lines
+  double step = 0;           ///< of a quantised coordinate, the median [L]; 0: none found
+  std::uint64_t neighbors = 0;  ///< points of a patch that shows all of the noise
+  double patch_radius = 0;      ///< median radius of those patches [L]
+  bool varies = false;          ///< lambda is the cloud's, the noise a profile about it
+  double normal_error = 0;      ///< of normals used as data [rad]; 0: they were not
   /// normals were to be data, but repeat the points' noise, or the points are too few to show it
   bool normals_follow_points = false;
 };
