@@ -156,6 +156,10 @@ StreamFit::prepare(PointSource& source, Progress* progress)
     return {ErrorCode::kBadArgument,
             "a fit by tiles knows one sensor for all points: give a viewpoint in place of sensors"};
   }
+  if (source.hasFrameNumbers()) {
+    return {ErrorCode::kBadArgument,
+            "a fit by tiles does not measure frames one by one: leave out their numbers"};
+  }
   s.identity = identityOf(source, s.params);
   if (s.takeKept(source)) return {};
   Stopwatch watch;

@@ -18,15 +18,20 @@ namespace {
 using namespace pcl_slim_test;
 using detail::NoiseLevel;
 
-/** Points, each with the place that it was seen from. */
+/** What is known of the points of frames. */
+enum class Known { kSensors, kNumbers };
+
+/** Points, each with the place that it was seen from and the number of its frame. */
 struct Frames {
   Cloud cloud;
   std::vector<double> sensors;
+  std::vector<std::uint32_t> numbers;
 
-  void add(const Eigen::Vector3d& point, const Eigen::Vector3d& sensor)
+  void add(const Eigen::Vector3d& point, const Eigen::Vector3d& sensor, std::uint32_t number)
   {
     cloud.add(point[0], point[1], point[2]);
     sensors.insert(sensors.end(), sensor.data(), sensor.data() + 3);
+    numbers.push_back(number);
   }
 
   /** Adds a frame of a camera that is off by an angle. */
@@ -35,12 +40,13 @@ struct Frames {
     const Eigen::Matrix3d turn =
         Eigen::AngleAxisd(angle, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
     const Eigen::Vector3d middle(0, 0, 2);
+    const std::uint32_t number = numbers.empty() ? 7 : numbers.back() + 7;
     const auto turned = [&](const Eigen::Vector3d& p) -> Eigen::Vector3d {
       return middle + turn * (p - middle);
     };
     for (std::size_t i = 0; i < scan.size(); ++i)
       add(turned(Eigen::Map<const Eigen::Vector3f>(&scan.points[3 * i]).cast<double>()),
-          turned(Eigen::Map<const Eigen::Vector3d>(scan.sensor.data())));
+          turned(Eigen::Map<const Eigen::Vector3d>(scan.sensor.data())), number);
   }
 
   Frames shuffled() const
@@ -52,15 +58,19 @@ struct Frames {
     Frames other;
     for (const std::size_t i : order)
       other.add(Eigen::Map<const Eigen::Vector3d>(&cloud.points[3 * i]),
-                Eigen::Map<const Eigen::Vector3d>(&sensors[3 * i]));
+                Eigen::Map<const Eigen::Vector3d>(&sensors[3 * i]), numbers[i]);
     return other;
   }
 
-  PointStore store(int threads = 1) const
+  PointStore store(int threads = 1, Known known = Known::kSensors) const
   {
     CloudView view = cloud.view();
-    view.sensors = sensors.data();
-    view.sensors_stride = 3 * sizeof(double);
+    if (known == Known::kSensors) {
+      view.sensors = sensors.data();
+      view.sensors_stride = 3 * sizeof(double);
+    } else {
+      view.frame_numbers = numbers.data();
+    }
     auto built = PointStore::build(view, threads);
     EXPECT_TRUE(built) << built.error().message;
     return built ? std::move(*built) : PointStore();
@@ -121,6 +131,49 @@ TEST(FrameNoise, IsThatOfItsFrames)
   }
 }
 
+TEST(FrameNoise, NumbersSayTheSameAsSensors)
+{
+  const Frames frames = framesOf("room", wideWindows(), 3);
+  const NoiseLevel seen = recognized(frames.store());
+  for (const PointStore& store :
+       {frames.store(1, Known::kNumbers), frames.shuffled().store(1, Known::kNumbers)}) {
+    const NoiseLevel numbered = recognized(store);
+    EXPECT_EQ(numbered.frames, 3U);
+    EXPECT_EQ(numbered.variance, seen.variance);
+    EXPECT_EQ(numbered.correlation, seen.correlation);
+  }
+}
+
+TEST(FrameNoise, NumbersSeparateTheFramesOfOnePlace)
+{
+  Frames frames;
+  for (int i = 0; i < 2; ++i) frames.add(frameOf("room", wideWindows(), i), 0);
+  const double one = recognized(framesOf("room", wideWindows(), 1).store()).correlation;
+  const NoiseLevel seen = recognized(frames.store());
+  EXPECT_EQ(seen.frames, 0U) << "one place: one frame";
+  EXPECT_LT(seen.correlation, 0.75 * one);
+  const NoiseLevel numbered = recognized(frames.store(1, Known::kNumbers));
+  EXPECT_EQ(numbered.frames, 2U);
+  EXPECT_NEAR(numbered.correlation / one, 1, 0.2);
+}
+
+TEST(FrameNoise, NumbersStayWithTheirPoints)
+{
+  const Frames frames = framesOf("balls", measure::DepthCamera(), 2);
+  PointStore store = frames.store(1, Known::kNumbers);
+  const auto expectTheirs = [&](const PointStore& part) {
+    ASSERT_TRUE(part.hasFrameNumbers());
+    for (std::size_t i = 0; i < part.size(); ++i)
+      ASSERT_EQ(part.frameNumber(i), frames.numbers[part.orderOfStore()[i]]) << i;
+  };
+  expectTheirs(store);
+  std::vector<std::uint32_t> dropped;
+  for (std::uint32_t i = 0; i < store.size(); i += 3) dropped.push_back(i);
+  expectTheirs(store.without(dropped));
+  store.drop(dropped);
+  expectTheirs(store);
+}
+
 TEST(FrameNoise, DoesNotDependOnOrderOrThreads)
 {
   const Frames frames = framesOf("hall", wideWindows(), 2);
@@ -159,7 +212,7 @@ TEST(FrameNoise, APlaceForEveryPointIsNoFrame)
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal(0, 0.01);
   for (int i = 0; i < 20000; ++i)
-    path.add({0.01 * (i % 200), 0.01 * (i / 200), normal(random)}, {1e-4 * i, 1, 3});
+    path.add({0.01 * (i % 200), 0.01 * (i / 200), normal(random)}, {1e-4 * i, 1, 3}, 0);
   EXPECT_EQ(recognized(path.store()).frames, 0U);
 }
 
@@ -173,7 +226,7 @@ plateSeenFrom(double below)
   for (int i = 0; i < 40000; ++i) {
     const int side = i % 2, j = i / 2;
     const double height = 0.02 * side + noise(random);
-    frames.add({0.01 * (j % 141), 0.01 * (j / 141), height}, {0.7, 0.7, side ? 2 : below});
+    frames.add({0.01 * (j % 141), 0.01 * (j / 141), height}, {0.7, 0.7, side ? 2 : below}, 0);
   }
   return frames;
 }

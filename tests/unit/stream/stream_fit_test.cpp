@@ -252,6 +252,11 @@ TEST(StreamFit, RefusesWhatTilesCannotDo)
   params.scratch = "/no/such/folder";
   SLIMSurface surface;
   EXPECT_EQ(fitTiles(source, params, surface).code, ErrorCode::kIo);
+  const std::vector<std::uint32_t> frames(cloud.size(), 3);
+  CloudView view = cloud.view();
+  view.frame_numbers = frames.data();
+  CloudSource numbered(view);
+  EXPECT_EQ(fitTiles(numbered, smallTiles(), surface).code, ErrorCode::kBadArgument);
 }
 
 TEST(StreamFit, SurvivesCloudsWithoutASurface)

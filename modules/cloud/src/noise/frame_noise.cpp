@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// docs/theory.md, "Merged frames": noise that points of one frame share, where the places of sensors show which
-// points those are.
+// docs/theory.md, "Merged frames": noise that points of one frame share, where the frames' numbers or the places of
+// sensors show which points those are.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -14,42 +14,50 @@ namespace pcl_slim::detail {
 
 namespace {
 
-/** The places that most points of a sample were seen from, those of most points first; none where all were seen
- * from one, or each from its own as along a trajectory. */
+/** What points of one frame have in common: its number or, where frames have none, the place of its sensor. */
+Vector3
+frameOf(const PointStore& store, std::size_t point)
+{
+  if (store.hasFrameNumbers()) return {static_cast<double>(store.frameNumber(point)), 0, 0};
+  return store.sensor(point);
+}
+
+/** The frames of most points of a sample, those of most points first; none where all are of one, or each of
+ * its own as along a trajectory. */
 std::vector<Vector3>
-framePlaces(const PointStore& store, const FrameConstants& constants)
+largestFrames(const PointStore& store, const FrameConstants& constants)
 {
   std::map<Vector3, std::size_t> counts;
   const std::size_t samples = std::min(constants.sample, store.size());
   for (std::size_t s = 0; s < samples; ++s)
-    ++counts[store.sensor((2 * s + 1) * store.size() / (2 * samples))];
+    ++counts[frameOf(store, (2 * s + 1) * store.size() / (2 * samples))];
   if (counts.size() < 2) return {};
   const double stands_for = static_cast<double>(store.size()) / static_cast<double>(samples);
   std::vector<std::pair<std::size_t, Vector3>> frames;
-  for (const auto& [place, count] : counts) {
+  for (const auto& [frame, count] : counts) {
     if (count > 1 && static_cast<double>(count) * stands_for >= constants.least_points)
-      frames.emplace_back(count, place);
+      frames.emplace_back(count, frame);
   }
   std::stable_sort(frames.begin(), frames.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
   frames.resize(std::min(frames.size(), constants.most_frames));
-  std::vector<Vector3> places(frames.size());
-  std::transform(frames.begin(), frames.end(), places.begin(),
+  std::vector<Vector3> largest(frames.size());
+  std::transform(frames.begin(), frames.end(), largest.begin(),
                  [](const auto& frame) { return frame.second; });
-  return places;
+  return largest;
 }
 
-/** The points that were seen from a place. One sensor sees one side of a part: they need no sides. */
+/** The points of a frame. One sensor sees one side of a part: they need no sides. */
 PointStore
-frameAt(const PointStore& store, const Vector3& place, int threads)
+pointsOf(const PointStore& store, const Vector3& frame, int threads)
 {
   std::vector<std::uint32_t> others;
   for (std::size_t i = 0; i < store.size(); ++i) {
-    if (store.sensor(i) != place) others.push_back(static_cast<std::uint32_t>(i));
+    if (frameOf(store, i) != frame) others.push_back(static_cast<std::uint32_t>(i));
   }
-  PointStore frame = store.without(others, threads);
-  frame.clearSides();
-  return frame;
+  PointStore points = store.without(others, threads);
+  points.clearSides();
+  return points;
 }
 
 std::size_t
@@ -157,11 +165,12 @@ NoiseLevel
 recognizeFrameNoise(const PointStore& store, const NoiseLevel& white,
                     const NoiseConstants& constants, int threads)
 {
-  if (!store.hasSensors()) return recognizeSharedNoise(store, white, constants, threads);
+  if (!store.hasSensors() && !store.hasFrameNumbers())
+    return recognizeSharedNoise(store, white, constants, threads);
   threads = resolveThreads(threads);
   FrameNoise frames(constants, threads);
-  for (const Vector3& place : framePlaces(store, constants.frames))
-    frames.add(frameAt(store, place, threads));
+  for (const Vector3& frame : largestFrames(store, constants.frames))
+    frames.add(pointsOf(store, frame, threads));
   NoiseLevel noise;
   if (!frames.empty()) noise = frames.mean();
   if (!(noise.correlation > constants.shared.white))

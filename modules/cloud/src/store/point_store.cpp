@@ -21,6 +21,7 @@ finished(PointStoreBuilder& builder)
   builder.sortPoints();
   builder.mergeDuplicates();
   if (Error error = builder.fillSensors()) return error;
+  builder.fillFrames();
   builder.fillBlocks();
   return builder.take();
 }
@@ -88,7 +89,8 @@ PointStore::memoryBytes() const
                              nz_.size() + 3 * block_origin_x_.size();
   return floats * sizeof(float) + order_of_store_.size() * sizeof(std::uint32_t) +
          keys_.size() * sizeof(std::uint64_t) + sensors_.size() * sizeof(sensors_[0]) +
-         merged_.size() * sizeof(merged_[0]) + tree_.memoryBytes();
+         frame_numbers_.size() * sizeof(frame_numbers_[0]) + merged_.size() * sizeof(merged_[0]) +
+         tree_.memoryBytes();
 }
 
 }  // namespace pcl_slim

@@ -212,4 +212,14 @@ PointStoreBuilder::fillSensors()
   return {};
 }
 
+void
+PointStoreBuilder::fillFrames()
+{
+  if (cloud_.frame_numbers == nullptr) return;
+  store_.frame_numbers_.resize(store_.size_);
+  parallelFor(store_.size_, threads_, kSlice, [&](std::size_t i, int) {
+    store_.frame_numbers_[i] = cloud_.frame_numbers[cloud_.inputIndex(order_[i])];
+  });
+}
+
 }  // namespace pcl_slim::detail

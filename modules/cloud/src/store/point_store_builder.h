@@ -20,6 +20,7 @@ class PointStoreBuilder {
   void sortPoints();       ///< Morton keys, sorted
   void mergeDuplicates();  ///< equal positions become one entry
   Error fillSensors();     ///< where each point was seen from, if the cloud knows it
+  void fillFrames();       ///< which frame each point is from, likewise
   void fillBlocks();       ///< block origins, offsets, normals, boxes
   PointStore take() { return std::move(store_); }
 

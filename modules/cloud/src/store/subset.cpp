@@ -114,6 +114,7 @@ PointStore::without(const std::vector<std::uint32_t>& dropped, int threads) cons
   copyOnly(kept, threads, keys_, store.keys_);
   copyOnly(kept, threads, order_of_store_, store.order_of_store_);
   if (hasSensors()) copyOnly(kept, threads, sensors_, store.sensors_);
+  if (hasFrameNumbers()) copyOnly(kept, threads, frame_numbers_, store.frame_numbers_);
   store.cutColumns(
       kept.size(), [&](std::size_t i, std::size_t axis) { return coordinate(kept[i], axis); },
       threads);
@@ -134,6 +135,7 @@ PointStore::drop(const std::vector<std::uint32_t>& dropped, int threads)
   keepOnly(kept, keys_);
   keepOnly(kept, order_of_store_);
   if (hasSensors()) keepOnly(kept, sensors_);
+  if (hasFrameNumbers()) keepOnly(kept, frame_numbers_);
   merged_ = keptMerges(kept, merged_);
   cutColumns(
       size_, [&](std::size_t i, std::size_t axis) { return coordinate(kept[i], axis); },

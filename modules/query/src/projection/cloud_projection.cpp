@@ -175,6 +175,7 @@ CloudProjection::addRest(const SLIMSurface& surface, Progress* progress, const P
   CloudView rest = cloud_;
   rest.normal = nullptr;
   rest.sensors = nullptr;
+  rest.frame_numbers = nullptr;
   rest.indices = indices.data();
   rest.num_indices = indices.size();
   const Result<PointStore> store = PointStore::build(rest, params_.projection.threads, frame);

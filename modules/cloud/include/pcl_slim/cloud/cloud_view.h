@@ -34,6 +34,8 @@ struct PCL_SLIM_EXPORT CloudView {
       nullptr;  ///< where each was seen from: address of the first one's x, or null
   std::size_t sensors_stride = 0;  ///< bytes from one such place to the next
   Scalar sensors_scalar = Scalar::kDouble;
+  const std::uint32_t* frame_numbers =
+      nullptr;  ///< which of several merged frames each point is from, or null
 
   /** \brief Number of points to use. */
   std::size_t count() const { return indices ? num_indices : size; }

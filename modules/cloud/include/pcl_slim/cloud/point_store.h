@@ -97,6 +97,10 @@ class PCL_SLIM_EXPORT PointStore {
   {
     return {sensors_[i][0], sensors_[i][1], sensors_[i][2]};
   }
+  /** \brief Whether the cloud knows which of several merged frames each of its points is from. */
+  bool hasFrameNumbers() const { return !frame_numbers_.empty(); }
+  /** \brief The frame of point i; of merged points, the first one's. */
+  std::uint32_t frameNumber(std::size_t i) const { return frame_numbers_[i]; }
   /** \brief What local coordinates are relative to. */
   const StoreFrame& frame() const { return frame_; }
   double scale() const { return frame_.scale; }  ///< world units per local unit, a power of two
@@ -168,6 +172,7 @@ class PCL_SLIM_EXPORT PointStore {
   BlockTree tree_;
   PointStoreStatistics statistics_;
   std::vector<std::array<float, 3>> sensors_;  ///< local positions, in stored order, or none
+  std::vector<std::uint32_t> frame_numbers_;   ///< in stored order, or none
   bool found_sides_ = false;                   ///< the normals are those of setSides()
   double drift_ = 0;
 };

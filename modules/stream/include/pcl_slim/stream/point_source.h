@@ -30,6 +30,9 @@ class PointSource {
   /** \brief Whether each point has its own sensor position, which a fit by tiles refuses. */
   virtual bool hasSensors() const { return false; }
 
+  /** \brief Whether points are numbered by frames, which a fit by tiles refuses. */
+  virtual bool hasFrameNumbers() const { return false; }
+
   /** \brief Reads the points from the first to the last. \return an error of the visitor, or of a file
    * that cannot be read or has become shorter. */
   virtual Error pass(const Visit& visit) = 0;
@@ -46,6 +49,7 @@ class PCL_SLIM_EXPORT CloudSource : public PointSource {
   CloudView::Scalar scalar() const override { return cloud_.scalar; }
   std::optional<std::array<double, 3>> sensor() const override { return cloud_.sensor; }
   bool hasSensors() const override { return cloud_.sensors != nullptr; }
+  bool hasFrameNumbers() const override { return cloud_.frame_numbers != nullptr; }
   Error pass(const Visit& visit) override;
 
  private:

@@ -83,7 +83,7 @@ struct StepConstants {
 
 /** \brief How frames of a merged cloud are found (docs/theory.md, "Merged frames"). */
 struct FrameConstants {
-  std::size_t sample = 8192;    ///< points whose sensors are examined
+  std::size_t sample = 8192;    ///< points whose frames are examined
   double least_points = 2000;   ///< of a frame whose noise is measured ...
   std::size_t most_frames = 8;  ///< ... and such frames at most: more show the same
 };

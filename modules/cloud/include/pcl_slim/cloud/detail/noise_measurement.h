@@ -39,9 +39,9 @@ PCL_SLIM_EXPORT NoiseLevel
 recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
                      const NoiseConstants& constants, int threads);
 
-/** \brief The same of a cloud that is merged from frames of sensors at different places, by the largest of the frames:
- * points of two frames share no error. recognizeSharedNoise() of a cloud whose points have no sensors of their own,
- * and of one whose frames have white noise. */
+/** \brief The same of a cloud that is merged from frames, by the largest of these: points of two frames share no error.
+ * A frame is the points of one number or, where they are not numbered, of one sensor position. recognizeSharedNoise()
+ * of a cloud whose points have neither, and of one whose frames have white noise. */
 PCL_SLIM_EXPORT NoiseLevel
 recognizeFrameNoise(const PointStore& store, const NoiseLevel& white,
                     const NoiseConstants& constants, int threads);
