@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where each point was seen from, in the classes that take PCL clouds.
+// Where each point was seen from and which frame it is from, in the classes that take PCL clouds.
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "pcl_slim/filters/impl/color_octree_splat_sampler.hpp"
 #include "pcl_slim/filters/slim_curvature_estimation.h"
@@ -197,6 +198,94 @@ TEST(SensorPositions, ComeFromFieldsOfThePointType)
   pcl::PointCloud<pcl::PointSurfel> splats;
   ASSERT_TRUE(sampler.sample(splats)) << sampler.getError().message;
   EXPECT_EQ(numOutward(splats), 0u);
+}
+
+/** A number of frames of a wavy sheet, with errors that 5 x 5 points of a frame share. */
+pcl::PointCloud<pcl::PointXYZ>::Ptr
+wavyFrames(std::uint32_t count, std::vector<std::uint32_t>& numbers)
+{
+  constexpr int kSide = 120, kShared = 5, kWide = kSide + kShared;
+  auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal(0, 0.004 / kShared);
+  for (std::uint32_t frame = 0; frame < count; ++frame) {
+    std::vector<double> errors(kWide * kWide);
+    for (double& e : errors) e = normal(random);
+    for (int y = 0; y < kSide; ++y) {
+      for (int x = 0; x < kSide; ++x) {
+        double error = 0;
+        for (int k = 0; k < kShared * kShared; ++k)
+          error += errors[static_cast<std::size_t>((y + k / kShared) * kWide + x + k % kShared)];
+        const double z = 0.05 * std::sin(0.06 * x) * std::cos(0.05 * y) + error;
+        cloud->push_back(
+            {0.01f * static_cast<float>(x), 0.01f * static_cast<float>(y), static_cast<float>(z)});
+        numbers.push_back(frame);
+      }
+    }
+  }
+  return cloud;
+}
+
+TEST(FrameNumbers, SeparateTheNoiseOfFramesInEveryClassThatFits)
+{
+  std::vector<std::uint32_t> numbers;
+  const auto cloud = wavyFrames(2, numbers);
+  const auto check = [&](auto& object, const auto& run) {
+    object.setInputCloud(cloud);
+    run();
+    EXPECT_EQ(object.getStatistics().noise.frames, 0U);
+    object.setFrameNumbers(numbers);
+    run();
+    EXPECT_EQ(object.getStatistics().noise.frames, 2U);
+    EXPECT_NEAR(object.getStatistics().noise.correlation, 20, 4);
+    object.clearFrameNumbers();
+    run();
+    EXPECT_EQ(object.getStatistics().noise.frames, 0U);
+  };
+  SLIMFit<pcl::PointXYZ> fit;
+  SLIMSurface surface;
+  check(fit, [&] { ASSERT_TRUE(fit.fit(surface)) << fit.getError().message; });
+  SLIMProjectionSmoother<pcl::PointXYZ, pcl::PointNormal> smoother;
+  pcl::PointCloud<pcl::PointNormal> smooth;
+  check(smoother, [&] { smoother.process(smooth); });
+  SLIMCurvatureEstimation<pcl::PointXYZ, PointCurvature> curvature;
+  pcl::PointCloud<PointCurvature> bent;
+  check(curvature, [&] { curvature.compute(bent); });
+  SLIMReconstruction<pcl::PointXYZ> mesh;
+  pcl::PolygonMesh made;
+  check(mesh, [&] { mesh.reconstruct(made); });
+}
+
+TEST(FrameNumbers, BelongToPointsNotToIndices)
+{
+  std::vector<std::uint32_t> numbers;
+  const auto cloud = wavyFrames(2, numbers);
+  SLIMFit<pcl::PointXYZ> fit;
+  fit.setInputCloud(cloud);
+  fit.setFrameNumbers(numbers);
+  auto indices = std::make_shared<pcl::Indices>();
+  for (int i = static_cast<int>(cloud->size()) - 1; i >= 0; --i) {
+    if (numbers[static_cast<std::size_t>(i)] == 1) indices->push_back(i);
+  }
+  fit.setIndices(indices);
+  SLIMSurface surface;
+  ASSERT_TRUE(fit.fit(surface)) << fit.getError().message;
+  EXPECT_EQ(fit.getStatistics().noise.frames, 0U) << "all of one frame";
+}
+
+TEST(FrameNumbers, AreRefusedWhereTheyDoNotFit)
+{
+  std::vector<std::uint32_t> numbers;
+  const auto cloud = wavyFrames(1, numbers);
+  SLIMFit<pcl::PointXYZ> fit;
+  fit.setInputCloud(cloud);
+  SLIMSurface surface;
+  fit.setFrameNumbers({1, 2, 3});
+  EXPECT_FALSE(fit.fit(surface));
+  EXPECT_NE(fit.getError().message.find("3 frame numbers for 14400 points"), std::string::npos)
+      << fit.getError().message;
+  fit.setFrameNumbers({});
+  EXPECT_TRUE(fit.fit(surface)) << "an empty vector is none";
 }
 
 TEST(SensorPositions, AreRefusedWhereTheyDoNotFit)

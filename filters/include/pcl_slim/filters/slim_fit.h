@@ -90,6 +90,8 @@ class SLIMFit : public pcl::PCLBase<PointT>, public SLIMFitBase {
  private:
   /** \brief Describes where points were seen from, if that is known. */
   bool describeSensors(CloudView& view);
+  /** \brief Describes which frames points are from, if that is known. */
+  bool describeFrames(CloudView& view);
   /** \brief PCL's normals of the selected points, zero for all others; three floats a point. */
   bool estimateNormals(std::vector<float>& estimated);
   /** \brief The points to use that are finite. */

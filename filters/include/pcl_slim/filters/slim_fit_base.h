@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -18,6 +19,8 @@ namespace pcl_slim {
 
 /** \brief Where each point of a cloud was seen from, in the cloud's coordinates; shared, never changed. */
 using SensorPositions = std::shared_ptr<const std::vector<Eigen::Vector3d>>;
+/** \brief Which of several merged frames each point of a cloud is from; shared, never changed. */
+using FrameNumbers = std::shared_ptr<const std::vector<std::uint32_t>>;
 
 /** \brief Parameters and results of SLIMFit that do not depend on the point type.
  *
@@ -157,7 +160,7 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
   /** \brief Where each point of the input cloud was seen from, in the cloud's coordinates, as a lidar
    * on a car or in a hand records it. Without normals, each leaf faces the sensors of its points, and the
    * noise model uses each point's own beam; the graph of leaves is not searched. Points of one position are a
-   * frame, whose noise is measured alone. One for each
+   * frame unless setFrameNumbers() says which are. One for each
    * point, not for each index; points that are NaN may have any. Not set (default, or an empty vector):
    * fields vp_x vp_y vp_z of the point type if they are not all zero. Together with a viewpoint the
    * run fails. 24 bytes a point here, and 12 while a fit runs. */
@@ -168,6 +171,18 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
   /** \brief The positions set, or null. */
   const SensorPositions& getSensorPositions() const { return sensors_; }
   void clearSensorPositions() { sensors_.reset(); }
+
+  /** \brief Which of several merged frames each point of the input cloud is from, any number for each frame. Points of
+   * different frames share no error of a depth camera: the noise of each frame is measured alone. One for
+   * each point, not for each index. Not set (default, or an empty vector): points of one position of
+   * setSensorPositions() are a frame. 4 bytes a point here, and 4 while a fit runs. */
+  void setFrameNumbers(std::vector<std::uint32_t> numbers)
+  {
+    frames_ = std::make_shared<const std::vector<std::uint32_t>>(std::move(numbers));
+  }
+  /** \brief The numbers set, or null. */
+  const FrameNumbers& getFrameNumbers() const { return frames_; }
+  void clearFrameNumbers() { frames_.reset(); }
 
   /** \brief The choices of Ohtake, Belyaev, Alexa 2005 throughout (default off). */
   void setPaperMode(bool paper) { params_.paper_mode = paper; }
@@ -204,6 +219,7 @@ class PCL_SLIM_EXPORT SLIMFitBase : public ControlledRun {
 
   FitParams params_;
   SensorPositions sensors_;
+  FrameNumbers frames_;
   FitStatistics statistics_;
   std::vector<std::int32_t> outliers_;
   PointStoreStatistics input_statistics_;

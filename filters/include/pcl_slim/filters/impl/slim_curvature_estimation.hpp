@@ -133,7 +133,7 @@ SLIMCurvatureEstimation<PointInT, PointOutT>::run(CloudProjection& projection,
   const pcl::IndicesConstPtr indices = use_indices_ ? indices_ : nullptr;
   CloudDescription<PointInT> points(input_, indices, params_);
   CloudDescription<PointInT> fitted(apart ? surface_ : input_, apart ? nullptr : indices, params_,
-                                    sensors_);
+                                    sensors_, frames_);
   fitted.setInputNormals(normals_);
   fitted.setSearchMethod(this->tree_);
   fitted.setNormalEstimationNeighbors(normal_neighbours_);

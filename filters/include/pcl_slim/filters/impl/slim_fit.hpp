@@ -116,7 +116,7 @@ SLIMFit<PointT>::describeInput(CloudView& view)
              traits::offset<PointT, fields::x>::value;
   view.xyz_stride = sizeof(PointT);
   view.sensor = sensorOf(*input_);
-  if (!describeSensors(view)) return false;
+  if (!describeSensors(view) || !describeFrames(view)) return false;
   if (!use_indices_ || !indices_) return true;
 
   static_assert(sizeof(pcl::index_t) == sizeof(std::int32_t), "PCL is built with 32-bit indices");
@@ -159,6 +159,20 @@ SLIMFit<PointT>::describeSensors(CloudView& view)
     view.sensors_stride = sizeof(PointT);
     view.sensors_scalar = CloudView::Scalar::kFloat;
   }
+  return true;
+}
+
+template <typename PointT>
+bool
+SLIMFit<PointT>::describeFrames(CloudView& view)
+{
+  if (!frames_ || frames_->empty()) return true;
+  if (frames_->size() != input_->size()) {
+    return fail(ErrorCode::kBadInput, "there are " + std::to_string(frames_->size()) +
+                                          " frame numbers for " + std::to_string(input_->size()) +
+                                          " points; give one for each point");
+  }
+  view.frame_numbers = frames_->data();
   return true;
 }
 

@@ -38,7 +38,7 @@ void
 SLIMProjectionSmoother<PointInT, PointOutT>::performProcessing(PointCloudOut& output)
 {
   CloudDescription<PointInT> description(input_, use_indices_ ? indices_ : nullptr, params_,
-                                         sensors_);
+                                         sensors_, frames_);
   description.setInputNormals(normals_);
   description.setSearchMethod(search_);
   description.setNormalEstimationNeighbors(normal_neighbours_);

@@ -18,7 +18,7 @@ SLIMReconstruction<PointT>::run()
 {
   clearMesh();
   CloudDescription<PointT> description(input_, use_indices_ ? indices_ : pcl::IndicesPtr(), params_,
-                                       sensors_);
+                                       sensors_, frames_);
   description.setInputNormals(normals_);
   bool done = description.describe();
   if (!done) {
