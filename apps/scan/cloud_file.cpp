@@ -190,6 +190,7 @@ CloudFile::view(bool with_normals) const
     view.sensors = sensors.data();
     view.sensors_stride = 3 * sizeof(double);
   }
+  if (!frames.empty()) view.frame_numbers = frames.data();
   const pcl::PCLPointField* fields[3];
   view.size = size();
   view.scalar = double_precision ? CloudView::Scalar::kDouble : CloudView::Scalar::kFloat;

@@ -30,6 +30,7 @@ struct CloudFile {
   std::vector<float> normals;  ///< normals, likewise, and those made here
   std::vector<double>
       sensors;  ///< x y z that each point was seen from, or none; view() refers to them
+  std::vector<std::uint32_t> frames;  ///< which of several merged frames each is from, likewise
   std::vector<std::uint8_t>
       colors;  ///< blue green red of each point, where no field has them packed
   NormalSource normal_source = NormalSource::kNothing;

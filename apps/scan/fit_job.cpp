@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -79,6 +80,9 @@ declareFitOptions(OptionTable& options, FitJob& job)
                  "noise variance, as a share of the squared box diagonal", "estimated");
   declareSensorOptions(options, job,
                        "the side that the normals of a scan without normals shall face");
+  options.text("frame_field", &job.frame_field, "NAME",
+               "field of a merged scan that numbers its frames: each one's noise is its own");
+  options.exclusive({"frames", "frame_field"});
   options.integer("estimate_normals", &job.normal_neighbours, 0, 10000,
                   "estimate normals from N neighbours, as PCL does; 0: none");
   options.toggle("use_normals", &job.use_normals, "use the scan's own normals or faces");
@@ -103,7 +107,8 @@ declareSurfaceOrFit(OptionTable& options, std::string& surface, FitJob& job)
                            "max_surfels", "noise_factor",    "least_radius", "outliers",
                            "robust",      "local_noise",     "sides",        "correlation",
                            "noise_model", "normals_as_data", "normal_error", "paper",
-                           "compact",     "lambda",          "seed",         "frames"}) {
+                           "compact",     "lambda",          "seed",         "frames",
+                           "frame_field"}) {
     options.exclusive({"surface", name});
   }
 }
@@ -124,7 +129,7 @@ declareSensorOptions(OptionTable& options, FitJob& job, const std::string& viewp
       "frames", &job.frames, "FILE,...",
       "more registered frames, whose points follow those of IN: each one's sensor is at its "
       "VIEWPOINT (or vp_x vp_y vp_z), and its noise is its own");
-  options.exclusive({"viewpoint", "trajectory", "frames"});
+  options.exclusive({"viewpoint", "trajectory"});
 }
 
 void
@@ -236,41 +241,64 @@ frameFiles(const FitJob& job)
   return files;
 }
 
-/** Loads a scan with its further frames. \param[out] places that frames were seen from */
+/** Loads a scan with its further frames. */
 Result<CloudFile>
-loadFrames(const std::string& path, const FitJob& job, std::size_t& places)
+loadFrames(const std::string& path, const FitJob& job)
 {
   Result<PointFile> file = loadPointFile(path);
   if (!file) return file.error();
+  std::vector<std::uint32_t> numbers;
   if (!job.frames.empty()) {
-    if (Error error = mergeFrames(path, frameFiles(job), *file, places)) return error;
+    if (Error error = mergeFrames(path, frameFiles(job), *file, numbers)) return error;
+  } else if (!job.frame_field.empty()) {
+    if (Error error = framesByField(file->cloud, job.frame_field, numbers)) return error;
   }
   Result<CloudFile> cloud = asCloudFile(std::move(*file), path);
   if (!cloud) return cloud;
+  cloud->frames = std::move(numbers);
   if (Error error = placeSensors(job, *cloud)) return error;
   return cloud;
 }
 
-/** Prints and reports where the places of sensors are from. */
-void
-reportSensors(const FitJob& job, const CloudFile& cloud, std::size_t places, Console& console,
-              Report& report)
+/** How many places points were seen from, up to a number. */
+std::size_t
+countPlaces(const CloudFile& cloud, std::size_t most)
 {
-  const std::size_t frames = job.frames.empty() ? 0 : 1 + frameFiles(job).size();
-  if (cloud.sensors.empty()) {
-    report.json()["sensors"] = "none";
-  } else if (frames > 0) {
-    report.json()["sensors"] = "frames";
-    console.note("  " + counted(frames, "frame") + ", each with its own sensor");
-  } else {
-    const bool fields = job.trajectory.empty();
-    report.json()["sensors"] = fields ? "fields" : "trajectory";
-    console.note("  each point's own sensor, from " +
-                 (fields ? "fields vp_x vp_y vp_z" : job.trajectory));
+  std::set<std::array<double, 3>> places;
+  for (std::size_t i = 0; i < cloud.sensors.size() && places.size() < most; i += 3)
+    places.insert({cloud.sensors[i], cloud.sensors[i + 1], cloud.sensors[i + 2]});
+  return places.size();
+}
+
+/** What a user reads of a scan's frames. */
+std::string
+frameNote(const FitJob& job, const CloudFile& cloud, std::size_t frames)
+{
+  const std::string note = counted(frames, "frame");
+  if (!job.frame_field.empty()) return note + ", numbered by field " + job.frame_field;
+  if (!job.viewpoint.empty() || !job.trajectory.empty()) return note;
+  const std::size_t places = countPlaces(cloud, frames);
+  if (places == 0) return note + ", whose VIEWPOINTs are 0: no sensor is known";
+  if (places == frames) return note + ", each with its own sensor";
+  return note + ", seen from " + counted(places, "place");
+}
+
+/** Prints and reports the scan's frames and where the places of sensors are from. */
+void
+reportSensors(const FitJob& job, const CloudFile& cloud, Console& console, Report& report)
+{
+  if (!cloud.frames.empty()) {
+    const std::size_t frames = 1 + *std::max_element(cloud.frames.begin(), cloud.frames.end());
+    report.json()["frames"] = frames;
+    console.note("  " + frameNote(job, cloud, frames));
   }
-  if (frames <= places) return;
-  console.warn(std::to_string(frames) + " frames have " + counted(places, "VIEWPOINT") +
-               ": those of one place count as one frame; write each one's own into its file");
+  const std::string source = cloud.sensors.empty()     ? "none"
+                             : !job.trajectory.empty() ? "trajectory"
+                             : !job.frames.empty()     ? "frames"
+                                                       : "fields";
+  report.json()["sensors"] = source;
+  if (source == "fields") console.note("  each point's own sensor, from fields vp_x vp_y vp_z");
+  if (source == "trajectory") console.note("  each point's own sensor, from " + job.trajectory);
 }
 
 }  // namespace
@@ -287,8 +315,7 @@ Result<CloudFile>
 loadScan(const std::string& path, const FitJob& job, Console& console, Report& report)
 {
   console.begin("Loading " + path);
-  std::size_t places = 0;
-  Result<CloudFile> cloud = loadFrames(path, job, places);
+  Result<CloudFile> cloud = loadFrames(path, job);
   if (!cloud) return console.failed(cloud.error());
   report.json()["points"] = cloud->size();
   report.time("load", console.seconds());
@@ -299,7 +326,7 @@ loadScan(const std::string& path, const FitJob& job, Console& console, Report& r
     console.note("  columns: " + cloud->file.columns);
     report.json()["columns"] = cloud->file.columns;
   }
-  reportSensors(job, *cloud, places, console, report);
+  reportSensors(job, *cloud, console, report);
   if (job.normal_neighbours > 0) {
     console.begin("Estimating normals");
     const Error error =

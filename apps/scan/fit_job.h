@@ -41,7 +41,8 @@ struct FitJob {
   std::vector<double> viewpoint, noise_model;
   std::string trajectory, time_field;  ///< file of the sensor's places; field of the points' times
   double time_offset = 0;
-  std::string frames;  ///< further files of the scan, separated by commas
+  std::string frames;       ///< further files of the scan, separated by commas
+  std::string frame_field;  ///< field of the numbers of a merged scan's frames
   std::string correlation = "auto";
   bool compact = false, use_normals = true;
   bool color = false;  ///< the surface gets the colours of the scan's points, where these have any

@@ -2,8 +2,8 @@
 #include "scan/merge_frames.h"
 
 #include <algorithm>
-#include <array>
-#include <set>
+#include <cmath>
+#include <map>
 
 #include "scan/cloud_fields.h"
 
@@ -12,6 +12,7 @@ namespace pcl_slim {
 namespace {
 
 const std::vector<std::string> kSensor = {"vp_x", "vp_y", "vp_z"};
+constexpr const char* kFrame = "frame";
 
 /** Whether a frame's points have sensors of their own: fields that are not all 0. */
 bool
@@ -28,16 +29,25 @@ hasOwnSensors(const PointFile& frame)
   });
 }
 
-/** The frame with its sensor in fields. */
-PointFile
-withSensor(const PointFile& frame)
+void
+fill(const std::string& name, double value, pcl::PCLPointCloud2& cloud)
 {
-  PointFile made = withRealFields(frame, kSensor, pcl::PCLPointField::FLOAT32);
+  const FieldWriter field(cloud, name);
+  for (std::size_t i = 0; i < numPoints(cloud); ++i) field.set(i, value);
+}
+
+/** The frame with its sensor and its number in fields. */
+PointFile
+withOrigin(const PointFile& frame, std::uint32_t number)
+{
+  std::vector<std::string> fields = kSensor;
+  const bool has_number = findField(frame.cloud, kFrame) >= 0;
+  if (!has_number) fields.emplace_back(kFrame);
+  PointFile made = withRealFields(frame, fields, pcl::PCLPointField::FLOAT32);
+  if (!has_number) fill(kFrame, number, made.cloud);
   if (hasOwnSensors(frame)) return made;
-  for (int a = 0; a < 3; ++a) {
-    const FieldWriter field(made.cloud, kSensor[static_cast<std::size_t>(a)]);
-    for (std::size_t i = 0; i < numPoints(made.cloud); ++i) field.set(i, frame.sensor_origin[a]);
-  }
+  for (int a = 0; a < 3; ++a)
+    fill(kSensor[static_cast<std::size_t>(a)], frame.sensor_origin[a], made.cloud);
   return made;
 }
 
@@ -87,31 +97,49 @@ append(const pcl::PCLPointCloud2& frame, pcl::PCLPointCloud2& merged)
 
 Error
 mergeFrames(const std::string& name, const std::vector<std::string>& others, PointFile& first,
-            std::size_t& places)
+            std::vector<std::uint32_t>& numbers)
 {
-  std::set<std::array<float, 3>> sensors;
-  std::size_t with_own = 0;
-  const auto count = [&](const PointFile& frame) {
-    const auto& at = frame.sensor_origin;
-    if (hasOwnSensors(frame))
-      ++with_own;
-    else
-      sensors.insert({at[0], at[1], at[2]});
-  };
   if (Error error = checkFrame(name, first, name, first)) return error;
-  count(first);
-  PointFile merged = withSensor(first);
+  PointFile merged = withOrigin(first, 0);
   setOneRow(numPoints(merged.cloud), merged.cloud);
+  numbers.assign(numPoints(merged.cloud), 0);
+  std::uint32_t number = 0;
   for (const std::string& other : others) {
     Result<PointFile> frame = loadPointFile(other);
     if (!frame) return frame.error();
-    count(*frame);
-    const PointFile placed = withSensor(*frame);
+    const PointFile placed = withOrigin(*frame, ++number);
     if (Error error = checkFrame(name, merged, other, placed)) return error;
     append(placed.cloud, merged.cloud);
+    numbers.resize(numPoints(merged.cloud), number);
   }
-  places = sensors.size() + with_own;
   first = std::move(merged);
+  return {};
+}
+
+Error
+framesByField(const pcl::PCLPointCloud2& cloud, const std::string& field,
+              std::vector<std::uint32_t>& numbers)
+{
+  const int found = findField(cloud, field);
+  if (found < 0) {
+    return {ErrorCode::kBadArgument, "-frame_field: the scan has no field '" + field +
+                                         "'; name the one that has the frames' numbers"};
+  }
+  const auto value = [&](std::size_t i) {
+    return fieldValue(cloud, i, cloud.fields[static_cast<std::size_t>(found)]);
+  };
+  std::map<double, std::uint32_t> frames;
+  for (std::size_t i = 0; i < numPoints(cloud); ++i) {
+    if (!std::isfinite(value(i))) {
+      return {ErrorCode::kBadInput, "the field '" + field + "' of point " + std::to_string(i) +
+                                        " is not finite; give every point a frame's number"};
+    }
+    frames[value(i)] = 0;
+  }
+  std::uint32_t next = 0;
+  for (auto& [number, frame] : frames) frame = next++;
+  numbers.resize(numPoints(cloud));
+  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = frames[value(i)];
   return {};
 }
 

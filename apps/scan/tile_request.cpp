@@ -29,9 +29,10 @@ checkJob(const FitJob& job, const TileRequest& tiles)
     return {ErrorCode::kBadArgument,
             "-trajectory is not possible by tiles: give one -viewpoint, or -tile_points 0"};
   }
-  if (!job.frames.empty()) {
+  if (!job.frames.empty() || !job.frame_field.empty()) {
+    const std::string option = job.frames.empty() ? "-frame_field" : "-frames";
     return {ErrorCode::kBadArgument,
-            "-frames is not possible by tiles: merge the files first, or give -tile_points 0"};
+            option + " is not possible by tiles: leave it, or give -tile_points 0"};
   }
   return streamParams(job, tiles).validate();
 }
