@@ -107,8 +107,9 @@ printRow(const Settings& s, const Scan& scan, const SmoothedPoints& original,
   if (varied.points.empty()) return {};
   std::optional<Eigen::Vector3d> sensor;
   if (scan.sensor) sensor = varied.map * *scan.sensor;
+  if (varied.sensor) sensor = varied.sensor;
   const auto smoothed =
-      continuity::smooth(varied.points, varied.floats, sensor, varied.sensors, s.params());
+      continuity::smooth(varied.points, varied.floats, sensor, varied.origins, s.params());
   if (!smoothed) return smoothed.error();
   const FitStatistics &a = original.fit, &b = smoothed->fit;
   const double unit = std::max(original.sigma, kLeastUnit * scan.box().diagonal().norm());

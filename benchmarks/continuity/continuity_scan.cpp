@@ -131,7 +131,7 @@ reduce(std::size_t most, std::uint64_t seed, Scan& scan)
 
 Result<measure::SmoothedPoints>
 smooth(const Points& points, bool floats, const std::optional<Eigen::Vector3d>& sensor,
-       const Points& sensors, const FitParams& params)
+       const PointOrigins& origins, const FitParams& params)
 {
   std::vector<Eigen::Vector3f> rounded;
   CloudView view;
@@ -146,10 +146,11 @@ smooth(const Points& points, bool floats, const std::optional<Eigen::Vector3d>& 
     view.xyz_stride = sizeof(Eigen::Vector3f);
   }
   if (sensor) view.sensor = {sensor->x(), sensor->y(), sensor->z()};
-  if (!sensors.empty()) {
-    view.sensors = sensors.data();
+  if (!origins.sensors.empty()) {
+    view.sensors = origins.sensors.data();
     view.sensors_stride = sizeof(Eigen::Vector3d);
   }
+  if (!origins.frames.empty()) view.frame_numbers = origins.frames.data();
   return measure::smoothPoints(view, params);
 }
 

@@ -38,10 +38,16 @@ generatedScans(const std::string& part, std::uint64_t seed);
 void
 reduce(std::size_t most, std::uint64_t seed, Scan& scan);
 
+/** \brief Where each point is from. */
+struct PointOrigins {
+  Points sensors;                     ///< of each point; empty: not known
+  std::vector<std::uint32_t> frames;  ///< likewise
+};
+
 /** \brief Fits points and projects them; rounds them to float first where asked for.
- * \param[in] sensors of each point, or none */
+ * \param[in] sensor of all points, or none */
 Result<measure::SmoothedPoints>
 smooth(const Points& points, bool floats, const std::optional<Eigen::Vector3d>& sensor,
-       const Points& sensors, const FitParams& params);
+       const PointOrigins& origins, const FitParams& params);
 
 }  // namespace pcl_slim::continuity

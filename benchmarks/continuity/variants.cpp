@@ -247,27 +247,64 @@ registration(const Scan& scan)
   return Eigen::Translation3d(middle) * tilt(0.001) * Eigen::Translation3d(-middle);
 }
 
-/** The scan and a second frame of the same surface, registered with an error of .001 rad. */
+/** The scan and a second frame of the same surface that is moved. */
 Varied
-merged(const Scan& scan, const SmoothedPoints& smoothed)
+mergedBy(const Eigen::Affine3d& map, const Scan& scan, const SmoothedPoints& smoothed)
 {
   Varied varied = mapped(scan, smoothed, Eigen::Affine3d::Identity(), scan.floats);
-  const Eigen::Affine3d map = registration(scan);
   for (const Eigen::Vector3d& p : scan.second.empty() ? secondFrame(scan, smoothed) : scan.second)
     varied.points.emplace_back(map * p);
   varied.density = 2;
   return varied;
 }
 
+/** The scan and a second frame, registered with an error of .001 rad. */
+Varied
+merged(const Scan& scan, const SmoothedPoints& smoothed)
+{
+  return mergedBy(registration(scan), scan, smoothed);
+}
+
+/** Gives the points of two frames their numbers. */
+Varied
+numbered(const Scan& scan, Varied varied)
+{
+  varied.origins.frames.assign(scan.points.size(), 0);
+  varied.origins.frames.resize(varied.points.size(), 1);
+  return varied;
+}
+
+std::optional<Eigen::Vector3d>
+sensorOf(const Scan& scan)
+{
+  return scan.sensor ? scan.sensor : scan.camera;
+}
+
 /** The same, with the place that each frame was seen from. */
 Varied
 mergedWithSensors(const Scan& scan, const SmoothedPoints& smoothed)
 {
-  const std::optional<Eigen::Vector3d> sensor = scan.sensor ? scan.sensor : scan.camera;
+  const std::optional<Eigen::Vector3d> sensor = sensorOf(scan);
   if (!sensor) return {};
   Varied varied = merged(scan, smoothed);
-  varied.sensors.assign(scan.points.size(), *sensor);
-  varied.sensors.resize(varied.points.size(), registration(scan) * *sensor);
+  varied.origins.sensors.assign(scan.points.size(), *sensor);
+  varied.origins.sensors.resize(varied.points.size(), registration(scan) * *sensor);
+  return varied;
+}
+
+/** The same, with each point's frame and no sensor. */
+Varied
+mergedWithNumbers(const Scan& scan, const SmoothedPoints& smoothed)
+{
+  return numbered(scan, merged(scan, smoothed));
+}
+
+/** Two frames of a sensor that does not move. */
+Varied
+mergedOfOnePlace(const Scan& scan, const SmoothedPoints& smoothed)
+{
+  Varied varied = numbered(scan, mergedBy(Eigen::Affine3d::Identity(), scan, smoothed));
+  varied.sensor = sensorOf(scan);
   return varied;
 }
 
@@ -307,7 +344,9 @@ allVariants(std::uint64_t seed)
           everySecondRow("the other rows", 1, seed),
           {"cropped half", cropped},
           {"two frames merged", merged},
-          {"two frames merged, sensors known", mergedWithSensors}};
+          {"two frames merged, sensors known", mergedWithSensors},
+          {"two frames merged, numbers known", mergedWithNumbers},
+          {"two frames merged, of one place", mergedOfOnePlace}};
 }
 
 }  // namespace pcl_slim::continuity

@@ -12,8 +12,9 @@ namespace pcl_slim::continuity {
 struct Varied {
   Points points;
   std::vector<std::size_t>
-      source;      ///< of each point: its point in the scan; beyond source.size(), none
-  Points sensors;  ///< of each point; empty: not known
+      source;  ///< of each point: its point in the scan; beyond source.size(), none
+  PointOrigins origins;
+  std::optional<Eigen::Vector3d> sensor;  ///< of all points, where the scan itself does not have it
   bool floats = true;
   Eigen::Affine3d map = Eigen::Affine3d::Identity();  ///< from the scan to here: a similarity
   double scale = 1;                                   ///< of the map
