@@ -2,6 +2,7 @@
 // Thin parts whose sides the points hardly determine: docs/theory.md, "Sides before the cover".
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -248,6 +249,65 @@ TEST(FitSides, TurnAndThinningDoNotDecideOverAFlatRing)
         EXPECT_LT(rmsFrom(ring, places), 0.8) << noise << " " << angle << " " << kept;
       }
     }
+  }
+}
+
+/** Ground in waves and returns from trees over half of it, all rough. */
+Cloud
+woods(double roughness)
+{
+  constexpr int kPoints = 12000, kTrees = 240;
+  constexpr double kRadius = 0.04, kHeight = 3;  // the latter in spacings
+  const double spacing = 1 / std::sqrt(kPoints);
+  std::mt19937_64 rng(1);
+  std::uniform_real_distribution<double> share(0, 1);
+  std::normal_distribution<double> gauss;
+  std::vector<Vector3> trees(kTrees);  // x, y, radius
+  for (Vector3& tree : trees) {
+    for (const std::size_t a : {0, 1}) tree[a] = share(rng);
+    tree[2] = kRadius * (0.6 + 0.8 * share(rng));
+  }
+  Cloud cloud;
+  for (int i = 0; i < kPoints; ++i) {
+    const double x = share(rng), y = share(rng);
+    double top = 0;  // of crowns above the ground
+    for (const Vector3& tree : trees) {
+      const double outside = std::hypot(x - tree[0], y - tree[1]) / tree[2];
+      if (outside < 1)
+        top = std::max(top, kHeight * tree[2] / kRadius * std::sqrt(1 - outside * outside));
+    }
+    double height = roughness * gauss(rng);
+    const bool hit = share(rng) < 0.7;
+    const double depth = 0.6 + 0.4 * share(rng);
+    if (hit) height += depth * top;
+    cloud.add(x, y, 0.02 * std::sin(6 * x) * std::cos(5 * y) + spacing * height);
+  }
+  return cloud;
+}
+
+// A fit takes both sheets for noise where they get no sides: it leaves a tenth of the leaves.
+TEST(FitSides, TurnsDoNotDecideWhetherTreesAreDetail)
+{
+  for (const double roughness : {0.1, 0.2}) {
+    const Cloud cloud = woods(roughness);
+    std::vector<double> leaves;
+    for (const unsigned seed : {1u, 2u, 4u, 5u}) {
+      std::mt19937_64 rng(seed);
+      std::normal_distribution<double> gauss;
+      std::array<double, 4> q{};
+      for (double& part : q) part = gauss(rng);
+      const Eigen::Matrix3d turn =
+          Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
+      Cloud turned;
+      for (std::size_t i = 0; i < cloud.size(); ++i) {
+        const Eigen::Vector3d p =
+            turn * Eigen::Map<const Eigen::Vector3d>(cloud.points.data() + 3 * i);
+        turned.add(p[0], p[1], p[2]);
+      }
+      leaves.push_back(static_cast<double>(fitted(turned).statistics.leaves));
+    }
+    const auto [least, most] = std::minmax_element(leaves.begin(), leaves.end());
+    EXPECT_LT(*most, 1.5 * *least) << roughness;
   }
 }
 

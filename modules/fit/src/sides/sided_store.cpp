@@ -38,7 +38,7 @@ struct SideSearch {
   double unsided = 0;       ///< noise measured without sides
   double moved = HUGE_VAL;  ///< noise from which points are moved where sides are in doubt
   bool unknown = false;     ///< no place of one side shows the noise
-  bool for_cover = false;   ///< there is little noise: sides are for the cover alone
+  bool for_cover = false;   ///< a fit finds little noise: sides are for the cover alone
   bool capped = true;       ///< lambda may not exceed the noise that cells are cut by
 };
 
@@ -70,10 +70,10 @@ searchFor(const ThinPlaces& thin, double unsided, bool measured, const SideConst
   search.least = rules.least_cells * thin.spacing;
   search.capped = measured;
   search.unknown = measured && !(thin.noise > 0);
-  search.for_cover = search.noise < rules.full_noise * thin.spacing;
+  search.for_cover = unsided < rules.full_noise * thin.spacing;
   const double least = leastShare(search.noise / thin.spacing, rules);
   search.needed = thin.share >= least || thin.facing >= rules.least_facing;
-  search.share = search.needed ? std::max(thin.share, thin.facing) : thin.share + thin.near;
+  search.share = thin.share + (search.needed ? thin.facing : thin.near);
   if (!search.needed && search.share < rules.clean_thin) return {};
   search.least_apart = rules.part * std::max(0.0, search.share - thin.flat);
   // Wrong sides break up the wide leaves of a clean cloud.
