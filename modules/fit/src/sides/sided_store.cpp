@@ -72,7 +72,7 @@ searchFor(const ThinPlaces& thin, double unsided, bool measured, const SideConst
   search.unknown = measured && !(thin.noise > 0);
   search.for_cover = unsided < rules.full_noise * thin.spacing;
   const double least = leastShare(search.noise / thin.spacing, rules);
-  search.needed = thin.share >= least || thin.facing >= rules.least_facing;
+  search.needed = thin.share >= least || thin.share + thin.facing >= rules.least_facing;
   search.share = thin.share + (search.needed ? thin.facing : thin.near);
   if (!search.needed && search.share < rules.clean_thin) return {};
   search.least_apart = rules.part * std::max(0.0, search.share - thin.flat);
