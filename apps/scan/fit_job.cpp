@@ -274,7 +274,7 @@ countPlaces(const CloudFile& cloud, std::size_t most)
 std::string
 frameNote(const FitJob& job, const CloudFile& cloud, std::size_t frames)
 {
-  const std::string note = counted(frames, "frame");
+  std::string note = counted(frames, "frame");
   if (!job.frame_field.empty()) return note + ", numbered by field " + job.frame_field;
   if (!job.viewpoint.empty() || !job.trajectory.empty()) return note;
   const std::size_t places = countPlaces(cloud, frames);
