@@ -70,10 +70,13 @@ searchFor(const ThinPlaces& thin, double unsided, bool measured, const SideConst
   search.least = rules.least_cells * thin.spacing;
   search.capped = measured;
   search.unknown = measured && !(thin.noise > 0);
-  search.for_cover = unsided < rules.full_noise * thin.spacing;
-  const double least = leastShare(search.noise / thin.spacing, rules);
-  search.needed = thin.share >= least || thin.share + thin.facing >= rules.least_facing;
-  search.share = thin.share + (search.needed ? thin.facing : thin.near);
+  // Merged frames face each other here and there, where their errors differ: such sheets must be surer.
+  const bool most = thin.share + thin.facing >= rules.least_facing;
+  search.for_cover = (most ? unsided : search.noise) < rules.full_noise * thin.spacing;
+  search.needed = most || thin.share >= leastShare(search.noise / thin.spacing, rules);
+  search.share = most            ? thin.share + thin.facing
+                 : search.needed ? std::max(thin.share, thin.facing)
+                                 : thin.share + thin.near;
   if (!search.needed && search.share < rules.clean_thin) return {};
   search.least_apart = rules.part * std::max(0.0, search.share - thin.flat);
   // Wrong sides break up the wide leaves of a clean cloud.
