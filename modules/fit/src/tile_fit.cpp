@@ -28,7 +28,6 @@ windowedConstants(const TraitsSample& how)
 {
   FitConstants constants;
   constants.noise.most_part *= how.windows;
-  constants.noise.shared.most_part *= how.windows;
   return constants;
 }
 

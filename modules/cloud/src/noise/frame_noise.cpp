@@ -63,7 +63,7 @@ pointsOf(const PointStore& store, const Vector3& frame, int threads)
 std::size_t
 widestPatch(const PointStore& store, const NoiseConstants& constants)
 {
-  return std::max(constants.first_neighbors, store.size() / constants.shared.most_part);
+  return std::max(constants.first_neighbors, store.size() / constants.most_part);
 }
 
 /** Patches whose cells contain about as many points as share their errors. */

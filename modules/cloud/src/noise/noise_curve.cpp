@@ -368,7 +368,7 @@ measureCurve(const PointStore& store, std::size_t k, double white, const NoiseCo
   const auto measure = [&](std::size_t places) {
     NoiseCurve curve;
     ThinnedPlaces points(store, places);
-    measureScales(points, k, store.size() / shared.most_part, constants, threads, curve.scales);
+    measureScales(points, k, store.size() / constants.most_part, constants, threads, curve.scales);
     curve.noise = noiseOf(curve.scales, white, constants);
     curve.halves = halvesOf(curve.scales, white, constants, threads);
     return curve;

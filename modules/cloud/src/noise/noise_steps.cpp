@@ -122,7 +122,7 @@ measureSteps(const PointStore& store, const NoiseConstants& constants, int threa
   std::size_t k = steps.wide;
   StepRatios found = ratios(k);
   // On terraces as wide as a patch rounding shows in part; where it shows in full, it grows no more.
-  const std::size_t most = store.size() / (2 * constants.shared.most_part);
+  const std::size_t most = store.size() / (2 * constants.most_part);
   std::size_t wide = k;
   StepRatios wider = found;
   while (wider.to_rounding < steps.full_ratio && 2 * wide <= most) wider = ratios(wide *= 2);

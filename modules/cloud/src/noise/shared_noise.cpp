@@ -33,7 +33,7 @@ staysUneven(const PointStore& store, const NoiseLevel& noise, const std::vector<
             const NoiseConstants& constants, int threads)
 {
   const std::size_t k = noise.neighbors;
-  if (8 * k * constants.shared.most_part > store.size()) return false;
+  if (8 * k * constants.most_part > store.size()) return false;
   ThinnedPlaces points(store, scales.front().variances.size());
   const auto scale = [&](std::size_t factor) {
     return measureScale(points, factor * k, constants, threads);
@@ -132,7 +132,7 @@ recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
   if (curve.noise.variance < resolved * resolved) return white;
   NoiseLevel noise = curveNoise(curve, white, static_cast<double>(store.size()), constants);
   const StepNoise steps = measureSteps(store, constants, threads);
-  if (steps.step > 0 && store.size() >= 2 * constants.shared.most_part * steps.neighbors) {
+  if (steps.step > 0 && store.size() >= 2 * constants.most_part * steps.neighbors) {
     const NoiseLevel rounding = roundingNoise(store, steps, constants, threads);
     if (noise.correlation < constants.steps.correlation ||
         !isFlat(noise.variance, rounding.variance, constants))
@@ -150,8 +150,9 @@ measureSharedNoise(const PointStore& store, double correlation, const NoiseConst
 {
   threads = resolveThreads(threads);
   std::size_t k = smallestPatch(store, constants, threads);
-  const std::size_t most = std::max<std::size_t>(k, store.size() / constants.shared.most_part);
-  while (static_cast<double>(k) < constants.shared.given_patch * correlation && 2 * k <= most)
+  const std::size_t most = std::max<std::size_t>(k, store.size() / constants.most_part);
+  while (static_cast<double>(k) < static_cast<double>(constants.shared.cells) * correlation &&
+         2 * k <= most)
     k *= 2;
   NoiseLevel noise = scaleNoise(measureScale(store, k, constants, threads), constants);
   noise.correlation = noise.dependence = correlation;

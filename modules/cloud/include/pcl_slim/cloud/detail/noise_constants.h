@@ -24,9 +24,8 @@ struct SharedNoiseConstants {
   std::size_t half_samples = 8;    ///< halves of the places whose outcomes are compared
   double variance_error = 0.05;    ///< RMS error wanted of the variance's logarithm ...
   double correlation_error =
-      0.07;                   ///< ... and of that of the number of points that share their errors
-  std::size_t most_part = 8;  ///< a patch contains at most the cloud's points over this
-  std::size_t cells = 32;     ///< of equal size, into which a patch's points fall
+      0.07;                ///< ... and of that of the number of points that share their errors
+  std::size_t cells = 32;  ///< of equal size, into which a patch's points fall
   std::size_t least_points = 80;  ///< points of a patch whose squares can share
   double plainest =
       0.35;               ///< share of the places, those of least variance, whose growth counts ...
@@ -60,7 +59,6 @@ struct SharedNoiseConstants {
   double chance =
       0.2;             ///< growth from the smallest patches' variance that white noise may show ...
   double plain = 1.0;  ///< ... and from which on all of it counts
-  double given_patch = 32;  ///< points of a patch over a given number that share
 };
 
 /** \brief How a coordinate that a sensor rounds is recognised (docs/theory.md, "Steps"). */
