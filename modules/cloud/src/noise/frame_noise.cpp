@@ -184,7 +184,6 @@ recognizeFrameNoise(const PointStore& store, const NoiseLevel& white,
   noise.variance = std::max(noise.variance, white.variance);
   noise.neighbors = all.k;
   noise.patch_radius = all.radius;
-  noise.least_neighbors = white.least_neighbors;
   noise.patches += white.patches;
   return noise;
 }

@@ -128,7 +128,7 @@ plateauChances(const std::vector<ScaleFigures>& figures, const SharedNoiseConsta
   double peak = 0;    // greatest growth so far
   for (std::size_t i = 0; i < figures.size(); ++i) {
     const ScaleFigures& f = figures[i];
-    const double still = fallOff(std::abs(f.power_growth), constants.very_still);
+    const double still = fallOff(std::abs(f.power_growth), constants.flat);
     const double noise =
         std::max(gentle, still) * fallOff(fallAbout(figures, i, constants), constants.fall);
     const double slow = constants.slow * std::min(peak, constants.most_peak);
@@ -181,22 +181,17 @@ weigh(const std::vector<ScaleFigures>& figures, const std::vector<PlateauChance>
   const std::vector<Eigen::Array2d> shown = withoutShape(figures, chances, white, constants);
   Eigen::Array2d run(std::log(white), shown.front()[1]);
   Eigen::Array2d noise(std::log(white), 0);
-  double peak = 0;        // greatest growth of the power so far
-  double last = 0;        // chance that the scale before is a plateau of constant power ...
-  double first = 0;       // ... and that two such scales in a row have shown the noise
-  double level = run[0];  // of these, its variance
+  double peak = 0;   // greatest growth of the power so far
+  double last = 0;   // chance that the scale before is a plateau of constant power ...
+  double first = 0;  // ... and that two such scales in a row have shown the noise
   for (std::size_t i = 0; i < figures.size(); ++i) {
     const double before = i == 0 ? 1 : std::max(chances[i - 1].flat, first);
     const double moves = std::abs(figures[i].power_growth);
     const double still = fallOff(moves, std::max(constants.still, constants.slowing * peak));
     if (i > 0) run += (1 - before * (1 - still)) * (shown[i] - run);
-    const double beyond = 1 - fallOff((run[0] - level) / std::log(2.0), constants.beyond);
-    noise += chances[i].slow * (1 - first * beyond) * (run - noise);
+    noise += chances[i].slow * (run - noise);
     const double plateau = chances[i].flat * still;
-    if (last * plateau > first) {
-      first = last * plateau;
-      level = run[0];
-    }
+    first = std::max(first, last * plateau);
     last = plateau;
     peak = std::max(peak, moves);
   }
@@ -236,7 +231,7 @@ isWhite(const std::vector<PatchScale>& scales, const NoiseConstants& constants)
   if (n < 3 || scales[n - 3].k < shared.least_points) return false;
   for (const std::size_t i : {n - 3, n - 2}) {
     const ScaleFigures f = figuresOf(scales, i, constants);
-    if (std::max(std::abs(f.growth), std::abs(f.power_growth)) > shared.settled ||
+    if (std::max(std::abs(f.growth), std::abs(f.power_growth)) > shared.chance ||
         f.correlation >= shared.least)
       return false;
   }

@@ -36,7 +36,7 @@ patchLevel(const PointStore& store, std::size_t k, const NoiseConstants& constan
   level.error = 0.5 * trimmedMeanError(values, constants.trim);
   level.variance = trimmedMean(values, constants.trim);
   level.patch_radius = median(radii);
-  level.neighbors = level.least_neighbors = k;
+  level.neighbors = k;
   level.patches = radii.size();
   return level;
 }
@@ -64,13 +64,11 @@ measureNoise(const PointStore& store, const NoiseConstants& constants, int threa
   const std::size_t first = smallestPatch(store, constants, threads);
   const std::size_t most = store.size() / constants.most_part + first;
   NoiseLevel noise = patchLevel(store, first, constants, threads);
-  std::size_t least = 0, patches = noise.patches;
+  std::size_t patches = noise.patches;
   for (std::size_t k = 2 * first; k <= most; k *= 2) {
     const NoiseLevel wider = patchLevel(store, k, constants, threads);
     patches += wider.patches;
-    const double share = std::sqrt(noise.variance) / noise.patch_radius;
-    if (share < constants.patch_noise) {
-      least = share < constants.filled_patch ? noise.neighbors : k;
+    if (std::sqrt(noise.variance) < constants.patch_noise * noise.patch_radius) {
       removeBias(wider, constants, noise);
       break;
     }
@@ -79,7 +77,6 @@ measureNoise(const PointStore& store, const NoiseConstants& constants, int threa
   const double floor = constants.floor * store.bulkDiagonal();
   if (noise.variance < floor * floor) noise.error = 0;
   noise.variance = std::max(noise.variance, floor * floor);
-  noise.least_neighbors = least > 0 ? least : noise.neighbors;
   noise.line = first > constants.first_neighbors ? first / 2 : 0;
   noise.patches = patches;
   return noise;

@@ -45,7 +45,7 @@ runsFor(std::size_t k, const PointStore& store, const NoiseConstants& constants)
   const std::size_t reach = constants.window * constants.points_per_run / points;
   return {std::clamp(store.size() / points, std::min(constants.least_samples, store.size()),
                      constants.most_runs),
-          std::max(constants.least_window, reach)};
+          std::max<std::size_t>(1, reach)};
 }
 
 /** The mean variance of patches of k points about every run. */

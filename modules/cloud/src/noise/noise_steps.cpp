@@ -131,7 +131,7 @@ measureSteps(const PointStore& store, const NoiseConstants& constants, int threa
     found = wider;
     k = wide;
   }
-  if (!(found.to_rounding > steps.least_ratio) || found.to_rounding > steps.most_ratio) return {};
+  if (!(found.to_rounding > 0) || found.to_rounding > steps.most_ratio) return {};
   return {found.step, k};
 }
 

@@ -96,7 +96,7 @@ windowedMeans(const std::vector<double>& values, std::size_t reach, const NoiseC
 inline bool
 isFlat(double narrow, double wider, const NoiseConstants& constants)
 {
-  return wider <= std::exp2(constants.white) * narrow;
+  return wider <= std::exp2(constants.shared.chance) * narrow;
 }
 
 /** \brief Calls measure(search, sample, s) at evenly strided points, s counting them. */

@@ -103,7 +103,6 @@ roundingNoise(const PointStore& store, const StepNoise& steps, const NoiseConsta
   NoiseLevel noise = scaleNoise(scales[rounding.scale], constants);
   noise.variance = rounding.variance;
   setCorrelation(rounding.correlation, constants.shared, noise);
-  noise.step = steps.step;
   return noise;
 }
 
@@ -125,8 +124,7 @@ recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
   if (white.neighbors == 0) return white;
   if (white.line > 0) return alongLines(white);
   threads = resolveThreads(threads);
-  const NoiseCurve curve =
-      measureCurve(store, white.least_neighbors, white.variance, constants, threads);
+  const NoiseCurve curve = measureCurve(store, white.neighbors, white.variance, constants, threads);
   const std::vector<PatchScale>& scales = curve.scales;
   const double resolved = constants.shared.resolved * store.bulkDiagonal();
   if (curve.noise.variance < resolved * resolved) return white;
@@ -137,6 +135,7 @@ recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
     if (noise.correlation < constants.steps.correlation ||
         !isFlat(noise.variance, rounding.variance, constants))
       noise = rounding;
+    noise.step = steps.step;
   }
   if (!(noise.correlation > 1))
     noise.uneven = staysUneven(store, noise, scales, constants, threads);

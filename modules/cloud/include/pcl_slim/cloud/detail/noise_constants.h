@@ -31,21 +31,18 @@ struct SharedNoiseConstants {
       0.35;               ///< share of the places, those of least variance, whose growth counts ...
   std::size_t ahead = 3;  ///< ... on patches this many doublings wider
   double flat_place = 0.5;     ///< growth up to which a place is flat
-  double flat = 0.33;          ///< growth of the variance at which a size of patch is no plateau
+  double flat = 0.33;          ///< growth at which a size of patch is no plateau
   double slow = 0.62;          ///< the same as a share of the greatest growth before, ...
   double most_peak = 0.8;      ///< ... of which at most this counts
   double steep = 1.2;          ///< growth that noise does not show ...
   double steep_width = 0.1;    ///< ... and the width of the passage
   double shape = 2;            ///< growth, twice in a row, after which there is shape alone
-  double settled = 0.15;       ///< growth of variance and power, either way, of white noise
   double fall = 0.8;           ///< fall of the power that noise does not show
   double still = 0.42;         ///< growth of the power, either way, at which it is not constant
   double slowing = 0.8;        ///< the same as a share of the greatest growth before
   double sided_slowing = 0.5;  ///< the same of thin parts with sides that were found
-  double very_still = 0.3;     ///< the same where growth has been steep before
   double spread = 1.5;   ///< growth of a plateau's mean over that of plain places, at most, ...
   double creases = 0.1;  ///< ... and added to it
-  double beyond = 1.5;   ///< growth beyond a plateau, in all, that noise does not show
   double most = 0.83;    ///< share of the noise that a profile's patches show
   double trim = 0.15;    ///< share of patches left out at either end of a size's mean
   double least = 1.5;    ///< fewer neighbours than that share nothing ...
@@ -71,9 +68,8 @@ struct StepConstants {
   std::size_t scouts = 8192;           ///< points whose coordinates are examined first
   double least_points = 50;            ///< points per level, on average
   std::size_t wide = 160;              ///< points of the patches whose variance is compared
-  double least_ratio = 0.25;           ///< variance over that of rounding, (step n)^2 / 12 ...
-  double full_ratio = 0.9;             ///< ... all of which patches must show ...
-  double most_ratio = 2.0;             ///< ... and beyond which there is other noise
+  double full_ratio = 0.9;             ///< variance over all of rounding's, (step n)^2 / 12, ...
+  double most_ratio = 2.0;             ///< ... and that beyond which there is other noise
   std::size_t rounding_places = 1200;  ///< where patches that show all of it are compared
   double flat = 0.7;                   ///< growth beyond those patches that is a surface's
   double correlation = 2;              ///< points that share a step's error, at least
@@ -97,8 +93,6 @@ struct NoiseConstants {
   std::size_t least_samples = 100;      ///< patches of a large size
   double trim = 0.1;         ///< share of patches left out at either end of a trimmed mean
   double patch_noise = 0.4;  ///< sqrt(lambda) over the patch's radius above which noise fills it
-  double filled_patch =
-      0.28;  ///< the same of the narrowest patches that are compared with wider ones
   /// A cubic's squared bias grows by this when the number of points doubles (radius to the eighth).
   double bias_growth = 16.0;
   double floor = 1e-11;  ///< least sqrt(lambda) [L of the bulk]: float positions resolve no less
@@ -110,13 +104,10 @@ struct NoiseConstants {
   std::size_t points_per_run = 128;  ///< points of one entry of a noise profile ...
   std::size_t runs_per_patch = 16;   ///< ... unless a patch would have more runs than this
   std::size_t most_runs = 8192;      ///< entries of a noise profile
-  std::size_t window = 8;        ///< runs of that many points to either side that an entry rests on
-  std::size_t least_window = 2;  ///< longer runs to either side, at least
-  float least_ratio = 0.001f;    ///< least noise ratio of an entry; its inverse is the largest
-  double white =
-      0.25;  ///< growth of the variance from k to 2 k neighbours up to which noise is white
-  double uneven = 2;          ///< variance over the cloud's from which noise passes for detail
-  double uneven_share = 0.1;  ///< share of places of this noise from which a profile is made
+  std::size_t window = 8;      ///< runs of that many points to either side that an entry rests on
+  float least_ratio = 0.001f;  ///< least noise ratio of an entry; its inverse is the largest
+  double uneven = 2;           ///< variance over the cloud's from which noise passes for detail
+  double uneven_share = 0.1;   ///< share of places of this noise from which a profile is made
 
   PatchSheetConstants sheets;
   SharedNoiseConstants shared;

@@ -12,19 +12,18 @@ namespace pcl_slim::detail {
 
 /** \brief A measured noise level, and the patches that showed it. */
 struct NoiseLevel {
-  double variance = 0;              ///< lambda, squared local lengths
-  double error = 0;                 ///< relative standard error of its root
-  double patch_radius = 0;          ///< median radius of the patches, local length
-  std::size_t neighbors = 0;        ///< points of such a patch; 0: the store has too few points
-  std::size_t least_neighbors = 0;  ///< points of the smallest patch that noise does not fill
-  std::size_t patches = 0;          ///< patches measured, of any size
-  std::size_t line = 0;             ///< points of a patch that is a line; 0: the smallest are none
-  double correlation = 1;           ///< tau: points that share their errors; 1: white noise
-  double correlation_error = 0;     ///< relative standard error of tau
-  double dependence = 1;            ///< of these, as many as a fit takes for one
-  double step = 0;                  ///< of quantised coordinates, local length; 0: none was found
-  std::size_t frames = 0;           ///< whose noise it is; 0: that of the cloud as a whole
-  bool uneven = false;              ///< places have more noise, which a fit would take for detail
+  double variance = 0;           ///< lambda, squared local lengths
+  double error = 0;              ///< relative standard error of its root
+  double patch_radius = 0;       ///< median radius of the patches, local length
+  std::size_t neighbors = 0;     ///< points of such a patch; 0: the store has too few points
+  std::size_t patches = 0;       ///< patches measured, of any size
+  std::size_t line = 0;          ///< points of a patch that is a line; 0: the smallest are none
+  double correlation = 1;        ///< tau: points that share their errors; 1: white noise
+  double correlation_error = 0;  ///< relative standard error of tau
+  double dependence = 1;         ///< of these, as many as a fit takes for one
+  double step = 0;               ///< of quantised coordinates, local length; 0: none was found
+  std::size_t frames = 0;        ///< whose noise it is; 0: that of the cloud as a whole
+  bool uneven = false;           ///< places have more noise, which a fit would take for detail
 };
 
 /** \brief NoiseEstimator::kCubicResidual. Nothing for stores of fewer than 12 points. */
