@@ -10,6 +10,9 @@ expect 0 '' scan.pcd tiles.slim -tile_points 20000 -threads 1 -json tiles.json
 [ "$(value tiles.json count)" -ge 10 ] || complain "$(value tiles.json count) tiles"
 [ "$(value tiles.json uncovered)" -le 20 ] || complain "$(value tiles.json uncovered) points are uncovered"
 
+# The amphora's ornament is of limited height: detail, which resembles noise that neighbours share.
+[ "$(value tiles.json noise_correlation)" = 1.0 ] || complain "$(value tiles.json noise_correlation) points share noise"
+
 expect 0 '' scan.pcd two.slim -tile_points 20000 -threads 2 -json two.json
 same tiles.slim two.slim
 [ "$(value two.json at_once)" -eq 2 ] || complain "$(value two.json at_once) tiles at once by two threads"

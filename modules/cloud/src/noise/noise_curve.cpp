@@ -181,17 +181,22 @@ weigh(const std::vector<ScaleFigures>& figures, const std::vector<PlateauChance>
   const std::vector<Eigen::Array2d> shown = withoutShape(figures, chances, white, constants);
   Eigen::Array2d run(std::log(white), shown.front()[1]);
   Eigen::Array2d noise(std::log(white), 0);
-  double peak = 0;   // greatest growth of the power so far
-  double last = 0;   // chance that the scale before is a plateau of constant power ...
-  double first = 0;  // ... and that two such scales in a row have shown the noise
+  double peak = 0;        // greatest growth of the power so far
+  double last = 0;        // chance that the scale before is a plateau of constant power ...
+  double first = 0;       // ... and that two such scales in a row have shown the noise
+  double level = run[0];  // of these, its variance
   for (std::size_t i = 0; i < figures.size(); ++i) {
     const double before = i == 0 ? 1 : std::max(chances[i - 1].flat, first);
     const double moves = std::abs(figures[i].power_growth);
     const double still = fallOff(moves, std::max(constants.still, constants.slowing * peak));
     if (i > 0) run += (1 - before * (1 - still)) * (shown[i] - run);
-    noise += chances[i].slow * (run - noise);
+    const double beyond = 1 - fallOff((run[0] - level) / std::log(2.0), constants.beyond);
+    noise += chances[i].slow * (1 - first * beyond) * (run - noise);
     const double plateau = chances[i].flat * still;
-    first = std::max(first, last * plateau);
+    if (last * plateau > first) {
+      first = last * plateau;
+      level = run[0];
+    }
     last = plateau;
     peak = std::max(peak, moves);
   }

@@ -31,9 +31,6 @@ windowedMeans(const std::vector<double>& values, std::size_t reach, const NoiseC
 
 namespace {
 
-/// Of patches as wide as a stereo camera's errors: half as many double the leaves of merged frames.
-constexpr std::size_t kLeastReach = 2;
-
 /** The entries of a profile, and how many to either side each rests on. */
 struct Runs {
   std::size_t count, reach;
@@ -48,7 +45,7 @@ runsFor(std::size_t k, const PointStore& store, const NoiseConstants& constants)
   const std::size_t reach = constants.window * constants.points_per_run / points;
   return {std::clamp(store.size() / points, std::min(constants.least_samples, store.size()),
                      constants.most_runs),
-          std::max(kLeastReach, reach)};
+          std::max(constants.least_window, reach)};
 }
 
 /** The mean variance of patches of k points about every run. */

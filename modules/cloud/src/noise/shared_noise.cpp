@@ -103,6 +103,7 @@ roundingNoise(const PointStore& store, const StepNoise& steps, const NoiseConsta
   NoiseLevel noise = scaleNoise(scales[rounding.scale], constants);
   noise.variance = rounding.variance;
   setCorrelation(rounding.correlation, constants.shared, noise);
+  noise.step = steps.step;
   return noise;
 }
 
@@ -135,7 +136,6 @@ recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
     if (noise.correlation < constants.steps.correlation ||
         !isFlat(noise.variance, rounding.variance, constants))
       noise = rounding;
-    noise.step = steps.step;
   }
   if (!(noise.correlation > 1))
     noise.uneven = staysUneven(store, noise, scales, constants, threads);

@@ -43,6 +43,7 @@ struct SharedNoiseConstants {
   double sided_slowing = 0.5;  ///< the same of thin parts with sides that were found
   double spread = 1.5;   ///< growth of a plateau's mean over that of plain places, at most, ...
   double creases = 0.1;  ///< ... and added to it
+  double beyond = 1.5;   ///< growth beyond a plateau, in all, that noise does not show
   double most = 0.83;    ///< share of the noise that a profile's patches show
   double trim = 0.15;    ///< share of patches left out at either end of a size's mean
   double least = 1.5;    ///< fewer neighbours than that share nothing ...
@@ -104,10 +105,11 @@ struct NoiseConstants {
   std::size_t points_per_run = 128;  ///< points of one entry of a noise profile ...
   std::size_t runs_per_patch = 16;   ///< ... unless a patch would have more runs than this
   std::size_t most_runs = 8192;      ///< entries of a noise profile
-  std::size_t window = 8;      ///< runs of that many points to either side that an entry rests on
-  float least_ratio = 0.001f;  ///< least noise ratio of an entry; its inverse is the largest
-  double uneven = 2;           ///< variance over the cloud's from which noise passes for detail
-  double uneven_share = 0.1;   ///< share of places of this noise from which a profile is made
+  std::size_t window = 8;        ///< runs of that many points to either side that an entry rests on
+  std::size_t least_window = 2;  ///< longer runs to either side, at least
+  float least_ratio = 0.001f;    ///< least noise ratio of an entry; its inverse is the largest
+  double uneven = 2;             ///< variance over the cloud's from which noise passes for detail
+  double uneven_share = 0.1;     ///< share of places of this noise from which a profile is made
 
   PatchSheetConstants sheets;
   SharedNoiseConstants shared;
