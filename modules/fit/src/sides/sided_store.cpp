@@ -85,13 +85,13 @@ searchFor(const ThinPlaces& thin, double unsided, bool measured, const SideConst
   return search;
 }
 
-/** Sides by cells of one width, and what is measured with them. */
+/** Sides by cells of one width, and the noise that they show. */
 struct SidedFit {
   Sides sides;
-  FitStatistics stats;
-  CloudMeasures measures;
-  double spacing = 0;  ///< of the points
-  double noise = 0;    ///< as measured, before it is capped
+  double spacing = 0;      ///< of the points
+  double noise = 0;        ///< from few places
+  double most = HUGE_VAL;  ///< noise that a fit may have with these sides
+  double scanned = 0;      ///< noise of the points before they were moved
   std::size_t plane_neighbors = 0;
   std::vector<std::array<double, 3>> feet{};  ///< where the points are moved to; none: they stay
 
@@ -118,23 +118,39 @@ leastCells(const SideSearch& search, double noise, double spacing,
   return narrower ? rules.doubtful_cells * spacing : search.least;
 }
 
+/** Constants with which noise is measured at few places, where sides are compared. */
+FitConstants
+fewPlaces(FitConstants constants)
+{
+  constants.noise.shared.most_places = constants.noise.shared.places;
+  return constants;
+}
+
+/** The RMS noise that a store's sides show. */
+Result<double>
+noiseOf(const PointStore& store, const FitConstants& constants, FitParams params, int threads)
+{
+  if (!params.noise_model) params.local_noise = false;
+  FitStatistics unused;
+  const Result<CloudMeasures> measured = measureCloud(store, params, constants, threads, unused);
+  if (!measured) return measured.error();
+  return std::sqrt(measured->lambda);
+}
+
 /** Seeks sides by narrower and narrower cells: cells with both sides leave doubts, or too few
  * faces separated. Keeps the sides of the least cost. Leaves doubts that moving the points answers better. Where no
  * place shows the noise, cells wider than parts show parts as rough sheets, and all widths are tried:
  * the cost rises before it falls. */
 Error
 seekSides(const SideSearch& search, double spacing, const FitConstants& constants,
-          const FitParams& params, SidedStore& sided, const FitStatistics& stats,
-          std::optional<SidedFit>& best)
+          const FitParams& params, int threads, SidedStore& sided, std::optional<SidedFit>& best)
 {
   const SideConstants& rules = constants.sides;
   double noise = std::max(search.noise, search.least);
   bool settled = false;  // narrower cells show the same noise
   for (int pass = 0; pass < rules.noise_passes; ++pass) {
     sided.clearSides();
-    SidedFit next{findSides(sided.store(), noise, spacing, SideScope::kAll, rules, stats.threads),
-                  stats,
-                  {},
+    SidedFit next{findSides(sided.store(), noise, spacing, SideScope::kAll, rules, threads),
                   spacing};
     const bool few = next.sides.thin < search.least_apart;
     const double most_doubt = best ? search.doubt : std::max(search.doubt, search.first_doubt);
@@ -144,11 +160,9 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
     double found = noise;
     if (!few && !doubtful) {
       sided.setSides(next.sides.normals);
-      Result<CloudMeasures> measured =
-          measureCloud(sided.store(), params, constants, stats.threads, next.stats);
+      const Result<double> measured = noiseOf(sided.store(), fewPlaces(constants), params, threads);
       if (!measured) return measured.error();
-      next.measures = std::move(*measured);
-      found = next.noise = std::sqrt(next.measures.lambda);
+      found = next.noise = *measured;
       if (!search.needed && found > rules.same_noise * search.unsided) break;
       settled = best && next.noise > rules.same_noise * best->noise;
       const bool worse = best && (next.cost() > best->cost() ||
@@ -156,9 +170,9 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
       if (worse && !search.unknown) break;
       // Wider balls would contain what these cells separate. Sides never add to the noise: a patch of one
       // side alone of a thin tube bends more than its cubic.
-      const double most = std::min(std::max(noise, search.least),
-                                   std::max(search.unsided, rules.least_noise * spacing));
-      if (search.capped) next.measures.lambda = std::min(next.measures.lambda, most * most);
+      if (search.capped)
+        next.most = std::min(std::max(noise, search.least),
+                             std::max(search.unsided, rules.least_noise * spacing));
       if (!worse) best = std::move(next);
     }
     const bool same = found > rules.same_noise * noise;
@@ -175,7 +189,7 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
  * that it finds replace the others, with the feet. */
 Error
 seekSidesOfFeet(const ThinPlaces& thin, double unsided, const FitConstants& constants,
-                const FitParams& params, const PointStore& store, const FitStatistics& stats,
+                const FitParams& params, int threads, const PointStore& store,
                 std::optional<SidedFit>& best)
 {
   const SideConstants& rules = constants.sides;
@@ -183,16 +197,14 @@ seekSidesOfFeet(const ThinPlaces& thin, double unsided, const FitConstants& cons
   const auto k = static_cast<std::size_t>(std::min(rules.plane * ratio * ratio, rules.most_plane));
   PointStore moved = store;
   if (best->sides.confidence > rules.plane_sides) moved.setSides(best->sides.normals);
-  std::vector<std::array<double, 3>> feet = feetOnLocalPlanes(moved, k, stats.threads);
+  std::vector<std::array<double, 3>> feet = feetOnLocalPlanes(moved, k, threads);
   moved.clearSides();
-  moved.moveTo(feet, stats.threads);
+  moved.moveTo(feet, threads);
 
-  FitStatistics moved_stats = stats;
-  const Result<CloudMeasures> measured =
-      measureCloud(moved, params, constants, stats.threads, moved_stats);
+  const Result<double> measured = noiseOf(moved, fewPlaces(constants), params, threads);
   if (!measured) return measured.error();
-  const ThinPlaces left = findThinPlaces(moved, rules, constants.noise, stats.threads);
-  auto search = searchFor(left, std::sqrt(measured->lambda), true, rules);
+  const ThinPlaces left = findThinPlaces(moved, rules, constants.noise, threads);
+  auto search = searchFor(left, *measured, true, rules);
   if (!search) return {};  // no sides are left to be found
   // Moved points show fewer thin places, but no fewer doubts.
   search->first_doubt = rules.doubt * thin.share;
@@ -201,10 +213,10 @@ seekSidesOfFeet(const ThinPlaces& thin, double unsided, const FitConstants& cons
   search->unsided = std::max(search->unsided, rules.feet_noise * noise);
   SidedStore sided(moved);
   std::optional<SidedFit> found;
-  if (Error error = seekSides(*search, left.spacing, constants, params, sided, moved_stats, found))
+  if (Error error = seekSides(*search, left.spacing, constants, params, threads, sided, found))
     return error;
   if (!found) return {};
-  found->measures.scanned = noise * noise;
+  found->scanned = noise;
   found->plane_neighbors = k;
   found->feet = std::move(feet);
   best = std::move(found);
@@ -214,13 +226,13 @@ seekSidesOfFeet(const ThinPlaces& thin, double unsided, const FitConstants& cons
 /** The share of the noise variance that leaves may leave: balls that noise makes wide contain both sheets where
  * these are few spacings apart, and wrong sides do not keep them apart. */
 double
-noiseShare(const SidedFit& fit, const SideConstants& rules)
+noiseShare(const SidedFit& fit, double lambda, const SideConstants& rules)
 {
   const auto ramp = [](double x, double all, double none) {
     return std::clamp((none - x) / (none - all), 0.0, 1.0);
   };
   const double gap = fit.sides.gap, followed = rules.followed * gap;
-  const double least = std::min(1.0, followed * followed / fit.measures.lambda);
+  const double least = std::min(1.0, followed * followed / lambda);
   return std::pow(least, ramp(fit.sides.confidence, rules.more_doubt, rules.less_doubt) *
                              ramp(gap / fit.spacing, rules.near_gap, rules.far_gap));
 }
@@ -287,7 +299,7 @@ seekSidesOfAll(const ThinPlaces& thin, double unsided, const FitConstants& const
 {
   const SideConstants& rules = constants.sides;
   const auto seek = [&] {
-    return seekSides(search, thin.spacing, constants, params, sided, stats, best);
+    return seekSides(search, thin.spacing, constants, params, stats.threads, sided, best);
   };
   search.moved = leastMoved(thin.spacing, params, rules);
   if (Error error = seek()) return error;
@@ -297,7 +309,13 @@ seekSidesOfAll(const ThinPlaces& thin, double unsided, const FitConstants& const
     if (Error error = seek()) return error;
   }
   if (!best || !best->isMoved(search, rules)) return {};
-  if (Error error = seekSidesOfFeet(thin, unsided, constants, params, sided.store(), stats, best))
+  sided.setSides(best->sides.normals);
+  const Result<double> measured = noiseOf(sided.store(), constants, params, stats.threads);
+  sided.clearSides();
+  if (!measured) return measured.error();
+  best->noise = *measured;
+  if (Error error =
+          seekSidesOfFeet(thin, unsided, constants, params, stats.threads, sided.store(), best))
     return error;
   if (!best->feet.empty()) return {};
   search.moved = HUGE_VAL;
@@ -305,20 +323,27 @@ seekSidesOfAll(const ThinPlaces& thin, double unsided, const FitConstants& const
   return seek();
 }
 
-/** Gives a fit the sides that were found. */
-void
-takeSides(SidedFit& found, const SideSearch& search, const SideConstants& rules, SidedStore& sided,
-          CloudMeasures& measures, FitStatistics& stats)
+/** Gives a fit the sides that were found, and measures the cloud anew with them. */
+Error
+takeSides(SidedFit& found, const SideSearch& search, const FitConstants& constants,
+          const FitParams& params, SidedStore& sided, CloudMeasures& measures, FitStatistics& stats)
 {
+  const SideConstants& rules = constants.sides;
   if (!found.feet.empty()) sided.moveTo(found.feet, stats.threads);
-  if (!sided.store().hasSensors())
-    settleSides(sided.store(), found.sides.on_rods, rules, stats.threads, found.sides.normals);
-  stats = found.stats;
+  sided.setSides(found.sides.normals);
+  Result<CloudMeasures> measured =
+      measureCloud(sided.store(), params, constants, stats.threads, stats);
+  if (!measured) return measured.error();
+  measures = std::move(*measured);
+  measures.lambda = std::min(measures.lambda, found.most * found.most);
+  measures.scanned = found.scanned * found.scanned;
   SideStatistics& sides = stats.sides;
-  if (search.capped) sides.noise_share = noiseShare(found, rules);
-  measures = std::move(found.measures);
+  if (search.capped) sides.noise_share = noiseShare(found, measures.lambda, rules);
   if (sides.noise_share < 1 && !(measures.scanned > 0)) measures.scanned = measures.lambda;
   measures.lambda *= sides.noise_share;
+  sided.clearSides();
+  if (!sided.store().hasSensors())
+    settleSides(sided.store(), found.sides.on_rods, rules, stats.threads, found.sides.normals);
   // Where there is little noise, leaves may start at points whose neighbours face elsewhere.
   sides.for_cover = search.for_cover;
   if (sides.for_cover)
@@ -331,6 +356,7 @@ takeSides(SidedFit& found, const SideSearch& search, const SideConstants& rules,
   sides.in_doubt = sides.confidence < rules.sure;
   sides.plane_neighbors = found.plane_neighbors;
   if (found.sides.gap < HUGE_VAL) sides.gap = found.sides.gap / found.spacing;
+  return {};
 }
 
 }  // namespace
@@ -356,8 +382,7 @@ giveSides(const FitConstants& constants, const FitParams& params, SidedStore& si
   std::optional<SidedFit> best;
   if (Error error = seekSidesOfAll(thin, unsided, constants, params, *search, sided, stats, best))
     return error;
-  if (best) takeSides(*best, *search, rules, sided, measures, stats);
-  return {};
+  return best ? takeSides(*best, *search, constants, params, sided, measures, stats) : Error{};
 }
 
 }  // namespace pcl_slim::detail
