@@ -72,8 +72,7 @@ scaleOfCells(const PointStore& store, double correlation, const NoiseConstants& 
              int threads)
 {
   const SharedNoiseConstants& shared = constants.shared;
-  const double least = std::max(static_cast<double>(shared.least_points),
-                                static_cast<double>(shared.cells) * correlation);
+  const double least = static_cast<double>(shared.cells) * std::max(2.0, correlation);
   std::size_t k = constants.first_neighbors;
   while (static_cast<double>(k) < least && 2 * k <= widestPatch(store, constants)) k *= 2;
   return measureScale(store, k, constants, threads);
@@ -173,8 +172,7 @@ recognizeFrameNoise(const PointStore& store, const NoiseLevel& white,
     frames.add(pointsOf(store, frame, threads));
   NoiseLevel noise;
   if (!frames.empty()) noise = frames.mean();
-  if (!(noise.correlation > constants.shared.white))
-    return recognizeSharedNoise(store, white, constants, threads);
+  if (!(noise.correlation > 1)) return recognizeSharedNoise(store, white, constants, threads);
   const RadiusFigures all = figuresAtRadius(store, frames.radius(), constants, threads);
   // Frames from one place round a surface alike: then as many more points share an error as there are frames.
   const double more = std::max(1.0, all.shared / frames.shared());

@@ -94,7 +94,7 @@ measureFlatPlaces(const PatchScale& scale, const PatchScale& wider, const NoiseC
   }
   if (flat.variances.empty()) return;
   figures.variance = levelOf(flat, constants);
-  if (scale.k >= shared.least_points) figures.correlation = correlationOf(flat, constants);
+  if (scale.k >= 2 * shared.cells) figures.correlation = correlationOf(flat, constants);
 }
 
 /** Binary logarithm of the factor by which a scale's power is below a narrower scale's, or by which
@@ -233,7 +233,7 @@ isWhite(const std::vector<PatchScale>& scales, const NoiseConstants& constants)
 {
   const SharedNoiseConstants& shared = constants.shared;
   const std::size_t n = scales.size();
-  if (n < 3 || scales[n - 3].k < shared.least_points) return false;
+  if (n < 3 || scales[n - 3].k < 2 * shared.cells) return false;
   for (const std::size_t i : {n - 3, n - 2}) {
     const ScaleFigures f = figuresOf(scales, i, constants);
     if (std::max(std::abs(f.growth), std::abs(f.power_growth)) > shared.chance ||
@@ -324,8 +324,8 @@ double
 neededPlaces(const NoiseCurve& curve, double white, const SharedNoiseConstants& constants)
 {
   const LogErrors errors = errorsOf(curve, white, constants);
-  const double excess = std::max(errors.variance / std::pow(constants.variance_error, 2),
-                                 errors.correlation / std::pow(constants.correlation_error, 2));
+  const double excess =
+      std::max(errors.variance, errors.correlation) / (constants.error * constants.error);
   return static_cast<double>(curve.scales.front().variances.size()) * excess;
 }
 
@@ -376,14 +376,13 @@ measureCurve(const PointStore& store, std::size_t k, double white, const NoiseCo
   const std::size_t most = std::min(shared.most_places, store.size() / shared.points_per_place);
   std::size_t places =
       std::clamp(store.size() / shared.points_per_place, shared.least_places, shared.places);
-  NoiseCurve curve = measure(places);
   for (;;) {
-    const double wanted = std::min(neededPlaces(curve, white, shared), static_cast<double>(most));
-    if (!(wanted >= shared.few_places * static_cast<double>(places))) return curve;
+    NoiseCurve curve = measure(places);
+    const double needed = neededPlaces(curve, white, shared);
+    if (places >= most || !(needed > static_cast<double>(places))) return curve;
     // Few places do not know well how many it takes.
-    places =
-        std::min(most, std::max(static_cast<std::size_t>(wanted), shared.more_places * places));
-    curve = measure(places);
+    const double wanted = std::max(needed, 2.0 * static_cast<double>(places));
+    places = static_cast<std::size_t>(std::min(wanted, static_cast<double>(most)));
   }
 }
 
@@ -397,7 +396,7 @@ measureRounding(const PointStore& store, std::size_t k, const NoiseConstants& co
   const double narrow = levelOf(scales[0], constants), wide = levelOf(scales[1], constants);
   const double growth = std::log2(median(scales[2].variances) / median(scales[1].variances));
   const double chance = fallOff(growth, constants.steps.flat);
-  const double least = constants.steps.correlation;
+  const double least = constants.shared.all;
   const double shared = std::max(least, correlationOf(scales[2], constants));
   return {narrow * std::pow(wide / narrow, chance), least * std::pow(shared / least, chance), 1};
 }

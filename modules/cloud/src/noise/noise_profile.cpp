@@ -12,51 +12,39 @@ namespace pcl_slim {
 namespace detail {
 
 std::vector<float>
-windowedMeans(const std::vector<double>& values, std::size_t reach, const NoiseConstants& constants,
-              int threads)
+windowedMeans(const std::vector<double>& values, const NoiseConstants& constants, int threads)
 {
   constexpr std::size_t kTask = 128;
   std::vector<float> means(values.size(), 1.0f);
-  // One outlier at either end must not count, however few values a window has.
-  const double trim = std::max(constants.trim, 1 / static_cast<double>(2 * reach + 1));
   parallelFor(values.size(), threads, kTask, [&](std::size_t s, int) {
     thread_local std::vector<double> window;
-    const auto first = static_cast<std::ptrdiff_t>(s - std::min(s, reach));
-    const auto end = static_cast<std::ptrdiff_t>(std::min(values.size(), s + reach + 1));
+    const auto first = static_cast<std::ptrdiff_t>(s - std::min(s, constants.window));
+    const auto end = static_cast<std::ptrdiff_t>(std::min(values.size(), s + constants.window + 1));
     window.assign(values.begin() + first, values.begin() + end);
-    means[s] = static_cast<float>(trimmedMean(window, trim));
+    means[s] = static_cast<float>(trimmedMean(window, constants.trim));
   });
   return means;
 }
 
 namespace {
 
-/** The entries of a profile, and how many to either side each rests on. */
-struct Runs {
-  std::size_t count, reach;
-};
-
-/** Runs of points along the Morton curve. Patches that are much wider than a run repeat the same result several
- * times, so runs grow with them. */
-Runs
-runsFor(std::size_t k, const PointStore& store, const NoiseConstants& constants)
+/** How many runs of points along the Morton curve a profile has an entry for. */
+std::size_t
+runsOf(const PointStore& store, const NoiseConstants& constants)
 {
-  const std::size_t points = std::max(constants.points_per_run, k / constants.runs_per_patch);
-  const std::size_t reach = constants.window * constants.points_per_run / points;
-  return {std::clamp(store.size() / points, std::min(constants.least_samples, store.size()),
-                     constants.most_runs),
-          std::max(constants.least_window, reach)};
+  return std::clamp(store.size() / constants.points_per_run,
+                    std::min(constants.least_samples, store.size()), constants.most_runs);
 }
 
 /** The mean variance of patches of k points about every run. */
 std::vector<float>
-runVariances(const PointStore& store, std::size_t k, const Runs& runs,
+runVariances(const PointStore& store, std::size_t k, std::size_t runs,
              const NoiseConstants& constants, int threads, double* whole = nullptr)
 {
-  ThinnedPlaces places(store, runs.count);
+  ThinnedPlaces places(store, runs);
   std::vector<double> variances =
       measureScale(places, k, constants, resolveThreads(threads)).variances;
-  std::vector<float> means = windowedMeans(variances, runs.reach, constants, threads);
+  std::vector<float> means = windowedMeans(variances, constants, threads);
   if (whole != nullptr) *whole = trimmedMean(variances, constants.trim);
   return means;
 }
@@ -68,7 +56,7 @@ measureNoiseProfile(const PointStore& store, const NoiseLevel& level,
                     const NoiseConstants& constants, int threads)
 {
   if (level.neighbors == 0) return {};
-  const Runs runs = runsFor(level.neighbors, store, constants);
+  const std::size_t runs = runsOf(store, constants);
   double whole;
   std::vector<float> profile =
       runVariances(store, level.neighbors, runs, constants, threads, &whole);
@@ -85,7 +73,7 @@ measureRaisedProfile(const PointStore& store, const NoiseLevel& level,
 {
   if (level.neighbors == 0 || !(level.variance > 0)) return {};
   const std::size_t k = level.neighbors;
-  const Runs runs = runsFor(k, store, constants);
+  const std::size_t runs = runsOf(store, constants);
   std::vector<float> profile = runVariances(store, k, runs, constants, threads);
   const std::vector<float> wider = runVariances(store, 2 * k, runs, constants, threads);
   for (std::size_t j = 0; j < profile.size(); ++j) {
@@ -113,9 +101,8 @@ modelledNoise(const PointStore& store, const RangeError& error, const NoiseConst
     const double along = dot(ray, {normal[0], normal[1], normal[2]}) / std::max(z, 1e-300);
     return sigma * sigma * along * along;
   };
-  const Runs runs = runsFor(k, store, constants);
-  return windowedMeans(sampleStore(store, runs.count, stride, threads, variance), runs.reach,
-                       constants, threads);
+  const std::size_t runs = runsOf(store, constants);
+  return windowedMeans(sampleStore(store, runs, stride, threads, variance), constants, threads);
 }
 
 }  // namespace detail

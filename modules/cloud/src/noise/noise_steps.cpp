@@ -19,15 +19,12 @@ placeOf(const PointStore& store, std::size_t i)
   return {p[0], p[1], p[2]};
 }
 
-/** The distinct places along an axis, ascending, of every stride-th point. */
+/** The distinct places along an axis, ascending. */
 std::vector<double>
-levelsOf(const PointStore& store, const Eigen::Vector3d& axis, std::size_t stride,
-         const StepConstants& constants)
+levelsOf(const PointStore& store, const Eigen::Vector3d& axis, const StepConstants& constants)
 {
-  std::vector<double> values;
-  values.reserve(store.size() / stride + 1);
-  for (std::size_t i = 0; i < store.size(); i += stride)
-    values.push_back(axis.dot(placeOf(store, i)));
+  std::vector<double> values(store.size());
+  for (std::size_t i = 0; i < store.size(); ++i) values[i] = axis.dot(placeOf(store, i));
   std::sort(values.begin(), values.end());
   const double same = constants.resolution * store.diagonal();
   const auto end = std::unique(values.begin(), values.end(),
@@ -46,23 +43,6 @@ stepAt(const std::vector<double>& levels, double value)
                        high = std::min(last, above + 2);
   return (levels[static_cast<std::size_t>(high)] - levels[static_cast<std::size_t>(low)]) /
          static_cast<double>(high - low);
-}
-
-/** The levels along an axis where they are few, else none. */
-std::vector<double>
-fewLevels(const PointStore& store, const Eigen::Vector3d& axis, const StepConstants& constants)
-{
-  const auto few = [&](const std::vector<double>& levels, std::size_t points) {
-    return levels.size() > 2 && constants.least_points * static_cast<double>(levels.size()) <
-                                    static_cast<double>(points);
-  };
-  // A sample has no more levels than the cloud: if it has many, the cloud is not counted.
-  const std::size_t stride = std::max<std::size_t>(1, store.size() / constants.scouts);
-  std::vector<double> levels = levelsOf(store, axis, stride, constants);
-  if (!few(levels, 4 * constants.scouts)) return {};
-  if (stride > 1) levels = levelsOf(store, axis, 1, constants);
-  if (!few(levels, store.size())) return {};
-  return levels;
 }
 
 /** Medians over places of the noise over that of rounding, and of the step. */
@@ -114,8 +94,8 @@ measureSteps(const PointStore& store, const NoiseConstants& constants, int threa
   const StepConstants& steps = constants.steps;
   const auto axis = findStepAxis(store, steps, resolveThreads(threads));
   if (!axis) return {};
-  const std::vector<double> levels = fewLevels(store, *axis, steps);
-  if (levels.empty()) return {};
+  const std::vector<double> levels = levelsOf(store, *axis, steps);
+  if (levels.size() < 3 || levels.size() * steps.terrace > store.size()) return {};
   const auto ratios = [&](std::size_t k) {
     return measureRatios(store, constants, k, resolveThreads(threads), levels, *axis);
   };

@@ -113,7 +113,7 @@ putBackCutOff(const std::vector<double>& radii, const NoiseConstants& constants,
   for (std::size_t s = 0; s < parts.size(); ++s) {
     if (variances[s] >= 0 && radii[s] > 0) parts[s] = variances[s] / (radii[s] * radii[s]);
   }
-  const std::vector<float> means = windowedMeans(parts, constants.window, constants, threads);
+  const std::vector<float> means = windowedMeans(parts, constants, threads);
   for (std::size_t s = 0; s < parts.size(); ++s) {
     if (variances[s] > 0) variances[s] /= partLeft(means[s]);
   }

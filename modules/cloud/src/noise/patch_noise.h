@@ -86,11 +86,9 @@ trimmedMean(std::vector<double>& values, double trim);
 double
 trimmedMeanError(std::vector<double> values, double trim);
 
-/** \brief Trimmed means over windows about each of the values, which are in Morton order.
- * \param[in] reach values to either side */
+/** \brief Trimmed means over windows about each of the values, which are in Morton order. */
 std::vector<float>
-windowedMeans(const std::vector<double>& values, std::size_t reach, const NoiseConstants& constants,
-              int threads);
+windowedMeans(const std::vector<double>& values, const NoiseConstants& constants, int threads);
 
 /** \brief Whether a variance grows no more from k to 2 k neighbours than white noise's may. */
 inline bool

@@ -17,8 +17,8 @@ bool
 isUneven(const PatchScale& scale, const PatchScale& wider, double variance,
          const NoiseConstants& constants, int threads)
 {
-  const auto narrow = windowedMeans(scale.variances, constants.window, constants, threads);
-  const auto wide = windowedMeans(wider.variances, constants.window, constants, threads);
+  const auto narrow = windowedMeans(scale.variances, constants, threads);
+  const auto wide = windowedMeans(wider.variances, constants, threads);
   std::size_t noisy = 0;
   for (std::size_t s = 0; s < wide.size(); ++s)
     noisy += wide[s] > constants.uneven * variance && isFlat(narrow[s], wide[s], constants);
@@ -84,11 +84,10 @@ curveNoise(const NoiseCurve& curve, const NoiseLevel& white, double points,
 {
   const SharedNoiseConstants& shared = constants.shared;
   const CurveShare share = shareOf(curve.noise, white.variance, shared);
-  NoiseLevel noise = share.correlation > shared.white
-                         ? scaleNoise(curve.scales[curve.noise.scale], constants)
-                         : white;
+  NoiseLevel noise =
+      share.correlation > 1 ? scaleNoise(curve.scales[curve.noise.scale], constants) : white;
   noise.variance = share.variance;
-  if (share.correlation > shared.white) setCorrelation(share.correlation, shared, noise);
+  if (share.correlation > 1) setCorrelation(share.correlation, shared, noise);
   setErrors(curve, share, white, points, shared, noise);
   return noise;
 }
@@ -133,7 +132,7 @@ recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
   const StepNoise steps = measureSteps(store, constants, threads);
   if (steps.step > 0 && store.size() >= 2 * constants.most_part * steps.neighbors) {
     const NoiseLevel rounding = roundingNoise(store, steps, constants, threads);
-    if (noise.correlation < constants.steps.correlation ||
+    if (noise.correlation < constants.shared.all ||
         !isFlat(noise.variance, rounding.variance, constants))
       noise = rounding;
   }

@@ -18,15 +18,11 @@ struct PatchSheetConstants {
 struct SharedNoiseConstants {
   std::size_t places = 300;                               ///< places where patches are compared ...
   std::size_t points_per_place = 50, least_places = 100;  ///< ... fewer in small clouds
-  std::size_t most_places = 6400;  ///< up to this many where the noise is in doubt: ...
-  double few_places = 1.5;         ///< ... where it takes this factor more, ...
-  std::size_t more_places = 4;     ///< ... at least this factor more are looked at
+  std::size_t most_places = 6400;  ///< up to this many where the noise is in doubt
   std::size_t half_samples = 8;    ///< halves of the places whose outcomes are compared
-  double variance_error = 0.05;    ///< RMS error wanted of the variance's logarithm ...
-  double correlation_error =
-      0.07;                ///< ... and of that of the number of points that share their errors
+  /// RMS error wanted of the logarithms of the variance and of the number of points that share errors.
+  double error = 0.06;
   std::size_t cells = 32;  ///< of equal size, into which a patch's points fall
-  std::size_t least_points = 80;  ///< points of a patch whose squares can share
   double plainest =
       0.35;               ///< share of the places, those of least variance, whose growth counts ...
   std::size_t ahead = 3;  ///< ... on patches this many doublings wider
@@ -48,7 +44,6 @@ struct SharedNoiseConstants {
   double trim = 0.15;    ///< share of patches left out at either end of a size's mean
   double least = 1.5;    ///< fewer neighbours than that share nothing ...
   double all = 2;        ///< ... and this many count in full
-  double white = 1.05;   ///< number of points up to which noise counts as white
   /// Of more points fits count the geometric mean with this: a wide tau rounds edges, and a part of it
   /// costs smooth parts little.
   double counted = 12;
@@ -61,19 +56,18 @@ struct SharedNoiseConstants {
 
 /** \brief How a coordinate that a sensor rounds is recognised (docs/theory.md, "Steps"). */
 struct StepConstants {
-  std::size_t places = 100;            ///< where terraces are looked for
-  std::size_t terrace = 7;             ///< points on a plane, of the nearest 20, that are one ...
-  double resolution = 1e-6;            ///< ... to this distance, which is also one level's [L]
+  std::size_t places = 100;  ///< where terraces are looked for
+  /// Points on a plane, of the nearest 20, that are a terrace; a level has more on average.
+  std::size_t terrace = 7;
+  double resolution =
+      1e-6;  ///< distance of a terrace's points from its plane, and of a level's [L]
   double least_terraces = 0.05;        ///< share of the places that are on parallel terraces ...
   double parallel = 1e-3;              ///< ... to this sine
-  std::size_t scouts = 8192;           ///< points whose coordinates are examined first
-  double least_points = 50;            ///< points per level, on average
   std::size_t wide = 160;              ///< points of the patches whose variance is compared
   double full_ratio = 0.9;             ///< variance over all of rounding's, (step n)^2 / 12, ...
   double most_ratio = 2.0;             ///< ... and that beyond which there is other noise
   std::size_t rounding_places = 1200;  ///< where patches that show all of it are compared
   double flat = 0.7;                   ///< growth beyond those patches that is a surface's
-  double correlation = 2;              ///< points that share a step's error, at least
 };
 
 /** \brief How frames of a merged cloud are found (docs/theory.md, "Merged frames"). */
@@ -103,13 +97,11 @@ struct NoiseConstants {
   double paper_floor = 1e-6;         ///< least sqrt(lambda) of the paper's estimate [L]
 
   std::size_t points_per_run = 128;  ///< points of one entry of a noise profile ...
-  std::size_t runs_per_patch = 16;   ///< ... unless a patch would have more runs than this
-  std::size_t most_runs = 8192;      ///< entries of a noise profile
-  std::size_t window = 8;        ///< runs of that many points to either side that an entry rests on
-  std::size_t least_window = 2;  ///< longer runs to either side, at least
-  float least_ratio = 0.001f;    ///< least noise ratio of an entry; its inverse is the largest
-  double uneven = 2;             ///< variance over the cloud's from which noise passes for detail
-  double uneven_share = 0.1;     ///< share of places of this noise from which a profile is made
+  std::size_t most_runs = 8192;      ///< ... of at most this many entries
+  std::size_t window = 8;            ///< runs to either side that an entry rests on
+  float least_ratio = 0.001f;        ///< least noise ratio of an entry; its inverse is the largest
+  double uneven = 2;          ///< variance over the cloud's from which noise passes for detail
+  double uneven_share = 0.1;  ///< share of places of this noise from which a profile is made
 
   PatchSheetConstants sheets;
   SharedNoiseConstants shared;
