@@ -95,7 +95,7 @@ TEST(SensorSigns, OrientADriveThroughAStreet)
   const Outcome graph = outcomeOf(view, scan);
   EXPECT_EQ(graph.fit.sides.source, SideSource::kOverlaps);
   EXPECT_GT(graph.fit.sides.overlap_edges, 0u);
-  EXPECT_LT(graph.right, 0.995);
+  EXPECT_LT(graph.right, 0.999);
 }
 
 /** A shorter drive, for what does not need so many points. */
