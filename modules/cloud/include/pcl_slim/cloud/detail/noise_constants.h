@@ -99,7 +99,7 @@ struct NoiseConstants {
   std::size_t points_per_run = 128;  ///< points of one entry of a noise profile ...
   std::size_t most_runs = 8192;      ///< ... of at most this many entries
   std::size_t window = 8;            ///< runs to either side that an entry rests on
-  float least_ratio = 0.001f;        ///< least noise ratio of an entry; its inverse is the largest
+  float least_ratio = 0.05f;         ///< least noise ratio of an entry; its inverse is the largest
   double uneven = 2;          ///< variance over the cloud's from which noise passes for detail
   double uneven_share = 0.1;  ///< share of places of this noise from which a profile is made
 
