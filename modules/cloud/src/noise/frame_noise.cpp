@@ -172,7 +172,8 @@ recognizeFrameNoise(const PointStore& store, const NoiseLevel& white,
     frames.add(pointsOf(store, frame, threads));
   NoiseLevel noise;
   if (!frames.empty()) noise = frames.mean();
-  if (!(noise.correlation > 1)) return recognizeSharedNoise(store, white, constants, threads);
+  if (!(noise.correlation > constants.shared.white))
+    return recognizeSharedNoise(store, white, constants, threads);
   const RadiusFigures all = figuresAtRadius(store, frames.radius(), constants, threads);
   // Frames from one place round a surface alike: then as many more points share an error as there are frames.
   const double more = std::max(1.0, all.shared / frames.shared());

@@ -84,10 +84,11 @@ curveNoise(const NoiseCurve& curve, const NoiseLevel& white, double points,
 {
   const SharedNoiseConstants& shared = constants.shared;
   const CurveShare share = shareOf(curve.noise, white.variance, shared);
-  NoiseLevel noise =
-      share.correlation > 1 ? scaleNoise(curve.scales[curve.noise.scale], constants) : white;
+  NoiseLevel noise = share.correlation > shared.white
+                         ? scaleNoise(curve.scales[curve.noise.scale], constants)
+                         : white;
   noise.variance = share.variance;
-  if (share.correlation > 1) setCorrelation(share.correlation, shared, noise);
+  if (share.correlation > shared.white) setCorrelation(share.correlation, shared, noise);
   setErrors(curve, share, white, points, shared, noise);
   return noise;
 }

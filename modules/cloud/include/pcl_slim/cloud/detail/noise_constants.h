@@ -44,6 +44,7 @@ struct SharedNoiseConstants {
   double trim = 0.15;    ///< share of patches left out at either end of a size's mean
   double least = 1.5;    ///< fewer neighbours than that share nothing ...
   double all = 2;        ///< ... and this many count in full
+  double white = 1.05;   ///< number of points up to which noise counts as white
   /// Of more points fits count the geometric mean with this: a wide tau rounds edges, and a part of it
   /// costs smooth parts little.
   double counted = 12;
