@@ -154,6 +154,19 @@ TEST(SensorNoise, CreasesAreNoNoise)
   EXPECT_LT(errors.normal, 11.0);
 }
 
+TEST(SensorNoise, IsLimitedWhereRingsAreFarApart)
+{
+  // Patches of the far facade contain the ground before it, whose distance is no noise.
+  measure::TurningLidar lidar;
+  lidar.rings = 24;
+  lidar.lowest = -25;
+  lidar.highest = 3;
+  lidar.steps = 1200;
+  lidar.sigma = 0.01;
+  const SensorScan scan = scanByLidar(measure::namedSolids("street"), lidar, 3);
+  EXPECT_LT(errorsOf(scan).position, 0.0025);
+}
+
 TEST(SensorNoise, VariesWhereTheDataAskUnlessSwitchedOff)
 {
   const SensorScan scan = scanByCamera(measure::namedSolids("wave40"), camera(3, 0.125), 3);
