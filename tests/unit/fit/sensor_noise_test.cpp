@@ -139,6 +139,21 @@ TEST(SensorNoise, AlongALidarsRingsIsNoDetail)
   EXPECT_LT(on.position, 0.6 * off.position);
 }
 
+TEST(SensorNoise, AlongRingsIsNoShape)
+{
+  // Many of the smallest patches are on one ring and show nothing, so that wider ones seem to grow by shape.
+  measure::TurningLidar lidar;
+  lidar.rings = 40;
+  lidar.lowest = -16;
+  lidar.highest = 7;
+  lidar.sigma = 0.01;
+  for (const std::uint64_t seed : {1, 2}) {
+    const Errors errors = errorsOf(scanByLidar(measure::namedSolids("street"), lidar, seed));
+    EXPECT_GT(errors.fit.noise.correlation, 1.0) << seed;
+    EXPECT_LT(errors.normal, 12.0) << seed;
+  }
+}
+
 TEST(SensorNoise, CreasesAreNoNoise)
 {
   // Patches wide enough to see several rings hold a pole or a crease in more than a tenth of all places.

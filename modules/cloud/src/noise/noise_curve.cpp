@@ -204,16 +204,18 @@ weigh(const std::vector<ScaleFigures>& figures, const std::vector<PlateauChance>
   return {variance, std::exp(noise[1]), scaleOf(variance, figures, constants)};
 }
 
-/** Whether a surface's shape has shown in full, as it does at the first scales on clean clouds. */
+/** Whether a surface's shape has shown in full, as it does at the first scales on clean clouds. More than a
+ * cubic's bias grows by is none: patches along a lidar's ring show nothing at all. */
 bool
-isShape(const std::vector<PatchScale>& scales, const SharedNoiseConstants& constants)
+isShape(const std::vector<PatchScale>& scales, const NoiseConstants& constants)
 {
   const std::size_t n = scales.size();
   if (n < 3) return false;
   ScaleFigures before, last;
-  measureGrowth(scales, n - 3, constants, before);
-  measureGrowth(scales, n - 2, constants, last);
-  return std::min(before.growth, last.growth) > constants.shape;
+  measureGrowth(scales, n - 3, constants.shared, before);
+  measureGrowth(scales, n - 2, constants.shared, last);
+  return std::min(before.growth, last.growth) > constants.shared.shape &&
+         std::max(before.growth, last.growth) < 2 * std::log2(constants.bias_growth);
 }
 
 /** The figures of a scale, from it and the next one. */
@@ -248,9 +250,7 @@ void
 measureScales(ThinnedPlaces& points, std::size_t k, std::size_t most,
               const NoiseConstants& constants, int threads, std::vector<PatchScale>& scales)
 {
-  const auto isKnown = [&] {
-    return isShape(scales, constants.shared) || isWhite(scales, constants);
-  };
+  const auto isKnown = [&] { return isShape(scales, constants) || isWhite(scales, constants); };
   for (; scales.size() < 2 || (k <= most && !isKnown()); k *= 2) {
     const PatchScale* narrower = scales.empty() ? nullptr : &scales.back();
     scales.push_back(measureScale(points, k, constants, threads, narrower));
