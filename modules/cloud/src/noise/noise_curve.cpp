@@ -379,10 +379,9 @@ measureCurve(const PointStore& store, std::size_t k, double white, const NoiseCo
   for (;;) {
     NoiseCurve curve = measure(places);
     const double needed = neededPlaces(curve, white, shared);
-    if (places >= most || !(needed > static_cast<double>(places))) return curve;
-    // Few places do not know well how many it takes.
-    const double wanted = std::max(needed, 2.0 * static_cast<double>(places));
-    places = static_cast<std::size_t>(std::min(wanted, static_cast<double>(most)));
+    // Few places do not know well how many it takes: less than twice as many are not worth it.
+    if (places >= most || !(needed >= 2 * static_cast<double>(places))) return curve;
+    places = static_cast<std::size_t>(std::min(needed, static_cast<double>(most)));
   }
 }
 

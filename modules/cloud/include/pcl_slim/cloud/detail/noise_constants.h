@@ -21,7 +21,7 @@ struct SharedNoiseConstants {
   std::size_t most_places = 6400;  ///< up to this many where the noise is in doubt
   std::size_t half_samples = 8;    ///< halves of the places whose outcomes are compared
   /// RMS error wanted of the logarithms of the variance and of the number of points that share errors.
-  double error = 0.06;
+  double error = 0.07;
   std::size_t cells = 32;  ///< of equal size, into which a patch's points fall
   double plainest =
       0.35;               ///< share of the places, those of least variance, whose growth counts ...
