@@ -379,9 +379,12 @@ measureCurve(const PointStore& store, std::size_t k, double white, const NoiseCo
   for (;;) {
     NoiseCurve curve = measure(places);
     const double needed = neededPlaces(curve, white, shared);
-    // Few places do not know well how many it takes: less than twice as many are not worth it.
-    if (places >= most || !(needed >= 2 * static_cast<double>(places))) return curve;
-    places = static_cast<std::size_t>(std::min(needed, static_cast<double>(most)));
+    constexpr double kWorth = 1.5;  // fewer times as many are not worth it
+    constexpr double kMore = 4;     // few places do not know well how many it takes
+    const auto now = static_cast<double>(places);
+    if (places >= most || !(needed >= kWorth * now)) return curve;
+    const double wanted = std::max(needed, kMore * now);
+    places = static_cast<std::size_t>(std::min(wanted, static_cast<double>(most)));
   }
 }
 
