@@ -373,19 +373,16 @@ measureCurve(const PointStore& store, std::size_t k, double white, const NoiseCo
     curve.halves = halvesOf(curve.scales, white, constants, threads);
     return curve;
   };
-  const std::size_t most = std::min(shared.most_places, store.size() / shared.points_per_place);
-  std::size_t places =
-      std::clamp(store.size() / shared.points_per_place, shared.least_places, shared.places);
-  for (;;) {
-    NoiseCurve curve = measure(places);
-    const double needed = neededPlaces(curve, white, shared);
-    constexpr double kWorth = 1.5;  // fewer times as many are not worth it
-    constexpr double kMore = 4;     // few places do not know well how many it takes
-    const auto now = static_cast<double>(places);
-    if (places >= most || !(needed >= kWorth * now)) return curve;
-    const double wanted = std::max(needed, kMore * now);
-    places = static_cast<std::size_t>(std::min(wanted, static_cast<double>(most)));
-  }
+  const std::size_t wanted = store.size() / shared.points_per_place;
+  const std::size_t places = std::clamp(wanted, shared.least_places, shared.places);
+  const std::size_t most = std::min(shared.most_places, wanted);
+  NoiseCurve curve = measure(places);
+  const double needed = neededPlaces(curve, white, shared);
+  constexpr double kMore = 4;  // few places do not know well how many it takes
+  const auto few = static_cast<double>(places);
+  if (places >= most || !(needed > few)) return curve;
+  const double more = std::min(std::max(needed, kMore * few), static_cast<double>(most));
+  return measure(static_cast<std::size_t>(more));
 }
 
 CurveNoise

@@ -17,7 +17,7 @@ struct PatchSheetConstants {
  * patches of k points to patches of 2 k. */
 struct SharedNoiseConstants {
   std::size_t places = 300;                               ///< places where patches are compared ...
-  std::size_t points_per_place = 50, least_places = 100;  ///< ... fewer in small clouds
+  std::size_t points_per_place = 20, least_places = 100;  ///< ... fewer in small clouds
   std::size_t most_places = 6400;  ///< up to this many where the noise is in doubt
   std::size_t half_samples = 8;    ///< halves of the places whose outcomes are compared
   /// RMS error wanted of the logarithms of the variance and of the number of points that share errors.
