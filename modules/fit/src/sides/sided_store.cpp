@@ -107,8 +107,8 @@ struct SidedFit {
   }
 };
 
-/** The least noise by which the next cells are cut: less where the last ones left doubts and contain more
- * than noise. \param[in] noise by which the last ones were */
+/** The least noise by which the next cells are cut: less where sides are in doubt and cells contain more than
+ * noise. \param[in] noise by which the last ones were cut, or that they show if it is less */
 double
 leastCells(const SideSearch& search, double noise, double spacing,
            const std::optional<SidedFit>& best, const SideConstants& rules)
@@ -167,7 +167,9 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
       settled = best && next.noise > rules.same_noise * best->noise;
       const bool worse = best && (next.cost() > best->cost() ||
                                   (settled && next.doubt() > rules.much_doubt * best->doubt()));
-      if (worse && !search.unknown) break;
+      // Wrong sides add to the noise: cells are too narrow to show it.
+      const bool noisier = best && rules.same_noise * next.noise > best->noise;
+      if (worse && (!search.unknown || noisier)) break;
       // Wider balls would contain what these cells separate. Sides never add to the noise: a patch of one
       // side alone of a thin tube bends more than its cubic.
       if (search.capped)
@@ -176,7 +178,7 @@ seekSides(const SideSearch& search, double spacing, const FitConstants& constant
       if (!worse) best = std::move(next);
     }
     const bool same = found > rules.same_noise * noise;
-    const double least = leastCells(search, noise, spacing, best, rules);
+    const double least = leastCells(search, std::min(noise, found), spacing, best, rules);
     if (noise <= least || (same && !narrower)) break;
     if (settled && !search.unknown && best->isMoved(search, rules)) break;
     noise = std::max(least, same ? 0.5 * noise : found);
