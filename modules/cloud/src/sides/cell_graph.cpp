@@ -87,7 +87,13 @@ graphOf(const SideCells& cut, const SideConstants& constants, int threads)
     }
   });
   CellGraph graph;
-  for (const auto& part : edges) graph.edges.insert(graph.edges.end(), part.begin(), part.end());
+  std::size_t count = 0;
+  for (const auto& part : edges) count += part.size();
+  graph.edges.reserve(count);
+  for (auto& part : edges) {
+    graph.edges.insert(graph.edges.end(), part.begin(), part.end());
+    std::vector<SignedEdge>().swap(part);
+  }
   graph.sheets = std::move(sheets);
   return graph;
 }

@@ -14,12 +14,21 @@ constexpr std::size_t kFew = 32;    ///< edges of a node
 constexpr double kStep = 0.5;       ///< from one threshold of agreements to the next
 constexpr double kLeast = 0x1p-20;  ///< of the strongest agreement: less counts as none
 
+/** Two components, and how much they agree. */
+struct Edge {
+  std::uint32_t a, b;
+  double agreement;
+};
+
 /** Components under contraction: a forest with parities, and the edges between roots. */
 class Contraction {
  public:
-  Contraction(std::size_t nodes, std::vector<SignedEdge> edges)
-      : parent_(nodes), sign_(nodes, 1), best_(nodes, kNone), edges_(std::move(edges))
+  Contraction(std::size_t nodes, const std::vector<SignedEdge>& edges)
+      : parent_(nodes), sign_(nodes, 1), best_(nodes, kNone), edges_(edges.size())
   {
+    std::transform(edges.begin(), edges.end(), edges_.begin(), [](const SignedEdge& e) {
+      return Edge{e.a, e.b, e.agreement};
+    });
     for (std::size_t i = 0; i < nodes; ++i) parent_[i] = static_cast<std::uint32_t>(i);
     sumParallel();
   }
@@ -54,7 +63,7 @@ class Contraction {
   double strongest() const
   {
     double most = 0;
-    for (const SignedEdge& e : edges_) most = std::max(most, std::abs(e.agreement));
+    for (const Edge& e : edges_) most = std::max(most, std::abs(e.agreement));
     return most;
   }
 
@@ -78,7 +87,7 @@ class Contraction {
     }
     bool joined = false;
     for (const std::uint32_t e : chosen_) {
-      const SignedEdge& edge = edges_[e];
+      const Edge& edge = edges_[e];
       if (best_[edge.a] == e || best_[edge.b] == e) joined |= join(edge);
     }
     for (const std::uint32_t e : chosen_) best_[edges_[e].a] = best_[edges_[e].b] = kNone;
@@ -86,7 +95,7 @@ class Contraction {
     return joined;
   }
 
-  bool join(const SignedEdge& edge)
+  bool join(const Edge& edge)
   {
     int sign_a, sign_b;
     const std::uint32_t a = root(edge.a, sign_a), b = root(edge.b, sign_b);
@@ -101,10 +110,10 @@ class Contraction {
   void contract()
   {
     std::size_t kept = 0;
-    for (const SignedEdge& e : edges_) {
+    for (const Edge& e : edges_) {
       int sign_a, sign_b;
       const std::uint32_t a = root(e.a, sign_a), b = root(e.b, sign_b);
-      if (a != b) edges_[kept++] = {a, b, sign_a * sign_b * e.agreement, e.apart};
+      if (a != b) edges_[kept++] = {a, b, sign_a * sign_b * e.agreement};
     }
     edges_.resize(kept);
     sumParallel();
@@ -113,13 +122,13 @@ class Contraction {
   /** Adds up edges between the same two components. */
   void sumParallel()
   {
-    for (SignedEdge& e : edges_) {
+    for (Edge& e : edges_) {
       if (e.a > e.b) std::swap(e.a, e.b);
     }
     sortByEnds();
     std::size_t kept = 0;
     for (std::size_t i = 0; i < edges_.size(); ++i) {
-      const SignedEdge e = edges_[i];
+      const Edge e = edges_[i];
       if (kept > 0 && edges_[kept - 1].a == e.a && edges_[kept - 1].b == e.b) {
         edges_[kept - 1].agreement += e.agreement;
       } else {
@@ -132,7 +141,7 @@ class Contraction {
   /** Sorts edges by both ends, stably: by counts of the first end, of which each has few edges. */
   void sortByEnds()
   {
-    const auto before = [](const SignedEdge& x, const SignedEdge& y) {
+    const auto before = [](const Edge& x, const Edge& y) {
       return x.a != y.a ? x.a < y.a : x.b < y.b;
     };
     if (kFew * edges_.size() < parent_.size()) {
@@ -140,10 +149,10 @@ class Contraction {
       return;
     }
     next_.assign(parent_.size() + 1, 0);
-    for (const SignedEdge& e : edges_) ++next_[e.a + 1];
+    for (const Edge& e : edges_) ++next_[e.a + 1];
     for (std::size_t i = 1; i < next_.size(); ++i) next_[i] += next_[i - 1];
     sorted_.resize(edges_.size());
-    for (const SignedEdge& e : edges_) sorted_[next_[e.a]++] = e;
+    for (const Edge& e : edges_) sorted_[next_[e.a]++] = e;
     edges_.swap(sorted_);
     // Now each place in next_ is the end of its node's edges.
     for (std::size_t i = 0, begin = 0; i + 1 < next_.size(); begin = next_[i++])
@@ -159,7 +168,7 @@ class Contraction {
       return;
     }
     for (std::size_t i = begin + 1; i < end; ++i) {
-      const SignedEdge edge = edges_[i];
+      const Edge edge = edges_[i];
       std::size_t at = i;
       for (; at > begin && before(edge, edges_[at - 1]); --at) edges_[at] = edges_[at - 1];
       edges_[at] = edge;
@@ -169,7 +178,7 @@ class Contraction {
   std::vector<std::uint32_t> parent_;
   std::vector<signed char> sign_;
   std::vector<std::uint32_t> best_;  ///< edge, for each root
-  std::vector<SignedEdge> edges_, sorted_;
+  std::vector<Edge> edges_, sorted_;
   std::vector<std::size_t> next_;  ///< where the next edge of each first end goes
   std::vector<std::uint32_t> chosen_;
 };
