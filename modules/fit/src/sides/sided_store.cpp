@@ -139,8 +139,8 @@ noiseOf(const PointStore& store, const FitConstants& constants, FitParams params
 
 /** Seeks sides by narrower and narrower cells: cells with both sides leave doubts, or too few
  * faces separated. Keeps the sides of the least cost. Leaves doubts that moving the points answers better. Where no
- * place shows the noise, cells wider than parts show parts as rough sheets, and all widths are tried:
- * the cost rises before it falls. */
+ * place shows the noise, cells wider than parts show parts as rough sheets, and all widths are tried until
+ * they add to the noise: the cost rises before it falls. */
 Error
 seekSides(const SideSearch& search, double spacing, const FitConstants& constants,
           const FitParams& params, int threads, SidedStore& sided, std::optional<SidedFit>& best)
