@@ -89,27 +89,46 @@ def index(paths):
     return by_name
 
 
-def function_lengths(text):
-    """(first line, length) of every function, from the line of its name to its closing brace. The style
-    puts no other brace on a line of its own but a function's, and return types above names."""
-    lines = text.split("\n")
-    for i, line in enumerate(lines):
-        if re.match(r"[^/]*\)( const)?( noexcept)?( override)? \{ .*\}$", line):
-            yield i + 1, 1
-        opening = re.fullmatch(r"( *)\{", line)
-        if not opening:
-            continue
-        end = next((j for j in range(i, len(lines)) if lines[j].startswith(opening[1] + "}")), i)
-        begin = i
-        while begin > 0 and not re.match(r"\s*$|\s*//|\s*/?\*|#|.*[;{}]$|\s*\w+:$", lines[begin - 1]):
-            begin -= 1
-        while begin < i and "(" not in lines[begin]:
-            begin += 1
-        yield begin + 1, end - begin + 1
-
-
 BLANKS = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\'|^\s*#(?:[^\n]*\\\n)*[^\n]*',
                     re.S | re.M)
+
+
+def blanked(text):
+    """The text without comments, strings and preprocessor lines; line breaks stay."""
+    return BLANKS.sub(lambda match: "\n" * match[0].count("\n") or " ", text)
+
+
+def function_lengths(text):
+    """(first line, length) of every function, from the line of its name to its closing brace. A function's opening
+    brace is in a namespace or a class and follows a parameter list."""
+    text = blanked(text)
+    stack, begin, start = [], 0, None
+    for match in re.finditer(r"[{};]", text):
+        begin = max(begin, text.rfind("\n\n", begin, match.start()) + 1)
+        head = text[begin:match.start()]
+        if match[0] == "{":
+            inside = "function" in stack or head.count("(") > head.count(")")
+            if inside or re.search(r"[:,]\s*[\w:]+(<[^()]*>)?\s*$", head) and ")" in head or stack[-1:] == ["value"]:
+                stack.append("value")  # a block or an initialiser
+                if "function" not in stack:
+                    continue  # a constructor's members: its head goes on
+            elif re.match(r"\s*(template\s*<.*>\s*)?(class|struct|enum|union|namespace|extern)\b", head, re.S) or not head.strip():
+                stack.append("scope")
+            elif "(" in head and not re.search(r"=\s*$", head):
+                stack.append("function")
+                first = begin + head.rfind("\n", 0, head.index("(") + 1) + 1 if "\n" in head[:head.index("(")] else begin
+                start = text.count("\n", 0, first) + (1 if text[first:first + 1] != "\n" else 2)
+            else:
+                stack.append("value")
+        elif match[0] == "}" and stack:
+            kind = stack.pop()
+            if kind == "function":
+                yield start, text.count("\n", 0, match.start()) + 1 - start + 1
+            elif kind == "value" and "function" not in stack:
+                continue  # what follows an initialiser belongs to its statement
+        begin = match.end()
+
+
 BRACES = re.compile(r"namespace\s*([\w:]*)\s*\{|"
                     r"(?<![<,] )(?<!<)\b(?:struct|class|enum)\s+(?:class\s+)?(?:[A-Z0-9_]+\s+)*([\w:]+)[^;{}()]*\{|[{}]")
 
@@ -118,7 +137,7 @@ def types_of(text):
     """Names of the types that a text defines in named namespaces. Two types of one name in a program are
     one to the linker: their members' code is taken for each other's."""
     stack = []
-    for match in BRACES.finditer(BLANKS.sub(" ", text)):
+    for match in BRACES.finditer(blanked(text)):
         if match[0] == "}":
             del stack[-1:]
         elif match[0].startswith("namespace"):
