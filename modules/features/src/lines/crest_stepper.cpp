@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "lines/crest_stepper.h"
+#include "lines/crest_tracer.h"
 
 #include <algorithm>
 #include <cmath>
