@@ -5,17 +5,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "contour/crossings.h"
-#include "contour/polygons.h"
-#include "contour/probe_blocks.h"
-#include "octree/cell_tree.h"
-#include "octree/leaf_shapes.h"
+#include "contour/contour.h"
+#include "mesh_topology.h"
 #include "pcl_slim/core/stopwatch.h"
-#include "sharpen/sharpen.h"
-#include "simplify/edge_collapse.h"
-#include "topology/fans.h"
-#include "trim/mending.h"
-#include "trim/trim_border.h"
 #include "vertices/surface_vertices.h"
 
 namespace pcl_slim {

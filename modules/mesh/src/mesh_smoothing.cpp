@@ -7,16 +7,14 @@
 #include <string>
 #include <vector>
 
+#include "mesh_topology.h"
 #include "pcl_slim/core/error.h"
 #include "pcl_slim/core/progress.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/query/projection.h"
 #include "pcl_slim/surface/surface.h"
-#include "smoothing/face_geometry.h"
-#include "smoothing/normal_filter.h"
-#include "smoothing/vertex_update.h"
-#include "topology/fans.h"
+#include "smoothing_steps.h"
 
 namespace pcl_slim {
 

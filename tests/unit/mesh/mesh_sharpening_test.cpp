@@ -9,7 +9,7 @@
 
 #include "pcl_slim/fit/fit.h"
 #include "pcl_slim/mesh/mesh_extraction.h"
-#include "sharpen/sharpen.h"
+#include "vertices/surface_vertices.h"
 #include "support/clouds.h"
 
 namespace {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "octree/cell_tree.h"
+#include "contour/contour.h"
 
 #include <gtest/gtest.h>
 

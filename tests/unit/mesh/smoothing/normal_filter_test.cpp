@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "smoothing/normal_filter.h"
+#include "smoothing_steps.h"
 
 #include <gtest/gtest.h>
 

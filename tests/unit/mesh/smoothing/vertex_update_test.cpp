@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "smoothing/vertex_update.h"
+#include "smoothing_steps.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "topology/fans.h"
+#include "mesh_topology.h"
 
 #include <gtest/gtest.h>
 

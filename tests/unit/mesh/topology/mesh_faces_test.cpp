@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "support/meshes.h"
-#include "topology/fans.h"
+#include "mesh_topology.h"
 
 namespace {
 

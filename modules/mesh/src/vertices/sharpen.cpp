@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sharpen/sharpen.h"
+#include "vertices/surface_vertices.h"
 
 #include <Eigen/Core>
 #include <Eigen/LU>

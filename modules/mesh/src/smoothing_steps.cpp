@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "smoothing/vertex_update.h"
+#include "smoothing_steps.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
 
 #include "pcl_slim/core/parallel.h"
 
@@ -11,7 +12,124 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr std::size_t kChunk = 512;
+constexpr std::size_t kMeasureChunk = 1024;  ///< faces or vertices a thread takes at a time
+
+}  // namespace
+
+FaceGeometry
+measureFaces(const std::vector<Vector3>& vertices, const MeshFaces& faces, int threads)
+{
+  FaceGeometry made;
+  made.centroids.resize(faces.size());
+  made.normals.resize(faces.size());
+  made.areas.resize(faces.size());
+  parallelFor(faces.size(), resolveThreads(threads), kMeasureChunk, [&](std::size_t f, int) {
+    const Vector3 area = areaVector(vertices, faces[f]);
+    made.centroids[f] = centroid(vertices, faces[f]);
+    made.areas[f] = length(area);
+    made.normals[f] = normalized(area);
+  });
+  return made;
+}
+
+std::vector<Vector3>
+vertexNormals(const FaceGeometry& geometry, const std::vector<Vector3>& face_normals,
+              const MeshTopology& topology, std::size_t num_vertices, int threads)
+{
+  std::vector<Vector3> made(num_vertices);
+  parallelFor(num_vertices, resolveThreads(threads), kMeasureChunk, [&](std::size_t v, int) {
+    Vector3 sum{};
+    for (const std::uint32_t f : topology.facesOf(v)) {
+      sum = along(sum, geometry.areas[f], face_normals[f]);
+    }
+    made[v] = normalized(sum);
+  });
+  return made;
+}
+
+double
+meanEdgeLength(const std::vector<Vector3>& vertices, const MeshFaces& faces)
+{
+  double sum = 0;
+  std::size_t count = 0;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const IndexRow corners = faces[f];
+    for (std::size_t k = 0; k < corners.size(); ++k, ++count) {
+      sum += length(subtract(vertices[corners[k]], vertices[corners[(k + 1) % corners.size()]]));
+    }
+  }
+  return count > 0 ? sum / static_cast<double>(count) : 0;
+}
+
+double
+sharpShare(const std::vector<Vector3>& normals, const MeshTopology& topology)
+{
+  constexpr double kSharp = M_PI / 6;
+  double all = 0, sharp = 0;
+  for (std::size_t f = 0; f < normals.size(); ++f) {
+    for (const std::uint32_t g : topology.acrossEdges(f)) {
+      if (g < f) continue;
+      const double angle = std::acos(std::clamp(dot(normals[f], normals[g]), -1.0, 1.0));
+      all += angle;
+      if (angle > kSharp) sharp += angle;
+    }
+  }
+  return all > 0 ? sharp / all : 0;
+}
+
+std::vector<Vector3>
+filterNormals(const NormalFilter& filter, const std::vector<Vector3>& guide,
+              const std::vector<Vector3>& normals)
+{
+  std::vector<Vector3> made(normals.size());
+  const double factor = -0.5 / (filter.range * filter.range);
+  parallelFor(normals.size(), resolveThreads(filter.threads), 256, [&](std::size_t f, int) {
+    Vector3 sum = scaled(normals[f], filter.geometry.areas[f]);
+    for (const std::uint32_t g : filter.topology.around(f)) {
+      const Vector3 step = subtract(guide[g], guide[f]);
+      sum = along(sum, filter.geometry.areas[g] * std::exp(factor * dot(step, step)), normals[g]);
+    }
+    const double size = length(sum);
+    made[f] = size > 0 ? scaled(sum, 1 / size) : normals[f];
+  });
+  return made;
+}
+
+std::vector<Vector3>
+ringNormals(const NormalFilter& filter, const std::vector<Vector3>& normals)
+{
+  std::vector<Vector3> made(normals.size());
+  parallelFor(normals.size(), resolveThreads(filter.threads), 256, [&](std::size_t f, int) {
+    Vector3 sum{};
+    for (const std::uint32_t g : filter.topology.around(f)) {
+      sum = along(sum, filter.geometry.areas[g], normals[g]);
+    }
+    made[f] = normalized(sum);
+  });
+  return made;
+}
+
+void
+mendLoneNormals(const NormalFilter& filter, std::vector<Vector3>& normals)
+{
+  const std::vector<Vector3> ring = ringNormals(filter, normals);
+  constexpr double kLeast = 0.4;
+  for (std::size_t f = 0; f < normals.size(); ++f) {
+    if (ring[f] != Vector3{} && dot(ring[f], normals[f]) < kLeast) normals[f] = ring[f];
+  }
+}
+
+void
+pullNormals(const std::vector<Vector3>& others, double weight, std::vector<Vector3>& normals)
+{
+  for (std::size_t f = 0; f < normals.size(); ++f) {
+    normals[f] = normalized(along(normals[f], weight, others[f]));
+  }
+}
+
+namespace {
+
+constexpr std::size_t kMoveChunk = 512;
 /** Faces that agree less with their normals are about to turn over: 84 degrees. */
 constexpr double kLeastAgreement = 0.1;
 
@@ -101,9 +219,9 @@ followNormals(const std::vector<Vector3>& normals, int steps, const MovingMesh& 
   std::vector<Vector3> centroids(mesh.faces.size());
   for (int i = 0; i < steps; ++i) {
     const std::vector<Vector3> before = mesh.vertices;
-    parallelFor(centroids.size(), threads, kChunk,
+    parallelFor(centroids.size(), threads, kMoveChunk,
                 [&](std::size_t f, int) { centroids[f] = centroid(before, mesh.faces[f]); });
-    parallelFor(before.size(), threads, kChunk, [&](std::size_t v, int) {
+    parallelFor(before.size(), threads, kMoveChunk, [&](std::size_t v, int) {
       const IndexRow own = mesh.topology.facesOf(v);
       Vector3 step{};
       for (const std::uint32_t f : own) {
@@ -122,7 +240,7 @@ minimiseQuadrics(const std::vector<Vector3>& places, const std::vector<Vector3>&
                  const std::vector<double>& areas, double regularity, const MovingMesh& mesh)
 {
   const std::vector<Vector3> before = mesh.vertices;
-  parallelFor(before.size(), resolveThreads(mesh.threads), kChunk, [&](std::size_t v, int) {
+  parallelFor(before.size(), resolveThreads(mesh.threads), kMoveChunk, [&](std::size_t v, int) {
     Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
     Eigen::Vector3d b = Eigen::Vector3d::Zero();
     double total = 0;

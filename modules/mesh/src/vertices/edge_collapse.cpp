@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "simplify/edge_collapse.h"
+#include "vertices/surface_vertices.h"
 
 #include <algorithm>
 #include <array>

@@ -1,10 +1,111 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "topology/fans.h"
+#include "mesh_topology.h"
 
 #include <algorithm>
 #include <numeric>
+#include <string>
 
 #include "pcl_slim/cloud/morton_sort.h"
+#include "pcl_slim/mesh/mesh_faces.h"
+#include "pcl_slim/mesh/triangle_mesh.h"
+
+namespace pcl_slim {
+
+void
+MeshFaces::add(const std::uint32_t* first, std::size_t count)
+{
+  if (begin.empty()) begin.push_back(0);
+  corners.insert(corners.end(), first, first + count);
+  begin.push_back(static_cast<std::uint32_t>(corners.size()));
+}
+
+Error
+MeshFaces::validate(std::size_t num_vertices) const
+{
+  for (std::size_t f = 0; f < size(); ++f) {
+    if (begin[f + 1] < begin[f] || begin[f + 1] > corners.size()) {
+      return {ErrorCode::kBadInput, "face " + std::to_string(f) +
+                                        " has offsets that do not ascend; make the faces again"};
+    }
+    for (const std::uint32_t vertex : (*this)[f]) {
+      if (vertex < num_vertices) continue;
+      return {ErrorCode::kBadInput, "face " + std::to_string(f) + " names vertex " +
+                                        std::to_string(vertex) + " of " +
+                                        std::to_string(num_vertices) + "; make the faces again"};
+    }
+  }
+  return {};
+}
+
+Vector3
+areaVector(const std::vector<Vector3>& vertices, IndexRow corners)
+{
+  Vector3 area{};
+  for (std::size_t k = 2; k < corners.size(); ++k) {
+    const Vector3& o = vertices[corners[0]];
+    const Vector3 part =
+        cross(subtract(vertices[corners[k - 1]], o), subtract(vertices[corners[k]], o));
+    area = along(area, 0.5, part);
+  }
+  return area;
+}
+
+Vector3
+centroid(const std::vector<Vector3>& vertices, IndexRow corners)
+{
+  Vector3 sum{};
+  for (const std::uint32_t v : corners) sum = along(sum, 1.0, vertices[v]);
+  return corners.size() > 0 ? scaled(sum, 1.0 / static_cast<double>(corners.size())) : sum;
+}
+
+MeshTopology::MeshTopology(const MeshFaces& faces, std::size_t num_vertices)
+{
+  findFacesOfVertices(faces, num_vertices);
+  findNeighbours(faces);
+}
+
+void
+MeshTopology::findFacesOfVertices(const MeshFaces& faces, std::size_t num_vertices)
+{
+  vertex_begin_.assign(num_vertices + 1, 0);
+  for (const std::uint32_t v : faces.corners) ++vertex_begin_[v + 1];
+  for (std::size_t v = 0; v < num_vertices; ++v) vertex_begin_[v + 1] += vertex_begin_[v];
+  std::vector<std::uint32_t> next(vertex_begin_.begin(), vertex_begin_.end() - 1);
+  vertex_faces_.resize(faces.corners.size());
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    for (const std::uint32_t v : faces[f]) vertex_faces_[next[v]++] = static_cast<std::uint32_t>(f);
+  }
+}
+
+void
+MeshTopology::findNeighbours(const MeshFaces& faces)
+{
+  edge_begin_.assign(1, 0);
+  around_begin_.assign(1, 0);
+  std::vector<std::uint32_t> near;
+  const auto finish = [](std::vector<std::uint32_t>& begin, std::vector<std::uint32_t>& all) {
+    const auto from = all.begin() + begin.back();
+    std::sort(from, all.end());
+    all.erase(std::unique(from, all.end()), all.end());
+    begin.push_back(static_cast<std::uint32_t>(all.size()));
+  };
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const IndexRow corners = faces[f];
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      const IndexRow here = facesOf(corners[k]);
+      const IndexRow next = facesOf(corners[(k + 1) % corners.size()]);
+      for (const std::uint32_t g : here) {
+        if (g == f) continue;
+        around_faces_.push_back(g);
+        if (std::binary_search(next.begin(), next.end(), g)) edge_faces_.push_back(g);
+      }
+    }
+    finish(edge_begin_, edge_faces_);
+    finish(around_begin_, around_faces_);
+  }
+}
+
+}  // namespace pcl_slim
 
 namespace pcl_slim::detail {
 
@@ -235,3 +336,51 @@ componentsOf(const std::vector<Triangle>& triangles, std::size_t num_vertices, s
 }
 
 }  // namespace pcl_slim::detail
+
+namespace pcl_slim {
+
+using namespace detail;
+
+namespace {
+
+void
+countEdges(const TriangleMesh& mesh, const EdgeTable& table, MeshCensus& census)
+{
+  census.edges = table.edges.size();
+  for (const MeshEdge& edge : table.edges) {
+    census.border_edges += edge.count == 1 ? 1 : 0;
+    census.nonmanifold_edges += edge.count > 2 ? 1 : 0;
+    if (edge.count != 2) continue;
+    const std::uint32_t a = table.uses[edge.first], b = table.uses[edge.first + 1];
+    const bool same = mesh.triangles[a / 3][a % 3] == mesh.triangles[b / 3][b % 3];
+    census.turned_edges += same ? 1 : 0;
+  }
+}
+
+}  // namespace
+
+MeshCensus
+censusOf(const TriangleMesh& mesh)
+{
+  MeshCensus census;
+  census.triangles = mesh.triangles.size();
+  std::vector<bool> used(mesh.vertices.size(), false);
+  for (const auto& t : mesh.triangles) {
+    for (const std::uint32_t v : t) used[v] = true;
+  }
+  census.vertices = static_cast<std::uint64_t>(std::count(used.begin(), used.end(), true));
+  countEdges(mesh, EdgeTable(mesh.triangles, 1), census);
+  census.euler = static_cast<std::int64_t>(census.vertices + census.triangles) -
+                 static_cast<std::int64_t>(census.edges);
+  std::size_t components = 0;
+  componentsOf(mesh.triangles, mesh.vertices.size(), components);
+  census.components = components;
+  std::vector<Triangle> fans = mesh.triangles;
+  std::vector<std::uint32_t> copies = separateFans(mesh.vertices.size(), fans, 1);
+  std::sort(copies.begin(), copies.end());
+  census.nonmanifold_vertices =
+      static_cast<std::uint64_t>(std::unique(copies.begin(), copies.end()) - copies.begin());
+  return census;
+}
+
+}  // namespace pcl_slim
