@@ -6,8 +6,7 @@
 #include <map>
 #include <set>
 
-#include "octree/cell_sums.h"
-#include "octree/octree_runs.h"
+#include "octree/octree.h"
 #include "painted_clouds.h"
 
 namespace pcl_slim {

@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include "disc/normal_kernels.h"
 #include "disc/splat_builder.h"
+#include "kernels/splat_kernels.h"
 #include "pcl_slim/cloud/knn.h"
 #include "pcl_slim/core/parallel.h"
 

@@ -9,7 +9,147 @@
 #include <cmath>
 #include <utility>
 
+#include "pcl_slim/cloud/knn.h"
 #include "pcl_slim/core/parallel.h"
+#include "pcl_slim/splat/splat_radius.h"
+
+namespace pcl_slim {
+
+namespace {
+
+constexpr double kMargin = 1.0;           ///< spacings beyond a cell's own points
+constexpr double kMarginOfFew = 0.3;      ///< and more, over the root of their number
+constexpr double kMarginOfBend = 0.5;     ///< and more, times the deviation of normals
+constexpr double kNeighborMargin = 0.35;  ///< spacings beyond midpoints
+constexpr double kWidest = 6.0;           ///< middle spacings that count as widest
+constexpr std::size_t kSpacingNeighbors = 6, kNeighbors = 8;
+
+using Vector = std::array<double, 3>;
+
+/** Distance from the disc's centre. In a flat cell it is the distance in the disc's plane; where
+ * normals differ, points above or below widen the disc, as rays pass there aslant. */
+double
+distanceSq(const std::array<float, 3>& center, const Vector& point)
+{
+  double sq = 0;
+  for (std::size_t a = 0; a < 3; ++a) sq += (point[a] - center[a]) * (point[a] - center[a]);
+  return sq;
+}
+
+/** Finds how far discs must reach around single points of a store. */
+class NeighborReach {
+ public:
+  NeighborReach(const OctreeCloud& cloud, const std::vector<std::array<float, 3>>& centers,
+                const std::vector<std::uint32_t>& disc_of, const PointStore& store, double widest)
+      : cloud_(cloud), centers_(centers), disc_of_(disc_of), store_(store), widest_(widest)
+  {
+  }
+
+  std::uint32_t discOf(std::size_t stored) const { return disc_of_[store_.orderOfStore()[stored]]; }
+
+  /** Radius that the disc of a stored point needs for it. */
+  double reach(std::size_t stored, NeighborSearch& search, std::vector<std::uint32_t>& near,
+               std::vector<float>& distances_sq) const
+  {
+    const double unit = store_.scale() * cloud_.frame().scale;
+    const std::uint32_t disc = discOf(stored);
+    const Vector p = position(stored);
+    double reach_sq = distanceSq(centers_[disc], p), spacing = 0;
+    search.nearest(stored, kNeighbors + 1, near, distances_sq);
+    const std::size_t counted = std::min(kSpacingNeighbors, near.size() - 1);
+    for (std::size_t k = 1; k <= counted; ++k) spacing += unit * std::sqrt(distances_sq[k]);
+    if (counted > 0) spacing = std::min(spacing / static_cast<double>(counted), widest_);
+    for (std::size_t k = 1; k < near.size(); ++k) {
+      if (unit * std::sqrt(distances_sq[k]) > 2.0 * widest_) break;
+      if (discOf(near[k]) == disc) continue;
+      const Vector o = position(near[k]);
+      const Vector middle = {0.5 * (p[0] + o[0]), 0.5 * (p[1] + o[1]), 0.5 * (p[2] + o[2])};
+      reach_sq = std::max(reach_sq, distanceSq(centers_[disc], middle));
+    }
+    return std::sqrt(reach_sq) + kNeighborMargin * spacing;
+  }
+
+ private:
+  /** In root cells. */
+  Vector position(std::size_t stored) const
+  {
+    const auto local = store_.position(stored);
+    Vector p;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const double world =
+          local[a] * store_.scale() + (store_.origin()[a] - cloud_.frame().origin[a]);
+      p[a] = world * cloud_.frame().scale;
+    }
+    return p;
+  }
+
+  const OctreeCloud& cloud_;
+  const std::vector<std::array<float, 3>>& centers_;
+  const std::vector<std::uint32_t>& disc_of_;
+  const PointStore& store_;
+  double widest_;
+};
+
+}  // namespace
+
+double
+cornerRadius(const std::array<double, 3>& point, const std::array<double, 3>& cube_center,
+             double edge)
+{
+  double sq = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    const double d = 0.5 * edge + std::abs(point[a] - cube_center[a]);
+    sq += d * d;
+  }
+  return std::sqrt(sq);
+}
+
+double
+widestSpacing(std::vector<CellSpacing>& cells)
+{
+  std::sort(cells.begin(), cells.end(), [](const CellSpacing& a, const CellSpacing& b) {
+    return a.spacing != b.spacing ? a.spacing < b.spacing : a.points < b.points;
+  });
+  std::uint64_t points = 0, passed = 0;
+  for (const CellSpacing& cell : cells) points += cell.spacing > 0 ? cell.points : 0;
+  for (const CellSpacing& cell : cells) {
+    passed += cell.spacing > 0 ? cell.points : 0;
+    if (2 * passed >= points && cell.spacing > 0) return kWidest * cell.spacing;
+  }
+  return 0.0;
+}
+
+double
+densityRadius(double reach, double points, double bend, double spacing, double widest)
+{
+  const double margin = kMargin + kMarginOfFew / std::sqrt(points) + kMarginOfBend * bend;
+  return reach + margin * std::min(spacing, widest);
+}
+
+std::vector<float>
+neighborRadii(const OctreeCloud& cloud, const std::vector<std::array<float, 3>>& centers,
+              const std::vector<std::uint32_t>& disc_of, const PointStore& store, double widest,
+              int threads)
+{
+  std::vector<float> radii(centers.size(), 0.0f);
+  if (!(cloud.cell() > 0)) return radii;
+  const NeighborReach neighbors(cloud, centers, disc_of, store, widest);
+  std::vector<NeighborSearch> searches(static_cast<std::size_t>(threads), NeighborSearch(store));
+  std::vector<float> reaches(store.size());
+  parallelFor(store.size(), threads, 1024, [&](std::size_t i, int thread) {
+    thread_local std::vector<std::uint32_t> near;
+    thread_local std::vector<float> distances_sq;
+    reaches[i] = static_cast<float>(
+        neighbors.reach(i, searches[static_cast<std::size_t>(thread)], near, distances_sq));
+  });
+  for (std::size_t i = 0; i < reaches.size(); ++i) {
+    float& radius = radii[neighbors.discOf(i)];
+    radius = std::max(radius, reaches[i]);
+  }
+  return radii;
+}
+
+}  // namespace pcl_slim
 
 namespace pcl_slim::detail {
 
@@ -115,12 +255,35 @@ fitColorSlope(const PointWindow& window, const OctreeCell& cell, const CellSums&
 }
 
 constexpr std::size_t kSpacingCells = 1024;  ///< cells for the middle spacing
-constexpr double kSpacings = 6.0;            ///< middle spacings in the widest
 constexpr double kNoiseSlack = 2.0;  ///< times the variance of noisy normals that is not bend
 constexpr double kFollowed = 2.0;    ///< reach of gradients over that of their points
 
-}  // namespace
+/** Spacing around a cell with too few points for its own: that of the smallest cell of roots around it with
+ * enough points, of those in the window that kSpacingReach allows. */
+double
+spacingAround(const OctreeCloud& cloud, const PointWindow& window, const OctreeCell& cell)
+{
+  const std::size_t r = cloud.rootOf(cell.begin);
+  const std::size_t low =
+      std::max<std::size_t>(window.begin() + kSpacingReach, cell.begin) - kSpacingReach;
+  const std::size_t high = std::min<std::size_t>(window.end(), cell.end + kSpacingReach);
+  std::size_t first = r, last = r + 1;
+  std::size_t begin = std::max<std::size_t>(low, cloud.root(first).begin);
+  std::size_t end = std::min<std::size_t>(high, cloud.root(last).begin);
+  for (int growth = 1; end - begin < kSpacingPoints && growth <= OctreeCloud::kBits; ++growth) {
+    const std::uint64_t key = cloud.root(r).key >> 3 * growth;
+    while (begin > low && cloud.root(first - 1).key >> 3 * growth == key) {
+      begin = std::max<std::size_t>(low, cloud.root(--first).begin);
+    }
+    while (end < high && cloud.root(last).key >> 3 * growth == key) {
+      end = std::min<std::size_t>(high, cloud.root(++last).begin);
+    }
+  }
+  return sumsOf(window, begin, end).spacing();
+}
 
+/** Axes along which cells' normals agree, on the side of their sum; those of the planes through the
+ * points around where none has one. */
 std::vector<DiscNormal>
 discNormals(const PointWindow& window, const CellBatch& batch)
 {
@@ -135,6 +298,13 @@ discNormals(const PointWindow& window, const CellBatch& batch)
   return normals;
 }
 
+/** Of a cell's points, the one nearest to a place and the distance of the farthest from it, in root
+ * cells. */
+struct DiscReach {
+  std::size_t nearest;
+  float farthest;
+};
+
 DiscReach
 discReach(const PointWindow& window, const OctreeCell& cell, const std::array<float, 3>& center)
 {
@@ -145,6 +315,9 @@ discReach(const PointWindow& window, const OctreeCell& cell, const std::array<fl
   return {cell.begin + nearest, std::sqrt(farthest)};
 }
 
+/** How colour changes across a disc: least squares of Lab over its plane, less the share that noise
+ * alone explains, as differences of display colours from one rim of the points to the other.
+ * edge: world units of a root cell. */
 SplatSet::Gradient
 discGradient(const PointWindow& window, const OctreeCell& cell, const CellSums& sums,
              const std::array<double, 3>& normal, const LabTable& table, double noise, double edge)
@@ -172,6 +345,8 @@ discGradient(const PointWindow& window, const OctreeCell& cell, const CellSums& 
   }
   return gradient;
 }
+
+}  // namespace
 
 SplatBuilder::SplatBuilder(const OctreeCloud& cloud, const OctreeSource& source,
                            const SplatParams& params, const SampleNoise& noise, std::size_t slices)
@@ -366,7 +541,7 @@ SplatBuilder::finish(const PointStore* store, SplatSet& splats, SplatStatistics&
 {
   count(statistics);
   const double widest_spacing = widest();
-  statistics.spacing = widest_spacing / kSpacings * cloud_.cell();
+  statistics.spacing = widest_spacing / kWidest * cloud_.cell();
   std::vector<float> radii;
   if (store && params_.radius == RadiusRule::kNeighbors)
     radii = neighborRadiiOf(*store, widest_spacing);

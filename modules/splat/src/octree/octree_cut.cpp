@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The best cut of the whole octree for a budget: docs/color_octree_splat_sampler.md, "Parameters".
-#include "octree/octree_cut.h"
+#include "octree/octree.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-
-#include "octree/octree_runs.h"
 
 namespace pcl_slim::detail {
 
@@ -254,6 +252,19 @@ class Bracket {
  private:
   double low_, high_, at_ = 0, low_value_ = 0, high_value_ = 0;
 };
+
+/** Joins what slices made, in their order. */
+template <typename T>
+std::vector<T>
+joined(const std::vector<std::vector<T>>& parts)
+{
+  std::size_t total = 0;
+  for (const auto& part : parts) total += part.size();
+  std::vector<T> all;
+  all.reserve(total);
+  for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
+  return all;
+}
 
 /** Finds lambda. */
 class CutSolver {

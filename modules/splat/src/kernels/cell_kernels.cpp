@@ -2,15 +2,15 @@
 #include <algorithm>
 #include <limits>
 
+#include "kernels/splat_kernels.h"
 #include "pcl_slim/core/symmetric.h"
-#include "points/splat_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "octree/cell_kernels.cpp"
+#define HWY_TARGET_INCLUDE "kernels/cell_kernels.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
-#include "points/vector_types-inl.h"
+#include "kernels/vector_types-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::splat_kernels::HWY_NAMESPACE {

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "points/splat_kernels.h"
+#include "kernels/splat_kernels.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "points/point_kernels.cpp"
+#define HWY_TARGET_INCLUDE "kernels/point_kernels.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
-#include "points/vector_types-inl.h"
+#include "kernels/vector_types-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::splat_kernels::HWY_NAMESPACE {

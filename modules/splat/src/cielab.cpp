@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels/splat_kernels.h"
 #include "pcl_slim/core/srgb.h"
-#include "points/splat_kernels.h"
 
 namespace pcl_slim {
 

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "disc/normal_kernels.h"
+#include "kernels/splat_kernels.h"
 
 #include <algorithm>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "disc/normal_kernels.cpp"
+#define HWY_TARGET_INCLUDE "kernels/normal_kernels.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
+#include "kernels/vector_types-inl.h"
 #include "pcl_slim/core/detail/lane_packing-inl.h"
-#include "points/vector_types-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::splat_kernels::HWY_NAMESPACE {

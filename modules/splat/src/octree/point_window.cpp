@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "points/point_window.h"
+#include "octree/octree.h"
 
 #include <algorithm>
 #include <cstring>
 #include <functional>
 
-#include "points/splat_kernels.h"
+#include "kernels/splat_kernels.h"
 
 // Prefetches the cache line of an address. A macro, as GCC takes a function for one without effect.
 #if defined(__GNUC__)
