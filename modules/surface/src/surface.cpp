@@ -3,13 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "pcl_slim/surface/surfel_color.h"
-#include "trim/trim_columns.h"
 
 namespace pcl_slim {
-
-using namespace detail;
 
 namespace {
 
@@ -79,6 +78,43 @@ checkSurfel(const SLIMSurface& s, std::size_t i)
   return measured ? Error() : bad("error or confidence", " is negative or not finite");
 }
 
+/** Turns a map, side and bits, over in v: the rows of a surfel whose normal is turned. */
+void
+mirrorTrimMap(std::uint8_t* map)
+{
+  const int side = map[0];
+  const std::vector<std::uint8_t> copy(map + 1, map + 1 + TrimMap::numBytes(side));
+  const TrimMap old{side, copy.data()};
+  std::fill_n(map + 1, copy.size(), std::uint8_t{0});
+  for (int k = 0; k < side * side; ++k) {
+    const bool inside = old.at(k % side, side - 1 - k / side);
+    map[1 + (k >> 3)] |= static_cast<std::uint8_t>(inside << (k & 7));
+  }
+}
+
+/** Names what is wrong with a surface's trim maps: offsets, flags or sides. */
+Error
+checkTrimMaps(const SLIMSurface& surface)
+{
+  const auto& begin = surface.trim_begin;
+  const std::size_t n = surface.size();
+  if (!begin.empty() &&
+      (begin.size() != n + 1 || begin[0] != 0 || begin[n] != surface.trim_maps.size())) {
+    return badInput("the trim maps do not belong to the surfels");
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!surface.isOpen(i) && (begin.empty() || begin[i] == begin[i + 1])) continue;
+    const bool there = surface.isOpen(i) && !begin.empty() && begin[i] < begin[i + 1] &&
+                       begin[i + 1] <= surface.trim_maps.size();
+    const int side = there ? surface.trim_maps[begin[i]] : 0;
+    if (side < TrimMap::kLeastSide || side > TrimMap::kMostSide ||
+        begin[i + 1] - begin[i] != 1 + TrimMap::numBytes(side)) {
+      return badInput("the trim map of surfel " + std::to_string(i) + " has another size");
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 std::size_t
@@ -139,6 +175,36 @@ SLIMSurface::resize(std::size_t count)
 }
 
 void
+SLIMSurface::setTrimMaps(const std::vector<std::uint8_t>& sides,
+                         const std::vector<std::uint8_t>& bits)
+{
+  dropTrimMaps();
+  if (std::all_of(sides.begin(), sides.end(), [](std::uint8_t side) { return side == 0; })) return;
+  trim_begin.resize(size() + 1);
+  trim_maps.reserve(bits.size() + sides.size());
+  auto next = bits.begin();
+  for (std::size_t i = 0; i < size(); ++i) {
+    trim_begin[i] = static_cast<std::uint32_t>(trim_maps.size());
+    if (sides[i] == 0) continue;
+    const auto end = next + static_cast<std::ptrdiff_t>(TrimMap::numBytes(sides[i]));
+    trim_maps.push_back(sides[i]);
+    trim_maps.insert(trim_maps.end(), next, end);
+    flags[i] |= kSurfelOpen;
+    next = end;
+  }
+  trim_begin[size()] = static_cast<std::uint32_t>(trim_maps.size());
+  trim_maps.shrink_to_fit();
+}
+
+void
+SLIMSurface::dropTrimMaps()
+{
+  trim_begin.clear();
+  trim_maps.clear();
+  for (std::uint8_t& flag : flags) flag &= static_cast<std::uint8_t>(~kSurfelOpen);
+}
+
+void
 SLIMSurface::flip(std::size_t i)
 {
   nx[i] = -nx[i];
@@ -166,6 +232,99 @@ SLIMSurface::validate() const
     if (Error defect = checkSurfel(*this, i)) return defect;
   }
   return checkTrimMaps(*this);
+}
+
+namespace {
+
+template <typename T>
+void
+appendTo(std::vector<T>& column, const std::vector<T>& more)
+{
+  column.insert(column.end(), more.begin(), more.end());
+}
+
+/** Appends trim maps; surfels without any have empty ones. */
+void
+appendTrimMaps(const SLIMSurface& more, std::size_t surfels, SLIMSurface& surface)
+{
+  if (!surface.hasTrimMaps() && !more.hasTrimMaps()) return;
+  const auto bytes = static_cast<std::uint32_t>(surface.trim_maps.size());
+  surface.trim_begin.resize(surfels + 1, bytes);
+  surface.trim_begin.pop_back();
+  for (std::size_t i = 0; i <= more.size(); ++i)
+    surface.trim_begin.push_back(bytes + (more.hasTrimMaps() ? more.trim_begin[i] : 0));
+  appendTo(surface.trim_maps, more.trim_maps);
+}
+
+template <typename T>
+std::vector<T>
+part(const std::vector<T>& column, std::size_t begin, std::size_t end)
+{
+  return {column.begin() + static_cast<std::ptrdiff_t>(begin),
+          column.begin() + static_cast<std::ptrdiff_t>(end)};
+}
+
+/** The trim maps of some surfels; none where all of these are closed. */
+void
+takeTrimMaps(const SLIMSurface& all, std::size_t begin, std::size_t end, SLIMSurface& some)
+{
+  if (!all.hasTrimMaps() || all.trim_begin[begin] == all.trim_begin[end]) return;
+  some.trim_begin = part(all.trim_begin, begin, end + 1);
+  some.trim_maps = part(all.trim_maps, all.trim_begin[begin], all.trim_begin[end]);
+  for (std::uint32_t& at : some.trim_begin) at -= all.trim_begin[begin];
+}
+
+}  // namespace
+
+SLIMSurface
+SLIMSurface::slice(std::size_t begin, std::size_t end) const
+{
+  const auto width = static_cast<std::size_t>(stride());
+  SLIMSurface some;
+  some.info = info;
+  some.cx = part(cx, begin, end);
+  some.cy = part(cy, begin, end);
+  some.cz = part(cz, begin, end);
+  some.radius = part(radius, begin, end);
+  some.nx = part(nx, begin, end);
+  some.ny = part(ny, begin, end);
+  some.nz = part(nz, begin, end);
+  some.coefficients = part(coefficients, begin * width, end * width);
+  some.error = part(error, begin, end);
+  some.effective_count = part(effective_count, begin, end);
+  some.degree = part(degree, begin, end);
+  some.level = part(level, begin, end);
+  some.flags = part(flags, begin, end);
+  takeTrimMaps(*this, begin, end, some);
+  if (hasColors()) some.colors = part(colors, begin * kColorBytes, end * kColorBytes);
+  return some;
+}
+
+void
+SLIMSurface::append(const SLIMSurface& more)
+{
+  if (empty()) info = more.info;
+  const std::size_t before = size();
+  appendTrimMaps(more, before, *this);
+  const bool colored = more.hasColors() && (before == 0 || hasColors());
+  if (!colored) colors.clear();
+  if (colored) appendTo(colors, more.colors);
+  appendTo(cx, more.cx);
+  appendTo(cy, more.cy);
+  appendTo(cz, more.cz);
+  appendTo(radius, more.radius);
+  appendTo(nx, more.nx);
+  appendTo(ny, more.ny);
+  appendTo(nz, more.nz);
+  appendTo(coefficients, more.coefficients);
+  appendTo(error, more.error);
+  appendTo(effective_count, more.effective_count);
+  appendTo(degree, more.degree);
+  appendTo(level, more.level);
+  appendTo(flags, more.flags);
+  child_begin.clear();
+  children.clear();
+  roots.clear();
 }
 
 }  // namespace pcl_slim

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "file/slim_header.h"
+#include "file/slim_file.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/surface/surface_io.h"
 #include "pcl_slim/surface/surfel_color.h"

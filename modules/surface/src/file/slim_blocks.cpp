@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "file/slim_blocks.h"
+#include "file/slim_file.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -8,7 +8,6 @@
 #include <limits>
 #include <utility>
 
-#include "file/slim_header.h"
 #include "pcl_slim/surface/surface_io.h"
 
 namespace pcl_slim {

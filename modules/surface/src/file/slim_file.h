@@ -7,12 +7,19 @@
 #include <vector>
 
 #include "pcl_slim/core/error.h"
+#include "pcl_slim/surface/slim_blocks.h"
 #include "pcl_slim/surface/surface.h"
 
 // A .slim file's header: magic (8 bytes), version and header size (4 each), size of the payload,
 // checksum (8 each), then the members of SurfaceInfo. Version 2 has trim maps behind the columns, version 4
 // behind these colours; files without any are written as version 1. Version 3 consists of blocks, each a
-// file of one of the other versions. Version 5 is a rounded surface (compact/compact_block.h).
+// file of one of the other versions. Version 5 is a rounded surface.
+//
+// Version 3: header; blocks; directory: offset, bytes, surfels, first and end key (8 each), box (6 floats)
+// a block; its offset and the number of blocks (8 each).
+//
+// Version 5: header; tolerance (double, local units), steps of a normal's
+// coordinate (4 bytes), whether there are colours (1 byte), and the surfels, range coded.
 
 namespace pcl_slim::detail {
 
@@ -98,10 +105,10 @@ class ByteReader {
 constexpr std::size_t kSlimHeaderBytes = 136;
 constexpr std::uint32_t kSlimVersion = 1;        ///< one surface without trim maps
 constexpr std::uint32_t kSlimMapsVersion = 2;    ///< one surface with trim maps
-constexpr std::uint32_t kSlimBlocksVersion = 3;  ///< blocks of such surfaces (slim_blocks.h)
+constexpr std::uint32_t kSlimBlocksVersion = 3;  ///< blocks of such surfaces
 constexpr std::uint32_t kSlimColorsVersion =
     4;  ///< one surface with colours, and maps where it has any
-constexpr std::uint32_t kSlimRoundedVersion = 5;  ///< one rounded surface (compact/compact_block.h)
+constexpr std::uint32_t kSlimRoundedVersion = 5;  ///< one rounded surface
 
 /** \brief Writes the header of a number of surfels that take payload bytes; the checksum is left 0, for
  * sealSlim. */
@@ -113,10 +120,6 @@ putSlimHeader(const SurfaceInfo& info, std::uint32_t version, std::uint64_t surf
  * single changed byte changes the result. */
 std::uint64_t
 slimChecksum(const unsigned char* bytes, std::size_t size);
-
-/** \brief Sets a header's checksum. */
-void
-setSlimChecksum(std::uint64_t sum, std::vector<unsigned char>& bytes);
 
 /** \brief The format version that bytes announce; 0 where they are no .slim file. */
 std::uint32_t
@@ -130,19 +133,6 @@ announcedChecksum(const unsigned char* bytes);
 void
 sealSlim(std::vector<unsigned char>& bytes);
 
-/** \brief Names what is wrong with a file before anything is allocated for it: its magic, version,
- * sizes and checksum. */
-Error
-checkSlimFrame(const unsigned char* bytes, std::size_t size);
-
-/** \brief Whether a file that checkSlimFrame passed is of a version with trim maps. */
-bool
-holdsTrimMaps(const unsigned char* bytes);
-
-/** \brief Whether such a file is of the version with colours. */
-bool
-holdsColors(const unsigned char* bytes);
-
 /** \brief Reads the header of a file that checkSlimFrame passed.
  * \return the number of surfels, or an error where a value cannot be. */
 Result<std::uint64_t>
@@ -151,5 +141,23 @@ getSlimHeader(const unsigned char* bytes, SurfaceInfo& info);
 /** \brief The error of a file whose numbers contradict each other. */
 Error
 contradictorySlim();
+
+/** \brief The surfels of a surface, rounded so that it moves by a share of the RMS residual of its leaves.
+ * \return nothing where a number is out of proportion to that; store such surfaces as floats. */
+std::vector<unsigned char>
+packSurfels(const SLIMSurface& surface, double share);
+
+/** \brief Inverse of packSurfels, without links. \param[in,out] surface its info is that of the header */
+Error
+unpackSurfels(const unsigned char* bytes, std::size_t size, std::uint64_t surfels,
+              SLIMSurface& surface);
+
+/** \brief The surface of a file of version 1, 2, 4 or 5, without links. */
+Result<SLIMSurface>
+decodeSlimBlock(const unsigned char* bytes, std::size_t size);
+
+/** \brief The surfels of all blocks of a file of version 3, without links. */
+Result<SLIMSurface>
+decodeSlimBlocks(const unsigned char* bytes, std::size_t size);
 
 }  // namespace pcl_slim::detail

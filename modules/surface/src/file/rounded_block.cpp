@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "compact/compact_block.h"
+#include "file/slim_file.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "compact/surfel_codec.h"
-#include "file/slim_header.h"
+#include "file/surfel_codec.h"
 
 namespace pcl_slim::detail {
 namespace {

@@ -2,7 +2,7 @@
 #include "pcl_slim/surface/detail/center_grid.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "links/grid_kernels.cpp"
+#define HWY_TARGET_INCLUDE "grid_kernels.cpp"
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
