@@ -63,7 +63,12 @@ shapeOf(const SLIMSurface& surface, std::uint32_t i, double tolerance, double le
   return shape;
 }
 
-}  // namespace
+/** A place in the leaf's (u, v) plane and how far the place is from the leaf's sheet. */
+struct SheetOffset {
+  float u = 0, v = 0;  ///< in radii, brought into the unit disc
+  float distance = 0;  ///< signed, local units, to first order
+  Vector3 normal{};    ///< of the sheet there, unit
+};
 
 SheetOffset
 offsetFrom(const LeafShape& leaf, const Vector3& place)
@@ -88,6 +93,8 @@ offsetFrom(const LeafShape& leaf, const Vector3& place)
   }
   return made;
 }
+
+}  // namespace
 
 std::vector<LeafShape>
 shapesOf(const SLIMSurface& surface, double tolerance, double least_spacings, int threads)

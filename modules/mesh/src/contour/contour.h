@@ -54,16 +54,6 @@ struct LeafShape {
   const float* c;
 };
 
-/** A place in the leaf's (u, v) plane and how far the place is from the leaf's sheet. */
-struct SheetOffset {
-  float u = 0, v = 0;  ///< in radii, brought into the unit disc
-  float distance = 0;  ///< signed, local units, to first order
-  Vector3 normal{};    ///< of the sheet there, unit
-};
-
-SheetOffset
-offsetFrom(const LeafShape& leaf, const Vector3& place);
-
 /** The leaves of a surface with the cells' sizes that keep a mesh within a tolerance (local units):
  * sqrt(4 tolerance / k) for the largest curvature k, a Frobenius norm, on the leaf, and at most .6 of its
  * radius; and no less than least_spacings spacings of its points. */
