@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Shaders. What meets a surface is the text of visualization/src/opengl (SHARED, put in by bundle.mjs); here
+// Shaders. What meets a surface is the text of visualization/src/opengl (SHARED, put in by bundle.cmake); here
 // is what differs: WebGL 2 has no buffer textures, leaves are drawn as hulls, and colours are our own.
-import {SHARED} from './shared.js';  // made by bundle.mjs
+import {SHARED} from './shared.js';  // made by bundle.cmake
 
 export const HEAD = constants => `#version 300 es
 precision highp float;
