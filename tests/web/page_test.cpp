@@ -289,11 +289,5 @@ TEST(PageInNode, AnswersClicksInDouble)
   }
 }
 
-TEST(Viewer, IsCurrent)
-{
-  if (std::string(PCL_SLIM_NODE).empty()) GTEST_SKIP() << "node is not installed";
-  EXPECT_EQ(runScript("../../web/bundle.mjs --check", ""), "");
-}
-
 }  // namespace
 }  // namespace pcl_slim

@@ -15,6 +15,7 @@
 #include "support/colors.h"
 #include "support/frame_difference.h"
 #include "unit/render/sphere_view.h"
+#include "unit/web/web_decoder.h"
 
 namespace pcl_slim {
 namespace {

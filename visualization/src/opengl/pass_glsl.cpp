@@ -206,6 +206,7 @@ bool slimFaces(float a[5], float s)
   return slimFrontOnly == 0 || slimSlope(a, s) < 0.0;
 }
 )";
+
 /** What a surfel counts for, and where its trim map is. */
 const char* const kSurfel = R"(
 uniform int slimTexelsOfLeaf;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstddef>
 #include <vector>
 
 #include "pcl_slim/core/error.h"
@@ -9,12 +8,6 @@
 #include "pcl_slim/surface/surface.h"
 
 namespace pcl_slim {
-
-/** \brief A surface as a page has it: no links, but the sizes that a level of detail uses. */
-struct WebSurface {
-  SLIMSurface surface;  ///< leaves first, then internal surfels, each along a Morton curve
-  std::vector<float> own, parent;  ///< detail::DetailSizes
-};
 
 /** \brief Packs a surface for a page: quantised columns, deflated with a checksum (gzip).
  *
@@ -26,10 +19,5 @@ struct WebSurface {
  * O(surfels + links). The bytes are the same for every run. */
 PCL_SLIM_EXPORT Result<std::vector<unsigned char>>
 encodeWebSurface(const SLIMSurface& surface, double precision = 896.0);
-
-/** \brief Inverse of encodeWebSurface, as the viewer does it. Truncated, damaged or foreign bytes give
- * an error. */
-PCL_SLIM_EXPORT Result<WebSurface>
-decodeWebSurface(const std::vector<unsigned char>& bytes);
 
 }  // namespace pcl_slim

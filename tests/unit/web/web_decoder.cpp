@@ -1,13 +1,105 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "columns/web_columns.h"
-#include "columns/web_header.h"
+#include "unit/web/web_decoder.h"
+
+#include <zlib.h>
+
+#include "page_columns.h"
 #include "pcl_slim/surface/detail/detail_sizes.h"
 #include "pcl_slim/surface/oct_normal.h"
 #include "pcl_slim/surface/surfel_color.h"
 
-namespace pcl_slim::detail {
+namespace pcl_slim::test {
+
+using namespace detail;
 namespace {
 
+/** \brief Inverse of gzip(). */
+Result<std::vector<unsigned char>>
+gunzip(const std::vector<unsigned char>& bytes)
+{
+  z_stream stream{};
+  if (inflateInit2(&stream, 15 + 16) != Z_OK) return badInput("out of memory");
+  stream.next_in = const_cast<unsigned char*>(bytes.data());
+  stream.avail_in = static_cast<uInt>(bytes.size());
+  std::vector<unsigned char> out;
+  unsigned char part[1 << 16];
+  int status = Z_OK;
+  while (status == Z_OK || status == Z_BUF_ERROR) {
+    stream.next_out = part;
+    stream.avail_out = sizeof part;
+    status = inflate(&stream, Z_FINISH);
+    const std::size_t made = sizeof part - stream.avail_out;
+    out.insert(out.end(), part, part + made);
+    if (made == 0) break;
+  }
+  inflateEnd(&stream);
+  if (status != Z_STREAM_END) return badInput("the page's data are damaged; save the page again");
+  return out;
+}
+
+float
+floatOf(std::uint32_t bits)
+{
+  float value;
+  std::memcpy(&value, &bits, sizeof value);
+  return value;
+}
+
+/** \brief Inverse of gridCode(). */
+float
+gridCoordinate(std::uint32_t code)
+{
+  return static_cast<float>(code / kNormalGrid - 1.0);
+}
+
+/** \brief Inverse of zigzag(). */
+double
+unzigzag(std::uint32_t code)
+{
+  return code % 2 == 0 ? 0.5 * code : -0.5 * (code + 1.0);
+}
+
+/** \brief Reads what PlaneWriter wrote; zeros, and failed(), beyond its end. */
+class PlaneReader {
+ public:
+  explicit PlaneReader(const std::vector<unsigned char>& data) : data_(data) {}
+
+  std::vector<std::uint32_t> get(std::size_t count, int bytes)
+  {
+    failed_ = failed_ || count > left() / static_cast<std::size_t>(bytes);
+    if (failed_) return {};
+    std::vector<std::uint32_t> column(count, 0);
+    for (int plane = 0; plane < bytes; ++plane) {
+      for (std::uint32_t& v : column) v |= static_cast<std::uint32_t>(data_[at_++]) << (8 * plane);
+    }
+    return column;
+  }
+
+  std::uint32_t getNumber()
+  {
+    const auto one = get(1, 4);
+    return failed_ ? 0 : one[0];
+  }
+
+  double getDouble()
+  {
+    const std::uint64_t low = getNumber(), bits = low | static_cast<std::uint64_t>(getNumber())
+                                                            << 32;
+    double value;
+    std::memcpy(&value, &bits, sizeof value);
+    return value;
+  }
+
+  bool failed() const { return failed_; }
+  std::size_t left() const { return data_.size() - at_; }
+
+ private:
+  const std::vector<unsigned char>& data_;
+  std::size_t at_ = 0;
+  bool failed_ = false;
+};
+
+/** \brief Reads the columns of a surface one by one. */
 class Unpacker {
  public:
   explicit Unpacker(const std::vector<unsigned char>& bytes) : in_(bytes) {}
@@ -15,7 +107,7 @@ class Unpacker {
   Result<WebSurface> unpack()
   {
     const Error damaged = badInput("the page's data are damaged; save the page again");
-    if (!header_.read(in_)) return damaged;
+    if (!getHeader()) return damaged;
     SLIMSurface& s = web_.surface;
     s.info = header_.info;
     n_ = header_.surfels;
@@ -31,6 +123,25 @@ class Unpacker {
   }
 
  private:
+  /** \return false for bytes that are no header of this version */
+  bool getHeader()
+  {
+    if (in_.getNumber() != kWebMagic) return false;
+    header_.surfels = in_.getNumber();
+    header_.leaves = in_.getNumber();
+    const auto small = in_.get(5, 1);
+    if (in_.failed()) return false;
+    SurfaceInfo& info = header_.info;
+    info.degree = static_cast<int>(small[0]);
+    info.blend_kernel = static_cast<WeightKernel>(small[1]);
+    info.oriented = small[2] != 0;
+    info.paper_mode = small[3] != 0;
+    header_.colored = small[4] != 0;
+    header_.visitNumbers([&](double& number) { number = in_.getDouble(); });
+    return !in_.failed() && header_.leaves <= header_.surfels && info.degree >= 1 &&
+           info.degree <= kMaxDegree;
+  }
+
   bool exact() const { return header_.precision == 0.0; }
 
   /** \param[in] valueOf float(std::uint32_t code) */
@@ -172,9 +283,11 @@ class Unpacker {
 }  // namespace
 
 Result<WebSurface>
-unpackColumns(const std::vector<unsigned char>& bytes)
+decodeWebSurface(const std::vector<unsigned char>& bytes)
 {
-  return Unpacker(bytes).unpack();
+  const auto columns = gunzip(bytes);
+  if (!columns) return columns.error();
+  return Unpacker(*columns).unpack();
 }
 
-}  // namespace pcl_slim::detail
+}  // namespace pcl_slim::test
