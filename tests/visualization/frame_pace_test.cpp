@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "frame/frame_pace.h"
+#include "frame/frame.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "frame/view_camera.h"
+#include "frame/frame.h"
 
 #include <gtest/gtest.h>
 

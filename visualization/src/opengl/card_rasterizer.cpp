@@ -13,8 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "frame/frame_textures.h"
-#include "opengl/pass_shaders.h"
+#include "frame/frame.h"
 #include "pcl_slim/core/vector3.h"
 #include "pcl_slim/render/detail/weight_reach.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "opengl/pass_glsl.h"
+#include "opengl/card_rasterizer.h"
 
 namespace pcl_slim::detail {
 

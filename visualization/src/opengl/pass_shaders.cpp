@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "opengl/pass_shaders.h"
-
-#include "opengl/pass_glsl.h"
+#include "opengl/card_rasterizer.h"
 #include "pcl_slim/query/detail/color_rules.h"
 #include "pcl_slim/render/detail/frame_constants.h"
 

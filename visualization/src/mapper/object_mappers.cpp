@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// The mappers of surfaces and of splats.
 #include "pcl_slim/visualization/slim_mapper.h"
 
 #include <vtkObjectFactory.h>
+#include <vtkPoints.h>
 #include <vtkPolyData.h>
+#include <vtkSmartPointer.h>
 
 #include <algorithm>
 #include <array>
@@ -10,14 +13,15 @@
 #include <utility>
 #include <vector>
 
-#include "export/leaf_points.h"
-#include "frame/frame_pace.h"
-#include "frame/frame_textures.h"
+#include "frame/frame.h"
 #include "opengl/card_rasterizer.h"
+#include "pcl_slim/render/disc_rasterizer.h"
 #include "pcl_slim/render/surface_renderer.h"
+#include "pcl_slim/splat/splat_set.h"
 #include "pcl_slim/surface/polynomial.h"
 #include "pcl_slim/surface/surface.h"
 #include "pcl_slim/visualization/display_mode.h"
+#include "pcl_slim/visualization/splat_mapper.h"
 
 namespace pcl_slim {
 
@@ -86,6 +90,67 @@ SurfaceFrames::closeGaps(const Camera& camera, const FrameRequest& request,
 
 using namespace detail;
 namespace {
+
+/** \brief Points with the bounds of balls around them, built one by one. */
+class BallPoints {
+ public:
+  BallPoints() { points_->SetDataTypeToDouble(); }
+
+  void add(const std::array<double, 3>& center, double radius)
+  {
+    points_->InsertNextPoint(center.data());
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double low = center[k] - radius, high = center[k] + radius;
+      bounds_[2 * k] = first_ ? low : std::min(bounds_[2 * k], low);
+      bounds_[2 * k + 1] = first_ ? high : std::max(bounds_[2 * k + 1], high);
+    }
+    first_ = false;
+  }
+
+  vtkSmartPointer<vtkPolyData> finish(std::array<double, 6>& bounds) const
+  {
+    bounds = bounds_;
+    auto data = vtkSmartPointer<vtkPolyData>::New();
+    data->SetPoints(points_);
+    return data;
+  }
+
+ private:
+  vtkSmartPointer<vtkPoints> points_ = vtkSmartPointer<vtkPoints>::New();
+  std::array<double, 6> bounds_{1.0, -1.0, 1.0, -1.0, 1.0, -1.0};
+  bool first_ = true;
+};
+
+/** \brief Centres of a surface's leaves as points without cells, double, world coordinates: what
+ * VTK's point pickers look at. \param[out] bounds of the balls as far as the surface reaches;
+ * VTK's empty ones for no leaf or a null surface. O(surfels). */
+vtkSmartPointer<vtkPolyData>
+leafPoints(const SLIMSurface* surface, std::array<double, 6>& bounds)
+{
+  BallPoints points;
+  for (std::size_t i = 0; surface && i < surface->size(); ++i) {
+    if (!surface->isLeaf(i)) continue;
+    const SurfaceInfo& info = surface->info;
+    points.add({info.origin[0] + info.scale * double{surface->cx[i]},
+                info.origin[1] + info.scale * double{surface->cy[i]},
+                info.origin[2] + info.scale * double{surface->cz[i]}},
+               info.scale * info.cover_radius * double{surface->radius[i]});
+  }
+  return points.finish(bounds);
+}
+
+/** \brief The same of splats. O(splats). */
+vtkSmartPointer<vtkPolyData>
+splatPoints(const SplatSet* splats, std::array<double, 6>& bounds)
+{
+  BallPoints points;
+  for (std::size_t i = 0; splats && i < splats->size(); ++i) {
+    points.add({splats->origin[0] + double{splats->x[i]}, splats->origin[1] + double{splats->y[i]},
+                splats->origin[2] + double{splats->z[i]}},
+               double{splats->radius[i]});
+  }
+  return points.finish(bounds);
+}
 
 using Weighted = std::pair<double, double>;  ///< value, area
 
@@ -369,6 +434,53 @@ SLIMMapper::pick(vtkRenderer* renderer, vtkActor* actor, int x, int y, SurfacePi
   result.error = surface.error[i] * scale;
   result.effective_count = surface.effective_count[i];
   return true;
+}
+
+vtkStandardNewMacro(SplatMapper)
+
+bool
+SplatMapper::setSplats(std::shared_ptr<const SplatSet> splats)
+{
+  const bool usable = !splats || !validateDiscs(*splats);
+  splats_ = usable ? std::move(splats) : nullptr;
+  std::array<double, 6> bounds{};
+  const vtkSmartPointer<vtkPolyData> points = splatPoints(splats_.get(), bounds);
+  objectChanged(points, bounds);
+  return usable;
+}
+
+bool
+SplatMapper::supports(DisplayMode mode) const
+{
+  return mode == DisplayMode::kShaded || mode == DisplayMode::kNormal ||
+         mode == DisplayMode::kSize || mode == DisplayMode::kReflection ||
+         mode == DisplayMode::kColor;
+}
+
+Error
+SplatMapper::rasterize(const Camera& camera, const FrameRequest& request, GBuffer& buffer)
+{
+  buffer.resize(camera.size.width, camera.size.height);
+  if (!splats_ || splats_->empty()) return {};
+  DiscRenderParams params;
+  params.sides = request.sides;
+  params.near_plane = request.near_plane;
+  params.threads = request.threads;
+  if (request.clip_planes.empty()) return renderDiscs(*splats_, camera, params, buffer);
+  return renderDiscs(splatsWithin(*splats_, request.clip_planes), camera, params, buffer);
+}
+
+std::array<double, 2>
+SplatMapper::automaticRange(DisplayMode /*mode*/) const
+{
+  if (!splats_ || splats_->empty()) return {0.5, 1.0};
+  std::vector<float> radii = splats_->radius;
+  std::sort(radii.begin(), radii.end());
+  const auto at = [&](double share) {
+    return double{radii[static_cast<std::size_t>(share * static_cast<double>(radii.size() - 1))]};
+  };
+  const double high = at(0.98);
+  return {std::max(at(0.02), 1e-6 * high), high > 0.0 ? high : 1.0};
 }
 
 }  // namespace pcl_slim

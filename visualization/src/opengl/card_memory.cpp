@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "opengl/leaf_buffer.h"
-
 #include <vtkOpenGLBufferObject.h>
 #include <vtkOpenGLRenderWindow.h>
 #include <vtkOpenGLState.h>
@@ -9,12 +7,28 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
-#include "frame/frame_textures.h"
+#include "frame/frame.h"
+#include "opengl/card_rasterizer.h"
 #include "pcl_slim/surface/detail/detail_sizes.h"
 #include "pcl_slim/surface/detail/trim_tables.h"
 
 namespace pcl_slim::detail {
+
+/** \brief A surface as the shaders read it. */
+struct LeafTexels {
+  /** texelsOfLeaf() texels for each leaf and, behind all leaves, for each internal
+   * surfel if they were requested. The fourth texel of one: the begin of its trim map in 4096 words,
+   * what that leaves over times TrimMap::kMostSide plus the map's side less 1, or -1 of a closed one; its own
+   * and its parents' DetailSizes. Balls of internal surfels are
+   * drawn larger than their radius. */
+  std::vector<float> surfels;
+  /** Words of TrimTable, row by row; one word at least, as a buffer cannot be empty. */
+  std::vector<std::int32_t> trim_words;
+  std::size_t leaves = 0, all = 0;  ///< surfels in the texels
+};
+
 namespace {
 
 constexpr std::size_t kWordsOfUnit = 4096;  ///< begins of maps in two floats, both exact
@@ -99,8 +113,8 @@ class Packer {
   LeafTexels& texels_;
 };
 
-}  // namespace
-
+/** \brief Packs a surface. \param[in] with_internal internal surfels too, which a level of detail
+ * needs. O(surfels + links). */
 LeafTexels
 packLeaves(const SLIMSurface& surface, bool with_internal)
 {
@@ -124,6 +138,8 @@ packLeaves(const SLIMSurface& surface, bool with_internal)
   if (texels.trim_words.empty()) texels.trim_words.push_back(0);
   return texels;
 }
+
+}  // namespace
 
 LeafBuffer::LeafBuffer() = default;
 LeafBuffer::~LeafBuffer() = default;
@@ -177,6 +193,134 @@ LeafBuffer::release(vtkWindow* window)
     buffer->ReleaseGraphicsResources();
   }
   there_ = false;
+}
+
+namespace {
+
+void
+allocate(vtkOpenGLRenderWindow* window, int width, int height, int numbers,
+         vtkTextureObject* texture)
+{
+  texture->SetContext(window);
+  texture->SetMinificationFilter(vtkTextureObject::Nearest);
+  texture->SetMagnificationFilter(vtkTextureObject::Nearest);
+  texture->Allocate2D(static_cast<unsigned>(width), static_cast<unsigned>(height), numbers,
+                      VTK_FLOAT);
+  texture->Deactivate();
+}
+
+}  // namespace
+
+CardTargets::CardTargets() = default;
+CardTargets::~CardTargets() = default;
+
+void
+CardTargets::resize(vtkOpenGLRenderWindow* window, int width, int height)
+{
+  const bool fits = first->GetHandle() != 0 && static_cast<int>(first->GetWidth()) == width &&
+                    static_cast<int>(first->GetHeight()) == height;
+  if (fits) return;
+  for (auto& texture : nearest) allocate(window, width, height, 1, texture);
+  for (vtkTextureObject* texture : {first.Get(), met.Get()}) {
+    allocate(window, width, height, 1, texture);
+  }
+  for (auto& texture : sums) allocate(window, width, height, 4, texture);
+  if (frame_buffer_ == 0) glGenFramebuffers(1, &frame_buffer_);
+  if (depth_buffer_ == 0) glGenRenderbuffers(1, &depth_buffer_);
+  glBindRenderbuffer(GL_RENDERBUFFER, depth_buffer_);
+  glRenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, width, height);
+  glBindRenderbuffer(GL_RENDERBUFFER, 0);
+}
+
+Error
+CardTargets::drawInto(std::initializer_list<vtkTextureObject*> textures, bool with_depth)
+{
+  constexpr unsigned kMost = 5;
+  glBindFramebuffer(GL_FRAMEBUFFER, frame_buffer_);
+  std::vector<GLenum> attached;
+  for (vtkTextureObject* texture : textures) {
+    attached.push_back(GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(attached.size()));
+    glFramebufferTexture2D(GL_FRAMEBUFFER, attached.back(), GL_TEXTURE_2D, texture->GetHandle(), 0);
+  }
+  for (auto i = static_cast<GLenum>(attached.size()); i < kMost; ++i) {
+    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0 + i, GL_TEXTURE_2D, 0, 0);
+  }
+  glFramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER,
+                            with_depth ? depth_buffer_ : 0);
+  glDrawBuffers(static_cast<GLsizei>(attached.size()), attached.data());
+  if (glCheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE) return {};
+  return {ErrorCode::kBadArgument,
+          "the graphics card cannot draw into textures of floats; draw on the CPU"};
+}
+
+void
+CardTargets::clearDepth(float depth)
+{
+  glClearBufferfv(GL_DEPTH, 0, &depth);
+}
+
+void
+CardTargets::release(vtkWindow* window)
+{
+  for (auto& texture : nearest) texture->ReleaseGraphicsResources(window);
+  for (auto& texture : sums) texture->ReleaseGraphicsResources(window);
+  first->ReleaseGraphicsResources(window);
+  met->ReleaseGraphicsResources(window);
+  if (frame_buffer_ != 0) glDeleteFramebuffers(1, &frame_buffer_);
+  if (depth_buffer_ != 0) glDeleteRenderbuffers(1, &depth_buffer_);
+  frame_buffer_ = depth_buffer_ = 0;
+}
+
+struct CardState::Saved {
+  vtkOpenGLState* state;
+  vtkOpenGLState::ScopedglViewport viewport;
+  vtkOpenGLState::ScopedglBlendFuncSeparate blend;
+  vtkOpenGLState::ScopedglColorMask color_mask;
+  vtkOpenGLState::ScopedglDepthMask depth_mask;
+  vtkOpenGLState::ScopedglDepthFunc depth_function;
+  vtkOpenGLState::ScopedglEnableDisable depth_test, blending, scissor, culling, stencil;
+  GLint draw_buffer = 0, read_buffer = 0, vertices = 0, equation = GL_FUNC_ADD,
+        alpha_equation = GL_FUNC_ADD;
+
+  explicit Saved(vtkOpenGLState* s)
+      : state(s),
+        viewport(s),
+        blend(s),
+        color_mask(s),
+        depth_mask(s),
+        depth_function(s),
+        depth_test(s, GL_DEPTH_TEST),
+        blending(s, GL_BLEND),
+        scissor(s, GL_SCISSOR_TEST),
+        culling(s, GL_CULL_FACE),
+        stencil(s, GL_STENCIL_TEST)
+  {
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &draw_buffer);
+    glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read_buffer);
+    glGetIntegerv(GL_VERTEX_ARRAY_BINDING, &vertices);
+    glGetIntegerv(GL_BLEND_EQUATION_RGB, &equation);
+    glGetIntegerv(GL_BLEND_EQUATION_ALPHA, &alpha_equation);
+  }
+};
+
+CardState::CardState(vtkOpenGLRenderWindow* window) : saved_(new Saved(window->GetState()))
+{
+  for (const GLenum what :
+       {GL_DEPTH_TEST, GL_BLEND, GL_SCISSOR_TEST, GL_CULL_FACE, GL_STENCIL_TEST}) {
+    saved_->state->vtkglDisable(what);
+  }
+  saved_->state->vtkglColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+  saved_->state->vtkglDepthMask(GL_TRUE);
+}
+
+CardState::~CardState()
+{
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(saved_->draw_buffer));
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(saved_->read_buffer));
+  glBindVertexArray(static_cast<GLuint>(saved_->vertices));
+  saved_->state->vtkglBlendEquationSeparate(static_cast<unsigned>(saved_->equation),
+                                            static_cast<unsigned>(saved_->alpha_equation));
+  delete saved_;
 }
 
 }  // namespace pcl_slim::detail

@@ -79,10 +79,6 @@ class PointBuilder {
   vtkSmartPointer<vtkPolyData> data_ = vtkSmartPointer<vtkPolyData>::New();
 };
 
-}  // namespace
-
-namespace {
-
 /** 0xRRGGBB of every surfel. */
 std::vector<std::uint32_t>
 colorsAtCenters(const SLIMSurface& surface)

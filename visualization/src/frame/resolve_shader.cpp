@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "shader/resolve_shader.h"
-
 #include <vtkShaderProgram.h>
 
 #include <algorithm>
+
+#include "frame/frame.h"
 
 namespace pcl_slim::detail {
 namespace {
