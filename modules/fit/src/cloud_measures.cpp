@@ -5,8 +5,7 @@
 #include <utility>
 
 #include "ball/normal_error.h"
-#include "pcl_slim/cloud/detail/noise_measurement.h"
-#include "pcl_slim/cloud/detail/normal_bound.h"
+#include "pcl_slim/cloud/detail/noise.h"
 
 namespace pcl_slim::detail {
 

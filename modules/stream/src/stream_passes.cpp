@@ -10,7 +10,6 @@
 #include "cells/cell_counts.h"
 #include "pcl_slim/cloud/cloud_view.h"
 #include "pcl_slim/cloud/detail/cloud_reader.h"
-#include "pcl_slim/cloud/detail/frame_measure.h"
 #include "pcl_slim/cloud/store_frame.h"
 #include "pcl_slim/core/random.h"
 #include "pcl_slim/fit/tile_fit.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "pcl_slim/cloud/detail/noise_measurement.h"
+#include "pcl_slim/cloud/detail/noise.h"
 #include "support/clouds.h"
 
 namespace pcl_slim {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How far normals may differ before they count as those of different sheets.
-#include "pcl_slim/cloud/detail/normal_bound.h"
+#include "pcl_slim/cloud/detail/noise.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "noise/patch_noise.h"
+#include "noise/patch.h"
 
 namespace pcl_slim {
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "pcl_slim/cloud/detail/frame_measure.h"
+#include "pcl_slim/cloud/detail/cloud_reader.h"
 #include "pcl_slim/cloud/point_store.h"
 #include "support/clouds.h"
 

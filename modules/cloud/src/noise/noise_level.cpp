@@ -1,17 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// docs/theory.md, "Noise" and "Bias on clean data".
+// The noise of a cloud: of its smallest patches (docs/theory.md, "Noise" and "Bias on clean data"), of merged frames,
+// along the Morton curve, and of its normals.
 #include "pcl_slim/cloud/noise_level.h"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <vector>
 
-#include "noise/patch_noise.h"
-#include "pcl_slim/cloud/detail/noise_measurement.h"
+#include "noise/patch.h"
+#include "pcl_slim/cloud/detail/noise.h"
 #include "pcl_slim/core/order_statistics.h"
+#include "pcl_slim/core/vector3.h"
 
-namespace pcl_slim {
-
-namespace detail {
+namespace pcl_slim::detail {
 
 namespace {
 
@@ -108,7 +110,311 @@ measurePaperNoise(const PointStore& store, const NoiseConstants& constants, int 
   return noise;
 }
 
-}  // namespace detail
+// docs/theory.md, "Merged frames": noise that points of one frame share, where the frames' numbers or the places of
+// sensors show which points those are.
+
+namespace {
+
+/** What points of one frame have in common: its number or, where frames have none, the place of its sensor. */
+Vector3
+frameOf(const PointStore& store, std::size_t point)
+{
+  if (store.hasFrameNumbers()) return {static_cast<double>(store.frameNumber(point)), 0, 0};
+  return store.sensor(point);
+}
+
+/** The frames of most points of a sample, those of most points first; none where all are of one, or each of
+ * its own as along a trajectory. */
+std::vector<Vector3>
+largestFrames(const PointStore& store, const FrameConstants& constants)
+{
+  std::map<Vector3, std::size_t> counts;
+  const std::size_t samples = std::min(constants.sample, store.size());
+  for (std::size_t s = 0; s < samples; ++s)
+    ++counts[frameOf(store, (2 * s + 1) * store.size() / (2 * samples))];
+  if (counts.size() < 2) return {};
+  const double stands_for = static_cast<double>(store.size()) / static_cast<double>(samples);
+  std::vector<std::pair<std::size_t, Vector3>> frames;
+  for (const auto& [frame, count] : counts) {
+    if (count > 1 && static_cast<double>(count) * stands_for >= constants.least_points)
+      frames.emplace_back(count, frame);
+  }
+  std::stable_sort(frames.begin(), frames.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  frames.resize(std::min(frames.size(), constants.most_frames));
+  std::vector<Vector3> largest(frames.size());
+  std::transform(frames.begin(), frames.end(), largest.begin(),
+                 [](const auto& frame) { return frame.second; });
+  return largest;
+}
+
+/** The points of a frame. One sensor sees one side of a part: they need no sides. */
+PointStore
+pointsOf(const PointStore& store, const Vector3& frame, int threads)
+{
+  std::vector<std::uint32_t> others;
+  for (std::size_t i = 0; i < store.size(); ++i) {
+    if (frameOf(store, i) != frame) others.push_back(static_cast<std::uint32_t>(i));
+  }
+  PointStore points = store.without(others, threads);
+  points.clearSides();
+  return points;
+}
+
+std::size_t
+widestPatch(const PointStore& store, const NoiseConstants& constants)
+{
+  return std::max(constants.first_neighbors, store.size() / constants.most_part);
+}
+
+/** Patches whose cells contain about as many points as share their errors. */
+PatchScale
+scaleOfCells(const PointStore& store, double correlation, const NoiseConstants& constants,
+             int threads)
+{
+  const SharedNoiseConstants& shared = constants.shared;
+  const double least = static_cast<double>(shared.cells) * std::max(2.0, correlation);
+  std::size_t k = constants.first_neighbors;
+  while (static_cast<double>(k) < least && 2 * k <= widestPatch(store, constants)) k *= 2;
+  return measureScale(store, k, constants, threads);
+}
+
+/** What patches of some radius show: between those of two sizes. */
+struct RadiusFigures {
+  double shared = 1;  ///< correlationOf()
+  std::size_t k = 0;  ///< of the nearer size
+  double radius = 0;
+};
+
+RadiusFigures
+figuresAtRadius(const PointStore& store, double radius, const NoiseConstants& constants,
+                int threads)
+{
+  PatchScale below = measureScale(store, constants.first_neighbors, constants, threads);
+  PatchScale above = below;
+  while (median(above.radii) < radius && 2 * above.k <= widestPatch(store, constants)) {
+    below = std::move(above);
+    above = measureScale(store, 2 * below.k, constants, threads);
+  }
+  const double low = std::log(median(below.radii)), high = std::log(median(above.radii));
+  const double part =
+      high > low ? std::clamp((std::log(radius) - low) / (high - low), 0.0, 1.0) : 1.0;
+  const double shared = std::log(correlationOf(below, constants));
+  const double wider = std::log(correlationOf(above, constants));
+  const PatchScale& nearer = part < 0.5 ? below : above;
+  return {std::exp(shared + part * (wider - shared)), nearer.k, median(nearer.radii)};
+}
+
+/** What single frames show. */
+class FrameNoise {
+ public:
+  explicit FrameNoise(const NoiseConstants& constants, int threads)
+      : constants_(constants), threads_(threads)
+  {
+  }
+
+  void add(const PointStore& frame)
+  {
+    const NoiseLevel white = measureNoise(frame, constants_, threads_);
+    const NoiseLevel noise = recognizeSharedNoise(frame, white, constants_, threads_);
+    if (!(noise.variance > 0)) return;
+    const PatchScale scale = scaleOfCells(frame, noise.correlation, constants_, threads_);
+    radii_.push_back(median(scale.radii));
+    shared_.push_back(correlationOf(scale, constants_));
+    const auto points = static_cast<double>(frame.size());
+    const double weight = points * noise.variance;
+    points_ += points;
+    weights_ += weight;
+    sharing_ += weight * noise.correlation;
+    dependent_ += weight * noise.dependence;
+    squares_ += std::pow(weight * noise.error, 2);
+    sharing_squares_ += std::pow(weight * noise.correlation * noise.correlation_error, 2);
+    sum_.step = std::max(sum_.step, noise.step);
+    sum_.patches += noise.patches + scale.variances.size();
+    ++sum_.frames;
+  }
+
+  bool empty() const { return sum_.frames == 0; }
+  double radius() const { return median(radii_); }
+  double shared() const { return median(shared_); }  ///< by patches of that radius
+
+  /** The mean of the variances by points, and of what shares an error by points and variance. */
+  NoiseLevel mean() const
+  {
+    NoiseLevel noise = sum_;
+    noise.variance = weights_ / points_;
+    noise.error = std::sqrt(squares_) / weights_;
+    noise.correlation = sharing_ / weights_;
+    noise.correlation_error = std::sqrt(sharing_squares_) / sharing_;
+    noise.dependence = dependent_ / weights_;
+    return noise;
+  }
+
+ private:
+  const NoiseConstants& constants_;
+  int threads_;
+  NoiseLevel sum_;
+  double points_ = 0, weights_ = 0, sharing_ = 0, dependent_ = 0;
+  double squares_ = 0, sharing_squares_ = 0;
+  std::vector<double> radii_, shared_;
+};
+
+}  // namespace
+
+NoiseLevel
+recognizeFrameNoise(const PointStore& store, const NoiseLevel& white,
+                    const NoiseConstants& constants, int threads)
+{
+  if (!store.hasSensors() && !store.hasFrameNumbers())
+    return recognizeSharedNoise(store, white, constants, threads);
+  threads = resolveThreads(threads);
+  FrameNoise frames(constants, threads);
+  for (const Vector3& frame : largestFrames(store, constants.frames))
+    frames.add(pointsOf(store, frame, threads));
+  NoiseLevel noise;
+  if (!frames.empty()) noise = frames.mean();
+  if (!(noise.correlation > constants.shared.white))
+    return recognizeSharedNoise(store, white, constants, threads);
+  const RadiusFigures all = figuresAtRadius(store, frames.radius(), constants, threads);
+  // Frames from one place round a surface alike: then as many more points share an error as there are frames.
+  const double more = std::max(1.0, all.shared / frames.shared());
+  noise.correlation *= more;
+  noise.dependence *= more;
+  // Errors of registration are white noise to the smallest patches of all points.
+  noise.variance = std::max(noise.variance, white.variance);
+  noise.neighbors = all.k;
+  noise.patch_radius = all.radius;
+  noise.patches += white.patches;
+  return noise;
+}
+
+// How noise varies along the Morton curve (docs/theory.md, "Noise").
+
+namespace {
+
+/** How many runs of points along the Morton curve a profile has an entry for. */
+std::size_t
+runsOf(const PointStore& store, const NoiseConstants& constants)
+{
+  return std::clamp(store.size() / constants.points_per_run,
+                    std::min(constants.least_samples, store.size()), constants.most_runs);
+}
+
+/** The mean variance of patches of k points about every run. */
+std::vector<float>
+runVariances(const PointStore& store, std::size_t k, std::size_t runs,
+             const NoiseConstants& constants, int threads, double* whole = nullptr)
+{
+  ThinnedPlaces places(store, runs);
+  std::vector<double> variances =
+      measureScale(places, k, constants, resolveThreads(threads)).variances;
+  std::vector<float> means = windowedMeans(variances, constants, threads);
+  if (whole != nullptr) *whole = trimmedMean(variances, constants.trim);
+  return means;
+}
+
+}  // namespace
+
+std::vector<float>
+measureNoiseProfile(const PointStore& store, const NoiseLevel& level,
+                    const NoiseConstants& constants, int threads)
+{
+  if (level.neighbors == 0) return {};
+  const std::size_t runs = runsOf(store, constants);
+  double whole;
+  std::vector<float> profile =
+      runVariances(store, level.neighbors, runs, constants, threads, &whole);
+  const float least = constants.least_ratio;
+  for (float& ratio : profile) {
+    ratio = whole > 0 ? std::clamp(static_cast<float>(ratio / whole), least, 1 / least) : 1.0f;
+  }
+  return profile;
+}
+
+std::vector<float>
+measureRaisedProfile(const PointStore& store, const NoiseLevel& level,
+                     const NoiseConstants& constants, int threads)
+{
+  if (level.neighbors == 0 || !(level.variance > 0)) return {};
+  const std::size_t k = level.neighbors;
+  const std::size_t runs = runsOf(store, constants);
+  std::vector<float> profile = runVariances(store, k, runs, constants, threads);
+  const std::vector<float> wider = runVariances(store, 2 * k, runs, constants, threads);
+  for (std::size_t j = 0; j < profile.size(); ++j) {
+    const bool noise = isFlat(profile[j], wider[j], constants);
+    const auto ratio = static_cast<float>(wider[j] / level.variance);
+    profile[j] = noise ? std::clamp(ratio, 1.0f, 1 / constants.least_ratio) : 1.0f;
+  }
+  return profile;
+}
+
+std::vector<float>
+modelledNoise(const PointStore& store, const RangeError& error, const NoiseConstants& constants,
+              int threads)
+{
+  threads = resolveThreads(threads);
+  const std::size_t k = smallestPatch(store, constants, threads);
+  const std::size_t stride = patchStride(k, constants);
+  const auto variance = [&](NeighborSearch& search, std::size_t sample, std::size_t) {
+    thread_local Patch patch;
+    patchAbout(store, search, sample, k / stride, patch);
+    const Vector3 sensor = error.own_sensors ? store.sensor(sample) : error.sensor;
+    const Vector3 ray = subtract(store.position(sample), sensor);
+    const double z = length(ray), sigma = error.a + error.b * z + error.c * z * z;
+    const Eigen::Vector3d normal = principalAxes(patch.points).eigenvectors().col(0);
+    const double along = dot(ray, {normal[0], normal[1], normal[2]}) / std::max(z, 1e-300);
+    return sigma * sigma * along * along;
+  };
+  const std::size_t runs = runsOf(store, constants);
+  return windowedMeans(sampleStore(store, runs, stride, threads, variance), constants, threads);
+}
+
+namespace {
+
+constexpr double kMedianOfTilt =
+    0.6931;  ///< median of (1 - cos) / sigma^2 for tilts of sigma about each axis
+
+/** Adds 1 - cos of the angles between a block's normals and their mean. */
+void
+addTilts(const PointStore& store, std::size_t block, const NormalBoundConstants& constants,
+         std::vector<double>& tilts)
+{
+  const std::size_t begin = block * PointStore::kBlock;
+  const std::size_t end = std::min(begin + PointStore::kBlock, store.size());
+  if (end < begin + constants.least_points) return;
+  double mean[3] = {};
+  for (std::size_t i = begin; i < end; ++i) {
+    const auto n = store.normal(i);
+    for (std::size_t a = 0; a < 3; ++a) mean[a] += n[a];
+  }
+  const double length = std::sqrt(mean[0] * mean[0] + mean[1] * mean[1] + mean[2] * mean[2]);
+  if (length < constants.one_sheet * static_cast<double>(end - begin)) return;
+  for (std::size_t i = begin; i < end; ++i) {
+    const auto n = store.normal(i);
+    tilts.push_back(1.0 - (n[0] * mean[0] + n[1] * mean[1] + n[2] * mean[2]) / length);
+  }
+}
+
+}  // namespace
+
+float
+normalBound(const PointStore& store, const NormalBoundConstants& constants)
+{
+  std::vector<double> tilts;
+  const double least_fall = store.hasNormals() ? constants.least_turn : 0;
+  const std::size_t blocks = store.numBlocks(),
+                    stride = std::max<std::size_t>(1, blocks / constants.blocks);
+  for (std::size_t block = 0; block < blocks; block += stride)
+    addTilts(store, block, constants, tilts);
+  if (tilts.empty()) return static_cast<float>(-least_fall);
+  const double sigma = std::sqrt(std::max(0.0, median(tilts)) / kMedianOfTilt);
+  return static_cast<float>(
+      std::min(-least_fall, -std::sin(std::min(constants.deviations * sigma, constants.widest))));
+}
+
+}  // namespace pcl_slim::detail
+
+namespace pcl_slim {
 
 double
 estimateNoise(const PointStore& store, NoiseEstimator estimator, int threads)
@@ -117,6 +423,14 @@ estimateNoise(const PointStore& store, NoiseEstimator estimator, int threads)
   return (paper ? detail::measurePaperNoise(store, {}, threads)
                 : detail::measureNoise(store, {}, threads))
       .variance;
+}
+
+std::vector<float>
+noiseProfile(const PointStore& store, int threads)
+{
+  const detail::NoiseConstants constants;
+  return detail::measureNoiseProfile(store, detail::measureNoise(store, constants, threads),
+                                     constants, threads);
 }
 
 }  // namespace pcl_slim

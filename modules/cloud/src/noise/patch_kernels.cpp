@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "noise/patch_kernels.h"
+#include "noise/patch.h"
 
 #include <algorithm>
 #include <limits>

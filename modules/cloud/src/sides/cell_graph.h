@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "pcl_slim/cloud/detail/side_constants.h"
+#include "pcl_slim/cloud/detail/sides.h"
 #include "sides/cell_sheet.h"
 #include "sides/side_cells.h"
 #include "sides/signed_contraction.h"

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "pcl_slim/cloud/detail/side_constants.h"
+#include "pcl_slim/cloud/detail/sides.h"
 
 namespace pcl_slim::detail {
 

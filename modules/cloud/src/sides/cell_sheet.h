@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "pcl_slim/cloud/detail/side_constants.h"
+#include "pcl_slim/cloud/detail/sides.h"
 #include "sides/side_cells.h"
 
 namespace pcl_slim::detail {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pcl_slim/cloud/detail/local_planes.h"
+#include "pcl_slim/cloud/detail/sides.h"
 
-#include "noise/patch_noise.h"
+#include "noise/patch.h"
 #include "pcl_slim/cloud/knn.h"
 #include "pcl_slim/core/parallel.h"
 

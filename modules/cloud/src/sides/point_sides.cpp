@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // docs/theory.md, "Sides before the cover": each point to the sheet that it is on, with the normal of its
 // neighbours there.
-#include "pcl_slim/cloud/detail/point_sides.h"
+#include "pcl_slim/cloud/detail/sides.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

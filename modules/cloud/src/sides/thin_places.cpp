@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "noise/patch_noise.h"
-#include "noise/patch_scale.h"
+#include "noise/patch.h"
 #include "pcl_slim/cloud/detail/sides.h"
 #include "pcl_slim/core/vector3.h"
 

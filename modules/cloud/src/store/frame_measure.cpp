@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pcl_slim/cloud/detail/frame_measure.h"
+#include "pcl_slim/cloud/detail/cloud_reader.h"
 
 #include <cstring>
 
-#include "pcl_slim/cloud/detail/cloud_reader.h"
 #include "pcl_slim/core/parallel.h"
 #include "store/cloud_summary.h"
 #include "store/frame_units.h"

@@ -6,10 +6,8 @@
 #include <optional>
 #include <utility>
 
-#include "pcl_slim/cloud/detail/local_planes.h"
-#include "pcl_slim/cloud/detail/normal_bound.h"
-#include "pcl_slim/cloud/detail/point_sides.h"
 #include "pcl_slim/cloud/detail/sides.h"
+#include "pcl_slim/cloud/detail/noise.h"
 
 namespace pcl_slim::detail {
 

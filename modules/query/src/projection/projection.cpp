@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pcl_slim/cloud/detail/normal_bound.h"
+#include "pcl_slim/cloud/detail/noise.h"
 #include "pcl_slim/core/parallel.h"
 #include "pcl_slim/query/detail/projection_kernel.h"
 #include "pcl_slim/query/detail/shape_operator.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "pcl_slim/cloud/detail/local_planes.h"
+#include "pcl_slim/cloud/detail/sides.h"
 
 #include <gtest/gtest.h>
 
