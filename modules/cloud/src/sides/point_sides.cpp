@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // docs/theory.md, "Sides before the cover": each point to the sheet that it is on, with the normal of its
-// neighbours there.
-#include "pcl_slim/cloud/detail/sides.h"
-
+// neighbours there; and onto the plane of these.
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -10,6 +8,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "noise/patch.h"
+#include "pcl_slim/cloud/detail/sides.h"
 #include "pcl_slim/cloud/knn.h"
 #include "pcl_slim/core/parallel.h"
 
@@ -275,6 +275,27 @@ settleSides(const PointStore& store, const std::vector<char>& on_rods,
       facing, normals, choices,
       [&](SheetChoice& choice, std::size_t point) { return choice.planeNormal(normals, point); });
   for (std::size_t k = 0; k < facing.size(); ++k) normals[facing[k]] = planes[k];
+}
+
+std::vector<std::array<double, 3>>
+feetOnLocalPlanes(const PointStore& store, std::size_t k, int threads)
+{
+  threads = resolveThreads(threads);
+  std::vector<std::array<double, 3>> feet(store.size());
+  std::vector<NeighborSearch> searches(static_cast<std::size_t>(threads), NeighborSearch(store));
+  parallelFor(store.size(), threads, 256, [&](std::size_t i, int thread) {
+    thread_local Patch patch;
+    // The next point's patch is about as wide as the last one's.
+    patchAbout(store, searches[static_cast<std::size_t>(thread)], i, k, patch,
+               probableSquare(patch.radius, 1));
+    const Eigen::Vector3d normal = principalAxes(patch.points).eigenvectors().col(0);
+    const Eigen::Vector3d sum = kernels::sumPatch(patch.points).first;
+    const double height = normal.dot(sum) / static_cast<double>(patch.points.size());
+    const std::array<double, 3> at = store.position(i);
+    for (std::size_t a = 0; a < 3; ++a)
+      feet[i][a] = at[a] + height * normal[static_cast<Eigen::Index>(a)];
+  });
+  return feet;
 }
 
 }  // namespace pcl_slim::detail

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+// docs/theory.md, "Sides before the cover": cells of points, and the sheet through each.
 #include "sides/side_cells.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pcl_slim/cloud/morton.h"
 #include "pcl_slim/cloud/morton_sort.h"
@@ -177,6 +180,237 @@ SideCells::cellsAbout(std::uint32_t cell, std::array<std::uint32_t, kWindow>& fo
       found[count++] = brick.first + countBits(brick.cubes & ((cubes & (0 - cubes)) - 1));
   }
   return count;
+}
+
+namespace {
+
+constexpr std::size_t kMost = SideConstants::kMostNeighbors;
+
+/** The bits of the first cells. */
+std::uint64_t
+firstCells(std::size_t count)
+{
+  return (std::uint64_t{1} << count) - 1;
+}
+
+Vector3
+meanOf(const CellSums& sums)
+{
+  return {sums[1] / sums[0], sums[2] / sums[0], sums[3] / sums[0]};
+}
+
+/** Principal axes of sums over points. */
+struct Axes {
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
+  double scale = 0;  ///< of its spreads
+
+  Axes() = default;
+  explicit Axes(const CellSums& sums)
+  {
+    const Vector3 m = meanOf(sums);
+    const Eigen::Vector3d mean(m[0], m[1], m[2]);
+    Eigen::Matrix3d covariance;
+    covariance << sums[4], sums[5], sums[6], sums[5], sums[7], sums[8], sums[6], sums[8], sums[9];
+    covariance = covariance / sums[0] - mean * mean.transpose();
+    scale = std::max(covariance.trace(), std::numeric_limits<double>::min());
+    solver.computeDirect(covariance / scale);
+  }
+
+  /** Along the direction of the least spread first. */
+  Eigen::Vector3d spreads() const { return solver.eigenvalues().cwiseMax(0.0); }
+};
+
+/** Sets a sheet's normal and spread. \return the spread over the lesser one across the normal. */
+double
+setNormal(const Axes& axes, CellSheet& sheet)
+{
+  const Eigen::Vector3d n = axes.solver.eigenvectors().col(0), spreads = axes.spreads();
+  const bool usable = n.allFinite() && n.squaredNorm() > 0.5;
+  sheet.normal = usable ? Vector3{n[0], n[1], n[2]} : Vector3{0, 0, 1};
+  sheet.spread = axes.scale * spreads[0];
+  return spreads[1] > 0 ? spreads[0] / spreads[1] : 1;
+}
+
+/** Variance of the points along a unit direction. */
+double
+varianceAlong(const CellSums& sums, const Vector3& n)
+{
+  const double square = n[0] * (sums[4] * n[0] + 2 * (sums[5] * n[1] + sums[6] * n[2])) +
+                        n[1] * (sums[7] * n[1] + 2 * sums[8] * n[2]) + n[2] * sums[9] * n[2];
+  const double mean = dot(meanOf(sums), n);
+  return square / sums[0] - mean * mean;
+}
+
+/** Whether one sheet is above the other, and not next to each other as the faces of an edge are: their
+ * middles are no farther apart across the normal than each is wide. */
+bool
+overlap(const std::array<CellSums, 2>& sides, const Vector3& normal)
+{
+  const Vector3 between = subtract(meanOf(sides[1]), meanOf(sides[0]));
+  const Vector3 across = along(between, -dot(between, normal), normal);
+  const Vector3 n = normalized(across);
+  return dot(across, across) < 0.5 * (varianceAlong(sides[0], n) + varianceAlong(sides[1], n));
+}
+
+/** Marks the cells of another sheet, if two are apart along the normal. \param[out] sides sums over the
+ * cell's own sheet and over the other */
+void
+findOther(const NearCells& near, const CellSums& all, const SideConstants& constants,
+          CellSheet& sheet, std::array<CellSums, 2>& sides)
+{
+  const double total = all[0], mean = dot(meanOf(all), sheet.normal);
+  const TwoSheets two = kernels::partCells(near, sheet.count, sheet.normal, mean, constants.passes);
+  const double between = two.above * (total - two.above) / total * two.gap * two.gap;
+  const double within = std::max(0.0, two.square - between) / total;
+  const double least = constants.least_side * total;
+  if (!(two.above > least && total - two.above > least)) return;
+  if (!(two.gap * two.gap > constants.apart * constants.apart * within)) return;
+  const std::uint64_t cells = firstCells(sheet.count);
+  sheet.other = two.higher & 1 ? cells & ~two.higher : two.higher;
+  sides = {kernels::sumCells(near, cells & ~sheet.other), kernels::sumCells(near, sheet.other)};
+  if (!overlap(sides, sheet.normal)) sheet.other = 0;
+}
+
+/** A cell in a window, with its squared distance in front to sort by. */
+struct Distant {
+  float square;
+  std::uint32_t cell;
+
+  bool operator<(const Distant& other) const
+  {
+    return square != other.square ? square < other.square : cell < other.cell;
+  }
+};
+
+/** Puts the nearest first and in order: first by steps of their squared distance, of which few have more
+ * than one cell. \return how many there are in order, no fewer than wanted if there are as many */
+std::size_t
+sortNearest(const std::array<Distant, SideCells::kWindow>& found, std::size_t count, double width,
+            std::size_t wanted, std::array<Distant, SideCells::kWindow>& sorted)
+{
+  constexpr std::size_t kSteps = 128;
+  constexpr float kStepsPerWidth = 4;
+  const float scale = kStepsPerWidth / static_cast<float>(width * width);
+  const auto stepOf = [scale](const Distant& at) {
+    return static_cast<std::size_t>(std::min(at.square * scale, static_cast<float>(kSteps - 1)));
+  };
+  std::array<std::uint8_t, kSteps + 1> begins{};
+  for (std::size_t k = 0; k < count; ++k) ++begins[stepOf(found[k]) + 1];
+  std::size_t steps = 0, kept = 0;
+  for (; steps < kSteps && kept < std::min(wanted, count); ++steps) {
+    kept += begins[steps + 1];
+    begins[steps + 1] = static_cast<std::uint8_t>(kept);
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t step = stepOf(found[k]);
+    if (step < steps) sorted[begins[step]++] = found[k];
+  }
+  for (std::size_t k = 1; k < kept; ++k) {
+    const Distant at = sorted[k];
+    std::size_t place = k;
+    for (; place > 0 && at < sorted[place - 1]; --place) sorted[place] = sorted[place - 1];
+    sorted[place] = at;
+  }
+  return kept;
+}
+
+/** Finds the nearest cells by their means, the cell itself first. \return how many */
+std::size_t
+nearestCells(const SideCells& cut, std::uint32_t cell, std::size_t wanted,
+             std::array<std::uint32_t, kMost>& cells, NearCells& near)
+{
+  std::array<std::uint32_t, SideCells::kWindow> window;
+  std::array<Distant, SideCells::kWindow> found, sorted;
+  const std::size_t count = cut.cellsAbout(cell, window);
+  const Vector3& middle = cut.cells[cell].mean;
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vector3 d = subtract(cut.cells[window[k]].mean, middle);
+    found[k] = {window[k] == cell ? 0.0f : static_cast<float>(dot(d, d)), window[k]};
+  }
+  const std::size_t kept = std::min(sortNearest(found, count, cut.width, wanted, sorted), wanted);
+  for (std::size_t k = 0; k < kept; ++k) {
+    cells[k] = sorted[k].cell;
+    const CellMoments& at = cut.cells[cells[k]];
+    near.columns[0][k] = at.count;
+    for (std::size_t a = 0; a < 3; ++a) near.columns[1 + a][k] = at.mean[a] - middle[a];
+    for (std::size_t c = 0; c < 6; ++c) near.columns[4 + c][k] = at.covariance[c];
+  }
+  for (auto& column : near.columns) std::fill(column.begin() + kept, column.end(), 0.0);
+  return kept;
+}
+
+/** The sheet about a rod's axis, on which normals are radial, if the cells are a rod whose surface is far flatter,
+ * in proportion, than other sheets: planes do not part the sides of a rod that is not much wider than a cell. */
+CellSheet
+rodOf(const NearCells& near, std::size_t count, const CellSums& sums, const Axes& axes,
+      double flattest, const SideConstants& constants, const CellSheet& flat)
+{
+  constexpr double kFlatter = 0.5;
+  const Eigen::Vector3d spreads = axes.spreads(), main = axes.solver.eigenvectors().col(2);
+  const bool round =
+      spreads[1] < constants.rod * spreads[2] && spreads[0] > constants.thick_rod * spreads[1];
+  if (!round) return flat;
+  CellSheet rod = flat;
+  rod.count = count;
+  rod.axis = {main[0], main[1], main[2]};
+  const Vector3 middle = meanOf(sums);
+  std::array<Vector3, kMost> radii{};
+  double first = 0, second = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const Vector3 at = {near.columns[1][k], near.columns[2][k], near.columns[3][k]};
+    const Vector3 from = subtract(at, middle);
+    radii[k] = along(from, -dot(from, rod.axis), rod.axis);
+    const double points = near.columns[0][k], radius = length(radii[k]);
+    first += points * radius / sums[0];
+    second += points * radius * radius / sums[0];
+  }
+  rod.radius = radii[0];
+  rod.spread = std::max(0.0, second - first * first);
+  if (!(length(rod.radius) > 0 && rod.spread < kFlatter * flattest * axes.scale * spreads[0]))
+    return flat;
+  rod.normal = normalized(rod.radius);
+  rod.middle = -length(rod.radius);
+  rod.other = 0;
+  for (std::size_t k = 1; k < count; ++k) {
+    if (dot(radii[k], rod.normal) < 0) rod.other |= std::uint64_t{1} << k;
+  }
+  return rod;
+}
+
+}  // namespace
+
+CellSheet
+sheetOf(const SideCells& cut, std::uint32_t cell, const SideConstants& constants)
+{
+  NearCells near;
+  CellSheet best;
+  const std::size_t count =
+      nearestCells(cut, cell, std::min(constants.neighbors.back(), kMost), best.cells, near);
+  double flattest = std::numeric_limits<double>::infinity();
+  CellSums sums{};
+  Axes axes;  // of all that are summed
+  std::size_t summed = 0;
+  for (const std::size_t size : constants.neighbors) {
+    CellSheet sheet;
+    sheet.count = std::min(size, count);
+    const CellSums added = kernels::sumCells(near, firstCells(sheet.count) & ~firstCells(summed));
+    for (std::size_t c = 0; c < sums.size(); ++c) sums[c] += added[c];
+    summed = sheet.count;
+    axes = Axes(sums);
+    double flatness = setNormal(axes, sheet);
+    std::array<CellSums, 2> sides;
+    findOther(near, sums, constants, sheet, sides);
+    if (sheet.other != 0) {
+      flatness = setNormal(Axes(sides[0]), sheet);
+      sheet.middle =
+          0.5 * (dot(meanOf(sides[0]), sheet.normal) + dot(meanOf(sides[1]), sheet.normal));
+    }
+    if (flatness >= flattest) continue;
+    flattest = flatness;
+    sheet.cells = best.cells;
+    best = sheet;
+  }
+  return rodOf(near, count, sums, axes, flattest, constants, best);
 }
 
 }  // namespace pcl_slim::detail

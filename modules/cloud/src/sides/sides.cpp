@@ -10,7 +10,7 @@
 
 #include "pcl_slim/core/order_statistics.h"
 #include "pcl_slim/core/parallel.h"
-#include "sides/cell_graph.h"
+#include "sides/side_cells.h"
 
 namespace pcl_slim::detail {
 

@@ -5,13 +5,15 @@
 #include "pcl_slim/cloud/point_store.h"
 #include "pcl_slim/core/extent.h"
 #include "pcl_slim/core/parallel.h"
+#include "store/store.h"
 
 namespace pcl_slim {
+
+using detail::kBlockGrid;
 
 namespace {
 
 constexpr std::size_t kBlock = PointStore::kBlock;
-constexpr float kBlockGrid = 0x1p22f;  ///< block origins are multiples of its inverse
 constexpr std::size_t kTask = 256;     ///< blocks a thread takes at a time
 
 /** The stored points that are left, ascending. */

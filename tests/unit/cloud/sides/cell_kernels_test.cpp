@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sides/cell_kernels.h"
+#include "sides/side_cells.h"
 
 #include <gtest/gtest.h>
 
