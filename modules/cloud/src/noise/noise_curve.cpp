@@ -49,6 +49,10 @@ fallOff(double x, double width)
   return std::exp(-ratio * ratio * ratio * ratio);
 }
 
+constexpr double kPlainest =
+    0.35;                         ///< share of the places, those of least variance, whose growth counts ...
+constexpr std::size_t kAhead = 3;  ///< ... on patches this many doublings wider
+
 /** The places measured on every given scale, those of the least variance on the last one. */
 std::vector<std::size_t>
 plainestPlaces(const PatchScale& narrow, const PatchScale& wider, const PatchScale& widest,
@@ -90,9 +94,9 @@ measureGrowth(const std::vector<PatchScale>& scales, std::size_t i,
               const SharedNoiseConstants& constants, ScaleFigures& figures)
 {
   const PatchScale &narrow = scales[i], &wider = scales[i + 1];
-  const PatchScale& widest = scales[std::min(i + constants.ahead, scales.size() - 1)];
+  const PatchScale& widest = scales[std::min(i + kAhead, scales.size() - 1)];
   std::vector<double> variances[2], powers[2];
-  for (const std::size_t s : plainestPlaces(narrow, wider, widest, constants.plainest)) {
+  for (const std::size_t s : plainestPlaces(narrow, wider, widest, kPlainest)) {
     variances[0].push_back(narrow.variances[s]);
     variances[1].push_back(wider.variances[s]);
     powers[0].push_back(narrow.power(s));
@@ -101,6 +105,8 @@ measureGrowth(const std::vector<PatchScale>& scales, std::size_t i,
   figures.growth = growthOf(variances[0], variances[1], constants.trim);
   figures.power_growth = growthOf(powers[0], powers[1], constants.trim);
 }
+
+constexpr double kFlatPlace = 0.5;  ///< growth up to which a place is flat
 
 /** Level and correlation at the places where the variance grows little: they are flat at this scale. */
 void
@@ -113,7 +119,7 @@ measureFlatPlaces(const PatchScale& scale, const PatchScale& wider, const NoiseC
   flat.stride = scale.stride;
   for (std::size_t s = 0; s < scale.variances.size(); ++s) {
     if (scale.variances[s] < 0 || wider.variances[s] < 0) continue;
-    if (wider.variances[s] > std::exp2(shared.flat_place) * scale.variances[s]) continue;
+    if (wider.variances[s] > std::exp2(kFlatPlace) * scale.variances[s]) continue;
     flat.variances.push_back(scale.variances[s]);
     flat.shared.push_back(scale.shared[s]);
     flat.radii.push_back(scale.radii[s]);
@@ -126,11 +132,10 @@ measureFlatPlaces(const PatchScale& scale, const PatchScale& wider, const NoiseC
 /** Binary logarithm of the factor by which a scale's power is below a narrower scale's, or by which
  * that of the next few scales falls below its greatest. */
 double
-fallAbout(const std::vector<ScaleFigures>& figures, std::size_t i,
-          const SharedNoiseConstants& constants)
+fallAbout(const std::vector<ScaleFigures>& figures, std::size_t i)
 {
   double power = 0, greatest = 0, fall = 0;
-  for (std::size_t j = 0; j < std::min(i + constants.ahead, figures.size()); ++j) {
+  for (std::size_t j = 0; j < std::min(i + kAhead, figures.size()); ++j) {
     if (j == i) fall = greatest - power;
     if (j == i) greatest = power;
     power += figures[j].power_growth;
@@ -140,6 +145,13 @@ fallAbout(const std::vector<ScaleFigures>& figures, std::size_t i,
   return fall;
 }
 
+constexpr double kFlat = 0.33;        ///< growth at which a size of patch is no plateau
+constexpr double kSlow = 0.62;        ///< the same as a share of the greatest growth before, ...
+constexpr double kMostPeak = 0.8;     ///< ... of which at most this counts
+constexpr double kSteep = 1.2;        ///< growth that noise does not show ...
+constexpr double kSteepWidth = 0.1;   ///< ... and the width of the passage
+constexpr double kFall = 0.8;         ///< fall of the power that noise does not show
+
 /** Chances that a scale is a plateau of noise. */
 struct PlateauChance {
   double slow = 0;  ///< its variance grows more slowly than before ...
@@ -147,30 +159,33 @@ struct PlateauChance {
 };
 
 std::vector<PlateauChance>
-plateauChances(const std::vector<ScaleFigures>& figures, const SharedNoiseConstants& constants)
+plateauChances(const std::vector<ScaleFigures>& figures)
 {
   std::vector<PlateauChance> chances;
   double gentle = 1;  // chance that no growth so far was a shape's
   double peak = 0;    // greatest growth so far
   for (std::size_t i = 0; i < figures.size(); ++i) {
     const ScaleFigures& f = figures[i];
-    const double still = fallOff(std::abs(f.power_growth), constants.flat);
+    const double still = fallOff(std::abs(f.power_growth), kFlat);
     const double noise =
-        std::max(gentle, still) * fallOff(fallAbout(figures, i, constants), constants.fall);
-    const double slow = constants.slow * std::min(peak, constants.most_peak);
-    chances.push_back({noise * fallOff(f.growth, std::max(constants.flat, slow)),
-                       noise * fallOff(f.growth, constants.flat)});
+        std::max(gentle, still) * fallOff(fallAbout(figures, i), kFall);
+    const double slow = kSlow * std::min(peak, kMostPeak);
+    chances.push_back({noise * fallOff(f.growth, std::max(kFlat, slow)),
+                       noise * fallOff(f.growth, kFlat)});
     peak = std::max(peak, f.growth);
-    gentle /= 1 + std::exp((f.growth - constants.steep) / constants.steep_width);
+    gentle /= 1 + std::exp((f.growth - kSteep) / kSteepWidth);
   }
   return chances;
 }
+
+constexpr double kSpread = 1.5;   ///< growth of a plateau's mean over that of plain places, at most, ...
+constexpr double kCreases = 0.1;  ///< ... and added to it
 
 /** Logarithms of every scale's variance and correlation. After a plateau they grow about as those of
  * the plainest places do: what else wider patches show is shape. */
 std::vector<Eigen::Array2d>
 withoutShape(const std::vector<ScaleFigures>& figures, const std::vector<PlateauChance>& chances,
-             double white, const SharedNoiseConstants& constants)
+             double white)
 {
   std::vector<Eigen::Array2d> shown;
   for (std::size_t i = 0; i < figures.size(); ++i) {
@@ -181,21 +196,25 @@ withoutShape(const std::vector<ScaleFigures>& figures, const std::vector<Plateau
     const ScaleFigures& last = figures[i - 1];
     const Eigen::Array2d plain(last.growth, last.power_growth - last.growth);
     const Eigen::Array2d most =
-        shown[i - 1] + std::log(2.0) * (constants.creases + constants.spread * plain.max(0.0));
+        shown[i - 1] + std::log(2.0) * (kCreases + kSpread * plain.max(0.0));
     shown[i] -= chances[i - 1].flat * (shown[i] - most).max(0.0);
   }
   return shown;
 }
 
+constexpr double kShownPart = 0.83;  ///< share of the noise that a profile's patches show
+
 /** The first scale that shows most of a variance. */
 std::size_t
-scaleOf(double variance, const std::vector<ScaleFigures>& figures,
-        const SharedNoiseConstants& constants)
+scaleOf(double variance, const std::vector<ScaleFigures>& figures)
 {
   std::size_t i = 0;
-  while (i + 1 < figures.size() && figures[i].variance < constants.most * variance) ++i;
+  while (i + 1 < figures.size() && figures[i].variance < kShownPart * variance) ++i;
   return i;
 }
+
+constexpr double kStill = 0.42;  ///< growth of the power, either way, at which it is not constant
+constexpr double kBeyond = 1.5;  ///< growth beyond a plateau, in all, that noise does not show
 
 /** Moves from what the smallest patches show towards each scale by its chance to be a plateau. A
  * run of plateaus has its first one's figures unless their power is constant: where the
@@ -204,7 +223,7 @@ CurveNoise
 weigh(const std::vector<ScaleFigures>& figures, const std::vector<PlateauChance>& chances,
       double white, const SharedNoiseConstants& constants)
 {
-  const std::vector<Eigen::Array2d> shown = withoutShape(figures, chances, white, constants);
+  const std::vector<Eigen::Array2d> shown = withoutShape(figures, chances, white);
   Eigen::Array2d run(std::log(white), shown.front()[1]);
   Eigen::Array2d noise(std::log(white), 0);
   double peak = 0;        // greatest growth of the power so far
@@ -214,9 +233,9 @@ weigh(const std::vector<ScaleFigures>& figures, const std::vector<PlateauChance>
   for (std::size_t i = 0; i < figures.size(); ++i) {
     const double before = i == 0 ? 1 : std::max(chances[i - 1].flat, first);
     const double moves = std::abs(figures[i].power_growth);
-    const double still = fallOff(moves, std::max(constants.still, constants.slowing * peak));
+    const double still = fallOff(moves, std::max(kStill, constants.slowing * peak));
     if (i > 0) run += (1 - before * (1 - still)) * (shown[i] - run);
-    const double beyond = 1 - fallOff((run[0] - level) / std::log(2.0), constants.beyond);
+    const double beyond = 1 - fallOff((run[0] - level) / std::log(2.0), kBeyond);
     noise += chances[i].slow * (1 - first * beyond) * (run - noise);
     const double plateau = chances[i].flat * still;
     if (last * plateau > first) {
@@ -227,8 +246,10 @@ weigh(const std::vector<ScaleFigures>& figures, const std::vector<PlateauChance>
     peak = std::max(peak, moves);
   }
   const double variance = std::exp(noise[0]);
-  return {variance, std::exp(noise[1]), scaleOf(variance, figures, constants)};
+  return {variance, std::exp(noise[1]), scaleOf(variance, figures)};
 }
+
+constexpr double kShape = 2;  ///< growth, twice in a row, after which there is shape alone
 
 /** Whether a surface's shape has shown in full, as it does at the first scales on clean clouds. More than a
  * cubic's bias grows by is none: patches along a lidar's ring show nothing at all. */
@@ -240,7 +261,7 @@ isShape(const std::vector<PatchScale>& scales, const NoiseConstants& constants)
   ScaleFigures before, last;
   measureGrowth(scales, n - 3, constants.shared, before);
   measureGrowth(scales, n - 2, constants.shared, last);
-  return std::min(before.growth, last.growth) > constants.shared.shape &&
+  return std::min(before.growth, last.growth) > kShape &&
          std::max(before.growth, last.growth) < 2 * std::log2(constants.bias_growth);
 }
 
@@ -254,6 +275,8 @@ figuresOf(const std::vector<PatchScale>& scales, std::size_t i, const NoiseConst
   return figures;
 }
 
+constexpr double kLeast = 1.5;  ///< fewer neighbours than this share nothing
+
 /** Whether two scales in a row, of patches wide enough to show it, have the same noise and no shared
  * noise: then what wider patches show is shape. */
 bool
@@ -265,7 +288,7 @@ isWhite(const std::vector<PatchScale>& scales, const NoiseConstants& constants)
   for (const std::size_t i : {n - 3, n - 2}) {
     const ScaleFigures f = figuresOf(scales, i, constants);
     if (std::max(std::abs(f.growth), std::abs(f.power_growth)) > shared.chance ||
-        f.correlation >= shared.least)
+        f.correlation >= kLeast)
       return false;
   }
   return true;
@@ -290,7 +313,7 @@ noiseOf(const std::vector<PatchScale>& scales, double white, const NoiseConstant
   std::vector<ScaleFigures> figures;
   for (std::size_t i = 0; i + 1 < scales.size(); ++i)
     figures.push_back(figuresOf(scales, i, constants));
-  return weigh(figures, plateauChances(figures, constants.shared), white, constants.shared);
+  return weigh(figures, plateauChances(figures), white, constants.shared);
 }
 
 /** Half of the places, at random. */
@@ -321,13 +344,15 @@ scaleAt(const PatchScale& scale, const std::vector<std::size_t>& places)
   return part;
 }
 
+constexpr std::size_t kHalfSamples = 8;  ///< halves of the places whose outcomes are compared
+
 /** The noise by halves of the places: they scatter about that of all as the latter does about the truth
  * (McCarthy 1969). */
 std::vector<CurveNoise>
 halvesOf(const std::vector<PatchScale>& scales, double white, const NoiseConstants& constants,
          int threads)
 {
-  std::vector<CurveNoise> halves(constants.shared.half_samples);
+  std::vector<CurveNoise> halves(kHalfSamples);
   parallelFor(halves.size(), threads, 1, [&](std::size_t r, int) {
     const std::vector<std::size_t> places = halfOf(scales.front().variances.size(), r);
     std::vector<PatchScale> part(scales.size());
@@ -345,12 +370,14 @@ ramp(double x, double low, double high)
   return std::clamp((x - low) / (high - low), 0.0, 1.0);
 }
 
+constexpr double kPlain = 1.0;  ///< growth from the smallest patches' variance from which on all of it counts
+
 CurveShare
 shareOf(const CurveNoise& curve, double white, const SharedNoiseConstants& constants)
 {
-  const double share = ramp(curve.correlation, constants.least, constants.all);
+  const double share = ramp(curve.correlation, kLeast, constants.all);
   const double growth = std::log2(curve.variance / white);
-  const double part = std::max(share, ramp(growth, constants.chance, constants.plain));
+  const double part = std::max(share, ramp(growth, constants.chance, kPlain));
   // The smallest patches' cubics absorb noise that their points share, as on a lidar's rings.
   const double taken = std::min(std::exp2(part * growth), constants.all);
   return {part, white * std::exp2(part * growth),
@@ -372,15 +399,21 @@ errorsOf(const NoiseCurve& curve, double white, const SharedNoiseConstants& cons
   return {errors.variance / count, errors.correlation / count};
 }
 
+/// RMS error wanted of the logarithms of the variance and of the number of points that share errors.
+constexpr double kError = 0.07;
+
 /** The places that it takes for what counts of the noise to be known to the accuracy wanted. */
 double
 neededPlaces(const NoiseCurve& curve, double white, const SharedNoiseConstants& constants)
 {
   const LogErrors errors = errorsOf(curve, white, constants);
   const double excess =
-      std::max(errors.variance, errors.correlation) / (constants.error * constants.error);
+      std::max(errors.variance, errors.correlation) / (kError * kError);
   return static_cast<double>(curve.scales.front().variances.size()) * excess;
 }
+
+/// One place for this many points and no fewer than this, up to SharedNoiseConstants::places.
+constexpr std::size_t kPointsPerPlace = 20, kLeastPlaces = 100;
 
 /** Measures scales, from the smallest patches on, until no wider one can show noise, and weighs
  * what each shows by the chance that it is a plateau (docs/theory.md, "Noise that neighbours share").
@@ -401,8 +434,8 @@ measureCurve(const PointStore& store, std::size_t k, double white, const NoiseCo
     curve.halves = halvesOf(curve.scales, white, constants, threads);
     return curve;
   };
-  const std::size_t wanted = store.size() / shared.points_per_place;
-  const std::size_t places = std::clamp(wanted, shared.least_places, shared.places);
+  const std::size_t wanted = store.size() / kPointsPerPlace;
+  const std::size_t places = std::clamp(wanted, kLeastPlaces, shared.places);
   const std::size_t most = std::min(shared.most_places, wanted);
   NoiseCurve curve = measure(places);
   const double needed = neededPlaces(curve, white, shared);
@@ -413,6 +446,9 @@ measureCurve(const PointStore& store, std::size_t k, double white, const NoiseCo
   return measure(static_cast<std::size_t>(more));
 }
 
+constexpr std::size_t kPlaces = 1200;  ///< where patches that show all of a rounding are compared
+constexpr double kRoundingFlat = 0.7;  ///< growth beyond those patches that is a surface's
+
 /** The noise of a rounded coordinate, whose errors change sign from one terrace to the next, so
  * that wide cells share nothing. Where detail follows directly, patches of half the width show it.
  * \param[in] k points of patches that show all of it \param[out] scales those measured */
@@ -420,16 +456,19 @@ CurveNoise
 measureRounding(const PointStore& store, std::size_t k, const NoiseConstants& constants,
                 int threads, std::vector<PatchScale>& scales)
 {
-  ThinnedPlaces points(store, constants.steps.rounding_places);
+  ThinnedPlaces points(store, kPlaces);
   for (const std::size_t size : {k / 2, k, 2 * k})
     scales.push_back(measureScale(points, size, constants, threads));
   const double narrow = levelOf(scales[0], constants), wide = levelOf(scales[1], constants);
   const double growth = std::log2(median(scales[2].variances) / median(scales[1].variances));
-  const double chance = fallOff(growth, constants.steps.flat);
+  const double chance = fallOff(growth, kRoundingFlat);
   const double least = constants.shared.all;
   const double shared = std::max(least, correlationOf(scales[2], constants));
   return {narrow * std::pow(wide / narrow, chance), least * std::pow(shared / least, chance), 1};
 }
+
+constexpr double kUneven = 2;         ///< variance over the cloud's from which noise passes for detail
+constexpr double kUnevenShare = 0.1;  ///< share of places of this noise from which a profile is made
 
 /** Whether a share of places has more noise than the cloud by a factor that a fit takes for detail. */
 bool
@@ -440,8 +479,8 @@ isUneven(const PatchScale& scale, const PatchScale& wider, double variance,
   const auto wide = windowedMeans(wider.variances, constants, threads);
   std::size_t noisy = 0;
   for (std::size_t s = 0; s < wide.size(); ++s)
-    noisy += wide[s] > constants.uneven * variance && isFlat(narrow[s], wide[s], constants);
-  return static_cast<double>(noisy) > constants.uneven_share * static_cast<double>(wide.size());
+    noisy += wide[s] > kUneven * variance && isFlat(narrow[s], wide[s], constants);
+  return static_cast<double>(noisy) > kUnevenShare * static_cast<double>(wide.size());
 }
 
 /** The same on two pairs of scales: an edge's residual is noise to one of them at most.
@@ -463,13 +502,17 @@ staysUneven(const PointStore& store, const NoiseLevel& noise, const std::vector<
          isUneven(wider, scale(4), noise.variance, constants, threads);
 }
 
+/// Of more points fits count the geometric mean with this: a wide tau rounds edges, and a part of it
+/// costs smooth parts little.
+constexpr double kCounted = 12;
+
 /** Sets how many points share their errors, and as how many of these a fit counts one. */
 void
-setCorrelation(double correlation, const SharedNoiseConstants& constants, NoiseLevel& noise)
+setCorrelation(double correlation, NoiseLevel& noise)
 {
   noise.correlation = noise.dependence = correlation;
-  if (correlation > constants.counted)
-    noise.dependence = std::sqrt(constants.counted * correlation);
+  if (correlation > kCounted)
+    noise.dependence = std::sqrt(kCounted * correlation);
 }
 
 /** The noise that one scale shows. */
@@ -507,7 +550,7 @@ curveNoise(const NoiseCurve& curve, const NoiseLevel& white, double points,
                          ? scaleNoise(curve.scales[curve.noise.scale], constants)
                          : white;
   noise.variance = share.variance;
-  if (share.correlation > shared.white) setCorrelation(share.correlation, shared, noise);
+  if (share.correlation > shared.white) setCorrelation(share.correlation, noise);
   setErrors(curve, share, white, points, shared, noise);
   return noise;
 }
@@ -521,10 +564,13 @@ roundingNoise(const PointStore& store, const StepNoise& steps, const NoiseConsta
   const CurveNoise rounding = measureRounding(store, steps.neighbors, constants, threads, scales);
   NoiseLevel noise = scaleNoise(scales[rounding.scale], constants);
   noise.variance = rounding.variance;
-  setCorrelation(rounding.correlation, constants.shared, noise);
+  setCorrelation(rounding.correlation, noise);
   noise.step = steps.step;
   return noise;
 }
+
+constexpr double kResolved =
+    1e-7;  ///< RMS noise below which there is rounding of floats alone [L of the bulk]
 
 /** White noise of points on lines: across a line its points count as one independent point. */
 NoiseLevel
@@ -546,7 +592,7 @@ recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
   threads = resolveThreads(threads);
   const NoiseCurve curve = measureCurve(store, white.neighbors, white.variance, constants, threads);
   const std::vector<PatchScale>& scales = curve.scales;
-  const double resolved = constants.shared.resolved * store.bulkDiagonal();
+  const double resolved = kResolved * store.bulkDiagonal();
   if (curve.noise.variance < resolved * resolved) return white;
   NoiseLevel noise = curveNoise(curve, white, static_cast<double>(store.size()), constants);
   const StepNoise steps = measureSteps(store, constants, threads);

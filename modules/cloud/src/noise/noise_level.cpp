@@ -17,6 +17,10 @@ namespace pcl_slim::detail {
 
 namespace {
 
+constexpr std::size_t kSamples = 500;          ///< patches of the smallest size ...
+constexpr std::size_t kPointsPerSample = 250;  ///< ... and one for this many points of large clouds
+constexpr double kFloor = 1e-11;  ///< least sqrt(lambda) [L of the bulk]: float positions resolve no less
+
 /** The noise of patches of k points: their trimmed mean variance and median radius. */
 NoiseLevel
 patchLevel(const PointStore& store, std::size_t k, const NoiseConstants& constants, int threads)
@@ -24,8 +28,8 @@ patchLevel(const PointStore& store, std::size_t k, const NoiseConstants& constan
   // Larger patches average more points each, so fewer of them are needed.
   // No more patches of the smallest size are needed than contain each point once.
   const std::size_t smallest =
-      std::max(std::min(constants.samples, store.size() / constants.first_neighbors),
-               store.size() / constants.points_per_sample);
+      std::max(std::min(kSamples, store.size() / constants.first_neighbors),
+               store.size() / kPointsPerSample);
   const std::size_t samples =
       std::max(constants.least_samples, smallest * constants.first_neighbors / k);
   std::vector<double> radii(std::min(samples, store.size()));
@@ -76,7 +80,7 @@ measureNoise(const PointStore& store, const NoiseConstants& constants, int threa
     }
     noise = wider;
   }
-  const double floor = constants.floor * store.bulkDiagonal();
+  const double floor = kFloor * store.bulkDiagonal();
   if (noise.variance < floor * floor) noise.error = 0;
   noise.variance = std::max(noise.variance, floor * floor);
   noise.line = first > constants.first_neighbors ? first / 2 : 0;
@@ -115,6 +119,10 @@ measurePaperNoise(const PointStore& store, const NoiseConstants& constants, int 
 
 namespace {
 
+constexpr std::size_t kFrameSample = 8192;  ///< points whose frames are examined
+constexpr double kFramePoints = 2000;       ///< of a frame whose noise is measured ...
+constexpr std::size_t kMostFrames = 8;      ///< ... and such frames at most: more show the same
+
 /** What points of one frame have in common: its number or, where frames have none, the place of its sensor. */
 Vector3
 frameOf(const PointStore& store, std::size_t point)
@@ -126,22 +134,22 @@ frameOf(const PointStore& store, std::size_t point)
 /** The frames of most points of a sample, those of most points first; none where all are of one, or each of
  * its own as along a trajectory. */
 std::vector<Vector3>
-largestFrames(const PointStore& store, const FrameConstants& constants)
+largestFrames(const PointStore& store)
 {
   std::map<Vector3, std::size_t> counts;
-  const std::size_t samples = std::min(constants.sample, store.size());
+  const std::size_t samples = std::min(kFrameSample, store.size());
   for (std::size_t s = 0; s < samples; ++s)
     ++counts[frameOf(store, (2 * s + 1) * store.size() / (2 * samples))];
   if (counts.size() < 2) return {};
   const double stands_for = static_cast<double>(store.size()) / static_cast<double>(samples);
   std::vector<std::pair<std::size_t, Vector3>> frames;
   for (const auto& [frame, count] : counts) {
-    if (count > 1 && static_cast<double>(count) * stands_for >= constants.least_points)
+    if (count > 1 && static_cast<double>(count) * stands_for >= kFramePoints)
       frames.emplace_back(count, frame);
   }
   std::stable_sort(frames.begin(), frames.end(),
                    [](const auto& a, const auto& b) { return a.first > b.first; });
-  frames.resize(std::min(frames.size(), constants.most_frames));
+  frames.resize(std::min(frames.size(), kMostFrames));
   std::vector<Vector3> largest(frames.size());
   std::transform(frames.begin(), frames.end(), largest.begin(),
                  [](const auto& frame) { return frame.second; });
@@ -269,7 +277,7 @@ recognizeFrameNoise(const PointStore& store, const NoiseLevel& white,
     return recognizeSharedNoise(store, white, constants, threads);
   threads = resolveThreads(threads);
   FrameNoise frames(constants, threads);
-  for (const Vector3& frame : largestFrames(store, constants.frames))
+  for (const Vector3& frame : largestFrames(store))
     frames.add(pointsOf(store, frame, threads));
   NoiseLevel noise;
   if (!frames.empty()) noise = frames.mean();
@@ -292,12 +300,15 @@ recognizeFrameNoise(const PointStore& store, const NoiseLevel& white,
 
 namespace {
 
+constexpr std::size_t kPointsPerRun = 128;  ///< points of one entry of a noise profile ...
+constexpr std::size_t kMostRuns = 8192;     ///< ... of at most this many entries
+
 /** How many runs of points along the Morton curve a profile has an entry for. */
 std::size_t
 runsOf(const PointStore& store, const NoiseConstants& constants)
 {
-  return std::clamp(store.size() / constants.points_per_run,
-                    std::min(constants.least_samples, store.size()), constants.most_runs);
+  return std::clamp(store.size() / kPointsPerRun,
+                    std::min(constants.least_samples, store.size()), kMostRuns);
 }
 
 /** The mean variance of patches of k points about every run. */
@@ -371,24 +382,29 @@ modelledNoise(const PointStore& store, const RangeError& error, const NoiseConst
 
 namespace {
 
+constexpr double kLeastTurn =
+    0.25;  ///< sine of the angle beyond 90 degrees that exact normals may differ by
+constexpr std::size_t kBlocks = 1000;     ///< blocks looked at, evenly strided
+constexpr std::size_t kLeastPoints = 8;  ///< points that a block's mean normal takes
+constexpr double kOneSheet = 0.5;        ///< a mean normal shorter than this mixes sheets
+constexpr double kWidest = 0.6435;       ///< largest fall by the normals' errors [rad]: asin(0.6)
 constexpr double kMedianOfTilt =
     0.6931;  ///< median of (1 - cos) / sigma^2 for tilts of sigma about each axis
 
 /** Adds 1 - cos of the angles between a block's normals and their mean. */
 void
-addTilts(const PointStore& store, std::size_t block, const NormalBoundConstants& constants,
-         std::vector<double>& tilts)
+addTilts(const PointStore& store, std::size_t block, std::vector<double>& tilts)
 {
   const std::size_t begin = block * PointStore::kBlock;
   const std::size_t end = std::min(begin + PointStore::kBlock, store.size());
-  if (end < begin + constants.least_points) return;
+  if (end < begin + kLeastPoints) return;
   double mean[3] = {};
   for (std::size_t i = begin; i < end; ++i) {
     const auto n = store.normal(i);
     for (std::size_t a = 0; a < 3; ++a) mean[a] += n[a];
   }
   const double length = std::sqrt(mean[0] * mean[0] + mean[1] * mean[1] + mean[2] * mean[2]);
-  if (length < constants.one_sheet * static_cast<double>(end - begin)) return;
+  if (length < kOneSheet * static_cast<double>(end - begin)) return;
   for (std::size_t i = begin; i < end; ++i) {
     const auto n = store.normal(i);
     tilts.push_back(1.0 - (n[0] * mean[0] + n[1] * mean[1] + n[2] * mean[2]) / length);
@@ -401,15 +417,15 @@ float
 normalBound(const PointStore& store, const NormalBoundConstants& constants)
 {
   std::vector<double> tilts;
-  const double least_fall = store.hasNormals() ? constants.least_turn : 0;
+  const double least_fall = store.hasNormals() ? kLeastTurn : 0;
   const std::size_t blocks = store.numBlocks(),
-                    stride = std::max<std::size_t>(1, blocks / constants.blocks);
+                    stride = std::max<std::size_t>(1, blocks / kBlocks);
   for (std::size_t block = 0; block < blocks; block += stride)
-    addTilts(store, block, constants, tilts);
+    addTilts(store, block, tilts);
   if (tilts.empty()) return static_cast<float>(-least_fall);
   const double sigma = std::sqrt(std::max(0.0, median(tilts)) / kMedianOfTilt);
   return static_cast<float>(
-      std::min(-least_fall, -std::sin(std::min(constants.deviations * sigma, constants.widest))));
+      std::min(-least_fall, -std::sin(std::min(constants.deviations * sigma, kWidest))));
 }
 
 }  // namespace pcl_slim::detail

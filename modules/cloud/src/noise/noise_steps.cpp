@@ -16,7 +16,15 @@ namespace pcl_slim::detail {
 
 namespace {
 
-constexpr std::size_t kPatch = 20;  ///< nearest points among which a terrace is looked for
+constexpr std::size_t kPlaces = 100;  ///< where terraces are looked for
+constexpr std::size_t kPatch = 20;    ///< nearest points among which a terrace is looked for
+constexpr std::size_t kTerrace = 7;   ///< points on a plane, of these, that are a terrace; a level has more on average
+constexpr double kResolution = 1e-6;  ///< distance of a terrace's points from its plane, and of a level's [L]
+constexpr double kLeastTerraces = 0.05;  ///< share of the places that are on parallel terraces ...
+constexpr double kParallel = 1e-3;       ///< ... to this sine
+constexpr std::size_t kWide = 160;       ///< points of the patches whose variance is compared
+constexpr double kFullRatio = 0.9;       ///< variance over all of rounding's, (step n)^2 / 12, ...
+constexpr double kMostRatio = 2.0;       ///< ... and that beyond which there is other noise
 
 /** Points of one plane: those of a small patch that are on a common plane with its sample. */
 struct Terrace {
@@ -50,16 +58,15 @@ fullestPlane(const Patch& patch, double resolution, std::size_t& most)
 }
 
 Terrace
-terraceAt(const PointStore& store, NeighborSearch& search, std::size_t sample,
-          const StepConstants& constants)
+terraceAt(const PointStore& store, NeighborSearch& search, std::size_t sample)
 {
   thread_local Patch patch;
-  const double resolution = constants.resolution * store.diagonal();
+  const double resolution = kResolution * store.diagonal();
   patchAbout(store, search, sample, kPatch, patch);
   Terrace terrace;
   std::size_t count = 0;
   const Eigen::Vector3d normal = fullestPlane(patch, resolution, count);
-  if (count < constants.terrace) return terrace;
+  if (count < kTerrace) return terrace;
   terrace.normal = normal;
   const Vector3 at = store.position(sample);
   for (std::size_t i = 0; i < patch.points.size(); ++i) {
@@ -133,26 +140,26 @@ commonNormal(std::vector<Terrace> terraces, const Eigen::Vector3d& axis, double 
 /** The direction in which a sensor rounded its points, of any rotation of the cloud: the common normal of small
  * exactly plane terraces. None where few places are on such terraces. O(places). */
 std::optional<Eigen::Vector3d>
-findStepAxis(const PointStore& store, const StepConstants& constants, int threads)
+findStepAxis(const PointStore& store, int threads)
 {
-  std::vector<Terrace> terraces(std::min(constants.places, store.size()));
+  std::vector<Terrace> terraces(std::min(kPlaces, store.size()));
   const auto least =
-      static_cast<std::size_t>(constants.least_terraces * static_cast<double>(terraces.size()));
+      static_cast<std::size_t>(kLeastTerraces * static_cast<double>(terraces.size()));
   sampleStore(store, terraces.size(), 1, threads,
               [&](NeighborSearch& search, std::size_t sample, std::size_t s) {
-                terraces[s] = terraceAt(store, search, sample, constants);
+                terraces[s] = terraceAt(store, search, sample);
                 return 0.0;
               });
   terraces.erase(std::remove_if(terraces.begin(), terraces.end(),
                                 [](const Terrace& terrace) { return terrace.points.empty(); }),
                  terraces.end());
   if (terraces.empty() || terraces.size() < least) return {};
-  const std::vector<Terrace> parallel = mostParallel(terraces, constants.parallel);
+  const std::vector<Terrace> parallel = mostParallel(terraces, kParallel);
   if (parallel.size() < least) return {};
   // Points of a level that are far apart give the axis more exactly than a small terrace does.
   Eigen::Vector3d axis = meanNormal(parallel);
   for (const double same : {30.0, 3.0})
-    axis = commonNormal(parallel, axis, same * constants.resolution * store.diagonal());
+    axis = commonNormal(parallel, axis, same * kResolution * store.diagonal());
   return axis;
 }
 
@@ -165,12 +172,12 @@ placeOf(const PointStore& store, std::size_t i)
 
 /** The distinct places along an axis, ascending. */
 std::vector<double>
-levelsOf(const PointStore& store, const Eigen::Vector3d& axis, const StepConstants& constants)
+levelsOf(const PointStore& store, const Eigen::Vector3d& axis)
 {
   std::vector<double> values(store.size());
   for (std::size_t i = 0; i < store.size(); ++i) values[i] = axis.dot(placeOf(store, i));
   std::sort(values.begin(), values.end());
-  const double same = constants.resolution * store.diagonal();
+  const double same = kResolution * store.diagonal();
   const auto end = std::unique(values.begin(), values.end(),
                                [same](double a, double b) { return b - a < same; });
   values.erase(end, values.end());
@@ -235,27 +242,26 @@ measureRatios(const PointStore& store, const NoiseConstants& constants, std::siz
 StepNoise
 measureSteps(const PointStore& store, const NoiseConstants& constants, int threads)
 {
-  const StepConstants& steps = constants.steps;
-  const auto axis = findStepAxis(store, steps, resolveThreads(threads));
+  const auto axis = findStepAxis(store, resolveThreads(threads));
   if (!axis) return {};
-  const std::vector<double> levels = levelsOf(store, *axis, steps);
-  if (levels.size() < 3 || levels.size() * steps.terrace > store.size()) return {};
+  const std::vector<double> levels = levelsOf(store, *axis);
+  if (levels.size() < 3 || levels.size() * kTerrace > store.size()) return {};
   const auto ratios = [&](std::size_t k) {
     return measureRatios(store, constants, k, resolveThreads(threads), levels, *axis);
   };
-  std::size_t k = steps.wide;
+  std::size_t k = kWide;
   StepRatios found = ratios(k);
   // On terraces as wide as a patch rounding shows in part; where it shows in full, it grows no more.
   const std::size_t most = store.size() / (2 * constants.most_part);
   std::size_t wide = k;
   StepRatios wider = found;
-  while (wider.to_rounding < steps.full_ratio && 2 * wide <= most) wider = ratios(wide *= 2);
-  if (wide > k && wider.to_rounding >= steps.full_ratio &&
+  while (wider.to_rounding < kFullRatio && 2 * wide <= most) wider = ratios(wide *= 2);
+  if (wide > k && wider.to_rounding >= kFullRatio &&
       isFlat(wider.to_rounding, ratios(2 * wide).to_rounding, constants)) {
     found = wider;
     k = wide;
   }
-  if (!(found.to_rounding > 0) || found.to_rounding > steps.most_ratio) return {};
+  if (!(found.to_rounding > 0) || found.to_rounding > kMostRatio) return {};
   return {found.step, k};
 }
 

@@ -223,6 +223,13 @@ uncutVariance(double variance, double radius)
   return radius > 0 ? variance / partLeft(variance / (radius * radius)) : variance;
 }
 
+namespace {
+
+constexpr double kLeastWidth = 0.5;  ///< of a patch, over its length, that is no line
+constexpr std::size_t kWindow = 8;   ///< values to either side that a windowed mean rests on
+
+}  // namespace
+
 std::size_t
 smallestPatch(const PointStore& store, const NoiseConstants& constants, int threads)
 {
@@ -236,7 +243,7 @@ smallestPatch(const PointStore& store, const NoiseConstants& constants, int thre
       return spreads[2] > 0 ? std::sqrt(std::max(0.0, spreads[1] / spreads[2])) : 0.0;
     };
     auto widths = sampleStore(store, constants.least_samples, stride, threads, width);
-    if (median(widths) >= constants.least_width) return k;
+    if (median(widths) >= kLeastWidth) return k;
   }
   return first;
 }
@@ -279,8 +286,8 @@ windowedMeans(const std::vector<double>& values, const NoiseConstants& constants
   std::vector<float> means(values.size(), 1.0f);
   parallelFor(values.size(), threads, kTask, [&](std::size_t s, int) {
     thread_local std::vector<double> window;
-    const auto first = static_cast<std::ptrdiff_t>(s - std::min(s, constants.window));
-    const auto end = static_cast<std::ptrdiff_t>(std::min(values.size(), s + constants.window + 1));
+    const auto first = static_cast<std::ptrdiff_t>(s - std::min(s, kWindow));
+    const auto end = static_cast<std::ptrdiff_t>(std::min(values.size(), s + kWindow + 1));
     window.assign(values.begin() + first, values.begin() + end);
     means[s] = static_cast<float>(trimmedMean(window, constants.trim));
   });

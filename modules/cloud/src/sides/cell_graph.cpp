@@ -12,6 +12,7 @@ namespace pcl_slim::detail {
 
 namespace {
 
+constexpr int kReach = 8;  ///< cells along the normal in which another sheet is looked for
 constexpr double kLeastCosine = 0.5;  ///< of normals that two sheets facing apart may have
 
 /** The place of a cell in the list that another has edges to; 0 if it is not there. */
@@ -53,7 +54,7 @@ addFacingEdges(std::uint32_t cell, const SideCells& cut, const std::vector<CellS
   const Vector3& from = cut.cells[cell].mean;
   const double apart_sq = constants.apart * constants.apart;
   for (const double way : {1.0, -1.0}) {
-    for (int step = 1; step <= constants.reach; ++step) {
+    for (int step = 1; step <= kReach; ++step) {
       const std::uint32_t other = cut.cellAt(along(from, way * step * cut.width, own.normal));
       if (other == SideCells::kNone || other == cell) continue;
       const double cosine = dot(own.normal, sheets[other].normal);

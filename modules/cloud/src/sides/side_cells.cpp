@@ -185,6 +185,8 @@ SideCells::cellsAbout(std::uint32_t cell, std::array<std::uint32_t, kWindow>& fo
 namespace {
 
 constexpr std::size_t kMost = SideConstants::kMostNeighbors;
+/// Cells whose moments give a cell's normal: the flattest of these neighbourhoods does.
+constexpr std::array<std::size_t, 3> kNeighborhoods = {12, 18, 36};
 
 /** The bits of the first cells. */
 std::uint64_t
@@ -385,12 +387,12 @@ sheetOf(const SideCells& cut, std::uint32_t cell, const SideConstants& constants
   NearCells near;
   CellSheet best;
   const std::size_t count =
-      nearestCells(cut, cell, std::min(constants.neighbors.back(), kMost), best.cells, near);
+      nearestCells(cut, cell, std::min(kNeighborhoods.back(), kMost), best.cells, near);
   double flattest = std::numeric_limits<double>::infinity();
   CellSums sums{};
   Axes axes;  // of all that are summed
   std::size_t summed = 0;
-  for (const std::size_t size : constants.neighbors) {
+  for (const std::size_t size : kNeighborhoods) {
     CellSheet sheet;
     sheet.count = std::min(size, count);
     const CellSums added = kernels::sumCells(near, firstCells(sheet.count) & ~firstCells(summed));

@@ -74,14 +74,16 @@ beamCosine(const PointStore& store, std::size_t point, const Vector3& direction)
   return range > 0 ? dot(ray, direction) / range : 0.0;
 }
 
+constexpr double kObliqueBeam =
+    0.7;  ///< cosine below which a point's side is between its cell's normal and its beam
+
 /** A normal, tilted towards the point's beam where it is far from that: cells between two near sheets have normals along these,
  * but no side that is seen is turned away from its beam. */
 Vector3
-withBeam(const PointStore& store, std::size_t point, const Vector3& normal,
-         const SideConstants& constants)
+withBeam(const PointStore& store, std::size_t point, const Vector3& normal)
 {
   const Vector3 beam = normalized(subtract(store.sensor(point), store.position(point)));
-  return dot(beam, normal) < constants.oblique_beam ? normalized(along(normal, 1, beam)) : normal;
+  return dot(beam, normal) < kObliqueBeam ? normalized(along(normal, 1, beam)) : normal;
 }
 
 /** Signs of the cells' normals by the sensors of their points. */
@@ -98,6 +100,8 @@ signsBySensors(const PointStore& store, const SideCells& cut, const CellGraph& g
                  [](double vote) { return static_cast<signed char>(vote < 0 ? -1 : 1); });
   return signs;
 }
+
+constexpr double kAgree = 0.5;  ///< length of the mean of unit normals from which cells agree
 
 /** Signed normals, each the mean over the cells near it on its sheet where these agree: cells of a few
  * stray points have normals of their own. */
@@ -116,7 +120,7 @@ smoothedNormals(const SideCells& cut, const CellGraph& graph, const std::vector<
       sum = along(sum, signs[near] * cut.cells[near].count, graph.sheets[near].normal);
       count += cut.cells[near].count;
     }
-    const bool agree = length(sum) > constants.agree * count;
+    const bool agree = length(sum) > kAgree * count;
     normals[c] = agree ? normalized(sum) : scaled(sheet.normal, signs[c]);
   });
   return normals;
@@ -167,15 +171,17 @@ medianGap(const SideCells& cut, const CellGraph& graph, const std::vector<signed
   return gaps.empty() ? HUGE_VAL : median(gaps);
 }
 
+constexpr int kRings = 2;  ///< steps from cells near another sheet to those that get sides with them
+
 /** The edges between cells that are near another sheet, or near such cells. */
 std::vector<SignedEdge>
-edgesNearOtherSheets(const CellGraph& graph, const SideConstants& constants)
+edgesNearOtherSheets(const CellGraph& graph)
 {
   std::vector<char> near(graph.sheets.size(), 0);
   for (const SignedEdge& e : graph.edges) {
     if (e.apart) near[e.a] = near[e.b] = 1;
   }
-  for (int ring = 0; ring < constants.rings; ++ring) {
+  for (int ring = 0; ring < kRings; ++ring) {
     const std::vector<char> before = near;
     for (const SignedEdge& e : graph.edges) {
       if (!e.apart && (before[e.a] || before[e.b])) near[e.a] = near[e.b] = 1;
@@ -187,12 +193,14 @@ edgesNearOtherSheets(const CellGraph& graph, const SideConstants& constants)
   return edges;
 }
 
+constexpr double kSureApart = 0.85;  ///< share of a part's edges between sheets that is met where it is sure ...
+constexpr double kLeastApart = 10;   ///< ... of no fewer edges than this
+
 /** Marks the cells of parts whose sheets face apart, nearly all of them. Scattered points and layers of
  * scans that do not fit each other show sheets as well, but these agree only by chance.
  * \param[out] share of the edges between sheets that are in such parts */
 std::vector<char>
-cellsOfSureParts(const SignedParts& found, const std::vector<SignedEdge>& edges,
-                 const SideConstants& constants, double& share)
+cellsOfSureParts(const SignedParts& found, const std::vector<SignedEdge>& edges, double& share)
 {
   struct Apart {
     double met = 0, all = 0;
@@ -206,7 +214,7 @@ cellsOfSureParts(const SignedParts& found, const std::vector<SignedEdge>& edges,
   }
   std::vector<char> sure(parts.size());
   const auto isSure = [&](const Apart& part) {
-    return part.all >= constants.least_apart && part.met >= constants.sure_apart * part.all;
+    return part.all >= kLeastApart && part.met >= kSureApart * part.all;
   };
   double kept = 0, all = 0;
   for (const Apart& part : parts) {
@@ -250,7 +258,7 @@ normalsOfPoints(const PointStore& store, const SideCells& cut, const CellGraph& 
       }
       facing[task] += own || apart[c] != 0;
       Vector3 side = scaled(normal, turned ? -1 : 1);
-      if (by_sensors) side = withBeam(store, i, side, constants);
+      if (by_sensors) side = withBeam(store, i, side);
       for (std::size_t a = 0; a < 3; ++a) points[i][a] = static_cast<float>(side[a]);
     }
   });
@@ -292,9 +300,9 @@ void
 findFacingSides(const PointStore& store, const SideCells& cut, CellGraph& graph,
                 const SideConstants& constants, int threads, Sides& sides)
 {
-  std::vector<SignedEdge> near = edgesNearOtherSheets(graph, constants);
+  std::vector<SignedEdge> near = edgesNearOtherSheets(graph);
   const SignedParts found = contractSigned(cut.cells.size(), near);
-  const std::vector<char> sided = cellsOfSureParts(found, near, constants, sides.sure);
+  const std::vector<char> sided = cellsOfSureParts(found, near, sides.sure);
   const std::vector<char> all(sided.size(), 1);
   const std::vector<signed char> outward = signsOfAll(store, cut, graph, sides.outward_confidence);
   double thin = 0;
@@ -306,6 +314,8 @@ findFacingSides(const PointStore& store, const SideCells& cut, CellGraph& graph,
       normalsOfPoints(store, cut, graph, found.signs, sided, false, constants, threads, sides.thin);
 }
 
+constexpr double kCellSpacing = 1.2;  ///< least width of a cell [spacings]
+
 }  // namespace
 
 Sides
@@ -313,7 +323,7 @@ findSides(const PointStore& store, double noise, double spacing, SideScope scope
           const SideConstants& constants, int threads)
 {
   threads = resolveThreads(threads);
-  const double width = std::max(constants.cell_noise * noise, constants.cell_spacing * spacing);
+  const double width = std::max(constants.cell_noise * noise, kCellSpacing * spacing);
   const SideCells cut(store, width, threads);
   CellGraph graph = graphOf(cut, constants, threads);
   Sides sides;

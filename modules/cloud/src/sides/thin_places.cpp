@@ -11,6 +11,13 @@ namespace pcl_slim::detail {
 
 namespace {
 
+constexpr std::size_t kPointsPerPlace = 1000;  ///< one place is looked at for this many points ...
+constexpr std::size_t kLeastPlaces = 64, kMostPlaces = 256;  ///< ... within these bounds
+constexpr std::size_t kPatch = 48;                           ///< points of its smallest patch ...
+constexpr std::size_t kWider = 4;                            ///< ... and the factor to the next
+constexpr std::size_t kPatchPoints = 384;  ///< points looked at in a patch; larger patches are sampled
+constexpr std::size_t kMostPatch = 12288;  ///< points of the widest patch: wider ones cost more than a fit
+
 /** Whether one sheet is above the other, and not side by side as the faces of an edge are. */
 bool
 overlap(const Eigen::Matrix3Xd& local, double middle)
@@ -95,6 +102,13 @@ struct PlaceFigures {
   bool near = false;     ///< two sheets that a fit may part by itself, or not
 };
 
+constexpr double kFilled = 0.15;  ///< a cubic's RMS residual over the radius of a patch that fits
+constexpr double kRelief = 4;     ///< growth of the variance to the next patch that is a rough surface's own
+constexpr double kDeviations = 1.5;  ///< standard deviations of the kurtosis by which residuals are flatter, too
+constexpr double kClean = 10.0;      ///< SideConstants::apart from which a fit parts sheets without help, ...
+constexpr double kClearGap = 3.0;    ///< ... but by smaller balls where they are this far apart [spacings]
+constexpr int kBeyond = 2;  ///< wider patches, after one that fits, in which a place's other side is sought
+
 /** Looks at wider and wider patches of one place until one fits. */
 class PlaceLook {
  public:
@@ -105,14 +119,14 @@ class PlaceLook {
   {
     if (!(patch.radius > 0)) return false;
     if (!(figures_.spacing > 0))
-      figures_.spacing = patch.radius * std::sqrt(M_PI / static_cast<double>(constants_->patch));
+      figures_.spacing = patch.radius * std::sqrt(M_PI / static_cast<double>(kPatch));
     if (fits_) return lookBeyond(patch);
     if (showsTwoSides(patch, figures_)) return false;
     thread_local PatchCubic cubic;
     fits_ =
-        fitCubic(patch, cubic) && std::sqrt(cubic.variance) <= constants_->filled * patch.radius;
+        fitCubic(patch, cubic) && std::sqrt(cubic.variance) <= kFilled * patch.radius;
     // Relief of the surface itself grows with the patch; noise and the far side of a part do not.
-    figures_.thin = !fits_ && !(last_ > 0 && cubic.variance > constants_->relief * last_);
+    figures_.thin = !fits_ && !(last_ > 0 && cubic.variance > kRelief * last_);
     (fits_ ? figures_.variance : last_) = cubic.variance;
     return !(fits_ && partResiduals(cubic));
   }
@@ -135,7 +149,7 @@ class PlaceLook {
   {
     const double deviation = std::sqrt(24 / static_cast<double>(cubic.places.size()));
     const double excess = excessOf(cubic);
-    if (excess > -constants_->flatter - constants_->deviations * deviation) return false;
+    if (excess > -constants_->flatter - kDeviations * deviation) return false;
     figures_.thin = figures_.flat = true;
     figures_.variance *= 1 - std::sqrt(std::min(1.0, -0.5 * excess));
     return true;
@@ -153,9 +167,9 @@ class PlaceLook {
     local = axes.eigenvectors().transpose() * (local.colwise() - local.rowwise().mean()).eval();
     const SheetGap sheets = gapOf(local, *constants_);
     if (!(sheets.gap > 0)) return false;
-    const double clean_sq = constants_->clean * constants_->clean * sheets.within_sq;
+    const double clean_sq = kClean * kClean * sheets.within_sq;
     figures.thin = sheets.gap * sheets.gap < clean_sq;
-    figures.facing = !figures.thin && sheets.gap > constants_->clear_gap * figures.spacing;
+    figures.facing = !figures.thin && sheets.gap > kClearGap * figures.spacing;
     figures.near = !figures.thin && !figures.facing;
     return true;
   }
@@ -168,7 +182,7 @@ class PlaceLook {
       figures_.facing = beyond.thin || beyond.facing;
       return false;
     }
-    return ++beyond_ < constants_->beyond;
+    return ++beyond_ < kBeyond;
   }
 
   const SideConstants* constants_;
@@ -177,6 +191,8 @@ class PlaceLook {
   bool fits_ = false;
   int beyond_ = 0;  ///< wider patches looked at after one that fits
 };
+
+constexpr double kOneSided = 0.5;  ///< cosine of beams' angles that leaves a place one side
 
 /** What the beams of a patch's points show of its sides. */
 enum class BeamSides { kUnknown, kOne, kTwo };
@@ -200,16 +216,17 @@ sidesByBeams(const PointStore& store, const std::vector<std::uint32_t>& neighbor
     const double cosine = dot(other, normal);
     above += cosine > constants.clear_beam;
     below += cosine < -constants.clear_beam;
-    alike = alike && dot(own, other) > constants.one_sided;
+    alike = alike && dot(own, other) > kOneSided;
   }
   if (alike) return BeamSides::kOne;
   const double least = constants.least_side * static_cast<double>(neighbors.size());
   return std::min(above, below) > least ? BeamSides::kTwo : BeamSides::kUnknown;
 }
 
+constexpr double kFlatPlaces = 0.1;  ///< share of places that noise is taken from
+
 ThinPlaces
-summarize(const std::vector<PlaceLook>& looks, const std::vector<std::size_t>& looked_at,
-          const SideConstants& constants)
+summarize(const std::vector<PlaceLook>& looks, const std::vector<std::size_t>& looked_at)
 {
   ThinPlaces places;
   const double share = 1 / static_cast<double>(std::max<std::size_t>(looks.size(), 1));
@@ -226,7 +243,7 @@ summarize(const std::vector<PlaceLook>& looks, const std::vector<std::size_t>& l
   }
   if (!spacings.empty()) places.spacing = median(spacings);
   const double flat = share * static_cast<double>(variances.size());
-  if (!variances.empty() && flat >= constants.flat_places)
+  if (!variances.empty() && flat >= kFlatPlaces)
     places.noise = std::sqrt(median(variances));
   return places;
 }
@@ -237,25 +254,25 @@ ThinPlaces
 findThinPlaces(const PointStore& store, const SideConstants& constants, const NoiseConstants& noise,
                int threads)
 {
-  const std::size_t asked = std::clamp(store.size() / constants.points_per_place,
-                                       constants.least_places, constants.most_places);
+  const std::size_t asked = std::clamp(store.size() / kPointsPerPlace,
+                                       kLeastPlaces, kMostPlaces);
   const std::size_t most =
-      std::clamp(store.size() / noise.most_part, constants.patch, constants.most_patch);
+      std::clamp(store.size() / noise.most_part, kPatch, kMostPatch);
   ThinnedPlaces points(store, asked);
   const std::vector<std::size_t> looked_at = points.places();
   std::vector<PlaceLook> looks(points.size(), PlaceLook(constants));
   std::vector<char> open(looks.size(), 1);
   std::vector<double> radii(looks.size(), 0.0);
   threads = resolveThreads(threads);
-  for (std::size_t k = constants.patch; k <= most; k *= constants.wider) {
+  for (std::size_t k = kPatch; k <= most; k *= kWider) {
     if (std::none_of(open.begin(), open.end(), [](char o) { return o != 0; })) break;
-    const std::size_t stride = std::max<std::size_t>(1, k / constants.patch_points);
+    const std::size_t stride = std::max<std::size_t>(1, k / kPatchPoints);
     points.thinTo(stride, threads);
     points.forEach(threads, [&](const PointStore& part, NeighborSearch& search, std::size_t place,
                                 std::size_t s) {
       if (!open[s]) return;
       thread_local Patch patch;
-      const double about = probableSquare(radii[s], static_cast<double>(constants.wider));
+      const double about = probableSquare(radii[s], static_cast<double>(kWider));
       patchAbout(part, search, place, k / stride, patch, about);
       radii[s] = patch.radius;
       open[s] = looks[s].look(patch);
@@ -269,7 +286,7 @@ findThinPlaces(const PointStore& store, const SideConstants& constants, const No
       open[s] = 0;
     });
   }
-  return summarize(looks, looked_at, constants);
+  return summarize(looks, looked_at);
 }
 
 }  // namespace pcl_slim::detail

@@ -21,109 +21,43 @@ struct PatchSheetConstants {
  * neighbours share"). Growth is the binary logarithm of the factor by which a figure grows from
  * patches of k points to patches of 2 k. */
 struct SharedNoiseConstants {
-  std::size_t places = 300;                               ///< places where patches are compared ...
-  std::size_t points_per_place = 20, least_places = 100;  ///< ... fewer in small clouds
-  std::size_t most_places = 6400;  ///< up to this many where the noise is in doubt
-  std::size_t half_samples = 8;    ///< halves of the places whose outcomes are compared
-  /// RMS error wanted of the logarithms of the variance and of the number of points that share errors.
-  double error = 0.07;
-  std::size_t cells = 32;  ///< of equal size, into which a patch's points fall
-  double plainest =
-      0.35;               ///< share of the places, those of least variance, whose growth counts ...
-  std::size_t ahead = 3;  ///< ... on patches this many doublings wider
-  double flat_place = 0.5;     ///< growth up to which a place is flat
-  double flat = 0.33;          ///< growth at which a size of patch is no plateau
-  double slow = 0.62;          ///< the same as a share of the greatest growth before, ...
-  double most_peak = 0.8;      ///< ... of which at most this counts
-  double steep = 1.2;          ///< growth that noise does not show ...
-  double steep_width = 0.1;    ///< ... and the width of the passage
-  double shape = 2;            ///< growth, twice in a row, after which there is shape alone
-  double fall = 0.8;           ///< fall of the power that noise does not show
-  double still = 0.42;         ///< growth of the power, either way, at which it is not constant
-  double slowing = 0.8;        ///< the same as a share of the greatest growth before
-  double sided_slowing = 0.5;  ///< the same of thin parts with sides that were found
-  double spread = 1.5;   ///< growth of a plateau's mean over that of plain places, at most, ...
-  double creases = 0.1;  ///< ... and added to it
-  double beyond = 1.5;   ///< growth beyond a plateau, in all, that noise does not show
-  double most = 0.83;    ///< share of the noise that a profile's patches show
-  double trim = 0.15;    ///< share of patches left out at either end of a size's mean
-  double least = 1.5;    ///< fewer neighbours than that share nothing ...
-  double all = 2;        ///< ... and this many count in full
-  double white = 1.05;   ///< number of points up to which noise counts as white
-  /// Of more points fits count the geometric mean with this: a wide tau rounds edges, and a part of it
-  /// costs smooth parts little.
-  double counted = 12;
-  double resolved =
-      1e-7;  ///< RMS noise below which there is rounding of floats alone [L of the bulk]
+  std::size_t places = 300;        ///< places where patches are compared ...
+  std::size_t most_places = 6400;  ///< ... and up to this many where the noise is in doubt
+  std::size_t cells = 32;          ///< of equal size, into which a patch's points fall
+  /// Growth of the power, as a share of the greatest growth before, at which it is not constant; the same of thin
+  /// parts with sides that were found.
+  double slowing = 0.8, sided_slowing = 0.5;
+  double trim = 0.15;   ///< share of patches left out at either end of a size's mean
+  double all = 2;       ///< neighbours that share noise from which they count in full
+  double white = 1.05;  ///< number of points up to which noise counts as white
   double chance =
-      0.2;             ///< growth from the smallest patches' variance that white noise may show ...
-  double plain = 1.0;  ///< ... and from which on all of it counts
-};
-
-/** \brief How a coordinate that a sensor rounds is recognised (docs/theory.md, "Steps"). */
-struct StepConstants {
-  std::size_t places = 100;  ///< where terraces are looked for
-  /// Points on a plane, of the nearest 20, that are a terrace; a level has more on average.
-  std::size_t terrace = 7;
-  double resolution =
-      1e-6;  ///< distance of a terrace's points from its plane, and of a level's [L]
-  double least_terraces = 0.05;        ///< share of the places that are on parallel terraces ...
-  double parallel = 1e-3;              ///< ... to this sine
-  std::size_t wide = 160;              ///< points of the patches whose variance is compared
-  double full_ratio = 0.9;             ///< variance over all of rounding's, (step n)^2 / 12, ...
-  double most_ratio = 2.0;             ///< ... and that beyond which there is other noise
-  std::size_t rounding_places = 1200;  ///< where patches that show all of it are compared
-  double flat = 0.7;                   ///< growth beyond those patches that is a surface's
-};
-
-/** \brief How frames of a merged cloud are found (docs/theory.md, "Merged frames"). */
-struct FrameConstants {
-  std::size_t sample = 8192;    ///< points whose frames are examined
-  double least_points = 2000;   ///< of a frame whose noise is measured ...
-  std::size_t most_frames = 8;  ///< ... and such frames at most: more show the same
+      0.2;  ///< growth from the smallest patches' variance that white noise may show
 };
 
 /** \brief The measurement of a cloud's noise level (docs/theory.md, "Noise"). */
 struct NoiseConstants {
   std::size_t first_neighbors = 20;     ///< points of the smallest patch
-  double least_width = 0.5;             ///< of a patch, over its length, that is no line
   std::size_t most_part = 8;            ///< a patch contains at most the cloud's points over this
   std::size_t patch_points = 320;       ///< points used of a patch; larger patches are sampled
-  std::size_t samples = 500;            ///< patches of the smallest size ...
-  std::size_t points_per_sample = 250;  ///< ... and one for this many points of large clouds
   std::size_t least_samples = 100;      ///< patches of a large size
   double trim = 0.1;         ///< share of patches left out at either end of a trimmed mean
   double patch_noise = 0.4;  ///< sqrt(lambda) over the patch's radius above which noise fills it
   /// A cubic's squared bias grows by this when the number of points doubles (radius to the eighth).
   double bias_growth = 16.0;
-  double floor = 1e-11;  ///< least sqrt(lambda) [L of the bulk]: float positions resolve no less
 
   std::size_t paper_samples = 1000;  ///< neighbourhoods of the paper's estimate
   std::size_t paper_neighbors = 10;  ///< neighbours of each, the sample left out
   double paper_floor = 1e-6;         ///< least sqrt(lambda) of the paper's estimate [L]
 
-  std::size_t points_per_run = 128;  ///< points of one entry of a noise profile ...
-  std::size_t most_runs = 8192;      ///< ... of at most this many entries
-  std::size_t window = 8;            ///< runs to either side that an entry rests on
-  float least_ratio = 0.05f;         ///< least noise ratio of an entry; its inverse is the largest
-  double uneven = 2;          ///< variance over the cloud's from which noise passes for detail
-  double uneven_share = 0.1;  ///< share of places of this noise from which a profile is made
+  float least_ratio = 0.05f;  ///< least noise ratio of an entry of a profile; its inverse is the largest
 
   PatchSheetConstants sheets;
   SharedNoiseConstants shared;
-  StepConstants steps;
-  FrameConstants frames;
 };
 
 /** \brief The normal bound (docs/theory.md, "Sheets"). */
 struct NormalBoundConstants {
-  double least_turn =
-      0.25;  ///< sine of the angle beyond 90 degrees that exact normals may differ by
-  std::size_t blocks = 1000;     ///< blocks looked at, evenly strided
-  std::size_t least_points = 8;  ///< points that a block's mean normal takes
-  double one_sheet = 0.5;        ///< a mean normal shorter than this mixes sheets
-  double deviations = 3.0;       ///< deviations of the normals' errors that the bound falls by
-  double widest = 0.6435;        ///< largest such fall [rad]: asin(0.6)
+  double deviations = 3.0;  ///< deviations of the normals' errors that the bound falls by
 };
 
 /** \brief A measured noise level, and the patches that showed it. */

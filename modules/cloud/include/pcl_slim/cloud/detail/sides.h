@@ -17,29 +17,11 @@ namespace pcl_slim::detail {
 struct SideConstants {
   static constexpr std::size_t kMostNeighbors = 36;
 
-  double cell_noise = 1.5;    ///< width of a cell [sqrt(lambda)] ...
-  double cell_spacing = 1.2;  ///< ... and at least this [spacings]
-  /// Cells whose moments give a cell's normal: the flattest of these neighbourhoods does.
-  std::array<std::size_t, 3> neighbors = {12, 18, 36};
+  double cell_noise = 1.5;   ///< width of a cell [sqrt(lambda)], if no less than by the spacing
   std::size_t edges = 12;    ///< nearest cells that a cell has edges to, and all on another sheet
-  double agree = 0.5;        ///< length of the mean of unit normals from which cells agree
   double apart = 4.0;        ///< distance of two sheets' means over their own deviation
-  double clean = 10.0;       ///< the same from which a fit parts sheets without help, ...
-  double clear_gap = 3.0;    ///< ... but by smaller balls where they are this far apart [spacings]
   double least_side = 0.15;  ///< share of the points on the smaller of two sheets
-  int reach = 8;             ///< cells along the normal in which another sheet is looked for
-  std::size_t points_per_place = 1000;  ///< one place is looked at for this many points ...
-  std::size_t least_places = 64, most_places = 256;  ///< ... within these bounds
-  std::size_t patch = 48;                            ///< points of its smallest patch ...
-  std::size_t wider = 4;                             ///< ... and the factor to the next
-  std::size_t patch_points = 384;  ///< points looked at in a patch; larger patches are sampled
-  std::size_t most_patch = 12288;  ///< points of the widest patch: wider ones cost more than a fit
-  double filled = 0.15;            ///< a cubic's RMS residual over the radius of a patch that fits
-  int beyond = 2;  ///< wider patches, after one that fits, in which a place's other side is sought
-  /// Residuals are two sheets where their excess kurtosis is below minus this and this many of its standard deviations.
-  double flatter = 0.4, deviations = 1.5;
-  double relief = 4;  ///< growth of the variance to the next patch that is a rough surface's own
-  double one_sided = 0.5;  ///< cosine of beams' angles that leaves a place one side
+  double flatter = 0.4;      ///< excess kurtosis, below minus this, of residuals that are two sheets
   double rod = 0.2;        ///< variance across over that along, below which a patch is a rod ...
   double thick_rod = 0.2;  ///< ... where its lesser variance across is more of the other than this
   double least_thin = 0.07;  ///< share of thin places from which sides are sought ...
@@ -49,10 +31,7 @@ struct SideConstants {
   /// The same, with places where sheets face one that a patch fits. From here on noise without sides
   /// counts, and both kinds of places add to the doubts.
   double least_facing = 0.4;
-  double few_thin = 0.04;    ///< share of places of all kinds from which the parts there get sides:
-  int rings = 2;             ///< cells near another sheet, and those this many steps from them, ...
-  double sure_apart = 0.85;  ///< ... where this share of the edges between sheets is met ...
-  double least_apart = 10;   ///< ... of no fewer edges than this
+  double few_thin = 0.04;    ///< share of places of all kinds from which the parts there get sides
   std::size_t probe_places = 16;    ///< a large cloud is judged by some thin places first, ...
   std::size_t probe_points = 1000;  ///< ... by the points about each, ...
   std::size_t probe_part = 4;  ///< ... where the cloud has more than this many times as many, ...
@@ -85,9 +64,6 @@ struct SideConstants {
   double least_noise = 0.05;  ///< noise that sides may show where there was less without [spacings]
   double least_cells = 1.0;   ///< noise below which cells follow the spacing alone [spacings], ...
   double doubtful_cells = 0.8;  ///< ... and below it once more where sides are in doubt
-  double flat_places = 0.1;     ///< share of places that noise is taken from
-  double oblique_beam =
-      0.7;  ///< cosine below which a point's side is between its cell's normal and its beam
   double clear_beam = 0.2;  ///< cosine from which a point's own beam gives its side, not its cell's
   int passes = 4;           ///< rounds of two-means on heights
   std::size_t settled_points = 32;  ///< nearest points by which a point's sheet is chosen, ...
