@@ -20,9 +20,7 @@ using pcl::visualization::PCLVisualizer;
 
 /** \brief Runs body for the renderers of a viewport, all if it is 0. */
 template <typename Body>
-void
-forEachRenderer(PCLVisualizer& viewer, int viewport, const Body& body)
-{
+void forEachRenderer(PCLVisualizer& viewer, int viewport, const Body& body) {
   auto renderers = viewer.getRendererCollection();
   renderers->InitTraversal();
   int number = 0;
@@ -32,38 +30,28 @@ forEachRenderer(PCLVisualizer& viewer, int viewport, const Body& body)
   }
 }
 
-void
-addShape(PCLVisualizer& viewer, vtkProp* shape, const std::string& id, int viewport)
-{
+void addShape(PCLVisualizer& viewer, vtkProp* shape, const std::string& id, int viewport) {
   forEachRenderer(viewer, viewport, [&](vtkRenderer* renderer) { renderer->AddViewProp(shape); });
   (*viewer.getShapeActorMap())[id] = shape;
 }
 
-vtkActor*
-actorOf(PCLVisualizer& viewer, const std::string& id)
-{
+vtkActor* actorOf(PCLVisualizer& viewer, const std::string& id) {
   const auto map = viewer.getShapeActorMap();
   const auto found = map->find(id);
   return found == map->end() ? nullptr : vtkActor::SafeDownCast(found->second);
 }
 
 template <typename Mapper>
-Mapper*
-mapperOf(PCLVisualizer& viewer, const std::string& id)
-{
+Mapper* mapperOf(PCLVisualizer& viewer, const std::string& id) {
   vtkActor* actor = actorOf(viewer, id);
   return actor ? Mapper::SafeDownCast(actor->GetMapper()) : nullptr;
 }
 
-std::string
-barId(const std::string& id)
-{
+std::string barId(const std::string& id) {
   return id + " scalar bar";
 }
 
-vtkSmartPointer<vtkActor>
-actorWith(GBufferMapper* mapper)
-{
+vtkSmartPointer<vtkActor> actorWith(GBufferMapper* mapper) {
   auto actor = vtkSmartPointer<vtkActor>::New();
   actor->SetMapper(mapper);
   setClayLook(actor->GetProperty());
@@ -71,9 +59,7 @@ actorWith(GBufferMapper* mapper)
 }
 
 template <typename Mapper>
-bool
-removeShapeOf(PCLVisualizer& viewer, const std::string& id)
-{
+bool removeShapeOf(PCLVisualizer& viewer, const std::string& id) {
   if (!mapperOf<Mapper>(viewer, id)) return false;
   if (viewer.contains(barId(id))) viewer.removeShape(barId(id));
   return viewer.removeShape(id);
@@ -81,10 +67,8 @@ removeShapeOf(PCLVisualizer& viewer, const std::string& id)
 
 }  // namespace
 
-bool
-addSLIMSurface(PCLVisualizer& viewer, const SLIMSurface& surface, const std::string& id,
-               int viewport)
-{
+bool addSLIMSurface(PCLVisualizer& viewer, const SLIMSurface& surface, const std::string& id,
+                    int viewport) {
   if (viewer.contains(id)) return false;
   vtkNew<SLIMMapper> mapper;
   if (!mapper->setSurface(std::make_shared<SLIMSurface>(surface))) return false;
@@ -92,28 +76,21 @@ addSLIMSurface(PCLVisualizer& viewer, const SLIMSurface& surface, const std::str
   return true;
 }
 
-bool
-updateSLIMSurface(PCLVisualizer& viewer, const SLIMSurface& surface, const std::string& id)
-{
+bool updateSLIMSurface(PCLVisualizer& viewer, const SLIMSurface& surface, const std::string& id) {
   SLIMMapper* mapper = getSLIMMapper(viewer, id);
   return mapper && mapper->setSurface(std::make_shared<SLIMSurface>(surface));
 }
 
-bool
-removeSLIMSurface(PCLVisualizer& viewer, const std::string& id)
-{
+bool removeSLIMSurface(PCLVisualizer& viewer, const std::string& id) {
   return removeShapeOf<SLIMMapper>(viewer, id);
 }
 
-SLIMMapper*
-getSLIMMapper(PCLVisualizer& viewer, const std::string& id)
-{
+SLIMMapper* getSLIMMapper(PCLVisualizer& viewer, const std::string& id) {
   return mapperOf<SLIMMapper>(viewer, id);
 }
 
-bool
-setSLIMSurfaceMode(PCLVisualizer& viewer, DisplayMode mode, double range, const std::string& id)
-{
+bool setSLIMSurfaceMode(PCLVisualizer& viewer, DisplayMode mode, double range,
+                        const std::string& id) {
   SLIMMapper* mapper = getSLIMMapper(viewer, id);
   if (!mapper || !mapper->setMode(mode)) return false;
   mapper->setRange(range);
@@ -130,9 +107,7 @@ setSLIMSurfaceMode(PCLVisualizer& viewer, DisplayMode mode, double range, const 
   return true;
 }
 
-bool
-addSplats(PCLVisualizer& viewer, const SplatSet& splats, const std::string& id, int viewport)
-{
+bool addSplats(PCLVisualizer& viewer, const SplatSet& splats, const std::string& id, int viewport) {
   if (viewer.contains(id)) return false;
   vtkNew<SplatMapper> mapper;
   if (!mapper->setSplats(std::make_shared<SplatSet>(splats))) return false;
@@ -141,42 +116,30 @@ addSplats(PCLVisualizer& viewer, const SplatSet& splats, const std::string& id, 
   return true;
 }
 
-bool
-addSplats(PCLVisualizer& viewer, const pcl::PointCloud<pcl::PointSurfel>& splats,
-          const std::string& id, int viewport)
-{
+bool addSplats(PCLVisualizer& viewer, const pcl::PointCloud<pcl::PointSurfel>& splats,
+               const std::string& id, int viewport) {
   return addSplats(viewer, splatsFrom(splats), id, viewport);
 }
 
-bool
-updateSplats(PCLVisualizer& viewer, const SplatSet& splats, const std::string& id)
-{
+bool updateSplats(PCLVisualizer& viewer, const SplatSet& splats, const std::string& id) {
   SplatMapper* mapper = getSplatMapper(viewer, id);
   return mapper && mapper->setSplats(std::make_shared<SplatSet>(splats));
 }
 
-bool
-updateSplats(PCLVisualizer& viewer, const pcl::PointCloud<pcl::PointSurfel>& splats,
-             const std::string& id)
-{
+bool updateSplats(PCLVisualizer& viewer, const pcl::PointCloud<pcl::PointSurfel>& splats,
+                  const std::string& id) {
   return updateSplats(viewer, splatsFrom(splats), id);
 }
 
-bool
-removeSplats(PCLVisualizer& viewer, const std::string& id)
-{
+bool removeSplats(PCLVisualizer& viewer, const std::string& id) {
   return removeShapeOf<SplatMapper>(viewer, id);
 }
 
-SplatMapper*
-getSplatMapper(PCLVisualizer& viewer, const std::string& id)
-{
+SplatMapper* getSplatMapper(PCLVisualizer& viewer, const std::string& id) {
   return mapperOf<SplatMapper>(viewer, id);
 }
 
-SplatSet
-splatsFrom(const pcl::PointCloud<pcl::PointSurfel>& cloud)
-{
+SplatSet splatsFrom(const pcl::PointCloud<pcl::PointSurfel>& cloud) {
   SplatSet splats;
   splats.resize(cloud.size(), false);
   std::size_t n = 0;

@@ -25,8 +25,7 @@ class PointBuilder {
   explicit PointBuilder(std::vector<std::size_t> pieces) : pieces_(std::move(pieces)) {}
 
   /** \brief center(i, k): coordinate k of piece i. */
-  void setCenters(const std::function<double(std::size_t, std::size_t)>& center)
-  {
+  void setCenters(const std::function<double(std::size_t, std::size_t)>& center) {
     vtkNew<vtkPoints> points;
     points->SetDataTypeToDouble();
     points->SetNumberOfPoints(count());
@@ -42,8 +41,7 @@ class PointBuilder {
   }
 
   void setNormals(const std::vector<float>& nx, const std::vector<float>& ny,
-                  const std::vector<float>& nz)
-  {
+                  const std::vector<float>& nz) {
     vtkNew<vtkFloatArray> normals;
     normals->SetName("Normals");
     normals->SetNumberOfComponents(3);
@@ -51,16 +49,14 @@ class PointBuilder {
     data_->GetPointData()->SetNormals(normals);
   }
 
-  void add(const std::string& name, const std::function<double(std::size_t)>& value)
-  {
+  void add(const std::string& name, const std::function<double(std::size_t)>& value) {
     vtkNew<vtkFloatArray> array;
     array->SetName(name.c_str());
     for (const std::size_t i : pieces_) array->InsertNextValue(static_cast<float>(value(i)));
     data_->GetPointData()->AddArray(array);
   }
 
-  void setColors(const std::vector<std::uint32_t>& rgb)
-  {
+  void setColors(const std::vector<std::uint32_t>& rgb) {
     vtkNew<vtkUnsignedCharArray> colors;
     colors->SetName("RGB");
     colors->SetNumberOfComponents(3);
@@ -80,9 +76,7 @@ class PointBuilder {
 };
 
 /** 0xRRGGBB of every surfel. */
-std::vector<std::uint32_t>
-colorsAtCenters(const SLIMSurface& surface)
-{
+std::vector<std::uint32_t> colorsAtCenters(const SLIMSurface& surface) {
   std::vector<std::uint32_t> rgb;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     const std::uint8_t* c = surface.colors.data() + i * kColorBytes;
@@ -93,9 +87,7 @@ colorsAtCenters(const SLIMSurface& surface)
 
 }  // namespace
 
-vtkSmartPointer<vtkPolyData>
-toPolyData(const SLIMSurface& surface, bool leaves_only)
-{
+vtkSmartPointer<vtkPolyData> toPolyData(const SLIMSurface& surface, bool leaves_only) {
   std::vector<std::size_t> surfels;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (!leaves_only || surface.isLeaf(i)) surfels.push_back(i);
@@ -121,9 +113,7 @@ toPolyData(const SLIMSurface& surface, bool leaves_only)
   return builder.data();
 }
 
-vtkSmartPointer<vtkPolyData>
-toPolyData(const SplatSet& splats)
-{
+vtkSmartPointer<vtkPolyData> toPolyData(const SplatSet& splats) {
   std::vector<std::size_t> all(splats.size());
   for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
   PointBuilder builder(std::move(all));

@@ -25,12 +25,13 @@ class Neighborhood {
 
   /** \brief Finds the nearest others of a stored point, nearest first.
    * \param[in] left_out one byte a stored point: those not to be taken; null: none.
-   * \param[in] among how many neighbours are looked through for them. \return how many were found. */
+   * \param[in] among how many neighbours are looked through for them. \return how many were found.
+   */
   std::size_t find(std::size_t point, std::size_t count, const unsigned char* left_out,
                    std::size_t among);
 
-  /** \brief Whether a stored point surely has this many others within a distance: much cheaper than to
-   * find them. false where rounding leaves a doubt. */
+  /** \brief Whether a stored point surely has this many others within a distance: much cheaper than
+   * to find them. false where rounding leaves a doubt. */
   bool hasOthersWithin(double distance, std::size_t point, std::size_t count,
                        const unsigned char* left_out = nullptr);
 
@@ -41,15 +42,15 @@ class Neighborhood {
    * least over greatest eigenvalue of their covariance. */
   bool fillsVolume(double least_ratio) const;
 
-  /** \brief Whether most neighbours are a patch that is far denser than the point's surroundings, and the
-   * point is outside of it, off its plane or line.
+  /** \brief Whether most neighbours are a patch that is far denser than the point's surroundings,
+   * and the point is outside of it, off its plane or line.
    * \param[in] closeness half of the neighbours have others within the eighth's distance over this.
    * \param[in] spreads least distance from the patch's mean, over its RMS distance from it.
    * \param[in] off least share of it that points away from plane or line. */
   bool standsApart(double closeness, double spreads, double off) const;
 
-  /** \brief Whether the point is off its neighbours' plane: by more than this multiple of their own RMS
-   * distance from it, and a given share of its distance from their mean and from the eighth. */
+  /** \brief Whether the point is off its neighbours' plane: by more than this multiple of their own
+   * RMS distance from it, and a given share of its distance from their mean and from the eighth. */
   bool standsOffPlane(double heights, double share) const;
 
  private:
@@ -71,16 +72,12 @@ constexpr float kMargin = 1.4f;  ///< of a squared distance, for as many points
 constexpr double kLine =
     0.05;  ///< second eigenvalue over the greatest, below which points are a line
 
-Eigen::Vector3d
-meanOf(const PatchPoints& points)
-{
+Eigen::Vector3d meanOf(const PatchPoints& points) {
   return kernels::sumPatch(points).first / static_cast<double>(points.size());
 }
 
-std::size_t
-Neighborhood::find(std::size_t point, std::size_t count, const unsigned char* left_out,
-                   std::size_t among)
-{
+std::size_t Neighborhood::find(std::size_t point, std::size_t count, const unsigned char* left_out,
+                               std::size_t among) {
   // The next point's neighbours are about as far as the last one's.
   const float last = found_.size() == among + 1 ? kMargin * distances_sq_.back() : 0;
   search_.nearest(point, among + 1, found_, distances_sq_, last);
@@ -98,10 +95,8 @@ Neighborhood::find(std::size_t point, std::size_t count, const unsigned char* le
   return distances_.size();
 }
 
-bool
-Neighborhood::hasOthersWithin(double distance, std::size_t point, std::size_t count,
-                              const unsigned char* left_out)
-{
+bool Neighborhood::hasOthersWithin(double distance, std::size_t point, std::size_t count,
+                                   const unsigned char* left_out) {
   constexpr double kRounding = 1e-5;
   const auto center = store_.position(point);
   const float c[3] = {static_cast<float>(center[0]), static_cast<float>(center[1]),
@@ -121,15 +116,11 @@ Neighborhood::hasOthersWithin(double distance, std::size_t point, std::size_t co
   return static_cast<std::size_t>(std::count_if(within_.begin(), end, isOther)) >= count;
 }
 
-double
-Neighborhood::distance(std::size_t n) const
-{
+double Neighborhood::distance(std::size_t n) const {
   return n <= distances_.size() ? distances_[n - 1] : std::numeric_limits<double>::infinity();
 }
 
-bool
-Neighborhood::fillsVolume(double least_ratio) const
-{
+bool Neighborhood::fillsVolume(double least_ratio) const {
   PatchPoints all = others_;
   all.resize(others_.size() + 1);
   all.set(others_.size(), Eigen::Vector3d::Zero());
@@ -139,9 +130,7 @@ Neighborhood::fillsVolume(double least_ratio) const
 
 /** The neighbours that are as dense as their median; none if that is no closer to another than a
  * given distance. */
-PatchPoints
-Neighborhood::densePatch(double distance) const
-{
+PatchPoints Neighborhood::densePatch(double distance) const {
   constexpr double kAlike = 3;  // times the median's distance to its nearest
   const std::size_t n = others_.size();
   std::vector<double> nearest(n, std::numeric_limits<double>::infinity());
@@ -164,9 +153,7 @@ Neighborhood::densePatch(double distance) const
   return patch;
 }
 
-bool
-Neighborhood::standsApart(double closeness, double spreads, double off) const
-{
+bool Neighborhood::standsApart(double closeness, double spreads, double off) const {
   const PatchPoints patch = densePatch(distance(kEighth) / closeness);
   if (patch.size() < 3) return false;
   const Eigen::Vector3d mean = meanOf(patch);
@@ -181,9 +168,7 @@ Neighborhood::standsApart(double closeness, double spreads, double off) const
   return off_sq > off * off * distance_sq;
 }
 
-bool
-Neighborhood::standsOffPlane(double heights, double share) const
-{
+bool Neighborhood::standsOffPlane(double heights, double share) const {
   const Eigen::Vector3d mean = meanOf(others_);
   const auto axes = principalAxes(others_);
   const double height = std::abs(mean.dot(axes.eigenvectors().col(0)));
@@ -217,13 +202,11 @@ constexpr int kRounds = 2;            ///< at most
 /** One byte a stored point: 1 of an outlier. */
 using Marks = std::vector<unsigned char>;
 
-/** Runs a decision on all points that have fewer than kNear others within a distance, and marks those
- * of which it is true. \return how many were marked. */
+/** Runs a decision on all points that have fewer than kNear others within a distance, and marks
+ * those of which it is true. \return how many were marked. */
 template <typename Decision>
-std::size_t
-markSparse(const PointStore& store, double distance, int threads, Marks& marks,
-           const Decision& decide, const std::vector<bool>* blocks = nullptr)
-{
+std::size_t markSparse(const PointStore& store, double distance, int threads, Marks& marks,
+                       const Decision& decide, const std::vector<bool>* blocks = nullptr) {
   const auto limit_sq = static_cast<float>(distance * distance);
   const Marks before = marks;
   std::vector<Neighborhood> around(static_cast<std::size_t>(threads), Neighborhood(store));
@@ -246,9 +229,7 @@ markSparse(const PointStore& store, double distance, int threads, Marks& marks,
 }
 
 /** Points far from all others, unless they belong to a sparse surface or line. */
-std::size_t
-markScattered(const PointStore& store, double spacing, int threads, Marks& marks)
-{
+std::size_t markScattered(const PointStore& store, double spacing, int threads, Marks& marks) {
   const double far = kFar * spacing;
   return markSparse(
       store, far, threads, marks, [far](std::size_t i, const Marks&, Neighborhood& around) {
@@ -260,9 +241,7 @@ markScattered(const PointStore& store, double spacing, int threads, Marks& marks
 }
 
 /** Points far from all others at least half of whose neighbours are outliers. */
-std::size_t
-markCompany(const PointStore& store, double spacing, int threads, Marks& marks)
-{
+std::size_t markCompany(const PointStore& store, double spacing, int threads, Marks& marks) {
   const double far = kFar * spacing;
   return markSparse(store, far, threads, marks,
                     [far](std::size_t i, const Marks& known, Neighborhood& around) {
@@ -274,9 +253,7 @@ markCompany(const PointStore& store, double spacing, int threads, Marks& marks)
 }
 
 /** The blocks around which many points are outliers. */
-std::vector<bool>
-blocksAmongOutliers(const PointStore& store, const Marks& marks)
-{
+std::vector<bool> blocksAmongOutliers(const PointStore& store, const Marks& marks) {
   const std::size_t blocks = store.numBlocks();
   std::vector<std::size_t> before(blocks + 1, 0);
   for (std::size_t i = 0; i < store.size(); ++i) before[i / kBlock + 1] += marks[i];
@@ -291,9 +268,7 @@ blocksAmongOutliers(const PointStore& store, const Marks& marks)
 }
 
 /** Points off the surface, but near it. */
-std::size_t
-markNearSurface(const PointStore& store, double spacing, int threads, Marks& marks)
-{
+std::size_t markNearSurface(const PointStore& store, double spacing, int threads, Marks& marks) {
   const std::vector<bool> among = blocksAmongOutliers(store, marks);
   const double close = kClose * spacing;
   return markSparse(
@@ -310,9 +285,7 @@ markNearSurface(const PointStore& store, double spacing, int threads, Marks& mar
 
 }  // namespace
 
-double
-medianSpacing(const PointStore& store)
-{
+double medianSpacing(const PointStore& store) {
   const std::size_t samples = std::min(kSample, store.size());
   Neighborhood around(store);
   std::vector<double> spacings;
@@ -323,9 +296,7 @@ medianSpacing(const PointStore& store)
   return median(spacings);
 }
 
-std::vector<std::uint32_t>
-findOutliers(const PointStore& store, int threads, double spacing)
-{
+std::vector<std::uint32_t> findOutliers(const PointStore& store, int threads, double spacing) {
   const std::size_t n = store.size();
   if (n < kLeastPoints) return {};
   threads = resolveThreads(threads);

@@ -15,9 +15,7 @@ constexpr std::align_val_t kLine{64};
 
 /** Requests large pages where the block has room for some. Memory that was used before keeps the
  * pages it has; refusal does no harm. */
-void
-useLargePages([[maybe_unused]] void* block, [[maybe_unused]] std::size_t bytes)
-{
+void useLargePages([[maybe_unused]] void* block, [[maybe_unused]] std::size_t bytes) {
 #ifdef MADV_HUGEPAGE
   constexpr std::size_t kLargePage = std::size_t{1} << 21, kPage = std::size_t{1} << 12;
   if (bytes < 2 * kLargePage) return;
@@ -30,17 +28,13 @@ useLargePages([[maybe_unused]] void* block, [[maybe_unused]] std::size_t bytes)
 
 }  // namespace
 
-void*
-allocateAligned(std::size_t bytes)
-{
+void* allocateAligned(std::size_t bytes) {
   void* const block = ::operator new(bytes, kLine);
   useLargePages(block, bytes);
   return block;
 }
 
-void
-freeAligned(void* block)
-{
+void freeAligned(void* block) {
   ::operator delete(block, kLine);
 }
 

@@ -50,8 +50,7 @@ class TemporaryFile {
   UnfinishedFile* slot_ = nullptr;
 };
 
-TemporaryFile::TemporaryFile(const fs::path& target)
-{
+TemporaryFile::TemporaryFile(const fs::path& target) {
   std::random_device random;
   std::error_code code;
   do {
@@ -60,8 +59,7 @@ TemporaryFile::TemporaryFile(const fs::path& target)
   remember();
 }
 
-TemporaryFile::~TemporaryFile()
-{
+TemporaryFile::~TemporaryFile() {
   std::error_code code;
   if (!renamed_) fs::remove(path_, code);
   if (slot_ == nullptr) return;
@@ -69,18 +67,14 @@ TemporaryFile::~TemporaryFile()
   slot_->taken = false;
 }
 
-std::error_code
-TemporaryFile::renameTo(const fs::path& target)
-{
+std::error_code TemporaryFile::renameTo(const fs::path& target) {
   std::error_code code;
   fs::rename(path_, target, code);
   renamed_ = !code;
   return code;
 }
 
-void
-TemporaryFile::remember()
-{
+void TemporaryFile::remember() {
   const std::string name = fs::absolute(path_).string();
   if (name.size() >= PATH_MAX) return;
   for (UnfinishedFile& file : g_unfinished) {
@@ -92,16 +86,12 @@ TemporaryFile::remember()
   }
 }
 
-Error
-ioError(const std::string& verb, const std::string& path, const std::string& why)
-{
+Error ioError(const std::string& verb, const std::string& path, const std::string& why) {
   return {ErrorCode::kIo, "cannot " + verb + " '" + path + "': " + why};
 }
 
 /** The remedy for an error code of the operating system; empty: none known. */
-std::string
-remedyOf(int code)
-{
+std::string remedyOf(int code) {
   switch (code) {
     case EACCES:
     case EPERM: return "; allow it or name another place";
@@ -118,16 +108,12 @@ remedyOf(int code)
   }
 }
 
-std::string
-systemMessage(int code)
-{
+std::string systemMessage(int code) {
   if (code == 0) return "the operating system gave no reason";
   return std::strerror(code) + remedyOf(code);
 }
 
-std::string
-systemMessage()
-{
+std::string systemMessage() {
   return systemMessage(errno);
 }
 
@@ -139,9 +125,7 @@ struct Target {
 };
 
 /** The place that links lead to, whether or not something is there yet. */
-fs::path
-behindLinks(fs::path path)
-{
+fs::path behindLinks(fs::path path) {
   std::error_code code;
   while (fs::is_symlink(fs::symlink_status(path, code))) {
     path = path.parent_path() / fs::read_symlink(path, code);
@@ -149,9 +133,7 @@ behindLinks(fs::path path)
   return path;
 }
 
-Error
-resolveTarget(const std::string& name, Target& target)
-{
+Error resolveTarget(const std::string& name, Target& target) {
   std::error_code code;
   target.path = name;
   const fs::file_status status = fs::status(target.path, code);
@@ -181,9 +163,7 @@ resolveTarget(const std::string& name, Target& target)
   return {};
 }
 
-bool
-writeAll(const fs::path& path, const void* bytes, std::size_t size)
-{
+bool writeAll(const fs::path& path, const void* bytes, std::size_t size) {
   errno = 0;
   std::ofstream file(path, std::ios::binary | std::ios::trunc);
   file.write(static_cast<const char*>(bytes), static_cast<std::streamsize>(size));
@@ -198,9 +178,7 @@ struct WaitingFile {
   std::unique_ptr<TemporaryFile> temporary;
 };
 
-Error
-putInPlace(const WaitingFile& file)
-{
+Error putInPlace(const WaitingFile& file) {
   const std::error_code code = file.temporary->renameTo(file.target);
   return code ? ioError("write", file.name, systemMessage(code.value())) : Error{};
 }
@@ -213,9 +191,7 @@ namespace {
 
 thread_local FileTransaction::Waiting* t_waiting = nullptr;
 
-Error
-putOrWait(WaitingFile file)
-{
+Error putOrWait(WaitingFile file) {
   if (t_waiting == nullptr) return putInPlace(file);
   t_waiting->push_back(std::move(file));
   return {};
@@ -223,9 +199,7 @@ putOrWait(WaitingFile file)
 
 }  // namespace
 
-Result<std::vector<unsigned char>>
-readFile(const std::string& path)
-{
+Result<std::vector<unsigned char>> readFile(const std::string& path) {
   std::error_code code;
   if (fs::is_directory(path, code)) return ioError("read", path, "it is a folder; name a file");
   if (fs::is_character_file(path, code) || fs::is_block_file(path, code)) {
@@ -250,9 +224,7 @@ readFile(const std::string& path)
   return bytes;
 }
 
-Error
-writeFile(const std::string& path, const void* bytes, std::size_t size)
-{
+Error writeFile(const std::string& path, const void* bytes, std::size_t size) {
   Target target;
   if (Error error = resolveTarget(path, target)) return error;
   if (target.direct) {
@@ -278,9 +250,7 @@ struct FileWriter::State {
 FileWriter::FileWriter() = default;
 FileWriter::~FileWriter() = default;
 
-Error
-FileWriter::open(const std::string& path)
-{
+Error FileWriter::open(const std::string& path) {
   state_ = std::make_unique<State>();
   state_->name = path;
   if (Error error = resolveTarget(path, state_->target)) return error;
@@ -292,18 +262,14 @@ FileWriter::open(const std::string& path)
   return state_->file ? Error{} : ioError("write", path, systemMessage());
 }
 
-Error
-FileWriter::write(const void* bytes, std::size_t size)
-{
+Error FileWriter::write(const void* bytes, std::size_t size) {
   errno = 0;
   state_->file.write(static_cast<const char*>(bytes), static_cast<std::streamsize>(size));
   state_->size += size;
   return state_->file ? Error{} : ioError("write", state_->name, systemMessage());
 }
 
-Error
-FileWriter::rewrite(std::uint64_t at, const void* bytes, std::size_t size)
-{
+Error FileWriter::rewrite(std::uint64_t at, const void* bytes, std::size_t size) {
   errno = 0;
   state_->file.seekp(static_cast<std::streamoff>(at));
   state_->file.write(static_cast<const char*>(bytes), static_cast<std::streamsize>(size));
@@ -311,15 +277,11 @@ FileWriter::rewrite(std::uint64_t at, const void* bytes, std::size_t size)
   return state_->file ? Error{} : ioError("write", state_->name, systemMessage());
 }
 
-std::uint64_t
-FileWriter::size() const
-{
+std::uint64_t FileWriter::size() const {
   return state_->size;
 }
 
-Error
-FileWriter::finish()
-{
+Error FileWriter::finish() {
   const std::unique_ptr<State> state = std::move(state_);
   errno = 0;
   state->file.close();
@@ -332,19 +294,15 @@ FileWriter::finish()
   return putOrWait({state->name, state->target.path, std::move(state->temporary)});
 }
 
-FileTransaction::FileTransaction() : waiting_(std::make_unique<Waiting>()), outer_(t_waiting)
-{
+FileTransaction::FileTransaction() : waiting_(std::make_unique<Waiting>()), outer_(t_waiting) {
   t_waiting = waiting_.get();
 }
 
-FileTransaction::~FileTransaction()
-{
+FileTransaction::~FileTransaction() {
   t_waiting = outer_;
 }
 
-Error
-FileTransaction::commit()
-{
+Error FileTransaction::commit() {
   Error error;
   for (const WaitingFile& file : *waiting_) {
     if (!error) error = putInPlace(file);
@@ -353,9 +311,7 @@ FileTransaction::commit()
   return error;
 }
 
-Error
-checkWritable(const std::string& path)
-{
+Error checkWritable(const std::string& path) {
   Target target;
   if (Error error = resolveTarget(path, target)) return error;
   if (target.direct) return {};
@@ -363,17 +319,13 @@ checkWritable(const std::string& path)
   return writeAll(temporary.path(), nullptr, 0) ? Error{} : ioError("write", path, systemMessage());
 }
 
-std::string
-placeOf(const std::string& path)
-{
+std::string placeOf(const std::string& path) {
   std::error_code code;
   if (!fs::status_known(fs::status(path, code))) return "";
   return fs::weakly_canonical(fs::absolute(behindLinks(path), code), code).string();
 }
 
-std::string
-lowerExtension(const std::string& path)
-{
+std::string lowerExtension(const std::string& path) {
   std::string extension = fs::path(path).extension().string();
   for (char& c : extension) {
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
@@ -381,9 +333,7 @@ lowerExtension(const std::string& path)
   return extension;
 }
 
-void
-removeUnfinishedFiles()
-{
+void removeUnfinishedFiles() {
   for (const UnfinishedFile& file : g_unfinished) {
     if (file.exists) unlink(file.path);
   }

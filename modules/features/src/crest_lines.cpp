@@ -24,25 +24,21 @@ constexpr std::size_t kNeighbors = 8;  ///< ... against this number of neighbour
 constexpr std::size_t kSlice = 256;    ///< points looked at in one piece of work
 constexpr double kSameSheet = 0.2;     ///< least cosine between two neighbours' normals
 
-Vector3
-toVector(const std::array<float, 3>& a)
-{
+Vector3 toVector(const std::array<float, 3>& a) {
   return {a[0], a[1], a[2]};
 }
 
 class SeedFinder {
  public:
   SeedFinder(const PointStore& store, const Projection& projection, const SLIMSurface& surface)
-      : projection_(projection), factor_(store.scale() / surface.info.scale)
-  {
+      : projection_(projection), factor_(store.scale() / surface.info.scale) {
     for (std::size_t a = 0; a < 3; ++a) {
       shift_[a] = (store.origin()[a] - surface.info.origin[a]) / surface.info.scale;
     }
   }
 
   /** Adds the seed between two points, if a line of that type passes between them. */
-  void tryPair(std::size_t i, std::size_t j, CrestType type, std::vector<CrestSeed>& seeds) const
-  {
+  void tryPair(std::size_t i, std::size_t j, CrestType type, std::vector<CrestSeed>& seeds) const {
     if (projection_.supported[j] == 0) return;
     const Vector3 n = toVector(projection_.normal[i]), m = toVector(projection_.normal[j]);
     const double facing = dot(n, m);
@@ -74,10 +70,10 @@ class SeedFinder {
 
 /** Seeds between stored points and their neighbours, strongest first, ties by place.
  * \return one list a type; empty lists once cancelled. */
-std::vector<std::vector<CrestSeed>>
-findCrestSeeds(const PointStore& store, const Projection& projection, const SLIMSurface& surface,
-               int threads, Progress* progress)
-{
+std::vector<std::vector<CrestSeed>> findCrestSeeds(const PointStore& store,
+                                                   const Projection& projection,
+                                                   const SLIMSurface& surface, int threads,
+                                                   Progress* progress) {
   const SeedFinder finder(store, projection, surface);
   const std::size_t points = (store.size() + kStride - 1) / kStride;
   const std::size_t slices = (points + kSlice - 1) / kSlice;
@@ -124,9 +120,7 @@ constexpr std::ptrdiff_t kAround =
     3;  ///< vertices to both sides of one that smooth its significance
 
 /** Means of the significance over seven vertices; of fewer at an open end. */
-std::vector<double>
-smoothed(const TracedLine& line)
-{
+std::vector<double> smoothed(const TracedLine& line) {
   const auto n = static_cast<std::ptrdiff_t>(line.vertices.size());
   std::vector<double> mean(line.vertices.size());
   for (std::ptrdiff_t i = 0; i < n; ++i) {
@@ -143,9 +137,7 @@ smoothed(const TracedLine& line)
 }
 
 /** Opens a closed line at a vertex that is not significant, if there is one. */
-void
-openAtLowest(TracedLine& line, std::vector<double>& mean, double least)
-{
+void openAtLowest(TracedLine& line, std::vector<double>& mean, double least) {
   const auto lowest = std::min_element(mean.begin(), mean.end());
   if (!line.closed || *lowest >= least) return;
   const std::ptrdiff_t at = lowest - mean.begin();
@@ -154,8 +146,7 @@ openAtLowest(TracedLine& line, std::vector<double>& mean, double least)
   line.closed = false;
 }
 
-LineSums::LineSums(const TracedLine& line)
-{
+LineSums::LineSums(const TracedLine& line) {
   const auto& v = line.vertices;
   for (std::size_t i = 0; i < v.size(); ++i) {
     radius += v[i].radius / static_cast<double>(v.size());
@@ -168,12 +159,10 @@ LineSums::LineSums(const TracedLine& line)
   }
 }
 
-/** Keeps the stretches of traced lines that are significant against the noise and long and strong enough, and
- * counts the others. */
-std::vector<TracedLine>
-keptStretches(const std::vector<TracedLine>& traced, const CrestParams& params,
-              CrestStatistics& statistics)
-{
+/** Keeps the stretches of traced lines that are significant against the noise and long and strong
+ * enough, and counts the others. */
+std::vector<TracedLine> keptStretches(const std::vector<TracedLine>& traced,
+                                      const CrestParams& params, CrestStatistics& statistics) {
   std::vector<TracedLine> kept;
   for (TracedLine line : traced) {
     std::vector<double> mean = smoothed(line);
@@ -210,16 +199,12 @@ constexpr double kCleanNoise = 1e-6;      ///< of L: below it third derivatives 
 constexpr std::size_t kSlices = 32;       ///< progress report and cancel check in between
 constexpr float kSeedsShare = 0.1f;       ///< of the time
 
-std::array<float, 3>
-toFloat(const Vector3& a)
-{
+std::array<float, 3> toFloat(const Vector3& a) {
   return {static_cast<float>(a[0]), static_cast<float>(a[1]), static_cast<float>(a[2])};
 }
 
 /** Mean radius of the leaves: what cells in which vertices are looked up go by. */
-double
-meanRadius(const SLIMSurface& surface)
-{
+double meanRadius(const SLIMSurface& surface) {
   double sum = 0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < surface.size(); ++i) {
@@ -230,9 +215,7 @@ meanRadius(const SLIMSurface& surface)
   return count > 0 ? sum / static_cast<double>(count) : 1.0;
 }
 
-void
-addTo(CrestStatistics& sum, const CrestStatistics& part)
-{
+void addTo(CrestStatistics& sum, const CrestStatistics& part) {
   using Column = std::uint64_t CrestStatistics::*;
   for (const Column column :
        {&CrestStatistics::seeds, &CrestStatistics::seeds_on_lines,
@@ -244,9 +227,7 @@ addTo(CrestStatistics& sum, const CrestStatistics& part)
 }
 
 /** Writes a line in world units at the end of the others. */
-void
-append(const TracedLine& line, CrestType type, const SurfaceInfo& info, CrestLines& lines)
-{
+void append(const TracedLine& line, CrestType type, const SurfaceInfo& info, CrestLines& lines) {
   const double scale = info.scale;
   const bool ridge = type == CrestType::kRidge;
   for (const CrestVertex& v : line.vertices) {
@@ -275,10 +256,8 @@ struct KeptLine {
   double strength;
 };
 
-void
-collect(const std::vector<std::unique_ptr<CrestTracer>>& tracers, const CrestParams& params,
-        const SurfaceInfo& info, CrestLines& lines, CrestStatistics& statistics)
-{
+void collect(const std::vector<std::unique_ptr<CrestTracer>>& tracers, const CrestParams& params,
+             const SurfaceInfo& info, CrestLines& lines, CrestStatistics& statistics) {
   std::vector<KeptLine> kept;
   for (std::size_t type = 0; type < tracers.size(); ++type) {
     if (!tracers[type]) continue;
@@ -295,9 +274,8 @@ collect(const std::vector<std::unique_ptr<CrestTracer>>& tracers, const CrestPar
   for (const KeptLine& line : kept) append(line.line, line.type, info, lines);
 }
 
-Error
-checkInput(const PointStore& store, const Projection& projection, const SLIMSurface& surface)
-{
+Error checkInput(const PointStore& store, const Projection& projection,
+                 const SLIMSurface& surface) {
   if (projection.position.size() != store.size() || projection.principal.size() != store.size()) {
     return {ErrorCode::kBadArgument,
             "the projection is not of these points with extremality; project them so"};
@@ -306,10 +284,9 @@ checkInput(const PointStore& store, const Projection& projection, const SLIMSurf
 }
 
 /** Follows the seeds of both types, a slice of each in turn. */
-Error
-followAll(const std::vector<std::vector<CrestSeed>>& seeds,
-          const std::vector<std::unique_ptr<CrestTracer>>& tracers, int threads, Progress* progress)
-{
+Error followAll(const std::vector<std::vector<CrestSeed>>& seeds,
+                const std::vector<std::unique_ptr<CrestTracer>>& tracers, int threads,
+                Progress* progress) {
   for (std::size_t slice = 0; slice < kSlices; ++slice) {
     if (progress != nullptr) {
       const float done = static_cast<float>(slice) / static_cast<float>(kSlices);
@@ -333,9 +310,7 @@ followAll(const std::vector<std::vector<CrestSeed>>& seeds,
 
 }  // namespace
 
-Error
-CrestParams::validate() const
-{
+Error CrestParams::validate() const {
   if (!ridges && !ravines) {
     return {ErrorCode::kBadArgument, "neither ridges nor ravines are asked for; ask for one"};
   }
@@ -352,11 +327,9 @@ CrestParams::validate() const
   return {};
 }
 
-Error
-traceCrestLines(const PointStore& store, const Projection& projection, const SLIMSurface& surface,
-                const CrestParams& params, CrestLines& lines, CrestStatistics* statistics,
-                Progress* progress)
-{
+Error traceCrestLines(const PointStore& store, const Projection& projection,
+                      const SLIMSurface& surface, const CrestParams& params, CrestLines& lines,
+                      CrestStatistics* statistics, Progress* progress) {
   lines = CrestLines();
   CrestStatistics made;
   if (statistics != nullptr) *statistics = made;

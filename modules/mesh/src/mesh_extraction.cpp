@@ -18,10 +18,9 @@ namespace {
 
 constexpr int kMostRounds = 6;
 
-/** Takes away the crossings on edges of cells that have been divided, and renumbers the others' cells. */
-void
-keepWhole(const std::vector<std::uint32_t>& numbers, std::vector<EdgeCrossing>& crossings)
-{
+/** Takes away the crossings on edges of cells that have been divided, and renumbers the others'
+ * cells. */
+void keepWhole(const std::vector<std::uint32_t>& numbers, std::vector<EdgeCrossing>& crossings) {
   std::size_t kept = 0;
   for (const EdgeCrossing& crossing : crossings) {
     EdgeCrossing own = crossing;
@@ -35,12 +34,11 @@ keepWhole(const std::vector<std::uint32_t>& numbers, std::vector<EdgeCrossing>& 
   crossings.resize(kept);
 }
 
-/** Contours the surface on a tree: edges, distances at corners, crossings, vertices. Cells with vertices on
- * an edge of more than two faces are divided and their edges contoured again, a few times at most. */
-SheetVertices
-contour(const ProbeField& field, bool oriented, CellTree& tree, MeshStatistics& statistics,
-        const Progress* progress)
-{
+/** Contours the surface on a tree: edges, distances at corners, crossings, vertices. Cells with
+ * vertices on an edge of more than two faces are divided and their edges contoured again, a few
+ * times at most. */
+SheetVertices contour(const ProbeField& field, bool oriented, CellTree& tree,
+                      MeshStatistics& statistics, const Progress* progress) {
   CornerValues corners(field);
   std::vector<EdgeCrossing> crossings;
   SheetVertices vertices;
@@ -63,23 +61,19 @@ contour(const ProbeField& field, bool oriented, CellTree& tree, MeshStatistics& 
 
 constexpr double kNoiseShare = 0.25;      ///< of the noise's deviation: the default tolerance
 constexpr double kLeastTolerance = 1e-4;  ///< of the diagonal, by default
-/// Spacings of the points: narrower cells follow detail that the points do not resolve. The second is for a tolerance
-/// below the default one.
+/// Spacings of the points: narrower cells follow detail that the points do not resolve. The second
+/// is for a tolerance below the default one.
 constexpr double kLeastSpacings = 1, kLeastAsked = 0.5;
 constexpr double kWidestGap = 6;  ///< spacings: gaps of the contouring that are closed
 constexpr double kMargin = 3.0;   ///< cells around sixteen places
 constexpr double kMostRelaxation = 100;
 
-Error
-cancelledError()
-{
+Error cancelledError() {
   return {ErrorCode::kCancelled, "the extraction was cancelled"};
 }
 
 /** Local units. */
-double
-defaultTolerance(const SLIMSurface& surface)
-{
+double defaultTolerance(const SLIMSurface& surface) {
   const SurfaceInfo& info = surface.info;
   const double noise = std::sqrt(std::max(0.0, info.lambda)) * info.diagonal;
   return std::max(kNoiseShare * noise, kLeastTolerance * info.diagonal);
@@ -95,13 +89,10 @@ class Extraction {
         statistics_(statistics),
         progress_(progress),
         threads_(resolveThreads(params.threads)),
-        index_(surface, ProbeUse::kExtraction)
-  {
-  }
+        index_(surface, ProbeUse::kExtraction) {}
 
   /** \param[in] tolerance local units. */
-  Error run(double tolerance)
-  {
+  Error run(double tolerance) {
     statistics_ = MeshStatistics();
     statistics_.tolerance = tolerance * surface_.info.scale;
     Stopwatch clock;
@@ -147,8 +138,7 @@ class Extraction {
   void write(TriangleMesh& mesh) const;
 
  private:
-  void report(float share, const char* stage)
-  {
+  void report(float share, const char* stage) {
     if (progress_ != nullptr) progress_->report(share, stage);
   }
   bool cancelled() const { return progress_ != nullptr && progress_->cancelled(); }
@@ -170,9 +160,7 @@ class Extraction {
 };
 
 /** Puts the cells' vertices onto the surface and connects them. */
-void
-Extraction::makeVertices(const SheetVertices& sheets, const ProbeField& field)
-{
+void Extraction::makeVertices(const SheetVertices& sheets, const ProbeField& field) {
   vertices_ = SurfaceVertices();
   vertices_.resize(sheets.position.size());
   vertices_.position = sheets.position;
@@ -194,9 +182,7 @@ Extraction::makeVertices(const SheetVertices& sheets, const ProbeField& field)
 }
 
 /** Turns normals to the side that the triangles about them face. */
-void
-Extraction::turnToTriangles()
-{
+void Extraction::turnToTriangles() {
   std::vector<Vector3> sum(vertices_.count(), Vector3{});
   for (const Triangle& t : triangles_) {
     const Vector3& p = vertices_.position[t[0]];
@@ -214,9 +200,7 @@ Extraction::turnToTriangles()
 }
 
 /** No edge of more than two triangles, no vertex of more than one fan. */
-void
-Extraction::separate()
-{
+void Extraction::separate() {
   const std::size_t count = vertices_.count();
   const std::vector<std::uint32_t> copies = separateFans(count, triangles_, threads_);
   vertices_.resize(count + copies.size());
@@ -233,9 +217,7 @@ Extraction::separate()
 }
 
 /** Brings positions and curvatures from one surface's local units to another's. */
-void
-changeUnits(const SurfaceInfo& from, const SurfaceInfo& to, SurfaceVertices& vertices)
-{
+void changeUnits(const SurfaceInfo& from, const SurfaceInfo& to, SurfaceVertices& vertices) {
   const double scale = from.scale / to.scale;
   const Vector3 shift = scaled(subtract(from.origin, to.origin), 1 / to.scale);
   for (Vector3& p : vertices.position) p = along(shift, scale, p);
@@ -243,20 +225,16 @@ changeUnits(const SurfaceInfo& from, const SurfaceInfo& to, SurfaceVertices& ver
   for (float& k : vertices.k2) k = static_cast<float>(k / scale);
 }
 
-void
-Extraction::addSharpEdges()
-{
+void Extraction::addSharpEdges() {
   report(0.92f, "adding sharp edges");
   changeUnits(surface_.info, params_.sharp->info, vertices_);
   sharpen(*params_.sharp, threads_, triangles_, vertices_, statistics_);
   changeUnits(params_.sharp->info, surface_.info, vertices_);
 }
 
-/** Collapses edges until there are no more triangles than requested, and puts the vertices back onto the
- * surface. */
-Error
-Extraction::simplify(const ProbeField& field)
-{
+/** Collapses edges until there are no more triangles than requested, and puts the vertices back
+ * onto the surface. */
+Error Extraction::simplify(const ProbeField& field) {
   const std::size_t before = triangles_.size();
   if (params_.max_triangles == 0 || before <= params_.max_triangles) return {};
   report(0.95f, "simplifying");
@@ -276,9 +254,7 @@ Extraction::simplify(const ProbeField& field)
   return {};
 }
 
-void
-Extraction::write(TriangleMesh& mesh) const
-{
+void Extraction::write(TriangleMesh& mesh) const {
   const SurfaceInfo& info = surface_.info;
   constexpr std::uint32_t kUnused = 0xffffffffu;
   std::vector<std::uint32_t> number(vertices_.count(), kUnused);
@@ -304,9 +280,7 @@ Extraction::write(TriangleMesh& mesh) const
 
 }  // namespace
 
-Error
-MeshParams::validate() const
-{
+Error MeshParams::validate() const {
   if (!(tolerance >= 0) || !std::isfinite(tolerance)) {
     return {ErrorCode::kBadArgument, "the tolerance is not a length; give 0 or more"};
   }
@@ -322,10 +296,8 @@ MeshParams::validate() const
   return checkThreads(threads);
 }
 
-Error
-extractMesh(const SLIMSurface& surface, const MeshParams& params, TriangleMesh& mesh,
-            MeshStatistics* statistics, Progress* progress)
-{
+Error extractMesh(const SLIMSurface& surface, const MeshParams& params, TriangleMesh& mesh,
+                  MeshStatistics* statistics, Progress* progress) {
   mesh.clear();
   MeshStatistics own;
   MeshStatistics& counts = statistics != nullptr ? *statistics : own;

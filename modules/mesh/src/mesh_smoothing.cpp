@@ -32,8 +32,7 @@ struct FaceProjection {
 /** Places and directions in the layout of the store; the view is valid while this object lives. */
 class Samples {
  public:
-  Samples(const std::vector<Vector3>& places, const std::vector<Vector3>& normals)
-  {
+  Samples(const std::vector<Vector3>& places, const std::vector<Vector3>& normals) {
     normals_.reserve(3 * normals.size());
     for (const Vector3& n : normals) {
       for (const double value : n) normals_.push_back(static_cast<float>(value));
@@ -54,11 +53,9 @@ class Samples {
 };
 
 /** \brief Fits a surface to vertices that have normals; those with a zero one are left out. */
-Error
-fitToVertices(const std::vector<Vector3>& vertices, const std::vector<Vector3>& normals,
-              const FitParams& params, SLIMSurface& surface, FitStatistics& statistics,
-              Progress* progress)
-{
+Error fitToVertices(const std::vector<Vector3>& vertices, const std::vector<Vector3>& normals,
+                    const FitParams& params, SLIMSurface& surface, FitStatistics& statistics,
+                    Progress* progress) {
   const Samples samples(vertices, normals);
   const auto store = PointStore::build(samples.view(), params.threads);
   if (!store) return store.error();
@@ -66,11 +63,9 @@ fitToVertices(const std::vector<Vector3>& vertices, const std::vector<Vector3>& 
 }
 
 /** \brief Projects the faces' centroids onto a surface. */
-Error
-projectFaces(const std::vector<Vector3>& centroids, const std::vector<Vector3>& normals,
-             const SLIMSurface& surface, const FitParams& params, FaceProjection& made,
-             Progress* progress)
-{
+Error projectFaces(const std::vector<Vector3>& centroids, const std::vector<Vector3>& normals,
+                   const SLIMSurface& surface, const FitParams& params, FaceProjection& made,
+                   Progress* progress) {
   made.places = centroids;
   made.normals.assign(centroids.size(), Vector3{});
   made.unsupported = centroids.size();
@@ -153,11 +148,11 @@ class SmoothingRun {
 constexpr double kRoundedRange = 0.7, kFirstRange = 0.5, kSharpRange = 0.15;
 constexpr int kRoundedPasses = 4, kFirstPasses = 8, kSharpPasses = 8, kSharpRounds = 4;
 constexpr int kRoundedSteps = 10, kSharpSteps = 20, kUnfoldSteps = 5;
-/** Weight of the surface's normals relative to the mesh's own, at noise of a fifth of an edge. Noise of
- * normals grows with that of vertices, and weights go by variances. */
+/** Weight of the surface's normals relative to the mesh's own, at noise of a fifth of an edge.
+ * Noise of normals grows with that of vertices, and weights go by variances. */
 constexpr double kPull = 0.1, kPullNoise = 0.2;
-/** Least share of the bending in sharp edges for a mesh that has edges. Machine parts have .70 to .84
- * after the first round, scans of bodies .21 to .56. */
+/** Least share of the bending in sharp edges for a mesh that has edges. Machine parts have .70 to
+ * .84 after the first round, scans of bodies .21 to .56. */
 constexpr double kSharpShare = 0.63;
 /** Relative to planes of weight 1: keeps vertices from drifting where planes do not fix them. */
 constexpr double kPaperRegularity = 0.01;
@@ -175,13 +170,9 @@ SmoothingRun::SmoothingRun(const MeshFaces& faces, const std::vector<Vector3>& v
       geometry_(measureFaces(vertices, faces, params.fit.threads)),
       moved_(vertices),
       normals_(geometry_.normals),
-      held_(vertices.size())
-{
-}
+      held_(vertices.size()) {}
 
-Error
-SmoothingRun::run()
-{
+Error SmoothingRun::run() {
   params_.fit.sharp_features = params_.edges == MeshEdges::kSharp;
   if (params_.fit.paper_mode) return runAsPaper();
   if (params_.edges == MeshEdges::kRounded) return runRounded();
@@ -189,27 +180,19 @@ SmoothingRun::run()
   return statistics_.sharp ? Error() : runRounded();
 }
 
-MovingMesh
-SmoothingRun::moving()
-{
+MovingMesh SmoothingRun::moving() {
   return {faces_, topology_, moved_, held_, params_.fit.threads};
 }
 
-std::vector<Vector3>
-SmoothingRun::vertexNormals() const
-{
+std::vector<Vector3> SmoothingRun::vertexNormals() const {
   return detail::vertexNormals(facesNow(), normals_, topology_, moved_.size(), params_.fit.threads);
 }
 
-FaceGeometry
-SmoothingRun::facesNow() const
-{
+FaceGeometry SmoothingRun::facesNow() const {
   return measureFaces(moved_, faces_, params_.fit.threads);
 }
 
-Error
-SmoothingRun::project(const std::vector<Vector3>& normals, FaceProjection& made)
-{
+Error SmoothingRun::project(const std::vector<Vector3>& normals, FaceProjection& made) {
   if (surface_ == nullptr) {
     const auto sides =
         detail::vertexNormals(geometry_, normals, topology_, given_.size(), params_.fit.threads);
@@ -229,18 +212,14 @@ SmoothingRun::project(const std::vector<Vector3>& normals, FaceProjection& made)
   return error;
 }
 
-void
-SmoothingRun::moveVertices(int steps)
-{
+void SmoothingRun::moveVertices(int steps) {
   moved_ = given_;
   std::fill(held_.begin(), held_.end(), 0);
   unfold(normals_, kUnfoldSteps, moving());
   followNormals(normals_, steps, moving());
 }
 
-Error
-SmoothingRun::runAsPaper()
-{
+Error SmoothingRun::runAsPaper() {
   FaceProjection made;
   if (Error error = project(geometry_.normals, made)) return error;
   normals_ = made.normals;
@@ -248,9 +227,7 @@ SmoothingRun::runAsPaper()
   return {};
 }
 
-Error
-SmoothingRun::runRounded()
-{
+Error SmoothingRun::runRounded() {
   params_.fit.sharp_features = false;
   moved_ = given_;
   normals_ = geometry_.normals;
@@ -269,9 +246,7 @@ SmoothingRun::runRounded()
   return {};
 }
 
-Error
-SmoothingRun::runSharp()
-{
+Error SmoothingRun::runSharp() {
   params_.fit.sharp_features = true;
   const NormalFilter first{geometry_, topology_, kFirstRange, params_.fit.threads};
   for (int i = 0; i < kFirstPasses; ++i) normals_ = filterNormals(first, normals_, normals_);
@@ -283,17 +258,13 @@ SmoothingRun::runSharp()
   return {};
 }
 
-bool
-SmoothingRun::hasSharpEdges()
-{
+bool SmoothingRun::hasSharpEdges() {
   statistics_.sharp_share = sharpShare(normals_, topology_);
   statistics_.sharp = params_.edges == MeshEdges::kSharp || statistics_.sharp_share > kSharpShare;
   return statistics_.sharp;
 }
 
-Error
-SmoothingRun::sharpRound()
-{
+Error SmoothingRun::sharpRound() {
   FaceProjection made;
   if (Error error = project(normals_, made)) return error;
   const FaceGeometry now = facesNow();
@@ -305,17 +276,13 @@ SmoothingRun::sharpRound()
   return {};
 }
 
-std::vector<Vector3>
-positionsOf(const CloudView& cloud)
-{
+std::vector<Vector3> positionsOf(const CloudView& cloud) {
   std::vector<Vector3> made(cloud.size);
   for (std::size_t i = 0; i < made.size(); ++i) made[i] = cloud.position(i);
   return made;
 }
 
-bool
-isUsable(const std::vector<Vector3>& vertices, IndexRow corners)
-{
+bool isUsable(const std::vector<Vector3>& vertices, IndexRow corners) {
   if (corners.size() < 3) return false;
   for (std::size_t k = 0; k < corners.size(); ++k) {
     if (!isFinite(vertices[corners[k]])) return false;
@@ -332,9 +299,7 @@ struct UsedFaces {
   std::vector<std::uint32_t> given;
 };
 
-UsedFaces
-usedFaces(const std::vector<Vector3>& vertices, const MeshFaces& faces)
-{
+UsedFaces usedFaces(const std::vector<Vector3>& vertices, const MeshFaces& faces) {
   UsedFaces used;
   for (std::size_t f = 0; f < faces.size(); ++f) {
     if (!isUsable(vertices, faces[f])) continue;
@@ -344,10 +309,8 @@ usedFaces(const std::vector<Vector3>& vertices, const MeshFaces& faces)
   return used;
 }
 
-Error
-checkInput(const CloudView& cloud, const MeshFaces& faces, const MeshSmoothParams& params,
-           const SLIMSurface* surface)
-{
+Error checkInput(const CloudView& cloud, const MeshFaces& faces, const MeshSmoothParams& params,
+                 const SLIMSurface* surface) {
   if (Error error = params.validate()) return error;
   if (cloud.size == 0) return {ErrorCode::kBadInput, "the mesh has no vertices; give one that has"};
   if (Error error = cloud.validate()) return error;
@@ -360,10 +323,8 @@ checkInput(const CloudView& cloud, const MeshFaces& faces, const MeshSmoothParam
 }
 
 /** Counts what became of the vertices. */
-void
-countVertices(const std::vector<Vector3>& before, const SmoothedMesh& after, const MeshFaces& used,
-              MeshSmoothStatistics& s)
-{
+void countVertices(const std::vector<Vector3>& before, const SmoothedMesh& after,
+                   const MeshFaces& used, MeshSmoothStatistics& s) {
   std::vector<std::uint8_t> named(before.size());
   for (const std::uint32_t v : used.corners) named[v] = 1;
   double sum = 0;
@@ -382,9 +343,7 @@ countVertices(const std::vector<Vector3>& before, const SmoothedMesh& after, con
   s.rms_displacement = s.moved > 0 ? std::sqrt(sum / static_cast<double>(s.moved)) : 0;
 }
 
-Error
-noUsableFace(std::size_t faces)
-{
+Error noUsableFace(std::size_t faces) {
   return {ErrorCode::kBadInput,
           "none of " + std::to_string(faces) +
               " faces has three different finite corners; give a mesh that has some"};
@@ -392,11 +351,9 @@ noUsableFace(std::size_t faces)
 
 }  // namespace
 
-Error
-smoothMesh(const CloudView& cloud, const MeshFaces& faces, const MeshSmoothParams& params,
-           const SLIMSurface* surface, SmoothedMesh& result, MeshSmoothStatistics* statistics,
-           SLIMSurface* fitted, Progress* progress)
-{
+Error smoothMesh(const CloudView& cloud, const MeshFaces& faces, const MeshSmoothParams& params,
+                 const SLIMSurface* surface, SmoothedMesh& result, MeshSmoothStatistics* statistics,
+                 SLIMSurface* fitted, Progress* progress) {
   MeshSmoothStatistics own;
   MeshSmoothStatistics& s = statistics != nullptr ? *statistics : own;
   s = {};

@@ -11,17 +11,13 @@
 
 namespace pcl_slim {
 
-void
-MeshFaces::add(const std::uint32_t* first, std::size_t count)
-{
+void MeshFaces::add(const std::uint32_t* first, std::size_t count) {
   if (begin.empty()) begin.push_back(0);
   corners.insert(corners.end(), first, first + count);
   begin.push_back(static_cast<std::uint32_t>(corners.size()));
 }
 
-Error
-MeshFaces::validate(std::size_t num_vertices) const
-{
+Error MeshFaces::validate(std::size_t num_vertices) const {
   for (std::size_t f = 0; f < size(); ++f) {
     if (begin[f + 1] < begin[f] || begin[f + 1] > corners.size()) {
       return {ErrorCode::kBadInput, "face " + std::to_string(f) +
@@ -37,9 +33,7 @@ MeshFaces::validate(std::size_t num_vertices) const
   return {};
 }
 
-Vector3
-areaVector(const std::vector<Vector3>& vertices, IndexRow corners)
-{
+Vector3 areaVector(const std::vector<Vector3>& vertices, IndexRow corners) {
   Vector3 area{};
   for (std::size_t k = 2; k < corners.size(); ++k) {
     const Vector3& o = vertices[corners[0]];
@@ -50,23 +44,18 @@ areaVector(const std::vector<Vector3>& vertices, IndexRow corners)
   return area;
 }
 
-Vector3
-centroid(const std::vector<Vector3>& vertices, IndexRow corners)
-{
+Vector3 centroid(const std::vector<Vector3>& vertices, IndexRow corners) {
   Vector3 sum{};
   for (const std::uint32_t v : corners) sum = along(sum, 1.0, vertices[v]);
   return corners.size() > 0 ? scaled(sum, 1.0 / static_cast<double>(corners.size())) : sum;
 }
 
-MeshTopology::MeshTopology(const MeshFaces& faces, std::size_t num_vertices)
-{
+MeshTopology::MeshTopology(const MeshFaces& faces, std::size_t num_vertices) {
   findFacesOfVertices(faces, num_vertices);
   findNeighbours(faces);
 }
 
-void
-MeshTopology::findFacesOfVertices(const MeshFaces& faces, std::size_t num_vertices)
-{
+void MeshTopology::findFacesOfVertices(const MeshFaces& faces, std::size_t num_vertices) {
   vertex_begin_.assign(num_vertices + 1, 0);
   for (const std::uint32_t v : faces.corners) ++vertex_begin_[v + 1];
   for (std::size_t v = 0; v < num_vertices; ++v) vertex_begin_[v + 1] += vertex_begin_[v];
@@ -77,9 +66,7 @@ MeshTopology::findFacesOfVertices(const MeshFaces& faces, std::size_t num_vertic
   }
 }
 
-void
-MeshTopology::findNeighbours(const MeshFaces& faces)
-{
+void MeshTopology::findNeighbours(const MeshFaces& faces) {
   edge_begin_.assign(1, 0);
   around_begin_.assign(1, 0);
   std::vector<std::uint32_t> near;
@@ -119,9 +106,7 @@ struct HalfEdge {
   bool sameEdge(const HalfEdge& other) const { return low == other.low && high == other.high; }
 };
 
-std::vector<HalfEdge>
-sortedHalfEdges(const MeshFaces& faces)
-{
+std::vector<HalfEdge> sortedHalfEdges(const MeshFaces& faces) {
   std::vector<HalfEdge> edges;
   edges.reserve(faces.corners.size());
   for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -137,25 +122,19 @@ sortedHalfEdges(const MeshFaces& faces)
   return edges;
 }
 
-std::uint32_t
-findRoot(std::vector<std::uint32_t>& parent, std::uint32_t i)
-{
+std::uint32_t findRoot(std::vector<std::uint32_t>& parent, std::uint32_t i) {
   while (parent[i] != i) i = parent[i] = parent[parent[i]];
   return i;
 }
 
-void
-joinRoots(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b)
-{
+void joinRoots(std::vector<std::uint32_t>& parent, std::uint32_t a, std::uint32_t b) {
   a = findRoot(parent, a);
   b = findRoot(parent, b);
   parent[std::max(a, b)] = std::min(a, b);
 }
 
 /** The corner of triangle t, 3 t + k, that is vertex v. */
-std::uint32_t
-cornerAt(const std::vector<Triangle>& triangles, std::uint32_t t, std::uint32_t v)
-{
+std::uint32_t cornerAt(const std::vector<Triangle>& triangles, std::uint32_t t, std::uint32_t v) {
   const Triangle& own = triangles[t];
   return 3 * t + (own[0] == v ? 0 : own[1] == v ? 1 : 2);
 }
@@ -167,8 +146,7 @@ class SideFlood {
       : next_(3 * triangles.size(), kNone),
         seen_(triangles.size(), 0),
         turned_(triangles.size(), 0),
-        triangles_(triangles)
-  {
+        triangles_(triangles) {
     for (const MeshEdge& edge : table.edges) {
       if (edge.count != 2) continue;
       const std::uint32_t a = table.uses[edge.first], b = table.uses[edge.first + 1];
@@ -177,8 +155,7 @@ class SideFlood {
     }
   }
 
-  std::vector<std::uint8_t> run()
-  {
+  std::vector<std::uint8_t> run() {
     for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
       if (seen_[t] != 0) continue;
       flood(t);
@@ -193,8 +170,7 @@ class SideFlood {
  private:
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
-  void flood(std::uint32_t first)
-  {
+  void flood(std::uint32_t first) {
     members_.assign(1, first);
     seen_[first] = 1;
     for (std::size_t at = 0; at < members_.size(); ++at) {
@@ -218,9 +194,7 @@ class SideFlood {
 
 }  // namespace
 
-void
-countEdges(const MeshFaces& faces, std::uint64_t& disagreeing, std::uint64_t& nonmanifold)
-{
+void countEdges(const MeshFaces& faces, std::uint64_t& disagreeing, std::uint64_t& nonmanifold) {
   disagreeing = nonmanifold = 0;
   const std::vector<HalfEdge> edges = sortedHalfEdges(faces);
   for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
@@ -230,8 +204,7 @@ countEdges(const MeshFaces& faces, std::uint64_t& disagreeing, std::uint64_t& no
   }
 }
 
-EdgeTable::EdgeTable(const std::vector<Triangle>& triangles, int threads)
-{
+EdgeTable::EdgeTable(const std::vector<Triangle>& triangles, int threads) {
   AlignedVector<std::uint64_t> keys(3 * triangles.size());
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -251,9 +224,8 @@ EdgeTable::EdgeTable(const std::vector<Triangle>& triangles, int threads)
   }
 }
 
-std::vector<std::uint32_t>
-separateFans(std::size_t num_vertices, std::vector<Triangle>& triangles, int threads)
-{
+std::vector<std::uint32_t> separateFans(std::size_t num_vertices, std::vector<Triangle>& triangles,
+                                        int threads) {
   std::vector<std::uint32_t> parent(3 * triangles.size(), 0);
   std::iota(parent.begin(), parent.end(), 0u);
   const EdgeTable table(triangles, threads);
@@ -284,9 +256,7 @@ separateFans(std::size_t num_vertices, std::vector<Triangle>& triangles, int thr
   return copies;
 }
 
-std::vector<std::uint8_t>
-agreeOnSides(std::vector<Triangle>& triangles, int threads)
-{
+std::vector<std::uint8_t> agreeOnSides(std::vector<Triangle>& triangles, int threads) {
   const EdgeTable table(triangles, threads);
   std::vector<std::uint8_t> turned = SideFlood(triangles, table).run();
   for (std::size_t t = 0; t < triangles.size(); ++t) {
@@ -295,9 +265,7 @@ agreeOnSides(std::vector<Triangle>& triangles, int threads)
   return turned;
 }
 
-void
-dropTurned(std::vector<Triangle>& triangles, int threads)
-{
+void dropTurned(std::vector<Triangle>& triangles, int threads) {
   const EdgeTable table(triangles, threads);
   std::vector<bool> dropped(triangles.size(), false);
   bool any = false;
@@ -315,9 +283,8 @@ dropTurned(std::vector<Triangle>& triangles, int threads)
   triangles = std::move(kept);
 }
 
-std::vector<std::uint32_t>
-componentsOf(const std::vector<Triangle>& triangles, std::size_t num_vertices, std::size_t& count)
-{
+std::vector<std::uint32_t> componentsOf(const std::vector<Triangle>& triangles,
+                                        std::size_t num_vertices, std::size_t& count) {
   std::vector<std::uint32_t> parent(num_vertices, 0);
   std::iota(parent.begin(), parent.end(), 0u);
   for (const Triangle& t : triangles) {
@@ -343,9 +310,7 @@ using namespace detail;
 
 namespace {
 
-void
-countEdges(const TriangleMesh& mesh, const EdgeTable& table, MeshCensus& census)
-{
+void countEdges(const TriangleMesh& mesh, const EdgeTable& table, MeshCensus& census) {
   census.edges = table.edges.size();
   for (const MeshEdge& edge : table.edges) {
     census.border_edges += edge.count == 1 ? 1 : 0;
@@ -359,9 +324,7 @@ countEdges(const TriangleMesh& mesh, const EdgeTable& table, MeshCensus& census)
 
 }  // namespace
 
-MeshCensus
-censusOf(const TriangleMesh& mesh)
-{
+MeshCensus censusOf(const TriangleMesh& mesh) {
   MeshCensus census;
   census.triangles = mesh.triangles.size();
   std::vector<bool> used(mesh.vertices.size(), false);

@@ -10,10 +10,9 @@
 
 namespace pcl_slim::detail {
 
-/** \brief Counts edges along which two faces run in the same direction, so that their sides disagree,
- * and edges of more than two faces. O(corners log corners). */
-void
-countEdges(const MeshFaces& faces, std::uint64_t& disagreeing, std::uint64_t& nonmanifold);
+/** \brief Counts edges along which two faces run in the same direction, so that their sides
+ * disagree, and edges of more than two faces. O(corners log corners). */
+void countEdges(const MeshFaces& faces, std::uint64_t& disagreeing, std::uint64_t& nonmanifold);
 
 /** The vertices of a triangle, counter-clockwise. */
 using Triangle = std::array<std::uint32_t, 3>;
@@ -33,25 +32,24 @@ struct EdgeTable {
   EdgeTable(const std::vector<Triangle>& triangles, int threads);
 };
 
-/** Gives each fan of triangles about a vertex a vertex of its own; fans are connected across edges of two
- * triangles. No edge has more than two triangles afterwards, unless these are one fan at either end.
+/** Gives each fan of triangles about a vertex a vertex of its own; fans are connected across edges
+ * of two triangles. No edge has more than two triangles afterwards, unless these are one fan at
+ * either end.
  * \return of each vertex made the one it is a copy of. O(T log T). */
-std::vector<std::uint32_t>
-separateFans(std::size_t num_vertices, std::vector<Triangle>& triangles, int threads);
+std::vector<std::uint32_t> separateFans(std::size_t num_vertices, std::vector<Triangle>& triangles,
+                                        int threads);
 
-/** Turns triangles until neighbours agree, in each component like the majority of its triangles. \return of each
- * triangle whether it was turned. O(T log T). */
-std::vector<std::uint8_t>
-agreeOnSides(std::vector<Triangle>& triangles, int threads);
+/** Turns triangles until neighbours agree, in each component like the majority of its triangles.
+ * \return of each triangle whether it was turned. O(T log T). */
+std::vector<std::uint8_t> agreeOnSides(std::vector<Triangle>& triangles, int threads);
 
-/** Takes away triangles until none runs along an edge in the direction of another. Only what cannot be one side
- * of a body loses any. O(T log T). */
-void
-dropTurned(std::vector<Triangle>& triangles, int threads);
+/** Takes away triangles until none runs along an edge in the direction of another. Only what cannot
+ * be one side of a body loses any. O(T log T). */
+void dropTurned(std::vector<Triangle>& triangles, int threads);
 
-/** The number of each triangle's component, connected by vertices; components are numbered by their first
- * triangle. \param[out] count how many. */
-std::vector<std::uint32_t>
-componentsOf(const std::vector<Triangle>& triangles, std::size_t num_vertices, std::size_t& count);
+/** The number of each triangle's component, connected by vertices; components are numbered by their
+ * first triangle. \param[out] count how many. */
+std::vector<std::uint32_t> componentsOf(const std::vector<Triangle>& triangles,
+                                        std::size_t num_vertices, std::size_t& count);
 
 }  // namespace pcl_slim::detail

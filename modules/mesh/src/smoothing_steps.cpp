@@ -16,9 +16,8 @@ constexpr std::size_t kMeasureChunk = 1024;  ///< faces or vertices a thread tak
 
 }  // namespace
 
-FaceGeometry
-measureFaces(const std::vector<Vector3>& vertices, const MeshFaces& faces, int threads)
-{
+FaceGeometry measureFaces(const std::vector<Vector3>& vertices, const MeshFaces& faces,
+                          int threads) {
   FaceGeometry made;
   made.centroids.resize(faces.size());
   made.normals.resize(faces.size());
@@ -32,10 +31,10 @@ measureFaces(const std::vector<Vector3>& vertices, const MeshFaces& faces, int t
   return made;
 }
 
-std::vector<Vector3>
-vertexNormals(const FaceGeometry& geometry, const std::vector<Vector3>& face_normals,
-              const MeshTopology& topology, std::size_t num_vertices, int threads)
-{
+std::vector<Vector3> vertexNormals(const FaceGeometry& geometry,
+                                   const std::vector<Vector3>& face_normals,
+                                   const MeshTopology& topology, std::size_t num_vertices,
+                                   int threads) {
   std::vector<Vector3> made(num_vertices);
   parallelFor(num_vertices, resolveThreads(threads), kMeasureChunk, [&](std::size_t v, int) {
     Vector3 sum{};
@@ -47,9 +46,7 @@ vertexNormals(const FaceGeometry& geometry, const std::vector<Vector3>& face_nor
   return made;
 }
 
-double
-meanEdgeLength(const std::vector<Vector3>& vertices, const MeshFaces& faces)
-{
+double meanEdgeLength(const std::vector<Vector3>& vertices, const MeshFaces& faces) {
   double sum = 0;
   std::size_t count = 0;
   for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -61,9 +58,7 @@ meanEdgeLength(const std::vector<Vector3>& vertices, const MeshFaces& faces)
   return count > 0 ? sum / static_cast<double>(count) : 0;
 }
 
-double
-sharpShare(const std::vector<Vector3>& normals, const MeshTopology& topology)
-{
+double sharpShare(const std::vector<Vector3>& normals, const MeshTopology& topology) {
   constexpr double kSharp = M_PI / 6;
   double all = 0, sharp = 0;
   for (std::size_t f = 0; f < normals.size(); ++f) {
@@ -77,10 +72,8 @@ sharpShare(const std::vector<Vector3>& normals, const MeshTopology& topology)
   return all > 0 ? sharp / all : 0;
 }
 
-std::vector<Vector3>
-filterNormals(const NormalFilter& filter, const std::vector<Vector3>& guide,
-              const std::vector<Vector3>& normals)
-{
+std::vector<Vector3> filterNormals(const NormalFilter& filter, const std::vector<Vector3>& guide,
+                                   const std::vector<Vector3>& normals) {
   std::vector<Vector3> made(normals.size());
   const double factor = -0.5 / (filter.range * filter.range);
   parallelFor(normals.size(), resolveThreads(filter.threads), 256, [&](std::size_t f, int) {
@@ -95,9 +88,7 @@ filterNormals(const NormalFilter& filter, const std::vector<Vector3>& guide,
   return made;
 }
 
-std::vector<Vector3>
-ringNormals(const NormalFilter& filter, const std::vector<Vector3>& normals)
-{
+std::vector<Vector3> ringNormals(const NormalFilter& filter, const std::vector<Vector3>& normals) {
   std::vector<Vector3> made(normals.size());
   parallelFor(normals.size(), resolveThreads(filter.threads), 256, [&](std::size_t f, int) {
     Vector3 sum{};
@@ -109,9 +100,7 @@ ringNormals(const NormalFilter& filter, const std::vector<Vector3>& normals)
   return made;
 }
 
-void
-mendLoneNormals(const NormalFilter& filter, std::vector<Vector3>& normals)
-{
+void mendLoneNormals(const NormalFilter& filter, std::vector<Vector3>& normals) {
   const std::vector<Vector3> ring = ringNormals(filter, normals);
   constexpr double kLeast = 0.4;
   for (std::size_t f = 0; f < normals.size(); ++f) {
@@ -119,9 +108,7 @@ mendLoneNormals(const NormalFilter& filter, std::vector<Vector3>& normals)
   }
 }
 
-void
-pullNormals(const std::vector<Vector3>& others, double weight, std::vector<Vector3>& normals)
-{
+void pullNormals(const std::vector<Vector3>& others, double weight, std::vector<Vector3>& normals) {
   for (std::size_t f = 0; f < normals.size(); ++f) {
     normals[f] = normalized(along(normals[f], weight, others[f]));
   }
@@ -134,27 +121,21 @@ constexpr std::size_t kMoveChunk = 512;
 constexpr double kLeastAgreement = 0.1;
 
 /** Cosine of the angle between a face and the normal it shall have; 0 without area. */
-double
-agreement(const MovingMesh& mesh, const std::vector<Vector3>& vertices, const Vector3& normal,
-          std::size_t f)
-{
+double agreement(const MovingMesh& mesh, const std::vector<Vector3>& vertices,
+                 const Vector3& normal, std::size_t f) {
   return dot(normalized(areaVector(vertices, mesh.faces[f])), normal);
 }
 
 /** Whether a step brings a face close to turning over, or leads one on that has turned. */
-bool
-turnsOver(const MovingMesh& mesh, const std::vector<Vector3>& before, const Vector3& normal,
-          std::size_t f)
-{
+bool turnsOver(const MovingMesh& mesh, const std::vector<Vector3>& before, const Vector3& normal,
+               std::size_t f) {
   const double after = agreement(mesh, mesh.vertices, normal, f);
   return after < kLeastAgreement && after < agreement(mesh, before, normal, f);
 }
 
 /** Moves vertices back where a face turns over, until none does. */
-void
-takeBack(const std::vector<Vector3>& normals, const std::vector<Vector3>& before,
-         const MovingMesh& mesh)
-{
+void takeBack(const std::vector<Vector3>& normals, const std::vector<Vector3>& before,
+              const MovingMesh& mesh) {
   std::vector<std::uint32_t> turned(mesh.faces.size());
   for (std::size_t f = 0; f < turned.size(); ++f) turned[f] = static_cast<std::uint32_t>(f);
   while (!turned.empty()) {
@@ -175,9 +156,8 @@ takeBack(const std::vector<Vector3>& normals, const std::vector<Vector3>& before
 }
 
 /** A place half way to the middle of the other corners of a vertex's faces, along the surface. */
-Vector3
-nearerToNeighbours(const std::vector<Vector3>& normals, const MovingMesh& mesh, std::size_t v)
-{
+Vector3 nearerToNeighbours(const std::vector<Vector3>& normals, const MovingMesh& mesh,
+                           std::size_t v) {
   Vector3 sum{}, normal{};
   double count = 0;
   for (const std::uint32_t f : mesh.topology.facesOf(v)) {
@@ -195,9 +175,7 @@ nearerToNeighbours(const std::vector<Vector3>& normals, const MovingMesh& mesh, 
 
 }  // namespace
 
-void
-unfold(const std::vector<Vector3>& normals, int steps, const MovingMesh& mesh)
-{
+void unfold(const std::vector<Vector3>& normals, int steps, const MovingMesh& mesh) {
   for (int i = 0; i < steps; ++i) {
     std::vector<std::uint32_t> corners;
     for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
@@ -212,9 +190,7 @@ unfold(const std::vector<Vector3>& normals, int steps, const MovingMesh& mesh)
   }
 }
 
-void
-followNormals(const std::vector<Vector3>& normals, int steps, const MovingMesh& mesh)
-{
+void followNormals(const std::vector<Vector3>& normals, int steps, const MovingMesh& mesh) {
   const int threads = resolveThreads(mesh.threads);
   std::vector<Vector3> centroids(mesh.faces.size());
   for (int i = 0; i < steps; ++i) {
@@ -235,10 +211,8 @@ followNormals(const std::vector<Vector3>& normals, int steps, const MovingMesh& 
   }
 }
 
-void
-minimiseQuadrics(const std::vector<Vector3>& places, const std::vector<Vector3>& normals,
-                 const std::vector<double>& areas, double regularity, const MovingMesh& mesh)
-{
+void minimiseQuadrics(const std::vector<Vector3>& places, const std::vector<Vector3>& normals,
+                      const std::vector<double>& areas, double regularity, const MovingMesh& mesh) {
   const std::vector<Vector3> before = mesh.vertices;
   parallelFor(before.size(), resolveThreads(mesh.threads), kMoveChunk, [&](std::size_t v, int) {
     Eigen::Matrix3d a = Eigen::Matrix3d::Zero();

@@ -27,9 +27,7 @@ constexpr Matrix kEbuToXyz = {
     {{0.4303, 0.3416, 0.1784}, {0.2219, 0.7068, 0.0713}, {0.0202, 0.1296, 0.9393}}};
 
 /** RGB -> XYZ with each row over its sum, which is the white point's coordinate. */
-Matrix
-whiteRelative(RgbSpace space)
-{
+Matrix whiteRelative(RgbSpace space) {
   Matrix m = space == RgbSpace::kSrgb ? kSrgbToXyz : kEbuToXyz;
   for (auto& row : m) {
     const double white = row[0] + row[1] + row[2];
@@ -38,9 +36,7 @@ whiteRelative(RgbSpace space)
   return m;
 }
 
-Matrix
-inverse(const Matrix& m)
-{
+Matrix inverse(const Matrix& m) {
   Matrix adjugate{};
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {
@@ -56,46 +52,34 @@ inverse(const Matrix& m)
   return adjugate;
 }
 
-std::array<double, 3>
-product(const Matrix& m, const std::array<double, 3>& v)
-{
+std::array<double, 3> product(const Matrix& m, const std::array<double, 3>& v) {
   std::array<double, 3> out;
   for (std::size_t i = 0; i < 3; ++i) out[i] = m[i][0] * v[0] + m[i][1] * v[1] + m[i][2] * v[2];
   return out;
 }
 
-double
-labRoot(double q)
-{
+double labRoot(double q) {
   return q > kThreshold ? std::cbrt(q) : kSlope * q + kOffset;
 }
 
-double
-rootInverse(double f)
-{
+double rootInverse(double f) {
   const double cube = f * f * f;
   return cube > kThreshold ? cube : (f - kOffset) * (1.0 / kSlope);
 }
 
-double
-linearOf(double coded, RgbSpace space)
-{
+double linearOf(double coded, RgbSpace space) {
   if (space == RgbSpace::kEbu) return coded;
   return linearFromSrgb(coded);
 }
 
-double
-codedOf(double linear, RgbSpace space)
-{
+double codedOf(double linear, RgbSpace space) {
   if (space == RgbSpace::kEbu) return linear;
   return srgbFromLinear(linear);
 }
 
 }  // namespace
 
-std::array<double, 3>
-labFromRgb(const std::array<double, 3>& rgb, RgbSpace space)
-{
+std::array<double, 3> labFromRgb(const std::array<double, 3>& rgb, RgbSpace space) {
   std::array<double, 3> linear;
   for (std::size_t c = 0; c < 3; ++c) linear[c] = linearOf(rgb[c], space);
   const auto xyz = product(whiteRelative(space), linear);
@@ -103,9 +87,7 @@ labFromRgb(const std::array<double, 3>& rgb, RgbSpace space)
   return {116.0 * fy - 16.0, 500.0 * (fx - fy), 200.0 * (fy - fz)};
 }
 
-std::array<double, 3>
-rgbFromLab(const std::array<double, 3>& lab, RgbSpace space)
-{
+std::array<double, 3> rgbFromLab(const std::array<double, 3>& lab, RgbSpace space) {
   const double fy = (lab[0] + 16.0) / 116.0;
   const std::array<double, 3> xyz = {rootInverse(fy + lab[1] / 500.0), rootInverse(fy),
                                      rootInverse(fy - lab[2] / 200.0)};
@@ -114,8 +96,7 @@ rgbFromLab(const std::array<double, 3>& lab, RgbSpace space)
   return rgb;
 }
 
-LabTable::LabTable(RgbSpace space)
-{
+LabTable::LabTable(RgbSpace space) {
   for (std::size_t i = 0; i < linear_.size(); ++i) {
     linear_[i] = static_cast<float>(linearOf(static_cast<double>(i) / 255.0, space));
   }
@@ -133,17 +114,13 @@ LabTable::LabTable(RgbSpace space)
   }
 }
 
-void
-LabTable::labOfLinear(float* r, float* g, float* b, std::size_t n) const
-{
+void LabTable::labOfLinear(float* r, float* g, float* b, std::size_t n) const {
   const float to_xyz[9] = {to_x_[0], to_x_[1], to_x_[2], to_y_[0], to_y_[1],
                            to_y_[2], to_z_[0], to_z_[1], to_z_[2]};
   splat_kernels::labOfLinear(to_xyz, r, g, b, n);
 }
 
-std::array<float, 3>
-LabTable::rgbUnrounded(const float lab[3]) const
-{
+std::array<float, 3> LabTable::rgbUnrounded(const float lab[3]) const {
   const double fy = (lab[0] + 16.0) * (1.0 / 116.0);
   const double xyz[3] = {rootInverse(fy + lab[1] * 0.002), rootInverse(fy),
                          rootInverse(fy - lab[2] * 0.005)};
@@ -159,9 +136,7 @@ LabTable::rgbUnrounded(const float lab[3]) const
   return out;
 }
 
-std::array<std::uint8_t, 3>
-LabTable::rgb(const float lab[3]) const
-{
+std::array<std::uint8_t, 3> LabTable::rgb(const float lab[3]) const {
   const auto value = rgbUnrounded(lab);
   std::array<std::uint8_t, 3> out;
   for (std::size_t c = 0; c < 3; ++c) out[c] = static_cast<std::uint8_t>(value[c] + 0.5f);

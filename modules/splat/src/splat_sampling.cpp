@@ -37,15 +37,11 @@ constexpr double kMedian3 = 3.0 / 2.36597;  ///< mean over median of chi squared
 // whose median is 1.38629, and its mean 2 for theirs; 2 is one point's variance.
 constexpr double kNormalFactor = 2.0 / (1.38629 + 2.0);
 
-double
-medianOrZero(std::vector<double> values)
-{
+double medianOrZero(std::vector<double> values) {
   return values.empty() ? 0.0 : median(std::move(values));
 }
 
-double
-colorResidual(const std::array<float, 3>& lab, const CellSums& near)
-{
+double colorResidual(const std::array<float, 3>& lab, const CellSums& near) {
   double sum = 0;
   for (std::size_t a = 0; a < 3; ++a) {
     const double d = lab[a] - near.lab[a] / near.count;
@@ -55,9 +51,7 @@ colorResidual(const std::array<float, 3>& lab, const CellSums& near)
 }
 
 /** Mean squared sine between a normal and its neighbours'. */
-double
-normalResidual(const std::array<float, 3>& normal, const CellSums& near)
-{
+double normalResidual(const std::array<float, 3>& normal, const CellSums& near) {
   const Symmetric3<double>& m = near.product;
   const double x = normal[0], y = normal[1], z = normal[2];
   const double along = m[kXX] * x * x + m[kYY] * y * y + m[kZZ] * z * z +
@@ -66,9 +60,7 @@ normalResidual(const std::array<float, 3>& normal, const CellSums& near)
 }
 
 /** Sums over the window's points nearest to one of them. */
-CellSums
-neighborsOf(const PointWindow& window, std::size_t own)
-{
+CellSums neighborsOf(const PointWindow& window, std::size_t own) {
   std::array<std::pair<float, std::size_t>, kNeighbors> nearest;
   std::size_t found = 0;
   const auto p = window.position(own);
@@ -93,9 +85,7 @@ neighborsOf(const PointWindow& window, std::size_t own)
  * few are farther than the nearest. The median over samples ignores edges of colour and shape as
  * long as most samples have none. 0 for fewer than 32 points. Constant time.
  */
-SampleNoise
-estimateSampleNoise(const OctreeCloud& cloud, const OctreeSource& source, int threads)
-{
+SampleNoise estimateSampleNoise(const OctreeCloud& cloud, const OctreeSource& source, int threads) {
   SampleNoise noise;
   const std::size_t n = cloud.size();
   if (n < 4 * kNeighbors) return noise;
@@ -149,8 +139,7 @@ constexpr double kColorOff = 1.0;              ///< a colour error from here on 
 constexpr double kLabPerUnit = 100.0;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-SamplingPlan::SamplingPlan(const SplatParams& given) : params(given)
-{
+SamplingPlan::SamplingPlan(const SplatParams& given) : params(given) {
   params.threads = resolveThreads(params.threads);
   if (params.paper_mode) {
     params.rgb_space = RgbSpace::kEbu;
@@ -161,17 +150,13 @@ SamplingPlan::SamplingPlan(const SplatParams& given) : params(given)
   }
 }
 
-bool
-SamplingPlan::needsNoise() const
-{
+bool SamplingPlan::needsNoise() const {
   const bool by_bend = params.radius == RadiusRule::kDensity;
   const bool shapes = params.color == SplatColor::kGradient || by_bend;
   return params.remove_noise && (shapes || !isUniform());
 }
 
-RootGrid
-SamplingPlan::rootGrid() const
-{
+RootGrid SamplingPlan::rootGrid() const {
   RootGrid grid;
   if (params.max_splats > 0) {
     grid.occupied = kRootsPerSplat * static_cast<double>(params.max_splats);
@@ -183,9 +168,7 @@ SamplingPlan::rootGrid() const
   return grid;
 }
 
-SplitRule
-SamplingPlan::splitRule(const SampleNoise& noise, bool normals_estimated) const
-{
+SplitRule SamplingPlan::splitRule(const SampleNoise& noise, bool normals_estimated) const {
   SplitRule rule;
   rule.geometric_error = params.geometric_error;
   rule.color_error = params.color_error < kColorOff ? kLabPerUnit * params.color_error : kInfinity;
@@ -209,15 +192,12 @@ class Divider {
         leaves_(leaves),
         color_limit_(rule.color_error * rule.color_error),
         normal_limit_(rule.geometric_error * rule.geometric_error),
-        least_shift_(std::max(0, cloud.depth() - rule.max_depth))
-  {
-  }
+        least_shift_(std::max(0, cloud.depth() - rule.max_depth)) {}
 
   void root(std::size_t begin, std::size_t end) { divide(begin, end, cloud_.depth(), 0.0); }
 
  private:
-  void divide(std::size_t begin, std::size_t end, int shift, double spacing)
-  {
+  void divide(std::size_t begin, std::size_t end, int shift, double spacing) {
     const std::size_t n = end - begin;
     const CellSums sums = sumsOf(window_, begin, end);
     if (n >= kSpacingPoints) spacing = sums.spacing();
@@ -238,8 +218,7 @@ class Divider {
                 sums);
   }
 
-  bool asksForMore(const CellSums& sums) const
-  {
+  bool asksForMore(const CellSums& sums) const {
     const double slack = 1.0 + rule_.noise_z / std::sqrt(sums.count - 1.0);
     if (sums.colorVariance() > color_limit_ + rule_.noise.color * slack) return true;
     const double limit = normal_limit_ + rule_.noise.normal * slack;
@@ -255,13 +234,12 @@ class Divider {
   int least_shift_;
 };
 
-/** Divides every occupied root cell; leaves(slice, window, batch) for the cells of each slice that stay
- * whole, in Morton order. O(N) per level that is divided; the same cells for any number of threads. */
+/** Divides every occupied root cell; leaves(slice, window, batch) for the cells of each slice that
+ * stay whole, in Morton order. O(N) per level that is divided; the same cells for any number of
+ * threads. */
 template <typename Leaves>
-void
-divideByTolerance(const OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule,
-                  int threads, const Leaves& leaves)
-{
+void divideByTolerance(const OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule,
+                       int threads, const Leaves& leaves) {
   std::vector<PointWindow> windows(static_cast<std::size_t>(threads));
   std::vector<CellBatch> batches(windows.size());
   forEachRootSlice(cloud, 0, threads,
@@ -282,9 +260,7 @@ divideByTolerance(const OctreeCloud& cloud, const OctreeSource& source, const Sp
 constexpr std::size_t kCellSlice = 256;  ///< cells whose points are brought together at a time
 
 /** Whether any finite point of the view has a usable normal. */
-bool
-hasNormals(const CloudView& cloud)
-{
+bool hasNormals(const CloudView& cloud) {
   if (!cloud.normal) return false;
   const CloudReader reader(cloud);
   for (std::size_t i = 0; i < cloud.count(); ++i) {
@@ -304,12 +280,9 @@ class Sampling {
         plan_(params),
         statistics_(statistics),
         progress_(progress),
-        table_(plan_.params.rgb_space)
-  {
-  }
+        table_(plan_.params.rgb_space) {}
 
-  Error run(SplatSet& splats)
-  {
+  Error run(SplatSet& splats) {
     if (!begin(0.0f, "ordering")) return cancelled();
     Result<OctreeCloud> cloud =
         OctreeCloud::build(view_, plan_.rootGrid(), params().threads, colors_);
@@ -332,30 +305,26 @@ class Sampling {
 
  private:
   /** Reports the next stage. false: the caller cancelled. */
-  bool begin(float fraction, const char* stage)
-  {
+  bool begin(float fraction, const char* stage) {
     progress_.report(fraction, stage);
     return !progress_.cancelled();
   }
 
   static Error cancelled() { return {ErrorCode::kCancelled, "the sampling was cancelled"}; }
 
-  bool needsNormals()
-  {
+  bool needsNormals() {
     if (!has_normals_) has_normals_ = hasNormals(view_);
     return !*has_normals_;
   }
 
-  CloudView positionsOnly() const
-  {
+  CloudView positionsOnly() const {
     CloudView view = view_;
     view.normal = nullptr;
     return view;
   }
 
   /** Neighbours of all points, and normals from them where there are none. */
-  Error findNeighbors()
-  {
+  Error findNeighbors() {
     Result<PointStore> store = PointStore::build(positionsOnly(), params().threads);
     if (!store) return store.error();
     store_ = std::move(*store);
@@ -368,8 +337,7 @@ class Sampling {
     return {};
   }
 
-  void describe(const OctreeCloud& cloud, const SampleNoise& noise)
-  {
+  void describe(const OctreeCloud& cloud, const SampleNoise& noise) {
     statistics_.points = cloud.size();
     statistics_.non_finite = cloud.numNonFinite();
     statistics_.duplicates = cloud.numDuplicates();
@@ -381,8 +349,7 @@ class Sampling {
   }
 
   /** Cells and their discs, by tolerances or by a budget. source must outlive the builder. */
-  SplatBuilder divide(const OctreeCloud& cloud, const OctreeSource& source)
-  {
+  SplatBuilder divide(const OctreeCloud& cloud, const OctreeSource& source) {
     const SampleNoise noise =
         plan_.needsNoise() ? estimateSampleNoise(cloud, source, params().threads) : SampleNoise();
     describe(cloud, noise);
@@ -391,8 +358,7 @@ class Sampling {
   }
 
   SplatBuilder divideByRule(const OctreeCloud& cloud, const OctreeSource& source,
-                            const SplitRule& rule)
-  {
+                            const SplitRule& rule) {
     SplatBuilder builder(cloud, source, params(), rule.noise, numRootSlices(cloud));
     divideByTolerance(cloud, source, rule, params().threads,
                       [&](std::size_t slice, const PointWindow& window, const CellBatch& leaves) {
@@ -401,8 +367,7 @@ class Sampling {
     return builder;
   }
 
-  SplatBuilder cut(const OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule)
-  {
+  SplatBuilder cut(const OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule) {
     const OctreeCut cut = cutOptimally(
         cloud, source, rule, {params().max_splats, params().target_error}, params().threads);
     statistics_.tree_cells = cut.nodes;
@@ -443,9 +408,7 @@ class Sampling {
 
 }  // namespace
 
-Error
-SplatParams::validate() const
-{
+Error SplatParams::validate() const {
   const auto bad = [](const char* text) { return Error{ErrorCode::kBadArgument, text}; };
   if (initial_resolution < 0 || initial_resolution > RootGrid::kMaxResolution) {
     return bad("the initial resolution is 0 (automatic) to 1048576 cells along the longest side");
@@ -471,10 +434,8 @@ SplatParams::validate() const
   return {};
 }
 
-Error
-sampleSplats(const CloudView& cloud, const ColorView& colors, const SplatParams& params,
-             SplatSet& splats, SplatStatistics* statistics, Progress* progress)
-{
+Error sampleSplats(const CloudView& cloud, const ColorView& colors, const SplatParams& params,
+                   SplatSet& splats, SplatStatistics* statistics, Progress* progress) {
   splats = SplatSet();
   SplatStatistics own_statistics;
   Progress own_progress;

@@ -11,11 +11,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::kernels::HWY_NAMESPACE {
 
-std::size_t
-entriesWithin(const float* x, const float* y, const float* z, const ColumnRange* ranges,
-              std::size_t num_ranges, const float place[3], float limit_sq, std::uint32_t* entries,
-              float* distances_sq)
-{
+std::size_t entriesWithin(const float* x, const float* y, const float* z, const ColumnRange* ranges,
+                          std::size_t num_ranges, const float place[3], float limit_sq,
+                          std::uint32_t* entries, float* distances_sq) {
   const Tag d;
   const hn::RebindToUnsigned<Tag> du;
   const auto px = Set(d, place[0]), py = Set(d, place[1]), pz = Set(d, place[2]);
@@ -45,11 +43,9 @@ HWY_AFTER_NAMESPACE();
 namespace pcl_slim::detail::kernels {
 
 HWY_EXPORT(entriesWithin);
-std::size_t
-entriesWithin(const float* x, const float* y, const float* z, const ColumnRange* ranges,
-              std::size_t num_ranges, const float place[3], float limit_sq, std::uint32_t* entries,
-              float* distances_sq)
-{
+std::size_t entriesWithin(const float* x, const float* y, const float* z, const ColumnRange* ranges,
+                          std::size_t num_ranges, const float place[3], float limit_sq,
+                          std::uint32_t* entries, float* distances_sq) {
   return HWY_DYNAMIC_DISPATCH(entriesWithin)(x, y, z, ranges, num_ranges, place, limit_sq, entries,
                                              distances_sq);
 }

@@ -32,9 +32,7 @@ using Entry = CenterGrid::Entry;
 constexpr std::int64_t kAxisMask = (std::int64_t{1} << kAxisBits) - 1;
 
 /** The code whose coordinates are the least of each axis. */
-std::int64_t
-leastCode(const std::vector<Entry>& entries)
-{
+std::int64_t leastCode(const std::vector<Entry>& entries) {
   std::int64_t code = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const std::int64_t mask = kAxisMask << (axis * kAxisBits);
@@ -50,17 +48,14 @@ struct Digit {
   std::int64_t base, mask;
   int shift;
 
-  std::size_t of(const Entry& e) const
-  {
+  std::size_t of(const Entry& e) const {
     return static_cast<std::size_t>(((e.cell - base) >> shift) & mask);
   }
 };
 
 /** One stable counting pass. sorted and next are room to work in. */
-void
-sortByDigit(const Digit& digit, std::vector<Entry>& entries, std::vector<Entry>& sorted,
-            std::vector<std::uint32_t>& next)
-{
+void sortByDigit(const Digit& digit, std::vector<Entry>& entries, std::vector<Entry>& sorted,
+                 std::vector<std::uint32_t>& next) {
   next.assign(static_cast<std::size_t>(digit.mask) + 2, 0);
   for (const Entry& e : entries) ++next[digit.of(e) + 1];
   for (std::size_t k = 1; k < next.size(); ++k) next[k] += next[k - 1];
@@ -69,9 +64,7 @@ sortByDigit(const Digit& digit, std::vector<Entry>& entries, std::vector<Entry>&
 }
 
 /** Sorts by the digits in which codes differ, counted from the least coordinate of each axis. */
-void
-sortByDigits(std::vector<Entry>& entries)
-{
+void sortByDigits(std::vector<Entry>& entries) {
   const std::int64_t base = leastCode(entries);
   std::int64_t differing = 0;
   for (const Entry& e : entries) differing |= e.cell - base;
@@ -91,8 +84,7 @@ sortByDigits(std::vector<Entry>& entries)
 
 CenterGrid::CenterGrid(const SLIMSurface& surface, const std::vector<std::uint32_t>& members,
                        float width)
-    : inverse_(1.0 / std::max<double>(width, kNarrowest))
-{
+    : inverse_(1.0 / std::max<double>(width, kNarrowest)) {
   const std::vector<Entry> entries = sortedByCell(surface, members);
   codes_.reserve(entries.size());
   members_.reserve(entries.size());
@@ -107,16 +99,12 @@ CenterGrid::CenterGrid(const SLIMSurface& surface, const std::vector<std::uint32
   for (auto* column : {&x_, &y_, &z_}) column->resize(entries.size() + kSpare, 0.0f);
 }
 
-std::int64_t
-CenterGrid::cell(float local) const
-{
+std::int64_t CenterGrid::cell(float local) const {
   return std::llround(std::clamp((local + 1.0) * inverse_, 0.0, kLastCell)) + 1;
 }
 
-std::vector<Entry>
-CenterGrid::sortedByCell(const SLIMSurface& surface,
-                         const std::vector<std::uint32_t>& surfels) const
-{
+std::vector<Entry> CenterGrid::sortedByCell(const SLIMSurface& surface,
+                                            const std::vector<std::uint32_t>& surfels) const {
   std::vector<Entry> entries;
   entries.reserve(surfels.size());
   for (const std::uint32_t i : surfels) {
@@ -131,17 +119,13 @@ CenterGrid::sortedByCell(const SLIMSurface& surface,
   return entries;
 }
 
-std::vector<Entry>
-CenterGrid::entries() const
-{
+std::vector<Entry> CenterGrid::entries() const {
   std::vector<Entry> entries(size());
   for (std::size_t at = 0; at < size(); ++at) entries[at] = {codes_[at], members_[at]};
   return entries;
 }
 
-const CenterGrid::Ranges&
-CenterGrid::Walk::around(std::int64_t cell)
-{
+const CenterGrid::Ranges& CenterGrid::Walk::around(std::int64_t cell) {
   if (cell == last_) return rows_;
   for (std::int64_t row = 0; row < 9; ++row) {
     const std::int64_t low = cell + code(row / 3 - 1, row % 3 - 1, -1);
@@ -158,9 +142,8 @@ CenterGrid::Walk::around(std::int64_t cell)
   return rows_;
 }
 
-void
-CenterGrid::findWithin(const Ranges& ranges, const float place[3], float limit_sq, Near& near) const
-{
+void CenterGrid::findWithin(const Ranges& ranges, const float place[3], float limit_sq,
+                            Near& near) const {
   std::size_t most = kSpare;
   for (const ColumnRange& range : ranges) most += range.end - range.begin;
   if (near.places.size() < most) {
@@ -175,9 +158,7 @@ CenterGrid::findWithin(const Ranges& ranges, const float place[3], float limit_s
 namespace {
 
 /** \brief Surfels, the finest levels' first. */
-std::vector<std::uint32_t>
-fromFinest(const SLIMSurface& surface)
-{
+std::vector<std::uint32_t> fromFinest(const SLIMSurface& surface) {
   std::vector<std::uint32_t> begin(257, 0), order(surface.size());
   for (std::size_t i = 0; i < surface.size(); ++i) ++begin[256u - surface.level[i]];
   for (std::size_t k = 1; k < begin.size(); ++k) begin[k] += begin[k - 1];
@@ -187,12 +168,11 @@ fromFinest(const SLIMSurface& surface)
   return order;
 }
 
-/** \brief Whether a parent's ball contains all that a child alone may cover: as neighbours overlap, the inner part
- * of its ball. */
-bool
-holds(const SLIMSurface& surface, std::uint32_t parent, std::uint32_t child)
-{
-  // Rays meet leaves and internal surfels elsewhere too, but never further from the nearest of their kind.
+/** \brief Whether a parent's ball contains all that a child alone may cover: as neighbours overlap,
+ * the inner part of its ball. */
+bool holds(const SLIMSurface& surface, std::uint32_t parent, std::uint32_t child) {
+  // Rays meet leaves and internal surfels elsewhere too, but never further from the nearest of
+  // their kind.
   const float inner = surface.isLeaf(child) ? 0.5f : 0.7f;
   const float x = surface.cx[child] - surface.cx[parent],
               y = surface.cy[child] - surface.cy[parent];
@@ -203,9 +183,7 @@ holds(const SLIMSurface& surface, std::uint32_t parent, std::uint32_t child)
 
 /** \brief Places all over the part of a surfel that rays meet, on its polynomial. */
 template <typename Visit>
-void
-visitPlaces(const SLIMSurface& surface, std::uint32_t surfel, const Visit& visit)
-{
+void visitPlaces(const SLIMSurface& surface, std::uint32_t surfel, const Visit& visit) {
   constexpr int kDirections = 8;
   const LocalFrame frame({surface.nx[surfel], surface.ny[surfel], surface.nz[surfel]});
   const Vector3 center{surface.cx[surfel], surface.cy[surfel], surface.cz[surfel]};
@@ -223,9 +201,8 @@ visitPlaces(const SLIMSurface& surface, std::uint32_t surfel, const Visit& visit
 }
 
 /** \brief How far a surfel's surface reaches beyond its children's balls. */
-float
-overhang(const SLIMSurface& surface, std::uint32_t surfel, std::uint32_t begin, std::uint32_t end)
-{
+float overhang(const SLIMSurface& surface, std::uint32_t surfel, std::uint32_t begin,
+               std::uint32_t end) {
   double farthest = 0.0;
   visitPlaces(surface, surfel, [&](const Vector3& place) {
     double nearest = surface.radius[surfel];
@@ -242,8 +219,7 @@ overhang(const SLIMSurface& surface, std::uint32_t surfel, std::uint32_t begin, 
 }  // namespace
 
 DetailSizes::DetailSizes(const SLIMSurface& surface)
-    : own(surface.size(), 0.0f), parent(surface.size(), kNoParent)
-{
+    : own(surface.size(), 0.0f), parent(surface.size(), kNoParent) {
   const bool linked = surface.child_begin.size() == surface.size() + 1;
   const bool trimmed = !surface.trim_begin.empty();
   std::vector<bool> open(surface.size(), false);  // it or a descendant has a border
@@ -285,8 +261,7 @@ struct LevelPair {
   std::unique_ptr<CenterGrid> grid;               ///< of the members
   std::vector<CenterGrid::Entry> sorted_parents;  ///< in order of its cells
 
-  void prepare(const SLIMSurface& s)
-  {
+  void prepare(const SLIMSurface& s) {
     float widest = 0;
     for (const std::uint32_t i : parents) widest = std::max(widest, s.radius[i]);
     if (members.empty() || widest <= 0) return;
@@ -296,8 +271,7 @@ struct LevelPair {
 
   /** Members inside some of the parents' balls, ascending, each list in its parent's place. */
   void findChildren(const SLIMSurface& s, std::size_t begin, std::size_t end,
-                    std::vector<std::vector<std::uint32_t>>& lists) const
-  {
+                    std::vector<std::vector<std::uint32_t>>& lists) const {
     CenterGrid::Walk walk(*grid);
     CenterGrid::Near near;
     for (std::size_t at = begin; at < end; ++at) {
@@ -312,10 +286,9 @@ struct LevelPair {
   }
 };
 
-/** Each level's internal surfels with the members of the next; the root ball is the parent of all. */
-std::vector<LevelPair>
-levelPairs(const SLIMSurface& s, int threads)
-{
+/** Each level's internal surfels with the members of the next; the root ball is the parent of all.
+ */
+std::vector<LevelPair> levelPairs(const SLIMSurface& s, int threads) {
   std::vector<LevelPair> pairs(256);
   for (std::uint32_t i = 0; i < s.size(); ++i) {
     if (!s.isLeaf(i)) pairs[s.level[i]].parents.push_back(i);
@@ -326,9 +299,9 @@ levelPairs(const SLIMSurface& s, int threads)
 }
 
 /** The children of every surfel, in its place. */
-std::vector<std::vector<std::uint32_t>>
-childLists(const SLIMSurface& s, const std::vector<LevelPair>& pairs, int threads)
-{
+std::vector<std::vector<std::uint32_t>> childLists(const SLIMSurface& s,
+                                                   const std::vector<LevelPair>& pairs,
+                                                   int threads) {
   struct Task {
     const LevelPair* pair;
     std::size_t begin;
@@ -348,9 +321,7 @@ childLists(const SLIMSurface& s, const std::vector<LevelPair>& pairs, int thread
 }
 
 /** Writes the lists one behind the other; what no list names becomes a root. */
-void
-joinLists(const std::vector<std::vector<std::uint32_t>>& lists, SLIMSurface& s)
-{
+void joinLists(const std::vector<std::vector<std::uint32_t>>& lists, SLIMSurface& s) {
   std::vector<char> linked(lists.size(), 0);
   for (std::size_t i = 0; i < lists.size(); ++i) {
     s.children.insert(s.children.end(), lists[i].begin(), lists[i].end());
@@ -363,9 +334,7 @@ joinLists(const std::vector<std::vector<std::uint32_t>>& lists, SLIMSurface& s)
 }
 
 /** A ball about the middle of the balls' box that contains them all. */
-std::array<float, 4>
-enclosingBall(const SLIMSurface& s)
-{
+std::array<float, 4> enclosingBall(const SLIMSurface& s) {
   std::array<float, 4> ball{};
   const std::vector<float>* columns[3] = {&s.cx, &s.cy, &s.cz};
   for (std::size_t a = 0; a < 3; ++a) {
@@ -386,9 +355,7 @@ enclosingBall(const SLIMSurface& s)
 
 }  // namespace
 
-void
-SLIMSurface::buildLinks(int threads)
-{
+void SLIMSurface::buildLinks(int threads) {
   child_begin.assign(size() + 1, 0);
   children.clear();
   roots.clear();

@@ -23,15 +23,11 @@ constexpr double kLeastScale = 0x1p-1000;  ///< its inverse is finite
 
 /** Whether a value is in [low, high], which no NaN does. */
 template <typename T>
-bool
-within(T value, T low, T high)
-{
+bool within(T value, T low, T high) {
   return value >= low && value <= high;
 }
 
-Error
-checkInfo(const SurfaceInfo& info)
-{
+Error checkInfo(const SurfaceInfo& info) {
   if (info.degree < 1 || info.degree > kMaxDegree) return badInput("surface degree is not 1..4");
   for (const double o : info.origin) {
     if (!within(o, -kMostWorldLength, kMostWorldLength))
@@ -50,9 +46,7 @@ checkInfo(const SurfaceInfo& info)
 }
 
 /** Checks the numbers of one surfel. */
-Error
-checkSurfel(const SLIMSurface& s, std::size_t i)
-{
+Error checkSurfel(const SLIMSurface& s, std::size_t i) {
   const auto bad = [i](const std::string& what, const char* how) {
     return badInput(what + " of surfel " + std::to_string(i) + how);
   };
@@ -79,9 +73,7 @@ checkSurfel(const SLIMSurface& s, std::size_t i)
 }
 
 /** Turns a map, side and bits, over in v: the rows of a surfel whose normal is turned. */
-void
-mirrorTrimMap(std::uint8_t* map)
-{
+void mirrorTrimMap(std::uint8_t* map) {
   const int side = map[0];
   const std::vector<std::uint8_t> copy(map + 1, map + 1 + TrimMap::numBytes(side));
   const TrimMap old{side, copy.data()};
@@ -93,9 +85,7 @@ mirrorTrimMap(std::uint8_t* map)
 }
 
 /** Names what is wrong with a surface's trim maps: offsets, flags or sides. */
-Error
-checkTrimMaps(const SLIMSurface& surface)
-{
+Error checkTrimMaps(const SLIMSurface& surface) {
   const auto& begin = surface.trim_begin;
   const std::size_t n = surface.size();
   if (!begin.empty() &&
@@ -117,16 +107,12 @@ checkTrimMaps(const SLIMSurface& surface)
 
 }  // namespace
 
-std::size_t
-SLIMSurface::numLeaves() const
-{
+std::size_t SLIMSurface::numLeaves() const {
   return static_cast<std::size_t>(
       std::count_if(flags.begin(), flags.end(), [](std::uint8_t f) { return f & kSurfelLeaf; }));
 }
 
-std::vector<std::uint32_t>
-SLIMSurface::leaves() const
-{
+std::vector<std::uint32_t> SLIMSurface::leaves() const {
   std::vector<std::uint32_t> leaves;
   for (std::uint32_t i = 0; i < size(); ++i) {
     if (isLeaf(i)) leaves.push_back(i);
@@ -134,17 +120,13 @@ SLIMSurface::leaves() const
   return leaves;
 }
 
-std::size_t
-SLIMSurface::numLevels() const
-{
+std::size_t SLIMSurface::numLevels() const {
   std::array<bool, 256> seen{};
   for (const std::uint8_t k : level) seen[k] = true;
   return static_cast<std::size_t>(std::count(seen.begin(), seen.end(), true));
 }
 
-float
-SLIMSurface::varianceWeight(std::size_t i) const
-{
+float SLIMSurface::varianceWeight(std::size_t i) const {
   constexpr double kNegligible = 1e-3;  // of r: smaller residuals are no defect of a leaf
   const double r = radius[i], e = error[i];
   const double expected = std::max(0.0, info.lambda) * info.diagonal * info.diagonal +
@@ -152,9 +134,7 @@ SLIMSurface::varianceWeight(std::size_t i) const
   return static_cast<float>(expected / (expected + e * e));
 }
 
-void
-SLIMSurface::clear()
-{
+void SLIMSurface::clear() {
   resize(0);
   child_begin.clear();
   children.clear();
@@ -162,9 +142,7 @@ SLIMSurface::clear()
   root_ball = {};
 }
 
-void
-SLIMSurface::resize(std::size_t count)
-{
+void SLIMSurface::resize(std::size_t count) {
   for (auto* column : {&cx, &cy, &cz, &radius, &nx, &ny, &nz, &error, &effective_count}) {
     column->resize(count);
   }
@@ -174,10 +152,8 @@ SLIMSurface::resize(std::size_t count)
   dropTrimMaps();
 }
 
-void
-SLIMSurface::setTrimMaps(const std::vector<std::uint8_t>& sides,
-                         const std::vector<std::uint8_t>& bits)
-{
+void SLIMSurface::setTrimMaps(const std::vector<std::uint8_t>& sides,
+                              const std::vector<std::uint8_t>& bits) {
   dropTrimMaps();
   if (std::all_of(sides.begin(), sides.end(), [](std::uint8_t side) { return side == 0; })) return;
   trim_begin.resize(size() + 1);
@@ -196,17 +172,13 @@ SLIMSurface::setTrimMaps(const std::vector<std::uint8_t>& sides,
   trim_maps.shrink_to_fit();
 }
 
-void
-SLIMSurface::dropTrimMaps()
-{
+void SLIMSurface::dropTrimMaps() {
   trim_begin.clear();
   trim_maps.clear();
   for (std::uint8_t& flag : flags) flag &= static_cast<std::uint8_t>(~kSurfelOpen);
 }
 
-void
-SLIMSurface::flip(std::size_t i)
-{
+void SLIMSurface::flip(std::size_t i) {
   nx[i] = -nx[i];
   ny[i] = -ny[i];
   nz[i] = -nz[i];
@@ -215,9 +187,7 @@ SLIMSurface::flip(std::size_t i)
   if (hasColors()) flipColor(colors.data() + i * kColorBytes);
 }
 
-Error
-SLIMSurface::validate() const
-{
+Error SLIMSurface::validate() const {
   const std::size_t n = size();
   if (Error defect = checkInfo(info)) return defect;
   for (const auto* column : {&cy, &cz, &radius, &nx, &ny, &nz, &error, &effective_count}) {
@@ -237,16 +207,12 @@ SLIMSurface::validate() const
 namespace {
 
 template <typename T>
-void
-appendTo(std::vector<T>& column, const std::vector<T>& more)
-{
+void appendTo(std::vector<T>& column, const std::vector<T>& more) {
   column.insert(column.end(), more.begin(), more.end());
 }
 
 /** Appends trim maps; surfels without any have empty ones. */
-void
-appendTrimMaps(const SLIMSurface& more, std::size_t surfels, SLIMSurface& surface)
-{
+void appendTrimMaps(const SLIMSurface& more, std::size_t surfels, SLIMSurface& surface) {
   if (!surface.hasTrimMaps() && !more.hasTrimMaps()) return;
   const auto bytes = static_cast<std::uint32_t>(surface.trim_maps.size());
   surface.trim_begin.resize(surfels + 1, bytes);
@@ -257,17 +223,13 @@ appendTrimMaps(const SLIMSurface& more, std::size_t surfels, SLIMSurface& surfac
 }
 
 template <typename T>
-std::vector<T>
-part(const std::vector<T>& column, std::size_t begin, std::size_t end)
-{
+std::vector<T> part(const std::vector<T>& column, std::size_t begin, std::size_t end) {
   return {column.begin() + static_cast<std::ptrdiff_t>(begin),
           column.begin() + static_cast<std::ptrdiff_t>(end)};
 }
 
 /** The trim maps of some surfels; none where all of these are closed. */
-void
-takeTrimMaps(const SLIMSurface& all, std::size_t begin, std::size_t end, SLIMSurface& some)
-{
+void takeTrimMaps(const SLIMSurface& all, std::size_t begin, std::size_t end, SLIMSurface& some) {
   if (!all.hasTrimMaps() || all.trim_begin[begin] == all.trim_begin[end]) return;
   some.trim_begin = part(all.trim_begin, begin, end + 1);
   some.trim_maps = part(all.trim_maps, all.trim_begin[begin], all.trim_begin[end]);
@@ -276,9 +238,7 @@ takeTrimMaps(const SLIMSurface& all, std::size_t begin, std::size_t end, SLIMSur
 
 }  // namespace
 
-SLIMSurface
-SLIMSurface::slice(std::size_t begin, std::size_t end) const
-{
+SLIMSurface SLIMSurface::slice(std::size_t begin, std::size_t end) const {
   const auto width = static_cast<std::size_t>(stride());
   SLIMSurface some;
   some.info = info;
@@ -300,9 +260,7 @@ SLIMSurface::slice(std::size_t begin, std::size_t end) const
   return some;
 }
 
-void
-SLIMSurface::append(const SLIMSurface& more)
-{
+void SLIMSurface::append(const SLIMSurface& more) {
   if (empty()) info = more.info;
   const std::size_t before = size();
   appendTrimMaps(more, before, *this);

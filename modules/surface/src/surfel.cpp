@@ -9,8 +9,7 @@
 
 namespace pcl_slim {
 
-LocalFrame::LocalFrame(const std::array<double, 3>& normal) : w(normal)
-{
+LocalFrame::LocalFrame(const std::array<double, 3>& normal) : w(normal) {
   const double sign = std::copysign(1.0, w[2]);
   const double a = -1.0 / (sign + w[2]);
   const double b = w[0] * w[1] * a;
@@ -18,9 +17,7 @@ LocalFrame::LocalFrame(const std::array<double, 3>& normal) : w(normal)
   v = {b, sign + w[1] * w[1] * a, -w[1]};
 }
 
-double
-evaluateHeight(int degree, const float* c, double u, double v)
-{
+double evaluateHeight(int degree, const float* c, double u, double v) {
   double h = c[0] + c[1] * u + c[2] * v;
   if (degree >= 2) h += c[3] * u * u + c[4] * u * v + c[5] * v * v;
   if (degree >= 3) h += u * u * (c[6] * u + c[7] * v) + v * v * (c[8] * u + c[9] * v);
@@ -33,9 +30,7 @@ evaluateHeight(int degree, const float* c, double u, double v)
 
 namespace {
 
-void
-addCubic(const float* c, double u, double v, HeightJet& j)
-{
+void addCubic(const float* c, double u, double v, HeightJet& j) {
   j.h += u * u * (c[6] * u + c[7] * v) + v * v * (c[8] * u + c[9] * v);
   j.hu += u * (3.0 * c[6] * u + 2.0 * c[7] * v) + c[8] * v * v;
   j.hv += c[7] * u * u + v * (2.0 * c[8] * u + 3.0 * c[9] * v);
@@ -48,9 +43,7 @@ addCubic(const float* c, double u, double v, HeightJet& j)
   j.hvvv += 6.0 * c[9];
 }
 
-void
-addQuartic(const float* c, double u, double v, HeightJet& j)
-{
+void addQuartic(const float* c, double u, double v, HeightJet& j) {
   const double uu = u * u, uv = u * v, vv = v * v;
   j.h += uu * (c[10] * uu + c[11] * uv + c[12] * vv) + vv * (c[13] * uv + c[14] * vv);
   j.hu += 4.0 * c[10] * uu * u + 3.0 * c[11] * uu * v + 2.0 * c[12] * u * vv + c[13] * vv * v;
@@ -66,9 +59,7 @@ addQuartic(const float* c, double u, double v, HeightJet& j)
 
 }  // namespace
 
-HeightJet
-evaluateJet(int degree, const float* c, double u, double v)
-{
+HeightJet evaluateJet(int degree, const float* c, double u, double v) {
   HeightJet j;
   j.h = c[0] + c[1] * u + c[2] * v;
   j.hu = c[1];
@@ -86,9 +77,7 @@ evaluateJet(int degree, const float* c, double u, double v)
   return j;
 }
 
-void
-flipCoefficients(int degree, float* c)
-{
+void flipCoefficients(int degree, float* c) {
   // The frame of -n is (u, -v, -w): h'(u, v) = -h(u, -v).
   int k = 0;
   for (int d = 0; d <= degree; ++d) {
@@ -100,17 +89,13 @@ flipCoefficients(int degree, float* c)
 
 namespace {
 
-double
-signOf(double value)
-{
+double signOf(double value) {
   return value < 0.0 ? -1.0 : 1.0;
 }
 
 }  // namespace
 
-OctNormal
-encodeNormal(const std::array<double, 3>& normal, double grid)
-{
+OctNormal encodeNormal(const std::array<double, 3>& normal, double grid) {
   const double sum = std::abs(normal[0]) + std::abs(normal[1]) + std::abs(normal[2]);
   if (!(sum > 0.0) || !std::isfinite(sum)) return {};
   double x = std::nearbyint(normal[0] / sum * grid);
@@ -129,9 +114,7 @@ encodeNormal(const std::array<double, 3>& normal, double grid)
   return {static_cast<float>(a / grid), static_cast<float>(b / grid)};
 }
 
-std::array<float, 3>
-decodeNormal(OctNormal code)
-{
+std::array<float, 3> decodeNormal(OctNormal code) {
   double x = code.a, y = code.b;
   const double z = 1.0 - std::abs(x) - std::abs(y);
   if (z < 0.0) {
@@ -143,15 +126,11 @@ decodeNormal(OctNormal code)
           static_cast<float>(z / length)};
 }
 
-std::array<float, 3>
-snapNormal(const std::array<double, 3>& normal)
-{
+std::array<float, 3> snapNormal(const std::array<double, 3>& normal) {
   return decodeNormal(encodeNormal(normal));
 }
 
-void
-encodeColor(const ColorPolynomial& color, std::uint8_t* bytes)
-{
+void encodeColor(const ColorPolynomial& color, std::uint8_t* bytes) {
   for (std::size_t k = 0; k < color.size(); ++k) {
     for (std::size_t c = 0; c < 3; ++c) {
       const float value = color[k][c];
@@ -162,9 +141,7 @@ encodeColor(const ColorPolynomial& color, std::uint8_t* bytes)
   }
 }
 
-ColorPolynomial
-decodeColor(const std::uint8_t* bytes)
-{
+ColorPolynomial decodeColor(const std::uint8_t* bytes) {
   ColorPolynomial color;
   for (std::size_t k = 0; k < color.size(); ++k) {
     for (std::size_t c = 0; c < 3; ++c) {
@@ -176,9 +153,7 @@ decodeColor(const std::uint8_t* bytes)
   return color;
 }
 
-void
-flipColor(std::uint8_t* bytes)
-{
+void flipColor(std::uint8_t* bytes) {
   for (int n = 1, k = 1; n <= kColorDegree; ++n) {
     for (int power_of_v = 0; power_of_v <= n; ++power_of_v, ++k) {
       for (int c = 0; power_of_v % 2 != 0 && c < 3; ++c) {
@@ -198,9 +173,7 @@ namespace {
 using Grid = std::array<std::array<double, kMaxDegree + 1>, kMaxDegree + 1>;
 
 /** \brief p times an affine form a u + b v + c; terms above the highest degree do not arise. */
-Grid
-timesAffine(const Grid& p, const Vector3& form)
-{
+Grid timesAffine(const Grid& p, const Vector3& form) {
   Grid product{};
   for (std::size_t i = 0; i <= kMaxDegree; ++i) {
     for (std::size_t j = 0; i + j <= kMaxDegree; ++j) {
@@ -214,9 +187,7 @@ timesAffine(const Grid& p, const Vector3& form)
 }
 
 /** \brief h(U, V) with affine forms U and V in place of u and v. */
-Grid
-substitute(int degree, const float* c, const Vector3& form_u, const Vector3& form_v)
-{
+Grid substitute(int degree, const float* c, const Vector3& form_u, const Vector3& form_v) {
   Grid sum{};
   std::size_t k = 0;
   for (int n = 0; n <= degree; ++n) {
@@ -239,13 +210,11 @@ struct Change {
       : old(normalized(from.normal)),
         frame(normalized(to.normal)),
         shift(scaled(subtract(to.center, from.center), 1.0 / from.radius)),
-        grow(to.radius / from.radius)
-  {
-  }
+        grow(to.radius / from.radius) {}
 
-  /** \brief A polynomial where the new plane's points are in the old frame; the height above it tilts along. */
-  Grid substitutedInto(int degree, const float* c) const
-  {
+  /** \brief A polynomial where the new plane's points are in the old frame; the height above it
+   * tilts along. */
+  Grid substitutedInto(int degree, const float* c) const {
     const auto form = [this](const Vector3& axis) {
       return Vector3{grow * dot(axis, frame.u), grow * dot(axis, frame.v), dot(axis, shift)};
     };
@@ -257,9 +226,7 @@ struct Change {
   double grow;
 };
 
-std::array<double, kMaxCoefficients>
-termsOf(int degree, const Grid& p, double factor)
-{
+std::array<double, kMaxCoefficients> termsOf(int degree, const Grid& p, double factor) {
   std::array<double, kMaxCoefficients> terms{};
   std::size_t k = 0;
   for (std::size_t n = 0; n <= static_cast<std::size_t>(degree); ++n) {
@@ -270,9 +237,8 @@ termsOf(int degree, const Grid& p, double factor)
 
 }  // namespace
 
-std::array<double, kMaxCoefficients>
-inNewFrame(int degree, const float* c, const SurfelFrame& from, const SurfelFrame& to)
-{
+std::array<double, kMaxCoefficients> inNewFrame(int degree, const float* c, const SurfelFrame& from,
+                                                const SurfelFrame& to) {
   const Change change(from, to);
   Grid h = change.substitutedInto(degree, c);
   const LocalFrame &old = change.old, &frame = change.frame;
@@ -282,9 +248,7 @@ inNewFrame(int degree, const float* c, const SurfelFrame& from, const SurfelFram
   return termsOf(degree, h, 1.0 / (change.grow * dot(old.w, frame.w)));
 }
 
-void
-recolorInNewFrame(const SurfelFrame& from, const SurfelFrame& to, std::uint8_t* bytes)
-{
+void recolorInNewFrame(const SurfelFrame& from, const SurfelFrame& to, std::uint8_t* bytes) {
   const Change change(from, to);
   ColorPolynomial color = decodeColor(bytes);
   for (std::size_t channel = 0; channel < 3; ++channel) {

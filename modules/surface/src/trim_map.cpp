@@ -17,8 +17,7 @@ struct SplineSupport {
   int node;
   double weight[3];
 
-  SplineSupport(double coordinate, int side)
-  {
+  SplineSupport(double coordinate, int side) {
     const double x = std::clamp(0.5 * (coordinate + 1.0), 0.0, 1.0) * (side - 1);
     node = static_cast<int>(x + 0.5);
     const double d = x - node;
@@ -30,9 +29,7 @@ struct SplineSupport {
 
 }  // namespace
 
-double
-outsideShare(const TrimMap& map, double u, double v)
-{
+double outsideShare(const TrimMap& map, double u, double v) {
   if (map.closed()) return 0.0;
   const SplineSupport column(u, map.side), row(v, map.side);
   double outside = 0.0;
@@ -58,8 +55,7 @@ constexpr double kGrowth = 1.0;
 class NodeSquare {
  public:
   NodeSquare(const TrimMap& map, int reach)
-      : reach_(reach), margin_(2 * reach), side_(map.side + 2 * margin_)
-  {
+      : reach_(reach), margin_(2 * reach), side_(map.side + 2 * margin_) {
     inside_.reserve(static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_));
     for (int y = 0; y < side_; ++y) {
       const int row = std::clamp(y - margin_, 0, map.side - 1);
@@ -70,8 +66,7 @@ class NodeSquare {
   }
 
   /** \brief Turns every node within a distance of one of a kind to that kind. O(nodes reach). */
-  void spread(bool kind, double distance)
-  {
+  void spread(bool kind, double distance) {
     const std::vector<int> above = alongColumns(kind);
     std::vector<std::uint8_t> spread(inside_.size());
     for (int y = 0; y < side_; ++y) {
@@ -84,21 +79,19 @@ class NodeSquare {
   }
 
   /** \brief Whether a node of the map itself is inside. */
-  bool inside(int column, int row) const
-  {
+  bool inside(int column, int row) const {
     return inside_[at(column + margin_, row + margin_)] != 0;
   }
 
  private:
-  std::size_t at(int x, int y) const
-  {
+  std::size_t at(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(side_) +
            static_cast<std::size_t>(x);
   }
 
-  /** \brief Rows from each node to the next one of a kind in its column; side() where there is none. */
-  std::vector<int> alongColumns(bool kind) const
-  {
+  /** \brief Rows from each node to the next one of a kind in its column; side() where there is
+   * none. */
+  std::vector<int> alongColumns(bool kind) const {
     std::vector<int> rows(inside_.size(), side_);
     const auto step = [&](int x, int y, int from) {
       int& own = rows[at(x, y)];
@@ -114,8 +107,7 @@ class NodeSquare {
     return rows;
   }
 
-  bool isReached(const std::vector<int>& rows, int x, int y, double distance_sq) const
-  {
+  bool isReached(const std::vector<int>& rows, int x, int y, double distance_sq) const {
     const int first = std::max(0, x - reach_), last = std::min(side_ - 1, x + reach_);
     for (int k = first; k <= last; ++k) {
       const int dy = rows[at(k, y)];
@@ -130,9 +122,7 @@ class NodeSquare {
 
 /** \brief A map whose holes narrower than `hole` nodes are closed; none if all of its disc then is.
  * \param[out] bits of the map */
-int
-closedMap(const TrimMap& map, double hole, std::vector<std::uint8_t>& bits)
-{
+int closedMap(const TrimMap& map, double hole, std::vector<std::uint8_t>& bits) {
   const double radius = std::min(0.5 * (hole - kGrowth), static_cast<double>(map.side));
   NodeSquare nodes(map, static_cast<int>(std::ceil(radius)));
   nodes.spread(true, radius);
@@ -154,9 +144,7 @@ closedMap(const TrimMap& map, double hole, std::vector<std::uint8_t>& bits)
 
 }  // namespace
 
-void
-SLIMSurface::closeHoles(double hole, int threads)
-{
+void SLIMSurface::closeHoles(double hole, int threads) {
   if (!hasTrimMaps() || !(hole > kGrowth)) return;
   std::vector<std::vector<std::uint8_t>> maps(size());
   std::vector<std::uint8_t> sides(size(), 0);
@@ -178,9 +166,7 @@ namespace pcl_slim::detail {
 namespace {
 
 /** Three bits: whether the nodes of a column in the rows about one are outside. */
-std::uint32_t
-columnCode(const TrimMap& map, int column, int row)
-{
+std::uint32_t columnCode(const TrimMap& map, int column, int row) {
   const int x = std::clamp(column, 0, map.side - 1);
   std::uint32_t code = 0;
   for (int j = 0; j < 3; ++j) {
@@ -190,9 +176,7 @@ columnCode(const TrimMap& map, int column, int row)
   return code;
 }
 
-void
-appendTable(const TrimMap& map, std::vector<std::int32_t>& words)
-{
+void appendTable(const TrimMap& map, std::vector<std::int32_t>& words) {
   for (int row = 0; row < map.side; ++row) {
     for (int first = -1; first < map.side - 1; first += 8) {
       std::uint32_t word = 0;
@@ -204,8 +188,7 @@ appendTable(const TrimMap& map, std::vector<std::int32_t>& words)
 
 }  // namespace
 
-TrimTables::TrimTables(const SLIMSurface& surface)
-{
+TrimTables::TrimTables(const SLIMSurface& surface) {
   if (!surface.hasTrimMaps()) return;
   begin_.resize(surface.size());
   sides_.resize(surface.size());

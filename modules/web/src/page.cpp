@@ -35,16 +35,14 @@ constexpr int kRangeSize = 400;  ///< the same of the frame that automatic range
 /** \brief Writes a JSON object, member by member. */
 class JsonText {
  public:
-  void member(const std::string& name, const std::string& json)
-  {
+  void member(const std::string& name, const std::string& json) {
     text_ += (text_.empty() ? "" : ",") + quoted(name) + ":" + json;
   }
 
   std::string object() const { return "{" + text_ + "}"; }
 
   /** \param[in] digits significant ones; 17 give every double back */
-  static std::string number(double value, int digits = 17)
-  {
+  static std::string number(double value, int digits = 17) {
     char text[40];
     std::snprintf(text, sizeof text, "%.*g", digits, value);
     return text;
@@ -54,8 +52,7 @@ class JsonText {
 
   /** \brief A list of numbers from anything that a range-based loop takes. */
   template <typename Numbers>
-  static std::string numbers(const Numbers& values, int digits = 17)
-  {
+  static std::string numbers(const Numbers& values, int digits = 17) {
     std::string text;
     for (const auto value : values) {
       text += (text.empty() ? "" : ",") + number(static_cast<double>(value), digits);
@@ -64,8 +61,7 @@ class JsonText {
   }
 
   /** \brief A string; what could end the page's script is written as its code. */
-  static std::string quoted(const std::string& words)
-  {
+  static std::string quoted(const std::string& words) {
     std::string text = "\"";
     for (const char c : words) {
       if (static_cast<unsigned char>(c) < 0x20 || c == '"' || c == '\\' || c == '<') {
@@ -83,9 +79,7 @@ class JsonText {
   std::string text_;
 };
 
-std::string
-htmlText(const std::string& words)
-{
+std::string htmlText(const std::string& words) {
   std::string text;
   for (const char c : words) {
     if (c == '&') {
@@ -101,9 +95,7 @@ htmlText(const std::string& words)
 
 /** \brief Colours at even steps over a map's range. */
 template <typename ColorAt>
-std::string
-colorTable(int count, double low, const ColorAt& colorAt)
-{
+std::string colorTable(int count, double low, const ColorAt& colorAt) {
   std::string text;
   for (int i = 0; i < count; ++i) {
     const Color color = colorAt(low + (1.0 - low) * i / (count - 1.0));
@@ -113,9 +105,7 @@ colorTable(int count, double low, const ColorAt& colorAt)
 }
 
 /** \brief The colours of color_map.h: linear between 7 or 5 of them. */
-std::string
-colorTables()
-{
+std::string colorTables() {
   JsonText tables;
   tables.member("diverging", colorTable(7, -1.0, divergingColor));
   tables.member("perceptual", colorTable(7, 0.0, perceptualColor));
@@ -126,9 +116,7 @@ colorTables()
   return tables.object();
 }
 
-std::string
-constants()
-{
+std::string constants() {
   JsonText json;
   for (const FrameConstant& c : kFrameConstants) json.member(c.name, JsonText::number(c.value));
   json.member("kMaxLayers", JsonText::number(kMaxLayers));
@@ -137,9 +125,7 @@ constants()
   return json.object();
 }
 
-std::string
-cameraJson(const Camera& camera)
-{
+std::string cameraJson(const Camera& camera) {
   JsonText json;
   json.member("position", JsonText::numbers(camera.position));
   json.member("look_at", JsonText::numbers(camera.look_at));
@@ -151,25 +137,19 @@ cameraJson(const Camera& camera)
   return json.object();
 }
 
-std::string
-mapName(ColorMap map)
-{
+std::string mapName(ColorMap map) {
   return map == ColorMap::kDiverging    ? "diverging"
          : map == ColorMap::kPerceptual ? "perceptual"
                                         : "auto";
 }
 
-void
-replace(std::string& text, const std::string& mark, const std::string& value)
-{
+void replace(std::string& text, const std::string& mark, const std::string& value) {
   const std::size_t at = text.find(mark);
   if (at != std::string::npos) text.replace(at, mark.size(), value);
 }
 
 /** \brief What the viewer takes from the command line and from the C++ renderer's tables. */
-JsonText
-pageOptions(const Camera& camera, const ShadingParams& shading, const PageParams& params)
-{
+JsonText pageOptions(const Camera& camera, const ShadingParams& shading, const PageParams& params) {
   JsonText json;
   json.member("camera", cameraJson(camera));
   json.member("turn", JsonText::numbers(params.up));
@@ -193,9 +173,7 @@ struct PageParts {
 };
 
 /** \brief Fills the viewer's text, its script deflated. */
-Result<std::string>
-fillPage(const std::string& title, JsonText options, const PageParts& parts)
-{
+Result<std::string> fillPage(const std::string& title, JsonText options, const PageParts& parts) {
   std::string page(kViewer, kViewer + kViewerBytes);
   const std::string mark = "<!--viewer-->";
   const std::size_t begin = page.find(mark), code = begin + mark.size(),
@@ -219,10 +197,9 @@ fillPage(const std::string& title, JsonText options, const PageParts& parts)
   return page;
 }
 
-/** \brief The picture that a page shows before, and instead of, its viewer: as PNG, in few colours. */
-std::vector<std::uint8_t>
-stillPicture(Image image)
-{
+/** \brief The picture that a page shows before, and instead of, its viewer: as PNG, in few colours.
+ */
+std::vector<std::uint8_t> stillPicture(Image image) {
   constexpr int kStep = 8;  // of 256: a third of the bytes
   for (std::uint8_t& channel : image.rgb) {
     channel = static_cast<std::uint8_t>(std::min(255, (channel + kStep / 2) / kStep * kStep));
@@ -232,9 +209,7 @@ stillPicture(Image image)
 }
 
 /** \brief The same camera for a picture whose longer side is at most `longest` pixels. */
-Camera
-smallCamera(Camera camera, int longest)
-{
+Camera smallCamera(Camera camera, int longest) {
   const double shrink =
       std::max({1.0, camera.size.width / double(longest), camera.size.height / double(longest)});
   camera.size.width = std::max(1, static_cast<int>(camera.size.width / shrink));
@@ -243,10 +218,8 @@ smallCamera(Camera camera, int longest)
 }
 
 /** \brief The ranges that pictures of this view have in each mode. */
-Result<std::string>
-rangesSeen(SurfaceRenderer& renderer, const Camera& camera, const RenderParams& rendering,
-           ShadingParams shading)
-{
+Result<std::string> rangesSeen(SurfaceRenderer& renderer, const Camera& camera,
+                               const RenderParams& rendering, ShadingParams shading) {
   GBuffer buffer;
   if (Error error = renderer.render(smallCamera(camera, kRangeSize), rendering, buffer))
     return error;
@@ -264,10 +237,9 @@ rangesSeen(SurfaceRenderer& renderer, const Camera& camera, const RenderParams& 
 
 }  // namespace
 
-Result<std::string>
-encodePage(const SLIMSurface& surface, const Camera& camera, const RenderParams& rendering,
-           const ShadingParams& shading, const PageParams& params)
-{
+Result<std::string> encodePage(const SLIMSurface& surface, const Camera& camera,
+                               const RenderParams& rendering, const ShadingParams& shading,
+                               const PageParams& params) {
   if (!rendering.cuts.empty() || rendering.derivatives != Derivatives::kBlended) {
     return Error{ErrorCode::kBadArgument,
                  "a page shows a whole surface with blended derivatives; leave out cuts"};
@@ -301,10 +273,9 @@ encodePage(const SLIMSurface& surface, const Camera& camera, const RenderParams&
                   {std::move(*data), std::move(*lines), stillPicture(std::move(*still))});
 }
 
-Result<std::string>
-encodePage(const SplatSet& splats, const Camera& camera, const DiscRenderParams& rendering,
-           const ShadingParams& shading, const PageParams& params)
-{
+Result<std::string> encodePage(const SplatSet& splats, const Camera& camera,
+                               const DiscRenderParams& rendering, const ShadingParams& shading,
+                               const PageParams& params) {
   ShadingParams plain = shading;
   plain.color_bar = false;
   plain.gradient_background = false;

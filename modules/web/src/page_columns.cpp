@@ -10,9 +10,7 @@
 
 namespace pcl_slim::detail {
 
-Result<std::vector<unsigned char>>
-gzip(const std::vector<unsigned char>& bytes)
-{
+Result<std::vector<unsigned char>> gzip(const std::vector<unsigned char>& bytes) {
   constexpr int kGzipWindow = 15 + 16;  // zlib's largest window, in gzip's frame
   z_stream stream{};
   if (bytes.size() > 0x7fffffff || deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED,
@@ -37,9 +35,8 @@ gzip(const std::vector<unsigned char>& bytes)
   return out;
 }
 
-Result<std::vector<unsigned char>>
-packLines(const std::vector<SpaceLine>& lines, const std::array<double, 3>& origin, double scale)
-{
+Result<std::vector<unsigned char>> packLines(const std::vector<SpaceLine>& lines,
+                                             const std::array<double, 3>& origin, double scale) {
   std::array<std::vector<double>, 3> axes;
   std::vector<std::uint32_t> kinds, counts;
   for (const SpaceLine& line : lines) {
@@ -86,13 +83,11 @@ class SplatPacker {
   explicit SplatPacker(const SplatSet& splats)
       : s_(splats),
         cells_({&splats.x, &splats.y, &splats.z}),
-        order_(cells_.order([](std::uint32_t) { return true; }))
-  {
+        order_(cells_.order([](std::uint32_t) { return true; })) {
     radius_.cover(s_.radius);
   }
 
-  std::vector<unsigned char> pack()
-  {
+  std::vector<unsigned char> pack() {
     out_.putNumber(kMagic);
     out_.putNumber(static_cast<std::uint32_t>(s_.size()));
     out_.putNumber(s_.gradient.empty() ? 0 : 1);
@@ -116,21 +111,18 @@ class SplatPacker {
 
  private:
   template <typename CodeOf>
-  void putColumn(int bytes, const CodeOf& valueOf)
-  {
+  void putColumn(int bytes, const CodeOf& valueOf) {
     std::vector<std::uint32_t> column;
     for (const std::uint32_t i : order_) column.push_back(valueOf(i));
     out_.put(column, bytes);
   }
 
-  OctNormal codeOf(std::uint32_t i) const
-  {
+  OctNormal codeOf(std::uint32_t i) const {
     return encodeNormal({s_.nx[i], s_.ny[i], s_.nz[i]}, kNormalGrid);
   }
 
   /** \brief What a colour changes by from the centre to the rim along an axis of the disc. */
-  std::uint32_t changeOf(std::uint32_t i, std::size_t channel, bool along_u) const
-  {
+  std::uint32_t changeOf(std::uint32_t i, std::size_t channel, bool along_u) const {
     constexpr double kStep = 4.0, kMost = 127.0;
     const std::array<float, 3> normal = decodeNormal(codeOf(i));
     const LocalFrame frame(normalized({normal[0], normal[1], normal[2]}));
@@ -149,9 +141,7 @@ class SplatPacker {
 
 }  // namespace
 
-Result<std::vector<unsigned char>>
-packSplats(const SplatSet& splats)
-{
+Result<std::vector<unsigned char>> packSplats(const SplatSet& splats) {
   return gzip(SplatPacker(splats).pack());
 }
 

@@ -24,12 +24,11 @@ constexpr std::uint32_t kEscape = 255;           ///< marks a coefficient with a
 constexpr double kMostSteps =
     8388607.0;  ///< largest number of steps that a three-byte code can represent
 
-/** \brief Appends columns of numbers as byte planes: the lowest byte of every number, then the next, which
- * compresses better than number after number. Little-endian on every machine. */
+/** \brief Appends columns of numbers as byte planes: the lowest byte of every number, then the
+ * next, which compresses better than number after number. Little-endian on every machine. */
 class PlaneWriter {
  public:
-  void put(const std::vector<std::uint32_t>& column, int bytes)
-  {
+  void put(const std::vector<std::uint32_t>& column, int bytes) {
     for (int plane = 0; plane < bytes; ++plane) {
       for (const std::uint32_t v : column) {
         data.push_back(static_cast<unsigned char>(v >> (8 * plane)));
@@ -39,8 +38,7 @@ class PlaneWriter {
 
   void putNumber(std::uint32_t value) { put({value}, 4); }
 
-  void putDouble(double value)
-  {
+  void putDouble(double value) {
     std::uint64_t bits;
     std::memcpy(&bits, &value, sizeof bits);
     putNumber(static_cast<std::uint32_t>(bits));
@@ -57,8 +55,7 @@ struct LogScale {
   double low = 1.0, ratio = 1.0;  ///< of code 1; largest over smallest
 
   /** \brief Widens the scale: a number that it codes. */
-  void cover(const std::vector<float>& values)
-  {
+  void cover(const std::vector<float>& values) {
     double least = std::numeric_limits<double>::infinity(), most = 0.0;
     for (const float v : values) {
       if (v > 0.0f) {
@@ -72,47 +69,37 @@ struct LogScale {
     }
   }
 
-  std::uint32_t code(double value) const
-  {
+  std::uint32_t code(double value) const {
     if (!(value > 0.0)) return 0;
     const double share = ratio > 1.0 ? std::log(value / low) / std::log(ratio) : 0.0;
     return 1 + static_cast<std::uint32_t>(std::lround(steps * std::clamp(share, 0.0, 1.0)));
   }
 
-  double value(std::uint32_t code) const
-  {
+  double value(std::uint32_t code) const {
     return code == 0 ? 0.0 : low * std::pow(ratio, (code - 1.0) / steps);
   }
 };
 
-inline std::uint32_t
-bitsOf(float value)
-{
+inline std::uint32_t bitsOf(float value) {
   std::uint32_t bits;
   std::memcpy(&bits, &value, sizeof bits);
   return bits;
 }
 
 /** \brief A coordinate of a normal's octahedral code as a number from 0 on. */
-inline std::uint32_t
-gridCode(float coordinate)
-{
+inline std::uint32_t gridCode(float coordinate) {
   return static_cast<std::uint32_t>(std::lround((coordinate + 1.0) * kNormalGrid));
 }
 
-/** \brief Steps per radius of coefficient k. The constant one moves the surface as a whole; steps of large
- * balls are as long as those of balls of kLargeBall diagonals. */
-inline double
-stepsOf(double precision, std::size_t k, double diagonals)
-{
+/** \brief Steps per radius of coefficient k. The constant one moves the surface as a whole; steps
+ * of large balls are as long as those of balls of kLargeBall diagonals. */
+inline double stepsOf(double precision, std::size_t k, double diagonals) {
   constexpr double kLargeBall = 0.02;
   return (k == 0 ? 4.0 : 1.0) * precision * std::max(1.0, diagonals / kLargeBall);
 }
 
 /** \brief A rounded number as 0, -1, 1, -2, 2 ... count from 0 on. */
-inline std::uint32_t
-zigzag(double steps)
-{
+inline std::uint32_t zigzag(double steps) {
   const auto v = static_cast<std::int32_t>(std::lround(std::clamp(steps, -kMostSteps, kMostSteps)));
   return v < 0 ? static_cast<std::uint32_t>(-2 * v - 1) : static_cast<std::uint32_t>(2 * v);
 }
@@ -122,8 +109,7 @@ class CenterCells {
  public:
   using Axes = std::array<const std::vector<float>*, 3>;
 
-  explicit CenterCells(const Axes& axes) : axes_(axes)
-  {
+  explicit CenterCells(const Axes& axes) : axes_(axes) {
     double extent = 0.0;
     for (std::size_t k = 0; k < 3 && !axes[k]->empty(); ++k) {
       const auto [least, most] = std::minmax_element(axes[k]->begin(), axes[k]->end());
@@ -133,8 +119,7 @@ class CenterCells {
     if (extent > 0.0) step = extent / kCenterSteps;
   }
 
-  std::uint32_t cell(std::size_t k, std::size_t i) const
-  {
+  std::uint32_t cell(std::size_t k, std::size_t i) const {
     return static_cast<std::uint32_t>(std::lround(((*axes_[k])[i] - corner[k]) / step));
   }
 
@@ -144,8 +129,7 @@ class CenterCells {
   /** \brief All places along a Morton curve, those of the first kind before the others.
    * \param[in] isFirst bool(std::uint32_t) */
   template <typename IsFirst>
-  std::vector<std::uint32_t> order(const IsFirst& isFirst) const
-  {
+  std::vector<std::uint32_t> order(const IsFirst& isFirst) const {
     std::vector<std::uint32_t> order;
     std::vector<std::uint64_t> keys;
     for (std::uint32_t i = 0; i < axes_[0]->size(); ++i) {
@@ -161,8 +145,7 @@ class CenterCells {
   }
 
   /** \brief Writes steps from place to place. */
-  void write(const std::vector<std::uint32_t>& order, PlaneWriter& out) const
-  {
+  void write(const std::vector<std::uint32_t>& order, PlaneWriter& out) const {
     for (std::size_t k = 0; k < 3; ++k) {
       std::uint32_t last = 0;
       std::vector<std::uint32_t> steps;
@@ -192,8 +175,7 @@ struct WebHeader {
 
   /** \brief Calls visit(double&) for the columns' numbers in their order. */
   template <typename Visit>
-  void visitNumbers(const Visit& visit)
-  {
+  void visitNumbers(const Visit& visit) {
     for (auto& axis : info.origin) visit(axis);
     for (auto* number : {&info.scale, &info.diagonal, &info.lambda, &info.cover_radius,
                          &info.cover_threshold, &precision}) {
@@ -208,17 +190,15 @@ struct WebHeader {
 };
 
 /** \brief Deflates bytes into a gzip stream with its checksum. */
-Result<std::vector<unsigned char>>
-gzip(const std::vector<unsigned char>& bytes);
+Result<std::vector<unsigned char>> gzip(const std::vector<unsigned char>& bytes);
 
-/** \brief Lines on a grid of 16 bits an axis, deflated. \param[in] origin, scale of the model, in whose
- * local units the viewer works */
-Result<std::vector<unsigned char>>
-packLines(const std::vector<SpaceLine>& lines, const std::array<double, 3>& origin, double scale);
+/** \brief Lines on a grid of 16 bits an axis, deflated. \param[in] origin, scale of the model, in
+ * whose local units the viewer works */
+Result<std::vector<unsigned char>> packLines(const std::vector<SpaceLine>& lines,
+                                             const std::array<double, 3>& origin, double scale);
 
-/** \brief Coloured discs, deflated: 16 bits a coordinate, normals of 12 bits a coordinate, radii as 8-bit
- * logarithms, colours as they are and their change over the disc in steps of 4. */
-Result<std::vector<unsigned char>>
-packSplats(const SplatSet& splats);
+/** \brief Coloured discs, deflated: 16 bits a coordinate, normals of 12 bits a coordinate, radii as
+ * 8-bit logarithms, colours as they are and their change over the disc in steps of 4. */
+Result<std::vector<unsigned char>> packSplats(const SplatSet& splats);
 
 }  // namespace pcl_slim::detail

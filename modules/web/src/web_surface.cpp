@@ -16,8 +16,7 @@ namespace {
 class Packer {
  public:
   Packer(const SLIMSurface& surface, double precision)
-      : s_(surface), sizes_(surface), cells_({&surface.cx, &surface.cy, &surface.cz})
-  {
+      : s_(surface), sizes_(surface), cells_({&surface.cx, &surface.cy, &surface.cz}) {
     header_.surfels = static_cast<std::uint32_t>(s_.size());
     header_.leaves = static_cast<std::uint32_t>(s_.numLeaves());
     header_.info = s_.info;
@@ -35,8 +34,7 @@ class Packer {
     order_ = cells_.order([&](std::uint32_t i) { return s_.isLeaf(i); });
   }
 
-  std::vector<unsigned char> pack()
-  {
+  std::vector<unsigned char> pack() {
     putHeader();
     putBalls();
     putDetail();
@@ -47,8 +45,7 @@ class Packer {
   }
 
  private:
-  void putHeader()
-  {
+  void putHeader() {
     const SurfaceInfo& info = header_.info;
     out_.putNumber(kWebMagic);
     out_.putNumber(header_.surfels);
@@ -65,28 +62,24 @@ class Packer {
 
   /** \param[in] codeOf std::uint32_t(std::uint32_t surfel) */
   template <typename CodeOf>
-  void putColumn(int bytes, const CodeOf& codeOf)
-  {
+  void putColumn(int bytes, const CodeOf& codeOf) {
     std::vector<std::uint32_t> column;
     column.reserve(order_.size());
     for (const std::uint32_t i : order_) column.push_back(codeOf(i));
     out_.put(column, bytes);
   }
 
-  void putFloats(const std::vector<float>& column)
-  {
+  void putFloats(const std::vector<float>& column) {
     putColumn(4, [&](std::uint32_t i) { return bitsOf(column[i]); });
   }
 
   /** \brief Eight bits of a logarithm, or the float itself. */
-  void putLogarithms(const std::vector<float>& column, const LogScale& scale)
-  {
+  void putLogarithms(const std::vector<float>& column, const LogScale& scale) {
     if (exact()) return putFloats(column);
     putColumn(scale.bytes, [&](std::uint32_t i) { return scale.code(column[i]); });
   }
 
-  void putBalls()
-  {
+  void putBalls() {
     if (exact()) {
       for (const auto* column : {&s_.cx, &s_.cy, &s_.cz, &s_.nx, &s_.ny, &s_.nz})
         putFloats(*column);
@@ -99,13 +92,11 @@ class Packer {
     putLogarithms(s_.error, header_.error);
   }
 
-  OctNormal codeOf(std::uint32_t i) const
-  {
+  OctNormal codeOf(std::uint32_t i) const {
     return encodeNormal({s_.nx[i], s_.ny[i], s_.nz[i]}, kNormalGrid);
   }
 
-  void putDetail()
-  {
+  void putDetail() {
     putColumn(1, [&](std::uint32_t i) { return s_.level[i]; });
     putColumn(1, [&](std::uint32_t i) { return s_.degree[i]; });
     std::vector<float> parent = sizes_.parent;
@@ -114,19 +105,16 @@ class Packer {
     putLogarithms(parent, header_.size);
   }
 
-  double roundedRadius(std::uint32_t i) const
-  {
+  double roundedRadius(std::uint32_t i) const {
     return header_.radius.value(header_.radius.code(s_.radius[i]));
   }
 
-  SurfelFrame ballOf(std::uint32_t i) const
-  {
+  SurfelFrame ballOf(std::uint32_t i) const {
     return {{s_.cx[i], s_.cy[i], s_.cz[i]}, {s_.nx[i], s_.ny[i], s_.nz[i]}, s_.radius[i]};
   }
 
   /** \brief The ball and frame that the viewer will have. */
-  SurfelFrame roundedBall(std::uint32_t i) const
-  {
+  SurfelFrame roundedBall(std::uint32_t i) const {
     SurfelFrame to;
     for (std::size_t k = 0; k < 3; ++k) to.center[k] = cells_.rounded(k, i);
     const std::array<float, 3> normal = decodeNormal(codeOf(i));
@@ -135,8 +123,7 @@ class Packer {
     return to;
   }
 
-  void putCoefficients()
-  {
+  void putCoefficients() {
     const auto stride = static_cast<std::size_t>(s_.stride());
     if (exact()) {
       for (std::size_t k = 0; k < stride; ++k) {
@@ -156,8 +143,7 @@ class Packer {
   }
 
   /** \brief One byte per code; larger codes follow the column, three bytes each. */
-  void putEscaped(std::vector<std::uint32_t>& column)
-  {
+  void putEscaped(std::vector<std::uint32_t>& column) {
     std::vector<std::uint32_t> large;
     for (std::uint32_t& code : column) {
       if (code < kEscape) continue;
@@ -168,8 +154,7 @@ class Packer {
     out_.put(large, 3);
   }
 
-  void putTrimMaps()
-  {
+  void putTrimMaps() {
     putColumn(1, [&](std::uint32_t i) { return static_cast<std::uint32_t>(s_.trimMap(i).side); });
     for (const std::uint32_t i : order_) {
       const TrimMap map = s_.trimMap(i);
@@ -178,8 +163,7 @@ class Packer {
   }
 
   /** \brief The difference from the row before, which compresses better than the row. */
-  void putTrimRow(const TrimMap& map, int row)
-  {
+  void putTrimRow(const TrimMap& map, int row) {
     for (int first = 0; first < map.side; first += 8) {
       std::uint32_t byte = 0;
       for (int k = first; k < std::min(first + 8, map.side); ++k) {
@@ -191,8 +175,7 @@ class Packer {
   }
 
   /** \brief Red and blue as their differences from green, which compress better. */
-  void putColors()
-  {
+  void putColors() {
     std::vector<std::uint8_t> colors = s_.colors;
     for (const std::uint32_t i : order_) {
       if (exact()) break;
@@ -217,9 +200,7 @@ class Packer {
 
 }  // namespace
 
-Result<std::vector<unsigned char>>
-encodeWebSurface(const SLIMSurface& surface, double precision)
-{
+Result<std::vector<unsigned char>> encodeWebSurface(const SLIMSurface& surface, double precision) {
   if (precision != 0.0 && !(precision >= 16.0 && precision <= 65536.0)) {
     return Error{ErrorCode::kBadArgument, "the precision must be 0 or 16 to 65536 steps"};
   }

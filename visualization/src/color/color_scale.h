@@ -12,8 +12,7 @@ namespace pcl_slim::detail {
 
 /** \brief Fills a table with a mode's colours over a range of values: diverging for curvatures,
  * the logarithm's for sizes, one colour a level. Modes without numbers leave it as it is. */
-void
-fillColorTable(DisplayMode mode, const std::array<double, 2>& range, vtkLookupTable& table);
+void fillColorTable(DisplayMode mode, const std::array<double, 2>& range, vtkLookupTable& table);
 
 /** \brief How a shader comes from a value to a texel of a table's texture. */
 struct ColorScale {

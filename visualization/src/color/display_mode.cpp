@@ -18,43 +18,31 @@ constexpr std::array<const char*, 12> kNames{"shaded",     "normal", "mean",  "g
 
 }  // namespace
 
-std::string
-nameOf(DisplayMode mode)
-{
+std::string nameOf(DisplayMode mode) {
   return kNames[static_cast<std::size_t>(mode)];
 }
 
-std::optional<DisplayMode>
-displayModeOf(const std::string& name)
-{
+std::optional<DisplayMode> displayModeOf(const std::string& name) {
   for (std::size_t i = 0; i < kNames.size(); ++i) {
     if (name == kNames[i]) return static_cast<DisplayMode>(i);
   }
   return std::nullopt;
 }
 
-std::vector<std::string>
-displayModeNames()
-{
+std::vector<std::string> displayModeNames() {
   return {kNames.begin(), kNames.end()};
 }
 
-bool
-showsCurvature(DisplayMode mode)
-{
+bool showsCurvature(DisplayMode mode) {
   return mode == DisplayMode::kMean || mode == DisplayMode::kGauss || mode == DisplayMode::kMax ||
          mode == DisplayMode::kMin;
 }
 
-bool
-takesRange(DisplayMode mode)
-{
+bool takesRange(DisplayMode mode) {
   return showsCurvature(mode) || mode == DisplayMode::kError;
 }
 
-bool
-showsNumbers(DisplayMode mode)
-{
+bool showsNumbers(DisplayMode mode) {
   return takesRange(mode) || mode == DisplayMode::kLevel || mode == DisplayMode::kSize;
 }
 
@@ -62,9 +50,7 @@ showsNumbers(DisplayMode mode)
 
 namespace pcl_slim::detail {
 
-void
-fillColorTable(DisplayMode mode, const std::array<double, 2>& range, vtkLookupTable& table)
-{
+void fillColorTable(DisplayMode mode, const std::array<double, 2>& range, vtkLookupTable& table) {
   if (!showsNumbers(mode)) return;
   const bool levels = mode == DisplayMode::kLevel;
   const int first = static_cast<int>(std::lround(range[0]));
@@ -86,8 +72,7 @@ fillColorTable(DisplayMode mode, const std::array<double, 2>& range, vtkLookupTa
   }
 }
 
-ColorScale::ColorScale(DisplayMode mode, vtkScalarsToColors* table)
-{
+ColorScale::ColorScale(DisplayMode mode, vtkScalarsToColors* table) {
   const double* range = table->GetRange();
   const bool levels = mode == DisplayMode::kLevel;
   const double half = levels ? 0.5 : 0.0;

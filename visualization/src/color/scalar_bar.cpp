@@ -18,9 +18,7 @@
 namespace pcl_slim {
 namespace {
 
-void
-setTextLook(vtkTextProperty* text, int size, bool bold)
-{
+void setTextLook(vtkTextProperty* text, int size, bool bold) {
   text->SetFontFamilyToArial();
   text->SetFontSize(size);
   text->SetColor(0.12, 0.13, 0.15);
@@ -29,18 +27,14 @@ setTextLook(vtkTextProperty* text, int size, bool bold)
   text->SetShadow(false);
 }
 
-std::string
-unitOf(DisplayMode mode, const std::string& unit)
-{
+std::string unitOf(DisplayMode mode, const std::string& unit) {
   if (mode == DisplayMode::kSize || mode == DisplayMode::kError) return unit;
   if (!showsCurvature(mode)) return "";
   return "1/" + (unit.empty() ? "length" : unit) + (mode == DisplayMode::kGauss ? "^2" : "");
 }
 
 /** \brief A number in the middle of each level's colour, at most ten of them. */
-void
-labelLevels(const double* range, vtkScalarBarActor* bar)
-{
+void labelLevels(const double* range, vtkScalarBarActor* bar) {
   const int first = static_cast<int>(std::lround(range[0] + 0.5));
   const int last = static_cast<int>(std::lround(range[1] - 0.5));
   const int step = 1 + (last - first) / 10;
@@ -51,9 +45,7 @@ labelLevels(const double* range, vtkScalarBarActor* bar)
   bar->SetLabelFormat("%-2.0f");
 }
 
-void
-addLight(vtkRenderer* renderer, double x, double y, double z, double intensity)
-{
+void addLight(vtkRenderer* renderer, double x, double y, double z, double intensity) {
   vtkNew<vtkLight> light;
   light->SetLightTypeToCameraLight();
   light->SetPosition(x, y, z);
@@ -64,9 +56,7 @@ addLight(vtkRenderer* renderer, double x, double y, double z, double intensity)
 
 }  // namespace
 
-std::string
-titleOf(DisplayMode mode)
-{
+std::string titleOf(DisplayMode mode) {
   switch (mode) {
     case DisplayMode::kMean: return "mean curvature";
     case DisplayMode::kGauss: return "Gaussian curvature";
@@ -81,9 +71,7 @@ titleOf(DisplayMode mode)
   }
 }
 
-vtkSmartPointer<vtkScalarBarActor>
-makeScalarBar(GBufferMapper& mapper, const std::string& unit)
-{
+vtkSmartPointer<vtkScalarBarActor> makeScalarBar(GBufferMapper& mapper, const std::string& unit) {
   auto bar = vtkSmartPointer<vtkScalarBarActor>::New();
   const DisplayMode mode = mapper.getMode();
   vtkScalarsToColors* table = mapper.GetLookupTable();
@@ -112,9 +100,7 @@ makeScalarBar(GBufferMapper& mapper, const std::string& unit)
   return bar;
 }
 
-void
-contrastWith(vtkRenderer* renderer, vtkScalarBarActor* bar)
-{
+void contrastWith(vtkRenderer* renderer, vtkScalarBarActor* bar) {
   double light = 0.0;  // as the eye weighs colours, of both ends of a gradient
   for (const double* color :
        {renderer->GetBackground(), renderer->GetGradientBackground() ? renderer->GetBackground2()
@@ -129,16 +115,12 @@ contrastWith(vtkRenderer* renderer, vtkScalarBarActor* bar)
   }
 }
 
-void
-setLetters(vtkScalarBarActor* bar, int pixels)
-{
+void setLetters(vtkScalarBarActor* bar, int pixels) {
   bar->GetTitleTextProperty()->SetFontSize(pixels);
   bar->GetLabelTextProperty()->SetFontSize(pixels);
 }
 
-void
-setClayLook(vtkProperty* property)
-{
+void setClayLook(vtkProperty* property) {
   property->SetColor(0.80, 0.74, 0.66);
   property->SetAmbient(0.22);
   property->SetDiffuse(0.9);
@@ -147,9 +129,7 @@ setClayLook(vtkProperty* property)
   property->SetSpecularPower(40.0);
 }
 
-void
-setStudioLights(vtkRenderer* renderer)
-{
+void setStudioLights(vtkRenderer* renderer) {
   renderer->RemoveAllLights();
   renderer->AutomaticLightCreationOff();
   addLight(renderer, 0.0, 0.0, 1.0, 0.35);

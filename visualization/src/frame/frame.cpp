@@ -16,9 +16,8 @@
 namespace pcl_slim::detail {
 namespace {
 
-void
-packPixel(const GBuffer& buffer, std::size_t pixel, float scale, float* geometry, float* attributes)
-{
+void packPixel(const GBuffer& buffer, std::size_t pixel, float scale, float* geometry,
+               float* attributes) {
   if (!buffer.covered(pixel)) {
     for (int k = 0; k < 4; ++k) geometry[k] = attributes[k] = 0.0f;
     return;
@@ -35,18 +34,14 @@ packPixel(const GBuffer& buffer, std::size_t pixel, float scale, float* geometry
                       : levelAndResidual(buffer.level[pixel], residual, buffer.radius[pixel]);
 }
 
-void
-upload(vtkOpenGLRenderWindow* window, int width, int height, int type, const void* data,
-       vtkTextureObject* texture)
-{
+void upload(vtkOpenGLRenderWindow* window, int width, int height, int type, const void* data,
+            vtkTextureObject* texture) {
   texture->SetContext(window);
   texture->Create2DFromRaw(static_cast<unsigned>(width), static_cast<unsigned>(height), 4, type,
                            const_cast<void*>(data));
 }
 
-void
-setSampling(vtkTextureObject* texture, int filter)
-{
+void setSampling(vtkTextureObject* texture, int filter) {
   texture->SetMinificationFilter(filter);
   texture->SetMagnificationFilter(filter);
   texture->SetWrapS(vtkTextureObject::ClampToEdge);
@@ -55,16 +50,12 @@ setSampling(vtkTextureObject* texture, int filter)
 
 }  // namespace
 
-float
-levelAndResidual(int level, float residual, float radius)
-{
+float levelAndResidual(int level, float residual, float radius) {
   const float share = radius > 0.0f ? std::clamp(residual / radius, 0.0f, 0.999f) : 0.0f;
   return static_cast<float>(level) + share;
 }
 
-void
-packFrame(const GBuffer& buffer, double scale, int threads, PackedFrame& frame)
-{
+void packFrame(const GBuffer& buffer, double scale, int threads, PackedFrame& frame) {
   const std::size_t pixels = buffer.numPixels();
   const bool colored = !buffer.color.empty();
   frame.geometry.resize(4 * pixels);
@@ -80,8 +71,7 @@ packFrame(const GBuffer& buffer, double scale, int threads, PackedFrame& frame)
   });
 }
 
-FrameTextures::FrameTextures()
-{
+FrameTextures::FrameTextures() {
   setSampling(geometry_, vtkTextureObject::Nearest);
   setSampling(attributes_, vtkTextureObject::Nearest);
   setSampling(colors_, vtkTextureObject::Nearest);
@@ -91,10 +81,8 @@ FrameTextures::FrameTextures()
 
 FrameTextures::~FrameTextures() = default;
 
-void
-FrameTextures::setFrame(vtkOpenGLRenderWindow* window, const PackedFrame& frame, int width,
-                        int height)
-{
+void FrameTextures::setFrame(vtkOpenGLRenderWindow* window, const PackedFrame& frame, int width,
+                             int height) {
   width_ = width;
   height_ = height;
   upload(window, width, height, VTK_FLOAT, frame.geometry.data(), geometry_);
@@ -106,17 +94,14 @@ FrameTextures::setFrame(vtkOpenGLRenderWindow* window, const PackedFrame& frame,
   }
 }
 
-void
-FrameTextures::needAttributes(vtkOpenGLRenderWindow* window, const PackedFrame& frame)
-{
+void FrameTextures::needAttributes(vtkOpenGLRenderWindow* window, const PackedFrame& frame) {
   if (has_attributes_) return;
   upload(window, width_, height_, VTK_FLOAT, frame.attributes.data(), attributes_);
   has_attributes_ = true;
 }
 
-void
-FrameTextures::allocate(vtkOpenGLRenderWindow* window, int width, int height, bool with_colors)
-{
+void FrameTextures::allocate(vtkOpenGLRenderWindow* window, int width, int height,
+                             bool with_colors) {
   width_ = width;
   height_ = height;
   for (vtkTextureObject* texture : {geometry_.Get(), attributes_.Get(), colors_.Get()}) {
@@ -131,9 +116,7 @@ FrameTextures::allocate(vtkOpenGLRenderWindow* window, int width, int height, bo
   has_colors_ = with_colors;
 }
 
-void
-FrameTextures::fill(const GBuffer& buffer, double scale)
-{
+void FrameTextures::fill(const GBuffer& buffer, double scale) {
   std::array<float, 4> geometry{}, attributes{};
   const auto fillOf = [&](vtkTextureObject* texture, const auto& texelOf) {
     texture->Activate();
@@ -157,10 +140,8 @@ FrameTextures::fill(const GBuffer& buffer, double scale)
   });
 }
 
-void
-FrameTextures::setTable(vtkOpenGLRenderWindow* window, vtkScalarsToColors* table,
-                        const ColorScale& scale)
-{
+void FrameTextures::setTable(vtkOpenGLRenderWindow* window, vtkScalarsToColors* table,
+                             const ColorScale& scale) {
   std::vector<std::uint8_t> texels;
   for (int i = 0; i < scale.texels; ++i) {
     const double x = scale.texels > 1 ? i / (scale.texels - 1.0) : 0.5;
@@ -173,16 +154,12 @@ FrameTextures::setTable(vtkOpenGLRenderWindow* window, vtkScalarsToColors* table
   has_table_ = true;
 }
 
-void
-FrameTextures::setLines(vtkOpenGLRenderWindow* window, const std::vector<std::uint8_t>& rgba)
-{
+void FrameTextures::setLines(vtkOpenGLRenderWindow* window, const std::vector<std::uint8_t>& rgba) {
   upload(window, width_, height_, VTK_UNSIGNED_CHAR, rgba.data(), lines_);
   has_lines_ = true;
 }
 
-void
-FrameTextures::activate()
-{
+void FrameTextures::activate() {
   geometry_->Activate();
   if (has_attributes_) attributes_->Activate();
   if (has_colors_) colors_->Activate();
@@ -190,9 +167,7 @@ FrameTextures::activate()
   if (has_lines_) lines_->Activate();
 }
 
-void
-FrameTextures::tell(vtkShaderProgram* program)
-{
+void FrameTextures::tell(vtkShaderProgram* program) {
   const int unit = geometry_->GetTextureUnit();
   // A sampler of a texture that no mode reads now has to name some texture of its type.
   program->SetUniformi("slimGeometry", unit);
@@ -203,9 +178,7 @@ FrameTextures::tell(vtkShaderProgram* program)
   program->SetUniformi("slimHasLines", has_lines_);
 }
 
-void
-FrameTextures::deactivate()
-{
+void FrameTextures::deactivate() {
   geometry_->Deactivate();
   if (has_attributes_) attributes_->Deactivate();
   if (has_colors_) colors_->Deactivate();
@@ -213,9 +186,7 @@ FrameTextures::deactivate()
   if (has_lines_) lines_->Deactivate();
 }
 
-void
-FrameTextures::release(vtkWindow* window)
-{
+void FrameTextures::release(vtkWindow* window) {
   for (vtkTextureObject* texture :
        {geometry_.Get(), attributes_.Get(), colors_.Get(), table_.Get(), lines_.Get()}) {
     texture->ReleaseGraphicsResources(window);
@@ -226,9 +197,7 @@ FrameTextures::release(vtkWindow* window)
 namespace {
 
 /** \brief Normalised device coordinates of a rectangle that contains every covered pixel. */
-std::array<float, 4>
-coveredRectangle(const GBuffer& buffer)
-{
+std::array<float, 4> coveredRectangle(const GBuffer& buffer) {
   int x0 = buffer.width, x1 = -1, y0 = buffer.height, y1 = -1;
   const auto met = [](std::uint32_t surfel) { return surfel != GBuffer::kNothing; };
   for (int y = 0; y < buffer.height; ++y) {
@@ -246,7 +215,8 @@ coveredRectangle(const GBuffer& buffer)
     const float x = static_cast<float>(texel) / static_cast<float>(count);
     return std::clamp(2.0f * x - 1.0f, -1.0f, 1.0f);
   };
-  // Texels more on each side for what is interpolated between rays, and for lines on the silhouette.
+  // Texels more on each side for what is interpolated between rays, and for lines on the
+  // silhouette.
   constexpr int kMore = 2;
   return {ndc(x0 - kMore, buffer.width), -ndc(y1 + 1 + kMore, buffer.height),
           ndc(x1 + 1 + kMore, buffer.width), -ndc(y0 - kMore, buffer.height)};
@@ -264,8 +234,7 @@ FrameKey::FrameKey(const VtkView& view, const FrameRequest& request, std::uint64
       trim(request.trim),
       colored((request.columns & kColorColumn) != 0),
       close_gaps(request.close_gaps),
-      object(object_count)
-{
+      object(object_count) {
   const Matrix4& p = view.gl.projection;
   projection = {p[0], p[2], p[3], p[5], p[6], p[7], p[15]};
   for (const HalfSpace& plane : request.clip_planes) {
@@ -274,25 +243,19 @@ FrameKey::FrameKey(const VtkView& view, const FrameRequest& request, std::uint64
   }
 }
 
-bool
-FrameKey::operator==(const FrameKey& other) const
-{
+bool FrameKey::operator==(const FrameKey& other) const {
   return model_to_view == other.model_to_view && projection == other.projection &&
          width == other.width && height == other.height && near_distance == other.near_distance &&
          planes == other.planes && sides == other.sides && lod == other.lod && trim == other.trim &&
          colored == other.colored && object == other.object;
 }
 
-bool
-CachedFrame::holds(const FrameKey& key, int coarseness) const
-{
+bool CachedFrame::holds(const FrameKey& key, int coarseness) const {
   return valid_ && key == key_ && coarseness_ <= coarseness && (key_.close_gaps || !key.close_gaps);
 }
 
 /** \brief Converts a request to a camera whose rays are several pixels apart. */
-Error
-CachedFrame::begin(const VtkView& view, int coarseness, FrameRequest& request)
-{
+Error CachedFrame::begin(const VtkView& view, int coarseness, FrameRequest& request) {
   valid_ = false;
   if (Error error = translateView(view.gl, view.near_distance, coarseness, view_)) return error;
   request.near_plane = view_.near_plane;
@@ -302,10 +265,8 @@ CachedFrame::begin(const VtkView& view, int coarseness, FrameRequest& request)
   return {};
 }
 
-Error
-CachedFrame::make(const VtkView& view, FrameKey key, int coarseness, FrameRequest request,
-                  double scale, const Rasterize& rasterize)
-{
+Error CachedFrame::make(const VtkView& view, FrameKey key, int coarseness, FrameRequest request,
+                        double scale, const Rasterize& rasterize) {
   const Clock::time_point start = Clock::now();
   if (Error error = begin(view, coarseness, request)) return error;
   if (Error error = rasterize(view_.camera, request, buffer_)) return error;
@@ -316,10 +277,8 @@ CachedFrame::make(const VtkView& view, FrameKey key, int coarseness, FrameReques
   return {};
 }
 
-Error
-CachedFrame::makeOnCard(const VtkView& view, FrameKey key, int coarseness, FrameRequest request,
-                        const DrawOnCard& draw)
-{
+Error CachedFrame::makeOnCard(const VtkView& view, FrameKey key, int coarseness,
+                              FrameRequest request, const DrawOnCard& draw) {
   const Clock::time_point start = Clock::now();
   if (Error error = begin(view, coarseness, request)) return error;
   if (Error error = draw(view_, request, covered_)) return error;
@@ -328,9 +287,7 @@ CachedFrame::makeOnCard(const VtkView& view, FrameKey key, int coarseness, Frame
   return {};
 }
 
-void
-CachedFrame::finish(FrameKey key, int coarseness, Clock::time_point start)
-{
+void CachedFrame::finish(FrameKey key, int coarseness, Clock::time_point start) {
   key_ = std::move(key);
   coarseness_ = coarseness;
   valid_ = true;
@@ -338,17 +295,13 @@ CachedFrame::finish(FrameKey key, int coarseness, Clock::time_point start)
   full_seconds_ = seconds_ * coarseness * coarseness;
 }
 
-void
-CachedFrame::clear()
-{
+void CachedFrame::clear() {
   valid_ = false;
   full_seconds_ = 0.0;
   covered_ = 0;
 }
 
-int
-CachedFrame::coarsenessFor(double milliseconds) const
-{
+int CachedFrame::coarsenessFor(double milliseconds) const {
   for (const int step : {1, 2}) {
     if (full_seconds_ * 1000.0 <= milliseconds * step * step) return step;
   }

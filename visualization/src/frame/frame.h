@@ -61,12 +61,10 @@ struct ViewCamera {
  * parallel view also below 0; \param[in] coarseness viewport pixels from one ray to the next, a
  * whole number >= 1.
  * \return an error for a matrix with shear, mirror or unequal scales, which no camera has. */
-Error
-translateView(const GLView& view, double near_distance, int coarseness, ViewCamera& result);
+Error translateView(const GLView& view, double near_distance, int coarseness, ViewCamera& result);
 
 /** \brief The camera of the one ray through pixel (column, row) of another, rows from the top. */
-Camera
-cameraOfPixel(const Camera& camera, double column, double row);
+Camera cameraOfPixel(const Camera& camera, double column, double row);
 
 /** \brief An object's view in a renderer, and the distance of the near plane where it matters. */
 struct VtkView {
@@ -77,17 +75,14 @@ struct VtkView {
 /** \brief What the renderer's camera sees of an actor through a viewport of some size.
  * \param[in] bounds of the object in its own coordinates: an object behind the near plane as a
  * whole is not cut by it, however the plane moves. */
-VtkView
-viewOf(vtkRenderer* renderer, vtkActor* actor, const std::array<double, 6>& bounds, int width,
-       int height);
+VtkView viewOf(vtkRenderer* renderer, vtkActor* actor, const std::array<double, 6>& bounds,
+               int width, int height);
 
 /** \brief A mapper's clipping planes (world coordinates of the scene) in the actor's own. */
-std::vector<HalfSpace>
-clipPlanesOf(vtkMapper* mapper, vtkActor* actor);
+std::vector<HalfSpace> clipPlanesOf(vtkMapper* mapper, vtkActor* actor);
 
 /** \brief Whether the window's user is moving something with the mouse just now. */
-bool
-isInteracting(vtkRenderer* renderer);
+bool isInteracting(vtkRenderer* renderer);
 
 /** \brief A G-buffer as the resolve shader reads it; rows from the top. Both back ends make it. */
 struct PackedFrame {
@@ -102,12 +97,10 @@ struct PackedFrame {
 
 /** \brief A level and, as its fraction, a residual as a share of the radius, so that both fit into
  * one number. */
-float
-levelAndResidual(int level, float residual, float radius);
+float levelAndResidual(int level, float residual, float radius);
 
 /** \brief Packs a G-buffer. \param[in] scale world units per unit of the buffer. O(pixels). */
-void
-packFrame(const GBuffer& buffer, double scale, int threads, PackedFrame& frame);
+void packFrame(const GBuffer& buffer, double scale, int threads, PackedFrame& frame);
 
 /** \brief The textures the resolve shader reads, on the graphics card. */
 class FrameTextures {
@@ -121,8 +114,8 @@ class FrameTextures {
   void setFrame(vtkOpenGLRenderWindow* window, const PackedFrame& frame, int width, int height);
   /** \brief Brings the attributes over, unless they are there. */
   void needAttributes(vtkOpenGLRenderWindow* window, const PackedFrame& frame);
-  /** \brief Makes room for a frame that the graphics card draws, attributes included, and colours where
-   * requested: red, green and blue times a weight, and that weight. */
+  /** \brief Makes room for a frame that the graphics card draws, attributes included, and colours
+   * where requested: red, green and blue times a weight, and that weight. */
   void allocate(vtkOpenGLRenderWindow* window, int width, int height, bool with_colors);
   /** \brief Writes the covered pixels of another frame over one that the graphics card drew.
    * \param[in] scale world units per unit of the buffer */
@@ -229,15 +222,15 @@ class CachedFrame {
 class FramePace {
  public:
   /** \brief Counts a frame. \param[in] seconds of wall time */
-  void add(double seconds, std::size_t pixels)
-  {
+  void add(double seconds, std::size_t pixels) {
     constexpr std::size_t kFewest = 10000;  // small frames do not predict large ones
     if (pixels < kFewest) return;
     last_[frames_ % last_.size()] = seconds / static_cast<double>(pixels);
     ++frames_;
   }
 
-  /** \brief Whether frames enough are counted: the first one also compiles shaders or makes an index. */
+  /** \brief Whether frames enough are counted: the first one also compiles shaders or makes an
+   * index. */
   bool isKnown() const { return frames_ >= last_.size(); }
   /** \brief Seconds a pixel of the fastest of the last three frames, once they are known. */
   double secondsPerPixel() const { return *std::min_element(last_.begin(), last_.end()); }
@@ -247,25 +240,25 @@ class FramePace {
   std::size_t frames_ = 0;
 };
 
-/** \brief Which of the two back ends draws a surface: the graphics card while it is fast or not yet known to be slow;
- * once it is slow the CPU, until its pace is known as well, and from then on the faster of the two. */
+/** \brief Which of the two back ends draws a surface: the graphics card while it is fast or not yet
+ * known to be slow; once it is slow the CPU, until its pace is known as well, and from then on the
+ * faster of the two. */
 class BackendChoice {
  public:
-  /** \brief Counts a full frame. The card draws nothing that is cut open, for which the CPU takes longer: such frames
-   * are not counted. \param[in] seconds of wall time until the card has it */
-  void add(bool on_card, const FrameRequest& request, double seconds, std::size_t pixels)
-  {
+  /** \brief Counts a full frame. The card draws nothing that is cut open, for which the CPU takes
+   * longer: such frames are not counted. \param[in] seconds of wall time until the card has it */
+  void add(bool on_card, const FrameRequest& request, double seconds, std::size_t pixels) {
     if (!request.close_gaps || !request.clip_planes.empty()) return;
     (on_card ? card_ : cpu_).add(seconds, pixels);
   }
 
   /** \brief Whether the graphics card is to draw the next frame. */
-  bool prefersCard()
-  {
+  bool prefersCard() {
     constexpr double kFast = 1.5e-8;  // 14 ms a frame of 1280 x 720
     if (!card_.isKnown() || card_.secondsPerPixel() < kFast) return on_card_ = true;
     if (!cpu_.isKnown()) return on_card_ = false;
-    // Frames vary by as much while the camera turns: what is faster by less is no reason to change again.
+    // Frames vary by as much while the camera turns: what is faster by less is no reason to change
+    // again.
     const double gain = settled_ ? 0.75 : 1.0;
     const double ratio = cpu_.secondsPerPixel() / card_.secondsPerPixel();
     settled_ = true;
@@ -278,17 +271,14 @@ class BackendChoice {
 };
 
 /** \brief Vertex shader: a rectangle of the viewport from gl_VertexID. */
-const char*
-resolveVertexShader();
+const char* resolveVertexShader();
 
 /** \brief Puts the resolve of a packed frame into VTK's fragment shader of polygons, before VTK
  * itself replaces the rest: vertexVC, normalVCVSOutput, gl_FragDepth and the colours. */
-void
-insertResolve(std::string& fragment_shader);
+void insertResolve(std::string& fragment_shader);
 
 /** \brief Sets the program's values of rays, projection and cuts. */
-void
-tellView(const ViewCamera& view, const GLView& seen, const std::vector<HalfSpace>& planes,
-         vtkShaderProgram* program);
+void tellView(const ViewCamera& view, const GLView& seen, const std::vector<HalfSpace>& planes,
+              vtkShaderProgram* program);
 
 }  // namespace pcl_slim::detail

@@ -9,15 +9,11 @@ namespace pcl_slim::detail {
 namespace {
 
 constexpr const char* kVertex = R"(//VTK::System::Dec
-//VTK::Picking::Dec
-//VTK::PrimID::Dec
 uniform vec4 slimRectangle;  // left, bottom, right, top in normalised device coordinates
 void main()
 {
   gl_Position = vec4((gl_VertexID & 1) == 0 ? slimRectangle.x : slimRectangle.z,
                      (gl_VertexID & 2) == 0 ? slimRectangle.y : slimRectangle.w, 0.0, 1.0);
-  //VTK::PrimID::Impl
-  //VTK::Picking::Impl
 }
 )";
 
@@ -193,15 +189,12 @@ constexpr const char* kUnlit = R"(
   if (slimLine.a > 0.0) {
     gl_FragData[0].rgb = pow(mix(slimPaper, slimInk, slimOff ? 1.0 : slimLine.a), vec3(1.0 / 2.2));
   }
-  //VTK::TCoord::Impl
 )";
 
-/** \brief Clipping planes in view coordinates: n.x >= d of the model is (R n).y >= s d + (R n).m with
- * y = s R x + m. */
-void
-tellPlanes(const ViewCamera& view, const GLView& seen, const std::vector<HalfSpace>& planes,
-           vtkShaderProgram* program)
-{
+/** \brief Clipping planes in view coordinates: n.x >= d of the model is (R n).y >= s d + (R n).m
+ * with y = s R x + m. */
+void tellPlanes(const ViewCamera& view, const GLView& seen, const std::vector<HalfSpace>& planes,
+                vtkShaderProgram* program) {
   constexpr std::size_t kMostPlanes = 6;  // as in VTK
   float cuts[kMostPlanes][4] = {};
   const std::size_t count = std::min(planes.size(), kMostPlanes);
@@ -221,15 +214,11 @@ tellPlanes(const ViewCamera& view, const GLView& seen, const std::vector<HalfSpa
 
 }  // namespace
 
-const char*
-resolveVertexShader()
-{
+const char* resolveVertexShader() {
   return kVertex;
 }
 
-void
-insertResolve(std::string& source)
-{
+void insertResolve(std::string& source) {
   vtkShaderProgram::Substitute(source, "//VTK::PositionVC::Dec", kDeclarations);
   vtkShaderProgram::Substitute(source, "//VTK::PositionVC::Impl", kPosition);
   vtkShaderProgram::Substitute(source, "//VTK::Depth::Impl", kDepth);
@@ -242,10 +231,8 @@ insertResolve(std::string& source)
   vtkShaderProgram::Substitute(source, "//VTK::TCoord::Impl", kUnlit);
 }
 
-void
-tellView(const ViewCamera& view, const GLView& seen, const std::vector<HalfSpace>& planes,
-         vtkShaderProgram* program)
-{
+void tellView(const ViewCamera& view, const GLView& seen, const std::vector<HalfSpace>& planes,
+              vtkShaderProgram* program) {
   const auto f = [](double value) { return static_cast<float>(value); };
   const float texels[2] = {f(view.texels_x), f(view.texels_y)};
   const float plane[4] = {f(view.x_scale), f(view.x_shift), f(view.y_scale), f(view.y_shift)};

@@ -24,9 +24,7 @@ namespace {
 
 /** \brief Rotation and scale of a matrix. \return false unless it is a similarity that keeps
  * right hands right. */
-bool
-splitSimilarity(const Matrix4& m, std::array<double, 9>& rotation, double& scale)
-{
+bool splitSimilarity(const Matrix4& m, std::array<double, 9>& rotation, double& scale) {
   constexpr double kTolerance = 1e-5;
   const Vector3 rows[3] = {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}};
   const double determinant = dot(rows[0], cross(rows[1], rows[2]));
@@ -44,9 +42,7 @@ splitSimilarity(const Matrix4& m, std::array<double, 9>& rotation, double& scale
 }
 
 /** \brief The viewer's position in the model's coordinates: the origin of view space. */
-Vector3
-eyeOf(const Matrix4& m, const std::array<double, 9>& r, double scale)
-{
+Vector3 eyeOf(const Matrix4& m, const std::array<double, 9>& r, double scale) {
   Vector3 eye{};
   for (std::size_t k = 0; k < 3; ++k) {
     eye[k] = -(r[k] * m[3] + r[3 + k] * m[7] + r[6 + k] * m[11]) / scale;
@@ -56,10 +52,8 @@ eyeOf(const Matrix4& m, const std::array<double, 9>& r, double scale)
 
 /** \brief Fills in size, opening and shift of the picture. \param[in] view_height of the whole
  * viewport on the image plane. */
-void
-setPicture(const GLView& view, double view_height, double shift_x, double shift_y, int coarseness,
-           ViewCamera& result)
-{
+void setPicture(const GLView& view, double view_height, double shift_x, double shift_y,
+                int coarseness, ViewCamera& result) {
   Camera& camera = result.camera;
   // Pixels of the camera are square: one whose pixels are not has another number of columns.
   const double columns = std::max(1.0, std::round(view.height * result.x_scale / result.y_scale));
@@ -85,9 +79,7 @@ setPicture(const GLView& view, double view_height, double shift_x, double shift_
 
 }  // namespace
 
-Error
-translateView(const GLView& view, double near_distance, int coarseness, ViewCamera& result)
-{
+Error translateView(const GLView& view, double near_distance, int coarseness, ViewCamera& result) {
   const Matrix4& p = view.projection;
   result.parallel = p[15] != 0.0;
   if (!splitSimilarity(view.model_to_view, result.rotation, result.view_scale)) {
@@ -121,9 +113,7 @@ translateView(const GLView& view, double near_distance, int coarseness, ViewCame
   return camera.validate();
 }
 
-Camera
-cameraOfPixel(const Camera& camera, double column, double row)
-{
+Camera cameraOfPixel(const Camera& camera, double column, double row) {
   Camera pixel = camera;
   pixel.size = {1, 1};
   pixel.pixel_offset = {column - 0.5 * (camera.size.width - 1) + camera.pixel_offset[0],
@@ -137,9 +127,7 @@ cameraOfPixel(const Camera& camera, double column, double row)
 namespace {
 
 /** \brief View-space distance of the nearest corner of a box. */
-double
-nearestCorner(const Matrix4& model_to_view, const std::array<double, 6>& bounds)
-{
+double nearestCorner(const Matrix4& model_to_view, const std::array<double, 6>& bounds) {
   double nearest = std::numeric_limits<double>::infinity();
   for (std::size_t corner = 0; corner < 8; ++corner) {
     double z = model_to_view[11];
@@ -153,10 +141,8 @@ nearestCorner(const Matrix4& model_to_view, const std::array<double, 6>& bounds)
 
 }  // namespace
 
-VtkView
-viewOf(vtkRenderer* renderer, vtkActor* actor, const std::array<double, 6>& bounds, int width,
-       int height)
-{
+VtkView viewOf(vtkRenderer* renderer, vtkActor* actor, const std::array<double, 6>& bounds,
+               int width, int height) {
   VtkView view;
   auto* camera = static_cast<vtkOpenGLCamera*>(renderer->GetActiveCamera());
   vtkMatrix4x4 *world_to_view = nullptr, *projection = nullptr, *both = nullptr;
@@ -182,9 +168,7 @@ viewOf(vtkRenderer* renderer, vtkActor* actor, const std::array<double, 6>& boun
   return view;
 }
 
-std::vector<HalfSpace>
-clipPlanesOf(vtkMapper* mapper, vtkActor* actor)
-{
+std::vector<HalfSpace> clipPlanesOf(vtkMapper* mapper, vtkActor* actor) {
   std::vector<HalfSpace> planes;
   vtkPlaneCollection* collection = mapper->GetClippingPlanes();
   if (!collection) return planes;
@@ -204,9 +188,7 @@ clipPlanesOf(vtkMapper* mapper, vtkActor* actor)
   return planes;
 }
 
-bool
-isInteracting(vtkRenderer* renderer)
-{
+bool isInteracting(vtkRenderer* renderer) {
   vtkRenderWindowInteractor* interactor = renderer->GetRenderWindow()->GetInteractor();
   if (!interactor) return false;
   vtkInteractorObserver* observer = interactor->GetInteractorStyle();

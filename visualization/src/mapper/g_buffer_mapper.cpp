@@ -51,17 +51,14 @@ struct GBufferMapper::State {
 
 using namespace detail;
 
-GBufferMapper::GBufferMapper() : state_(std::make_unique<State>())
-{
+GBufferMapper::GBufferMapper() : state_(std::make_unique<State>()) {
   SetLookupTable(state_->table);
   ScalarVisibilityOff();
 }
 
 GBufferMapper::~GBufferMapper() = default;
 
-bool
-GBufferMapper::setMode(DisplayMode mode)
-{
+bool GBufferMapper::setMode(DisplayMode mode) {
   if (!supports(mode)) return false;
   if (mode == state_->mode) return true;
   if (mode == DisplayMode::kSketch || state_->mode == DisplayMode::kSketch) dropLines();
@@ -72,15 +69,11 @@ GBufferMapper::setMode(DisplayMode mode)
   return true;
 }
 
-DisplayMode
-GBufferMapper::getMode() const
-{
+DisplayMode GBufferMapper::getMode() const {
   return state_->mode;
 }
 
-void
-GBufferMapper::setRange(double range)
-{
+void GBufferMapper::setRange(double range) {
   range = std::isfinite(range) ? std::max(0.0, range) : 0.0;
   if (range == state_->range) return;
   state_->range = range;
@@ -89,66 +82,46 @@ GBufferMapper::setRange(double range)
   Modified();
 }
 
-double
-GBufferMapper::getRange() const
-{
+double GBufferMapper::getRange() const {
   if (takesRange(state_->mode) && state_->range > 0.0) return state_->range;
   return automaticRange(state_->mode)[1];
 }
 
-void
-GBufferMapper::setFrameBudget(double milliseconds)
-{
+void GBufferMapper::setFrameBudget(double milliseconds) {
   state_->budget = std::isfinite(milliseconds) ? std::max(0.0, milliseconds) : 0.0;
 }
 
-double
-GBufferMapper::getFrameBudget() const
-{
+double GBufferMapper::getFrameBudget() const {
   return state_->budget;
 }
 
-void
-GBufferMapper::setSides(VisibleSides sides)
-{
+void GBufferMapper::setSides(VisibleSides sides) {
   if (sides == state_->sides) return;
   state_->sides = sides;
   Modified();
 }
 
-VisibleSides
-GBufferMapper::getSides() const
-{
+VisibleSides GBufferMapper::getSides() const {
   return state_->sides;
 }
 
-void
-GBufferMapper::setNumberOfThreads(int threads)
-{
+void GBufferMapper::setNumberOfThreads(int threads) {
   state_->threads = std::max(0, threads);
 }
 
-int
-GBufferMapper::getNumberOfThreads() const
-{
+int GBufferMapper::getNumberOfThreads() const {
   return state_->threads;
 }
 
-const FrameStatistics&
-GBufferMapper::getStatistics() const
-{
+const FrameStatistics& GBufferMapper::getStatistics() const {
   return state_->statistics;
 }
 
-const Error&
-GBufferMapper::getError() const
-{
+const Error& GBufferMapper::getError() const {
   return state_->error;
 }
 
-void
-GBufferMapper::objectChanged(vtkPolyData* points, const std::array<double, 6>& bounds)
-{
+void GBufferMapper::objectChanged(vtkPolyData* points, const std::array<double, 6>& bounds) {
   state_->bounds = bounds;
   ++state_->object;
   state_->frame.clear();
@@ -160,9 +133,7 @@ GBufferMapper::objectChanged(vtkPolyData* points, const std::array<double, 6>& b
 }
 
 /** \brief Fills the table of colours anew where mode, range or object have changed. */
-void
-GBufferMapper::updateTable()
-{
+void GBufferMapper::updateTable() {
   State& s = *state_;
   if (s.table_current || !showsNumbers(s.mode)) return;
   std::array<double, 2> limits = automaticRange(s.mode);
@@ -174,73 +145,49 @@ GBufferMapper::updateTable()
   ++s.statistics.tables;
 }
 
-void
-GBufferMapper::ComputeBounds()
-{
+void GBufferMapper::ComputeBounds() {
   std::copy(state_->bounds.begin(), state_->bounds.end(), Bounds);
 }
 
-void
-GBufferMapper::UpdateBufferObjects(vtkRenderer* /*renderer*/, vtkActor* /*actor*/)
-{
+void GBufferMapper::UpdateBufferObjects(vtkRenderer* /*renderer*/, vtkActor* /*actor*/) {
   // There are no vertices: rays meet the object itself.
 }
 
-void
-GBufferMapper::complete(FrameRequest& /*request*/) const
-{
-}
+void GBufferMapper::complete(FrameRequest& /*request*/) const {}
 
-bool
-GBufferMapper::wantsLines() const
-{
+bool GBufferMapper::wantsLines() const {
   return false;
 }
 
-Error
-GBufferMapper::drawLinesOver(const Camera& /*camera*/, const FrameRequest& /*request*/,
-                             const GBuffer* /*buffer*/, std::vector<std::uint8_t>& /*rgba*/)
-{
+Error GBufferMapper::drawLinesOver(const Camera& /*camera*/, const FrameRequest& /*request*/,
+                                   const GBuffer* /*buffer*/, std::vector<std::uint8_t>& /*rgba*/) {
   return {};
 }
 
-void
-GBufferMapper::dropLines()
-{
+void GBufferMapper::dropLines() {
   state_->lines_current = false;
   Modified();
 }
 
-bool
-GBufferMapper::usesCard(vtkOpenGLRenderWindow* /*window*/, const FrameRequest& /*request*/)
-{
+bool GBufferMapper::usesCard(vtkOpenGLRenderWindow* /*window*/, const FrameRequest& /*request*/) {
   return false;
 }
 
-Error
-GBufferMapper::drawOnCard(vtkOpenGLRenderWindow* /*window*/, const ViewCamera& /*view*/,
-                          const FrameRequest& /*request*/, FrameTextures& /*textures*/,
-                          std::uint64_t& /*covered*/)
-{
+Error GBufferMapper::drawOnCard(vtkOpenGLRenderWindow* /*window*/, const ViewCamera& /*view*/,
+                                const FrameRequest& /*request*/, FrameTextures& /*textures*/,
+                                std::uint64_t& /*covered*/) {
   return {ErrorCode::kBadArgument, "the graphics card does not draw this; draw it on the CPU"};
 }
 
-void
-GBufferMapper::frameMade(const FrameRequest& /*request*/, const ImageSize& /*size*/,
-                         double /*seconds*/)
-{
-}
+void GBufferMapper::frameMade(const FrameRequest& /*request*/, const ImageSize& /*size*/,
+                              double /*seconds*/) {}
 
-void
-GBufferMapper::dropFrame()
-{
+void GBufferMapper::dropFrame() {
   state_->frame.clear();
   Modified();
 }
 
-bool
-GBufferMapper::castRay(vtkRenderer* renderer, vtkActor* actor, int x, int y, GBuffer& pixel)
-{
+bool GBufferMapper::castRay(vtkRenderer* renderer, vtkActor* actor, int x, int y, GBuffer& pixel) {
   pixel.resize(0, 0);
   int width = 0, height = 0, left = 0, bottom = 0;
   renderer->GetTiledSizeAndOrigin(&width, &height, &left, &bottom);
@@ -260,9 +207,7 @@ GBufferMapper::castRay(vtkRenderer* renderer, vtkActor* actor, int x, int y, GBu
   return pixel.numPixels() == 1 && pixel.covered(0);
 }
 
-void
-GBufferMapper::PrintSelf(ostream& os, vtkIndent indent)
-{
+void GBufferMapper::PrintSelf(ostream& os, vtkIndent indent) {
   Superclass::PrintSelf(os, indent);
   os << indent << "Mode: " << nameOf(state_->mode) << "\n";
   os << indent << "Range: " << state_->range << "\n";
@@ -275,9 +220,8 @@ GBufferMapper::PrintSelf(ostream& os, vtkIndent indent)
 // How it draws: rays, lines, the textures of both, and the shader that resolves them.
 
 /** \brief Intersects a frame's rays on the graphics card or, failing that, on the CPU. */
-Error
-GBufferMapper::makeFrame(vtkOpenGLRenderWindow* window, FrameRequest request, int coarseness)
-{
+Error GBufferMapper::makeFrame(vtkOpenGLRenderWindow* window, FrameRequest request,
+                               int coarseness) {
   State& s = *state_;
   const FrameKey key(s.view, request, s.object);
   if (coarseness > 1) request.columns &= kColorColumn;
@@ -299,10 +243,9 @@ GBufferMapper::makeFrame(vtkOpenGLRenderWindow* window, FrameRequest request, in
                       });
 }
 
-/** \brief Intersects rays unless the last frame is still valid. \return false for an empty frame. */
-bool
-GBufferMapper::prepareFrame(vtkRenderer* renderer, vtkActor* actor)
-{
+/** \brief Intersects rays unless the last frame is still valid. \return false for an empty frame.
+ */
+bool GBufferMapper::prepareFrame(vtkRenderer* renderer, vtkActor* actor) {
   State& s = *state_;
   auto* window = static_cast<vtkOpenGLRenderWindow*>(renderer->GetRenderWindow());
   window->GetState()->vtkglGetIntegerv(GL_VIEWPORT, s.viewport.data());
@@ -330,9 +273,7 @@ GBufferMapper::prepareFrame(vtkRenderer* renderer, vtkActor* actor)
 }
 
 /** \brief Brings over to the graphics card what has changed since it was there. */
-void
-GBufferMapper::uploadFrame(vtkOpenGLRenderWindow* window)
-{
+void GBufferMapper::uploadFrame(vtkOpenGLRenderWindow* window) {
   State& s = *state_;
   if (!s.uploaded) {
     s.textures.setFrame(window, s.frame.packed(), s.frame.width(), s.frame.height());
@@ -346,11 +287,9 @@ GBufferMapper::uploadFrame(vtkOpenGLRenderWindow* window)
   s.table_time = table->GetMTime();
 }
 
-/** \brief Draws lines over the frame where it has a ray for every pixel, while the mouse moves only if
- * frame and lines together take no longer than the budget. */
-void
-GBufferMapper::prepareLines(vtkRenderer* renderer)
-{
+/** \brief Draws lines over the frame where it has a ray for every pixel, while the mouse moves only
+ * if frame and lines together take no longer than the budget. */
+void GBufferMapper::prepareLines(vtkRenderer* renderer) {
   State& s = *state_;
   if (s.lines_current && wantsLines()) return;
   s.textures.dropLines();
@@ -370,9 +309,7 @@ GBufferMapper::prepareLines(vtkRenderer* renderer)
   s.textures.setLines(static_cast<vtkOpenGLRenderWindow*>(renderer->GetRenderWindow()), rgba);
 }
 
-void
-GBufferMapper::RenderPieceDraw(vtkRenderer* renderer, vtkActor* actor)
-{
+void GBufferMapper::RenderPieceDraw(vtkRenderer* renderer, vtkActor* actor) {
   State& s = *state_;
   ++s.statistics.frames;
   const std::uint64_t made = s.statistics.rasterized;
@@ -391,9 +328,7 @@ GBufferMapper::RenderPieceDraw(vtkRenderer* renderer, vtkActor* actor)
   s.textures.deactivate();
 }
 
-void
-GBufferMapper::ReleaseGraphicsResources(vtkWindow* window)
-{
+void GBufferMapper::ReleaseGraphicsResources(vtkWindow* window) {
   state_->textures.release(window);
   if (state_->statistics.on_card) state_->frame.clear();
   state_->uploaded = state_->lines_current = false;
@@ -401,29 +336,23 @@ GBufferMapper::ReleaseGraphicsResources(vtkWindow* window)
   Superclass::ReleaseGraphicsResources(window);
 }
 
-void
-GBufferMapper::GetShaderTemplate(std::map<vtkShader::Type, vtkShader*> shaders,
-                                 vtkRenderer* renderer, vtkActor* actor)
-{
+void GBufferMapper::GetShaderTemplate(std::map<vtkShader::Type, vtkShader*> shaders,
+                                      vtkRenderer* renderer, vtkActor* actor) {
   Superclass::GetShaderTemplate(shaders, renderer, actor);
   shaders[vtkShader::Vertex]->SetSource(resolveVertexShader());
   shaders[vtkShader::Geometry]->SetSource("");
 }
 
-void
-GBufferMapper::ReplaceShaderValues(std::map<vtkShader::Type, vtkShader*> shaders,
-                                   vtkRenderer* renderer, vtkActor* actor)
-{
+void GBufferMapper::ReplaceShaderValues(std::map<vtkShader::Type, vtkShader*> shaders,
+                                        vtkRenderer* renderer, vtkActor* actor) {
   std::string source = shaders[vtkShader::Fragment]->GetSource();
   insertResolve(source);
   shaders[vtkShader::Fragment]->SetSource(source);
   Superclass::ReplaceShaderValues(shaders, renderer, actor);
 }
 
-void
-GBufferMapper::SetCameraShaderParameters(vtkOpenGLHelper& primitive, vtkRenderer* /*renderer*/,
-                                         vtkActor* /*actor*/)
-{
+void GBufferMapper::SetCameraShaderParameters(vtkOpenGLHelper& primitive, vtkRenderer* /*renderer*/,
+                                              vtkActor* /*actor*/) {
   State& s = *state_;
   vtkShaderProgram* program = primitive.Program;
   s.textures.tell(program);

@@ -46,9 +46,7 @@ class SurfaceFrames {
 
 namespace {
 
-RenderParams
-paramsOf(const FrameRequest& request)
-{
+RenderParams paramsOf(const FrameRequest& request) {
   RenderParams params;
   params.sides = request.sides;
   params.near_plane = request.near_plane;
@@ -64,16 +62,12 @@ paramsOf(const FrameRequest& request)
 
 }  // namespace
 
-Error
-SurfaceFrames::render(const Camera& camera, const FrameRequest& request, GBuffer& buffer)
-{
+Error SurfaceFrames::render(const Camera& camera, const FrameRequest& request, GBuffer& buffer) {
   return renderer_.render(camera, paramsOf(request), buffer);
 }
 
-Result<std::size_t>
-SurfaceFrames::closeGaps(const Camera& camera, const FrameRequest& request,
-                         const CardRasterizer& card, FrameTextures& textures)
-{
+Result<std::size_t> SurfaceFrames::closeGaps(const Camera& camera, const FrameRequest& request,
+                                             const CardRasterizer& card, FrameTextures& textures) {
   const RenderParams params = paramsOf(request);
   card.readMet(met_);
   gaps_.reserve(camera.size.width, camera.size.height, params.columns);
@@ -96,8 +90,7 @@ class BallPoints {
  public:
   BallPoints() { points_->SetDataTypeToDouble(); }
 
-  void add(const std::array<double, 3>& center, double radius)
-  {
+  void add(const std::array<double, 3>& center, double radius) {
     points_->InsertNextPoint(center.data());
     for (std::size_t k = 0; k < 3; ++k) {
       const double low = center[k] - radius, high = center[k] + radius;
@@ -107,8 +100,7 @@ class BallPoints {
     first_ = false;
   }
 
-  vtkSmartPointer<vtkPolyData> finish(std::array<double, 6>& bounds) const
-  {
+  vtkSmartPointer<vtkPolyData> finish(std::array<double, 6>& bounds) const {
     bounds = bounds_;
     auto data = vtkSmartPointer<vtkPolyData>::New();
     data->SetPoints(points_);
@@ -124,9 +116,7 @@ class BallPoints {
 /** \brief Centres of a surface's leaves as points without cells, double, world coordinates: what
  * VTK's point pickers look at. \param[out] bounds of the balls as far as the surface reaches;
  * VTK's empty ones for no leaf or a null surface. O(surfels). */
-vtkSmartPointer<vtkPolyData>
-leafPoints(const SLIMSurface* surface, std::array<double, 6>& bounds)
-{
+vtkSmartPointer<vtkPolyData> leafPoints(const SLIMSurface* surface, std::array<double, 6>& bounds) {
   BallPoints points;
   for (std::size_t i = 0; surface && i < surface->size(); ++i) {
     if (!surface->isLeaf(i)) continue;
@@ -140,9 +130,7 @@ leafPoints(const SLIMSurface* surface, std::array<double, 6>& bounds)
 }
 
 /** \brief The same of splats. O(splats). */
-vtkSmartPointer<vtkPolyData>
-splatPoints(const SplatSet* splats, std::array<double, 6>& bounds)
-{
+vtkSmartPointer<vtkPolyData> splatPoints(const SplatSet* splats, std::array<double, 6>& bounds) {
   BallPoints points;
   for (std::size_t i = 0; splats && i < splats->size(); ++i) {
     points.add({splats->origin[0] + double{splats->x[i]}, splats->origin[1] + double{splats->y[i]},
@@ -155,9 +143,7 @@ splatPoints(const SplatSet* splats, std::array<double, 6>& bounds)
 using Weighted = std::pair<double, double>;  ///< value, area
 
 /** \brief The value below which a share of the area is. */
-double
-quantile(const std::vector<Weighted>& sorted, double share)
-{
+double quantile(const std::vector<Weighted>& sorted, double share) {
   double total = 0.0, sum = 0.0;
   for (const Weighted& entry : sorted) total += entry.second;
   for (const Weighted& entry : sorted) {
@@ -168,9 +154,7 @@ quantile(const std::vector<Weighted>& sorted, double share)
 }
 
 /** \brief A leaf's curvature at its centre, of the kind a mode shows, 1 / radius or its square. */
-double
-curvatureAtCenter(const SLIMSurface& surface, std::size_t i, DisplayMode mode)
-{
+double curvatureAtCenter(const SLIMSurface& surface, std::size_t i, DisplayMode mode) {
   const HeightJet jet = evaluateJet(surface.degree[i], surface.coefficientsOf(i), 0.0, 0.0);
   const double e = 1.0 + jet.hu * jet.hu, g = 1.0 + jet.hv * jet.hv, f = jet.hu * jet.hv;
   const double root = std::sqrt(e + g - 1.0);
@@ -185,9 +169,7 @@ curvatureAtCenter(const SLIMSurface& surface, std::size_t i, DisplayMode mode)
   }
 }
 
-double
-valueOf(const SLIMSurface& surface, std::size_t i, DisplayMode mode)
-{
+double valueOf(const SLIMSurface& surface, std::size_t i, DisplayMode mode) {
   const double radius = surface.radius[i] * surface.info.scale;
   if (mode == DisplayMode::kSize) return radius;
   if (mode == DisplayMode::kLevel) return surface.level[i];
@@ -196,10 +178,9 @@ valueOf(const SLIMSurface& surface, std::size_t i, DisplayMode mode)
   return std::abs(curvatureAtCenter(surface, i, mode)) / unit;
 }
 
-/** \brief The tolerance for rounding: a millionth of one over the surface's extent, or its square. */
-double
-leastShown(double scale, DisplayMode mode)
-{
+/** \brief The tolerance for rounding: a millionth of one over the surface's extent, or its square.
+ */
+double leastShown(double scale, DisplayMode mode) {
   constexpr double kShare = 1e-6;
   if (mode == DisplayMode::kError) return 0.0;
   return mode == DisplayMode::kGauss ? kShare * kShare / (scale * scale) : kShare / scale;
@@ -211,9 +192,7 @@ leastShown(double scale, DisplayMode mode)
  * at the leaves' centres: -r ... r, which contains 95 % of the area; radii: their 2nd to 98th
  * percentile by area; levels: lowest and highest. O(leaves log leaves).
  */
-std::array<double, 2>
-surfaceRange(const SLIMSurface& surface, DisplayMode mode)
-{
+std::array<double, 2> surfaceRange(const SLIMSurface& surface, DisplayMode mode) {
   std::vector<Weighted> values;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (!surface.isLeaf(i)) continue;
@@ -240,9 +219,7 @@ vtkStandardNewMacro(SLIMMapper)
 SLIMMapper::SLIMMapper() : choice_(std::make_unique<BackendChoice>()) {}
 SLIMMapper::~SLIMMapper() = default;
 
-bool
-SLIMMapper::setSurface(std::shared_ptr<const SLIMSurface> surface)
-{
+bool SLIMMapper::setSurface(std::shared_ptr<const SLIMSurface> surface) {
   const bool usable = !surface || !surface->validate();
   surface_ = usable ? std::move(surface) : nullptr;
   frames_ = surface_ ? std::make_unique<SurfaceFrames>(*surface_) : nullptr;
@@ -257,32 +234,24 @@ SLIMMapper::setSurface(std::shared_ptr<const SLIMSurface> surface)
   return usable;
 }
 
-bool
-SLIMMapper::supports(DisplayMode mode) const
-{
+bool SLIMMapper::supports(DisplayMode mode) const {
   return mode != DisplayMode::kColor || (surface_ && surface_->hasColors());
 }
 
-Error
-SLIMMapper::rasterize(const Camera& camera, const FrameRequest& request, GBuffer& buffer)
-{
+Error SLIMMapper::rasterize(const Camera& camera, const FrameRequest& request, GBuffer& buffer) {
   if (frames_) return frames_->render(camera, request, buffer);
   buffer.resize(camera.size.width, camera.size.height);
   return {};
 }
 
-void
-SLIMMapper::setBackend(RayBackend backend)
-{
+void SLIMMapper::setBackend(RayBackend backend) {
   if (backend == backend_) return;
   backend_ = backend;
   card_fails_ = false;
   dropFrame();
 }
 
-void
-SLIMMapper::setLevelOfDetail(double pixels)
-{
+void SLIMMapper::setLevelOfDetail(double pixels) {
   constexpr double kMost = 1024.0;  // as RenderParams takes
   pixels = std::isfinite(pixels) ? std::clamp(pixels, 0.0, kMost) : 0.0;
   if (pixels == lod_) return;
@@ -290,26 +259,20 @@ SLIMMapper::setLevelOfDetail(double pixels)
   Modified();
 }
 
-void
-SLIMMapper::setTrimming(bool trim)
-{
+void SLIMMapper::setTrimming(bool trim) {
   if (trim == trim_) return;
   trim_ = trim;
   Modified();
 }
 
-void
-SLIMMapper::complete(FrameRequest& request) const
-{
+void SLIMMapper::complete(FrameRequest& request) const {
   request.lod = lod_;
   request.trim = trim_;
   request.columns = pictureLineColumns(linesShown());
   if (getMode() == DisplayMode::kColor) request.columns |= kColorColumn;
 }
 
-Error
-SLIMMapper::setLines(const PictureLineParams& lines, const LineStyle& style)
-{
+Error SLIMMapper::setLines(const PictureLineParams& lines, const LineStyle& style) {
   if (Error error = lines.validate()) return error;
   std::vector<std::uint8_t> none;
   if (Error error = drawLines({}, style, {1, 1}, none)) return error;
@@ -320,9 +283,7 @@ SLIMMapper::setLines(const PictureLineParams& lines, const LineStyle& style)
 }
 
 /** \brief The kinds that are drawn in the mode that is set. */
-PictureLineParams
-SLIMMapper::linesShown() const
-{
+PictureLineParams SLIMMapper::linesShown() const {
   PictureLineParams shown = lines_;
   const bool any = lines_.crest || lines_.suggestive || lines_.contour;
   if (!any && getMode() == DisplayMode::kSketch) {
@@ -331,17 +292,13 @@ SLIMMapper::linesShown() const
   return shown;
 }
 
-bool
-SLIMMapper::wantsLines() const
-{
+bool SLIMMapper::wantsLines() const {
   const PictureLineParams shown = linesShown();
   return surface_ && (shown.crest || shown.suggestive || shown.contour);
 }
 
-Error
-SLIMMapper::drawLinesOver(const Camera& camera, const FrameRequest& request, const GBuffer* buffer,
-                          std::vector<std::uint8_t>& rgba)
-{
+Error SLIMMapper::drawLinesOver(const Camera& camera, const FrameRequest& request,
+                                const GBuffer* buffer, std::vector<std::uint8_t>& rgba) {
   PictureLineParams shown = linesShown();
   shown.threads = request.threads;
   const unsigned needed = pictureLineColumns(shown);
@@ -356,9 +313,7 @@ SLIMMapper::drawLinesOver(const Camera& camera, const FrameRequest& request, con
   return lines ? drawLines(*lines, line_style_, camera.size, rgba) : lines.error();
 }
 
-bool
-SLIMMapper::usesCard(vtkOpenGLRenderWindow* /*window*/, const FrameRequest& request)
-{
+bool SLIMMapper::usesCard(vtkOpenGLRenderWindow* /*window*/, const FrameRequest& request) {
   if (!surface_ || card_fails_ || !request.clip_planes.empty()) return false;
   if (backend_ == RayBackend::kAuto) {
     return !CardRasterizer::isSoftware() && choice_->prefersCard();
@@ -366,10 +321,9 @@ SLIMMapper::usesCard(vtkOpenGLRenderWindow* /*window*/, const FrameRequest& requ
   return backend_ == RayBackend::kOpenGL;
 }
 
-Error
-SLIMMapper::drawOnCard(vtkOpenGLRenderWindow* window, const ViewCamera& view,
-                       const FrameRequest& request, FrameTextures& textures, std::uint64_t& covered)
-{
+Error SLIMMapper::drawOnCard(vtkOpenGLRenderWindow* window, const ViewCamera& view,
+                             const FrameRequest& request, FrameTextures& textures,
+                             std::uint64_t& covered) {
   if (!card_) card_ = std::make_unique<CardRasterizer>();
   card_->setSurface(surface_.get());
   const Error error = card_->draw(window, view, request, textures, covered);
@@ -383,37 +337,27 @@ SLIMMapper::drawOnCard(vtkOpenGLRenderWindow* window, const ViewCamera& view,
   return {};
 }
 
-void
-SLIMMapper::frameMade(const FrameRequest& request, const ImageSize& size, double seconds)
-{
+void SLIMMapper::frameMade(const FrameRequest& request, const ImageSize& size, double seconds) {
   choice_->add(getStatistics().on_card, request, seconds,
                static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height));
 }
 
-void
-SLIMMapper::ReleaseGraphicsResources(vtkWindow* window)
-{
+void SLIMMapper::ReleaseGraphicsResources(vtkWindow* window) {
   if (card_) card_->release(window);
   Superclass::ReleaseGraphicsResources(window);
 }
 
-double
-SLIMMapper::lengthScale() const
-{
+double SLIMMapper::lengthScale() const {
   return surface_ ? surface_->info.scale : 1.0;
 }
 
-std::array<double, 2>
-SLIMMapper::automaticRange(DisplayMode mode) const
-{
+std::array<double, 2> SLIMMapper::automaticRange(DisplayMode mode) const {
   const auto known = ranges_.find(mode);
   if (known != ranges_.end()) return known->second;
   return ranges_[mode] = surface_ ? surfaceRange(*surface_, mode) : std::array<double, 2>{0.5, 1.0};
 }
 
-bool
-SLIMMapper::pick(vtkRenderer* renderer, vtkActor* actor, int x, int y, SurfacePick& result)
-{
+bool SLIMMapper::pick(vtkRenderer* renderer, vtkActor* actor, int x, int y, SurfacePick& result) {
   result = {};
   GBuffer pixel;
   if (!surface_ || !castRay(renderer, actor, x, y, pixel)) return false;
@@ -438,9 +382,7 @@ SLIMMapper::pick(vtkRenderer* renderer, vtkActor* actor, int x, int y, SurfacePi
 
 vtkStandardNewMacro(SplatMapper)
 
-bool
-SplatMapper::setSplats(std::shared_ptr<const SplatSet> splats)
-{
+bool SplatMapper::setSplats(std::shared_ptr<const SplatSet> splats) {
   const bool usable = !splats || !validateDiscs(*splats);
   splats_ = usable ? std::move(splats) : nullptr;
   std::array<double, 6> bounds{};
@@ -449,17 +391,13 @@ SplatMapper::setSplats(std::shared_ptr<const SplatSet> splats)
   return usable;
 }
 
-bool
-SplatMapper::supports(DisplayMode mode) const
-{
+bool SplatMapper::supports(DisplayMode mode) const {
   return mode == DisplayMode::kShaded || mode == DisplayMode::kNormal ||
          mode == DisplayMode::kSize || mode == DisplayMode::kReflection ||
          mode == DisplayMode::kColor;
 }
 
-Error
-SplatMapper::rasterize(const Camera& camera, const FrameRequest& request, GBuffer& buffer)
-{
+Error SplatMapper::rasterize(const Camera& camera, const FrameRequest& request, GBuffer& buffer) {
   buffer.resize(camera.size.width, camera.size.height);
   if (!splats_ || splats_->empty()) return {};
   DiscRenderParams params;
@@ -470,9 +408,7 @@ SplatMapper::rasterize(const Camera& camera, const FrameRequest& request, GBuffe
   return renderDiscs(splatsWithin(*splats_, request.clip_planes), camera, params, buffer);
 }
 
-std::array<double, 2>
-SplatMapper::automaticRange(DisplayMode /*mode*/) const
-{
+std::array<double, 2> SplatMapper::automaticRange(DisplayMode /*mode*/) const {
   if (!splats_ || splats_->empty()) return {0.5, 1.0};
   std::vector<float> radii = splats_->radius;
   std::sort(radii.begin(), radii.end());

@@ -18,11 +18,10 @@ namespace pcl_slim::detail {
 
 /** \brief A surface as the shaders read it. */
 struct LeafTexels {
-  /** texelsOfLeaf() texels for each leaf and, behind all leaves, for each internal
-   * surfel if they were requested. The fourth texel of one: the begin of its trim map in 4096 words,
-   * what that leaves over times TrimMap::kMostSide plus the map's side less 1, or -1 of a closed one; its own
-   * and its parents' DetailSizes. Balls of internal surfels are
-   * drawn larger than their radius. */
+  /** texelsOfLeaf() texels for each leaf and, behind all leaves, for each internal surfel if they
+   * were requested. The fourth texel of one: the begin of its trim map in 4096 words, what that
+   * leaves over times TrimMap::kMostSide plus the map's side less 1, or -1 of a closed one; its own
+   * and its parents' DetailSizes. Balls of internal surfels are drawn larger than their radius. */
   std::vector<float> surfels;
   /** Words of TrimTable, row by row; one word at least, as a buffer cannot be empty. */
   std::vector<std::int32_t> trim_words;
@@ -42,13 +41,10 @@ class Packer {
         sizes_(surface),
         length_(4 *
                 static_cast<std::size_t>(texelsOfLeaf(surface.info.degree, surface.hasColors()))),
-        texels_(texels)
-  {
-  }
+        texels_(texels) {}
 
   /** \param[in] scale of its ball; the surface in it stays the same */
-  void add(std::size_t i, float scale)
-  {
+  void add(std::size_t i, float scale) {
     std::vector<float>& to = texels_.surfels;
     const SLIMSurface& s = surface_;
     const LocalFrame frame({s.nx[i], s.ny[i], s.nz[i]});
@@ -71,8 +67,7 @@ class Packer {
   }
 
  private:
-  void addCoefficients(std::size_t i, float scale)
-  {
+  void addCoefficients(std::size_t i, float scale) {
     const float* c = surface_.coefficientsOf(i);
     const int degree = surface_.info.degree;
     float power = 1.0f / scale;  // of a radius that large, at height 0
@@ -81,8 +76,7 @@ class Packer {
     }
   }
 
-  void addColor(std::size_t i, float scale)
-  {
+  void addColor(std::size_t i, float scale) {
     const ColorPolynomial color = decodeColor(surface_.colors.data() + i * kColorBytes);
     float power = 1.0f;
     for (int n = 0, k = 0; n <= kColorDegree; ++n, power *= scale) {
@@ -93,8 +87,7 @@ class Packer {
     }
   }
 
-  void addTrim(const TrimTable& table)
-  {
+  void addTrim(const TrimTable& table) {
     const std::size_t begin = texels_.trim_words.size(), unit = begin / kWordsOfUnit;
     const auto last = static_cast<int>(table.last);
     const float rest =
@@ -115,9 +108,7 @@ class Packer {
 
 /** \brief Packs a surface. \param[in] with_internal internal surfels too, which a level of detail
  * needs. O(surfels + links). */
-LeafTexels
-packLeaves(const SLIMSurface& surface, bool with_internal)
-{
+LeafTexels packLeaves(const SLIMSurface& surface, bool with_internal) {
   LeafTexels texels;
   texels.leaves = surface.numLeaves();
   texels.all = with_internal ? surface.size() : texels.leaves;
@@ -144,9 +135,8 @@ packLeaves(const SLIMSurface& surface, bool with_internal)
 LeafBuffer::LeafBuffer() = default;
 LeafBuffer::~LeafBuffer() = default;
 
-Error
-LeafBuffer::upload(vtkOpenGLRenderWindow* window, const SLIMSurface& surface, bool with_internal)
-{
+Error LeafBuffer::upload(vtkOpenGLRenderWindow* window, const SLIMSurface& surface,
+                         bool with_internal) {
   if (there_ && (internal_there_ || !with_internal)) return {};
   leaves_ = surfels_ = 0;
   const LeafTexels texels = packLeaves(surface, with_internal);
@@ -159,9 +149,7 @@ LeafBuffer::upload(vtkOpenGLRenderWindow* window, const SLIMSurface& surface, bo
   return {};
 }
 
-Error
-LeafBuffer::store(vtkOpenGLRenderWindow* window, const LeafTexels& texels)
-{
+Error LeafBuffer::store(vtkOpenGLRenderWindow* window, const LeafTexels& texels) {
   GLint most = 0;
   window->GetState()->vtkglGetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &most);
   if (std::max(texels.surfels.size() / 4, texels.trim_words.size()) >
@@ -183,9 +171,7 @@ LeafBuffer::store(vtkOpenGLRenderWindow* window, const LeafTexels& texels)
               : Error{ErrorCode::kBadArgument, "the graphics card has no texture buffers"};
 }
 
-void
-LeafBuffer::release(vtkWindow* window)
-{
+void LeafBuffer::release(vtkWindow* window) {
   for (vtkTextureObject* texture : {texture_.Get(), trims_.Get()}) {
     texture->ReleaseGraphicsResources(window);
   }
@@ -197,10 +183,8 @@ LeafBuffer::release(vtkWindow* window)
 
 namespace {
 
-void
-allocate(vtkOpenGLRenderWindow* window, int width, int height, int numbers,
-         vtkTextureObject* texture)
-{
+void allocate(vtkOpenGLRenderWindow* window, int width, int height, int numbers,
+              vtkTextureObject* texture) {
   texture->SetContext(window);
   texture->SetMinificationFilter(vtkTextureObject::Nearest);
   texture->SetMagnificationFilter(vtkTextureObject::Nearest);
@@ -214,9 +198,7 @@ allocate(vtkOpenGLRenderWindow* window, int width, int height, int numbers,
 CardTargets::CardTargets() = default;
 CardTargets::~CardTargets() = default;
 
-void
-CardTargets::resize(vtkOpenGLRenderWindow* window, int width, int height)
-{
+void CardTargets::resize(vtkOpenGLRenderWindow* window, int width, int height) {
   const bool fits = first->GetHandle() != 0 && static_cast<int>(first->GetWidth()) == width &&
                     static_cast<int>(first->GetHeight()) == height;
   if (fits) return;
@@ -232,9 +214,7 @@ CardTargets::resize(vtkOpenGLRenderWindow* window, int width, int height)
   glBindRenderbuffer(GL_RENDERBUFFER, 0);
 }
 
-Error
-CardTargets::drawInto(std::initializer_list<vtkTextureObject*> textures, bool with_depth)
-{
+Error CardTargets::drawInto(std::initializer_list<vtkTextureObject*> textures, bool with_depth) {
   constexpr unsigned kMost = 5;
   glBindFramebuffer(GL_FRAMEBUFFER, frame_buffer_);
   std::vector<GLenum> attached;
@@ -253,15 +233,11 @@ CardTargets::drawInto(std::initializer_list<vtkTextureObject*> textures, bool wi
           "the graphics card cannot draw into textures of floats; draw on the CPU"};
 }
 
-void
-CardTargets::clearDepth(float depth)
-{
+void CardTargets::clearDepth(float depth) {
   glClearBufferfv(GL_DEPTH, 0, &depth);
 }
 
-void
-CardTargets::release(vtkWindow* window)
-{
+void CardTargets::release(vtkWindow* window) {
   for (auto& texture : nearest) texture->ReleaseGraphicsResources(window);
   for (auto& texture : sums) texture->ReleaseGraphicsResources(window);
   first->ReleaseGraphicsResources(window);
@@ -293,8 +269,7 @@ struct CardState::Saved {
         blending(s, GL_BLEND),
         scissor(s, GL_SCISSOR_TEST),
         culling(s, GL_CULL_FACE),
-        stencil(s, GL_STENCIL_TEST)
-  {
+        stencil(s, GL_STENCIL_TEST) {
     glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &draw_buffer);
     glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read_buffer);
     glGetIntegerv(GL_VERTEX_ARRAY_BINDING, &vertices);
@@ -303,8 +278,7 @@ struct CardState::Saved {
   }
 };
 
-CardState::CardState(vtkOpenGLRenderWindow* window) : saved_(new Saved(window->GetState()))
-{
+CardState::CardState(vtkOpenGLRenderWindow* window) : saved_(new Saved(window->GetState())) {
   for (const GLenum what :
        {GL_DEPTH_TEST, GL_BLEND, GL_SCISSOR_TEST, GL_CULL_FACE, GL_STENCIL_TEST}) {
     saved_->state->vtkglDisable(what);
@@ -313,8 +287,7 @@ CardState::CardState(vtkOpenGLRenderWindow* window) : saved_(new Saved(window->G
   saved_->state->vtkglDepthMask(GL_TRUE);
 }
 
-CardState::~CardState()
-{
+CardState::~CardState() {
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(saved_->draw_buffer));
   glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(saved_->read_buffer));
   glBindVertexArray(static_cast<GLuint>(saved_->vertices));

@@ -22,15 +22,11 @@ namespace {
 
 constexpr int kMostPeels = 8;  ///< as the CPU lets rays pass
 
-float
-single(double x)
-{
+float single(double x) {
   return static_cast<float>(x);
 }
 
-void
-clear(int target, float value)
-{
+void clear(int target, float value) {
   const float values[4] = {value, value, value, value};
   glClearBufferfv(GL_COLOR, target, values);
 }
@@ -43,8 +39,7 @@ struct CardRasterizer::FrameValues {
   float near_depth, shrink, reach, cover_radius, min_coverage, scale, detail;
   int front_only, oriented, kernel, degree, trimmed, texels, color_at;
 
-  FrameValues(const SLIMSurface& surface, const ViewCamera& view, const FrameRequest& request)
-  {
+  FrameValues(const SLIMSurface& surface, const ViewCamera& view, const FrameRequest& request) {
     const SurfaceInfo& info = surface.info;
     setCamera(info, view.camera);
     near_depth = single(std::max(0.0, request.near_plane) / info.scale);
@@ -64,8 +59,7 @@ struct CardRasterizer::FrameValues {
     detail = 0.5f * single(request.lod) * screen[0];
   }
 
-  void setCamera(const SurfaceInfo& info, const Camera& camera)
-  {
+  void setCamera(const SurfaceInfo& info, const Camera& camera) {
     const Vector3 forward = normalized(subtract(camera.look_at, camera.position));
     const Vector3 right = normalized(cross(forward, camera.up));
     const Vector3 up = cross(right, forward);
@@ -97,25 +91,23 @@ struct CardRasterizer::Pass {
   vtkShaderProgram* program = nullptr;
   std::vector<vtkTextureObject*> read;
 
-  Error begin(const std::string& vertex, const std::string& fragment)
-  {
+  Error begin(const std::string& vertex, const std::string& fragment) {
     program = window->GetShaderCache()->ReadyShaderProgram(vertex.c_str(), fragment.c_str(), "");
     if (program) return {};
     return {ErrorCode::kBadArgument,
             "the graphics card's driver does not take the shaders; draw on the CPU"};
   }
 
-  void texture(const char* name, vtkTextureObject* source)
-  {
+  void texture(const char* name, vtkTextureObject* source) {
     source->Activate();
     program->SetUniformi(name, source->GetTextureUnit());
     read.push_back(source);
   }
 
   /** \brief Draws a rectangle around every leaf, and every internal surfel that a level of detail
-   * may show. \param[in] reach share of its radius; turned_away: those too whose inner sides alone are seen */
-  void drawLeaves(float reach, bool is_first = false, bool turned_away = false)
-  {
+   * may show. \param[in] reach share of its radius; turned_away: those too whose inner sides alone
+   * are seen */
+  void drawLeaves(float reach, bool is_first = false, bool turned_away = false) {
     texture("slimLeaves", leaves.texture());
     const FrameValues& v = values;
     program->SetUniform3f("slimEye", v.eye);
@@ -142,8 +134,7 @@ struct CardRasterizer::Pass {
     end();
   }
 
-  void drawFrame()
-  {
+  void drawFrame() {
     program->SetUniformf("slimMinCoverage", values.min_coverage);
     program->SetUniformf("slimScale", values.scale);
     program->SetUniformi("slimOriented", values.oriented);
@@ -151,31 +142,26 @@ struct CardRasterizer::Pass {
     end();
   }
 
-  void end()
-  {
+  void end() {
     for (vtkTextureObject* source : read) source->Deactivate();
     read.clear();
   }
 
   /** \brief Draws where the depth buffer does not stop it. */
-  void drawOpenPixels()
-  {
+  void drawOpenPixels() {
     state->vtkglEnable(GL_DEPTH_TEST);
     state->vtkglDepthFunc(GL_LESS);
     state->vtkglDepthMask(GL_FALSE);
   }
 
-  void addInto(unsigned equation)
-  {
+  void addInto(unsigned equation) {
     state->vtkglEnable(GL_BLEND);
     state->vtkglBlendFuncSeparate(GL_ONE, GL_ONE, GL_ONE, GL_ONE);
     state->vtkglBlendEquationSeparate(equation, equation);
   }
 };
 
-bool
-CardRasterizer::isSoftware()
-{
+bool CardRasterizer::isSoftware() {
   const auto* name = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
   const std::string renderer = name ? name : "llvmpipe";
   for (const char* software : {"llvmpipe", "softpipe", "SWR", "Software"}) {
@@ -184,18 +170,15 @@ CardRasterizer::isSoftware()
   return false;
 }
 
-void
-CardRasterizer::setSurface(const SLIMSurface* surface)
-{
+void CardRasterizer::setSurface(const SLIMSurface* surface) {
   if (surface == surface_) return;
   surface_ = surface;
   leaves_.forget();
 }
 
-Error
-CardRasterizer::draw(vtkOpenGLRenderWindow* window, const ViewCamera& view,
-                     const FrameRequest& request, FrameTextures& frame, std::uint64_t& covered)
-{
+Error CardRasterizer::draw(vtkOpenGLRenderWindow* window, const ViewCamera& view,
+                           const FrameRequest& request, FrameTextures& frame,
+                           std::uint64_t& covered) {
   covered = 0;
   if (!surface_) return {};
   if (Error error = leaves_.upload(window, *surface_, request.lod > 0.0)) return error;
@@ -215,9 +198,7 @@ CardRasterizer::draw(vtkOpenGLRenderWindow* window, const ViewCamera& view,
   return colored ? addColors(pass, frame) : Error{};
 }
 
-Error
-CardRasterizer::drawPasses(Pass& pass, FrameTextures& frame, std::uint64_t& covered)
-{
+Error CardRasterizer::drawPasses(Pass& pass, FrameTextures& frame, std::uint64_t& covered) {
   if (Error error = targets_.drawInto({frame.geometry(), frame.attributes(), targets_.met})) {
     return error;
   }
@@ -237,9 +218,7 @@ CardRasterizer::drawPasses(Pass& pass, FrameTextures& frame, std::uint64_t& cove
   return nameLeaves(pass, frame);
 }
 
-Error
-CardRasterizer::findFirst(Pass& pass, int from)
-{
+Error CardRasterizer::findFirst(Pass& pass, int from) {
   if (Error error = targets_.drawInto({targets_.first}, true)) return error;
   clear(0, kNothing);
   if (Error error = pass.begin(leafVertexShader(), firstPassShader())) return error;
@@ -251,9 +230,7 @@ CardRasterizer::findFirst(Pass& pass, int from)
   return {};
 }
 
-Error
-CardRasterizer::blend(Pass& pass)
-{
+Error CardRasterizer::blend(Pass& pass) {
   auto& sums = targets_.sums;
   if (Error error = targets_.drawInto({sums[0], sums[1], sums[2], sums[3], sums[4]}, true))
     return error;
@@ -267,9 +244,8 @@ CardRasterizer::blend(Pass& pass)
   return {};
 }
 
-Error
-CardRasterizer::writeResult(Pass& pass, int from, FrameTextures& frame, std::uint64_t& covered)
-{
+Error CardRasterizer::writeResult(Pass& pass, int from, FrameTextures& frame,
+                                  std::uint64_t& covered) {
   if (Error error = targets_.drawInto({frame.geometry(), frame.attributes(), targets_.met})) {
     return error;
   }
@@ -287,13 +263,12 @@ CardRasterizer::writeResult(Pass& pass, int from, FrameTextures& frame, std::uin
   return {};
 }
 
-Error
-CardRasterizer::peel(Pass& pass, int from, std::uint64_t& left)
-{
+Error CardRasterizer::peel(Pass& pass, int from, std::uint64_t& left) {
   const auto source = static_cast<std::size_t>(from);
   if (Error error = targets_.drawInto({targets_.nearest[1 - source]}, true)) return error;
   clear(0, -1.0f);
-  // In the next round the card discards the fragments on pixels that are done before they are shaded.
+  // In the next round the card discards the fragments on pixels that are done before they are
+  // shaded.
   pass.state->vtkglDepthMask(GL_TRUE);
   targets_.clearDepth(0.0f);
   pass.state->vtkglEnable(GL_DEPTH_TEST);
@@ -310,9 +285,7 @@ CardRasterizer::peel(Pass& pass, int from, std::uint64_t& left)
   return {};
 }
 
-Error
-CardRasterizer::nameLeaves(Pass& pass, FrameTextures& frame)
-{
+Error CardRasterizer::nameLeaves(Pass& pass, FrameTextures& frame) {
   if (Error error = targets_.drawInto({frame.attributes()}, true)) return error;
   pass.state->vtkglDepthMask(GL_TRUE);
   targets_.clearDepth(1.0f);
@@ -327,9 +300,7 @@ CardRasterizer::nameLeaves(Pass& pass, FrameTextures& frame)
   return {};
 }
 
-Error
-CardRasterizer::addColors(Pass& pass, FrameTextures& frame)
-{
+Error CardRasterizer::addColors(Pass& pass, FrameTextures& frame) {
   if (Error error = targets_.drawInto({frame.colors()})) return error;
   pass.state->vtkglColorMask(GL_TRUE, GL_TRUE, GL_TRUE,
                              GL_TRUE);  // heeded when buffers are cleared
@@ -342,9 +313,7 @@ CardRasterizer::addColors(Pass& pass, FrameTextures& frame)
   return {};
 }
 
-void
-CardRasterizer::readMet(std::vector<float>& depths) const
-{
+void CardRasterizer::readMet(std::vector<float>& depths) const {
   depths.resize(std::size_t{targets_.met->GetWidth()} * targets_.met->GetHeight());
   targets_.met->Activate();
   glGetTexImage(GL_TEXTURE_2D, 0, GL_RED, GL_FLOAT, depths.data());
@@ -352,18 +321,14 @@ CardRasterizer::readMet(std::vector<float>& depths) const
 }
 
 /** \brief Ends a count of pixels drawn. */
-std::uint64_t
-CardRasterizer::countDrawn()
-{
+std::uint64_t CardRasterizer::countDrawn() {
   glEndQuery(GL_SAMPLES_PASSED);
   GLuint count = 0;
   glGetQueryObjectuiv(query_, GL_QUERY_RESULT, &count);
   return count;
 }
 
-void
-CardRasterizer::release(vtkWindow* window)
-{
+void CardRasterizer::release(vtkWindow* window) {
   if (vertices_ == 0) return;
   window->MakeCurrent();
   leaves_.release(window);

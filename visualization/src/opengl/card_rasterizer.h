@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A surface on the graphics card: its surfels there, what the passes draw into, their shaders, and the rasteriser.
+// A surface on the graphics card: its surfels there, what the passes draw into, their shaders, and
+// the rasteriser.
 #pragma once
 
 #include <vtkNew.h>
@@ -25,12 +26,10 @@ class vtkWindow;
 namespace pcl_slim::detail {
 
 /** \brief Texels of four numbers a surfel of a surface takes on the graphics card: centre and
- * radius; normal and weight; the frame's u axis with the level and, as its fraction, the residual in
- * radii; where its trim map begins and the level of detail's sizes; then the coefficients; then, of a
- * coloured surface, the terms of its colour, red, green and blue of each. */
-constexpr int
-texelsOfLeaf(int degree, bool colored = false)
-{
+ * radius; normal and weight; the frame's u axis with the level and, as its fraction, the residual
+ * in radii; where its trim map begins and the level of detail's sizes; then the coefficients; then,
+ * of a coloured surface, the terms of its colour, red, green and blue of each. */
+constexpr int texelsOfLeaf(int degree, bool colored = false) {
   return 4 + (numCoefficients(degree) + 3) / 4 + (colored ? (3 * kColorTerms + 3) / 4 : 0);
 }
 
@@ -109,8 +108,8 @@ extern const char* const kCameraGlsl;
 /** \brief GLSL of a leaf: its texels, its polynomial along a ray, and that one's roots. */
 extern const char* const kLeafGlsl;
 
-// The passes of a frame, for VTK and for pages (web/bundle.cmake reads them). They take the numbers of
-// FrameConstant by name, and slimTexel() and slimTrimWord() from whoever stores the surface.
+// The passes of a frame, for VTK and for pages (web/bundle.cmake reads them). They take the numbers
+// of FrameConstant by name, and slimTexel() and slimTrimWord() from whoever stores the surface.
 extern const char* const kSurfel;     ///< vertex: what a surfel counts for, where its trim map is
 extern const char* const kTrims;      ///< lookup in trim maps
 extern const char* const kFirstPass;  ///< first hits
@@ -126,31 +125,23 @@ extern const char* const kPeel;       ///< where uncovered rays begin once more
 // its ball and each pixel a ray. The rules are those of the reference rasteriser, in float.
 
 /** \brief Vertices of a leaf's rectangle, the leaf being the instance. */
-std::string
-leafVertexShader();
+std::string leafVertexShader();
 /** \brief Vertices of the whole frame. */
-std::string
-frameVertexShader();
+std::string frameVertexShader();
 
 /** \brief Pass 1: depth of a leaf's first root inside its shrunk ball, for blending by minimum. */
-std::string
-firstPassShader();
+std::string firstPassShader();
 /** \brief Pass 2: what a leaf adds to the sums of a pixel, for blending by addition. */
-std::string
-blendPassShader();
+std::string blendPassShader();
 /** \brief Radius, level and residual of the leaf of the largest weight, by a depth test. */
-std::string
-leafPassShader();
-/** \brief What a leaf adds to the colour of the blend that is shown: weighted red, green, blue and the
- * weight, for blending by addition. */
-std::string
-colorPassShader();
+std::string leafPassShader();
+/** \brief What a leaf adds to the colour of the blend that is shown: weighted red, green, blue and
+ * the weight, for blending by addition. */
+std::string colorPassShader();
 /** \brief Sums to normal, depth and curvatures, where the leaves cover the blend. */
-std::string
-resultShader();
+std::string resultShader();
 /** \brief Where rays whose blend is not covered begin again behind it. */
-std::string
-peelShader();
+std::string peelShader();
 
 /** \brief The graphics card's rasteriser of a surface: fills the textures that the CPU's frame is
  * uploaded to otherwise. Pass 1 and pass 2 as in the paper; rays whose blend is not covered go

@@ -253,8 +253,8 @@ vec3 slimPartOf(vec4 more, float z)
   return part;
 }
 
-// Whether all gradients in a ball point away from all rays through it: the angle between normal and ray is less than
-// what the cones of gradients and of rays leave of a right angle.
+// Whether all gradients in a ball point away from all rays through it: the angle between normal and
+// ray is less than what the cones of gradients and of rays leave of a right angle.
 bool slimTurnedAway(vec3 center, vec3 w, float radius, float steep)
 {
   if (slimFrontOnly == 0) return false;
@@ -363,8 +363,8 @@ bool slimReaches(Leaf leaf, float s_hat)
   return leaf.distance2 < slimReach * slimReach && leaf.distance2 + s_hat * s_hat < 1.0;
 }
 
-// A leaf's root nearest to the first intersection, which it reaches, and its weight there; 0 where it does
-// not count.
+// A leaf's root nearest to the first intersection, which it reaches, and its weight there; 0 where
+// it does not count.
 float slimBlendedRoot(Leaf leaf, float a[5], float s_hat, out float s)
 {
   float hat2 = leaf.distance2 + s_hat * s_hat;

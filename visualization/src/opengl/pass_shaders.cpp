@@ -61,9 +61,7 @@ void main()
 )";
 
 /** The constants of the CPU's renderer. */
-std::string
-constants()
-{
+std::string constants() {
   std::string text;
   for (const FrameConstant& c : kFrameConstants) {
     text += "const float " + std::string(c.name) + " = " + std::to_string(c.value) + ";\n";
@@ -85,62 +83,44 @@ int slimTrimWord(int at) { return texelFetch(slimTrims, at).x; }
 const std::string kHead = "//VTK::System::Dec\n" + constants();
 const std::string kOutput = "//VTK::Output::Dec\n";
 
-std::string
-ofLeaves(const std::string& shared, const char* body)
-{
+std::string ofLeaves(const std::string& shared, const char* body) {
   return kHead + kOutput + kTexels + kCameraGlsl + kLeafGlsl + shared + body;
 }
 
 }  // namespace
 
-std::string
-leafVertexShader()
-{
+std::string leafVertexShader() {
   // slimSlopes() reads a fragment's place, which a vertex has not.
   std::string camera = kCameraGlsl;
   camera.erase(camera.find("// Texels stand"));
   return kHead + kTexels + camera + kSurfel + kLeafVertex;
 }
 
-std::string
-frameVertexShader()
-{
+std::string frameVertexShader() {
   return kHead + kFrameVertex;
 }
 
-std::string
-firstPassShader()
-{
+std::string firstPassShader() {
   return ofLeaves(std::string(kTrimTexels) + kTrims, kFirstPass);
 }
 
-std::string
-blendPassShader()
-{
+std::string blendPassShader() {
   return ofLeaves(std::string(kBlended) + kTrimTexels + kTrims, kBlendPass);
 }
 
-std::string
-leafPassShader()
-{
+std::string leafPassShader() {
   return ofLeaves(kBlended, kLeafPass);
 }
 
-std::string
-colorPassShader()
-{
+std::string colorPassShader() {
   return ofLeaves(kBlended, kColorPass);
 }
 
-std::string
-resultShader()
-{
+std::string resultShader() {
   return kHead + kOutput + kSums + kResult;
 }
 
-std::string
-peelShader()
-{
+std::string peelShader() {
   return kHead + kOutput + kSums + kPeel;
 }
 

@@ -22,9 +22,7 @@ using Tag = hn::CappedTag<float, 16>;
 using Vec = hn::Vec<Tag>;
 
 template <typename Mask>
-std::uint32_t
-maskBits(Tag d, Mask mask)
-{
+std::uint32_t maskBits(Tag d, Mask mask) {
   std::uint8_t bits[8] = {};
   StoreMaskBits(d, mask, bits);
   return static_cast<std::uint32_t>(bits[0]) | static_cast<std::uint32_t>(bits[1]) << 8;
@@ -33,13 +31,11 @@ maskBits(Tag d, Mask mask)
 /** Which lanes' boxes meet one ball. */
 class BallTest {
  public:
-  BallTest(const float center[3], float radius) : radius_sq_(Set(Tag(), radius * radius))
-  {
+  BallTest(const float center[3], float radius) : radius_sq_(Set(Tag(), radius * radius)) {
     for (int a = 0; a < 3; ++a) center_[a] = Set(Tag(), center[a]);
   }
 
-  HWY_INLINE hn::Mask<Tag> operator()(const BlockTree::Level& boxes, std::size_t j) const
-  {
+  HWY_INLINE hn::Mask<Tag> operator()(const BlockTree::Level& boxes, std::size_t j) const {
     const Tag d;
     const auto outside = [&](const float* low, const float* high, Vec c) HWY_ATTR {
       return Max(Zero(d), Max(Load(d, low + j) - c, c - Load(d, high + j)));
@@ -54,9 +50,8 @@ class BallTest {
   Vec center_[3], radius_sq_;
 };
 
-std::uint32_t
-boxesInBall(const BlockTree::Level& boxes, std::size_t first, const float center[3], float radius)
-{
+std::uint32_t boxesInBall(const BlockTree::Level& boxes, std::size_t first, const float center[3],
+                          float radius) {
   const Tag d;
   const BallTest meets(center, radius);
   std::uint32_t hits = 0;
@@ -66,11 +61,9 @@ boxesInBall(const BlockTree::Level& boxes, std::size_t first, const float center
   return hits;
 }
 
-std::size_t
-groupedBoxesInBall(const BlockTree::Level& groups, const std::uint32_t* ids,
-                   const BlockTree::Level& boxes, const float center[3], float radius,
-                   std::uint32_t* found)
-{
+std::size_t groupedBoxesInBall(const BlockTree::Level& groups, const std::uint32_t* ids,
+                               const BlockTree::Level& boxes, const float center[3], float radius,
+                               std::uint32_t* found) {
   const Tag d;
   const hn::RebindToUnsigned<Tag> du;
   const BallTest meets(center, radius);
@@ -89,9 +82,8 @@ groupedBoxesInBall(const BlockTree::Level& groups, const std::uint32_t* ids,
   return count;
 }
 
-std::uint32_t
-boxesInBox(const BlockTree::Level& boxes, std::size_t first, const float min[3], const float max[3])
-{
+std::uint32_t boxesInBox(const BlockTree::Level& boxes, std::size_t first, const float min[3],
+                         const float max[3]) {
   const Tag d;
   const std::size_t lanes = hn::Lanes(d);
   std::uint32_t hits = 0;
@@ -108,10 +100,9 @@ boxesInBox(const BlockTree::Level& boxes, std::size_t first, const float min[3],
   return hits;
 }
 
-std::size_t
-pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num_blocks,
-           const double center[3], float limit_sq, float* distances_sq, std::uint32_t* points)
-{
+std::size_t pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num_blocks,
+                       const double center[3], float limit_sq, float* distances_sq,
+                       std::uint32_t* points) {
   const Tag d;
   const hn::RebindToUnsigned<Tag> du;
   const auto limit = Set(d, limit_sq);
@@ -139,9 +130,7 @@ pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num
 }
 
 /** How many of n values are at most a limit. */
-HWY_INLINE std::size_t
-countUpTo(const float* values, std::size_t n, float limit)
-{
+HWY_INLINE std::size_t countUpTo(const float* values, std::size_t n, float limit) {
   const Tag d;
   std::size_t count = 0, i = 0;
   for (; i + hn::Lanes(d) <= n; i += hn::Lanes(d))
@@ -151,26 +140,22 @@ countUpTo(const float* values, std::size_t n, float limit)
 }
 
 /** A float's bits, which ascend like floats that are not negative. */
-std::uint32_t
-bitsOf(float value)
-{
+std::uint32_t bitsOf(float value) {
   std::uint32_t bits;
   std::memcpy(&bits, &value, sizeof(bits));
   return bits;
 }
 
-float
-ofBits(std::uint32_t bits)
-{
+float ofBits(std::uint32_t bits) {
   float value;
   std::memcpy(&value, &bits, sizeof(value));
   return value;
 }
 
-/** The values above a lower limit and up to an upper one, in a buffer that has room for a vector more. */
-HWY_INLINE std::size_t
-valuesBetween(const float* values, std::size_t n, float low, float high, float* found)
-{
+/** The values above a lower limit and up to an upper one, in a buffer that has room for a vector
+ * more. */
+HWY_INLINE std::size_t valuesBetween(const float* values, std::size_t n, float low, float high,
+                                     float* found) {
   const Tag d;
   std::size_t count = 0, i = 0;
   for (; i + hn::Lanes(d) <= n; i += hn::Lanes(d)) {
@@ -188,9 +173,7 @@ valuesBetween(const float* values, std::size_t n, float low, float high, float* 
 }
 
 /** The least and the greatest of n values. */
-HWY_INLINE std::pair<float, float>
-rangeOf(const float* values, std::size_t n)
-{
+HWY_INLINE std::pair<float, float> rangeOf(const float* values, std::size_t n) {
   const Tag d;
   auto least = Set(d, values[0]), most = least;
   std::size_t i = 0;
@@ -207,15 +190,13 @@ rangeOf(const float* values, std::size_t n)
   return {low, high};
 }
 
-float
-kthSmallest(const float* values, std::size_t n, std::size_t k)
-{
+float kthSmallest(const float* values, std::size_t n, std::size_t k) {
   constexpr std::size_t kFew = 32;
   auto [low, high] = rangeOf(values, n);
   std::size_t below = countUpTo(values, n, low), upTo = n;
   if (below >= k) return low;
-  // Squared distances from a point of a surface are about evenly spread: their rank predicts where the
-  // k-th is. Limits alternate between a little above and below; every third halves the bracket.
+  // Squared distances from a point of a surface are about evenly spread: their rank predicts where
+  // the k-th is. Limits alternate between a little above and below; every third halves the bracket.
   for (int round = 0; upTo - below > kFew; ++round) {
     const auto span = static_cast<double>(upTo - below);
     const double margin = (round % 3 == 0 ? 1 : -1) * (4 + span / 64);
@@ -237,10 +218,8 @@ kthSmallest(const float* values, std::size_t n, std::size_t k)
   return *kth;
 }
 
-std::size_t
-valuesUpTo(const float* values, const std::uint32_t* points, std::size_t n, float limit,
-           std::uint32_t* found)
-{
+std::size_t valuesUpTo(const float* values, const std::uint32_t* points, std::size_t n, float limit,
+                       std::uint32_t* found) {
   const Tag d;
   const hn::RebindToUnsigned<Tag> du;
   std::size_t count = 0, i = 0;
@@ -260,10 +239,8 @@ valuesUpTo(const float* values, const std::uint32_t* points, std::size_t n, floa
 
 /** How many points of a block are within a squared distance of a point at these offsets from
  * the block's origin. */
-HWY_INLINE std::size_t
-pointsOfBlockUpTo(const PointStore& store, std::size_t block, float x, float y, float z,
-                  float limit_sq)
-{
+HWY_INLINE std::size_t pointsOfBlockUpTo(const PointStore& store, std::size_t block, float x,
+                                         float y, float z, float limit_sq) {
   const Tag d;
   std::size_t count = 0;
   for (std::size_t i = block * PointStore::kBlock; i < (block + 1) * PointStore::kBlock;
@@ -277,9 +254,8 @@ pointsOfBlockUpTo(const PointStore& store, std::size_t block, float x, float y, 
   return count;
 }
 
-std::uint32_t
-sparsePoints(const PointStore& store, std::size_t block, float limit_sq, std::size_t others)
-{
+std::uint32_t sparsePoints(const PointStore& store, std::size_t block, float limit_sq,
+                           std::size_t others) {
   constexpr std::size_t kSide = 2;  // blocks before and after
   std::uint32_t sparse = 0;
   for (std::size_t k = 0; k < PointStore::kBlock; ++k) {
@@ -302,9 +278,7 @@ sparsePoints(const PointStore& store, std::size_t block, float limit_sq, std::si
 
 /** As mortonCell() has it, in the low bits of each lane. */
 template <class D, class V>
-HWY_INLINE hn::Vec<hn::RebindToUnsigned<D>>
-mortonCells(D d, V local)
-{
+HWY_INLINE hn::Vec<hn::RebindToUnsigned<D>> mortonCells(D d, V local) {
   const hn::RebindToUnsigned<D> du;
   const V cells = Set(d, static_cast<double>(1 << kMortonBits));
   const V cell = (local + Set(d, 0.5)) * cells;
@@ -316,9 +290,7 @@ mortonCells(D d, V local)
 
 /** As the scalar spreadBits() has it. */
 template <class DU, class V>
-HWY_INLINE V
-spreadLanes(DU du, V v)
-{
+HWY_INLINE V spreadLanes(DU du, V v) {
   v = (v | hn::ShiftLeft<32>(v)) & Set(du, 0x1f00000000ffffULL);
   v = (v | hn::ShiftLeft<16>(v)) & Set(du, 0x1f0000ff0000ffULL);
   v = (v | hn::ShiftLeft<8>(v)) & Set(du, 0x100f00f00f00f00fULL);
@@ -326,10 +298,8 @@ spreadLanes(DU du, V v)
   return (v | hn::ShiftLeft<2>(v)) & Set(du, 0x1249249249249249ULL);
 }
 
-void
-mortonCodes(const double (&positions)[3][kMortonBatch], const double origin[3],
-            double inverse_scale, std::uint64_t* codes)
-{
+void mortonCodes(const double (&positions)[3][kMortonBatch], const double origin[3],
+                 double inverse_scale, std::uint64_t* codes) {
   const hn::CappedTag<double, 8> d;
   const hn::RebindToUnsigned<decltype(d)> du;
   const auto scale = Set(d, inverse_scale);
@@ -343,9 +313,7 @@ mortonCodes(const double (&positions)[3][kMortonBatch], const double origin[3],
   }
 }
 
-const char*
-instructionSet()
-{
+const char* instructionSet() {
   return hwy::TargetName(HWY_TARGET);
 }
 
@@ -356,71 +324,57 @@ HWY_AFTER_NAMESPACE();
 namespace pcl_slim::detail::kernels {
 
 HWY_EXPORT(boxesInBall);
-std::uint32_t
-boxesInBall(const BlockTree::Level& boxes, std::size_t first, const float center[3], float radius)
-{
+std::uint32_t boxesInBall(const BlockTree::Level& boxes, std::size_t first, const float center[3],
+                          float radius) {
   return HWY_DYNAMIC_DISPATCH(boxesInBall)(boxes, first, center, radius);
 }
 
 HWY_EXPORT(groupedBoxesInBall);
-std::size_t
-groupedBoxesInBall(const BlockTree::Level& groups, const std::uint32_t* ids,
-                   const BlockTree::Level& boxes, const float center[3], float radius,
-                   std::uint32_t* found)
-{
+std::size_t groupedBoxesInBall(const BlockTree::Level& groups, const std::uint32_t* ids,
+                               const BlockTree::Level& boxes, const float center[3], float radius,
+                               std::uint32_t* found) {
   return HWY_DYNAMIC_DISPATCH(groupedBoxesInBall)(groups, ids, boxes, center, radius, found);
 }
 
 HWY_EXPORT(boxesInBox);
-std::uint32_t
-boxesInBox(const BlockTree::Level& boxes, std::size_t first, const float min[3], const float max[3])
-{
+std::uint32_t boxesInBox(const BlockTree::Level& boxes, std::size_t first, const float min[3],
+                         const float max[3]) {
   return HWY_DYNAMIC_DISPATCH(boxesInBox)(boxes, first, min, max);
 }
 
 HWY_EXPORT(pointsUpTo);
-std::size_t
-pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num_blocks,
-           const double center[3], float limit_sq, float* distances_sq, std::uint32_t* points)
-{
+std::size_t pointsUpTo(const PointStore& store, const std::uint32_t* blocks, std::size_t num_blocks,
+                       const double center[3], float limit_sq, float* distances_sq,
+                       std::uint32_t* points) {
   return HWY_DYNAMIC_DISPATCH(pointsUpTo)(store, blocks, num_blocks, center, limit_sq, distances_sq,
                                           points);
 }
 
 HWY_EXPORT(kthSmallest);
-float
-kthSmallest(const float* values, std::size_t n, std::size_t k)
-{
+float kthSmallest(const float* values, std::size_t n, std::size_t k) {
   return HWY_DYNAMIC_DISPATCH(kthSmallest)(values, n, k);
 }
 
 HWY_EXPORT(valuesUpTo);
-std::size_t
-valuesUpTo(const float* values, const std::uint32_t* points, std::size_t n, float limit,
-           std::uint32_t* found)
-{
+std::size_t valuesUpTo(const float* values, const std::uint32_t* points, std::size_t n, float limit,
+                       std::uint32_t* found) {
   return HWY_DYNAMIC_DISPATCH(valuesUpTo)(values, points, n, limit, found);
 }
 
 HWY_EXPORT(sparsePoints);
-std::uint32_t
-sparsePoints(const PointStore& store, std::size_t block, float limit_sq, std::size_t others)
-{
+std::uint32_t sparsePoints(const PointStore& store, std::size_t block, float limit_sq,
+                           std::size_t others) {
   return HWY_DYNAMIC_DISPATCH(sparsePoints)(store, block, limit_sq, others);
 }
 
 HWY_EXPORT(mortonCodes);
-void
-mortonCodes(const double (&positions)[3][kMortonBatch], const double origin[3],
-            double inverse_scale, std::uint64_t* codes)
-{
+void mortonCodes(const double (&positions)[3][kMortonBatch], const double origin[3],
+                 double inverse_scale, std::uint64_t* codes) {
   HWY_DYNAMIC_DISPATCH(mortonCodes)(positions, origin, inverse_scale, codes);
 }
 
 HWY_EXPORT(instructionSet);
-const char*
-instructionSet()
-{
+const char* instructionSet() {
   return HWY_DYNAMIC_DISPATCH(instructionSet)();
 }
 

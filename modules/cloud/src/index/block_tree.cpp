@@ -10,9 +10,7 @@ namespace pcl_slim {
 
 using namespace detail;
 
-void
-BlockTree::Level::allocate(std::size_t boxes)
-{
+void BlockTree::Level::allocate(std::size_t boxes) {
   const std::size_t padded = (boxes + kFan - 1) / kFan * kFan;
   const float inf = std::numeric_limits<float>::infinity();
   for (auto* column : {&min_x, &min_y, &min_z}) column->assign(padded, inf);
@@ -22,22 +20,16 @@ BlockTree::Level::allocate(std::size_t boxes)
 
 namespace {
 
-float
-lowest(const AlignedVector<float>& column, std::size_t begin)
-{
+float lowest(const AlignedVector<float>& column, std::size_t begin) {
   return *std::min_element(column.begin() + begin, column.begin() + begin + BlockTree::kFan);
 }
 
-float
-highest(const AlignedVector<float>& column, std::size_t begin)
-{
+float highest(const AlignedVector<float>& column, std::size_t begin) {
   return *std::max_element(column.begin() + begin, column.begin() + begin + BlockTree::kFan);
 }
 
 /** The common boxes of kFan neighbours each. */
-void
-groupBoxes(const BlockTree::Level& below, BlockTree::Level& level)
-{
+void groupBoxes(const BlockTree::Level& below, BlockTree::Level& level) {
   constexpr std::size_t kFan = BlockTree::kFan;
   level.allocate((below.count + kFan - 1) / kFan);
   for (std::size_t j = 0; j < level.count; ++j) {
@@ -52,8 +44,7 @@ groupBoxes(const BlockTree::Level& below, BlockTree::Level& level)
 
 }  // namespace
 
-BlockTree::BlockTree(Level blocks)
-{
+BlockTree::BlockTree(Level blocks) {
   levels_.push_back(std::move(blocks));
   while (levels_.size() < 2 || levels_.back().count > kFan) {
     Level level;
@@ -62,9 +53,7 @@ BlockTree::BlockTree(Level blocks)
   }
 }
 
-std::size_t
-BlockTree::memoryBytes() const
-{
+std::size_t BlockTree::memoryBytes() const {
   std::size_t bytes = 0;
   for (const Level& level : levels_) bytes += level.min_x.size() * 6 * sizeof(float);
   return bytes;
@@ -75,10 +64,8 @@ namespace {
 /** Depth-first walk down to a level, in ascending order there; hits(level, first child) is a bit
  * mask. */
 template <typename Hits>
-void
-walk(const std::vector<BlockTree::Level>& levels, std::size_t depth, std::size_t last,
-     std::size_t first, const Hits& hits, std::vector<std::uint32_t>& found)
-{
+void walk(const std::vector<BlockTree::Level>& levels, std::size_t depth, std::size_t last,
+          std::size_t first, const Hits& hits, std::vector<std::uint32_t>& found) {
   std::uint32_t mask = hits(levels[depth], first);
   while (mask != 0) {
     const auto bit = static_cast<std::size_t>(__builtin_ctz(mask));
@@ -93,10 +80,8 @@ walk(const std::vector<BlockTree::Level>& levels, std::size_t depth, std::size_t
 }
 
 /** Entries of a level whose boxes meet a box. */
-void
-collectInBox(const std::vector<BlockTree::Level>& levels, std::size_t last, const float min[3],
-             const float max[3], std::vector<std::uint32_t>& found)
-{
+void collectInBox(const std::vector<BlockTree::Level>& levels, std::size_t last, const float min[3],
+                  const float max[3], std::vector<std::uint32_t>& found) {
   if (levels.empty()) return;
   walk(
       levels, levels.size() - 1, last, 0,
@@ -108,10 +93,8 @@ collectInBox(const std::vector<BlockTree::Level>& levels, std::size_t last, cons
 
 }  // namespace
 
-void
-BlockTree::blocksInBall(const float center[3], float radius,
-                        std::vector<std::uint32_t>& blocks) const
-{
+void BlockTree::blocksInBall(const float center[3], float radius,
+                             std::vector<std::uint32_t>& blocks) const {
   if (levels_.empty()) return;
   walk(
       levels_, levels_.size() - 1, 0, 0,
@@ -121,23 +104,17 @@ BlockTree::blocksInBall(const float center[3], float radius,
       blocks);
 }
 
-void
-BlockTree::blocksInBox(const float min[3], const float max[3],
-                       std::vector<std::uint32_t>& blocks) const
-{
+void BlockTree::blocksInBox(const float min[3], const float max[3],
+                            std::vector<std::uint32_t>& blocks) const {
   collectInBox(levels_, 0, min, max, blocks);
 }
 
-void
-BlockTree::groupsInBox(const float min[3], const float max[3],
-                       std::vector<std::uint32_t>& groups) const
-{
+void BlockTree::groupsInBox(const float min[3], const float max[3],
+                            std::vector<std::uint32_t>& groups) const {
   collectInBox(levels_, 1, min, max, groups);
 }
 
-void
-BlockNeighborhood::collect(const BlockTree& tree, const float min[3], const float max[3])
-{
+void BlockNeighborhood::collect(const BlockTree& tree, const float min[3], const float max[3]) {
   tree_ = &tree;
   ids_.clear();
   tree.groupsInBox(min, max, ids_);
@@ -154,9 +131,7 @@ BlockNeighborhood::collect(const BlockTree& tree, const float min[3], const floa
   }
 }
 
-void
-BlockNeighborhood::blocksInBall(const float center[3], float radius, BlockList& blocks) const
-{
+void BlockNeighborhood::blocksInBall(const float center[3], float radius, BlockList& blocks) const {
   blocks.clear();
   if (ids_.empty()) return;
   blocks.resize((ids_.size() + 1) * BlockTree::kFan);

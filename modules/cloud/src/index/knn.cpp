@@ -23,17 +23,13 @@ constexpr std::size_t kManyBlocks =
     4;  ///< times the expected ones, for which a distance is too far
 
 /** Distance and point in one number; distances are not negative, so their bits order them. */
-std::uint64_t
-keyOf(float distance_sq, std::uint32_t point)
-{
+std::uint64_t keyOf(float distance_sq, std::uint32_t point) {
   std::uint32_t bits;
   std::memcpy(&bits, &distance_sq, sizeof(bits));
   return static_cast<std::uint64_t>(bits) << 32 | point;
 }
 
-float
-distanceOf(std::uint64_t key)
-{
+float distanceOf(std::uint64_t key) {
   const auto bits = static_cast<std::uint32_t>(key >> 32);
   float distance_sq;
   std::memcpy(&distance_sq, &bits, sizeof(bits));
@@ -41,9 +37,7 @@ distanceOf(std::uint64_t key)
 }
 
 /** Sorts keys whose points ascend: counting passes over the distances' digits. */
-void
-sortByDistance(Keys& keys, Keys& spare)
-{
+void sortByDistance(Keys& keys, Keys& spare) {
   std::array<std::array<std::uint32_t, 256>, kDigits> counts{};
   const auto digit = [](std::uint64_t key, int k) { return key >> (32 + 8 * k) & 255u; };
   for (const std::uint64_t key : keys) {
@@ -65,9 +59,7 @@ sortByDistance(Keys& keys, Keys& spare)
 }
 
 /** Keeps the k least keys, in order; points ascend in what is given. */
-void
-keepLeast(std::size_t k, Keys& keys, Keys& spare)
-{
+void keepLeast(std::size_t k, Keys& keys, Keys& spare) {
   if (k < keys.size()) {
     spare = keys;
     const auto last = spare.begin() + static_cast<std::ptrdiff_t>(k - 1);
@@ -87,9 +79,7 @@ keepLeast(std::size_t k, Keys& keys, Keys& spare)
 }  // namespace
 
 /** Collects the points of the blocks at hand within a distance of a centre. */
-void
-NeighborSearch::collect(const std::array<double, 3>& center, float limit_sq)
-{
+void NeighborSearch::collect(const std::array<double, 3>& center, float limit_sq) {
   const std::size_t most = (blocks_.size() + 1) * PointStore::kBlock;
   distances_sq_.resize(most);
   points_.resize(most);
@@ -101,9 +91,7 @@ NeighborSearch::collect(const std::array<double, 3>& center, float limit_sq)
 }
 
 /** Keeps the sampled ones of the first collected points. \return how many are left. */
-std::size_t
-NeighborSearch::dropUnsampled(std::size_t count)
-{
+std::size_t NeighborSearch::dropUnsampled(std::size_t count) {
   const auto stride = static_cast<std::uint32_t>(stride_);
   std::size_t kept = 0;
   for (std::size_t j = 0; j < count; ++j) {
@@ -116,9 +104,8 @@ NeighborSearch::dropUnsampled(std::size_t count)
 
 /** Squared distance that certainly contains k points: that of the k-th among the points of
  * the blocks before and after i in Morton order. */
-float
-NeighborSearch::boundRadiusSq(std::size_t i, std::size_t k, const std::array<double, 3>& center)
-{
+float NeighborSearch::boundRadiusSq(std::size_t i, std::size_t k,
+                                    const std::array<double, 3>& center) {
   const std::size_t blocks = store_.numBlocks();
   const std::size_t own = i / PointStore::kBlock;
   const std::size_t points = k * stride_;
@@ -134,9 +121,7 @@ NeighborSearch::boundRadiusSq(std::size_t i, std::size_t k, const std::array<dou
 }
 
 /** Finds the blocks that may have points within a distance of a centre, in stored order. */
-void
-NeighborSearch::findBlocks(const std::array<double, 3>& center, float limit_sq)
-{
+void NeighborSearch::findBlocks(const std::array<double, 3>& center, float limit_sq) {
   const float c[3] = {static_cast<float>(center[0]), static_cast<float>(center[1]),
                       static_cast<float>(center[2])};
   // The margin covers the rounding of centre and boxes to float.
@@ -145,10 +130,9 @@ NeighborSearch::findBlocks(const std::array<double, 3>& center, float limit_sq)
   store_.tree().blocksInBall(c, radius, blocks_);
 }
 
-/** Collects points among which the k nearest are, in stored order. \return k, or how many there are. */
-std::size_t
-NeighborSearch::collectNearest(std::size_t i, std::size_t k, float about)
-{
+/** Collects points among which the k nearest are, in stored order. \return k, or how many there
+ * are. */
+std::size_t NeighborSearch::collectNearest(std::size_t i, std::size_t k, float about) {
   k = std::min(k, (store_.size() + stride_ - 1) / stride_);
   if (k == 0) return 0;
   const auto center = store_.position(i);
@@ -166,10 +150,8 @@ NeighborSearch::collectNearest(std::size_t i, std::size_t k, float about)
   return k;
 }
 
-void
-NeighborSearch::nearest(std::size_t i, std::size_t k, std::vector<std::uint32_t>& neighbors,
-                        std::vector<float>& distances_sq, float about)
-{
+void NeighborSearch::nearest(std::size_t i, std::size_t k, std::vector<std::uint32_t>& neighbors,
+                             std::vector<float>& distances_sq, float about) {
   k = collectNearest(i, k, about);
   neighbors.resize(k);
   distances_sq.resize(k);
@@ -183,10 +165,8 @@ NeighborSearch::nearest(std::size_t i, std::size_t k, std::vector<std::uint32_t>
   }
 }
 
-float
-NeighborSearch::nearestSet(std::size_t i, std::size_t k, std::vector<std::uint32_t>& neighbors,
-                           float about)
-{
+float NeighborSearch::nearestSet(std::size_t i, std::size_t k,
+                                 std::vector<std::uint32_t>& neighbors, float about) {
   k = collectNearest(i, k, about);
   neighbors.resize(k == 0 ? 0 : points_.size() + PointStore::kBlock);
   if (k == 0) return 0;

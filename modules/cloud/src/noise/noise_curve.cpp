@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// docs/theory.md, "Noise that neighbours share": the curve of the residuals of cubics over the size of the patch, and
-// what the noise is that it shows.
+// docs/theory.md, "Noise that neighbours share": the curve of the residuals of cubics over the size
+// of the patch, and what the noise is that it shows.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -30,7 +30,8 @@ struct NoiseCurve {
   std::vector<CurveNoise> halves;  ///< by random halves of the places: their scatter is its error
 };
 
-/** What counts of the noise that a curve shows: none where chance explains what wider patches show. */
+/** What counts of the noise that a curve shows: none where chance explains what wider patches show.
+ */
 struct CurveShare {
   double part = 0;  ///< of the logarithm of its variance over white noise's ...
   double variance = 0, correlation = 1;  ///< ... and the figures with that part
@@ -42,22 +43,18 @@ struct LogErrors {
 };
 
 /** From 1 at 0 to 0 beyond a width, and flat at both ends. */
-double
-fallOff(double x, double width)
-{
+double fallOff(double x, double width) {
   const double ratio = std::max(0.0, x) / width;
   return std::exp(-ratio * ratio * ratio * ratio);
 }
 
 constexpr double kPlainest =
-    0.35;                         ///< share of the places, those of least variance, whose growth counts ...
+    0.35;  ///< share of the places, those of least variance, whose growth counts ...
 constexpr std::size_t kAhead = 3;  ///< ... on patches this many doublings wider
 
 /** The places measured on every given scale, those of the least variance on the last one. */
-std::vector<std::size_t>
-plainestPlaces(const PatchScale& narrow, const PatchScale& wider, const PatchScale& widest,
-               double share)
-{
+std::vector<std::size_t> plainestPlaces(const PatchScale& narrow, const PatchScale& wider,
+                                        const PatchScale& widest, double share) {
   std::vector<std::size_t> places;
   for (std::size_t s = 0; s < widest.variances.size(); ++s) {
     if (std::min({narrow.variances[s], wider.variances[s], widest.variances[s]}) >= 0)
@@ -72,10 +69,9 @@ plainestPlaces(const PatchScale& narrow, const PatchScale& wider, const PatchSca
   return places;
 }
 
-/** Binary logarithm of the ratio of two trimmed means; finite also where exact planes leave a mean of 0. */
-double
-growthOf(std::vector<double> narrow, std::vector<double> wider, double trim)
-{
+/** Binary logarithm of the ratio of two trimmed means; finite also where exact planes leave a mean
+ * of 0. */
+double growthOf(std::vector<double> narrow, std::vector<double> wider, double trim) {
   constexpr double kMost = 100;
   const double a = trimmedMean(narrow, trim), b = trimmedMean(wider, trim);
   if (!(a > 0) || !(b > 0)) return b > a ? kMost : a > b ? -kMost : 0;
@@ -89,10 +85,8 @@ struct ScaleFigures {
 };
 
 /** Growth at the plainest places of a wider scale, which do not depend on what is compared. */
-void
-measureGrowth(const std::vector<PatchScale>& scales, std::size_t i,
-              const SharedNoiseConstants& constants, ScaleFigures& figures)
-{
+void measureGrowth(const std::vector<PatchScale>& scales, std::size_t i,
+                   const SharedNoiseConstants& constants, ScaleFigures& figures) {
   const PatchScale &narrow = scales[i], &wider = scales[i + 1];
   const PatchScale& widest = scales[std::min(i + kAhead, scales.size() - 1)];
   std::vector<double> variances[2], powers[2];
@@ -108,11 +102,10 @@ measureGrowth(const std::vector<PatchScale>& scales, std::size_t i,
 
 constexpr double kFlatPlace = 0.5;  ///< growth up to which a place is flat
 
-/** Level and correlation at the places where the variance grows little: they are flat at this scale. */
-void
-measureFlatPlaces(const PatchScale& scale, const PatchScale& wider, const NoiseConstants& constants,
-                  ScaleFigures& figures)
-{
+/** Level and correlation at the places where the variance grows little: they are flat at this
+ * scale. */
+void measureFlatPlaces(const PatchScale& scale, const PatchScale& wider,
+                       const NoiseConstants& constants, ScaleFigures& figures) {
   const SharedNoiseConstants& shared = constants.shared;
   PatchScale flat;
   flat.k = scale.k;
@@ -131,9 +124,7 @@ measureFlatPlaces(const PatchScale& scale, const PatchScale& wider, const NoiseC
 
 /** Binary logarithm of the factor by which a scale's power is below a narrower scale's, or by which
  * that of the next few scales falls below its greatest. */
-double
-fallAbout(const std::vector<ScaleFigures>& figures, std::size_t i)
-{
+double fallAbout(const std::vector<ScaleFigures>& figures, std::size_t i) {
   double power = 0, greatest = 0, fall = 0;
   for (std::size_t j = 0; j < std::min(i + kAhead, figures.size()); ++j) {
     if (j == i) fall = greatest - power;
@@ -145,12 +136,12 @@ fallAbout(const std::vector<ScaleFigures>& figures, std::size_t i)
   return fall;
 }
 
-constexpr double kFlat = 0.33;        ///< growth at which a size of patch is no plateau
-constexpr double kSlow = 0.62;        ///< the same as a share of the greatest growth before, ...
-constexpr double kMostPeak = 0.8;     ///< ... of which at most this counts
-constexpr double kSteep = 1.2;        ///< growth that noise does not show ...
-constexpr double kSteepWidth = 0.1;   ///< ... and the width of the passage
-constexpr double kFall = 0.8;         ///< fall of the power that noise does not show
+constexpr double kFlat = 0.33;       ///< growth at which a size of patch is no plateau
+constexpr double kSlow = 0.62;       ///< the same as a share of the greatest growth before, ...
+constexpr double kMostPeak = 0.8;    ///< ... of which at most this counts
+constexpr double kSteep = 1.2;       ///< growth that noise does not show ...
+constexpr double kSteepWidth = 0.1;  ///< ... and the width of the passage
+constexpr double kFall = 0.8;        ///< fall of the power that noise does not show
 
 /** Chances that a scale is a plateau of noise. */
 struct PlateauChance {
@@ -158,35 +149,31 @@ struct PlateauChance {
   double flat = 0;  ///< ... or hardly at all
 };
 
-std::vector<PlateauChance>
-plateauChances(const std::vector<ScaleFigures>& figures)
-{
+std::vector<PlateauChance> plateauChances(const std::vector<ScaleFigures>& figures) {
   std::vector<PlateauChance> chances;
   double gentle = 1;  // chance that no growth so far was a shape's
   double peak = 0;    // greatest growth so far
   for (std::size_t i = 0; i < figures.size(); ++i) {
     const ScaleFigures& f = figures[i];
     const double still = fallOff(std::abs(f.power_growth), kFlat);
-    const double noise =
-        std::max(gentle, still) * fallOff(fallAbout(figures, i), kFall);
+    const double noise = std::max(gentle, still) * fallOff(fallAbout(figures, i), kFall);
     const double slow = kSlow * std::min(peak, kMostPeak);
-    chances.push_back({noise * fallOff(f.growth, std::max(kFlat, slow)),
-                       noise * fallOff(f.growth, kFlat)});
+    chances.push_back(
+        {noise * fallOff(f.growth, std::max(kFlat, slow)), noise * fallOff(f.growth, kFlat)});
     peak = std::max(peak, f.growth);
     gentle /= 1 + std::exp((f.growth - kSteep) / kSteepWidth);
   }
   return chances;
 }
 
-constexpr double kSpread = 1.5;   ///< growth of a plateau's mean over that of plain places, at most, ...
+constexpr double kSpread =
+    1.5;  ///< growth of a plateau's mean over that of plain places, at most, ...
 constexpr double kCreases = 0.1;  ///< ... and added to it
 
-/** Logarithms of every scale's variance and correlation. After a plateau they grow about as those of
- * the plainest places do: what else wider patches show is shape. */
-std::vector<Eigen::Array2d>
-withoutShape(const std::vector<ScaleFigures>& figures, const std::vector<PlateauChance>& chances,
-             double white)
-{
+/** Logarithms of every scale's variance and correlation. After a plateau they grow about as those
+ * of the plainest places do: what else wider patches show is shape. */
+std::vector<Eigen::Array2d> withoutShape(const std::vector<ScaleFigures>& figures,
+                                         const std::vector<PlateauChance>& chances, double white) {
   std::vector<Eigen::Array2d> shown;
   for (std::size_t i = 0; i < figures.size(); ++i) {
     const ScaleFigures& f = figures[i];
@@ -205,9 +192,7 @@ withoutShape(const std::vector<ScaleFigures>& figures, const std::vector<Plateau
 constexpr double kShownPart = 0.83;  ///< share of the noise that a profile's patches show
 
 /** The first scale that shows most of a variance. */
-std::size_t
-scaleOf(double variance, const std::vector<ScaleFigures>& figures)
-{
+std::size_t scaleOf(double variance, const std::vector<ScaleFigures>& figures) {
   std::size_t i = 0;
   while (i + 1 < figures.size() && figures[i].variance < kShownPart * variance) ++i;
   return i;
@@ -219,10 +204,9 @@ constexpr double kBeyond = 1.5;  ///< growth beyond a plateau, in all, that nois
 /** Moves from what the smallest patches show towards each scale by its chance to be a plateau. A
  * run of plateaus has its first one's figures unless their power is constant: where the
  * variance grows by little and the power by more, wide patches contain a little of the shape. */
-CurveNoise
-weigh(const std::vector<ScaleFigures>& figures, const std::vector<PlateauChance>& chances,
-      double white, const SharedNoiseConstants& constants)
-{
+CurveNoise weigh(const std::vector<ScaleFigures>& figures,
+                 const std::vector<PlateauChance>& chances, double white,
+                 const SharedNoiseConstants& constants) {
   const std::vector<Eigen::Array2d> shown = withoutShape(figures, chances, white);
   Eigen::Array2d run(std::log(white), shown.front()[1]);
   Eigen::Array2d noise(std::log(white), 0);
@@ -251,11 +235,9 @@ weigh(const std::vector<ScaleFigures>& figures, const std::vector<PlateauChance>
 
 constexpr double kShape = 2;  ///< growth, twice in a row, after which there is shape alone
 
-/** Whether a surface's shape has shown in full, as it does at the first scales on clean clouds. More than a
- * cubic's bias grows by is none: patches along a lidar's ring show nothing at all. */
-bool
-isShape(const std::vector<PatchScale>& scales, const NoiseConstants& constants)
-{
+/** Whether a surface's shape has shown in full, as it does at the first scales on clean clouds.
+ * More than a cubic's bias grows by is none: patches along a lidar's ring show nothing at all. */
+bool isShape(const std::vector<PatchScale>& scales, const NoiseConstants& constants) {
   const std::size_t n = scales.size();
   if (n < 3) return false;
   ScaleFigures before, last;
@@ -266,9 +248,8 @@ isShape(const std::vector<PatchScale>& scales, const NoiseConstants& constants)
 }
 
 /** The figures of a scale, from it and the next one. */
-ScaleFigures
-figuresOf(const std::vector<PatchScale>& scales, std::size_t i, const NoiseConstants& constants)
-{
+ScaleFigures figuresOf(const std::vector<PatchScale>& scales, std::size_t i,
+                       const NoiseConstants& constants) {
   ScaleFigures figures;
   measureGrowth(scales, i, constants.shared, figures);
   measureFlatPlaces(scales[i], scales[i + 1], constants, figures);
@@ -277,11 +258,9 @@ figuresOf(const std::vector<PatchScale>& scales, std::size_t i, const NoiseConst
 
 constexpr double kLeast = 1.5;  ///< fewer neighbours than this share nothing
 
-/** Whether two scales in a row, of patches wide enough to show it, have the same noise and no shared
- * noise: then what wider patches show is shape. */
-bool
-isWhite(const std::vector<PatchScale>& scales, const NoiseConstants& constants)
-{
+/** Whether two scales in a row, of patches wide enough to show it, have the same noise and no
+ * shared noise: then what wider patches show is shape. */
+bool isWhite(const std::vector<PatchScale>& scales, const NoiseConstants& constants) {
   const SharedNoiseConstants& shared = constants.shared;
   const std::size_t n = scales.size();
   if (n < 3 || scales[n - 3].k < 2 * shared.cells) return false;
@@ -295,10 +274,8 @@ isWhite(const std::vector<PatchScale>& scales, const NoiseConstants& constants)
 }
 
 /** Measures scales from patches of k points on. */
-void
-measureScales(ThinnedPlaces& points, std::size_t k, std::size_t most,
-              const NoiseConstants& constants, int threads, std::vector<PatchScale>& scales)
-{
+void measureScales(ThinnedPlaces& points, std::size_t k, std::size_t most,
+                   const NoiseConstants& constants, int threads, std::vector<PatchScale>& scales) {
   const auto isKnown = [&] { return isShape(scales, constants) || isWhite(scales, constants); };
   for (; scales.size() < 2 || (k <= most && !isKnown()); k *= 2) {
     const PatchScale* narrower = scales.empty() ? nullptr : &scales.back();
@@ -307,9 +284,8 @@ measureScales(ThinnedPlaces& points, std::size_t k, std::size_t most,
 }
 
 /** The noise that scales show. */
-CurveNoise
-noiseOf(const std::vector<PatchScale>& scales, double white, const NoiseConstants& constants)
-{
+CurveNoise noiseOf(const std::vector<PatchScale>& scales, double white,
+                   const NoiseConstants& constants) {
   std::vector<ScaleFigures> figures;
   for (std::size_t i = 0; i + 1 < scales.size(); ++i)
     figures.push_back(figuresOf(scales, i, constants));
@@ -317,9 +293,7 @@ noiseOf(const std::vector<PatchScale>& scales, double white, const NoiseConstant
 }
 
 /** Half of the places, at random. */
-std::vector<std::size_t>
-halfOf(std::size_t count, std::size_t seed)
-{
+std::vector<std::size_t> halfOf(std::size_t count, std::size_t seed) {
   std::mt19937_64 random(seed);
   std::vector<std::size_t> places(count);
   for (std::size_t s = 0; s < count; ++s) {
@@ -330,9 +304,7 @@ halfOf(std::size_t count, std::size_t seed)
   return places;
 }
 
-PatchScale
-scaleAt(const PatchScale& scale, const std::vector<std::size_t>& places)
-{
+PatchScale scaleAt(const PatchScale& scale, const std::vector<std::size_t>& places) {
   PatchScale part;
   part.k = scale.k;
   part.stride = scale.stride;
@@ -346,12 +318,10 @@ scaleAt(const PatchScale& scale, const std::vector<std::size_t>& places)
 
 constexpr std::size_t kHalfSamples = 8;  ///< halves of the places whose outcomes are compared
 
-/** The noise by halves of the places: they scatter about that of all as the latter does about the truth
- * (McCarthy 1969). */
-std::vector<CurveNoise>
-halvesOf(const std::vector<PatchScale>& scales, double white, const NoiseConstants& constants,
-         int threads)
-{
+/** The noise by halves of the places: they scatter about that of all as the latter does about the
+ * truth (McCarthy 1969). */
+std::vector<CurveNoise> halvesOf(const std::vector<PatchScale>& scales, double white,
+                                 const NoiseConstants& constants, int threads) {
   std::vector<CurveNoise> halves(kHalfSamples);
   parallelFor(halves.size(), threads, 1, [&](std::size_t r, int) {
     const std::vector<std::size_t> places = halfOf(scales.front().variances.size(), r);
@@ -364,17 +334,14 @@ halvesOf(const std::vector<PatchScale>& scales, double white, const NoiseConstan
 }
 
 /** 0 up to low, 1 from high on. */
-double
-ramp(double x, double low, double high)
-{
+double ramp(double x, double low, double high) {
   return std::clamp((x - low) / (high - low), 0.0, 1.0);
 }
 
-constexpr double kPlain = 1.0;  ///< growth from the smallest patches' variance from which on all of it counts
+constexpr double kPlain =
+    1.0;  ///< growth from the smallest patches' variance from which on all of it counts
 
-CurveShare
-shareOf(const CurveNoise& curve, double white, const SharedNoiseConstants& constants)
-{
+CurveShare shareOf(const CurveNoise& curve, double white, const SharedNoiseConstants& constants) {
   const double share = ramp(curve.correlation, kLeast, constants.all);
   const double growth = std::log2(curve.variance / white);
   const double part = std::max(share, ramp(growth, constants.chance, kPlain));
@@ -385,9 +352,7 @@ shareOf(const CurveNoise& curve, double white, const SharedNoiseConstants& const
 }
 
 /** The scatter of a curve's halves. */
-LogErrors
-errorsOf(const NoiseCurve& curve, double white, const SharedNoiseConstants& constants)
-{
+LogErrors errorsOf(const NoiseCurve& curve, double white, const SharedNoiseConstants& constants) {
   const CurveShare all = shareOf(curve.noise, white, constants);
   LogErrors errors;
   for (const CurveNoise& noise : curve.halves) {
@@ -399,16 +364,14 @@ errorsOf(const NoiseCurve& curve, double white, const SharedNoiseConstants& cons
   return {errors.variance / count, errors.correlation / count};
 }
 
-/// RMS error wanted of the logarithms of the variance and of the number of points that share errors.
+/// RMS error wanted of the logarithms of the variance and of the number of points that share
+/// errors.
 constexpr double kError = 0.07;
 
 /** The places that it takes for what counts of the noise to be known to the accuracy wanted. */
-double
-neededPlaces(const NoiseCurve& curve, double white, const SharedNoiseConstants& constants)
-{
+double neededPlaces(const NoiseCurve& curve, double white, const SharedNoiseConstants& constants) {
   const LogErrors errors = errorsOf(curve, white, constants);
-  const double excess =
-      std::max(errors.variance, errors.correlation) / (kError * kError);
+  const double excess = std::max(errors.variance, errors.correlation) / (kError * kError);
   return static_cast<double>(curve.scales.front().variances.size()) * excess;
 }
 
@@ -416,12 +379,11 @@ neededPlaces(const NoiseCurve& curve, double white, const SharedNoiseConstants& 
 constexpr std::size_t kPointsPerPlace = 20, kLeastPlaces = 100;
 
 /** Measures scales, from the smallest patches on, until no wider one can show noise, and weighs
- * what each shows by the chance that it is a plateau (docs/theory.md, "Noise that neighbours share").
+ * what each shows by the chance that it is a plateau (docs/theory.md, "Noise that neighbours
+ * share").
  * \param[in] white variance by the smallest patches */
-NoiseCurve
-measureCurve(const PointStore& store, std::size_t k, double white, const NoiseConstants& given,
-             int threads)
-{
+NoiseCurve measureCurve(const PointStore& store, std::size_t k, double white,
+                        const NoiseConstants& given, int threads) {
   NoiseConstants constants = given;
   SharedNoiseConstants& shared = constants.shared;
   // Patches of a thin part end at its borders, where the power slows down, too.
@@ -452,10 +414,8 @@ constexpr double kRoundingFlat = 0.7;  ///< growth beyond those patches that is 
 /** The noise of a rounded coordinate, whose errors change sign from one terrace to the next, so
  * that wide cells share nothing. Where detail follows directly, patches of half the width show it.
  * \param[in] k points of patches that show all of it \param[out] scales those measured */
-CurveNoise
-measureRounding(const PointStore& store, std::size_t k, const NoiseConstants& constants,
-                int threads, std::vector<PatchScale>& scales)
-{
+CurveNoise measureRounding(const PointStore& store, std::size_t k, const NoiseConstants& constants,
+                           int threads, std::vector<PatchScale>& scales) {
   ThinnedPlaces points(store, kPlaces);
   for (const std::size_t size : {k / 2, k, 2 * k})
     scales.push_back(measureScale(points, size, constants, threads));
@@ -467,14 +427,14 @@ measureRounding(const PointStore& store, std::size_t k, const NoiseConstants& co
   return {narrow * std::pow(wide / narrow, chance), least * std::pow(shared / least, chance), 1};
 }
 
-constexpr double kUneven = 2;         ///< variance over the cloud's from which noise passes for detail
-constexpr double kUnevenShare = 0.1;  ///< share of places of this noise from which a profile is made
+constexpr double kUneven = 2;  ///< variance over the cloud's from which noise passes for detail
+constexpr double kUnevenShare =
+    0.1;  ///< share of places of this noise from which a profile is made
 
-/** Whether a share of places has more noise than the cloud by a factor that a fit takes for detail. */
-bool
-isUneven(const PatchScale& scale, const PatchScale& wider, double variance,
-         const NoiseConstants& constants, int threads)
-{
+/** Whether a share of places has more noise than the cloud by a factor that a fit takes for detail.
+ */
+bool isUneven(const PatchScale& scale, const PatchScale& wider, double variance,
+              const NoiseConstants& constants, int threads) {
   const auto narrow = windowedMeans(scale.variances, constants, threads);
   const auto wide = windowedMeans(wider.variances, constants, threads);
   std::size_t noisy = 0;
@@ -484,12 +444,11 @@ isUneven(const PatchScale& scale, const PatchScale& wider, double variance,
 }
 
 /** The same on two pairs of scales: an edge's residual is noise to one of them at most.
- * \param[in] scales the first two of a curve, from the noise's own patches on or not; all are measured at their
- * places */
-bool
-staysUneven(const PointStore& store, const NoiseLevel& noise, const std::vector<PatchScale>& scales,
-            const NoiseConstants& constants, int threads)
-{
+ * \param[in] scales the first two of a curve, from the noise's own patches on or not; all are
+ * measured at their places */
+bool staysUneven(const PointStore& store, const NoiseLevel& noise,
+                 const std::vector<PatchScale>& scales, const NoiseConstants& constants,
+                 int threads) {
   const std::size_t k = noise.neighbors;
   if (8 * k * constants.most_part > store.size()) return false;
   ThinnedPlaces points(store, scales.front().variances.size());
@@ -502,23 +461,18 @@ staysUneven(const PointStore& store, const NoiseLevel& noise, const std::vector<
          isUneven(wider, scale(4), noise.variance, constants, threads);
 }
 
-/// Of more points fits count the geometric mean with this: a wide tau rounds edges, and a part of it
-/// costs smooth parts little.
+/// Of more points fits count the geometric mean with this: a wide tau rounds edges, and a part of
+/// it costs smooth parts little.
 constexpr double kCounted = 12;
 
 /** Sets how many points share their errors, and as how many of these a fit counts one. */
-void
-setCorrelation(double correlation, NoiseLevel& noise)
-{
+void setCorrelation(double correlation, NoiseLevel& noise) {
   noise.correlation = noise.dependence = correlation;
-  if (correlation > kCounted)
-    noise.dependence = std::sqrt(kCounted * correlation);
+  if (correlation > kCounted) noise.dependence = std::sqrt(kCounted * correlation);
 }
 
 /** The noise that one scale shows. */
-NoiseLevel
-scaleNoise(const PatchScale& scale, const NoiseConstants& constants)
-{
+NoiseLevel scaleNoise(const PatchScale& scale, const NoiseConstants& constants) {
   NoiseLevel noise;
   noise.variance = levelOf(scale, constants);
   noise.error = 0.5 * trimmedMeanError(scale.variances, constants.trim);
@@ -527,12 +481,10 @@ scaleNoise(const PatchScale& scale, const NoiseConstants& constants)
   return noise;
 }
 
-/** Sets the errors of a curve's noise: the scatter of its halves, that of a variance of as many values as the
- * cloud has independent errors, and white noise's own. */
-void
-setErrors(const NoiseCurve& curve, const CurveShare& all, const NoiseLevel& white, double points,
-          const SharedNoiseConstants& constants, NoiseLevel& noise)
-{
+/** Sets the errors of a curve's noise: the scatter of its halves, that of a variance of as many
+ * values as the cloud has independent errors, and white noise's own. */
+void setErrors(const NoiseCurve& curve, const CurveShare& all, const NoiseLevel& white,
+               double points, const SharedNoiseConstants& constants, NoiseLevel& noise) {
   const LogErrors errors = errorsOf(curve, white.variance, constants);
   const double chance = all.part * 2 * all.correlation / points;
   noise.error = std::hypot(0.5 * std::sqrt(errors.variance + chance), (1 - all.part) * white.error);
@@ -540,10 +492,8 @@ setErrors(const NoiseCurve& curve, const CurveShare& all, const NoiseLevel& whit
 }
 
 /** The noise of a curve. */
-NoiseLevel
-curveNoise(const NoiseCurve& curve, const NoiseLevel& white, double points,
-           const NoiseConstants& constants)
-{
+NoiseLevel curveNoise(const NoiseCurve& curve, const NoiseLevel& white, double points,
+                      const NoiseConstants& constants) {
   const SharedNoiseConstants& shared = constants.shared;
   const CurveShare share = shareOf(curve.noise, white.variance, shared);
   NoiseLevel noise = share.correlation > shared.white
@@ -556,10 +506,8 @@ curveNoise(const NoiseCurve& curve, const NoiseLevel& white, double points,
 }
 
 /** Rounding of a coordinate where there is little other noise. */
-NoiseLevel
-roundingNoise(const PointStore& store, const StepNoise& steps, const NoiseConstants& constants,
-              int threads)
-{
+NoiseLevel roundingNoise(const PointStore& store, const StepNoise& steps,
+                         const NoiseConstants& constants, int threads) {
   std::vector<PatchScale> scales;
   const CurveNoise rounding = measureRounding(store, steps.neighbors, constants, threads, scales);
   NoiseLevel noise = scaleNoise(scales[rounding.scale], constants);
@@ -573,9 +521,7 @@ constexpr double kResolved =
     1e-7;  ///< RMS noise below which there is rounding of floats alone [L of the bulk]
 
 /** White noise of points on lines: across a line its points count as one independent point. */
-NoiseLevel
-alongLines(const NoiseLevel& white)
-{
+NoiseLevel alongLines(const NoiseLevel& white) {
   NoiseLevel noise = white;
   noise.dependence = static_cast<double>(white.line);
   return noise;
@@ -583,10 +529,8 @@ alongLines(const NoiseLevel& white)
 
 }  // namespace
 
-NoiseLevel
-recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
-                     const NoiseConstants& constants, int threads)
-{
+NoiseLevel recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
+                                const NoiseConstants& constants, int threads) {
   if (white.neighbors == 0) return white;
   if (white.line > 0) return alongLines(white);
   threads = resolveThreads(threads);
@@ -608,10 +552,8 @@ recognizeSharedNoise(const PointStore& store, const NoiseLevel& white,
   return noise;
 }
 
-NoiseLevel
-measureSharedNoise(const PointStore& store, double correlation, const NoiseConstants& constants,
-                   int threads)
-{
+NoiseLevel measureSharedNoise(const PointStore& store, double correlation,
+                              const NoiseConstants& constants, int threads) {
   threads = resolveThreads(threads);
   std::size_t k = smallestPatch(store, constants, threads);
   const std::size_t most = std::max<std::size_t>(k, store.size() / constants.most_part);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The noise of a cloud: of its smallest patches (docs/theory.md, "Noise" and "Bias on clean data"), of merged frames,
-// along the Morton curve, and of its normals.
+// The noise of a cloud: of its smallest patches (docs/theory.md, "Noise" and "Bias on clean data"),
+// of merged frames, along the Morton curve, and of its normals.
 #include "pcl_slim/cloud/noise_level.h"
 
 #include <algorithm>
@@ -19,12 +19,12 @@ namespace {
 
 constexpr std::size_t kSamples = 500;          ///< patches of the smallest size ...
 constexpr std::size_t kPointsPerSample = 250;  ///< ... and one for this many points of large clouds
-constexpr double kFloor = 1e-11;  ///< least sqrt(lambda) [L of the bulk]: float positions resolve no less
+constexpr double kFloor =
+    1e-11;  ///< least sqrt(lambda) [L of the bulk]: float positions resolve no less
 
 /** The noise of patches of k points: their trimmed mean variance and median radius. */
-NoiseLevel
-patchLevel(const PointStore& store, std::size_t k, const NoiseConstants& constants, int threads)
-{
+NoiseLevel patchLevel(const PointStore& store, std::size_t k, const NoiseConstants& constants,
+                      int threads) {
   // Larger patches average more points each, so fewer of them are needed.
   // No more patches of the smallest size are needed than contain each point once.
   const std::size_t smallest =
@@ -48,9 +48,7 @@ patchLevel(const PointStore& store, std::size_t k, const NoiseConstants& constan
 }
 
 /** Takes the cubic's bias off, which a patch of twice as many points shows. */
-void
-removeBias(const NoiseLevel& wider, const NoiseConstants& constants, NoiseLevel& noise)
-{
+void removeBias(const NoiseLevel& wider, const NoiseConstants& constants, NoiseLevel& noise) {
   const double growth = constants.bias_growth;
   const double bias_free = (growth * noise.variance - wider.variance) / (growth - 1);
   const double error =
@@ -62,9 +60,7 @@ removeBias(const NoiseLevel& wider, const NoiseConstants& constants, NoiseLevel&
 
 }  // namespace
 
-NoiseLevel
-measureNoise(const PointStore& store, const NoiseConstants& constants, int threads)
-{
+NoiseLevel measureNoise(const PointStore& store, const NoiseConstants& constants, int threads) {
   if (store.size() < kCubicTerms + 2) return {};
   threads = resolveThreads(threads);
   const std::size_t first = smallestPatch(store, constants, threads);
@@ -88,9 +84,8 @@ measureNoise(const PointStore& store, const NoiseConstants& constants, int threa
   return noise;
 }
 
-NoiseLevel
-measurePaperNoise(const PointStore& store, const NoiseConstants& constants, int threads)
-{
+NoiseLevel measurePaperNoise(const PointStore& store, const NoiseConstants& constants,
+                             int threads) {
   if (store.size() < kCubicTerms + 2) return {};
   threads = resolveThreads(threads);
   const auto measure = [&](NeighborSearch& search, std::size_t sample, std::size_t) {
@@ -114,8 +109,8 @@ measurePaperNoise(const PointStore& store, const NoiseConstants& constants, int 
   return noise;
 }
 
-// docs/theory.md, "Merged frames": noise that points of one frame share, where the frames' numbers or the places of
-// sensors show which points those are.
+// docs/theory.md, "Merged frames": noise that points of one frame share, where the frames' numbers
+// or the places of sensors show which points those are.
 
 namespace {
 
@@ -123,19 +118,16 @@ constexpr std::size_t kFrameSample = 8192;  ///< points whose frames are examine
 constexpr double kFramePoints = 2000;       ///< of a frame whose noise is measured ...
 constexpr std::size_t kMostFrames = 8;      ///< ... and such frames at most: more show the same
 
-/** What points of one frame have in common: its number or, where frames have none, the place of its sensor. */
-Vector3
-frameOf(const PointStore& store, std::size_t point)
-{
+/** What points of one frame have in common: its number or, where frames have none, the place of its
+ * sensor. */
+Vector3 frameOf(const PointStore& store, std::size_t point) {
   if (store.hasFrameNumbers()) return {static_cast<double>(store.frameNumber(point)), 0, 0};
   return store.sensor(point);
 }
 
-/** The frames of most points of a sample, those of most points first; none where all are of one, or each of
- * its own as along a trajectory. */
-std::vector<Vector3>
-largestFrames(const PointStore& store)
-{
+/** The frames of most points of a sample, those of most points first; none where all are of one, or
+ * each of its own as along a trajectory. */
+std::vector<Vector3> largestFrames(const PointStore& store) {
   std::map<Vector3, std::size_t> counts;
   const std::size_t samples = std::min(kFrameSample, store.size());
   for (std::size_t s = 0; s < samples; ++s)
@@ -157,9 +149,7 @@ largestFrames(const PointStore& store)
 }
 
 /** The points of a frame. One sensor sees one side of a part: they need no sides. */
-PointStore
-pointsOf(const PointStore& store, const Vector3& frame, int threads)
-{
+PointStore pointsOf(const PointStore& store, const Vector3& frame, int threads) {
   std::vector<std::uint32_t> others;
   for (std::size_t i = 0; i < store.size(); ++i) {
     if (frameOf(store, i) != frame) others.push_back(static_cast<std::uint32_t>(i));
@@ -169,17 +159,13 @@ pointsOf(const PointStore& store, const Vector3& frame, int threads)
   return points;
 }
 
-std::size_t
-widestPatch(const PointStore& store, const NoiseConstants& constants)
-{
+std::size_t widestPatch(const PointStore& store, const NoiseConstants& constants) {
   return std::max(constants.first_neighbors, store.size() / constants.most_part);
 }
 
 /** Patches whose cells contain about as many points as share their errors. */
-PatchScale
-scaleOfCells(const PointStore& store, double correlation, const NoiseConstants& constants,
-             int threads)
-{
+PatchScale scaleOfCells(const PointStore& store, double correlation,
+                        const NoiseConstants& constants, int threads) {
   const SharedNoiseConstants& shared = constants.shared;
   const double least = static_cast<double>(shared.cells) * std::max(2.0, correlation);
   std::size_t k = constants.first_neighbors;
@@ -194,10 +180,8 @@ struct RadiusFigures {
   double radius = 0;
 };
 
-RadiusFigures
-figuresAtRadius(const PointStore& store, double radius, const NoiseConstants& constants,
-                int threads)
-{
+RadiusFigures figuresAtRadius(const PointStore& store, double radius,
+                              const NoiseConstants& constants, int threads) {
   PatchScale below = measureScale(store, constants.first_neighbors, constants, threads);
   PatchScale above = below;
   while (median(above.radii) < radius && 2 * above.k <= widestPatch(store, constants)) {
@@ -217,12 +201,9 @@ figuresAtRadius(const PointStore& store, double radius, const NoiseConstants& co
 class FrameNoise {
  public:
   explicit FrameNoise(const NoiseConstants& constants, int threads)
-      : constants_(constants), threads_(threads)
-  {
-  }
+      : constants_(constants), threads_(threads) {}
 
-  void add(const PointStore& frame)
-  {
+  void add(const PointStore& frame) {
     const NoiseLevel white = measureNoise(frame, constants_, threads_);
     const NoiseLevel noise = recognizeSharedNoise(frame, white, constants_, threads_);
     if (!(noise.variance > 0)) return;
@@ -247,8 +228,7 @@ class FrameNoise {
   double shared() const { return median(shared_); }  ///< by patches of that radius
 
   /** The mean of the variances by points, and of what shares an error by points and variance. */
-  NoiseLevel mean() const
-  {
+  NoiseLevel mean() const {
     NoiseLevel noise = sum_;
     noise.variance = weights_ / points_;
     noise.error = std::sqrt(squares_) / weights_;
@@ -269,22 +249,20 @@ class FrameNoise {
 
 }  // namespace
 
-NoiseLevel
-recognizeFrameNoise(const PointStore& store, const NoiseLevel& white,
-                    const NoiseConstants& constants, int threads)
-{
+NoiseLevel recognizeFrameNoise(const PointStore& store, const NoiseLevel& white,
+                               const NoiseConstants& constants, int threads) {
   if (!store.hasSensors() && !store.hasFrameNumbers())
     return recognizeSharedNoise(store, white, constants, threads);
   threads = resolveThreads(threads);
   FrameNoise frames(constants, threads);
-  for (const Vector3& frame : largestFrames(store))
-    frames.add(pointsOf(store, frame, threads));
+  for (const Vector3& frame : largestFrames(store)) frames.add(pointsOf(store, frame, threads));
   NoiseLevel noise;
   if (!frames.empty()) noise = frames.mean();
   if (!(noise.correlation > constants.shared.white))
     return recognizeSharedNoise(store, white, constants, threads);
   const RadiusFigures all = figuresAtRadius(store, frames.radius(), constants, threads);
-  // Frames from one place round a surface alike: then as many more points share an error as there are frames.
+  // Frames from one place round a surface alike: then as many more points share an error as there
+  // are frames.
   const double more = std::max(1.0, all.shared / frames.shared());
   noise.correlation *= more;
   noise.dependence *= more;
@@ -304,18 +282,15 @@ constexpr std::size_t kPointsPerRun = 128;  ///< points of one entry of a noise 
 constexpr std::size_t kMostRuns = 8192;     ///< ... of at most this many entries
 
 /** How many runs of points along the Morton curve a profile has an entry for. */
-std::size_t
-runsOf(const PointStore& store, const NoiseConstants& constants)
-{
-  return std::clamp(store.size() / kPointsPerRun,
-                    std::min(constants.least_samples, store.size()), kMostRuns);
+std::size_t runsOf(const PointStore& store, const NoiseConstants& constants) {
+  return std::clamp(store.size() / kPointsPerRun, std::min(constants.least_samples, store.size()),
+                    kMostRuns);
 }
 
 /** The mean variance of patches of k points about every run. */
-std::vector<float>
-runVariances(const PointStore& store, std::size_t k, std::size_t runs,
-             const NoiseConstants& constants, int threads, double* whole = nullptr)
-{
+std::vector<float> runVariances(const PointStore& store, std::size_t k, std::size_t runs,
+                                const NoiseConstants& constants, int threads,
+                                double* whole = nullptr) {
   ThinnedPlaces places(store, runs);
   std::vector<double> variances =
       measureScale(places, k, constants, resolveThreads(threads)).variances;
@@ -326,10 +301,8 @@ runVariances(const PointStore& store, std::size_t k, std::size_t runs,
 
 }  // namespace
 
-std::vector<float>
-measureNoiseProfile(const PointStore& store, const NoiseLevel& level,
-                    const NoiseConstants& constants, int threads)
-{
+std::vector<float> measureNoiseProfile(const PointStore& store, const NoiseLevel& level,
+                                       const NoiseConstants& constants, int threads) {
   if (level.neighbors == 0) return {};
   const std::size_t runs = runsOf(store, constants);
   double whole;
@@ -342,10 +315,8 @@ measureNoiseProfile(const PointStore& store, const NoiseLevel& level,
   return profile;
 }
 
-std::vector<float>
-measureRaisedProfile(const PointStore& store, const NoiseLevel& level,
-                     const NoiseConstants& constants, int threads)
-{
+std::vector<float> measureRaisedProfile(const PointStore& store, const NoiseLevel& level,
+                                        const NoiseConstants& constants, int threads) {
   if (level.neighbors == 0 || !(level.variance > 0)) return {};
   const std::size_t k = level.neighbors;
   const std::size_t runs = runsOf(store, constants);
@@ -359,10 +330,8 @@ measureRaisedProfile(const PointStore& store, const NoiseLevel& level,
   return profile;
 }
 
-std::vector<float>
-modelledNoise(const PointStore& store, const RangeError& error, const NoiseConstants& constants,
-              int threads)
-{
+std::vector<float> modelledNoise(const PointStore& store, const RangeError& error,
+                                 const NoiseConstants& constants, int threads) {
   threads = resolveThreads(threads);
   const std::size_t k = smallestPatch(store, constants, threads);
   const std::size_t stride = patchStride(k, constants);
@@ -384,7 +353,7 @@ namespace {
 
 constexpr double kLeastTurn =
     0.25;  ///< sine of the angle beyond 90 degrees that exact normals may differ by
-constexpr std::size_t kBlocks = 1000;     ///< blocks looked at, evenly strided
+constexpr std::size_t kBlocks = 1000;    ///< blocks looked at, evenly strided
 constexpr std::size_t kLeastPoints = 8;  ///< points that a block's mean normal takes
 constexpr double kOneSheet = 0.5;        ///< a mean normal shorter than this mixes sheets
 constexpr double kWidest = 0.6435;       ///< largest fall by the normals' errors [rad]: asin(0.6)
@@ -392,9 +361,7 @@ constexpr double kMedianOfTilt =
     0.6931;  ///< median of (1 - cos) / sigma^2 for tilts of sigma about each axis
 
 /** Adds 1 - cos of the angles between a block's normals and their mean. */
-void
-addTilts(const PointStore& store, std::size_t block, std::vector<double>& tilts)
-{
+void addTilts(const PointStore& store, std::size_t block, std::vector<double>& tilts) {
   const std::size_t begin = block * PointStore::kBlock;
   const std::size_t end = std::min(begin + PointStore::kBlock, store.size());
   if (end < begin + kLeastPoints) return;
@@ -413,15 +380,11 @@ addTilts(const PointStore& store, std::size_t block, std::vector<double>& tilts)
 
 }  // namespace
 
-float
-normalBound(const PointStore& store, const NormalBoundConstants& constants)
-{
+float normalBound(const PointStore& store, const NormalBoundConstants& constants) {
   std::vector<double> tilts;
   const double least_fall = store.hasNormals() ? kLeastTurn : 0;
-  const std::size_t blocks = store.numBlocks(),
-                    stride = std::max<std::size_t>(1, blocks / kBlocks);
-  for (std::size_t block = 0; block < blocks; block += stride)
-    addTilts(store, block, tilts);
+  const std::size_t blocks = store.numBlocks(), stride = std::max<std::size_t>(1, blocks / kBlocks);
+  for (std::size_t block = 0; block < blocks; block += stride) addTilts(store, block, tilts);
   if (tilts.empty()) return static_cast<float>(-least_fall);
   const double sigma = std::sqrt(std::max(0.0, median(tilts)) / kMedianOfTilt);
   return static_cast<float>(
@@ -432,18 +395,14 @@ normalBound(const PointStore& store, const NormalBoundConstants& constants)
 
 namespace pcl_slim {
 
-double
-estimateNoise(const PointStore& store, NoiseEstimator estimator, int threads)
-{
+double estimateNoise(const PointStore& store, NoiseEstimator estimator, int threads) {
   const bool paper = estimator == NoiseEstimator::kMinEigenvalue10;
   return (paper ? detail::measurePaperNoise(store, {}, threads)
                 : detail::measureNoise(store, {}, threads))
       .variance;
 }
 
-std::vector<float>
-noiseProfile(const PointStore& store, int threads)
-{
+std::vector<float> noiseProfile(const PointStore& store, int threads) {
   const detail::NoiseConstants constants;
   return detail::measureNoiseProfile(store, detail::measureNoise(store, constants, threads),
                                      constants, threads);

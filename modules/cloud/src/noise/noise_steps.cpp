@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// docs/theory.md, "Steps": distances that a sensor reports in steps. Points that were rounded in one direction are on
-// parallel planes.
+// docs/theory.md, "Steps": distances that a sensor reports in steps. Points that were rounded in
+// one direction are on parallel planes.
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -18,8 +18,10 @@ namespace {
 
 constexpr std::size_t kPlaces = 100;  ///< where terraces are looked for
 constexpr std::size_t kPatch = 20;    ///< nearest points among which a terrace is looked for
-constexpr std::size_t kTerrace = 7;   ///< points on a plane, of these, that are a terrace; a level has more on average
-constexpr double kResolution = 1e-6;  ///< distance of a terrace's points from its plane, and of a level's [L]
+constexpr std::size_t kTerrace =
+    7;  ///< points on a plane, of these, that are a terrace; a level has more on average
+constexpr double kResolution =
+    1e-6;  ///< distance of a terrace's points from its plane, and of a level's [L]
 constexpr double kLeastTerraces = 0.05;  ///< share of the places that are on parallel terraces ...
 constexpr double kParallel = 1e-3;       ///< ... to this sine
 constexpr std::size_t kWide = 160;       ///< points of the patches whose variance is compared
@@ -33,9 +35,7 @@ struct Terrace {
 };
 
 /** The plane through a patch's sample and two of its points that contains most of the others. */
-Eigen::Vector3d
-fullestPlane(const Patch& patch, double resolution, std::size_t& most)
-{
+Eigen::Vector3d fullestPlane(const Patch& patch, double resolution, std::size_t& most) {
   constexpr double kLeastSine = 0.3;
   Eigen::Vector3d fullest = Eigen::Vector3d::Zero();
   most = 0;
@@ -57,9 +57,7 @@ fullestPlane(const Patch& patch, double resolution, std::size_t& most)
   return fullest;
 }
 
-Terrace
-terraceAt(const PointStore& store, NeighborSearch& search, std::size_t sample)
-{
+Terrace terraceAt(const PointStore& store, NeighborSearch& search, std::size_t sample) {
   thread_local Patch patch;
   const double resolution = kResolution * store.diagonal();
   patchAbout(store, search, sample, kPatch, patch);
@@ -78,9 +76,7 @@ terraceAt(const PointStore& store, NeighborSearch& search, std::size_t sample)
 }
 
 /** Those of a direction that most terraces have. */
-std::vector<Terrace>
-mostParallel(const std::vector<Terrace>& terraces, double sine)
-{
+std::vector<Terrace> mostParallel(const std::vector<Terrace>& terraces, double sine) {
   std::size_t most = 0, best = 0;
   const auto areParallel = [&](std::size_t i, std::size_t j) {
     return terraces[i].normal.cross(terraces[j].normal).norm() < sine;
@@ -99,9 +95,7 @@ mostParallel(const std::vector<Terrace>& terraces, double sine)
   return parallel;
 }
 
-Eigen::Vector3d
-meanNormal(const std::vector<Terrace>& parallel)
-{
+Eigen::Vector3d meanNormal(const std::vector<Terrace>& parallel) {
   const Eigen::Vector3d& first = parallel.front().normal;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Terrace& terrace : parallel)
@@ -109,11 +103,10 @@ meanNormal(const std::vector<Terrace>& parallel)
   return sum.normalized();
 }
 
-/** The direction in which points of one level scatter least. Terraces whose places along an axis differ by
- * no more than a tolerance are of one level. */
-Eigen::Vector3d
-commonNormal(std::vector<Terrace> terraces, const Eigen::Vector3d& axis, double same)
-{
+/** The direction in which points of one level scatter least. Terraces whose places along an axis
+ * differ by no more than a tolerance are of one level. */
+Eigen::Vector3d commonNormal(std::vector<Terrace> terraces, const Eigen::Vector3d& axis,
+                             double same) {
   const auto place = [&](const Terrace& terrace) { return axis.dot(terrace.points.front()); };
   std::sort(terraces.begin(), terraces.end(),
             [&](const Terrace& a, const Terrace& b) { return place(a) < place(b); });
@@ -137,11 +130,9 @@ commonNormal(std::vector<Terrace> terraces, const Eigen::Vector3d& axis, double 
   return axes.eigenvectors().col(0);
 }
 
-/** The direction in which a sensor rounded its points, of any rotation of the cloud: the common normal of small
- * exactly plane terraces. None where few places are on such terraces. O(places). */
-std::optional<Eigen::Vector3d>
-findStepAxis(const PointStore& store, int threads)
-{
+/** The direction in which a sensor rounded its points, of any rotation of the cloud: the common
+ * normal of small exactly plane terraces. None where few places are on such terraces. O(places). */
+std::optional<Eigen::Vector3d> findStepAxis(const PointStore& store, int threads) {
   std::vector<Terrace> terraces(std::min(kPlaces, store.size()));
   const auto least =
       static_cast<std::size_t>(kLeastTerraces * static_cast<double>(terraces.size()));
@@ -163,17 +154,13 @@ findStepAxis(const PointStore& store, int threads)
   return axis;
 }
 
-Eigen::Vector3d
-placeOf(const PointStore& store, std::size_t i)
-{
+Eigen::Vector3d placeOf(const PointStore& store, std::size_t i) {
   const Vector3 p = store.position(i);
   return {p[0], p[1], p[2]};
 }
 
 /** The distinct places along an axis, ascending. */
-std::vector<double>
-levelsOf(const PointStore& store, const Eigen::Vector3d& axis)
-{
+std::vector<double> levelsOf(const PointStore& store, const Eigen::Vector3d& axis) {
   std::vector<double> values(store.size());
   for (std::size_t i = 0; i < store.size(); ++i) values[i] = axis.dot(placeOf(store, i));
   std::sort(values.begin(), values.end());
@@ -185,9 +172,7 @@ levelsOf(const PointStore& store, const Eigen::Vector3d& axis)
 }
 
 /** The step between the levels about a value. */
-double
-stepAt(const std::vector<double>& levels, double value)
-{
+double stepAt(const std::vector<double>& levels, double value) {
   const auto above = std::lower_bound(levels.begin(), levels.end(), value) - levels.begin();
   const auto last = static_cast<std::ptrdiff_t>(levels.size()) - 1;
   const std::ptrdiff_t low = std::max<std::ptrdiff_t>(0, above - 2),
@@ -202,10 +187,8 @@ struct StepRatios {
 };
 
 /** One place's. */
-StepRatios
-ratiosAt(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
-         const std::vector<double>& levels, const Eigen::Vector3d& axis)
-{
+StepRatios ratiosAt(const PointStore& store, NeighborSearch& search, std::size_t sample,
+                    std::size_t k, const std::vector<double>& levels, const Eigen::Vector3d& axis) {
   thread_local Patch patch;
   thread_local PatchCubic cubic;
   patchAbout(store, search, sample, k, patch);
@@ -217,10 +200,9 @@ ratiosAt(const PointStore& store, NeighborSearch& search, std::size_t sample, st
   return ratios;
 }
 
-StepRatios
-measureRatios(const PointStore& store, const NoiseConstants& constants, std::size_t k, int threads,
-              const std::vector<double>& levels, const Eigen::Vector3d& axis)
-{
+StepRatios measureRatios(const PointStore& store, const NoiseConstants& constants, std::size_t k,
+                         int threads, const std::vector<double>& levels,
+                         const Eigen::Vector3d& axis) {
   std::vector<StepRatios> ratios(std::min(constants.shared.places, store.size()));
   sampleStore(store, ratios.size(), 1, threads,
               [&](NeighborSearch& search, std::size_t sample, std::size_t s) {
@@ -239,9 +221,7 @@ measureRatios(const PointStore& store, const NoiseConstants& constants, std::siz
 
 }  // namespace
 
-StepNoise
-measureSteps(const PointStore& store, const NoiseConstants& constants, int threads)
-{
+StepNoise measureSteps(const PointStore& store, const NoiseConstants& constants, int threads) {
   const auto axis = findStepAxis(store, resolveThreads(threads));
   if (!axis) return {};
   const std::vector<double> levels = levelsOf(store, *axis);
@@ -251,7 +231,8 @@ measureSteps(const PointStore& store, const NoiseConstants& constants, int threa
   };
   std::size_t k = kWide;
   StepRatios found = ratios(k);
-  // On terraces as wide as a patch rounding shows in part; where it shows in full, it grows no more.
+  // On terraces as wide as a patch rounding shows in part; where it shows in full, it grows no
+  // more.
   const std::size_t most = store.size() / (2 * constants.most_part);
   std::size_t wide = k;
   StepRatios wider = found;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Patches of a cloud's points, and the residuals of cubics on them (docs/theory.md, "Noise", "Sheets" and "Noise
-// that neighbours share").
+// Patches of a cloud's points, and the residuals of cubics on them (docs/theory.md, "Noise",
+// "Sheets" and "Noise that neighbours share").
 #include "noise/patch.h"
 
 #include <Eigen/Cholesky>
@@ -22,25 +22,19 @@ struct SheetPair {
   double middle = 0;
 };
 
-Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>
-axesOf(const Eigen::Matrix3d& matrix)
-{
+Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axesOf(const Eigen::Matrix3d& matrix) {
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
   axes.computeDirect(matrix);
   return axes;
 }
 
-Eigen::Matrix3d
-covarianceOf(const PatchSums& sums, std::size_t count)
-{
+Eigen::Matrix3d covarianceOf(const PatchSums& sums, std::size_t count) {
   const double share = 1 / static_cast<double>(count);
   return share * sums.second - (share * sums.first) * (share * sums.first).transpose();
 }
 
 /** Two-means on heights, with the normal of what is left within the two sides. */
-SheetPair
-pairSheets(const PatchPoints& points, int passes, double* heights)
-{
+SheetPair pairSheets(const PatchPoints& points, int passes, double* heights) {
   const PatchSums all = kernels::sumPatch(points);
   SheetPair pair{axesOf(covarianceOf(all, points.size())).eigenvectors().col(0), 0};
   const auto n = static_cast<double>(points.size());
@@ -67,15 +61,11 @@ pairSheets(const PatchPoints& points, int passes, double* heights)
 
 }  // namespace
 
-Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>
-principalAxes(const PatchPoints& points)
-{
+Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principalAxes(const PatchPoints& points) {
   return axesOf(covarianceOf(kernels::sumPatch(points), points.size()));
 }
 
-bool
-keepOwnSheet(const PatchSheetConstants& constants, Patch& patch)
-{
+bool keepOwnSheet(const PatchSheetConstants& constants, Patch& patch) {
   const std::size_t n = patch.points.size();
   if (n < 2 * kLeastSide) return false;
   thread_local AlignedVector<double> heights;
@@ -105,16 +95,13 @@ namespace {
 constexpr double kRidge = 1e-12;  ///< keeps patches that are a line solvable; moves no digit
 
 /** Place of u^(degree - v) v^v in graded order. */
-constexpr std::size_t
-gradedIndex(int degree, int v)
-{
+constexpr std::size_t gradedIndex(int degree, int v) {
   return static_cast<std::size_t>(degree * (degree + 1) / 2 + v);
 }
 
-/** Part of noise's variance that a ball's residuals show. \param[in] q theirs over its squared radius */
-double
-partLeft(double q)
-{
+/** Part of noise's variance that a ball's residuals show. \param[in] q theirs over its squared
+ * radius */
+double partLeft(double q) {
   constexpr double kFull = 0.12;  // of a ball full of points
   q = std::min(q, kFull);
   return 1 - 2 * q - 22 * q * q;
@@ -122,9 +109,7 @@ partLeft(double q)
 
 }  // namespace
 
-bool
-fitCubic(const Patch& patch, PatchCubic& cubic)
-{
+bool fitCubic(const Patch& patch, PatchCubic& cubic) {
   const std::size_t n = patch.points.size();
   if (n <= kCubicTerms + 1) return false;
   const Eigen::Matrix3d axes = principalAxes(patch.points).eigenvectors();
@@ -151,10 +136,8 @@ fitCubic(const Patch& patch, PatchCubic& cubic)
   return std::isfinite(cubic.variance);
 }
 
-void
-patchAbout(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
-           Patch& patch, double about)
-{
+void patchAbout(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
+                Patch& patch, double about) {
   thread_local std::vector<std::uint32_t> neighbors;
   patch.radius = std::sqrt(search.nearestSet(sample, k, neighbors, static_cast<float>(about)));
   patch.points.resize(neighbors.size());
@@ -176,10 +159,9 @@ namespace {
 /** Fits a cubic to the patch of k points about a sample, to the sample's own sheet where two run
  * through it. \return false: too few points. \param[in] search over every patchStride(k)-th point
  * \param[in] about as in NeighborSearch::nearestSet() \param[out] radius of the patch */
-bool
-fitPatch(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
-         const NoiseConstants& constants, PatchCubic& cubic, double& radius, double about = 0)
-{
+bool fitPatch(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
+              const NoiseConstants& constants, PatchCubic& cubic, double& radius,
+              double about = 0) {
   k /= patchStride(k, constants);
   thread_local Patch patch;
   patchAbout(store, search, sample, k, patch, about);
@@ -195,18 +177,14 @@ fitPatch(const PointStore& store, NeighborSearch& search, std::size_t sample, st
 
 }  // namespace
 
-double
-patchVariance(const PointStore& store, NeighborSearch& search, std::size_t sample, std::size_t k,
-              const NoiseConstants& constants, double& radius)
-{
+double patchVariance(const PointStore& store, NeighborSearch& search, std::size_t sample,
+                     std::size_t k, const NoiseConstants& constants, double& radius) {
   thread_local PatchCubic cubic;
   return fitPatch(store, search, sample, k, constants, cubic, radius) ? cubic.variance : -1.0;
 }
 
-void
-putBackCutOff(const std::vector<double>& radii, const NoiseConstants& constants, int threads,
-              std::vector<double>& variances)
-{
+void putBackCutOff(const std::vector<double>& radii, const NoiseConstants& constants, int threads,
+                   std::vector<double>& variances) {
   std::vector<double> parts(variances.size(), -1);
   for (std::size_t s = 0; s < parts.size(); ++s) {
     if (variances[s] >= 0 && radii[s] > 0) parts[s] = variances[s] / (radii[s] * radii[s]);
@@ -217,9 +195,7 @@ putBackCutOff(const std::vector<double>& radii, const NoiseConstants& constants,
   }
 }
 
-double
-uncutVariance(double variance, double radius)
-{
+double uncutVariance(double variance, double radius) {
   return radius > 0 ? variance / partLeft(variance / (radius * radius)) : variance;
 }
 
@@ -230,9 +206,7 @@ constexpr std::size_t kWindow = 8;   ///< values to either side that a windowed 
 
 }  // namespace
 
-std::size_t
-smallestPatch(const PointStore& store, const NoiseConstants& constants, int threads)
-{
+std::size_t smallestPatch(const PointStore& store, const NoiseConstants& constants, int threads) {
   const std::size_t first = constants.first_neighbors;
   for (std::size_t k = first; k <= first + store.size() / constants.most_part; k *= 2) {
     const std::size_t stride = patchStride(k, constants);
@@ -248,9 +222,7 @@ smallestPatch(const PointStore& store, const NoiseConstants& constants, int thre
   return first;
 }
 
-double
-trimmedMean(std::vector<double>& values, double trim)
-{
+double trimmedMean(std::vector<double>& values, double trim) {
   values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return v < 0.0; }),
                values.end());
   if (values.empty()) return 0.0;
@@ -261,9 +233,7 @@ trimmedMean(std::vector<double>& values, double trim)
   return sum / static_cast<double>(values.size() - 2 * cut);
 }
 
-double
-trimmedMeanError(std::vector<double> values, double trim)
-{
+double trimmedMeanError(std::vector<double> values, double trim) {
   const double mean = trimmedMean(values, trim);
   if (values.size() < 2 || !(mean > 0)) return 0;
   const auto n = static_cast<double>(values.size());
@@ -279,9 +249,8 @@ trimmedMeanError(std::vector<double> values, double trim)
   return std::sqrt(variance / n) / ((1 - 2 * trim) * mean);
 }
 
-std::vector<float>
-windowedMeans(const std::vector<double>& values, const NoiseConstants& constants, int threads)
-{
+std::vector<float> windowedMeans(const std::vector<double>& values, const NoiseConstants& constants,
+                                 int threads) {
   constexpr std::size_t kTask = 128;
   std::vector<float> means(values.size(), 1.0f);
   parallelFor(values.size(), threads, kTask, [&](std::size_t s, int) {
@@ -303,12 +272,9 @@ class PatchCells {
   explicit PatchCells(double cells)
       : side_(static_cast<int>(std::ceil(2 / std::sqrt(kDisc / cells)))),
         per_width_(1 / std::sqrt(kDisc / cells)),
-        cells_(static_cast<std::size_t>(side_ * side_))
-  {
-  }
+        cells_(static_cast<std::size_t>(side_ * side_)) {}
 
-  void add(double u, double v, double residual)
-  {
+  void add(double u, double v, double residual) {
     Cell& cell = cells_[static_cast<std::size_t>(place(v) * side_ + place(u))];
     cell.count += 1;
     cell.sum += residual;
@@ -317,8 +283,7 @@ class PatchCells {
 
   /** The sum of products over all pairs of a cell, each with itself too, over that of squares; and
    * how many partners a point has on average. */
-  double shared(double& partners) const
-  {
+  double shared(double& partners) const {
     double products = 0, pairs = 0, points = 0;
     for (const Cell& cell : cells_) {
       products += cell.sum * cell.sum;
@@ -338,8 +303,7 @@ class PatchCells {
     double count = 0, sum = 0;
   };
 
-  int place(double coordinate) const
-  {
+  int place(double coordinate) const {
     return std::clamp(static_cast<int>((coordinate + 1) * per_width_), 0, side_ - 1);
   }
 
@@ -349,24 +313,20 @@ class PatchCells {
   double squares_ = 0;
 };
 
-/** tau of errors that are averages over squares: the number of points in a square. A cell of c x c points sees
- * w - (w^2 - 1) / 3 c along each side of a square of w x w.
+/** tau of errors that are averages over squares: the number of points in a square. A cell of c x c
+ * points sees w - (w^2 - 1) / 3 c along each side of a square of w x w.
  * \param[in] shared sharedInPatch() of cells \param[in] points of a cell */
-double
-squareThatShares(double shared, double points)
-{
+double squareThatShares(double shared, double points) {
   const double third = 1 / (3 * std::sqrt(points)), side = std::sqrt(std::max(1.0, shared));
   const double root = std::max(0.0, 1 - 4 * third * (side - third));
   const double width = (1 - std::sqrt(root)) / (2 * third);
   return width * width;
 }
 
-/** How much neighbouring residuals of a patch have in common: the sum of products over all pairs of points
- * in a cell, over the sum of squares. The patch's disc is cut into square cells. 1 for white noise; < 0: nothing
- * is known. */
-double
-sharedInPatch(const PatchCubic& cubic, double num_cells)
-{
+/** How much neighbouring residuals of a patch have in common: the sum of products over all pairs of
+ * points in a cell, over the sum of squares. The patch's disc is cut into square cells. 1 for white
+ * noise; < 0: nothing is known. */
+double sharedInPatch(const PatchCubic& cubic, double num_cells) {
   PatchCells cells(num_cells);
   const std::size_t n = cubic.places.size();
   for (std::size_t i = 0; i < n; ++i)
@@ -374,15 +334,14 @@ sharedInPatch(const PatchCubic& cubic, double num_cells)
   if (cells.empty()) return -1;
   double partners;
   const double shared = cells.shared(partners);
-  // The cubic follows its points, which reduces the covariance of neighbours' residuals by this share.
+  // The cubic follows its points, which reduces the covariance of neighbours' residuals by this
+  // share.
   const double lost = kCubicTerms * partners / static_cast<double>(n);
   return lost < 1 ? shared / (1 - lost) : -1.0;
 }
 
 /** Every second point of a store. \param[in] first 0 or 1 */
-PointStore
-everySecond(const PointStore& store, std::size_t first, int threads)
-{
+PointStore everySecond(const PointStore& store, std::size_t first, int threads) {
   std::vector<std::uint32_t> dropped;
   dropped.reserve(store.size() / 2 + 1);
   for (std::size_t i = 1 - first; i < store.size(); i += 2)
@@ -392,24 +351,19 @@ everySecond(const PointStore& store, std::size_t first, int threads)
 
 }  // namespace
 
-double
-PatchScale::power(std::size_t place) const
-{
+double PatchScale::power(std::size_t place) const {
   // Of the points left out as many share with a point as their part of all of them.
   const double sharing = 1 + static_cast<double>(stride) * (shared[place] - 1);
   return variances[place] * std::max(1.0, sharing);
 }
 
-ThinnedPlaces::ThinnedPlaces(const PointStore& store, std::size_t count) : whole_(store)
-{
+ThinnedPlaces::ThinnedPlaces(const PointStore& store, std::size_t count) : whole_(store) {
   count = std::min(count, store.size());
   for (std::size_t s = 0; s < count; ++s)
     places_.push_back((2 * s + 1) * store.size() / (2 * count));
 }
 
-void
-ThinnedPlaces::thinTo(std::size_t stride, int threads)
-{
+void ThinnedPlaces::thinTo(std::size_t stride, int threads) {
   for (; stride_ < stride; stride_ *= 2) {
     const std::size_t before = stride_ == 1 ? 1 : parts_.size();
     const std::size_t parts = stride_ < kFirst ? 1 : std::min(2 * before, kParts);
@@ -422,10 +376,8 @@ ThinnedPlaces::thinTo(std::size_t stride, int threads)
   }
 }
 
-PatchScale
-measureScale(ThinnedPlaces& points, std::size_t k, const NoiseConstants& constants, int threads,
-             const PatchScale* narrower)
-{
+PatchScale measureScale(ThinnedPlaces& points, std::size_t k, const NoiseConstants& constants,
+                        int threads, const PatchScale* narrower) {
   PatchScale scale;
   scale.k = k;
   scale.stride = patchStride(k, constants);
@@ -446,23 +398,18 @@ measureScale(ThinnedPlaces& points, std::size_t k, const NoiseConstants& constan
   return scale;
 }
 
-PatchScale
-measureScale(const PointStore& store, std::size_t k, const NoiseConstants& constants, int threads)
-{
+PatchScale measureScale(const PointStore& store, std::size_t k, const NoiseConstants& constants,
+                        int threads) {
   ThinnedPlaces points(store, constants.shared.places);
   return measureScale(points, k, constants, threads);
 }
 
-double
-levelOf(const PatchScale& scale, const NoiseConstants& constants)
-{
+double levelOf(const PatchScale& scale, const NoiseConstants& constants) {
   std::vector<double> variances = scale.variances;
   return uncutVariance(trimmedMean(variances, constants.shared.trim), median(scale.radii));
 }
 
-double
-correlationOf(const PatchScale& scale, const NoiseConstants& constants)
-{
+double correlationOf(const PatchScale& scale, const NoiseConstants& constants) {
   std::vector<double> shared = scale.shared;
   const std::size_t looked_at = scale.k / scale.stride;
   const double points =

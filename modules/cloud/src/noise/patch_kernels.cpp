@@ -18,25 +18,19 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Doubles = hn::CappedTag<double, kPadding>;
 using Wide = hn::Vec<Doubles>;
 
-HWY_INLINE double
-sumOf(Wide v)
-{
+HWY_INLINE double sumOf(Wide v) {
   return GetLane(SumOfLanes(Doubles(), v));
 }
 
 /** Calls body(first index, mask of those before the end) for every group of lanes. */
 template <typename Body>
-HWY_INLINE void
-forGroups(std::size_t count, const Body& body)
-{
+HWY_INLINE void forGroups(std::size_t count, const Body& body) {
   const Doubles d;
   for (std::size_t i = 0; i < count; i += hn::Lanes(d))
     body(i, FirstN(d, std::min(hn::Lanes(d), count - i)));
 }
 
-PatchSums
-sumPatch(const PatchPoints& points)
-{
+PatchSums sumPatch(const PatchPoints& points) {
   const Doubles d;
   Wide first[3], second[6];
   for (auto& sum : first) sum = Zero(d);
@@ -59,9 +53,7 @@ sumPatch(const PatchPoints& points)
   return sums;
 }
 
-void
-heightsAlong(const PatchPoints& points, const Eigen::Vector3d& direction, double* heights)
-{
+void heightsAlong(const PatchPoints& points, const Eigen::Vector3d& direction, double* heights) {
   const Doubles d;
   const auto x = Set(d, direction[0]), y = Set(d, direction[1]), z = Set(d, direction[2]);
   for (std::size_t i = 0; i < points.size(); i += hn::Lanes(d)) {
@@ -70,17 +62,13 @@ heightsAlong(const PatchPoints& points, const Eigen::Vector3d& direction, double
   }
 }
 
-void
-turnPatch(const PatchPoints& points, const Eigen::Matrix3d& axes, PatchPoints& turned)
-{
+void turnPatch(const PatchPoints& points, const Eigen::Matrix3d& axes, PatchPoints& turned) {
   turned.resize(points.size());
   for (std::size_t a = 0; a < 3; ++a)
     heightsAlong(points, axes.col(static_cast<Eigen::Index>(a)), turned[a]);
 }
 
-CubicSums
-sumCubic(const PatchPoints& places)
-{
+CubicSums sumCubic(const PatchPoints& places) {
   const Doubles d;
   Wide moments[kCubicMoments], heights[kCubicTerms];
   for (auto& sum : moments) sum = Zero(d);
@@ -98,9 +86,8 @@ sumCubic(const PatchPoints& places)
   return sums;
 }
 
-double
-cubicResiduals(const PatchPoints& places, const double (&terms)[kCubicTerms], double* residuals)
-{
+double cubicResiduals(const PatchPoints& places, const double (&terms)[kCubicTerms],
+                      double* residuals) {
   const Doubles d;
   Wide c[kCubicTerms], squares = Zero(d);
   for (int k = 0; k < kCubicTerms; ++k) c[k] = Set(d, terms[k]);
@@ -117,9 +104,8 @@ cubicResiduals(const PatchPoints& places, const double (&terms)[kCubicTerms], do
   return sumOf(squares);
 }
 
-std::size_t
-sumAbove(const PatchPoints& points, const double* heights, double middle, Eigen::Vector3d& sum)
-{
+std::size_t sumAbove(const PatchPoints& points, const double* heights, double middle,
+                     Eigen::Vector3d& sum) {
   const Doubles d;
   Wide sums[3] = {Zero(d), Zero(d), Zero(d)};
   std::size_t count = 0;
@@ -132,9 +118,7 @@ sumAbove(const PatchPoints& points, const double* heights, double middle, Eigen:
   return count;
 }
 
-HeightGap
-gapAbout(const double* heights, std::size_t count, double middle)
-{
+HeightGap gapAbout(const double* heights, std::size_t count, double middle) {
   const Doubles d;
   const auto none = Set(d, std::numeric_limits<double>::max());
   Wide lowest = none, begin_above = none, highest = Neg(none), end_below = Neg(none);
@@ -160,51 +144,39 @@ HWY_AFTER_NAMESPACE();
 namespace pcl_slim::detail::kernels {
 
 HWY_EXPORT(sumPatch);
-PatchSums
-sumPatch(const PatchPoints& points)
-{
+PatchSums sumPatch(const PatchPoints& points) {
   return HWY_DYNAMIC_DISPATCH(sumPatch)(points);
 }
 
 HWY_EXPORT(turnPatch);
-void
-turnPatch(const PatchPoints& points, const Eigen::Matrix3d& axes, PatchPoints& turned)
-{
+void turnPatch(const PatchPoints& points, const Eigen::Matrix3d& axes, PatchPoints& turned) {
   HWY_DYNAMIC_DISPATCH(turnPatch)(points, axes, turned);
 }
 
 HWY_EXPORT(sumCubic);
-CubicSums
-sumCubic(const PatchPoints& places)
-{
+CubicSums sumCubic(const PatchPoints& places) {
   return HWY_DYNAMIC_DISPATCH(sumCubic)(places);
 }
 
 HWY_EXPORT(cubicResiduals);
-double
-cubicResiduals(const PatchPoints& places, const double (&terms)[kCubicTerms], double* residuals)
-{
+double cubicResiduals(const PatchPoints& places, const double (&terms)[kCubicTerms],
+                      double* residuals) {
   return HWY_DYNAMIC_DISPATCH(cubicResiduals)(places, terms, residuals);
 }
 
 HWY_EXPORT(heightsAlong);
-void
-heightsAlong(const PatchPoints& points, const Eigen::Vector3d& direction, double* heights)
-{
+void heightsAlong(const PatchPoints& points, const Eigen::Vector3d& direction, double* heights) {
   HWY_DYNAMIC_DISPATCH(heightsAlong)(points, direction, heights);
 }
 
 HWY_EXPORT(sumAbove);
-std::size_t
-sumAbove(const PatchPoints& points, const double* heights, double middle, Eigen::Vector3d& sum)
-{
+std::size_t sumAbove(const PatchPoints& points, const double* heights, double middle,
+                     Eigen::Vector3d& sum) {
   return HWY_DYNAMIC_DISPATCH(sumAbove)(points, heights, middle, sum);
 }
 
 HWY_EXPORT(gapAbout);
-HeightGap
-gapAbout(const double* heights, std::size_t count, double middle)
-{
+HeightGap gapAbout(const double* heights, std::size_t count, double middle) {
   return HWY_DYNAMIC_DISPATCH(gapAbout)(heights, count, middle);
 }
 

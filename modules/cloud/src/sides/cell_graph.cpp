@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// docs/theory.md, "Sides before the cover": which cells agree, and signs of their normals that meet most of it.
+// docs/theory.md, "Sides before the cover": which cells agree, and signs of their normals that meet
+// most of it.
 #include "sides/side_cells.h"
 
 #include <algorithm>
@@ -16,9 +17,7 @@ constexpr int kReach = 8;  ///< cells along the normal in which another sheet is
 constexpr double kLeastCosine = 0.5;  ///< of normals that two sheets facing apart may have
 
 /** The place of a cell in the list that another has edges to; 0 if it is not there. */
-std::size_t
-placeAmong(const CellSheet& sheet, std::uint32_t cell, const SideConstants& constants)
-{
+std::size_t placeAmong(const CellSheet& sheet, std::uint32_t cell, const SideConstants& constants) {
   const std::size_t most = std::min(sheet.count, constants.edges + 1);
   for (std::size_t k = 1; k < sheet.count; ++k) {
     if (sheet.cells[k] == cell) return k < most || sheet.isOther(k) ? k : 0;
@@ -26,12 +25,10 @@ placeAmong(const CellSheet& sheet, std::uint32_t cell, const SideConstants& cons
   return 0;
 }
 
-/** Edges to a cell's nearest cells, and to all of another sheet. Where both have one, the cell of the
- * lesser number adds the sum. */
-void
-addNearEdges(std::uint32_t cell, const CellSheet& sheet, const std::vector<CellSheet>& sheets,
-             const SideConstants& constants, std::vector<SignedEdge>& edges)
-{
+/** Edges to a cell's nearest cells, and to all of another sheet. Where both have one, the cell of
+ * the lesser number adds the sum. */
+void addNearEdges(std::uint32_t cell, const CellSheet& sheet, const std::vector<CellSheet>& sheets,
+                  const SideConstants& constants, std::vector<SignedEdge>& edges) {
   for (std::size_t k = 1; k < sheet.count; ++k) {
     const bool apart = sheet.isOther(k);
     if (k > constants.edges && !apart) continue;
@@ -46,10 +43,8 @@ addNearEdges(std::uint32_t cell, const CellSheet& sheet, const std::vector<CellS
 }
 
 /** Edges to the nearest sheets that face a cell's own along its normal, on either side. */
-void
-addFacingEdges(std::uint32_t cell, const SideCells& cut, const std::vector<CellSheet>& sheets,
-               const SideConstants& constants, std::vector<SignedEdge>& edges)
-{
+void addFacingEdges(std::uint32_t cell, const SideCells& cut, const std::vector<CellSheet>& sheets,
+                    const SideConstants& constants, std::vector<SignedEdge>& edges) {
   const CellSheet& own = sheets[cell];
   const Vector3& from = cut.cells[cell].mean;
   const double apart_sq = constants.apart * constants.apart;
@@ -69,9 +64,7 @@ addFacingEdges(std::uint32_t cell, const SideCells& cut, const std::vector<CellS
 
 }  // namespace
 
-CellGraph
-graphOf(const SideCells& cut, const SideConstants& constants, int threads)
-{
+CellGraph graphOf(const SideCells& cut, const SideConstants& constants, int threads) {
   constexpr std::size_t kTask = 256;
   const std::size_t n = cut.cells.size(), tasks = (n + kTask - 1) / kTask;
   std::vector<CellSheet> sheets(n);
@@ -116,8 +109,7 @@ struct Edge {
 class Contraction {
  public:
   Contraction(std::size_t nodes, const std::vector<SignedEdge>& edges)
-      : parent_(nodes), sign_(nodes, 1), best_(nodes, kNone), edges_(edges.size())
-  {
+      : parent_(nodes), sign_(nodes, 1), best_(nodes, kNone), edges_(edges.size()) {
     std::transform(edges.begin(), edges.end(), edges_.begin(), [](const SignedEdge& e) {
       return Edge{e.a, e.b, e.agreement};
     });
@@ -125,8 +117,7 @@ class Contraction {
     sumParallel();
   }
 
-  void run()
-  {
+  void run() {
     double threshold = strongest();
     const double least = kLeast * threshold;
     while (!edges_.empty() && threshold > least) {
@@ -135,8 +126,7 @@ class Contraction {
   }
 
   /** The root of a node; sign relative to it. Shortens the path. */
-  std::uint32_t root(std::uint32_t i, int& sign)
-  {
+  std::uint32_t root(std::uint32_t i, int& sign) {
     sign = 1;
     std::uint32_t r = i;
     for (; parent_[r] != r; r = parent_[r]) sign *= sign_[r];
@@ -152,24 +142,21 @@ class Contraction {
   }
 
  private:
-  double strongest() const
-  {
+  double strongest() const {
     double most = 0;
     for (const Edge& e : edges_) most = std::max(most, std::abs(e.agreement));
     return most;
   }
 
   /** Whether edge e is stronger than the best one of a node so far; ties go to the first. */
-  void offer(std::uint32_t node, std::uint32_t e)
-  {
+  void offer(std::uint32_t node, std::uint32_t e) {
     std::uint32_t& best = best_[node];
     if (best == kNone || std::abs(edges_[e].agreement) > std::abs(edges_[best].agreement)) best = e;
   }
 
   /** Joins every component with its strongest neighbour, where their agreement is no less than a
    * threshold. \return whether any were. */
-  bool joinAbove(double threshold)
-  {
+  bool joinAbove(double threshold) {
     chosen_.clear();
     for (std::uint32_t e = 0; e < edges_.size(); ++e) {
       if (std::abs(edges_[e].agreement) < threshold) continue;
@@ -187,8 +174,7 @@ class Contraction {
     return joined;
   }
 
-  bool join(const Edge& edge)
-  {
+  bool join(const Edge& edge) {
     int sign_a, sign_b;
     const std::uint32_t a = root(edge.a, sign_a), b = root(edge.b, sign_b);
     if (a == b) return false;
@@ -199,8 +185,7 @@ class Contraction {
   }
 
   /** Moves edges to the roots of their ends and drops those within a component. */
-  void contract()
-  {
+  void contract() {
     std::size_t kept = 0;
     for (const Edge& e : edges_) {
       int sign_a, sign_b;
@@ -212,8 +197,7 @@ class Contraction {
   }
 
   /** Adds up edges between the same two components. */
-  void sumParallel()
-  {
+  void sumParallel() {
     for (Edge& e : edges_) {
       if (e.a > e.b) std::swap(e.a, e.b);
     }
@@ -231,8 +215,7 @@ class Contraction {
   }
 
   /** Sorts edges by both ends, stably: by counts of the first end, of which each has few edges. */
-  void sortByEnds()
-  {
+  void sortByEnds() {
     const auto before = [](const Edge& x, const Edge& y) {
       return x.a != y.a ? x.a < y.a : x.b < y.b;
     };
@@ -253,8 +236,7 @@ class Contraction {
 
   /** Sorts stably; most nodes have so few edges that moving them is quickest. */
   template <typename Before>
-  void sortFew(std::size_t begin, std::size_t end, const Before& before)
-  {
+  void sortFew(std::size_t begin, std::size_t end, const Before& before) {
     if (end - begin > kFew) {
       std::stable_sort(edges_.begin() + begin, edges_.begin() + end, before);
       return;
@@ -277,9 +259,7 @@ class Contraction {
 
 }  // namespace
 
-SignedParts
-contractSigned(std::size_t nodes, const std::vector<SignedEdge>& edges)
-{
+SignedParts contractSigned(std::size_t nodes, const std::vector<SignedEdge>& edges) {
   Contraction contraction(nodes, edges);
   contraction.run();
   SignedParts result;

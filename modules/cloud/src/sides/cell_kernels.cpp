@@ -13,23 +13,17 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Doubles = hn::CappedTag<double, 8>;
 using Wide = hn::Vec<Doubles>;
 
-HWY_INLINE double
-sumOf(Wide v)
-{
+HWY_INLINE double sumOf(Wide v) {
   return GetLane(SumOfLanes(Doubles(), v));
 }
 
 /** The lanes whose bits are set, of those of a group's first cell and on. */
-HWY_INLINE hn::Mask<Doubles>
-maskOf(std::uint64_t cells, std::size_t first)
-{
+HWY_INLINE hn::Mask<Doubles> maskOf(std::uint64_t cells, std::size_t first) {
   const std::uint8_t bits[8] = {static_cast<std::uint8_t>(cells >> first)};
   return hn::LoadMaskBits(Doubles(), bits);
 }
 
-CellSums
-sumCells(const NearCells& near, std::uint64_t chosen)
-{
+CellSums sumCells(const NearCells& near, std::uint64_t chosen) {
   const Doubles d;
   Wide sums[10];
   for (auto& sum : sums) sum = Zero(d);
@@ -53,10 +47,8 @@ sumCells(const NearCells& near, std::uint64_t chosen)
   return result;
 }
 
-TwoSheets
-partCells(const NearCells& near, std::size_t count, const std::array<double, 3>& normal,
-          double mean, int passes)
-{
+TwoSheets partCells(const NearCells& near, std::size_t count, const std::array<double, 3>& normal,
+                    double mean, int passes) {
   const Doubles d;
   const auto x = Set(d, normal[0]), y = Set(d, normal[1]), z = Set(d, normal[2]);
   const auto& columns = near.columns;
@@ -112,17 +104,13 @@ HWY_AFTER_NAMESPACE();
 namespace pcl_slim::detail::kernels {
 
 HWY_EXPORT(sumCells);
-CellSums
-sumCells(const NearCells& near, std::uint64_t chosen)
-{
+CellSums sumCells(const NearCells& near, std::uint64_t chosen) {
   return HWY_DYNAMIC_DISPATCH(sumCells)(near, chosen);
 }
 
 HWY_EXPORT(partCells);
-TwoSheets
-partCells(const NearCells& near, std::size_t count, const std::array<double, 3>& normal,
-          double mean, int passes)
-{
+TwoSheets partCells(const NearCells& near, std::size_t count, const std::array<double, 3>& normal,
+                    double mean, int passes) {
   return HWY_DYNAMIC_DISPATCH(partCells)(near, count, normal, mean, passes);
 }
 

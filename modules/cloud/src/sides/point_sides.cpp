@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// docs/theory.md, "Sides before the cover": each point to the sheet that it is on, with the normal of its
-// neighbours there; and onto the plane of these.
+// docs/theory.md, "Sides before the cover": each point to the sheet that it is on, with the normal
+// of its neighbours there; and onto the plane of these.
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -22,9 +22,7 @@ constexpr float kMargin = 1.4f;  ///< of a squared distance, for as many points
 using Normal = std::array<float, 3>;
 using Normals = std::vector<Normal>;
 
-Eigen::Vector3f
-normalAt(const Normals& normals, std::size_t i)
-{
+Eigen::Vector3f normalAt(const Normals& normals, std::size_t i) {
   return {normals[i][0], normals[i][1], normals[i][2]};
 }
 
@@ -33,8 +31,7 @@ class PlaneSums {
  public:
   static constexpr std::size_t kCoefficients = 3;
 
-  void add(const Eigen::Vector3d& at)
-  {
+  void add(const Eigen::Vector3d& at) {
     const Eigen::Vector3d terms(1, at[1], at[2]);
     products_ += terms * terms.transpose();
     right_ += at[0] * terms;
@@ -50,8 +47,7 @@ class PlaneSums {
   Eigen::Vector3d plane() const { return products_.ldlt().solve(right_); }
 
   /** Sum of the squared residuals from the plane. */
-  double rest(const Eigen::Vector3d& plane) const
-  {
+  double rest(const Eigen::Vector3d& plane) const {
     return std::max(0.0, squares_ - plane.dot(right_));
   }
 
@@ -63,9 +59,7 @@ class PlaneSums {
 };
 
 /** Axes to count a point's heights and places by: its normal, and two across. */
-Eigen::Matrix3d
-axesOf(const Eigen::Vector3f& own)
-{
+Eigen::Matrix3d axesOf(const Eigen::Vector3f& own) {
   const Eigen::Vector3d normal = own.cast<double>(), u = normal.unitOrthogonal();
   Eigen::Matrix3d axes;
   axes << normal, u, normal.cross(u);
@@ -76,13 +70,10 @@ axesOf(const Eigen::Vector3f& own)
 class SheetChoice {
  public:
   SheetChoice(const PointStore& store, const SideConstants& constants)
-      : store_(store), constants_(constants), search_(store)
-  {
-  }
+      : store_(store), constants_(constants), search_(store) {}
 
   /** The nearest points of a stored point, itself among them. */
-  const std::vector<std::uint32_t>& nearest(std::size_t point, std::size_t factor = 1)
-  {
+  const std::vector<std::uint32_t>& nearest(std::size_t point, std::size_t factor = 1) {
     const std::size_t count = factor * constants_.settled_points;
     const float about = kMargin * static_cast<float>(count) * reach_sq_;
     reach_sq_ = search_.nearestSet(point, count, near_, about) / static_cast<float>(count);
@@ -90,8 +81,7 @@ class SheetChoice {
   }
 
   /** Whether some of a block's points are near others that face the other way. */
-  bool facesOthers(const Normals& normals, std::size_t block)
-  {
+  bool facesOthers(const Normals& normals, std::size_t block) {
     constexpr std::size_t kProbes[] = {PointStore::kBlock / 4, 3 * PointStore::kBlock / 4};
     for (const std::size_t probe : kProbes) {
       const std::size_t i = std::min(block * PointStore::kBlock + probe, store_.size() - 1);
@@ -104,16 +94,14 @@ class SheetChoice {
   }
 
   /** A point's normal, on the sheet that the point is on. */
-  Eigen::Vector3f settled(const Normals& normals, std::size_t point)
-  {
+  Eigen::Vector3f settled(const Normals& normals, std::size_t point) {
     nearest(point);
     const Eigen::Vector3f own = straightened(normals, point);
     return isOnOther(normals, point, own) ? Eigen::Vector3f(-own) : own;
   }
 
   /** The normal of the plane of those of a point's neighbours that face as it does. */
-  Eigen::Vector3f planeNormal(const Normals& normals, std::size_t point)
-  {
+  Eigen::Vector3f planeNormal(const Normals& normals, std::size_t point) {
     nearest(point);
     Eigen::Vector3f own = normalAt(normals, point);
     part(normals, point, own);
@@ -124,10 +112,10 @@ class SheetChoice {
   }
 
  private:
-  /** A point's normal or, where it is across those of its neighbours, and these have a direction in common,
-   * that one: cells that contain a bit of another sheet, or few points, have normals of their own. */
-  Eigen::Vector3f straightened(const Normals& normals, std::size_t point) const
-  {
+  /** A point's normal or, where it is across those of its neighbours, and these have a direction in
+   * common, that one: cells that contain a bit of another sheet, or few points, have normals of
+   * their own. */
+  Eigen::Vector3f straightened(const Normals& normals, std::size_t point) const {
     Eigen::Vector3f own = normalAt(normals, point);
     Eigen::Matrix3f products = Eigen::Matrix3f::Zero();
     for (const std::uint32_t j : near_) {
@@ -144,8 +132,7 @@ class SheetChoice {
   }
 
   /** Sorts a point's neighbours by whether they face as a normal does. */
-  void part(const Normals& normals, std::size_t point, const Eigen::Vector3f& own)
-  {
+  void part(const Normals& normals, std::size_t point, const Eigen::Vector3f& own) {
     same_.clear();
     others_.clear();
     for (const std::uint32_t j : near_) {
@@ -156,8 +143,7 @@ class SheetChoice {
   }
 
   /** Whether a point is on the sheet of those neighbours that face the other way. */
-  bool isOnOther(const Normals& normals, std::size_t point, const Eigen::Vector3f& own)
-  {
+  bool isOnOther(const Normals& normals, std::size_t point, const Eigen::Vector3f& own) {
     part(normals, point, own);
     const PlaneSums other = sumsOf(point, others_, own);
     if (!other.determined()) return false;
@@ -172,8 +158,7 @@ class SheetChoice {
 
   /** Sums over some points, of heights along a normal. */
   PlaneSums sumsOf(std::size_t point, const std::vector<std::uint32_t>& points,
-                   const Eigen::Vector3f& own) const
-  {
+                   const Eigen::Vector3f& own) const {
     const Eigen::Matrix3d axes = axesOf(own);
     const auto center = store_.position(point);
     PlaneSums sums;
@@ -193,10 +178,10 @@ class SheetChoice {
 };
 
 /** The points of blocks that are near points which face the other way. */
-std::vector<std::uint32_t>
-pointsFacingOthers(const PointStore& store, const std::vector<char>& on_rods,
-                   const Normals& normals, std::vector<SheetChoice>& choices)
-{
+std::vector<std::uint32_t> pointsFacingOthers(const PointStore& store,
+                                              const std::vector<char>& on_rods,
+                                              const Normals& normals,
+                                              std::vector<SheetChoice>& choices) {
   std::vector<char> faces(store.numBlocks());
   parallelFor(faces.size(), static_cast<int>(choices.size()), 16, [&](std::size_t b, int thread) {
     faces[b] = choices[static_cast<std::size_t>(thread)].facesOthers(normals, b);
@@ -210,10 +195,9 @@ pointsFacingOthers(const PointStore& store, const std::vector<char>& on_rods,
 }
 
 /** The points and their neighbours, once each. */
-std::vector<std::uint32_t>
-withNeighbors(const std::vector<std::uint32_t>& points, const std::vector<char>& on_rods,
-              std::size_t count, SheetChoice& choice)
-{
+std::vector<std::uint32_t> withNeighbors(const std::vector<std::uint32_t>& points,
+                                         const std::vector<char>& on_rods, std::size_t count,
+                                         SheetChoice& choice) {
   std::vector<char> marked = on_rods;
   marked.resize(count, 0);
   std::vector<std::uint32_t> all;
@@ -228,10 +212,8 @@ withNeighbors(const std::vector<std::uint32_t>& points, const std::vector<char>&
 
 /** What some points' normals become, each by one thread; points without a side get none. */
 template <class NormalOf>
-Normals
-normalsOf(const std::vector<std::uint32_t>& points, const Normals& normals,
-          std::vector<SheetChoice>& choices, const NormalOf& normalOf)
-{
+Normals normalsOf(const std::vector<std::uint32_t>& points, const Normals& normals,
+                  std::vector<SheetChoice>& choices, const NormalOf& normalOf) {
   constexpr std::size_t kTask = 256;
   Normals found(points.size());
   parallelFor((points.size() + kTask - 1) / kTask, static_cast<int>(choices.size()), 1,
@@ -250,10 +232,8 @@ normalsOf(const std::vector<std::uint32_t>& points, const Normals& normals,
 
 }  // namespace
 
-void
-settleSides(const PointStore& store, const std::vector<char>& on_rods,
-            const SideConstants& constants, int threads, Normals& normals)
-{
+void settleSides(const PointStore& store, const std::vector<char>& on_rods,
+                 const SideConstants& constants, int threads, Normals& normals) {
   threads = resolveThreads(threads);
   std::vector<SheetChoice> choices(static_cast<std::size_t>(threads),
                                    SheetChoice(store, constants));
@@ -277,9 +257,8 @@ settleSides(const PointStore& store, const std::vector<char>& on_rods,
   for (std::size_t k = 0; k < facing.size(); ++k) normals[facing[k]] = planes[k];
 }
 
-std::vector<std::array<double, 3>>
-feetOnLocalPlanes(const PointStore& store, std::size_t k, int threads)
-{
+std::vector<std::array<double, 3>> feetOnLocalPlanes(const PointStore& store, std::size_t k,
+                                                     int threads) {
   threads = resolveThreads(threads);
   std::vector<std::array<double, 3>> feet(store.size());
   std::vector<NeighborSearch> searches(static_cast<std::size_t>(threads), NeighborSearch(store));

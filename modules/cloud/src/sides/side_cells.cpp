@@ -20,9 +20,7 @@ constexpr std::int64_t kLast = (1 << kMortonBits) - 1;
 
 using Place = std::array<std::int64_t, 3>;  ///< of a cell along each axis
 
-Place
-placeOf(const Vector3& p, double width)
-{
+Place placeOf(const Vector3& p, double width) {
   Place place;
   for (std::size_t a = 0; a < 3; ++a) {
     const double cell = (p[a] + 0.5) / width;
@@ -31,26 +29,20 @@ placeOf(const Vector3& p, double width)
   return place;
 }
 
-std::uint64_t
-codeOf(const Place& place)
-{
+std::uint64_t codeOf(const Place& place) {
   std::uint64_t code = 0;
   for (std::size_t a = 0; a < 3; ++a)
     code |= spreadBits(static_cast<std::uint64_t>(place[a])) << (2 - a);
   return code;
 }
 
-std::size_t
-hashOf(std::uint64_t code)
-{
+std::size_t hashOf(std::uint64_t code) {
   code *= 0x9e3779b97f4a7c15ULL;
   return static_cast<std::size_t>(code ^ code >> 32);
 }
 
 /** The cubes of a brick whose place along an axis is in [first, last], a bit each. */
-std::uint64_t
-cubesWithin(std::size_t axis, std::int64_t first, std::int64_t last)
-{
+std::uint64_t cubesWithin(std::size_t axis, std::int64_t first, std::int64_t last) {
   // Bits of a code within a brick: x1 y1 z1 x0 y0 z0.
   constexpr std::uint64_t kHigh[3] = {0xffffffff00000000u, 0xffff0000ffff0000u,
                                       0xff00ff00ff00ff00u};
@@ -63,18 +55,15 @@ cubesWithin(std::size_t axis, std::int64_t first, std::int64_t last)
 }
 
 /** How many bits are set: sums of pairs, of fours, and of all bytes at once. */
-std::uint32_t
-countBits(std::uint64_t bits)
-{
+std::uint32_t countBits(std::uint64_t bits) {
   bits -= bits >> 1 & 0x5555555555555555u;
   bits = (bits & 0x3333333333333333u) + (bits >> 2 & 0x3333333333333333u);
   bits = (bits + (bits >> 4)) & 0x0f0f0f0f0f0f0f0fu;
   return static_cast<std::uint32_t>(bits * 0x0101010101010101u >> 56);
 }
 
-CellMoments
-momentsOf(const PointStore& store, const std::uint32_t* begin, const std::uint32_t* end)
-{
+CellMoments momentsOf(const PointStore& store, const std::uint32_t* begin,
+                      const std::uint32_t* end) {
   CellMoments m;
   m.count = static_cast<double>(end - begin);
   for (const std::uint32_t* i = begin; i != end; ++i) {
@@ -93,8 +82,7 @@ momentsOf(const PointStore& store, const std::uint32_t* begin, const std::uint32
 }  // namespace
 
 SideCells::SideCells(const PointStore& store, double wanted, int threads)
-    : width(std::max(wanted, std::ldexp(1.0, -kMortonBits)))
-{
+    : width(std::max(wanted, std::ldexp(1.0, -kMortonBits))) {
   const std::size_t n = store.size();
   AlignedVector<std::uint64_t> keys(n);
   AlignedVector<std::uint32_t> order;
@@ -121,9 +109,7 @@ SideCells::SideCells(const PointStore& store, double wanted, int threads)
   index(codes);
 }
 
-void
-SideCells::index(const std::vector<std::uint64_t>& codes)
-{
+void SideCells::index(const std::vector<std::uint64_t>& codes) {
   for (std::uint32_t c = 0; c < codes.size(); ++c) {
     if (c == 0 || codes[c] >> 6 != bricks_.back().code) bricks_.push_back({codes[c] >> 6, 0, c});
     bricks_.back().cubes |= std::uint64_t(1) << (codes[c] & 63);
@@ -138,9 +124,7 @@ SideCells::index(const std::vector<std::uint64_t>& codes)
   }
 }
 
-const SideCells::Brick&
-SideCells::brickOf(std::uint64_t code) const
-{
+const SideCells::Brick& SideCells::brickOf(std::uint64_t code) const {
   static const Brick empty;
   const std::size_t mask = slots_.size() - 1;
   std::size_t slot = hashOf(code) & mask;
@@ -148,17 +132,14 @@ SideCells::brickOf(std::uint64_t code) const
   return slots_[slot] == kNone ? empty : bricks_[slots_[slot]];
 }
 
-std::uint32_t
-SideCells::cellAt(const Vector3& place) const
-{
+std::uint32_t SideCells::cellAt(const Vector3& place) const {
   const std::uint64_t code = codeOf(placeOf(place, width)), cube = std::uint64_t(1) << (code & 63);
   const Brick& brick = brickOf(code >> 6);
   return brick.cubes & cube ? brick.first + countBits(brick.cubes & (cube - 1)) : kNone;
 }
 
-std::size_t
-SideCells::cellsAbout(std::uint32_t cell, std::array<std::uint32_t, kWindow>& found) const
-{
+std::size_t SideCells::cellsAbout(std::uint32_t cell,
+                                  std::array<std::uint32_t, kWindow>& found) const {
   constexpr std::int64_t kReach = 2;
   const Place middle = placeOf(cells[cell].mean, width);
   Place first;                 // brick
@@ -189,15 +170,11 @@ constexpr std::size_t kMost = SideConstants::kMostNeighbors;
 constexpr std::array<std::size_t, 3> kNeighborhoods = {12, 18, 36};
 
 /** The bits of the first cells. */
-std::uint64_t
-firstCells(std::size_t count)
-{
+std::uint64_t firstCells(std::size_t count) {
   return (std::uint64_t{1} << count) - 1;
 }
 
-Vector3
-meanOf(const CellSums& sums)
-{
+Vector3 meanOf(const CellSums& sums) {
   return {sums[1] / sums[0], sums[2] / sums[0], sums[3] / sums[0]};
 }
 
@@ -207,8 +184,7 @@ struct Axes {
   double scale = 0;  ///< of its spreads
 
   Axes() = default;
-  explicit Axes(const CellSums& sums)
-  {
+  explicit Axes(const CellSums& sums) {
     const Vector3 m = meanOf(sums);
     const Eigen::Vector3d mean(m[0], m[1], m[2]);
     Eigen::Matrix3d covariance;
@@ -223,9 +199,7 @@ struct Axes {
 };
 
 /** Sets a sheet's normal and spread. \return the spread over the lesser one across the normal. */
-double
-setNormal(const Axes& axes, CellSheet& sheet)
-{
+double setNormal(const Axes& axes, CellSheet& sheet) {
   const Eigen::Vector3d n = axes.solver.eigenvectors().col(0), spreads = axes.spreads();
   const bool usable = n.allFinite() && n.squaredNorm() > 0.5;
   sheet.normal = usable ? Vector3{n[0], n[1], n[2]} : Vector3{0, 0, 1};
@@ -234,32 +208,26 @@ setNormal(const Axes& axes, CellSheet& sheet)
 }
 
 /** Variance of the points along a unit direction. */
-double
-varianceAlong(const CellSums& sums, const Vector3& n)
-{
+double varianceAlong(const CellSums& sums, const Vector3& n) {
   const double square = n[0] * (sums[4] * n[0] + 2 * (sums[5] * n[1] + sums[6] * n[2])) +
                         n[1] * (sums[7] * n[1] + 2 * sums[8] * n[2]) + n[2] * sums[9] * n[2];
   const double mean = dot(meanOf(sums), n);
   return square / sums[0] - mean * mean;
 }
 
-/** Whether one sheet is above the other, and not next to each other as the faces of an edge are: their
- * middles are no farther apart across the normal than each is wide. */
-bool
-overlap(const std::array<CellSums, 2>& sides, const Vector3& normal)
-{
+/** Whether one sheet is above the other, and not next to each other as the faces of an edge are:
+ * their middles are no farther apart across the normal than each is wide. */
+bool overlap(const std::array<CellSums, 2>& sides, const Vector3& normal) {
   const Vector3 between = subtract(meanOf(sides[1]), meanOf(sides[0]));
   const Vector3 across = along(between, -dot(between, normal), normal);
   const Vector3 n = normalized(across);
   return dot(across, across) < 0.5 * (varianceAlong(sides[0], n) + varianceAlong(sides[1], n));
 }
 
-/** Marks the cells of another sheet, if two are apart along the normal. \param[out] sides sums over the
- * cell's own sheet and over the other */
-void
-findOther(const NearCells& near, const CellSums& all, const SideConstants& constants,
-          CellSheet& sheet, std::array<CellSums, 2>& sides)
-{
+/** Marks the cells of another sheet, if two are apart along the normal. \param[out] sides sums over
+ * the cell's own sheet and over the other */
+void findOther(const NearCells& near, const CellSums& all, const SideConstants& constants,
+               CellSheet& sheet, std::array<CellSums, 2>& sides) {
   const double total = all[0], mean = dot(meanOf(all), sheet.normal);
   const TwoSheets two = kernels::partCells(near, sheet.count, sheet.normal, mean, constants.passes);
   const double between = two.above * (total - two.above) / total * two.gap * two.gap;
@@ -278,18 +246,17 @@ struct Distant {
   float square;
   std::uint32_t cell;
 
-  bool operator<(const Distant& other) const
-  {
+  bool operator<(const Distant& other) const {
     return square != other.square ? square < other.square : cell < other.cell;
   }
 };
 
-/** Puts the nearest first and in order: first by steps of their squared distance, of which few have more
- * than one cell. \return how many there are in order, no fewer than wanted if there are as many */
-std::size_t
-sortNearest(const std::array<Distant, SideCells::kWindow>& found, std::size_t count, double width,
-            std::size_t wanted, std::array<Distant, SideCells::kWindow>& sorted)
-{
+/** Puts the nearest first and in order: first by steps of their squared distance, of which few have
+ * more than one cell. \return how many there are in order, no fewer than wanted if there are as
+ * many */
+std::size_t sortNearest(const std::array<Distant, SideCells::kWindow>& found, std::size_t count,
+                        double width, std::size_t wanted,
+                        std::array<Distant, SideCells::kWindow>& sorted) {
   constexpr std::size_t kSteps = 128;
   constexpr float kStepsPerWidth = 4;
   const float scale = kStepsPerWidth / static_cast<float>(width * width);
@@ -317,10 +284,8 @@ sortNearest(const std::array<Distant, SideCells::kWindow>& found, std::size_t co
 }
 
 /** Finds the nearest cells by their means, the cell itself first. \return how many */
-std::size_t
-nearestCells(const SideCells& cut, std::uint32_t cell, std::size_t wanted,
-             std::array<std::uint32_t, kMost>& cells, NearCells& near)
-{
+std::size_t nearestCells(const SideCells& cut, std::uint32_t cell, std::size_t wanted,
+                         std::array<std::uint32_t, kMost>& cells, NearCells& near) {
   std::array<std::uint32_t, SideCells::kWindow> window;
   std::array<Distant, SideCells::kWindow> found, sorted;
   const std::size_t count = cut.cellsAbout(cell, window);
@@ -341,12 +306,11 @@ nearestCells(const SideCells& cut, std::uint32_t cell, std::size_t wanted,
   return kept;
 }
 
-/** The sheet about a rod's axis, on which normals are radial, if the cells are a rod whose surface is far flatter,
- * in proportion, than other sheets: planes do not part the sides of a rod that is not much wider than a cell. */
-CellSheet
-rodOf(const NearCells& near, std::size_t count, const CellSums& sums, const Axes& axes,
-      double flattest, const SideConstants& constants, const CellSheet& flat)
-{
+/** The sheet about a rod's axis, on which normals are radial, if the cells are a rod whose surface
+ * is far flatter, in proportion, than other sheets: planes do not part the sides of a rod that is
+ * not much wider than a cell. */
+CellSheet rodOf(const NearCells& near, std::size_t count, const CellSums& sums, const Axes& axes,
+                double flattest, const SideConstants& constants, const CellSheet& flat) {
   constexpr double kFlatter = 0.5;
   const Eigen::Vector3d spreads = axes.spreads(), main = axes.solver.eigenvectors().col(2);
   const bool round =
@@ -381,9 +345,7 @@ rodOf(const NearCells& near, std::size_t count, const CellSums& sums, const Axes
 
 }  // namespace
 
-CellSheet
-sheetOf(const SideCells& cut, std::uint32_t cell, const SideConstants& constants)
-{
+CellSheet sheetOf(const SideCells& cut, std::uint32_t cell, const SideConstants& constants) {
   NearCells near;
   CellSheet best;
   const std::size_t count =

@@ -20,8 +20,8 @@ struct CellMoments {
   std::array<double, 6> covariance{};  ///< xx, xy, xz, yy, yz, zz
 };
 
-/** \brief The points of a store, cut into cubes of one width; found by place through a hash table of
- * bricks of 4 x 4 x 4 cubes. */
+/** \brief The points of a store, cut into cubes of one width; found by place through a hash table
+ * of bricks of 4 x 4 x 4 cubes. */
 class SideCells {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;
@@ -55,11 +55,12 @@ class SideCells {
   std::vector<std::uint32_t> slots_;  ///< bricks by hashed code
 };
 
-/** \brief Number of points, sums of their coordinates, and sums of their products xx, xy, xz, yy, yz, zz. */
+/** \brief Number of points, sums of their coordinates, and sums of their products xx, xy, xz, yy,
+ * yz, zz. */
 using CellSums = std::array<double, 10>;
 
-/** \brief The cells near one, in columns: number of points, offset of their mean from the middle cell's,
- * and their covariance xx, xy, xz, yy, yz, zz. Columns are 0 beyond the last cell. */
+/** \brief The cells near one, in columns: number of points, offset of their mean from the middle
+ * cell's, and their covariance xx, xy, xz, yy, yz, zz. Columns are 0 beyond the last cell. */
 struct NearCells {
   static constexpr std::size_t kRoom = (SideConstants::kMostNeighbors + 7) / 8 * 8;
   alignas(64) std::array<std::array<double, kRoom>, 10> columns;
@@ -77,13 +78,12 @@ namespace kernels {
 
 /** \brief Sums over the points of some cells, about the middle cell's mean.
  * \param[in] chosen cells, a bit each */
-CellSums
-sumCells(const NearCells& near, std::uint64_t chosen);
+CellSums sumCells(const NearCells& near, std::uint64_t chosen);
 
-/** \brief Parts the first cells by their heights. \param[in] mean of the heights along the normal */
-TwoSheets
-partCells(const NearCells& near, std::size_t count, const std::array<double, 3>& normal,
-          double mean, int passes);
+/** \brief Parts the first cells by their heights. \param[in] mean of the heights along the normal
+ */
+TwoSheets partCells(const NearCells& near, std::size_t count, const std::array<double, 3>& normal,
+                    double mean, int passes);
 
 }  // namespace kernels
 
@@ -99,16 +99,14 @@ struct CellSheet {
   Vector3 radius{};          ///< from it to the cell's mean
 
   /** \brief Whether a point of the cell is on the other sheet. \param[in] offset from its mean */
-  bool isBeyond(const Vector3& offset) const
-  {
+  bool isBeyond(const Vector3& offset) const {
     return dot(offset, normal) * (middle < 0 ? -1 : 1) > std::abs(middle);
   }
 
   bool isRod() const { return axis != Vector3{}; }
 
   /** \brief A rod's normal at a point of the cell. \param[in] offset from its mean */
-  Vector3 rodNormal(const Vector3& offset) const
-  {
+  Vector3 rodNormal(const Vector3& offset) const {
     const Vector3 from_axis = along(along(offset, -dot(offset, axis), axis), 1, radius);
     return dot(from_axis, from_axis) > 0 ? normalized(from_axis) : normal;
   }
@@ -116,13 +114,12 @@ struct CellSheet {
   bool isOther(std::size_t k) const { return (other >> k & 1) != 0; }
 };
 
-/** \brief Finds a cell's sheet: the flattest of some neighbourhoods, of which the other sheet's cells are
- * dropped where there are two. */
-CellSheet
-sheetOf(const SideCells& cut, std::uint32_t cell, const SideConstants& constants);
+/** \brief Finds a cell's sheet: the flattest of some neighbourhoods, of which the other sheet's
+ * cells are dropped where there are two. */
+CellSheet sheetOf(const SideCells& cut, std::uint32_t cell, const SideConstants& constants);
 
-/** \brief Two nodes, and how much they agree: > 0 if they should have the same sign, < 0 if opposite
- * ones. */
+/** \brief Two nodes, and how much they agree: > 0 if they should have the same sign, < 0 if
+ * opposite ones. */
 struct SignedEdge {
   std::uint32_t a, b;
   double agreement;
@@ -135,12 +132,11 @@ struct SignedParts {
   std::vector<std::uint32_t> part;  ///< for each node: the least node of its part
 };
 
-/** \brief Signs that make the sum of s_a s_b agreement large, by greedy additive contraction (Keuper
- * et al. 2015; signs as in correlation clustering): the two components with the strongest summed
- * agreement are joined, one of them turned if the sum is negative, until no edge is left between
- * components. Ties by nodes. \param[in] edges each pair once. O(edges log^2 edges). */
-SignedParts
-contractSigned(std::size_t nodes, const std::vector<SignedEdge>& edges);
+/** \brief Signs that make the sum of s_a s_b agreement large, by greedy additive contraction
+ * (Keuper et al. 2015; signs as in correlation clustering): the two components with the strongest
+ * summed agreement are joined, one of them turned if the sum is negative, until no edge is left
+ * between components. Ties by nodes. \param[in] edges each pair once. O(edges log^2 edges). */
+SignedParts contractSigned(std::size_t nodes, const std::vector<SignedEdge>& edges);
 
 /** \brief Cells with their normals, of no particular sign, and edges between near cells. */
 struct CellGraph {
@@ -150,7 +146,6 @@ struct CellGraph {
 
 /** \brief Normals by the moments of the nearest cells, those of a cell's own sheet where two run
  * through them; edges to these cells, and to the next sheet along the normal. O(cells). */
-CellGraph
-graphOf(const SideCells& cut, const SideConstants& constants, int threads);
+CellGraph graphOf(const SideCells& cut, const SideConstants& constants, int threads);
 
 }  // namespace pcl_slim::detail

@@ -26,8 +26,7 @@ struct Part {
 
   /** Whether it faces its own middle; where it has none inside, whether its sheets face each other
    * rather than apart; of a single sheet, whether its main side looks down. */
-  bool turned() const
-  {
+  bool turned() const {
     if (std::abs(flux) > kFlatFlux * reach) return flux < 0;
     if (thickness != 0) return thickness < 0;
     const auto main = std::max_element(
@@ -37,9 +36,7 @@ struct Part {
 };
 
 /** Turns every connected part of the cells outward. */
-void
-turnOutward(const SideCells& cut, const CellGraph& graph, SignedParts& found)
-{
+void turnOutward(const SideCells& cut, const CellGraph& graph, SignedParts& found) {
   const std::size_t n = cut.cells.size();
   std::vector<Part> parts(n);
   for (std::size_t c = 0; c < n; ++c) {
@@ -66,9 +63,7 @@ turnOutward(const SideCells& cut, const CellGraph& graph, SignedParts& found)
 }
 
 /** Cosine between a direction and a point's beam towards its sensor. */
-double
-beamCosine(const PointStore& store, std::size_t point, const Vector3& direction)
-{
+double beamCosine(const PointStore& store, std::size_t point, const Vector3& direction) {
   const Vector3 ray = subtract(store.sensor(point), store.position(point));
   const double range = length(ray);
   return range > 0 ? dot(ray, direction) / range : 0.0;
@@ -77,19 +72,16 @@ beamCosine(const PointStore& store, std::size_t point, const Vector3& direction)
 constexpr double kObliqueBeam =
     0.7;  ///< cosine below which a point's side is between its cell's normal and its beam
 
-/** A normal, tilted towards the point's beam where it is far from that: cells between two near sheets have normals along these,
- * but no side that is seen is turned away from its beam. */
-Vector3
-withBeam(const PointStore& store, std::size_t point, const Vector3& normal)
-{
+/** A normal, tilted towards the point's beam where it is far from that: cells between two near
+ * sheets have normals along these, but no side that is seen is turned away from its beam. */
+Vector3 withBeam(const PointStore& store, std::size_t point, const Vector3& normal) {
   const Vector3 beam = normalized(subtract(store.sensor(point), store.position(point)));
   return dot(beam, normal) < kObliqueBeam ? normalized(along(normal, 1, beam)) : normal;
 }
 
 /** Signs of the cells' normals by the sensors of their points. */
-std::vector<signed char>
-signsBySensors(const PointStore& store, const SideCells& cut, const CellGraph& graph)
-{
+std::vector<signed char> signsBySensors(const PointStore& store, const SideCells& cut,
+                                        const CellGraph& graph) {
   std::vector<double> votes(cut.cells.size(), 0.0);
   for (std::size_t i = 0; i < store.size(); ++i) {
     const std::uint32_t c = cut.cell_of[i];
@@ -103,12 +95,11 @@ signsBySensors(const PointStore& store, const SideCells& cut, const CellGraph& g
 
 constexpr double kAgree = 0.5;  ///< length of the mean of unit normals from which cells agree
 
-/** Signed normals, each the mean over the cells near it on its sheet where these agree: cells of a few
- * stray points have normals of their own. */
-std::vector<Vector3>
-smoothedNormals(const SideCells& cut, const CellGraph& graph, const std::vector<signed char>& signs,
-                const SideConstants& constants, int threads)
-{
+/** Signed normals, each the mean over the cells near it on its sheet where these agree: cells of a
+ * few stray points have normals of their own. */
+std::vector<Vector3> smoothedNormals(const SideCells& cut, const CellGraph& graph,
+                                     const std::vector<signed char>& signs,
+                                     const SideConstants& constants, int threads) {
   std::vector<Vector3> normals(cut.cells.size());
   parallelFor(normals.size(), threads, 1024, [&](std::size_t c, int) {
     const CellSheet& sheet = graph.sheets[c];
@@ -127,9 +118,7 @@ smoothedNormals(const SideCells& cut, const CellGraph& graph, const std::vector<
 }
 
 /** Share of the agreement of near cells that signs meet; 1: all. */
-double
-agreementOf(const CellGraph& graph, const std::vector<signed char>& signs)
-{
+double agreementOf(const CellGraph& graph, const std::vector<signed char>& signs) {
   double agreed = 0, all = 0;
   for (const SignedEdge& e : graph.edges) {
     agreed += signs[e.a] * signs[e.b] * e.agreement;
@@ -139,18 +128,15 @@ agreementOf(const CellGraph& graph, const std::vector<signed char>& signs)
 }
 
 /** Whether an edge joins two sheets that face apart. */
-bool
-facesApart(const SignedEdge& e, const CellGraph& graph, const std::vector<signed char>& signs)
-{
+bool facesApart(const SignedEdge& e, const CellGraph& graph,
+                const std::vector<signed char>& signs) {
   const double cosine = dot(graph.sheets[e.a].normal, graph.sheets[e.b].normal);
   return e.apart && signs[e.a] * signs[e.b] * cosine < 0;
 }
 
 /** Marks the cells next to another sheet that faces the other way. */
-std::vector<char>
-cellsFacingApart(const SideCells& cut, const CellGraph& graph,
-                 const std::vector<signed char>& signs)
-{
+std::vector<char> cellsFacingApart(const SideCells& cut, const CellGraph& graph,
+                                   const std::vector<signed char>& signs) {
   std::vector<char> faces(cut.cells.size(), 0);
   for (const SignedEdge& e : graph.edges) {
     if (facesApart(e, graph, signs)) faces[e.a] = faces[e.b] = 1;
@@ -159,9 +145,8 @@ cellsFacingApart(const SideCells& cut, const CellGraph& graph,
 }
 
 /** Median distance of sheets that face apart. */
-double
-medianGap(const SideCells& cut, const CellGraph& graph, const std::vector<signed char>& signs)
-{
+double medianGap(const SideCells& cut, const CellGraph& graph,
+                 const std::vector<signed char>& signs) {
   std::vector<double> gaps;
   for (const SignedEdge& e : graph.edges) {
     if (!facesApart(e, graph, signs)) continue;
@@ -171,12 +156,11 @@ medianGap(const SideCells& cut, const CellGraph& graph, const std::vector<signed
   return gaps.empty() ? HUGE_VAL : median(gaps);
 }
 
-constexpr int kRings = 2;  ///< steps from cells near another sheet to those that get sides with them
+constexpr int kRings =
+    2;  ///< steps from cells near another sheet to those that get sides with them
 
 /** The edges between cells that are near another sheet, or near such cells. */
-std::vector<SignedEdge>
-edgesNearOtherSheets(const CellGraph& graph)
-{
+std::vector<SignedEdge> edgesNearOtherSheets(const CellGraph& graph) {
   std::vector<char> near(graph.sheets.size(), 0);
   for (const SignedEdge& e : graph.edges) {
     if (e.apart) near[e.a] = near[e.b] = 1;
@@ -193,15 +177,15 @@ edgesNearOtherSheets(const CellGraph& graph)
   return edges;
 }
 
-constexpr double kSureApart = 0.85;  ///< share of a part's edges between sheets that is met where it is sure ...
-constexpr double kLeastApart = 10;   ///< ... of no fewer edges than this
+constexpr double kSureApart =
+    0.85;  ///< share of a part's edges between sheets that is met where it is sure ...
+constexpr double kLeastApart = 10;  ///< ... of no fewer edges than this
 
-/** Marks the cells of parts whose sheets face apart, nearly all of them. Scattered points and layers of
- * scans that do not fit each other show sheets as well, but these agree only by chance.
+/** Marks the cells of parts whose sheets face apart, nearly all of them. Scattered points and
+ * layers of scans that do not fit each other show sheets as well, but these agree only by chance.
  * \param[out] share of the edges between sheets that are in such parts */
-std::vector<char>
-cellsOfSureParts(const SignedParts& found, const std::vector<SignedEdge>& edges, double& share)
-{
+std::vector<char> cellsOfSureParts(const SignedParts& found, const std::vector<SignedEdge>& edges,
+                                   double& share) {
   struct Apart {
     double met = 0, all = 0;
   };
@@ -226,14 +210,15 @@ cellsOfSureParts(const SignedParts& found, const std::vector<SignedEdge>& edges,
   return sure;
 }
 
-/** Unit normals of the points, by those of their cells. \param[in] sided cells that give them; the points
- * of others get 0 \param[in] by_sensors whether a point's own beam overrules its cell
+/** Unit normals of the points, by those of their cells. \param[in] sided cells that give them; the
+ * points of others get 0 \param[in] by_sensors whether a point's own beam overrules its cell
  * \param[out] thin share of the points that face apart from others behind them */
-std::vector<std::array<float, 3>>
-normalsOfPoints(const PointStore& store, const SideCells& cut, const CellGraph& graph,
-                const std::vector<signed char>& signs, const std::vector<char>& sided,
-                bool by_sensors, const SideConstants& constants, int threads, double& thin)
-{
+std::vector<std::array<float, 3>> normalsOfPoints(const PointStore& store, const SideCells& cut,
+                                                  const CellGraph& graph,
+                                                  const std::vector<signed char>& signs,
+                                                  const std::vector<char>& sided, bool by_sensors,
+                                                  const SideConstants& constants, int threads,
+                                                  double& thin) {
   constexpr std::size_t kTask = 4096;
   const std::vector<Vector3> normals = smoothedNormals(cut, graph, signs, constants, threads);
   const std::vector<char> apart = cellsFacingApart(cut, graph, signs);
@@ -269,21 +254,18 @@ normalsOfPoints(const PointStore& store, const SideCells& cut, const CellGraph& 
 }
 
 /** Marks the points of cells that are on rods. */
-std::vector<char>
-pointsOnRods(const SideCells& cut, const CellGraph& graph)
-{
+std::vector<char> pointsOnRods(const SideCells& cut, const CellGraph& graph) {
   std::vector<char> marks(cut.cell_of.size());
   std::transform(cut.cell_of.begin(), cut.cell_of.end(), marks.begin(),
                  [&](std::uint32_t c) { return graph.sheets[c].isRod(); });
   return marks;
 }
 
-/** Signs of all cells, by the sensors of their points or, without these, such that every connected part
- * faces outward. \param[out] confidence the share of the agreement of near cells that they meet */
-std::vector<signed char>
-signsOfAll(const PointStore& store, const SideCells& cut, const CellGraph& graph,
-           double& confidence)
-{
+/** Signs of all cells, by the sensors of their points or, without these, such that every connected
+ * part faces outward. \param[out] confidence the share of the agreement of near cells that they
+ * meet */
+std::vector<signed char> signsOfAll(const PointStore& store, const SideCells& cut,
+                                    const CellGraph& graph, double& confidence) {
   SignedParts found;
   if (store.hasSensors()) {
     found.signs = signsBySensors(store, cut, graph);
@@ -296,10 +278,8 @@ signsOfAll(const PointStore& store, const SideCells& cut, const CellGraph& graph
 }
 
 /** Sides of the points near another sheet, and sides of all points. */
-void
-findFacingSides(const PointStore& store, const SideCells& cut, CellGraph& graph,
-                const SideConstants& constants, int threads, Sides& sides)
-{
+void findFacingSides(const PointStore& store, const SideCells& cut, CellGraph& graph,
+                     const SideConstants& constants, int threads, Sides& sides) {
   std::vector<SignedEdge> near = edgesNearOtherSheets(graph);
   const SignedParts found = contractSigned(cut.cells.size(), near);
   const std::vector<char> sided = cellsOfSureParts(found, near, sides.sure);
@@ -318,10 +298,8 @@ constexpr double kCellSpacing = 1.2;  ///< least width of a cell [spacings]
 
 }  // namespace
 
-Sides
-findSides(const PointStore& store, double noise, double spacing, SideScope scope,
-          const SideConstants& constants, int threads)
-{
+Sides findSides(const PointStore& store, double noise, double spacing, SideScope scope,
+                const SideConstants& constants, int threads) {
   threads = resolveThreads(threads);
   const double width = std::max(constants.cell_noise * noise, kCellSpacing * spacing);
   const SideCells cut(store, width, threads);

@@ -15,13 +15,13 @@ constexpr std::size_t kPointsPerPlace = 1000;  ///< one place is looked at for t
 constexpr std::size_t kLeastPlaces = 64, kMostPlaces = 256;  ///< ... within these bounds
 constexpr std::size_t kPatch = 48;                           ///< points of its smallest patch ...
 constexpr std::size_t kWider = 4;                            ///< ... and the factor to the next
-constexpr std::size_t kPatchPoints = 384;  ///< points looked at in a patch; larger patches are sampled
-constexpr std::size_t kMostPatch = 12288;  ///< points of the widest patch: wider ones cost more than a fit
+constexpr std::size_t kPatchPoints =
+    384;  ///< points looked at in a patch; larger patches are sampled
+constexpr std::size_t kMostPatch =
+    12288;  ///< points of the widest patch: wider ones cost more than a fit
 
 /** Whether one sheet is above the other, and not side by side as the faces of an edge are. */
-bool
-overlap(const Eigen::Matrix3Xd& local, double middle)
-{
+bool overlap(const Eigen::Matrix3Xd& local, double middle) {
   Eigen::Vector2d sum[2] = {Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
   double count[2] = {0, 0};
   for (Eigen::Index i = 0; i < local.cols(); ++i) {
@@ -46,9 +46,7 @@ struct SheetGap {
 };
 
 /** Parts a patch by two-means on heights along its normal. */
-SheetGap
-gapOf(const Eigen::Matrix3Xd& local, const SideConstants& constants)
-{
+SheetGap gapOf(const Eigen::Matrix3Xd& local, const SideConstants& constants) {
   const Eigen::ArrayXd heights = local.row(0).transpose().array();
   const auto total = static_cast<double>(heights.size());
   double middle = 0, above = 0, gap = 0;
@@ -71,17 +69,13 @@ gapOf(const Eigen::Matrix3Xd& local, const SideConstants& constants)
 }
 
 /** Whether a patch's points are a rod, no wider across it than thick. */
-bool
-formsRod(const Eigen::Vector3d& spreads, const SideConstants& constants)
-{
+bool formsRod(const Eigen::Vector3d& spreads, const SideConstants& constants) {
   return spreads[1] < constants.rod * spreads[2] && spreads[0] > constants.thick_rod * spreads[1];
 }
 
-/** Excess kurtosis of residuals: 0 of Gaussian noise; of two sheets, as many points on each at +- a with
- * noise s, -2 a^4 / (a^2 + s^2)^2. */
-double
-excessOf(const PatchCubic& cubic)
-{
+/** Excess kurtosis of residuals: 0 of Gaussian noise; of two sheets, as many points on each at +- a
+ * with noise s, -2 a^4 / (a^2 + s^2)^2. */
+double excessOf(const PatchCubic& cubic) {
   const std::size_t count = cubic.places.size();
   double squares = 0, fourths = 0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -103,11 +97,16 @@ struct PlaceFigures {
 };
 
 constexpr double kFilled = 0.15;  ///< a cubic's RMS residual over the radius of a patch that fits
-constexpr double kRelief = 4;     ///< growth of the variance to the next patch that is a rough surface's own
-constexpr double kDeviations = 1.5;  ///< standard deviations of the kurtosis by which residuals are flatter, too
-constexpr double kClean = 10.0;      ///< SideConstants::apart from which a fit parts sheets without help, ...
-constexpr double kClearGap = 3.0;    ///< ... but by smaller balls where they are this far apart [spacings]
-constexpr int kBeyond = 2;  ///< wider patches, after one that fits, in which a place's other side is sought
+constexpr double kRelief =
+    4;  ///< growth of the variance to the next patch that is a rough surface's own
+constexpr double kDeviations =
+    1.5;  ///< standard deviations of the kurtosis by which residuals are flatter, too
+constexpr double kClean =
+    10.0;  ///< SideConstants::apart from which a fit parts sheets without help, ...
+constexpr double kClearGap =
+    3.0;  ///< ... but by smaller balls where they are this far apart [spacings]
+constexpr int kBeyond =
+    2;  ///< wider patches, after one that fits, in which a place's other side is sought
 
 /** Looks at wider and wider patches of one place until one fits. */
 class PlaceLook {
@@ -115,16 +114,14 @@ class PlaceLook {
   explicit PlaceLook(const SideConstants& constants) : constants_(&constants) {}
 
   /** \return whether a wider patch must be looked at */
-  bool look(const Patch& patch)
-  {
+  bool look(const Patch& patch) {
     if (!(patch.radius > 0)) return false;
     if (!(figures_.spacing > 0))
       figures_.spacing = patch.radius * std::sqrt(M_PI / static_cast<double>(kPatch));
     if (fits_) return lookBeyond(patch);
     if (showsTwoSides(patch, figures_)) return false;
     thread_local PatchCubic cubic;
-    fits_ =
-        fitCubic(patch, cubic) && std::sqrt(cubic.variance) <= kFilled * patch.radius;
+    fits_ = fitCubic(patch, cubic) && std::sqrt(cubic.variance) <= kFilled * patch.radius;
     // Relief of the surface itself grows with the patch; noise and the far side of a part do not.
     figures_.thin = !fits_ && !(last_ > 0 && cubic.variance > kRelief * last_);
     (fits_ ? figures_.variance : last_) = cubic.variance;
@@ -136,17 +133,16 @@ class PlaceLook {
   /** The place has one side, whatever its patches show. */
   void setOneSided() { figures_.thin = figures_.flat = figures_.facing = figures_.near = false; }
   /** The place has two, though its patches may show one. */
-  void setTwoSided()
-  {
+  void setTwoSided() {
     if (showsAnotherSide()) return;
     figures_.thin = true;
     figures_.variance = -1;
   }
 
  private:
-  /** Whether residuals are two sheets that seem one rough sheet: flatter than chance makes Gaussian ones. */
-  bool partResiduals(const PatchCubic& cubic)
-  {
+  /** Whether residuals are two sheets that seem one rough sheet: flatter than chance makes Gaussian
+   * ones. */
+  bool partResiduals(const PatchCubic& cubic) {
     const double deviation = std::sqrt(24 / static_cast<double>(cubic.places.size()));
     const double excess = excessOf(cubic);
     if (excess > -constants_->flatter - kDeviations * deviation) return false;
@@ -156,8 +152,7 @@ class PlaceLook {
   }
 
   /** Whether a patch is a rod or two sheets. The latter are thin unless they part by themselves. */
-  bool showsTwoSides(const Patch& patch, PlaceFigures& figures) const
-  {
+  bool showsTwoSides(const Patch& patch, PlaceFigures& figures) const {
     const auto axes = principalAxes(patch.points);
     figures.thin = formsRod(axes.eigenvalues(), *constants_);
     if (figures.thin) return true;
@@ -174,9 +169,9 @@ class PlaceLook {
     return true;
   }
 
-  /** Looks for another side in a patch wider than one that fits. \return whether to try a wider one */
-  bool lookBeyond(const Patch& patch)
-  {
+  /** Looks for another side in a patch wider than one that fits. \return whether to try a wider one
+   */
+  bool lookBeyond(const Patch& patch) {
     PlaceFigures beyond = figures_;
     if (showsTwoSides(patch, beyond)) {
       figures_.facing = beyond.thin || beyond.facing;
@@ -197,12 +192,10 @@ constexpr double kOneSided = 0.5;  ///< cosine of beams' angles that leaves a pl
 /** What the beams of a patch's points show of its sides. */
 enum class BeamSides { kUnknown, kOne, kTwo };
 
-/** One side where all neighbours were seen from about the direction that the sample was seen from; two where a share of
- * them was clearly seen from either side of the patch. */
-BeamSides
-sidesByBeams(const PointStore& store, const std::vector<std::uint32_t>& neighbors,
-             std::size_t sample, const Patch& patch, const SideConstants& constants)
-{
+/** One side where all neighbours were seen from about the direction that the sample was seen from;
+ * two where a share of them was clearly seen from either side of the patch. */
+BeamSides sidesByBeams(const PointStore& store, const std::vector<std::uint32_t>& neighbors,
+                       std::size_t sample, const Patch& patch, const SideConstants& constants) {
   const auto beam = [&](std::size_t i) {
     return normalized(subtract(store.position(i), store.sensor(i)));
   };
@@ -225,9 +218,8 @@ sidesByBeams(const PointStore& store, const std::vector<std::uint32_t>& neighbor
 
 constexpr double kFlatPlaces = 0.1;  ///< share of places that noise is taken from
 
-ThinPlaces
-summarize(const std::vector<PlaceLook>& looks, const std::vector<std::size_t>& looked_at)
-{
+ThinPlaces summarize(const std::vector<PlaceLook>& looks,
+                     const std::vector<std::size_t>& looked_at) {
   ThinPlaces places;
   const double share = 1 / static_cast<double>(std::max<std::size_t>(looks.size(), 1));
   std::vector<double> spacings, variances;
@@ -243,21 +235,16 @@ summarize(const std::vector<PlaceLook>& looks, const std::vector<std::size_t>& l
   }
   if (!spacings.empty()) places.spacing = median(spacings);
   const double flat = share * static_cast<double>(variances.size());
-  if (!variances.empty() && flat >= kFlatPlaces)
-    places.noise = std::sqrt(median(variances));
+  if (!variances.empty() && flat >= kFlatPlaces) places.noise = std::sqrt(median(variances));
   return places;
 }
 
 }  // namespace
 
-ThinPlaces
-findThinPlaces(const PointStore& store, const SideConstants& constants, const NoiseConstants& noise,
-               int threads)
-{
-  const std::size_t asked = std::clamp(store.size() / kPointsPerPlace,
-                                       kLeastPlaces, kMostPlaces);
-  const std::size_t most =
-      std::clamp(store.size() / noise.most_part, kPatch, kMostPatch);
+ThinPlaces findThinPlaces(const PointStore& store, const SideConstants& constants,
+                          const NoiseConstants& noise, int threads) {
+  const std::size_t asked = std::clamp(store.size() / kPointsPerPlace, kLeastPlaces, kMostPlaces);
+  const std::size_t most = std::clamp(store.size() / noise.most_part, kPatch, kMostPatch);
   ThinnedPlaces points(store, asked);
   const std::vector<std::size_t> looked_at = points.places();
   std::vector<PlaceLook> looks(points.size(), PlaceLook(constants));

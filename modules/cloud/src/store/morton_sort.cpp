@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Highway's vqsort is no faster: with the leading bits and the places in 64 bits it took 1.29 to 2.15
-// times the radix sort's CPU time, with key and place in 128 bits 1.18 to 1.32 times (1M and 10M
-// codes of a surface, 1 and 2 threads, AVX2, busy machine).
+// Highway's vqsort is no faster: with the leading bits and the places in 64 bits it took 1.29 to
+// 2.15 times the radix sort's CPU time, with key and place in 128 bits 1.18 to 1.32 times (1M and
+// 10M codes of a surface, 1 and 2 threads, AVX2, busy machine).
 #include "pcl_slim/cloud/morton_sort.h"
 
 #include <algorithm>
@@ -25,9 +25,7 @@ constexpr std::size_t kFew = 32;    ///< numbers for which counting digits does 
 constexpr std::size_t kMoves = 16;  ///< of insertion, per number, that other sorting beats
 
 /** Sorts by bits from low on, stably; quick where numbers are few or nearly in order. */
-void
-sortNearly(std::uint64_t* values, std::size_t n, int low)
-{
+void sortNearly(std::uint64_t* values, std::size_t n, int low) {
   const std::size_t most = kMoves * std::max(n, kFew);
   std::size_t moves = 0;
   for (std::size_t i = 1; i < n; ++i) {
@@ -51,12 +49,9 @@ sortNearly(std::uint64_t* values, std::size_t n, int low)
 class DigitCounts {
  public:
   DigitCounts(std::uint32_t* counts, int shift, int bits)
-      : counts_(counts), shift_(shift), mask_((std::uint64_t{1} << bits) - 1)
-  {
-  }
+      : counts_(counts), shift_(shift), mask_((std::uint64_t{1} << bits) - 1) {}
 
-  void count(const std::uint64_t* values, std::size_t n) const
-  {
+  void count(const std::uint64_t* values, std::size_t n) const {
     std::uint32_t* const counts = counts_;
     const int shift = shift_;
     const std::uint64_t mask = mask_;
@@ -66,8 +61,7 @@ class DigitCounts {
   /** number(i): what goes where values[i] belongs. */
   template <typename Number>
   void scatter(const std::uint64_t* values, std::size_t n, std::uint64_t* out,
-               const Number& number) const
-  {
+               const Number& number) const {
     std::uint32_t* const next = counts_;
     const int shift = shift_;
     const std::uint64_t mask = mask_;
@@ -81,9 +75,8 @@ class DigitCounts {
 };
 
 /** One stable pass from values to out. */
-void
-digitPass(const std::uint64_t* values, std::uint64_t* out, std::size_t n, int shift, int bits)
-{
+void digitPass(const std::uint64_t* values, std::uint64_t* out, std::size_t n, int shift,
+               int bits) {
   std::array<std::uint32_t, std::size_t{1} << kDigitBits> next;
   const std::size_t digits = std::size_t{1} << bits;
   std::fill_n(next.begin(), digits, 0);
@@ -98,20 +91,16 @@ digitPass(const std::uint64_t* values, std::uint64_t* out, std::size_t n, int sh
   counts.scatter(values, n, out, [values](std::size_t i) { return values[i]; });
 }
 
-/** Leading bits after which few of n numbers agree, for points of a surface: every three bits leave a
- * quarter of them. */
-int
-tellingBits(std::size_t n)
-{
+/** Leading bits after which few of n numbers agree, for points of a surface: every three bits leave
+ * a quarter of them. */
+int tellingBits(std::size_t n) {
   int bits = 0;
   for (; n > 4; n /= 4) bits += 3;
   return bits;
 }
 
 /** Sorts one bucket, stored in spare, into values; bits from high on are equal. */
-void
-sortBucket(std::uint64_t* values, std::uint64_t* spare, std::size_t n, int low, int high)
-{
+void sortBucket(std::uint64_t* values, std::uint64_t* spare, std::size_t n, int low, int high) {
   std::uint64_t *from = spare, *to = values;
   int rest = high - low;  // bits that are not in order yet
   if (n > kFew && high > low) {
@@ -127,13 +116,12 @@ sortBucket(std::uint64_t* values, std::uint64_t* spare, std::size_t n, int low, 
   if (rest > 0) sortNearly(values, n, low);
 }
 
-/** Scatters numbers by the leading digit of values: number(i) for values[i]. \return where each bucket
- * begins. */
+/** Scatters numbers by the leading digit of values: number(i) for values[i]. \return where each
+ * bucket begins. */
 template <typename Number>
-std::vector<std::size_t>
-scatter(const AlignedVector<std::uint64_t>& values, const Number& number,
-        AlignedVector<std::uint64_t>& out, int shift, int bits, int threads)
-{
+std::vector<std::size_t> scatter(const AlignedVector<std::uint64_t>& values, const Number& number,
+                                 AlignedVector<std::uint64_t>& out, int shift, int bits,
+                                 int threads) {
   const std::size_t n = values.size(), digits = std::size_t{1} << bits;
   const std::size_t slices = n < kMany / 64 ? 1 : static_cast<std::size_t>(threads);
   std::vector<std::uint32_t> next(slices * digits, 0);
@@ -164,17 +152,13 @@ scatter(const AlignedVector<std::uint64_t>& values, const Number& number,
 }
 
 /** Bits of the pass over all of n numbers. */
-int
-firstBits(std::size_t n)
-{
+int firstBits(std::size_t n) {
   return n < kMany / 16 ? kFirstBitsOfFew : n < kMany ? kFirstBits : kFirstBitsOfMany;
 }
 
 }  // namespace
 
-void
-sortByBits(AlignedVector<std::uint64_t>& values, int low, int high, int threads)
-{
+void sortByBits(AlignedVector<std::uint64_t>& values, int low, int high, int threads) {
   const std::size_t n = values.size();
   if (high <= low) return;
   if (n <= kFew) return sortNearly(values.data(), n, low);
@@ -189,17 +173,16 @@ sortByBits(AlignedVector<std::uint64_t>& values, int low, int high, int threads)
   });
 }
 
-int
-sortByLeadingBits(AlignedVector<std::uint64_t>& keys, AlignedVector<std::uint32_t>& order,
-                  int threads)
-{
+int sortByLeadingBits(AlignedVector<std::uint64_t>& keys, AlignedVector<std::uint32_t>& order,
+                      int threads) {
   constexpr int kKeyBits = 63;
   const std::size_t n = keys.size();
   int place_bits = 1;
   while (n >> place_bits != 0) ++place_bits;
   const int bits = firstBits(n), shift = kKeyBits - bits;
   const int cut = std::max(0, shift + place_bits - 64);
-  // The bucket implies the leading bits: numbers store those below, as many as fit next to the place.
+  // The bucket implies the leading bits: numbers store those below, as many as fit next to the
+  // place.
   const std::uint64_t below = (std::uint64_t{1} << shift) - 1;
   AlignedVector<std::uint64_t> numbers(n);
   const auto begins = scatter(
@@ -223,23 +206,19 @@ sortByLeadingBits(AlignedVector<std::uint64_t>& keys, AlignedVector<std::uint32_
 
 namespace {
 
-constexpr std::size_t kSlice = 1 << 14;  ///< keys a thread takes at a time
+constexpr std::size_t kSlice = 1 << 14;    ///< keys a thread takes at a time
 constexpr std::size_t kFewKeys = 1 << 15;  ///< that one thread sorts
 
 using Keys = AlignedVector<std::uint64_t>;
 using Indices = AlignedVector<std::uint32_t>;
 
 template <typename Body>
-void
-forAll(std::size_t n, int threads, const Body& body)
-{
+void forAll(std::size_t n, int threads, const Body& body) {
   parallelFor(n, threads, kSlice, [&](std::size_t i, int) { body(i); });
 }
 
 /** Sorts [begin, end), whose keys share their leading bits, by the whole key and the index. */
-void
-sortRun(Keys& keys, Indices& indices, std::size_t begin, std::size_t end)
-{
+void sortRun(Keys& keys, Indices& indices, std::size_t begin, std::size_t end) {
   if (std::is_sorted(keys.begin() + begin, keys.begin() + end)) return;  // indices already ascend
   std::vector<std::pair<std::uint64_t, std::uint32_t>> run(end - begin);
   for (std::size_t i = begin; i < end; ++i) run[i - begin] = {keys[i], indices[i]};
@@ -250,9 +229,7 @@ sortRun(Keys& keys, Indices& indices, std::size_t begin, std::size_t end)
   }
 }
 
-void
-sortRuns(Keys& keys, Indices& indices, int low_bits, int threads)
-{
+void sortRuns(Keys& keys, Indices& indices, int low_bits, int threads) {
   const std::size_t n = keys.size();
   const std::size_t slices = static_cast<std::size_t>(threads) * 8;
   // A run belongs to the slice it starts in.
@@ -271,9 +248,7 @@ sortRuns(Keys& keys, Indices& indices, int low_bits, int threads)
 
 }  // namespace
 
-void
-sortByKey(Keys& keys, Indices& order, int threads)
-{
+void sortByKey(Keys& keys, Indices& order, int threads) {
   const std::size_t n = keys.size();
   if (n < kFewKeys) threads = 1;
   Keys leading = keys;

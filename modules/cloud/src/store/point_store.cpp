@@ -74,20 +74,14 @@ class PointStoreBuilder {
 };
 
 PointStoreBuilder::PointStoreBuilder(const CloudView& cloud, int threads, const PointStore* frame)
-    : cloud_(cloud), reader_(cloud_), threads_(threads), larger_(frame)
-{
-}
+    : cloud_(cloud), reader_(cloud_), threads_(threads), larger_(frame) {}
 
 PointStoreBuilder::PointStoreBuilder(const CloudView& cloud, int threads, const StoreFrame& given)
-    : cloud_(cloud), reader_(cloud_), threads_(threads), given_(&given)
-{
-}
+    : cloud_(cloud), reader_(cloud_), threads_(threads), given_(&given) {}
 
-/** \brief Which of the points are strays: by the given frame, the store this one belongs to, or these
- * points themselves. */
-Bulk
-PointStoreBuilder::bulkOfPoints() const
-{
+/** \brief Which of the points are strays: by the given frame, the store this one belongs to, or
+ * these points themselves. */
+Bulk PointStoreBuilder::bulkOfPoints() const {
   if (given_) return {given_->bulk_center, given_->bulk_between, given_->bulk_reach};
   if (larger_)
     return {larger_->frame().bulk_center, larger_->frame().bulk_between,
@@ -95,9 +89,7 @@ PointStoreBuilder::bulkOfPoints() const
   return findBulk(cloud_, reader_, threads_);
 }
 
-Error
-PointStoreBuilder::measure()
-{
+Error PointStoreBuilder::measure() {
   if (Error error = cloud_.validate()) return error;
   bulk_ = bulkOfPoints();
   CloudSummary all = summarizeAll(cloud_, reader_, bulk_, given_ && given_->with_normals, threads_);
@@ -120,31 +112,23 @@ PointStoreBuilder::measure()
   return {};
 }
 
-void
-PointStoreBuilder::adopt(const StoreFrame& frame)
-{
+void PointStoreBuilder::adopt(const StoreFrame& frame) {
   store_.frame_ = frame;
   inverse_scale_ = 1.0 / store_.frame_.scale;
 }
 
-bool
-PointStoreBuilder::usable(const std::array<double, 3>& position, std::size_t input) const
-{
+bool PointStoreBuilder::usable(const std::array<double, 3>& position, std::size_t input) const {
   return isFinite(position) && bulk_.holds(position) &&
          (!with_normals_ || reader_.hasNormal(input));
 }
 
-std::array<double, 3>
-PointStoreBuilder::localPosition(std::uint32_t order) const
-{
+std::array<double, 3> PointStoreBuilder::localPosition(std::uint32_t order) const {
   auto p = reader_.position(cloud_.inputIndex(order));
   for (int a = 0; a < 3; ++a) p[a] = (p[a] - store_.frame_.origin[a]) * inverse_scale_;
   return p;
 }
 
-void
-PointStoreBuilder::sortPoints()
-{
+void PointStoreBuilder::sortPoints() {
   const std::size_t n = cloud_.count();
   const std::size_t slices = (n + kSlice - 1) / kSlice;
   std::vector<std::size_t> first(slices + 1, 0);
@@ -162,9 +146,7 @@ PointStoreBuilder::sortPoints()
   }
 }
 
-std::size_t
-PointStoreBuilder::countUsable(std::size_t begin, std::size_t end) const
-{
+std::size_t PointStoreBuilder::countUsable(std::size_t begin, std::size_t end) const {
   if (allUsable()) return end - begin;
   std::size_t count = 0;
   for (std::size_t i = begin; i < end; ++i) {
@@ -175,9 +157,7 @@ PointStoreBuilder::countUsable(std::size_t begin, std::size_t end) const
 }
 
 /** Writes keys of the view's points from begin to end, in batches, from out on. */
-void
-PointStoreBuilder::makeKeys(std::size_t begin, std::size_t end, std::size_t out)
-{
+void PointStoreBuilder::makeKeys(std::size_t begin, std::size_t end, std::size_t out) {
   alignas(64) double batch[3][kKeyBatch] = {};
   std::size_t count = 0;
   const auto flush = [&] {
@@ -200,9 +180,7 @@ PointStoreBuilder::makeKeys(std::size_t begin, std::size_t end, std::size_t out)
   flush();
 }
 
-void
-PointStoreBuilder::mergeDuplicates()
-{
+void PointStoreBuilder::mergeDuplicates() {
   const std::size_t n = keys_.size();
   std::size_t kept = 0, i = 0;
   const auto repeated = std::adjacent_find(keys_.begin(), keys_.end());
@@ -220,9 +198,7 @@ PointStoreBuilder::mergeDuplicates()
 }
 
 /** Points of one Morton cell, [begin, end): orders them by position and keeps one of each. */
-void
-PointStoreBuilder::mergeRun(std::size_t begin, std::size_t end, std::size_t& kept)
-{
+void PointStoreBuilder::mergeRun(std::size_t begin, std::size_t end, std::size_t& kept) {
   const std::uint64_t key = keys_[begin];
   if (end - begin == 1) {
     keys_[kept] = key;
@@ -242,9 +218,7 @@ PointStoreBuilder::mergeRun(std::size_t begin, std::size_t end, std::size_t& kep
   }
 }
 
-Error
-PointStoreBuilder::fillSensors()
-{
+Error PointStoreBuilder::fillSensors() {
   if (cloud_.sensors == nullptr) return {};
   store_.sensors_.resize(store_.size_);
   parallelFor(store_.size_, threads_, kSlice, [&](std::size_t i, int) {
@@ -264,9 +238,7 @@ PointStoreBuilder::fillSensors()
   return {};
 }
 
-void
-PointStoreBuilder::fillFrames()
-{
+void PointStoreBuilder::fillFrames() {
   if (cloud_.frame_numbers == nullptr) return;
   store_.frame_numbers_.resize(store_.size_);
   parallelFor(store_.size_, threads_, kSlice, [&](std::size_t i, int) {
@@ -276,16 +248,15 @@ PointStoreBuilder::fillFrames()
 
 // The last step: sorted points, scattered over the caller's cloud, become blocks.
 
-std::array<float, 3>
-PointStoreBuilder::mergedNormal(std::size_t i) const
-{
+std::array<float, 3> PointStoreBuilder::mergedNormal(std::size_t i) const {
   const auto stored = static_cast<std::uint32_t>(i);
   auto n = reader_.normal(cloud_.inputIndex(order_[i]));
   auto it =
       std::lower_bound(store_.merged_.begin(), store_.merged_.end(), stored,
                        [](const auto& entry, std::uint32_t value) { return entry[1] < value; });
   if (it == store_.merged_.end() || (*it)[1] != stored) return n;
-  // Each normal once, sorted: the result must not depend on how often and in which order points are given.
+  // Each normal once, sorted: the result must not depend on how often and in which order points are
+  // given.
   std::vector<std::array<float, 3>> normals = {n};
   for (; it != store_.merged_.end() && (*it)[1] == stored; ++it) {
     normals.push_back(reader_.normal(cloud_.inputIndex((*it)[0])));
@@ -304,18 +275,14 @@ PointStoreBuilder::mergedNormal(std::size_t i) const
 }
 
 /** Prefetches the input of a block's points. */
-void
-PointStoreBuilder::prefetchBlock(std::size_t block) const
-{
+void PointStoreBuilder::prefetchBlock(std::size_t block) const {
   const std::size_t begin = block * kBlock, end = std::min(store_.size_, begin + kBlock);
   for (std::size_t i = begin; i < end; ++i) {
     reader_.prefetch(cloud_.inputIndex(order_[i]), with_normals_);
   }
 }
 
-void
-PointStoreBuilder::fillNormals(std::size_t begin, std::size_t count)
-{
+void PointStoreBuilder::fillNormals(std::size_t begin, std::size_t count) {
   float n[3][kBlock], scale[kBlock];
   for (std::size_t i = 0; i < kBlock; ++i) {
     const std::uint32_t order = order_[begin + std::min(i, count - 1)];
@@ -337,9 +304,7 @@ PointStoreBuilder::fillNormals(std::size_t begin, std::size_t count)
   }
 }
 
-void
-PointStoreBuilder::fillBlock(std::size_t block, BlockTree::Level& boxes)
-{
+void PointStoreBuilder::fillBlock(std::size_t block, BlockTree::Level& boxes) {
   prefetchBlock(block + kBlocksAhead);
   const std::size_t begin = block * kBlock, count = std::min(kBlock, store_.size_ - begin);
   double local[3][kBlock];
@@ -367,9 +332,7 @@ PointStoreBuilder::fillBlock(std::size_t block, BlockTree::Level& boxes)
   if (with_normals_) fillNormals(begin, count);
 }
 
-void
-PointStoreBuilder::fillBlocks()
-{
+void PointStoreBuilder::fillBlocks() {
   const std::size_t blocks = (store_.size_ + kBlock - 1) / kBlock;
   for (auto* column : {&store_.x_, &store_.y_, &store_.z_}) column->resize(blocks * kBlock);
   if (with_normals_) {
@@ -389,9 +352,7 @@ PointStoreBuilder::fillBlocks()
 namespace {
 
 /** The store that a builder's steps make. */
-Result<PointStore>
-finished(PointStoreBuilder& builder)
-{
+Result<PointStore> finished(PointStoreBuilder& builder) {
   if (Error error = builder.measure()) return error;
   builder.sortPoints();
   builder.mergeDuplicates();
@@ -407,9 +368,7 @@ finished(PointStoreBuilder& builder)
 
 using namespace detail;
 
-Result<PointStore>
-PointStore::build(const CloudView& cloud, int threads, const PointStore* frame)
-{
+Result<PointStore> PointStore::build(const CloudView& cloud, int threads, const PointStore* frame) {
   const Stopwatch watch;
   PointStoreBuilder builder(cloud, resolveThreads(threads), frame);
   Result<PointStore> store = finished(builder);
@@ -419,9 +378,7 @@ PointStore::build(const CloudView& cloud, int threads, const PointStore* frame)
   return store;
 }
 
-Result<PointStore>
-PointStore::build(const CloudView& cloud, const StoreFrame& frame, int threads)
-{
+Result<PointStore> PointStore::build(const CloudView& cloud, const StoreFrame& frame, int threads) {
   const Stopwatch watch;
   PointStoreBuilder builder(cloud, resolveThreads(threads), frame);
   Result<PointStore> store = finished(builder);
@@ -430,18 +387,14 @@ PointStore::build(const CloudView& cloud, const StoreFrame& frame, int threads)
   return store;
 }
 
-std::vector<std::uint32_t>
-PointStore::storeOfInput() const
-{
+std::vector<std::uint32_t> PointStore::storeOfInput() const {
   std::vector<std::uint32_t> map(statistics_.input_points, kSkipped);
   for (std::size_t i = 0; i < size_; ++i) map[order_of_store_[i]] = static_cast<std::uint32_t>(i);
   for (const auto& [order, stored] : merged_) map[order] = stored;
   return map;
 }
 
-void
-PointStore::setSides(const std::vector<std::array<float, 3>>& normals)
-{
+void PointStore::setSides(const std::vector<std::array<float, 3>>& normals) {
   if (hasNormals() || normals.size() != size_) return;
   AlignedVector<float>* const columns[3] = {&nx_, &ny_, &nz_};
   for (std::size_t a = 0; a < 3; ++a) {
@@ -453,17 +406,13 @@ PointStore::setSides(const std::vector<std::array<float, 3>>& normals)
   found_sides_ = true;
 }
 
-void
-PointStore::clearSides()
-{
+void PointStore::clearSides() {
   if (!found_sides_) return;
   for (auto* column : {&nx_, &ny_, &nz_}) *column = {};
   found_sides_ = false;
 }
 
-std::size_t
-PointStore::memoryBytes() const
-{
+std::size_t PointStore::memoryBytes() const {
   const std::size_t floats = x_.size() + y_.size() + z_.size() + nx_.size() + ny_.size() +
                              nz_.size() + 3 * block_origin_x_.size();
   return floats * sizeof(float) + order_of_store_.size() * sizeof(std::uint32_t) +

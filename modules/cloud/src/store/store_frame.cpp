@@ -27,9 +27,7 @@ constexpr std::size_t kTooMany =
 
 }  // namespace
 
-std::array<double, 3>
-CloudView::placeAt(const void* first, std::size_t offset, Scalar scalar)
-{
+std::array<double, 3> CloudView::placeAt(const void* first, std::size_t offset, Scalar scalar) {
   const char* at = static_cast<const char*>(first) + offset;
   std::array<double, 3> place{};
   if (scalar == Scalar::kDouble) {
@@ -42,18 +40,14 @@ CloudView::placeAt(const void* first, std::size_t offset, Scalar scalar)
   return place;
 }
 
-std::array<float, 3>
-CloudView::givenNormal(std::size_t input) const
-{
+std::array<float, 3> CloudView::givenNormal(std::size_t input) const {
   std::array<float, 3> given{};
   std::memcpy(given.data(), static_cast<const char*>(normal) + input * normal_stride,
               sizeof(given));
   return given;
 }
 
-Error
-CloudView::validate() const
-{
+Error CloudView::validate() const {
   const std::size_t n = count();
   if (n == 0 || xyz == nullptr) return badInput("the cloud has no points: give one that has");
   if (n >= kTooMany) return badInput("the cloud has more than 2^32 - 2 points: split it");
@@ -67,9 +61,7 @@ CloudView::validate() const
   return {};
 }
 
-Error
-CloudView::nothingFinite()
-{
+Error CloudView::nothingFinite() {
   return badInput("every point of the cloud is NaN or infinite: nothing to work on");
 }
 
@@ -95,8 +87,7 @@ class PlaceSample {
     std::uint64_t hash;
     std::array<double, 3> place;
 
-    bool operator<(const Entry& other) const
-    {
+    bool operator<(const Entry& other) const {
       return hash != other.hash ? hash < other.hash : place < other.place;
     }
     bool operator==(const Entry& other) const { return hash == other.hash; }
@@ -115,9 +106,7 @@ constexpr std::size_t kLeast = 8;  ///< fewest places in which a stray can be fo
 constexpr double kReach = 0x1p14;
 
 /** Of a finite position; equal ones have equal hashes. */
-std::uint64_t
-hashOf(const std::array<double, 3>& p)
-{
+std::uint64_t hashOf(const std::array<double, 3>& p) {
   std::uint64_t hash = 0x94d049bb133111ebu;  // what is zero throughout has a hash, too
   for (const double coordinate : p) {
     const double value = coordinate + 0.0;  // -0 is 0
@@ -129,22 +118,16 @@ hashOf(const std::array<double, 3>& p)
   return hash * 0xbf58476d1ce4e5b9u;
 }
 
-double
-quantile(const std::vector<double>& values, double share)
-{
+double quantile(const std::vector<double>& values, double share) {
   return kthSmallest(
       values, static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5));
 }
 
-void
-PlaceSample::offer(const std::array<double, 3>& place)
-{
+void PlaceSample::offer(const std::array<double, 3>& place) {
   offer({hashOf(place), place});
 }
 
-void
-PlaceSample::offer(const Entry& entry)
-{
+void PlaceSample::offer(const Entry& entry) {
   std::uint64_t& recent = recent_[entry.hash % recent_.size()];
   if (entry.hash >= bound_ || recent == entry.hash) return;
   recent = entry.hash;
@@ -152,16 +135,12 @@ PlaceSample::offer(const Entry& entry)
   if (entries_.size() == 2 * kSample) shrink();
 }
 
-void
-PlaceSample::merge(PlaceSample& other)
-{
+void PlaceSample::merge(PlaceSample& other) {
   other.shrink();
   for (const Entry& entry : other.entries_) offer(entry);
 }
 
-void
-PlaceSample::shrink()
-{
+void PlaceSample::shrink() {
   std::sort(entries_.begin(), entries_.end());
   entries_.erase(std::unique(entries_.begin(), entries_.end()), entries_.end());
   if (entries_.size() < kSample) return;
@@ -169,18 +148,14 @@ PlaceSample::shrink()
   bound_ = entries_.back().hash;
 }
 
-std::vector<std::array<double, 3>>
-PlaceSample::places()
-{
+std::vector<std::array<double, 3>> PlaceSample::places() {
   shrink();
   std::vector<std::array<double, 3>> places;
   for (const Entry& entry : entries_) places.push_back(entry.place);
   return places;
 }
 
-Bulk
-PlaceSample::bulk()
-{
+Bulk PlaceSample::bulk() {
   shrink();
   Bulk bulk;
   if (entries_.size() < kLeast) return bulk;
@@ -200,9 +175,7 @@ PlaceSample::bulk()
 
 }  // namespace
 
-Bulk
-findBulk(const CloudView& cloud, const CloudReader& reader, int threads)
-{
+Bulk findBulk(const CloudView& cloud, const CloudReader& reader, int threads) {
   const std::size_t n = cloud.count(), slices = (n + kSlice - 1) / kSlice;
   const auto most = static_cast<std::size_t>(resolveThreads(threads));
   const auto workers = static_cast<int>(std::clamp<std::size_t>(slices, 1, most));
@@ -220,10 +193,8 @@ findBulk(const CloudView& cloud, const CloudReader& reader, int threads)
 
 namespace {
 
-CloudSummary
-summarize(const CloudView& cloud, const CloudReader& reader, std::size_t begin, std::size_t end,
-          const Bulk& bulk, bool need_normal)
-{
+CloudSummary summarize(const CloudView& cloud, const CloudReader& reader, std::size_t begin,
+                       std::size_t end, const Bulk& bulk, bool need_normal) {
   CloudSummary sum;
   Bounds box;
   std::size_t finite = 0, near = 0, with_normal = 0;
@@ -249,9 +220,7 @@ summarize(const CloudView& cloud, const CloudReader& reader, std::size_t begin, 
 
 }  // namespace
 
-void
-CloudSummary::add(const CloudSummary& other)
-{
+void CloudSummary::add(const CloudSummary& other) {
   for (std::size_t a = 0; a < 3; ++a) {
     min[a] = std::min(min[a], other.min[a]);
     max[a] = std::max(max[a], other.max[a]);
@@ -261,10 +230,8 @@ CloudSummary::add(const CloudSummary& other)
   with_normal += other.with_normal;
 }
 
-CloudSummary
-summarizeAll(const CloudView& cloud, const CloudReader& reader, const Bulk& bulk, bool need_normal,
-             int threads)
-{
+CloudSummary summarizeAll(const CloudView& cloud, const CloudReader& reader, const Bulk& bulk,
+                          bool need_normal, int threads) {
   const std::size_t n = cloud.count();
   const std::size_t slices = (n + kSlice - 1) / kSlice;
   std::vector<CloudSummary> parts(slices);
@@ -284,10 +251,8 @@ constexpr double kLeastScale = 0x1p-1000;  ///< its inverse, and 2^-22 of it, ar
 
 }  // namespace
 
-Error
-setUnits(const std::array<double, 3>& low, const std::array<double, 3>& high, const Bulk& bulk,
-         double least_span, StoreFrame& frame)
-{
+Error setUnits(const std::array<double, 3>& low, const std::array<double, 3>& high,
+               const Bulk& bulk, double least_span, StoreFrame& frame) {
   double half[3], farthest = 0;
   for (std::size_t a = 0; a < 3; ++a) {
     half[a] = 0.5 * high[a] - 0.5 * low[a];
@@ -336,9 +301,7 @@ struct FrameMeasure::State {
 FrameMeasure::FrameMeasure() : state_(std::make_unique<State>()) {}
 FrameMeasure::~FrameMeasure() = default;
 
-void
-FrameMeasure::add(const CloudView& piece, int threads)
-{
+void FrameMeasure::add(const CloudView& piece, int threads) {
   State& s = *state_;
   const CloudReader reader(piece);
   s.summary.add(summarizeAll(piece, reader, s.bulk, s.need_normal, threads));
@@ -354,9 +317,7 @@ FrameMeasure::add(const CloudView& piece, int threads)
   });
 }
 
-std::vector<unsigned char>
-FrameMeasure::packed()
-{
+std::vector<unsigned char> FrameMeasure::packed() {
   State& s = *state_;
   PlaceSample sample;
   for (PlaceSample& part : s.parts) sample.merge(part);
@@ -370,9 +331,7 @@ FrameMeasure::packed()
   return bytes;
 }
 
-void
-FrameMeasure::merge(const std::vector<std::vector<unsigned char>>& parts)
-{
+void FrameMeasure::merge(const std::vector<std::vector<unsigned char>>& parts) {
   State& s = *state_;
   std::uint64_t input = 0;
   PlaceSample all;
@@ -396,9 +355,7 @@ FrameMeasure::merge(const std::vector<std::vector<unsigned char>>& parts)
   s.parts.assign(1, all);
 }
 
-bool
-FrameMeasure::needsAnotherPass()
-{
+bool FrameMeasure::needsAnotherPass() {
   State& s = *state_;
   ++s.passes;
   const CloudSummary& all = s.summary;
@@ -416,9 +373,7 @@ FrameMeasure::needsAnotherPass()
   return true;
 }
 
-Error
-FrameMeasure::finish(StoreFrame& frame, FrameCounts& counts) const
-{
+Error FrameMeasure::finish(StoreFrame& frame, FrameCounts& counts) const {
   const CloudSummary& all = state_->summary;
   if (all.near == 0) return CloudView::nothingFinite();
   frame.with_normals = all.with_normal > 0;
@@ -436,9 +391,7 @@ constexpr double kGrid =
 
 }  // namespace
 
-std::array<double, 3>
-fileShift(const std::array<double, 3>& origin, double scale)
-{
+std::array<double, 3> fileShift(const std::array<double, 3>& origin, double scale) {
   double farthest = 0;
   for (const double o : origin) farthest = std::max(farthest, std::abs(o) / scale);
   if (farthest < detail::kFarOrigin - 1) return {};
@@ -448,17 +401,14 @@ fileShift(const std::array<double, 3>& origin, double scale)
   return shift;
 }
 
-std::array<double, 3>
-fileShift(const std::array<double, 3>& low, const std::array<double, 3>& high)
-{
+std::array<double, 3> fileShift(const std::array<double, 3>& low,
+                                const std::array<double, 3>& high) {
   StoreFrame frame;
   if (detail::setUnits(low, high, {}, 0, frame)) return {};
   return fileShift(frame.origin, frame.scale);
 }
 
-std::array<double, 3>
-fileShift(const CloudView& cloud)
-{
+std::array<double, 3> fileShift(const CloudView& cloud) {
   Bounds box;
   for (std::size_t k = 0; k < cloud.count(); ++k) {
     const auto p = cloud.position(cloud.inputIndex(k));

@@ -14,12 +14,10 @@ using detail::kBlockGrid;
 namespace {
 
 constexpr std::size_t kBlock = PointStore::kBlock;
-constexpr std::size_t kTask = 256;     ///< blocks a thread takes at a time
+constexpr std::size_t kTask = 256;  ///< blocks a thread takes at a time
 
 /** The stored points that are left, ascending. */
-std::vector<std::uint32_t>
-othersThan(const std::vector<std::uint32_t>& dropped, std::size_t size)
-{
+std::vector<std::uint32_t> othersThan(const std::vector<std::uint32_t>& dropped, std::size_t size) {
   std::vector<std::uint32_t> kept;
   kept.reserve(size - dropped.size());
   auto next = dropped.begin();
@@ -35,27 +33,22 @@ othersThan(const std::vector<std::uint32_t>& dropped, std::size_t size)
 
 /** Keeps some values of a column, ascending. */
 template <typename Column>
-void
-keepOnly(const std::vector<std::uint32_t>& kept, Column& column)
-{
+void keepOnly(const std::vector<std::uint32_t>& kept, Column& column) {
   for (std::size_t i = 0; i < kept.size(); ++i) column[i] = column[kept[i]];
   column.resize(kept.size());
 }
 
 /** Copies some values of a column, ascending. */
 template <typename Column>
-void
-copyOnly(const std::vector<std::uint32_t>& kept, int threads, const Column& column, Column& copied)
-{
+void copyOnly(const std::vector<std::uint32_t>& kept, int threads, const Column& column,
+              Column& copied) {
   copied.resize(kept.size());
   parallelFor(kept.size(), threads, kTask * kBlock,
               [&](std::size_t i, int) { copied[i] = column[kept[i]]; });
 }
 
 /** Normals of the points that pad the last block. */
-void
-padNormals(std::size_t size, std::size_t padded, AlignedVector<float>& normals)
-{
+void padNormals(std::size_t size, std::size_t padded, AlignedVector<float>& normals) {
   normals.resize(padded);
   std::fill(normals.begin() + static_cast<std::ptrdiff_t>(size), normals.end(), 0.0f);
 }
@@ -65,8 +58,7 @@ struct BlockedColumn {
   AlignedVector<float> offset, origin, low, high;
 
   template <typename Value>
-  BlockedColumn(std::size_t size, int threads, const Value& value)
-  {
+  BlockedColumn(std::size_t size, int threads, const Value& value) {
     const std::size_t blocks = (size + kBlock - 1) / kBlock;
     offset.resize(blocks * kBlock);
     for (auto* column : {&origin, &low, &high}) column->resize(blocks);
@@ -85,10 +77,9 @@ struct BlockedColumn {
 };
 
 /** Those of merged points whose stored one is kept. */
-std::vector<std::array<std::uint32_t, 2>>
-keptMerges(const std::vector<std::uint32_t>& kept,
-           const std::vector<std::array<std::uint32_t, 2>>& merged)
-{
+std::vector<std::array<std::uint32_t, 2>> keptMerges(
+    const std::vector<std::uint32_t>& kept,
+    const std::vector<std::array<std::uint32_t, 2>>& merged) {
   std::vector<std::array<std::uint32_t, 2>> left;
   for (const auto& [order, stored] : merged) {
     const auto place = std::lower_bound(kept.begin(), kept.end(), stored);
@@ -100,9 +91,7 @@ keptMerges(const std::vector<std::uint32_t>& kept,
 
 }  // namespace
 
-PointStore
-PointStore::without(const std::vector<std::uint32_t>& dropped, int threads) const
-{
+PointStore PointStore::without(const std::vector<std::uint32_t>& dropped, int threads) const {
   // What is dropped is not copied first: that takes longer than all that is done with a part.
   const std::vector<std::uint32_t> kept = othersThan(dropped, size_);
   threads = resolveThreads(threads);
@@ -129,9 +118,7 @@ PointStore::without(const std::vector<std::uint32_t>& dropped, int threads) cons
   return store;
 }
 
-void
-PointStore::drop(const std::vector<std::uint32_t>& dropped, int threads)
-{
+void PointStore::drop(const std::vector<std::uint32_t>& dropped, int threads) {
   const std::vector<std::uint32_t> kept = othersThan(dropped, size_);
   size_ = kept.size();
   keepOnly(kept, keys_);
@@ -149,9 +136,7 @@ PointStore::drop(const std::vector<std::uint32_t>& dropped, int threads)
   }
 }
 
-void
-PointStore::moveTo(const std::vector<std::array<double, 3>>& positions, int threads)
-{
+void PointStore::moveTo(const std::vector<std::array<double, 3>>& positions, int threads) {
   double farthest = 0;
   for (std::size_t i = 0; i < size_; ++i) {
     const auto from = position(i);
@@ -164,11 +149,10 @@ PointStore::moveTo(const std::vector<std::array<double, 3>>& positions, int thre
       resolveThreads(threads));
 }
 
-/** Cuts positions into new blocks. One column is copied at a time. \param[in] position of a point along an axis */
+/** Cuts positions into new blocks. One column is copied at a time. \param[in] position of a point
+ * along an axis */
 template <typename Position>
-void
-PointStore::cutColumns(std::size_t size, const Position& position, int threads)
-{
+void PointStore::cutColumns(std::size_t size, const Position& position, int threads) {
   BlockTree::Level boxes;
   boxes.allocate((size + kBlock - 1) / kBlock);
   const auto cut = [&](std::size_t axis, AlignedVector<float>& offsets,

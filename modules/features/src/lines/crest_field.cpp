@@ -17,21 +17,16 @@ constexpr double kHalfStep = 0.25;  ///< half the way to where prominence is mea
 
 }  // namespace
 
-void
-CrestField::restart(double radius)
-{
+void CrestField::restart(double radius) {
   probe_.restart(kMargin * radius);
 }
 
-double
-CrestField::kOf(const ProbeSample& from, const Vector3& normal) const
-{
+double CrestField::kOf(const ProbeSample& from, const Vector3& normal) const {
   return crestSide(from.frame, type_, dot(from.normal, normal) < 0).k;
 }
 
-void
-CrestField::interpret(const ProbeSample& from, const CrestAxes& axes, CrestSample& sample) const
-{
+void CrestField::interpret(const ProbeSample& from, const CrestAxes& axes,
+                           CrestSample& sample) const {
   sample.known = from.supported;
   if (!from.supported) return;
   const bool turned = dot(from.normal, axes.normal) < 0;
@@ -48,10 +43,8 @@ CrestField::interpret(const ProbeSample& from, const CrestAxes& axes, CrestSampl
   sample.other = side.other;
 }
 
-double
-CrestField::difference(const ProbeSample* around, const CrestAxes& axes, const CrestSample& sample,
-                       bool& known) const
-{
+double CrestField::difference(const ProbeSample* around, const CrestAxes& axes,
+                              const CrestSample& sample, bool& known) const {
   for (std::size_t i = 0; i < 4; ++i) known = known && around[i].supported;
   if (!known) return 0;
   const double reach = 2 * axes.reach;
@@ -61,10 +54,8 @@ CrestField::difference(const ProbeSample* around, const CrestAxes& axes, const C
   return dot(sample.t, axes.t) * along_t + dot(sample.t, b) * along_b;
 }
 
-void
-CrestField::sample(const Vector3* centers, std::size_t count, const CrestAxes& axes,
-                   CrestSample* samples)
-{
+void CrestField::sample(const Vector3* centers, std::size_t count, const CrestAxes& axes,
+                        CrestSample* samples) {
   Vector3 positions[SurfaceProbe::kMost];
   ProbeSample found[SurfaceProbe::kMost];
   std::copy(centers, centers + count, positions);
@@ -93,9 +84,7 @@ CrestField::sample(const Vector3* centers, std::size_t count, const CrestAxes& a
   }
 }
 
-void
-CrestField::sampleSeed(CrestVertex& seed, CrestSample (&samples)[3])
-{
+void CrestField::sampleSeed(CrestVertex& seed, CrestSample (&samples)[3]) {
   // The three and what their differences of k take, in steps along t and across it.
   constexpr int kGrid[10][2] = {{0, 0}, {1, 0}, {0, 1},  {-1, 0}, {0, -1},
                                 {2, 0}, {1, 1}, {1, -1}, {-1, 1}, {0, 2}};
@@ -131,21 +120,17 @@ CrestField::sampleSeed(CrestVertex& seed, CrestSample (&samples)[3])
   }
 }
 
-/** A wider stencil averages noise, but blurs asymmetric crests. The breadth of a crest is the distance
- * at which k would be 0 if its section were a parabola. */
-double
-CrestField::reachAt(const CrestVertex& vertex)
-{
+/** A wider stencil averages noise, but blurs asymmetric crests. The breadth of a crest is the
+ * distance at which k would be 0 if its section were a parabola. */
+double CrestField::reachAt(const CrestVertex& vertex) {
   const double least = kDifference * vertex.radius;
   if (!(vertex.fall > 0 && vertex.k > 0)) return least;
   const double broad = std::sqrt(2 * vertex.k / vertex.fall);
   return std::clamp(kShareOfCrest * broad, least, kWide * vertex.radius);
 }
 
-void
-CrestField::sampleAcross(const CrestRow* rows, std::size_t count, const CrestAxes& axes,
-                         CrestSample* samples)
-{
+void CrestField::sampleAcross(const CrestRow* rows, std::size_t count, const CrestAxes& axes,
+                              CrestSample* samples) {
   for (std::size_t i = 0; i < 3 * count; ++i) samples[i].known = false;
   const CrestRow& row = rows[0];
   if (!analytic_ && std::abs(dot(axes.t, row.across)) > kInRow) {
@@ -159,10 +144,8 @@ CrestField::sampleAcross(const CrestRow* rows, std::size_t count, const CrestAxe
 
 /** Where lines run across t, as most do, neighbours in the row share their stencils: seven places
  * replace fifteen. dk/ds along the line is taken from the middle. */
-void
-CrestField::sampleInRows(const CrestRow* rows, std::size_t count, const CrestAxes& axes,
-                         CrestSample* samples)
-{
+void CrestField::sampleInRows(const CrestRow* rows, std::size_t count, const CrestAxes& axes,
+                              CrestSample* samples) {
   const double reach = axes.reach;
   Vector3 positions[SurfaceProbe::kMost];
   for (std::size_t i = 0; i < count; ++i) {
@@ -189,9 +172,7 @@ CrestField::sampleInRows(const CrestRow* rows, std::size_t count, const CrestAxe
 }
 
 /** Corrects dk/ds at both ends of a row by the mixed derivative, estimated from the next row. */
-void
-CrestField::twist(const CrestRow* rows, const CrestAxes& axes, CrestSample* samples)
-{
+void CrestField::twist(const CrestRow* rows, const CrestAxes& axes, CrestSample* samples) {
   if (!samples[0].known || !samples[3].known) return;
   const Vector3 b = cross(axes.normal, rows[0].across);
   const double stride = dot(subtract(rows[1].place, rows[0].place), b);
@@ -202,10 +183,9 @@ CrestField::twist(const CrestRow* rows, const CrestAxes& axes, CrestSample* samp
   }
 }
 
-void
-CrestField::interpretRow(const ProbeSample* middle, const ProbeSample* outer, const CrestRow& row,
-                         const CrestAxes& axes, CrestSample* samples) const
-{
+void CrestField::interpretRow(const ProbeSample* middle, const ProbeSample* outer,
+                              const CrestRow& row, const CrestAxes& axes,
+                              CrestSample* samples) const {
   const auto supported = [](const ProbeSample& sample) { return sample.supported; };
   if (!std::all_of(middle, middle + 3, supported) || !std::all_of(outer, outer + 4, supported)) {
     return;
@@ -221,10 +201,9 @@ CrestField::interpretRow(const ProbeSample* middle, const ProbeSample* outer, co
   }
 }
 
-/** Where a line's vertex and its curvature expect the surface at half a radius to both sides along t. */
-void
-CrestField::placeAside(const CrestVertex& v, Vector3* places) const
-{
+/** Where a line's vertex and its curvature expect the surface at half a radius to both sides along
+ * t. */
+void CrestField::placeAside(const CrestVertex& v, Vector3* places) const {
   const double far = 2 * kHalfStep * v.radius;
   const double turn = std::clamp(v.k * far, -1.0, 1.0);
   const double sink = (type_ == CrestType::kRidge ? 0.5 : -0.5) * turn * far;
@@ -233,9 +212,7 @@ CrestField::placeAside(const CrestVertex& v, Vector3* places) const
   places[1] = along(middle, -far * (1 - turn * turn / 6), v.t);
 }
 
-bool
-CrestField::lookAside(const CrestVertex* vertices, ProbeRequest request, ProbeSample* found)
-{
+bool CrestField::lookAside(const CrestVertex* vertices, ProbeRequest request, ProbeSample* found) {
   Vector3 positions[2 * kMostVertices];
   for (std::size_t i = 0; i < request.count; i += 2) placeAside(vertices[i / 2], positions + i);
   request.positions = positions;
@@ -246,9 +223,7 @@ CrestField::lookAside(const CrestVertex* vertices, ProbeRequest request, ProbeSa
 
 /** Two half steps, each projected onto the surface, which may bend unexpectedly, or end there. A
  * sample is from half way if the second step fails, and not supported if the first does. */
-void
-CrestField::walkAside(const CrestVertex* vertices, ProbeRequest request, ProbeSample* found)
-{
+void CrestField::walkAside(const CrestVertex* vertices, ProbeRequest request, ProbeSample* found) {
   Vector3 positions[2 * kMostVertices], directions[2 * kMostVertices];
   ProbeSample near[2 * kMostVertices];
   for (std::size_t i = 0; i < request.count; ++i) {
@@ -270,9 +245,7 @@ CrestField::walkAside(const CrestVertex* vertices, ProbeRequest request, ProbeSa
   }
 }
 
-void
-CrestField::findProminence(CrestVertex* vertices, std::size_t count)
-{
+void CrestField::findProminence(CrestVertex* vertices, std::size_t count) {
   ProbeSample found[2 * kMostVertices];
   ProbeRequest request;
   request.count = 2 * count;
@@ -285,9 +258,7 @@ CrestField::findProminence(CrestVertex* vertices, std::size_t count)
   }
 }
 
-double
-CrestField::prominenceOf(const CrestVertex& v, const ProbeSample* aside) const
-{
+double CrestField::prominenceOf(const CrestVertex& v, const ProbeSample* aside) const {
   // Beyond a border nothing is known.
   if (!aside[0].supported || !aside[1].supported) return 0;
   // The mean of both sides: the larger of two is the one that noise favours.

@@ -8,15 +8,14 @@ namespace pcl_slim::detail {
 
 namespace {
 
-/** A parabola through the values at -1, 0 and 1; a straight line where an outer one is not known. */
+/** A parabola through the values at -1, 0 and 1; a straight line where an outer one is not known.
+ */
 struct Parabola {
   double at0 = 0, slope = 0, bend = 0;
 
   Parabola() = default;
   Parabola(double before, double middle, double after)
-      : at0(middle), slope(0.5 * (after - before)), bend(0.5 * (after + before) - middle)
-  {
-  }
+      : at0(middle), slope(0.5 * (after - before)), bend(0.5 * (after + before) - middle) {}
   double operator()(double x) const { return at0 + x * (slope + x * bend); }
   double slopeAt(double x) const { return slope + 2 * bend * x; }
   /** The root between two places of different sign. */
@@ -49,9 +48,7 @@ class CrossSection {
   Parabola e_;
 };
 
-double
-Parabola::rootBetween(double low, double high) const
-{
+double Parabola::rootBetween(double low, double high) const {
   // Of the two quotients that solve it, the one without cancellation and its partner.
   const double rest = std::sqrt(std::max(0.0, slope * slope - 4 * bend * at0));
   const double sum = -0.5 * (slope + std::copysign(rest, slope));
@@ -61,8 +58,7 @@ Parabola::rootBetween(double low, double high) const
   return std::clamp(root, low, high);
 }
 
-CrossSection::CrossSection(const CrestSample* samples, const Vector3& across) : samples_(samples)
-{
+CrossSection::CrossSection(const CrestSample* samples, const Vector3& across) : samples_(samples) {
   const CrestSample& middle = samples[1];
   complete_ = samples[0].known && middle.known && samples[2].known;
   if (!middle.known) return;
@@ -73,9 +69,7 @@ CrossSection::CrossSection(const CrestSample* samples, const Vector3& across) : 
   if (!has_root_ && samples[2].known) search(1);
 }
 
-void
-CrossSection::search(int from)
-{
+void CrossSection::search(int from) {
   const double before = sense_ * samples_[from].e, after = sense_ * samples_[from + 1].e;
   if (!(before > 0 && after <= 0)) return;
   has_root_ = true;
@@ -87,24 +81,18 @@ CrossSection::search(int from)
   root_ = e_.rootBetween(low, high);
 }
 
-bool
-CrossSection::newton(double& step) const
-{
+bool CrossSection::newton(double& step) const {
   if (!complete_ || !(sense_ * e_.slope < 0)) return false;
   step = -e_.at0 / e_.slope;
   return true;
 }
 
-double
-CrossSection::between(double before, double middle, double after) const
-{
+double CrossSection::between(double before, double middle, double after) const {
   if (complete_) return Parabola(before, middle, after)(root_);
   return root_ < 0 ? middle - root_ * (before - middle) : middle + root_ * (after - middle);
 }
 
-Vector3
-CrossSection::between(Vector3 CrestSample::*what) const
-{
+Vector3 CrossSection::between(Vector3 CrestSample::*what) const {
   Vector3 made;
   for (std::size_t a = 0; a < 3; ++a) {
     made[a] = between((samples_[0].*what)[a], (samples_[1].*what)[a], (samples_[2].*what)[a]);
@@ -112,9 +100,7 @@ CrossSection::between(Vector3 CrestSample::*what) const
   return made;
 }
 
-CrestVertex
-CrossSection::vertex() const
-{
+CrestVertex CrossSection::vertex() const {
   CrestVertex v;
   v.position = between(&CrestSample::position);
   v.normal = normalized(between(&CrestSample::normal));
@@ -135,18 +121,15 @@ constexpr double kNearMiddle = 0.4;  ///< of a section's half width
 constexpr int kRefinements = 3;
 constexpr double kPastReach = 1.2;  ///< roots count up to this multiple of the searched reach
 
-Vector3
-acrossOf(const Vector3& normal, const Vector3& ahead)
-{
+Vector3 acrossOf(const Vector3& normal, const Vector3& ahead) {
   return normalized(cross(normal, ahead));
 }
 
 }  // namespace
 
 /** To the root of dk/dt along its gradient. */
-bool
-CrestStepper::start(const CrestVertex& seed, const CrestSample (&samples)[3], CrestVertex& vertex)
-{
+bool CrestStepper::start(const CrestVertex& seed, const CrestSample (&samples)[3],
+                         CrestVertex& vertex) {
   forget();
   if (!samples[0].known || !samples[1].known || !samples[2].known) return false;
   const CrestAxes axes = seed.axes();
@@ -165,9 +148,7 @@ CrestStepper::start(const CrestVertex& seed, const CrestSample (&samples)[3], Cr
 }
 
 /** Finds the line's vertex on a segment across it. */
-bool
-CrestStepper::correct(const Search& search, const CrestAxes& axes, CrestVertex& vertex)
-{
+bool CrestStepper::correct(const Search& search, const CrestAxes& axes, CrestVertex& vertex) {
   const Vector3& across = search.row.across;
   const double reach = search.reach;
   double at = search.at, span = search.row.span;
@@ -182,7 +163,8 @@ CrestStepper::correct(const Search& search, const CrestAxes& axes, CrestVertex& 
     double move = 0;
     if (section.hasRoot()) {
       move = section.root();
-      // Differences reach as far as the section: one whose middle is near the root is as good as any.
+      // Differences reach as far as the section: one whose middle is near the root is as good as
+      // any.
       const bool centered = !field_.isAnalytic() && std::abs(move) < kNearMiddle;
       if (round > 0 || centered) {
         vertex = section.vertex();
@@ -204,9 +186,7 @@ CrestStepper::correct(const Search& search, const CrestAxes& axes, CrestVertex& 
 }
 
 /** Fills in what depends on the leaves around a vertex; false outside their support. */
-bool
-CrestStepper::complete(CrestVertex& vertex)
-{
+bool CrestStepper::complete(CrestVertex& vertex) {
   const ProbeScale scale = field_.scaleAt(vertex.position, vertex.normal);
   vertex.radius = scale.radius;
   vertex.effective_count = scale.effective_count;
@@ -214,18 +194,14 @@ CrestStepper::complete(CrestVertex& vertex)
   return scale.radius > 0;
 }
 
-bool
-CrestStepper::finish(const CrestVertex& from, CrestVertex& next)
-{
+bool CrestStepper::finish(const CrestVertex& from, CrestVertex& next) {
   const Vector3 chord = normalized(subtract(next.position, from.position));
   if (dot(chord, from.ahead) < kLeastCosine) return false;
   next.ahead = normalized(along(chord, -dot(chord, next.normal), next.normal));
   return complete(next);
 }
 
-bool
-CrestStepper::step(const std::vector<CrestVertex>& line, double size, CrestVertex& next)
-{
+bool CrestStepper::step(const std::vector<CrestVertex>& line, double size, CrestVertex& next) {
   const CrestVertex& from = line.back();
   Vector3 turn{};
   if (line.size() > 2) turn = scaled(subtract(from.ahead, line[line.size() - 2].ahead), kTurnAgain);
@@ -242,9 +218,7 @@ CrestStepper::step(const std::vector<CrestVertex>& line, double size, CrestVerte
 }
 
 /** The vertex on the row that was sampled with the last one's. */
-bool
-CrestStepper::useAhead(const CrestVertex& from, CrestVertex& next)
-{
+bool CrestStepper::useAhead(const CrestVertex& from, CrestVertex& next) {
   if (!ahead_.known) return false;
   ahead_.known = false;
   const CrossSection section(ahead_.samples, ahead_.row.across);
@@ -254,9 +228,7 @@ CrestStepper::useAhead(const CrestVertex& from, CrestVertex& next)
   return next.k > std::abs(next.other) && finish(from, next);
 }
 
-bool
-CrestStepper::advance(const std::vector<CrestVertex>& line, CrestVertex& next)
-{
+bool CrestStepper::advance(const std::vector<CrestVertex>& line, CrestVertex& next) {
   const double size = step_ * line.back().radius;
   return useAhead(line.back(), next) || step(line, size, next) || step(line, kShorter * size, next);
 }

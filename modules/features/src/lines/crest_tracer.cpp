@@ -19,59 +19,45 @@ constexpr std::int64_t kOwnGap = 8;  ///< own vertices this many steps back coun
 constexpr std::size_t kChunk = CrestField::kMostVertices;
 constexpr std::size_t kMostSteps = 1000000;
 
-double
-significanceOf(double prominence, double radius, double effective_count, double sigma)
-{
+double significanceOf(double prominence, double radius, double effective_count, double sigma) {
   return prominence * radius * radius * std::sqrt(effective_count) / (kNoiseOfPeaks * sigma);
 }
 
 }  // namespace
 
-void
-PlaceGrid::clear()
-{
+void PlaceGrid::clear() {
   ++age_;
   used_ = 0;
   entries_.clear();
   links_.clear();
 }
 
-void
-PlaceGrid::cellOf(const Vector3& place, std::int64_t (&cell)[3]) const
-{
+void PlaceGrid::cellOf(const Vector3& place, std::int64_t (&cell)[3]) const {
   for (std::size_t a = 0; a < 3; ++a) {
     cell[a] = static_cast<std::int64_t>(std::floor(place[a] * inverse_));
   }
 }
 
-std::uint64_t
-PlaceGrid::keyOf(const std::int64_t (&cell)[3])
-{
+std::uint64_t PlaceGrid::keyOf(const std::int64_t (&cell)[3]) {
   constexpr std::uint64_t kMask = (std::uint64_t{1} << 21) - 1;
   return (static_cast<std::uint64_t>(cell[0]) & kMask) << 42 |
          (static_cast<std::uint64_t>(cell[1]) & kMask) << 21 |
          (static_cast<std::uint64_t>(cell[2]) & kMask);
 }
 
-std::size_t
-PlaceGrid::slotOf(std::uint64_t key) const
-{
+std::size_t PlaceGrid::slotOf(std::uint64_t key) const {
   const std::size_t mask = slots_.size() - 1;
   std::size_t at = (key * 0x9e3779b97f4a7c15ULL >> 32) & mask;
   while (slots_[at].age == age_ && slots_[at].key != key) at = (at + 1) & mask;
   return at;
 }
 
-std::uint32_t
-PlaceGrid::headOf(std::uint64_t key) const
-{
+std::uint32_t PlaceGrid::headOf(std::uint64_t key) const {
   const Slot& slot = slots_[slotOf(key)];
   return slot.age == age_ ? slot.head : kNone;
 }
 
-void
-PlaceGrid::grow()
-{
+void PlaceGrid::grow() {
   std::vector<Slot> old(2 * slots_.size());
   old.swap(slots_);
   for (const Slot& slot : old) {
@@ -79,9 +65,7 @@ PlaceGrid::grow()
   }
 }
 
-void
-PlaceGrid::add(const Vector3& place, double reach, std::int64_t number)
-{
+void PlaceGrid::add(const Vector3& place, double reach, std::int64_t number) {
   const auto entry = static_cast<std::uint32_t>(entries_.size());
   entries_.push_back({place, reach * reach, number});
   std::int64_t low[3], high[3], cell[3];
@@ -113,36 +97,26 @@ CrestTracer::CrestTracer(const ProbeIndex& index, CrestType type, const CrestPar
       mean_radius_(mean_radius),
       traced_(kCell * reachOf(mean_radius)),
       refused_(kCell * reachOf(mean_radius)),
-      own_(kCell * reachOf(mean_radius))
-{
-}
+      own_(kCell * reachOf(mean_radius)) {}
 
 /** How far a vertex or a seed keeps other seeds away. */
-double
-CrestTracer::reachOf(double radius) const
-{
+double CrestTracer::reachOf(double radius) const {
   return kSeedGap * params_.step * radius;
 }
 
-CrestStatistics
-CrestTracer::statistics() const
-{
+CrestStatistics CrestTracer::statistics() const {
   CrestStatistics s = statistics_;
   s.requests = field_.numRequests();
   return s;
 }
 
-bool
-CrestTracer::refuse(const CrestSeed& seed, std::uint64_t& counter)
-{
+bool CrestTracer::refuse(const CrestSeed& seed, std::uint64_t& counter) {
   ++counter;
   refused_.add(seed.position, reachOf(seed_radius_), 0);
   return false;
 }
 
-void
-CrestTracer::follow(const CrestSeed& seed)
-{
+void CrestTracer::follow(const CrestSeed& seed) {
   ++statistics_.seeds;
   if (traced_.holds(seed.position, 1) || refused_.holds(seed.position, 1)) {
     ++statistics_.seeds_on_lines;
@@ -173,9 +147,7 @@ CrestTracer::follow(const CrestSeed& seed)
 }
 
 /** The line's vertex next to a seed, if noise cannot explain the seed by itself. */
-bool
-CrestTracer::begin(const CrestSeed& seed, const ProbeScale& scale, CrestVertex& first)
-{
+bool CrestTracer::begin(const CrestSeed& seed, const ProbeScale& scale, CrestVertex& first) {
   CrestVertex v;
   v.position = seed.position;
   v.normal = seed.normal;
@@ -192,10 +164,9 @@ CrestTracer::begin(const CrestSeed& seed, const ProbeScale& scale, CrestVertex& 
   return stepper_.start(v, samples, first) || refuse(seed, statistics_.seeds_failed);
 }
 
-/** One vertex more. \param[in] number of it among the line's own, counted both ways from the first. */
-CrestTracer::End
-CrestTracer::advance(std::vector<CrestVertex>& line, std::int64_t number)
-{
+/** One vertex more. \param[in] number of it among the line's own, counted both ways from the first.
+ */
+CrestTracer::End CrestTracer::advance(std::vector<CrestVertex>& line, std::int64_t number) {
   CrestVertex next;
   if (!stepper_.advance(line, next)) return End::kLost;
   constexpr double kShare = kJoinGap / kSeedGap;
@@ -213,9 +184,7 @@ CrestTracer::advance(std::vector<CrestVertex>& line, std::int64_t number)
   return End::kGoesOn;
 }
 
-CrestTracer::End
-CrestTracer::walk(std::vector<CrestVertex>& line, bool forward)
-{
+CrestTracer::End CrestTracer::walk(std::vector<CrestVertex>& line, bool forward) {
   if (!forward) {
     stepper_.forget();
     line.front().ahead = scaled(line.front().ahead, -1.0);
@@ -236,9 +205,7 @@ CrestTracer::walk(std::vector<CrestVertex>& line, bool forward)
   return End::kLost;
 }
 
-void
-CrestTracer::measure(std::vector<CrestVertex>& line, std::size_t begin, std::size_t end)
-{
+void CrestTracer::measure(std::vector<CrestVertex>& line, std::size_t begin, std::size_t end) {
   for (; begin < end; begin += kChunk) {
     const std::size_t some = std::min(kChunk, end - begin);
     field_.findProminence(line.data() + begin, some);
@@ -251,18 +218,14 @@ CrestTracer::measure(std::vector<CrestVertex>& line, std::size_t begin, std::siz
 
 /** Measures the last vertices. \return whether they are noise on average: a continuation has seeds
  * of its own if it is significant again. */
-bool
-CrestTracer::faded(std::vector<CrestVertex>& line, std::size_t begin)
-{
+bool CrestTracer::faded(std::vector<CrestVertex>& line, std::size_t begin) {
   measure(line, begin, line.size());
   double sum = 0;
   for (std::size_t i = begin; i < line.size(); ++i) sum += line[i].significance;
   return sum < params_.significance * static_cast<double>(line.size() - begin);
 }
 
-void
-CrestTracer::count(End end)
-{
+void CrestTracer::count(End end) {
   switch (end) {
     case End::kJoined: ++statistics_.joined; return;
     case End::kLost: ++statistics_.ended; return;
@@ -271,10 +234,8 @@ CrestTracer::count(End end)
   }
 }
 
-void
-CrestTracer::keep(std::vector<CrestVertex> forward, const std::vector<CrestVertex>& backward,
-                  bool closed)
-{
+void CrestTracer::keep(std::vector<CrestVertex> forward, const std::vector<CrestVertex>& backward,
+                       bool closed) {
   ++statistics_.traced;
   TracedLine line;
   line.closed = closed;

@@ -25,10 +25,9 @@ struct CrestSide {
   double e;  ///< dk/dt
 };
 
-/** \param[in] turned whether the normal must be taken the other way round: ridges are ravines then. */
-inline CrestSide
-crestSide(const PrincipalFrame& frame, CrestType type, bool turned)
-{
+/** \param[in] turned whether the normal must be taken the other way round: ridges are ravines then.
+ */
+inline CrestSide crestSide(const PrincipalFrame& frame, CrestType type, bool turned) {
   if ((type == CrestType::kRidge) != turned) {
     return {frame.k1, frame.k2, frame.direction1, frame.extremality1};
   }
@@ -77,9 +76,7 @@ class CrestField {
 
   /** \param[in] analytic take dk/dt from third derivatives rather than from differences of k. */
   CrestField(const ProbeIndex& index, CrestType type, bool analytic)
-      : probe_(index), type_(type), analytic_(analytic)
-  {
-  }
+      : probe_(index), type_(type), analytic_(analytic) {}
 
   /** Leaves found for earlier places no longer count. */
   void restart(double radius);
@@ -88,12 +85,13 @@ class CrestField {
   void sample(const Vector3* centers, std::size_t count, const CrestAxes& axes,
               CrestSample* samples);
 
-  /** Samples at a seed, a tenth of a radius off it along t and as far across, and the seed's prominence, in
-   * one request. */
+  /** Samples at a seed, a tenth of a radius off it along t and as far across, and the seed's
+   * prominence, in one request. */
   void sampleSeed(CrestVertex& seed, CrestSample (&samples)[3]);
 
-  /** Samples of a row, or of two in one request: at place - span across, place and place + span across.
-   * Those of the second are not known where they would have needed a request of their own. */
+  /** Samples of a row, or of two in one request: at place - span across, place and place + span
+   * across. Those of the second are not known where they would have needed a request of their own.
+   */
   void sampleAcross(const CrestRow* rows, std::size_t count, const CrestAxes& axes,
                     CrestSample* samples);
 
@@ -106,8 +104,7 @@ class CrestField {
   /** k less the mean of k at half a radius to both sides along t; for up to eight vertices. */
   void findProminence(CrestVertex* vertices, std::size_t count);
 
-  ProbeScale scaleAt(const Vector3& position, const Vector3& side)
-  {
+  ProbeScale scaleAt(const Vector3& position, const Vector3& side) {
     return probe_.scaleAt(position, side);
   }
   std::uint64_t numRequests() const { return probe_.numRequests(); }
@@ -149,7 +146,8 @@ class CrestStepper {
   void forget() { ahead_.known = false; }
 
  private:
-  /** Where a root is searched: first at this offset from the middle of the row, then where that shows it. */
+  /** Where a root is searched: first at this offset from the middle of the row, then where that
+   * shows it. */
   struct Search {
     CrestRow row;
     double at = 0;     ///< off the row's middle
@@ -177,25 +175,25 @@ class CrestStepper {
 
 /** Places with a number and a reach each, found from any place within their reach.
  *
- * Each is listed in every cell that its reach meets, so that looking up opens one cell. Cells are found
- * by hashing their place and never listed: the order of the table cannot reach a result. */
+ * Each is listed in every cell that its reach meets, so that looking up opens one cell. Cells are
+ * found by hashing their place and never listed: the order of the table cannot reach a result. */
 class PlaceGrid {
  public:
   static constexpr std::int64_t kNothing = -1;
 
-  /** \param[in] width of a cell, a few times the usual reach: wider ones are met by fewer entries and
-   * list more. */
+  /** \param[in] width of a cell, a few times the usual reach: wider ones are met by fewer entries
+   * and list more. */
   explicit PlaceGrid(double width) : inverse_(1.0 / width), slots_(1024) {}
 
   void clear();
   /** \param[in] number 0 or more. */
   void add(const Vector3& place, double reach, std::int64_t number);
 
-  /** The nearest of those that have a place within a share of their reach and that accept(number) agrees
-   * to; ties go to the one added first. \return its number, or kNothing. \param[in] share at most 1. */
+  /** The nearest of those that have a place within a share of their reach and that accept(number)
+   * agrees to; ties go to the one added first. \return its number, or kNothing. \param[in] share at
+   * most 1. */
   template <typename Accept>
-  std::int64_t nearest(const Vector3& place, double share, const Accept& accept) const
-  {
+  std::int64_t nearest(const Vector3& place, double share, const Accept& accept) const {
     std::int64_t cell[3];
     cellOf(place, cell);
     double least_sq = 0;
@@ -214,8 +212,7 @@ class PlaceGrid {
     return found == kNone ? kNothing : entries_[found].number;
   }
 
-  bool holds(const Vector3& place, double share) const
-  {
+  bool holds(const Vector3& place, double share) const {
     return nearest(place, share, [](std::int64_t) { return true; }) != kNothing;
   }
 

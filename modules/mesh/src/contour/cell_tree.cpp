@@ -17,9 +17,7 @@ constexpr double kPatch = 0.45;  ///< of r: radius about the centre where curvat
 constexpr int kSteps = 16;       ///< widths looked at from one to twice as much
 
 /** Largest curvature on a leaf, 1/length. */
-double
-curvatureOf(const SLIMSurface& surface, std::uint32_t i)
-{
+double curvatureOf(const SLIMSurface& surface, std::uint32_t i) {
   double most = 0;
   for (int a = -1; a <= 1; ++a) {
     for (int b = -1; b <= 1; ++b) {
@@ -33,18 +31,15 @@ curvatureOf(const SLIMSurface& surface, std::uint32_t i)
   return most / surface.radius[i];
 }
 
-/** Mean distance of the points behind a leaf: with weights (1 - s^2)^4 the effective number of points
- * is .36 of those in the ball. */
-double
-spacingOf(const SLIMSurface& surface, std::uint32_t i)
-{
+/** Mean distance of the points behind a leaf: with weights (1 - s^2)^4 the effective number of
+ * points is .36 of those in the ball. */
+double spacingOf(const SLIMSurface& surface, std::uint32_t i) {
   const double points = std::max(1.0, surface.effective_count[i] / 0.36);
   return surface.radius[i] * std::sqrt(M_PI / points);
 }
 
-LeafShape
-shapeOf(const SLIMSurface& surface, std::uint32_t i, double tolerance, double least_spacings)
-{
+LeafShape shapeOf(const SLIMSurface& surface, std::uint32_t i, double tolerance,
+                  double least_spacings) {
   LeafShape shape{};
   const LocalFrame frame({surface.nx[i], surface.ny[i], surface.nz[i]});
   shape.center = {surface.cx[i], surface.cy[i], surface.cz[i]};
@@ -70,9 +65,7 @@ struct SheetOffset {
   Vector3 normal{};    ///< of the sheet there, unit
 };
 
-SheetOffset
-offsetFrom(const LeafShape& leaf, const Vector3& place)
-{
+SheetOffset offsetFrom(const LeafShape& leaf, const Vector3& place) {
   float local[3] = {0, 0, 0};
   for (std::size_t a = 0; a < 3; ++a) {
     const auto d = static_cast<float>((place[a] - leaf.center[a]) / leaf.radius);
@@ -96,9 +89,8 @@ offsetFrom(const LeafShape& leaf, const Vector3& place)
 
 }  // namespace
 
-std::vector<LeafShape>
-shapesOf(const SLIMSurface& surface, double tolerance, double least_spacings, int threads)
-{
+std::vector<LeafShape> shapesOf(const SLIMSurface& surface, double tolerance, double least_spacings,
+                                int threads) {
   const std::vector<std::uint32_t> leaves = surface.leaves();
   std::vector<LeafShape> shapes(leaves.size());
   parallelFor(leaves.size(), threads, 256, [&](std::size_t j, int) {
@@ -107,9 +99,7 @@ shapesOf(const SLIMSurface& surface, double tolerance, double least_spacings, in
   return shapes;
 }
 
-double
-thriftyCellSize(const std::vector<LeafShape>& shapes)
-{
+double thriftyCellSize(const std::vector<LeafShape>& shapes) {
   std::vector<float> sizes;
   for (const LeafShape& shape : shapes) sizes.push_back(std::max(shape.cell_size, shape.least));
   const double middle = median(std::move(sizes));
@@ -140,21 +130,16 @@ struct Placed {
 };
 
 /** The bit of an octant's number for its side along an axis. */
-constexpr unsigned int
-axisBit(unsigned int axis)
-{
+constexpr unsigned int axisBit(unsigned int axis) {
   return 4u >> axis;
 }
 
 class EdgeWalk {
  public:
   EdgeWalk(const CellTree& tree, bool fresh_only, std::vector<CellEdge>& edges)
-      : tree_(tree), fresh_only_(fresh_only), edges_(edges)
-  {
-  }
+      : tree_(tree), fresh_only_(fresh_only), edges_(edges) {}
 
-  void cell(const Placed& parent)
-  {
+  void cell(const Placed& parent) {
     if (isLeaf(parent) || isDone(parent)) return;
     Placed children[8];
     for (unsigned int k = 0; k < 8; ++k) children[k] = child(parent, k);
@@ -182,18 +167,15 @@ class EdgeWalk {
 
   bool isDone(const Placed& p) const { return fresh_only_ && !tree_.nodes()[p.node].fresh; }
 
-  Placed child(const Placed& parent, unsigned int octant) const
-  {
+  Placed child(const Placed& parent, unsigned int octant) const {
     return {tree_.nodes()[parent.node].first_child + octant, CellTree::child(parent.place, octant)};
   }
-  Placed childOrSelf(const Placed& p, unsigned int octant) const
-  {
+  Placed childOrSelf(const Placed& p, unsigned int octant) const {
     return isLeaf(p) ? p : child(p, octant);
   }
 
   /** The face between two nodes, the first one lower along axis. */
-  void face(unsigned int axis, const Placed& low, const Placed& high)
-  {
+  void face(unsigned int axis, const Placed& low, const Placed& high) {
     if ((isLeaf(low) && isLeaf(high)) || (isDone(low) && isDone(high))) return;
     const unsigned int a = axisBit(axis);
     for (unsigned int k = 0; k < 8; ++k) {
@@ -212,8 +194,7 @@ class EdgeWalk {
     }
   }
 
-  void edge(unsigned int axis, const Ring& ring)
-  {
+  void edge(unsigned int axis, const Ring& ring) {
     if (isDone(ring.at[0]) && isDone(ring.at[1]) && isDone(ring.at[2]) && isDone(ring.at[3]))
       return;
     if (isLeaf(ring.at[0]) && isLeaf(ring.at[1]) && isLeaf(ring.at[2]) && isLeaf(ring.at[3])) {
@@ -227,8 +208,7 @@ class EdgeWalk {
     }
   }
 
-  void emit(unsigned int axis, const Ring& ring)
-  {
+  void emit(unsigned int axis, const Ring& ring) {
     bool near = false;
     std::size_t finest = 0;
     for (std::size_t k = 0; k < 4; ++k) {
@@ -275,14 +255,12 @@ struct Pending {
 /** Divides cells downwards from one. */
 class Grower {
  public:
-  Grower(const CellTree& tree, const std::vector<LeafShape>& shapes) : tree_(tree), shapes_(shapes)
-  {
-  }
+  Grower(const CellTree& tree, const std::vector<LeafShape>& shapes)
+      : tree_(tree), shapes_(shapes) {}
 
   /** Makes what is below nodes[i], but for nodes at depth limit: they are left pending. */
   void grow(std::vector<CellNode>& nodes, std::uint32_t i, const CellPlace& place,
-            const Members& candidates, std::uint32_t limit, std::vector<Pending>& pending) const
-  {
+            const Members& candidates, std::uint32_t limit, std::vector<Pending>& pending) const {
     Members members;
     const bool divide = examine(place, candidates, members);
     nodes[i].near = !members.empty();
@@ -300,10 +278,10 @@ class Grower {
   }
 
  private:
-  /** \param[out] members leaves whose sheet passes the cell; one is enough where none can divide it.
+  /** \param[out] members leaves whose sheet passes the cell; one is enough where none can divide
+   * it.
    * \return whether the cell is wider than one of them allows. */
-  bool examine(const CellPlace& place, const Members& candidates, Members& members) const
-  {
+  bool examine(const CellPlace& place, const Members& candidates, Members& members) const {
     const auto size = static_cast<float>(tree_.size(place.depth));
     const bool finest = place.depth >= CellTree::kMostDepth;
     Vector3 middle = tree_.corner(place.low);
@@ -321,13 +299,11 @@ class Grower {
     return divide;
   }
 
-  static bool wantsNarrower(const LeafShape& leaf, float size)
-  {
+  static bool wantsNarrower(const LeafShape& leaf, float size) {
     return size > kSlack * leaf.cell_size && kSlack * size >= 2 * leaf.least;
   }
 
-  static bool passes(const LeafShape& leaf, const Vector3& middle, float size)
-  {
+  static bool passes(const LeafShape& leaf, const Vector3& middle, float size) {
     float off_sq = 0;
     for (std::size_t a = 0; a < 3; ++a) {
       const float off = std::abs(static_cast<float>(middle[a]) - leaf.center[a]) - 0.5f * size;
@@ -345,17 +321,13 @@ class Grower {
 
 }  // namespace
 
-std::vector<CellEdge>
-cellEdges(const CellTree& tree, bool fresh_only)
-{
+std::vector<CellEdge> cellEdges(const CellTree& tree, bool fresh_only) {
   std::vector<CellEdge> edges;
   EdgeWalk(tree, fresh_only, edges).cell({});
   return edges;
 }
 
-CellPlace
-CellTree::child(const CellPlace& parent, unsigned int octant)
-{
+CellPlace CellTree::child(const CellPlace& parent, unsigned int octant) {
   CellPlace made = parent;
   ++made.depth;
   const std::uint32_t half = width(made.depth);
@@ -366,9 +338,7 @@ CellTree::child(const CellPlace& parent, unsigned int octant)
 }
 
 /** Places the root: a cube about the leaves. */
-void
-CellTree::place(const std::vector<LeafShape>& shapes)
-{
+void CellTree::place(const std::vector<LeafShape>& shapes) {
   Vector3 low = {1e30, 1e30, 1e30}, high = {-1e30, -1e30, -1e30};
   for (const LeafShape& shape : shapes) {
     for (std::size_t a = 0; a < 3; ++a) {
@@ -384,9 +354,7 @@ CellTree::place(const std::vector<LeafShape>& shapes)
   for (std::size_t a = 0; a < 3; ++a) low_[a] = low[a] - (1 + kShift[a]) * cell;
 }
 
-Error
-CellTree::build(const std::vector<LeafShape>& shapes, int threads)
-{
+Error CellTree::build(const std::vector<LeafShape>& shapes, int threads) {
   place(shapes);
   const Grower grower(*this, shapes);
   nodes_.assign(1, {});
@@ -418,9 +386,7 @@ CellTree::build(const std::vector<LeafShape>& shapes, int threads)
   return {};
 }
 
-std::vector<std::uint32_t>
-CellTree::split(const std::vector<std::uint32_t>& cells)
-{
+std::vector<std::uint32_t> CellTree::split(const std::vector<std::uint32_t>& cells) {
   std::vector<std::uint32_t> numbers(cells_.size(), 0);
   for (const std::uint32_t cell : cells) {
     if (cells_[cell].depth < kMostDepth) numbers[cell] = kDivided;
@@ -452,9 +418,7 @@ CellTree::split(const std::vector<std::uint32_t>& cells)
 }
 
 /** Lists the cells not divided, depth first. */
-void
-CellTree::number()
-{
+void CellTree::number() {
   cells_.clear();
   std::vector<std::pair<std::uint32_t, CellPlace>> stack = {{0, {}}};
   while (!stack.empty()) {
@@ -470,9 +434,7 @@ CellTree::number()
   }
 }
 
-std::uint64_t
-CellTree::numNear() const
-{
+std::uint64_t CellTree::numNear() const {
   return static_cast<std::uint64_t>(
       std::count_if(nodes_.begin(), nodes_.end(),
                     [](const CellNode& node) { return node.first_child == 0 && node.near; }));

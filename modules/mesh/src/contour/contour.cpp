@@ -15,30 +15,25 @@ namespace pcl_slim::detail {
 
 namespace {
 
-std::uint64_t
-keyOf(const std::uint32_t (&place)[3])
-{
+std::uint64_t keyOf(const std::uint32_t (&place)[3]) {
   return spreadBits(place[0]) << 2 | spreadBits(place[1]) << 1 | spreadBits(place[2]);
 }
 
-Vector3
-placeOf(const CellTree& tree, std::uint64_t key)
-{
+Vector3 placeOf(const CellTree& tree, std::uint64_t key) {
   const std::uint32_t place[3] = {gatherBits(key >> 2), gatherBits(key >> 1), gatherBits(key)};
   return tree.corner(place);
 }
 
-/// Ends whose normals agree are of one sheet unless the distances, in edges, are out of all proportion;
-/// polynomials err at corners that far off.
+/// Ends whose normals agree are of one sheet unless the distances, in edges, are out of all
+/// proportion; polynomials err at corners that far off.
 constexpr double kMostOfSheet = 2.5, kMostSumOfSheet = 3;
 /// Others may be of two sheets: then the distances' sum is larger than the normals predict.
 constexpr double kMostDistance = 1.5, kSlope = 1.3, kSlack = 0.6;
 
-/** The crossing of an edge between a and b, which has the length given. \return false: there is none. */
-bool
-crossingOf(const SheetDistance& a, const SheetDistance& b, bool oriented, unsigned int axis,
-           double edge, double& share, Vector3& normal)
-{
+/** The crossing of an edge between a and b, which has the length given. \return false: there is
+ * none. */
+bool crossingOf(const SheetDistance& a, const SheetDistance& b, bool oriented, unsigned int axis,
+                double edge, double& share, Vector3& normal) {
   if (!a.known || !b.known) return false;
   const double cosine = static_cast<double>(a.normal[0]) * b.normal[0] +
                         static_cast<double>(a.normal[1]) * b.normal[1] +
@@ -64,9 +59,8 @@ crossingOf(const SheetDistance& a, const SheetDistance& b, bool oriented, unsign
 
 }  // namespace
 
-std::vector<std::array<std::uint32_t, 2>>
-CornerValues::evaluate(const CellTree& tree, const std::vector<CellEdge>& edges)
-{
+std::vector<std::array<std::uint32_t, 2>> CornerValues::evaluate(
+    const CellTree& tree, const std::vector<CellEdge>& edges) {
   AlignedVector<std::uint64_t> ends(2 * edges.size());
   parallelFor(edges.size(), field_.threads, 4096, [&](std::size_t e, int) {
     std::uint32_t place[3] = {edges[e].low[0], edges[e].low[1], edges[e].low[2]};
@@ -89,9 +83,7 @@ CornerValues::evaluate(const CellTree& tree, const std::vector<CellEdge>& edges)
 }
 
 /** Adds corners to those known, and evaluates the new ones. */
-void
-CornerValues::merge(const CellTree& tree, const std::vector<std::uint64_t>& keys)
-{
+void CornerValues::merge(const CellTree& tree, const std::vector<std::uint64_t>& keys) {
   std::vector<std::uint64_t> all;
   all.reserve(keys_.size() + keys.size());
   std::set_union(keys_.begin(), keys_.end(), keys.begin(), keys.end(), std::back_inserter(all));
@@ -119,12 +111,10 @@ CornerValues::merge(const CellTree& tree, const std::vector<std::uint64_t>& keys
   values_ = std::move(values);
 }
 
-void
-findCrossings(const CellTree& tree, const std::vector<CellEdge>& edges,
-              const std::vector<std::array<std::uint32_t, 2>>& ends,
-              const std::vector<SheetDistance>& values, bool oriented,
-              std::vector<EdgeCrossing>& crossings)
-{
+void findCrossings(const CellTree& tree, const std::vector<CellEdge>& edges,
+                   const std::vector<std::array<std::uint32_t, 2>>& ends,
+                   const std::vector<SheetDistance>& values, bool oriented,
+                   std::vector<EdgeCrossing>& crossings) {
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const SheetDistance &a = values[ends[e][0]], &b = values[ends[e][1]];
     const CellEdge& edge = edges[e];
@@ -147,19 +137,16 @@ namespace {
 /** Sets of slots: place k around crossing i is slot 4 i + k. */
 class SlotSets {
  public:
-  explicit SlotSets(std::size_t count) : parent_(count)
-  {
+  explicit SlotSets(std::size_t count) : parent_(count) {
     std::iota(parent_.begin(), parent_.end(), 0u);
   }
 
   /** The least slot of a set. */
-  std::uint32_t find(std::uint32_t i)
-  {
+  std::uint32_t find(std::uint32_t i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
   }
-  void join(std::uint32_t a, std::uint32_t b)
-  {
+  void join(std::uint32_t a, std::uint32_t b) {
     a = find(a);
     b = find(b);
     if (a != b) parent_[std::max(a, b)] = std::min(a, b);
@@ -177,13 +164,10 @@ struct FaceEnd {
 class FaceLinker {
  public:
   FaceLinker(const std::vector<EdgeCrossing>& crossings, bool oriented, SlotSets& sets)
-      : crossings_(crossings), oriented_(oriented), sets_(sets)
-  {
-  }
+      : crossings_(crossings), oriented_(oriented), sets_(sets) {}
 
   /** Links what is on one face's border. */
-  void link(std::vector<FaceEnd>& ends)
-  {
+  void link(std::vector<FaceEnd>& ends) {
     if (ends.size() == 4) return linkFour(ends);
     while (ends.size() >= 2) {
       std::size_t best_i = 0, best_j = 1;
@@ -206,8 +190,7 @@ class FaceLinker {
 
  private:
   /** Of the three ways to pair four the one of least cost. */
-  void linkFour(const std::vector<FaceEnd>& ends)
-  {
+  void linkFour(const std::vector<FaceEnd>& ends) {
     std::size_t best = 1;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t partner = 1; partner < 4; ++partner) {
@@ -222,16 +205,14 @@ class FaceLinker {
     join(ends[best == 1 ? 2 : 1], ends[best == 3 ? 2 : 3]);
   }
 
-  void join(const FaceEnd& a, const FaceEnd& b)
-  {
+  void join(const FaceEnd& a, const FaceEnd& b) {
     sets_.join(a.first, b.first);
     sets_.join(a.second, b.second);
   }
 
-  /** How little two crossings look like ends of one curve: they are off each other's tangent planes, or
-   * their normals differ. */
-  double cost(const FaceEnd& a, const FaceEnd& b) const
-  {
+  /** How little two crossings look like ends of one curve: they are off each other's tangent
+   * planes, or their normals differ. */
+  double cost(const FaceEnd& a, const FaceEnd& b) const {
     const EdgeCrossing &p = crossings_[a.crossing], &q = crossings_[b.crossing];
     const Vector3 d = subtract(q.position, p.position);
     const double cosine = dot(p.normal, q.normal);
@@ -246,9 +227,8 @@ class FaceLinker {
 };
 
 /** Joins the slots of each crossing's cells that are linked across faces. */
-void
-linkFaces(const std::vector<EdgeCrossing>& crossings, bool oriented, int threads, SlotSets& sets)
-{
+void linkFaces(const std::vector<EdgeCrossing>& crossings, bool oriented, int threads,
+               SlotSets& sets) {
   AlignedVector<std::uint64_t> keys;
   std::vector<std::uint32_t> slots;
   keys.reserve(4 * crossings.size());
@@ -283,10 +263,8 @@ linkFaces(const std::vector<EdgeCrossing>& crossings, bool oriented, int threads
 }
 
 /** Numbers the sets by cell, then by their least slot. */
-std::vector<std::uint32_t>
-numberSets(const std::vector<EdgeCrossing>& crossings, int threads, SlotSets& sets,
-           std::vector<std::uint32_t>& cells)
-{
+std::vector<std::uint32_t> numberSets(const std::vector<EdgeCrossing>& crossings, int threads,
+                                      SlotSets& sets, std::vector<std::uint32_t>& cells) {
   AlignedVector<std::uint64_t> keys;
   std::vector<std::uint32_t> roots;
   for (std::uint32_t slot = 0; slot < 4 * crossings.size(); ++slot) {
@@ -313,8 +291,7 @@ struct Polygon {
   std::uint32_t at[4];
   std::size_t count = 0;
 
-  explicit Polygon(const std::array<std::uint32_t, 4>& around)
-  {
+  explicit Polygon(const std::array<std::uint32_t, 4>& around) {
     for (std::size_t k = 0; k < 4; ++k) {
       if (around[k] != around[(k + 3) % 4]) at[count++] = around[k];
     }
@@ -322,10 +299,8 @@ struct Polygon {
 };
 
 /** How well a triangle faces the normals of its vertices: the least cosine. */
-double
-facing(const Triangle& t, const std::vector<Vector3>& positions,
-       const std::vector<Vector3>& normals)
-{
+double facing(const Triangle& t, const std::vector<Vector3>& positions,
+              const std::vector<Vector3>& normals) {
   const Vector3 area =
       cross(subtract(positions[t[1]], positions[t[0]]), subtract(positions[t[2]], positions[t[0]]));
   const double size = length(area);
@@ -337,9 +312,8 @@ facing(const Triangle& t, const std::vector<Vector3>& positions,
 
 }  // namespace
 
-SheetVertices
-findSheetVertices(const std::vector<EdgeCrossing>& crossings, bool oriented, int threads)
-{
+SheetVertices findSheetVertices(const std::vector<EdgeCrossing>& crossings, bool oriented,
+                                int threads) {
   SlotSets sets(4 * crossings.size());
   linkFaces(crossings, oriented, threads, sets);
   SheetVertices made;
@@ -371,9 +345,7 @@ findSheetVertices(const std::vector<EdgeCrossing>& crossings, bool oriented, int
   return made;
 }
 
-std::vector<std::uint32_t>
-crowdedCells(const SheetVertices& vertices, int threads)
-{
+std::vector<std::uint32_t> crowdedCells(const SheetVertices& vertices, int threads) {
   AlignedVector<std::uint64_t> keys;
   keys.reserve(4 * vertices.of_crossing.size());
   for (const auto& around : vertices.of_crossing) {
@@ -397,10 +369,9 @@ crowdedCells(const SheetVertices& vertices, int threads)
   return cells;
 }
 
-std::vector<Triangle>
-cutIntoTriangles(const std::vector<std::array<std::uint32_t, 4>>& faces,
-                 const std::vector<Vector3>& positions, const std::vector<Vector3>& normals)
-{
+std::vector<Triangle> cutIntoTriangles(const std::vector<std::array<std::uint32_t, 4>>& faces,
+                                       const std::vector<Vector3>& positions,
+                                       const std::vector<Vector3>& normals) {
   std::vector<Triangle> triangles;
   triangles.reserve(2 * faces.size());
   for (const auto& around : faces) {

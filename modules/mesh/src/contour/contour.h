@@ -24,12 +24,11 @@ struct ProbeField {
   int threads;
 };
 
-/** Calls body(probe, first, count) for each sixteen of some places, which are in Morton order. Runs of
- * them that share the leaves found begin at fixed places: results are the same for any number of threads. */
+/** Calls body(probe, first, count) for each sixteen of some places, which are in Morton order. Runs
+ * of them that share the leaves found begin at fixed places: results are the same for any number of
+ * threads. */
 template <typename Body>
-void
-forProbeBlocks(const ProbeField& field, std::size_t places, const Body& body)
-{
+void forProbeBlocks(const ProbeField& field, std::size_t places, const Body& body) {
   constexpr std::size_t kBlock = SurfaceProbe::kMost, kRun = 64 * kBlock;
   std::vector<std::unique_ptr<SurfaceProbe>> probes(static_cast<std::size_t>(field.threads));
   parallelFor((places + kRun - 1) / kRun, field.threads, 1, [&](std::size_t run, int thread) {
@@ -55,15 +54,14 @@ struct LeafShape {
 };
 
 /** The leaves of a surface with the cells' sizes that keep a mesh within a tolerance (local units):
- * sqrt(4 tolerance / k) for the largest curvature k, a Frobenius norm, on the leaf, and at most .6 of its
- * radius; and no less than least_spacings spacings of its points. */
-std::vector<LeafShape>
-shapesOf(const SLIMSurface& surface, double tolerance, double least_spacings, int threads);
+ * sqrt(4 tolerance / k) for the largest curvature k, a Frobenius norm, on the leaf, and at most .6
+ * of its radius; and no less than least_spacings spacings of its points. */
+std::vector<LeafShape> shapesOf(const SLIMSurface& surface, double tolerance, double least_spacings,
+                                int threads);
 
-/** The width of a cell such that cells of that width times powers of two, none wider than the leaves on it
- * allow, are as few as possible. O(shapes). */
-double
-thriftyCellSize(const std::vector<LeafShape>& shapes);
+/** The width of a cell such that cells of that width times powers of two, none wider than the
+ * leaves on it allow, are as few as possible. O(shapes). */
+double thriftyCellSize(const std::vector<LeafShape>& shapes);
 
 /** A cell by its lowest corner, in units of the finest cells that a tree may have. */
 struct CellPlace {
@@ -90,7 +88,8 @@ class CellTree {
 
   static constexpr std::uint32_t kDivided = 0xffffffffu;
 
-  /** Divides more cells, by their numbers. \return of each cell its number from now on, or kDivided. */
+  /** Divides more cells, by their numbers. \return of each cell its number from now on, or
+   * kDivided. */
   std::vector<std::uint32_t> split(const std::vector<std::uint32_t>& cells);
 
   const std::vector<CellNode>& nodes() const { return nodes_; }
@@ -100,8 +99,7 @@ class CellTree {
 
   static std::uint32_t width(std::uint32_t depth) { return 1u << (kMostDepth - depth); }
   double size(std::uint32_t depth) const { return unit_ * width(depth); }
-  Vector3 corner(const std::uint32_t (&place)[3]) const
-  {
+  Vector3 corner(const std::uint32_t (&place)[3]) const {
     return {low_[0] + unit_ * place[0], low_[1] + unit_ * place[1], low_[2] + unit_ * place[2]};
   }
   static CellPlace child(const CellPlace& parent, unsigned int octant);
@@ -118,8 +116,8 @@ class CellTree {
 
 /** An edge of an octree's cells that no finer cell divides. */
 struct CellEdge {
-  /** The cells around it, counter-clockwise as seen from the edge's upper end; a coarse cell whose face
-   * contains the edge is listed twice. */
+  /** The cells around it, counter-clockwise as seen from the edge's upper end; a coarse cell whose
+   * face contains the edge is listed twice. */
   std::uint32_t cell[4];
   std::uint32_t low[3];  ///< its lower end
   std::uint8_t axis;
@@ -127,17 +125,18 @@ struct CellEdge {
 };
 
 /** All such edges with a cell about them that a sheet passes, in a fixed order. O(nodes).
- * \param[in] fresh_only only those of cells that the last split() has made. O(those and nodes above). */
-std::vector<CellEdge>
-cellEdges(const CellTree& tree, bool fresh_only = false);
+ * \param[in] fresh_only only those of cells that the last split() has made. O(those and nodes
+ * above). */
+std::vector<CellEdge> cellEdges(const CellTree& tree, bool fresh_only = false);
 
 /** Signed distances at corners of cells, evaluated once each and kept while cells are divided. */
 class CornerValues {
  public:
   explicit CornerValues(const ProbeField& field) : field_(field) {}
 
-  /** Evaluates the ends of edges where that is not done yet. \return of each edge its lower and upper
-   * end, as places in values() until the next call. O(corners), and a probe's time for each new corner. */
+  /** Evaluates the ends of edges where that is not done yet. \return of each edge its lower and
+   * upper end, as places in values() until the next call. O(corners), and a probe's time for each
+   * new corner. */
   std::vector<std::array<std::uint32_t, 2>> evaluate(const CellTree& tree,
                                                      const std::vector<CellEdge>& edges);
 
@@ -158,14 +157,13 @@ struct EdgeCrossing {
   float size;  ///< of the edge
 };
 
-/** Appends the edges at whose ends the surface's distance has different signs, but for jumps from one sheet to
- * another. Ends whose normals oppose each other are turned to agree first where the surface is not
- * oriented. O(edges). */
-void
-findCrossings(const CellTree& tree, const std::vector<CellEdge>& edges,
-              const std::vector<std::array<std::uint32_t, 2>>& ends,
-              const std::vector<SheetDistance>& values, bool oriented,
-              std::vector<EdgeCrossing>& crossings);
+/** Appends the edges at whose ends the surface's distance has different signs, but for jumps from
+ * one sheet to another. Ends whose normals oppose each other are turned to agree first where the
+ * surface is not oriented. O(edges). */
+void findCrossings(const CellTree& tree, const std::vector<CellEdge>& edges,
+                   const std::vector<std::array<std::uint32_t, 2>>& ends,
+                   const std::vector<SheetDistance>& values, bool oriented,
+                   std::vector<EdgeCrossing>& crossings);
 
 /** One vertex for each sheet of surface in a cell, before it is put onto the surface. */
 struct SheetVertices {
@@ -176,20 +174,21 @@ struct SheetVertices {
   std::vector<float> size;                                ///< least edge that it crosses
 };
 
-/** Crossings on the border of the face between two cells are linked in pairs, by curves of the surface in
- * that face; crossings linked in a cell are of one sheet there. So each edge of the mesh, a curve in a face,
- * borders two faces of the mesh, its crossings, unless a sheet ends there. O(crossings). */
-SheetVertices
-findSheetVertices(const std::vector<EdgeCrossing>& crossings, bool oriented, int threads);
+/** Crossings on the border of the face between two cells are linked in pairs, by curves of the
+ * surface in that face; crossings linked in a cell are of one sheet there. So each edge of the
+ * mesh, a curve in a face, borders two faces of the mesh, its crossings, unless a sheet ends there.
+ * O(crossings). */
+SheetVertices findSheetVertices(const std::vector<EdgeCrossing>& crossings, bool oriented,
+                                int threads);
 
 /** The cells of vertices on edges that more than two faces share, ascending. O(faces log faces). */
-std::vector<std::uint32_t>
-crowdedCells(const SheetVertices& vertices, int threads);
+std::vector<std::uint32_t> crowdedCells(const SheetVertices& vertices, int threads);
 
-/** The faces around crossings as triangles. Quadrilaterals are cut along the diagonal whose triangles face
- * their vertices' normals best; along the shorter one where both do well. O(faces). */
-std::vector<Triangle>
-cutIntoTriangles(const std::vector<std::array<std::uint32_t, 4>>& faces,
-                 const std::vector<Vector3>& positions, const std::vector<Vector3>& normals);
+/** The faces around crossings as triangles. Quadrilaterals are cut along the diagonal whose
+ * triangles face their vertices' normals best; along the shorter one where both do well. O(faces).
+ */
+std::vector<Triangle> cutIntoTriangles(const std::vector<std::array<std::uint32_t, 4>>& faces,
+                                       const std::vector<Vector3>& positions,
+                                       const std::vector<Vector3>& normals);
 
 }  // namespace pcl_slim::detail

@@ -21,8 +21,7 @@ struct Quadric {
   double c = 0;
 
   /** Adds the plane through a place across a unit normal. */
-  void addPlane(const Vector3& normal, const Vector3& place, double weight)
-  {
+  void addPlane(const Vector3& normal, const Vector3& place, double weight) {
     const double d = -dot(normal, place);
     for (std::size_t i = 0; i < 3; ++i) {
       for (std::size_t j = i; j < 3; ++j) {
@@ -33,21 +32,18 @@ struct Quadric {
     c += weight * d * d;
   }
 
-  void add(const Quadric& other)
-  {
+  void add(const Quadric& other) {
     for (std::size_t k = 0; k < a.size(); ++k) a[k] += other.a[k];
     for (std::size_t i = 0; i < 3; ++i) b[i] += other.b[i];
     c += other.c;
   }
 
-  double at(const Vector3& p) const
-  {
+  double at(const Vector3& p) const {
     return std::max(0.0, dot(p, multiplied(a, p)) + 2 * dot(b, p) + c);
   }
 
   /** The place of least value. \return false where the planes do not determine one. */
-  bool least(Vector3& p) const
-  {
+  bool least(Vector3& p) const {
     const Vector3 x = {a[kXX], a[kXY], a[kXZ]}, y = {a[kXY], a[kYY], a[kYZ]},
                   z = {a[kXZ], a[kYZ], a[kZZ]};
     const Vector3 yz = cross(y, z), zx = cross(z, x), xy = cross(x, y);
@@ -70,8 +66,7 @@ struct Candidate {
   Vector3 place;
 
   /** The queue's top is the least: ties by numbers, so that the result is the same everywhere. */
-  bool operator<(const Candidate& other) const
-  {
+  bool operator<(const Candidate& other) const {
     if (cost != other.cost) return cost > other.cost;
     return a != other.a ? a > other.a : b > other.b;
   }
@@ -86,8 +81,7 @@ class Collapser {
         left_(triangles.size()),
         fans_(vertices.count()),
         quadrics_(vertices.count()),
-        stamps_(vertices.count(), 0)
-  {
+        stamps_(vertices.count(), 0) {
     for (std::uint32_t t = 0; t < triangles.size(); ++t) {
       for (const std::uint32_t v : triangles[t]) fans_[v].push_back(t);
     }
@@ -99,8 +93,7 @@ class Collapser {
     }
   }
 
-  void run(std::size_t most)
-  {
+  void run(std::size_t most) {
     while (left_ > most && !queue_.empty()) {
       const Candidate best = queue_.top();
       queue_.pop();
@@ -117,14 +110,12 @@ class Collapser {
  private:
   const Vector3& at(std::uint32_t v) const { return vertices_.position[v]; }
 
-  Vector3 areaOf(const Triangle& t) const
-  {
+  Vector3 areaOf(const Triangle& t) const {
     return cross(subtract(at(t[1]), at(t[0])), subtract(at(t[2]), at(t[0])));
   }
 
   /** The planes of a triangle, and those across it through its edges on the border. */
-  void addQuadrics(std::uint32_t t)
-  {
+  void addQuadrics(std::uint32_t t) {
     const Vector3 area = areaOf(triangles_[t]);
     const double size = length(area);
     if (!(size > 0)) return;
@@ -141,21 +132,18 @@ class Collapser {
     }
   }
 
-  static bool has(const Triangle& t, std::uint32_t v)
-  {
+  static bool has(const Triangle& t, std::uint32_t v) {
     return t[0] == v || t[1] == v || t[2] == v;
   }
 
   /** Triangles that have both vertices. */
-  std::size_t trianglesAt(std::uint32_t a, std::uint32_t b) const
-  {
+  std::size_t trianglesAt(std::uint32_t a, std::uint32_t b) const {
     return static_cast<std::size_t>(std::count_if(
         fans_[a].begin(), fans_[a].end(), [&](std::uint32_t t) { return has(triangles_[t], b); }));
   }
 
   /** Vertices connected to one, ascending. */
-  std::vector<std::uint32_t> neighbours(std::uint32_t v) const
-  {
+  std::vector<std::uint32_t> neighbours(std::uint32_t v) const {
     std::vector<std::uint32_t> found;
     for (const std::uint32_t t : fans_[v]) {
       for (const std::uint32_t o : triangles_[t]) {
@@ -169,8 +157,7 @@ class Collapser {
 
   bool onBorder(std::uint32_t v) const { return neighbours(v).size() != fans_[v].size(); }
 
-  void propose(std::uint32_t a, std::uint32_t b)
-  {
+  void propose(std::uint32_t a, std::uint32_t b) {
     Quadric sum = quadrics_[a];
     sum.add(quadrics_[b]);
     const Vector3 middle = along(at(a), 0.5, subtract(at(b), at(a)));
@@ -190,8 +177,7 @@ class Collapser {
   }
 
   /** Whether the mesh stays a manifold of the same kind, with no triangle turned over. */
-  bool mayCollapse(const Candidate& edge) const
-  {
+  bool mayCollapse(const Candidate& edge) const {
     const auto of_a = neighbours(edge.a), of_b = neighbours(edge.b);
     std::vector<std::uint32_t> common;
     std::set_intersection(of_a.begin(), of_a.end(), of_b.begin(), of_b.end(),
@@ -203,8 +189,7 @@ class Collapser {
   }
 
   /** Whether the triangles of v, but for those at the other end, face the same way with v moved. */
-  bool staysUpright(std::uint32_t v, std::uint32_t other, const Vector3& place) const
-  {
+  bool staysUpright(std::uint32_t v, std::uint32_t other, const Vector3& place) const {
     for (const std::uint32_t t : fans_[v]) {
       if (has(triangles_[t], other)) continue;
       Vector3 corner[3];
@@ -218,8 +203,7 @@ class Collapser {
     return true;
   }
 
-  void collapse(const Candidate& edge)
-  {
+  void collapse(const Candidate& edge) {
     const std::uint32_t a = edge.a, b = edge.b;
     vertices_.size[a] = std::max(
         {vertices_.size[a], vertices_.size[b], static_cast<float>(length(subtract(at(a), at(b))))});
@@ -245,8 +229,7 @@ class Collapser {
   }
 
   /** Vertices of the triangles of a that are no more. */
-  std::vector<std::uint32_t> neighboursOfDying(std::uint32_t a) const
-  {
+  std::vector<std::uint32_t> neighboursOfDying(std::uint32_t a) const {
     std::vector<std::uint32_t> found;
     for (const std::uint32_t t : fans_[a]) {
       if (alive_[t]) continue;
@@ -257,8 +240,7 @@ class Collapser {
     return found;
   }
 
-  void dropDead(std::uint32_t v)
-  {
+  void dropDead(std::uint32_t v) {
     auto& fan = fans_[v];
     fan.erase(std::remove_if(fan.begin(), fan.end(), [&](std::uint32_t t) { return !alive_[t]; }),
               fan.end());
@@ -276,10 +258,8 @@ class Collapser {
 
 }  // namespace
 
-void
-collapseEdges(std::size_t most_triangles, std::vector<Triangle>& triangles,
-              SurfaceVertices& vertices)
-{
+void collapseEdges(std::size_t most_triangles, std::vector<Triangle>& triangles,
+                   SurfaceVertices& vertices) {
   if (triangles.size() > most_triangles) Collapser(triangles, vertices).run(most_triangles);
 }
 

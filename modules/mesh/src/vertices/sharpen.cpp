@@ -36,8 +36,7 @@ struct Rings {
   std::vector<std::uint32_t> begin, neighbours;
 
   Rings(const EdgeTable& table, std::size_t vertices)
-      : begin(vertices + 2, 0), neighbours(2 * table.edges.size())
-  {
+      : begin(vertices + 2, 0), neighbours(2 * table.edges.size()) {
     for (const MeshEdge& edge : table.edges) {
       ++begin[edge.low + 2];
       ++begin[edge.high + 2];
@@ -61,12 +60,9 @@ class Sharpening {
         field_{index_, 0, threads},
         triangles_(triangles),
         vertices_(vertices),
-        statistics_(statistics)
-  {
-  }
+        statistics_(statistics) {}
 
-  void run()
-  {
+  void run() {
     measureEdges();
     moveVertices();
     const EdgeTable table(triangles_, field_.threads);
@@ -89,8 +85,7 @@ class Sharpening {
   void divideTwo(const Triangle& t, const Middles& middle, std::vector<Triangle>& made) const;
   void divideTriangle(const Triangle& t, const Middles& middle, std::vector<Triangle>& made) const;
 
-  bool isSharp(std::uint32_t a, std::uint32_t b) const
-  {
+  bool isSharp(std::uint32_t a, std::uint32_t b) const {
     return vertices_.supported[a] != 0 && vertices_.supported[b] != 0 &&
            dot(vertices_.normal[a], vertices_.normal[b]) < kSharpCosine;
   }
@@ -103,9 +98,7 @@ class Sharpening {
 };
 
 /** The longest edge about each vertex as its size, and the margin of probes. */
-void
-Sharpening::measureEdges()
-{
+void Sharpening::measureEdges() {
   std::fill(vertices_.size.begin(), vertices_.size.end(), 0.0f);
   for (const Triangle& t : triangles_) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -120,9 +113,7 @@ Sharpening::measureEdges()
 }
 
 /** Turns vertices to the side of the nearest face. */
-void
-Sharpening::faceNearest()
-{
+void Sharpening::faceNearest() {
   forProbeBlocks(field_, vertices_.count(),
                  [&](SurfaceProbe& probe, std::size_t first, std::size_t n) {
                    SheetDistance near[SurfaceProbe::kMost];
@@ -135,9 +126,7 @@ Sharpening::faceNearest()
 }
 
 /** Puts vertices onto the nearest face. */
-void
-Sharpening::moveVertices()
-{
+void Sharpening::moveVertices() {
   faceNearest();
   const std::vector<Vector3> own = vertices_.normal;
   const Rings rings(EdgeTable(triangles_, field_.threads), own.size());
@@ -157,11 +146,9 @@ Sharpening::moveVertices()
   for (int pass = 0; pass < kFollowPasses; ++pass) followNeighbours(rings);
 }
 
-/** Brings vertices that no leaf reaches, as edges are rounded off most there, onto the nearest plane of those
- * next to them, and from there onto the surface. */
-void
-Sharpening::followNeighbours(const Rings& ring)
-{
+/** Brings vertices that no leaf reaches, as edges are rounded off most there, onto the nearest
+ * plane of those next to them, and from there onto the surface. */
+void Sharpening::followNeighbours(const Rings& ring) {
   std::vector<std::uint32_t> which;
   std::vector<Vector3> before;
   const std::vector<std::uint8_t> supported = vertices_.supported;
@@ -191,11 +178,9 @@ Sharpening::followNeighbours(const Rings& ring)
     if (vertices_.supported[which[i]] == 0) vertices_.position[which[i]] = before[i];
 }
 
-/** Gives each vertex that side among its own and its neighbours' which agrees best with all of them: lone
- * vertices join the face around them, and edges between faces stay. */
-void
-Sharpening::takeMedianSides(const Rings& ring)
-{
+/** Gives each vertex that side among its own and its neighbours' which agrees best with all of
+ * them: lone vertices join the face around them, and edges between faces stay. */
+void Sharpening::takeMedianSides(const Rings& ring) {
   const std::vector<Vector3> sides = vertices_.normal;
   parallelFor(sides.size(), field_.threads, 1024, [&](std::size_t v, int) {
     const std::uint32_t *first = ring.neighbours.data() + ring.begin[v],
@@ -214,9 +199,7 @@ Sharpening::takeMedianSides(const Rings& ring)
 }
 
 /** Puts planes on the faces under a place. */
-void
-planesAt(SurfaceProbe& probe, const Vector3& place, std::size_t count, Plane* planes)
-{
+void planesAt(SurfaceProbe& probe, const Vector3& place, std::size_t count, Plane* planes) {
   Vector3 places[3], sides[3];
   ProbeSample samples[3];
   for (std::size_t k = 0; k < count; ++k) {
@@ -235,18 +218,14 @@ planesAt(SurfaceProbe& probe, const Vector3& place, std::size_t count, Plane* pl
 }
 
 /** Brings vertices to where the faces on which others are meet. */
-void
-Sharpening::meet(std::vector<Meeting>& meetings)
-{
+void Sharpening::meet(std::vector<Meeting>& meetings) {
   forProbeBlocks(field_, meetings.size(),
                  [&](SurfaceProbe& probe, std::size_t first, std::size_t n) {
                    for (std::size_t i = first; i < first + n; ++i) meetFaces(probe, meetings[i]);
                  });
 }
 
-void
-Sharpening::meetFaces(SurfaceProbe& probe, Meeting& own) const
-{
+void Sharpening::meetFaces(SurfaceProbe& probe, Meeting& own) const {
   Plane planes[3];
   for (std::size_t k = 0; k < own.count; ++k) {
     planes[k] = {vertices_.position[own.at[k]], vertices_.normal[own.at[k]]};
@@ -263,9 +242,7 @@ Sharpening::meetFaces(SurfaceProbe& probe, Meeting& own) const
   for (std::size_t k = 0; k < own.count; ++k) own.normal = along(own.normal, 1, planes[k].normal);
 }
 
-std::uint32_t
-Sharpening::addVertex(const Meeting& meeting)
-{
+std::uint32_t Sharpening::addVertex(const Meeting& meeting) {
   const auto v = static_cast<std::uint32_t>(vertices_.count());
   vertices_.resize(v + 1);
   vertices_.position[v] = meeting.place;
@@ -273,10 +250,9 @@ Sharpening::addVertex(const Meeting& meeting)
   return v;
 }
 
-/** Adds vertices on sharp edges. \return of each edge of the mesh the vertex that divides it, or kNone. */
-std::vector<std::uint32_t>
-Sharpening::addEdges(const EdgeTable& table)
-{
+/** Adds vertices on sharp edges. \return of each edge of the mesh the vertex that divides it, or
+ * kNone. */
+std::vector<std::uint32_t> Sharpening::addEdges(const EdgeTable& table) {
   std::vector<Meeting> meetings;
   std::vector<std::uint32_t> edges;
   for (std::uint32_t e = 0; e < table.edges.size(); ++e) {
@@ -299,9 +275,8 @@ Sharpening::addEdges(const EdgeTable& table)
 }
 
 /** Divides a triangle of which one edge, from a to b, is whole. */
-void
-Sharpening::divideTwo(const Triangle& t, const Middles& middle, std::vector<Triangle>& made) const
-{
+void Sharpening::divideTwo(const Triangle& t, const Middles& middle,
+                           std::vector<Triangle>& made) const {
   const std::size_t whole =
       static_cast<std::size_t>(std::find(middle.begin(), middle.end(), kNone) - middle.begin());
   const std::uint32_t a = t[whole], b = t[(whole + 1) % 3], tip = t[(whole + 2) % 3];
@@ -320,10 +295,8 @@ Sharpening::divideTwo(const Triangle& t, const Middles& middle, std::vector<Tria
 }
 
 /** Replaces a triangle by those between the vertices on its edges. */
-void
-Sharpening::divideTriangle(const Triangle& t, const Middles& middle,
-                           std::vector<Triangle>& made) const
-{
+void Sharpening::divideTriangle(const Triangle& t, const Middles& middle,
+                                std::vector<Triangle>& made) const {
   switch (std::count(middle.begin(), middle.end(), kNone)) {
     case 3: return made.push_back(t);
     case 1: return divideTwo(t, middle, made);
@@ -340,9 +313,7 @@ Sharpening::divideTriangle(const Triangle& t, const Middles& middle,
 }
 
 /** Adds vertices where three faces meet. \return of each triangle its vertex inside, or kNone. */
-std::vector<std::uint32_t>
-Sharpening::addCorners(const std::vector<Middles>& middles)
-{
+std::vector<std::uint32_t> Sharpening::addCorners(const std::vector<Middles>& middles) {
   std::vector<Meeting> meetings;
   std::vector<std::uint32_t> corners(triangles_.size(), kNone), of;
   for (std::uint32_t t = 0; t < triangles_.size(); ++t) {
@@ -367,9 +338,7 @@ Sharpening::addCorners(const std::vector<Middles>& middles)
 }
 
 /** Divides triangles at the vertices made on their edges and inside them. */
-void
-Sharpening::divide(const EdgeTable& table, const std::vector<std::uint32_t>& made)
-{
+void Sharpening::divide(const EdgeTable& table, const std::vector<std::uint32_t>& made) {
   std::vector<Middles> middles(triangles_.size(), {kNone, kNone, kNone});
   for (std::size_t e = 0; e < table.edges.size(); ++e) {
     for (std::uint32_t i = 0; i < table.edges[e].count; ++i) {
@@ -395,9 +364,7 @@ Sharpening::divide(const EdgeTable& table, const std::vector<std::uint32_t>& mad
 
 }  // namespace
 
-bool
-meetingOf(const Plane* planes, std::size_t count, const Vector3& near, Vector3& place)
-{
+bool meetingOf(const Plane* planes, std::size_t count, const Vector3& near, Vector3& place) {
   constexpr double kLeastDeterminant = 1e-2;  ///< of unit normals' products: 6 degrees for two
   Eigen::Matrix3d products = Eigen::Matrix3d::Identity();
   Eigen::Vector3d distances = Eigen::Vector3d::Zero();
@@ -417,10 +384,8 @@ meetingOf(const Plane* planes, std::size_t count, const Vector3& near, Vector3& 
   return true;
 }
 
-void
-sharpen(const SLIMSurface& sharp, int threads, std::vector<Triangle>& triangles,
-        SurfaceVertices& vertices, MeshStatistics& statistics)
-{
+void sharpen(const SLIMSurface& sharp, int threads, std::vector<Triangle>& triangles,
+             SurfaceVertices& vertices, MeshStatistics& statistics) {
   Sharpening(sharp, threads, triangles, vertices, statistics).run();
 }
 

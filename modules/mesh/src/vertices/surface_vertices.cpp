@@ -12,9 +12,7 @@ constexpr double kMostMove =
     1.0;  ///< widths of a cell that a vertex may move from where its edges cross
 
 /** Stores the probe's result for one vertex. */
-void
-accept(const ProbeSample& sample, std::uint32_t v, SurfaceVertices& vertices)
-{
+void accept(const ProbeSample& sample, std::uint32_t v, SurfaceVertices& vertices) {
   const bool turned = dot(sample.normal, vertices.normal[v]) < 0;
   vertices.position[v] = sample.position;
   vertices.normal[v] = turned ? scaled(sample.normal, -1) : sample.normal;
@@ -25,10 +23,8 @@ accept(const ProbeSample& sample, std::uint32_t v, SurfaceVertices& vertices)
 }
 
 /** Evaluates the surface next to some vertices, from the places given. */
-void
-putBlock(SurfaceProbe& probe, const std::uint32_t* which, std::size_t count, const Vector3* from,
-         SurfaceVertices& vertices)
-{
+void putBlock(SurfaceProbe& probe, const std::uint32_t* which, std::size_t count,
+              const Vector3* from, SurfaceVertices& vertices) {
   Vector3 places[SurfaceProbe::kMost], sides[SurfaceProbe::kMost];
   ProbeSample samples[SurfaceProbe::kMost];
   for (std::size_t i = 0; i < count; ++i) {
@@ -57,8 +53,7 @@ struct Neighbours {
   std::vector<std::uint8_t> border;
 
   Neighbours(const std::vector<Triangle>& all, std::size_t count)
-      : begin(count + 1, 0), triangles(3 * all.size()), border(count, 0)
-  {
+      : begin(count + 1, 0), triangles(3 * all.size()), border(count, 0) {
     for (const Triangle& t : all) {
       for (const std::uint32_t v : t) ++begin[v + 1];
     }
@@ -85,10 +80,8 @@ struct Neighbours {
 };
 
 /** Where the middle of a vertex's neighbours is, brought into its tangent plane. */
-Vector3
-middleOf(const std::vector<Triangle>& triangles, const Neighbours& around, std::uint32_t v,
-         const SurfaceVertices& vertices)
-{
+Vector3 middleOf(const std::vector<Triangle>& triangles, const Neighbours& around, std::uint32_t v,
+                 const SurfaceVertices& vertices) {
   Vector3 sum{};
   for (std::uint32_t i = around.begin[v]; i < around.begin[v + 1]; ++i) {
     for (const std::uint32_t o : triangles[around.triangles[i]]) {
@@ -102,10 +95,8 @@ middleOf(const std::vector<Triangle>& triangles, const Neighbours& around, std::
 }
 
 /** Whether a triangle at v faces away from v's normal, while it did not before. */
-bool
-turnsOver(const std::vector<Triangle>& triangles, const Neighbours& around, std::uint32_t v,
-          const std::vector<Vector3>& before, const SurfaceVertices& vertices)
-{
+bool turnsOver(const std::vector<Triangle>& triangles, const Neighbours& around, std::uint32_t v,
+               const std::vector<Vector3>& before, const SurfaceVertices& vertices) {
   for (std::uint32_t i = around.begin[v]; i < around.begin[v + 1]; ++i) {
     const Triangle& t = triangles[around.triangles[i]];
     const auto facing = [&](const std::vector<Vector3>& p) {
@@ -120,9 +111,7 @@ turnsOver(const std::vector<Triangle>& triangles, const Neighbours& around, std:
 
 }  // namespace
 
-void
-SurfaceVertices::resize(std::size_t count)
-{
+void SurfaceVertices::resize(std::size_t count) {
   position.resize(count);
   normal.resize(count);
   k1.resize(count, 0);
@@ -132,9 +121,8 @@ SurfaceVertices::resize(std::size_t count)
   supported.resize(count, 0);
 }
 
-void
-putOnSurface(const ProbeField& field, std::vector<std::uint32_t> which, SurfaceVertices& vertices)
-{
+void putOnSurface(const ProbeField& field, std::vector<std::uint32_t> which,
+                  SurfaceVertices& vertices) {
   forProbeBlocks(field, which.size(), [&](SurfaceProbe& probe, std::size_t first, std::size_t n) {
     Vector3 from[SurfaceProbe::kMost];
     for (std::size_t i = 0; i < n; ++i) from[i] = vertices.position[which[first + i]];
@@ -142,10 +130,8 @@ putOnSurface(const ProbeField& field, std::vector<std::uint32_t> which, SurfaceV
   });
 }
 
-void
-relax(const ProbeField& field, const std::vector<Triangle>& triangles, int rounds,
-      SurfaceVertices& vertices)
-{
+void relax(const ProbeField& field, const std::vector<Triangle>& triangles, int rounds,
+           SurfaceVertices& vertices) {
   if (rounds == 0) return;
   const Neighbours around(triangles, vertices.count());
   std::vector<std::uint32_t> moving;

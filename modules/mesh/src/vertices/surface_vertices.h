@@ -23,46 +23,45 @@ struct SurfaceVertices {
   void resize(std::size_t count);
 };
 
-/** Puts each vertex onto the surface next to it (equations 6 and 7, twice), along its normal's side. Those that
- * no leaf supports, or that would leave their cells, stay. O(vertices times leaves near each). */
-void
-putOnSurface(const ProbeField& field, std::vector<std::uint32_t> which, SurfaceVertices& vertices);
+/** Puts each vertex onto the surface next to it (equations 6 and 7, twice), along its normal's
+ * side. Those that no leaf supports, or that would leave their cells, stay. O(vertices times leaves
+ * near each). */
+void putOnSurface(const ProbeField& field, std::vector<std::uint32_t> which,
+                  SurfaceVertices& vertices);
 
-/** Moves vertices towards the middle of those they are connected to, along the surface, in several passes.
- * A vertex stays where a triangle would turn over; so do those on borders. */
-void
-relax(const ProbeField& field, const std::vector<Triangle>& triangles, int rounds,
-      SurfaceVertices& vertices);
-
-/** Closes gaps that contouring has left where the surface continues: border loops of few edges, whose area would
- * contain fewer points than a disc `width` spacings wide, with data on all sides. A gap of three edges gets a
- * triangle, others a fan about a vertex on the surface. \return how many. O(T log T). */
-std::uint64_t
-closeGaps(const ProbeField& field, double width, std::vector<Triangle>& triangles,
-          SurfaceVertices& vertices);
-
-/** Leaves out components with fewer points than requested; the largest is always kept. O(T). */
-void
-dropCrumbs(const ProbeField& field, double min_points, const SurfaceVertices& vertices,
-           std::vector<Triangle>& triangles, MeshStatistics& statistics);
-
-/** Marks as outside the vertices that no leaf supports or that leaves cover less than a fit covers its
- * points: polynomials err there, and trim maps do not reach there. */
-void
-markUncovered(const ProbeField& field, double threshold, SurfaceVertices& vertices);
-
-/** Closes small holes of the data, before trimming: patches of vertices that are outside, but do not reach the
- * border of the mesh, and whose area would contain fewer points than a disc `hole_size` spacings wide. Their
- * vertices are inside afterwards. \return how many patches. O(T). */
-std::uint64_t
-closeHoles(const ProbeField& field, double hole_size, const std::vector<Triangle>& triangles,
+/** Moves vertices towards the middle of those they are connected to, along the surface, in several
+ * passes. A vertex stays where a triangle would turn over; so do those on borders. */
+void relax(const ProbeField& field, const std::vector<Triangle>& triangles, int rounds,
            SurfaceVertices& vertices);
 
-/** Cuts triangles where the surface's data end: along the line on which SurfaceVertices::outside is 1/2.
- * Vertices next to that line are brought onto it, others are on edges that it crosses; vertices are
- * added, none is taken away. O(T), and a few evaluations for each edge that the line crosses. */
-void
-trimAtBorder(const ProbeField& field, std::vector<Triangle>& triangles, SurfaceVertices& vertices);
+/** Closes gaps that contouring has left where the surface continues: border loops of few edges,
+ * whose area would contain fewer points than a disc `width` spacings wide, with data on all sides.
+ * A gap of three edges gets a triangle, others a fan about a vertex on the surface. \return how
+ * many. O(T log T). */
+std::uint64_t closeGaps(const ProbeField& field, double width, std::vector<Triangle>& triangles,
+                        SurfaceVertices& vertices);
+
+/** Leaves out components with fewer points than requested; the largest is always kept. O(T). */
+void dropCrumbs(const ProbeField& field, double min_points, const SurfaceVertices& vertices,
+                std::vector<Triangle>& triangles, MeshStatistics& statistics);
+
+/** Marks as outside the vertices that no leaf supports or that leaves cover less than a fit covers
+ * its points: polynomials err there, and trim maps do not reach there. */
+void markUncovered(const ProbeField& field, double threshold, SurfaceVertices& vertices);
+
+/** Closes small holes of the data, before trimming: patches of vertices that are outside, but do
+ * not reach the border of the mesh, and whose area would contain fewer points than a disc
+ * `hole_size` spacings wide. Their vertices are inside afterwards. \return how many patches. O(T).
+ */
+std::uint64_t closeHoles(const ProbeField& field, double hole_size,
+                         const std::vector<Triangle>& triangles, SurfaceVertices& vertices);
+
+/** Cuts triangles where the surface's data end: along the line on which SurfaceVertices::outside is
+ * 1/2. Vertices next to that line are brought onto it, others are on edges that it crosses;
+ * vertices are added, none is taken away. O(T), and a few evaluations for each edge that the line
+ * crosses. */
+void trimAtBorder(const ProbeField& field, std::vector<Triangle>& triangles,
+                  SurfaceVertices& vertices);
 
 /** A plane through a place, with a unit normal. */
 struct Plane {
@@ -71,27 +70,26 @@ struct Plane {
 
 /** The place nearest to another at which two or three planes meet. \return false: they are nearly
  * parallel. */
-bool
-meetingOf(const Plane* planes, std::size_t count, const Vector3& near, Vector3& place);
+bool meetingOf(const Plane* planes, std::size_t count, const Vector3& near, Vector3& place);
 
 /** Gives a mesh of a rounded surface the sharp edges of another fit to the same points.
  *
- * Each vertex is put onto the nearest face of the sharp surface. An edge of the mesh whose ends are then on
- * faces that part by more than 40 degrees gets a vertex where these faces meet, and a triangle between three
- * faces gets one at their corner, as in Attene, Falcidieno, Rossignac, Spagnuolo: Sharpen&Bend (IEEE TVCG
- * 2005). What is manifold stays so. New vertices have the mean normal of their faces and no curvature.
- * \param[in] sharp oriented, of a fit with FitParams::sharp_features. \param[in,out] vertices in its local
- * units. The same for any number of threads. O(vertices times leaves near each). */
-void
-sharpen(const SLIMSurface& sharp, int threads, std::vector<Triangle>& triangles,
-        SurfaceVertices& vertices, MeshStatistics& statistics);
+ * Each vertex is put onto the nearest face of the sharp surface. An edge of the mesh whose ends are
+ * then on faces that part by more than 40 degrees gets a vertex where these faces meet, and a
+ * triangle between three faces gets one at their corner, as in Attene, Falcidieno, Rossignac,
+ * Spagnuolo: Sharpen&Bend (IEEE TVCG 2005). What is manifold stays so. New vertices have the mean
+ * normal of their faces and no curvature.
+ * \param[in] sharp oriented, of a fit with FitParams::sharp_features. \param[in,out] vertices in
+ * its local units. The same for any number of threads. O(vertices times leaves near each). */
+void sharpen(const SLIMSurface& sharp, int threads, std::vector<Triangle>& triangles,
+             SurfaceVertices& vertices, MeshStatistics& statistics);
 
-/** Collapses edges of a manifold mesh until it has a given number of triangles or fewer, those of least quadric error first
- * (Garland, Heckbert: Surface simplification using quadric error metrics, SIGGRAPH 1997). What would change the
- * topology, or turn a triangle over, is not collapsed; borders stay where they are. Vertices that no triangle
- * names are left over. O(T log T), in one thread. */
-void
-collapseEdges(std::size_t most_triangles, std::vector<Triangle>& triangles,
-              SurfaceVertices& vertices);
+/** Collapses edges of a manifold mesh until it has a given number of triangles or fewer, those of
+ * least quadric error first (Garland, Heckbert: Surface simplification using quadric error metrics,
+ * SIGGRAPH 1997). What would change the topology, or turn a triangle over, is not collapsed;
+ * borders stay where they are. Vertices that no triangle names are left over. O(T log T), in one
+ * thread. */
+void collapseEdges(std::size_t most_triangles, std::vector<Triangle>& triangles,
+                   SurfaceVertices& vertices);
 
 }  // namespace pcl_slim::detail

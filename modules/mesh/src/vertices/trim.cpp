@@ -13,12 +13,10 @@ namespace {
 
 constexpr double kKernelShare = 0.36;  ///< effective points of (1 - s^2)^4 over those in the ball
 
-/** Points of the data an area [local units] at some vertices: the effective number of points of the leaves
- * there over the area of their balls. 0 where there is no leaf. */
-std::vector<double>
-densitiesAt(const ProbeField& field, const std::vector<std::uint32_t>& which,
-            const SurfaceVertices& vertices)
-{
+/** Points of the data an area [local units] at some vertices: the effective number of points of the
+ * leaves there over the area of their balls. 0 where there is no leaf. */
+std::vector<double> densitiesAt(const ProbeField& field, const std::vector<std::uint32_t>& which,
+                                const SurfaceVertices& vertices) {
   std::vector<double> densities(which.size());
   forProbeBlocks(field, which.size(), [&](SurfaceProbe& probe, std::size_t first, std::size_t n) {
     for (std::size_t i = first; i < first + n; ++i) {
@@ -32,19 +30,16 @@ densitiesAt(const ProbeField& field, const std::vector<std::uint32_t>& which,
 }
 
 /** Area of a triangle, local units. */
-double
-areaOf(const Triangle& triangle, const SurfaceVertices& vertices)
-{
+double areaOf(const Triangle& triangle, const SurfaceVertices& vertices) {
   const Vector3& p = vertices.position[triangle[0]];
   return 0.5 * length(cross(subtract(vertices.position[triangle[1]], p),
                             subtract(vertices.position[triangle[2]], p)));
 }
 
-/** Border loops of a mesh: vertices in the order in which a face that closes the gap has them. Loops that meet
- * a vertex twice are left out. O(T log T). */
-std::vector<std::vector<std::uint32_t>>
-borderLoops(const std::vector<Triangle>& triangles, std::size_t num_vertices, int threads)
-{
+/** Border loops of a mesh: vertices in the order in which a face that closes the gap has them.
+ * Loops that meet a vertex twice are left out. O(T log T). */
+std::vector<std::vector<std::uint32_t>> borderLoops(const std::vector<Triangle>& triangles,
+                                                    std::size_t num_vertices, int threads) {
   constexpr std::uint32_t kNone = 0xffffffffu;
   std::vector<std::uint32_t> next(num_vertices, kNone);
   std::vector<bool> twice(num_vertices, false), seen(num_vertices, false);
@@ -80,17 +75,13 @@ constexpr float kBorder = 0.5f;  ///< of SurfaceVertices::outside
 using Loop = std::vector<std::uint32_t>;
 
 /** Whether there are data all around a loop. */
-bool
-isInside(const Loop& loop, const SurfaceVertices& vertices)
-{
+bool isInside(const Loop& loop, const SurfaceVertices& vertices) {
   return std::all_of(loop.begin(), loop.end(),
                      [&](std::uint32_t v) { return vertices.outside[v] <= kBorder; });
 }
 
 /** Adds the vertex in the middle of a loop, not yet on the surface. */
-std::uint32_t
-addMiddle(const Loop& loop, SurfaceVertices& vertices)
-{
+std::uint32_t addMiddle(const Loop& loop, SurfaceVertices& vertices) {
   const std::size_t v = vertices.count();
   vertices.resize(v + 1);
   for (const std::uint32_t i : loop) {
@@ -103,9 +94,7 @@ addMiddle(const Loop& loop, SurfaceVertices& vertices)
   return static_cast<std::uint32_t>(v);
 }
 
-double
-fanArea(const Loop& loop, std::uint32_t middle, const SurfaceVertices& vertices)
-{
+double fanArea(const Loop& loop, std::uint32_t middle, const SurfaceVertices& vertices) {
   double area = 0;
   for (std::size_t i = 0; i < loop.size(); ++i) {
     area += areaOf({middle, loop[i], loop[(i + 1) % loop.size()]}, vertices);
@@ -122,10 +111,9 @@ struct Patches {
   std::size_t count = 0;
 };
 
-/** Patches are connected by their outer vertices alone: the inner ones are taken out of the triangles. */
-Patches
-findPatches(const std::vector<Triangle>& triangles, const SurfaceVertices& vertices)
-{
+/** Patches are connected by their outer vertices alone: the inner ones are taken out of the
+ * triangles. */
+Patches findPatches(const std::vector<Triangle>& triangles, const SurfaceVertices& vertices) {
   Patches made;
   std::vector<Triangle> outer;
   for (const Triangle& t : triangles) {
@@ -146,10 +134,8 @@ findPatches(const std::vector<Triangle>& triangles, const SurfaceVertices& verti
 
 }  // namespace
 
-std::uint64_t
-closeGaps(const ProbeField& field, double width, std::vector<Triangle>& triangles,
-          SurfaceVertices& vertices)
-{
+std::uint64_t closeGaps(const ProbeField& field, double width, std::vector<Triangle>& triangles,
+                        SurfaceVertices& vertices) {
   std::vector<Loop> loops;
   std::vector<std::uint32_t> firsts, middles;
   for (Loop& loop : borderLoops(triangles, vertices.count(), field.threads)) {
@@ -176,10 +162,8 @@ closeGaps(const ProbeField& field, double width, std::vector<Triangle>& triangle
   return closed;
 }
 
-void
-dropCrumbs(const ProbeField& field, double min_points, const SurfaceVertices& vertices,
-           std::vector<Triangle>& triangles, MeshStatistics& statistics)
-{
+void dropCrumbs(const ProbeField& field, double min_points, const SurfaceVertices& vertices,
+                std::vector<Triangle>& triangles, MeshStatistics& statistics) {
   std::size_t count = 0;
   const auto component = componentsOf(triangles, vertices.count(), count);
   if (count < 2 || !(min_points > 0)) return;
@@ -214,9 +198,7 @@ dropCrumbs(const ProbeField& field, double min_points, const SurfaceVertices& ve
   triangles = std::move(kept);
 }
 
-void
-markUncovered(const ProbeField& field, double threshold, SurfaceVertices& vertices)
-{
+void markUncovered(const ProbeField& field, double threshold, SurfaceVertices& vertices) {
   forProbeBlocks(
       field, vertices.count(), [&](SurfaceProbe& probe, std::size_t first, std::size_t n) {
         for (std::size_t v = first; v < first + n; ++v) {
@@ -228,10 +210,8 @@ markUncovered(const ProbeField& field, double threshold, SurfaceVertices& vertic
       });
 }
 
-std::uint64_t
-closeHoles(const ProbeField& field, double hole_size, const std::vector<Triangle>& triangles,
-           SurfaceVertices& vertices)
-{
+std::uint64_t closeHoles(const ProbeField& field, double hole_size,
+                         const std::vector<Triangle>& triangles, SurfaceVertices& vertices) {
   if (!(hole_size > 0)) return 0;
   const Patches patches = findPatches(triangles, vertices);
   const std::vector<double> densities = densitiesAt(field, patches.vertices, vertices);
@@ -278,15 +258,11 @@ struct Cut {
   std::uint32_t vertex = 0;
 };
 
-bool
-isOutside(const SurfaceVertices& vertices, std::uint32_t v)
-{
+bool isOutside(const SurfaceVertices& vertices, std::uint32_t v) {
   return vertices.outside[v] > kBorder;
 }
 
-std::vector<Cut>
-cutsOf(const EdgeTable& table, const SurfaceVertices& vertices)
-{
+std::vector<Cut> cutsOf(const EdgeTable& table, const SurfaceVertices& vertices) {
   std::vector<Cut> cuts;
   for (const MeshEdge& edge : table.edges) {
     const bool low = isOutside(vertices, edge.low);
@@ -306,10 +282,8 @@ struct Bracket {
 
 /** Finds where on their edges the border is: false position, with steps that keep both ends moving
  * (Illinois). Vertices first + i are the places found, on the surface. */
-void
-findBorder(const ProbeField& field, std::size_t first, std::vector<Cut>& cuts,
-           SurfaceVertices& vertices)
-{
+void findBorder(const ProbeField& field, std::size_t first, std::vector<Cut>& cuts,
+                SurfaceVertices& vertices) {
   const std::size_t n = cuts.size();
   std::vector<Bracket> in(n), out(n);
   std::vector<std::uint32_t> which(n);
@@ -346,9 +320,7 @@ findBorder(const ProbeField& field, std::size_t first, std::vector<Cut>& cuts,
 }
 
 /** Brings vertices next to the border onto it. */
-void
-snap(const std::vector<Cut>& cuts, std::vector<Side>& sides, SurfaceVertices& vertices)
-{
+void snap(const std::vector<Cut>& cuts, std::vector<Side>& sides, SurfaceVertices& vertices) {
   std::vector<double> nearest(sides.size(), kSnap);
   std::vector<std::uint32_t> target(sides.size(), 0);
   for (const Cut& cut : cuts) {
@@ -376,13 +348,10 @@ class Cutter {
  public:
   Cutter(const std::vector<Cut>& cuts, const std::vector<Side>& sides,
          const SurfaceVertices& vertices)
-      : cuts_(cuts), sides_(sides), vertices_(vertices)
-  {
-  }
+      : cuts_(cuts), sides_(sides), vertices_(vertices) {}
 
   /** Appends what stays of a triangle. */
-  void add(const Triangle& t, std::vector<Triangle>& made) const
-  {
+  void add(const Triangle& t, std::vector<Triangle>& made) const {
     std::size_t inside = 0, outside = 0, first_inside = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       inside += sides_[t[k]] == Side::kInside ? 1 : 0;
@@ -409,15 +378,13 @@ class Cutter {
   }
 
  private:
-  bool mostlyInside(const Triangle& t) const
-  {
+  bool mostlyInside(const Triangle& t) const {
     int outer = 0;
     for (const std::uint32_t v : t) outer += isOutside(vertices_, v) ? 1 : 0;
     return outer < 2;
   }
 
-  std::uint32_t cutVertex(std::uint32_t a, std::uint32_t b) const
-  {
+  std::uint32_t cutVertex(std::uint32_t a, std::uint32_t b) const {
     const auto key = [](std::uint32_t p, std::uint32_t q) {
       return static_cast<std::uint64_t>(std::min(p, q)) << 32 | std::max(p, q);
     };
@@ -434,9 +401,8 @@ class Cutter {
 
 }  // namespace
 
-void
-trimAtBorder(const ProbeField& field, std::vector<Triangle>& triangles, SurfaceVertices& vertices)
-{
+void trimAtBorder(const ProbeField& field, std::vector<Triangle>& triangles,
+                  SurfaceVertices& vertices) {
   const std::size_t count = vertices.count();
   std::vector<Cut> cuts = cutsOf(EdgeTable(triangles, field.threads), vertices);
   vertices.resize(count + cuts.size());

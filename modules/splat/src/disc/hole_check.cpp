@@ -30,7 +30,8 @@ class DiscTree {
    * the largest angle of a ray to the normal. */
   DiscTree(const PointStore& store, const SplatSet& splats, double depth, double least_cosine);
 
-  /** Discs that a ray meets near a place. cosine: of its angle to the normals; near: scratch memory. */
+  /** Discs that a ray meets near a place. cosine: of its angle to the normals; near: scratch
+   * memory. */
   std::uint32_t count(const Eigen::Vector3d& place, const Eigen::Vector3d& direction, double cosine,
                       std::vector<std::uint32_t>& near) const;
 
@@ -48,8 +49,7 @@ using Eigen::Vector3d;
 
 DiscTree::DiscTree(const PointStore& store, const SplatSet& splats, double depth,
                    double least_cosine)
-    : center_(splats.size()), normal_(splats.size()), radius_(splats.size()), depth_(depth)
-{
+    : center_(splats.size()), normal_(splats.size()), radius_(splats.size()), depth_(depth) {
   Vector3d shift;
   for (std::size_t a = 0; a < 3; ++a) {
     shift[static_cast<Eigen::Index>(a)] = splats.origin[a] - store.origin()[a];
@@ -65,11 +65,9 @@ DiscTree::DiscTree(const PointStore& store, const SplatSet& splats, double depth
   tree_ = BlockTree(std::move(boxes));
 }
 
-void
-DiscTree::setBox(std::size_t i, double least_cosine, BlockTree::Level& boxes) const
-{
-  // A place whose ray, at an angle of least_cosine to the normal, pierces the disc at most radius + depth above or
-  // below is in this box.
+void DiscTree::setBox(std::size_t i, double least_cosine, BlockTree::Level& boxes) const {
+  // A place whose ray, at an angle of least_cosine to the normal, pierces the disc at most radius +
+  // depth above or below is in this box.
   const double reach = radius_[i] + (radius_[i] + depth_) / least_cosine;
   float* const low[3] = {&boxes.min_x[i], &boxes.min_y[i], &boxes.min_z[i]};
   float* const high[3] = {&boxes.max_x[i], &boxes.max_y[i], &boxes.max_z[i]};
@@ -79,10 +77,8 @@ DiscTree::setBox(std::size_t i, double least_cosine, BlockTree::Level& boxes) co
   }
 }
 
-std::uint32_t
-DiscTree::count(const Vector3d& place, const Vector3d& direction, double cosine,
-                std::vector<std::uint32_t>& near) const
-{
+std::uint32_t DiscTree::count(const Vector3d& place, const Vector3d& direction, double cosine,
+                              std::vector<std::uint32_t>& near) const {
   const float at[3] = {static_cast<float>(place[0]), static_cast<float>(place[1]),
                        static_cast<float>(place[2])};
   near.clear();
@@ -109,9 +105,7 @@ constexpr double kDepthSpacings = 2.0;
 constexpr std::uint32_t kSparse = 0xffffffffu, kRough = 0xfffffffeu;
 
 /** Random numbers that depend on nothing but the ray. */
-SplitMix
-randomOf(std::uint64_t seed, std::uint64_t ray)
-{
+SplitMix randomOf(std::uint64_t seed, std::uint64_t ray) {
   return {seed * SplitMix::kStep ^ ray << 20};
 }
 
@@ -121,17 +115,14 @@ struct Triangle {
   double longestSide() const { return std::max({(a - b).norm(), (b - c).norm(), (c - a).norm()}); }
 
   /** A place inside, every one as likely. */
-  Vector3d randomPlace(SplitMix& random) const
-  {
+  Vector3d randomPlace(SplitMix& random) const {
     const double u = std::sqrt(random.nextShare()), v = random.nextShare();
     return (1.0 - u) * a + u * (1.0 - v) * b + u * v * c;
   }
 };
 
 /** Cosine of the largest angle of a ray to the normal. */
-double
-leastCosine(const HoleCheckParams& params)
-{
+double leastCosine(const HoleCheckParams& params) {
   return std::cos(params.tilt * M_PI / 180.0);
 }
 
@@ -140,13 +131,10 @@ class Caster {
  public:
   Caster(const PointStore& store, const DiscTree& discs, const HoleCheckParams& params,
          double usual)
-      : store_(store), discs_(discs), params_(params), usual_(usual), search_(store)
-  {
-  }
+      : store_(store), discs_(discs), params_(params), usual_(usual), search_(store) {}
 
   /** Discs that one ray meets, or kSparse, or kRough. */
-  std::uint32_t cast(std::uint64_t ray)
-  {
+  std::uint32_t cast(std::uint64_t ray) {
     SplitMix random = randomOf(params_.seed, ray);
     const auto i =
         static_cast<std::size_t>(random.nextShare() * static_cast<double>(store_.size()));
@@ -167,8 +155,7 @@ class Caster {
   }
 
   /** Mean distance of a point to its neighbours; 0 where it has none. */
-  double spacing(std::size_t i)
-  {
+  double spacing(std::size_t i) {
     search_.nearest(i, kNeighbors + 1, near_, distances_sq_);
     double sum = 0;
     for (std::size_t m = 1; m < near_.size(); ++m) sum += std::sqrt(distances_sq_[m]);
@@ -176,15 +163,13 @@ class Caster {
   }
 
  private:
-  Vector3d at(std::size_t i) const
-  {
+  Vector3d at(std::size_t i) const {
     const auto p = store_.position(i);
     return {p[0], p[1], p[2]};
   }
 
   /** A point and two of its nearest others, which were found last. */
-  Triangle triangleAt(std::size_t i, std::size_t others, SplitMix& random) const
-  {
+  Triangle triangleAt(std::size_t i, std::size_t others, SplitMix& random) const {
     const auto choices = static_cast<double>(others);
     const auto j = 1 + static_cast<std::size_t>(random.nextShare() * choices);
     const auto k =
@@ -193,8 +178,7 @@ class Caster {
   }
 
   /** Mean distance to the nearest of the points found last. */
-  double meanDistance(std::size_t others) const
-  {
+  double meanDistance(std::size_t others) const {
     double mean = 0;
     for (std::size_t m = 1; m <= others; ++m) {
       mean += std::sqrt(distances_sq_[m]) / static_cast<double>(others);
@@ -204,8 +188,7 @@ class Caster {
 
   /** Spread of the points found last across their plane over the lesser spread along it; not a
    * number on a line. */
-  double thickness(Vector3d& normal) const
-  {
+  double thickness(Vector3d& normal) const {
     Vector3d mean = Vector3d::Zero();
     for (const std::uint32_t m : near_) mean += at(m);
     mean /= static_cast<double>(near_.size());
@@ -221,8 +204,7 @@ class Caster {
     return std::sqrt(across / along);
   }
 
-  static Vector3d directionAt(const Vector3d& normal, double cosine, double turn)
-  {
+  static Vector3d directionAt(const Vector3d& normal, double cosine, double turn) {
     const double sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
     const Vector3d side = normal.unitOrthogonal(), other = normal.cross(side);
     return cosine * normal + sine * (std::cos(turn) * side + std::sin(turn) * other);
@@ -237,9 +219,8 @@ class Caster {
   std::vector<float> distances_sq_;
 };
 
-double
-middleSpacing(const PointStore& store, const DiscTree& discs, const HoleCheckParams& params)
-{
+double middleSpacing(const PointStore& store, const DiscTree& discs,
+                     const HoleCheckParams& params) {
   Caster caster(store, discs, params, 0.0);
   const std::size_t samples = std::min(kSamples, store.size());
   std::vector<double> spacings(samples);
@@ -249,9 +230,7 @@ middleSpacing(const PointStore& store, const DiscTree& discs, const HoleCheckPar
   return median(spacings);
 }
 
-HoleCheck
-summed(const std::vector<std::uint32_t>& met)
-{
+HoleCheck summed(const std::vector<std::uint32_t>& met) {
   HoleCheck check;
   std::uint64_t hits = 0;
   for (const std::uint32_t count : met) {
@@ -269,9 +248,8 @@ summed(const std::vector<std::uint32_t>& met)
 
 }  // namespace
 
-Result<HoleCheck>
-checkHoles(const PointStore& store, const SplatSet& splats, const HoleCheckParams& params)
-{
+Result<HoleCheck> checkHoles(const PointStore& store, const SplatSet& splats,
+                             const HoleCheckParams& params) {
   if (!(params.tilt >= 0.0 && params.tilt <= 80.0) || !(params.density > 0.0) ||
       !(params.thickness >= 0.0)) {
     return Error{ErrorCode::kBadArgument,

@@ -14,16 +14,12 @@ namespace pcl_slim::detail {
 
 namespace {
 
-Eigen::Vector3d
-positionOf(const PointStore& store, std::size_t i)
-{
+Eigen::Vector3d positionOf(const PointStore& store, std::size_t i) {
   const auto p = store.position(i);
   return {p[0], p[1], p[2]};
 }
 
-Eigen::Vector3d
-normalOf(const PointStore& store, const std::vector<std::uint32_t>& near)
-{
+Eigen::Vector3d normalOf(const PointStore& store, const std::vector<std::uint32_t>& near) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const std::uint32_t j : near) mean += positionOf(store, j);
   mean /= static_cast<double>(near.size());
@@ -44,13 +40,10 @@ normalOf(const PointStore& store, const std::vector<std::uint32_t>& near)
 class NormalFinder {
  public:
   NormalFinder(const PointStore& store, std::size_t neighbors)
-      : store_(store), neighbors_(neighbors), search_(store)
-  {
-  }
+      : store_(store), neighbors_(neighbors), search_(store) {}
 
   /** The normals of a block's points, of either side; three floats each. */
-  void find(std::size_t block, float* normals)
-  {
+  void find(std::size_t block, float* normals) {
     const std::size_t begin = block * PointStore::kBlock;
     const std::size_t count = std::min(PointStore::kBlock, store_.size() - begin);
     findTogether(block, count);
@@ -76,9 +69,9 @@ class NormalFinder {
   static constexpr float kMargin = 1.45f;          ///< of the reach: balls are no wider
   static constexpr std::size_t kMostAround = 160;  ///< [neighbours] points around a block
 
-  /** Finds the normals of a block's points together, or of each of its parts where gaps split it. */
-  void findTogether(std::size_t block, std::size_t count)
-  {
+  /** Finds the normals of a block's points together, or of each of its parts where gaps split it.
+   */
+  void findTogether(std::size_t block, std::size_t count) {
     found_.found = 0;
     if (count < PointStore::kBlock) return;
     std::array<float, PointStore::kBlock / kRun> reaches;
@@ -98,8 +91,7 @@ class NormalFinder {
   }
 
   /** Squared distance of a block's point to the one before. */
-  float stepSq(std::size_t block, std::size_t point) const
-  {
+  float stepSq(std::size_t block, std::size_t point) const {
     const std::size_t i = block * PointStore::kBlock + point;
     const float x = store_.x()[i] - store_.x()[i - 1], y = store_.y()[i] - store_.y()[i - 1],
                 z = store_.z()[i] - store_.z()[i - 1];
@@ -107,8 +99,7 @@ class NormalFinder {
   }
 
   /** Finds the normals of chosen points of a block, which are in a box. */
-  void findWithin(std::size_t block, Box box, float reach, std::uint32_t chosen)
-  {
+  void findWithin(std::size_t block, Box box, float reach, std::uint32_t chosen) {
     for (std::size_t a = 0; a < 3; ++a) {
       box.low[a] -= kMargin * reach;
       box.high[a] += kMargin * reach;
@@ -121,8 +112,7 @@ class NormalFinder {
                                static_cast<float>(neighbors_), found_);
   }
 
-  Box boxOf(std::size_t block, std::size_t first, std::size_t last) const
-  {
+  Box boxOf(std::size_t block, std::size_t first, std::size_t last) const {
     const float* columns[3] = {store_.x(), store_.y(), store_.z()};
     const float origin[3] = {store_.blockOriginX()[block], store_.blockOriginY()[block],
                              store_.blockOriginZ()[block]};
@@ -136,10 +126,9 @@ class NormalFinder {
     return box;
   }
 
-  /** About the radius of a ball with neighbors_ points of a plane, of which a box has some: they extend by half
-   * a point's share beyond it. */
-  float reachOf(const Box& box, std::size_t points) const
-  {
+  /** About the radius of a ball with neighbors_ points of a plane, of which a box has some: they
+   * extend by half a point's share beyond it. */
+  float reachOf(const Box& box, std::size_t points) const {
     std::array<float, 3> sides;
     for (std::size_t a = 0; a < 3; ++a) sides[a] = box.high[a] - box.low[a];
     std::sort(sides.begin(), sides.end());
@@ -159,10 +148,8 @@ class NormalFinder {
 };
 
 /** Turns the normals of a block's points to what they face. */
-void
-faceSensors(const PointStore& store, const Eigen::Vector3d& eye, std::size_t begin, std::size_t end,
-            float* normals)
-{
+void faceSensors(const PointStore& store, const Eigen::Vector3d& eye, std::size_t begin,
+                 std::size_t end, float* normals) {
   for (std::size_t i = begin; i < end; ++i) {
     Eigen::Map<Eigen::Vector3f> n(normals + 3 * i);
     Eigen::Vector3d sensor = eye;
@@ -176,10 +163,8 @@ faceSensors(const PointStore& store, const Eigen::Vector3d& eye, std::size_t beg
 
 }  // namespace
 
-std::vector<float>
-estimateNormals(const PointStore& store, const CloudView& cloud, int neighbors,
-                const double viewpoint[3], int threads)
-{
+std::vector<float> estimateNormals(const PointStore& store, const CloudView& cloud, int neighbors,
+                                   const double viewpoint[3], int threads) {
   threads = resolveThreads(threads);
   Eigen::Vector3d eye;
   for (int a = 0; a < 3; ++a) {

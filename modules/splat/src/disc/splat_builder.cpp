@@ -28,9 +28,7 @@ using Vector = std::array<double, 3>;
 
 /** Distance from the disc's centre. In a flat cell it is the distance in the disc's plane; where
  * normals differ, points above or below widen the disc, as rays pass there aslant. */
-double
-distanceSq(const std::array<float, 3>& center, const Vector& point)
-{
+double distanceSq(const std::array<float, 3>& center, const Vector& point) {
   double sq = 0;
   for (std::size_t a = 0; a < 3; ++a) sq += (point[a] - center[a]) * (point[a] - center[a]);
   return sq;
@@ -41,16 +39,13 @@ class NeighborReach {
  public:
   NeighborReach(const OctreeCloud& cloud, const std::vector<std::array<float, 3>>& centers,
                 const std::vector<std::uint32_t>& disc_of, const PointStore& store, double widest)
-      : cloud_(cloud), centers_(centers), disc_of_(disc_of), store_(store), widest_(widest)
-  {
-  }
+      : cloud_(cloud), centers_(centers), disc_of_(disc_of), store_(store), widest_(widest) {}
 
   std::uint32_t discOf(std::size_t stored) const { return disc_of_[store_.orderOfStore()[stored]]; }
 
   /** Radius that the disc of a stored point needs for it. */
   double reach(std::size_t stored, NeighborSearch& search, std::vector<std::uint32_t>& near,
-               std::vector<float>& distances_sq) const
-  {
+               std::vector<float>& distances_sq) const {
     const double unit = store_.scale() * cloud_.frame().scale;
     const std::uint32_t disc = discOf(stored);
     const Vector p = position(stored);
@@ -71,8 +66,7 @@ class NeighborReach {
 
  private:
   /** In root cells. */
-  Vector position(std::size_t stored) const
-  {
+  Vector position(std::size_t stored) const {
     const auto local = store_.position(stored);
     Vector p;
     for (std::size_t a = 0; a < 3; ++a) {
@@ -92,10 +86,8 @@ class NeighborReach {
 
 }  // namespace
 
-double
-cornerRadius(const std::array<double, 3>& point, const std::array<double, 3>& cube_center,
-             double edge)
-{
+double cornerRadius(const std::array<double, 3>& point, const std::array<double, 3>& cube_center,
+                    double edge) {
   double sq = 0;
   for (std::size_t a = 0; a < 3; ++a) {
     const double d = 0.5 * edge + std::abs(point[a] - cube_center[a]);
@@ -104,9 +96,7 @@ cornerRadius(const std::array<double, 3>& point, const std::array<double, 3>& cu
   return std::sqrt(sq);
 }
 
-double
-widestSpacing(std::vector<CellSpacing>& cells)
-{
+double widestSpacing(std::vector<CellSpacing>& cells) {
   std::sort(cells.begin(), cells.end(), [](const CellSpacing& a, const CellSpacing& b) {
     return a.spacing != b.spacing ? a.spacing < b.spacing : a.points < b.points;
   });
@@ -119,18 +109,15 @@ widestSpacing(std::vector<CellSpacing>& cells)
   return 0.0;
 }
 
-double
-densityRadius(double reach, double points, double bend, double spacing, double widest)
-{
+double densityRadius(double reach, double points, double bend, double spacing, double widest) {
   const double margin = kMargin + kMarginOfFew / std::sqrt(points) + kMarginOfBend * bend;
   return reach + margin * std::min(spacing, widest);
 }
 
-std::vector<float>
-neighborRadii(const OctreeCloud& cloud, const std::vector<std::array<float, 3>>& centers,
-              const std::vector<std::uint32_t>& disc_of, const PointStore& store, double widest,
-              int threads)
-{
+std::vector<float> neighborRadii(const OctreeCloud& cloud,
+                                 const std::vector<std::array<float, 3>>& centers,
+                                 const std::vector<std::uint32_t>& disc_of, const PointStore& store,
+                                 double widest, int threads) {
   std::vector<float> radii(centers.size(), 0.0f);
   if (!(cloud.cell() > 0)) return radii;
   const NeighborReach neighbors(cloud, centers, disc_of, store, widest);
@@ -162,24 +149,18 @@ constexpr double kAgree = 0.1;              ///< variance of normals up to which
 constexpr std::size_t kPlanePoints = 16;    ///< on either side, for a cell without normals
 constexpr std::size_t kGradientPoints = 6;  ///< with fewer a slope cannot be separated from noise
 
-Matrix3d
-matrixOf(const Symmetric3<double>& m)
-{
+Matrix3d matrixOf(const Symmetric3<double>& m) {
   Matrix3d s;
   s << m[kXX], m[kXY], m[kXZ], m[kXY], m[kYY], m[kYZ], m[kXZ], m[kYZ], m[kZZ];
   return s;
 }
 
-Vector3d
-vectorOf(const std::array<float, 3>& v)
-{
+Vector3d vectorOf(const std::array<float, 3>& v) {
   return {v[0], v[1], v[2]};
 }
 
 /** Largest eigenvector of sum n n^T, on the side of the normals' sum. */
-Vector3d
-widestAxis(const CellSums& sums)
-{
+Vector3d widestAxis(const CellSums& sums) {
   const Vector3d sum(sums.normal[0], sums.normal[1], sums.normal[2]);
   Eigen::SelfAdjointEigenSolver<Matrix3d> solver(matrixOf(sums.product));
   const Vector3d n = solver.eigenvectors().col(2);
@@ -187,9 +168,7 @@ widestAxis(const CellSums& sums)
 }
 
 /** Normal of the plane through the points around a cell, as far as the window contains them. */
-Vector3d
-planeNormal(const PointWindow& window, const OctreeCell& cell)
-{
+Vector3d planeNormal(const PointWindow& window, const OctreeCell& cell) {
   std::size_t begin = cell.begin, end = cell.end;
   if (end - begin < 3) {
     begin = std::max(window.begin() + kPlanePoints, begin) - kPlanePoints;
@@ -208,9 +187,7 @@ planeNormal(const PointWindow& window, const OctreeCell& cell)
 }
 
 /** Of a cell without one axis. */
-DiscNormal
-unevenNormal(const PointWindow& window, const OctreeCell& cell, const CellSums& sums)
-{
+DiscNormal unevenNormal(const PointWindow& window, const OctreeCell& cell, const CellSums& sums) {
   const double total = sums.normals();
   const bool any = total > 0.5;
   const Vector3d n = any ? widestAxis(sums) : planeNormal(window, cell);
@@ -227,10 +204,8 @@ struct ColorSlope {
 
 /** Least squares, less the share that noise alone explains. \return false where points on a line,
  * or in one place, determine no slope. */
-bool
-fitColorSlope(const PointWindow& window, const OctreeCell& cell, const CellSums& sums,
-              const Vector3d& normal, double noise, ColorSlope& color)
-{
+bool fitColorSlope(const PointWindow& window, const OctreeCell& cell, const CellSums& sums,
+                   const Vector3d& normal, double noise, ColorSlope& color) {
   const Vector3d center =
       Vector3d(sums.position[0], sums.position[1], sums.position[2]) / sums.count;
   const Vector3d mean = Vector3d(sums.lab[0], sums.lab[1], sums.lab[2]) / sums.count;
@@ -258,11 +233,9 @@ constexpr std::size_t kSpacingCells = 1024;  ///< cells for the middle spacing
 constexpr double kNoiseSlack = 2.0;  ///< times the variance of noisy normals that is not bend
 constexpr double kFollowed = 2.0;    ///< reach of gradients over that of their points
 
-/** Spacing around a cell with too few points for its own: that of the smallest cell of roots around it with
- * enough points, of those in the window that kSpacingReach allows. */
-double
-spacingAround(const OctreeCloud& cloud, const PointWindow& window, const OctreeCell& cell)
-{
+/** Spacing around a cell with too few points for its own: that of the smallest cell of roots around
+ * it with enough points, of those in the window that kSpacingReach allows. */
+double spacingAround(const OctreeCloud& cloud, const PointWindow& window, const OctreeCell& cell) {
   const std::size_t r = cloud.rootOf(cell.begin);
   const std::size_t low =
       std::max<std::size_t>(window.begin() + kSpacingReach, cell.begin) - kSpacingReach;
@@ -284,9 +257,7 @@ spacingAround(const OctreeCloud& cloud, const PointWindow& window, const OctreeC
 
 /** Axes along which cells' normals agree, on the side of their sum; those of the planes through the
  * points around where none has one. */
-std::vector<DiscNormal>
-discNormals(const PointWindow& window, const CellBatch& batch)
-{
+std::vector<DiscNormal> discNormals(const PointWindow& window, const CellBatch& batch) {
   std::vector<double> rows(4 * batch.size());
   std::vector<DiscNormal> normals(batch.size());
   splat_kernels::commonNormals(&batch.sums.data()->count, batch.size(), kAgree, rows.data());
@@ -305,9 +276,8 @@ struct DiscReach {
   float farthest;
 };
 
-DiscReach
-discReach(const PointWindow& window, const OctreeCell& cell, const std::array<float, 3>& center)
-{
+DiscReach discReach(const PointWindow& window, const OctreeCell& cell,
+                    const std::array<float, 3>& center) {
   std::size_t nearest = 0;
   const float farthest = splat_kernels::farthestAndNearest(
       window.column(PointWindow::kX, cell.begin), window.column(PointWindow::kY, cell.begin),
@@ -318,10 +288,9 @@ discReach(const PointWindow& window, const OctreeCell& cell, const std::array<fl
 /** How colour changes across a disc: least squares of Lab over its plane, less the share that noise
  * alone explains, as differences of display colours from one rim of the points to the other.
  * edge: world units of a root cell. */
-SplatSet::Gradient
-discGradient(const PointWindow& window, const OctreeCell& cell, const CellSums& sums,
-             const std::array<double, 3>& normal, const LabTable& table, double noise, double edge)
-{
+SplatSet::Gradient discGradient(const PointWindow& window, const OctreeCell& cell,
+                                const CellSums& sums, const std::array<double, 3>& normal,
+                                const LabTable& table, double noise, double edge) {
   SplatSet::Gradient gradient{};
   if (cell.end - cell.begin < kGradientPoints) return gradient;
   ColorSlope color;
@@ -355,14 +324,11 @@ SplatBuilder::SplatBuilder(const OctreeCloud& cloud, const OctreeSource& source,
       params_(params),
       color_noise_(noise.color),
       normal_noise_(noise.normal),
-      slices_(slices)
-{
+      slices_(slices) {
   if (params.radius == RadiusRule::kNeighbors) disc_of_.resize(source.cloud.count());
 }
 
-void
-SplatBuilder::add(std::size_t slice, const PointWindow& window, const CellBatch& batch)
-{
+void SplatBuilder::add(std::size_t slice, const PointWindow& window, const CellBatch& batch) {
   Slice out;  // not in its place yet: other threads write to its neighbours
   out.rows.reserve(batch.size());
   const std::vector<DiscNormal> normals = discNormals(window, batch);
@@ -383,10 +349,8 @@ SplatBuilder::add(std::size_t slice, const PointWindow& window, const CellBatch&
 }
 
 /** Remembers which disc each point of a cell belongs to, where radii are found by that. */
-void
-SplatBuilder::note(std::size_t slice, const PointWindow& window, const OctreeCell& cell,
-                   const Slice& out)
-{
+void SplatBuilder::note(std::size_t slice, const PointWindow& window, const OctreeCell& cell,
+                        const Slice& out) {
   for (std::size_t i = cell.begin; i < cell.end && !disc_of_.empty(); ++i) {
     disc_of_[window.order(i)] = {static_cast<std::uint32_t>(slice),
                                  static_cast<std::uint32_t>(out.rows.size())};
@@ -394,10 +358,8 @@ SplatBuilder::note(std::size_t slice, const PointWindow& window, const OctreeCel
 }
 
 /** A cell's disc. normal becomes the kept point's own in paper mode. */
-SplatBuilder::Row
-SplatBuilder::rowOf(const PointWindow& window, const OctreeCell& cell, const CellSums& sums,
-                    DiscNormal& normal) const
-{
+SplatBuilder::Row SplatBuilder::rowOf(const PointWindow& window, const OctreeCell& cell,
+                                      const CellSums& sums, DiscNormal& normal) const {
   Row row;
   for (std::size_t a = 0; a < 3; ++a) {
     row.center[a] = static_cast<float>(sums.position[a] / sums.count);
@@ -424,36 +386,30 @@ SplatBuilder::rowOf(const PointWindow& window, const OctreeCell& cell, const Cel
   return row;
 }
 
-std::array<float, 3>
-SplatBuilder::cubeCenter(const PointWindow& window, const OctreeCell& cell) const
-{
+std::array<float, 3> SplatBuilder::cubeCenter(const PointWindow& window,
+                                              const OctreeCell& cell) const {
   const auto center = cloud_.center(window.position(cell.begin), cell.shift);
   return {static_cast<float>(center[0]), static_cast<float>(center[1]),
           static_cast<float>(center[2])};
 }
 
 /** Paper mode: the disc is at the kept point, with its normal if it has one. */
-void
-SplatBuilder::takePoint(const PointWindow& window, std::size_t point, Row& row, DiscNormal& normal)
-{
+void SplatBuilder::takePoint(const PointWindow& window, std::size_t point, Row& row,
+                             DiscNormal& normal) {
   row.center = window.position(point);
   const auto own = window.normal(point);
   const float sq = own[0] * own[0] + own[1] * own[1] + own[2] * own[2];
   for (std::size_t a = 0; a < 3 && sq > 0.5f; ++a) normal.normal[a] = own[a];
 }
 
-SplatSet::Gradient
-SplatBuilder::gradientOf(const PointWindow& window, const OctreeCell& cell, const CellSums& sums,
-                         const DiscNormal& normal) const
-{
+SplatSet::Gradient SplatBuilder::gradientOf(const PointWindow& window, const OctreeCell& cell,
+                                            const CellSums& sums, const DiscNormal& normal) const {
   if (!source_.colors.bgr) return {};
   return discGradient(window, cell, sums, normal.normal, source_.table, color_noise_,
                       cloud_.cell());
 }
 
-std::uint32_t
-SplatBuilder::colorOf(const CellSums& sums, std::size_t input) const
-{
+std::uint32_t SplatBuilder::colorOf(const CellSums& sums, std::size_t input) const {
   if (!source_.colors.bgr) return 0xffffffu;
   if (params_.color == SplatColor::kOwn || sums.count < 2) {
     const unsigned char* bgr =
@@ -466,9 +422,7 @@ SplatBuilder::colorOf(const CellSums& sums, std::size_t input) const
   return static_cast<std::uint32_t>(rgb[0] << 16 | rgb[1] << 8 | rgb[2]);
 }
 
-void
-SplatBuilder::count(SplatStatistics& statistics) const
-{
+void SplatBuilder::count(SplatStatistics& statistics) const {
   for (const Slice& slice : slices_) {
     statistics.splats += slice.rows.size();
     statistics.single_points += slice.single_points;
@@ -477,9 +431,7 @@ SplatBuilder::count(SplatStatistics& statistics) const
 }
 
 /** Widest spacing by some thousand cells, whose median is close to that of all. */
-double
-SplatBuilder::widest() const
-{
+double SplatBuilder::widest() const {
   std::size_t total = 0, number = 0;
   for (const Slice& slice : slices_) total += slice.rows.size();
   const std::size_t stride = std::max<std::size_t>(1, total / kSpacingCells);
@@ -495,9 +447,7 @@ SplatBuilder::widest() const
   return widestSpacing(cells);
 }
 
-std::vector<float>
-SplatBuilder::neighborRadiiOf(const PointStore& store, double widest) const
-{
+std::vector<float> SplatBuilder::neighborRadiiOf(const PointStore& store, double widest) const {
   std::vector<std::uint32_t> first(1, 0), disc_of(disc_of_.size());
   std::vector<std::array<float, 3>> centers;
   for (const Slice& slice : slices_) {
@@ -510,18 +460,14 @@ SplatBuilder::neighborRadiiOf(const PointStore& store, double widest) const
 }
 
 /** Radius of a disc in root cells. */
-double
-SplatBuilder::radiusOf(const Row& row, double widest) const
-{
+double SplatBuilder::radiusOf(const Row& row, double widest) const {
   if (params_.radius != RadiusRule::kDensity) return row.reach;
   const double bend = std::sqrt(std::max(0.0, row.normal_variance - kNoiseSlack * normal_noise_));
   return densityRadius(row.reach, row.confidence, bend, row.spacing, widest);
 }
 
 /** Writes one disc in world units. */
-void
-SplatBuilder::write(const Row& row, double radius, std::size_t i, SplatSet& splats) const
-{
+void SplatBuilder::write(const Row& row, double radius, std::size_t i, SplatSet& splats) const {
   const auto cell = static_cast<float>(cloud_.cell());
   splats.x[i] = row.center[0] * cell;
   splats.y[i] = row.center[1] * cell;
@@ -536,9 +482,7 @@ SplatBuilder::write(const Row& row, double radius, std::size_t i, SplatSet& spla
   splats.kept[i] = row.kept;
 }
 
-void
-SplatBuilder::finish(const PointStore* store, SplatSet& splats, SplatStatistics& statistics)
-{
+void SplatBuilder::finish(const PointStore* store, SplatSet& splats, SplatStatistics& statistics) {
   count(statistics);
   const double widest_spacing = widest();
   statistics.spacing = widest_spacing / kWidest * cloud_.cell();

@@ -70,14 +70,13 @@ class SplatBuilder {
   std::vector<std::array<std::uint32_t, 2>> disc_of_;  ///< slice and row of each point, by order
 };
 
-/** Normals from the principal axes of about k neighbours of each point, facing the sensors of the store or,
- * without any, viewpoint; three floats for each point of the view, zero for those not selected or not finite.
- * store: the same points.
+/** Normals from the principal axes of about k neighbours of each point, facing the sensors of the
+ * store or, without any, viewpoint; three floats for each point of the view, zero for those not
+ * selected or not finite. store: the same points.
  *
- * Neighbours are those in a ball whose radius follows the local density, for 16 points of Morton order
- * together; where it has fewer than .6 k or more than 1.7 k, the k nearest. */
-std::vector<float>
-estimateNormals(const PointStore& store, const CloudView& cloud, int neighbors,
-                const double viewpoint[3], int threads);
+ * Neighbours are those in a ball whose radius follows the local density, for 16 points of Morton
+ * order together; where it has fewer than .6 k or more than 1.7 k, the k nearest. */
+std::vector<float> estimateNormals(const PointStore& store, const CloudView& cloud, int neighbors,
+                                   const double viewpoint[3], int threads);
 
 }  // namespace pcl_slim::detail

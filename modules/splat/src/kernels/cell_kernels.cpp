@@ -17,10 +17,8 @@ namespace pcl_slim::detail::splat_kernels::HWY_NAMESPACE {
 
 using Quad = hn::CappedTag<double, 4>;
 
-float
-farthestAndNearest(const float* x, const float* y, const float* z, std::size_t n,
-                   const float center[3], std::size_t& nearest)
-{
+float farthestAndNearest(const float* x, const float* y, const float* z, std::size_t n,
+                         const float center[3], std::size_t& nearest) {
   const hn::CappedTag<float, 4> d;
   const hn::RebindToSigned<decltype(d)> di;
   const auto lanes = static_cast<std::int32_t>(hn::Lanes(d));
@@ -55,9 +53,7 @@ farthestAndNearest(const float* x, const float* y, const float* z, std::size_t n
 #if HWY_TARGET != HWY_SCALAR
 /** Sums of four vectors of four, as ((0 + 1) + (2 + 3)) each. */
 template <typename V>
-V
-sumsOfFour(Quad d, V a, V b, V c, V e)
-{
+V sumsOfFour(Quad d, V a, V b, V c, V e) {
   const auto ab = InterleaveLower(d, a, b) + InterleaveUpper(d, a, b);
   const auto ce = InterleaveLower(d, c, e) + InterleaveUpper(d, c, e);
   return ConcatLowerLower(d, ce, ab) + ConcatUpperUpper(d, ce, ab);
@@ -66,10 +62,8 @@ sumsOfFour(Quad d, V a, V b, V c, V e)
 
 /** A vector's lanes, from part on, of four sums of everything: point i counts in lane i % 4.
  * quads: where vectors are shorter than four, the lanes; else the sums of all four. */
-void
-sumLanes(const float* const columns[9], std::size_t n, std::size_t part, double (*quads)[4],
-         [[maybe_unused]] double sums[kNumSums])
-{
+void sumLanes(const float* const columns[9], std::size_t n, std::size_t part, double (*quads)[4],
+              [[maybe_unused]] double sums[kNumSums]) {
   const Quad d;
   const hn::Rebind<float, Quad> df;
   auto x1 = Zero(d), y1 = x1, z1 = x1, p2 = x1, u1 = x1, v1 = x1, w1 = x1, uu = x1, uv = x1,
@@ -122,15 +116,11 @@ sumLanes(const float* const columns[9], std::size_t n, std::size_t part, double 
   put(13, l1), put(14, a1), put(15, b1), put(16, c2);
 }
 
-double
-sumOfQuad(const double quad[4])
-{
+double sumOfQuad(const double quad[4]) {
   return (quad[0] + quad[1]) + (quad[2] + quad[3]);
 }
 
-void
-sumPoints(const float* const columns[9], std::size_t n, double sums[kNumSums])
-{
+void sumPoints(const float* const columns[9], std::size_t n, double sums[kNumSums]) {
   double quads[kNumSums][4];
   const std::size_t lanes = hn::Lanes(Quad());
   for (std::size_t part = 0; part < 4; part += lanes) sumLanes(columns, n, part, quads, sums);
@@ -144,31 +134,26 @@ using CellVector = hn::Vec<Doubles>;
 struct Symmetric {
   CellVector m[6];
 
-  Symmetric squared() const
-  {
+  Symmetric squared() const {
     const auto [a, b, c, d, e, f] = m;
     return {{dot(a, a, b, b, c, c), dot(a, b, b, d, c, e), dot(a, c, b, e, c, f),
              dot(b, b, d, d, e, e), dot(b, c, d, e, e, f), dot(c, c, e, e, f, f)}};
   }
 
   /** Row of the product with a vector. */
-  CellVector times(int row, CellVector x, CellVector y, CellVector z) const
-  {
+  CellVector times(int row, CellVector x, CellVector y, CellVector z) const {
     const SymmetricEntry* at = kSymmetricEntry[row];
     return dot(m[at[0]], x, m[at[1]], y, m[at[2]], z);
   }
 
   static CellVector dot(CellVector a, CellVector b, CellVector c, CellVector d, CellVector e,
-                        CellVector f)
-  {
+                        CellVector f) {
     return a * b + c * d + e * f;
   }
 };
 
 /** det(t I - m). */
-CellVector
-characteristic(const Symmetric& s, CellVector t)
-{
+CellVector characteristic(const Symmetric& s, CellVector t) {
   const auto a = t - s.m[kXX], b = t - s.m[kYY], c = t - s.m[kZZ];
   const auto d = s.m[kXY], e = s.m[kXZ], f = s.m[kYZ];
   const auto first = a * (b * c - f * f);
@@ -177,12 +162,10 @@ characteristic(const Symmetric& s, CellVector t)
   return first - second - third;
 }
 
-/** Whether normals have one axis: they are along a line (CellSums::unorientedAbove) and their sum is
- * at least half of what it would be if they shared one side. */
-hn::Mask<Doubles>
-haveOneAxis(const Symmetric& whole, CellVector total, CellVector sum_sq, CellVector count,
-            double widest)
-{
+/** Whether normals have one axis: they are along a line (CellSums::unorientedAbove) and their sum
+ * is at least half of what it would be if they shared one side. */
+hn::Mask<Doubles> haveOneAxis(const Symmetric& whole, CellVector total, CellVector sum_sq,
+                              CellVector count, double widest) {
   const Doubles d;
   const auto value = characteristic(whole, total * Set(d, 1.0 - widest));
   const auto cube = total * total * total;
@@ -192,9 +175,7 @@ haveOneAxis(const Symmetric& whole, CellVector total, CellVector sum_sq, CellVec
   return And(And(one_line, one_side), total > Set(d, 0.5));
 }
 
-void
-commonNormals(const double* cells, std::size_t n, double widest, double* normals)
-{
+void commonNormals(const double* cells, std::size_t n, double widest, double* normals) {
   const Doubles d;
   const hn::RebindToSigned<Doubles> di;
   constexpr int kNormal = 5, kProduct = 8;
@@ -241,24 +222,18 @@ HWY_AFTER_NAMESPACE();
 namespace pcl_slim::detail::splat_kernels {
 
 HWY_EXPORT(farthestAndNearest);
-float
-farthestAndNearest(const float* x, const float* y, const float* z, std::size_t n,
-                   const float center[3], std::size_t& nearest)
-{
+float farthestAndNearest(const float* x, const float* y, const float* z, std::size_t n,
+                         const float center[3], std::size_t& nearest) {
   return HWY_DYNAMIC_DISPATCH(farthestAndNearest)(x, y, z, n, center, nearest);
 }
 
 HWY_EXPORT(sumPoints);
-void
-sumPoints(const float* const columns[9], std::size_t n, double sums[kNumSums])
-{
+void sumPoints(const float* const columns[9], std::size_t n, double sums[kNumSums]) {
   HWY_DYNAMIC_DISPATCH(sumPoints)(columns, n, sums);
 }
 
 HWY_EXPORT(commonNormals);
-void
-commonNormals(const double* cells, std::size_t n, double widest, double* normals)
-{
+void commonNormals(const double* cells, std::size_t n, double widest, double* normals) {
   HWY_DYNAMIC_DISPATCH(commonNormals)(cells, n, widest, normals);
 }
 

@@ -18,11 +18,9 @@ using Vec = hn::Vec<Floats>;
 using Mask = hn::Mask<Floats>;
 using kernels::HWY_NAMESPACE::LanePacking;
 
-void
-gatherSurroundings(const PointStore& store, std::size_t block,
-                   const std::vector<std::uint32_t>& blocks, const float low[3],
-                   const float high[3], BlockSurroundings& points)
-{
+void gatherSurroundings(const PointStore& store, std::size_t block,
+                        const std::vector<std::uint32_t>& blocks, const float low[3],
+                        const float high[3], BlockSurroundings& points) {
   const Floats d;
   const std::size_t room = (blocks.size() + 2) * PointStore::kBlock;
   if (points.x.size() < room)
@@ -54,8 +52,7 @@ gatherSurroundings(const PointStore& store, std::size_t block,
 struct Offsets {
   Vec x, y, z, square;
 
-  HWY_INLINE Offsets(const BlockSurroundings& points, std::size_t k, const Vec (&center)[3])
-  {
+  HWY_INLINE Offsets(const BlockSurroundings& points, std::size_t k, const Vec (&center)[3]) {
     const Floats d;
     x = Set(d, points.x[k]) - center[0];
     y = Set(d, points.y[k]) - center[1];
@@ -64,10 +61,10 @@ struct Offsets {
   }
 };
 
-/** Squared radii, at most a limit, of balls with k points at the density of those that have some. */
-HWY_INLINE Vec
-rescaled(const BlockSurroundings& points, const Vec (&center)[3], Vec reach_sq, Vec k, Vec most_sq)
-{
+/** Squared radii, at most a limit, of balls with k points at the density of those that have some.
+ */
+HWY_INLINE Vec rescaled(const BlockSurroundings& points, const Vec (&center)[3], Vec reach_sq,
+                        Vec k, Vec most_sq) {
   const Floats d;
   const auto one = Set(d, 1.0f);
   auto count = Zero(d);
@@ -82,8 +79,7 @@ rescaled(const BlockSurroundings& points, const Vec (&center)[3], Vec reach_sq, 
 struct Covariance {
   Vec xx, xy, xz, yy, yz, zz, count;
 
-  HWY_INLINE Covariance(const BlockSurroundings& points, const Vec (&center)[3], Vec reach_sq)
-  {
+  HWY_INLINE Covariance(const BlockSurroundings& points, const Vec (&center)[3], Vec reach_sq) {
     const Floats d;
     const auto one = Set(d, 1.0f);
     auto x = Zero(d), y = Zero(d), z = Zero(d);
@@ -117,8 +113,7 @@ struct Covariance {
   }
 
   /** The least eigenvalue: Newton's steps from 0 rise to it. */
-  HWY_INLINE Vec leastEigenvalue() const
-  {
+  HWY_INLINE Vec leastEigenvalue() const {
     constexpr int kSteps = 12;
     const Floats d;
     const auto product = [](Vec a, Vec b, Vec c) HWY_ATTR { return a * b * c; };
@@ -143,17 +138,13 @@ struct Vectors {
   Vec x, y, z;
 };
 
-HWY_INLINE Vectors
-crossed(const Vectors& a, const Vectors& b)
-{
+HWY_INLINE Vectors crossed(const Vectors& a, const Vectors& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
 /** The longest cross product of two rows of C - root I, which is its null vector.
  * \param[out] square of its length */
-HWY_INLINE Vectors
-nullVector(const Covariance& c, Vec root, Vec& square)
-{
+HWY_INLINE Vectors nullVector(const Covariance& c, Vec root, Vec& square) {
   const Vectors rows[3] = {
       {c.xx - root, c.xy, c.xz}, {c.xy, c.yy - root, c.yz}, {c.xz, c.yz, c.zz - root}};
   Vectors longest = crossed(rows[0], rows[1]);
@@ -171,19 +162,15 @@ nullVector(const Covariance& c, Vec root, Vec& square)
 }
 
 /** Stores the lanes of some bits. */
-HWY_INLINE void
-blend(Vec values, std::uint32_t lanes, float* to)
-{
+HWY_INLINE void blend(Vec values, std::uint32_t lanes, float* to) {
   const Floats d;
   HWY_ALIGN float all[HWY_MAX_BYTES / 4];
   Store(values, d, all);
   for (; lanes != 0; lanes &= lanes - 1) to[__builtin_ctz(lanes)] = all[__builtin_ctz(lanes)];
 }
 
-void
-findNormals(const PointStore& store, std::size_t block, const BlockSurroundings& points,
-            std::uint32_t chosen, float reach, float most, float k, BlockNormals& normals)
-{
+void findNormals(const PointStore& store, std::size_t block, const BlockSurroundings& points,
+                 std::uint32_t chosen, float reach, float most, float k, BlockNormals& normals) {
   const Floats d;
   const auto wanted = Set(d, k), most_sq = Set(d, most * most);
   for (std::size_t lane = 0; lane < PointStore::kBlock; lane += hn::Lanes(d)) {
@@ -217,18 +204,14 @@ namespace pcl_slim::detail::splat_kernels {
 HWY_EXPORT(gatherSurroundings);
 HWY_EXPORT(findNormals);
 
-void
-gatherSurroundings(const PointStore& store, std::size_t block,
-                   const std::vector<std::uint32_t>& blocks, const float low[3],
-                   const float high[3], BlockSurroundings& points)
-{
+void gatherSurroundings(const PointStore& store, std::size_t block,
+                        const std::vector<std::uint32_t>& blocks, const float low[3],
+                        const float high[3], BlockSurroundings& points) {
   HWY_DYNAMIC_DISPATCH(gatherSurroundings)(store, block, blocks, low, high, points);
 }
 
-void
-findNormals(const PointStore& store, std::size_t block, const BlockSurroundings& points,
-            std::uint32_t chosen, float reach, float most, float k, BlockNormals& normals)
-{
+void findNormals(const PointStore& store, std::size_t block, const BlockSurroundings& points,
+                 std::uint32_t chosen, float reach, float most, float k, BlockNormals& normals) {
   HWY_DYNAMIC_DISPATCH(findNormals)(store, block, points, chosen, reach, most, k, normals);
 }
 

@@ -15,10 +15,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace pcl_slim::detail::splat_kernels::HWY_NAMESPACE {
 
-bool
-boxOfPoints(const unsigned char* first, std::size_t stride, std::size_t n, float low[3],
-            float high[3])
-{
+bool boxOfPoints(const unsigned char* first, std::size_t stride, std::size_t n, float low[3],
+                 float high[3]) {
   const hn::CappedTag<float, 4> d;
   // As many axes at a time as a vector has lanes; lanes behind the third axis are ignored.
   for (std::size_t axis = 0; axis < 3; axis += hn::Lanes(d)) {
@@ -43,10 +41,8 @@ boxOfPoints(const unsigned char* first, std::size_t stride, std::size_t n, float
   return true;
 }
 
-void
-gatherVectors(const unsigned char* first, std::size_t stride, const std::uint32_t* points,
-              std::size_t n, float* x, float* y, float* z)
-{
+void gatherVectors(const unsigned char* first, std::size_t stride, const std::uint32_t* points,
+                   std::size_t n, float* x, float* y, float* z) {
   for (std::size_t k = 0; k < n; k += 4) {
     const float* p[4];
     for (std::size_t i = 0; i < 4; ++i) {
@@ -67,9 +63,7 @@ gatherVectors(const unsigned char* first, std::size_t stride, const std::uint32_
   }
 }
 
-void
-toCells(const OctreeFrame& frame, float* x, float* y, float* z, std::size_t n)
-{
+void toCells(const OctreeFrame& frame, float* x, float* y, float* z, std::size_t n) {
   const Doubles d;
   const HalfFloats df;
   const auto scale = Set(d, frame.scale);
@@ -87,9 +81,7 @@ toCells(const OctreeFrame& frame, float* x, float* y, float* z, std::size_t n)
 
 /** Two zero bits behind each of the low 21 bits. */
 template <typename V>
-V
-spread(Words d, V v)
-{
+V spread(Words d, V v) {
   const auto step = [d](V bits, int shift, std::uint64_t mask) {
     return (bits | ShiftLeftSame(bits, shift)) & Set(d, mask);
   };
@@ -101,9 +93,7 @@ spread(Words d, V v)
 }
 
 /** Codes of as many positions as a vector has lanes, times a power of two. */
-hn::Vec<Words>
-mortonCodes(const float* x, const float* y, const float* z, float scale)
-{
+hn::Vec<Words> mortonCodes(const float* x, const float* y, const float* z, float scale) {
   const Words d;
   const hn::Rebind<float, Words> df;
   const hn::Rebind<std::int32_t, Words> di;
@@ -115,10 +105,8 @@ mortonCodes(const float* x, const float* y, const float* z, float scale)
   return hn::ShiftLeft<2>(cell(x)) | (hn::ShiftLeft<1>(cell(y)) | cell(z));
 }
 
-void
-mortonKeys(const float* x, const float* y, const float* z, std::size_t n, int depth,
-           std::uint64_t* keys)
-{
+void mortonKeys(const float* x, const float* y, const float* z, std::size_t n, int depth,
+                std::uint64_t* keys) {
   const Words d;
   const auto scale = static_cast<float>(1 << depth);
   for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {
@@ -128,9 +116,7 @@ mortonKeys(const float* x, const float* y, const float* z, std::size_t n, int de
 
 /** Cube root of q from 216/24389 on, the tangent line below (CIE 15). */
 template <typename V>
-V
-labRoot(Floats d, V q)
-{
+V labRoot(Floats d, V q) {
   const auto threshold = Set(d, 216.0f / 24389.0f);
   const hn::RebindToSigned<Floats> di;
   const auto high = Max(q, threshold);
@@ -148,9 +134,7 @@ labRoot(Floats d, V q)
   return IfThenElse(q > threshold, root, line);
 }
 
-void
-labOfLinear(const float to_xyz[9], float* r, float* g, float* b, std::size_t n)
-{
+void labOfLinear(const float to_xyz[9], float* r, float* g, float* b, std::size_t n) {
   const Floats d;
   for (std::size_t i = 0; i < n; i += hn::Lanes(d)) {
     const auto red = Load(d, r + i), green = Load(d, g + i), blue = Load(d, b + i);
@@ -165,9 +149,7 @@ labOfLinear(const float to_xyz[9], float* r, float* g, float* b, std::size_t n)
   }
 }
 
-void
-normalizeOne(float& x, float& y, float& z)
-{
+void normalizeOne(float& x, float& y, float& z) {
   const float sq = x * x + y * y + z * z;
   if (std::abs(sq - 1.0f) < 1e-3f) return;
   const bool usable = sq > 1e-24f && std::isfinite(sq);
@@ -177,9 +159,7 @@ normalizeOne(float& x, float& y, float& z)
   z = usable ? z * scale : 0.0f;
 }
 
-void
-normalize(float* x, float* y, float* z, std::size_t n)
-{
+void normalize(float* x, float* y, float* z, std::size_t n) {
   const Floats d;
   const std::size_t lanes = hn::Lanes(d);
   for (std::size_t i = 0; i < n; i += lanes) {
@@ -198,47 +178,35 @@ HWY_AFTER_NAMESPACE();
 namespace pcl_slim::detail::splat_kernels {
 
 HWY_EXPORT(labOfLinear);
-void
-labOfLinear(const float to_xyz[9], float* r, float* g, float* b, std::size_t n)
-{
+void labOfLinear(const float to_xyz[9], float* r, float* g, float* b, std::size_t n) {
   HWY_DYNAMIC_DISPATCH(labOfLinear)(to_xyz, r, g, b, n);
 }
 
 HWY_EXPORT(normalize);
-void
-normalize(float* x, float* y, float* z, std::size_t n)
-{
+void normalize(float* x, float* y, float* z, std::size_t n) {
   HWY_DYNAMIC_DISPATCH(normalize)(x, y, z, n);
 }
 
 HWY_EXPORT(boxOfPoints);
-bool
-boxOfPoints(const unsigned char* first, std::size_t stride, std::size_t n, float low[3],
-            float high[3])
-{
+bool boxOfPoints(const unsigned char* first, std::size_t stride, std::size_t n, float low[3],
+                 float high[3]) {
   return HWY_DYNAMIC_DISPATCH(boxOfPoints)(first, stride, n, low, high);
 }
 
 HWY_EXPORT(gatherVectors);
-void
-gatherVectors(const unsigned char* first, std::size_t stride, const std::uint32_t* points,
-              std::size_t n, float* x, float* y, float* z)
-{
+void gatherVectors(const unsigned char* first, std::size_t stride, const std::uint32_t* points,
+                   std::size_t n, float* x, float* y, float* z) {
   HWY_DYNAMIC_DISPATCH(gatherVectors)(first, stride, points, n, x, y, z);
 }
 
 HWY_EXPORT(toCells);
-void
-toCells(const OctreeFrame& frame, float* x, float* y, float* z, std::size_t n)
-{
+void toCells(const OctreeFrame& frame, float* x, float* y, float* z, std::size_t n) {
   HWY_DYNAMIC_DISPATCH(toCells)(frame, x, y, z, n);
 }
 
 HWY_EXPORT(mortonKeys);
-void
-mortonKeys(const float* x, const float* y, const float* z, std::size_t n, int depth,
-           std::uint64_t* keys)
-{
+void mortonKeys(const float* x, const float* y, const float* z, std::size_t n, int depth,
+                std::uint64_t* keys) {
   HWY_DYNAMIC_DISPATCH(mortonKeys)(x, y, z, n, depth, keys);
 }
 

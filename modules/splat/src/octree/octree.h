@@ -40,13 +40,11 @@ class alignas(64) PointWindow {
   std::size_t end() const { return end_; }
 
   /** One column from the i-th point of the cloud on. */
-  const float* column(int c, std::size_t i) const
-  {
+  const float* column(int c, std::size_t i) const {
     return columns_[static_cast<std::size_t>(c)].data() + (i - begin_);
   }
   /** Three columns of one point. */
-  std::array<float, 3> vector(Column first, std::size_t i) const
-  {
+  std::array<float, 3> vector(Column first, std::size_t i) const {
     return {*column(first, i), *column(first + 1, i), *column(first + 2, i)};
   }
   std::array<float, 3> position(std::size_t i) const { return vector(kX, i); }
@@ -65,9 +63,7 @@ class alignas(64) PointWindow {
 };
 
 /** m m. */
-inline Symmetric3<double>
-squared(const Symmetric3<double>& m)
-{
+inline Symmetric3<double> squared(const Symmetric3<double>& m) {
   const auto [a, b, c, d, e, f] = m;
   return {a * a + b * b + c * c, a * b + b * d + c * e, a * c + b * e + c * f,
           b * b + d * d + e * e, b * c + d * e + e * f, c * c + e * e + f * f};
@@ -84,8 +80,7 @@ struct CellSums {
   /** The points [begin, end) of a cloud. */
   void add(const PointWindow& window, std::size_t begin, std::size_t end);
 
-  void add(const CellSums& other)
-  {
+  void add(const CellSums& other) {
     count += other.count;
     position_sq += other.position_sq;
     lab_sq += other.lab_sq;
@@ -101,15 +96,13 @@ struct CellSums {
   double normals() const { return product[kXX] + product[kYY] + product[kZZ]; }
 
   /** Squared standard deviation of the colour, in squared Delta E. */
-  double colorVariance() const
-  {
+  double colorVariance() const {
     const double mean_sq = (lab[0] * lab[0] + lab[1] * lab[1] + lab[2] * lab[2]) / count;
     return std::max(0.0, (lab_sq - mean_sq) / count);
   }
 
   /** 1 - |mean normal|^2: the squared deviation of normals that share one side. */
-  double orientedVariance() const
-  {
+  double orientedVariance() const {
     const double total = normals();
     if (!(total > 0.0)) return 0.0;
     const double sq = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
@@ -117,8 +110,7 @@ struct CellSums {
   }
 
   /** det(t I - sum n n^T), times the sign that makes it positive above the largest eigenvalue. */
-  double characteristic(double t) const
-  {
+  double characteristic(double t) const {
     const double a = t - product[kXX], b = t - product[kYY], c = t - product[kZZ];
     const double d = product[kXY], e = product[kXZ], f = product[kYZ];
     return a * (b * c - f * f) - d * (d * c + f * e) - e * (d * f + b * e);
@@ -126,8 +118,7 @@ struct CellSums {
 
   /** Largest eigenvalue of sum n n^T: Newton's steps fall towards it from the eighth root of the
    * eighth powers' sum, which is close to it already where normals agree. */
-  double largestEigenvalue() const
-  {
+  double largestEigenvalue() const {
     const double total = normals();
     Symmetric3<double> m;
     for (std::size_t k = 0; k < 6; ++k) m[k] = product[k] / total;
@@ -149,24 +140,21 @@ struct CellSums {
   }
 
   /** 1 - largest eigenvalue of the mean of n n^T: the same deviation whatever the signs. */
-  double unorientedVariance() const
-  {
+  double unorientedVariance() const {
     const double total = normals();
     return total > 0.0 ? std::max(0.0, 1.0 - largestEigenvalue() / total) : 0.0;
   }
 
   /** Whether unorientedVariance() > limit, without the eigenvalue where limit < 1/2: no other
    * eigenvalue is that large, so one value of the characteristic polynomial decides. */
-  bool unorientedAbove(double limit) const
-  {
+  bool unorientedAbove(double limit) const {
     const double total = normals();
     if (limit >= 0.5) return unorientedVariance() > limit;
     return characteristic(total * (1.0 - limit)) > 1e-13 * total * total * total;
   }
 
   /** Mean distance between neighbours if the points spread evenly over a disc. */
-  double spacing() const
-  {
+  double spacing() const {
     const double mean_sq =
         (position[0] * position[0] + position[1] * position[1] + position[2] * position[2]) / count;
     const double trace = std::max(0.0, (position_sq - mean_sq) / count);
@@ -174,9 +162,7 @@ struct CellSums {
   }
 };
 
-inline CellSums
-sumsOf(const PointWindow& window, std::size_t begin, std::size_t end)
-{
+inline CellSums sumsOf(const PointWindow& window, std::size_t begin, std::size_t end) {
   const float* columns[PointWindow::kNumColumns];
   for (int c = 0; c < PointWindow::kNumColumns; ++c) columns[c] = window.column(c, begin);
   double s[splat_kernels::kNumSums];
@@ -187,9 +173,7 @@ sumsOf(const PointWindow& window, std::size_t begin, std::size_t end)
 
 static_assert(sizeof(CellSums) == splat_kernels::kCellNumbers * sizeof(double));
 
-inline void
-CellSums::add(const PointWindow& window, std::size_t begin, std::size_t end)
-{
+inline void CellSums::add(const PointWindow& window, std::size_t begin, std::size_t end) {
   add(sumsOf(window, begin, end));
 }
 
@@ -232,14 +216,12 @@ struct alignas(64) CellBatch {
 
   std::size_t size() const { return cells.size(); }
 
-  void add(const OctreeCell& cell, const CellSums& of_points)
-  {
+  void add(const OctreeCell& cell, const CellSums& of_points) {
     cells.push_back(cell);
     sums.push_back(of_points);
   }
 
-  void clear()
-  {
+  void clear() {
     cells.clear();
     sums.clear();
   }
@@ -249,16 +231,12 @@ constexpr std::size_t kSpacingPoints = 8;  ///< fewer points do not determine th
 constexpr std::size_t kSpacingReach = 32;  ///< points to look at on either side of a cell for more
 constexpr std::size_t kRootSlice = 1 << 12;  ///< points per slice: their window fits into a cache
 
-inline std::size_t
-numRootSlices(const OctreeCloud& cloud)
-{
+inline std::size_t numRootSlices(const OctreeCloud& cloud) {
   return (cloud.size() + kRootSlice - 1) / kRootSlice;
 }
 
 /** First root of a slice that no cell 2^growth roots wide shares with the slice before. */
-inline std::size_t
-firstRoot(const OctreeCloud& cloud, std::size_t slice, int growth)
-{
+inline std::size_t firstRoot(const OctreeCloud& cloud, std::size_t slice, int growth) {
   const std::size_t point = slice * kRootSlice, n = cloud.numRoots();
   if (point >= cloud.size()) return n;
   std::size_t r = cloud.rootOf(point);
@@ -271,9 +249,7 @@ firstRoot(const OctreeCloud& cloud, std::size_t slice, int growth)
  * roots wide are in one slice each, and slices do not depend on threads. body may write to things
  * of its slice only. */
 template <typename Body>
-void
-forEachRootSlice(const OctreeCloud& cloud, int growth, int threads, const Body& body)
-{
+void forEachRootSlice(const OctreeCloud& cloud, int growth, int threads, const Body& body) {
   parallelFor(numRootSlices(cloud), threads, 1, [&](std::size_t slice, int thread) {
     const std::size_t first = firstRoot(cloud, slice, growth);
     const std::size_t last = firstRoot(cloud, slice + 1, growth);
@@ -288,8 +264,7 @@ struct RunKeys {
   std::uint64_t above(std::size_t i, int shift) const { return keys[i] >> 3 * shift; }
 
   /** End of the run that starts at begin and shares its cell of that size. */
-  std::size_t runEnd(std::size_t begin, std::size_t end, int shift) const
-  {
+  std::size_t runEnd(std::size_t begin, std::size_t end, int shift) const {
     const std::uint64_t cell = above(begin, shift);
     // Galloping: runs are short compared with the rest of the cloud.
     std::size_t step = 1, low = begin;
@@ -306,8 +281,7 @@ struct RunKeys {
   }
 
   /** The level at which a run falls apart; -1: at none that keys resolve. */
-  int dividingShift(std::size_t begin, std::size_t end) const
-  {
+  int dividingShift(std::size_t begin, std::size_t end) const {
     std::uint64_t difference = keys[begin] ^ keys[end - 1];
     int shift = -1;
     for (; difference != 0; difference >>= 3) ++shift;
@@ -327,11 +301,11 @@ struct OctreeCut {
  * Minimises sum D + lambda * cells over all cuts of the octree, D = points^(1/2) * d^(3/2) *
  * edge^(5/4) with d^2 = c / 100^2 + v / 20 + v^2 / 2, c the variance of colours and v that of
  * normals, and solves for lambda: as many cells as max_cells allows (within 1 %, where the cloud
- * has that many), or as few as meet target_error (else the finest cut). Roots are grown where max_cells is below their number. The tolerances of rule
- * are not used; its noise, least points and depth are. O(N) time, 40 bytes a cell of the tree.
+ * has that many), or as few as meet target_error (else the finest cut). Roots are grown where
+ * max_cells is below their number. The tolerances of rule are not used; its noise, least points and
+ * depth are. O(N) time, 40 bytes a cell of the tree.
  */
-OctreeCut
-cutOptimally(const OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule,
-             const CutBudget& budget, int threads);
+OctreeCut cutOptimally(const OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule,
+                       const CutBudget& budget, int threads);
 
 }  // namespace pcl_slim::detail

@@ -36,25 +36,20 @@ struct Reader {
   std::size_t stride;
   const std::int32_t* indices;
 
-  const unsigned char* address(std::size_t i) const
-  {
+  const unsigned char* address(std::size_t i) const {
     return base + (indices ? static_cast<std::size_t>(indices[i]) : i) * stride;
   }
   void operator()(std::size_t i, T p[3]) const { std::memcpy(p, address(i), 3 * sizeof(T)); }
 };
 
 template <typename T>
-Reader<T>
-readerOf(const CloudView& view)
-{
+Reader<T> readerOf(const CloudView& view) {
   return {static_cast<const unsigned char*>(view.xyz), view.xyz_stride, view.indices};
 }
 
 /** Runs body(slice, begin, end) over [0, n). */
 template <typename Body>
-void
-forEachSlice(std::size_t n, int threads, const Body& body)
-{
+void forEachSlice(std::size_t n, int threads, const Body& body) {
   parallelFor((n + kSlice - 1) / kSlice, threads, 1,
               [&](std::size_t s, int) { body(s, s * kSlice, std::min(n, (s + 1) * kSlice)); });
 }
@@ -66,16 +61,12 @@ struct Box {
   double longest() const { return std::max({max[0] - min[0], max[1] - min[1], max[2] - min[2]}); }
 };
 
-Box
-noBox()
-{
+Box noBox() {
   const double inf = std::numeric_limits<double>::infinity();
   return {{inf, inf, inf}, {-inf, -inf, -inf}, 0};
 }
 
-Box
-unionOf(const std::vector<Box>& parts)
-{
+Box unionOf(const std::vector<Box>& parts) {
   Box all = noBox();
   for (const Box& part : parts) {
     all.finite += part.finite;
@@ -87,9 +78,7 @@ unionOf(const std::vector<Box>& parts)
   return all;
 }
 
-void
-extend(Box& box, double a0, double a1, double a2)
-{
+void extend(Box& box, double a0, double a1, double a2) {
   const double p[3] = {a0, a1, a2};
   for (std::size_t a = 0; a < 3; ++a) {
     box.min[a] = std::min(box.min[a], p[a]);
@@ -99,9 +88,7 @@ extend(Box& box, double a0, double a1, double a2)
 
 /** Box of the finite points in [begin, end). */
 template <typename T>
-Box
-boxOf(const Reader<T>& read, std::size_t begin, std::size_t end)
-{
+Box boxOf(const Reader<T>& read, std::size_t begin, std::size_t end) {
   Box box = noBox();
   std::size_t i = begin;
   // The last point may end its memory, so that no fourth float follows it.
@@ -127,9 +114,7 @@ boxOf(const Reader<T>& read, std::size_t begin, std::size_t end)
 }
 
 template <typename T>
-Box
-measure(const Reader<T>& read, std::size_t n, int threads, std::vector<std::size_t>& finite)
-{
+Box measure(const Reader<T>& read, std::size_t n, int threads, std::vector<std::size_t>& finite) {
   std::vector<Box> parts((n + kSlice - 1) / kSlice);
   forEachSlice(n, threads, [&](std::size_t s, std::size_t begin, std::size_t end) {
     parts[s] = boxOf(read, begin, end);
@@ -155,9 +140,7 @@ class PointBlocks {
   /** first: finite points before each slice of kSlice points, and behind the last. */
   PointBlocks(const Reader<T>& read, std::size_t points, const OctreeFrame& frame,
               const std::vector<std::size_t>& first, int threads)
-      : read_(read), points_(points), frame_(frame), first_(first), threads_(threads)
-  {
-  }
+      : read_(read), points_(points), frame_(frame), first_(first), threads_(threads) {}
 
   /** How many points are finite. */
   std::size_t count() const { return first_.back(); }
@@ -165,8 +148,7 @@ class PointBlocks {
 
   /** Runs body(place, block) for all blocks; place: finite points before them. */
   template <typename Body>
-  void forEach(const Body& body) const
-  {
+  void forEach(const Body& body) const {
     forEachSlice(points_, threads_, [&](std::size_t s, std::size_t begin, std::size_t end) {
       std::size_t place = first_[s];
       PointBlock block;
@@ -179,8 +161,7 @@ class PointBlocks {
   }
 
   /** Some points of a list, at most as many as fit a block. */
-  void fillListed(const std::uint32_t* points, std::size_t count, PointBlock& block) const
-  {
+  void fillListed(const std::uint32_t* points, std::size_t count, PointBlock& block) const {
     for (std::size_t k = 0; k < count; ++k) {
       T p[3];
       read_(points[k], p);
@@ -190,8 +171,7 @@ class PointBlocks {
   }
 
  private:
-  void fill(std::size_t begin, std::size_t end, PointBlock& block) const
-  {
+  void fill(std::size_t begin, std::size_t end, PointBlock& block) const {
     const bool all_finite = allFinite();
     const bool whole = end - begin == PointBlock::kSize && end < points_;
     if (all_finite && whole && fillWhole(begin, block)) return;
@@ -204,8 +184,7 @@ class PointBlocks {
 
   /** For a whole block of finite points with others behind it: four floats at a time. \return false
    * where their layout does not allow that. */
-  bool fillWhole(std::size_t begin, PointBlock& block) const
-  {
+  bool fillWhole(std::size_t begin, PointBlock& block) const {
     if (!std::is_same_v<T, float> || read_.indices || read_.stride < 4 * sizeof(float)) {
       return false;
     }
@@ -218,8 +197,7 @@ class PointBlocks {
   }
 
   template <bool kAllFinite>
-  void fillEach(std::size_t begin, std::size_t end, PointBlock& block) const
-  {
+  void fillEach(std::size_t begin, std::size_t end, PointBlock& block) const {
     std::size_t k = 0;
     for (std::size_t i = begin; i < end; ++i) {
       T p[3];
@@ -230,16 +208,14 @@ class PointBlocks {
     finish(k, block);
   }
 
-  void put(const T p[3], std::uint32_t index, std::size_t k, PointBlock& block) const
-  {
+  void put(const T p[3], std::uint32_t index, std::size_t k, PointBlock& block) const {
     float q[3] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
     if constexpr (std::is_same_v<T, double>) frame_.position(p, q);
     block.x[k] = q[0], block.y[k] = q[1], block.z[k] = q[2];
     block.index[k] = index;
   }
 
-  void finish(std::size_t count, PointBlock& block) const
-  {
+  void finish(std::size_t count, PointBlock& block) const {
     constexpr std::size_t kWhole = 16;  // points of the widest vectors
     block.count = count;
     if constexpr (std::is_same_v<T, float>) {
@@ -255,21 +231,18 @@ class PointBlocks {
   int threads_;
 };
 
-/** Orders points with equal leading bits of keys by their whole keys and then by their
- * attributes, and keeps one of those that are equal in place, normal and colour, so that nothing depends
- * on the order in which their owner has them. One per thread: it keeps its scratch memory. */
+/** Orders points with equal leading bits of keys by their whole keys and then by their attributes,
+ * and keeps one of those that are equal in place, normal and colour, so that nothing depends on the
+ * order in which their owner has them. One per thread: it keeps its scratch memory. */
 template <typename T>
 class CanonicalOrder {
  public:
-  CanonicalOrder(const CloudView& cloud, const ColorView& colors,
-                 const Reader<T>& read, const PointBlocks<T>& blocks, int depth)
-      : cloud_(cloud), colors_(colors), read_(read), blocks_(blocks), depth_(depth)
-  {
-  }
+  CanonicalOrder(const CloudView& cloud, const ColorView& colors, const Reader<T>& read,
+                 const PointBlocks<T>& blocks, int depth)
+      : cloud_(cloud), colors_(colors), read_(read), blocks_(blocks), depth_(depth) {}
 
   /** Brings n points and their keys into that order, those kept to the front. \return how many */
-  std::size_t arrange(std::uint64_t* keys, std::uint32_t* points, std::size_t n)
-  {
+  std::size_t arrange(std::uint64_t* keys, std::uint32_t* points, std::size_t n) {
     entries_.clear();
     for (std::size_t first = 0; first < n; first += PointBlock::kSize) {
       addEntries(points + first, std::min(PointBlock::kSize, n - first));
@@ -292,24 +265,21 @@ class CanonicalOrder {
     std::uint32_t point;
 
     bool operator==(const Entry& other) const { return place == other.place && look == other.look; }
-    bool operator<(const Entry& other) const
-    {
+    bool operator<(const Entry& other) const {
       if (key != other.key) return key < other.key;
       if (place != other.place) return place < other.place;
       return look != other.look ? look < other.look : point < other.point;
     }
   };
 
-  void addEntries(const std::uint32_t* points, std::size_t n)
-  {
+  void addEntries(const std::uint32_t* points, std::size_t n) {
     std::uint64_t keys[PointBlock::kSize];
     blocks_.fillListed(points, n, block_);
     splat_kernels::mortonKeys(block_.x, block_.y, block_.z, n, depth_, keys);
     for (std::size_t k = 0; k < n; ++k) entries_.push_back(entryOf(keys[k], points[k]));
   }
 
-  Entry entryOf(std::uint64_t key, std::uint32_t point) const
-  {
+  Entry entryOf(std::uint64_t key, std::uint32_t point) const {
     Entry entry{key, {}, {}, point};
     read_(point, entry.place.data());
     const std::size_t input = cloud_.inputIndex(point);
@@ -339,15 +309,13 @@ class CanonicalOrder {
  * how often one is given changes it. */
 class AreaProbe {
  public:
-  static OctreeFrame frameOver(const Box& box)
-  {
+  static OctreeFrame frameOver(const Box& box) {
     return {box.min, kCells / box.longest(), std::nextafter(static_cast<float>(kCells), 0.0f)};
   }
 
   /** blocks: in the cells of frameOver(). */
   template <typename T>
-  explicit AreaProbe(const PointBlocks<T>& blocks)
-  {
+  explicit AreaProbe(const PointBlocks<T>& blocks) {
     std::vector<std::atomic<std::uint64_t>> seen((std::size_t{1} << 3 * kBits) / 64);
     blocks.forEach([&](std::size_t, const PointBlock& block) {
       for (std::size_t k = 0; k < block.count; ++k) {
@@ -367,8 +335,7 @@ class AreaProbe {
     }
   }
 
-  int resolutionFor(double wanted) const
-  {
+  int resolutionFor(double wanted) const {
     const double ratio = std::max(wanted, 1.0) / std::max(occupied_, 1.0);
     return static_cast<int>(std::clamp(std::round(kCells * std::sqrt(ratio)), 1.0, 65536.0));
   }
@@ -387,15 +354,12 @@ class KeyOrder {
  public:
   /** depth: of keys below root cells. */
   KeyOrder(const PointBlocks<T>& blocks, int depth, int threads)
-      : blocks_(blocks), depth_(depth), threads_(threads)
-  {
-  }
+      : blocks_(blocks), depth_(depth), threads_(threads) {}
 
-  /** \param[out] keys ascending; below the leading bits they are 0 where those separate a point from all
-   * others. \param[out] order the points they are of. */
+  /** \param[out] keys ascending; below the leading bits they are 0 where those separate a point
+   * from all others. \param[out] order the points they are of. */
   void run(CanonicalOrder<T> ties, AlignedVector<std::uint64_t>& keys,
-           AlignedVector<std::uint32_t>& order) const
-  {
+           AlignedVector<std::uint32_t>& order) const {
     AlignedVector<std::uint32_t> finite;
     makeKeys(keys, finite);
     sortByLeadingBits(keys, order, threads_);
@@ -412,8 +376,7 @@ class KeyOrder {
   };
 
   /** \param[out] finite the points the keys are of; empty where that is all. */
-  void makeKeys(AlignedVector<std::uint64_t>& keys, AlignedVector<std::uint32_t>& finite) const
-  {
+  void makeKeys(AlignedVector<std::uint64_t>& keys, AlignedVector<std::uint32_t>& finite) const {
     keys.resize(blocks_.count());
     if (!blocks_.allFinite()) finite.resize(keys.size());
     blocks_.forEach([&](std::size_t place, const PointBlock& block) {
@@ -424,8 +387,7 @@ class KeyOrder {
     });
   }
 
-  std::vector<Run> tiedRuns(const AlignedVector<std::uint64_t>& keys) const
-  {
+  std::vector<Run> tiedRuns(const AlignedVector<std::uint64_t>& keys) const {
     const std::size_t n = keys.size();
     std::vector<std::vector<Run>> parts((n + kSlice - 1) / kSlice);
     // A run belongs to the slice it begins in.
@@ -443,8 +405,7 @@ class KeyOrder {
   }
 
   void arrange(const CanonicalOrder<T>& ties, std::vector<Run> runs,
-               AlignedVector<std::uint64_t>& keys, AlignedVector<std::uint32_t>& order) const
-  {
+               AlignedVector<std::uint64_t>& keys, AlignedVector<std::uint32_t>& order) const {
     if (runs.empty()) return;
     std::vector<CanonicalOrder<T>> of_thread(static_cast<std::size_t>(threads_), ties);
     parallelFor(runs.size(), threads_, 64, [&](std::size_t r, int thread) {
@@ -486,24 +447,19 @@ class OctreeCloudBuilder {
 
  public:
   OctreeCloudBuilder(const CloudView& cloud, const ColorView& colors, int threads)
-      : view_(cloud), colors_(colors), threads_(threads)
-  {
-  }
+      : view_(cloud), colors_(colors), threads_(threads) {}
 
-  Result<OctreeCloud> run(const RootGrid& grid)
-  {
+  Result<OctreeCloud> run(const RootGrid& grid) {
     if (Error error = view_.validate()) return error;
-    Error error = view_.scalar == CloudView::Scalar::kDouble
-                      ? runAs(readerOf<double>(view_), grid)
-                      : runAs(readerOf<float>(view_), grid);
+    Error error = view_.scalar == CloudView::Scalar::kDouble ? runAs(readerOf<double>(view_), grid)
+                                                             : runAs(readerOf<float>(view_), grid);
     if (error) return error;
     return std::move(out_);
   }
 
  private:
   template <typename T>
-  Error runAs(const Reader<T>& read, const RootGrid& grid)
-  {
+  Error runAs(const Reader<T>& read, const RootGrid& grid) {
     const Box box = measure(read, view_.count(), threads_, first_);
     if (Error error = checkBox(box)) return error;
     out_.num_non_finite_ = view_.count() - box.finite;
@@ -527,13 +483,11 @@ class OctreeCloudBuilder {
   }
 
   template <typename T>
-  PointBlocks<T> blocksIn(const OctreeFrame& frame, const Reader<T>& read) const
-  {
+  PointBlocks<T> blocksIn(const OctreeFrame& frame, const Reader<T>& read) const {
     return {read, view_.count(), frame, first_, threads_};
   }
 
-  static Error checkBox(const Box& box)
-  {
+  static Error checkBox(const Box& box) {
     if (box.finite == 0) return CloudView::nothingFinite();
     for (std::size_t a = 0; a < 3; ++a) {
       if (std::max(std::abs(box.min[a]), std::abs(box.max[a])) > kLargest) {
@@ -553,8 +507,7 @@ class OctreeCloudBuilder {
     return {};
   }
 
-  static int bitsOf(std::uint64_t value)
-  {
+  static int bitsOf(std::uint64_t value) {
     int bits = 0;
     for (; value != 0; value >>= 1) ++bits;
     return bits;
@@ -562,15 +515,13 @@ class OctreeCloudBuilder {
 
   /** For a number of different points; without an area for a grid that is given or has one cell. */
   static int resolutionOf(const RootGrid& grid, const std::optional<AreaProbe>& area,
-                          std::size_t points)
-  {
+                          std::size_t points) {
     if (!area) return std::clamp(grid.resolution, 1, RootGrid::kMaxResolution);
     if (!(grid.points_per_root > 0)) return area->resolutionFor(grid.occupied);
     return area->resolutionFor(static_cast<double>(points) / grid.points_per_root);
   }
 
-  void chooseGrid(const Box& box, int resolution)
-  {
+  void chooseGrid(const Box& box, int resolution) {
     const double longest = box.longest();
     out_.resolution_ = longest > 0.0 ? resolution : 1;
     out_.cell_ = longest / out_.resolution_;
@@ -581,15 +532,13 @@ class OctreeCloudBuilder {
   }
 
   template <typename T>
-  void sort(const Reader<T>& read)
-  {
+  void sort(const Reader<T>& read) {
     const PointBlocks<T> blocks = blocksIn(out_.frame_, read);
     KeyOrder<T>(blocks, out_.depth_, threads_)
         .run(CanonicalOrder<T>(view_, colors_, read, blocks, out_.depth_), out_.keys_, out_.order_);
   }
 
-  void findRoots()
-  {
+  void findRoots() {
     const std::size_t n = out_.keys_.size();
     const int below = 3 * out_.depth_;
     out_.roots_.clear();
@@ -610,39 +559,29 @@ class OctreeCloudBuilder {
 
 }  // namespace detail
 
-Result<OctreeCloud>
-OctreeCloud::build(const CloudView& cloud, const RootGrid& grid, int threads,
-                   const ColorView& colors)
-{
+Result<OctreeCloud> OctreeCloud::build(const CloudView& cloud, const RootGrid& grid, int threads,
+                                       const ColorView& colors) {
   return OctreeCloudBuilder(cloud, colors, resolveThreads(threads)).run(grid);
 }
 
-double
-OctreeCloud::edge(int shift) const
-{
+double OctreeCloud::edge(int shift) const {
   return std::ldexp(1.0, shift - depth_);
 }
 
-std::array<double, 3>
-OctreeCloud::center(const std::array<float, 3>& position, int shift) const
-{
+std::array<double, 3> OctreeCloud::center(const std::array<float, 3>& position, int shift) const {
   const double width = edge(shift);
   std::array<double, 3> c;
   for (std::size_t a = 0; a < 3; ++a) c[a] = (std::floor(position[a] / width) + 0.5) * width;
   return c;
 }
 
-std::size_t
-OctreeCloud::rootOf(std::size_t point) const
-{
+std::size_t OctreeCloud::rootOf(std::size_t point) const {
   const auto after = std::upper_bound(roots_.begin(), roots_.end() - 1, point,
                                       [](std::size_t p, const Root& r) { return p < r.begin; });
   return static_cast<std::size_t>(after - roots_.begin()) - 1;
 }
 
-std::size_t
-OctreeCloud::countCells(int growth) const
-{
+std::size_t OctreeCloud::countCells(int growth) const {
   std::size_t count = 1;
   for (std::size_t r = 1; r < numRoots(); ++r) {
     count += (roots_[r].key ^ roots_[r - 1].key) >> 3 * growth != 0;

@@ -45,9 +45,7 @@ constexpr double kBendWeight = 0.5;     ///< of its square: cells that bend roun
 /** D without its power of the edge. Points and area count alike, as pictures show area however
  * densely it was scanned; the powers of deviation and edge are those whose pictures come closest to
  * all points (benchmarks/README.md). */
-double
-costOf(double points, double deviation)
-{
+double costOf(double points, double deviation) {
   return std::sqrt(points * deviation) * deviation;
 }
 
@@ -60,8 +58,7 @@ class ForestBuilder {
         window_(window),
         nodes_(nodes),
         forest_(forest),
-        least_shift_(std::max(0, cloud.depth() - rule.max_depth))
-  {
+        least_shift_(std::max(0, cloud.depth() - rule.max_depth)) {
     nodes_.clear();
     for (int shift = 0; shift <= OctreeCloud::kBits; ++shift) {
       const double edge = cloud.edge(shift);
@@ -69,8 +66,7 @@ class ForestBuilder {
     }
   }
 
-  void root(std::size_t begin, std::size_t end, int shift)
-  {
+  void root(std::size_t begin, std::size_t end, int shift) {
     grow(begin, end, shift, nullptr);
     forest_.roots.push_back(static_cast<std::uint32_t>(nodes_.size() - 1));
   }
@@ -79,8 +75,7 @@ class ForestBuilder {
 
  private:
   /** Adds the nodes of one cell's points; parent: receives their sums too, if not null. */
-  void grow(std::size_t begin, std::size_t end, int shift, CellSums* parent)
-  {
+  void grow(std::size_t begin, std::size_t end, int shift, CellSums* parent) {
     const std::size_t first = nodes_.size(), n = end - begin;
     OctreeNode node{
         static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end), 1, 0, 0, 0, shift};
@@ -116,13 +111,11 @@ class ForestBuilder {
   }
 
   /** Level at which a cell's points fall apart; below least_shift_: not at all. */
-  int dividing(std::size_t begin, std::size_t end) const
-  {
+  int dividing(std::size_t begin, std::size_t end) const {
     return end - begin < rule_.min_points ? -1 : keys_.dividingShift(begin, end);
   }
 
-  double variance(const CellSums& sums) const
-  {
+  double variance(const CellSums& sums) const {
     return rule_.oriented ? sums.orientedVariance() : sums.unorientedVariance();
   }
 
@@ -137,9 +130,7 @@ class ForestBuilder {
   std::array<double, OctreeCloud::kBits + 1> width_;  ///< edge^(5/4) by level
 };
 
-double
-OctreeForest::childrenBest(std::size_t i) const
-{
+double OctreeForest::childrenBest(std::size_t i) const {
   double sum = 0;
   for (std::size_t child = i - 1, left = nodes[i].size - 1; left > 0;) {
     sum += best[child];
@@ -150,9 +141,7 @@ OctreeForest::childrenBest(std::size_t i) const
   return sum;
 }
 
-void
-OctreeForest::solve(double lambda)
-{
+void OctreeForest::solve(double lambda) {
   best.resize(nodes.size());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const double own = nodes[i].cost + lambda;
@@ -168,10 +157,8 @@ OctreeForest::solve(double lambda)
   }
 }
 
-void
-OctreeForest::extract(double lambda, std::size_t i, float spacing,
-                      std::vector<OctreeCell>& out) const
-{
+void OctreeForest::extract(double lambda, std::size_t i, float spacing,
+                           std::vector<OctreeCell>& out) const {
   const OctreeNode& node = nodes[i];
   if (node.spacing > 0) spacing = node.spacing;
   if (whole(i, lambda)) {
@@ -190,10 +177,8 @@ OctreeForest::extract(double lambda, std::size_t i, float spacing,
 }
 
 /** Grows the trees above all points, slice by slice, from cells 2^growth roots wide. */
-std::vector<OctreeForest>
-growForests(const OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule, int growth,
-            int threads)
-{
+std::vector<OctreeForest> growForests(const OctreeCloud& cloud, const OctreeSource& source,
+                                      const SplitRule& rule, int growth, int threads) {
   std::vector<OctreeForest> forests(numRootSlices(cloud));
   std::vector<PointWindow> windows(static_cast<std::size_t>(threads));
   std::vector<std::vector<OctreeNode>> nodes(windows.size());
@@ -231,8 +216,7 @@ class Bracket {
   double high() const { return std::exp(high_); }
 
   /** Where to look. */
-  double next(int step)
-  {
+  double next(int step) {
     double share = 0.5;
     const bool known = low_value_ != 0 && high_value_ != 0;
     if (known && step % 3 != 2) {
@@ -243,8 +227,7 @@ class Bracket {
   }
 
   /** What was there: its logarithm over the limit, and whether that belongs to the upper end. */
-  void narrow(bool upper, double value)
-  {
+  void narrow(bool upper, double value) {
     (upper ? high_ : low_) = at_;
     (upper ? high_value_ : low_value_) = value;
   }
@@ -255,9 +238,7 @@ class Bracket {
 
 /** Joins what slices made, in their order. */
 template <typename T>
-std::vector<T>
-joined(const std::vector<std::vector<T>>& parts)
-{
+std::vector<T> joined(const std::vector<std::vector<T>>& parts) {
   std::size_t total = 0;
   for (const auto& part : parts) total += part.size();
   std::vector<T> all;
@@ -271,8 +252,7 @@ class CutSolver {
  public:
   CutSolver(const OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule,
             const CutBudget& budget, int threads)
-      : cloud_(cloud), budget_(budget), threads_(threads)
-  {
+      : cloud_(cloud), budget_(budget), threads_(threads) {
     const double most = std::max(1.0, kRootShare * 1.5 * static_cast<double>(budget.max_cells));
     int growth = 0;
     while (budget.max_cells > 0 &&
@@ -283,8 +263,7 @@ class CutSolver {
     forests_ = growForests(cloud, source, rule, growth, threads);
   }
 
-  OctreeCut run()
-  {
+  OctreeCut run() {
     double high = 0;
     for (const OctreeForest& forest : forests_) {
       for (const std::uint32_t root : forest.roots) high += forest.nodes[root].cost;
@@ -307,8 +286,7 @@ class CutSolver {
   }
 
  private:
-  void solve(double lambda)
-  {
+  void solve(double lambda) {
     parallelFor(forests_.size(), threads_, 1,
                 [&](std::size_t f, int) { forests_[f].solve(lambda); });
     cells_ = 0;
@@ -320,8 +298,7 @@ class CutSolver {
   }
 
   /** Whether the finest cut already meets the budget. */
-  bool fits() const
-  {
+  bool fits() const {
     if (budget_.max_cells > 0) return cells_ <= budget_.max_cells;
     return budget_.target_error <= 0 || meanError() >= budget_.target_error;
   }
@@ -330,8 +307,7 @@ class CutSolver {
 
   /** Narrows log lambda between a cut too fine and one coarse enough (max_cells), or one fine
    * enough and one too coarse (target_error). \return a lambda that keeps the promise. */
-  double search(double highest)
-  {
+  double search(double highest) {
     const bool by_count = budget_.max_cells > 0;
     const double limit = by_count ? static_cast<double>(budget_.max_cells) : budget_.target_error;
     Bracket bracket(highest * kWidestLambda, highest * 2.0);
@@ -356,10 +332,8 @@ class CutSolver {
 
 }  // namespace
 
-OctreeCut
-cutOptimally(const OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule,
-             const CutBudget& budget, int threads)
-{
+OctreeCut cutOptimally(const OctreeCloud& cloud, const OctreeSource& source, const SplitRule& rule,
+                       const CutBudget& budget, int threads) {
   return CutSolver(cloud, source, rule, budget, threads).run();
 }
 

@@ -73,8 +73,7 @@ class Stretches {
     std::size_t stride;
   };
 
-  void add(const void* first, std::size_t stride, std::size_t bytes)
-  {
+  void add(const void* first, std::size_t stride, std::size_t bytes) {
     if (!first) return;
     const auto* begin = static_cast<const unsigned char*>(first);
     const Stretch one = {begin, begin + bytes - 1, stride};
@@ -105,8 +104,7 @@ PointFetcher::PointFetcher(const OctreeFrame& frame, const OctreeSource& source)
       last_(static_cast<std::uint32_t>(source.cloud.size - 1)),
       xyz_{static_cast<const unsigned char*>(source.cloud.xyz), source.cloud.xyz_stride},
       normal_{static_cast<const unsigned char*>(source.cloud.normal), source.cloud.normal_stride},
-      bgr_{static_cast<const unsigned char*>(source.colors.bgr), source.colors.stride}
-{
+      bgr_{static_cast<const unsigned char*>(source.colors.bgr), source.colors.stride} {
   Stretches stretches;
   stretches.add(xyz_.first, xyz_.stride, 3 * (doubles_ ? sizeof(double) : sizeof(float)));
   stretches.add(normal_.first, normal_.stride, 3 * sizeof(float));
@@ -118,9 +116,8 @@ PointFetcher::PointFetcher(const OctreeFrame& frame, const OctreeSource& source)
 }
 
 template <typename T>
-void
-PointFetcher::positions(const std::uint32_t* points, std::size_t n, float* const out[3]) const
-{
+void PointFetcher::positions(const std::uint32_t* points, std::size_t n,
+                             float* const out[3]) const {
   for (std::size_t k = 0; k < n; ++k) {
     T world[3];
     float cells[3];
@@ -130,10 +127,8 @@ PointFetcher::positions(const std::uint32_t* points, std::size_t n, float* const
   }
 }
 
-void
-PointFetcher::vectors(const Attribute& attribute, const std::uint32_t* points, std::size_t n,
-                      float* const out[3]) const
-{
+void PointFetcher::vectors(const Attribute& attribute, const std::uint32_t* points, std::size_t n,
+                           float* const out[3]) const {
   std::uint32_t at_end = 0;
   for (std::size_t k = 0; k < n; ++k) at_end |= static_cast<std::uint32_t>(points[k] == last_);
   if (!at_end && attribute.stride >= kVector && n % 4 == 0) {
@@ -148,9 +143,7 @@ PointFetcher::vectors(const Attribute& attribute, const std::uint32_t* points, s
   }
 }
 
-void
-PointFetcher::colors(const std::uint32_t* points, std::size_t n, float* const out[3]) const
-{
+void PointFetcher::colors(const std::uint32_t* points, std::size_t n, float* const out[3]) const {
   for (std::size_t k = 0; k < n; ++k) {
     const unsigned char* bgr = bgr_.of(points[k]);
     const float blue = table_.linear(bgr[0]), green = table_.linear(bgr[1]),
@@ -159,10 +152,8 @@ PointFetcher::colors(const std::uint32_t* points, std::size_t n, float* const ou
   }
 }
 
-void
-PointFetcher::run(const std::uint32_t* points, std::size_t n,
-                  const std::array<float*, PointWindow::kNumColumns>& columns) const
-{
+void PointFetcher::run(const std::uint32_t* points, std::size_t n,
+                       const std::array<float*, PointWindow::kNumColumns>& columns) const {
   const auto at = [&](PointWindow::Column first, std::size_t k) {
     return std::array<float*, 3>{columns[first] + k, columns[first + 1] + k,
                                  columns[first + 2] + k};
@@ -199,9 +190,7 @@ PointFetcher::run(const std::uint32_t* points, std::size_t n,
 
 }  // namespace
 
-const std::uint32_t*
-PointWindow::fetchOrder(const OctreeCloud& cloud, const OctreeSource& source)
-{
+const std::uint32_t* PointWindow::fetchOrder(const OctreeCloud& cloud, const OctreeSource& source) {
   constexpr std::size_t kMore = PointFetcher::kBlock + PointFetcher::kAhead;
   const std::size_t n = end_ - begin_;
   order_.resize(n + kMore);
@@ -215,10 +204,8 @@ PointWindow::fetchOrder(const OctreeCloud& cloud, const OctreeSource& source)
   return inputs_.data();
 }
 
-void
-PointWindow::load(const OctreeCloud& cloud, const OctreeSource& source, std::size_t begin,
-                  std::size_t end)
-{
+void PointWindow::load(const OctreeCloud& cloud, const OctreeSource& source, std::size_t begin,
+                       std::size_t end) {
   begin_ = begin;
   end_ = end;
   const std::size_t n = end - begin;
@@ -234,10 +221,8 @@ PointWindow::load(const OctreeCloud& cloud, const OctreeSource& source, std::siz
   PointFetcher(cloud.frame(), source).run(fetchOrder(cloud, source), n, columns);
 }
 
-void
-PointWindow::loadAround(const OctreeCloud& cloud, const OctreeSource& source, std::size_t begin,
-                        std::size_t end, std::size_t reach)
-{
+void PointWindow::loadAround(const OctreeCloud& cloud, const OctreeSource& source,
+                             std::size_t begin, std::size_t end, std::size_t reach) {
   load(cloud, source, begin - std::min(begin, reach), std::min(cloud.size(), end + reach));
 }
 

@@ -11,9 +11,7 @@ namespace {
 
 constexpr std::size_t kHeadBytes = sizeof(double) + sizeof(std::uint32_t) + 1;
 
-Surfel
-surfelOf(const SLIMSurface& s, std::size_t i)
-{
+Surfel surfelOf(const SLIMSurface& s, std::size_t i) {
   Surfel one;
   one.ball = {{s.cx[i], s.cy[i], s.cz[i]}, {s.nx[i], s.ny[i], s.nz[i]}, s.radius[i]};
   one.error = s.error[i];
@@ -32,17 +30,13 @@ surfelOf(const SLIMSurface& s, std::size_t i)
 }
 
 /** Whether the columns can represent what was read. */
-bool
-plausible(const Surfel& one, int degree)
-{
+bool plausible(const Surfel& one, int degree) {
   const bool open = (one.flags & kSurfelOpen) != 0;
   return one.degree >= 1 && one.degree <= degree && one.level >= 0 && one.level <= 255 &&
          open == (one.side != 0) && one.side <= TrimMap::kMostSide;
 }
 
-void
-setColumns(const std::vector<Surfel>& surfels, bool colored, SLIMSurface& s)
-{
+void setColumns(const std::vector<Surfel>& surfels, bool colored, SLIMSurface& s) {
   s.resize(surfels.size());
   std::vector<std::uint8_t> sides, bits, colors;
   for (std::size_t i = 0; i < surfels.size(); ++i) {
@@ -74,9 +68,7 @@ setColumns(const std::vector<Surfel>& surfels, bool colored, SLIMSurface& s)
 }
 
 /** Leaves before internal surfels, each along a Morton curve. */
-std::vector<std::uint32_t>
-packingOrder(const SLIMSurface& s)
-{
+std::vector<std::uint32_t> packingOrder(const SLIMSurface& s) {
   const auto cell = [](float x) {
     return static_cast<std::uint32_t>(std::clamp(x + 1.0f, 0.0f, 2.0f) * 0x1p20f);
   };
@@ -103,9 +95,7 @@ packingOrder(const SLIMSurface& s)
 }
 
 /** What rounding may change, for a share of the RMS residual of the leaves. */
-Tolerance
-toleranceOf(const SLIMSurface& s, double share)
-{
+Tolerance toleranceOf(const SLIMSurface& s, double share) {
   constexpr double kLeast = 1e-9;  // of the diagonal: below float's resolution
   constexpr double kTilt = 0.3;    // of a leaf's tolerance, on heights of a tenth of its radius
   double residual = 0.0, radius = 0.0;
@@ -127,9 +117,7 @@ toleranceOf(const SLIMSurface& s, double share)
 
 }  // namespace
 
-std::vector<unsigned char>
-packSurfels(const SLIMSurface& surface, double share)
-{
+std::vector<unsigned char> packSurfels(const SLIMSurface& surface, double share) {
   const Tolerance tolerance = toleranceOf(surface, share);
   RangeEncoder coder;
   SurfelCodec<RangeEncoder> codec(coder, tolerance);
@@ -150,10 +138,8 @@ packSurfels(const SLIMSurface& surface, double share)
   return std::move(out.bytes);
 }
 
-Error
-unpackSurfels(const unsigned char* bytes, std::size_t size, std::uint64_t surfels,
-              SLIMSurface& surface)
-{
+Error unpackSurfels(const unsigned char* bytes, std::size_t size, std::uint64_t surfels,
+                    SLIMSurface& surface) {
   if (size < kHeadBytes) return contradictorySlim();
   ByteReader in(bytes);
   Tolerance tolerance;

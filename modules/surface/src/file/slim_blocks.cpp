@@ -24,15 +24,11 @@ using Bytes = std::vector<unsigned char>;
 /** Reads bytes of a file or of memory. */
 using ReadAt = std::function<bool(std::uint64_t at, std::size_t bytes, Bytes& out)>;
 
-Error
-corrupted()
-{
+Error corrupted() {
   return badInput("the .slim file's directory of blocks is corrupted or cut off; copy it again");
 }
 
-void
-putEntry(const SlimBlock& block, ByteWriter& out)
-{
+void putEntry(const SlimBlock& block, ByteWriter& out) {
   for (const std::uint64_t value :
        {block.offset, block.bytes, block.surfels, block.first_key, block.end_key})
     out.putUnsigned(value);
@@ -40,9 +36,7 @@ putEntry(const SlimBlock& block, ByteWriter& out)
   for (const float value : block.high) out.putFloat(value);
 }
 
-SlimBlock
-getEntry(ByteReader& in)
-{
+SlimBlock getEntry(ByteReader& in) {
   SlimBlock block;
   for (std::uint64_t* value :
        {&block.offset, &block.bytes, &block.surfels, &block.first_key, &block.end_key})
@@ -53,9 +47,7 @@ getEntry(ByteReader& in)
 }
 
 /** The header of a file of blocks followed by its directory: what its checksum is over. */
-Bytes
-sealedHeader(const SlimDirectory& directory, std::uint64_t file_bytes, const Bytes& entries)
-{
+Bytes sealedHeader(const SlimDirectory& directory, std::uint64_t file_bytes, const Bytes& entries) {
   ByteWriter out;
   putSlimHeader(directory.info, kSlimBlocksVersion, directory.surfels,
                 file_bytes - kSlimHeaderBytes, out);
@@ -66,9 +58,7 @@ sealedHeader(const SlimDirectory& directory, std::uint64_t file_bytes, const Byt
 }
 
 /** The box of the balls of a surface. */
-void
-setBox(const SLIMSurface& s, SlimBlock& block)
-{
+void setBox(const SLIMSurface& s, SlimBlock& block) {
   block.low.fill(std::numeric_limits<float>::max());
   block.high.fill(std::numeric_limits<float>::lowest());
   const std::vector<float>* columns[3] = {&s.cx, &s.cy, &s.cz};
@@ -80,9 +70,7 @@ setBox(const SLIMSurface& s, SlimBlock& block)
   }
 }
 
-Result<SlimDirectory>
-readDirectory(const ReadAt& read, std::uint64_t size)
-{
+Result<SlimDirectory> readDirectory(const ReadAt& read, std::uint64_t size) {
   Bytes head, trailer, entries;
   if (size < kSlimHeaderBytes + kTrailerBytes || !read(0, kSlimHeaderBytes, head) ||
       !read(size - kTrailerBytes, kTrailerBytes, trailer))
@@ -110,9 +98,7 @@ readDirectory(const ReadAt& read, std::uint64_t size)
 }
 
 /** The surfels of one block, without links. */
-Result<SLIMSurface>
-readBlock(const ReadAt& read, const SlimDirectory& directory, std::size_t b)
-{
+Result<SLIMSurface> readBlock(const ReadAt& read, const SlimDirectory& directory, std::size_t b) {
   const SlimBlock& block = directory.blocks[b];
   const std::string name = "block " + std::to_string(b) + ": ";
   Bytes bytes;
@@ -126,9 +112,7 @@ readBlock(const ReadAt& read, const SlimDirectory& directory, std::size_t b)
   return tile;
 }
 
-ReadAt
-reading(std::ifstream& file)
-{
+ReadAt reading(std::ifstream& file) {
   return [&file](std::uint64_t at, std::size_t bytes, Bytes& out) {
     out.resize(bytes);
     file.clear();
@@ -138,16 +122,12 @@ reading(std::ifstream& file)
   };
 }
 
-Error
-named(const std::string& path, const Error& error)
-{
+Error named(const std::string& path, const Error& error) {
   return {error.code, "'" + path + "': " + error.message};
 }
 
 /** Opens a file. \return its size, or why it cannot be read. */
-Result<std::uint64_t>
-openFile(const std::string& path, std::ifstream& file)
-{
+Result<std::uint64_t> openFile(const std::string& path, std::ifstream& file) {
   errno = 0;
   file.open(path, std::ios::binary | std::ios::ate);
   const std::streamoff end = file ? static_cast<std::streamoff>(file.tellg()) : -1;
@@ -157,9 +137,7 @@ openFile(const std::string& path, std::ifstream& file)
 
 }  // namespace
 
-Result<SLIMSurface>
-detail::decodeSlimBlocks(const unsigned char* bytes, std::size_t size)
-{
+Result<SLIMSurface> detail::decodeSlimBlocks(const unsigned char* bytes, std::size_t size) {
   const ReadAt read = [=](std::uint64_t at, std::size_t count, Bytes& out) {
     out.assign(bytes + at, bytes + at + count);
     return true;
@@ -176,9 +154,7 @@ detail::decodeSlimBlocks(const unsigned char* bytes, std::size_t size)
   return surface;
 }
 
-Error
-SlimBlockWriter::open(const std::string& path, double rounding)
-{
+Error SlimBlockWriter::open(const std::string& path, double rounding) {
   directory_ = {};
   rounding_ = rounding;
   if (Error error = file_.open(path)) return error;
@@ -186,9 +162,8 @@ SlimBlockWriter::open(const std::string& path, double rounding)
   return file_.write(room.data(), room.size());
 }
 
-Error
-SlimBlockWriter::add(const SLIMSurface& tile, std::uint64_t first_key, std::uint64_t end_key)
-{
+Error SlimBlockWriter::add(const SLIMSurface& tile, std::uint64_t first_key,
+                           std::uint64_t end_key) {
   if (directory_.blocks.empty()) directory_.info = tile.info;
   if (tile.empty()) return {};
   if (Error error = tile.validate()) return error;
@@ -205,9 +180,7 @@ SlimBlockWriter::add(const SLIMSurface& tile, std::uint64_t first_key, std::uint
   return file_.write(bytes.data(), bytes.size());
 }
 
-Error
-SlimBlockWriter::finish()
-{
+Error SlimBlockWriter::finish() {
   if (directory_.surfels == 0) return badInput("there is no surfel to write");
   ByteWriter out;
   for (const SlimBlock& block : directory_.blocks) putEntry(block, out);
@@ -220,9 +193,7 @@ SlimBlockWriter::finish()
   return file_.finish();
 }
 
-Result<SlimDirectory>
-loadSlimDirectory(const std::string& path)
-{
+Result<SlimDirectory> loadSlimDirectory(const std::string& path) {
   std::ifstream file;
   const Result<std::uint64_t> size = openFile(path, file);
   if (!size) return size.error();
@@ -235,9 +206,7 @@ loadSlimDirectory(const std::string& path)
   return directory;
 }
 
-WorldBox
-SlimDirectory::boxOf(const SlimBlock& block) const
-{
+WorldBox SlimDirectory::boxOf(const SlimBlock& block) const {
   constexpr double kSlack = 1e-6;  // local units: floats round
   WorldBox box;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -247,9 +216,7 @@ SlimDirectory::boxOf(const SlimBlock& block) const
   return box;
 }
 
-WorldBox
-SlimDirectory::box() const
-{
+WorldBox SlimDirectory::box() const {
   if (blocks.empty()) return {};
   SlimBlock all = blocks.front();
   for (const SlimBlock& block : blocks) {
@@ -261,17 +228,13 @@ SlimDirectory::box() const
   return boxOf(all);
 }
 
-std::uint64_t
-SlimDirectory::memoryOf(const SlimBlock& block) const
-{
+std::uint64_t SlimDirectory::memoryOf(const SlimBlock& block) const {
   constexpr std::uint64_t kFloats = 9, kBytes = 3;  // of a surfel besides its coefficients
   const auto terms = static_cast<std::uint64_t>(numCoefficients(info.degree));
   return block.surfels * ((kFloats + terms) * sizeof(float) + kBytes) + block.bytes;
 }
 
-Error
-SlimBlockReader::open(const std::string& path)
-{
+Error SlimBlockReader::open(const std::string& path) {
   Result<SlimDirectory> directory = loadSlimDirectory(path);
   if (!directory) return directory.error();
   directory_ = std::move(*directory);
@@ -282,9 +245,7 @@ SlimBlockReader::open(const std::string& path)
   return size ? Error() : size.error();
 }
 
-Result<SLIMSurface>
-SlimBlockReader::read(std::size_t block)
-{
+Result<SLIMSurface> SlimBlockReader::read(std::size_t block) {
   Result<SLIMSurface> tile = readBlock(reading(file_), directory_, block);
   if (!tile) return named(path_, tile.error());
   read_[block] = true;
@@ -292,9 +253,7 @@ SlimBlockReader::read(std::size_t block)
 }
 
 /** Makes room for what is wanted. */
-void
-SlimBlockReader::drop(const std::vector<bool>& wanted, std::uint64_t most_kept)
-{
+void SlimBlockReader::drop(const std::vector<bool>& wanted, std::uint64_t most_kept) {
   std::uint64_t bytes = 0;
   for (std::size_t b = 0; b < wanted.size(); ++b) {
     if (wanted[b] || kept_.count(b) > 0) bytes += directory_.memoryOf(directory_.blocks[b]);
@@ -306,9 +265,8 @@ SlimBlockReader::drop(const std::vector<bool>& wanted, std::uint64_t most_kept)
   }
 }
 
-Result<SLIMSurface>
-SlimBlockReader::load(const std::vector<bool>& wanted, std::uint64_t most_kept)
-{
+Result<SLIMSurface> SlimBlockReader::load(const std::vector<bool>& wanted,
+                                          std::uint64_t most_kept) {
   SLIMSurface surface;
   drop(wanted, most_kept);
   for (std::size_t b = 0; b < wanted.size(); ++b) {
@@ -326,15 +284,12 @@ SlimBlockReader::load(const std::vector<bool>& wanted, std::uint64_t most_kept)
   return surface;
 }
 
-std::size_t
-SlimBlockReader::blocksRead() const
-{
+std::size_t SlimBlockReader::blocksRead() const {
   return static_cast<std::size_t>(std::count(read_.begin(), read_.end(), true));
 }
 
-Result<SLIMSurface>
-loadSlimBlocks(const std::string& path, const std::function<bool(const SlimBlock&)>& wanted)
-{
+Result<SLIMSurface> loadSlimBlocks(const std::string& path,
+                                   const std::function<bool(const SlimBlock&)>& wanted) {
   SlimBlockReader reader;
   if (reader.open(path)) return loadSlim(path);  // of another version, or it returns the error
   std::vector<bool> blocks;
@@ -344,17 +299,13 @@ loadSlimBlocks(const std::string& path, const std::function<bool(const SlimBlock
   return surface;
 }
 
-bool
-boxesMeet(const WorldBox& a, const WorldBox& b)
-{
+bool boxesMeet(const WorldBox& a, const WorldBox& b) {
   bool meet = true;
   for (std::size_t k = 0; k < 3; ++k) meet = meet && a[1][k] >= b[0][k] && a[0][k] <= b[1][k];
   return meet;
 }
 
-Result<SLIMSurface>
-loadSlimBox(const std::string& path, const WorldBox& box)
-{
+Result<SLIMSurface> loadSlimBox(const std::string& path, const WorldBox& box) {
   const Result<SlimDirectory> directory = loadSlimDirectory(path);
   if (!directory) return loadSlim(path);
   return loadSlimBlocks(

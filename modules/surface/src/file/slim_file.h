@@ -11,12 +11,12 @@
 #include "pcl_slim/surface/surface.h"
 
 // A .slim file's header: magic (8 bytes), version and header size (4 each), size of the payload,
-// checksum (8 each), then the members of SurfaceInfo. Version 2 has trim maps behind the columns, version 4
-// behind these colours; files without any are written as version 1. Version 3 consists of blocks, each a
-// file of one of the other versions. Version 5 is a rounded surface.
+// checksum (8 each), then the members of SurfaceInfo. Version 2 has trim maps behind the columns,
+// version 4 behind these colours; files without any are written as version 1. Version 3 consists of
+// blocks, each a file of one of the other versions. Version 5 is a rounded surface.
 //
-// Version 3: header; blocks; directory: offset, bytes, surfels, first and end key (8 each), box (6 floats)
-// a block; its offset and the number of blocks (8 each).
+// Version 3: header; blocks; directory: offset, bytes, surfels, first and end key (8 each), box (6
+// floats) a block; its offset and the number of blocks (8 each).
 //
 // Version 5: header; tolerance (double, local units), steps of a normal's
 // coordinate (4 bytes), whether there are colours (1 byte), and the surfels, range coded.
@@ -27,8 +27,7 @@ namespace pcl_slim::detail {
 class ByteWriter {
  public:
   template <typename Unsigned>
-  void putUnsigned(Unsigned value)
-  {
+  void putUnsigned(Unsigned value) {
     for (std::size_t i = 0; i < sizeof(value); ++i) {
       bytes.push_back(static_cast<unsigned char>(value >> (8 * i)));
     }
@@ -37,13 +36,11 @@ class ByteWriter {
   void putFloat(float value) { putBitsOf<std::uint32_t>(value); }
   void putDouble(double value) { putBitsOf<std::uint64_t>(value); }
 
-  void putFloats(const std::vector<float>& column)
-  {
+  void putFloats(const std::vector<float>& column) {
     for (const float value : column) putFloat(value);
   }
 
-  void putBytes(const std::vector<std::uint8_t>& column)
-  {
+  void putBytes(const std::vector<std::uint8_t>& column) {
     bytes.insert(bytes.end(), column.begin(), column.end());
   }
 
@@ -51,8 +48,7 @@ class ByteWriter {
 
  private:
   template <typename Bits, typename Value>
-  void putBitsOf(Value value)
-  {
+  void putBitsOf(Value value) {
     static_assert(sizeof(Bits) == sizeof(Value));
     Bits bits;
     std::memcpy(&bits, &value, sizeof(bits));
@@ -66,8 +62,7 @@ class ByteReader {
   explicit ByteReader(const unsigned char* bytes) : at_(bytes) {}
 
   template <typename Unsigned>
-  Unsigned getUnsigned()
-  {
+  Unsigned getUnsigned() {
     Unsigned value = 0;
     for (std::size_t i = 0; i < sizeof(value); ++i) {
       value = static_cast<Unsigned>(value | static_cast<Unsigned>(*at_++) << (8 * i));
@@ -78,20 +73,17 @@ class ByteReader {
   float getFloat() { return getBitsAs<float, std::uint32_t>(); }
   double getDouble() { return getBitsAs<double, std::uint64_t>(); }
 
-  void getFloats(std::vector<float>& column)
-  {
+  void getFloats(std::vector<float>& column) {
     for (float& value : column) value = getFloat();
   }
 
-  void getBytes(std::vector<std::uint8_t>& column)
-  {
+  void getBytes(std::vector<std::uint8_t>& column) {
     for (std::uint8_t& value : column) value = *at_++;
   }
 
  private:
   template <typename Value, typename Bits>
-  Value getBitsAs()
-  {
+  Value getBitsAs() {
     static_assert(sizeof(Bits) == sizeof(Value));
     const auto bits = getUnsigned<Bits>();
     Value value;
@@ -110,54 +102,45 @@ constexpr std::uint32_t kSlimColorsVersion =
     4;  ///< one surface with colours, and maps where it has any
 constexpr std::uint32_t kSlimRoundedVersion = 5;  ///< one rounded surface
 
-/** \brief Writes the header of a number of surfels that take payload bytes; the checksum is left 0, for
- * sealSlim. */
-void
-putSlimHeader(const SurfaceInfo& info, std::uint32_t version, std::uint64_t surfels,
-              std::uint64_t payload, ByteWriter& out);
+/** \brief Writes the header of a number of surfels that take payload bytes; the checksum is left 0,
+ * for sealSlim. */
+void putSlimHeader(const SurfaceInfo& info, std::uint32_t version, std::uint64_t surfels,
+                   std::uint64_t payload, ByteWriter& out);
 
 /** \brief FNV-1a over the bytes of a header, but for its checksum, and of what is behind them: any
  * single changed byte changes the result. */
-std::uint64_t
-slimChecksum(const unsigned char* bytes, std::size_t size);
+std::uint64_t slimChecksum(const unsigned char* bytes, std::size_t size);
 
 /** \brief The format version that bytes announce; 0 where they are no .slim file. */
-std::uint32_t
-slimVersionOf(const unsigned char* bytes, std::size_t size);
+std::uint32_t slimVersionOf(const unsigned char* bytes, std::size_t size);
 
 /** \brief The checksum that a header announces. */
-std::uint64_t
-announcedChecksum(const unsigned char* bytes);
+std::uint64_t announcedChecksum(const unsigned char* bytes);
 
 /** \brief Writes the checksum into a complete file. */
-void
-sealSlim(std::vector<unsigned char>& bytes);
+void sealSlim(std::vector<unsigned char>& bytes);
 
 /** \brief Reads the header of a file that checkSlimFrame passed.
  * \return the number of surfels, or an error where a value cannot be. */
-Result<std::uint64_t>
-getSlimHeader(const unsigned char* bytes, SurfaceInfo& info);
+Result<std::uint64_t> getSlimHeader(const unsigned char* bytes, SurfaceInfo& info);
 
 /** \brief The error of a file whose numbers contradict each other. */
-Error
-contradictorySlim();
+Error contradictorySlim();
 
-/** \brief The surfels of a surface, rounded so that it moves by a share of the RMS residual of its leaves.
+/** \brief The surfels of a surface, rounded so that it moves by a share of the RMS residual of its
+ * leaves.
  * \return nothing where a number is out of proportion to that; store such surfaces as floats. */
-std::vector<unsigned char>
-packSurfels(const SLIMSurface& surface, double share);
+std::vector<unsigned char> packSurfels(const SLIMSurface& surface, double share);
 
-/** \brief Inverse of packSurfels, without links. \param[in,out] surface its info is that of the header */
-Error
-unpackSurfels(const unsigned char* bytes, std::size_t size, std::uint64_t surfels,
-              SLIMSurface& surface);
+/** \brief Inverse of packSurfels, without links. \param[in,out] surface its info is that of the
+ * header */
+Error unpackSurfels(const unsigned char* bytes, std::size_t size, std::uint64_t surfels,
+                    SLIMSurface& surface);
 
 /** \brief The surface of a file of version 1, 2, 4 or 5, without links. */
-Result<SLIMSurface>
-decodeSlimBlock(const unsigned char* bytes, std::size_t size);
+Result<SLIMSurface> decodeSlimBlock(const unsigned char* bytes, std::size_t size);
 
 /** \brief The surfels of all blocks of a file of version 3, without links. */
-Result<SLIMSurface>
-decodeSlimBlocks(const unsigned char* bytes, std::size_t size);
+Result<SLIMSurface> decodeSlimBlocks(const unsigned char* bytes, std::size_t size);
 
 }  // namespace pcl_slim::detail

@@ -16,9 +16,9 @@
 // level, flags (1 byte); centre x, y, z, radius, normal a, b, error, confidence (float); then for
 // each coefficient k the values of those surfels that store it: as many as their degree has, but
 // only the first where the flag byte's bit kPlaneOnly is set: the normal is the plane's own; then,
-// from version 2 on, the trim maps of those surfels whose flags announce one: side (1 byte) and bits; then, in
-// version 4, the bytes of all surfels' colours (surfel_color.h). Version 5 has a rounded surface instead
-// (file/slim_file.h).
+// from version 2 on, the trim maps of those surfels whose flags announce one: side (1 byte) and
+// bits; then, in version 4, the bytes of all surfels' colours (surfel_color.h). Version 5 has a
+// rounded surface instead (file/slim_file.h).
 
 namespace pcl_slim::detail {
 
@@ -30,9 +30,7 @@ constexpr std::uint32_t kNewest = kSlimRoundedVersion;
 constexpr std::size_t kVersionAt = sizeof(kMagic);
 constexpr std::size_t kChecksumAt = 24;
 
-bool
-plausible(const SurfaceInfo& info)
-{
+bool plausible(const SurfaceInfo& info) {
   const auto known = [](WeightKernel k) {
     return k == WeightKernel::kPower2 || k == WeightKernel::kPower4 || k == WeightKernel::kPower7 ||
            k == WeightKernel::kGaussian;
@@ -43,9 +41,7 @@ plausible(const SurfaceInfo& info)
 }
 
 /** Sets a header's checksum. */
-void
-setSlimChecksum(std::uint64_t sum, std::vector<unsigned char>& bytes)
-{
+void setSlimChecksum(std::uint64_t sum, std::vector<unsigned char>& bytes) {
   ByteWriter out;
   out.putUnsigned(sum);
   std::memcpy(bytes.data() + kChecksumAt, out.bytes.data(), out.bytes.size());
@@ -53,9 +49,7 @@ setSlimChecksum(std::uint64_t sum, std::vector<unsigned char>& bytes)
 
 /** Names what is wrong with a file before anything is allocated for it: its magic, version,
  * sizes and checksum. */
-Error
-checkSlimFrame(const unsigned char* bytes, std::size_t size)
-{
+Error checkSlimFrame(const unsigned char* bytes, std::size_t size) {
   if (size < sizeof(kMagic) || std::memcmp(bytes, kMagic, sizeof(kMagic)) != 0) {
     return badInput("not a .slim file: it starts otherwise; name a file written by saveSlim");
   }
@@ -87,25 +81,19 @@ checkSlimFrame(const unsigned char* bytes, std::size_t size)
 }
 
 /** Whether a file that checkSlimFrame passed is of a version with trim maps. */
-bool
-holdsTrimMaps(const unsigned char* bytes)
-{
+bool holdsTrimMaps(const unsigned char* bytes) {
   return ByteReader(bytes + kVersionAt).getUnsigned<std::uint32_t>() > kSlimVersion;
 }
 
 /** Whether such a file is of the version with colours. */
-bool
-holdsColors(const unsigned char* bytes)
-{
+bool holdsColors(const unsigned char* bytes) {
   return ByteReader(bytes + kVersionAt).getUnsigned<std::uint32_t>() == kSlimColorsVersion;
 }
 
 }  // namespace
 
 /** Each step is a bijection of the state. */
-std::uint64_t
-slimChecksum(const unsigned char* bytes, std::size_t size)
-{
+std::uint64_t slimChecksum(const unsigned char* bytes, std::size_t size) {
   std::uint64_t hash = 0xcbf29ce484222325u;
   for (std::size_t i = 0; i < size; ++i) {
     if (i == kChecksumAt) i += sizeof(hash);
@@ -115,23 +103,17 @@ slimChecksum(const unsigned char* bytes, std::size_t size)
   return hash;
 }
 
-std::uint32_t
-slimVersionOf(const unsigned char* bytes, std::size_t size)
-{
+std::uint32_t slimVersionOf(const unsigned char* bytes, std::size_t size) {
   const bool slim = size >= kSlimHeaderBytes && std::memcmp(bytes, kMagic, sizeof(kMagic)) == 0;
   return slim ? ByteReader(bytes + kVersionAt).getUnsigned<std::uint32_t>() : 0;
 }
 
-std::uint64_t
-announcedChecksum(const unsigned char* bytes)
-{
+std::uint64_t announcedChecksum(const unsigned char* bytes) {
   return ByteReader(bytes + kChecksumAt).getUnsigned<std::uint64_t>();
 }
 
-void
-putSlimHeader(const SurfaceInfo& info, std::uint32_t version, std::uint64_t surfels,
-              std::uint64_t payload, ByteWriter& out)
-{
+void putSlimHeader(const SurfaceInfo& info, std::uint32_t version, std::uint64_t surfels,
+                   std::uint64_t payload, ByteWriter& out) {
   out.bytes.insert(out.bytes.end(), kMagic, kMagic + sizeof(kMagic));
   out.putUnsigned(version);
   out.putUnsigned(static_cast<std::uint32_t>(kSlimHeaderBytes));
@@ -152,15 +134,11 @@ putSlimHeader(const SurfaceInfo& info, std::uint32_t version, std::uint64_t surf
   }
 }
 
-void
-sealSlim(std::vector<unsigned char>& bytes)
-{
+void sealSlim(std::vector<unsigned char>& bytes) {
   setSlimChecksum(slimChecksum(bytes.data(), bytes.size()), bytes);
 }
 
-Result<std::uint64_t>
-getSlimHeader(const unsigned char* bytes, SurfaceInfo& info)
-{
+Result<std::uint64_t> getSlimHeader(const unsigned char* bytes, SurfaceInfo& info) {
   ByteReader in(bytes + kChecksumAt + sizeof(std::uint64_t));
   const auto count = in.getUnsigned<std::uint64_t>();
   info.num_points = in.getUnsigned<std::uint64_t>();
@@ -181,9 +159,7 @@ getSlimHeader(const unsigned char* bytes, SurfaceInfo& info)
   return count;
 }
 
-Error
-contradictorySlim()
-{
+Error contradictorySlim() {
   return badInput("the .slim file's contents contradict each other; write it again");
 }
 
@@ -199,9 +175,8 @@ constexpr std::uint8_t kPlaneOnly = 0x80;  // set in files only
 constexpr std::size_t kFixedBytesPerSurfel = 3 + 8 * sizeof(float);
 
 /** Coefficients each surfel stores; nothing where a degree is out of range. */
-std::optional<std::vector<std::uint8_t>>
-storedCoefficients(const SLIMSurface& surface, const std::vector<std::uint8_t>& flags)
-{
+std::optional<std::vector<std::uint8_t>> storedCoefficients(
+    const SLIMSurface& surface, const std::vector<std::uint8_t>& flags) {
   std::vector<std::uint8_t> counts(surface.size());
   for (std::size_t i = 0; i < surface.size(); ++i) {
     const int degree = surface.degree[i];
@@ -214,17 +189,13 @@ storedCoefficients(const SLIMSurface& surface, const std::vector<std::uint8_t>& 
 }
 
 /** Bytes of all columns of surfels that store a number of coefficients each. */
-std::uint64_t
-payloadBytes(const std::vector<std::uint8_t>& counts)
-{
+std::uint64_t payloadBytes(const std::vector<std::uint8_t>& counts) {
   return counts.size() * kFixedBytesPerSurfel +
          sizeof(float) * std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
 }
 
 /** The flags as the file has them. */
-std::vector<std::uint8_t>
-fileFlags(const SLIMSurface& surface)
-{
+std::vector<std::uint8_t> fileFlags(const SLIMSurface& surface) {
   std::vector<std::uint8_t> flags = surface.flags;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     const float* c = surface.coefficientsOf(i);
@@ -233,9 +204,7 @@ fileFlags(const SLIMSurface& surface)
   return flags;
 }
 
-void
-getNormals(ByteReader& in, SLIMSurface& surface)
-{
+void getNormals(ByteReader& in, SLIMSurface& surface) {
   std::vector<float> a(surface.size()), b(surface.size());
   in.getFloats(a);
   in.getFloats(b);
@@ -247,9 +216,7 @@ getNormals(ByteReader& in, SLIMSurface& surface)
   }
 }
 
-void
-putNormals(const SLIMSurface& surface, ByteWriter& out)
-{
+void putNormals(const SLIMSurface& surface, ByteWriter& out) {
   std::vector<float> b(surface.size());
   for (std::size_t i = 0; i < surface.size(); ++i) {
     const OctNormal code = encodeNormal({surface.nx[i], surface.ny[i], surface.nz[i]});
@@ -259,10 +226,9 @@ putNormals(const SLIMSurface& surface, ByteWriter& out)
   out.putFloats(b);
 }
 
-/** Reads the trim maps of the surfels whose flags announce them, which must be all remaining bytes. */
-Error
-getTrimMaps(const unsigned char* at, std::uint64_t left, SLIMSurface& surface)
-{
+/** Reads the trim maps of the surfels whose flags announce them, which must be all remaining bytes.
+ */
+Error getTrimMaps(const unsigned char* at, std::uint64_t left, SLIMSurface& surface) {
   std::vector<std::uint8_t> sides(surface.size()), bits;
   for (std::size_t i = 0; i < surface.size(); ++i) {
     if (!surface.isOpen(i)) continue;
@@ -282,10 +248,8 @@ getTrimMaps(const unsigned char* at, std::uint64_t left, SLIMSurface& surface)
 
 /** Calls visit(index into coefficients) in the file's order: by coefficient, then by surfel. */
 template <typename Visit>
-void
-forEachCoefficient(const SLIMSurface& surface, const std::vector<std::uint8_t>& counts,
-                   const Visit& visit)
-{
+void forEachCoefficient(const SLIMSurface& surface, const std::vector<std::uint8_t>& counts,
+                        const Visit& visit) {
   const auto stride = static_cast<std::size_t>(surface.stride());
   for (std::size_t k = 0; k < stride; ++k) {
     for (std::size_t i = 0; i < surface.size(); ++i) {
@@ -294,9 +258,7 @@ forEachCoefficient(const SLIMSurface& surface, const std::vector<std::uint8_t>& 
   }
 }
 
-std::vector<unsigned char>
-encodeFloats(const SLIMSurface& surface)
-{
+std::vector<unsigned char> encodeFloats(const SLIMSurface& surface) {
   const std::vector<std::uint8_t> flags = fileFlags(surface);
   const auto counts = storedCoefficients(surface, flags);
   if (!counts) return {};
@@ -323,9 +285,7 @@ encodeFloats(const SLIMSurface& surface)
   return out.bytes;
 }
 
-Result<SLIMSurface>
-decodeRounded(const unsigned char* bytes, std::size_t size)
-{
+Result<SLIMSurface> decodeRounded(const unsigned char* bytes, std::size_t size) {
   SLIMSurface surface;
   const Result<std::uint64_t> count = getSlimHeader(bytes, surface.info);
   if (!count) return count.error();
@@ -338,9 +298,7 @@ decodeRounded(const unsigned char* bytes, std::size_t size)
 
 }  // namespace
 
-std::vector<unsigned char>
-encodeSlim(const SLIMSurface& surface, double rounding)
-{
+std::vector<unsigned char> encodeSlim(const SLIMSurface& surface, double rounding) {
   if (!(rounding > 0.0) || surface.empty()) return encodeFloats(surface);
   const std::vector<unsigned char> surfels = packSurfels(surface, rounding);
   if (surfels.empty()) return encodeFloats(surface);
@@ -351,9 +309,7 @@ encodeSlim(const SLIMSurface& surface, double rounding)
   return out.bytes;
 }
 
-Result<SLIMSurface>
-detail::decodeSlimBlock(const unsigned char* bytes, std::size_t size)
-{
+Result<SLIMSurface> detail::decodeSlimBlock(const unsigned char* bytes, std::size_t size) {
   if (Error error = checkSlimFrame(bytes, size)) return error;
   if (slimVersionOf(bytes, size) == kSlimRoundedVersion) return decodeRounded(bytes, size);
   SLIMSurface surface;
@@ -387,9 +343,7 @@ detail::decodeSlimBlock(const unsigned char* bytes, std::size_t size)
   return surface;
 }
 
-Result<SLIMSurface>
-decodeSlim(const unsigned char* bytes, std::size_t size)
-{
+Result<SLIMSurface> decodeSlim(const unsigned char* bytes, std::size_t size) {
   const bool blocks = slimVersionOf(bytes, size) == kSlimBlocksVersion;
   Result<SLIMSurface> surface =
       blocks ? decodeSlimBlocks(bytes, size) : decodeSlimBlock(bytes, size);
@@ -397,17 +351,13 @@ decodeSlim(const unsigned char* bytes, std::size_t size)
   return surface;
 }
 
-Error
-saveSlim(const std::string& path, const SLIMSurface& surface, double rounding)
-{
+Error saveSlim(const std::string& path, const SLIMSurface& surface, double rounding) {
   if (Error error = surface.validate()) return error;
   const std::vector<unsigned char> bytes = encodeSlim(surface, rounding);
   return writeFile(path, bytes.data(), bytes.size());
 }
 
-Result<SLIMSurface>
-loadSlim(const std::string& path)
-{
+Result<SLIMSurface> loadSlim(const std::string& path) {
   const Result<std::vector<unsigned char>> bytes = readFile(path);
   if (!bytes) return bytes.error();
   Result<SLIMSurface> surface = decodeSlim(bytes->data(), bytes->size());

@@ -15,9 +15,9 @@
 #include "pcl_slim/surface/surface.h"
 #include "pcl_slim/surface/surfel_color.h"
 
-// Adaptive binary range coding (Martin 1979; the carries are those of LZMA). Encoder and decoder have the
-// same members, so that one template describes a format in both directions: bit(model, value) writes the
-// value and returns it, or ignores it and returns the one that was written.
+// Adaptive binary range coding (Martin 1979; the carries are those of LZMA). Encoder and decoder
+// have the same members, so that one template describes a format in both directions: bit(model,
+// value) writes the value and returns it, or ignores it and returns the one that was written.
 
 namespace pcl_slim::detail {
 
@@ -25,13 +25,11 @@ namespace pcl_slim::detail {
 class BitModel {
  public:
   /** \brief In 1/4096, within 16 ... 4080, so that every bit takes some space. */
-  std::uint32_t chance() const
-  {
+  std::uint32_t chance() const {
     return std::clamp((std::uint32_t{fast_} + slow_) >> 5, 16u, 4080u);
   }
 
-  void update(bool bit)
-  {
+  void update(bool bit) {
     fast_ =
         static_cast<std::uint16_t>(bit ? fast_ + ((0xffff - fast_) >> 4) : fast_ - (fast_ >> 4));
     slow_ =
@@ -44,8 +42,7 @@ class BitModel {
 
 class RangeEncoder {
  public:
-  bool bit(BitModel& model, bool value)
-  {
+  bool bit(BitModel& model, bool value) {
     const std::uint32_t ones = (range_ >> 12) * model.chance();
     model.update(value);
     return narrow(value, ones);
@@ -54,15 +51,13 @@ class RangeEncoder {
   /** \brief A bit of which nothing is known. */
   bool bit(bool value) { return narrow(value, range_ >> 1); }
 
-  std::vector<unsigned char> finish()
-  {
+  std::vector<unsigned char> finish() {
     for (int i = 0; i < 5; ++i) shiftOut();
     return std::move(bytes_);
   }
 
  private:
-  bool narrow(bool value, std::uint32_t ones)
-  {
+  bool narrow(bool value, std::uint32_t ones) {
     if (!value) low_ += ones;
     range_ = value ? ones : range_ - ones;
     for (; range_ < (1u << 24); range_ <<= 8) shiftOut();
@@ -70,8 +65,7 @@ class RangeEncoder {
   }
 
   /** Writes the top byte of low_ once no carry can change it. */
-  void shiftOut()
-  {
+  void shiftOut() {
     if (low_ < 0xff000000u || low_ > 0xffffffffu) {
       const auto carry = static_cast<unsigned char>(low_ >> 32);
       for (; held_ > 0; --held_) {
@@ -93,13 +87,11 @@ class RangeEncoder {
 
 class RangeDecoder {
  public:
-  RangeDecoder(const unsigned char* bytes, std::size_t size) : at_(bytes), end_(bytes + size)
-  {
+  RangeDecoder(const unsigned char* bytes, std::size_t size) : at_(bytes), end_(bytes + size) {
     for (int i = 0; i < 5; ++i) code_ = code_ << 8 | next();
   }
 
-  bool bit(BitModel& model, bool = false)
-  {
+  bool bit(BitModel& model, bool = false) {
     const bool value = narrow((range_ >> 12) * model.chance());
     model.update(value);
     return value;
@@ -113,8 +105,7 @@ class RangeDecoder {
   bool done() const { return !failed() && at_ == end_; }
 
  private:
-  bool narrow(std::uint32_t ones)
-  {
+  bool narrow(std::uint32_t ones) {
     const bool value = code_ < ones;
     if (!value) code_ -= ones;
     range_ = value ? ones : range_ - ones;
@@ -122,8 +113,7 @@ class RangeDecoder {
     return value;
   }
 
-  std::uint32_t next()
-  {
+  std::uint32_t next() {
     if (at_ < end_) return *at_++;
     ++missing_;
     return 0;
@@ -140,8 +130,7 @@ class NumberModel {
   static constexpr int kMostDigits = 52;  ///< binary, of the magnitude
 
   template <typename Coder>
-  std::int64_t code(Coder& coder, std::int64_t value)
-  {
+  std::int64_t code(Coder& coder, std::int64_t value) {
     if (coder.bit(zero_, value == 0)) return 0;
     const bool negative = coder.bit(sign_, value < 0);
     const std::uint64_t size = static_cast<std::uint64_t>(negative ? -value : value);
@@ -166,14 +155,13 @@ class NumberModel {
   std::array<std::array<BitModel, 4>, kMostDigits + 1> leading_;
 };
 
-/** \brief Coefficients of polynomials that are orthonormal under the weight (1 - s^2)^2 over the unit disc:
- * moving one of them moves the surface by the same RMS, whichever it is. */
+/** \brief Coefficients of polynomials that are orthonormal under the weight (1 - s^2)^2 over the
+ * unit disc: moving one of them moves the surface by the same RMS, whichever it is. */
 class OrthonormalBasis {
  public:
   using Coefficients = std::array<double, kMaxCoefficients>;
 
-  OrthonormalBasis()
-  {
+  OrthonormalBasis() {
     std::array<std::array<int, 2>, kMaxCoefficients> powers{};
     std::size_t count = 0;
     for (int d = 0; d <= kMaxDegree; ++d) {
@@ -189,8 +177,7 @@ class OrthonormalBasis {
   }
 
   /** \brief From powers of u and v. The first n of either kind depend on each other alone. */
-  Coefficients from(const Coefficients& c, std::size_t n) const
-  {
+  Coefficients from(const Coefficients& c, std::size_t n) const {
     Coefficients a{};
     for (std::size_t k = 0; k < n; ++k) {
       for (std::size_t i = k; i < n; ++i) a[k] += root_[i][k] * c[i];
@@ -199,8 +186,7 @@ class OrthonormalBasis {
   }
 
   /** \brief To powers of u and v. */
-  Coefficients to(const Coefficients& a, std::size_t n) const
-  {
+  Coefficients to(const Coefficients& a, std::size_t n) const {
     Coefficients c{};
     for (std::size_t k = n; k-- > 0;) {
       c[k] = a[k];
@@ -212,8 +198,7 @@ class OrthonormalBasis {
 
  private:
   /** Weighted mean of u^a v^b. */
-  static double moment(int a, int b)
-  {
+  static double moment(int a, int b) {
     if (a % 2 != 0 || b % 2 != 0) return 0.0;
     const double n = 0.5 * (a + b);
     double mean = 6.0 / ((n + 1.0) * (n + 2.0) * (n + 3.0));
@@ -227,19 +212,18 @@ class OrthonormalBasis {
       root_{};  ///< Cholesky's, of moments
 };
 
-/** \brief A positive number as a whole number of shares of an octave; 0 has the code of kLeast octaves. */
+/** \brief A positive number as a whole number of shares of an octave; 0 has the code of kLeast
+ * octaves. */
 struct LogCode {
   static constexpr double kLeast = -80.0;
   double steps;  ///< an octave
 
-  std::int64_t code(double value) const
-  {
+  std::int64_t code(double value) const {
     return value > 0.0 ? std::llround(steps * std::max(kLeast, std::log2(value)))
                        : std::llround(steps * kLeast);
   }
 
-  double value(std::int64_t code) const
-  {
+  double value(std::int64_t code) const {
     const double octaves = static_cast<double>(code) / steps;
     return octaves > kLeast ? std::exp2(octaves) : 0.0;
   }
@@ -263,15 +247,14 @@ struct Tolerance {
   bool colored = false;
 };
 
-/** \brief Codes surfel after surfel, each relative to those before. \tparam Coder RangeEncoder, to which
- * the surfels are rounded as they are written, or RangeDecoder, which fills them. */
+/** \brief Codes surfel after surfel, each relative to those before. \tparam Coder RangeEncoder, to
+ * which the surfels are rounded as they are written, or RangeDecoder, which fills them. */
 template <typename Coder>
 class SurfelCodec {
  public:
   SurfelCodec(Coder& coder, const Tolerance& tolerance) : coder_(coder), tolerance_(tolerance) {}
 
-  void code(Surfel& s)
-  {
+  void code(Surfel& s) {
     const Surfel given = s;
     codeKind(s);
     codeBall(s);
@@ -300,30 +283,26 @@ class SurfelCodec {
     std::array<std::uint8_t, kColorBytes> color{};
   };
 
-  std::int64_t number(NumberModel& model, std::int64_t value)
-  {
+  std::int64_t number(NumberModel& model, std::int64_t value) {
     overflowed_ = overflowed_ || value > kMost || value < -kMost;
     return model.code(coder_, std::clamp(value, -kMost, kMost));
   }
 
   /** A number near a prediction. */
-  std::int64_t near(NumberModel& model, std::int64_t value, std::int64_t predicted)
-  {
+  std::int64_t near(NumberModel& model, std::int64_t value, std::int64_t predicted) {
     const std::int64_t read = predicted + number(model, value - predicted);
     if (std::abs(read) <= kMost) return read;
     overflowed_ = true;
     return 0;
   }
 
-  std::int64_t rounded(double value)
-  {
+  std::int64_t rounded(double value) {
     if (std::abs(value) < static_cast<double>(kMost)) return std::llround(value);
     overflowed_ = true;
     return 0;
   }
 
-  void codeKind(Surfel& s)
-  {
+  void codeKind(Surfel& s) {
     s.degree = codes_.degree = near(degree_, s.degree, codes_.degree);
     s.level = codes_.level = near(level_, s.level, codes_.level);
     std::int64_t flags = 0;
@@ -336,8 +315,7 @@ class SurfelCodec {
   }
 
   /** The radius is rounded up, so that no ball covers less. */
-  void codeBall(Surfel& s)
-  {
+  void codeBall(Surfel& s) {
     const double octaves = std::ceil(kRadiusSteps * std::log2(std::max(s.ball.radius, 0x1p-60)));
     codes_.radius = near(radius_, rounded(octaves), codes_.radius);
     const auto code = static_cast<double>(codes_.radius);
@@ -358,8 +336,7 @@ class SurfelCodec {
     color_ = place.color;
   }
 
-  const Place& nearest(const Vector3& center) const
-  {
+  const Place& nearest(const Vector3& center) const {
     const auto distance = [&](const Place& place) {
       const Vector3 d = subtract(place.center, center);
       return dot(d, d);
@@ -371,8 +348,7 @@ class SurfelCodec {
     return *least;
   }
 
-  void codeNormal(Surfel& s, const Codes& predicted)
-  {
+  void codeNormal(Surfel& s, const Codes& predicted) {
     const auto grid = static_cast<double>(tolerance_.normals);
     const OctNormal given = encodeNormal(s.ball.normal, grid);
     codes_.a = near(normal_[0], rounded(double{given.a} * grid), predicted.a);
@@ -385,8 +361,7 @@ class SurfelCodec {
   }
 
   /** Coefficients in the rounded ball, in steps that move the surface alike. */
-  void codeShape(Surfel& s, const Surfel& given)
-  {
+  void codeShape(Surfel& s, const Surfel& given) {
     const int degree = static_cast<int>(std::clamp<std::int64_t>(s.degree, 1, kMaxDegree));
     const auto n = static_cast<std::size_t>(numCoefficients(degree));
     const double shift = leaf_ ? tolerance_.shift : std::max(tolerance_.shift, kInternal * s.error);
@@ -407,8 +382,7 @@ class SurfelCodec {
 
   /** Those before they are rounded; unknown to a decoder. */
   OrthonormalBasis::Coefficients idealCoefficients(const Surfel& given, const SurfelFrame& ball,
-                                                   int degree) const
-  {
+                                                   int degree) const {
     if (kDecoding) return {};
     std::array<float, kMaxCoefficients> c;
     std::copy(given.coefficients.begin(), given.coefficients.end(), c.begin());
@@ -417,16 +391,14 @@ class SurfelCodec {
   }
 
   /** Number of binary digits of the coefficients so far, by which the next ones are predicted. */
-  static std::size_t activity(std::uint64_t size)
-  {
+  static std::size_t activity(std::uint64_t size) {
     std::size_t digits = 0;
     while (digits + 1 < kActivities && (size >> digits) != 0) ++digits;
     return digits;
   }
 
   /** Bit after bit, each expected as its neighbours are. */
-  void codeTrimMap(Surfel& s)
-  {
+  void codeTrimMap(Surfel& s) {
     s.side = codes_.side = near(side_, s.side, codes_.side);
     if (s.side < TrimMap::kLeastSide || s.side > TrimMap::kMostSide) return;
     const auto side = static_cast<int>(s.side);
@@ -450,8 +422,7 @@ class SurfelCodec {
   }
 
   /** The constant terms relative to the nearest surfel's, red and blue after green. */
-  void codeColor(Surfel& s, const Surfel& given)
-  {
+  void codeColor(Surfel& s, const Surfel& given) {
     if (!kDecoding) recolorInNewFrame(given.ball, s.ball, s.color.data());
     const auto byte = [&](std::size_t k, int predicted) {
       const auto change = static_cast<std::int8_t>(s.color[k] - predicted);

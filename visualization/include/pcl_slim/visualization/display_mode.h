@@ -27,28 +27,22 @@ enum class DisplayMode : unsigned char {
 
 /** \brief "shaded", "normal", "mean", "gauss", "kmax", "kmin", "level", "size",
  * "reflection", "color", "error" or "sketch". */
-PCL_SLIM_EXPORT std::string
-nameOf(DisplayMode mode);
+PCL_SLIM_EXPORT std::string nameOf(DisplayMode mode);
 
 /** \brief The mode of a name, or nothing. */
-PCL_SLIM_EXPORT std::optional<DisplayMode>
-displayModeOf(const std::string& name);
+PCL_SLIM_EXPORT std::optional<DisplayMode> displayModeOf(const std::string& name);
 
 /** \brief Names of all modes, in their order. */
-PCL_SLIM_EXPORT std::vector<std::string>
-displayModeNames();
+PCL_SLIM_EXPORT std::vector<std::string> displayModeNames();
 
 /** \brief Whether the mode shows a curvature: values of both signs about 0, in 1/length or
  * 1/length^2. */
-PCL_SLIM_EXPORT bool
-showsCurvature(DisplayMode mode);
+PCL_SLIM_EXPORT bool showsCurvature(DisplayMode mode);
 
 /** \brief Whether a mode's colours can be given a range: curvatures and residuals. */
-PCL_SLIM_EXPORT bool
-takesRange(DisplayMode mode);
+PCL_SLIM_EXPORT bool takesRange(DisplayMode mode);
 
 /** \brief Whether colours represent numbers that a scalar bar explains. */
-PCL_SLIM_EXPORT bool
-showsNumbers(DisplayMode mode);
+PCL_SLIM_EXPORT bool showsNumbers(DisplayMode mode);
 
 }  // namespace pcl_slim

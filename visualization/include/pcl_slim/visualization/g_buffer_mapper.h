@@ -128,8 +128,8 @@ class PCL_SLIM_EXPORT GBufferMapper : public vtkOpenGLPolyDataMapper {
   virtual Error drawOnCard(vtkOpenGLRenderWindow* window, const detail::ViewCamera& view,
                            const FrameRequest& request, detail::FrameTextures& textures,
                            std::uint64_t& covered);
-  /** \brief Learns how long a frame took that shows something, until the card had it; getStatistics() has which
-   * back end made it. \param[in] size rays */
+  /** \brief Learns how long a frame took that shows something, until the card had it;
+   * getStatistics() has which back end made it. \param[in] size rays */
   virtual void frameMade(const FrameRequest& request, const ImageSize& size, double seconds);
   /** \brief To be called when frames are to be made in another way. */
   void dropFrame();

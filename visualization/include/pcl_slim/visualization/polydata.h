@@ -12,16 +12,14 @@ namespace pcl_slim {
 
 /** \brief A surface's surfels as VTK points, for ParaView or a glyph filter; no window is needed.
  *
- * One point and one vertex cell a surfel, in their order: "Normals", and the arrays radius, c0 c1 ...,
- * degree, level, leaf, error and confidence of PointSLIM, as saveSurface() writes them to a .vtp
- * file; lengths in world units. Coordinates are the world's, in double. O(surfels).
+ * One point and one vertex cell a surfel, in their order: "Normals", and the arrays radius, c0 c1
+ * ..., degree, level, leaf, error and confidence of PointSLIM, as saveSurface() writes them to a
+ * .vtp file; lengths in world units. Coordinates are the world's, in double. O(surfels).
  * \param[in] leaves_only leaves out the internal surfels of the hierarchy.
  */
-vtkSmartPointer<vtkPolyData>
-toPolyData(const SLIMSurface& surface, bool leaves_only = false);
+vtkSmartPointer<vtkPolyData> toPolyData(const SLIMSurface& surface, bool leaves_only = false);
 
 /** \brief Splats likewise: "Normals", "RGB" (the scalars), radius, confidence and curvature. */
-vtkSmartPointer<vtkPolyData>
-toPolyData(const SplatSet& splats);
+vtkSmartPointer<vtkPolyData> toPolyData(const SplatSet& splats);
 
 }  // namespace pcl_slim

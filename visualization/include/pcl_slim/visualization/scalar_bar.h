@@ -17,30 +17,25 @@ namespace pcl_slim {
 class GBufferMapper;
 
 /** \brief "mean curvature", "radius" ...: the quantity of a mode's colours. */
-PCL_SLIM_EXPORT std::string
-titleOf(DisplayMode mode);
+PCL_SLIM_EXPORT std::string titleOf(DisplayMode mode);
 
 /** \brief A scalar bar of a mapper's colours at the right of the window, with title and unit. It
  * follows the mapper's range; make another for another mode. \param[in] unit of length: "mm", or
  * nothing. */
-vtkSmartPointer<vtkScalarBarActor>
-makeScalarBar(GBufferMapper& mapper, const std::string& unit = "");
+vtkSmartPointer<vtkScalarBarActor> makeScalarBar(GBufferMapper& mapper,
+                                                 const std::string& unit = "");
 
 /** \brief Makes a bar's text light on a dark background of a renderer, dark on a light one. */
-PCL_SLIM_EXPORT void
-contrastWith(vtkRenderer* renderer, vtkScalarBarActor* bar);
+PCL_SLIM_EXPORT void contrastWith(vtkRenderer* renderer, vtkScalarBarActor* bar);
 
 /** \brief Sets the size of a bar's letters in pixels; 13 unless set. */
-PCL_SLIM_EXPORT void
-setLetters(vtkScalarBarActor* bar, int pixels);
+PCL_SLIM_EXPORT void setLetters(vtkScalarBarActor* bar, int pixels);
 
 /** \brief The clay of pcl_slim_render's pictures: colour and highlight. */
-PCL_SLIM_EXPORT void
-setClayLook(vtkProperty* property);
+PCL_SLIM_EXPORT void setClayLook(vtkProperty* property);
 
 /** \brief Lights of pcl_slim_render's pictures, which move with the camera: one at the viewer and a
  * key light from the upper left. Replaces the renderer's lights. */
-PCL_SLIM_EXPORT void
-setStudioLights(vtkRenderer* renderer);
+PCL_SLIM_EXPORT void setStudioLights(vtkRenderer* renderer);
 
 }  // namespace pcl_slim

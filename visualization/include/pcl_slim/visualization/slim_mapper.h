@@ -64,20 +64,21 @@ class PCL_SLIM_EXPORT SLIMMapper : public GBufferMapper {
   bool setSurface(std::shared_ptr<const SLIMSurface> surface);
   const std::shared_ptr<const SLIMSurface>& getSurface() const { return surface_; }
 
-  /** \brief Returns what is drawn at a pixel. \param[in] x, y display coordinates, from the lower left
-   * corner of the window. \return false off the surface. O(leaves). */
+  /** \brief Returns what is drawn at a pixel. \param[in] x, y display coordinates, from the lower
+   * left corner of the window. \return false off the surface. O(leaves). */
   bool pick(vtkRenderer* renderer, vtkActor* actor, int x, int y, SurfacePick& result);
 
   /** \brief What intersects rays (kAuto); FrameStatistics::on_card has the choice. Pictures of the
-   * two differ by rounding. With kAuto the card draws while the fastest of its last three frames at rest takes less
-   * than 15 ns a pixel. If it takes longer the CPU draws three, and from then on the faster of the two, which changes
-   * only if its last frames at rest take a third longer than the other's took. */
+   * two differ by rounding. With kAuto the card draws while the fastest of its last three frames at
+   * rest takes less than 15 ns a pixel. If it takes longer the CPU draws three, and from then on
+   * the faster of the two, which changes only if its last frames at rest take a third longer than
+   * the other's took. */
   void setBackend(RayBackend backend);
   RayBackend getBackend() const { return backend_; }
 
   /** \brief Surfels seen smaller than this many pixels replace their descendants, so that far
-   * surfaces cost less; 0 (default): every leaf is drawn. Both back ends; the graphics card then stores
-   * internal surfels as well. */
+   * surfaces cost less; 0 (default): every leaf is drawn. Both back ends; the graphics card then
+   * stores internal surfels as well. */
   void setLevelOfDetail(double pixels);
   double getLevelOfDetail() const { return lod_; }
 
@@ -85,10 +86,10 @@ class PCL_SLIM_EXPORT SLIMMapper : public GBufferMapper {
   void setTrimming(bool trim);
   bool getTrimming() const { return trim_; }
 
-  /** \brief Lines over the surface (none): crest lines, suggestive contours and contours of what the
-   * camera sees, as findPictureLines() finds them. They are looked for when the camera rests, and
-   * while it moves if that fits into the frame budget; FrameStatistics has the time. With
-   * the graphics card the CPU draws the frame that they are looked for in. DisplayMode::kSketch draws
+  /** \brief Lines over the surface (none): crest lines, suggestive contours and contours of what
+   * the camera sees, as findPictureLines() finds them. They are looked for when the camera rests,
+   * and while it moves if that fits into the frame budget; FrameStatistics has the time. With the
+   * graphics card the CPU draws the frame that they are looked for in. DisplayMode::kSketch draws
    * lines of every kind on white if no other are set.
    * \return an error, and nothing changes, for parameters out of range. */
   Error setLines(const PictureLineParams& lines, const LineStyle& style = {});

@@ -14,8 +14,8 @@ namespace pcl_slim {
 /** \brief Points owned by someone else, as strided arrays; nothing is copied.
  *
  * Coordinates are three consecutive floats or three consecutive doubles per point, and so are the
- * places of sensors, when present; normals are three consecutive floats. A point whose coordinates are not finite is skipped; a
- * normal that is zero or not finite counts as missing for that point.
+ * places of sensors, when present; normals are three consecutive floats. A point whose coordinates
+ * are not finite is skipped; a normal that is zero or not finite counts as missing for that point.
  */
 struct PCL_SLIM_EXPORT CloudView {
   enum class Scalar : unsigned char { kFloat, kDouble };
@@ -40,21 +40,19 @@ struct PCL_SLIM_EXPORT CloudView {
   /** \brief Number of points to use. */
   std::size_t count() const { return indices ? num_indices : size; }
   /** \brief Input index of the i-th point to use. */
-  std::size_t inputIndex(std::size_t i) const
-  {
+  std::size_t inputIndex(std::size_t i) const {
     return indices ? static_cast<std::size_t>(indices[i]) : i;
   }
 
   /** \brief A point's coordinates, by its index in the cloud. */
-  std::array<double, 3> position(std::size_t input) const
-  {
+  std::array<double, 3> position(std::size_t input) const {
     return placeAt(xyz, input * xyz_stride, scalar);
   }
-  /** \brief A point's normal as it is given, of any length, by its index in the cloud; needs normals. */
+  /** \brief A point's normal as it is given, of any length, by its index in the cloud; needs
+   * normals. */
   std::array<float, 3> givenNormal(std::size_t input) const;
   /** \brief Where a point was seen from, by its index in the cloud; needs sensors. */
-  std::array<double, 3> sensorPosition(std::size_t input) const
-  {
+  std::array<double, 3> sensorPosition(std::size_t input) const {
     return placeAt(sensors, input * sensors_stride, sensors_scalar);
   }
 

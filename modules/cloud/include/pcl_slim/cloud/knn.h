@@ -25,8 +25,8 @@ class alignas(64) NeighborSearch {
 
   /** \brief The k points nearest to stored point i, itself included where it is looked at, nearest
    * first (ties by index); fewer if there are fewer. \param[out] neighbors stored indices.
-   * \param[out] distances_sq squared local distances. \param[in] about a squared distance that probably
-   * contains k points and few more, which saves time, not points; 0: none is known. */
+   * \param[out] distances_sq squared local distances. \param[in] about a squared distance that
+   * probably contains k points and few more, which saves time, not points; 0: none is known. */
   PCL_SLIM_EXPORT void nearest(std::size_t i, std::size_t k, std::vector<std::uint32_t>& neighbors,
                                std::vector<float>& distances_sq, float about = 0);
 

@@ -32,12 +32,12 @@ struct PointStoreStatistics {
 
 /** \brief A cloud in Morton order, which every later stage reads in this order.
  *
- * Finite points are centred in double, divided by a power of two (so that converting back is
- * exact) until the bounding box's diagonal is in (.49, 1), sorted by 63-bit Morton code,
- * merged where coordinates coincide, and cut into blocks of 16. Strays that are more than 2^14 times as
- * far from the median as the quartiles do are left out, as units follow the box of what is stored. A block has one origin on a
- * 2^-22 grid and float offsets from it, which keeps about 1e-9 of the diagonal in 12 bytes a
- * point. The last block is padded with points too far away for any ball.
+ * Finite points are centred in double, divided by a power of two (so that converting back is exact)
+ * until the bounding box's diagonal is in (.49, 1), sorted by 63-bit Morton code, merged where
+ * coordinates coincide, and cut into blocks of 16. Strays that are more than 2^14 times as far from
+ * the median as the quartiles do are left out, as units follow the box of what is stored. A block
+ * has one origin on a 2^-22 grid and float offsets from it, which keeps about 1e-9 of the diagonal
+ * in 12 bytes a point. The last block is padded with points too far away for any ball.
  *
  * Same input, same store, for any number of threads. O(N) time, about 40 bytes a point while
  * building and 28 to 40 bytes a point after.
@@ -49,24 +49,26 @@ class PCL_SLIM_EXPORT PointStore {
   static constexpr std::uint32_t kSkipped = 0xffffffffu;  ///< in storeOfInput(): not in the store
 
   /** \brief Brings a cloud into Morton order. \return the store, or why there is none: no input,
-   * more than 2^32 - 2 points, not one finite point, or one without a finite place of its sensor where
-   * others have one. \param[in] threads 0: all cores.
-   * \param[in] frame store of a larger cloud that these points belong to: what is far away relative to that
-   * is far away here, too, and the units are at least its own. null: none. */
+   * more than 2^32 - 2 points, not one finite point, or one without a finite place of its sensor
+   * where others have one. \param[in] threads 0: all cores.
+   * \param[in] frame store of a larger cloud that these points belong to: what is far away relative
+   * to that is far away here, too, and the units are at least its own. null: none. */
   static Result<PointStore> build(const CloudView& cloud, int threads = 0,
                                   const PointStore* frame = nullptr);
 
-  /** \brief The same in given units, as a part of a larger cloud has: equal points get the coordinates,
-   * keys and order that they have in a store of all. Points that the frame counts as strays, or whose
-   * normal it misses, are left out. */
+  /** \brief The same in given units, as a part of a larger cloud has: equal points get the
+   * coordinates, keys and order that they have in a store of all. Points that the frame counts as
+   * strays, or whose normal it misses, are left out. */
   static Result<PointStore> build(const CloudView& cloud, const StoreFrame& frame, int threads = 0);
 
-  /** \brief The same without some points, in the same units; they count as skipped in storeOfInput().
+  /** \brief The same without some points, in the same units; they count as skipped in
+   * storeOfInput().
    * \param[in] dropped stored points, ascending. O(N). */
   PointStore without(const std::vector<std::uint32_t>& dropped, int threads = 1) const;
   /** \brief Drops them from this store, which takes memory for one column more. */
   void drop(const std::vector<std::uint32_t>& dropped, int threads = 1);
-  /** \brief Moves every point to another local position. Keys and order stay those of the places before. */
+  /** \brief Moves every point to another local position. Keys and order stay those of the places
+   * before. */
   void moveTo(const std::vector<std::array<double, 3>>& positions, int threads = 1);
 
   std::size_t size() const { return size_; }
@@ -77,8 +79,7 @@ class PCL_SLIM_EXPORT PointStore {
   bool hasSides() const { return !nx_.empty(); }
 
   /** \brief Local position of point i, exact to the store's precision. */
-  std::array<double, 3> position(std::size_t i) const
-  {
+  std::array<double, 3> position(std::size_t i) const {
     const std::size_t b = i / kBlock;
     return {static_cast<double>(block_origin_x_[b]) + x_[i],
             static_cast<double>(block_origin_y_[b]) + y_[i],
@@ -93,8 +94,7 @@ class PCL_SLIM_EXPORT PointStore {
   /** \brief Whether the cloud knows where each of its points was seen from. */
   bool hasSensors() const { return !sensors_.empty(); }
   /** \brief Local position that point i was seen from; of merged points, the first one's. */
-  std::array<double, 3> sensor(std::size_t i) const
-  {
+  std::array<double, 3> sensor(std::size_t i) const {
     return {sensors_[i][0], sensors_[i][1], sensors_[i][2]};
   }
   /** \brief Whether the cloud knows which of several merged frames each of its points is from. */
@@ -113,7 +113,8 @@ class PCL_SLIM_EXPORT PointStore {
   /** \brief How far moveTo() moved points at most, local length. */
   double drift() const { return drift_; }
 
-  /** \brief 63-bit Morton codes, ascending; three bits a level, x highest; of the places before moveTo(). */
+  /** \brief 63-bit Morton codes, ascending; three bits a level, x highest; of the places before
+   * moveTo(). */
   const std::uint64_t* keys() const { return keys_.data(); }
   /** \brief Surfel centres are multiples of this, so that world = origin + scale * centre is exact
    * in float (unless the origin is beyond 256 L). */
@@ -140,7 +141,8 @@ class PCL_SLIM_EXPORT PointStore {
   const BlockTree& tree() const { return tree_; }
   const PointStoreStatistics& statistics() const { return statistics_; }
 
-  /** \brief Gives the points of a cloud without normals a side each: unit normals, in stored order. */
+  /** \brief Gives the points of a cloud without normals a side each: unit normals, in stored order.
+   */
   void setSides(const std::vector<std::array<float, 3>>& normals);
   /** \brief Takes them away again; given normals stay. */
   void clearSides();
@@ -151,8 +153,7 @@ class PCL_SLIM_EXPORT PointStore {
  private:
   friend class detail::PointStoreBuilder;
 
-  double coordinate(std::size_t i, std::size_t axis) const
-  {
+  double coordinate(std::size_t i, std::size_t axis) const {
     const AlignedVector<float>& offsets = axis == 0 ? x_ : axis == 1 ? y_ : z_;
     const AlignedVector<float>& origins = axis == 0   ? block_origin_x_
                                           : axis == 1 ? block_origin_y_

@@ -10,8 +10,9 @@
 
 namespace pcl_slim {
 
-/** \brief Units of a PointStore, and which points of a cloud belong into it: what all tiles of one cloud
- * share, so that their points have the same coordinates and keys as in one store of all of them. */
+/** \brief Units of a PointStore, and which points of a cloud belong into it: what all tiles of one
+ * cloud share, so that their points have the same coordinates and keys as in one store of all of
+ * them. */
 struct StoreFrame {
   std::array<double, 3> origin{};       ///< world position of local 0
   double scale = 1.0;                   ///< world units per local unit, a power of two
@@ -25,19 +26,18 @@ struct StoreFrame {
   std::optional<std::array<double, 3>> sensor;  ///< world position that points were seen from
 };
 
-/** \brief What files of floats leave out of world coordinates, so that all files made of one cloud have the
- * same place in a viewer: 0 unless the cloud is 256 of its diagonals or more from the world's origin, else a
- * place near its middle, a multiple of four diagonals.
- * \param[in] origin of a store's or surface's local units \param[in] scale world units per local one */
-PCL_SLIM_EXPORT std::array<double, 3>
-fileShift(const std::array<double, 3>& origin, double scale);
+/** \brief What files of floats leave out of world coordinates, so that all files made of one cloud
+ * have the same place in a viewer: 0 unless the cloud is 256 of its diagonals or more from the
+ * world's origin, else a place near its middle, a multiple of four diagonals.
+ * \param[in] origin of a store's or surface's local units \param[in] scale world units per local
+ * one */
+PCL_SLIM_EXPORT std::array<double, 3> fileShift(const std::array<double, 3>& origin, double scale);
 
 /** \brief The same of a box around a cloud's points, in world coordinates. */
-PCL_SLIM_EXPORT std::array<double, 3>
-fileShift(const std::array<double, 3>& low, const std::array<double, 3>& high);
+PCL_SLIM_EXPORT std::array<double, 3> fileShift(const std::array<double, 3>& low,
+                                                const std::array<double, 3>& high);
 
 /** \brief The same of a cloud's finite points. O(points). */
-PCL_SLIM_EXPORT std::array<double, 3>
-fileShift(const CloudView& cloud);
+PCL_SLIM_EXPORT std::array<double, 3> fileShift(const CloudView& cloud);
 
 }  // namespace pcl_slim

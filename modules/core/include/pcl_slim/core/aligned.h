@@ -13,12 +13,10 @@ namespace pcl_slim {
  *
  * Memory comes at its first use, page by page, and for arrays that are passed over once or twice
  * that costs as much as the passes. Throws std::bad_alloc. */
-PCL_SLIM_EXPORT void*
-allocateAligned(std::size_t bytes);
+PCL_SLIM_EXPORT void* allocateAligned(std::size_t bytes);
 
 /** \brief Gives back what allocateAligned() gave. */
-PCL_SLIM_EXPORT void
-freeAligned(void* block);
+PCL_SLIM_EXPORT void freeAligned(void* block);
 
 /** \brief Allocator with 64-byte alignment that leaves new plain values uninitialised. */
 template <typename T>
@@ -26,21 +24,17 @@ struct AlignedAllocator {
   using value_type = T;
   AlignedAllocator() = default;
   template <typename U>
-  AlignedAllocator(const AlignedAllocator<U>&)
-  {
-  }
+  AlignedAllocator(const AlignedAllocator<U>&) {}
 
   T* allocate(std::size_t n) { return static_cast<T*>(allocateAligned(n * sizeof(T))); }
   void deallocate(T* p, std::size_t) { freeAligned(p); }
 
   template <typename U>
-  void construct(U* p)
-  {
+  void construct(U* p) {
     ::new (static_cast<void*>(p)) U;
   }
   template <typename U, typename... Args>
-  void construct(U* p, Args&&... args)
-  {
+  void construct(U* p, Args&&... args) {
     ::new (static_cast<void*>(p)) U(static_cast<Args&&>(args)...);
   }
 

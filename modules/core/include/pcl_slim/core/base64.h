@@ -8,9 +8,7 @@
 namespace pcl_slim {
 
 /** \brief Bytes as text of RFC 4648, padded with '='. */
-inline std::string
-base64(const std::uint8_t* bytes, std::size_t count)
-{
+inline std::string base64(const std::uint8_t* bytes, std::size_t count) {
   constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::string text;
   text.reserve((count + 2) / 3 * 4);

@@ -30,9 +30,7 @@ struct [[nodiscard]] Error {
 };
 
 /** \brief An error of data that cannot be worked on. */
-inline Error
-badInput(std::string message)
-{
+inline Error badInput(std::string message) {
   return {ErrorCode::kBadInput, std::move(message)};
 }
 

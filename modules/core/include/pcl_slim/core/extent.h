@@ -12,9 +12,7 @@ struct Extent {
 };
 
 /** \brief Of count values, at least one: in lanes, which do not wait for each other. */
-inline Extent
-extentOf(const float* values, std::size_t count)
-{
+inline Extent extentOf(const float* values, std::size_t count) {
   constexpr std::size_t kLanes = 8;
   float low[kLanes], high[kLanes];
   for (std::size_t k = 0; k < kLanes; ++k) low[k] = high[k] = values[std::min(k, count - 1)];

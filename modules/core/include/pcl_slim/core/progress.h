@@ -20,23 +20,21 @@ class Progress {
   Progress() = default;
   explicit Progress(Callback callback) : callback_(std::move(callback)) {}
 
-  void report(float fraction, const char* stage)
-  {
+  void report(float fraction, const char* stage) {
     if (callback_) callback_(fraction, stage);
   }
 
-  /** \brief Requests that the run in progress stop, or the next one if one is expected: before the first
-   * run, and from expectRun() on. Once a run has ended, nothing is there to stop until the next begins. */
-  void cancel()
-  {
+  /** \brief Requests that the run in progress stop, or the next one if one is expected: before the
+   * first run, and from expectRun() on. Once a run has ended, nothing is there to stop until the
+   * next begins. */
+  void cancel() {
     State expected = State::kOpen;
     state_.compare_exchange_strong(expected, State::kCancelled);
   }
   /** \brief Takes cancel() back; the next run is expected. */
   void reset() { state_.store(State::kOpen); }
   /** \brief From now on cancel() is meant for the next run. */
-  void expectRun()
-  {
+  void expectRun() {
     State expected = State::kClosed;
     state_.compare_exchange_strong(expected, State::kOpen);
   }
@@ -51,8 +49,8 @@ class Progress {
   std::atomic<State> state_{State::kOpen};
 };
 
-/** \brief One run of an operation with a progress. A cancel() during the run is used up at its end, and one
- * that comes after it is not kept for the next run. */
+/** \brief One run of an operation with a progress. A cancel() during the run is used up at its end,
+ * and one that comes after it is not kept for the next run. */
 class CancellableRun {
  public:
   explicit CancellableRun(Progress& progress) : progress_(progress) { progress_.expectRun(); }

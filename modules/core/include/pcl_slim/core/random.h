@@ -7,17 +7,16 @@
 
 namespace pcl_slim {
 
-/** \brief Turns a number into one whose bits all depend on all of its bits: the last step of SplitMix64
- * (Steele, Lea, Flood 2014). */
-inline std::uint64_t
-mixBits(std::uint64_t x)
-{
+/** \brief Turns a number into one whose bits all depend on all of its bits: the last step of
+ * SplitMix64 (Steele, Lea, Flood 2014). */
+inline std::uint64_t mixBits(std::uint64_t x) {
   x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
   x = (x ^ x >> 27) * 0x94d049bb133111ebu;
   return x ^ x >> 31;
 }
 
-/** \brief The numbers of SplitMix64: each depends on the start and its place in the sequence alone. */
+/** \brief The numbers of SplitMix64: each depends on the start and its place in the sequence alone.
+ */
 struct SplitMix {
   static constexpr std::uint64_t kStep = 0x9e3779b97f4a7c15u;
 
@@ -29,9 +28,7 @@ struct SplitMix {
 };
 
 /** \brief A hash of a finite place; equal ones have equal hashes. */
-inline std::uint64_t
-placeHash(const std::array<double, 3>& p)
-{
+inline std::uint64_t placeHash(const std::array<double, 3>& p) {
   std::uint64_t hash = 0x2545f4914f6cdd1du;
   for (const double coordinate : p) {
     const double value = coordinate + 0.0;  // -0 is 0

@@ -8,8 +8,8 @@
 
 namespace pcl_slim {
 
-/** \brief Types of numbers in files, by the values of PCL's PCLPointField, whose 64-bit integers have no
- * name there before 1.13. */
+/** \brief Types of numbers in files, by the values of PCL's PCLPointField, whose 64-bit integers
+ * have no name there before 1.13. */
 enum ScalarType : std::uint8_t {
   kInt8 = 1,
   kUInt8 = 2,
@@ -25,18 +25,14 @@ enum ScalarType : std::uint8_t {
 };
 
 /** \brief Bytes of one value, 0 for an unknown type. */
-constexpr std::size_t
-scalarSize(std::uint8_t type)
-{
+constexpr std::size_t scalarSize(std::uint8_t type) {
   constexpr std::size_t kBytes[] = {0, 1, 1, 2, 2, 4, 4, 4, 8, 8, 8, 1};
   return type <= kBool ? kBytes[type] : 0;
 }
 
-/** \brief Value at an address of any alignment, in this machine's byte order; not a number for an unknown
- * type. */
-inline double
-readScalar(const std::uint8_t* at, std::uint8_t type)
-{
+/** \brief Value at an address of any alignment, in this machine's byte order; not a number for an
+ * unknown type. */
+inline double readScalar(const std::uint8_t* at, std::uint8_t type) {
   const auto as = [at](auto value) {
     std::memcpy(&value, at, sizeof(value));
     return static_cast<double>(value);

@@ -8,14 +8,12 @@ namespace pcl_slim {
 /** \brief Wall time since construction, or since the last lap, in seconds. */
 class Stopwatch {
  public:
-  double seconds() const
-  {
+  double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
   }
 
   /** \brief seconds(), and begins anew. */
-  double lap()
-  {
+  double lap() {
     const double passed = seconds();
     start_ = std::chrono::steady_clock::now();
     return passed;

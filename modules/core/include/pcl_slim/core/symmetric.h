@@ -20,9 +20,7 @@ inline constexpr SymmetricEntry kSymmetricEntry[3][3] = {
 
 /** \brief The product of a symmetric matrix and a vector. */
 template <typename T>
-std::array<T, 3>
-multiplied(const Symmetric3<T>& m, const std::array<T, 3>& v)
-{
+std::array<T, 3> multiplied(const Symmetric3<T>& m, const std::array<T, 3>& v) {
   return {m[kXX] * v[0] + m[kXY] * v[1] + m[kXZ] * v[2],
           m[kXY] * v[0] + m[kYY] * v[1] + m[kYZ] * v[2],
           m[kXZ] * v[0] + m[kYZ] * v[1] + m[kZZ] * v[2]};

@@ -11,51 +11,37 @@ namespace pcl_slim {
 
 /** \brief A point or direction; installed headers that take one need no Eigen.
  *
- * Eigen::Vector3d's operations on the same three numbers are no faster: `pcl_slim_render -threads 1`
- * of a fitted dragon took 1.04 times the CPU time with them (9 pairs), for the same picture. */
+ * Eigen::Vector3d's operations on the same three numbers are no faster: `pcl_slim_render -threads
+ * 1` of a fitted dragon took 1.04 times the CPU time with them (9 pairs), for the same picture. */
 using Vector3 = std::array<double, 3>;
 
-inline double
-dot(const Vector3& a, const Vector3& b)
-{
+inline double dot(const Vector3& a, const Vector3& b) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-inline Vector3
-cross(const Vector3& a, const Vector3& b)
-{
+inline Vector3 cross(const Vector3& a, const Vector3& b) {
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-inline Vector3
-subtract(const Vector3& a, const Vector3& b)
-{
+inline Vector3 subtract(const Vector3& a, const Vector3& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
 
 /** \brief a + s b. */
-inline Vector3
-along(const Vector3& a, double s, const Vector3& b)
-{
+inline Vector3 along(const Vector3& a, double s, const Vector3& b) {
   return {a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]};
 }
 
-inline Vector3
-scaled(const Vector3& a, double s)
-{
+inline Vector3 scaled(const Vector3& a, double s) {
   return {a[0] * s, a[1] * s, a[2] * s};
 }
 
-inline double
-length(const Vector3& a)
-{
+inline double length(const Vector3& a) {
   return std::sqrt(dot(a, a));
 }
 
 /** \brief Unit vector along a; a itself when its length is 0. */
-inline Vector3
-normalized(const Vector3& a)
-{
+inline Vector3 normalized(const Vector3& a) {
   const double l = length(a);
   return l > 0.0 ? scaled(a, 1.0 / l) : a;
 }
@@ -66,8 +52,7 @@ struct Bounds {
 
   Vector3 low{kInfinity, kInfinity, kInfinity}, high{-kInfinity, -kInfinity, -kInfinity};
 
-  void add(const Vector3& p)
-  {
+  void add(const Vector3& p) {
     for (std::size_t a = 0; a < 3; ++a) {
       low[a] = std::min(low[a], p[a]);
       high[a] = std::max(high[a], p[a]);
@@ -78,9 +63,7 @@ struct Bounds {
 
 /** \brief Whether all three coordinates are finite. P: an array or a pointer. */
 template <typename P>
-auto
-isFinite(const P& p) -> decltype(std::isfinite(p[0]))
-{
+auto isFinite(const P& p) -> decltype(std::isfinite(p[0])) {
   return std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2]);
 }
 

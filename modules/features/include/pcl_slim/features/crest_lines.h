@@ -14,7 +14,8 @@
 
 namespace pcl_slim {
 
-/** \brief Kind of a crest line: where the surface bends most to the outer side or to the inner one. */
+/** \brief Kind of a crest line: where the surface bends most to the outer side or to the inner one.
+ */
 enum class CrestType : std::uint8_t { kRidge = 0, kRavine = 1 };
 
 /** \brief Which lines to trace and keep. */
@@ -23,8 +24,8 @@ struct PCL_SLIM_EXPORT CrestParams {
   bool ravines = true;
   /** Lines are kept where their prominence is this many deviations of the noise ... */
   double significance = 2.0;
-  /** ... and somewhere along that stretch, as a mean of seven vertices, this many; at least significance.
-   * Noise alone makes an RMS of 1 to 2. */
+  /** ... and somewhere along that stretch, as a mean of seven vertices, this many; at least
+   * significance. Noise alone makes an RMS of 1 to 2. */
   double peak_significance = 6.5;
   double min_strength =
       0.0;                  ///< integral of |k| ds of a line, no unit; selects the important lines
@@ -39,8 +40,8 @@ struct PCL_SLIM_EXPORT CrestParams {
 /** \brief Polylines in world coordinates; columns per vertex and per line.
  *
  * Line i has the vertices line_begin[i] ... line_begin[i + 1] - 1. A closed one does not repeat its
- * first vertex. Strongest lines come first; equal ones in order of their first vertex. Curvatures are
- * positive where the surface bends away from the normal.
+ * first vertex. Strongest lines come first; equal ones in order of their first vertex. Curvatures
+ * are positive where the surface bends away from the normal.
  */
 struct CrestLines {
   std::vector<std::array<double, 3>> position;
@@ -79,25 +80,25 @@ struct CrestStatistics {
   double seconds_seeds = 0, seconds_trace = 0;
 };
 
-/** \brief Traces ridges and ravines of a surface: curves along which a principal curvature is largest
- * across its own direction.
+/** \brief Traces ridges and ravines of a surface: curves along which a principal curvature is
+ * largest across its own direction.
  *
- * A ridge is where k1 has a maximum along its direction t1 and k1 > |k2|; a ravine the same of -k2 along
- * t2. Lines are followed on the blended surface itself, without a mesh, by predictor and corrector: a
- * step along the line, then the root of dk/dt across it. Under noise dk/dt is taken from differences of
- * k over a tenth of the leaves' radius or somewhat more; on clean data from third derivatives. Lines that noise of the
- * surface's lambda explains are left out. Which of the two kinds a line is depends on the side the
- * normals face.
+ * A ridge is where k1 has a maximum along its direction t1 and k1 > |k2|; a ravine the same of -k2
+ * along t2. Lines are followed on the blended surface itself, without a mesh, by predictor and
+ * corrector: a step along the line, then the root of dk/dt across it. Under noise dk/dt is taken
+ * from differences of k over a tenth of the leaves' radius or somewhat more; on clean data from
+ * third derivatives. Lines that noise of the surface's lambda explains are left out. Which of the
+ * two kinds a line is depends on the side the normals face.
  *
  * \param[in] projection of the store's points onto the surface, with extremality.
  * \param[out] lines cleared first; empty on an error. \param[out] statistics may be null.
- * \return an error for parameters out of range, a projection of other points or without extremality,
- * or cancellation. A surface without lines is none. O(N) for seeds, then a few SurfaceProbe requests
- * a vertex. The same for any number of threads, of which tracing uses two.
+ * \return an error for parameters out of range, a projection of other points or without
+ * extremality, or cancellation. A surface without lines is none. O(N) for seeds, then a few
+ * SurfaceProbe requests a vertex. The same for any number of threads, of which tracing uses two.
  */
-PCL_SLIM_EXPORT Error
-traceCrestLines(const PointStore& store, const Projection& projection, const SLIMSurface& surface,
-                const CrestParams& params, CrestLines& lines, CrestStatistics* statistics = nullptr,
-                Progress* progress = nullptr);
+PCL_SLIM_EXPORT Error traceCrestLines(const PointStore& store, const Projection& projection,
+                                      const SLIMSurface& surface, const CrestParams& params,
+                                      CrestLines& lines, CrestStatistics* statistics = nullptr,
+                                      Progress* progress = nullptr);
 
 }  // namespace pcl_slim

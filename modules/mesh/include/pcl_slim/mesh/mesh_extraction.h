@@ -14,23 +14,26 @@ namespace pcl_slim {
 /** \brief How a surface becomes triangles. */
 struct PCL_SLIM_EXPORT MeshParams {
   /** Largest distance between mesh and surface [world units]; 0: a quarter of the noise's standard
-   * deviation, and at least 1e-4 of the diagonal. Vertices are not nearer to each other than about the spacing
-   * of the points, or half of it for a smaller tolerance than that: an error that remains then is larger. */
+   * deviation, and at least 1e-4 of the diagonal. Vertices are not nearer to each other than about
+   * the spacing of the points, or half of it for a smaller tolerance than that: an error that
+   * remains then is larger. */
   double tolerance = 0;
   bool trim = true;  ///< end the mesh where the data end: by the surface's trim maps
-  /** Holes in the data are closed unless they are as large as a disc of this diameter [spacings of the
-   * points]; 0: all stay open. Those that reach the end of the surface's leaves stay open too. */
+  /** Holes in the data are closed unless they are as large as a disc of this diameter [spacings of
+   * the points]; 0: all stay open. Those that reach the end of the surface's leaves stay open too.
+   */
   double hole_size = 6;
   /** Components with fewer points are left out; 0: all stay. The points of a component are its
    * area times the density that the surface's leaves report. */
   double min_component_points = 50;
   int relax = 2;  ///< rounds of tangential smoothing of the triangles; 0 to 100
-  /** Edges are collapsed, those of least error first, until there are no more triangles; 0: no limit. The
-   * tolerance is then not kept. */
+  /** Edges are collapsed, those of least error first, until there are no more triangles; 0: no
+   * limit. The tolerance is then not kept. */
   std::uint64_t max_triangles = 0;
-  /** A second fit to the same points, with FitParams::sharp_features: the mesh gets its sharp edges. Vertices
-   * are put onto its nearest face, and vertices are added where its faces differ by more than 40 degrees; their
-   * curvatures are 0. Null: edges are as round as the surface. Must outlive the extraction. */
+  /** A second fit to the same points, with FitParams::sharp_features: the mesh gets its sharp
+   * edges. Vertices are put onto its nearest face, and vertices are added where its faces differ by
+   * more than 40 degrees; their curvatures are 0. Null: edges are as round as the surface. Must
+   * outlive the extraction. */
   const SLIMSurface* sharp = nullptr;
   int threads = 0;  ///< 0: all cores; never changes the result
 
@@ -58,20 +61,20 @@ struct MeshStatistics {
          seconds_sharpen = 0, seconds_simplify = 0;
 };
 
-/** \brief Triangulates a SLIM surface by dual contouring (Ju, Losasso, Schaefer, Warren 2002) on an octree
- * whose cells follow the leaves' curvature; one vertex for each sheet of surface in a cell, put onto the
- * surface by equations (6) and (7) of Ohtake, Belyaev, Alexa 2005.
+/** \brief Triangulates a SLIM surface by dual contouring (Ju, Losasso, Schaefer, Warren 2002) on an
+ * octree whose cells follow the leaves' curvature; one vertex for each sheet of surface in a cell,
+ * put onto the surface by equations (6) and (7) of Ohtake, Belyaev, Alexa 2005.
  *
- * Closed surfaces give closed meshes; where a surface has trim maps the mesh ends on their border. Every edge
- * has at most two triangles. Triangles face the side of the surface's normals; those of an unoriented
- * surface agree within each component where that is possible.
+ * Closed surfaces give closed meshes; where a surface has trim maps the mesh ends on their border.
+ * Every edge has at most two triangles. Triangles face the side of the surface's normals; those of
+ * an unoriented surface agree within each component where that is possible.
  *
  * \return an error for parameters out of range, an empty or invalid surface, a tolerance that needs
- * more than 2^30 cells, or cancellation; the mesh is then empty. Same bytes for any number of threads.
- * O(triangles + leaves).
+ * more than 2^30 cells, or cancellation; the mesh is then empty. Same bytes for any number of
+ * threads. O(triangles + leaves).
  */
-PCL_SLIM_EXPORT Error
-extractMesh(const SLIMSurface& surface, const MeshParams& params, TriangleMesh& mesh,
-            MeshStatistics* statistics = nullptr, Progress* progress = nullptr);
+PCL_SLIM_EXPORT Error extractMesh(const SLIMSurface& surface, const MeshParams& params,
+                                  TriangleMesh& mesh, MeshStatistics* statistics = nullptr,
+                                  Progress* progress = nullptr);
 
 }  // namespace pcl_slim

@@ -21,7 +21,8 @@ struct IndexRow {
   std::uint32_t operator[](std::size_t i) const { return first[i]; }
 };
 
-/** \brief Faces of a mesh as lists of vertices: triangles, quadrilaterals or larger, in any mixture.
+/** \brief Faces of a mesh as lists of vertices: triangles, quadrilaterals or larger, in any
+ * mixture.
  *
  * Corners go round the face counter-clockwise as seen from outside. Faces of fewer than three
  * corners are allowed and ignored.
@@ -31,8 +32,7 @@ struct PCL_SLIM_EXPORT MeshFaces {
   std::vector<std::uint32_t> corners;  ///< vertices, face after face
 
   std::size_t size() const { return begin.empty() ? 0 : begin.size() - 1; }
-  IndexRow operator[](std::size_t f) const
-  {
+  IndexRow operator[](std::size_t f) const {
     return {corners.data() + begin[f], corners.data() + begin[f + 1]};
   }
   /** \brief Adds a face of these corners. */
@@ -44,30 +44,29 @@ struct PCL_SLIM_EXPORT MeshFaces {
 
 /** \brief Area vector of a face: along its normal, as long as its area. Not finite where a corner
  * is not; zero for fewer than three corners. */
-PCL_SLIM_EXPORT Vector3
-areaVector(const std::vector<Vector3>& vertices, IndexRow corners);
+PCL_SLIM_EXPORT Vector3 areaVector(const std::vector<Vector3>& vertices, IndexRow corners);
 
 /** \brief Mean of a face's corners. */
-PCL_SLIM_EXPORT Vector3
-centroid(const std::vector<Vector3>& vertices, IndexRow corners);
+PCL_SLIM_EXPORT Vector3 centroid(const std::vector<Vector3>& vertices, IndexRow corners);
 
 /** \brief Adjacency of the faces of a mesh. */
 class PCL_SLIM_EXPORT MeshTopology {
  public:
-  /** \brief faces must be valid for this number of vertices. O(corners log faces around a vertex). */
+  /** \brief faces must be valid for this number of vertices. O(corners log faces around a vertex).
+   */
   MeshTopology(const MeshFaces& faces, std::size_t num_vertices);
 
   /** \brief Faces that have vertex v as a corner, ascending. */
   IndexRow facesOf(std::size_t v) const { return row(vertex_begin_, vertex_faces_, v); }
-  /** \brief Faces that share an edge with face f, ascending: all of them where more than two meet. */
+  /** \brief Faces that share an edge with face f, ascending: all of them where more than two meet.
+   */
   IndexRow acrossEdges(std::size_t f) const { return row(edge_begin_, edge_faces_, f); }
   /** \brief Faces that share a corner with face f, ascending. */
   IndexRow around(std::size_t f) const { return row(around_begin_, around_faces_, f); }
 
  private:
   static IndexRow row(const std::vector<std::uint32_t>& begin,
-                      const std::vector<std::uint32_t>& values, std::size_t i)
-  {
+                      const std::vector<std::uint32_t>& values, std::size_t i) {
     return {values.data() + begin[i], values.data() + begin[i + 1]};
   }
   void findFacesOfVertices(const MeshFaces& faces, std::size_t num_vertices);

@@ -58,23 +58,23 @@ struct SmoothedMesh {
   std::vector<Vector3> face_normals;  ///< unit, to the face's own side; zero where left out
 };
 
-/** \brief Smooths a mesh by the SLIM surface of its vertices (Ohtake, Belyaev, Alexa 2005, section 5,
- * Fig. 20): centroids of faces are projected onto the surface, eq. 7 gives the faces' normals there,
- * and vertices minimise quadratic errors to the faces' planes.
+/** \brief Smooths a mesh by the SLIM surface of its vertices (Ohtake, Belyaev, Alexa 2005, section
+ * 5, Fig. 20): centroids of faces are projected onto the surface, eq. 7 gives the faces' normals
+ * there, and vertices minimise quadratic errors to the faces' planes.
  *
  * By default the normals found are weighed against those of the mesh itself, each averaged over the
- * faces around it, and vertices follow in small steps; where edges are kept, the surface's normals decide
- * which neighbours belong to one side. No face turns over. Faces, and vertices without faces, stay.
+ * faces around it, and vertices follow in small steps; where edges are kept, the surface's normals
+ * decide which neighbours belong to one side. No face turns over. Faces, and vertices without
+ * faces, stay.
  *
- * \param[in] cloud the vertices; its normals and indices are not read. \param[in] surface a surface of
- * these vertices in place of a fit, or null. \return an error for faces that name no vertex, none
- * that can be used, parameters out of range, or cancellation; the result is then empty. The same for
- * any number of threads. O(vertices + faces).
+ * \param[in] cloud the vertices; its normals and indices are not read. \param[in] surface a surface
+ * of these vertices in place of a fit, or null. \return an error for faces that name no vertex,
+ * none that can be used, parameters out of range, or cancellation; the result is then empty. The
+ * same for any number of threads. O(vertices + faces).
  */
-PCL_SLIM_EXPORT Error
-smoothMesh(const CloudView& cloud, const MeshFaces& faces, const MeshSmoothParams& params,
-           const SLIMSurface* surface, SmoothedMesh& result,
-           MeshSmoothStatistics* statistics = nullptr, SLIMSurface* fitted = nullptr,
-           Progress* progress = nullptr);
+PCL_SLIM_EXPORT Error smoothMesh(const CloudView& cloud, const MeshFaces& faces,
+                                 const MeshSmoothParams& params, const SLIMSurface* surface,
+                                 SmoothedMesh& result, MeshSmoothStatistics* statistics = nullptr,
+                                 SLIMSurface* fitted = nullptr, Progress* progress = nullptr);
 
 }  // namespace pcl_slim

@@ -11,7 +11,8 @@
 
 namespace pcl_slim {
 
-/** \brief Triangles over shared vertices; corners go round counter-clockwise as seen from outside. */
+/** \brief Triangles over shared vertices; corners go round counter-clockwise as seen from outside.
+ */
 struct TriangleMesh {
   std::vector<Vector3> vertices;                    ///< world coordinates
   std::vector<std::array<float, 3>> normals;        ///< unit, one a vertex
@@ -35,7 +36,6 @@ struct MeshCensus {
 
 /** \brief Counts a mesh's edges, components and defects. Vertices without a triangle do not count;
  * indices must be valid. O(T log T) for T triangles. */
-PCL_SLIM_EXPORT MeshCensus
-censusOf(const TriangleMesh& mesh);
+PCL_SLIM_EXPORT MeshCensus censusOf(const TriangleMesh& mesh);
 
 }  // namespace pcl_slim

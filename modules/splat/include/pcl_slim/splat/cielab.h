@@ -17,12 +17,12 @@ enum class RgbSpace : unsigned char {
 
 /** \brief CIELAB under D65, L* in [0, 100]. White has a* = b* = 0 exactly up to rounding.
  * \param[in] rgb red, green, blue in [0, 1]. */
-PCL_SLIM_EXPORT std::array<double, 3>
-labFromRgb(const std::array<double, 3>& rgb, RgbSpace space = RgbSpace::kSrgb);
+PCL_SLIM_EXPORT std::array<double, 3> labFromRgb(const std::array<double, 3>& rgb,
+                                                 RgbSpace space = RgbSpace::kSrgb);
 
 /** \brief The inverse. Colours outside the gamut come out clamped to [0, 1]. */
-PCL_SLIM_EXPORT std::array<double, 3>
-rgbFromLab(const std::array<double, 3>& lab, RgbSpace space = RgbSpace::kSrgb);
+PCL_SLIM_EXPORT std::array<double, 3> rgbFromLab(const std::array<double, 3>& lab,
+                                                 RgbSpace space = RgbSpace::kSrgb);
 
 /** \brief Conversion of 8-bit colours by tables, a fraction of the exact one's cost.
  *
@@ -35,8 +35,7 @@ class PCL_SLIM_EXPORT LabTable {
   explicit LabTable(RgbSpace space = RgbSpace::kSrgb);
 
   /** \brief \param[out] lab L*, a*, b*. */
-  void convert(std::uint8_t red, std::uint8_t green, std::uint8_t blue, float lab[3]) const
-  {
+  void convert(std::uint8_t red, std::uint8_t green, std::uint8_t blue, float lab[3]) const {
     const float r = linear_[red], g = linear_[green], b = linear_[blue];
     const float fx = root(to_x_[0] * r + to_x_[1] * g + to_x_[2] * b);
     const float fy = root(to_y_[0] * r + to_y_[1] * g + to_y_[2] * b);
@@ -49,9 +48,9 @@ class PCL_SLIM_EXPORT LabTable {
   /** \brief Linear share of one channel's byte, in [0, 1]. */
   float linear(std::uint8_t byte) const { return linear_[byte]; }
 
-  /** \brief CIELAB of n colours in place: columns contain linear() of red, green and blue before, L*,
-   * a* and b* after. Within kMaxDeltaE of labFromRgb; a fifth of convert()'s cost.
-   * The columns have room for a multiple of 16 numbers and start at 64 bytes. */
+  /** \brief CIELAB of n colours in place: columns contain linear() of red, green and blue before,
+   * L*, a* and b* after. Within kMaxDeltaE of labFromRgb; a fifth of convert()'s cost. The columns
+   * have room for a multiple of 16 numbers and start at 64 bytes. */
   void labOfLinear(float* r, float* g, float* b, std::size_t n) const;
 
   /** \brief Nearest 8-bit colour of the gamut's part around lab; channels are clamped. At most one
@@ -64,8 +63,7 @@ class PCL_SLIM_EXPORT LabTable {
  private:
   static constexpr int kPieces = 4096;
 
-  float root(float q) const
-  {
+  float root(float q) const {
     const float at = q * static_cast<float>(kPieces);
     const int piece = at < static_cast<float>(kPieces - 1) ? static_cast<int>(at) : kPieces - 1;
     const auto i = static_cast<std::size_t>(piece);

@@ -34,8 +34,7 @@ struct HoleCheck {
   std::uint64_t rough = 0;
   double overlap = 0;  ///< mean number of discs a ray met
 
-  double holes() const
-  {
+  double holes() const {
     return rays > 0 ? static_cast<double>(missed) / static_cast<double>(rays) : 0;
   }
 };
@@ -43,14 +42,15 @@ struct HoleCheck {
 /** \brief Casts rays through the surface between the points and counts the discs each one meets.
  *
  * A ray goes through a random place of a triangle of a point and two of its 8 nearest, in a random
- * direction about the normal of the plane through the 24 nearest. It meets a disc when it pierces it
- * near that place: no farther above or below than the disc's radius and two spacings. Testing the
- * points themselves would prove nothing: discs can contain every point and still leave gaps between.
+ * direction about the normal of the plane through the 24 nearest. It meets a disc when it pierces
+ * it near that place: no farther above or below than the disc's radius and two spacings. Testing
+ * the points themselves would prove nothing: discs can contain every point and still leave gaps
+ * between.
  *
  * \return an error for parameters out of range or splats without points. O(rays log splats). The
  * same result for any number of threads.
  */
-PCL_SLIM_EXPORT Result<HoleCheck>
-checkHoles(const PointStore& store, const SplatSet& splats, const HoleCheckParams& params = {});
+PCL_SLIM_EXPORT Result<HoleCheck> checkHoles(const PointStore& store, const SplatSet& splats,
+                                             const HoleCheckParams& params = {});
 
 }  // namespace pcl_slim

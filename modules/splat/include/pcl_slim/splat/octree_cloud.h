@@ -35,8 +35,7 @@ struct OctreeFrame {
   float last = 0;                  ///< largest position inside the grid
 
   template <typename T>
-  void position(const T world[3], float cells[3]) const
-  {
+  void position(const T world[3], float cells[3]) const {
     for (std::size_t a = 0; a < 3; ++a) {
       const auto c = static_cast<float>((static_cast<double>(world[a]) - origin[a]) * scale);
       cells[a] = c < last ? c : last;

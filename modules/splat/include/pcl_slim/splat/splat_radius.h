@@ -19,9 +19,8 @@ enum class RadiusRule : unsigned char {
 };
 
 /** \brief Distance from a point to the farthest corner of a cube. All in one unit. */
-PCL_SLIM_EXPORT double
-cornerRadius(const std::array<double, 3>& point, const std::array<double, 3>& cube_center,
-             double edge);
+PCL_SLIM_EXPORT double cornerRadius(const std::array<double, 3>& point,
+                                    const std::array<double, 3>& cube_center, double edge);
 
 /** \brief A cell's mean distance between points [root cells; 0: unknown], and how many it has. */
 struct CellSpacing {
@@ -32,16 +31,16 @@ struct CellSpacing {
 /** \brief Spacings wider than this are cut to it: outliers would get discs of any size. A multiple
  * of the middle spacing over cells, weighted by their points; 0 if no cell knows its spacing. The
  * cells are reordered. */
-PCL_SLIM_EXPORT double
-widestSpacing(std::vector<CellSpacing>& cells);
+PCL_SLIM_EXPORT double widestSpacing(std::vector<CellSpacing>& cells);
 
-/** \brief Radius by kDensity [root cells]: the farthest of the cell's n points, and 1 + .3 / sqrt(n)
- * + .5 bend spacings. Few points give a poor estimate of the spacing around them, and where normals differ
- * rays pass a disc aslant. \param[in] reach distance to the farthest of the cell's points.
+/** \brief Radius by kDensity [root cells]: the farthest of the cell's n points, and 1 + .3 /
+ * sqrt(n) + .5 bend spacings. Few points give a poor estimate of the spacing around them, and where
+ * normals differ rays pass a disc aslant. \param[in] reach distance to the farthest of the cell's
+ * points.
  * \param[in] bend standard deviation of its normals, noise taken off. \param[in] widest
  * widestSpacing(). */
-PCL_SLIM_EXPORT double
-densityRadius(double reach, double points, double bend, double spacing, double widest);
+PCL_SLIM_EXPORT double densityRadius(double reach, double points, double bend, double spacing,
+                                     double widest);
 
 /** \brief Radii of all discs by kNeighbors [root cells].
  *
@@ -50,9 +49,10 @@ densityRadius(double reach, double points, double bend, double spacing, double w
  * each point, by the i of CloudView::inputIndex. \param[in] store the same points. About a
  * microsecond a point.
  */
-PCL_SLIM_EXPORT std::vector<float>
-neighborRadii(const OctreeCloud& cloud, const std::vector<std::array<float, 3>>& centers,
-              const std::vector<std::uint32_t>& disc_of, const PointStore& store, double widest,
-              int threads);
+PCL_SLIM_EXPORT std::vector<float> neighborRadii(const OctreeCloud& cloud,
+                                                 const std::vector<std::array<float, 3>>& centers,
+                                                 const std::vector<std::uint32_t>& disc_of,
+                                                 const PointStore& store, double widest,
+                                                 int threads);
 
 }  // namespace pcl_slim

@@ -66,13 +66,14 @@ struct SplatStatistics {
  * divided where normals or colours vary.
  *
  * Colours and normals are optional: without colours shape alone divides, without normals they come
- * from neighbours. Points without a normal among others are used without one. The order of the points,
- * those that are not finite and those that repeat another change nothing. \param[out] splats
- * cleared first; empty on error. \param[out] statistics may be null. \param[in] progress may be
- * null. O(N). The same splats for any number of threads.
+ * from neighbours. Points without a normal among others are used without one. The order of the
+ * points, those that are not finite and those that repeat another change nothing. \param[out]
+ * splats cleared first; empty on error. \param[out] statistics may be null. \param[in] progress may
+ * be null. O(N). The same splats for any number of threads.
  */
-PCL_SLIM_EXPORT Error
-sampleSplats(const CloudView& cloud, const ColorView& colors, const SplatParams& params,
-             SplatSet& splats, SplatStatistics* statistics = nullptr, Progress* progress = nullptr);
+PCL_SLIM_EXPORT Error sampleSplats(const CloudView& cloud, const ColorView& colors,
+                                   const SplatParams& params, SplatSet& splats,
+                                   SplatStatistics* statistics = nullptr,
+                                   Progress* progress = nullptr);
 
 }  // namespace pcl_slim

@@ -35,13 +35,11 @@ struct PCL_SLIM_EXPORT SplatSet {
   bool empty() const { return x.empty(); }
 
   /** \brief Whether two discs differ in colour: of a cloud without colours all are of one. O(N). */
-  bool hasColors() const
-  {
+  bool hasColors() const {
     return std::adjacent_find(rgb.begin(), rgb.end(), std::not_equal_to<>()) != rgb.end();
   }
 
-  void resize(std::size_t count, bool with_gradient)
-  {
+  void resize(std::size_t count, bool with_gradient) {
     for (auto* column : {&x, &y, &z, &nx, &ny, &nz, &radius, &confidence, &normal_variance}) {
       column->resize(count);
     }

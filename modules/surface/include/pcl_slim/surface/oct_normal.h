@@ -7,9 +7,9 @@
 
 namespace pcl_slim {
 
-/** \brief Steps of a code's coordinate to each side, 2^22: codes are exact in float, and rounding a decoded
- * normal to float moves it by at most an eighth of a step, so that encoding it again finds the same
- * grid point. */
+/** \brief Steps of a code's coordinate to each side, 2^22: codes are exact in float, and rounding a
+ * decoded normal to float moves it by at most an eighth of a step, so that encoding it again finds
+ * the same grid point. */
 constexpr double kOctGrid = 4194304.0;
 
 /** \brief A unit normal as two numbers: its place on the octahedron |x| + |y| + |z| = 1, folded
@@ -26,15 +26,12 @@ struct OctNormal {
  * counts as +z.
  * \param[in] grid steps of a coordinate to each side, a whole number
  */
-PCL_SLIM_EXPORT OctNormal
-encodeNormal(const std::array<double, 3>& normal, double grid = kOctGrid);
+PCL_SLIM_EXPORT OctNormal encodeNormal(const std::array<double, 3>& normal, double grid = kOctGrid);
 
 /** \brief Unit normal of a code: computed in double, rounded to float. */
-PCL_SLIM_EXPORT std::array<float, 3>
-decodeNormal(OctNormal code);
+PCL_SLIM_EXPORT std::array<float, 3> decodeNormal(OctNormal code);
 
 /** \brief The float normal a surfel gets so that two numbers describe it exactly. */
-PCL_SLIM_EXPORT std::array<float, 3>
-snapNormal(const std::array<double, 3>& normal);
+PCL_SLIM_EXPORT std::array<float, 3> snapNormal(const std::array<double, 3>& normal);
 
 }  // namespace pcl_slim

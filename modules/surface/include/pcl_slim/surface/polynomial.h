@@ -11,9 +11,7 @@ constexpr int kMaxDegree = 4;
 constexpr int kMaxCoefficients = 15;
 
 /** \brief Number of coefficients of a bivariate polynomial of the given degree: 3, 6, 10, 15. */
-constexpr int
-numCoefficients(int degree)
-{
+constexpr int numCoefficients(int degree) {
   return (degree + 1) * (degree + 2) / 2;
 }
 
@@ -44,15 +42,12 @@ struct HeightJet {
  * Coefficients are in order of degree: 1; u, v; u^2, uv, v^2; u^3, u^2 v, u v^2, v^3; u^4 ...
  * so those of a lower degree are a prefix. \param[in] c numCoefficients(degree) values.
  */
-PCL_SLIM_EXPORT double
-evaluateHeight(int degree, const float* c, double u, double v);
+PCL_SLIM_EXPORT double evaluateHeight(int degree, const float* c, double u, double v);
 
 /** \brief h with its derivatives up to order three (those above the degree are 0). */
-PCL_SLIM_EXPORT HeightJet
-evaluateJet(int degree, const float* c, double u, double v);
+PCL_SLIM_EXPORT HeightJet evaluateJet(int degree, const float* c, double u, double v);
 
 /** \brief Rewrites coefficients for the frame of the opposite normal; f changes sign. */
-PCL_SLIM_EXPORT void
-flipCoefficients(int degree, float* c);
+PCL_SLIM_EXPORT void flipCoefficients(int degree, float* c);
 
 }  // namespace pcl_slim

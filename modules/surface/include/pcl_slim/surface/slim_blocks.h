@@ -23,8 +23,8 @@ struct SlimBlock {
   std::uint64_t first_key = 0, end_key = 0;  ///< Morton codes of the tile, half open
   std::array<float, 3> low{}, high{};        ///< box of the surfels' balls, local units
 
-  /** \brief Whether it has the surfels of levels above the tiles' first, none of them a leaf, in place of
-   * those of a tile: its codes are 0. */
+  /** \brief Whether it has the surfels of levels above the tiles' first, none of them a leaf, in
+   * place of those of a tile: its codes are 0. */
   bool isCoarse() const { return first_key == end_key; }
 };
 
@@ -55,7 +55,8 @@ class PCL_SLIM_EXPORT SlimBlockWriter {
   /** \param[in] rounding as that of saveSlim, for each tile */
   Error open(const std::string& path, double rounding = 0.0);
   /** \brief Appends the surfels of a tile; all tiles have the same units and degree. Tiles without
-   * surfels leave no block. \return an error where the surface is not valid or cannot be written. */
+   * surfels leave no block. \return an error where the surface is not valid or cannot be written.
+   */
   Error add(const SLIMSurface& tile, std::uint64_t first_key, std::uint64_t end_key);
   /** \brief Writes header and directory. \return an error where there is no surfel. */
   Error finish();
@@ -69,20 +70,20 @@ class PCL_SLIM_EXPORT SlimBlockWriter {
 };
 
 /** \brief Reads the directory of a file of format version 3; nothing of its blocks. */
-PCL_SLIM_EXPORT Result<SlimDirectory>
-loadSlimDirectory(const std::string& path);
+PCL_SLIM_EXPORT Result<SlimDirectory> loadSlimDirectory(const std::string& path);
 
 /** \brief Reads the blocks of a file of format version 3 as they are needed. */
 class PCL_SLIM_EXPORT SlimBlockReader {
  public:
-  /** \brief Reads the directory. \return an error for a file that is missing, damaged or has no blocks. */
+  /** \brief Reads the directory. \return an error for a file that is missing, damaged or has no
+   * blocks. */
   Error open(const std::string& path);
   const SlimDirectory& directory() const { return directory_; }
 
   /** \brief The surfels of some blocks in the file's order, without links.
    *
-   * Blocks stay in memory for later calls; those that this call does not need are dropped while all kept ones
-   * take more than most_kept bytes. \param[in] wanted one value a block
+   * Blocks stay in memory for later calls; those that this call does not need are dropped while all
+   * kept ones take more than most_kept bytes. \param[in] wanted one value a block
    */
   Result<SLIMSurface> load(const std::vector<bool>& wanted, std::uint64_t most_kept = 0);
 
@@ -100,17 +101,15 @@ class PCL_SLIM_EXPORT SlimBlockReader {
   std::vector<bool> read_;
 };
 
-/** \brief Reads those blocks that wanted(block) names, as one surface with links. A file of another version
- * is one block of all its surfels. */
-PCL_SLIM_EXPORT Result<SLIMSurface>
-loadSlimBlocks(const std::string& path, const std::function<bool(const SlimBlock&)>& wanted);
+/** \brief Reads those blocks that wanted(block) names, as one surface with links. A file of another
+ * version is one block of all its surfels. */
+PCL_SLIM_EXPORT Result<SLIMSurface> loadSlimBlocks(
+    const std::string& path, const std::function<bool(const SlimBlock&)>& wanted);
 
 /** \brief Reads the blocks whose balls may reach into a box. */
-PCL_SLIM_EXPORT Result<SLIMSurface>
-loadSlimBox(const std::string& path, const WorldBox& box);
+PCL_SLIM_EXPORT Result<SLIMSurface> loadSlimBox(const std::string& path, const WorldBox& box);
 
 /** \brief Whether two boxes have a point in common. */
-PCL_SLIM_EXPORT bool
-boxesMeet(const WorldBox& a, const WorldBox& b);
+PCL_SLIM_EXPORT bool boxesMeet(const WorldBox& a, const WorldBox& b);
 
 }  // namespace pcl_slim

@@ -40,7 +40,8 @@ struct SurfaceInfo {
   double cover_threshold = 0.1;     ///< gamma: a point is covered at this sum of weights
   std::uint64_t num_points = 0;     ///< points the surface was fitted to
 
-  /** \brief Whether all leaves that face away are behind others, so that pictures do without them. */
+  /** \brief Whether all leaves that face away are behind others, so that pictures do without them.
+   */
   bool hasFront() const { return oriented && !sides_in_doubt; }
 };
 
@@ -92,16 +93,15 @@ class PCL_SLIM_EXPORT SLIMSurface {
   /** \brief Whether any surfel has a trim map. */
   bool hasTrimMaps() const { return !trim_begin.empty(); }
   /** \brief Where surfel i's ball contains data; a closed map if it does everywhere. */
-  TrimMap trimMap(std::size_t i) const
-  {
+  TrimMap trimMap(std::size_t i) const {
     if (!isOpen(i)) return {};
     const std::uint8_t* map = trim_maps.data() + trim_begin[i];
     return {map[0], map + 1};
   }
 
-  /** \brief Inverse-variance weight of surfel i in a blend: v / (v + e^2) with
-   * v = lambda L^2 + (r / 1000)^2, in (0, 1]. A leaf that contains an edge or two sheets counts little
-   * compared with one that fits; leaves that fit down to the noise count alike. */
+  /** \brief Inverse-variance weight of surfel i in a blend: v / (v + e^2) with v = lambda L^2 + (r
+   * / 1000)^2, in (0, 1]. A leaf that contains an edge or two sheets counts little compared with
+   * one that fits; leaves that fit down to the noise count alike. */
   float varianceWeight(std::size_t i) const;
 
   /** \brief Whether the surfels have colours, as those of a coloured cloud do. */
@@ -112,9 +112,9 @@ class PCL_SLIM_EXPORT SLIMSurface {
   /** \brief Sets the number of surfels; none has a trim map or a colour then. */
   void resize(std::size_t count);
 
-  /** \brief Appends the surfels of another surface of the same units and degree, as a tile of the same
-   * cloud is; links are dropped, for buildLinks(). An empty surface takes over the other's info. Colours
-   * are kept where both surfaces have them. */
+  /** \brief Appends the surfels of another surface of the same units and degree, as a tile of the
+   * same cloud is; links are dropped, for buildLinks(). An empty surface takes over the other's
+   * info. Colours are kept where both surfaces have them. */
   void append(const SLIMSurface& more);
   /** \brief The surfels from begin on, to before end, without links. */
   SLIMSurface slice(std::size_t begin, std::size_t end) const;
@@ -123,11 +123,11 @@ class PCL_SLIM_EXPORT SLIMSurface {
   void flip(std::size_t i);
 
   /** \brief Gives the surfels trim maps in place of those they have, and sets their flags.
-   * \param[in] sides size() values, 0 for closed surfels \param[in] bits the maps of the others, one
-   * after another, TrimMap::numBytes(side) each */
+   * \param[in] sides size() values, 0 for closed surfels \param[in] bits the maps of the others,
+   * one after another, TrimMap::numBytes(side) each */
   void setTrimMaps(const std::vector<std::uint8_t>& sides, const std::vector<std::uint8_t>& bits);
-  /** \brief Closes the holes of the trim maps that are narrower than a number of spacings of the points, as a
-   * fit with this hole size does; bounded by what one ball spans. Holes that a fit has
+  /** \brief Closes the holes of the trim maps that are narrower than a number of spacings of the
+   * points, as a fit with this hole size does; bounded by what one ball spans. Holes that a fit has
    * closed stay closed. O(nodes of the maps times hole); the same for any number of threads. */
   void closeHoles(double hole, int threads = 1);
   /** \brief Makes every surfel closed. */
@@ -139,8 +139,8 @@ class PCL_SLIM_EXPORT SLIMSurface {
 
   /** \brief Checks sizes, and that every number is finite and in a range in which single-precision
    * squares neither overflow nor vanish; names the first defect. Radii and centres are at most 2^20
-   * local units, radii at least 2^-40, coefficients at most 2^30, origin and scale at most 2^1000 and
-   * the scale at least 2^-1000. O(surfels). */
+   * local units, radii at least 2^-40, coefficients at most 2^30, origin and scale at most 2^1000
+   * and the scale at least 2^-1000. O(surfels). */
   Error validate() const;
 };
 

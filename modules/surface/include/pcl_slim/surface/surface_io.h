@@ -18,35 +18,33 @@ namespace pcl_slim {
  * is its own, as every fit makes it; a linear surfel with another normal keeps three and so has 9.
  * They are followed by degree, level and flags (a byte each), error and confidence (a float each);
  * links are rebuilt on load. Open surfels have their trim map: a byte, and a bit a node; files with
- * such maps are of version 2, others of version 1. Coloured surfaces have kColorBytes more a surfel, in
- * version 4. Little-endian. Normals that snapNormal made are
- * kept exactly, others to 6.2e-7 rad. The file appears under its name only when complete.
+ * such maps are of version 2, others of version 1. Coloured surfaces have kColorBytes more a
+ * surfel, in version 4. Little-endian. Normals that snapNormal made are kept exactly, others to
+ * 6.2e-7 rad. The file appears under its name only when complete.
  *
- * Rounded files, of version 5, are about a sixth as large: coefficients are those of polynomials that are
- * orthonormal under the blend's weight, in steps that move the surface alike, and all numbers are
- * entropy coded relative to those of the nearest surfel before.
- * \param[in] rounding RMS distance by which rounding may move each leaf [RMS residual of all leaves]; 0: the
- * floats are kept. .1 adds about 1 % to the residual. A surface with numbers out of all proportion is
- * stored as floats.
+ * Rounded files, of version 5, are about a sixth as large: coefficients are those of polynomials
+ * that are orthonormal under the blend's weight, in steps that move the surface alike, and all
+ * numbers are entropy coded relative to those of the nearest surfel before.
+ * \param[in] rounding RMS distance by which rounding may move each leaf [RMS residual of all
+ * leaves]; 0: the floats are kept. .1 adds about 1 % to the residual. A surface with numbers out of
+ * all proportion is stored as floats.
  */
-PCL_SLIM_EXPORT Error
-saveSlim(const std::string& path, const SLIMSurface& surface, double rounding = 0.0);
+PCL_SLIM_EXPORT Error saveSlim(const std::string& path, const SLIMSurface& surface,
+                               double rounding = 0.0);
 
-/** \brief Reads what saveSlim wrote, or SlimBlockWriter; saving the result of the former again gives the
- * same bytes if nothing is rounded.
+/** \brief Reads what saveSlim wrote, or SlimBlockWriter; saving the result of the former again
+ * gives the same bytes if nothing is rounded.
  *
  * A missing, truncated, foreign, corrupted or newer file gives an error that names the defect.
  */
-PCL_SLIM_EXPORT Result<SLIMSurface>
-loadSlim(const std::string& path);
+PCL_SLIM_EXPORT Result<SLIMSurface> loadSlim(const std::string& path);
 
 /** \brief The bytes of saveSlim, for tests and for sending elsewhere. The surface must pass
  * validate(); one with a degree out of range gives no bytes. */
-PCL_SLIM_EXPORT std::vector<unsigned char>
-encodeSlim(const SLIMSurface& surface, double rounding = 0.0);
+PCL_SLIM_EXPORT std::vector<unsigned char> encodeSlim(const SLIMSurface& surface,
+                                                      double rounding = 0.0);
 
 /** \brief Inverse of encodeSlim. */
-PCL_SLIM_EXPORT Result<SLIMSurface>
-decodeSlim(const unsigned char* bytes, std::size_t size);
+PCL_SLIM_EXPORT Result<SLIMSurface> decodeSlim(const unsigned char* bytes, std::size_t size);
 
 }  // namespace pcl_slim

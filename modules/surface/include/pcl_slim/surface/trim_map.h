@@ -22,14 +22,12 @@ struct TrimMap {
   const std::uint8_t* bits = nullptr;
 
   bool closed() const { return side == 0; }
-  bool at(int column, int row) const
-  {
+  bool at(int column, int row) const {
     const int k = row * side + column;
     return (bits[k >> 3] >> (k & 7) & 1) != 0;
   }
   /** \brief Bytes that the bits of a map take. */
-  static constexpr std::size_t numBytes(int side)
-  {
+  static constexpr std::size_t numBytes(int side) {
     return (static_cast<std::size_t>(side) * static_cast<std::size_t>(side) + 7) / 8;
   }
 };
@@ -40,7 +38,6 @@ struct TrimMap {
  * The bits are blended by quadratic B-splines over 3 x 3 nodes. With blending weights w the
  * surface ends where sum w outside = 1/2 sum w. O(1).
  */
-PCL_SLIM_EXPORT double
-outsideShare(const TrimMap& map, double u, double v);
+PCL_SLIM_EXPORT double outsideShare(const TrimMap& map, double u, double v);
 
 }  // namespace pcl_slim

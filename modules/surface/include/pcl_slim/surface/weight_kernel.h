@@ -19,9 +19,7 @@ enum class WeightKernel : unsigned char {
 };
 
 /** \brief G at the squared relative distance s_sq = (distance / radius)^2. */
-inline double
-evaluateKernel(WeightKernel kernel, double s_sq)
-{
+inline double evaluateKernel(WeightKernel kernel, double s_sq) {
   if (!(s_sq < 1.0)) return 0.0;
   if (kernel == WeightKernel::kGaussian) {
     if (s_sq < 0.25) return std::exp(-8.0 * s_sq);

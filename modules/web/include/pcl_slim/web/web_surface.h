@@ -11,13 +11,14 @@ namespace pcl_slim {
 
 /** \brief Packs a surface for a page: quantised columns, deflated with a checksum (gzip).
  *
- * Centres take 16 bits an axis, normals 12 bits a coordinate, radii and detail sizes 8-bit logarithms,
- * residuals 12-bit ones, colours their 18 bytes. Coefficients are rewritten for the rounded ball and frame before they are rounded, so
- * that the surface moves by their steps alone. effective_count is left out.
- * \param[in] precision steps of a coefficient per radius, 16 ... 65536, and four times as many of the
- * constant one; 0: nothing is rounded. 640 moves normals by .05 degrees (95th percentile).
+ * Centres take 16 bits an axis, normals 12 bits a coordinate, radii and detail sizes 8-bit
+ * logarithms, residuals 12-bit ones, colours their 18 bytes. Coefficients are rewritten for the
+ * rounded ball and frame before they are rounded, so that the surface moves by their steps alone.
+ * effective_count is left out.
+ * \param[in] precision steps of a coefficient per radius, 16 ... 65536, and four times as many of
+ * the constant one; 0: nothing is rounded. 640 moves normals by .05 degrees (95th percentile).
  * O(surfels + links). The bytes are the same for every run. */
-PCL_SLIM_EXPORT Result<std::vector<unsigned char>>
-encodeWebSurface(const SLIMSurface& surface, double precision = 896.0);
+PCL_SLIM_EXPORT Result<std::vector<unsigned char>> encodeWebSurface(const SLIMSurface& surface,
+                                                                    double precision = 896.0);
 
 }  // namespace pcl_slim

@@ -22,8 +22,7 @@ class PCL_SLIM_EXPORT CloudReader {
  public:
   explicit CloudReader(const CloudView& view) : view_(view) {}
 
-  std::array<double, 3> position(std::size_t input) const
-  {
+  std::array<double, 3> position(std::size_t input) const {
     const char* p = static_cast<const char*>(view_.xyz) + input * view_.xyz_stride;
     if (view_.scalar == CloudView::Scalar::kFloat) {
       const auto q = three<float>(p);
@@ -33,29 +32,25 @@ class PCL_SLIM_EXPORT CloudReader {
   }
 
   /** \brief Has a point's memory on its way when it is read soon after. */
-  void prefetch(std::size_t input, bool normal) const
-  {
+  void prefetch(std::size_t input, bool normal) const {
     hwy::Prefetch(static_cast<const char*>(view_.xyz) + input * view_.xyz_stride);
     if (normal) hwy::Prefetch(static_cast<const char*>(view_.normal) + input * view_.normal_stride);
   }
 
   /** \brief A point's normal as it is given, of any length. */
-  std::array<float, 3> givenNormal(std::size_t input) const
-  {
+  std::array<float, 3> givenNormal(std::size_t input) const {
     return three<float>(static_cast<const char*>(view_.normal) + input * view_.normal_stride);
   }
 
   /** \brief Whether a point's normal is neither zero nor out of range. */
-  bool hasNormal(std::size_t input) const
-  {
+  bool hasNormal(std::size_t input) const {
     const auto n = givenNormal(input);
     const float length_sq = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
     return length_sq > 1e-24f && length_sq <= std::numeric_limits<float>::max();
   }
 
   /** \brief Unit normal of a point that has one. */
-  std::array<float, 3> normal(std::size_t input) const
-  {
+  std::array<float, 3> normal(std::size_t input) const {
     const auto n = givenNormal(input);
     const float scale = 1.0f / std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
     return {n[0] * scale, n[1] * scale, n[2] * scale};
@@ -64,8 +59,7 @@ class PCL_SLIM_EXPORT CloudReader {
  private:
   /** One by one: what is copied as a whole is written and read back in pieces that do not match. */
   template <typename T>
-  static std::array<T, 3> three(const char* p)
-  {
+  static std::array<T, 3> three(const char* p) {
     T x, y, z;
     std::memcpy(&x, p, sizeof(T));
     std::memcpy(&y, p + sizeof(T), sizeof(T));
@@ -99,7 +93,8 @@ class PCL_SLIM_EXPORT FrameMeasure {
   void add(const CloudView& piece, int threads);
   /** \brief What the pass under way has found of a part of the cloud, for merge(). */
   std::vector<unsigned char> packed();
-  /** \brief Puts what a pass has found of all parts of the cloud in place of what it has found here. */
+  /** \brief Puts what a pass has found of all parts of the cloud in place of what it has found
+   * here. */
   void merge(const std::vector<std::vector<unsigned char>>& parts);
   /** \brief Ends a pass. \return whether another one over all pieces is needed. */
   bool needsAnotherPass();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Moves the lanes of a mask to the front. The guard toggles: Highway compiles a kernel file once per
-// instruction set.
+// Moves the lanes of a mask to the front. The guard toggles: Highway compiles a kernel file once
+// per instruction set.
 #if defined(PCL_SLIM_LANE_PACKING_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PCL_SLIM_LANE_PACKING_INL
 #undef PCL_SLIM_LANE_PACKING_INL
@@ -20,8 +20,7 @@ namespace pcl_slim::detail::kernels {
 struct PackedLanes {
   std::uint8_t lanes[256][8] = {};
 
-  constexpr PackedLanes()
-  {
+  constexpr PackedLanes() {
     for (unsigned mask = 0; mask < 256; ++mask) {
       unsigned place = 0;
       for (unsigned lane = 0; lane < 8; ++lane) {
@@ -48,16 +47,14 @@ namespace hn = hwy::HWY_NAMESPACE;
 template <class D>
 class LaneOrder {
  public:
-  HWY_INLINE LaneOrder(D d, hn::Mask<D> mask)
-  {
+  HWY_INLINE LaneOrder(D d, hn::Mask<D> mask) {
     std::uint8_t bits[8];
     StoreMaskBits(d, mask, bits);
     const auto lanes = LoadU(hn::Rebind<std::uint8_t, D>(), kPackedLanes.lanes[bits[0]]);
     from_ = PromoteTo(hn::RebindToUnsigned<D>(), lanes);
   }
   template <class V>
-  HWY_INLINE V pack(V v) const
-  {
+  HWY_INLINE V pack(V v) const {
     return TableLookupLanes(v, IndicesFromVec(hn::DFromV<V>(), from_));
   }
 
@@ -72,8 +69,7 @@ class LaneOrder {
  public:
   HWY_INLINE LaneOrder(D, hn::Mask<D> mask) : mask_(mask) {}
   template <class V>
-  HWY_INLINE V pack(V v) const
-  {
+  HWY_INLINE V pack(V v) const {
     return Compress(v, RebindMask(hn::DFromV<V>(), mask_));
   }
 
@@ -92,8 +88,7 @@ class LanePacking {
   /** Stores a whole vector, the mask's lanes first: columns are padded for it. (Compressing
    * straight to memory is microcoded on some processors.) */
   template <class V>
-  HWY_INLINE void store(V v, hn::TFromV<V>* target) const
-  {
+  HWY_INLINE void store(V v, hn::TFromV<V>* target) const {
     StoreU(order_.pack(v), hn::DFromV<V>(), target);
   }
 

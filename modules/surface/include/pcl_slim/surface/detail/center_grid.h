@@ -21,10 +21,10 @@ namespace kernels {
 /** \brief Finds the entries of x, y, z nearer to a place than a limit, in order.
  * \param[in] x,y,z columns with 16 values to spare behind the last entry.
  * \param[out] entries,distances_sq of those found, with 16 values to spare. \return how many. */
-PCL_SLIM_EXPORT std::size_t
-entriesWithin(const float* x, const float* y, const float* z, const ColumnRange* ranges,
-              std::size_t num_ranges, const float place[3], float limit_sq, std::uint32_t* entries,
-              float* distances_sq);
+PCL_SLIM_EXPORT std::size_t entriesWithin(const float* x, const float* y, const float* z,
+                                          const ColumnRange* ranges, std::size_t num_ranges,
+                                          const float place[3], float limit_sq,
+                                          std::uint32_t* entries, float* distances_sq);
 
 }  // namespace kernels
 
@@ -52,8 +52,7 @@ class PCL_SLIM_EXPORT CenterGrid {
 
   /** Calls body(member, squared distance) for the members within one cell of a place. */
   template <typename Body>
-  void forEachNear(float px, float py, float pz, const Body& body) const
-  {
+  void forEachNear(float px, float py, float pz, const Body& body) const {
     const std::int64_t x = cell(px), y = cell(py), z = cell(pz);
     for (std::int64_t dx = -1; dx <= 1; ++dx) {
       for (std::int64_t dy = -1; dy <= 1; ++dy) {
@@ -97,8 +96,7 @@ class PCL_SLIM_EXPORT CenterGrid {
 
  private:
   std::int64_t cell(float local) const;
-  static std::int64_t code(std::int64_t x, std::int64_t y, std::int64_t z)
-  {
+  static std::int64_t code(std::int64_t x, std::int64_t y, std::int64_t z) {
     return x * (std::int64_t{1} << 42) + y * (std::int64_t{1} << 21) + z;
   }
 

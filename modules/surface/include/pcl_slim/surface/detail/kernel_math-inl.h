@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Vector helpers of the kernels. Highway compiles a kernel file once per instruction set, so
-// the guard toggles instead of shutting later inclusions out. Kernels write Highway's operators, and call
-// its functions by their bare names, found through their arguments; hn:: names types, numbers of lanes,
-// and functions with template arguments. Masks have no operators.
+// Vector helpers of the kernels. Highway compiles a kernel file once per instruction set, so the
+// guard toggles instead of shutting later inclusions out. Kernels write Highway's operators, and
+// call its functions by their bare names, found through their arguments; hn:: names types, numbers
+// of lanes, and functions with template arguments. Masks have no operators.
 #if defined(PCL_SLIM_KERNEL_MATH_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PCL_SLIM_KERNEL_MATH_INL
 #undef PCL_SLIM_KERNEL_MATH_INL
@@ -26,17 +26,13 @@ using Vec = hn::Vec<Tag>;
 using Mask = hn::Mask<Tag>;
 
 /** The same number in every lane. */
-HWY_INLINE Vec
-set(float value)
-{
+HWY_INLINE Vec set(float value) {
   return Set(Tag(), value);
 }
 
 /** body(constant D) for the degree D of a polynomial, 1 to 4. */
 template <typename Body>
-HWY_INLINE decltype(auto)
-forDegree(int degree, const Body& body)
-{
+HWY_INLINE decltype(auto) forDegree(int degree, const Body& body) {
   switch (degree) {
     case 1: return body(std::integral_constant<int, 1>());
     case 2: return body(std::integral_constant<int, 2>());
@@ -47,9 +43,7 @@ forDegree(int degree, const Body& body)
 
 /** body(constant K) for a kernel K. */
 template <typename Body>
-HWY_INLINE decltype(auto)
-forKernel(WeightKernel kernel, const Body& body)
-{
+HWY_INLINE decltype(auto) forKernel(WeightKernel kernel, const Body& body) {
   switch (kernel) {
     case WeightKernel::kPower2:
       return body(std::integral_constant<WeightKernel, WeightKernel::kPower2>());
@@ -62,9 +56,7 @@ forKernel(WeightKernel kernel, const Body& body)
 }
 
 template <class V>
-HWY_INLINE V
-dot3(V ax, V ay, V az, V bx, V by, V bz)
-{
+HWY_INLINE V dot3(V ax, V ay, V az, V bx, V by, V bz) {
   return MulAdd(ax, bx, MulAdd(ay, by, az * bz));
 }
 
@@ -75,17 +67,13 @@ struct Triple {
 };
 
 template <class V>
-HWY_INLINE V
-dot3(const Triple<V>& a, const Triple<V>& b)
-{
+HWY_INLINE V dot3(const Triple<V>& a, const Triple<V>& b) {
   return dot3(a.x, a.y, a.z, b.x, b.y, b.z);
 }
 
 /** The same point or direction in every lane. */
 template <class V>
-HWY_INLINE Triple<V>
-tripleOf(const float v[3])
-{
+HWY_INLINE Triple<V> tripleOf(const float v[3]) {
   const hn::DFromV<V> d;
   return {Set(d, v[0]), Set(d, v[1]), Set(d, v[2])};
 }
@@ -95,8 +83,7 @@ template <class V>
 struct FrameLanes {
   Triple<V> u, v, w;
 
-  explicit FrameLanes(const Triple<V>& n) : w(n)
-  {
+  explicit FrameLanes(const Triple<V>& n) : w(n) {
     const V one = Set(hn::DFromV<V>(), 1.0f), sign = CopySign(one, n.z);
     const V a = Neg(one) / (sign + n.z);
     const V b = n.x * n.y * a, sx = sign * n.x;
@@ -105,9 +92,7 @@ struct FrameLanes {
   }
 };
 
-HWY_INLINE double
-sumLanes(Vec v)
-{
+HWY_INLINE double sumLanes(Vec v) {
   return GetLane(SumOfLanes(Tag(), v));
 }
 
@@ -116,17 +101,13 @@ struct ScaledAxes {
   Triple<Vec> u, v, w;
 
   ScaledAxes(const LocalFrame& frame, double radius)
-      : u(over(frame.u, radius)), v(over(frame.v, radius)), w(over(frame.w, radius))
-  {
-  }
-  HWY_INLINE Triple<Vec> turn(const Triple<Vec>& p) const
-  {
+      : u(over(frame.u, radius)), v(over(frame.v, radius)), w(over(frame.w, radius)) {}
+  HWY_INLINE Triple<Vec> turn(const Triple<Vec>& p) const {
     return {dot3(p, u), dot3(p, v), dot3(p, w)};
   }
 
  private:
-  static Triple<Vec> over(const std::array<double, 3>& axis, double radius)
-  {
+  static Triple<Vec> over(const std::array<double, 3>& axis, double radius) {
     const double scale = 1.0 / radius;
     const float values[3] = {static_cast<float>(axis[0] * scale),
                              static_cast<float>(axis[1] * scale),
@@ -137,9 +118,7 @@ struct ScaledAxes {
 
 /** G at squared relative distances; 0 from 1 on. */
 template <WeightKernel K, class V>
-HWY_INLINE V
-kernelWeight(V s_sq)
-{
+HWY_INLINE V kernelWeight(V s_sq) {
   const hn::DFromV<V> d;
   const V one = Set(d, 1.0f);
   if constexpr (K == WeightKernel::kGaussian) {
@@ -159,17 +138,13 @@ kernelWeight(V s_sq)
 
 /** The same for a kernel known at run time. */
 template <class V>
-HWY_INLINE V
-kernelWeight(WeightKernel kernel, V s_sq)
-{
+HWY_INLINE V kernelWeight(WeightKernel kernel, V s_sq) {
   return forKernel(kernel, [&](auto k) HWY_ATTR { return kernelWeight<k()>(s_sq); });
 }
 
 /** target += g in the lanes of mask; the other lanes' memory, which may belong to another thread,
  * is not written. */
-HWY_INLINE void
-addMasked(Vec g, Mask mask, float* target)
-{
+HWY_INLINE void addMasked(Vec g, Mask mask, float* target) {
   const Tag d;
 #if HWY_TARGET <= HWY_AVX2
   BlendedStore(LoadU(d, target) + g, mask, d, target);
@@ -189,13 +164,11 @@ template <int D>
 class Height {
  public:
   template <typename T>
-  explicit Height(const T* c)
-  {
+  explicit Height(const T* c) {
     for (int k = 0; k < numCoefficients(D); ++k) c_[k] = set(static_cast<float>(c[k]));
   }
 
-  HWY_INLINE Vec operator()(Vec u, Vec v) const
-  {
+  HWY_INLINE Vec operator()(Vec u, Vec v) const {
     // Horner in u over polynomials in v, from the highest power of u down.
     Vec h = row(v, std::integral_constant<int, D>());
     unrolled<D>([&](auto step) HWY_ATTR {
@@ -210,8 +183,7 @@ class Height {
 
   /** sum_j c_ij v^j for a fixed power i of u. */
   template <int I>
-  HWY_INLINE Vec row(Vec v, std::integral_constant<int, I>) const
-  {
+  HWY_INLINE Vec row(Vec v, std::integral_constant<int, I>) const {
     Vec r = c_[index(I, D - I)];
     unrolled<D - I>([&](auto step)
                         HWY_ATTR { r = MulAdd(r, v, c_[index(I, D - I - 1 - step())]); });

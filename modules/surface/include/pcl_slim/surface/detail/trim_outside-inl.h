@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// outsideShare() of many places in one open surfel's disc in parallel. Highway compiles a kernel file
-// once per instruction set, so the guard toggles.
+// outsideShare() of many places in one open surfel's disc in parallel. Highway compiles a kernel
+// file once per instruction set, so the guard toggles.
 #if defined(PCL_SLIM_TRIM_OUTSIDE_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef PCL_SLIM_TRIM_OUTSIDE_INL
 #undef PCL_SLIM_TRIM_OUTSIDE_INL
@@ -23,8 +23,7 @@ struct TrimSpline {
   TrimIntsOf<D> node;
   hn::Vec<D> weight[3];
 
-  HWY_INLINE TrimSpline(D d, hn::Vec<D> coordinate, float last)
-  {
+  HWY_INLINE TrimSpline(D d, hn::Vec<D> coordinate, float last) {
     const auto half = Set(d, 0.5f), scale = Set(d, 0.5f * last);
     // A lane without a number may come along: it must not leave the map.
     auto x = Max(MulAdd(coordinate, scale, scale), Zero(d));
@@ -40,9 +39,8 @@ struct TrimSpline {
 
 /** Which of the 3 x 3 nodes about some nodes are outside, a bit each, column by column. */
 template <class D>
-HWY_INLINE TrimIntsOf<D>
-trimCodes(D, const TrimTable& table, TrimIntsOf<D> column, TrimIntsOf<D> row)
-{
+HWY_INLINE TrimIntsOf<D> trimCodes(D, const TrimTable& table, TrimIntsOf<D> column,
+                                   TrimIntsOf<D> row) {
   const hn::RebindToSigned<D> di;
   const auto place = row * Set(di, table.words_per_row) + hn::ShiftRight<3>(column);
   const auto in_word = column & Set(di, 7);
@@ -52,9 +50,7 @@ trimCodes(D, const TrimTable& table, TrimIntsOf<D> column, TrimIntsOf<D> row)
 
 /** outsideShare() at (u, v); the table must not be a closed surfel's. */
 template <class D>
-HWY_INLINE hn::Vec<D>
-outsideShares(D d, const TrimTable& table, hn::Vec<D> u, hn::Vec<D> v)
-{
+HWY_INLINE hn::Vec<D> outsideShares(D d, const TrimTable& table, hn::Vec<D> u, hn::Vec<D> v) {
   const hn::RebindToSigned<D> di;
   const TrimSpline<D> column(d, u, table.last), row(d, v, table.last);
   const auto code = trimCodes(d, table, column.node, row.node);

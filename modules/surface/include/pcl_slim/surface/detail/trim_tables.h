@@ -32,8 +32,7 @@ class PCL_SLIM_EXPORT TrimTables {
 
   bool empty() const { return begin_.empty(); }
   /** \brief Of surfel i; valid as long as this object. */
-  TrimTable of(std::size_t i) const
-  {
+  TrimTable of(std::size_t i) const {
     if (empty() || sides_[i] == 0) return {};
     return {words_.data() + begin_[i], (sides_[i] + 7) / 8, static_cast<float>(sides_[i] - 1)};
   }
